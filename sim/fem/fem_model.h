@@ -1,0 +1,66 @@
+#pragma once
+// What the elasticity solver is given: trilinear hexahedra on copies of lattice nodes, with everything that is constant
+// in a cell computed once, exactly, at set-up.
+//
+// Energy of a cell (stable neo-Hookean without the logarithm; Smith, de Goes, Kim 2018; reparametrised, so that
+// lambda below = lambda_Lame + mu), selective reduced integration:
+//
+//   E = scale * [ 1/2 sum_ab K_ab (x_a . x_b)  +  V ( lambda/2 (J_c - 1)^2 - p0 (J_c - 1) ) ]
+//
+//   K_ab = integral over the full cell of mu(X) grad N_a . A(X) grad N_b,  A = F0 F0^T,  F0 the prestretch, det F0 = 1
+//   J_c  = det F at the cell's centre,   p0 = mean of mu n.A n (n the skin normal): then a flat prestretched layer is in
+//          equilibrium with a free surface.
+//
+// mu/2 |F F0|^2 is quadratic in x, so K carries layers thinner than a cell, prestretch and full integration
+// (hourglass control included) at no run-time cost; sub-cell quadrature fills it.
+// Corner order: bit 0 = +x, bit 1 = +y, bit 2 = +z.
+#include <vector>
+
+#include "sim/geometry/vec.h"
+
+namespace limberg {
+
+using Mat8 = Eigen::Matrix<double, 8, 8>;
+
+/// The constants of one kind of full cell; many cells share one.
+struct Stencil {
+  Mat8 K = Mat8::Zero();     // mN/mm, symmetric, rows sum to 0
+  double volume_mm3 = 0;     // of the full cell
+  double mu_kPa = 0;         // volume mean, for the preconditioner weight and for reports
+  double lambda_kPa = 0;     // reparametrised, volume mean
+  double p0_kPa = 0;
+  double density_kg_mm3 = 0;
+};
+
+struct HexCell {
+  std::array<int32_t, 8> node{};
+  int32_t stencil = 0;
+  float scale = 1;  // volume fraction of this copy of the cell, floored for conditioning
+};
+
+struct FemModel {
+  Vec3 cell_mm = Vec3::Ones();
+  std::vector<Vec3> X_mm;            // rest positions of node copies
+  std::vector<uint8_t> fixed;        // per node, 1 = Dirichlet (stays at X)
+  std::vector<double> mass_kg;       // per node, lumped, exact fractions (no floor)
+  std::vector<HexCell> cells;
+  std::vector<Stencil> stencils;
+  std::vector<int32_t> parent;       // per node: its index in the previous model (state is carried from it); -1 only at start
+};
+
+/// A material point carried by one cell copy: position = sum w_i x[node_i]; weights are rest-only and sum to 1.
+struct EmbeddedPoint {
+  std::array<int32_t, 8> node{};
+  std::array<float, 8> w{};
+};
+
+/// A zero-length embedded spring: point a to point b (a suture), or point a to a place in the world (a hook).
+struct Spring {
+  int32_t id = 0;
+  EmbeddedPoint a, b;
+  bool to_world = false;
+  Vec3 target_mm = Vec3::Zero();  // used when to_world
+  double k_N_per_mm = 1;
+};
+
+}  // namespace limberg

@@ -1,0 +1,25 @@
+#pragma once
+// Small vector types shared by every part of the simulator. Lengths are mm unless a name says otherwise.
+#include <Eigen/Core>
+#include <array>
+#include <compare>
+#include <cstdint>
+
+namespace limberg {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+using Vec3f = Eigen::Vector3f;
+using Mat3 = Eigen::Matrix3d;
+
+/// A point of the integer rest grid (see rest_grid.h), or an index triple of a lattice.
+struct Int3 {
+  int32_t x = 0, y = 0, z = 0;
+  auto operator<=>(const Int3&) const = default;
+  int32_t operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+};
+
+/// Three vertex indices, counter-clockwise seen from outside the material.
+using Tri = std::array<int32_t, 3>;
+
+}  // namespace limberg

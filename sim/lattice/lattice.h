@@ -1,0 +1,47 @@
+#pragma once
+// The embedding lattice and its copies.
+//
+// A LatticeGrid is a box of equal cells on odd coordinates of the rest grid. A LatticeTopology says which copies of
+// which cells exist: one copy per connected piece of material in a cell (the virtual node algorithm), found exactly by
+// cells.h. Cutting only refines the partition, so every copy has one parent in the version before.
+#include <cstdint>
+#include <vector>
+
+#include "sim/fem/fem_model.h"
+#include "sim/geometry/body.h"
+
+namespace limberg {
+
+/// Plane i of an axis lies at origin + i * pitch half-units: origin odd, pitch even.
+struct LatticeGrid {
+  RestGrid rest;
+  Int3 origin{};
+  Int3 pitch{};  // half-units, per axis (a block's lattice is fitted to it; otherwise cubic)
+  Int3 count{};  // cells per axis
+
+  int32_t cell_index(Int3 c) const { return (c.z * count.y + c.y) * count.x + c.x; }
+  Int3 cell_at(int32_t i) const { return {i % count.x, i / count.x % count.y, i / (count.x * count.y)}; }
+  int32_t node_index(Int3 n) const { return (n.z * (count.y + 1) + n.y) * (count.x + 1) + n.x; }
+  Int3 node_at(int32_t i) const {
+    return {i % (count.x + 1), i / (count.x + 1) % (count.y + 1), i / ((count.x + 1) * (count.y + 1))};
+  }
+  Vec3 node_mm(Int3 n) const {
+    return rest.to_mm({origin.x + n.x * pitch.x, origin.y + n.y * pitch.y, origin.z + n.z * pitch.z});
+  }
+  Vec3 cell_mm() const { return rest.half_unit_mm() * Vec3(pitch.x, pitch.y, pitch.z); }
+};
+
+struct CellCopy {
+  int32_t cell = 0;                 // lattice cell index
+  int32_t piece = 0;                // connected piece of the whole lattice (0..pieces-1)
+  double fraction = 1;              // exact volume of its material / volume of the cell
+  std::array<int32_t, 8> node{};    // node copies, corner order of fem_model.h
+  int32_t parent = -1;              // index in the previous version
+};
+
+struct NodeCopy {
+  int32_t lattice_node = 0;
+  int32_t parent = -1;  // index in the previous version
+};
+
+}  // namespace limberg
