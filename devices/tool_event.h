@@ -1,0 +1,36 @@
+#pragma once
+// What a gesture means, on its way from the device thread to the solver thread (SPSC ring): fixed size, no pointers.
+#include <cstdint>
+
+#include "devices/sample.h"
+
+namespace limberg {
+
+struct ToolEvent {
+  enum Kind : int32_t {
+    stroke_begin, stroke_point, stroke_end, stroke_cancel,  // scalpel, undermine, excise, suture_row (two strokes make a row)
+    hook_set, hook_release, suture_a, suture_b, undo, stage
+  };
+  int64_t seq = 0;         // counts events, gaps are losses
+  int64_t tick = 0;        // device tick, 1 ms
+  uint64_t snapshot = 0;   // the snapshot step it was made on
+  int32_t kind = stroke_point;
+  int32_t tool = 0;        // Tool
+  double chart_x = 0, chart_y = 0;  // the touched skin point, rest chart mm
+  double world_mm[3]{};
+  double depth_mm = 0, angle_deg = 90, spacing_mm = 0;
+  int32_t id = 0;          // hook id, or stage number
+};
+
+/// The newest tool state (triple buffer): where the hand is now. Hooks that are held follow it.
+struct ToolState {
+  int64_t tick = 0;
+  double tip_mm[3]{};
+  double shaft[3]{0, 0, 1};
+  int32_t tool = 0;
+  int32_t held_hook = 0;   // 0 = none
+  int32_t pressed = 0;
+  int32_t valid = 0;       // 0 before the first sample or when stale
+};
+
+}  // namespace limberg

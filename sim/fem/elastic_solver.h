@@ -1,0 +1,69 @@
+#pragma once
+// One minimiser for quasi-static and implicit dynamic steps: L-BFGS on a scalar preconditioner, history kept between
+// frames, augmented-Lagrangian pressure per cell. Knows models, springs and time steps; nothing of skin or cuts.
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+
+#include "sim/fem/fem_model.h"
+#include "sim/workers.h"
+
+namespace limberg {
+
+struct StepSettings {
+  int max_iterations = 10;
+  double tolerance = 0;         // stop when the relative residual is below; 0 = use all iterations
+  double dt_s = 0;              // 0 = quasi-static; otherwise one backward Euler step
+  double damping_per_s = 0;     // mass-proportional, dynamic steps only
+  double budget_ms = 0;         // 0 = none. Not used by the solver itself (it reads no clock): see should_stop
+  std::function<bool()> should_stop;  // asked after each iteration; empty = never
+  int adopt_after_steps = 3;    // a pending preconditioner is waited for after so many steps (deterministic)...
+  bool adopt_when_ready = false;  // ...or taken as soon as it is there (real time)
+};
+
+struct StepReport {
+  int iterations = 0;
+  double residual = 0;           // relative: |free nodal force| / (sum of the magnitudes of the internal cell forces), see .cpp
+  double distance_mm = 0;        // estimated distance to equilibrium: largest nodal move of the last preconditioned step
+  double energy_uJ = 0;
+  bool converged = false;        // residual <= tolerance
+  bool preconditioner_pending = false;
+  int inverted_cells = 0;
+  double min_J = 1;
+};
+
+class ElasticSolver {
+ public:
+  virtual ~ElasticSolver() = default;
+
+  /// Takes a new model: positions, velocities and pressures are carried through FemModel::parent and
+  /// `cell_parent` (per cell: index in the previous model); the factorization is rebuilt in the background.
+  virtual void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) = 0;
+
+  /// The whole list of springs, in any order, ids unique. Moving a target costs nothing; adding or removing a spring
+  /// never waits for a factorization.
+  virtual void set_springs(std::span<const Spring> springs) = 0;
+
+  virtual StepReport step(const StepSettings& settings) = 0;
+
+  virtual std::span<const Vec3f> displacement_mm() const = 0;  // per node: x - X
+  virtual void set_displacement_mm(std::span<const Vec3f> u) = 0;  // tests, undo
+  Vec3 position_mm(const EmbeddedPoint& p) const;
+  /// Force in mN that the spring exerts on its point a.
+  virtual Vec3 spring_force_mN(int32_t id) const = 0;
+  /// Sum of the forces in mN that the Dirichlet nodes receive from the material (their supports give the opposite).
+  virtual Vec3 support_force_mN() const = 0;
+  /// J = det F at the centre of each cell.
+  virtual void cell_J(std::vector<float>& J) const = 0;
+  /// Deformation gradient at the centre of a cell (row-major meaning F(i,j) = dx_i/dX_j).
+  virtual Mat3 cell_F(int32_t cell) const = 0;
+  /// Bytes in use and time spent belong to the caller's benches; this is what was chosen, in words.
+  virtual std::string describe() const = 0;
+
+  virtual const FemModel& model() const = 0;
+};
+
+std::unique_ptr<ElasticSolver> make_solver(Workers& workers);
+
+}  // namespace limberg

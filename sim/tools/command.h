@@ -1,0 +1,46 @@
+#pragma once
+// A surgical action, as a script line or a gesture states it: chart points on the skin and mm, nothing of any mesh.
+//
+// Script: JSON lines (script.h), one object a line, `action` first:
+//   {"limberg_script":1,"scene":"rhomboid","note":"..."}                        first line
+//   {"action":"excise","outline":[[x,y],...],"depth_mm":4}                       a plug: walls and floor, then taken away
+//   {"action":"incise","path":[[x,y],...],"depth_mm":4,"angle_deg":90}           angle between blade and skin, in the plane
+//                                                                                across the path; 90 = upright
+//   {"action":"undermine","outline":[[x,y],...],"depth_mm":4}                    a sheet at that depth under the outline
+//   {"action":"hook","id":1,"at":[x,y]}                                          skin hook, to be moved
+//   {"action":"move","id":1,"to":[x,y,z],"seconds":1.5}                          its handle, world mm (block: z up, skin at 0)
+//   {"action":"release","id":1}
+//   {"action":"suture","a":[x,y],"b":[x,y]}                                      one stitch; each point lies just beside its edge
+//   {"action":"suture_row","a":[[x,y],...],"b":[[x,y],...],"spacing_mm":4}       stitches along two paths, ends included
+//   {"action":"undo"}                                                            the last cut, excision or suture
+//   {"action":"stage","name":"flap cut"}                                         a picture and a row in the report
+//   {"action":"wait","seconds":1}
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "sim/geometry/body.h"
+
+namespace limberg {
+
+struct Incise { std::vector<ChartPoint> path; double depth_mm = 4; double angle_deg = 90; };
+struct Undermine { std::vector<ChartPoint> outline; double depth_mm = 4; };
+struct Excise { std::vector<ChartPoint> outline; double depth_mm = 4; };
+struct SetHook { int id = 0; ChartPoint at{0, 0}; };
+struct MoveHook { int id = 0; Vec3 to_mm{0, 0, 0}; double seconds = 1; };
+struct ReleaseHook { int id = 0; };
+struct Suture { ChartPoint a{0, 0}, b{0, 0}; };
+struct SutureRow { std::vector<ChartPoint> a, b; double spacing_mm = 4; };
+struct Undo {};
+struct Stage { std::string name; };
+struct Wait { double seconds = 1; };
+
+using Command = std::variant<Incise, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Stage, Wait>;
+
+/// What came of a command. A refused one has changed nothing.
+struct Outcome {
+  bool done = false;
+  std::string reason;  // when refused: what is wrong and what was expected, one line
+};
+
+}  // namespace limberg

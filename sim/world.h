@@ -1,0 +1,62 @@
+#pragma once
+// The patient under the knife: what a scene asked for, and nothing else.
+//
+//   World world(scene, workers);
+//   world.apply(Incise{...});            // atomic: done, or refused with a reason and an unchanged hash
+//   world.step(settings);                // one solver step; no thread, no clock
+//   world.fill(snapshot);                // positions, hooks, sutures, residual
+//
+// The order of use inside: Body (geometry/) -> Arrangement (cutting/) -> LatticeTopology (lattice/) -> FemModel and
+// ElasticSolver (fem/) -> SurfaceView embedded in the lattice -> Snapshot.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/fem/elastic_solver.h"
+#include "sim/geometry/body.h"
+#include "sim/snapshot.h"
+#include "sim/tools/command.h"
+#include "sim/workers.h"
+
+namespace limberg {
+
+/// What World is built from; made by app/ from a scene file, or by a researcher's own code.
+struct WorldSpec {
+  std::shared_ptr<const Body> body;
+  double cell_mm = 3.5;
+  double suture_k_N_per_mm = 20;
+  double hook_k_N_per_mm = 0.5;
+  bool can_cut = true;      // false: no cutter is built
+  bool dynamic = false;     // false: quasi-static
+  uint64_t seed = 1;
+};
+
+class World {
+ public:
+  World(WorldSpec spec, Workers& workers);
+  ~World();
+  World(World&&) noexcept;
+
+  Outcome apply(const Command& command);
+  StepReport step(const StepSettings& settings);
+  void fill(Snapshot& snapshot) const;  // reuses the snapshot's memory
+  std::shared_ptr<const SurfaceTopology> topology() const;
+
+  uint64_t topology_hash() const;  // same on every machine
+  uint64_t state_hash() const;     // positions, topology, hooks and sutures
+
+  // For measurement (sim/measure).
+  const WorldSpec& spec() const;
+  const ElasticSolver& solver() const;
+  double volume_mm3() const;           // exact, of all remaining pieces at rest
+  double removed_volume_mm3() const;   // exact, of what was excised
+  double initial_volume_mm3() const;
+  int pieces() const;                  // connected pieces of the lattice
+  int refused() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace limberg
