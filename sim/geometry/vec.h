@@ -1,6 +1,7 @@
 #pragma once
 // Small vector types shared by every part of the simulator. Lengths are mm unless a name says otherwise.
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 #include <compare>
 #include <cstdint>
