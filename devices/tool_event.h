@@ -9,7 +9,10 @@ namespace limberg {
 struct ToolEvent {
   enum Kind : int32_t {
     stroke_begin, stroke_point, stroke_end, stroke_cancel,  // scalpel, undermine, excise, suture_row (two strokes make a row)
-    hook_set, hook_release, suture_a, suture_b, undo, stage
+    hook_set, hook_release, suture_a, suture_b, undo, stage,
+    hook_take,   // an existing hook is gripped again at its handle; it follows the hand from now on
+    hook_leave,  // the hand lets go; the hook's handle stays at world_mm
+    suture_cancel
   };
   int64_t seq = 0;         // counts events, gaps are losses
   int64_t tick = 0;        // device tick, 1 ms
@@ -20,6 +23,14 @@ struct ToolEvent {
   double world_mm[3]{};
   double depth_mm = 0, angle_deg = 90, spacing_mm = 0;
   int32_t id = 0;          // hook id, or stage number
+  ShortText text;          // stage: its name
+};
+
+/// Where tool events go. False: the sink is full and the event is lost (the caller counts it).
+class EventSink {
+ public:
+  virtual ~EventSink() = default;
+  virtual bool push(const ToolEvent& event) = 0;
 };
 
 /// The newest tool state (triple buffer): where the hand is now. Hooks that are held follow it.

@@ -1,0 +1,53 @@
+#pragma once
+// What is known about a device, a user and a room: plain numbers with a version, kept in a TOML file.
+//
+//   p_world = R_WT (p_sample + R_TS tip_offset) + t_WT
+//
+// where p_sample and R_TS are the position and orientation that the device sends. The identity calibration leaves a
+// stream as it is; recordings of the emulated surgeon use it.
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "sim/geometry/vec.h"
+
+namespace limberg {
+
+/// How the stream of a tracker becomes one pose per device tick (devices/tracking.h).
+struct FilterParameters {
+  double process_noise_mm2_s3 = 3e4;    // white acceleration noise of the constant-velocity Kalman filter, per axis
+  double measurement_noise_mm = 0.08;   // standard deviation of one reading, per axis
+  double turn_process_noise_rad2_s3 = 30;
+  double turn_measurement_noise_rad = 0.004;
+  double euro_min_cutoff_hz = 3;        // One-Euro filter at the tick rate: cut-off at rest ...
+  double euro_beta_per_mm = 0.1;        // ... and its growth per mm/s of speed
+  double euro_derivative_cutoff_hz = 10;
+  double max_prediction_ms = 25;        // a pose is never extrapolated further than this
+  double stale_ms = 100;                // without a reading for this long the pose is invalid
+  double max_speed_mm_s = 3000;         // a faster jump between two readings is not a hand
+  double max_turn_deg = 30;             // nor is a larger turn between two readings 8.3 ms apart
+  double latency_ms = 0;                // how long before its time stamp a reading was true
+};
+
+struct Calibration {
+  static constexpr int kVersion = 1;
+  std::string name = "identity";
+  Vec3 tip_offset_mm = Vec3::Zero();                      // the tip in the sensor's frame
+  Vec3 world_from_tracker_mm = Vec3::Zero();              // t_WT
+  std::array<double, 4> world_from_tracker_quat{1, 0, 0, 0};  // R_WT as w, x, y, z; unit length
+  FilterParameters filter;
+};
+
+/// Reads a calibration. `name` stands for the file in errors. Throws InputError: broken TOML, unknown key, unknown
+/// version, a number that is not finite or out of range, a quaternion that is not of unit length to 1 %.
+Calibration parse_calibration(const std::string& toml, const std::string& name);
+/// The same from a file; InputError when it cannot be read.
+Calibration load_calibration(const std::string& path);
+/// As TOML text that parse_calibration reads back to the same bits.
+std::string to_toml(const Calibration& calibration);
+/// Writes beside the target and renames, so that an existing file is replaced whole or not at all. InputError on failure.
+void save_calibration(const Calibration& calibration, const std::string& path);
+/// Over every number of the calibration; part of a recording's first event.
+uint64_t calibration_hash(const Calibration& calibration);
+
+}  // namespace limberg

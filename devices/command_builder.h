@@ -1,0 +1,34 @@
+#pragma once
+// From tool events back to surgical commands: the solver side collects the events it drains and gets, for each finished
+// gesture, the command that a script line would state. Strokes are smoothed here (stroke_path.h).
+#include <optional>
+#include <vector>
+
+#include "devices/stroke_path.h"
+#include "devices/tool_event.h"
+#include "sim/tools/command.h"
+
+namespace limberg {
+
+class CommandBuilder {
+ public:
+  explicit CommandBuilder(const PathSettings& settings = {}) : path_(settings) {}
+
+  /// The command that this event completes, if any:
+  ///   stroke_end -> Incise, Undermine or Excise; the second stroke of a pair -> SutureRow (turned so that both run the
+  ///   same way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0; hook_release ->
+  ///   ReleaseHook; suture_b -> Suture; undo -> Undo; stage -> Stage.
+  /// Between hook_set or hook_take and hook_leave the hook follows ToolState::tip_mm.
+  std::optional<Command> feed(const ToolEvent& event);
+  /// Strokes too short to mean anything (fewer than two points apart after smoothing), and broken pairs.
+  int dropped() const { return dropped_; }
+
+ private:
+  PathSettings path_;
+  std::vector<ChartPoint> stroke_, row_a_;
+  bool have_row_a_ = false, have_suture_a_ = false;
+  ChartPoint suture_a_{0, 0};
+  int dropped_ = 0;
+};
+
+}  // namespace limberg

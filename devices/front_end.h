@@ -1,0 +1,64 @@
+#pragma once
+// The device side, one object, driven tick by tick: read sources -> filter -> gestures on the newest snapshot.
+//
+//   DeviceFrontEnd front(calibration);
+//   front.add(std::make_unique<LogSource>(...));
+//   for (int64_t tick = 0;; ++tick)                       // 1 ms each; a real-time thread or a virtual clock
+//     front.tick(tick, newest_snapshot, events, recorder, tool_state);
+//
+// It knows no thread and no clock. The same ticks with the same samples and snapshots give the same events, bit for bit.
+// Between changes of topology a tick allocates nothing; at a change it rebuilds its index of the skin (surface_index.h).
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "calibration/calibration.h"
+#include "devices/gestures.h"
+#include "devices/source.h"
+#include "devices/tool_event.h"
+#include "devices/tracking.h"
+
+namespace limberg {
+
+struct FrontEndCounts {
+  SourceCounts sources;      // summed
+  TrackingCounts tracking;
+  int64_t events = 0, events_lost = 0, missed_presses = 0;
+  int64_t other_devices = 0; // stylus samples of a second device, recorded but not followed
+};
+
+class DeviceFrontEnd final : private SampleSink {
+ public:
+  static constexpr int64_t kTickNs = 1'000'000;
+
+  explicit DeviceFrontEnd(const Calibration& calibration, const GestureSettings& gestures = {});
+  void add(std::unique_ptr<Source> source);
+
+  /// Device tick number `tick` (time tick * kTickNs; must grow, may skip). Hands every raw sample to `recorder` as
+  /// received, pushes tool events to `events`, sets `state` to the hand's newest state. A snapshot without topology
+  /// (nothing to touch yet) is allowed.
+  void tick(int64_t tick, const Snapshot& snapshot, EventSink& events, SampleSink& recorder, ToolState& state);
+
+  bool done() const;  // every source has ended, and there is at least one
+  int64_t last_sample_ns() const { return last_sample_ns_; }  // time stamp of the newest sample handled; -1 before any
+  FrontEndCounts counts() const;
+  const SkinTouch& touched() const { return gestures_.touched(); }
+
+ private:
+  void on_sample(const Sample& sample) override;
+
+  std::vector<std::unique_ptr<Source>> sources_;
+  StylusTracker tracker_;
+  Gestures gestures_;
+  bool have_stylus_ = false, pressed_ = false;
+  int32_t stylus_ = 0;
+  int edges_ = 0;
+  int64_t other_devices_ = 0, last_sample_ns_ = -1;
+  // Valid during tick() only.
+  int64_t tick_ = 0;
+  const Snapshot* snapshot_ = nullptr;
+  EventSink* events_ = nullptr;
+  SampleSink* recorder_ = nullptr;
+};
+
+}  // namespace limberg

@@ -1,0 +1,74 @@
+#pragma once
+// What the hand means: a pose, a button and a chosen tool, set against the newest patient, become tool events.
+//
+//   scalpel            press on the skin, draw, let go: a stroke; the touched points are material points (rest chart)
+//   undermine, excise  the same; the stroke is the outline
+//   suture_row         two strokes, one along each edge
+//   hook               press on the skin: a hook is set and follows the hand until the button is let go; press at the
+//                      handle of a hook that stands: it is taken again
+//   suture             press at a, let go at b
+//
+// A stroke that loses its tracking waits; when tracking does not come back soon and near, the stroke is cancelled.
+#include <cstdint>
+
+#include "devices/sample.h"
+#include "devices/surface_index.h"
+#include "devices/tool_event.h"
+#include "devices/tracking.h"
+
+namespace limberg {
+
+struct GestureSettings {
+  double reach_mm = 3;          // the tip touches skin that is nearer than this
+  double lift_mm = 8;           // a stroke ends when the tip is further away than this
+  double step_mm = 0.4;         // stroke points are at least this far apart on the skin (rest chart)
+  double handle_reach_mm = 5;   // a press this near to a hook's handle takes it
+  double resume_ms = 1000;      // a stroke outlives a gap in tracking of at most this
+  double resume_mm = 8;         // ... if the hand comes back within this distance
+  double default_depth_mm = 4, default_spacing_mm = 4;
+};
+
+class Gestures {
+ public:
+  explicit Gestures(const GestureSettings& settings = {}) : g_(settings) {}
+
+  /// A control, in the order of its arrival among the tick's samples.
+  void control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
+  /// One tick. `pressed` is the button now, `edges` how often it changed since the last tick.
+  void tick(int64_t tick, const Pose& pose, bool pressed, int edges, const Snapshot& s, EventSink& out);
+
+  ToolState state() const { return state_; }
+  const SkinTouch& touched() const { return touch_; }  // the nearest skin at the last tick
+  int64_t events() const { return seq_; }
+  int64_t events_lost() const { return lost_; }
+  int64_t missed_presses() const { return missed_; }   // pressed with a tool, but not on skin
+
+ private:
+  enum class Doing { nothing, stroke, hold_hook, suture };
+  void press(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
+  void release(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
+  void stroke_on(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
+  void cancel(int64_t tick, const Snapshot& s, EventSink& out);
+  void add_blade_angle(const Pose& pose, const Vec3& travelled_mm);
+  double blade_angle_deg() const;
+  void find_touch(int64_t tick, const Pose& pose, const Snapshot& s);
+  ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
+  void emit(ToolEvent e, EventSink& out);
+
+  GestureSettings g_;
+  SurfaceIndex index_;
+  SkinTouch touch_;
+  Tool tool_ = Tool::none;
+  double depth_mm_ = 4, angle_deg_ = 0, spacing_mm_ = 4;
+  int32_t next_hook_ = 1;
+  Doing doing_ = Doing::nothing;
+  bool pressed_ = false;
+  Pose last_pose_;
+  SkinTouch last_stroke_;
+  int64_t lost_tick_ = -1;  // tracking was lost at this tick, during a gesture
+  double angle_sum_deg_ = 0, angle_weight_mm_ = 0;
+  ToolState state_;
+  int64_t seq_ = 0, lost_ = 0, missed_ = 0;
+};
+
+}  // namespace limberg

@@ -1,0 +1,89 @@
+#pragma once
+// LCM event logs, read and written by ourselves, because a log may be damaged or hostile.
+//
+// Format (all integers big-endian), event after event, no file header, no index, no checksum:
+//   u32 sync 0xEDA1DA01 | i64 event number | i64 time in us | u32 channel length | u32 data length | channel | data
+// A log written here plays in lcm-logplayer, and a log of lcm-logger reads here. What is not an event is skipped up to the
+// next sync word that begins a plausible one, and counted.
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace limberg {
+
+/// What was wrong with a log. Counts are of events (or runs of bytes) skipped.
+struct LogDamage {
+  int64_t truncated = 0;        // the file ends within an event
+  int64_t bad_sync = 0;         // bytes between events that are not an event
+  int64_t bad_length = 0;       // a channel or data length beyond the limits
+  int64_t bad_payload = 0;      // wrong size, fingerprint, version or checksum; or numbers that cannot be
+  int64_t unknown_channel = 0;  // not ours: skipped, not an error
+  int64_t out_of_order = 0;     // sequence or time does not grow
+  int64_t missing = 0;          // numbers missing from a sequence
+  int64_t skipped_bytes = 0;
+  std::string first_message;    // the first finding, with its byte offset
+
+  /// Everything that means that something was lost.
+  int64_t total() const { return truncated + bad_sync + bad_length + bad_payload + out_of_order + missing; }
+};
+
+struct LogEvent {
+  int64_t number = 0, time_us = 0, offset = 0;  // offset: of the event's first byte
+  std::string_view channel;                     // valid until the next call
+  const uint8_t* data = nullptr;
+  size_t size = 0;
+};
+
+class LogReader {
+ public:
+  static constexpr size_t kMaxChannel = 63, kMaxData = 64 * 1024;
+  static constexpr size_t kMaxFile = size_t(4) << 30;
+
+  /// Reads the file into memory. InputError: missing, a directory, unreadable, larger than 4 GiB.
+  explicit LogReader(const std::string& path);
+  /// Over bytes in memory.
+  explicit LogReader(std::vector<uint8_t> bytes) : bytes_(std::move(bytes)) {}
+
+  /// The next whole event; false at the end.
+  bool next(LogEvent& event);
+  const LogDamage& damage() const { return damage_; }
+  LogDamage& damage() { return damage_; }  // for the decoder above, which counts what it refuses
+  size_t size() const { return bytes_.size(); }
+
+ private:
+  std::vector<uint8_t> bytes_;
+  size_t at_ = 0;
+  bool lost_ = false;  // between events, looking for a sync word
+  LogDamage damage_;
+};
+
+class LogWriter {
+ public:
+  LogWriter() = default;
+  ~LogWriter() { close(); }
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+
+  /// Creates the file; refuses to replace an existing one unless told. InputError on failure.
+  void open(const std::string& path, bool replace = false);
+  /// Appends an event, with its number counted from 0. Whatever is older than a second of log time is on its way to the
+  /// disk when this returns. False when the disk refuses: whole events written so far stay, error() says why, and
+  /// further writes do nothing.
+  bool write(int64_t time_us, std::string_view channel, const uint8_t* data, size_t size);
+  bool flush();
+  bool close();
+  const std::string& error() const { return error_; }
+  int64_t events() const { return events_; }
+  bool is_open() const { return file_ != nullptr; }
+
+ private:
+  bool fail(const char* what);
+  std::FILE* file_ = nullptr;
+  std::string path_, error_;
+  std::vector<uint8_t> buffer_;
+  int64_t events_ = 0, flushed_us_ = 0, whole_bytes_ = 0;
+};
+
+}  // namespace limberg

@@ -1,0 +1,89 @@
+#pragma once
+// A recording: an LCM log that alone reproduces a run. In order:
+//   LIMBERG_SESSION     what made it: format, version, commit, hashes, seeds, rates
+//   LIMBERG_CHUNK ...   the scene file, the calibration and any mesh, byte for byte
+//   LIMBERG_STYLUS / LIMBERG_CONTROL   every sample as received
+//   LIMBERG_CHECKPOINT  tick and state hash, once a second or so
+//   LIMBERG_END         number of events before it, final tick and hash; missing when the session was cut short
+// All messages have a fixed size, a schema version, a sequence number and a CRC-32 (messages/*.lcm).
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "devices/lcm_log.h"
+#include "devices/sample.h"
+#include "devices/source.h"
+
+namespace limberg {
+
+struct SessionInfo {
+  static constexpr int kFormat = 1;
+  int32_t format_version = kFormat;
+  std::string program;              // "limberg 0.1.0 (commit)"; at most 95 bytes
+  std::string scene_name;           // at most 63 bytes
+  uint64_t scene_hash = 0, calibration_hash = 0;
+  std::array<uint64_t, 4> seeds{};  // world, emulated surgeon, two spare
+  int64_t tick_ns = 1'000'000;
+  int32_t ticks_per_solver_step = 8;
+  int32_t ticks_per_frame = 16;
+  int32_t solver_delay_ticks = 0;
+  int64_t utc_start_ns = 0;         // of tick 0; 0: unknown
+};
+
+enum class BlobKind : int32_t { scene = 1, calibration = 2, mesh = 3, script = 4, texture = 5 };
+
+/// A file that the run needs, embedded.
+struct Blob {
+  BlobKind kind = BlobKind::scene;
+  std::string name;  // at most 63 bytes: the path by which the scene names it
+  std::string data;
+};
+
+struct Checkpoint {
+  int64_t tick = 0;
+  uint64_t hash = 0;
+};
+
+struct RecordingEnd {
+  int64_t tick = 0, events = 0;  // events: number of log events before this one
+  uint64_t hash = 0;
+};
+
+struct Recording {
+  std::optional<SessionInfo> session;
+  std::vector<Blob> blobs;         // whole ones only
+  std::vector<Sample> samples;     // in file order; times never decrease within a device
+  std::vector<Checkpoint> checkpoints;
+  std::optional<RecordingEnd> end;
+  LogDamage damage;
+  int64_t events = 0;              // events of ours that were taken
+  const Blob* blob(BlobKind kind, const std::string& name = {}) const;
+};
+
+/// Reads a recording, or a plain stream of samples. Damage is skipped and counted, never fatal, except: InputError when
+/// the file cannot be read or holds no valid sample and no session.
+Recording read_recording(const std::string& path);
+Recording read_recording(std::vector<uint8_t> bytes, const std::string& name);
+
+/// Writes a recording as it happens. Allocates and writes to disk: call it from a logging thread, or in lockstep.
+class RecordingWriter final : public SampleSink {
+ public:
+  /// Creates the file and writes the session and blobs. InputError: it exists and `replace` is false, it cannot be
+  /// written, or a name is too long.
+  void open(const std::string& path, const SessionInfo& session, const std::vector<Blob>& blobs, bool replace = false);
+  void on_sample(const Sample& sample) override;
+  void checkpoint(int64_t tick, uint64_t hash);
+  /// Writes the end event and closes. False, with error() set, when the disk refused anything; the whole events before
+  /// that are kept.
+  bool finish(int64_t tick, uint64_t hash);
+  bool flush() { return log_.flush(); }
+  const std::string& error() const { return log_.error(); }
+  int64_t events() const { return log_.events(); }
+
+ private:
+  LogWriter log_;
+  int64_t tick_ns_ = 1'000'000, last_us_ = 0, seq_ = 0;
+};
+
+}  // namespace limberg

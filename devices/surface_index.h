@@ -1,0 +1,56 @@
+#pragma once
+// Finding skin: the nearest skin to a point in the deformed world, and the skin under a chart point at rest.
+//
+// Built once per topology version. The closest point is found by walking: from the triangle touched last, over triangles
+// that share a vertex, for as long as that brings the surface nearer. A walk cannot leave its bank of a wound, so now and
+// then (and at first) it starts from the nearest of all skin vertices, found by one pass over them.
+#include <cstdint>
+#include <vector>
+
+#include "sim/snapshot.h"
+
+namespace limberg {
+
+/// A point of the deformed skin.
+struct SkinTouch {
+  int32_t triangle = -1;  // of the view; -1: none
+  std::array<double, 3> bary{1, 0, 0};
+  Vec3 x_mm = Vec3::Zero();       // deformed
+  Vec3 normal = Vec3::UnitZ();    // deformed, unit, outward
+  Vec3 X_mm = Vec3::Zero();       // at rest
+  ChartPoint chart{0, 0};
+  double distance_mm = 1e30;      // from the query point
+};
+
+class SurfaceIndex {
+ public:
+  /// Reads the topology; keeps no reference to it.
+  void build(const SurfaceTopology& topology);
+  bool built_for(const Snapshot& s) const { return built_ && version_ == s.topology_version; }
+
+  /// Closest skin point to p. `hint`: a triangle touched before, or -1 for a search over all the skin.
+  SkinTouch closest(const Snapshot& s, const Vec3& p_mm, int32_t hint) const;
+
+  /// The skin point above chart point c at rest, in its deformed place; outermost where several skins lie over one
+  /// another. triangle -1: c is not on remaining skin.
+  SkinTouch at_chart(const Snapshot& s, const ChartPoint& c) const;
+
+  size_t skin_triangles() const { return skin_tri_.size(); }
+
+ private:
+  SkinTouch touch(const Snapshot& s, int32_t triangle, const std::array<double, 3>& bary, const Vec3& from) const;
+  int32_t nearest_vertex_triangle(const Snapshot& s, const Vec3& p_mm) const;
+
+  bool built_ = false;
+  uint64_t version_ = 0;
+  std::vector<int32_t> skin_tri_;     // triangles of the view that are skin
+  std::vector<int32_t> skin_vertex_;  // their vertices, each once
+  std::vector<int32_t> star_start_, star_;  // per view vertex: its skin triangles
+  // Uniform grid over the chart: skin triangles whose chart box meets a cell.
+  double cell_mm_ = 2;
+  Vec2 grid_min_{0, 0};
+  int nx_ = 0, ny_ = 0;
+  std::vector<int32_t> cell_start_, cell_tri_;
+};
+
+}  // namespace limberg
