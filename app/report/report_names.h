@@ -1,0 +1,50 @@
+#pragma once
+// What a run leaves in its folder, and the names in result.json that the report reads beside those of the contract
+// (`limberg`, `command`, `scene`, `machine`, `ok`, `metrics`, `device`, `solver`, `render`, ...). Every one is optional.
+//
+//   DIR/result.json
+//   DIR/stages/NN-name.png     one picture per stage, NN = 00, 01, ... in order
+//   DIR/tension.png            tension map at the end
+//   DIR/overview.png           picture at the end, shown first
+//   DIR/report.html            written by the report
+//
+//   "stages":      [{"name", "picture" (relative to DIR), "t_s", "caption", "residual", "sutures", "pieces"}]
+//                  absent: the pictures found in DIR/stages are shown in order of their names
+//   "pictures":    {"overview": "overview.png", "tension": "tension.png"}   absent: those names, where they exist
+//   "series":      {"t_s": [...], "residual": [...], "distance_mm": [...]}  of the solver, one entry a step or thinner;
+//                  null where a value is missing
+//   "balance":     {"hooks_N": [x,y,z], "supports_N": [x,y,z], "sum_N": [x,y,z], "relative": r}
+//                  forces on the tissue at the end; relative = |sum| / sum of magnitudes
+//   "metrics":     also "removed_volume_mm3", "initial_volume_mm3"
+//   "convergence": [{"cell_mm", "nodes", "closure_force_N", "suture_gap_max_mm", "dog_ear_mm", "residual", "solve_ms"}]
+//   "script":      ["{...}", ...] the operation, one JSON line each (strings or objects)
+//   "reproduce":   "limberg replay ..."  the command that makes this result again
+//   "damage":      {...}  what was lost of a damaged recording: shown as a notice, as it stands
+//   "scene_title", "scene_note": words about the scene
+#include <cstdio>
+#include <string>
+
+namespace limberg::report_names {
+
+inline constexpr const char* result = "result.json";
+inline constexpr const char* html = "report.html";
+inline constexpr const char* stages_dir = "stages";
+inline constexpr const char* overview = "overview.png";
+inline constexpr const char* tension = "tension.png";
+
+/// "stages/03-flap-cut.png": letters and digits kept (lower case), everything else becomes one dash.
+inline std::string stage_picture(int number, const std::string& name) {
+  std::string slug;
+  for (const char c : name) {
+    const bool upper = c >= 'A' && c <= 'Z', plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+    if (upper || plain) slug += upper ? char(c - 'A' + 'a') : c;
+    else if (!slug.empty() && slug.back() != '-') slug += '-';
+    if (slug.size() >= 48) break;
+  }
+  while (!slug.empty() && slug.back() == '-') slug.pop_back();
+  char head[16];
+  std::snprintf(head, sizeof head, "%02d", number);
+  return std::string(stages_dir) + "/" + head + (slug.empty() ? "" : "-") + slug + ".png";
+}
+
+}  // namespace limberg::report_names

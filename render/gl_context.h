@@ -1,0 +1,39 @@
+#pragma once
+// An OpenGL 3.3 core context, wherever it comes from. The renderer draws into its own framebuffer object and fetches
+// its functions through `address`, so every kind of context gives the same picture.
+//
+// A context belongs to the thread that made it current. Software drivers start worker threads when a context is made,
+// and these inherit priority and affinity from the calling thread: set both before.
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace limberg {
+
+/// Pictures cannot be made here: the reason and what to do, in one line. Everything but pictures still works.
+class RenderUnavailable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class GlContext {
+ public:
+  virtual ~GlContext() = default;
+  virtual void make_current() = 0;                     // RenderUnavailable when refused
+  virtual void* address(const char* function) const = 0;  // null when unknown
+  virtual std::string describe() const = 0;
+};
+
+struct OsMesaSettings {
+  std::string library = "libOSMesa.so.8";
+  int major = 3, minor = 3;
+  /// Rasteriser threads: 0 = the calling thread draws, n = workers. -1 leaves the choice to Mesa or to LP_NUM_THREADS.
+  /// Mesa reads it from the environment when the first context of the process is made; later values have no effect.
+  int threads = -1;
+};
+
+/// Off-screen context through OSMesa, loaded with dlopen (never linked: libGL would take its symbols).
+/// RenderUnavailable when the build has LIMBERG_OSMESA off, the library is absent or it refuses the version.
+std::unique_ptr<GlContext> make_osmesa_context(const OsMesaSettings& settings = {});
+
+}  // namespace limberg

@@ -1,0 +1,44 @@
+#pragma once
+// A picture in memory, and PNG files. Rows run from the top down, three bytes a pixel, sRGB.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace limberg {
+
+struct Rgb8 {
+  uint8_t r = 0, g = 0, b = 0;
+  bool operator==(const Rgb8&) const = default;
+};
+
+struct Image {
+  int width = 0, height = 0;
+  std::vector<uint8_t> rgb;  // 3 * width * height
+
+  Image() = default;
+  Image(int w, int h, Rgb8 fill = {});
+  bool empty() const { return rgb.empty(); }
+  bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
+  Rgb8 at(int x, int y) const {
+    const uint8_t* p = &rgb[3 * (size_t(y) * size_t(width) + size_t(x))];
+    return {p[0], p[1], p[2]};
+  }
+  void set(int x, int y, Rgb8 c) {
+    uint8_t* p = &rgb[3 * (size_t(y) * size_t(width) + size_t(x))];
+    p[0] = c.r, p[1] = c.g, p[2] = c.b;
+  }
+  /// Mixes c over the pixel; alpha in [0, 1]. Outside the picture nothing happens.
+  void blend(int x, int y, Rgb8 c, double alpha);
+  bool operator==(const Image&) const = default;
+};
+
+/// Writes beside the file and renames, so that an existing file is never lost half way. InputError when it cannot.
+void write_png(const std::string& file, const Image& image);
+
+/// InputError when the file is missing, is not a PNG or is damaged. Any PNG is converted to 8-bit RGB.
+Image read_png(const std::string& file);
+
+/// Averages blocks of factor x factor pixels; width and height must be multiples of factor.
+Image shrink(const Image& image, int factor);
+
+}  // namespace limberg

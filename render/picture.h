@@ -1,0 +1,59 @@
+#pragma once
+// One call from a snapshot to a finished picture: skin or tension map, with caption and legend.
+//
+//   PictureMaker pictures(1280, 720);
+//   pictures.focus_from(last_snapshot);                 // frame the operated region
+//   write_png(file, pictures.skin(snapshot, {.title = "flap cut"}));
+//
+// The camera of a PictureMaker does not move from picture to picture, so that stages can be laid side by side. It is
+// fixed from the rest surface at the first picture, or by focus / focus_from. Use one maker per thread: it owns a GL
+// context and belongs to the thread that made it.
+#include <memory>
+#include <string>
+
+#include "render/image.h"
+#include "render/tool_pose.h"
+#include "render/view.h"
+#include "sim/snapshot.h"
+
+namespace limberg {
+
+struct PictureOptions {
+  std::string title;     // top left, bold; empty = none
+  std::string caption;   // below the title
+  ToolPose tool{};
+  double field_max = 0;  // end of the tension scale; 0 = a round number above the 99th percentile of this snapshot
+};
+
+enum class PictureQuality {
+  still,  // smooth edges, soft shadow: for reports
+  live    // no extras: for a frame many times a second on a software renderer
+};
+
+class PictureMaker {
+ public:
+  /// RenderUnavailable (gl_context.h) when there is no off-screen context.
+  /// software_threads: see OsMesaSettings::threads.
+  PictureMaker(int width, int height, PictureQuality quality = PictureQuality::still, int software_threads = -1);
+  ~PictureMaker();
+  PictureMaker(PictureMaker&&) noexcept;
+
+  /// Looks at the ball (centre, radius) of the world.
+  void focus(const Vec3f& centre_mm, float radius_mm);
+  /// Looks at what was operated: cuts, sutures and hooks of the snapshot; the whole skin when there are none.
+  void focus_from(const Snapshot& snapshot);
+  void set_camera(const Camera& camera);
+  const Camera& camera() const;
+
+  Image skin(const Snapshot& snapshot, const PictureOptions& options = {});
+  /// Colour map of Snapshot::field (largest principal stretch - 1, shown in per cent) with a legend.
+  Image tension(const Snapshot& snapshot, const PictureOptions& options = {});
+
+  std::string describe() const;  // the GL driver, in words
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace limberg

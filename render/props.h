@@ -1,0 +1,48 @@
+#pragma once
+// Things that are drawn but have no mechanics: threads with knots and bite marks, skin hooks, the tool in the hand.
+// Plain triangles with a colour each; lines are tubes, because wide GL lines are not portable.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/tool_pose.h"
+#include "sim/snapshot.h"
+
+namespace limberg {
+
+struct PropVertex {
+  Vec3f x_mm, normal;
+  Vec3f colour;       // linear RGB
+  float metal = 0;    // 0 plastic or thread, 1 steel
+  uint32_t id = 0;    // Part << 24 | number
+};
+
+struct PropMesh {
+  std::vector<PropVertex> vertex;
+  std::vector<std::array<uint32_t, 3>> tri;
+  void clear() { vertex.clear(), tri.clear(); }
+};
+
+struct PropLook {
+  Vec3f colour{0.5f, 0.5f, 0.5f};
+  float metal = 0;
+  uint32_t id = 0;
+};
+
+/// A tube along a polyline with a radius per point and round ends. Repeated points are skipped.
+void add_tube(PropMesh& mesh, std::span<const Vec3f> path, std::span<const float> radius, const PropLook& look,
+              int sides = 10);
+/// An ellipsoid with half axes a, b, c (orthogonal vectors, mm).
+void add_ellipsoid(PropMesh& mesh, const Vec3f& centre, const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                   const PropLook& look, int rings = 8);
+
+/// A stitch over the wound: entry and exit on either side, thread between them, knot with two tails, bite marks.
+/// `across` is the unit direction over the wound from a to b, `up` the outward unit normal of the skin there; in and
+/// out are the bites, on the skin.
+void add_suture(PropMesh& mesh, const SutureState& suture, const Vec3f& in_mm, const Vec3f& out_mm, const Vec3f& up);
+/// A sharp skin hook whose point is in the tissue and whose shaft leads to the handle.
+void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up);
+void add_tool(PropMesh& mesh, const ToolPose& tool);
+
+}  // namespace limberg

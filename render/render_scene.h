@@ -1,0 +1,64 @@
+#pragma once
+// What the renderer draws: the tissue's surface made ready for a graphics card, and the props (threads, hooks, tool).
+//
+// A SceneBuilder turns snapshots into scenes. Everything that only changes with a cut (smoothing groups, texture
+// coordinates, layer depths, indices) is worked out once per topology version; positions, normals and the field are
+// filled per snapshot.
+#include <memory>
+#include <vector>
+
+#include "render/props.h"
+#include "render/tool_pose.h"
+#include "sim/snapshot.h"
+
+namespace limberg {
+
+/// What kind of surface a pixel shows; also the part of an id (see Renderer::draw_ids).
+enum class Part : uint8_t { none = 0, skin = 1, wall = 2, side = 3, suture = 4, hook = 5, tool = 6 };
+
+/// The constant half of the tissue's surface. A surface vertex is doubled where shading must not be smooth: between
+/// skin, walls and sides, and over sharp edges at rest.
+struct TissueMesh {
+  uint64_t version = 0;
+  std::vector<int32_t> source;        // per render vertex: vertex of SurfaceView
+  std::vector<Vec3f> X_mm;            // rest position
+  std::vector<Eigen::Vector2f> chart_mm;  // texture coordinate: rest position in the skin's chart
+  std::vector<float> depth_mm;        // below the skin at rest
+  std::vector<Part> part;             // skin, wall or side
+  std::vector<std::array<uint32_t, 3>> tri;  // render vertices; skin first, then walls, then sides
+  std::vector<int32_t> tri_source;    // triangle of SurfaceView
+  size_t skin_triangles = 0, wall_triangles = 0;
+  std::vector<std::array<int32_t, 2>> rim;  // edges between skin and wall (SurfaceView vertices), skin on the left
+  std::vector<Layer> layers;
+};
+
+struct RenderScene {
+  std::shared_ptr<const TissueMesh> mesh;
+  std::vector<Vec3f> x_mm, normal;  // per render vertex
+  std::vector<float> field;         // per render vertex, or empty
+  PropMesh props;
+  Vec3f bounds_min = Vec3f::Zero(), bounds_max = Vec3f::Zero();  // of the tissue
+};
+
+class SceneBuilder {
+ public:
+  /// The scene of a snapshot; valid until the next call. A snapshot without topology gives an empty scene.
+  const RenderScene& build(const Snapshot& snapshot, const ToolPose& tool = {});
+
+ private:
+  RenderScene scene_;
+};
+
+/// The constant half, for a topology.
+TissueMesh make_tissue_mesh(const SurfaceTopology& topology);
+
+/// Area-weighted vertex normals (unit; zero where a vertex has no area).
+void vertex_normals(const std::vector<std::array<uint32_t, 3>>& tri, const std::vector<Vec3f>& x_mm,
+                    std::vector<Vec3f>& normal);
+
+/// A ball around what was operated (cut rims, sutures, hooks), false when nothing was.
+bool operated_region(const Snapshot& snapshot, Vec3f& centre_mm, float& radius_mm);
+/// A ball around the skin at rest.
+void skin_region(const Body& body, Vec3f& centre_mm, float& radius_mm);
+
+}  // namespace limberg

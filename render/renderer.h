@@ -1,0 +1,53 @@
+#pragma once
+// Draws a RenderScene with OpenGL 3.3 core into an image. No picture depends on anything but the scene, the views and
+// the options: the same input gives the same bytes.
+//
+// Passes: shadow map (optional), background, tissue, props; then the image is read back. Text and legends are drawn on
+// the image afterwards (overlay.h), so they never depend on the driver.
+#include <memory>
+#include <span>
+
+#include "render/gl_context.h"
+#include "render/image.h"
+#include "render/render_scene.h"
+#include "render/view.h"
+
+namespace limberg {
+
+struct DrawOptions {
+  int width = 1280, height = 720;
+  int supersample = 1;      // 1..4: draws this many times wider and higher, then averages
+  bool shadow = true;
+  bool fine_skin = true;    // bump and second specular lobe
+  bool colour_field = false;  // show RenderScene::field instead of the skin's colour
+  double field_min = 0, field_max = 1;
+  int iso_lines = 10;       // intervals of the colour map that are parted by thin lines; 0 = none
+  Rgb8 background_top{108, 142, 148}, background_bottom{44, 66, 74};
+};
+
+/// Per pixel: Part << 24 | number. Number: triangle of SurfaceView (tissue), id of the suture or hook.
+struct IdImage {
+  int width = 0, height = 0;
+  std::vector<uint32_t> id;
+  uint32_t at(int x, int y) const { return id[size_t(y) * size_t(width) + size_t(x)]; }
+};
+
+class Renderer {
+ public:
+  /// RenderUnavailable when the context lacks a function of OpenGL 3.3 core.
+  explicit Renderer(std::unique_ptr<GlContext> context);
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+
+  Image draw(const RenderScene& scene, const View& view, const DrawOptions& options);
+  Image draw(const RenderScene& scene, std::span<const View> views, const DrawOptions& options);
+  IdImage draw_ids(const RenderScene& scene, const View& view, int width, int height);
+
+  std::string describe() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace limberg

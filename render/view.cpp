@@ -1,0 +1,93 @@
+#include "render/view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limberg {
+
+namespace {
+
+Mat4f look(const Vec3f& eye, const Vec3f& right, const Vec3f& up, const Vec3f& back) {
+  Mat4f m = Mat4f::Identity();
+  m.block<1, 3>(0, 0) = right.transpose();
+  m.block<1, 3>(1, 0) = up.transpose();
+  m.block<1, 3>(2, 0) = back.transpose();
+  m.block<3, 1>(0, 3) = -(m.block<3, 3>(0, 0) * eye);
+  return m;
+}
+
+// The perspective matrix of a frustum given on its near plane.
+Mat4f frustum(float l, float r, float b, float t, float n, float f) {
+  Mat4f p = Mat4f::Zero();
+  p(0, 0) = 2 * n / (r - l), p(0, 2) = (r + l) / (r - l);
+  p(1, 1) = 2 * n / (t - b), p(1, 2) = (t + b) / (t - b);
+  p(2, 2) = -(f + n) / (f - n), p(2, 3) = -2 * f * n / (f - n);
+  p(3, 2) = -1;
+  return p;
+}
+
+struct Axes {
+  Vec3f right, up, back;
+};
+
+Axes axes_of(const Camera& c) {
+  Vec3f back = c.eye_mm - c.target_mm;
+  back = back.norm() > 0 ? Vec3f(back.normalized()) : Vec3f(Vec3f::UnitZ());
+  Vec3f right = c.up.cross(back);
+  if (right.norm() < 1e-4f * c.up.norm()) right = Vec3f::UnitY().cross(back).norm() > 0.1f ? Vec3f(Vec3f::UnitY().cross(back)) : Vec3f(Vec3f::UnitX());
+  right.normalize();
+  return {right, back.cross(right), back};
+}
+
+}  // namespace
+
+Vec3f View::to_pixel(const Vec3f& world_mm, int width, int height) const {
+  const Eigen::Vector4f clip = projection * (to_eye * world_mm.homogeneous());
+  const Vec3f ndc = clip.head<3>() / clip.w();
+  const float u = 0.5f * (ndc.x() + 1), v = 0.5f * (1 - ndc.y());
+  return {(x0 + u * (x1 - x0)) * float(width), (y0 + v * (y1 - y0)) * float(height), ndc.z()};
+}
+
+View Camera::view(double aspect) const {
+  const Axes a = axes_of(*this);
+  const float t = near_mm * std::tan(0.5f * fov_deg * float(M_PI) / 180), r = t * float(aspect);
+  View v;
+  v.to_eye = look(eye_mm, a.right, a.up, a.back);
+  v.projection = frustum(-r, r, -t, t, near_mm, far_mm);
+  v.eye_mm = eye_mm;
+  return v;
+}
+
+std::vector<View> Camera::stereo_side_by_side(double aspect, double eye_distance_mm) const {
+  const Axes a = axes_of(*this);
+  const float distance = std::max((eye_mm - target_mm).norm(), near_mm);
+  const float t = near_mm * std::tan(0.5f * fov_deg * float(M_PI) / 180), r = t * float(aspect) * 0.5f;
+  std::vector<View> views;
+  for (const float side : {-0.5f, 0.5f}) {
+    const float offset = side * float(eye_distance_mm), shift = -offset * near_mm / distance;
+    View v;
+    v.eye_mm = eye_mm + offset * a.right;
+    v.to_eye = look(v.eye_mm, a.right, a.up, a.back);
+    v.projection = frustum(-r + shift, r + shift, -t, t, near_mm, far_mm);
+    v.x0 = side < 0 ? 0.0f : 0.5f, v.x1 = v.x0 + 0.5f;
+    views.push_back(v);
+  }
+  return views;
+}
+
+Camera look_at_ball(const Vec3f& centre_mm, float radius_mm, const Vec3f& from, const Vec3f& up, float fov_deg,
+                    double aspect) {
+  const float half_height = 0.5f * fov_deg * float(M_PI) / 180;
+  const float half = std::min(half_height, std::atan(std::tan(half_height) * float(aspect)));
+  const float distance = std::max(radius_mm, 1.0f) / std::sin(half);
+  Camera c;
+  c.target_mm = centre_mm;
+  c.eye_mm = centre_mm + distance * from.normalized();
+  c.up = up;
+  c.fov_deg = fov_deg;
+  c.near_mm = std::max(0.05f * distance, 1.0f);
+  c.far_mm = 20 * distance;
+  return c;
+}
+
+}  // namespace limberg

@@ -1,0 +1,124 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "render/image.h"
+#include "render/image_compare.h"
+#include "sim/error.h"
+
+namespace limberg {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A picture with every kind of content that PNG filters treat differently: ramps, edges and noise from a counter.
+Image sample(int w = 97, int h = 61) {
+  Image im(w, h);
+  uint32_t state = 12345;
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      state = state * 1664525u + 1013904223u;
+      im.set(x, y, {uint8_t(x * 255 / w), uint8_t((y / 7) % 2 ? 255 : 20), uint8_t(state >> 24)});
+    }
+  return im;
+}
+
+fs::path scratch(const std::string& name) {
+  const fs::path dir = fs::path(LIMBERG_BINARY_DIR) / "test_image_files" / name;
+  fs::remove_all(dir);
+  fs::create_directories(dir);
+  return dir;
+}
+
+TEST(Image, PngRoundTripKeepsEveryByte) {
+  const fs::path dir = scratch("round_trip");
+  const Image a = sample();
+  write_png(dir / "a.png", a);
+  EXPECT_EQ(read_png(dir / "a.png"), a);
+  EXPECT_FALSE(fs::exists(dir / "a.png.part"));
+}
+
+TEST(Image, SamePictureGivesSameFile) {
+  const fs::path dir = scratch("same_file");
+  write_png(dir / "a.png", sample());
+  write_png(dir / "b.png", sample());
+  std::ifstream a(dir / "a.png", std::ios::binary), b(dir / "b.png", std::ios::binary);
+  const std::string sa((std::istreambuf_iterator<char>(a)), {}), sb((std::istreambuf_iterator<char>(b)), {});
+  EXPECT_FALSE(sa.empty());
+  EXPECT_EQ(sa, sb);
+}
+
+TEST(Image, BadFilesAreInputErrors) {
+  const fs::path dir = scratch("bad");
+  EXPECT_THROW(read_png(dir / "missing.png"), InputError);
+  std::ofstream(dir / "empty.png").flush();
+  EXPECT_THROW(read_png(dir / "empty.png"), InputError);
+  std::ofstream(dir / "text.png") << "this is no picture at all";
+  EXPECT_THROW(read_png(dir / "text.png"), InputError);
+  EXPECT_THROW(read_png(dir), InputError);
+  // Every cut-off length of a true file is refused, none crashes.
+  write_png(dir / "whole.png", sample(40, 30));
+  std::ifstream in(dir / "whole.png", std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  for (size_t n = 0; n + 12 < bytes.size(); n += 97) {
+    std::ofstream(dir / "cut.png", std::ios::binary) << bytes.substr(0, n);
+    EXPECT_THROW(read_png(dir / "cut.png"), InputError) << n << " of " << bytes.size() << " bytes";
+  }
+}
+
+TEST(Image, FailedWriteLeavesTheOldFile) {
+  const fs::path dir = scratch("old");
+  write_png(dir / "a.png", sample());
+  fs::create_directory(dir / "a.png.part");  // the temporary name is taken by a folder: the write must fail
+  EXPECT_THROW(write_png(dir / "a.png", Image(3, 3)), InputError);
+  EXPECT_EQ(read_png(dir / "a.png"), sample());
+  EXPECT_THROW(write_png(dir / "nowhere" / "a.png", sample()), InputError);
+  EXPECT_THROW(write_png(dir / "b.png", Image()), InputError);
+}
+
+TEST(Image, ShrinkKeepsTheMean) {
+  Image im(8, 4, {10, 20, 30});
+  im.set(0, 0, {110, 20, 30});
+  const Image s = shrink(im, 2);
+  ASSERT_EQ(s.width, 4);
+  ASSERT_EQ(s.height, 2);
+  EXPECT_EQ(s.at(0, 0), (Rgb8{35, 20, 30}));
+  EXPECT_EQ(s.at(3, 1), (Rgb8{10, 20, 30}));
+}
+
+// The measure must fail on what a reader would miss or mind, and pass on what nobody can see.
+TEST(ImageCompare, CatchesPlantedDefects) {
+  Image base(320, 240, {180, 150, 140});
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 320; ++x)
+      if (x % 20 == 0 || y % 20 == 0) base.set(x, y, {120, 90, 80});
+  EXPECT_EQ(block_mean_difference(base, base), 0);
+
+  Image hole = base;  // 8 x 8 pixels lost
+  for (int y = 100; y < 108; ++y)
+    for (int x = 201; x < 209; ++x) hole.set(x, y, {40, 60, 70});
+  EXPECT_GT(block_mean_difference(base, hole), 4);
+
+  Image thread = base;  // a lost suture line, 40 x 2 pixels
+  for (int x = 100; x < 140; ++x)
+    for (int y = 55; y < 57; ++y) thread.set(x, y, {20, 30, 120});
+  EXPECT_GT(block_mean_difference(base, thread), 4);
+
+  Image darker = base;
+  for (uint8_t& v : darker.rgb) v = uint8_t(v * 97 / 100);
+  EXPECT_GT(block_mean_difference(base, darker), 4);
+
+  Image swapped = base;
+  for (size_t i = 0; i < swapped.rgb.size(); i += 3) std::swap(swapped.rgb[i], swapped.rgb[i + 2]);
+  EXPECT_GT(block_mean_difference(base, swapped), 4);
+
+  Image dither = base;  // one grey level up and down, pixel by pixel
+  for (size_t i = 0; i < dither.rgb.size(); ++i) dither.rgb[i] = uint8_t(dither.rgb[i] + (i / 3 % 2 ? 1 : -1));
+  EXPECT_LT(block_mean_difference(base, dither), 4);
+
+  EXPECT_EQ(block_mean_difference(base, Image(319, 240)), 255);
+}
+
+}  // namespace
+}  // namespace limberg
