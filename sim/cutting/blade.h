@@ -15,7 +15,9 @@ struct Blade {
   std::vector<Int3> vertex;           // even grid coordinates
   std::vector<int32_t> shared_point;  // per vertex: id of an existing explicit arrangement point to reuse, or -1
   std::vector<Tri> tri;
-  std::vector<uint8_t> seed;          // per triangle, 1 = drawn
+  // Per triangle. 0: extension. 1: drawn on the skin; a seed for the patch in which it crosses the body's own surface.
+  // 2: drawn within the body (sheet, plug); a seed for every patch that has a part of it.
+  std::vector<uint8_t> seed;
   std::vector<std::array<Eigen::Vector2f, 3>> uv_mm;  // per corner: (arc length, depth), for the wall's texture
 };
 
