@@ -1,0 +1,45 @@
+#pragma once
+// Time as the lanes are given it: nanoseconds since the session's start.
+#include <time.h>
+
+#include <cstdint>
+
+namespace limberg {
+
+constexpr int64_t kNsPerMs = 1'000'000;
+constexpr int64_t kDeviceTickNs = kNsPerMs;  // 1 kHz
+
+/// CLOCK_MONOTONIC since construction, or since start().
+class RealClock {
+ public:
+  RealClock() { start(); }
+  void start() { start_ = monotonic_ns(); }
+  int64_t now_ns() const { return monotonic_ns() - start_; }
+  /// Sleeps until the given time; returns at once when it has passed.
+  void sleep_until_ns(int64_t t_ns) const {
+    const int64_t at = start_ + t_ns;
+    const timespec ts{at / 1'000'000'000, at % 1'000'000'000};
+    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &ts, nullptr) != 0) {  // only a signal ends it early
+    }
+  }
+  static int64_t monotonic_ns() {
+    timespec ts;
+    clock_gettime(CLOCK_MONOTONIC, &ts);
+    return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
+  }
+
+ private:
+  int64_t start_ = 0;
+};
+
+/// Time that passes only when it is told to.
+class VirtualClock {
+ public:
+  int64_t now_ns() const { return now_; }
+  void advance_ns(int64_t d) { now_ += d; }
+
+ private:
+  int64_t now_ = 0;
+};
+
+}  // namespace limberg

@@ -1,0 +1,22 @@
+#pragma once
+// What the solver lane drives: World behind a narrow door, so that the lanes can be tested with a patient of a few lines.
+#include <memory>
+
+#include "sim/fem/elastic_solver.h"
+#include "sim/snapshot.h"
+#include "sim/tools/command.h"
+
+namespace limberg {
+
+class Patient {
+ public:
+  virtual ~Patient() = default;
+  virtual Outcome apply(const Command& command) = 0;
+  virtual StepReport step(const StepSettings& settings) = 0;
+  virtual void fill(Snapshot& snapshot) const = 0;
+  virtual std::shared_ptr<const SurfaceTopology> topology() const = 0;
+  virtual uint64_t topology_hash() const = 0;
+  virtual uint64_t state_hash() const = 0;
+};
+
+}  // namespace limberg

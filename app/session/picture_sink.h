@@ -1,0 +1,26 @@
+#pragma once
+// The door between the session and whatever makes pictures: the off-screen renderer, a window, or nothing.
+//
+// All calls come from the render lane's thread. `prepare` comes first, after that thread has lowered its priority and
+// before the clock starts: the place to make a GL context, whose helper threads inherit the priority. The snapshot and
+// the topology it names stay valid during a call, and the topology until the next call.
+#include <string>
+
+#include "devices/tool_event.h"
+#include "sim/snapshot.h"
+
+namespace limberg {
+
+class PictureSink {
+ public:
+  virtual ~PictureSink() = default;
+  virtual void prepare(const SurfaceTopology& first) { (void)first; }
+  /// One frame of the running session.
+  virtual void frame(const Snapshot& snapshot, const ToolState& tool) = 0;
+  /// A named stage of the operation was passed: the picture that goes into the report.
+  virtual void stage(const std::string& name, const Snapshot& snapshot) = 0;
+  /// False asks the session to end (a window was closed).
+  virtual bool open() const { return true; }
+};
+
+}  // namespace limberg

@@ -1,0 +1,71 @@
+#include "app/session/thread.h"
+
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+namespace limberg {
+
+namespace {
+
+void* run(void* p) {
+  const std::unique_ptr<std::function<void()>> body(static_cast<std::function<void()>*>(p));
+  (*body)();
+  return nullptr;
+}
+
+bool memory_lock_allowed() {
+  rlimit lim{};
+  return geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &lim) == 0 && lim.rlim_cur == RLIM_INFINITY);
+}
+
+}  // namespace
+
+Thread::Thread(std::function<void()> body) {
+  pthread_attr_t attr;
+  pthread_attr_init(&attr);
+  const sched_param normal{};
+  pthread_attr_setinheritsched(&attr, PTHREAD_EXPLICIT_SCHED);
+  pthread_attr_setschedpolicy(&attr, SCHED_OTHER);
+  pthread_attr_setschedparam(&attr, &normal);
+  auto owned = std::make_unique<std::function<void()>>(std::move(body));
+  const int err = pthread_create(&id_, &attr, run, owned.get());
+  pthread_attr_destroy(&attr);
+  if (err != 0) throw std::system_error(err, std::generic_category(), "starting a thread");
+  owned.release();
+  joinable_ = true;
+}
+
+void Thread::join() {
+  if (joinable_) pthread_join(id_, nullptr);
+  joinable_ = false;
+}
+
+std::string request_real_time(int priority) {
+  sched_param p{};
+  p.sched_priority = priority;
+  const int err = pthread_setschedparam(pthread_self(), SCHED_FIFO, &p);
+  const bool locked = memory_lock_allowed() && mlockall(MCL_CURRENT) == 0;
+  std::string line = "device thread: ";
+  line += err == 0 ? "SCHED_FIFO " + std::to_string(priority) : std::string("ordinary scheduling (") + std::strerror(err) + ")";
+  line += locked ? ", memory locked" : ", memory not locked";
+  if (err != 0) line += "; expect late ticks when the machine is busy (grant CAP_SYS_NICE or an rtprio limit)";
+  else if (!locked) line += "; a page fault may delay a tick (raise the memlock limit)";
+  return line;
+}
+
+void be_nice(int nice) {
+  // On Linux the nice value belongs to the thread, named by its kernel id.
+  setpriority(PRIO_PROCESS, id_t(syscall(SYS_gettid)), nice);
+}
+
+void request_exact_timers() { prctl(PR_SET_TIMERSLACK, 1UL); }
+
+}  // namespace limberg

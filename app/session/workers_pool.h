@@ -1,0 +1,29 @@
+#pragma once
+// Workers on N threads, the caller included: N - 1 helpers that sleep between loops and take background jobs.
+//
+// A loop is cut into the same chunks whatever N is, so results do not depend on it. One loop runs at a time; a loop
+// begun while another runs (from a background job) runs on its caller alone. Helpers run at SCHED_OTHER.
+// An exception from a chunk or a job is thrown again to whoever waits for it.
+#include <memory>
+
+#include "sim/workers.h"
+
+namespace limberg {
+
+class WorkersPool final : public Workers {
+ public:
+  /// n >= 1. With n = 1 there is no helper: a job runs when it is waited for.
+  explicit WorkersPool(int n);
+  ~WorkersPool() override;
+
+  int count() const override { return n_; }
+  void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) override;
+  std::shared_ptr<Job> submit(std::function<void()> job) override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  int n_;
+};
+
+}  // namespace limberg
