@@ -1,0 +1,101 @@
+// Loops give the same chunks with any number of workers; jobs run once; helpers are never real-time threads.
+#include "app/session/workers_pool.h"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+#include <sched.h>
+
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+
+#include "app/session/thread.h"
+
+namespace limberg {
+namespace {
+
+/// A sum whose last bits depend on the order: chunks reduced in order.
+double chunked_sum(Workers& w, size_t n, size_t grain) {
+  std::vector<double> part((n + grain - 1) / grain);
+  w.parallel_for(n, grain, [&](size_t b, size_t e) {
+    double s = 0;
+    for (size_t i = b; i < e; ++i) s += std::sin(double(i)) * 1e-3 + 1.0 / double(i + 1);
+    part[b / grain] = s;
+  });
+  double s = 0;
+  for (const double p : part) s += p;
+  return s;
+}
+
+TEST(WorkersPool, SameBitsWithAnyNumberOfWorkers) {
+  InlineWorkers one;
+  for (const int n : {1, 2, 3, 5}) {
+    WorkersPool pool(n);
+    EXPECT_EQ(pool.count(), n);
+    for (const size_t size : {size_t(0), size_t(1), size_t(7), size_t(1000), size_t(100'003)})
+      for (const size_t grain : {size_t(1), size_t(64), size_t(4096)}) {
+        if (size / grain > 20'000) continue;
+        EXPECT_EQ(chunked_sum(pool, size, grain), chunked_sum(one, size, grain)) << n << " " << size << " " << grain;
+      }
+  }
+}
+
+TEST(WorkersPool, EveryIndexOnceOverManyShortLoops) {
+  WorkersPool pool(3);
+  std::vector<int> hit(997);
+  for (int round = 0; round < 2000; ++round)
+    pool.parallel_for(hit.size(), 50, [&](size_t b, size_t e) {
+      for (size_t i = b; i < e; ++i) ++hit[i];
+    });
+  for (const int h : hit) EXPECT_EQ(h, 2000);
+}
+
+TEST(WorkersPool, JobsRunOnceAndMayUseLoops) {
+  for (const int n : {1, 2, 3}) {
+    WorkersPool pool(n);
+    std::atomic<int> ran{0};
+    std::vector<std::shared_ptr<Workers::Job>> jobs;
+    double inner = 0;
+    jobs.push_back(pool.submit([&] { inner = chunked_sum(pool, 10'000, 100), ++ran; }));
+    for (int i = 0; i < 20; ++i) jobs.push_back(pool.submit([&] { ++ran; }));
+    InlineWorkers one;
+    EXPECT_EQ(chunked_sum(pool, 10'000, 100), chunked_sum(one, 10'000, 100));  // a loop beside the jobs
+    for (const auto& j : jobs) j->wait();
+    for (const auto& j : jobs) EXPECT_TRUE(j->done());
+    EXPECT_EQ(ran, 21);
+    EXPECT_EQ(inner, chunked_sum(one, 10'000, 100));
+  }
+}
+
+TEST(WorkersPool, ErrorsReachWhoeverWaits) {
+  for (const int n : {1, 3}) {
+    WorkersPool pool(n);
+    EXPECT_THROW(pool.parallel_for(100, 1, [](size_t b, size_t) { if (b == 57) throw std::runtime_error("57"); }),
+                 std::runtime_error);
+    pool.parallel_for(10, 1, [](size_t, size_t) {});  // still usable
+    const auto j = pool.submit([] { throw std::runtime_error("job"); });
+    EXPECT_THROW(j->wait(), std::runtime_error);
+  }
+  EXPECT_THROW(WorkersPool(0), std::invalid_argument);
+}
+
+TEST(Thread, NeverInheritsRealTimeScheduling) {
+  int child = -1, creator = -1;
+  Thread outer([&] {
+    request_real_time(5);  // may be refused: then there is nothing to inherit
+    sched_param p;
+    pthread_getschedparam(pthread_self(), &creator, &p);
+    Thread inner([&] {
+      sched_param q;
+      pthread_getschedparam(pthread_self(), &child, &q);
+    });
+  });
+  outer.join();
+  EXPECT_EQ(child, SCHED_OTHER);
+  RecordProperty("creator_policy", creator);
+}
+
+}  // namespace
+}  // namespace limberg
