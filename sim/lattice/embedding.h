@@ -1,0 +1,29 @@
+#pragma once
+// Material points carried by the lattice: the cell copy that holds a point of the surface, and its trilinear weights.
+//
+// Weights come from the rest position and the cell alone. A cut changes only which node copies they point to, and node
+// copies start at their parents' positions: no existing point moves when a cut is made.
+#include <array>
+#include <vector>
+
+#include "sim/lattice/topology.h"
+
+namespace limberg {
+
+/// Fills view.cell_copy and returns one EmbeddedPoint per vertex of the view. Each vertex lies, exactly, in one cell;
+/// the copy is that of the class which holds the sided faces around it.
+std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const MaterialSurface& surface,
+                                         SurfaceView& view);
+
+/// A point of view triangle `tri` by barycentric coordinates; rest position returned through X_mm when asked for.
+EmbeddedPoint embed_point(const LatticeTopology& topology, const SurfaceView& view, int32_t tri,
+                          const std::array<double, 3>& bary, Vec3* X_mm = nullptr);
+
+/// The point X (on or next to the surface) as carried by cell copy `copy`, whatever its cell: weights extrapolate when
+/// X lies outside.
+EmbeddedPoint embed_in_copy(const LatticeTopology& topology, int32_t copy, const Vec3& X_mm);
+
+/// Lattice cell (index) that contains X by its double coordinates, clamped to the lattice.
+int32_t cell_of(const LatticeGrid& grid, const Vec3& X_mm);
+
+}  // namespace limberg

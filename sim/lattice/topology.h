@@ -1,0 +1,74 @@
+#pragma once
+// Which copies of which cells and nodes exist: the virtual-node topology of the current material.
+//
+//   auto t0 = build_topology(grid, material_surface(arrangement));
+//   arrangement.cut(...);
+//   auto t1 = update_topology(t0, material_surface(arrangement));   // after every cut and every excision
+//   undo: keep t0 and use it again (a topology never changes once made).
+//
+// A cell copy is one component of the material in one cell. Two copies in cells that share a square are joined, that is
+// share its four nodes, when their material is connected through the square: when they hold the same sided face or the
+// same corner of it (convexity makes this exact). A node copy is a class of (cell copy, corner) under this joining. The
+// topology is a function of the surface alone; an update only avoids computing again what cannot have changed: cells in
+// which no face has come, gone or lost material. Copies keep their order; new ones come after.
+//
+// Parents. Running the same components with both sides of every new wall united gives the classes of before, so each
+// new class has one old class. The partition is a refinement: that all corners of a node copy agree on the parent is
+// checked. When an excision is in the same update, the pieces that it leaves take the parent that their faces, corners
+// or neighbours name.
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sim/lattice/cells.h"
+#include "sim/lattice/lattice.h"
+#include "sim/lattice/material_surface.h"
+
+namespace limberg {
+
+struct LatticeTopology {
+  LatticeGrid grid;
+  std::vector<CellCopy> cells;
+  std::vector<NodeCopy> nodes;
+  int pieces = 0;                          // connected pieces of the lattice
+  std::vector<double> piece_volume_mm3;    // per piece
+  std::vector<uint8_t> piece_fixed;        // per piece: 1 when it has a face of the body tagged fixed
+  double volume_mm3 = 0;                   // sum over cell copies of fraction * cell volume
+  uint64_t hash = 0;                       // of cells, classes, corners and node copies: no floating point, no parents
+
+  /// Cell copies of lattice cell c: copy_id[copy_begin[c] + class].
+  std::vector<int32_t> copy_begin, copy_id;
+  int copies_of(int32_t cell) const { return copy_begin[size_t(cell) + 1] - copy_begin[size_t(cell)]; }
+  int32_t copy(int32_t cell, int cls) const { return copy_id[size_t(copy_begin[size_t(cell)] + cls)]; }
+
+  /// Per lattice cell: what it holds; null when no face meets it (it is full or empty then).
+  std::vector<std::shared_ptr<const CellComponents>> components;
+  std::vector<uint8_t> node_in_material;   // per lattice node
+
+  struct Link {                            // copies joined through the square between `cell` and its + neighbour
+    int32_t cell_axis = 0;                 // 3 * cell + axis
+    int16_t low = 0, high = 0;             // classes
+    auto operator<=>(const Link&) const = default;
+  };
+  std::vector<Link> links;                 // sorted
+  std::vector<uint8_t> face_bits;          // per face id: its material bits in this version (0: not there)
+  int32_t last_op = 0;                     // highest operation that has made a face so far
+  int touched_cells = 0;                   // recomputed to make this version
+  int walks_unresolved = 0;                // sum over cells
+};
+
+/// Throws InputError when the surface reaches beyond the lattice. std::logic_error tells of a defect: a surface whose
+/// gluing contradicts its material bits.
+std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface);
+
+/// The version after the arrangement has changed. CellCopy::parent and NodeCopy::parent index `previous`.
+/// Face ids must mean the same as in `previous` (an arrangement never renumbers; after its undo, go on from the version
+/// of that time). Nothing changes on an exception.
+std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface);
+
+/// Empty when every invariant holds: corner states along all lattice edges, links symmetric with shared nodes, classes
+/// numbered without gaps. O(cells), for tests.
+std::string check_topology(const LatticeTopology& topology);
+
+}  // namespace limberg
