@@ -19,8 +19,8 @@ struct FilterParameters {
   double measurement_noise_mm = 0.08;   // standard deviation of one reading, per axis
   double turn_process_noise_rad2_s3 = 30;
   double turn_measurement_noise_rad = 0.004;
-  double euro_min_cutoff_hz = 3;        // One-Euro filter at the tick rate: cut-off at rest ...
-  double euro_beta_per_mm = 0.1;        // ... and its growth per mm/s of speed
+  double euro_min_cutoff_hz = 5;        // One-Euro filter at the tick rate: cut-off at rest ...
+  double euro_beta_per_mm = 0.5;        // ... and its growth per mm/s of speed
   double euro_derivative_cutoff_hz = 10;
   double max_prediction_ms = 25;        // a pose is never extrapolated further than this
   double stale_ms = 100;                // without a reading for this long the pose is invalid

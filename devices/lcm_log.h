@@ -6,7 +6,6 @@
 // A log written here plays in lcm-logplayer, and a log of lcm-logger reads here. What is not an event is skipped up to the
 // next sync word that begins a plausible one, and counted.
 #include <cstdint>
-#include <cstdio>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,7 +20,8 @@ struct LogDamage {
   int64_t bad_payload = 0;      // wrong size, fingerprint, version or checksum; or numbers that cannot be
   int64_t unknown_channel = 0;  // not ours: skipped, not an error
   int64_t out_of_order = 0;     // sequence or time does not grow
-  int64_t missing = 0;          // numbers missing from a sequence
+  int64_t missing = 0;          // events that the event numbers promise and the file does not hold
+  int64_t stream_gaps = 0;      // samples that the device sent and the recorder never got: a property of the recording
   int64_t skipped_bytes = 0;
   std::string first_message;    // the first finding, with its byte offset
 
@@ -40,6 +40,8 @@ class LogReader {
  public:
   static constexpr size_t kMaxChannel = 63, kMaxData = 64 * 1024;
   static constexpr size_t kMaxFile = size_t(4) << 30;
+  static constexpr uint32_t kSync = 0xEDA1DA01u;
+  static constexpr size_t kHeader = 28;
 
   /// Reads the file into memory. InputError: missing, a directory, unreadable, larger than 4 GiB.
   explicit LogReader(const std::string& path);
@@ -55,8 +57,15 @@ class LogReader {
  private:
   std::vector<uint8_t> bytes_;
   size_t at_ = 0;
-  bool lost_ = false;  // between events, looking for a sync word
+  int64_t expected_ = 0, jump_ = 0;  // next event number; size of the last jump in the numbers, while unconfirmed
   LogDamage damage_;
+
+  enum class Look { event, not_sync, bad_length, beyond_end };
+  Look look_at(size_t at, LogEvent& event) const;
+  bool plausible(size_t at) const;
+  size_t find_plausible(size_t from, size_t to) const;
+  void note(const char* what, size_t offset);
+  void check_number(int64_t number);
 };
 
 class LogWriter {
@@ -76,14 +85,15 @@ class LogWriter {
   bool close();
   const std::string& error() const { return error_; }
   int64_t events() const { return events_; }
-  bool is_open() const { return file_ != nullptr; }
+  bool is_open() const { return fd_ >= 0; }
 
  private:
-  bool fail(const char* what);
-  std::FILE* file_ = nullptr;
+  bool fail(int error_number);
+  int fd_ = -1;
   std::string path_, error_;
   std::vector<uint8_t> buffer_;
-  int64_t events_ = 0, flushed_us_ = 0, whole_bytes_ = 0;
+  std::vector<uint32_t> lengths_;  // of the events in the buffer
+  int64_t events_ = 0, flushed_us_ = 0, file_bytes_ = 0;
 };
 
 }  // namespace limberg

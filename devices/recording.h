@@ -83,7 +83,7 @@ class RecordingWriter final : public SampleSink {
 
  private:
   LogWriter log_;
-  int64_t tick_ns_ = 1'000'000, last_us_ = 0, seq_ = 0;
+  int64_t tick_ns_ = 1'000'000, start_us_ = 0, last_us_ = 0, seq_ = 0;
 };
 
 }  // namespace limberg

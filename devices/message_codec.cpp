@@ -1,0 +1,105 @@
+#include "devices/message_codec.h"
+
+#include <cmath>
+
+namespace limberg {
+
+uint32_t crc32(const uint8_t* data, size_t n) {
+  static constexpr auto table = [] {
+    std::array<uint32_t, 256> t{};
+    for (uint32_t i = 0; i < 256; ++i) {
+      uint32_t c = i;
+      for (int k = 0; k < 8; ++k) c = c & 1 ? 0xEDB88320u ^ (c >> 1) : c >> 1;
+      t[i] = c;
+    }
+    return t;
+  }();
+  uint32_t c = ~0u;
+  for (size_t i = 0; i < n; ++i) c = table[(c ^ data[i]) & 0xFF] ^ (c >> 8);
+  return ~c;
+}
+
+namespace {
+
+constexpr int64_t kDayNs = int64_t(86'400) * 1'000'000'000;
+constexpr double kFarMm = 10'000;
+
+template <class M>
+const char* check_prefix(const M& m, bool any_time) {
+  if (m.seq < 0) return "negative sequence number";
+  if (!any_time && (m.t_host_ns < 0 || m.t_host_ns > kDayNs)) return "time outside one day";
+  return nullptr;
+}
+
+template <class M, class S>
+void copy_prefix(const M& m, S& s) {
+  s.device_id = m.device_id;
+  s.seq = m.seq;
+  s.t_ns = m.t_host_ns;
+}
+
+template <class M, class S>
+void set_prefix(const S& s, M& m) {
+  m.schema_version = kSchemaVersion;
+  m.seq = s.seq;
+  m.t_host_ns = s.t_ns;
+  m.t_device_ns = -1;
+  m.device_id = s.device_id;
+  m.crc = 0;
+}
+
+}  // namespace
+
+const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_time) {
+  if (const char* wrong = check_prefix(m, any_time)) return wrong;
+  double qq = 0;
+  for (double v : m.tip_mm)
+    if (!std::isfinite(v) || std::abs(v) > kFarMm) return "tip is not a place";
+  for (double v : m.quat) {
+    if (!std::isfinite(v) || std::abs(v) > 2) return "quaternion is not of unit length";
+    qq += v * v;
+  }
+  if (qq < 0.99 * 0.99 || qq > 1.01 * 1.01) return "quaternion is not of unit length";
+  copy_prefix(m, s);
+  s.tip_mm = Vec3(m.tip_mm[0], m.tip_mm[1], m.tip_mm[2]);
+  for (int i = 0; i < 4; ++i) s.quat[size_t(i)] = m.quat[i];
+  s.buttons = uint32_t(m.buttons);
+  return nullptr;
+}
+
+const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time) {
+  if (const char* wrong = check_prefix(m, any_time)) return wrong;
+  if (m.kind < ControlSample::select_tool || m.kind > ControlSample::release_hook) return "unknown kind of control";
+  if (m.tool < int32_t(Tool::none) || m.tool > int32_t(Tool::suture_row)) return "unknown tool";
+  for (double v : m.value)
+    if (!std::isfinite(v) || std::abs(v) > 1e6) return "control value is not a number of this world";
+  for (size_t i = 0; i < sizeof m.text; ++i)
+    if ((m.text[i] > 0 && m.text[i] < 0x20) || m.text[i] == 0x7F) return "control character in a text";
+  copy_prefix(m, s);
+  s.kind = m.kind;
+  s.tool = Tool(m.tool);
+  for (int i = 0; i < 4; ++i) s.value[size_t(i)] = m.value[i];
+  s.text = ShortText(get_text(m.text));
+  return nullptr;
+}
+
+limberg_msg::stylus_t to_message(const StylusSample& s) {
+  limberg_msg::stylus_t m{};
+  set_prefix(s, m);
+  for (int i = 0; i < 3; ++i) m.tip_mm[i] = s.tip_mm[i];
+  for (int i = 0; i < 4; ++i) m.quat[i] = s.quat[size_t(i)];
+  m.buttons = int32_t(s.buttons);
+  return m;
+}
+
+limberg_msg::control_t to_message(const ControlSample& s) {
+  limberg_msg::control_t m{};
+  set_prefix(s, m);
+  m.kind = s.kind;
+  m.tool = int32_t(s.tool);
+  for (int i = 0; i < 4; ++i) m.value[i] = s.value[size_t(i)];
+  put_text(m.text, s.text.str());
+  return m;
+}
+
+}  // namespace limberg

@@ -1,0 +1,97 @@
+#pragma once
+// Messages to bytes and back, with every check that the packaged decoder leaves out: exact size, fingerprint, schema
+// version, CRC, finite numbers. Used by the parts that read logs and networks; nothing else sees the generated types.
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "devices/big_endian.h"
+#include "devices/sample.h"
+#include "limberg_msg/checkpoint_t.hpp"
+#include "limberg_msg/chunk_t.hpp"
+#include "limberg_msg/control_t.hpp"
+#include "limberg_msg/end_t.hpp"
+#include "limberg_msg/session_t.hpp"
+#include "limberg_msg/stylus_t.hpp"
+
+namespace limberg {
+
+inline constexpr int32_t kSchemaVersion = 1;
+inline constexpr std::string_view kStylusChannel = "LIMBERG_STYLUS", kControlChannel = "LIMBERG_CONTROL",
+                                  kSessionChannel = "LIMBERG_SESSION", kChunkChannel = "LIMBERG_CHUNK",
+                                  kCheckpointChannel = "LIMBERG_CHECKPOINT", kEndChannel = "LIMBERG_END";
+
+/// CRC-32 of IEEE 802.3 (reflected polynomial 0xEDB88320).
+uint32_t crc32(const uint8_t* data, size_t n);
+
+inline constexpr size_t kMaxMessage = 8192;
+using MessageBytes = std::array<uint8_t, kMaxMessage>;
+
+/// Encodes with the schema version and CRC filled in; the number of bytes.
+template <class M>
+size_t encode_message(M message, MessageBytes& bytes) {
+  message.schema_version = kSchemaVersion;
+  message.crc = 0;
+  const int n = message.encode(bytes.data(), 0, int(bytes.size()));
+  if (n < 4) return 0;
+  uint32_t crc = crc32(bytes.data(), size_t(n) - 4);
+  if (crc == 0) crc = 1;  // 0 says "not given"
+  put_big_endian<uint32_t>(bytes.data() + n - 4, crc);
+  return size_t(n);
+}
+
+/// What is wrong with the bytes as a message of type M, or nullptr, and then `message` holds it.
+template <class M>
+const char* decode_message(const uint8_t* data, size_t n, M& message) {
+  const int size = message.getEncodedSize();
+  if (n != size_t(size)) return "wrong message size";
+  if (get_big_endian<int64_t>(data) != M::getHash()) return "wrong message fingerprint";
+  if (get_big_endian<int32_t>(data + 8) != kSchemaVersion) return "unknown schema version";
+  const auto given = get_big_endian<uint32_t>(data + n - 4);
+  if (given != 0) {
+    uint32_t crc = crc32(data, n - 4);
+    if (crc == 0) crc = 1;
+    if (crc != given) return "wrong checksum";
+  }
+  if (message.decode(data, 0, size) != size) return "not decodable";
+  return nullptr;
+}
+
+/// Checks the numbers of a decoded message and turns it into a sample. Returns what is wrong, or nullptr.
+/// Refused: numbers that are not finite, a tip further than 10 m, |q| outside [0.99, 1.01], times outside [0, 1 day]
+/// for a recording's clock (`any_time`: not checked, for live streams), negative sequence numbers, unknown kinds.
+const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_time = false);
+const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time = false);
+limberg_msg::stylus_t to_message(const StylusSample& s);
+limberg_msg::control_t to_message(const ControlSample& s);
+
+/// Zero-filled fixed text; reading stops at the first zero. Control characters are refused on reading by to_sample.
+template <size_t N>
+void put_text(uint8_t (&field)[N], const std::string& text) {
+  std::memset(field, 0, N);
+  std::memcpy(field, text.data(), text.size() < N ? text.size() : N - 1);
+}
+template <size_t N>
+std::string get_text(const uint8_t (&field)[N]) {
+  const auto* p = reinterpret_cast<const char*>(field);
+  return std::string(p, strnlen(p, N));
+}
+
+/// Follows one stream (type and device): sequence numbers and times must grow.
+struct StreamOrder {
+  bool started = false;
+  int64_t seq = 0, t_ns = 0;
+  /// False: not newer than what came before. `gap` counts the numbers left out.
+  bool accept(int64_t new_seq, int64_t new_t_ns, int64_t& gap) {
+    if (started && (new_seq <= seq || new_t_ns < t_ns)) return false;
+    gap = started ? new_seq - seq - 1 : 0;
+    started = true;
+    seq = new_seq;
+    t_ns = new_t_ns;
+    return true;
+  }
+};
+
+}  // namespace limberg

@@ -1,0 +1,213 @@
+#include <map>
+#include <utility>
+
+#include "devices/message_codec.h"
+#include "devices/recording.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr int32_t kMaxBlobs = 256, kMaxPieces = 65'536;
+constexpr size_t kPiece = sizeof(limberg_msg::chunk_t::data), kMaxStreams = 64;
+
+/// An embedded file while its pieces come in. Pieces come in order; memory grows with what is there, not with what a
+/// header promises.
+struct OpenBlob {
+  Blob blob;
+  int32_t kind = 0, total = 0, next = 0;
+  int64_t bytes = 0;
+  bool broken = false;
+};
+
+class Reader {
+ public:
+  explicit Reader(LogReader& log) : log_(log) {}
+
+  Recording read() {
+    LogEvent e;
+    while (log_.next(e)) {
+      const char* wrong = nullptr;
+      bool ours = true;
+      if (e.channel == kStylusChannel)
+        wrong = sample<limberg_msg::stylus_t, StylusSample>(e, 0);
+      else if (e.channel == kControlChannel)
+        wrong = sample<limberg_msg::control_t, ControlSample>(e, 1);
+      else if (e.channel == kSessionChannel)
+        wrong = session(e);
+      else if (e.channel == kChunkChannel)
+        wrong = chunk(e);
+      else if (e.channel == kCheckpointChannel)
+        wrong = checkpoint(e);
+      else if (e.channel == kEndChannel)
+        wrong = end(e);
+      else
+        ours = false;
+      if (!ours) {
+        ++log_.damage().unknown_channel;
+      } else if (wrong == kOutOfOrder) {
+        ++log_.damage().out_of_order;
+        note(e, wrong);
+      } else if (wrong) {
+        ++log_.damage().bad_payload;
+        note(e, wrong);
+      } else {
+        ++r_.events;
+      }
+    }
+    for (auto& [index, b] : open_) {
+      if (!b.broken && b.next == b.total && int64_t(b.blob.data.size()) == b.bytes)
+        r_.blobs.push_back(std::move(b.blob));
+      else
+        incomplete_ = true;
+    }
+    if (incomplete_ && log_.damage().total() == 0) {
+      ++log_.damage().bad_payload;
+      log_.damage().first_message = "an embedded file is not whole";
+    }
+    r_.damage = log_.damage();
+    return std::move(r_);
+  }
+
+ private:
+  static constexpr const char* kOutOfOrder = "sequence or time does not grow";
+
+  void note(const LogEvent& e, const char* wrong) {
+    if (log_.damage().first_message.empty())
+      log_.damage().first_message =
+          std::string(e.channel) + ": " + wrong + " in the event at byte " + std::to_string(e.offset);
+  }
+
+  template <class M, class S>
+  const char* sample(const LogEvent& e, int type) {
+    M m;
+    S s;
+    if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
+    if (const char* wrong = to_sample(m, s)) return wrong;
+    const std::pair<int, int32_t> stream{type, s.device_id};
+    if (!order_.contains(stream) && order_.size() >= kMaxStreams) return "too many devices";
+    int64_t gap = 0;
+    if (!order_[stream].accept(s.seq, s.t_ns, gap)) return kOutOfOrder;
+    log_.damage().stream_gaps += gap;
+    r_.samples.push_back(s);
+    return nullptr;
+  }
+
+  const char* session(const LogEvent& e) {
+    limberg_msg::session_t m;
+    if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
+    if (r_.session) return "a second session in one file";
+    if (m.format_version != SessionInfo::kFormat) return "unknown recording format";
+    constexpr int64_t kSecond = 1'000'000'000;
+    if (m.tick_ns <= 0 || m.tick_ns > kSecond || m.ticks_per_solver_step <= 0 || m.ticks_per_solver_step > 1000 ||
+        m.ticks_per_frame <= 0 || m.ticks_per_frame > 100'000 || m.solver_delay_ticks < 0 || m.solver_delay_ticks > 1000)
+      return "rates that cannot be";
+    SessionInfo s;
+    s.program = get_text(m.program);
+    s.scene_name = get_text(m.scene_name);
+    s.scene_hash = uint64_t(m.scene_hash);
+    s.calibration_hash = uint64_t(m.calibration_hash);
+    for (size_t i = 0; i < 4; ++i) s.seeds[i] = uint64_t(m.seeds[i]);
+    s.tick_ns = m.tick_ns;
+    s.ticks_per_solver_step = m.ticks_per_solver_step;
+    s.ticks_per_frame = m.ticks_per_frame;
+    s.solver_delay_ticks = m.solver_delay_ticks;
+    s.utc_start_ns = m.utc_start_ns;
+    r_.session = s;
+    return nullptr;
+  }
+
+  const char* chunk(const LogEvent& e) {
+    limberg_msg::chunk_t m;
+    if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
+    if (m.blob < 0 || m.blob >= kMaxBlobs || m.total < 1 || m.total > kMaxPieces || m.index < 0 || m.index >= m.total ||
+        m.bytes < 0 || m.kind < int32_t(BlobKind::scene) || m.kind > int32_t(BlobKind::texture))
+      return "a piece of a file that cannot be";
+    const int64_t before = int64_t(m.index) * int64_t(kPiece);
+    const int64_t expected = std::min<int64_t>(int64_t(kPiece), m.bytes - before);
+    if (m.n != expected || m.n < 0 || (m.index + 1 < m.total) != (before + m.n < m.bytes))
+      return "a piece of a file of the wrong length";
+    OpenBlob& b = open_[m.blob];
+    if (m.index == 0 && b.next == 0) {
+      b.blob.kind = BlobKind(m.kind);
+      b.blob.name = get_text(m.name);
+      b.kind = m.kind;
+      b.total = m.total;
+      b.bytes = m.bytes;
+    }
+    if (b.next != m.index || b.kind != m.kind || b.total != m.total || b.bytes != m.bytes) {
+      b.broken = true;
+      return "a piece of a file out of turn";
+    }
+    b.blob.data.append(reinterpret_cast<const char*>(m.data), size_t(m.n));
+    ++b.next;
+    return nullptr;
+  }
+
+  const char* checkpoint(const LogEvent& e) {
+    limberg_msg::checkpoint_t m;
+    if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
+    if (m.tick < 0) return "negative tick";
+    if (!r_.checkpoints.empty() && m.tick < r_.checkpoints.back().tick) return kOutOfOrder;
+    r_.checkpoints.push_back({m.tick, uint64_t(m.hash)});
+    return nullptr;
+  }
+
+  const char* end(const LogEvent& e) {
+    limberg_msg::end_t m;
+    if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
+    if (r_.end) return "a second end";
+    if (m.tick < 0 || m.events < 0) return "negative count";
+    r_.end = RecordingEnd{m.tick, m.events, uint64_t(m.hash)};
+    return nullptr;
+  }
+
+  LogReader& log_;
+  Recording r_;
+  std::map<std::pair<int, int32_t>, StreamOrder> order_;
+  std::map<int32_t, OpenBlob> open_;
+  bool incomplete_ = false;
+};
+
+int64_t time_of(const Sample& s) {
+  return std::visit([](const auto& v) { return v.t_ns; }, s);
+}
+
+Recording read(LogReader& log, const std::string& name) {
+  if (log.size() == 0) throw InputError(name, 0, "is empty; expected an LCM event log of a stylus");
+  Recording r = Reader(log).read();
+  if (r.samples.empty() && !r.session) {
+    std::string what = "holds no valid record; expected an LCM event log with channel LIMBERG_STYLUS";
+    if (!r.damage.first_message.empty()) what += " (first finding: " + r.damage.first_message + ")";
+    throw InputError(name, 0, what);
+  }
+  if (!r.session && !r.samples.empty()) {
+    // A plain stream has its own clock: count from the first whole millisecond of its first sample.
+    int64_t first = time_of(r.samples.front());
+    for (const Sample& s : r.samples) first = std::min(first, time_of(s));
+    first -= first % 1'000'000;
+    for (Sample& s : r.samples) std::visit([&](auto& v) { v.t_ns -= first; }, s);
+  }
+  return r;
+}
+
+}  // namespace
+
+const Blob* Recording::blob(BlobKind kind, const std::string& name) const {
+  for (const Blob& b : blobs)
+    if (b.kind == kind && (name.empty() || b.name == name)) return &b;
+  return nullptr;
+}
+
+Recording read_recording(const std::string& path) {
+  LogReader log(path);
+  return read(log, path);
+}
+
+Recording read_recording(std::vector<uint8_t> bytes, const std::string& name) {
+  LogReader log(std::move(bytes));
+  return read(log, name);
+}
+
+}  // namespace limberg
