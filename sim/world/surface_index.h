@@ -1,0 +1,55 @@
+#pragma once
+// Where on the current surface is a material point? An index over one SurfaceView.
+//
+// A chart point names a place on the original skin. After cuts that place may carry several sheets: the two banks of an
+// incision meet there in rest space. `locate` finds the sub-triangle of the named original triangle that holds the
+// point; `snap_to_rim` moves a point that lies beside a wound's edge onto that edge, on the bank where the point lies.
+// Everything is decided on rest positions, so the answers do not depend on the deformation.
+#include <optional>
+#include <vector>
+
+#include "sim/cutting/surface_view.h"
+
+namespace limberg {
+
+/// A point of the surface: a triangle of the view and barycentric weights (sum 1).
+struct SurfacePoint {
+  int32_t triangle = -1;
+  Vec3 bary = Vec3::Zero();
+};
+
+class SurfaceIndex {
+ public:
+  SurfaceIndex(const SurfaceView& view, size_t body_triangles);
+
+  /// The live triangle that descends from original triangle `origin` and holds X_mm (nearest of them within
+  /// slack_mm otherwise); nothing when the place has been cut away.
+  std::optional<SurfacePoint> locate(const Vec3& X_mm, int32_t origin, double slack_mm) const;
+
+  /// The nearest live skin triangle within reach_mm of X_mm, whatever its origin. Linear in the number of skin triangles.
+  std::optional<SurfacePoint> nearest_skin(const Vec3& X_mm, double reach_mm) const;
+
+  /// The nearest point of a wound's rim within reach_mm, on the bank that `p` belongs to. Nothing if no rim is near.
+  std::optional<SurfacePoint> snap_to_rim(const SurfacePoint& p, double reach_mm) const;
+
+  Vec3 rest_mm(const SurfacePoint& p) const;
+  /// Barycentric weights of the point of triangle t closest to X_mm.
+  Vec3 weights(int32_t t, const Vec3& X_mm) const;
+  size_t rim_edges() const { return rim_.size(); }
+  /// Total length of the rim in mm (both banks counted).
+  double rim_length_mm() const;
+
+ private:
+  struct RimEdge {
+    int32_t triangle;  // the skin triangle
+    int32_t corner;    // the edge runs from this corner to the next
+  };
+  Vec3 corner(int32_t t, int k) const { return view_->X_mm[size_t(view_->tri[size_t(t)][size_t(k % 3)])]; }
+  SurfacePoint closest_in(int32_t t, const Vec3& X, double& distance2) const;
+
+  const SurfaceView* view_;
+  std::vector<int32_t> first_, by_origin_;  // triangles of each original triangle, compressed rows
+  std::vector<RimEdge> rim_;
+};
+
+}  // namespace limberg
