@@ -6,26 +6,18 @@
 
 namespace limberg {
 
-Mat3 prestretch_tensor(const Material& material, const Vec3& normal, const Vec3& tension_direction) {
-  Vec3 along = tension_direction - tension_direction.dot(normal) * normal;
-  if (along.norm() < 1e-6) along = normal.unitOrthogonal();
-  along.normalize();
-  const Vec3 across = normal.cross(along);
-  const double l1 = material.prestretch_along, l2 = material.prestretch_across;
-  return l1 * along * along.transpose() + l2 * across * across.transpose() + 1 / (l1 * l2) * normal * normal.transpose();
+Mat3 prestretch_tensor(const Material& material, const Skin::Frame& frame) {
+  const double along = material.prestretch_along, across = material.prestretch_across;
+  return along * frame.along * frame.along.transpose() + across * frame.across * frame.across.transpose() +
+         1 / (along * across) * frame.normal * frame.normal.transpose();
 }
 
-TensionField::TensionField(const SurfaceTopology& topology, const std::vector<Vec3>& skin_normal) {
+TensionField::TensionField(const SurfaceTopology& topology, const Skin& skin) {
   const Body& body = *topology.body;
-  prestretch_index_.resize(topology.view.X_mm.size());
-  for (size_t v = 0; v < prestretch_index_.size(); ++v) {
-    double below = 0;
-    size_t layer = 0;
-    // The tolerance keeps skin vertices in the first layer: their depth is a distance computed in floating point.
-    while (layer + 1 < body.layers.size() && topology.depth_mm[v] > (below += body.layers[layer].thickness_mm) + 1e-3) ++layer;
-    const Mat3 F0 = prestretch_tensor(body.layers[layer].material, skin_normal[v], body.tension_direction);
-    if (prestretch_.empty() || prestretch_.back() != F0) prestretch_.push_back(F0);
-    prestretch_index_[v] = int32_t(prestretch_.size()) - 1;
+  prestretch_.resize(topology.view.X_mm.size());
+  for (size_t v = 0; v < prestretch_.size(); ++v) {
+    const Material& material = body.layers[size_t(skin.layer_at(topology.depth_mm[v]))].material;
+    prestretch_[v] = prestretch_tensor(material, skin.frame(topology.view.X_mm[v]));
   }
 }
 
@@ -49,7 +41,7 @@ void TensionField::compute(const SurfaceTopology& topology, const ElasticSolver&
     const EmbeddedPoint& e = topology.embedding[v];
     Mat3 F = Mat3::Zero();
     for (size_t i = 0; i < 8; ++i) F += double(e.w[i]) * node_F_[size_t(e.node[i])];
-    F *= prestretch_[size_t(prestretch_index_[v])];
+    F *= prestretch_[v];
     Eigen::SelfAdjointEigenSolver<Mat3> eigen;
     eigen.computeDirect(F.transpose() * F, Eigen::EigenvaluesOnly);
     field[v] = float(std::sqrt(std::max(0.0, eigen.eigenvalues()[2])) - 1);

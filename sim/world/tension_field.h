@@ -7,27 +7,26 @@
 #include <vector>
 
 #include "sim/fem/elastic_solver.h"
+#include "sim/geometry/skin.h"
 #include "sim/snapshot.h"
 
 namespace limberg {
 
 class TensionField {
  public:
-  /// Precomputes the prestretch at every vertex: its layer by depth, its frame by the nearest skin normal.
-  TensionField(const SurfaceTopology& topology, const std::vector<Vec3>& skin_normal);
+  /// Precomputes the prestretch at every vertex: its layer by depth, its frame by the skin above it.
+  TensionField(const SurfaceTopology& topology, const Skin& skin);
 
   /// field[v] = largest singular value of F F0, minus 1. Resized to the number of vertices.
   void compute(const SurfaceTopology& topology, const ElasticSolver& solver, std::vector<float>& field);
 
  private:
-  std::vector<Mat3> prestretch_;           // the distinct F0
-  std::vector<int32_t> prestretch_index_;  // per vertex
+  std::vector<Mat3> prestretch_;  // F0 per vertex
   std::vector<Mat3> node_F_;
   std::vector<double> node_volume_;
 };
 
-/// Prestretch of a layer in the frame (along the tension lines, across them, through the skin): F0 with det F0 = 1.
-/// `tension_direction` is projected into the skin plane; where it is parallel to the normal, any direction serves.
-Mat3 prestretch_tensor(const Material& material, const Vec3& normal, const Vec3& tension_direction);
+/// Prestretch F0 of a material in a skin frame, det F0 = 1 (see Material).
+Mat3 prestretch_tensor(const Material& material, const Skin::Frame& frame);
 
 }  // namespace limberg
