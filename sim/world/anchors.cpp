@@ -10,7 +10,7 @@ constexpr double kCarrySlack_mm = 1e-3;
 
 }  // namespace
 
-Anchor make_anchor(const SurfaceView& view, const SurfaceIndex& index, const SurfacePoint& point) {
+Anchor make_anchor(const SurfaceView& view, const RestIndex& index, const SurfacePoint& point) {
   Anchor a;
   a.at = point;
   a.X_mm = index.rest_mm(point);
@@ -20,7 +20,7 @@ Anchor make_anchor(const SurfaceView& view, const SurfaceIndex& index, const Sur
   return a;
 }
 
-std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view, const SurfaceIndex& index) {
+std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view, const RestIndex& index) {
   const auto at = index.locate(anchor.hint_mm, anchor.origin, kCarrySlack_mm);
   if (!at || view.kind[size_t(at->triangle)] == FaceKind::wall) return std::nullopt;
   Anchor next = anchor;

@@ -5,7 +5,7 @@
 
 #include "sim/fem/elastic_solver.h"
 #include "sim/snapshot.h"
-#include "sim/world/surface_index.h"
+#include "sim/world/rest_index.h"
 
 namespace limberg {
 
@@ -33,11 +33,11 @@ struct Stitch {
   Vec3 slack_mm = Vec3::Zero();  // a - b still left open while the thread is drawn tight
 };
 
-/// Finds the anchor of a surface point; `point` comes from the SurfaceIndex of the same view.
-Anchor make_anchor(const SurfaceView& view, const SurfaceIndex& index, const SurfacePoint& point);
+/// Finds the anchor of a surface point; `point` comes from the RestIndex of the same view.
+Anchor make_anchor(const SurfaceView& view, const RestIndex& index, const SurfacePoint& point);
 
 /// The same material point on a newer view; nothing when its tissue was removed.
-std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view, const SurfaceIndex& index);
+std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view, const RestIndex& index);
 
 /// n points of a polyline, equally spaced by arc length, ends included (n >= 2; path.size() >= 2).
 std::vector<Vec2> resample(const std::vector<Vec2>& path, int n);

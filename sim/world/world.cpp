@@ -12,5 +12,5 @@
 #include "sim/lattice/grid_fit.h"
 #include "sim/lattice/topology.h"
 #include "sim/world/anchors.h"
-#include "sim/world/surface_index.h"
+#include "sim/world/rest_index.h"
 #include "sim/world/tension_field.h"

@@ -18,9 +18,9 @@ struct SurfacePoint {
   Vec3 bary = Vec3::Zero();
 };
 
-class SurfaceIndex {
+class RestIndex {
  public:
-  SurfaceIndex(const SurfaceView& view, size_t body_triangles);
+  RestIndex(const SurfaceView& view, size_t body_triangles);
 
   /// The live triangle that descends from original triangle `origin` and holds X_mm (nearest of them within
   /// slack_mm otherwise); nothing when the place has been cut away.

@@ -1,4 +1,4 @@
-#include "sim/world/surface_index.h"
+#include "sim/world/rest_index.h"
 
 #include <algorithm>
 #include <unordered_set>
@@ -19,7 +19,7 @@ Vec3 closest_bary(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-SurfaceIndex::SurfaceIndex(const SurfaceView& view, size_t body_triangles) : view_(&view) {
+RestIndex::RestIndex(const SurfaceView& view, size_t body_triangles) : view_(&view) {
   first_.assign(body_triangles + 1, 0);
   for (size_t t = 0; t < view.tri.size(); ++t)
     if (of_body(view.kind[t])) ++first_[size_t(view.origin[t]) + 1];
@@ -49,21 +49,21 @@ SurfaceIndex::SurfaceIndex(const SurfaceView& view, size_t body_triangles) : vie
   }
 }
 
-SurfacePoint SurfaceIndex::closest_in(int32_t t, const Vec3& X, double& distance2) const {
+SurfacePoint RestIndex::closest_in(int32_t t, const Vec3& X, double& distance2) const {
   SurfacePoint p{t, closest_bary(X, corner(t, 0), corner(t, 1), corner(t, 2))};
   distance2 = (rest_mm(p) - X).squaredNorm();
   return p;
 }
 
-Vec3 SurfaceIndex::rest_mm(const SurfacePoint& p) const {
+Vec3 RestIndex::rest_mm(const SurfacePoint& p) const {
   return p.bary.x() * corner(p.triangle, 0) + p.bary.y() * corner(p.triangle, 1) + p.bary.z() * corner(p.triangle, 2);
 }
 
-Vec3 SurfaceIndex::weights(int32_t t, const Vec3& X_mm) const {
+Vec3 RestIndex::weights(int32_t t, const Vec3& X_mm) const {
   return closest_bary(X_mm, corner(t, 0), corner(t, 1), corner(t, 2));
 }
 
-std::optional<SurfacePoint> SurfaceIndex::locate(const Vec3& X_mm, int32_t origin, double slack_mm) const {
+std::optional<SurfacePoint> RestIndex::locate(const Vec3& X_mm, int32_t origin, double slack_mm) const {
   if (origin < 0 || size_t(origin) + 1 >= first_.size()) return std::nullopt;
   std::optional<SurfacePoint> best;
   double best2 = slack_mm * slack_mm;
@@ -75,7 +75,7 @@ std::optional<SurfacePoint> SurfaceIndex::locate(const Vec3& X_mm, int32_t origi
   return best;
 }
 
-std::optional<SurfacePoint> SurfaceIndex::nearest_skin(const Vec3& X_mm, double reach_mm) const {
+std::optional<SurfacePoint> RestIndex::nearest_skin(const Vec3& X_mm, double reach_mm) const {
   std::optional<SurfacePoint> best;
   double best2 = reach_mm * reach_mm;
   for (size_t t = 0; t < view_->tri.size(); ++t) {
@@ -87,7 +87,7 @@ std::optional<SurfacePoint> SurfaceIndex::nearest_skin(const Vec3& X_mm, double 
   return best;
 }
 
-std::optional<SurfacePoint> SurfaceIndex::snap_to_rim(const SurfacePoint& p, double reach_mm) const {
+std::optional<SurfacePoint> RestIndex::snap_to_rim(const SurfacePoint& p, double reach_mm) const {
   const Vec3 X = rest_mm(p);
   std::optional<SurfacePoint> best;
   double best2 = reach_mm * reach_mm;
@@ -112,7 +112,7 @@ std::optional<SurfacePoint> SurfaceIndex::snap_to_rim(const SurfacePoint& p, dou
   return best;
 }
 
-double SurfaceIndex::rim_length_mm() const {
+double RestIndex::rim_length_mm() const {
   double sum = 0;
   for (const RimEdge& e : rim_) sum += (corner(e.triangle, e.corner + 1) - corner(e.triangle, e.corner)).norm();
   return sum;
