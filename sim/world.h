@@ -26,6 +26,7 @@ struct WorldSpec {
   double cell_mm = 3.5;
   double suture_k_N_per_mm = 20;
   double hook_k_N_per_mm = 0.5;
+  double suture_pull_mm_per_step = 0.5;  // how fast a stitch is drawn tight
   bool can_cut = true;      // false: no cutter is built
   bool dynamic = false;     // false: quasi-static
   uint64_t seed = 1;
@@ -39,7 +40,8 @@ class World {
 
   Outcome apply(const Command& command);
   StepReport step(const StepSettings& settings);
-  void fill(Snapshot& snapshot) const;  // reuses the snapshot's memory
+  /// Reuses the snapshot's memory. The tension field costs a few ms and is filled only when asked for.
+  void fill(Snapshot& snapshot, bool with_field = false) const;
   std::shared_ptr<const SurfaceTopology> topology() const;
 
   uint64_t topology_hash() const;  // same on every machine
@@ -52,7 +54,8 @@ class World {
   double removed_volume_mm3() const;   // exact, of what was excised
   double initial_volume_mm3() const;
   int pieces() const;                  // connected pieces of the lattice
-  int refused() const;
+  int refused() const;                 // commands refused so far
+  bool settled() const;                // every stitch is drawn tight
 
  private:
   struct Impl;

@@ -59,7 +59,8 @@ struct Spring {
   int32_t id = 0;
   EmbeddedPoint a, b;
   bool to_world = false;
-  Vec3 target_mm = Vec3::Zero();  // used when to_world
+  // to_world: the place that pulls a. Otherwise the gap still allowed, a - b at rest: zero once a stitch is tight.
+  Vec3 target_mm = Vec3::Zero();
   double k_N_per_mm = 1;
 };
 

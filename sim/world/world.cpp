@@ -1,16 +1,31 @@
 #include "sim/world.h"
 
-#include <algorithm>
-#include <cmath>
+#include "sim/world/operating_table.h"
 
-#include "sim/cutting/arrangement.h"
-#include "sim/cutting/blade_build.h"
-#include "sim/geometry/skin.h"
-#include "sim/hash.h"
-#include "sim/lattice/embedding.h"
-#include "sim/lattice/fem_assembly.h"
-#include "sim/lattice/grid_fit.h"
-#include "sim/lattice/topology.h"
-#include "sim/world/anchors.h"
-#include "sim/world/rest_index.h"
-#include "sim/world/tension_field.h"
+namespace limberg {
+
+// The story of the patient is in operating_table.h; this is the door to it.
+struct World::Impl : OperatingTable {
+  using OperatingTable::OperatingTable;
+};
+
+World::World(WorldSpec spec, Workers& workers) : impl_(std::make_unique<Impl>(std::move(spec), workers)) {}
+World::~World() = default;
+World::World(World&&) noexcept = default;
+
+Outcome World::apply(const Command& command) { return impl_->apply(command); }
+StepReport World::step(const StepSettings& settings) { return impl_->step(settings); }
+void World::fill(Snapshot& snapshot, bool with_field) const { impl_->fill(snapshot, with_field); }
+std::shared_ptr<const SurfaceTopology> World::topology() const { return impl_->topology(); }
+uint64_t World::topology_hash() const { return impl_->topology()->hash; }
+uint64_t World::state_hash() const { return impl_->state_hash(); }
+const WorldSpec& World::spec() const { return impl_->spec(); }
+const ElasticSolver& World::solver() const { return impl_->solver(); }
+double World::volume_mm3() const { return impl_->volume_mm3(); }
+double World::removed_volume_mm3() const { return impl_->removed_volume_mm3(); }
+double World::initial_volume_mm3() const { return impl_->initial_volume_mm3(); }
+int World::pieces() const { return impl_->pieces(); }
+int World::refused() const { return impl_->refused(); }
+bool World::settled() const { return impl_->settled(); }
+
+}  // namespace limberg

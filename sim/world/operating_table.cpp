@@ -1,0 +1,100 @@
+#include "sim/world/operating_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/hash.h"
+#include "sim/lattice/embedding.h"
+#include "sim/lattice/grid_fit.h"
+
+namespace limberg {
+
+Outcome OperatingTable::apply(const Command& command) {
+  const Outcome outcome = std::visit([this](const auto& c) { return act(c); }, command);
+  if (!outcome.done) ++refused_;
+  return outcome;
+}
+
+Outcome OperatingTable::act(const Stage&) { return ++stage_, Outcome{true, {}}; }
+Outcome OperatingTable::act(const Wait&) { return {true, {}}; }
+
+StepReport OperatingTable::step(const StepSettings& settings) {
+  bool drawn = false;
+  for (Stitch& s : stitches_) {
+    const double slack = s.slack_mm.norm();
+    if (slack == 0) continue;
+    s.slack_mm *= slack > spec_.suture_pull_mm_per_step ? 1 - spec_.suture_pull_mm_per_step / slack : 0;
+    drawn = true;
+  }
+  if (drawn) publish_springs();
+  const StepReport report = solver_->step(settings);
+  ++steps_;
+  residual_ = float(report.residual);
+  distance_mm_ = float(report.distance_mm);
+  return report;
+}
+
+bool OperatingTable::settled() const {
+  return std::all_of(stitches_.begin(), stitches_.end(), [](const Stitch& s) { return s.slack_mm.isZero(0); });
+}
+
+void OperatingTable::fill(Snapshot& snapshot, bool with_field) const {
+  const SurfaceTopology& surface = *version_.surface;
+  snapshot.step = steps_;
+  snapshot.topology_version = surface.version;
+  if (snapshot.topology != version_.surface) snapshot.topology = version_.surface;
+  const std::span<const Vec3f> u = solver_->displacement_mm();
+  const size_t n = surface.view.X_mm.size();
+  snapshot.x_mm.resize(n);
+  for (size_t v = 0; v < n; ++v) {
+    const EmbeddedPoint& e = surface.embedding[v];
+    Vec3f d = Vec3f::Zero();
+    for (size_t i = 0; i < 8; ++i) d += e.w[i] * u[size_t(e.node[i])];
+    snapshot.x_mm[v] = surface.view.X_mm[v].cast<float>() + d;
+  }
+  snapshot.hooks.clear();
+  for (const Hook& h : hooks_) {
+    const Vec3 at = position_mm(h.anchor.embedded);
+    snapshot.hooks.push_back({h.id, at.cast<float>(), h.handle_mm.cast<float>(),
+                              (solver_->spring_force_mN(h.spring) * 1e-3).cast<float>()});
+  }
+  snapshot.sutures.clear();
+  for (const Stitch& s : stitches_) {
+    const Vec3 a = position_mm(s.a.embedded), b = position_mm(s.b.embedded);
+    snapshot.sutures.push_back({s.id, a.cast<float>(), b.cast<float>(),
+                                float(solver_->spring_force_mN(s.spring).norm() * 1e-3), float((a - b).norm())});
+  }
+  snapshot.residual = residual_;
+  snapshot.distance_mm = distance_mm_;
+  snapshot.stage = stage_;
+  if (!with_field) {
+    snapshot.field.clear();
+    return;
+  }
+  if (!tension_ || tension_version_ != surface.version) {
+    tension_ = std::make_unique<TensionField>(surface, skin_);
+    tension_version_ = surface.version;
+  }
+  tension_->compute(surface, *solver_, snapshot.field);
+}
+
+uint64_t OperatingTable::state_hash() const {
+  Hash64 h;
+  h.add(version_.surface->hash);
+  const std::span<const Vec3f> u = solver_->displacement_mm();
+  h.bytes(u.data(), u.size() * sizeof(Vec3f));
+  for (const Hook& k : hooks_) {
+    h.add(k.id);
+    h.bytes(k.anchor.X_mm.data(), 3 * sizeof(double));
+    h.bytes(k.handle_mm.data(), 3 * sizeof(double));
+  }
+  for (const Stitch& s : stitches_) {
+    h.add(s.id);
+    h.bytes(s.a.X_mm.data(), 3 * sizeof(double));
+    h.bytes(s.b.X_mm.data(), 3 * sizeof(double));
+    h.bytes(s.slack_mm.data(), 3 * sizeof(double));
+  }
+  return h.value();
+}
+
+}  // namespace limberg
