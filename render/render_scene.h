@@ -19,7 +19,8 @@ enum class Part : uint8_t { none = 0, skin = 1, wall = 2, side = 3, suture = 4, 
 /// The constant half of the tissue's surface. A surface vertex is doubled where shading must not be smooth: between
 /// skin, walls and sides, and over sharp edges at rest.
 struct TissueMesh {
-  uint64_t version = 0;
+  uint64_t version = 0, hash = 0;     // of the topology that it was made from
+  size_t vertices_of_view = 0;
   std::vector<int32_t> source;        // per render vertex: vertex of SurfaceView
   std::vector<Vec3f> X_mm;            // rest position
   std::vector<Eigen::Vector2f> chart_mm;  // texture coordinate: rest position in the skin's chart

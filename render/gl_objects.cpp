@@ -1,0 +1,154 @@
+#include "render/gl_objects.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace limberg {
+
+namespace {
+
+GLuint compile(const GlFunctions& gl, GLenum kind, const std::string& source) {
+  const GLuint shader = gl.CreateShader(kind);
+  const char* text = source.c_str();
+  gl.ShaderSource(shader, 1, &text, nullptr);
+  gl.CompileShader(shader);
+  GLint good = 0;
+  gl.GetShaderiv(shader, GL_COMPILE_STATUS, &good);
+  if (!good) {
+    std::array<char, 2048> log{};
+    gl.GetShaderInfoLog(shader, GLsizei(log.size() - 1), nullptr, log.data());
+    throw RenderUnavailable(std::string("the graphics driver refused a shader: ") + log.data());
+  }
+  return shader;
+}
+
+bool has_anisotropy(const GlFunctions& gl) {
+  GLint n = 0;
+  gl.GetIntegerv(GL_NUM_EXTENSIONS, &n);
+  for (GLint i = 0; i < n; ++i)
+    if (std::strcmp(reinterpret_cast<const char*>(gl.GetStringi(GL_EXTENSIONS, GLuint(i))),
+                    "GL_EXT_texture_filter_anisotropic") == 0)
+      return true;
+  return false;
+}
+
+void check(const GlFunctions& gl, const char* what) {
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw RenderUnavailable(std::string("the graphics driver cannot draw into ") + what);
+}
+
+}  // namespace
+
+GlProgram::GlProgram(const GlFunctions& gl, const std::string& vertex, const std::string& fragment)
+    : gl_(&gl), id_(gl.CreateProgram()) {
+  const GLuint v = compile(gl, GL_VERTEX_SHADER, vertex), f = compile(gl, GL_FRAGMENT_SHADER, fragment);
+  gl.AttachShader(id_, v);
+  gl.AttachShader(id_, f);
+  gl.LinkProgram(id_);
+  gl.DeleteShader(v);
+  gl.DeleteShader(f);
+  GLint good = 0;
+  gl.GetProgramiv(id_, GL_LINK_STATUS, &good);
+  if (!good) {
+    std::array<char, 2048> log{};
+    gl.GetProgramInfoLog(id_, GLsizei(log.size() - 1), nullptr, log.data());
+    throw RenderUnavailable(std::string("the graphics driver refused a program: ") + log.data());
+  }
+}
+
+GlMesh::GlMesh(const GlFunctions& gl) : gl_(&gl) { gl.GenVertexArrays(1, &array_); }
+
+GLuint GlMesh::buffer(GLuint attribute, const void* data, size_t bytes) {
+  gl_->BindVertexArray(array_);
+  if (!buffers_[attribute]) gl_->GenBuffers(1, &buffers_[attribute]);
+  gl_->BindBuffer(GL_ARRAY_BUFFER, buffers_[attribute]);
+  gl_->BufferData(GL_ARRAY_BUFFER, GLsizeiptr(bytes), data, GL_STREAM_DRAW);
+  gl_->EnableVertexAttribArray(attribute);
+  return buffers_[attribute];
+}
+
+void GlMesh::floats(GLuint attribute, int components, const void* data, size_t bytes, size_t stride, size_t offset) {
+  buffer(attribute, data, bytes);
+  gl_->VertexAttribPointer(attribute, components, GL_FLOAT, GL_FALSE, GLsizei(stride), reinterpret_cast<void*>(offset));
+}
+
+void GlMesh::integers(GLuint attribute, GLenum type, const void* data, size_t bytes, size_t stride, size_t offset) {
+  buffer(attribute, data, bytes);
+  gl_->VertexAttribIPointer(attribute, 1, type, GLsizei(stride), reinterpret_cast<void*>(offset));
+}
+
+void GlMesh::triangles(const std::vector<std::array<uint32_t, 3>>& tri) {
+  gl_->BindVertexArray(array_);
+  if (!index_) gl_->GenBuffers(1, &index_);
+  gl_->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, index_);
+  gl_->BufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(tri.size() * sizeof tri[0]), tri.data(), GL_STREAM_DRAW);
+  indices_ = GLsizei(3 * tri.size());
+}
+
+void GlMesh::draw() const {
+  if (indices_ == 0) return;
+  gl_->BindVertexArray(array_);
+  gl_->DrawElements(GL_TRIANGLES, indices_, GL_UNSIGNED_INT, nullptr);
+}
+
+GlTarget::GlTarget(const GlFunctions& gl, GLenum colour_format, int width, int height)
+    : gl_(&gl), width_(width), height_(height) {
+  gl.GenFramebuffers(1, &frame_);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, frame_);
+  gl.GenRenderbuffers(1, &colour_);
+  gl.BindRenderbuffer(GL_RENDERBUFFER, colour_);
+  gl.RenderbufferStorage(GL_RENDERBUFFER, colour_format, width, height);
+  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
+  gl.GenRenderbuffers(1, &depth_);
+  gl.BindRenderbuffer(GL_RENDERBUFFER, depth_);
+  gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
+  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+  check(gl, "a picture of this size");
+}
+
+GlTarget::~GlTarget() {
+  gl_->DeleteFramebuffers(1, &frame_);
+  gl_->DeleteRenderbuffers(1, &colour_);
+  gl_->DeleteRenderbuffers(1, &depth_);
+}
+
+ShadowMap::ShadowMap(const GlFunctions& gl, int side) : size(side) {
+  gl.GenTextures(1, &texture);
+  gl.BindTexture(GL_TEXTURE_2D, texture);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, side, side, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+  gl.GenFramebuffers(1, &frame);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, frame);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture, 0);
+  gl.DrawBuffer(GL_NONE);
+  gl.ReadBuffer(GL_NONE);
+  check(gl, "a shadow map");
+}
+
+GLuint make_texture(const GlFunctions& gl, const Texels& texels, bool srgb, bool repeat, bool mipmaps) {
+  GLuint id = 0;
+  gl.GenTextures(1, &id);
+  gl.BindTexture(GL_TEXTURE_2D, id);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, texels.width, texels.height, 0, GL_RGBA,
+                GL_UNSIGNED_BYTE, texels.rgba.data());
+  const GLint wrap = repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE;
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, mipmaps ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
+  if (mipmaps) {
+    gl.GenerateMipmap(GL_TEXTURE_2D);
+    constexpr GLenum kMaxAnisotropy = 0x84FE;  // EXT_texture_filter_anisotropic
+    if (has_anisotropy(gl)) gl.TexParameterf(GL_TEXTURE_2D, kMaxAnisotropy, 4.0f);
+  }
+  return id;
+}
+
+}  // namespace limberg

@@ -1,0 +1,72 @@
+#pragma once
+// The few kinds of GL object that the renderer needs. They live as long as their context and are freed with it; only
+// what is replaced while drawing (framebuffers of another size) is freed by hand.
+#include <string>
+#include <vector>
+
+#include "render/gl_functions.h"
+#include "render/textures.h"
+#include "render/view.h"
+
+namespace limberg {
+
+/// A linked program and its uniforms by name. Uniforms that the compiler dropped are ignored.
+class GlProgram {
+ public:
+  GlProgram(const GlFunctions& gl, const std::string& vertex, const std::string& fragment);
+  void use() const { gl_->UseProgram(id_); }
+  void set(const char* name, float v) const { gl_->Uniform1f(at(name), v); }
+  void set(const char* name, int v) const { gl_->Uniform1i(at(name), v); }
+  void set(const char* name, const Vec3f& v) const { gl_->Uniform3f(at(name), v.x(), v.y(), v.z()); }
+  void set(const char* name, const Mat4f& m) const { gl_->UniformMatrix4fv(at(name), 1, GL_FALSE, m.data()); }
+
+ private:
+  GLint at(const char* name) const { return gl_->GetUniformLocation(id_, name); }
+  const GlFunctions* gl_;
+  GLuint id_ = 0;
+};
+
+/// A vertex array with its buffers. Attribute data are whole arrays, one buffer each.
+class GlMesh {
+ public:
+  explicit GlMesh(const GlFunctions& gl);
+  void floats(GLuint attribute, int components, const void* data, size_t bytes, size_t stride = 0, size_t offset = 0);
+  void integers(GLuint attribute, GLenum type, const void* data, size_t bytes, size_t stride = 0, size_t offset = 0);
+  void triangles(const std::vector<std::array<uint32_t, 3>>& tri);
+  void draw() const;
+
+ private:
+  GLuint buffer(GLuint attribute, const void* data, size_t bytes);
+  const GlFunctions* gl_;
+  GLuint array_ = 0, index_ = 0, buffers_[8]{};
+  GLsizei indices_ = 0;
+};
+
+/// A framebuffer with a colour (RGBA8 or R32UI) and a depth attachment.
+class GlTarget {
+ public:
+  GlTarget(const GlFunctions& gl, GLenum colour_format, int width, int height);
+  ~GlTarget();
+  GlTarget(const GlTarget&) = delete;
+  GlTarget& operator=(const GlTarget&) = delete;
+  void bind() const { gl_->BindFramebuffer(GL_FRAMEBUFFER, frame_); }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+ private:
+  const GlFunctions* gl_;
+  GLuint frame_ = 0, colour_ = 0, depth_ = 0;
+  int width_, height_;
+};
+
+/// A depth texture with comparison, and a framebuffer that fills it.
+struct ShadowMap {
+  ShadowMap(const GlFunctions& gl, int size);
+  GLuint frame = 0, texture = 0;
+  int size;
+};
+
+/// Uploads a texture with mipmaps; `srgb`: the colours are sRGB and are read as linear light.
+GLuint make_texture(const GlFunctions& gl, const Texels& texels, bool srgb, bool repeat, bool mipmaps);
+
+}  // namespace limberg

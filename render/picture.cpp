@@ -1,0 +1,118 @@
+#include "render/picture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "render/overlay.h"
+#include "render/renderer.h"
+
+namespace limberg {
+
+namespace {
+
+// The end of the colour scale: a round number above the 99th percentile over the skin, at least one per cent.
+double scale_end(const RenderScene& scene, double& highest) {
+  std::vector<float> v;
+  for (size_t i = 0; i < scene.field.size(); ++i)
+    if (scene.mesh->part[i] == Part::skin && std::isfinite(scene.field[i])) v.push_back(100 * scene.field[i]);
+  highest = 0;
+  if (v.empty()) return 10;
+  highest = *std::max_element(v.begin(), v.end());
+  const auto at = v.begin() + std::ptrdiff_t(0.99 * double(v.size() - 1));
+  std::nth_element(v.begin(), at, v.end());
+  const double p99 = std::max(double(*at), 1.0), step = round_step(p99, 6);
+  return step * std::ceil(p99 / step - 1e-9);
+}
+
+}  // namespace
+
+struct PictureMaker::Impl {
+  int width, height;
+  PictureQuality quality;
+  Renderer renderer;
+  SceneBuilder builder;
+  TextPainter text;
+  std::optional<Camera> camera;
+
+  Impl(int w, int h, PictureQuality q, int threads)
+      : width(w), height(h), quality(q), renderer(make_osmesa_context({.threads = threads})) {}
+
+  void look(const Vec3f& centre, float radius, const Body* body) {
+    // From the surgeon's side, 52 degrees above the skin: depth shows, and shapes on the skin are hardly foreshortened.
+    Vec3f e1 = Vec3f::UnitX(), e2 = Vec3f::UnitY(), n = Vec3f::UnitZ();
+    if (body) e1 = body->chart_e1.cast<float>(), e2 = body->chart_e2.cast<float>(), n = body->chart_normal().cast<float>();
+    camera = look_at_ball(centre, radius, 0.60f * -e2 + 0.10f * e1 + 0.79f * n, n, 24, double(width) / height);
+  }
+
+  const View view(const Snapshot& s) {
+    if (!camera) {
+      Vec3f centre = Vec3f::Zero();
+      float radius = 60;
+      const Body* body = s.topology ? s.topology->body.get() : nullptr;
+      if (body) skin_region(*body, centre, radius);
+      look(centre, 0.80f * radius, body);
+    }
+    return camera->view(double(width) / height);
+  }
+
+  DrawOptions options() const {
+    DrawOptions o;
+    o.width = width, o.height = height;
+    const bool still = quality == PictureQuality::still;
+    o.supersample = still ? 2 : 1;
+    o.shadow = still, o.fine_skin = still;
+    return o;
+  }
+};
+
+PictureMaker::PictureMaker(int width, int height, PictureQuality quality, int software_threads)
+    : impl_(std::make_unique<Impl>(width, height, quality, software_threads)) {}
+PictureMaker::~PictureMaker() = default;
+PictureMaker::PictureMaker(PictureMaker&&) noexcept = default;
+
+void PictureMaker::focus(const Vec3f& centre_mm, float radius_mm) { impl_->look(centre_mm, radius_mm, nullptr); }
+
+void PictureMaker::focus_from(const Snapshot& snapshot) {
+  Vec3f centre = Vec3f::Zero();
+  float radius = 60;
+  const Body* body = snapshot.topology ? snapshot.topology->body.get() : nullptr;
+  if (operated_region(snapshot, centre, radius)) {
+    impl_->look(centre, 1.25f * radius, body);
+  } else if (body) {
+    skin_region(*body, centre, radius);
+    impl_->look(centre, 0.80f * radius, body);
+  }
+}
+
+void PictureMaker::set_camera(const Camera& camera) { impl_->camera = camera; }
+const Camera& PictureMaker::camera() const {
+  static const Camera unset{};
+  return impl_->camera ? *impl_->camera : unset;
+}
+
+Image PictureMaker::skin(const Snapshot& snapshot, const PictureOptions& options) {
+  const RenderScene& scene = impl_->builder.build(snapshot, options.tool);
+  Image image = impl_->renderer.draw(scene, impl_->view(snapshot), impl_->options());
+  draw_caption(image, impl_->text, options.title, options.caption);
+  return image;
+}
+
+Image PictureMaker::tension(const Snapshot& snapshot, const PictureOptions& options) {
+  const RenderScene& scene = impl_->builder.build(snapshot, options.tool);
+  double highest = 0;
+  const double chosen = scale_end(scene, highest), end = options.field_max > 0 ? 100 * options.field_max : chosen;
+  DrawOptions draw = impl_->options();
+  draw.colour_field = true;
+  draw.field_min = 0, draw.field_max = end / 100;
+  draw.iso_lines = int(std::lround(end / round_step(end, 6)));
+  Image image = impl_->renderer.draw(scene, impl_->view(snapshot), draw);
+  draw_caption(image, impl_->text, options.title, options.caption);
+  draw_legend(image, impl_->text,
+              {"Skin stretch", "% of length", 0, end, highest > end * 1.001, false});
+  return image;
+}
+
+std::string PictureMaker::describe() const { return impl_->renderer.describe(); }
+
+}  // namespace limberg

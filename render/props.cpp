@@ -1,0 +1,235 @@
+#include "render/props.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/render_scene.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr float kPi = 3.14159265f;
+
+Vec3f any_normal(const Vec3f& d) {
+  const Vec3f a = std::abs(d.z()) < 0.8f ? Vec3f(Vec3f::UnitZ()) : Vec3f(Vec3f::UnitX());
+  return (a - a.dot(d) * d).normalized();
+}
+
+Vec3f direction(const Vec3f& v, const Vec3f& otherwise) {
+  const float n = v.norm();
+  return n > 1e-6f && std::isfinite(n) ? Vec3f(v / n) : otherwise;
+}
+
+uint32_t vertex(PropMesh& m, const Vec3f& x, const Vec3f& n, const PropLook& look) {
+  m.vertex.push_back({x, n, look.colour, look.metal, look.id});
+  return uint32_t(m.vertex.size() - 1);
+}
+
+void strip(PropMesh& m, uint32_t a, uint32_t b, int sides) {
+  for (int i = 0; i < sides; ++i) {
+    const uint32_t j = uint32_t((i + 1) % sides), k = uint32_t(i);
+    m.tri.push_back({a + k, a + j, b + j});
+    m.tri.push_back({a + k, b + j, b + k});
+  }
+}
+
+uint32_t id_of(Part part, int32_t number) { return uint32_t(part) << 24 | (uint32_t(number) & 0xffffffu); }
+
+// A smooth curve through control points: Catmull-Rom, `n` pieces per span.
+std::vector<Vec3f> smooth(std::span<const Vec3f> p, int n) {
+  std::vector<Vec3f> out;
+  for (size_t i = 0; i + 1 < p.size(); ++i) {
+    const Vec3f &b = p[i], &c = p[i + 1];
+    const Vec3f a = i > 0 ? p[i - 1] : Vec3f(2 * b - c), d = i + 2 < p.size() ? p[i + 2] : Vec3f(2 * c - b);
+    for (int k = 0; k < n; ++k) {
+      const float t = float(k) / float(n), t2 = t * t, t3 = t2 * t;
+      out.push_back(0.5f * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t2 + (3 * b - 3 * c + d - a) * t3));
+    }
+  }
+  out.push_back(p.back());
+  return out;
+}
+
+void smooth_tube(PropMesh& m, std::span<const Vec3f> control, float radius, const PropLook& look, int sides = 8) {
+  const std::vector<Vec3f> path = smooth(control, 8);
+  const std::vector<float> radii(path.size(), radius);
+  add_tube(m, path, radii, look, sides);
+}
+
+}  // namespace
+
+void add_tube(PropMesh& mesh, std::span<const Vec3f> path, std::span<const float> radius, const PropLook& look,
+              int sides) {
+  // Repeated points give no direction; they are left out.
+  std::vector<Vec3f> p;
+  std::vector<float> r;
+  for (size_t i = 0; i < path.size(); ++i)
+    if (path[i].allFinite() && (p.empty() || (path[i] - p.back()).norm() > 1e-4f)) p.push_back(path[i]), r.push_back(radius[i]);
+  if (p.size() < 2) return;
+
+  // The frame is carried along by the smallest rotation, so the tube does not twist.
+  Vec3f side = any_normal(direction(p[1] - p[0], Vec3f::UnitX()));
+  uint32_t before = 0;
+  bool first = true;
+  const auto ring = [&](const Vec3f& at, const Vec3f& along, float rad, float lean) {
+    const Vec3f other = along.cross(side);
+    const uint32_t begin = uint32_t(mesh.vertex.size());
+    for (int k = 0; k < sides; ++k) {
+      const float w = 2 * kPi * float(k) / float(sides);
+      const Vec3f out = std::cos(w) * side + std::sin(w) * other;
+      vertex(mesh, at + rad * out, direction(out + lean * along, out), look);
+    }
+    if (!first) strip(mesh, before, begin, sides);
+    before = begin, first = false;
+  };
+  for (size_t i = 0; i < p.size(); ++i) {
+    const Vec3f into = i > 0 ? Vec3f((p[i] - p[i - 1]).normalized()) : Vec3f((p[1] - p[0]).normalized());
+    const Vec3f outof = i + 1 < p.size() ? Vec3f((p[i + 1] - p[i]).normalized()) : into;
+    const Vec3f along = direction(into + outof, into);
+    side = direction(side - side.dot(along) * along, any_normal(along));
+    if (i == 0)  // round start
+      for (const float a : {0.02f, 0.4f, 0.75f})
+        ring(p[0] - std::sqrt(1 - a * a) * r[0] * along, along, a * r[0], -std::sqrt(1 - a * a) / a);
+    const float slope = i + 1 < p.size() ? (r[i] - r[i + 1]) / (p[i + 1] - p[i]).norm() : 0;
+    ring(p[i], along, r[i], slope);
+    if (i + 1 == p.size())  // round end
+      for (const float a : {0.75f, 0.4f, 0.02f})
+        ring(p[i] + std::sqrt(1 - a * a) * r[i] * along, along, a * r[i], std::sqrt(1 - a * a) / a);
+  }
+}
+
+void add_ellipsoid(PropMesh& mesh, const Vec3f& centre, const Vec3f& a, const Vec3f& b, const Vec3f& c,
+                   const PropLook& look, int rings) {
+  const int sides = 2 * rings;
+  uint32_t before = 0;
+  const bool mirrored = a.cross(b).dot(c) < 0;
+  for (int i = 0; i <= rings; ++i) {
+    const float v = kPi * float(i) / float(rings), s = std::max(std::sin(v), 1e-3f), z = -std::cos(v);
+    const uint32_t begin = uint32_t(mesh.vertex.size());
+    for (int k = 0; k < sides; ++k) {
+      const float w = 2 * kPi * float(k) / float(sides) * (mirrored ? -1.0f : 1.0f);
+      const float ca = s * std::cos(w), cb = s * std::sin(w);
+      const Vec3f n = ca * a / a.squaredNorm() + cb * b / b.squaredNorm() + z * c / c.squaredNorm();
+      vertex(mesh, centre + ca * a + cb * b + z * c, n.normalized(), look);
+    }
+    if (i > 0) strip(mesh, before, begin, sides);
+    before = begin;
+  }
+}
+
+void add_suture(PropMesh& mesh, const SutureState& suture, const Vec3f& in_mm, const Vec3f& out_mm, const Vec3f& up) {
+  const uint32_t id = id_of(Part::suture, suture.id);
+  const PropLook thread{{0.012f, 0.03f, 0.11f}, 0.15f, id};  // blue monofilament
+  const PropLook bite{{0.14f, 0.012f, 0.012f}, 0, id};
+  const float r = 0.16f;
+  const Vec3f span = out_mm - in_mm, across = direction(span, any_normal(up)), along = up.cross(across);
+
+  for (const Vec3f& p : {in_mm, out_mm})  // bite marks: flat red discs around the holes
+    add_ellipsoid(mesh, p + 0.01f * up, 0.34f * across, 0.34f * along, 0.06f * up, bite, 6);
+
+  // Out of the skin, over the wound, in again. A taut thread lies flat over an open wound.
+  const float lift = 0.35f;
+  const std::array<Vec3f, 5> over{in_mm - 0.35f * up, in_mm + lift * up, in_mm + 0.5f * span + (lift + 0.08f) * up,
+                                  out_mm + lift * up, out_mm - 0.35f * up};
+  smooth_tube(mesh, over, r, thread);
+
+  // The knot lies over the entry, beside the wound, with two tails.
+  const Vec3f k = in_mm + 0.12f * span + (lift + 0.16f) * up;
+  add_ellipsoid(mesh, k, 0.42f * along, 0.30f * across, 0.26f * up, thread, 6);
+  add_ellipsoid(mesh, k + 0.16f * up, 0.24f * along, 0.34f * across, 0.18f * up, thread, 6);
+  const std::array<Vec3f, 4> tail1{k, k + 0.5f * along - 0.3f * across + 0.30f * up,
+                                   k + 0.9f * along - 0.9f * across + 0.45f * up, k + 1.1f * along - 1.7f * across + 0.40f * up};
+  const std::array<Vec3f, 4> tail2{k, k - 0.3f * along - 0.4f * across + 0.35f * up,
+                                   k - 0.5f * along - 1.0f * across + 0.70f * up, k - 0.4f * along - 1.6f * across + 0.95f * up};
+  smooth_tube(mesh, tail1, 0.7f * r, thread, 6);
+  smooth_tube(mesh, tail2, 0.7f * r, thread, 6);
+}
+
+void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up) {
+  const uint32_t id = id_of(Part::hook, hook.id);
+  const PropLook steel{{0.56f, 0.57f, 0.58f}, 1, id};
+  const PropLook mark{{0.02f, 0.16f, 0.20f}, 0.1f, id};
+  const Vec3f pull = hook.handle_mm - hook.at_mm;
+  const Vec3f flat = pull - pull.dot(up) * up;
+  // The shaft rises at about 40 degrees towards where the hand pulls.
+  const Vec3f away = flat.norm() > 0.5f ? Vec3f(flat.normalized()) : any_normal(up);
+  const Vec3f shaft = (0.77f * away + 0.64f * up).normalized(), bend = shaft.cross(away.cross(up)).normalized();
+  const Vec3f p = hook.at_mm;
+  // A half turn of the sharp end, then neck, then handle. The point is in the tissue, under its edge.
+  const float c = 1.3f;
+  std::vector<Vec3f> path;
+  std::vector<float> radius;
+  for (int i = 0; i <= 10; ++i) {
+    const float w = kPi * float(i) / 10;
+    path.push_back(p + 0.5f * shaft + c * (1 - std::cos(w)) * (bend.dot(up) > 0 ? bend : Vec3f(-bend)) - c * std::sin(w) * shaft);
+    radius.push_back(0.10f + 0.02f * float(i));
+  }
+  const Vec3f neck = path.back();
+  for (const auto& [d, r] : {std::pair{6.0f, 0.34f}, {14.0f, 0.42f}, {15.0f, 0.85f}, {34.0f, 0.95f}, {36.0f, 0.6f}}) {
+    path.push_back(neck + d * shaft);
+    radius.push_back(r);
+  }
+  add_tube(mesh, path, radius, steel, 14);
+  for (int i = 0; i < 5; ++i) {  // grip rings
+    const Vec3f a = neck + (18.0f + 2.6f * float(i)) * shaft;
+    const std::array<Vec3f, 2> seg{a, a + 0.7f * shaft};
+    const std::array<float, 2> rr{1.06f, 1.06f};
+    add_tube(mesh, seg, rr, mark, 14);
+  }
+  // The line to where the hand holds it, when that is away from the hook.
+  if (pull.norm() > 1.0f) {
+    const std::array<Vec3f, 2> line{hook.at_mm, hook.handle_mm};
+    const std::array<float, 2> rr{0.09f, 0.09f};
+    add_tube(mesh, line, rr, {{0.85f, 0.75f, 0.15f}, 0, id}, 6);
+    add_ellipsoid(mesh, hook.handle_mm, 0.5f * Vec3f::UnitX(), 0.5f * Vec3f::UnitY(), 0.5f * Vec3f::UnitZ(),
+                  {{0.85f, 0.70f, 0.12f}, 0, id}, 6);
+  }
+}
+
+void add_tool(PropMesh& mesh, const ToolPose& tool) {
+  if (!tool.visible || !tool.tip_mm.allFinite() || !tool.shaft.allFinite()) return;
+  const uint32_t id = id_of(Part::tool, int32_t(tool.kind));
+  const Vec3f s = direction(tool.shaft, Vec3f::UnitZ()), side = any_normal(s), wide = s.cross(side);
+  const PropLook steel{{0.56f, 0.57f, 0.58f}, 1, id}, grip{{0.03f, 0.05f, 0.06f}, 0.1f, id};
+  const auto body = [&](std::initializer_list<std::pair<float, float>> profile, const PropLook& look) {
+    std::vector<Vec3f> path;
+    std::vector<float> radius;
+    for (const auto& [d, r] : profile) path.push_back(tool.tip_mm + d * s), radius.push_back(r);
+    add_tube(mesh, path, radius, look, 16);
+  };
+  switch (tool.kind) {
+    case ToolPose::Kind::scalpel: {
+      // A No. 15 blade: thin, bellied edge; then the flat handle.
+      const std::array<std::array<float, 2>, 7> edge{{{0, 0}, {2, 1.1f}, {5, 1.7f}, {9, 1.9f}, {13, 1.5f}, {16, 1.4f}, {18, 1.4f}}};
+      for (const float t : {-0.18f, 0.18f}) {
+        const uint32_t begin = uint32_t(mesh.vertex.size());
+        const Vec3f n = t > 0 ? side : Vec3f(-side);
+        for (const auto& [d, w] : edge) {
+          vertex(mesh, tool.tip_mm + d * s + t * side * std::min(1.0f, d / 3) - 0.4f * w * wide, n, steel);
+          vertex(mesh, tool.tip_mm + d * s + 0.05f * t * side + w * wide, direction(n + 0.5f * wide, n), steel);
+        }
+        for (uint32_t i = 0; i + 1 < edge.size(); ++i) {
+          const uint32_t q = begin + 2 * i;
+          mesh.tri.push_back({q, q + 1, q + 3});
+          mesh.tri.push_back({q, q + 3, q + 2});
+        }
+      }
+      body({{16, 1.3f}, {20, 1.7f}, {34, 2.1f}, {60, 2.7f}, {118, 2.9f}, {126, 2.2f}}, steel);
+      for (int i = 0; i < 9; ++i) body({{36 + 2.4f * float(i), 2.45f + 0.05f * float(i)}, {37 + 2.4f * float(i), 2.45f + 0.05f * float(i)}}, grip);
+      break;
+    }
+    case ToolPose::Kind::hook:
+      body({{0, 0.12f}, {2, 0.3f}, {18, 0.5f}, {20, 1.1f}, {60, 1.3f}, {64, 0.8f}}, steel);
+      break;
+    case ToolPose::Kind::needle_holder:
+      body({{0, 0.5f}, {4, 0.9f}, {22, 1.6f}, {26, 2.6f}, {30, 1.8f}, {110, 2.2f}}, steel);
+      break;
+    case ToolPose::Kind::stylus:
+      body({{0, 0.15f}, {3, 0.6f}, {10, 1.6f}, {24, 3.2f}, {30, 3.6f}}, steel);
+      body({{30, 3.7f}, {36, 4.2f}, {120, 4.6f}, {140, 4.3f}, {146, 2.5f}}, grip);
+      break;
+  }
+}
+
+}  // namespace limberg

@@ -1,0 +1,152 @@
+#include "render/render_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace limberg {
+
+namespace {
+
+// How far from the wound's edge a stitch enters the skin, for the picture.
+constexpr float kBite_mm = 2.2f;
+
+struct Nearest {
+  Vec3f x = Vec3f::Zero(), normal = Vec3f::UnitZ();
+  bool found = false;
+};
+
+// The skin vertex nearest to p. Skin triangles are under a millimetre, so its height is the skin's height there.
+Nearest nearest_skin(const RenderScene& scene, const Vec3f& p) {
+  Nearest best;
+  float distance = std::numeric_limits<float>::max();
+  const TissueMesh& m = *scene.mesh;
+  for (size_t v = 0; v < m.source.size(); ++v) {
+    if (m.part[v] != Part::skin) continue;
+    const float d = (scene.x_mm[v] - p).squaredNorm();
+    if (d < distance && scene.normal[v].squaredNorm() > 0.5f) distance = d, best = {scene.x_mm[v], scene.normal[v], true};
+  }
+  return best;
+}
+
+// A point of the skin beside p: p itself, moved along the normal to the height of the skin.
+Vec3f onto_skin(const RenderScene& scene, const Vec3f& p) {
+  const Nearest near = nearest_skin(scene, p);
+  return near.found ? Vec3f(p - (p - near.x).dot(near.normal) * near.normal) : p;
+}
+
+// The direction over the wound at a stitch: across the cut's rim nearest to its end a, away from the skin of a.
+Vec3f across_rim(const RenderScene& scene, const Snapshot& snapshot, const Vec3f& a, const Vec3f& up) {
+  float distance = std::numeric_limits<float>::max();
+  Vec3f along = Vec3f::Zero();
+  for (const auto& [i, j] : scene.mesh->rim) {
+    const Vec3f &p = snapshot.x_mm[size_t(i)], &q = snapshot.x_mm[size_t(j)];
+    const float length2 = (q - p).squaredNorm();
+    if (length2 < 1e-8f) continue;
+    const float t = std::clamp((a - p).dot(q - p) / length2, 0.0f, 1.0f);
+    const float d = (p + t * (q - p) - a).squaredNorm();
+    if (d < distance) distance = d, along = q - p;
+  }
+  const Vec3f out = along.cross(up);  // skin lies on the left of its rim, the wound on the right
+  return out.norm() > 1e-6f ? Vec3f(out.normalized()) : Vec3f(Vec3f::UnitX());
+}
+
+void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState& s) {
+  if (!s.a_mm.allFinite() || !s.b_mm.allFinite()) return;
+  const Nearest at = nearest_skin(scene, s.a_mm);
+  if (!at.found) return;
+  const Vec3f gap = s.b_mm - s.a_mm;
+  // An open stitch points from end to end; a closed one has no direction left and takes the wound's.
+  Vec3f across = gap.norm() > 1.5f ? Vec3f(gap.normalized()) : across_rim(scene, snapshot, s.a_mm, at.normal);
+  across = (across - across.dot(at.normal) * at.normal).normalized();
+  if (!across.allFinite()) across = Vec3f::UnitX();
+  add_suture(scene.props, s, onto_skin(scene, s.a_mm - kBite_mm * across), onto_skin(scene, s.b_mm + kBite_mm * across),
+             at.normal);
+}
+
+}  // namespace
+
+const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool) {
+  RenderScene& scene = scene_;
+  scene.props.clear();
+  scene.field.clear();
+  if (!snapshot.topology || snapshot.x_mm.size() != snapshot.topology->view.X_mm.size()) {
+    scene.mesh = std::make_shared<TissueMesh>();
+    scene.x_mm.clear(), scene.normal.clear();
+    add_tool(scene.props, tool);
+    return scene;
+  }
+  const SurfaceTopology& topology = *snapshot.topology;
+  if (!scene.mesh || scene.mesh->version != topology.version || scene.mesh->hash != topology.hash ||
+      scene.mesh->vertices_of_view != topology.view.X_mm.size())
+    scene.mesh = std::make_shared<TissueMesh>(make_tissue_mesh(topology));
+  const TissueMesh& mesh = *scene.mesh;
+
+  scene.x_mm.resize(mesh.source.size());
+  for (size_t v = 0; v < mesh.source.size(); ++v) scene.x_mm[v] = snapshot.x_mm[size_t(mesh.source[v])];
+  vertex_normals(mesh.tri, scene.x_mm, scene.normal);
+  if (snapshot.field.size() == snapshot.x_mm.size()) {
+    scene.field.resize(mesh.source.size());
+    for (size_t v = 0; v < mesh.source.size(); ++v) scene.field[v] = snapshot.field[size_t(mesh.source[v])];
+  }
+  scene.bounds_min = Vec3f::Constant(std::numeric_limits<float>::max());
+  scene.bounds_max = -scene.bounds_min;
+  for (const Vec3f& x : scene.x_mm)
+    scene.bounds_min = scene.bounds_min.cwiseMin(x), scene.bounds_max = scene.bounds_max.cwiseMax(x);
+
+  for (const SutureState& s : snapshot.sutures) add_stitch(scene, snapshot, s);
+  for (const HookState& h : snapshot.hooks)
+    if (h.at_mm.allFinite() && h.handle_mm.allFinite()) {
+      const Nearest at = nearest_skin(scene, h.at_mm);
+      add_hook(scene.props, h, at.found ? at.normal : Vec3f(Vec3f::UnitZ()));
+    }
+  add_tool(scene.props, tool);
+  return scene;
+}
+
+namespace {
+
+struct Box {
+  Vec3f lo = Vec3f::Constant(std::numeric_limits<float>::max());
+  Vec3f hi = Vec3f::Constant(-std::numeric_limits<float>::max());
+  void add(const Vec3f& p) {
+    if (p.allFinite()) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
+  }
+  bool empty() const { return lo.x() > hi.x(); }
+};
+
+}  // namespace
+
+bool operated_region(const Snapshot& snapshot, Vec3f& centre_mm, float& radius_mm) {
+  Box box;
+  if (snapshot.topology && snapshot.topology->view.X_mm.size() == snapshot.x_mm.size()) {
+    // At rest and now: the frame shall hold the wound before and after it is closed.
+    const SurfaceView& view = snapshot.topology->view;
+    const auto& depth = snapshot.topology->depth_mm;
+    for (size_t t = 0; t < view.tri.size(); ++t)
+      if (view.kind[t] == FaceKind::wall)
+        for (const int32_t v : view.tri[t]) {
+          if (depth.size() == view.X_mm.size() && depth[size_t(v)] > 0.5f) continue;  // the mark on the skin counts
+          box.add(view.X_mm[size_t(v)].cast<float>());
+          box.add(snapshot.x_mm[size_t(v)]);
+        }
+  }
+  for (const SutureState& s : snapshot.sutures) box.add(s.a_mm), box.add(s.b_mm);
+  for (const HookState& h : snapshot.hooks) box.add(h.at_mm);
+  if (box.empty()) return false;
+  centre_mm = 0.5f * (box.lo + box.hi);
+  radius_mm = std::max(0.5f * (box.hi - box.lo).norm(), 8.0f);
+  return true;
+}
+
+void skin_region(const Body& body, Vec3f& centre_mm, float& radius_mm) {
+  Box box;
+  for (size_t t = 0; t < body.surface.tri.size(); ++t)
+    if (body.surface.tag.empty() || body.surface.tag[t] == SurfaceTag::skin)
+      for (const int32_t v : body.surface.tri[t]) box.add(body.surface.X_mm[size_t(v)].cast<float>());
+  if (box.empty()) box.add(Vec3f::Zero());
+  centre_mm = 0.5f * (box.lo + box.hi);
+  radius_mm = std::max(0.5f * (box.hi - box.lo).norm(), 1.0f);
+}
+
+}  // namespace limberg

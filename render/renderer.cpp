@@ -1,0 +1,257 @@
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "render/colour_map.h"
+#include "render/gl_objects.h"
+#include "render/shaders.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr int kShadowSize = 2048;
+constexpr float kLayerRange_mm = 16;
+const Vec3f kKeyDirection = Vec3f(-0.50f, 0.42f, 0.76f).normalized();
+
+Vec3f unit_rgb(Rgb8 c) { return Vec3f(float(c.r), float(c.g), float(c.b)) / 255.0f; }
+
+Texels viridis_texture() {
+  Texels t{256, 1, {}};
+  for (int i = 0; i < 256; ++i) {
+    const Rgb8 c = viridis(i / 255.0);
+    t.rgba.insert(t.rgba.end(), {c.r, c.g, c.b, 255});
+  }
+  return t;
+}
+
+// The lamp's view: an orthographic box around the scene, looking along the light.
+Mat4f light_matrix(const RenderScene& scene, float& box_mm) {
+  Vec3f lo = scene.bounds_min, hi = scene.bounds_max;
+  const Vec3f centre = 0.5f * (lo + hi);
+  const float r = std::max(0.5f * (hi - lo).norm(), 1.0f);
+  const Vec3f back = kKeyDirection, right = Vec3f(Vec3f::UnitY().cross(back)).normalized(), up = back.cross(right);
+  Mat4f m = Mat4f::Identity();
+  m.block<1, 3>(0, 0) = right.transpose() / r;
+  m.block<1, 3>(1, 0) = up.transpose() / r;
+  m.block<1, 3>(2, 0) = -back.transpose() / (2 * r);  // props may stand above the tissue
+  m.block<3, 1>(0, 3) = -(m.block<3, 3>(0, 0) * centre);
+  box_mm = 2 * r;
+  return m;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  std::unique_ptr<GlContext> context;
+  GlFunctions gl;
+  GlProgram tissue, prop, background, depth, id;
+  GlMesh tissue_mesh, prop_mesh, empty;
+  ShadowMap shadow;
+  GLuint skin_map, grid_map, detail_map, colour_map, layer_map = 0;
+  std::shared_ptr<const TissueMesh> uploaded;  // the topology that the constant buffers hold
+  std::unique_ptr<GlTarget> picture, ids;
+  GLint largest = 0;
+
+  static GlContext& current(GlContext& c) {
+    c.make_current();
+    return c;
+  }
+
+  explicit Impl(std::unique_ptr<GlContext> c)
+      : context(std::move(c)),
+        gl(current(*context)),
+        tissue(gl, shaders::tissue_vertex, std::string(shaders::lighting) + shaders::tissue_fragment),
+        prop(gl, shaders::prop_vertex, std::string(shaders::lighting) + shaders::prop_fragment),
+        background(gl, shaders::background_vertex, shaders::background_fragment),
+        depth(gl, shaders::depth_vertex, shaders::depth_fragment),
+        id(gl, shaders::id_vertex, shaders::id_fragment),
+        tissue_mesh(gl), prop_mesh(gl), empty(gl),
+        shadow(gl, kShadowSize),
+        skin_map(make_texture(gl, skin_texture(), true, true, true)),
+        grid_map(make_texture(gl, grid_texture(), false, true, true)),
+        detail_map(make_texture(gl, detail_texture(), false, true, true)),
+        colour_map(make_texture(gl, viridis_texture(), false, false, false)) {
+    gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+  }
+
+  ~Impl() { context->make_current(); }  // the targets are freed in their own context
+
+  void upload(const RenderScene& s) {
+    if (uploaded != s.mesh) {
+      const TissueMesh& m = *s.mesh;
+      std::vector<Eigen::Vector4f> rest(m.X_mm.size());
+      for (size_t v = 0; v < rest.size(); ++v) rest[v] << m.X_mm[v], m.depth_mm[v];
+      tissue_mesh.floats(3, 4, rest.data(), rest.size() * sizeof rest[0]);
+      tissue_mesh.floats(4, 2, m.chart_mm.data(), m.chart_mm.size() * sizeof m.chart_mm[0]);
+      tissue_mesh.integers(5, GL_UNSIGNED_BYTE, m.part.data(), m.part.size());
+      tissue_mesh.triangles(m.tri);
+      if (layer_map) gl.DeleteTextures(1, &layer_map);
+      layer_map = make_texture(gl, layer_texture(m.layers, double(kLayerRange_mm)), true, false, false);
+      uploaded = s.mesh;
+    }
+    tissue_mesh.floats(0, 3, s.x_mm.data(), s.x_mm.size() * sizeof(Vec3f));
+    tissue_mesh.floats(1, 3, s.normal.data(), s.normal.size() * sizeof(Vec3f));
+    std::vector<float> none;
+    const std::vector<float>& field = s.field.size() == s.x_mm.size() ? s.field : none;
+    if (field.empty()) none.assign(s.x_mm.size(), 0.0f);
+    tissue_mesh.floats(2, 1, field.data(), field.size() * sizeof(float));
+
+    const auto& v = s.props.vertex;
+    const size_t bytes = v.size() * sizeof(PropVertex), stride = sizeof(PropVertex);
+    prop_mesh.floats(0, 3, v.data(), bytes, stride, offsetof(PropVertex, x_mm));
+    prop_mesh.floats(1, 3, v.data(), bytes, stride, offsetof(PropVertex, normal));
+    prop_mesh.floats(2, 4, v.data(), bytes, stride, offsetof(PropVertex, colour));
+    prop_mesh.integers(3, GL_UNSIGNED_INT, v.data(), bytes, stride, offsetof(PropVertex, id));
+    prop_mesh.triangles(s.props.tri);
+  }
+
+  void bind(int unit, GLuint texture) {
+    gl.ActiveTexture(GL_TEXTURE0 + GLenum(unit));
+    gl.BindTexture(GL_TEXTURE_2D, texture);
+  }
+
+  Mat4f cast_shadow(const RenderScene& s, bool on) {
+    float box_mm = 1;
+    const Mat4f light = light_matrix(s, box_mm);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, shadow.frame);
+    gl.Viewport(0, 0, shadow.size, shadow.size);
+    gl.Enable(GL_DEPTH_TEST);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    if (on) {
+      depth.use();
+      depth.set("to_clip", light);
+      gl.Enable(GL_POLYGON_OFFSET_FILL);
+      gl.PolygonOffset(1.5f, 2.0f);
+      tissue_mesh.draw();
+      prop_mesh.draw();
+      gl.Disable(GL_POLYGON_OFFSET_FILL);
+    }
+    Mat4f half = Mat4f::Identity();
+    half.diagonal().head<3>().setConstant(0.5f);
+    half.block<3, 1>(0, 3).setConstant(0.5f);
+    return half * light;
+  }
+
+  void set_lighting(const GlProgram& p, const View& view, const Mat4f& to_light, bool shaded) {
+    p.use();
+    p.set("to_clip", Mat4f(view.projection * view.to_eye));
+    p.set("eye", view.eye_mm);
+    p.set("key_direction", kKeyDirection);
+    p.set("to_light", to_light);
+    p.set("shadow_map", 0);
+    p.set("shadow_texel", shaded ? 1.0f / float(kShadowSize) : 0.0f);
+  }
+
+  void paint(const RenderScene&, const View& view, const DrawOptions& o, const Mat4f& to_light, int w, int h) {
+    const int x0 = int(std::lround(view.x0 * float(w))), x1 = int(std::lround(view.x1 * float(w)));
+    const int y0 = int(std::lround(view.y0 * float(h))), y1 = int(std::lround(view.y1 * float(h)));
+    gl.Viewport(x0, h - y1, x1 - x0, y1 - y0);
+    gl.Disable(GL_DEPTH_TEST);
+    background.use();
+    background.set("top", unit_rgb(o.background_top));
+    background.set("bottom", unit_rgb(o.background_bottom));
+    empty.triangles({{0, 1, 2}});
+    empty.draw();
+
+    gl.Enable(GL_DEPTH_TEST);
+    bind(0, shadow.texture);
+    set_lighting(tissue, view, to_light, o.shadow);
+    const std::pair<const char*, GLuint> maps[] = {{"skin_map", skin_map}, {"grid_map", grid_map}, {"detail_map", detail_map},
+                                                   {"layer_map", layer_map}, {"colour_map", colour_map}};
+    int unit = 1;
+    for (const auto& [name, texture] : maps) bind(unit, texture), tissue.set(name, unit++);
+    tissue.set("layer_range", kLayerRange_mm);
+    tissue.set("fine_skin", int(o.fine_skin));
+    tissue.set("show_field", int(o.colour_field));
+    tissue.set("field_min", float(o.field_min));
+    tissue.set("field_scale", float(1 / std::max(o.field_max - o.field_min, 1e-9)));
+    tissue.set("iso_lines", float(o.iso_lines));
+    tissue_mesh.draw();
+
+    set_lighting(prop, view, to_light, o.shadow);
+    prop_mesh.draw();
+  }
+
+  Image draw(const RenderScene& s, std::span<const View> views, const DrawOptions& o) {
+    context->make_current();
+    const int ss = std::clamp(o.supersample, 1, 4), w = o.width * ss, h = o.height * ss;
+    if (o.width < 1 || o.height < 1 || w > largest || h > largest)
+      throw RenderUnavailable("a picture of " + std::to_string(w) + " x " + std::to_string(h) +
+                              " pixels cannot be drawn; expected at most " + std::to_string(largest) + " a side");
+    if (!picture || picture->width() != w || picture->height() != h) picture = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
+    upload(s);
+    const Mat4f to_light = cast_shadow(s, o.shadow);
+    picture->bind();
+    const float clear[4]{0, 0, 0, 1}, far_depth = 1;
+    gl.ClearBufferfv(GL_COLOR, 0, clear);
+    gl.ClearBufferfv(GL_DEPTH, 0, &far_depth);
+    for (const View& view : views) paint(s, view, o, to_light, w, h);
+
+    Image image(w, h);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    std::vector<uint8_t> rows(image.rgb.size());
+    gl.ReadPixels(0, 0, w, h, GL_RGB, GL_UNSIGNED_BYTE, rows.data());
+    const size_t stride = 3 * size_t(w);
+    for (int y = 0; y < h; ++y) std::memcpy(&image.rgb[stride * size_t(y)], &rows[stride * size_t(h - 1 - y)], stride);
+    return shrink(image, ss);
+  }
+
+  IdImage draw_ids(const RenderScene& s, const View& view, int w, int h) {
+    context->make_current();
+    if (w < 1 || h < 1 || w > largest || h > largest) throw RenderUnavailable("an id picture of this size cannot be drawn");
+    if (!ids || ids->width() != w || ids->height() != h) ids = std::make_unique<GlTarget>(gl, GL_R32UI, w, h);
+    upload(s);
+    ids->bind();
+    gl.Viewport(0, 0, w, h);
+    gl.Enable(GL_DEPTH_TEST);
+    const GLuint nothing[4]{0, 0, 0, 0};
+    const float far_depth = 1;
+    gl.ClearBufferuiv(GL_COLOR, 0, nothing);
+    gl.ClearBufferfv(GL_DEPTH, 0, &far_depth);
+    id.use();
+    id.set("to_clip", Mat4f(view.projection * view.to_eye));
+    id.set("tissue", 1);
+    tissue_mesh.draw();
+    id.set("tissue", 0);
+    prop_mesh.draw();
+    std::vector<uint32_t> rows(size_t(w) * size_t(h));
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+    gl.ReadPixels(0, 0, w, h, GL_RED_INTEGER, GL_UNSIGNED_INT, rows.data());
+    IdImage out{w, h, std::vector<uint32_t>(rows.size())};
+    const TissueMesh& m = *s.mesh;
+    for (int y = 0; y < h; ++y)
+      for (int x = 0; x < w; ++x) {
+        uint32_t v = rows[size_t(h - 1 - y) * size_t(w) + size_t(x)];
+        if (v & 0x80000000u) {
+          const size_t t = v & 0x7fffffffu;
+          v = uint32_t(m.part[m.tri[t][0]]) << 24 | uint32_t(m.tri_source[t]);
+        }
+        out.id[size_t(y) * size_t(w) + size_t(x)] = v;
+      }
+    return out;
+  }
+};
+
+Renderer::Renderer(std::unique_ptr<GlContext> context) : impl_(std::make_unique<Impl>(std::move(context))) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+
+Image Renderer::draw(const RenderScene& scene, const View& view, const DrawOptions& options) {
+  return impl_->draw(scene, std::span(&view, 1), options);
+}
+Image Renderer::draw(const RenderScene& scene, std::span<const View> views, const DrawOptions& options) {
+  return impl_->draw(scene, views, options);
+}
+IdImage Renderer::draw_ids(const RenderScene& scene, const View& view, int width, int height) {
+  return impl_->draw_ids(scene, view, width, height);
+}
+std::string Renderer::describe() const {
+  impl_->context->make_current();
+  const auto text = [&](GLenum name) { return reinterpret_cast<const char*>(impl_->gl.GetString(name)); };
+  return impl_->context->describe() + ": OpenGL " + text(GL_VERSION) + ", " + text(GL_RENDERER);
+}
+
+}  // namespace limberg

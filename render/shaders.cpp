@@ -1,0 +1,272 @@
+#include "render/shaders.h"
+
+namespace limberg::shaders {
+
+const char* const lighting = R"(#version 330 core
+uniform vec3 eye;            // world mm
+uniform vec3 key_direction;  // unit, towards the light
+uniform mat4 to_light;       // world -> shadow map, 0..1
+uniform sampler2DShadow shadow_map;
+uniform float shadow_texel;  // size of one texel, 0 = no shadow
+
+const vec3 key_colour = vec3(2.55, 2.45, 2.30);
+const vec3 fill_colour = vec3(0.42, 0.48, 0.56);
+const vec3 sky = vec3(0.62, 0.66, 0.70), ground = vec3(0.34, 0.28, 0.25);
+
+// 1 in full light. Sixteen taps over about a millimetre: a lamp, not a point.
+float lit(vec3 world, vec3 n) {
+  if (shadow_texel <= 0.0) return 1.0;
+  vec4 p = to_light * vec4(world + 0.25 * n, 1.0);
+  if (any(lessThan(p.xyz, vec3(0.0))) || any(greaterThan(p.xyz, vec3(1.0)))) return 1.0;
+  float sum = 0.0;
+  for (int i = 0; i < 16; ++i) {
+    vec2 o = (vec2(i & 3, i >> 2) - 1.5) * 2.2 * shadow_texel;
+    sum += texture(shadow_map, vec3(p.xy + o, p.z - 0.0012));
+  }
+  return sum / 16.0;
+}
+
+// Microfacet lobe of Trowbridge and Reitz with a fitted visibility term; times n.l.
+float lobe(vec3 n, vec3 v, vec3 l, float roughness, float f0) {
+  vec3 h = normalize(v + l);
+  float nl = max(dot(n, l), 0.0), nv = max(dot(n, v), 0.05), nh = max(dot(n, h), 0.0), vh = max(dot(v, h), 0.0);
+  float a2 = roughness * roughness * roughness * roughness;
+  float d = nh * nh * (a2 - 1.0) + 1.0;
+  float k = roughness * roughness * 0.5;
+  float visible = 1.0 / ((nl * (1.0 - k) + k) * (nv * (1.0 - k) + k) * 4.0);
+  float fresnel = f0 + (1.0 - f0) * pow(1.0 - vh, 5.0);
+  return a2 / (3.14159265 * d * d) * visible * fresnel * nl;
+}
+
+vec3 hemisphere(vec3 n) { return mix(ground, sky, 0.5 + 0.5 * n.z); }
+
+// Linear light to the screen: a soft shoulder above 0.7, then the sRGB curve.
+vec3 to_screen(vec3 c) {
+  vec3 over = max(c - 0.7, 0.0);
+  c = min(c, vec3(0.7)) + 0.3 * (1.0 - exp(-over / 0.3));
+  return mix(12.92 * c, 1.055 * pow(max(c, vec3(1e-5)), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+}
+)";
+
+const char* const tissue_vertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in float field;
+layout(location = 3) in vec4 rest_depth;
+layout(location = 4) in vec2 chart;
+layout(location = 5) in int part;
+uniform mat4 to_clip;
+out vec3 v_world, v_normal, v_rest;
+out vec2 v_chart;
+out float v_depth, v_field;
+flat out int v_part;
+void main() {
+  v_world = position, v_normal = normal, v_rest = rest_depth.xyz;
+  v_chart = chart, v_depth = rest_depth.w, v_field = field, v_part = part;
+  gl_Position = to_clip * vec4(position, 1.0);
+}
+)";
+
+const char* const tissue_fragment = R"(
+in vec3 v_world, v_normal, v_rest;
+in vec2 v_chart;
+in float v_depth, v_field;
+flat in int v_part;
+uniform sampler2D skin_map;    // sRGB albedo, tile of 64 mm
+uniform sampler2D grid_map;    // coverage of fine (r) and bold (g) lines, tile of 10 mm
+uniform sampler2D detail_map;  // pores (r), lobules (g), mottle (b), tile of 32 mm
+uniform sampler2D layer_map;   // sRGB albedo over depth, 0 .. layer_range mm
+uniform sampler2D colour_map;
+uniform float layer_range;
+uniform bool fine_skin, show_field;
+uniform float field_min, field_scale, iso_lines;
+out vec4 colour;
+
+// Tilts n by a height field h (mm) on the surface, from screen-space differences.
+vec3 bump(vec3 n, vec3 p, float h) {
+  vec3 px = dFdx(p), py = dFdy(p);
+  vec3 rx = cross(py, n), ry = cross(n, px);
+  float det = dot(px, rx);
+  vec3 g = sign(det) * (dFdx(h) * rx + dFdy(h) * ry);
+  return normalize(abs(det) * n - g + 1e-12 * n);
+}
+
+vec3 detail_on_wall(vec3 p, vec3 n, float scale) {
+  vec3 w = abs(n) * abs(n);
+  w /= w.x + w.y + w.z + 1e-6;
+  return w.x * texture(detail_map, p.yz * scale).rgb + w.y * texture(detail_map, p.xz * scale).rgb +
+         w.z * texture(detail_map, p.xy * scale).rgb;
+}
+
+void main() {
+  vec3 v = normalize(eye - v_world);
+  vec3 n = normalize(v_normal + 1e-9 * v);
+  if (dot(n, v) < 0.0 && v_part != 1) n = normalize(n - 1.02 * dot(n, v) * v);  // interpolated past the horizon
+  vec3 l = key_direction;
+  vec2 grid = texture(grid_map, v_chart * 0.1).rg;
+  float shade = lit(v_world, n);
+
+  if (show_field) {
+    vec3 c = vec3(0.30, 0.29, 0.29);
+    if (v_part == 1) {
+      float t = (v_field - field_min) * field_scale;
+      c = texture(colour_map, vec2((clamp(t, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+      if (iso_lines > 0.0) {
+        float s = t * iso_lines, w = fwidth(s);
+        float d = abs(fract(s + 0.5) - 0.5) / max(w, 1e-6);
+        float line = (1.0 - smoothstep(0.4, 1.2, d)) * clamp(1.6 - 4.0 * w, 0.0, 1.0) * step(0.5, s) * step(s, iso_lines - 0.5);
+        c = mix(c, vec3(1.0), 0.38 * line);
+      }
+      c = mix(c, vec3(0.0), 0.16 * grid.g);
+    } else if (v_part == 2) {
+      c = vec3(0.46, 0.42, 0.42) * mix(0.55, 1.0, exp(-v_depth / 3.0));
+    }
+    float light = 0.62 + 0.30 * max(dot(n, l), 0.0) * mix(0.45, 1.0, shade) + 0.12 * max(dot(n, v), 0.0);
+    vec3 lo = c / 12.92, hi = pow((c + 0.055) / 1.055, vec3(2.4));
+    colour = vec4(to_screen(mix(lo, hi, step(0.04045, c)) * light), 1.0);
+    return;
+  }
+
+  vec3 result;
+  if (v_part == 1) {
+    vec3 albedo = texture(skin_map, v_chart * (1.0 / 64.0)).rgb;
+    vec3 ink = vec3(0.115, 0.06, 0.19);  // gentian violet, as on a marked patient
+    albedo = mix(albedo, albedo * vec3(0.52, 0.40, 0.56), 0.55 * grid.r);
+    albedo = mix(albedo, mix(ink, albedo, 0.12), 0.80 * grid.g);
+    if (fine_skin) {
+      float pores = texture(detail_map, v_chart * (1.0 / 11.0)).r;
+      n = bump(n, v_world, 0.030 * pores);
+    }
+    // Light enters and leaves a little further on: the terminator is soft, and softest in red.
+    float nl = dot(n, l);
+    vec3 wrap = vec3(0.42, 0.22, 0.15);
+    vec3 diffuse = clamp((vec3(nl) + wrap) / (1.0 + wrap), 0.0, 1.0);
+    diffuse *= diffuse * 0.35 + 0.65;
+    vec3 shadow = mix(vec3(0.16, 0.07, 0.05), vec3(1.0), vec3(shade));
+    float fill = clamp(0.5 + 0.5 * dot(n, normalize(vec3(0.7, -0.3, 0.5))), 0.0, 1.0);
+    vec3 light = key_colour * diffuse * shadow * 0.318 + fill_colour * fill * 0.36 + hemisphere(n) * 0.34;
+    result = albedo * light;
+    float s = lobe(n, v, l, 0.52, 0.030);
+    if (fine_skin) s = 0.80 * s + 0.20 * lobe(n, v, l, 0.33, 0.030);
+    result += key_colour * s * shade * 0.85;
+  } else if (v_part == 2) {
+    vec3 m = detail_on_wall(v_rest, n, 1.0 / 13.0);
+    float ragged = (m.b - 0.5) * 0.35 + (m.r - 0.5) * 0.12;
+    vec3 albedo = texture(layer_map, vec2((v_depth + ragged * smoothstep(0.15, 0.6, v_depth)) / layer_range, 0.5)).rgb;
+    float fat = smoothstep(1.4, 2.1, v_depth);
+    albedo *= mix(0.98 + 0.22 * (m.b - 0.5), 0.76 + 0.34 * m.g, fat);
+    albedo = mix(albedo, vec3(0.36, 0.030, 0.022), (0.03 + 0.34 * smoothstep(0.54, 0.72, m.b)) * smoothstep(0.2, 0.8, v_depth));
+    if (fine_skin) n = bump(n, v_world, mix(0.04 * m.r, 0.30 * m.g, fat));
+    float nl = dot(n, l);
+    vec3 wrap = vec3(0.50, 0.30, 0.22);
+    vec3 diffuse = clamp((vec3(nl) + wrap) / (1.0 + wrap), 0.0, 1.0);
+    float cavity = mix(0.62, 1.0, exp(-v_depth / 3.2));  // the deeper, the less of the room is seen
+    vec3 shadow = mix(vec3(0.34, 0.22, 0.17), vec3(1.0), vec3(shade));
+    float from_eye = max(dot(n, v), 0.0);  // a lamp on the surgeon's head looks into the wound
+    vec3 light = key_colour * diffuse * shadow * 0.318 * mix(1.0, cavity, 0.35) + (hemisphere(n) * 0.36 + fill_colour * 0.14) * cavity +
+                 vec3(0.62, 0.59, 0.55) * from_eye * cavity;
+    result = albedo * light;
+    float s = lobe(n, v, l, 0.28, 0.040) + 0.25 * lobe(n, v, normalize(vec3(0.5, -0.5, 0.7)), 0.30, 0.040);
+    result += key_colour * s * mix(0.25, 1.0, shade) * 0.75;
+  } else {
+    vec3 layer = texture(layer_map, vec2(v_depth / layer_range, 0.5)).rgb;
+    float grey = dot(layer, vec3(0.30, 0.59, 0.11));
+    vec3 albedo = mix(vec3(0.50, 0.47, 0.44) * (0.45 + 0.75 * grey), layer, 0.22) * 0.75;
+    float nl = max(dot(n, l), 0.0);
+    result = albedo * (key_colour * nl * mix(0.12, 1.0, shade) * 0.318 + fill_colour * 0.18 + hemisphere(n) * 0.36);
+  }
+  colour = vec4(to_screen(result), 1.0);
+}
+)";
+
+const char* const prop_vertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 colour_metal;
+uniform mat4 to_clip;
+out vec3 v_world, v_normal, v_colour;
+out float v_metal;
+void main() {
+  v_world = position, v_normal = normal, v_colour = colour_metal.rgb, v_metal = colour_metal.a;
+  gl_Position = to_clip * vec4(position, 1.0);
+}
+)";
+
+const char* const prop_fragment = R"(
+in vec3 v_world, v_normal, v_colour;
+in float v_metal;
+out vec4 colour;
+
+// What steel reflects: a room with a bright ceiling lamp, a lighter wall and a dark floor.
+vec3 room(vec3 d) {
+  float up = d.z;
+  vec3 c = mix(vec3(0.20, 0.21, 0.22), vec3(0.74, 0.79, 0.82), smoothstep(-0.45, 0.55, up));
+  c += vec3(1.1) * smoothstep(0.72, 0.95, dot(d, key_direction));
+  c *= 1.0 - 0.55 * exp(-36.0 * (up + 0.02) * (up + 0.02));  // the horizon's dark band
+  return c;
+}
+
+void main() {
+  vec3 v = normalize(eye - v_world);
+  vec3 n = normalize(v_normal + 1e-9 * v);
+  if (dot(n, v) < 0.0) n = -n;
+  float shade = lit(v_world, n), nl = max(dot(n, key_direction), 0.0);
+  vec3 plain = v_colour * (key_colour * nl * shade * 0.318 + hemisphere(n) * 0.45 + fill_colour * 0.12) +
+               key_colour * lobe(n, v, key_direction, 0.36, 0.05) * shade * 0.7;
+  vec3 f = v_colour + (1.0 - v_colour) * pow(1.0 - max(dot(n, v), 0.0), 5.0);
+  vec3 steel = f * room(reflect(-v, n)) * mix(0.75, 1.0, shade) + key_colour * lobe(n, v, key_direction, 0.25, 0.5) * shade * 0.8;
+  colour = vec4(to_screen(mix(plain, steel, v_metal)), 1.0);
+}
+)";
+
+const char* const background_vertex = R"(#version 330 core
+out vec2 v_at;
+void main() {
+  v_at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;  // one triangle over the whole view
+  gl_Position = vec4(v_at * 2.0 - 1.0, 0.0, 1.0);
+}
+)";
+
+const char* const background_fragment = R"(#version 330 core
+in vec2 v_at;
+uniform vec3 top, bottom;  // sRGB
+out vec4 colour;
+void main() {
+  vec2 d = v_at - vec2(0.5, 0.55);
+  float fall = clamp(1.15 - 1.1 * dot(d, d), 0.0, 1.0);
+  vec3 c = mix(bottom, top, smoothstep(0.0, 1.0, v_at.y)) * mix(0.72, 1.0, fall);
+  // Half a grey level of noise against banding.
+  float noise = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
+  colour = vec4(c + (noise - 0.5) / 255.0, 1.0);
+}
+)";
+
+const char* const depth_vertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+uniform mat4 to_clip;
+void main() { gl_Position = to_clip * vec4(position, 1.0); }
+)";
+
+const char* const depth_fragment = R"(#version 330 core
+void main() {}
+)";
+
+const char* const id_vertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 3) in uint id;  // props only
+uniform mat4 to_clip;
+flat out uint v_id;
+void main() {
+  v_id = id;
+  gl_Position = to_clip * vec4(position, 1.0);
+}
+)";
+
+const char* const id_fragment = R"(#version 330 core
+flat in uint v_id;
+uniform bool tissue;
+out uint id;
+void main() { id = tissue ? 0x80000000u | uint(gl_PrimitiveID) : v_id; }
+)";
+
+}  // namespace limberg::shaders

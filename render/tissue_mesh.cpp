@@ -1,0 +1,116 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "render/render_scene.h"
+
+namespace limberg {
+
+namespace {
+
+// Two faces at a vertex are shaded smoothly together when their rest normals differ by less than this.
+constexpr float kCreaseCos = 0.77f;  // 40 degrees
+
+Part part_of(FaceKind kind) {
+  switch (kind) {
+    case FaceKind::skin: return Part::skin;
+    case FaceKind::wall: return Part::wall;
+    default: return Part::side;
+  }
+}
+
+// One render vertex that a surface vertex has been split into.
+struct Split {
+  Part part;
+  bool has_normal;
+  Vec3f normal;
+  uint32_t index;
+};
+
+}  // namespace
+
+TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
+  const SurfaceView& view = topology.view;
+  TissueMesh mesh;
+  mesh.version = topology.version;
+  mesh.hash = topology.hash;
+  mesh.vertices_of_view = view.X_mm.size();
+  if (topology.body) mesh.layers = topology.body->layers;
+
+  const size_t n = view.tri.size();
+  std::vector<uint32_t> order;
+  order.reserve(n);
+  for (const Part wanted : {Part::skin, Part::wall, Part::side}) {
+    for (size_t t = 0; t < n; ++t)
+      if (part_of(view.kind[t]) == wanted) order.push_back(uint32_t(t));
+    if (wanted == Part::skin) mesh.skin_triangles = order.size();
+    if (wanted == Part::wall) mesh.wall_triangles = order.size() - mesh.skin_triangles;
+  }
+
+  std::vector<std::vector<Split>> splits(view.X_mm.size());
+  mesh.tri.reserve(n);
+  mesh.tri_source.reserve(n);
+  for (const uint32_t t : order) {
+    const Tri& tri = view.tri[t];
+    const Part part = part_of(view.kind[t]);
+    const Vec3 cross = (view.X_mm[size_t(tri[1])] - view.X_mm[size_t(tri[0])])
+                           .cross(view.X_mm[size_t(tri[2])] - view.X_mm[size_t(tri[0])]);
+    // Slivers say nothing about the direction of the surface: they join whatever is there.
+    const bool good = cross.norm() > 1e-4;
+    const Vec3f normal = good ? Vec3f(cross.normalized().cast<float>()) : Vec3f(Vec3f::Zero());
+    std::array<uint32_t, 3> corner{};
+    for (size_t k = 0; k < 3; ++k) {
+      const size_t v = size_t(tri[k]);
+      Split* found = nullptr;
+      for (Split& s : splits[v])
+        if (s.part == part && (!good || !s.has_normal || s.normal.dot(normal) > kCreaseCos)) {
+          found = &s;
+          break;
+        }
+      if (!found) {
+        splits[v].push_back({part, good, normal, uint32_t(mesh.source.size())});
+        found = &splits[v].back();
+        const Vec3& X = view.X_mm[v];
+        const Vec2 chart = topology.body ? topology.body->to_chart(X) : Vec2(X.head<2>());
+        mesh.source.push_back(int32_t(v));
+        mesh.X_mm.push_back(X.cast<float>());
+        mesh.chart_mm.push_back(chart.cast<float>());
+        mesh.depth_mm.push_back(v < topology.depth_mm.size() ? topology.depth_mm[v] : 0.0f);
+        mesh.part.push_back(part);
+      } else if (!found->has_normal && good) {
+        found->has_normal = true, found->normal = normal;
+      }
+      corner[k] = found->index;
+    }
+    mesh.tri.push_back(corner);
+    mesh.tri_source.push_back(int32_t(t));
+  }
+
+  // Rim: directed edges of skin triangles whose twin belongs to a wall.
+  std::map<std::array<int32_t, 2>, bool> wall_edge;
+  for (size_t t = 0; t < n; ++t)
+    if (view.kind[t] == FaceKind::wall)
+      for (size_t k = 0; k < 3; ++k) wall_edge[{view.tri[t][k], view.tri[t][(k + 1) % 3]}] = true;
+  for (size_t t = 0; t < n; ++t)
+    if (view.kind[t] == FaceKind::skin)
+      for (size_t k = 0; k < 3; ++k) {
+        const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
+        if (wall_edge.count({b, a})) mesh.rim.push_back({a, b});
+      }
+  return mesh;
+}
+
+void vertex_normals(const std::vector<std::array<uint32_t, 3>>& tri, const std::vector<Vec3f>& x_mm,
+                    std::vector<Vec3f>& normal) {
+  normal.assign(x_mm.size(), Vec3f::Zero());
+  for (const auto& [a, b, c] : tri) {
+    const Vec3f n = (x_mm[b] - x_mm[a]).cross(x_mm[c] - x_mm[a]);  // twice the area long
+    normal[a] += n, normal[b] += n, normal[c] += n;
+  }
+  for (Vec3f& n : normal) {
+    const float length = n.norm();
+    if (length > 0) n /= length;
+  }
+}
+
+}  // namespace limberg
