@@ -9,11 +9,10 @@ namespace limberg {
 constexpr int64_t kNsPerMs = 1'000'000;
 constexpr int64_t kDeviceTickNs = kNsPerMs;  // 1 kHz
 
-/// CLOCK_MONOTONIC since construction, or since start().
+/// CLOCK_MONOTONIC since a given moment of it.
 class RealClock {
  public:
-  RealClock() { start(); }
-  void start() { start_ = monotonic_ns(); }
+  explicit RealClock(int64_t start_ns) : start_(start_ns) {}
   int64_t now_ns() const { return monotonic_ns() - start_; }
   /// Sleeps until the given time; returns at once when it has passed.
   void sleep_until_ns(int64_t t_ns) const {

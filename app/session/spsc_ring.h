@@ -7,14 +7,12 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 namespace limberg {
 
 template <class T>
 class SpscRing {
-  static_assert(std::is_nothrow_copy_assignable_v<T>);
   static_assert(std::atomic<size_t>::is_always_lock_free);
 
  public:

@@ -1,0 +1,48 @@
+#pragma once
+// Everything that passes between the threads of a session, in one place.
+//
+//     device ──ring: tool events, never dropped unsaid──► solver
+//     device ──triple buffer: where the hand is────────► solver, render
+//     solver ──triple buffer: the patient──────────────► device, render
+//     solver ──ring: stages passed─────────────────────► render
+//     device ──ring: every sample as received──────────► recorder
+//
+// Nothing here waits. Each buffer has one writer and one reader.
+#include "app/session/epoch.h"
+#include "app/session/spsc_ring.h"
+#include "app/session/triple_buffer.h"
+#include "devices/tool_event.h"
+#include "sim/snapshot.h"
+
+namespace limberg {
+
+/// Where the hand is, and when its newest reading was taken.
+struct HandState {
+  ToolState tool;
+  int64_t sample_ns = -1;  // session time of the newest sample that went into it; -1 before any
+};
+
+/// The patient as shown, and the newest reading that it has seen.
+struct PatientState {
+  Snapshot snapshot;
+  int64_t sample_ns = -1;
+};
+
+/// A stage of the operation, passed when Snapshot::stage reaches its number.
+struct StageMark {
+  int32_t number = 0;  // from 1
+  ShortText name;
+};
+
+enum TopologyReader : int { kDeviceReader = 0, kRenderReader = 1, kTopologyReaders = 2 };
+
+struct Channels {
+  SpscRing<ToolEvent> events{1 << 14};  // 16 s of a gesture that makes an event on every tick
+  SpscRing<Sample> samples{1 << 14};
+  SpscRing<StageMark> stages{1 << 10};
+  TripleBuffer<HandState> hand_to_solver, hand_to_render;
+  TripleBuffer<PatientState> patient_to_device, patient_to_render;
+  Versions<SurfaceTopology, kTopologyReaders> topologies;  // owned by the solver lane
+};
+
+}  // namespace limberg

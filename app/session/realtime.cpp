@@ -1,0 +1,230 @@
+#include "app/session/realtime.h"
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <atomic>
+#include <exception>
+#include <mutex>
+
+#include "app/session/clock.h"
+#include "app/session/thread.h"
+
+namespace limberg {
+
+namespace {
+
+/// What the threads share beside the channels: when to start, when to end, and why.
+struct Control {
+  std::atomic<int64_t> start_ns{0};  // set once; waited for
+  std::atomic<int> ready{0};
+  std::atomic<bool> stop_device{false}, stop_solver{false}, stop_render{false};
+  std::atomic<bool> sources_done{false}, device_ended{false}, at_rest{false};
+  std::atomic<int64_t> tick{0};
+  std::mutex mutex;  // for `error` and `scheduling`, at start and end only
+  std::exception_ptr error;
+  std::string scheduling;
+
+  void i_am_ready() {
+    ready.fetch_add(1);
+    ready.notify_all();
+  }
+  int64_t wait_for_start() {
+    start_ns.wait(0);
+    return start_ns.load();
+  }
+  void fail() {
+    const std::lock_guard lock(mutex);
+    if (!error) error = std::current_exception();
+    stop_device = stop_solver = stop_render = true;
+  }
+  bool failed() {
+    const std::lock_guard lock(mutex);
+    return error != nullptr;
+  }
+};
+
+/// Runs a thread's body; an exception ends the session instead of the program.
+template <class F>
+std::function<void()> guarded(Control& c, F body) {
+  return [&c, body] {
+    try {
+      body();
+    } catch (...) {
+      c.fail();
+      c.i_am_ready();
+    }
+  };
+}
+
+void give_up_real_time() {
+  const sched_param normal{};
+  pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
+}
+
+void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick, int64_t tail_ticks, int priority) {
+  request_exact_timers();
+  {
+    const std::string got = request_real_time(priority);
+    const std::lock_guard lock(c.mutex);
+    c.scheduling = got;
+  }
+  c.i_am_ready();
+  const RealClock clock(c.wait_for_start());
+  int64_t tick = 0, end = end_tick;
+  while (!c.stop_device.load(std::memory_order_relaxed)) {
+    clock.sleep_until_ns(tick * kDeviceTickNs);
+    const int64_t woke = clock.now_ns(), late = woke - tick * kDeviceTickNs;
+    t.wake.add(late);
+    if (late >= kDeviceTickNs) {
+      ++t.late;
+      const int64_t missed = late / kDeviceTickNs;
+      t.skipped += uint64_t(missed);
+      tick += missed;
+    }
+    if (end >= 0 && tick > end) tick = end;  // the last tick of a recording is always done
+    lane.tick(tick);
+    const int64_t ended = clock.now_ns();
+    t.work.add(ended - woke);
+    t.age.add((tick - lane.snapshot_tick()) * kDeviceTickNs);
+    ++t.ticks;
+    c.tick.store(tick, std::memory_order_relaxed);
+    if (ended - woke > 50 * kNsPerMs) give_up_real_time();
+    if (end < 0 && lane.done()) end = tick + tail_ticks;
+    if (end >= 0 && tick >= end) break;
+    ++tick;
+  }
+  c.device_ended.store(true);
+}
+
+void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const SessionSettings& set, double budget) {
+  LaneTimes& t = out.solver;
+  lane.start();
+  c.i_am_ready();
+  const RealClock clock(c.wait_for_start());
+  const int64_t period = int64_t(set.ticks_per_solver_step) * kDeviceTickNs;
+  int64_t n = 1, last_tick = 0;
+  int resting = -1;  // steps since the device thread ended
+  while (!c.stop_solver.load()) {
+    clock.sleep_until_ns(n * period);
+    const int64_t woke = clock.now_ns(), late = woke - n * period;
+    t.wake.add(late);
+    if (late >= period) {
+      ++t.late;
+      t.skipped += uint64_t(late / period);
+      n += late / period;
+    }
+    const bool ended = c.device_ended.load();  // before the step: then the step sees the last event
+    const int64_t deadline = woke + int64_t(budget * double(period));
+    last_tick = std::max(last_tick, c.tick.load());
+    lane.step(last_tick, [&] { return clock.now_ns() > deadline; });
+    const int64_t done = clock.now_ns();
+    t.work.add(done - woke);
+    ++t.ticks;
+    if (lane.published_new_sample()) out.sample_to_snapshot.add(done - lane.newest_sample_ns());
+    if (ended && ++resting >= 1) {
+      out.settle_steps = resting;
+      if (lane.last().residual <= set.settle_residual || resting >= set.settle_steps) break;
+    }
+    ++n;
+  }
+  c.at_rest.store(true);
+}
+
+void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const SessionSettings& set, int nice) {
+  be_nice(nice);
+  // The patient is published before the clock starts; the picture sink is made ready with it.
+  lane.prepare();
+  c.i_am_ready();
+  const RealClock clock(c.wait_for_start());
+  const int64_t period = int64_t(set.ticks_per_frame) * kDeviceTickNs;
+  LaneTimes& t = out.render;
+  int64_t n = 1, shown_sample = -1;
+  for (bool last = false; !last;) {
+    last = c.stop_render.load();  // one more frame after the end: the patient at rest
+    if (!last) clock.sleep_until_ns(n * period);
+    const int64_t woke = clock.now_ns(), late = woke - n * period;
+    if (!last && late > 0) {
+      t.wake.add(late);
+      if (late >= period) {
+        ++t.late;
+        t.skipped += uint64_t(late / period);
+        n += late / period;
+      }
+    }
+    if (lane.frame()) {
+      const int64_t done = clock.now_ns();
+      t.work.add(done - woke);
+      ++t.ticks;
+      if (lane.sample_ns() != shown_sample) out.sample_to_frame.add(done - lane.sample_ns());
+      shown_sample = lane.sample_ns();
+    }
+    if (!lane.open()) c.stop_device = true;
+    ++n;
+  }
+}
+
+}  // namespace
+
+SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, const RealTimeSettings& rt,
+                            const std::function<void(int64_t)>& before_start) {
+  SessionFigures out;
+  Control c;
+  auto& [device, solver, render, recorder] = lanes;
+  {
+    // The first patient must be published before the render thread makes its sink ready.
+    Thread solver_t(guarded(c, [&] { solver_thread(c, solver, out, set, rt.solver_budget); }));
+    for (int r = c.ready.load(); r < 1; r = c.ready.load()) c.ready.wait(r);
+    Thread render_t(guarded(c, [&] { render_thread(c, render, out, set, rt.render_nice); }));
+    for (int r = c.ready.load(); r < 2; r = c.ready.load()) c.ready.wait(r);
+    Thread device_t(guarded(c, [&] {
+      device_thread(c, device, out.device, set.end_tick, set.tail_ticks, rt.fifo_priority);
+    }));
+    for (int r = c.ready.load(); r < 3; r = c.ready.load()) c.ready.wait(r);
+    const int64_t start = RealClock::monotonic_ns() + 20 * kNsPerMs;
+    try {
+      if (before_start) before_start(start);
+      if (set.say) set.say(c.scheduling);
+    } catch (...) {
+      c.fail();
+    }
+    c.start_ns.store(start);
+    c.start_ns.notify_all();
+
+    const RealClock clock(start);
+    bool warned = false;
+    for (int64_t t = 0; !c.at_rest && !c.failed(); t += 10 * kNsPerMs) {
+      clock.sleep_until_ns(t);
+      t = std::max(t, clock.now_ns());
+      if (recorder) {
+        recorder->drain();
+        if (recorder->failed() && !warned && set.say) set.say(recorder->path() + ": recording stopped: " + recorder->error());
+        warned |= recorder->failed();
+        if (recorder->failed() && set.stop_when_recording_fails) out.interrupted = true;
+      }
+      if (set.interrupted && set.interrupted()) out.interrupted = true;
+      if (set.progress) set.progress(c.tick.load());
+      if (out.interrupted) {
+        c.stop_device = true;
+        device_t.join();
+        c.device_ended = true;
+        c.stop_solver = true;
+        break;
+      }
+    }
+    device_t.join();
+    solver_t.join();
+    c.stop_render = true;
+    render_t.join();
+  }
+  if (c.error) std::rethrow_exception(c.error);
+  out.ticks = int64_t(out.device.ticks);
+  out.last_tick = c.tick.load();
+  out.duration_s = double(out.last_tick) * 1e-3;
+  out.scheduling = c.scheduling;
+  if (recorder) recorder->finish(out.last_tick, 0);  // hash 0: the interleaving of a live session is its own
+  out.state_hash = solver.state_hash();
+  return out;
+}
+
+}  // namespace limberg

@@ -1,0 +1,42 @@
+#pragma once
+// Empties the ring of samples into the recording. Writes to disk: not for the device thread.
+//
+// When the disk refuses, what was written stays, the first error is kept and the ring is still emptied, so that the
+// session can go on or end as its owner decides.
+#include <string>
+
+#include "app/session/channels.h"
+#include "devices/recording.h"
+
+namespace limberg {
+
+class Recorder {
+ public:
+  /// InputError as RecordingWriter::open.
+  Recorder(Channels& channels, const std::string& path, const SessionInfo& info, const std::vector<Blob>& blobs,
+           bool replace)
+      : ch_(channels), path_(path) {
+    writer_.open(path, info, blobs, replace);
+  }
+
+  void drain() {
+    for (Sample s; ch_.samples.pop(s); ++samples_) writer_.on_sample(s);
+  }
+  void checkpoint(int64_t tick, uint64_t hash) { writer_.checkpoint(tick, hash); }
+  void finish(int64_t tick, uint64_t hash) {
+    drain();
+    writer_.finish(tick, hash);
+  }
+  bool failed() const { return !writer_.error().empty(); }
+  const std::string& error() const { return writer_.error(); }
+  const std::string& path() const { return path_; }
+  int64_t samples() const { return samples_; }
+
+ private:
+  Channels& ch_;
+  std::string path_;
+  RecordingWriter writer_;
+  int64_t samples_ = 0;
+};
+
+}  // namespace limberg

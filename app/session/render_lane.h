@@ -1,0 +1,90 @@
+#pragma once
+// The render thread's work on one frame, without the thread: the newest patient goes to the picture sink; nothing is
+// drawn when neither patient nor hand changed. Every stage that was passed gets its picture, once.
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "app/session/channels.h"
+#include "app/session/picture_sink.h"
+
+namespace limberg {
+
+class RenderLane {
+ public:
+  /// `sink` may be null: then nothing is drawn, but topologies are still let go of.
+  /// `frames`: false draws stages only.
+  RenderLane(Channels& channels, PictureSink* sink, bool frames) : ch_(channels), sink_(sink), frames_(frames) {}
+
+  void prepare() {
+    ch_.patient_to_render.update();
+    const Snapshot& s = ch_.patient_to_render.reading().snapshot;
+    if (sink_ && s.topology) sink_->prepare(*s.topology);
+  }
+
+  /// True when something was drawn.
+  bool frame() {
+    const bool new_patient = ch_.patient_to_render.update(), new_hand = ch_.hand_to_render.update();
+    const Snapshot& s = ch_.patient_to_render.reading().snapshot;
+    for (StageMark m; ch_.stages.pop(m);) waiting_.push_back(m);
+    bool drawn = false;
+    if (sink_ && s.topology) {
+      while (!waiting_.empty() && waiting_.front().number <= s.stage) {
+        sink_->stage(waiting_.front().name.str(), s);
+        waiting_.pop_front();
+        drawn = true;
+      }
+      if (frames_ && ((new_patient && patient_changed(s)) || (new_hand && hand_changed()))) {
+        sink_->frame(s, ch_.hand_to_render.reading().tool);
+        drawn = true;
+        ++frames_drawn_;
+        remember(s);
+      }
+    }
+    ch_.topologies.moved_to(kRenderReader, s.topology_version);
+    return drawn;
+  }
+
+  uint64_t frames() const { return frames_drawn_; }
+  int64_t sample_ns() const { return ch_.patient_to_render.reading().sample_ns; }
+  int64_t device_tick() const { return ch_.patient_to_render.reading().snapshot.device_tick; }
+  bool open() const { return !sink_ || sink_->open(); }
+
+ private:
+  static constexpr float kVisible_mm = 0.02f;  // a quarter of a pixel when the skin block fills a 1280 pixel picture
+
+  bool hand_changed() const {
+    const ToolState& t = ch_.hand_to_render.reading().tool;
+    double d2 = 0;
+    for (int i = 0; i < 3; ++i) d2 += (t.tip_mm[i] - shown_tool_.tip_mm[i]) * (t.tip_mm[i] - shown_tool_.tip_mm[i]);
+    return d2 > kVisible_mm * kVisible_mm || t.tool != shown_tool_.tool || t.pressed != shown_tool_.pressed ||
+           t.valid != shown_tool_.valid;
+  }
+  bool patient_changed(const Snapshot& s) const {
+    if (frames_drawn_ == 0 || s.topology_version != shown_version_ || s.hooks.size() != shown_hooks_ ||
+        s.sutures.size() != shown_sutures_ || s.x_mm.size() != shown_x_.size())
+      return true;
+    for (size_t i = 0; i < s.x_mm.size(); ++i)
+      if ((s.x_mm[i] - shown_x_[i]).squaredNorm() > kVisible_mm * kVisible_mm) return true;
+    return false;
+  }
+  void remember(const Snapshot& s) {
+    shown_tool_ = ch_.hand_to_render.reading().tool;
+    shown_version_ = s.topology_version;
+    shown_hooks_ = s.hooks.size(), shown_sutures_ = s.sutures.size();
+    shown_x_ = s.x_mm;
+  }
+
+  Channels& ch_;
+  PictureSink* sink_;
+  bool frames_;
+  std::deque<StageMark> waiting_;
+  uint64_t frames_drawn_ = 0;
+  // What the last frame showed.
+  ToolState shown_tool_;
+  uint64_t shown_version_ = 0;
+  size_t shown_hooks_ = 0, shown_sutures_ = 0;
+  std::vector<Vec3f> shown_x_;
+};
+
+}  // namespace limberg

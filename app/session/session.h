@@ -1,0 +1,55 @@
+#pragma once
+// A session: the lanes, who drives them, and what it came to.
+//
+// Two drivers run the same lanes: lockstep.h on a virtual clock in one thread, realtime.h with three threads. Both end
+// when the sources have ended (or at a given tick), then let the patient come to rest.
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "app/session/device_lane.h"
+#include "app/session/lanes.h"
+#include "app/session/recorder.h"
+#include "app/session/render_lane.h"
+#include "app/session/solver_lane.h"
+
+namespace limberg {
+
+struct SessionLanes {
+  DeviceLane& device;
+  SolverLane& solver;
+  RenderLane& render;
+  Recorder* recorder = nullptr;
+};
+
+struct SessionSettings {
+  int ticks_per_solver_step = 16;   // 62.5 Hz
+  int ticks_per_frame = 33;         // 30 frames a second
+  int64_t end_tick = -1;            // the last tick; -1: `tail_ticks` after the sources have ended
+  int64_t tail_ticks = 100;         // time for the filter to catch up and the last gesture to end
+  int64_t checkpoint_ticks = 1000;  // lockstep
+  // Afterwards: steps until the residual is reached, at most so many.
+  double settle_residual = 1e-5;
+  int settle_steps = 600;
+  bool stop_when_recording_fails = false;
+  std::function<bool()> interrupted;             // asked now and then, from the driver's thread
+  std::function<void(int64_t tick)> progress;    // the same
+  std::function<void(const std::string&)> say;   // one line for the user, from the driver's thread
+};
+
+/// What a run came to; the lanes keep the rest (refusals, stages, series).
+struct SessionFigures {
+  LaneTimes device, solver, render;
+  Histogram sample_to_snapshot, sample_to_frame;
+  int64_t ticks = 0;         // device ticks done
+  int64_t last_tick = 0;
+  double duration_s = 0;     // of the session's clock, without the rest afterwards
+  int settle_steps = 0;
+  uint64_t state_hash = 0;   // at the end, at rest
+  std::vector<Checkpoint> checkpoints;  // lockstep: the last one is at the last tick, before the rest afterwards
+  bool interrupted = false;
+  std::string scheduling;    // real time: what the device thread got
+};
+
+}  // namespace limberg

@@ -1,0 +1,114 @@
+#include "app/session/solver_lane.h"
+
+#include "app/session/clock.h"
+#include "sim/hash.h"
+#include "sim/tools/script.h"
+
+namespace limberg {
+
+namespace {
+double seconds(int64_t tick) { return double(tick) * 1e-3; }
+Vec3 vec(const double (&p)[3]) { return {p[0], p[1], p[2]}; }
+}  // namespace
+
+SolverLane::SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command)
+    : patient_(patient), ch_(channels), settings_(settings), on_command_(std::move(on_command)) {
+  series_.reserve(1 << 16);
+}
+
+void SolverLane::start() { publish(0); }
+
+void SolverLane::step(int64_t tick, const std::function<bool()>& stop_early) {
+  if (ch_.hand_to_solver.update()) hand_ = ch_.hand_to_solver.reading();
+  for (ToolEvent e; ch_.events.pop(e);) take(e, tick);
+  follow_hand();
+  StepSettings s = settings_.step;
+  if (stop_early) s.should_stop = stop_early;
+  last_ = patient_.step(s);
+  ++steps_;
+  if (settings_.series_every > 0 && steps_ % uint64_t(settings_.series_every) == 0) {
+    series_.t_s.push_back(float(seconds(tick)));
+    series_.residual.push_back(float(last_.residual));
+    series_.distance_mm.push_back(float(last_.distance_mm));
+  }
+  publish(tick);
+}
+
+void SolverLane::take(const ToolEvent& e, int64_t tick) {
+  ++events_;
+  if (e.seq > next_event_) event_gaps_ += e.seq - next_event_;
+  next_event_ = e.seq + 1;
+  std::optional<Command> c = builder_.feed(e);
+  if (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take) held_since_ = e.tick;
+  if (c) {
+    // A hook that was carried is put down: say how long the way took, for whoever carries the script out again.
+    if (auto* m = std::get_if<MoveHook>(&*c)) m->seconds = seconds(std::max<int64_t>(0, e.tick - held_since_));
+    apply(*c, tick);
+  }
+  switch (e.kind) {
+    case ToolEvent::hook_set:
+    case ToolEvent::hook_take: held_hook_ = e.id; break;
+    case ToolEvent::hook_leave:
+    case ToolEvent::hook_release: held_hook_ = 0; break;
+    default: break;
+  }
+}
+
+void SolverLane::apply(const Command& c, int64_t tick) {
+  const Outcome o = patient_.apply(c);
+  if (!o.done) {
+    refused_.push_back({seconds(tick), action_name(c), o.reason});
+    return;
+  }
+  ++commands_;
+  if (const auto* s = std::get_if<Stage>(&c)) {
+    StageRow row;
+    row.number = int32_t(stages_.size()) + 1;
+    row.name = s->name;
+    row.t_s = seconds(tick);
+    stages_.push_back(row);
+    ch_.stages.push({row.number, ShortText(s->name)});
+  }
+  if (on_command_) on_command_(c);
+}
+
+void SolverLane::follow_hand() {
+  // The hand state may be a moment older or newer than the events: a hook follows only when both say that it is held.
+  if (held_hook_ == 0 || hand_.tool.held_hook != held_hook_ || !hand_.tool.valid) return;
+  patient_.apply(MoveHook{held_hook_, vec(hand_.tool.tip_mm), 0});
+}
+
+void SolverLane::publish(int64_t tick) {
+  const std::shared_ptr<const SurfaceTopology> topology = patient_.topology();
+  if (topology) ch_.topologies.retain(topology->version, topology);
+  new_sample_ = hand_.sample_ns != shown_sample_ns_;
+  shown_sample_ns_ = hand_.sample_ns;
+  PatientState& out = ch_.patient_to_device.writing();
+  patient_.fill(out.snapshot);
+  out.snapshot.device_tick = tick;
+  out.snapshot.stage = int32_t(stages_.size());
+  out.sample_ns = hand_.sample_ns;
+  if (!stages_.empty() && stages_.back().t_s == seconds(tick)) {
+    for (auto r = stages_.rbegin(); r != stages_.rend() && r->t_s == seconds(tick); ++r) {
+      r->residual = out.snapshot.residual;
+      r->sutures = int32_t(out.snapshot.sutures.size());
+    }
+  }
+  ch_.patient_to_render.writing() = out;
+  ch_.patient_to_device.publish();
+  ch_.patient_to_render.publish();
+  ch_.topologies.collect();
+}
+
+uint64_t SolverLane::state_hash() const {
+  Hash64 h;
+  h.add(patient_.state_hash());
+  h.add(patient_.topology_hash());
+  for (const double v : hand_.tool.tip_mm) h.add(v);
+  for (const double v : hand_.tool.shaft) h.add(v);
+  h.add(hand_.tool.tool), h.add(hand_.tool.held_hook), h.add(hand_.tool.pressed), h.add(hand_.tool.valid);
+  h.add(hand_.tool.tick);
+  return h.value();
+}
+
+}  // namespace limberg

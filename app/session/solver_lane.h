@@ -1,0 +1,94 @@
+#pragma once
+// The solver thread's work on one step, without the thread: events become commands, held hooks follow the hand, the
+// patient takes a step, and what came of it is published.
+//
+// Every command that was carried out is appended to the session's own script, flushed line by line, so that a session
+// leaves an operation that can be carried out again at any resolution.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "app/session/channels.h"
+#include "app/session/patient.h"
+#include "devices/command_builder.h"
+
+namespace limberg {
+
+struct SolverSettings {
+  StepSettings step;           // of one step of the session
+  int64_t series_every = 1;    // keep every n-th step's figures
+};
+
+/// A command that the patient refused: nothing was changed.
+struct Refusal {
+  double t_s = 0;
+  std::string command, reason;
+};
+
+/// A row of the report: the patient when a stage was passed.
+struct StageRow {
+  int32_t number = 0;  // from 1
+  std::string name;
+  double t_s = 0;
+  float residual = 0;
+  int32_t sutures = 0;
+};
+
+struct SolverSeries {
+  std::vector<float> t_s, residual, distance_mm;
+  void reserve(size_t n) { t_s.reserve(n), residual.reserve(n), distance_mm.reserve(n); }
+};
+
+class SolverLane {
+ public:
+  /// What is told about a carried out command: the script writer, a line on screen.
+  using OnCommand = std::function<void(const Command& command)>;
+
+  SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command = {});
+
+  /// Publishes the patient before anything has happened; call before the first device tick.
+  void start();
+  /// One step at device tick `tick`. `stop_early` is asked between iterations (real time); empty in lockstep.
+  void step(int64_t tick, const std::function<bool()>& stop_early = {});
+  /// A step towards rest after the last event: hooks and sutures stay as they are.
+  void settle_step(int64_t tick) { step(tick); }
+
+  const StepReport& last() const { return last_; }
+  uint64_t steps() const { return steps_; }
+  int64_t newest_sample_ns() const { return hand_.sample_ns; }  // in what was published last
+  bool published_new_sample() const { return new_sample_; }
+  /// Over positions, topology, hooks, sutures and the hand.
+  uint64_t state_hash() const;
+  const std::vector<Refusal>& refused() const { return refused_; }
+  const std::vector<StageRow>& stages() const { return stages_; }
+  const SolverSeries& series() const { return series_; }
+  uint64_t commands() const { return commands_; }
+  int dropped_gestures() const { return builder_.dropped(); }
+  uint64_t events() const { return events_; }
+  int64_t event_gaps() const { return event_gaps_; }
+
+ private:
+  void take(const ToolEvent& e, int64_t tick);
+  void apply(const Command& c, int64_t tick);
+  void follow_hand();
+  void publish(int64_t tick);
+
+  Patient& patient_;
+  Channels& ch_;
+  SolverSettings settings_;
+  OnCommand on_command_;
+  CommandBuilder builder_;
+  HandState hand_;
+  int32_t held_hook_ = 0;
+  int64_t held_since_ = 0;
+  int64_t next_event_ = 0, event_gaps_ = 0;
+  bool new_sample_ = false;
+  int64_t shown_sample_ns_ = -1;
+  StepReport last_;
+  uint64_t steps_ = 0, commands_ = 0, events_ = 0;
+  std::vector<Refusal> refused_;
+  std::vector<StageRow> stages_;
+  SolverSeries series_;
+};
+
+}  // namespace limberg
