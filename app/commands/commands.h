@@ -1,0 +1,39 @@
+#pragma once
+// The commands of the program, one file each. A command adds itself to the command line and, when it is the one that was
+// asked for, leaves in `chosen` what is to be done; that returns the exit status (exit_status.h says what each means).
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace limberg {
+
+using Chosen = std::function<int()>;
+
+enum ExitStatus : int { kDone = 0, kDefect = 1, kBadInput = 2, kGoalMissed = 3 };
+
+void add_run(CLI::App& app, Chosen& chosen);
+void add_replay(CLI::App& app, Chosen& chosen);
+void add_operate(CLI::App& app, Chosen& chosen);
+void add_emulate(CLI::App& app, Chosen& chosen);
+void add_check(CLI::App& app, Chosen& chosen);
+void add_report(CLI::App& app, Chosen& chosen);
+void add_bench(CLI::App& app, Chosen& chosen);
+
+/// Options that several commands share.
+struct CommonOptions {
+  std::string out_dir, json_file;
+  int workers = 0;  // 0: as many as the machine has cores, at most 8
+
+  void add_out(CLI::App& command);
+  void add_json(CLI::App& command);
+  void add_workers(CLI::App& command);
+  /// Checks before any work that everything can be written. InputError otherwise.
+  void prepare() const;
+  int worker_count() const;
+};
+
+}  // namespace limberg

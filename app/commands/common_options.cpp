@@ -1,0 +1,27 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <thread>
+
+#include "app/commands/commands.h"
+#include "app/output.h"
+
+namespace limberg {
+
+void CommonOptions::add_out(CLI::App& c) { c.add_option("--out", out_dir, "Folder for pictures, result.json and report.html")->type_name("DIR"); }
+void CommonOptions::add_json(CLI::App& c) { c.add_option("--json", json_file, "Write the result as JSON to this file")->type_name("FILE"); }
+void CommonOptions::add_workers(CLI::App& c) {
+  c.add_option("--workers", workers, "Worker threads; results do not depend on it (default: one per core)")
+      ->type_name("N")
+      ->check(CLI::Range(1, 256));
+}
+
+void CommonOptions::prepare() const {
+  if (!out_dir.empty()) prepare_folder(out_dir);
+  if (!json_file.empty()) check_writable(json_file);
+}
+
+int CommonOptions::worker_count() const {
+  return workers > 0 ? workers : int(std::clamp(std::thread::hardware_concurrency(), 1u, 8u));
+}
+
+}  // namespace limberg

@@ -1,0 +1,68 @@
+// limberg: the command line. Each command is a file in commands/; here are only the frame, the exit status and the errors.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <new>
+
+#include "app/commands/commands.h"
+#include "app/interrupt.h"
+#include "app/progress.h"
+#include "app/version.h"
+#include "sim/error.h"
+
+namespace limberg {
+namespace {
+
+int defect(const char* what) {
+  say(std::string("internal error: ") + what + "; this is a defect of " + program_name() +
+      ", please report it with the command line and the input files to the project's issue list");
+  return kDefect;
+}
+
+int run_main(int argc, char** argv) {
+  CLI::App app("Limberg: a trainer for open reconstructive surgery", "limberg");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", program_name());
+  app.footer("Exit status: 0 done; 1 the program failed; 2 the input or the call is wrong; 3 the goal was not reached.\n"
+             "Example: limberg replay recordings/rhomboid.lcm --out out/demo");
+  Chosen chosen;
+  add_run(app, chosen);
+  add_replay(app, chosen);
+  add_operate(app, chosen);
+  add_emulate(app, chosen);
+  add_check(app, chosen);
+  add_report(app, chosen);
+  add_bench(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {
+    return app.exit(e);  // --help, --version: on standard output
+  } catch (const CLI::ParseError& e) {
+    std::string what = e.what();
+    for (char& c : what)
+      if (c == '\n') c = ' ';
+    say(what + "; expected a call as in limberg --help");
+    return kBadInput;
+  }
+  catch_interrupts();
+  return chosen ? chosen() : kBadInput;
+}
+
+}  // namespace
+}  // namespace limberg
+
+int main(int argc, char** argv) {
+  using namespace limberg;
+  try {
+    return run_main(argc, argv);
+  } catch (const InputError& e) {
+    say(e.what());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    say("not enough memory for this input; expected a smaller body or larger cells (--cell-mm)");
+    return kBadInput;
+  } catch (const std::exception& e) {
+    return defect(e.what());
+  } catch (...) {
+    return defect("unknown exception");
+  }
+}

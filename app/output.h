@@ -1,0 +1,20 @@
+#pragma once
+// Where results go: checked before work starts, written whole or not at all.
+#include <string>
+
+namespace limberg {
+
+/// Makes the folder (and its parents) if need be and makes sure that a file can be created in it. InputError otherwise.
+void prepare_folder(const std::string& dir);
+
+/// Makes sure that `file` can be written: its folder exists and takes files, and it is no folder itself. An existing
+/// file is left alone. InputError otherwise.
+void check_writable(const std::string& file);
+
+/// Writes beside `file`, then renames. InputError when anything fails; an older file is then still there.
+void write_whole_file(const std::string& file, const std::string& text);
+
+/// The file's bytes. InputError: missing, a folder, unreadable or larger than `limit`.
+std::string read_whole_file(const std::string& file, size_t limit = size_t(256) << 20);
+
+}  // namespace limberg
