@@ -28,7 +28,7 @@ Texels viridis_texture() {
 }
 
 // The lamp's view: an orthographic box around the scene, looking along the light.
-Mat4f light_matrix(const RenderScene& scene, float& box_mm) {
+Mat4f light_matrix(const RenderScene& scene) {
   Vec3f lo = scene.bounds_min, hi = scene.bounds_max;
   const Vec3f centre = 0.5f * (lo + hi);
   const float r = std::max(0.5f * (hi - lo).norm(), 1.0f);
@@ -38,7 +38,6 @@ Mat4f light_matrix(const RenderScene& scene, float& box_mm) {
   m.block<1, 3>(1, 0) = up.transpose() / r;
   m.block<1, 3>(2, 0) = -back.transpose() / (2 * r);  // props may stand above the tissue
   m.block<3, 1>(0, 3) = -(m.block<3, 3>(0, 0) * centre);
-  box_mm = 2 * r;
   return m;
 }
 
@@ -70,7 +69,7 @@ struct Renderer::Impl {
         id(gl, shaders::id_vertex, shaders::id_fragment),
         tissue_mesh(gl), prop_mesh(gl), empty(gl),
         shadow(gl, kShadowSize),
-        skin_map(make_texture(gl, skin_texture(), true, true, true)),
+        skin_map(make_texture(gl, skin_texture(512), true, true, true)),
         grid_map(make_texture(gl, grid_texture(), false, true, true)),
         detail_map(make_texture(gl, detail_texture(), false, true, true)),
         colour_map(make_texture(gl, viridis_texture(), false, false, false)) {
@@ -114,21 +113,19 @@ struct Renderer::Impl {
   }
 
   Mat4f cast_shadow(const RenderScene& s, bool on) {
-    float box_mm = 1;
-    const Mat4f light = light_matrix(s, box_mm);
+    if (!on) return Mat4f::Identity();
+    const Mat4f light = light_matrix(s);
     gl.BindFramebuffer(GL_FRAMEBUFFER, shadow.frame);
     gl.Viewport(0, 0, shadow.size, shadow.size);
     gl.Enable(GL_DEPTH_TEST);
     gl.Clear(GL_DEPTH_BUFFER_BIT);
-    if (on) {
-      depth.use();
-      depth.set("to_clip", light);
-      gl.Enable(GL_POLYGON_OFFSET_FILL);
-      gl.PolygonOffset(1.5f, 2.0f);
-      tissue_mesh.draw();
-      prop_mesh.draw();
-      gl.Disable(GL_POLYGON_OFFSET_FILL);
-    }
+    depth.use();
+    depth.set("to_clip", light);
+    gl.Enable(GL_POLYGON_OFFSET_FILL);
+    gl.PolygonOffset(1.5f, 2.0f);
+    tissue_mesh.draw();
+    prop_mesh.draw();
+    gl.Disable(GL_POLYGON_OFFSET_FILL);
     Mat4f half = Mat4f::Identity();
     half.diagonal().head<3>().setConstant(0.5f);
     half.block<3, 1>(0, 3).setConstant(0.5f);

@@ -90,6 +90,7 @@ Snapshot sample_snapshot(const SampleOptions& o) {
     hook.id = k + 1;
     hook.at_mm = Vec3f(14, 3, height(14, 3));
     hook.handle_mm = Vec3f(24, 8, 12);
+    hook.force_N = Vec3f(0.3f, 0.1f, 0.4f);
     s.hooks.push_back(hook);
   }
   return s;

@@ -1,0 +1,286 @@
+// Pictures by their properties: what stands at which pixel. Skipped only where there is no OSMesa.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/colour_map.h"
+#include "render/image_compare.h"
+#include "render/overlay.h"
+#include "render/picture.h"
+#include "render/renderer.h"
+#include "tests/render/sample_snapshot.h"
+
+namespace limberg {
+namespace {
+
+using testing::sample_snapshot;
+using testing::SampleOptions;
+
+class Rendered : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    try {
+      renderer = std::make_unique<Renderer>(make_osmesa_context());
+    } catch (const RenderUnavailable& e) {
+      why = e.what();
+    }
+  }
+  static void TearDownTestSuite() { renderer.reset(); }
+  void SetUp() override {
+    if (!renderer) GTEST_SKIP() << why;
+    options.width = 320, options.height = 240;
+    camera = look_at_ball(Vec3f::Zero(), 18, Vec3f(0.05f, -0.6f, 0.8f), Vec3f::UnitZ(), 25, 320.0 / 240);
+  }
+  View view() const { return camera.view(double(options.width) / options.height); }
+  Image draw(const Snapshot& s) {
+    SceneBuilder builder;
+    return renderer->draw(builder.build(s), view(), options);
+  }
+  IdImage ids(const Snapshot& s) {
+    SceneBuilder builder;
+    return renderer->draw_ids(builder.build(s), view(), options.width, options.height);
+  }
+  static size_t count(const IdImage& im, Part part) {
+    size_t n = 0;
+    for (const uint32_t id : im.id) n += (id >> 24) == uint32_t(part);
+    return n;
+  }
+
+  static inline std::unique_ptr<Renderer> renderer;  // made once: warming the driver up takes half a second
+  static inline std::string why;
+  DrawOptions options;
+  Camera camera;
+};
+
+TEST_F(Rendered, SameSceneSameBytes) {
+  const Snapshot s = sample_snapshot();
+  const Image a = draw(s), b = draw(s);
+  EXPECT_EQ(a, b);
+  Renderer other(make_osmesa_context());  // a second context in the same process
+  SceneBuilder builder;
+  EXPECT_EQ(other.draw(builder.build(s), view(), options), a);
+  EXPECT_EQ(draw(s), a);  // the first is still whole
+}
+
+TEST_F(Rendered, PickedPixelHasTheTriangleThatLiesThere) {
+  const Snapshot s = sample_snapshot({.sutures = 0, .hooks = 0});
+  const IdImage im = ids(s);
+  const SurfaceView& view_of = s.topology->view;
+  // The centre of every large visible triangle must show that triangle. Hidden ones are found by their neighbours.
+  int tested = 0;
+  for (size_t t = 0; t < view_of.tri.size(); t += 7) {
+    const Vec3f &a = s.x_mm[size_t(view_of.tri[t][0])], &b = s.x_mm[size_t(view_of.tri[t][1])], &c = s.x_mm[size_t(view_of.tri[t][2])];
+    const Vec3f mid = (a + b + c) / 3;
+    if (view_of.kind[t] != FaceKind::skin || std::abs(mid.x()) > 14 || std::abs(mid.y()) > 12) continue;
+    const Vec3f p = view().to_pixel(mid, options.width, options.height);
+    const int x = int(p.x()), y = int(p.y());
+    if (x < 0 || y < 0 || x >= im.width || y >= im.height) continue;
+    // A millimetre is about six pixels here, so the centre of a half-millimetre square triangle is inside it.
+    EXPECT_EQ(im.at(x, y), uint32_t(Part::skin) << 24 | uint32_t(t)) << "triangle " << t;
+    ++tested;
+  }
+  EXPECT_GT(tested, 50);
+  EXPECT_GT(count(im, Part::wall), 500u);
+  EXPECT_EQ(count(im, Part::suture), 0u);
+}
+
+TEST_F(Rendered, SutureAddsPixelsWhereItLies) {
+  const Snapshot with = sample_snapshot({.hooks = 0}), without = sample_snapshot({.sutures = 0, .hooks = 0});
+  const IdImage im = ids(with);
+  EXPECT_GT(count(im, Part::suture), 150u);
+  for (const SutureState& s : with.sutures) {
+    size_t n = 0;
+    for (const uint32_t id : im.id) n += id == (uint32_t(Part::suture) << 24 | uint32_t(s.id));
+    EXPECT_GT(n, 20u) << "suture " << s.id;
+  }
+  options.shadow = false;
+  const Image a = draw(with), b = draw(without);
+  size_t changed = 0;
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x) {
+      const bool suture = im.at(x, y) >> 24 == uint32_t(Part::suture);
+      if (a.at(x, y) == b.at(x, y)) continue;
+      ++changed;
+      EXPECT_TRUE(suture) << x << ", " << y;  // without shadows a stitch changes only its own pixels
+    }
+  EXPECT_GT(changed, 100u);
+}
+
+TEST_F(Rendered, HookAndToolAreSeen) {
+  const Snapshot s = sample_snapshot({.sutures = 0});
+  EXPECT_GT(count(ids(s), Part::hook), 100u);
+  for (const auto kind : {ToolPose::Kind::stylus, ToolPose::Kind::scalpel, ToolPose::Kind::hook, ToolPose::Kind::needle_holder}) {
+    SceneBuilder builder;
+    const ToolPose tool{true, kind, Vec3f(-5, 2, 1), Vec3f(-0.5f, -0.2f, 0.8f).normalized()};
+    EXPECT_GT(count(renderer->draw_ids(builder.build(s, tool), view(), 320, 240), Part::tool), 300u);
+  }
+}
+
+// The bold line at chart x = -10 is a landmark: it must lie where the tissue's vertices of that chart line lie.
+TEST_F(Rendered, GridFollowsTheVertices) {
+  options.shadow = false, options.fine_skin = false;
+  options.supersample = 3;
+  // How dark the picture is at the vertex with this chart point.
+  const auto darkness = [&](const Image& image, const Snapshot& snap, double chart_x, double chart_y) {
+    const SurfaceView& v = snap.topology->view;
+    for (size_t i = 0; i < v.X_mm.size(); ++i)
+      if ((v.X_mm[i] - Vec3(chart_x, chart_y, 0)).norm() < 1e-6) {
+        const Vec3f p = view().to_pixel(snap.x_mm[i], options.width, options.height);
+        const Rgb8 c = image.at(int(p.x()), int(p.y()));
+        return 255.0 - (c.r + c.g + c.b) / 3.0;
+      }
+    ADD_FAILURE() << "no vertex there";
+    return 0.0;
+  };
+  SampleOptions o{.cells = 120, .wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0};
+  Snapshot flat = sample_snapshot(o), sheared = flat;
+  for (Vec3f& x : sheared.x_mm) x.x() += 0.35f * x.y() + 2.5f;
+  for (const Snapshot* s : {&flat, &sheared}) {
+    const Image image = draw(*s);
+    EXPECT_GT(darkness(image, *s, -10, 6.5), darkness(image, *s, -11.5, 6.5) + 20);
+  }
+}
+
+TEST_F(Rendered, WallsShowTheirLayers) {
+  const Snapshot s = sample_snapshot({.wave_mm = 0, .sutures = 0, .hooks = 0});
+  camera = look_at_ball(Vec3f(0, 6, -3), 8, Vec3f(0, -0.9f, 0.45f), Vec3f::UnitZ(), 25, 320.0 / 240);
+  const Image im = draw(s);
+  const auto mean = [&](float z) {
+    Vec3 sum = Vec3::Zero();
+    for (float x = -2; x <= 2; x += 0.1f) {
+      const Vec3f p = view().to_pixel(Vec3f(x, 6, z), 320, 240);
+      const Rgb8 c = im.at(int(p.x()), int(p.y()));
+      sum += Vec3(c.r, c.g, c.b);
+    }
+    return Vec3(sum / 41);
+  };
+  const Vec3 dermis = mean(-0.8f), fat = mean(-4);
+  // Pale pink: red over green, little less blue than green. Fat is yellow: blue far below green.
+  EXPECT_GT(dermis.x(), dermis.y());
+  EXPECT_GT(fat.y() - fat.z(), dermis.y() - dermis.z() + 25);
+}
+
+TEST_F(Rendered, FieldColoursTheSkin) {
+  Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
+  options.colour_field = true, options.field_min = 0, options.field_max = 0.2, options.iso_lines = 0;
+  std::vector<double> light;
+  for (const float value : {0.0f, 0.05f, 0.10f, 0.15f, 0.20f}) {
+    std::fill(s.field.begin(), s.field.end(), value);
+    const Vec3f p = view().to_pixel(Vec3f(4.5f, 4.5f, 0), 320, 240);
+    light.push_back(lightness(draw(s).at(int(p.x()), int(p.y()))));
+  }
+  for (size_t i = 1; i < light.size(); ++i) EXPECT_GT(light[i], light[i - 1] + 8);
+}
+
+TEST_F(Rendered, ShadowFallsUnderTheTool) {
+  const Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
+  SceneBuilder builder;
+  const ToolPose tool{true, ToolPose::Kind::stylus, Vec3f(0, 0, 4), Vec3f(0.7f, 0, 0.7f).normalized()};
+  const Image with = renderer->draw(builder.build(s, tool), view(), options);
+  options.shadow = false;
+  const Image without = renderer->draw(builder.build(s, tool), view(), options);
+  int darker = 0, lighter = 0;
+  for (size_t i = 0; i < with.rgb.size(); i += 3) darker += with.rgb[i] + 20 < without.rgb[i], lighter += with.rgb[i] > without.rgb[i] + 20;
+  EXPECT_GT(darker, 200);
+  EXPECT_EQ(lighter, 0);
+}
+
+TEST_F(Rendered, TwoViewsFillTheirHalves) {
+  const Snapshot s = sample_snapshot();
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  const auto eyes = camera.stereo_side_by_side(320.0 / 240);
+  const Image both = renderer->draw(scene, eyes, options);
+  EXPECT_NE(both.at(80, 120), (Rgb8{0, 0, 0}));
+  EXPECT_NE(both.at(240, 120), (Rgb8{0, 0, 0}));
+  const Image left = renderer->draw(scene, std::span(eyes.data(), 1), options);
+  for (int y = 0; y < 240; ++y)
+    for (int x = 0; x < 160; ++x) ASSERT_EQ(left.at(x, y), both.at(x, y));
+  EXPECT_EQ(left.at(300, 120), (Rgb8{0, 0, 0}));
+}
+
+// The measure of the other image tests must fail on real defects of real pictures, and pass harmless ones.
+TEST_F(Rendered, ComparisonCatchesPlantedDefects) {
+  options.width = 640, options.height = 480;
+  const Snapshot s = sample_snapshot();
+  const Image good = draw(s);
+  Snapshot lost = s;
+  lost.sutures.pop_back();
+  EXPECT_GT(block_mean_difference(good, draw(lost)), 4);
+  auto holed = std::make_shared<SurfaceTopology>(*s.topology);
+  Snapshot hole = s;
+  for (size_t t = 0; t < holed->view.tri.size(); ++t) {  // two skin triangles lost
+    const Vec3& X = holed->view.X_mm[size_t(holed->view.tri[t][0])];
+    if (holed->view.kind[t] == FaceKind::skin && (X - Vec3(4, -10, 0)).norm() < 1e-6) holed->view.tri[t] = {0, 0, 0};
+  }
+  holed->hash ^= 1;
+  hole.topology = holed;
+  EXPECT_GT(block_mean_difference(good, draw(hole)), 4);
+  DrawOptions smooth = options;
+  std::swap(smooth, options);
+  options.shadow = false;
+  EXPECT_GT(block_mean_difference(good, draw(s)), 4);
+  options = smooth;
+  camera.eye_mm += Vec3f(0.002f, 0, 0);  // far below a pixel
+  EXPECT_LT(block_mean_difference(good, draw(s)), 4);
+}
+
+TEST_F(Rendered, PictureHasCaptionAndLegend) {
+  PictureMaker maker(480, 320);
+  const Snapshot s = sample_snapshot();
+  maker.focus_from(s);
+  const Image plain = maker.skin(s), titled = maker.skin(s, [] {
+    PictureOptions o;
+    o.title = "Flap cut";
+    return o;
+  }());
+  if (!TextPainter().ready()) GTEST_SKIP() << "the font DejaVu Sans is not installed";
+  int white = 0;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 240; ++x) white += titled.at(x, y) == Rgb8{255, 255, 255} && !(plain.at(x, y) == Rgb8{255, 255, 255});
+  EXPECT_GT(white, 50);
+  // The legend holds every colour of the map, low end below, high end above.
+  const Image map = maker.tension(s);
+  int low = -1, high = -1;
+  for (int y = 0; y < map.height; ++y)
+    for (int x = map.width * 3 / 4; x < map.width; ++x) {
+      const auto near = [&](Rgb8 c) { const Rgb8 p = map.at(x, y); return std::abs(p.r - c.r) + std::abs(p.g - c.g) + std::abs(p.b - c.b) < 8; };
+      if (near(viridis(0.03))) low = y;
+      if (high < 0 && near(viridis(0.97))) high = y;
+    }
+  EXPECT_GT(low, 0);
+  EXPECT_GT(high, 0);
+  EXPECT_LT(high, low);
+}
+
+TEST_F(Rendered, CameraOfAMakerStandsStill) {
+  PictureMaker maker(320, 240);
+  Snapshot s = sample_snapshot();
+  maker.focus_from(s);
+  const Vec3f eye = maker.camera().eye_mm;
+  for (Vec3f& x : s.x_mm) x += Vec3f(1, 2, 3);
+  maker.skin(s);
+  maker.tension(s);
+  EXPECT_EQ(maker.camera().eye_mm, eye);
+  PictureMaker empty(64, 64);
+  EXPECT_NO_THROW(empty.skin(Snapshot{}));
+  EXPECT_NO_THROW(empty.tension(Snapshot{}));
+}
+
+TEST(Context, RefusalSaysWhatToDo) {
+  try {
+    make_osmesa_context({.library = "libNoSuchThing.so.1"});
+    FAIL() << "made a context out of nothing";
+  } catch (const RenderUnavailable& e) {
+    EXPECT_NE(std::string(e.what()).find("no pictures"), std::string::npos) << e.what();
+  }
+  EXPECT_THROW(make_osmesa_context({.major = 9, .minor = 9}), RenderUnavailable);
+}
+
+TEST_F(Rendered, TooLargeIsRefused) {
+  options.width = 200000;
+  EXPECT_THROW(draw(sample_snapshot()), RenderUnavailable);
+}
+
+}  // namespace
+}  // namespace limberg

@@ -1,0 +1,210 @@
+// What the renderer is handed, checked without any graphics driver.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "render/colour_map.h"
+#include "render/overlay.h"
+#include "render/render_scene.h"
+#include "render/textures.h"
+#include "render/view.h"
+#include "tests/render/sample_snapshot.h"
+
+namespace limberg {
+namespace {
+
+using testing::sample_snapshot;
+
+TEST(TissueMesh, EveryTriangleIsThereOnceAndGrouped) {
+  const Snapshot s = sample_snapshot();
+  const TissueMesh m = make_tissue_mesh(*s.topology);
+  ASSERT_EQ(m.tri.size(), s.topology->view.tri.size());
+  std::set<int32_t> seen(m.tri_source.begin(), m.tri_source.end());
+  EXPECT_EQ(seen.size(), m.tri.size());
+  for (size_t t = 0; t < m.tri.size(); ++t) {
+    const Part expected = t < m.skin_triangles                      ? Part::skin
+                          : t < m.skin_triangles + m.wall_triangles ? Part::wall
+                                                                    : Part::side;
+    for (size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(m.part[m.tri[t][k]], expected);
+      EXPECT_EQ(m.source[m.tri[t][k]], s.topology->view.tri[size_t(m.tri_source[t])][k]);
+    }
+  }
+  EXPECT_GT(m.wall_triangles, 0u);
+}
+
+TEST(TissueMesh, SharpEdgesAreNotSmoothed) {
+  // Skin normals of a flat slab must be exactly upright up to its rim, whatever hangs below.
+  Snapshot s = sample_snapshot({.wave_mm = 0});
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  for (size_t v = 0; v < scene.x_mm.size(); ++v) {
+    if (scene.mesh->part[v] == Part::skin) {
+      EXPECT_EQ(scene.normal[v], Vec3f(Vec3f::UnitZ()));
+    }
+    // Walls and lateral sides are upright or parallel to an axis.
+    if (scene.mesh->part[v] == Part::wall) {
+      EXPECT_NEAR(scene.normal[v].z(), 0, 1e-6);
+    }
+  }
+}
+
+TEST(TissueMesh, RimHasSkinOnItsLeft) {
+  const Snapshot s = sample_snapshot({.wave_mm = 0});
+  const TissueMesh m = make_tissue_mesh(*s.topology);
+  ASSERT_FALSE(m.rim.empty());
+  const auto& X = s.topology->view.X_mm;
+  for (const auto& [a, b] : m.rim) {
+    const Vec3 middle = 0.5 * (X[size_t(a)] + X[size_t(b)]);
+    const Vec3 right = (X[size_t(b)] - X[size_t(a)]).cross(Vec3::UnitZ()).normalized();
+    const Vec3 p = middle + 0.3 * right;  // the wound is a lens around the origin: going right goes into it
+    EXPECT_LT(std::abs(p.y()) - 6 * (1 - p.x() * p.x() / 144), 1.3) << middle.transpose();
+    EXPECT_NEAR(middle.z(), 0, 1e-9);
+  }
+}
+
+TEST(Normals, FollowTheWave) {
+  // Against the exact normal of z = f(x, y); the error of area weighting is of second order in the 1 mm cells.
+  const double w = 0.8;
+  Snapshot s = sample_snapshot({.wound = false, .wave_mm = w});
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  double worst = 0;
+  for (size_t v = 0; v < scene.x_mm.size(); ++v) {
+    const double x = scene.x_mm[v].x(), y = scene.x_mm[v].y();
+    if (scene.mesh->part[v] != Part::skin || std::abs(x) > 28 || std::abs(y) > 28) continue;
+    const Vec3 exact = Vec3(-w * 0.16 * std::cos(0.16 * x) * std::cos(0.13 * y), w * 0.13 * std::sin(0.16 * x) * std::sin(0.13 * y), 1).normalized();
+    worst = std::max(worst, (scene.normal[v].cast<double>() - exact).norm());
+  }
+  // |f'''| h^2 / 6 = 0.8 * 0.16^3 / 6 = 5e-4; single precision adds 1e-5.
+  EXPECT_LT(worst, 1.2e-3);
+}
+
+TEST(SceneBuilder, SurvivesIncompleteSnapshots) {
+  SceneBuilder builder;
+  EXPECT_TRUE(builder.build(Snapshot{}).x_mm.empty());
+  Snapshot s = sample_snapshot();
+  s.x_mm.pop_back();  // does not fit its topology
+  EXPECT_TRUE(builder.build(s).x_mm.empty());
+  s = sample_snapshot();
+  s.field.clear();
+  s.sutures[0].a_mm = Vec3f::Constant(NAN);
+  s.sutures[1].b_mm = s.sutures[1].a_mm;  // closed: no direction of its own
+  s.hooks[0].handle_mm = s.hooks[0].at_mm;
+  const RenderScene& scene = builder.build(s);
+  EXPECT_TRUE(scene.field.empty());
+  for (const PropVertex& v : scene.props.vertex) {
+    ASSERT_TRUE(v.x_mm.allFinite());
+    ASSERT_NEAR(v.normal.norm(), 1, 1e-3);
+  }
+}
+
+TEST(SceneBuilder, ClosedStitchLiesAcrossTheWound) {
+  Snapshot s = sample_snapshot({.wave_mm = 0, .sutures = 1, .hooks = 0});
+  s.sutures[0].a_mm = Vec3f(0, -6, 0), s.sutures[0].b_mm = Vec3f(0, -6, 0);
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  float lo = 1e9f, hi = -1e9f;
+  for (const PropVertex& v : scene.props.vertex) lo = std::min(lo, v.x_mm.y()), hi = std::max(hi, v.x_mm.y());
+  EXPECT_LT(lo, -7.9f);  // two bites of 2.2 mm on either side of the edge at y = -6
+  EXPECT_GT(hi, -4.1f);
+}
+
+TEST(Props, TubeFacesOutwards) {
+  PropMesh m;
+  const std::array<Vec3f, 4> path{Vec3f(0, 0, 0), Vec3f(5, 0, 0), Vec3f(5, 0, 0), Vec3f(5, 5, 2)};
+  const std::array<float, 4> radius{1, 1, 1, 0.5f};
+  add_tube(m, path, radius, {});
+  ASSERT_FALSE(m.tri.empty());
+  for (const auto& [a, b, c] : m.tri) {
+    const Vec3f n = (m.vertex[b].x_mm - m.vertex[a].x_mm).cross(m.vertex[c].x_mm - m.vertex[a].x_mm);
+    if (n.norm() < 1e-4f) continue;
+    const Vec3f mean = m.vertex[a].normal + m.vertex[b].normal + m.vertex[c].normal;
+    EXPECT_GT(n.dot(mean), 0);
+  }
+  PropMesh none;
+  add_tube(none, std::span(path).subspan(1, 2), std::span(radius).subspan(1, 2), {});  // one point, twice
+  EXPECT_TRUE(none.tri.empty());
+}
+
+TEST(Region, HoldsTheWound) {
+  Vec3f centre;
+  float radius = 0;
+  ASSERT_TRUE(operated_region(sample_snapshot({.hooks = 0}), centre, radius));
+  EXPECT_NEAR(centre.x(), 0, 0.6);
+  EXPECT_GT(radius, 12);
+  EXPECT_LT(radius, 20);
+  EXPECT_FALSE(operated_region(sample_snapshot({.wound = false, .sutures = 0, .hooks = 0}), centre, radius));
+  skin_region(*sample_snapshot().topology->body, centre, radius);
+  EXPECT_NEAR(radius, 30 * std::sqrt(2.0), 1e-3);
+}
+
+TEST(Camera, SeesTheWholeBall) {
+  for (const double aspect : {0.5, 1.0, 16.0 / 9}) {
+    const Vec3f centre(3, -4, 5);
+    const View v = look_at_ball(centre, 20, Vec3f(0, -1, 1), Vec3f::UnitZ(), 25, aspect).view(aspect);
+    const Vec3f middle = v.to_pixel(centre, 1000, 1000);
+    EXPECT_NEAR(middle.x(), 500, 0.1);
+    EXPECT_NEAR(middle.y(), 500, 0.1);
+    for (int i = 0; i < 200; ++i) {
+      const float a = 0.7f * float(i), z = -1 + 2 * (float(i) + 0.5f) / 200, r = std::sqrt(1 - z * z);
+      const Vec3f p = v.to_pixel(centre + 20 * Vec3f(r * std::cos(a), r * std::sin(a), z), 1000, 1000);
+      EXPECT_TRUE(p.x() >= -0.5f && p.x() <= 1000.5f && p.y() >= -0.5f && p.y() <= 1000.5f && std::abs(p.z()) < 1);
+    }
+  }
+}
+
+TEST(Camera, StereoMeetsAtTheTarget) {
+  Camera c;
+  c.eye_mm = Vec3f(0, -200, 100), c.target_mm = Vec3f(0, 0, 0);
+  const std::vector<View> eyes = c.stereo_side_by_side(16.0 / 9);
+  ASSERT_EQ(eyes.size(), 2u);
+  const auto in_half = [&](size_t e, const Vec3f& p) { return eyes[e].to_pixel(p, 1600, 900).x() - (e ? 800.0f : 0.0f); };
+  EXPECT_NEAR(in_half(0, c.target_mm), in_half(1, c.target_mm), 0.05);
+  const Vec3f nearer(0, -20, 10), farther(0, 20, -10);
+  EXPECT_GT(in_half(0, nearer), in_half(1, nearer) + 0.2f);    // in front of the screen: crossed
+  EXPECT_LT(in_half(0, farther), in_half(1, farther) - 0.2f);  // behind it: uncrossed
+}
+
+TEST(ColourMap, LightnessGrowsEvenly) {
+  double before = lightness(viridis(0));
+  EXPECT_NEAR(before, 15, 2);
+  for (int i = 1; i <= 100; ++i) {
+    const double now = lightness(viridis(i / 100.0));
+    EXPECT_GT(now, before) << i;
+    EXPECT_LT(now - before, 2.0) << i;
+    before = now;
+  }
+  EXPECT_NEAR(before, 91, 2);
+  EXPECT_EQ(viridis(NAN), viridis(0));
+  EXPECT_EQ(viridis(7), viridis(1));
+}
+
+TEST(Textures, TilesRepeatWithoutSeam) {
+  for (const Texels& t : {skin_texture(256), grid_texture(256), detail_texture(128)}) {
+    // The step over the seam is no larger than the largest step inside.
+    for (int c = 0; c < 3; ++c) {
+      int inside = 0, seam = 0;
+      const auto at = [&](int x, int y) { return int(t.rgba[4 * (size_t(y) * size_t(t.width) + size_t(x)) + size_t(c)]); };
+      for (int y = 0; y < t.height; ++y) {
+        for (int x = 0; x + 1 < t.width; ++x) inside = std::max(inside, std::abs(at(x, y) - at(x + 1, y)));
+        seam = std::max(seam, std::abs(at(t.width - 1, y) - at(0, y)));
+      }
+      EXPECT_LE(seam, inside + 8);
+    }
+  }
+}
+
+TEST(Overlay, RoundSteps) {
+  EXPECT_DOUBLE_EQ(round_step(15, 6), 5);
+  EXPECT_DOUBLE_EQ(round_step(0.9, 6), 0.2);
+  EXPECT_DOUBLE_EQ(round_step(6, 6), 1);
+  EXPECT_EQ(round_step(0, 5), 1);
+  EXPECT_EQ(round_step(NAN, 5), 1);
+  EXPECT_EQ(tick_label(0.15000000001, 0.05), "0.15");
+  EXPECT_EQ(tick_label(-0.0, 5), "0");
+}
+
+}  // namespace
+}  // namespace limberg
