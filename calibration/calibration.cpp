@@ -7,8 +7,8 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
-#include <toml++/toml.h>
 
+#include "calibration/toml.h"
 #include "sim/error.h"
 #include "sim/hash.h"
 
@@ -97,6 +97,8 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
     t = toml::parse(text, name);
   } catch (const toml::parse_error& e) {
     throw InputError(name, int(e.source().begin.line), std::string("is not TOML (") + std::string(e.description()) + "); expected a calibration file");
+  } catch (const BrokenToml&) {
+    throw InputError(name, 0, "is not TOML; expected a calibration file");
   }
   only_keys(t, {"limberg_calibration", "name", "stylus", "world", "filter"}, "a calibration", name);
   const auto version = t["limberg_calibration"].value<int64_t>();

@@ -128,7 +128,7 @@ TEST(Includes, CalibrationStandsAlone) { EXPECT_EQ(offences(includes_of("calibra
 
 TEST(Includes, HeavyHeadersStayOutOfHeaders) {
   const auto light = [](const Include& i) {
-    if (!i.from.ends_with(".h")) return true;
+    if (!i.from.ends_with(".h") || i.from == "calibration/toml.h") return true;  // that one exists to be included by .cpp files
     for (const char* heavy : {"nlohmann/", "toml++/", "CLI/", "Eigen/Dense", "Eigen/Sparse", "Eigen/Eigenvalues", "Eigen/SVD"})
       if (i.target.starts_with(heavy)) return false;
     return true;

@@ -1,0 +1,343 @@
+#include "app/scene.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+#include "calibration/toml.h"
+#include "sim/error.h"
+#include "sim/hash.h"
+
+namespace limberg {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr size_t kMaxBytes = 1 << 20;
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+std::string number(double v) {
+  std::ostringstream s;
+  s << v;
+  return s.str();
+}
+
+std::string slurp(const std::string& path, const char* expected, size_t max_bytes) {
+  std::error_code ec;
+  if (!fs::exists(path, ec)) throw InputError(path, 0, std::string("no such file; expected ") + expected);
+  if (fs::is_directory(path, ec)) throw InputError(path, 0, std::string("is a folder; expected ") + expected);
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected " + expected);
+  std::string text;
+  std::vector<char> part(1 << 16);
+  while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
+    text.append(part.data(), size_t(in.gcount()));
+    if (text.size() > max_bytes) throw InputError(path, 0, "the file is larger than " + std::to_string(max_bytes) + " bytes");
+  }
+  if (in.bad()) throw InputError(path, 0, "cannot be read to its end");
+  return text;
+}
+
+// One table of the file. Every key that is asked for is ticked off; finish() complains about the others.
+class Table {
+ public:
+  Table(const toml::table* table, std::string name, const std::string& file) : t_(table), name_(std::move(name)), file_(file) {}
+
+  bool present() const { return t_ != nullptr; }
+  bool has(const char* key) const { return t_ && t_->contains(key); }
+
+  [[noreturn]] void fail(const char* key, const std::string& what) const {
+    int line = t_ ? int(t_->source().begin.line) : 0;
+    if (has(key)) line = int(t_->get(key)->source().begin.line);
+    throw InputError(file_, line, full(key) + " " + what);
+  }
+
+  void real(const char* key, double& value, double lo, double hi, bool open = false) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    const std::string range = "; expected a number " + std::string(open ? "above " : "from ") + number(lo) + " to " + number(hi);
+    const std::optional<double> v = n->is_number() ? n->value<double>() : std::nullopt;
+    if (!v) fail(key, "is not a number" + range);
+    if (!std::isfinite(*v) || *v < lo || *v > hi || (open && *v == lo)) fail(key, "is " + number(*v) + range);
+    value = *v;
+  }
+  void integer(const char* key, int64_t lo, int64_t hi, const std::function<void(int64_t)>& set) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    const std::string range = "; expected an integer from " + std::to_string(lo) + " to " + std::to_string(hi);
+    const std::optional<int64_t> v = n->is_integer() ? n->value<int64_t>() : std::nullopt;
+    if (!v) fail(key, "is not an integer" + range);
+    if (*v < lo || *v > hi) fail(key, "is " + std::to_string(*v) + range);
+    set(*v);
+  }
+  void boolean(const char* key, bool& value) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    if (!n->is_boolean()) fail(key, "is not true or false");
+    value = *n->value<bool>();
+  }
+  void text(const char* key, std::string& value, size_t max_bytes = 1000) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    if (!n->is_string()) fail(key, "is not a text; expected \"...\"");
+    value = *n->value<std::string>();
+    if (value.empty() || value.size() > max_bytes) fail(key, "is empty or too long; expected 1 to " + std::to_string(max_bytes) + " bytes");
+    if (value.find('\0') != std::string::npos) fail(key, "holds a zero byte; expected plain text");
+  }
+  void vector(const char* key, Vec3& value, double limit) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    const toml::array* a = n->as_array();
+    if (!a || a->size() != 3) fail(key, "is not [x, y, z]; expected three numbers");
+    for (size_t i = 0; i < 3; ++i) {
+      const std::optional<double> v = a->get(i)->is_number() ? a->get(i)->value<double>() : std::nullopt;
+      if (!v || !std::isfinite(*v) || std::abs(*v) > limit) fail(key, "holds a value that is not a finite number of at most " + number(limit));
+      value[Eigen::Index(i)] = *v;
+    }
+  }
+  void direction(const char* key, Vec3& value) {
+    vector(key, value, 1e6);
+    if (value.norm() < 1e-6) fail(key, "has no length; expected a direction");
+  }
+
+  /// Every key of the table must have been asked for, or be listed here.
+  void finish(std::initializer_list<const char*> others = {}) {
+    if (!t_) return;
+    asked_.insert(asked_.end(), others.begin(), others.end());
+    for (const auto& [k, n] : *t_) {
+      if (std::find(asked_.begin(), asked_.end(), k.str()) != asked_.end()) continue;
+      std::string list;
+      for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
+      throw InputError(file_, int(n.source().begin.line), "unknown key \"" + shown(k.str()) + "\" in " + where() + "; expected " + list);
+    }
+  }
+
+ private:
+  const toml::node* take(const char* key) {
+    asked_.emplace_back(key);
+    return t_ ? t_->get(key) : nullptr;
+  }
+  static std::string shown(std::string_view s) {
+    std::string out;
+    for (char c : s.substr(0, 40)) out += (c >= ' ' && c != 127) ? c : '?';
+    return out;
+  }
+  std::string full(const char* key) const { return name_.empty() ? key : name_ + "." + key; }
+  std::string where() const { return name_.empty() ? "the scene" : "[" + name_ + "]"; }
+
+  const toml::table* t_;
+  std::string name_;
+  const std::string& file_;
+  std::vector<std::string> asked_;
+};
+
+Table section(const toml::table& root, const char* key, const std::string& file) {
+  const toml::node* n = root.get(key);
+  if (n && !n->is_table()) throw InputError(file, int(n->source().begin.line), std::string(key) + " is not a table; expected [" + key + "]");
+  return Table(n ? n->as_table() : nullptr, key, file);
+}
+
+std::vector<Layer> read_layers(const toml::table& root, const std::string& file) {
+  const toml::node* n = root.get("layer");
+  const toml::array* a = n ? n->as_array() : nullptr;
+  if (!a || a->empty()) throw InputError(file, n ? int(n->source().begin.line) : 0, "no layers; expected at least one [[layer]]");
+  if (a->size() > 16) throw InputError(file, int(n->source().begin.line), "more than 16 layers");
+  std::vector<Layer> layers;
+  for (const toml::node& e : *a) {
+    if (!e.is_table()) throw InputError(file, int(e.source().begin.line), "a layer is not a table; expected [[layer]]");
+    Table t(e.as_table(), "layer", file);
+    Layer l;
+    for (const char* key : {"name", "thickness_mm", "young_kPa", "poisson"})
+      if (!t.has(key)) t.fail(key, "is missing; expected name, thickness_mm, young_kPa and poisson in every layer");
+    t.text("name", l.name, 40);
+    t.real("thickness_mm", l.thickness_mm, 0, 1000, true);
+    t.real("young_kPa", l.material.young_kPa, 0, 1e6, true);
+    t.real("poisson", l.material.poisson, 0, 0.499);
+    double density = 1000;
+    t.real("density_kg_m3", density, 1, 1e5);
+    l.material.density_kg_mm3 = density * 1e-9;
+    t.real("prestretch_along", l.material.prestretch_along, 0.8, 1.5);
+    t.real("prestretch_across", l.material.prestretch_across, 0.8, 1.5);
+    t.finish();
+    layers.push_back(std::move(l));
+  }
+  return layers;
+}
+
+void read_body(Table t, Scene& s, const std::string& file) {
+  if (!t.present()) throw InputError(file, 0, "[body] is missing; expected source = \"block\" or \"obj\"");
+  std::string source;
+  if (!t.has("source")) t.fail("source", "is missing; expected \"block\" or \"obj\"");
+  t.text("source", source);
+  Vec3 tension = Vec3::UnitX();
+  t.direction("tension_direction", tension);
+  if (source == "block") {
+    s.source = Scene::Source::block;
+    s.block.name = s.name;
+    s.block.tension_direction = tension;
+    t.vector("size_mm", s.block.size_mm, 1000);
+    if (s.block.size_mm.minCoeff() < 1) t.fail("size_mm", "has a side of " + number(s.block.size_mm.minCoeff()) + " mm; expected 1 to 1000 mm");
+    if (tension.head<2>().norm() < 1e-3 * tension.norm()) t.fail("tension_direction", "stands upright on the skin; expected a direction in its plane");
+    t.real("skin_cell_mm", s.block.skin_cell_mm, 0.1, 100);
+    if (s.block.size_mm.x() * s.block.size_mm.y() / (s.block.skin_cell_mm * s.block.skin_cell_mm) > 2e6)
+      t.fail("skin_cell_mm", "makes more than 4 million triangles; expected larger skin cells");
+  } else if (source == "obj") {
+    s.source = Scene::Source::obj;
+    s.obj.tension_direction = tension;
+    std::string mesh;
+    if (!t.has("mesh")) t.fail("mesh", "is missing; expected the path of an OBJ file");
+    t.text("mesh", mesh, 4000);
+    s.obj.path = fs::path(mesh).is_absolute() ? mesh : (fs::path(file).parent_path() / mesh).lexically_normal().string();
+    t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
+    t.direction("deep_direction", s.obj.deep_direction);
+    t.real("deep_angle_deg", s.obj.deep_angle_deg, 0, 180);
+    t.real("deep_plane_mm", s.obj.deep_plane_mm, -1e6, 1e6);
+    t.vector("chart_origin_mm", s.obj.chart_origin_mm, 1e6);
+    t.direction("chart_e1", s.obj.chart_e1);
+    t.direction("chart_e2", s.obj.chart_e2);
+    if (s.obj.chart_e1.cross(s.obj.chart_e2).norm() < 1e-3 * s.obj.chart_e1.norm() * s.obj.chart_e2.norm())
+      t.fail("chart_e2", "is parallel to chart_e1; expected two directions that span the chart");
+  } else {
+    t.fail("source", "is neither \"block\" nor \"obj\"");
+  }
+  t.finish();
+}
+
+}  // namespace
+
+Vec3 Scene::Camera::eye_mm() const {
+  return target_mm + distance_mm * from.normalized();
+}
+
+Scene parse_scene(const std::string& text, const std::string& path) {
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw InputError(path, 0, "the file is empty; expected a scene");
+  if (text.size() > kMaxBytes) throw InputError(path, 0, "the scene is larger than 1 MB");
+  toml::table root;
+  try {
+    root = toml::parse(std::string_view(text), std::string_view(path));
+  } catch (const toml::parse_error& e) {
+    std::string what(e.description());
+    std::replace_if(what.begin(), what.end(), [](char c) { return c < ' ' || c == 127; }, ' ');
+    throw InputError(path, int(e.source().begin.line), "broken TOML: " + what + "; expected a scene");
+  } catch (const BrokenToml&) {
+    throw InputError(path, 0, "broken TOML; expected a scene");
+  }
+
+  Scene s;
+  s.path = path;
+  s.text = text;
+  s.name = fs::path(path).stem().string();
+  Table top(&root, "", path);
+  top.text("name", s.name, 200);
+  top.text("note", s.note, 10'000);
+  top.finish({"body", "layer", "lattice", "build", "springs", "solver", "tools", "camera"});
+
+  read_body(section(root, "body", path), s, path);
+  (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = read_layers(root, path);
+
+  Table lattice = section(root, "lattice", path);
+  lattice.real("cell_mm", s.cell_mm, 0.2, 100);
+  if (s.source == Scene::Source::block && s.cell_mm > s.block.size_mm.minCoeff())
+    lattice.fail("cell_mm", "is " + number(s.cell_mm) + ", larger than the block's side of " + number(s.block.size_mm.minCoeff()) +
+                                " mm; expected cells that fit into it");
+  if (s.source == Scene::Source::block && s.block.size_mm.prod() / (s.cell_mm * s.cell_mm * s.cell_mm) > 2e6)
+    lattice.fail("cell_mm", "makes more than 2 million cells; expected larger cells");
+  lattice.finish();
+
+  Table build = section(root, "build", path);
+  build.boolean("can_cut", s.can_cut);
+  build.boolean("dynamic", s.dynamic);
+  build.finish();
+
+  Table springs = section(root, "springs", path);
+  springs.real("suture_N_per_mm", s.suture_N_per_mm, 0, 1e4, true);
+  springs.real("hook_N_per_mm", s.hook_N_per_mm, 0, 1e4, true);
+  springs.finish();
+
+  Table solver = section(root, "solver", path);
+  solver.integer("iterations_per_step", 1, 1000, [&](int64_t v) { s.iterations_per_step = int(v); });
+  solver.real("steps_per_s", s.steps_per_s, 1, 1000);
+  solver.real("damping_per_s", s.damping_per_s, 0, 1e4);
+  solver.integer("seed", 0, std::numeric_limits<int64_t>::max(), [&](int64_t v) { s.seed = uint64_t(v); });
+  solver.finish();
+
+  Table tools = section(root, "tools", path);
+  tools.real("max_depth_mm", s.tools.max_depth_mm, 0, 200, true);
+  tools.real("default_depth_mm", s.tools.default_depth_mm, 0, 200, true);
+  tools.real("default_spacing_mm", s.tools.default_spacing_mm, 0.5, 100);
+  tools.real("reach_mm", s.tools.reach_mm, 0.1, 50);
+  if (s.tools.default_depth_mm > s.tools.max_depth_mm)
+    tools.fail("default_depth_mm", "is larger than max_depth_mm (" + number(s.tools.max_depth_mm) + ")");
+  tools.finish();
+
+  Table camera = section(root, "camera", path);
+  camera.vector("target_mm", s.camera.target_mm, 1e4);
+  camera.direction("from", s.camera.from);
+  camera.direction("up", s.camera.up);
+  if (s.camera.from.cross(s.camera.up).norm() < 1e-3 * s.camera.from.norm() * s.camera.up.norm())
+    camera.fail("up", "points along the line of sight; expected a direction across it");
+  camera.real("distance_mm", s.camera.distance_mm, 10, 5000);
+  camera.real("fov_deg", s.camera.fov_deg, 5, 120);
+  camera.finish();
+
+  Hash64 h;
+  h.add(text);
+  if (s.source == Scene::Source::obj) h.add(slurp(s.obj.path, "the OBJ surface that the scene names", ObjLimits::file_bytes));
+  s.hash = h.value();
+  return s;
+}
+
+Scene load_scene(const std::string& path) { return parse_scene(slurp(path, "a scene file", kMaxBytes), path); }
+
+std::string find_scene(const std::string& name_or_path, const std::vector<std::string>& folders) {
+  std::error_code ec;
+  if (fs::exists(name_or_path, ec)) return name_or_path;
+  std::vector<std::string> names;
+  for (const auto& f : folders) {
+    const fs::path candidate = fs::path(f) / (name_or_path + ".toml");
+    if (name_or_path.find('/') == std::string::npos && fs::exists(candidate, ec)) return candidate.string();
+    for (fs::directory_iterator it(f, ec), end; !ec && it != end; it.increment(ec))
+      if (it->path().extension() == ".toml") names.push_back(it->path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  std::string list;
+  for (const auto& n : names) list += (list.empty() ? "" : ", ") + n;
+  throw InputError(name_or_path, 0, "no such scene; expected a scene file" + (list.empty() ? "" : " or one of: " + list));
+}
+
+std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report) {
+  if (scene.source == Scene::Source::obj) {
+    auto body = std::make_shared<Body>(load_obj(scene.obj, report));
+    body->name = scene.name;
+    if (const double side = (body->box_max_mm - body->box_min_mm).minCoeff(); scene.cell_mm > side)
+      throw InputError(scene.path, 0, "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
+                                          number(side) + " mm; expected cells that fit into it");
+    return body;
+  }
+  auto body = std::make_shared<Body>(make_block(scene.block));
+  if (report) *report = validate_surface(body->surface, body->grid, scene.path);
+  return body;
+}
+
+WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
+  WorldSpec w;
+  w.body = std::move(body);
+  w.cell_mm = scene.cell_mm;
+  w.suture_k_N_per_mm = scene.suture_N_per_mm;
+  w.hook_k_N_per_mm = scene.hook_N_per_mm;
+  w.can_cut = scene.can_cut;
+  w.dynamic = scene.dynamic;
+  w.seed = scene.seed;
+  return w;
+}
+
+}  // namespace limberg

@@ -1,0 +1,185 @@
+// Scenes: the shipped ones load and make a body, every mistake is named with its line, any bytes are survived.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "app/scene.h"
+#include "sim/error.h"
+
+namespace limberg {
+namespace {
+
+const std::string kScenes = std::string(LIMBERG_SOURCE_DIR) + "/app/scenes/";
+
+const std::string kGood = R"(name = "t"
+[body]
+source = "block"
+size_mm = [30, 20, 8]
+[[layer]]
+name = "skin"
+thickness_mm = 1.5
+young_kPa = 60
+poisson = 0.45
+[lattice]
+cell_mm = 2
+)";
+
+// Without the line that starts with `key`, and with `line` in its place.
+std::string with(const std::string& key, const std::string& line) {
+  std::string t = kGood;
+  const size_t a = t.find("\n" + key) + 1, b = t.find('\n', a);
+  return t.replace(a, b - a, line);
+}
+
+TEST(Scene, ShippedBlocksLoad) {
+  for (const char* name : {"rhomboid", "zplasty"}) {
+    const Scene s = load_scene(find_scene(name, {"/nowhere", kScenes}));
+    EXPECT_EQ(s.name, name);
+    EXPECT_FALSE(s.text.empty());
+    SurfaceReport r;
+    const auto body = build_body(s, &r);
+    EXPECT_GE(body->surface.tri.size(), 50000u);
+    EXPECT_EQ(r.volume_mm3, 144000);
+    ASSERT_EQ(body->layers.size(), 2u);
+    EXPECT_EQ(body->layers[0].thickness_mm, 1.5);
+    EXPECT_EQ(body->layers[1].thickness_mm, 8.5);
+    EXPECT_DOUBLE_EQ(body->layers[1].material.density_kg_mm3, 920e-9);
+    const WorldSpec w = world_spec(s, body);
+    EXPECT_EQ(w.cell_mm, 3.5);
+    EXPECT_EQ(w.body, body);
+  }
+  const Scene a = load_scene(kScenes + "rhomboid.toml"), b = load_scene(kScenes + "zplasty.toml");
+  EXPECT_NE(a.hash, b.hash);
+  EXPECT_EQ(a.hash, load_scene(kScenes + "rhomboid.toml").hash);
+}
+
+TEST(Scene, FaceSceneWithTheRealFace) {
+  const char* data = std::getenv("LIMBERG_DATA");
+  if (!data) GTEST_SKIP() << "LIMBERG_DATA does not name the folder of the test data";
+  const std::string mesh = std::string(data) + "/face/wholeFace_NasalCartilage.obj";
+  if (!std::filesystem::exists(mesh)) GTEST_SKIP() << mesh << " is absent";
+  std::ifstream in(kScenes + "face.toml");
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::string key = "mesh = \"face.obj\"";
+  ASSERT_NE(text.find(key), std::string::npos);
+  text.replace(text.find(key), key.size(), "mesh = \"" + mesh + "\"");
+  const Scene s = parse_scene(text, kScenes + "face.toml");
+  SurfaceReport r;
+  const auto body = build_body(s, &r);
+  EXPECT_EQ(r.genus, 5);
+  size_t held = 0;
+  for (SurfaceTag t : body->surface.tag) held += t == SurfaceTag::fixed;
+  EXPECT_GT(held, body->surface.tag.size() / 10);
+  EXPECT_LT(held, body->surface.tag.size() * 9 / 10);
+}
+
+TEST(Scene, FaceSceneSaysThatItsSurfaceIsMissing) {
+  if (std::filesystem::exists(kScenes + "face.obj")) GTEST_SKIP() << "a surface stands beside the scene";
+  try {
+    load_scene(kScenes + "face.toml");
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("face.obj"), std::string::npos);
+  }
+}
+
+TEST(Scene, DefaultsAndUnits) {
+  const Scene s = parse_scene(kGood, "x/t.toml");
+  EXPECT_EQ(s.block.size_mm, Vec3(30, 20, 8));
+  EXPECT_EQ(s.cell_mm, 2);
+  EXPECT_TRUE(s.can_cut);
+  EXPECT_EQ(s.layers().size(), 1u);
+  EXPECT_EQ(s.layers()[0].material.prestretch_along, 1);
+  EXPECT_NEAR((s.camera.eye_mm() - s.camera.target_mm).norm(), s.camera.distance_mm, 1e-9);
+}
+
+TEST(Scene, EveryMistakeIsNamedWithItsLine) {
+  const std::tuple<std::string, int, const char*> cases[] = {
+      {"", 0, "empty"},
+      {" \n\n", 0, "empty"},
+      {"name = \n", 1, "broken TOML"},
+      {"[body\n", 1, "broken TOML"},
+      {"name = \"a\"\nname = \"b\"\n", 2, "broken TOML"},
+      {"name = \"a\"\n", 0, "[body] is missing"},
+      {kGood + "[colours]\n", 12, "unknown key \"colours\""},
+      {kGood + "cell = 3\n", 12, "unknown key \"cell\" in [lattice]"},
+      {"body = 3\n", 1, "not a table"},
+      {with("source", "source = \"sphere\""), 3, "neither"},
+      {with("source", "source = 3"), 3, "not a text"},
+      {with("size_mm", "size_mm = [30, 20]"), 4, "three numbers"},
+      {with("size_mm", "size_mm = [30, 20, \"a\"]"), 4, "finite number"},
+      {with("size_mm", "size_mm = [30, -20, 8]"), 4, "expected 1 to 1000"},
+      {with("size_mm", "size_mm = [30, nan, 8]"), 4, "finite number"},
+      {with("size_mm", "size_mm = [30, inf, 8]"), 4, "finite number"},
+      {with("size_mm", "skin_cell_mm = 0"), 4, "skin_cell_mm is 0"},
+      {with("size_mm", "mesh = \"a.obj\""), 4, "unknown key \"mesh\""},
+      {with("size_mm", "tension_direction = [0, 0, 1]"), 4, "upright"},
+      {with("size_mm", "tension_direction = [0, 0, 0]"), 4, "no length"},
+      {with("thickness_mm", "thickness_mm = -1"), 7, "layer.thickness_mm is -1"},
+      {with("thickness_mm", "thickness_mm = nan"), 7, "nan"},
+      {with("young_kPa", "young_kPa = 0"), 8, "above 0"},
+      {with("poisson", "poisson = 0.5"), 9, "0.499"},
+      {with("poisson", ""), 5, "is missing"},
+      {with("[[layer]]", "[layer]"), 5, "no layers"},
+      {with("cell_mm", "cell_mm = 9"), 11, "larger than the block"},
+      {with("cell_mm", "cell_mm = -2"), 11, "cell_mm is -2"},
+      {with("cell_mm", "cell_mm = nan"), 11, "nan"},
+      {with("cell_mm", "cell_mm = true"), 11, "not a number"},
+      {kGood + "[solver]\niterations_per_step = 1.5\n", 13, "not an integer"},
+      {kGood + "[solver]\nseed = -1\n", 13, "from 0"},
+      {kGood + "[build]\ncan_cut = 1\n", 13, "true or false"},
+      {kGood + "[camera]\nfrom = [0, 0, 2]\n", 12, "across"},
+      {kGood + "[tools]\nmax_depth_mm = 2\n", 12, "default_depth_mm"},
+  };
+  for (const auto& [text, line, word] : cases) {
+    try {
+      parse_scene(text, "s.toml");
+      ADD_FAILURE() << "accepted:\n" << text << "\nexpected: " << word;
+    } catch (const InputError& e) {
+      EXPECT_EQ(e.line(), line) << e.what();
+      EXPECT_NE(std::string(e.what()).find(word), std::string::npos) << e.what() << "\nexpected: " << word;
+      EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos) << e.what();
+    }
+  }
+}
+
+TEST(Scene, FilesThatAreNoScenes) {
+  namespace fs = std::filesystem;
+  EXPECT_THROW(load_scene("/no/such/scene.toml"), InputError);
+  EXPECT_THROW(load_scene(fs::temp_directory_path()), InputError);
+  EXPECT_THROW(load_scene("/dev/null"), InputError);
+  EXPECT_THROW(parse_scene(std::string(2 << 20, '#'), "s"), InputError);
+  EXPECT_THROW(parse_scene(std::string(100'000, '['), "s"), InputError);
+  try {
+    find_scene("rhombus", {kScenes});
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("face, rhomboid, zplasty"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Scene, AnyBytesAreASceneOrAnInputError) {
+  std::mt19937_64 rng(3);
+  const std::string spice = "[]{}=\".,0123456789-\n\\#e\xff\x01 ";
+  int refused = 0;
+  for (int n = 0; n < 5000; ++n) {
+    std::string t = kGood;
+    for (int k = 1 + int(rng() % 3); k > 0 && !t.empty(); --k) {
+      const size_t at = rng() % t.size();
+      if (rng() % 3 == 0) t.erase(at, 1 + rng() % 9);
+      else t[at] = spice[rng() % spice.size()];
+    }
+    try {
+      parse_scene(t, "f.toml");
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+}  // namespace
+}  // namespace limberg
