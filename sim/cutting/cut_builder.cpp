@@ -1,0 +1,242 @@
+#include "sim/cutting/cut_builder.h"
+
+#include <algorithm>
+
+#include "sim/cutting/tri_tests.h"
+
+namespace limberg {
+
+CutBuilder::CutBuilder(ArrangementStore& store, const Blade& blade, std::vector<Int3> vertex)
+    : store_(store), blade_(blade), vertex_(std::move(vertex)) {
+  delta_.kind = LastOperation::cut;
+  delta_.points = store.points.size();
+  delta_.faces = int32_t(store.face.size());
+  delta_.origs = int32_t(store.orig.size());
+  delta_.divisions = int32_t(store.division.size());
+  delta_.ops = int32_t(store.op.size());
+  delta_.forest = store.forest;
+  delta_.hash_sum = store.hash_sum;
+  delta_.volume_residue = store.volume_residue;
+}
+
+CutBuilder::Outcome CutBuilder::run(CutResult& result) {
+  Outcome o = prepare();
+  if (o == ok) o = intersect();
+  if (o == ok) o = take_shared_edges();
+  if (o == ok) o = divide();
+  if (o == ok) o = divide_blade();
+  if (o == ok) o = find_patches(result);
+  if (o == ok) o = commit(result);
+  if (o != ok) abandon();
+  return o;
+}
+
+void CutBuilder::abandon() { store_.take_back(delta_); }
+
+CutBuilder::Outcome CutBuilder::prepare() {
+  std::vector<Tri> named = blade_.tri;
+  if (const std::string why = check_embedded(vertex_, named); !why.empty()) {
+    reason_ = why;
+    return coincidence;
+  }
+  op_ = int32_t(store_.op.size());
+  first_orig_ = int32_t(store_.orig.size());
+  store_.op.push_back({first_orig_, blade_.uv_mm});
+  blade_point_.resize(vertex_.size());
+  for (size_t i = 0; i < vertex_.size(); ++i) {
+    const int32_t shared = i < blade_.shared_point.size() ? blade_.shared_point[i] : -1;
+    blade_point_[i] = shared >= 0 ? shared : store_.points.add_explicit(vertex_[i]);
+  }
+  for (const Tri& t : blade_.tri) {
+    OrigTri o;
+    for (size_t k = 0; k < 3; ++k) o.v[k] = blade_point_[size_t(t[k])];
+    o.plane = plane_through(vertex_[size_t(t[0])], vertex_[size_t(t[1])], vertex_[size_t(t[2])]);
+    o.op = op_;
+    store_.orig.push_back(o);
+  }
+  return ok;
+}
+
+CutBuilder::Outcome CutBuilder::intersect() {
+  const auto int_triangle = [&](int32_t o) {
+    IntTriangle t;
+    for (size_t k = 0; k < 3; ++k) t.id[k] = store_.orig[o].v[k], t.p[k] = store_.points.integer(t.id[k]);
+    return t;
+  };
+  Outcome outcome = ok;
+  for (size_t i = 0; i < blade_.tri.size() && outcome == ok; ++i) {
+    const int32_t s = first_orig_ + int32_t(i);
+    const IntTriangle ts = int_triangle(s);
+    Vec3 lo(ts.p[0].x, ts.p[0].y, ts.p[0].z), hi = lo;
+    for (size_t k = 1; k < 3; ++k) {
+      const Vec3 p(ts.p[k].x, ts.p[k].y, ts.p[k].z);
+      lo = lo.cwiseMin(p);
+      hi = hi.cwiseMax(p);
+    }
+    const auto visit = [&](int32_t f) {
+      if (outcome != ok || store_.orig[f].live == 0) return;
+      const IntTriangle tf = int_triangle(f);
+      bool shares = false;
+      for (int32_t a : ts.id)
+        for (int32_t b : tf.id) shares = shares || a == b;
+      if (shares) {
+        if (meet_beyond_shared(ts, tf)) outcome = fail(coincidence, "the blade runs through the wall that it continues");
+        return;
+      }
+      const Crossing c = cross_triangles(ts, store_.orig[s].plane, tf, store_.orig[f].plane);
+      if (c.kind == Crossing::apart) return;
+      if (c.kind == Crossing::coincidence) {
+        outcome = fail(coincidence, "the blade touches the surface in a way that cannot be resolved");
+        return;
+      }
+      Segment seg;
+      seg.s = s;
+      seg.f = f;
+      for (const CrossingEnd& e : c.end) {
+        const int32_t owner = e.edge_of_s ? s : f, plane = e.edge_of_s ? f : s;
+        const auto& v = store_.orig[owner].v;
+        seg.point.push_back(store_.points.line_plane(v[size_t(e.edge)], v[size_t(e.edge + 1) % 3], plane, store_.orig[plane].plane));
+      }
+      segment_.push_back(std::move(seg));
+    };
+    for (const auto& tree : store_.forest)
+      tree->bvh.box(lo, hi, [&](int32_t t) { visit(tree->first + t); });
+  }
+  if (outcome != ok) return outcome;
+  std::sort(segment_.begin(), segment_.end(),
+            [](const Segment& a, const Segment& b) { return std::tie(a.f, a.s) < std::tie(b.f, b.s); });
+  return ok;
+}
+
+int16_t CutBuilder::label_of(int32_t point, int32_t orig) const {
+  const PointKey key = store_.points.key(point);
+  if (key.kind != PointKey::line_plane) return PlanarSplit::kFree;
+  return int16_t(store_.edge_of_orig(orig, key.id[0], key.id[1]));  // -1 == kFree: an edge of the other triangle
+}
+
+bool CutBuilder::crosses(const Constraint& c, const Plane& plane_s, const Plane& plane_g, int32_t p, int32_t q,
+                         bool& zero) const {
+  const PointStore& points = store_.points;
+  if (c.a == p || c.a == q || c.b == p || c.b == q) return false;  // they end in one point, through a shared edge
+  const int a = side_of_plane(plane_s, points.ref(c.a)), b = side_of_plane(plane_s, points.ref(c.b));
+  if (a == b && a != 0) return false;
+  const int sp = side_of_plane(plane_g, points.ref(p)), sq = side_of_plane(plane_g, points.ref(q));
+  if (sp == sq && sp != 0) return false;
+  if (a == 0 || b == 0 || sp == 0 || sq == 0) {
+    zero = true;
+    return false;
+  }
+  return true;
+}
+
+CutBuilder::Outcome CutBuilder::divide() {
+  static_assert(PlanarSplit::kFree == -1);
+  for (size_t i = 0; i < segment_.size();) {
+    Touched t;
+    t.orig = segment_[i].f;
+    t.first = i;
+    while (i < segment_.size() && segment_[i].f == t.orig) ++i;
+    t.count = i - t.first;
+    touched_.push_back(std::move(t));
+  }
+  for (Touched& t : touched_) {
+    const OrigTri f = store_.orig[t.orig];
+    t.scratch.open(store_, t.orig);
+    const std::span<const Constraint> junctions =
+        f.split >= 0 ? std::span<const Constraint>(store_.division[f.split].constraint) : std::span<const Constraint>();
+    for (size_t i = t.first; i < t.first + t.count; ++i) {
+      Segment& seg = segment_[i];
+      const Plane& plane_s = store_.orig[seg.s].plane;
+      seg.label = {label_of(seg.point[0], t.orig), label_of(seg.point[1], t.orig)};
+      for (size_t j = 0; j < junctions.size(); ++j) {
+        const Constraint& c = junctions[j];
+        const Plane& plane_g = store_.orig[c.partner].plane;
+        bool zero = false;
+        if (crosses(c, plane_s, plane_g, seg.point[0], seg.point[1], zero)) {
+          seg.point.push_back(store_.points.three_planes({t.orig, c.partner, seg.s}, f.plane, plane_g, plane_s));
+          seg.label.push_back(int16_t(PlanarSplit::kJunction + int(j)));
+        }
+        if (zero) return fail(coincidence, "the blade meets a junction of earlier cuts");
+      }
+      if (seg.point.size() > 2) {  // along the segment
+        int axis = 0;
+        (store_.points.approx(seg.point[1]) - store_.points.approx(seg.point[0])).cwiseAbs().maxCoeff(&axis);
+        const int forward = compare_coordinate(axis, store_.points.ref(seg.point[1]), store_.points.ref(seg.point[0]));
+        std::vector<size_t> order(seg.point.size());
+        for (size_t j = 0; j < order.size(); ++j) order[j] = j;
+        std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+          if (a == b || a == 0 || b == 1) return a != b;
+          if (b == 0 || a == 1) return false;
+          return compare_coordinate(axis, store_.points.ref(seg.point[b]), store_.points.ref(seg.point[a])) == forward;
+        });
+        std::vector<int32_t> point;
+        std::vector<int16_t> label;
+        for (size_t j : order) point.push_back(seg.point[j]), label.push_back(seg.label[j]);
+        seg.point.swap(point);
+        seg.label.swap(label);
+        for (size_t j = 1; j + 1 < seg.point.size(); ++j)
+          if (compare_coordinate(axis, store_.points.ref(seg.point[j + 1]), store_.points.ref(seg.point[j])) != forward)
+            return fail(coincidence, "two junctions of earlier cuts meet the blade in one point");
+      }
+    }
+    for (size_t i = t.first; i < t.first + t.count; ++i)
+      for (size_t j = 0; j < segment_[i].point.size(); ++j)
+        if (!t.scratch.insert(segment_[i].point[j], segment_[i].label[j]))
+          return fail(coincidence, "a point of the cut falls on a junction of earlier cuts");
+    for (size_t i = t.first; i < t.first + t.count; ++i) {
+      const Segment& seg = segment_[i];
+      for (size_t j = 0; j + 1 < seg.point.size(); ++j) {
+        const int32_t a = seg.point[j], b = seg.point[j + 1];
+        if (!t.scratch.enforce(a, b, seg.s)) return fail(coincidence, "a cut line runs along a junction of earlier cuts");
+        auto [piece, k] = t.scratch.find_edge(a, b);
+        if (piece < 0) std::tie(piece, k) = t.scratch.find_edge(b, a);
+        const auto& p = t.scratch.pieces()[size_t(piece)];
+        const int32_t n = p.neighbour[size_t(k)];
+        if (n < 0 || t.scratch.pieces()[size_t(n)].mat != p.mat) return fail(coincidence, "a cut line runs along a border");
+        if (p.mat != 0) barrier_.push_back({seg.s, seg.f, a, b, size_t(&t - touched_.data()), p.mat});
+      }
+    }
+  }
+  std::sort(barrier_.begin(), barrier_.end(),
+            [](const Barrier& a, const Barrier& b) { return std::tie(a.s, a.f, a.a, a.b) < std::tie(b.s, b.f, b.a, b.b); });
+  return ok;
+}
+
+CutBuilder::Outcome CutBuilder::divide_blade() {
+  for (const Barrier& b : barrier_)
+    for (int32_t p : {b.a, b.b}) {
+      const int16_t k = label_of(p, b.s);
+      if (k == PlanarSplit::kFree) continue;
+      const auto& v = store_.orig[b.s].v;
+      const int32_t u = v[size_t(k)], w = v[size_t(k + 1) % 3];
+      edge_point_.push_back({std::min(u, w), std::max(u, w), p});
+    }
+  std::sort(edge_point_.begin(), edge_point_.end());
+  edge_point_.erase(std::unique(edge_point_.begin(), edge_point_.end()), edge_point_.end());
+
+  blade_split_.resize(blade_.tri.size());
+  size_t next = 0;
+  for (size_t i = 0; i < blade_.tri.size(); ++i) {
+    const int32_t s = first_orig_ + int32_t(i);
+    const OrigTri& o = store_.orig[s];
+    PlanarSplit& split = blade_split_[i];
+    split.open(store_.points, o.plane, o.v);
+    for (size_t k = 0; k < 3; ++k) {
+      const int32_t lo = std::min(o.v[k], o.v[(k + 1) % 3]), hi = std::max(o.v[k], o.v[(k + 1) % 3]);
+      for (auto it = std::lower_bound(edge_point_.begin(), edge_point_.end(), std::array<int32_t, 3>{lo, hi, -1});
+           it != edge_point_.end() && (*it)[0] == lo && (*it)[1] == hi; ++it)
+        if (!split.insert((*it)[2], int16_t(k))) return fail(coincidence, "two cut lines meet on an edge of the blade");
+    }
+    const size_t begin = next;
+    while (next < barrier_.size() && barrier_[next].s == s) ++next;
+    for (size_t j = begin; j < next; ++j)
+      for (int32_t p : {barrier_[j].a, barrier_[j].b})
+        if (label_of(p, s) == PlanarSplit::kFree && !split.insert(p, PlanarSplit::kFree))
+          return fail(coincidence, "two cut lines meet on the blade");
+    for (size_t j = begin; j < next; ++j)
+      if (!split.enforce(barrier_[j].a, barrier_[j].b, barrier_[j].f)) return fail(coincidence, "cut lines cross on the blade");
+  }
+  return ok;
+}
+
+}  // namespace limberg

@@ -1,0 +1,202 @@
+// The last steps of a cut: divide by what is needed, put the walls in, glue what is dirty, check, or take all back.
+#include <algorithm>
+
+#include "sim/cutting/cut_builder.h"
+
+namespace limberg {
+
+namespace {
+
+using Edge = std::pair<int32_t, int32_t>;
+Edge edge(int32_t a, int32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+}  // namespace
+
+CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& out, const std::vector<int32_t>& needed_points) const {
+  // From the state before the cut, with the needed sub-edges only: tissue that is not cut keeps no scar. Points on
+  // borders and junctions that others need go in too, so that all faces around such an edge are divided alike.
+  const auto needed = [&](int32_t a, int32_t b) { return std::binary_search(t.needed.begin(), t.needed.end(), edge(a, b)); };
+  out.open(store_, t.orig);
+  for (size_t i = t.first; i < t.first + t.count; ++i) {
+    const Segment& seg = segment_[i];
+    for (size_t j = 0; j < seg.point.size(); ++j) {
+      const bool own = (j > 0 && needed(seg.point[j - 1], seg.point[j])) ||
+                       (j + 1 < seg.point.size() && needed(seg.point[j], seg.point[j + 1]));
+      const bool forced = seg.label[j] != PlanarSplit::kFree &&
+                          std::binary_search(needed_points.begin(), needed_points.end(), seg.point[j]);
+      if ((own || forced) && !out.insert(seg.point[j], seg.label[j]))
+        return coincidence;
+    }
+  }
+  for (size_t i = t.first; i < t.first + t.count; ++i) {
+    const Segment& seg = segment_[i];
+    for (size_t j = 0; j + 1 < seg.point.size(); ++j)
+      if (needed(seg.point[j], seg.point[j + 1]) && !out.enforce(seg.point[j], seg.point[j + 1], seg.s)) return coincidence;
+  }
+  return ok;
+}
+
+void CutBuilder::write_division(int32_t o, const PlanarSplit& split, std::vector<int32_t>& dirty) {
+  OrigTri& orig = store_.orig[o];
+  const bool is_new = o >= first_orig_;
+  if (!is_new) {
+    Delta::OrigBefore before{o, orig.live, orig.whole, orig.split, std::nullopt};
+    if (orig.split >= 0) before.division = store_.division[orig.split];
+    delta_.orig.push_back(std::move(before));
+  }
+  Division d;
+  d.constraint = split.current_constraints();
+  std::vector<int32_t> old(store_.faces_of(o).begin(), store_.faces_of(o).end());
+  std::vector<int32_t> kept;
+  for (const auto& p : split.pieces())
+    if (p.face >= 0) kept.push_back(p.face);
+  std::sort(kept.begin(), kept.end());
+  for (int32_t f : old) {
+    if (std::binary_search(kept.begin(), kept.end(), f)) continue;
+    Face& face = store_.face[f];
+    if (face.live()) {
+      store_.edges.remove(f, face.v);
+      store_.hash_sum -= store_.face_hash(face);
+      store_.volume_residue = mod_sub(store_.volume_residue, store_.face_volume_residue(face));
+      store_.last.removed.push_back(f);
+    }
+    face.retired = true;
+    delta_.retired.push_back(f);
+  }
+  orig.live = 0;
+  for (const auto& p : split.pieces()) {
+    int32_t f = p.face;
+    if (f < 0) {
+      f = int32_t(store_.face.size());
+      store_.face.push_back({p.v, o, p.mat, false});
+      store_.mate.push_back({-1, -1, -1, -1, -1, -1});
+      const Face& face = store_.face.back();
+      if (face.live()) {
+        store_.edges.add(f, face.v);
+        store_.hash_sum += store_.face_hash(face);
+        store_.volume_residue = mod_add(store_.volume_residue, store_.face_volume_residue(face));
+        store_.last.added.push_back(f);
+        dirty.push_back(f);
+      }
+    }
+    d.face.push_back(f);
+    orig.live += store_.face[f].live();
+  }
+  if (d.face.size() == 1 && d.constraint.empty()) {
+    orig.whole = d.face[0];
+    orig.split = -1;
+    return;
+  }
+  orig.whole = -1;
+  if (orig.split < 0) {
+    orig.split = int32_t(store_.division.size());
+    store_.division.emplace_back();
+  }
+  store_.division[orig.split] = std::move(d);
+}
+
+CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
+  // What the kept patches are bounded by.
+  std::vector<int32_t> needed_points;
+  std::vector<std::pair<Edge, size_t>> barrier_index;  // ends, barrier
+  for (size_t i = 0; i < barrier_.size(); ++i) barrier_index.push_back({edge(barrier_[i].a, barrier_[i].b), i});
+  std::sort(barrier_index.begin(), barrier_index.end());
+  for (size_t i = 0; i < blade_split_.size(); ++i) {
+    const auto pieces = blade_split_[i].pieces();
+    for (size_t t = 0; t < pieces.size(); ++t) {
+      if (!keep_[i][t]) continue;
+      for (size_t k = 0; k < 3; ++k) {
+        if (pieces[t].label[k] < PlanarSplit::kJunction) continue;
+        const Edge e = edge(pieces[t].v[k], pieces[t].v[(k + 1) % 3]);
+        for (auto it = std::lower_bound(barrier_index.begin(), barrier_index.end(), std::pair(e, size_t(0)));
+             it != barrier_index.end() && it->first == e; ++it)
+          touched_[barrier_[it->second].touched].needed.push_back(e);
+        needed_points.push_back(e.first);
+        needed_points.push_back(e.second);
+      }
+    }
+  }
+  const auto tidy = [](auto& v) {
+    std::sort(v.begin(), v.end());
+    v.erase(std::unique(v.begin(), v.end()), v.end());
+  };
+  tidy(needed_points);
+  std::vector<PlanarSplit> final_split(touched_.size());
+  std::vector<uint8_t> change(touched_.size(), 0);
+  for (size_t i = 0; i < touched_.size(); ++i) {
+    Touched& t = touched_[i];
+    tidy(t.needed);
+    size_t sub_edges = 0;
+    bool forced = false;
+    for (size_t j = t.first; j < t.first + t.count; ++j) {
+      sub_edges += segment_[j].point.size() - 1;
+      for (size_t m = 0; m < segment_[j].point.size(); ++m)
+        forced = forced || (segment_[j].label[m] != PlanarSplit::kFree &&
+                            std::binary_search(needed_points.begin(), needed_points.end(), segment_[j].point[m]));
+    }
+    if (t.needed.empty() && !forced) continue;
+    change[i] = 1;
+    if (t.needed.size() == sub_edges) {
+      final_split[i] = std::move(t.scratch);
+    } else if (divide_finally(t, final_split[i], needed_points) != ok) {
+      return fail(coincidence, "a needed junction could not be kept");
+    }
+  }
+
+  // Commit. From here on a failure is taken back through delta_.
+  store_.last = LastOperation{};
+  store_.last.kind = LastOperation::cut;
+  std::vector<int32_t> dirty_faces;
+  for (size_t i = 0; i < touched_.size(); ++i)
+    if (change[i]) write_division(touched_[i].orig, final_split[i], dirty_faces);
+  const size_t walls_from = store_.face.size();
+  for (size_t i = 0; i < blade_split_.size(); ++i) {
+    for (size_t t = 0; t < keep_[i].size(); ++t) blade_split_[i].set_material(t, keep_[i][t] ? kMaterialPlus | kMaterialMinus : 0);
+    // Junctions between two pieces that were not kept are none: nothing ends there.
+    blade_split_[i].forget_dead_junctions();
+    write_division(first_orig_ + int32_t(i), blade_split_[i], dirty_faces);
+  }
+  for (int32_t f : store_.last.added)
+    if (size_t(f) >= walls_from) store_.last.new_walls.push_back(f);
+
+  std::vector<Edge> dirty;
+  for (const auto* list : {&store_.last.added, &store_.last.removed})
+    for (int32_t f : *list)
+      for (size_t k = 0; k < 3; ++k) dirty.push_back(edge(store_.face[f].v[k], store_.face[f].v[(k + 1) % 3]));
+  tidy(dirty);
+  for (const Edge& e : dirty)
+    if (const std::string why = store_.glue_edge(e.first, e.second, &delta_); !why.empty()) {
+      reason_ = why;
+      return coincidence;
+    }
+
+  // Local invariants: the divided surface encloses the same volume, every side that faces material is glued all round,
+  // junctions are edges of both triangles that they join.
+  if (store_.volume_residue != delta_.volume_residue) return fail(coincidence, "the volume changed");
+  for (int32_t f : store_.last.added)
+    for (int side = 0; side < 2; ++side)
+      for (size_t k = 0; k < 3; ++k) {
+        const int32_t h = sided_half_edge(sided_face(f, side), int(k));
+        const int32_t m = store_.mate[f][size_t(3 * side) + k];
+        if ((m >= 0) != store_.face[f].has_side(side) || (m >= 0 && store_.mate[m / 6][size_t(m % 6)] != h))
+          return fail(coincidence, "the surface does not close");
+      }
+  for (size_t i = 0; i < touched_.size(); ++i)
+    for (const Edge& e : touched_[i].needed)
+      if (store_.edges.first(e.first, e.second) < 0) return fail(coincidence, "a junction is missing");
+
+  auto tree = std::make_shared<OrigTree>();
+  tree->first = first_orig_;
+  tree->count = int32_t(blade_.tri.size());
+  store_.plant(std::move(tree));
+  std::sort(store_.last.removed.begin(), store_.last.removed.end());
+  std::sort(store_.last.added.begin(), store_.last.added.end());
+  store_.history.push_back(std::move(delta_));
+  store_.components_known = false;
+  result.op = op_;
+  result.wall_faces = int(store_.last.new_walls.size());
+  result.blade_point = blade_point_;
+  return ok;
+}
+
+}  // namespace limberg

@@ -1,0 +1,125 @@
+// Which part of the blade is real: patches between barriers, inside or outside by unanimous vote, seeded or not.
+#include <algorithm>
+#include <numeric>
+
+#include "sim/cutting/cut_builder.h"
+
+namespace limberg {
+
+CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
+  // One number per piece of the divided blade.
+  std::vector<size_t> first(blade_split_.size() + 1, 0);
+  for (size_t i = 0; i < blade_split_.size(); ++i) first[i + 1] = first[i] + blade_split_[i].pieces().size();
+  std::vector<size_t> parent(first.back());
+  std::iota(parent.begin(), parent.end(), size_t(0));
+  const auto root = [&](size_t x) {
+    while (parent[x] != x) x = parent[x] = parent[parent[x]];
+    return x;
+  };
+  const auto unite = [&](size_t a, size_t b) {
+    a = root(a), b = root(b);
+    if (a != b) parent[std::max(a, b)] = std::min(a, b);
+  };
+
+  struct BorderEdge {
+    int32_t a, b;
+    size_t piece;
+    auto operator<=>(const BorderEdge&) const = default;
+  };
+  struct Vote {
+    size_t piece;
+    bool inside;
+  };
+  std::vector<BorderEdge> border;
+  std::vector<Vote> votes;
+  std::vector<uint8_t> seeded(first.back(), 0);
+  for (size_t i = 0; i < blade_split_.size(); ++i) {
+    const auto pieces = blade_split_[i].pieces();
+    const uint8_t seed = i < blade_.seed.size() ? blade_.seed[i] : uint8_t(1);
+    for (size_t t = 0; t < pieces.size(); ++t) {
+      const size_t me = first[i] + t;
+      if (seed == 2) seeded[me] = 1;
+      for (size_t k = 0; k < 3; ++k) {
+        const int16_t label = pieces[t].label[k];
+        const int32_t a = pieces[t].v[k], b = pieces[t].v[(k + 1) % 3];
+        if (label == PlanarSplit::kFree) {
+          unite(me, first[i] + size_t(pieces[t].neighbour[k]));
+        } else if (label < PlanarSplit::kJunction) {
+          border.push_back({std::min(a, b), std::max(a, b), me});
+        } else {
+          const int32_t f = blade_split_[i].partner(label);
+          // Next to its junction with f the piece lies on the side of f where its third corner is.
+          const int side = side_of_plane(store_.orig[f].plane, store_.points.ref(pieces[t].v[(k + 2) % 3]));
+          if (side == 0) return fail(coincidence, "a piece of the blade lies on the surface");
+          const auto at = std::lower_bound(barrier_.begin(), barrier_.end(), std::pair(first_orig_ + int32_t(i), f),
+                                           [](const Barrier& x, const auto& y) { return std::pair(x.s, x.f) < y; });
+          const Barrier* barrier = nullptr;
+          for (auto it = at; it != barrier_.end() && it->s == first_orig_ + int32_t(i) && it->f == f; ++it)
+            if ((it->a == a && it->b == b) || (it->a == b && it->b == a)) barrier = &*it;
+          if (!barrier) return fail(refused, "a junction was lost while dividing the blade");
+          votes.push_back({me, bool(barrier->mat >> (side > 0 ? 0 : 1) & 1)});
+          if (seed == 1 && store_.is_body(f)) seeded[me] = 1;
+        }
+      }
+    }
+  }
+  std::sort(border.begin(), border.end());
+  for (size_t i = 0; i < border.size();) {
+    size_t j = i;
+    while (j < border.size() && border[j].a == border[i].a && border[j].b == border[i].b) ++j;
+    if (std::binary_search(shared_edge_.begin(), shared_edge_.end(), std::pair(border[i].a, border[i].b))) {
+      for (size_t m = i; m < j; ++m) {
+        const size_t tri = size_t(std::upper_bound(first.begin(), first.end(), border[m].piece) - first.begin()) - 1;
+        const auto& v = blade_split_[tri].pieces()[border[m].piece - first[tri]].v;
+        int32_t third = v[0];
+        for (int32_t p : v)
+          if (p != border[m].a && p != border[m].b) third = p;
+        const int vote = vote_at_shared_edge(border[m].a, border[m].b, first_orig_ + int32_t(tri), third);
+        if (vote < 0) return fail(coincidence, "the blade lies on the wall that it continues");
+        votes.push_back({border[m].piece, vote == 1});
+      }
+    } else {
+      if (j - i > 2) return fail(refused, "more than two triangles of the blade share an edge");
+      if (j - i == 2) unite(border[i].piece, border[i + 1].piece);
+    }
+    i = j;
+  }
+
+  std::vector<int8_t> inside(first.back(), -1);
+  std::vector<uint8_t> seed_of(first.back(), 0);
+  for (const Vote& v : votes) {
+    int8_t& known = inside[root(v.piece)];
+    if (known >= 0 && known != int8_t(v.inside)) return fail(coincidence, "the blade is both inside and outside the body");
+    known = int8_t(v.inside);
+  }
+  int patches = 0, kept = 0;
+  bool any_inside = false, seed_without_border = false, seed_inside = false;
+  for (size_t i = 0; i < first.back(); ++i) {
+    if (root(i) == i) ++patches;
+    if (seeded[i]) seed_of[root(i)] = 1;
+    any_inside = any_inside || inside[root(i)] == 1;
+  }
+  for (size_t i = 0; i < first.back(); ++i) {
+    if (root(i) != i) continue;
+    if (seed_of[i] && inside[i] < 0) seed_without_border = true;
+    if (seed_of[i] && inside[i] == 1) seed_inside = true, ++kept;
+  }
+  result.patches = patches;
+  result.patches_kept = kept;
+  if (!seed_inside) {
+    if (seed_without_border) return fail(refused, "the blade meets no surface: it must begin at the skin or at an earlier cut");
+    return any_inside ? fail(nothing, "nothing that was drawn is in material")
+                      : fail(nothing, "the blade meets no material");
+  }
+  keep_.resize(blade_split_.size());
+  for (size_t i = 0; i < blade_split_.size(); ++i) {
+    keep_[i].resize(blade_split_[i].pieces().size());
+    for (size_t t = 0; t < keep_[i].size(); ++t) {
+      const size_t r = root(first[i] + t);
+      keep_[i][t] = inside[r] == 1 && seed_of[r];
+    }
+  }
+  return ok;
+}
+
+}  // namespace limberg

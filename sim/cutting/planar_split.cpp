@@ -1,0 +1,304 @@
+#include "sim/cutting/planar_split.h"
+
+#include <algorithm>
+#include <deque>
+#include <tuple>
+
+namespace limberg {
+
+namespace {
+
+int next3(int k) { return k == 2 ? 0 : k + 1; }
+int prev3(int k) { return k == 0 ? 2 : k - 1; }
+
+}  // namespace
+
+void PlanarSplit::open(const PointStore& points, const Plane& plane, const std::array<int32_t, 3>& v) {
+  points_ = &points;
+  plane_ = plane;
+  junction_.clear();
+  Piece p;
+  p.v = v;
+  p.neighbour = {-1, -1, -1};
+  p.label = {0, 1, 2};
+  piece_.assign(1, p);
+}
+
+void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
+  open(store.points, store.orig[o].plane, store.orig[o].v);
+  if (store.orig[o].split < 0) {
+    piece_[0].mat = store.face[store.orig[o].whole].mat;
+    piece_[0].face = store.orig[o].whole;
+    // The face may start at another corner than the original triangle.
+    piece_[0].v = store.face[store.orig[o].whole].v;
+    for (size_t k = 0; k < 3; ++k)
+      piece_[0].label[k] = int16_t(store.edge_of_orig(o, piece_[0].v[k], piece_[0].v[(k + 1) % 3]));
+    return;
+  }
+  const Division& d = store.division[store.orig[o].split];
+  junction_ = d.constraint;
+  piece_.clear();
+  piece_.reserve(d.face.size() * 2 + 8);
+  struct HalfEdge {
+    int32_t lo, hi, piece;
+    int k;
+    bool operator<(const HalfEdge& b) const { return std::tie(lo, hi, piece) < std::tie(b.lo, b.hi, b.piece); }
+  };
+  std::vector<HalfEdge> edges;
+  edges.reserve(d.face.size() * 3);
+  for (int32_t f : d.face) {
+    Piece p;
+    p.v = store.face[f].v;
+    p.mat = store.face[f].mat;
+    p.face = f;
+    p.neighbour = {-1, -1, -1};
+    for (int k = 0; k < 3; ++k) {
+      const int32_t a = p.v[size_t(k)], b = p.v[size_t(next3(k))];
+      edges.push_back({std::min(a, b), std::max(a, b), int32_t(piece_.size()), k});
+    }
+    piece_.push_back(p);
+  }
+  std::sort(edges.begin(), edges.end());
+  const auto on_edge = [&](int32_t point, int k) {  // of the original triangle
+    const auto& v = store.orig[o].v;
+    if (point == v[size_t(k)] || point == v[size_t(next3(k))]) return true;
+    const PointKey key = store.points.key(point);
+    return key.kind == PointKey::line_plane && store.edge_of_orig(o, key.id[0], key.id[1]) == k;
+  };
+  for (size_t i = 0; i < edges.size(); ++i) {
+    if (i + 1 < edges.size() && edges[i].lo == edges[i + 1].lo && edges[i].hi == edges[i + 1].hi) {
+      neighbour(edges[i].piece, edges[i].k) = edges[i + 1].piece;
+      neighbour(edges[i + 1].piece, edges[i + 1].k) = edges[i].piece;
+      ++i;
+    } else {
+      for (int k = 0; k < 3; ++k)
+        if (on_edge(edges[i].lo, k) && on_edge(edges[i].hi, k)) piece_[edges[i].piece].label[size_t(edges[i].k)] = int16_t(k);
+    }
+  }
+  // Junctions: look each up among the sorted edges.
+  for (size_t j = 0; j < junction_.size(); ++j) {
+    const int32_t lo = std::min(junction_[j].a, junction_[j].b), hi = std::max(junction_[j].a, junction_[j].b);
+    auto it = std::lower_bound(edges.begin(), edges.end(), HalfEdge{lo, hi, -1, 0});
+    for (; it != edges.end() && it->lo == lo && it->hi == hi; ++it)
+      piece_[it->piece].label[size_t(it->k)] = int16_t(kJunction + int(j));
+  }
+}
+
+bool PlanarSplit::strictly_between(int32_t a, int32_t p, int32_t b) const {
+  // The three are collinear: compare along the axis in which a and b differ most.
+  const Vec3 d = (points_->approx(b) - points_->approx(a)).cwiseAbs();
+  int axis = 0;
+  d.maxCoeff(&axis);
+  const int ab = compare_coordinate(axis, points_->ref(a), points_->ref(b));
+  return ab != 0 && compare_coordinate(axis, points_->ref(a), points_->ref(p)) == ab &&
+         compare_coordinate(axis, points_->ref(p), points_->ref(b)) == ab;
+}
+
+bool PlanarSplit::insert(int32_t point, int16_t label) {
+  for (const Piece& p : piece_)
+    if (p.v[0] == point || p.v[1] == point || p.v[2] == point) return true;
+  if (label != kFree) {
+    for (size_t t = 0; t < piece_.size(); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const Piece& p = piece_[t];
+        if (p.label[size_t(k)] != label || !strictly_between(p.v[size_t(k)], point, p.v[size_t(next3(k))])) continue;
+        split_edge(int32_t(t), k, point);
+        return true;
+      }
+    return false;
+  }
+  for (size_t t = 0; t < piece_.size(); ++t) {
+    const auto v = piece_[t].v;
+    int zero_edge = -1, zeros = 0;
+    bool inside = true;
+    for (int k = 0; k < 3 && inside; ++k) {
+      const int s = orient(v[size_t(k)], v[size_t(next3(k))], point);
+      if (s < 0) inside = false;
+      if (s == 0) zero_edge = k, ++zeros;
+    }
+    if (!inside) continue;
+    if (zeros > 1) return false;
+    if (zeros == 1) {
+      if (piece_[t].label[size_t(zero_edge)] != kFree) return false;
+      split_edge(int32_t(t), zero_edge, point);
+    } else {
+      split_piece(int32_t(t), point);
+    }
+    return true;
+  }
+  return false;
+}
+
+void PlanarSplit::relink(int32_t piece, int32_t from, int32_t to) {
+  if (piece < 0) return;
+  for (int32_t& n : piece_[piece].neighbour)
+    if (n == from) {
+      n = to;
+      return;
+    }
+}
+
+void PlanarSplit::split_piece(int32_t t, int32_t point) {
+  const Piece old = piece_[t];
+  const int32_t n1 = int32_t(piece_.size()), n2 = n1 + 1;
+  piece_.resize(piece_.size() + 2);
+  const std::array<int32_t, 3> id{t, n1, n2};  // piece k keeps edge k
+  for (size_t k = 0; k < 3; ++k) {
+    Piece& p = piece_[id[k]];
+    p.v = {old.v[k], old.v[(k + 1) % 3], point};
+    p.neighbour = {old.neighbour[k], id[(k + 1) % 3], id[(k + 2) % 3]};
+    p.label = {old.label[k], kFree, kFree};
+    p.mat = old.mat;
+    p.face = -1;
+    if (k > 0) relink(old.neighbour[k], t, id[k]);
+  }
+}
+
+void PlanarSplit::split_edge(int32_t t, int k, int32_t point) {
+  // t = (a, b, c) with a-b its edge k; across it n = (b, a, d). Result: (a, p, c), (p, b, c), (p, a, d), (b, p, d).
+  const Piece old = piece_[t];
+  const size_t k0 = size_t(k), k1 = size_t(next3(k)), k2 = size_t(prev3(k));
+  const int32_t a = old.v[k0], b = old.v[k1], c = old.v[k2], n = old.neighbour[k0];
+  const int32_t t2 = int32_t(piece_.size()), n2 = t2 + 1;
+  piece_.resize(piece_.size() + (n >= 0 ? 2 : 1));
+  const int16_t l = old.label[k0];
+  piece_[t] = {{a, point, c}, {n, t2, old.neighbour[k2]}, {l, kFree, old.label[k2]}, old.mat, -1};
+  piece_[t2] = {{point, b, c}, {n >= 0 ? n2 : -1, old.neighbour[k1], t}, {l, old.label[k1], kFree}, old.mat, -1};
+  relink(old.neighbour[k1], t, t2);
+  if (n < 0) return;
+  const Piece other = piece_[n];
+  size_t m0 = 0;
+  while (other.neighbour[m0] != t || other.v[m0] != b) ++m0;
+  const size_t m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
+  const int32_t d = other.v[m2];
+  piece_[n] = {{point, a, d}, {t, other.neighbour[m1], n2}, {l, other.label[m1], kFree}, other.mat, -1};
+  piece_[n2] = {{b, point, d}, {t2, n, other.neighbour[m2]}, {l, kFree, other.label[m2]}, other.mat, -1};
+  relink(other.neighbour[m2], n, n2);
+}
+
+void PlanarSplit::flip(int32_t t, int k) {
+  // t = (u, v, p), n = (v, u, q): becomes t = (u, q, p), n = (q, v, p).
+  const Piece old = piece_[t];
+  const size_t k0 = size_t(k), k1 = size_t(next3(k)), k2 = size_t(prev3(k));
+  const int32_t n = old.neighbour[k0];
+  const Piece other = piece_[n];
+  size_t m0 = 0;
+  while (other.neighbour[m0] != t || other.v[m0] != old.v[k1]) ++m0;
+  const size_t m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
+  const int32_t u = old.v[k0], v = old.v[k1], p = old.v[k2], q = other.v[m2];
+  piece_[t] = {{u, q, p}, {other.neighbour[m1], n, old.neighbour[k2]}, {other.label[m1], kFree, old.label[k2]}, old.mat, -1};
+  piece_[n] = {{q, v, p}, {other.neighbour[m2], old.neighbour[k1], t}, {other.label[m2], old.label[k1], kFree}, old.mat, -1};
+  relink(other.neighbour[m1], n, t);
+  relink(old.neighbour[k1], t, n);
+}
+
+std::pair<int32_t, int> PlanarSplit::find_edge(int32_t a, int32_t b) const {
+  for (size_t t = 0; t < piece_.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (piece_[t].v[size_t(k)] == a && piece_[t].v[size_t(next3(k))] == b) return {int32_t(t), k};
+  return {-1, 0};
+}
+
+void PlanarSplit::set_label(int32_t t, int k, int16_t label) {
+  Piece& p = piece_[t];
+  p.label[size_t(k)] = label;
+  const int32_t n = p.neighbour[size_t(k)];
+  if (n < 0) return;
+  const int32_t a = p.v[size_t(k)], b = p.v[size_t(next3(k))];
+  for (int m = 0; m < 3; ++m)
+    if (piece_[n].v[size_t(m)] == b && piece_[n].v[size_t(next3(m))] == a) piece_[n].label[size_t(m)] = label;
+}
+
+bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
+  const int16_t label = int16_t(kJunction + int(junction_.size()));
+  const auto finish = [&](int32_t t, int k) {
+    if (piece_[t].label[size_t(k)] != kFree) return false;  // it lies on something that is there already
+    junction_.push_back({a, b, partner});
+    set_label(t, k, label);
+    return true;
+  };
+  if (const auto [t, k] = find_edge(a, b); t >= 0) return finish(t, k);
+  if (const auto [t, k] = find_edge(b, a); t >= 0) return finish(t, k);
+
+  // The pieces that a-b passes through, from the one at a whose opposite edge it crosses.
+  std::vector<int32_t> corridor;
+  std::deque<std::pair<int32_t, int32_t>> crossing;
+  int32_t t = -1;
+  int k = 0;
+  for (size_t i = 0; i < piece_.size() && t < 0; ++i)
+    for (int c = 0; c < 3; ++c) {
+      if (piece_[i].v[size_t(c)] != a) continue;
+      const int right = orient(a, b, piece_[i].v[size_t(next3(c))]), left = orient(a, b, piece_[i].v[size_t(prev3(c))]);
+      if (right < 0 && left > 0) t = int32_t(i), k = next3(c);
+      // A point exactly ahead on the line is a coincidence.
+      if ((right == 0 && strictly_between(a, piece_[i].v[size_t(next3(c))], b)) ||
+          (left == 0 && strictly_between(a, piece_[i].v[size_t(prev3(c))], b)))
+        return false;
+    }
+  if (t < 0) return false;
+  corridor.push_back(t);
+  for (;;) {
+    if (piece_[t].label[size_t(k)] != kFree || piece_[t].neighbour[size_t(k)] < 0) return false;
+    const int32_t u = piece_[t].v[size_t(k)], v = piece_[t].v[size_t(next3(k))];
+    crossing.push_back({u, v});
+    const int32_t n = piece_[t].neighbour[size_t(k)];
+    corridor.push_back(n);
+    int m = 0;
+    while (piece_[n].v[size_t(m)] != v || piece_[n].v[size_t(next3(m))] != u) ++m;
+    const int32_t w = piece_[n].v[size_t(prev3(m))];
+    if (w == b) break;
+    const int s = orient(a, b, w);
+    if (s == 0) return false;
+    // n = (v, u, w): u is right of a-b, v left. Go on through the edge between w and the point on the other side.
+    k = s > 0 ? next3(m) : prev3(m);
+    t = n;
+  }
+  // Flip what crosses until nothing does (Sloan). The set of pieces stays the corridor.
+  size_t guard = 64 + crossing.size() * crossing.size() * 4;
+  while (!crossing.empty()) {
+    if (guard-- == 0) return false;
+    const auto [u, v] = crossing.front();
+    crossing.pop_front();
+    t = -1;
+    for (int32_t c : corridor)
+      for (int e = 0; e < 3 && t < 0; ++e)
+        if (piece_[c].v[size_t(e)] == u && piece_[c].v[size_t(next3(e))] == v) t = c, k = e;
+    if (t < 0) {
+      crossing.push_back({v, u});  // the same edge, named from its other side after a flip
+      continue;
+    }
+    const int32_t n = piece_[t].neighbour[size_t(k)];
+    int m = 0;
+    while (piece_[n].v[size_t(m)] != v || piece_[n].v[size_t(next3(m))] != u) ++m;
+    const int32_t p = piece_[t].v[size_t(prev3(k))], q = piece_[n].v[size_t(prev3(m))];
+    if (orient(u, q, p) <= 0 || orient(q, v, p) <= 0) {
+      crossing.push_back({u, v});
+      continue;
+    }
+    if (piece_[t].mat != piece_[n].mat) return false;
+    flip(t, k);
+    if (p == a || p == b || q == a || q == b) continue;
+    if (orient(a, b, p) * orient(a, b, q) < 0) crossing.push_back({p, q});
+  }
+  if (const auto [e, ek] = find_edge(a, b); e >= 0) return finish(e, ek);
+  return false;
+}
+
+void PlanarSplit::forget_dead_junctions() {
+  for (Piece& p : piece_)
+    for (size_t k = 0; k < 3; ++k)
+      if (p.label[k] >= kJunction && p.mat == 0 && piece_[p.neighbour[k]].mat == 0) p.label[k] = kFree;
+}
+
+std::vector<Constraint> PlanarSplit::current_constraints() const {
+  std::vector<Constraint> out;
+  for (size_t t = 0; t < piece_.size(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Piece& p = piece_[t];
+      if (p.label[size_t(k)] < kJunction || p.neighbour[size_t(k)] < int32_t(t)) continue;  // each once, from its lower side
+      out.push_back({p.v[size_t(k)], p.v[size_t(next3(k))], partner(p.label[size_t(k)])});
+    }
+  return out;
+}
+
+}  // namespace limberg

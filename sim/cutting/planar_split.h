@@ -1,0 +1,66 @@
+#pragma once
+// The division of one original triangle: its triangulation, opened for inserting points and enforcing junctions.
+//
+// Every point that goes in is known to lie inside, on an edge of the original triangle, or on a junction, from what it
+// is made of; nothing is ever decided "nearly". Edges carry labels: kFree may be flipped (both sides then hold the same
+// material), 0..2 lies on that edge of the original triangle, kJunction + i is junction i.
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/cutting/store.h"
+
+namespace limberg {
+
+class PlanarSplit {
+ public:
+  static constexpr int16_t kFree = -1, kJunction = 3;
+
+  struct Piece {
+    std::array<int32_t, 3> v{};               // point ids
+    std::array<int32_t, 3> neighbour{};       // piece across edge k, -1 outside
+    std::array<int16_t, 3> label{kFree, kFree, kFree};
+    uint8_t mat = 0;
+    int32_t face = -1;                        // the existing face that it still is, or -1
+  };
+
+  /// Opens the current division of an existing original triangle.
+  void open(const ArrangementStore& store, int32_t orig);
+  /// Opens a new, undivided triangle.
+  void open(const PointStore& points, const Plane& plane, const std::array<int32_t, 3>& v);
+
+  /// Inserts a point that lies on the chain of edges with this label (kFree: strictly inside). No effect when it is
+  /// there already. False: it is not where it was said to be, a coincidence.
+  bool insert(int32_t point, int16_t label);
+  /// Makes a-b an edge and labels it as a new junction with `partner`. False: it would cross a junction or meet a point.
+  bool enforce(int32_t a, int32_t b, int32_t partner);
+
+  void set_material(size_t piece, uint8_t mat) { piece_[piece].mat = mat; }
+  /// A junction with no material on either side is an ordinary edge again.
+  void forget_dead_junctions();
+
+  std::span<const Piece> pieces() const { return piece_; }
+  /// The piece and edge k that run from a to b; -1 if there is none.
+  std::pair<int32_t, int> find_edge(int32_t a, int32_t b) const;
+  /// Partner of a junction label.
+  int32_t partner(int16_t label) const { return junction_[label - kJunction].partner; }
+  /// The junctions as they are now: sub-edges, each once.
+  std::vector<Constraint> current_constraints() const;
+
+ private:
+  int orient(int32_t a, int32_t b, int32_t c) const { return orient2d(plane_, points_->ref(a), points_->ref(b), points_->ref(c)); }
+  bool strictly_between(int32_t a, int32_t p, int32_t b) const;
+  void split_piece(int32_t t, int32_t point);
+  void split_edge(int32_t t, int k, int32_t point);
+  void flip(int32_t t, int k);
+  void relink(int32_t piece, int32_t from, int32_t to);
+  void set_label(int32_t t, int k, int16_t label);
+  int32_t& neighbour(int32_t t, int k) { return piece_[t].neighbour[size_t(k)]; }
+
+  const PointStore* points_ = nullptr;
+  Plane plane_;
+  std::vector<Piece> piece_;
+  std::vector<Constraint> junction_;
+};
+
+}  // namespace limberg

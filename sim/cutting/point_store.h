@@ -1,0 +1,73 @@
+#pragma once
+// All points of an arrangement. An implicit point is found again by what it is made of, never by where it lies.
+#include <unordered_map>
+#include <vector>
+
+#include "sim/geometry/exact/predicates.h"
+
+namespace limberg {
+
+/// What a point is made of.
+struct PointKey {
+  enum Kind : int32_t { explicit_point, line_plane, three_planes };
+  int32_t kind = explicit_point;
+  std::array<int32_t, 3> id{};  // LPI: edge end points ascending, original triangle; TPI: three original triangles ascending
+  bool operator==(const PointKey&) const = default;
+};
+
+/// Residues of a point's rational coordinates modulo kPrime: a fingerprint of its exact place, and what the volume
+/// test computes with.
+using Residues = std::array<uint64_t, 3>;
+inline constexpr uint64_t kPrime = (uint64_t(1) << 61) - 1;
+inline uint64_t mod_mul(uint64_t a, uint64_t b) {
+  const uint128 t = uint128(a) * b;
+  const uint64_t r = uint64_t(t & kPrime) + uint64_t(t >> 61);
+  return r >= kPrime ? r - kPrime : r;
+}
+inline uint64_t mod_add(uint64_t a, uint64_t b) { return a + b >= kPrime ? a + b - kPrime : a + b; }
+inline uint64_t mod_sub(uint64_t a, uint64_t b) { return a >= b ? a - b : a + kPrime - b; }
+
+class PointStore {
+ public:
+  int32_t size() const { return int32_t(approx_.size()); }
+  void reserve(size_t n) { approx_.reserve(n), implicit_of_.reserve(n); }
+
+  int32_t add_explicit(const Int3& p);
+  /// Where the edge a-b of an original triangle meets original triangle `tri`; the same id for the same two things.
+  int32_t line_plane(int32_t a, int32_t b, int32_t tri, const Plane& plane);
+  int32_t three_planes(std::array<int32_t, 3> tri, const Plane& p0, const Plane& p1, const Plane& p2);
+  /// Forgets the points from n on.
+  void truncate(int32_t n);
+
+  bool is_explicit(int32_t i) const { return implicit_of_[i] < 0; }
+  Int3 integer(int32_t i) const { return {int32_t(approx_[i][0]), int32_t(approx_[i][1]), int32_t(approx_[i][2])}; }
+  const Vec3& approx(int32_t i) const { return approx_[i]; }
+  PointRef ref(int32_t i) const {
+    return {&approx_[i], implicit_of_[i] < 0 ? nullptr : &implicit_[implicit_of_[i]].h};
+  }
+  PointKey key(int32_t i) const { return implicit_of_[i] < 0 ? PointKey{} : implicit_[implicit_of_[i]].key; }
+  Homogeneous exact(int32_t i) const { return is_explicit(i) ? homogeneous(integer(i)) : implicit_[implicit_of_[i]].h; }
+  Residues residues(int32_t i) const;
+
+ private:
+  struct Implicit {
+    Homogeneous h;
+    PointKey key;
+    Residues residue{};
+  };
+  struct KeyHash {
+    size_t operator()(const PointKey& k) const {
+      uint64_t h = uint64_t(k.kind);
+      for (int32_t i : k.id) h = (h ^ uint32_t(i)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
+      return size_t(h);
+    }
+  };
+  int32_t add_implicit(const PointKey& key, const Homogeneous& h);
+
+  std::vector<Vec3> approx_;          // explicit points: exact
+  std::vector<int32_t> implicit_of_;  // -1: explicit
+  std::vector<Implicit> implicit_;
+  std::unordered_map<PointKey, int32_t, KeyHash> find_;  // looked up only, never walked
+};
+
+}  // namespace limberg

@@ -1,0 +1,108 @@
+#pragma once
+// What an Arrangement owns, open to the parts of this library: arrays, the edge map, the record of how to undo.
+#include <memory>
+#include <optional>
+
+#include "sim/cutting/arrangement.h"
+#include "sim/cutting/edge_map.h"
+#include "sim/cutting/point_store.h"
+#include "sim/geometry/bvh.h"
+
+namespace limberg {
+
+/// A box tree over original triangles [first, first + count), in half-units (exact in floats).
+struct OrigTree {
+  int32_t first = 0, count = 0;
+  Bvh bvh;
+};
+using Forest = std::vector<std::shared_ptr<const OrigTree>>;
+
+/// One operation that made original triangles: the body (op 0) or a blade.
+struct OpRecord {
+  int32_t first_orig = 0;
+  std::vector<std::array<Eigen::Vector2f, 3>> uv;  // per original triangle
+};
+
+/// Everything needed to take one operation back, and nothing else.
+struct Delta {
+  LastOperation::Kind kind = LastOperation::none;
+  int32_t points = 0, faces = 0, origs = 0, divisions = 0, ops = 0;  // array lengths before
+  Forest forest;                                                      // before
+  std::vector<int32_t> retired;                                       // faces retired
+  std::vector<std::pair<int32_t, uint8_t>> mat;                       // face, bits before (excision)
+  std::vector<std::pair<int32_t, int32_t>> mate;                      // sided half-edge, mate before; in order of change
+  struct OrigBefore {
+    int32_t orig = 0, live = 0, whole = 0, split = 0;
+    std::optional<Division> division;  // of a triangle that was divided before
+  };
+  std::vector<OrigBefore> orig;
+  uint64_t hash_sum = 0, volume_residue = 0;
+};
+
+struct ArrangementStore {
+  RestGrid grid;
+  PointStore points;
+  std::vector<Face> face;
+  std::vector<std::array<int32_t, 6>> mate;  // per face: [3 * side + k]
+  std::vector<OrigTri> orig;
+  std::vector<Division> division;
+  EdgeMap edges;
+  std::vector<OpRecord> op;
+  Forest forest;
+  std::vector<SurfaceTag> tag;  // per body triangle
+  std::vector<Delta> history;
+  LastOperation last;
+  uint64_t hash_sum = 0;        // sum of face_hash over live faces
+  uint64_t volume_residue = 0;  // 6 V modulo kPrime
+
+  // Read off once per version (components.cpp).
+  mutable bool components_known = false;
+  mutable std::vector<SurfaceComponent> component;
+  mutable std::vector<int32_t> component_of;  // per sided face, -1 without material
+
+  bool is_body(int32_t o) const { return orig[o].op == 0; }
+  std::span<const int32_t> faces_of(int32_t o) const {
+    const OrigTri& t = orig[o];
+    if (t.split < 0) return {&t.whole, size_t(t.whole >= 0)};
+    return division[t.split].face;
+  }
+  /// Which edge (0, 1, 2) of original triangle o has these end points; -1 if none.
+  int edge_of_orig(int32_t o, int32_t a, int32_t b) const {
+    const auto& v = orig[o].v;
+    for (int k = 0; k < 3; ++k) {
+      const int32_t p = v[size_t(k)], q = v[size_t(k + 1) % 3];
+      if ((p == a && q == b) || (p == b && q == a)) return k;
+    }
+    return -1;
+  }
+
+  // glue.cpp
+  uint64_t face_hash(const Face& f) const;
+  uint64_t face_volume_residue(const Face& f) const;  // of its sided faces: 6 V modulo kPrime
+  /// Sets the mates of every live face at the edge a-b by the radial rule; old ones go to `delta` when given. Returns a
+  /// description of the contradiction if there is one.
+  std::string glue_edge(int32_t a, int32_t b, Delta* delta);
+
+  // undo.cpp
+  void take_back(const Delta& delta);
+  /// Adds a tree over original triangles (its box tree is built here); equal neighbours are merged.
+  void plant(std::shared_ptr<OrigTree> tree);
+};
+
+/// A face as the radial order around an edge a-b sees it.
+struct RadialFace {
+  Plane plane;
+  int32_t orig = -1;
+  int sense = 1;         // +1 when the face runs a -> b
+  int32_t third = -1;    // its third corner
+  uint8_t mat = 0;
+  int32_t half_edge = -1;  // 3 * face + k
+  uint8_t ccw_side() const { return sense > 0 ? 0 : 1; }
+  bool ccw_material() const { return mat >> ccw_side() & 1; }
+  bool cw_material() const { return mat >> (1 - ccw_side()) & 1; }
+};
+
+/// Sorts faces counter-clockwise around a -> b, starting anywhere. False when two coincide.
+bool sort_radially(const PointStore& points, int32_t a, int32_t b, std::vector<RadialFace>& faces);
+
+}  // namespace limberg

@@ -1,0 +1,191 @@
+#include "sim/cutting/tri_tests.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "sim/geometry/bvh.h"
+
+namespace limberg {
+
+namespace {
+
+// Orientation of three integer points projected along the axis `drop`.
+int turn(int drop, const Int3& a, const Int3& b, const Int3& c) {
+  const int i = (drop + 1) % 3, j = (drop + 2) % 3;
+  const int64_t d = (int64_t(b[i]) - a[i]) * (int64_t(c[j]) - a[j]) - (int64_t(b[j]) - a[j]) * (int64_t(c[i]) - a[i]);
+  return d > 0 ? 1 : d < 0 ? -1 : 0;
+}
+
+// p and triangle t lie in one plane (seen along `drop`): is p in the closed triangle?
+bool in_closed(int drop, const Int3& p, const std::array<Int3, 3>& t) {
+  const int s0 = turn(drop, t[0], t[1], p), s1 = turn(drop, t[1], t[2], p), s2 = turn(drop, t[2], t[0], p);
+  return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
+}
+
+// Two coplanar triangles that share `shared` vertices by name.
+bool coplanar_meet(int drop, const IntTriangle& s, const IntTriangle& t, int shared) {
+  // A line through an edge of one that has the other strictly beyond it separates them; shared vertices lie on it.
+  const auto separates = [&](const IntTriangle& x, const IntTriangle& y) {
+    for (size_t k = 0; k < 3; ++k) {
+      const Int3 &a = x.p[k], &b = x.p[(k + 1) % 3];
+      const int own = turn(drop, a, b, x.p[(k + 2) % 3]);
+      bool ok = own != 0;
+      int on_line = 0;
+      for (size_t m = 0; m < 3 && ok; ++m) {
+        const bool same = y.id[m] == x.id[k] || y.id[m] == x.id[(k + 1) % 3];
+        const int side = turn(drop, a, b, y.p[m]);
+        if (same) ++on_line;
+        else if (side != -own) ok = false;
+      }
+      if (ok && on_line == shared) return true;
+    }
+    return false;
+  };
+  return !separates(s, t) && !separates(t, s);
+}
+
+// Does edge k of s meet the closed triangle t elsewhere than in shared vertices? side: of s's corners against t's plane;
+// they are not all zero.
+bool edge_meets(const IntTriangle& s, size_t k, const std::array<int, 3>& side, const IntTriangle& t, int drop) {
+  const size_t l = (k + 1) % 3;
+  const auto shared = [&](size_t c) { return s.id[c] == t.id[0] || s.id[c] == t.id[1] || s.id[c] == t.id[2]; };
+  const Int3 &p = s.p[k], &q = s.p[l];
+  if (side[k] == 0 && side[l] == 0) {  // the edge lies in the plane of t
+    if (shared(k) && shared(l)) return false;
+    if (!shared(k) && in_closed(drop, p, t.p)) return true;
+    if (!shared(l) && in_closed(drop, q, t.p)) return true;
+    for (size_t m = 0; m < 3; ++m) {
+      const size_t n = (m + 1) % 3;
+      // Against an edge of t that holds the shared vertex: only an overlap along the same line could be more.
+      const bool touches = t.id[m] == s.id[k] || t.id[m] == s.id[l] || t.id[n] == s.id[k] || t.id[n] == s.id[l];
+      const int a = turn(drop, p, q, t.p[m]), b = turn(drop, p, q, t.p[n]);
+      const int c = turn(drop, t.p[m], t.p[n], p), d = turn(drop, t.p[m], t.p[n], q);
+      if (touches) continue;
+      if (a * b <= 0 && c * d <= 0) return true;
+    }
+    // From a shared vertex into the inside of t and out through the far edge is caught above (far edge crossed); ending
+    // inside too. Running along an edge of t from the shared vertex: the other end or the far vertex lies on it.
+    for (size_t c : {k, l}) {
+      if (!shared(c)) continue;
+      const size_t other = c == k ? l : k;
+      for (size_t m = 0; m < 3; ++m) {
+        if (t.id[m] == s.id[c] || turn(drop, s.p[c], s.p[other], t.p[m]) != 0) continue;
+        const int i = (drop + 1) % 3, j = (drop + 2) % 3;
+        const int64_t dot = (int64_t(s.p[other][i]) - s.p[c][i]) * (int64_t(t.p[m][i]) - s.p[c][i]) +
+                            (int64_t(s.p[other][j]) - s.p[c][j]) * (int64_t(t.p[m][j]) - s.p[c][j]);
+        if (dot > 0) return true;
+      }
+    }
+    return false;
+  }
+  if (side[k] == 0) return !shared(k) && in_closed(drop, p, t.p);
+  if (side[l] == 0) return !shared(l) && in_closed(drop, q, t.p);
+  if (side[k] == side[l]) return false;
+  int plus = 0, minus = 0;
+  for (size_t m = 0; m < 3; ++m) {
+    const int o = orient3d(p, q, t.p[m], t.p[(m + 1) % 3]);
+    plus += o > 0;
+    minus += o < 0;
+  }
+  return plus == 0 || minus == 0;
+}
+
+}  // namespace
+
+bool meet_beyond_shared(const IntTriangle& s, const IntTriangle& t) {
+  int shared = 0;
+  for (int32_t i : s.id) shared += i == t.id[0] || i == t.id[1] || i == t.id[2];
+  if (shared == 3) return true;
+  const Plane ps = plane_through(s.p[0], s.p[1], s.p[2]), pt = plane_through(t.p[0], t.p[1], t.p[2]);
+  std::array<int, 3> side_s, side_t;
+  int plus = 0, minus = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    side_s[i] = side_of_plane(pt, s.p[i]);
+    plus += side_s[i] > 0;
+    minus += side_s[i] < 0;
+  }
+  if (plus == 3 || minus == 3) return false;
+  if (plus == 0 && minus == 0) return coplanar_meet(projection_axis(pt), s, t, shared);
+  if (shared == 2) return false;  // two different planes: nothing but the common line
+  plus = minus = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    side_t[i] = side_of_plane(ps, t.p[i]);
+    plus += side_t[i] > 0;
+    minus += side_t[i] < 0;
+  }
+  if (plus == 3 || minus == 3) return false;
+  for (size_t k = 0; k < 3; ++k)
+    if (edge_meets(s, k, side_s, t, projection_axis(pt)) || edge_meets(t, k, side_t, s, projection_axis(ps))) return true;
+  return false;
+}
+
+Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t) {
+  Crossing result;
+  std::array<int, 3> ss, st;
+  const auto classify = [](const std::array<int, 3>& x) {  // -1 apart, 0 coincidence, +1 straddling
+    const int plus = (x[0] > 0) + (x[1] > 0) + (x[2] > 0), minus = (x[0] < 0) + (x[1] < 0) + (x[2] < 0);
+    return plus == 3 || minus == 3 ? -1 : plus + minus < 3 ? 0 : 1;
+  };
+  for (size_t i = 0; i < 3; ++i) ss[i] = side_of_plane(plane_t, s.p[i]);
+  const int cs = classify(ss);
+  if (cs < 0) return result;
+  for (size_t i = 0; i < 3; ++i) st[i] = side_of_plane(plane_s, t.p[i]);
+  const int ct = classify(st);
+  if (ct < 0) return result;
+  if (cs == 0 || ct == 0) {
+    result.kind = Crossing::coincidence;
+    return result;
+  }
+  // Does the edge k of x, which straddles y's plane, pass through y? 1 yes, 0 no, -1 coincidence.
+  const auto through = [](const IntTriangle& x, size_t k, const IntTriangle& y) {
+    int plus = 0, minus = 0;
+    for (size_t m = 0; m < 3; ++m) {
+      const int o = orient3d(x.p[k], x.p[(k + 1) % 3], y.p[m], y.p[(m + 1) % 3]);
+      plus += o > 0;
+      minus += o < 0;
+    }
+    if (plus > 0 && minus > 0) return 0;
+    return plus + minus == 3 ? 1 : -1;
+  };
+  size_t ends = 0;
+  for (int own = 1; own >= 0; --own)
+    for (size_t k = 0; k < 3; ++k) {
+      const auto& side = own ? ss : st;
+      if (side[k] == side[(k + 1) % 3]) continue;
+      const int r = own ? through(s, k, t) : through(t, k, s);
+      if (r < 0 || (r > 0 && ends == 2)) {
+        result.kind = Crossing::coincidence;
+        return result;
+      }
+      if (r > 0) result.end[ends++] = {own == 1, int(k)};
+    }
+  if (ends == 2) result.kind = Crossing::crossing;
+  if (ends == 1) result.kind = Crossing::coincidence;  // cannot happen without an exact zero
+  return result;
+}
+
+std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri) {
+  std::vector<Vec3> x(vertex.size());
+  for (size_t i = 0; i < vertex.size(); ++i) x[i] = Vec3(vertex[i].x, vertex[i].y, vertex[i].z);
+  const Bvh bvh(x, tri);
+  const auto triangle = [&](size_t i) {
+    IntTriangle t;
+    for (size_t k = 0; k < 3; ++k) t.p[k] = vertex[size_t(tri[i][k])], t.id[k] = tri[i][k];
+    return t;
+  };
+  for (size_t i = 0; i < tri.size(); ++i) {
+    const IntTriangle s = triangle(i);
+    const Plane p = plane_through(s.p[0], s.p[1], s.p[2]);
+    if (p.n[0] == 0 && p.n[1] == 0 && p.n[2] == 0) return "the blade has a triangle without area";
+    Vec3 lo = x[size_t(tri[i][0])], hi = lo;
+    for (int32_t v : tri[i]) lo = lo.cwiseMin(x[size_t(v)]), hi = hi.cwiseMax(x[size_t(v)]);
+    bool folded = false;
+    bvh.box(lo, hi, [&](int32_t j) {
+      if (size_t(j) > i && !folded && meet_beyond_shared(s, triangle(size_t(j)))) folded = true;
+    });
+    if (folded) return "the blade runs through itself";
+  }
+  return {};
+}
+
+}  // namespace limberg

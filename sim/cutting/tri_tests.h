@@ -1,0 +1,34 @@
+#pragma once
+// Exact tests between integer triangles.
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "sim/geometry/exact/predicates.h"
+
+namespace limberg {
+
+struct IntTriangle {
+  std::array<Int3, 3> p;
+  std::array<int32_t, 3> id{};  // vertex names: equal names are the same vertex
+};
+
+/// Do two triangles have a point in common besides the vertices and the edge that they share by name? Touching counts.
+bool meet_beyond_shared(const IntTriangle& s, const IntTriangle& t);
+
+/// Where two triangles without shared vertices cross in general position: the two ends of the common segment.
+struct CrossingEnd {
+  bool edge_of_s = false;  // an edge of s ends inside t; else an edge of t inside s
+  int edge = 0;            // from corner edge to edge + 1
+};
+struct Crossing {
+  enum Kind : uint8_t { apart, crossing, coincidence } kind = apart;
+  std::array<CrossingEnd, 2> end;
+};
+Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t);
+
+/// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices.
+std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri);
+
+}  // namespace limberg

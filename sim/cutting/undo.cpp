@@ -1,0 +1,58 @@
+// Taking an operation back exactly, and the forest of box trees.
+#include "sim/cutting/store.h"
+
+namespace limberg {
+
+void ArrangementStore::take_back(const Delta& d) {
+  // Faces made by the operation leave the edge map; those it retired return.
+  for (size_t f = size_t(d.faces); f < face.size(); ++f)
+    if (face[f].live()) edges.remove(int32_t(f), face[f].v);
+  for (const auto& [f, bits] : d.mat) {
+    const bool was_in = face[f].live();
+    face[f].mat = bits;
+    if (!was_in) edges.add(f, face[f].v);
+  }
+  for (int32_t f : d.retired) {
+    face[f].retired = false;
+    if (face[f].live()) edges.add(f, face[f].v);
+  }
+  for (size_t i = d.mate.size(); i-- > 0;) mate[d.mate[i].first / 6][size_t(d.mate[i].first % 6)] = d.mate[i].second;
+  face.resize(size_t(d.faces));
+  mate.resize(size_t(d.faces));
+  for (const Delta::OrigBefore& b : d.orig) {
+    OrigTri& o = orig[b.orig];
+    o.live = b.live;
+    o.whole = b.whole;
+    o.split = b.split;
+    if (b.division) division[b.split] = *b.division;
+  }
+  division.resize(size_t(d.divisions));
+  orig.resize(size_t(d.origs));
+  op.resize(size_t(d.ops));
+  points.truncate(d.points);
+  forest = d.forest;
+  hash_sum = d.hash_sum;
+  volume_residue = d.volume_residue;
+  components_known = false;
+}
+
+void ArrangementStore::plant(std::shared_ptr<OrigTree> tree) {
+  // Trees of blades merge when the older is not larger than twice the newer: few trees, each triangle moved seldom.
+  while (forest.size() > 1 && forest.back()->count <= 2 * tree->count) {
+    tree->first = forest.back()->first;
+    tree->count += forest.back()->count;
+    forest.pop_back();
+  }
+  std::vector<Vec3> x;
+  std::vector<Tri> t;
+  x.reserve(size_t(tree->count) * 3);
+  for (int32_t o = tree->first; o < tree->first + tree->count; ++o) {
+    const int32_t n = int32_t(x.size());
+    for (int32_t v : orig[o].v) x.push_back(points.approx(v));
+    t.push_back({n, n + 1, n + 2});
+  }
+  tree->bvh = Bvh(x, t);
+  forest.push_back(std::move(tree));
+}
+
+}  // namespace limberg
