@@ -24,7 +24,9 @@ struct StepSettings {
 
 struct StepReport {
   int iterations = 0;
-  double residual = 0;           // relative: |free nodal force| / (sum of the magnitudes of the internal cell forces), see .cpp
+  // |g| / |s| in the Euclidean norm over free nodes: g = net force on a node, s = sum of the norms of the forces that meet
+  // there (each cell's share, springs', inertia). Single precision reaches about 1e-6.
+  double residual = 0;
   double distance_mm = 0;        // estimated distance to equilibrium: largest nodal move of the last preconditioned step
   double energy_uJ = 0;
   bool converged = false;        // residual <= tolerance
@@ -42,17 +44,18 @@ class ElasticSolver {
   virtual void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) = 0;
 
   /// The whole list of springs, in any order, ids unique. Moving a target costs nothing; adding or removing a spring
-  /// never waits for a factorization.
+  /// never waits for a factorization. Springs name nodes of the current model: give them again after set_model, which drops them.
   virtual void set_springs(std::span<const Spring> springs) = 0;
 
   virtual StepReport step(const StepSettings& settings) = 0;
 
   virtual std::span<const Vec3f> displacement_mm() const = 0;  // per node: x - X
-  virtual void set_displacement_mm(std::span<const Vec3f> u) = 0;  // tests, undo
+  virtual void set_displacement_mm(std::span<const Vec3f> u) = 0;  // tests, undo; fixed nodes stay where this puts them
   Vec3 position_mm(const EmbeddedPoint& p) const;
   /// Force in mN that the spring exerts on its point a.
   virtual Vec3 spring_force_mN(int32_t id) const = 0;
-  /// Sum of the forces in mN that the Dirichlet nodes receive from the material (their supports give the opposite).
+  /// Sum of the forces in mN that the Dirichlet nodes receive from the material and from springs that hang on them (their
+  /// supports give the opposite).
   virtual Vec3 support_force_mN() const = 0;
   /// J = det F at the centre of each cell.
   virtual void cell_J(std::vector<float>& J) const = 0;

@@ -1,0 +1,62 @@
+#include "sim/fem/cholesky.h"
+
+#include <cholmod.h>
+
+#include <stdexcept>
+
+extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+
+namespace limberg::fem {
+
+void keep_blas_single_threaded() {
+  if (openblas_set_num_threads) openblas_set_num_threads(1);
+}
+
+ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order) {
+  keep_blas_single_threaded();
+  ScalarFactor out;
+  if (A.n() == 0) return out;
+  cholmod_common common;
+  cholmod_start(&common);
+  common.print = 0;
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.final_ll = 1;
+  common.nmethods = 1;
+  common.method[0].ordering = order.empty() ? CHOLMOD_METIS : CHOLMOD_GIVEN;
+  common.postorder = 1;
+
+  cholmod_sparse S{};
+  S.nrow = S.ncol = size_t(A.n());
+  S.nzmax = A.row.size();
+  S.p = const_cast<int32_t*>(A.begin.data());
+  S.i = const_cast<int32_t*>(A.row.data());
+  S.x = const_cast<double*>(A.value.data());
+  S.stype = -1;
+  S.itype = CHOLMOD_INT, S.xtype = CHOLMOD_REAL, S.dtype = CHOLMOD_DOUBLE;
+  S.sorted = 1, S.packed = 1;
+
+  std::vector<int32_t> given(order.begin(), order.end());
+  cholmod_factor* L = order.empty() ? cholmod_analyze(&S, &common)
+                                    : cholmod_analyze_p(&S, given.data(), nullptr, 0, &common);
+  bool ok = L && cholmod_factorize(&S, L, &common) && common.status == CHOLMOD_OK && L->is_super;
+  if (ok) {
+    SupernodalView view;
+    view.n = A.n();
+    view.supernodes = int32_t(L->nsuper);
+    view.super = static_cast<const int32_t*>(L->super);
+    view.rows_begin = static_cast<const int32_t*>(L->pi);
+    view.rows = static_cast<const int32_t*>(L->s);
+    view.values_begin = static_cast<const int32_t*>(L->px);
+    view.values = static_cast<const double*>(L->x);
+    out.panels = PanelFactor(view);
+    const int32_t* perm = static_cast<const int32_t*>(L->Perm);
+    out.node_order.resize(size_t(A.n()));
+    for (int32_t k = 0; k < A.n(); ++k) out.node_order[size_t(k)] = A.node_of_row[size_t(perm[k])];
+  }
+  cholmod_free_factor(&L, &common);
+  cholmod_finish(&common);
+  if (!ok) throw std::runtime_error("the scalar stiffness matrix is not positive definite");
+  return out;
+}
+
+}  // namespace limberg::fem

@@ -1,0 +1,22 @@
+#pragma once
+// Sparse Cholesky of the scalar matrix with CHOLMOD (supernodal, METIS or a given order), handed on as float panels.
+#include <optional>
+#include <span>
+
+#include "sim/fem/panel_factor.h"
+#include "sim/fem/scalar_matrix.h"
+
+namespace limberg::fem {
+
+struct ScalarFactor {
+  PanelFactor panels;
+  std::vector<int32_t> node_order;  // node of the model eliminated k-th
+};
+
+/// Throws std::runtime_error if the matrix is not positive definite. `order`: rows in elimination order, empty = METIS.
+ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order);
+
+/// BLAS inside CHOLMOD stays on the calling thread (no thread is started, and sums keep their order).
+void keep_blas_single_threaded();
+
+}  // namespace limberg::fem

@@ -1,0 +1,158 @@
+#include "sim/fem/element_kernel.h"
+
+#include <cmath>
+
+namespace limberg::fem {
+namespace {
+
+constexpr int max_tile_nodes = 8192;
+
+inline v4 cross(v4 a, v4 b) {
+  const v4i yzx = {1, 2, 0, 3};
+  const v4 a1 = __builtin_shuffle(a, yzx), b1 = __builtin_shuffle(b, yzx);
+  return __builtin_shuffle(a * b1 - a1 * b, yzx);
+}
+inline float dot3(v4 a, v4 b) {
+  const v4 m = a * b;
+  return m[0] + m[1] + m[2];
+}
+
+/// f = K u + f0 for the eight nodes (f as two halves of four nodes), and sum of u . (f + f0) in e.
+#ifdef __AVX512F__
+inline void deviatoric(const KernelStencil& s, const v4* un, v4* f, double& e) {
+  alignas(64) v4 us[8];
+  for (int a = 0; a < 8; ++a) us[a] = un[a];
+  const v16* f0 = reinterpret_cast<const v16*>(s.f0);
+  const v16* K = reinterpret_cast<const v16*>(s.K);
+  const v16i lane0 = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
+  const v16i p0 = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
+  const v16i p1 = {4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7};
+  const v16i p2 = {8, 8, 8, 8, 9, 9, 9, 9, 10, 10, 10, 10, 11, 11, 11, 11};
+  const v16i p3 = {12, 12, 12, 12, 13, 13, 13, 13, 14, 14, 14, 14, 15, 15, 15, 15};
+  v16 a0 = f0[0], b0 = f0[1], a1 = {}, b1 = {};
+  for (int j = 0; j < 4; ++j) {
+    const v16 k = K[j];  // columns 2 j and 2 j + 1
+    const v4 u0 = us[2 * j], u1 = us[2 * j + 1];
+    const v16 x0 = {u0[0], u0[1], u0[2], u0[3], u0[0], u0[1], u0[2], u0[3],
+                    u0[0], u0[1], u0[2], u0[3], u0[0], u0[1], u0[2], u0[3]};
+    const v16 x1 = {u1[0], u1[1], u1[2], u1[3], u1[0], u1[1], u1[2], u1[3],
+                    u1[0], u1[1], u1[2], u1[3], u1[0], u1[1], u1[2], u1[3]};
+    (void)lane0;
+    a0 += __builtin_shuffle(k, p0) * x0, b0 += __builtin_shuffle(k, p1) * x0;
+    a1 += __builtin_shuffle(k, p2) * x1, b1 += __builtin_shuffle(k, p3) * x1;
+  }
+  a0 += a1, b0 += b1;
+  v16* out = reinterpret_cast<v16*>(f);
+  out[0] = a0, out[1] = b0;
+  const v16* u = reinterpret_cast<const v16*>(us);
+  const v16 w = (a0 + f0[0]) * u[0] + (b0 + f0[1]) * u[1];
+  float t = 0;
+  for (int i = 0; i < 16; ++i) t += w[i];
+  e = double(t);
+}
+#else
+inline void deviatoric(const KernelStencil& s, const v4* u, v4* f, double& e) {
+  const v4* f0 = reinterpret_cast<const v4*>(s.f0);
+  for (int a = 0; a < 8; ++a) f[a] = f0[a];
+  for (int b = 0; b < 8; ++b)
+    for (int a = 0; a < 8; ++a) f[a] += s.K[8 * b + a] * u[b];
+  v4 w = {};
+  for (int a = 0; a < 8; ++a) w += (f[a] + f0[a]) * u[a];
+  e = double(w[0] + w[1] + w[2]);
+}
+#endif
+
+template <bool Measure>
+CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const float* q, Node4* slots, float* theta) {
+  alignas(64) v4 local[max_tile_nodes];
+  v4* out = reinterpret_cast<v4*>(slots + tile.first_slot);
+  const int nodes = tile.last_slot - tile.first_slot;
+  for (int i = 0; i < nodes; ++i) {
+    local[i] = load(u[size_t(d.slot_node[size_t(tile.first_slot + i)])]);
+    out[i] = v4{};
+  }
+  const float ix = d.inv4h[0], iy = d.inv4h[1], iz = d.inv4h[2];
+  CellSums sums;
+  for (int c = tile.first_cell; c < tile.last_cell; ++c) {
+    const KernelCell& cell = d.cells[size_t(c)];
+    const KernelStencil& s = d.stencils[size_t(cell.stencil)];
+    alignas(64) v4 n[8], f[8];
+    for (int a = 0; a < 8; ++a) n[a] = local[cell.node[a]];
+    double dev = 0;
+    deviatoric(s, n, f, dev);
+
+    // Columns of G = F - I at the centre.
+    const v4 s0 = n[0] + n[1], s1 = n[2] + n[3], s2 = n[4] + n[5], s3 = n[6] + n[7];
+    const v4 gx = (((n[1] - n[0]) + (n[3] - n[2])) + ((n[5] - n[4]) + (n[7] - n[6]))) * ix;
+    const v4 gy = ((s1 - s0) + (s3 - s2)) * iy;
+    const v4 gz = ((s2 + s3) - (s0 + s1)) * iz;
+    // Columns of cof F - I = (tr G) I - G^T + cof G, without ever subtracting numbers near 1.
+    const v4 mx = cross(gy, gz), my = cross(gz, gx), mz = cross(gx, gy);
+    const float xx = gx[0], yy = gy[1], zz = gz[2];
+    const v4 cx = mx + v4{yy + zz, -gy[0], -gz[0], 0};
+    const v4 cy = my + v4{-gx[1], xx + zz, -gz[1], 0};
+    const v4 cz = mz + v4{-gx[2], -gy[2], xx + yy, 0};
+    const float trace = xx + yy + zz;
+    const float second = mx[0] + dot3(gx, cx);  // theta - tr G
+    const float th = trace + second;
+    theta[c] = th;
+    const float x = th + q[c];
+    const float p = s.ke * x;
+    const float vol = s.volume;
+    const float bulk = 0.5f * vol * p * x, pre = s.p0 * vol * second;
+    const double e1 = 0.5 * dev, e2 = double(bulk), e3 = double(pre);
+    sums.energy += double(cell.scale) * (e1 + e2 - e3);
+    sums.magnitude += double(cell.scale) * (std::fabs(e1) + e2 + std::fabs(e3));
+
+    const float pm = p - s.p0;
+    const v4 hx = (pm * cx + v4{p, 0, 0, 0}) * (vol * ix);
+    const v4 hy = (pm * cy + v4{0, p, 0, 0}) * (vol * iy);
+    const v4 hz = (pm * cz + v4{0, 0, p, 0}) * (vol * iz);
+    const v4 a = hx + hy, b = hx - hy;
+    f[0] -= a + hz, f[1] += b - hz, f[2] -= b + hz, f[3] += a - hz;
+    f[4] += hz - a, f[5] += b + hz, f[6] += hz - b, f[7] += a + hz;
+    for (int k = 0; k < 8; ++k) {
+      v4 g = f[k] * cell.scale;
+      if (Measure) g[3] = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+      out[cell.node[k]] += g;
+    }
+  }
+  return sums;
+}
+
+}  // namespace
+
+CellSums evaluate_tile(const KernelData& data, const Tile& tile, const NodeArray& u, const float* q, Node4* slots,
+                       float* theta, bool measure) {
+  return measure ? run<true>(data, tile, u, q, slots, theta) : run<false>(data, tile, u, q, slots, theta);
+}
+
+void sum_slots(const KernelData& data, const Node4* slots, size_t begin, size_t end, Node4* out) {
+  const int32_t* first = data.node_slots_begin.data();
+  const int32_t* list = data.node_slots.data();
+  for (size_t i = begin; i < end; ++i) {
+    v4 s = {};
+    for (int32_t j = first[i]; j < first[i + 1]; ++j) s += load(slots[list[j]]);
+    store(out[i], s);
+  }
+}
+
+// Measured choices: an unlimited increment diverges for nearly incompressible material, and a cell that is flattened or
+// blown up (a scrambled start) has no useful pressure, so its multiplier fades until the cell has a shape again.
+void update_multipliers(const KernelData& data, const float* theta, float* q, float scale_of_increment) {
+  constexpr float limit = 0.15f;
+  for (size_t c = 0; c < data.cells.size(); ++c) {
+    const float r = data.stencils[size_t(data.cells[c].stencil)].r;
+    if (r == 0) continue;
+    const float th = theta[c];
+    if (th < -0.7f || th > 2.0f) {
+      q[c] *= 0.5f;
+      continue;
+    }
+    float dq = scale_of_increment * (r * (th + q[c]) - q[c]);
+    dq = dq > limit ? limit : dq < -limit ? -limit : dq;
+    q[c] += dq;
+  }
+}
+
+}  // namespace limberg::fem

@@ -1,0 +1,159 @@
+#include "sim/fem/element_system.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numeric>
+
+namespace limberg::fem {
+namespace {
+
+constexpr double penalty_over_mu = 3;  // k = 3 mu
+constexpr double primal_below = 5;     // lambda / mu at nu = 0.4 (reparametrised: 2 nu / (1 - 2 nu) + 1)
+constexpr int tile_edge_cells = 12;
+constexpr int tile_min_cells = 256, tile_max_cells = 960;
+
+bool uses_multiplier(const Stencil& s, bool augmented) {
+  return augmented && s.mu_kPa > 0 && s.lambda_kPa > primal_below * s.mu_kPa * (1 + 1e-9);
+}
+
+KernelStencil kernel_stencil(const Stencil& s, const Vec3& h, bool augmented) {
+  KernelStencil k{};
+  Eigen::Matrix<double, 8, 3> X, B;
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) {
+      const bool up = (a >> i) & 1;
+      X(a, i) = up ? h[i] : 0;
+      B(a, i) = (up ? 1 : -1) / (4 * h[i]);
+    }
+  const Eigen::Matrix<double, 8, 3> f0 = s.K * X - s.p0_kPa * s.volume_mm3 * B;
+  for (int b = 0; b < 8; ++b)
+    for (int a = 0; a < 8; ++a) k.K[8 * b + a] = float(s.K(a, b));
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) k.f0[4 * a + i] = float(f0(a, i));
+  k.volume = float(s.volume_mm3);
+  k.p0 = float(s.p0_kPa);
+  k.ke = float(effective_bulk_kPa(s, augmented));
+  const double pen = penalty_over_mu * s.mu_kPa;
+  k.r = uses_multiplier(s, augmented) ? float(s.lambda_kPa / (s.lambda_kPa + pen)) : 0;
+  return k;
+}
+
+}  // namespace
+
+double effective_bulk_kPa(const Stencil& s, bool augmented) {
+  if (!uses_multiplier(s, augmented)) return s.lambda_kPa;
+  const double k = penalty_over_mu * s.mu_kPa;
+  return s.lambda_kPa * k / (s.lambda_kPa + k);
+}
+
+ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augmented) {
+  const FemModel& m = *model;
+  const size_t n = m.X_mm.size(), nc = m.cells.size();
+  for (int i = 0; i < 3; ++i) data_.inv4h[i] = float(1 / (4 * m.cell_mm[i]));
+  data_.stencils.resize(m.stencils.size());
+  for (size_t i = 0; i < m.stencils.size(); ++i) {
+    data_.stencils[i] = kernel_stencil(m.stencils[i], m.cell_mm, augmented);
+    has_multipliers_ = has_multipliers_ || data_.stencils[i].r > 0;
+  }
+
+  // Tile order: square tiles of the xy plane, full height.
+  struct Key {
+    int32_t tx, ty, x, y, z, index;
+    auto operator<=>(const Key&) const = default;
+  };
+  std::vector<Key> order(nc);
+  Vec3 low = Vec3::Constant(1e300);
+  for (const Vec3& x : m.X_mm) low = low.cwiseMin(x);
+  for (size_t c = 0; c < nc; ++c) {
+    const Vec3 at = (m.X_mm[size_t(m.cells[c].node[0])] - low).cwiseQuotient(m.cell_mm);
+    const int x = int(std::lround(at[0])), y = int(std::lround(at[1])), z = int(std::lround(at[2]));
+    order[c] = {x / tile_edge_cells, y / tile_edge_cells, x, y, z, int32_t(c)};
+  }
+  std::sort(order.begin(), order.end());
+
+  data_.cells.resize(nc);
+  slot_of_cell_.resize(nc);
+  std::vector<int32_t> local(n, -1);  // local index in the open tile, or below its first slot: not there yet
+  Tile tile;
+  for (size_t k = 0; k < nc; ++k) {
+    const int32_t c = order[k].index;
+    const HexCell& from = m.cells[size_t(c)];
+    const int count = int(k) - tile.first_cell;
+    const bool next_tile = k > 0 && (order[k].tx != order[k - 1].tx || order[k].ty != order[k - 1].ty);
+    if ((next_tile && count >= tile_min_cells) || count >= tile_max_cells) {
+      tile.last_cell = int32_t(k), tile.last_slot = int32_t(data_.slot_node.size());
+      data_.tiles.push_back(tile);
+      tile.first_cell = tile.last_cell, tile.first_slot = tile.last_slot;
+    }
+    slot_of_cell_[size_t(c)] = int32_t(k);
+    KernelCell& to = data_.cells[k];
+    to.stencil = from.stencil, to.scale = from.scale;
+    for (int a = 0; a < 8; ++a) {
+      const size_t node = size_t(from.node[size_t(a)]);
+      if (local[node] < tile.first_slot) local[node] = int32_t(data_.slot_node.size()), data_.slot_node.push_back(int32_t(node));
+      to.node[a] = uint16_t(local[node] - tile.first_slot);
+    }
+  }
+  tile.last_cell = int32_t(nc), tile.last_slot = int32_t(data_.slot_node.size());
+  if (nc) data_.tiles.push_back(tile);
+
+  data_.node_slots_begin.assign(n + 1, 0);
+  for (int32_t node : data_.slot_node) ++data_.node_slots_begin[size_t(node) + 1];
+  std::partial_sum(data_.node_slots_begin.begin(), data_.node_slots_begin.end(), data_.node_slots_begin.begin());
+  data_.node_slots.resize(data_.slot_node.size());
+  std::vector<int32_t> fill(data_.node_slots_begin.begin(), data_.node_slots_begin.end() - 1);
+  for (size_t s = 0; s < data_.slot_node.size(); ++s)
+    data_.node_slots[size_t(fill[size_t(data_.slot_node[s])]++)] = int32_t(s);
+
+  slots_.resize(data_.slot_node.size());
+  theta_.resize(nc), q_.resize(nc);
+  tile_sums_.resize(data_.tiles.size());
+}
+
+CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure, Workers& workers) {
+  const size_t tiles = data_.tiles.size();
+  auto work = [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t)
+      tile_sums_[t] = evaluate_tile(data_, data_.tiles[t], u, q_.data(), slots_.data(), theta_.data(), measure);
+  };
+  auto gather = [&](size_t begin, size_t end) { sum_slots(data_, slots_.data(), begin, end, g.data()); };
+  if (workers.count() == 1) {
+    work(0, tiles), gather(0, g.size());
+  } else {
+    workers.parallel_for(tiles, 1, work);
+    workers.parallel_for(g.size(), 4096, gather);
+  }
+  CellSums total;
+  for (const CellSums& s : tile_sums_) total.energy += s.energy, total.magnitude += s.magnitude;
+  return total;
+}
+
+bool ElementSystem::update_multipliers(double scale_of_increment) {
+  if (!has_multipliers_) return false;
+  fem::update_multipliers(data_, theta_.data(), q_.data(), float(scale_of_increment));
+  return true;
+}
+
+double ElementSystem::energy_to_primal() const {
+  double e = 0;
+  for (size_t c = 0; c < data_.cells.size(); ++c) {
+    const KernelStencil& s = data_.stencils[size_t(data_.cells[c].stencil)];
+    if (s.r == 0) continue;
+    const double lambda = double(s.ke) / (1 - double(s.r)), th = double(theta_[c]), x = th + double(q_[c]);
+    e += 0.5 * double(data_.cells[c].scale * s.volume) * (lambda * th * th - double(s.ke) * x * x);
+  }
+  return e;
+}
+
+float ElementSystem::min_theta() const {
+  float m = theta_.empty() ? 0 : theta_[0];
+  for (float t : theta_) m = std::min(m, t);
+  return m;
+}
+
+int ElementSystem::inverted() const {
+  return int(std::count_if(theta_.begin(), theta_.end(), [](float t) { return !(t > -1.0f); }));
+}
+
+}  // namespace limberg::fem

@@ -1,0 +1,294 @@
+#include "sim/fem/lbfgs_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/error.h"
+
+namespace limberg {
+
+std::unique_ptr<ElasticSolver> make_solver(Workers& workers) { return std::make_unique<fem::LbfgsSolver>(workers); }
+
+Vec3 ElasticSolver::position_mm(const EmbeddedPoint& p) const {
+  const std::span<const Vec3f> u = displacement_mm();
+  Vec3 x = Vec3::Zero();
+  double sum = 0;
+  for (size_t i = 0; i < 8; ++i) {
+    if (p.w[i] == 0) continue;
+    const size_t n = size_t(p.node[i]);
+    x += double(p.w[i]) * (model().X_mm[n] + u[n].cast<double>());
+    sum += double(p.w[i]);
+  }
+  return sum > 0 ? Vec3(x / sum) : x;
+}
+
+}  // namespace limberg
+
+namespace limberg::fem {
+namespace {
+
+constexpr int update_every = 3;      // accepted iterates between multiplier updates
+constexpr int max_halvings = 40;     // a scrambled start needs many
+constexpr double armijo = 1e-4;
+constexpr double float_noise = 5e-8; // of a sum of single-precision terms, relative to the sum of their sizes
+constexpr size_t small_model = 3000; // nodes: a shorter history pays there
+
+}  // namespace
+
+bool LbfgsSolver::Value::finite() const { return std::isfinite(energy); }
+
+void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) {
+  const size_t n = model->X_mm.size(), cells = model->cells.size();
+  if (model->fixed.size() != n || model->mass_kg.size() != n || model->parent.size() != n)
+    throw InputError("", 0, "a model's fixed, mass and parent lists must have one entry per node");
+  auto elements = std::make_unique<ElementSystem>(model, augmented_);
+  const auto carried = [&](const NodeArray& old) {
+    NodeArray out(n);
+    for (size_t i = 0; i < n; ++i) {
+      const int32_t p = model->parent[i];
+      if (p >= 0 && size_t(p) < old.size()) out[i] = old[size_t(p)];
+    }
+    return out;
+  };
+  u_ = carried(u_);
+  velocity_ = carried(velocity_);
+  if (elements_)
+    for (size_t c = 0; c < cells && c < cell_parent.size(); ++c)
+      if (cell_parent[c] >= 0 && size_t(cell_parent[c]) < elements_->cells()) elements->set_q(c, elements_->q(size_t(cell_parent[c])));
+  elements_ = std::move(elements);
+  model_ = std::move(model);
+  fixed_.clear();
+  for (size_t i = 0; i < n; ++i)
+    if (model_->fixed[i]) fixed_.push_back(int32_t(i)), velocity_[i] = {};
+  for (NodeArray* a : {&g_, &d_, &u_try_, &g_try_}) a->resize(n);
+  history_.resize(n, n < small_model ? 5 : 8);
+  springs_.clear();
+  forces_ = SpringForces();
+  metric_.set_model(model_);
+  force_scale_ = 0, since_update_ = 0;
+  publish();
+}
+
+void LbfgsSolver::set_springs(std::span<const Spring> springs) {
+  if (!model_) throw InputError("", 0, "springs were given before a model");
+  const int32_t n = int32_t(model_->X_mm.size());
+  for (const Spring& s : springs) {
+    for (size_t i = 0; i < 8; ++i)
+      if (s.a.node[i] < 0 || s.a.node[i] >= n || (!s.to_world && (s.b.node[i] < 0 || s.b.node[i] >= n)))
+        throw InputError("", 0, "spring " + std::to_string(s.id) + " names a node that the model does not have");
+    if (!(s.k_N_per_mm > 0) || !s.target_mm.allFinite())
+      throw InputError("", 0, "spring " + std::to_string(s.id) + " has no positive stiffness or no finite target");
+  }
+  auto moved_only = [](const Spring& a, const Spring& b) {
+    return a.id == b.id && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm && a.a.node == b.a.node && a.a.w == b.a.w &&
+           (a.to_world || (a.b.node == b.b.node && a.b.w == b.b.w));
+  };
+  std::vector<Spring> sorted(springs.begin(), springs.end());
+  std::sort(sorted.begin(), sorted.end(), [](const Spring& a, const Spring& b) { return a.id < b.id; });
+  for (size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i].id == sorted[i - 1].id)
+      throw InputError("", 0, "two springs have the id " + std::to_string(sorted[i].id));
+  const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), moved_only);
+  springs_ = std::move(sorted);
+  forces_ = SpringForces(*model_, springs_);
+  if (same) return;
+  history_.clear();
+  std::vector<Preconditioner::SpringEntry> rows;
+  for (const Spring& s : springs_) rows.push_back({spring_row(*model_, s), !s.to_world});
+  metric_.set_springs(std::move(rows));
+}
+
+LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool measure) {
+  const CellSums cells = elements_->evaluate(u, g, measure, workers_);
+  const double springs = forces_.add(u, g, measure);
+  Value v{cells.energy + springs, float_noise * (cells.magnitude + springs)};
+  if (!inertia_.empty()) {
+    double e = 0;
+    for (size_t i = 0; i < g.size(); ++i) {
+      const v4 r = load(u[i]) - load(inertia_target_[i]);
+      const v4 f = inertia_[i] * r;
+      const float size = 0.5f * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+      e += double(size);
+      store(g[i], load(g[i]) + f);
+      if (measure) g[i].w += std::sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+    }
+    v.energy += e, v.noise += float_noise * e;
+  }
+  for (int32_t i : fixed_) g[size_t(i)] = Node4{};
+  if (measure) {
+    double sum = 0;
+    for (Node4& n : g) sum += double(n.w) * double(n.w), n.w = 0;
+    force_scale_ = std::sqrt(sum);
+  }
+  return v;
+}
+
+double LbfgsSolver::relative_residual() const {
+  const double g = std::sqrt(dot(g_, g_));
+  return force_scale_ > 0 ? g / force_scale_ : (g > 0 ? 1 : 0);
+}
+
+void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
+  if (!(s.dt_s > 0)) {
+    inertia_.clear();
+    return;
+  }
+  const size_t n = u_.size();
+  const double a = 1 / (s.dt_s * s.dt_s), c = s.damping_per_s / s.dt_s;
+  u_before_ = u_;
+  if (inertia_target_.size() != n) inertia_target_.resize(n);
+  inertia_.resize(n);
+  const float ahead = float(s.dt_s * a / (a + c));  // t = u0 + dt v0 (1/dt^2) / (1/dt^2 + c/dt)
+  for (size_t i = 0; i < n; ++i) {
+    inertia_[i] = float(model_->mass_kg[i] * (a + c));
+    store(inertia_target_[i], load(u_[i]) + ahead * load(velocity_[i]));
+  }
+}
+
+// Backtracking along d_ from u_; on success u_, g_ and value are the new point and the pair is in the history.
+LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
+  double alpha = 1;
+  for (int h = 0; h < max_halvings; ++h) {
+    combine(u_try_, u_, alpha, d_);
+    const Value t = evaluate(u_try_, g_try_, false);
+    bool accept = false;
+    double next = 0.1;
+    if (t.finite()) {
+      const double change = t.energy - value.energy;
+      accept = change <= armijo * alpha * slope;
+      if (!accept && std::fabs(change) <= value.noise + t.noise) accept = dot(g_try_, d_) <= (2 * armijo - 1) * slope;
+      const double bend = change - alpha * slope;
+      if (bend > 0) next = std::clamp(-0.5 * alpha * slope / bend, 0.1, 0.5);
+    }
+    if (accept && all_finite(g_try_)) {
+      subtract(history_.next_s(), u_try_, u_);
+      subtract(history_.next_y(), g_try_, g_);
+      history_.push();
+      u_.swap(u_try_), g_.swap(g_try_);
+      value = t;
+      last_move_mm_ = alpha * max_node(d_);
+      return Search::moved;
+    }
+    alpha *= next;
+  }
+  return Search::stuck;
+}
+
+StepReport LbfgsSolver::step(const StepSettings& s) {
+  if (!model_) throw InputError("", 0, "a step was asked for before a model was given");
+  prepare_dynamics(s);
+  const double mass_per_s2 = s.dt_s > 0 ? 1 / (s.dt_s * s.dt_s) + s.damping_per_s / s.dt_s : 0;
+  metric_.begin_step(mass_per_s2, s.adopt_after_steps, s.adopt_when_ready);
+  const auto metric = [this](const NodeArray& r, NodeArray& z) { metric_.apply(r, z); };
+
+  StepReport report;
+  last_move_mm_ = 0;
+  Value value = evaluate(u_, g_, true);
+  if (!value.finite() || !all_finite(g_)) {  // nothing can be saved from such a state but the rest shape
+    u_.zero(), velocity_.zero(), history_.clear();
+    for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, 0);
+    prepare_dynamics(s);
+    value = evaluate(u_, g_, true);
+  }
+  const auto update = [&] {
+    if (since_update_ == 0 || !elements_->update_multipliers()) return false;
+    since_update_ = 0;
+    return true;
+  };
+  while (report.iterations < s.max_iterations) {
+    if (s.tolerance > 0 && relative_residual() <= s.tolerance) {
+      // A true equilibrium also survives fresh multipliers and a fresh force scale.
+      update();
+      value = evaluate(u_, g_, true);
+      if (relative_residual() <= s.tolerance) break;
+    } else if (since_update_ >= update_every && update()) {
+      value = evaluate(u_, g_, false);
+    }
+    history_.direction(g_, d_, metric);
+    double slope = dot(g_, d_);
+    if (!(slope < 0) && history_.count() > 0) {
+      history_.clear();
+      history_.direction(g_, d_, metric);
+      slope = dot(g_, d_);
+    }
+    if (!(slope < 0)) break;  // no force left
+    if (search(value, slope) == Search::stuck) {
+      if (history_.count() == 0) break;  // the floor of single precision
+      history_.clear();
+      continue;
+    }
+    ++report.iterations, ++since_update_;
+    if (s.should_stop && s.should_stop()) break;
+  }
+
+  value = evaluate(u_, g_, true);
+  report.residual = relative_residual();
+  if (report.iterations == 0) {
+    metric(g_, d_);
+    last_move_mm_ = max_node(d_);
+  }
+  report.distance_mm = last_move_mm_;
+  report.energy_uJ = value.energy + elements_->energy_to_primal();
+  report.converged = s.tolerance > 0 && report.residual <= s.tolerance;
+  report.preconditioner_pending = metric_.pending();
+  report.inverted_cells = elements_->inverted();
+  report.min_J = 1 + double(elements_->min_theta());
+  if (s.dt_s > 0) {
+    const float f = float(1 / s.dt_s);
+    for (size_t i = 0; i < u_.size(); ++i) store(velocity_[i], f * (load(u_[i]) - load(u_before_[i])));
+  } else {
+    velocity_.zero();
+  }
+  publish();
+  return report;
+}
+
+void LbfgsSolver::publish() {
+  shown_.resize(u_.size());
+  for (size_t i = 0; i < u_.size(); ++i) shown_[i] = {u_[i].x, u_[i].y, u_[i].z};
+}
+
+void LbfgsSolver::set_displacement_mm(std::span<const Vec3f> u) {
+  if (u.size() != u_.size()) throw InputError("", 0, "a displacement needs one vector per node of the model");
+  for (size_t i = 0; i < u.size(); ++i) u_[i] = {u[i][0], u[i][1], u[i][2], 0};
+  velocity_.zero();
+  history_.clear();
+  publish();
+}
+
+Vec3 LbfgsSolver::spring_force_mN(int32_t id) const {
+  const int i = forces_.find(id);
+  return i < 0 ? Vec3::Zero() : forces_.force_mN(size_t(i), u_);
+}
+
+Vec3 LbfgsSolver::support_force_mN() const {
+  NodeArray g(u_.size());
+  elements_->evaluate(u_, g, false, workers_);
+  forces_.add(u_, g, false);
+  Vec3 f = Vec3::Zero();
+  for (int32_t i : fixed_) f -= Vec3(double(g[size_t(i)].x), double(g[size_t(i)].y), double(g[size_t(i)].z));
+  return f;
+}
+
+void LbfgsSolver::cell_J(std::vector<float>& J) const {
+  J.resize(model_->cells.size());
+  for (size_t c = 0; c < J.size(); ++c) J[c] = float(cell_F(int32_t(c)).determinant());
+}
+
+Mat3 LbfgsSolver::cell_F(int32_t cell) const {
+  Mat3 F = Mat3::Identity();
+  const HexCell& c = model_->cells[size_t(cell)];
+  for (int a = 0; a < 8; ++a) {
+    const Node4& u = u_[size_t(c.node[size_t(a)])];
+    for (int j = 0; j < 3; ++j)
+      F.col(j) += (((a >> j) & 1) ? 1 : -1) / (4 * model_->cell_mm[j]) * Vec3(double(u.x), double(u.y), double(u.z));
+  }
+  return F;
+}
+
+std::string LbfgsSolver::describe() const {
+  return "L-BFGS(" + std::to_string(model_ && model_->X_mm.size() < small_model ? 5 : 8) + ") on " + metric_.describe() +
+         (elements_ && elements_->has_multipliers() ? ", augmented-Lagrangian pressure" : ", primal");
+}
+
+}  // namespace limberg::fem

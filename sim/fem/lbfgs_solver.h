@@ -1,0 +1,74 @@
+#pragma once
+// The elasticity solver: how the parts of this folder work together in one step.
+//
+//   u     displacement of all nodes, float, 16 bytes each; fixed nodes keep theirs (zero, or what set_displacement gave)
+//   E(u)  cells (ElementSystem) + springs (SpringForces) + in a dynamic step the incremental potential of backward Euler
+//         sum_i a_i/2 |u_i - t_i|^2,  a = m (1/dt^2 + c/dt),  t = ((u0 + dt v0)/dt^2 + c u0/dt) / (1/dt^2 + c/dt)
+//   d     = -H g, H: L-BFGS over a prefactored scalar matrix (Preconditioner); Armijo line search; when the change of energy
+//         is below the noise of single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
+//   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers)
+//
+// The history outlives the step: moving a target or updating q only shifts the gradient, so old pairs stay true as long as
+// no pair is taken across such a shift. A new model or another set of springs clears it.
+#include <memory>
+#include <vector>
+
+#include "sim/fem/elastic_solver.h"
+#include "sim/fem/element_system.h"
+#include "sim/fem/lbfgs.h"
+#include "sim/fem/preconditioner.h"
+#include "sim/fem/spring_forces.h"
+
+namespace limberg::fem {
+
+class LbfgsSolver final : public ElasticSolver {
+ public:
+  explicit LbfgsSolver(Workers& workers, bool augmented = true) : workers_(workers), augmented_(augmented), metric_(workers) {}
+
+  void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) override;
+  void set_springs(std::span<const Spring> springs) override;
+  StepReport step(const StepSettings& settings) override;
+
+  std::span<const Vec3f> displacement_mm() const override { return shown_; }
+  void set_displacement_mm(std::span<const Vec3f> u) override;
+  Vec3 spring_force_mN(int32_t id) const override;
+  Vec3 support_force_mN() const override;
+  void cell_J(std::vector<float>& J) const override;
+  Mat3 cell_F(int32_t cell) const override;
+  std::string describe() const override;
+  const FemModel& model() const override { return *model_; }
+
+ private:
+  struct Value {
+    double energy = 0;
+    double noise = 0;
+    bool finite() const;
+  };
+  Value evaluate(const NodeArray& u, NodeArray& g, bool measure);
+  void prepare_dynamics(const StepSettings& s);
+  enum class Search { moved, stuck };
+  Search search(Value& value, double slope);
+  double relative_residual() const;
+  void publish();
+
+  Workers& workers_;
+  bool augmented_;
+  Preconditioner metric_;
+  std::shared_ptr<const FemModel> model_;
+  std::unique_ptr<ElementSystem> elements_;
+  std::vector<int32_t> fixed_;
+  std::vector<Spring> springs_;
+  SpringForces forces_;
+  LbfgsHistory history_;
+
+  NodeArray u_, g_, d_, u_try_, g_try_;
+  NodeArray velocity_;                 // mm/s
+  NodeArray u_before_, inertia_target_;
+  std::vector<float> inertia_;         // per node, mN/mm; empty in a quasi-static step
+  double force_scale_ = 0;             // sqrt(sum_nodes (sum of force magnitudes)^2), of the last measuring evaluate
+  double last_move_mm_ = 0;
+  int since_update_ = 0;               // accepted iterates since the multipliers changed
+  std::vector<Vec3f> shown_;
+};
+
+}  // namespace limberg::fem

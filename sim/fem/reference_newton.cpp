@@ -1,0 +1,355 @@
+#include "sim/fem/reference_newton.h"
+
+#include <cholmod.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+
+#include "sim/fem/cholesky.h"
+#include "sim/fem/scalar_matrix.h"
+
+namespace limberg {
+namespace {
+
+using Gradients = Eigen::Matrix<double, 8, 3>;
+using Mat9 = Eigen::Matrix<double, 9, 9>;
+using Vec9 = Eigen::Matrix<double, 9, 1>;
+using Mat24 = Eigen::Matrix<double, 24, 24>;
+
+Mat3 cofactor(const Mat3& F) {
+  Mat3 c;
+  c.col(0) = F.col(1).cross(F.col(2)), c.col(1) = F.col(2).cross(F.col(0)), c.col(2) = F.col(0).cross(F.col(1));
+  return c;
+}
+
+Mat3 skew(const Vec3& v) {  // S_ik = epsilon_ikm v_m
+  Mat3 s;
+  s << 0, v[2], -v[1], -v[2], 0, v[0], v[1], -v[0], 0;
+  return s;
+}
+
+}  // namespace
+
+struct ReferenceElasticity::Impl {
+  const FemModel& m;
+  std::vector<Spring> springs;
+  Gradients B;
+  std::vector<Gradients> KX;      // per stencil
+  std::vector<double> mu_centre;  // share of K that is certainly a stiffness at the centre
+  std::vector<Mat8> K_rest;       // K without that share
+
+  // Pattern of the 3n matrix (lower triangle, free nodes, scalar rows expanded) and where each cell block goes.
+  fem::ScalarMatrix graph;
+  std::vector<int32_t> begin, row;
+  struct Block {
+    int32_t at = 0;  // scalar entry, or -1
+  };
+  std::vector<std::array<int32_t, 64>> cell_entry;  // scalar entry of (a, b), row >= column; -1 none
+  std::vector<std::vector<std::array<int32_t, 3>>> spring_entry;  // (i, j, scalar entry)
+  std::vector<fem::SpringRow> spring_rows;
+  mutable cholmod_common common;
+  mutable cholmod_factor* symbolic = nullptr;
+
+  explicit Impl(const FemModel& model) : m(model) { cholmod_start(&common); }
+  ~Impl() {
+    cholmod_free_factor(&symbolic, &common);
+    cholmod_finish(&common);
+  }
+
+  Mat3 F(const HexCell& c, std::span<const Vec3> u) const {
+    Mat3 f = Mat3::Identity();
+    for (int a = 0; a < 8; ++a) f += u[size_t(c.node[size_t(a)])] * B.row(a);
+    return f;
+  }
+
+  double evaluate(std::span<const Vec3> u, std::vector<Vec3>* g, double* scale) const {
+    std::vector<double> size;
+    if (g) g->assign(m.X_mm.size(), Vec3::Zero());
+    if (scale) size.assign(m.X_mm.size(), 0);
+    double energy = 0;
+    for (const HexCell& c : m.cells) {
+      const Stencil& s = m.stencils[size_t(c.stencil)];
+      const Gradients& kx = KX[size_t(c.stencil)];
+      Gradients U;
+      for (int a = 0; a < 8; ++a) U.row(a) = u[size_t(c.node[size_t(a)])].transpose();
+      const Mat3 f = F(c, u);
+      const double theta = f.determinant() - 1;
+      const Gradients KU = s.K * U;
+      energy += double(c.scale) * (U.cwiseProduct(0.5 * KU + kx).sum() +
+                                   s.volume_mm3 * (0.5 * s.lambda_kPa * theta * theta - s.p0_kPa * theta));
+      if (!g) continue;
+      const Mat3 P = s.volume_mm3 * (s.lambda_kPa * theta - s.p0_kPa) * cofactor(f);
+      const Gradients force = double(c.scale) * (KU + kx + B * P.transpose());
+      for (int a = 0; a < 8; ++a) {
+        (*g)[size_t(c.node[size_t(a)])] += force.row(a).transpose();
+        if (scale) size[size_t(c.node[size_t(a)])] += force.row(a).norm();
+      }
+    }
+    for (const Spring& s : springs) {
+      const double k = s.k_N_per_mm * 1000;
+      Vec3 r = s.to_world ? Vec3(-s.target_mm) : Vec3::Zero();
+      auto visit = [&](auto&& f) {
+        for (int side = 0; side < (s.to_world ? 1 : 2); ++side) {
+          const EmbeddedPoint& p = side ? s.b : s.a;
+          const double sum = std::accumulate(p.w.begin(), p.w.end(), 0.0);
+          for (size_t i = 0; i < 8; ++i)
+            if (p.w[i] != 0) f(size_t(p.node[i]), (side ? -1 : 1) * double(p.w[i]) / sum);
+        }
+      };
+      visit([&](size_t n, double w) { r += w * (m.X_mm[n] + u[n]); });
+      energy += 0.5 * k * r.squaredNorm();
+      if (g) visit([&](size_t n, double w) {
+          (*g)[n] += k * w * r;
+          if (scale) size[n] += k * std::fabs(w) * r.norm();
+        });
+    }
+    if (scale) {
+      double sum = 0;
+      for (size_t i = 0; i < size.size(); ++i)
+        if (!m.fixed[i]) sum += size[i] * size[i];
+      *scale = std::sqrt(sum);
+    }
+    return energy;
+  }
+
+  Mat24 cell_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
+    const Stencil& s = m.stencils[size_t(c.stencil)];
+    const Mat3 f = F(c, u);
+    const double V = s.volume_mm3, pressure = s.lambda_kPa * (f.determinant() - 1) - s.p0_kPa;
+    Mat24 H;
+    if (!project) {
+      const Gradients cb = B * cofactor(f).transpose();
+      for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < 8; ++b) {
+          const Vec3 cross = B.row(a).transpose().cross(Vec3(B.row(b).transpose()));
+          H.block<3, 3>(3 * a, 3 * b) = s.K(a, b) * Mat3::Identity() +
+                                        V * (s.lambda_kPa * cb.row(a).transpose() * cb.row(b) + pressure * skew(f * cross));
+        }
+      return double(c.scale) * H;
+    }
+    const double mu = mu_centre[size_t(c.stencil)];
+    const Eigen::JacobiSVD<Mat3> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Mat3 U = svd.matrixU();
+    const Mat3 W = svd.matrixV();
+    Vec3 sig = svd.singularValues();
+    if (U.determinant() * W.determinant() < 0) U.col(2) *= -1, sig[2] *= -1;
+    Mat9 HF = Mat9::Zero();
+    auto add = [&](const Mat3& D, double value) {
+      if (value <= 0) return;
+      const Mat3 E = U * D * W.transpose();
+      const Vec9 e = Eigen::Map<const Vec9>(E.data());
+      HF += value * e * e.transpose();
+    };
+    const Vec3 grad(sig[1] * sig[2], sig[2] * sig[0], sig[0] * sig[1]);
+    Mat3 scaling = mu * Mat3::Identity() + s.lambda_kPa * grad * grad.transpose();
+    for (int i = 0; i < 3; ++i) {
+      const int j = (i + 1) % 3, k = (i + 2) % 3;
+      scaling(i, j) += pressure * sig[k], scaling(j, i) += pressure * sig[k];
+      Mat3 D = Mat3::Zero();
+      D(i, j) = D(j, i) = std::sqrt(0.5);
+      add(D, mu - pressure * sig[k]);
+      D(j, i) *= -1;
+      add(D, mu + pressure * sig[k]);
+    }
+    const Eigen::SelfAdjointEigenSolver<Mat3> eig(scaling);
+    for (int i = 0; i < 3; ++i) add(eig.eigenvectors().col(i).asDiagonal(), eig.eigenvalues()[i]);
+    Eigen::Matrix<double, 24, 9> BF = Eigen::Matrix<double, 24, 9>::Zero();  // vec F is column-major
+    for (int a = 0; a < 8; ++a)
+      for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i) BF(3 * a + i, 3 * j + i) = B(a, j);
+    H.noalias() = V * (BF * (HF * BF.transpose()).eval());
+    const Mat8& K = K_rest[size_t(c.stencil)];
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b)
+        for (int i = 0; i < 3; ++i) H(3 * a + i, 3 * b + i) += K(a, b);
+    return double(c.scale) * H;
+  }
+
+  void build_pattern() {
+    if (!begin.empty()) return;
+    for (const Spring& s : springs) spring_rows.push_back(fem::spring_row(m, s));
+    graph = fem::assemble_scalar(m, spring_rows, 0, false);
+    auto entry = [&](int32_t i, int32_t j) {
+      const auto first = graph.row.begin() + graph.begin[size_t(j)], last = graph.row.begin() + graph.begin[size_t(j) + 1];
+      return int32_t(std::lower_bound(first, last, i) - graph.row.begin());
+    };
+    for (const HexCell& c : m.cells) {
+      std::array<int32_t, 64> e;
+      for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < 8; ++b) {
+          const int32_t i = graph.row_of_node[size_t(c.node[size_t(a)])], j = graph.row_of_node[size_t(c.node[size_t(b)])];
+          e[size_t(8 * a + b)] = i >= 0 && j >= 0 && i >= j ? entry(i, j) : -1;
+        }
+      cell_entry.push_back(e);
+    }
+    for (const fem::SpringRow& r : spring_rows) {
+      spring_entry.emplace_back();
+      for (size_t a = 0; a < r.node.size(); ++a)
+        for (size_t b = 0; b < r.node.size(); ++b) {
+          const int32_t i = graph.row_of_node[size_t(r.node[a])], j = graph.row_of_node[size_t(r.node[b])];
+          if (i >= j) spring_entry.back().push_back({int32_t(a), int32_t(b), entry(i, j)});
+        }
+    }
+    // Scalar column j becomes columns 3j..3j+2; the diagonal block keeps its lower triangle.
+    begin.assign(1, 0);
+    for (int32_t j = 0; j < graph.n(); ++j)
+      for (int d = 0; d < 3; ++d) {
+        for (int32_t e = graph.begin[size_t(j)]; e < graph.begin[size_t(j) + 1]; ++e)
+          for (int k = e == graph.begin[size_t(j)] ? d : 0; k < 3; ++k) row.push_back(3 * graph.row[size_t(e)] + k);
+        begin.push_back(int32_t(row.size()));
+      }
+  }
+
+  // Position of entry (3i+r, 3j+d) given the scalar entry e of column j.
+  size_t place(int32_t j, int32_t e, int r, int d) const {
+    const int32_t k = e - graph.begin[size_t(j)];
+    const int32_t column = begin[size_t(3 * j + d)];
+    return size_t(k == 0 ? column + r - d : column + (3 - d) + 3 * (k - 1) + r);
+  }
+
+  /// Newton direction from the Hessian at u; false if it is not positive definite.
+  bool direction(std::span<const Vec3> u, std::span<const Vec3> g, bool project, std::vector<Vec3>& d) const {
+    std::vector<double> value(row.size(), 0);
+    for (size_t c = 0; c < m.cells.size(); ++c) {
+      const Mat24 H = cell_hessian(m.cells[c], u, project);
+      for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < 8; ++b) {
+          const int32_t e = cell_entry[c][size_t(8 * a + b)];
+          if (e < 0) continue;
+          const int32_t j = graph.row_of_node[size_t(m.cells[c].node[size_t(b)])];
+          for (int k = 0; k < 3; ++k)
+            for (int r = a == b ? k : 0; r < 3; ++r) value[place(j, e, r, k)] += H(3 * a + r, 3 * b + k);
+        }
+    }
+    for (size_t s = 0; s < spring_rows.size(); ++s)
+      for (auto [a, b, e] : spring_entry[s]) {
+        const fem::SpringRow& r = spring_rows[s];
+        const int32_t j = graph.row_of_node[size_t(r.node[size_t(b)])];
+        for (int k = 0; k < 3; ++k) value[place(j, e, k, k)] += r.k_mN_per_mm * r.w[size_t(a)] * r.w[size_t(b)];
+      }
+    cholmod_sparse S{};
+    S.nrow = S.ncol = size_t(3 * graph.n());
+    S.nzmax = row.size();
+    S.p = const_cast<int32_t*>(begin.data()), S.i = const_cast<int32_t*>(row.data()), S.x = value.data();
+    S.stype = -1, S.itype = CHOLMOD_INT, S.xtype = CHOLMOD_REAL, S.dtype = CHOLMOD_DOUBLE;
+    S.sorted = 1, S.packed = 1;
+    if (!symbolic) {
+      fem::keep_blas_single_threaded();
+      const fem::ScalarFactor scalar = fem::factorize(graph, {});
+      std::vector<int32_t> order;
+      for (int32_t n : scalar.node_order)
+        for (int k = 0; k < 3; ++k) order.push_back(3 * graph.row_of_node[size_t(n)] + k);
+      common.supernodal = CHOLMOD_SUPERNODAL, common.nmethods = 1, common.method[0].ordering = CHOLMOD_GIVEN;
+      common.postorder = 1, common.final_ll = 1, common.print = 0;
+      symbolic = cholmod_analyze_p(&S, order.data(), nullptr, 0, &common);
+    }
+    cholmod_factor* L = cholmod_copy_factor(symbolic, &common);
+    common.status = CHOLMOD_OK;
+    cholmod_factorize(&S, L, &common);
+    const bool ok = common.status == CHOLMOD_OK && L->minor == L->n;
+    if (ok) {
+      cholmod_dense* b = cholmod_zeros(S.nrow, 1, CHOLMOD_REAL, &common);
+      double* pb = static_cast<double*>(b->x);
+      for (int32_t i = 0; i < graph.n(); ++i)
+        for (int k = 0; k < 3; ++k) pb[3 * i + k] = -g[size_t(graph.node_of_row[size_t(i)])][k];
+      cholmod_dense* x = cholmod_solve(CHOLMOD_A, L, b, &common);
+      const double* px = static_cast<const double*>(x->x);
+      d.assign(u.size(), Vec3::Zero());
+      for (int32_t i = 0; i < graph.n(); ++i)
+        d[size_t(graph.node_of_row[size_t(i)])] = Vec3(px[3 * i], px[3 * i + 1], px[3 * i + 2]);
+      cholmod_free_dense(&b, &common);
+      cholmod_free_dense(&x, &common);
+    }
+    cholmod_free_factor(&L, &common);
+    return ok;
+  }
+};
+
+ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const Spring> springs)
+    : impl_(std::make_unique<Impl>(model)) {
+  Impl& p = *impl_;
+  p.springs.assign(springs.begin(), springs.end());
+  Gradients X;
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) {
+      const bool up = (a >> i) & 1;
+      X(a, i) = up ? model.cell_mm[i] : 0;
+      p.B(a, i) = (up ? 1 : -1) / (4 * model.cell_mm[i]);
+    }
+  for (const Stencil& s : model.stencils) {
+    p.KX.push_back(s.K * X);
+    const Mat3 mean = X.transpose() * s.K * X / s.volume_mm3;
+    const double mu = std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(mean).eigenvalues()[0]);
+    p.mu_centre.push_back(mu);
+    p.K_rest.push_back(s.K - mu * s.volume_mm3 * p.B * p.B.transpose());
+  }
+}
+ReferenceElasticity::~ReferenceElasticity() = default;
+
+double ReferenceElasticity::energy(std::span<const Vec3> u) const { return impl_->evaluate(u, nullptr, nullptr); }
+double ReferenceElasticity::gradient(std::span<const Vec3> u, std::vector<Vec3>& g) const {
+  return impl_->evaluate(u, &g, nullptr);
+}
+
+Eigen::MatrixXd ReferenceElasticity::dense_hessian(std::span<const Vec3> u, bool project) const {
+  const Impl& p = *impl_;
+  const Eigen::Index n = Eigen::Index(3 * p.m.X_mm.size());
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
+  for (const HexCell& c : p.m.cells) {
+    const Mat24 h = p.cell_hessian(c, u, project);
+    for (int a = 0; a < 8; ++a)
+      for (int b = 0; b < 8; ++b)
+        H.block<3, 3>(3 * c.node[size_t(a)], 3 * c.node[size_t(b)]) += h.block<3, 3>(3 * a, 3 * b);
+  }
+  for (const Spring& s : p.springs) {
+    const fem::SpringRow r = fem::spring_row(p.m, s);
+    for (size_t a = 0; a < r.node.size(); ++a)
+      for (size_t b = 0; b < r.node.size(); ++b)
+        H.block<3, 3>(3 * r.node[a], 3 * r.node[b]) += r.k_mN_per_mm * r.w[a] * r.w[b] * Mat3::Identity();
+  }
+  return H;
+}
+
+ReferenceElasticity::Result ReferenceElasticity::solve(std::span<const Vec3> start, const Settings& settings) const {
+  Impl& p = *impl_;
+  p.build_pattern();
+  Result r;
+  r.u.assign(start.begin(), start.end());
+  std::vector<Vec3> g, d, trial(r.u.size());
+  double scale = 0;
+  for (;;) {
+    r.energy_uJ = p.evaluate(r.u, &g, &scale);
+    double norm = 0;
+    for (size_t i = 0; i < g.size(); ++i)
+      if (!p.m.fixed[i]) norm += g[i].squaredNorm();
+    norm = std::sqrt(norm);
+    r.residual = scale > 0 ? norm / scale : 0;
+    r.converged = r.residual <= settings.tolerance;
+    if (r.converged || r.iterations >= settings.max_iterations) return r;
+    bool ok = settings.adaptive && p.direction(r.u, g, false, d);
+    if (!ok) {
+      r.failed_factors += settings.adaptive;
+      ok = p.direction(r.u, g, true, d);
+    }
+    if (!ok) return r;
+    double slope = 0;
+    for (size_t i = 0; i < g.size(); ++i) slope += g[i].dot(d[i]);
+    double alpha = 1;
+    bool moved = false;
+    for (int h = 0; h < 40 && !moved; ++h, alpha *= moved ? 1 : 0.5) {
+      for (size_t i = 0; i < d.size(); ++i) trial[i] = r.u[i] + alpha * d[i];
+      const double e = p.evaluate(trial, nullptr, nullptr);
+      moved = e <= r.energy_uJ + 1e-4 * alpha * slope + 1e-14 * std::fabs(r.energy_uJ);
+    }
+    if (!moved) return r;
+    r.u.swap(trial);
+    ++r.iterations;
+    if (settings.on_iterate && settings.on_iterate(r.u)) return r;
+  }
+}
+
+}  // namespace limberg

@@ -1,0 +1,122 @@
+#include "sim/fem/scalar_matrix.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "sim/fem/element_system.h"
+
+namespace limberg::fem {
+namespace {
+
+// A piece that nothing holds would make the matrix singular; far below the smallest stiffness of a held one.
+constexpr double shift = 1e-5;
+
+}  // namespace
+
+SpringRow spring_row(const FemModel& model, const Spring& s) {
+  SpringRow r;
+  r.id = s.id;
+  r.k_mN_per_mm = s.k_N_per_mm * 1000;
+  std::map<int32_t, double> w;
+  auto add = [&](const EmbeddedPoint& p, double sign, Vec3& rest) {
+    double sum = 0;
+    for (float x : p.w) sum += double(x);
+    for (size_t i = 0; i < 8; ++i) {
+      if (p.w[i] == 0) continue;
+      const double v = double(p.w[i]) / sum;
+      rest += v * model.X_mm[size_t(p.node[i])];
+      if (!model.fixed[size_t(p.node[i])]) w[p.node[i]] += sign * v;
+    }
+  };
+  add(s.a, 1, r.rest_a_mm);
+  if (!s.to_world) add(s.b, -1, r.rest_b_mm);
+  for (auto [node, v] : w) r.node.push_back(node), r.w.push_back(v);
+  return r;
+}
+
+bool same_spring(const SpringRow& a, const SpringRow& b) {
+  constexpr double place_mm = 1e-3;
+  return a.id == b.id && a.k_mN_per_mm == b.k_mN_per_mm && (a.rest_a_mm - b.rest_a_mm).norm() < place_mm &&
+         (a.rest_b_mm - b.rest_b_mm).norm() < place_mm;
+}
+
+ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2, bool augmented) {
+  const size_t n = m.X_mm.size();
+  std::vector<Mat8> cell_matrix(m.stencils.size());
+  Eigen::Matrix<double, 8, 3> B;
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) B(a, i) = (((a >> i) & 1) ? 1 : -1) / (4 * m.cell_mm[i]);
+  for (size_t s = 0; s < m.stencils.size(); ++s)
+    cell_matrix[s] =
+        m.stencils[s].K + effective_bulk_kPa(m.stencils[s], augmented) * m.stencils[s].volume_mm3 * (B * B.transpose());
+
+  // Cells around each node.
+  std::vector<int32_t> begin(n + 1, 0), list(8 * m.cells.size());
+  for (const HexCell& c : m.cells)
+    for (int32_t v : c.node) ++begin[size_t(v) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<int32_t> fill(begin.begin(), begin.end() - 1);
+  for (size_t c = 0; c < m.cells.size(); ++c)
+    for (int a = 0; a < 8; ++a) list[size_t(fill[size_t(m.cells[c].node[size_t(a)])]++)] = int32_t(8 * c) + a;
+  std::vector<std::vector<std::pair<int32_t, int32_t>>> node_springs(n);  // (spring, place in its row)
+  for (size_t s = 0; s < springs.size(); ++s)
+    for (size_t i = 0; i < springs[s].node.size(); ++i)
+      node_springs[size_t(springs[s].node[i])].push_back({int32_t(s), int32_t(i)});
+
+  ScalarMatrix A;
+  A.row_of_node.assign(n, -1);
+  for (size_t v = 0; v < n; ++v)
+    if (!m.fixed[v] && begin[v] < begin[v + 1]) A.row_of_node[v] = A.n(), A.node_of_row.push_back(int32_t(v));
+
+  std::vector<int32_t> place(size_t(A.n()), -1);
+  std::vector<std::pair<int32_t, double>> column;
+  A.begin.push_back(0);
+  for (int32_t j = 0; j < A.n(); ++j) {
+    const size_t v = size_t(A.node_of_row[size_t(j)]);
+    column.clear();
+    auto add = [&](int32_t node, double value) {
+      const int32_t i = A.row_of_node[size_t(node)];
+      if (i < j) return;
+      if (place[size_t(i)] < 0) place[size_t(i)] = int32_t(column.size()), column.push_back({i, 0});
+      column[size_t(place[size_t(i)])].second += value;
+    };
+    add(int32_t(v), mass_per_s2 * m.mass_kg[v]);
+    for (int32_t k = begin[v]; k < begin[v + 1]; ++k) {
+      const HexCell& c = m.cells[size_t(list[size_t(k)] / 8)];
+      const int a = list[size_t(k)] % 8;
+      const Mat8& K = cell_matrix[size_t(c.stencil)];
+      for (int b = 0; b < 8; ++b) add(c.node[size_t(b)], double(c.scale) * K(b, a));
+    }
+    for (auto [s, i] : node_springs[v]) {
+      const SpringRow& r = springs[size_t(s)];
+      for (size_t b = 0; b < r.node.size(); ++b) add(r.node[b], r.k_mN_per_mm * r.w[size_t(i)] * r.w[b]);
+    }
+    column[0].second *= 1 + shift;
+    for (auto& e : column) place[size_t(e.first)] = -1;
+    std::sort(column.begin(), column.end());
+    for (auto& e : column) A.row.push_back(e.first), A.value.push_back(e.second);
+    A.begin.push_back(int32_t(A.row.size()));
+  }
+  return A;
+}
+
+std::vector<int32_t> inherited_order(const ScalarMatrix& now, std::span<const int32_t> order_before,
+                                     std::span<const int32_t> ancestor) {
+  int32_t nodes_before = 0;
+  for (int32_t v : order_before) nodes_before = std::max(nodes_before, v + 1);
+  for (int32_t v : ancestor) nodes_before = std::max(nodes_before, v + 1);
+  const int32_t last = int32_t(order_before.size());
+  std::vector<int32_t> rank(size_t(nodes_before), last);
+  for (size_t k = 0; k < order_before.size(); ++k) rank[size_t(order_before[k])] = int32_t(k);
+  std::vector<int32_t> order(size_t(now.n()));
+  std::iota(order.begin(), order.end(), 0);
+  auto key = [&](int32_t row) {
+    const int32_t a = ancestor[size_t(now.node_of_row[size_t(row)])];
+    return a < 0 ? last : rank[size_t(a)];
+  };
+  std::stable_sort(order.begin(), order.end(), [&](int32_t a, int32_t b) { return key(a) < key(b); });
+  return order;
+}
+
+}  // namespace limberg::fem
