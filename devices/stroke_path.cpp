@@ -87,7 +87,8 @@ void merge_edges(const std::vector<Vec2>& p, std::vector<size_t>& knot, double t
       const size_t a = knot[k - 1], b = knot[k + 1];
       if ((p[a] - p[b]).norm() <= tolerance) continue;  // there and back again is not an edge
       const Line line = fit(p, a, b);
-      const Vec2 from = line.foot(p[a]), to = line.foot(p[b]);
+      const Vec2 jitter = 2 * tolerance * line.along;  // a waiting hand also trembles along the edge
+      const Vec2 from = line.foot(p[a]) - jitter, to = line.foot(p[b]) + jitter;
       double worst = 0, sum2 = 0;
       for (size_t i = a; i <= b; ++i) {
         const double d = distance_to_segment(p[i], from, to);

@@ -22,7 +22,7 @@ std::vector<Vec2> drawn(const std::vector<Vec2>& path, double tremor_mm, double 
       out.push_back(path[i - 1] + l / length * (path[i] - path[i - 1]) +
                     Vec2(tremor_mm * std::sin(w + p1) + noise_mm * dice.normal(), tremor_mm * std::sin(1.1 * w + p2) + noise_mm * dice.normal()));
     }
-    for (int k = 0; k < 3; ++k) out.push_back(path[i] + 0.15 * Vec2(dice.normal(), dice.normal()));
+    for (int k = 0; k < 3; ++k) out.push_back(path[i] + 0.1 * Vec2(dice.normal(), dice.normal()));
   }
   return out;
 }
