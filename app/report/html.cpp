@@ -1,0 +1,121 @@
+#include "app/report/html.h"
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+
+namespace limberg::html {
+
+namespace {
+
+// Length of the UTF-8 sequence at s[i], 0 when it is broken or a code point that XML forbids.
+size_t sequence(std::string_view s, size_t i) {
+  const auto byte = [&](size_t k) { return k < s.size() ? uint32_t(static_cast<unsigned char>(s[k])) : 0u; };
+  const uint32_t b = byte(i);
+  if (b < 0x80) return b >= 0x20 || b == '\n' || b == '\t' ? 1 : 0;
+  const size_t n = b >= 0xf0 && b < 0xf5 ? 4 : b >= 0xe0 && b < 0xf0 ? 3 : b >= 0xc2 && b < 0xe0 ? 2 : 0;
+  if (n == 0) return 0;
+  uint32_t c = b & (0xffu >> (n + 1));
+  for (size_t k = 1; k < n; ++k) {
+    if ((byte(i + k) & 0xc0) != 0x80) return 0;
+    c = c << 6 | (byte(i + k) & 0x3f);
+  }
+  const uint32_t least[5]{0, 0, 0x80, 0x800, 0x10000};
+  const bool forbidden = c < least[n] || (c >= 0xd800 && c < 0xe000) || c == 0xfffe || c == 0xffff || c > 0x10ffff ||
+                         (c >= 0x80 && c < 0xa0);
+  return forbidden ? 0 : n;
+}
+
+std::string trimmed(double v, int decimals) {
+  char s[64];
+  std::snprintf(s, sizeof s, "%.*f", decimals, v);
+  std::string t = s;
+  if (t.find('.') != std::string::npos) {
+    while (t.back() == '0') t.pop_back();
+    if (t.back() == '.') t.pop_back();
+  }
+  if (t == "-0") t = "0";
+  if (t[0] == '-') t.replace(0, 1, "\u2212");
+  return t;
+}
+
+std::string superscript(int n) {
+  static const char* const digit[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  std::string s = n < 0 ? "⁻" : "";
+  for (const char c : std::to_string(std::abs(n))) s += digit[c - '0'];
+  return s;
+}
+
+}  // namespace
+
+std::string escape(std::string_view text) {
+  std::string out;
+  out.reserve(text.size() + text.size() / 8);
+  for (size_t i = 0; i < text.size();) {
+    const size_t n = sequence(text, i);
+    if (n == 0) {
+      out += "\ufffd";
+      ++i;
+      continue;
+    }
+    switch (text[i]) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      case '\'': out += "&#39;"; break;
+      default: out += text.substr(i, n);
+    }
+    i += n;
+  }
+  return out;
+}
+
+std::string number(double value, int digits) {
+  if (std::isnan(value)) return "–";
+  if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
+  if (value == 0) return "0";
+  int power = int(std::floor(std::log10(std::abs(value)) + 1e-12));
+  // Rounding may carry into the next power: 0.9996 with three digits is 1.
+  const double scale = std::pow(10.0, digits - 1 - power);
+  const double rounded = std::isfinite(scale) && scale > 0 ? std::round(value * scale) / scale : value;
+  if (std::abs(rounded) >= std::pow(10.0, power + 1)) ++power;
+  if (power < -3 || power > 6) {
+    const double mantissa = rounded / std::pow(10.0, power);
+    const std::string m = trimmed(mantissa, std::max(0, digits - 1));
+    return (m == "1" ? "" : m + "\u202f×\u202f") + "10" + superscript(power);
+  }
+  return trimmed(rounded, std::max(0, digits - 1 - power));
+}
+
+std::string quantity(const std::optional<double>& value, std::string_view unit, int digits) {
+  if (!value) return "–";
+  return number(*value, digits) + (unit.empty() ? "" : "\u202f") + escape(unit);
+}
+
+std::string base64(std::string_view bytes) {
+  static const char* const letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t v = 0;
+    for (size_t k = 0; k < 3; ++k) v = v << 8 | (i + k < bytes.size() ? uint32_t(static_cast<unsigned char>(bytes[i + k])) : 0u);
+    for (size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? letters[v >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+std::string png_data_url(const std::string& file, size_t limit) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) return {};
+  const std::streamoff size = in.tellg();
+  if (size < 8 || size_t(size) > limit) return {};
+  std::string bytes(size_t(size), '\0');
+  in.seekg(0);
+  if (!in.read(bytes.data(), size) || bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") != 0) return {};
+  return "data:image/png;base64," + base64(bytes);
+}
+
+}  // namespace limberg::html

@@ -1,0 +1,23 @@
+#pragma once
+// Small helpers to write HTML that is also well-formed XML: escaping, numbers as people read them, embedded pictures.
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace limberg::html {
+
+/// Text for an element or a quoted attribute: & < > " ' are escaped, control characters and broken UTF-8 become U+FFFD.
+std::string escape(std::string_view text);
+
+/// `digits` significant digits without needless zeros; powers of ten outside 1e-3 .. 1e6, written 3.2 × 10⁻⁵.
+std::string number(double value, int digits = 3);
+
+/// The number with a thin space and its unit; a dash when there is none.
+std::string quantity(const std::optional<double>& value, std::string_view unit, int digits = 3);
+
+std::string base64(std::string_view bytes);
+
+/// The file as a data: URL, or empty when it is absent, larger than `limit` bytes or no PNG.
+std::string png_data_url(const std::string& file, size_t limit = size_t(32) << 20);
+
+}  // namespace limberg::html

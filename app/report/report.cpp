@@ -1,0 +1,60 @@
+#include "app/report/report.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "app/report/html.h"
+#include "app/report/report_data.h"
+#include "app/report/report_names.h"
+#include "app/report/sections.h"
+#include "app/report/style.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string page(const ReportData& d, const std::string& dir) {
+  namespace s = sections;
+  return "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\"/>\n"
+         "<title>" + html::escape(s::title(d)) + " – Limberg</title>\n<style>" + report_style + "</style>\n</head>\n<body>\n" +
+         s::heading(d, dir) + "<main>\n" + s::story(d, dir) + s::tension(d, dir) + s::sutures(d) + s::balance(d) + s::convergence(d) +
+         s::timing(d) + s::residual(d) + s::figures(d) + s::script(d) + "</main>\n" + s::footer(d) + "</body>\n</html>\n";
+}
+
+}  // namespace
+
+std::string report_html(const std::string& result_json, const std::string& dir) {
+  return page(read_report_data(result_json, (fs::path(dir) / report_names::result).string()), dir);
+}
+
+std::string write_report(const std::string& dir) {
+  std::error_code none;
+  if (!fs::is_directory(dir, none)) throw InputError(dir, 0, "is no folder; expected one that a run has left, with result.json");
+  const std::string source = (fs::path(dir) / report_names::result).string();
+  std::ifstream in(source, std::ios::binary);
+  if (!in || !fs::is_regular_file(source, none)) throw InputError(source, 0, "cannot be read; expected the result of a run");
+  const std::string json((std::istreambuf_iterator<char>(in)), {});
+  const std::string text = report_html(json, dir);
+
+  const std::string target = (fs::path(dir) / report_names::html).string(), part = target + ".part";
+  std::ofstream out(part, std::ios::binary | std::ios::trunc);
+  out << text;
+  out.close();
+  std::error_code failed;
+  if (out) fs::rename(part, target, failed);
+  if (!out || failed) {
+    fs::remove(part, none);
+    throw InputError(target, 0, "cannot be written; expected a folder with room and the right to write");
+  }
+  return target;
+}
+
+}  // namespace limberg

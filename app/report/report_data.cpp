@@ -1,0 +1,183 @@
+#include "app/report/report_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "app/report/report_names.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+using Json = nlohmann::json;
+
+// The member, or null when j is no object or has none.
+const Json& member(const Json& j, const char* name) {
+  static const Json nothing;
+  if (!j.is_object()) return nothing;
+  const auto it = j.find(name);
+  return it == j.end() ? nothing : *it;
+}
+
+Maybe number(const Json& j) { return j.is_number() && std::isfinite(j.get<double>()) ? Maybe(j.get<double>()) : Maybe(); }
+Maybe number(const Json& j, const char* name) { return number(member(j, name)); }
+
+// Words or a number as words; never a structure.
+std::string words(const Json& j) {
+  if (j.is_string()) return j.get<std::string>();
+  return j.is_number() || j.is_boolean() ? j.dump() : std::string();
+}
+std::string words(const Json& j, const char* name) { return words(member(j, name)); }
+
+ReportTimes times(const Json& j) {
+  return {number(j, "p50"), number(j, "p95"), number(j, "p99"), number(j, "p999"), number(j, "max")};
+}
+
+std::vector<double> column(const Json& j) {
+  std::vector<double> v;
+  if (j.is_array())
+    for (const Json& e : j) v.push_back(number(e).value_or(std::numeric_limits<double>::quiet_NaN()));
+  return v;
+}
+
+int line_of(const std::string& text, size_t byte) {
+  return 1 + int(std::count(text.begin(), text.begin() + std::ptrdiff_t(std::min(byte, text.size())), '\n'));
+}
+
+// How deep lists and objects lie in each other; writing a value out again takes stack for every level.
+int depth_of(const std::string& text) {
+  int depth = 0, deepest = 0;
+  bool quoted = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted) {
+      if (c == '\\') ++i;
+      else quoted = c != '"';
+    } else if (c == '"') {
+      quoted = true;
+    } else if (c == '[' || c == '{') {
+      deepest = std::max(deepest, ++depth);
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
+Json parse(const std::string& text, const std::string& file) {
+  if (depth_of(text) > 64) throw InputError(file, 0, "nests deeper than 64 levels; expected the result of a run");
+  Json j;
+  try {
+    j = Json::parse(text);
+  } catch (const Json::parse_error& e) {
+    throw InputError(file, line_of(text, e.byte ? e.byte - 1 : 0), "is not JSON; expected the result of a run");
+  } catch (const Json::exception&) {
+    throw InputError(file, 0, "holds a number that is out of range; expected the result of a run");
+  }
+  if (!j.is_object()) throw InputError(file, 1, "is JSON but no object; expected the result of a run");
+  return j;
+}
+
+void read_metrics(const Json& m, ReportData& d) {
+  if (!m.is_object()) return;
+  for (const auto& [name, value] : m.items())
+    if (const Maybe v = number(value)) d.metrics[name] = *v;
+  const Json& sutures = member(m, "sutures");
+  if (sutures.is_array())
+    for (const Json& s : sutures)
+      if (s.is_object()) d.sutures.push_back({words(s, "id"), number(s, "force_N"), number(s, "gap_mm")});
+}
+
+void read_stages(const Json& j, ReportData& d) {
+  if (!j.is_array()) return;
+  for (const Json& s : j) {
+    ReportStage r;
+    r.name = s.is_string() ? s.get<std::string>() : words(s, "name");
+    r.picture = words(s, "picture");
+    r.caption = words(s, "caption");
+    r.t_s = number(s, "t_s");
+    r.residual = number(s, "residual");
+    r.sutures = number(s, "sutures");
+    r.pieces = number(s, "pieces");
+    d.stages.push_back(r);
+  }
+}
+
+}  // namespace
+
+ReportData read_report_data(const std::string& text, const std::string& file) {
+  const Json j = parse(text, file);
+  ReportData d;
+  const Json& program = member(j, "limberg");
+  d.version = program.is_string() ? words(program) : words(program, "version");
+  d.commit = words(program, "commit");
+  d.command = words(j, "command");
+  d.scene = words(j, "scene");
+  d.scene_title = words(j, "scene_title");
+  d.scene_note = words(j, "scene_note");
+  d.mode = words(j, "mode");
+  d.state_hash = words(j, "state_hash");
+  d.reproduce = words(j, "reproduce");
+  d.cpu = words(member(j, "machine"), "cpu");
+  d.cores = number(member(j, "machine"), "cores");
+  if (const Json& ok = member(j, "ok"); ok.is_boolean()) d.ok = ok.get<bool>();
+
+  const Json &device = member(j, "device"), &solver = member(j, "solver"), &render = member(j, "render");
+  d.duration_s = number(j, "duration_s");
+  d.memory_mb = number(j, "memory_mb");
+  d.solve_ms = number(j, "solve_ms");
+  d.residual = number(solver, "residual");
+  if (!d.residual) d.residual = number(j, "residual");
+  d.distance_mm = number(solver, "distance_mm");
+  d.solver_steps = number(solver, "steps");
+  d.render_frames = number(render, "frames");
+  d.device_ticks = number(device, "ticks");
+  d.late_ticks = number(device, "late_ticks");
+  d.events_lost = number(device, "events_lost");
+  d.wake_us = times(member(device, "wake_us"));
+  d.work_us = times(member(device, "work_us"));
+  d.step_ms = times(member(solver, "step_ms"));
+  d.frame_ms = times(member(render, "frame_ms"));
+  d.to_snapshot_ms = times(member(member(j, "latency_ms"), "sample_to_snapshot"));
+  d.to_frame_ms = times(member(member(j, "latency_ms"), "sample_to_frame"));
+
+  if (const Json& parts = member(j, "parts"); parts.is_array())
+    for (const Json& p : parts)
+      if (p.is_string()) d.parts.push_back(p.get<std::string>());
+  if (const Json& lattice = member(j, "lattice"); lattice.is_object())
+    for (const auto& [name, value] : lattice.items())
+      if (const Maybe v = number(value)) d.lattice.emplace_back(name, *v);
+  read_metrics(member(j, "metrics"), d);
+  read_stages(member(j, "stages"), d);
+
+  const Json& pictures = member(j, "pictures");
+  d.overview = words(pictures, "overview");
+  d.tension = words(pictures, "tension");
+  if (d.overview.empty()) d.overview = report_names::overview;
+  if (d.tension.empty()) d.tension = report_names::tension;
+
+  const Json& series = member(j, "series");
+  d.series_t_s = column(member(series, "t_s"));
+  d.series_residual = column(member(series, "residual"));
+  d.series_distance_mm = column(member(series, "distance_mm"));
+
+  if (const Json& balance = member(j, "balance"); balance.is_object())
+    for (const auto& [name, value] : balance.items()) {
+      if (name == "relative") d.balance_relative = number(value);
+      else if (value.is_array() && value.size() == 3) d.balance.emplace_back(name, column(value));
+    }
+  if (const Json& rows = member(j, "convergence"); rows.is_array())
+    for (const Json& r : rows)
+      d.convergence.push_back({number(r, "cell_mm"), number(r, "nodes"), number(r, "closure_force_N"), number(r, "suture_gap_max_mm"),
+                               number(r, "suture_force_max_N"), number(r, "dog_ear_mm"), number(r, "residual"), number(r, "solve_ms")});
+  if (const Json& script = member(j, "script"); script.is_array())
+    for (const Json& l : script) d.script.push_back(l.is_string() ? l.get<std::string>() : l.dump());
+  if (const Json& damage = member(j, "damage"); damage.is_object())
+    for (const auto& [name, value] : damage.items()) d.damage.emplace_back(name, value.is_structured() ? value.dump() : words(value));
+  return d;
+}
+
+}  // namespace limberg

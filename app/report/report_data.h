@@ -1,0 +1,62 @@
+#pragma once
+// result.json as plain data: what is absent is absent here too. Read once, without trust; the sections of the report
+// only see this.
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace limberg {
+
+using Maybe = std::optional<double>;
+
+struct ReportTimes {
+  Maybe p50, p95, p99, p999, max;
+  bool any() const { return p50 || p95 || p99 || p999 || max; }
+};
+
+struct ReportSuture {
+  std::string id;
+  Maybe force_N, gap_mm;
+};
+
+struct ReportStage {
+  std::string name, picture, caption;
+  Maybe t_s, residual, sutures, pieces;
+};
+
+struct ReportConvergence {
+  Maybe cell_mm, nodes, closure_force_N, suture_gap_max_mm, suture_force_max_N, dog_ear_mm, residual, solve_ms;
+};
+
+struct ReportData {
+  std::string version, commit, command, scene, scene_title, scene_note, mode, state_hash, reproduce, cpu;
+  Maybe cores;
+  std::optional<bool> ok;
+  Maybe duration_s, memory_mb, residual, distance_mm, solve_ms, solver_steps, render_frames;
+  Maybe device_ticks, late_ticks, events_lost;
+  ReportTimes wake_us, work_us, step_ms, frame_ms, to_snapshot_ms, to_frame_ms;
+  std::vector<std::string> parts;
+  std::vector<std::pair<std::string, double>> lattice;
+  std::map<std::string, double> metrics;  // every number in `metrics`
+  std::vector<ReportSuture> sutures;
+  std::vector<ReportStage> stages;
+  std::string overview, tension;  // picture files, relative
+  std::vector<double> series_t_s, series_residual, series_distance_mm;  // NaN where a value is missing
+  std::vector<std::pair<std::string, std::vector<double>>> balance;     // name, N; "sum_N" and others
+  Maybe balance_relative;
+  std::vector<ReportConvergence> convergence;
+  std::vector<std::string> script;
+  std::vector<std::pair<std::string, std::string>> damage;  // of the recording: name, value
+
+  Maybe metric(const std::string& name) const {
+    const auto it = metrics.find(name);
+    return it == metrics.end() ? Maybe() : Maybe(it->second);
+  }
+};
+
+/// InputError (file, line) when the text is not JSON or not an object.
+ReportData read_report_data(const std::string& json_text, const std::string& file);
+
+}  // namespace limberg

@@ -1,0 +1,36 @@
+#pragma once
+// The sections of the report, each from the data to HTML; empty when there is nothing to show.
+#include <string>
+
+#include "app/report/report_data.h"
+
+namespace limberg::sections {
+
+/// Limits that the traffic lights use. Sources stand beside the suture table.
+struct Limits {
+  static constexpr double suture_green_N = 2.5;  // Larrabee, Holloway, Sutton 1984: necrosis rises above 250 g
+  static constexpr double suture_amber_N = 5.0;  // between the knot-pull strengths of USP 5-0 and 4-0 thread
+  static constexpr double closure_N = 15.0;      // Lear 2019: largest clinically acceptable closure force (scalp)
+  static constexpr double gap_mm = 0.2;          // edges count as closed
+  static constexpr double residual = 1e-4;       // the tissue counts as at rest
+};
+
+/// "good", "warn" or "bad".
+std::string light_of_force(double force_N);
+
+std::string heading(const ReportData& d, const std::string& dir);  // title, verdict, picture, key figures
+std::string story(const ReportData& d, const std::string& dir);
+std::string tension(const ReportData& d, const std::string& dir);
+std::string sutures(const ReportData& d);
+std::string balance(const ReportData& d);
+std::string convergence(const ReportData& d);
+std::string timing(const ReportData& d);
+std::string residual(const ReportData& d);
+std::string figures(const ReportData& d);
+std::string script(const ReportData& d);
+std::string footer(const ReportData& d);
+
+/// A title for the page.
+std::string title(const ReportData& d);
+
+}  // namespace limberg::sections

@@ -1,0 +1,193 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "app/report/html.h"
+#include "app/report/report.h"
+#include "app/report/report_data.h"
+#include "app/report/report_names.h"
+#include "render/image.h"
+#include "sim/error.h"
+#include "tests/app/report/xml_check.h"
+
+namespace limberg {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::xml_fault;
+
+const char* const kFull = R"({
+"limberg": {"version": "0.1.0", "commit": "abc1234"}, "command": "replay", "scene": "rhomboid", "ok": true,
+"machine": {"cpu": "Some CPU", "cores": 2}, "mode": "lockstep", "duration_s": 60.5, "state_hash": "00ff00ff00ff00ff",
+"parts": ["cutter", "elasticity"], "memory_mb": 300, "reproduce": "limberg replay recordings/rhomboid.lcm --lockstep",
+"device": {"ticks": 60500, "late_ticks": 3, "events_lost": 0, "wake_us": {"p50": 20, "p99": 80, "p999": 300, "max": 5000},
+           "work_us": {"p50": 10, "p99": 40, "p999": 60, "max": 90}},
+"solver": {"steps": 3630, "step_ms": {"p50": 8, "p95": 10, "p99": 12, "max": 40}, "residual": 3.2e-5},
+"render": {"frames": 900, "frame_ms": {"p50": 20, "p95": 28, "p99": 35, "max": 70}},
+"latency_ms": {"sample_to_snapshot": {"p50": 12, "p99": 24}, "sample_to_frame": {"p50": 40, "p99": 90}},
+"metrics": {"pieces": 1, "volume_mm3": 900, "removed_volume_mm3": 100, "initial_volume_mm3": 1000, "closure_force_N": 7.25,
+            "suture_force_max_N": 2.75, "suture_gap_max_mm": 0.12, "dog_ear_mm": 1.9, "something_new_kPa": 12.5,
+            "sutures": [{"id": 1, "force_N": 2.75, "gap_mm": 0.12}, {"id": 2, "force_N": 0.4, "gap_mm": 0.01}, {"id": 3}]},
+"stages": [{"name": "excised", "picture": "stages/00-excised.png", "t_s": 10, "caption": "The plug is out."},
+           {"name": "closed", "picture": "stages/01-closed.png", "t_s": 50, "sutures": 2, "residual": 3.2e-5}],
+"series": {"t_s": [0, 1, 2, 3], "residual": [0.1, null, 1e-3, 3.2e-5]},
+"balance": {"hooks_N": [0.1, 0, 0], "supports_N": [-0.1, 0.001, 0], "sum_N": [0, 0.001, 0], "relative": 0.005},
+"convergence": [{"cell_mm": 5, "closure_force_N": 6.5, "dog_ear_mm": 1.6}, {"cell_mm": 3.5, "closure_force_N": 7.25, "dog_ear_mm": 1.9}],
+"script": [{"action": "excise", "depth_mm": 4}, "{\"action\":\"stage\",\"name\":\"excised\"}"]
+})";
+
+class Report : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    dir = fs::path(LIMBERG_BINARY_DIR) / "test_report_files" / ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(dir);
+    fs::create_directories(dir / "stages");
+  }
+  void put(const std::string& text) { std::ofstream(dir / "result.json", std::ios::binary) << text; }
+  static std::string get(const fs::path& p) {
+    std::ifstream in(p, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  std::string make(const std::string& json) {
+    put(json);
+    const std::string html = get(write_report(dir.string()));
+    EXPECT_EQ(xml_fault(html), "");
+    return html;
+  }
+  static size_t count(const std::string& s, const std::string& what) {
+    size_t n = 0;
+    for (size_t i = s.find(what); i != std::string::npos; i = s.find(what, i + 1)) ++n;
+    return n;
+  }
+  fs::path dir;
+};
+
+TEST_F(Report, HoldsTheFigures) {
+  write_png(dir / "stages/00-excised.png", Image(8, 6, {200, 150, 140}));
+  write_png(dir / "stages/01-closed.png", Image(8, 6, {100, 150, 140}));
+  write_png(dir / "tension.png", Image(8, 6, {10, 50, 140}));
+  const std::string h = make(kFull);
+  for (const char* text : {"Rhomboid", "Closed with 3 sutures", "7.25\u202fN", "2.75\u202fN", "0.12\u202fmm", "3.2\u202f×\u202f10⁻⁵", "The plug is out.", "p99.9", "60500 device ticks",
+                           "3 late by more than", "excise", "limberg replay recordings/rhomboid.lcm", "00ff00ff00ff00ff", "Some CPU", "0.1.0", "Larrabee", "something_new_kPa",
+                           "0.5\u202f% of the sum", "(+0.75)", "Tension map"})
+    EXPECT_NE(h.find(text), std::string::npos) << text;
+  EXPECT_EQ(count(h, "data:image/png;base64,"), 3u);
+  EXPECT_EQ(count(h, "<svg"), 2u);
+  EXPECT_EQ(h.find("http://", h.find("<body>")), h.find("http://www.w3.org/2000/svg"));  // a name, not an address
+  EXPECT_EQ(count(h, "src=\"") + count(h, "href=\""), 3u);                                 // nothing is fetched
+  EXPECT_FALSE(fs::exists(dir / "report.html.part"));
+}
+
+TEST_F(Report, SameInputSameBytes) {
+  const std::string first = make(kFull);
+  EXPECT_EQ(make(kFull), first);
+}
+
+TEST_F(Report, LightsFollowTheLimits) {
+  const auto with_force = [](double n, double gap) {
+    return R"({"metrics":{"sutures":[{"id":1,"force_N":)" + std::to_string(n) + R"(,"gap_mm":)" + std::to_string(gap) + "}]}}";
+  };
+  EXPECT_NE(make(with_force(1, 0.1)).find("<div class=\"verdict good\">"), std::string::npos);
+  EXPECT_NE(make(with_force(3, 0.1)).find("<div class=\"verdict warn\">"), std::string::npos);
+  EXPECT_NE(make(with_force(6, 0.1)).find("<div class=\"verdict bad\">"), std::string::npos);
+  EXPECT_NE(make(with_force(1, 0.3)).find("Not fully closed"), std::string::npos);
+  EXPECT_NE(make(R"({"ok":false,"residual":0.01})").find("did not reach its goal"), std::string::npos);
+}
+
+TEST_F(Report, AbsentFieldsAreAbsent) {
+  const std::string h = make("{}");
+  for (const char* text : {"Sutures", "Tension map", "Three lanes", "NaN", "nan", "null", "<svg", "Finer cells"})
+    EXPECT_EQ(h.find(text), std::string::npos) << text;
+  EXPECT_NE(h.find("<h1>Operation</h1>"), std::string::npos);
+}
+
+TEST_F(Report, WrongKindsAreLeftOut) {
+  // Every field of the full example replaced in turn by something of another kind: never a crash, always well formed.
+  for (const char* name : {"limberg", "command", "scene", "machine", "mode", "device", "solver", "render", "latency_ms", "metrics", "stages", "series", "balance",
+                           "convergence", "script", "reproduce", "parts", "pictures", "damage", "lattice", "ok", "duration_s"})
+    for (const char* value : {"null", "7", "-1e308", "\"x\"", "[]", "[1,[2],{}]", "{}", "{\"sutures\":{}}", "[[[]]]", "true"})
+      make("{\"" + std::string(name) + "\": " + value + "}");
+  make(R"({"metrics":{"sutures":[7,null,{"id":{},"force_N":"x","gap_mm":null}]},"series":{"t_s":[1],"residual":[-1,0,1e308,1e-308,5]},"balance":{"a":[1,2,"x"]}})");
+  make(R"({"series":{"residual":[0,0,0]}})");
+  make(R"({"series":{"residual":[1e-4,1e-4],"distance_mm":[5,5]}})");
+}
+
+TEST_F(Report, HostileWordsAreEscaped) {
+  const std::string bad = R"(<script>alert(1)</script>\"'><img src=x onerror=y>&amp;\u0000\u0007\ud83d\ude00)";
+  const std::string h = make(R"({"scene":")" + bad + R"(","scene_title":")" + bad + R"(","command":")" + bad + R"(","reproduce":")" + bad + R"(","mode":")" + bad +
+                             R"(","state_hash":")" + bad + R"(","scene_note":")" + bad + R"(","limberg":{"version":")" + bad + R"("},"machine":{"cpu":")" + bad +
+                             R"("},"parts":[")" + bad + R"("],"script":[")" + bad + R"("],"damage":{")" + bad + R"(":")" + bad + R"("},"stages":[{"name":")" + bad +
+                             R"(","caption":")" + bad + R"(","t_s":1}],"metrics":{")" + bad + R"(":1,"sutures":[{"id":")" + bad +
+                             R"("}]},"series":{"t_s":[0,2],"residual":[1,2]},"balance":{")" + bad + R"(":[1,2,3]},"lattice":{")" + bad + R"(":1}})");
+  EXPECT_EQ(h.find("<script"), std::string::npos);
+  EXPECT_EQ(h.find("<img"), std::string::npos);
+  EXPECT_NE(h.find("&lt;script&gt;"), std::string::npos);
+}
+
+TEST_F(Report, PicturesOutsideTheFolderAreNotTaken) {
+  write_png(dir / "secret.png", Image(4, 4));
+  const fs::path inner = dir / "inner";
+  fs::create_directories(inner);
+  const std::string outside = (dir / "secret.png").string();
+  const std::string json = R"({"stages":[{"name":"a","picture":"../secret.png"},{"name":"b","picture":")" + outside +
+                           R"("},{"name":"c","picture":"x/../../secret.png"}],"pictures":{"tension":"../secret.png","overview":"../secret.png"}})";
+  EXPECT_EQ(report_html(json, inner.string()).find("data:image"), std::string::npos);
+  std::ofstream(dir / "stages/00-text.png") << "no picture";
+  EXPECT_EQ(make("{}").find("data:image"), std::string::npos);
+}
+
+TEST_F(Report, PicturesAloneTellTheStory) {
+  write_png(dir / report_names::stage_picture(1, "Flap cut!"), Image(4, 4));
+  write_png(dir / report_names::stage_picture(0, "before"), Image(4, 4));
+  const std::string h = make("{}");
+  ASSERT_NE(h.find("2. Flap cut"), std::string::npos);
+  EXPECT_LT(h.find("1. Before"), h.find("2. Flap cut"));
+  EXPECT_EQ(report_names::stage_picture(7, "  D -> F / key (1) "), "stages/07-d-f-key-1.png");
+  EXPECT_EQ(report_names::stage_picture(3, "../../x"), "stages/03-x.png");
+  EXPECT_EQ(report_names::stage_picture(3, "äöü"), "stages/03.png");
+}
+
+TEST_F(Report, BrokenResultsAreInputErrors) {
+  const auto fault = [&](const std::string& text) -> std::string {
+    put(text);
+    try {
+      write_report(dir.string());
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  for (const std::string text : {"", "{", "[]", "7", "{\"a\":1}}", "{\"a\":\xff}", "{\"a\":1e999}", "\n\n{\n\"a\" 1}"})
+    EXPECT_NE(fault(text).find("result.json"), std::string::npos) << text;
+  EXPECT_NE(fault("{\n\"a\": 1,\n\"b\" 2\n}").find("result.json:3: "), std::string::npos);
+  EXPECT_NE(fault("{\"script\":[" + std::string(200000, '[') + std::string(200000, ']') + "]}").find("deeper"), std::string::npos);
+  const std::string whole = kFull;
+  for (size_t n = 1; n + 1 < whole.size(); n += 41) EXPECT_NE(fault(whole.substr(0, n)).find("result.json"), std::string::npos) << n;
+  fs::remove(dir / "result.json");
+  EXPECT_THROW(write_report(dir.string()), InputError);
+  fs::create_directory(dir / "result.json");
+  EXPECT_THROW(write_report(dir.string()), InputError);
+  EXPECT_THROW(write_report((dir / "nowhere").string()), InputError);
+}
+
+TEST_F(Report, AnOldReportSurvivesAFailure) {
+  const std::string first = make(kFull);
+  put("{broken");
+  EXPECT_THROW(write_report(dir.string()), InputError);
+  EXPECT_EQ(get(dir / "report.html"), first);
+  put("{}");
+  fs::create_directory(dir / "report.html.part");
+  EXPECT_THROW(write_report(dir.string()), InputError);
+  EXPECT_EQ(get(dir / "report.html"), first);
+}
+
+// The checker itself must find faults, or the tests above prove nothing.
+TEST(XmlCheck, FindsPlantedFaults) {
+  EXPECT_EQ(xml_fault("<!DOCTYPE html><a b=\"c\">x &lt; y<br/></a>"), "");
+  for (const char* bad : {"<a>", "<a></b>", "<a b=c></a>", "<a b=\"<\"></a>", "a & b", "a < b", "<a b=\"1\" b=\"2\"/>", "<a b=\"x", "&nbsp;", "\x01", "</a>"})
+    EXPECT_NE(xml_fault(bad), "") << bad;
+}
+
+}  // namespace
+}  // namespace limberg
