@@ -18,11 +18,11 @@ namespace limberg {
 struct SurgeonSettings {
   uint64_t seed = 1;
   double rate_hz = 120;
-  double draw_mm_s = 25;        // mean speed of a stroke
-  double carry_mm_s = 90;       // mean speed through the air
-  double corner_pause_s = 0.15; // rest at corners, and before and after a press
-  double settle_s = 0.4;        // look at the result after each command
-  double hover_mm = 12;         // height above the skin between commands
+  double draw_mm_s = 40;        // mean speed of a stroke
+  double carry_mm_s = 150;      // mean speed through the air
+  double corner_pause_s = 0.12; // rest at corners, and before and after a press
+  double settle_s = 0.25;       // look at the result after each command
+  double hover_mm = 8;          // height above the skin between commands
   double tremor_mm = 0.12;      // amplitude, per axis
   double tremor_low_hz = 8, tremor_high_hz = 12;
   double noise_mm = 0.05;       // tracker, standard deviation per axis
@@ -30,11 +30,12 @@ struct SurgeonSettings {
   double dropouts_per_s = 0.1;  // mean rate of gaps
   double dropout_max_s = 0.06;  // their longest
   double start_s = 0.3;         // rest before the first command
+  int32_t device_id = 100;
 };
 
 class EmulatedSurgeon final : public Source {
  public:
-  EmulatedSurgeon(std::vector<Command> script, const SurgeonSettings& settings = {});
+  explicit EmulatedSurgeon(std::vector<Command> script, const SurgeonSettings& settings = {});
   ~EmulatedSurgeon() override;
   void look(const Snapshot& snapshot) override;  // keeps a pointer until the next poll
   void poll(int64_t now_ns, SampleSink& sink) override;

@@ -60,11 +60,12 @@ class Gestures {
   SkinTouch touch_;
   Tool tool_ = Tool::none;
   double depth_mm_ = 4, angle_deg_ = 0, spacing_mm_ = 4;
-  int32_t next_hook_ = 1;
+  int32_t next_hook_ = 1, asked_hook_ = 0;  // asked_hook_: the number that the control gave, 0 = none
   Doing doing_ = Doing::nothing;
   bool pressed_ = false;
   Pose last_pose_;
-  SkinTouch last_stroke_;
+  SkinTouch last_stroke_;                   // the stroke's newest point
+  Vec3 last_drawn_tip_ = Vec3::Zero();      // where the hand was then
   int64_t lost_tick_ = -1;  // tracking was lost at this tick, during a gesture
   double angle_sum_deg_ = 0, angle_weight_mm_ = 0;
   ToolState state_;

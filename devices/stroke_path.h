@@ -10,7 +10,7 @@ struct PathSettings {
   double tolerance_mm = 0.4;      // tremor is below this, a meant bend above
   double corner_deg = 20;         // a turn of at least this between two fitted edges is a corner
   double corner_move_mm = 1.0;    // a corner is moved to where its edges' lines meet, at most this far
-  double min_edge_mm = 1.2;       // shorter edges are joined to their neighbours
+  double min_edge_mm = 2.0;       // shorter edges are joined to their neighbours
 };
 
 /// Open path: Douglas-Peucker at the tolerance, then each edge is fitted by a line (total least squares over its points,

@@ -4,6 +4,7 @@
 // Built once per topology version. The closest point is found by walking: from the triangle touched last, over triangles
 // that share a vertex, for as long as that brings the surface nearer. A walk cannot leave its bank of a wound, so now and
 // then (and at first) it starts from the nearest of all skin vertices, found by one pass over them.
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -26,20 +27,29 @@ class SurfaceIndex {
  public:
   /// Reads the topology; keeps no reference to it.
   void build(const SurfaceTopology& topology);
-  bool built_for(const Snapshot& s) const { return built_ && version_ == s.topology_version; }
+  bool built_for(const Snapshot& s) const { return built_ && s.topology && version_ == s.topology->version; }
 
   /// Closest skin point to p. `hint`: a triangle touched before, or -1 for a search over all the skin.
   SkinTouch closest(const Snapshot& s, const Vec3& p_mm, int32_t hint) const;
 
   /// The skin point above chart point c at rest, in its deformed place; outermost where several skins lie over one
-  /// another. triangle -1: c is not on remaining skin.
-  SkinTouch at_chart(const Snapshot& s, const ChartPoint& c) const;
+  /// another. Where c is off the remaining skin (in a hole, on a rim), the nearest skin in the chart within slack_mm.
+  /// triangle -1: there is none. distance_mm is the distance in the chart.
+  SkinTouch at_chart(const Snapshot& s, const ChartPoint& c, double slack_mm = 0) const;
 
   size_t skin_triangles() const { return skin_tri_.size(); }
 
  private:
-  SkinTouch touch(const Snapshot& s, int32_t triangle, const std::array<double, 3>& bary, const Vec3& from) const;
-  int32_t nearest_vertex_triangle(const Snapshot& s, const Vec3& p_mm) const;
+  struct Place {
+    int32_t triangle = -1;
+    std::array<double, 3> bary{1, 0, 0};
+    double distance2 = 1e60;
+  };
+  SkinTouch touch(const Snapshot& s, const Place& place) const;
+  Place walk(const Snapshot& s, const Vec3& p_mm, int32_t triangle) const;
+  int32_t nearest_vertex(const Snapshot& s, const Vec3& p_mm) const;
+  int cell_x(double x) const;
+  int cell_y(double y) const;
 
   bool built_ = false;
   uint64_t version_ = 0;

@@ -25,7 +25,7 @@ struct StepSettings {
 struct StepReport {
   int iterations = 0;
   // |g| / |s| in the Euclidean norm over free nodes: g = net force on a node, s = sum of the norms of the forces that meet
-  // there (each cell's share, springs', inertia). Single precision reaches about 1e-6.
+  // there (each cell's share, springs', inertia), plus what a strain of 0.1 % would give, so that rest has a scale. Single precision reaches about 1e-6.
   double residual = 0;
   double distance_mm = 0;        // estimated distance to equilibrium: largest nodal move of the last preconditioned step
   double energy_uJ = 0;

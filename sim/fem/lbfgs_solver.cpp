@@ -31,6 +31,7 @@ constexpr int update_every = 3;      // accepted iterates between multiplier upd
 constexpr int max_halvings = 40;     // a scrambled start needs many
 constexpr double armijo = 1e-4;
 constexpr double float_noise = 5e-8; // of a sum of single-precision terms, relative to the sum of their sizes
+constexpr double floor_strain = 1e-3; // what the force scale of a block at rest is taken from
 constexpr size_t small_model = 3000; // nodes: a shorter history pays there
 
 }  // namespace
@@ -60,6 +61,15 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
   fixed_.clear();
   for (size_t i = 0; i < n; ++i)
     if (model_->fixed[i]) fixed_.push_back(int32_t(i)), velocity_[i] = {};
+  std::vector<double> floor(n, 0);
+  for (const HexCell& c : model_->cells) {
+    const Stencil& st = model_->stencils[size_t(c.stencil)];
+    for (int32_t v : c.node) floor[size_t(v)] += floor_strain * double(c.scale) * st.mu_kPa * std::pow(st.volume_mm3, 2.0 / 3);
+  }
+  force_floor_ = 0;
+  for (size_t i = 0; i < n; ++i)
+    if (!model_->fixed[i]) force_floor_ += floor[i] * floor[i];
+  force_floor_ = std::sqrt(force_floor_);
   for (NodeArray* a : {&g_, &d_, &u_try_, &g_try_}) a->resize(n);
   history_.resize(n, n < small_model ? 5 : 8);
   springs_.clear();
@@ -116,7 +126,7 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
   }
   for (int32_t i : fixed_) g[size_t(i)] = Node4{};
   if (measure) {
-    double sum = 0;
+    double sum = force_floor_ * force_floor_;
     for (Node4& n : g) sum += double(n.w) * double(n.w), n.w = 0;
     force_scale_ = std::sqrt(sum);
   }

@@ -66,6 +66,7 @@ class LbfgsSolver final : public ElasticSolver {
   NodeArray u_before_, inertia_target_;
   std::vector<float> inertia_;         // per node, mN/mm; empty in a quasi-static step
   double force_scale_ = 0;             // sqrt(sum_nodes (sum of force magnitudes)^2), of the last measuring evaluate
+  double force_floor_ = 0;             // the same for a strain of 1e-3, so that a block at rest has a scale too
   double last_move_mm_ = 0;
   int since_update_ = 0;               // accepted iterates since the multipliers changed
   std::vector<Vec3f> shown_;

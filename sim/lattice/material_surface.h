@@ -8,6 +8,7 @@
 #include "sim/cutting/arrangement_types.h"
 #include "sim/geometry/exact/predicates.h"
 #include "sim/geometry/rest_grid.h"
+#include "sim/geometry/tri_mesh.h"
 
 namespace limberg {
 

@@ -1,8 +1,7 @@
 // The minimiser against the full Newton reference, and what a frame may rely on.
 #include <gtest/gtest.h>
 
-#include "sim/fem/box_model.h"
-#include "sim/fem/elastic_solver.h"
+#include "models.h"
 #include "sim/fem/reference_newton.h"
 
 namespace limberg {
@@ -39,6 +38,205 @@ TEST_P(AgainstNewton, SameEquilibriumAfterA30mmPull) {
   EXPECT_LT(largest_difference(solver->displacement_mm(), q.u), 1e-3);
 }
 INSTANTIATE_TEST_SUITE_P(Poisson, AgainstNewton, ::testing::Values(0.3, 0.45, 0.49));
+
+// Every boundary node is held on a homogeneous deformation; inside, that deformation is the only equilibrium.
+TEST(ElasticSolver, PatchTest) {
+  BoxSpec b;
+  b.cells = {5, 4, 4}, b.size_mm = {11, 9, 8}, b.poisson = 0.45;
+  FemModel m = box_model(b);
+  for (size_t i = 0; i < m.X_mm.size(); ++i) {
+    const Vec3 X = m.X_mm[i];
+    m.fixed[i] = std::abs(X[0]) > 5.49 || std::abs(X[1]) > 4.49 || X[2] < 0.01 || X[2] > 7.99;
+  }
+  Mat3 F;
+  F << 1.15, 0.2, 0, -0.1, 0.95, 0.1, 0.05, 0, 1.0;
+  F /= std::cbrt(F.determinant());
+  std::vector<Vec3> want;
+  for (const Vec3& X : m.X_mm) want.push_back((F - Mat3::Identity()) * X);
+  std::vector<Vec3f> u = test::to_float(want);
+  test::Random r(1);
+  for (size_t i = 0; i < u.size(); ++i)
+    if (!m.fixed[i]) u[i] += r.vector(0.5).cast<float>();
+  InlineWorkers w;
+  auto solver = make_solver(w);
+  solver->set_model(std::make_shared<FemModel>(m), {});
+  solver->set_displacement_mm(u);
+  StepSettings s;
+  s.max_iterations = 300, s.tolerance = 1e-6;
+  EXPECT_TRUE(solver->step(s).converged);
+  EXPECT_LT(largest_difference(solver->displacement_mm(), want), 1e-5);
+  for (size_t c = 0; c < m.cells.size(); ++c) EXPECT_LT((solver->cell_F(int32_t(c)) - F).norm(), 1e-5);
+  std::vector<float> J;
+  solver->cell_J(J);
+  for (float j : J) EXPECT_NEAR(j, 1, 1e-5);
+}
+
+// One cell pulled at its corners: axial stretch b, lateral stretch a with no lateral stress,
+// P = mu F + (lambda (J - 1) - mu) cof F.
+TEST(ElasticSolver, UniaxialTensionOfOneCell) {
+  const Elastic el = elastic_from_young(50, 0.42);
+  const double stretch = 1.4;
+  double a = 1;
+  for (int k = 0; k < 60; ++k) {  // P_xx = mu a + (lambda (a^2 b - 1) - mu) a b = 0 by bisection-free Newton
+    const double p = el.lambda_kPa * (a * a * stretch - 1) - el.mu_kPa;
+    const double f = el.mu_kPa + p * stretch, df = 2 * el.lambda_kPa * a * stretch * stretch;
+    a -= f / df;
+  }
+  const double P = el.mu_kPa * stretch + (el.lambda_kPa * (a * a * stretch - 1) - el.mu_kPa) * a * a;
+  BoxSpec b;
+  b.cells = {1, 1, 1}, b.size_mm = {4, 4, 4}, b.young_bottom_kPa = b.young_top_kPa = 50, b.poisson = 0.42;
+  const auto m = std::make_shared<FemModel>(box_model(b));
+  const double force = P * 16 / 4;  // mN per corner
+  std::vector<Spring> springs;
+  for (size_t i = 0; i < 8; ++i) {
+    const Vec3 X = m->X_mm[i];
+    Spring s;
+    s.id = int32_t(i), s.to_world = true, s.k_N_per_mm = 0.05;
+    s.a = embed(*m, X);
+    const bool up = X[2] > 2;
+    s.target_mm = Vec3(a * X[0], a * X[1], stretch * (X[2] - 2) + 2 + (up ? 1 : -1) * force / 50);
+    springs.push_back(s);
+  }
+  InlineWorkers w;
+  auto solver = make_solver(w);
+  solver->set_model(m, {});
+  solver->set_springs(springs);
+  StepSettings s;
+  s.max_iterations = 300, s.tolerance = 1e-6;
+  EXPECT_TRUE(solver->step(s).converged);
+  const Mat3 F = solver->cell_F(0);
+  EXPECT_NEAR(F(2, 2), stretch, 1e-5);
+  EXPECT_NEAR(F(0, 0), a, 1e-5);
+  EXPECT_NEAR(solver->spring_force_mN(7)[2], force, 1e-3 * force);
+}
+
+TEST(ElasticSolver, HooksAndSupportsBalance) {
+  const BenchScene s = pulled_scene(0.45);
+  InlineWorkers w;
+  auto solver = make_solver(w);
+  solver->set_model(std::make_shared<FemModel>(s.model), {});
+  solver->set_springs(s.springs);
+  StepSettings st;
+  st.max_iterations = 400, st.tolerance = 1e-5;
+  solver->step(st);
+  const Vec3 hook = solver->spring_force_mN(100), support = solver->support_force_mN();
+  EXPECT_GT(hook.norm(), 100);
+  EXPECT_LT((hook - support).norm(), 1e-3 * hook.norm());  // the block passes the hook's pull on to its sides
+}
+
+TEST(ElasticSolver, StiffSuturesCloseTheirGap) {
+  BenchScene s = bench_scene(20, 2, 0.45);
+  for (Spring& p : s.springs) p.k_N_per_mm = 30;
+  s.springs.pop_back();
+  InlineWorkers w;
+  auto solver = make_solver(w);
+  solver->set_model(std::make_shared<FemModel>(s.model), {});
+  StepSettings st;
+  solver->step(st);  // the factor knows none of them
+  solver->set_springs(s.springs);
+  st.max_iterations = 400, st.tolerance = 1e-5;
+  EXPECT_TRUE(solver->step(st).converged);
+  for (const Spring& p : s.springs) {
+    const double gap = (solver->position_mm(p.a) - solver->position_mm(p.b)).norm();
+    EXPECT_LT(gap, 0.2);
+    EXPECT_NEAR(solver->spring_force_mN(p.id).norm(), 30e3 * gap, 0.05 * 30e3 * gap + 1);
+  }
+}
+
+struct Recorded {
+  std::vector<Vec3f> u;
+  std::vector<double> residual;
+};
+
+/// A little session: drag, suture, cut, drag on.
+Recorded session(Workers& w) {
+  const BenchScene s = bench_scene(20, 2, 0.47);
+  auto solver = make_solver(w);
+  const auto model = std::make_shared<FemModel>(s.model);
+  solver->set_model(model, {});
+  StepSettings st;
+  st.max_iterations = 6;
+  Recorded out;
+  Spring hook = s.springs.back();
+  std::vector<Spring> springs{hook};
+  auto run = [&](int steps) {
+    for (int k = 0; k < steps; ++k) {
+      springs[0].target_mm += Vec3(-0.3, -0.3, 0.8);
+      solver->set_springs(springs);
+      out.residual.push_back(solver->step(st).residual);
+    }
+  };
+  run(4);
+  springs.insert(springs.end(), s.springs.begin(), s.springs.begin() + 8);
+  run(4);
+  const FemModel cut = test::cut_at_x0(s.model, 40);
+  solver->set_model(std::make_shared<FemModel>(cut), test::identity_parents(cut));
+  springs.resize(1);  // the sutures' weights would name the old copies
+  run(8);
+  out.u.assign(solver->displacement_mm().begin(), solver->displacement_mm().end());
+  return out;
+}
+
+TEST(ElasticSolver, SameBitsForAnyNumberOfWorkers) {
+  InlineWorkers one;
+  test::ThreadWorkers two(2), three(3);
+  const Recorded a = session(one), b = session(one), c = session(two), d = session(three);
+  for (const Recorded* r : {&b, &c, &d}) {
+    EXPECT_EQ(a.residual, r->residual);
+    ASSERT_EQ(a.u.size(), r->u.size());
+    for (size_t i = 0; i < a.u.size(); ++i) ASSERT_EQ(a.u[i], r->u[i]);
+  }
+}
+
+TEST(ElasticSolver, ACutAndANewSpringMoveNothingByThemselves) {
+  const BenchScene s = pulled_scene(0.45);
+  InlineWorkers w;
+  auto solver = make_solver(w);
+  solver->set_model(std::make_shared<FemModel>(s.model), {});
+  solver->set_springs(s.springs);
+  StepSettings st;
+  st.max_iterations = 300, st.tolerance = 1e-5;
+  solver->step(st);
+  const std::vector<Vec3f> before(solver->displacement_mm().begin(), solver->displacement_mm().end());
+  const FemModel cut = test::cut_at_x0(s.model, 40);
+  solver->set_model(std::make_shared<FemModel>(cut), test::identity_parents(cut));
+  solver->set_springs(std::vector<Spring>(s.springs.end() - 1, s.springs.end()));
+  for (size_t i = 0; i < cut.X_mm.size(); ++i)
+    ASSERT_EQ(solver->displacement_mm()[i], before[size_t(cut.parent[i])]);
+  // The pressures came along: where nothing was cut and no suture was taken away, the block is still in balance.
+  st.max_iterations = 0;
+  solver->step(st);
+  for (size_t i = 0; i < cut.X_mm.size(); ++i)
+    ASSERT_EQ(solver->displacement_mm()[i], before[size_t(cut.parent[i])]);
+}
+
+// With a factor that is never replaced, the answer is the same; it only takes longer.
+TEST(ElasticSolver, AStaleFactorChangesNothingButTime) {
+  const BenchScene s = pulled_scene(0.45);
+  const FemModel cut = test::cut_at_x0(s.model, 45);
+  InlineWorkers w;
+  auto stale = make_solver(w), fresh = make_solver(w);
+  stale->set_model(std::make_shared<FemModel>(s.model), {});
+  StepSettings st;
+  stale->step(st);
+  stale->set_model(std::make_shared<FemModel>(cut), test::identity_parents(cut));
+  fresh->set_model(std::make_shared<FemModel>(cut), {});
+  st.max_iterations = 1500, st.tolerance = 3e-6, st.adopt_after_steps = 1000;
+  const std::vector<Spring> hook(s.springs.end() - 1, s.springs.end());
+  StepReport r[2];
+  int k = 0;
+  for (auto* solver : {&stale, &fresh}) (*solver)->set_springs(hook), r[k++] = (*solver)->step(st);
+  EXPECT_TRUE(r[0].converged && r[1].converged);
+  EXPECT_TRUE(r[0].preconditioner_pending);
+  EXPECT_FALSE(r[1].preconditioner_pending);
+  RecordProperty("iterations_stale", r[0].iterations);
+  RecordProperty("iterations_fresh", r[1].iterations);
+  EXPECT_LT(r[0].iterations, 10 * r[1].iterations);
+  double worst = 0;
+  for (size_t i = 0; i < cut.X_mm.size(); ++i)
+    worst = std::max(worst, double((stale->displacement_mm()[i] - fresh->displacement_mm()[i]).norm()));
+  EXPECT_LT(worst, 5e-3);
+}
 
 }  // namespace
 }  // namespace limberg

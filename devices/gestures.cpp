@@ -1,0 +1,248 @@
+#include "devices/gestures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace limberg {
+
+namespace {
+
+constexpr double kNearMm = 20;         // within this of the skin the closest point is followed on every tick
+constexpr int64_t kSearchNear = 4;     // ticks between searches over all the skin
+constexpr int64_t kSearchFar = 16;
+constexpr double kJumpMm = 3;          // along a stroke the touched point may run ahead of the hand by so much ...
+constexpr double kJumpPerMm = 3;       // ... and by this factor; further is another sheet of skin
+constexpr double kTicksPerMs = 1;
+
+bool draws(Tool t) { return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || t == Tool::suture_row; }
+
+}  // namespace
+
+ToolEvent Gestures::event(int kind, int64_t tick, const Snapshot& s) const {
+  ToolEvent e;
+  e.tick = tick;
+  e.snapshot = s.step;
+  e.kind = kind;
+  e.tool = int32_t(tool_);
+  e.chart_x = touch_.chart.x();
+  e.chart_y = touch_.chart.y();
+  for (int i = 0; i < 3; ++i) e.world_mm[i] = touch_.x_mm[i];
+  e.depth_mm = depth_mm_;
+  e.angle_deg = angle_deg_ > 0 ? angle_deg_ : 90;
+  e.spacing_mm = spacing_mm_;
+  return e;
+}
+
+void Gestures::emit(ToolEvent e, EventSink& out) {
+  e.seq = seq_++;
+  if (!out.push(e)) ++lost_;
+}
+
+void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
+  if (!s.topology || s.x_mm.size() != s.topology->view.X_mm.size()) {
+    touch_ = {};
+    return;
+  }
+  const bool rebuilt = !index_.built_for(s);
+  if (rebuilt) {
+    index_.build(*s.topology);
+    touch_.triangle = -1;
+  }
+  const bool near = touch_.triangle >= 0 && touch_.distance_mm < kNearMm;
+  const int32_t hint = near ? touch_.triangle : -1;
+  const bool search = rebuilt || tick % (near ? kSearchNear : kSearchFar) == 0;
+  if (near) {
+    touch_ = index_.closest(s, pose.tip_mm, hint);
+  } else if (!search) {
+    touch_.distance_mm = std::max(touch_.distance_mm, kNearMm);
+    return;
+  }
+  if (search) {
+    const SkinTouch all = index_.closest(s, pose.tip_mm, -1);
+    if (all.triangle >= 0 && (touch_.triangle < 0 || !near || all.distance_mm < touch_.distance_mm)) touch_ = all;
+  }
+}
+
+void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out) {
+  switch (c.kind) {
+    case ControlSample::select_tool:
+      cancel(tick, s, out);
+      tool_ = c.tool;
+      depth_mm_ = c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm;
+      angle_deg_ = c.value[kAngle] > 0 && c.value[kAngle] < 180 ? c.value[kAngle] : 0;
+      spacing_mm_ = c.value[kSpacing] > 0 ? c.value[kSpacing] : g_.default_spacing_mm;
+      asked_hook_ = c.value[kHookId] >= 1 && c.value[kHookId] <= 1e6 ? int32_t(c.value[kHookId]) : 0;
+      break;
+    case ControlSample::undo:
+      cancel(tick, s, out);
+      emit(event(ToolEvent::undo, tick, s), out);
+      break;
+    case ControlSample::stage: {
+      ToolEvent e = event(ToolEvent::stage, tick, s);
+      e.id = int32_t(std::clamp(c.value[0], 0.0, 1e6));
+      e.text = c.text;
+      emit(e, out);
+      break;
+    }
+    case ControlSample::release_hook: {
+      ToolEvent e = event(ToolEvent::hook_release, tick, s);
+      e.id = int32_t(std::clamp(c.value[0], 0.0, 1e6));
+      if (doing_ == Doing::hold_hook && state_.held_hook == e.id) {
+        doing_ = Doing::nothing;
+        state_.held_hook = 0;
+      }
+      emit(e, out);
+      break;
+    }
+    default:
+      break;
+  }
+  state_.tool = int32_t(tool_);
+}
+
+void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {
+  const bool on_skin = touch_.triangle >= 0 && touch_.distance_mm <= g_.reach_mm;
+  if (tool_ == Tool::hook) {
+    // A hook asked for by number is that hook, taken if it stands here and set if it stands nowhere; without a number
+    // the nearest handle within reach is taken.
+    const HookState* take = nullptr;
+    bool stands = false;
+    double best = g_.handle_reach_mm;
+    for (const HookState& h : s.hooks) {
+      stands |= h.id == asked_hook_;
+      next_hook_ = std::max(next_hook_, h.id + 1);
+      const double d = (h.handle_mm.cast<double>() - pose.tip_mm).norm();
+      if ((asked_hook_ == 0 || h.id == asked_hook_) && d <= best) best = d, take = &h;
+    }
+    ToolEvent e = event(take ? ToolEvent::hook_take : ToolEvent::hook_set, tick, s);
+    if (!take && (!on_skin || stands)) {
+      ++missed_;
+      return;
+    }
+    e.id = take ? take->id : asked_hook_ > 0 ? asked_hook_ : next_hook_;
+    next_hook_ = std::max(next_hook_, e.id + 1);
+    for (int i = 0; i < 3; ++i) e.world_mm[i] = pose.tip_mm[i];
+    state_.held_hook = e.id;
+    doing_ = Doing::hold_hook;
+    emit(e, out);
+  } else if (tool_ != Tool::none && !on_skin) {
+    ++missed_;
+  } else if (tool_ == Tool::suture) {
+    doing_ = Doing::suture;
+    emit(event(ToolEvent::suture_a, tick, s), out);
+  } else if (draws(tool_)) {
+    doing_ = Doing::stroke;
+    last_stroke_ = touch_;
+    angle_sum_deg_ = angle_weight_mm_ = 0;
+    emit(event(ToolEvent::stroke_begin, tick, s), out);
+  }
+}
+
+/// The angle between the skin left of the path and the handle, in the plane across the path: below 90 degrees the
+/// handle leans to the left and the blade's edge lies to the right, as build_incision counts it.
+void Gestures::add_blade_angle(const Pose& pose, const Vec3& travelled_mm) {
+  const Vec3& n = touch_.normal;
+  const Vec3 along = travelled_mm - travelled_mm.dot(n) * n;
+  const double length = along.norm();
+  if (length < 1e-6) return;
+  const Vec3 left = n.cross(along / length);
+  const double up = pose.shaft.dot(n), aside = pose.shaft.dot(left);
+  if (up <= 0.05) return;  // the handle lies on the skin: says nothing
+  angle_sum_deg_ += length * std::atan2(up, aside) * 180 / std::numbers::pi;
+  angle_weight_mm_ += length;
+}
+
+double Gestures::blade_angle_deg() const {
+  if (angle_deg_ > 0) return angle_deg_;
+  return angle_weight_mm_ > 0 ? std::clamp(angle_sum_deg_ / angle_weight_mm_, 20.0, 160.0) : 90;
+}
+
+void Gestures::stroke_on(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {
+  if (touch_.triangle < 0) return;
+  if (touch_.distance_mm > g_.lift_mm) return release(tick, pose, s, out);
+  const double step = (touch_.chart - last_stroke_.chart).norm();
+  if (step < g_.step_mm) return;
+  const Vec3 travelled = touch_.x_mm - last_stroke_.x_mm;
+  const double hand = (pose.tip_mm - last_drawn_tip_).norm();
+  if (step > kJumpMm + kJumpPerMm * hand) return;
+  add_blade_angle(pose, travelled);
+  emit(event(ToolEvent::stroke_point, tick, s), out);
+  last_stroke_ = touch_;
+  last_drawn_tip_ = pose.tip_mm;
+}
+
+void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {
+  const bool on_skin = touch_.triangle >= 0 && touch_.distance_mm <= g_.lift_mm;
+  switch (doing_) {
+    case Doing::stroke: {
+      const double step = (touch_.chart - last_stroke_.chart).norm();
+      if (on_skin && step > 0.05 && step < kJumpMm) emit(event(ToolEvent::stroke_point, tick, s), out);
+      ToolEvent e = event(ToolEvent::stroke_end, tick, s);
+      e.angle_deg = blade_angle_deg();
+      emit(e, out);
+      break;
+    }
+    case Doing::hold_hook: {
+      ToolEvent e = event(ToolEvent::hook_leave, tick, s);
+      e.id = state_.held_hook;
+      for (int i = 0; i < 3; ++i) e.world_mm[i] = pose.tip_mm[i];
+      state_.held_hook = 0;
+      emit(e, out);
+      break;
+    }
+    case Doing::suture:
+      emit(event(on_skin ? ToolEvent::suture_b : ToolEvent::suture_cancel, tick, s), out);
+      break;
+    case Doing::nothing:
+      break;
+  }
+  doing_ = Doing::nothing;
+}
+
+void Gestures::cancel(int64_t tick, const Snapshot& s, EventSink& out) {
+  if (doing_ == Doing::stroke) emit(event(ToolEvent::stroke_cancel, tick, s), out);
+  if (doing_ == Doing::suture) emit(event(ToolEvent::suture_cancel, tick, s), out);
+  if (doing_ == Doing::hold_hook) release(tick, last_pose_, s, out);
+  doing_ = Doing::nothing;
+}
+
+void Gestures::tick(int64_t tick, const Pose& pose, bool pressed, int edges, const Snapshot& s, EventSink& out) {
+  state_.tick = tick;
+  state_.tool = int32_t(tool_);
+  state_.valid = pose.valid;
+  if (!pose.valid) {
+    // A gesture waits for the hand to come back; the hook that it holds stays where it is.
+    state_.pressed = 0;
+    if (doing_ != Doing::nothing) {
+      if (lost_tick_ < 0) lost_tick_ = tick;
+      if (!pressed)
+        release(tick, last_pose_, s, out);
+      else if (double(tick - lost_tick_) > g_.resume_ms * kTicksPerMs)
+        cancel(tick, s, out);
+    }
+    pressed_ = pressed;  // a press that nobody saw the place of is not made up for
+    return;
+  }
+  find_touch(tick, pose, s);
+  if (lost_tick_ >= 0) {
+    lost_tick_ = -1;
+    if (doing_ != Doing::nothing && (pose.tip_mm - last_pose_.tip_mm).norm() > g_.resume_mm) cancel(tick, s, out);
+  }
+  last_pose_ = pose;
+  for (int i = 0; i < 3; ++i) state_.tip_mm[i] = pose.tip_mm[i], state_.shaft[i] = pose.shaft[i];
+  state_.pressed = pressed;
+
+  // Two changes within one tick while pressed are a release and a new press.
+  const bool again = pressed && pressed_ && edges >= 2;
+  if (!pressed || again) release(tick, pose, s, out);
+  if (pressed && (!pressed_ || again)) {
+    last_drawn_tip_ = pose.tip_mm;
+    press(tick, pose, s, out);
+  } else if (doing_ == Doing::stroke) {
+    stroke_on(tick, pose, s, out);
+  }
+  pressed_ = pressed;
+}
+
+}  // namespace limberg

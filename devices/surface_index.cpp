@@ -1,0 +1,167 @@
+#include "devices/surface_index.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/geometry/triangle.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr int kMaxCells = 512;  // along each side of the chart grid
+constexpr int kMaxWalk = 2000;
+
+const Vec3f& at(const Snapshot& s, int32_t v) { return s.x_mm[size_t(v)]; }
+
+double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+}  // namespace
+
+int SurfaceIndex::cell_x(double x) const { return std::clamp(int(std::floor((x - grid_min_.x()) / cell_mm_)), 0, nx_ - 1); }
+int SurfaceIndex::cell_y(double y) const { return std::clamp(int(std::floor((y - grid_min_.y()) / cell_mm_)), 0, ny_ - 1); }
+
+void SurfaceIndex::build(const SurfaceTopology& topology) {
+  const SurfaceView& view = topology.view;
+  built_ = true;
+  version_ = topology.version;
+  skin_tri_.clear();
+  skin_vertex_.clear();
+
+  // Skin triangles, and the stars of their vertices by counting.
+  star_start_.assign(view.X_mm.size() + 1, 0);
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] != FaceKind::skin) continue;
+    skin_tri_.push_back(int32_t(t));
+    for (int32_t v : view.tri[t]) ++star_start_[size_t(v) + 1];
+  }
+  for (size_t v = 0; v < view.X_mm.size(); ++v) {
+    if (star_start_[v + 1] > 0) skin_vertex_.push_back(int32_t(v));
+    star_start_[v + 1] += star_start_[v];
+  }
+  star_.resize(3 * skin_tri_.size());
+  std::vector<int32_t> fill(star_start_.begin(), star_start_.end() - 1);
+  for (int32_t t : skin_tri_)
+    for (int32_t v : view.tri[size_t(t)]) star_[size_t(fill[size_t(v)]++)] = t;
+
+  // The chart grid, by counting as well.
+  std::vector<Vec2> chart(view.X_mm.size(), Vec2::Zero());
+  Vec2 low(1e30, 1e30), high(-1e30, -1e30);
+  for (int32_t v : skin_vertex_) {
+    chart[size_t(v)] = topology.body->to_chart(view.X_mm[size_t(v)]);
+    low = low.cwiseMin(chart[size_t(v)]);
+    high = high.cwiseMax(chart[size_t(v)]);
+  }
+  nx_ = ny_ = 0;
+  if (skin_vertex_.empty()) return;
+  grid_min_ = low;
+  cell_mm_ = std::max(2.0, (high - low).maxCoeff() / kMaxCells);
+  nx_ = std::max(1, int(std::ceil((high.x() - low.x()) / cell_mm_)));
+  ny_ = std::max(1, int(std::ceil((high.y() - low.y()) / cell_mm_)));
+  auto each_cell = [&](int32_t t, auto&& visit) {
+    const Tri& k = view.tri[size_t(t)];
+    const Vec2 &a = chart[size_t(k[0])], &b = chart[size_t(k[1])], &c = chart[size_t(k[2])];
+    const Vec2 lo = a.cwiseMin(b).cwiseMin(c), hi = a.cwiseMax(b).cwiseMax(c);
+    for (int y = cell_y(lo.y()); y <= cell_y(hi.y()); ++y)
+      for (int x = cell_x(lo.x()); x <= cell_x(hi.x()); ++x) visit(size_t(y * nx_ + x));
+  };
+  cell_start_.assign(size_t(nx_ * ny_) + 1, 0);
+  for (int32_t t : skin_tri_) each_cell(t, [&](size_t cell) { ++cell_start_[cell + 1]; });
+  for (size_t i = 0; i + 1 < cell_start_.size(); ++i) cell_start_[i + 1] += cell_start_[i];
+  cell_tri_.resize(size_t(cell_start_.back()));
+  fill.assign(cell_start_.begin(), cell_start_.end() - 1);
+  for (int32_t t : skin_tri_) each_cell(t, [&](size_t cell) { cell_tri_[size_t(fill[cell]++)] = t; });
+}
+
+SkinTouch SurfaceIndex::touch(const Snapshot& s, const Place& place) const {
+  SkinTouch out;
+  if (place.triangle < 0) return out;
+  const SurfaceView& view = s.topology->view;
+  const Tri& k = view.tri[size_t(place.triangle)];
+  const Vec3 a = at(s, k[0]).cast<double>(), b = at(s, k[1]).cast<double>(), c = at(s, k[2]).cast<double>();
+  out.triangle = place.triangle;
+  out.bary = place.bary;
+  out.x_mm = place.bary[0] * a + place.bary[1] * b + place.bary[2] * c;
+  out.X_mm = Vec3::Zero();
+  for (size_t i = 0; i < 3; ++i) out.X_mm += place.bary[i] * view.X_mm[size_t(k[i])];
+  out.chart = s.topology->body->to_chart(out.X_mm);
+  const Vec3 n = area_vector2(a, b, c);
+  if (n.norm() > 0) out.normal = n.normalized();
+  out.distance_mm = std::sqrt(place.distance2);
+  return out;
+}
+
+int32_t SurfaceIndex::nearest_vertex(const Snapshot& s, const Vec3& p_mm) const {
+  const Vec3f p = p_mm.cast<float>();
+  int32_t best = -1;
+  float best2 = 1e30f;
+  for (int32_t v : skin_vertex_) {
+    const float d2 = (at(s, v) - p).squaredNorm();
+    if (d2 < best2) best2 = d2, best = v;
+  }
+  return best;
+}
+
+SurfaceIndex::Place SurfaceIndex::walk(const Snapshot& s, const Vec3& p_mm, int32_t triangle) const {
+  const std::vector<Tri>& tri = s.topology->view.tri;
+  Place best;
+  auto look_at = [&](int32_t t) {
+    const Tri& k = tri[size_t(t)];
+    const TrianglePoint c =
+        closest_on_triangle(p_mm, at(s, k[0]).cast<double>(), at(s, k[1]).cast<double>(), at(s, k[2]).cast<double>());
+    const double d2 = (c.point - p_mm).squaredNorm();
+    // Equal distances (a shared edge or corner) go to the lower number, so that the way here does not matter.
+    if (d2 < best.distance2 || (d2 == best.distance2 && t < best.triangle)) best = {t, c.bary, d2};
+  };
+  look_at(triangle);
+  for (int step = 0, from = -1; step < kMaxWalk && best.triangle >= 0 && best.triangle != from; ++step) {
+    from = best.triangle;
+    for (int32_t v : tri[size_t(from)])
+      for (int32_t i = star_start_[size_t(v)]; i < star_start_[size_t(v) + 1]; ++i) look_at(star_[size_t(i)]);
+  }
+  return best;
+}
+
+SkinTouch SurfaceIndex::closest(const Snapshot& s, const Vec3& p_mm, int32_t hint) const {
+  if (hint >= 0) return touch(s, walk(s, p_mm, hint));
+  const int32_t v = nearest_vertex(s, p_mm);
+  if (v < 0) return {};
+  return touch(s, walk(s, p_mm, star_[size_t(star_start_[size_t(v)])]));
+}
+
+SkinTouch SurfaceIndex::at_chart(const Snapshot& s, const ChartPoint& c, double slack_mm) const {
+  if (nx_ == 0 || !c.allFinite()) return {};
+  const SurfaceView& view = s.topology->view;
+  const Body& body = *s.topology->body;
+  const Vec3 up = body.chart_normal();
+  Place best;
+  double best_height = -1e30;
+  const int x0 = cell_x(c.x() - slack_mm), x1 = cell_x(c.x() + slack_mm), y0 = cell_y(c.y() - slack_mm), y1 = cell_y(c.y() + slack_mm);
+  for (int y = y0; y <= y1; ++y) {
+    for (int x = x0; x <= x1; ++x) {
+      const size_t cell = size_t(y * nx_ + x);
+      for (int32_t i = cell_start_[cell]; i < cell_start_[cell + 1]; ++i) {
+        const int32_t t = cell_tri_[size_t(i)];
+        const Tri& k = view.tri[size_t(t)];
+        const std::array<Vec2, 3> q{body.to_chart(view.X_mm[size_t(k[0])]), body.to_chart(view.X_mm[size_t(k[1])]),
+                                    body.to_chart(view.X_mm[size_t(k[2])])};
+        if (cross2(q[1] - q[0], q[2] - q[0]) <= 0) continue;  // edge-on, or facing away from the chart
+        auto flat = [](const Vec2& v) { return Vec3(v.x(), v.y(), 0); };
+        const TrianglePoint p = closest_on_triangle(flat(c), flat(q[0]), flat(q[1]), flat(q[2]));
+        const double d2 = (p.point - flat(c)).squaredNorm();
+        constexpr double kOn2 = 1e-14;  // (1e-7 mm)^2: on the triangle but for rounding
+        const bool on = d2 <= kOn2;
+        if (!on && d2 > slack_mm * slack_mm) continue;
+        double height = 0;
+        for (size_t j = 0; j < 3; ++j) height += p.bary[j] * view.X_mm[size_t(k[j])].dot(up);
+        const bool best_on = best.distance2 <= kOn2;
+        const bool better = on ? !best_on || height > best_height + 1e-9 || (height > best_height - 1e-9 && t < best.triangle)
+                               : !best_on && (d2 < best.distance2 || (d2 == best.distance2 && t < best.triangle));
+        if (better) best = {t, p.bary, d2}, best_height = height;
+      }
+    }
+  }
+  return touch(s, best);
+}
+
+}  // namespace limberg

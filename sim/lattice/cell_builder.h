@@ -1,0 +1,127 @@
+#pragma once
+// The work room of cells.h: computes the components of one cell after another, reusing its memory.
+//
+//   gather()       which faces meet the cell, exactly                           cell_gather.cpp
+//   join_faces()   sided faces along glued edges, and along the 12 lattice edges  cell_builder.cpp
+//   join_walks()   closed curves on the squares, closed shells inside            cell_walks.cpp
+//   classify()     classes, corners, old classes                                 cell_builder.cpp
+//   measure()      volumes                                                       cell_volume.cpp
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/cutting/point_store.h"
+#include "sim/lattice/cells.h"
+#include "sim/lattice/lattice_signs.h"
+
+namespace limberg {
+
+/// Small union-find; the root is the smallest member, so that numbering by roots is deterministic.
+class Partition {
+ public:
+  void reset(size_t n) {
+    parent_.resize(n);
+    for (size_t i = 0; i < n; ++i) parent_[i] = int32_t(i);
+  }
+  int32_t find(int32_t a) {
+    while (parent_[size_t(a)] != a) a = parent_[size_t(a)] = parent_[size_t(parent_[size_t(a)])];
+    return a;
+  }
+  bool unite(int32_t a, int32_t b) {
+    a = find(a), b = find(b);
+    if (a == b) return false;
+    if (a > b) std::swap(a, b);
+    parent_[size_t(b)] = a;
+    return true;
+  }
+  size_t size() const { return parent_.size(); }
+
+ private:
+  std::vector<int32_t> parent_;
+};
+
+/// What a cell was before, for CellClass::old_class.
+struct CellHistory {
+  bool known = false;                       // false: first build, no parents
+  const CellComponents* before = nullptr;   // null: no face met the cell (one class if it was material)
+  int32_t last_op = 0;                      // walls of later operations are new
+  bool only_cuts = true;                    // false: material was taken away, so old classes may have vanished
+};
+
+class CellBuilder {
+ public:
+  CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface);
+
+  /// Components of the cell from candidate faces (ascending, may hold dead ones and faces that miss the cell).
+  /// `node_in_material` per lattice node. Null when no live face meets the cell.
+  std::shared_ptr<const CellComponents> build(int32_t cell, std::span<const int32_t> candidates,
+                                              std::span<const uint8_t> node_in_material, const CellHistory& history);
+
+  /// Layers of the corners of a face.
+  std::array<std::array<int32_t, 3>, 3> layers(int32_t face) const;
+  /// Whether the lattice line along `axis` through `corner` pierces the face's projection (any position along it).
+  static bool pierced(const std::array<PointRef, 3>& p, int axis, const SubPoint& corner);
+
+ private:
+  struct LocalFace {
+    int32_t id = 0;
+    const Plane* plane = nullptr;
+    uint8_t mat = 0;
+    bool inside = false;                               // all corners in the cell
+    std::array<PointRef, 3> p;
+    std::array<std::array<int32_t, 3>, 3> layer{};     // [corner][axis]
+    std::array<bool, 3> edge_in{};                     // edge meets the cell
+    std::array<std::array<std::array<int8_t, 4>, 3>, 3> about{};  // [edge][axis][corner]: kUnknown or the sign
+  };
+  static constexpr int8_t kUnknown = 2;
+  // Sided face as a member of the partition; corner as a member.
+  static int32_t member(size_t local, int side) { return int32_t(2 * local) + side; }
+  int32_t corner_member(int corner) const { return int32_t(2 * face_.size()) + corner; }
+
+  // Along +axis: the side of face f that lies before the hit, and after it.
+  static int side_before(const Plane& plane, int axis) { return plane.n[size_t(axis)] > 0 ? 1 : 0; }
+  static bool has(uint8_t mat, int side) { return mat >> side & 1; }
+
+  void gather(std::span<const int32_t> candidates);
+  bool edge_meets(LocalFace& f, int edge);
+  int about(LocalFace& f, int edge, int axis, int corner);
+  bool pierced_by_edge(LocalFace& f, int axis, int corner);  // by the cell's lattice edge, within its length
+  int32_t local_of(int32_t face) const;
+
+  void join_faces();
+  void join_lattice_edges();
+  void join_walks();
+  void walk_square(int normal, bool high);
+  void walk_from_loop(int normal, bool high, int32_t root);
+  void walk_shells();
+  template <class Left>
+  bool walk_left(int axis, const SubPoint& line, Partition& own, int32_t root, Left&& left);
+  int32_t region_on_lattice_edge(int axis, int corner, const SubPoint& below);
+  void hits_between(int axis, const SubPoint& line, const SubPoint* upper, std::vector<int32_t>& out);
+  void classify(const CellHistory& history, CellComponents& out);
+  void name_old_classes(const CellHistory& history, CellComponents& out);
+  void measure(CellComponents& out) const;
+  void name_by_volume(const CellHistory& history, CellComponents& out);
+  [[noreturn]] void contradiction(const char* what) const;
+
+  LatticeGrid grid_;
+  const MaterialSurface& surface_;
+  int32_t cell_ = 0;
+  std::array<int32_t, 3> index_{};
+  std::array<std::array<int64_t, 2>, 3> bound_{};    // sub-units, [axis][high]
+  std::array<bool, 8> corner_in_{};
+
+  SubPoint edge_corner(int axis, int corner) const;  // low end of a lattice edge
+  static int corner_of_edge(int axis, int corner, bool high);
+
+  std::vector<LocalFace> face_;
+  std::vector<int32_t> local_;                       // per face id: index into face_, valid when stamped
+  std::array<std::vector<int32_t>, 12> hit_;         // local faces along each lattice edge, ascending
+  std::array<uint8_t, 12> edge_state_{};
+  Partition join_, square_, old_;
+  std::vector<int32_t> hits_;
+  std::vector<uint8_t> open_, crosses_;
+  int unresolved_ = 0;
+};
+
+}  // namespace limberg

@@ -1,0 +1,135 @@
+// Which faces meet a cell, and the exact signs they need.
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "sim/lattice/cell_builder.h"
+
+namespace limberg {
+
+CellBuilder::CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface) : grid_(grid), surface_(surface) {
+  local_.assign(surface.faces.size(), -1);
+}
+
+void CellBuilder::contradiction(const char* what) const {
+  const Int3 c = grid_.cell_at(cell_);
+  throw std::logic_error("lattice cell (" + std::to_string(c.x) + "," + std::to_string(c.y) + "," +
+                         std::to_string(c.z) + "): " + what);
+}
+
+std::array<std::array<int32_t, 3>, 3> CellBuilder::layers(int32_t face) const {
+  std::array<std::array<int32_t, 3>, 3> q;
+  const Face& f = surface_.faces[size_t(face)];
+  for (size_t k = 0; k < 3; ++k) {
+    const PointRef p = surface_.points->ref(f.v[k]);
+    for (int a = 0; a < 3; ++a) q[k][size_t(a)] = layer_of(p, a, grid_.origin[a], grid_.pitch[a]);
+  }
+  return q;
+}
+
+bool CellBuilder::pierced(const std::array<PointRef, 3>& p, int axis, const SubPoint& corner) {
+  const int s = edge_about_corner(p[0], p[1], axis, corner);
+  return s && edge_about_corner(p[1], p[2], axis, corner) == s && edge_about_corner(p[2], p[0], axis, corner) == s;
+}
+
+SubPoint CellBuilder::edge_corner(int axis, int corner) const {
+  SubPoint c;
+  c[size_t(axis)] = bound_[size_t(axis)][0];
+  const size_t i = size_t(axis + 1) % 3, j = size_t(axis + 2) % 3;
+  c[i] = bound_[i][corner & 1];
+  c[j] = bound_[j][corner >> 1 & 1];
+  return c;
+}
+
+int CellBuilder::corner_of_edge(int axis, int corner, bool high) {
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  return int(high) << axis | (corner & 1) << i | (corner >> 1 & 1) << j;
+}
+
+int32_t CellBuilder::local_of(int32_t face) const {
+  const int32_t l = local_[size_t(face)];
+  return l >= 0 && size_t(l) < face_.size() && face_[size_t(l)].id == face ? l : -1;
+}
+
+int CellBuilder::about(LocalFace& f, int edge, int axis, int corner) {
+  int8_t& s = f.about[size_t(edge)][size_t(axis)][size_t(corner)];
+  if (s == kUnknown)
+    s = int8_t(edge_about_corner(f.p[size_t(edge)], f.p[size_t(edge + 1) % 3], axis, edge_corner(axis, corner)));
+  return s;
+}
+
+// Segment against box by separating axes: the three box normals (on exact layers), and the three cross products of the
+// edge with the axes. An edge parallel to an axis gives no third kind of plane for it: that projection says nothing.
+bool CellBuilder::edge_meets(LocalFace& f, int edge) {
+  const auto& a = f.layer[size_t(edge)];
+  const auto& b = f.layer[size_t(edge + 1) % 3];
+  bool a_in = true, b_in = true;
+  for (size_t k = 0; k < 3; ++k) {
+    if ((a[k] < index_[k] && b[k] < index_[k]) || (a[k] > index_[k] && b[k] > index_[k])) return false;
+    a_in = a_in && a[k] == index_[k];
+    b_in = b_in && b[k] == index_[k];
+  }
+  if (a_in || b_in) return true;
+  for (int axis = 0; axis < 3; ++axis) {
+    const int s = about(f, edge, axis, 0);
+    if (s && about(f, edge, axis, 1) == s && about(f, edge, axis, 2) == s && about(f, edge, axis, 3) == s) return false;
+  }
+  return true;
+}
+
+bool CellBuilder::pierced_by_edge(LocalFace& f, int axis, int corner) {
+  const size_t i = size_t(axis + 1) % 3, j = size_t(axis + 2) % 3;
+  const int32_t li = index_[i] + (corner & 1), lj = index_[j] + (corner >> 1 & 1);
+  // The projection's box must straddle the line: points of layer >= l are above plane l.
+  const auto& q = f.layer;
+  if (std::max({q[0][i], q[1][i], q[2][i]}) < li || std::min({q[0][i], q[1][i], q[2][i]}) >= li) return false;
+  if (std::max({q[0][j], q[1][j], q[2][j]}) < lj || std::min({q[0][j], q[1][j], q[2][j]}) >= lj) return false;
+  const int s = about(f, 0, axis, corner);
+  if (!s || about(f, 1, axis, corner) != s || about(f, 2, axis, corner) != s) return false;
+  SubPoint c = edge_corner(axis, corner);
+  const int low = plane_at_corner(*f.plane, c);
+  c[size_t(axis)] = bound_[size_t(axis)][1];
+  return low != plane_at_corner(*f.plane, c);
+}
+
+void CellBuilder::gather(std::span<const int32_t> candidates) {
+  face_.clear();
+  for (auto& h : hit_) h.clear();
+  if (local_.size() < surface_.faces.size()) local_.resize(surface_.faces.size(), -1);
+  LocalFace f;
+  for (int32_t id : candidates) {
+    const Face& source = surface_.faces[size_t(id)];
+    if (!source.live()) continue;
+    f.layer = layers(id);
+    bool apart = false;
+    f.inside = true;
+    for (size_t a = 0; a < 3; ++a) {
+      const auto [lo, hi] = std::minmax({f.layer[0][a], f.layer[1][a], f.layer[2][a]});
+      apart = apart || hi < index_[a] || lo > index_[a];
+      f.inside = f.inside && lo == index_[a] && hi == index_[a];
+    }
+    if (apart) continue;
+    f.id = id;
+    f.plane = &surface_.plane(id);
+    f.mat = source.mat;
+    for (size_t k = 0; k < 3; ++k) f.p[k] = surface_.points->ref(source.v[k]);
+    bool meets = f.inside;
+    if (f.inside) {
+      f.edge_in = {true, true, true};
+    } else {
+      for (auto& e : f.about)
+        for (auto& a : e) a.fill(kUnknown);
+      for (int e = 0; e < 3; ++e) meets = (f.edge_in[size_t(e)] = edge_meets(f, e)) || meets;
+    }
+    const int32_t local = int32_t(face_.size());
+    if (!f.inside)
+      for (int a = 0; a < 3; ++a)
+        for (int c = 0; c < 4; ++c)
+          if (pierced_by_edge(f, a, c)) hit_[size_t(4 * a + c)].push_back(local), meets = true;
+    if (!meets) continue;
+    face_.push_back(f);
+    local_[size_t(id)] = local;
+  }
+}
+
+}  // namespace limberg

@@ -1,0 +1,110 @@
+// Volumes of the classes of a cell, by the divergence theorem applied three times.
+//
+// With the cell at [0,W] x [0,D] x [0,H], a region R in it and n its outward normal:
+//   vol(R)                    = integral of z n_z over its faces inside the cell  +  H * area of R on the square z = H
+//   area(R on z = H)          = integral of x nu_x over its curves on that square +  W * length of R on the edge x = W
+//   length(R on x = W, z = H) = sum of y nu_y over its hits on that edge          +  D * [corner (W,D,H) in R]
+// Every term belongs to one sided face or to the corner, and the two sides of a face differ in sign, so a face that has
+// the same class on both sides contributes nothing. Doubles throughout: the terms are continuous, rounding stays rounding.
+#include <cmath>
+
+#include "sim/lattice/cell_builder.h"
+
+namespace limberg {
+namespace {
+
+struct Polygon {
+  Vec3 v[9];
+  int n = 0;
+};
+
+// Keeps the part with sign * (coordinate - at) >= 0.
+void clip(Polygon& p, int axis, double at, double sign) {
+  Polygon r;
+  for (int i = 0; i < p.n; ++i) {
+    const Vec3 &a = p.v[i], &b = p.v[(i + 1) % p.n];
+    const double da = sign * (a[axis] - at), db = sign * (b[axis] - at);
+    if (da >= 0) r.v[r.n++] = a;
+    if ((da > 0 && db < 0) || (da < 0 && db > 0)) {
+      Vec3 c = a + (b - a) * (da / (da - db));
+      c[axis] = at;
+      r.v[r.n++] = c;
+    }
+  }
+  p = r;
+}
+
+// Integral of z n_z over the polygon, n along its counter-clockwise side.
+double z_flux(const Polygon& p) {
+  double sum = 0;
+  for (int i = 1; i + 1 < p.n; ++i) {
+    const Vec3 &a = p.v[0], &b = p.v[i], &c = p.v[i + 1];
+    const double area2 = (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+    sum += area2 * (a.z() + b.z() + c.z());
+  }
+  return sum / 6;
+}
+
+// Integral of x |dy| along the segment a-b clipped to [0,W] x [0,D].
+double x_sweep(Vec3 a, Vec3 b, double W, double D) {
+  for (int axis = 0; axis < 2; ++axis)
+    for (int high = 0; high < 2; ++high) {
+      const double at = high ? (axis ? D : W) : 0, s = high ? -1 : 1;
+      const double da = s * (a[axis] - at), db = s * (b[axis] - at);
+      if (da < 0 && db < 0) return 0;
+      if (da < 0) a += (b - a) * (da / (da - db));
+      else if (db < 0) b += (a - b) * (db / (db - da));
+    }
+  return 0.5 * (a.x() + b.x()) * std::abs(b.y() - a.y());
+}
+
+}  // namespace
+
+void CellBuilder::measure(CellComponents& out) const {
+  Vec3 low;
+  for (int a = 0; a < 3; ++a) low[a] = sub_to_half(bound_[size_t(a)][0]);
+  const double W = grid_.pitch.x, D = grid_.pitch.y, H = grid_.pitch.z;
+  std::vector<double> volume(out.classes.size(), 0);
+  auto add = [&](size_t local, double along_normal) {
+    // Side 0 has its material where the normal points: its outward normal is the opposite.
+    if (out.of_side[local][0] >= 0) volume[size_t(out.of_side[local][0])] -= along_normal;
+    if (out.of_side[local][1] >= 0) volume[size_t(out.of_side[local][1])] += along_normal;
+  };
+  const int32_t top = index_[2] + 1;
+  for (size_t l = 0; l < face_.size(); ++l) {
+    if (out.of_side[l][0] == out.of_side[l][1]) continue;
+    const LocalFace& f = face_[l];
+    Polygon p;
+    p.n = 3;
+    for (int k = 0; k < 3; ++k) p.v[k] = *f.p[size_t(k)].approx - low;
+    const Vec3 corner[3] = {p.v[0], p.v[1], p.v[2]};
+    if (!f.inside)
+      for (int a = 0; a < 3 && p.n > 2; ++a) {
+        clip(p, a, 0, 1);
+        clip(p, a, a == 0 ? W : a == 1 ? D : H, -1);
+      }
+    double flux = z_flux(p);
+    if (!f.inside && f.plane->n[0] != 0) {
+      Vec3 end[2];
+      int n = 0;
+      for (size_t e = 0; e < 3 && n < 2; ++e) {
+        if ((f.layer[e][2] < top) == (f.layer[(e + 1) % 3][2] < top)) continue;
+        const Vec3 &a = corner[e], &b = corner[(e + 1) % 3];
+        end[n++] = a + (b - a) * ((H - a.z()) / (b.z() - a.z()));
+      }
+      if (n == 2) flux += (f.plane->n[0] > 0 ? H : -H) * x_sweep(end[0], end[1], W, D);
+    }
+    add(l, flux);
+  }
+  // Lattice edge along y at x and z high: seen along y the coordinates are (z, x), both high: corner 3.
+  const SubPoint line = edge_corner(1, 3);
+  for (int32_t h : hit_[4 * 1 + 3]) {
+    const Plane& plane = *face_[size_t(h)].plane;
+    const double y = hit_on_line(plane, 1, line) - low.y();
+    add(size_t(h), (plane.n[1] > 0 ? 1.0 : -1.0) * y * W * H);
+  }
+  if (out.of_corner[7] >= 0) volume[size_t(out.of_corner[7])] += W * D * H;
+  for (size_t c = 0; c < volume.size(); ++c) out.classes[c].fraction = volume[c] / (W * D * H);
+}
+
+}  // namespace limberg

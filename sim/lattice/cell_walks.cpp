@@ -1,0 +1,245 @@
+// What no lattice edge sees: closed curves on the squares of a cell, and closed shells inside it.
+//
+// A closed curve on a square bounds material on its outside or on its inside. If on its outside, that material goes on
+// to the left of the curve's leftmost crossing with any horizontal line, up to the next curve or to the left lattice
+// edge: they belong together. If on its inside, the leftmost crossing faces right and nothing follows. A crack's curve
+// has both sides in one loop; its left-facing side is treated as the first case. Shells are treated in the same way along
+// an axis, going on on the square that the axis leaves through. Each link goes strictly to the left, so all are found.
+#include <algorithm>
+#include <cmath>
+
+#include "sim/lattice/cell_builder.h"
+
+namespace limberg {
+
+void CellBuilder::join_walks() {
+  for (int normal = 0; normal < 3; ++normal)
+    for (int high = 0; high < 2; ++high) walk_square(normal, high != 0);
+  walk_shells();
+}
+
+// Faces pierced by the line along `axis` beyond the cell's low bound (and before `upper`), in order along it.
+void CellBuilder::hits_between(int axis, const SubPoint& line, const SubPoint* upper, std::vector<int32_t>& out) {
+  out.clear();
+  SubPoint low = line;
+  low[size_t(axis)] = bound_[size_t(axis)][0];
+  for (size_t l = 0; l < face_.size(); ++l) {
+    const LocalFace& f = face_[l];
+    const int64_t n = f.plane->n[size_t(axis)];
+    if (n == 0 || !pierced(f.p, axis, line)) continue;
+    const int up = n > 0 ? 1 : -1;  // n . c - d grows along the axis with the sign of n: negative below the hit
+    if (plane_at_corner(*f.plane, low) != -up) continue;
+    if (upper && plane_at_corner(*f.plane, *upper) != up) continue;
+    out.push_back(int32_t(l));
+  }
+  std::sort(out.begin(), out.end(), [&](int32_t a, int32_t b) {
+    const int o = order_on_line(*face_[size_t(a)].plane, *face_[size_t(b)].plane, axis, line);
+    return o ? o < 0 : a < b;
+  });
+}
+
+// The member that holds the region just before `below` on the lattice edge (axis, corner).
+int32_t CellBuilder::region_on_lattice_edge(int axis, int corner, const SubPoint& below) {
+  int32_t region = corner_member(corner_of_edge(axis, corner, false));
+  bool state = corner_in_[size_t(corner_of_edge(axis, corner, false))];
+  for (int32_t h : hit_[size_t(4 * axis + corner)]) {
+    const Plane& plane = *face_[size_t(h)].plane;
+    const int up = plane.n[size_t(axis)] > 0 ? 1 : -1;
+    if (plane_at_corner(plane, below) != up) break;  // this hit lies beyond
+    const int after = 1 - side_before(plane, axis);
+    region = member(size_t(h), after);
+    state = has(face_[size_t(h)].mat, after);
+  }
+  if (!state) contradiction("a walk came to a place without material on a lattice edge");
+  return region;
+}
+
+// Follows the line along `axis` to the leftmost crossing of loop `root` of `own`; when that faces left, joins it with what
+// is next to the left, or with left() when the walk reaches the low bound. False: the line misses the loop.
+template <class Left>
+bool CellBuilder::walk_left(int axis, const SubPoint& line, Partition& own, int32_t root, Left&& left) {
+  hits_between(axis, line, nullptr, hits_);
+  for (size_t i = 0; i < hits_.size(); ++i) {
+    const LocalFace& f = face_[size_t(hits_[i])];
+    const int before = side_before(*f.plane, axis);
+    const bool faces_left = has(f.mat, before) && own.find(member(size_t(hits_[i]), before)) == root;
+    const bool faces_right = has(f.mat, 1 - before) && own.find(member(size_t(hits_[i]), 1 - before)) == root;
+    if (!faces_left && !faces_right) continue;
+    if (!faces_left) return true;
+    const int32_t mine = member(size_t(hits_[i]), before);
+    if (i == 0) {
+      join_.unite(mine, left());
+      return true;
+    }
+    const LocalFace& next = face_[size_t(hits_[i - 1])];
+    const int after = 1 - side_before(*next.plane, axis);
+    if (!has(next.mat, after)) contradiction("material along a walk contradicts a face's bits");
+    join_.unite(mine, member(size_t(hits_[i - 1]), after));
+    return true;
+  }
+  return false;
+}
+
+// Curves on the square `normal` = low/high bound: sided faces joined where their glued edge pierces the square.
+void CellBuilder::walk_square(int normal, bool high) {
+  const size_t k = size_t(normal);
+  const int32_t plane_layer = index_[k] + int32_t(high);
+  bool any = false;
+  crosses_.assign(3 * face_.size(), 0);
+  for (size_t l = 0; l < face_.size(); ++l) {
+    LocalFace& f = face_[l];
+    if (f.inside) continue;
+    for (int e = 0; e < 3; ++e) {
+      if (!f.edge_in[size_t(e)]) continue;
+      const int32_t a = f.layer[size_t(e)][k], b = f.layer[size_t(e + 1) % 3][k];
+      if ((a < plane_layer) == (b < plane_layer)) continue;
+      const int rising = a < plane_layer ? 1 : -1;
+      // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and
+      // "crossing at greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are opposite.
+      bool within = true;
+      for (int step = 1; step <= 2 && within; ++step) {
+        const int u = (normal + step) % 3, v = 3 - normal - u;
+        const bool u_first = (v + 1) % 3 == u;
+        for (int u_high = 0; u_high < 2 && within; ++u_high) {
+          const int corner = u_first ? u_high | int(high) << 1 : int(high) | u_high << 1;
+          const int beyond = about(f, e, v, corner) * (u_first ? 1 : -1) * rising;
+          within = u_high ? beyond < 0 : beyond > 0;
+        }
+      }
+      if (within) crosses_[3 * l + size_t(e)] = 1, any = true;
+    }
+  }
+  if (!any) return;
+  square_.reset(2 * face_.size());
+  open_.assign(2 * face_.size(), 0);
+  for (size_t l = 0; l < face_.size(); ++l)
+    for (int side = 0; side < 2; ++side)
+      for (int e = 0; e < 3; ++e)
+        if (crosses_[3 * l + size_t(e)] && has(face_[l].mat, side)) {
+          const int32_t m = surface_.mate[size_t(face_[l].id)][size_t(3 * side + e)];
+          square_.unite(member(l, side), member(size_t(local_of(face_of_half_edge(m))), sided_of_half_edge(m) & 1));
+        }
+  for (int step = 1; step <= 2; ++step) {  // the four lattice edges of the square
+    const int axis = (normal + step) % 3;
+    const bool normal_first = (axis + 1) % 3 == normal;
+    for (int other = 0; other < 2; ++other) {
+      const int corner = normal_first ? int(high) | other << 1 : other | int(high) << 1;
+      for (int32_t h : hit_[size_t(4 * axis + corner)])
+        for (int side = 0; side < 2; ++side)
+          if (has(face_[size_t(h)].mat, side)) open_[size_t(square_.find(member(size_t(h), side)))] = 1;
+    }
+  }
+  for (size_t l = 0; l < face_.size(); ++l)
+    for (int side = 0; side < 2; ++side) {
+      if (!has(face_[l].mat, side)) continue;
+      if (!crosses_[3 * l] && !crosses_[3 * l + 1] && !crosses_[3 * l + 2]) continue;
+      const int32_t root = square_.find(member(l, side));
+      if (open_[size_t(root)]) continue;
+      open_[size_t(root)] = 1;  // once
+      walk_from_loop(normal, high, root);
+    }
+}
+
+void CellBuilder::walk_from_loop(int normal, bool high, int32_t root) {
+  const int run = (normal + 1) % 3, rise = (normal + 2) % 3;  // "horizontal" and "vertical" on the square
+  const int64_t level = bound_[size_t(normal)][high];
+  struct Start {
+    double extent, middle;
+  };
+  std::vector<Start> starts;
+  for (size_t l = 0; l < face_.size(); ++l) {
+    const LocalFace& f = face_[l];
+    if (f.inside) continue;
+    if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) || (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
+      continue;
+    double at[3];
+    int n = 0;
+    for (size_t e = 0; e < 3; ++e)
+      if (crosses_[3 * l + e]) {
+        const Vec3 &a = *f.p[e].approx, &b = *f.p[(e + 1) % 3].approx;
+        const double t = (sub_to_half(level) - a[normal]) / (b[normal] - a[normal]);
+        at[n++] = a[rise] + t * (b[rise] - a[rise]);
+      }
+    if (n == 2) starts.push_back({std::abs(at[1] - at[0]), 0.5 * (at[0] + at[1])});
+  }
+  std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.extent > b.extent; });
+  if (starts.size() > 8) starts.resize(8);
+  for (const Start& s : starts) {
+    if (!std::isfinite(s.middle)) continue;
+    SubPoint line;
+    line[size_t(normal)] = level;
+    line[size_t(run)] = bound_[size_t(run)][0];
+    line[size_t(rise)] = std::clamp<int64_t>(std::llround(s.middle * 0x1p24), bound_[size_t(rise)][0], bound_[size_t(rise)][1]);
+    // The left lattice edge of the square runs along `rise`, at the low bound of `run`. Seen along `rise`, the
+    // coordinates are (normal, run), for rise + 1 = normal modulo 3.
+    if (walk_left(run, line, square_, root, [&] { return region_on_lattice_edge(rise, int(high), line); })) return;
+  }
+  ++unresolved_;
+}
+
+void CellBuilder::walk_shells() {
+  // Closed components all of whose faces lie inside the cell (square_ is free again).
+  bool any = false;
+  for (const LocalFace& f : face_) any = any || f.inside;
+  if (!any) return;
+  square_.reset(2 * face_.size());
+  open_.assign(2 * face_.size(), 0);
+  for (size_t l = 0; l < face_.size(); ++l)
+    for (int side = 0; side < 2; ++side) {
+      if (!has(face_[l].mat, side)) continue;
+      for (int e = 0; e < 3; ++e)
+        if (face_[l].edge_in[size_t(e)]) {
+          const int32_t m = surface_.mate[size_t(face_[l].id)][size_t(3 * side + e)];
+          square_.unite(member(l, side), member(size_t(local_of(face_of_half_edge(m))), sided_of_half_edge(m) & 1));
+        }
+    }
+  for (size_t l = 0; l < face_.size(); ++l)
+    if (!face_[l].inside)
+      for (int side = 0; side < 2; ++side)
+        if (has(face_[l].mat, side)) open_[size_t(square_.find(member(l, side)))] = 1;
+  std::vector<int32_t> row;
+  for (size_t l0 = 0; l0 < face_.size(); ++l0)
+    for (int side0 = 0; side0 < 2; ++side0) {
+      if (!has(face_[l0].mat, side0)) continue;
+      const int32_t root = square_.find(member(l0, side0));
+      if (open_[size_t(root)]) continue;
+      open_[size_t(root)] = 1;
+      struct Start {
+        double area;
+        size_t face;
+      };
+      std::vector<Start> starts;
+      for (size_t l = 0; l < face_.size(); ++l) {
+        const LocalFace& f = face_[l];
+        if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) || (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
+          continue;
+        const Vec3 u = *f.p[1].approx - *f.p[0].approx, v = *f.p[2].approx - *f.p[0].approx;
+        starts.push_back({std::abs(u.y() * v.z() - u.z() * v.y()), l});
+      }
+      std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.area > b.area; });
+      if (starts.size() > 8) starts.resize(8);
+      bool done = false;
+      for (const Start& s : starts) {
+        const LocalFace& f = face_[s.face];
+        const Vec3 c = (*f.p[0].approx + *f.p[1].approx + *f.p[2].approx) / 3;
+        SubPoint line{bound_[0][0], std::llround(c.y() * 0x1p24), std::llround(c.z() * 0x1p24)};
+        // The region at the point of the low-x square: left along y to the next curve, else to the lattice edge.
+        auto left = [&]() -> int32_t {
+          hits_between(1, line, &line, row);
+          if (row.empty()) {
+            SubPoint at = line;
+            at[1] = bound_[1][0];
+            return region_on_lattice_edge(2, 0, at);
+          }
+          const LocalFace& next = face_[size_t(row.back())];
+          const int after = 1 - side_before(*next.plane, 1);
+          if (!has(next.mat, after)) contradiction("material along a walk contradicts a face's bits");
+          return member(size_t(row.back()), after);
+        };
+        if ((done = walk_left(0, line, square_, root, left))) break;
+      }
+      if (!done) ++unresolved_;
+    }
+}
+
+}  // namespace limberg

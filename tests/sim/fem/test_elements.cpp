@@ -1,0 +1,203 @@
+// The energy of fem_model.h: reference and float kernel against finite differences, closed forms and each other.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "models.h"
+#include "sim/fem/element_system.h"
+#include "sim/fem/reference_newton.h"
+
+namespace limberg {
+namespace {
+
+using test::Random;
+
+Mat3 skin_prestretch() {
+  Mat3 F = Mat3::Identity();
+  F(0, 0) = 1.2, F(1, 1) = 1.05, F(2, 2) = 1 / (1.2 * 1.05);
+  const double c = std::cos(0.4), s = std::sin(0.4);
+  Mat3 R;
+  R << c, -s, 0, s, c, 0, 0, 0, 1;
+  return R * F * R.transpose();
+}
+
+/// Two layers, the upper one prestretched, odd cell sizes and partly filled cells.
+FemModel layered_model(double poisson = 0.45) {
+  BoxSpec b;
+  b.cells = {3, 4, 2};
+  b.size_mm = {9, 10, 5};
+  b.young_bottom_kPa = 18;
+  b.poisson = poisson;
+  b.fix_bottom = true;
+  FemModel m = box_model(b);
+  m.stencils[1] = box_stencil(m.cell_mm, elastic_from_young(60, poisson), 1e-6, skin_prestretch());
+  Random r(5);
+  for (HexCell& c : m.cells) c.scale = float(0.6 + 0.4 * r.uniform());
+  return m;
+}
+
+std::vector<Spring> some_springs(const FemModel& m) {
+  Spring a, b;
+  a.id = 1, a.a = embed(m, {1, 1, 5}), a.b = embed(m, {-2, 1, 5}), a.k_N_per_mm = 0.02;
+  b.id = 2, b.a = embed(m, {2, -3, 4}), b.to_world = true, b.target_mm = {5, 1, 9}, b.k_N_per_mm = 0.03;
+  return {a, b};
+}
+
+TEST(Reference, GradientIsTheDerivativeOfTheEnergy) {
+  const FemModel m = layered_model();
+  const auto springs = some_springs(m);
+  ReferenceElasticity e(m, springs);
+  auto u = test::random_displacement(m, 0.4, 1);
+  std::vector<Vec3> g;
+  e.gradient(u, g);
+  Random r(2);
+  for (int k = 0; k < 10; ++k) {
+    std::vector<Vec3> d(u.size());
+    double exact = 0;
+    for (size_t i = 0; i < d.size(); ++i) d[i] = r.vector(1), exact += g[i].dot(d[i]);
+    const double h = 1e-5;  // cubic error term ~ h^2
+    auto at = [&](double t) {
+      auto v = u;
+      for (size_t i = 0; i < v.size(); ++i) v[i] += t * d[i];
+      return e.energy(v);
+    };
+    EXPECT_NEAR((at(h) - at(-h)) / (2 * h), exact, 1e-6 * std::abs(exact) + 1e-4);
+  }
+}
+
+TEST(Reference, HessianIsTheDerivativeOfTheGradient) {
+  const FemModel m = layered_model();
+  ReferenceElasticity e(m, some_springs(m));
+  // Springs on fixed nodes are left out of the Hessian (they cannot move), so only free nodes are compared.
+  const auto u = test::random_displacement(m, 0.4, 3);
+  const Eigen::MatrixXd H = e.dense_hessian(u, false);
+  EXPECT_LT((H - H.transpose()).norm(), 1e-12 * H.norm());
+  Random r(4);
+  std::vector<Vec3> d(u.size(), Vec3::Zero());
+  Eigen::VectorXd dv = Eigen::VectorXd::Zero(H.rows());
+  for (size_t i = 0; i < d.size(); ++i)
+    if (!m.fixed[i]) d[i] = r.vector(1), dv.segment<3>(Eigen::Index(3 * i)) = d[i];
+  const double h = 1e-5;
+  auto at = [&](double t) {
+    auto v = u;
+    for (size_t i = 0; i < v.size(); ++i) v[i] += t * d[i];
+    std::vector<Vec3> g;
+    e.gradient(v, g);
+    return g;
+  };
+  const auto gp = at(h), gm = at(-h);
+  const Eigen::VectorXd Hd = H * dv;
+  double error = 0;
+  for (size_t i = 0; i < d.size(); ++i)
+    if (!m.fixed[i]) error = std::max(error, ((gp[i] - gm[i]) / (2 * h) - Hd.segment<3>(Eigen::Index(3 * i))).norm());
+  EXPECT_LT(error, 1e-7 * Hd.norm());
+}
+
+TEST(Reference, ProjectedHessianIsSemidefiniteAndEqualWhereTheTrueOneIs) {
+  BoxSpec b;
+  b.cells = {2, 2, 2};
+  const FemModel m = box_model(b);
+  ReferenceElasticity e(m, {});
+  const auto far = test::random_displacement(m, 4, 7);
+  const Eigen::MatrixXd P = e.dense_hessian(far, true);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eig(P), raw(e.dense_hessian(far, false));
+  EXPECT_LT(raw.eigenvalues()[0], -1e-3 * raw.eigenvalues().maxCoeff());  // the start is a bad one
+  EXPECT_GT(eig.eigenvalues()[0], -1e-12 * eig.eigenvalues().maxCoeff());
+  // A pure swelling: every eigenvalue of the cell is positive, so nothing may be projected away.
+  std::vector<Vec3> u;
+  for (const Vec3& X : m.X_mm) u.push_back(0.02 * X);
+  EXPECT_LT((e.dense_hessian(u, true) - e.dense_hessian(u, false)).norm(), 1e-12 * P.norm());
+}
+
+// Homogeneous F: nodal force = V P grad N, hourglass forces vanish.
+TEST(Elements, HomogeneousDeformationGivesTheStressOfTheClosedForm) {
+  const Vec3 h(2, 3, 1.5);
+  const Elastic el = elastic_from_young(40, 0.4);
+  BoxSpec b;
+  b.cells = {1, 1, 1}, b.size_mm = h, b.young_bottom_kPa = b.young_top_kPa = 40, b.poisson = 0.4;
+  const FemModel m = box_model(b);
+  Mat3 F;
+  F << 1.1, 0.3, -0.1, 0.05, 0.9, 0.2, 0, -0.15, 1.2;
+  std::vector<Vec3> u, g;
+  for (const Vec3& X : m.X_mm) u.push_back((F - Mat3::Identity()) * X);
+  ReferenceElasticity e(m, {});
+  e.gradient(u, g);
+  const Mat3 cof = F.determinant() * F.inverse().transpose();
+  const Mat3 P = el.mu_kPa * F + (el.lambda_kPa * (F.determinant() - 1) - el.mu_kPa) * cof;
+  for (int a = 0; a < 8; ++a) {
+    Vec3 B;
+    for (int i = 0; i < 3; ++i) B[i] = (((a >> i) & 1) ? 1 : -1) / (4 * h[i]);
+    EXPECT_LT((g[size_t(m.cells[0].node[size_t(a)])] - h.prod() * P * B).norm(), 1e-10 * P.norm());
+  }
+}
+
+TEST(Elements, RigidMotionMakesNoForce) {
+  BoxSpec b;
+  b.cells = {3, 3, 2};
+  const FemModel m = box_model(b);
+  const Mat3 R = Eigen::AngleAxisd(2.0, Vec3(1, 2, -0.5).normalized()).toRotationMatrix();
+  std::vector<Vec3> u, g;
+  for (const Vec3& X : m.X_mm) u.push_back((R - Mat3::Identity()) * X + Vec3(3, -8, 11));
+  ReferenceElasticity e(m, {});
+  e.gradient(u, g);
+  const double stiff = m.stencils[0].mu_kPa * m.cell_mm[0] * m.cell_mm[0];  // force of a unit strain
+  for (const Vec3& f : g) EXPECT_LT(f.norm(), 1e-12 * stiff);
+  fem::ElementSystem cells(std::make_shared<FemModel>(m));
+  fem::NodeArray uf(u.size()), gf(u.size());
+  for (size_t i = 0; i < u.size(); ++i) uf[i] = {float(u[i][0]), float(u[i][1]), float(u[i][2]), 0};
+  InlineWorkers w;
+  cells.evaluate(uf, gf, false, w);
+  // u ~ 20 mm carries 2e-6 mm of rounding, on 2.5 mm cells: strain 1e-6, times ke/mu ~ 4 and a few cells per node.
+  for (size_t i = 0; i < u.size(); ++i) EXPECT_LT(Vec3(gf[i].x, gf[i].y, gf[i].z).norm(), 2e-5 * stiff);
+}
+
+TEST(Elements, KernelAgreesWithTheReference) {
+  for (double nu : {0.3, 0.45}) {
+    const FemModel m = layered_model(nu);
+    const auto u = test::to_float(test::random_displacement(m, 0.5, 11));
+    std::vector<Vec3> ud, g;
+    for (const Vec3f& v : u) ud.push_back(v.cast<double>());
+    ReferenceElasticity e(m, {});
+    const double energy = e.gradient(ud, g);
+    fem::ElementSystem cells(std::make_shared<FemModel>(m), false);
+    fem::NodeArray uf(u.size()), gf(u.size());
+    for (size_t i = 0; i < u.size(); ++i) uf[i] = {u[i][0], u[i][1], u[i][2], 0};
+    InlineWorkers w;
+    const fem::CellSums s = cells.evaluate(uf, gf, true, w);
+    EXPECT_NEAR(s.energy, energy, 1e-6 * s.magnitude);
+    double size = 0, error = 0, total = 0;
+    for (size_t i = 0; i < u.size(); ++i) {
+      size += g[i].squaredNorm(), error += (g[i] - Vec3(gf[i].x, gf[i].y, gf[i].z)).squaredNorm();
+      EXPECT_GE(double(gf[i].w), g[i].norm() * (1 - 1e-5));  // triangle inequality
+      total += double(gf[i].w);
+    }
+    EXPECT_LT(std::sqrt(error), 1e-6 * std::sqrt(size));
+    EXPECT_GT(total, 0);
+  }
+}
+
+// The fixed point of the update is the primal pressure, whatever the deformation, as long as no clamp acts.
+TEST(Elements, MultipliersConvergeToThePrimalForceAtAFixedDeformation) {
+  const FemModel m = layered_model(0.45);
+  const auto u = test::to_float(test::random_displacement(m, 0.02, 12));
+  fem::ElementSystem primal(std::make_shared<FemModel>(m), false), augmented(std::make_shared<FemModel>(m), true);
+  ASSERT_TRUE(augmented.has_multipliers());
+  fem::NodeArray uf(u.size()), gp(u.size()), ga(u.size());
+  for (size_t i = 0; i < u.size(); ++i) uf[i] = {u[i][0], u[i][1], u[i][2], 0};
+  InlineWorkers w;
+  const double energy = primal.evaluate(uf, gp, false, w).energy;
+  double first = 0, last = 0, augmented_energy = 0;
+  for (int k = 0; k < 200; ++k) {
+    augmented_energy = augmented.evaluate(uf, ga, false, w).energy;
+    last = 0;
+    for (size_t i = 0; i < u.size(); ++i)
+      last += Vec3(ga[i].x - gp[i].x, ga[i].y - gp[i].y, ga[i].z - gp[i].z).squaredNorm();
+    if (k == 0) first = last;
+    augmented.update_multipliers();
+  }
+  EXPECT_LT(std::sqrt(last), 1e-4 * std::sqrt(first));
+  EXPECT_NEAR(augmented_energy + augmented.energy_to_primal(), energy, 1e-4 * std::abs(energy));
+}
+
+}  // namespace
+}  // namespace limberg

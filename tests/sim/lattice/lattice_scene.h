@@ -1,0 +1,112 @@
+#pragma once
+// A slab under the knife with its lattice kept up to date and checked after every step.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "sim/lattice/topology.h"
+#include "tests/sim/cutting/scenes.h"
+
+namespace limberg::test {
+
+/// Cubic lattice over the slabs of scenes.h, not aligned with anything.
+inline LatticeGrid grid_over(double size_mm, double thickness_mm, double cell_mm) {
+  LatticeGrid g;
+  g.rest = grid();
+  const double u = g.rest.half_unit_mm();
+  const int32_t pitch = 2 * int32_t(std::lround(cell_mm / u / 2));
+  g.pitch = {pitch, pitch, pitch};
+  auto odd = [&](double mm) { return 2 * int32_t(std::floor(mm / u / 2)) + 1; };
+  g.origin = {odd(-size_mm / 2 - 0.4 * cell_mm), odd(-size_mm / 2 - 0.3 * cell_mm), odd(-thickness_mm - 0.35 * cell_mm)};
+  g.count = {int(size_mm / cell_mm) + 2, int(size_mm / cell_mm) + 2, int((thickness_mm + 3) / cell_mm) + 2};
+  return g;
+}
+
+struct LatticeScene {
+  Arrangement a;
+  LatticeGrid g;
+  std::shared_ptr<const LatticeTopology> t;
+  uint64_t seed = 1;
+
+  LatticeScene(const TriMesh& mesh, const LatticeGrid& lattice)
+      : a(mesh, grid()), g(lattice), t(build_topology(g, material_surface(a))) {
+    check();
+  }
+
+  bool cut(const Blade& blade) {
+    const CutResult r = a.cut(blade, seed++);
+    if (r.ok()) update();
+    return r.ok();
+  }
+  bool excise_smallest() {
+    const auto& c = a.components();
+    int best = -1;
+    for (size_t i = 0; i < c.size(); ++i)
+      if (c[i].volume_mm3 > 0 && (best < 0 || c[i].volume_mm3 < c[size_t(best)].volume_mm3)) best = int(i);
+    if (!a.excise(best).done) return false;
+    update();
+    return true;
+  }
+
+  void update() {
+    const auto before = t;
+    t = update_topology(*before, material_surface(a));
+    check();
+    check_parents(*before);
+    same_as_rebuilt();
+  }
+
+  void check() const {
+    EXPECT_EQ(check_topology(*t), "");
+    EXPECT_EQ(t->walks_unresolved, 0);
+    EXPECT_EQ(t->pieces, a.pieces());
+    EXPECT_NEAR(t->volume_mm3, a.volume_mm3(), 1e-9 * a.volume_mm3());
+    // Piece by piece: the lattice's pieces are the components of positive volume less the cavities in them.
+    double cavity = 0;
+    std::vector<double> volume;
+    for (const auto& c : a.components()) c.volume_mm3 > 0 ? volume.push_back(c.volume_mm3) : void(cavity += c.volume_mm3);
+    std::vector<double> piece = t->piece_volume_mm3;
+    std::sort(volume.begin(), volume.end());
+    std::sort(piece.begin(), piece.end());
+    for (size_t i = 0; cavity == 0 && i < std::min(volume.size(), piece.size()); ++i)
+      EXPECT_NEAR(piece[i], volume[i], 1e-9 * a.volume_mm3());
+    for (const CellCopy& c : t->cells) {
+      EXPECT_GT(c.fraction, -1e-9);
+      EXPECT_LT(c.fraction, 1 + 1e-9);
+    }
+  }
+
+  void check_parents(const LatticeTopology& before) const {
+    std::vector<double> fraction(before.cells.size(), 0);
+    for (const CellCopy& c : t->cells) {
+      ASSERT_GE(c.parent, 0);
+      ASSERT_EQ(before.cells[size_t(c.parent)].cell, c.cell);
+      fraction[size_t(c.parent)] += c.fraction;
+      for (size_t k = 0; k < 8; ++k)
+        ASSERT_EQ(t->nodes[size_t(c.node[k])].parent, before.cells[size_t(c.parent)].node[k]);
+    }
+    const bool only_cut = a.last_operation().kind == LastOperation::cut;
+    for (size_t c = 0; c < fraction.size(); ++c) {
+      EXPECT_LT(fraction[c], before.cells[c].fraction + 1e-11);
+      if (only_cut) {
+        EXPECT_NEAR(fraction[c], before.cells[c].fraction, 1e-11);
+      }
+    }
+  }
+
+  void same_as_rebuilt() const {
+    const auto r = build_topology(g, material_surface(a));
+    ASSERT_EQ(r->cells.size(), t->cells.size());
+    EXPECT_EQ(r->nodes.size(), t->nodes.size());
+    EXPECT_EQ(r->links, t->links);
+    EXPECT_EQ(r->node_in_material, t->node_in_material);
+    for (size_t c = 0; c < r->components.size(); ++c) {
+      ASSERT_EQ(bool(r->components[c]), bool(t->components[c]));
+      if (!r->components[c]) continue;
+      EXPECT_EQ(r->components[c]->face, t->components[c]->face);
+      EXPECT_EQ(r->components[c]->of_side, t->components[c]->of_side);
+    }
+  }
+};
+
+}  // namespace limberg::test
