@@ -1,0 +1,226 @@
+#include "sim/measure/skin_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sim/geometry/triangle.h"
+
+namespace limberg {
+namespace {
+
+std::array<Vec3, 3> rest(const SurfaceView& v, size_t t) {
+  return {v.X_mm[size_t(v.tri[t][0])], v.X_mm[size_t(v.tri[t][1])], v.X_mm[size_t(v.tri[t][2])]};
+}
+std::array<Vec3, 3> now(const SurfaceView& v, std::span<const Vec3f> x, size_t t) {
+  return {x[size_t(v.tri[t][0])].cast<double>(), x[size_t(v.tri[t][1])].cast<double>(), x[size_t(v.tri[t][2])].cast<double>()};
+}
+
+bool inside(const Vec2& p, std::span<const ChartPoint> polygon) {
+  bool in = false;
+  for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Vec2 &a = polygon[i], &b = polygon[j];
+    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) in = !in;
+  }
+  return in;
+}
+
+}  // namespace
+
+DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, std::span<const Vec3> centres_mm, double radius_mm) {
+  DogEar d;
+  const auto near = [&](const Vec3& X) {
+    return centres_mm.empty() ||
+           std::any_of(centres_mm.begin(), centres_mm.end(), [&](const Vec3& c) { return (X - c).norm() <= radius_mm; });
+  };
+  std::vector<float> height(view.X_mm.size(), std::numeric_limits<float>::quiet_NaN());  // asked for once per vertex
+  const auto height_at = [&](int32_t v) {
+    float& h = height[size_t(v)];
+    if (std::isnan(h)) h = float(-skin.depth_mm(x_mm[size_t(v)].cast<double>()));
+    return double(h);
+  };
+  double area = 0, square = 0;
+  bool any = false;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] != FaceKind::skin) continue;
+    const auto X = rest(view, t);
+    if (!near((X[0] + X[1] + X[2]) / 3)) continue;
+    const auto x = now(view, x_mm, t);
+    std::array<double, 3> h;
+    for (size_t k = 0; k < 3; ++k) {
+      h[k] = height_at(view.tri[t][k]);
+      if (!any || h[k] > d.height_mm) {
+        d.height_mm = h[k];
+        d.at_mm = X[k];
+        any = true;
+      }
+    }
+    const Vec3 a = 0.5 * area_vector2(x[0], x[1], x[2]);
+    const double mean = (h[0] + h[1] + h[2]) / 3;
+    area += a.norm();
+    square += a.norm() * mean * mean;
+    if (std::max({h[0], h[1], h[2]}) <= 0) continue;
+    const double projected = std::max(0.0, a.dot(skin.nearest((x[0] + x[1] + x[2]) / 3).normal));
+    d.volume_mm3 += projected * (std::max(0.0, h[0]) + std::max(0.0, h[1]) + std::max(0.0, h[2])) / 3;
+  }
+  d.height_mm = std::max(0.0, d.height_mm);
+  if (area > 0) d.rms_mm = std::sqrt(square / area);
+  return d;
+}
+
+WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
+  constexpr double kOwn_mm = 2, kTouch_mm = 1, kCos = 0.5, kFar_mm = 100;
+  // Directed edges of all triangles, to find what lies across.
+  struct Edge {
+    int32_t a, b;
+    int32_t triangle;
+  };
+  std::vector<Edge> wall;
+  for (size_t t = 0; t < view.tri.size(); ++t)
+    if (view.kind[t] == FaceKind::wall)
+      for (size_t k = 0; k < 3; ++k) wall.push_back({view.tri[t][k], view.tri[t][(k + 1) % 3], int32_t(t)});
+  const auto less = [](const Edge& p, const Edge& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); };
+  std::sort(wall.begin(), wall.end(), less);
+
+  struct Rim {
+    int32_t a, b;
+    Vec3 p, q, out;     // now
+    double length = 0;  // at rest
+    int32_t loop = -1;
+    double s = 0;       // arc length at rest of its middle along the loop
+  };
+  std::vector<Rim> rim;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] != FaceKind::skin) continue;
+    for (size_t k = 0; k < 3; ++k) {
+      const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
+      if (!std::binary_search(wall.begin(), wall.end(), Edge{b, a, 0}, less)) continue;
+      const auto x = now(view, x_mm, t);
+      Rim r{a, b, x[k], x[(k + 1) % 3], Vec3::Zero(), (view.X_mm[size_t(b)] - view.X_mm[size_t(a)]).norm()};
+      const Vec3 n = area_vector2(x[0], x[1], x[2]);
+      if (n.norm() > 0 && (r.q - r.p).norm() > 0) r.out = (r.q - r.p).cross(n).normalized();
+      rim.push_back(r);
+    }
+  }
+  // Loops: each rim edge is followed by one that starts where it ends.
+  std::sort(rim.begin(), rim.end(), [](const Rim& p, const Rim& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
+  std::vector<int32_t> ends;
+  for (const Rim& r : rim) ends.push_back(r.b);
+  std::sort(ends.begin(), ends.end());
+  std::vector<size_t> starts;  // open chains from their beginning, then closed loops from anywhere
+  for (bool open : {true, false})
+    for (size_t i = 0; i < rim.size(); ++i)
+      if (std::binary_search(ends.begin(), ends.end(), rim[i].a) != open) starts.push_back(i);
+  std::vector<double> loop_length;
+  for (size_t i : starts) {
+    if (rim[i].loop >= 0) continue;
+    double s = 0;
+    for (size_t j = i; rim[j].loop < 0;) {
+      rim[j].loop = int32_t(loop_length.size());
+      rim[j].s = s + 0.5 * rim[j].length;
+      s += rim[j].length;
+      auto next = std::lower_bound(rim.begin(), rim.end(), rim[j].b, [](const Rim& r, int32_t v) { return r.a < v; });
+      while (next != rim.end() && next->a == rim[j].b && next->loop >= 0) ++next;
+      if (next == rim.end() || next->a != rim[j].b) break;
+      j = size_t(next - rim.begin());
+    }
+    loop_length.push_back(s);
+  }
+
+  WoundGape g;
+  std::vector<std::pair<double, double>> gapes;
+  double sum = 0;
+  for (const Rim& r : rim) {
+    const Vec3 m = 0.5 * (r.p + r.q);
+    double best = kFar_mm;
+    for (const Rim& o : rim) {
+      if ((0.5 * (o.p + o.q) - m).norm() - 0.5 * (o.q - o.p).norm() > best) continue;
+      if (o.loop == r.loop) {
+        const double along = std::abs(o.s - r.s);
+        if (std::min(along, loop_length[size_t(r.loop)] - along) < kOwn_mm) continue;
+      }
+      const Vec3 e = o.q - o.p;
+      const double ee = e.squaredNorm(), t = ee > 0 ? std::clamp((m - o.p).dot(e) / ee, 0.0, 1.0) : 0;
+      const Vec3 d = o.p + t * e - m;
+      const double distance = d.norm();
+      if (distance < best && (distance < kTouch_mm || d.dot(r.out) >= kCos * distance)) best = distance;
+    }
+    const double gape = best < kFar_mm ? best : 0;
+    gapes.push_back({gape, r.length});
+    sum += gape * r.length;
+    g.rim_length_mm += r.length;
+  }
+  if (g.rim_length_mm > 0) g.mean_mm = sum / g.rim_length_mm;
+  std::sort(gapes.begin(), gapes.end());
+  double passed = 0;
+  for (const auto& [v, w] : gapes) {
+    g.gape_mm = v;
+    if ((passed += w) >= 0.98 * g.rim_length_mm) break;
+  }
+  return g;
+}
+
+double compression(const SurfaceView& view, std::span<const Vec3f> x_mm) {
+  double before = 0, after = 0;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    const auto X = rest(view, t), x = now(view, x_mm, t);
+    before += X[0].dot(X[1].cross(X[2]));
+    after += x[0].dot(x[1].cross(x[2]));
+  }
+  return before != 0 ? after / before - 1 : 0;
+}
+
+double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body, std::span<const ChartPoint> polygon) {
+  if (polygon.size() < 3) return 0;
+  double area = 0;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] != FaceKind::skin) continue;
+    const auto X = rest(view, t);
+    if (!inside(body.to_chart((X[0] + X[1] + X[2]) / 3), polygon)) continue;
+    const auto x = now(view, x_mm, t);
+    area += 0.5 * area_vector2(x[0], x[1], x[2]).norm();
+  }
+  return area;
+}
+
+std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const ChartPoint& p,
+                                       const ChartPoint& towards) {
+  constexpr double kReach_mm = 1, kSame_mm = 0.05;
+  const auto hit = skin.at(p);
+  if (!hit) return std::nullopt;
+  const Vec2 wanted = (towards - p).normalized();
+  double nearest = kReach_mm;
+  for (size_t t = 0; t < view.tri.size(); ++t)
+    if (view.kind[t] == FaceKind::skin)
+      for (int32_t v : view.tri[t]) nearest = std::min(nearest, (view.X_mm[size_t(v)] - hit->X_mm).norm());
+  if (nearest >= kReach_mm) return std::nullopt;
+  double best = -2;
+  std::optional<Vec3> x;
+  for (size_t t = 0; t < view.tri.size(); ++t) {
+    if (view.kind[t] != FaceKind::skin) continue;
+    const auto X = rest(view, t);
+    const Vec2 centre = skin.body().to_chart((X[0] + X[1] + X[2]) / 3);
+    for (size_t k = 0; k < 3; ++k) {
+      if ((X[k] - hit->X_mm).norm() > nearest + kSame_mm) continue;
+      const Vec2 d = centre - p;
+      const double match = d.norm() > 0 ? d.normalized().dot(wanted) : 0;
+      if (match > best) {
+        best = match;
+        x = x_mm[size_t(view.tri[t][k])].cast<double>();
+      }
+    }
+  }
+  return x;
+}
+
+std::optional<double> elongation(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb) {
+  const auto& [C, A, B, D] = limb;
+  const auto a0 = skin.at(A), b0 = skin.at(B);
+  // The outer skin at A lies opposite the bisector of the flap's corner CAB; at B opposite that of ABD.
+  const Vec2 at_A = (C - A).normalized() + (B - A).normalized(), at_B = (A - B).normalized() + (D - B).normalized();
+  const auto a = corner_position_mm(view, x_mm, skin, A, A - at_A), b = corner_position_mm(view, x_mm, skin, B, B - at_B);
+  if (!a0 || !b0 || !a || !b || !((a0->X_mm - b0->X_mm).norm() > 0)) return std::nullopt;
+  return (*a - *b).norm() / (a0->X_mm - b0->X_mm).norm();
+}
+
+}  // namespace limberg

@@ -1,0 +1,50 @@
+#pragma once
+// How far and how hard the skin is pulled: stretch and stress of each skin triangle, from its rest and present corners.
+//
+// A skin triangle is a membrane of the body's first layer with a free surface. With the in-plane deformation gradient F
+// (2 x 2, rest axes along and across the tension direction), the layer's prestretch F0 = diag(p, q, 1/(pq)), A = F0 F0^T, and
+// the energy of fem_model.h with lambda' = lambda + mu and p0 = mu A_nn,
+//
+//   sigma = (mu / J) F A F^T + (lambda' (J - 1) - p0) I,     J = det(F) s,   s the stretch of the thickness.
+//
+// sigma_nn = 0 is linear in s: s = (mu A_nn + lambda') / (mu A_nn / det F + lambda' det F), so that
+//
+//   principal stresses = (mu / J) (eigenvalues of sqrt(A) F^T F sqrt(A)  -  A_nn s^2).
+//
+// The pressure of the mixed cell below is not needed, hence the figure does not depend on how cells and layers meet.
+#include <span>
+#include <vector>
+
+#include "sim/cutting/surface_view.h"
+#include "sim/geometry/body.h"
+
+namespace limberg {
+
+struct MembraneState {
+  double stretch = 1;       // largest principal stretch that the tissue carries, prestretch included
+  double least_stretch = 1; // smallest in the plane
+  double stress_kPa = 0;    // largest principal Cauchy stress in the plane
+  double von_mises_kPa = 0; // of the plane stress state
+  double area_mm2 = 0;      // at rest
+};
+
+/// One triangle, corners at rest and now. `along` need not lie in its plane nor be unit. A triangle that has collapsed
+/// now has stress 0 and the stretch that its edges show.
+MembraneState membrane_state(const std::array<Vec3, 3>& X_mm, const std::array<Vec3, 3>& x_mm, const Material& material, const Vec3& along);
+
+struct SkinStrain {
+  double stretch_max = 1, stretch_p99 = 1;
+  double stress_max_kPa = 0, stress_p95_kPa = 0;
+  Vec3 most_stressed_mm = Vec3::Zero();  // where the stress is greatest, at rest
+  double area_mm2 = 0;                   // of the triangles counted
+};
+
+/// Over all skin triangles, percentiles weighted by rest area. Triangles of less than 0.02 mm height (slivers that cuts
+/// leave) are not counted: positions are floats, so their stretch would carry an error above 0.1 %. The maxima sit at the
+/// tips of cuts and at stitches and grow as cells shrink; the percentiles converge.
+SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body);
+
+/// Value below which the fraction q of the weight lies; sorts `pairs` (value, weight). 0 when empty.
+double weighted_percentile(std::vector<std::pair<double, double>>& pairs, double q);
+
+}  // namespace limberg
