@@ -2,12 +2,14 @@
 // From body and lattice to the elements of fem_model.h.
 //
 // A stencil holds what is constant in one kind of full cell: integrals over its layers, with the prestretch in the frame
-// of the skin. Block: layers are flat, so two Gauss points in the plane and two in depth per layer piece integrate
-// trilinear products exactly, however thin a layer is; all cells of a row share one stencil. Other bodies: midpoints of
-// 4 x 4 x 4 sub-cells with the depth and frame of Skin; equal stencils are merged.
+// of the skin. The material is constant in boxes, and in each box 2 x 2 x 2 Gauss points integrate products of trilinear
+// gradients exactly. Block (flat skin on top): the boxes are the layers themselves, cut by the cell, however thin they
+// are; all cells of a row share one stencil. Other bodies: 4 x 4 x 4 boxes where a layer boundary may cross the cell
+// (material by the depth of the box's middle), else one; frame at the cell's centre. Equal stencils are merged.
 //
 // A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1, so that the micrometres by
-// which lattice planes lie outside a block do not load it. Masses take the exact fraction.
+// which lattice planes lie outside a block do not load it. Masses take the exact fraction. FemModel::cells[i] is
+// LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
 #include <memory>
 
 #include "sim/fem/fem_model.h"
@@ -19,25 +21,38 @@ namespace limberg {
 /// Stencils of a body on a grid; built once, reused for every version of the topology.
 class StencilTable {
  public:
+  /// Throws InputError when the body has no layer or a layer with impossible constants.
   StencilTable(const Skin& skin, const LatticeGrid& grid);
   const std::vector<Stencil>& stencils() const { return stencils_; }
-  int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: cell wholly outside the body
+  int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }
 
-  /// Fixed nodes of the lattice, per node: block: bit 2 axis + (0 low, 1 high) for planes that hold a fixed side; other
-  /// bodies: 0x80 where the node lies outside or within 0.1 cell of the surface and the nearest triangle is fixed.
+  /// Where a lattice node may be held. Block: bit 2 axis + (0 low, 1 high) per outermost plane whose side is fixed. Other
+  /// bodies, when the surface triangle nearest to the node is fixed: kNearFixed within 0.1 cell, kFarFixed beyond.
+  static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
   const std::vector<uint8_t>& fixed_candidates() const { return fixed_; }
 
  private:
+  void fill_block(const Body& body, const LatticeGrid& grid);
+  void fill_general(const Skin& skin, const LatticeGrid& grid);
+  int32_t intern(const Stencil& s);
   std::vector<Stencil> stencils_;
   std::vector<int32_t> of_cell_;
   std::vector<uint8_t> fixed_;
 };
 
-/// A node copy is fixed where its lattice node is a candidate and one of its cell copies holds a fixed face there, so a
-/// flap raised from its bed does not stay pinned to the bed's nodes.
+/// A node copy is fixed where its lattice node is a candidate (kFarFixed: outside the material) and one of its cell copies
+/// holds a fixed face of that side: a flap raised from its bed does not stay pinned to the bed's nodes.
 std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& topology);
 
-/// The stencil of a homogeneous box of material, by the same quadrature (tests, other assemblies).
-Stencil homogeneous_stencil(const Vec3& cell_mm, const Material& material, const Vec3& along, const Vec3& across);
+/// The axes of prestretch of a flat piece of skin: `along` and `across` orthonormal, normal = along x across.
+struct StretchFrame {
+  Vec3 along = Vec3::UnitX(), across = Vec3::UnitY(), normal = Vec3::UnitZ();
+};
+
+/// F0 F0^T of the layer's prestretch in that frame; det F0 = 1.
+Mat3 prestretch_tensor(const Material& material, const StretchFrame& frame);
+
+/// The stencil of a box of one material.
+Stencil homogeneous_stencil(const Vec3& cell_mm, const Material& material, const StretchFrame& frame = {});
 
 }  // namespace limberg

@@ -1,0 +1,73 @@
+#include "sim/lattice/embedding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/cutting/point_store.h"
+#include "sim/lattice/lattice_signs.h"
+
+namespace limberg {
+namespace {
+
+EmbeddedPoint embed(const LatticeTopology& t, int32_t copy, const Vec3& X_mm) {
+  const CellCopy& c = t.cells[size_t(copy)];
+  const Vec3 x = (X_mm - t.grid.node_mm(t.grid.cell_at(c.cell))).cwiseQuotient(t.grid.cell_mm());
+  EmbeddedPoint e;
+  e.node = c.node;
+  for (int k = 0; k < 8; ++k)
+    e.w[size_t(k)] = float((k & 1 ? x[0] : 1 - x[0]) * (k & 2 ? x[1] : 1 - x[1]) * (k & 4 ? x[2] : 1 - x[2]));
+  return e;
+}
+
+int32_t copy_in(const LatticeTopology& t, int32_t cell, int32_t sided_face) {
+  const auto& comp = t.components[size_t(cell)];
+  const int cls = comp ? comp->class_of(sided_face) : -1;
+  return cls < 0 ? -1 : t.copy(cell, cls);
+}
+
+}  // namespace
+
+int32_t cell_of(const LatticeGrid& grid, const Vec3& X_mm) {
+  const Vec3 x = (X_mm - grid.node_mm({0, 0, 0})).cwiseQuotient(grid.cell_mm());
+  int32_t c[3];
+  for (int a = 0; a < 3; ++a) c[a] = int32_t(std::clamp(std::floor(x[a]), 0.0, double(grid.count[a] - 1)));
+  return grid.cell_index({c[0], c[1], c[2]});
+}
+
+std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view) {
+  std::vector<EmbeddedPoint> out(view.X_mm.size());
+  view.cell_copy.assign(view.X_mm.size(), -1);
+  for (size_t f = 0; f < view.tri.size(); ++f)
+    for (int32_t v : view.tri[f]) {
+      int32_t& copy = view.cell_copy[size_t(v)];
+      if (copy >= 0) continue;
+      const PointRef p = surface.points->ref(view.point[size_t(v)]);
+      int32_t at[3];
+      for (int a = 0; a < 3; ++a) at[a] = layer_of(p, a, t.grid.origin[a], t.grid.pitch[a]);
+      copy = copy_in(t, t.grid.cell_index({at[0], at[1], at[2]}), view.sided_face[f]);
+      if (copy < 0) throw std::logic_error("a surface vertex lies in a lattice cell that does not hold its face");
+      out[size_t(v)] = embed(t, copy, view.X_mm[size_t(v)]);
+    }
+  return out;
+}
+
+EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary,
+                          Vec3* X_mm) {
+  const Tri& corner = view.tri[size_t(tri)];
+  Vec3 X = Vec3::Zero();
+  size_t nearest = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    X += bary[k] * view.X_mm[size_t(corner[k])];
+    if (bary[k] > bary[nearest]) nearest = k;
+  }
+  if (X_mm) *X_mm = X;
+  int32_t copy = copy_in(t, cell_of(t.grid, X), view.sided_face[size_t(tri)]);
+  // Rounding may put X just across a lattice plane, where the face is not: then a corner's cell carries it.
+  if (copy < 0) copy = view.cell_copy[size_t(corner[nearest])];
+  return embed(t, copy, X);
+}
+
+EmbeddedPoint embed_in_copy(const LatticeTopology& t, int32_t copy, const Vec3& X_mm) { return embed(t, copy, X_mm); }
+
+}  // namespace limberg
