@@ -17,14 +17,11 @@ inline float dot3(v4 a, v4 b) {
   return m[0] + m[1] + m[2];
 }
 
-/// f = K u + f0 for the eight nodes (f as two halves of four nodes), and sum of u . (f + f0) in e.
+/// f = K u + f0 for the eight nodes; returns sum of u . (f + f0), spread over the lanes.
 #ifdef __AVX512F__
-inline void deviatoric(const KernelStencil& s, const v4* un, v4* f, double& e) {
-  alignas(64) v4 us[8];
-  for (int a = 0; a < 8; ++a) us[a] = un[a];
+inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
   const v16* f0 = reinterpret_cast<const v16*>(s.f0);
   const v16* K = reinterpret_cast<const v16*>(s.K);
-  const v16i lane0 = {0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3};
   const v16i p0 = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
   const v16i p1 = {4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7};
   const v16i p2 = {8, 8, 8, 8, 9, 9, 9, 9, 10, 10, 10, 10, 11, 11, 11, 11};
@@ -32,33 +29,25 @@ inline void deviatoric(const KernelStencil& s, const v4* un, v4* f, double& e) {
   v16 a0 = f0[0], b0 = f0[1], a1 = {}, b1 = {};
   for (int j = 0; j < 4; ++j) {
     const v16 k = K[j];  // columns 2 j and 2 j + 1
-    const v4 u0 = us[2 * j], u1 = us[2 * j + 1];
-    const v16 x0 = {u0[0], u0[1], u0[2], u0[3], u0[0], u0[1], u0[2], u0[3],
-                    u0[0], u0[1], u0[2], u0[3], u0[0], u0[1], u0[2], u0[3]};
-    const v16 x1 = {u1[0], u1[1], u1[2], u1[3], u1[0], u1[1], u1[2], u1[3],
-                    u1[0], u1[1], u1[2], u1[3], u1[0], u1[1], u1[2], u1[3]};
-    (void)lane0;
+    const v16 x0 = in_every_lane(un + 2 * j), x1 = in_every_lane(un + 2 * j + 1);
     a0 += __builtin_shuffle(k, p0) * x0, b0 += __builtin_shuffle(k, p1) * x0;
     a1 += __builtin_shuffle(k, p2) * x1, b1 += __builtin_shuffle(k, p3) * x1;
   }
   a0 += a1, b0 += b1;
-  v16* out = reinterpret_cast<v16*>(f);
-  out[0] = a0, out[1] = b0;
-  const v16* u = reinterpret_cast<const v16*>(us);
-  const v16 w = (a0 + f0[0]) * u[0] + (b0 + f0[1]) * u[1];
-  float t = 0;
-  for (int i = 0; i < 16; ++i) t += w[i];
-  e = double(t);
+  reinterpret_cast<v16*>(f)[0] = a0, reinterpret_cast<v16*>(f)[1] = b0;
+  v4 w = {};
+  for (int a = 0; a < 8; ++a) w += (f[a] + reinterpret_cast<const v4*>(s.f0)[a]) * un[a];
+  return w;
 }
 #else
-inline void deviatoric(const KernelStencil& s, const v4* u, v4* f, double& e) {
+inline v4 deviatoric(const KernelStencil& s, const v4* u, v4* f) {
   const v4* f0 = reinterpret_cast<const v4*>(s.f0);
   for (int a = 0; a < 8; ++a) f[a] = f0[a];
   for (int b = 0; b < 8; ++b)
     for (int a = 0; a < 8; ++a) f[a] += s.K[8 * b + a] * u[b];
   v4 w = {};
   for (int a = 0; a < 8; ++a) w += (f[a] + f0[a]) * u[a];
-  e = double(w[0] + w[1] + w[2]);
+  return w;
 }
 #endif
 
@@ -78,8 +67,7 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
     const KernelStencil& s = d.stencils[size_t(cell.stencil)];
     alignas(64) v4 n[8], f[8];
     for (int a = 0; a < 8; ++a) n[a] = local[cell.node[a]];
-    double dev = 0;
-    deviatoric(s, n, f, dev);
+    const v4 work = deviatoric(s, n, f);
 
     // Columns of G = F - I at the centre.
     const v4 s0 = n[0] + n[1], s1 = n[2] + n[3], s2 = n[4] + n[5], s3 = n[6] + n[7];
@@ -100,7 +88,7 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
     const float p = s.ke * x;
     const float vol = s.volume;
     const float bulk = 0.5f * vol * p * x, pre = s.p0 * vol * second;
-    const double e1 = 0.5 * dev, e2 = double(bulk), e3 = double(pre);
+    const double e1 = 0.5 * double(work[0] + work[1] + work[2]), e2 = double(bulk), e3 = double(pre);
     sums.energy += double(cell.scale) * (e1 + e2 - e3);
     sums.magnitude += double(cell.scale) * (std::fabs(e1) + e2 + std::fabs(e3));
 

@@ -82,19 +82,20 @@ void subtract(NodeArray& out, const NodeArray& a, const NodeArray& b) {
 
 void subtract_outer(NodeArray& y, const float* const* columns, const Node4* s, int count) {
 #ifdef __AVX512F__
+  // Four nodes at a time: the column's four numbers are each spread over a lane.
   const v16i spread = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
   v16* p = wide(y);
   const size_t n = vectors(y);
   for (size_t i = 0; i < n; ++i) {
-    v16 a = p[i];
-    for (int j = 0; j < count; ++j) {
-      const v4 c = *reinterpret_cast<const v4*>(columns[j] + 4 * i);
-      const v16 w = {c[0], c[1], c[2], c[3], 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
-      const v4 b = load(s[j]);
-      const v16 f = {b[0], b[1], b[2], b[3], b[0], b[1], b[2], b[3], b[0], b[1], b[2], b[3], b[0], b[1], b[2], b[3]};
-      a -= __builtin_shuffle(w, spread) * f;
+    v16 a = p[i], b = {};
+    int j = 0;
+    for (; j + 1 < count; j += 2) {
+      a -= __builtin_shuffle((v16)_mm512_castps128_ps512(_mm_load_ps(columns[j] + 4 * i)), spread) * in_every_lane(s + j);
+      b += __builtin_shuffle((v16)_mm512_castps128_ps512(_mm_load_ps(columns[j + 1] + 4 * i)), spread) * in_every_lane(s + j + 1);
     }
-    p[i] = a;
+    if (j < count)
+      a -= __builtin_shuffle((v16)_mm512_castps128_ps512(_mm_load_ps(columns[j] + 4 * i)), spread) * in_every_lane(s + j);
+    p[i] = a - b;
   }
 #else
   for (size_t i = 0; i < y.size(); ++i) {

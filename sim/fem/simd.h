@@ -9,6 +9,9 @@
 #include <cstring>
 #include <new>
 #include <utility>
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
 
 namespace limberg::fem {
 
@@ -77,6 +80,11 @@ using NodeArray = AlignedArray<Node4>;
 
 inline v4 load(const Node4& a) { return *reinterpret_cast<const v4*>(&a); }
 inline void store(Node4& a, v4 v) { *reinterpret_cast<v4*>(&a) = v; }
+
+#ifdef __AVX512F__
+/// The same four numbers in every 128-bit lane.
+inline v16 in_every_lane(const void* four) { return (v16)_mm512_broadcast_f32x4(_mm_loadu_ps(static_cast<const float*>(four))); }
+#endif
 
 /// Three vectors of 16 numbers (x, y, z of 16 rows) to four vectors whose 128-bit lane l holds row 4*l + k as (x,y,z,0).
 inline void to_rows(v16 x, v16 y, v16 z, v16 r[4]) {
