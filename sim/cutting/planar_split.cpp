@@ -22,6 +22,7 @@ void PlanarSplit::open(const PointStore& points, const Plane& plane, const std::
   p.neighbour = {-1, -1, -1};
   p.label = {0, 1, 2};
   piece_.assign(1, p);
+  last_ = 0;
 }
 
 void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
@@ -94,10 +95,25 @@ bool PlanarSplit::strictly_between(int32_t a, int32_t p, int32_t b) const {
          compare_coordinate(axis, points_->ref(p), points_->ref(b)) == ab;
 }
 
+int32_t PlanarSplit::locate(int32_t point) const {
+  // Walk across edges that have the point on their other side; bounded, because among implicit points a walk may circle.
+  int32_t t = std::min(last_, int32_t(piece_.size()) - 1);
+  for (size_t steps = 0; steps < piece_.size(); ++steps) {
+    int32_t next = -1;
+    for (int k = 0; k < 3 && next < 0; ++k)
+      if (piece_[t].neighbour[size_t(k)] >= 0 && orient(piece_[t].v[size_t(k)], piece_[t].v[size_t(next3(k))], point) < 0)
+        next = piece_[t].neighbour[size_t(k)];
+    if (next < 0) return t;
+    t = next;
+  }
+  return 0;
+}
+
 bool PlanarSplit::insert(int32_t point, int16_t label) {
-  for (const Piece& p : piece_)
-    if (p.v[0] == point || p.v[1] == point || p.v[2] == point) return true;
+  const auto is_corner = [&](const Piece& p) { return p.v[0] == point || p.v[1] == point || p.v[2] == point; };
   if (label != kFree) {
+    for (const Piece& p : piece_)
+      if (is_corner(p)) return true;
     for (size_t t = 0; t < piece_.size(); ++t)
       for (int k = 0; k < 3; ++k) {
         const Piece& p = piece_[t];
@@ -107,7 +123,11 @@ bool PlanarSplit::insert(int32_t point, int16_t label) {
       }
     return false;
   }
-  for (size_t t = 0; t < piece_.size(); ++t) {
+  // The piece that the walk ends in, then (should the walk have failed) every other.
+  const size_t start = size_t(locate(point));
+  for (size_t i = 0; i < piece_.size(); ++i) {
+    const size_t t = (start + i) % piece_.size();
+    if (is_corner(piece_[t])) return true;
     const auto v = piece_[t].v;
     int zero_edge = -1, zeros = 0;
     bool inside = true;
@@ -118,6 +138,7 @@ bool PlanarSplit::insert(int32_t point, int16_t label) {
     }
     if (!inside) continue;
     if (zeros > 1) return false;
+    last_ = int32_t(t);
     if (zeros == 1) {
       if (piece_[t].label[size_t(zero_edge)] != kFree) return false;
       split_edge(int32_t(t), zero_edge, point);
@@ -282,6 +303,38 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   }
   if (const auto [e, ek] = find_edge(a, b); e >= 0) return finish(e, ek);
   return false;
+}
+
+void PlanarSplit::make_delaunay() {
+  const auto in_circle = [&](int32_t a, int32_t b, int32_t c, int32_t d) {  // d inside the circle through a, b, c (exact)
+    const Int3 o = points_->integer(d);
+    std::array<int64_t, 3> x, y, l;
+    const std::array<int32_t, 3> p{a, b, c};
+    for (size_t i = 0; i < 3; ++i) {
+      const Int3 q = points_->integer(p[i]);
+      x[i] = int64_t(q.x) - o.x;
+      y[i] = int64_t(q.y) - o.y;
+      l[i] = x[i] * x[i] + y[i] * y[i];
+    }
+    return int128(x[0] * y[1] - y[0] * x[1]) * l[2] + int128(x[1] * y[2] - y[1] * x[2]) * l[0] +
+               int128(x[2] * y[0] - y[2] * x[0]) * l[1] > 0;
+  };
+  bool changed = true;
+  while (changed) {  // each flip lowers the lifted surface, so this ends
+    changed = false;
+    for (int32_t t = 0; t < int32_t(piece_.size()); ++t)
+      for (int k = 0; k < 3; ++k) {
+        const Piece p = piece_[t];
+        const int32_t n = p.neighbour[size_t(k)];
+        if (n < 0 || p.label[size_t(k)] != kFree) continue;
+        int m = 0;
+        while (piece_[n].v[size_t(m)] != p.v[size_t(next3(k))] || piece_[n].v[size_t(next3(m))] != p.v[size_t(k)]) ++m;
+        const int32_t q = piece_[n].v[size_t(prev3(m))], u = p.v[size_t(k)], v = p.v[size_t(next3(k))], w = p.v[size_t(prev3(k))];
+        if (!in_circle(u, v, w, q) || orient(u, q, w) <= 0 || orient(q, v, w) <= 0) continue;
+        flip(t, k);
+        changed = true;
+      }
+  }
 }
 
 void PlanarSplit::forget_dead_junctions() {

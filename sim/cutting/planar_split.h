@@ -36,6 +36,8 @@ class PlanarSplit {
   bool enforce(int32_t a, int32_t b, int32_t partner);
 
   void set_material(size_t piece, uint8_t mat) { piece_[piece].mat = mat; }
+  /// Flips free edges until every one is locally Delaunay. For explicit points in a plane z = const only.
+  void make_delaunay();
   /// A junction with no material on either side is an ordinary edge again.
   void forget_dead_junctions();
 
@@ -48,6 +50,7 @@ class PlanarSplit {
   std::vector<Constraint> current_constraints() const;
 
  private:
+  int32_t locate(int32_t point) const;  // a piece that holds it, or the one to try first
   int orient(int32_t a, int32_t b, int32_t c) const { return orient2d(plane_, points_->ref(a), points_->ref(b), points_->ref(c)); }
   bool strictly_between(int32_t a, int32_t p, int32_t b) const;
   void split_piece(int32_t t, int32_t point);
@@ -61,6 +64,7 @@ class PlanarSplit {
   Plane plane_;
   std::vector<Piece> piece_;
   std::vector<Constraint> junction_;
+  int32_t last_ = 0;  // where the last point went in: the next is often near
 };
 
 }  // namespace limberg

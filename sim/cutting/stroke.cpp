@@ -1,0 +1,110 @@
+#include "sim/cutting/stroke.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limberg {
+
+namespace {
+
+double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+}  // namespace
+
+bool all_finite(std::span<const Vec2> path) {
+  return std::all_of(path.begin(), path.end(), [](const Vec2& p) { return p.allFinite(); });
+}
+
+double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
+  const Vec2 d = b - a;
+  const double l = d.squaredNorm();
+  const double t = l > 0 ? std::clamp((p - a).dot(d) / l, 0.0, 1.0) : 0.0;
+  return (p - a - t * d).norm();
+}
+
+std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance) {
+  if (path.size() < 3) return {path.begin(), path.end()};
+  std::vector<uint8_t> keep(path.size(), 0);
+  keep.front() = keep.back() = 1;
+  std::vector<std::pair<size_t, size_t>> stack{{0, path.size() - 1}};
+  while (!stack.empty()) {
+    const auto [a, b] = stack.back();
+    stack.pop_back();
+    double worst = tolerance;
+    size_t at = 0;
+    for (size_t i = a + 1; i < b; ++i) {
+      const double d = distance_to_segment(path[i], path[a], path[b]);
+      if (d > worst) worst = d, at = i;
+    }
+    if (at == 0) continue;
+    keep[at] = 1;
+    stack.push_back({a, at});
+    stack.push_back({at, b});
+  }
+  std::vector<Vec2> out;
+  for (size_t i = 0; i < path.size(); ++i)
+    if (keep[i]) out.push_back(path[i]);
+  return out;
+}
+
+std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a, const Vec2& b) {
+  const Vec2 d = q - p, e = b - a;
+  const double det = cross2(d, e);
+  if (det == 0) return std::nullopt;
+  const double s = cross2(a - p, e) / det, t = cross2(a - p, d) / det;
+  if (s < 0 || s > 1 || t < 0 || t > 1) return std::nullopt;
+  return s;
+}
+
+bool meets_itself(std::span<const Vec2> path, bool closed) {
+  const size_t n = path.size(), segments = closed ? n : n - 1;
+  for (size_t i = 0; i < segments; ++i) {
+    const Vec2 &a = path[i], &b = path[(i + 1) % n];
+    if (i + 1 < segments || closed) {  // folding straight back at a joint
+      const Vec2& c = path[(i + 2) % n];
+      const Vec2 u = b - a, v = c - b;
+      if (u.dot(v) < 0 && std::abs(cross2(u, v)) <= 1e-6 * u.norm() * v.norm()) return true;
+    }
+    for (size_t j = i + 2; j < segments; ++j) {
+      if (closed && i == 0 && j == segments - 1) continue;
+      if (meet_segments(a, b, path[j], path[(j + 1) % n])) return true;
+    }
+  }
+  return false;
+}
+
+std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed) {
+  std::vector<Vec2> out;
+  const size_t n = path.size(), segments = closed ? n : n - 1;
+  for (size_t i = 0; i < segments; ++i) {
+    const Vec2 &a = path[i], &b = path[(i + 1) % n];
+    const int parts = std::max(1, int(std::ceil((b - a).norm() / spacing - 1e-9)));
+    for (int k = 0; k < parts; ++k) out.push_back(a + (b - a) * (double(k) / parts));
+  }
+  if (!closed) out.push_back(path.back());
+  return out;
+}
+
+double path_length(std::span<const Vec2> path) {
+  double l = 0;
+  for (size_t i = 0; i + 1 < path.size(); ++i) l += (path[i + 1] - path[i]).norm();
+  return l;
+}
+
+double signed_area(std::span<const Vec2> polygon) {
+  double a = 0;
+  for (size_t i = 0; i < polygon.size(); ++i) a += cross2(polygon[i], polygon[(i + 1) % polygon.size()]);
+  return a / 2;
+}
+
+bool inside_polygon(std::span<const Vec2> polygon, const Vec2& p) {
+  bool in = false;
+  for (size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
+    if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) in = !in;
+  }
+  return in;
+}
+
+}  // namespace limberg

@@ -1,0 +1,33 @@
+#pragma once
+// Drawn lines in the chart plane: cleaned of noise and pauses, checked, resampled.
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "sim/geometry/vec.h"
+
+namespace limberg {
+
+/// Is every number finite?
+bool all_finite(std::span<const Vec2> path);
+
+/// Keeps the corners and drops what lies within `tolerance` of the line between kept points (Douglas and Peucker 1973), which
+/// also undoes the small knots of a resting hand. First and last points stay.
+std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance);
+
+/// Does a polyline (or, when closed, a polygon) meet itself other than at joints?
+bool meets_itself(std::span<const Vec2> path, bool closed);
+
+/// Divides every segment into equal parts of at most `spacing`; a closed path gets no repeated end.
+std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed);
+
+double path_length(std::span<const Vec2> path);
+double signed_area(std::span<const Vec2> polygon);
+bool inside_polygon(std::span<const Vec2> polygon, const Vec2& p);
+double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b);
+
+/// Where segment p-q (parameter s in [0, 1]) meets segment a-b; empty when they do not meet or are parallel.
+std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a, const Vec2& b);
+
+}  // namespace limberg
