@@ -6,6 +6,7 @@
 
 #include "sim/cutting/sheet_mesh.h"
 #include "sim/cutting/stroke.h"
+#include "sim/cutting/tri_tests.h"
 #include "sim/cutting/wound.h"
 
 namespace limberg {
@@ -15,7 +16,9 @@ namespace {
 constexpr double kSimplify = 0.1;    // tremor and tracker noise; corners are much larger
 constexpr double kRowHeight = 2.5;   // along the blade's depth
 constexpr double kShortest = 1.0;    // of a stroke
-constexpr double kSeesWound = 0.75;  // an outline runs along an earlier cut when it stays this near
+constexpr double kSeesWound = 1.0;   // an outline runs along an earlier cut when it stays this near
+constexpr double kSheetBeyond = 0.7; // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
+constexpr double kEndClearance = 0.4;  // from the free end of an earlier cut, when joining it
 
 std::string text(const ChartPoint& p) {
   char buffer[80];
@@ -80,38 +83,64 @@ std::vector<Vec2> clean_outline(std::span<const ChartPoint> outline, std::string
 bool attach_start(const BladeContext& c, const WoundMap& wounds, std::vector<Vec2>& path, double overshoot) {
   if (wounds.empty()) return false;
   const bool live = skin_is_live(c, path[0]);
-  const auto past = [&](double sine) { return overshoot / std::clamp(sine, 0.2, 1.0); };
+  std::optional<Vec2> wall;  // where the stroke is to pass through a wall
+  size_t next = 0;           // the first point of the stroke that stays
   // Already past a wall: over a hole (any length of it), or across a cut by less than kSnap.
   double walked = 0;
-  for (size_t i = 0; i + 1 < path.size(); ++i) {
+  for (size_t i = 0; i + 1 < path.size() && !wall; ++i) {
     const double length = (path[i + 1] - path[i]).norm();
-    const auto meeting = wounds.first_meeting(path[i], path[i + 1]);
-    if (meeting && (!live || walked + meeting->s * length <= kSnap)) {
-      const Vec2 d = (path[i + 1] - path[i]) / length, at = path[i] + d * (meeting->s * length);
-      path.erase(path.begin(), path.begin() + long(i) + 1);
-      if (path.size() > 1 && (path[0] - at).norm() < 0.3) path.erase(path.begin());
-      path.insert(path.begin(), at - d * past(meeting->sine));
-      return true;
-    }
+    const auto s = wounds.first_meeting(path[i], path[i + 1]);
+    if (s && (!live || walked + *s * length <= kSnap)) wall = path[i] + (path[i + 1] - path[i]) * *s, next = i + 1;
     walked += length;
     if (live && walked > kSnap) break;
   }
-  if (!live) return false;
+  if (!wall && !live) return false;
   // Short of a wall: straight on, or to the nearest place.
-  const Vec2 back = (path[0] - path[1]).normalized();
-  if (const auto meeting = wounds.first_meeting(path[0], path[0] + back * (2 * kSnap))) {
-    path[0] += back * (2 * kSnap * meeting->s + past(meeting->sine));
-    return true;
+  if (!wall) {
+    const Vec2 ahead = (path[0] - path[1]).normalized() * (2 * kSnap);
+    if (const auto s = wounds.first_meeting(path[0], path[0] + ahead)) wall = path[0] + ahead * *s, next = 1;
   }
-  const WoundMap::Near near = wounds.nearest(path[0]);
-  if (near.distance > kSnap) return false;
-  if (near.distance < overshoot / 2) {
-    path[0] += back * past(1);
-  } else {
-    const Vec2 d = (near.point - path[0]) / near.distance;
-    path.insert(path.begin(), near.point + d * overshoot);
+  if (!wall) {
+    const WoundMap::Near near = wounds.nearest(path[0]);
+    if (near.distance > kSnap) return false;
+    wall = near.point;
   }
+  wall = wounds.clear_of_ends(*wall, kEndClearance);
+  // A point right beside the wall would turn the blade along it.
+  while (next + 1 < path.size() && (path[next] - *wall).norm() < 1.5 * kEndClearance) ++next;
+  const Vec2 d = (*wall - path[next]).normalized(), along = wounds.nearest(*wall).along;
+  const double sine = std::abs(d.x() * along.y() - d.y() * along.x());
+  path.erase(path.begin(), path.begin() + long(next));
+  path.insert(path.begin(), *wall + d * (overshoot / std::clamp(sine, 0.2, 1.0)));
   return true;
+}
+
+/// Which way a blade runs into the tissue at every column. To the right of the path by `lean` per mm of depth; at a corner
+/// mitred, so that both sides keep the angle. With upright_corners the blade turns upright towards sharp corners:
+/// leaning into a sharp bend it would run through itself.
+std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, double depth, bool closed, bool upright_corners) {
+  const size_t n = columns.size();
+  std::vector<Vec3> before(n), after(n), direction(n);
+  std::vector<double> arc(n + 1, 0), sharp;
+  for (size_t i = 0; i < n; ++i) {
+    const auto right_of = [&](size_t a, size_t b) { return (columns[b].X - columns[a].X).cross(columns[i].normal).normalized(); };
+    const bool has_before = closed || i > 0, has_after = closed || i + 1 < n;
+    before[i] = has_before ? right_of((i + n - 1) % n, i) : right_of(i, i + 1);
+    after[i] = has_after ? right_of(i, (i + 1) % n) : before[i];
+    arc[i + 1] = arc[i] + (columns[(i + 1) % n].X - columns[i].X).norm();
+    if (before[i].dot(after[i]) < 0.94) sharp.push_back(arc[i]);
+  }
+  const double reach = 3 * (depth + kMargin) * std::abs(lean);
+  for (size_t i = 0; i < n; ++i) {
+    double share = 1;
+    for (double s : sharp) {
+      double d = std::abs(arc[i] - s);
+      if (closed) d = std::min(d, arc[n] - d);
+      if (upright_corners) share = std::min(share, d / reach);
+    }
+    direction[i] = -columns[i].normal + (before[i] + after[i]) / std::max(1 + before[i].dot(after[i]), 0.25) * (lean * share);
+  }
+  return direction;
 }
 
 /// Columns -> strip. direction[i] points into the tissue and has length 1 per mm of perpendicular depth.
@@ -192,20 +221,13 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
   std::vector<Column> columns;
   if (why = columns_of(c, path, columns); !why.empty()) return refuse(why);
   const double angle = angle_deg * std::numbers::pi / 180, lean = std::cos(angle) / std::sin(angle);
-  const size_t n = columns.size();
-  std::vector<Vec3> direction(n);
-  for (size_t i = 0; i < n; ++i) {
-    // To the right of the path; at a corner mitred, so that both sides keep the angle.
-    const auto right_of = [&](size_t a, size_t b) { return (columns[b].X - columns[a].X).cross(columns[i].normal).normalized(); };
-    const bool has_before = closed || i > 0, has_after = closed || i + 1 < n;
-    const Vec3 before = has_before ? right_of((i + n - 1) % n, i) : right_of(i, i + 1);
-    const Vec3 after = has_after ? right_of(i, (i + 1) % n) : before;
-    Vec3 right = (before + after) / std::max(1 + before.dot(after), 0.25);
-    direction[i] = -columns[i].normal + right * lean;
-  }
   Blade blade;
   int rows = 0;
-  add_strip(blade, c, columns, direction, depth_mm + kWallExtra, closed, rows);
+  for (const bool upright_corners : {false, true}) {
+    blade = Blade{};
+    add_strip(blade, c, columns, lean_directions(columns, lean, depth_mm, closed, upright_corners), depth_mm + kWallExtra, closed, rows);
+    if (lean == 0 || check_embedded(blade.vertex, blade.tri).empty()) break;
+  }
   const size_t per_quad_column = size_t(rows) * 2;
   for (size_t i = 0; i < per_quad_column && past_start; ++i) blade.seed[i] = 0;
   for (size_t i = 0; i < per_quad_column && past_end; ++i) blade.seed[blade.seed.size() - 1 - i] = 0;
@@ -299,7 +321,7 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
   std::vector<uint8_t> along(path.size(), 0);
   if (c.arrangement) {
     const WoundMap wounds(c);
-    std::vector<Vec2> wider = widen(wounds, path, 2 * overshoot_of(c), along);
+    std::vector<Vec2> wider = widen(wounds, path, kSheetBeyond, along);
     if (!meets_itself(wider, true)) path = std::move(wider);
   }
   // Resample edge by edge, so that each boundary vertex knows whether it lies past a wall.

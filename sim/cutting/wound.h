@@ -19,18 +19,22 @@ class WoundMap {
   std::span<const WoundEdge> edges() const { return edge_; }
 
   struct Near {
-    Vec2 point = Vec2::Zero();
+    Vec2 point = Vec2::Zero(), along = Vec2::UnitX();  // along: unit direction of the edge it lies on
     double distance = 1e300;
   };
   Near nearest(const Vec2& p) const;
-  /// The first meeting of p -> q with a wound edge: parameter in [0, 1] and the sine of the angle between them.
-  struct Meeting {
-    double s = 0, sine = 1;
-  };
-  std::optional<Meeting> first_meeting(const Vec2& p, const Vec2& q) const;
+  /// The first meeting of p -> q with a wound edge: parameter in [0, 1].
+  std::optional<double> first_meeting(const Vec2& p, const Vec2& q) const;
+  /// A place on a wound, moved along it when it lies within `clearance` of a free end: a blade that is to join a wall
+  /// must cross it at every depth, and not pass beside its end.
+  Vec2 clear_of_ends(const Vec2& p, double clearance) const;
 
  private:
+  struct FreeEnd {
+    Vec2 at, inward;  // unit
+  };
   std::vector<WoundEdge> edge_;
+  std::vector<FreeEnd> end_;
 };
 
 /// Is there still skin at this chart point? False over the hole of an excision and off the skin.
