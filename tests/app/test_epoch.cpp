@@ -12,6 +12,7 @@ namespace {
 
 struct Thing {
   uint64_t version = 0;
+  uint64_t payload = 1;           // plain memory that the deleter writes: ThreadSanitizer sees an order that is missing
   std::atomic<bool> alive{true};  // cleared by the deleter, so that a use after it is seen, not a crash
 };
 
@@ -54,6 +55,7 @@ uint64_t uses_after_free(bool obey, uint64_t versions, std::thread::id* freed_on
       const Thing* t = newest.reading();
       for (int i = 0; t && i < 50; ++i) {
         if (!t->alive.load(std::memory_order_relaxed)) ++bad;
+        else if (t->payload != 1) ++bad;
         if (i % 10 == 0) std::this_thread::yield();
       }
       ++reads;
@@ -65,7 +67,8 @@ uint64_t uses_after_free(bool obey, uint64_t versions, std::thread::id* freed_on
     storage[i]->version = i;
     kept.retain(i, std::shared_ptr<const Thing>(storage[i].get(), [&](const Thing* t) {
                   *freed_on = std::this_thread::get_id();
-                  const_cast<Thing*>(t)->alive = false;
+                  const_cast<Thing*>(t)->payload = 0;
+                  const_cast<Thing*>(t)->alive.store(false, std::memory_order_relaxed);
                 }));
     newest.writing() = storage[i].get();
     newest.publish();
