@@ -1,5 +1,5 @@
 #pragma once
-// World as the session drives it.
+// World as the session drives it, with the scene's own limits.
 #include "app/session/patient.h"
 #include "sim/world.h"
 
@@ -7,8 +7,9 @@ namespace limberg {
 
 class WorldPatient final : public Patient {
  public:
-  explicit WorldPatient(World& world) : world_(world) {}
-  Outcome apply(const Command& c) override { return world_.apply(c); }
+  WorldPatient(World& world, double max_depth_mm) : world_(world), max_depth_mm_(max_depth_mm) {}
+  /// Refuses cuts deeper than the scene allows; everything else is World's own judgement.
+  Outcome apply(const Command& c) override;
   StepReport step(const StepSettings& s) override { return world_.step(s); }
   void fill(Snapshot& s) const override { world_.fill(s); }
   std::shared_ptr<const SurfaceTopology> topology() const override { return world_.topology(); }
@@ -17,6 +18,7 @@ class WorldPatient final : public Patient {
 
  private:
   World& world_;
+  double max_depth_mm_;
 };
 
 }  // namespace limberg

@@ -88,12 +88,7 @@ void SolverLane::publish(int64_t tick) {
   out.snapshot.device_tick = tick;
   out.snapshot.stage = int32_t(stages_.size());
   out.sample_ns = hand_.sample_ns;
-  if (!stages_.empty() && stages_.back().t_s == seconds(tick)) {
-    for (auto r = stages_.rbegin(); r != stages_.rend() && r->t_s == seconds(tick); ++r) {
-      r->residual = out.snapshot.residual;
-      r->sutures = int32_t(out.snapshot.sutures.size());
-    }
-  }
+  for (; shown_stages_ < stages_.size(); ++shown_stages_) stages_[shown_stages_].shown = out.snapshot;
   ch_.patient_to_render.writing() = out;
   ch_.patient_to_device.publish();
   ch_.patient_to_render.publish();

@@ -30,8 +30,7 @@ struct StageRow {
   int32_t number = 0;  // from 1
   std::string name;
   double t_s = 0;
-  float residual = 0;
-  int32_t sutures = 0;
+  Snapshot shown;  // for its picture; made and freed by the solver lane's owner
 };
 
 struct SolverSeries {
@@ -88,6 +87,7 @@ class SolverLane {
   uint64_t steps_ = 0, commands_ = 0, events_ = 0;
   std::vector<Refusal> refused_;
   std::vector<StageRow> stages_;
+  size_t shown_stages_ = 0;  // those that have their snapshot
   SolverSeries series_;
 };
 

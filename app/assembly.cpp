@@ -1,0 +1,65 @@
+#include "app/assembly.h"
+
+#include <cmath>
+
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+GestureSettings gestures(const Scene& scene) {
+  GestureSettings g;
+  g.reach_mm = scene.tools.reach_mm;
+  g.default_depth_mm = scene.tools.default_depth_mm;
+  g.default_spacing_mm = scene.tools.default_spacing_mm;
+  return g;
+}
+
+std::unique_ptr<ScriptWriter> open_script(const std::string& file, const Scene& scene) {
+  if (file.empty()) return nullptr;
+  return std::make_unique<ScriptWriter>(file, ScriptHeader{scene.name, "written by a session as it went"},
+                                        ScriptWriter::Existing::replace);
+}
+
+}  // namespace
+
+int ticks_per_solver_step(const Scene& scene) { return std::max(1, int(std::floor(1000.0 / scene.steps_per_s))); }
+
+StepSettings step_settings(const Scene& scene, bool real_time) {
+  StepSettings s;
+  s.max_iterations = scene.iterations_per_step;
+  s.tolerance = 1e-6;  // a patient at rest costs nothing
+  if (scene.dynamic) s.dt_s = 1e-3 * ticks_per_solver_step(scene);
+  s.damping_per_s = scene.damping_per_s;
+  s.adopt_when_ready = real_time;
+  return s;
+}
+
+Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const AssemblyOptions& o)
+    : scene(std::move(scene_in)),
+      calibration(calibration_in),
+      workers(o.workers),
+      world(world_spec(scene, build_body(scene)), workers),
+      patient(world, scene.tools.max_depth_mm),
+      front(calibration, gestures(scene)),
+      device(front, channels, o.record),
+      script(open_script(o.script_file, scene)),
+      solver(patient, channels, SolverSettings{step_settings(scene, o.real_time), 1},
+             [this](const Command& c) {
+               if (!script || !script_error.empty()) return;
+               try {
+                 script->append(c);
+               } catch (const InputError& e) {
+                 script_error = e.what();
+               }
+             }),
+      render(channels, o.sink, o.draw_frames) {}
+
+SessionSettings Assembly::session_settings() const {
+  SessionSettings s;
+  s.ticks_per_solver_step = ticks_per_solver_step(scene);
+  return s;
+}
+
+}  // namespace limberg

@@ -1,0 +1,50 @@
+#pragma once
+// A session put together: scene and calibration in, lanes out, ready for lockstep or real time.
+//
+// The order matters and is kept here: workers, body, World, channels, front end, lanes.
+#include <memory>
+#include <string>
+
+#include "app/scene.h"
+#include "app/session/session.h"
+#include "app/session/workers_pool.h"
+#include "app/world_patient.h"
+#include "sim/tools/script.h"
+
+namespace limberg {
+
+struct AssemblyOptions {
+  int workers = 1;
+  bool record = false;         // pass samples on to a recorder
+  bool real_time = false;      // take a new preconditioner as soon as it is there
+  bool draw_frames = false;    // frames for the sink, not only stages
+  PictureSink* sink = nullptr;
+  std::string script_file;     // the session's own script; empty: none
+};
+
+class Assembly {
+ public:
+  Assembly(Scene scene, const Calibration& calibration, const AssemblyOptions& options);
+
+  SessionLanes lanes(Recorder* recorder) { return {device, solver, render, recorder}; }
+  /// Solver steps and frames as the scene asks.
+  SessionSettings session_settings() const;
+
+  const Scene scene;
+  const Calibration calibration;
+  WorkersPool workers;
+  World world;
+  WorldPatient patient;
+  Channels channels;
+  DeviceFrontEnd front;
+  DeviceLane device;
+  std::unique_ptr<ScriptWriter> script;
+  std::string script_error;  // the session goes on without its script when the disk is full
+  SolverLane solver;
+  RenderLane render;
+};
+
+int ticks_per_solver_step(const Scene& scene);
+StepSettings step_settings(const Scene& scene, bool real_time);
+
+}  // namespace limberg

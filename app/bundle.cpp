@@ -1,0 +1,90 @@
+#include "app/bundle.h"
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "app/output.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kLevels = 8;  // a mesh may lie so many folders above its scene
+constexpr size_t kMaxMesh = size_t(512) << 20;
+
+/// A private folder that goes away with its owner.
+struct TemporaryFolder {
+  fs::path path;
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "limberg-XXXXXX").string();
+    if (!mkdtemp(name.data())) throw InputError(name, 0, "cannot make a temporary folder; expected room in the folder for temporary files");
+    path = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ec;
+    fs::remove_all(path, ec);
+  }
+};
+
+bool inside(const fs::path& root, const fs::path& p) {
+  const fs::path r = p.lexically_relative(root);
+  return !r.empty() && *r.begin() != "..";
+}
+
+}  // namespace
+
+std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
+  std::vector<Blob> out;
+  out.push_back({BlobKind::scene, scene.name.substr(0, 63), scene.text});
+  out.push_back({BlobKind::calibration, calibration.name.substr(0, 63), to_toml(calibration)});
+  if (scene.source == Scene::Source::obj) {
+    const fs::path folder = fs::path(scene.path).parent_path();
+    const std::string name = fs::path(scene.obj.path).lexically_relative(folder.empty() ? "." : folder).string();
+    if (name.empty() || fs::path(name).is_absolute() || name.size() > 63)
+      throw InputError(scene.path, 0, "mesh path \"" + scene.obj.path + "\" cannot go into a recording; expected a path of at most 63 bytes relative to the scene");
+    out.push_back({BlobKind::mesh, name, read_whole_file(scene.obj.path, kMaxMesh)});
+  }
+  return out;
+}
+
+Unbundled unbundle_scene(const Recording& rec, const std::string& file) {
+  const Blob* scene = rec.blob(BlobKind::scene);
+  if (!scene) throw InputError(file, 0, "no valid record of a scene; expected a recording that holds its scene whole");
+  bool has_mesh = false;
+  for (const Blob& b : rec.blobs) has_mesh |= b.kind == BlobKind::mesh;
+  Unbundled out;
+  if (!has_mesh) {
+    out.scene = parse_scene(scene->data, file);
+  } else {
+    // The scene reads its mesh from a path relative to itself: lay both out below a folder of our own. A path that would
+    // lead out of it is refused.
+    const auto tmp = std::make_shared<TemporaryFolder>();
+    fs::path folder = tmp->path;
+    for (int i = 0; i < kLevels; ++i) folder /= "s";
+    fs::create_directories(folder);
+    for (const Blob& b : rec.blobs) {
+      if (b.kind != BlobKind::mesh) continue;
+      const fs::path at = (folder / b.name).lexically_normal();
+      if (fs::path(b.name).is_absolute() || !inside(tmp->path, at))
+        throw InputError(file, 0, "holds a mesh with the path \"" + b.name + "\"; expected a path near its scene");
+      fs::create_directories(at.parent_path());
+      write_whole_file(at.string(), b.data);
+    }
+    out.scene = parse_scene(scene->data, (folder / "scene.toml").string());
+    out.files = tmp;
+  }
+  if (!scene->name.empty()) out.scene.name = scene->name;
+  return out;
+}
+
+Calibration unbundle_calibration(const Recording& rec, const std::string& file) {
+  const Blob* b = rec.blob(BlobKind::calibration);
+  return b ? parse_calibration(b->data, file) : Calibration{};
+}
+
+}  // namespace limberg
