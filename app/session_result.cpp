@@ -1,5 +1,7 @@
 #include "app/session_result.h"
 
+#include "app/metrics.h"
+
 #include "app/report/report_names.h"
 
 namespace limberg {

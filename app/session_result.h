@@ -15,7 +15,5 @@ void fill_session(Result& result, Assembly& session, const SessionFigures& figur
 /// The counts of a damaged recording under `damage`; nothing when there is none.
 void fill_damage(Result& result, const LogDamage& damage);
 
-/// `metrics` and `balance` of a patient (also for operate).
-void fill_metrics(Result& result, const World& world);
 
 }  // namespace limberg

@@ -66,6 +66,7 @@ SessionFigures run_lockstep(SessionLanes lanes, const SessionSettings& set) {
       }
     }
   render.frame();
+  render.finish();
   out.state_hash = solver.state_hash();
   return out;
 }

@@ -19,6 +19,8 @@ class PictureSink {
   virtual void frame(const Snapshot& snapshot, const ToolState& tool) = 0;
   /// A named stage of the operation was passed: the picture that goes into the report.
   virtual void stage(const std::string& name, const Snapshot& snapshot) = 0;
+  /// After the last frame, on the same thread: the place to let go of a GL context.
+  virtual void finish() {}
   /// False asks the session to end (a window was closed).
   virtual bool open() const { return true; }
 };

@@ -162,6 +162,7 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
     if (!lane.open()) c.stop_device = true;
     ++n;
   }
+  lane.finish();
 }
 
 }  // namespace

@@ -22,6 +22,12 @@ class RenderLane {
     if (sink_ && s.topology) sink_->prepare(*s.topology);
   }
 
+  /// After the last frame, on the thread that prepared.
+  void finish() {
+    if (sink_) sink_->finish();
+    ch_.topologies.retire(kRenderReader);
+  }
+
   /// True when something was drawn.
   bool frame() {
     const bool new_patient = ch_.patient_to_render.update(), new_hand = ch_.hand_to_render.update();

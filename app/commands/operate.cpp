@@ -1,0 +1,145 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+
+#include "app/commands/session_command.h"
+#include "app/interrupt.h"
+#include "app/metrics.h"
+#include "app/operation.h"
+#include "app/pictures.h"
+#include "app/progress.h"
+#include "app/report/report_names.h"
+#include "app/session/workers_pool.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+struct Options {
+  std::string scene, script;
+  double cell_mm = 0;
+  std::vector<double> cells;
+  CommonOptions common;
+};
+
+/// One run's row of the convergence table.
+struct Row {
+  double cell_mm = 0, solve_ms = 0, residual = 0;
+  size_t nodes = 0;
+  KeyMetrics key;
+};
+
+void fill_convergence(Result& r, const std::vector<Row>& rows) {
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const Row& x = rows[i];
+    const std::string p = "/convergence/" + std::to_string(i);
+    r.set(p + "/cell_mm", x.cell_mm);
+    r.set(p + "/nodes", uint64_t(x.nodes));
+    r.set(p + "/closure_force_N", x.key.closure_force_N);
+    r.set(p + "/suture_gap_max_mm", x.key.suture_gap_max_mm);
+    r.set(p + "/dog_ear_mm", x.key.dog_ear_mm);
+    r.set(p + "/residual", x.residual);
+    r.set(p + "/solve_ms", x.solve_ms);
+    if (i == 0) continue;
+    const KeyMetrics& y = rows[i - 1].key;  // the coarser one before it
+    r.set(p + "/difference/closure_force_N", x.key.closure_force_N - y.closure_force_N);
+    r.set(p + "/difference/suture_gap_max_mm", x.key.suture_gap_max_mm - y.suture_gap_max_mm);
+    r.set(p + "/difference/dog_ear_mm", x.key.dog_ear_mm - y.dog_ear_mm);
+  }
+}
+
+void fill_operation(Result& r, const World& world, const Scene& scene, const OperationOutcome& o) {
+  const FemModel& m = world.solver().model();
+  size_t free_nodes = 0;
+  for (const uint8_t f : m.fixed) free_nodes += f == 0;
+  r.set("/scene_title", scene.name);
+  r.set("/scene_note", scene.note);
+  r.set("/lattice/cell_mm", world.spec().cell_mm);
+  r.set("/lattice/nodes", uint64_t(m.X_mm.size()));
+  r.set("/lattice/cells", uint64_t(o.cells));
+  r.set("/lattice/cell_copies", uint64_t(m.cells.size()));
+  r.set("/lattice/dofs", uint64_t(3 * free_nodes));
+  r.set("/solve_ms", o.solve_ms);
+  r.set("/residual", o.last.residual);
+  r.set_hash("/state_hash", world.state_hash());
+  r.set_hash("/topology_hash", world.topology_hash());
+  r.set("/memory_mb", peak_memory_mb());
+  fill_metrics(r, world);
+  for (const StageRow& s : o.stages) {
+    const std::string p = "/stages/" + std::to_string(s.number - 1);
+    r.set(p + "/name", s.name);
+    r.set(p + "/picture", report_names::stage_picture(s.number, s.name));
+    r.set(p + "/residual", double(s.shown.residual));
+    r.set(p + "/sutures", uint64_t(s.shown.sutures.size()));
+  }
+  r.set("/series/residual", std::span<const float>(o.series.residual));
+  r.set("/series/distance_mm", std::span<const float>(o.series.distance_mm));
+}
+
+int run(const Options& opt) {
+  opt.common.prepare();
+  const Scene scene = open_scene(opt.scene);
+  const Script script = load_script(opt.script);
+  std::vector<double> cells = opt.cells;
+  if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : scene.cell_mm);
+  const std::shared_ptr<const Body> body = build_body(scene);
+  WorkersPool workers(opt.common.worker_count());
+
+  Result result("operate", scene.name);
+  std::vector<Row> rows;
+  bool at_rest = true;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    WorldSpec spec = world_spec(scene, body);
+    spec.cell_mm = cells[i];
+    World world(spec, workers);
+    char label[32];
+    std::snprintf(label, sizeof label, "%g mm cells", cells[i]);
+    Progress progress(label);
+    OperationSettings set;
+    set.interrupted = interrupted;
+    set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
+    const OperationOutcome o = operate(world, scene.tools.max_depth_mm, script, set);
+    progress.clear();
+    if (o.interrupted) {
+      say("interrupted; nothing was written");
+      return kGoalMissed;
+    }
+    at_rest &= o.last.residual <= 1e-4;
+    rows.push_back({cells[i], o.solve_ms, o.last.residual, world.solver().model().X_mm.size(), key_metrics(world)});
+    std::printf("%-12s %7zu nodes  %8.0f ms  residual %.1e  closure %.3f N  gap %.3f mm  dog-ear %.2f mm  state_hash %s\n", label,
+                rows.back().nodes, o.solve_ms, o.last.residual, rows.back().key.closure_force_N,
+                rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm, hex(world.state_hash()).c_str());
+    if (i + 1 < cells.size()) continue;
+    fill_operation(result, world, scene, o);
+    if (!opt.common.out_dir.empty()) {
+      Snapshot last;
+      world.fill(last);
+      draw_report_pictures(opt.common.out_dir, o.stages, last);
+    }
+  }
+  if (rows.size() > 1) fill_convergence(result, rows);
+  int n = 0;
+  for (const ScriptLine& l : script.lines) result.set("/script/" + std::to_string(n++), to_json_line(l.command));
+  result.set_ok(at_rest);
+  leave_result(result, opt.common);
+  if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");
+  return at_rest ? kDone : kGoalMissed;
+}
+
+}  // namespace
+
+void add_operate(CLI::App& app, Chosen& chosen) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("operate", "Carry out an operation script to equilibrium, at any resolution");
+  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
+  c->add_option("SCRIPT", o->script, "Operation script (JSON lines)")->required();
+  CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(CLI::PositiveNumber);
+  c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes")
+      ->type_name("H,H,...")->delimiter(',')->check(CLI::PositiveNumber)->excludes(one);
+  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");
+  c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
+}
+
+}  // namespace limberg

@@ -1,0 +1,80 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "app/commands/session_command.h"
+#include "app/progress.h"
+#include "devices/log_source.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+struct Options {
+  std::string recording, scene;
+  bool lockstep = false, real_time = false;
+  CommonOptions common;
+};
+
+std::string describe(const LogDamage& d, const std::string& file) {
+  std::string s = file + ": damaged: " + std::to_string(d.total()) + " events lost";
+  if (d.skipped_bytes > 0) s += ", " + std::to_string(d.skipped_bytes) + " bytes skipped";
+  if (!d.first_message.empty()) s += "; first: " + d.first_message;
+  return s + "; what is whole is replayed";
+}
+
+int replay(const Options& o) {
+  o.common.prepare();
+  Recording rec = read_recording(o.recording);
+  if (!rec.session)
+    throw InputError(o.recording, 0, "no valid record of a session in it; expected a recording made by limberg run --record or limberg emulate");
+  Unbundled u = unbundle_scene(rec, o.recording);
+  if (u.scene.hash != rec.session->scene_hash)
+    throw InputError(o.recording, 0, "its scene is not the one that it was recorded with (hash " + hex(u.scene.hash) + ", recorded " +
+                                         hex(rec.session->scene_hash) + "); expected an unchanged recording");
+  if (!o.scene.empty()) {
+    const Scene asked = open_scene(o.scene);
+    if (asked.hash != rec.session->scene_hash)
+      throw InputError(o.recording, 0, "log of another scene (" + rec.session->scene_name + ", hash " + hex(rec.session->scene_hash) +
+                                           "); expected " + asked.name + ", hash " + hex(asked.hash));
+  }
+  if (rec.samples.empty()) throw InputError(o.recording, 0, "no valid record of a sample in it; expected a stream of stylus samples");
+  if (rec.damage.total() > 0) say(describe(rec.damage, o.recording));
+  if (!rec.end && rec.damage.total() == 0) say(o.recording + ": has no end record: the session was cut short; what is there is replayed");
+
+  SessionCall call;
+  call.command = "replay";
+  call.scene = std::move(u.scene);
+  call.scene_files = u.files;
+  call.calibration = unbundle_calibration(rec, o.recording);
+  call.real_time = o.real_time;
+  call.ticks_per_solver_step = std::max(1, rec.session->ticks_per_solver_step);
+  call.expected = rec.checkpoints;
+  if (rec.end) {
+    call.end_tick = rec.end->tick;
+    call.expected.push_back({rec.end->tick, rec.end->hash});
+  }
+  auto source = std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total());
+  call.known_length_s = double(source->last_ns()) * 1e-9;
+  call.sources.push_back(std::move(source));
+  call.damage = rec.damage;
+  call.reproduce = "limberg replay " + o.recording + (o.real_time ? " --realtime" : "") + (o.common.out_dir.empty() ? "" : " --out " + o.common.out_dir);
+  call.common = o.common;
+  return run_session(std::move(call));
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app, Chosen& chosen) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("replay", "Replay a recorded session: the file alone reproduces it");
+  c->add_option("RECORDING", o->recording, "LCM log made by run --record or emulate")->required();
+  CLI::Option* lockstep = c->add_flag("--lockstep", o->lockstep, "On a virtual clock, bit for bit (default)");
+  c->add_flag("--realtime", o->real_time, "On three threads at their own rates, with timing figures")->excludes(lockstep);
+  c->add_option("--scene", o->scene, "Refuse the recording if it was not made with this scene")->type_name("SCENE");
+  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  c->footer("Example: limberg replay recordings/rhomboid.lcm --out out/demo --json out/demo/result.json");
+  c->callback([o, &chosen] { chosen = [o] { return replay(*o); }; });
+}
+
+}  // namespace limberg

@@ -1,0 +1,166 @@
+#include "app/commands/session_command.h"
+
+#include <sys/stat.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+#include "app/interrupt.h"
+#include "app/output.h"
+#include "app/pictures.h"
+#include "app/progress.h"
+#include "app/report/report.h"
+#include "app/report/report_names.h"
+#include "app/session/lockstep.h"
+#include "app/session/realtime.h"
+#include "app/version.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+bool is_special(const std::string& file) {
+  struct stat st {};
+  return stat(file.c_str(), &st) == 0 && !S_ISREG(st.st_mode) && !S_ISDIR(st.st_mode);
+}
+
+std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
+  if (call.record_file.empty()) return nullptr;
+  SessionInfo info;
+  info.program = program_name().substr(0, 95);
+  info.scene_name = a.scene.name.substr(0, 63);
+  info.scene_hash = a.scene.hash;
+  info.calibration_hash = calibration_hash(a.calibration);
+  info.seeds = {a.scene.seed, call.surgeon_seed, 0, 0};
+  info.ticks_per_solver_step = a.session_settings().ticks_per_solver_step;
+  info.ticks_per_frame = a.session_settings().ticks_per_frame;
+  info.solver_delay_ticks = 0;
+  info.utc_start_ns = call.real_time
+      ? std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count()
+      : 0;  // a virtual clock began at no time: the same call writes the same bytes
+  return std::make_unique<Recorder>(a.channels, call.record_file, info, bundle(a.scene, a.calibration),
+                                    call.replace_record || is_special(call.record_file));
+}
+
+void compare_checkpoints(Result& r, const SessionCall& call, const SessionFigures& f) {
+  int64_t compared = 0, equal = 0, first_difference = -1;
+  for (const Checkpoint& want : call.expected)
+    for (const Checkpoint& got : f.checkpoints)
+      if (want.tick == got.tick && want.hash != 0) {
+        ++compared;
+        if (want.hash == got.hash) ++equal;
+        else if (first_difference < 0) first_difference = want.tick;
+        break;
+      }
+  if (compared == 0) return;
+  r.set("/checkpoints/compared", compared);
+  r.set("/checkpoints/equal", equal);
+  if (first_difference >= 0) {
+    r.set("/checkpoints/first_difference_s", double(first_difference) * 1e-3);
+    say("this run differs from the recorded one from second " + std::to_string(first_difference / 1000) +
+        " on (another version, another instruction set, or a damaged recording)");
+  }
+}
+
+void print_summary(const SessionCall& call, const Assembly& a, const SessionFigures& f) {
+  std::printf("scene       %s\n", a.scene.name.c_str());
+  std::printf("mode        %s, %.2f s\n", call.real_time ? "real time" : "lockstep", f.duration_s);
+  std::printf("commands    %llu done, %zu refused\n", static_cast<unsigned long long>(a.solver.commands()), a.solver.refused().size());
+  std::printf("solver      %llu steps, %.2f ms median, residual %.2e\n", static_cast<unsigned long long>(a.solver.steps()),
+              double(f.solver.work.percentile_ns(0.5)) * 1e-6, a.solver.last().residual);
+  std::printf("pieces      %d\n", a.world.pieces());
+  std::printf("state_hash  %s\n", hex(f.state_hash).c_str());
+}
+
+}  // namespace
+
+Scene open_scene(const std::string& name_or_path) {
+  return load_scene(find_scene(name_or_path, {"app/scenes", LIMBERG_SOURCE_DIR "/app/scenes"}));
+}
+
+void leave_result(const Result& result, const CommonOptions& common) {
+  if (!common.json_file.empty()) result.write(common.json_file);
+  if (common.out_dir.empty()) return;
+  const std::string own = common.out_dir + "/" + report_names::result;
+  std::error_code ec;
+  if (common.json_file.empty() || !std::filesystem::equivalent(own, common.json_file, ec)) result.write(own);
+  std::printf("report      %s\n", write_report(common.out_dir).c_str());
+}
+
+int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
+  call.common.prepare();
+  if (!call.record_file.empty() && !is_special(call.record_file)) {
+    check_writable(call.record_file);
+    if (!call.replace_record && std::filesystem::exists(call.record_file))
+      throw InputError(call.record_file, 0, "exists already; expected the name of a new file, or --replace");
+  }
+
+  AssemblyOptions o;
+  o.workers = call.common.worker_count();
+  o.record = !call.record_file.empty();
+  o.real_time = call.real_time;
+  o.draw_frames = !call.common.out_dir.empty() || call.real_time;
+  if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
+  OffscreenFrames frames(call.scene, 640, 480);
+  o.sink = &frames;
+  Assembly a(std::move(call.scene), call.calibration, o);
+  call.scene_files.reset();
+  for (auto& s : call.sources) a.front.add(std::move(s));
+  const std::unique_ptr<Recorder> recorder = open_recorder(call, a);
+
+  Progress progress(call.command);
+  SessionSettings set = a.session_settings();
+  if (call.ticks_per_solver_step > 0) set.ticks_per_solver_step = call.ticks_per_solver_step;
+  set.end_tick = call.end_tick;
+  set.stop_when_recording_fails = call.command == "emulate";
+  set.interrupted = interrupted;
+  set.progress = [&](int64_t tick) { progress.show(double(tick) * 1e-3, call.known_length_s, "s"); };
+  set.say = [&](const std::string& line) { progress.clear(), say(line); };
+  SessionFigures f;
+  if (call.real_time) {
+    f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
+      if (call.live_source) a.front.add(call.live_source(start_ns));
+    });
+  } else {
+    set.ticks_per_frame = 1000;  // on a virtual clock frames are samples of the picture, one a second
+    f = run_lockstep(a.lanes(recorder.get()), set);
+  }
+  progress.clear();
+
+  Result result(call.command, a.scene.name);
+  fill_session(result, a, f, call.real_time);
+  fill_damage(result, call.damage);
+  if (!call.real_time) compare_checkpoints(result, call, f);
+  if (!call.reproduce.empty()) result.set("/reproduce", call.reproduce);
+  for (const Refusal& r : a.solver.refused()) {
+    char t[32];
+    std::snprintf(t, sizeof t, "%.2f s: ", r.t_s);
+    say(std::string(t) + r.command + " refused: " + r.reason);
+  }
+  if (!a.script_error.empty()) say("the session's script is cut short: " + a.script_error);
+  if (after) after(result, a);
+  const bool recording_failed = recorder && recorder->failed();
+  if (recording_failed) result.set("/recording_error", recorder->error());
+  const bool at_rest = f.interrupted || a.solver.last().residual <= 1e-4;
+  result.set_ok(at_rest && !recording_failed);
+
+  if (!call.common.out_dir.empty()) {
+    Snapshot last;
+    a.world.fill(last);
+    draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
+  }
+  print_summary(call, a, f);
+  if (recorder && !recording_failed) std::printf("recording   %s, %lld samples\n", call.record_file.c_str(), static_cast<long long>(recorder->samples()));
+  leave_result(result, call.common);
+  if (recording_failed) {
+    say(call.record_file + ": the recording is cut short: " + recorder->error() + "; what was written before is kept");
+    return kBadInput;
+  }
+  if (f.interrupted) say("interrupted; what was done and recorded until then is kept");
+  if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");
+  return at_rest ? kDone : kGoalMissed;
+}
+
+}  // namespace limberg

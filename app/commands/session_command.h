@@ -1,0 +1,45 @@
+#pragma once
+// What run, replay and emulate have in common: drive a session, leave its results.
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/commands/commands.h"
+#include "app/bundle.h"
+#include "app/session_result.h"
+
+namespace limberg {
+
+struct SessionCall {
+  std::string command;             // for result.json
+  Scene scene;
+  std::shared_ptr<void> scene_files;
+  Calibration calibration;
+  bool real_time = false;
+  std::vector<std::unique_ptr<Source>> sources;
+  std::function<std::unique_ptr<Source>(int64_t start_ns)> live_source;  // made when the clock starts
+  std::string record_file;         // empty: none
+  bool replace_record = false;
+  uint64_t surgeon_seed = 0;
+  int64_t end_tick = -1;           // -1: when the sources have ended
+  int ticks_per_solver_step = 0;   // 0: as the scene asks
+  double known_length_s = 0;       // for the progress line
+  std::vector<Checkpoint> expected;  // of a recording: compared in lockstep
+  LogDamage damage;
+  std::string reproduce;           // the command that makes the result again
+  CommonOptions common;
+};
+
+/// Runs it, writes recording, pictures, script, result.json and report as asked, prints a summary on standard output.
+/// Returns the exit status. `after` may add to the result before it is written.
+int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after = {});
+
+/// Writes result.json and report.html into the output folder and the JSON file, as asked.
+void leave_result(const Result& result, const CommonOptions& common);
+
+/// The scene of a name or path as the user typed it: a path, or one of the scenes shipped (found beside the program's
+/// source, or in app/scenes of the working folder).
+Scene open_scene(const std::string& name_or_path);
+
+}  // namespace limberg

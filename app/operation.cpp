@@ -1,0 +1,107 @@
+#include "app/operation.h"
+
+#include <cmath>
+#include <map>
+
+#include "app/session/clock.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+class Operation {
+ public:
+  Operation(World& w, double max_depth_mm, const OperationSettings& set) : world_(w), patient_(w, max_depth_mm), set_(set) {}
+
+  OperationOutcome out;
+
+  Outcome apply(const Command& c, int line) {
+    if (const auto* m = std::get_if<MoveHook>(&c)) return move(*m);
+    const Outcome o = patient_.apply(c);
+    if (!o.done) return o;
+    if (const auto* h = std::get_if<SetHook>(&c)) note_handle(h->id);
+    if (const auto* r = std::get_if<ReleaseHook>(&c)) handle_.erase(r->id);
+    if (const auto* s = std::get_if<Stage>(&c)) {
+      StageRow row;
+      row.number = int32_t(out.stages.size()) + 1;
+      row.name = s->name;
+      row.t_s = line;
+      world_.fill(row.shown);
+      out.stages.push_back(std::move(row));
+    }
+    if (!std::holds_alternative<Stage>(c)) rest(set_.rest_residual, set_.rest_steps);
+    return o;
+  }
+
+  void rest(double residual, int steps) {
+    for (int i = 0; i < steps; ++i) {
+      step(residual);
+      if (out.last.residual <= residual || (set_.interrupted && set_.interrupted())) return;
+    }
+  }
+
+ private:
+  void step(double tolerance) {
+    StepSettings s;
+    s.max_iterations = set_.iterations;
+    s.tolerance = tolerance;
+    const int64_t before = RealClock::monotonic_ns();
+    out.last = patient_.step(s);
+    out.solve_ms += double(RealClock::monotonic_ns() - before) * 1e-6;
+    out.series.t_s.push_back(float(++steps_));
+    out.series.residual.push_back(float(out.last.residual));
+    out.series.distance_mm.push_back(float(out.last.distance_mm));
+  }
+
+  void note_handle(int id) {
+    Snapshot s;
+    world_.fill(s);
+    for (const HookState& h : s.hooks)
+      if (h.id == id) handle_[id] = h.handle_mm.cast<double>();
+  }
+
+  /// In steps, as a hand would: the minimiser follows a path instead of guessing over a large jump.
+  Outcome move(const MoveHook& m) {
+    const auto at = handle_.find(m.id);
+    if (at == handle_.end()) return patient_.apply(m);  // World says what is wrong
+    const Vec3 from = at->second;
+    const int n = std::max(1, int(std::ceil((m.to_mm - from).norm() / set_.hook_step_mm)));
+    for (int i = 1; i <= n; ++i) {
+      const Outcome o = patient_.apply(MoveHook{m.id, from + (m.to_mm - from) * (double(i) / n), 0});
+      if (!o.done) return o;
+      step(set_.rest_residual);
+    }
+    at->second = m.to_mm;
+    rest(set_.rest_residual, set_.rest_steps);
+    return {true, {}};
+  }
+
+  World& world_;
+  WorldPatient patient_;
+  const OperationSettings& set_;
+  std::map<int, Vec3> handle_;
+  int64_t steps_ = 0;
+};
+
+}  // namespace
+
+OperationOutcome operate(World& world, double max_depth_mm, const Script& script, const OperationSettings& set) {
+  Operation op(world, max_depth_mm, set);
+  op.out.cells = world.solver().model().cells.size();
+  op.rest(set.rest_residual, set.rest_steps);
+  size_t done = 0;
+  for (const ScriptLine& l : script.lines) {
+    if (set.interrupted && set.interrupted()) {
+      op.out.interrupted = true;
+      return std::move(op.out);
+    }
+    if (set.progress) set.progress(done++, script.lines.size());
+    const Outcome o = op.apply(l.command, l.line);
+    if (!o.done) throw InputError(script.name, l.line, std::string(action_name(l.command)) + " refused: " + o.reason);
+  }
+  op.rest(set.final_residual, set.final_steps);
+  return std::move(op.out);
+}
+
+}  // namespace limberg

@@ -1,0 +1,38 @@
+#pragma once
+// An operation script carried out without a hand: each action straight to the patient, then steps until it is at rest.
+// The same script at another cell size is the same operation: that is how a result's dependence on the lattice is shown.
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "app/scene.h"
+#include "app/session/solver_lane.h"
+#include "app/world_patient.h"
+#include "sim/tools/script.h"
+
+namespace limberg {
+
+struct OperationSettings {
+  double hook_step_mm = 2;          // a hook moves by so much between solver steps
+  int iterations = 20;              // of one solver step
+  double rest_residual = 1e-5;      // at rest after an action
+  int rest_steps = 100;             // at most so many steps towards it
+  double final_residual = 1e-6;     // at the end
+  int final_steps = 400;
+  std::function<bool()> interrupted;
+  std::function<void(size_t done, size_t total)> progress;
+};
+
+struct OperationOutcome {
+  std::vector<StageRow> stages;     // t_s: number of the script's line, not a time
+  SolverSeries series;              // t_s: number of the solver step
+  StepReport last;
+  double solve_ms = 0;              // wall time of all solver steps
+  size_t cells = 0;                 // lattice cells that held material before the first cut
+  bool interrupted = false;
+};
+
+/// InputError with the script's file and line when the patient refuses an action.
+OperationOutcome operate(World& world, double max_depth_mm, const Script& script, const OperationSettings& settings);
+
+}  // namespace limberg

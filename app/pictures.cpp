@@ -1,0 +1,83 @@
+#include "app/pictures.h"
+
+#include "app/output.h"
+#include "app/progress.h"
+#include "app/report/report_names.h"
+#include "render/gl_context.h"
+#include "render/picture.h"
+
+namespace limberg {
+
+namespace {
+
+Camera scene_camera(const Scene& scene) {
+  Camera c;
+  c.target_mm = scene.camera.target_mm.cast<float>();
+  c.eye_mm = scene.camera.eye_mm().cast<float>();
+  c.up = scene.camera.up.cast<float>();
+  c.fov_deg = float(scene.camera.fov_deg);
+  return c;
+}
+
+ToolPose tool_pose(const ToolState& t) {
+  ToolPose p;
+  p.visible = t.valid != 0;
+  switch (Tool(t.tool)) {
+    case Tool::hook: p.kind = ToolPose::Kind::hook; break;
+    case Tool::suture:
+    case Tool::suture_row: p.kind = ToolPose::Kind::needle_holder; break;
+    case Tool::none: p.kind = ToolPose::Kind::stylus; break;
+    default: p.kind = ToolPose::Kind::scalpel; break;
+  }
+  for (int i = 0; i < 3; ++i) p.tip_mm[i] = float(t.tip_mm[i]), p.shaft[i] = float(t.shaft[i]);
+  return p;
+}
+
+}  // namespace
+
+struct OffscreenFrames::Impl {
+  Camera camera;
+  int width, height;
+  std::unique_ptr<PictureMaker> maker;
+};
+
+OffscreenFrames::OffscreenFrames(const Scene& scene, int width, int height) : impl_(new Impl{scene_camera(scene), width, height, nullptr}) {}
+OffscreenFrames::~OffscreenFrames() = default;
+
+void OffscreenFrames::prepare(const SurfaceTopology&) {
+  try {
+    // No worker threads of the driver's own: on two cores they would take time from the solver.
+    impl_->maker = std::make_unique<PictureMaker>(impl_->width, impl_->height, PictureQuality::live, 0);
+    impl_->maker->set_camera(impl_->camera);
+  } catch (const RenderUnavailable& e) {
+    say(std::string("no frames: ") + e.what());
+  }
+}
+
+void OffscreenFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
+  if (!impl_->maker) return;
+  PictureOptions o;
+  o.tool = tool_pose(tool);
+  impl_->maker->skin(snapshot, o);
+}
+
+void OffscreenFrames::finish() { impl_->maker.reset(); }
+
+void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last) {
+  if (!last.topology) return;
+  try {
+    PictureMaker pictures(1280, 720);
+    pictures.focus_from(last);
+    if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
+    for (const StageRow& s : stages)
+      if (s.shown.topology)
+        write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, {.title = s.name}));
+    write_png(dir + "/" + report_names::overview, pictures.skin(last));
+    if (!last.field.empty())
+      write_png(dir + "/" + report_names::tension, pictures.tension(last, {.title = "Tension of the skin"}));
+  } catch (const RenderUnavailable& e) {
+    say(std::string("no pictures: ") + e.what());
+  }
+}
+
+}  // namespace limberg

@@ -1,0 +1,33 @@
+#pragma once
+// Pictures of a session: frames while it runs, and the still pictures of the report afterwards.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/scene.h"
+#include "app/session/picture_sink.h"
+#include "app/session/solver_lane.h"
+
+namespace limberg {
+
+/// Draws frames off screen and throws them away: what a session without a window costs is then what one with a window
+/// costs. Where no context can be made it says so once and draws nothing.
+class OffscreenFrames final : public PictureSink {
+ public:
+  OffscreenFrames(const Scene& scene, int width, int height);
+  ~OffscreenFrames() override;
+  void prepare(const SurfaceTopology& first) override;
+  void frame(const Snapshot& snapshot, const ToolState& tool) override;
+  void stage(const std::string&, const Snapshot&) override {}
+  void finish() override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Draws DIR/stages/NN-name.png, DIR/overview.png and DIR/tension.png (report_names.h), all with one camera on what was
+/// operated. Says in one line when pictures cannot be made here; InputError when a file cannot be written.
+void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last);
+
+}  // namespace limberg
