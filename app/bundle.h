@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/scene.h"
+#include "calibration/calibration.h"
 #include "devices/recording.h"
 
 namespace limberg {

@@ -10,6 +10,12 @@ namespace limberg {
 
 namespace {
 
+PictureOptions titled(const std::string& title) {
+  PictureOptions o;
+  o.title = title;
+  return o;
+}
+
 Camera scene_camera(const Scene& scene) {
   Camera c;
   c.target_mm = scene.camera.target_mm.cast<float>();
@@ -71,10 +77,10 @@ void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
     for (const StageRow& s : stages)
       if (s.shown.topology)
-        write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, {.title = s.name}));
+        write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, titled(s.name)));
     write_png(dir + "/" + report_names::overview, pictures.skin(last));
     if (!last.field.empty())
-      write_png(dir + "/" + report_names::tension, pictures.tension(last, {.title = "Tension of the skin"}));
+      write_png(dir + "/" + report_names::tension, pictures.tension(last, titled("Tension of the skin")));
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());
   }

@@ -1,0 +1,180 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <map>
+#include <string_view>
+
+#include "app/bundle.h"
+#include "app/commands/session_command.h"
+#include "app/output.h"
+#include "app/progress.h"
+#include "app/session/clock.h"
+#include "app/session/workers_pool.h"
+#include "sim/error.h"
+#include "sim/geometry/obj.h"
+#include "sim/tools/script.h"
+
+namespace limberg {
+
+namespace {
+
+enum class Kind { scene, script, recording, calibration, surface };
+
+/// What a file is, by what is in it; its name decides only where the content leaves a doubt.
+Kind recognise(const std::string& file, std::string_view text) {
+  const auto ends = [&](const char* e) { return std::string_view(file).ends_with(e); };
+  if (text.substr(0, 4096).find("\xED\xA1\xDA\x01") != std::string_view::npos) return Kind::recording;
+  const size_t first = text.find_first_not_of(" \t\r\n");
+  if (first == std::string_view::npos)
+    throw InputError(file, 0, "is empty; expected a scene, a script, a recording, a calibration or an OBJ surface");
+  if (text[first] == '{' || ends(".jsonl")) return Kind::script;
+  if (text.find('\0') != std::string_view::npos) {
+    if (ends(".lcm")) return Kind::recording;
+    throw InputError(file, 0, "is of no kind that is known here; expected a scene, a script, a recording, a calibration or an OBJ surface");
+  }
+  if (text.find("limberg_calibration") != std::string_view::npos) return Kind::calibration;
+  if (ends(".lcm")) return Kind::recording;
+  if (ends(".toml")) return Kind::scene;
+  if (ends(".obj")) return Kind::surface;
+  if (text.find("\nv ") != std::string_view::npos || text.starts_with("v ")) return Kind::surface;
+  if (text.find("[body]") != std::string_view::npos) return Kind::scene;
+  throw InputError(file, 0, "is of no kind that is known here; expected a scene, a script, a recording, a calibration or an OBJ surface");
+}
+
+void print_surface(const SurfaceReport& s) {
+  std::printf("surface     closed, %lld triangles, %lld vertices, genus %d, %.1f cm3, %.1f cm2\n", static_cast<long long>(s.triangles),
+              static_cast<long long>(s.vertices), s.genus, s.volume_mm3 * 1e-3, s.area_mm2 * 1e-2);
+}
+
+void check_scene(const Scene& scene) {
+  SurfaceReport surface;
+  const auto body = build_body(scene, &surface);
+  std::printf("scene       %s\n", scene.name.c_str());
+  if (!scene.note.empty()) std::printf("            %s\n", scene.note.c_str());
+  if (surface.triangles == 0) surface.triangles = int64_t(body->surface.tri.size()), surface.vertices = int64_t(body->surface.X_mm.size());
+  if (surface.volume_mm3 > 0) print_surface(surface);
+  else std::printf("surface     %lld triangles, %lld vertices\n", static_cast<long long>(surface.triangles), static_cast<long long>(surface.vertices));
+  const Vec3 size = body->box_max_mm - body->box_min_mm;
+  std::printf("size        %.1f x %.1f x %.1f mm\n", size.x(), size.y(), size.z());
+  for (const Layer& l : body->layers)
+    std::printf("layer       %s, %.3g mm, %.3g kPa, Poisson %.3g, prestretch %.3g along, %.3g across\n", l.name.c_str(), l.thickness_mm,
+                l.material.young_kPa, l.material.poisson, l.material.prestretch_along, l.material.prestretch_across);
+  std::printf("hash        %s\n", hex(scene.hash).c_str());
+}
+
+/// Builds what the scene asks for and says what came of it: the only plan that cannot be wrong.
+void plan(const Scene& scene, int workers_n) {
+  WorkersPool workers(workers_n);
+  const auto body = build_body(scene);
+  const double before_mb = peak_memory_mb();
+  const int64_t t0 = RealClock::monotonic_ns();
+  World world(world_spec(scene, body), workers);
+  const int64_t t1 = RealClock::monotonic_ns();
+  const FemModel& m = world.solver().model();
+  StepSettings s;
+  s.max_iterations = scene.iterations_per_step;
+  Histogram step;
+  for (int i = 0; i < 20; ++i) {
+    const int64_t a = RealClock::monotonic_ns();
+    world.step(s);
+    step.add(RealClock::monotonic_ns() - a);
+  }
+  std::printf("plan        built in %.2f s with %d workers\n", double(t1 - t0) * 1e-9, workers_n);
+  std::printf("  lattice   %zu nodes, %zu cells of %.2f x %.2f x %.2f mm\n", m.X_mm.size(), m.cells.size(), m.cell_mm.x(), m.cell_mm.y(), m.cell_mm.z());
+  std::printf("  solver    %s\n", world.solver().describe().c_str());
+  std::printf("  parts     %s%s\n", scene.can_cut ? "cutter" : "no cutter", scene.dynamic ? ", dynamics" : ", quasi-static");
+  std::printf("  not built bone, simplex meshes, haptic contact model (not asked for)\n");
+  std::printf("  memory    %.0f MB, of which the patient %.0f MB\n", peak_memory_mb(), peak_memory_mb() - before_mb);
+  std::printf("  step      %.2f ms median of %d iterations (%.0f steps a second wanted)\n", double(step.percentile_ns(0.5)) * 1e-6,
+              scene.iterations_per_step, scene.steps_per_s);
+}
+
+void check_script(const Script& script) {
+  std::printf("script      %zu actions for scene \"%s\"\n", script.lines.size(), script.header.scene.c_str());
+  if (!script.header.note.empty()) std::printf("            %s\n", script.header.note.c_str());
+  std::map<std::string, int> count;
+  for (const ScriptLine& l : script.lines) ++count[action_name(l.command)];
+  for (const auto& [name, n] : count) std::printf("  %-10s %d\n", name.c_str(), n);
+}
+
+int check_recording(const std::string& file, bool with_plan, int workers) {
+  const Recording rec = read_recording(file);
+  int64_t stylus = 0, first = 0, last = 0;
+  for (const Sample& s : rec.samples) {
+    const int64_t t = std::visit([](const auto& x) { return x.t_ns; }, s);
+    if (&s == &rec.samples.front()) first = t;
+    last = std::max(last, t);
+    stylus += std::holds_alternative<StylusSample>(s);
+  }
+  std::printf("recording   %lld events\n", static_cast<long long>(rec.events));
+  if (rec.session)
+    std::printf("session     scene %s (hash %s), by %s\n", rec.session->scene_name.c_str(), hex(rec.session->scene_hash).c_str(), rec.session->program.c_str());
+  else std::printf("session     none: a plain stream, not a recording that replays by itself\n");
+  const double seconds = double(last - first) * 1e-9;
+  std::printf("samples     %lld stylus, %lld controls, %.2f s%s\n", static_cast<long long>(stylus), static_cast<long long>(int64_t(rec.samples.size()) - stylus),
+              seconds, seconds > 0 ? (", " + std::to_string(int(double(stylus) / seconds + 0.5)) + " Hz").c_str() : "");
+  for (const Blob& b : rec.blobs) std::printf("holds       %s, %zu bytes\n", b.name.c_str(), b.data.size());
+  std::printf("checkpoints %zu\n", rec.checkpoints.size());
+  std::printf("end         %s\n", rec.end ? "whole" : "missing: the session was cut short");
+  if (rec.session) {
+    const Unbundled u = unbundle_scene(rec, file);
+    if (u.scene.hash != rec.session->scene_hash) throw InputError(file, 0, "its scene is not the one that it was recorded with");
+    check_scene(u.scene);
+    if (with_plan) plan(u.scene, workers);
+  }
+  if (rec.damage.total() == 0) return kDone;
+  const LogDamage& d = rec.damage;
+  std::printf("damage      %lld events lost: truncated %lld, bad sync %lld, bad length %lld, bad payload %lld, out of order %lld, missing %lld; %lld bytes skipped\n",
+              static_cast<long long>(d.total()), static_cast<long long>(d.truncated), static_cast<long long>(d.bad_sync), static_cast<long long>(d.bad_length),
+              static_cast<long long>(d.bad_payload), static_cast<long long>(d.out_of_order), static_cast<long long>(d.missing), static_cast<long long>(d.skipped_bytes));
+  say(file + ": damaged: " + d.first_message);
+  return kGoalMissed;
+}
+
+int check(const std::string& file, bool with_plan, int workers) {
+  const std::string text = read_whole_file(file, size_t(4) << 30);
+  switch (recognise(file, text)) {
+    case Kind::recording: return check_recording(file, with_plan, workers);
+    case Kind::script: check_script(parse_script(text, file)); break;
+    case Kind::calibration: {
+      const Calibration c = parse_calibration(text, file);
+      std::printf("calibration %s, hash %s\n", c.name.c_str(), hex(calibration_hash(c)).c_str());
+      break;
+    }
+    case Kind::surface: {
+      ObjSpec spec;
+      spec.path = file;
+      spec.layers.resize(1);
+      SurfaceReport report;
+      parse_obj(text, spec, &report);
+      print_surface(report);
+      break;
+    }
+    case Kind::scene: {
+      const Scene scene = load_scene(file);
+      check_scene(scene);
+      if (with_plan) plan(scene, workers);
+      break;
+    }
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Chosen& chosen) {
+  struct Options {
+    std::string file;
+    bool plan = false;
+    CommonOptions common;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("check", "Say what a file holds and whether it is sound");
+  c->add_option("FILE", o->file, "Scene, script, recording, calibration or OBJ surface; known by its content")->required();
+  c->add_flag("--plan", o->plan, "Build the scene: parts, nodes, memory, time of a step");
+  o->common.add_workers(*c);
+  c->footer("Exit status 3: a recording is damaged, but what is whole can be replayed.\n"
+            "Example: limberg check app/scenes/rhomboid.toml --plan");
+  c->callback([o, &chosen] { chosen = [o] { return check(o->file, o->plan, o->common.worker_count()); }; });
+}
+
+}  // namespace limberg
