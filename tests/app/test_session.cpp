@@ -1,0 +1,278 @@
+// The lanes together: lockstep is the same every time, a recording made of it replays to the same bits, real time loses
+// nothing and ends at the same place, and the device thread takes no memory.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+#include "app/session/lockstep.h"
+#include "app/session/realtime.h"
+#include "app/session/workers_pool.h"
+#include "devices/emulator.h"
+#include "devices/log_source.h"
+#include "sim/error.h"
+#include "tests/app/fake_patient.h"
+#include "tests/app/malloc_counter.h"
+
+namespace limberg {
+namespace {
+
+std::vector<Command> operation() {
+  return {Incise{{{-10, -5}, {10, -5}}, 4, 90}, Stage{"cut"},           SetHook{1, {3, 4}}, MoveHook{1, {6, 8, 5}, 0.8},
+          Stage{"pulled"},                     Incise{{{-8, 6}, {-8, 12}}, 10, 90},  // too deep: refused
+          ReleaseHook{1},                      SetHook{2, {-6, 0}},    MoveHook{2, {-9, 0, 4}, 0.5}, Stage{"end"}};
+}
+
+/// Notes what it is shown.
+struct Notes final : PictureSink {
+  std::vector<std::string> stages;
+  int frames = 0;
+  uint64_t last_step = 0;
+  bool went_back = false;
+  void frame(const Snapshot& s, const ToolState&) override {
+    ++frames;
+    went_back |= s.step < last_step;
+    last_step = s.step;
+  }
+  void stage(const std::string& name, const Snapshot&) override { stages.push_back(name); }
+};
+
+struct Rig {
+  explicit Rig(std::unique_ptr<Source> source, Workers* workers = nullptr, bool record = false)
+      : patient(workers), front(Calibration{}), device(front, *channels, record), solver(patient, *channels, settings()), render(*channels, &notes, true) {
+    front.add(std::move(source));
+  }
+  static SolverSettings settings() {
+    SolverSettings s;
+    s.step.max_iterations = 6;
+    s.step.tolerance = 1e-9;
+    return s;
+  }
+  SessionLanes lanes(Recorder* r = nullptr) { return {device, solver, render, r}; }
+
+  FakePatient patient;
+  std::unique_ptr<Channels> channels = std::make_unique<Channels>();
+  Notes notes;
+  DeviceFrontEnd front;
+  DeviceLane device;
+  SolverLane solver;
+  RenderLane render;
+};
+
+std::unique_ptr<Source> surgeon(uint64_t seed = 3) {
+  SurgeonSettings s;
+  s.seed = seed;
+  return std::make_unique<EmulatedSurgeon>(operation(), s);
+}
+
+SessionSettings quick() {
+  SessionSettings s;
+  s.settle_residual = 1e-8;
+  return s;
+}
+
+std::string temporary(const char* name) {
+  return (std::filesystem::temp_directory_path() / (std::string("limberg-") + std::to_string(getpid()) + name)).string();
+}
+
+TEST(Lockstep, CarriesOutTheScript) {
+  Rig rig(surgeon());
+  const SessionFigures f = run_lockstep(rig.lanes(), quick());
+  EXPECT_EQ(rig.notes.stages, (std::vector<std::string>{"cut", "pulled", "end"}));
+  ASSERT_EQ(rig.solver.refused().size(), 1u);
+  EXPECT_EQ(rig.solver.refused()[0].command, "incise");
+  ASSERT_EQ(rig.solver.stages().size(), 3u);
+  for (const StageRow& s : rig.solver.stages()) EXPECT_TRUE(s.shown.topology);
+  EXPECT_EQ(rig.patient.hooks(), 1u);  // the second one stands
+  EXPECT_EQ(rig.solver.event_gaps(), 0);
+  EXPECT_EQ(rig.device.events_lost(), 0u);
+  EXPECT_EQ(uint64_t(f.ticks), uint64_t(f.last_tick) + 1);
+  EXPECT_NEAR(double(rig.solver.steps()), double(f.ticks) / 16 + f.settle_steps, 1.0);
+  EXPECT_GT(rig.notes.frames, 10);
+  EXPECT_LT(rig.notes.frames, f.ticks / 33 + 2);
+  EXPECT_FALSE(rig.notes.went_back);
+  // The hook that was put down stands where the hand left it: tracker noise and tremor are tenths of a millimetre.
+  Snapshot s;
+  rig.patient.fill(s);
+  EXPECT_NEAR((s.hooks[0].handle_mm - Vec3f(-9, 0, 4)).norm(), 0, 1.0);
+}
+
+TEST(Lockstep, SameBitsEveryTimeAndWithAnyWorkers) {
+  uint64_t hash = 0;
+  std::vector<Checkpoint> checkpoints;
+  for (const int workers : {0, 1, 2, 3}) {
+    const std::unique_ptr<Workers> w = workers ? std::make_unique<WorkersPool>(workers) : nullptr;
+    Rig rig(surgeon(), w.get());
+    const SessionFigures f = run_lockstep(rig.lanes(), quick());
+    if (hash == 0) hash = f.state_hash, checkpoints = f.checkpoints;
+    EXPECT_EQ(f.state_hash, hash) << workers;
+    ASSERT_EQ(f.checkpoints.size(), checkpoints.size());
+    for (size_t i = 0; i < checkpoints.size(); ++i) EXPECT_EQ(f.checkpoints[i].hash, checkpoints[i].hash);
+  }
+  Rig other(surgeon(4));
+  EXPECT_NE(run_lockstep(other.lanes(), quick()).state_hash, hash);  // the hash sees another tremor
+}
+
+TEST(Lockstep, ARecordingReplaysToTheSameBits) {
+  const std::string file = temporary("replay.lcm");
+  uint64_t hash = 0;
+  {
+    Rig rig(surgeon(), nullptr, true);
+    Recorder recorder(*rig.channels, file, SessionInfo{}, {}, true);
+    hash = run_lockstep(rig.lanes(&recorder), quick()).state_hash;
+    EXPECT_FALSE(recorder.failed()) << recorder.error();
+    EXPECT_GT(recorder.samples(), 100);
+  }
+  Recording rec = read_recording(file);
+  std::filesystem::remove(file);
+  EXPECT_EQ(rec.damage.total(), 0) << rec.damage.first_message;
+  ASSERT_TRUE(rec.end.has_value());
+  ASSERT_GT(rec.checkpoints.size(), 3u);
+  Rig again(std::make_unique<LogSource>(rec.samples));
+  SessionSettings set = quick();
+  set.end_tick = rec.end->tick;
+  const SessionFigures f = run_lockstep(again.lanes(), set);
+  EXPECT_EQ(f.state_hash, hash);
+  ASSERT_EQ(f.checkpoints.size(), rec.checkpoints.size() + 1);
+  for (size_t i = 0; i < rec.checkpoints.size(); ++i) {
+    EXPECT_EQ(f.checkpoints[i].tick, rec.checkpoints[i].tick);
+    EXPECT_EQ(f.checkpoints[i].hash, rec.checkpoints[i].hash);
+  }
+  EXPECT_EQ(f.checkpoints.back().hash, rec.end->hash);
+}
+
+TEST(Lockstep, AFullDiskEndsTheRecordingAndSaysSo) {
+  Rig rig(surgeon(), nullptr, true);
+  std::unique_ptr<Recorder> recorder;
+  try {
+    recorder = std::make_unique<Recorder>(*rig.channels, "/dev/full", SessionInfo{}, std::vector<Blob>{}, true);
+  } catch (const InputError&) {
+    return;  // refused at once: just as well
+  }
+  SessionSettings set = quick();
+  set.stop_when_recording_fails = true;
+  run_lockstep(rig.lanes(recorder.get()), set);
+  EXPECT_TRUE(recorder->failed());
+  EXPECT_NE(recorder->error().find("No space"), std::string::npos) << recorder->error();
+}
+
+TEST(Lockstep, EndsWhenInterrupted) {
+  Rig rig(surgeon());
+  SessionSettings set = quick();
+  int asked = 0;
+  set.interrupted = [&] { return ++asked > 5; };
+  const SessionFigures f = run_lockstep(rig.lanes(), set);
+  EXPECT_TRUE(f.interrupted);
+  EXPECT_LT(f.ticks, 1000);
+}
+
+TEST(Lockstep, TheDeviceLaneTakesNoMemoryBetweenCuts) {
+  if (!malloc_counter::works()) GTEST_SKIP() << "malloc is taken by a sanitizer";
+  Recording rec;
+  {
+    const std::string file = temporary("quiet.lcm");
+    Rig rig(surgeon(), nullptr, true);
+    Recorder recorder(*rig.channels, file, SessionInfo{}, {}, true);
+    run_lockstep(rig.lanes(&recorder), quick());
+    rec = read_recording(file);
+    std::filesystem::remove(file);
+  }
+  Rig rig(std::make_unique<LogSource>(rec.samples), nullptr, true);
+  rig.solver.start();
+  uint64_t version = 0, quiet_ticks = 0, taken = 0;
+  for (int64_t tick = 0; tick <= rec.end->tick; ++tick) {
+    const uint64_t before = malloc_counter::count();
+    rig.device.tick(tick);
+    const uint64_t n = malloc_counter::count() - before;
+    Snapshot s;
+    rig.patient.fill(s);
+    if (s.topology_version == version) taken += n, ++quiet_ticks;
+    if (tick % 16 == 0) rig.solver.step(tick);
+    // The index of the skin is built anew on the first tick that sees a new topology.
+    version = rig.channels->patient_to_device.reading().snapshot.topology_version;
+    for (Sample x; rig.channels->samples.pop(x);) {
+    }
+  }
+  EXPECT_GT(quiet_ticks, 1000u);
+  EXPECT_EQ(taken, 0u);
+}
+
+TEST(MallocCounter, SeesAnAllocation) {
+  if (!malloc_counter::works()) GTEST_SKIP() << "malloc is taken by a sanitizer";
+  const uint64_t before = malloc_counter::count();
+  const std::unique_ptr<Rig> rig = std::make_unique<Rig>(surgeon());
+  EXPECT_GT(malloc_counter::count(), before);
+}
+
+TEST(RealTime, LosesNothingAndEndsWhereLockstepDoes) {
+  // A short recording, so that the test takes its three or four seconds and no more.
+  const std::vector<Command> script{SetHook{1, {3, 4}}, MoveHook{1, {6, 8, 5}, 0.5}, Stage{"pulled"}};
+  SurgeonSettings ss;
+  ss.dropouts_per_s = 0, ss.settle_s = 0.1, ss.start_s = 0.1, ss.carry_mm_s = 200;
+  const std::string file = temporary("rt.lcm");
+  std::vector<Vec3> at_end;
+  {
+    Rig rig(std::make_unique<EmulatedSurgeon>(script, ss), nullptr, true);
+    Recorder recorder(*rig.channels, file, SessionInfo{}, {}, true);
+    run_lockstep(rig.lanes(&recorder), quick());
+    at_end = rig.patient.x_mm();
+  }
+  Recording rec = read_recording(file);
+  Rig rig(std::make_unique<LogSource>(rec.samples), nullptr, true);
+  SessionSettings set = quick();
+  set.end_tick = rec.end->tick;
+  std::string said;
+  set.say = [&](const std::string& s) { said += s; };
+  const std::string copy = temporary("rt2.lcm");
+  int64_t start_ns = 0;
+  SessionFigures f;
+  {
+    Recorder recorder(*rig.channels, copy, SessionInfo{}, {}, true);
+    f = run_realtime(rig.lanes(&recorder), set, {}, [&](int64_t t) { start_ns = t; });
+    EXPECT_FALSE(recorder.failed()) << recorder.error();
+  }
+  EXPECT_GT(start_ns, 0);
+  EXPECT_NE(said.find("device thread:"), std::string::npos);
+  EXPECT_EQ(rig.notes.stages, std::vector<std::string>{"pulled"});
+  EXPECT_EQ(rig.device.events_lost(), 0u);
+  EXPECT_EQ(rig.solver.event_gaps(), 0);
+  EXPECT_EQ(f.last_tick, rec.end->tick);
+  EXPECT_GT(f.device.ticks + f.device.skipped, uint64_t(rec.end->tick) * 9 / 10);
+  double worst = 0;
+  for (size_t i = 0; i < at_end.size(); ++i) worst = std::max(worst, (rig.patient.x_mm()[i] - at_end[i]).norm());
+  EXPECT_LT(worst, 0.2);  // the filter sees other ticks, the hand ends at the same place
+  const Recording second = read_recording(copy);
+  EXPECT_EQ(second.samples.size(), rec.samples.size());  // every sample as received
+  std::filesystem::remove(file), std::filesystem::remove(copy);
+}
+
+TEST(RealTime, AnErrorInAThreadEndsTheSession) {
+  struct Broken final : Source {
+    void poll(int64_t now_ns, SampleSink&) override {
+      if (now_ns > 50'000'000) throw std::runtime_error("broken device");
+    }
+    bool done() const override { return false; }
+    SourceCounts counts() const override { return {}; }
+  };
+  Rig rig(std::make_unique<Broken>());
+  EXPECT_THROW(run_realtime(rig.lanes(), quick(), {}), std::runtime_error);
+}
+
+TEST(RealTime, EndsWhenInterrupted) {
+  struct Endless final : Source {
+    void poll(int64_t, SampleSink&) override {}
+    bool done() const override { return false; }
+    SourceCounts counts() const override { return {}; }
+  };
+  Rig rig(std::make_unique<Endless>());
+  SessionSettings set = quick();
+  int asked = 0;
+  set.interrupted = [&] { return ++asked > 10; };
+  EXPECT_TRUE(run_realtime(rig.lanes(), set, {}).interrupted);
+}
+
+}  // namespace
+}  // namespace limberg
