@@ -1,0 +1,145 @@
+#include "devices/lcm_net_source.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <atomic>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <thread>
+#include <vector>
+
+#include "devices/message_codec.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+int64_t monotonic_ns() {
+  timespec ts;
+  clock_gettime(CLOCK_MONOTONIC, &ts);
+  return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
+}
+
+/// This machine only: memory, or multicast whose packets do not leave it.
+bool is_local(const std::string& url) {
+  if (url.rfind("memq://", 0) == 0) return true;
+  const size_t question = url.find('?');
+  if (url.rfind("udpm://239.", 0) != 0 || question == std::string::npos) return false;
+  const std::string options = "&" + url.substr(question + 1) + "&";
+  const size_t ttl = options.find("&ttl=");
+  return options.find("&ttl=0&") != std::string::npos && options.find("&ttl=", ttl + 1) == std::string::npos;
+}
+
+constexpr size_t kMaxStreams = 64;
+
+}  // namespace
+
+struct LcmNetSource::Impl {
+  Impl(const LcmNetSettings& settings, int64_t start) : lcm(settings.url), start_ns(start) {
+    size_t size = 2;
+    while (size < settings.ring) size *= 2;
+    slot.resize(size);
+  }
+
+  // ---- the receiving thread ----
+
+  static void on_stylus(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
+    self->take<limberg_msg::stylus_t, StylusSample>(buffer, 0);
+  }
+  static void on_control(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
+    self->take<limberg_msg::control_t, ControlSample>(buffer, 1);
+  }
+
+  template <class M, class S>
+  void take(const lcm::ReceiveBuffer* buffer, int type) {
+    M m;
+    S s;
+    if (decode_message(static_cast<const uint8_t*>(buffer->data), buffer->data_size, m) || to_sample(m, s, true)) {
+      malformed.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    s.t_ns = monotonic_ns() - start_ns;
+    const std::pair<int, int32_t> stream{type, s.device_id};
+    int64_t gap = 0;
+    if ((order.size() >= kMaxStreams && !order.contains(stream)) || !order[stream].accept(s.seq, s.t_ns, gap)) {
+      malformed.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    // A sender that begins anew at a much higher number has lost nothing.
+    constexpr int64_t kMostLost = 100'000;
+    if (gap < kMostLost) lost.fetch_add(gap, std::memory_order_relaxed);
+    const size_t at = head.load(std::memory_order_relaxed);
+    if (at - tail.load(std::memory_order_acquire) >= slot.size()) {
+      lost.fetch_add(1, std::memory_order_relaxed);
+      return;
+    }
+    slot[at & (slot.size() - 1)] = s;
+    head.store(at + 1, std::memory_order_release);
+  }
+
+  void listen() {
+    while (!stop.load(std::memory_order_acquire))
+      if (lcm.handleTimeout(50) < 0) {
+        // The socket is broken. Say so through the counts and do not spin.
+        malformed.fetch_add(1, std::memory_order_relaxed);
+        const timespec pause{0, 50'000'000};
+        nanosleep(&pause, nullptr);
+      }
+  }
+
+  lcm::LCM lcm;
+  const int64_t start_ns;
+  std::map<std::pair<int, int32_t>, StreamOrder> order;  // of the receiving thread alone
+  std::vector<Sample> slot;
+  alignas(64) std::atomic<size_t> head{0};
+  alignas(64) std::atomic<size_t> tail{0};
+  std::atomic<int64_t> malformed{0}, lost{0};
+  std::atomic<bool> stop{false};
+  std::thread thread;
+  // Of the polling thread alone.
+  int64_t samples = 0, last_t_ns = -1, last_now_ns = -1;
+};
+
+LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
+  if (!settings.allow_other_networks && !is_local(settings.url))
+    throw InputError("", 0, "LCM address \"" + settings.url +
+                                "\" may reach other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to listen there");
+  impl_ = std::make_unique<Impl>(settings, start_ns);
+  if (!impl_->lcm.good())
+    throw InputError("", 0, "LCM address \"" + settings.url +
+                                "\" cannot be opened; expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
+  impl_->lcm.subscribeFunction(std::string(kStylusChannel), &Impl::on_stylus, impl_.get());
+  impl_->lcm.subscribeFunction(std::string(kControlChannel), &Impl::on_control, impl_.get());
+  impl_->thread = std::thread([this] { impl_->listen(); });
+}
+
+LcmNetSource::~LcmNetSource() {
+  if (!impl_ || !impl_->thread.joinable()) return;
+  impl_->stop.store(true, std::memory_order_release);
+  impl_->thread.join();
+}
+
+void LcmNetSource::poll(int64_t now_ns, SampleSink& sink) {
+  Impl& i = *impl_;
+  const size_t head = i.head.load(std::memory_order_acquire);
+  for (size_t at = i.tail.load(std::memory_order_relaxed); at != head; ++at) {
+    Sample& s = i.slot[at & (i.slot.size() - 1)];
+    int64_t& t_ns = *std::visit([](auto& v) { return &v.t_ns; }, s);
+    if (t_ns > now_ns) break;
+    // Stamped within the tick that consumes it, so that a replay by time stamps consumes it in the same tick.
+    t_ns = std::max({t_ns, i.last_now_ns + 1, i.last_t_ns + 1});
+    i.last_t_ns = t_ns;
+    ++i.samples;
+    sink.on_sample(s);
+    i.tail.store(at + 1, std::memory_order_release);
+  }
+  i.last_now_ns = now_ns;
+}
+
+SourceCounts LcmNetSource::counts() const {
+  return {impl_->samples, impl_->malformed.load(std::memory_order_relaxed), impl_->lost.load(std::memory_order_relaxed)};
+}
+
+}  // namespace limberg

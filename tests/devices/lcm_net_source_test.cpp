@@ -1,0 +1,115 @@
+// The live source. The network part runs where multicast works on this machine, on a port of its own.
+#include "devices/lcm_net_source.h"
+
+#include <gtest/gtest.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "devices/message_codec.h"
+#include "sim/error.h"
+#include "tests/devices/samples.h"
+
+namespace limberg {
+namespace {
+
+using namespace test;
+
+struct Kept final : SampleSink {
+  void on_sample(const Sample& s) override { all.push_back(s); }
+  std::vector<Sample> all;
+};
+
+int64_t monotonic_ns() {
+  timespec ts;
+  clock_gettime(CLOCK_MONOTONIC, &ts);
+  return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
+}
+
+TEST(LcmNetSource, OtherNetworksAreRefusedUnlessAsked) {
+  for (const char* url : {"udpm://239.255.76.67:7667?ttl=1", "udpm://239.255.76.67:7667", "udpm://10.0.0.1:7667?ttl=0", "tcpq://somewhere:7700",
+                          "udpm://239.255.76.67:7667?ttl=0&ttl=3", "file:///etc/passwd", ""}) {
+    LcmNetSettings s;
+    s.url = url;
+    EXPECT_THROW(LcmNetSource(s, 0), InputError) << url;
+  }
+}
+
+TEST(LcmNetSource, AnAddressThatCannotBeOpenedSaysWhatHelps) {
+  LcmNetSettings s;
+  s.url = "nonsense://";
+  s.allow_other_networks = true;
+  try {
+    LcmNetSource source(s, 0);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("ip route"), std::string::npos);
+  }
+}
+
+TEST(LcmNetSource, StartsAndStopsWithoutTraffic) {
+  LcmNetSettings s;
+  s.url = "memq://";
+  Kept kept;
+  for (int i = 0; i < 3; ++i) {
+    LcmNetSource source(s, monotonic_ns());
+    source.poll(1'000'000'000, kept);
+    EXPECT_FALSE(source.done());
+  }
+  EXPECT_TRUE(kept.all.empty());
+}
+
+TEST(LcmNetSource, GoodPacketsArriveAndBadOnesAreCounted) {
+  LcmNetSettings settings;
+  settings.url = "udpm://239.255.76.67:" + std::to_string(20'000 + getpid() % 20'000) + "?ttl=0";
+  lcm::LCM sender(settings.url);
+  if (!sender.good()) GTEST_SKIP() << "no multicast on this machine";
+  const int64_t start = monotonic_ns();
+  LcmNetSource source(settings, start);
+  Kept kept;
+  MessageBytes bytes;
+  auto send = [&](std::string_view channel, size_t n) { sender.publish(std::string(channel), bytes.data(), unsigned(n)); };
+  auto wait_for = [&](auto ready) {
+    for (int i = 0; i < 2000 && !ready(); ++i) {
+      source.poll(monotonic_ns() - start, kept);
+      const timespec pause{0, 1'000'000};
+      nanosleep(&pause, nullptr);
+    }
+    return ready();
+  };
+  for (int i = 0; i < 20; ++i) send(kStylusChannel, encode_message(to_message(stylus(i, 123, Vec3(i, 0, 0), i % 2)), bytes));
+  if (!wait_for([&] { return kept.all.size() >= 20; })) GTEST_SKIP() << "multicast packets do not come back on this machine";
+
+  Dice dice{1};
+  const size_t n = encode_message(to_message(stylus(50, 0, Vec3(0, 0, 0))), bytes);
+  for (size_t cut : {size_t(0), size_t(1), size_t(7), size_t(8), n - 1, n + 1, size_t(5000)}) send(kStylusChannel, cut);
+  for (int k = 0; k < 20; ++k) {
+    encode_message(to_message(stylus(60 + k, 0, Vec3(0, 0, 0))), bytes);
+    bytes[dice.below(n)] ^= uint8_t(1u << dice.below(8));
+    send(kStylusChannel, n);
+  }
+  StylusSample bad = stylus(100, 0, Vec3(std::nan(""), 0, 0));
+  send(kStylusChannel, encode_message(to_message(bad), bytes));
+  send(kStylusChannel, encode_message(to_message(stylus(3, 0, Vec3(0, 0, 0))), bytes));  // old
+  EXPECT_TRUE(wait_for([&] { return source.counts().malformed >= 29; }));
+  EXPECT_EQ(kept.all.size(), 20u);
+
+  ControlSample control;
+  control.kind = ControlSample::stage;
+  control.text = ShortText("defect");
+  send(kControlChannel, encode_message(to_message(control), bytes));
+  send(kStylusChannel, encode_message(to_message(stylus(22, 0, Vec3(1, 2, 3))), bytes));
+  EXPECT_TRUE(wait_for([&] { return kept.all.size() >= 22; }));
+  EXPECT_EQ(source.counts().lost, 2);  // numbers 20 and 21
+  EXPECT_EQ(std::get<ControlSample>(kept.all[20]).text.str(), "defect");
+  int64_t last = -1;
+  for (const Sample& s : kept.all) {
+    const int64_t t = std::visit([](const auto& v) { return v.t_ns; }, s);
+    EXPECT_GT(t, last);
+    last = t;
+  }
+}
+
+}  // namespace
+}  // namespace limberg
