@@ -42,17 +42,14 @@ struct ReferenceElasticity::Impl {
   std::vector<double> mu_centre;  // share of K that is certainly a stiffness at the centre
   std::vector<Mat8> K_rest;       // K without that share
 
-  // Pattern of the 3n matrix (lower triangle, free nodes, scalar rows expanded) and where each cell block goes.
+  // Pattern of the 3n matrix: lower triangle, free nodes, scalar rows expanded.
   fem::ScalarMatrix graph;
   std::vector<int32_t> begin, row;
-  struct Block {
-    int32_t at = 0;  // scalar entry, or -1
-  };
   std::vector<std::array<int32_t, 64>> cell_entry;  // scalar entry of (a, b), row >= column; -1 none
   std::vector<std::vector<std::array<int32_t, 3>>> spring_entry;  // (i, j, scalar entry)
   std::vector<fem::SpringRow> spring_rows;
   mutable cholmod_common common;
-  mutable cholmod_factor* symbolic = nullptr;
+  cholmod_factor* symbolic = nullptr;
 
   explicit Impl(const FemModel& model) : m(model) { cholmod_start(&common); }
   ~Impl() {
@@ -204,6 +201,29 @@ struct ReferenceElasticity::Impl {
       }
   }
 
+  cholmod_sparse matrix(double* value) const {
+    cholmod_sparse S{};
+    S.nrow = S.ncol = size_t(3 * graph.n());
+    S.nzmax = row.size();
+    S.p = const_cast<int32_t*>(begin.data()), S.i = const_cast<int32_t*>(row.data()), S.x = value;
+    S.stype = -1, S.itype = CHOLMOD_INT, S.xtype = value ? CHOLMOD_REAL : CHOLMOD_PATTERN, S.dtype = CHOLMOD_DOUBLE;
+    S.sorted = 1, S.packed = 1;
+    return S;
+  }
+
+  void analyze() {
+    if (symbolic) return;
+    build_pattern();
+    const fem::ScalarFactor scalar = fem::factorize(graph, {});
+    std::vector<int32_t> order;
+    for (int32_t n : scalar.node_order)
+      for (int k = 0; k < 3; ++k) order.push_back(3 * graph.row_of_node[size_t(n)] + k);
+    common.supernodal = CHOLMOD_SUPERNODAL, common.nmethods = 1, common.method[0].ordering = CHOLMOD_GIVEN;
+    common.postorder = 1, common.final_ll = 1, common.print = 0;
+    cholmod_sparse S = matrix(nullptr);
+    symbolic = cholmod_analyze_p(&S, order.data(), nullptr, 0, &common);
+  }
+
   // Position of entry (3i+r, 3j+d) given the scalar entry e of column j.
   size_t place(int32_t j, int32_t e, int r, int d) const {
     const int32_t k = e - graph.begin[size_t(j)];
@@ -231,22 +251,7 @@ struct ReferenceElasticity::Impl {
         const int32_t j = graph.row_of_node[size_t(r.node[size_t(b)])];
         for (int k = 0; k < 3; ++k) value[place(j, e, k, k)] += r.k_mN_per_mm * r.w[size_t(a)] * r.w[size_t(b)];
       }
-    cholmod_sparse S{};
-    S.nrow = S.ncol = size_t(3 * graph.n());
-    S.nzmax = row.size();
-    S.p = const_cast<int32_t*>(begin.data()), S.i = const_cast<int32_t*>(row.data()), S.x = value.data();
-    S.stype = -1, S.itype = CHOLMOD_INT, S.xtype = CHOLMOD_REAL, S.dtype = CHOLMOD_DOUBLE;
-    S.sorted = 1, S.packed = 1;
-    if (!symbolic) {
-      fem::keep_blas_single_threaded();
-      const fem::ScalarFactor scalar = fem::factorize(graph, {});
-      std::vector<int32_t> order;
-      for (int32_t n : scalar.node_order)
-        for (int k = 0; k < 3; ++k) order.push_back(3 * graph.row_of_node[size_t(n)] + k);
-      common.supernodal = CHOLMOD_SUPERNODAL, common.nmethods = 1, common.method[0].ordering = CHOLMOD_GIVEN;
-      common.postorder = 1, common.final_ll = 1, common.print = 0;
-      symbolic = cholmod_analyze_p(&S, order.data(), nullptr, 0, &common);
-    }
+    cholmod_sparse S = matrix(value.data());
     cholmod_factor* L = cholmod_copy_factor(symbolic, &common);
     common.status = CHOLMOD_OK;
     cholmod_factorize(&S, L, &common);
@@ -290,6 +295,8 @@ ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const 
 }
 ReferenceElasticity::~ReferenceElasticity() = default;
 
+void ReferenceElasticity::prepare() const { impl_->analyze(); }
+
 double ReferenceElasticity::energy(std::span<const Vec3> u) const { return impl_->evaluate(u, nullptr, nullptr); }
 double ReferenceElasticity::gradient(std::span<const Vec3> u, std::vector<Vec3>& g) const {
   return impl_->evaluate(u, &g, nullptr);
@@ -316,7 +323,7 @@ Eigen::MatrixXd ReferenceElasticity::dense_hessian(std::span<const Vec3> u, bool
 
 ReferenceElasticity::Result ReferenceElasticity::solve(std::span<const Vec3> start, const Settings& settings) const {
   Impl& p = *impl_;
-  p.build_pattern();
+  p.analyze();
   Result r;
   r.u.assign(start.begin(), start.end());
   std::vector<Vec3> g, d, trial(r.u.size());

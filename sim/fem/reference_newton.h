@@ -28,6 +28,9 @@ class ReferenceElasticity {
   /// Dense 3n x 3n Hessian, fixed nodes included; small models only.
   Eigen::MatrixXd dense_hessian(std::span<const Vec3> u, bool project) const;
 
+  /// Pattern and symbolic factorization, if not yet done: what a bench keeps out of its time.
+  void prepare() const;
+
   struct Settings {
     bool adaptive = true;
     int max_iterations = 100;

@@ -1,0 +1,35 @@
+#pragma once
+// What a benchmark suite returns; the command turns it into the rows and bars of result.json.
+#include <string>
+#include <vector>
+
+namespace limberg::bench {
+
+struct Row {
+  std::string name;       // the case: what was solved
+  std::string method;
+  std::string settings;
+  double time_ms = 0;     // process CPU time
+  bool at_least = false;  // stopped at its limit: the true time is longer (print as ">")
+  double error = 0;
+  std::string error_unit;
+  std::string reference;  // what the error is measured against
+  bool pass = true;       // the method reached what was asked
+};
+
+struct Bar {
+  std::string name;
+  double value = 0;
+  bool at_least = false;  // the true value is at least this one
+  double bar = 0;
+  bool larger_is_better = true;
+  bool pass = false;
+  std::string source;     // where the bar comes from
+};
+
+struct Result {
+  std::vector<Row> rows;
+  std::vector<Bar> bars;
+};
+
+}  // namespace limberg::bench
