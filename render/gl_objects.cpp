@@ -23,6 +23,13 @@ GLuint compile(const GlFunctions& gl, GLenum kind, const std::string& source) {
   return shader;
 }
 
+void check(const GlFunctions& gl, const char* what) {
+  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+    throw RenderUnavailable(std::string("the graphics driver cannot draw into ") + what);
+}
+
+}  // namespace
+
 bool has_anisotropy(const GlFunctions& gl) {
   GLint n = 0;
   gl.GetIntegerv(GL_NUM_EXTENSIONS, &n);
@@ -33,12 +40,10 @@ bool has_anisotropy(const GlFunctions& gl) {
   return false;
 }
 
-void check(const GlFunctions& gl, const char* what) {
-  if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-    throw RenderUnavailable(std::string("the graphics driver cannot draw into ") + what);
+void set_anisotropy(const GlFunctions& gl, bool possible, float amount) {
+  constexpr GLenum kMaxAnisotropy = 0x84FE;  // EXT_texture_filter_anisotropic
+  if (possible) gl.TexParameterf(GL_TEXTURE_2D, kMaxAnisotropy, amount);
 }
-
-}  // namespace
 
 GlProgram::GlProgram(const GlFunctions& gl, const std::string& vertex, const std::string& fragment)
     : gl_(&gl), id_(gl.CreateProgram()) {
@@ -86,10 +91,10 @@ void GlMesh::triangles(const std::vector<std::array<uint32_t, 3>>& tri) {
   indices_ = GLsizei(3 * tri.size());
 }
 
-void GlMesh::draw() const {
-  if (indices_ == 0) return;
+void GlMesh::draw(size_t first, size_t count) const {
+  if (count == 0) return;
   gl_->BindVertexArray(array_);
-  gl_->DrawElements(GL_TRIANGLES, indices_, GL_UNSIGNED_INT, nullptr);
+  gl_->DrawElements(GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT, reinterpret_cast<void*>(first * 3 * sizeof(uint32_t)));
 }
 
 GlTarget::GlTarget(const GlFunctions& gl, GLenum colour_format, int width, int height)
@@ -143,11 +148,7 @@ GLuint make_texture(const GlFunctions& gl, const Texels& texels, bool srgb, bool
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, mipmaps ? GL_LINEAR_MIPMAP_LINEAR : GL_LINEAR);
-  if (mipmaps) {
-    gl.GenerateMipmap(GL_TEXTURE_2D);
-    constexpr GLenum kMaxAnisotropy = 0x84FE;  // EXT_texture_filter_anisotropic
-    if (has_anisotropy(gl)) gl.TexParameterf(GL_TEXTURE_2D, kMaxAnisotropy, 4.0f);
-  }
+  if (mipmaps) gl.GenerateMipmap(GL_TEXTURE_2D);
   return id;
 }
 

@@ -33,7 +33,8 @@ class GlMesh {
   void floats(GLuint attribute, int components, const void* data, size_t bytes, size_t stride = 0, size_t offset = 0);
   void integers(GLuint attribute, GLenum type, const void* data, size_t bytes, size_t stride = 0, size_t offset = 0);
   void triangles(const std::vector<std::array<uint32_t, 3>>& tri);
-  void draw() const;
+  void draw() const { draw(0, size_t(indices_) / 3); }
+  void draw(size_t first, size_t count) const;  // triangles
 
  private:
   GLuint buffer(GLuint attribute, const void* data, size_t bytes);
@@ -65,6 +66,10 @@ struct ShadowMap {
   GLuint frame = 0, texture = 0;
   int size;
 };
+
+/// How much sharper a texture stays when seen aslant, where the driver can; 1 = plain. For the texture bound last.
+void set_anisotropy(const GlFunctions& gl, bool possible, float amount);
+bool has_anisotropy(const GlFunctions& gl);
 
 /// Uploads a texture with mipmaps; `srgb`: the colours are sRGB and are read as linear light.
 GLuint make_texture(const GlFunctions& gl, const Texels& texels, bool srgb, bool repeat, bool mipmaps);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "render/colour_map.h"
 #include "render/gl_objects.h"
@@ -46,13 +47,15 @@ Mat4f light_matrix(const RenderScene& scene) {
 struct Renderer::Impl {
   std::unique_ptr<GlContext> context;
   GlFunctions gl;
-  GlProgram tissue, prop, background, depth, id;
+  GlProgram background, depth, id;
+  std::map<int, GlProgram> programs;  // of tissue and props, compiled when first wanted; see shaded()
   GlMesh tissue_mesh, prop_mesh, empty;
   ShadowMap shadow;
   GLuint skin_map, grid_map, detail_map, colour_map, layer_map = 0;
   std::shared_ptr<const TissueMesh> uploaded;  // the topology that the constant buffers hold
   std::unique_ptr<GlTarget> picture, ids;
   GLint largest = 0;
+  bool anisotropic = false;
 
   static GlContext& current(GlContext& c) {
     c.make_current();
@@ -62,8 +65,6 @@ struct Renderer::Impl {
   explicit Impl(std::unique_ptr<GlContext> c)
       : context(std::move(c)),
         gl(current(*context)),
-        tissue(gl, shaders::tissue_vertex, std::string(shaders::lighting) + shaders::tissue_fragment),
-        prop(gl, shaders::prop_vertex, std::string(shaders::lighting) + shaders::prop_fragment),
         background(gl, shaders::background_vertex, shaders::background_fragment),
         depth(gl, shaders::depth_vertex, shaders::depth_fragment),
         id(gl, shaders::id_vertex, shaders::id_fragment),
@@ -74,6 +75,7 @@ struct Renderer::Impl {
         detail_map(make_texture(gl, detail_texture(), false, true, true)),
         colour_map(make_texture(gl, viridis_texture(), false, false, false)) {
     gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+    anisotropic = has_anisotropy(gl);
   }
 
   ~Impl() { context->make_current(); }  // the targets are freed in their own context
@@ -85,7 +87,6 @@ struct Renderer::Impl {
       for (size_t v = 0; v < rest.size(); ++v) rest[v] << m.X_mm[v], m.depth_mm[v];
       tissue_mesh.floats(3, 4, rest.data(), rest.size() * sizeof rest[0]);
       tissue_mesh.floats(4, 2, m.chart_mm.data(), m.chart_mm.size() * sizeof m.chart_mm[0]);
-      tissue_mesh.integers(5, GL_UNSIGNED_BYTE, m.part.data(), m.part.size());
       tissue_mesh.triangles(m.tri);
       if (layer_map) gl.DeleteTextures(1, &layer_map);
       layer_map = make_texture(gl, layer_texture(m.layers, double(kLayerRange_mm)), true, false, false);
@@ -132,17 +133,43 @@ struct Renderer::Impl {
     return half * light;
   }
 
-  void set_lighting(const GlProgram& p, const View& view, const Mat4f& to_light, bool shaded) {
+  // The program for one part of the scene (tool: every prop) with the view's and the lamp's uniforms set.
+  const GlProgram& shaded(Part part, const View& view, const DrawOptions& o, const Mat4f& to_light) {
+    const bool field = o.colour_field && part != Part::side && part != Part::tool;
+    const int key = int(part) * 8 + o.shadow * 4 + o.fine_skin * 2 + field;
+    auto it = programs.find(key);
+    if (it == programs.end()) {
+      std::string text = "#version 330 core\n";
+      if (o.shadow) text += "#define SHADOW\n";
+      if (o.fine_skin) text += "#define FINE\n";
+      if (part == Part::wall) text += "#define PART_WALL\n";
+      text += shaders::lighting;
+      if (part == Part::tool) text += shaders::prop_fragment;
+      else text += std::string(shaders::tissue_common) + (field               ? shaders::field_fragment
+                                                          : part == Part::skin ? shaders::skin_fragment
+                                                          : part == Part::wall ? shaders::wall_fragment
+                                                                               : shaders::side_fragment);
+      it = programs.emplace(key, GlProgram(gl, part == Part::tool ? shaders::prop_vertex : shaders::tissue_vertex, text)).first;
+    }
+    const GlProgram& p = it->second;
     p.use();
     p.set("to_clip", Mat4f(view.projection * view.to_eye));
     p.set("eye", view.eye_mm);
     p.set("key_direction", kKeyDirection);
     p.set("to_light", to_light);
     p.set("shadow_map", 0);
-    p.set("shadow_texel", shaded ? 1.0f / float(kShadowSize) : 0.0f);
+    p.set("shadow_texel", 1.0f / float(kShadowSize));
+    if (part == Part::tool) return p;
+    int unit = 1;
+    for (const char* name : {"skin_map", "grid_map", "detail_map", "layer_map", "colour_map"}) p.set(name, unit++);
+    p.set("layer_range", kLayerRange_mm);
+    p.set("field_min", float(o.field_min));
+    p.set("field_scale", float(1 / std::max(o.field_max - o.field_min, 1e-9)));
+    p.set("iso_lines", float(o.iso_lines));
+    return p;
   }
 
-  void paint(const RenderScene&, const View& view, const DrawOptions& o, const Mat4f& to_light, int w, int h) {
+  void paint(const RenderScene& s, const View& view, const DrawOptions& o, const Mat4f& to_light, int w, int h) {
     const int x0 = int(std::lround(view.x0 * float(w))), x1 = int(std::lround(view.x1 * float(w)));
     const int y0 = int(std::lround(view.y0 * float(h))), y1 = int(std::lround(view.y1 * float(h)));
     gl.Viewport(x0, h - y1, x1 - x0, y1 - y0);
@@ -155,21 +182,18 @@ struct Renderer::Impl {
 
     gl.Enable(GL_DEPTH_TEST);
     bind(0, shadow.texture);
-    set_lighting(tissue, view, to_light, o.shadow);
-    const std::pair<const char*, GLuint> maps[] = {{"skin_map", skin_map}, {"grid_map", grid_map}, {"detail_map", detail_map},
-                                                   {"layer_map", layer_map}, {"colour_map", colour_map}};
     int unit = 1;
-    for (const auto& [name, texture] : maps) bind(unit, texture), tissue.set(name, unit++);
-    tissue.set("layer_range", kLayerRange_mm);
-    tissue.set("fine_skin", int(o.fine_skin));
-    tissue.set("show_field", int(o.colour_field));
-    tissue.set("field_min", float(o.field_min));
-    tissue.set("field_scale", float(1 / std::max(o.field_max - o.field_min, 1e-9)));
-    tissue.set("iso_lines", float(o.iso_lines));
-    tissue_mesh.draw();
-
-    set_lighting(prop, view, to_light, o.shadow);
-    prop_mesh.draw();
+    for (const GLuint texture : {skin_map, grid_map, detail_map, layer_map, colour_map}) {
+      bind(unit++, texture);
+      if (texture == skin_map || texture == grid_map) set_anisotropy(gl, anisotropic, o.fine_skin ? 4.0f : 1.0f);
+    }
+    const TissueMesh& m = *s.mesh;
+    const size_t walls = m.skin_triangles + m.wall_triangles;
+    const std::pair<Part, std::array<size_t, 2>> ranges[] = {
+        {Part::skin, {0, m.skin_triangles}}, {Part::wall, {m.skin_triangles, m.wall_triangles}}, {Part::side, {walls, m.tri.size() - walls}}};
+    for (const auto& [part, range] : ranges)
+      if (range[1] > 0) shaded(part, view, o, to_light), tissue_mesh.draw(range[0], range[1]);
+    if (!s.props.tri.empty()) shaded(Part::tool, view, o, to_light), prop_mesh.draw();
   }
 
   Image draw(const RenderScene& s, std::span<const View> views, const DrawOptions& o) {

@@ -2,12 +2,12 @@
 
 namespace limberg::shaders {
 
-const char* const lighting = R"(#version 330 core
+const char* const lighting = R"(
 uniform vec3 eye;            // world mm
 uniform vec3 key_direction;  // unit, towards the light
 uniform mat4 to_light;       // world -> shadow map, 0..1
 uniform sampler2DShadow shadow_map;
-uniform float shadow_texel;  // size of one texel, 0 = no shadow
+uniform float shadow_texel;  // size of one texel
 
 const vec3 key_colour = vec3(2.55, 2.45, 2.30);
 const vec3 fill_colour = vec3(0.42, 0.48, 0.56);
@@ -15,7 +15,9 @@ const vec3 sky = vec3(0.62, 0.66, 0.70), ground = vec3(0.34, 0.28, 0.25);
 
 // 1 in full light. Sixteen taps over about a millimetre: a lamp, not a point.
 float lit(vec3 world, vec3 n) {
-  if (shadow_texel <= 0.0) return 1.0;
+#ifndef SHADOW
+  return 1.0;
+#else
   vec4 p = to_light * vec4(world + 0.25 * n, 1.0);
   if (any(lessThan(p.xyz, vec3(0.0))) || any(greaterThan(p.xyz, vec3(1.0)))) return 1.0;
   float sum = 0.0;
@@ -24,6 +26,7 @@ float lit(vec3 world, vec3 n) {
     sum += texture(shadow_map, vec3(p.xy + o, p.z - 0.0012));
   }
   return sum / 16.0;
+#endif
 }
 
 // Microfacet lobe of Trowbridge and Reitz with a fitted visibility term; times n.l.
@@ -40,11 +43,13 @@ float lobe(vec3 n, vec3 v, vec3 l, float roughness, float f0) {
 
 vec3 hemisphere(vec3 n) { return mix(ground, sky, 0.5 + 0.5 * n.z); }
 
-// Linear light to the screen: a soft shoulder above 0.7, then the sRGB curve.
+// Linear light to the screen: a soft shoulder above 0.7, then the sRGB curve. The curve is fitted by roots, which are
+// cheap on a processor: a x^1/2 + b x^1/4 + c x + d x^3/2, off by less than two of 255 levels.
 vec3 to_screen(vec3 c) {
   vec3 over = max(c - 0.7, 0.0);
-  c = min(c, vec3(0.7)) + 0.3 * (1.0 - exp(-over / 0.3));
-  return mix(12.92 * c, 1.055 * pow(max(c, vec3(1e-5)), vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+  c = clamp(min(c, vec3(0.7)) + 0.3 * over / (0.3 + over), 0.0, 1.0);
+  vec3 r = sqrt(c);
+  return 1.678 * r - 0.2027 * sqrt(r) - 0.7489 * c + 0.2736 * c * r;
 }
 )";
 
@@ -54,33 +59,36 @@ layout(location = 1) in vec3 normal;
 layout(location = 2) in float field;
 layout(location = 3) in vec4 rest_depth;
 layout(location = 4) in vec2 chart;
-layout(location = 5) in int part;
 uniform mat4 to_clip;
 out vec3 v_world, v_normal, v_rest;
 out vec2 v_chart;
 out float v_depth, v_field;
-flat out int v_part;
 void main() {
   v_world = position, v_normal = normal, v_rest = rest_depth.xyz;
-  v_chart = chart, v_depth = rest_depth.w, v_field = field, v_part = part;
+  v_chart = chart, v_depth = rest_depth.w, v_field = field;
   gl_Position = to_clip * vec4(position, 1.0);
 }
 )";
 
-const char* const tissue_fragment = R"(
+const char* const tissue_common = R"(
 in vec3 v_world, v_normal, v_rest;
 in vec2 v_chart;
 in float v_depth, v_field;
-flat in int v_part;
 uniform sampler2D skin_map;    // sRGB albedo, tile of 64 mm
 uniform sampler2D grid_map;    // coverage of fine (r) and bold (g) lines, tile of 10 mm
 uniform sampler2D detail_map;  // pores (r), lobules (g), mottle (b), tile of 32 mm
 uniform sampler2D layer_map;   // sRGB albedo over depth, 0 .. layer_range mm
 uniform sampler2D colour_map;
 uniform float layer_range;
-uniform bool fine_skin, show_field;
 uniform float field_min, field_scale, iso_lines;
 out vec4 colour;
+
+// The normal towards the eye: interpolation may carry it past the horizon.
+vec3 facing(vec3 v) {
+  vec3 n = normalize(v_normal + 1e-9 * v);
+  float away = min(dot(n, v), 0.0);
+  return normalize(n - 1.02 * away * v);
+}
 
 // Tilts n by a height field h (mm) on the surface, from screen-space differences.
 vec3 bump(vec3 n, vec3 p, float h) {
@@ -91,91 +99,97 @@ vec3 bump(vec3 n, vec3 p, float h) {
   return normalize(abs(det) * n - g + 1e-12 * n);
 }
 
+// Light enters and leaves a little further on: the terminator is soft, and softest in red.
+vec3 wrapped(float nl, vec3 wrap) { return clamp((vec3(nl) + wrap) / (1.0 + wrap), 0.0, 1.0); }
+)";
+
+const char* const skin_fragment = R"(
+void main() {
+  vec3 v = normalize(eye - v_world), n = facing(v), l = key_direction;
+  vec2 grid = texture(grid_map, v_chart * 0.1).rg;
+  vec3 albedo = texture(skin_map, v_chart * (1.0 / 64.0)).rgb;
+  vec3 ink = vec3(0.115, 0.06, 0.19);  // gentian violet, as on a marked patient
+  albedo = mix(albedo, albedo * vec3(0.52, 0.40, 0.56), 0.55 * grid.r);
+  albedo = mix(albedo, mix(ink, albedo, 0.12), 0.80 * grid.g);
+  float shade = lit(v_world, n);
+#ifdef FINE
+  n = bump(n, v_world, 0.030 * texture(detail_map, v_chart * (1.0 / 11.0)).r);
+#endif
+  vec3 diffuse = wrapped(dot(n, l), vec3(0.42, 0.22, 0.15));
+  diffuse *= diffuse * 0.35 + 0.65;
+  vec3 shadow = mix(vec3(0.16, 0.07, 0.05), vec3(1.0), vec3(shade));
+  float fill = clamp(0.5 + 0.5 * dot(n, vec3(0.768, -0.329, 0.549)), 0.0, 1.0);
+  vec3 light = key_colour * diffuse * shadow * 0.318 + fill_colour * fill * 0.36 + hemisphere(n) * 0.34;
+  float s = lobe(n, v, l, 0.52, 0.030);
+#ifdef FINE
+  s = 0.80 * s + 0.20 * lobe(n, v, l, 0.33, 0.030);
+#endif
+  colour = vec4(to_screen(albedo * light + key_colour * (s * shade * 0.85)), 1.0);
+}
+)";
+
+const char* const wall_fragment = R"(
 vec3 detail_on_wall(vec3 p, vec3 n, float scale) {
-  vec3 w = abs(n) * abs(n);
+  vec3 w = n * n;
   w /= w.x + w.y + w.z + 1e-6;
   return w.x * texture(detail_map, p.yz * scale).rgb + w.y * texture(detail_map, p.xz * scale).rgb +
          w.z * texture(detail_map, p.xy * scale).rgb;
 }
 
 void main() {
-  vec3 v = normalize(eye - v_world);
-  vec3 n = normalize(v_normal + 1e-9 * v);
-  if (dot(n, v) < 0.0 && v_part != 1) n = normalize(n - 1.02 * dot(n, v) * v);  // interpolated past the horizon
-  vec3 l = key_direction;
-  vec2 grid = texture(grid_map, v_chart * 0.1).rg;
+  vec3 v = normalize(eye - v_world), n = facing(v), l = key_direction;
   float shade = lit(v_world, n);
+  vec3 m = detail_on_wall(v_rest, n, 1.0 / 17.0);
+  float ragged = (m.b - 0.5) * 0.35 + (m.r - 0.5) * 0.12;
+  vec3 albedo = texture(layer_map, vec2((v_depth + ragged * smoothstep(0.15, 0.6, v_depth)) / layer_range, 0.5)).rgb;
+  float fat = smoothstep(1.4, 2.1, v_depth);
+  albedo *= mix(0.98 + 0.22 * (m.b - 0.5), 0.80 + 0.28 * m.g, fat);
+  albedo = mix(albedo, vec3(0.36, 0.030, 0.022), (0.03 + 0.34 * smoothstep(0.54, 0.72, m.b)) * smoothstep(0.2, 0.8, v_depth));
+#ifdef FINE
+  n = bump(n, v_world, mix(0.04 * m.r, 0.26 * m.g, fat));
+#endif
+  vec3 diffuse = wrapped(dot(n, l), vec3(0.50, 0.30, 0.22));
+  float cavity = mix(0.62, 1.0, exp(-v_depth / 3.2));  // the deeper, the less of the room is seen
+  vec3 shadow = mix(vec3(0.34, 0.22, 0.17), vec3(1.0), vec3(shade));
+  float from_eye = max(dot(n, v), 0.0);  // a lamp on the surgeon's head looks into the wound
+  vec3 light = key_colour * diffuse * shadow * 0.318 * mix(1.0, cavity, 0.35) +
+               (hemisphere(n) * 0.36 + fill_colour * 0.14 + vec3(0.62, 0.59, 0.55) * from_eye) * cavity;
+  float s = lobe(n, v, l, 0.28, 0.040) + 0.25 * lobe(n, v, vec3(0.503, -0.503, 0.704), 0.30, 0.040);
+  colour = vec4(to_screen(albedo * light + key_colour * (s * mix(0.25, 1.0, shade) * 0.75)), 1.0);
+}
+)";
 
-  if (show_field) {
-    vec3 c = vec3(0.30, 0.29, 0.29);
-    if (v_part == 1) {
-      float t = (v_field - field_min) * field_scale;
-      c = texture(colour_map, vec2((clamp(t, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5)).rgb;
-      if (iso_lines > 0.0) {
-        float s = t * iso_lines, w = fwidth(s);
-        float d = abs(fract(s + 0.5) - 0.5) / max(w, 1e-6);
-        float line = (1.0 - smoothstep(0.4, 1.2, d)) * clamp(1.6 - 4.0 * w, 0.0, 1.0) * step(0.5, s) * step(s, iso_lines - 0.5);
-        c = mix(c, vec3(1.0), 0.38 * line);
-      }
-      c = mix(c, vec3(0.0), 0.16 * grid.g);
-    } else if (v_part == 2) {
-      c = vec3(0.46, 0.42, 0.42) * mix(0.55, 1.0, exp(-v_depth / 3.0));
-    }
-    float light = 0.62 + 0.30 * max(dot(n, l), 0.0) * mix(0.45, 1.0, shade) + 0.12 * max(dot(n, v), 0.0);
-    vec3 lo = c / 12.92, hi = pow((c + 0.055) / 1.055, vec3(2.4));
-    colour = vec4(to_screen(mix(lo, hi, step(0.04045, c)) * light), 1.0);
-    return;
-  }
+const char* const side_fragment = R"(
+void main() {
+  vec3 v = normalize(eye - v_world), n = facing(v);
+  vec3 layer = texture(layer_map, vec2(v_depth / layer_range, 0.5)).rgb;
+  float grey = dot(layer, vec3(0.30, 0.59, 0.11));
+  vec3 albedo = mix(vec3(0.50, 0.47, 0.44) * (0.45 + 0.75 * grey), layer, 0.22) * 0.75;
+  float nl = max(dot(n, key_direction), 0.0);
+  colour = vec4(to_screen(albedo * (key_colour * nl * mix(0.12, 1.0, lit(v_world, n)) * 0.318 + fill_colour * 0.18 + hemisphere(n) * 0.36)), 1.0);
+}
+)";
 
-  vec3 result;
-  if (v_part == 1) {
-    vec3 albedo = texture(skin_map, v_chart * (1.0 / 64.0)).rgb;
-    vec3 ink = vec3(0.115, 0.06, 0.19);  // gentian violet, as on a marked patient
-    albedo = mix(albedo, albedo * vec3(0.52, 0.40, 0.56), 0.55 * grid.r);
-    albedo = mix(albedo, mix(ink, albedo, 0.12), 0.80 * grid.g);
-    if (fine_skin) {
-      float pores = texture(detail_map, v_chart * (1.0 / 11.0)).r;
-      n = bump(n, v_world, 0.030 * pores);
-    }
-    // Light enters and leaves a little further on: the terminator is soft, and softest in red.
-    float nl = dot(n, l);
-    vec3 wrap = vec3(0.42, 0.22, 0.15);
-    vec3 diffuse = clamp((vec3(nl) + wrap) / (1.0 + wrap), 0.0, 1.0);
-    diffuse *= diffuse * 0.35 + 0.65;
-    vec3 shadow = mix(vec3(0.16, 0.07, 0.05), vec3(1.0), vec3(shade));
-    float fill = clamp(0.5 + 0.5 * dot(n, normalize(vec3(0.7, -0.3, 0.5))), 0.0, 1.0);
-    vec3 light = key_colour * diffuse * shadow * 0.318 + fill_colour * fill * 0.36 + hemisphere(n) * 0.34;
-    result = albedo * light;
-    float s = lobe(n, v, l, 0.52, 0.030);
-    if (fine_skin) s = 0.80 * s + 0.20 * lobe(n, v, l, 0.33, 0.030);
-    result += key_colour * s * shade * 0.85;
-  } else if (v_part == 2) {
-    vec3 m = detail_on_wall(v_rest, n, 1.0 / 13.0);
-    float ragged = (m.b - 0.5) * 0.35 + (m.r - 0.5) * 0.12;
-    vec3 albedo = texture(layer_map, vec2((v_depth + ragged * smoothstep(0.15, 0.6, v_depth)) / layer_range, 0.5)).rgb;
-    float fat = smoothstep(1.4, 2.1, v_depth);
-    albedo *= mix(0.98 + 0.22 * (m.b - 0.5), 0.76 + 0.34 * m.g, fat);
-    albedo = mix(albedo, vec3(0.36, 0.030, 0.022), (0.03 + 0.34 * smoothstep(0.54, 0.72, m.b)) * smoothstep(0.2, 0.8, v_depth));
-    if (fine_skin) n = bump(n, v_world, mix(0.04 * m.r, 0.30 * m.g, fat));
-    float nl = dot(n, l);
-    vec3 wrap = vec3(0.50, 0.30, 0.22);
-    vec3 diffuse = clamp((vec3(nl) + wrap) / (1.0 + wrap), 0.0, 1.0);
-    float cavity = mix(0.62, 1.0, exp(-v_depth / 3.2));  // the deeper, the less of the room is seen
-    vec3 shadow = mix(vec3(0.34, 0.22, 0.17), vec3(1.0), vec3(shade));
-    float from_eye = max(dot(n, v), 0.0);  // a lamp on the surgeon's head looks into the wound
-    vec3 light = key_colour * diffuse * shadow * 0.318 * mix(1.0, cavity, 0.35) + (hemisphere(n) * 0.36 + fill_colour * 0.14) * cavity +
-                 vec3(0.62, 0.59, 0.55) * from_eye * cavity;
-    result = albedo * light;
-    float s = lobe(n, v, l, 0.28, 0.040) + 0.25 * lobe(n, v, normalize(vec3(0.5, -0.5, 0.7)), 0.30, 0.040);
-    result += key_colour * s * mix(0.25, 1.0, shade) * 0.75;
-  } else {
-    vec3 layer = texture(layer_map, vec2(v_depth / layer_range, 0.5)).rgb;
-    float grey = dot(layer, vec3(0.30, 0.59, 0.11));
-    vec3 albedo = mix(vec3(0.50, 0.47, 0.44) * (0.45 + 0.75 * grey), layer, 0.22) * 0.75;
-    float nl = max(dot(n, l), 0.0);
-    result = albedo * (key_colour * nl * mix(0.12, 1.0, shade) * 0.318 + fill_colour * 0.18 + hemisphere(n) * 0.36);
+// The colour map on the skin; walls stay grey so that a wound reads as one.
+const char* const field_fragment = R"(
+void main() {
+  vec3 v = normalize(eye - v_world), n = facing(v);
+#ifdef PART_WALL
+  vec3 c = vec3(0.46, 0.42, 0.42) * mix(0.55, 1.0, exp(-v_depth / 3.0));
+#else
+  float t = (v_field - field_min) * field_scale;
+  vec3 c = texture(colour_map, vec2((clamp(t, 0.0, 1.0) * 255.0 + 0.5) / 256.0, 0.5)).rgb;
+  if (iso_lines > 0.0) {
+    float s = t * iso_lines, w = fwidth(s);
+    float d = abs(fract(s + 0.5) - 0.5) / max(w, 1e-6);
+    float line = (1.0 - smoothstep(0.4, 1.2, d)) * clamp(1.6 - 4.0 * w, 0.0, 1.0) * step(0.5, s) * step(s, iso_lines - 0.5);
+    c = mix(c, vec3(1.0), 0.38 * line);
   }
-  colour = vec4(to_screen(result), 1.0);
+  c = mix(c, vec3(0.0), 0.16 * texture(grid_map, v_chart * 0.1).g);
+#endif
+  float light = 0.62 + 0.30 * max(dot(n, key_direction), 0.0) * mix(0.45, 1.0, lit(v_world, n)) + 0.12 * max(dot(n, v), 0.0);
+  vec3 low = c / 12.92, high = pow((c + 0.055) / 1.055, vec3(2.4));
+  colour = vec4(to_screen(mix(low, high, step(0.04045, c)) * light), 1.0);
 }
 )";
 

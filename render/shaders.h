@@ -1,14 +1,21 @@
 #pragma once
-// The GLSL programs (version 330 core). One source string each; shared lighting functions are put in front.
+// The GLSL programs (version 330 core). Skin, walls and sides have a program each: a software rasteriser pays for every
+// line of a shader, taken or not. A fragment program of tissue or props is, in this order:
+//
+//   #version, #define SHADOW / FINE / PART_WALL as wanted, lighting, tissue_common (not for props), its own main
 namespace limberg::shaders {
 
-// Vertex attributes of the tissue: 0 position, 1 normal, 2 field (per snapshot); 3 rest position and depth, 4 chart,
-// 5 part (per topology). Of props: 0 position, 1 normal, 2 colour and metal, 3 id.
+// Vertex attributes of the tissue: 0 position, 1 normal, 2 field (per snapshot); 3 rest position and depth, 4 chart (per
+// topology). Of props: 0 position, 1 normal, 2 colour and metal, 3 id.
 extern const char* const tissue_vertex;
-extern const char* const tissue_fragment;
+extern const char* const lighting;
+extern const char* const tissue_common;
+extern const char* const skin_fragment;
+extern const char* const wall_fragment;
+extern const char* const side_fragment;
+extern const char* const field_fragment;
 extern const char* const prop_vertex;
 extern const char* const prop_fragment;
-extern const char* const lighting;  // included by the two fragment programs above
 extern const char* const background_vertex;
 extern const char* const background_fragment;
 extern const char* const depth_vertex;
