@@ -199,6 +199,7 @@ void read_body(Table t, Scene& s, const std::string& file) {
     t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
     t.direction("deep_direction", s.obj.deep_direction);
     t.real("deep_angle_deg", s.obj.deep_angle_deg, 0, 180);
+    if (t.has("deep_center_mm")) t.vector("deep_center_mm", s.obj.deep_center_mm.emplace(Vec3::Zero()), 1e6);
     t.real("deep_plane_mm", s.obj.deep_plane_mm, -1e6, 1e6);
     t.vector("chart_origin_mm", s.obj.chart_origin_mm, 1e6);
     t.direction("chart_e1", s.obj.chart_e1);

@@ -6,7 +6,8 @@
 //   [body]       source = "block" | "obj"
 //                block: size_mm = [x, y, z], skin_cell_mm
 //                obj:   mesh = "file.obj" (relative to the scene file), scale_to_mm, deep_direction = [x, y, z],
-//                       deep_angle_deg, deep_plane_mm (obj.h), chart_origin_mm, chart_e1, chart_e2
+//                       deep_center_mm, deep_angle_deg, deep_plane_mm (obj.h), chart_origin_mm, chart_e1,
+//                chart_e2
 //                both:  tension_direction = [x, y, z]
 //   [[layer]]    name, thickness_mm, young_kPa, poisson, density_kg_m3, prestretch_along, prestretch_across; from the skin
 //                down, one at least

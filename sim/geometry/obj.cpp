@@ -197,6 +197,7 @@ void check(const ObjSpec& s) {
   if (!std::isfinite(s.scale_to_mm) || s.scale_to_mm <= 0) fail("scale to mm must be a finite number above 0");
   if (!s.deep_direction.allFinite() || s.deep_direction.norm() < 1e-9) fail("deep direction must not be zero");
   if (!(s.deep_angle_deg >= 0 && s.deep_angle_deg <= 180)) fail("deep angle must lie between 0 and 180 degrees");
+  if (s.deep_center_mm && !s.deep_center_mm->allFinite()) fail("deep center is not finite");
   if (std::isnan(s.deep_plane_mm)) fail("deep plane is not a number");
   if (!s.chart_origin_mm.allFinite() || !s.chart_e1.allFinite() || !s.chart_e2.allFinite() ||
       s.chart_e1.cross(s.chart_e2).norm() < 1e-6 * s.chart_e1.norm() * s.chart_e2.norm() || s.chart_e1.norm() < 1e-9)
@@ -278,7 +279,8 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
   for (const Tri& t : m.tri) {
     const Vec3 &p = m.X_mm[size_t(t[0])], &q = m.X_mm[size_t(t[1])], &r = m.X_mm[size_t(t[2])];
     const bool beyond = std::min({p.dot(deep), q.dot(deep), r.dot(deep)}) > spec.deep_plane_mm;
-    const bool held = beyond || area_vector2(p, q, r).normalized().dot(deep) > c;
+    const Vec3 inwards = spec.deep_center_mm ? (*spec.deep_center_mm - (p + q + r) / 3).normalized() : deep;
+    const bool held = beyond || area_vector2(p, q, r).normalized().dot(inwards) > c;
     m.tag.push_back(held ? SurfaceTag::fixed : SurfaceTag::skin);
     any_skin = any_skin || !held;
   }

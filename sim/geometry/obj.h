@@ -6,6 +6,7 @@
 // triangles in their own plane. Vertices are scaled to mm, snapped to the even rest grid (the finest unit that the size
 // allows), equal ones are welded, triangles that collapse by that are dropped, and the result is validated exactly.
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,10 +22,12 @@ struct ObjSpec {
   std::vector<Layer> layers;
   Vec3 tension_direction = Vec3::UnitX();
 
-  // What is held in place: triangles whose outward normal is within deep_angle_deg of deep_direction, and triangles with
-  // all corners beyond the plane { X : X . deep_direction = deep_plane_mm }. Everything else is skin.
+  // What is held in place: triangles whose outward normal is within deep_angle_deg of deep_direction (or, when a centre is
+  // given, of the direction to that centre: the inner side of a shell around the skull), and triangles with all corners
+  // beyond the plane { X : X . deep_direction = deep_plane_mm }. Everything else is skin.
   Vec3 deep_direction = -Vec3::UnitZ();
   double deep_angle_deg = 60;
+  std::optional<Vec3> deep_center_mm;
   double deep_plane_mm = std::numeric_limits<double>::infinity();
 
   Vec3 chart_origin_mm = Vec3::Zero(), chart_e1 = Vec3::UnitX(), chart_e2 = Vec3::UnitY();  // made orthonormal

@@ -189,6 +189,40 @@ TEST(Obj, BlockThroughTextGivesTheSameSurface) {
   }
 }
 
+TEST(Obj, TheDeepSideIsWhatLooksThere) {
+  const Body b = small_block();
+  const auto held = [&](const ObjSpec& spec) {
+    const Body body = parse_obj(obj_text(b.surface), spec);
+    double area[3] = {0, 0, 0};  // by axis of the normal
+    for (size_t t = 0; t < body.surface.tri.size(); ++t) {
+      if (body.surface.tag[t] != SurfaceTag::fixed) continue;
+      const Tri& c = body.surface.tri[t];
+      const auto& X = body.surface.X_mm;
+      const Vec3 n = (X[size_t(c[1])] - X[size_t(c[0])]).cross(X[size_t(c[2])] - X[size_t(c[0])]);
+      int axis = 0;
+      n.cwiseAbs().maxCoeff(&axis);
+      area[axis] += 0.5 * n.norm();
+    }
+    return Vec3(area[0], area[1], area[2]);
+  };
+  ObjSpec spec;
+  spec.path = "b.obj";
+  EXPECT_NEAR((held(spec) - Vec3(0, 0, 96)).norm(), 0, 1e-2);  // the bottom; 1/8192 mm on 12 mm
+  spec.deep_center_mm = Vec3(0, 0, -100);
+  spec.deep_angle_deg = 45;
+  EXPECT_NEAR((held(spec) - Vec3(0, 0, 96)).norm(), 0, 1e-2);
+  spec.deep_center_mm = Vec3(0, 0, -2);
+  EXPECT_EQ(held(spec), Vec3(0, 0, 0));  // all of a convex body looks away from its middle
+  spec.deep_center_mm.reset();
+  spec.deep_angle_deg = 0;
+  EXPECT_EQ(held(spec), Vec3(0, 0, 0));
+  spec.deep_direction = Vec3::UnitX();
+  spec.deep_plane_mm = 5.9;
+  EXPECT_NEAR((held(spec) - Vec3(32, 0, 0)).norm(), 0, 1e-2);  // one end
+  spec.deep_plane_mm = -100;
+  EXPECT_THROW(held(spec), InputError);  // no skin left
+}
+
 const char* kCube =
     "# a cube of quads, negative indices, windows line ends, a split line\r\n"
     "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nv 0 0 1\r\nv 1 0 1\r\nv 1 1 1\r\nv 0 1 1\r\n"

@@ -160,6 +160,7 @@ TEST(Flaps, ShippedScriptsAreCurrent) {
     EXPECT_EQ(load_script(path).header.scene, name);
   }
   EXPECT_THROW(shipped_script("bilobed"), InputError);
+  EXPECT_EQ(load_script(std::string(LIMBERG_SOURCE_DIR) + "/recordings/face.jsonl").header.scene, "face");
 }
 
 }  // namespace
