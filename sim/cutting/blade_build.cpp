@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kSimplify = 0.1;    // tremor and tracker noise; corners are much larger
 constexpr double kRowHeight = 2.5;   // along the blade's depth
+constexpr double kKnot = 0.5;        // points of a stroke nearer than this are one
 constexpr double kShortest = 1.0;    // of a stroke
 constexpr double kSeesWound = 1.0;   // an outline runs along an earlier cut when it stays this near
 constexpr double kSheetBeyond = 0.7; // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
@@ -65,7 +66,9 @@ std::vector<Vec2> clean_outline(std::span<const ChartPoint> outline, std::string
     first = simplify(first, kSimplify);
     second = simplify(second, kSimplify);
     p = first;
-    p.insert(p.end(), second.begin() + 1, second.end() - 1);
+    p.insert(p.end(), second.begin() + 1, second.end());
+    p = drop_close(p, kKnot);
+    p.pop_back();
   }
   if (p.size() < 3 || std::abs(signed_area(p)) < 1) {
     why = "the outline encloses less than 1 mm2; expected at least three points around an area";
@@ -97,7 +100,7 @@ bool attach_start(const BladeContext& c, const WoundMap& wounds, std::vector<Vec
   if (!wall && !live) return false;
   // Short of a wall: straight on, or to the nearest place.
   if (!wall) {
-    const Vec2 ahead = (path[0] - path[1]).normalized() * (2 * kSnap);
+    const Vec2 ahead = heading_at_start(path, 2) * (2 * kSnap);
     if (const auto s = wounds.first_meeting(path[0], path[0] + ahead)) wall = path[0] + ahead * *s, next = 1;
   }
   if (!wall) {
@@ -202,7 +205,7 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     path = clean_outline(stroke, why);
     if (path.empty()) return refuse(why);
   } else {
-    path = simplify(stroke, kSimplify);
+    path = drop_close(simplify(stroke, kSimplify), kKnot);
     if (path_length(path) < kShortest) return refuse("the stroke is shorter than 1 mm");
     if (meets_itself(path, false)) return refuse("the stroke crosses itself; expected a path without crossings");
   }

@@ -47,6 +47,30 @@ std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance) {
   return out;
 }
 
+std::vector<Vec2> drop_close(std::span<const Vec2> path, double distance) {
+  if (path.size() < 3) return {path.begin(), path.end()};
+  std::vector<Vec2> out{path[0]};
+  for (size_t i = 1; i + 1 < path.size(); ++i)
+    if ((path[i] - out.back()).norm() >= distance && (path[i] - path.back()).norm() >= distance) out.push_back(path[i]);
+  out.push_back(path.back());
+  return out;
+}
+
+Vec2 heading_at_start(std::span<const Vec2> path, double over) {
+  double left = over;
+  Vec2 from = path.back();
+  for (size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vec2 d = path[i + 1] - path[i];
+    const double l = d.norm();
+    if (l >= left && l > 0) {
+      from = path[i] + d * (left / l);
+      break;
+    }
+    left -= l;
+  }
+  return (path[0] - from).normalized();
+}
+
 std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a, const Vec2& b) {
   const Vec2 d = q - p, e = b - a;
   const double det = cross2(d, e);
