@@ -17,8 +17,8 @@ constexpr double kSimplify = 0.1;    // tremor and tracker noise; corners are mu
 constexpr double kRowHeight = 2.5;   // along the blade's depth
 constexpr double kKnot = 0.5;        // points of a stroke nearer than this are one
 constexpr double kShortest = 1.0;    // of a stroke
-constexpr double kSeesWound = 1.0;   // an outline runs along an earlier cut when it stays this near
-constexpr double kSheetBeyond = 0.7; // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
+constexpr double kSeesWound = 1.5;   // an outline runs along an earlier cut when it stays this near
+constexpr double kSheetBeyond = 1.0; // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
 constexpr double kEndClearance = 0.4;  // from the free end of an earlier cut, when joining it
 
 std::string text(const ChartPoint& p) {
@@ -51,6 +51,11 @@ std::string check_stroke(std::span<const ChartPoint> path, double depth_mm) {
 }
 
 BladeResult refuse(std::string why) { return {std::nullopt, std::move(why)}; }
+
+/// How far an incision reaches below the depth asked, and how far blades stick out. Both vary a little from operation to
+/// operation: two walls of one nominal depth then join with a clean end instead of a coincidence.
+double wall_extra(const BladeContext& c) { return kWallExtra + 0.02 * (2 - (c.arrangement ? c.arrangement->operations() % 5 : 0)); }
+double margin_of(const BladeContext& c) { return kMargin + 0.03 * (c.arrangement ? c.arrangement->operations() % 7 : 0); }
 
 /// Drops a repeated last point. Empty with a reason when there is no simple outline.
 std::vector<Vec2> clean_outline(std::span<const ChartPoint> outline, std::string& why) {
@@ -150,11 +155,11 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, 
 void add_strip(Blade& blade, const BladeContext& c, std::span<const Column> columns, std::span<const Vec3> direction,
                double depth, bool closed, int& rows) {
   const size_t n = columns.size();
-  const double total = depth + kMargin;
+  const double margin = margin_of(c), total = depth + margin;
   rows = std::max(2, int(std::ceil(total / kRowHeight)));
   std::vector<double> arc(n + 1, 0);
   for (size_t i = 0; i < n; ++i) arc[i + 1] = arc[i] + (columns[(i + 1) % n].X - columns[i].X).norm();
-  const auto level = [&](int r) { return total * r / rows - kMargin; };  // below the skin
+  const auto level = [&](int r) { return total * r / rows - margin; };  // below the skin
   for (size_t i = 0; i < n; ++i)
     for (int r = 0; r <= rows; ++r) blade.vertex.push_back(c.body->grid.to_grid(columns[i].X + direction[i] * level(r)));
   const auto id = [&](size_t i, int r) { return int32_t(i % n) * (rows + 1) + r; };
@@ -228,7 +233,7 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
   int rows = 0;
   for (const bool upright_corners : {false, true}) {
     blade = Blade{};
-    add_strip(blade, c, columns, lean_directions(columns, lean, depth_mm, closed, upright_corners), depth_mm + kWallExtra, closed, rows);
+    add_strip(blade, c, columns, lean_directions(columns, lean, depth_mm, closed, upright_corners), depth_mm + wall_extra(c), closed, rows);
     if (lean == 0 || check_embedded(blade.vertex, blade.tri).empty()) break;
   }
   const size_t per_quad_column = size_t(rows) * 2;
@@ -340,7 +345,9 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
   }
   const auto mesh = mesh_polygon(boundary, kSheetSpacing);
   if (!mesh) return refuse("the outline cannot be filled; expected a simple outline");
-  const double depth = std::max(depth_mm - kSheetRaise, 0.5 * depth_mm);
+  // Two sheets of one nominal depth must not coincide where they overlap.
+  const double raise = kSheetRaise + 0.04 * (c.arrangement ? c.arrangement->operations() % 3 : 0);
+  const double depth = std::max(depth_mm - raise, 0.5 * depth_mm);
   Blade blade;
   for (const Vec2& p : mesh->vertex) {
     const auto k = column_at(c, p);

@@ -3,7 +3,7 @@
 //
 // Conventions that make operations meet each other reliably (mm, measured along the smoothed skin normal):
 //   plug floor          at the depth asked
-//   incision bottom     kWallExtra below the depth asked
+//   incision bottom     kWallExtra below the depth asked (varied by up to 0.04 from cut to cut, so that fronts never coincide)
 //   undermining sheet   kSheetRaise above the depth asked
 // so an undermining at the same depth as an incision or a plug always runs into their walls, never into their fronts.
 // Blades stick out of the skin by kMargin; a stroke that ends on or near an earlier cut is pushed kOvershoot through
