@@ -14,7 +14,7 @@ std::shared_ptr<const CellComponents> CellBuilder::build(int32_t cell, std::span
                                                          std::span<const uint8_t> node_in_material,
                                                          const CellHistory& history) {
   cell_ = cell;
-  unresolved_ = 0;
+  walks_ = unresolved_ = 0;
   const Int3 c = grid_.cell_at(cell);
   index_ = {c.x, c.y, c.z};
   for (int a = 0; a < 3; ++a)
@@ -35,6 +35,7 @@ std::shared_ptr<const CellComponents> CellBuilder::build(int32_t cell, std::span
   measure(*out);
   name_by_volume(history, *out);
   out->edge_state = edge_state_;
+  out->walks = walks_;
   out->walks_unresolved = unresolved_;
   return out;
 }

@@ -121,7 +121,7 @@ class CellBuilder {
   Partition join_, square_, old_;
   std::vector<int32_t> hits_;
   std::vector<uint8_t> open_, crosses_;
-  int unresolved_ = 0;
+  int walks_ = 0, unresolved_ = 0;
 };
 
 }  // namespace limberg

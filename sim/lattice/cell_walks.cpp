@@ -65,6 +65,7 @@ bool CellBuilder::walk_left(int axis, const SubPoint& line, Partition& own, int3
     const bool faces_left = has(f.mat, before) && own.find(member(size_t(hits_[i]), before)) == root;
     const bool faces_right = has(f.mat, 1 - before) && own.find(member(size_t(hits_[i]), 1 - before)) == root;
     if (!faces_left && !faces_right) continue;
+    ++walks_;
     if (!faces_left) return true;
     const int32_t mine = member(size_t(hits_[i]), before);
     if (i == 0) {

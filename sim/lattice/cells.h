@@ -32,6 +32,7 @@ struct CellComponents {
   // Per lattice edge of the cell (4 * axis + 2 * [third axis high] + [second axis high], the axes in cyclic order after
   // `axis`): 0 = nothing crosses it; else 4 | material at the low end | 2 * material at the high end.
   std::array<uint8_t, 12> edge_state{};
+  int walks = 0;                                 // closed curves and shells that were followed to what surrounds them
   int walks_unresolved = 0;                      // closed curves too small for a walk to start on (below 2^-24 half-units)
 
   /// Class of a sided face, -1 when the face is not in the cell or has no material on that side.

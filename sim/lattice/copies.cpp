@@ -211,7 +211,7 @@ void summarise(LatticeTopology& t) {
   }
   for (double v : t.piece_volume_mm3) t.volume_mm3 += v;
   t.pieces = int(t.piece_volume_mm3.size());
-  t.walks_unresolved = 0;
+  t.walks = t.walks_unresolved = 0;
   Hash64 hash;
   for (size_t cell = 0; cell < t.components.size(); ++cell) {
     const auto& comp = t.components[cell];
@@ -222,7 +222,7 @@ void summarise(LatticeTopology& t) {
       for (int32_t n : copy.node) hash.add(n);
       if (comp && comp->classes[size_t(k)].fixed_sides) t.piece_fixed[size_t(copy.piece)] = 1;
     }
-    if (comp) t.walks_unresolved += comp->walks_unresolved;
+    if (comp) t.walks += comp->walks, t.walks_unresolved += comp->walks_unresolved;
   }
   hash.add(t.pieces);
   t.hash = hash.value();

@@ -55,7 +55,7 @@ struct LatticeTopology {
   std::vector<uint8_t> face_bits;          // per face id: its material bits in this version (0: not there)
   int32_t last_op = 0;                     // highest operation that has made a face so far
   int touched_cells = 0;                   // recomputed to make this version
-  int walks_unresolved = 0;                // sum over cells
+  int walks = 0, walks_unresolved = 0;     // sums over cells
 };
 
 /// Throws InputError when the surface reaches beyond the lattice. std::logic_error tells of a defect: a surface whose

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 
 #include "sim/lattice/topology.h"
 #include "tests/sim/cutting/scenes.h"
