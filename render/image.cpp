@@ -37,7 +37,12 @@ struct Closer {
 [[noreturn]] void leave(png_structp png, png_const_charp) { png_longjmp(png, 1); }
 void ignore(png_structp, png_const_charp) {}
 
-bool write_rows(std::FILE* f, const Image& image) {
+void append(png_structp png, png_bytep data, png_size_t n) {
+  static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), n);
+}
+void flush_nothing(png_structp) {}
+
+bool encode_rows(const Image& image, std::string& out) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, leave, ignore);
   if (!png) return false;
   png_infop info = png_create_info_struct(png);
@@ -45,7 +50,7 @@ bool write_rows(std::FILE* f, const Image& image) {
     png_destroy_write_struct(&png, &info);
     return false;
   }
-  png_init_io(png, f);
+  png_set_write_fn(png, &out, append, flush_nothing);
   png_set_IHDR(png, info, png_uint_32(image.width), png_uint_32(image.height), 8, PNG_COLOR_TYPE_RGB,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_compression_level(png, 3);  // five times faster than the default and barely larger on rendered pictures
@@ -91,6 +96,12 @@ bool read_rows(std::FILE* f, Image& image) {
 
 }  // namespace
 
+std::string encode_png(const Image& image) {
+  std::string out;
+  if (image.empty() || !encode_rows(image, out)) return {};
+  return out;
+}
+
 void write_png(const std::string& file, const Image& image) {
   if (image.empty()) throw InputError(file, 0, "an empty picture cannot be written; expected at least one pixel");
   const std::string part = file + ".part";
@@ -98,8 +109,8 @@ void write_png(const std::string& file, const Image& image) {
   {
     std::unique_ptr<std::FILE, Closer> f(std::fopen(part.c_str(), "wb"));
     if (!f) throw InputError(file, 0, std::string("cannot be written: ") + std::strerror(errno));
-    good = write_rows(f.get(), image);
-    good = std::fflush(f.get()) == 0 && good;
+    const std::string bytes = encode_png(image);
+    good = !bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), f.get()) == bytes.size() && std::fflush(f.get()) == 0;
   }
   std::error_code failed;
   if (good) std::filesystem::rename(part, file, failed);

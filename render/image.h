@@ -35,6 +35,9 @@ struct Image {
 /// Writes beside the file and renames, so that an existing file is never lost half way. InputError when it cannot.
 void write_png(const std::string& file, const Image& image);
 
+/// The bytes of a PNG file; empty for an empty picture.
+std::string encode_png(const Image& image);
+
 /// InputError when the file is missing, is not a PNG or is damaged. Any PNG is converted to 8-bit RGB.
 Image read_png(const std::string& file);
 

@@ -113,7 +113,7 @@ void main() {
   albedo = mix(albedo, mix(ink, albedo, 0.12), 0.80 * grid.g);
   float shade = lit(v_world, n);
 #ifdef FINE
-  n = bump(n, v_world, 0.030 * texture(detail_map, v_chart * (1.0 / 11.0)).r);
+  n = bump(n, v_world, 0.022 * texture(detail_map, v_chart * (1.0 / 11.0)).r);
 #endif
   vec3 diffuse = wrapped(dot(n, l), vec3(0.42, 0.22, 0.15));
   diffuse *= diffuse * 0.35 + 0.65;
@@ -143,17 +143,17 @@ void main() {
   float ragged = (m.b - 0.5) * 0.35 + (m.r - 0.5) * 0.12;
   vec3 albedo = texture(layer_map, vec2((v_depth + ragged * smoothstep(0.15, 0.6, v_depth)) / layer_range, 0.5)).rgb;
   float fat = smoothstep(1.4, 2.1, v_depth);
-  albedo *= mix(0.98 + 0.22 * (m.b - 0.5), 0.80 + 0.28 * m.g, fat);
+  albedo *= mix(0.98 + 0.22 * (m.b - 0.5), 0.88 + 0.22 * m.g, fat);
   albedo = mix(albedo, vec3(0.36, 0.030, 0.022), (0.03 + 0.34 * smoothstep(0.54, 0.72, m.b)) * smoothstep(0.2, 0.8, v_depth));
 #ifdef FINE
-  n = bump(n, v_world, mix(0.04 * m.r, 0.26 * m.g, fat));
+  n = bump(n, v_world, mix(0.04 * m.r, 0.15 * m.g, fat));
 #endif
   vec3 diffuse = wrapped(dot(n, l), vec3(0.50, 0.30, 0.22));
   float cavity = mix(0.62, 1.0, exp(-v_depth / 3.2));  // the deeper, the less of the room is seen
   vec3 shadow = mix(vec3(0.34, 0.22, 0.17), vec3(1.0), vec3(shade));
   float from_eye = max(dot(n, v), 0.0);  // a lamp on the surgeon's head looks into the wound
   vec3 light = key_colour * diffuse * shadow * 0.318 * mix(1.0, cavity, 0.35) +
-               (hemisphere(n) * 0.36 + fill_colour * 0.14 + vec3(0.62, 0.59, 0.55) * from_eye) * cavity;
+               (hemisphere(n) * 0.36 + fill_colour * 0.14 + vec3(0.80, 0.77, 0.72) * from_eye) * cavity;
   float s = lobe(n, v, l, 0.28, 0.040) + 0.25 * lobe(n, v, vec3(0.503, -0.503, 0.704), 0.30, 0.040);
   colour = vec4(to_screen(albedo * light + key_colour * (s * mix(0.25, 1.0, shade) * 0.75)), 1.0);
 }

@@ -74,9 +74,8 @@ Texels skin_texture(int size) {
   return fill(size, size, [](float u, float v) -> std::array<uint8_t, 4> {
     const float blotch = fractal(u, v, 6, 3, 1) - 0.5f;    // flush, some 10 mm across
     const float mottle = fractal(u, v, 40, 3, 11) - 0.5f;  // a millimetre or two
-    const float fine = noise(u, v, 256, 31) - 0.5f;
     const float freckle = std::max(0.0f, noise(u, v, 56, 51) * noise(u, v, 17, 52) - 0.72f) * 2.2f;
-    const float light = 1 + 0.05f * mottle + 0.05f * fine - 0.35f * freckle;
+    const float light = 1 + 0.07f * mottle - 0.35f * freckle;
     return {byte(228 * light + 5 * blotch), byte(186 * light - 16 * blotch - 4 * mottle),
             byte(164 * light - 15 * blotch - 4 * mottle), 255};
   });
@@ -100,16 +99,18 @@ Texels detail_texture(int size) {
   return fill(size, size, [](float u, float v) -> std::array<uint8_t, 4> {
     const auto pore = worley(u, v, 44, 3);
     const float pores = 0.55f * std::min(1.0f, 2.2f * (pore[1] - pore[0])) + 0.45f * fractal(u, v, 24, 4, 5);
-    const auto cell = worley(u, v, 12, 9);
-    const float lobule = std::sqrt(std::clamp(1.25f * (cell[1] - cell[0]), 0.0f, 1.0f));
+    // Fat lies in round lobules with thin septa between.
+    const auto cell = worley(u + 0.02f * fractal(u, v, 16, 2, 61), v + 0.02f * fractal(u, v, 16, 2, 71), 13, 9);
+    const float gap = std::clamp(3.0f * (cell[1] - cell[0]), 0.0f, 1.0f);
+    const float lobule = (0.35f + 0.65f * gap * (2 - gap)) * std::clamp(1.1f - 0.8f * cell[0] * cell[0], 0.0f, 1.0f);
     return {byte(255 * pores), byte(255 * lobule), byte(255 * fractal(u, v, 8, 4, 17)), 255};
   });
 }
 
 Texels layer_texture(const std::vector<Layer>& layers, double range_mm, int size) {
   using C = std::array<float, 3>;
-  const C epidermis{176, 112, 92}, dermis{240, 206, 196}, dermis_low{232, 184, 172}, fat{240, 205, 118},
-      fat_low{226, 180, 92}, muscle{158, 52, 44}, deep{178, 92, 78};
+  const C epidermis{176, 112, 92}, dermis{246, 214, 204}, dermis_low{238, 194, 182}, fat{246, 216, 134},
+      fat_low{238, 196, 108}, muscle{158, 52, 44}, deep{178, 92, 78};
   const auto mix = [](const C& a, const C& b, float t) {
     t = std::clamp(t, 0.0f, 1.0f);
     return C{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
+
+#include "render/image.h"
+#include "sim/error.h"
 
 namespace limberg::html {
 
@@ -107,15 +109,22 @@ std::string base64(std::string_view bytes) {
   return out;
 }
 
-std::string png_data_url(const std::string& file, size_t limit) {
+std::string png_data_url(const std::string& file, int widest) {
+  constexpr std::streamoff limit = 32 << 20;
   std::ifstream in(file, std::ios::binary | std::ios::ate);
   if (!in) return {};
   const std::streamoff size = in.tellg();
-  if (size < 8 || size_t(size) > limit) return {};
+  if (size < 8 || size > limit) return {};
   std::string bytes(size_t(size), '\0');
   in.seekg(0);
   if (!in.read(bytes.data(), size) || bytes.compare(0, 8, "\x89PNG\r\n\x1a\n") != 0) return {};
-  return "data:image/png;base64," + base64(bytes);
+  try {
+    const Image image = read_png(file);
+    if (const int factor = (image.width + widest - 1) / widest; factor > 1) bytes = encode_png(shrink(image, factor));
+  } catch (const InputError&) {
+    return {};  // damaged
+  }
+  return bytes.empty() ? std::string() : "data:image/png;base64," + base64(bytes);
 }
 
 }  // namespace limberg::html

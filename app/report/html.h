@@ -17,7 +17,8 @@ std::string quantity(const std::optional<double>& value, std::string_view unit, 
 
 std::string base64(std::string_view bytes);
 
-/// The file as a data: URL, or empty when it is absent, larger than `limit` bytes or no PNG.
-std::string png_data_url(const std::string& file, size_t limit = size_t(32) << 20);
+/// The file as a data: URL, or empty when it is absent, larger than 32 MB or no PNG. A picture wider than `widest` is
+/// made smaller by a whole factor, so that the page stays light.
+std::string png_data_url(const std::string& file, int widest);
 
 }  // namespace limberg::html

@@ -17,12 +17,12 @@ using html::quantity;
 namespace {
 
 // A picture named by the result may only lie inside its folder.
-std::string picture_url(const std::string& dir, const std::string& name) {
+std::string picture_url(const std::string& dir, const std::string& name, int widest = 1600) {
   const fs::path p(name);
   if (name.empty() || p.is_absolute() || name.find('\0') != std::string::npos) return {};
   for (const fs::path& part : p)
     if (part == "..") return {};
-  return html::png_data_url((fs::path(dir) / p).string());
+  return html::png_data_url((fs::path(dir) / p).string(), widest);
 }
 
 std::string figure(const std::string& url, const std::string& alt, const std::string& caption) {
@@ -173,7 +173,7 @@ std::string story(const ReportData& d, const std::string& dir) {
     if (stage.residual) fact("residual " + number(*stage.residual, 2));
     const std::string caption = "<b>" + std::to_string(k) + ". " + escape(capital(stage.name)) + "</b>" +
                                 (stage.caption.empty() ? "" : "<br/>" + escape(stage.caption)) + (facts.empty() ? "" : "<br/>" + facts);
-    const std::string url = picture_url(dir, stage.picture);
+    const std::string url = picture_url(dir, stage.picture, 960);
     if (!url.empty()) s += figure(url, "Stage " + std::to_string(k) + ": " + stage.name, caption);
     else if (!stage.name.empty()) s += "<figure><figcaption>" + caption + "</figcaption></figure>\n";
   }

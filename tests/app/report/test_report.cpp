@@ -137,6 +137,20 @@ TEST_F(Report, PicturesOutsideTheFolderAreNotTaken) {
   EXPECT_EQ(make("{}").find("data:image"), std::string::npos);
 }
 
+TEST_F(Report, LargeStagePicturesAreMadeSmaller) {
+  // Noise does not compress: the size of the page says how many pixels it holds.
+  Image noise(1280, 720);
+  uint32_t state = 1;
+  for (uint8_t& v : noise.rgb) v = uint8_t((state = state * 1664525u + 1013904223u) >> 24);
+  write_png(dir / "stages/00-noise.png", noise);
+  const size_t story = make("{}").size();
+  write_png(dir / "tension.png", noise);
+  const size_t both = make("{}").size();
+  EXPECT_GT(story, size_t(640 * 360 * 3));
+  EXPECT_LT(story, size_t(640 * 360 * 3 * 1.5));
+  EXPECT_GT(both - story, size_t(1280 * 720 * 3));  // the tension map keeps its size
+}
+
 TEST_F(Report, PicturesAloneTellTheStory) {
   write_png(dir / report_names::stage_picture(1, "Flap cut!"), Image(4, 4));
   write_png(dir / report_names::stage_picture(0, "before"), Image(4, 4));
