@@ -2,7 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cassert>
+#include <atomic>
 #include <numeric>
 
 #include "sim/fem/element_system.h"
@@ -33,6 +33,7 @@ struct Preconditioner::Pending {
   // Written by the job, read after it is done.
   struct Result {
     std::shared_ptr<const ScalarFactor> factor;
+    std::atomic<bool> unwanted = false;  // set by the owner when nobody will ask any more
   };
   std::shared_ptr<Result> result = std::make_shared<Result>();
   std::shared_ptr<Workers::Job> job;
@@ -45,7 +46,9 @@ struct Preconditioner::Pending {
 
 Preconditioner::Preconditioner(Workers& workers) : workers_(workers) {}
 Preconditioner::~Preconditioner() {
-  if (pending_) pending_->job->wait();
+  if (!pending_) return;
+  pending_->result->unwanted = true;
+  pending_->job->wait();
 }
 
 void Preconditioner::set_model(std::shared_ptr<const FemModel> model) {
@@ -117,6 +120,7 @@ void Preconditioner::submit(double mass_per_s2) {
     if (s.foldable) p->folded.push_back(s.row);
   auto job = [model = model_, springs = p->folded, mass_per_s2, before = factor_, ancestor = ancestor_, result = p->result] {
     try {
+      if (result->unwanted) return;
       const ScalarMatrix A = assemble_scalar(*model, springs, mass_per_s2);
       std::vector<int32_t> order;
       if (before) order = inherited_order(A, before->node_order, ancestor);
