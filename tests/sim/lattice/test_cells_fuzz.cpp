@@ -36,6 +36,19 @@ Blade random_blade(Random& r) {
   }
 }
 
+// Moves whole coordinates of a blade next to lattice planes: walls one half-unit beside them, edges through lattice edges.
+void press_onto_planes(Blade& b, const LatticeGrid& g, Random& r) {
+  const bool axis_pressed[3] = {r.below(2) == 0, r.below(2) == 0, r.below(2) == 0};
+  for (Int3& v : b.vertex) {
+    int32_t* c[3] = {&v.x, &v.y, &v.z};
+    for (int a = 0; a < 3; ++a) {
+      const double k = std::round(double(*c[a] - g.origin[a]) / g.pitch[a]);
+      if (!axis_pressed[a] || std::abs(*c[a] - g.origin[a] - k * g.pitch[a]) > 0.2 * g.pitch[a]) continue;
+      *c[a] = g.origin[a] + int32_t(k) * g.pitch[a] + 1;
+    }
+  }
+}
+
 // LIMBERG_FUZZ_HISTORIES lengthens the run.
 int histories() {
   const char* n = std::getenv("LIMBERG_FUZZ_HISTORIES");
@@ -50,7 +63,8 @@ TEST(CellsFuzz, EveryInvariantAfterEveryOperation) {
     int done = 0;
     for (int op = 0; op < 14 && !::testing::Test::HasFailure(); ++op) {
       SCOPED_TRACE("history " + std::to_string(history) + " operation " + std::to_string(op));
-      const Blade b = random_blade(r);
+      Blade b = random_blade(r);
+      if (history % 2) press_onto_planes(b, s.g, r);
       if (s.cut(b)) ++done;
       if (s.t->pieces > 1 && r.below(2)) s.excise_smallest();
     }
