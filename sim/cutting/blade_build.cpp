@@ -166,10 +166,19 @@ void add_strip(Blade& blade, const BladeContext& c, std::span<const Column> colu
   for (size_t i = 0; i + (closed ? 0 : 1) < n; ++i)
     for (int r = 0; r < rows; ++r) {
       const auto uv = [&](size_t k, int q) { return Eigen::Vector2f(float(arc[k]), float(level(q))); };
-      blade.tri.push_back({id(i, r), id(i, r + 1), id(i + 1, r + 1)});
-      blade.uv_mm.push_back({uv(i, r), uv(i, r + 1), uv(i + 1, r + 1)});
-      blade.tri.push_back({id(i, r), id(i + 1, r + 1), id(i + 1, r)});
-      blade.uv_mm.push_back({uv(i, r), uv(i + 1, r + 1), uv(i + 1, r)});
+      // Diagonals rise away from both ends: no triangle then has all three corners on the blade's free border.
+      const size_t j = i + 1;
+      if (2 * j > n) {
+        blade.tri.push_back({id(i, r), id(i, r + 1), id(j, r + 1)});
+        blade.uv_mm.push_back({uv(i, r), uv(i, r + 1), uv(j, r + 1)});
+        blade.tri.push_back({id(i, r), id(j, r + 1), id(j, r)});
+        blade.uv_mm.push_back({uv(i, r), uv(j, r + 1), uv(j, r)});
+      } else {
+        blade.tri.push_back({id(i, r), id(i, r + 1), id(j, r)});
+        blade.uv_mm.push_back({uv(i, r), uv(i, r + 1), uv(j, r)});
+        blade.tri.push_back({id(i, r + 1), id(j, r + 1), id(j, r)});
+        blade.uv_mm.push_back({uv(i, r + 1), uv(j, r + 1), uv(j, r)});
+      }
       blade.seed.push_back(r == 0);
       blade.seed.push_back(r == 0);
     }

@@ -44,7 +44,8 @@ TEST(WideInt, AgreesWithArbitraryPrecision) {
     ASSERT_EQ(a < b, big(a) < big(b));
     const Big m = abs(big(a));
     ASSERT_EQ(a.bit_length(), m == 0 ? 0 : int(msb(m)) + 1);
-    if (a.sign() != 0) ASSERT_NEAR(a.to_double() / big(a).convert_to<double>(), 1.0, 0x1p-51) << big(a);
+    const double exact = a.sign() != 0 ? big(a).convert_to<double>() : 1, rounded = a.sign() != 0 ? a.to_double() : 1;
+    ASSERT_NEAR(rounded / exact, 1.0, 0x1p-51);
     constexpr uint64_t p = (uint64_t(1) << 61) - 1;
     Big r = big(a) % p;
     if (r < 0) r += p;
