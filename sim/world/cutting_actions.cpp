@@ -1,11 +1,36 @@
 // Cuts, excision and undo: one change of topology, from the blade to the surface that is shown.
-#include <algorithm>
+#include <cmath>
 
+#include "sim/error.h"
 #include "sim/hash.h"
 #include "sim/lattice/embedding.h"
 #include "sim/world/operating_table.h"
 
 namespace limberg {
+namespace {
+
+/// A point well inside a simple polygon: of the midpoints of the diagonals and the centroid, the first that is inside
+/// by the crossing rule; nothing for fewer than three points or no area.
+std::optional<ChartPoint> interior_point(const std::vector<ChartPoint>& outline) {
+  if (outline.size() < 3) return std::nullopt;
+  const auto inside = [&](const ChartPoint& p) {
+    bool in = false;
+    for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
+      const ChartPoint &a = outline[i], &b = outline[j];
+      if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) in = !in;
+    }
+    return in;
+  };
+  ChartPoint centroid(0, 0);
+  for (const ChartPoint& p : outline) centroid += p / double(outline.size());
+  if (inside(centroid)) return centroid;
+  for (size_t i = 0; i < outline.size(); ++i)
+    for (size_t j = i + 2; j < outline.size(); ++j)
+      if (const ChartPoint p = 0.5 * (outline[i] + outline[j]); inside(p)) return p;
+  return std::nullopt;
+}
+
+}  // namespace
 
 OperatingTable::Done OperatingTable::remember(bool is_cut, int arrangement_steps) const {
   Done d;
@@ -73,7 +98,7 @@ Outcome OperatingTable::cut(const BladeResult& blade, bool take_out, const Vec3&
     }
     before.arrangement_steps = 2;
   }
-  const Outcome built = rebuild(before.arrangement_steps);
+  const Outcome built = rebuild();
   if (!built.done) {
     for (int i = 0; i < before.arrangement_steps; ++i) arrangement_->undo();
     --cuts_;
@@ -93,7 +118,6 @@ Outcome OperatingTable::act(const Undo&) {
   if (d.is_cut) {
     for (int i = 0; i < d.arrangement_steps; ++i) arrangement_->undo();
     version_ = std::move(d.before);
-    restore_lattice();
     solver_->set_model(version_.model, {});
     solver_->set_displacement_mm(d.displacement);
     hooks_ = std::move(d.hooks);
@@ -103,6 +127,48 @@ Outcome OperatingTable::act(const Undo&) {
   }
   publish_springs();
   return {true, {}};
+}
+
+Outcome OperatingTable::rebuild() {
+  Version next;
+  try {
+    next.lattice = update_topology(*version_.lattice, material_surface(*arrangement_));
+  } catch (const InputError& e) {
+    return {false, e.what()};
+  }
+  next.model = assemble_fem(*stencils_, *next.lattice);
+  next.surface = make_surface(*next.lattice);
+  next.index = std::make_shared<RestIndex>(next.surface->view, body_->surface.tri.size());
+  version_ = next;
+  std::vector<int32_t> cell_parent;
+  for (const CellCopy& c : version_.lattice->cells) cell_parent.push_back(c.parent);
+  solver_->set_model(version_.model, cell_parent);
+  carry_anchors();
+  publish_springs();
+  return {true, {}};
+}
+
+std::shared_ptr<const SurfaceTopology> OperatingTable::make_surface(const LatticeTopology& lattice) {
+  auto surface = std::make_shared<SurfaceTopology>();
+  surface->version = next_version_++;
+  surface->body = body_;
+  surface->view = arrangement_->surface_view();
+  surface->embedding = embed_surface(lattice, material_surface(*arrangement_), surface->view);
+  // Depths are remembered by point: points of the arrangement never move.
+  const SurfaceView& view = surface->view;
+  surface->depth_mm.resize(view.X_mm.size());
+  for (size_t v = 0; v < view.X_mm.size(); ++v) {
+    const size_t point = size_t(view.point[v]);
+    if (point >= depth_of_point_mm_.size()) depth_of_point_mm_.resize(point + 1, std::nanf(""));
+    float& depth = depth_of_point_mm_[point];
+    if (std::isnan(depth)) depth = float(skin_.depth_mm(view.X_mm[v]));
+    surface->depth_mm[v] = depth;
+  }
+  Hash64 h;
+  h.add(arrangement_->hash());
+  h.add(lattice.hash);
+  surface->hash = h.value();
+  return surface;
 }
 
 }  // namespace limberg

@@ -42,7 +42,8 @@ std::optional<Anchor> OperatingTable::find_anchor(const ChartPoint& p, bool on_r
 }
 
 EmbeddedPoint OperatingTable::embed(const Anchor& anchor) const {
-  return embed_point(*version_.lattice, version_.surface->view, anchor.at.triangle, anchor.at.bary);
+  return embed_point(*version_.lattice, version_.surface->view, anchor.at.triangle,
+                     {anchor.at.bary.x(), anchor.at.bary.y(), anchor.at.bary.z()});
 }
 
 bool OperatingTable::same_place(const Anchor& a, const Anchor& b) const {

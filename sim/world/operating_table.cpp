@@ -9,6 +9,20 @@
 
 namespace limberg {
 
+OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
+    : spec_(std::move(spec)), body_(spec_.body), skin_(spec_.body), arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)) {
+  const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm);
+  stencils_ = std::make_unique<StencilTable>(skin_, grid);
+  version_.lattice = build_topology(grid, material_surface(*arrangement_));
+  version_.model = assemble_fem(*stencils_, *version_.lattice);
+  version_.surface = make_surface(*version_.lattice);
+  version_.index = std::make_shared<RestIndex>(version_.surface->view, body_->surface.tri.size());
+  initial_volume_mm3_ = volume_mm3_ = arrangement_->volume_mm3();
+  if (!spec_.can_cut) arrangement_.reset();
+  solver_ = make_solver(workers);
+  solver_->set_model(version_.model, {});
+}
+
 Outcome OperatingTable::apply(const Command& command) {
   const Outcome outcome = std::visit([this](const auto& c) { return act(c); }, command);
   if (!outcome.done) ++refused_;

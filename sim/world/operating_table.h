@@ -71,7 +71,7 @@ class OperatingTable {
   Outcome act(const Wait&);
 
   Outcome cut(const BladeResult& blade, bool take_out, const Vec3& inside_mm);
-  Outcome rebuild(int arrangement_steps);  // lattice, model, surface, anchors after the arrangement has changed
+  Outcome rebuild();  // lattice, model, surface, anchors after the arrangement has changed
   std::shared_ptr<const SurfaceTopology> make_surface(const LatticeTopology& lattice);
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
@@ -87,6 +87,7 @@ class OperatingTable {
   std::shared_ptr<const Body> body_;
   Skin skin_;
   std::unique_ptr<Arrangement> arrangement_;  // absent when the scene cannot be cut
+  std::unique_ptr<StencilTable> stencils_;
   Version version_;
   std::unique_ptr<ElasticSolver> solver_;
   std::vector<Hook> hooks_;
