@@ -118,6 +118,11 @@ Outcome OperatingTable::act(const Undo&) {
   if (d.is_cut) {
     for (int i = 0; i < d.arrangement_steps; ++i) arrangement_->undo();
     version_ = std::move(d.before);
+    // The same surface under a new number: readers take versions to grow.
+    auto again = std::make_shared<SurfaceTopology>(*version_.surface);
+    again->version = next_version_++;
+    version_.surface = again;
+    version_.index = std::make_shared<RestIndex>(again->view, body_->surface.tri.size());
     solver_->set_model(version_.model, {});
     solver_->set_displacement_mm(d.displacement);
     hooks_ = std::move(d.hooks);
