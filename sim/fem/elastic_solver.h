@@ -57,9 +57,9 @@ class ElasticSolver {
   /// Sum of the forces in mN that the Dirichlet nodes receive from the material and from springs that hang on them (their
   /// supports give the opposite).
   virtual Vec3 support_force_mN() const = 0;
-  /// J = det F at the centre of each cell.
+  /// J = det F at the sample point of each cell (fem_model.h: the centre of a homogeneous one).
   virtual void cell_J(std::vector<float>& J) const = 0;
-  /// Deformation gradient at the centre of a cell (row-major meaning F(i,j) = dx_i/dX_j).
+  /// Deformation gradient at the sample point of a cell (row-major meaning F(i,j) = dx_i/dX_j).
   virtual Mat3 cell_F(int32_t cell) const = 0;
   /// Bytes in use and time spent belong to the caller's benches; this is what was chosen, in words.
   virtual std::string describe() const = 0;

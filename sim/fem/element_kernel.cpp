@@ -69,11 +69,18 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
     for (int a = 0; a < 8; ++a) n[a] = local[cell.node[a]];
     const v4 work = deviatoric(s, n, f);
 
-    // Columns of G = F - I at the centre.
-    const v4 s0 = n[0] + n[1], s1 = n[2] + n[3], s2 = n[4] + n[5], s3 = n[6] + n[7];
-    const v4 gx = (((n[1] - n[0]) + (n[3] - n[2])) + ((n[5] - n[4]) + (n[7] - n[6]))) * ix;
-    const v4 gy = ((s1 - s0) + (s3 - s2)) * iy;
-    const v4 gz = ((s2 + s3) - (s0 + s1)) * iz;
+    // Columns of G = F - I at the sample point.
+    v4 gx, gy, gz;
+    if (s.centred) {
+      const v4 s0 = n[0] + n[1], s1 = n[2] + n[3], s2 = n[4] + n[5], s3 = n[6] + n[7];
+      gx = (((n[1] - n[0]) + (n[3] - n[2])) + ((n[5] - n[4]) + (n[7] - n[6]))) * ix;
+      gy = ((s1 - s0) + (s3 - s2)) * iy;
+      gz = ((s2 + s3) - (s0 + s1)) * iz;
+    } else {
+      gx = (n[1] - n[0]) * s.bx[0] + (n[3] - n[2]) * s.bx[1] + (n[5] - n[4]) * s.bx[2] + (n[7] - n[6]) * s.bx[3];
+      gy = (n[2] - n[0]) * s.by[0] + (n[3] - n[1]) * s.by[1] + (n[6] - n[4]) * s.by[2] + (n[7] - n[5]) * s.by[3];
+      gz = (n[4] - n[0]) * s.bz[0] + (n[5] - n[1]) * s.bz[1] + (n[6] - n[2]) * s.bz[2] + (n[7] - n[3]) * s.bz[3];
+    }
     // Columns of cof F - I = (tr G) I - G^T + cof G, without ever subtracting numbers near 1.
     const v4 mx = cross(gy, gz), my = cross(gz, gx), mz = cross(gx, gy);
     const float xx = gx[0], yy = gy[1], zz = gz[2];
@@ -93,12 +100,20 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
     sums.magnitude += double(cell.scale) * (std::fabs(e1) + e2 + std::fabs(e3));
 
     const float pm = p - s.p0;
-    const v4 hx = (pm * cx + v4{p, 0, 0, 0}) * (vol * ix);
-    const v4 hy = (pm * cy + v4{0, p, 0, 0}) * (vol * iy);
-    const v4 hz = (pm * cz + v4{0, 0, p, 0}) * (vol * iz);
-    const v4 a = hx + hy, b = hx - hy;
-    f[0] -= a + hz, f[1] += b - hz, f[2] -= b + hz, f[3] += a - hz;
-    f[4] += hz - a, f[5] += b + hz, f[6] += hz - b, f[7] += a + hz;
+    v4 hx = (pm * cx + v4{p, 0, 0, 0}) * vol;
+    v4 hy = (pm * cy + v4{0, p, 0, 0}) * vol;
+    v4 hz = (pm * cz + v4{0, 0, p, 0}) * vol;
+    if (s.centred) {
+      hx *= ix, hy *= iy, hz *= iz;
+      const v4 a = hx + hy, b = hx - hy;
+      f[0] -= a + hz, f[1] += b - hz, f[2] -= b + hz, f[3] += a - hz;
+      f[4] += hz - a, f[5] += b + hz, f[6] += hz - b, f[7] += a + hz;
+    } else {
+      f[0] -= hx * s.bx[0] + hy * s.by[0] + hz * s.bz[0], f[1] += hx * s.bx[0] - hy * s.by[1] - hz * s.bz[1];
+      f[2] += hy * s.by[0] - hx * s.bx[1] - hz * s.bz[2], f[3] += hx * s.bx[1] + hy * s.by[1] - hz * s.bz[3];
+      f[4] += hz * s.bz[0] - hx * s.bx[2] - hy * s.by[2], f[5] += hx * s.bx[2] + hz * s.bz[1] - hy * s.by[3];
+      f[6] += hy * s.by[2] + hz * s.bz[2] - hx * s.bx[3], f[7] += hx * s.bx[3] + hy * s.by[3] + hz * s.bz[3];
+    }
     for (int k = 0; k < 8; ++k) {
       v4 g = f[k] * cell.scale;
       if (Measure) g[3] = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);

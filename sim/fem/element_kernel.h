@@ -2,7 +2,7 @@
 // Energy and gradient of all cells: the one loop that visits the material.
 //
 // Works on displacements u = x - X, so that a flat, unloaded state is exactly zero and single precision keeps its digits:
-// with K the stencil, B_a = grad N_a at the centre, G = sum u_a B_a^T, F = I + G,
+// with K the stencil, B_a = grad N_a at its sample point, G = sum u_a B_a^T, F = I + G,
 //
 //   f_a = scale * ( sum_b K_ab u_b + f0_a + V ( (p - p0)(cof F - I) + p I ) B_a ),   f0_a = (K X)_a - p0 V B_a
 //   p   = ke (theta + q),  theta = J - 1
@@ -29,6 +29,9 @@ struct alignas(64) KernelStencil {
   float p0 = 0;     // kPa
   float ke = 0;     // kPa, effective bulk stiffness
   float r = 0;      // lambda / (lambda + k); 0: no multiplier
+  // Sample gradients off the centre: per axis, of the four cell edges along it, in corner order (1 / mm).
+  float bx[4], by[4], bz[4];
+  bool centred = true;
 };
 
 struct KernelCell {

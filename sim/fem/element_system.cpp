@@ -19,18 +19,19 @@ bool uses_multiplier(const Stencil& s, bool augmented) {
 
 KernelStencil kernel_stencil(const Stencil& s, const Vec3& h, bool augmented) {
   KernelStencil k{};
-  Eigen::Matrix<double, 8, 3> X, B;
+  const Eigen::Matrix<double, 8, 3> B = sample_gradients(s, h);
+  Eigen::Matrix<double, 8, 3> X;
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) {
-      const bool up = (a >> i) & 1;
-      X(a, i) = up ? h[i] : 0;
-      B(a, i) = (up ? 1 : -1) / (4 * h[i]);
+      X(a, i) = (a >> i & 1) ? h[i] : 0;
     }
   const Eigen::Matrix<double, 8, 3> f0 = s.K * X - s.p0_kPa * s.volume_mm3 * B;
   for (int b = 0; b < 8; ++b)
     for (int a = 0; a < 8; ++a) k.K[8 * b + a] = float(s.K(a, b));
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) k.f0[4 * a + i] = float(f0(a, i));
+  k.centred = s.sample == Vec3::Constant(0.5);
+  for (int e = 0; e < 4; ++e) k.bx[e] = float(B(2 * e + 1, 0)), k.by[e] = float(B(2 * (e & 2) + 2 + (e & 1), 1)), k.bz[e] = float(B(4 + e, 2));
   k.volume = float(s.volume_mm3);
   k.p0 = float(s.p0_kPa);
   k.ke = float(effective_bulk_kPa(s, augmented));

@@ -8,8 +8,9 @@
 //   E = scale * [ 1/2 sum_ab K_ab (x_a . x_b)  +  V ( lambda/2 (J_c - 1)^2 - p0 (J_c - 1) ) ]
 //
 //   K_ab = integral over the full cell of mu(X) grad N_a . A(X) grad N_b,  A = F0 F0^T,  F0 the prestretch, det F0 = 1
-//   J_c  = det F at the cell's centre,   p0 = mean of mu n.A n (n the skin normal): then a flat prestretched layer is in
-//          equilibrium with a free surface.
+//   J_c  = det F at the stencil's sample point, p0 = mean of mu n.A n (n the skin normal). The sample point is the centroid
+//          of mu n.A n: then the pressure balances the layers through the cell, not only on average, a flat prestretched
+//          layer rests under a free surface, and a cut through tissue without prestretch stays shut.
 //
 // mu/2 |F F0|^2 is quadratic in x, so K carries layers thinner than a cell, prestretch and full integration
 // (hourglass control included) at no run-time cost; sub-cell quadrature fills it.
@@ -29,8 +30,21 @@ struct Stencil {
   double mu_kPa = 0;         // volume mean, for the preconditioner weight and for reports
   double lambda_kPa = 0;     // reparametrised, volume mean
   double p0_kPa = 0;
+  Vec3 sample = Vec3::Constant(0.5);  // where J is evaluated, in cell units (0..1 per axis); the centre when homogeneous
   double density_kg_mm3 = 0;
 };
+
+/// grad N_a (1/mm) at the stencil's sample point, one row per corner.
+inline Eigen::Matrix<double, 8, 3> sample_gradients(const Stencil& s, const Vec3& cell_mm) {
+  Eigen::Matrix<double, 8, 3> B;
+  for (int a = 0; a < 8; ++a)
+    for (int i = 0; i < 3; ++i) {
+      B(a, i) = ((a >> i & 1) ? 1 : -1) / cell_mm[i];
+      for (int j = 0; j < 3; ++j)
+        if (j != i) B(a, i) *= (a >> j & 1) ? s.sample[j] : 1 - s.sample[j];
+    }
+  return B;
+}
 
 struct HexCell {
   std::array<int32_t, 8> node{};

@@ -288,10 +288,10 @@ void LbfgsSolver::cell_J(std::vector<float>& J) const {
 Mat3 LbfgsSolver::cell_F(int32_t cell) const {
   Mat3 F = Mat3::Identity();
   const HexCell& c = model_->cells[size_t(cell)];
+  const Eigen::Matrix<double, 8, 3> B = sample_gradients(model_->stencils[size_t(c.stencil)], model_->cell_mm);
   for (int a = 0; a < 8; ++a) {
     const Node4& u = u_[size_t(c.node[size_t(a)])];
-    for (int j = 0; j < 3; ++j)
-      F.col(j) += (((a >> j) & 1) ? 1 : -1) / (4 * model_->cell_mm[j]) * Vec3(double(u.x), double(u.y), double(u.z));
+    F += Vec3(double(u.x), double(u.y), double(u.z)) * B.row(a);
   }
   return F;
 }

@@ -37,9 +37,9 @@ Mat3 skew(const Vec3& v) {  // S_ik = epsilon_ikm v_m
 struct ReferenceElasticity::Impl {
   const FemModel& m;
   std::vector<Spring> springs;
-  Gradients B;
+  std::vector<Gradients> B;        // per stencil, at its sample point
   std::vector<Gradients> KX;      // per stencil
-  std::vector<double> mu_centre;  // share of K that is certainly a stiffness at the centre
+  std::vector<double> mu_sample;  // share of K that is certainly a stiffness at the sample point
   std::vector<Mat8> K_rest;       // K without that share
 
   // Pattern of the 3n matrix: lower triangle, free nodes, scalar rows expanded.
@@ -59,7 +59,7 @@ struct ReferenceElasticity::Impl {
 
   Mat3 F(const HexCell& c, std::span<const Vec3> u) const {
     Mat3 f = Mat3::Identity();
-    for (int a = 0; a < 8; ++a) f += u[size_t(c.node[size_t(a)])] * B.row(a);
+    for (int a = 0; a < 8; ++a) f += u[size_t(c.node[size_t(a)])] * B[size_t(c.stencil)].row(a);
     return f;
   }
 
@@ -80,7 +80,7 @@ struct ReferenceElasticity::Impl {
                                    s.volume_mm3 * (0.5 * s.lambda_kPa * theta * theta - s.p0_kPa * theta));
       if (!g) continue;
       const Mat3 P = s.volume_mm3 * (s.lambda_kPa * theta - s.p0_kPa) * cofactor(f);
-      const Gradients force = double(c.scale) * (KU + kx + B * P.transpose());
+      const Gradients force = double(c.scale) * (KU + kx + B[size_t(c.stencil)] * P.transpose());
       for (int a = 0; a < 8; ++a) {
         (*g)[size_t(c.node[size_t(a)])] += force.row(a).transpose();
         if (scale) size[size_t(c.node[size_t(a)])] += force.row(a).norm();
@@ -115,20 +115,21 @@ struct ReferenceElasticity::Impl {
 
   Mat24 cell_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
     const Stencil& s = m.stencils[size_t(c.stencil)];
+    const Gradients& grad_N = B[size_t(c.stencil)];
     const Mat3 f = F(c, u);
     const double V = s.volume_mm3, pressure = s.lambda_kPa * (f.determinant() - 1) - s.p0_kPa;
     Mat24 H;
     if (!project) {
-      const Gradients cb = B * cofactor(f).transpose();
+      const Gradients cb = grad_N * cofactor(f).transpose();
       for (int a = 0; a < 8; ++a)
         for (int b = 0; b < 8; ++b) {
-          const Vec3 cross = B.row(a).transpose().cross(Vec3(B.row(b).transpose()));
+          const Vec3 cross = grad_N.row(a).transpose().cross(Vec3(grad_N.row(b).transpose()));
           H.block<3, 3>(3 * a, 3 * b) = s.K(a, b) * Mat3::Identity() +
                                         V * (s.lambda_kPa * cb.row(a).transpose() * cb.row(b) + pressure * skew(f * cross));
         }
       return double(c.scale) * H;
     }
-    const double mu = mu_centre[size_t(c.stencil)];
+    const double mu = mu_sample[size_t(c.stencil)];
     const Eigen::JacobiSVD<Mat3> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Mat3 U = svd.matrixU();
     const Mat3 W = svd.matrixV();
@@ -157,7 +158,7 @@ struct ReferenceElasticity::Impl {
     Eigen::Matrix<double, 24, 9> BF = Eigen::Matrix<double, 24, 9>::Zero();  // vec F is column-major
     for (int a = 0; a < 8; ++a)
       for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i) BF(3 * a + i, 3 * j + i) = B(a, j);
+        for (int i = 0; i < 3; ++i) BF(3 * a + i, 3 * j + i) = grad_N(a, j);
     H.noalias() = V * (BF * (HF * BF.transpose()).eval());
     const Mat8& K = K_rest[size_t(c.stencil)];
     for (int a = 0; a < 8; ++a)
@@ -281,16 +282,15 @@ ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const 
   Gradients X;
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) {
-      const bool up = (a >> i) & 1;
-      X(a, i) = up ? model.cell_mm[i] : 0;
-      p.B(a, i) = (up ? 1 : -1) / (4 * model.cell_mm[i]);
+      X(a, i) = (a >> i & 1) ? model.cell_mm[i] : 0;
     }
   for (const Stencil& s : model.stencils) {
+    p.B.push_back(sample_gradients(s, model.cell_mm));
     p.KX.push_back(s.K * X);
     const Mat3 mean = X.transpose() * s.K * X / s.volume_mm3;
     const double mu = std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(mean).eigenvalues()[0]);
-    p.mu_centre.push_back(mu);
-    p.K_rest.push_back(s.K - mu * s.volume_mm3 * p.B * p.B.transpose());
+    p.mu_sample.push_back(mu);
+    p.K_rest.push_back(s.K - mu * s.volume_mm3 * p.B.back() * p.B.back().transpose());
   }
 }
 ReferenceElasticity::~ReferenceElasticity() = default;

@@ -44,12 +44,11 @@ bool same_spring(const SpringRow& a, const SpringRow& b) {
 ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2, bool augmented) {
   const size_t n = m.X_mm.size();
   std::vector<Mat8> cell_matrix(m.stencils.size());
-  Eigen::Matrix<double, 8, 3> B;
-  for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i) B(a, i) = (((a >> i) & 1) ? 1 : -1) / (4 * m.cell_mm[i]);
-  for (size_t s = 0; s < m.stencils.size(); ++s)
+  for (size_t s = 0; s < m.stencils.size(); ++s) {
+    const Eigen::Matrix<double, 8, 3> B = sample_gradients(m.stencils[s], m.cell_mm);
     cell_matrix[s] =
         m.stencils[s].K + effective_bulk_kPa(m.stencils[s], augmented) * m.stencils[s].volume_mm3 * (B * B.transpose());
+  }
 
   // Cells around each node.
   std::vector<int32_t> begin(n + 1, 0), list(8 * m.cells.size());

@@ -27,10 +27,13 @@ void add_box(Stencil& s, const Vec3& cell_mm, const Vec3& lo, const Vec3& hi, co
       }
     s.K += grad.transpose() * (mu * volume / 8 * A) * grad;
   }
+  if (s.volume_mm3 == 0) s.sample.setZero();
   s.volume_mm3 += volume;
   s.mu_kPa += volume * mu;
   s.lambda_kPa += volume * (m.lambda_kPa() + mu);
-  s.p0_kPa += volume * mu * frame.normal.dot(A * frame.normal);
+  const double p0 = mu * frame.normal.dot(A * frame.normal);
+  s.p0_kPa += volume * p0;
+  s.sample += volume * p0 * 0.5 * (lo + hi);
   s.density_kg_mm3 += volume * m.density_kg_mm3;
 }
 
@@ -38,6 +41,9 @@ void add_box(Stencil& s, const Vec3& cell_mm, const Vec3& lo, const Vec3& hi, co
 void finish(Stencil& s) {
   s.mu_kPa /= s.volume_mm3;
   s.lambda_kPa /= s.volume_mm3;
+  s.sample /= s.p0_kPa;
+  for (double& x : s.sample)
+    if (std::abs(x - 0.5) < 1e-12) x = 0.5;  // homogeneous up to rounding: the kernel's shorter way
   s.p0_kPa /= s.volume_mm3;
   s.density_kg_mm3 /= s.volume_mm3;
   s.K = (0.5 * (s.K + s.K.transpose())).eval();
@@ -102,7 +108,7 @@ int32_t StencilTable::intern(const Stencil& s) {
   for (size_t i = 0; i < stencils_.size(); ++i) {
     const Stencil& o = stencils_[i];
     if (o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa && o.lambda_kPa == s.lambda_kPa &&
-        o.p0_kPa == s.p0_kPa && o.density_kg_mm3 == s.density_kg_mm3)
+        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3)
       return int32_t(i);
   }
   stencils_.push_back(s);

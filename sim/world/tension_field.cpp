@@ -6,7 +6,7 @@
 
 namespace limberg {
 
-Mat3 prestretch_tensor(const Material& material, const Skin::Frame& frame) {
+Mat3 prestretch_gradient(const Material& material, const Skin::Frame& frame) {
   const double along = material.prestretch_along, across = material.prestretch_across;
   return along * frame.along * frame.along.transpose() + across * frame.across * frame.across.transpose() +
          1 / (along * across) * frame.normal * frame.normal.transpose();
@@ -17,7 +17,7 @@ TensionField::TensionField(const SurfaceTopology& topology, const Skin& skin) {
   prestretch_.resize(topology.view.X_mm.size());
   for (size_t v = 0; v < prestretch_.size(); ++v) {
     const Material& material = body.layers[size_t(skin.layer_at(topology.depth_mm[v]))].material;
-    prestretch_[v] = prestretch_tensor(material, skin.frame(topology.view.X_mm[v]));
+    prestretch_[v] = prestretch_gradient(material, skin.frame(topology.view.X_mm[v]));
   }
 }
 

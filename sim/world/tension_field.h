@@ -27,6 +27,6 @@ class TensionField {
 };
 
 /// Prestretch F0 of a material in a skin frame, det F0 = 1 (see Material).
-Mat3 prestretch_tensor(const Material& material, const Skin::Frame& frame);
+Mat3 prestretch_gradient(const Material& material, const Skin::Frame& frame);
 
 }  // namespace limberg
