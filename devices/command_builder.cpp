@@ -26,6 +26,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   switch (e.kind) {
     case ToolEvent::stroke_begin:
       stroke_.assign(1, here);
+      stroke_begin_ = Vec3(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
       return {};
     case ToolEvent::stroke_point:
       if (!stroke_.empty()) stroke_.push_back(here);
@@ -34,6 +35,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       stroke_.clear();
       return {};
     case ToolEvent::stroke_end: {
+      const Vec3 end(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
       const std::vector<ChartPoint> drawn = std::move(stroke_);
       stroke_.clear();
       const bool outline = tool == Tool::undermine || tool == Tool::excise;
@@ -48,13 +50,16 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       if (tool != Tool::suture_row) return {};
       if (!have_row_a_) {
         row_a_ = std::move(path);
+        row_a_ends_ = {stroke_begin_, end};
         have_row_a_ = true;
         return {};
       }
       have_row_a_ = false;
-      const double same = (row_a_.front() - path.front()).norm() + (row_a_.back() - path.back()).norm();
-      const double crossed = (row_a_.front() - path.back()).norm() + (row_a_.back() - path.front()).norm();
-      if (crossed < same) std::reverse(path.begin(), path.end());
+      // Both edges are meant to be drawn the same way. The second is turned only when it was plainly drawn the other
+      // way, seen on the patient as it lies: at rest a flap's edge and the edge it is sewn to may lie anyhow.
+      const double same = (row_a_ends_[0] - stroke_begin_).norm() + (row_a_ends_[1] - end).norm();
+      const double crossed = (row_a_ends_[0] - end).norm() + (row_a_ends_[1] - stroke_begin_).norm();
+      if (crossed < 0.5 * same) std::reverse(path.begin(), path.end());
       return SutureRow{std::move(row_a_), std::move(path), e.spacing_mm};
     }
     case ToolEvent::hook_set:

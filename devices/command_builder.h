@@ -1,6 +1,7 @@
 #pragma once
 // From tool events back to surgical commands: the solver side collects the events it drains and gets, for each finished
 // gesture, the command that a script line would state. Strokes are smoothed here (stroke_path.h).
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -15,8 +16,8 @@ class CommandBuilder {
   explicit CommandBuilder(const PathSettings& settings = {}) : path_(settings) {}
 
   /// The command that this event completes, if any:
-  ///   stroke_end -> Incise, Undermine or Excise; the second stroke of a pair -> SutureRow (turned so that both run the
-  ///   same way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0; hook_release ->
+  ///   stroke_end -> Incise, Undermine or Excise; the second stroke of a pair -> SutureRow (turned when it was
+  ///   plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0; hook_release ->
   ///   ReleaseHook; suture_b -> Suture; undo -> Undo; stage -> Stage.
   /// Between hook_set or hook_take and hook_leave the hook follows ToolState::tip_mm.
   std::optional<Command> feed(const ToolEvent& event);
@@ -26,6 +27,8 @@ class CommandBuilder {
  private:
   PathSettings path_;
   std::vector<ChartPoint> stroke_, row_a_;
+  Vec3 stroke_begin_ = Vec3::Zero();          // in the world, as are the ends of row a
+  std::array<Vec3, 2> row_a_ends_{Vec3::Zero(), Vec3::Zero()};
   bool have_row_a_ = false, have_suture_a_ = false;
   ChartPoint suture_a_{0, 0};
   int dropped_ = 0;
