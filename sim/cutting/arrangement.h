@@ -42,6 +42,9 @@ class Arrangement {
   CutResult cut(const Blade& blade, uint64_t seed);
   /// Takes one component of the sided surface away: its material bits are cleared. Index into components().
   ExciseResult excise(int32_t component);
+  /// Takes away every loose piece (no `fixed` face) smaller than this, as part of the last operation: its undo brings
+  /// them back. Blades that nearly coincide leave such slivers; a solver cannot hold them.
+  DebrisResult sweep_debris(double below_mm3);
   /// Takes the last cut or excision back, exactly. False when there is none.
   bool undo();
   int32_t operations() const;  // that undo() could take back

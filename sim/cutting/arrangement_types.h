@@ -90,6 +90,11 @@ struct ExciseResult {
   double volume_mm3 = 0;
 };
 
+struct DebrisResult {
+  int pieces = 0;
+  double volume_mm3 = 0;
+};
+
 /// What the last operation (cut, excision or undo) did to faces; ids ascending.
 struct LastOperation {
   enum Kind : uint8_t { none, cut, excision, undone };

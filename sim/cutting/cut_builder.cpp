@@ -8,15 +8,7 @@ namespace limberg {
 
 CutBuilder::CutBuilder(ArrangementStore& store, const Blade& blade, std::vector<Int3> vertex)
     : store_(store), blade_(blade), vertex_(std::move(vertex)) {
-  delta_.kind = LastOperation::cut;
-  delta_.points = store.points.size();
-  delta_.faces = int32_t(store.face.size());
-  delta_.origs = int32_t(store.orig.size());
-  delta_.divisions = int32_t(store.division.size());
-  delta_.ops = int32_t(store.op.size());
-  delta_.forest = store.forest;
-  delta_.hash_sum = store.hash_sum;
-  delta_.volume_residue = store.volume_residue;
+  delta_ = store.begin_delta(LastOperation::cut);
 }
 
 CutBuilder::Outcome CutBuilder::run(CutResult& result) {

@@ -83,6 +83,11 @@ struct ArrangementStore {
   /// description of the contradiction if there is one.
   std::string glue_edge(int32_t a, int32_t b, Delta* delta);
 
+  // excise.cpp
+  Delta begin_delta(LastOperation::Kind kind) const;
+  /// Clears the material bits of the components marked 1; records it in the delta and in `last`. Returns sided faces.
+  int32_t clear_components(const std::vector<uint8_t>& marked, Delta& delta);
+
   // undo.cpp
   void take_back(const Delta& delta);
   /// Adds a tree over original triangles (its box tree is built here); equal neighbours are merged.

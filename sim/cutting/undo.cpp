@@ -4,14 +4,16 @@
 namespace limberg {
 
 void ArrangementStore::take_back(const Delta& d) {
-  // Faces made by the operation leave the edge map; those it retired return.
-  for (size_t f = size_t(d.faces); f < face.size(); ++f)
-    if (face[f].live()) edges.remove(int32_t(f), face[f].v);
-  for (const auto& [f, bits] : d.mat) {
+  // Bits return first (debris may have been swept from faces that the operation made); then faces made by the operation
+  // leave the edge map and those it retired return.
+  for (size_t i = d.mat.size(); i-- > 0;) {
+    const auto& [f, bits] = d.mat[i];
     const bool was_in = face[f].live();
     face[f].mat = bits;
     if (!was_in) edges.add(f, face[f].v);
   }
+  for (size_t f = size_t(d.faces); f < face.size(); ++f)
+    if (face[f].live()) edges.remove(int32_t(f), face[f].v);
   for (int32_t f : d.retired) {
     face[f].retired = false;
     if (face[f].live()) edges.add(f, face[f].v);
@@ -19,7 +21,8 @@ void ArrangementStore::take_back(const Delta& d) {
   for (size_t i = d.mate.size(); i-- > 0;) mate[d.mate[i].first / 6][size_t(d.mate[i].first % 6)] = d.mate[i].second;
   face.resize(size_t(d.faces));
   mate.resize(size_t(d.faces));
-  for (const Delta::OrigBefore& b : d.orig) {
+  for (size_t i = d.orig.size(); i-- > 0;) {
+    const Delta::OrigBefore& b = d.orig[i];
     OrigTri& o = orig[b.orig];
     o.live = b.live;
     o.whole = b.whole;

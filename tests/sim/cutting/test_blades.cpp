@@ -107,6 +107,16 @@ TEST(Blades, RhomboidWithAShakingHand) {
   }
 }
 
+TEST(Blades, RhomboidUnderminedAllAround) {
+  Patient p(2);
+  const Rhomboid g;
+  for (double radius : {26.0, 30.5}) {
+    std::vector<Vec2> disc;
+    for (int i = 0; i < 24; ++i) disc.push_back(Vec2(6, 12) + radius * Vec2(std::cos(i * M_PI / 12), std::sin(i * M_PI / 12)));
+    run_rhomboid(p, g.rhombus, g.flap, disc, 1e-3);
+  }
+}
+
 TEST(Blades, FlapStartsShortOfOrPastTheCorner) {
   Patient p;
   const Rhomboid g;

@@ -14,7 +14,7 @@ struct Fuzzer {
   std::mt19937_64 random;
   double snap;  // mm; 0 = none
   std::vector<Blade> past;
-  int done = 0, refused = 0, nothing = 0, tries = 0;
+  int done = 0, refused = 0, nothing = 0, tries = 0, debris = 0;
 
   Fuzzer(uint64_t seed, double snap_mm) : a(wavy_slab(40, 10, 10, snap_mm > 0 ? 0 : 0.7), grid()), random(seed), snap(snap_mm) {}
 
@@ -76,7 +76,12 @@ struct Fuzzer {
       ASSERT_EQ(a.store().volume_residue, volume);
       ASSERT_GE(a.pieces(), pieces);
       ASSERT_EQ(a.check_all(), "");
-      ASSERT_EQ(a.components().empty(), false);
+      if (random() % 4 == 0) {
+        const DebrisResult swept = a.sweep_debris(2);
+        ASSERT_EQ(a.check_all(), "");
+        ASSERT_EQ(a.sweep_debris(2).pieces, 0);
+        debris += swept.pieces;
+      }
     } else {
       ASSERT_FALSE(r.reason.empty());
       (r.status == CutResult::refused ? refused : nothing)++;
@@ -101,6 +106,7 @@ void history(uint64_t seed, double snap, int steps, Fuzzer* total) {
   total->refused += f.refused;
   total->nothing += f.nothing;
   total->tries += f.tries;
+  total->debris += f.debris;
 }
 
 TEST(CutFuzz, GeneralPosition) {
@@ -109,7 +115,7 @@ TEST(CutFuzz, GeneralPosition) {
     history(seed, 0, 40, &total);
     if (HasFatalFailure()) return;
   }
-  std::printf("done %d, refused %d, nothing %d, tries %d\n", total.done, total.refused, total.nothing, total.tries);
+  std::printf("done %d, refused %d, nothing %d, tries %d, debris %d\n", total.done, total.refused, total.nothing, total.tries, total.debris);
   EXPECT_LT(total.refused, total.done / 4);  // sheets that reach no surface are refused by rule
 }
 
@@ -119,7 +125,7 @@ TEST(CutFuzz, CoincidencesEverywhere) {
     history(seed, 2, 40, &total);
     if (HasFatalFailure()) return;
   }
-  std::printf("done %d, refused %d, nothing %d, tries %d\n", total.done, total.refused, total.nothing, total.tries);
+  std::printf("done %d, refused %d, nothing %d, tries %d, debris %d\n", total.done, total.refused, total.nothing, total.tries, total.debris);
 }
 
 TEST(CutFuzz, SameSeedSameBits) {
