@@ -1,0 +1,229 @@
+#include "devices/surgeon_plan.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace limberg {
+
+namespace {
+
+constexpr double kPauseTurnDeg = 20;  // a sharper turn of a drawn path is a corner, where the hand rests
+
+double turn_deg(const ChartPoint& a, const ChartPoint& b, const ChartPoint& c) {
+  const Vec2 u = b - a, v = c - b;
+  return std::abs(std::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v))) * 180 / std::numbers::pi;
+}
+
+Aim on_skin(const ChartPoint& c) {
+  Aim a;
+  a.kind = Aim::skin;
+  a.chart = c;
+  return a;
+}
+Aim at_handle(int hook) {
+  Aim a;
+  a.kind = Aim::handle;
+  a.hook = hook;
+  return a;
+}
+Aim in_world(const Vec3& p) {
+  Aim a;
+  a.kind = Aim::world;
+  a.world_mm = p;
+  return a;
+}
+
+}  // namespace
+
+const HookState* Sight::hook(int id) const {
+  for (const HookState& h : seen->hooks)
+    if (h.id == id) return &h;
+  return nullptr;
+}
+
+void SurgeonPlan::begin(double rest_s) {
+  hold(Aim{}, rest_s);
+  mark(Step::next_command);
+}
+
+void SurgeonPlan::add(const std::vector<Command>& script, size_t index, const Sight& sight) {
+  sight_ = &sight;
+  next_ = index + 1 < script.size() ? &script[index + 1] : nullptr;
+  number_ = index + 1;
+  std::visit([this](const auto& c) { plan(c); }, script[index]);
+  mark(Step::next_command);
+  sight_ = nullptr;
+  next_ = nullptr;
+}
+
+// ---- single steps ----
+
+void SurgeonPlan::go(const Aim& aim, double seconds) {
+  Step s;
+  s.kind = Step::go;
+  s.aim = aim;
+  s.seconds = seconds;
+  steps_.push_back(s);
+}
+
+void SurgeonPlan::hold(const Aim& aim, double seconds) {
+  Step s;
+  s.kind = Step::hold;
+  s.aim = aim;
+  s.seconds = seconds;
+  steps_.push_back(s);
+}
+
+void SurgeonPlan::mark(Step::Kind kind) {
+  Step s;
+  s.kind = kind;
+  steps_.push_back(s);
+}
+
+void SurgeonPlan::control(int32_t kind, Tool tool, std::array<double, 4> value, const std::string& text) {
+  Step s;
+  s.kind = Step::choose;
+  s.control.kind = kind;
+  s.control.tool = tool;
+  s.control.value = value;
+  s.control.text = ShortText(text);
+  steps_.push_back(s);
+}
+
+// ---- movements ----
+
+void SurgeonPlan::go_down(const Aim& target, double hover_mm) {
+  Aim above = target;
+  above.height_mm = hover_mm;
+  go(above);
+  go(target);
+  hold(target, set_.corner_pause_s);
+}
+
+void SurgeonPlan::rise(const Aim& from) {
+  Aim above = from;
+  above.height_mm += set_.hover_mm;
+  go(above);
+  hold(above, set_.settle_s);
+}
+
+/// Press, draw the path with a rest at each corner, let go.
+void SurgeonPlan::stroke(const std::vector<ChartPoint>& points, bool closed, double angle_deg) {
+  std::vector<ChartPoint> path;
+  for (const ChartPoint& p : points)
+    if (path.empty() || (p - path.back()).norm() > 1e-6) path.push_back(p);
+  if (closed && (path.front() - path.back()).norm() > 1e-6) path.push_back(path.front());
+  go_down(on_skin(path.front()), set_.hover_mm);
+  mark(Step::press);
+  hold(on_skin(path.front()), set_.corner_pause_s);
+  for (size_t first = 0; first + 1 < path.size();) {
+    size_t last = first + 1;
+    while (last + 1 < path.size() && turn_deg(path[last - 1], path[last], path[last + 1]) < kPauseTurnDeg) ++last;
+    Step s;
+    s.kind = Step::draw;
+    s.angle_deg = angle_deg;
+    s.path.assign(path.begin() + long(first), path.begin() + long(last) + 1);
+    s.length.push_back(0);
+    for (size_t i = 1; i < s.path.size(); ++i) s.length.push_back(s.length.back() + (s.path[i] - s.path[i - 1]).norm());
+    steps_.push_back(s);
+    hold(on_skin(path[last]), set_.corner_pause_s);
+    first = last;
+  }
+  mark(Step::let_go);
+  rise(on_skin(path.back()));
+}
+
+void SurgeonPlan::stroke_command(Tool tool, const std::vector<ChartPoint>& path, bool closed, double depth_mm, double angle_deg) {
+  if (path.empty() || !reachable(path.front()) || !reachable(path.back())) return;
+  control(ControlSample::select_tool, tool, {depth_mm, angle_deg, 0, 0});
+  stroke(path, closed, angle_deg);
+}
+
+/// A hook stays in the hand when the very next thing is to move it (on).
+void SurgeonPlan::let_go_unless_moved_next(const Aim& from) {
+  if (next_)
+    if (const auto* m = std::get_if<MoveHook>(next_); m && m->id == holding_) return;
+  holding_ = 0;
+  mark(Step::let_go);
+  rise(from);
+}
+
+bool SurgeonPlan::reachable(const ChartPoint& c) {
+  if (sight_->skin_at(c, Sight::kRimMm).triangle >= 0) return true;
+  char text[120];
+  std::snprintf(text, sizeof text, "command %zu: point (%.2f, %.2f) is not on skin", number_, c.x(), c.y());
+  problems_.push_back(text);
+  return false;
+}
+
+// ---- commands ----
+
+void SurgeonPlan::plan(const Incise& c) { stroke_command(Tool::scalpel, c.path, false, c.depth_mm, c.angle_deg); }
+void SurgeonPlan::plan(const Undermine& c) { stroke_command(Tool::undermine, c.outline, true, c.depth_mm, 90); }
+void SurgeonPlan::plan(const Excise& c) { stroke_command(Tool::excise, c.outline, true, c.depth_mm, 90); }
+
+void SurgeonPlan::plan(const SetHook& c) {
+  if (!reachable(c.at)) return;
+  control(ControlSample::select_tool, Tool::hook, {0, 0, 0, double(c.id)});
+  go_down(on_skin(c.at), set_.hover_mm);
+  mark(Step::press);
+  hold(Aim{}, set_.corner_pause_s);
+  holding_ = c.id;
+  let_go_unless_moved_next(on_skin(c.at));
+}
+
+void SurgeonPlan::plan(const MoveHook& c) {
+  if (holding_ != c.id) {
+    if (!sight_->hook(c.id)) {
+      problems_.push_back("command " + std::to_string(number_) + ": there is no hook " + std::to_string(c.id));
+      return;
+    }
+    control(ControlSample::select_tool, Tool::hook, {0, 0, 0, double(c.id)});
+    go_down(at_handle(c.id), set_.hover_mm);
+    mark(Step::press);
+    hold(Aim{}, set_.corner_pause_s);
+    holding_ = c.id;
+  }
+  go(in_world(c.to_mm), c.seconds);
+  hold(in_world(c.to_mm), set_.corner_pause_s);
+  let_go_unless_moved_next(in_world(c.to_mm));
+}
+
+void SurgeonPlan::plan(const ReleaseHook& c) {
+  control(ControlSample::release_hook, Tool::none, {double(c.id), 0, 0, 0});
+  hold(Aim{}, set_.settle_s);
+}
+
+void SurgeonPlan::plan(const Suture& c) {
+  if (!reachable(c.a) || !reachable(c.b)) return;
+  control(ControlSample::select_tool, Tool::suture);
+  go_down(on_skin(c.a), set_.hover_mm);
+  mark(Step::press);
+  hold(on_skin(c.a), set_.corner_pause_s);
+  go_down(on_skin(c.b), 0.5 * set_.hover_mm);
+  mark(Step::let_go);
+  rise(on_skin(c.b));
+}
+
+void SurgeonPlan::plan(const SutureRow& c) {
+  if (c.a.empty() || c.b.empty()) return;
+  for (const ChartPoint& p : {c.a.front(), c.a.back(), c.b.front(), c.b.back()})
+    if (!reachable(p)) return;
+  control(ControlSample::select_tool, Tool::suture_row, {0, 0, c.spacing_mm, 0});
+  stroke(c.a, false, 90);
+  stroke(c.b, false, 90);
+}
+
+void SurgeonPlan::plan(const Undo&) {
+  control(ControlSample::undo);
+  hold(Aim{}, set_.settle_s);
+}
+
+void SurgeonPlan::plan(const Stage& c) {
+  control(ControlSample::stage, Tool::none, {double(++stages_), 0, 0, 0}, c.name);
+  hold(Aim{}, set_.corner_pause_s);
+}
+
+void SurgeonPlan::plan(const Wait& c) { hold(Aim{}, c.seconds); }
+
+}  // namespace limberg
