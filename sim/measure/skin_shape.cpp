@@ -69,7 +69,7 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
 }
 
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
-  constexpr double kOwn_mm = 2, kTouch_mm = 1, kCos = 0.5, kFar_mm = 100;
+  constexpr double kOwn_mm = 3, kTouch_mm = 2, kCos = 0.5, kFar_mm = 100;
   // Directed edges of all triangles, to find what lies across.
   struct Edge {
     int32_t a, b;
@@ -155,7 +155,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   double passed = 0;
   for (const auto& [v, w] : gapes) {
     g.gape_mm = v;
-    if ((passed += w) >= 0.98 * g.rim_length_mm) break;
+    if ((passed += w) >= 0.95 * g.rim_length_mm) break;
   }
   return g;
 }

@@ -62,9 +62,9 @@ class Writer {
   double corner() const { return corner_; }
   double pitch() const { return s_.spacing_mm / f_.side_mm; }
 
-  /// Stitches from one spacing after the beginnings of both edges to one spacing before their ends.
-  void row(const Edge& a, const Edge& b) {
-    const double from = pitch(), to = (a.q - a.p).norm() - pitch();
+  /// Stitches from `first` spacings after the beginnings of both edges to `last` spacings before their ends.
+  void row(const Edge& a, const Edge& b, double first = 1, double last = 1) {
+    const double from = first * pitch(), to = (a.q - a.p).norm() - last * pitch();
     if (to <= from) return;
     commands.push_back(SutureRow{path({beside(a, from), beside(a, to)}), path({beside(b, from), beside(b, to)}), s_.spacing_mm});
   }
@@ -132,8 +132,8 @@ std::vector<Command> operation(const Rhomboid& plan, const FlapSettings& setting
   const Vec2 left = Vec2(-2, 0.5), below = Vec2(-1.5, -1.5);
   w.row(donor_D, donor_F);
   w.row({D, E, flap}, {B, A, left});
-  w.row({E, F, flap}, {A, D, out});
-  w.row({C, D, flap}, {C, B, below});
+  w.row({E, F, flap}, {A, D, out}, 1, 1.5);  // its end lies beside the donor stitch, which is to carry the tension
+  w.row({C, D, flap}, {C, B, below}, 1.5);   // the pivot's skin is whole; a stitch close to it would only pucker
   w.stage("closed", 4);
   return w.commands;
 }

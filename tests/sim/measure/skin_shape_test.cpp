@@ -57,7 +57,7 @@ TEST(WoundGape, WedgeOpensToItsEnd) {
   auto x = deformed(v, [](const Vec3& X) { return X; });
   for (size_t i = x.size() / 2; i < x.size(); ++i) x[i].x() += 0.1f * x[i].y();
   const WoundGape g = wound_gape(v, x);
-  EXPECT_NEAR(g.gape_mm, 3.9, 0.1);   // 98 % of a ramp to 4 mm, square to a bank that leans by 1/10
+  EXPECT_NEAR(g.gape_mm, 3.8, 0.1);   // 95 % of a ramp to 4 mm, square to a bank that leans by 1/10
   EXPECT_NEAR(g.mean_mm, 2.0, 0.05);
 }
 
