@@ -16,7 +16,7 @@ namespace limberg::bench {
 
 struct SpeedSettings {
   bool quick = false;             // about 2k nodes only, no drag
-  double newton_limit_ms = 30000; // CPU time given to each Newton variant per case
+  double newton_limit_ms = 15000; // CPU time given to each Newton variant per case
   std::function<void(const std::string&)> progress;  // empty: silent
 };
 

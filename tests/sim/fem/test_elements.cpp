@@ -31,6 +31,8 @@ FemModel layered_model(double poisson = 0.45) {
   b.fix_bottom = true;
   FemModel m = box_model(b);
   m.stencils[1] = box_stencil(m.cell_mm, elastic_from_young(60, poisson), 1e-6, skin_prestretch());
+  m.stencils[0].sample = {0.4, 0.55, 0.7};  // as in a cell that two layers share
+  m.stencils[1].sample = {0.5, 0.35, 0.6};
   Random r(5);
   for (HexCell& c : m.cells) c.scale = float(0.6 + 0.4 * r.uniform());
   return m;
