@@ -19,8 +19,8 @@ std::shared_ptr<const CellComponents> CellBuilder::build(int32_t cell, std::span
   index_ = {c.x, c.y, c.z};
   for (int a = 0; a < 3; ++a)
     for (int high = 0; high < 2; ++high)
-      bound_[size_t(a)][size_t(high)] =
-          (int64_t(grid_.origin[a]) + int64_t(index_[size_t(a)] + high) * grid_.pitch[a]) << kSubUnitBits;
+      bound_[size_t(a)][size_t(high)] = (int64_t(grid_.origin[a]) + int64_t(index_[size_t(a)] + high) * grid_.pitch[a])
+                                        << kSubUnitBits;
   gather(candidates);
   if (face_.empty()) return nullptr;
   for (int k = 0; k < 8; ++k)

@@ -42,10 +42,10 @@ class Partition {
 
 /// What a cell was before, for CellClass::old_class.
 struct CellHistory {
-  bool known = false;                       // false: first build, no parents
-  const CellComponents* before = nullptr;   // null: no face met the cell (one class if it was material)
-  int32_t last_op = 0;                      // walls of later operations are new
-  bool only_cuts = true;                    // false: material was taken away, so old classes may have vanished
+  bool known = false;                      // false: first build, no parents
+  const CellComponents* before = nullptr;  // null: no face met the cell (one class if it was material)
+  int32_t last_op = 0;                     // walls of later operations are new
+  bool only_cuts = true;                   // false: material was taken away, so old classes may have vanished
 };
 
 class CellBuilder {
@@ -67,10 +67,10 @@ class CellBuilder {
     int32_t id = 0;
     const Plane* plane = nullptr;
     uint8_t mat = 0;
-    bool inside = false;                               // all corners in the cell
+    bool inside = false;  // all corners in the cell
     std::array<PointRef, 3> p;
-    std::array<std::array<int32_t, 3>, 3> layer{};     // [corner][axis]
-    std::array<bool, 3> edge_in{};                     // edge meets the cell
+    std::array<std::array<int32_t, 3>, 3> layer{};                // [corner][axis]
+    std::array<bool, 3> edge_in{};                                // edge meets the cell
     std::array<std::array<std::array<int8_t, 4>, 3>, 3> about{};  // [edge][axis][corner]: kUnknown or the sign
   };
   static constexpr int8_t kUnknown = 2;
@@ -108,15 +108,15 @@ class CellBuilder {
   const MaterialSurface& surface_;
   int32_t cell_ = 0;
   std::array<int32_t, 3> index_{};
-  std::array<std::array<int64_t, 2>, 3> bound_{};    // sub-units, [axis][high]
+  std::array<std::array<int64_t, 2>, 3> bound_{};  // sub-units, [axis][high]
   std::array<bool, 8> corner_in_{};
 
   SubPoint edge_corner(int axis, int corner) const;  // low end of a lattice edge
   static int corner_of_edge(int axis, int corner, bool high);
 
   std::vector<LocalFace> face_;
-  std::vector<int32_t> local_;                       // per face id: index into face_, valid when stamped
-  std::array<std::vector<int32_t>, 12> hit_;         // local faces along each lattice edge, ascending
+  std::vector<int32_t> local_;                // per face id: index into face_, valid when stamped
+  std::array<std::vector<int32_t>, 12> hit_;  // local faces along each lattice edge, ascending
   std::array<uint8_t, 12> edge_state_{};
   Partition join_, square_, old_;
   std::vector<int32_t> hits_;

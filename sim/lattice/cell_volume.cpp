@@ -5,7 +5,8 @@
 //   area(R on z = H)          = integral of x nu_x over its curves on that square +  W * length of R on the edge x = W
 //   length(R on x = W, z = H) = sum of y nu_y over its hits on that edge          +  D * [corner (W,D,H) in R]
 // Every term belongs to one sided face or to the corner, and the two sides of a face differ in sign, so a face that has
-// the same class on both sides contributes nothing. Doubles throughout: the terms are continuous, rounding stays rounding.
+// the same class on both sides contributes nothing. Doubles throughout: the terms are continuous, rounding stays
+// rounding.
 #include <cmath>
 
 #include "sim/lattice/cell_builder.h"
@@ -52,8 +53,10 @@ double x_sweep(Vec3 a, Vec3 b, double W, double D) {
       const double at = high ? (axis ? D : W) : 0, s = high ? -1 : 1;
       const double da = s * (a[axis] - at), db = s * (b[axis] - at);
       if (da < 0 && db < 0) return 0;
-      if (da < 0) a += (b - a) * (da / (da - db));
-      else if (db < 0) b += (a - b) * (db / (db - da));
+      if (da < 0)
+        a += (b - a) * (da / (da - db));
+      else if (db < 0)
+        b += (a - b) * (db / (db - da));
     }
   return 0.5 * (a.x() + b.x()) * std::abs(b.y() - a.y());
 }

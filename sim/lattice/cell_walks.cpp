@@ -3,8 +3,9 @@
 // A closed curve on a square bounds material on its outside or on its inside. If on its outside, that material goes on
 // to the left of the curve's leftmost crossing with any horizontal line, up to the next curve or to the left lattice
 // edge: they belong together. If on its inside, the leftmost crossing faces right and nothing follows. A crack's curve
-// has both sides in one loop; its left-facing side is treated as the first case. Shells are treated in the same way along
-// an axis, going on on the square that the axis leaves through. Each link goes strictly to the left, so all are found.
+// has both sides in one loop; its left-facing side is treated as the first case. Shells are treated in the same way
+// along an axis, going on on the square that the axis leaves through. Each link goes strictly to the left, so all are
+// found.
 #include <algorithm>
 #include <cmath>
 
@@ -54,8 +55,8 @@ int32_t CellBuilder::region_on_lattice_edge(int axis, int corner, const SubPoint
   return region;
 }
 
-// Follows the line along `axis` to the leftmost crossing of loop `root` of `own`; when that faces left, joins it with what
-// is next to the left, or with left() when the walk reaches the low bound. False: the line misses the loop.
+// Follows the line along `axis` to the leftmost crossing of loop `root` of `own`; when that faces left, joins it with
+// what is next to the left, or with left() when the walk reaches the low bound. False: the line misses the loop.
 template <class Left>
 bool CellBuilder::walk_left(int axis, const SubPoint& line, Partition& own, int32_t root, Left&& left) {
   hits_between(axis, line, nullptr, hits_);
@@ -96,7 +97,8 @@ void CellBuilder::walk_square(int normal, bool high) {
       if ((a < plane_layer) == (b < plane_layer)) continue;
       const int rising = a < plane_layer ? 1 : -1;
       // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and
-      // "crossing at greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are opposite.
+      // "crossing at greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are
+      // opposite.
       bool within = true;
       for (int step = 1; step <= 2 && within; ++step) {
         const int u = (normal + step) % 3, v = 3 - normal - u;
@@ -151,7 +153,8 @@ void CellBuilder::walk_from_loop(int normal, bool high, int32_t root) {
   for (size_t l = 0; l < face_.size(); ++l) {
     const LocalFace& f = face_[l];
     if (f.inside) continue;
-    if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) || (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
+    if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) ||
+          (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
       continue;
     double at[3];
     int n = 0;
@@ -170,7 +173,8 @@ void CellBuilder::walk_from_loop(int normal, bool high, int32_t root) {
     SubPoint line;
     line[size_t(normal)] = level;
     line[size_t(run)] = bound_[size_t(run)][0];
-    line[size_t(rise)] = std::clamp<int64_t>(std::llround(s.middle * 0x1p24), bound_[size_t(rise)][0], bound_[size_t(rise)][1]);
+    line[size_t(rise)] =
+        std::clamp<int64_t>(std::llround(s.middle * 0x1p24), bound_[size_t(rise)][0], bound_[size_t(rise)][1]);
     // The left lattice edge of the square runs along `rise`, at the low bound of `run`. Seen along `rise`, the
     // coordinates are (normal, run), for rise + 1 = normal modulo 3.
     if (walk_left(run, line, square_, root, [&] { return region_on_lattice_edge(rise, int(high), line); })) return;
@@ -212,7 +216,8 @@ void CellBuilder::walk_shells() {
       std::vector<Start> starts;
       for (size_t l = 0; l < face_.size(); ++l) {
         const LocalFace& f = face_[l];
-        if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) || (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
+        if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) ||
+              (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
           continue;
         const Vec3 u = *f.p[1].approx - *f.p[0].approx, v = *f.p[2].approx - *f.p[0].approx;
         starts.push_back({std::abs(u.y() * v.z() - u.z() * v.y()), l});

@@ -17,23 +17,24 @@
 namespace limberg {
 
 struct CellClass {
-  double fraction = 0;       // volume of the material / volume of the cell
-  uint8_t corners = 0;       // bit per corner of the cell that lies in it
-  uint8_t fixed_sides = 0;   // bit 2 axis + (0 low, 1 high): it has a `fixed` face whose outward normal is mostly along it
-  int16_t old_class = -1;    // class of the cell's previous version that it is a part of (-1: there was none)
+  double fraction = 0;  // volume of the material / volume of the cell
+  uint8_t corners = 0;  // bit per corner of the cell that lies in it
+  uint8_t fixed_sides =
+      0;  // bit 2 axis + (0 low, 1 high): it has a `fixed` face whose outward normal is mostly along it
+  int16_t old_class = -1;  // class of the cell's previous version that it is a part of (-1: there was none)
 };
 
 /// Immutable; shared by all versions of the topology in which the cell is the same.
 struct CellComponents {
-  std::vector<int32_t> face;                     // faces that meet the cell, ascending
-  std::vector<std::array<int16_t, 2>> of_side;   // per face and side: its class, -1 without material
-  std::array<int16_t, 8> of_corner{};            // class of each corner, -1 outside
+  std::vector<int32_t> face;                    // faces that meet the cell, ascending
+  std::vector<std::array<int16_t, 2>> of_side;  // per face and side: its class, -1 without material
+  std::array<int16_t, 8> of_corner{};           // class of each corner, -1 outside
   std::vector<CellClass> classes;
   // Per lattice edge of the cell (4 * axis + 2 * [third axis high] + [second axis high], the axes in cyclic order after
   // `axis`): 0 = nothing crosses it; else 4 | material at the low end | 2 * material at the high end.
   std::array<uint8_t, 12> edge_state{};
-  int walks = 0;                                 // closed curves and shells that were followed to what surrounds them
-  int walks_unresolved = 0;                      // closed curves too small for a walk to start on (below 2^-24 half-units)
+  int walks = 0;             // closed curves and shells that were followed to what surrounds them
+  int walks_unresolved = 0;  // closed curves too small for a walk to start on (below 2^-24 half-units)
 
   /// Class of a sided face, -1 when the face is not in the cell or has no material on that side.
   int class_of(int32_t sided_face) const;

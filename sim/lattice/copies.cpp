@@ -82,8 +82,10 @@ void find_links(const LatticeTopology& t, int32_t cell, int axis, std::vector<La
   if (!a || !b) return;
   // Every sided face in both: it crosses the common square, with its material on the same side of it in both cells.
   for (size_t i = 0, j = 0; i < a->face.size() && j < b->face.size();) {
-    if (a->face[i] < b->face[j]) ++i;
-    else if (a->face[i] > b->face[j]) ++j;
+    if (a->face[i] < b->face[j])
+      ++i;
+    else if (a->face[i] > b->face[j])
+      ++j;
     else {
       for (size_t s = 0; s < 2; ++s) add(a->of_side[i][s], b->of_side[j][s]);
       ++i, ++j;
@@ -110,7 +112,8 @@ void name_parents_by_neighbours(LatticeTopology& t, const LatticeTopology& previ
           const int32_t other = t.copy(low ? high_cell : low_cell, low ? l->high : l->low);
           const int32_t other_parent = t.cells[size_t(other)].parent;
           if (mine != me || other_parent < 0) continue;
-          for (auto p = std::lower_bound(previous.links.begin(), previous.links.end(), LatticeTopology::Link{cell_axis, 0, 0});
+          for (auto p = std::lower_bound(previous.links.begin(), previous.links.end(),
+                                         LatticeTopology::Link{cell_axis, 0, 0});
                p != previous.links.end() && p->cell_axis == cell_axis; ++p) {
             if (previous.copy(low ? high_cell : low_cell, low ? p->high : p->low) != other_parent) continue;
             const int32_t candidate = previous.copy(cell, low ? p->low : p->high);
@@ -234,7 +237,8 @@ std::string check_topology(const LatticeTopology& t) {
     const auto& comp = t.components[cell];
     const Int3 at = t.grid.cell_at(int32_t(cell));
     auto in = [&](int k) {
-      return t.node_in_material[size_t(t.grid.node_index({at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}))] != 0;
+      return t.node_in_material[size_t(
+                 t.grid.node_index({at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}))] != 0;
     };
     for (int k = 0; k < 8; ++k) {
       if (!comp && in(k) != in(0)) return "a cell without faces is neither full nor empty";

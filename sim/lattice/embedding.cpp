@@ -52,8 +52,8 @@ std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const Materia
   return out;
 }
 
-EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary,
-                          Vec3* X_mm) {
+EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri,
+                          const std::array<double, 3>& bary, Vec3* X_mm) {
   const Tri& corner = view.tri[size_t(tri)];
   Vec3 X = Vec3::Zero();
   size_t nearest = 0;

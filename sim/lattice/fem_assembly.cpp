@@ -1,6 +1,7 @@
 #include "sim/lattice/fem_assembly.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace limberg {
 namespace {
@@ -30,6 +31,7 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
     HexCell& cell = model->cells[c];
     cell.node = copy.node;
     cell.stencil = table.of_cell(copy.cell);
+    if (cell.stencil < 0) throw std::logic_error("material in a lattice cell for which there is no stencil");
     cell.scale = copy.fraction > kFull ? 1.0f : float(std::max(copy.fraction, kFloor));
     const double mass = std::max(copy.fraction, 0.0) * volume * table.stencils()[size_t(cell.stencil)].density_kg_mm3;
     for (int32_t n : copy.node) model->mass_kg[size_t(n)] += mass / 8;

@@ -1,14 +1,16 @@
 #pragma once
 // From body and lattice to the elements of fem_model.h.
 //
-// A stencil holds what is constant in one kind of full cell: integrals over its layers, with the prestretch in the frame
-// of the skin. The material is constant in boxes, and in each box 2 x 2 x 2 Gauss points integrate products of trilinear
-// gradients exactly. Block (flat skin on top): the boxes are the layers themselves, cut by the cell, however thin they
-// are; all cells of a row share one stencil. Other bodies: 4 x 4 x 4 boxes where a layer boundary may cross the cell
-// (material by the depth of the box's middle), else one; frame at the cell's centre. Equal stencils are merged.
+// A stencil holds what is constant in one kind of full cell: integrals over its layers, with the prestretch in the
+// frame of the skin. The material is constant in boxes, and in each box 2 x 2 x 2 Gauss points integrate products of
+// trilinear gradients exactly.
+//   Block (flat skin on top): the boxes are the layers themselves, cut by the cell, however thin they are; all cells of
+//   a row share one stencil. Other bodies: 4 x 4 x 4 boxes where a layer boundary may cross the cell (material by the
+//   depth of the box's middle, interpolated from the cell's corners), else one; frame at the cell's centre. Cells that
+//   lie wholly in one layer without prestretch share its stencil.
 //
-// A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1, so that the micrometres by
-// which lattice planes lie outside a block do not load it. Masses take the exact fraction. FemModel::cells[i] is
+// A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1, so that the micrometres
+// by which lattice planes lie outside a block do not load it. Masses take the exact fraction. FemModel::cells[i] is
 // LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
 #include <memory>
 
@@ -24,10 +26,11 @@ class StencilTable {
   /// Throws InputError when the body has no layer or a layer with impossible constants.
   StencilTable(const Skin& skin, const LatticeGrid& grid);
   const std::vector<Stencil>& stencils() const { return stencils_; }
-  int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }
+  int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: the body is nowhere in the cell
 
-  /// Where a lattice node may be held. Block: bit 2 axis + (0 low, 1 high) per outermost plane whose side is fixed. Other
-  /// bodies, when the surface triangle nearest to the node is fixed: kNearFixed within 0.1 cell, kFarFixed beyond.
+  /// Where a lattice node may be held. Block: bit 2 axis + (0 low, 1 high) per outermost plane whose side is fixed.
+  /// Other bodies, when the surface triangle nearest to the node is fixed: kNearFixed within 0.1 cell, kFarFixed
+  /// beyond.
   static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
   const std::vector<uint8_t>& fixed_candidates() const { return fixed_; }
 
@@ -40,8 +43,8 @@ class StencilTable {
   std::vector<uint8_t> fixed_;
 };
 
-/// A node copy is fixed where its lattice node is a candidate (kFarFixed: outside the material) and one of its cell copies
-/// holds a fixed face of that side: a flap raised from its bed does not stay pinned to the bed's nodes.
+/// A node copy is fixed where its lattice node is a candidate (kFarFixed: outside the material) and one of its cell
+/// copies holds a fixed face of that side: a flap raised from its bed does not stay pinned to the bed's nodes.
 std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& topology);
 
 /// The axes of prestretch of a flat piece of skin: `along` and `across` orthonormal, normal = along x across.

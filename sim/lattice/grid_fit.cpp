@@ -22,7 +22,8 @@ std::string mm(double v) {
 
 LatticeGrid fit_lattice(const Body& body, double cell_mm) {
   auto fail = [&](const std::string& what) { throw InputError(body.name, 0, what); };
-  if (!std::isfinite(cell_mm) || cell_mm <= 0) fail("the cell size is " + mm(cell_mm) + "; a length above 0 was expected");
+  if (!std::isfinite(cell_mm) || cell_mm <= 0)
+    fail("the cell size is " + mm(cell_mm) + "; a length above 0 was expected");
   if (body.surface.X_mm.empty()) fail("the body has no surface; a closed surface was expected");
   Int3 low = body.grid.to_grid(body.surface.X_mm[0]), high = low;
   for (const Vec3& X : body.surface.X_mm) {
@@ -39,7 +40,8 @@ LatticeGrid fit_lattice(const Body& body, double cell_mm) {
   if (cell_mm > smallest)
     fail("the cell size is " + mm(cell_mm) + ", larger than the body's smallest extent; at most " + mm(smallest) +
          " was expected");
-  if (cells > kMaxCells) fail("the cell size " + mm(cell_mm) + " makes more than 20 million cells; a larger one was expected");
+  if (cells > kMaxCells)
+    fail("the cell size " + mm(cell_mm) + " makes more than 20 million cells; a larger one was expected");
 
   LatticeGrid grid;
   grid.rest = body.grid;

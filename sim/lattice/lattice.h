@@ -32,11 +32,11 @@ struct LatticeGrid {
 };
 
 struct CellCopy {
-  int32_t cell = 0;                 // lattice cell index
-  int32_t piece = 0;                // connected piece of the whole lattice (0..pieces-1)
-  double fraction = 1;              // exact volume of its material / volume of the cell
-  std::array<int32_t, 8> node{};    // node copies, corner order of fem_model.h
-  int32_t parent = -1;              // index in the previous version
+  int32_t cell = 0;               // lattice cell index
+  int32_t piece = 0;              // connected piece of the whole lattice (0..pieces-1)
+  double fraction = 1;            // exact volume of its material / volume of the cell
+  std::array<int32_t, 8> node{};  // node copies, corner order of fem_model.h
+  int32_t parent = -1;            // index in the previous version
 };
 
 struct NodeCopy {

@@ -1,8 +1,8 @@
 #pragma once
 // The few exact signs that decide how a surface lies in the lattice, free of ties.
 //
-// Every test is made with the lattice shifted by (-e1, -e2, -e3), e1 >> e2 >> e3 > 0 vanishing. A tie is then decided by
-// the sign of the derivative with respect to the first e that matters, which has a closed form; nothing else is ever
+// Every test is made with the lattice shifted by (-e1, -e2, -e3), e1 >> e2 >> e3 > 0 vanishing. A tie is then decided
+// by the sign of the derivative with respect to the first e that matters, which has a closed form; nothing else is ever
 // perturbed. Corners of walks need not be lattice corners, so corner coordinates are sub-units: half-units times 2^24.
 // Bit budgets with |coordinate| < 2^22 half-units: plane at a corner 94 bits; order of two hits 140 bits; edge about
 // a corner (2 * 162 + 2 * 24 + 1) = 373 bits.

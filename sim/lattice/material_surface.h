@@ -17,10 +17,10 @@ class PointStore;
 
 struct MaterialSurface {
   RestGrid grid;
-  std::span<const Face> faces;                     // retired and dead ones included; index = face id
-  std::span<const std::array<int32_t, 6>> mate;    // per face, [3 * side + edge]: sided half-edge or -1
+  std::span<const Face> faces;                   // retired and dead ones included; index = face id
+  std::span<const std::array<int32_t, 6>> mate;  // per face, [3 * side + edge]: sided half-edge or -1
   std::span<const OrigTri> orig;
-  std::span<const SurfaceTag> tag;                 // per triangle of the body; originals of op 0 come first
+  std::span<const SurfaceTag> tag;  // per triangle of the body; originals of op 0 come first
   const PointStore* points = nullptr;
 
   const Plane& plane(int32_t face) const { return orig[size_t(faces[size_t(face)].orig)].plane; }

@@ -81,8 +81,10 @@ std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, c
     for (size_t f = 0; f < surface.faces.size(); ++f)
       if (surface.faces[f].live())
         cells_around(grid, builder, int32_t(f), [&](int32_t c) {
-          if (pass == 0) ++begin[size_t(c) + 1];
-          else list[size_t(begin[size_t(c)]++)] = int32_t(f);
+          if (pass == 0)
+            ++begin[size_t(c) + 1];
+          else
+            list[size_t(begin[size_t(c)]++)] = int32_t(f);
         });
     if (pass == 0) {
       for (size_t c = 0; c < cells; ++c) begin[c + 1] += begin[c];
@@ -100,7 +102,8 @@ std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, c
   return t;
 }
 
-std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface) {
+std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous,
+                                                       const MaterialSurface& surface) {
   auto t = std::make_shared<LatticeTopology>();
   const LatticeGrid& grid = t->grid = previous.grid;
   fill_face_bits(*t, surface);
@@ -117,7 +120,8 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
     if (was == is) continue;
     // Material is gone where a face has lost a side, or a new wall has only one.
     taken_away = taken_away || (!surface.faces[f].retired && (was & ~is));
-    taken_away = taken_away || (f >= before && is != 3 && surface.orig[size_t(surface.faces[f].orig)].op > previous.last_op);
+    taken_away =
+        taken_away || (f >= before && is != 3 && surface.orig[size_t(surface.faces[f].orig)].op > previous.last_op);
     cells_around(grid, builder, int32_t(f), [&](int32_t c) {
       touched[size_t(c)] = 1;
       if (is && !was) added.push_back({c, int32_t(f)});

@@ -31,11 +31,11 @@ struct LatticeTopology {
   LatticeGrid grid;
   std::vector<CellCopy> cells;
   std::vector<NodeCopy> nodes;
-  int pieces = 0;                          // connected pieces of the lattice
-  std::vector<double> piece_volume_mm3;    // per piece
-  std::vector<uint8_t> piece_fixed;        // per piece: 1 when it has a face of the body tagged fixed
-  double volume_mm3 = 0;                   // sum over cell copies of fraction * cell volume
-  uint64_t hash = 0;                       // of cells, classes, corners and node copies: no floating point, no parents
+  int pieces = 0;                        // connected pieces of the lattice
+  std::vector<double> piece_volume_mm3;  // per piece
+  std::vector<uint8_t> piece_fixed;      // per piece: 1 when it has a face of the body tagged fixed
+  double volume_mm3 = 0;                 // sum over cell copies of fraction * cell volume
+  uint64_t hash = 0;                     // of cells, classes, corners and node copies: no floating point, no parents
 
   /// Cell copies of lattice cell c: copy_id[copy_begin[c] + class].
   std::vector<int32_t> copy_begin, copy_id;
@@ -44,18 +44,18 @@ struct LatticeTopology {
 
   /// Per lattice cell: what it holds; null when no face meets it (it is full or empty then).
   std::vector<std::shared_ptr<const CellComponents>> components;
-  std::vector<uint8_t> node_in_material;   // per lattice node
+  std::vector<uint8_t> node_in_material;  // per lattice node
 
-  struct Link {                            // copies joined through the square between `cell` and its + neighbour
-    int32_t cell_axis = 0;                 // 3 * cell + axis
-    int16_t low = 0, high = 0;             // classes
+  struct Link {                 // copies joined through the square between `cell` and its + neighbour
+    int32_t cell_axis = 0;      // 3 * cell + axis
+    int16_t low = 0, high = 0;  // classes
     auto operator<=>(const Link&) const = default;
   };
-  std::vector<Link> links;                 // sorted
-  std::vector<uint8_t> face_bits;          // per face id: its material bits in this version (0: not there)
-  int32_t last_op = 0;                     // highest operation that has made a face so far
-  int touched_cells = 0;                   // recomputed to make this version
-  int walks = 0, walks_unresolved = 0;     // sums over cells
+  std::vector<Link> links;              // sorted
+  std::vector<uint8_t> face_bits;       // per face id: its material bits in this version (0: not there)
+  int32_t last_op = 0;                  // highest operation that has made a face so far
+  int touched_cells = 0;                // recomputed to make this version
+  int walks = 0, walks_unresolved = 0;  // sums over cells
 };
 
 /// Throws InputError when the surface reaches beyond the lattice. std::logic_error tells of a defect: a surface whose

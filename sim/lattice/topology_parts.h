@@ -18,8 +18,8 @@ void find_links(const LatticeTopology& topology, int32_t cell, int axis, std::ve
 /// Parents of copies that nothing in their own cell could name, by their neighbours.
 void name_parents_by_neighbours(LatticeTopology& topology, const LatticeTopology& previous);
 
-/// Node copies from links: ids of kept ones follow their parents' order. Throws std::logic_error when corners that are one
-/// node now were several before.
+/// Node copies from links: ids of kept ones follow their parents' order. Throws std::logic_error when corners that are
+/// one node now were several before.
 void number_nodes(LatticeTopology& topology, const LatticeTopology* previous);
 
 /// Pieces, volumes and the hash.

@@ -18,7 +18,8 @@ inline LatticeGrid grid_over(double size_mm, double thickness_mm, double cell_mm
   const int32_t pitch = 2 * int32_t(std::lround(cell_mm / u / 2));
   g.pitch = {pitch, pitch, pitch};
   auto odd = [&](double mm) { return 2 * int32_t(std::floor(mm / u / 2)) + 1; };
-  g.origin = {odd(-size_mm / 2 - 0.4 * cell_mm), odd(-size_mm / 2 - 0.3 * cell_mm), odd(-thickness_mm - 0.35 * cell_mm)};
+  g.origin = {odd(-size_mm / 2 - 0.4 * cell_mm), odd(-size_mm / 2 - 0.3 * cell_mm),
+              odd(-thickness_mm - 0.35 * cell_mm)};
   g.count = {int(size_mm / cell_mm) + 2, int(size_mm / cell_mm) + 2, int((thickness_mm + 3) / cell_mm) + 2};
   return g;
 }
@@ -65,7 +66,8 @@ struct LatticeScene {
     // Piece by piece: the lattice's pieces are the components of positive volume less the cavities in them.
     double cavity = 0;
     std::vector<double> volume;
-    for (const auto& c : a.components()) c.volume_mm3 > 0 ? volume.push_back(c.volume_mm3) : void(cavity += c.volume_mm3);
+    for (const auto& c : a.components())
+      c.volume_mm3 > 0 ? volume.push_back(c.volume_mm3) : void(cavity += c.volume_mm3);
     std::vector<double> piece = t->piece_volume_mm3;
     std::sort(volume.begin(), volume.end());
     std::sort(piece.begin(), piece.end());

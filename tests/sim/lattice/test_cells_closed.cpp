@@ -32,7 +32,8 @@ void add_sphere(TriMesh& m, const Vec3& centre, double radius, int level, bool i
   const RestGrid g = grid();
   for (const Vec3& p : x) m.X_mm.push_back(g.to_mm(g.to_grid(centre + radius * p)));
   for (const Tri& f : t) {
-    m.tri.push_back(inward ? Tri{first + f[0], first + f[2], first + f[1]} : Tri{first + f[0], first + f[1], first + f[2]});
+    m.tri.push_back(inward ? Tri{first + f[0], first + f[2], first + f[1]}
+                           : Tri{first + f[0], first + f[1], first + f[2]});
     m.tag.push_back(SurfaceTag::skin);
     m.uv.push_back({});
   }
@@ -52,12 +53,13 @@ LatticeGrid cubes(double half_mm, double cell_mm, const Vec3& shift_mm = Vec3::Z
   return g;
 }
 
-// Onions: concentric shells. Each layer of material is one piece, however the lattice lies; the ball at the heart and the
-// walls between are tori, rings, islands and lakes on the squares.
+// Onions: concentric shells. Each layer of material is one piece, however the lattice lies; the ball at the heart and
+// the walls between are tori, rings, islands and lakes on the squares.
 TEST(CellsClosed, OnionHasAsManyPiecesAsLayers) {
   TriMesh m;
   int k = 0;
-  for (double r : {10.0, 9.3, 7.2, 6.0, 4.4, 3.9, 1.1}) add_sphere(m, {0.03 * k, -0.02 * k, 0.01 * k}, r, 3, k % 2 == 1), ++k;
+  for (double r : {10.0, 9.3, 7.2, 6.0, 4.4, 3.9, 1.1})
+    add_sphere(m, {0.03 * k, -0.02 * k, 0.01 * k}, r, 3, k % 2 == 1), ++k;
   int walks = 0;
   for (double cell : {25.0, 13.0, 9.0, 6.1, 4.0, 2.3})
     for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0.31 * cell, -0.17 * cell, 0.41 * cell)}) {
@@ -66,8 +68,10 @@ TEST(CellsClosed, OnionHasAsManyPiecesAsLayers) {
       std::vector<double> piece = s.t->piece_volume_mm3, layer;
       double before = 0;
       for (const auto& c : s.a.components()) {  // outermost first: the order of the mesh
-        if (c.volume_mm3 > 0) layer.push_back(before = c.volume_mm3);
-        else layer.back() += c.volume_mm3;
+        if (c.volume_mm3 > 0)
+          layer.push_back(before = c.volume_mm3);
+        else
+          layer.back() += c.volume_mm3;
       }
       std::sort(piece.begin(), piece.end());
       std::sort(layer.begin(), layer.end());
@@ -101,7 +105,8 @@ TEST(CellsClosed, BubblesAndIslands) {
       if (random(0, 1) < 0.5) add_sphere(m, c, 0.45 * r, 1, false), ++islands;
     }
     const double cell = random(1.5, 12);
-    const LatticeScene s(m, cubes(11 + 0.5 * cell, cell, {random(0, 0.4) * cell, random(0, 0.4) * cell, random(0, 0.4) * cell}));
+    const LatticeScene s(
+        m, cubes(11 + 0.5 * cell, cell, {random(0, 0.4) * cell, random(0, 0.4) * cell, random(0, 0.4) * cell}));
     EXPECT_EQ(s.t->pieces, 1 + islands);
     EXPECT_GT(s.t->walks, 5);
     const VoxelOracle oracle(s.a);
@@ -112,7 +117,8 @@ TEST(CellsClosed, BubblesAndIslands) {
       for (const CellClass& k : comp->classes) exact.push_back(k.fraction);
       std::sort(exact.rbegin(), exact.rend());
       const auto seen = oracle.pieces(s.g, int32_t(c), 40);
-      for (size_t i = 0; i < std::min(exact.size(), seen.size()); ++i) EXPECT_NEAR(exact[i], seen[i], 0.02) << round << " " << c;
+      for (size_t i = 0; i < std::min(exact.size(), seen.size()); ++i)
+        EXPECT_NEAR(exact[i], seen[i], 0.02) << round << " " << c;
     }
   }
 }
@@ -122,7 +128,8 @@ TEST(CellsClosed, NarrowDrill) {
   const LatticeGrid g = grid_over(60, 12, 5.0);
   LatticeScene s(wavy_slab(60, 12, 12, 0.4), g);
   const Vec3 c = g.node_mm({6, 6, 1}) + 0.5 * g.cell_mm();
-  ASSERT_TRUE(s.cut(strip({{c.x() + 0.7, c.y() + 0.1}, {c.x(), c.y() + 0.6}, {c.x() - 0.6, c.y()}, {c.x(), c.y() - 0.8}}, 3, -20, true)));
+  ASSERT_TRUE(s.cut(strip(
+      {{c.x() + 0.7, c.y() + 0.1}, {c.x(), c.y() + 0.6}, {c.x() - 0.6, c.y()}, {c.x(), c.y() - 0.8}}, 3, -20, true)));
   EXPECT_EQ(s.t->pieces, 2);
   const int32_t inner = g.cell_index({6, 6, 1});
   EXPECT_EQ(s.t->copies_of(inner), 2);

@@ -21,9 +21,12 @@ Blade random_blade(Random& r) {
   const double turn = r(0, 6.28);
   const auto dir = [&](double a, double l) { return Vec2(l * std::cos(turn + a), l * std::sin(turn + a)); };
   switch (r.below(5)) {
-    case 0: return strip({c - dir(0, r(3, 18)), c + dir(r(-0.3, 0.3), r(3, 18))}, 3, -r(1, 11));
-    case 1: return strip({c - dir(0, r(3, 14)), c, c + dir(r(-1.5, 1.5), r(3, 14))}, 3, -r(1, 11));
-    case 2: return strip({c - dir(0, 120), c + dir(0, 120)}, 3, -20, false, 6);
+    case 0:
+      return strip({c - dir(0, r(3, 18)), c + dir(r(-0.3, 0.3), r(3, 18))}, 3, -r(1, 11));
+    case 1:
+      return strip({c - dir(0, r(3, 14)), c, c + dir(r(-1.5, 1.5), r(3, 14))}, 3, -r(1, 11));
+    case 2:
+      return strip({c - dir(0, 120), c + dir(0, 120)}, 3, -20, false, 6);
     case 3: {
       const Vec2 u = dir(0, r(6, 20)), v = dir(r(1.2, 1.9), r(6, 20));
       const double z = -r(1, 10);
@@ -36,7 +39,8 @@ Blade random_blade(Random& r) {
   }
 }
 
-// Moves whole coordinates of a blade next to lattice planes: walls one half-unit beside them, edges through lattice edges.
+// Moves whole coordinates of a blade next to lattice planes: walls one half-unit beside them, edges through lattice
+// edges.
 void press_onto_planes(Blade& b, const LatticeGrid& g, Random& r) {
   const bool axis_pressed[3] = {r.below(2) == 0, r.below(2) == 0, r.below(2) == 0};
   for (Int3& v : b.vertex) {

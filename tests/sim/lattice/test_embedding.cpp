@@ -1,7 +1,6 @@
-#include "sim/lattice/embedding.h"
-
 #include <map>
 
+#include "sim/lattice/embedding.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {
@@ -52,12 +51,19 @@ TEST_F(Skin, NothingJumpsAtACut) {
   SurfaceView view = s.a.surface_view();
   auto e = embed_surface(*s.t, material_surface(s.a), view);
   std::vector<Vec3> u;
-  for (size_t n = 0; n < s.t->nodes.size(); ++n) u.push_back(Vec3(std::sin(1.0 * n), std::cos(1.7 * n), std::sin(0.3 * n)));
-  std::vector<std::function<bool()>> steps{
-      [&] { return s.cut(open_box(kRhombus, 3, -6)); }, [&] { return s.excise_smallest(); },
-      [&] { return s.cut(strip({{0.1, 4}, {4, 16}, {14, 14}}, 3, -6)); },
-      [&] { return s.cut(sheet({-2, 4, -5}, {18, 0.1, 0}, {0.1, 13, 0.1}, 9, 7)); },
-      [&] { return s.cut(strip({{8, 20}, {7, 8}}, 3, -3)); }};
+  for (size_t n = 0; n < s.t->nodes.size(); ++n)
+    u.push_back(Vec3(std::sin(1.0 * n), std::cos(1.7 * n), std::sin(0.3 * n)));
+  std::vector<std::function<bool()>> steps{[&] { return s.cut(open_box(kRhombus, 3, -6)); },
+                                           [&] { return s.excise_smallest(); },
+                                           [&] {
+                                             return s.cut(strip({{0.1, 4}, {4, 16}, {14, 14}}, 3, -6));
+                                           },
+                                           [&] {
+                                             return s.cut(sheet({-2, 4, -5}, {18, 0.1, 0}, {0.1, 13, 0.1}, 9, 7));
+                                           },
+                                           [&] {
+                                             return s.cut(strip({{8, 20}, {7, 8}}, 3, -3));
+                                           }};
   for (auto& step : steps) {
     ASSERT_TRUE(step());
     std::map<std::pair<int32_t, int32_t>, Vec3> before;  // (sided face, point) -> position

@@ -1,8 +1,8 @@
-#include "sim/lattice/fem_assembly.h"
-
 #include "sim/error.h"
 #include "sim/geometry/block.h"
+#include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/grid_fit.h"
+#include "sim/lattice/stencil_integrals.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {
@@ -39,19 +39,12 @@ struct Scene {
         m(assemble_fem(table, *t)) {}
 };
 
-Eigen::Matrix<double, 8, 3> centre_gradients(const Vec3& h) {
-  Eigen::Matrix<double, 8, 3> g;
-  for (int n = 0; n < 8; ++n)
-    for (int a = 0; a < 3; ++a) g(n, a) = (n >> a & 1 ? 0.25 : -0.25) / h[a];
-  return g;
-}
-
 // Energy of fem_model.h.
 double energy(const FemModel& m, const std::vector<Vec3>& x) {
   double e = 0;
-  const auto g = centre_gradients(m.cell_mm);
   for (const HexCell& c : m.cells) {
     const Stencil& s = m.stencils[size_t(c.stencil)];
+    const auto g = sample_gradients(s, m.cell_mm);
     Mat3 F = Mat3::Zero();
     double q = 0;
     for (int i = 0; i < 8; ++i) {
@@ -94,6 +87,44 @@ TEST(Stencils, HomogeneousCellHasTheClosedForm) {
   EXPECT_NEAR(s.lambda_kPa, m.lambda_kPa() + m.mu_kPa(), 1e-12);
 }
 
+// A cell of two layers as a sum of tables is the sum of two boxes, under any prestretch.
+TEST(Stencils, TablesAddUpToBoxes) {
+  const Vec3 h(2, 3, 1.5);
+  const Body b = layered_block(1.3);
+  const Vec3 along = Vec3(1, 2, 3).normalized(), across = along.cross(Vec3::UnitX()).normalized();
+  const StretchFrame frame{along, across, along.cross(across)};
+  std::array<int, 64> layer;
+  for (int i = 0; i < 64; ++i) layer[size_t(i)] = i >= 48 ? 0 : 1;
+  Stencil t = layered_stencil(h, gradient_tables(h), b.layers, layer, frame), s;
+  add_box(s, h, {0, 0, 0.75}, {1, 1, 1}, b.layers[0].material, frame);
+  add_box(s, h, {0, 0, 0}, {1, 1, 0.75}, b.layers[1].material, frame);
+  finish_stencil(t);
+  finish_stencil(s);
+  EXPECT_LT((t.K - s.K).cwiseAbs().maxCoeff(), 1e-12 * s.K.cwiseAbs().maxCoeff());
+  EXPECT_NEAR(t.p0_kPa, s.p0_kPa, 1e-12 * s.p0_kPa);
+  EXPECT_NEAR(t.lambda_kPa, s.lambda_kPa, 1e-12 * s.lambda_kPa);
+  EXPECT_NEAR(t.volume_mm3, 9, 1e-12);
+  EXPECT_LT((t.sample - s.sample).norm(), 1e-12);
+}
+
+// The general assembly of a flat block comes to the layers of the block's own.
+TEST(Stencils, GeneralBodiesSeeTheSameLayers) {
+  Body b = layered_block();
+  const Scene block(b, 2.5);
+  b.is_box = false;
+  const Scene general(std::move(b), 2.5);
+  const auto mean_mu = [](const Scene& s) {
+    double sum = 0, volume = 0;
+    for (size_t c = 0; c < s.m->cells.size(); ++c) {
+      const double v = s.t->cells[c].fraction;
+      sum += v * s.m->stencils[size_t(s.m->cells[c].stencil)].mu_kPa;
+      volume += v;
+    }
+    return sum / volume;
+  };
+  EXPECT_NEAR(mean_mu(general), mean_mu(block), 0.08 * mean_mu(block));  // quarters of cells, and cells that stick out
+}
+
 TEST(Stencils, EnergyOfAHomogeneousDeformation) {
   Body b = layered_block();
   b.layers = {{"one", 1, {70, 0.42, 1e-6, 1.2, 1.05}}};
@@ -116,11 +147,11 @@ TEST(Stencils, EnergyOfAHomogeneousDeformation) {
 TEST(Assembly, RestIsEquilibrium) {
   for (double h : {3.5, 2.0, 9.0}) {
     const Scene s(layered_block(), h);
-    const auto g = centre_gradients(s.m->cell_mm);
     std::vector<Vec3> f(s.m->X_mm.size(), Vec3::Zero());
     double size = 0;
     for (const HexCell& c : s.m->cells) {
       const Stencil& k = s.m->stencils[size_t(c.stencil)];
+      const auto g = sample_gradients(k, s.m->cell_mm);
       for (int i = 0; i < 8; ++i) {
         Vec3 fi = -k.volume_mm3 * k.p0_kPa * g.row(i).transpose();
         for (int j = 0; j < 8; ++j) fi += k.K(i, j) * s.m->X_mm[size_t(c.node[size_t(j)])];
@@ -150,10 +181,12 @@ TEST(Assembly, LayersThinnerThanACellAreIntegratedExactly) {
     }
     const auto& l = s.body->layers;
     const double area = 40 * 30, deep = 10 - 1.7 - 4.1;
-    const double expected = area * (1.7 * l[0].material.density_kg_mm3 + 4.1 * l[1].material.density_kg_mm3 + deep * l[2].material.density_kg_mm3);
+    const double expected = area * (1.7 * l[0].material.density_kg_mm3 + 4.1 * l[1].material.density_kg_mm3 +
+                                    deep * l[2].material.density_kg_mm3);
     // The lattice's planes lie some micrometres outside the block, and a row's mean density is spread over them.
     EXPECT_NEAR(mass, expected, 2e-5 * expected);
-    const double expected_mu = area * (1.7 * l[0].material.mu_kPa() + 4.1 * l[1].material.mu_kPa() + deep * l[2].material.mu_kPa());
+    const double expected_mu =
+        area * (1.7 * l[0].material.mu_kPa() + 4.1 * l[1].material.mu_kPa() + deep * l[2].material.mu_kPa());
     EXPECT_NEAR(mu, expected_mu, 1e-3 * expected_mu);
   }
 }
@@ -201,7 +234,8 @@ TEST(Assembly, CurvedBodyIsHeldAndLayered) {
   for (size_t n = 0; n < s.m->X_mm.size(); ++n) {
     const double z = s.m->X_mm[n].z();
     held += s.m->fixed[n];
-    EXPECT_TRUE(!s.m->fixed[n] || z < -8 || s.m->X_mm[n].head<2>().cwiseAbs().maxCoeff() > 17) << s.m->X_mm[n].transpose();
+    EXPECT_TRUE(!s.m->fixed[n] || z < -8 || s.m->X_mm[n].head<2>().cwiseAbs().maxCoeff() > 17)
+        << s.m->X_mm[n].transpose();
   }
   EXPECT_GT(held, 100u);
   double mass = 0;

@@ -53,7 +53,8 @@ TEST(GridFit, OtherBodiesGetCubes) {
 
 TEST(GridFit, RefusesWhatCannotBe) {
   const Body body = block({30, 20, 10});
-  for (double h : {0.0, -1.0, double(NAN), double(INFINITY), 10.1, 0.02}) EXPECT_THROW(fit_lattice(body, h), InputError) << h;
+  for (double h : {0.0, -1.0, double(NAN), double(INFINITY), 10.1, 0.02})
+    EXPECT_THROW(fit_lattice(body, h), InputError) << h;
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
-#include "sim/lattice/topology.h"
-
 #include "sim/error.h"
+#include "sim/lattice/topology.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {

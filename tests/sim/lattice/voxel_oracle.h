@@ -1,6 +1,6 @@
 #pragma once
-// Connected pieces of the material in a cell by flood fill over n^3 sample points: an oracle that shares nothing with the
-// code under test. It errs both ways for pieces or necks thinner than a voxel.
+// Connected pieces of the material in a cell by flood fill over n^3 sample points: an oracle that shares nothing with
+// the code under test. It errs both ways for pieces or necks thinner than a voxel.
 #include <algorithm>
 #include <vector>
 
@@ -56,7 +56,8 @@ class VoxelOracle {
           uint8_t state = 0;
           for (int k = 0; k < n; ++k) {
             bool crossed = false;
-            for (; next < hits.size() && hits[next].first < at(k, axis); ++next) state = hits[next].second, crossed = true;
+            for (; next < hits.size() && hits[next].first < at(k, axis); ++next)
+              state = hits[next].second, crossed = true;
             int c[3];
             c[axis] = k, c[u] = i, c[v] = j;
             const size_t here = id(c[0], c[1], c[2]);
@@ -82,8 +83,10 @@ class VoxelOracle {
         ++count;
         const size_t c[3] = {v % size_t(n), v / size_t(n) % size_t(n), v / stride[2]};
         for (size_t a = 0; a < 3; ++a) {
-          if (c[a] + 1 < size_t(n) && !(wall[v] >> a & 1) && in[v + stride[a]]) in[v + stride[a]] = 0, stack.push_back(v + stride[a]);
-          if (c[a] > 0 && !(wall[v - stride[a]] >> a & 1) && in[v - stride[a]]) in[v - stride[a]] = 0, stack.push_back(v - stride[a]);
+          if (c[a] + 1 < size_t(n) && !(wall[v] >> a & 1) && in[v + stride[a]])
+            in[v + stride[a]] = 0, stack.push_back(v + stride[a]);
+          if (c[a] > 0 && !(wall[v - stride[a]] >> a & 1) && in[v - stride[a]])
+            in[v - stride[a]] = 0, stack.push_back(v - stride[a]);
         }
       }
       out.push_back(double(count) / double(in.size()));
