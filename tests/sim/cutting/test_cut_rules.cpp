@@ -219,6 +219,45 @@ TEST(Continuing, ProgressiveDrawingAppendsColumns) {
   }
 }
 
+// --- The radial order --------------------------------------------------------------------------------------------------
+
+TEST(RadialOrder, FansOfManyPlanesAreSortedByAngle) {
+  PointStore points;
+  const int32_t a = points.add_explicit({0, 0, -40}), b = points.add_explicit({0, 0, 40});
+  uint64_t state = 1;
+  const auto draw = [&](int n) {
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    return int(state >> 40) % n;
+  };
+  for (int round = 0; round < 500; ++round) {
+    std::vector<RadialFace> faces;
+    std::vector<double> angle;
+    const int n = 3 + draw(6);
+    while (int(faces.size()) < n) {
+      const int32_t x = 2 * (draw(21) - 10), y = 2 * (draw(21) - 10);
+      const double w = std::atan2(y, x);
+      bool known = x == 0 && y == 0;
+      for (double v : angle) known = known || std::abs(v - w) < 1e-9;
+      if (known) continue;
+      RadialFace f;
+      f.orig = int32_t(faces.size());
+      f.third = points.add_explicit({x, y, 2 * draw(9)});
+      f.sense = draw(2) ? 1 : -1;
+      f.plane = f.sense > 0 ? plane_through(points.integer(a), points.integer(b), points.integer(f.third))
+                            : plane_through(points.integer(b), points.integer(a), points.integer(f.third));
+      faces.push_back(f);
+      angle.push_back(w);
+    }
+    ASSERT_TRUE(sort_radially(points, a, b, faces));
+    int descents = 0;  // counter-clockwise around +z: angles rise, wrapping once
+    for (int i = 0; i < n; ++i) descents += angle[size_t(faces[size_t(i)].orig)] > angle[size_t(faces[size_t((i + 1) % n)].orig)];
+    ASSERT_EQ(descents, 1);
+    faces.push_back(faces[1]);
+    faces.back().orig = 99;
+    ASSERT_FALSE(sort_radially(points, a, b, faces));  // two in one place
+  }
+}
+
 // --- Refusals -----------------------------------------------------------------------------------------------------------
 
 TEST(Refusal, BadBladesChangeNothing) {
