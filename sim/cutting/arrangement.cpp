@@ -113,6 +113,11 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed) {
   CutResult result;
   result.reason = check_blade(blade, *store_);
   if (!result.reason.empty()) return result;
+  if (store_->is_cut_already(blade)) {
+    result.status = CutResult::nothing_to_cut;
+    result.reason = "this is cut already";
+    return result;
+  }
   for (int k = 0; k < kTries; ++k) {
     result.tries = k + 1;
     // The first try takes the blade as it is; each further one redraws every vertex that is not shared.

@@ -55,7 +55,7 @@ BladeResult refuse(std::string why) { return {std::nullopt, std::move(why)}; }
 /// How far an incision reaches below the depth asked, and how far blades stick out. Both vary a little from operation to
 /// operation: two walls of one nominal depth then join with a clean end instead of a coincidence.
 double wall_extra(const BladeContext& c) { return kWallExtra + 0.02 * (2 - (c.arrangement ? c.arrangement->operations() % 5 : 0)); }
-double margin_of(const BladeContext& c) { return kMargin + 0.03 * (c.arrangement ? c.arrangement->operations() % 7 : 0); }
+double margin_of(const BladeContext& c) { return kMargin + 0.01 * (c.arrangement ? c.arrangement->operations() % 7 : 0); }
 
 /// Drops a repeated last point. Empty with a reason when there is no simple outline.
 std::vector<Vec2> clean_outline(std::span<const ChartPoint> outline, std::string& why) {

@@ -88,6 +88,9 @@ struct ArrangementStore {
   /// Clears the material bits of the components marked 1; records it in the delta and in `last`. Returns sided faces.
   int32_t clear_components(const std::vector<uint8_t>& marked, Delta& delta);
 
+  /// snap.cpp: does every triangle of the blade lie on walls of earlier cuts, within 50 micrometres and 15 degrees?
+  bool is_cut_already(const Blade& blade) const;
+
   // undo.cpp
   void take_back(const Delta& delta);
   /// Adds a tree over original triangles (its box tree is built here); equal neighbours are merged.

@@ -40,7 +40,12 @@ struct Fuzzer {
         return open_box({c + Vec2(r, 0), c + Vec2(0, r), c - Vec2(r, 0), c - Vec2(0, r)}, 2, -uniform(1, 8));
       }
       case 5:
-        if (!past.empty()) return past[random() % past.size()];  // the same cut again
+        if (!past.empty()) {  // an old cut again, the same or a little deeper
+          Blade again = past[random() % past.size()];
+          if (random() % 4 != 0)
+            for (Int3& p : again.vertex) p.z -= 4096;
+          return again;
+        }
         [[fallthrough]];
       default: {
         const Vec2 c = point(12);
@@ -111,7 +116,7 @@ void history(uint64_t seed, double snap, int steps, Fuzzer* total) {
 
 TEST(CutFuzz, GeneralPosition) {
   Fuzzer total(0, 0);
-  for (uint64_t seed = 1; seed <= 10; ++seed) {
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
     history(seed, 0, 40, &total);
     if (HasFatalFailure()) return;
   }
@@ -121,7 +126,7 @@ TEST(CutFuzz, GeneralPosition) {
 
 TEST(CutFuzz, CoincidencesEverywhere) {
   Fuzzer total(0, 0);
-  for (uint64_t seed = 101; seed <= 110; ++seed) {
+  for (uint64_t seed = 101; seed <= 106; ++seed) {
     history(seed, 2, 40, &total);
     if (HasFatalFailure()) return;
   }

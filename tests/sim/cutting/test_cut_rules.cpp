@@ -63,13 +63,24 @@ TEST(Coincidence, BladeInThePlaneOfTheSkin) {
   }
 }
 
-TEST(Coincidence, TheSameCutAgainIsSafe) {
+TEST(Coincidence, TheSameCutAgainOrAShallowerOneChangesNothing) {
+  Arrangement a = flat_slab();
+  const Blade b = strip({{-8, 0.3}, {8, 1.1}}, 2, -5);
+  must_cut(a, b);
+  const uint64_t hash = a.full_hash();
+  for (const Blade& again : {b, strip({{-8, 0.3}, {8, 1.1}}, 2, -4), strip({{-6, 0.41}, {7.5, 1.06}}, 1, -3)}) {
+    EXPECT_EQ(a.cut(again, 9).status, CutResult::nothing_to_cut);
+    EXPECT_EQ(a.full_hash(), hash);
+  }
+}
+
+TEST(Coincidence, NearlyTheSameCutAgainIsSafe) {
   Arrangement a = flat_slab();
   const uint64_t initial = a.full_hash();
   const Blade b = strip({{-8, 0.3}, {8, 1.1}}, 2, -5);
   must_cut(a, b);
   const uint64_t volume = a.store().volume_residue;
-  const CutResult r = a.cut(b, 9);
+  const CutResult r = a.cut(strip({{-8, 0.3}, {8, 1.1}}, 2, -6), 9);  // a little deeper: most of it coincides
   EXPECT_EQ(a.check_all(), "");
   EXPECT_EQ(a.store().volume_residue, volume);
   int real_pieces = 0;
