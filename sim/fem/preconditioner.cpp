@@ -13,6 +13,9 @@ namespace {
 
 constexpr size_t many_columns = 16;  // that many springs outside the factor are worth a new one
 
+/// A time step that changes a little every frame must not ask for a new factor every frame.
+bool mass_differs(double a, double b) { return a != b && (a < 0.5 * b || b < 0.5 * a); }
+
 /// Diagonal of the scalar matrix, per node.
 std::vector<double> diagonal(const FemModel& m, double mass_per_s2) {
   Eigen::Matrix<double, 8, 1> bb;
@@ -154,7 +157,7 @@ void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_r
     ++pending_->steps;
     if (pending_->steps >= adopt_after || (when_ready && pending_->job->done())) adopt();
   }
-  bool wanted = !factor_is_current_ || factor_mass_ != mass_per_s2;
+  bool wanted = !factor_is_current_ || mass_differs(factor_mass_, mass_per_s2);
   if (!wanted && factor_ && !pending_) {
     size_t outside = 0, found = 0;
     for (const SpringEntry& s : springs_) {
@@ -166,7 +169,7 @@ void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_r
   }
   if (wanted && !pending_) {
     submit(mass_per_s2);
-    if (!factor_ || factor_mass_ != mass_per_s2) adopt();  // nothing usable before it
+    if (!factor_) adopt();  // nothing usable before it
   }
   if (columns_dirty_) update_columns();
 }
@@ -235,7 +238,9 @@ void Preconditioner::update_columns() {
       S(i, j) = v;
     }
   S = (0.5 * (S + S.transpose())).eval();
-  const Eigen::MatrixXd inverse = k ? Eigen::MatrixXd(S.llt().solve(Eigen::MatrixXd::Identity(k, k))) : S;
+  const Eigen::LLT<Eigen::MatrixXd> llt(S);
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Zero(k, k);  // springs that cannot be told apart: left to the history
+  if (k && llt.info() == Eigen::Success) inverse = llt.solve(Eigen::MatrixXd::Identity(k, k));
   capacitance_.resize(size_t(k * k));
   for (Eigen::Index i = 0; i < k; ++i)
     for (Eigen::Index j = 0; j < k; ++j) capacitance_[size_t(i * k + j)] = inverse(i, j);

@@ -88,7 +88,7 @@ struct ReferenceElasticity::Impl {
     }
     for (const Spring& s : springs) {
       const double k = s.k_N_per_mm * 1000;
-      Vec3 r = s.to_world ? Vec3(-s.target_mm) : Vec3::Zero();
+      Vec3 r = -s.target_mm;
       auto visit = [&](auto&& f) {
         for (int side = 0; side < (s.to_world ? 1 : 2); ++side) {
           const EmbeddedPoint& p = side ? s.b : s.a;

@@ -20,10 +20,8 @@ SpringForces::SpringForces(const FemModel& model, std::span<const Spring> spring
       }
     };
     add(s.a, 1);
-    if (s.to_world)
-      it.offset -= s.target_mm;
-    else
-      add(s.b, -1);
+    if (!s.to_world) add(s.b, -1);
+    it.offset -= s.target_mm;
     items_.push_back(it);
   }
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Zero-length embedded springs, in double: energy k/2 |r|^2 with r = a - b, or a - target.
+// Zero-length embedded springs, in double: energy k/2 |r|^2 with r = a - target, or a - b - target (target: the slack of a stitch).
 #include <span>
 #include <vector>
 
@@ -19,7 +19,7 @@ class SpringForces {
   size_t size() const { return items_.size(); }
   /// Index of an id, or -1.
   int find(int32_t id) const;
-  /// a - b (or a - target) in mm.
+  /// r: a - target, or a - b - target, in mm.
   Vec3 gap_mm(size_t i, const NodeArray& u) const;
   /// Force in mN on point a.
   Vec3 force_mN(size_t i, const NodeArray& u) const { return -items_[i].k * gap_mm(i, u); }

@@ -143,6 +143,37 @@ TEST(ElasticSolver, StiffSuturesCloseTheirGap) {
   }
 }
 
+// A stitch with slack pulls only what the slack leaves; taking the slack away in steps ends where a tight stitch ends.
+TEST(ElasticSolver, AStitchIsTightenedThroughItsSlack) {
+  BenchScene s = bench_scene(20, 2, 0.45);
+  s.springs = {s.springs[9]};
+  Spring& stitch = s.springs[0];
+  stitch.k_N_per_mm = 20;
+  InlineWorkers w;
+  auto slow = make_solver(w), tight = make_solver(w);
+  StepSettings st;
+  st.max_iterations = 300, st.tolerance = 3e-6;
+  for (auto* solver : {&slow, &tight}) (*solver)->set_model(std::make_shared<FemModel>(s.model), {});
+  tight->set_springs(s.springs);
+  tight->step(st);
+  const Vec3 open = slow->position_mm(stitch.a) - slow->position_mm(stitch.b);
+  for (double slack : {1.0, 0.5, 0.0}) {
+    stitch.target_mm = slack * open;
+    slow->set_springs(s.springs);
+    slow->step(st);
+    const Vec3 gap = slow->position_mm(stitch.a) - slow->position_mm(stitch.b);
+    EXPECT_LT((gap - slack * open).norm(), 0.2);
+    EXPECT_LT((slow->spring_force_mN(stitch.id) + 20e3 * (gap - stitch.target_mm)).norm(), 0.5);
+    if (slack == 1.0) {
+      EXPECT_LT(slow->spring_force_mN(stitch.id).norm(), 1);
+    }
+  }
+  double worst = 0;
+  for (size_t i = 0; i < s.model.X_mm.size(); ++i)
+    worst = std::max(worst, double((slow->displacement_mm()[i] - tight->displacement_mm()[i]).norm()));
+  EXPECT_LT(worst, 2e-3);
+}
+
 struct Recorded {
   std::vector<Vec3f> u;
   std::vector<double> residual;

@@ -40,7 +40,7 @@ FemModel layered_model(double poisson = 0.45) {
 
 std::vector<Spring> some_springs(const FemModel& m) {
   Spring a, b;
-  a.id = 1, a.a = embed(m, {1, 1, 5}), a.b = embed(m, {-2, 1, 5}), a.k_N_per_mm = 0.02;
+  a.id = 1, a.a = embed(m, {1, 1, 5}), a.b = embed(m, {-2, 1, 5}), a.k_N_per_mm = 0.02, a.target_mm = {0.2, 0, -0.1};
   b.id = 2, b.a = embed(m, {2, -3, 4}), b.to_world = true, b.target_mm = {5, 1, 9}, b.k_N_per_mm = 0.03;
   return {a, b};
 }
