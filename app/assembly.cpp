@@ -47,6 +47,7 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
       script(open_script(o.script_file, scene)),
       solver(patient, channels, SolverSettings{step_settings(scene, o.real_time), 1},
              [this](const Command& c) {
+               done.push_back(c);
                if (!script || !script_error.empty()) return;
                try {
                  script->append(c);

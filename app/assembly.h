@@ -39,6 +39,7 @@ class Assembly {
   DeviceFrontEnd front;
   DeviceLane device;
   std::unique_ptr<ScriptWriter> script;
+  std::vector<Command> done;  // every command that was carried out
   std::string script_error;  // the session goes on without its script when the disk is full
   SolverLane solver;
   RenderLane render;

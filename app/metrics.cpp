@@ -1,40 +1,56 @@
 #include "app/metrics.h"
 
-#include <algorithm>
-
 namespace limberg {
 
-KeyMetrics key_metrics(const World& world) {
+Metrics measure_world(const World& world, std::span<const Command> script) {
   Snapshot s;
   world.fill(s);
-  KeyMetrics k;
-  for (const SutureState& x : s.sutures) {
-    k.closure_force_N += double(x.force_N);
-    k.suture_gap_max_mm = std::max(k.suture_gap_max_mm, double(x.gap_mm));
-  }
-  return k;
+  const Skin skin(world.spec().body);
+  return measure(world, s, skin, script);
 }
 
-void fill_metrics(Result& r, const World& world) {
-  Snapshot s;
-  world.fill(s);
-  r.set("/metrics/pieces", world.pieces());
-  r.set("/metrics/volume_mm3", world.volume_mm3());
-  r.set("/metrics/initial_volume_mm3", world.initial_volume_mm3());
-  r.set("/metrics/removed_volume_mm3", world.removed_volume_mm3());
+namespace {
+
+void set_vector(Result& r, const std::string& path, const Vec3& v) {
+  for (int i = 0; i < 3; ++i) r.set(path + "/" + std::to_string(i), v[i]);
+}
+
+}  // namespace
+
+void fill_metrics(Result& r, const Metrics& m) {
+  r.set("/metrics/pieces", m.pieces);
+  r.set("/metrics/volume_mm3", m.volume_mm3);
+  r.set("/metrics/removed_volume_mm3", m.removed_volume_mm3);
+  r.set("/metrics/initial_volume_mm3", m.initial_volume_mm3);
+  r.set("/metrics/volume_change", m.volume_change);
+  r.set("/metrics/compression", m.compression);
   r.set_empty_list("/metrics/sutures");
-  double largest = 0;
-  for (size_t i = 0; i < s.sutures.size(); ++i) {
+  for (size_t i = 0; i < m.sutures.size(); ++i) {
     const std::string p = "/metrics/sutures/" + std::to_string(i);
-    r.set(p + "/id", s.sutures[i].id);
-    r.set(p + "/force_N", double(s.sutures[i].force_N));
-    r.set(p + "/gap_mm", double(s.sutures[i].gap_mm));
-    largest = std::max(largest, double(s.sutures[i].force_N));
+    r.set(p + "/id", m.sutures[i].id);
+    r.set(p + "/force_N", m.sutures[i].force_N);
+    r.set(p + "/gap_mm", m.sutures[i].gap_mm);
   }
-  const KeyMetrics k = key_metrics(world);
-  r.set("/metrics/closure_force_N", k.closure_force_N);
-  r.set("/metrics/suture_force_max_N", largest);
-  r.set("/metrics/suture_gap_max_mm", k.suture_gap_max_mm);
+  r.set("/metrics/closure_force_N", m.closure_force_N);
+  r.set("/metrics/suture_force_max_N", m.suture_force_max_N);
+  r.set("/metrics/suture_force_max_id", m.suture_force_max_id);
+  r.set("/metrics/suture_gap_max_mm", m.suture_gap_max_mm);
+  r.set("/metrics/stretch_max", m.stretch_max);
+  r.set("/metrics/stretch_p99", m.stretch_p99);
+  r.set("/metrics/stress_p95_kPa", m.stress_p95_kPa);
+  r.set("/metrics/stress_max_kPa", m.stress_max_kPa);
+  r.set("/metrics/dog_ear_mm", m.dog_ear_mm);
+  r.set("/metrics/dog_ear_volume_mm3", m.dog_ear_volume_mm3);
+  r.set("/metrics/wound_gape_mm", m.wound_gape_mm);
+  r.set("/metrics/wound_gape_mean_mm", m.wound_gape_mean_mm);
+  if (m.elongation) r.set("/metrics/elongation", *m.elongation);
+  if (m.flap_area_mm2) r.set("/metrics/flap_area_mm2", *m.flap_area_mm2);
+  r.set("/metrics/min_J", m.min_J);
+  r.set("/metrics/inverted_cells", m.inverted_cells);
+  set_vector(r, "/balance/hooks_N", m.balance.hooks_N);
+  set_vector(r, "/balance/supports_N", m.balance.supports_N);
+  set_vector(r, "/balance/sum_N", m.balance.sum_N);
+  r.set("/balance/relative", m.balance.relative);
 }
 
 }  // namespace limberg

@@ -1,17 +1,16 @@
 #pragma once
 // Measurements of a patient on their way into result.json.
+#include <span>
+
 #include "app/result.h"
-#include "sim/world.h"
+#include "sim/measure/metrics.h"
 
 namespace limberg {
 
-/// `metrics` and `balance`.
-void fill_metrics(Result& result, const World& world);
+/// All figures of a patient; `script`: what was done to it.
+Metrics measure_world(const World& world, std::span<const Command> script);
 
-/// The three figures that a change of resolution is judged by.
-struct KeyMetrics {
-  double closure_force_N = 0, suture_gap_max_mm = 0, dog_ear_mm = 0;
-};
-KeyMetrics key_metrics(const World& world);
+/// `metrics` and `balance`.
+void fill_metrics(Result& result, const Metrics& metrics);
 
 }  // namespace limberg

@@ -62,6 +62,7 @@ void fill_story(Result& r, const Assembly& a) {
   r.set("/series/residual", std::span<const float>(s.residual));
   r.set("/series/distance_mm", std::span<const float>(s.distance_mm));
   r.set("/commands", a.solver.commands());
+  for (size_t i = 0; i < a.done.size(); ++i) r.set("/script/" + std::to_string(i), to_json_line(a.done[i]));
   r.set_empty_list("/refused");
   for (size_t i = 0; i < a.solver.refused().size(); ++i) {
     const Refusal& x = a.solver.refused()[i];
@@ -87,7 +88,7 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
   r.set("/memory_mb", peak_memory_mb());
   r.set("/workers", a.workers.count());
   fill_lanes(r, a, f);
-  fill_metrics(r, a.world);
+  fill_metrics(r, measure_world(a.world, a.done));
   fill_story(r, a);
 }
 

@@ -37,7 +37,6 @@ int emulate(const Options& o) {
   call.common = o.common;
   bool complete = true;
   const int status = run_session(std::move(call), [&](Result& r, Assembly& a) {
-    r.set("/script", script.name);
     r.set_empty_list("/problems");
     int n = 0;
     for (const std::string& p : watch->problems()) {

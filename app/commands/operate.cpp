@@ -27,7 +27,7 @@ struct Options {
 struct Row {
   double cell_mm = 0, solve_ms = 0, residual = 0;
   size_t nodes = 0;
-  KeyMetrics key;
+  Metrics key;
 };
 
 void fill_convergence(Result& r, const std::vector<Row>& rows) {
@@ -42,14 +42,14 @@ void fill_convergence(Result& r, const std::vector<Row>& rows) {
     r.set(p + "/residual", x.residual);
     r.set(p + "/solve_ms", x.solve_ms);
     if (i == 0) continue;
-    const KeyMetrics& y = rows[i - 1].key;  // the coarser one before it
+    const Metrics& y = rows[i - 1].key;  // the coarser one before it
     r.set(p + "/difference/closure_force_N", x.key.closure_force_N - y.closure_force_N);
     r.set(p + "/difference/suture_gap_max_mm", x.key.suture_gap_max_mm - y.suture_gap_max_mm);
     r.set(p + "/difference/dog_ear_mm", x.key.dog_ear_mm - y.dog_ear_mm);
   }
 }
 
-void fill_operation(Result& r, const World& world, const Scene& scene, const OperationOutcome& o) {
+void fill_operation(Result& r, const World& world, const Scene& scene, const OperationOutcome& o, const Metrics& metrics) {
   const FemModel& m = world.solver().model();
   size_t free_nodes = 0;
   for (const uint8_t f : m.fixed) free_nodes += f == 0;
@@ -65,7 +65,7 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   r.set_hash("/state_hash", world.state_hash());
   r.set_hash("/topology_hash", world.topology_hash());
   r.set("/memory_mb", peak_memory_mb());
-  fill_metrics(r, world);
+  fill_metrics(r, metrics);
   for (const StageRow& s : o.stages) {
     const std::string p = "/stages/" + std::to_string(s.number - 1);
     r.set(p + "/name", s.name);
@@ -85,6 +85,9 @@ int run(const Options& opt) {
   if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : scene.cell_mm);
   const std::shared_ptr<const Body> body = build_body(scene);
   WorkersPool workers(opt.common.worker_count());
+
+  std::vector<Command> actions;
+  for (const ScriptLine& l : script.lines) actions.push_back(l.command);
 
   Result result("operate", scene.name);
   std::vector<Row> rows;
@@ -106,12 +109,12 @@ int run(const Options& opt) {
       return kGoalMissed;
     }
     at_rest &= o.last.residual <= 1e-4;
-    rows.push_back({cells[i], o.solve_ms, o.last.residual, world.solver().model().X_mm.size(), key_metrics(world)});
+    rows.push_back({cells[i], o.solve_ms, o.last.residual, world.solver().model().X_mm.size(), measure_world(world, actions)});
     std::printf("%-12s %7zu nodes  %8.0f ms  residual %.1e  closure %.3f N  gap %.3f mm  dog-ear %.2f mm  state_hash %s\n", label,
                 rows.back().nodes, o.solve_ms, o.last.residual, rows.back().key.closure_force_N,
                 rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm, hex(world.state_hash()).c_str());
     if (i + 1 < cells.size()) continue;
-    fill_operation(result, world, scene, o);
+    fill_operation(result, world, scene, o, rows.back().key);
     if (!opt.common.out_dir.empty()) {
       Snapshot last;
       world.fill(last);
