@@ -31,6 +31,7 @@ int run_main(int argc, char** argv) {
   add_emulate(app, chosen);
   add_check(app, chosen);
   add_report(app, chosen);
+  add_bench(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -21,6 +21,13 @@ void Progress::show(double done, double total, const char* unit) {
   std::fflush(stderr);
 }
 
+void Progress::note(const std::string& text) {
+  if (!terminal_) return;
+  shown_ = true;
+  std::fprintf(stderr, "\r%s  %s\033[K", label_.c_str(), text.c_str());
+  std::fflush(stderr);
+}
+
 void Progress::clear() {
   if (!shown_) return;
   std::fputs("\r\033[K", stderr);

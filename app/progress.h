@@ -14,6 +14,8 @@ class Progress {
 
   /// At most ten times a second; `total` <= 0: unknown.
   void show(double done, double total, const char* unit);
+  /// A text instead of figures.
+  void note(const std::string& text);
   void clear();
 
  private:

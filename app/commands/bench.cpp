@@ -1,0 +1,97 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "app/bench/speed.h"
+#include "app/commands/commands.h"
+#include "app/output.h"
+#include "app/progress.h"
+#include "app/result.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+struct Options {
+  std::string suite, scene;
+  bool quick = false;
+  CommonOptions common;
+};
+
+void print(const bench::Result& b) {
+  std::printf("%-26s %-28s %-30s %12s %14s\n", "case", "method", "settings", "time ms", "error");
+  for (const bench::Row& r : b.rows)
+    std::printf("%-26s %-28s %-30s %1s%11.1f %9.3g %-4s %s\n", r.name.c_str(), r.method.c_str(), r.settings.c_str(),
+                r.at_least ? ">" : "", r.time_ms, r.error, r.error_unit.c_str(), r.pass ? "" : "FAIL");
+  std::printf("\n%-62s %10s %10s\n", "bar", "value", "bar");
+  for (const bench::Bar& x : b.bars)
+    std::printf("%-62s %1s%9.3g %1s%9.3g  %s\n", x.name.c_str(), x.at_least ? ">" : "", x.value, x.larger_is_better ? ">" : "<", x.bar,
+                x.pass ? "pass" : "FAIL");
+}
+
+void fill(Result& out, const bench::Result& b) {
+  out.set_empty_list("/rows");
+  for (size_t i = 0; i < b.rows.size(); ++i) {
+    const bench::Row& r = b.rows[i];
+    const std::string p = "/rows/" + std::to_string(i);
+    out.set(p + "/case", r.name);
+    out.set(p + "/method", r.method);
+    out.set(p + "/settings", r.settings);
+    out.set(p + "/time_ms", r.time_ms);
+    out.set(p + "/at_least", r.at_least);
+    out.set(p + "/error", r.error);
+    out.set(p + "/error_unit", r.error_unit);
+    out.set(p + "/reference", r.reference);
+    out.set(p + "/pass", r.pass);
+  }
+  out.set_empty_list("/bars");
+  for (size_t i = 0; i < b.bars.size(); ++i) {
+    const bench::Bar& x = b.bars[i];
+    const std::string p = "/bars/" + std::to_string(i);
+    out.set(p + "/name", x.name);
+    out.set(p + "/value", x.value);
+    out.set(p + "/at_least", x.at_least);
+    out.set(p + "/bar", x.bar);
+    out.set(p + "/larger_is_better", x.larger_is_better);
+    out.set(p + "/pass", x.pass);
+    out.set(p + "/source", x.source);
+  }
+}
+
+int run(const Options& o) {
+  o.common.prepare();
+  if (o.suite != "speed") throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed");
+  if (!o.scene.empty()) throw InputError("", 0, "bench speed takes no scene; it makes its own at several sizes");
+  Progress progress("bench speed");
+  bench::SpeedSettings s;
+  s.quick = o.quick;
+  s.progress = [&](const std::string& line) { progress.note(line); };
+  const bench::Result b = bench::speed(s);
+  progress.clear();
+  print(b);
+  Result result("bench", "");
+  result.set("/suite", o.suite);
+  result.set("/quick", o.quick);
+  fill(result, b);
+  bool ok = true;
+  for (const bench::Bar& x : b.bars) ok &= x.pass;
+  result.set_ok(ok);
+  if (!o.common.json_file.empty()) result.write(o.common.json_file);
+  if (!o.common.out_dir.empty()) result.write(o.common.out_dir + "/result.json");
+  return ok ? kDone : kGoalMissed;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Chosen& chosen) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
+  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag")->required();
+  c->add_option("SCENE", o->scene, "Scene, for suites that take one");
+  c->add_flag("--quick", o->quick, "The smallest size only");
+  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  c->footer("Example: limberg bench speed --quick --json out/bench.json");
+  c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
+}
+
+}  // namespace limberg
