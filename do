@@ -38,6 +38,26 @@ build() {
   cmake --build build --parallel "$(nproc)"
 }
 
+# The recording is replayed; the same operation by script at three cell sizes gives the small table in the report. That
+# table is kept until program, scene or script change.
+demo() {
+  local name=$1 out=out/demo
+  local table=$out/convergence.json
+  [ -f "recordings/$name.lcm" ] || { echo "limberg: recordings/$name.lcm: no such recording; expected one of: $(cd recordings && ls -- *.lcm | tr '\n' ' ')" >&2; exit 2; }
+  mkdir -p "$out"
+  if [ -f "recordings/$name.jsonl" ]; then
+    local stamp="$name $(cat build/limberg "app/scenes/$name.toml" "recordings/$name.jsonl" | cksum)"
+    if [ ! -f "$table" ] || [ "$(cat "$out/.convergence" 2>/dev/null)" != "$stamp" ]; then
+      build/limberg operate "$name" "recordings/$name.jsonl" --cells 5,3.5,2.5 --json "$table"
+      echo "$stamp" >"$out/.convergence"
+    fi
+    set -- --convergence "$table"
+  else
+    set --
+  fi
+  build/limberg replay "recordings/$name.lcm" --lockstep --out "$out" --json "$out/result.json" "$@"
+}
+
 case "${1:-help}" in
   build) build ;;
   test)
@@ -46,9 +66,7 @@ case "${1:-help}" in
     ;;
   demo)
     build
-    name=${2:-rhomboid}
-    build/limberg replay "recordings/$name.lcm" --lockstep --out out/demo --json out/demo/result.json
-    echo "report: out/demo/report.html"
+    demo "${2:-rhomboid}"
     ;;
   bench)
     build

@@ -8,6 +8,7 @@
 
 #include "app/output.h"
 #include "app/version.h"
+#include "sim/error.h"
 
 namespace limberg {
 
@@ -62,6 +63,13 @@ void Result::set(std::string_view path, std::span<const float> v) {
 }
 
 void Result::set_hash(std::string_view path, uint64_t hash) { set(path, hex(hash)); }
+
+void Result::take(std::string_view path, const std::string& other_file) {
+  const Json other = Json::parse(read_whole_file(other_file), nullptr, false);
+  if (!other.is_object()) throw InputError(other_file, 0, "is not a JSON object; expected a result.json");
+  const Json::json_pointer p{std::string(path)};
+  if (other.contains(p)) impl_->at(path) = other.at(p);
+}
 
 void Result::set_times(std::string_view path, const Histogram& h, double unit, const Which& which) {
   const auto put = [&](const char* name, int64_t ns) {

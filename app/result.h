@@ -37,6 +37,9 @@ class Result {
   void set_hash(std::string_view path, uint64_t hash);  // 16 hex digits
   void set_empty_list(std::string_view path);
 
+  /// Copies what another result.json holds at `path`, if anything. InputError when that file is no JSON object.
+  void take(std::string_view path, const std::string& other_file);
+
   struct Which { bool p95 = false, p99 = true, p999 = false, max = true; };
   /// {p50, p95?, p99?, p999?, max?}; `unit` in the name's unit per ns (us: 1e-3, ms: 1e-6).
   void set_times(std::string_view path, const Histogram& h, double unit, const Which& which);

@@ -11,7 +11,7 @@ namespace limberg {
 namespace {
 
 struct Options {
-  std::string recording, scene;
+  std::string recording, scene, convergence;
   bool lockstep = false, real_time = false;
   CommonOptions common;
 };
@@ -60,7 +60,11 @@ int replay(const Options& o) {
   call.damage = rec.damage;
   call.reproduce = "limberg replay " + o.recording + (o.real_time ? " --realtime" : "") + (o.common.out_dir.empty() ? "" : " --out " + o.common.out_dir);
   call.common = o.common;
-  return run_session(std::move(call));
+  Result other("", "");
+  if (!o.convergence.empty()) other.take("/convergence", o.convergence);  // refuses a bad file before the work
+  return run_session(std::move(call), [&o](Result& r, Assembly&) {
+    if (!o.convergence.empty()) r.take("/convergence", o.convergence);
+  });
 }
 
 }  // namespace
@@ -72,6 +76,8 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   CLI::Option* lockstep = c->add_flag("--lockstep", o->lockstep, "On a virtual clock, bit for bit (default)");
   c->add_flag("--realtime", o->real_time, "On three threads at their own rates, with timing figures")->excludes(lockstep);
   c->add_option("--scene", o->scene, "Refuse the recording if it was not made with this scene")->type_name("SCENE");
+  c->add_option("--convergence", o->convergence, "Put the convergence table of this result (of operate --cells) into the report")
+      ->type_name("FILE");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg replay recordings/rhomboid.lcm --out out/demo --json out/demo/result.json");
   c->callback([o, &chosen] { chosen = [o] { return replay(*o); }; });

@@ -1,0 +1,281 @@
+// The program itself, on bad input: exit status 2, one clear line that names the file, nothing overwritten, no crash.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kProgram = LIMBERG_BINARY_DIR "/limberg";
+const std::string kSource = LIMBERG_SOURCE_DIR;
+
+struct Outcome {
+  int status = -1;  // exit status; 1000 + signal when killed by one
+  std::string out, err;
+  int lines() const { return int(std::count(err.begin(), err.end(), '\n')); }
+};
+
+std::string slurp(const fs::path& p) {
+  std::ifstream in(p, std::ios::binary);
+  std::ostringstream s;
+  s << in.rdbuf();
+  return s.str();
+}
+
+class Cli : public ::testing::Test {
+ protected:
+  Cli() {
+    std::string name = (fs::temp_directory_path() / "limberg-cli-XXXXXX").string();
+    dir_ = mkdtemp(name.data());
+  }
+  ~Cli() override { fs::remove_all(dir_); }
+
+  std::string file(const std::string& name, const std::string& text) const {
+    std::ofstream(dir_ / name, std::ios::binary) << text;
+    return (dir_ / name).string();
+  }
+  std::string path(const std::string& name) const { return (dir_ / name).string(); }
+
+  Outcome run(const std::string& arguments) const {
+    const std::string out = path(".out"), err = path(".err");
+    const int s = std::system((kProgram + " " + arguments + " >" + out + " 2>" + err + " </dev/null").c_str());
+    Outcome o;
+    o.status = WIFEXITED(s) ? WEXITSTATUS(s) : 1000 + WTERMSIG(s);
+    o.out = slurp(out), o.err = slurp(err);
+    return o;
+  }
+
+  /// Exit 2, one line, in the house's form, that holds every given word.
+  void expect_refused(const std::string& arguments, const std::vector<std::string>& words) const {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.status, 2) << arguments << "\n" << o.err;
+    EXPECT_EQ(o.lines(), 1) << arguments << "\n" << o.err;
+    EXPECT_EQ(o.err.rfind("limberg: ", 0), 0u) << o.err;
+    for (const std::string& w : words) EXPECT_NE(o.err.find(w), std::string::npos) << arguments << "\nno \"" << w << "\" in: " << o.err;
+  }
+
+  static std::string small_scene(const std::string& change = "", const std::string& to = "") {
+    std::string s = R"(name = "small"
+[body]
+source = "block"
+size_mm = [40, 40, 10]
+skin_cell_mm = 2
+[[layer]]
+name = "skin"
+thickness_mm = 2
+young_kPa = 60
+poisson = 0.45
+prestretch_along = 1.08
+[[layer]]
+name = "fat"
+thickness_mm = 8
+young_kPa = 15
+poisson = 0.45
+[lattice]
+cell_mm = 5
+)";
+    if (!change.empty()) s.replace(s.find(change), change.size(), to);
+    return s;
+  }
+  static std::string script(const std::string& lines) { return "{\"limberg_script\":1,\"scene\":\"small\"}\n" + lines; }
+
+  fs::path dir_;
+};
+
+TEST_F(Cli, HelpAndVersion) {
+  Outcome o = run("--version");
+  EXPECT_EQ(o.status, 0);
+  EXPECT_EQ(o.out.rfind("limberg ", 0), 0u);
+  for (const char* c : {"run", "replay", "operate", "emulate", "check", "report", "bench"}) {
+    o = run(std::string(c) + " --help");
+    EXPECT_EQ(o.status, 0) << c;
+    EXPECT_NE(o.out.find(std::string("Example: limberg ") + c), std::string::npos) << c;
+  }
+}
+
+TEST_F(Cli, WrongCalls) {
+  expect_refused("", {"expected"});
+  expect_refused("dance", {"expected"});
+  expect_refused("replay", {"RECORDING"});
+  expect_refused("replay a.lcm --lockstep --realtime", {"expected"});
+  expect_refused("bench nothing", {"nothing", "expected speed"});
+  expect_refused("run rhomboid --device telepathy", {"telepathy", "expected"});
+  expect_refused("operate rhomboid x.jsonl --cell-mm -1", {"cell-mm"});
+  expect_refused("check x --workers 0", {"workers"});
+}
+
+TEST_F(Cli, MissingEmptyFolder) {
+  const std::string empty = file("empty", "");
+  for (const std::string& c : {std::string("replay "), std::string("check "), std::string("report ")}) {
+    expect_refused(c + path("absent"), {"absent"});
+    if (c != "report ") expect_refused(c + dir_.string(), {dir_.string(), "folder"});
+    if (c != "report ") expect_refused(c + empty, {"empty"});
+  }
+  const std::string scene = file("small.toml", small_scene()), ok = file("ok.jsonl", script("{\"action\":\"wait\",\"seconds\":0}\n"));
+  for (const std::string& bad : {path("absent.toml"), dir_.string(), empty}) {
+    expect_refused("operate " + bad + " " + ok, {});
+    expect_refused("operate " + scene + " " + bad, {});
+    expect_refused("emulate " + bad + " " + ok + " --out " + path("x.lcm"), {});
+  }
+  EXPECT_FALSE(fs::exists(path("x.lcm")));
+}
+
+TEST_F(Cli, BrokenScenes) {
+  const auto refused = [&](const std::string& change, const std::string& to, const std::vector<std::string>& words) {
+    const std::string f = file("bad.toml", small_scene(change, to));
+    std::vector<std::string> all = words;
+    all.push_back("bad.toml");
+    expect_refused("check " + f, all);
+  };
+  refused("[body]", "[body", {"bad.toml:2"});
+  refused("cell_mm = 5", "cell_mm = 5\ncolour = 3", {"colour", "expected"});
+  refused("[40, 40, 10]", "[40, -40, 10]", {"size_mm", "expected"});
+  refused("[40, 40, 10]", "[40, nan, 10]", {"size_mm", "expected"});
+  refused("thickness_mm = 2", "thickness_mm = inf", {"thickness_mm", "expected"});
+  refused("cell_mm = 5\n", "cell_mm = 50\n", {"cell_mm", "expected"});
+  refused("source = \"block\"", "source = \"cake\"", {"source", "expected"});
+}
+
+TEST_F(Cli, BrokenScripts) {
+  const std::string scene = file("small.toml", small_scene());
+  const auto refused = [&](const std::string& lines, const std::vector<std::string>& words) {
+    const std::string f = file("bad.jsonl", script(lines));
+    std::vector<std::string> all = words;
+    all.push_back("bad.jsonl:2");
+    expect_refused("operate " + scene + " " + f + " --json " + path("r.json"), all);
+  };
+  refused("{\"action\":\"incise\",\"path\":[[0,0],[500,0]],\"depth_mm\":3}\n", {"incise"});  // off the skin
+  refused("{\"action\":\"incise\",\"path\":[[0,0],[5,0]],\"depth_mm\":60}\n", {"incise", "expected"});
+  refused("{\"action\":\"incise\",\"path\":[[0,0],[5,0]],\"deepness\":3}\n", {"deepness"});
+  refused("{\"action\":\"dance\"}\n", {"dance"});
+  refused("{\"action\":\"incise\",\n", {});
+  EXPECT_FALSE(fs::exists(path("r.json")));
+}
+
+TEST_F(Cli, SurfacesThatAreNoBody) {
+  const std::string tetra = "v 0 0 0\nv 30 0 0\nv 0 30 0\nv 0 0 30\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+  EXPECT_EQ(run("check " + file("tetra.obj", tetra)).status, 0);
+  expect_refused("check " + file("open.obj", tetra.substr(0, tetra.rfind("f"))), {"open.obj", "expected"});
+  // A second tetrahedron that sticks through the first.
+  std::string crossing = tetra;
+  crossing += "v 5 5 5\nv 35 5 5\nv 5 35 5\nv 5 5 35\nf 5 7 6\nf 5 6 8\nf 6 7 8\nf 5 8 7\n";
+  expect_refused("check " + file("crossing.obj", crossing), {"crossing.obj", "expected"});
+  expect_refused("check " + file("broken.obj", "v 0 0\nf 1 2 9\n"), {"broken.obj:1"});
+}
+
+TEST_F(Cli, RecordingsThatAreNone) {
+  expect_refused("replay " + file("text.lcm", std::string(5000, 'x')), {"text.lcm", "expected"});
+  expect_refused("replay " + file("sync.lcm", "\xED\xA1\xDA\x01 and then nothing"), {"sync.lcm", "expected"});
+  expect_refused("replay " + file("script.lcm", script("")), {"script.lcm", "expected"});
+}
+
+TEST_F(Cli, OutputThatCannotBeWritten) {
+  const std::string scene = file("small.toml", small_scene()), s = file("s.jsonl", script("{\"action\":\"stage\",\"name\":\"a\"}\n"));
+  const std::string kept = file("kept", "precious");
+  expect_refused("operate " + scene + " " + s + " --out /proc/limberg", {"/proc/limberg", "expected"});
+  expect_refused("operate " + scene + " " + s + " --out " + kept, {"kept", "expected"});
+  expect_refused("operate " + scene + " " + s + " --json " + path("no/such/r.json"), {"r.json", "expected"});
+  expect_refused("operate " + scene + " " + s + " --json " + dir_.string(), {"folder"});
+  expect_refused("emulate " + scene + " " + s + " --out " + kept, {"kept", "exists"});
+  expect_refused("emulate " + scene + " " + s + " --out " + path("no/such/x.lcm"), {"x.lcm", "expected"});
+  expect_refused("report " + kept, {"kept"});
+  EXPECT_EQ(slurp(kept), "precious");
+}
+
+/// One recording for the tests below; 2 s of a surgeon on a small block.
+class Recorded : public Cli {
+ protected:
+  void SetUp() override {
+    scene_ = file("small.toml", small_scene());
+    script_ = file("s.jsonl", script("{\"action\":\"incise\",\"path\":[[-8,0],[8,0]],\"depth_mm\":3}\n"
+                                     "{\"action\":\"stage\",\"name\":\"cut\"}\n"));
+    log_ = path("s.lcm");
+    const Outcome o = run("emulate " + scene_ + " " + script_ + " --out " + log_ + " --seed 5 --json " + path("e.json"));
+    ASSERT_EQ(o.status, 0) << o.err;
+  }
+  nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(slurp(path(name))); }
+  std::string scene_, script_, log_;
+};
+
+TEST_F(Recorded, ReplaysToTheSameHashWithAnyWorkers) {
+  const auto first = json("e.json");
+  for (const int workers : {1, 2}) {
+    const Outcome o = run("replay " + log_ + " --json " + path("r.json") + " --workers " + std::to_string(workers));
+    ASSERT_EQ(o.status, 0) << o.err;
+    const auto j = json("r.json");
+    EXPECT_EQ(j["state_hash"], first["state_hash"]);
+    EXPECT_EQ(j["mode"], "lockstep");
+    EXPECT_EQ(j["checkpoints"]["compared"], j["checkpoints"]["equal"]);
+    EXPECT_GE(j["checkpoints"]["compared"].get<int>(), 2);
+    EXPECT_EQ(j["device"]["events_lost"], 0);
+    EXPECT_EQ(j["metrics"]["pieces"], 1);
+    EXPECT_LE(std::abs(j["metrics"]["volume_change"].get<double>()), 1e-9);
+    EXPECT_FALSE(j.contains("damage"));
+    for (const char* key : {"limberg", "machine", "duration_s", "parts", "memory_mb", "device", "solver", "render", "latency_ms"})
+      EXPECT_TRUE(j.contains(key)) << key;
+  }
+}
+
+TEST_F(Recorded, TheSameCallWritesTheSameBytes) {
+  ASSERT_EQ(run("emulate " + scene_ + " " + script_ + " --out " + path("again.lcm") + " --seed 5").status, 0);
+  EXPECT_EQ(slurp(log_), slurp(path("again.lcm")));
+  const std::string before = slurp(log_);
+  expect_refused("emulate " + scene_ + " " + script_ + " --out " + log_, {"exists"});
+  EXPECT_EQ(slurp(log_), before);
+}
+
+TEST_F(Recorded, OfAnotherScene) {
+  const std::string other = file("other.toml", small_scene("cell_mm = 5", "cell_mm = 4"));
+  expect_refused("replay " + log_ + " --scene " + other, {"another scene"});
+  EXPECT_EQ(run("replay " + log_ + " --scene " + scene_).status, 0);
+}
+
+TEST_F(Recorded, DamageIsSaidAndCountedAndTheRestReplays) {
+  const std::string whole = slurp(log_);
+  // Cut short.
+  Outcome o = run("replay " + file("cut.lcm", whole.substr(0, whole.size() * 2 / 3)) + " --json " + path("cut.json"));
+  EXPECT_TRUE(o.status == 0 || o.status == 3) << o.status << o.err;
+  EXPECT_NE(o.err.find("cut"), std::string::npos);
+  // A hole in the stream of samples.
+  std::string holed = whole;
+  for (size_t i = whole.size() / 2; i < whole.size() / 2 + 3000; ++i) holed[i] = char(i * 7);
+  o = run("replay " + file("holed.lcm", holed) + " --json " + path("holed.json"));
+  EXPECT_TRUE(o.status == 0 || o.status == 3) << o.status << o.err;
+  EXPECT_NE(o.err.find("damaged"), std::string::npos) << o.err;
+  EXPECT_GT(json("holed.json")["damage"]["events"].get<int>(), 0);
+  EXPECT_EQ(run("check " + path("holed.lcm")).status, 3);
+  // The scene itself damaged: nothing to replay.
+  std::string sceneless = whole;
+  const size_t at = whole.find("skin_cell_mm");
+  ASSERT_NE(at, std::string::npos);
+  sceneless[at] = 'x';
+  expect_refused("replay " + file("sceneless.lcm", sceneless), {"sceneless.lcm", "expected"});
+}
+
+TEST_F(Recorded, AFullDiskKeepsWhatThereIs) {
+  const Outcome o = run("emulate " + scene_ + " " + script_ + " --out /dev/full");
+  EXPECT_EQ(o.status, 2) << o.err;
+  EXPECT_NE(o.err.find("No space"), std::string::npos) << o.err;
+}
+
+TEST_F(Recorded, ReportIsMadeAgain) {
+  ASSERT_EQ(run("replay " + log_ + " --out " + path("out")).status, 0);
+  EXPECT_TRUE(fs::exists(path("out/result.json")));
+  EXPECT_TRUE(fs::exists(path("out/session.jsonl")));
+  ASSERT_TRUE(fs::remove(path("out/report.html")));
+  EXPECT_EQ(run("report " + path("out")).status, 0);
+  EXPECT_TRUE(fs::exists(path("out/report.html")));
+  // The session's own script carries the same operation out again.
+  const Outcome o = run("operate " + scene_ + " " + path("out/session.jsonl") + " --json " + path("o.json"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_EQ(json("o.json")["metrics"]["pieces"], 1);
+}
+
+}  // namespace
