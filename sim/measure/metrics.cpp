@@ -6,6 +6,7 @@ namespace limberg {
 
 ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures, const Vec3& support_force_mN) {
   ForceBalance b;
+  constexpr double kLeast_N = 0.01;
   double all = 0;
   for (const HookState& h : hooks) {
     b.hooks_N += h.force_N.cast<double>();
@@ -15,7 +16,7 @@ ForceBalance force_balance(std::span<const HookState> hooks, std::span<const Sut
   b.sum_N = b.hooks_N + b.supports_N;
   all += b.supports_N.norm();
   for (const SutureState& s : sutures) all += 2 * std::abs(double(s.force_N));
-  if (all > 0) b.relative = b.sum_N.norm() / all;
+  b.relative = b.sum_N.norm() / std::max(all, kLeast_N);
   return b;
 }
 

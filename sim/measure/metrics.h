@@ -18,7 +18,9 @@ namespace limberg {
 /// Forces on the tissue from outside. At equilibrium they add up to nothing, whatever the stitches do within.
 struct ForceBalance {
   Vec3 hooks_N = Vec3::Zero(), supports_N = Vec3::Zero(), sum_N = Vec3::Zero();
-  double relative = 0;  // |sum| / (|force| of each hook, of the supports' resultant and of both ends of each stitch, added up)
+  // |sum| / (|force| of each hook, of the supports' resultant and of both ends of each stitch, added up; at least 10 mN, so
+  // that rounding is not called an imbalance where nothing pulls).
+  double relative = 0;
 };
 
 struct SutureFigure {

@@ -172,7 +172,7 @@ std::vector<Command> operation(const ZPlasty& plan, const FlapSettings& settings
 
   w.row({A, B, flap1}, outer_BD);
   w.row({B, A, flap2}, outer_AC);
-  w.row({A, C, flap1}, {D, B, flap2});
+  w.row({A, C, flap1}, {D, B, flap2}, 1.5, 1.5);  // both its ends are corners held already
   w.stage("closed", 4);
   return w.commands;
 }

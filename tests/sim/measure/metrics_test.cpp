@@ -41,6 +41,7 @@ TEST(ForceBalance, SupportsAnswerTheHooks) {
   const std::vector<SutureState> stitches{{1, Vec3f::Zero(), Vec3f::Zero(), 2.f, 0.1f}};
   EXPECT_NEAR(force_balance(hooks, stitches, Vec3(1000, 3000, 1900)).relative, 0.1 / (all + 4), 1e-7);
   EXPECT_EQ(force_balance({}, {}, Vec3::Zero()).relative, 0);
+  EXPECT_NEAR(force_balance({}, {}, Vec3(1e-3, 0, 0)).relative, 1e-4, 1e-12);  // a micronewton of rounding
 }
 
 TEST(Metrics, OfAStretchedBlock) {

@@ -134,7 +134,7 @@ TEST(ZPlasty, StitchesPairTheEdgesOfTheTransposedFlaps) {
     }
     EXPECT_EQ(one, 5);
     EXPECT_EQ(two, 5);
-    EXPECT_EQ(both, 4);
+    EXPECT_EQ(both, 3);
     // Corner A to D, corner B to C.
     EXPECT_LT((all[0].first - A).norm(), 1);
     EXPECT_LT((all[0].second - D).norm(), 1.2);
