@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/cutting/sheet_mesh.h"
+#include "sim/cutting/sheet_overlap.h"
 #include "sim/cutting/stroke.h"
 #include "sim/cutting/tri_tests.h"
 #include "sim/cutting/wound.h"
@@ -13,6 +14,7 @@ namespace limberg {
 
 namespace {
 
+constexpr double kPocketReach = 0.4; // two sheets nearer than this are one pocket
 constexpr double kSimplify = 0.1;    // tremor and tracker noise; corners are much larger
 constexpr double kRowHeight = 2.5;   // along the blade's depth
 constexpr double kKnot = 0.5;        // points of a stroke nearer than this are one
@@ -357,25 +359,45 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
   // Two sheets of one nominal depth must not coincide where they overlap.
   const double raise = kSheetRaise + 0.04 * (c.arrangement ? c.arrangement->operations() % 3 : 0);
   const double depth = std::max(depth_mm - raise, 0.5 * depth_mm);
-  Blade blade;
+  const PocketMap pockets(c.arrangement);
+  const auto pocket_height = [&](const Vec2& p) -> std::optional<double> {
+    const auto k = column_at(c, p);
+    return k ? pockets.height(k->X - k->normal * depth, k->normal, kPocketReach) : std::nullopt;
+  };
+  std::vector<SheetVertex> sheet;
   for (const Vec2& p : mesh->vertex) {
     const auto k = column_at(c, p);
     if (!k) return refuse("the point " + text(p) + " within the outline is not on the skin");
-    blade.vertex.push_back(c.body->grid.to_grid(k->X - k->normal * depth));
+    SheetVertex v{k->X - k->normal * depth, k->normal};
+    if (const auto h = pockets.height(v.X_mm, v.normal, kPocketReach)) {
+      v.covered = v.deep = true;
+      v.height = *h;
+      for (int i = 0; i < 8 && v.deep; ++i) {
+        const double w = i * std::numbers::pi / 4;
+        v.deep = pocket_height(p + 1.1 * kSheetSpacing * Vec2(std::cos(w), std::sin(w))).has_value();
+      }
+    }
+    sheet.push_back(v);
   }
+  const bool overlaps = run_into_pockets(sheet);
+  Blade blade;
+  for (const SheetVertex& v : sheet) blade.vertex.push_back(c.body->grid.to_grid(v.X_mm));
   bool any_seed = false;
   for (const Tri& t : mesh->tri) {
     blade.tri.push_back(t);
     std::array<Eigen::Vector2f, 3> uv;
-    bool extension = false;
+    bool extension = false, uncovered = false;
     for (size_t k = 0; k < 3; ++k) {
       uv[k] = mesh->vertex[size_t(t[k])].cast<float>();
-      extension = extension || (size_t(t[k]) < past.size() && past[size_t(t[k])]);
+      extension = extension || (size_t(t[k]) < past.size() && past[size_t(t[k])]) || sheet[size_t(t[k])].deep;
+      uncovered = uncovered || !sheet[size_t(t[k])].covered;
     }
+    extension = extension || !uncovered;
     blade.uv_mm.push_back(uv);
     blade.seed.push_back(extension ? 0 : 2);
     any_seed = any_seed || !extension;
   }
+  if (!any_seed && overlaps) return refuse("this is undermined already");
   if (!any_seed) blade.seed.assign(blade.seed.size(), 2);
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
   return {std::move(blade), {}};

@@ -163,6 +163,46 @@ TEST(Blades, ZPlastyCorners) {
   }
 }
 
+TEST(Blades, OverlappingUnderminingsAreOnePocket) {
+  const std::vector<Vec2> first{{-20, 0}, {20, 0}, {20, 14}, {-20, 14}};
+  for (const std::vector<Vec2>& second : {std::vector<Vec2>{{-18, 7}, {18, 7}, {18, 28}, {-18, 28}},       // further on
+                                          std::vector<Vec2>{{0, -1}, {32, -1}, {32, 20}, {0, 20}}}) {      // to the side
+    Patient p(2);
+    ASSERT_TRUE(p.cut(build_incision(p.context(), std::vector<Vec2>{{-25, 0}, {36, 0}}, 4)).ok());
+    ASSERT_TRUE(p.cut(build_undermining(p.context(), first, 4)).ok());
+    const int before = int(p.a.last_operation().new_walls.size());
+    const CutResult r = p.cut(build_undermining(p.context(), second, 4));
+    ASSERT_TRUE(r.ok()) << r.reason;
+    EXPECT_GT(before, 100);
+    EXPECT_EQ(p.a.pieces(), 1);
+    for (const SurfaceComponent& c : p.a.components()) EXPECT_GT(c.volume_mm3, 1);
+    // One pocket: under every point of the union's inside there is a wall, under the overlap's inside only one.
+    for (int i = 0; i < 200; ++i) {
+      const Vec2 q(-22 + 54 * ((i * 37) % 200) / 200.0, 1 + 26 * ((i * 61) % 200) / 200.0);
+      const auto margin = [&](const std::vector<Vec2>& outline) {
+        double d = 1e9;
+        for (size_t k = 0; k < 4; ++k) d = std::min(d, distance_to_segment(q, outline[k], outline[(k + 1) % 4]));
+        return inside_polygon(outline, q) ? d : -d;
+      };
+      if (std::max(margin(first), margin(second)) < 0.3) continue;
+      std::vector<double> z;
+      for (const Face& f : p.a.faces()) {
+        if (!f.live() || f.mat != 3) continue;
+        const Vec3 a = p.a.point_mm(f.v[0]), b = p.a.point_mm(f.v[1]), c = p.a.point_mm(f.v[2]);
+        const std::vector<Vec2> t{a.head<2>(), b.head<2>(), c.head<2>()};
+        if (std::abs(signed_area(t)) > 1e-6 && inside_polygon(t, q)) z.push_back(a.z());
+      }
+      EXPECT_GE(z.size(), 1u) << q.transpose();
+      if (std::min(margin(first), margin(second)) > 5.5) {
+        EXPECT_EQ(z.size(), 1u) << q.transpose();
+      }
+    }
+    const BladeResult again = build_undermining(p.context(), std::vector<Vec2>{{-10, 4}, {10, 4}, {10, 10}, {-10, 10}}, 4);
+    EXPECT_FALSE(again.blade);
+    EXPECT_EQ(again.reason, "this is undermined already");
+  }
+}
+
 TEST(Blades, SlantedAndSharp) {
   for (double angle : {45.0, 60.0, 90.0, 120.0, 135.0}) {
     Patient p(2);
