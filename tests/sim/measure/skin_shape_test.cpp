@@ -113,5 +113,19 @@ TEST(Elongation, OfAStretchedSkinIsItsStretch) {
   EXPECT_NEAR(*e, 1.3, 1e-5);
 }
 
+TEST(Elongation, IsTakenInTheSkinOutsideTheFlaps) {
+  const SurfaceView v = two_banks(20);
+  BlockSpec spec;
+  spec.size_mm = {50, 50, 10};
+  const Skin skin(std::make_shared<Body>(make_block(spec)));
+  // Flap CAB lies left of the limb below A, so the skin outside at A is on the right bank; at B on the left.
+  const CentralLimb limb{{-10, 5}, {0, 15}, {0, 5}, {10, 15}};
+  auto x = deformed(v, [](const Vec3& X) { return X; });
+  for (size_t i = x.size() / 2; i < x.size(); ++i) x[i].y() += 3;
+  const auto e = elongation(v, x, skin, limb);
+  ASSERT_TRUE(e);
+  EXPECT_NEAR(*e, 1.3, 1e-5);
+}
+
 }  // namespace
 }  // namespace limberg

@@ -58,6 +58,45 @@ TEST(Membrane, StressIsTheDerivativeOfTheEnergy) {
     }
 }
 
+// The same for any deformation, shear included: Cauchy stress from the derivative of the energy by all of F.
+TEST(Membrane, StressInShearIsTheDerivativeOfTheEnergy) {
+  using Mat2 = Eigen::Matrix2d;
+  const Material m = skin_material(1.2, 1.05);
+  const Mat2 A0 = Vec2(1.2, 1.05).asDiagonal();
+  const auto energy = [&](const Mat2& F) {
+    const double mu = m.mu_kPa(), lambda = m.lambda_kPa() + mu, n2 = 1 / (1.2 * 1.2 * 1.05 * 1.05), det = F.determinant();
+    double best = 1e300;
+    for (double lo = 0.2, hi = 3, k = 0; k < 100; ++k) {
+      const double g = 0.5 * (std::sqrt(5.0) - 1), u = hi - g * (hi - lo), v = lo + g * (hi - lo);
+      const auto W = [&](double s) {
+        const double J = det * s;
+        return 0.5 * mu * ((F * A0).squaredNorm() + s * s * n2) + 0.5 * lambda * (J - 1) * (J - 1) - mu * n2 * (J - 1);
+      };
+      best = std::min({best, W(u), W(v)});
+      (W(u) < W(v) ? hi : lo) = W(u) < W(v) ? v : u;
+    }
+    return best;
+  };
+  Mat2 F;
+  F << 1.15, 0.3, -0.1, 0.95;
+  Mat2 P;
+  const double h = 1e-5;
+  for (int i = 0; i < 4; ++i) {
+    Mat2 plus = F, minus = F;
+    plus(i) += h;
+    minus(i) -= h;
+    P(i) = (energy(plus) - energy(minus)) / (2 * h);
+  }
+  const double mu = m.mu_kPa(), lambda = m.lambda_kPa() + mu, n2 = 1 / (1.2 * 1.2 * 1.05 * 1.05), det = F.determinant();
+  const double J = det * (mu * n2 + lambda) / (mu * n2 / det + lambda * det);
+  const Mat2 sigma = P * F.transpose() / J;
+  EXPECT_NEAR(sigma(0, 1), sigma(1, 0), 1e-5 * sigma.norm());
+  const double mean = 0.5 * sigma.trace(), want = mean + std::hypot(0.5 * (sigma(0, 0) - sigma(1, 1)), sigma(0, 1));
+  Mat3 F3 = Mat3::Identity();
+  F3.topLeftCorner<2, 2>() = F;
+  EXPECT_NEAR(membrane_state(kRest, mapped(F3), m, Vec3::UnitX()).stress_kPa, want, 1e-5 * want);
+}
+
 TEST(Membrane, SmallUniaxialStrainGivesYoungsModulus) {
   // The reparametrised constants reproduce mu and lambda, hence E and nu, to first order.
   const Material m = skin_material();

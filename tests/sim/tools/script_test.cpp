@@ -154,6 +154,12 @@ TEST(Script, RefusesBrokenHeadersAndHugeInput) {
                                   kHeader + std::string(2 << 20, '['), kHeader + std::string(900'000, '['),
                                   kHeader + "{\"action\":\"stage\",\"name\":\"" + std::string(5000, 'a') + "\"}\n"})
     EXPECT_THROW(parse_script(text, "s"), InputError) << text.substr(0, 60);
+  try {
+    parse_script(kHeader + "{\"action\":" + std::string(100'000, '['), "s");
+    ADD_FAILURE();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("nested too deeply"), std::string::npos);  // before any parser meets it
+  }
   std::string many = kHeader + "{\"action\":\"incise\",\"path\":[[0,0]";
   for (int i = 0; i < 3000; ++i) many += ",[1,1]";
   EXPECT_THROW(parse_script(many + "]}\n", "s"), InputError);
