@@ -64,7 +64,7 @@ inline void scatter(v16 s0, v16 s1, v16 s2, Node4* y, int first, int nc, int nr,
   int i = 0;
   for (; i < end && r0 + i < nc; ++i) store(y[first + r0 + i], out[(i & 3) * 4 + (i >> 2)]);
   for (; i < end; ++i) {
-    Node4& target = y[rows[r0 + i]];
+    Node4& target = y[rows[r0 + i - nc]];
     store(target, load(target) + out[(i & 3) * 4 + (i >> 2)]);
   }
 }
@@ -92,7 +92,7 @@ void PanelFactor::solve(Node4* y) const {
   Node4* b = b_store.data();
   for (const Panel& p : panels_) {
     const v16* M = reinterpret_cast<const v16*>(values_.data() + p.values);
-    const int32_t* rows = rows_.data() + p.rows_begin - p.columns;
+    const int32_t* rows = rows_.data() + p.rows_begin;
     const int nc = p.columns, nr = p.rows;
     std::memcpy(static_cast<void*>(b), y + p.first, size_t(nc) * sizeof(Node4));
     int r0 = 0;
@@ -126,11 +126,11 @@ void PanelFactor::solve(Node4* y) const {
   for (size_t k = panels_.size(); k-- > 0;) {
     const Panel& p = panels_[k];
     const v16* M = reinterpret_cast<const v16*>(values_.data() + p.values);
-    const int32_t* rows = rows_.data() + p.rows_begin - p.columns;
+    const int32_t* rows = rows_.data() + p.rows_begin;
     const int nc = p.columns, nr = p.rows, nb = (nr + 15) / 16;
     const auto slot = [](int i) { return (i & ~15) + (i & 3) * 4 + ((i >> 2) & 3); };
     for (int i = 0; i < nc; ++i) gathered[slot(i)] = load(y[p.first + i]);
-    for (int i = nc; i < nr; ++i) gathered[slot(i)] = load(y[rows[i]]);
+    for (int i = nc; i < nr; ++i) gathered[slot(i)] = load(y[rows[i - nc]]);
     for (int i = nr; i < nb * 16; ++i) gathered[slot(i)] = v4{};
     for (int i = 0; i < nb; ++i) from_rows(reinterpret_cast<const v16*>(gathered) + 4 * i, x[3 * i], x[3 * i + 1], x[3 * i + 2]);
     int j = 0;
