@@ -20,7 +20,7 @@ struct SurgeonSettings {
   double rate_hz = 120;
   double draw_mm_s = 40;        // mean speed of a stroke
   double carry_mm_s = 150;      // mean speed through the air
-  double corner_pause_s = 0.12; // rest at corners, and before and after a press
+  double corner_pause_s = 0.15; // rest at corners, and before and after a press
   double settle_s = 0.25;       // look at the result after each command
   double hover_mm = 8;          // height above the skin between commands
   double tremor_mm = 0.12;      // amplitude, per axis

@@ -64,6 +64,18 @@ void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
   }
 }
 
+/// Where the hand rests, the touched point is that of the mean tip.
+void Gestures::touch_where_rested(const Snapshot& s) {
+  if (recent_ < kRestTicks || touch_.triangle < 0) return;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& tip : recent_tip_) {
+    if ((tip - last_pose_.tip_mm).norm() > g_.rest_mm) return;
+    mean += tip / double(kRestTicks);
+  }
+  const SkinTouch rested = index_.closest(s, mean, touch_.triangle);
+  if (rested.triangle >= 0) touch_ = rested;
+}
+
 void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out) {
   switch (c.kind) {
     case ControlSample::select_tool:
@@ -221,6 +233,7 @@ void Gestures::tick(int64_t tick, const Pose& pose, bool pressed, int edges, con
       else if (double(tick - lost_tick_) > g_.resume_ms * kTicksPerMs)
         cancel(tick, s, out);
     }
+    recent_ = 0;
     pressed_ = pressed;  // a press that nobody saw the place of is not made up for
     return;
   }
@@ -230,11 +243,14 @@ void Gestures::tick(int64_t tick, const Pose& pose, bool pressed, int edges, con
     if (doing_ != Doing::nothing && (pose.tip_mm - last_pose_.tip_mm).norm() > g_.resume_mm) cancel(tick, s, out);
   }
   last_pose_ = pose;
+  recent_tip_[recent_++ % kRestTicks] = pose.tip_mm;
   for (int i = 0; i < 3; ++i) state_.tip_mm[i] = pose.tip_mm[i], state_.shaft[i] = pose.shaft[i];
   state_.pressed = pressed;
 
   // Two changes within one tick while pressed are a release and a new press.
   const bool again = pressed && pressed_ && edges >= 2;
+  const bool changes = pressed != pressed_ || again;
+  if (changes) touch_where_rested(s);
   if (!pressed || again) release(tick, pose, s, out);
   if (pressed && (!pressed_ || again)) {
     last_drawn_tip_ = pose.tip_mm;

@@ -8,7 +8,10 @@
 //                      handle of a hook that stands: it is taken again
 //   suture             press at a, let go at b
 //
+// Where a hand rests before it presses or lets go, the mean of its last tenth of a second is meant: one period of tremor.
+//
 // A stroke that loses its tracking waits; when tracking does not come back soon and near, the stroke is cancelled.
+#include <array>
 #include <cstdint>
 
 #include "devices/sample.h"
@@ -25,6 +28,7 @@ struct GestureSettings {
   double handle_reach_mm = 5;   // a press this near to a hook's handle takes it
   double resume_ms = 1000;      // a stroke outlives a gap in tracking of at most this
   double resume_mm = 8;         // ... if the hand comes back within this distance
+  double rest_mm = 0.8;         // a hand that stayed within this for a tenth of a second rests
   double default_depth_mm = 4, default_spacing_mm = 4;
 };
 
@@ -52,6 +56,7 @@ class Gestures {
   void add_blade_angle(const Pose& pose, const Vec3& travelled_mm);
   double blade_angle_deg() const;
   void find_touch(int64_t tick, const Pose& pose, const Snapshot& s);
+  void touch_where_rested(const Snapshot& s);
   ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
   void emit(ToolEvent e, EventSink& out);
 
@@ -64,6 +69,9 @@ class Gestures {
   Doing doing_ = Doing::nothing;
   bool pressed_ = false;
   Pose last_pose_;
+  static constexpr size_t kRestTicks = 100;
+  std::array<Vec3, kRestTicks> recent_tip_;  // a ring; recent_ ticks of it since tracking began
+  size_t recent_ = 0;
   SkinTouch last_stroke_;                   // the stroke's newest point
   Vec3 last_drawn_tip_ = Vec3::Zero();      // where the hand was then
   int64_t lost_tick_ = -1;  // tracking was lost at this tick, during a gesture

@@ -169,8 +169,9 @@ double furthest(const std::vector<ChartPoint>& a, const std::vector<ChartPoint>&
   return worst;
 }
 
-/// The script's commands against those that came out, in order; waits leave no trace.
-void expect_same(const std::vector<Command>& want, const std::vector<Command>& got, double mm) {
+/// The script's commands against those that came out, in order; waits leave no trace. Where the hand rests, the mean over
+/// one period of its tremor is taken, so stitches and hooks are placed better (stitch_mm) than strokes are drawn (mm).
+void expect_same(const std::vector<Command>& want, const std::vector<Command>& got, double mm, double stitch_mm = 0.12) {
   size_t k = 0, moves = 0;
   for (const Command& w : want) {
     if (std::holds_alternative<Wait>(w)) continue;
@@ -208,10 +209,10 @@ void expect_same(const std::vector<Command>& want, const std::vector<Command>& g
       EXPECT_EQ(i->angle_deg, f.angle_deg);
     } else if (const auto* h = std::get_if<SetHook>(&w)) {
       EXPECT_EQ(h->id, std::get<SetHook>(g).id);
-      EXPECT_LT((h->at - std::get<SetHook>(g).at).norm(), mm);
+      EXPECT_LT((h->at - std::get<SetHook>(g).at).norm(), stitch_mm);
     } else if (const auto* s = std::get_if<Suture>(&w)) {
-      EXPECT_LT((s->a - std::get<Suture>(g).a).norm(), mm);
-      EXPECT_LT((s->b - std::get<Suture>(g).b).norm(), mm);
+      EXPECT_LT((s->a - std::get<Suture>(g).a).norm(), stitch_mm);
+      EXPECT_LT((s->b - std::get<Suture>(g).b).norm(), stitch_mm);
     } else if (const auto* row = std::get_if<SutureRow>(&w)) {
       const auto& f = std::get<SutureRow>(g);
       EXPECT_LT(furthest(row->a, f.a), mm);
@@ -340,7 +341,7 @@ TEST(EmulatedSurgeon, SamplesComeAtTheirRateWithGaps) {
   }
   EXPECT_GT(gaps, 5);
   EXPECT_LT(fastest, 1000);  // mm/s: carrying at a mean of 150, and noise
-  expect_same(operation(), r.commands, 0.6);
+  expect_same(operation(), r.commands, 0.6, 0.3);  // gaps of up to 90 ms in what is averaged
 }
 
 TEST(EmulatedSurgeon, DrawsOnAcrossAHole) {

@@ -178,6 +178,30 @@ TEST(Gestures, PointsAreMaterialPoints) {
   EXPECT_LT((std::get<Suture>(*c).b - ChartPoint(-7, 9)).norm(), 1e-4);
 }
 
+TEST(Gestures, ARestingHandMeansTheMiddleOfItsTremor) {
+  Hand h(snapshot_of(flat_topology(60, 1)));
+  h.choose(Tool::suture);
+  auto tremble = [&](const Vec3& p, int ticks, bool pressed, double hz) {
+    for (int i = 0; i < ticks; ++i) h.at(p + Vec3(0.3 * std::sin(2 * M_PI * hz * i * 1e-3 + 1), 0.3 * std::cos(2 * M_PI * hz * i * 1e-3 + 1), 0), pressed);
+  };
+  tremble(Vec3(3, 4, 0.2), 150, false, 10);
+  tremble(Vec3(-7, 9, 0.2), 150, true, 10);
+  h.at(Vec3(-7, 9, 0.2), false);
+  const auto c = h.command();
+  ASSERT_TRUE(c);
+  // The press is seen on the first tick after the rest at a, when the hand has already left: the point of the press counts.
+  EXPECT_LT((std::get<Suture>(*c).b - ChartPoint(-7, 9)).norm(), 0.02);
+
+  tremble(Vec3(3, 4, 0.2), 150, false, 10);
+  tremble(Vec3(3, 4, 0.2), 150, true, 10);
+  h.at(Vec3(3, 4, 0.2), false);
+  ASSERT_TRUE(h.command());
+  const ToolEvent* a = nullptr;
+  for (const ToolEvent& e : h.events.all)
+    if (e.kind == ToolEvent::suture_a) a = &e;
+  EXPECT_LT((ChartPoint(a->chart_x, a->chart_y) - ChartPoint(3, 4)).norm(), 0.02);
+}
+
 TEST(Gestures, ASutureThatEndsInTheAirIsCancelled) {
   Hand h(snapshot_of(flat_topology(60, 1)));
   h.choose(Tool::suture);
