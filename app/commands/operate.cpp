@@ -117,7 +117,7 @@ int run(const Options& opt) {
     fill_operation(result, world, scene, o, rows.back().key);
     if (!opt.common.out_dir.empty()) {
       Snapshot last;
-      world.fill(last);
+      world.fill(last, true);  // with the tension
       draw_report_pictures(opt.common.out_dir, o.stages, last);
     }
   }

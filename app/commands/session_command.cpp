@@ -148,7 +148,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
 
   if (!call.common.out_dir.empty()) {
     Snapshot last;
-    a.world.fill(last);
+    a.world.fill(last, true);  // with the tension
     draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
   }
   print_summary(call, a, f);
