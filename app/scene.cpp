@@ -40,9 +40,9 @@ std::string slurp(const std::string& path, const char* expected, size_t max_byte
   std::vector<char> part(1 << 16);
   while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
     text.append(part.data(), size_t(in.gcount()));
-    if (text.size() > max_bytes) throw InputError(path, 0, "the file is larger than " + std::to_string(max_bytes) + " bytes");
+    if (text.size() > max_bytes) throw InputError(path, 0, "the file is too large; expected at most " + std::to_string(max_bytes) + " bytes");
   }
-  if (in.bad()) throw InputError(path, 0, "cannot be read to its end");
+  if (in.bad()) throw InputError(path, 0, "cannot be read to its end; expected a readable file");
   return text;
 }
 
@@ -81,7 +81,7 @@ class Table {
   void boolean(const char* key, bool& value) {
     const toml::node* n = take(key);
     if (!n) return;
-    if (!n->is_boolean()) fail(key, "is not true or false");
+    if (!n->is_boolean()) fail(key, "is neither true nor false; expected one of them");
     value = *n->value<bool>();
   }
   void text(const char* key, std::string& value, size_t max_bytes = 1000) {
@@ -99,7 +99,7 @@ class Table {
     if (!a || a->size() != 3) fail(key, "is not [x, y, z]; expected three numbers");
     for (size_t i = 0; i < 3; ++i) {
       const std::optional<double> v = a->get(i)->is_number() ? a->get(i)->value<double>() : std::nullopt;
-      if (!v || !std::isfinite(*v) || std::abs(*v) > limit) fail(key, "holds a value that is not a finite number of at most " + number(limit));
+      if (!v || !std::isfinite(*v) || std::abs(*v) > limit) fail(key, "holds a value that cannot be used; expected finite numbers of at most " + number(limit));
       value[Eigen::Index(i)] = *v;
     }
   }
@@ -149,7 +149,7 @@ std::vector<Layer> read_layers(const toml::table& root, const std::string& file)
   const toml::node* n = root.get("layer");
   const toml::array* a = n ? n->as_array() : nullptr;
   if (!a || a->empty()) throw InputError(file, n ? int(n->source().begin.line) : 0, "no layers; expected at least one [[layer]]");
-  if (a->size() > 16) throw InputError(file, int(n->source().begin.line), "more than 16 layers");
+  if (a->size() > 16) throw InputError(file, int(n->source().begin.line), "more than 16 layers; expected at most 16");
   std::vector<Layer> layers;
   for (const toml::node& e : *a) {
     if (!e.is_table()) throw InputError(file, int(e.source().begin.line), "a layer is not a table; expected [[layer]]");
@@ -207,7 +207,7 @@ void read_body(Table t, Scene& s, const std::string& file) {
     if (s.obj.chart_e1.cross(s.obj.chart_e2).norm() < 1e-3 * s.obj.chart_e1.norm() * s.obj.chart_e2.norm())
       t.fail("chart_e2", "is parallel to chart_e1; expected two directions that span the chart");
   } else {
-    t.fail("source", "is neither \"block\" nor \"obj\"");
+    t.fail("source", "is of no known kind; expected \"block\" or \"obj\"");
   }
   t.finish();
 }
@@ -220,7 +220,7 @@ Vec3 Scene::Camera::eye_mm() const {
 
 Scene parse_scene(const std::string& text, const std::string& path) {
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw InputError(path, 0, "the file is empty; expected a scene");
-  if (text.size() > kMaxBytes) throw InputError(path, 0, "the scene is larger than 1 MB");
+  if (text.size() > kMaxBytes) throw InputError(path, 0, "the scene is larger than 1 MB; expected less");
   toml::table root;
   try {
     root = toml::parse(std::string_view(text), std::string_view(path));
@@ -276,7 +276,7 @@ Scene parse_scene(const std::string& text, const std::string& path) {
   tools.real("default_spacing_mm", s.tools.default_spacing_mm, 0.5, 100);
   tools.real("reach_mm", s.tools.reach_mm, 0.1, 50);
   if (s.tools.default_depth_mm > s.tools.max_depth_mm)
-    tools.fail("default_depth_mm", "is larger than max_depth_mm (" + number(s.tools.max_depth_mm) + ")");
+    tools.fail("default_depth_mm", "is larger than max_depth_mm; expected at most " + number(s.tools.max_depth_mm));
   tools.finish();
 
   Table camera = section(root, "camera", path);
