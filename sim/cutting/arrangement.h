@@ -82,8 +82,8 @@ class Arrangement {
   /// In order of their smallest sided face. O(N) once per version.
   const std::vector<SurfaceComponent>& components() const;
   int32_t component_of(int32_t sided_face) const;
-  /// The component without `fixed` faces whose surface is nearest to a picked point (mm); -1 if there is none within
-  /// max_distance_mm.
+  /// The component without `fixed` faces whose surface is nearest to a picked point (mm). If there is none within
+  /// max_distance_mm, any component but the largest (a plug cut out through the held side of a thin part). Else -1.
   int32_t loose_component_near(const Vec3& at_mm, double max_distance_mm) const;
   int pieces() const;          // components of positive volume
   double volume_mm3() const;   // of all material

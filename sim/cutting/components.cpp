@@ -61,16 +61,21 @@ int32_t Arrangement::component_of(int32_t sided) const {
 
 int32_t Arrangement::loose_component_near(const Vec3& at_mm, double max_distance_mm) const {
   find_components(*store_);
-  int32_t best = -1;
-  double best_distance = max_distance_mm;
+  const auto& all = store_->component;
+  size_t largest = 0;
+  for (size_t i = 1; i < all.size(); ++i)
+    if (all[i].volume_mm3 > all[largest].volume_mm3) largest = i;
+  int32_t best[2] = {-1, -1};  // loose; touching the held side
+  double distance[2] = {max_distance_mm, max_distance_mm};
   for (int32_t sided = 0; sided < int32_t(2 * store_->face.size()); ++sided) {
     const int32_t c = store_->component_of[sided];
-    if (c < 0 || store_->component[c].touches_fixed || store_->component[c].volume_mm3 <= 0) continue;
+    if (c < 0 || size_t(c) == largest || all[size_t(c)].volume_mm3 <= 0) continue;
     const Face& f = store_->face[sided / 2];
     const double d = (closest_on_triangle(at_mm, point_mm(f.v[0]), point_mm(f.v[1]), point_mm(f.v[2])).point - at_mm).norm();
-    if (d < best_distance || (d == best_distance && best < 0)) best_distance = d, best = c;
+    const int held = all[size_t(c)].touches_fixed;
+    if (d < distance[held] || (d == distance[held] && best[held] < 0)) distance[held] = d, best[held] = c;
   }
-  return best;
+  return best[0] >= 0 ? best[0] : best[1];
 }
 
 int Arrangement::pieces() const {

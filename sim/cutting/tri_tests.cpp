@@ -22,20 +22,31 @@ bool in_closed(int drop, const Int3& p, const std::array<Int3, 3>& t) {
   return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
 }
 
+// Sign of (p - v) . (q - v) projected along the axis `drop`.
+int heading(int drop, const Int3& v, const Int3& p, const Int3& q) {
+  const int i = (drop + 1) % 3, j = (drop + 2) % 3;
+  const int64_t d = (int64_t(p[i]) - v[i]) * (int64_t(q[i]) - v[i]) + (int64_t(p[j]) - v[j]) * (int64_t(q[j]) - v[j]);
+  return d > 0 ? 1 : d < 0 ? -1 : 0;
+}
+
 // Two coplanar triangles that share `shared` vertices by name.
 bool coplanar_meet(int drop, const IntTriangle& s, const IntTriangle& t, int shared) {
-  // A line through an edge of one that has the other strictly beyond it separates them; shared vertices lie on it.
+  // A line through an edge of one that has the other beyond it separates them. Shared vertices lie on it; with one shared
+  // vertex another may lie on it too, on the far side of the shared one.
   const auto separates = [&](const IntTriangle& x, const IntTriangle& y) {
     for (size_t k = 0; k < 3; ++k) {
-      const Int3 &a = x.p[k], &b = x.p[(k + 1) % 3];
-      const int own = turn(drop, a, b, x.p[(k + 2) % 3]);
+      const size_t l = (k + 1) % 3;
+      const int own = turn(drop, x.p[k], x.p[l], x.p[(k + 2) % 3]);
       bool ok = own != 0;
       int on_line = 0;
+      size_t apex = k;
+      for (size_t m = 0; m < 3; ++m)
+        if (y.id[m] == x.id[k] || y.id[m] == x.id[l]) ++on_line, apex = y.id[m] == x.id[k] ? k : l;
       for (size_t m = 0; m < 3 && ok; ++m) {
-        const bool same = y.id[m] == x.id[k] || y.id[m] == x.id[(k + 1) % 3];
-        const int side = turn(drop, a, b, y.p[m]);
-        if (same) ++on_line;
-        else if (side != -own) ok = false;
+        if (y.id[m] == x.id[k] || y.id[m] == x.id[l]) continue;
+        const int side = turn(drop, x.p[k], x.p[l], y.p[m]);
+        const bool behind = side == 0 && shared == 1 && heading(drop, x.p[apex], x.p[apex == k ? l : k], y.p[m]) < 0;
+        ok = side == -own || behind;
       }
       if (ok && on_line == shared) return true;
     }
@@ -70,10 +81,7 @@ bool edge_meets(const IntTriangle& s, size_t k, const std::array<int, 3>& side, 
       const size_t other = c == k ? l : k;
       for (size_t m = 0; m < 3; ++m) {
         if (t.id[m] == s.id[c] || turn(drop, s.p[c], s.p[other], t.p[m]) != 0) continue;
-        const int i = (drop + 1) % 3, j = (drop + 2) % 3;
-        const int64_t dot = (int64_t(s.p[other][i]) - s.p[c][i]) * (int64_t(t.p[m][i]) - s.p[c][i]) +
-                            (int64_t(s.p[other][j]) - s.p[c][j]) * (int64_t(t.p[m][j]) - s.p[c][j]);
-        if (dot > 0) return true;
+        if (heading(drop, s.p[c], s.p[other], t.p[m]) > 0) return true;
       }
     }
     return false;

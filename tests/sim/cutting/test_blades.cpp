@@ -100,7 +100,7 @@ TEST(Blades, RhomboidFromAScript) {
 TEST(Blades, RhomboidWithAShakingHand) {
   Patient p(2);
   const Rhomboid g;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
     run_rhomboid(p, drawn(g.rhombus, 0.12, random, true), drawn(g.flap, 0.12, random, false), drawn(g.under, 0.12, random, true), 0.05);

@@ -196,6 +196,8 @@ TEST(TriangleTests, SharedVerticesAndEdges) {
   EXPECT_FALSE(meet_beyond_shared(base, triangle({x, y, z}, {1, 2, 3})));     // folded up
   EXPECT_FALSE(meet_beyond_shared(base, triangle({o, far, z}, {0, 3, 4})));   // one vertex, pointing away
   EXPECT_FALSE(meet_beyond_shared(base, triangle({o, far, {-2, -8, 0}}, {0, 3, 4})));  // the same, coplanar
+  EXPECT_FALSE(meet_beyond_shared(base, triangle({o, {-8, 0, 0}, {0, -8, 0}}, {0, 3, 4})));  // coplanar, edges in line
+  EXPECT_TRUE(meet_beyond_shared(base, triangle({o, {4, 0, 0}, {0, -8, 0}}, {0, 3, 4})));    // along the same edge
   EXPECT_TRUE(meet_beyond_shared(base, triangle({o, in, far}, {0, 3, 4})));   // one vertex, coplanar, overlapping
   EXPECT_TRUE(meet_beyond_shared(base, triangle({o, {4, 4, 4}, {4, 4, -4}}, {0, 3, 4})));  // one vertex, cutting through
   EXPECT_TRUE(meet_beyond_shared(base, triangle({in, {2, 2, 8}, {4, 4, 8}}, {3, 4, 5})));  // touching from above
@@ -223,6 +225,16 @@ TEST(TriangleTests, CrossingHasTwoEndsAndIsSymmetric) {
     }
   }
   EXPECT_GT(crossings, 1000);
+}
+
+TEST(TriangleTests, RegularGridsAreEmbedded) {
+  std::vector<Int3> v;
+  std::vector<Tri> t;
+  for (int j = 0; j < 6; ++j)
+    for (int i = 0; i < 6; ++i) v.push_back({8 * i, j < 3 ? 8 * j : 16, j < 3 ? 0 : 8 * (j - 2)});  // a floor and a wall
+  for (int32_t j = 0; j < 5; ++j)
+    for (int32_t i = 0; i < 5; ++i) t.push_back({6 * j + i, 6 * j + i + 1, 6 * j + i + 7}), t.push_back({6 * j + i, 6 * j + i + 7, 6 * j + i + 6});
+  EXPECT_EQ(check_embedded(v, t), "");
 }
 
 TEST(TriangleTests, EmbeddedStripsAndFolds) {

@@ -1,0 +1,139 @@
+// Undermining: a sheet under an outline, widened where the outline runs along earlier cuts.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/cutting/blade_parts.h"
+#include "sim/cutting/sheet_mesh.h"
+#include "sim/cutting/sheet_overlap.h"
+#include "sim/cutting/tri_tests.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr double kPocketReach = 0.4;  // two sheets nearer than this are one pocket
+constexpr double kSeesWound = 1.5;    // an outline runs along an earlier cut when it stays this near
+constexpr double kSheetBeyond = 1.0;  // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
+
+/// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls. Tells for
+/// every edge of the result whether it was.
+std::vector<Vec2> widen(const WoundMap& wounds, std::span<const Vec2> p, double beyond, std::vector<uint8_t>& along) {
+  const size_t n = p.size();
+  std::vector<double> shift(n, 0);
+  std::vector<Vec2> out_normal(n);
+  along.assign(n, 0);
+  for (size_t i = 0; i < n; ++i) {
+    const Vec2 a = p[i], d = p[(i + 1) % n] - a;
+    out_normal[i] = Vec2(d.y(), -d.x()).normalized();
+    const int samples = std::max(3, int(d.norm() / 0.5));
+    int near = 0;
+    for (int k = 0; k < samples; ++k) {
+      const Vec2 q = a + d * ((k + 0.5) / samples);
+      const WoundMap::Near w = wounds.nearest(q);
+      if (w.distance > kSeesWound) continue;
+      ++near;
+      shift[i] = std::max(shift[i], (w.point - q).dot(out_normal[i]) + beyond);
+    }
+    if (near * 5 < samples * 3) shift[i] = 0;  // less than three fifths of it
+    else along[i] = 1;
+  }
+  std::vector<Vec2> q(n);
+  for (size_t i = 0; i < n; ++i) {
+    // Corner i lies between edges i - 1 and i: where the two shifted lines meet, unless they are nearly parallel.
+    const size_t h = (i + n - 1) % n;
+    const Vec2 &u = out_normal[h], &v = out_normal[i];
+    const double det = u.x() * v.y() - u.y() * v.x();
+    if (std::abs(det) < 0.3) {
+      q[i] = p[i] + (u + v).normalized() * std::max(shift[h], shift[i]);
+    } else {
+      q[i] = p[i] + Vec2(shift[h] * v.y() - shift[i] * u.y(), shift[i] * u.x() - shift[h] * v.x()) / det;
+    }
+  }
+  return q;
+}
+
+}  // namespace
+
+BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm) {
+  std::string why = check_stroke(outline, depth_mm);
+  if (!why.empty()) return refuse(why);
+  std::vector<Vec2> path = clean_outline(outline, why);
+  if (path.empty()) return refuse(why);
+  std::vector<uint8_t> along(path.size(), 0);
+  if (c.arrangement) {
+    const WoundMap wounds(c);
+    std::vector<Vec2> wider = widen(wounds, path, kSheetBeyond, along);
+    if (!meets_itself(wider, true)) path = std::move(wider);
+  }
+  // Resample edge by edge, so that each boundary vertex knows whether it lies past a wall.
+  std::vector<Vec2> boundary;
+  std::vector<uint8_t> past;
+  for (size_t i = 0; i < path.size(); ++i) {
+    const std::array<Vec2, 2> edge{path[i], path[(i + 1) % path.size()]};
+    const std::vector<Vec2> points = resample(edge, kSheetSpacing, false);
+    for (size_t k = 0; k + 1 < points.size(); ++k) {
+      boundary.push_back(points[k]);
+      past.push_back(along[i] || (k == 0 && along[(i + path.size() - 1) % path.size()]));
+    }
+  }
+  const auto mesh = mesh_polygon(boundary, kSheetSpacing);
+  if (!mesh) return refuse("the outline cannot be filled; expected a simple outline");
+  // Two sheets of one nominal depth must not coincide where they overlap.
+  const double raise = kSheetRaise + 0.04 * (c.arrangement ? c.arrangement->operations() % 3 : 0);
+  const double depth = std::max(depth_mm - raise, 0.5 * depth_mm);
+  std::vector<Column> columns;
+  if (why = columns_at(c, mesh->vertex, columns); !why.empty()) return refuse(why);
+  const PocketMap pockets(c.arrangement);
+  const auto pocket_height = [&](const Vec2& p) -> std::optional<double> {
+    const auto k = column_at(c, p);
+    return k ? pockets.height(k->X - k->normal * depth, k->normal, kPocketReach) : std::nullopt;
+  };
+  std::vector<SheetVertex> sheet;
+  bool overlaps = false, embedded = false;
+  for (const double stiffness : kStiffness) {
+    if (embedded) break;
+    const std::vector<Column> held = stiffened(columns, stiffness);
+    sheet.clear();
+    for (size_t i = 0; i < held.size(); ++i) {
+      SheetVertex v{held[i].X - held[i].normal * depth, held[i].normal};
+      if (const auto h = pockets.height(v.X_mm, v.normal, kPocketReach)) {
+        v.covered = v.deep = true;
+        v.height = *h;
+        for (int k = 0; k < 8 && v.deep; ++k) {
+          const double w = k * std::numbers::pi / 4;
+          v.deep = pocket_height(mesh->vertex[i] + 1.1 * kSheetSpacing * Vec2(std::cos(w), std::sin(w))).has_value();
+        }
+      }
+      sheet.push_back(v);
+    }
+    overlaps = run_into_pockets(sheet);
+    std::vector<Int3> vertex;
+    for (const SheetVertex& v : sheet) vertex.push_back(c.body->grid.to_grid(v.X_mm));
+    embedded = check_embedded(vertex, mesh->tri).empty();
+  }
+  if (!embedded) return refuse("the sheet would run through itself; expected less depth or a smaller outline");
+  Blade blade;
+  for (const SheetVertex& v : sheet) blade.vertex.push_back(c.body->grid.to_grid(v.X_mm));
+  bool any_seed = false;
+  for (const Tri& t : mesh->tri) {
+    blade.tri.push_back(t);
+    std::array<Eigen::Vector2f, 3> uv;
+    bool extension = false, uncovered = false;
+    for (size_t k = 0; k < 3; ++k) {
+      uv[k] = mesh->vertex[size_t(t[k])].cast<float>();
+      extension = extension || (size_t(t[k]) < past.size() && past[size_t(t[k])]) || sheet[size_t(t[k])].deep;
+      uncovered = uncovered || !sheet[size_t(t[k])].covered;
+    }
+    extension = extension || !uncovered;
+    blade.uv_mm.push_back(uv);
+    blade.seed.push_back(extension ? 0 : 2);
+    any_seed = any_seed || !extension;
+  }
+  if (!any_seed && overlaps) return refuse("this is undermined already");
+  if (!any_seed) blade.seed.assign(blade.seed.size(), 2);
+  if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
+  return {std::move(blade), {}};
+}
+
+}  // namespace limberg
