@@ -77,6 +77,20 @@ TEST(Skin, DepthIsSignedOnACurvedSurface) {
   }
 }
 
+TEST(Skin, DepthIsSignedAboveASharpRidge) {
+  // A roof z = -1.5 |x|: its faces' normals are 113 degrees apart, so above the ridge a single face would take the wrong side.
+  auto b = block();
+  for (Vec3& X : b->surface.X_mm) X.z() -= 1.5 * std::abs(X.x());
+  const Skin skin(b);
+  std::mt19937_64 rng(5);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int n = 0; n < 2000; ++n) {
+    const double y = 12 * u(rng), a = 0.98 * u(rng) * std::atan(1.5), r = 3 * std::abs(u(rng)) + 0.01;
+    EXPECT_NEAR(skin.depth_mm({r * std::sin(a), y, r * std::cos(a)}), -r, 1e-9);  // in the fan over the ridge
+    EXPECT_GT(skin.depth_mm({0, y, -r}), 0);
+  }
+}
+
 TEST(Skin, FramesAreOrthonormalAndFollowTheTensionLines) {
   for (const auto& body : {block(), dome()}) {
     body->tension_direction = Vec3(0.6, 0.8, 0);
