@@ -46,7 +46,7 @@ class PictureMaker {
   const Camera& camera() const;
 
   Image skin(const Snapshot& snapshot, const PictureOptions& options = {});
-  /// Colour map of Snapshot::field (largest principal stretch - 1, shown in per cent) with a legend.
+  /// Colour map of Snapshot::field (largest principal stretch - 1, prestretch included, shown in per cent) with a legend.
   Image tension(const Snapshot& snapshot, const PictureOptions& options = {});
 
   std::string describe() const;  // the GL driver, in words

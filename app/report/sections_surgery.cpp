@@ -183,7 +183,7 @@ std::string story(const ReportData& d, const std::string& dir) {
 std::string tension(const ReportData& d, const std::string& dir) {
   const std::string url = picture_url(dir, d.tension);
   if (url.empty()) return {};
-  std::string words = "Stretch of the skin beyond its state before the operation: the largest principal stretch less one. Lines part the steps of the scale.";
+  std::string words = "How far the skin is stretched: the largest principal stretch less one. The tension that it carried before the operation is included. Lines part the steps of the scale.";
   if (const Maybe v = d.metric("stress_p95_kPa")) {
     words += " Stress: 95th percentile " + quantity(v, "kPa");
     if (const Maybe most = d.metric("stress_max_kPa")) words += ", largest " + quantity(most, "kPa");
