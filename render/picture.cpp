@@ -11,6 +11,8 @@ namespace limberg {
 
 namespace {
 
+constexpr float kFov = 24;  // degrees
+
 // The end of the colour scale: a round number above the 99th percentile over the skin, at least one per cent.
 double scale_end(const RenderScene& scene, double& highest) {
   std::vector<float> v;
@@ -38,22 +40,37 @@ struct PictureMaker::Impl {
   Impl(int w, int h, PictureQuality q, int threads)
       : width(w), height(h), quality(q), renderer(make_osmesa_context({.threads = threads})) {}
 
-  void look(const Vec3f& centre, float radius, const Body* body) {
-    // From the surgeon's side, 52 degrees above the skin: depth shows, and shapes on the skin are hardly foreshortened.
-    Vec3f e1 = Vec3f::UnitX(), e2 = Vec3f::UnitY(), n = Vec3f::UnitZ();
-    if (body) e1 = body->chart_e1.cast<float>(), e2 = body->chart_e2.cast<float>(), n = body->chart_normal().cast<float>();
-    camera = look_at_ball(centre, radius, 0.60f * -e2 + 0.10f * e1 + 0.79f * n, n, 24, double(width) / height);
+  // From the surgeon's side, 52 degrees above the skin: depth shows, and shapes on the skin are hardly foreshortened.
+  struct Stand {
+    Vec3f from{0.10f, -0.60f, 0.79f}, up = Vec3f::UnitZ();
+  };
+  static Stand stand(const Body* body) {
+    if (!body) return {};
+    const Vec3f e1 = body->chart_e1.cast<float>(), e2 = body->chart_e2.cast<float>(), n = body->chart_normal().cast<float>();
+    return {0.10f * e1 - 0.60f * e2 + 0.79f * n, n};
+  }
+  double aspect() const { return double(width) / height; }
+
+  void look_at_ball_of(const Vec3f& centre, float radius, const Body* body) {
+    const Stand s = stand(body);
+    camera = look_at_ball(centre, radius, s.from, s.up, kFov, aspect());
+  }
+  void look_at_snapshot(const Snapshot& snapshot) {
+    const Body* body = snapshot.topology ? snapshot.topology->body.get() : nullptr;
+    const Stand s = stand(body);
+    Vec3f low = Vec3f::Constant(-50), high = Vec3f::Constant(50);
+    if (operated_box(snapshot, low, high)) {
+      const Vec3f room = Vec3f::Constant(3);  // bites and small wounds
+      camera = look_at_box(low - room, high + room, 1.0f, s.from, s.up, kFov, aspect());
+    } else {
+      if (body) skin_box(*body, low, high);
+      camera = look_at_box(low, high, 1.08f, s.from, s.up, kFov, aspect());
+    }
   }
 
-  const View view(const Snapshot& s) {
-    if (!camera) {
-      Vec3f centre = Vec3f::Zero();
-      float radius = 60;
-      const Body* body = s.topology ? s.topology->body.get() : nullptr;
-      if (body) skin_region(*body, centre, radius);
-      look(centre, 0.80f * radius, body);
-    }
-    return camera->view(double(width) / height);
+  View view(const Snapshot& s) {
+    if (!camera) look_at_snapshot(s);
+    return camera->view(aspect());
   }
 
   DrawOptions options() const {
@@ -71,20 +88,8 @@ PictureMaker::PictureMaker(int width, int height, PictureQuality quality, int so
 PictureMaker::~PictureMaker() = default;
 PictureMaker::PictureMaker(PictureMaker&&) noexcept = default;
 
-void PictureMaker::focus(const Vec3f& centre_mm, float radius_mm) { impl_->look(centre_mm, radius_mm, nullptr); }
-
-void PictureMaker::focus_from(const Snapshot& snapshot) {
-  Vec3f centre = Vec3f::Zero();
-  float radius = 60;
-  const Body* body = snapshot.topology ? snapshot.topology->body.get() : nullptr;
-  if (operated_region(snapshot, centre, radius)) {
-    impl_->look(centre, 1.25f * radius, body);
-  } else if (body) {
-    skin_region(*body, centre, radius);
-    impl_->look(centre, 0.80f * radius, body);
-  }
-}
-
+void PictureMaker::focus(const Vec3f& centre_mm, float radius_mm) { impl_->look_at_ball_of(centre_mm, radius_mm, nullptr); }
+void PictureMaker::focus_from(const Snapshot& snapshot) { impl_->look_at_snapshot(snapshot); }
 void PictureMaker::set_camera(const Camera& camera) { impl_->camera = camera; }
 const Camera& PictureMaker::camera() const {
   static const Camera unset{};

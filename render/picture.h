@@ -6,7 +6,7 @@
 //   write_png(file, pictures.skin(snapshot, {.title = "flap cut"}));
 //
 // The camera of a PictureMaker does not move from picture to picture, so that stages can be laid side by side. It is
-// fixed from the rest surface at the first picture, or by focus / focus_from. Use one maker per thread: it owns a GL
+// fixed by focus / focus_from / set_camera, or else from the first picture's snapshot. Use one maker per thread: it owns a GL
 // context and belongs to the thread that made it.
 #include <memory>
 #include <string>

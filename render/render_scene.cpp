@@ -117,7 +117,7 @@ struct Box {
 
 }  // namespace
 
-bool operated_region(const Snapshot& snapshot, Vec3f& centre_mm, float& radius_mm) {
+bool operated_box(const Snapshot& snapshot, Vec3f& low_mm, Vec3f& high_mm) {
   Box box;
   if (snapshot.topology && snapshot.topology->view.X_mm.size() == snapshot.x_mm.size()) {
     // At rest and now: the frame shall hold the wound before and after it is closed.
@@ -134,19 +134,17 @@ bool operated_region(const Snapshot& snapshot, Vec3f& centre_mm, float& radius_m
   for (const SutureState& s : snapshot.sutures) box.add(s.a_mm), box.add(s.b_mm);
   for (const HookState& h : snapshot.hooks) box.add(h.at_mm);
   if (box.empty()) return false;
-  centre_mm = 0.5f * (box.lo + box.hi);
-  radius_mm = std::max(0.5f * (box.hi - box.lo).norm(), 8.0f);
+  low_mm = box.lo, high_mm = box.hi;
   return true;
 }
 
-void skin_region(const Body& body, Vec3f& centre_mm, float& radius_mm) {
+void skin_box(const Body& body, Vec3f& low_mm, Vec3f& high_mm) {
   Box box;
   for (size_t t = 0; t < body.surface.tri.size(); ++t)
     if (body.surface.tag.empty() || body.surface.tag[t] == SurfaceTag::skin)
       for (const int32_t v : body.surface.tri[t]) box.add(body.surface.X_mm[size_t(v)].cast<float>());
   if (box.empty()) box.add(Vec3f::Zero());
-  centre_mm = 0.5f * (box.lo + box.hi);
-  radius_mm = std::max(0.5f * (box.hi - box.lo).norm(), 1.0f);
+  low_mm = box.lo, high_mm = box.hi;
 }
 
 }  // namespace limberg

@@ -25,6 +25,7 @@ struct TissueMesh {
   std::vector<Vec3f> X_mm;            // rest position
   std::vector<Eigen::Vector2f> chart_mm;  // texture coordinate: rest position in the skin's chart
   std::vector<float> depth_mm;        // below the skin at rest
+  std::vector<float> rim_mm;          // of skin: distance at rest to the nearest cut edge, at most kRimReach_mm
   std::vector<Part> part;             // skin, wall or side
   std::vector<std::array<uint32_t, 3>> tri;  // render vertices; skin first, then walls, then sides
   std::vector<int32_t> tri_source;    // triangle of SurfaceView
@@ -32,6 +33,8 @@ struct TissueMesh {
   std::vector<std::array<int32_t, 2>> rim;  // edges between skin and wall (SurfaceView vertices), skin on the left
   std::vector<Layer> layers;
 };
+
+inline constexpr float kRimReach_mm = 3;  // so far the skin beside a cut is reddened
 
 struct RenderScene {
   std::shared_ptr<const TissueMesh> mesh;
@@ -57,9 +60,9 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology);
 void vertex_normals(const std::vector<std::array<uint32_t, 3>>& tri, const std::vector<Vec3f>& x_mm,
                     std::vector<Vec3f>& normal);
 
-/// A ball around what was operated (cut rims, sutures, hooks), false when nothing was.
-bool operated_region(const Snapshot& snapshot, Vec3f& centre_mm, float& radius_mm);
-/// A ball around the skin at rest.
-void skin_region(const Body& body, Vec3f& centre_mm, float& radius_mm);
+/// A box around what was operated (cut rims at rest and now, sutures, hooks); false when nothing was.
+bool operated_box(const Snapshot& snapshot, Vec3f& low_mm, Vec3f& high_mm);
+/// A box around the skin at rest.
+void skin_box(const Body& body, Vec3f& low_mm, Vec3f& high_mm);
 
 }  // namespace limberg

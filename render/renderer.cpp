@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kShadowSize = 2048;
 constexpr float kLayerRange_mm = 16;
-const Vec3f kKeyDirection = Vec3f(-0.50f, 0.42f, 0.76f).normalized();
+const Vec3f kKeyDirection = Vec3f(-0.62f, 0.44f, 0.65f).normalized();
 
 Vec3f unit_rgb(Rgb8 c) { return Vec3f(float(c.r), float(c.g), float(c.b)) / 255.0f; }
 
@@ -86,7 +86,9 @@ struct Renderer::Impl {
       std::vector<Eigen::Vector4f> rest(m.X_mm.size());
       for (size_t v = 0; v < rest.size(); ++v) rest[v] << m.X_mm[v], m.depth_mm[v];
       tissue_mesh.floats(3, 4, rest.data(), rest.size() * sizeof rest[0]);
-      tissue_mesh.floats(4, 2, m.chart_mm.data(), m.chart_mm.size() * sizeof m.chart_mm[0]);
+      std::vector<Vec3f> chart_rim(m.X_mm.size());
+      for (size_t v = 0; v < chart_rim.size(); ++v) chart_rim[v] << m.chart_mm[v], m.rim_mm[v];
+      tissue_mesh.floats(4, 3, chart_rim.data(), chart_rim.size() * sizeof chart_rim[0]);
       tissue_mesh.triangles(m.tri);
       if (layer_map) gl.DeleteTextures(1, &layer_map);
       layer_map = make_texture(gl, layer_texture(m.layers, double(kLayerRange_mm)), true, false, false);

@@ -9,7 +9,7 @@ uniform mat4 to_light;       // world -> shadow map, 0..1
 uniform sampler2DShadow shadow_map;
 uniform float shadow_texel;  // size of one texel
 
-const vec3 key_colour = vec3(2.55, 2.45, 2.30);
+const vec3 key_colour = vec3(3.05, 2.93, 2.75);
 const vec3 fill_colour = vec3(0.42, 0.48, 0.56);
 const vec3 sky = vec3(0.62, 0.66, 0.70), ground = vec3(0.34, 0.28, 0.25);
 
@@ -58,14 +58,14 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in float field;
 layout(location = 3) in vec4 rest_depth;
-layout(location = 4) in vec2 chart;
+layout(location = 4) in vec3 chart_rim;
 uniform mat4 to_clip;
 out vec3 v_world, v_normal, v_rest;
 out vec2 v_chart;
-out float v_depth, v_field;
+out float v_depth, v_field, v_rim;
 void main() {
   v_world = position, v_normal = normal, v_rest = rest_depth.xyz;
-  v_chart = chart, v_depth = rest_depth.w, v_field = field;
+  v_chart = chart_rim.xy, v_rim = chart_rim.z, v_depth = rest_depth.w, v_field = field;
   gl_Position = to_clip * vec4(position, 1.0);
 }
 )";
@@ -73,7 +73,7 @@ void main() {
 const char* const tissue_common = R"(
 in vec3 v_world, v_normal, v_rest;
 in vec2 v_chart;
-in float v_depth, v_field;
+in float v_depth, v_field, v_rim;
 uniform sampler2D skin_map;    // sRGB albedo, tile of 64 mm
 uniform sampler2D grid_map;    // coverage of fine (r) and bold (g) lines, tile of 10 mm
 uniform sampler2D detail_map;  // pores (r), lobules (g), mottle (b), tile of 32 mm
@@ -111,6 +111,9 @@ void main() {
   vec3 ink = vec3(0.115, 0.06, 0.19);  // gentian violet, as on a marked patient
   albedo = mix(albedo, albedo * vec3(0.52, 0.40, 0.56), 0.55 * grid.r);
   albedo = mix(albedo, mix(ink, albedo, 0.12), 0.80 * grid.g);
+  // Beside a cut the skin is flushed, and its very edge is dark.
+  albedo *= mix(vec3(1.0), vec3(0.97, 0.76, 0.74), exp(-v_rim * 1.1) * step(v_rim, 2.99));
+  albedo = mix(albedo, vec3(0.26, 0.035, 0.03), 0.85 * (1.0 - smoothstep(0.10, 0.26, v_rim)));
   float shade = lit(v_world, n);
 #ifdef FINE
   n = bump(n, v_world, 0.022 * texture(detail_map, v_chart * (1.0 / 11.0)).r);
@@ -119,7 +122,7 @@ void main() {
   diffuse *= diffuse * 0.35 + 0.65;
   vec3 shadow = mix(vec3(0.16, 0.07, 0.05), vec3(1.0), vec3(shade));
   float fill = clamp(0.5 + 0.5 * dot(n, vec3(0.768, -0.329, 0.549)), 0.0, 1.0);
-  vec3 light = key_colour * diffuse * shadow * 0.318 + fill_colour * fill * 0.36 + hemisphere(n) * 0.34;
+  vec3 light = key_colour * diffuse * shadow * 0.318 + fill_colour * fill * 0.30 + hemisphere(n) * 0.27;
   float s = lobe(n, v, l, 0.52, 0.030);
 #ifdef FINE
   s = 0.80 * s + 0.20 * lobe(n, v, l, 0.33, 0.030);
@@ -151,9 +154,10 @@ void main() {
   vec3 diffuse = wrapped(dot(n, l), vec3(0.50, 0.30, 0.22));
   float cavity = mix(0.62, 1.0, exp(-v_depth / 3.2));  // the deeper, the less of the room is seen
   vec3 shadow = mix(vec3(0.34, 0.22, 0.17), vec3(1.0), vec3(shade));
-  float from_eye = max(dot(n, v), 0.0);  // a lamp on the surgeon's head looks into the wound
+  // A lamp on the surgeon's head looks into the wound where the room's light does not reach.
+  float from_eye = max(dot(n, v), 0.0) * (1.0 - 0.75 * shade * max(dot(n, l), 0.0));
   vec3 light = key_colour * diffuse * shadow * 0.318 * mix(1.0, cavity, 0.35) +
-               (hemisphere(n) * 0.36 + fill_colour * 0.14 + vec3(0.80, 0.77, 0.72) * from_eye) * cavity;
+               (hemisphere(n) * vec3(0.42, 0.36, 0.32) + vec3(0.96, 0.86, 0.78) * from_eye) * cavity;
   float s = lobe(n, v, l, 0.28, 0.040) + 0.25 * lobe(n, v, vec3(0.503, -0.503, 0.704), 0.30, 0.040);
   colour = vec4(to_screen(albedo * light + key_colour * (s * mix(0.25, 1.0, shade) * 0.75)), 1.0);
 }
@@ -186,6 +190,7 @@ void main() {
     c = mix(c, vec3(1.0), 0.38 * line);
   }
   c = mix(c, vec3(0.0), 0.16 * texture(grid_map, v_chart * 0.1).g);
+  c = mix(c, vec3(0.05), 0.75 * (1.0 - smoothstep(0.10, 0.26, v_rim)));
 #endif
   float light = 0.62 + 0.30 * max(dot(n, key_direction), 0.0) * mix(0.45, 1.0, lit(v_world, n)) + 0.12 * max(dot(n, v), 0.0);
   vec3 low = c / 12.92, high = pow((c + 0.055) / 1.055, vec3(2.4));

@@ -5,8 +5,8 @@
 //   #version, #define SHADOW / FINE / PART_WALL as wanted, lighting, tissue_common (not for props), its own main
 namespace limberg::shaders {
 
-// Vertex attributes of the tissue: 0 position, 1 normal, 2 field (per snapshot); 3 rest position and depth, 4 chart (per
-// topology). Of props: 0 position, 1 normal, 2 colour and metal, 3 id.
+// Vertex attributes of the tissue: 0 position, 1 normal, 2 field (per snapshot); 3 rest position and depth, 4 chart and
+// distance to the nearest cut edge (per topology). Of props: 0 position, 1 normal, 2 colour and metal, 3 id.
 extern const char* const tissue_vertex;
 extern const char* const lighting;
 extern const char* const tissue_common;

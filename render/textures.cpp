@@ -74,8 +74,7 @@ Texels skin_texture(int size) {
   return fill(size, size, [](float u, float v) -> std::array<uint8_t, 4> {
     const float blotch = fractal(u, v, 6, 3, 1) - 0.5f;    // flush, some 10 mm across
     const float mottle = fractal(u, v, 40, 3, 11) - 0.5f;  // a millimetre or two
-    const float freckle = std::max(0.0f, noise(u, v, 56, 51) * noise(u, v, 17, 52) - 0.72f) * 2.2f;
-    const float light = 1 + 0.07f * mottle - 0.35f * freckle;
+    const float light = 1 + 0.07f * mottle;
     return {byte(228 * light + 5 * blotch), byte(186 * light - 16 * blotch - 4 * mottle),
             byte(164 * light - 15 * blotch - 4 * mottle), 255};
   });
@@ -109,8 +108,8 @@ Texels detail_texture(int size) {
 
 Texels layer_texture(const std::vector<Layer>& layers, double range_mm, int size) {
   using C = std::array<float, 3>;
-  const C epidermis{176, 112, 92}, dermis{246, 214, 204}, dermis_low{238, 194, 182}, fat{246, 216, 134},
-      fat_low{238, 196, 108}, muscle{158, 52, 44}, deep{178, 92, 78};
+  const C epidermis{176, 112, 92}, dermis{246, 214, 204}, dermis_low{238, 194, 182}, fat{242, 208, 124},
+      fat_low{234, 188, 100}, muscle{158, 52, 44}, deep{178, 92, 78};
   const auto mix = [](const C& a, const C& b, float t) {
     t = std::clamp(t, 0.0f, 1.0f);
     return C{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};

@@ -27,6 +27,27 @@ struct Split {
   uint32_t index;
 };
 
+float distance_to_segment(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
+  const Vec3f d = b - a;
+  const float length2 = d.squaredNorm(), t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0f, 1.0f) : 0.0f;
+  return (p - a - t * d).norm();
+}
+
+// Fills rim_mm. Skin vertices are sorted by x, so an edge only looks at those within reach of it.
+void measure_rim(const SurfaceView& view, TissueMesh& mesh) {
+  mesh.rim_mm.assign(mesh.source.size(), kRimReach_mm);
+  std::vector<std::pair<float, uint32_t>> by_x;
+  for (size_t v = 0; v < mesh.source.size(); ++v)
+    if (mesh.part[v] == Part::skin) by_x.emplace_back(mesh.X_mm[v].x(), uint32_t(v));
+  std::sort(by_x.begin(), by_x.end());
+  for (const auto& [i, j] : mesh.rim) {
+    const Vec3f a = view.X_mm[size_t(i)].cast<float>(), b = view.X_mm[size_t(j)].cast<float>();
+    const float low = std::min(a.x(), b.x()) - kRimReach_mm, high = std::max(a.x(), b.x()) + kRimReach_mm;
+    for (auto it = std::lower_bound(by_x.begin(), by_x.end(), std::pair(low, uint32_t(0))); it != by_x.end() && it->first <= high; ++it)
+      mesh.rim_mm[it->second] = std::min(mesh.rim_mm[it->second], distance_to_segment(mesh.X_mm[it->second], a, b));
+  }
+}
+
 }  // namespace
 
 TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
@@ -97,6 +118,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
         const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
         if (wall_edge.count({b, a})) mesh.rim.push_back({a, b});
       }
+  measure_rim(view, mesh);
   return mesh;
 }
 

@@ -90,4 +90,25 @@ Camera look_at_ball(const Vec3f& centre_mm, float radius_mm, const Vec3f& from, 
   return c;
 }
 
+Camera look_at_box(const Vec3f& low_mm, const Vec3f& high_mm, float margin, const Vec3f& from, const Vec3f& up, float fov_deg,
+                   double aspect) {
+  const Vec3f centre = 0.5f * (low_mm + high_mm);
+  const Vec3f half = (0.5f * margin * (high_mm - low_mm)).cwiseMax(0.5f);
+  // A corner c is inside the picture when |across| <= (distance - toward) * slope, in both directions.
+  const Vec3f back = from.normalized(), right = up.cross(back).normalized(), above = back.cross(right);
+  const float slope_y = std::tan(0.5f * fov_deg * float(M_PI) / 180), slope_x = slope_y * float(aspect);
+  float distance = 0, reach = 0;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3f c((k & 1 ? 1 : -1) * half.x(), (k & 2 ? 1 : -1) * half.y(), (k & 4 ? 1 : -1) * half.z());
+    const float toward = c.dot(back);
+    distance = std::max({distance, toward + std::abs(c.dot(right)) / slope_x, toward + std::abs(c.dot(above)) / slope_y});
+    reach = std::max(reach, c.norm());
+  }
+  Camera camera = look_at_ball(centre, reach, from, up, fov_deg, aspect);
+  camera.eye_mm = centre + distance * back;
+  camera.near_mm = std::max(0.05f * distance, 1.0f);
+  camera.far_mm = 20 * distance;
+  return camera;
+}
+
 }  // namespace limberg

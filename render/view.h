@@ -34,4 +34,8 @@ struct Camera {
 Camera look_at_ball(const Vec3f& centre_mm, float radius_mm, const Vec3f& from, const Vec3f& up, float fov_deg,
                     double aspect);
 
+/// A camera that sees the box from the direction `from`, as near as it can with `margin` (1 = the box just fits).
+Camera look_at_box(const Vec3f& low_mm, const Vec3f& high_mm, float margin, const Vec3f& from, const Vec3f& up, float fov_deg,
+                   double aspect);
+
 }  // namespace limberg

@@ -222,8 +222,9 @@ std::string balance(const ReportData& d) {
   if (before) row("volume before the operation", quantity(before, "mm³", 10));
   if (left) row("volume of what remains, at rest", quantity(left, "mm³", 10));
   if (out) row("volume of what was taken away", quantity(out, "mm³", 10));
-  if (before && left && out && *before > 0) row("remainder + removed − before, relative", number((*left + *out - *before) / *before, 2));
-  if (const Maybe v = d.metric("volume_change")) row("change of volume under load, relative", number(*v, 3));
+  if (!d.metric("volume_change") && before && left && out && *before > 0) row("remainder + removed − before, relative", number((*left + *out - *before) / *before, 2));
+  if (const Maybe v = d.metric("volume_change")) row("volume that cutting lost or made, relative", number(*v, 2));
+  if (const Maybe v = d.metric("compression")) row("change of volume under load, relative", number(*v, 2));
   if (const Maybe v = d.metric("pieces")) row("pieces", number(*v));
   if (const Maybe v = d.metric("min_J")) row("smallest volume ratio J of a cell", number(*v, 3));
   if (const Maybe v = d.metric("inverted_cells")) row("inverted cells", number(*v));

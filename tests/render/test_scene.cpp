@@ -64,6 +64,22 @@ TEST(TissueMesh, RimHasSkinOnItsLeft) {
   }
 }
 
+TEST(TissueMesh, RimDistanceIsTheNearestEdge) {
+  const Snapshot s = sample_snapshot({.wave_mm = 0});
+  const TissueMesh m = make_tissue_mesh(*s.topology);
+  const auto& X = s.topology->view.X_mm;
+  for (size_t v = 0; v < m.source.size(); v += 3) {
+    double nearest = double(kRimReach_mm);
+    if (m.part[v] == Part::skin)
+      for (const auto& [a, b] : m.rim) {
+        const Vec3 p = m.X_mm[v].cast<double>(), d = X[size_t(b)] - X[size_t(a)];
+        const double t = std::clamp((p - X[size_t(a)]).dot(d) / d.squaredNorm(), 0.0, 1.0);
+        nearest = std::min(nearest, (p - X[size_t(a)] - t * d).norm());
+      }
+    ASSERT_NEAR(m.rim_mm[v], nearest, 1e-4);
+  }
+}
+
 TEST(Normals, FollowTheWave) {
   // Against the exact normal of z = f(x, y); the error of area weighting is of second order in the 1 mm cells.
   const double w = 0.8;
@@ -129,15 +145,28 @@ TEST(Props, TubeFacesOutwards) {
 }
 
 TEST(Region, HoldsTheWound) {
-  Vec3f centre;
-  float radius = 0;
-  ASSERT_TRUE(operated_region(sample_snapshot({.hooks = 0}), centre, radius));
-  EXPECT_NEAR(centre.x(), 0, 0.6);
-  EXPECT_GT(radius, 12);
-  EXPECT_LT(radius, 20);
-  EXPECT_FALSE(operated_region(sample_snapshot({.wound = false, .sutures = 0, .hooks = 0}), centre, radius));
-  skin_region(*sample_snapshot().topology->body, centre, radius);
-  EXPECT_NEAR(radius, 30 * std::sqrt(2.0), 1e-3);
+  Vec3f low, high;
+  ASSERT_TRUE(operated_box(sample_snapshot({.sutures = 0, .hooks = 0}), low, high));
+  EXPECT_NEAR(low.x(), -12, 1.01);  // a lens of 24 x 12 mm, cut out in squares of 1 mm
+  EXPECT_NEAR(high.x(), 12, 1.01);
+  EXPECT_NEAR(high.y() - low.y(), 12, 2.01);
+  EXPECT_FALSE(operated_box(sample_snapshot({.wound = false, .sutures = 0, .hooks = 0}), low, high));
+  skin_box(*sample_snapshot().topology->body, low, high);
+  EXPECT_EQ(low, Vec3f(-30, -30, 0));
+  EXPECT_EQ(high, Vec3f(30, 30, 0));
+}
+
+TEST(Camera, SeesTheWholeBoxAndNoMore) {
+  const Vec3f low(-20, -5, -3), high(10, 40, 6);
+  for (const double aspect : {0.6, 1.0, 16.0 / 9}) {
+    const View v = look_at_box(low, high, 1, Vec3f(0.2f, -0.7f, 0.7f), Vec3f::UnitZ(), 24, aspect).view(aspect);
+    float reach = 0;
+    for (int k = 0; k < 8; ++k) {
+      const Vec3f p = v.to_pixel(Vec3f(k & 1 ? low.x() : high.x(), k & 2 ? low.y() : high.y(), k & 4 ? low.z() : high.z()), 2, 2);
+      reach = std::max({reach, std::abs(p.x() - 1), std::abs(p.y() - 1)});
+    }
+    EXPECT_NEAR(reach, 1, 1e-3);  // the outermost corner lies on the edge of the picture
+  }
 }
 
 TEST(Camera, SeesTheWholeBall) {
