@@ -107,7 +107,7 @@ TEST(Scene, EveryMistakeIsNamedWithItsLine) {
       {kGood + "[colours]\n", 12, "unknown key \"colours\""},
       {kGood + "cell = 3\n", 12, "unknown key \"cell\" in [lattice]"},
       {"body = 3\n", 1, "not a table"},
-      {with("source", "source = \"sphere\""), 3, "neither"},
+      {with("source", "source = \"sphere\""), 3, "no known kind"},
       {with("source", "source = 3"), 3, "not a text"},
       {with("size_mm", "size_mm = [30, 20]"), 4, "three numbers"},
       {with("size_mm", "size_mm = [30, 20, \"a\"]"), 4, "finite number"},
