@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace limberg {
+namespace {
+
+constexpr double kField_mm = 20;  // the operated skin reaches so far from the cuts: about one side of a flap
+
+}  // namespace
 
 ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures, const Vec3& support_force_mN) {
   ForceBalance b;
@@ -53,10 +58,12 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   m.stretch_p99 = strain.stretch_p99;
   m.stress_max_kPa = strain.stress_max_kPa;
   m.stress_p95_kPa = strain.stress_p95_kPa;
-  const DogEar ear = dog_ear(view, x, skin);
-  m.dog_ear_mm = ear.height_mm;
-  m.dog_ear_volume_mm3 = ear.volume_mm3;
-  m.dog_ear_at_mm = ear.at_mm;
+  if (const std::vector<Vec3> rim = rim_mm(view); !rim.empty()) {
+    const DogEar ear = dog_ear(view, x, skin, rim, kField_mm);
+    m.dog_ear_mm = ear.height_mm;
+    m.dog_ear_volume_mm3 = ear.volume_mm3;
+    m.dog_ear_at_mm = ear.at_mm;
+  }
   const WoundGape gape = wound_gape(view, x);
   m.wound_gape_mm = gape.gape_mm;
   m.wound_gape_mean_mm = gape.mean_mm;

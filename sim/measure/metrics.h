@@ -41,7 +41,7 @@ struct Metrics {
 
   double stretch_max = 1, stretch_p99 = 1;        // of the skin, prestretch included
   double stress_max_kPa = 0, stress_p95_kPa = 0;  // largest principal Cauchy stress in the skin's plane
-  double dog_ear_mm = 0, dog_ear_volume_mm3 = 0;
+  double dog_ear_mm = 0, dog_ear_volume_mm3 = 0;  // of the skin within 20 mm of a cut
   Vec3 dog_ear_at_mm = Vec3::Zero();
   double wound_gape_mm = 0, wound_gape_mean_mm = 0;
 

@@ -25,7 +25,31 @@ bool inside(const Vec2& p, std::span<const ChartPoint> polygon) {
   return in;
 }
 
+// Skin triangles' edges (triangle, first corner) that a wall triangle has across.
+std::vector<std::pair<size_t, size_t>> rim_edges(const SurfaceView& view) {
+  std::vector<std::pair<int32_t, int32_t>> wall;  // directed
+  for (size_t t = 0; t < view.tri.size(); ++t)
+    if (view.kind[t] == FaceKind::wall)
+      for (size_t k = 0; k < 3; ++k) wall.push_back({view.tri[t][k], view.tri[t][(k + 1) % 3]});
+  std::sort(wall.begin(), wall.end());
+  std::vector<std::pair<size_t, size_t>> rim;
+  for (size_t t = 0; t < view.tri.size(); ++t)
+    if (view.kind[t] == FaceKind::skin)
+      for (size_t k = 0; k < 3; ++k)
+        if (std::binary_search(wall.begin(), wall.end(), std::pair(view.tri[t][(k + 1) % 3], view.tri[t][k]))) rim.push_back({t, k});
+  return rim;
+}
+
 }  // namespace
+
+std::vector<Vec3> rim_mm(const SurfaceView& view) {
+  std::vector<Vec3> places;
+  for (const auto& [t, k] : rim_edges(view)) {
+    const auto X = rest(view, t);
+    places.push_back(0.5 * (X[k] + X[(k + 1) % 3]));
+  }
+  return places;
+}
 
 DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, std::span<const Vec3> centres_mm, double radius_mm) {
   DogEar d;
@@ -70,18 +94,6 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
 
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   constexpr double kOwn_mm = 3, kTouch_mm = 2, kCos = 0.5, kFar_mm = 100;
-  // Directed edges of all triangles, to find what lies across.
-  struct Edge {
-    int32_t a, b;
-    int32_t triangle;
-  };
-  std::vector<Edge> wall;
-  for (size_t t = 0; t < view.tri.size(); ++t)
-    if (view.kind[t] == FaceKind::wall)
-      for (size_t k = 0; k < 3; ++k) wall.push_back({view.tri[t][k], view.tri[t][(k + 1) % 3], int32_t(t)});
-  const auto less = [](const Edge& p, const Edge& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); };
-  std::sort(wall.begin(), wall.end(), less);
-
   struct Rim {
     int32_t a, b;
     Vec3 p, q, out;     // now
@@ -90,17 +102,13 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     double s = 0;       // arc length at rest of its middle along the loop
   };
   std::vector<Rim> rim;
-  for (size_t t = 0; t < view.tri.size(); ++t) {
-    if (view.kind[t] != FaceKind::skin) continue;
-    for (size_t k = 0; k < 3; ++k) {
-      const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
-      if (!std::binary_search(wall.begin(), wall.end(), Edge{b, a, 0}, less)) continue;
-      const auto x = now(view, x_mm, t);
-      Rim r{a, b, x[k], x[(k + 1) % 3], Vec3::Zero(), (view.X_mm[size_t(b)] - view.X_mm[size_t(a)]).norm()};
-      const Vec3 n = area_vector2(x[0], x[1], x[2]);
-      if (n.norm() > 0 && (r.q - r.p).norm() > 0) r.out = (r.q - r.p).cross(n).normalized();
-      rim.push_back(r);
-    }
+  for (const auto& [t, k] : rim_edges(view)) {
+    const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
+    const auto x = now(view, x_mm, t);
+    Rim r{a, b, x[k], x[(k + 1) % 3], Vec3::Zero(), (view.X_mm[size_t(b)] - view.X_mm[size_t(a)]).norm()};
+    const Vec3 n = area_vector2(x[0], x[1], x[2]);
+    if (n.norm() > 0 && (r.q - r.p).norm() > 0) r.out = (r.q - r.p).cross(n).normalized();
+    rim.push_back(r);
   }
   // Loops: each rim edge is followed by one that starts where it ends.
   std::sort(rim.begin(), rim.end(), [](const Rim& p, const Rim& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });

@@ -71,6 +71,12 @@ TEST(WoundGape, OverlappingBanksAreClosedAndNoWoundIsNone) {
   EXPECT_EQ(wound_gape(whole, deformed(whole, [](const Vec3& X) { return X; })).rim_length_mm, 0);
 }
 
+TEST(Rim, IsWhereSkinMeetsWall) {
+  const auto places = rim_mm(two_banks(10));
+  EXPECT_EQ(places.size(), 20u);
+  for (const Vec3& p : places) EXPECT_EQ(Vec2(p.x(), p.z()), Vec2(0, 0));
+}
+
 TEST(Compression, IsTheVolumeOfTheMap) {
   const auto body = measured_block({20, 16, 5}, 2);
   const SurfaceView v = view_of(*body);
