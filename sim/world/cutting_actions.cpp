@@ -138,11 +138,13 @@ Outcome OperatingTable::rebuild() {
   Version next;
   try {
     next.lattice = update_topology(*version_.lattice, material_surface(*arrangement_));
+    next.model = assemble_fem(*stencils_, *next.lattice);
+    next.surface = make_surface(*next.lattice);
   } catch (const InputError& e) {
     return {false, e.what()};
+  } catch (const std::logic_error& e) {  // the lattice found a contradiction: nothing has changed yet, the cut is taken back
+    return {false, std::string("the lattice cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
   }
-  next.model = assemble_fem(*stencils_, *next.lattice);
-  next.surface = make_surface(*next.lattice);
   next.index = std::make_shared<RestIndex>(next.surface->view, body_->surface.tri.size());
   version_ = next;
   std::vector<int32_t> cell_parent;
