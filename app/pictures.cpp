@@ -13,6 +13,7 @@ namespace {
 PictureOptions titled(const std::string& title) {
   PictureOptions o;
   o.title = title;
+  if (!title.empty() && title[0] >= 'a' && title[0] <= 'z') o.title[0] = char(title[0] - 'a' + 'A');
   return o;
 }
 

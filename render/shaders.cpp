@@ -11,7 +11,7 @@ uniform float shadow_texel;  // size of one texel
 
 const vec3 key_colour = vec3(3.05, 2.93, 2.75);
 const vec3 fill_colour = vec3(0.42, 0.48, 0.56);
-const vec3 sky = vec3(0.62, 0.66, 0.70), ground = vec3(0.34, 0.28, 0.25);
+const vec3 sky = vec3(0.68, 0.67, 0.66), ground = vec3(0.34, 0.28, 0.25);
 
 // 1 in full light. Sixteen taps over about a millimetre: a lamp, not a point.
 float lit(vec3 world, vec3 n) {
@@ -157,7 +157,7 @@ void main() {
   // A lamp on the surgeon's head looks into the wound where the room's light does not reach.
   float from_eye = max(dot(n, v), 0.0) * (1.0 - 0.75 * shade * max(dot(n, l), 0.0));
   vec3 light = key_colour * diffuse * shadow * 0.318 * mix(1.0, cavity, 0.35) +
-               (hemisphere(n) * vec3(0.42, 0.36, 0.32) + vec3(0.96, 0.86, 0.78) * from_eye) * cavity;
+               (hemisphere(n) * vec3(0.42, 0.36, 0.32) + vec3(0.70, 0.64, 0.58) * from_eye) * cavity;
   float s = lobe(n, v, l, 0.28, 0.040) + 0.25 * lobe(n, v, vec3(0.503, -0.503, 0.704), 0.30, 0.040);
   colour = vec4(to_screen(albedo * light + key_colour * (s * mix(0.25, 1.0, shade) * 0.75)), 1.0);
 }
