@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# The two commands of Limberg, and three for those who work on it.
+# The two commands of Limberg, and four for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
 #   ./do test          build, then run every test
 #   ./do build         build only; the binary is build/limberg
+#   ./do record [NAME] build, then make the recorded stream of a shipped script anew
 #   ./do bench [SUITE] run a benchmark suite (default: speed)
 #   ./do format        clang-format over the tree
 set -euo pipefail
@@ -32,10 +33,15 @@ ensure_packages() {
   exit 2
 }
 
+# build [TARGET]: everything, or one target. Jobs: one per core, but not more than one per 1.5 GB of memory.
 build() {
   ensure_packages
   [ -f build/build.ninja ] || cmake --preset release >/dev/null
-  cmake --build build --parallel "$(nproc)"
+  local jobs memory_mb
+  jobs=$(nproc)
+  memory_mb=$(awk '/MemAvailable/ {print int($2 / 1024)}' /proc/meminfo)
+  [ "$jobs" -le $((memory_mb / 1500 + 1)) ] || jobs=$((memory_mb / 1500 + 1))
+  cmake --build build --parallel "$jobs" ${1:+--target "$1"}
 }
 
 # The recording is replayed; the same operation by script at three cell sizes gives the small table in the report. That
@@ -65,15 +71,21 @@ case "${1:-help}" in
     ctest --test-dir build --output-on-failure --parallel "$(nproc)" --timeout 600
     ;;
   demo)
-    build
+    build limberg
     demo "${2:-rhomboid}"
     ;;
+  record)
+    build limberg
+    for name in ${2:-rhomboid zplasty}; do
+      build/limberg emulate "$name" "recordings/$name.jsonl" --out "recordings/$name.lcm" --seed 7 --replace
+    done
+    ;;
   bench)
-    build
+    build limberg
     build/limberg bench "${2:-speed}" "${@:3}"
     ;;
   format)
     git ls-files '*.h' '*.cpp' | xargs clang-format -i
     ;;
-  *) sed -n '2,7s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac

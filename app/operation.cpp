@@ -37,7 +37,7 @@ class Operation {
   void rest(double residual, int steps) {
     for (int i = 0; i < steps; ++i) {
       step(residual);
-      if (out.last.residual <= residual || (set_.interrupted && set_.interrupted())) return;
+      if ((out.last.residual <= residual && patient_.settled()) || (set_.interrupted && set_.interrupted())) return;
     }
   }
 

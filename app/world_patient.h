@@ -11,6 +11,7 @@ class WorldPatient final : public Patient {
   /// Refuses cuts deeper than the scene allows; everything else is World's own judgement.
   Outcome apply(const Command& c) override;
   StepReport step(const StepSettings& s) override { return world_.step(s); }
+  bool settled() const override { return world_.settled(); }
   void fill(Snapshot& s) const override { world_.fill(s); }
   std::shared_ptr<const SurfaceTopology> topology() const override { return world_.topology(); }
   uint64_t topology_hash() const override { return world_.topology_hash(); }

@@ -143,7 +143,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (after) after(result, a);
   const bool recording_failed = recorder && recorder->failed();
   if (recording_failed) result.set("/recording_error", recorder->error());
-  const bool at_rest = f.interrupted || a.solver.last().residual <= 1e-4;
+  const bool at_rest = f.interrupted || a.solver.at_rest(1e-4);
   result.set_ok(at_rest && !recording_failed);
 
   if (!call.common.out_dir.empty()) {

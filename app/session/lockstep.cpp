@@ -57,7 +57,7 @@ SessionFigures run_lockstep(SessionLanes lanes, const SessionSettings& set) {
   out.duration_s = double(tick) * 1e-3;
   if (recorder) recorder->finish(tick, out.checkpoints.back().hash);
   if (!out.interrupted)
-    while (out.settle_steps < set.settle_steps && (out.settle_steps == 0 || solver.last().residual > set.settle_residual)) {
+    while (out.settle_steps < set.settle_steps && (out.settle_steps == 0 || !solver.at_rest(set.settle_residual))) {
       timed(out.solver.work, [&] { solver.settle_step(tick); });
       ++out.settle_steps, ++out.solver.ticks;
       if (set.interrupted && set.interrupted()) {

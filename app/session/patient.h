@@ -13,6 +13,8 @@ class Patient {
   virtual ~Patient() = default;
   virtual Outcome apply(const Command& command) = 0;
   virtual StepReport step(const StepSettings& settings) = 0;
+  /// False while something that a command began is still going on over steps (a stitch that is being drawn tight).
+  virtual bool settled() const { return true; }
   virtual void fill(Snapshot& snapshot) const = 0;
   virtual std::shared_ptr<const SurfaceTopology> topology() const = 0;
   virtual uint64_t topology_hash() const = 0;

@@ -124,7 +124,7 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
     if (lane.published_new_sample()) out.sample_to_snapshot.add(done - lane.newest_sample_ns());
     if (ended && ++resting >= 1) {
       out.settle_steps = resting;
-      if (lane.last().residual <= set.settle_residual || resting >= set.settle_steps) break;
+      if (lane.at_rest(set.settle_residual) || resting >= set.settle_steps) break;
     }
     ++n;
   }

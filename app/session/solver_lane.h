@@ -52,6 +52,8 @@ class SolverLane {
   /// A step towards rest after the last event: hooks and sutures stay as they are.
   void settle_step(int64_t tick) { step(tick); }
 
+  /// Nothing is going on any more and the residual is small enough.
+  bool at_rest(double residual) const { return patient_.settled() && steps_ > 0 && last_.residual <= residual; }
   const StepReport& last() const { return last_; }
   uint64_t steps() const { return steps_; }
   int64_t newest_sample_ns() const { return hand_.sample_ns; }  // in what was published last
