@@ -14,7 +14,7 @@ struct Row {
   double error = 0;
   std::string error_unit;
   std::string reference;  // what the error is measured against
-  bool pass = true;       // the method reached what was asked
+  bool pass = true;       // what is under test reached what was asked; a baseline never fails, see at_least
 };
 
 struct Bar {
