@@ -4,7 +4,6 @@
 
 #include "sim/cutting/cut_builder.h"
 #include "sim/error.h"
-#include "sim/geometry/triangle.h"
 #include "sim/hash.h"
 
 namespace limberg {
@@ -23,8 +22,10 @@ uint64_t scramble(uint64_t x) {  // SplitMix64's finalizer
 
 std::string check_blade(const Blade& blade, const ArrangementStore& store) {
   if (blade.tri.empty()) return "the blade is empty";
-  if (!blade.seed.empty() && blade.seed.size() != blade.tri.size()) return "the blade's seeds do not match its triangles";
-  if (!blade.uv_mm.empty() && blade.uv_mm.size() != blade.tri.size()) return "the blade's uv do not match its triangles";
+  if (!blade.seed.empty() && blade.seed.size() != blade.tri.size())
+    return "the blade's seeds do not match its triangles";
+  if (!blade.uv_mm.empty() && blade.uv_mm.size() != blade.tri.size())
+    return "the blade's uv do not match its triangles";
   if (!blade.shared_point.empty() && blade.shared_point.size() != blade.vertex.size())
     return "the blade's shared points do not match its vertices";
   constexpr int32_t limit = RestGrid::kMaxCoordinate - 2 * kJitterUnits;
@@ -92,10 +93,12 @@ Arrangement::Arrangement(const TriMesh& surface, const RestGrid& grid) : store_(
     for (size_t k = 0; k < 3; ++k) {
       const int32_t a = s.face[i].v[k], b = s.face[i].v[(k + 1) % 3];
       int count = 0, forward = 0;
-      for (int32_t h = s.edges.first(a, b); h >= 0; h = s.edges.next(h)) ++count, forward += s.face[h / 3].v[size_t(h % 3)] == a;
+      for (int32_t h = s.edges.first(a, b); h >= 0; h = s.edges.next(h))
+        ++count, forward += s.face[h / 3].v[size_t(h % 3)] == a;
       if (count != 2 || forward != 1)
-        throw InputError("", 0, "the body's surface is not closed and oriented at triangle " + std::to_string(i) +
-                                    "; expected two triangles in opposite sense at every edge");
+        throw InputError("", 0,
+                         "the body's surface is not closed and oriented at triangle " + std::to_string(i) +
+                             "; expected two triangles in opposite sense at every edge");
       if (a < b)
         if (const std::string why = s.glue_edge(a, b, nullptr); !why.empty())
           throw InputError("", 0, "the body's surface: " + why + " at triangle " + std::to_string(i));
@@ -125,7 +128,9 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed) {
     for (size_t i = 0; i < vertex.size() && k > 0; ++i) {
       if (!blade.shared_point.empty() && blade.shared_point[i] >= 0) continue;
       const uint64_t r = scramble(scramble(seed + uint64_t(k) * 0x632be59bd9b4e019ull) ^ i);
-      const auto jitter = [&](int shift) { return 2 * (int32_t((r >> shift & 0xfffff) % (2 * kJitterUnits + 1)) - kJitterUnits); };
+      const auto jitter = [&](int shift) {
+        return 2 * (int32_t((r >> shift & 0xfffff) % (2 * kJitterUnits + 1)) - kJitterUnits);
+      };
       vertex[i].x += jitter(0);
       vertex[i].y += jitter(21);
       vertex[i].z += jitter(42);
@@ -200,9 +205,12 @@ std::span<const int32_t> Arrangement::mates_of_face(int32_t f) const { return st
 FaceKind Arrangement::kind_of_orig(int32_t o) const {
   if (store_->orig[o].op > 0) return FaceKind::wall;
   switch (store_->tag[o]) {
-    case SurfaceTag::fixed: return FaceKind::fixed;
-    case SurfaceTag::free: return FaceKind::free;
-    default: return FaceKind::skin;
+    case SurfaceTag::fixed:
+      return FaceKind::fixed;
+    case SurfaceTag::free:
+      return FaceKind::free;
+    default:
+      return FaceKind::skin;
   }
 }
 std::span<const Constraint> Arrangement::constraints_of(int32_t o) const {

@@ -11,10 +11,12 @@
 //  * A crack is ONE face with material on both sides. Nothing is ever moved apart: the two banks are the two sides.
 //  * One gluing rule: sort the live faces around an edge; two consecutive ones bound a sector; either both face
 //    material there, then these two sided half-edges are mates, or neither does. A crack front is the case of one face.
-//    The sided faces so glued are the closed oriented surface of the material; its components are what can be taken away.
+//    The sided faces so glued are the closed oriented surface of the material; its components are what can be taken
+//    away.
 //  * New intersections are computed between original triangles only, then divided at stored junctions.
 //  * A blade cuts where it is in material AND drawn: its pieces between junctions with what exists (patches) are kept
-//    when every junction says "inside" and one of its triangles is a seed. So a blade stops at the far wall of a pocket.
+//    when every junction says "inside" and one of its triangles is a seed. So a blade stops at the far wall of a
+//    pocket.
 //
 // The steps of a cut (cut_builder.h): jitter, embedding test, broad and narrow phase, scratch division, barriers,
 // patches, selection, division by what is needed, commit, check. A coincidence (an exact zero) is never decided: the
@@ -85,8 +87,8 @@ class Arrangement {
   /// The component without `fixed` faces whose surface is nearest to a picked point (mm). If there is none within
   /// max_distance_mm, any component but the largest (a plug cut out through the held side of a thin part). Else -1.
   int32_t loose_component_near(const Vec3& at_mm, double max_distance_mm) const;
-  int pieces() const;          // components of positive volume
-  double volume_mm3() const;   // of all material
+  int pieces() const;         // components of positive volume
+  double volume_mm3() const;  // of all material
 
   /// The boundary of the material as a closed oriented mesh; cell_copy is left empty for the lattice to fill.
   SurfaceView surface_view() const;
@@ -94,7 +96,7 @@ class Arrangement {
   /// Empty when every invariant holds everywhere; else the first violation. O(N), for tests and for finding defects.
   std::string check_all() const;
 
-  ArrangementStore& store() { return *store_; }              // for the parts of this library
+  ArrangementStore& store() { return *store_; }  // for the parts of this library
   const ArrangementStore& store() const { return *store_; }
 
  private:

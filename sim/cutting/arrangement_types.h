@@ -43,9 +43,9 @@ struct OrigTri {
   std::array<int32_t, 3> v{};  // explicit point ids
   Plane plane;
   int32_t op = 0;
-  int32_t live = 0;            // live faces on it
-  int32_t whole = -1;          // its one face, or -1 when it is divided
-  int32_t split = -1;          // index into the division table when divided
+  int32_t live = 0;    // live faces on it
+  int32_t whole = -1;  // its one face, or -1 when it is divided
+  int32_t split = -1;  // index into the division table when divided
 };
 
 /// A junction on an original triangle: the sub-edge a-b lies also on original triangle `partner`.
@@ -61,10 +61,10 @@ struct Division {
 
 /// One closed component of the sided surface.
 struct SurfaceComponent {
-  int32_t first_sided_face = -1;   // the smallest; orders components
+  int32_t first_sided_face = -1;  // the smallest; orders components
   int32_t sided_faces = 0;
-  double volume_mm3 = 0;           // enclosed, outward positive; a cavity is negative
-  bool touches_fixed = false;      // holds a face of the body tagged `fixed`
+  double volume_mm3 = 0;       // enclosed, outward positive; a cavity is negative
+  bool touches_fixed = false;  // holds a face of the body tagged `fixed`
 };
 
 struct CutResult {
@@ -75,8 +75,8 @@ struct CutResult {
   };
   Status status = refused;
   std::string reason;
-  int32_t op = -1;          // number of the cut: SurfaceView::origin of its walls
-  int tries = 0;            // 1 + redraws of the jitter
+  int32_t op = -1;  // number of the cut: SurfaceView::origin of its walls
+  int tries = 0;    // 1 + redraws of the jitter
   int wall_faces = 0;
   int patches = 0, patches_kept = 0;
   std::vector<int32_t> blade_point;  // per blade vertex: its explicit point, for Blade::shared_point of a later blade

@@ -14,15 +14,18 @@ namespace {
 
 constexpr double kShortest = 1.0;  // of a stroke
 
-/// Which way a blade runs into the tissue at every column. To the right of the path by `lean` per mm of depth; at a corner
-/// mitred, so that both sides keep the angle. With upright_corners the blade turns upright towards sharp corners:
-/// leaning into a sharp bend it would run through itself.
-std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, double depth, bool closed, bool upright_corners) {
+/// Which way a blade runs into the tissue at every column. To the right of the path by `lean` per mm of depth; at a
+/// corner mitred, so that both sides keep the angle. With upright_corners the blade turns upright towards sharp
+/// corners: leaning into a sharp bend it would run through itself.
+std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, double depth, bool closed,
+                                  bool upright_corners) {
   const size_t n = columns.size();
   std::vector<Vec3> before(n), after(n), direction(n);
   std::vector<double> arc(n + 1, 0), sharp;
   for (size_t i = 0; i < n; ++i) {
-    const auto right_of = [&](size_t a, size_t b) { return (columns[b].X - columns[a].X).cross(columns[i].normal).normalized(); };
+    const auto right_of = [&](size_t a, size_t b) {
+      return (columns[b].X - columns[a].X).cross(columns[i].normal).normalized();
+    };
     const bool has_before = closed || i > 0, has_after = closed || i + 1 < n;
     before[i] = has_before ? right_of((i + n - 1) % n, i) : right_of(i, i + 1);
     after[i] = has_after ? right_of(i, (i + 1) % n) : before[i];
@@ -37,16 +40,19 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, 
       if (closed) d = std::min(d, arc[n] - d);
       if (upright_corners) share = std::min(share, d / reach);
     }
-    direction[i] = -columns[i].normal + (before[i] + after[i]) / std::max(1 + before[i].dot(after[i]), 0.25) * (lean * share);
+    direction[i] =
+        -columns[i].normal + (before[i] + after[i]) / std::max(1 + before[i].dot(after[i]), 0.25) * (lean * share);
   }
   return direction;
 }
 
 }  // namespace
 
-BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm, double angle_deg) {
+BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm,
+                           double angle_deg) {
   if (std::string why = check_stroke(stroke, depth_mm); !why.empty()) return refuse(why);
-  if (!(angle_deg >= 20 && angle_deg <= 160)) return refuse("the angle between blade and skin must be 20 to 160 degrees");
+  if (!(angle_deg >= 20 && angle_deg <= 160))
+    return refuse("the angle between blade and skin must be 20 to 160 degrees");
   if (stroke.size() < 2) return refuse("an incision needs at least two points");
   const bool closed = stroke.size() > 3 && (stroke.front() - stroke.back()).norm() <= 0.1;
   std::vector<Vec2> path;
@@ -79,7 +85,8 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
   const auto build = [&](double stiffness, bool upright_corners) {
     const std::vector<Column> held = stiffened(columns, stiffness);
     blade = Blade{};
-    rows = add_strip(blade, c, held, lean_directions(held, lean, depth_mm, closed, upright_corners), depth_mm + wall_extra(c), closed);
+    rows = add_strip(blade, c, held, lean_directions(held, lean, depth_mm, closed, upright_corners),
+                     depth_mm + wall_extra(c), closed);
     return check_embedded(blade.vertex, blade.tri).empty();
   };
   bool embedded = false;
@@ -127,7 +134,8 @@ BladeResult build_plug(const BladeContext& c, std::span<const ChartPoint> outlin
     for (const Tri& t : floor->tri) all.push_back({id[size_t(t[0])], id[size_t(t[1])], id[size_t(t[2])]});
     embedded = check_embedded(blade.vertex, all).empty();
   }
-  if (!embedded) return refuse("the plug's walls would run through one another; expected less depth or a wider outline");
+  if (!embedded)
+    return refuse("the plug's walls would run through one another; expected less depth or a wider outline");
   for (const Tri& t : floor->tri) {
     blade.tri.push_back({id[size_t(t[0])], id[size_t(t[1])], id[size_t(t[2])]});
     std::array<Eigen::Vector2f, 3> uv;

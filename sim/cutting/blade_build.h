@@ -3,8 +3,8 @@
 //
 // Conventions that make operations meet each other reliably (mm, measured along the smoothed skin normal):
 //   plug floor          at the depth asked
-//   incision bottom     kWallExtra below the depth asked (varied by up to 0.04 from cut to cut, so that fronts never coincide)
-//   undermining sheet   kSheetRaise above the depth asked
+//   incision bottom     kWallExtra below the depth asked (varied by up to 0.04 from cut to cut, so that fronts never
+//   coincide) undermining sheet   kSheetRaise above the depth asked
 // so an undermining at the same depth as an incision or a plug always runs into their walls, never into their fronts.
 // Blades stick out of the skin by kMargin; a stroke that ends on or near an earlier cut is pushed kOvershoot through
 // its wall. What sticks out or is pushed through is never a seed.
@@ -19,8 +19,8 @@
 namespace limberg {
 
 inline constexpr double kWallExtra = 0.15, kSheetRaise = 0.15, kOvershoot = 0.1, kMargin = 1.0;
-inline constexpr double kSnap = 0.5;      // a stroke that ends this near to an earlier cut is meant to end on it
-inline constexpr double kSpacing = 1.5;   // along a stroke
+inline constexpr double kSnap = 0.5;     // a stroke that ends this near to an earlier cut is meant to end on it
+inline constexpr double kSpacing = 1.5;  // along a stroke
 inline constexpr double kSheetSpacing = 2.0;
 
 /// Where on the rest skin is this chart point? (Body::chart; sim/geometry answers it.) Empty when it is off the skin.
@@ -44,7 +44,8 @@ struct BladeContext {
 BladeResult build_incision(const BladeContext& context, std::span<const ChartPoint> path, double depth_mm,
                            double angle_deg = 90);
 
-/// Walls and floor under a closed outline as one open box: what excision cuts. The outline need not repeat its first point.
+/// Walls and floor under a closed outline as one open box: what excision cuts. The outline need not repeat its first
+/// point.
 BladeResult build_plug(const BladeContext& context, std::span<const ChartPoint> outline, double depth_mm);
 
 /// A sheet under an outline. Where the outline runs along an earlier cut it is widened beyond its wall.

@@ -90,9 +90,12 @@ std::vector<Column> stiffened(std::span<const Column> columns, double share) {
   return out;
 }
 
-double wall_extra(const BladeContext& c) { return kWallExtra + 0.02 * (2 - (c.arrangement ? c.arrangement->operations() % 5 : 0)); }
-double margin_of(const BladeContext& c) { return kMargin + 0.01 * (c.arrangement ? c.arrangement->operations() % 7 : 0); }
-
+double wall_extra(const BladeContext& c) {
+  return kWallExtra + 0.02 * (2 - (c.arrangement ? c.arrangement->operations() % 5 : 0));
+}
+double margin_of(const BladeContext& c) {
+  return kMargin + 0.01 * (c.arrangement ? c.arrangement->operations() % 7 : 0);
+}
 
 double overshoot_of(const BladeContext& c) {
   // On a curved skin neighbouring blades lean differently: what meets at the skin must still meet at depth.
@@ -100,7 +103,7 @@ double overshoot_of(const BladeContext& c) {
 }
 
 int add_strip(Blade& blade, const BladeContext& c, std::span<const Column> columns, std::span<const Vec3> direction,
-               double depth, bool closed) {
+              double depth, bool closed) {
   const size_t n = columns.size();
   const double margin = margin_of(c), total = depth + margin;
   const int rows = std::max(2, int(std::ceil(total / kRowHeight)));
@@ -108,7 +111,8 @@ int add_strip(Blade& blade, const BladeContext& c, std::span<const Column> colum
   for (size_t i = 0; i < n; ++i) arc[i + 1] = arc[i] + (columns[(i + 1) % n].X - columns[i].X).norm();
   const auto level = [&](int r) { return total * r / rows - margin; };  // below the skin
   for (size_t i = 0; i < n; ++i)
-    for (int r = 0; r <= rows; ++r) blade.vertex.push_back(c.body->grid.to_grid(columns[i].X + direction[i] * level(r)));
+    for (int r = 0; r <= rows; ++r)
+      blade.vertex.push_back(c.body->grid.to_grid(columns[i].X + direction[i] * level(r)));
   const auto id = [&](size_t i, int r) { return int32_t(i % n) * (rows + 1) + r; };
   for (size_t i = 0; i + (closed ? 0 : 1) < n; ++i)
     for (int r = 0; r < rows; ++r) {

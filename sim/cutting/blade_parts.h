@@ -8,8 +8,8 @@
 
 namespace limberg {
 
-inline constexpr double kSimplify = 0.1;      // tremor and tracker noise; corners are much larger
-inline constexpr double kKnot = 0.5;          // points of a stroke nearer than this are one
+inline constexpr double kSimplify = 0.1;  // tremor and tracker noise; corners are much larger
+inline constexpr double kKnot = 0.5;      // points of a stroke nearer than this are one
 
 inline BladeResult refuse(std::string why) { return {std::nullopt, std::move(why)}; }
 
@@ -34,18 +34,18 @@ std::string columns_at(const BladeContext& context, std::span<const Vec2> path, 
 std::vector<Column> stiffened(std::span<const Column> columns, double share);
 inline constexpr std::array<double, 3> kStiffness{0, 0.6, 1};  // tried in turn
 
-/// How far an incision reaches below the depth asked, and how far blades stick out. Both vary a little from operation to
-/// operation: two walls of one nominal depth then join with a clean end instead of a coincidence.
+/// How far an incision reaches below the depth asked, and how far blades stick out. Both vary a little from operation
+/// to operation: two walls of one nominal depth then join with a clean end instead of a coincidence.
 double wall_extra(const BladeContext& context);
 double margin_of(const BladeContext& context);
 /// How far past a wall a joining stroke is pushed.
 double overshoot_of(const BladeContext& context);
 
-/// Adds an upright or leaning strip: columns x rows of quads from above the skin to `depth` below, seeds 1 in the row that
-/// crosses the skin. direction[i] points into the tissue, its length is the way along the blade per mm of depth.
+/// Adds an upright or leaning strip: columns x rows of quads from above the skin to `depth` below, seeds 1 in the row
+/// that crosses the skin. direction[i] points into the tissue, its length is the way along the blade per mm of depth.
 /// Vertex of column i, row r: i * (rows + 1) + r. Returns the number of rows.
-int add_strip(Blade& blade, const BladeContext& context, std::span<const Column> columns, std::span<const Vec3> direction,
-              double depth, bool closed);
+int add_strip(Blade& blade, const BladeContext& context, std::span<const Column> columns,
+              std::span<const Vec3> direction, double depth, bool closed);
 
 /// Lets a stroke's first point end on an earlier cut when it was meant to. True when path[0] now lies past a wall.
 bool attach_start(const BladeContext& context, const WoundMap& wounds, std::vector<Vec2>& path, double overshoot);

@@ -14,10 +14,11 @@ namespace {
 
 constexpr double kPocketReach = 0.4;  // two sheets nearer than this are one pocket
 constexpr double kSeesWound = 1.5;    // an outline runs along an earlier cut when it stays this near
-constexpr double kSheetBeyond = 1.0;  // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
+constexpr double kSheetBeyond =
+    1.0;  // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
 
-/// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls. Tells for
-/// every edge of the result whether it was.
+/// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls. Tells
+/// for every edge of the result whether it was.
 std::vector<Vec2> widen(const WoundMap& wounds, std::span<const Vec2> p, double beyond, std::vector<uint8_t>& along) {
   const size_t n = p.size();
   std::vector<double> shift(n, 0);
@@ -35,8 +36,10 @@ std::vector<Vec2> widen(const WoundMap& wounds, std::span<const Vec2> p, double 
       ++near;
       shift[i] = std::max(shift[i], (w.point - q).dot(out_normal[i]) + beyond);
     }
-    if (near * 5 < samples * 3) shift[i] = 0;  // less than three fifths of it
-    else along[i] = 1;
+    if (near * 5 < samples * 3)
+      shift[i] = 0;  // less than three fifths of it
+    else
+      along[i] = 1;
   }
   std::vector<Vec2> q(n);
   for (size_t i = 0; i < n; ++i) {

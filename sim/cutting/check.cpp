@@ -1,6 +1,5 @@
 // Every invariant, everywhere: for tests and for finding defects.
 #include <algorithm>
-#include <set>
 
 #include "sim/cutting/store.h"
 
@@ -10,7 +9,7 @@ std::string Arrangement::check_all() const {
   const ArrangementStore& s = *store_;
   const auto at = [](const char* what, int64_t i) { return std::string(what) + " at " + std::to_string(i); };
   uint64_t hash_sum = 0, volume = 0;
-  std::vector<std::array<int32_t, 5>> sided;  // side, orientation-free corners
+  std::vector<std::array<int32_t, 3>> sided;  // corners as seen from outside, smallest first
   for (int32_t f = 0; f < int32_t(s.face.size()); ++f) {
     const Face& face = s.face[f];
     if (!face.live()) continue;
@@ -19,7 +18,8 @@ std::string Arrangement::check_all() const {
     for (int side = 0; side < 2; ++side)
       for (int k = 0; k < 3; ++k) {
         const int32_t m = s.mate[f][size_t(3 * side + k)];
-        if ((m >= 0) != face.has_side(side)) return at("I1: a sided half-edge without mate, or a mate without material, face", f);
+        if ((m >= 0) != face.has_side(side))
+          return at("I1: a sided half-edge without mate, or a mate without material, face", f);
         if (m < 0) continue;
         if (s.mate[m / 6][size_t(m % 6)] != 6 * f + 3 * side + k) return at("I1: mate is no involution, face", f);
         const Face& g = s.face[m / 6];
@@ -34,14 +34,15 @@ std::string Arrangement::check_all() const {
       }
     int found = 0;
     for (int k = 0; k < 3; ++k)
-      for (int32_t h = s.edges.first(face.v[size_t(k)], face.v[size_t(k + 1) % 3]); h >= 0; h = s.edges.next(h)) found += h == 3 * f + k;
+      for (int32_t h = s.edges.first(face.v[size_t(k)], face.v[size_t(k + 1) % 3]); h >= 0; h = s.edges.next(h))
+        found += h == 3 * f + k;
     if (found != 3) return at("the edge map misses face", f);
     std::array<int32_t, 3> v = face.v;
     std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
     for (int side = 0; side < 2; ++side)
       if (face.has_side(side)) {
         if (side == 0) std::swap(v[1], v[2]);
-        sided.push_back({v[0], v[1], v[2], 0, 0});
+        sided.push_back(v);
         if (side == 0) std::swap(v[1], v[2]);
       }
   }
@@ -70,7 +71,8 @@ std::string Arrangement::check_all() const {
     whole = s.face_volume_residue(shape);
     for (int32_t f : s.faces_of(o)) {
       const Face& face = s.face[f];
-      if (face.retired || face.orig != o) return at("a division holds a face that is not its own, original triangle", o);
+      if (face.retired || face.orig != o)
+        return at("a division holds a face that is not its own, original triangle", o);
       live += face.live();
       if (orient2d(t.plane, s.points.ref(face.v[0]), s.points.ref(face.v[1]), s.points.ref(face.v[2])) <= 0)
         return at("a face without positive area", f);
@@ -81,26 +83,21 @@ std::string Arrangement::check_all() const {
     }
     if (parts != whole) return at("the division does not cover original triangle", o);
     if (live != t.live) return at("the live count is wrong on original triangle", o);
-    // I11: a junction is an edge of both triangles, with as many live faces as its partner knows.
+    // I11: a junction is an edge of both triangles that it joins.
     for (const Constraint& c : constraints_of(o)) {
-      int own = 0, theirs = 0, theirs_known = 0;
-      bool any_live = false;
-      for (int32_t f : s.faces_of(o))
-        for (size_t k = 0; k < 3; ++k) {
-          const int32_t a = s.face[f].v[k], b = s.face[f].v[(k + 1) % 3];
-          if ((a == c.a && b == c.b) || (a == c.b && b == c.a)) ++own, any_live = any_live || s.face[f].live();
-        }
-      for (int32_t f : s.faces_of(c.partner))
-        for (size_t k = 0; k < 3; ++k) {
-          const int32_t a = s.face[f].v[k], b = s.face[f].v[(k + 1) % 3];
-          if ((a == c.a && b == c.b) || (a == c.b && b == c.a)) ++theirs, theirs_known += s.face[f].live();
-        }
-      if (own != 2) return at("I11: a junction is not an edge of its own triangle", o);
-      if (any_live && theirs_known > 0 && theirs == 0) return at("I11: a junction is not an edge of its partner", o);
-      if (any_live && theirs == 0) {
-        // The partner may have lost its material there, but then no face of it may be live across the junction.
+      const auto edges_on = [&](int32_t triangle, bool& any_live) {
+        int n = 0;
+        for (int32_t f : s.faces_of(triangle))
+          for (size_t k = 0; k < 3; ++k) {
+            const int32_t a = s.face[f].v[k], b = s.face[f].v[(k + 1) % 3];
+            if ((a == c.a && b == c.b) || (a == c.b && b == c.a)) ++n, any_live = any_live || s.face[f].live();
+          }
+        return n;
+      };
+      bool live_here = false, live_there = false;
+      if (edges_on(o, live_here) != 2) return at("I11: a junction is not an edge of its own triangle", o);
+      if (edges_on(c.partner, live_there) == 0 && live_here)
         return at("I11: a live junction is unknown to its partner", o);
-      }
     }
   }
 
@@ -112,13 +109,15 @@ std::string Arrangement::check_all() const {
   for (size_t i = 0; i < view.tri.size(); ++i) {
     ++faces[size_t(view.component[i])];
     for (int32_t v : view.tri[i]) {
-      if (component_of_vertex[size_t(v)] >= 0 && component_of_vertex[size_t(v)] != view.component[i]) return "a vertex in two components";
+      if (component_of_vertex[size_t(v)] >= 0 && component_of_vertex[size_t(v)] != view.component[i])
+        return "a vertex in two components";
       if (component_of_vertex[size_t(v)] < 0) ++vertices[size_t(view.component[i])];
       component_of_vertex[size_t(v)] = view.component[i];
     }
   }
   for (size_t c = 0; c < all.size(); ++c)
-    if (faces[c] % 2 != 0 || (vertices[c] - faces[c] / 2) % 2 != 0) return at("I3: odd Euler characteristic, component", int64_t(c));
+    if (faces[c] % 2 != 0 || (vertices[c] - faces[c] / 2) % 2 != 0)
+      return at("I3: odd Euler characteristic, component", int64_t(c));
   return {};
 }
 

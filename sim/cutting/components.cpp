@@ -71,7 +71,8 @@ int32_t Arrangement::loose_component_near(const Vec3& at_mm, double max_distance
     const int32_t c = store_->component_of[sided];
     if (c < 0 || size_t(c) == largest || all[size_t(c)].volume_mm3 <= 0) continue;
     const Face& f = store_->face[sided / 2];
-    const double d = (closest_on_triangle(at_mm, point_mm(f.v[0]), point_mm(f.v[1]), point_mm(f.v[2])).point - at_mm).norm();
+    const double d =
+        (closest_on_triangle(at_mm, point_mm(f.v[0]), point_mm(f.v[1]), point_mm(f.v[2])).point - at_mm).norm();
     const int held = all[size_t(c)].touches_fixed;
     if (d < distance[held] || (d == distance[held] && best[held] < 0)) distance[held] = d, best[held] = c;
   }

@@ -72,7 +72,8 @@ CutBuilder::Outcome CutBuilder::intersect() {
       for (int32_t a : ts.id)
         for (int32_t b : tf.id) shares = shares || a == b;
       if (shares) {
-        if (meet_beyond_shared(ts, tf)) outcome = fail(coincidence, "the blade runs through the wall that it continues");
+        if (meet_beyond_shared(ts, tf))
+          outcome = fail(coincidence, "the blade runs through the wall that it continues");
         return;
       }
       const Crossing c = cross_triangles(ts, store_.orig[s].plane, tf, store_.orig[f].plane);
@@ -87,12 +88,12 @@ CutBuilder::Outcome CutBuilder::intersect() {
       for (const CrossingEnd& e : c.end) {
         const int32_t owner = e.edge_of_s ? s : f, plane = e.edge_of_s ? f : s;
         const auto& v = store_.orig[owner].v;
-        seg.point.push_back(store_.points.line_plane(v[size_t(e.edge)], v[size_t(e.edge + 1) % 3], plane, store_.orig[plane].plane));
+        seg.point.push_back(
+            store_.points.line_plane(v[size_t(e.edge)], v[size_t(e.edge + 1) % 3], plane, store_.orig[plane].plane));
       }
       segment_.push_back(std::move(seg));
     };
-    for (const auto& tree : store_.forest)
-      tree->bvh.box(lo, hi, [&](int32_t t) { visit(tree->first + t); });
+    for (const auto& tree : store_.forest) tree->bvh.box(lo, hi, [&](int32_t t) { visit(tree->first + t); });
   }
   if (outcome != ok) return outcome;
   std::sort(segment_.begin(), segment_.end(),
@@ -179,18 +180,21 @@ CutBuilder::Outcome CutBuilder::divide() {
       const Segment& seg = segment_[i];
       for (size_t j = 0; j + 1 < seg.point.size(); ++j) {
         const int32_t a = seg.point[j], b = seg.point[j + 1];
-        if (!t.scratch.enforce(a, b, seg.s)) return fail(coincidence, "a cut line runs along a junction of earlier cuts");
+        if (!t.scratch.enforce(a, b, seg.s))
+          return fail(coincidence, "a cut line runs along a junction of earlier cuts");
         auto [piece, k] = t.scratch.find_edge(a, b);
         if (piece < 0) std::tie(piece, k) = t.scratch.find_edge(b, a);
         const auto& p = t.scratch.pieces()[size_t(piece)];
         const int32_t n = p.neighbour[size_t(k)];
-        if (n < 0 || t.scratch.pieces()[size_t(n)].mat != p.mat) return fail(coincidence, "a cut line runs along a border");
+        if (n < 0 || t.scratch.pieces()[size_t(n)].mat != p.mat)
+          return fail(coincidence, "a cut line runs along a border");
         if (p.mat != 0) barrier_.push_back({seg.s, seg.f, a, b, size_t(&t - touched_.data()), p.mat});
       }
     }
   }
-  std::sort(barrier_.begin(), barrier_.end(),
-            [](const Barrier& a, const Barrier& b) { return std::tie(a.s, a.f, a.a, a.b) < std::tie(b.s, b.f, b.a, b.b); });
+  std::sort(barrier_.begin(), barrier_.end(), [](const Barrier& a, const Barrier& b) {
+    return std::tie(a.s, a.f, a.a, a.b) < std::tie(b.s, b.f, b.a, b.b);
+  });
   return ok;
 }
 
@@ -226,7 +230,8 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
         if (label_of(p, s) == PlanarSplit::kFree && !split.insert(p, PlanarSplit::kFree))
           return fail(coincidence, "two cut lines meet on the blade");
     for (size_t j = begin; j < next; ++j)
-      if (!split.enforce(barrier_[j].a, barrier_[j].b, barrier_[j].f)) return fail(coincidence, "cut lines cross on the blade");
+      if (!split.enforce(barrier_[j].a, barrier_[j].b, barrier_[j].f))
+        return fail(coincidence, "cut lines cross on the blade");
   }
   return ok;
 }

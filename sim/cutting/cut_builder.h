@@ -7,8 +7,6 @@
 //   find_patches  blade divided by barriers (junctions with live faces); flood; inside or outside by unanimous vote
 //   select        patches in material that hold a seed
 //   commit        divide only by what the kept patches need; walls in, gluing of dirty edges, local invariants
-#include <map>
-
 #include "sim/cutting/planar_split.h"
 
 namespace limberg {
@@ -23,13 +21,13 @@ class CutBuilder {
 
  private:
   struct Segment {
-    int32_t s = 0, f = 0;              // blade triangle and existing one, both as original triangles
-    std::vector<int32_t> point;        // ends, and between them crossings of junctions, in order
-    std::vector<int16_t> label;        // per point: where it lies on f (PlanarSplit labels)
+    int32_t s = 0, f = 0;        // blade triangle and existing one, both as original triangles
+    std::vector<int32_t> point;  // ends, and between them crossings of junctions, in order
+    std::vector<int16_t> label;  // per point: where it lies on f (PlanarSplit labels)
   };
   struct Touched {
     int32_t orig = 0;
-    size_t first = 0, count = 0;       // its segments
+    size_t first = 0, count = 0;  // its segments
     PlanarSplit scratch;
     std::vector<std::pair<int32_t, int32_t>> needed;  // sub-edges, ascending ends
   };
@@ -71,10 +69,10 @@ class CutBuilder {
   std::vector<Segment> segment_;
   std::vector<Touched> touched_;
   std::vector<Barrier> barrier_;
-  std::vector<PlanarSplit> blade_split_;                         // per blade triangle
-  std::vector<std::pair<int32_t, int32_t>> shared_edge_;         // sub-edges shared with older walls, ascending ends
-  std::vector<std::array<int32_t, 3>> edge_point_;               // blade edge (ascending ends), point on it
-  std::vector<std::vector<uint8_t>> keep_;                       // per blade triangle, per piece
+  std::vector<PlanarSplit> blade_split_;                  // per blade triangle
+  std::vector<std::pair<int32_t, int32_t>> shared_edge_;  // sub-edges shared with older walls, ascending ends
+  std::vector<std::array<int32_t, 3>> edge_point_;        // blade edge (ascending ends), point on it
+  std::vector<std::vector<uint8_t>> keep_;                // per blade triangle, per piece
 };
 
 }  // namespace limberg

@@ -12,10 +12,13 @@ Edge edge(int32_t a, int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 }  // namespace
 
-CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& out, const std::vector<int32_t>& needed_points) const {
+CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& out,
+                                               const std::vector<int32_t>& needed_points) const {
   // From the state before the cut, with the needed sub-edges only: tissue that is not cut keeps no scar. Points on
   // borders and junctions that others need go in too, so that all faces around such an edge are divided alike.
-  const auto needed = [&](int32_t a, int32_t b) { return std::binary_search(t.needed.begin(), t.needed.end(), edge(a, b)); };
+  const auto needed = [&](int32_t a, int32_t b) {
+    return std::binary_search(t.needed.begin(), t.needed.end(), edge(a, b));
+  };
   out.open(store_, t.orig);
   for (size_t i = t.first; i < t.first + t.count; ++i) {
     const Segment& seg = segment_[i];
@@ -24,14 +27,14 @@ CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& ou
                        (j + 1 < seg.point.size() && needed(seg.point[j], seg.point[j + 1]));
       const bool forced = seg.label[j] != PlanarSplit::kFree &&
                           std::binary_search(needed_points.begin(), needed_points.end(), seg.point[j]);
-      if ((own || forced) && !out.insert(seg.point[j], seg.label[j]))
-        return coincidence;
+      if ((own || forced) && !out.insert(seg.point[j], seg.label[j])) return coincidence;
     }
   }
   for (size_t i = t.first; i < t.first + t.count; ++i) {
     const Segment& seg = segment_[i];
     for (size_t j = 0; j + 1 < seg.point.size(); ++j)
-      if (needed(seg.point[j], seg.point[j + 1]) && !out.enforce(seg.point[j], seg.point[j + 1], seg.s)) return coincidence;
+      if (needed(seg.point[j], seg.point[j + 1]) && !out.enforce(seg.point[j], seg.point[j + 1], seg.s))
+        return coincidence;
   }
   return ok;
 }
@@ -151,7 +154,8 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     if (change[i]) write_division(touched_[i].orig, final_split[i], dirty_faces);
   const size_t walls_from = store_.face.size();
   for (size_t i = 0; i < blade_split_.size(); ++i) {
-    for (size_t t = 0; t < keep_[i].size(); ++t) blade_split_[i].set_material(t, keep_[i][t] ? kMaterialPlus | kMaterialMinus : 0);
+    for (size_t t = 0; t < keep_[i].size(); ++t)
+      blade_split_[i].set_material(t, keep_[i][t] ? kMaterialPlus | kMaterialMinus : 0);
     // Junctions between two pieces that were not kept are none: nothing ends there.
     blade_split_[i].forget_dead_junctions();
     write_division(first_orig_ + int32_t(i), blade_split_[i], dirty_faces);

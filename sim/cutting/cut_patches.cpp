@@ -89,7 +89,8 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   std::vector<uint8_t> seed_of(first.back(), 0);
   for (const Vote& v : votes) {
     int8_t& known = inside[root(v.piece)];
-    if (known >= 0 && known != int8_t(v.inside)) return fail(coincidence, "the blade is both inside and outside the body");
+    if (known >= 0 && known != int8_t(v.inside))
+      return fail(coincidence, "the blade is both inside and outside the body");
     known = int8_t(v.inside);
   }
   int patches = 0, kept = 0;
@@ -107,7 +108,8 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   result.patches = patches;
   result.patches_kept = kept;
   if (!seed_inside) {
-    if (seed_without_border) return fail(refused, "the blade meets no surface: it must begin at the skin or at an earlier cut");
+    if (seed_without_border)
+      return fail(refused, "the blade meets no surface: it must begin at the skin or at an earlier cut");
     return any_inside ? fail(nothing, "nothing that was drawn is in material")
                       : fail(nothing, "the blade meets no material");
   }

@@ -1,6 +1,6 @@
 #pragma once
-// Which live faces meet at an edge (pair of points): 2 normally, 3 where a wall meets the skin, 4 where walls cross, 1 at
-// a crack front. Open addressing; faces at one edge are chained through their half-edges (3 * face + k).
+// Which live faces meet at an edge (pair of points): 2 normally, 3 where a wall meets the skin, 4 where walls cross, 1
+// at a crack front. Open addressing; faces at one edge are chained through their half-edges (3 * face + k).
 #include <array>
 #include <cstdint>
 #include <utility>

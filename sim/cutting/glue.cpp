@@ -7,7 +7,8 @@ namespace limberg {
 
 namespace {
 
-// Where h lies as seen from g, turning counter-clockwise around a -> b: 0 in (0, 180), 1 at 180, 2 in (180, 360), -1 coinciding.
+// Where h lies as seen from g, turning counter-clockwise around a -> b: 0 in (0, 180), 1 at 180, 2 in (180, 360), -1
+// coinciding.
 int sector(const PointStore& points, int32_t a, int32_t b, const RadialFace& g, const RadialFace& h) {
   if (g.orig == h.orig) return g.sense == h.sense ? -1 : 1;
   const int side = g.sense * side_of_plane(g.plane, points.ref(h.third));
@@ -65,7 +66,8 @@ std::string ArrangementStore::glue_edge(int32_t a, int32_t b, Delta* delta) {
     around.push_back(r);
   }
   if (around.empty()) return {};
-  std::sort(around.begin(), around.end(), [](const RadialFace& x, const RadialFace& y) { return x.half_edge < y.half_edge; });
+  std::sort(around.begin(), around.end(),
+            [](const RadialFace& x, const RadialFace& y) { return x.half_edge < y.half_edge; });
   if (!sort_radially(points, a, b, around)) return "two faces coincide at an edge";
   const auto set = [&](int32_t half_edge, int side, int32_t value) {
     int32_t& m = mate[half_edge / 3][size_t(3 * side + half_edge % 3)];

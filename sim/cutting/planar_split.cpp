@@ -73,7 +73,8 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
       ++i;
     } else {
       for (int k = 0; k < 3; ++k)
-        if (on_edge(edges[i].lo, k) && on_edge(edges[i].hi, k)) piece_[edges[i].piece].label[size_t(edges[i].k)] = int16_t(k);
+        if (on_edge(edges[i].lo, k) && on_edge(edges[i].hi, k))
+          piece_[edges[i].piece].label[size_t(edges[i].k)] = int16_t(k);
     }
   }
   // Junctions: look each up among the sorted edges.
@@ -96,12 +97,14 @@ bool PlanarSplit::strictly_between(int32_t a, int32_t p, int32_t b) const {
 }
 
 int32_t PlanarSplit::locate(int32_t point) const {
-  // Walk across edges that have the point on their other side; bounded, because among implicit points a walk may circle.
+  // Walk across edges that have the point on their other side; bounded, because among implicit points a walk may
+  // circle.
   int32_t t = std::min(last_, int32_t(piece_.size()) - 1);
   for (size_t steps = 0; steps < piece_.size(); ++steps) {
     int32_t next = -1;
     for (int k = 0; k < 3 && next < 0; ++k)
-      if (piece_[t].neighbour[size_t(k)] >= 0 && orient(piece_[t].v[size_t(k)], piece_[t].v[size_t(next3(k))], point) < 0)
+      if (piece_[t].neighbour[size_t(k)] >= 0 &&
+          orient(piece_[t].v[size_t(k)], piece_[t].v[size_t(next3(k))], point) < 0)
         next = piece_[t].neighbour[size_t(k)];
     if (next < 0) return t;
     t = next;
@@ -207,8 +210,10 @@ void PlanarSplit::flip(int32_t t, int k) {
   while (other.neighbour[m0] != t || other.v[m0] != old.v[k1]) ++m0;
   const size_t m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
   const int32_t u = old.v[k0], v = old.v[k1], p = old.v[k2], q = other.v[m2];
-  piece_[t] = {{u, q, p}, {other.neighbour[m1], n, old.neighbour[k2]}, {other.label[m1], kFree, old.label[k2]}, old.mat, -1};
-  piece_[n] = {{q, v, p}, {other.neighbour[m2], old.neighbour[k1], t}, {other.label[m2], old.label[k1], kFree}, old.mat, -1};
+  piece_[t] = {
+      {u, q, p}, {other.neighbour[m1], n, old.neighbour[k2]}, {other.label[m1], kFree, old.label[k2]}, old.mat, -1};
+  piece_[n] = {
+      {q, v, p}, {other.neighbour[m2], old.neighbour[k1], t}, {other.label[m2], old.label[k1], kFree}, old.mat, -1};
   relink(other.neighbour[m1], n, t);
   relink(old.neighbour[k1], t, n);
 }
@@ -306,7 +311,8 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
 }
 
 void PlanarSplit::make_delaunay() {
-  const auto in_circle = [&](int32_t a, int32_t b, int32_t c, int32_t d) {  // d inside the circle through a, b, c (exact)
+  const auto in_circle = [&](int32_t a, int32_t b, int32_t c,
+                             int32_t d) {  // d inside the circle through a, b, c (exact)
     const Int3 o = points_->integer(d);
     std::array<int64_t, 3> x, y, l;
     const std::array<int32_t, 3> p{a, b, c};
@@ -317,7 +323,8 @@ void PlanarSplit::make_delaunay() {
       l[i] = x[i] * x[i] + y[i] * y[i];
     }
     return int128(x[0] * y[1] - y[0] * x[1]) * l[2] + int128(x[1] * y[2] - y[1] * x[2]) * l[0] +
-               int128(x[2] * y[0] - y[2] * x[0]) * l[1] > 0;
+               int128(x[2] * y[0] - y[2] * x[0]) * l[1] >
+           0;
   };
   bool changed = true;
   while (changed) {  // each flip lowers the lifted surface, so this ends
@@ -329,7 +336,8 @@ void PlanarSplit::make_delaunay() {
         if (n < 0 || p.label[size_t(k)] != kFree) continue;
         int m = 0;
         while (piece_[n].v[size_t(m)] != p.v[size_t(next3(k))] || piece_[n].v[size_t(next3(m))] != p.v[size_t(k)]) ++m;
-        const int32_t q = piece_[n].v[size_t(prev3(m))], u = p.v[size_t(k)], v = p.v[size_t(next3(k))], w = p.v[size_t(prev3(k))];
+        const int32_t q = piece_[n].v[size_t(prev3(m))], u = p.v[size_t(k)], v = p.v[size_t(next3(k))],
+                      w = p.v[size_t(prev3(k))];
         if (!in_circle(u, v, w, q) || orient(u, q, w) <= 0 || orient(q, v, w) <= 0) continue;
         flip(t, k);
         changed = true;
@@ -348,7 +356,8 @@ std::vector<Constraint> PlanarSplit::current_constraints() const {
   for (size_t t = 0; t < piece_.size(); ++t)
     for (int k = 0; k < 3; ++k) {
       const Piece& p = piece_[t];
-      if (p.label[size_t(k)] < kJunction || p.neighbour[size_t(k)] < int32_t(t)) continue;  // each once, from its lower side
+      if (p.label[size_t(k)] < kJunction || p.neighbour[size_t(k)] < int32_t(t))
+        continue;  // each once, from its lower side
       out.push_back({p.v[size_t(k)], p.v[size_t(next3(k))], partner(p.label[size_t(k)])});
     }
   return out;

@@ -17,11 +17,11 @@ class PlanarSplit {
   static constexpr int16_t kFree = -1, kJunction = 3;
 
   struct Piece {
-    std::array<int32_t, 3> v{};               // point ids
-    std::array<int32_t, 3> neighbour{};       // piece across edge k, -1 outside
+    std::array<int32_t, 3> v{};          // point ids
+    std::array<int32_t, 3> neighbour{};  // piece across edge k, -1 outside
     std::array<int16_t, 3> label{kFree, kFree, kFree};
     uint8_t mat = 0;
-    int32_t face = -1;                        // the existing face that it still is, or -1
+    int32_t face = -1;  // the existing face that it still is, or -1
   };
 
   /// Opens the current division of an existing original triangle.
@@ -32,7 +32,8 @@ class PlanarSplit {
   /// Inserts a point that lies on the chain of edges with this label (kFree: strictly inside). No effect when it is
   /// there already. False: it is not where it was said to be, a coincidence.
   bool insert(int32_t point, int16_t label);
-  /// Makes a-b an edge and labels it as a new junction with `partner`. False: it would cross a junction or meet a point.
+  /// Makes a-b an edge and labels it as a new junction with `partner`. False: it would cross a junction or meet a
+  /// point.
   bool enforce(int32_t a, int32_t b, int32_t partner);
 
   void set_material(size_t piece, uint8_t mat) { piece_[piece].mat = mat; }
@@ -51,7 +52,9 @@ class PlanarSplit {
 
  private:
   int32_t locate(int32_t point) const;  // a piece that holds it, or the one to try first
-  int orient(int32_t a, int32_t b, int32_t c) const { return orient2d(plane_, points_->ref(a), points_->ref(b), points_->ref(c)); }
+  int orient(int32_t a, int32_t b, int32_t c) const {
+    return orient2d(plane_, points_->ref(a), points_->ref(b), points_->ref(c));
+  }
   bool strictly_between(int32_t a, int32_t p, int32_t b) const;
   void split_piece(int32_t t, int32_t point);
   void split_edge(int32_t t, int k, int32_t point);

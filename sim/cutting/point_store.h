@@ -11,7 +11,8 @@ namespace limberg {
 struct PointKey {
   enum Kind : int32_t { explicit_point, line_plane, three_planes };
   int32_t kind = explicit_point;
-  std::array<int32_t, 3> id{};  // LPI: edge end points ascending, original triangle; TPI: three original triangles ascending
+  std::array<int32_t, 3>
+      id{};  // LPI: edge end points ascending, original triangle; TPI: three original triangles ascending
   bool operator==(const PointKey&) const = default;
 };
 
@@ -42,9 +43,7 @@ class PointStore {
   bool is_explicit(int32_t i) const { return implicit_of_[i] < 0; }
   Int3 integer(int32_t i) const { return {int32_t(approx_[i][0]), int32_t(approx_[i][1]), int32_t(approx_[i][2])}; }
   const Vec3& approx(int32_t i) const { return approx_[i]; }
-  PointRef ref(int32_t i) const {
-    return {&approx_[i], implicit_of_[i] < 0 ? nullptr : &implicit_[implicit_of_[i]].h};
-  }
+  PointRef ref(int32_t i) const { return {&approx_[i], implicit_of_[i] < 0 ? nullptr : &implicit_[implicit_of_[i]].h}; }
   PointKey key(int32_t i) const { return implicit_of_[i] < 0 ? PointKey{} : implicit_[implicit_of_[i]].key; }
   Homogeneous exact(int32_t i) const { return is_explicit(i) ? homogeneous(integer(i)) : implicit_[implicit_of_[i]].h; }
   Residues residues(int32_t i) const;

@@ -27,7 +27,8 @@ std::optional<double> PocketMap::height(const Vec3& p_mm, const Vec3& n, double 
       if (s.orig[o].live == 0) return;
       for (int32_t f : s.faces_of(o)) {
         if (!s.face[f].has_side(0) || !s.face[f].has_side(1)) continue;  // a hole is no pocket
-        const Vec3 &a = s.points.approx(s.face[f].v[0]), &b = s.points.approx(s.face[f].v[1]), &c = s.points.approx(s.face[f].v[2]);
+        const Vec3 &a = s.points.approx(s.face[f].v[0]), &b = s.points.approx(s.face[f].v[1]),
+                   &c = s.points.approx(s.face[f].v[2]);
         const Vec3 m = (b - a).cross(c - a);
         const double across = m.dot(n);
         if (std::abs(across) < kParallel * m.norm()) return;  // the whole original triangle stands upright
@@ -35,7 +36,8 @@ std::optional<double> PocketMap::height(const Vec3& p_mm, const Vec3& n, double 
         const Vec3 q = p + h * n;
         if (std::abs(h) > reach || (best && std::abs(*best) <= std::abs(h) * unit)) continue;
         const double e = -1e-9 * m.squaredNorm();
-        if ((b - a).cross(q - a).dot(m) < e || (c - b).cross(q - b).dot(m) < e || (a - c).cross(q - c).dot(m) < e) continue;
+        if ((b - a).cross(q - a).dot(m) < e || (c - b).cross(q - b).dot(m) < e || (a - c).cross(q - c).dot(m) < e)
+          continue;
         best = h * unit;
       }
     });

@@ -21,10 +21,10 @@ class PocketMap {
 };
 
 struct SheetVertex {
-  Vec3 X_mm, normal;       // on the sheet; outward
-  bool covered = false;    // over or under an earlier pocket
-  bool deep = false;       // and so is everything within a mesh width
-  double height = 0;       // of that pocket's wall above X
+  Vec3 X_mm, normal;     // on the sheet; outward
+  bool covered = false;  // over or under an earlier pocket
+  bool deep = false;     // and so is everything within a mesh width
+  double height = 0;     // of that pocket's wall above X
 };
 
 /// Moves the vertices as described above. True when there is an overlap.

@@ -8,8 +8,8 @@ namespace limberg {
 
 namespace {
 
-constexpr double kAside_mm = 0.05;    // from the wall's plane
-constexpr double kBeyond_mm = 0.1;    // from the wall's triangle, all directions
+constexpr double kAside_mm = 0.05;  // from the wall's plane
+constexpr double kBeyond_mm = 0.1;  // from the wall's triangle, all directions
 const double kCosine = std::cos(15 * 3.14159265358979323846 / 180);
 
 }  // namespace

@@ -27,10 +27,10 @@ struct OpRecord {
 struct Delta {
   LastOperation::Kind kind = LastOperation::none;
   int32_t points = 0, faces = 0, origs = 0, divisions = 0, ops = 0;  // array lengths before
-  Forest forest;                                                      // before
-  std::vector<int32_t> retired;                                       // faces retired
-  std::vector<std::pair<int32_t, uint8_t>> mat;                       // face, bits before (excision)
-  std::vector<std::pair<int32_t, int32_t>> mate;                      // sided half-edge, mate before; in order of change
+  Forest forest;                                                     // before
+  std::vector<int32_t> retired;                                      // faces retired
+  std::vector<std::pair<int32_t, uint8_t>> mat;                      // face, bits before (excision)
+  std::vector<std::pair<int32_t, int32_t>> mate;                     // sided half-edge, mate before; in order of change
   struct OrigBefore {
     int32_t orig = 0, live = 0, whole = 0, split = 0;
     std::optional<Division> division;  // of a triangle that was divided before
@@ -101,8 +101,8 @@ struct ArrangementStore {
 struct RadialFace {
   Plane plane;
   int32_t orig = -1;
-  int sense = 1;         // +1 when the face runs a -> b
-  int32_t third = -1;    // its third corner
+  int sense = 1;       // +1 when the face runs a -> b
+  int32_t third = -1;  // its third corner
   uint8_t mat = 0;
   int32_t half_edge = -1;  // 3 * face + k
   uint8_t ccw_side() const { return sense > 0 ? 0 : 1; }

@@ -18,8 +18,8 @@ std::vector<Vec2> drop_close(std::span<const Vec2> path, double distance);
 /// The direction in which a path arrives at its first point, seen over its first `over` mm.
 Vec2 heading_at_start(std::span<const Vec2> path, double over);
 
-/// Keeps the corners and drops what lies within `tolerance` of the line between kept points (Douglas and Peucker 1973), which
-/// also undoes the small knots of a resting hand. First and last points stay.
+/// Keeps the corners and drops what lies within `tolerance` of the line between kept points (Douglas and Peucker 1973),
+/// which also undoes the small knots of a resting hand. First and last points stay.
 std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance);
 
 /// Does a polyline (or, when closed, a polygon) meet itself other than at joints?

@@ -12,7 +12,8 @@ Eigen::Vector2f uv_at(const ArrangementStore& s, const OrigTri& o, const std::ar
   const Vec3 &a = s.points.approx(o.v[0]), &b = s.points.approx(o.v[1]), &c = s.points.approx(o.v[2]);
   const Vec3 u = b - a, v = c - a, w = s.points.approx(p) - a, n = u.cross(v);
   const double nn = n.squaredNorm(), beta = w.cross(v).dot(n) / nn, gamma = u.cross(w).dot(n) / nn;
-  return (t[0].cast<double>() * (1 - beta - gamma) + t[1].cast<double>() * beta + t[2].cast<double>() * gamma).cast<float>();
+  return (t[0].cast<double>() * (1 - beta - gamma) + t[1].cast<double>() * beta + t[2].cast<double>() * gamma)
+      .cast<float>();
 }
 
 }  // namespace

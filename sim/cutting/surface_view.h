@@ -14,9 +14,10 @@ enum class FaceKind : uint8_t { skin = 0, fixed = 1, free = 2, wall = 3 };
 
 struct SurfaceView {
   // Per vertex.
-  std::vector<Vec3> X_mm;       // rest position
-  std::vector<int32_t> cell_copy;  // the cell copy that carries it (index into LatticeTopology::cells); filled by the lattice
-  std::vector<int32_t> point;   // arrangement point id: banks of one cut share it
+  std::vector<Vec3> X_mm;  // rest position
+  std::vector<int32_t>
+      cell_copy;  // the cell copy that carries it (index into LatticeTopology::cells); filled by the lattice
+  std::vector<int32_t> point;  // arrangement point id: banks of one cut share it
 
   // Per triangle, counter-clockwise seen from outside the material.
   std::vector<Tri> tri;

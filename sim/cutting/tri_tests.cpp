@@ -31,8 +31,8 @@ int heading(int drop, const Int3& v, const Int3& p, const Int3& q) {
 
 // Two coplanar triangles that share `shared` vertices by name.
 bool coplanar_meet(int drop, const IntTriangle& s, const IntTriangle& t, int shared) {
-  // A line through an edge of one that has the other beyond it separates them. Shared vertices lie on it; with one shared
-  // vertex another may lie on it too, on the far side of the shared one.
+  // A line through an edge of one that has the other beyond it separates them. Shared vertices lie on it; with one
+  // shared vertex another may lie on it too, on the far side of the shared one.
   const auto separates = [&](const IntTriangle& x, const IntTriangle& y) {
     for (size_t k = 0; k < 3; ++k) {
       const size_t l = (k + 1) % 3;
@@ -55,8 +55,8 @@ bool coplanar_meet(int drop, const IntTriangle& s, const IntTriangle& t, int sha
   return !separates(s, t) && !separates(t, s);
 }
 
-// Does edge k of s meet the closed triangle t elsewhere than in shared vertices? side: of s's corners against t's plane;
-// they are not all zero.
+// Does edge k of s meet the closed triangle t elsewhere than in shared vertices? side: of s's corners against t's
+// plane; they are not all zero.
 bool edge_meets(const IntTriangle& s, size_t k, const std::array<int, 3>& side, const IntTriangle& t, int drop) {
   const size_t l = (k + 1) % 3;
   const auto shared = [&](size_t c) { return s.id[c] == t.id[0] || s.id[c] == t.id[1] || s.id[c] == t.id[2]; };
@@ -123,7 +123,8 @@ bool meet_beyond_shared(const IntTriangle& s, const IntTriangle& t) {
   }
   if (plus == 3 || minus == 3) return false;
   for (size_t k = 0; k < 3; ++k)
-    if (edge_meets(s, k, side_s, t, projection_axis(pt)) || edge_meets(t, k, side_t, s, projection_axis(ps))) return true;
+    if (edge_meets(s, k, side_s, t, projection_axis(pt)) || edge_meets(t, k, side_t, s, projection_axis(ps)))
+      return true;
   return false;
 }
 

@@ -25,7 +25,8 @@ WoundMap::WoundMap(const BladeContext& context) {
   }
   std::sort(ends.begin(), ends.end());
   for (size_t i = 0; i < ends.size(); ++i) {
-    if ((i > 0 && ends[i - 1].first == ends[i].first) || (i + 1 < ends.size() && ends[i + 1].first == ends[i].first)) continue;
+    if ((i > 0 && ends[i - 1].first == ends[i].first) || (i + 1 < ends.size() && ends[i + 1].first == ends[i].first))
+      continue;
     const WoundEdge& e = edge_[size_t(ends[i].second)];
     const Vec2 p = context.body->to_chart(a.point_mm(ends[i].first));
     const Vec2 d = (p - e.a).squaredNorm() < (p - e.b).squaredNorm() ? e.b - e.a : e.a - e.b;

@@ -7,7 +7,7 @@
 namespace limberg {
 
 struct WoundEdge {
-  Vec2 a, b;           // chart, mm
+  Vec2 a, b;  // chart, mm
 };
 
 class WoundMap {

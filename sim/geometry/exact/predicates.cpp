@@ -77,7 +77,8 @@ int orient2d(const Plane& plane, const PointRef& a, const PointRef& b, const Poi
   const auto minor = [&](const Homogeneous& p, const Homogeneous& q) {  // x_p y_q - y_p x_q, < 2^326
     return multiply<8>(p.x[i], q.x[j]) - multiply<8>(p.x[j], q.x[i]);
   };
-  const Int512 det = multiply<8>(minor(ha, hb), hc.w) + multiply<8>(minor(hb, hc), ha.w) + multiply<8>(minor(hc, ha), hb.w);
+  const Int512 det =
+      multiply<8>(minor(ha, hb), hc.w) + multiply<8>(minor(hb, hc), ha.w) + multiply<8>(minor(hc, ha), hb.w);
   return facing * det.sign();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// Signed integers of fixed width: what every exact sign is computed with. No allocation, no rounding, no overflow check:
-// the callers state their bit budgets (predicates.h) and tests assert them.
+// Signed integers of fixed width: what every exact sign is computed with. No allocation, no rounding, no overflow
+// check: the callers state their bit budgets (predicates.h) and tests assert them.
 //
 // WideInt<N> holds 64*N bits in two's complement, least significant limb first. Arithmetic is modulo 2^(64 N), so a
 // result is right whenever it fits.

@@ -28,18 +28,22 @@ inline TriMesh wavy_slab(double size, double thickness, int cells, double wave_m
   const auto add = [&](int32_t a, int32_t b, int32_t c, SurfaceTag tag) {
     m.tri.push_back({a, b, c});
     m.tag.push_back(tag);
-    m.uv.push_back({Eigen::Vector2f(float(m.X_mm[a].x()), float(m.X_mm[a].y())), Eigen::Vector2f(float(m.X_mm[b].x()), float(m.X_mm[b].y())),
+    m.uv.push_back({Eigen::Vector2f(float(m.X_mm[a].x()), float(m.X_mm[a].y())),
+                    Eigen::Vector2f(float(m.X_mm[b].x()), float(m.X_mm[b].y())),
                     Eigen::Vector2f(float(m.X_mm[c].x()), float(m.X_mm[c].y()))});
   };
   for (int j = 0; j < cells; ++j)
     for (int i = 0; i < cells; ++i) {
       const int32_t a = id(0, i, j), b = id(0, i + 1, j), c = id(0, i + 1, j + 1), d = id(0, i, j + 1);
-      if ((i + j) % 2 == 0) add(a, b, c, SurfaceTag::skin), add(a, c, d, SurfaceTag::skin);
-      else add(a, b, d, SurfaceTag::skin), add(b, c, d, SurfaceTag::skin);
+      if ((i + j) % 2 == 0)
+        add(a, b, c, SurfaceTag::skin), add(a, c, d, SurfaceTag::skin);
+      else
+        add(a, b, d, SurfaceTag::skin), add(b, c, d, SurfaceTag::skin);
       const int32_t e = id(1, i, j), f = id(1, i + 1, j), h = id(1, i + 1, j + 1), k = id(1, i, j + 1);
       add(e, h, f, SurfaceTag::fixed), add(e, k, h, SurfaceTag::fixed);
     }
-  const auto side = [&](int32_t a, int32_t b, int32_t c, int32_t d) {  // a, b on top from left to right seen from outside; below d, c
+  const auto side = [&](int32_t a, int32_t b, int32_t c,
+                        int32_t d) {  // a, b on top from left to right seen from outside; below d, c
     add(a, d, c, SurfaceTag::fixed), add(a, c, b, SurfaceTag::fixed);
   };
   for (int i = 0; i < cells; ++i) {
@@ -54,7 +58,8 @@ inline TriMesh wavy_slab(double size, double thickness, int cells, double wave_m
 inline Int3 at(double x, double y, double z) { return grid().to_grid({x, y, z}); }
 
 /// An upright strip under a polyline from z_top to z_bottom, in columns at most `step` mm apart.
-inline Blade strip(const std::vector<Vec2>& path, double z_top, double z_bottom, bool closed = false, double step = 1.5) {
+inline Blade strip(const std::vector<Vec2>& path, double z_top, double z_bottom, bool closed = false,
+                   double step = 1.5) {
   std::vector<Vec2> p;
   const size_t segments = closed ? path.size() : path.size() - 1;
   for (size_t i = 0; i < segments; ++i) {

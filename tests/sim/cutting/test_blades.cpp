@@ -60,14 +60,15 @@ std::vector<Vec2> drawn(const std::vector<Vec2>& corners, double noise, std::mt1
   for (int i = 0; i < 8; ++i) out.push_back(c[0] + offset + 0.2 * Vec2(n(random), n(random)));
   for (size_t i = 0; i + 1 < c.size(); ++i) {
     const int k = int((c[i + 1] - c[i]).norm() / 0.3);
-    for (int j = 0; j < k; ++j) out.push_back(c[i] + offset + (c[i + 1] - c[i]) * (double(j) / k) + 0.2 * Vec2(n(random), n(random)));
+    for (int j = 0; j < k; ++j)
+      out.push_back(c[i] + offset + (c[i + 1] - c[i]) * (double(j) / k) + 0.2 * Vec2(n(random), n(random)));
   }
   for (int i = 0; i < 8; ++i) out.push_back(c.back() + offset + 0.2 * Vec2(n(random), n(random)));
   return out;
 }
 
-void run_rhomboid(Patient& p, const std::vector<Vec2>& rhombus, const std::vector<Vec2>& flap, const std::vector<Vec2>& under,
-                  double tolerance) {
+void run_rhomboid(Patient& p, const std::vector<Vec2>& rhombus, const std::vector<Vec2>& flap,
+                  const std::vector<Vec2>& under, double tolerance) {
   const double before = p.a.volume_mm3();
   const uint64_t hash = p.a.hash();
   CutResult r = p.cut(build_plug(p.context(), rhombus, 4));
@@ -103,7 +104,8 @@ TEST(Blades, RhomboidWithAShakingHand) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     SCOPED_TRACE(seed);
     std::mt19937 random(seed);
-    run_rhomboid(p, drawn(g.rhombus, 0.12, random, true), drawn(g.flap, 0.12, random, false), drawn(g.under, 0.12, random, true), 0.05);
+    run_rhomboid(p, drawn(g.rhombus, 0.12, random, true), drawn(g.flap, 0.12, random, false),
+                 drawn(g.under, 0.12, random, true), 0.05);
   }
 }
 
@@ -112,7 +114,8 @@ TEST(Blades, RhomboidUnderminedAllAround) {
   const Rhomboid g;
   for (double radius : {26.0, 30.5}) {
     std::vector<Vec2> disc;
-    for (int i = 0; i < 24; ++i) disc.push_back(Vec2(6, 12) + radius * Vec2(std::cos(i * M_PI / 12), std::sin(i * M_PI / 12)));
+    for (int i = 0; i < 24; ++i)
+      disc.push_back(Vec2(6, 12) + radius * Vec2(std::cos(i * M_PI / 12), std::sin(i * M_PI / 12)));
     run_rhomboid(p, g.rhombus, g.flap, disc, 1e-3);
   }
 }
@@ -120,7 +123,8 @@ TEST(Blades, RhomboidUnderminedAllAround) {
 TEST(Blades, FlapStartsShortOfOrPastTheCorner) {
   Patient p;
   const Rhomboid g;
-  for (const Vec2& off : {Vec2(0, 0), Vec2(0, 0.45), Vec2(0.3, 0.3), Vec2(-0.3, 0.2), Vec2(0, -0.5), Vec2(0, -3), Vec2(0.45, 0), Vec2(-0.01, 0.02)}) {
+  for (const Vec2& off : {Vec2(0, 0), Vec2(0, 0.45), Vec2(0.3, 0.3), Vec2(-0.3, 0.2), Vec2(0, -0.5), Vec2(0, -3),
+                          Vec2(0.45, 0), Vec2(-0.01, 0.02)}) {
     SCOPED_TRACE(off.transpose());
     std::vector<Vec2> flap = g.flap;
     flap[0] += off;
@@ -165,8 +169,8 @@ TEST(Blades, ZPlastyCorners) {
 
 TEST(Blades, OverlappingUnderminingsAreOnePocket) {
   const std::vector<Vec2> first{{-20, 0}, {20, 0}, {20, 14}, {-20, 14}};
-  for (const std::vector<Vec2>& second : {std::vector<Vec2>{{-18, 7}, {18, 7}, {18, 28}, {-18, 28}},       // further on
-                                          std::vector<Vec2>{{0, -1}, {32, -1}, {32, 20}, {0, 20}}}) {      // to the side
+  for (const std::vector<Vec2>& second : {std::vector<Vec2>{{-18, 7}, {18, 7}, {18, 28}, {-18, 28}},   // further on
+                                          std::vector<Vec2>{{0, -1}, {32, -1}, {32, 20}, {0, 20}}}) {  // to the side
     Patient p(2);
     ASSERT_TRUE(p.cut(build_incision(p.context(), std::vector<Vec2>{{-25, 0}, {36, 0}}, 4)).ok());
     ASSERT_TRUE(p.cut(build_undermining(p.context(), first, 4)).ok());
@@ -197,7 +201,8 @@ TEST(Blades, OverlappingUnderminingsAreOnePocket) {
         EXPECT_EQ(z.size(), 1u) << q.transpose();
       }
     }
-    const BladeResult again = build_undermining(p.context(), std::vector<Vec2>{{-10, 4}, {10, 4}, {10, 10}, {-10, 10}}, 4);
+    const BladeResult again =
+        build_undermining(p.context(), std::vector<Vec2>{{-10, 4}, {10, 4}, {10, 10}, {-10, 10}}, 4);
     EXPECT_FALSE(again.blade);
     EXPECT_EQ(again.reason, "this is undermined already");
   }
@@ -214,7 +219,8 @@ TEST(Blades, SlantedAndSharp) {
 
 TEST(Blades, ClosedLoopWithoutFloorKeepsThePost) {
   Patient p(2);
-  ASSERT_TRUE(p.cut(build_incision(p.context(), std::vector<Vec2>{{10, 0}, {0, 8}, {-10, 0}, {0, -8}, {10, 0}}, 4)).ok());
+  ASSERT_TRUE(
+      p.cut(build_incision(p.context(), std::vector<Vec2>{{10, 0}, {0, 8}, {-10, 0}, {0, -8}, {10, 0}}, 4)).ok());
   EXPECT_EQ(p.a.pieces(), 1);
   EXPECT_EQ(euler(p.a), Chi{2});
 }
@@ -236,8 +242,8 @@ TEST(Blades, BadStrokesAreRefused) {
   incise({{0, 0}, {10, 0}}, -1);
   incise({{0, 0}, {10, 0}}, nan);
   incise({{0, 0}, {10, 0}}, 4, 0);
-  incise({{40, 0}, {80, 0}});                       // off the skin
-  incise({{0, 0}, {10, 0}, {10, 10}, {5, -10}});    // across itself
+  incise({{40, 0}, {80, 0}});                     // off the skin
+  incise({{0, 0}, {10, 0}, {10, 10}, {5, -10}});  // across itself
   EXPECT_FALSE(build_plug(p.context(), std::vector<Vec2>{{0, 0}, {5, 0}}, 4).blade);
   EXPECT_FALSE(build_plug(p.context(), std::vector<Vec2>{{0, 0}, {5, 0}, {0, 5}, {5, 5}}, 4).blade);
   const BladeResult sheet = build_undermining(p.context(), std::vector<Vec2>{{0, 0}, {9, 0}, {0, 9}}, 4);

@@ -16,7 +16,8 @@ struct Fuzzer {
   std::vector<Blade> past;
   int done = 0, refused = 0, nothing = 0, tries = 0, debris = 0;
 
-  Fuzzer(uint64_t seed, double snap_mm) : a(wavy_slab(40, 10, 10, snap_mm > 0 ? 0 : 0.7), grid()), random(seed), snap(snap_mm) {}
+  Fuzzer(uint64_t seed, double snap_mm)
+      : a(wavy_slab(40, 10, 10, snap_mm > 0 ? 0 : 0.7), grid()), random(seed), snap(snap_mm) {}
 
   double uniform(double lo, double hi) {
     const double x = lo + (hi - lo) * double(random() >> 11) * 0x1p-53;
@@ -26,14 +27,18 @@ struct Fuzzer {
 
   Blade make() {
     switch (random() % 7) {
-      case 0: return strip({point(18), point(18)}, 2, -uniform(1, 8), false, 3);
-      case 1: return strip({point(18), point(18), point(18)}, 2, -uniform(1, 8), false, 3);
+      case 0:
+        return strip({point(18), point(18)}, 2, -uniform(1, 8), false, 3);
+      case 1:
+        return strip({point(18), point(18), point(18)}, 2, -uniform(1, 8), false, 3);
       case 2: {  // through everything
         const Vec2 p = point(15), d = Vec2(uniform(-1, 1), uniform(-1, 1) + 0.013).normalized() * 80;
         return strip({p - d, p + d}, 5, -15, false, 10);
       }
-      case 3: return sheet({uniform(-18, 0), uniform(-18, 0), -uniform(1, 7)}, {uniform(6, 18), uniform(-3, 3), uniform(-2, 2)},
-                           {uniform(-3, 3), uniform(6, 18), uniform(-2, 2)}, 5, 5);
+      case 3:
+        return sheet({uniform(-18, 0), uniform(-18, 0), -uniform(1, 7)},
+                     {uniform(6, 18), uniform(-3, 3), uniform(-2, 2)}, {uniform(-3, 3), uniform(6, 18), uniform(-2, 2)},
+                     5, 5);
       case 4: {
         const Vec2 c = point(12);
         const double r = std::max(1.0, uniform(2, 7));
@@ -120,7 +125,8 @@ TEST(CutFuzz, GeneralPosition) {
     history(seed, 0, 40, &total);
     if (HasFatalFailure()) return;
   }
-  std::printf("done %d, refused %d, nothing %d, tries %d, debris %d\n", total.done, total.refused, total.nothing, total.tries, total.debris);
+  std::printf("done %d, refused %d, nothing %d, tries %d, debris %d\n", total.done, total.refused, total.nothing,
+              total.tries, total.debris);
   EXPECT_LT(total.refused, total.done / 4);  // sheets that reach no surface are refused by rule
 }
 
@@ -130,7 +136,8 @@ TEST(CutFuzz, CoincidencesEverywhere) {
     history(seed, 2, 40, &total);
     if (HasFatalFailure()) return;
   }
-  std::printf("done %d, refused %d, nothing %d, tries %d, debris %d\n", total.done, total.refused, total.nothing, total.tries, total.debris);
+  std::printf("done %d, refused %d, nothing %d, tries %d, debris %d\n", total.done, total.refused, total.nothing,
+              total.tries, total.debris);
 }
 
 TEST(CutFuzz, SameSeedSameBits) {

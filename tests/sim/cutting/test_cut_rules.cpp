@@ -1,4 +1,5 @@
-// What decides where a blade cuts: coincidences, seeds, patches, shared points, refusals; and what the surface view shows.
+// What decides where a blade cuts: coincidences, seeds, patches, shared points, refusals; and what the surface view
+// shows.
 #include <gtest/gtest.h>
 
 #include <map>
@@ -31,11 +32,11 @@ double lowest_wall(const Arrangement& a) {
 
 TEST(Coincidence, ThroughVerticesAndAlongEdges) {
   const std::vector<std::vector<Vec2>> lines{
-      {{-8, 0}, {8, 0}},     // along a row of edges, through every vertex
-      {{-9, -9}, {9, 9}},    // along diagonals
-      {{0, -7}, {0.5, 7}},   // through one vertex
-      {{0, 0}, {7, 3}},      // beginning in a vertex
-      {{1, 1}, {9, 1}},      // through crossings of diagonals
+      {{-8, 0}, {8, 0}},    // along a row of edges, through every vertex
+      {{-9, -9}, {9, 9}},   // along diagonals
+      {{0, -7}, {0.5, 7}},  // through one vertex
+      {{0, 0}, {7, 3}},     // beginning in a vertex
+      {{1, 1}, {9, 1}},     // through crossings of diagonals
   };
   for (const auto& line : lines) {
     Arrangement a = flat_slab();
@@ -164,7 +165,8 @@ TEST(Topology, TheLastBridgeMakesThePiece) {
   EXPECT_EQ(euler(a), (Chi{2, 2}));
 }
 
-// --- Blades that continue older ones -----------------------------------------------------------------------------------
+// --- Blades that continue older ones
+// -----------------------------------------------------------------------------------
 
 Blade deeper(const Arrangement& a, const Blade& old, const CutResult& r, double z) {
   // Below every foot of the old strip (odd vertices) a new one; the feet are shared.
@@ -220,7 +222,8 @@ TEST(Continuing, ProgressiveDrawingAppendsColumns) {
   int32_t top = r.blade_point[r.blade_point.size() - 2], foot = r.blade_point.back();
   for (int i = 1; i <= 4; ++i) {
     Blade next;
-    next.vertex = {a.explicit_point(top), a.explicit_point(foot), at(0.5 + 1.3 * i, 0.7 + 0.2 * i, 2), at(0.5 + 1.3 * i, 0.7 + 0.2 * i, -4)};
+    next.vertex = {a.explicit_point(top), a.explicit_point(foot), at(0.5 + 1.3 * i, 0.7 + 0.2 * i, 2),
+                   at(0.5 + 1.3 * i, 0.7 + 0.2 * i, -4)};
     next.shared_point = {top, foot, -1, -1};
     next.tri = {{0, 1, 3}, {0, 3, 2}};
     next.seed = {1, 1};
@@ -230,7 +233,8 @@ TEST(Continuing, ProgressiveDrawingAppendsColumns) {
   }
 }
 
-// --- The radial order --------------------------------------------------------------------------------------------------
+// --- The radial order
+// --------------------------------------------------------------------------------------------------
 
 TEST(RadialOrder, FansOfManyPlanesAreSortedByAngle) {
   PointStore points;
@@ -261,7 +265,8 @@ TEST(RadialOrder, FansOfManyPlanesAreSortedByAngle) {
     }
     ASSERT_TRUE(sort_radially(points, a, b, faces));
     int descents = 0;  // counter-clockwise around +z: angles rise, wrapping once
-    for (int i = 0; i < n; ++i) descents += angle[size_t(faces[size_t(i)].orig)] > angle[size_t(faces[size_t((i + 1) % n)].orig)];
+    for (int i = 0; i < n; ++i)
+      descents += angle[size_t(faces[size_t(i)].orig)] > angle[size_t(faces[size_t((i + 1) % n)].orig)];
     ASSERT_EQ(descents, 1);
     faces.push_back(faces[1]);
     faces.back().orig = 99;
@@ -269,7 +274,8 @@ TEST(RadialOrder, FansOfManyPlanesAreSortedByAngle) {
   }
 }
 
-// --- Refusals -----------------------------------------------------------------------------------------------------------
+// --- Refusals
+// -----------------------------------------------------------------------------------------------------------
 
 TEST(Refusal, BadBladesChangeNothing) {
   Arrangement a = flat_slab();
@@ -326,7 +332,8 @@ TEST(Refusal, ExcisionOfNothingOrEverything) {
   EXPECT_EQ(a.loose_component_near({0, 0, 0}, 5), -1);
 }
 
-// --- The surface view ---------------------------------------------------------------------------------------------------
+// --- The surface view
+// ---------------------------------------------------------------------------------------------------
 
 TEST(View, IsAClosedOrientedMeshWithItsBanksApart) {
   Arrangement a = flat_slab();

@@ -61,7 +61,8 @@ TEST(WideInt, FromBuiltIn) {
   }
 }
 
-// --- Predicates against the same formulas in arbitrary precision ------------------------------------------------------
+// --- Predicates against the same formulas in arbitrary precision
+// ------------------------------------------------------
 
 using BigPoint = std::array<Big, 4>;  // homogeneous
 
@@ -85,7 +86,8 @@ Int3 random_point(std::mt19937_64& random, int32_t limit) {
 
 Plane random_plane(std::mt19937_64& random, int32_t limit) {
   for (;;) {
-    const Plane p = plane_through(random_point(random, limit), random_point(random, limit), random_point(random, limit));
+    const Plane p =
+        plane_through(random_point(random, limit), random_point(random, limit), random_point(random, limit));
     if (p.n[0] != 0 || p.n[1] != 0 || p.n[2] != 0) return p;
   }
 }
@@ -100,7 +102,8 @@ TEST(Predicates, PlaneSideAndOrderAndBudgets) {
   int widest_w = 0, widest_x = 0;
   for (const int32_t limit : {RestGrid::kMaxCoordinate, 2000, 8}) {
     for (int round = 0; round < 4000; ++round) {
-      const Plane a = random_plane(random, limit), b = random_plane(random, limit), c = random_plane(random, limit), d = random_plane(random, limit);
+      const Plane a = random_plane(random, limit), b = random_plane(random, limit), c = random_plane(random, limit),
+                  d = random_plane(random, limit);
       Sample p, q;
       p.h = three_planes(a, b, c);
       if (p.h.w.sign() == 0) continue;
@@ -124,8 +127,10 @@ TEST(Predicates, PlaneSideAndOrderAndBudgets) {
       ASSERT_EQ(side_of_plane(d, q.ref()), big_side(d, q.exact()));
       for (int axis = 0; axis < 3; ++axis) {
         const BigPoint x = p.exact(), y = q.exact();
-        ASSERT_EQ(compare_coordinate(axis, p.ref(), q.ref()), Big(x[size_t(axis)] * y[3] - y[size_t(axis)] * x[3]).sign());
-        ASSERT_NEAR(q.approx[axis], (Big(y[size_t(axis)] * 1024 / y[3])).convert_to<double>() / 1024, 0x1p-10 + kApproximationError);
+        ASSERT_EQ(compare_coordinate(axis, p.ref(), q.ref()),
+                  Big(x[size_t(axis)] * y[3] - y[size_t(axis)] * x[3]).sign());
+        ASSERT_NEAR(q.approx[axis], (Big(y[size_t(axis)] * 1024 / y[3])).convert_to<double>() / 1024,
+                    0x1p-10 + kApproximationError);
       }
     }
   }
@@ -175,7 +180,8 @@ TEST(Predicates, Orient3dAndPlaneAgree) {
   std::mt19937_64 random(4);
   for (int round = 0; round < 20000; ++round) {
     const int32_t limit = round % 2 ? 6 : RestGrid::kMaxCoordinate;
-    const Int3 a = random_point(random, limit), b = random_point(random, limit), c = random_point(random, limit), d = random_point(random, limit);
+    const Int3 a = random_point(random, limit), b = random_point(random, limit), c = random_point(random, limit),
+               d = random_point(random, limit);
     const Big ux = Big(b.x) - a.x, uy = Big(b.y) - a.y, uz = Big(b.z) - a.z, vx = Big(c.x) - a.x, vy = Big(c.y) - a.y,
               vz = Big(c.z) - a.z, wx = Big(d.x) - a.x, wy = Big(d.y) - a.y, wz = Big(d.z) - a.z;
     const int expected = Big((uy * vz - uz * vy) * wx + (uz * vx - ux * vz) * wy + (ux * vy - uy * vx) * wz).sign();
@@ -184,25 +190,27 @@ TEST(Predicates, Orient3dAndPlaneAgree) {
   }
 }
 
-// --- Triangles ----------------------------------------------------------------------------------------------------------
+// --- Triangles
+// ----------------------------------------------------------------------------------------------------------
 
 IntTriangle triangle(std::array<Int3, 3> p, std::array<int32_t, 3> id) { return {p, id}; }
 
 TEST(TriangleTests, SharedVerticesAndEdges) {
   const Int3 o{0, 0, 0}, x{8, 0, 0}, y{0, 8, 0}, z{0, 0, 8}, xy{8, 8, 0}, in{2, 2, 0}, far{-8, -2, 0};
   const IntTriangle base = triangle({o, x, y}, {0, 1, 2});
-  EXPECT_FALSE(meet_beyond_shared(base, triangle({x, xy, y}, {1, 3, 2})));    // coplanar neighbours
-  EXPECT_TRUE(meet_beyond_shared(base, triangle({x, y, in}, {1, 2, 3})));     // folded flat onto it
-  EXPECT_FALSE(meet_beyond_shared(base, triangle({x, y, z}, {1, 2, 3})));     // folded up
-  EXPECT_FALSE(meet_beyond_shared(base, triangle({o, far, z}, {0, 3, 4})));   // one vertex, pointing away
+  EXPECT_FALSE(meet_beyond_shared(base, triangle({x, xy, y}, {1, 3, 2})));             // coplanar neighbours
+  EXPECT_TRUE(meet_beyond_shared(base, triangle({x, y, in}, {1, 2, 3})));              // folded flat onto it
+  EXPECT_FALSE(meet_beyond_shared(base, triangle({x, y, z}, {1, 2, 3})));              // folded up
+  EXPECT_FALSE(meet_beyond_shared(base, triangle({o, far, z}, {0, 3, 4})));            // one vertex, pointing away
   EXPECT_FALSE(meet_beyond_shared(base, triangle({o, far, {-2, -8, 0}}, {0, 3, 4})));  // the same, coplanar
   EXPECT_FALSE(meet_beyond_shared(base, triangle({o, {-8, 0, 0}, {0, -8, 0}}, {0, 3, 4})));  // coplanar, edges in line
   EXPECT_TRUE(meet_beyond_shared(base, triangle({o, {4, 0, 0}, {0, -8, 0}}, {0, 3, 4})));    // along the same edge
-  EXPECT_TRUE(meet_beyond_shared(base, triangle({o, in, far}, {0, 3, 4})));   // one vertex, coplanar, overlapping
-  EXPECT_TRUE(meet_beyond_shared(base, triangle({o, {4, 4, 4}, {4, 4, -4}}, {0, 3, 4})));  // one vertex, cutting through
+  EXPECT_TRUE(meet_beyond_shared(base, triangle({o, in, far}, {0, 3, 4})));  // one vertex, coplanar, overlapping
+  EXPECT_TRUE(
+      meet_beyond_shared(base, triangle({o, {4, 4, 4}, {4, 4, -4}}, {0, 3, 4})));  // one vertex, cutting through
   EXPECT_TRUE(meet_beyond_shared(base, triangle({in, {2, 2, 8}, {4, 4, 8}}, {3, 4, 5})));  // touching from above
   EXPECT_FALSE(meet_beyond_shared(base, triangle({Int3{2, 2, 2}, Int3{2, 2, 8}, Int3{4, 4, 8}}, {3, 4, 5})));
-  EXPECT_TRUE(meet_beyond_shared(base, triangle({o, x, y}, {3, 4, 5})));      // equal places, not shared by name
+  EXPECT_TRUE(meet_beyond_shared(base, triangle({o, x, y}, {3, 4, 5})));  // equal places, not shared by name
 }
 
 TEST(TriangleTests, CrossingHasTwoEndsAndIsSymmetric) {
@@ -219,7 +227,8 @@ TEST(TriangleTests, CrossingHasTwoEndsAndIsSymmetric) {
     if (c.kind == Crossing::crossing) {
       ++crossings;
       ASSERT_TRUE(meet_beyond_shared(s, t));
-      ASSERT_EQ(int(c.end[0].edge_of_s) + int(c.end[1].edge_of_s), 2 - int(d.end[0].edge_of_s) - int(d.end[1].edge_of_s));
+      ASSERT_EQ(int(c.end[0].edge_of_s) + int(c.end[1].edge_of_s),
+                2 - int(d.end[0].edge_of_s) - int(d.end[1].edge_of_s));
     } else if (c.kind == Crossing::apart) {
       ASSERT_FALSE(meet_beyond_shared(s, t));
     }
@@ -231,9 +240,11 @@ TEST(TriangleTests, RegularGridsAreEmbedded) {
   std::vector<Int3> v;
   std::vector<Tri> t;
   for (int j = 0; j < 6; ++j)
-    for (int i = 0; i < 6; ++i) v.push_back({8 * i, j < 3 ? 8 * j : 16, j < 3 ? 0 : 8 * (j - 2)});  // a floor and a wall
+    for (int i = 0; i < 6; ++i)
+      v.push_back({8 * i, j < 3 ? 8 * j : 16, j < 3 ? 0 : 8 * (j - 2)});  // a floor and a wall
   for (int32_t j = 0; j < 5; ++j)
-    for (int32_t i = 0; i < 5; ++i) t.push_back({6 * j + i, 6 * j + i + 1, 6 * j + i + 7}), t.push_back({6 * j + i, 6 * j + i + 7, 6 * j + i + 6});
+    for (int32_t i = 0; i < 5; ++i)
+      t.push_back({6 * j + i, 6 * j + i + 1, 6 * j + i + 7}), t.push_back({6 * j + i, 6 * j + i + 7, 6 * j + i + 6});
   EXPECT_EQ(check_embedded(v, t), "");
 }
 
