@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/report/report_names.h"
+#include "app/report/script_words.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -175,6 +176,10 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
                                number(r, "suture_force_max_N"), number(r, "dog_ear_mm"), number(r, "residual"), number(r, "solve_ms")});
   if (const Json& script = member(j, "script"); script.is_array())
     for (const Json& l : script) d.script.push_back(l.is_string() ? l.get<std::string>() : l.dump());
+  // A stage without words of its own says what the script did since the stage before.
+  const auto words_of = stage_words(d.script);
+  for (size_t i = 0; i < std::min(d.stages.size(), words_of.size()); ++i)
+    if (d.stages[i].caption.empty() && d.stages[i].name == words_of[i].first) d.stages[i].caption = words_of[i].second;
   if (const Json& damage = member(j, "damage"); damage.is_object())
     for (const auto& [name, value] : damage.items()) d.damage.emplace_back(name, value.is_structured() ? value.dump() : words(value));
   return d;

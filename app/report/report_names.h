@@ -9,6 +9,7 @@
 //   DIR/report.html            written by the report
 //
 //   "stages":      [{"name", "picture" (relative to DIR), "t_s", "caption", "residual", "sutures", "pieces"}]
+//                  no caption: what the script did since the stage before
 //                  absent: the pictures found in DIR/stages are shown in order of their names
 //   "pictures":    {"overview": "overview.png", "tension": "tension.png"}   absent: those names, where they exist
 //   "series":      {"t_s": [...], "residual": [...], "distance_mm": [...]}  of the solver, one entry a step or thinner;

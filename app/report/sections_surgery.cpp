@@ -69,7 +69,7 @@ std::string verdict(const ReportData& d, std::string& light) {
     const bool closed = *gap <= Limits::gap_mm;
     if (!closed) worse("warn");
     says.push_back((closed ? "Closed with " : "Not fully closed with ") + std::to_string(d.sutures.size()) +
-                   (d.sutures.size() == 1 ? " suture" : " sutures") + ", largest gap " + quantity(gap, "mm"));
+                   (d.sutures.size() == 1 ? " suture" : " sutures") + ", largest gap " + quantity(gap, "mm", 2));
   }
   if (!d.sutures.empty() && force) {
     worse(light_of_force(*force));
@@ -96,12 +96,12 @@ std::string key_figures(const ReportData& d) {
     c += card(quantity(v, "N"), "closure force", "sum over all sutures; clinical limit " + number(Limits::closure_N) + "\u202fN",
               *v > Limits::closure_N ? "bad" : "");
   if (force) c += card(quantity(force, "N"), "largest suture force", "one thread", light_of_force(*force));
-  if (gap) c += card(quantity(gap, "mm"), "largest gap", "closed up to " + number(Limits::gap_mm) + "\u202fmm", *gap <= Limits::gap_mm ? "good" : "warn");
+  if (gap) c += card(quantity(gap, "mm", 2), "largest gap", "closed up to " + number(Limits::gap_mm) + "\u202fmm", *gap <= Limits::gap_mm ? "good" : "warn");
   if (const Maybe v = d.metric("dog_ear_mm")) {
     const Maybe volume = d.metric("dog_ear_volume_mm3");
     c += card(quantity(v, "mm"), "dog-ear height", volume ? quantity(volume, "mm³") + " above the skin" : "standing cone above the skin");
   }
-  if (const Maybe v = d.metric("wound_gape_mm")) c += card(quantity(v, "mm"), "wound gape", "");
+  if (const Maybe v = d.metric("wound_gape_mm")) c += card(quantity(v, "mm", 2), "wound gape", "95 % of the edge gapes less");
   if (const Maybe v = d.metric("flap_area_mm2")) c += card(quantity(v, "mm²"), "flap area", "");
   if (const Maybe v = d.metric("elongation")) c += card(quantity(v, "×"), "elongation", "of the central limb's line");
   if (const Maybe v = d.metric("stretch_p99")) {
@@ -119,7 +119,7 @@ std::string light_of_force(double force_N) {
 }
 
 std::string title(const ReportData& d) {
-  return !d.scene_title.empty() ? d.scene_title : d.scene.empty() ? "Operation" : capital(d.scene);
+  return !d.scene_title.empty() ? capital(d.scene_title) : d.scene.empty() ? "Operation" : capital(d.scene);
 }
 
 std::string heading(const ReportData& d, const std::string& dir) {
@@ -203,7 +203,7 @@ std::string sutures(const ReportData& d) {
     t += "<tr><td><span class=\"light " + light + "\"></span>" + (s.id.empty() ? "–" : escape(s.id)) + "</td><td>" + quantity(s.force_N, "N") +
          "</td><td class=\"bar " + light + "\">";
     if (s.force_N) t += "<span class=\"meter\" style=\"width:" + std::to_string(int(std::lround(100 * std::clamp(*s.force_N / most, 0.0, 1.0)))) + "%\"></span>";
-    t += "</td><td class=\"" + std::string(s.gap_mm && *s.gap_mm > Limits::gap_mm ? "warn" : "") + "\">" + quantity(s.gap_mm, "mm") + "</td></tr>\n";
+    t += "</td><td class=\"" + std::string(s.gap_mm && *s.gap_mm > Limits::gap_mm ? "warn" : "") + "\">" + quantity(s.gap_mm, "mm", 2) + "</td></tr>\n";
   }
   t += "</tbody></table></div>\n";
   if (const Maybe v = d.metric("closure_force_N")) t += "<p>Closure force, summed over all sutures: <b>" + quantity(v, "N") + "</b>.</p>\n";
