@@ -92,7 +92,8 @@ class CellBuilder {
   void join_lattice_edges();
   void join_walks();
   void walk_square(int normal, bool high);
-  void walk_from_loop(int normal, bool high, int32_t root);
+  bool walk_from_loop(int normal, bool high, int run, int32_t root);
+  bool walk_from_shell(int axis, int32_t root);
   void walk_shells();
   template <class Left>
   bool walk_left(int axis, const SubPoint& line, Partition& own, int32_t root, Left&& left);

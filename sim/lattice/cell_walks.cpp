@@ -139,12 +139,16 @@ void CellBuilder::walk_square(int normal, bool high) {
       const int32_t root = square_.find(member(l, side));
       if (open_[size_t(root)]) continue;
       open_[size_t(root)] = 1;  // once
-      walk_from_loop(normal, high, root);
+      if (!walk_from_loop(normal, high, (normal + 1) % 3, root) &&
+          !walk_from_loop(normal, high, (normal + 2) % 3, root))
+        ++unresolved_;
     }
 }
 
-void CellBuilder::walk_from_loop(int normal, bool high, int32_t root) {
-  const int run = (normal + 1) % 3, rise = (normal + 2) % 3;  // "horizontal" and "vertical" on the square
+// With `run` the "horizontal" axis on the square. False when no horizontal line crosses the loop: a crack of a level
+// sheet.
+bool CellBuilder::walk_from_loop(int normal, bool high, int run, int32_t root) {
+  const int rise = 3 - normal - run;
   const int64_t level = bound_[size_t(normal)][high];
   struct Start {
     double extent, middle;
@@ -176,10 +180,11 @@ void CellBuilder::walk_from_loop(int normal, bool high, int32_t root) {
     line[size_t(rise)] =
         std::clamp<int64_t>(std::llround(s.middle * 0x1p24), bound_[size_t(rise)][0], bound_[size_t(rise)][1]);
     // The left lattice edge of the square runs along `rise`, at the low bound of `run`. Seen along `rise`, the
-    // coordinates are (normal, run), for rise + 1 = normal modulo 3.
-    if (walk_left(run, line, square_, root, [&] { return region_on_lattice_edge(rise, int(high), line); })) return;
+    // coordinates are those of the next two axes in cyclic order.
+    const int corner = (rise + 1) % 3 == normal ? int(high) : int(high) << 1;
+    if (walk_left(run, line, square_, root, [&] { return region_on_lattice_edge(rise, corner, line); })) return true;
   }
-  ++unresolved_;
+  return false;
 }
 
 void CellBuilder::walk_shells() {
@@ -202,50 +207,60 @@ void CellBuilder::walk_shells() {
     if (!face_[l].inside)
       for (int side = 0; side < 2; ++side)
         if (has(face_[l].mat, side)) open_[size_t(square_.find(member(l, side)))] = 1;
-  std::vector<int32_t> row;
   for (size_t l0 = 0; l0 < face_.size(); ++l0)
     for (int side0 = 0; side0 < 2; ++side0) {
       if (!has(face_[l0].mat, side0)) continue;
       const int32_t root = square_.find(member(l0, side0));
       if (open_[size_t(root)]) continue;
       open_[size_t(root)] = 1;
-      struct Start {
-        double area;
-        size_t face;
-      };
-      std::vector<Start> starts;
-      for (size_t l = 0; l < face_.size(); ++l) {
-        const LocalFace& f = face_[l];
-        if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) ||
-              (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
-          continue;
-        const Vec3 u = *f.p[1].approx - *f.p[0].approx, v = *f.p[2].approx - *f.p[0].approx;
-        starts.push_back({std::abs(u.y() * v.z() - u.z() * v.y()), l});
-      }
-      std::stable_sort(starts.begin(), starts.end(), [](const Start& a, const Start& b) { return a.area > b.area; });
-      if (starts.size() > 8) starts.resize(8);
-      bool done = false;
-      for (const Start& s : starts) {
-        const LocalFace& f = face_[s.face];
-        const Vec3 c = (*f.p[0].approx + *f.p[1].approx + *f.p[2].approx) / 3;
-        SubPoint line{bound_[0][0], std::llround(c.y() * 0x1p24), std::llround(c.z() * 0x1p24)};
-        // The region at the point of the low-x square: left along y to the next curve, else to the lattice edge.
-        auto left = [&]() -> int32_t {
-          hits_between(1, line, &line, row);
-          if (row.empty()) {
-            SubPoint at = line;
-            at[1] = bound_[1][0];
-            return region_on_lattice_edge(2, 0, at);
-          }
-          const LocalFace& next = face_[size_t(row.back())];
-          const int after = 1 - side_before(*next.plane, 1);
-          if (!has(next.mat, after)) contradiction("material along a walk contradicts a face's bits");
-          return member(size_t(row.back()), after);
-        };
-        if ((done = walk_left(0, line, square_, root, left))) break;
-      }
+      bool done = false;  // a level shell is met by lines along one axis only
+      for (int axis = 0; axis < 3 && !done; ++axis) done = walk_from_shell(axis, root);
       if (!done) ++unresolved_;
     }
+}
+
+// Along `axis` from the faces of the shell that are widest across it.
+bool CellBuilder::walk_from_shell(int axis, int32_t root) {
+  const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+  struct Start {
+    double area;
+    size_t face;
+  };
+  std::vector<Start> starts;
+  for (size_t l = 0; l < face_.size(); ++l) {
+    const LocalFace& f = face_[l];
+    if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) ||
+          (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
+      continue;
+    const Vec3 u = *f.p[1].approx - *f.p[0].approx, v = *f.p[2].approx - *f.p[0].approx;
+    starts.push_back({std::abs(u[b] * v[c] - u[c] * v[b]), l});
+  }
+  std::stable_sort(starts.begin(), starts.end(), [](const Start& p, const Start& q) { return p.area > q.area; });
+  if (starts.size() > 8) starts.resize(8);
+  std::vector<int32_t> row;
+  for (const Start& s : starts) {
+    const LocalFace& f = face_[s.face];
+    const Vec3 middle = (*f.p[0].approx + *f.p[1].approx + *f.p[2].approx) / 3;
+    SubPoint line;
+    line[size_t(axis)] = bound_[size_t(axis)][0];
+    line[size_t(b)] = std::llround(middle[b] * 0x1p24);
+    line[size_t(c)] = std::llround(middle[c] * 0x1p24);
+    // The region at the line's point of the low square: left along axis b to the next curve, else to the lattice edge.
+    auto left = [&]() -> int32_t {
+      hits_between(b, line, &line, row);
+      if (row.empty()) {
+        SubPoint at = line;
+        at[size_t(b)] = bound_[size_t(b)][0];
+        return region_on_lattice_edge(c, 0, at);
+      }
+      const LocalFace& next = face_[size_t(row.back())];
+      const int after = 1 - side_before(*next.plane, b);
+      if (!has(next.mat, after)) contradiction("material along a walk contradicts a face's bits");
+      return member(size_t(row.back()), after);
+    };
+    if (walk_left(axis, line, square_, root, left)) return true;
+  }
+  return false;
 }
 
 }  // namespace limberg

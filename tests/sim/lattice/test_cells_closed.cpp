@@ -140,6 +140,34 @@ TEST(CellsClosed, NarrowDrill) {
   EXPECT_EQ(s.t->components[size_t(inner)]->classes[0].corners, 255);
 }
 
+// A level sheet whose border pokes into cells through one square: its curve there is a crack that no level line
+// crosses.
+TEST(CellsClosed, BorderOfALevelSheet) {
+  int walks = 0;
+  for (int turn = 0; turn < 3; ++turn) {
+    const LatticeGrid g = grid_over(60, 12, 5.0);
+    LatticeScene s(wavy_slab(60, 12, 12, 0.4), g);
+    ASSERT_TRUE(s.cut(strip({{0.3, -14}, {0.5, 14}}, 3, -7)));
+    // A zigzag border: each tip ends inside a cell.
+    const double x = g.node_mm({8, 0, 0}).x() + (turn == 1 ? 0.9 : 0.4);
+    Blade b;
+    for (int i = 0; i <= 12; ++i) {
+      const double y = -12 + 2 * i + 0.1 * turn;
+      b.vertex.push_back(at(-0.5, y, -6));
+      b.vertex.push_back(at(i % 2 ? x : x - 2.2, y, -6));
+    }
+    for (int32_t i = 0; i < 12; ++i) {
+      b.tri.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+      b.tri.push_back({2 * i, 2 * i + 1, 2 * i + 3});
+    }
+    b.seed.assign(b.tri.size(), 2);
+    s.cut(b);
+    walks += s.t->walks;
+    EXPECT_EQ(s.t->pieces, 1);
+  }
+  EXPECT_GT(walks, 10);
+}
+
 // A small stab that ends inside a cell opens nothing there.
 TEST(CellsClosed, StabIntoTheMiddleOfACell) {
   const LatticeGrid g = grid_over(60, 12, 7.0);
