@@ -130,7 +130,7 @@ TEST(Scene, EveryMistakeIsNamedWithItsLine) {
       {with("cell_mm", "cell_mm = true"), 11, "not a number"},
       {kGood + "[solver]\niterations_per_step = 1.5\n", 13, "not an integer"},
       {kGood + "[solver]\nseed = -1\n", 13, "from 0"},
-      {kGood + "[build]\ncan_cut = 1\n", 13, "true or false"},
+      {kGood + "[build]\ncan_cut = 1\n", 13, "neither true nor false"},
       {kGood + "[camera]\nfrom = [0, 0, 2]\n", 12, "across"},
       {kGood + "[tools]\nmax_depth_mm = 2\n", 12, "default_depth_mm"},
   };
