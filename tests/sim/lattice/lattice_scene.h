@@ -29,16 +29,22 @@ struct LatticeScene {
   LatticeGrid g;
   std::shared_ptr<const LatticeTopology> t;
   uint64_t seed = 1;
+  bool only_cut = false;  // the last step took nothing away
 
   LatticeScene(const TriMesh& mesh, const LatticeGrid& lattice)
       : a(mesh, grid()), g(lattice), t(build_topology(g, material_surface(a))) {
     check();
   }
 
-  bool cut(const Blade& blade) {
+  /// With `sweep`, what is smaller than 1 mm^3 goes in the same step.
+  bool cut(const Blade& blade, bool sweep = false) {
+    const double before = a.volume_mm3();
     const CutResult r = a.cut(blade, seed++);
-    if (r.ok()) update();
-    return r.ok();
+    if (!r.ok()) return false;
+    if (sweep) a.sweep_debris(1.0);
+    only_cut = std::abs(a.volume_mm3() - before) < 1e-9;
+    update();
+    return true;
   }
   bool excise_smallest() {
     const auto& c = a.components();
@@ -46,6 +52,7 @@ struct LatticeScene {
     for (size_t i = 0; i < c.size(); ++i)
       if (c[i].volume_mm3 > 0 && (best < 0 || c[i].volume_mm3 < c[size_t(best)].volume_mm3)) best = int(i);
     if (!a.excise(best).done) return false;
+    only_cut = false;
     update();
     return true;
   }
@@ -88,7 +95,6 @@ struct LatticeScene {
       for (size_t k = 0; k < 8; ++k)
         ASSERT_EQ(t->nodes[size_t(c.node[k])].parent, before.cells[size_t(c.parent)].node[k]);
     }
-    const bool only_cut = a.last_operation().kind == LastOperation::cut;
     for (size_t c = 0; c < fraction.size(); ++c) {
       EXPECT_LT(fraction[c], before.cells[c].fraction + 1e-11);
       if (only_cut) {
