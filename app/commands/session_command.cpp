@@ -104,7 +104,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   o.draw_frames = !call.common.out_dir.empty() || call.real_time;
   if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
   OffscreenFrames frames(call.scene, 640, 480);
-  o.sink = &frames;
+  if (o.draw_frames) o.sink = &frames;
   Assembly a(std::move(call.scene), call.calibration, o);
   call.scene_files.reset();
   for (auto& s : call.sources) a.front.add(std::move(s));
