@@ -7,6 +7,11 @@
 
 #include <array>
 
+#ifdef __SANITIZE_ADDRESS__
+// The library keeps a few hundred bytes of its own until the process ends.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libOSMesa\n"; }
+#endif
+
 namespace limberg {
 
 namespace {
