@@ -43,9 +43,12 @@ TEST(TissueMesh, SharpEdgesAreNotSmoothed) {
     if (scene.mesh->part[v] == Part::skin) {
       EXPECT_EQ(scene.normal[v], Vec3f(Vec3f::UnitZ()));
     }
-    // Walls and lateral sides are upright or parallel to an axis.
     if (scene.mesh->part[v] == Part::wall) {
       EXPECT_NEAR(scene.normal[v].z(), 0, 1e-6);
+    }
+    // Walls and sides of this slab are parallel to its axes, so no normal may be mixed over an edge.
+    if (scene.mesh->part[v] != Part::skin) {
+      EXPECT_NEAR(scene.normal[v].cwiseAbs().maxCoeff(), 1, 1e-6);
     }
   }
 }
