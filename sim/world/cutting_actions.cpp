@@ -9,6 +9,8 @@
 namespace limberg {
 namespace {
 
+constexpr double kDebris_mm3 = 1;  // the smallest loose piece that counts as tissue
+
 /// A point well inside a simple polygon: of the midpoints of the diagonals and the centroid, the first that is inside
 /// by the crossing rule; nothing for fewer than three points or no area.
 std::optional<ChartPoint> interior_point(const std::vector<ChartPoint>& outline) {
@@ -98,13 +100,15 @@ Outcome OperatingTable::cut(const BladeResult& blade, bool take_out, const Vec3&
     }
     before.arrangement_steps = 2;
   }
+  // Blades that nearly coincide leave slivers that no lattice can hold; they go with the cut, and their volume is booked.
+  const DebrisResult debris = arrangement_->sweep_debris(kDebris_mm3);
   const Outcome built = rebuild();
   if (!built.done) {
     for (int i = 0; i < before.arrangement_steps; ++i) arrangement_->undo();
     --cuts_;
     return built;
   }
-  removed_volume_mm3_ += taken.volume_mm3;
+  removed_volume_mm3_ += taken.volume_mm3 + debris.volume_mm3;
   volume_mm3_ = arrangement_->volume_mm3();
   done_.push_back(std::move(before));
   return {true, {}};

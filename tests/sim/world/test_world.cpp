@@ -123,6 +123,16 @@ TEST(World, APlugLeavesAndVolumeBalances) {
   EXPECT_NEAR(world.removed_volume_mm3(), 16 * 16 * std::sqrt(3.0) / 2 * 4, 0.01 * 16 * 16 * 4);
 }
 
+TEST(World, SliversOfNearlyEqualCutsAreBooked) {
+  InlineWorkers workers;
+  World world(small_block(), workers);
+  ASSERT_TRUE(world.apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90}).done);
+  // The same stroke again, two hundredths of a millimetre aside and deeper: refused or done, nothing loose stays behind.
+  world.apply(Incise{{{-11, 0.32}, {11, 0.28}}, 5, 90});
+  EXPECT_EQ(world.pieces(), 1);
+  EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);
+}
+
 TEST(World, ASuturedWoundCloses) {
   InlineWorkers workers;
   World world(small_block(), workers);
