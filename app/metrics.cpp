@@ -30,6 +30,7 @@ void fill_metrics(Result& r, const Metrics& m) {
     r.set(p + "/id", m.sutures[i].id);
     r.set(p + "/force_N", m.sutures[i].force_N);
     r.set(p + "/gap_mm", m.sutures[i].gap_mm);
+    r.set(p + "/at_mm", std::span<const float>(m.sutures[i].at_mm));
   }
   r.set("/metrics/closure_force_N", m.closure_force_N);
   r.set("/metrics/suture_force_max_N", m.suture_force_max_N);

@@ -35,7 +35,8 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   if (volumes.initial_mm3 > 0) m.volume_change = (volumes.volume_mm3 + volumes.removed_mm3 - volumes.initial_mm3) / volumes.initial_mm3;
 
   for (const SutureState& s : snapshot.sutures) {
-    const SutureFigure f{s.id, double(s.force_N), double(s.gap_mm)};
+    const Vec3f at = 0.5f * (s.a_mm + s.b_mm);
+    const SutureFigure f{s.id, double(s.force_N), double(s.gap_mm), {at.x(), at.y(), at.z()}};
     m.sutures.push_back(f);
     m.closure_force_N += f.force_N;
     m.suture_gap_max_mm = std::max(m.suture_gap_max_mm, f.gap_mm);

@@ -3,6 +3,7 @@
 //
 // Everything is computed from one snapshot (positions, stitches, hooks), the elastic solution and exact volumes: plain
 // data, nothing is changed. Definitions stand where the figures are made: skin_strain.h, skin_shape.h; forces here.
+#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,6 +27,7 @@ struct ForceBalance {
 struct SutureFigure {
   int id = 0;
   double force_N = 0, gap_mm = 0;
+  std::array<float, 3> at_mm{};  // the middle of the stitch, in the world
 };
 
 struct Metrics {
