@@ -22,9 +22,11 @@ const Vec3 pull(-10, -10, 26);  // mm, 29.6 in length
 struct Size {
   const char* name;
   int side, layers;
-  double bar_1mm, bar_01mm;  // times faster than Newton; 0: no bar
+  // Times faster than Newton. 2k and 8k: the targets set after the prototype (35-98 times to 1 mm, 22-70 to 0.1 mm). 30k, where
+  // Newton is stopped at its limit and the ratio is a lower bound: the prototype's lowest.
+  double bar_1mm, bar_01mm;
 };
-constexpr Size sizes[] = {{"2k", 24, 2, 30, 20}, {"8k", 44, 3, 60, 50}, {"30k", 66, 6, 0, 0}};
+constexpr Size sizes[] = {{"2k", 24, 2, 30, 20}, {"8k", 44, 3, 60, 50}, {"30k", 66, 6, 35, 22}};
 
 double largest_error(std::span<const Vec3f> u, std::span<const Vec3> exact) {
   double m = 0;
@@ -167,7 +169,7 @@ void cold_pull(Result& out, const SpeedSettings& settings, const Size& size, dou
   const auto bar = [&](const char* what, double newton_ms, bool has, double own_ms, double wanted) {
     const double ratio = own_ms > 0 ? newton_ms / own_ms : 0;
     out.bars.push_back({std::string(label) + ": times faster than Newton to " + what, ratio, !has, wanted, true, ratio >= wanted,
-                        wanted > 0 ? "prototype: 35-98 times to 1 mm, 22-70 to 0.1 mm" : "no bar: reported"});
+                        "prototype: 35-98 times to 1 mm, 22-70 to 0.1 mm"});
   };
   bar("1 mm", best.to_1mm, best.has_1mm, ours[0], size.bar_1mm);
   bar("0.1 mm", best.to_01mm, best.has_01mm, ours[1], size.bar_01mm);
