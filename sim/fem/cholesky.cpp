@@ -5,15 +5,17 @@
 #include <stdexcept>
 
 extern "C" void openblas_set_num_threads(int) __attribute__((weak));
+extern "C" void omp_set_max_active_levels(int) __attribute__((weak));  // CHOLMOD 3 has loops for four OpenMP threads
 
 namespace limberg::fem {
 
-void keep_blas_single_threaded() {
+void keep_single_threaded() {
   if (openblas_set_num_threads) openblas_set_num_threads(1);
+  if (omp_set_max_active_levels) omp_set_max_active_levels(0);  // of the calling thread
 }
 
 ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order) {
-  keep_blas_single_threaded();
+  keep_single_threaded();
   ScalarFactor out;
   if (A.n() == 0) return out;
   cholmod_common common;

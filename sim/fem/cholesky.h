@@ -16,7 +16,7 @@ struct ScalarFactor {
 /// Throws std::runtime_error if the matrix is not positive definite. `order`: rows in elimination order, empty = METIS.
 ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order);
 
-/// BLAS inside CHOLMOD stays on the calling thread (no thread is started, and sums keep their order).
-void keep_blas_single_threaded();
+/// CHOLMOD and the BLAS inside it stay on the calling thread: no thread is started, and sums keep their order.
+void keep_single_threaded();
 
 }  // namespace limberg::fem
