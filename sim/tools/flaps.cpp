@@ -132,8 +132,8 @@ std::vector<Command> operation(const Rhomboid& plan, const FlapSettings& setting
   const Vec2 left = Vec2(-2, 0.5), below = Vec2(-1.5, -1.5);
   w.row(donor_D, donor_F);
   w.row({D, E, flap}, {B, A, left});
-  w.row({E, F, flap}, {A, D, out}, 1, 1.25);  // its end lies beside the donor stitch, which is to carry the tension
-  w.row({C, D, flap}, {C, B, below}, 1.25);   // the pivot's skin is whole; a stitch close to it would only pucker
+  w.row({E, F, flap}, {A, D, out}, 1, 1.75);  // its end lies beside the donor stitch, which is to carry the tension
+  w.row({C, D, flap}, {C, B, below}, 1.75);   // the pivot's skin is whole; a stitch close to it would only pucker
   w.stage("closed", 4);
   return w.commands;
 }
