@@ -50,6 +50,10 @@ bool OperatingTable::same_place(const Anchor& a, const Anchor& b) const {
   return (a.X_mm - b.X_mm).norm() < kSamePlace_mm && (position_mm(a.embedded) - position_mm(b.embedded)).norm() < kSamePlace_mm;
 }
 
+bool OperatingTable::joins(const Stitch& s, const Anchor& a, const Anchor& b) const {
+  return (same_place(s.a, a) && same_place(s.b, b)) || (same_place(s.a, b) && same_place(s.b, a));
+}
+
 bool OperatingTable::carry_anchors() {
   bool lost = false;
   const auto carry = [&](Anchor& a) {
@@ -118,7 +122,7 @@ Outcome OperatingTable::act(const Suture& c) {
   if (!b) return {false, reason};
   if (same_place(*a, *b)) return {false, "both ends of the stitch are at " + at_text(c.a) + "; two different edges were expected"};
   for (const Stitch& s : stitches_)
-    if ((same_place(s.a, *a) && same_place(s.b, *b)) || (same_place(s.a, *b) && same_place(s.b, *a)))
+    if (joins(s, *a, *b))
       return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
   done_.push_back(remember(false, 0));
   stitches_.push_back({next_stitch_++, next_spring_++, *a, *b, position_mm(a->embedded) - position_mm(b->embedded)});
@@ -140,9 +144,7 @@ Outcome OperatingTable::act(const SutureRow& c) {
     const auto a = find_anchor(pa[size_t(i)], true, reason);
     const auto b = a ? find_anchor(pb[size_t(i)], true, reason) : std::nullopt;
     if (!a || !b) return {false, "stitch " + std::to_string(i + 1) + " of the row: " + reason};
-    const auto near = [&](const Stitch& s) {
-      return (same_place(s.a, *a) && same_place(s.b, *b)) || (same_place(s.a, *b) && same_place(s.b, *a));
-    };
+    const auto near = [&](const Stitch& s) { return joins(s, *a, *b); };
     if (same_place(*a, *b) || std::any_of(stitches_.begin(), stitches_.end(), near) || std::any_of(row.begin(), row.end(), near)) continue;
     row.push_back({0, 0, *a, *b, position_mm(a->embedded) - position_mm(b->embedded)});
   }

@@ -78,6 +78,7 @@ class OperatingTable {
   EmbeddedPoint embed(const Anchor& anchor) const;
   bool carry_anchors();  // true when something was lost with its tissue
   bool same_place(const Anchor& a, const Anchor& b) const;
+  bool joins(const Stitch& stitch, const Anchor& a, const Anchor& b) const;  // the same two places, either way round
   void publish_springs();
   BladeContext blade_context() const;
   Done remember(bool is_cut, int arrangement_steps) const;
