@@ -74,6 +74,7 @@ FemModel box_model(const BoxSpec& b) {
   for (auto [i, j, k] : kept) {
     HexCell c;
     c.stencil = 2 * k >= n.z ? 1 : 0;
+    c.at = {int16_t(2 * i), int16_t(2 * j), int16_t(2 * k)};
     for (int a = 0; a < 8; ++a) {
       c.node[size_t(a)] = node[at(i + (a & 1), j + (a >> 1 & 1), k + (a >> 2))];
       m.mass_kg[size_t(c.node[size_t(a)])] += b.density_kg_mm3 * m.cell_mm.prod() / 8;

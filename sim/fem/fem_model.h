@@ -50,6 +50,16 @@ struct HexCell {
   std::array<int32_t, 8> node{};
   int32_t stencil = 0;
   float scale = 1;  // volume fraction of this copy of the cell, floored for conditioning
+  std::array<int16_t, 3> at{};  // its low corner on the lattice, in halves of an undivided cell
+  uint8_t level = 0;            // 0: undivided; 1: one of the eight halves-in-each-axis of a divided cell
+};
+
+/// A node in the middle of an edge or a square of a larger neighbour: not free, but where its masters put it.
+struct HangingNode {
+  int32_t node = -1;
+  int32_t count = 0;  // 2 or 4 masters, none of them hanging
+  std::array<int32_t, 4> master{};
+  std::array<float, 4> weight{};  // sum 1
 };
 
 struct FemModel {
@@ -60,6 +70,7 @@ struct FemModel {
   std::vector<HexCell> cells;
   std::vector<Stencil> stencils;
   std::vector<int32_t> parent;       // per node: its index in the previous model (state is carried from it); -1 only at start
+  std::vector<HangingNode> hanging;  // ascending by node; empty on a lattice without divided cells, and then costs nothing
 };
 
 /// A material point carried by one cell copy: position = sum w_i x[node_i]; weights are rest-only and sum to 1.
@@ -76,6 +87,15 @@ struct Spring {
   // to_world: the place that pulls a. Otherwise the gap still allowed, a - b at rest: zero once a stitch is tight.
   Vec3 target_mm = Vec3::Zero();
   double k_N_per_mm = 1;
+};
+
+/// A one-sided spring between two places of the tissue that must not pass through each other:
+/// E = k/2 min(0, n.(x_a - x_b) - gap)^2. It pushes, never pulls.
+struct Contact {
+  EmbeddedPoint a, b;
+  Vec3f normal = Vec3f::UnitZ();  // unit, from b's surface towards a
+  float gap_mm = 0;
+  float k_N_per_mm = 1;
 };
 
 }  // namespace limberg

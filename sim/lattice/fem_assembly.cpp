@@ -30,6 +30,8 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
     const CellCopy& copy = t.cells[c];
     HexCell& cell = model->cells[c];
     cell.node = copy.node;
+    const Int3 at = t.grid.cell_at(copy.cell);
+    cell.at = {int16_t(2 * at.x), int16_t(2 * at.y), int16_t(2 * at.z)};
     cell.stencil = table.of_cell(copy.cell);
     if (cell.stencil < 0) throw std::logic_error("material in a lattice cell for which there is no stencil");
     cell.scale = copy.fraction > kFull ? 1.0f : float(std::max(copy.fraction, kFloor));
