@@ -4,7 +4,7 @@
 #   ./do test          build, then run every test
 #   ./do build         build only; the binary is build/limberg
 #   ./do record [NAME] build, then make the recorded stream of a shipped script anew
-#   ./do bench [SUITE] run a benchmark suite (default: speed)
+#   ./do bench [SUITE] run a benchmark suite (default: speed); for cutting CGAL is installed too, to compare with
 #   ./do format        clang-format over the tree
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -82,6 +82,12 @@ case "${1:-help}" in
     done
     ;;
   bench)
+    if [ "${2:-}" = cutting ]; then  # CGAL (GPL) for a program of its own; nothing else links it
+      packages+=(libcgal-dev)
+      ensure_packages
+      cmake --preset release >/dev/null
+      build limberg_bench_cgal
+    fi
     build limberg
     build/limberg bench "${2:-speed}" "${@:3}"
     ;;

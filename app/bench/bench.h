@@ -30,6 +30,7 @@ struct Bar {
 struct Result {
   std::vector<Row> rows;
   std::vector<Bar> bars;
+  std::vector<std::string> notes;  // what a reader has to know to judge the figures
 };
 
 }  // namespace limberg::bench

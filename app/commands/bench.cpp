@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "app/bench/cutting.h"
 #include "app/bench/speed.h"
 #include "app/commands/commands.h"
 #include "app/output.h"
@@ -19,14 +20,15 @@ struct Options {
 };
 
 void print(const bench::Result& b) {
-  std::printf("%-26s %-28s %-30s %12s %14s\n", "case", "method", "settings", "time ms", "error");
+  std::printf("%-26s %-38s %12s %14s  %s\n", "case", "method", "time ms", "error", "settings");
   for (const bench::Row& r : b.rows)
-    std::printf("%-26s %-28s %-30s %1s%11.1f %9.3g %-4s %s\n", r.name.c_str(), r.method.c_str(), r.settings.c_str(),
-                r.at_least ? ">" : "", r.time_ms, r.error, r.error_unit.c_str(), r.pass ? "" : "FAIL");
+    std::printf("%-26s %-38s %1s%11.2f %9.3g %-4s  %s%s\n", r.name.c_str(), r.method.c_str(), r.at_least ? ">" : "", r.time_ms, r.error,
+                r.error_unit.c_str(), r.settings.c_str(), r.pass ? "" : " FAIL");
   std::printf("\n%-62s %10s %10s\n", "bar", "value", "bar");
   for (const bench::Bar& x : b.bars)
     std::printf("%-62s %1s%9.3g %1s%9.3g  %s\n", x.name.c_str(), x.at_least ? ">" : "", x.value, x.larger_is_better ? ">" : "<", x.bar,
                 x.pass ? "pass" : "FAIL");
+  for (const std::string& n : b.notes) std::printf("%s\n", n.c_str());
 }
 
 void fill(Result& out, const bench::Result& b) {
@@ -56,17 +58,28 @@ void fill(Result& out, const bench::Result& b) {
     out.set(p + "/pass", x.pass);
     out.set(p + "/source", x.source);
   }
+  for (size_t i = 0; i < b.notes.size(); ++i) out.set("/notes/" + std::to_string(i), b.notes[i]);
 }
 
 int run(const Options& o) {
   o.common.prepare();
-  if (o.suite != "speed") throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed");
-  if (!o.scene.empty()) throw InputError("", 0, "bench speed takes no scene; it makes its own at several sizes");
-  Progress progress("bench speed");
-  bench::SpeedSettings s;
-  s.quick = o.quick;
-  s.progress = [&](const std::string& line) { progress.note(line); };
-  const bench::Result b = bench::speed(s);
+  if (o.suite != "speed" && o.suite != "cutting")
+    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed or cutting");
+  if (!o.scene.empty()) throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
+  Progress progress("bench " + o.suite);
+  const auto note = [&](const std::string& line) { progress.note(line); };
+  bench::Result b;
+  if (o.suite == "speed") {
+    bench::SpeedSettings s;
+    s.quick = o.quick;
+    s.progress = note;
+    b = bench::speed(s);
+  } else {
+    bench::CuttingSettings s;
+    s.quick = o.quick;
+    s.progress = note;
+    b = bench::cutting(s);
+  }
   progress.clear();
   print(b);
   Result result("bench", "");
@@ -86,7 +99,7 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag")->required();
+  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);

@@ -1,0 +1,221 @@
+#include "app/bench/cutting.h"
+
+#include <malloc.h>
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+
+#include "app/bench/cgal_child.h"
+#include "app/bench/cpu_clock.h"
+#include "app/bench/cutting_scene.h"
+#include "sim/cutting/arrangement.h"
+
+namespace limberg::bench {
+namespace {
+
+struct Size {
+  const char* name;
+  int cells, repeats;
+  bool exact;         // CGAL with exact points too
+  double times_cgal;  // the bar; 0: none
+};
+constexpr Size full_sizes[] = {
+    {"26 k", 112, 15, true, 0}, {"103 k", 224, 15, true, 50}, {"407 k", 448, 9, true, 150}, {"1.6 M", 896, 7, false, 0}};
+constexpr Size quick_sizes[] = {{"2 k", 28, 3, true, 0}, {"7 k", 56, 3, true, 0}};
+
+void say(const CuttingSettings& s, const std::string& text) {
+  if (s.progress) s.progress(text);
+}
+
+size_t heap_bytes() {
+  const struct mallinfo2 m = mallinfo2();
+  return m.uordblks + m.hblkhd;
+}
+
+std::string text(const char* format, auto... value) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, format, value...);
+  return buffer;
+}
+
+CutResult cut(Arrangement& a, const Blade& blade, uint64_t seed, Times& times) {
+  const double start = cpu_ms();
+  CutResult r = a.cut(blade, seed);
+  times.add(cpu_ms() - start);
+  if (!r.ok()) throw std::runtime_error("bench cutting: a cut was refused: " + r.reason);
+  return r;
+}
+
+void add_row(Result& out, const std::string& name, const std::string& method, const std::string& settings, const Times& t) {
+  Row r;
+  r.name = name;
+  r.method = method;
+  r.settings = settings + text("; median of %zu, best %.3f ms", t.ms.size(), t.best());
+  r.time_ms = t.median();
+  out.rows.push_back(r);
+}
+
+void add_bar(Result& out, const std::string& name, double value, double bar, bool larger, const char* source) {
+  out.bars.push_back({name, value, false, bar, larger, larger ? value >= bar : value <= bar, source});
+}
+
+constexpr const char* kTargets = "issue 3, from the prototype's figures";
+
+/// Returns the median time of ours.
+double arrangement(Result& out, const CuttingSettings& settings, const Size& size, CgalChild& cgal) {
+  const std::string label = std::string("arrangement, ") + size.name;
+  say(settings, label);
+  const Body body = wavy_slab(size.cells);
+  const Blade blade = curved_blade(body, {});
+  const size_t heap = heap_bytes();
+  const double start = cpu_ms();
+  Arrangement a(body.surface, body.grid);
+  Times built;
+  built.add(cpu_ms() - start);
+  const size_t bytes = heap_bytes() - heap, triangles = body.surface.tri.size();
+  std::vector<Int3> x;
+  for (const Vec3& p : body.surface.X_mm) x.push_back(body.grid.to_grid(p));
+  cgal.set_input(x, body.surface.tri, blade);
+
+  Times ours, undo, epick, epeck;
+  CutResult made;
+  int32_t points = 0;
+  std::string version;
+  const int turns = std::min(size.repeats, 3);
+  for (int turn = 0; turn < turns; ++turn) {
+    for (int i = 0; i < size.repeats / turns; ++i) {
+      const int32_t before = a.point_count() + int32_t(blade.vertex.size());
+      made = cut(a, blade, 1, ours);
+      points = a.point_count() - before;
+      const double t = cpu_ms();
+      a.undo();
+      undo.add(cpu_ms() - t);
+    }
+    for (bool exact : {false, true}) {
+      if (exact && !size.exact) continue;
+      say(settings, label + (exact ? ": CGAL, exact points" : ": CGAL"));
+      const auto answer = cgal.corefine(exact);
+      if (!answer) continue;
+      (exact ? epeck : epick).add(answer->ms);
+      version = answer->version;
+      if (answer->new_vertices != points)  // both know the same intersection
+        throw std::runtime_error(text("bench cutting: CGAL finds %ld intersection points, ours %d", answer->new_vertices, points));
+    }
+  }
+  const std::string count = text("%zu triangles", triangles);
+  add_row(out, label, "ours", count + text(", %d intersection points, %d wall faces", points, made.wall_faces) + (made.tries > 1 ? text(", %d tries", made.tries) : ""), ours);
+  add_row(out, label, "ours: undo", count, undo);
+  add_row(out, label, "ours: made once (tree, gluing)", count, built);
+  if (!epick.empty()) add_row(out, label, "CGAL " + version + " corefine, EPICK", count, epick);
+  if (!epeck.empty()) add_row(out, label, "CGAL " + version + " corefine, EPECK", count, epeck);
+  Row memory;
+  memory.name = label;
+  memory.method = "ours: memory";
+  memory.settings = count;
+  memory.error = double(bytes) / double(triangles);
+  memory.error_unit = "B/triangle";
+  out.rows.push_back(memory);
+  if (!epick.empty()) {
+    const double ratio = epick.median() / ours.median();
+    if (size.times_cgal > 0)
+      add_bar(out, label + ": times faster than CGAL corefine, EPICK", ratio, size.times_cgal, true, kTargets);
+    else
+      out.rows.back().settings += text("; %.0f times faster than CGAL corefine, EPICK", ratio);
+  }
+  return ours.median();
+}
+
+void history(Result& out, const CuttingSettings& settings, int cells, int cuts) {
+  say(settings, "history");
+  const Body body = wavy_slab(cells);
+  Arrangement a(body.surface, body.grid);
+  BladePlace small;
+  small.length_mm = 20, small.columns = 14, small.bend_mm = 1;
+  const Blade probe = curved_blade(body, small);
+  Times first, last, early, late;
+  const auto try_probe = [&](Times& t) {
+    for (int i = 0; i < 9; ++i) cut(a, probe, 5, t), a.undo();
+  };
+  try_probe(first);
+  // The others lie wherever they fall, over and across each other, but leave the probe's own place free.
+  uint64_t state = 0x9e3779b97f4a7c15ull;
+  const auto random = [&state](double from, double to) {
+    state ^= state << 13, state ^= state >> 7, state ^= state << 17;
+    return from + (to - from) * double(state >> 11) * 0x1p-53;
+  };
+  for (int done = 0; done < cuts - 1;) {
+    BladePlace p = small;
+    p.middle = Vec2(random(-85, 85), random(-85, 85));
+    p.angle_deg = random(0, 180);
+    if (p.middle.norm() < 24) continue;
+    Times t;
+    const double start = cpu_ms();
+    const CutResult r = a.cut(curved_blade(body, p), uint64_t(done));
+    t.add(cpu_ms() - start);
+    if (!r.ok()) continue;  // it ran along an older one
+    if (done < 20) early.add(t.ms[0]);
+    if (done >= cuts - 21) late.add(t.ms[0]);
+    ++done;
+  }
+  try_probe(last);
+  const std::string count = text("%zu triangles, 20 mm", body.surface.tri.size());
+  add_row(out, "history", "the same cut, first", count, first);
+  add_row(out, "history", text("the same cut, number %d", cuts), count, last);
+  add_row(out, "history", "first 20 cuts", count, early);
+  add_row(out, "history", "last 20 cuts, many across older ones", count, late);
+  if (settings.quick) return;
+  add_bar(out, text("history: cut %d over cut 1", cuts), last.median() / first.median(), 1.5, false, kTargets);
+  add_bar(out, "history: last 20 cuts over first 20", late.median() / early.median(), 1.5, false, kTargets);
+}
+
+void crossing(Result& out, const CuttingSettings& settings, int cells, int repeats) {
+  say(settings, "crossing");
+  const Body body = wavy_slab(cells);
+  Arrangement a(body.surface, body.grid);
+  std::vector<Blade> blade;  // 2: X; 3 and 4: star
+  for (double angle : {0.0, 90.0, 45.0, 135.0}) {
+    BladePlace p;
+    p.angle_deg = angle, p.depth_mm = 9 - angle / 90;  // shallower or deeper than what they cross
+    p.middle += Vec2(angle / 90, angle / 60);
+    blade.push_back(curved_blade(body, p));
+  }
+  std::vector<Times> t(4), ratio(4);
+  std::array<int, 4> faces{};
+  for (int i = 0; i < repeats; ++i) {
+    for (size_t k = 0; k < 4; ++k) {
+      faces[k] = cut(a, blade[k], k, t[k]).wall_faces;
+      ratio[k].add(t[k].ms.back() / t[0].ms.back());
+    }
+    for (int k = 0; k < 4; ++k) a.undo();
+  }
+  for (size_t k = 0; k < 4; ++k)
+    add_row(out, "crossing", text("cut %zu", k + 1), text("%zu triangles, 120 mm, %d wall faces", body.surface.tri.size(), faces[k]), t[k]);
+  if (settings.quick) return;
+  for (size_t k = 1; k < 4; ++k)
+    add_bar(out, text("crossing: cut %zu over cut 1", k + 1), ratio[k].median(), 1.1, false, kTargets);
+}
+
+}  // namespace
+
+Result cutting(const CuttingSettings& settings) {
+  Result out;
+  CgalChild cgal(settings.cgal_program.empty() ? cgal_program() : settings.cgal_program);
+  double at_103k = 0, at_1600k = 0;
+  const auto sizes = settings.quick ? std::span<const Size>(quick_sizes) : std::span<const Size>(full_sizes);
+  for (const Size& size : sizes) {
+    const double ms = arrangement(out, settings, size, cgal);
+    if (size.cells == 224) at_103k = ms;
+    if (size.cells == 896) at_1600k = ms;
+  }
+  if (at_103k > 0 && at_1600k > 0) add_bar(out, "growth: 1.6 M over 103 k triangles", at_1600k / at_103k, 4.5, false, kTargets);
+  history(out, settings, settings.quick ? 56 : 224, settings.quick ? 30 : 200);
+  crossing(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
+  whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, settings.quick ? 2 : 9);
+  out.notes.push_back("Ours keeps a tree over the body's triangles (row 'made once'); CGAL makes its own in every call.");
+  out.notes.push_back("Ours also glues the banks, keeps what undo needs and checks volume and closure; CGAL adds the curve to both meshes.");
+  if (!cgal.available()) out.notes.push_back("No comparison with CGAL: " + cgal.why() + ".");
+  return out;
+}
+
+}  // namespace limberg::bench

@@ -1,0 +1,91 @@
+// The whole cut, part by part, as World makes it on the solver thread.
+#include <cstdio>
+#include <stdexcept>
+
+#include "app/bench/cpu_clock.h"
+#include "app/bench/cutting.h"
+#include "app/bench/cutting_scene.h"
+#include "sim/cutting/arrangement.h"
+#include "sim/fem/elastic_solver.h"
+#include "sim/geometry/skin.h"
+#include "sim/lattice/embedding.h"
+#include "sim/lattice/fem_assembly.h"
+#include "sim/lattice/grid_fit.h"
+#include "sim/lattice/topology.h"
+#include "sim/world/rest_index.h"
+
+namespace limberg::bench {
+
+void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, double cell_mm, int repeats) {
+  const auto say = [&](const char* what) {
+    if (settings.progress) settings.progress(std::string("whole cut: ") + what);
+  };
+  say("scene");
+  const auto body = std::make_shared<const Body>(wavy_slab(slab_cells));
+  const Blade blade = curved_blade(*body, {});
+  Arrangement a(body->surface, body->grid);
+  const LatticeGrid grid = fit_lattice(*body, cell_mm);
+  const Skin skin(body);
+  const StencilTable stencils(skin, grid);
+  const auto before = build_topology(grid, material_surface(a));
+  const auto model_before = assemble_fem(stencils, *before);
+  InlineWorkers workers;
+  const auto solver = make_solver(workers);
+
+  constexpr int kParts = 7;
+  const char* const name[kParts] = {"arrangement",    "lattice", "finite elements", "surface that is drawn",
+                                    "its embedding", "index for picking", "solver takes the model (not in the sum)"};
+  Times part[kParts], sum;
+  size_t triangles = 0, cells = 0, nodes = 0;
+  int touched = 0;
+  say("cuts");
+  for (int i = 0; i < repeats; ++i) {
+    solver->set_model(model_before, {});
+    double at = cpu_ms();
+    const double start = at;
+    int k = 0;
+    const auto lap = [&] {
+      const double now = cpu_ms();
+      part[k++].add(now - at);
+      at = now;
+    };
+    if (const CutResult r = a.cut(blade, 1); !r.ok()) throw std::runtime_error("bench cutting: a cut was refused: " + r.reason);
+    a.sweep_debris(1);
+    lap();
+    const auto lattice = update_topology(*before, material_surface(a));
+    lap();
+    const auto model = assemble_fem(stencils, *lattice);
+    lap();
+    SurfaceView view = a.surface_view();
+    lap();
+    const auto embedding = embed_surface(*lattice, material_surface(a), view);
+    lap();
+    const RestIndex index(view, body->surface.tri.size());
+    lap();
+    sum.add(at - start);
+    std::vector<int32_t> parent;
+    for (const CellCopy& c : lattice->cells) parent.push_back(c.parent);
+    at = cpu_ms();
+    solver->set_model(model, parent);
+    lap();
+    a.undo();
+    triangles = view.tri.size(), cells = lattice->cells.size(), nodes = lattice->nodes.size(), touched = lattice->touched_cells;
+  }
+  char label[64], size[160];
+  std::snprintf(label, sizeof label, "whole cut, cells of %g mm", cell_mm);
+  std::snprintf(size, sizeof size, "%zu triangles, %zu cell copies, %zu nodes, %d cells touched", triangles, cells, nodes, touched);
+  const auto add = [&](const char* method, const Times& t) {
+    char how[224];
+    std::snprintf(how, sizeof how, "%s; median of %zu, best %.3f ms", size, t.ms.size(), t.best());
+    Row r;
+    r.name = label, r.method = method, r.settings = how, r.time_ms = t.median();
+    out.rows.push_back(r);
+  };
+  for (int k = 0; k < kParts; ++k) add(name[k], part[k]);
+  add("sum of the parts: cut to new topology", sum);
+  if (settings.quick) return;
+  out.bars.push_back({"whole cut to new topology at 103 k triangles, 3 mm cells (ms)", sum.median(), false, 4, false,
+                      sum.median() <= 4, "issue 3: a quarter of a 60 Hz frame"});
+}
+
+}  // namespace limberg::bench
