@@ -47,6 +47,9 @@ class ElasticSolver {
   /// never waits for a factorization. Springs name nodes of the current model: give them again after set_model, which drops them.
   virtual void set_springs(std::span<const Spring> springs) = 0;
 
+  /// The whole list of contacts; an empty list costs nothing. They hold until the next list or the next model.
+  virtual void set_contacts(std::span<const Contact> contacts) = 0;
+
   virtual StepReport step(const StepSettings& settings) = 0;
 
   virtual std::span<const Vec3f> displacement_mm() const = 0;  // per node: x - X
@@ -54,6 +57,8 @@ class ElasticSolver {
   Vec3 position_mm(const EmbeddedPoint& p) const;
   /// Force in mN that the spring exerts on its point a.
   virtual Vec3 spring_force_mN(int32_t id) const = 0;
+  /// Force in mN of the i-th contact of the list, along its normal; never negative.
+  virtual double contact_force_mN(size_t i) const = 0;
   /// Sum of the forces in mN that the Dirichlet nodes receive from the material and from springs that hang on them (their
   /// supports give the opposite).
   virtual Vec3 support_force_mN() const = 0;

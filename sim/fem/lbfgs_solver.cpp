@@ -74,6 +74,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
   history_.resize(n, n < small_model ? 5 : 8);
   springs_.clear();
   forces_ = SpringForces();
+  contacts_ = ContactForces();
   metric_.set_model(model_);
   force_scale_ = 0, since_update_ = 0;
   publish();
@@ -108,10 +109,19 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   metric_.set_springs(std::move(rows));
 }
 
+void LbfgsSolver::set_contacts(std::span<const Contact> contacts) {
+  if (!model_) throw InputError("", 0, "contacts were given before a model");
+  contacts_ = ContactForces(*model_, contacts);
+}
+
 LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool measure) {
   const CellSums cells = elements_->evaluate(u, g, measure, workers_);
   const double springs = forces_.add(u, g, measure);
   Value v{cells.energy + springs, float_noise * (cells.magnitude + springs)};
+  if (!contacts_.empty()) {
+    const double pressed = contacts_.add(u, g, measure);
+    v.energy += pressed, v.noise += float_noise * pressed;
+  }
   if (!inertia_.empty()) {
     double e = 0;
     for (size_t i = 0; i < g.size(); ++i) {
@@ -271,10 +281,13 @@ Vec3 LbfgsSolver::spring_force_mN(int32_t id) const {
   return i < 0 ? Vec3::Zero() : forces_.force_mN(size_t(i), u_);
 }
 
+double LbfgsSolver::contact_force_mN(size_t i) const { return i < contacts_.size() ? contacts_.force_mN(i, u_) : 0; }
+
 Vec3 LbfgsSolver::support_force_mN() const {
   NodeArray g(u_.size());
   elements_->evaluate(u_, g, false, workers_);
   forces_.add(u_, g, false);
+  contacts_.add(u_, g, false);
   Vec3 f = Vec3::Zero();
   for (int32_t i : fixed_) f -= Vec3(double(g[size_t(i)].x), double(g[size_t(i)].y), double(g[size_t(i)].z));
   return f;

@@ -2,17 +2,19 @@
 // The elasticity solver: how the parts of this folder work together in one step.
 //
 //   u     displacement of all nodes, float, 16 bytes each; fixed nodes keep theirs (zero, or what set_displacement gave)
-//   E(u)  cells (ElementSystem) + springs (SpringForces) + in a dynamic step the incremental potential of backward Euler
+//   E(u)  cells (ElementSystem) + springs (SpringForces) + contacts (ContactForces) + in a dynamic step the incremental potential of backward Euler
 //         sum_i a_i/2 |u_i - t_i|^2,  a = m (1/dt^2 + c/dt),  t = ((u0 + dt v0)/dt^2 + c u0/dt) / (1/dt^2 + c/dt)
 //   d     = -H g, H: L-BFGS over a prefactored scalar matrix (Preconditioner); Armijo line search; when the change of energy
 //         is below the noise of single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
 //   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers)
 //
 // The history outlives the step: moving a target or updating q only shifts the gradient, so old pairs stay true as long as
-// no pair is taken across such a shift. A new model or another set of springs clears it.
+// no pair is taken across such a shift. A new model or another set of springs clears it. Other contacts do not: the metric
+// knows nothing of them, the pairs learn them, and a pair that is out of date still makes a positive definite operator.
 #include <memory>
 #include <vector>
 
+#include "sim/fem/contact_forces.h"
 #include "sim/fem/elastic_solver.h"
 #include "sim/fem/element_system.h"
 #include "sim/fem/lbfgs.h"
@@ -27,11 +29,13 @@ class LbfgsSolver final : public ElasticSolver {
 
   void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) override;
   void set_springs(std::span<const Spring> springs) override;
+  void set_contacts(std::span<const Contact> contacts) override;
   StepReport step(const StepSettings& settings) override;
 
   std::span<const Vec3f> displacement_mm() const override { return shown_; }
   void set_displacement_mm(std::span<const Vec3f> u) override;
   Vec3 spring_force_mN(int32_t id) const override;
+  double contact_force_mN(size_t i) const override;
   Vec3 support_force_mN() const override;
   void cell_J(std::vector<float>& J) const override;
   Mat3 cell_F(int32_t cell) const override;
@@ -59,6 +63,7 @@ class LbfgsSolver final : public ElasticSolver {
   std::vector<int32_t> fixed_;
   std::vector<Spring> springs_;
   SpringForces forces_;
+  ContactForces contacts_;
   LbfgsHistory history_;
 
   NodeArray u_, g_, d_, u_try_, g_try_;

@@ -32,11 +32,36 @@ Mat3 skew(const Vec3& v) {  // S_ik = epsilon_ikm v_m
   return s;
 }
 
+/// A contact as one row: s = w . x along the normal - gap.
+struct ContactRow {
+  Vec3 normal = Vec3::UnitZ();
+  double k = 0, gap = 0;
+  std::vector<std::pair<int32_t, double>> share;  // node, signed weight; each node once
+
+  ContactRow(const Contact& c) : normal(c.normal.cast<double>()), k(double(c.k_N_per_mm) * 1000), gap(double(c.gap_mm)) {
+    for (const EmbeddedPoint* p : {&c.a, &c.b}) {
+      const double sum = std::accumulate(p->w.begin(), p->w.end(), 0.0), sign = p == &c.a ? 1 : -1;
+      for (size_t i = 0; i < 8; ++i) {
+        if (p->w[i] == 0) continue;
+        const auto same = std::find_if(share.begin(), share.end(), [&](const auto& s) { return s.first == p->node[i]; });
+        const double w = sign * double(p->w[i]) / sum;
+        same == share.end() ? void(share.push_back({p->node[i], w})) : void(same->second += w);
+      }
+    }
+  }
+  double clearance(const FemModel& m, std::span<const Vec3> u) const {
+    double s = -gap;
+    for (const auto& [n, w] : share) s += w * normal.dot(m.X_mm[size_t(n)] + u[size_t(n)]);
+    return s;
+  }
+};
+
 }  // namespace
 
 struct ReferenceElasticity::Impl {
   const FemModel& m;
   std::vector<Spring> springs;
+  std::vector<ContactRow> contacts;
   std::vector<Gradients> B;        // per stencil, at its sample point
   std::vector<Gradients> KX;      // per stencil
   std::vector<double> mu_sample;  // share of K that is certainly a stiffness at the sample point
@@ -47,6 +72,7 @@ struct ReferenceElasticity::Impl {
   std::vector<int32_t> begin, row;
   std::vector<std::array<int32_t, 64>> cell_entry;  // scalar entry of (a, b), row >= column; -1 none
   std::vector<std::vector<std::array<int32_t, 3>>> spring_entry;  // (i, j, scalar entry)
+  std::vector<std::vector<std::array<int32_t, 3>>> contact_entry;
   std::vector<fem::SpringRow> spring_rows;
   mutable cholmod_common common;
   cholmod_factor* symbolic = nullptr;
@@ -103,6 +129,14 @@ struct ReferenceElasticity::Impl {
           (*g)[n] += k * w * r;
           if (scale) size[n] += k * std::fabs(w) * r.norm();
         });
+    }
+    for (const ContactRow& c : contacts) {
+      const double s = std::min(0.0, c.clearance(m, u));
+      energy += 0.5 * c.k * s * s;
+      if (g) for (const auto& [n, w] : c.share) {
+          (*g)[size_t(n)] += c.k * s * w * c.normal;
+          if (scale) size[size_t(n)] += c.k * std::fabs(s * w);
+        }
     }
     if (scale) {
       double sum = 0;
@@ -170,7 +204,16 @@ struct ReferenceElasticity::Impl {
   void build_pattern() {
     if (!begin.empty()) return;
     for (const Spring& s : springs) spring_rows.push_back(fem::spring_row(m, s));
-    graph = fem::assemble_scalar(m, spring_rows, 0, false);
+    // A contact couples its nodes as a spring does: it enters the pattern as one, and its values are added where it presses.
+    std::vector<fem::SpringRow> coupled = spring_rows;
+    for (const ContactRow& c : contacts) {
+      fem::SpringRow r;
+      for (const auto& [n, w] : c.share)
+        if (!m.fixed[size_t(n)]) r.node.push_back(n), r.w.push_back(w);
+      r.k_mN_per_mm = c.k;
+      coupled.push_back(r);
+    }
+    graph = fem::assemble_scalar(m, coupled, 0, false);
     auto entry = [&](int32_t i, int32_t j) {
       const auto first = graph.row.begin() + graph.begin[size_t(j)], last = graph.row.begin() + graph.begin[size_t(j) + 1];
       return int32_t(std::lower_bound(first, last, i) - graph.row.begin());
@@ -183,6 +226,14 @@ struct ReferenceElasticity::Impl {
           e[size_t(8 * a + b)] = i >= 0 && j >= 0 && i >= j ? entry(i, j) : -1;
         }
       cell_entry.push_back(e);
+    }
+    for (const ContactRow& c : contacts) {
+      contact_entry.emplace_back();
+      for (size_t a = 0; a < c.share.size(); ++a)
+        for (size_t b = 0; b < c.share.size(); ++b) {
+          const int32_t i = graph.row_of_node[size_t(c.share[a].first)], j = graph.row_of_node[size_t(c.share[b].first)];
+          if (i >= j && j >= 0) contact_entry.back().push_back({int32_t(a), int32_t(b), entry(i, j)});
+        }
     }
     for (const fem::SpringRow& r : spring_rows) {
       spring_entry.emplace_back();
@@ -252,6 +303,16 @@ struct ReferenceElasticity::Impl {
         const int32_t j = graph.row_of_node[size_t(r.node[size_t(b)])];
         for (int k = 0; k < 3; ++k) value[place(j, e, k, k)] += r.k_mN_per_mm * r.w[size_t(a)] * r.w[size_t(b)];
       }
+    for (size_t c = 0; c < contacts.size(); ++c) {
+      const ContactRow& pressed = contacts[c];
+      if (!(pressed.clearance(m, u) < 0)) continue;
+      for (auto [a, b, e] : contact_entry[c]) {
+        const int32_t j = graph.row_of_node[size_t(pressed.share[size_t(b)].first)];
+        const double kw = pressed.k * pressed.share[size_t(a)].second * pressed.share[size_t(b)].second;
+        for (int k = 0; k < 3; ++k)
+          for (int r = a == b ? k : 0; r < 3; ++r) value[place(j, e, r, k)] += kw * pressed.normal[r] * pressed.normal[k];
+      }
+    }
     cholmod_sparse S = matrix(value.data());
     cholmod_factor* L = cholmod_copy_factor(symbolic, &common);
     common.status = CHOLMOD_OK;
@@ -275,10 +336,12 @@ struct ReferenceElasticity::Impl {
   }
 };
 
-ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const Spring> springs)
+ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const Spring> springs,
+                                         std::span<const Contact> contacts)
     : impl_(std::make_unique<Impl>(model)) {
   Impl& p = *impl_;
   p.springs.assign(springs.begin(), springs.end());
+  p.contacts.assign(contacts.begin(), contacts.end());
   Gradients X;
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) {
@@ -317,6 +380,11 @@ Eigen::MatrixXd ReferenceElasticity::dense_hessian(std::span<const Vec3> u, bool
     for (size_t a = 0; a < r.node.size(); ++a)
       for (size_t b = 0; b < r.node.size(); ++b)
         H.block<3, 3>(3 * r.node[a], 3 * r.node[b]) += r.k_mN_per_mm * r.w[a] * r.w[b] * Mat3::Identity();
+  }
+  for (const ContactRow& c : p.contacts) {
+    if (!(c.clearance(p.m, u) < 0)) continue;
+    for (const auto& [i, wi] : c.share)
+      for (const auto& [j, wj] : c.share) H.block<3, 3>(3 * i, 3 * j) += c.k * wi * wj * c.normal * c.normal.transpose();
   }
   return H;
 }

@@ -16,12 +16,12 @@ namespace limberg {
 
 class ReferenceElasticity {
  public:
-  ReferenceElasticity(const FemModel& model, std::span<const Spring> springs);
+  ReferenceElasticity(const FemModel& model, std::span<const Spring> springs, std::span<const Contact> contacts = {});
   ~ReferenceElasticity();
   ReferenceElasticity(const ReferenceElasticity&) = delete;
   ReferenceElasticity& operator=(const ReferenceElasticity&) = delete;
 
-  /// uJ, as defined in fem_model.h, springs included; relative to the undeformed state of the cells.
+  /// uJ, as defined in fem_model.h, springs and contacts included; relative to the undeformed state of the cells.
   double energy(std::span<const Vec3> u) const;
   /// mN at every node, fixed ones included.
   double gradient(std::span<const Vec3> u, std::vector<Vec3>& g) const;
