@@ -19,7 +19,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   const Tool tool = Tool(e.tool);
   // Anything but a second stroke along the other edge gives a begun row up.
   const bool of_a_row = tool == Tool::suture_row && e.kind <= ToolEvent::stroke_cancel;
-  if (have_row_a_ && !of_a_row && (e.kind == ToolEvent::stroke_begin || e.kind == ToolEvent::undo)) {
+  if (have_row_a_ && !of_a_row && (e.kind == ToolEvent::stroke_begin || e.kind == ToolEvent::undo || e.kind == ToolEvent::redo)) {
     have_row_a_ = false;
     ++dropped_;
   }
@@ -84,6 +84,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       return Suture{suture_a_, here};
     case ToolEvent::undo:
       return Undo{};
+    case ToolEvent::redo:
+      return Redo{};
     case ToolEvent::stage:
       return Stage{e.text.str()};
     default:

@@ -18,7 +18,7 @@ class CommandBuilder {
   /// The command that this event completes, if any:
   ///   stroke_end -> Incise, Undermine or Excise; the second stroke of a pair -> SutureRow (turned when it was
   ///   plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0; hook_release ->
-  ///   ReleaseHook; suture_b -> Suture; undo -> Undo; stage -> Stage.
+  ///   ReleaseHook; suture_b -> Suture; undo -> Undo; redo -> Redo; stage -> Stage.
   /// Between hook_set or hook_take and hook_leave the hook follows ToolState::tip_mm.
   std::optional<Command> feed(const ToolEvent& event);
   /// Strokes too short to mean anything (fewer than two points apart after smoothing), and broken pairs.

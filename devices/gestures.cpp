@@ -90,6 +90,10 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
       cancel(tick, s, out);
       emit(event(ToolEvent::undo, tick, s), out);
       break;
+    case ControlSample::redo:
+      cancel(tick, s, out);
+      emit(event(ToolEvent::redo, tick, s), out);
+      break;
     case ControlSample::stage: {
       ToolEvent e = event(ToolEvent::stage, tick, s);
       e.id = int32_t(std::clamp(c.value[0], 0.0, 1e6));

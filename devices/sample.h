@@ -33,7 +33,7 @@ struct StylusSample {
 
 /// A choice made away from the hand: pedal, palette or keyboard (LCM control_t).
 struct ControlSample {
-  enum Kind : int32_t { select_tool = 1, undo = 2, stage = 3, release_hook = 4 };
+  enum Kind : int32_t { select_tool = 1, undo = 2, stage = 3, release_hook = 4, redo = 5 };
   int32_t device_id = 0;
   int64_t seq = 0, t_ns = 0;
   int32_t kind = select_tool;

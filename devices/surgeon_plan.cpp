@@ -219,6 +219,11 @@ void SurgeonPlan::plan(const Undo&) {
   hold(Aim{}, set_.settle_s);
 }
 
+void SurgeonPlan::plan(const Redo&) {
+  control(ControlSample::redo);
+  hold(Aim{}, set_.settle_s);
+}
+
 void SurgeonPlan::plan(const Stage& c) {
   control(ControlSample::stage, Tool::none, {double(++stages_), 0, 0, 0}, c.name);
   hold(Aim{}, set_.corner_pause_s);

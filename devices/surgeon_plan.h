@@ -76,6 +76,7 @@ class SurgeonPlan {
   void plan(const Suture& c);
   void plan(const SutureRow& c);
   void plan(const Undo& c);
+  void plan(const Redo& c);
   void plan(const Stage& c);
   void plan(const Wait& c);
 

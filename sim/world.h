@@ -46,6 +46,9 @@ class World {
 
   uint64_t topology_hash() const;  // same on every machine
   uint64_t state_hash() const;     // positions, topology, hooks and sutures
+  /// The same and all that undo and redo bring back: the whole arrangement, the solver's velocities and pressures,
+  /// counters. For tests; O(everything).
+  uint64_t full_hash() const;
 
   // For measurement (sim/measure).
   const WorldSpec& spec() const;

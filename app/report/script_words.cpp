@@ -48,7 +48,7 @@ std::string mm(double v) { return html::number(v, 3) + " mm"; }
 // What happened since the last stage.
 struct Deeds {
   std::string cuts;
-  int hooks = 0, moves = 0, released = 0, sutures = 0, rows = 0, undone = 0;
+  int hooks = 0, moves = 0, released = 0, sutures = 0, rows = 0, undone = 0, redone = 0;
 
   std::string text() const {
     std::string s = cuts;
@@ -61,6 +61,7 @@ struct Deeds {
     add(rows, "One row of sutures", " rows of sutures");
     if (released > 0) s += s.empty() ? "The hooks are taken out." : " The hooks are taken out.";
     add(undone, "One action taken back", " actions taken back");
+    add(redone, "One action done again", " actions done again");
     return s;
   }
 };
@@ -80,6 +81,7 @@ void note(const Json& j, const std::string& action, Deeds& d) {
   else if (action == "suture") ++d.sutures;
   else if (action == "suture_row") ++d.rows;
   else if (action == "undo") ++d.undone;
+  else if (action == "redo") ++d.redone;
 }
 
 }  // namespace

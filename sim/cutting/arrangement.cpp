@@ -112,7 +112,7 @@ Arrangement::~Arrangement() = default;
 Arrangement::Arrangement(Arrangement&&) noexcept = default;
 Arrangement& Arrangement::operator=(Arrangement&&) noexcept = default;
 
-CutResult Arrangement::cut(const Blade& blade, uint64_t seed) {
+CutResult Arrangement::cut(const Blade& blade, uint64_t seed, int first_try) {
   CutResult result;
   result.reason = check_blade(blade, *store_);
   if (!result.reason.empty()) return result;
@@ -121,7 +121,7 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed) {
     result.reason = "this is cut already";
     return result;
   }
-  for (int k = 0; k < kTries; ++k) {
+  for (int k = first_try; k < kTries; ++k) {
     result.tries = k + 1;
     // The first try takes the blade as it is; each further one redraws every vertex that is not shared.
     std::vector<Int3> vertex = blade.vertex;

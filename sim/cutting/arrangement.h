@@ -41,7 +41,9 @@ class Arrangement {
   Arrangement(Arrangement&&) noexcept;
   Arrangement& operator=(Arrangement&&) noexcept;
 
-  CutResult cut(const Blade& blade, uint64_t seed);
+  /// `first_try`: redraws of the jitter to pass over. With CutResult::tries - 1 of a cut that was made and taken back, on
+  /// the same state, it is made again bit for bit.
+  CutResult cut(const Blade& blade, uint64_t seed, int first_try = 0);
   /// Takes one component of the sided surface away: its material bits are cleared. Index into components().
   ExciseResult excise(int32_t component);
   /// Takes away every loose piece (no `fixed` face) smaller than this, as part of the last operation: its undo brings

@@ -35,6 +35,15 @@ struct StepReport {
   double min_J = 1;
 };
 
+/// What a solver must get back to stand where it stood (its springs are the caller's). In the node and cell order of
+/// its model; lists that would hold nothing but zeros are empty.
+struct SolverState {
+  std::vector<float> displacement_mm, velocity_mm_s;  // 3 per node
+  std::vector<float> pressure;                        // 1 per cell: the multiplier of its volume
+  int since_update = 0;                               // iterates since the multipliers changed
+  bool operator==(const SolverState&) const = default;
+};
+
 class ElasticSolver {
  public:
   virtual ~ElasticSolver() = default;
@@ -54,6 +63,10 @@ class ElasticSolver {
 
   virtual std::span<const Vec3f> displacement_mm() const = 0;  // per node: x - X
   virtual void set_displacement_mm(std::span<const Vec3f> u) = 0;  // tests, undo; fixed nodes stay where this puts them
+  /// For undo and redo: the same bits come back, the same model given. The memory of past iterates is not kept: only the
+  /// path of the next iterations depends on it, not where they lead. restore throws InputError on lists of another model.
+  virtual SolverState save() const = 0;
+  virtual void restore(const SolverState& state) = 0;
   Vec3 position_mm(const EmbeddedPoint& p) const;
   /// Force in mN that the spring exerts on its point a.
   virtual Vec3 spring_force_mN(int32_t id) const = 0;

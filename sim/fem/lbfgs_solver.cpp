@@ -276,6 +276,43 @@ void LbfgsSolver::set_displacement_mm(std::span<const Vec3f> u) {
   publish();
 }
 
+SolverState LbfgsSolver::save() const {
+  const auto flat = [](const NodeArray& from) {
+    std::vector<float> to;
+    to.reserve(3 * from.size());
+    bool any = false;
+    for (size_t i = 0; i < from.size(); ++i)
+      for (const float v : {from[i].x, from[i].y, from[i].z}) to.push_back(v), any = any || v != 0 || std::signbit(v);
+    return any ? to : std::vector<float>();
+  };
+  SolverState s;
+  s.displacement_mm = flat(u_);
+  s.velocity_mm_s = flat(velocity_);
+  s.since_update = since_update_;
+  if (!elements_ || !elements_->has_multipliers()) return s;
+  s.pressure.resize(elements_->cells());
+  bool any = false;
+  for (size_t c = 0; c < s.pressure.size(); ++c) any = (s.pressure[c] = elements_->q(c)) != 0 || any;
+  if (!any) s.pressure.clear();
+  return s;
+}
+
+void LbfgsSolver::restore(const SolverState& s) {
+  const auto fits = [](const std::vector<float>& v, size_t n) { return v.empty() || v.size() == n; };
+  if (!model_ || !fits(s.displacement_mm, 3 * u_.size()) || !fits(s.velocity_mm_s, 3 * u_.size()) || !fits(s.pressure, elements_->cells()))
+    throw InputError("", 0, "a solver's state is of another model; expected one that was saved with this model");
+  const auto fill = [](NodeArray& to, const std::vector<float>& from) {
+    for (size_t i = 0; i < to.size(); ++i)
+      to[i] = from.empty() ? Node4{} : Node4{from[3 * i], from[3 * i + 1], from[3 * i + 2], 0};
+  };
+  fill(u_, s.displacement_mm);
+  fill(velocity_, s.velocity_mm_s);
+  for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, s.pressure.empty() ? 0 : s.pressure[c]);
+  since_update_ = s.since_update;
+  history_.clear();
+  publish();
+}
+
 Vec3 LbfgsSolver::spring_force_mN(int32_t id) const {
   const int i = forces_.find(id);
   return i < 0 ? Vec3::Zero() : forces_.force_mN(size_t(i), u_);

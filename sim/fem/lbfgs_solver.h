@@ -34,6 +34,8 @@ class LbfgsSolver final : public ElasticSolver {
 
   std::span<const Vec3f> displacement_mm() const override { return shown_; }
   void set_displacement_mm(std::span<const Vec3f> u) override;
+  SolverState save() const override;
+  void restore(const SolverState& state) override;
   Vec3 spring_force_mN(int32_t id) const override;
   double contact_force_mN(size_t i) const override;
   Vec3 support_force_mN() const override;

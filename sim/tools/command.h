@@ -13,6 +13,7 @@
 //   {"action":"suture","a":[x,y],"b":[x,y]}                                      one stitch; each point lies just beside its edge
 //   {"action":"suture_row","a":[[x,y],...],"b":[[x,y],...],"spacing_mm":4}       stitches along two paths, ends included
 //   {"action":"undo"}                                                            the last cut, excision or suture
+//   {"action":"redo"}                                                            what was undone last; a new act ends that
 //   {"action":"stage","name":"flap cut"}                                         a picture and a row in the report
 //   {"action":"wait","seconds":1}
 #include <string>
@@ -32,10 +33,11 @@ struct ReleaseHook { int id = 0; };
 struct Suture { ChartPoint a{0, 0}, b{0, 0}; };
 struct SutureRow { std::vector<ChartPoint> a, b; double spacing_mm = 4; };
 struct Undo {};
+struct Redo {};
 struct Stage { std::string name; };
 struct Wait { double seconds = 1; };
 
-using Command = std::variant<Incise, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Stage, Wait>;
+using Command = std::variant<Incise, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo, Stage, Wait>;
 
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {

@@ -251,6 +251,10 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     r.only({"action"}, where);
     return Undo{};
   }
+  if (a == "redo") {
+    r.only({"action"}, where);
+    return Redo{};
+  }
   if (a == "stage") {
     r.only({"action", "name"}, where);
     return Stage{r.text("name", true, L::name_bytes)};
@@ -260,7 +264,7 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     return Wait{r.real("seconds", Wait{}.seconds, 0, L::seconds, false)};
   }
   r.fail("unknown action \"" + Reader::shown(a) +
-         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, undo, stage or wait");
+         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, undo, redo, stage or wait");
 }
 
 Script parse_script(std::string_view text, const std::string& name) {
@@ -308,7 +312,7 @@ Script load_script(const std::string& path) {
 
 const char* action_name(const Command& command) {
   static constexpr const char* names[] = {"incise", "undermine",  "excise", "hook",  "move", "release",
-                                          "suture", "suture_row", "undo",   "stage", "wait"};
+                                          "suture", "suture_row", "undo",   "redo",  "stage", "wait"};
   static_assert(std::variant_size_v<Command> == std::size(names));
   return names[command.index()];
 }

@@ -1,4 +1,4 @@
-// Cuts, excision and undo: one change of topology, from the blade to the surface that is shown.
+// Cuts and excision: one change of topology, from the blade to the surface that is shown.
 #include <cmath>
 
 #include "sim/error.h"
@@ -8,8 +8,6 @@
 
 namespace limberg {
 namespace {
-
-constexpr double kDebris_mm3 = 1;  // the smallest loose piece that counts as tissue
 
 /// A point well inside a simple polygon: of the midpoints of the diagonals and the centroid, the first that is inside
 /// by the crossing rule; nothing for fewer than three points or no area.
@@ -33,21 +31,6 @@ std::optional<ChartPoint> interior_point(const std::vector<ChartPoint>& outline)
 }
 
 }  // namespace
-
-OperatingTable::Done OperatingTable::remember(bool is_cut, int arrangement_steps) const {
-  Done d;
-  d.is_cut = is_cut;
-  d.arrangement_steps = arrangement_steps;
-  d.stitches = stitches_;
-  if (!is_cut) return d;
-  d.before = version_;
-  const std::span<const Vec3f> u = solver_->displacement_mm();
-  d.displacement.assign(u.begin(), u.end());
-  d.hooks = hooks_;
-  d.volume_mm3 = volume_mm3_;
-  d.removed_volume_mm3 = removed_volume_mm3_;
-  return d;
-}
 
 BladeContext OperatingTable::blade_context() const {
   BladeContext c;
@@ -77,64 +60,53 @@ Outcome OperatingTable::act(const Excise& c) {
   return cut(build_plug(blade_context(), c.outline, c.depth_mm), true, version_.index->rest_mm(*at));
 }
 
-Outcome OperatingTable::cut(const BladeResult& blade, bool take_out, const Vec3& inside_mm) {
-  if (!blade.blade) return {false, blade.reason};
-  Done before = remember(true, 1);
+Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step) {
   Hash64 seed;
   seed.add(spec_.seed);
-  seed.add(++cuts_);
-  const CutResult made = arrangement_->cut(*blade.blade, seed.value());
-  if (!made.ok()) {
-    --cuts_;
+  seed.add(cuts_ + 1);
+  step = CutStep{};
+  step.seed = seed.value();
+  const CutResult made = arrangement_->cut(blade, step.seed);
+  if (!made.ok())
     return {false, made.reason.empty() ? "the blade met no tissue that is not cut already; a new cut was expected" : made.reason};
-  }
-  ExciseResult taken;
+  step.first_try = made.tries - 1;
   if (take_out) {
-    const int32_t component = arrangement_->loose_component_near(inside_mm, 0.01);
-    taken = component < 0 ? ExciseResult{false, "the tissue inside the outline is still attached; a plug free of its bed was expected", 0, 0}
-                          : arrangement_->excise(component);
+    step.excised = arrangement_->loose_component_near(inside_mm, 0.01);
+    const ExciseResult taken = step.excised < 0
+                                   ? ExciseResult{false, "the tissue inside the outline is still attached; a plug free of its bed was expected", 0, 0}
+                                   : arrangement_->excise(step.excised);
     if (!taken.done) {
       arrangement_->undo();
-      --cuts_;
       return {false, taken.reason};
     }
-    before.arrangement_steps = 2;
+    step.operations = 2;
+    step.taken_mm3 = taken.volume_mm3;
   }
   // Blades that nearly coincide leave slivers that no lattice can hold; they go with the cut, and their volume is booked.
-  const DebrisResult debris = arrangement_->sweep_debris(kDebris_mm3);
-  const Outcome built = rebuild();
-  if (!built.done) {
-    for (int i = 0; i < before.arrangement_steps; ++i) arrangement_->undo();
-    --cuts_;
-    return built;
-  }
-  removed_volume_mm3_ += taken.volume_mm3 + debris.volume_mm3;
-  volume_mm3_ = arrangement_->volume_mm3();
-  done_.push_back(std::move(before));
+  step.debris = arrangement_->sweep_debris(kDebris_mm3);
+  step.blade = blade;
+  step.hash_after = arrangement_->hash();
   return {true, {}};
 }
 
-Outcome OperatingTable::act(const Undo&) {
-  if (done_.empty()) return {false, "there is nothing to undo; a cut, an excision or a stitch before it was expected"};
-  Done d = std::move(done_.back());
-  done_.pop_back();
-  stitches_ = std::move(d.stitches);
-  if (d.is_cut) {
-    for (int i = 0; i < d.arrangement_steps; ++i) arrangement_->undo();
-    version_ = std::move(d.before);
-    // The same surface under a new number: readers take versions to grow.
-    auto again = std::make_shared<SurfaceTopology>(*version_.surface);
-    again->version = next_version_++;
-    version_.surface = again;
-    version_.index = std::make_shared<RestIndex>(again->view, body_->surface.tri.size());
-    solver_->set_model(version_.model, {});
-    solver_->set_displacement_mm(d.displacement);
-    hooks_ = std::move(d.hooks);
-    volume_mm3_ = d.volume_mm3;
-    removed_volume_mm3_ = d.removed_volume_mm3;
-    --cuts_;
+Outcome OperatingTable::cut(const BladeResult& blade, bool take_out, const Vec3& inside_mm) {
+  if (!blade.blade) return {false, blade.reason};
+  Done done;
+  done.before = moment();
+  CutStep step;
+  const Outcome made = cut_arrangement(*blade.blade, take_out, inside_mm, step);
+  if (!made.done) return made;
+  done.steps.push_back(std::move(step));
+  const Outcome built = rebuild();
+  if (!built.done) {
+    take_back(done.steps);
+    return built;
   }
-  publish_springs();
+  ++cuts_;
+  removed_volume_mm3_ += done.steps[0].taken_mm3 + done.steps[0].debris.volume_mm3;
+  volume_mm3_ = arrangement_->volume_mm3();
+  done.ancestor = version_.model->parent;
+  remember(std::move(done));
   return {true, {}};
 }
 
@@ -144,12 +116,12 @@ Outcome OperatingTable::rebuild() {
     next.lattice = update_topology(*version_.lattice, material_surface(*arrangement_));
     next.model = assemble_fem(*stencils_, *next.lattice);
     next.surface = make_surface(*next.lattice);
+    next.index = std::make_shared<RestIndex>(next.surface->view, body_->surface.tri.size());
   } catch (const InputError& e) {
     return {false, e.what()};
   } catch (const std::logic_error& e) {  // the lattice found a contradiction: nothing has changed yet, the cut is taken back
     return {false, std::string("the lattice cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
   }
-  next.index = std::make_shared<RestIndex>(next.surface->view, body_->surface.tri.size());
   version_ = next;
   std::vector<int32_t> cell_parent;
   for (const CellCopy& c : version_.lattice->cells) cell_parent.push_back(c.parent);

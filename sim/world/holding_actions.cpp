@@ -90,6 +90,7 @@ Outcome OperatingTable::act(const SetHook& c) {
     return {false, "hook " + std::to_string(c.id) + " is set already; release it first or use another id"};
   const auto anchor = find_anchor(c.at, false, reason);
   if (!anchor) return {false, reason};
+  undone_.clear();
   Hook hook{c.id, next_spring_++, *anchor, position_mm(anchor->embedded)};
   hooks_.push_back(hook);
   publish_springs();
@@ -110,6 +111,7 @@ Outcome OperatingTable::act(const MoveHook& c) {
 Outcome OperatingTable::act(const ReleaseHook& c) {
   if (std::erase_if(hooks_, [&](const Hook& h) { return h.id == c.id; }) == 0)
     return {false, "there is no hook " + std::to_string(c.id) + "; the id of a hook that is set was expected"};
+  undone_.clear();
   publish_springs();
   return {true, {}};
 }
@@ -124,7 +126,7 @@ Outcome OperatingTable::act(const Suture& c) {
   for (const Stitch& s : stitches_)
     if (joins(s, *a, *b))
       return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
-  done_.push_back(remember(false, 0));
+  remember({moment(), {}, {}});
   stitches_.push_back({next_stitch_++, next_spring_++, *a, *b, position_mm(a->embedded) - position_mm(b->embedded)});
   publish_springs();
   return {true, {}};
@@ -149,7 +151,7 @@ Outcome OperatingTable::act(const SutureRow& c) {
     row.push_back({0, 0, *a, *b, position_mm(a->embedded) - position_mm(b->embedded)});
   }
   if (row.empty()) return {false, "every stitch of the row is there already; free edges were expected"};
-  done_.push_back(remember(false, 0));
+  remember({moment(), {}, {}});
   for (Stitch& s : row) {
     s.id = next_stitch_++, s.spring = next_spring_++;
     stitches_.push_back(s);

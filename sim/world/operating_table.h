@@ -2,7 +2,13 @@
 // Everything of one patient, in the order of dependence, and the surgical actions on it.
 //
 // An action is atomic. A cut goes blade -> arrangement -> lattice -> finite elements -> surface; whatever refuses on the
-// way, all before it is taken back. Each cut keeps what undo needs: the versions it replaced, and the displacements.
+// way, all before it is taken back.
+//
+// Undo and redo go between moments. A moment is everything of the patient but the arrangement: the version of the
+// topology, the solver's state, hooks, stitches, counters. Undo keeps the moment that it leaves, so redo returns to
+// exactly that one. The arrangement takes its operations back, and makes them again from what it was given: the same
+// blade, seed and try give the same bits, which is checked.
+//
 // Hooks and stitches are springs; a stitch is drawn tight over some steps (its slack shrinks), as a hand does it.
 #include <memory>
 #include <string>
@@ -19,6 +25,9 @@
 #include "sim/world/tension_field.h"
 
 namespace limberg {
+
+/// The smallest loose piece that counts as tissue.
+inline constexpr double kDebris_mm3 = 1;
 
 class OperatingTable {
  public:
@@ -37,6 +46,7 @@ class OperatingTable {
   double initial_volume_mm3() const { return initial_volume_mm3_; }
   int pieces() const { return version_.lattice->pieces; }
   int refused() const { return refused_; }
+  uint64_t full_hash() const;
   bool settled() const;  // every stitch drawn tight
 
  private:
@@ -47,15 +57,36 @@ class OperatingTable {
     std::shared_ptr<const SurfaceTopology> surface;
     std::shared_ptr<const RestIndex> index;
   };
-  /// What undo takes back: a cut (with everything that it replaced), or stitches.
-  struct Done {
-    bool is_cut = false;
-    Version before;
-    int arrangement_steps = 0;  // operations of the arrangement: 1 for a cut, 2 for an excision
-    std::vector<Vec3f> displacement;
+  /// All that undo and redo bring back, except the arrangement.
+  struct Moment {
+    Version version;
+    SolverState solver;
     std::vector<Hook> hooks;
     std::vector<Stitch> stitches;
     double volume_mm3 = 0, removed_volume_mm3 = 0;
+    uint64_t cuts = 0;
+    int32_t next_spring = 1, next_stitch = 1;
+  };
+  /// One cut of the arrangement with what went with it: enough to make it again.
+  struct CutStep {
+    Blade blade;
+    uint64_t seed = 0;
+    int first_try = 0;
+    int32_t excised = -1;     // the component that was taken out afterwards
+    int operations = 1;       // of the arrangement
+    uint64_t hash_after = 0;
+    DebrisResult debris;      // what the cut left loose and was swept with it
+    double taken_mm3 = 0;     // volume of the excised component
+  };
+  /// What undo takes back: a cut, an excision, or stitches (no steps).
+  struct Done {
+    Moment before;
+    std::vector<CutStep> steps;
+    std::vector<int32_t> ancestor;  // per node after it: the node before; empty when the lattice is the same
+  };
+  struct Undone {
+    Done done;
+    Moment after;
   };
 
   Outcome act(const Incise&);
@@ -67,10 +98,15 @@ class OperatingTable {
   Outcome act(const Suture&);
   Outcome act(const SutureRow&);
   Outcome act(const Undo&);
+  Outcome act(const Redo&);
   Outcome act(const Stage&);
   Outcome act(const Wait&);
 
   Outcome cut(const BladeResult& blade, bool take_out, const Vec3& inside_mm);
+  /// Blade, excision and sweeping on the arrangement alone; refused: nothing has changed.
+  Outcome cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step);
+  bool cut_again(const CutStep& step);  // false, with nothing changed, when other bits came of it: a defect
+  void take_back(std::span<const CutStep> steps);
   Outcome rebuild();  // lattice, model, surface, anchors after the arrangement has changed
   std::shared_ptr<const SurfaceTopology> make_surface(const LatticeTopology& lattice);
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
@@ -81,7 +117,10 @@ class OperatingTable {
   bool joins(const Stitch& stitch, const Anchor& a, const Anchor& b) const;  // the same two places, either way round
   void publish_springs();
   BladeContext blade_context() const;
-  Done remember(bool is_cut, int arrangement_steps) const;
+  Moment moment() const;
+  /// `parent`: per node of its model, the node of the present one (-1: none); empty when the model stays.
+  void return_to(const Moment& m, std::vector<int32_t> parent);
+  void remember(Done done);  // a new act: what was undone before it cannot be redone any more
   Vec3 position_mm(const EmbeddedPoint& e) const { return solver_->position_mm(e); }
 
   WorldSpec spec_;
@@ -94,6 +133,7 @@ class OperatingTable {
   std::vector<Hook> hooks_;
   std::vector<Stitch> stitches_;
   std::vector<Done> done_;
+  std::vector<Undone> undone_;
   std::vector<float> depth_of_point_mm_;  // by arrangement point; points never move
   mutable std::unique_ptr<TensionField> tension_;
   mutable uint64_t tension_version_ = 0;

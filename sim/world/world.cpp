@@ -19,6 +19,7 @@ void World::fill(Snapshot& snapshot, bool with_field) const { impl_->fill(snapsh
 std::shared_ptr<const SurfaceTopology> World::topology() const { return impl_->topology(); }
 uint64_t World::topology_hash() const { return impl_->topology()->hash; }
 uint64_t World::state_hash() const { return impl_->state_hash(); }
+uint64_t World::full_hash() const { return impl_->full_hash(); }
 const WorldSpec& World::spec() const { return impl_->spec(); }
 const ElasticSolver& World::solver() const { return impl_->solver(); }
 double World::volume_mm3() const { return impl_->volume_mm3(); }

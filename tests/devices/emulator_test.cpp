@@ -91,6 +91,7 @@ std::vector<Command> operation() {
   c.push_back(SutureRow{{{-40, -40}, {-40, 0}}, {{-44, 0}, {-44, -40}}, 4});
   c.push_back(ReleaseHook{1});
   c.push_back(Undo{});
+  c.push_back(Redo{});
   c.push_back(Wait{0.2});
   return c;
 }

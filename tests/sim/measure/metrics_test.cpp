@@ -19,6 +19,8 @@ class GivenSolver final : public ElasticSolver {
   StepReport step(const StepSettings&) override { return {}; }
   std::span<const Vec3f> displacement_mm() const override { return {}; }
   void set_displacement_mm(std::span<const Vec3f>) override {}
+  SolverState save() const override { return {}; }
+  void restore(const SolverState&) override {}
   Vec3 spring_force_mN(int32_t) const override { return Vec3::Zero(); }
   Vec3 support_force_mN() const override { return support; }
   void cell_J(std::vector<float>& out) const override { out = J; }

@@ -1,0 +1,118 @@
+// Undo and redo: from moment to moment (operating_table.h).
+#include "sim/hash.h"
+#include "sim/world/operating_table.h"
+
+namespace limberg {
+
+OperatingTable::Moment OperatingTable::moment() const {
+  Moment m;
+  m.version = version_;
+  m.solver = solver_->save();
+  m.hooks = hooks_;
+  m.stitches = stitches_;
+  m.volume_mm3 = volume_mm3_;
+  m.removed_volume_mm3 = removed_volume_mm3_;
+  m.cuts = cuts_;
+  m.next_spring = next_spring_;
+  m.next_stitch = next_stitch_;
+  return m;
+}
+
+void OperatingTable::return_to(const Moment& m, std::vector<int32_t> parent) {
+  if (m.version.lattice != version_.lattice) {
+    version_ = m.version;
+    // The same surface under a new number: readers take versions to grow.
+    auto surface = std::make_shared<SurfaceTopology>(*m.version.surface);
+    surface->version = next_version_++;
+    version_.surface = surface;
+    version_.index = std::make_shared<RestIndex>(surface->view, body_->surface.tri.size());
+    // The same model, for a solver that comes from another side of it than when it was made.
+    auto model = std::make_shared<FemModel>(*m.version.model);
+    model->parent = std::move(parent);
+    version_.model = model;
+    solver_->set_model(version_.model, {});
+  }
+  hooks_ = m.hooks;
+  stitches_ = m.stitches;
+  volume_mm3_ = m.volume_mm3;
+  removed_volume_mm3_ = m.removed_volume_mm3;
+  cuts_ = m.cuts;
+  next_spring_ = m.next_spring;
+  next_stitch_ = m.next_stitch;
+  publish_springs();
+  solver_->restore(m.solver);
+}
+
+void OperatingTable::remember(Done done) {
+  undone_.clear();
+  done_.push_back(std::move(done));
+}
+
+void OperatingTable::take_back(std::span<const CutStep> steps) {
+  if (!arrangement_) return;
+  for (size_t i = steps.size(); i-- > 0;)
+    for (int k = 0; k < steps[i].operations; ++k) arrangement_->undo();
+  // Numbers of points that are gone will be given to others.
+  depth_of_point_mm_.resize(std::min(depth_of_point_mm_.size(), size_t(arrangement_->point_count())));
+}
+
+bool OperatingTable::cut_again(const CutStep& s) {
+  if (!arrangement_->cut(s.blade, s.seed, s.first_try).ok()) return false;
+  int operations = 1;
+  if (s.excised >= 0) operations += arrangement_->excise(s.excised).done;
+  arrangement_->sweep_debris(kDebris_mm3);
+  if (operations == s.operations && arrangement_->hash() == s.hash_after) return true;
+  for (; operations > 0; --operations) arrangement_->undo();
+  return false;
+}
+
+Outcome OperatingTable::act(const Undo&) {
+  if (done_.empty()) return {false, "there is nothing to undo; a cut, an excision or a stitch before it was expected"};
+  Undone u{std::move(done_.back()), moment()};
+  done_.pop_back();
+  take_back(u.done.steps);
+  // Each node returns from one of the nodes that it was parted into.
+  std::vector<int32_t> parent;
+  if (!u.done.ancestor.empty()) {
+    parent.assign(u.done.before.version.model->X_mm.size(), -1);
+    for (size_t i = u.done.ancestor.size(); i-- > 0;)
+      if (u.done.ancestor[i] >= 0) parent[size_t(u.done.ancestor[i])] = int32_t(i);
+  }
+  return_to(u.done.before, std::move(parent));
+  undone_.push_back(std::move(u));
+  return {true, {}};
+}
+
+Outcome OperatingTable::act(const Redo&) {
+  if (undone_.empty()) return {false, "there is nothing to redo; an undo as the last act was expected"};
+  Undone& u = undone_.back();
+  for (size_t i = 0; i < u.done.steps.size(); ++i)
+    if (!cut_again(u.done.steps[i])) {
+      take_back(std::span(u.done.steps).first(i));
+      return {false, "the same cut came out differently: a defect of the program"};
+    }
+  return_to(u.after, u.done.ancestor);
+  done_.push_back(std::move(u.done));
+  undone_.pop_back();
+  return {true, {}};
+}
+
+uint64_t OperatingTable::full_hash() const {
+  Hash64 h;
+  h.add(state_hash());
+  h.add(arrangement_ ? arrangement_->full_hash() : 0);
+  const SolverState s = solver_->save();
+  for (const std::vector<float>* v : {&s.displacement_mm, &s.velocity_mm_s, &s.pressure}) {
+    h.add(uint64_t(v->size()));
+    h.bytes(v->data(), v->size() * sizeof(float));
+  }
+  h.add(s.since_update);
+  for (const Hook& k : hooks_) h.add(k.spring), h.add(k.anchor.at.triangle);
+  for (const Stitch& k : stitches_) h.add(k.spring), h.add(k.a.at.triangle), h.add(k.b.at.triangle);
+  h.add(volume_mm3_), h.add(removed_volume_mm3_);
+  h.add(cuts_), h.add(next_spring_), h.add(next_stitch_);
+  for (const float d : version_.surface->depth_mm) h.add(d);
+  return h.value();
+}
+
+}  // namespace limberg
