@@ -16,12 +16,14 @@ class GivenSolver final : public ElasticSolver {
   Vec3 support{0, 0, 0};
   void set_model(std::shared_ptr<const FemModel>, std::span<const int32_t>) override {}
   void set_springs(std::span<const Spring>) override {}
+  void set_contacts(std::span<const Contact>) override {}
   StepReport step(const StepSettings&) override { return {}; }
   std::span<const Vec3f> displacement_mm() const override { return {}; }
   void set_displacement_mm(std::span<const Vec3f>) override {}
   SolverState save() const override { return {}; }
   void restore(const SolverState&) override {}
   Vec3 spring_force_mN(int32_t) const override { return Vec3::Zero(); }
+  double contact_force_mN(size_t) const override { return 0; }
   Vec3 support_force_mN() const override { return support; }
   void cell_J(std::vector<float>& out) const override { out = J; }
   Mat3 cell_F(int32_t) const override { return Mat3::Identity(); }
