@@ -48,6 +48,8 @@ void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
   if (rebuilt) {
     index_.build(*s.topology);
     touch_.triangle = -1;
+    if (doing_ == Doing::stroke && tool_ == Tool::suture_row) edge_.found_again(index_, s);
+    if (doing_ == Doing::suture) suture_a_ = index_.closest(s, suture_a_.x_mm, -1);
   }
   const bool near = touch_.triangle >= 0 && touch_.distance_mm < kNearMm;
   const int32_t hint = near ? touch_.triangle : -1;
@@ -64,15 +66,20 @@ void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
   }
 }
 
+Vec3 Gestures::meant_tip() const {
+  if (recent_ < kRestTicks) return last_pose_.tip_mm;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& tip : recent_tip_) {
+    if ((tip - last_pose_.tip_mm).norm() > g_.rest_mm) return last_pose_.tip_mm;
+    mean += tip / double(kRestTicks);
+  }
+  return mean;
+}
+
 /// Where the hand rests, the touched point is that of the mean tip.
 void Gestures::touch_where_rested(const Snapshot& s) {
   if (recent_ < kRestTicks || touch_.triangle < 0) return;
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& tip : recent_tip_) {
-    if ((tip - last_pose_.tip_mm).norm() > g_.rest_mm) return;
-    mean += tip / double(kRestTicks);
-  }
-  const SkinTouch rested = index_.closest(s, mean, touch_.triangle);
+  const SkinTouch rested = index_.closest(s, meant_tip(), touch_.triangle);
   if (rested.triangle >= 0) touch_ = rested;
 }
 
@@ -146,11 +153,17 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     ++missed_;
   } else if (tool_ == Tool::suture) {
     doing_ = Doing::suture;
+    suture_a_ = touch_;
     emit(event(ToolEvent::suture_a, tick, s), out);
   } else if (draws(tool_)) {
     doing_ = Doing::stroke;
     last_stroke_ = touch_;
     angle_sum_deg_ = angle_weight_mm_ = 0;
+    if (tool_ == Tool::suture_row) {  // told when it is known on which skin it was drawn
+      edge_.begin(index_, s, meant_tip());
+      edge_.note(pose.tip_mm, 0);
+      return;
+    }
     emit(event(ToolEvent::stroke_begin, tick, s), out);
   }
 }
@@ -177,6 +190,11 @@ double Gestures::blade_angle_deg() const {
 void Gestures::stroke_on(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {
   if (touch_.triangle < 0) return;
   if (touch_.distance_mm > g_.lift_mm) return release(tick, pose, s, out);
+  if (tool_ == Tool::suture_row) {
+    edge_.follow(index_, s, pose.tip_mm);
+    edge_.note(pose.tip_mm, g_.step_mm);
+    return;
+  }
   const double step = (touch_.chart - last_stroke_.chart).norm();
   if (step < g_.step_mm) return;
   const Vec3 travelled = touch_.x_mm - last_stroke_.x_mm;
@@ -192,6 +210,12 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
   const bool on_skin = touch_.triangle >= 0 && touch_.distance_mm <= g_.lift_mm;
   switch (doing_) {
     case Doing::stroke: {
+      if (tool_ == Tool::suture_row) {
+        if (on_skin) edge_.follow(index_, s, meant_tip());
+        edge_.note(pose.tip_mm, 0.05);
+        emit_row(tick, s, out);
+        break;
+      }
       const double step = (touch_.chart - last_stroke_.chart).norm();
       if (on_skin && step > 0.05 && step < kJumpMm) emit(event(ToolEvent::stroke_point, tick, s), out);
       ToolEvent e = event(ToolEvent::stroke_end, tick, s);
@@ -208,6 +232,8 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
       break;
     }
     case Doing::suture:
+      if (on_skin)
+        if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), suture_a_, g_.apart_mm); apart.triangle >= 0) touch_ = apart;
       emit(event(on_skin ? ToolEvent::suture_b : ToolEvent::suture_cancel, tick, s), out);
       break;
     case Doing::nothing:
@@ -216,8 +242,19 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
   doing_ = Doing::nothing;
 }
 
+void Gestures::emit_row(int64_t tick, const Snapshot& s, EventSink& out) {
+  const SkinTouch now = touch_;
+  for (size_t i = 0; i < edge_.size(); ++i) {
+    touch_.chart = edge_.point(i).chart;
+    touch_.x_mm = edge_.point(i).x_mm;
+    emit(event(i == 0 ? ToolEvent::stroke_begin : ToolEvent::stroke_point, tick, s), out);
+  }
+  if (edge_.size() > 0) emit(event(ToolEvent::stroke_end, tick, s), out);
+  touch_ = now;
+}
+
 void Gestures::cancel(int64_t tick, const Snapshot& s, EventSink& out) {
-  if (doing_ == Doing::stroke) emit(event(ToolEvent::stroke_cancel, tick, s), out);
+  if (doing_ == Doing::stroke && tool_ != Tool::suture_row) emit(event(ToolEvent::stroke_cancel, tick, s), out);
   if (doing_ == Doing::suture) emit(event(ToolEvent::suture_cancel, tick, s), out);
   if (doing_ == Doing::hold_hook) release(tick, last_pose_, s, out);
   doing_ = Doing::nothing;

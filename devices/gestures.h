@@ -3,10 +3,10 @@
 //
 //   scalpel            press on the skin, draw, let go: a stroke; the touched points are material points (rest chart)
 //   undermine, excise  the same; the stroke is the outline
-//   suture_row         two strokes, one along each edge
+//   suture_row         two strokes, one along each edge; on the skin that stays nearest along the whole of it
 //   hook               press on the skin: a hook is set and follows the hand until the button is let go; press at the
 //                      handle of a hook that stands: it is taken again
-//   suture             press at a, let go at b
+//   suture             press at a, let go at b: on other skin than that around a, if there is some under the tip
 //
 // Where a hand rests before it presses or lets go, the mean of its last tenth of a second is meant: one period of tremor.
 //
@@ -14,6 +14,7 @@
 #include <array>
 #include <cstdint>
 
+#include "devices/edge_stroke.h"
 #include "devices/sample.h"
 #include "devices/surface_index.h"
 #include "devices/tool_event.h"
@@ -28,6 +29,7 @@ struct GestureSettings {
   double handle_reach_mm = 5;   // a press this near to a hook's handle takes it
   double resume_ms = 1000;      // a stroke outlives a gap in tracking of at most this
   double resume_mm = 8;         // ... if the hand comes back within this distance
+  double apart_mm = 1.5;        // a stitch's second place is sought so far from the tip on other skin than the first
   double rest_mm = 0.8;         // a hand that stayed within this for a tenth of a second rests
   double default_depth_mm = 4, default_spacing_mm = 4;
 };
@@ -57,6 +59,9 @@ class Gestures {
   double blade_angle_deg() const;
   void find_touch(int64_t tick, const Pose& pose, const Snapshot& s);
   void touch_where_rested(const Snapshot& s);
+  /// The mean tip of a hand that rests, else the tip.
+  Vec3 meant_tip() const;
+  void emit_row(int64_t tick, const Snapshot& s, EventSink& out);
   ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
   void emit(ToolEvent e, EventSink& out);
 
@@ -72,6 +77,8 @@ class Gestures {
   static constexpr size_t kRestTicks = 100;
   std::array<Vec3, kRestTicks> recent_tip_;  // a ring; recent_ ticks of it since tracking began
   size_t recent_ = 0;
+  EdgeStroke edge_;                         // of a suture row
+  SkinTouch suture_a_;
   SkinTouch last_stroke_;                   // the stroke's newest point
   Vec3 last_drawn_tip_ = Vec3::Zero();      // where the hand was then
   int64_t lost_tick_ = -1;  // tracking was lost at this tick, during a gesture

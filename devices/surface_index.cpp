@@ -39,6 +39,9 @@ void SurfaceIndex::build(const SurfaceTopology& topology) {
     if (star_start_[v + 1] > 0) skin_vertex_.push_back(int32_t(v));
     star_start_[v + 1] += star_start_[v];
   }
+  mark_.assign(view.X_mm.size(), 0);
+  marked_.clear();
+  marked_.reserve(skin_vertex_.size());
   star_.resize(3 * skin_tri_.size());
   std::vector<int32_t> fill(star_start_.begin(), star_start_.end() - 1);
   for (int32_t t : skin_tri_)
@@ -91,15 +94,68 @@ SkinTouch SurfaceIndex::touch(const Snapshot& s, const Place& place) const {
   return out;
 }
 
-int32_t SurfaceIndex::nearest_vertex(const Snapshot& s, const Vec3& p_mm) const {
+int32_t SurfaceIndex::nearest_vertex(const Snapshot& s, const Vec3& p_mm, bool unmarked_only) const {
   const Vec3f p = p_mm.cast<float>();
   int32_t best = -1;
   float best2 = 1e30f;
   for (int32_t v : skin_vertex_) {
     const float d2 = (at(s, v) - p).squaredNorm();
-    if (d2 < best2) best2 = d2, best = v;
+    if (d2 < best2 && !(unmarked_only && mark_[size_t(v)])) best2 = d2, best = v;
   }
   return best;
+}
+
+void SurfaceIndex::mark_sheet(const Snapshot& s, const SkinTouch& middle) {
+  const SurfaceView& view = s.topology->view;
+  size_t next = marked_.size();
+  const auto mark = [&](int32_t v) {
+    if (mark_[size_t(v)]) return;
+    mark_[size_t(v)] = 1;
+    marked_.push_back(v);
+  };
+  for (int32_t v : view.tri[size_t(middle.triangle)]) mark(v);
+  for (; next < marked_.size(); ++next) {
+    const size_t v = size_t(marked_[next]);
+    if ((view.X_mm[v] - middle.X_mm).norm() > kSheetRadius_mm) continue;
+    for (int32_t i = star_start_[v]; i < star_start_[v + 1]; ++i)
+      for (int32_t w : view.tri[size_t(star_[size_t(i)])]) mark(w);
+  }
+}
+
+size_t SurfaceIndex::sheets_near(const Snapshot& s, const Vec3& p_mm, double among_mm, std::span<SkinTouch> out) {
+  size_t n = 0;
+  while (n < out.size()) {
+    const int32_t v = nearest_vertex(s, p_mm, n > 0);
+    if (v < 0) break;
+    out[n] = touch(s, walk(s, p_mm, star_[size_t(star_start_[size_t(v)])]));
+    // The walk may run back over the border of a sheet that is known: then this was a part of it.
+    const bool known = [&] {
+      for (int32_t w : s.topology->view.tri[size_t(out[n].triangle)])
+        if (mark_[size_t(w)]) return true;
+      return false;
+    }();
+    if (n > 0 && (known || out[n].distance_mm > out[0].distance_mm + among_mm)) break;
+    mark_sheet(s, out[n]);
+    ++n;
+  }
+  for (int32_t v : marked_) mark_[size_t(v)] = 0;
+  marked_.clear();
+  return n;
+}
+
+SkinTouch SurfaceIndex::closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm) {
+  if (other.triangle < 0) return {};
+  mark_sheet(s, other);
+  SkinTouch found;
+  if (const int32_t v = nearest_vertex(s, p_mm, true); v >= 0) {
+    found = touch(s, walk(s, p_mm, star_[size_t(star_start_[size_t(v)])]));
+    bool same = found.distance_mm > reach_mm;
+    for (int32_t w : s.topology->view.tri[size_t(found.triangle)]) same = same || mark_[size_t(w)];
+    if (same) found = {};
+  }
+  for (int32_t v : marked_) mark_[size_t(v)] = 0;
+  marked_.clear();
+  return found;
 }
 
 SurfaceIndex::Place SurfaceIndex::walk(const Snapshot& s, const Vec3& p_mm, int32_t triangle) const {
@@ -124,7 +180,7 @@ SurfaceIndex::Place SurfaceIndex::walk(const Snapshot& s, const Vec3& p_mm, int3
 
 SkinTouch SurfaceIndex::closest(const Snapshot& s, const Vec3& p_mm, int32_t hint) const {
   if (hint >= 0) return touch(s, walk(s, p_mm, hint));
-  const int32_t v = nearest_vertex(s, p_mm);
+  const int32_t v = nearest_vertex(s, p_mm, false);
   if (v < 0) return {};
   return touch(s, walk(s, p_mm, star_[size_t(star_start_[size_t(v)])]));
 }

@@ -6,6 +6,7 @@
 // then (and at first) it starts from the nearest of all skin vertices, found by one pass over them.
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "sim/snapshot.h"
@@ -32,6 +33,16 @@ class SurfaceIndex {
   /// Closest skin point to p. `hint`: a triangle touched before, or -1 for a search over all the skin.
   SkinTouch closest(const Snapshot& s, const Vec3& p_mm, int32_t hint) const;
 
+  /// The sheets of skin near p: the closest point, then the closest of the skin that does not hang together with it
+  /// within kSheetRadius_mm, and so on while no more than `among_mm` further away. How many of `out` were filled.
+  size_t sheets_near(const Snapshot& s, const Vec3& p_mm, double among_mm, std::span<SkinTouch> out);
+
+  /// The closest skin point to p that does not hang together with `other` nearby (the other bank of a wound, the bed
+  /// under a flap), if it is within `reach_mm`; else triangle -1.
+  SkinTouch closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm);
+
+  static constexpr double kSheetRadius_mm = 4;  // at rest
+
   /// The skin point above chart point c at rest, in its deformed place; outermost where several skins lie over one
   /// another. Where c is off the remaining skin (in a hole, on a rim), the nearest skin in the chart within slack_mm.
   /// triangle -1: there is none. distance_mm is the distance in the chart.
@@ -47,7 +58,8 @@ class SurfaceIndex {
   };
   SkinTouch touch(const Snapshot& s, const Place& place) const;
   Place walk(const Snapshot& s, const Vec3& p_mm, int32_t triangle) const;
-  int32_t nearest_vertex(const Snapshot& s, const Vec3& p_mm) const;
+  int32_t nearest_vertex(const Snapshot& s, const Vec3& p_mm, bool unmarked_only) const;
+  void mark_sheet(const Snapshot& s, const SkinTouch& middle);
   int cell_x(double x) const;
   int cell_y(double y) const;
 
@@ -56,6 +68,8 @@ class SurfaceIndex {
   std::vector<int32_t> skin_tri_;     // triangles of the view that are skin
   std::vector<int32_t> skin_vertex_;  // their vertices, each once
   std::vector<int32_t> star_start_, star_;  // per view vertex: its skin triangles
+  std::vector<uint8_t> mark_;     // per view vertex: on a sheet that was found already
+  std::vector<int32_t> marked_;
   // Uniform grid over the chart: skin triangles whose chart box meets a cell.
   double cell_mm_ = 2;
   Vec2 grid_min_{0, 0};

@@ -335,6 +335,58 @@ TEST(Gestures, SkinThatIsNotANumberIsNotTouched) {
   EXPECT_TRUE(h.events.all.empty());
 }
 
+/// Two sheets, of skin at rest below y = -2 and above y = 2. The first is laid over the second, 6 mm further up, and
+/// climbs along x: it is the nearer one of the two for a hand on the second at the left end only.
+Snapshot two_sheets() {
+  const auto t = flat_topology(120, 1, [](double, double y) { return std::abs(y) < 2; });
+  return snapshot_of(t, [](const Vec3& X) { return X.y() < 0 ? Vec3(X.x(), X.y() + 8, 0.2 + 0.1 * (X.x() + 10)) : X; });
+}
+
+TEST(Gestures, ARowIsOnTheSkinThatStaysNearest) {
+  for (const bool backwards : {false, true}) {
+    Hand h(two_sheets());
+    h.choose(Tool::suture_row, {0, 0, 3, 0});
+    const Vec3 left(-10, 4, 0.15), right(10, 4, 0.05);  // the first sheet is 0.05 mm away at the left end, 2.15 at the right
+    for (int row = 0; row < 2; ++row) {
+      h.draw(backwards ? right : left, backwards ? left : right);
+      h.at(backwards ? left : right, false);
+    }
+    const auto c = h.command();
+    ASSERT_TRUE(c);
+    const auto* r = std::get_if<SutureRow>(&*c);
+    ASSERT_TRUE(r);
+    for (const auto* path : {&r->a, &r->b}) {
+      ASSERT_EQ(path->size(), 2u);
+      for (const ChartPoint& p : *path) EXPECT_NEAR(p.y(), 4, 0.05);
+      EXPECT_NEAR(path->front().x(), backwards ? 10 : -10, 0.3);
+      EXPECT_NEAR(path->back().x(), backwards ? -10 : 10, 0.3);
+    }
+  }
+}
+
+TEST(Gestures, AStitchEndsOnOtherSkinThanItBegan) {
+  Hand h(two_sheets());
+  h.choose(Tool::suture);
+  // Begun on the first sheet, at rest at (-8, -4.5); let go 1 mm on, where that sheet covers the second.
+  for (int i = 0; i < 3; ++i) h.at(Vec3(-8, 3.5, 0.45), true);
+  h.at(Vec3(-7, 3.5, 0.4), true);
+  h.at(Vec3(-7, 3.5, 0.4), false);
+  const auto c = h.command();
+  ASSERT_TRUE(c);
+  const auto* stitch = std::get_if<Suture>(&*c);
+  ASSERT_TRUE(stitch);
+  EXPECT_NEAR(stitch->a.y(), -4.5, 0.1);
+  EXPECT_NEAR(stitch->b.y(), 3.5, 0.1);
+  EXPECT_NEAR(stitch->b.x(), -7, 0.1);
+  // Where there is no other skin, it ends on the same.
+  for (int i = 0; i < 40; ++i) h.at(Vec3(0, -30 + 8, 1.2), i >= 20);
+  h.at(Vec3(1, -30 + 8, 1.3), true);
+  h.at(Vec3(1, -30 + 8, 1.3), false);
+  const auto d = h.command();
+  ASSERT_TRUE(d);
+  EXPECT_NEAR(std::get<Suture>(*d).b.y(), -30, 0.2);
+}
+
 TEST(CommandBuilder, AFirstRowAloneIsDroppedWhenSomethingElseBegins) {
   Hand h(snapshot_of(flat_topology(60, 1)));
   h.choose(Tool::suture_row, {0, 0, 3, 0});
