@@ -88,7 +88,7 @@ EmbeddedPoint embed(const FemModel& m, const Vec3& X) {
   double best = 1e300;
   EmbeddedPoint p;
   for (const HexCell& c : m.cells) {
-    const Vec3 t = (X - m.X_mm[size_t(c.node[0])]).cwiseQuotient(m.cell_mm);
+    const Vec3 t = (X - m.X_mm[size_t(c.node[0])]).cwiseQuotient(cell_size_mm(m.cell_mm, c.level));
     const Vec3 in = t.cwiseMax(0.0).cwiseMin(1.0);
     const double d = (t - in).squaredNorm();
     if (d >= best) continue;

@@ -60,11 +60,11 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
     local[i] = load(u[size_t(d.slot_node[size_t(tile.first_slot + i)])]);
     out[i] = v4{};
   }
-  const float ix = d.inv4h[0], iy = d.inv4h[1], iz = d.inv4h[2];
   CellSums sums;
   for (int c = tile.first_cell; c < tile.last_cell; ++c) {
     const KernelCell& cell = d.cells[size_t(c)];
     const KernelStencil& s = d.stencils[size_t(cell.stencil)];
+    const float ix = s.inv4h[0], iy = s.inv4h[1], iz = s.inv4h[2];
     alignas(64) v4 n[8], f[8];
     for (int a = 0; a < 8; ++a) n[a] = local[cell.node[a]];
     const v4 work = deviatoric(s, n, f);

@@ -32,6 +32,7 @@ struct alignas(64) KernelStencil {
   // Sample gradients off the centre: per axis, of the four cell edges along it, in corner order (1 / mm).
   float bx[4], by[4], bz[4];
   bool centred = true;
+  float inv4h[3] = {0, 0, 0};  // 1 / (4 edge), of the cells of its level
 };
 
 struct KernelCell {
@@ -52,7 +53,6 @@ struct CellSums {
 
 /// Everything the kernel reads; filled by ElementSystem.
 struct KernelData {
-  float inv4h[3] = {0, 0, 0};  // 1 / (4 cell_mm)
   AlignedArray<KernelStencil> stencils;
   AlignedArray<KernelCell> cells;  // in tile order
   std::vector<Tile> tiles;

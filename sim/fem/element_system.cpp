@@ -17,9 +17,10 @@ bool uses_multiplier(const Stencil& s, bool augmented) {
   return augmented && s.mu_kPa > 0 && s.lambda_kPa > primal_below * s.mu_kPa * (1 + 1e-9);
 }
 
-KernelStencil kernel_stencil(const Stencil& s, const Vec3& h, bool augmented) {
+KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augmented) {
   KernelStencil k{};
-  const Eigen::Matrix<double, 8, 3> B = sample_gradients(s, h);
+  const Vec3 h = cell_size_mm(cell_mm, s.level);
+  const Eigen::Matrix<double, 8, 3> B = sample_gradients(s, cell_mm);
   Eigen::Matrix<double, 8, 3> X;
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) {
@@ -32,6 +33,7 @@ KernelStencil kernel_stencil(const Stencil& s, const Vec3& h, bool augmented) {
     for (int i = 0; i < 3; ++i) k.f0[4 * a + i] = float(f0(a, i));
   k.centred = s.sample == Vec3::Constant(0.5);
   for (int e = 0; e < 4; ++e) k.bx[e] = float(B(2 * e + 1, 0)), k.by[e] = float(B(2 * (e & 2) + 2 + (e & 1), 1)), k.bz[e] = float(B(4 + e, 2));
+  for (int i = 0; i < 3; ++i) k.inv4h[i] = float(1 / (4 * h[i]));
   k.volume = float(s.volume_mm3);
   k.p0 = float(s.p0_kPa);
   k.ke = float(effective_bulk_kPa(s, augmented));
@@ -51,7 +53,6 @@ double effective_bulk_kPa(const Stencil& s, bool augmented) {
 ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augmented) {
   const FemModel& m = *model;
   const size_t n = m.X_mm.size(), nc = m.cells.size();
-  for (int i = 0; i < 3; ++i) data_.inv4h[i] = float(1 / (4 * m.cell_mm[i]));
   data_.stencils.resize(m.stencils.size());
   for (size_t i = 0; i < m.stencils.size(); ++i) {
     data_.stencils[i] = kernel_stencil(m.stencils[i], m.cell_mm, augmented);

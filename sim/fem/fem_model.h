@@ -15,6 +15,15 @@
 // mu/2 |F F0|^2 is quadratic in x, so K carries layers thinner than a cell, prestretch and full integration
 // (hourglass control included) at no run-time cost; sub-cell quadrature fills it.
 // Corner order: bit 0 = +x, bit 1 = +y, bit 2 = +z.
+//
+// Cells of a lattice that is finer in places have a level: their edges are FemModel::cell_mm / 2^level, and so are those of
+// the stencils they name. Where levels meet (never by more than one, over squares, edges and corners) the nodes of the
+// finer cells that are no corner of the coarser one hang: they are not unknowns but lie where the coarser cell's nodes,
+// their masters, put them. With P from unknowns to all nodes, the minimiser works on E(P x): displacements are spread to
+// the hanging nodes before the cells are visited, forces are gathered from them afterwards (hanging_nodes.h), and the
+// scalar matrix is P^T A P (scalar_matrix.h), so that the metric never meets a hanging node. Displacements, velocities and
+// reports still have one entry per node, and points may be embedded in hanging ones.
+#include <utility>
 #include <vector>
 
 #include "sim/geometry/vec.h"
@@ -32,14 +41,19 @@ struct Stencil {
   double p0_kPa = 0;
   Vec3 sample = Vec3::Constant(0.5);  // where J is evaluated, in cell units (0..1 per axis); the centre when homogeneous
   double density_kg_mm3 = 0;
+  uint8_t level = 0;         // of the cells that it is for; all lengths above are theirs
 };
 
-/// grad N_a (1/mm) at the stencil's sample point, one row per corner.
+/// Edges of a cell of that level.
+inline Vec3 cell_size_mm(const Vec3& cell_mm, int level) { return cell_mm / double(1 << level); }
+
+/// grad N_a (1/mm) at the stencil's sample point, one row per corner. `cell_mm`: of the undivided cell.
 inline Eigen::Matrix<double, 8, 3> sample_gradients(const Stencil& s, const Vec3& cell_mm) {
+  const Vec3 h = cell_size_mm(cell_mm, s.level);
   Eigen::Matrix<double, 8, 3> B;
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) {
-      B(a, i) = ((a >> i & 1) ? 1 : -1) / cell_mm[i];
+      B(a, i) = ((a >> i & 1) ? 1 : -1) / h[i];
       for (int j = 0; j < 3; ++j)
         if (j != i) B(a, i) *= (a >> j & 1) ? s.sample[j] : 1 - s.sample[j];
     }
@@ -50,11 +64,11 @@ struct HexCell {
   std::array<int32_t, 8> node{};
   int32_t stencil = 0;
   float scale = 1;  // volume fraction of this copy of the cell, floored for conditioning
-  std::array<int16_t, 3> at{};  // its low corner on the lattice, in halves of an undivided cell
-  uint8_t level = 0;            // 0: undivided; 1: one of the eight halves-in-each-axis of a divided cell
+  std::array<int16_t, 3> at{};  // its low corner on the lattice, in halves of an undivided cell (rounded down at level 2)
+  uint8_t level = 0;            // 0: undivided; 1: one of the eight parts of a divided cell; 2: one of eight of such a part
 };
 
-/// A node in the middle of an edge or a square of a larger neighbour: not free, but where its masters put it.
+/// A node in the middle of an edge or a square of a coarser neighbour: not free, but where its masters put it.
 struct HangingNode {
   int32_t node = -1;
   int32_t count = 0;  // 2 or 4 masters, none of them hanging
@@ -62,14 +76,24 @@ struct HangingNode {
   std::array<float, 4> weight{};  // sum 1
 };
 
+/// A node that was not there before: its state is an average of that of nodes of the previous model, so that a point in a
+/// cell that has been divided moves with the parts exactly as it did with the whole.
+struct BornNode {
+  int32_t node = -1;
+  std::vector<std::pair<int32_t, float>> from;  // previous node, weight; sum 1
+};
+
 struct FemModel {
-  Vec3 cell_mm = Vec3::Ones();
+  Vec3 cell_mm = Vec3::Ones();       // of an undivided cell (level 0)
   std::vector<Vec3> X_mm;            // rest positions of node copies
   std::vector<uint8_t> fixed;        // per node, 1 = Dirichlet (stays at X)
   std::vector<double> mass_kg;       // per node, lumped, exact fractions (no floor)
   std::vector<HexCell> cells;
   std::vector<Stencil> stencils;
-  std::vector<int32_t> parent;       // per node: its index in the previous model (state is carried from it); -1 only at start
+  // Per node: its index in the previous model (state is carried from it); -1 only at start. For a node in `born`: the
+  // first of the previous nodes with the largest weight.
+  std::vector<int32_t> parent;
+  std::vector<BornNode> born;        // ascending by node
   std::vector<HangingNode> hanging;  // ascending by node; empty on a lattice without divided cells, and then costs nothing
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/error.h"
+#include "sim/fem/hanging_nodes.h"
 
 namespace limberg {
 
@@ -42,6 +43,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
   const size_t n = model->X_mm.size(), cells = model->cells.size();
   if (model->fixed.size() != n || model->mass_kg.size() != n || model->parent.size() != n)
     throw InputError("", 0, "a model's fixed, mass and parent lists must have one entry per node");
+  if (const std::string wrong = check_hanging(*model); !wrong.empty()) throw InputError("", 0, wrong);
   auto elements = std::make_unique<ElementSystem>(model, augmented_);
   const auto carried = [&](const NodeArray& old) {
     NodeArray out(n);
@@ -49,6 +51,13 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
       const int32_t p = model->parent[i];
       if (p >= 0 && size_t(p) < old.size()) out[i] = old[size_t(p)];
     }
+    for (const BornNode& b : model->born) {
+      v4 s = {};
+      for (auto [p, w] : b.from)
+        if (p >= 0 && size_t(p) < old.size()) s += w * load(old[size_t(p)]);
+      store(out[size_t(b.node)], s);
+    }
+    follow_masters(model->hanging, out);
     return out;
   };
   u_ = carried(u_);
@@ -134,6 +143,7 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
     }
     v.energy += e, v.noise += float_noise * e;
   }
+  give_to_masters(model_->hanging, g);
   for (int32_t i : fixed_) g[size_t(i)] = Node4{};
   if (measure) {
     double sum = force_floor_ * force_floor_;
@@ -170,6 +180,7 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
   double alpha = 1;
   for (int h = 0; h < max_halvings; ++h) {
     combine(u_try_, u_, alpha, d_);
+    follow_masters(model_->hanging, u_try_);
     const Value t = evaluate(u_try_, g_try_, false);
     bool accept = false;
     double next = 0.1;
@@ -271,6 +282,7 @@ void LbfgsSolver::publish() {
 void LbfgsSolver::set_displacement_mm(std::span<const Vec3f> u) {
   if (u.size() != u_.size()) throw InputError("", 0, "a displacement needs one vector per node of the model");
   for (size_t i = 0; i < u.size(); ++i) u_[i] = {u[i][0], u[i][1], u[i][2], 0};
+  follow_masters(model_->hanging, u_);
   velocity_.zero();
   history_.clear();
   publish();
@@ -325,6 +337,7 @@ Vec3 LbfgsSolver::support_force_mN() const {
   elements_->evaluate(u_, g, false, workers_);
   forces_.add(u_, g, false);
   contacts_.add(u_, g, false);
+  give_to_masters(model_->hanging, g);
   Vec3 f = Vec3::Zero();
   for (int32_t i : fixed_) f -= Vec3(double(g[size_t(i)].x), double(g[size_t(i)].y), double(g[size_t(i)].z));
   return f;

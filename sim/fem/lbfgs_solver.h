@@ -6,6 +6,8 @@
 //         sum_i a_i/2 |u_i - t_i|^2,  a = m (1/dt^2 + c/dt),  t = ((u0 + dt v0)/dt^2 + c u0/dt) / (1/dt^2 + c/dt)
 //   d     = -H g, H: L-BFGS over a prefactored scalar matrix (Preconditioner); Armijo line search; when the change of energy
 //         is below the noise of single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
+//   P     hanging nodes, if any, follow their masters: u is spread to them after every move, evaluate() hands their forces
+//         on, so g is zero there and they take no part in any product (hanging_nodes.h)
 //   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers)
 //
 // The history outlives the step: moving a target or updating q only shifts the gradient, so old pairs stay true as long as

@@ -18,13 +18,12 @@ bool mass_differs(double a, double b) { return a != b && (a < 0.5 * b || b < 0.5
 
 /// Diagonal of the scalar matrix, per node.
 std::vector<double> diagonal(const FemModel& m, double mass_per_s2) {
-  Eigen::Matrix<double, 8, 1> bb;
   const double b2 = (1 / (4 * m.cell_mm.array())).square().sum();
   std::vector<double> d(m.X_mm.size(), 0);
   for (size_t i = 0; i < d.size(); ++i) d[i] = mass_per_s2 * m.mass_kg[i];
   for (const HexCell& c : m.cells) {
     const Stencil& s = m.stencils[size_t(c.stencil)];
-    const double bulk = effective_bulk_kPa(s, true) * s.volume_mm3 * b2;
+    const double bulk = effective_bulk_kPa(s, true) * s.volume_mm3 * b2 * double(1 << 2 * s.level);
     for (int a = 0; a < 8; ++a) d[size_t(c.node[size_t(a)])] += double(c.scale) * (s.K(a, a) + bulk);
   }
   return d;
@@ -102,6 +101,7 @@ void Preconditioner::map_factor() {
   if (factor_is_current_ && factor_) return;
   std::vector<uint8_t> touched(n, 0), ring(n, 0);
   for (size_t i = 0; i < n; ++i) touched[i] = !m.fixed[i] && (place_[i] < 0 || uses[size_t(place_[i])] > 1);
+  for (const HangingNode& h : m.hanging) touched[size_t(h.node)] = 0;  // no unknowns: they receive no force, their move is ignored
   for (const HexCell& c : m.cells) {
     bool any = false;
     for (int32_t v : c.node) any = any || touched[size_t(v)];

@@ -6,10 +6,12 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <numeric>
 
 #include "sim/fem/cholesky.h"
+#include "sim/fem/hanging_nodes.h"
 #include "sim/fem/scalar_matrix.h"
 
 namespace limberg {
@@ -49,6 +51,16 @@ struct ContactRow {
       }
     }
   }
+  void give_to_masters(const FemModel& m, std::span<const int32_t> hangs) {
+    std::map<int32_t, double> sum;
+    for (const auto& [n, w] : share) {
+      const int32_t at = hangs[size_t(n)];
+      if (at < 0) sum[n] += w;
+      for (size_t k = 0; at >= 0 && k < size_t(m.hanging[size_t(at)].count); ++k)
+        sum[m.hanging[size_t(at)].master[k]] += w * double(m.hanging[size_t(at)].weight[k]);
+    }
+    share.assign(sum.begin(), sum.end());
+  }
   double clearance(const FemModel& m, std::span<const Vec3> u) const {
     double s = -gap;
     for (const auto& [n, w] : share) s += w * normal.dot(m.X_mm[size_t(n)] + u[size_t(n)]);
@@ -70,7 +82,12 @@ struct ReferenceElasticity::Impl {
   // Pattern of the 3n matrix: lower triangle, free nodes, scalar rows expanded.
   fem::ScalarMatrix graph;
   std::vector<int32_t> begin, row;
-  std::vector<std::array<int32_t, 64>> cell_entry;  // scalar entry of (a, b), row >= column; -1 none
+  struct Term {  // of a cell: `weight` times its block (a, b) goes to the block of unknowns (row, column), row >= column
+    int8_t a = 0, b = 0;
+    double weight = 1;
+    int32_t row = 0, column = 0, entry = 0;
+  };
+  std::vector<std::vector<Term>> cell_terms;
   std::vector<std::vector<std::array<int32_t, 3>>> spring_entry;  // (i, j, scalar entry)
   std::vector<std::vector<std::array<int32_t, 3>>> contact_entry;
   std::vector<fem::SpringRow> spring_rows;
@@ -87,6 +104,21 @@ struct ReferenceElasticity::Impl {
     Mat3 f = Mat3::Identity();
     for (int a = 0; a < 8; ++a) f += u[size_t(c.node[size_t(a)])] * B[size_t(c.stencil)].row(a);
     return f;
+  }
+
+  void follow_masters(std::vector<Vec3>& u) const {
+    for (const HangingNode& h : m.hanging) {
+      Vec3 s = Vec3::Zero();
+      for (size_t k = 0; k < size_t(h.count); ++k) s += double(h.weight[k]) * u[size_t(h.master[k])];
+      u[size_t(h.node)] = s;
+    }
+  }
+
+  void give_to_masters(std::vector<Vec3>& g) const {
+    for (const HangingNode& h : m.hanging) {
+      for (size_t k = 0; k < size_t(h.count); ++k) g[size_t(h.master[k])] += double(h.weight[k]) * g[size_t(h.node)];
+      g[size_t(h.node)].setZero();
+    }
   }
 
   double evaluate(std::span<const Vec3> u, std::vector<Vec3>* g, double* scale) const {
@@ -218,14 +250,25 @@ struct ReferenceElasticity::Impl {
       const auto first = graph.row.begin() + graph.begin[size_t(j)], last = graph.row.begin() + graph.begin[size_t(j) + 1];
       return int32_t(std::lower_bound(first, last, i) - graph.row.begin());
     };
+    const std::vector<int32_t> hangs = fem::hanging_index(m);
     for (const HexCell& c : m.cells) {
-      std::array<int32_t, 64> e;
-      for (int a = 0; a < 8; ++a)
-        for (int b = 0; b < 8; ++b) {
-          const int32_t i = graph.row_of_node[size_t(c.node[size_t(a)])], j = graph.row_of_node[size_t(c.node[size_t(b)])];
-          e[size_t(8 * a + b)] = i >= 0 && j >= 0 && i >= j ? entry(i, j) : -1;
+      std::array<std::vector<std::pair<int32_t, double>>, 8> rows;  // corner -> unknowns that move it
+      for (size_t a = 0; a < 8; ++a) {
+        const size_t v = size_t(c.node[a]);
+        if (hangs.empty() || hangs[v] < 0) {
+          rows[a].push_back({graph.row_of_node[v], 1.0});
+        } else {
+          const HangingNode& h = m.hanging[size_t(hangs[v])];
+          for (size_t k = 0; k < size_t(h.count); ++k)
+            rows[a].push_back({graph.row_of_node[size_t(h.master[k])], double(h.weight[k])});
         }
-      cell_entry.push_back(e);
+      }
+      std::vector<Term>& terms = cell_terms.emplace_back();
+      for (int a = 0; a < 8; ++a)
+        for (int b = 0; b < 8; ++b)
+          for (auto [i, wi] : rows[size_t(a)])
+            for (auto [j, wj] : rows[size_t(b)])
+              if (i >= 0 && j >= 0 && i >= j) terms.push_back({int8_t(a), int8_t(b), wi * wj, i, j, entry(i, j)});
     }
     for (const ContactRow& c : contacts) {
       contact_entry.emplace_back();
@@ -288,14 +331,10 @@ struct ReferenceElasticity::Impl {
     std::vector<double> value(row.size(), 0);
     for (size_t c = 0; c < m.cells.size(); ++c) {
       const Mat24 H = cell_hessian(m.cells[c], u, project);
-      for (int a = 0; a < 8; ++a)
-        for (int b = 0; b < 8; ++b) {
-          const int32_t e = cell_entry[c][size_t(8 * a + b)];
-          if (e < 0) continue;
-          const int32_t j = graph.row_of_node[size_t(m.cells[c].node[size_t(b)])];
-          for (int k = 0; k < 3; ++k)
-            for (int r = a == b ? k : 0; r < 3; ++r) value[place(j, e, r, k)] += H(3 * a + r, 3 * b + k);
-        }
+      for (const Term& t : cell_terms[c])
+        for (int k = 0; k < 3; ++k)
+          for (int r = t.row == t.column ? k : 0; r < 3; ++r)
+            value[place(t.column, t.entry, r, k)] += t.weight * H(3 * t.a + r, 3 * t.b + k);
     }
     for (size_t s = 0; s < spring_rows.size(); ++s)
       for (auto [a, b, e] : spring_entry[s]) {
@@ -342,12 +381,15 @@ ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const 
   Impl& p = *impl_;
   p.springs.assign(springs.begin(), springs.end());
   p.contacts.assign(contacts.begin(), contacts.end());
-  Gradients X;
-  for (int a = 0; a < 8; ++a)
-    for (int i = 0; i < 3; ++i) {
-      X(a, i) = (a >> i & 1) ? model.cell_mm[i] : 0;
-    }
+  if (const std::vector<int32_t> hangs = fem::hanging_index(model); !hangs.empty())
+    for (ContactRow& c : p.contacts) c.give_to_masters(model, hangs);
   for (const Stencil& s : model.stencils) {
+    const Vec3 h = cell_size_mm(model.cell_mm, s.level);
+    Gradients X;
+    for (int a = 0; a < 8; ++a)
+      for (int i = 0; i < 3; ++i) {
+        X(a, i) = (a >> i & 1) ? h[i] : 0;
+      }
     p.B.push_back(sample_gradients(s, model.cell_mm));
     p.KX.push_back(s.K * X);
     const Mat3 mean = X.transpose() * s.K * X / s.volume_mm3;
@@ -394,10 +436,12 @@ ReferenceElasticity::Result ReferenceElasticity::solve(std::span<const Vec3> sta
   p.analyze();
   Result r;
   r.u.assign(start.begin(), start.end());
+  p.follow_masters(r.u);
   std::vector<Vec3> g, d, trial(r.u.size());
   double scale = 0;
   for (;;) {
     r.energy_uJ = p.evaluate(r.u, &g, &scale);
+    p.give_to_masters(g);
     double norm = 0;
     for (size_t i = 0; i < g.size(); ++i)
       if (!p.m.fixed[i]) norm += g[i].squaredNorm();
@@ -411,6 +455,7 @@ ReferenceElasticity::Result ReferenceElasticity::solve(std::span<const Vec3> sta
       ok = p.direction(r.u, g, true, d);
     }
     if (!ok) return r;
+    p.follow_masters(d);
     double slope = 0;
     for (size_t i = 0; i < g.size(); ++i) slope += g[i].dot(d[i]);
     double alpha = 1;

@@ -23,7 +23,7 @@ class ReferenceElasticity {
 
   /// uJ, as defined in fem_model.h, springs and contacts included; relative to the undeformed state of the cells.
   double energy(std::span<const Vec3> u) const;
-  /// mN at every node, fixed ones included.
+  /// mN at every node, fixed ones included; hanging ones keep theirs.
   double gradient(std::span<const Vec3> u, std::vector<Vec3>& g) const;
   /// Dense 3n x 3n Hessian, fixed nodes included; small models only.
   Eigen::MatrixXd dense_hessian(std::span<const Vec3> u, bool project) const;

@@ -5,9 +5,46 @@
 #include <numeric>
 
 #include "sim/fem/element_system.h"
+#include "sim/fem/hanging_nodes.h"
 
 namespace limberg::fem {
 namespace {
+
+const HangingNode* hanging_at(const FemModel& m, int32_t node) {
+  const auto it = std::lower_bound(m.hanging.begin(), m.hanging.end(), node, [](const HangingNode& h, int32_t n) { return h.node < n; });
+  return it != m.hanging.end() && it->node == node ? &*it : nullptr;
+}
+
+/// A cell with hanging corners as the unknowns around it see it: T^T K T, T from `node` to the corners.
+struct WideCell {
+  std::vector<int32_t> node;
+  Eigen::MatrixXd K;
+};
+
+WideCell widen(const FemModel& m, const HexCell& c, const Mat8& K, std::span<const int32_t> hangs) {
+  WideCell w;
+  std::vector<std::array<double, 8>> T;  // per node of w: its weight at each corner
+  auto add = [&](int32_t node, size_t corner, double weight) {
+    size_t k = size_t(std::find(w.node.begin(), w.node.end(), node) - w.node.begin());
+    if (k == w.node.size()) w.node.push_back(node), T.push_back({});
+    T[k][corner] += weight;
+  };
+  for (size_t a = 0; a < 8; ++a) {
+    const int32_t at = hangs[size_t(c.node[a])];
+    if (at < 0) {
+      add(c.node[a], a, 1);
+    } else {
+      const HangingNode& h = m.hanging[size_t(at)];
+      for (size_t k = 0; k < size_t(h.count); ++k) add(h.master[k], a, double(h.weight[k]));
+    }
+  }
+  Eigen::MatrixXd t(8, Eigen::Index(w.node.size()));
+  for (size_t k = 0; k < T.size(); ++k)
+    for (int a = 0; a < 8; ++a) t(a, Eigen::Index(k)) = T[k][size_t(a)];
+  w.K = double(c.scale) * (t.transpose() * K * t);
+  w.K = (0.5 * (w.K + w.K.transpose())).eval();
+  return w;
+}
 
 // A piece that nothing holds would make the matrix singular; far below the smallest stiffness of a held one.
 constexpr double shift = 1e-5;
@@ -26,7 +63,12 @@ SpringRow spring_row(const FemModel& model, const Spring& s) {
       if (p.w[i] == 0) continue;
       const double v = double(p.w[i]) / sum;
       rest += v * model.X_mm[size_t(p.node[i])];
-      if (!model.fixed[size_t(p.node[i])]) w[p.node[i]] += sign * v;
+      if (const HangingNode* h = hanging_at(model, p.node[i])) {
+        for (size_t k = 0; k < size_t(h->count); ++k)
+          if (!model.fixed[size_t(h->master[k])]) w[h->master[k]] += sign * v * double(h->weight[k]);
+      } else if (!model.fixed[size_t(p.node[i])]) {
+        w[p.node[i]] += sign * v;
+      }
     }
   };
   add(s.a, 1, r.rest_a_mm);
@@ -50,23 +92,50 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
         m.stencils[s].K + effective_bulk_kPa(m.stencils[s], augmented) * m.stencils[s].volume_mm3 * (B * B.transpose());
   }
 
-  // Cells around each node.
-  std::vector<int32_t> begin(n + 1, 0), list(8 * m.cells.size());
-  for (const HexCell& c : m.cells)
-    for (int32_t v : c.node) ++begin[size_t(v) + 1];
+  // Cells around each node; those with hanging corners apart, with the unknowns that move them.
+  const std::vector<int32_t> hangs = hanging_index(m);
+  std::vector<WideCell> wide;
+  std::vector<std::vector<std::pair<int32_t, int32_t>>> node_wide(hangs.size());  // (wide cell, place in it)
+  auto is_wide = [&](const HexCell& c) {
+    return !hangs.empty() && std::any_of(c.node.begin(), c.node.end(), [&](int32_t v) { return hangs[size_t(v)] >= 0; });
+  };
+  std::vector<int32_t> begin(n + 1, 0);
+  for (const HexCell& c : m.cells) {
+    if (!is_wide(c)) {
+      for (int32_t v : c.node) ++begin[size_t(v) + 1];
+      continue;
+    }
+    wide.push_back(widen(m, c, cell_matrix[size_t(c.stencil)], hangs));
+    for (size_t k = 0; k < wide.back().node.size(); ++k)
+      node_wide[size_t(wide.back().node[k])].push_back({int32_t(wide.size()) - 1, int32_t(k)});
+  }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<int32_t> fill(begin.begin(), begin.end() - 1);
+  std::vector<int32_t> fill(begin.begin(), begin.end() - 1), list;
+  list.resize(size_t(begin[n]));
   for (size_t c = 0; c < m.cells.size(); ++c)
-    for (int a = 0; a < 8; ++a) list[size_t(fill[size_t(m.cells[c].node[size_t(a)])]++)] = int32_t(8 * c) + a;
+    for (int a = 0; a < 8 && !is_wide(m.cells[c]); ++a)
+      list[size_t(fill[size_t(m.cells[c].node[size_t(a)])]++)] = int32_t(8 * c) + a;
+  // A hanging mass is a spring to nothing on its masters.
+  std::vector<SpringRow> masses;
+  for (const HangingNode& h : m.hanging) {
+    if (mass_per_s2 == 0) break;
+    SpringRow r;
+    r.k_mN_per_mm = mass_per_s2 * m.mass_kg[size_t(h.node)];
+    for (size_t k = 0; k < size_t(h.count); ++k)
+      if (!m.fixed[size_t(h.master[k])]) r.node.push_back(h.master[k]), r.w.push_back(double(h.weight[k]));
+    masses.push_back(std::move(r));
+  }
+  auto row_of = [&](int32_t s) -> const SpringRow& {
+    return size_t(s) < springs.size() ? springs[size_t(s)] : masses[size_t(s) - springs.size()];
+  };
   std::vector<std::vector<std::pair<int32_t, int32_t>>> node_springs(n);  // (spring, place in its row)
-  for (size_t s = 0; s < springs.size(); ++s)
-    for (size_t i = 0; i < springs[s].node.size(); ++i)
-      node_springs[size_t(springs[s].node[i])].push_back({int32_t(s), int32_t(i)});
+  for (int32_t s = 0; s < int32_t(springs.size() + masses.size()); ++s)
+    for (size_t i = 0; i < row_of(s).node.size(); ++i) node_springs[size_t(row_of(s).node[i])].push_back({s, int32_t(i)});
 
   ScalarMatrix A;
   A.row_of_node.assign(n, -1);
   for (size_t v = 0; v < n; ++v)
-    if (!m.fixed[v] && begin[v] < begin[v + 1]) A.row_of_node[v] = A.n(), A.node_of_row.push_back(int32_t(v));
+    if (!m.fixed[v] && (begin[v] < begin[v + 1] || (!hangs.empty() && !node_wide[v].empty()))) A.row_of_node[v] = A.n(), A.node_of_row.push_back(int32_t(v));
 
   std::vector<int32_t> place(size_t(A.n()), -1);
   std::vector<std::pair<int32_t, double>> column;
@@ -87,8 +156,11 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
       const Mat8& K = cell_matrix[size_t(c.stencil)];
       for (int b = 0; b < 8; ++b) add(c.node[size_t(b)], double(c.scale) * K(b, a));
     }
+    if (!hangs.empty())
+      for (auto [w, i] : node_wide[v])
+        for (size_t b = 0; b < wide[size_t(w)].node.size(); ++b) add(wide[size_t(w)].node[b], wide[size_t(w)].K(Eigen::Index(b), i));
     for (auto [s, i] : node_springs[v]) {
-      const SpringRow& r = springs[size_t(s)];
+      const SpringRow& r = row_of(s);
       for (size_t b = 0; b < r.node.size(); ++b) add(r.node[b], r.k_mN_per_mm * r.w[size_t(i)] * r.w[b]);
     }
     column[0].second *= 1 + shift;

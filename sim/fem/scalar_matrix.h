@@ -5,6 +5,9 @@
 //
 // over the free nodes. K is the exact Hessian of the quadratic part of the energy; the second term stands for the
 // volumetric part (ke is small thanks to the multipliers). Always symmetric positive definite.
+//
+// Hanging nodes are no rows: what is assembled is P^T A P (fem_model.h), cell by cell: a cell with hanging corners enters
+// as the matrix of the unknowns that move it. The same for springs, whose weights go to the masters, and for masses.
 #include <memory>
 #include <span>
 #include <vector>
@@ -17,7 +20,7 @@ namespace limberg::fem {
 struct SpringRow {
   int32_t id = 0;
   double k_mN_per_mm = 0;
-  std::vector<int32_t> node;  // nodes of the model, each once, fixed ones left out
+  std::vector<int32_t> node;  // nodes of the model, each once; fixed ones left out, masters for hanging ones
   std::vector<double> w;
   Vec3 rest_a_mm = Vec3::Zero(), rest_b_mm = Vec3::Zero();  // where it is attached at rest: its identity over cuts
 };
@@ -27,7 +30,7 @@ bool same_spring(const SpringRow& a, const SpringRow& b);
 /// Lower triangle by columns, rows ascending, diagonal first.
 struct ScalarMatrix {
   std::vector<int32_t> node_of_row;  // free nodes, ascending
-  std::vector<int32_t> row_of_node;  // -1: fixed, or of no cell
+  std::vector<int32_t> row_of_node;  // -1: fixed, hanging, or of no cell
   std::vector<int32_t> begin, row;
   std::vector<double> value;
   int32_t n() const { return int32_t(node_of_row.size()); }
