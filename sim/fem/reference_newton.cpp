@@ -56,8 +56,8 @@ struct ContactRow {
     for (const auto& [n, w] : share) {
       const int32_t at = hangs[size_t(n)];
       if (at < 0) sum[n] += w;
-      for (size_t k = 0; at >= 0 && k < size_t(m.hanging[size_t(at)].count); ++k)
-        sum[m.hanging[size_t(at)].master[k]] += w * double(m.hanging[size_t(at)].weight[k]);
+      for (size_t j = 0; at >= 0 && j < size_t(m.hanging[size_t(at)].count); ++j)
+        sum[m.hanging[size_t(at)].master[j]] += w * double(m.hanging[size_t(at)].weight[j]);
     }
     share.assign(sum.begin(), sum.end());
   }
