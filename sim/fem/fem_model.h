@@ -26,11 +26,22 @@
 #include <utility>
 #include <vector>
 
+#include "sim/fem/materials/law.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg {
 
 using Mat8 = Eigen::Matrix<double, 8, 8>;
+
+/// A quadrature point of a cell at which a law of its own adds volume_mm3 * W(F M). Laws come beside the quadratic part K
+/// (matrix in K, fibres here) or instead of it (K = 0). M holds prestretch and axes: the law sees F M, so its first axis
+/// lies along M e1.
+struct MaterialPoint {
+  Vec3 at = Vec3::Constant(0.5);  // in cell units
+  double volume_mm3 = 0;
+  int32_t law = 0;                // of FemModel::laws
+  Mat3 M = Mat3::Identity();
+};
 
 /// The constants of one kind of full cell; many cells share one.
 struct Stencil {
@@ -41,23 +52,29 @@ struct Stencil {
   double p0_kPa = 0;
   Vec3 sample = Vec3::Constant(0.5);  // where J is evaluated, in cell units (0..1 per axis); the centre when homogeneous
   double density_kg_mm3 = 0;
-  uint8_t level = 0;         // of the cells that it is for; all lengths above are theirs
+  uint8_t level = 0;                  // of the cells that it is for; all lengths here are theirs
+  std::vector<MaterialPoint> points;  // empty for cells whose whole shape energy is in K, and then costs nothing
 };
 
 /// Edges of a cell of that level.
 inline Vec3 cell_size_mm(const Vec3& cell_mm, int level) { return cell_mm / double(1 << level); }
 
-/// grad N_a (1/mm) at the stencil's sample point, one row per corner. `cell_mm`: of the undivided cell.
-inline Eigen::Matrix<double, 8, 3> sample_gradients(const Stencil& s, const Vec3& cell_mm) {
+/// grad N_a (1/mm) at a place in cell units, one row per corner. `cell_mm`: of the undivided cell.
+inline Eigen::Matrix<double, 8, 3> trilinear_gradients(const Stencil& s, const Vec3& at, const Vec3& cell_mm) {
   const Vec3 h = cell_size_mm(cell_mm, s.level);
   Eigen::Matrix<double, 8, 3> B;
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) {
       B(a, i) = ((a >> i & 1) ? 1 : -1) / h[i];
       for (int j = 0; j < 3; ++j)
-        if (j != i) B(a, i) *= (a >> j & 1) ? s.sample[j] : 1 - s.sample[j];
+        if (j != i) B(a, i) *= (a >> j & 1) ? at[j] : 1 - at[j];
     }
   return B;
+}
+
+/// The same at the stencil's sample point.
+inline Eigen::Matrix<double, 8, 3> sample_gradients(const Stencil& s, const Vec3& cell_mm) {
+  return trilinear_gradients(s, s.sample, cell_mm);
 }
 
 struct HexCell {
@@ -90,6 +107,7 @@ struct FemModel {
   std::vector<double> mass_kg;       // per node, lumped, exact fractions (no floor)
   std::vector<HexCell> cells;
   std::vector<Stencil> stencils;
+  std::vector<LawPtr> laws;          // named by the material points of stencils
   // Per node: its index in the previous model (state is carried from it); -1 only at start. For a node in `born`: the
   // first of the previous nodes with the largest weight.
   std::vector<int32_t> parent;

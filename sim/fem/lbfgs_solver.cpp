@@ -66,6 +66,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
     for (size_t c = 0; c < cells && c < cell_parent.size(); ++c)
       if (cell_parent[c] >= 0 && size_t(cell_parent[c]) < elements_->cells()) elements->set_q(c, elements_->q(size_t(cell_parent[c])));
   elements_ = std::move(elements);
+  points_ = MaterialPoints(*model);
   model_ = std::move(model);
   fixed_.clear();
   for (size_t i = 0; i < n; ++i)
@@ -130,6 +131,10 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
   if (!contacts_.empty()) {
     const double pressed = contacts_.add(u, g, measure);
     v.energy += pressed, v.noise += float_noise * pressed;
+  }
+  if (!points_.empty()) {
+    const CellSums p = points_.add(u, g, measure, workers_);
+    v.energy += p.energy, v.noise += float_noise * p.magnitude;
   }
   if (!inertia_.empty()) {
     double e = 0;
@@ -337,6 +342,7 @@ Vec3 LbfgsSolver::support_force_mN() const {
   elements_->evaluate(u_, g, false, workers_);
   forces_.add(u_, g, false);
   contacts_.add(u_, g, false);
+  points_.add(u_, g, false, workers_);
   give_to_masters(model_->hanging, g);
   Vec3 f = Vec3::Zero();
   for (int32_t i : fixed_) f -= Vec3(double(g[size_t(i)].x), double(g[size_t(i)].y), double(g[size_t(i)].z));

@@ -20,6 +20,7 @@
 #include "sim/fem/elastic_solver.h"
 #include "sim/fem/element_system.h"
 #include "sim/fem/lbfgs.h"
+#include "sim/fem/material_points.h"
 #include "sim/fem/preconditioner.h"
 #include "sim/fem/spring_forces.h"
 
@@ -68,6 +69,7 @@ class LbfgsSolver final : public ElasticSolver {
   std::vector<Spring> springs_;
   SpringForces forces_;
   ContactForces contacts_;
+  MaterialPoints points_;
   LbfgsHistory history_;
 
   NodeArray u_, g_, d_, u_try_, g_try_;

@@ -12,13 +12,13 @@
 
 #include "sim/fem/cholesky.h"
 #include "sim/fem/hanging_nodes.h"
+#include "sim/fem/material_points.h"
 #include "sim/fem/scalar_matrix.h"
 
 namespace limberg {
 namespace {
 
 using Gradients = Eigen::Matrix<double, 8, 3>;
-using Mat9 = Eigen::Matrix<double, 9, 9>;
 using Vec9 = Eigen::Matrix<double, 9, 1>;
 using Mat24 = Eigen::Matrix<double, 24, 24>;
 
@@ -136,9 +136,12 @@ struct ReferenceElasticity::Impl {
       const Gradients KU = s.K * U;
       energy += double(c.scale) * (U.cwiseProduct(0.5 * KU + kx).sum() +
                                    s.volume_mm3 * (0.5 * s.lambda_kPa * theta * theta - s.p0_kPa * theta));
+      Gradients extra;
+      if (!s.points.empty()) energy += double(c.scale) * fem::points_force(m, s, m.cell_mm, U, extra);
       if (!g) continue;
       const Mat3 P = s.volume_mm3 * (s.lambda_kPa * theta - s.p0_kPa) * cofactor(f);
-      const Gradients force = double(c.scale) * (KU + kx + B[size_t(c.stencil)] * P.transpose());
+      Gradients force = double(c.scale) * (KU + kx + B[size_t(c.stencil)] * P.transpose());
+      if (!s.points.empty()) force += double(c.scale) * extra;
       for (int a = 0; a < 8; ++a) {
         (*g)[size_t(c.node[size_t(a)])] += force.row(a).transpose();
         if (scale) size[size_t(c.node[size_t(a)])] += force.row(a).norm();
@@ -180,6 +183,15 @@ struct ReferenceElasticity::Impl {
   }
 
   Mat24 cell_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
+    const Stencil& s = m.stencils[size_t(c.stencil)];
+    Mat24 H = stencil_hessian(c, u, project);
+    if (s.points.empty()) return H;
+    Gradients U;
+    for (int a = 0; a < 8; ++a) U.row(a) = u[size_t(c.node[size_t(a)])].transpose();
+    return H + double(c.scale) * fem::points_tangent(m, s, m.cell_mm, U, project);
+  }
+
+  Mat24 stencil_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
     const Stencil& s = m.stencils[size_t(c.stencil)];
     const Gradients& grad_N = B[size_t(c.stencil)];
     const Mat3 f = F(c, u);

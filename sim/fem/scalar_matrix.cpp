@@ -6,6 +6,7 @@
 
 #include "sim/fem/element_system.h"
 #include "sim/fem/hanging_nodes.h"
+#include "sim/fem/material_points.h"
 
 namespace limberg::fem {
 namespace {
@@ -90,6 +91,7 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
     const Eigen::Matrix<double, 8, 3> B = sample_gradients(m.stencils[s], m.cell_mm);
     cell_matrix[s] =
         m.stencils[s].K + effective_bulk_kPa(m.stencils[s], augmented) * m.stencils[s].volume_mm3 * (B * B.transpose());
+    if (!m.stencils[s].points.empty()) cell_matrix[s] += points_scalar(m, m.stencils[s], m.cell_mm);
   }
 
   // Cells around each node; those with hanging corners apart, with the unknowns that move them.

@@ -1,0 +1,158 @@
+#include "sim/fem/material_points.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "sim/error.h"
+
+namespace limberg::fem {
+namespace {
+
+using Gradients = Eigen::Matrix<double, 8, 3>;
+using Mat24 = Eigen::Matrix<double, 24, 24>;
+
+const MaterialLaw& law_of(const FemModel& m, const MaterialPoint& p) {
+  if (p.law < 0 || size_t(p.law) >= m.laws.size() || !m.laws[size_t(p.law)])
+    throw InputError("", 0, "a material point names law " + std::to_string(p.law) + "; one of the model's laws was expected");
+  return *m.laws[size_t(p.law)];
+}
+
+}  // namespace
+
+MaterialPoints::MaterialPoints(const FemModel& m) : laws_(m.laws) {
+  std::vector<std::pair<int32_t, int32_t>> of_stencil;
+  for (const Stencil& s : m.stencils) {
+    const int32_t first = int32_t(points_.size());
+    for (const MaterialPoint& p : s.points) {
+      Point q;
+      q.law = &law_of(m, p);
+      q.BM = trilinear_gradients(s, p.at, m.cell_mm) * p.M;
+      q.M = p.M;
+      q.volume_mm3 = p.volume_mm3;
+      q.rest_kPa = q.law->at(p.M).energy_kPa;
+      points_.push_back(q);
+    }
+    of_stencil.push_back({first, int32_t(points_.size())});
+  }
+  if (points_.empty()) return;
+  std::vector<int32_t> count(m.X_mm.size() + 1, 0);
+  for (const HexCell& c : m.cells) {
+    const auto [first, last] = of_stencil[size_t(c.stencil)];
+    if (first == last) continue;
+    cells_.push_back({c.node, first, last, double(c.scale)});
+    for (int32_t n : c.node) ++count[size_t(n)];
+  }
+  force_.resize(cells_.size());
+  sums_.resize(cells_.size());
+  std::vector<int32_t> place(m.X_mm.size(), -1);
+  begin_.push_back(0);
+  for (size_t n = 0; n < m.X_mm.size(); ++n) {
+    if (!count[n]) continue;
+    place[n] = int32_t(nodes_.size());
+    nodes_.push_back(int32_t(n));
+    begin_.push_back(begin_.back() + count[n]);
+  }
+  list_.resize(size_t(begin_.back()));
+  std::vector<int32_t> fill(begin_.begin(), begin_.end() - 1);
+  for (size_t c = 0; c < cells_.size(); ++c)
+    for (size_t a = 0; a < 8; ++a) list_[size_t(fill[size_t(place[size_t(cells_[c].node[a])])]++)] = int32_t(8 * c + a);
+}
+
+CellSums MaterialPoints::add(const NodeArray& u, NodeArray& g, bool measure, Workers& workers) const {
+  if (empty()) return {};
+  workers.parallel_for(cells_.size(), 64, [&](size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) {
+      const Cell& cell = cells_[c];
+      Gradients U;
+      for (int a = 0; a < 8; ++a) {
+        const Node4& n = u[size_t(cell.node[size_t(a)])];
+        U.row(a) << double(n.x), double(n.y), double(n.z);
+      }
+      Gradients f = Gradients::Zero();
+      CellSums sums;
+      for (int32_t i = cell.first; i < cell.last; ++i) {
+        const Point& p = points_[size_t(i)];
+        const Mat3 FM = p.M + U.transpose() * p.BM;
+        const MaterialLaw::Response r = p.law->at(FM);
+        sums.energy += p.volume_mm3 * (r.energy_kPa - p.rest_kPa);
+        sums.magnitude += p.volume_mm3 * (std::fabs(r.energy_kPa) + p.rest_kPa);
+        f.noalias() += p.volume_mm3 * p.BM * r.P_kPa.transpose();
+      }
+      sums_[c] = {cell.scale * sums.energy, cell.scale * sums.magnitude};
+      for (int a = 0; a < 8; ++a) {
+        const Vec3 v = cell.scale * f.row(a).transpose();
+        force_[c].col(a) << v.cast<float>(), float(v.norm());
+      }
+    }
+  });
+  workers.parallel_for(nodes_.size(), 1024, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      Eigen::Vector4f sum = Eigen::Vector4f::Zero();
+      for (int32_t k = begin_[i]; k < begin_[i + 1]; ++k) sum += force_[size_t(list_[size_t(k)] / 8)].col(list_[size_t(k)] % 8);
+      Node4& n = g[size_t(nodes_[i])];
+      n.x += sum[0], n.y += sum[1], n.z += sum[2];
+      if (measure) n.w += sum[3];
+    }
+  });
+  CellSums total;
+  for (const CellSums& s : sums_) total.energy += s.energy, total.magnitude += s.magnitude;
+  return total;
+}
+
+double points_force(const FemModel& m, const Stencil& s, const Vec3& cell_mm, const Gradients& u, Gradients& force) {
+  force.setZero();
+  double energy = 0;
+  for (const MaterialPoint& p : s.points) {
+    const MaterialLaw& law = law_of(m, p);
+    const Gradients BM = trilinear_gradients(s, p.at, cell_mm) * p.M;
+    const MaterialLaw::Response r = law.at(p.M + u.transpose() * BM);
+    energy += p.volume_mm3 * (r.energy_kPa - law.at(p.M).energy_kPa);
+    force += p.volume_mm3 * BM * r.P_kPa.transpose();
+  }
+  return energy;
+}
+
+Mat24 points_tangent(const FemModel& m, const Stencil& s, const Vec3& cell_mm, const Gradients& u, bool project) {
+  Mat24 H = Mat24::Zero();
+  for (const MaterialPoint& p : s.points) {
+    const Gradients BM = trilinear_gradients(s, p.at, cell_mm) * p.M;
+    const Mat9 C = law_of(m, p).tangent_kPa(p.M + u.transpose() * BM, project);
+    Eigen::Matrix<double, 24, 9> B = Eigen::Matrix<double, 24, 9>::Zero();  // vec F is column-major
+    for (int a = 0; a < 8; ++a)
+      for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i) B(3 * a + i, 3 * j + i) = BM(a, j);
+    H.noalias() += p.volume_mm3 * (B * (C * B.transpose()).eval());
+  }
+  return H;
+}
+
+Mat8 points_scalar(const FemModel& m, const Stencil& s, const Vec3& cell_mm) {
+  Mat8 K = Mat8::Zero();
+  for (const MaterialPoint& p : s.points) {
+    const Gradients BM = trilinear_gradients(s, p.at, cell_mm) * p.M;
+    K += p.volume_mm3 * law_of(m, p).typical_stiffness_kPa(p.M) * (BM * BM.transpose());
+  }
+  return K;
+}
+
+Stencil law_stencil(const Vec3& cell_mm, int32_t law, const MaterialLaw& response, double lambda_kPa, double density, const Mat3& M) {
+  Stencil s;
+  s.volume_mm3 = cell_mm.prod();
+  s.density_kg_mm3 = density;
+  s.lambda_kPa = lambda_kPa;
+  s.mu_kPa = response.typical_stiffness_kPa(M);
+  const Mat3 sigma = response.at(M).P_kPa * M.transpose() / M.determinant();
+  s.p0_kPa = lambda_kPa > 0 ? sigma(2, 2) : 0;
+  const double g = 0.5 / std::sqrt(3.0);
+  for (int q = 0; q < 8; ++q) {
+    MaterialPoint p;
+    p.at = Vec3(q & 1 ? 0.5 + g : 0.5 - g, q & 2 ? 0.5 + g : 0.5 - g, q & 4 ? 0.5 + g : 0.5 - g);
+    p.volume_mm3 = s.volume_mm3 / 8;
+    p.law = law;
+    p.M = M;
+    s.points.push_back(p);
+  }
+  return s;
+}
+
+}  // namespace limberg::fem

@@ -1,0 +1,41 @@
+#pragma once
+// A hyperelastic law: energy density as a function of the deformation gradient F = dx/dX, for any F, inverted ones too.
+//
+// A law holds the part of the energy that resists change of shape. Change of volume is the element's own (fem_model.h:
+// lambda/2 (J - 1)^2 at one sample point per cell, with its multiplier), together with the linear pressure term that
+// makes the reference state free of stress. A law may also hold a volumetric part itself (for comparison with codes that
+// integrate everything fully); the cell then has lambda = 0.
+//
+// To add a material: an isotropic one is a small struct with value and two derivatives in principal stretches
+// (isotropic.h does the rest, inversion included); anything else implements MaterialLaw.
+#include <memory>
+#include <string>
+
+#include "sim/geometry/vec.h"
+
+namespace limberg {
+
+using Mat9 = Eigen::Matrix<double, 9, 9>;
+
+class MaterialLaw {
+ public:
+  virtual ~MaterialLaw() = default;
+
+  struct Response {
+    double energy_kPa = 0;       // density, per rest volume; 0 at F = I
+    Mat3 P_kPa = Mat3::Zero();   // first Piola stress dW/dF
+  };
+  virtual Response at(const Mat3& F) const = 0;
+
+  /// d vec(P) / d vec(F), vec column-major, symmetric. `project`: eigenvalues below zero are set to zero.
+  virtual Mat9 tangent_kPa(const Mat3& F, bool project) const = 0;
+
+  /// One modulus that stands for the law in a scalar preconditioner: the mean eigenvalue of its projected tangent at F.
+  double typical_stiffness_kPa(const Mat3& F = Mat3::Identity()) const { return tangent_kPa(F, true).trace() / 9; }
+
+  virtual std::string describe() const = 0;
+};
+
+using LawPtr = std::shared_ptr<const MaterialLaw>;
+
+}  // namespace limberg
