@@ -63,7 +63,8 @@ Arrangement::Arrangement(const TriMesh& surface, const RestGrid& grid) : store_(
   s.face.reserve(n * 2);
   s.mate.reserve(n * 2);
   s.orig.reserve(n * 2);
-  s.edges.reserve(n * 3);
+  s.edges.reserve(n * 2);  // 1.5 n now
+  s.edges.reserve_faces(n * 2);
   for (const Vec3& x : surface.X_mm) {
     if (!grid.fits(x)) throw InputError("", 0, "a surface vertex lies outside the rest grid's domain");
     s.points.add_explicit(grid.to_grid(x));
@@ -100,8 +101,8 @@ Arrangement::Arrangement(const TriMesh& surface, const RestGrid& grid) : store_(
                          "the body's surface is not closed and oriented at triangle " + std::to_string(i) +
                              "; expected two triangles in opposite sense at every edge");
       if (a < b)
-        if (const std::string why = s.glue_edge(a, b, nullptr); !why.empty())
-          throw InputError("", 0, "the body's surface: " + why + " at triangle " + std::to_string(i));
+        if (const char* why = s.glue_edge(a, b, nullptr))
+          throw InputError("", 0, std::string("the body's surface: ") + why + " at triangle " + std::to_string(i));
     }
   auto tree = std::make_shared<OrigTree>();
   tree->count = int32_t(n);

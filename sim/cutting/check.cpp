@@ -56,8 +56,9 @@ std::string Arrangement::check_all() const {
   for (int32_t f = 0; f < int32_t(s.face.size()); ++f)
     for (size_t k = 0; k < 3 && s.face[f].live(); ++k) {
       Delta changes;
-      const std::string why = writable.glue_edge(s.face[f].v[k], s.face[f].v[(k + 1) % 3], &changes);
-      if (!why.empty()) return at(("I13: " + why + ", face").c_str(), f);
+      changes.faces = int32_t(s.face.size());
+      if (const char* why = writable.glue_edge(s.face[f].v[k], s.face[f].v[(k + 1) % 3], &changes))
+        return at((std::string("I13: ") + why + ", face").c_str(), f);
       if (!changes.mate.empty()) return at("gluing afresh differs, face", f);
     }
 

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "sim/cutting/tri_tests.h"
-
 namespace limberg {
 
 CutBuilder::CutBuilder(ArrangementStore& store, const Blade& blade, std::vector<Int3> vertex)
@@ -26,8 +24,9 @@ CutBuilder::Outcome CutBuilder::run(CutResult& result) {
 void CutBuilder::abandon() { store_.take_back(delta_); }
 
 CutBuilder::Outcome CutBuilder::prepare() {
-  std::vector<Tri> named = blade_.tri;
-  if (const std::string why = check_embedded(vertex_, named); !why.empty()) {
+  tree_ = std::make_shared<OrigTree>();
+  tree_->bvh = tree_over(vertex_, blade_.tri);
+  if (const std::string why = check_embedded(vertex_, blade_.tri, tree_->bvh); !why.empty()) {
     reason_ = why;
     return coincidence;
   }
@@ -49,55 +48,77 @@ CutBuilder::Outcome CutBuilder::prepare() {
   return ok;
 }
 
+IntTriangle CutBuilder::triangle(int32_t o) const {
+  IntTriangle t;
+  for (size_t k = 0; k < 3; ++k) t.id[k] = store_.orig[o].v[k], t.p[k] = store_.points.integer(t.id[k]);
+  return t;
+}
+
 CutBuilder::Outcome CutBuilder::intersect() {
-  const auto int_triangle = [&](int32_t o) {
-    IntTriangle t;
-    for (size_t k = 0; k < 3; ++k) t.id[k] = store_.orig[o].v[k], t.p[k] = store_.points.integer(t.id[k]);
-    return t;
+  struct Box {
+    Vec3 lo, hi;
   };
-  Outcome outcome = ok;
-  for (size_t i = 0; i < blade_.tri.size() && outcome == ok; ++i) {
-    const int32_t s = first_orig_ + int32_t(i);
-    const IntTriangle ts = int_triangle(s);
-    Vec3 lo(ts.p[0].x, ts.p[0].y, ts.p[0].z), hi = lo;
+  std::vector<Box> box(blade_.tri.size());
+  for (size_t i = 0; i < box.size(); ++i) {
+    const auto& v = store_.orig[first_orig_ + int32_t(i)].v;
+    box[i].lo = box[i].hi = store_.points.approx(v[0]);
     for (size_t k = 1; k < 3; ++k) {
-      const Vec3 p(ts.p[k].x, ts.p[k].y, ts.p[k].z);
-      lo = lo.cwiseMin(p);
-      hi = hi.cwiseMax(p);
+      box[i].lo = box[i].lo.cwiseMin(store_.points.approx(v[k]));
+      box[i].hi = box[i].hi.cwiseMax(store_.points.approx(v[k]));
     }
-    const auto visit = [&](int32_t f) {
-      if (outcome != ok || store_.orig[f].live == 0) return;
-      const IntTriangle tf = int_triangle(f);
-      bool shares = false;
-      for (int32_t a : ts.id)
-        for (int32_t b : tf.id) shares = shares || a == b;
-      if (shares) {
-        if (meet_beyond_shared(ts, tf))
-          outcome = fail(coincidence, "the blade runs through the wall that it continues");
-        return;
-      }
-      const Crossing c = cross_triangles(ts, store_.orig[s].plane, tf, store_.orig[f].plane);
-      if (c.kind == Crossing::apart) return;
-      if (c.kind == Crossing::coincidence) {
-        outcome = fail(coincidence, "the blade touches the surface in a way that cannot be resolved");
-        return;
-      }
-      Segment seg;
-      seg.s = s;
-      seg.f = f;
-      for (const CrossingEnd& e : c.end) {
-        const int32_t owner = e.edge_of_s ? s : f, plane = e.edge_of_s ? f : s;
-        const auto& v = store_.orig[owner].v;
-        seg.point.push_back(
-            store_.points.line_plane(v[size_t(e.edge)], v[size_t(e.edge + 1) % 3], plane, store_.orig[plane].plane));
-      }
-      segment_.push_back(std::move(seg));
-    };
-    for (const auto& tree : store_.forest) tree->bvh.box(lo, hi, [&](int32_t t) { visit(tree->first + t); });
   }
-  if (outcome != ok) return outcome;
+  // Neighbours in the blade's list are mostly neighbours in space: one walk down each tree serves several.
+  constexpr size_t kGroup = 8;
+  std::vector<int32_t> near, from;  // original triangles near the group; per tree, where its part begins
+  for (size_t i = 0; i < blade_.tri.size(); ++i) {
+    if (i % kGroup == 0) {
+      Box group = box[i];
+      for (size_t j = i; j < std::min(i + kGroup, box.size()); ++j)
+        group.lo = group.lo.cwiseMin(box[j].lo), group.hi = group.hi.cwiseMax(box[j].hi);
+      near.clear();
+      from.clear();
+      for (const auto& tree : store_.forest) {
+        from.push_back(int32_t(near.size()));
+        tree->bvh.box(group.lo, group.hi, [&](int32_t t) { near.push_back(t); });
+      }
+      from.push_back(int32_t(near.size()));
+    }
+    const int32_t s = first_orig_ + int32_t(i);
+    const IntTriangle ts = triangle(s);
+    for (size_t t = 0; t + 1 < from.size(); ++t) {
+      const OrigTree& tree = *store_.forest[t];
+      for (int32_t j = from[t]; j < from[t + 1]; ++j) {
+        if (!tree.bvh.meets(near[size_t(j)], box[i].lo, box[i].hi)) continue;
+        const Outcome outcome = intersect_with(s, ts, tree.first + near[size_t(j)]);
+        if (outcome != ok) return outcome;
+      }
+    }
+  }
   std::sort(segment_.begin(), segment_.end(),
             [](const Segment& a, const Segment& b) { return std::tie(a.f, a.s) < std::tie(b.f, b.s); });
+  return ok;
+}
+
+CutBuilder::Outcome CutBuilder::intersect_with(int32_t s, const IntTriangle& ts, int32_t f) {
+  if (store_.orig[f].live == 0) return ok;
+  const IntTriangle tf = triangle(f);
+  bool shares = false;
+  for (int32_t a : ts.id)
+    for (int32_t b : tf.id) shares = shares || a == b;
+  if (shares)
+    return meet_beyond_shared(ts, tf) ? fail(coincidence, "the blade runs through the wall that it continues") : ok;
+  const Crossing c = cross_triangles(ts, store_.orig[s].plane, tf, store_.orig[f].plane);
+  if (c.kind == Crossing::apart) return ok;
+  if (c.kind == Crossing::coincidence)
+    return fail(coincidence, "the blade touches the surface in a way that cannot be resolved");
+  segment_.push_back({s, f, uint32_t(mark_.size()), 2});
+  for (const CrossingEnd& e : c.end) {
+    const int32_t owner = e.edge_of_s ? s : f, plane = e.edge_of_s ? f : s;
+    const auto& v = store_.orig[owner].v;
+    const int32_t point =
+        store_.points.line_plane(v[size_t(e.edge)], v[size_t(e.edge + 1) % 3], plane, store_.orig[plane].plane);
+    mark_.push_back({point, e.edge_of_s ? PlanarSplit::kFree : int16_t(e.edge)});
+  }
   return ok;
 }
 
@@ -132,6 +153,7 @@ CutBuilder::Outcome CutBuilder::divide() {
     t.count = i - t.first;
     touched_.push_back(std::move(t));
   }
+  std::vector<Mark> between;
   for (Touched& t : touched_) {
     const OrigTri f = store_.orig[t.orig];
     t.scratch.open(store_, t.orig);
@@ -140,55 +162,54 @@ CutBuilder::Outcome CutBuilder::divide() {
     for (size_t i = t.first; i < t.first + t.count; ++i) {
       Segment& seg = segment_[i];
       const Plane& plane_s = store_.orig[seg.s].plane;
-      seg.label = {label_of(seg.point[0], t.orig), label_of(seg.point[1], t.orig)};
+      const int32_t p = marks(seg)[0].point, q = marks(seg)[1].point;
+      between.clear();
       for (size_t j = 0; j < junctions.size(); ++j) {
         const Constraint& c = junctions[j];
         const Plane& plane_g = store_.orig[c.partner].plane;
         bool zero = false;
-        if (crosses(c, plane_s, plane_g, seg.point[0], seg.point[1], zero)) {
-          seg.point.push_back(store_.points.three_planes({t.orig, c.partner, seg.s}, f.plane, plane_g, plane_s));
-          seg.label.push_back(int16_t(PlanarSplit::kJunction + int(j)));
-        }
+        if (crosses(c, plane_s, plane_g, p, q, zero))
+          between.push_back({store_.points.three_planes({t.orig, c.partner, seg.s}, f.plane, plane_g, plane_s),
+                             int16_t(PlanarSplit::kJunction + int(j))});
         if (zero) return fail(coincidence, "the blade meets a junction of earlier cuts");
       }
-      if (seg.point.size() > 2) {  // along the segment
-        int axis = 0;
-        (store_.points.approx(seg.point[1]) - store_.points.approx(seg.point[0])).cwiseAbs().maxCoeff(&axis);
-        const int forward = compare_coordinate(axis, store_.points.ref(seg.point[1]), store_.points.ref(seg.point[0]));
-        std::vector<size_t> order(seg.point.size());
-        for (size_t j = 0; j < order.size(); ++j) order[j] = j;
-        std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-          if (a == b || a == 0 || b == 1) return a != b;
-          if (b == 0 || a == 1) return false;
-          return compare_coordinate(axis, store_.points.ref(seg.point[b]), store_.points.ref(seg.point[a])) == forward;
-        });
-        std::vector<int32_t> point;
-        std::vector<int16_t> label;
-        for (size_t j : order) point.push_back(seg.point[j]), label.push_back(seg.label[j]);
-        seg.point.swap(point);
-        seg.label.swap(label);
-        for (size_t j = 1; j + 1 < seg.point.size(); ++j)
-          if (compare_coordinate(axis, store_.points.ref(seg.point[j + 1]), store_.points.ref(seg.point[j])) != forward)
-            return fail(coincidence, "two junctions of earlier cuts meet the blade in one point");
-      }
+      if (between.empty()) continue;
+      // Along the segment. It goes to the end of the list of marks, where there is room.
+      int axis = 0;
+      (store_.points.approx(q) - store_.points.approx(p)).cwiseAbs().maxCoeff(&axis);
+      const int forward = compare_coordinate(axis, store_.points.ref(q), store_.points.ref(p));
+      std::sort(between.begin(), between.end(), [&](const Mark& a, const Mark& b) {
+        return compare_coordinate(axis, store_.points.ref(b.point), store_.points.ref(a.point)) == forward;
+      });
+      const Mark ends[2] = {marks(seg)[0], marks(seg)[1]};
+      seg.first = uint32_t(mark_.size());
+      seg.count = uint32_t(between.size()) + 2;
+      mark_.push_back(ends[0]);
+      mark_.insert(mark_.end(), between.begin(), between.end());
+      mark_.push_back(ends[1]);
+      for (size_t j = 1; j + 1 < seg.count; ++j)
+        if (compare_coordinate(axis, store_.points.ref(marks(seg)[j + 1].point), store_.points.ref(marks(seg)[j].point)) !=
+            forward)
+          return fail(coincidence, "two junctions of earlier cuts meet the blade in one point");
     }
     for (size_t i = t.first; i < t.first + t.count; ++i)
-      for (size_t j = 0; j < segment_[i].point.size(); ++j)
-        if (!t.scratch.insert(segment_[i].point[j], segment_[i].label[j]))
+      for (const Mark& m : marks(segment_[i]))
+        if (!t.scratch.insert(m.point, m.label))
           return fail(coincidence, "a point of the cut falls on a junction of earlier cuts");
     for (size_t i = t.first; i < t.first + t.count; ++i) {
       const Segment& seg = segment_[i];
-      for (size_t j = 0; j + 1 < seg.point.size(); ++j) {
-        const int32_t a = seg.point[j], b = seg.point[j + 1];
+      const auto along = marks(seg);
+      for (size_t j = 0; j + 1 < along.size(); ++j) {
+        const int32_t a = along[j].point, b = along[j + 1].point;
         if (!t.scratch.enforce(a, b, seg.s))
           return fail(coincidence, "a cut line runs along a junction of earlier cuts");
         auto [piece, k] = t.scratch.find_edge(a, b);
         if (piece < 0) std::tie(piece, k) = t.scratch.find_edge(b, a);
-        const auto& p = t.scratch.pieces()[size_t(piece)];
-        const int32_t n = p.neighbour[size_t(k)];
-        if (n < 0 || t.scratch.pieces()[size_t(n)].mat != p.mat)
+        const auto& here = t.scratch.pieces()[size_t(piece)];
+        const int32_t n = here.neighbour[size_t(k)];
+        if (n < 0 || t.scratch.pieces()[size_t(n)].mat != here.mat)
           return fail(coincidence, "a cut line runs along a border");
-        if (p.mat != 0) barrier_.push_back({seg.s, seg.f, a, b, size_t(&t - touched_.data()), p.mat});
+        if (here.mat != 0) barrier_.push_back({seg.s, seg.f, a, b, size_t(&t - touched_.data()), here.mat});
       }
     }
   }

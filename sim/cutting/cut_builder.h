@@ -8,6 +8,7 @@
 //   select        patches in material that hold a seed
 //   commit        divide only by what the kept patches need; walls in, gluing of dirty edges, local invariants
 #include "sim/cutting/planar_split.h"
+#include "sim/cutting/tri_tests.h"
 
 namespace limberg {
 
@@ -20,10 +21,13 @@ class CutBuilder {
   const std::string& reason() const { return reason_; }
 
  private:
+  struct Mark {
+    int32_t point = 0;
+    int16_t label = 0;  // where it lies on f (PlanarSplit labels)
+  };
   struct Segment {
-    int32_t s = 0, f = 0;        // blade triangle and existing one, both as original triangles
-    std::vector<int32_t> point;  // ends, and between them crossings of junctions, in order
-    std::vector<int16_t> label;  // per point: where it lies on f (PlanarSplit labels)
+    int32_t s = 0, f = 0;          // blade triangle and existing one, both as original triangles
+    uint32_t first = 0, count = 0;  // its marks: ends, and between them crossings of junctions, in order
   };
   struct Touched {
     int32_t orig = 0;
@@ -43,6 +47,7 @@ class CutBuilder {
   }
   Outcome prepare();
   Outcome intersect();
+  Outcome intersect_with(int32_t s, const IntTriangle& ts, int32_t f);
   Outcome divide();
   Outcome divide_blade();
   Outcome find_patches(CutResult& result);
@@ -53,10 +58,13 @@ class CutBuilder {
   Outcome take_shared_edges();
   int vote_at_shared_edge(int32_t a, int32_t b, int32_t s, int32_t third) const;
 
+  std::span<Mark> marks(const Segment& s) { return {mark_.data() + s.first, s.count}; }
+  std::span<const Mark> marks(const Segment& s) const { return {mark_.data() + s.first, s.count}; }
+  IntTriangle triangle(int32_t orig) const;
   int16_t label_of(int32_t point, int32_t orig) const;  // of an end of a segment
   bool crosses(const Constraint& c, const Plane& plane_s, const Plane& plane_g, int32_t p, int32_t q, bool& zero) const;
   Outcome divide_finally(const Touched& t, PlanarSplit& out, const std::vector<int32_t>& needed_points) const;
-  void write_division(int32_t orig, const PlanarSplit& split, std::vector<int32_t>& dirty);
+  void write_division(int32_t orig, const PlanarSplit& split);
 
   ArrangementStore& store_;
   const Blade& blade_;
@@ -64,14 +72,17 @@ class CutBuilder {
   std::string reason_;
 
   Delta delta_;
+  std::shared_ptr<OrigTree> tree_;  // over the blade
   std::vector<int32_t> blade_point_;
   int32_t first_orig_ = 0, op_ = 0;
   std::vector<Segment> segment_;
+  std::vector<Mark> mark_;
   std::vector<Touched> touched_;
   std::vector<Barrier> barrier_;
   std::vector<PlanarSplit> blade_split_;                  // per blade triangle
   std::vector<std::pair<int32_t, int32_t>> shared_edge_;  // sub-edges shared with older walls, ascending ends
   std::vector<std::array<int32_t, 3>> edge_point_;        // blade edge (ascending ends), point on it
+  std::vector<int32_t> kept_;                             // room for write_division
   std::vector<std::vector<uint8_t>> keep_;                // per blade triangle, per piece
 };
 

@@ -22,52 +22,55 @@ CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& ou
   out.open(store_, t.orig);
   for (size_t i = t.first; i < t.first + t.count; ++i) {
     const Segment& seg = segment_[i];
-    for (size_t j = 0; j < seg.point.size(); ++j) {
-      const bool own = (j > 0 && needed(seg.point[j - 1], seg.point[j])) ||
-                       (j + 1 < seg.point.size() && needed(seg.point[j], seg.point[j + 1]));
-      const bool forced = seg.label[j] != PlanarSplit::kFree &&
-                          std::binary_search(needed_points.begin(), needed_points.end(), seg.point[j]);
-      if ((own || forced) && !out.insert(seg.point[j], seg.label[j])) return coincidence;
+    const auto along = marks(seg);
+    for (size_t j = 0; j < along.size(); ++j) {
+      const bool own = (j > 0 && needed(along[j - 1].point, along[j].point)) ||
+                       (j + 1 < along.size() && needed(along[j].point, along[j + 1].point));
+      const bool forced = along[j].label != PlanarSplit::kFree &&
+                          std::binary_search(needed_points.begin(), needed_points.end(), along[j].point);
+      if ((own || forced) && !out.insert(along[j].point, along[j].label)) return coincidence;
     }
   }
   for (size_t i = t.first; i < t.first + t.count; ++i) {
     const Segment& seg = segment_[i];
-    for (size_t j = 0; j + 1 < seg.point.size(); ++j)
-      if (needed(seg.point[j], seg.point[j + 1]) && !out.enforce(seg.point[j], seg.point[j + 1], seg.s))
+    const auto along = marks(seg);
+    for (size_t j = 0; j + 1 < along.size(); ++j)
+      if (needed(along[j].point, along[j + 1].point) && !out.enforce(along[j].point, along[j + 1].point, seg.s))
         return coincidence;
   }
   return ok;
 }
 
-void CutBuilder::write_division(int32_t o, const PlanarSplit& split, std::vector<int32_t>& dirty) {
+void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
   OrigTri& orig = store_.orig[o];
+  const auto pieces = split.pieces();
+  Division d;
+  d.constraint = split.current_constraints();
+  d.face.reserve(pieces.size());
   const bool is_new = o >= first_orig_;
   if (!is_new) {
     Delta::OrigBefore before{o, orig.live, orig.whole, orig.split, std::nullopt};
-    if (orig.split >= 0) before.division = store_.division[orig.split];
+    kept_.clear();
+    for (const auto& p : pieces)
+      if (p.face >= 0) kept_.push_back(p.face);
+    std::sort(kept_.begin(), kept_.end());
+    for (int32_t f : store_.faces_of(o)) {
+      if (std::binary_search(kept_.begin(), kept_.end(), f)) continue;
+      Face& face = store_.face[f];
+      if (face.live()) {
+        store_.edges.remove(f, face.v);
+        store_.hash_sum -= store_.face_hash(face);
+        store_.volume_residue = mod_sub(store_.volume_residue, store_.face_volume_residue(face));
+        store_.last.removed.push_back(f);
+      }
+      face.retired = true;
+      delta_.retired.push_back(f);
+    }
+    if (orig.split >= 0) before.division = std::move(store_.division[orig.split]);  // gets a new one below
     delta_.orig.push_back(std::move(before));
   }
-  Division d;
-  d.constraint = split.current_constraints();
-  std::vector<int32_t> old(store_.faces_of(o).begin(), store_.faces_of(o).end());
-  std::vector<int32_t> kept;
-  for (const auto& p : split.pieces())
-    if (p.face >= 0) kept.push_back(p.face);
-  std::sort(kept.begin(), kept.end());
-  for (int32_t f : old) {
-    if (std::binary_search(kept.begin(), kept.end(), f)) continue;
-    Face& face = store_.face[f];
-    if (face.live()) {
-      store_.edges.remove(f, face.v);
-      store_.hash_sum -= store_.face_hash(face);
-      store_.volume_residue = mod_sub(store_.volume_residue, store_.face_volume_residue(face));
-      store_.last.removed.push_back(f);
-    }
-    face.retired = true;
-    delta_.retired.push_back(f);
-  }
   orig.live = 0;
-  for (const auto& p : split.pieces()) {
+  for (const auto& p : pieces) {
     int32_t f = p.face;
     if (f < 0) {
       f = int32_t(store_.face.size());
@@ -79,7 +82,6 @@ void CutBuilder::write_division(int32_t o, const PlanarSplit& split, std::vector
         store_.hash_sum += store_.face_hash(face);
         store_.volume_residue = mod_add(store_.volume_residue, store_.face_volume_residue(face));
         store_.last.added.push_back(f);
-        dirty.push_back(f);
       }
     }
     d.face.push_back(f);
@@ -132,10 +134,10 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     size_t sub_edges = 0;
     bool forced = false;
     for (size_t j = t.first; j < t.first + t.count; ++j) {
-      sub_edges += segment_[j].point.size() - 1;
-      for (size_t m = 0; m < segment_[j].point.size(); ++m)
-        forced = forced || (segment_[j].label[m] != PlanarSplit::kFree &&
-                            std::binary_search(needed_points.begin(), needed_points.end(), segment_[j].point[m]));
+      sub_edges += segment_[j].count - 1;
+      for (const Mark& m : marks(segment_[j]))
+        forced = forced || (m.label != PlanarSplit::kFree &&
+                            std::binary_search(needed_points.begin(), needed_points.end(), m.point));
     }
     if (t.needed.empty() && !forced) continue;
     change[i] = 1;
@@ -147,32 +149,26 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   }
 
   // Commit. From here on a failure is taken back through delta_.
+  store_.points.settle();
+  store_.edges.begin_changes();
   store_.last = LastOperation{};
   store_.last.kind = LastOperation::cut;
-  std::vector<int32_t> dirty_faces;
   for (size_t i = 0; i < touched_.size(); ++i)
-    if (change[i]) write_division(touched_[i].orig, final_split[i], dirty_faces);
+    if (change[i]) write_division(touched_[i].orig, final_split[i]);
   const size_t walls_from = store_.face.size();
   for (size_t i = 0; i < blade_split_.size(); ++i) {
     for (size_t t = 0; t < keep_[i].size(); ++t)
       blade_split_[i].set_material(t, keep_[i][t] ? kMaterialPlus | kMaterialMinus : 0);
     // Junctions between two pieces that were not kept are none: nothing ends there.
     blade_split_[i].forget_dead_junctions();
-    write_division(first_orig_ + int32_t(i), blade_split_[i], dirty_faces);
+    write_division(first_orig_ + int32_t(i), blade_split_[i]);
   }
   for (int32_t f : store_.last.added)
     if (size_t(f) >= walls_from) store_.last.new_walls.push_back(f);
 
-  std::vector<Edge> dirty;
-  for (const auto* list : {&store_.last.added, &store_.last.removed})
-    for (int32_t f : *list)
-      for (size_t k = 0; k < 3; ++k) dirty.push_back(edge(store_.face[f].v[k], store_.face[f].v[(k + 1) % 3]));
-  tidy(dirty);
-  for (const Edge& e : dirty)
-    if (const std::string why = store_.glue_edge(e.first, e.second, &delta_); !why.empty()) {
-      reason_ = why;
-      return coincidence;
-    }
+  store_.edges.end_changes();
+  for (const Edge& e : store_.edges.changed())
+    if (const char* why = store_.glue_edge(e.first, e.second, &delta_)) return fail(coincidence, why);
 
   // Local invariants: the divided surface encloses the same volume, every side that faces material is glued all round,
   // junctions are edges of both triangles that they join.
@@ -189,10 +185,9 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     for (const Edge& e : touched_[i].needed)
       if (store_.edges.first(e.first, e.second) < 0) return fail(coincidence, "a junction is missing");
 
-  auto tree = std::make_shared<OrigTree>();
-  tree->first = first_orig_;
-  tree->count = int32_t(blade_.tri.size());
-  store_.plant(std::move(tree));
+  tree_->first = first_orig_;
+  tree_->count = int32_t(blade_.tri.size());
+  store_.plant(std::move(tree_));
   std::sort(store_.last.removed.begin(), store_.last.removed.end());
   std::sort(store_.last.added.begin(), store_.last.added.end());
   store_.history.push_back(std::move(delta_));

@@ -63,6 +63,22 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
       }
     }
   }
+  if (shared_edge_.empty()) {  // nothing but pairs to find: no need to sort
+    size_t slots = 64;
+    while (slots < border.size() * 2) slots *= 2;
+    std::vector<int32_t> seen(slots, -1);
+    for (size_t i = 0; i < border.size(); ++i) {
+      const BorderEdge& e = border[i];
+      size_t at = size_t((uint64_t(uint32_t(e.a)) << 32 | uint32_t(e.b)) * 0x9e3779b97f4a7c15ull >> 32) & (slots - 1);
+      while (seen[at] >= 0 && (border[size_t(seen[at])].a != e.a || border[size_t(seen[at])].b != e.b))
+        at = (at + 1) & (slots - 1);
+      if (seen[at] < 0)
+        seen[at] = int32_t(i);
+      else
+        unite(e.piece, border[size_t(seen[at])].piece);
+    }
+    border.clear();
+  }
   std::sort(border.begin(), border.end());
   for (size_t i = 0; i < border.size();) {
     size_t j = i;

@@ -1,8 +1,12 @@
 #pragma once
 // Which live faces meet at an edge (pair of points): 2 normally, 3 where a wall meets the skin, 4 where walls cross, 1
 // at a crack front. Open addressing; faces at one edge are chained through their half-edges (3 * face + k).
+//
+// A cut asks in the end which edges it has touched: between begin_changes() and end_changes() every edge that gains or
+// loses a face is noted once.
 #include <array>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -10,77 +14,124 @@ namespace limberg {
 
 class EdgeMap {
  public:
+  using Edge = std::pair<int32_t, int32_t>;  // ascending
+
   void reserve(size_t edges) {
     size_t n = 64;
     while (n < edges * 2) n *= 2;
-    if (n > key_.size()) rehash(n);
+    if (n > slot_.size()) rehash(n);
   }
+  void reserve_faces(size_t faces) { next_.reserve(faces * 3); }
+
   /// Enters or removes the three edges of a face.
   void add(int32_t face, const std::array<int32_t, 3>& v) {
     if (next_.size() < size_t(face) * 3 + 3) next_.resize(size_t(face) * 3 + 3, -1);
     for (int k = 0; k < 3; ++k) {
-      if ((used_ + 1) * 2 > key_.size()) grow();
-      const size_t slot = find(v[size_t(k)], v[size_t(k + 1) % 3]);
-      if (key_[slot] == kEmpty) key_[slot] = key(v[size_t(k)], v[size_t(k + 1) % 3]), head_[slot] = -1, ++used_;
-      next_[size_t(face) * 3 + size_t(k)] = head_[slot];
-      head_[slot] = face * 3 + k;
+      if ((used_ + 1) * 2 > slot_.size()) grow();
+      Slot& s = slot_[find_or_enter(key(v[size_t(k)], v[size_t(k + 1) % 3]))];
+      next_[size_t(face) * 3 + size_t(k)] = s.head;
+      s.head = face * 3 + k;
+      note(s);
     }
   }
   void remove(int32_t face, const std::array<int32_t, 3>& v) {
     for (int k = 0; k < 3; ++k) {
-      const size_t slot = find(v[size_t(k)], v[size_t(k + 1) % 3]);
-      int32_t* at = &head_[slot];
+      Slot& s = slot_[find(key(v[size_t(k)], v[size_t(k + 1) % 3]))];
+      int32_t* at = &s.head;
       while (*at != face * 3 + k) at = &next_[size_t(*at)];
       *at = next_[size_t(*at)];
+      note(s);
     }
   }
   /// First half-edge (3 * face + k) at this edge, -1 if there is none; then next().
   int32_t first(int32_t a, int32_t b) const {
-    if (key_.empty()) return -1;
-    const size_t slot = find(a, b);
-    return key_[slot] == kEmpty ? -1 : head_[slot];
+    if (slot_.empty()) return -1;
+    const Slot& s = slot_[find(key(a, b))];
+    return s.key == kEmpty ? -1 : s.head;
   }
   int32_t next(int32_t half_edge) const { return next_[size_t(half_edge)]; }
 
+  void begin_changes() {
+    noting_ = true;
+    changed_.clear();
+    ++round_;
+  }
+  void end_changes() { noting_ = false; }
+  /// Edges touched since begin_changes(), in the order of their first change.
+  std::span<const Edge> changed() const { return changed_; }
+
  private:
   static constexpr uint64_t kEmpty = ~uint64_t(0);
+  struct Slot {
+    uint64_t key = kEmpty;
+    int32_t head = -1;     // -1: an edge that has no face any more; its place may be taken by another
+    uint32_t round = 0;    // of changes, in which it was noted last
+  };
   static uint64_t key(int32_t a, int32_t b) {
     if (a > b) std::swap(a, b);
     return uint64_t(uint32_t(a)) << 32 | uint32_t(b);
   }
-  size_t find(int32_t a, int32_t b) const {
-    const uint64_t k = key(a, b);
-    uint64_t h = k * 0x9e3779b97f4a7c15ull;
-    h ^= h >> 32;
-    size_t slot = size_t(h) & (key_.size() - 1);
-    while (key_[slot] != kEmpty && key_[slot] != k) slot = (slot + 1) & (key_.size() - 1);
-    return slot;
+  /// The places to look at, in order. The first ones lie in a window of 64 slots that belongs to 16 points with
+  /// successive names: what a cut makes lies together, and neighbours in a mesh mostly do. A point with very many edges would
+  /// fill its window and its neighbours' too, so after kNear steps the search goes on at a place that is spread over all.
+  struct Search {
+    size_t at, mask;
+    uint64_t mixed;
+    int steps = 0;
+    Search(uint64_t k, size_t slots) : mask(slots - 1) {
+      mixed = k * 0x9e3779b97f4a7c15ull;
+      mixed ^= mixed >> 32;
+      at = (size_t(k >> 36) * 64 + size_t(mixed & 63)) & mask;
+    }
+    void next() { at = (++steps == kNear ? size_t(mixed) : at + 1) & mask; }
+    static constexpr int kNear = 48;
+  };
+  /// Its slot, or the empty one where the search ends.
+  size_t find(uint64_t k) const {
+    Search s(k, slot_.size());
+    while (slot_[s.at].key != kEmpty && slot_[s.at].key != k) s.next();
+    return s.at;
+  }
+  size_t find_or_enter(uint64_t k) {
+    size_t free = slot_.size();
+    Search s(k, slot_.size());
+    for (; slot_[s.at].key != kEmpty; s.next()) {
+      if (slot_[s.at].key == k) return s.at;
+      if (slot_[s.at].head < 0 && free == slot_.size()) free = s.at;
+    }
+    if (free == slot_.size()) free = s.at, ++used_;
+    slot_[free] = {k, -1, 0};
+    return free;
+  }
+  void note(Slot& s) {
+    if (!noting_ || s.round == round_) return;
+    s.round = round_;
+    changed_.push_back({int32_t(s.key >> 32), int32_t(uint32_t(s.key))});
   }
   void grow() {  // edges without faces are dropped on the way
     size_t live = 0;
-    for (size_t i = 0; i < key_.size(); ++i) live += key_[i] != kEmpty && head_[i] >= 0;
+    for (const Slot& s : slot_) live += s.key != kEmpty && s.head >= 0;
     size_t n = 64;
     while (n < (live + 1) * 4) n *= 2;
     rehash(n);
   }
   void rehash(size_t n) {
-    std::vector<uint64_t> old_key(n, kEmpty);
-    std::vector<int32_t> old_head(n, -1);
-    old_key.swap(key_);
-    old_head.swap(head_);
+    std::vector<Slot> old(n);
+    old.swap(slot_);
     used_ = 0;
-    for (size_t i = 0; i < old_key.size(); ++i) {
-      if (old_key[i] == kEmpty || old_head[i] < 0) continue;
-      const size_t slot = find(int32_t(old_key[i] >> 32), int32_t(uint32_t(old_key[i])));
-      key_[slot] = old_key[i];
-      head_[slot] = old_head[i];
+    for (const Slot& s : old) {
+      if (s.key == kEmpty || s.head < 0) continue;
+      slot_[find(s.key)] = s;
       ++used_;
     }
   }
 
-  std::vector<uint64_t> key_;
-  std::vector<int32_t> head_, next_;
-  size_t used_ = 0;
+  std::vector<Slot> slot_;
+  std::vector<int32_t> next_;
+  size_t used_ = 0;  // slots that are not empty
+  bool noting_ = false;
+  uint32_t round_ = 0;
+  std::vector<Edge> changed_;
 };
 
 }  // namespace limberg

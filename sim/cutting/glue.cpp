@@ -50,10 +50,48 @@ bool sort_radially(const PointStore& points, int32_t a, int32_t b, std::vector<R
   return ok;
 }
 
-std::string ArrangementStore::glue_edge(int32_t a, int32_t b, Delta* delta) {
+const char* ArrangementStore::glue_edge(int32_t a, int32_t b, Delta* delta) {
+  const auto set = [&](int32_t half_edge, int side, int32_t value) {
+    int32_t& m = mate[half_edge / 3][size_t(3 * side + half_edge % 3)];
+    if (m == value) return;
+    if (delta && half_edge < 3 * delta->faces) delta->mate.push_back({(half_edge / 3) * 6 + 3 * side + half_edge % 3, m});
+    m = value;
+  };
+  // Faces i and i + 1 bound a sector. As data: half-edge, its counter-clockwise side, material bits.
+  struct Around {
+    int32_t half_edge;
+    uint8_t ccw_side, mat;
+  };
+  const auto join = [&](const Around& g, const Around& h) {
+    const int hs = 1 - h.ccw_side;
+    const bool glued = g.mat >> g.ccw_side & 1;
+    if (glued != bool(h.mat >> hs & 1)) return false;
+    set(g.half_edge, g.ccw_side, glued ? (h.half_edge / 3) * 6 + 3 * hs + h.half_edge % 3 : -1);
+    set(h.half_edge, hs, glued ? (g.half_edge / 3) * 6 + 3 * g.ccw_side + g.half_edge % 3 : -1);
+    return true;
+  };
+  const auto here = [&](int32_t h) {
+    const Face& f = face[h / 3];
+    return Around{h, uint8_t(f.v[size_t(h % 3)] == a ? 0 : 1), f.mat};
+  };
+  constexpr const char* kDisagree = "the two faces of a sector disagree about material";
+  constexpr const char* kCoincide = "two faces coincide at an edge";
+  const int32_t h0 = edges.first(a, b);
+  if (h0 < 0) return nullptr;
+  const int32_t h1 = edges.next(h0);
+  if (h1 < 0) {  // a crack front
+    const Around g = here(h0);
+    return join(g, g) ? nullptr : kDisagree;
+  }
+  const int32_t h2 = edges.next(h1);
+  if (h2 < 0) {  // nearly always
+    const Around g = here(std::min(h0, h1)), h = here(std::max(h0, h1));
+    if (face[h0 / 3].orig == face[h1 / 3].orig && g.ccw_side == h.ccw_side) return kCoincide;
+    return join(g, h) && join(h, g) ? nullptr : kDisagree;
+  }
   thread_local std::vector<RadialFace> around;
   around.clear();
-  for (int32_t h = edges.first(a, b); h >= 0; h = edges.next(h)) {
+  for (int32_t h = h0; h >= 0; h = edges.next(h)) {
     const Face& f = face[h / 3];
     const size_t k = size_t(h % 3);
     RadialFace r;
@@ -65,25 +103,14 @@ std::string ArrangementStore::glue_edge(int32_t a, int32_t b, Delta* delta) {
     r.half_edge = h;
     around.push_back(r);
   }
-  if (around.empty()) return {};
   std::sort(around.begin(), around.end(),
             [](const RadialFace& x, const RadialFace& y) { return x.half_edge < y.half_edge; });
-  if (!sort_radially(points, a, b, around)) return "two faces coincide at an edge";
-  const auto set = [&](int32_t half_edge, int side, int32_t value) {
-    int32_t& m = mate[half_edge / 3][size_t(3 * side + half_edge % 3)];
-    if (m == value) return;
-    if (delta) delta->mate.push_back({(half_edge / 3) * 6 + 3 * side + half_edge % 3, m});
-    m = value;
-  };
+  if (!sort_radially(points, a, b, around)) return kCoincide;
   for (size_t i = 0; i < around.size(); ++i) {
     const RadialFace &g = around[i], &h = around[(i + 1) % around.size()];
-    if (g.ccw_material() != h.cw_material()) return "the two faces of a sector disagree about material";
-    const int gs = g.ccw_side(), hs = 1 - h.ccw_side();
-    const bool glued = g.ccw_material();
-    set(g.half_edge, gs, glued ? (h.half_edge / 3) * 6 + 3 * hs + h.half_edge % 3 : -1);
-    set(h.half_edge, hs, glued ? (g.half_edge / 3) * 6 + 3 * gs + g.half_edge % 3 : -1);
+    if (!join({g.half_edge, g.ccw_side(), g.mat}, {h.half_edge, h.ccw_side(), h.mat})) return kDisagree;
   }
-  return {};
+  return nullptr;
 }
 
 uint64_t ArrangementStore::face_hash(const Face& f) const {

@@ -1,7 +1,6 @@
 #include "sim/cutting/planar_split.h"
 
 #include <algorithm>
-#include <deque>
 #include <tuple>
 
 namespace limberg {
@@ -21,6 +20,7 @@ void PlanarSplit::open(const PointStore& points, const Plane& plane, const std::
   p.v = v;
   p.neighbour = {-1, -1, -1};
   p.label = {0, 1, 2};
+  piece_.reserve(8);
   piece_.assign(1, p);
   last_ = 0;
 }
@@ -114,9 +114,9 @@ int32_t PlanarSplit::locate(int32_t point) const {
 
 bool PlanarSplit::insert(int32_t point, int16_t label) {
   const auto is_corner = [&](const Piece& p) { return p.v[0] == point || p.v[1] == point || p.v[2] == point; };
+  for (const Piece& p : piece_)
+    if (is_corner(p)) return true;
   if (label != kFree) {
-    for (const Piece& p : piece_)
-      if (is_corner(p)) return true;
     for (size_t t = 0; t < piece_.size(); ++t)
       for (int k = 0; k < 3; ++k) {
         const Piece& p = piece_[t];
@@ -130,7 +130,6 @@ bool PlanarSplit::insert(int32_t point, int16_t label) {
   const size_t start = size_t(locate(point));
   for (size_t i = 0; i < piece_.size(); ++i) {
     const size_t t = (start + i) % piece_.size();
-    if (is_corner(piece_[t])) return true;
     const auto v = piece_[t].v;
     int zero_edge = -1, zeros = 0;
     bool inside = true;
@@ -247,8 +246,10 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   if (const auto [t, k] = find_edge(b, a); t >= 0) return finish(t, k);
 
   // The pieces that a-b passes through, from the one at a whose opposite edge it crosses.
-  std::vector<int32_t> corridor;
-  std::deque<std::pair<int32_t, int32_t>> crossing;
+  thread_local std::vector<int32_t> corridor;
+  thread_local std::vector<std::pair<int32_t, int32_t>> crossing;  // a queue: entries before `done` are through
+  corridor.clear();
+  crossing.clear();
   int32_t t = -1;
   int k = 0;
   for (size_t i = 0; i < piece_.size() && t < 0; ++i)
@@ -281,10 +282,9 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   }
   // Flip what crosses until nothing does (Sloan). The set of pieces stays the corridor.
   size_t guard = 64 + crossing.size() * crossing.size() * 4;
-  while (!crossing.empty()) {
+  for (size_t done = 0; done < crossing.size();) {
     if (guard-- == 0) return false;
-    const auto [u, v] = crossing.front();
-    crossing.pop_front();
+    const auto [u, v] = crossing[done++];
     t = -1;
     for (int32_t c : corridor)
       for (int e = 0; e < 3 && t < 0; ++e)

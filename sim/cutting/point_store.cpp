@@ -13,6 +13,19 @@ uint64_t mod_inverse(uint64_t a) {  // Fermat: a^(p - 2)
   return r;
 }
 
+// value mod 2^61 - 1, in which 2^64 = 8.
+uint64_t mod_prime(const Int256& value) {
+  const bool negative = value.negative();
+  const Int256 m = negative ? -value : value;
+  uint64_t r = 0;
+  for (size_t i = 4; i-- > 0;) {
+    const uint128 t = (uint128(r) << 3) + m.limb[i];
+    r = uint64_t(t & kPrime) + uint64_t(t >> 61);
+    if (r >= kPrime) r -= kPrime;
+  }
+  return negative && r != 0 ? kPrime - r : r;
+}
+
 }  // namespace
 
 int32_t PointStore::add_explicit(const Int3& p) {
@@ -24,38 +37,61 @@ int32_t PointStore::add_explicit(const Int3& p) {
 int32_t PointStore::line_plane(int32_t a, int32_t b, int32_t tri, const Plane& plane) {
   if (a > b) std::swap(a, b);
   const PointKey key{PointKey::line_plane, {a, b, tri}};
-  const auto it = find_.find(key);
-  return it != find_.end() ? it->second : add_implicit(key, limberg::line_plane(integer(a), integer(b), plane));
+  const int32_t i = known(key);
+  return i >= 0 ? i : add_implicit(key, limberg::line_plane(integer(a), integer(b), plane));
 }
 
 int32_t PointStore::three_planes(std::array<int32_t, 3> tri, const Plane& p0, const Plane& p1, const Plane& p2) {
   std::sort(tri.begin(), tri.end());
   const PointKey key{PointKey::three_planes, tri};
-  const auto it = find_.find(key);
-  return it != find_.end() ? it->second : add_implicit(key, limberg::three_planes(p0, p1, p2));
+  const int32_t i = known(key);
+  return i >= 0 ? i : add_implicit(key, limberg::three_planes(p0, p1, p2));
 }
 
 int32_t PointStore::add_implicit(const PointKey& key, const Homogeneous& h) {
   const int32_t id = size();
-  Implicit made{h, key, {}};
-  const uint64_t w = mod_inverse(h.w.mod(kPrime));
-  for (size_t i = 0; i < 3; ++i) made.residue[i] = mod_mul(h.x[i].mod(kPrime), w);
+  if ((implicit_.size() + 1) * 2 > table_.size()) {
+    table_.assign(std::max<size_t>(64, table_.size() * 4), -1);
+    for (size_t i = 0; i < implicit_.size(); ++i) table_[place(implicit_[i].key)] = int32_t(i);
+  }
+  table_[place(key)] = int32_t(implicit_.size());
   approx_.push_back(approximate(h));
   implicit_of_.push_back(int32_t(implicit_.size()));
-  implicit_.push_back(made);
-  find_.emplace(key, id);
+  implicit_.push_back({h, key, id, {}});
   return id;
 }
 
 void PointStore::truncate(int32_t n) {
   while (size() > n) {
     if (implicit_of_.back() >= 0) {
-      find_.erase(implicit_.back().key);
+      table_[place(implicit_.back().key)] = -1;
       implicit_.pop_back();
     }
     implicit_of_.pop_back();
     approx_.pop_back();
   }
+  settled_ = std::min(settled_, implicit_.size());
+}
+
+void PointStore::settle() {
+  // x_i / w_i for all i with one inverse: products of w up to each point, the inverse of the last, and back.
+  const size_t from = settled_, n = implicit_.size() - from;
+  if (n == 0) return;
+  std::vector<uint64_t> w(n), before(n);
+  uint64_t product = 1;
+  for (size_t i = 0; i < n; ++i) {
+    w[i] = mod_prime(implicit_[from + i].h.w);
+    before[i] = product;
+    if (w[i] != 0) product = mod_mul(product, w[i]);
+  }
+  uint64_t inverse = mod_inverse(product);
+  for (size_t i = n; i-- > 0;) {
+    Implicit& p = implicit_[from + i];
+    const uint64_t own = w[i] != 0 ? mod_mul(inverse, before[i]) : 0;
+    if (w[i] != 0) inverse = mod_mul(inverse, w[i]);
+    for (size_t k = 0; k < 3; ++k) p.residue[k] = mod_mul(mod_prime(p.h.x[k]), own);
+  }
+  settled_ = implicit_.size();
 }
 
 Residues PointStore::residues(int32_t i) const {

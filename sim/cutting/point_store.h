@@ -1,6 +1,5 @@
 #pragma once
 // All points of an arrangement. An implicit point is found again by what it is made of, never by where it lies.
-#include <unordered_map>
 #include <vector>
 
 #include "sim/geometry/exact/predicates.h"
@@ -32,6 +31,7 @@ class PointStore {
  public:
   int32_t size() const { return int32_t(approx_.size()); }
   void reserve(size_t n) { approx_.reserve(n), implicit_of_.reserve(n); }
+  void reserve_implicit(size_t n) { implicit_.reserve(n); }
 
   int32_t add_explicit(const Int3& p);
   /// Where the edge a-b of an original triangle meets original triangle `tri`; the same id for the same two things.
@@ -46,27 +46,40 @@ class PointStore {
   PointRef ref(int32_t i) const { return {&approx_[i], implicit_of_[i] < 0 ? nullptr : &implicit_[implicit_of_[i]].h}; }
   PointKey key(int32_t i) const { return implicit_of_[i] < 0 ? PointKey{} : implicit_[implicit_of_[i]].key; }
   Homogeneous exact(int32_t i) const { return is_explicit(i) ? homogeneous(integer(i)) : implicit_[implicit_of_[i]].h; }
+  /// Residues of all points so far, in one go: needs one division for all. residues() asks for it.
+  void settle();
   Residues residues(int32_t i) const;
 
  private:
   struct Implicit {
     Homogeneous h;
     PointKey key;
-    Residues residue{};
+    int32_t point = 0;
+    Residues residue{};  // from settle() on
   };
-  struct KeyHash {
-    size_t operator()(const PointKey& k) const {
-      uint64_t h = uint64_t(k.kind);
-      for (int32_t i : k.id) h = (h ^ uint32_t(i)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
-      return size_t(h);
-    }
-  };
+  static uint64_t hash(const PointKey& k) {
+    uint64_t h = uint64_t(k.kind);
+    for (int32_t i : k.id) h = (h ^ uint32_t(i)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
+    return h ^ h >> 32;
+  }
+  /// Where the key is, or the empty place at which the search ends.
+  size_t place(const PointKey& key) const {
+    size_t at = size_t(hash(key)) & (table_.size() - 1);
+    while (table_[at] >= 0 && !(implicit_[table_[at]].key == key)) at = (at + 1) & (table_.size() - 1);
+    return at;
+  }
+  int32_t known(const PointKey& key) const {
+    const int32_t i = table_.empty() ? -1 : table_[place(key)];
+    return i < 0 ? -1 : implicit_[i].point;
+  }
   int32_t add_implicit(const PointKey& key, const Homogeneous& h);
 
   std::vector<Vec3> approx_;          // explicit points: exact
   std::vector<int32_t> implicit_of_;  // -1: explicit
   std::vector<Implicit> implicit_;
-  std::unordered_map<PointKey, int32_t, KeyHash> find_;  // looked up only, never walked
+  size_t settled_ = 0;                // implicit points with residues
+  std::vector<int32_t> table_;        // open addressing by key: index of implicit_, -1 empty. Points leave in reverse order
+                                      // of coming, so a place that is emptied never lies inside another's search
 };
 
 }  // namespace limberg

@@ -79,9 +79,9 @@ struct ArrangementStore {
   // glue.cpp
   uint64_t face_hash(const Face& f) const;
   uint64_t face_volume_residue(const Face& f) const;  // of its sided faces: 6 V modulo kPrime
-  /// Sets the mates of every live face at the edge a-b by the radial rule; old ones go to `delta` when given. Returns a
-  /// description of the contradiction if there is one.
-  std::string glue_edge(int32_t a, int32_t b, Delta* delta);
+  /// Sets the mates of every live face at the edge a-b by the radial rule; old ones of faces older than `delta` go to it. Returns a
+  /// description of the contradiction if there is one, else null.
+  const char* glue_edge(int32_t a, int32_t b, Delta* delta);
 
   // excise.cpp
   Delta begin_delta(LastOperation::Kind kind) const;
@@ -93,7 +93,7 @@ struct ArrangementStore {
 
   // undo.cpp
   void take_back(const Delta& delta);
-  /// Adds a tree over original triangles (its box tree is built here); equal neighbours are merged.
+  /// Adds a tree over original triangles (its box tree is built here unless it is given); equal neighbours are merged.
   void plant(std::shared_ptr<OrigTree> tree);
 };
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "sim/geometry/bvh.h"
-
 namespace limberg {
 
 namespace {
@@ -173,10 +171,21 @@ Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTr
   return result;
 }
 
-std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri) {
+Bvh tree_over(std::span<const Int3> vertex, std::span<const Tri> tri) {
   std::vector<Vec3> x(vertex.size());
   for (size_t i = 0; i < vertex.size(); ++i) x[i] = Vec3(vertex[i].x, vertex[i].y, vertex[i].z);
-  const Bvh bvh(x, tri);
+  return Bvh(x, tri);
+}
+
+std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri) {
+  return check_embedded(vertex, tri, tree_over(vertex, tri));
+}
+
+std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri, const Bvh& tree) {
+  const auto at = [&](int32_t v) {
+    const Int3& p = vertex[size_t(v)];
+    return Vec3(p.x, p.y, p.z);
+  };
   const auto triangle = [&](size_t i) {
     IntTriangle t;
     for (size_t k = 0; k < 3; ++k) t.p[k] = vertex[size_t(tri[i][k])], t.id[k] = tri[i][k];
@@ -186,10 +195,10 @@ std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tr
     const IntTriangle s = triangle(i);
     const Plane p = plane_through(s.p[0], s.p[1], s.p[2]);
     if (p.n[0] == 0 && p.n[1] == 0 && p.n[2] == 0) return "the blade has a triangle without area";
-    Vec3 lo = x[size_t(tri[i][0])], hi = lo;
-    for (int32_t v : tri[i]) lo = lo.cwiseMin(x[size_t(v)]), hi = hi.cwiseMax(x[size_t(v)]);
+    Vec3 lo = at(tri[i][0]), hi = lo;
+    for (int32_t v : tri[i]) lo = lo.cwiseMin(at(v)), hi = hi.cwiseMax(at(v));
     bool folded = false;
-    bvh.box(lo, hi, [&](int32_t j) {
+    tree.box(lo, hi, [&](int32_t j) {
       if (size_t(j) > i && !folded && meet_beyond_shared(s, triangle(size_t(j)))) folded = true;
     });
     if (folded) return "the blade runs through itself";

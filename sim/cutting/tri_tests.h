@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "sim/geometry/bvh.h"
 #include "sim/geometry/exact/predicates.h"
 
 namespace limberg {
@@ -28,7 +29,10 @@ struct Crossing {
 };
 Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t);
 
-/// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices.
+/// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices. `tree`: over the
+/// same triangles.
+std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri, const Bvh& tree);
 std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri);
+Bvh tree_over(std::span<const Int3> vertex, std::span<const Tri> tri);
 
 }  // namespace limberg

@@ -41,14 +41,20 @@ void ArrangementStore::take_back(const Delta& d) {
 
 void ArrangementStore::plant(std::shared_ptr<OrigTree> tree) {
   // Trees of blades merge when the older is not larger than twice the newer: few trees, each triangle moved seldom.
+  const int32_t own = tree->count;
   while (forest.size() > 1 && forest.back()->count <= 2 * tree->count) {
     tree->first = forest.back()->first;
     tree->count += forest.back()->count;
     forest.pop_back();
   }
+  if (tree->count == own && !tree->bvh.empty()) {
+    forest.push_back(std::move(tree));
+    return;
+  }
   std::vector<Vec3> x;
   std::vector<Tri> t;
   x.reserve(size_t(tree->count) * 3);
+  t.reserve(size_t(tree->count));
   for (int32_t o = tree->first; o < tree->first + tree->count; ++o) {
     const int32_t n = int32_t(x.size());
     for (int32_t v : orig[o].v) x.push_back(points.approx(v));
