@@ -69,29 +69,36 @@ CutBuilder::Outcome CutBuilder::intersect() {
   }
   // Neighbours in the blade's list are mostly neighbours in space: one walk down each tree serves several.
   constexpr size_t kGroup = 8;
-  std::vector<int32_t> near, from;  // original triangles near the group; per tree, where its part begins
+  struct Near {
+    Box box;
+    int32_t orig = 0;
+    IntTriangle triangle;
+  };
+  std::vector<Near> near;
   for (size_t i = 0; i < blade_.tri.size(); ++i) {
     if (i % kGroup == 0) {
       Box group = box[i];
       for (size_t j = i; j < std::min(i + kGroup, box.size()); ++j)
         group.lo = group.lo.cwiseMin(box[j].lo), group.hi = group.hi.cwiseMax(box[j].hi);
       near.clear();
-      from.clear();
-      for (const auto& tree : store_.forest) {
-        from.push_back(int32_t(near.size()));
-        tree->bvh.box(group.lo, group.hi, [&](int32_t t) { near.push_back(t); });
-      }
-      from.push_back(int32_t(near.size()));
+      for (const auto& tree : store_.forest)
+        tree->bvh.box(group.lo, group.hi, [&](int32_t t) {
+          const int32_t o = tree->first + t;
+          if (store_.orig[o].live == 0) return;
+          Near& n = near.emplace_back();
+          n.orig = o;
+          n.triangle = triangle(o);
+          const auto& v = store_.orig[o].v;
+          const Vec3 &a = store_.points.approx(v[0]), &b = store_.points.approx(v[1]), &c = store_.points.approx(v[2]);
+          n.box = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
+        });
     }
     const int32_t s = first_orig_ + int32_t(i);
     const IntTriangle ts = triangle(s);
-    for (size_t t = 0; t + 1 < from.size(); ++t) {
-      const OrigTree& tree = *store_.forest[t];
-      for (int32_t j = from[t]; j < from[t + 1]; ++j) {
-        if (!tree.bvh.meets(near[size_t(j)], box[i].lo, box[i].hi)) continue;
-        const Outcome outcome = intersect_with(s, ts, tree.first + near[size_t(j)]);
-        if (outcome != ok) return outcome;
-      }
+    for (const Near& n : near) {
+      if ((n.box.hi.array() < box[i].lo.array()).any() || (n.box.lo.array() > box[i].hi.array()).any()) continue;
+      const Outcome outcome = intersect_with(s, ts, n.orig, n.triangle);
+      if (outcome != ok) return outcome;
     }
   }
   std::sort(segment_.begin(), segment_.end(),
@@ -99,9 +106,7 @@ CutBuilder::Outcome CutBuilder::intersect() {
   return ok;
 }
 
-CutBuilder::Outcome CutBuilder::intersect_with(int32_t s, const IntTriangle& ts, int32_t f) {
-  if (store_.orig[f].live == 0) return ok;
-  const IntTriangle tf = triangle(f);
+CutBuilder::Outcome CutBuilder::intersect_with(int32_t s, const IntTriangle& ts, int32_t f, const IntTriangle& tf) {
   bool shares = false;
   for (int32_t a : ts.id)
     for (int32_t b : tf.id) shares = shares || a == b;
@@ -232,6 +237,7 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
   edge_point_.erase(std::unique(edge_point_.begin(), edge_point_.end()), edge_point_.end());
 
   blade_split_.resize(blade_.tri.size());
+  barrier_first_.reserve(blade_.tri.size());
   size_t next = 0;
   for (size_t i = 0; i < blade_.tri.size(); ++i) {
     const int32_t s = first_orig_ + int32_t(i);
@@ -245,6 +251,7 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
         if (!split.insert((*it)[2], int16_t(k))) return fail(coincidence, "two cut lines meet on an edge of the blade");
     }
     const size_t begin = next;
+    barrier_first_.push_back(begin);
     while (next < barrier_.size() && barrier_[next].s == s) ++next;
     for (size_t j = begin; j < next; ++j)
       for (int32_t p : {barrier_[j].a, barrier_[j].b})

@@ -47,7 +47,7 @@ class CutBuilder {
   }
   Outcome prepare();
   Outcome intersect();
-  Outcome intersect_with(int32_t s, const IntTriangle& ts, int32_t f);
+  Outcome intersect_with(int32_t s, const IntTriangle& ts, int32_t f, const IntTriangle& tf);
   Outcome divide();
   Outcome divide_blade();
   Outcome find_patches(CutResult& result);
@@ -63,7 +63,14 @@ class CutBuilder {
   IntTriangle triangle(int32_t orig) const;
   int16_t label_of(int32_t point, int32_t orig) const;  // of an end of a segment
   bool crosses(const Constraint& c, const Plane& plane_s, const Plane& plane_g, int32_t p, int32_t q, bool& zero) const;
-  Outcome divide_finally(const Touched& t, PlanarSplit& out, const std::vector<int32_t>& needed_points) const;
+  /// Points that a kept patch is bounded by.
+  struct NeededPoints {
+    int32_t first_new = 0;
+    std::vector<uint8_t> is_new;  // by point, from first_new on
+    std::vector<int32_t> old;     // ascending
+    bool has(int32_t p) const;
+  };
+  Outcome divide_finally(const Touched& t, PlanarSplit& out, const NeededPoints& needed_points) const;
   void write_division(int32_t orig, const PlanarSplit& split);
 
   ArrangementStore& store_;
@@ -83,7 +90,10 @@ class CutBuilder {
   std::vector<std::pair<int32_t, int32_t>> shared_edge_;  // sub-edges shared with older walls, ascending ends
   std::vector<std::array<int32_t, 3>> edge_point_;        // blade edge (ascending ends), point on it
   std::vector<int32_t> kept_;                             // room for write_division
-  std::vector<std::vector<uint8_t>> keep_;                // per blade triangle, per piece
+  // Enforced in the order of barrier_, so junction j of blade triangle i is barrier barrier_first_[i] + j.
+  std::vector<size_t> barrier_first_;
+  std::vector<size_t> piece_first_;  // per blade triangle: its first piece among all
+  std::vector<uint8_t> keep_;        // per piece
 };
 
 }  // namespace limberg

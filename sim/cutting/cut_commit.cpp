@@ -12,8 +12,12 @@ Edge edge(int32_t a, int32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
 }  // namespace
 
+bool CutBuilder::NeededPoints::has(int32_t p) const {
+  return p >= first_new ? is_new[size_t(p - first_new)] != 0 : std::binary_search(old.begin(), old.end(), p);
+}
+
 CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& out,
-                                               const std::vector<int32_t>& needed_points) const {
+                                               const NeededPoints& needed_points) const {
   // From the state before the cut, with the needed sub-edges only: tissue that is not cut keeps no scar. Points on
   // borders and junctions that others need go in too, so that all faces around such an edge are divided alike.
   const auto needed = [&](int32_t a, int32_t b) {
@@ -26,8 +30,7 @@ CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& ou
     for (size_t j = 0; j < along.size(); ++j) {
       const bool own = (j > 0 && needed(along[j - 1].point, along[j].point)) ||
                        (j + 1 < along.size() && needed(along[j].point, along[j + 1].point));
-      const bool forced = along[j].label != PlanarSplit::kFree &&
-                          std::binary_search(needed_points.begin(), needed_points.end(), along[j].point);
+      const bool forced = along[j].label != PlanarSplit::kFree && needed_points.has(along[j].point);
       if ((own || forced) && !out.insert(along[j].point, along[j].label)) return coincidence;
     }
   }
@@ -57,12 +60,7 @@ void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
     for (int32_t f : store_.faces_of(o)) {
       if (std::binary_search(kept_.begin(), kept_.end(), f)) continue;
       Face& face = store_.face[f];
-      if (face.live()) {
-        store_.edges.remove(f, face.v);
-        store_.hash_sum -= store_.face_hash(face);
-        store_.volume_residue = mod_sub(store_.volume_residue, store_.face_volume_residue(face));
-        store_.last.removed.push_back(f);
-      }
+      if (face.live()) store_.last.removed.push_back(f);
       face.retired = true;
       delta_.retired.push_back(f);
     }
@@ -76,13 +74,7 @@ void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
       f = int32_t(store_.face.size());
       store_.face.push_back({p.v, o, p.mat, false});
       store_.mate.push_back({-1, -1, -1, -1, -1, -1});
-      const Face& face = store_.face.back();
-      if (face.live()) {
-        store_.edges.add(f, face.v);
-        store_.hash_sum += store_.face_hash(face);
-        store_.volume_residue = mod_add(store_.volume_residue, store_.face_volume_residue(face));
-        store_.last.added.push_back(f);
-      }
+      if (p.mat != 0) store_.last.added.push_back(f);
     }
     d.face.push_back(f);
     orig.live += store_.face[f].live();
@@ -102,22 +94,25 @@ void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
 
 CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   // What the kept patches are bounded by.
-  std::vector<int32_t> needed_points;
-  std::vector<std::pair<Edge, size_t>> barrier_index;  // ends, barrier
-  for (size_t i = 0; i < barrier_.size(); ++i) barrier_index.push_back({edge(barrier_[i].a, barrier_[i].b), i});
-  std::sort(barrier_index.begin(), barrier_index.end());
+  NeededPoints needed_points;
+  needed_points.first_new = delta_.points;
+  needed_points.is_new.assign(size_t(store_.points.size() - delta_.points), 0);
+  const auto need = [&](int32_t p) {
+    if (p >= delta_.points)
+      needed_points.is_new[size_t(p - delta_.points)] = 1;
+    else
+      needed_points.old.push_back(p);
+  };
   for (size_t i = 0; i < blade_split_.size(); ++i) {
     const auto pieces = blade_split_[i].pieces();
     for (size_t t = 0; t < pieces.size(); ++t) {
-      if (!keep_[i][t]) continue;
+      if (!keep_[piece_first_[i] + t]) continue;
       for (size_t k = 0; k < 3; ++k) {
         if (pieces[t].label[k] < PlanarSplit::kJunction) continue;
         const Edge e = edge(pieces[t].v[k], pieces[t].v[(k + 1) % 3]);
-        for (auto it = std::lower_bound(barrier_index.begin(), barrier_index.end(), std::pair(e, size_t(0)));
-             it != barrier_index.end() && it->first == e; ++it)
-          touched_[barrier_[it->second].touched].needed.push_back(e);
-        needed_points.push_back(e.first);
-        needed_points.push_back(e.second);
+        touched_[barrier_[barrier_first_[i] + size_t(pieces[t].label[k] - PlanarSplit::kJunction)].touched].needed.push_back(e);
+        need(e.first);
+        need(e.second);
       }
     }
   }
@@ -125,8 +120,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     std::sort(v.begin(), v.end());
     v.erase(std::unique(v.begin(), v.end()), v.end());
   };
-  tidy(needed_points);
-  std::vector<PlanarSplit> final_split(touched_.size());
+  tidy(needed_points.old);
   std::vector<uint8_t> change(touched_.size(), 0);
   for (size_t i = 0; i < touched_.size(); ++i) {
     Touched& t = touched_[i];
@@ -136,16 +130,15 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     for (size_t j = t.first; j < t.first + t.count; ++j) {
       sub_edges += segment_[j].count - 1;
       for (const Mark& m : marks(segment_[j]))
-        forced = forced || (m.label != PlanarSplit::kFree &&
-                            std::binary_search(needed_points.begin(), needed_points.end(), m.point));
+        forced = forced || (m.label != PlanarSplit::kFree && needed_points.has(m.point));
     }
     if (t.needed.empty() && !forced) continue;
     change[i] = 1;
-    if (t.needed.size() == sub_edges) {
-      final_split[i] = std::move(t.scratch);
-    } else if (divide_finally(t, final_split[i], needed_points) != ok) {
+    if (t.needed.size() == sub_edges) continue;  // the scratch division is the final one
+    PlanarSplit final_split;
+    if (divide_finally(t, final_split, needed_points) != ok)
       return fail(coincidence, "a needed junction could not be kept");
-    }
+    t.scratch = std::move(final_split);
   }
 
   // Commit. From here on a failure is taken back through delta_.
@@ -154,11 +147,11 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   store_.last = LastOperation{};
   store_.last.kind = LastOperation::cut;
   for (size_t i = 0; i < touched_.size(); ++i)
-    if (change[i]) write_division(touched_[i].orig, final_split[i]);
+    if (change[i]) write_division(touched_[i].orig, touched_[i].scratch);
   const size_t walls_from = store_.face.size();
   for (size_t i = 0; i < blade_split_.size(); ++i) {
-    for (size_t t = 0; t < keep_[i].size(); ++t)
-      blade_split_[i].set_material(t, keep_[i][t] ? kMaterialPlus | kMaterialMinus : 0);
+    for (size_t t = 0; t < blade_split_[i].pieces().size(); ++t)
+      blade_split_[i].set_material(t, keep_[piece_first_[i] + t] ? kMaterialPlus | kMaterialMinus : 0);
     // Junctions between two pieces that were not kept are none: nothing ends there.
     blade_split_[i].forget_dead_junctions();
     write_division(first_orig_ + int32_t(i), blade_split_[i]);
@@ -166,6 +159,16 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   for (int32_t f : store_.last.added)
     if (size_t(f) >= walls_from) store_.last.new_walls.push_back(f);
 
+  // The edge map is large and met in no order: what comes next is fetched ahead.
+  constexpr size_t kAhead = 4;
+  const auto account = [&](const std::vector<int32_t>& faces, bool in) {
+    for (size_t i = 0; i < faces.size(); ++i) {
+      if (i + kAhead < faces.size()) store_.edges.prefetch(store_.face[faces[i + kAhead]].v);
+      store_.account(faces[i], in);
+    }
+  };
+  account(store_.last.removed, false);
+  account(store_.last.added, true);
   store_.edges.end_changes();
   for (const Edge& e : store_.edges.changed())
     if (const char* why = store_.glue_edge(e.first, e.second, &delta_)) return fail(coincidence, why);

@@ -8,7 +8,8 @@ namespace limberg {
 
 CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   // One number per piece of the divided blade.
-  std::vector<size_t> first(blade_split_.size() + 1, 0);
+  std::vector<size_t>& first = piece_first_;
+  first.assign(blade_split_.size() + 1, 0);
   for (size_t i = 0; i < blade_split_.size(); ++i) first[i + 1] = first[i] + blade_split_[i].pieces().size();
   std::vector<size_t> parent(first.back());
   std::iota(parent.begin(), parent.end(), size_t(0));
@@ -51,13 +52,8 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
           // Next to its junction with f the piece lies on the side of f where its third corner is.
           const int side = side_of_plane(store_.orig[f].plane, store_.points.ref(pieces[t].v[(k + 2) % 3]));
           if (side == 0) return fail(coincidence, "a piece of the blade lies on the surface");
-          const auto at = std::lower_bound(barrier_.begin(), barrier_.end(), std::pair(first_orig_ + int32_t(i), f),
-                                           [](const Barrier& x, const auto& y) { return std::pair(x.s, x.f) < y; });
-          const Barrier* barrier = nullptr;
-          for (auto it = at; it != barrier_.end() && it->s == first_orig_ + int32_t(i) && it->f == f; ++it)
-            if ((it->a == a && it->b == b) || (it->a == b && it->b == a)) barrier = &*it;
-          if (!barrier) return fail(refused, "a junction was lost while dividing the blade");
-          votes.push_back({me, bool(barrier->mat >> (side > 0 ? 0 : 1) & 1)});
+          const Barrier& barrier = barrier_[barrier_first_[i] + size_t(label - PlanarSplit::kJunction)];
+          votes.push_back({me, bool(barrier.mat >> (side > 0 ? 0 : 1) & 1)});
           if (seed == 1 && store_.is_body(f)) seeded[me] = 1;
         }
       }
@@ -129,13 +125,10 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
     return any_inside ? fail(nothing, "nothing that was drawn is in material")
                       : fail(nothing, "the blade meets no material");
   }
-  keep_.resize(blade_split_.size());
-  for (size_t i = 0; i < blade_split_.size(); ++i) {
-    keep_[i].resize(blade_split_[i].pieces().size());
-    for (size_t t = 0; t < keep_[i].size(); ++t) {
-      const size_t r = root(first[i] + t);
-      keep_[i][t] = inside[r] == 1 && seed_of[r];
-    }
+  keep_.resize(first.back());
+  for (size_t i = 0; i < keep_.size(); ++i) {
+    const size_t r = root(i);
+    keep_[i] = inside[r] == 1 && seed_of[r];
   }
   return ok;
 }

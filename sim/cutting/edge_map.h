@@ -51,6 +51,11 @@ class EdgeMap {
   }
   int32_t next(int32_t half_edge) const { return next_[size_t(half_edge)]; }
 
+  /// Soon to be added or removed.
+  void prefetch(const std::array<int32_t, 3>& v) const {
+    for (size_t k = 0; k < 3; ++k) __builtin_prefetch(&slot_[Search(key(v[k], v[(k + 1) % 3]), slot_.size()).at], 1);
+  }
+
   void begin_changes() {
     noting_ = true;
     changed_.clear();
@@ -71,7 +76,7 @@ class EdgeMap {
     if (a > b) std::swap(a, b);
     return uint64_t(uint32_t(a)) << 32 | uint32_t(b);
   }
-  /// The places to look at, in order. The first ones lie in a window of 64 slots that belongs to 16 points with
+  /// The places to look at, in order. The first ones lie in a window of 64 slots that belongs to 8 points with
   /// successive names: what a cut makes lies together, and neighbours in a mesh mostly do. A point with very many edges would
   /// fill its window and its neighbours' too, so after kNear steps the search goes on at a place that is spread over all.
   struct Search {
@@ -81,7 +86,7 @@ class EdgeMap {
     Search(uint64_t k, size_t slots) : mask(slots - 1) {
       mixed = k * 0x9e3779b97f4a7c15ull;
       mixed ^= mixed >> 32;
-      at = (size_t(k >> 36) * 64 + size_t(mixed & 63)) & mask;
+      at = (size_t(k >> 35) * 64 + size_t(mixed & 63)) & mask;
     }
     void next() { at = (++steps == kNear ? size_t(mixed) : at + 1) & mask; }
     static constexpr int kNear = 48;

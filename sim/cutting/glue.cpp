@@ -113,20 +113,23 @@ const char* ArrangementStore::glue_edge(int32_t a, int32_t b, Delta* delta) {
   return nullptr;
 }
 
-uint64_t ArrangementStore::face_hash(const Face& f) const {
+namespace {
+
+using Corners = std::array<Residues, 3>;
+
+uint64_t hash_of(const Face& f, const Corners& corner) {
   uint64_t h = uint64_t(f.orig) * 4 + f.mat;
-  const auto mix = [&h](uint64_t v) {
-    h = (h ^ v) * 0x9e3779b97f4a7c15ull;
-    h ^= h >> 31;
-  };
-  for (int32_t v : f.v)
-    for (uint64_t r : points.residues(v)) mix(r);
+  for (const Residues& c : corner)
+    for (uint64_t r : c) {
+      h = (h ^ r) * 0x9e3779b97f4a7c15ull;
+      h ^= h >> 31;
+    }
   return h * 0xff51afd7ed558ccdull;
 }
 
-uint64_t ArrangementStore::face_volume_residue(const Face& f) const {
+uint64_t volume_of(const Face& f, const Corners& corner) {
   if (f.mat == 0 || f.mat == (kMaterialPlus | kMaterialMinus)) return 0;  // two banks cancel
-  const Residues a = points.residues(f.v[0]), b = points.residues(f.v[1]), c = points.residues(f.v[2]);
+  const auto& [a, b, c] = corner;
   uint64_t det = 0;
   for (size_t i = 0; i < 3; ++i) {
     const size_t j = (i + 1) % 3, k = (i + 2) % 3;
@@ -134,6 +137,30 @@ uint64_t ArrangementStore::face_volume_residue(const Face& f) const {
   }
   // Material on the negative side: the stored orientation faces outward.
   return f.mat == kMaterialMinus ? det : mod_sub(0, det);
+}
+
+Corners corners_of(const PointStore& points, const Face& f) {
+  return {points.residues(f.v[0]), points.residues(f.v[1]), points.residues(f.v[2])};
+}
+
+}  // namespace
+
+uint64_t ArrangementStore::face_hash(const Face& f) const { return hash_of(f, corners_of(points, f)); }
+
+uint64_t ArrangementStore::face_volume_residue(const Face& f) const { return volume_of(f, corners_of(points, f)); }
+
+void ArrangementStore::account(int32_t id, bool in) {
+  const Face& f = face[id];
+  const Corners corner = corners_of(points, f);
+  if (in) {
+    edges.add(id, f.v);
+    hash_sum += hash_of(f, corner);
+    volume_residue = mod_add(volume_residue, volume_of(f, corner));
+  } else {
+    edges.remove(id, f.v);
+    hash_sum -= hash_of(f, corner);
+    volume_residue = mod_sub(volume_residue, volume_of(f, corner));
+  }
 }
 
 }  // namespace limberg

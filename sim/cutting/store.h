@@ -79,6 +79,8 @@ struct ArrangementStore {
   // glue.cpp
   uint64_t face_hash(const Face& f) const;
   uint64_t face_volume_residue(const Face& f) const;  // of its sided faces: 6 V modulo kPrime
+  /// Enters a face that is to live into the edge map and the running sums, or takes it out of them.
+  void account(int32_t f, bool in);
   /// Sets the mates of every live face at the edge a-b by the radial rule; old ones of faces older than `delta` go to it. Returns a
   /// description of the contradiction if there is one, else null.
   const char* glue_edge(int32_t a, int32_t b, Delta* delta);

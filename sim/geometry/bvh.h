@@ -57,9 +57,6 @@ class Bvh {
   int line(const Vec3& origin_mm, const Vec3& direction, double t0, double t1, std::span<LineHit> out) const;
   std::vector<LineHit> line(const Vec3& origin_mm, const Vec3& direction, double t0, double t1) const;
 
-  /// Whether the triangle's own box meets [lo, hi].
-  bool meets(int32_t triangle, const Vec3& lo_mm, const Vec3& hi_mm) const { return triangle_meets(triangle, lo_mm, hi_mm); }
-
   /// Calls visit(triangle) for every triangle whose box meets [lo, hi]; order is that of the tree.
   template <class Visit>
   void box(const Vec3& lo_mm, const Vec3& hi_mm, Visit&& visit) const {
