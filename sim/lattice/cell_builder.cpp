@@ -10,22 +10,13 @@ int CellComponents::class_of(int32_t sided_face) const {
   return of_side[size_t(it - face.begin())][size_t(sided_face & 1)];
 }
 
-std::shared_ptr<const CellComponents> CellBuilder::build(int32_t cell, std::span<const int32_t> candidates,
-                                                         std::span<const uint8_t> node_in_material,
-                                                         const CellHistory& history) {
-  cell_ = cell;
+std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<const int32_t> candidates,
+                                                         uint8_t corners_in, const CellHistory& history) {
+  enter(at);
   walks_ = unresolved_ = 0;
-  const Int3 c = grid_.cell_at(cell);
-  index_ = {c.x, c.y, c.z};
-  for (int a = 0; a < 3; ++a)
-    for (int high = 0; high < 2; ++high)
-      bound_[size_t(a)][size_t(high)] = (int64_t(grid_.origin[a]) + int64_t(index_[size_t(a)] + high) * grid_.pitch[a])
-                                        << kSubUnitBits;
   gather(candidates);
   if (face_.empty()) return nullptr;
-  for (int k = 0; k < 8; ++k)
-    corner_in_[size_t(k)] =
-        node_in_material[size_t(grid_.node_index({c.x + (k & 1), c.y + (k >> 1 & 1), c.z + (k >> 2 & 1)}))];
+  for (int k = 0; k < 8; ++k) corner_in_[size_t(k)] = corners_in >> k & 1;
   join_.reset(2 * face_.size() + 8);
   join_faces();
   join_lattice_edges();
@@ -123,7 +114,25 @@ void CellBuilder::classify(const CellHistory& history, CellComponents& out) {
         out.classes[size_t(out.of_side[l][size_t(s)])].fixed_sides |= uint8_t(1u << (2 * axis + int(high)));
       }
   }
-  if (history.known) name_old_classes(history, out);
+  if (history.whole)
+    name_classes_of_whole(*history.whole, out);
+  else if (history.known)
+    name_old_classes(history, out);
+}
+
+// Every class of a part that faces meet is bounded by one of them, and a sided face has one class in the whole.
+void CellBuilder::name_classes_of_whole(const CellComponents& whole, CellComponents& out) const {
+  for (size_t l = 0; l < out.face.size(); ++l)
+    for (int s = 0; s < 2; ++s) {
+      const int16_t mine = out.of_side[l][size_t(s)];
+      if (mine < 0) continue;
+      const int before = whole.class_of(sided_face(out.face[l], s));
+      int16_t& old = out.classes[size_t(mine)].old_class;
+      if (before < 0 || (old >= 0 && old != before)) contradiction("a part of a cell contradicts the whole");
+      old = int16_t(before);
+    }
+  for (const CellClass& c : out.classes)
+    if (c.old_class < 0) contradiction("a piece in a part of a cell has no face");
 }
 
 // The old partition is the new one with both sides of every new wall united. Its groups are named after old classes by

@@ -46,16 +46,22 @@ struct CellHistory {
   const CellComponents* before = nullptr;  // null: no face met the cell (one class if it was material)
   int32_t last_op = 0;                     // walls of later operations are new
   bool only_cuts = true;                   // false: material was taken away, so old classes may have vanished
+  const CellComponents* whole = nullptr;   // what the cell is a part of was this: old_class is its class; nothing else counts
 };
 
 class CellBuilder {
  public:
   CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface);
 
-  /// Components of the cell from candidate faces (ascending, may hold dead ones and faces that miss the cell).
-  /// `node_in_material` per lattice node. Null when no live face meets the cell.
-  std::shared_ptr<const CellComponents> build(int32_t cell, std::span<const int32_t> candidates,
-                                              std::span<const uint8_t> node_in_material, const CellHistory& history);
+  /// Components of the cell at `at` of the grid, from candidate faces (ascending, may hold dead ones and faces that miss
+  /// the cell). `corners_in`: bit per corner that lies in the material. Null when no live face meets the cell.
+  std::shared_ptr<const CellComponents> build(Int3 at, std::span<const int32_t> candidates, uint8_t corners_in,
+                                              const CellHistory& history);
+
+  /// Whether a live face meets the cell.
+  bool meets(Int3 at, int32_t face);
+  /// Whether one of the faces has a crack front in the cell: an edge where its two sides are glued to each other.
+  bool holds_front(Int3 at, std::span<const int32_t> faces);
 
   /// Layers of the corners of a face.
   std::array<std::array<int32_t, 3>, 3> layers(int32_t face) const;
@@ -82,6 +88,7 @@ class CellBuilder {
   static int side_before(const Plane& plane, int axis) { return plane.n[size_t(axis)] > 0 ? 1 : 0; }
   static bool has(uint8_t mat, int side) { return mat >> side & 1; }
 
+  void enter(Int3 at);
   void gather(std::span<const int32_t> candidates);
   bool edge_meets(LocalFace& f, int edge);
   int about(LocalFace& f, int edge, int axis, int corner);
@@ -100,6 +107,7 @@ class CellBuilder {
   int32_t region_on_lattice_edge(int axis, int corner, const SubPoint& below);
   void hits_between(int axis, const SubPoint& line, const SubPoint* upper, std::vector<int32_t>& out);
   void classify(const CellHistory& history, CellComponents& out);
+  void name_classes_of_whole(const CellComponents& whole, CellComponents& out) const;
   void name_old_classes(const CellHistory& history, CellComponents& out);
   void measure(CellComponents& out) const;
   void name_by_volume(const CellHistory& history, CellComponents& out);
@@ -107,7 +115,6 @@ class CellBuilder {
 
   LatticeGrid grid_;
   const MaterialSurface& surface_;
-  int32_t cell_ = 0;
   std::array<int32_t, 3> index_{};
   std::array<std::array<int64_t, 2>, 3> bound_{};  // sub-units, [axis][high]
   std::array<bool, 8> corner_in_{};

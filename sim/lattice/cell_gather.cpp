@@ -12,9 +12,37 @@ CellBuilder::CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface
 }
 
 void CellBuilder::contradiction(const char* what) const {
-  const Int3 c = grid_.cell_at(cell_);
-  throw std::logic_error("lattice cell (" + std::to_string(c.x) + "," + std::to_string(c.y) + "," +
-                         std::to_string(c.z) + "): " + what);
+  throw std::logic_error("lattice cell (" + std::to_string(index_[0]) + "," + std::to_string(index_[1]) + "," +
+                         std::to_string(index_[2]) + "): " + what);
+}
+
+void CellBuilder::enter(Int3 at) {
+  index_ = {at.x, at.y, at.z};
+  for (int a = 0; a < 3; ++a)
+    for (int high = 0; high < 2; ++high)
+      bound_[size_t(a)][size_t(high)] = (int64_t(grid_.origin[a]) + int64_t(index_[size_t(a)] + high) * grid_.pitch[a])
+                                        << kSubUnitBits;
+}
+
+bool CellBuilder::meets(Int3 at, int32_t face) {
+  enter(at);
+  gather({&face, 1});
+  return !face_.empty();
+}
+
+bool CellBuilder::holds_front(Int3 at, std::span<const int32_t> faces) {
+  auto is_front = [&](int32_t face, int edge) {
+    return surface_.mate[size_t(face)][size_t(edge)] == sided_half_edge(sided_face(face, 1), edge);
+  };
+  enter(at);
+  for (int32_t id : faces) {
+    const Face& f = surface_.faces[size_t(id)];
+    if (!f.live() || f.mat != 3 || !(is_front(id, 0) || is_front(id, 1) || is_front(id, 2))) continue;
+    gather({&id, 1});
+    for (int e = 0; e < 3; ++e)
+      if (!face_.empty() && face_[0].edge_in[size_t(e)] && is_front(id, e)) return true;
+  }
+  return false;
 }
 
 std::array<std::array<int32_t, 3>, 3> CellBuilder::layers(int32_t face) const {

@@ -12,7 +12,9 @@ namespace {
 
 EmbeddedPoint embed(const LatticeTopology& t, int32_t copy, const Vec3& X_mm) {
   const CellCopy& c = t.cells[size_t(copy)];
-  const Vec3 x = (X_mm - t.grid.node_mm(t.grid.cell_at(c.cell))).cwiseQuotient(t.grid.cell_mm());
+  const CellPlace place = t.tree.place(t.grid, c.cell);
+  const LatticeGrid grid = t.grid.at_level(place.level);
+  const Vec3 x = (X_mm - grid.node_mm(place.at)).cwiseQuotient(grid.cell_mm());
   EmbeddedPoint e;
   e.node = c.node;
   for (int k = 0; k < 8; ++k)
@@ -28,16 +30,19 @@ int32_t copy_in(const LatticeTopology& t, int32_t cell, int32_t sided_face) {
 
 }  // namespace
 
-int32_t cell_of(const LatticeGrid& grid, const Vec3& X_mm) {
+int32_t cell_of(const LatticeTopology& t, const Vec3& X_mm) {
+  const int level = t.tree.division.empty() ? 0 : kLevels;
+  const LatticeGrid grid = t.grid.at_level(level);
   const Vec3 x = (X_mm - grid.node_mm({0, 0, 0})).cwiseQuotient(grid.cell_mm());
   int32_t c[3];
   for (int a = 0; a < 3; ++a) c[a] = int32_t(std::clamp(std::floor(x[a]), 0.0, double(grid.count[a] - 1)));
-  return grid.cell_index({c[0], c[1], c[2]});
+  return t.tree.find(t.grid, level, {c[0], c[1], c[2]});
 }
 
 std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view) {
   std::vector<EmbeddedPoint> out(view.X_mm.size());
   view.cell_copy.assign(view.X_mm.size(), -1);
+  const LatticeGrid finest = t.tree.division.empty() ? t.grid : t.grid.at_level(kLevels);
   for (size_t f = 0; f < view.tri.size(); ++f)
     for (int32_t v : view.tri[f]) {
       int32_t& copy = view.cell_copy[size_t(v)];
@@ -45,7 +50,12 @@ std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const Materia
       const PointRef p = surface.points->ref(view.point[size_t(v)]);
       int32_t at[3];
       for (int a = 0; a < 3; ++a) at[a] = layer_of(p, a, t.grid.origin[a], t.grid.pitch[a]);
-      copy = copy_in(t, t.grid.cell_index({at[0], at[1], at[2]}), view.sided_face[f]);
+      int32_t cell = t.grid.cell_index({at[0], at[1], at[2]});
+      if (t.tree.is_divided(cell)) {
+        for (int a = 0; a < 3; ++a) at[a] = layer_of(p, a, finest.origin[a], finest.pitch[a]);
+        cell = t.tree.find(t.grid, kLevels, {at[0], at[1], at[2]});
+      }
+      copy = copy_in(t, cell, view.sided_face[f]);
       if (copy < 0) throw std::logic_error("a surface vertex lies in a lattice cell that does not hold its face");
       out[size_t(v)] = embed(t, copy, view.X_mm[size_t(v)]);
     }
@@ -62,7 +72,7 @@ EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int
     if (bary[k] > bary[nearest]) nearest = k;
   }
   if (X_mm) *X_mm = X;
-  int32_t copy = copy_in(t, cell_of(t.grid, X), view.sided_face[size_t(tri)]);
+  int32_t copy = copy_in(t, cell_of(t, X), view.sided_face[size_t(tri)]);
   // Rounding may put X just across a lattice plane, where the face is not: then a corner's cell carries it.
   if (copy < 0) copy = view.cell_copy[size_t(corner[nearest])];
   return embed(t, copy, X);

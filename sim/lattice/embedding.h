@@ -23,7 +23,7 @@ EmbeddedPoint embed_point(const LatticeTopology& topology, const SurfaceView& vi
 /// X lies outside.
 EmbeddedPoint embed_in_copy(const LatticeTopology& topology, int32_t copy, const Vec3& X_mm);
 
-/// Lattice cell (index) that contains X by its double coordinates, clamped to the lattice.
-int32_t cell_of(const LatticeGrid& grid, const Vec3& X_mm);
+/// Undivided cell (id) that contains X by its double coordinates, clamped to the lattice.
+int32_t cell_of(const LatticeTopology& topology, const Vec3& X_mm);
 
 }  // namespace limberg

@@ -1,7 +1,9 @@
 #pragma once
 // The embedding lattice and its copies.
 //
-// A LatticeGrid is a box of equal cells on odd coordinates of the rest grid. A LatticeTopology says which copies of
+// A LatticeGrid is a box of equal cells on odd coordinates of the rest grid. Cells at the end of a cut may be divided in
+// eight, and the parts again (cell_tree.h); the parts are cells of a finer grid over the same box, so all that is said
+// of cells holds for them. A LatticeTopology says which copies of
 // which cells exist: one copy per connected piece of material in a cell (the virtual node algorithm), found exactly by
 // cells.h. Cutting only refines the partition, so every copy has one parent in the version before.
 #include <cstdint>
@@ -29,10 +31,26 @@ struct LatticeGrid {
     return rest.to_mm({origin.x + n.x * pitch.x, origin.y + n.y * pitch.y, origin.z + n.z * pitch.z});
   }
   Vec3 cell_mm() const { return rest.half_unit_mm() * Vec3(pitch.x, pitch.y, pitch.z); }
+  /// The grid of the parts of cells divided `level` times. Its pitch must stay even: see divisible().
+  LatticeGrid at_level(int level) const {
+    LatticeGrid g = *this;
+    g.pitch = {pitch.x >> level, pitch.y >> level, pitch.z >> level};
+    g.count = {count.x << level, count.y << level, count.z << level};
+    return g;
+  }
+  bool divisible(int levels) const {
+    const int32_t unit = 2 << levels;
+    return pitch.x % unit == 0 && pitch.y % unit == 0 && pitch.z % unit == 0;
+  }
 };
 
+/// Cells are divided twice at most.
+inline constexpr int kLevels = 2;
+/// Places of nodes are counted in quarters of an undivided cell.
+inline constexpr int kQuarters = 1 << kLevels;
+
 struct CellCopy {
-  int32_t cell = 0;               // lattice cell index
+  int32_t cell = 0;               // cell id: the lattice cell's index; from the number of cells on, parts of divided ones
   int32_t piece = 0;              // connected piece of the whole lattice (0..pieces-1)
   double fraction = 1;            // exact volume of its material / volume of the cell
   std::array<int32_t, 8> node{};  // node copies, corner order of fem_model.h
@@ -40,8 +58,9 @@ struct CellCopy {
 };
 
 struct NodeCopy {
-  int32_t lattice_node = 0;
-  int32_t parent = -1;  // index in the previous version
+  int32_t lattice_node = 0;  // -1: a corner of parts of cells only
+  int32_t parent = -1;       // index in the previous version; of a born node (topology.h) the one with the largest weight
+  Int3 at{};                 // quarters of an undivided cell from the grid's origin
 };
 
 }  // namespace limberg

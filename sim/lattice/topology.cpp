@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 #include "sim/error.h"
 #include "sim/lattice/topology_parts.h"
@@ -17,40 +18,60 @@ void fill_face_bits(LatticeTopology& t, const MaterialSurface& surface) {
   t.last_op = surface.orig.empty() ? 0 : surface.orig.back().op;
 }
 
-/// Calls visit(cell) for the cells of the box of a face's corners.
+/// Calls visit(cell) for the undivided cells of the box of a face's corners.
 template <class Visit>
-void cells_around(const LatticeGrid& grid, const CellBuilder& builder, int32_t face, Visit&& visit) {
-  const auto q = builder.layers(face);
-  int32_t lo[3], hi[3];
-  for (size_t a = 0; a < 3; ++a) {
-    lo[a] = std::max(0, std::min({q[0][a], q[1][a], q[2][a]}));
-    hi[a] = std::min(grid.count[int(a)] - 1, std::max({q[0][a], q[1][a], q[2][a]}));
-  }
-  for (int32_t z = lo[2]; z <= hi[2]; ++z)
-    for (int32_t y = lo[1]; y <= hi[1]; ++y)
-      for (int32_t x = lo[0]; x <= hi[0]; ++x) visit(grid.cell_index({x, y, z}));
+void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, Visit&& visit) {
+  struct Box {
+    int32_t lo[3], hi[3];
+  };
+  const LatticeGrid& grid = builders.grid();
+  auto box_at = [&](int level) {
+    const auto q = builders[level].layers(face);
+    Box b;
+    for (size_t a = 0; a < 3; ++a) {
+      b.lo[a] = std::max(0, std::min({q[0][a], q[1][a], q[2][a]}));
+      b.hi[a] = std::min((grid.count[int(a)] << level) - 1, std::max({q[0][a], q[1][a], q[2][a]}));
+    }
+    return b;
+  };
+  const Box whole = box_at(0);
+  Box fine{};
+  bool fine_known = false;
+  auto descend = [&](auto&& self, int32_t cell, int level, Int3 at) -> void {
+    if (level > 0) {
+      const int shift = kLevels - level;
+      for (int a = 0; a < 3; ++a)
+        if (((at[a] + 1) << shift) - 1 < fine.lo[a] || at[a] << shift > fine.hi[a]) return;
+    }
+    if (!tree.is_divided(cell)) return visit(cell);
+    if (!fine_known) fine = box_at(kLevels), fine_known = true;
+    for (int k = 0; k < 8; ++k)
+      self(self, tree.part(cell, k), level + 1, {2 * at.x + (k & 1), 2 * at.y + (k >> 1 & 1), 2 * at.z + (k >> 2 & 1)});
+  };
+  for (int32_t z = whole.lo[2]; z <= whole.hi[2]; ++z)
+    for (int32_t y = whole.lo[1]; y <= whole.hi[1]; ++y)
+      for (int32_t x = whole.lo[0]; x <= whole.hi[0]; ++x)
+        descend(descend, grid.cell_index({x, y, z}), 0, {x, y, z});
 }
 
-void relink(LatticeTopology& t, const LatticeTopology* previous, std::span<const uint8_t> touched) {
-  const int32_t cells = int32_t(t.components.size());
-  const int32_t stride[3] = {1, t.grid.count.x, t.grid.count.x * t.grid.count.y};
-  auto neighbour = [&](int32_t cell, int axis) {
-    return t.grid.cell_at(cell)[axis] + 1 < t.grid.count[axis] ? cell + stride[axis] : -1;
-  };
+void relink(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* previous,
+            std::span<const uint8_t> touched) {
   std::vector<LatticeTopology::Link> fresh;
-  for (int32_t cell = 0; cell < cells; ++cell)
+  std::vector<int32_t> beyond;
+  for (int32_t cell = 0; cell < t.tree.ids(); ++cell) {
+    if (t.copies_of(cell) == 0) continue;  // divided, or without material
     for (int axis = 0; axis < 3; ++axis) {
-      const int32_t next = neighbour(cell, axis);
-      if (next < 0 || (previous && !touched[size_t(cell)] && !touched[size_t(next)])) continue;
-      find_links(t, cell, axis, fresh);
+      cells_beyond(t, cell, axis, beyond);
+      for (int32_t next : beyond)
+        if (!previous || touched[size_t(cell)] || touched[size_t(next)])
+          find_links(t, builders, cell, axis, next, fresh);
     }
+  }
   t.links.clear();
   if (previous) {
     t.links.reserve(previous->links.size() + fresh.size());
-    for (const auto& l : previous->links) {
-      const int32_t cell = l.cell_axis / 3;
-      if (!touched[size_t(cell)] && !touched[size_t(cell + stride[l.cell_axis % 3])]) t.links.push_back(l);
-    }
+    for (const auto& l : previous->links)
+      if (!touched[size_t(l.cell_axis / 3)] && !touched[size_t(l.next)]) t.links.push_back(l);
   }
   const size_t kept = t.links.size();
   t.links.insert(t.links.end(), fresh.begin(), fresh.end());
@@ -58,29 +79,36 @@ void relink(LatticeTopology& t, const LatticeTopology* previous, std::span<const
   std::inplace_merge(t.links.begin(), t.links.begin() + ptrdiff_t(kept), t.links.end());
 }
 
-void finish(LatticeTopology& t, const LatticeTopology* previous, std::span<const uint8_t> touched) {
-  number_copies(t, previous, touched);
-  relink(t, previous, touched);
-  if (previous) name_parents_by_neighbours(t, *previous);
-  number_nodes(t, previous);
-  summarise(t);
+/// Divides what holds a front, until nothing is left to divide.
+std::shared_ptr<const LatticeTopology> divide_fronts(std::shared_ptr<const LatticeTopology> t, LevelBuilders& builders,
+                                                     std::vector<uint8_t> candidates) {
+  for (;;) {
+    const std::vector<int32_t> cells = cells_to_divide(*t, builders, candidates);
+    if (cells.empty()) return t;
+    std::vector<uint8_t> touched;
+    const std::shared_ptr<LatticeTopology> next = divide_cells(*t, builders, cells, touched);
+    skip_parents(*t, *next);
+    t = next;
+    candidates.resize(touched.size(), 0);
+    for (size_t c = 0; c < touched.size(); ++c) candidates[c] |= touched[c];
+  }
 }
 
-}  // namespace
-
-std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface) {
+/// The cells of the grid, none divided.
+std::shared_ptr<LatticeTopology> build_whole(const LatticeGrid& grid, const MaterialSurface& surface,
+                                             LevelBuilders& builders) {
   auto t = std::make_shared<LatticeTopology>();
   t->grid = grid;
   t->node_in_material = classify_nodes(grid, surface);
   fill_face_bits(*t, surface);
-  CellBuilder builder(grid, surface);
   const size_t cells = size_t(grid.count.x) * size_t(grid.count.y) * size_t(grid.count.z);
+  t->tree.grid_cells = int32_t(cells);
   // Candidates of each cell, by counting sort: faces stay ascending.
   std::vector<int32_t> begin(cells + 1, 0), list;
   for (int pass = 0; pass < 2; ++pass) {
     for (size_t f = 0; f < surface.faces.size(); ++f)
       if (surface.faces[f].live())
-        cells_around(grid, builder, int32_t(f), [&](int32_t c) {
+        cells_around(t->tree, builders, int32_t(f), [&](int32_t c) {
           if (pass == 0)
             ++begin[size_t(c) + 1];
           else
@@ -95,19 +123,65 @@ std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, c
   for (size_t c = 0; c < cells; ++c) {
     const int32_t from = c ? begin[c - 1] : 0, to = begin[c];  // the second pass has moved each begin to its end
     if (from == to) continue;
-    t->components[c] = builder.build(int32_t(c), {list.data() + from, size_t(to - from)}, t->node_in_material, {});
+    t->components[c] = builders[0].build(grid.cell_at(int32_t(c)), {list.data() + from, size_t(to - from)},
+                                         t->corners_in_material(int32_t(c)), {});
     ++t->touched_cells;
   }
-  finish(*t, nullptr, {});
+  finish_topology(*t, builders, nullptr, {});
+  return t;
+}
+
+}  // namespace
+
+void finish_topology(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* previous,
+                     std::span<const uint8_t> touched) {
+  number_copies(t, previous, touched);
+  relink(t, builders, previous, touched);
+  if (previous) name_parents_by_neighbours(t, *previous);
+  number_nodes(t, previous);
+  summarise(t);
+}
+
+std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface,
+                                                      int front_levels) {
+  if (front_levels < 0 || front_levels > kLevels || (front_levels > 0 && !grid.divisible(kLevels)))
+    throw InputError("", 0,
+                     "cells of this lattice cannot be divided; a pitch of a multiple of 8 half-units, and at most " +
+                         std::to_string(kLevels) + " levels, were expected");
+  LevelBuilders builders(grid, surface);
+  auto t = build_whole(grid, surface, builders);
+  t->front_levels = front_levels;
+  return divide_fronts(t, builders, std::vector<uint8_t>(t->components.size(), 1));
+}
+
+std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like, const MaterialSurface& surface) {
+  LevelBuilders builders(like.grid, surface);
+  auto whole = build_whole(like.grid, surface, builders);
+  whole->front_levels = like.front_levels;
+  std::shared_ptr<const LatticeTopology> t = whole;
+  while (t->tree.division.size() < like.tree.division.size()) {
+    std::vector<int32_t> cells;
+    for (size_t d = t->tree.division.size(); d < like.tree.division.size(); ++d) {
+      if (like.tree.division[d].cell >= t->tree.ids()) break;
+      cells.push_back(like.tree.division[d].cell);
+    }
+    std::vector<uint8_t> touched;
+    const std::shared_ptr<LatticeTopology> next = divide_cells(*t, builders, cells, touched);
+    skip_parents(*t, *next);
+    t = next;
+  }
   return t;
 }
 
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous,
                                                        const MaterialSurface& surface) {
   auto t = std::make_shared<LatticeTopology>();
-  const LatticeGrid& grid = t->grid = previous.grid;
+  t->grid = previous.grid;
+  t->front_levels = previous.front_levels;
+  t->tree = previous.tree;
+  const CellTree& tree = t->tree;
   fill_face_bits(*t, surface);
-  CellBuilder builder(grid, surface);
+  LevelBuilders builders(t->grid, surface);
 
   // What has changed, where.
   const size_t before = previous.face_bits.size(), now = t->face_bits.size(), cells = previous.components.size();
@@ -122,40 +196,59 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
     taken_away = taken_away || (!surface.faces[f].retired && (was & ~is));
     taken_away =
         taken_away || (f >= before && is != 3 && surface.orig[size_t(surface.faces[f].orig)].op > previous.last_op);
-    cells_around(grid, builder, int32_t(f), [&](int32_t c) {
+    cells_around(tree, builders, int32_t(f), [&](int32_t c) {
       touched[size_t(c)] = 1;
       if (is && !was) added.push_back({c, int32_t(f)});
     });
   }
   std::sort(added.begin(), added.end());
-  if (taken_away)
-    t->node_in_material = classify_nodes(grid, surface);
-  else
-    t->node_in_material = previous.node_in_material;
+
+  auto candidates_of = [&](int32_t cell, std::vector<int32_t>& out) {
+    if (const CellComponents* old = previous.components[size_t(cell)].get())
+      out.insert(out.end(), old->face.begin(), old->face.end());
+    for (auto a = std::lower_bound(added.begin(), added.end(), std::pair(cell, INT32_MIN));
+         a != added.end() && a->first == cell; ++a)
+      out.push_back(a->second);
+  };
+  auto candidates_within = [&](auto&& self, int32_t cell, std::vector<int32_t>& out) -> void {
+    if (!tree.is_divided(cell)) return candidates_of(cell, out);
+    for (int k = 0; k < 8; ++k) self(self, tree.part(cell, k), out);
+  };
+  std::vector<int32_t> candidates;
+  if (!taken_away) {
+    t->node_in_material = previous.node_in_material;  // and so have the parts' corners
+  } else {
+    t->node_in_material = classify_nodes(t->grid, surface);
+    for (CellTree::Division& d : t->tree.division) {
+      candidates.clear();
+      candidates_within(candidates_within, d.cell, candidates);
+      std::sort(candidates.begin(), candidates.end());
+      candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+      d.node_in_material =
+          classify_parts(builders, tree.place(t->grid, d.cell), t->corners_in_material(d.cell), candidates);
+    }
+  }
 
   t->components = previous.components;
-  std::vector<int32_t> candidates;
-  size_t next = 0;
   for (size_t c = 0; c < cells; ++c) {
     if (!touched[c]) continue;
     ++t->touched_cells;
+    const int32_t cell = int32_t(c);
     candidates.clear();
-    const CellComponents* old = previous.components[c].get();
-    if (old) candidates = old->face;
-    while (next < added.size() && added[next].first < int32_t(c)) ++next;
-    for (; next < added.size() && added[next].first == int32_t(c); ++next) candidates.push_back(added[next].second);
+    candidates_of(cell, candidates);
     std::sort(candidates.begin(), candidates.end());
-    t->components[c] =
-        builder.build(int32_t(c), candidates, t->node_in_material, {true, old, previous.last_op, !taken_away});
+    const CellPlace place = tree.place(t->grid, cell);
+    t->components[c] = builders[place.level].build(
+        place.at, candidates, t->corners_in_material(cell),
+        {true, previous.components[c].get(), previous.last_op, !taken_away, nullptr});
   }
   if (taken_away)  // full cells that are empty now
     for (size_t c = 0; c < cells; ++c) {
-      if (previous.components[c] || touched[c]) continue;
-      const size_t n = size_t(grid.node_index(grid.cell_at(int32_t(c))));
-      if (previous.node_in_material[n] != t->node_in_material[n]) touched[c] = 1;
+      if (previous.components[c] || touched[c] || tree.is_divided(int32_t(c))) continue;
+      if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c))) touched[c] = 1;
     }
-  finish(*t, &previous, touched);
-  return t;
+  finish_topology(*t, builders, &previous, touched);
+  return divide_fronts(t, builders, std::move(touched));
 }
 
 }  // namespace limberg

@@ -16,11 +16,22 @@
 // new class has one old class. The partition is a refinement: that all corners of a node copy agree on the parent is
 // checked. When an excision is in the same update, the pieces that it leaves take the parent that their faces, corners
 // or neighbours name.
+//
+// Fronts. A cut that ends inside a cell leaves it one copy: it opens only up to that cell. With front_levels = 2 a cell
+// that holds a crack's front is divided in eight, and those of the eight that hold it again (cell_tree.h, division.cpp):
+// then the closed part of the crack lies in one cell of a quarter of the size. Cells that touch each other, be it in a
+// corner, differ by one level at most. The parts are cells like any other, found by the same exact method; between a part
+// and a coarser neighbour the common square is the part's, and a node of it that is no corner of the neighbour hangs on
+// the neighbour's copy. When it hangs on several copies, these share their nodes there (a cut may stay closed there for
+// the length of a part, never is there a gap in tissue). Division never moves anything: every node of a part has its
+// parents in the copy that was divided, with trilinear weights. Cells stay divided for the rest of the history (undo goes
+// back to the version of that time).
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "sim/lattice/cell_tree.h"
 #include "sim/lattice/cells.h"
 #include "sim/lattice/lattice.h"
 #include "sim/lattice/material_surface.h"
@@ -37,38 +48,64 @@ struct LatticeTopology {
   double volume_mm3 = 0;                 // sum over cell copies of fraction * cell volume
   uint64_t hash = 0;                     // of cells, classes, corners and node copies: no floating point, no parents
 
-  /// Cell copies of lattice cell c: copy_id[copy_begin[c] + class].
+  int front_levels = 0;  // how often cells at a front are divided: 0 to kLevels
+  CellTree tree;
+
+  /// Cell copies of cell c (an id of the tree; a divided one has none): copy_id[copy_begin[c] + class].
   std::vector<int32_t> copy_begin, copy_id;
   int copies_of(int32_t cell) const { return copy_begin[size_t(cell) + 1] - copy_begin[size_t(cell)]; }
   int32_t copy(int32_t cell, int cls) const { return copy_id[size_t(copy_begin[size_t(cell)] + cls)]; }
 
-  /// Per lattice cell: what it holds; null when no face meets it (it is full or empty then).
+  /// Per cell: what it holds; null when no face meets it (it is full or empty then) or it is divided.
   std::vector<std::shared_ptr<const CellComponents>> components;
   std::vector<uint8_t> node_in_material;  // per lattice node
 
-  struct Link {                 // copies joined through the square between `cell` and its + neighbour
+  uint8_t corners_in_material(int32_t cell) const;  // bit per corner
+
+  struct Link {                 // copies joined through the square between `cell` and a + neighbour
     int32_t cell_axis = 0;      // 3 * cell + axis
+    int32_t next = 0;           // the neighbour
     int16_t low = 0, high = 0;  // classes
     auto operator<=>(const Link&) const = default;
   };
-  std::vector<Link> links;              // sorted
+  std::vector<Link> links;  // sorted
+
+  struct Hanging {  // as HangingNode: equal weights, none of the masters hangs
+    int32_t node = 0, count = 0;
+    std::array<int32_t, 4> master{};
+  };
+  std::vector<Hanging> hanging;  // ascending by node
+  struct Born {                  // a node inside what was one cell in the previous version
+    int32_t node = 0;
+    std::vector<std::pair<int32_t, double>> from;  // previous nodes and weights
+  };
+  std::vector<Born> born;  // ascending by node
+
   std::vector<uint8_t> face_bits;       // per face id: its material bits in this version (0: not there)
   int32_t last_op = 0;                  // highest operation that has made a face so far
   int touched_cells = 0;                // recomputed to make this version
   int walks = 0, walks_unresolved = 0;  // sums over cells
 };
 
-/// Throws InputError when the surface reaches beyond the lattice. std::logic_error tells of a defect: a surface whose
-/// gluing contradicts its material bits.
-std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface);
+/// Throws InputError when the surface reaches beyond the lattice, or when its pitch cannot be halved `front_levels` times.
+/// std::logic_error tells of a defect: a surface whose gluing contradicts its material bits.
+std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface,
+                                                      int front_levels = 0);
+
+/// The same with the cells divided that are divided in `like`, in the same order, and no others.
+std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like, const MaterialSurface& surface);
 
 /// The version after the arrangement has changed. CellCopy::parent and NodeCopy::parent index `previous`.
 /// Face ids must mean the same as in `previous` (an arrangement never renumbers; after its undo, go on from the version
 /// of that time). Nothing changes on an exception.
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface);
 
+/// `last` with the parents of the version before `middle`, which `last` was updated from. A cut that takes something
+/// away at once is followed in two steps, the cut and the taking away: each names its parents exactly.
+std::shared_ptr<const LatticeTopology> skip_version(const LatticeTopology& middle, const LatticeTopology& last);
+
 /// Empty when every invariant holds: corner states along all lattice edges, links symmetric with shared nodes, classes
-/// numbered without gaps. O(cells), for tests.
+/// numbered without gaps, levels graded, hanging nodes between their masters. O(cells), for tests.
 std::string check_topology(const LatticeTopology& topology);
 
 }  // namespace limberg

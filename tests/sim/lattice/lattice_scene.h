@@ -15,7 +15,7 @@ inline LatticeGrid grid_over(double size_mm, double thickness_mm, double cell_mm
   LatticeGrid g;
   g.rest = grid();
   const double u = g.rest.half_unit_mm();
-  const int32_t pitch = 2 * int32_t(std::lround(cell_mm / u / 2));
+  const int32_t pitch = 8 * int32_t(std::lround(cell_mm / u / 8));  // its cells can be divided twice
   g.pitch = {pitch, pitch, pitch};
   auto odd = [&](double mm) { return 2 * int32_t(std::floor(mm / u / 2)) + 1; };
   g.origin = {odd(-size_mm / 2 - 0.4 * cell_mm), odd(-size_mm / 2 - 0.3 * cell_mm),
@@ -31,8 +31,8 @@ struct LatticeScene {
   uint64_t seed = 1;
   bool only_cut = false;  // the last step took nothing away
 
-  LatticeScene(const TriMesh& mesh, const LatticeGrid& lattice)
-      : a(mesh, grid()), g(lattice), t(build_topology(g, material_surface(a))) {
+  LatticeScene(const TriMesh& mesh, const LatticeGrid& lattice, int front_levels = 0)
+      : a(mesh, grid()), g(lattice), t(build_topology(g, material_surface(a), front_levels)) {
     check();
   }
 
@@ -90,11 +90,19 @@ struct LatticeScene {
     std::vector<double> fraction(before.cells.size(), 0);
     for (const CellCopy& c : t->cells) {
       ASSERT_GE(c.parent, 0);
-      ASSERT_EQ(before.cells[size_t(c.parent)].cell, c.cell);
-      fraction[size_t(c.parent)] += c.fraction;
-      for (size_t k = 0; k < 8; ++k)
-        ASSERT_EQ(t->nodes[size_t(c.node[k])].parent, before.cells[size_t(c.parent)].node[k]);
+      int32_t whole = c.cell;
+      for (; whole != before.cells[size_t(c.parent)].cell; whole = t->tree.owner(whole)) ASSERT_TRUE(t->tree.is_part(whole));
+      fraction[size_t(c.parent)] += c.fraction / double(1 << 3 * (t->tree.level(c.cell) - t->tree.level(whole)));
+      for (size_t k = 0; whole == c.cell && k < 8; ++k) {
+        // (Two nodes that hung on the same masters may become one when those are divided.)
+        const int32_t was = before.cells[size_t(c.parent)].node[k];
+        const bool hung = std::any_of(before.hanging.begin(), before.hanging.end(), [&](const auto& h) { return h.node == was; });
+        if (!hung) {
+          ASSERT_EQ(t->nodes[size_t(c.node[k])].parent, was);
+        }
+      }
     }
+    check_positions(before);
     for (size_t c = 0; c < fraction.size(); ++c) {
       EXPECT_LT(fraction[c], before.cells[c].fraction + 1e-11);
       if (only_cut) {
@@ -103,12 +111,61 @@ struct LatticeScene {
     }
   }
 
+  /// A state of the version before, carried over as the solver does: every corner of every copy is where it was, and
+  /// what hangs is where its masters put it.
+  void check_positions(const LatticeTopology& before) const {
+    std::vector<Vec3> u;
+    for (size_t n = 0; n < before.nodes.size(); ++n)
+      u.push_back(Vec3(std::sin(1.0 * double(n)), std::cos(1.7 * double(n)), std::sin(0.3 * double(n))));
+    follow(before, u);
+    const std::vector<Vec3> v = carried(u);
+    auto w = v;
+    follow(*t, w);
+    for (size_t n = 0; n < v.size(); ++n) ASSERT_LT((v[n] - w[n]).norm(), 1e-12) << "hanging node " << n;
+    for (const CellCopy& c : t->cells) {
+      const CellCopy& whole = before.cells[size_t(c.parent)];
+      const CellPlace p = t->tree.place(g, c.cell), q = t->tree.place(g, whole.cell);
+      for (int k = 0; k < 8; ++k) {
+        Vec3 x = Vec3::Zero();
+        for (int b = 0; b < 8; ++b) {
+          double weight = 1;
+          for (int axis = 0; axis < 3; ++axis) {
+            const double s = double(p.at[axis] + (k >> axis & 1)) / (1 << (p.level - q.level)) - q.at[axis];
+            weight *= b >> axis & 1 ? s : 1 - s;
+          }
+          x += weight * u[size_t(whole.node[size_t(b)])];
+        }
+        ASSERT_LT((x - v[size_t(c.node[size_t(k)])]).norm(), 1e-12) << "cell " << c.cell << " corner " << k;
+      }
+    }
+  }
+  static void follow(const LatticeTopology& version, std::vector<Vec3>& u) {
+    for (const auto& h : version.hanging) {
+      Vec3 s = Vec3::Zero();
+      for (size_t k = 0; k < size_t(h.count); ++k) s += u[size_t(h.master[k])] / h.count;
+      u[size_t(h.node)] = s;
+    }
+  }
+  std::vector<Vec3> carried(const std::vector<Vec3>& u) const {
+    std::vector<Vec3> v;
+    for (const NodeCopy& n : t->nodes) v.push_back(u[size_t(n.parent)]);
+    for (const auto& b : t->born) {
+      v[size_t(b.node)].setZero();
+      for (auto [p, w] : b.from) v[size_t(b.node)] += w * u[size_t(p)];
+    }
+    return v;
+  }
+
   void same_as_rebuilt() const {
-    const auto r = build_topology(g, material_surface(a));
+    const auto r = build_topology_like(*t, material_surface(a));
+    ASSERT_EQ(r->tree.ids(), t->tree.ids());
     ASSERT_EQ(r->cells.size(), t->cells.size());
     EXPECT_EQ(r->nodes.size(), t->nodes.size());
     EXPECT_EQ(r->links, t->links);
     EXPECT_EQ(r->node_in_material, t->node_in_material);
+    EXPECT_EQ(r->hanging.size(), t->hanging.size());
+    for (size_t d = 0; d < r->tree.division.size(); ++d)
+      EXPECT_EQ(r->tree.division[d].node_in_material, t->tree.division[d].node_in_material);
     for (size_t c = 0; c < r->components.size(); ++c) {
       ASSERT_EQ(bool(r->components[c]), bool(t->components[c]));
       if (!r->components[c]) continue;

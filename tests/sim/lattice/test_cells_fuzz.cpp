@@ -59,11 +59,14 @@ int histories() {
   return n ? std::atoi(n) : 4;
 }
 
-TEST(CellsFuzz, EveryInvariantAfterEveryOperation) {
+class CellsFuzz : public ::testing::TestWithParam<int> {};  // how often cells at a front are divided
+INSTANTIATE_TEST_SUITE_P(FrontLevels, CellsFuzz, ::testing::Values(0, 1, 2));
+
+TEST_P(CellsFuzz, EveryInvariantAfterEveryOperation) {
   for (int history = 0; history < histories(); ++history) {
     Random r{uint64_t(history) * 7919 + 17};
     const double cell = r(2.6, 7.5);
-    LatticeScene s(wavy_slab(60, 12, 20, r(0, 1.5)), grid_over(60, 12, cell));
+    LatticeScene s(wavy_slab(60, 12, 20, r(0, 1.5)), grid_over(60, 12, cell), GetParam());
     int done = 0;
     for (int op = 0; op < 14 && !::testing::Test::HasFailure(); ++op) {
       SCOPED_TRACE("history " + std::to_string(history) + " operation " + std::to_string(op));
@@ -73,6 +76,7 @@ TEST(CellsFuzz, EveryInvariantAfterEveryOperation) {
       if (s.t->pieces > 1 && r.below(2)) s.excise_smallest();
     }
     EXPECT_GT(done, 3);
+    EXPECT_EQ(s.t->tree.division.empty(), GetParam() == 0);
   }
 }
 
