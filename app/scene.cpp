@@ -251,6 +251,7 @@ Scene parse_scene(const std::string& text, const std::string& path) {
                                 " mm; expected cells that fit into it");
   if (s.source == Scene::Source::block && s.block.size_mm.prod() / (s.cell_mm * s.cell_mm * s.cell_mm) > 2e6)
     lattice.fail("cell_mm", "makes more than 2 million cells; expected larger cells");
+  lattice.boolean("refine_fronts", s.refine_fronts);
   lattice.finish();
 
   Table build = section(root, "build", path);
@@ -336,6 +337,7 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.suture_k_N_per_mm = scene.suture_N_per_mm;
   w.hook_k_N_per_mm = scene.hook_N_per_mm;
   w.can_cut = scene.can_cut;
+  w.refine_fronts = scene.refine_fronts;
   w.dynamic = scene.dynamic;
   w.seed = scene.seed;
   return w;

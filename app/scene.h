@@ -11,7 +11,7 @@
 //                both:  tension_direction = [x, y, z]
 //   [[layer]]    name, thickness_mm, young_kPa, poisson, density_kg_m3, prestretch_along, prestretch_across; from the skin
 //                down, one at least
-//   [lattice]    cell_mm
+//   [lattice]    cell_mm, refine_fronts
 //   [build]      can_cut, dynamic
 //   [springs]    suture_N_per_mm, hook_N_per_mm
 //   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed
@@ -43,6 +43,7 @@ struct Scene {
   ObjSpec obj;         // when source is obj; obj.path is resolved against the scene file's folder
 
   double cell_mm = 3.5;
+  bool refine_fronts = false;
   bool can_cut = true, dynamic = false;
   double suture_N_per_mm = 20, hook_N_per_mm = 0.5;
   uint64_t seed = 1;

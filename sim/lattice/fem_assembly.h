@@ -10,8 +10,12 @@
 //   lie wholly in one layer without prestretch share its stencil.
 //
 // A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1, so that the micrometres
-// by which lattice planes lie outside a block do not load it. Masses take the exact fraction. FemModel::cells[i] is
+// by which lattice planes lie outside a block do not load it. Masses take the exact fraction. Parts of divided cells have
+// stencils of their own size (Stencil::level), made in the same way when they are first asked for; where planes must lie
+// further out so that cells can be divided (grid_fit.h), a little less than full counts as full. FemModel::cells[i] is
 // LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
+#include <array>
+#include <map>
 #include <memory>
 
 #include "sim/fem/fem_model.h"
@@ -24,23 +28,37 @@ namespace limberg {
 class StencilTable {
  public:
   /// Throws InputError when the body has no layer or a layer with impossible constants.
+  /// The skin must outlive the table when cells will be divided.
   StencilTable(const Skin& skin, const LatticeGrid& grid);
   const std::vector<Stencil>& stencils() const { return stencils_; }
   int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: the body is nowhere in the cell
+  /// The same for a cell of any level; may add to stencils(), so one thread at a time.
+  int32_t of_place(const CellPlace& place) const;
 
   /// Where a lattice node may be held. Block: bit 2 axis + (0 low, 1 high) per outermost plane whose side is fixed.
   /// Other bodies, when the surface triangle nearest to the node is fixed: kNearFixed within 0.1 cell, kFarFixed
   /// beyond.
   static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
   const std::vector<uint8_t>& fixed_candidates() const { return fixed_; }
+  /// The same for a corner of a part, in quarters of a cell.
+  uint8_t fixed_candidate(Int3 at) const;
 
  private:
   void fill_block(const Body& body, const LatticeGrid& grid);
   void fill_general(const Skin& skin, const LatticeGrid& grid);
-  int32_t intern(const Stencil& s);
-  std::vector<Stencil> stencils_;
+  int32_t intern(const Stencil& s) const;
+  Stencil block_row(const LatticeGrid& grid, int32_t z) const;
+  Stencil general_part(const LatticeGrid& grid, Int3 at) const;
+  mutable std::vector<Stencil> stencils_;
   std::vector<int32_t> of_cell_;
   std::vector<uint8_t> fixed_;
+  // For parts of cells.
+  const Skin* skin_;
+  LatticeGrid grid_;
+  bool is_block_ = false;
+  uint8_t fixed_sides_ = 0;  // of a block
+  mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;  // level and place (of a block: z alone)
+  mutable std::map<std::array<int32_t, 3>, uint8_t> fixed_part_;
 };
 
 /// A node copy is fixed where its lattice node is a candidate (kFarFixed: outside the material) and one of its cell

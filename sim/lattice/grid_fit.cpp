@@ -20,7 +20,7 @@ std::string mm(double v) {
 
 }  // namespace
 
-LatticeGrid fit_lattice(const Body& body, double cell_mm) {
+LatticeGrid fit_lattice(const Body& body, double cell_mm, int levels) {
   auto fail = [&](const std::string& what) { throw InputError(body.name, 0, what); };
   if (!std::isfinite(cell_mm) || cell_mm <= 0)
     fail("the cell size is " + mm(cell_mm) + "; a length above 0 was expected");
@@ -43,6 +43,7 @@ LatticeGrid fit_lattice(const Body& body, double cell_mm) {
   if (cells > kMaxCells)
     fail("the cell size " + mm(cell_mm) + " makes more than 20 million cells; a larger one was expected");
 
+  const int32_t unit = 2 << levels;
   LatticeGrid grid;
   grid.rest = body.grid;
   int32_t origin[3], pitch[3], count[3];
@@ -51,9 +52,9 @@ LatticeGrid fit_lattice(const Body& body, double cell_mm) {
     if (body.is_box) {
       count[a] = std::max(1, int(std::lround((high[a] - low[a]) * half_unit / cell_mm)));
       pitch[a] = int32_t((span + count[a] - 1) / count[a]);
-      pitch[a] += pitch[a] & 1;
+      pitch[a] = (pitch[a] + unit - 1) / unit * unit;
     } else {
-      pitch[a] = 2 * std::max(1, int32_t(std::lround(cell_mm / half_unit / 2)));
+      pitch[a] = unit * std::max(1, int32_t(std::lround(cell_mm / half_unit / unit)));
       count[a] = int32_t((span + pitch[a] - 1) / pitch[a]);
     }
     const int64_t spare = int64_t(count[a]) * pitch[a] - span;  // even: both are

@@ -30,6 +30,10 @@ struct LatticeGrid {
   Vec3 node_mm(Int3 n) const {
     return rest.to_mm({origin.x + n.x * pitch.x, origin.y + n.y * pitch.y, origin.z + n.z * pitch.z});
   }
+  /// Place given in quarters of a cell (whole ones when the pitch is not divisible).
+  Vec3 quarter_mm(Int3 q) const {
+    return rest.to_mm({origin.x + q.x * (pitch.x / 2) / 2, origin.y + q.y * (pitch.y / 2) / 2, origin.z + q.z * (pitch.z / 2) / 2});
+  }
   Vec3 cell_mm() const { return rest.half_unit_mm() * Vec3(pitch.x, pitch.y, pitch.z); }
   /// The grid of the parts of cells divided `level` times. Its pitch must stay even: see divisible().
   LatticeGrid at_level(int level) const {

@@ -65,58 +65,76 @@ std::vector<uint8_t> cells_of_body(const Bvh& surface, const LatticeGrid& grid) 
   return used;
 }
 
+// The layer of each of the boxes that a cell is summed from, by the depths of its corners.
+std::array<int, kSplit * kSplit * kSplit> boxes_of_layers(const Skin& skin, const double corner[8]) {
+  std::array<int, kSplit * kSplit * kSplit> layer;
+  for (int b = 0; b < int(layer.size()); ++b) {
+    const Vec3 x = (Vec3(b % kSplit, b / kSplit % kSplit, b / (kSplit * kSplit)) + Vec3::Constant(0.5)) / kSplit;
+    double d = 0;
+    for (int k = 0; k < 8; ++k)
+      d += corner[k] * (k & 1 ? x[0] : 1 - x[0]) * (k & 2 ? x[1] : 1 - x[1]) * (k & 4 ? x[2] : 1 - x[2]);
+    layer[size_t(b)] = skin.layer_at(d);
+  }
+  return layer;
+}
+
 }  // namespace
 
 StencilTable::StencilTable(const Skin& skin, const LatticeGrid& grid) {
   const Body& body = skin.body();
   check_layers(body);
+  skin_ = &skin, grid_ = grid, is_block_ = skin_on_top(body);
   of_cell_.assign(size_t(grid.count.x) * size_t(grid.count.y) * size_t(grid.count.z), 0);
   fixed_.assign(size_t(grid.count.x + 1) * size_t(grid.count.y + 1) * size_t(grid.count.z + 1), 0);
-  if (skin_on_top(body))
+  if (is_block_)
     fill_block(body, grid);
   else
     fill_general(skin, grid);
 }
 
-int32_t StencilTable::intern(const Stencil& s) {
+int32_t StencilTable::intern(const Stencil& s) const {
   for (size_t i = 0; i < stencils_.size(); ++i) {
     const Stencil& o = stencils_[i];
     if (o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa && o.lambda_kPa == s.lambda_kPa &&
-        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3)
+        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level)
       return int32_t(i);
   }
   stencils_.push_back(s);
   return int32_t(stencils_.size()) - 1;
 }
 
-void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
+// Row z of a grid over a block.
+Stencil StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
+  const Body& body = skin_->body();
   const Vec3 h = grid.cell_mm();
   StretchFrame frame;
   Vec3 along = body.tension_direction;
   along.z() = 0;
   if (along.norm() > 1e-9) frame.along = along.normalized();
   frame.across = frame.normal.cross(frame.along);
-  double top = -INFINITY, bottom = INFINITY;
-  for (const Vec3& X : body.surface.X_mm) top = std::max(top, X.z()), bottom = std::min(bottom, X.z());
+  double top = -INFINITY;
+  for (const Vec3& X : body.surface.X_mm) top = std::max(top, X.z());
 
-  std::vector<int32_t> of_row;
-  for (int32_t k = 0; k < grid.count.z; ++k) {
-    const double low = grid.node_mm({0, 0, k}).z(), high = grid.node_mm({0, 0, k + 1}).z();
-    Stencil s;
-    double from = -INFINITY;  // depth of the layer's upper side; the first reaches up without end, the last down
-    for (size_t l = 0; l < body.layers.size(); ++l) {
-      const double to = l + 1 == body.layers.size() ? INFINITY : (l ? from : 0) + body.layers[l].thickness_mm;
-      const double z1 = std::min(high, top - from), z0 = std::max(low, top - to);
-      if (z1 > z0) {
-        // Cell units; differences of rounding size are the same as nothing.
-        const double a = std::max(0.0, (z0 - low) / h.z()), b = std::min(1.0, (z1 - low) / h.z());
-        if (b - a > 1e-9) add_box(s, h, {0, 0, a}, {1, 1, b}, body.layers[l].material, frame);
-      }
-      from = to;
+  const double low = grid.node_mm({0, 0, k}).z(), high = grid.node_mm({0, 0, k + 1}).z();
+  Stencil s;
+  double from = -INFINITY;  // depth of the layer's upper side; the first reaches up without end, the last down
+  for (size_t l = 0; l < body.layers.size(); ++l) {
+    const double to = l + 1 == body.layers.size() ? INFINITY : (l ? from : 0) + body.layers[l].thickness_mm;
+    const double z1 = std::min(high, top - from), z0 = std::max(low, top - to);
+    if (z1 > z0) {
+      // Cell units; differences of rounding size are the same as nothing.
+      const double a = std::max(0.0, (z0 - low) / h.z()), b = std::min(1.0, (z1 - low) / h.z());
+      if (b - a > 1e-9) add_box(s, h, {0, 0, a}, {1, 1, b}, body.layers[l].material, frame);
     }
-    finish_stencil(s);
-    of_row.push_back(intern(s));
+    from = to;
   }
+  finish_stencil(s);
+  return s;
+}
+
+void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
+  std::vector<int32_t> of_row;
+  for (int32_t k = 0; k < grid.count.z; ++k) of_row.push_back(intern(block_row(grid, k)));
   for (size_t c = 0; c < of_cell_.size(); ++c) of_cell_[c] = of_row[size_t(grid.cell_at(int32_t(c)).z)];
 
   // Sides of the box that are fixed, and the planes that stand for them.
@@ -132,6 +150,7 @@ void StencilTable::fill_block(const Body& body, const LatticeGrid& grid) {
         if (on) sides |= uint8_t(1u << (2 * a + high));
       }
   }
+  fixed_sides_ = sides;
   for (size_t n = 0; n < fixed_.size(); ++n) {
     const Int3 at = grid.node_at(int32_t(n));
     for (int a = 0; a < 3; ++a) {
@@ -180,15 +199,7 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
         if (std::isnan(d)) d = skin.depth_mm(low + h.cwiseProduct(Vec3(k & 1, k >> 1 & 1, k >> 2 & 1)));
         corner[k] = d;
       }
-      std::array<int, kSplit * kSplit * kSplit> layer;
-      for (int b = 0; b < int(layer.size()); ++b) {
-        const Vec3 x = (Vec3(b % kSplit, b / kSplit % kSplit, b / (kSplit * kSplit)) + Vec3::Constant(0.5)) / kSplit;
-        double d = 0;
-        for (int k = 0; k < 8; ++k)
-          d += corner[k] * (k & 1 ? x[0] : 1 - x[0]) * (k & 2 ? x[1] : 1 - x[1]) * (k & 4 ? x[2] : 1 - x[2]);
-        layer[size_t(b)] = skin.layer_at(d);
-      }
-      s = layered_stencil(h, tables, body.layers, layer, frame);
+      s = layered_stencil(h, tables, body.layers, boxes_of_layers(skin, corner), frame);
     }
     finish_stencil(s);
     of_cell_[c] = int32_t(stencils_.size());
@@ -201,6 +212,66 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
     if (hit.triangle < 0 || body.surface.tag[size_t(hit.triangle)] != SurfaceTag::fixed) continue;
     fixed_[n] = hit.distance_mm <= near ? kNearFixed : kFarFixed;
   }
+}
+
+// As the loop of fill_general, for one part of a cell.
+Stencil StencilTable::general_part(const LatticeGrid& grid, Int3 at) const {
+  const std::vector<Layer>& layers = skin_->body().layers;
+  const Vec3 h = grid.cell_mm(), low = grid.node_mm(at), centre = low + 0.5 * h;
+  const double depth = skin_->depth_mm(centre), reach = 0.5 * h.norm();
+  const int upper = skin_->layer_at(depth - reach), lower = skin_->layer_at(depth + reach);
+  StretchFrame frame;
+  for (int l = upper; l <= lower; ++l) {
+    const Material& m = layers[size_t(l)].material;
+    if (m.prestretch_along == 1 && m.prestretch_across == 1) continue;
+    const Skin::Frame f = skin_->frame(centre);
+    frame = {f.along, f.across, f.normal};
+    break;
+  }
+  Stencil s;
+  if (upper == lower) {
+    add_box(s, h, Vec3::Zero(), Vec3::Ones(), layers[size_t(upper)].material, frame);
+  } else {
+    double corner[8];
+    for (int k = 0; k < 8; ++k) corner[k] = skin_->depth_mm(low + h.cwiseProduct(Vec3(k & 1, k >> 1 & 1, k >> 2 & 1)));
+    s = layered_stencil(h, gradient_tables(h), layers, boxes_of_layers(*skin_, corner), frame);
+  }
+  finish_stencil(s);
+  return s;
+}
+
+int32_t StencilTable::of_place(const CellPlace& place) const {
+  if (place.level == 0) return of_cell(grid_.cell_index(place.at));
+  const std::array<int32_t, 4> key{place.level, is_block_ ? 0 : place.at.x, is_block_ ? 0 : place.at.y, place.at.z};
+  const auto [it, is_new] = of_part_.try_emplace(key, -1);
+  if (is_new) {
+    const LatticeGrid grid = grid_.at_level(place.level);
+    Stencil s = is_block_ ? block_row(grid, place.at.z) : general_part(grid, place.at);
+    s.level = uint8_t(place.level);
+    it->second = intern(s);
+  }
+  return it->second;
+}
+
+uint8_t StencilTable::fixed_candidate(Int3 at) const {
+  if (at.x % kQuarters == 0 && at.y % kQuarters == 0 && at.z % kQuarters == 0)
+    return fixed_[size_t(grid_.node_index({at.x / kQuarters, at.y / kQuarters, at.z / kQuarters}))];
+  uint8_t may = 0;
+  if (is_block_) {
+    for (int a = 0; a < 3; ++a) {
+      if (at[a] == 0) may |= uint8_t(fixed_sides_ & 1u << (2 * a));
+      if (at[a] == kQuarters * grid_.count[a]) may |= uint8_t(fixed_sides_ & 1u << (2 * a + 1));
+    }
+    return may;
+  }
+  const auto [it, is_new] = fixed_part_.try_emplace({at.x, at.y, at.z}, uint8_t(0));
+  if (!is_new) return it->second;
+  const LatticeGrid grid = grid_.at_level(kLevels);
+  const Vec3 h = grid.cell_mm();
+  const Bvh::Closest hit = skin_->surface().closest(grid.node_mm(at), 2 * grid_.cell_mm().norm());
+  if (hit.triangle >= 0 && skin_->body().surface.tag[size_t(hit.triangle)] == SurfaceTag::fixed)
+    it->second = hit.distance_mm <= 0.1 * h.minCoeff() ? kNearFixed : kFarFixed;
+  return it->second;
 }
 
 }  // namespace limberg

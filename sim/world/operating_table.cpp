@@ -11,9 +11,10 @@ namespace limberg {
 
 OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
     : spec_(std::move(spec)), body_(spec_.body), skin_(spec_.body), arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)) {
-  const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm);
+  const int front_levels = spec_.can_cut && spec_.refine_fronts ? kLevels : 0;
+  const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm, front_levels);
   stencils_ = std::make_unique<StencilTable>(skin_, grid);
-  version_.lattice = build_topology(grid, material_surface(*arrangement_));
+  version_.lattice = build_topology(grid, material_surface(*arrangement_), front_levels);
   version_.model = assemble_fem(*stencils_, *version_.lattice);
   version_.surface = make_surface(*version_.lattice);
   version_.index = std::make_shared<RestIndex>(version_.surface->view, body_->surface.tri.size());
