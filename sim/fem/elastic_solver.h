@@ -31,6 +31,7 @@ struct StepReport {
   double energy_uJ = 0;
   bool converged = false;        // residual <= tolerance
   bool preconditioner_pending = false;
+  bool metric_is_cycle = false;  // the multilevel cycle was used, not a factor of this very model
   int inverted_cells = 0;
   double min_J = 1;
 };

@@ -85,7 +85,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
   springs_.clear();
   forces_ = SpringForces();
   contacts_ = ContactForces();
-  metric_.set_model(model_);
+  metric_.set_model(model_, cell_parent);
   force_scale_ = 0, since_update_ = 0;
   publish();
 }
@@ -267,6 +267,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   report.energy_uJ = value.energy + elements_->energy_to_primal();
   report.converged = s.tolerance > 0 && report.residual <= s.tolerance;
   report.preconditioner_pending = metric_.pending();
+  report.metric_is_cycle = metric_.on_cycle();
   report.inverted_cells = elements_->inverted();
   report.min_J = 1 + double(elements_->min_theta());
   if (s.dt_s > 0) {

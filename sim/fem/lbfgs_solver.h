@@ -28,7 +28,8 @@ namespace limberg::fem {
 
 class LbfgsSolver final : public ElasticSolver {
  public:
-  explicit LbfgsSolver(Workers& workers, bool augmented = true) : workers_(workers), augmented_(augmented), metric_(workers) {}
+  explicit LbfgsSolver(Workers& workers, bool augmented = true, MetricPolicy policy = {})
+      : workers_(workers), augmented_(augmented), metric_(workers, policy) {}
 
   void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) override;
   void set_springs(std::span<const Spring> springs) override;
@@ -46,6 +47,7 @@ class LbfgsSolver final : public ElasticSolver {
   Mat3 cell_F(int32_t cell) const override;
   std::string describe() const override;
   const FemModel& model() const override { return *model_; }
+  const Preconditioner& metric() const { return metric_; }
 
  private:
   struct Value {

@@ -5,29 +5,17 @@
 #include <atomic>
 #include <numeric>
 
-#include "sim/fem/element_system.h"
 #include "sim/fem/node_vectors.h"
 
 namespace limberg::fem {
 namespace {
 
-constexpr size_t many_columns = 16;  // that many springs outside the factor are worth a new one
+constexpr size_t many_columns = 16;  // that many springs outside the operator are worth a new one
+constexpr size_t models_kept = 3;    // besides the current one
+constexpr double most_fill = 1.3;    // growth of an inherited order's factor beyond which a fresh order pays
 
 /// A time step that changes a little every frame must not ask for a new factor every frame.
 bool mass_differs(double a, double b) { return a != b && (a < 0.5 * b || b < 0.5 * a); }
-
-/// Diagonal of the scalar matrix, per node.
-std::vector<double> diagonal(const FemModel& m, double mass_per_s2) {
-  const double b2 = (1 / (4 * m.cell_mm.array())).square().sum();
-  std::vector<double> d(m.X_mm.size(), 0);
-  for (size_t i = 0; i < d.size(); ++i) d[i] = mass_per_s2 * m.mass_kg[i];
-  for (const HexCell& c : m.cells) {
-    const Stencil& s = m.stencils[size_t(c.stencil)];
-    const double bulk = effective_bulk_kPa(s, true) * s.volume_mm3 * b2 * double(1 << 2 * s.level);
-    for (int a = 0; a < 8; ++a) d[size_t(c.node[size_t(a)])] += double(c.scale) * (s.K(a, a) + bulk);
-  }
-  return d;
-}
 
 }  // namespace
 
@@ -35,6 +23,7 @@ struct Preconditioner::Pending {
   // Written by the job, read after it is done.
   struct Result {
     std::shared_ptr<const ScalarFactor> factor;
+    size_t ordered_bytes = 0;  // of the factor whose order was last found afresh
     std::atomic<bool> unwanted = false;  // set by the owner when nobody will ask any more
   };
   std::shared_ptr<Result> result = std::make_shared<Result>();
@@ -42,31 +31,47 @@ struct Preconditioner::Pending {
   std::vector<SpringRow> folded;
   double mass_per_s2 = 0;
   int steps = 0;
-  bool model_is_current = true;
-  std::vector<int32_t> ancestor;  // current node -> node of the model that is being factored
 };
 
-Preconditioner::Preconditioner(Workers& workers) : workers_(workers) {}
+Preconditioner::Preconditioner(Workers& workers, MetricPolicy policy) : workers_(workers), policy_(policy) {}
 Preconditioner::~Preconditioner() {
-  if (!pending_) return;
-  pending_->result->unwanted = true;
-  pending_->job->wait();
+  drop_pending();
+  for (const auto& p : dropped_) p->job->wait();
 }
 
-void Preconditioner::set_model(std::shared_ptr<const FemModel> model) {
+// A job for a model that is gone is never used, done or not: so results do not depend on how fast it was.
+void Preconditioner::drop_pending() {
+  std::erase_if(dropped_, [](const auto& p) { return p->job->done(); });
+  if (!pending_) return;
+  pending_->result->unwanted = true;
+  dropped_.push_back(std::move(pending_));
+}
+
+void Preconditioner::set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) {
+  drop_pending();
   const std::vector<int32_t>& parent = model->parent;
-  auto compose = [&](std::vector<int32_t>& ancestor) {
-    std::vector<int32_t> out(model->X_mm.size(), -1);
-    for (size_t i = 0; i < out.size(); ++i)
-      if (i < parent.size() && parent[i] >= 0 && size_t(parent[i]) < ancestor.size()) out[i] = ancestor[size_t(parent[i])];
-    ancestor = std::move(out);
-  };
-  compose(ancestor_);
-  if (pending_) compose(pending_->ancestor), pending_->model_is_current = false;
-  model_ = std::move(model);
+  std::vector<int32_t> ancestor(model->X_mm.size(), -1);
+  for (size_t i = 0; i < ancestor.size(); ++i)
+    if (parent[i] >= 0 && size_t(parent[i]) < ancestor_.size()) ancestor[i] = ancestor_[size_t(parent[i])];
+  ancestor_ = std::move(ancestor);
+  if (now_.cycle) cycle_before_ = now_.cycle;
+  if (cycle_before_ && &cycle_before_->model() != now_.model.get()) cycle_before_.reset();
+  cell_parent_.assign(cell_parent.begin(), cell_parent.end());
+
+  if (now_.factor || now_.cycle) kept_.push_front(std::move(now_));
+  now_ = {};
+  now_.model = std::move(model);
+  for (size_t k = 0; k < kept_.size(); ++k)
+    if (same_model(*kept_[k].model, *now_.model)) {
+      now_ = std::move(kept_[k]);
+      kept_.erase(kept_.begin() + long(k));
+      break;
+    }
+  if (kept_.size() > models_kept) kept_.pop_back();
   springs_.clear();
   factor_is_current_ = false;
-  map_factor();
+  if (now_.factor) use_factor();
+  operator_changed();
 }
 
 void Preconditioner::set_springs(std::vector<SpringEntry> springs) {
@@ -74,62 +79,60 @@ void Preconditioner::set_springs(std::vector<SpringEntry> springs) {
   columns_dirty_ = true;
 }
 
-bool Preconditioner::stale() const { return !factor_is_current_; }
+std::vector<SpringRow> Preconditioner::foldable() const {
+  std::vector<SpringRow> rows;
+  for (const SpringEntry& s : springs_)
+    if (s.foldable) rows.push_back(s.row);
+  return rows;
+}
 
-// Rebuilds place_ and jacobi_ for the current factor seen from the current model.
-void Preconditioner::map_factor() {
-  const FemModel& m = *model_;
-  const size_t n = m.X_mm.size();
-  place_.assign(n, -1);
-  jacobi_.clear();
-  columns_.clear(), columns_dirty_ = true;
-  std::vector<int32_t> uses;
-  if (factor_) {
-    int32_t nodes = 0;
-    for (int32_t v : factor_->node_order) nodes = std::max(nodes, v + 1);
-    std::vector<int32_t> at(size_t(nodes), -1);
-    for (size_t k = 0; k < factor_->node_order.size(); ++k) at[size_t(factor_->node_order[k])] = int32_t(k);
-    uses.assign(factor_->node_order.size(), 0);
-    for (size_t i = 0; i < n; ++i) {
-      const int32_t a = ancestor_[i];
-      if (m.fixed[i] || a < 0 || a >= nodes) continue;
-      place_[i] = at[size_t(a)];
-      if (place_[i] >= 0) ++uses[size_t(place_[i])];
-    }
-    work_.resize(factor_->node_order.size());
+std::span<const SpringRow> Preconditioner::folded() const {
+  if (factor_is_current_) return now_.folded;
+  return now_.cycle ? now_.cycle->springs() : std::span<const SpringRow>();
+}
+
+/// True when so many springs have come, or any has gone, that the operator in use should be made again.
+bool Preconditioner::springs_have_changed() const {
+  size_t outside = 0, found = 0;
+  for (const SpringEntry& s : springs_) {
+    const auto in = folded();
+    const bool inside = std::any_of(in.begin(), in.end(), [&](const SpringRow& f) { return same_spring(f, s.row); });
+    found += inside;
+    outside += !inside && s.foldable;
   }
-  if (factor_is_current_ && factor_) return;
-  std::vector<uint8_t> touched(n, 0), ring(n, 0);
-  for (size_t i = 0; i < n; ++i) touched[i] = !m.fixed[i] && (place_[i] < 0 || uses[size_t(place_[i])] > 1);
-  for (const HangingNode& h : m.hanging) touched[size_t(h.node)] = 0;  // no unknowns: they receive no force, their move is ignored
-  for (const HexCell& c : m.cells) {
-    bool any = false;
-    for (int32_t v : c.node) any = any || touched[size_t(v)];
-    if (any)
-      for (int32_t v : c.node) ring[size_t(v)] = 1;
-  }
-  const std::vector<double> d = diagonal(m, factor_mass_);
-  jacobi_.assign(n, 0);
-  for (size_t i = 0; i < n; ++i)
-    if ((ring[i] || touched[i]) && !m.fixed[i] && d[i] > 0) jacobi_[i] = float(1 / d[i]);
+  return outside > many_columns || found < folded().size();
+}
+
+void Preconditioner::use_factor() {
+  factor_is_current_ = true;
+  order_from_ = now_.factor, ordered_bytes_ = now_.ordered_bytes;
+  ancestor_.resize(now_.model->X_mm.size());
+  std::iota(ancestor_.begin(), ancestor_.end(), 0);
+  place_.assign(now_.model->X_mm.size(), -1);
+  for (size_t k = 0; k < now_.factor->node_order.size(); ++k) place_[size_t(now_.factor->node_order[k])] = int32_t(k);
+  work_.resize(now_.factor->node_order.size());
+  operator_changed();
 }
 
 void Preconditioner::submit(double mass_per_s2) {
   auto p = std::make_unique<Pending>();
   p->mass_per_s2 = mass_per_s2;
-  p->ancestor.resize(model_->X_mm.size());
-  std::iota(p->ancestor.begin(), p->ancestor.end(), 0);
-  for (const SpringEntry& s : springs_)
-    if (s.foldable) p->folded.push_back(s.row);
-  auto job = [model = model_, springs = p->folded, mass_per_s2, before = factor_, ancestor = ancestor_, result = p->result] {
+  p->folded = foldable();
+  auto job = [model = now_.model, springs = p->folded, mass_per_s2, before = order_from_, ancestor = ancestor_,
+              ordered_bytes = ordered_bytes_, result = p->result] {
     try {
       if (result->unwanted) return;
       const ScalarMatrix A = assemble_scalar(*model, springs, mass_per_s2);
-      std::vector<int32_t> order;
-      if (before) order = inherited_order(A, before->node_order, ancestor);
-      result->factor = std::make_shared<ScalarFactor>(factorize(A, order));
+      std::shared_ptr<const ScalarFactor> factor;
+      result->ordered_bytes = ordered_bytes;
+      if (before) factor = std::make_shared<ScalarFactor>(factorize(A, inherited_order(A, before->node_order, ancestor)));
+      if (!factor || double(factor->panels.bytes()) > most_fill * double(ordered_bytes)) {
+        factor = std::make_shared<ScalarFactor>(factorize(A, {}));
+        result->ordered_bytes = factor->panels.bytes();
+      }
+      result->factor = std::move(factor);
     } catch (const std::exception&) {
-      result->factor.reset();  // the old operator stays in use
+      result->factor.reset();  // the cycle stays in use
     }
   };
   p->job = workers_.submit(std::move(job));
@@ -139,17 +142,27 @@ void Preconditioner::submit(double mass_per_s2) {
 void Preconditioner::adopt() {
   pending_->job->wait();
   if (pending_->result->factor) {
-    factor_ = pending_->result->factor;
-    folded_ = std::move(pending_->folded);
-    factor_mass_ = pending_->mass_per_s2;
-    ancestor_ = std::move(pending_->ancestor);
-    factor_is_current_ = pending_->model_is_current;
-    map_factor();
+    now_.factor = pending_->result->factor;
+    now_.folded = std::move(pending_->folded);
+    now_.factor_mass = pending_->mass_per_s2;
+    now_.ordered_bytes = pending_->result->ordered_bytes;
+    use_factor();
   } else {
-    factor_is_current_ = pending_->model_is_current;  // nothing better can be had for this model
-    if (!factor_) map_factor();
+    now_.has_no_factor = true;
   }
   pending_.reset();
+}
+
+void Preconditioner::make_cycle(double mass_per_s2) {
+  if (now_.cycle) {  // the same model with other springs or another time step
+    now_.cycle = ScalarCycle::rebuild(*now_.cycle, now_.model, {}, foldable(), mass_per_s2);
+  } else if (cycle_before_) {
+    now_.cycle = ScalarCycle::rebuild(*cycle_before_, now_.model, cell_parent_, foldable(), mass_per_s2);
+  } else {
+    now_.cycle = ScalarCycle::build(now_.model, foldable(), mass_per_s2);
+  }
+  cycle_before_.reset();
+  operator_changed();
 }
 
 void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_ready) {
@@ -157,41 +170,28 @@ void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_r
     ++pending_->steps;
     if (pending_->steps >= adopt_after || (when_ready && pending_->job->done())) adopt();
   }
-  bool wanted = !factor_is_current_ || mass_differs(factor_mass_, mass_per_s2);
-  if (!wanted && factor_ && !pending_) {
-    size_t outside = 0, found = 0;
-    for (const SpringEntry& s : springs_) {
-      const bool in = std::any_of(folded_.begin(), folded_.end(), [&](const SpringRow& f) { return same_spring(f, s.row); });
-      found += in;
-      outside += !in && s.foldable;
+  if (int32_t(now_.model->X_mm.size()) <= policy_.factor_up_to_nodes && !pending_ && !now_.has_no_factor) {
+    if (!factor_is_current_ || mass_differs(now_.factor_mass, mass_per_s2) || springs_have_changed()) {
+      const bool first = !factor_is_current_ && kept_.empty() && !now_.cycle;
+      submit(mass_per_s2);
+      if (first) adopt();  // a scene opens with its factor
     }
-    wanted = outside > many_columns || found < folded_.size();
   }
-  if (wanted && !pending_) {
-    submit(mass_per_s2);
-    if (!factor_) adopt();  // nothing usable before it
-  }
+  if (!factor_is_current_ &&
+      (!now_.cycle || mass_differs(now_.cycle->mass_per_s2(), mass_per_s2) || springs_have_changed()))
+    make_cycle(mass_per_s2);
   if (columns_dirty_) update_columns();
 }
 
 void Preconditioner::apply_base(const NodeArray& r, NodeArray& z) {
+  if (!factor_is_current_) return now_.cycle->apply(r, z, cycle_work_);
   const size_t n = place_.size();
-  const FemModel& m = *model_;
   if (!work_.empty()) {
-    if (jacobi_.empty()) {
-      for (size_t i = 0; i < n; ++i)
-        if (place_[i] >= 0) work_[size_t(place_[i])] = r[i];
-    } else {
-      work_.zero();
-      for (size_t i = 0; i < n; ++i)
-        if (place_[i] >= 0) store(work_[size_t(place_[i])], load(work_[size_t(place_[i])]) + load(r[i]));
-    }
-    factor_->panels.solve(work_.data());
+    for (size_t i = 0; i < n; ++i)
+      if (place_[i] >= 0) work_[size_t(place_[i])] = r[i];
+    now_.factor->panels.solve(work_.data());
   }
   for (size_t i = 0; i < n; ++i) z[i] = place_[i] >= 0 ? work_[size_t(place_[i])] : Node4{};
-  if (!jacobi_.empty())
-    for (size_t i = 0; i < n; ++i)
-      if (!m.fixed[i]) store(z[i], load(z[i]) + jacobi_[i] * load(r[i]));
 }
 
 // Woodbury: (M0 + W C W^T)^-1 r = z0 - Y (C^-1 + W^T Y)^-1 W^T z0,  z0 = M0^-1 r,  Y = M0^-1 W.
@@ -199,9 +199,10 @@ void Preconditioner::update_columns() {
   std::vector<Column> old = std::move(columns_);
   columns_.clear();
   std::vector<size_t> fresh;
-  const size_t n = model_->X_mm.size();
+  const std::span<const SpringRow> inside = folded();
+  const size_t n = now_.model->X_mm.size();
   for (const SpringEntry& s : springs_) {
-    if (std::any_of(folded_.begin(), folded_.end(), [&](const SpringRow& f) { return same_spring(f, s.row); })) continue;
+    if (std::any_of(inside.begin(), inside.end(), [&](const SpringRow& f) { return same_spring(f, s.row); })) continue;
     if (s.row.node.empty()) continue;
     Column c;
     c.row = s.row;
@@ -276,10 +277,11 @@ void Preconditioner::apply(const NodeArray& r, NodeArray& z) {
 }
 
 std::string Preconditioner::describe() const {
-  if (!factor_) return "Jacobi";
-  return "panel Cholesky of " + std::to_string(factor_->node_order.size()) + " nodes, " +
-         std::to_string(factor_->panels.bytes() >> 10) + " KiB" + (factor_is_current_ ? "" : " (of an earlier cut)") + ", " +
-         std::to_string(folded_.size()) + " springs inside, " + std::to_string(columns_.size()) + " beside";
+  if (!now_.factor && !now_.cycle) return "no operator yet";
+  const std::string what = factor_is_current_ ? "panel Cholesky of " + std::to_string(now_.factor->node_order.size()) + " nodes, " +
+                                                    std::to_string(now_.factor->panels.bytes() >> 10) + " KiB"
+                                              : now_.cycle->describe() + (pending_ ? " (while a factor is made)" : "");
+  return what + ", " + std::to_string(folded().size()) + " springs inside, " + std::to_string(columns_.size()) + " beside";
 }
 
 }  // namespace limberg::fem

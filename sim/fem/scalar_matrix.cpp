@@ -9,6 +9,7 @@
 #include "sim/fem/material_points.h"
 
 namespace limberg::fem {
+
 namespace {
 
 const HangingNode* hanging_at(const FemModel& m, int32_t node) {
@@ -47,10 +48,14 @@ WideCell widen(const FemModel& m, const HexCell& c, const Mat8& K, std::span<con
   return w;
 }
 
-// A piece that nothing holds would make the matrix singular; far below the smallest stiffness of a held one.
-constexpr double shift = 1e-5;
-
 }  // namespace
+
+Mat8 scalar_cell_matrix(const FemModel& m, const Stencil& s, bool augmented) {
+  const Eigen::Matrix<double, 8, 3> B = sample_gradients(s, m.cell_mm);
+  Mat8 K = s.K + effective_bulk_kPa(s, augmented) * s.volume_mm3 * (B * B.transpose());
+  if (!s.points.empty()) K += points_scalar(m, s, m.cell_mm);
+  return K;
+}
 
 SpringRow spring_row(const FemModel& model, const Spring& s) {
   SpringRow r;
@@ -87,12 +92,7 @@ bool same_spring(const SpringRow& a, const SpringRow& b) {
 ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2, bool augmented) {
   const size_t n = m.X_mm.size();
   std::vector<Mat8> cell_matrix(m.stencils.size());
-  for (size_t s = 0; s < m.stencils.size(); ++s) {
-    const Eigen::Matrix<double, 8, 3> B = sample_gradients(m.stencils[s], m.cell_mm);
-    cell_matrix[s] =
-        m.stencils[s].K + effective_bulk_kPa(m.stencils[s], augmented) * m.stencils[s].volume_mm3 * (B * B.transpose());
-    if (!m.stencils[s].points.empty()) cell_matrix[s] += points_scalar(m, m.stencils[s], m.cell_mm);
-  }
+  for (size_t s = 0; s < m.stencils.size(); ++s) cell_matrix[s] = scalar_cell_matrix(m, m.stencils[s], augmented);
 
   // Cells around each node; those with hanging corners apart, with the unknowns that move them.
   const std::vector<int32_t> hangs = hanging_index(m);
@@ -165,7 +165,7 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
       const SpringRow& r = row_of(s);
       for (size_t b = 0; b < r.node.size(); ++b) add(r.node[b], r.k_mN_per_mm * r.w[size_t(i)] * r.w[b]);
     }
-    column[0].second *= 1 + shift;
+    column[0].second *= 1 + floating_shift;
     for (auto& e : column) place[size_t(e.first)] = -1;
     std::sort(column.begin(), column.end());
     for (auto& e : column) A.row.push_back(e.first), A.value.push_back(e.second);

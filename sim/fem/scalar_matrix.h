@@ -27,6 +27,13 @@ struct SpringRow {
 SpringRow spring_row(const FemModel& model, const Spring& spring);
 bool same_spring(const SpringRow& a, const SpringRow& b);
 
+/// A piece that nothing holds would make the matrix singular: each diagonal number grows by this part of itself, far less
+/// than the smallest stiffness of a piece that is held.
+inline constexpr double floating_shift = 1e-5;
+
+/// K + ke V B B^T of a full cell, and what its material points add.
+Mat8 scalar_cell_matrix(const FemModel& model, const Stencil& s, bool augmented);
+
 /// Lower triangle by columns, rows ascending, diagonal first.
 struct ScalarMatrix {
   std::vector<int32_t> node_of_row;  // free nodes, ascending
