@@ -69,7 +69,7 @@ Arrangement::Arrangement(const TriMesh& surface, const RestGrid& grid) : store_(
     if (!grid.fits(x)) throw InputError("", 0, "a surface vertex lies outside the rest grid's domain");
     s.points.add_explicit(grid.to_grid(x));
   }
-  s.op.push_back({0, surface.uv});
+  s.op.push_back({0, surface.uv, false});
   for (size_t i = 0; i < n; ++i) {
     OrigTri o;
     for (size_t k = 0; k < 3; ++k) {

@@ -17,8 +17,10 @@ struct Blade {
   std::vector<Tri> tri;
   // Per triangle. 0: extension. 1: drawn on the skin; a seed for the patch in which it crosses the body's own surface.
   // 2: drawn within the body (sheet, plug); a seed for every patch that has a part of it.
+  // 3: goes on where an earlier wall ends; a seed for the patch that touches that end (a shared edge).
   std::vector<uint8_t> seed;
   std::vector<std::array<Eigen::Vector2f, 3>> uv_mm;  // per corner: (arc length, depth), for the wall's texture
+  bool strip = false;  // columns from the skin down; uv_mm are (place along the stroke, level). Later strokes can go on.
 };
 
 }  // namespace limberg

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/cutting/blade_continue.h"
 #include "sim/cutting/blade_parts.h"
 #include "sim/cutting/sheet_mesh.h"
 #include "sim/cutting/tri_tests.h"
@@ -49,7 +50,7 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, 
 }  // namespace
 
 BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm,
-                           double angle_deg) {
+                           double angle_deg, bool may_join) {
   if (std::string why = check_stroke(stroke, depth_mm); !why.empty()) return refuse(why);
   if (!(angle_deg >= 20 && angle_deg <= 160))
     return refuse("the angle between blade and skin must be 20 to 160 degrees");
@@ -65,40 +66,77 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     if (path_length(path) < kShortest) return refuse("the stroke is shorter than 1 mm");
     if (meets_itself(path, false)) return refuse("the stroke crosses itself; expected a path without crossings");
   }
+  // An end is pushed through an earlier wall, or goes on where one ends.
   bool past_start = false, past_end = false;
+  int32_t join_at_start = -1, join_at_end = -1;
+  const WallMap walls(c);
   if (!closed && c.arrangement) {
     const WoundMap wounds(c);
-    past_start = attach_start(c, wounds, path, overshoot_of(c));
+    const double level = depth_mm + wall_extra(c);
+    const auto attach = [&](int32_t& join, bool& past) {
+      join = may_join ? join_start(walls, path, level) : -1;
+      if (join < 0) past = attach_start(c, wounds, path, overshoot_of(c));
+    };
+    attach(join_at_start, past_start);
     std::reverse(path.begin(), path.end());
-    past_end = attach_start(c, wounds, path, overshoot_of(c));
+    attach(join_at_end, past_end);
     std::reverse(path.begin(), path.end());
+    if (join_at_end >= 0 && join_at_end == join_at_start) return refuse("both ends of the stroke meet at one place");
     if (path.size() < 2 || meets_itself(path, false)) return refuse("nothing of the stroke lies on uncut skin");
   }
   path = resample(path, kSpacing, closed);
-  if (!closed && path.size() == 2 && (past_start || past_end)) path.insert(path.begin() + 1, (path[0] + path[1]) / 2);
+  const bool attached = past_start || past_end || join_at_start >= 0 || join_at_end >= 0;
+  if (!closed && path.size() == 2 && attached) path.insert(path.begin() + 1, (path[0] + path[1]) / 2);
 
   std::vector<Column> columns;
   if (why = columns_at(c, path, columns); !why.empty()) return refuse(why);
   const double angle = angle_deg * std::numbers::pi / 180, lean = std::cos(angle) / std::sin(angle);
   Blade blade;
-  int rows = 0;
   const auto build = [&](double stiffness, bool upright_corners) {
     const std::vector<Column> held = stiffened(columns, stiffness);
+    const std::vector<Vec3> direction = lean_directions(held, lean, depth_mm, closed, upright_corners);
+    const size_t first = join_at_start >= 0, own = held.size() - first - (join_at_end >= 0);
+    const double depth = depth_mm + wall_extra(c);
     blade = Blade{};
-    rows = add_strip(blade, c, held, lean_directions(held, lean, depth_mm, closed, upright_corners),
-                     depth_mm + wall_extra(c), closed);
+    blade.strip = true;
+    const int rows = add_strip(blade, c, std::span(held).subspan(first, own), std::span(direction).subspan(first, own), depth, closed);
+    const size_t per_column = std::min(size_t(rows) * 2, blade.seed.size());
+    if (past_start) std::fill_n(blade.seed.begin(), per_column, uint8_t(0));
+    if (past_end) std::fill_n(blade.seed.rbegin(), per_column, uint8_t(0));
+    std::vector<std::pair<int32_t, int32_t>> known;
+    const auto own_side = [&](size_t i) {  // of the strip's own columns
+      StripSide side;
+      for (int r = 0; r <= rows; ++r) {
+        side.vertex.push_back(int32_t(i) * (rows + 1) + r);
+        side.level.push_back((depth + margin_of(c)) * r / rows - margin_of(c));
+      }
+      for (size_t k = first; k < first + i; ++k) side.arc += (held[k + 1].X - held[k].X).norm();
+      return side;
+    };
+    const auto wall_side = [&](int32_t column, double arc) {
+      StripSide side = side_of_wall(blade, c, walls.columns()[size_t(column)], -1e300, depth, known);
+      side.arc = arc;
+      return side;
+    };
+    if (join_at_start >= 0) {
+      const StripSide side = own_side(0);
+      add_between(blade, wall_side(join_at_start, -(held[1].X - held[0].X).norm()), side, 0, 0);
+    }
+    if (join_at_end >= 0) {
+      const StripSide side = own_side(own - 1);
+      add_between(blade, side, wall_side(join_at_end, side.arc + (held[first + own].X - held[first + own - 1].X).norm()), 0, 0);
+    }
+    if (!known.empty()) blade.shared_point.resize(blade.vertex.size(), -1);
     return check_embedded(blade.vertex, blade.tri).empty();
   };
   bool embedded = false;
   for (const double stiffness : kStiffness)
     for (const bool upright_corners : {false, true})
       if (!embedded && (!upright_corners || lean != 0)) embedded = build(stiffness, upright_corners);
+  if (!embedded && (join_at_start >= 0 || join_at_end >= 0)) return build_incision(c, stroke, depth_mm, angle_deg, false);
   if (!embedded) return refuse("the blade would run through itself; expected a straighter path or less depth");
-  const size_t per_quad_column = size_t(rows) * 2;
-  for (size_t i = 0; i < per_quad_column && past_start; ++i) blade.seed[i] = 0;
-  for (size_t i = 0; i < per_quad_column && past_end; ++i) blade.seed[blade.seed.size() - 1 - i] = 0;
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  return {std::move(blade), {}};
+  return {std::move(blade), {}, false};
 }
 
 BladeResult build_plug(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm) {
@@ -144,7 +182,7 @@ BladeResult build_plug(const BladeContext& c, std::span<const ChartPoint> outlin
   }
   blade.seed.assign(blade.tri.size(), 2);
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  return {std::move(blade), {}};
+  return {std::move(blade), {}, false};
 }
 
 }  // namespace limberg

@@ -30,6 +30,7 @@ using SkinQuery = std::function<std::optional<SkinHit>(const ChartPoint&)>;
 struct BladeResult {
   std::optional<Blade> blade;
   std::string reason;
+  bool nothing = false;  // not refused: there is nothing there that is not cut already
 };
 
 struct BladeContext {
@@ -40,9 +41,11 @@ struct BladeContext {
 
 /// A strip under a polyline. angle_deg is measured between blade and skin in the plane across the path; below 90 the
 /// blade leans so that its edge lies to the right of the path (seen from outside, walking along it).
-/// A path whose last point equals its first (within 0.1 mm) is a closed loop without floor.
+/// A path whose last point equals its first (within 0.1 mm) is a closed loop without floor. An end that lies within kSnap
+/// of the open end of an earlier stroke's wall goes on from there and shares its edge, unless `may_join` is false.
+/// One blade for a path that does not cross itself; for any stroke see stroke_plan.h.
 BladeResult build_incision(const BladeContext& context, std::span<const ChartPoint> path, double depth_mm,
-                           double angle_deg = 90);
+                           double angle_deg = 90, bool may_join = true);
 
 /// Walls and floor under a closed outline as one open box: what excision cuts. The outline need not repeat its first
 /// point.

@@ -130,8 +130,9 @@ int add_strip(Blade& blade, const BladeContext& c, std::span<const Column> colum
         blade.tri.push_back({id(i, r + 1), id(j, r + 1), id(j, r)});
         blade.uv_mm.push_back({uv(i, r + 1), uv(j, r + 1), uv(j, r)});
       }
-      blade.seed.push_back(r == 0);
-      blade.seed.push_back(r == 0);
+      // Shallow strips have a second row that begins above the skin.
+      blade.seed.push_back(level(r) <= 0);
+      blade.seed.push_back(level(r) <= 0);
     }
   return rows;
 }

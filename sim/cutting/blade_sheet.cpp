@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kPocketReach = 0.4;  // two sheets nearer than this are one pocket
 constexpr double kSeesWound = 1.5;    // an outline runs along an earlier cut when it stays this near
+constexpr double kBeforeEnd = 0.5;    // from the free end of a wall, where a sheet's border crosses it
 constexpr double kSheetBeyond =
     1.0;  // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
 
@@ -41,18 +42,33 @@ std::vector<Vec2> widen(const WoundMap& wounds, std::span<const Vec2> p, double 
     else
       along[i] = 1;
   }
-  std::vector<Vec2> q(n);
+  std::vector<Vec2> q;
+  std::vector<uint8_t> edge_along;  // of the edge that begins at each point of q
   for (size_t i = 0; i < n; ++i) {
     // Corner i lies between edges i - 1 and i: where the two shifted lines meet, unless they are nearly parallel.
     const size_t h = (i + n - 1) % n;
     const Vec2 &u = out_normal[h], &v = out_normal[i];
+    const auto end = along[h] != along[i] ? wounds.free_end_near(p[i], kSeesWound) : std::nullopt;
+    if (end && (p[i] - end->at).dot(end->inward) < 2 * kBeforeEnd) {
+      // A wall ends here: the border crosses it just before its end. Around the end the sheet would run on outside.
+      const size_t wall = along[i] ? i : h;
+      const Vec2 foot = end->at + kBeforeEnd * end->inward, inside = foot - kBeforeEnd * out_normal[wall],
+                 outside = foot + beyond * out_normal[wall];
+      q.push_back(along[i] ? inside : outside);
+      edge_along.push_back(1);
+      q.push_back(along[i] ? outside : inside);
+      edge_along.push_back(along[i]);
+      continue;
+    }
     const double det = u.x() * v.y() - u.y() * v.x();
     if (std::abs(det) < 0.3) {
-      q[i] = p[i] + (u + v).normalized() * std::max(shift[h], shift[i]);
+      q.push_back(p[i] + (u + v).normalized() * std::max(shift[h], shift[i]));
     } else {
-      q[i] = p[i] + Vec2(shift[h] * v.y() - shift[i] * u.y(), shift[i] * u.x() - shift[h] * v.x()) / det;
+      q.push_back(p[i] + Vec2(shift[h] * v.y() - shift[i] * u.y(), shift[i] * u.x() - shift[h] * v.x()) / det);
     }
+    edge_along.push_back(along[i]);
   }
+  along = std::move(edge_along);
   return q;
 }
 
@@ -67,7 +83,10 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
   if (c.arrangement) {
     const WoundMap wounds(c);
     std::vector<Vec2> wider = widen(wounds, path, kSheetBeyond, along);
-    if (!meets_itself(wider, true)) path = std::move(wider);
+    if (meets_itself(wider, true))
+      along.assign(path.size(), 0);
+    else
+      path = std::move(wider);
   }
   // Resample edge by edge, so that each boundary vertex knows whether it lies past a wall.
   std::vector<Vec2> boundary;
@@ -133,10 +152,10 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
     blade.seed.push_back(extension ? 0 : 2);
     any_seed = any_seed || !extension;
   }
-  if (!any_seed && overlaps) return refuse("this is undermined already");
+  if (!any_seed && overlaps) return {std::nullopt, "this is undermined already", true};
   if (!any_seed) blade.seed.assign(blade.seed.size(), 2);
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  return {std::move(blade), {}};
+  return {std::move(blade), {}, false};
 }
 
 }  // namespace limberg

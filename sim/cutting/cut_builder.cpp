@@ -32,7 +32,7 @@ CutBuilder::Outcome CutBuilder::prepare() {
   }
   op_ = int32_t(store_.op.size());
   first_orig_ = int32_t(store_.orig.size());
-  store_.op.push_back({first_orig_, blade_.uv_mm});
+  store_.op.push_back({first_orig_, blade_.uv_mm, blade_.strip});
   blade_point_.resize(vertex_.size());
   for (size_t i = 0; i < vertex_.size(); ++i) {
     const int32_t shared = i < blade_.shared_point.size() ? blade_.shared_point[i] : -1;
@@ -114,8 +114,12 @@ CutBuilder::Outcome CutBuilder::intersect_with(int32_t s, const IntTriangle& ts,
     return meet_beyond_shared(ts, tf) ? fail(coincidence, "the blade runs through the wall that it continues") : ok;
   const Crossing c = cross_triangles(ts, store_.orig[s].plane, tf, store_.orig[f].plane);
   if (c.kind == Crossing::apart) return ok;
-  if (c.kind == Crossing::coincidence)
+  if (c.kind == Crossing::coincidence) {
+    // Points that it shares cannot be redrawn: in their planes lie triangles that the blade never touches.
+    const bool continues = std::any_of(blade_.shared_point.begin(), blade_.shared_point.end(), [](int32_t p) { return p >= 0; });
+    if (continues && !meet_beyond_shared(ts, tf)) return ok;
     return fail(coincidence, "the blade touches the surface in a way that cannot be resolved");
+  }
   segment_.push_back({s, f, uint32_t(mark_.size()), 2});
   for (const CrossingEnd& e : c.end) {
     const int32_t owner = e.edge_of_s ? s : f, plane = e.edge_of_s ? f : s;

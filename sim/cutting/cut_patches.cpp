@@ -89,6 +89,7 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
         const int vote = vote_at_shared_edge(border[m].a, border[m].b, first_orig_ + int32_t(tri), third);
         if (vote < 0) return fail(coincidence, "the blade lies on the wall that it continues");
         votes.push_back({border[m].piece, vote == 1});
+        if (tri < blade_.seed.size() && blade_.seed[tri] == 3) seeded[border[m].piece] = 1;
       }
     } else {
       if (j - i > 2) return fail(refused, "more than two triangles of the blade share an edge");

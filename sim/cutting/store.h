@@ -21,6 +21,7 @@ using Forest = std::vector<std::shared_ptr<const OrigTree>>;
 struct OpRecord {
   int32_t first_orig = 0;
   std::vector<std::array<Eigen::Vector2f, 3>> uv;  // per original triangle
+  bool strip = false;                              // Blade::strip
 };
 
 /// Everything needed to take one operation back, and nothing else.

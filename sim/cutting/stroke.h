@@ -28,6 +28,20 @@ bool meets_itself(std::span<const Vec2> path, bool closed);
 /// Divides every segment into equal parts of at most `spacing`; a closed path gets no repeated end.
 std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed);
 
+/// The centripetal Catmull-Rom curve through control points (Yuksel, Schaefer and Keyser 2011: no cusps, no loops of its
+/// own), sampled at most `spacing` apart; control points stay points. Where the control polygon turns by more than 60
+/// degrees the curve keeps the corner. Straight runs stay straight. A path whose last point equals its first is closed.
+std::vector<Vec2> spline_through(std::span<const Vec2> control, double spacing);
+
+/// Where a polyline crosses itself: arc lengths of the two passages, by the later one. Neighbouring segments do not count.
+struct SelfCrossing {
+  double first = 0, second = 0;
+};
+std::vector<SelfCrossing> self_crossings(std::span<const Vec2> path);
+
+/// The part of a polyline between two arc lengths.
+std::vector<Vec2> part_of(std::span<const Vec2> path, double from, double to);
+
 double path_length(std::span<const Vec2> path);
 double signed_area(std::span<const Vec2> polygon);
 bool inside_polygon(std::span<const Vec2> polygon, const Vec2& p);

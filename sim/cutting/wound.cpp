@@ -40,6 +40,13 @@ Vec2 WoundMap::clear_of_ends(const Vec2& p, double clearance) const {
   return p;
 }
 
+std::optional<WoundMap::FreeEnd> WoundMap::free_end_near(const Vec2& p, double reach) const {
+  std::optional<FreeEnd> best;
+  for (const FreeEnd& e : end_)
+    if ((p - e.at).norm() <= (best ? (p - best->at).norm() : reach)) best = e;
+  return best;
+}
+
 WoundMap::Near WoundMap::nearest(const Vec2& p) const {
   Near best;
   for (const WoundEdge& e : edge_) {

@@ -28,11 +28,13 @@ class WoundMap {
   /// A place on a wound, moved along it when it lies within `clearance` of a free end: a blade that is to join a wall
   /// must cross it at every depth, and not pass beside its end.
   Vec2 clear_of_ends(const Vec2& p, double clearance) const;
+  struct FreeEnd {
+    Vec2 at, inward;  // unit, back along the wound
+  };
+  /// The free end nearest to p, if one is within reach.
+  std::optional<FreeEnd> free_end_near(const Vec2& p, double reach) const;
 
  private:
-  struct FreeEnd {
-    Vec2 at, inward;  // unit
-  };
   std::vector<WoundEdge> edge_;
   std::vector<FreeEnd> end_;
 };

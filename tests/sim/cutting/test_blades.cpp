@@ -3,46 +3,11 @@
 
 #include <random>
 
-#include "sim/cutting/blade_build.h"
 #include "sim/cutting/sheet_mesh.h"
-#include "sim/cutting/stroke.h"
-#include "sim/geometry/block.h"
-#include "sim/geometry/skin.h"
-#include "tests/sim/cutting/scenes.h"
+#include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
 namespace {
-
-using Chi = std::vector<int>;
-
-struct Patient {
-  std::shared_ptr<const Body> body;
-  Skin skin;
-  Arrangement a;
-  uint64_t seed = 1;
-  explicit Patient(double cell = 1.6)
-      : body([&] {
-          BlockSpec spec;
-          spec.size_mm = {100, 100, 10};
-          spec.skin_cell_mm = cell;
-          return std::make_shared<const Body>(make_block(spec));
-        }()),
-        skin(body),
-        a(body->surface, body->grid) {}
-  BladeContext context() {
-    return {body.get(), &a, [this](const ChartPoint& p) { return skin.at(p); }};
-  }
-  CutResult cut(const BladeResult& b) {
-    CutResult r;
-    if (!b.blade) {
-      r.reason = b.reason;
-      return r;
-    }
-    r = a.cut(*b.blade, seed++);
-    EXPECT_EQ(a.check_all(), "");
-    return r;
-  }
-};
 
 struct Rhomboid {
   std::vector<Vec2> rhombus{{17.32, 0}, {0, 10}, {-17.32, 0}, {0, -10}};

@@ -1,0 +1,273 @@
+#include "sim/cutting/stroke_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/cutting/blade_continue.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr double kStep = 0.25;         // between samples of a stroke
+constexpr size_t kWindow = 6;          // samples on either side that tell its direction: 3 mm in all
+constexpr double kCosine = 0.9659;     // 15 degrees: still along a wall
+constexpr double kGap = 1.0;           // a hand leaves the line that it follows by so much and comes back
+constexpr double kLeastAlong = 3.0;    // shorter ways along a wall are chance
+constexpr double kCurl = 1.5;          // a loop of this length is a knot of the hand
+constexpr double kFarAlong = 3.0;      // an end is near the stroke's own middle when the way back to it is longer
+
+struct Run {
+  double from = 0, to = 0;
+  bool along = false;
+};
+
+/// Would a blade held at this angle lie on that wall, within 15 degrees?
+bool blades_alike(const BladeContext& c, const WallMap& walls, const WallMap::Along& at, const Vec2& p, const Vec2& way, double lean) {
+  const auto k = column_at(c, p);
+  if (!k) return false;
+  const Vec3 along = (c.body->chart_e1 * way.x() + c.body->chart_e2 * way.y());
+  const Vec3 blade = -k->normal + along.cross(k->normal).normalized() * lean;
+  const WallStrip& t = walls.strips()[size_t(at.strip)];
+  for (int32_t i : t.column)
+    if (blade.normalized().dot(walls.columns()[size_t(i)].down.normalized()) < kCosine) return false;
+  return true;
+}
+
+/// Which parts of a path run along earlier walls; all of it in order.
+std::vector<Run> runs_along(const BladeContext& c, const WallMap& walls, std::span<const Vec2> path, double lean) {
+  const double length = path_length(path);
+  const size_t n = size_t(std::ceil(length / kStep)) + 1;
+  const auto at = [&](double arc) {
+    const auto part = part_of(path, std::clamp(arc, 0.0, length), length);
+    return part.empty() ? path.back() : part.front();
+  };
+  std::vector<Vec2> p(n);
+  for (size_t i = 0; i < n; ++i) p[i] = at(double(i) * kStep);
+  std::vector<uint8_t> is_along(n, 0);
+  std::vector<double> offset(n, 0);
+  for (size_t i = 0; i < n; ++i) {
+    const Vec2 way = (p[std::min(i + kWindow, n - 1)] - p[i < kWindow ? 0 : i - kWindow]).normalized();
+    const WallMap::Along w = walls.nearest(p[i], kSnap);
+    if (w.strip < 0 || std::abs(way.dot(w.direction)) < kCosine) continue;
+    is_along[i] = blades_alike(c, walls, w, p[i], way, lean);
+    offset[i] = way.dot(w.direction) > 0 ? w.offset : -w.offset;
+  }
+  // Fill short gaps, then keep the runs that are long enough and do not pass from one side to the other.
+  for (size_t i = 0; i < n;) {
+    size_t j = i;
+    while (j < n && is_along[j] == is_along[i]) ++j;
+    if (!is_along[i] && i > 0 && j < n && double(j - i) * kStep <= kGap) std::fill(is_along.begin() + long(i), is_along.begin() + long(j), 1);
+    i = j;
+  }
+  std::vector<Run> runs;
+  const auto add = [&](double from, double to, bool along) {
+    if (to <= from) return;
+    if (!runs.empty() && runs.back().along == along)
+      runs.back().to = to;
+    else
+      runs.push_back({from, to, along});
+  };
+  for (size_t i = 0; i < n;) {
+    size_t j = i;
+    while (j < n && is_along[j] == is_along[i]) ++j;
+    const double from = double(i) * kStep, to = j == n ? length : double(j - 1) * kStep, l = to - from;
+    bool along = is_along[i] && (l >= kLeastAlong || l >= 0.8 * length);
+    if (along && std::abs(offset[j - 1] - offset[i]) > std::max(0.7 * kSnap, 0.06 * l)) along = false;
+    add(runs.empty() ? 0 : runs.back().to, to, along);
+    i = j;
+  }
+  // What is left over beside a run is not a cut of its own.
+  for (size_t i = 0; i < runs.size();) {
+    if (!runs[i].along && runs[i].to - runs[i].from < 1 && runs.size() > 1)
+      runs.erase(runs.begin() + long(i));
+    else
+      ++i;
+  }
+  return runs;
+}
+
+/// Drops the small loops of an unquiet hand.
+std::vector<Vec2> without_curls(std::vector<Vec2> path) {
+  for (;;) {
+    const auto crossings = self_crossings(path);
+    const auto curl = std::find_if(crossings.begin(), crossings.end(), [](const SelfCrossing& x) { return x.second - x.first < kCurl; });
+    if (curl == crossings.end()) return path;
+    std::vector<Vec2> rest = part_of(path, 0, curl->first);
+    const std::vector<Vec2> after = part_of(path, curl->second, path_length(path));
+    rest.insert(rest.end(), after.begin(), after.end());
+    rest = drop_close(rest, 1e-6);
+    if (rest.size() >= path.size() + 2 || rest.size() < 2) return path;
+    path = std::move(rest);
+  }
+}
+
+/// A stroke that comes back to its own beginning, as a closed path; else as it was.
+std::vector<Vec2> closed_when_meant(std::vector<Vec2> path) {
+  const double length = path_length(path);
+  if (path.size() < 4 || length < 10 * kSnap) return path;
+  // Past its beginning: the last crossing of its first and its last 2 mm.
+  for (const SelfCrossing& x : self_crossings(path))
+    if (x.first <= 4 * kSnap && x.second >= length - 4 * kSnap) {
+      path = part_of(path, x.first, x.second);
+      path.back() = path.front();
+      return path;
+    }
+  if ((path.front() - path.back()).norm() <= kSnap) path.back() = path.front();
+  return path;
+}
+
+/// Arc lengths at which a path is to be divided so that no part crosses itself, nor ends beside itself. Does it begin
+/// beside itself?
+std::vector<double> divisions(std::span<const Vec2> path, bool& start_touches) {
+  const double length = path_length(path);
+  std::vector<double> cut;
+  const auto separate = [&](double a, double b) {  // a < b: passages of one place
+    for (double s : cut)
+      if (s > a && s < b) return;
+    cut.push_back((a + b) / 2);
+  };
+  for (const SelfCrossing& x : self_crossings(path)) separate(x.first, x.second);
+  const auto near_own_middle = [&](const Vec2& end, bool is_start) -> std::optional<double> {
+    double arc = 0, best = kSnap;
+    std::optional<double> where;
+    for (size_t i = 0; i + 1 < path.size(); ++i) {
+      const Vec2 d = path[i + 1] - path[i];
+      const double l = d.norm(), t = l > 0 ? std::clamp((end - path[i]).dot(d) / (l * l), 0.0, 1.0) : 0;
+      const double here = arc + t * l, way = is_start ? here : length - here, distance = (path[i] + t * d - end).norm();
+      if (way > kFarAlong && distance <= best) best = distance, where = here;
+      arc += l;
+    }
+    return where;
+  };
+  const auto start = near_own_middle(path.front(), true);
+  start_touches = start.has_value();
+  if (start) separate(0, *start);
+  if (const auto a = near_own_middle(path.back(), false)) separate(*a, length);
+  std::sort(cut.begin(), cut.end());
+  return cut;
+}
+
+}  // namespace
+
+StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm, double angle_deg, bool spline) {
+  StrokePlan plan;
+  plan.depth_mm = depth_mm;
+  plan.angle_deg = angle_deg;
+  plan.reason = check_stroke(stroke, depth_mm);
+  if (!plan.reason.empty()) return plan;
+  std::vector<Vec2> drawn(stroke.begin(), stroke.end());
+  if (spline) drawn = spline_through(drawn, 0.5);
+  const WallMap walls(c);
+  const std::vector<Vec2> clean = drop_close(simplify(drawn, kSimplify), kKnot);
+  const bool simple = clean.size() < 2 || !(angle_deg >= 20 && angle_deg <= 160);
+  const double lean = simple ? 0 : 1 / std::tan(angle_deg * std::numbers::pi / 180);
+  std::vector<Run> runs;
+  if (!simple && !walls.empty()) runs = runs_along(c, walls, clean, lean);
+  const bool any_along = std::any_of(runs.begin(), runs.end(), [](const Run& r) { return r.along; });
+  const std::vector<Vec2> path = simple || any_along ? clean : closed_when_meant(without_curls(clean));
+  const auto add_free = [&](const std::vector<Vec2>& part) {
+    double from = 0;
+    bool start_touches = false;
+    std::vector<double> ends = divisions(part, start_touches);
+    ends.push_back(path_length(part));
+    const size_t first = plan.piece.size();
+    for (double to : ends) {
+      plan.piece.push_back({part_of(part, from, to), false});
+      from = to;
+    }
+    // What the beginning may end on must be there first.
+    if (start_touches)
+      std::rotate(plan.piece.begin() + long(first), plan.piece.begin() + long(first) + 1, plan.piece.end());
+  };
+  if (!any_along) {
+    const bool closed = path.size() > 3 && (path.front() - path.back()).norm() <= 0.1;
+    bool start_touches = false;
+    if (simple || (closed ? !meets_itself(std::span(path).first(path.size() - 1), true) : divisions(path, start_touches).empty())) {
+      plan.piece.push_back({path == clean ? drawn : path, false});  // as it was drawn
+      return plan;
+    }
+    add_free(path);
+    return plan;
+  }
+  for (const Run& r : runs)
+    if (r.along) plan.piece.push_back({part_of(path, r.from, r.to), true});
+  for (size_t i = 0; i < runs.size(); ++i) {
+    if (runs[i].along) continue;
+    std::vector<Vec2> part = part_of(path, runs[i].from, runs[i].to);
+    // Beyond a wall's end the stroke goes on from that end.
+    const auto from_end = [&](Vec2& p) {
+      const int32_t end = walls.open_end_near(p, 2 * kSnap + kStep, depth_mm);
+      if (end >= 0) p = walls.columns()[size_t(end)].chart;
+    };
+    if (i > 0) from_end(part.front());
+    if (i + 1 < runs.size()) from_end(part.back());
+    add_free(part);
+  }
+  return plan;
+}
+
+CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::function<CutResult(const Blade&)>& cut,
+                    const std::function<void()>& take_back) {
+  CutResult all;
+  all.reason = plan.reason;
+  if (plan.piece.empty()) return all;
+  int made = 0, faces = 0, patches = 0, kept = 0;
+  std::string nothing;
+  for (const StrokePiece& piece : plan.piece) {
+    CutResult r;
+    for (const bool may_join : {true, false}) {
+      const BladeResult b = piece.along ? build_deepening(c, piece.path, plan.depth_mm)
+                                        : build_incision(c, piece.path, plan.depth_mm, plan.angle_deg, may_join);
+      r = CutResult{};
+      r.reason = b.reason;
+      if (b.nothing) r.status = CutResult::nothing_to_cut;
+      if (b.blade) r = cut(*b.blade);
+      if (r.status != CutResult::refused || !b.blade || b.blade->shared_point.empty()) break;
+    }
+    if (r.status == CutResult::refused) {
+      for (; made > 0; --made) take_back();
+      return r;
+    }
+    if (r.status == CutResult::nothing_to_cut) {
+      nothing = r.reason;
+      continue;
+    }
+    ++made;
+    faces += r.wall_faces;
+    patches += r.patches;
+    kept += r.patches_kept;
+    all = r;
+  }
+  if (made == 0) {
+    all.status = CutResult::nothing_to_cut;
+    all.reason = nothing;
+    return all;
+  }
+  all.wall_faces = faces;
+  all.patches = patches;
+  all.patches_kept = kept;
+  return all;
+}
+
+CutResult incise(Arrangement& a, BladeContext c, std::span<const ChartPoint> path, double depth_mm, double angle_deg,
+                 uint64_t seed, bool spline, int* cuts) {
+  c.arrangement = &a;
+  int made = 0;
+  const CutResult r = carry_out(
+      plan_stroke(c, path, depth_mm, angle_deg, spline), c,
+      [&](const Blade& b) {
+        CutResult one = a.cut(b, seed + uint64_t(made));
+        made += one.ok();
+        return one;
+      },
+      [&] {
+        a.undo();
+        --made;
+      });
+  if (cuts) *cuts = made;
+  return r;
+}
+
+}  // namespace limberg
