@@ -1,12 +1,14 @@
 #include "app/metrics.h"
 
+#include "sim/tools/strokes.h"
+
 namespace limberg {
 
 Metrics measure_world(const World& world, std::span<const Command> script) {
   Snapshot s;
   world.fill(s);
   const Skin skin(world.spec().body);
-  return measure(world, s, skin, script);
+  return measure(world, s, skin, join_strokes(script));
 }
 
 namespace {

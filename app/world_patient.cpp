@@ -8,6 +8,7 @@ namespace {
 
 double depth_of(const Command& c) {
   if (const auto* i = std::get_if<Incise>(&c)) return i->depth_mm;
+  if (const auto* m = std::get_if<InciseMore>(&c)) return m->depth_mm;
   if (const auto* u = std::get_if<Undermine>(&c)) return u->depth_mm;
   if (const auto* e = std::get_if<Excise>(&c)) return e->depth_mm;
   return 0;

@@ -159,6 +159,9 @@ bool SurgeonPlan::reachable(const ChartPoint& c) {
 // ---- commands ----
 
 void SurgeonPlan::plan(const Incise& c) { stroke_command(Tool::scalpel, c.path, false, c.depth_mm, c.angle_deg); }
+void SurgeonPlan::plan(const InciseMore& c) {
+  problems_.push_back("a piece of stroke " + std::to_string(c.stroke) + " is no gesture; whole strokes were expected");
+}
 void SurgeonPlan::plan(const Undermine& c) { stroke_command(Tool::undermine, c.outline, true, c.depth_mm, 90); }
 void SurgeonPlan::plan(const Excise& c) { stroke_command(Tool::excise, c.outline, true, c.depth_mm, 90); }
 

@@ -68,6 +68,7 @@ class SurgeonPlan {
   bool reachable(const ChartPoint& c);
 
   void plan(const Incise& c);
+  void plan(const InciseMore& c);
   void plan(const Undermine& c);
   void plan(const Excise& c);
   void plan(const SetHook& c);

@@ -5,6 +5,7 @@
 #include "app/progress.h"
 #include "devices/emulator.h"
 #include "sim/error.h"
+#include "sim/tools/strokes.h"
 
 namespace limberg {
 
@@ -28,7 +29,7 @@ int emulate(const Options& o) {
   if (commands.empty()) throw InputError(o.script, 0, "holds no action; expected at least one line with an action");
   SurgeonSettings settings;
   settings.seed = o.seed;
-  auto surgeon = std::make_unique<EmulatedSurgeon>(std::move(commands), settings);
+  auto surgeon = std::make_unique<EmulatedSurgeon>(join_strokes(commands), settings);
   const EmulatedSurgeon* watch = surgeon.get();
   call.sources.push_back(std::move(surgeon));
   call.surgeon_seed = o.seed;

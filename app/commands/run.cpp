@@ -7,6 +7,7 @@
 #include "devices/lcm_net_source.h"
 #include "devices/log_source.h"
 #include "sim/error.h"
+#include "sim/tools/strokes.h"
 
 namespace limberg {
 
@@ -28,7 +29,7 @@ void add_device(SessionCall& call, const std::string& spec) {
     std::vector<Command> commands;
     for (const ScriptLine& l : load_script(rest).lines) commands.push_back(l.command);
     call.surgeon_seed = SurgeonSettings{}.seed;
-    call.sources.push_back(std::make_unique<EmulatedSurgeon>(std::move(commands)));
+    call.sources.push_back(std::make_unique<EmulatedSurgeon>(join_strokes(commands)));
   } else if (kind == "log" && !rest.empty()) {
     Recording rec = read_recording(rest);
     if (rec.session && rec.session->scene_hash != call.scene.hash)

@@ -6,6 +6,10 @@
 //   {"action":"excise","outline":[[x,y],...],"depth_mm":4}                       a plug: walls and floor, then taken away
 //   {"action":"incise","path":[[x,y],...],"depth_mm":4,"angle_deg":90}           angle between blade and skin, in the plane
 //                                                                                across the path; 90 = upright
+//   {"action":"incise","stroke":3,"path":[...],"more":true}                      a piece of an incision that opens while it is
+//                                                                                drawn: further pieces go on from the last
+//                                                                                point, the one without "more" ends it. Depth
+//                                                                                and angle are those of the first piece
 //   {"action":"undermine","outline":[[x,y],...],"depth_mm":4}                    a sheet at that depth under the outline
 //   {"action":"hook","id":1,"at":[x,y]}                                          skin hook, to be moved
 //   {"action":"move","id":1,"to":[x,y,z],"seconds":1.5}                          its handle, world mm (block: z up, skin at 0)
@@ -25,6 +29,10 @@
 namespace limberg {
 
 struct Incise { std::vector<ChartPoint> path; double depth_mm = 4; double angle_deg = 90; };
+/// One more piece of stroke number `stroke`; one with another number begins another stroke. What has been drawn is cut up to
+/// a few mm before its end, all of it with `last`. Undo takes the whole stroke back. A piece that cannot be cut is refused
+/// and stops the stroke there: what was cut before stays, what comes after is refused too.
+struct InciseMore { int stroke = 1; std::vector<ChartPoint> path; double depth_mm = 4; double angle_deg = 90; bool last = false; };
 struct Undermine { std::vector<ChartPoint> outline; double depth_mm = 4; };
 struct Excise { std::vector<ChartPoint> outline; double depth_mm = 4; };
 struct SetHook { int id = 0; ChartPoint at{0, 0}; };
@@ -37,7 +45,7 @@ struct Redo {};
 struct Stage { std::string name; };
 struct Wait { double seconds = 1; };
 
-using Command = std::variant<Incise, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo, Stage, Wait>;
+using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo, Stage, Wait>;
 
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {

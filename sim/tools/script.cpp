@@ -89,6 +89,12 @@ class Reader {
     return i;
   }
 
+  bool boolean(const char* key, bool otherwise) const {
+    if (!has(key)) return otherwise;
+    if (!json_[key].is_boolean()) fail(quoted(key) + " is neither true nor false; expected one of them");
+    return json_[key].get<bool>();
+  }
+
   // lo <= value <= hi; with `open`, lo < value.
   double real(const char* key, double otherwise, double lo, double hi, bool open) const {
     if (!has(key)) return otherwise;
@@ -209,6 +215,12 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
   if (r.has("limberg_script")) r.fail("a second header; expected an action");
   const std::string a = r.text("action", true, 100);
   const std::string where = "the action " + Reader::shown(a);
+  if (a == "incise" && r.has("stroke")) {
+    r.only({"action", "stroke", "path", "depth_mm", "angle_deg", "more"}, where);
+    const InciseMore d;
+    return InciseMore{int(r.integer("stroke", 1, L::max_id)), r.path("path", 1), depth(r, d.depth_mm),
+                      r.real("angle_deg", d.angle_deg, L::min_angle_deg, L::max_angle_deg, false), !r.boolean("more", false)};
+  }
   if (a == "incise") {
     r.only({"action", "path", "depth_mm", "angle_deg"}, where);
     const Incise d;
@@ -311,7 +323,7 @@ Script load_script(const std::string& path) {
 }
 
 const char* action_name(const Command& command) {
-  static constexpr const char* names[] = {"incise", "undermine",  "excise", "hook",  "move", "release",
+  static constexpr const char* names[] = {"incise", "incise", "undermine",  "excise", "hook",  "move", "release",
                                           "suture", "suture_row", "undo",   "redo",  "stage", "wait"};
   static_assert(std::variant_size_v<Command> == std::size(names));
   return names[command.index()];
@@ -335,6 +347,12 @@ std::string to_json_line(const Command& command) {
           j["path"] = json(c.path);
           j["depth_mm"] = c.depth_mm;
           j["angle_deg"] = c.angle_deg;
+        } else if constexpr (std::is_same_v<T, InciseMore>) {
+          j["stroke"] = c.stroke;
+          j["path"] = json(c.path);
+          j["depth_mm"] = c.depth_mm;
+          j["angle_deg"] = c.angle_deg;
+          if (!c.last) j["more"] = true;
         } else if constexpr (std::is_same_v<T, Undermine> || std::is_same_v<T, Excise>) {
           j["outline"] = json(c.outline);
           j["depth_mm"] = c.depth_mm;

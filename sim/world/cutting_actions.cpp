@@ -60,13 +60,14 @@ Outcome OperatingTable::act(const Excise& c) {
   return cut(build_plug(blade_context(), c.outline, c.depth_mm), true, version_.index->rest_mm(*at));
 }
 
-Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step) {
+Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step,
+                                         CutResult& made) {
   Hash64 seed;
   seed.add(spec_.seed);
   seed.add(cuts_ + 1);
   step = CutStep{};
   step.seed = seed.value();
-  const CutResult made = arrangement_->cut(blade, step.seed);
+  made = arrangement_->cut(blade, step.seed);
   if (!made.ok())
     return {false, made.reason.empty() ? "the blade met no tissue that is not cut already; a new cut was expected" : made.reason};
   step.first_try = made.tries - 1;
@@ -94,8 +95,8 @@ Outcome OperatingTable::cut(const BladeResult& blade, bool take_out, const Vec3&
   Done done;
   done.before = moment();
   CutStep step;
-  const Outcome made = cut_arrangement(*blade.blade, take_out, inside_mm, step);
-  if (!made.done) return made;
+  CutResult made;
+  if (const Outcome o = cut_arrangement(*blade.blade, take_out, inside_mm, step, made); !o.done) return o;
   done.steps.push_back(std::move(step));
   const Outcome built = rebuild();
   if (!built.done) {

@@ -9,6 +9,7 @@
 // exactly that one. The arrangement takes its operations back, and makes them again from what it was given: the same
 // blade, seed and try give the same bits, which is checked.
 //
+// An incision may come in pieces while it is drawn (drawn_incision.h); they are cut one by one and undone as one.
 // Hooks and stitches are springs; a stitch is drawn tight over some steps (its slack shrinks), as a hand does it.
 #include <memory>
 #include <string>
@@ -16,6 +17,7 @@
 
 #include "sim/cutting/arrangement.h"
 #include "sim/cutting/blade_build.h"
+#include "sim/cutting/drawn_incision.h"
 #include "sim/geometry/skin.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/topology.h"
@@ -88,8 +90,15 @@ class OperatingTable {
     Done done;
     Moment after;
   };
+  /// An incision that is being drawn. Its pieces are one entry of the history, the last one.
+  struct Stroke {
+    int id = 0;
+    DrawnIncision drawn;
+    bool cut = false;  // it has its entry
+  };
 
   Outcome act(const Incise&);
+  Outcome act(const InciseMore&);
   Outcome act(const Undermine&);
   Outcome act(const Excise&);
   Outcome act(const SetHook&);
@@ -104,7 +113,10 @@ class OperatingTable {
 
   Outcome cut(const BladeResult& blade, bool take_out, const Vec3& inside_mm);
   /// Blade, excision and sweeping on the arrangement alone; refused: nothing has changed.
-  Outcome cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step);
+  Outcome cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step, CutResult& made);
+  /// The next piece of the stroke that is being drawn; refused: nothing has changed.
+  Outcome cut_on(bool last);
+  Outcome stop_stroke(int stroke, const std::string& why);  // the rest of it will be refused
   bool cut_again(const CutStep& step);  // false, with nothing changed, when other bits came of it: a defect
   void take_back(std::span<const CutStep> steps);
   Outcome rebuild();  // lattice, model, surface, anchors after the arrangement has changed
@@ -134,6 +146,9 @@ class OperatingTable {
   std::vector<Stitch> stitches_;
   std::vector<Done> done_;
   std::vector<Undone> undone_;
+  std::optional<Stroke> stroke_;
+  int stopped_stroke_ = 0;  // one whose rest is refused, and why
+  std::string why_stopped_;
   std::vector<float> depth_of_point_mm_;  // by arrangement point; points never move
   mutable std::unique_ptr<TensionField> tension_;
   mutable uint64_t tension_version_ = 0;

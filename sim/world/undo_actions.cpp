@@ -45,6 +45,7 @@ void OperatingTable::return_to(const Moment& m, std::vector<int32_t> parent) {
 
 void OperatingTable::remember(Done done) {
   undone_.clear();
+  if (stroke_ && stroke_->cut) stop_stroke(stroke_->id, "another act came between");
   done_.push_back(std::move(done));
 }
 
@@ -68,6 +69,7 @@ bool OperatingTable::cut_again(const CutStep& s) {
 
 Outcome OperatingTable::act(const Undo&) {
   if (done_.empty()) return {false, "there is nothing to undo; a cut, an excision or a stitch before it was expected"};
+  if (stroke_) stop_stroke(stroke_->id, "it was taken back");
   Undone u{std::move(done_.back()), moment()};
   done_.pop_back();
   take_back(u.done.steps);
@@ -85,6 +87,7 @@ Outcome OperatingTable::act(const Undo&) {
 
 Outcome OperatingTable::act(const Redo&) {
   if (undone_.empty()) return {false, "there is nothing to redo; an undo as the last act was expected"};
+  if (stroke_) stop_stroke(stroke_->id, "another act came between");
   Undone& u = undone_.back();
   for (size_t i = 0; i < u.done.steps.size(); ++i)
     if (!cut_again(u.done.steps[i])) {

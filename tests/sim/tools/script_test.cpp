@@ -32,7 +32,7 @@ class Maker {
   }
   Command command() {
     const int id = 1 + pick(1000);
-    switch (pick(12)) {
+    switch (pick(13)) {
       case 0: return Incise{path(2), real(0.5, 200), real(10, 170)};
       case 1: return Undermine{path(3), real(0.5, 200)};
       case 2: return Excise{path(3), real(0.5, 200)};
@@ -43,7 +43,8 @@ class Maker {
       case 7: return SutureRow{path(2), path(2), real(2, 9)};
       case 8: return Undo{};
       case 9: return Redo{};
-      case 10: return Stage{pick(2) == 0 ? "flap \"cut\" \\ \n\t" : "lambeau incis\xc3\xa9"};
+      case 10: return InciseMore{id, path(1), real(0.5, 200), real(10, 170), pick(2) == 0};
+      case 11: return Stage{pick(2) == 0 ? "flap \"cut\" \\ \n\t" : "lambeau incis\xc3\xa9"};
       default: return Wait{real(0, 3600)};
     }
   }
