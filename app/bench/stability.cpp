@@ -1,0 +1,194 @@
+#include "app/bench/stability.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "app/bench/cpu_clock.h"
+#include "app/bench/stability_cases.h"
+#include "sim/fem/reference_newton.h"
+
+namespace limberg::bench {
+namespace {
+
+constexpr int kIterationsPerStep = 40;  // what a frame of 60 Hz holds at 8k nodes
+constexpr int kMaxSteps = 300;          // 5 s at 60 Hz
+constexpr int kPeerIterations = 200;
+
+/// Largest distance of a node from its rest place; for a floating piece after the best rigid motion (Kabsch).
+double distance_from_rest(const FemModel& m, std::span<const Vec3> u, bool floating) {
+  Mat3 R = Mat3::Identity();
+  Vec3 cx = Vec3::Zero(), cX = Vec3::Zero();
+  if (floating) {
+    const double n = double(u.size());
+    for (size_t i = 0; i < u.size(); ++i) cX += m.X_mm[i] / n, cx += (m.X_mm[i] + u[i]) / n;
+    Mat3 H = Mat3::Zero();
+    for (size_t i = 0; i < u.size(); ++i) H += (m.X_mm[i] + u[i] - cx) * (m.X_mm[i] - cX).transpose();
+    const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const double d = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    R = svd.matrixU() * Vec3(1, 1, d).asDiagonal() * svd.matrixV().transpose();
+  }
+  double far = 0;
+  for (size_t i = 0; i < u.size(); ++i) far = std::max(far, (m.X_mm[i] + u[i] - cx - R * (m.X_mm[i] - cX)).norm());
+  return std::isfinite(far) ? far : 1e300;
+}
+
+std::vector<Vec3> to_double(std::span<const Vec3f> u) {
+  std::vector<Vec3> d;
+  for (const Vec3f& v : u) d.push_back(v.cast<double>());
+  return d;
+}
+
+struct Outcome {
+  bool pass = false;
+  int steps = 0;      // after the release, until at rest
+  double distance_mm = 0;
+  double ms = 0;
+  std::string why;    // of a failure
+};
+
+Outcome ours(const StabilityCase& c) {
+  Outcome o;
+  const double t0 = cpu_ms();
+  InlineWorkers workers;
+  auto solver = make_solver(workers);
+  solver->set_model(c.model, {});
+  if (!c.start.empty()) solver->set_displacement_mm(c.start);
+  StepSettings s;
+  s.max_iterations = kIterationsPerStep, s.tolerance = 1e-6;
+  s.dt_s = c.dt_s, s.damping_per_s = c.damping_per_s;
+  auto fail = [&](const char* why) {
+    o.why = why, o.ms = cpu_ms() - t0;
+    o.distance_mm = distance_from_rest(*c.model, to_double(solver->displacement_mm()), c.floating);
+    return o;
+  };
+  auto finite = [&](const StepReport& r) {
+    if (!std::isfinite(r.energy_uJ) || !std::isfinite(r.residual)) return false;
+    for (const Vec3f& v : solver->displacement_mm())
+      if (!v.allFinite()) return false;
+    return true;
+  };
+  StepReport r;
+  if (!c.load.empty()) {
+    solver->set_springs(c.load);
+    for (int k = 0; k < c.hold_steps; ++k) {
+      if (k == 1 && !c.teleport.empty()) solver->set_springs(c.teleport);
+      r = solver->step(s);
+      if (!finite(r)) return fail("not finite under load");
+    }
+    if (c.must_reach) {
+      if (r.residual > 1e-3) return fail("no equilibrium under load");
+      for (const Spring& x : c.load)
+        if ((solver->position_mm(x.a) - solver->position_mm(x.b)).norm() > 0.05) return fail("a suture stays open");
+    }
+    solver->set_springs({});
+  }
+  if (c.throw_mm_per_s.norm() > 0) {
+    SolverState state;
+    for (size_t i = 0; i < c.model->X_mm.size(); ++i)
+      for (int k = 0; k < 3; ++k) state.velocity_mm_s.push_back(float(c.throw_mm_per_s[k]));
+    solver->restore(state);
+    double moved = 0;
+    for (int k = 0; k < 100; ++k) {
+      const std::vector<Vec3> before = to_double(solver->displacement_mm());
+      if (!finite(solver->step(s))) return fail("not finite in flight");
+      const std::vector<Vec3> after = to_double(solver->displacement_mm());
+      Vec3 p = Vec3::Zero();
+      double mass = 0;
+      for (size_t i = 0; i < after.size(); ++i) p += c.model->mass_kg[i] * (after[i] - before[i]) / c.dt_s, mass += c.model->mass_kg[i];
+      moved = std::max(moved, (p / mass - c.throw_mm_per_s).norm() / c.throw_mm_per_s.norm());
+    }
+    // Displacements are floats: a place of d mm carries 6e-8 d, and the velocity is a difference over dt.
+    const double rounding = 2 * 6e-8 * 101;
+    o.distance_mm = distance_from_rest(*c.model, to_double(solver->displacement_mm()), true);
+    o.steps = 100, o.ms = cpu_ms() - t0;
+    o.pass = moved < 1e-6 + rounding && o.distance_mm < 1e-3 * c.length_mm;
+    if (!o.pass) o.why = "momentum changed by " + std::to_string(moved);
+    return o;
+  }
+  StepSettings look = s;
+  look.max_iterations = 0;
+  const double energy = solver->step(look).energy_uJ;
+  const int most = c.dt_s > 0 ? std::max(kMaxSteps, int(5 / c.dt_s)) : kMaxSteps;
+  for (o.steps = 1; o.steps <= most; ++o.steps) {
+    r = solver->step(s);
+    if (!finite(r)) return fail("not finite after the release");
+    // Multipliers change the energy that is minimised between iterations; what was put in may never be exceeded.
+    if (c.dt_s == 0 && r.energy_uJ > energy * (1 + 1e-4) + 1) return fail("more energy than was put in");
+    o.distance_mm = distance_from_rest(*c.model, to_double(solver->displacement_mm()), c.floating);
+    if (o.distance_mm < 1e-3 * c.length_mm && r.min_J > 0) {
+      o.pass = true, o.ms = cpu_ms() - t0;
+      return o;
+    }
+  }
+  return fail("not at rest again");
+}
+
+Outcome newton(const StabilityCase& c, const FemModel& model) {
+  Outcome o;
+  const double t0 = cpu_ms();
+  std::vector<Vec3> u(model.X_mm.size(), Vec3::Zero());
+  if (!c.start.empty()) u = to_double(c.start);
+  ReferenceElasticity::Settings s;
+  s.max_iterations = kPeerIterations, s.tolerance = 1e-8;
+  for (const std::vector<Spring>* load : {&c.load, &c.teleport}) {
+    if (load->empty()) continue;
+    const auto r = ReferenceElasticity(model, *load).solve(u, s);
+    u = r.u;
+    if (c.must_reach && load == &c.load && r.residual > 1e-3) o.why = "no equilibrium under load";
+  }
+  const auto r = ReferenceElasticity(model, {}).solve(u, s);
+  o.steps = r.iterations, o.ms = cpu_ms() - t0;
+  o.distance_mm = distance_from_rest(model, r.u, c.floating);
+  o.pass = o.why.empty() && o.distance_mm < 1e-3 * c.length_mm;
+  if (!o.pass && o.why.empty()) o.why = "not at rest after " + std::to_string(r.iterations) + " iterations";
+  return o;
+}
+
+Row row(const StabilityCase& c, const char* method, const Outcome& o, bool under_test) {
+  Row r;
+  r.name = c.family + ": " + c.name;
+  r.method = method;
+  r.settings = (o.pass ? "recovered after " + std::to_string(o.steps) : "FAILED: " + o.why);
+  r.time_ms = o.ms;
+  r.error = o.distance_mm, r.error_unit = "mm", r.reference = "rest shape";
+  r.pass = o.pass || !under_test;
+  return r;
+}
+
+}  // namespace
+
+Result stability(const StabilitySettings& settings) {
+  Result out;
+  const std::vector<StabilityCase> cases = stability_cases(settings.quick);
+  int passed = 0, newton_passed = 0, corotated_passed = 0, compared = 0;
+  for (const StabilityCase& c : cases) {
+    if (settings.progress) settings.progress(c.family + ": " + c.name);
+    const Outcome o = ours(c);
+    passed += o.pass;
+    out.rows.push_back(row(c, "limberg (steps of 40 iterations)", o, true));
+    if (settings.quick || c.dt_s > 0) continue;  // the peers here are quasi-static
+    ++compared;
+    const Outcome n = newton(c, *c.model);
+    newton_passed += n.pass;
+    out.rows.push_back(row(c, "full Newton, same energy (iterations)", n, false));
+    if (c.has_laws) {
+      --compared;
+      newton_passed -= n.pass;
+      continue;
+    }
+    const Outcome k = newton(c, *corotated_twin(*c.model));
+    corotated_passed += k.pass;
+    out.rows.push_back(row(c, "full Newton, linear corotated", k, false));
+  }
+  const double n = double(cases.size());
+  out.bars.push_back({"cases recovered, of " + std::to_string(cases.size()), double(passed), false, n, true, passed == int(n),
+                      "every case has a rest state to return to"});
+  if (!settings.quick)
+    out.notes.push_back("Of the " + std::to_string(compared) + " quasi-static neo-Hookean cases full Newton on the same energy recovers " +
+                        std::to_string(newton_passed) + ", full Newton on the linear corotated law " + std::to_string(corotated_passed) + ".");
+  return out;
+}
+
+}  // namespace limberg::bench
