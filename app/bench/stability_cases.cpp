@@ -113,7 +113,7 @@ void contrast(List& l) {
   for (bool checkered : {false, true})
     for (bool scramble : {false, true}) {
       BoxSpec b = block();
-      b.young_bottom_kPa = 0.06, b.young_top_kPa = 6e4;  // 1e6
+      b.young_bottom_kPa = 0.06, b.young_top_kPa = 6e4;
       FemModel m = box_model(b);
       if (checkered)
         for (HexCell& c : m.cells) c.stencil = (c.at[0] / 2 + c.at[1] / 2 + c.at[2] / 2) % 2;
@@ -174,7 +174,9 @@ void stitches(List& l) {
 }
 
 void floating(List& l) {
-  for (Start s : {Start::scramble, Start::mirror}) {
+  // Not the scramble: a free plate may come to rest folded through itself, in a true equilibrium of its own. Not the point:
+  // with nothing held, no direction is better than another.
+  for (Start s : {Start::plane, Start::mirror, Start::half_inverted}) {
     BoxSpec b = block();
     b.fix_sides = false;
     auto& c = l.add("floating piece", start_name[int(s)], box_model(b));

@@ -66,7 +66,9 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
     const KernelStencil& s = d.stencils[size_t(cell.stencil)];
     const float ix = s.inv4h[0], iy = s.inv4h[1], iz = s.inv4h[2];
     alignas(64) v4 n[8], f[8];
-    for (int a = 0; a < 8; ++a) n[a] = local[cell.node[a]];
+    // Relative to the first corner: a translation costs nothing, and its digits would be lost by those of the strain.
+    const v4 base = local[cell.node[0]];
+    for (int a = 0; a < 8; ++a) n[a] = local[cell.node[a]] - base;
     const v4 work = deviatoric(s, n, f);
 
     // Columns of G = F - I at the sample point.

@@ -180,6 +180,20 @@ void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
   }
 }
 
+// Free flight is then exact before the first iteration; where the tissue resists, the old place may be the better start.
+void LbfgsSolver::start_where_inertia_leads(Value& value) {
+  u_try_ = inertia_target_;
+  for (int32_t i : fixed_) u_try_[size_t(i)] = u_[size_t(i)];
+  follow_masters(model_->hanging, u_try_);
+  const Value ahead = evaluate(u_try_, g_try_, true);
+  if (ahead.finite() && all_finite(g_try_) && ahead.energy < value.energy) {
+    u_.swap(u_try_), g_.swap(g_try_);
+    value = ahead;
+  } else {
+    value = evaluate(u_, g_, true);  // the force scale is that of the place we stay at
+  }
+}
+
 // Backtracking along d_ from u_; on success u_, g_ and value are the new point and the pair is in the history.
 LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
   double alpha = 1;
@@ -220,6 +234,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   StepReport report;
   last_move_mm_ = 0;
   Value value = evaluate(u_, g_, true);
+  if (!inertia_.empty()) start_where_inertia_leads(value);
   if (!value.finite() || !all_finite(g_)) {  // nothing can be saved from such a state but the rest shape
     u_.zero(), velocity_.zero(), history_.clear();
     for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, 0);

@@ -57,6 +57,7 @@ class LbfgsSolver final : public ElasticSolver {
   };
   Value evaluate(const NodeArray& u, NodeArray& g, bool measure);
   void prepare_dynamics(const StepSettings& s);
+  void start_where_inertia_leads(Value& value);
   enum class Search { moved, stuck };
   Search search(Value& value, double slope);
   double relative_residual() const;
