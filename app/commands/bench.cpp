@@ -3,6 +3,7 @@
 
 #include "app/bench/cutting.h"
 #include "app/bench/speed.h"
+#include "app/bench/stability.h"
 #include "app/commands/commands.h"
 #include "app/output.h"
 #include "app/progress.h"
@@ -63,8 +64,8 @@ void fill(Result& out, const bench::Result& b) {
 
 int run(const Options& o) {
   o.common.prepare();
-  if (o.suite != "speed" && o.suite != "cutting")
-    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed or cutting");
+  if (o.suite != "speed" && o.suite != "cutting" && o.suite != "stability")
+    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed, cutting or stability");
   if (!o.scene.empty()) throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
   Progress progress("bench " + o.suite);
   const auto note = [&](const std::string& line) { progress.note(line); };
@@ -74,6 +75,11 @@ int run(const Options& o) {
     s.quick = o.quick;
     s.progress = note;
     b = bench::speed(s);
+  } else if (o.suite == "stability") {
+    bench::StabilitySettings s;
+    s.quick = o.quick;
+    s.progress = note;
+    b = bench::stability(s);
   } else {
     bench::CuttingSettings s;
     s.quick = o.quick;
@@ -99,7 +105,7 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL")->required();
+  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
