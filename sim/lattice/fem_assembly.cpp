@@ -49,7 +49,10 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
     if (cell.stencil < 0) throw std::logic_error("material in a lattice cell for which there is no stencil");
     cell.scale = copy.fraction > counts_as_full(t.front_levels > 0, place.level) ? 1.0f : float(std::max(copy.fraction, kFloor));
     const double volume = whole / double(1 << 3 * place.level);
-    const double mass = std::max(copy.fraction, 0.0) * volume * table.stencils()[size_t(cell.stencil)].density_kg_mm3;
+    // A part weighs as the cell that it is a part of: division does not change the mass.
+    const int32_t root = table.of_cell(
+        t.grid.cell_index({place.at.x >> place.level, place.at.y >> place.level, place.at.z >> place.level}));
+    const double mass = std::max(copy.fraction, 0.0) * volume * table.stencils()[size_t(root)].density_kg_mm3;
     for (int32_t n : copy.node) model->mass_kg[size_t(n)] += mass / 8;
   }
   // Held nodes.

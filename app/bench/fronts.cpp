@@ -1,0 +1,195 @@
+#include "app/bench/fronts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "app/bench/cpu_clock.h"
+#include "sim/cutting/arrangement.h"
+#include "sim/fem/elastic_solver.h"
+#include "sim/geometry/block.h"
+#include "sim/geometry/skin.h"
+#include "sim/lattice/embedding.h"
+#include "sim/lattice/fem_assembly.h"
+#include "sim/lattice/grid_fit.h"
+#include "sim/lattice/topology.h"
+
+namespace limberg::bench {
+namespace {
+
+Body block(const SlitSpec& s) {
+  BlockSpec b;
+  b.name = "slit";
+  b.size_mm = s.block_mm, b.skin_cell_mm = s.skin_cell_mm, b.tension_direction = Vec3::UnitY();
+  Layer skin, fat;
+  skin.name = "skin", skin.thickness_mm = 1.5;
+  skin.material.young_kPa = 60, skin.material.poisson = 0.45;
+  skin.material.prestretch_along = 1.10, skin.material.prestretch_across = 1.06;
+  fat.name = "fat", fat.thickness_mm = s.block_mm.z() - 1.5;
+  fat.material.young_kPa = 15, fat.material.poisson = 0.45;
+  fat.material.prestretch_along = 1.08, fat.material.prestretch_across = 1.05;
+  b.layers = {skin, fat};
+  return make_block(b);
+}
+
+Blade blade(const SlitSpec& s, const RestGrid& grid) {
+  Blade b;
+  const int columns = std::max(2, int(std::ceil((s.to_mm - s.from_mm) / 1.5)) + 1);
+  for (int i = 0; i < columns; ++i) {
+    const double x = s.from_mm + (s.to_mm - s.from_mm) * i / (columns - 1);
+    b.vertex.push_back(grid.to_grid({x, s.y_mm, 1})), b.vertex.push_back(grid.to_grid({x, s.y_mm, -s.depth_mm}));
+  }
+  for (int32_t i = 0; i + 1 < columns; ++i) {
+    b.tri.push_back({2 * i, 2 * i + 1, 2 * i + 3});
+    b.tri.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+  }
+  b.seed.assign(b.tri.size(), 1);
+  return b;
+}
+
+/// The two banks as maps from (x, z) to the deformed place.
+class Banks {
+ public:
+  Banks(const LatticeTopology& lattice, const SurfaceView& view, const ElasticSolver& solver)
+      : lattice_(lattice), view_(view), solver_(solver) {
+    for (size_t t = 0; t < view.tri.size(); ++t)
+      if (view.kind[t] == FaceKind::wall) wall_.push_back(int32_t(t));
+  }
+  /// Distance of the banks at (x, z) of the wall; 0 beyond it.
+  double width(double x, double z) const {
+    std::vector<Vec3> bank;
+    for (int32_t t : wall_) {
+      const Tri& v = view_.tri[size_t(t)];
+      const Vec3 &a = view_.X_mm[size_t(v[0])], &b = view_.X_mm[size_t(v[1])], &c = view_.X_mm[size_t(v[2])];
+      auto area = [&](const Vec3& p, const Vec3& q, double px, double pz) {
+        return (q.x() - p.x()) * (pz - p.z()) - (q.z() - p.z()) * (px - p.x());
+      };
+      const double all = area(a, b, c.x(), c.z());
+      if (all == 0) continue;
+      const std::array<double, 3> w{area(b, c, x, z) / all, area(c, a, x, z) / all, area(a, b, x, z) / all};
+      if (w[0] < 0 || w[1] < 0 || w[2] < 0) continue;
+      bank.push_back(solver_.position_mm(embed_point(lattice_, view_, t, w)));
+    }
+    double far = 0;  // (a place on an edge is found in several triangles of one bank)
+    for (size_t i = 1; i < bank.size(); ++i) far = std::max(far, (bank[i] - bank[0]).norm());
+    return far;
+  }
+
+ private:
+  const LatticeTopology& lattice_;
+  const SurfaceView& view_;
+  const ElasticSolver& solver_;
+  std::vector<int32_t> wall_;
+};
+
+std::string text(const char* format, auto... value) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, format, value...);
+  return buffer;
+}
+
+}  // namespace
+
+SlitOpening open_slit(const SlitSpec& s, Workers& workers) {
+  const auto body = std::make_shared<const Body>(block(s));
+  const Skin skin(body);
+  Arrangement a(body->surface, body->grid);
+  const LatticeGrid grid = fit_lattice(*body, s.cell_mm, s.front_levels ? kLevels : 0);
+  const StencilTable stencils(skin, grid);
+  auto lattice = build_topology(grid, material_surface(a), s.front_levels);
+  const auto solver = make_solver(workers);
+  solver->set_model(assemble_fem(stencils, *lattice), {});
+  if (const CutResult r = a.cut(blade(s, body->grid), 1); !r.ok())
+    throw std::runtime_error("bench cutting: the slit was refused: " + r.reason);
+
+  SlitOpening out;
+  out.cell_mm = grid.cell_mm();
+  double at = cpu_ms();
+  const auto lap = [&] {
+    const double now = cpu_ms(), t = now - at;
+    at = now;
+    return t;
+  };
+  lattice = update_topology(*lattice, material_surface(a));
+  out.lattice_ms = lap();
+  const auto model = assemble_fem(stencils, *lattice);
+  out.assembly_ms = lap();
+  std::vector<int32_t> parent;
+  for (const CellCopy& c : lattice->cells) parent.push_back(c.parent);
+  solver->set_model(model, parent);
+  StepSettings settings;
+  settings.max_iterations = 20, settings.tolerance = s.residual;
+  for (StepReport r; out.iterations < s.max_iterations && !r.converged;) {
+    r = solver->step(settings);
+    out.iterations += std::max(1, r.iterations), out.reached = r.residual;
+  }
+  out.solve_ms = lap();
+  out.nodes = model->X_mm.size(), out.hanging = model->hanging.size(), out.cells = model->cells.size();
+
+  SurfaceView view = a.surface_view();
+  embed_surface(*lattice, material_surface(a), view);
+  const Banks banks(*lattice, view, *solver);
+  constexpr double kJustBelow = -0.01, kStep = 0.25;  // mm
+  for (double x = s.from_mm; x <= s.to_mm + 1e-9; x += kStep) {
+    out.x_mm.push_back(x), out.width_mm.push_back(banks.width(x, kJustBelow));
+    out.widest_mm = std::max(out.widest_mm, out.width_mm.back());
+  }
+  const double open = 1e-3 * out.widest_mm;
+  auto closed = [&](auto&& width_at, double limit) {
+    double d = 0;
+    while (d < limit && width_at(d) <= open) d += 0.01;
+    return d;
+  };
+  const double middle = 0.5 * (s.from_mm + s.to_mm) + 0.013;
+  out.closed_low_mm = closed([&](double d) { return banks.width(s.from_mm + d, kJustBelow); }, s.to_mm - s.from_mm);
+  out.closed_high_mm = closed([&](double d) { return banks.width(s.to_mm - d, kJustBelow); }, s.to_mm - s.from_mm);
+  out.closed_deep_mm = closed([&](double d) { return banks.width(middle, -s.depth_mm + d); }, s.depth_mm);
+  return out;
+}
+
+void fronts(Result& out, const CuttingSettings& settings) {
+  InlineWorkers workers;
+  for (double cell : settings.quick ? std::vector<double>{5} : std::vector<double>{5, 3.5}) {
+    SlitSpec base;
+    base.cell_mm = cell;
+    if (settings.quick) base.block_mm = {60, 40, 10}, base.from_mm = -8.7, base.to_mm = 11.3;
+    struct Case {
+      std::string name;
+      double cell_mm;
+      int levels;
+    };
+    const std::vector<Case> cases{{text("uniform, %g mm", cell / 4), cell / 4, 0},
+                                  {text("uniform, %g mm", cell / 2), cell / 2, 0},
+                                  {text("uniform, %g mm", cell), cell, 0},
+                                  {"fronts divided once", cell, 1},
+                                  {"fronts divided twice", cell, 2}};
+    SlitOpening reference;
+    const std::string label = text("slit that ends in cells of %g mm", cell);
+    for (const Case& c : cases) {
+      if (settings.progress) settings.progress(label + ": " + c.name);
+      SlitSpec spec = base;
+      spec.cell_mm = c.cell_mm, spec.front_levels = c.levels;
+      const SlitOpening o = open_slit(spec, workers);
+      if (c.cell_mm == cell / 4) reference = o;
+      double sum = 0;
+      for (size_t i = 0; i < o.width_mm.size(); ++i) sum += std::pow(o.width_mm[i] - reference.width_mm[i], 2);
+      Row r;
+      r.name = label, r.method = c.name;
+      r.time_ms = o.lattice_ms + o.assembly_ms;
+      r.error = std::sqrt(sum / double(o.width_mm.size())) / reference.widest_mm;
+      r.error_unit = "", r.reference = text("width on the uniform lattice of %g mm", cell / 4);
+      r.settings = text("%zu nodes (%zu hang), closed %.2f and %.2f mm at the ends, %.2f at the bottom; widest %.2f mm", o.nodes, o.hanging,
+                        o.closed_low_mm, o.closed_high_mm, o.closed_deep_mm, o.widest_mm) +
+                   text("; solved in %d iterations, %.0f ms, residual %.1e", o.iterations, o.solve_ms, o.reached);
+      out.rows.push_back(r);
+      if (c.levels == kLevels) {
+        const double worst = std::max({o.closed_low_mm / o.cell_mm.x(), o.closed_high_mm / o.cell_mm.x(), o.closed_deep_mm / o.cell_mm.z()});
+        out.bars.push_back({text("closed end of a slit in cells of %g mm, fronts divided twice (cells)", cell), worst, false, 0.25, false,
+                            worst <= 0.25, "issue 3: a cut's end within 1/4 of the coarse cell"});
+      }
+    }
+  }
+}
+
+}  // namespace limberg::bench
