@@ -9,6 +9,7 @@
 #include "app/bench/cgal_child.h"
 #include "app/bench/cpu_clock.h"
 #include "app/bench/cutting_scene.h"
+#include "app/bench/fronts.h"
 #include "sim/cutting/arrangement.h"
 
 namespace limberg::bench {
@@ -212,6 +213,7 @@ Result cutting(const CuttingSettings& settings) {
   history(out, settings, settings.quick ? 56 : 224, settings.quick ? 30 : 200);
   crossing(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
   whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, settings.quick ? 2 : 9);
+  fronts(out, settings);
   out.notes.push_back("Ours keeps a tree over the body's triangles (row 'made once'); CGAL makes its own in every call.");
   out.notes.push_back("Ours also glues the banks, keeps what undo needs and checks volume and closure; CGAL adds the curve to both meshes.");
   if (!cgal.available()) out.notes.push_back("No comparison with CGAL: " + cgal.why() + ".");

@@ -8,6 +8,7 @@
 //   crossing     the second, third and fourth cut across the first one
 //   whole cut    from the blade to the new topology at 103 k triangles and cells of 3 mm: arrangement, lattice, finite elements,
 //                surface that is drawn; and what the solver then does with the model, which has bars of its own
+//   fronts       where a slit that ends inside lattice cells really opens, with and without divided cells (fronts.h)
 //   memory       of the arrangement, per triangle
 //
 // What is fair and what is not: ours keeps a box tree over the triangles of the body from cut to cut, and CGAL makes its own in every call;
