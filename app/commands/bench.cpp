@@ -2,6 +2,7 @@
 #include <cstdio>
 
 #include "app/bench/cutting.h"
+#include "app/bench/fuzz.h"
 #include "app/bench/speed.h"
 #include "app/bench/stability.h"
 #include "app/commands/commands.h"
@@ -17,6 +18,8 @@ namespace {
 struct Options {
   std::string suite, scene;
   bool quick = false;
+  int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
+  uint64_t seed = 1;
   CommonOptions common;
 };
 
@@ -64,12 +67,14 @@ void fill(Result& out, const bench::Result& b) {
 
 int run(const Options& o) {
   o.common.prepare();
-  if (o.suite != "speed" && o.suite != "cutting" && o.suite != "stability")
-    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed, cutting or stability");
+  if (o.suite != "speed" && o.suite != "cutting" && o.suite != "stability" && o.suite != "fuzz")
+    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed, cutting, stability or fuzz");
+  if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
   if (!o.scene.empty()) throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
   Progress progress("bench " + o.suite);
   const auto note = [&](const std::string& line) { progress.note(line); };
   bench::Result b;
+  bench::FuzzReport fuzz;
   if (o.suite == "speed") {
     bench::SpeedSettings s;
     s.quick = o.quick;
@@ -80,6 +85,14 @@ int run(const Options& o) {
     s.quick = o.quick;
     s.progress = note;
     b = bench::stability(s);
+  } else if (o.suite == "fuzz") {
+    bench::FuzzSettings s;
+    s.operations = o.operations > 0 ? o.operations : o.quick ? 2000 : 20000;
+    s.seed = o.seed;
+    s.out_dir = o.common.out_dir;
+    s.progress = note;
+    fuzz = bench::fuzz_run(s);
+    b = fuzz.result();
   } else {
     bench::CuttingSettings s;
     s.quick = o.quick;
@@ -91,6 +104,12 @@ int run(const Options& o) {
   Result result("bench", "");
   result.set("/suite", o.suite);
   result.set("/quick", o.quick);
+  if (o.suite == "fuzz") {
+    result.set("/operations", fuzz.operations());
+    result.set("/violations", int64_t(fuzz.violations.size()));
+    result.set("/refused", fuzz.generic.refused + fuzz.adversarial.refused);
+    result.set("/seed", int64_t(o.seed));
+  }
   fill(result, b);
   bool ok = true;
   for (const bench::Bar& x : b.bars) ok &= x.pass;
@@ -105,9 +124,11 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton")->required();
+  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton; fuzz: random cuts, every invariant")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
+  c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
+  c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg bench speed --quick --json out/bench.json");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

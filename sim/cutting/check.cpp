@@ -98,7 +98,16 @@ std::string Arrangement::check_all() const {
       bool live_here = false, live_there = false;
       if (edges_on(o, live_here) != 2) return at("I11: a junction is not an edge of its own triangle", o);
       if (edges_on(c.partner, live_there) == 0 && live_here)
-        return at("I11: a live junction is unknown to its partner", o);
+        // Where the partner's material was taken away it need not know; but no live face of it may run on there.
+        for (int32_t f : s.faces_of(c.partner)) {
+          const Face& face = s.face[f];
+          bool holds = face.live();
+          for (size_t k = 0; k < 3 && holds; ++k)
+            for (int32_t p : {c.a, c.b})
+              holds = holds && orient2d(s.orig[c.partner].plane, s.points.ref(face.v[k]),
+                                        s.points.ref(face.v[(k + 1) % 3]), s.points.ref(p)) >= 0;
+          if (holds) return at("I11: a live junction is unknown to its partner", o);
+        }
     }
   }
 

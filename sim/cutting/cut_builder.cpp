@@ -10,32 +10,46 @@ CutBuilder::CutBuilder(ArrangementStore& store, const Blade& blade, std::vector<
 }
 
 CutBuilder::Outcome CutBuilder::run(CutResult& result) {
-  Outcome o = prepare();
-  if (o == ok) o = intersect();
-  if (o == ok) o = take_shared_edges();
-  if (o == ok) o = divide();
-  if (o == ok) o = divide_blade();
-  if (o == ok) o = find_patches(result);
-  if (o == ok) o = commit(result);
+  Outcome o = ok;
+  try {
+    o = prepare();
+    if (o == ok) o = intersect();
+    if (o == ok) o = take_shared_edges();
+    if (o == ok) o = divide();
+    if (o == ok) o = divide_blade();
+    if (o == ok) o = find_patches(result);
+    if (o == ok) o = commit(result);
+  } catch (...) {  // out of memory
+    abandon();
+    throw;
+  }
   if (o != ok) abandon();
   return o;
 }
 
-void CutBuilder::abandon() { store_.take_back(delta_); }
+void CutBuilder::abandon() {
+  store_.edges.end_changes();
+  store_.take_back(delta_);
+  if (committing_) store_.last = std::move(last_before_);
+}
 
 CutBuilder::Outcome CutBuilder::prepare() {
   tree_ = std::make_shared<OrigTree>();
   tree_->bvh = tree_over(vertex_, blade_.tri);
-  if (const std::string why = check_embedded(vertex_, blade_.tri, tree_->bvh); !why.empty()) {
-    reason_ = why;
-    return coincidence;
-  }
+  const FaultPlan* fault = store_.points.fault;
+  if (!fault || !fault->skip_embedding)
+    if (const std::string why = check_embedded(vertex_, blade_.tri, tree_->bvh); !why.empty()) {
+      reason_ = why;
+      return coincidence;
+    }
+  if (store_.points.fails()) return fail(coincidence, "made to fail");
   op_ = int32_t(store_.op.size());
   first_orig_ = int32_t(store_.orig.size());
   store_.op.push_back({first_orig_, blade_.uv_mm, blade_.strip});
   blade_point_.resize(vertex_.size());
   for (size_t i = 0; i < vertex_.size(); ++i) {
     const int32_t shared = i < blade_.shared_point.size() ? blade_.shared_point[i] : -1;
+    continues_ = continues_ || shared >= 0;
     blade_point_[i] = shared >= 0 ? shared : store_.points.add_explicit(vertex_[i]);
   }
   for (const Tri& t : blade_.tri) {
@@ -111,15 +125,15 @@ CutBuilder::Outcome CutBuilder::intersect_with(int32_t s, const IntTriangle& ts,
   for (int32_t a : ts.id)
     for (int32_t b : tf.id) shares = shares || a == b;
   if (shares)
-    return meet_beyond_shared(ts, tf) ? fail(coincidence, "the blade runs through the wall that it continues") : ok;
-  const Crossing c = cross_triangles(ts, store_.orig[s].plane, tf, store_.orig[f].plane);
+    return meet_beyond_shared(ts, tf) || store_.points.fails()
+               ? fail(coincidence, "the blade runs through the wall that it continues")
+               : ok;
+  // Points that it shares cannot be redrawn: in their planes lie triangles that the blade never touches.
+  const auto& cross = continues_ ? cross_triangles_exactly : cross_triangles;
+  const Crossing c = cross(ts, store_.orig[s].plane, tf, store_.orig[f].plane);
   if (c.kind == Crossing::apart) return ok;
-  if (c.kind == Crossing::coincidence) {
-    // Points that it shares cannot be redrawn: in their planes lie triangles that the blade never touches.
-    const bool continues = std::any_of(blade_.shared_point.begin(), blade_.shared_point.end(), [](int32_t p) { return p >= 0; });
-    if (continues && !meet_beyond_shared(ts, tf)) return ok;
+  if (c.kind == Crossing::coincidence || store_.points.fails())
     return fail(coincidence, "the blade touches the surface in a way that cannot be resolved");
-  }
   segment_.push_back({s, f, uint32_t(mark_.size()), 2});
   for (const CrossingEnd& e : c.end) {
     const int32_t owner = e.edge_of_s ? s : f, plane = e.edge_of_s ? f : s;
@@ -141,9 +155,9 @@ bool CutBuilder::crosses(const Constraint& c, const Plane& plane_s, const Plane&
                          bool& zero) const {
   const PointStore& points = store_.points;
   if (c.a == p || c.a == q || c.b == p || c.b == q) return false;  // they end in one point, through a shared edge
-  const int a = side_of_plane(plane_s, points.ref(c.a)), b = side_of_plane(plane_s, points.ref(c.b));
+  const int a = points.side(plane_s, c.a), b = points.side(plane_s, c.b);
   if (a == b && a != 0) return false;
-  const int sp = side_of_plane(plane_g, points.ref(p)), sq = side_of_plane(plane_g, points.ref(q));
+  const int sp = points.side(plane_g, p), sq = points.side(plane_g, q);
   if (sp == sq && sp != 0) return false;
   if (a == 0 || b == 0 || sp == 0 || sq == 0) {
     zero = true;
@@ -186,9 +200,9 @@ CutBuilder::Outcome CutBuilder::divide() {
       // Along the segment. It goes to the end of the list of marks, where there is room.
       int axis = 0;
       (store_.points.approx(q) - store_.points.approx(p)).cwiseAbs().maxCoeff(&axis);
-      const int forward = compare_coordinate(axis, store_.points.ref(q), store_.points.ref(p));
+      const int forward = store_.points.order(axis, q, p);
       std::sort(between.begin(), between.end(), [&](const Mark& a, const Mark& b) {
-        return compare_coordinate(axis, store_.points.ref(b.point), store_.points.ref(a.point)) == forward;
+        return store_.points.order(axis, b.point, a.point) == forward;
       });
       const Mark ends[2] = {marks(seg)[0], marks(seg)[1]};
       seg.first = uint32_t(mark_.size());
@@ -197,8 +211,7 @@ CutBuilder::Outcome CutBuilder::divide() {
       mark_.insert(mark_.end(), between.begin(), between.end());
       mark_.push_back(ends[1]);
       for (size_t j = 1; j + 1 < seg.count; ++j)
-        if (compare_coordinate(axis, store_.points.ref(marks(seg)[j + 1].point), store_.points.ref(marks(seg)[j].point)) !=
-            forward)
+        if (store_.points.order(axis, marks(seg)[j + 1].point, marks(seg)[j].point) != forward)
           return fail(coincidence, "two junctions of earlier cuts meet the blade in one point");
     }
     for (size_t i = t.first; i < t.first + t.count; ++i)

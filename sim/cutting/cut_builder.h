@@ -79,8 +79,11 @@ class CutBuilder {
   std::string reason_;
 
   Delta delta_;
+  LastOperation last_before_;
+  bool committing_ = false;
   std::shared_ptr<OrigTree> tree_;  // over the blade
   std::vector<int32_t> blade_point_;
+  bool continues_ = false;  // shares points with an older wall
   int32_t first_orig_ = 0, op_ = 0;
   std::vector<Segment> segment_;
   std::vector<Mark> mark_;

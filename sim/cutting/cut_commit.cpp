@@ -144,10 +144,15 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   // Commit. From here on a failure is taken back through delta_.
   store_.points.settle();
   store_.edges.begin_changes();
+  last_before_ = std::move(store_.last);
+  committing_ = true;
   store_.last = LastOperation{};
   store_.last.kind = LastOperation::cut;
   for (size_t i = 0; i < touched_.size(); ++i)
-    if (change[i]) write_division(touched_[i].orig, touched_[i].scratch);
+    if (change[i]) {
+      write_division(touched_[i].orig, touched_[i].scratch);
+      if (store_.points.fails()) return fail(coincidence, "made to fail");
+    }
   const size_t walls_from = store_.face.size();
   for (size_t i = 0; i < blade_split_.size(); ++i) {
     for (size_t t = 0; t < blade_split_[i].pieces().size(); ++t)
@@ -176,6 +181,11 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   // Local invariants: the divided surface encloses the same volume, every side that faces material is glued all round,
   // junctions are edges of both triangles that they join.
   if (store_.volume_residue != delta_.volume_residue) return fail(coincidence, "the volume changed");
+  for (size_t f = size_t(delta_.faces); f < store_.face.size(); ++f) {
+    const Face& face = store_.face[f];
+    if (store_.points.turn(store_.orig[face.orig].plane, face.v[0], face.v[1], face.v[2]) <= 0)
+      return fail(coincidence, "a face without area");
+  }
   for (int32_t f : store_.last.added)
     for (int side = 0; side < 2; ++side)
       for (size_t k = 0; k < 3; ++k) {
@@ -193,11 +203,12 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   store_.plant(std::move(tree_));
   std::sort(store_.last.removed.begin(), store_.last.removed.end());
   std::sort(store_.last.added.begin(), store_.last.added.end());
-  store_.history.push_back(std::move(delta_));
-  store_.components_known = false;
   result.op = op_;
   result.wall_faces = int(store_.last.new_walls.size());
   result.blade_point = blade_point_;
+  if (store_.points.fails()) return fail(coincidence, "made to fail");
+  store_.history.push_back(std::move(delta_));
+  store_.components_known = false;
   return ok;
 }
 

@@ -50,7 +50,7 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
         } else {
           const int32_t f = blade_split_[i].partner(label);
           // Next to its junction with f the piece lies on the side of f where its third corner is.
-          const int side = side_of_plane(store_.orig[f].plane, store_.points.ref(pieces[t].v[(k + 2) % 3]));
+          const int side = store_.points.side(store_.orig[f].plane, pieces[t].v[(k + 2) % 3]);
           if (side == 0) return fail(coincidence, "a piece of the blade lies on the surface");
           const Barrier& barrier = barrier_[barrier_first_[i] + size_t(label - PlanarSplit::kJunction)];
           votes.push_back({me, bool(barrier.mat >> (side > 0 ? 0 : 1) & 1)});

@@ -32,7 +32,7 @@ CutBuilder::Outcome CutBuilder::take_shared_edges() {
     int axis = 0;
     (store_.points.approx(hi) - store_.points.approx(lo)).cwiseAbs().maxCoeff(&axis);
     std::sort(chain.begin(), chain.end(), [&](int32_t a, int32_t b) {
-      return compare_coordinate(axis, store_.points.ref(a), store_.points.ref(b)) < 0;
+      return store_.points.order(axis, a, b) < 0;
     });
     for (int32_t p : chain)
       if (p != lo && p != hi) edge_point_.push_back({lo, hi, p});
@@ -56,7 +56,7 @@ int CutBuilder::vote_at_shared_edge(int32_t a, int32_t b, int32_t s, int32_t thi
   me.plane = store_.orig[s].plane;
   me.orig = s;
   me.third = third;
-  me.sense = orient2d(me.plane, store_.points.ref(a), store_.points.ref(b), store_.points.ref(third));
+  me.sense = store_.points.turn(me.plane, a, b, third);
   around.insert(around.begin(), me);
   if (!sort_radially(store_.points, a, b, around)) return -1;
   const bool after = around[1].cw_material(), before = around.back().ccw_material();

@@ -11,11 +11,11 @@ namespace {
 // coinciding.
 int sector(const PointStore& points, int32_t a, int32_t b, const RadialFace& g, const RadialFace& h) {
   if (g.orig == h.orig) return g.sense == h.sense ? -1 : 1;
-  const int side = g.sense * side_of_plane(g.plane, points.ref(h.third));
+  const int side = g.sense * points.side(g.plane, h.third);
   if (side > 0) return 0;
   if (side < 0) return 2;
-  const int sg = orient2d(g.plane, points.ref(a), points.ref(b), points.ref(g.third));
-  const int sh = orient2d(g.plane, points.ref(a), points.ref(b), points.ref(h.third));
+  const int sg = points.turn(g.plane, a, b, g.third);
+  const int sh = points.turn(g.plane, a, b, h.third);
   return sg * sh < 0 ? 1 : -1;
 }
 

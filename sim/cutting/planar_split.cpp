@@ -91,9 +91,9 @@ bool PlanarSplit::strictly_between(int32_t a, int32_t p, int32_t b) const {
   const Vec3 d = (points_->approx(b) - points_->approx(a)).cwiseAbs();
   int axis = 0;
   d.maxCoeff(&axis);
-  const int ab = compare_coordinate(axis, points_->ref(a), points_->ref(b));
-  return ab != 0 && compare_coordinate(axis, points_->ref(a), points_->ref(p)) == ab &&
-         compare_coordinate(axis, points_->ref(p), points_->ref(b)) == ab;
+  const int ab = points_->order(axis, a, b);
+  return ab != 0 && points_->order(axis, a, p) == ab &&
+         points_->order(axis, p, b) == ab;
 }
 
 int32_t PlanarSplit::locate(int32_t point) const {

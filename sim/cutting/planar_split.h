@@ -54,7 +54,7 @@ class PlanarSplit {
   int32_t locate(int32_t point) const;  // a piece that holds it, or the one to try first
   int orient(int32_t a, int32_t b, int32_t c) const {
     if (a == b || b == c || c == a) return 0;  // the filter cannot see this zero, and wide integers are slow
-    return orient2d(plane_, points_->ref(a), points_->ref(b), points_->ref(c));
+    return points_->turn(plane_, a, b, c);
   }
   bool strictly_between(int32_t a, int32_t p, int32_t b) const;
   void split_piece(int32_t t, int32_t point);

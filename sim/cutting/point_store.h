@@ -2,6 +2,7 @@
 // All points of an arrangement. An implicit point is found again by what it is made of, never by where it lies.
 #include <vector>
 
+#include "sim/cutting/fault.h"
 #include "sim/geometry/exact/predicates.h"
 
 namespace limberg {
@@ -49,6 +50,29 @@ class PointStore {
   /// Residues of all points so far, in one go: needs one division for all. residues() asks for it.
   void settle();
   Residues residues(int32_t i) const;
+
+  // The signs of predicates.h by point ids: every decision among implicit points is made here.
+  int side(const Plane& plane, int32_t p) const {
+    const int s = side_of_plane(plane, ref(p));
+    if (!fault) return s;
+    if (fault->watch) fault->watch->side(plane, ref(p), s);
+    return fault->strikes() ? 0 : s;
+  }
+  int turn(const Plane& plane, int32_t a, int32_t b, int32_t c) const {
+    const int s = orient2d(plane, ref(a), ref(b), ref(c));
+    if (!fault) return s;
+    if (fault->watch) fault->watch->turn(plane, ref(a), ref(b), ref(c), s);
+    return fault->strikes() ? 0 : s;
+  }
+  int order(int axis, int32_t a, int32_t b) const {
+    const int s = compare_coordinate(axis, ref(a), ref(b));
+    if (!fault) return s;
+    if (fault->watch) fault->watch->order(axis, ref(a), ref(b), s);
+    return fault->strikes() ? 0 : s;
+  }
+  /// A step that a test may make fail.
+  bool fails() const { return fault && fault->strikes(); }
+  FaultPlan* fault = nullptr;  // tests only
 
  private:
   struct Implicit {

@@ -126,7 +126,9 @@ bool meet_beyond_shared(const IntTriangle& s, const IntTriangle& t) {
   return false;
 }
 
-Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t) {
+namespace {
+
+Crossing cross(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t, bool exactly) {
   Crossing result;
   std::array<int, 3> ss, st;
   const auto classify = [](const std::array<int, 3>& x) {  // -1 apart, 0 coincidence, +1 straddling
@@ -141,7 +143,23 @@ Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTr
   if (ct < 0) return result;
   if (cs == 0 || ct == 0) {
     result.kind = Crossing::coincidence;
-    return result;
+    if (!exactly) return result;
+    IntTriangle a = s, b = t;  // without common names: closed triangles
+    a.id = {0, 1, 2};
+    b.id = {3, 4, 5};
+    if (!meet_beyond_shared(a, b)) {
+      result.kind = Crossing::apart;
+      return result;
+    }
+    // They meet. If every vertex in the other's plane lies off the other triangle, what is left is in general position.
+    const auto touches = [](const IntTriangle& x, const std::array<int, 3>& side, const IntTriangle& y, const Plane& p) {
+      int zeros = 0;
+      for (size_t i = 0; i < 3; ++i)
+        if (side[i] == 0 && (++zeros > 1 || in_closed(projection_axis(p), x.p[i], y.p))) return true;
+      return false;
+    };
+    if (touches(s, ss, t, plane_t) || touches(t, st, s, plane_s)) return result;
+    result.kind = Crossing::apart;
   }
   // Does the edge k of x, which straddles y's plane, pass through y? 1 yes, 0 no, -1 coincidence.
   const auto through = [](const IntTriangle& x, size_t k, const IntTriangle& y) {
@@ -158,7 +176,7 @@ Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTr
   for (int own = 1; own >= 0; --own)
     for (size_t k = 0; k < 3; ++k) {
       const auto& side = own ? ss : st;
-      if (side[k] == side[(k + 1) % 3]) continue;
+      if (side[k] * side[(k + 1) % 3] >= 0) continue;
       const int r = own ? through(s, k, t) : through(t, k, s);
       if (r < 0 || (r > 0 && ends == 2)) {
         result.kind = Crossing::coincidence;
@@ -167,8 +185,20 @@ Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTr
       if (r > 0) result.end[ends++] = {own == 1, int(k)};
     }
   if (ends == 2) result.kind = Crossing::crossing;
-  if (ends == 1) result.kind = Crossing::coincidence;  // cannot happen without an exact zero
+  if (ends == 1 || (ends == 0 && (cs == 0 || ct == 0)))
+    result.kind = Crossing::coincidence;  // cannot happen without an exact zero
   return result;
+}
+
+}  // namespace
+
+Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t) {
+  return cross(s, plane_s, t, plane_t, false);
+}
+
+Crossing cross_triangles_exactly(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t,
+                                 const Plane& plane_t) {
+  return cross(s, plane_s, t, plane_t, true);
 }
 
 Bvh tree_over(std::span<const Int3> vertex, std::span<const Tri> tri) {

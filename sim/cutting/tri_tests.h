@@ -29,6 +29,11 @@ struct Crossing {
 };
 Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t);
 
+/// The same when s holds vertices that cannot be moved: a vertex that lies in the other's plane, but not on the other
+/// triangle, is no coincidence. (Below a straight incision the continuing blade lies in its plane.)
+Crossing cross_triangles_exactly(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t,
+                                 const Plane& plane_t);
+
 /// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices. `tree`: over the
 /// same triangles.
 std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri, const Bvh& tree);

@@ -13,6 +13,7 @@ int CellComponents::class_of(int32_t sided_face) const {
 std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<const int32_t> candidates,
                                                          uint8_t corners_in, const CellHistory& history) {
   enter(at);
+  if (surface_.points->fails()) contradiction("made to fail");
   walks_ = unresolved_ = 0;
   gather(candidates);
   if (face_.empty()) return nullptr;

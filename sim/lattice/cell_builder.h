@@ -128,7 +128,7 @@ class CellBuilder {
   std::array<uint8_t, 12> edge_state_{};
   Partition join_, square_, old_;
   std::vector<int32_t> hits_;
-  std::vector<uint8_t> open_, crosses_;
+  std::vector<uint8_t> open_, seen_, crosses_;
   int walks_ = 0, unresolved_ = 0;
 };
 

@@ -3,9 +3,10 @@
 // A closed curve on a square bounds material on its outside or on its inside. If on its outside, that material goes on
 // to the left of the curve's leftmost crossing with any horizontal line, up to the next curve or to the left lattice
 // edge: they belong together. If on its inside, the leftmost crossing faces right and nothing follows. A crack's curve
-// has both sides in one loop; its left-facing side is treated as the first case. Shells are treated in the same way
-// along an axis, going on on the square that the axis leaves through. Each link goes strictly to the left, so all are
-// found.
+// has both sides in one loop; its left-facing side is treated as the first case. If that next curve is closed, too, the
+// walk goes on from its own leftmost crossing with the same line, until it comes to what is known or to a curve that
+// faces right there. (One step per curve would not do: of two interlocked curves each can lie to the left of the other,
+// on two lines.) Shells are treated in the same way along an axis, going on on the square that the axis leaves through.
 #include <algorithm>
 #include <cmath>
 
@@ -56,17 +57,19 @@ int32_t CellBuilder::region_on_lattice_edge(int axis, int corner, const SubPoint
 }
 
 // Follows the line along `axis` to the leftmost crossing of loop `root` of `own`; when that faces left, joins it with
-// what is next to the left, or with left() when the walk reaches the low bound. False: the line misses the loop.
+// what is next to the left, or with left() when the walk reaches the low bound; then from there, until what it has come
+// to is open_. False: the line misses the loop.
 template <class Left>
 bool CellBuilder::walk_left(int axis, const SubPoint& line, Partition& own, int32_t root, Left&& left) {
   hits_between(axis, line, nullptr, hits_);
-  for (size_t i = 0; i < hits_.size(); ++i) {
+  size_t beyond = hits_.size();  // the walk has come to here
+  for (size_t i = 0; i < beyond; ++i) {
     const LocalFace& f = face_[size_t(hits_[i])];
     const int before = side_before(*f.plane, axis);
     const bool faces_left = has(f.mat, before) && own.find(member(size_t(hits_[i]), before)) == root;
     const bool faces_right = has(f.mat, 1 - before) && own.find(member(size_t(hits_[i]), 1 - before)) == root;
     if (!faces_left && !faces_right) continue;
-    ++walks_;
+    if (beyond == hits_.size()) ++walks_;
     if (!faces_left) return true;
     const int32_t mine = member(size_t(hits_[i]), before);
     if (i == 0) {
@@ -76,9 +79,14 @@ bool CellBuilder::walk_left(int axis, const SubPoint& line, Partition& own, int3
     const LocalFace& next = face_[size_t(hits_[i - 1])];
     const int after = 1 - side_before(*next.plane, axis);
     if (!has(next.mat, after)) contradiction("material along a walk contradicts a face's bits");
-    join_.unite(mine, member(size_t(hits_[i - 1]), after));
-    return true;
+    const int32_t other = member(size_t(hits_[i - 1]), after);
+    join_.unite(mine, other);
+    root = own.find(other);
+    if (open_[size_t(root)]) return true;
+    beyond = i;
+    i = size_t(-1);  // from the left again: the leftmost crossing of the other curve
   }
+  if (beyond != hits_.size()) contradiction("a walk has lost the curve that it came to");
   return false;
 }
 
@@ -115,6 +123,7 @@ void CellBuilder::walk_square(int normal, bool high) {
   if (!any) return;
   square_.reset(2 * face_.size());
   open_.assign(2 * face_.size(), 0);
+  seen_.assign(2 * face_.size(), 0);
   for (size_t l = 0; l < face_.size(); ++l)
     for (int side = 0; side < 2; ++side)
       for (int e = 0; e < 3; ++e)
@@ -137,8 +146,8 @@ void CellBuilder::walk_square(int normal, bool high) {
       if (!has(face_[l].mat, side)) continue;
       if (!crosses_[3 * l] && !crosses_[3 * l + 1] && !crosses_[3 * l + 2]) continue;
       const int32_t root = square_.find(member(l, side));
-      if (open_[size_t(root)]) continue;
-      open_[size_t(root)] = 1;  // once
+      if (open_[size_t(root)] || seen_[size_t(root)]) continue;
+      seen_[size_t(root)] = 1;
       if (!walk_from_loop(normal, high, (normal + 1) % 3, root) &&
           !walk_from_loop(normal, high, (normal + 2) % 3, root))
         ++unresolved_;
@@ -194,6 +203,7 @@ void CellBuilder::walk_shells() {
   if (!any) return;
   square_.reset(2 * face_.size());
   open_.assign(2 * face_.size(), 0);
+  seen_.assign(2 * face_.size(), 0);
   for (size_t l = 0; l < face_.size(); ++l)
     for (int side = 0; side < 2; ++side) {
       if (!has(face_[l].mat, side)) continue;
@@ -211,8 +221,8 @@ void CellBuilder::walk_shells() {
     for (int side0 = 0; side0 < 2; ++side0) {
       if (!has(face_[l0].mat, side0)) continue;
       const int32_t root = square_.find(member(l0, side0));
-      if (open_[size_t(root)]) continue;
-      open_[size_t(root)] = 1;
+      if (open_[size_t(root)] || seen_[size_t(root)]) continue;
+      seen_[size_t(root)] = 1;
       bool done = false;  // a level shell is met by lines along one axis only
       for (int axis = 0; axis < 3 && !done; ++axis) done = walk_from_shell(axis, root);
       if (!done) ++unresolved_;

@@ -1,0 +1,44 @@
+#pragma once
+// `limberg bench fuzz`: random operations on small bodies, every invariant after each of them (fuzz/runner.h).
+//
+// Histories of up to 24 operations, alternately in general position and adversarial (fuzz/generator.h). A violated
+// invariant is made small (operations and blade triangles are left out while it still shows) and written to a file.
+#include <functional>
+#include <string>
+
+#include "app/bench/bench.h"
+#include "app/bench/fuzz/runner.h"
+
+namespace limberg::bench {
+
+struct FuzzSettings {
+  int64_t operations = 10000;
+  uint64_t seed = 1;
+  int check_every = 1;                              // operations between full checks
+  int max_violations = 20;                          // then it stops
+  std::string out_dir;                              // for repro files; empty: none are written
+  std::function<void(const std::string&)> progress;  // empty: silent
+  bool generic = true, adversarial = true;
+  fuzz::Settings runner;
+};
+
+struct FuzzReport {
+  fuzz::Counts generic, adversarial;
+  uint64_t seed = 0;
+  struct Violation {
+    std::string what, file;
+    fuzz::Case small;
+  };
+  std::vector<Violation> violations;
+  double cpu_s = 0;
+
+  int64_t operations() const { return generic.operations + adversarial.operations; }
+  Result result() const;  // rows and bars
+};
+
+FuzzReport fuzz_run(const FuzzSettings& settings);
+
+/// Leaves out operations and triangles while the case still breaks an invariant, in at most `runs` runs.
+fuzz::Case make_small(fuzz::Case c, const fuzz::Settings& settings, int runs);
+
+}  // namespace limberg::bench

@@ -1,0 +1,86 @@
+#include "app/bench/fuzz/checks.h"
+
+#include <cmath>
+
+namespace limberg::fuzz {
+
+double body_volume_mm3(const BodySpec& spec) { return spec.size_mm * spec.size_mm * spec.thickness_mm; }
+
+std::string check_parents(const LatticeTopology& before, const LatticeTopology& after, bool only_cuts) {
+  std::vector<double> fraction(before.cells.size(), 0);
+  for (const CellCopy& c : after.cells) {
+    if (c.fraction < -1e-9 || c.fraction > 1 + 1e-9) return "I5: a fraction outside 0 to 1";
+    if (c.parent < 0 || size_t(c.parent) >= before.cells.size()) return "I7: a cell copy without parent";
+    if (before.cells[size_t(c.parent)].cell != c.cell) return "I7: a parent in another cell";
+    fraction[size_t(c.parent)] += c.fraction;
+    for (size_t k = 0; k < 8; ++k)
+      if (after.nodes[size_t(c.node[k])].parent != before.cells[size_t(c.parent)].node[k])
+        return "I7: a node copy's parent is not the one of its cell";
+  }
+  for (size_t c = 0; c < fraction.size(); ++c)
+    if (fraction[c] > before.cells[c].fraction + 1e-10 ||
+        (only_cuts && fraction[c] < before.cells[c].fraction - 1e-10))
+      return "I5: the children of a cell copy have another volume than it had";
+  return {};
+}
+
+std::string check_same(const LatticeTopology& updated, const LatticeTopology& built) {
+  if (built.cells.size() != updated.cells.size()) return "update: another number of cell copies than when built anew";
+  if (built.nodes.size() != updated.nodes.size()) return "update: another number of node copies than when built anew";
+  if (built.links != updated.links) return "update: other links than when built anew";
+  if (built.node_in_material != updated.node_in_material) return "update: other nodes in material than when built anew";
+  for (size_t c = 0; c < built.components.size(); ++c) {
+    const auto &b = built.components[c], &u = updated.components[c];
+    if (bool(b) != bool(u)) return "update: a cell with faces has none when built anew";
+    if (b && (b->face != u->face || b->of_side != u->of_side || b->of_corner != u->of_corner))
+      return "update: other classes than when built anew";
+  }
+  return {};
+}
+
+std::string check_refines(const LatticeTopology& coarse, const LatticeTopology& fine) {
+  std::vector<double> volume(coarse.cells.size(), 0);
+  for (size_t cell = 0; cell < fine.components.size(); ++cell) {
+    if (fine.copies_of(int32_t(cell)) == 0) continue;
+    const Int3 at = fine.grid.cell_at(int32_t(cell));
+    const Int3 above{at.x / 2, at.y / 2, at.z / 2};
+    for (int a = 0; a < 3; ++a)
+      if (above[a] >= coarse.grid.count[a]) return "refinement: material beyond the coarse lattice";
+    const int32_t big = coarse.grid.cell_index(above);
+    const auto& f = fine.components[cell];
+    const auto& c = coarse.components[size_t(big)];
+    if (!f) {  // full: one copy; the coarse cell's one copy, or the one at a corner that both share
+      int cls = -1;
+      if (!c) cls = coarse.copies_of(big) == 1 ? 0 : -1;
+      const int corner = (at.x & 1) | (at.y & 1) << 1 | (at.z & 1) << 2;
+      if (c) cls = c->of_corner[size_t(corner)];
+      if (cls < 0) return "refinement: a full fine cell where the coarse one has no material";
+      volume[size_t(coarse.copy(big, cls))] += 0.125;
+      continue;
+    }
+    if (!c) return "refinement: a fine cell has faces, the coarse one none";
+    std::vector<int> of(f->classes.size(), -1);
+    const auto join = [&](int small, int large) {
+      if (small < 0) return large < 0;
+      if (large < 0 || (of[size_t(small)] >= 0 && of[size_t(small)] != large)) return false;
+      of[size_t(small)] = large;
+      return true;
+    };
+    for (size_t i = 0; i < f->face.size(); ++i)
+      for (int s = 0; s < 2; ++s)
+        if (!join(f->of_side[i][size_t(s)], c->class_of(2 * f->face[i] + s)))
+          return "refinement: one piece of a fine cell lies in two of the coarse one";
+    const int corner = (at.x & 1) | (at.y & 1) << 1 | (at.z & 1) << 2;
+    if (!join(f->of_corner[size_t(corner)], c->of_corner[size_t(corner)]))
+      return "refinement: the corner of a fine cell lies in another piece of the coarse one";
+    for (size_t k = 0; k < of.size(); ++k) {
+      if (of[k] < 0) return "refinement: a piece of a fine cell that no face of it names";
+      volume[size_t(coarse.copy(big, of[k]))] += 0.125 * f->classes[k].fraction;
+    }
+  }
+  for (size_t k = 0; k < volume.size(); ++k)
+    if (std::abs(volume[k] - coarse.cells[k].fraction) > 1e-9) return "refinement: the volumes do not add up";
+  return {};
+}
+
+}  // namespace limberg::fuzz
