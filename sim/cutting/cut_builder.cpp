@@ -29,6 +29,10 @@ CutBuilder::Outcome CutBuilder::run(CutResult& result) {
 
 void CutBuilder::abandon() {
   store_.edges.end_changes();
+  if (committing_ && !accounted_) {  // taking back starts from a whole edge map
+    for (int32_t f : store_.last.removed) store_.account(f, false);
+    for (int32_t f : store_.last.added) store_.account(f, true);
+  }
   store_.take_back(delta_);
   if (committing_) store_.last = std::move(last_before_);
 }

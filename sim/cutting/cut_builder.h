@@ -80,7 +80,7 @@ class CutBuilder {
 
   Delta delta_;
   LastOperation last_before_;
-  bool committing_ = false;
+  bool committing_ = false, accounted_ = false;
   std::shared_ptr<OrigTree> tree_;  // over the blade
   std::vector<int32_t> blade_point_;
   bool continues_ = false;  // shares points with an older wall

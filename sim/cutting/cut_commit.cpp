@@ -175,6 +175,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   account(store_.last.removed, false);
   account(store_.last.added, true);
   store_.edges.end_changes();
+  accounted_ = true;
   for (const Edge& e : store_.edges.changed())
     if (const char* why = store_.glue_edge(e.first, e.second, &delta_)) return fail(coincidence, why);
 
