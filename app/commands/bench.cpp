@@ -3,6 +3,7 @@
 
 #include "app/bench/cutting.h"
 #include "app/bench/fuzz.h"
+#include "app/bench/metric.h"
 #include "app/bench/speed.h"
 #include "app/bench/stability.h"
 #include "app/commands/commands.h"
@@ -98,6 +99,9 @@ int run(const Options& o) {
     s.quick = o.quick;
     s.progress = note;
     b = bench::cutting(s);
+    const bench::Result metric = bench::cut_metric({o.quick, note});
+    b.rows.insert(b.rows.end(), metric.rows.begin(), metric.rows.end());
+    b.bars.insert(b.bars.end(), metric.bars.begin(), metric.bars.end());
   }
   progress.clear();
   print(b);

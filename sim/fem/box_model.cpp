@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 
 namespace limberg {
 
@@ -80,6 +82,59 @@ FemModel box_model(const BoxSpec& b) {
       m.mass_kg[size_t(c.node[size_t(a)])] += b.density_kg_mm3 * m.cell_mm.prod() / 8;
     }
     m.cells.push_back(c);
+  }
+  return m;
+}
+
+FemModel part_cells(const FemModel& before, const std::function<bool(const Vec3&, const Vec3&)>& apart) {
+  FemModel m = before;
+  std::iota(m.parent.begin(), m.parent.end(), 0);
+  m.born.clear();
+  std::vector<int32_t> up(8 * m.cells.size());  // classes of (cell, corner)
+  std::iota(up.begin(), up.end(), 0);
+  const auto root = [&](int32_t a) {
+    while (up[size_t(a)] != a) a = up[size_t(a)] = up[size_t(up[size_t(a)])];
+    return a;
+  };
+  const auto centre = [&](size_t c) {
+    Vec3 x = Vec3::Zero();
+    for (int32_t v : m.cells[c].node) x += m.X_mm[size_t(v)] / 8;
+    return x;
+  };
+  std::map<std::array<int32_t, 4>, size_t> square;  // its nodes -> the first cell that has it
+  for (size_t c = 0; c < m.cells.size(); ++c)
+    for (int axis = 0; axis < 3; ++axis)
+      for (int high = 0; high < 2; ++high) {
+        std::array<int32_t, 4> nodes;
+        for (int a = 0, k = 0; a < 8; ++a)
+          if ((a >> axis & 1) == high) nodes[size_t(k++)] = m.cells[c].node[size_t(a)];
+        const auto [at, is_new] = square.try_emplace(nodes, c);
+        if (is_new || apart(centre(at->second), centre(c))) continue;
+        for (int a = 0; a < 8; ++a)
+          for (int b = 0; b < 8; ++b)
+            if (m.cells[c].node[size_t(a)] == m.cells[at->second].node[size_t(b)] && (a >> axis & 1) == high) {
+              const int32_t p = root(int32_t(8 * c) + a), q = root(int32_t(8 * at->second) + b);
+              up[size_t(std::max(p, q))] = std::min(p, q);
+            }
+      }
+  std::vector<int32_t> node(up.size(), -1);  // of a root
+  std::vector<uint8_t> taken(m.X_mm.size(), 0);
+  for (size_t c = 0; c < m.cells.size(); ++c)
+    for (int a = 0; a < 8; ++a) {
+      int32_t& n = node[size_t(root(int32_t(8 * c) + a))];
+      const int32_t old = before.cells[c].node[size_t(a)];
+      if (n < 0 && !taken[size_t(old)]) {
+        n = old, taken[size_t(old)] = 1;
+      } else if (n < 0) {
+        n = int32_t(m.X_mm.size());
+        m.X_mm.push_back(before.X_mm[size_t(old)]), m.fixed.push_back(before.fixed[size_t(old)]), m.parent.push_back(old);
+      }
+      m.cells[c].node[size_t(a)] = n;
+    }
+  m.mass_kg.assign(m.X_mm.size(), 0);
+  for (const HexCell& c : m.cells) {
+    const Stencil& s = m.stencils[size_t(c.stencil)];
+    for (int32_t v : c.node) m.mass_kg[size_t(v)] += s.density_kg_mm3 * double(c.scale) * s.volume_mm3 / 8;
   }
   return m;
 }
