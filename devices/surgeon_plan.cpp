@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/geometry/spline.h"
+
 namespace limberg {
 
 namespace {
@@ -158,7 +160,9 @@ bool SurgeonPlan::reachable(const ChartPoint& c) {
 
 // ---- commands ----
 
-void SurgeonPlan::plan(const Incise& c) { stroke_command(Tool::scalpel, c.path, false, c.depth_mm, c.angle_deg); }
+void SurgeonPlan::plan(const Incise& c) {
+  stroke_command(Tool::scalpel, c.spline ? spline_through(c.path, 0.5) : c.path, false, c.depth_mm, c.angle_deg);
+}
 void SurgeonPlan::plan(const InciseMore& c) {
   problems_.push_back("a piece of stroke " + std::to_string(c.stroke) + " is no gesture; whole strokes were expected");
 }

@@ -1,6 +1,7 @@
 // Undermining: a sheet under an outline, widened where the outline runs along earlier cuts.
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "sim/cutting/blade_parts.h"
@@ -14,13 +15,42 @@ namespace {
 
 constexpr double kPocketReach = 0.4;  // two sheets nearer than this are one pocket
 constexpr double kSeesWound = 1.5;    // an outline runs along an earlier cut when it stays this near
+constexpr double kSeesRim = 1.2;      // a pocket that begins so near beyond the outline is meant to be joined
+constexpr double kIntoPocket = 1.2;   // ... by reaching so far into it: there the sheets cross
+constexpr double kCornerPast = 0.5;   // a corner that points at a wall is pushed so far through it
 constexpr double kBeforeEnd = 0.5;    // from the free end of a wall, where a sheet's border crosses it
 constexpr double kSheetBeyond =
     1.0;  // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
 
-/// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls. Tells
-/// for every edge of the result whether it was.
-std::vector<Vec2> widen(const WoundMap& wounds, std::span<const Vec2> p, double beyond, std::vector<uint8_t>& along) {
+using Covered = std::function<bool(const Vec2&)>;  // is there an earlier pocket at the sheet's depth?
+
+/// How far an edge a-b must move along `out` to reach well into a pocket whose rim lies beside it: 0 when there is none.
+double shift_into_pocket(const Covered& covered, const Vec2& a, const Vec2& b, const Vec2& out) {
+  const int samples = std::max(3, int((b - a).norm()));
+  int near = 0;
+  double shift = 0;
+  for (int k = 0; k < samples; ++k) {
+    const Vec2 q = a + (b - a) * ((k + 0.5) / samples);
+    if (covered(q)) {
+      if (covered(q - kIntoPocket * out)) continue;  // far in already
+      ++near;
+      shift = std::max(shift, kIntoPocket);
+      continue;
+    }
+    for (double d = 0.3; d <= kSeesRim; d += 0.3)
+      if (covered(q + d * out)) {
+        ++near;
+        shift = std::max(shift, d + kIntoPocket);
+        break;
+      }
+  }
+  return near * 5 < samples * 3 ? 0 : shift;
+}
+
+/// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls, and those
+/// that run along the rim of an earlier pocket into it. Tells for every edge of the result whether it lies past a wall.
+std::vector<Vec2> widen(const WoundMap& wounds, const Covered& covered, std::span<const Vec2> p, double beyond,
+                        std::vector<uint8_t>& along) {
   const size_t n = p.size();
   std::vector<double> shift(n, 0);
   std::vector<Vec2> out_normal(n);
@@ -37,10 +67,10 @@ std::vector<Vec2> widen(const WoundMap& wounds, std::span<const Vec2> p, double 
       ++near;
       shift[i] = std::max(shift[i], (w.point - q).dot(out_normal[i]) + beyond);
     }
-    if (near * 5 < samples * 3)
-      shift[i] = 0;  // less than three fifths of it
-    else
+    if (near * 5 >= samples * 3)
       along[i] = 1;
+    else  // less than three fifths of it
+      shift[i] = shift_into_pocket(covered, a, p[(i + 1) % n], out_normal[i]);
   }
   std::vector<Vec2> q;
   std::vector<uint8_t> edge_along;  // of the edge that begins at each point of q
@@ -79,14 +109,37 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
   if (!why.empty()) return refuse(why);
   std::vector<Vec2> path = clean_outline(outline, why);
   if (path.empty()) return refuse(why);
-  std::vector<uint8_t> along(path.size(), 0);
+  // Two sheets of one nominal depth must not coincide where they overlap.
+  const double raise = kSheetRaise + 0.04 * (c.arrangement ? c.arrangement->operations() % 3 : 0);
+  const double depth = std::max(depth_mm - raise, 0.5 * depth_mm);
+  const PocketMap pockets(c.arrangement);
+  const auto pocket_height = [&](const Vec2& p) -> std::optional<double> {
+    const auto k = column_at(c, p);
+    return k ? pockets.height(k->X - k->normal * depth, k->normal, kPocketReach) : std::nullopt;
+  };
+  std::vector<uint8_t> along(path.size(), 0), past_corner(path.size(), 0);
   if (c.arrangement) {
     const WoundMap wounds(c);
-    std::vector<Vec2> wider = widen(wounds, path, kSheetBeyond, along);
+    std::vector<Vec2> wider = widen(wounds, [&](const Vec2& p) { return pocket_height(p).has_value(); }, path, kSheetBeyond, along);
     if (meets_itself(wider, true))
       along.assign(path.size(), 0);
     else
       path = std::move(wider);
+    // A corner that points at a wall and does not quite reach it does.
+    past_corner.assign(path.size(), 0);
+    std::vector<Vec2> reaching = path;
+    for (size_t i = 0; i < path.size(); ++i) {
+      const WoundMap::Near w = wounds.nearest(path[i]);
+      const Vec2 d = w.point - path[i];
+      if (along[i] || along[(i + path.size() - 1) % path.size()] || w.distance > kSnap || w.distance < 1e-6) continue;
+      if (inside_polygon(path, w.point)) continue;
+      reaching[i] = w.point + kCornerPast * d.normalized();
+      past_corner[i] = 1;
+    }
+    if (meets_itself(reaching, true))
+      past_corner.assign(path.size(), 0);
+    else
+      path = std::move(reaching);
   }
   // Resample edge by edge, so that each boundary vertex knows whether it lies past a wall.
   std::vector<Vec2> boundary;
@@ -96,21 +149,13 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
     const std::vector<Vec2> points = resample(edge, kSheetSpacing, false);
     for (size_t k = 0; k + 1 < points.size(); ++k) {
       boundary.push_back(points[k]);
-      past.push_back(along[i] || (k == 0 && along[(i + path.size() - 1) % path.size()]));
+      past.push_back(along[i] || (k == 0 && (past_corner[i] || along[(i + path.size() - 1) % path.size()])));
     }
   }
   const auto mesh = mesh_polygon(boundary, kSheetSpacing);
   if (!mesh) return refuse("the outline cannot be filled; expected a simple outline");
-  // Two sheets of one nominal depth must not coincide where they overlap.
-  const double raise = kSheetRaise + 0.04 * (c.arrangement ? c.arrangement->operations() % 3 : 0);
-  const double depth = std::max(depth_mm - raise, 0.5 * depth_mm);
   std::vector<Column> columns;
   if (why = columns_at(c, mesh->vertex, columns); !why.empty()) return refuse(why);
-  const PocketMap pockets(c.arrangement);
-  const auto pocket_height = [&](const Vec2& p) -> std::optional<double> {
-    const auto k = column_at(c, p);
-    return k ? pockets.height(k->X - k->normal * depth, k->normal, kPocketReach) : std::nullopt;
-  };
   std::vector<SheetVertex> sheet;
   bool overlaps = false, embedded = false;
   for (const double stiffness : kStiffness) {
@@ -124,7 +169,7 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
         v.height = *h;
         for (int k = 0; k < 8 && v.deep; ++k) {
           const double w = k * std::numbers::pi / 4;
-          v.deep = pocket_height(mesh->vertex[i] + 1.1 * kSheetSpacing * Vec2(std::cos(w), std::sin(w))).has_value();
+          v.deep = pocket_height(mesh->vertex[i] + kDeepReach * Vec2(std::cos(w), std::sin(w))).has_value();
         }
       }
       sheet.push_back(v);

@@ -192,6 +192,7 @@ std::vector<Vec3> DrawnIncision::directions(std::span<const Column> column, std:
 Blade DrawnIncision::strip(const BladeContext& c, std::span<const Column> column, std::span<const Vec3> direction, size_t first,
                            bool closing) {
   Blade blade;
+  blade.strip = true;
   const double total = depth_ + extra_ + margin_;
   const auto level = [&](int r) { return total * r / rows_ - margin_; };  // below the skin
   const bool continues = first + 1 == committed_ && !end_point_.empty();

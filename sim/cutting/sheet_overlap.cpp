@@ -9,7 +9,9 @@ namespace limberg {
 
 namespace {
 
-constexpr double kAbove = 0.08, kBelow = 0.12;  // mm; both well beyond the jitter of 0.008
+// Both well beyond the jitter of 0.008. The sheet crosses the old one at kBelow / (kAbove + kBelow) of a mesh width from
+// where it is below: near there.
+constexpr double kAbove = 0.2, kBelow = 0.05;
 constexpr double kParallel = 0.85;              // cosine between wall and sheet
 
 }  // namespace

@@ -1,7 +1,7 @@
 #pragma once
 // A new undermining sheet over a pocket that is there already: it must run into the pocket, not beside it.
 //
-// Where the old pocket reaches at least a mesh width further, the new sheet dips just below it; elsewhere it stays just
+// Where the old pocket reaches at least kDeepReach further, the new sheet dips just below it; elsewhere it stays just
 // above. So the two cross well inside the old pocket, and what lies beyond the crossing is no seed and is not cut.
 #include <span>
 #include <vector>
@@ -20,10 +20,12 @@ class PocketMap {
   const Arrangement* arrangement_;
 };
 
+inline constexpr double kDeepReach = 0.55;  // a quarter of a mesh width: there the two have crossed
+
 struct SheetVertex {
   Vec3 X_mm, normal;     // on the sheet; outward
   bool covered = false;  // over or under an earlier pocket
-  bool deep = false;     // and so is everything within a mesh width
+  bool deep = false;     // and so is everything within kDeepReach
   double height = 0;     // of that pocket's wall above X
 };
 

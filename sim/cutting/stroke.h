@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/geometry/spline.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg {
@@ -27,11 +28,6 @@ bool meets_itself(std::span<const Vec2> path, bool closed);
 
 /// Divides every segment into equal parts of at most `spacing`; a closed path gets no repeated end.
 std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed);
-
-/// The centripetal Catmull-Rom curve through control points (Yuksel, Schaefer and Keyser 2011: no cusps, no loops of its
-/// own), sampled at most `spacing` apart; control points stay points. Where the control polygon turns by more than 60
-/// degrees the curve keeps the corner. Straight runs stay straight. A path whose last point equals its first is closed.
-std::vector<Vec2> spline_through(std::span<const Vec2> control, double spacing);
 
 /// Where a polyline crosses itself: arc lengths of the two passages, by the later one. Neighbouring segments do not count.
 struct SelfCrossing {

@@ -3,9 +3,13 @@
 //
 // Script: JSON lines (script.h), one object a line, `action` first:
 //   {"limberg_script":1,"scene":"rhomboid","note":"..."}                        first line
-//   {"action":"excise","outline":[[x,y],...],"depth_mm":4}                       a plug: walls and floor, then taken away
+//   {"action":"excise","outline":[[x,y],...],"depth_mm":4}                       a plug: walls and floor, then taken away.
+//                                                                                "floor":false: walls only; what lies within
+//                                                                                must be free below, by undermining or by
+//                                                                                walls that reach through
 //   {"action":"incise","path":[[x,y],...],"depth_mm":4,"angle_deg":90}           angle between blade and skin, in the plane
-//                                                                                across the path; 90 = upright
+//                                                                                across the path; 90 = upright.
+//                                                                                "spline":true: a curve through the points
 //   {"action":"incise","stroke":3,"path":[...],"more":true}                      a piece of an incision that opens while it is
 //                                                                                drawn: further pieces go on from the last
 //                                                                                point, the one without "more" ends it. Depth
@@ -28,13 +32,13 @@
 
 namespace limberg {
 
-struct Incise { std::vector<ChartPoint> path; double depth_mm = 4; double angle_deg = 90; };
+struct Incise { std::vector<ChartPoint> path; double depth_mm = 4; double angle_deg = 90; bool spline = false; };
 /// One more piece of stroke number `stroke`; one with another number begins another stroke. What has been drawn is cut up to
 /// a few mm before its end, all of it with `last`. Undo takes the whole stroke back. A piece that cannot be cut is refused
 /// and stops the stroke there: what was cut before stays, what comes after is refused too.
 struct InciseMore { int stroke = 1; std::vector<ChartPoint> path; double depth_mm = 4; double angle_deg = 90; bool last = false; };
 struct Undermine { std::vector<ChartPoint> outline; double depth_mm = 4; };
-struct Excise { std::vector<ChartPoint> outline; double depth_mm = 4; };
+struct Excise { std::vector<ChartPoint> outline; double depth_mm = 4; bool floor = true; };
 struct SetHook { int id = 0; ChartPoint at{0, 0}; };
 struct MoveHook { int id = 0; Vec3 to_mm{0, 0, 0}; double seconds = 1; };
 struct ReleaseHook { int id = 0; };

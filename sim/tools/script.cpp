@@ -222,17 +222,18 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
                       r.real("angle_deg", d.angle_deg, L::min_angle_deg, L::max_angle_deg, false), !r.boolean("more", false)};
   }
   if (a == "incise") {
-    r.only({"action", "path", "depth_mm", "angle_deg"}, where);
+    r.only({"action", "path", "depth_mm", "angle_deg", "spline"}, where);
     const Incise d;
-    return Incise{r.path("path", 2), depth(r, d.depth_mm), r.real("angle_deg", d.angle_deg, L::min_angle_deg, L::max_angle_deg, false)};
+    return Incise{r.path("path", 2), depth(r, d.depth_mm), r.real("angle_deg", d.angle_deg, L::min_angle_deg, L::max_angle_deg, false),
+                  r.boolean("spline", false)};
   }
   if (a == "undermine") {
     r.only({"action", "outline", "depth_mm"}, where);
     return Undermine{r.path("outline", 3), depth(r, Undermine{}.depth_mm)};
   }
   if (a == "excise") {
-    r.only({"action", "outline", "depth_mm"}, where);
-    return Excise{r.path("outline", 3), depth(r, Excise{}.depth_mm)};
+    r.only({"action", "outline", "depth_mm", "floor"}, where);
+    return Excise{r.path("outline", 3), depth(r, Excise{}.depth_mm), r.boolean("floor", true)};
   }
   if (a == "hook") {
     r.only({"action", "id", "at"}, where);
@@ -347,6 +348,7 @@ std::string to_json_line(const Command& command) {
           j["path"] = json(c.path);
           j["depth_mm"] = c.depth_mm;
           j["angle_deg"] = c.angle_deg;
+          if (c.spline) j["spline"] = true;
         } else if constexpr (std::is_same_v<T, InciseMore>) {
           j["stroke"] = c.stroke;
           j["path"] = json(c.path);
@@ -356,6 +358,8 @@ std::string to_json_line(const Command& command) {
         } else if constexpr (std::is_same_v<T, Undermine> || std::is_same_v<T, Excise>) {
           j["outline"] = json(c.outline);
           j["depth_mm"] = c.depth_mm;
+          if constexpr (std::is_same_v<T, Excise>)
+            if (!c.floor) j["floor"] = false;
         } else if constexpr (std::is_same_v<T, SetHook>) {
           j["id"] = c.id;
           j["at"] = json(c.at);

@@ -4,6 +4,7 @@
 #include "sim/error.h"
 #include "sim/hash.h"
 #include "sim/lattice/embedding.h"
+#include "sim/cutting/stroke_plan.h"
 #include "sim/world/operating_table.h"
 
 namespace limberg {
@@ -42,7 +43,29 @@ BladeContext OperatingTable::blade_context() const {
 
 Outcome OperatingTable::act(const Incise& c) {
   if (!arrangement_) return {false, "this scene cannot be cut; can_cut = true was expected in the scene"};
-  return cut(build_incision(blade_context(), c.path, c.depth_mm, c.angle_deg), false, {});
+  Done done;
+  done.before = moment();
+  const CutResult made = cut_stroke(c.path, c.depth_mm, c.angle_deg, c.spline, done.steps);
+  if (!made.ok())
+    return {false, made.reason.empty() ? "the blade met no tissue that is not cut already; a new cut was expected" : made.reason};
+  return finish(std::move(done));
+}
+
+CutResult OperatingTable::cut_stroke(const std::vector<ChartPoint>& path, double depth_mm, double angle_deg, bool spline,
+                                     std::vector<CutStep>& steps) {
+  const BladeContext context = blade_context();
+  return carry_out(
+      plan_stroke(context, path, depth_mm, angle_deg, spline), context,
+      [&](const Blade& blade) {
+        CutStep step;
+        CutResult one;
+        if (cut_arrangement(blade, false, Vec3::Zero(), step, one).done) steps.push_back(std::move(step));
+        return one;
+      },
+      [&] {
+        take_back({&steps.back(), 1});
+        steps.pop_back();
+      });
 }
 
 Outcome OperatingTable::act(const Undermine& c) {
@@ -57,7 +80,27 @@ Outcome OperatingTable::act(const Excise& c) {
   std::string reason;
   const auto at = find_skin(*inside, reason);
   if (!at) return {false, reason};
-  return cut(build_plug(blade_context(), c.outline, c.depth_mm), true, version_.index->rest_mm(*at));
+  const Vec3 inside_mm = version_.index->rest_mm(*at);
+  if (c.floor) return cut(build_plug(blade_context(), c.outline, c.depth_mm), true, inside_mm);
+  // The walls, as far as they are not there yet; then what they and earlier cuts have freed.
+  std::vector<ChartPoint> ring = c.outline;
+  ring.push_back(ring.front());
+  Done done;
+  done.before = moment();
+  const CutResult made = cut_stroke(ring, c.depth_mm, 90, false, done.steps);
+  if (made.status == CutResult::refused) return {false, made.reason};
+  CutStep taking;
+  taking.excised = arrangement_->loose_component_near(inside_mm, 0.01);
+  const ExciseResult taken = taking.excised < 0 ? ExciseResult{} : arrangement_->excise(taking.excised);
+  if (!taken.done) {
+    take_back(done.steps);
+    return {false, "the tissue inside the outline is still attached; walls that reach through, or undermining below it, were expected"};
+  }
+  taking.debris = arrangement_->sweep_debris(kDebris_mm3);
+  taking.taken_mm3 = taken.volume_mm3;
+  taking.hash_after = arrangement_->hash();
+  done.steps.push_back(std::move(taking));
+  return finish(std::move(done));
 }
 
 Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step,
@@ -98,13 +141,17 @@ Outcome OperatingTable::cut(const BladeResult& blade, bool take_out, const Vec3&
   CutResult made;
   if (const Outcome o = cut_arrangement(*blade.blade, take_out, inside_mm, step, made); !o.done) return o;
   done.steps.push_back(std::move(step));
+  return finish(std::move(done));
+}
+
+Outcome OperatingTable::finish(Done done) {
   const Outcome built = rebuild();
   if (!built.done) {
     take_back(done.steps);
     return built;
   }
   ++cuts_;
-  removed_volume_mm3_ += done.steps[0].taken_mm3 + done.steps[0].debris.volume_mm3;
+  for (const CutStep& s : done.steps) removed_volume_mm3_ += s.taken_mm3 + s.debris.volume_mm3;
   volume_mm3_ = arrangement_->volume_mm3();
   done.ancestor = version_.model->parent;
   remember(std::move(done));

@@ -40,7 +40,7 @@ Outcome OperatingTable::cut_on(bool last) {
   if (!stroke_->cut) before = moment();
   CutStep step;
   CutResult made;
-  if (const Outcome o = cut_arrangement(*blade.blade, false, {}, step, made); !o.done) {
+  if (const Outcome o = cut_arrangement(*blade.blade, false, Vec3::Zero(), step, made); !o.done) {
     if (made.status != CutResult::nothing_to_cut) return o;
     stroke_->drawn.was_nothing(blade_context());  // over a hole, or along an earlier cut
     return {true, {}};

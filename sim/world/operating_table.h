@@ -71,7 +71,7 @@ class OperatingTable {
   };
   /// One cut of the arrangement with what went with it: enough to make it again.
   struct CutStep {
-    Blade blade;
+    Blade blade;              // empty: it only takes something out
     uint64_t seed = 0;
     int first_try = 0;
     int32_t excised = -1;     // the component that was taken out afterwards
@@ -112,6 +112,11 @@ class OperatingTable {
   Outcome act(const Wait&);
 
   Outcome cut(const BladeResult& blade, bool take_out, const Vec3& inside_mm);
+  /// The cuts of one stroke on the arrangement alone; refused: nothing has changed.
+  CutResult cut_stroke(const std::vector<ChartPoint>& path, double depth_mm, double angle_deg, bool spline,
+                       std::vector<CutStep>& steps);
+  /// What follows the cuts of one act: lattice, model and surface anew, and an entry in the history; or all is taken back.
+  Outcome finish(Done done);
   /// Blade, excision and sweeping on the arrangement alone; refused: nothing has changed.
   Outcome cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step, CutResult& made);
   /// The next piece of the stroke that is being drawn; refused: nothing has changed.

@@ -58,8 +58,9 @@ void OperatingTable::take_back(std::span<const CutStep> steps) {
 }
 
 bool OperatingTable::cut_again(const CutStep& s) {
-  if (!arrangement_->cut(s.blade, s.seed, s.first_try).ok()) return false;
-  int operations = 1;
+  const bool cuts = !s.blade.tri.empty();  // else it only takes something out
+  if (cuts && !arrangement_->cut(s.blade, s.seed, s.first_try).ok()) return false;
+  int operations = cuts;
   if (s.excised >= 0) operations += arrangement_->excise(s.excised).done;
   arrangement_->sweep_debris(kDebris_mm3);
   if (operations == s.operations && arrangement_->hash() == s.hash_after) return true;

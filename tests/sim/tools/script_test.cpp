@@ -95,6 +95,13 @@ TEST(Script, DefaultsBlankLinesAndCarriageReturns) {
   EXPECT_EQ(c.depth_mm, Incise{}.depth_mm);
   EXPECT_EQ(c.angle_deg, 90);
   EXPECT_EQ(c.path[1], ChartPoint(1, 2));
+  EXPECT_FALSE(c.spline);
+  const Command curve = parse_command("{\"action\":\"incise\",\"path\":[[0,0],[1,2],[3,2]],\"spline\":true}", "m", 1);
+  EXPECT_TRUE(std::get<Incise>(curve).spline);
+  EXPECT_TRUE(std::get<Incise>(parse_command(to_json_line(curve), "m", 1)).spline);
+  const Command ring = parse_command("{\"action\":\"excise\",\"outline\":[[0,0],[1,2],[3,2]],\"floor\":false}", "m", 1);
+  EXPECT_FALSE(std::get<Excise>(ring).floor);
+  EXPECT_FALSE(std::get<Excise>(parse_command(to_json_line(ring), "m", 1)).floor);
 }
 
 // Each broken line must be refused with file:line and a word that names the trouble.
@@ -105,6 +112,7 @@ TEST(Script, RefusesWithPlaceAndReason) {
       {R"({"action":3})", "not a text"},
       {R"({"action":"incise"})", "path"},
       {R"({"action":"incise","path":[]})", "0 points"},
+      {R"({"action":"incise","path":[[0,0],[1,2]],"spline":1})", "true nor false"},
       {R"({"action":"incise","path":[[0,0]]})", "1 points"},
       {R"({"action":"incise","path":[[0,0],[1]]})", "2 numbers"},
       {R"({"action":"incise","path":[[0,0],[1,2,3]]})", "2 numbers"},

@@ -203,6 +203,60 @@ TEST(World, TheSameActionsGiveTheSameBits) {
   EXPECT_EQ(run(), run());
 }
 
+TEST(World, AStrokeOfSeveralCutsIsOneAct) {
+  InlineWorkers workers;
+  World world(small_block(), workers);
+  const uint64_t hash = world.topology()->hash;
+  // Across itself, then the same line again and deeper, and on beyond its end.
+  const std::vector<ChartPoint> alpha{{-16, 0}, {8, 0.5}, {11, 7}, {3, 10}, {-3, -10}};
+  for (const Incise& c : {Incise{alpha, 4, 90}, Incise{alpha, 6.5, 90}, Incise{{{-10, 0.1}, {-24, -0.2}}, 5, 90}}) {
+    const uint64_t before = world.topology()->hash;
+    Outcome o = world.apply(c);
+    ASSERT_TRUE(o.done) << o.reason;
+    const uint64_t after = world.topology()->hash;
+    EXPECT_NE(after, before);
+    ASSERT_TRUE(world.apply(Undo{}).done);
+    EXPECT_EQ(world.topology()->hash, before);
+    ASSERT_TRUE(world.apply(Redo{}).done);
+    EXPECT_EQ(world.topology()->hash, after);
+    EXPECT_EQ(world.pieces(), 1);
+    o = world.apply(c);
+    EXPECT_FALSE(o.done);
+    EXPECT_EQ(world.topology()->hash, after);
+    settle(world, 30);
+  }
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(world.apply(Undo{}).done);
+  EXPECT_EQ(world.topology()->hash, hash);
+}
+
+TEST(World, APlugWithoutFloorLeavesOnceItIsUndermined) {
+  InlineWorkers workers;
+  World world(small_block(), workers);
+  const std::vector<ChartPoint> ring{{8, 0}, {0, 7}, {-8, 0}, {0, -7}};
+  const uint64_t hash = world.topology()->hash;
+  Outcome o = world.apply(Excise{ring, 4, false});
+  EXPECT_FALSE(o.done);  // still attached below
+  EXPECT_EQ(world.topology()->hash, hash);
+  ASSERT_TRUE(world.apply(Incise{{ring[0], ring[1], ring[2], ring[3], ring[0]}, 4, 90}).done);
+  o = world.apply(Undermine{ring, 4});
+  ASSERT_TRUE(o.done) << o.reason;
+  EXPECT_EQ(world.pieces(), 2);
+  settle(world, 30);
+  o = world.apply(Excise{ring, 4, false});  // its walls are there already: it only takes the piece out
+  ASSERT_TRUE(o.done) << o.reason;
+  EXPECT_EQ(world.pieces(), 1);
+  EXPECT_NEAR(world.removed_volume_mm3(), 2 * 8 * 7 * 3.85, 8);
+  EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);
+  const uint64_t taken = world.topology()->hash;
+  ASSERT_TRUE(world.apply(Undo{}).done);
+  EXPECT_EQ(world.pieces(), 2);
+  ASSERT_TRUE(world.apply(Redo{}).done);
+  EXPECT_EQ(world.topology()->hash, taken);
+  // Walls that reach through need no undermining.
+  o = world.apply(Excise{{{20, 14}, {14, 20}, {8, 14}, {14, 8}}, 12, false});
+  ASSERT_TRUE(o.done) << o.reason;
+}
+
 TEST(World, ASceneThatCannotBeCutSaysSo) {
   InlineWorkers workers;
   WorldSpec spec = small_block();

@@ -1,0 +1,173 @@
+// Named cases at the level of strokes: pockets that meet incisions and one another, flaps cut without their bed, plugs
+// without a floor, cuts across holes.
+#include "tests/sim/cutting/patient.h"
+
+namespace limberg::test {
+namespace {
+
+std::vector<Vec2> box(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
+
+/// Live walls across the vertical through a point of the chart, as heights, from above down.
+std::vector<double> walls_below(const Patient& p, const Vec2& q) {
+  std::vector<double> z;
+  for (const Face& f : p.a.faces()) {
+    if (!f.live() || f.mat != 3) continue;
+    const Vec3 a = p.a.point_mm(f.v[0]), b = p.a.point_mm(f.v[1]), c = p.a.point_mm(f.v[2]);
+    const std::vector<Vec2> t{a.head<2>(), b.head<2>(), c.head<2>()};
+    if (std::abs(signed_area(t)) > 1e-6 && inside_polygon(t, q)) z.push_back(a.z());
+  }
+  std::sort(z.rbegin(), z.rend());
+  return z;
+}
+
+TEST(PocketCases, Case29_MeetsTheIncisionExactlyShortOrPast) {
+  // The outline's long edge on the incision's line, short of it and past it: one ball, and the flap's edge is free.
+  for (const double gap : {-1.4, -0.6, -0.1, 0.0, 0.1, 0.6, 1.2}) {
+    SCOPED_TRACE(gap);
+    Patient p(2);
+    ASSERT_TRUE(p.incise({{-20, 0.3}, {20, 0.3}}).ok());
+    const CutResult r = p.undermine(box(-15, 0.3 - gap, 15, 15));
+    ASSERT_TRUE(r.ok()) << r.reason;
+    EXPECT_EQ(euler(p.a), Chi{2});
+    EXPECT_EQ(walls_below(p, {0.2, 0.9}).size(), 1u);
+    EXPECT_EQ(walls_below(p, {0.2, -0.8}).size(), 0u);  // nothing beyond the wall (case 30)
+  }
+  // A pocket that only points at the incision.
+  for (const double gap : {-0.4, 0.0, 0.3, 0.45}) {
+    SCOPED_TRACE(gap);
+    Patient p(2);
+    ASSERT_TRUE(p.incise({{-20, 0.3}, {20, 0.3}}).ok());
+    const CutResult r = p.undermine({{0, 0.3 + gap}, {9, 14}, {-8, 15}});
+    ASSERT_TRUE(r.ok()) << r.reason;
+    EXPECT_EQ(euler(p.a), Chi{2});
+    EXPECT_EQ(walls_below(p, {0.3, 8}).size(), 1u);
+  }
+  // One that is out of reach meets nothing.
+  Patient p(2);
+  ASSERT_TRUE(p.incise({{-20, 0.3}, {20, 0.3}}).ok());
+  const uint64_t hash = p.a.full_hash();
+  const CutResult r = p.undermine(box(-15, 4, 15, 15));
+  EXPECT_EQ(r.status, CutResult::refused);
+  EXPECT_NE(r.reason.find("meets no surface"), std::string::npos);
+  EXPECT_EQ(p.a.full_hash(), hash);
+}
+
+TEST(PocketCases, Case31_TwoPocketsThatMerge) {
+  // From two parallel incisions towards each other: the skin between them becomes a bridge, one handle. Overlapping much,
+  // little, just touching, and short of each other by what a hand misses.
+  for (const double overlap : {8.0, 4.0, 3.0, 2.0, 1.4, 1.0, 0.5, 0.0, -0.4, -0.8}) {
+    SCOPED_TRACE(overlap);
+    Patient p(2);
+    ASSERT_TRUE(p.incise({{-22, -12}, {22, -12}}).ok());
+    ASSERT_TRUE(p.incise({{-22, 12}, {22, 12}}).ok());
+    ASSERT_TRUE(p.undermine(box(-17, -12, 17, overlap / 2)).ok());
+    EXPECT_EQ(euler(p.a), Chi{2});
+    const CutResult r = p.undermine(box(-15, -overlap / 2, 15, 12));
+    ASSERT_TRUE(r.ok()) << r.reason;
+    EXPECT_EQ(p.a.pieces(), 1);
+    EXPECT_EQ(euler(p.a), Chi{0});
+    for (double x = -14; x < 14; x += 0.7)
+      for (double y = -10; y < 11; y += 0.7) EXPECT_GE(walls_below(p, {x, y}).size(), 1u) << x << " " << y;
+    while (p.a.undo()) ASSERT_EQ(p.a.check_all(), "");
+  }
+}
+
+TEST(PocketCases, ADeeperSecondPocket) {
+  Patient p(2);
+  ASSERT_TRUE(p.incise({{-20, 0}, {20, 0}}, 3).ok());
+  ASSERT_TRUE(p.undermine(box(-15, 0, 15, 14), 3).ok());
+  // Deeper than the incision: out of reach until the incision is deepened.
+  EXPECT_EQ(p.undermine(box(-13, 0, 13, 12), 6).status, CutResult::refused);
+  ASSERT_TRUE(p.incise({{-20, 0}, {20, 0}}, 6).ok());
+  EXPECT_EQ(euler(p.a), Chi{2});
+  ASSERT_TRUE(p.undermine(box(-13, 0, 13, 12), 6).ok());
+  EXPECT_EQ(euler(p.a), Chi{2});
+  EXPECT_EQ(p.a.pieces(), 1);
+  const std::vector<double> z = walls_below(p, {1.1, 6.3});
+  ASSERT_EQ(z.size(), 2u);
+  EXPECT_NEAR(z[0], -2.85, 0.15);
+  EXPECT_NEAR(z[1], -5.85, 0.15);
+}
+
+TEST(PocketCases, Case32_AFlapIsCutWithoutItsBed) {
+  Patient p(2);
+  ASSERT_TRUE(p.incise({{-20, 0}, {20, 0}}).ok());
+  ASSERT_TRUE(p.undermine(box(-18, 0, 18, 18)).ok());
+  const std::vector<int32_t> before = p.live_walls();
+  // Across the flap, deeper than it is thick: from its free edge, and wholly within it.
+  for (const std::vector<Vec2>& path : {std::vector<Vec2>{{3, 0}, {4, 12}}, std::vector<Vec2>{{-10, 5}, {-5, 11}}}) {
+    const CutResult r = p.incise(path, 6);
+    ASSERT_TRUE(r.ok()) << r.reason;
+    for (int32_t f : p.a.last_operation().new_walls)
+      for (int32_t v : p.a.faces()[f].v) EXPECT_GT(p.a.point_mm(v).z(), -4.1);
+  }
+  EXPECT_EQ(euler(p.a), Chi{0});  // the second is a slit through the flap: one handle
+  // Deepening it would cut the bed: it ends on the pocket and has no front there.
+  EXPECT_EQ(p.incise({{-10, 5}, {-5, 11}}, 8).status, CutResult::nothing_to_cut);
+}
+
+TEST(PocketCases, Case33_StackedPieces) {
+  // A plug cut free but left in place over its bed: a stroke on it spares the bed, one across plug
+  // and skin cuts both.
+  Patient p(2);
+  ASSERT_TRUE(p.cut(build_plug(p.context(), std::vector<Vec2>{{9, 0}, {0, 8}, {-9, 0}, {0, -8}}, 4)).ok());
+  ASSERT_EQ(p.a.pieces(), 2);
+  ASSERT_TRUE(p.incise({{-5, 2}, {5, 2}}, 6).ok());  // within the plug, deeper than it
+  for (int32_t f : p.a.last_operation().new_walls)
+    for (int32_t v : p.a.faces()[f].v) EXPECT_GT(p.a.point_mm(v).z(), -4.01);
+  EXPECT_EQ(p.a.pieces(), 2);
+  ASSERT_TRUE(p.incise({{-18, -1}, {18, -1.5}}, 4).ok());  // across both
+  EXPECT_EQ(p.a.pieces(), 3);                              // the plug is parted, the rest is one
+  EXPECT_TRUE(p.a.undo());
+  EXPECT_EQ(p.a.pieces(), 2);
+}
+
+TEST(PocketCases, Case36_AcrossAHole) {
+  Patient p(2);
+  ASSERT_TRUE(p.cut(build_plug(p.context(), std::vector<Vec2>{{7, 0}, {0, 6}, {-7, 0}, {0, -6}}, 4)).ok());
+  ASSERT_TRUE(p.a.excise(p.a.loose_component_near({0, 0, -2}, 5)).done);
+  for (const double depth : {3.0, 6.0}) {
+    const CutResult r = p.incise({{-18, 0.4}, {18, -0.3}}, depth);
+    ASSERT_TRUE(r.ok()) << r.reason;
+    EXPECT_EQ(euler(p.a), Chi{2});
+    bool left = false, right = false;
+    for (int32_t f : p.a.last_operation().new_walls) {
+      const Face& t = p.a.faces()[f];
+      const Vec3 c = (p.a.point_mm(t.v[0]) + p.a.point_mm(t.v[1]) + p.a.point_mm(t.v[2])) / 3;
+      left = left || c.x() < -7, right = right || c.x() > 7;
+      if (std::abs(c.x()) < 6) {
+        EXPECT_LT(c.z(), -3.9);  // no wall in the void
+      }
+    }
+    EXPECT_TRUE(left && right);
+  }
+}
+
+TEST(PocketCases, Case4_APlugWithoutFloorIsFreedByUndermining) {
+  for (const double beyond : {-0.3, 0.0, 0.4, 6.0}) {
+    SCOPED_TRACE(beyond);
+    Patient p(2);
+    const double v = p.a.volume_mm3();
+    std::vector<Vec2> ring;
+    for (int i = 0; i < 20; ++i) ring.push_back(9.0 * Vec2(std::cos(i * M_PI / 10), std::sin(i * M_PI / 10)));
+    std::vector<Vec2> closed = ring;
+    closed.push_back(ring[0]);
+    ASSERT_TRUE(p.incise(closed).ok());
+    EXPECT_EQ(p.a.pieces(), 1);
+    std::vector<Vec2> outline;
+    for (const Vec2& q : ring) outline.push_back(q * ((9 + beyond) / 9));
+    const CutResult r = p.undermine(outline);
+    ASSERT_TRUE(r.ok()) << r.reason;
+    EXPECT_EQ(p.a.pieces(), 2);
+    const ExciseResult e = p.a.excise(p.a.loose_component_near({0, 0, -1}, 5));
+    ASSERT_TRUE(e.done);
+    // The sheet lies 0.15 to 0.23 mm above the depth asked (blade_build.h).
+    EXPECT_NEAR(e.volume_mm3, 3.81 * std::abs(signed_area(ring)), 0.045 * std::abs(signed_area(ring)));
+    EXPECT_NEAR(p.a.volume_mm3() + e.volume_mm3, v, 1e-9 * v);
+    EXPECT_EQ(p.a.check_all(), "");
+    EXPECT_EQ(euler(p.a), Chi{2});
+  }
+}
+
+}  // namespace
+}  // namespace limberg::test
