@@ -24,6 +24,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   const auto body = std::make_shared<const Body>(wavy_slab(slab_cells));
   const Blade blade = curved_blade(*body, {});
   Arrangement a(body->surface, body->grid);
+  a.components();  // as World has asked for them by then
   const LatticeGrid grid = fit_lattice(*body, cell_mm);
   const Skin skin(body);
   const StencilTable stencils(skin, grid);

@@ -128,6 +128,23 @@ std::string Arrangement::check_all() const {
   for (size_t c = 0; c < all.size(); ++c)
     if (faces[c] % 2 != 0 || (vertices[c] - faces[c] / 2) % 2 != 0)
       return at("I3: odd Euler characteristic, component", int64_t(c));
+  // Components kept from cut to cut are those found afresh.
+  if (s.components_known) {
+    const Components kept = s.component;
+    const std::vector<int32_t> kept_of = s.component_of;
+    s.components_known = false;
+    s.find_components();
+    if (kept.volume != s.component.volume || kept.all.size() != s.component.all.size())
+      return "the components are not what they were said to be";
+    for (size_t c = 0; c < kept.all.size(); ++c)
+      if (kept.all[c].first_sided_face != s.component.all[c].first_sided_face ||
+          kept.all[c].sided_faces != s.component.all[c].sided_faces ||
+          kept.all[c].touches_fixed != s.component.all[c].touches_fixed)
+        return "a component is not what it was said to be";
+    for (int32_t i = 0; i < int32_t(kept_of.size()); ++i)
+      if (s.face[i / 2].has_side(i % 2) && kept_of[i] != s.component_of[i])
+        return at("a sided face is said to be in another component, face", i / 2);
+  }
   return {};
 }
 

@@ -1,4 +1,10 @@
-// Components of the sided surface and the mesh that is read off the gluing.
+// Components of the sided surface.
+//
+// A cut divides faces and adds walls; almost always the surface stays in one piece. That is seen from what is new alone:
+// whatever of the old surface a path led through, the path can be led through the new sided faces instead, for every
+// broken link now ends at one of them. So if the new sided faces hang together, or are found to by searches that start
+// from all their groups at once and go outwards in turns, the component is what it was, with other faces. When a search
+// comes to an end without meeting another, something has come off, and all is found afresh.
 #include <algorithm>
 #include <limits>
 
@@ -9,66 +15,207 @@ namespace limberg {
 
 namespace {
 
-void find_components(const ArrangementStore& s) {
-  if (s.components_known) return;
-  s.component.clear();
-  s.component_of.assign(2 * s.face.size(), -1);
+// 6 times the signed volume under a sided face, in half-units^3 times 2^20. A sum of such is the same in any order.
+int128 volume_under(const ArrangementStore& s, int32_t sided) {
+  const Face& f = s.face[sided / 2];
+  const Vec3 &a = s.points.approx(f.v[0]), &b = s.points.approx(f.v[1]), &c = s.points.approx(f.v[2]);
+  return int128((sided % 2 == 1 ? 0x1p20 : -0x1p20) * a.dot(b.cross(c)));
+}
+
+double to_mm3(const ArrangementStore& s, const int128& volume) {
   const double unit = s.grid.half_unit_mm();
-  std::vector<int32_t> stack;
-  for (int32_t start = 0; start < int32_t(2 * s.face.size()); ++start) {
-    if (s.component_of[start] >= 0 || !s.face[start / 2].has_side(start % 2)) continue;
-    const int32_t id = int32_t(s.component.size());
-    SurfaceComponent c;
-    c.first_sided_face = start;
-    double sum = 0, lost = 0;  // compensated: 6 V in half-units^3
-    stack.push_back(start);
-    s.component_of[start] = id;
-    while (!stack.empty()) {
-      const int32_t sided = stack.back();
-      stack.pop_back();
-      const Face& f = s.face[sided / 2];
-      ++c.sided_faces;
-      c.touches_fixed = c.touches_fixed || (s.is_body(f.orig) && s.tag[f.orig] == SurfaceTag::fixed);
-      const Vec3 &a = s.points.approx(f.v[0]), &b = s.points.approx(f.v[1]), &d = s.points.approx(f.v[2]);
-      const double term = (sided % 2 == 1 ? 1.0 : -1.0) * a.dot(b.cross(d)) - lost;
-      const double next = sum + term;
-      lost = (next - sum) - term;
-      sum = next;
-      for (int k = 0; k < 3; ++k) {
-        const int32_t m = s.mate[sided / 2][size_t(3 * (sided % 2) + k)];
-        if (m < 0 || s.component_of[m / 3] >= 0) continue;
-        s.component_of[m / 3] = id;
-        stack.push_back(m / 3);
-      }
-    }
-    c.volume_mm3 = sum * unit * unit * unit / 6;
-    s.component.push_back(c);
-  }
-  s.components_known = true;
+  return double(volume) * 0x1p-20 * unit * unit * unit / 6;
+}
+
+bool is_fixed(const ArrangementStore& s, int32_t sided) {
+  const int32_t o = s.face[sided / 2].orig;
+  return s.is_body(o) && s.tag[o] == SurfaceTag::fixed;
 }
 
 }  // namespace
 
+void ArrangementStore::find_components() const {
+  if (components_known) return;
+  component = {};
+  component_of.assign(2 * face.size(), -1);
+  std::vector<int32_t> stack;
+  for (int32_t start = 0; start < int32_t(2 * face.size()); ++start) {
+    if (component_of[start] >= 0 || !face[start / 2].has_side(start % 2)) continue;
+    const int32_t id = int32_t(component.all.size());
+    SurfaceComponent c;
+    c.first_sided_face = start;
+    int128 volume = 0;
+    stack.push_back(start);
+    component_of[start] = id;
+    while (!stack.empty()) {
+      const int32_t sided = stack.back();
+      stack.pop_back();
+      ++c.sided_faces;
+      c.touches_fixed = c.touches_fixed || is_fixed(*this, sided);
+      volume += volume_under(*this, sided);
+      for (int k = 0; k < 3; ++k) {
+        const int32_t m = mate[sided / 2][size_t(3 * (sided % 2) + k)];
+        if (m < 0 || component_of[m / 3] >= 0) continue;
+        component_of[m / 3] = id;
+        stack.push_back(m / 3);
+      }
+    }
+    c.volume_mm3 = to_mm3(*this, volume);
+    component.all.push_back(c);
+    component.volume.push_back(volume);
+  }
+  components_known = true;
+}
+
+void ArrangementStore::update_components(Delta& delta) {
+  if (!components_known) return;
+  components_known = false;  // until it has worked out
+  const int32_t old_sided = 2 * delta.faces;
+
+  // New sided faces, in groups that hang together by themselves.
+  std::vector<int32_t> fresh;
+  for (int32_t f : last.added)
+    for (int side = 0; side < 2; ++side)
+      if (face[f].has_side(side)) fresh.push_back(sided_face(f, side));
+  std::vector<int32_t> index(2 * face.size() - size_t(old_sided), -1), parent(fresh.size());
+  for (size_t i = 0; i < fresh.size(); ++i) index[size_t(fresh[i] - old_sided)] = parent[i] = int32_t(i);
+  const auto root = [&](int32_t i) {
+    while (parent[size_t(i)] != i) i = parent[size_t(i)] = parent[size_t(parent[size_t(i)])];
+    return i;
+  };
+  const auto unite = [&](int32_t a, int32_t b) {
+    a = root(a), b = root(b);
+    if (a != b) parent[size_t(std::max(a, b))] = std::min(a, b);
+    return a != b;
+  };
+  const auto neighbour = [&](int32_t sided, int k) {
+    const int32_t m = mate[sided / 2][size_t(3 * (sided % 2) + k)];
+    return m < 0 ? -1 : m / 3;
+  };
+  std::vector<int32_t> of_group(fresh.size(), -1);  // by root: the component that the group hangs on
+  for (size_t i = 0; i < fresh.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      if (const int32_t n = neighbour(fresh[i], k); n >= old_sided) unite(int32_t(i), index[size_t(n - old_sided)]);
+  for (size_t i = 0; i < fresh.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const int32_t n = neighbour(fresh[i], k);
+      if (n < 0 || n >= old_sided) continue;
+      int32_t& c = of_group[size_t(root(int32_t(i)))];
+      if (c >= 0 && c != component_of[n]) return;  // two components have become one
+      c = component_of[n];
+    }
+
+  // Searches from every group outwards, in turns, until those of one component have met.
+  struct Search {
+    int32_t group, component;
+    std::vector<int32_t> queue;
+    size_t next = 0;
+  };
+  std::vector<Search> search;
+  for (size_t i = 0; i < fresh.size(); ++i) {
+    if (root(int32_t(i)) != int32_t(i)) continue;
+    if (of_group[i] < 0) return;  // a surface of its own
+    search.push_back({int32_t(i), of_group[i], {}, 0});
+  }
+  const auto alone = [&](const Search& s) {  // met by all others of its component?
+    for (const Search& t : search)
+      if (t.component == s.component && root(t.group) != root(s.group)) return false;
+    return true;
+  };
+  bool apart = false;
+  for (const Search& s : search) apart = apart || !alone(s);
+  if (apart) {
+    std::vector<int32_t> reached(size_t(old_sided), -1);  // by which group
+    for (size_t i = 0; i < fresh.size(); ++i)
+      for (Search& s : search)
+        if (s.group == root(int32_t(i))) s.queue.push_back(fresh[i]);
+    while (apart) {
+      apart = false;
+      for (Search& s : search) {
+        if (alone(s)) continue;
+        apart = true;
+        if (s.next == s.queue.size()) {
+          // Its own way is at an end; it may belong to a group that still goes on.
+          bool others = false;
+          for (const Search& t : search) others = others || (root(t.group) == root(s.group) && t.next < t.queue.size());
+          if (!others) return;
+          continue;
+        }
+        const int32_t at = s.queue[s.next++];
+        for (int k = 0; k < 3; ++k) {
+          const int32_t n = neighbour(at, k);
+          if (n < 0) continue;
+          if (n >= old_sided) {
+            unite(s.group, index[size_t(n - old_sided)]);
+          } else if (reached[size_t(n)] < 0) {
+            reached[size_t(n)] = s.group;
+            s.queue.push_back(n);
+          } else {
+            unite(s.group, reached[size_t(n)]);
+          }
+        }
+      }
+    }
+  }
+
+  // Every component that has lost faces has got new ones.
+  std::vector<uint8_t> met(component.all.size(), 0);
+  for (const Search& s : search) met[size_t(s.component)] = 1;
+  for (int32_t f : last.removed)
+    for (int side = 0; side < 2; ++side)
+      if ((face[f].mat >> side & 1) && !met[size_t(component_of[sided_face(f, side)])]) return;
+
+  Components now = component;
+  component_of.resize(2 * face.size(), -1);
+  for (size_t i = 0; i < fresh.size(); ++i) {
+    int32_t c = -1;
+    for (const Search& s : search)
+      if (root(s.group) == root(int32_t(i))) c = s.component;
+    component_of[fresh[i]] = c;
+    ++now.all[size_t(c)].sided_faces;
+    now.volume[size_t(c)] += volume_under(*this, fresh[i]);
+  }
+  for (int32_t f : last.removed)
+    for (int side = 0; side < 2; ++side)
+      if (face[f].mat >> side & 1) {
+        const int32_t sided = sided_face(f, side), c = component_of[sided];
+        --now.all[size_t(c)].sided_faces;
+        now.volume[size_t(c)] -= volume_under(*this, sided);
+      }
+  for (size_t c = 0; c < now.all.size(); ++c) {
+    SurfaceComponent& one = now.all[c];
+    if (!met[c]) continue;
+    int32_t& at = one.first_sided_face;
+    while (!face[at / 2].has_side(at % 2) || component_of[at] != int32_t(c)) ++at;
+    one.volume_mm3 = to_mm3(*this, now.volume[c]);
+  }
+  for (size_t c = 0; c + 1 < now.all.size(); ++c)
+    if (now.all[c].first_sided_face > now.all[c + 1].first_sided_face) return;  // they change their numbers
+  delta.component = std::move(component);
+  component = std::move(now);
+  components_known = true;
+}
+
 const std::vector<SurfaceComponent>& Arrangement::components() const {
-  find_components(*store_);
-  return store_->component;
+  store_->find_components();
+  return store_->component.all;
 }
 
 int32_t Arrangement::component_of(int32_t sided) const {
-  find_components(*store_);
-  return store_->component_of[sided];
+  store_->find_components();
+  return store_->face[sided / 2].has_side(sided % 2) ? store_->component_of[sided] : -1;
 }
 
 int32_t Arrangement::loose_component_near(const Vec3& at_mm, double max_distance_mm) const {
-  find_components(*store_);
-  const auto& all = store_->component;
+  store_->find_components();
+  const auto& all = store_->component.all;
   size_t largest = 0;
   for (size_t i = 1; i < all.size(); ++i)
     if (all[i].volume_mm3 > all[largest].volume_mm3) largest = i;
   int32_t best[2] = {-1, -1};  // loose; touching the held side
   double distance[2] = {max_distance_mm, max_distance_mm};
   for (int32_t sided = 0; sided < int32_t(2 * store_->face.size()); ++sided) {
-    const int32_t c = store_->component_of[sided];
+    const int32_t c = store_->face[sided / 2].has_side(sided % 2) ? store_->component_of[sided] : -1;
     if (c < 0 || size_t(c) == largest || all[size_t(c)].volume_mm3 <= 0) continue;
     const Face& f = store_->face[sided / 2];
     const double d =

@@ -33,6 +33,7 @@ void CutBuilder::abandon() {
     for (int32_t f : store_.last.removed) store_.account(f, false);
     for (int32_t f : store_.last.added) store_.account(f, true);
   }
+  if (store_.components_known) delta_.component = store_.component;  // a try does not touch them before it succeeds
   store_.take_back(delta_);
   if (committing_) store_.last = std::move(last_before_);
 }

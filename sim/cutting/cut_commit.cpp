@@ -209,7 +209,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   result.blade_point = blade_point_;
   if (store_.points.fails()) return fail(coincidence, "made to fail");
   store_.history.push_back(std::move(delta_));
-  store_.components_known = false;
+  store_.update_components(store_.history.back());
   return ok;
 }
 

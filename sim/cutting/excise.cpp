@@ -72,6 +72,7 @@ int32_t ArrangementStore::clear_components(const std::vector<uint8_t>& marked, D
     list->erase(std::unique(list->begin(), list->end()), list->end());
   }
   components_known = false;
+  d.component.reset();
   return cleared;
 }
 

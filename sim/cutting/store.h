@@ -24,6 +24,12 @@ struct OpRecord {
   bool strip = false;                              // Blade::strip
 };
 
+/// The components of the sided surface; volumes also as exact sums, so that they do not depend on any order.
+struct Components {
+  std::vector<SurfaceComponent> all;  // in order of their smallest sided face
+  std::vector<int128> volume;         // 6 V in half-units^3, times 2^20
+};
+
 /// Everything needed to take one operation back, and nothing else.
 struct Delta {
   LastOperation::Kind kind = LastOperation::none;
@@ -38,6 +44,7 @@ struct Delta {
   };
   std::vector<OrigBefore> orig;
   uint64_t hash_sum = 0, volume_residue = 0;
+  std::optional<Components> component;  // when the operation changed nothing but their sizes (components.cpp)
 };
 
 struct ArrangementStore {
@@ -56,10 +63,10 @@ struct ArrangementStore {
   uint64_t hash_sum = 0;        // sum of face_hash over live faces
   uint64_t volume_residue = 0;  // 6 V modulo kPrime
 
-  // Read off once per version (components.cpp).
+  // Found when asked for, then kept up to date from cut to cut where that is possible (components.cpp).
   mutable bool components_known = false;
-  mutable std::vector<SurfaceComponent> component;
-  mutable std::vector<int32_t> component_of;  // per sided face, -1 without material
+  mutable Components component;
+  mutable std::vector<int32_t> component_of;  // per sided face; of no meaning without material
 
   bool is_body(int32_t o) const { return orig[o].op == 0; }
   std::span<const int32_t> faces_of(int32_t o) const {
@@ -85,6 +92,12 @@ struct ArrangementStore {
   /// Sets the mates of every live face at the edge a-b by the radial rule; old ones of faces older than `delta` go to it. Returns a
   /// description of the contradiction if there is one, else null.
   const char* glue_edge(int32_t a, int32_t b, Delta* delta);
+
+  // components.cpp
+  void find_components() const;
+  /// After a cut: when every component that it went through is still one piece, brings them up to date at the cost of what
+  /// has changed. Else they are found afresh when next asked for.
+  void update_components(Delta& delta);
 
   // excise.cpp
   Delta begin_delta(LastOperation::Kind kind) const;

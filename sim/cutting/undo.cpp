@@ -36,7 +36,11 @@ void ArrangementStore::take_back(const Delta& d) {
   forest = d.forest;
   hash_sum = d.hash_sum;
   volume_residue = d.volume_residue;
-  components_known = false;
+  components_known = components_known && d.component;
+  if (components_known) {
+    component = *d.component;
+    component_of.resize(2 * face.size());
+  }
 }
 
 void ArrangementStore::plant(std::shared_ptr<OrigTree> tree) {

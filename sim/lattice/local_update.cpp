@@ -1,0 +1,320 @@
+// What follows from the components after a cut that takes nothing away, in a lattice without divided cells: copies, links,
+// nodes and sums of the version before with the changes around the touched cells put in. The result is that of
+// finish_topology to the last bit; only what cannot have changed is copied instead of found again.
+//
+//   copies  every old copy has a part, the first of which keeps its number; others come after
+//   links   only through squares of touched cells
+//   nodes   only at corners of touched cells: the cells around such a corner say which copies share it. Of the parts of
+//           a node the one with the lowest corner keeps its number
+//   pieces  none has come apart when the touched copies of each are still linked among themselves; else they are
+//           found again
+#include <algorithm>
+#include <stdexcept>
+
+#include "sim/lattice/topology_parts.h"
+
+namespace limberg {
+namespace {
+
+class LocalUpdate {
+ public:
+  LocalUpdate(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& previous,
+              std::span<const int32_t> touched)
+      : t_(t), builders_(builders), before_(previous), touched_(touched) {
+    const Int3 n = t.grid.count;
+    stride_ = {1, n.x, n.x * n.y};
+  }
+  bool possible() const;
+  void run() {
+    number_copies();
+    relink();
+    number_nodes();
+    summarise();
+  }
+
+ private:
+  void number_copies();
+  void relink();
+  void number_nodes();
+  void around(int32_t lattice_node);
+  void summarise();
+  bool pieces_stay() const;
+  /// First link of cell and axis in t_.links, or its size.
+  size_t links_from(int32_t cell_axis) {
+    int32_t& at = link_at_[size_t(cell_axis)];
+    if (at < 0)
+      at = int32_t(std::lower_bound(t_.links.begin(), t_.links.end(), cell_axis,
+                                    [](const LatticeTopology::Link& l, int32_t k) { return l.cell_axis < k; }) -
+                   t_.links.begin());
+    return size_t(at);
+  }
+
+  LatticeTopology& t_;
+  LevelBuilders& builders_;
+  const LatticeTopology& before_;
+  std::span<const int32_t> touched_;  // cells, ascending
+  std::array<int32_t, 3> stride_{};
+  std::vector<LatticeTopology::Link> fresh_;
+  std::vector<int32_t> link_at_;
+
+  // Around one lattice node: corners of copies, which of them are one, and the parts beyond the first of each old node.
+  struct Corner {
+    int32_t copy = 0, node = 0;  // node: of the version before
+    int8_t k = 0;
+  };
+  struct Extra {
+    int32_t first = 0;  // lowest 8 * copy + k
+    int32_t parent = 0;
+    uint32_t begin = 0, end = 0;  // into extra_corner_
+  };
+  std::vector<Corner> corner_;
+  Partition join_;
+  std::vector<std::pair<int32_t, int8_t>> extra_corner_;
+  std::vector<Extra> extra_;
+};
+
+bool LocalUpdate::possible() const {
+  if (!t_.tree.division.empty() || t_.front_levels != 0) return false;
+  std::vector<uint8_t> has_part;
+  for (int32_t c : touched_) {
+    const auto& now = t_.components[size_t(c)];
+    const auto& was = before_.components[size_t(c)];
+    if (!now && was) return false;
+    if (!now) continue;
+    has_part.assign(size_t(before_.copies_of(c)), 0);
+    for (const CellClass& k : now->classes) {
+      if (k.old_class < 0 || size_t(k.old_class) >= has_part.size()) return false;
+      has_part[size_t(k.old_class)] = 1;
+    }
+    for (uint8_t p : has_part)
+      if (!p) return false;
+  }
+  return true;
+}
+
+void LocalUpdate::number_copies() {
+  t_.cells = before_.cells;
+  for (size_t i = 0; i < t_.cells.size(); ++i) t_.cells[i].parent = int32_t(i);
+  t_.copy_begin = before_.copy_begin;
+  t_.copy_id.clear();
+  t_.copy_id.reserve(before_.copy_id.size() + touched_.size());
+  size_t copied = 0;                    // of before_.copy_id
+  int32_t shift = 0, shifted_from = 0;  // cells from here on have not been shifted yet
+  const auto shift_to = [&](int32_t end) {
+    for (int32_t c = shifted_from; shift != 0 && c < end; ++c) t_.copy_begin[size_t(c)] += shift;
+    shifted_from = end;
+  };
+  std::vector<uint8_t> taken;
+  for (int32_t c : touched_) {
+    const auto& comp = t_.components[size_t(c)];
+    if (!comp) continue;
+    shift_to(c + 1);
+    const size_t begin = size_t(before_.copy_begin[size_t(c)]), end = size_t(before_.copy_begin[size_t(c) + 1]);
+    t_.copy_id.insert(t_.copy_id.end(), before_.copy_id.begin() + ptrdiff_t(copied),
+                      before_.copy_id.begin() + ptrdiff_t(begin));
+    copied = end;
+    taken.assign(end - begin, 0);
+    for (const CellClass& cls : comp->classes) {
+      const int32_t old = before_.copy_id[begin + size_t(cls.old_class)];
+      int32_t id = old;
+      if (taken[size_t(cls.old_class)]) {
+        id = int32_t(t_.cells.size());
+        CellCopy part = before_.cells[size_t(old)];
+        part.parent = old;
+        t_.cells.push_back(part);
+      }
+      taken[size_t(cls.old_class)] = 1;
+      t_.cells[size_t(id)].fraction = cls.fraction;
+      t_.copy_id.push_back(id);
+    }
+    shift += int32_t(comp->classes.size()) - int32_t(end - begin);
+  }
+  shift_to(int32_t(t_.copy_begin.size()));
+  t_.copy_id.insert(t_.copy_id.end(), before_.copy_id.begin() + ptrdiff_t(copied), before_.copy_id.end());
+}
+
+void LocalUpdate::relink() {
+  std::vector<int32_t> squares;  // cell and axis
+  for (int32_t c : touched_) {
+    const Int3 at = t_.grid.cell_at(c);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (at[axis] + 1 < t_.grid.count[axis]) squares.push_back(3 * c + axis);
+      if (at[axis] > 0) squares.push_back(3 * (c - stride_[size_t(axis)]) + axis);
+    }
+  }
+  std::sort(squares.begin(), squares.end());
+  squares.erase(std::unique(squares.begin(), squares.end()), squares.end());
+  t_.links.clear();
+  t_.links.reserve(before_.links.size() + squares.size());
+  auto at = before_.links.begin();
+  const auto before = [](const LatticeTopology::Link& l, int32_t k) { return l.cell_axis < k; };
+  for (int32_t s : squares) {
+    // The next square is near: the search gallops.
+    auto near = at;
+    auto from = at;
+    for (ptrdiff_t step = 8; near != before_.links.end() && near->cell_axis < s; step *= 2) {
+      from = near;
+      near += std::min(step, ptrdiff_t(before_.links.end() - near));
+    }
+    const auto to = std::lower_bound(from, near, s, before);
+    t_.links.insert(t_.links.end(), at, to);
+    at = to;
+    while (at != before_.links.end() && at->cell_axis == s) ++at;
+    const size_t own = t_.links.size();
+    const int32_t cell = s / 3, axis = s % 3;
+    find_links(t_, builders_, cell, axis, cell + stride_[size_t(axis)], t_.links);
+    std::sort(t_.links.begin() + ptrdiff_t(own), t_.links.end());
+    fresh_.insert(fresh_.end(), t_.links.begin() + ptrdiff_t(own), t_.links.end());
+  }
+  t_.links.insert(t_.links.end(), at, before_.links.end());
+}
+
+void LocalUpdate::around(int32_t lattice_node) {
+  const Int3 at = t_.grid.node_at(lattice_node);
+  corner_.clear();
+  std::array<int32_t, 9> first{};
+  std::array<int32_t, 8> cell{};
+  for (int b = 0; b < 8; ++b) {
+    first[size_t(b)] = int32_t(corner_.size());
+    const Int3 c{at.x - 1 + (b & 1), at.y - 1 + (b >> 1 & 1), at.z - 1 + (b >> 2 & 1)};
+    const bool inside = c.x >= 0 && c.y >= 0 && c.z >= 0 && c.x < t_.grid.count.x && c.y < t_.grid.count.y &&
+                        c.z < t_.grid.count.z;
+    cell[size_t(b)] = inside ? t_.grid.cell_index(c) : -1;
+    if (!inside) continue;
+    const int8_t k = int8_t(7 ^ b);
+    for (int cls = 0; cls < t_.copies_of(cell[size_t(b)]); ++cls) {
+      const int32_t copy = t_.copy(cell[size_t(b)], cls);
+      corner_.push_back({copy, before_.cells[size_t(t_.cells[size_t(copy)].parent)].node[size_t(k)], k});
+    }
+  }
+  first[8] = int32_t(corner_.size());
+  join_.reset(corner_.size());
+  for (int b = 0; b < 8; ++b)
+    for (int axis = 0; axis < 3; ++axis) {
+      const int other = b | 1 << axis;
+      if (other == b || first[size_t(b)] == first[size_t(b) + 1] || first[size_t(other)] == first[size_t(other) + 1])
+        continue;
+      const int32_t key = 3 * cell[size_t(b)] + axis;
+      for (size_t l = links_from(key); l < t_.links.size() && t_.links[l].cell_axis == key; ++l)
+        join_.unite(first[size_t(b)] + t_.links[l].low, first[size_t(other)] + t_.links[l].high);
+    }
+  // Groups: their lowest corner, and the old node that all their corners must have had.
+  struct Group {
+    int32_t root, first, parent;
+  };
+  std::array<Group, 64> small;
+  std::vector<Group> many;
+  size_t n = 0;
+  const auto group = [&](size_t i) -> Group& { return many.empty() ? small[i] : many[i]; };
+  for (size_t i = 0; i < corner_.size(); ++i) {
+    const int32_t root = join_.find(int32_t(i)), name = 8 * corner_[i].copy + corner_[i].k;
+    size_t g = 0;
+    while (g < n && group(g).root != root) ++g;
+    if (g == n) {
+      if (n == small.size() && many.empty()) many.assign(small.begin(), small.end());
+      if (many.empty())
+        small[n] = {root, name, corner_[i].node};
+      else
+        many.push_back({root, name, corner_[i].node});
+      ++n;
+      continue;
+    }
+    if (group(g).parent != corner_[i].node)
+      throw std::logic_error("a cut has joined two node copies: the lattice is not a refinement of the one before");
+    group(g).first = std::min(group(g).first, name);
+  }
+  for (size_t g = 0; g < n; ++g) {
+    bool lowest = true;
+    for (size_t h = 0; h < n; ++h)
+      lowest = lowest && (group(h).parent != group(g).parent || group(h).first >= group(g).first);
+    Extra extra{group(g).first, group(g).parent, uint32_t(extra_corner_.size()), 0};
+    for (size_t i = 0; i < corner_.size(); ++i) {
+      if (join_.find(int32_t(i)) != group(g).root) continue;
+      if (lowest)
+        t_.cells[size_t(corner_[i].copy)].node[size_t(corner_[i].k)] = group(g).parent;
+      else
+        extra_corner_.push_back({corner_[i].copy, corner_[i].k});
+    }
+    extra.end = uint32_t(extra_corner_.size());
+    if (!lowest) extra_.push_back(extra);
+  }
+}
+
+void LocalUpdate::number_nodes() {
+  t_.nodes = before_.nodes;
+  for (size_t i = 0; i < t_.nodes.size(); ++i) t_.nodes[i].parent = int32_t(i);
+  std::vector<int32_t> corners;
+  corners.reserve(8 * touched_.size());
+  for (int32_t c : touched_) {
+    const Int3 at = t_.grid.cell_at(c);
+    for (int k = 0; k < 8; ++k)
+      corners.push_back(t_.grid.node_index({at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}));
+  }
+  std::sort(corners.begin(), corners.end());
+  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+  link_at_.assign(3 * t_.components.size(), -1);
+  for (int32_t n : corners) around(n);
+  std::sort(extra_.begin(), extra_.end(), [](const Extra& a, const Extra& b) { return a.first < b.first; });
+  for (const Extra& e : extra_) {
+    const int32_t id = int32_t(t_.nodes.size());
+    NodeCopy node = before_.nodes[size_t(e.parent)];
+    node.parent = e.parent;
+    t_.nodes.push_back(node);
+    for (uint32_t i = e.begin; i < e.end; ++i)
+      t_.cells[size_t(extra_corner_[i].first)].node[size_t(extra_corner_[i].second)] = id;
+  }
+}
+
+bool LocalUpdate::pieces_stay() const {
+  // Whoever left a touched copy for an untouched one before comes back to a part of it, so it is enough that the touched
+  // ones of a piece are linked among themselves.
+  std::vector<int32_t> copies;
+  for (int32_t c : touched_)
+    for (int k = 0; k < t_.copies_of(c); ++k) copies.push_back(t_.copy(c, k));
+  std::sort(copies.begin(), copies.end());
+  const auto place = [&](int32_t copy) {
+    const auto it = std::lower_bound(copies.begin(), copies.end(), copy);
+    return it != copies.end() && *it == copy ? int32_t(it - copies.begin()) : -1;
+  };
+  Partition join;
+  join.reset(copies.size());
+  for (const auto& l : fresh_) {
+    const int32_t a = place(t_.copy(l.cell_axis / 3, l.low)), b = place(t_.copy(l.next, l.high));
+    if (a >= 0 && b >= 0) join.unite(a, b);
+  }
+  std::vector<int32_t> root_of_piece(size_t(before_.pieces), -1);
+  for (size_t i = 0; i < copies.size(); ++i) {
+    int32_t& r = root_of_piece[size_t(t_.cells[size_t(copies[i])].piece)];
+    if (r < 0) r = join.find(int32_t(i));
+    if (r != join.find(int32_t(i))) return false;
+  }
+  return true;
+}
+
+void LocalUpdate::summarise() {
+  if (!pieces_stay()) return limberg::summarise(t_);
+  t_.pieces = before_.pieces;
+  t_.piece_fixed = before_.piece_fixed;
+  sum_volumes(t_);
+  t_.walks = before_.walks;
+  t_.walks_unresolved = before_.walks_unresolved;
+  for (int32_t c : touched_) {
+    if (const auto& was = before_.components[size_t(c)])
+      t_.walks -= was->walks, t_.walks_unresolved -= was->walks_unresolved;
+    if (const auto& now = t_.components[size_t(c)])
+      t_.walks += now->walks, t_.walks_unresolved += now->walks_unresolved;
+  }
+  set_hash(t_);
+}
+
+}  // namespace
+
+bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
+                    std::span<const int32_t> touched) {
+  LocalUpdate update(topology, builders, previous, touched);
+  if (!update.possible()) return false;
+  update.run();
+  return true;
+}
+
+}  // namespace limberg
