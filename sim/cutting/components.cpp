@@ -181,6 +181,7 @@ void ArrangementStore::update_components(Delta& delta) {
         const int32_t sided = sided_face(f, side), c = component_of[sided];
         --now.all[size_t(c)].sided_faces;
         now.volume[size_t(c)] -= volume_under(*this, sided);
+        delta.component_of.push_back({sided, c});
       }
   for (size_t c = 0; c < now.all.size(); ++c) {
     SurfaceComponent& one = now.all[c];

@@ -45,6 +45,7 @@ struct Delta {
   std::vector<OrigBefore> orig;
   uint64_t hash_sum = 0, volume_residue = 0;
   std::optional<Components> component;  // when the operation changed nothing but their sizes (components.cpp)
+  std::vector<std::pair<int32_t, int32_t>> component_of;  // then: of the sided faces that it removed
 };
 
 struct ArrangementStore {

@@ -40,6 +40,7 @@ void ArrangementStore::take_back(const Delta& d) {
   if (components_known) {
     component = *d.component;
     component_of.resize(2 * face.size());
+    for (const auto& [sided, c] : d.component_of) component_of[sided] = c;
   }
 }
 
