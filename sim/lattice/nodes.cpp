@@ -200,44 +200,55 @@ void number_nodes(LatticeTopology& t, const LatticeTopology* previous) {
   std::sort(t.hanging.begin(), t.hanging.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
 }
 
+void sum_volumes(LatticeTopology& t) {
+  const Vec3 h = t.grid.cell_mm();
+  const double cell_volume = h.x() * h.y() * h.z();
+  t.piece_volume_mm3.assign(size_t(t.pieces), 0);
+  const bool divided = !t.tree.division.empty();
+  for (const CellCopy& c : t.cells)
+    t.piece_volume_mm3[size_t(c.piece)] +=
+        c.fraction * (divided ? cell_volume / double(1 << 3 * t.tree.level(c.cell)) : cell_volume);
+  t.volume_mm3 = 0;
+  for (double v : t.piece_volume_mm3) t.volume_mm3 += v;
+}
+
+void set_hash(LatticeTopology& t) {
+  Hash64 hash;
+  for (size_t cell = 0; cell < t.components.size(); ++cell) {
+    const auto& comp = t.components[cell];
+    for (int k = 0; k < t.copies_of(int32_t(cell)); ++k) {
+      hash.add(int32_t(cell));
+      hash.add(comp ? comp->classes[size_t(k)].corners : uint8_t(255));
+      for (int32_t n : t.cells[size_t(t.copy(int32_t(cell), k))].node) hash.add(n);
+    }
+  }
+  hash.add(t.pieces);
+  t.hash = hash.value();
+}
+
 void summarise(LatticeTopology& t) {
   Partition join;
   join.reset(t.cells.size());
   for (const auto& l : t.links)
     join.unite(t.copy(l.cell_axis / 3, l.low), t.copy(l.next, l.high));
-  const Vec3 h = t.grid.cell_mm();
-  const double cell_volume = h.x() * h.y() * h.z();
   std::vector<int32_t> piece_of(t.cells.size(), -1);
-  t.piece_volume_mm3.clear();
-  t.piece_fixed.clear();
-  t.volume_mm3 = 0;
+  t.pieces = 0;
   for (size_t c = 0; c < t.cells.size(); ++c) {
     int32_t& p = piece_of[size_t(join.find(int32_t(c)))];
-    if (p < 0) {
-      p = int32_t(t.piece_volume_mm3.size());
-      t.piece_volume_mm3.push_back(0);
-      t.piece_fixed.push_back(0);
-    }
+    if (p < 0) p = t.pieces++;
     t.cells[c].piece = p;
-    t.piece_volume_mm3[size_t(p)] += t.cells[c].fraction * (cell_volume / double(1 << 3 * t.tree.level(t.cells[c].cell)));
   }
-  for (double v : t.piece_volume_mm3) t.volume_mm3 += v;
-  t.pieces = int(t.piece_volume_mm3.size());
+  sum_volumes(t);
+  t.piece_fixed.assign(size_t(t.pieces), 0);
   t.walks = t.walks_unresolved = 0;
-  Hash64 hash;
   for (size_t cell = 0; cell < t.components.size(); ++cell) {
     const auto& comp = t.components[cell];
-    for (int k = 0; k < t.copies_of(int32_t(cell)); ++k) {
-      const CellCopy& copy = t.cells[size_t(t.copy(int32_t(cell), k))];
-      hash.add(int32_t(cell));
-      hash.add(comp ? comp->classes[size_t(k)].corners : uint8_t(255));
-      for (int32_t n : copy.node) hash.add(n);
-      if (comp && comp->classes[size_t(k)].fixed_sides) t.piece_fixed[size_t(copy.piece)] = 1;
-    }
-    if (comp) t.walks += comp->walks, t.walks_unresolved += comp->walks_unresolved;
+    if (!comp) continue;
+    for (size_t k = 0; k < comp->classes.size(); ++k)
+      if (comp->classes[k].fixed_sides) t.piece_fixed[size_t(t.cells[size_t(t.copy(int32_t(cell), int(k)))].piece)] = 1;
+    t.walks += comp->walks, t.walks_unresolved += comp->walks_unresolved;
   }
-  hash.add(t.pieces);
-  t.hash = hash.value();
+  set_hash(t);
 }
 
 }  // namespace limberg

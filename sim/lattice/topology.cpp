@@ -175,6 +175,11 @@ std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology
 
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous,
                                                        const MaterialSurface& surface) {
+  return update_topology(previous, surface, true);
+}
+
+std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
+                                                       bool locally) {
   auto t = std::make_shared<LatticeTopology>();
   t->grid = previous.grid;
   t->front_levels = previous.front_levels;
@@ -247,7 +252,11 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
       if (previous.components[c] || touched[c] || tree.is_divided(int32_t(c))) continue;
       if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c))) touched[c] = 1;
     }
-  finish_topology(*t, builders, &previous, touched);
+  std::vector<int32_t> touched_cells;
+  for (size_t c = 0; c < touched.size(); ++c)
+    if (touched[c]) touched_cells.push_back(int32_t(c));
+  if (!locally || taken_away || !finish_locally(*t, builders, previous, touched_cells))
+    finish_topology(*t, builders, &previous, touched);
   return divide_fronts(t, builders, std::move(touched));
 }
 

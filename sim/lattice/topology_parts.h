@@ -68,5 +68,16 @@ void number_nodes(LatticeTopology& topology, const LatticeTopology* previous);
 
 /// Pieces, volumes and the hash.
 void summarise(LatticeTopology& topology);
+void sum_volumes(LatticeTopology& topology);  // of the pieces, which are known
+void set_hash(LatticeTopology& topology);
+
+/// finish_topology at the cost of what the cut has changed (local_update.cpp). False, and nothing done, when it took
+/// something away, or when cells are divided. `touched`: cells, ascending.
+bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
+                    std::span<const int32_t> touched);
+
+/// update_topology; `locally` false: by finish_topology whatever has changed, for tests.
+std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
+                                                       bool locally);
 
 }  // namespace limberg
