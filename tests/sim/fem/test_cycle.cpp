@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cut_models.h"
+#include "divided_box.h"
 #include "sim/fem/cycle.h"
 #include "sim/fem/node_vectors.h"
 
@@ -93,6 +94,22 @@ TEST(Cycle, IsSymmetricPositiveDefiniteAndCloseToTheInverse) {
     EXPECT_GT(s.smallest, 0.15) << name;  // measured 0.22 and more
     EXPECT_LT(s.largest, 1 + 1e-3) << name;
   }
+}
+
+TEST(Cycle, FollowsCellsThatAreDivided) {
+  const auto whole = std::make_shared<FemModel>(box_model(box({8, 8, 3})));
+  const test::DividedModel d = test::divide(*whole, test::levels_around(*whole, {0, 0, 7.5}, 1.2));
+  const auto divided = std::make_shared<FemModel>(d.model);
+  ASSERT_FALSE(divided->hanging.empty());
+  const Spectrum s = spectrum(divided, {});
+  EXPECT_LT(s.asymmetry, 1e-5);
+  EXPECT_GT(s.smallest, 0.15);  // measured 0.23
+  EXPECT_LT(s.largest, 1 + 1e-3);
+  // Through the division, and through a cut across it.
+  const auto before = ScalarCycle::build(whole, {}, 0);
+  const auto carried = ScalarCycle::rebuild(*before, divided, d.cell_parent, {}, 0);
+  EXPECT_TRUE(carried->same_matrices(*ScalarCycle::rebuild(*before, divided, {}, {}, 0)));
+  EXPECT_LT(carried->made().rows, carried->made().of_rows);
 }
 
 TEST(Cycle, StaysPositiveWithStiffSpringsInside) {
