@@ -102,11 +102,7 @@ bool compare_coarse(const Coarsening& before, const Coarsening& now, const NodeM
     children[size_t(p)] = uint8_t(std::min(2, children[size_t(p)] + 1));
     coarse.child[size_t(p)] = children[size_t(p)] == 1 ? int32_t(I) : -1;
   }
-  int32_t last = -1;
-  for (int32_t I : coarse.child) {
-    if (I >= 0 && I < last) return false;
-    if (I >= 0) last = I;
-  }
+  keep_rising(coarse.child);
   for (size_t I = 0; I < n; ++I) coarse.dirty[I] = coarse.parent[I] < 0 || coarse.child[size_t(coarse.parent[I])] < 0;
 
   const auto touch_before = [&](int32_t p) {

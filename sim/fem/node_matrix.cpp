@@ -140,6 +140,31 @@ bool same_stencil(const FemModel& m, const Stencil& a, const FemModel& n, const 
 
 }  // namespace
 
+void keep_rising(std::vector<int32_t>& a) {
+  std::vector<int32_t> tail;                    // place of the smallest last number of a rising sequence of each length
+  std::vector<int32_t> before(a.size(), -1);
+  bool rising = true;
+  for (size_t i = 0, last = a.size(); i < a.size(); ++i) {
+    if (a[i] < 0) continue;
+    rising = rising && (last == a.size() || a[last] < a[i]);
+    last = i;
+  }
+  if (rising) return;
+  for (size_t i = 0; i < a.size(); ++i) {
+    if (a[i] < 0) continue;
+    const auto at = std::lower_bound(tail.begin(), tail.end(), a[i], [&](int32_t t, int32_t v) { return a[size_t(t)] < v; });
+    if (at != tail.begin()) before[i] = *(at - 1);
+    if (at == tail.end())
+      tail.push_back(int32_t(i));
+    else
+      *at = int32_t(i);
+  }
+  std::vector<uint8_t> kept(a.size(), 0);
+  for (int32_t i = tail.back(); i >= 0; i = before[size_t(i)]) kept[size_t(i)] = 1;
+  for (size_t i = 0; i < a.size(); ++i)
+    if (!kept[i]) a[i] = -1;
+}
+
 std::vector<uint8_t> free_nodes(const FemModel& m) {
   std::vector<uint8_t> free(m.X_mm.size(), 0);
   for (const HexCell& c : m.cells)
@@ -219,11 +244,7 @@ bool compare_models(const FemModel& before, std::span<const SpringRow> springs_b
     children[size_t(p)] = uint8_t(std::min(2, children[size_t(p)] + 1));
     change.child[size_t(p)] = children[size_t(p)] == 1 ? int32_t(v) : -1;
   }
-  int32_t last = -1;
-  for (int32_t v : change.child) {
-    if (v >= 0 && v < last) return false;
-    if (v >= 0) last = v;
-  }
+  keep_rising(change.child);
 
   // Nodes that play another part than before.
   const Masters masters(now), masters_before(before);
@@ -236,7 +257,7 @@ bool compare_models(const FemModel& before, std::span<const SpringRow> springs_b
       continue;
     }
     other[v] = free[v] != free_before[size_t(p)] || masters.hangs(int32_t(v)) != masters_before.hangs(p);
-    if (now.mass_kg[v] != before.mass_kg[size_t(p)]) change.dirty[v] = 1;
+    if (now.mass_kg[v] != before.mass_kg[size_t(p)]) masters.each(int32_t(v), [&](int32_t master, double) { change.dirty[size_t(master)] = 1; });
     if (other[v] || !masters.hangs(int32_t(v))) continue;
     const HangingNode &a = masters.of(int32_t(v)), &b = masters_before.of(p);
     other[v] = a.count != b.count || a.weight != b.weight;
@@ -244,39 +265,35 @@ bool compare_models(const FemModel& before, std::span<const SpringRow> springs_b
   }
 
   // Cells that are what they were; whatever any other cell touches is dirty.
-  std::vector<uint8_t> kept(before.cells.size(), 0);
+  std::vector<int32_t> now_of(before.cells.size(), -1);  // per cell before: the same cell now
   std::vector<int8_t> stencil(now.stencils.size(), -1);  // 1: the same as the one of that index before
-  last = -1;
   for (size_t c = 0; c < now.cells.size(); ++c) {
     const int32_t q = itself ? int32_t(c) : cell_parent[c];
     const HexCell& cell = now.cells[c];
-    bool same = q >= 0 && size_t(q) < before.cells.size();
-    if (same) {
-      const HexCell& old = before.cells[size_t(q)];
-      same = cell.stencil == old.stencil && cell.scale == old.scale && !kept[size_t(q)];
-      for (size_t a = 0; a < 8 && same; ++a)
-        same = !other[size_t(cell.node[a])] && change.parent[size_t(cell.node[a])] == old.node[a];
-      if (same) {
-        int8_t& s = stencil[size_t(cell.stencil)];
-        if (s < 0)
-          s = size_t(cell.stencil) < before.stencils.size() &&
-              same_stencil(now, now.stencils[size_t(cell.stencil)], before, before.stencils[size_t(cell.stencil)]);
-        same = s == 1;
-      }
-    }
-    if (same) {
-      if (q < last) return false;
-      last = q;
-      kept[size_t(q)] = 1;
-    } else {
-      for (int32_t v : cell.node) masters.each(v, [&](int32_t master, double) { change.dirty[size_t(master)] = 1; });
-    }
+    if (q < 0 || size_t(q) >= before.cells.size() || now_of[size_t(q)] >= 0) continue;
+    const HexCell& old = before.cells[size_t(q)];
+    bool same = cell.stencil == old.stencil && cell.scale == old.scale;
+    for (size_t a = 0; a < 8 && same; ++a)
+      same = !other[size_t(cell.node[a])] && change.parent[size_t(cell.node[a])] == old.node[a];
+    if (!same) continue;
+    int8_t& s = stencil[size_t(cell.stencil)];
+    if (s < 0)
+      s = size_t(cell.stencil) < before.stencils.size() &&
+          same_stencil(now, now.stencils[size_t(cell.stencil)], before, before.stencils[size_t(cell.stencil)]);
+    if (s == 1) now_of[size_t(q)] = int32_t(c);
   }
+  keep_rising(now_of);
+  std::vector<uint8_t> kept(now.cells.size(), 0);
+  for (int32_t c : now_of)
+    if (c >= 0) kept[size_t(c)] = 1;
+  for (size_t c = 0; c < now.cells.size(); ++c)
+    if (!kept[c])
+      for (int32_t v : now.cells[c].node) masters.each(v, [&](int32_t master, double) { change.dirty[size_t(master)] = 1; });
   const auto touch_before = [&](int32_t p) {
     if (change.child[size_t(p)] >= 0) change.dirty[size_t(change.child[size_t(p)])] = 1;
   };
   for (size_t q = 0; q < before.cells.size(); ++q)
-    if (!kept[q])
+    if (now_of[q] < 0)
       for (int32_t v : before.cells[q].node) masters_before.each(v, [&](int32_t master, double) { touch_before(master); });
   for (size_t v = 0; v < n; ++v)
     if (other[v]) change.dirty[v] = 1;

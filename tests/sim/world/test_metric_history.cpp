@@ -83,7 +83,6 @@ TEST_P(MetricHistory, FollowsEveryActAndIsTheSameAfresh) {
   EXPECT_GT(done, 6);
   EXPECT_GT(compared, 3);
   RecordProperty("rows", rows), RecordProperty("rows_made", made);
-  std::printf("%d acts, %d compared, %d rows, %d made\n", done, compared, rows, made);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, MetricHistory, testing::Range(1, 9));
