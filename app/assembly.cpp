@@ -45,7 +45,7 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
       front(calibration, gestures(scene)),
       device(front, channels, o.record),
       script(open_script(o.script_file, scene)),
-      solver(patient, channels, SolverSettings{step_settings(scene, o.real_time), 1},
+      solver(patient, channels, SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut},
              [this](const Command& c) {
                done.push_back(c);
                if (!script || !script_error.empty()) return;

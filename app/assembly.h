@@ -17,6 +17,7 @@ struct AssemblyOptions {
   int workers = 1;
   bool record = false;         // pass samples on to a recorder
   bool real_time = false;      // take a new preconditioner as soon as it is there
+  bool progressive_cut = false;  // incisions open while they are drawn
   bool draw_frames = false;    // frames for the sink, not only stages
   PictureSink* sink = nullptr;
   std::string script_file;     // the session's own script; empty: none

@@ -276,6 +276,8 @@ Scene parse_scene(const std::string& text, const std::string& path) {
   tools.real("default_depth_mm", s.tools.default_depth_mm, 0, 200, true);
   tools.real("default_spacing_mm", s.tools.default_spacing_mm, 0.5, 100);
   tools.real("reach_mm", s.tools.reach_mm, 0.1, 50);
+  if (bool on = false; tools.has("progressive_cut")) tools.boolean("progressive_cut", on), s.tools.progressive_cut = on;
+  else tools.boolean("progressive_cut", on);
   if (s.tools.default_depth_mm > s.tools.max_depth_mm)
     tools.fail("default_depth_mm", "is larger than max_depth_mm; expected at most " + number(s.tools.max_depth_mm));
   tools.finish();

@@ -21,6 +21,7 @@
 // Reading is strict: an unknown key, a wrong type, a number that is not finite or out of its range is an InputError with
 // the line, what is wrong and what was expected. Everything but [body] and [[layer]] has a default.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,7 @@ struct Scene {
     double max_depth_mm = 9;      // deeper cuts are refused
     double default_depth_mm = 4, default_spacing_mm = 4;
     double reach_mm = 3;          // a tip nearer to the skin than this touches it
+    std::optional<bool> progressive_cut;  // incisions open while they are drawn; unset: as the command does it
   } tools;
 
   struct Camera {

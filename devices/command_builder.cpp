@@ -6,6 +6,9 @@ namespace limberg {
 
 namespace {
 
+constexpr double kPiece_mm = 5;    // of a stroke, told at once
+constexpr double kBehind_mm = 2.5; // what lies this near to the hand may still turn out to be a corner
+
 double length_of(const std::vector<ChartPoint>& path) {
   double sum = 0;
   for (size_t i = 1; i < path.size(); ++i) sum += (path[i] - path[i - 1]).norm();
@@ -13,6 +16,42 @@ double length_of(const std::vector<ChartPoint>& path) {
 }
 
 }  // namespace
+
+void CommandBuilder::stop_stroke() { stroke_.clear(); }
+
+std::optional<Command> CommandBuilder::draw_on(const ToolEvent& e) {
+  if (length_of(stroke_) < kPiece_mm + kBehind_mm) return {};
+  std::vector<ChartPoint> path = simplify_path(stroke_, path_);
+  path.front() = stroke_.front();
+  double left = length_of(path) - kBehind_mm;
+  if (left < kPiece_mm / 2) return {};  // mostly tremor
+  InciseMore piece;
+  if (!in_pieces_) ++stroke_number_, piece.path.push_back(path.front());
+  for (size_t i = 1; i < path.size() && left > 0; ++i) {
+    const double edge = (path[i] - path[i - 1]).norm();
+    piece.path.push_back(edge <= left ? path[i] : ChartPoint(path[i - 1] + (path[i] - path[i - 1]) * (left / edge)));
+    left -= edge;
+  }
+  in_pieces_ = true;
+  // What the hand drew behind the place where the piece ends is told; the rest goes on from there.
+  const ChartPoint end = piece.path.back();
+  size_t keep = stroke_.size() - 1;
+  for (size_t i = stroke_.size() - 1; i > 0; --i)
+    if ((stroke_[i] - end).norm() < (stroke_[keep] - end).norm()) keep = i;
+  std::vector<ChartPoint> rest{end};
+  for (size_t i = keep + 1; i < stroke_.size(); ++i) rest.push_back(stroke_[i]);
+  stroke_ = std::move(rest);
+  piece.stroke = stroke_number_, piece.depth_mm = e.depth_mm, piece.angle_deg = e.angle_deg;
+  return piece;
+}
+
+Command CommandBuilder::finish_drawing(const ToolEvent& e, const std::vector<ChartPoint>& drawn) {
+  InciseMore piece;
+  piece.path = simplify_path(drawn, path_);
+  if (piece.path.size() > 1) piece.path.erase(piece.path.begin());
+  piece.stroke = stroke_number_, piece.depth_mm = e.depth_mm, piece.angle_deg = e.angle_deg, piece.last = true;
+  return piece;
+}
 
 std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   const ChartPoint here(e.chart_x, e.chart_y);
@@ -26,10 +65,12 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   switch (e.kind) {
     case ToolEvent::stroke_begin:
       stroke_.assign(1, here);
+      in_pieces_ = false;
       stroke_begin_ = Vec3(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
       return {};
     case ToolEvent::stroke_point:
       if (!stroke_.empty()) stroke_.push_back(here);
+      if (progressive_ && tool == Tool::scalpel) return draw_on(e);
       return {};
     case ToolEvent::stroke_cancel:
       stroke_.clear();
@@ -38,6 +79,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       const Vec3 end(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
       const std::vector<ChartPoint> drawn = std::move(stroke_);
       stroke_.clear();
+      if (in_pieces_ && drawn.empty()) return {};  // it was stopped
+      if (in_pieces_) return finish_drawing(e, drawn);
       const bool outline = tool == Tool::undermine || tool == Tool::excise;
       std::vector<ChartPoint> path = outline ? simplify_outline(drawn, path_) : simplify_path(drawn, path_);
       if (path.size() < (outline ? 3u : 2u) || length_of(path) < path_.min_edge_mm) {

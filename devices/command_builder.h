@@ -13,19 +13,30 @@ namespace limberg {
 
 class CommandBuilder {
  public:
-  explicit CommandBuilder(const PathSettings& settings = {}) : path_(settings) {}
+  /// `progressive`: a stroke of the scalpel is told in pieces while it is drawn (InciseMore).
+  explicit CommandBuilder(const PathSettings& settings = {}, bool progressive = false) : path_(settings), progressive_(progressive) {}
 
   /// The command that this event completes, if any:
   ///   stroke_end -> Incise, Undermine or Excise; the second stroke of a pair -> SutureRow (turned when it was
   ///   plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0; hook_release ->
   ///   ReleaseHook; suture_b -> Suture; undo -> Undo; redo -> Redo; stage -> Stage.
+  /// Progressive: a stroke_point of the scalpel completes a piece of some 5 mm that lies a little behind the hand, smoothed
+  /// over what is known by then, and stroke_end the last one; a stroke that ends before its first piece is an Incise.
   /// Between hook_set or hook_take and hook_leave the hook follows ToolState::tip_mm.
   std::optional<Command> feed(const ToolEvent& event);
+  /// The patient has refused a piece: nothing more comes of this stroke.
+  void stop_stroke();
   /// Strokes too short to mean anything (fewer than two points apart after smoothing), and broken pairs.
   int dropped() const { return dropped_; }
 
  private:
+  std::optional<Command> draw_on(const ToolEvent& e);
+  Command finish_drawing(const ToolEvent& e, const std::vector<ChartPoint>& drawn);
+
   PathSettings path_;
+  bool progressive_ = false;
+  int stroke_number_ = 0;  // of the newest stroke that was told in pieces
+  bool in_pieces_ = false; // the present stroke is; its stroke_ then begins where the last piece ended
   std::vector<ChartPoint> stroke_, row_a_;
   Vec3 stroke_begin_ = Vec3::Zero();          // in the world, as are the ends of row a
   std::array<Vec3, 2> row_a_ends_{Vec3::Zero(), Vec3::Zero()};

@@ -201,7 +201,9 @@ void Gestures::stroke_on(int64_t tick, const Pose& pose, const Snapshot& s, Even
   const double hand = (pose.tip_mm - last_drawn_tip_).norm();
   if (step > kJumpMm + kJumpPerMm * hand) return;
   add_blade_angle(pose, travelled);
-  emit(event(ToolEvent::stroke_point, tick, s), out);
+  ToolEvent e = event(ToolEvent::stroke_point, tick, s);
+  e.angle_deg = blade_angle_deg();
+  emit(e, out);
   last_stroke_ = touch_;
   last_drawn_tip_ = pose.tip_mm;
 }

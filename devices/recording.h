@@ -23,7 +23,8 @@ struct SessionInfo {
   std::string program;              // "limberg 0.1.0 (commit)"; at most 95 bytes
   std::string scene_name;           // at most 63 bytes
   uint64_t scene_hash = 0, calibration_hash = 0;
-  std::array<uint64_t, 4> seeds{};  // world, emulated surgeon, two spare
+  std::array<uint64_t, 4> seeds{};  // world, emulated surgeon, options (bits below), spare
+  static constexpr uint64_t kProgressiveCut = 1;  // option: incisions opened while they were drawn
   int64_t tick_ns = 1'000'000;
   int32_t ticks_per_solver_step = 8;
   int32_t ticks_per_frame = 16;

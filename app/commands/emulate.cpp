@@ -14,7 +14,7 @@ namespace {
 struct Options {
   std::string scene, script, out_log;
   uint64_t seed = 1;
-  bool replace = false;
+  bool replace = false, progressive = false;
   CommonOptions common;
 };
 
@@ -23,6 +23,7 @@ int emulate(const Options& o) {
   SessionCall call;
   call.command = "emulate";
   call.scene = open_scene(o.scene);
+  call.progressive_cut = call.scene.tools.progressive_cut.value_or(o.progressive);
   const Script script = load_script(o.script);
   std::vector<Command> commands;
   for (const ScriptLine& l : script.lines) commands.push_back(l.command);
@@ -63,6 +64,7 @@ void add_emulate(CLI::App& app, Chosen& chosen) {
   c->add_option("--out", o->out_log, "The LCM log to write")->type_name("LOG")->required();
   c->add_option("--seed", o->seed, "Of tremor, noise and dropouts (default 1)")->type_name("N");
   c->add_flag("--replace", o->replace, "Replace LOG if it exists");
+  c->add_flag("--progressive-cut", o->progressive, "Incisions open while they are drawn, as run does it");
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg emulate rhomboid recordings/rhomboid.jsonl --out rhomboid.lcm --seed 7");
   c->callback([o, &chosen] { chosen = [o] { return emulate(*o); }; });

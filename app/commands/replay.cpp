@@ -48,6 +48,7 @@ int replay(const Options& o) {
   call.scene_files = u.files;
   call.calibration = unbundle_calibration(rec, o.recording);
   call.real_time = o.real_time;
+  call.progressive_cut = (rec.session->seeds[2] & SessionInfo::kProgressiveCut) != 0;
   call.ticks_per_solver_step = std::max(1, rec.session->ticks_per_solver_step);
   call.expected = rec.checkpoints;
   if (rec.end) {

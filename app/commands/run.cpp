@@ -17,7 +17,7 @@ struct Options {
   std::string scene, record, calibration;
   std::vector<std::string> devices;
   double seconds = 0;
-  bool headless = false, replace = false;
+  bool headless = false, replace = false, cut_at_end = false;
   CommonOptions common;
 };
 
@@ -55,6 +55,7 @@ int run(const Options& o) {
   call.scene = open_scene(o.scene);
   if (!o.calibration.empty()) call.calibration = load_calibration(o.calibration);
   call.real_time = true;
+  call.progressive_cut = call.scene.tools.progressive_cut.value_or(true) && !o.cut_at_end;
   for (const std::string& d : o.devices) add_device(call, d);
   if (o.devices.empty()) add_device(call, "lcm");
   if (call.live_source && o.seconds <= 0) say("listening until Ctrl-C");
@@ -77,6 +78,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->add_option("--record", o->record, "Record the session to this LCM log")->type_name("FILE");
   c->add_flag("--replace", o->replace, "Replace the recording if it exists");
   c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")->type_name("S")->check(CLI::Range(0.001, 86400.0));
+  c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
   c->add_flag("--headless", o->headless, "No window (this build draws off screen only)");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out out/my");

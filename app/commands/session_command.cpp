@@ -33,7 +33,7 @@ std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
   info.scene_name = a.scene.name.substr(0, 63);
   info.scene_hash = a.scene.hash;
   info.calibration_hash = calibration_hash(a.calibration);
-  info.seeds = {a.scene.seed, call.surgeon_seed, 0, 0};
+  info.seeds = {a.scene.seed, call.surgeon_seed, call.progressive_cut ? SessionInfo::kProgressiveCut : 0, 0};
   info.ticks_per_solver_step = a.session_settings().ticks_per_solver_step;
   info.ticks_per_frame = a.session_settings().ticks_per_frame;
   info.solver_delay_ticks = 0;
@@ -101,6 +101,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   o.workers = call.common.worker_count();
   o.record = !call.record_file.empty();
   o.real_time = call.real_time;
+  o.progressive_cut = call.progressive_cut;
   o.draw_frames = !call.common.out_dir.empty() || call.real_time;
   if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
   OffscreenFrames frames(call.scene, 640, 480);

@@ -17,6 +17,7 @@ struct SessionCall {
   std::shared_ptr<void> scene_files;
   Calibration calibration;
   bool real_time = false;
+  bool progressive_cut = false;    // incisions open while they are drawn; recordings say whether they did
   std::vector<std::unique_ptr<Source>> sources;
   std::function<std::unique_ptr<Source>(int64_t start_ns)> live_source;  // made when the clock starts
   std::string record_file;         // empty: none

@@ -107,6 +107,33 @@ void read_stages(const Json& j, ReportData& d) {
   }
 }
 
+void read_study(const Json& j, ReportData& d) {
+  const auto truth = [](const Json& v) { return v.is_boolean() && v.get<bool>(); };
+  d.study = words(j, "study");
+  d.about = words(j, "about");
+  if (const Json& columns = member(j, "columns"); columns.is_array())
+    for (const Json& c : columns) d.study_columns.push_back(words(c));
+  if (const Json& rows = member(j, "rows"); rows.is_array())
+    for (const Json& r : rows) {
+      auto& row = d.study_rows.emplace_back();
+      for (const std::string& c : d.study_columns) row.push_back(number(r, c.c_str()));
+    }
+  if (const Json& bars = member(j, "bars"); bars.is_array())
+    for (const Json& b : bars)
+      d.bars.push_back({words(b, "name"), words(b, "source"), number(b, "value"), number(b, "bar"), truth(member(b, "larger_is_better")),
+                        truth(member(b, "pass"))});
+  if (const Json& charts = member(j, "charts"); charts.is_array())
+    for (const Json& c : charts) {
+      ReportChart chart{words(c, "title"), words(c, "description"), words(c, "x"), words(c, "y"), {}};
+      if (const Json& series = member(c, "series"); series.is_array())
+        for (const Json& s : series) {
+          ReportChart::Series one{words(s, "name"), column(member(s, "x")), column(member(s, "y")), truth(member(s, "markers"))};
+          if (one.x.size() == one.y.size()) chart.series.push_back(std::move(one));
+        }
+      d.charts.push_back(std::move(chart));
+    }
+}
+
 }  // namespace
 
 ReportData read_report_data(const std::string& text, const std::string& file) {
@@ -174,6 +201,7 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
     for (const Json& r : rows)
       d.convergence.push_back({number(r, "cell_mm"), number(r, "nodes"), number(r, "closure_force_N"), number(r, "suture_gap_max_mm"),
                                number(r, "suture_force_max_N"), number(r, "dog_ear_mm"), number(r, "residual"), number(r, "solve_ms")});
+  if (d.command == "study") read_study(j, d);
   if (const Json& script = member(j, "script"); script.is_array())
     for (const Json& l : script) d.script.push_back(l.is_string() ? l.get<std::string>() : l.dump());
   // A stage without words of its own says what the script did since the stage before.

@@ -30,6 +30,22 @@ struct ReportConvergence {
   Maybe cell_mm, nodes, closure_force_N, suture_gap_max_mm, suture_force_max_N, dog_ear_mm, residual, solve_ms;
 };
 
+/// Of a study.
+struct ReportBar {
+  std::string name, source;
+  Maybe value, bar;
+  bool larger_is_better = false, pass = false;
+};
+struct ReportChart {
+  std::string title, description, x, y;
+  struct Series {
+    std::string name;
+    std::vector<double> x, y;
+    bool markers = false;
+  };
+  std::vector<Series> series;
+};
+
 struct ReportData {
   std::string version, commit, command, scene, scene_title, scene_note, mode, state_hash, reproduce, cpu;
   Maybe cores;
@@ -48,6 +64,11 @@ struct ReportData {
   Maybe balance_relative;
   std::vector<ReportConvergence> convergence;
   std::vector<std::string> script;
+  std::string study, about;
+  std::vector<std::string> study_columns;
+  std::vector<std::vector<Maybe>> study_rows;  // as the columns
+  std::vector<ReportBar> bars;
+  std::vector<ReportChart> charts;
   std::vector<std::pair<std::string, std::string>> damage;  // of the recording: name, value
 
   Maybe metric(const std::string& name) const {

@@ -24,6 +24,7 @@ std::string tension(const ReportData& d, const std::string& dir);
 std::string sutures(const ReportData& d);
 std::string balance(const ReportData& d);
 std::string convergence(const ReportData& d);
+std::string study(const ReportData& d);
 std::string timing(const ReportData& d);
 std::string residual(const ReportData& d);
 std::string figures(const ReportData& d);

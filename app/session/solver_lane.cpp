@@ -12,7 +12,8 @@ Vec3 vec(const double (&p)[3]) { return {p[0], p[1], p[2]}; }
 }  // namespace
 
 SolverLane::SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command)
-    : patient_(patient), ch_(channels), settings_(settings), on_command_(std::move(on_command)) {
+    : patient_(patient), ch_(channels), settings_(settings), on_command_(std::move(on_command)),
+      builder_(PathSettings{}, settings.progressive_cut) {
   series_.reserve(1 << 16);
 }
 
@@ -58,6 +59,7 @@ void SolverLane::apply(const Command& c, int64_t tick) {
   const Outcome o = patient_.apply(c);
   if (!o.done) {
     refused_.push_back({seconds(tick), action_name(c), o.reason});
+    if (std::holds_alternative<InciseMore>(c)) builder_.stop_stroke();
     return;
   }
   ++commands_;

@@ -17,6 +17,7 @@ namespace limberg {
 struct SolverSettings {
   StepSettings step;           // of one step of the session
   int64_t series_every = 1;    // keep every n-th step's figures
+  bool progressive_cut = false;  // an incision opens while it is drawn
 };
 
 /// A command that the patient refused: nothing was changed.

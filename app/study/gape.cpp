@@ -1,0 +1,144 @@
+// How far a straight incision gapes, by the blade's angle and the skin's prestretch.
+//
+// A block of skin on fat, stretched alike in both directions, cut along y = 0. Everything in it is the mirror image of itself
+// at that plane: the block has an odd number of cells across, so the cut halves a row of cells. So an upright blade
+// must open it evenly, and a leaning one, which undercuts one bank, must not.
+#include <cmath>
+
+#include "app/operation.h"
+#include "app/study/study.h"
+#include "app/study/wound.h"
+
+namespace limberg::study {
+
+namespace {
+
+enum : size_t { kAngle, kPrestretch, kCell, kLength, kDepth };
+
+// The body as in the shipped scenes: 1.5 mm of skin, 8.5 mm of fat that is stretched 0.8 times as much (septa tie it to the
+// skin); the sides are three wounds apart, where a slit's field has fallen to a tenth.
+constexpr double kSkin_mm = 1.5, kBlock_mm = 10, kFatShare = 0.8, kSkinCell_mm = 1.1;
+
+double odd_multiple(double cell, double about) {
+  const int n = int(std::lround(about / cell));
+  return cell * (n % 2 ? n : n + 1);
+}
+
+Row run(const Values& v, const Run& with) {
+  BlockSpec b;
+  b.name = "gape";
+  const double side = odd_multiple(v[kCell], std::max(80.0, 3 * v[kLength]));
+  b.size_mm = {side, side, kBlock_mm};
+  b.skin_cell_mm = kSkinCell_mm;
+  Material skin, fat;
+  skin.young_kPa = 60, fat.young_kPa = 15;
+  skin.poisson = fat.poisson = 0.45;
+  skin.prestretch_along = skin.prestretch_across = 1 + v[kPrestretch] / 100;
+  fat.prestretch_along = fat.prestretch_across = 1 + kFatShare * v[kPrestretch] / 100;
+  b.layers = {{"skin", kSkin_mm, skin}, {"fat", kBlock_mm - kSkin_mm, fat}};
+  WorldSpec spec;
+  spec.body = std::make_shared<Body>(make_block(b));
+  spec.cell_mm = v[kCell];
+  World world(spec, with.workers);
+
+  Script script;
+  script.name = "study gape";
+  script.lines.push_back({1, Incise{{{-v[kLength] / 2, 0}, {v[kLength] / 2, 0}}, v[kDepth], v[kAngle]}});
+  OperationSettings set;
+  set.interrupted = with.interrupted;
+  const OperationOutcome o = operate(world, kBlock_mm, script, set);
+
+  Snapshot s;
+  world.fill(s);
+  const StraightWound wound(s);
+  Row row;
+  row.figures = {{"angle_deg", v[kAngle]}, {"prestretch_percent", v[kPrestretch]}, {"cell_mm", v[kCell]}, {"length_mm", v[kLength]}, {"depth_mm", v[kDepth]}};
+  char name[60];
+  std::snprintf(name, sizeof name, "%g°, %g %%", v[kAngle], v[kPrestretch]);
+  row.profile.name = name;
+  double most = 0;
+  for (int i = -24; i <= 24; ++i) {
+    const double x = v[kLength] / 2 * i / 24.0, g = wound.gape_mm(x);
+    row.profile.x.push_back(x), row.profile.y.push_back(g);
+    most = std::max(most, g);
+  }
+  const double nan = std::nan(""), q = v[kLength] / 4;
+  const auto l = wound.left(0), r = wound.right(0);
+  const double left = l ? l->moved_mm().y() : nan, right = r ? -r->moved_mm().y() : nan;
+  row.figures.insert(row.figures.end(),
+                     {{"gape_mid_mm", wound.gape_mm(0)}, {"gape_max_mm", most}, {"gape_quarter_mm", (wound.gape_mm(q) + wound.gape_mm(-q)) / 2},
+                      {"left_mm", left}, {"right_mm", right},
+                      {"step_mm", l && r ? l->x_mm.z() - r->x_mm.z() : nan},
+                      {"asymmetry", std::abs(left - right) / std::max(1e-12, std::abs(left) + std::abs(right))},
+                      {"residual", o.last.residual}, {"nodes", double(world.solver().model().X_mm.size())}, {"solve_ms", o.solve_ms}});
+  return row;
+}
+
+std::vector<Bar> bars(const std::vector<Row>& rows) {
+  std::vector<Bar> out;
+  double residual = 0, upright = -1, leaning = 1e300, rise = 1e300;
+  for (const Row& a : rows) {
+    residual = std::max(residual, a.at("residual"));
+    const bool opens = a.at("prestretch_percent") > 0;
+    if (a.at("angle_deg") == 90 && opens) upright = std::max(upright, a.at("asymmetry"));
+    if (std::abs(a.at("angle_deg") - 90) >= 40 && opens) leaning = std::min(leaning, a.at("asymmetry"));
+    for (const Row& b : rows) {
+      bool same = true;
+      for (const char* k : {"angle_deg", "cell_mm", "length_mm", "depth_mm"}) same &= a.at(k) == b.at(k);
+      if (same && b.at("prestretch_percent") > a.at("prestretch_percent")) rise = std::min(rise, b.at("gape_mid_mm") - a.at("gape_mid_mm"));
+    }
+  }
+  out.push_back(at_most("largest relative residual", residual, 1e-4, "the tissue counts as at rest, as in operate"));
+  if (upright >= 0)
+    out.push_back(at_most("90 degrees: difference of the banks over the gape", upright, 0.01,
+                          "the patient is its own mirror image; a redrawn blade lies up to 0.008 mm aside, which moves 0.5 % of a half cell of 1.75 mm from one bank to the other"));
+  if (leaning < 1e300)
+    out.push_back(at_least("40 degrees and more from upright: difference of the banks over the gape", leaning, 0.01,
+                           "the undercut bank is thinner: more than the upright blade's tolerance"));
+  if (rise < 1e300)
+    out.push_back(at_least("least rise of the gape with prestretch, mm", rise, 1e-3, "more tension parts the same wound further; 0.001 mm is the solver's noise"));
+  return out;
+}
+
+std::vector<NamedChart> charts(const std::vector<Row>& rows) {
+  NamedChart by, along;
+  by.name = "gape", by.title = "Gape at the middle";
+  by.chart.description = "Gape at the middle against prestretch, one line for each angle of the blade";
+  by.chart.x.title = "prestretch, %", by.chart.y.title = "gape, mm";
+  by.chart.y.min = 0;
+  for (const Row& r : rows) {
+    char name[80];
+    std::snprintf(name, sizeof name, "%g°", r.at("angle_deg"));
+    for (const char* k : {"cell_mm", "length_mm", "depth_mm"})  // named where they differ
+      for (const Row& other : rows)
+        if (other.at(k) != r.at(k)) {
+          std::snprintf(name + std::char_traits<char>::length(name), 20, ", %.3g", r.at(k));
+          break;
+        }
+    auto& all = by.chart.series;
+    auto it = all.begin();
+    while (it != all.end() && it->name != name) ++it;
+    if (it == all.end()) it = all.insert(it, ChartSeries{name, {}, {}, true});
+    it->x.push_back(r.at("prestretch_percent"));
+    it->y.push_back(r.at("gape_mid_mm"));
+  }
+  along.name = "gape-along", along.title = "Gape along the wound";
+  along.chart.description = "Gape along the wound, one line for each member";
+  along.chart.x.title = "along the wound, mm", along.chart.y.title = "gape, mm";
+  for (const Row& r : rows) along.chart.series.push_back(r.profile);
+  return {by, along};
+}
+
+}  // namespace
+
+Family gape() {
+  return {"gape", "A straight incision in stretched skin: how far it gapes, by the blade's angle and the prestretch",
+          {{"angle_deg", "between blade and skin, 90 = upright", {90, 60, 45}, 30, 150},
+           {"prestretch_percent", "of the skin, alike along and across the wound", {5, 10, 20}, 0, 40},
+           {"cell_mm", "size of the lattice's cells", {3.5}, 1.5, 8},
+           {"length_mm", "of the incision", {40}, 10, 60},
+           {"depth_mm", "of the incision; the skin is 1.5 mm thick", {3}, 1, 8}},
+          run, bars, charts};
+}
+
+}  // namespace limberg::study

@@ -1,0 +1,76 @@
+#pragma once
+// Studies: a family of operations, each member brought to equilibrium, with a row of figures for each, charts, and bars
+// where theory or symmetry says what must come out.
+//
+//   limberg study gape --set angle_deg=90,45 --set prestretch_percent=5,10,20
+//
+// A family names its parameters, each with the values it takes by itself and the range that makes sense; --set gives
+// others. Its members are all combinations, the first parameter changing slowest. They run one after another.
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/report/svg_chart.h"
+#include "sim/workers.h"
+
+namespace limberg::study {
+
+struct Parameter {
+  std::string name, help;
+  std::vector<double> values;  // by itself
+  double lo = 0, hi = 0;       // what it may be
+};
+
+/// One member's values, in the order of the family's parameters.
+using Values = std::vector<double>;
+
+struct Row {
+  std::vector<std::pair<std::string, double>> figures;  // the set values first
+  ChartSeries profile;  // a curve of this member for the family's charts; may be empty
+  double at(const std::string& name) const;  // not a number when there is none
+};
+
+struct Bar {
+  std::string name;
+  double value = 0, bar = 0;
+  bool larger_is_better = false;
+  bool pass = false;
+  std::string source;  // where the bar comes from
+};
+
+struct NamedChart {
+  std::string name, title;  // name: of its file
+  LineChart chart;
+};
+
+struct Run {
+  Workers& workers;
+  std::function<bool()> interrupted;
+};
+
+struct Family {
+  std::string name, about;
+  std::vector<Parameter> parameters;
+  std::function<Row(const Values&, const Run&)> run;
+  std::function<std::vector<Bar>(const std::vector<Row>&)> bars;
+  std::function<std::vector<NamedChart>(const std::vector<Row>&)> charts;
+};
+
+Family gape();
+Family disc();
+const std::vector<Family>& families();
+/// InputError that lists the families when there is none of this name.
+const Family& find_family(const std::string& name);
+
+/// Applies "key=v1,v2,..." settings and lists the members. InputError on an unknown or repeated key, no or broken numbers, values
+/// out of range, or more than 1000 members.
+std::vector<Values> members(const Family& family, const std::vector<std::string>& settings);
+
+Bar at_most(std::string name, double value, double bar, std::string source);
+Bar at_least(std::string name, double value, double bar, std::string source);
+
+/// The rows as comma-separated values with a line of names.
+std::string csv(const std::vector<Row>& rows);
+
+}  // namespace limberg::study
