@@ -13,11 +13,11 @@ namespace limberg::study {
 
 namespace {
 
-enum : size_t { kAngle, kPrestretch, kCell, kLength, kDepth };
+enum : size_t { kAngle, kPrestretch, kCell, kLength, kDepth, kRefine };
 
 // The body as in the shipped scenes: 1.5 mm of skin, 8.5 mm of fat that is stretched 0.8 times as much (septa tie it to the
 // skin); the sides are three wounds apart, where a slit's field has fallen to a tenth.
-constexpr double kSkin_mm = 1.5, kBlock_mm = 10, kFatShare = 0.8, kSkinCell_mm = 1.1;
+constexpr double kSkin_mm = 1.5, kBlock_mm = 10, kFatShare = 0.8, kSkinCell_mm = 1.1;  // about: an odd number of them too
 
 double odd_multiple(double cell, double about) {
   const int n = int(std::lround(about / cell));
@@ -29,7 +29,7 @@ Row run(const Values& v, const Run& with) {
   b.name = "gape";
   const double side = odd_multiple(v[kCell], std::max(80.0, 3 * v[kLength]));
   b.size_mm = {side, side, kBlock_mm};
-  b.skin_cell_mm = kSkinCell_mm;
+  b.skin_cell_mm = side / std::round(odd_multiple(kSkinCell_mm, side) / kSkinCell_mm);
   Material skin, fat;
   skin.young_kPa = 60, fat.young_kPa = 15;
   skin.poisson = fat.poisson = 0.45;
@@ -39,6 +39,7 @@ Row run(const Values& v, const Run& with) {
   WorldSpec spec;
   spec.body = std::make_shared<Body>(make_block(b));
   spec.cell_mm = v[kCell];
+  spec.refine_fronts = v[kRefine] != 0;
   World world(spec, with.workers);
 
   Script script;
@@ -52,7 +53,7 @@ Row run(const Values& v, const Run& with) {
   world.fill(s);
   const StraightWound wound(s);
   Row row;
-  row.figures = {{"angle_deg", v[kAngle]}, {"prestretch_percent", v[kPrestretch]}, {"cell_mm", v[kCell]}, {"length_mm", v[kLength]}, {"depth_mm", v[kDepth]}};
+  row.figures = {{"angle_deg", v[kAngle]}, {"prestretch_percent", v[kPrestretch]}, {"cell_mm", v[kCell]}, {"length_mm", v[kLength]}, {"depth_mm", v[kDepth]}, {"refine_fronts", v[kRefine]}};
   char name[60];
   std::snprintf(name, sizeof name, "%g°, %g %%", v[kAngle], v[kPrestretch]);
   row.profile.name = name;
@@ -84,7 +85,7 @@ std::vector<Bar> bars(const std::vector<Row>& rows) {
     if (std::abs(a.at("angle_deg") - 90) >= 40 && opens) leaning = std::min(leaning, a.at("asymmetry"));
     for (const Row& b : rows) {
       bool same = true;
-      for (const char* k : {"angle_deg", "cell_mm", "length_mm", "depth_mm"}) same &= a.at(k) == b.at(k);
+      for (const char* k : {"angle_deg", "cell_mm", "length_mm", "depth_mm", "refine_fronts"}) same &= a.at(k) == b.at(k);
       if (same && b.at("prestretch_percent") > a.at("prestretch_percent")) rise = std::min(rise, b.at("gape_mid_mm") - a.at("gape_mid_mm"));
     }
   }
@@ -109,7 +110,7 @@ std::vector<NamedChart> charts(const std::vector<Row>& rows) {
   for (const Row& r : rows) {
     char name[80];
     std::snprintf(name, sizeof name, "%g°", r.at("angle_deg"));
-    for (const char* k : {"cell_mm", "length_mm", "depth_mm"})  // named where they differ
+    for (const char* k : {"cell_mm", "length_mm", "depth_mm", "refine_fronts"})  // named where they differ
       for (const Row& other : rows)
         if (other.at(k) != r.at(k)) {
           std::snprintf(name + std::char_traits<char>::length(name), 20, ", %.3g", r.at(k));
@@ -137,7 +138,8 @@ Family gape() {
            {"prestretch_percent", "of the skin, alike along and across the wound", {5, 10, 20}, 0, 40},
            {"cell_mm", "size of the lattice's cells", {3.5}, 1.5, 8},
            {"length_mm", "of the incision", {40}, 10, 60},
-           {"depth_mm", "of the incision; the skin is 1.5 mm thick", {3}, 1, 8}},
+           {"depth_mm", "of the incision; the skin is 1.5 mm thick", {3}, 1, 8},
+           {"refine_fronts", "1: cells in which the cut ends are divided, 0: they are not", {1}, 0, 1}},
           run, bars, charts};
 }
 

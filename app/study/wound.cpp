@@ -29,12 +29,12 @@ double area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).
 
 StraightWound::StraightWound(const Snapshot& s) {
   const SurfaceView& v = s.topology->view;
-  for_rim(v, [&](size_t t, int32_t a, int32_t b) {
-    double y = 0;
-    for (const int32_t i : v.tri[t]) y += v.X_mm[size_t(i)].y();
+  for_rim(v, [&](size_t, int32_t a, int32_t b) {
     Edge e{{v.X_mm[size_t(a)], s.x_mm[size_t(a)].cast<double>()}, {v.X_mm[size_t(b)], s.x_mm[size_t(b)].cast<double>()}};
-    if (e.a.X_mm.x() > e.b.X_mm.x()) std::swap(e.a, e.b);
-    edge_[y > 0 ? 0 : 1].push_back(e);
+    // The skin lies to the left of its edges: what runs towards +x is the edge of the bank at y > 0.
+    const bool left = e.a.X_mm.x() < e.b.X_mm.x();
+    if (!left) std::swap(e.a, e.b);
+    edge_[left ? 0 : 1].push_back(e);
   });
 }
 
