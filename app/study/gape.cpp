@@ -92,7 +92,7 @@ std::vector<Bar> bars(const std::vector<Row>& rows) {
   out.push_back(at_most("largest relative residual", residual, 1e-4, "the tissue counts as at rest, as in operate"));
   if (upright >= 0)
     out.push_back(at_most("90 degrees: difference of the banks over the gape", upright, 0.01,
-                          "the patient is its own mirror image; a redrawn blade lies up to 0.008 mm aside, which moves 0.5 % of a half cell of 1.75 mm from one bank to the other"));
+                          "the patient is its own mirror image; a redrawn blade lies up to 0.008 mm aside, which moves 0.6 % of a half cell of 1.25 mm from one bank to the other"));
   if (leaning < 1e300)
     out.push_back(at_least("40 degrees and more from upright: difference of the banks over the gape", leaning, 0.01,
                            "the undercut bank is thinner: more than the upright blade's tolerance"));
@@ -136,7 +136,7 @@ Family gape() {
   return {"gape", "A straight incision in stretched skin: how far it gapes, by the blade's angle and the prestretch",
           {{"angle_deg", "between blade and skin, 90 = upright", {90, 60, 45}, 30, 150},
            {"prestretch_percent", "of the skin, alike along and across the wound", {5, 10, 20}, 0, 40},
-           {"cell_mm", "size of the lattice's cells", {3.5}, 1.5, 8},
+           {"cell_mm", "size of the lattice's cells", {2.5}, 1.5, 8},
            {"length_mm", "of the incision", {40}, 10, 60},
            {"depth_mm", "of the incision; the skin is 1.5 mm thick", {3}, 1, 8},
            {"refine_fronts", "1: cells in which the cut ends are divided, 0: they are not", {1}, 0, 1}},
