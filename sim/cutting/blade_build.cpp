@@ -6,6 +6,7 @@
 
 #include "sim/cutting/blade_continue.h"
 #include "sim/cutting/blade_parts.h"
+#include "sim/cutting/pull_back.h"
 #include "sim/cutting/sheet_mesh.h"
 #include "sim/cutting/tri_tests.h"
 
@@ -15,14 +16,50 @@ namespace {
 
 constexpr double kShortest = 1.0;  // of a stroke
 
-/// Which way a blade runs into the tissue at every column. To the right of the path by `lean` per mm of depth; at a
-/// corner mitred, so that both sides keep the angle. With upright_corners the blade turns upright towards sharp
-/// corners: leaning into a sharp bend it would run through itself.
-std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, double depth, bool closed,
+/// Per segment of the path (from column i to i + 1): how far the blade leans to the right, per mm of depth. `lean` itself where
+/// the tissue lies as at rest; else what comes of it there, evened out over 3 mm of nearly straight path, because cells are
+/// as large.
+std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> path, std::span<const Column> columns, double lean,
+                                  bool closed) {
+  const size_t n = columns.size(), segments = closed ? n : n - 1;
+  std::vector<double> out(segments, lean);
+  if (!c.gradient) return out;
+  std::vector<Mat3> F(n, Mat3::Identity());
+  bool any = false;
+  for (size_t i = 0; i < n; ++i)
+    if (const auto hit = c.skin(path[i]); hit && (!c.arrangement || skin_is_live(c, path[i]))) {
+      F[i] = c.gradient(*hit);
+      any = any || (F[i] - Mat3::Identity()).norm() >= kAsAtRest;
+    }
+  if (!any) return out;
+  std::vector<Vec3> way(segments), middle(segments);
+  std::vector<double> raw(segments);
+  for (size_t s = 0; s < segments; ++s) {
+    const size_t t = (s + 1) % n;
+    const Vec3 normal = (columns[s].normal + columns[t].normal).normalized(), d = columns[t].X - columns[s].X;
+    way[s] = (d - d.dot(normal) * normal).normalized();
+    middle[s] = (columns[s].X + columns[t].X) / 2;
+    raw[s] = aside_at_rest((F[s] + F[t]) / 2, normal, way[s], lean).dot(way[s].cross(normal));
+  }
+  for (size_t s = 0; s < segments; ++s) {
+    double sum = 0, weight = 0;
+    for (size_t t = 0; t < segments; ++t)
+      if ((middle[s] - middle[t]).norm() < 3 && way[s].dot(way[t]) > 0.94) sum += raw[t], weight += 1;
+    out[s] = sum / weight;
+  }
+  return out;
+}
+
+/// Which way a blade runs into the tissue at every column: to the right of the path by its segments' leans per mm of depth;
+/// at a corner mitred, so that both sides keep theirs. With upright_corners the blade turns upright towards sharp corners:
+/// leaning into a sharp bend it would run through itself.
+std::vector<Vec3> lean_directions(std::span<const Column> columns, std::span<const double> lean, double depth, bool closed,
                                   bool upright_corners) {
   const size_t n = columns.size();
   std::vector<Vec3> before(n), after(n), direction(n);
   std::vector<double> arc(n + 1, 0), sharp;
+  double most = 0;
+  for (double l : lean) most = std::max(most, std::abs(l));
   for (size_t i = 0; i < n; ++i) {
     const auto right_of = [&](size_t a, size_t b) {
       return (columns[b].X - columns[a].X).cross(columns[i].normal).normalized();
@@ -33,7 +70,7 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, 
     arc[i + 1] = arc[i] + (columns[(i + 1) % n].X - columns[i].X).norm();
     if (before[i].dot(after[i]) < 0.94) sharp.push_back(arc[i]);
   }
-  const double reach = 3 * (depth + kMargin) * std::abs(lean);
+  const double reach = 3 * (depth + kMargin) * most;
   for (size_t i = 0; i < n; ++i) {
     double share = 1;
     for (double s : sharp) {
@@ -41,8 +78,13 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, double lean, 
       if (closed) d = std::min(d, arc[n] - d);
       if (upright_corners) share = std::min(share, d / reach);
     }
-    direction[i] =
-        -columns[i].normal + (before[i] + after[i]) / std::max(1 + before[i].dot(after[i]), 0.25) * (lean * share);
+    // The vector with these two components to the right of either segment: their mean along the bisector, their difference
+    // across it.
+    const size_t last = lean.size() - 1;
+    const double lb = lean[closed ? (i + last) % (last + 1) : i == 0 ? 0 : i - 1], la = lean[std::min(i, last)];
+    const double k = before[i].dot(after[i]), mean = lb == la ? la : (la + lb) / 2;
+    direction[i] = -columns[i].normal + (before[i] + after[i]) / std::max(1 + k, 0.25) * (mean * share);
+    if (la != lb && k < 0.94) direction[i] += (before[i] - after[i]) / (1 - k) * ((lb - la) / 2 * share);
   }
   return direction;
 }
@@ -92,9 +134,10 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
   if (why = columns_at(c, path, columns); !why.empty()) return refuse(why);
   const double angle = angle_deg * std::numbers::pi / 180, lean = std::cos(angle) / std::sin(angle);
   Blade blade;
+  std::vector<double> leans = leans_at_rest(c, path, columns, lean, closed);
   const auto build = [&](double stiffness, bool upright_corners) {
     const std::vector<Column> held = stiffened(columns, stiffness);
-    const std::vector<Vec3> direction = lean_directions(held, lean, depth_mm, closed, upright_corners);
+    const std::vector<Vec3> direction = lean_directions(held, leans, depth_mm, closed, upright_corners);
     const size_t first = join_at_start >= 0, own = held.size() - first - (join_at_end >= 0);
     const double depth = depth_mm + wall_extra(c);
     blade = Blade{};
@@ -129,10 +172,18 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     if (!known.empty()) blade.shared_point.resize(blade.vertex.size(), -1);
     return check_embedded(blade.vertex, blade.tri).empty();
   };
-  bool embedded = false;
-  for (const double stiffness : kStiffness)
-    for (const bool upright_corners : {false, true})
-      if (!embedded && (!upright_corners || lean != 0)) embedded = build(stiffness, upright_corners);
+  const auto try_all = [&] {
+    const bool leaning = std::any_of(leans.begin(), leans.end(), [](double l) { return l != 0; });
+    for (const double stiffness : kStiffness)
+      for (const bool upright_corners : {false, true})
+        if ((!upright_corners || leaning) && build(stiffness, upright_corners)) return true;
+    return false;
+  };
+  bool embedded = try_all();
+  if (!embedded && c.gradient) {  // strongly uneven tissue: as if it lay at rest
+    leans.assign(leans.size(), lean);
+    embedded = try_all();
+  }
   if (!embedded && (join_at_start >= 0 || join_at_end >= 0)) return build_incision(c, stroke, depth_mm, angle_deg, false);
   if (!embedded) return refuse("the blade would run through itself; expected a straighter path or less depth");
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);

@@ -26,6 +26,10 @@ inline constexpr double kSheetSpacing = 2.0;
 /// Where on the rest skin is this chart point? (Body::chart; sim/geometry answers it.) Empty when it is off the skin.
 using SkinQuery = std::function<std::optional<SkinHit>(const ChartPoint&)>;
 
+/// The deformation gradient of the tissue under a point of the rest skin, as it lies now. The angle between blade and skin is
+/// held in that state and pulled back (pull_back.h); depths always count layers of tissue at rest.
+using GradientQuery = std::function<Mat3(const SkinHit&)>;
+
 /// A blade, or why there is none.
 struct BladeResult {
   std::optional<Blade> blade;
@@ -37,6 +41,7 @@ struct BladeContext {
   const Body* body = nullptr;
   const Arrangement* arrangement = nullptr;  // for T-junctions
   SkinQuery skin;
+  GradientQuery gradient = {};  // empty: the skin lies as at rest
 };
 
 /// A strip under a polyline. angle_deg is measured between blade and skin in the plane across the path; below 90 the

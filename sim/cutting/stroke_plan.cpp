@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/cutting/blade_continue.h"
+#include "sim/cutting/pull_back.h"
 
 namespace limberg {
 
@@ -28,11 +29,18 @@ bool blades_alike(const BladeContext& c, const WallMap& walls, const WallMap::Al
   const auto k = column_at(c, p);
   if (!k) return false;
   const Vec3 along = (c.body->chart_e1 * way.x() + c.body->chart_e2 * way.y());
-  const Vec3 blade = -k->normal + along.cross(k->normal).normalized() * lean;
   const WallStrip& t = walls.strips()[size_t(at.strip)];
-  for (int32_t i : t.column)
-    if (blade.normalized().dot(walls.columns()[size_t(i)].down.normalized()) < kCosine) return false;
-  return true;
+  const auto on_wall = [&](const Vec3& blade) {
+    return std::all_of(t.column.begin(), t.column.end(), [&](int32_t i) {
+      return blade.normalized().dot(walls.columns()[size_t(i)].down.normalized()) >= kCosine;
+    });
+  };
+  if (on_wall(-k->normal + along.cross(k->normal).normalized() * lean)) return true;
+  // Beside a wound that gapes the skin is turned: as it lies now, or as it lay.
+  const auto hit = c.gradient ? c.skin(p) : std::nullopt;
+  if (!hit) return false;
+  const Vec3 in_skin = (along - along.dot(k->normal) * k->normal).normalized();
+  return on_wall(-k->normal + aside_at_rest(c.gradient(*hit), k->normal, in_skin, lean));
 }
 
 /// Which parts of a path run along earlier walls; all of it in order.

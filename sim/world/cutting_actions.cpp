@@ -38,6 +38,13 @@ BladeContext OperatingTable::blade_context() const {
   c.body = body_.get();
   c.arrangement = arrangement_.get();
   c.skin = [this](const ChartPoint& p) { return skin_.at(p); };
+  c.gradient = [this](const SkinHit& hit) -> Mat3 {
+    const auto at = version_.index->locate(hit.X_mm, hit.triangle, 1e-2);
+    if (!at) return Mat3::Identity();
+    const SurfaceView& view = version_.surface->view;
+    const int32_t cell = view.cell_copy[size_t(view.tri[size_t(at->triangle)][0])];
+    return cell < 0 ? Mat3(Mat3::Identity()) : solver_->cell_F(cell);
+  };
   return c;
 }
 
