@@ -77,7 +77,7 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
     fuzz::Counts& total = adversarial ? report.adversarial : report.generic;
     fuzz::Random mix{s.seed * 0x100000001b3ull + history};
     fuzz::Generator generator(mix.next(), adversarial);
-    fuzz::Case c = generator.start();
+    fuzz::Case c = generator.start(s.front_levels);
     std::string why;
     fuzz::Counts counts;
     {

@@ -19,6 +19,7 @@ struct FuzzSettings {
   std::string out_dir;                              // for repro files; empty: none are written
   std::function<void(const std::string&)> progress;  // empty: silent
   bool generic = true, adversarial = true;
+  int front_levels = 0;                             // of the lattice: how often cells at a front are divided
   fuzz::Settings runner;
 };
 

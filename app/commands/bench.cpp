@@ -19,6 +19,7 @@ namespace {
 struct Options {
   std::string suite, scene;
   bool quick = false;
+  int front_levels = 0;
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
   uint64_t seed = 1;
   CommonOptions common;
@@ -90,6 +91,7 @@ int run(const Options& o) {
     bench::FuzzSettings s;
     s.operations = o.operations > 0 ? o.operations : o.quick ? 2000 : 20000;
     s.seed = o.seed;
+    s.front_levels = o.front_levels;
     s.out_dir = o.common.out_dir;
     s.progress = note;
     fuzz = bench::fuzz_run(s);
@@ -133,6 +135,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
+  c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(CLI::Range(0, 2));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg bench speed --quick --json out/bench.json");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

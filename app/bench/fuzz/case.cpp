@@ -104,8 +104,9 @@ TriMesh make_body(const BodySpec& spec) {
 LatticeGrid make_lattice(const Case& c, double cell_mm) {
   LatticeGrid g;
   const double u = g.rest.half_unit_mm();
-  // The pitch of the case's own cells is a multiple of four, so that half of it is still even.
-  const int32_t base = 4 * int32_t(std::lround(c.cell_mm / u / 4));
+  // The pitch of the case's own cells is a multiple of four, so that half of it is still even; of eight if they will be
+  // divided.
+  const int32_t unit = c.front_levels ? 8 : 4, base = unit * int32_t(std::lround(c.cell_mm / u / unit));
   const int32_t pitch = cell_mm == c.cell_mm        ? base
                         : cell_mm == c.cell_mm / 2 ? base / 2
                                                    : 2 * int32_t(std::lround(cell_mm / u / 2));
@@ -126,6 +127,7 @@ std::string to_json(const Case& c) {
                {"loose", c.body.loose}};
   j["cell_mm"] = c.cell_mm;
   j["lattice_shift"] = c.lattice_shift;
+  if (c.front_levels) j["front_levels"] = c.front_levels;
   j["violation"] = c.violation;
   j["ops"] = Json::array();
   for (const Op& op : c.ops) j["ops"].push_back(json_of(op));
@@ -144,6 +146,7 @@ Case case_from_json(const std::string& text, const std::string& file) {
     c.body.loose = b.value("loose", false);
     c.cell_mm = j.at("cell_mm");
     c.lattice_shift = j.at("lattice_shift");
+    c.front_levels = j.value("front_levels", 0);
     c.violation = j.value("violation", "");
     for (const Json& op : j.at("ops")) c.ops.push_back(op_of(op));
     return c;

@@ -42,6 +42,7 @@ struct Case {
   BodySpec body;
   double cell_mm = 5;
   double lattice_shift = 0.35;  // of a cell, beyond the body's low corner
+  int front_levels = 0;         // cells at fronts are divided so often
   std::vector<Op> ops;
   std::string violation;  // what went wrong when it was written
 };

@@ -1,20 +1,74 @@
 #include "app/bench/fuzz/checks.h"
 
 #include <cmath>
+#include <span>
+#include <vector>
 
 namespace limberg::fuzz {
 
 double body_volume_mm3(const BodySpec& spec) { return spec.size_mm * spec.size_mm * spec.thickness_mm; }
 
+namespace {
+
+/// A number per node that means nothing; hanging ones in the middle of their masters.
+std::vector<double> some_state(const LatticeTopology& t) {
+  std::vector<double> u(t.nodes.size());
+  for (size_t n = 0; n < u.size(); ++n) u[n] = std::sin(1.7 * double(n));
+  for (const auto& h : t.hanging) {
+    u[size_t(h.node)] = 0;
+    for (size_t k = 0; k < size_t(h.count); ++k) u[size_t(h.node)] += u[size_t(h.master[k])] / h.count;
+  }
+  return u;
+}
+
+/// The state of a corner of a cell, in the copy that it was or was a part of.
+double state_in(const LatticeTopology& before, const CellCopy& whole, const CellPlace& at, int corner,
+                std::span<const double> u) {
+  const CellPlace from = before.tree.place(before.grid, whole.cell);
+  double sum = 0;
+  for (int b = 0; b < 8; ++b) {
+    double w = 1;
+    for (int a = 0; a < 3; ++a) {
+      const double s = double(at.at[a] + (corner >> a & 1)) / (1 << (at.level - from.level)) - from.at[a];
+      w *= b >> a & 1 ? s : 1 - s;
+    }
+    sum += w * u[size_t(whole.node[size_t(b)])];
+  }
+  return sum;
+}
+
+}  // namespace
+
 std::string check_parents(const LatticeTopology& before, const LatticeTopology& after, bool only_cuts) {
   std::vector<double> fraction(before.cells.size(), 0);
+  const std::vector<double> u = some_state(before);
+  std::vector<double> v(after.nodes.size());
+  for (size_t n = 0; n < v.size(); ++n) {
+    const int32_t p = after.nodes[n].parent;
+    if (p < 0 || size_t(p) >= u.size()) return "I7: a node copy without parent";
+    v[n] = u[size_t(p)];
+  }
+  for (const auto& b : after.born) {
+    v[size_t(b.node)] = 0;
+    for (auto [p, w] : b.from) v[size_t(b.node)] += w * u[size_t(p)];
+  }
+  for (const auto& h : after.hanging) {
+    double middle = 0;
+    for (size_t k = 0; k < size_t(h.count); ++k) middle += v[size_t(h.master[k])] / h.count;
+    if (std::abs(middle - v[size_t(h.node)]) > 1e-12) return "I7: a hanging node starts away from its masters";
+  }
   for (const CellCopy& c : after.cells) {
     if (c.fraction < -1e-9 || c.fraction > 1 + 1e-9) return "I5: a fraction outside 0 to 1";
     if (c.parent < 0 || size_t(c.parent) >= before.cells.size()) return "I7: a cell copy without parent";
-    if (before.cells[size_t(c.parent)].cell != c.cell) return "I7: a parent in another cell";
-    fraction[size_t(c.parent)] += c.fraction;
-    for (size_t k = 0; k < 8; ++k)
-      if (after.nodes[size_t(c.node[k])].parent != before.cells[size_t(c.parent)].node[k])
+    const CellCopy& whole = before.cells[size_t(c.parent)];
+    int32_t cell = c.cell;
+    double share = 1;
+    for (; cell != whole.cell && after.tree.is_part(cell); cell = after.tree.owner(cell)) share /= 8;
+    if (cell != whole.cell) return "I7: a parent in another cell";
+    fraction[size_t(c.parent)] += share * c.fraction;
+    const CellPlace at = after.tree.place(after.grid, c.cell);
+    for (int k = 0; k < 8; ++k)
+      if (std::abs(state_in(before, whole, at, k, u) - v[size_t(c.node[size_t(k)])]) > 1e-12)
         return "I7: a node copy's parent is not the one of its cell";
   }
   for (size_t c = 0; c < fraction.size(); ++c)
@@ -27,6 +81,7 @@ std::string check_parents(const LatticeTopology& before, const LatticeTopology& 
 std::string check_same(const LatticeTopology& updated, const LatticeTopology& built) {
   if (built.cells.size() != updated.cells.size()) return "update: another number of cell copies than when built anew";
   if (built.nodes.size() != updated.nodes.size()) return "update: another number of node copies than when built anew";
+  if (built.hanging.size() != updated.hanging.size()) return "update: another number of hanging nodes than when built anew";
   if (built.links != updated.links) return "update: other links than when built anew";
   if (built.node_in_material != updated.node_in_material) return "update: other nodes in material than when built anew";
   for (size_t c = 0; c < built.components.size(); ++c) {

@@ -6,8 +6,9 @@
 
 namespace limberg::fuzz {
 
-Case Generator::start() {
+Case Generator::start(int front_levels) {
   Case c;
+  c.front_levels = front_levels;
   c.body.size_mm = 24;
   c.body.columns = random_.one_in(3) ? 4 : 6;
   c.body.thickness_mm = random_.one_in(4) ? random_.real(0.6, 3) : random_.real(5, 10);

@@ -14,7 +14,7 @@ class Generator {
   Generator(uint64_t seed, bool adversarial) : random_{seed}, adversarial_(adversarial) {}
 
   /// A body and a lattice, without operations.
-  Case start();
+  Case start(int front_levels = 0);
   /// The next operation, in view of what there is.
   Op next(const Runner& runner, int32_t number);
 

@@ -19,7 +19,7 @@ Runner::Runner(const Case& c, const Settings& settings) : case_(c), settings_(se
   case_.ops.clear();
   grid_ = make_lattice(c, c.cell_mm);
   a_ = std::make_unique<Arrangement>(make_body(c.body), RestGrid{});
-  if (settings.with_lattice) t_ = build_topology(grid_, material_surface(*a_));
+  if (settings.with_lattice) t_ = build_topology(grid_, material_surface(*a_), c.front_levels);
   plan_.skip_embedding = settings.skip_embedding;
   if (settings.skip_embedding) a_->store().points.fault = &plan_;
   body_volume_ = a_->store().volume_residue;
@@ -189,7 +189,7 @@ std::string Runner::replay(const Op& op) {
   if (fine->pieces != a_->pieces()) return "I15: replay, other lattice: its pieces are not the surface's";
   if (std::abs(fine->volume_mm3 - a_->volume_mm3()) > 1e-9 * body_volume_mm3(case_.body))
     return "I6: replay, other lattice: the volume differs";
-  return op.cell_mm == case_.cell_mm / 2 ? check_refines(*t_, *fine) : std::string();
+  return op.cell_mm == case_.cell_mm / 2 && case_.front_levels == 0 ? check_refines(*t_, *fine) : std::string();
 }
 
 std::string Runner::fault(const Op& op) {
@@ -278,7 +278,7 @@ std::string Runner::check(bool full) {
   if (const std::string why = a_->check_all(); !why.empty()) return why;
   if (!t_) return {};
   if (const std::string why = check_topology(*t_); !why.empty()) return "lattice: " + why;
-  return check_same(*t_, *build_topology(grid_, material_surface(*a_)));
+  return check_same(*t_, *build_topology_like(*t_, material_surface(*a_)));
 }
 
 Outcome run_case(const Case& c, const Settings& settings) {
