@@ -30,12 +30,14 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   const StencilTable stencils(skin, grid);
   const auto before = build_topology(grid, material_surface(a));
   const auto model_before = assemble_fem(stencils, *before);
+  SurfaceView view_before = a.surface_view();
+  const auto embedding_before = embed_surface(*before, material_surface(a), view_before);
   InlineWorkers workers;
   const auto solver = make_solver(workers);
 
-  constexpr int kParts = 7;
+  constexpr int kParts = 8;
   const char* const name[kParts] = {"arrangement",    "lattice", "finite elements", "surface that is drawn",
-                                    "its embedding", "index for picking", "solver takes the model (not in the sum)"};
+                                    "its embedding", "depth of new points", "index for picking", "solver takes the model (not in the sum)"};
   Times part[kParts], sum;
   size_t triangles = 0, cells = 0, nodes = 0;
   int touched = 0;
@@ -57,9 +59,15 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     lap();
     const auto model = assemble_fem(stencils, *lattice);
     lap();
-    SurfaceView view = a.surface_view();
+    std::vector<int32_t> earlier;
+    SurfaceView view = a.surface_view(view_before, int32_t(before->face_bits.size()), &earlier);
     lap();
-    const auto embedding = embed_surface(*lattice, material_surface(a), view);
+    const auto embedding =
+        embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, earlier});
+    lap();
+    std::vector<float> depth(view.X_mm.size(), 0);  // World remembers those of points that were there
+    for (size_t v = 0; v < view.X_mm.size(); ++v)
+      if (earlier[v] < 0) depth[v] = float(skin.depth_mm(view.X_mm[v]));
     lap();
     const RestIndex index(view, body->surface.tri.size());
     lap();

@@ -39,9 +39,11 @@ int32_t cell_of(const LatticeTopology& t, const Vec3& X_mm) {
   return t.tree.find(t.grid, level, {c[0], c[1], c[2]});
 }
 
-std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view) {
-  std::vector<EmbeddedPoint> out(view.X_mm.size());
-  view.cell_copy.assign(view.X_mm.size(), -1);
+namespace {
+
+/// Every vertex of the view that has no copy yet.
+void embed_rest(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view,
+                std::vector<EmbeddedPoint>& out) {
   const LatticeGrid finest = t.tree.division.empty() ? t.grid : t.grid.at_level(kLevels);
   for (size_t f = 0; f < view.tri.size(); ++f)
     for (int32_t v : view.tri[f]) {
@@ -59,6 +61,42 @@ std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const Materia
       if (copy < 0) throw std::logic_error("a surface vertex lies in a lattice cell that does not hold its face");
       out[size_t(v)] = embed(t, copy, view.X_mm[size_t(v)]);
     }
+}
+
+}  // namespace
+
+std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view) {
+  std::vector<EmbeddedPoint> out(view.X_mm.size());
+  view.cell_copy.assign(view.X_mm.size(), -1);
+  embed_rest(t, surface, view, out);
+  return out;
+}
+
+std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view,
+                                         const EarlierEmbedding& before) {
+  // The one part of each earlier copy; none when it has come apart, or lies in the parts of a divided cell.
+  constexpr int32_t kNone = -1, kSeveral = -2;
+  std::vector<int32_t> part(before.topology.cells.size(), kNone);
+  for (size_t c = 0; c < t.cells.size(); ++c) {
+    const int32_t parent = t.cells[c].parent;
+    if (parent < 0) continue;
+    int32_t& p = part[size_t(parent)];
+    p = p == kNone && t.cells[c].cell == before.topology.cells[size_t(parent)].cell ? int32_t(c) : kSeveral;
+  }
+  std::vector<EmbeddedPoint> out;
+  out.reserve(view.X_mm.size());
+  view.cell_copy.assign(view.X_mm.size(), -1);
+  for (size_t v = 0; v < view.X_mm.size(); ++v) {
+    const int32_t u = before.earlier[v];
+    const int32_t copy = u < 0 ? -1 : part[size_t(before.view.cell_copy[size_t(u)])];
+    if (copy < 0) {
+      out.emplace_back();
+      continue;
+    }
+    view.cell_copy[v] = copy;
+    out.push_back({t.cells[size_t(copy)].node, before.embedding[size_t(u)].w});
+  }
+  embed_rest(t, surface, view, out);
   return out;
 }
 

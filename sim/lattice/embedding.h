@@ -4,6 +4,7 @@
 // Weights come from the rest position and the cell alone. A cut changes only which node copies they point to, and node
 // copies start at their parents' positions: no existing point moves when a cut is made.
 #include <array>
+#include <span>
 #include <vector>
 
 #include "sim/lattice/topology.h"
@@ -14,6 +15,17 @@ namespace limberg {
 /// the copy is that of the class which holds the sided faces around it.
 std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const MaterialSurface& surface,
                                          SurfaceView& view);
+
+/// The same from an earlier version of both: vertices that were there, in a cell copy that has not come apart, keep their
+/// weights. `earlier` as Arrangement::surface_view gives it; topology.cells[i].parent must index the earlier topology.
+struct EarlierEmbedding {
+  const LatticeTopology& topology;
+  const SurfaceView& view;
+  std::span<const EmbeddedPoint> embedding;
+  std::span<const int32_t> earlier;  // per vertex of the new view
+};
+std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const MaterialSurface& surface,
+                                         SurfaceView& view, const EarlierEmbedding& before);
 
 /// A point of view triangle `tri` by barycentric coordinates; rest position returned through X_mm when asked for.
 EmbeddedPoint embed_point(const LatticeTopology& topology, const SurfaceView& view, int32_t tri,

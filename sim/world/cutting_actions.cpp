@@ -190,8 +190,16 @@ std::shared_ptr<const SurfaceTopology> OperatingTable::make_surface(const Lattic
   auto surface = std::make_shared<SurfaceTopology>();
   surface->version = next_version_++;
   surface->body = body_;
-  surface->view = arrangement_->surface_view();
-  surface->embedding = embed_surface(lattice, material_surface(*arrangement_), surface->view);
+  if (version_.surface) {  // most of it is as it was
+    const SurfaceTopology& before = *version_.surface;
+    std::vector<int32_t> earlier;
+    surface->view = arrangement_->surface_view(before.view, int32_t(version_.lattice->face_bits.size()), &earlier);
+    surface->embedding = embed_surface(lattice, material_surface(*arrangement_), surface->view,
+                                       {*version_.lattice, before.view, before.embedding, earlier});
+  } else {
+    surface->view = arrangement_->surface_view();
+    surface->embedding = embed_surface(lattice, material_surface(*arrangement_), surface->view);
+  }
   // Depths are remembered by point: points of the arrangement never move.
   const SurfaceView& view = surface->view;
   surface->depth_mm.resize(view.X_mm.size());
