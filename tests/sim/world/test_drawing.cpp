@@ -269,7 +269,9 @@ TEST(Drawing, RandomStrokesStaySound) {
   for (uint64_t seed = 1; seed <= 6; ++seed) {
     std::mt19937_64 rng(seed);
     const auto real = [&](double lo, double hi) { return lo + (hi - lo) * double(rng() >> 11) / 9007199254740992.0; };
-    World world(block(), workers);
+    WorldSpec spec = block();
+    spec.refine_fronts = seed % 2;
+    World world(spec, workers);
     const uint64_t first = world.full_hash();
     const double volume = world.volume_mm3();
     int strokes = 0;

@@ -67,7 +67,9 @@ class UndoHistories : public testing::TestWithParam<int> {};
 TEST_P(UndoHistories, EveryHashComesBackInBothDirections) {
   InlineWorkers workers;
   const bool dynamic = GetParam() % 3 == 2;
-  World world(block(dynamic), workers);
+  WorldSpec spec = block(dynamic);
+  spec.refine_fronts = GetParam() % 2;
+  World world(spec, workers);
   Surgeon surgeon{uint64_t(GetParam())};
   steps(world, 3, dynamic);
   std::vector<uint64_t> hash;  // just before each act that counted
