@@ -6,6 +6,7 @@
 // from all their groups at once and go outwards in turns, the component is what it was, with other faces. When a search
 // comes to an end without meeting another, something has come off, and all is found afresh.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "sim/cutting/store.h"
@@ -25,6 +26,22 @@ int128 volume_under(const ArrangementStore& s, int32_t sided) {
 double to_mm3(const ArrangementStore& s, const int128& volume) {
   const double unit = s.grid.half_unit_mm();
   return double(volume) * 0x1p-20 * unit * unit * unit / 6;
+}
+
+// Of a component. One so small that its place swallows it (each term is rounded to about a half-unit^3) is measured
+// about one of its own corners: the sign tells whether it is a piece.
+double measured_mm3(const ArrangementStore& s, int32_t id, const SurfaceComponent& c, const int128& volume) {
+  if (std::abs(double(volume)) > 0x1p22 * c.sided_faces) return to_mm3(s, volume);
+  const Vec3 o = s.points.approx(s.face[c.first_sided_face / 2].v[0]);
+  double sum = 0;
+  for (int32_t sided = c.first_sided_face; sided < int32_t(s.component_of.size()); ++sided) {
+    const Face& f = s.face[sided / 2];
+    if (s.component_of[sided] != id || !f.has_side(sided % 2)) continue;
+    const Vec3 a = s.points.approx(f.v[0]) - o, b = s.points.approx(f.v[1]) - o, d = s.points.approx(f.v[2]) - o;
+    sum += (sided % 2 == 1 ? 1.0 : -1.0) * a.dot(b.cross(d));
+  }
+  const double unit = s.grid.half_unit_mm();
+  return sum * unit * unit * unit / 6;
 }
 
 bool is_fixed(const ArrangementStore& s, int32_t sided) {
@@ -60,7 +77,7 @@ void ArrangementStore::find_components() const {
         stack.push_back(m / 3);
       }
     }
-    c.volume_mm3 = to_mm3(*this, volume);
+    c.volume_mm3 = measured_mm3(*this, id, c, volume);
     component.all.push_back(c);
     component.volume.push_back(volume);
   }
@@ -188,7 +205,7 @@ void ArrangementStore::update_components(Delta& delta) {
     if (!met[c]) continue;
     int32_t& at = one.first_sided_face;
     while (!face[at / 2].has_side(at % 2) || component_of[at] != int32_t(c)) ++at;
-    one.volume_mm3 = to_mm3(*this, now.volume[c]);
+    one.volume_mm3 = measured_mm3(*this, int32_t(c), one, now.volume[c]);
   }
   for (size_t c = 0; c + 1 < now.all.size(); ++c)
     if (now.all[c].first_sided_face > now.all[c + 1].first_sided_face) return;  // they change their numbers

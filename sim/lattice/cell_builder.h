@@ -100,6 +100,7 @@ class CellBuilder {
   void join_walks();
   void walk_square(int normal, bool high);
   bool walk_from_loop(int normal, bool high, int run, int32_t root);
+  bool walk_from_speck(int normal, bool high, int32_t root);
   bool walk_from_shell(int axis, int32_t root);
   void walk_shells();
   template <class Left>

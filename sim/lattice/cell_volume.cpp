@@ -6,7 +6,9 @@
 //   length(R on x = W, z = H) = sum of y nu_y over its hits on that edge          +  D * [corner (W,D,H) in R]
 // Every term belongs to one sided face or to the corner, and the two sides of a face differ in sign, so a face that has
 // the same class on both sides contributes nothing. Doubles throughout: the terms are continuous, rounding stays
-// rounding.
+// rounding. One is not: a curve that runs along the edge x = W counts in full on this side of it and not at all beyond.
+// On which side its ends lie is decided exactly, as the hits on that edge are.
+#include <algorithm>
 #include <cmath>
 
 #include "sim/lattice/cell_builder.h"
@@ -74,6 +76,8 @@ void CellBuilder::measure(CellComponents& out) const {
     if (out.of_side[local][1] >= 0) volume[size_t(out.of_side[local][1])] += along_normal;
   };
   const int32_t top = index_[2] + 1;
+  // The lattice edge along y at x and z high: seen along y the coordinates are (z, x), both high: corner 3.
+  const SubPoint line = edge_corner(1, 3);
   for (size_t l = 0; l < face_.size(); ++l) {
     if (out.of_side[l][0] == out.of_side[l][1]) continue;
     const LocalFace& f = face_[l];
@@ -89,18 +93,28 @@ void CellBuilder::measure(CellComponents& out) const {
     double flux = z_flux(p);
     if (!f.inside && f.plane->n[0] != 0) {
       Vec3 end[2];
+      bool beyond[2] = {false, false};
       int n = 0;
       for (size_t e = 0; e < 3 && n < 2; ++e) {
-        if ((f.layer[e][2] < top) == (f.layer[(e + 1) % 3][2] < top)) continue;
+        const bool rises = f.layer[e][2] < top;
+        if (rises == (f.layer[(e + 1) % 3][2] < top)) continue;
         const Vec3 &a = corner[e], &b = corner[(e + 1) % 3];
-        end[n++] = a + (b - a) * ((H - a.z()) / (b.z() - a.z()));
+        // Seen along y the coordinates are (z, x): an edge that rises in z has the line to its left when it passes at
+        // smaller x.
+        beyond[n] = (edge_about_corner(f.p[e], f.p[(e + 1) % 3], 1, line) > 0) == !rises;
+        end[n] = a + (b - a) * ((H - a.z()) / (b.z() - a.z()));
+        if (!beyond[n]) end[n].x() = std::min(end[n].x(), W);
+        ++n;
       }
-      if (n == 2) flux += (f.plane->n[0] > 0 ? H : -H) * x_sweep(end[0], end[1], W, D);
+      if (n == 2 && beyond[0] != beyond[1] && f.plane->n[1] != 0) {
+        const double y = hit_on_line(*f.plane, 1, line) - low.y();
+        end[beyond[0] ? 0 : 1] = Vec3(W, std::clamp(y, std::min(end[0].y(), end[1].y()), std::max(end[0].y(), end[1].y())), H);
+        beyond[0] = beyond[1] = false;
+      }
+      if (n == 2 && !beyond[0]) flux += (f.plane->n[0] > 0 ? H : -H) * x_sweep(end[0], end[1], W, D);
     }
     add(l, flux);
   }
-  // Lattice edge along y at x and z high: seen along y the coordinates are (z, x), both high: corner 3.
-  const SubPoint line = edge_corner(1, 3);
   for (int32_t h : hit_[4 * 1 + 3]) {
     const Plane& plane = *face_[size_t(h)].plane;
     const double y = hit_on_line(plane, 1, line) - low.y();

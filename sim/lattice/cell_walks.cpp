@@ -149,7 +149,7 @@ void CellBuilder::walk_square(int normal, bool high) {
       if (open_[size_t(root)] || seen_[size_t(root)]) continue;
       seen_[size_t(root)] = 1;
       if (!walk_from_loop(normal, high, (normal + 1) % 3, root) &&
-          !walk_from_loop(normal, high, (normal + 2) % 3, root))
+          !walk_from_loop(normal, high, (normal + 2) % 3, root) && !walk_from_speck(normal, high, root))
         ++unresolved_;
     }
 }
@@ -194,6 +194,59 @@ bool CellBuilder::walk_from_loop(int normal, bool high, int run, int32_t root) {
     if (walk_left(run, line, square_, root, [&] { return region_on_lattice_edge(rise, corner, line); })) return true;
   }
   return false;
+}
+
+// A curve so small that no line meets it: the surface's edges through a point exactly on the square's plane, say. Next to
+// that plane it grows in the directions of its edges, which tell whether it bounds material on its inside; then nothing
+// follows. If not, its material is that around it: what lies to the left of its place belongs to it.
+bool CellBuilder::walk_from_speck(int normal, bool high, int32_t root) {
+  const int u = (normal + 1) % 3, v = (normal + 2) % 3;
+  const double level = sub_to_half(bound_[size_t(normal)][high]);
+  double area2 = 0;  // positive: material inside
+  Vec3 place = Vec3::Zero();
+  int32_t mine = -1;
+  for (size_t l = 0; l < face_.size(); ++l)
+    for (int side = 0; side < 2; ++side) {
+      if (!has(face_[l].mat, side) || square_.find(member(l, side)) != root) continue;
+      Vec2 way[2];
+      int n = 0;
+      for (size_t e = 0; e < 3 && n < 2; ++e) {
+        if (!crosses_[3 * l + e]) continue;
+        const Vec3 &a = *face_[l].p[e].approx, &b = *face_[l].p[(e + 1) % 3].approx;
+        const Vec3 slope = (b - a) / (b[normal] - a[normal]);
+        place = a + (level - a[normal]) * slope;
+        way[n++] = Vec2(slope[u], slope[v]);
+      }
+      if (n < 2) return false;  // it is no closed curve
+      mine = member(l, side);
+      const double into = side == 0 ? 1.0 : -1.0;  // along the plane's normal
+      const Vec2 along(into * double(face_[l].plane->n[size_t(v)]), -into * double(face_[l].plane->n[size_t(u)]));
+      // Seen at -slope, that is below the plane; with material to the left of the direction.
+      Vec2 from = -way[0], to = -way[1];
+      if ((to - from).dot(along) < 0) std::swap(from, to);
+      area2 += from.x() * to.y() - from.y() * to.x();
+    }
+  if (mine < 0 || !place.allFinite()) return false;
+  if (area2 > 0) return true;
+  SubPoint line;
+  line[size_t(normal)] = bound_[size_t(normal)][high];
+  line[size_t(u)] = bound_[size_t(u)][0];
+  line[size_t(v)] = std::clamp<int64_t>(std::llround(place[v] * 0x1p24), bound_[size_t(v)][0], bound_[size_t(v)][1]);
+  hits_between(u, line, nullptr, hits_);
+  for (size_t i = hits_.size(); i-- > 0;) {
+    const LocalFace& f = face_[size_t(hits_[i])];
+    const int after = 1 - side_before(*f.plane, u);
+    if (hit_on_line(*f.plane, u, line) >= place[u]) continue;
+    if (has(f.mat, after) && square_.find(member(size_t(hits_[i]), after)) == root) continue;
+    if (!has(f.mat, after)) return false;
+    join_.unite(mine, member(size_t(hits_[i]), after));
+    ++walks_;
+    return true;
+  }
+  const int corner = (v + 1) % 3 == normal ? int(high) : int(high) << 1;
+  join_.unite(mine, region_on_lattice_edge(v, corner, line));
+  ++walks_;
+  return true;
 }
 
 void CellBuilder::walk_shells() {
