@@ -14,6 +14,7 @@ namespace limberg::bench {
 struct FuzzSettings {
   int64_t operations = 10000;
   uint64_t seed = 1;
+  uint64_t first_history = 0;  // to begin in the middle of a longer run
   int check_every = 1;                              // operations between full checks
   int max_violations = 20;                          // then it stops
   std::string out_dir;                              // for repro files; empty: none are written

@@ -206,6 +206,7 @@ CutBuilder::Outcome CutBuilder::divide() {
       int axis = 0;
       (store_.points.approx(q) - store_.points.approx(p)).cwiseAbs().maxCoeff(&axis);
       const int forward = store_.points.order(axis, q, p);
+      if (forward == 0) return fail(coincidence, "a cut line without length");
       std::sort(between.begin(), between.end(), [&](const Mark& a, const Mark& b) {
         return store_.points.order(axis, b.point, a.point) == forward;
       });
