@@ -111,24 +111,6 @@ std::string Arrangement::check_all() const {
     }
   }
 
-  // Components that were kept up to date are those that are found afresh.
-  s.find_components();
-  const auto kept = s.component.all;
-  const auto kept_of = s.component_of;
-  s.components_known = false;
-  s.find_components();
-  if (kept.size() != s.component.all.size()) return "components kept up to date: another number than found afresh";
-  for (size_t c = 0; c < kept.size(); ++c) {
-    const SurfaceComponent &x = kept[c], &y = s.component.all[c];
-    if (x.first_sided_face != y.first_sided_face || x.sided_faces != y.sided_faces || x.volume_mm3 != y.volume_mm3 ||
-        x.touches_fixed != y.touches_fixed)
-      return at("components kept up to date differ from those found afresh, component", int64_t(c));
-  }
-  for (int32_t f = 0; f < int32_t(s.face.size()); ++f)
-    for (int side = 0; side < 2; ++side)
-      if (s.face[f].has_side(side) && kept_of[size_t(2 * f + side)] != s.component_of[size_t(2 * f + side)])
-        return at("components kept up to date: a side belongs elsewhere, face", f);
-
   // I3: every component closed: V - E + F even.
   const SurfaceView view = surface_view();
   const auto& all = components();
