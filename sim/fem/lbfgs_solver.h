@@ -4,7 +4,7 @@
 //   u     displacement of all nodes, float, 16 bytes each; fixed nodes keep theirs (zero, or what set_displacement gave)
 //   E(u)  cells (ElementSystem) + springs (SpringForces) + contacts (ContactForces) + in a dynamic step the incremental potential of backward Euler
 //         sum_i a_i/2 |u_i - t_i|^2,  a = m (1/dt^2 + c/dt),  t = ((u0 + dt v0)/dt^2 + c u0/dt) / (1/dt^2 + c/dt)
-//   d     = -H g, H: L-BFGS over a prefactored scalar matrix (Preconditioner); Armijo line search; when the change of energy
+//   d     = -H g, H: L-BFGS over a scalar matrix, factored or by a multilevel cycle (Preconditioner); Armijo line search; when the change of energy
 //         is below the noise of single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
 //   P     hanging nodes, if any, follow their masters: u is spread to them after every move, evaluate() hands their forces
 //         on, so g is zero there and they take no part in any product (hanging_nodes.h)

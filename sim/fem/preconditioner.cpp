@@ -25,6 +25,7 @@ struct Preconditioner::Pending {
     std::shared_ptr<const ScalarFactor> factor;
     size_t ordered_bytes = 0;  // of the factor whose order was last found afresh
     std::atomic<bool> unwanted = false;  // set by the owner when nobody will ask any more
+    std::atomic<bool> begun = false;     // set by the job before it looks at `unwanted`
   };
   std::shared_ptr<Result> result = std::make_shared<Result>();
   std::shared_ptr<Workers::Job> job;
@@ -44,7 +45,11 @@ void Preconditioner::drop_pending() {
   std::erase_if(dropped_, [](const auto& p) { return p->job->done(); });
   if (!pending_) return;
   pending_->result->unwanted = true;
-  dropped_.push_back(std::move(pending_));
+  if (pending_->result->begun)
+    dropped_.push_back(std::move(pending_));
+  else
+    pending_->job->wait();  // returns at once: the job will see that it is unwanted
+  pending_.reset();
 }
 
 void Preconditioner::set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) {
@@ -121,6 +126,7 @@ void Preconditioner::submit(double mass_per_s2) {
   auto job = [model = now_.model, springs = p->folded, mass_per_s2, before = order_from_, ancestor = ancestor_,
               ordered_bytes = ordered_bytes_, result = p->result] {
     try {
+      result->begun = true;
       if (result->unwanted) return;
       const ScalarMatrix A = assemble_scalar(*model, springs, mass_per_s2);
       std::shared_ptr<const ScalarFactor> factor;
