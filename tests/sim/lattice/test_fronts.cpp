@@ -1,6 +1,7 @@
 // Divided cells at crack fronts: which cells, what their elements add up to, and that nothing moves when they are made.
 #include <functional>
 #include <map>
+#include <set>
 
 #include "sim/error.h"
 #include "sim/fem/hanging_nodes.h"
@@ -122,6 +123,63 @@ TEST_F(Fronts, NothingJumps) {
   }
   EXPECT_GT(s.t->hanging.size(), 500u);
   EXPECT_LT(jump, 1e-6);  // displacements of 1 mm, weights in single precision
+}
+
+// Between levels, copies are joined exactly where they are in the lattice that is as fine everywhere, whose cell beside the
+// finer one is a part of the coarser one.
+TEST_F(Fronts, LinksBetweenLevelsAreThoseOfTheFineLattice) {
+  size_t compared = 0, several = 0;
+  auto compare = [&] {
+    const LatticeTopology& t = *s.t;
+    for (int level = 1; level <= kLevels; ++level) {
+      const auto fine = build_topology(t.grid.at_level(level), material_surface(s.a));
+      std::map<std::pair<int32_t, int32_t>, std::set<std::pair<int, int>>> links;  // (finer, coarser cell) -> classes
+      for (const auto& l : t.links) {
+        const int32_t low = l.cell_axis / 3;
+        const int ll = t.tree.level(low), lh = t.tree.level(l.next);
+        if (ll != lh && std::max(ll, lh) == level)
+          ll > lh ? links[{low, l.next}].insert({l.low, l.high}) : links[{l.next, low}].insert({l.high, l.low});
+      }
+      for (int32_t cell = t.tree.grid_cells; cell < t.tree.ids(); ++cell) {
+        if (t.copies_of(cell) == 0 || t.tree.level(cell) != level) continue;
+        const Int3 at = t.tree.place(t.grid, cell).at;
+        for (int side = 0; side < 6; ++side) {
+          Int3 beside = at;
+          (side / 2 == 0 ? beside.x : side / 2 == 1 ? beside.y : beside.z) += side % 2 ? 1 : -1;
+          if (beside[side / 2] < 0 || beside[side / 2] >= fine->grid.count[side / 2]) continue;
+          const int32_t coarse = t.tree.find(t.grid, level, beside);
+          if (t.copies_of(coarse) == 0 || t.tree.level(coarse) != level - 1) continue;
+          const int32_t f = fine->grid.cell_index(at), g = fine->grid.cell_index(beside);
+          const auto &of_g = fine->components[size_t(g)], &of_coarse = t.components[size_t(coarse)];
+          auto class_in_coarse = [&](int cls) -> int {
+            if (!of_coarse) return 0;
+            if (!of_g) return of_coarse->of_corner[size_t((beside.x & 1) | (beside.y & 1) << 1 | (beside.z & 1) << 2)];
+            for (size_t i = 0; i < of_g->face.size(); ++i)
+              for (int k = 0; k < 2; ++k)
+                if (of_g->of_side[i][size_t(k)] == cls) return of_coarse->class_of(2 * of_g->face[i] + k);
+            return -1;
+          };
+          std::set<std::pair<int, int>> expected;
+          for (const auto& l : fine->links) {
+            if (l.cell_axis % 3 != side / 2) continue;
+            if (side % 2 && l.cell_axis / 3 == f && l.next == g) expected.insert({l.low, class_in_coarse(l.high)});
+            if (side % 2 == 0 && l.cell_axis / 3 == g && l.next == f) expected.insert({l.high, class_in_coarse(l.low)});
+          }
+          auto found = links.find({cell, coarse});
+          ASSERT_EQ(found == links.end() ? decltype(expected){} : found->second, expected) << "cell " << cell;
+          ++compared, several += expected.size() > 1;
+        }
+      }
+    }
+  };
+  ASSERT_TRUE(s.cut(strip({{-14.3, 0.3}, {11.2, 1.1}}, 3, -6)));
+  compare();
+  ASSERT_TRUE(s.cut(strip({{1, -13}, {2, 17}}, 3, -4)));
+  ASSERT_TRUE(s.cut(sheet({-2, 0.1, -5}, {18, 0.1, 0}, {0.1, 13, 0.1}, 9, 7)));
+  ASSERT_TRUE(s.cut(strip({{-12, -8}, {9, 9}}, 3, -7)));
+  compare();
+  EXPECT_GT(compared, 300u);
+  EXPECT_GT(several, 20u);
 }
 
 // --- Elements -----------------------------------------------------------------------------------------------------
