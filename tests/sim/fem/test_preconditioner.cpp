@@ -3,7 +3,7 @@
 
 #include <Eigen/Dense>
 
-#include "models.h"
+#include "cut_models.h"
 #include "sim/fem/node_vectors.h"
 #include "sim/fem/preconditioner.h"
 
@@ -169,6 +169,38 @@ TEST(Preconditioner, AnUndoFindsItsFactorAgain) {
   P.apply(r, z);
   const auto A = fem::assemble_scalar(*before, {}, 0);
   EXPECT_LT(solve_error(A, dense(A), r, z), 1e-5);
+}
+
+// Cut after cut, faster than factors are made: which of them are used depends on steps, never on how fast a job was.
+TEST(Preconditioner, QuickCutsGiveTheSameBitsForAnyNumberOfWorkers) {
+  const auto run = [](Workers& w) {
+    BoxSpec b;
+    b.cells = {14, 12, 3}, b.size_mm = {42, 36, 9}, b.fix_sides = true;
+    test::CutBox body(b);
+    Random r(4);
+    fem::Preconditioner P(w);
+    P.set_model(body.model(), {});
+    P.begin_step(0, 3, false);
+    std::vector<float> out;
+    for (int cut = 0; cut < 6; ++cut) {
+      body.cut(r);
+      P.set_model(body.model(), body.cell_parent());
+      for (int step = 0; step < (cut == 4 ? 5 : 2); ++step) {
+        P.begin_step(0, 3, false);
+        const NodeArray a = random_nodes(*body.model(), uint64_t(10 * cut + step));
+        NodeArray z(a.size());
+        P.apply(a, z);
+        for (const fem::Node4& v : z) out.push_back(v.x), out.push_back(v.z);
+      }
+      EXPECT_EQ(P.on_cycle(), cut != 4);
+    }
+    return out;
+  };
+  InlineWorkers one;
+  test::ThreadWorkers two(2), three(3);
+  const std::vector<float> a = run(one);
+  EXPECT_EQ(a, run(two));
+  EXPECT_EQ(a, run(three));
 }
 
 TEST(Preconditioner, InheritedOrderCostsLittleFill) {
