@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "app/version.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -24,6 +25,16 @@ std::unique_ptr<ScriptWriter> open_script(const std::string& file, const Scene& 
 
 }  // namespace
 
+Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed) {
+  Repro r;
+  r.program = program_name();
+  r.scene = scene.name;
+  r.scene_hash = scene.hash;
+  r.cell_mm = cell_mm;
+  r.seed = seed;
+  return r;
+}
+
 int ticks_per_solver_step(const Scene& scene) { return std::max(1, int(std::floor(1000.0 / scene.steps_per_s))); }
 
 StepSettings step_settings(const Scene& scene, bool real_time) {
@@ -45,16 +56,19 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
       front(calibration, gestures(scene)),
       device(front, channels, o.record),
       script(open_script(o.script_file, scene)),
+      repro(o.repro_dir, blank_repro(scene, scene.cell_mm, scene.seed)),
       solver(patient, channels, SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut},
              [this](const Command& c) {
                done.push_back(c);
+               repro.done(c);
                if (!script || !script_error.empty()) return;
                try {
                  script->append(c);
                } catch (const InputError& e) {
                  script_error = e.what();
                }
-             }),
+             },
+             [this](const Command& c, const std::string& reason) { repro.refused(c, reason, world.topology_hash()); }),
       render(channels, o.sink, o.draw_frames) {}
 
 SessionSettings Assembly::session_settings() const {

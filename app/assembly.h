@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "app/repro.h"
 #include "app/scene.h"
 #include "app/session/session.h"
 #include "app/session/workers_pool.h"
@@ -20,6 +21,7 @@ struct AssemblyOptions {
   bool progressive_cut = false;  // incisions open while they are drawn
   bool draw_frames = false;    // frames for the sink, not only stages
   PictureSink* sink = nullptr;
+  std::string repro_dir;       // where refused cuts leave a file to try them again; empty: nowhere
   std::string script_file;     // the session's own script; empty: none
 };
 
@@ -42,10 +44,13 @@ class Assembly {
   std::unique_ptr<ScriptWriter> script;
   std::vector<Command> done;  // every command that was carried out
   std::string script_error;  // the session goes on without its script when the disk is full
+  ReproWriter repro;
   SolverLane solver;
   RenderLane render;
 };
 
+/// What every repro file of this scene begins with.
+Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed);
 int ticks_per_solver_step(const Scene& scene);
 StepSettings step_settings(const Scene& scene, bool real_time);
 

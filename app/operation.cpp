@@ -98,6 +98,8 @@ OperationOutcome operate(World& world, double max_depth_mm, const Script& script
     }
     if (set.progress) set.progress(done++, script.lines.size());
     const Outcome o = op.apply(l.command, l.line);
+    if (!o.done && set.on_refusal) set.on_refusal(l.command, o.reason);
+    if (o.done && set.on_done) set.on_done(l.command);
     if (!o.done) throw InputError(script.name, l.line, std::string(action_name(l.command)) + " refused: " + o.reason);
   }
   op.rest(set.final_residual, set.final_steps);

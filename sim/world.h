@@ -20,6 +20,8 @@
 
 namespace limberg {
 
+struct FaultPlan;
+
 /// What World is built from; made by app/ from a scene file, or by a researcher's own code.
 struct WorldSpec {
   std::shared_ptr<const Body> body;
@@ -31,6 +33,7 @@ struct WorldSpec {
   bool refine_fronts = false;  // cells in which a cut ends are divided twice, so that it opens to within a quarter cell of its end
   bool dynamic = false;     // false: quasi-static
   uint64_t seed = 1;
+  FaultPlan* fault = nullptr;  // tests only: lets steps of a cut fail (cutting/fault.h)
 };
 
 class World {

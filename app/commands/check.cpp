@@ -7,6 +7,7 @@
 #include "app/commands/session_command.h"
 #include "app/output.h"
 #include "app/progress.h"
+#include "app/repro.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
 #include "sim/error.h"
@@ -17,7 +18,7 @@ namespace limberg {
 
 namespace {
 
-enum class Kind { scene, script, recording, calibration, surface };
+enum class Kind { scene, script, repro, recording, calibration, surface };
 
 /// What a file is, by what is in it; its name decides only where the content leaves a doubt.
 Kind recognise(const std::string& file, std::string_view text) {
@@ -26,6 +27,7 @@ Kind recognise(const std::string& file, std::string_view text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos)
     throw InputError(file, 0, "is empty; expected a scene, a script, a recording, a calibration or an OBJ surface");
+  if (looks_like_repro(text)) return Kind::repro;
   if (text[first] == '{' || ends(".jsonl")) return Kind::script;
   if (text.find('\0') != std::string_view::npos) {
     if (ends(".lcm")) return Kind::recording;
@@ -96,6 +98,14 @@ void check_script(const Script& script) {
   for (const auto& [name, n] : count) std::printf("  %-10s %d\n", name.c_str(), n);
 }
 
+void check_repro(const Repro& r) {
+  std::printf("repro       a refused cut of scene \"%s\" (hash %s), written by %s\n", r.scene.c_str(), hex(r.scene_hash).c_str(), r.program.c_str());
+  std::printf("state       %zu commands before it, cells of %g mm, seed %llu, topology %s\n", r.commands.size(), r.cell_mm,
+              static_cast<unsigned long long>(r.seed), hex(r.topology_hash).c_str());
+  std::printf("refused     %s\n", to_json_line(r.refused).c_str());
+  std::printf("reason      %s\n", r.reason.c_str());
+}
+
 int check_recording(const std::string& file, bool with_plan, int workers) {
   const Recording rec = read_recording(file);
   int64_t stylus = 0, first = 0, last = 0;
@@ -134,6 +144,7 @@ int check(const std::string& file, bool with_plan, int workers) {
   const std::string text = read_whole_file(file, size_t(4) << 30);
   switch (recognise(file, text)) {
     case Kind::recording: return check_recording(file, with_plan, workers);
+    case Kind::repro: check_repro(parse_repro(text, file)); break;
     case Kind::script: check_script(parse_script(text, file)); break;
     case Kind::calibration: {
       const Calibration c = parse_calibration(text, file);
@@ -169,7 +180,7 @@ void add_check(CLI::App& app, Chosen& chosen) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("check", "Say what a file holds and whether it is sound");
-  c->add_option("FILE", o->file, "Scene, script, recording, calibration or OBJ surface; known by its content")->required();
+  c->add_option("FILE", o->file, "Scene, script, repro, recording, calibration or OBJ surface; known by its content")->required();
   c->add_flag("--plan", o->plan, "Build the scene: parts, nodes, memory, time of a step");
   o->common.add_workers(*c);
   c->footer("Exit status 3: a recording is damaged, but what is whole can be replayed.\n"

@@ -15,8 +15,13 @@ void CommonOptions::add_workers(CLI::App& c) {
       ->check(CLI::Range(1, 256));
 }
 
+void CommonOptions::add_repro(CLI::App& c) {
+  c.add_option("--repro", repro_dir, "Folder for repro-N.json, one for each cut that is refused (default: that of --out)")->type_name("DIR");
+}
+
 void CommonOptions::prepare() const {
   if (!out_dir.empty()) prepare_folder(out_dir);
+  if (!repro_dir.empty()) prepare_folder(repro_dir);
   if (!json_file.empty()) check_writable(json_file);
 }
 

@@ -1,12 +1,15 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <optional>
 
 #include "app/commands/session_command.h"
 #include "app/interrupt.h"
 #include "app/metrics.h"
 #include "app/operation.h"
 #include "app/pictures.h"
+#include "app/output.h"
 #include "app/progress.h"
 #include "app/report/report_names.h"
 #include "app/session/workers_pool.h"
@@ -80,9 +83,15 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
 int run(const Options& opt) {
   opt.common.prepare();
   const Scene scene = open_scene(opt.scene);
-  const Script script = load_script(opt.script);
+  std::optional<Repro> repro;
+  if (std::error_code ec; std::filesystem::is_regular_file(opt.script, ec))
+    if (const std::string text = read_whole_file(opt.script); looks_like_repro(text)) repro = parse_repro(text, opt.script);
+  if (repro && repro->scene_hash != scene.hash)
+    throw InputError(opt.script, 0, "was written with another scene (" + repro->scene + ", hash " + hex(repro->scene_hash) + "); expected that of " +
+                                        scene.name + ", hash " + hex(scene.hash));
+  const Script script = repro ? script_of(*repro, opt.script) : load_script(opt.script);
   std::vector<double> cells = opt.cells;
-  if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : scene.cell_mm);
+  if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : repro ? repro->cell_mm : scene.cell_mm);
   const std::shared_ptr<const Body> body = build_body(scene);
   WorkersPool workers(opt.common.worker_count());
 
@@ -95,15 +104,38 @@ int run(const Options& opt) {
   for (size_t i = 0; i < cells.size(); ++i) {
     WorldSpec spec = world_spec(scene, body);
     spec.cell_mm = cells[i];
+    if (repro) spec.seed = repro->seed;
     World world(spec, workers);
+    ReproWriter refused(repro ? "" : opt.common.repro(), blank_repro(scene, cells[i], spec.seed));
+    bool again = false;  // the repro's cut is refused again
     char label[32];
     std::snprintf(label, sizeof label, "%g mm cells", cells[i]);
     Progress progress(label);
     OperationSettings set;
     set.interrupted = interrupted;
+    size_t done = 0;
+    set.on_done = [&](const Command& c) { ++done, refused.done(c); };
+    set.on_refusal = [&](const Command& c, const std::string& reason) {
+      progress.clear();
+      if (const std::string file = refused.refused(c, reason, world.topology_hash()); !file.empty())
+        say("the refused cut can be tried again: limberg operate " + opt.scene + " " + file);
+      if (!refused.error().empty()) say(refused.error());
+      if (!repro || done != repro->commands.size()) return;
+      again = true;
+      std::printf("repro       %zu commands, then refused again: %s\n", done, reason.c_str());
+      std::printf("topology    %s, %s\n", hex(world.topology_hash()).c_str(),
+                  world.topology_hash() == repro->topology_hash ? "as recorded" : ("recorded " + hex(repro->topology_hash)).c_str());
+    };
     set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
-    const OperationOutcome o = operate(world, scene.tools.max_depth_mm, script, set);
+    OperationOutcome o;
+    try {
+      o = operate(world, scene.tools.max_depth_mm, script, set);
+    } catch (const InputError&) {
+      if (!again) throw;
+      return kGoalMissed;
+    }
     progress.clear();
+    if (repro) std::printf("repro       the cut that was refused is carried out\n");
     if (o.interrupted) {
       say("interrupted; nothing was written");
       return kGoalMissed;
@@ -136,11 +168,11 @@ void add_operate(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("operate", "Carry out an operation script to equilibrium, at any resolution");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
-  c->add_option("SCRIPT", o->script, "Operation script (JSON lines)")->required();
+  c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut")->required();
   CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(CLI::PositiveNumber);
   c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes")
       ->type_name("H,H,...")->delimiter(',')->check(CLI::PositiveNumber)->excludes(one);
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
 }

@@ -79,7 +79,7 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   c->add_option("--scene", o->scene, "Refuse the recording if it was not made with this scene")->type_name("SCENE");
   c->add_option("--convergence", o->convergence, "Put the convergence table of this result (of operate --cells) into the report")
       ->type_name("FILE");
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg replay recordings/rhomboid.lcm --out out/demo --json out/demo/result.json");
   c->callback([o, &chosen] { chosen = [o] { return replay(*o); }; });
 }

@@ -80,7 +80,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")->type_name("S")->check(CLI::Range(0.001, 86400.0));
   c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
   c->add_flag("--headless", o->headless, "No window (this build draws off screen only)");
-  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out out/my");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
 }

@@ -103,6 +103,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   o.real_time = call.real_time;
   o.progressive_cut = call.progressive_cut;
   o.draw_frames = !call.common.out_dir.empty() || call.real_time;
+  o.repro_dir = call.common.repro();
   if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
   OffscreenFrames frames(call.scene, 640, 480);
   if (o.draw_frames) o.sink = &frames;
@@ -140,6 +141,12 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     std::snprintf(t, sizeof t, "%.2f s: ", r.t_s);
     say(std::string(t) + r.command + " refused: " + r.reason);
   }
+  int repro = 0;
+  for (const std::string& file : a.repro.files()) {
+    result.set("/repro/" + std::to_string(repro++), file);
+    say("a refused cut can be tried again: limberg operate " + a.scene.name + " " + file);
+  }
+  if (!a.repro.error().empty()) say(a.repro.error());
   if (!a.script_error.empty()) say("the session's script is cut short: " + a.script_error);
   if (after) after(result, a);
   const bool recording_failed = recorder && recorder->failed();

@@ -11,8 +11,9 @@ double seconds(int64_t tick) { return double(tick) * 1e-3; }
 Vec3 vec(const double (&p)[3]) { return {p[0], p[1], p[2]}; }
 }  // namespace
 
-SolverLane::SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command)
-    : patient_(patient), ch_(channels), settings_(settings), on_command_(std::move(on_command)),
+SolverLane::SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command,
+                       OnRefusal on_refusal)
+    : patient_(patient), ch_(channels), settings_(settings), on_command_(std::move(on_command)), on_refusal_(std::move(on_refusal)),
       builder_(PathSettings{}, settings.progressive_cut) {
   series_.reserve(1 << 16);
 }
@@ -60,6 +61,7 @@ void SolverLane::apply(const Command& c, int64_t tick) {
   if (!o.done) {
     refused_.push_back({seconds(tick), action_name(c), o.reason});
     if (std::holds_alternative<InciseMore>(c)) builder_.stop_stroke();
+    if (on_refusal_) on_refusal_(c, o.reason);
     return;
   }
   ++commands_;

@@ -43,8 +43,10 @@ class SolverLane {
  public:
   /// What is told about a carried out command: the script writer, a line on screen.
   using OnCommand = std::function<void(const Command& command)>;
+  /// ... and about one that was refused: whoever keeps a record of it.
+  using OnRefusal = std::function<void(const Command& command, const std::string& reason)>;
 
-  SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command = {});
+  SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command = {}, OnRefusal on_refusal = {});
 
   /// Publishes the patient before anything has happened; call before the first device tick.
   void start();
@@ -79,6 +81,7 @@ class SolverLane {
   Channels& ch_;
   SolverSettings settings_;
   OnCommand on_command_;
+  OnRefusal on_refusal_;
   CommandBuilder builder_;
   HandState hand_;
   int32_t held_hook_ = 0;

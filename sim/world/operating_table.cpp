@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/cutting/store.h"
 #include "sim/hash.h"
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/grid_fit.h"
@@ -20,12 +21,26 @@ OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
   version_.index = std::make_shared<RestIndex>(version_.surface->view, body_->surface.tri.size());
   initial_volume_mm3_ = volume_mm3_ = arrangement_->volume_mm3();
   if (!spec_.can_cut) arrangement_.reset();
+  if (arrangement_) arrangement_->store().points.fault = spec_.fault;
   solver_ = make_solver(workers);
   solver_->set_model(version_.model, {});
 }
 
 Outcome OperatingTable::apply(const Command& command) {
-  const Outcome outcome = std::visit([this](const auto& c) { return act(c); }, command);
+  const int32_t operations = arrangement_ ? arrangement_->operations() : 0;
+  const auto lattice = version_.lattice;
+  Outcome outcome;
+  try {
+    outcome = std::visit([this](const auto& c) { return act(c); }, command);
+  } catch (const std::exception& e) {
+    // Memory at its end, or a check that has found a contradiction, in the middle of a cut: the arrangement goes back to
+    // where it was, and nothing else has changed yet.
+    if (!arrangement_ || arrangement_->operations() < operations || version_.lattice != lattice) throw;
+    while (arrangement_->operations() > operations) arrangement_->undo();
+    depth_of_point_mm_.resize(std::min(depth_of_point_mm_.size(), size_t(arrangement_->point_count())));
+    if (stroke_) stop_stroke(stroke_->id, "a piece of it failed");
+    outcome = {false, std::string("the cut failed inside (") + e.what() + "); nothing has changed"};
+  }
   if (!outcome.done) ++refused_;
   return outcome;
 }

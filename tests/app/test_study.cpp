@@ -1,0 +1,79 @@
+// Studies: their settings, and what must come out of small members.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "app/study/study.h"
+#include "sim/error.h"
+
+namespace limberg::study {
+namespace {
+
+TEST(Study, MembersAreAllCombinationsInOrder) {
+  const Family& f = find_family("gape");
+  EXPECT_EQ(members(f, {}).size(), 9u);
+  const auto m = members(f, {"prestretch_percent=5,10", "angle_deg=90,45,70"});
+  ASSERT_EQ(m.size(), 6u);
+  EXPECT_EQ(m[0][0], 90);
+  EXPECT_EQ(m[0][1], 5);
+  EXPECT_EQ(m[1][1], 10);
+  EXPECT_EQ(m[5][0], 70);
+}
+
+TEST(Study, BadSettingsAreRefused) {
+  EXPECT_THROW(find_family("nothing"), InputError);
+  const Family& f = find_family("disc");
+  for (const char* bad : {"", "=", "along", "along=", "along=1.1,", "along=x", "along=1.1 ,1.2", "along=nan", "along=inf", "along=0.5", "along=9",
+                          "foo=1", "along=1e999", "\n=1"})
+    EXPECT_THROW(members(f, {bad}), InputError) << bad;
+  EXPECT_THROW(members(f, {"along=1.1", "along=1.2"}), InputError);
+  std::string many = "along=1.1", more = "across=1.1";
+  for (int i = 0; i < 40; ++i) many += ",1.1", more += ",1.1";
+  EXPECT_THROW(members(f, {many, more}), InputError);
+}
+
+Row run(const std::string& family, const std::vector<std::string>& settings) {
+  InlineWorkers workers;
+  const Family& f = find_family(family);
+  const auto all = members(f, settings);
+  EXPECT_EQ(all.size(), 1u);
+  return f.run(all.at(0), {workers, {}});
+}
+
+TEST(Study, AFreedDiscTakesTheAreaThatItHadBeforeItWasStretched) {
+  // The law of the material, at a ratio where it differs from constant volume by much more than the tolerance.
+  const Row r = run("disc", {"along=1.15", "across=1.05", "cell_mm=4", "radius_mm=8", "poisson=0.4"});
+  EXPECT_EQ(r.at("pieces"), 2);
+  EXPECT_LT(r.at("error_of_law"), 2e-3);
+  EXPECT_GT(r.at("error"), 0.03);
+  EXPECT_GT(r.at("hole_growth"), 0.02);
+  EXPECT_GT(r.at("hole_along_over_across"), 1);
+}
+
+TEST(Study, AnUprightCutOpensEvenlyAndALeaningOneDoesNot) {
+  const std::vector<std::string> small{"length_mm=20", "cell_mm=3.5", "prestretch_percent=10"};
+  auto with = [&](const char* angle) {
+    auto s = small;
+    s.push_back(angle);
+    return run("gape", s);
+  };
+  const Row upright = with("angle_deg=90"), left = with("angle_deg=50"), right = with("angle_deg=130");
+  EXPECT_GT(upright.at("gape_mid_mm"), 0.5);
+  EXPECT_LT(upright.at("asymmetry"), 0.01);  // the bar of the study
+  EXPECT_GT(left.at("asymmetry"), 0.05);
+  // The mirror image of a leaning cut leans the other way: what one bank did the other does.
+  EXPECT_NEAR(left.at("left_mm"), right.at("right_mm"), 0.02 * left.at("gape_mid_mm"));
+  EXPECT_NEAR(left.at("right_mm"), right.at("left_mm"), 0.02 * left.at("gape_mid_mm"));
+  EXPECT_NEAR(left.at("step_mm"), -right.at("step_mm"), 0.02 * left.at("gape_mid_mm"));
+}
+
+TEST(Study, RowsAsCommaSeparatedValues) {
+  Row a, b;
+  a.figures = {{"x", 1}, {"y", 0.1}};
+  b.figures = {{"x", 2}, {"y", std::nan("")}};
+  EXPECT_EQ(csv({a, b}), "x,y\n1,0.1\n2,\n");
+  EXPECT_EQ(csv({}), "");
+}
+
+}  // namespace
+}  // namespace limberg::study
