@@ -113,16 +113,16 @@ int run(const Options& opt) {
     Progress progress(label);
     OperationSettings set;
     set.interrupted = interrupted;
-    size_t done = 0;
-    set.on_done = [&](const Command& c) { ++done, refused.done(c); };
+    size_t carried_out = 0;
+    set.on_done = [&](const Command& c) { ++carried_out, refused.done(c); };
     set.on_refusal = [&](const Command& c, const std::string& reason) {
       progress.clear();
       if (const std::string file = refused.refused(c, reason, world.topology_hash()); !file.empty())
         say("the refused cut can be tried again: limberg operate " + opt.scene + " " + file);
       if (!refused.error().empty()) say(refused.error());
-      if (!repro || done != repro->commands.size()) return;
+      if (!repro || carried_out != repro->commands.size()) return;
       again = true;
-      std::printf("repro       %zu commands, then refused again: %s\n", done, reason.c_str());
+      std::printf("repro       %zu commands, then refused again: %s\n", carried_out, reason.c_str());
       std::printf("topology    %s, %s\n", hex(world.topology_hash()).c_str(),
                   world.topology_hash() == repro->topology_hash ? "as recorded" : ("recorded " + hex(repro->topology_hash)).c_str());
     };

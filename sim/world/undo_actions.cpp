@@ -3,10 +3,18 @@
 #include "sim/world/operating_table.h"
 
 namespace limberg {
+namespace {
+
+// The surfaces of so many moments back (and forward) are kept, some 7 MB each at 60,000 triangles; further ones are read
+// off the arrangement again when undo gets there.
+constexpr size_t kSurfacesKept = 8;
+
+}  // namespace
 
 OperatingTable::Moment OperatingTable::moment() const {
   Moment m;
   m.version = version_;
+  m.version.index.reset();  // made again with the surface's new number
   m.solver = solver_->save();
   m.hooks = hooks_;
   m.stitches = stitches_;
@@ -22,10 +30,14 @@ void OperatingTable::return_to(const Moment& m, std::vector<int32_t> parent) {
   if (m.version.lattice != version_.lattice) {
     version_ = m.version;
     // The same surface under a new number: readers take versions to grow.
-    auto surface = std::make_shared<SurfaceTopology>(*m.version.surface);
-    surface->version = next_version_++;
-    version_.surface = surface;
-    version_.index = std::make_shared<RestIndex>(surface->view, body_->surface.tri.size());
+    if (m.version.surface) {
+      auto surface = std::make_shared<SurfaceTopology>(*m.version.surface);
+      surface->version = next_version_++;
+      version_.surface = surface;
+    } else {
+      version_.surface = make_surface(*m.version.lattice);
+    }
+    version_.index = std::make_shared<RestIndex>(version_.surface->view, body_->surface.tri.size());
     // The same model, for a solver that comes from another side of it than when it was made.
     auto model = std::make_shared<FemModel>(*m.version.model);
     model->parent = std::move(parent);
@@ -47,6 +59,7 @@ void OperatingTable::remember(Done done) {
   undone_.clear();
   if (stroke_ && stroke_->cut) stop_stroke(stroke_->id, "another act came between");
   done_.push_back(std::move(done));
+  if (done_.size() > kSurfacesKept) done_[done_.size() - 1 - kSurfacesKept].before.version.surface.reset();
 }
 
 void OperatingTable::take_back(std::span<const CutStep> steps) {
@@ -83,6 +96,7 @@ Outcome OperatingTable::act(const Undo&) {
   }
   return_to(u.done.before, std::move(parent));
   undone_.push_back(std::move(u));
+  if (undone_.size() > kSurfacesKept) undone_[undone_.size() - 1 - kSurfacesKept].after.version.surface.reset();
   return {true, {}};
 }
 
@@ -115,7 +129,11 @@ uint64_t OperatingTable::full_hash() const {
   for (const Stitch& k : stitches_) h.add(k.spring), h.add(k.a.at.triangle), h.add(k.b.at.triangle);
   h.add(volume_mm3_), h.add(removed_volume_mm3_);
   h.add(cuts_), h.add(next_spring_), h.add(next_stitch_);
-  for (const float d : version_.surface->depth_mm) h.add(d);
+  const SurfaceTopology& t = *version_.surface;
+  h.bytes(t.view.X_mm.data(), t.view.X_mm.size() * sizeof(Vec3));
+  h.bytes(t.view.tri.data(), t.view.tri.size() * sizeof(Tri));
+  for (const EmbeddedPoint& e : t.embedding) h.bytes(e.node.data(), sizeof e.node), h.bytes(e.w.data(), sizeof e.w);
+  for (const float d : t.depth_mm) h.add(d);
   return h.value();
 }
 

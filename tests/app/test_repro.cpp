@@ -109,9 +109,9 @@ TEST_F(ReproFiles, BrokenOnesAreRefused) {
         changed("\"cell_mm\": 3.5", "\"cell_mm\": 0"), changed("0123456789abcdef", "0123456789abcdeX"), changed("\"incise\"", "\"inzise\""),
         changed("\"reason\"", "\"raison\""), changed("\"refused\": {", "\"refused\": [{")})
     EXPECT_THROW(parse_repro(bad, "r"), InputError) << bad;
-  for (size_t n = 0; n < good.size(); n += 7) {
+  for (size_t n = 0; n + 2 < good.size(); n += 7) {
     const std::string cut = good.substr(0, n);
-    EXPECT_THROW(parse_repro(cut, "r"), InputError);
+    EXPECT_THROW(parse_repro(cut, "r"), InputError) << n;
   }
   EXPECT_FALSE(looks_like_repro("{\"limberg_script\":1,\"scene\":\"x\"}"));
   EXPECT_FALSE(looks_like_repro(""));

@@ -74,7 +74,7 @@ TEST_P(UndoHistories, EveryHashComesBackInBothDirections) {
   steps(world, 3, dynamic);
   std::vector<uint64_t> hash;  // just before each act that counted
   int refused = 0;
-  for (int i = 0; i < 24; ++i) {
+  for (int i = 0; i < 30; ++i) {
     const uint64_t before = world.full_hash();
     if (world.apply(surgeon.act()).done)
       hash.push_back(before);
@@ -86,7 +86,7 @@ TEST_P(UndoHistories, EveryHashComesBackInBothDirections) {
     steps(world, surgeon.pick(3), dynamic);
   }
   hash.push_back(world.full_hash());
-  ASSERT_GE(hash.size(), 8u) << refused << " refused";
+  ASSERT_GE(hash.size(), 12u) << refused << " refused";
 
   size_t at = hash.size() - 1;
   const auto undo = [&] {
