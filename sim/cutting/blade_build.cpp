@@ -185,9 +185,10 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     embedded = try_all();
   }
   if (!embedded && (join_at_start >= 0 || join_at_end >= 0)) return build_incision(c, stroke, depth_mm, angle_deg, false);
-  if (!embedded) return refuse("the blade would run through itself; expected a straighter path or less depth");
+  if (!embedded)
+    return {.blade = {}, .reason = "the blade would run through itself; expected a straighter path or less depth", .folds = true};
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  return {std::move(blade), {}, false};
+  return {std::move(blade), {}};
 }
 
 BladeResult build_plug(const BladeContext& c, std::span<const ChartPoint> outline, double depth_mm) {
@@ -233,7 +234,7 @@ BladeResult build_plug(const BladeContext& c, std::span<const ChartPoint> outlin
   }
   blade.seed.assign(blade.tri.size(), 2);
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  return {std::move(blade), {}, false};
+  return {std::move(blade), {}};
 }
 
 }  // namespace limberg

@@ -32,9 +32,10 @@ using GradientQuery = std::function<Mat3(const SkinHit&)>;
 
 /// A blade, or why there is none.
 struct BladeResult {
-  std::optional<Blade> blade;
-  std::string reason;
+  std::optional<Blade> blade = {};
+  std::string reason = {};
   bool nothing = false;  // not refused: there is nothing there that is not cut already
+  bool folds = false;    // refused because the blade would run through itself: its parts might not
 };
 
 struct BladeContext {

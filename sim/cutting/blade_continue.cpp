@@ -111,7 +111,7 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
     if (t.live && t.level < to - kSameDepth) strips.push_back(int32_t(i));
   }
   if (!any) return refuse("no earlier cut runs along the stroke");
-  if (strips.empty()) return {std::nullopt, "this is cut already", true};
+  if (strips.empty()) return {.blade = {}, .reason = "this is cut already", .nothing = true};
   Blade blade;
   blade.strip = true;
   std::vector<std::pair<int32_t, int32_t>> known;
@@ -130,10 +130,11 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
     add_between(blade, side[0], side[1], 0, 3);
   }
   blade.shared_point.resize(blade.vertex.size(), -1);
+  if (blade.tri.empty()) return {.blade = {}, .reason = "this is cut already", .nothing = true};
   if (!check_embedded(blade.vertex, blade.tri).empty())
-    return refuse("the deeper blade would run through itself; expected less depth or a straighter path");
+    return {.blade = {}, .reason = "the deeper blade would run through itself; expected less depth or a straighter path", .folds = true};
   if (std::string why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  return {std::move(blade), {}, false};
+  return {std::move(blade), {}};
 }
 
 }  // namespace limberg

@@ -11,7 +11,7 @@ namespace limberg {
 inline constexpr double kSimplify = 0.1;  // tremor and tracker noise; corners are much larger
 inline constexpr double kKnot = 0.5;      // points of a stroke nearer than this are one
 
-inline BladeResult refuse(std::string why) { return {std::nullopt, std::move(why), false}; }
+inline BladeResult refuse(std::string why) { return {std::nullopt, std::move(why)}; }
 
 /// Finite numbers and a positive depth? Empty when all is well, as everywhere here.
 std::string check_stroke(std::span<const ChartPoint> path, double depth_mm);

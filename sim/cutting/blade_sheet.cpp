@@ -197,10 +197,10 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
     blade.seed.push_back(extension ? 0 : 2);
     any_seed = any_seed || !extension;
   }
-  if (!any_seed && overlaps) return {std::nullopt, "this is undermined already", true};
+  if (!any_seed && overlaps) return {.blade = {}, .reason = "this is undermined already", .nothing = true};
   if (!any_seed) blade.seed.assign(blade.seed.size(), 2);
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  return {std::move(blade), {}, false};
+  return {std::move(blade), {}};
 }
 
 }  // namespace limberg

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <numbers>
 
 #include "sim/cutting/blade_continue.h"
@@ -18,6 +19,9 @@ constexpr double kGap = 1.0;           // a hand leaves the line that it follows
 constexpr double kLeastAlong = 3.0;    // shorter ways along a wall are chance
 constexpr double kCurl = 1.5;          // a loop of this length is a knot of the hand
 constexpr double kFarAlong = 3.0;      // an end is near the stroke's own middle when the way back to it is longer
+
+constexpr double kLeastPart = 2.0;     // of a stroke that is divided where its blade would fold
+constexpr int kMostDivided = 5;
 
 struct Run {
   double from = 0, to = 0;
@@ -157,6 +161,35 @@ std::vector<double> divisions(std::span<const Vec2> path, bool& start_touches) {
   return cut;
 }
 
+/// A piece of a stroke, and how often it was divided because its blade would have run through itself.
+struct Part {
+  StrokePiece piece;
+  int divided = 0;
+};
+
+/// The sharpest corner of a path that leaves parts of a length on both sides; the middle of what deepens a wall, because
+/// walls cross one another anywhere. 0: nowhere.
+double where_to_divide(const StrokePiece& piece) {
+  const double length = path_length(piece.path);
+  if (piece.along) return length > 2 * kLeastAlong ? length / 2 : 0;
+  const std::vector<Vec2> path = drop_close(simplify(piece.path, kSimplify), kKnot);
+  double arc = 0, best = 0, sharpest = 0.97;  // cosine
+  for (size_t i = 1; i + 1 < path.size(); ++i) {
+    arc += (path[i] - path[i - 1]).norm();
+    const double cosine = (path[i] - path[i - 1]).normalized().dot((path[i + 1] - path[i]).normalized());
+    if (cosine < sharpest && arc > kLeastPart && path_length(path) - arc > kLeastPart) sharpest = cosine, best = arc;
+  }
+  if (best == 0) return 0;
+  // The same place on the path as it was drawn.
+  const Vec2 corner = part_of(path, 0, best).back();
+  double along = 0, nearest = 1e300, where = 0;
+  for (size_t i = 0; i < piece.path.size(); ++i) {
+    if (i > 0) along += (piece.path[i] - piece.path[i - 1]).norm();
+    if ((piece.path[i] - corner).norm() < nearest) nearest = (piece.path[i] - corner).norm(), where = along;
+  }
+  return where > kLeastPart && where < length - kLeastPart ? where : 0;
+}
+
 }  // namespace
 
 StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm, double angle_deg, bool spline) {
@@ -223,17 +256,31 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
   if (plan.piece.empty()) return all;
   int made = 0, faces = 0, patches = 0, kept = 0;
   std::string nothing;
-  for (const StrokePiece& piece : plan.piece) {
+  std::deque<Part> parts;
+  for (const StrokePiece& piece : plan.piece) parts.push_back({piece, 0});
+  while (!parts.empty()) {
+    const Part part = std::move(parts.front());
+    const StrokePiece& piece = part.piece;
+    parts.pop_front();
     CutResult r;
+    bool folds = false;
     for (const bool may_join : {true, false}) {
       const BladeResult b = piece.along ? build_deepening(c, piece.path, plan.depth_mm)
                                         : build_incision(c, piece.path, plan.depth_mm, plan.angle_deg, may_join);
       r = CutResult{};
       r.reason = b.reason;
+      folds = b.folds;
       if (b.nothing) r.status = CutResult::nothing_to_cut;
       if (b.blade) r = cut(*b.blade);
       if (r.status != CutResult::refused || !b.blade || b.blade->shared_point.empty()) break;
     }
+    if (folds && part.divided < kMostDivided)
+      if (const double at = where_to_divide(piece); at > 0) {
+        const double length = path_length(piece.path);
+        parts.push_front({{part_of(piece.path, at, length), piece.along}, part.divided + 1});
+        parts.push_front({{part_of(piece.path, 0, at), piece.along}, part.divided + 1});
+        continue;
+      }
     if (r.status == CutResult::refused) {
       for (; made > 0; --made) take_back();
       return r;
