@@ -57,7 +57,8 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     lap();
     const auto lattice = update_topology(*before, material_surface(a));
     lap();
-    const auto model = assemble_fem(stencils, *lattice);
+    const EarlierModel earlier_model{*before, *model_before};
+    const auto model = assemble_fem(stencils, *lattice, &earlier_model);
     lap();
     std::vector<int32_t> earlier;
     SurfaceView view = a.surface_view(view_before, int32_t(before->face_bits.size()), &earlier);

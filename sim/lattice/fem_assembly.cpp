@@ -14,14 +14,18 @@ double counts_as_full(bool divisible, int level) { return 1 - (divisible ? 0.003
 
 }  // namespace
 
-std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& t) {
+std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& t,
+                                             const EarlierModel* before) {
   auto model = std::make_shared<FemModel>();
   model->cell_mm = t.grid.cell_mm();
   const size_t nodes = t.nodes.size();
   model->X_mm.reserve(nodes);
   model->parent.reserve(nodes);
-  for (const NodeCopy& n : t.nodes) {
-    model->X_mm.push_back(t.grid.quarter_mm(n.at));
+  const size_t nodes_before = before ? before->topology.nodes.size() : 0;
+  for (size_t i = 0; i < nodes; ++i) {
+    const NodeCopy& n = t.nodes[i];
+    const bool same = i < nodes_before && before->topology.nodes[i].at == n.at;
+    model->X_mm.push_back(same ? before->model.X_mm[i] : t.grid.quarter_mm(n.at));
     model->parent.push_back(n.parent);
   }
   for (const auto& b : t.born) {
@@ -38,16 +42,29 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
   model->mass_kg.assign(nodes, 0);
   model->cells.resize(t.cells.size());
   const double whole = model->cell_mm.prod();
+  const auto scale_of = [&](double fraction, int level) {
+    return fraction > counts_as_full(t.front_levels > 0, level) ? 1.0f : float(std::max(fraction, kFloor));
+  };
   for (size_t c = 0; c < t.cells.size(); ++c) {
     const CellCopy& copy = t.cells[c];
     HexCell& cell = model->cells[c];
+    const bool same = before && copy.parent >= 0 && before->topology.cells[size_t(copy.parent)].cell == copy.cell;
+    if (same && before->model.cells[size_t(copy.parent)].level == 0) {  // where it lies, and of what it is
+      cell = before->model.cells[size_t(copy.parent)];
+      cell.node = copy.node;
+      cell.scale = scale_of(copy.fraction, 0);
+      const double mass =
+          std::max(copy.fraction, 0.0) * whole * table.stencils()[size_t(cell.stencil)].density_kg_mm3;
+      for (int32_t n : copy.node) model->mass_kg[size_t(n)] += mass / 8;
+      continue;
+    }
     cell.node = copy.node;
     const CellPlace place = t.tree.place(t.grid, copy.cell);
     for (int a = 0; a < 3; ++a) cell.at[size_t(a)] = int16_t(2 * place.at[a] >> place.level);
     cell.level = uint8_t(place.level);
     cell.stencil = table.of_place(place);
     if (cell.stencil < 0) throw std::logic_error("material in a lattice cell for which there is no stencil");
-    cell.scale = copy.fraction > counts_as_full(t.front_levels > 0, place.level) ? 1.0f : float(std::max(copy.fraction, kFloor));
+    cell.scale = scale_of(copy.fraction, place.level);
     const double volume = whole / double(1 << 3 * place.level);
     // A part weighs as the cell that it is a part of: division does not change the mass.
     const int32_t root = table.of_cell(

@@ -63,7 +63,13 @@ class StencilTable {
 
 /// A node copy is fixed where its lattice node is a candidate (kFarFixed: outside the material) and one of its cell
 /// copies holds a fixed face of that side: a flap raised from its bed does not stay pinned to the bed's nodes.
-std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& topology);
+/// `before`: the previous version of the topology and its model; copies that were there keep what depends on their place.
+struct EarlierModel {
+  const LatticeTopology& topology;
+  const FemModel& model;
+};
+std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& topology,
+                                             const EarlierModel* before = nullptr);
 
 /// The axes of prestretch of a flat piece of skin: `along` and `across` orthonormal, normal = along x across.
 struct StretchFrame {

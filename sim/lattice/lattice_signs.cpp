@@ -7,7 +7,10 @@ namespace {
 
 int sign(double v) { return v > 0 ? 1 : v < 0 ? -1 : 0; }
 
-int32_t floor_div(int64_t a, int64_t b) { return int32_t(a >= 0 ? a / b : -((-a + b - 1) / b)); }
+int32_t floor_of(double v) {
+  const int32_t i = int32_t(v);
+  return v < i ? i - 1 : i;
+}
 
 // Sign of p[axis] - c for an integer c.
 int compare_with(const Homogeneous& p, int axis, int64_t c) {
@@ -46,8 +49,9 @@ int128 line_numerator(const Plane& p, int axis, const SubPoint& c) {
 
 int32_t layer_of(const PointRef& p, int axis, int32_t origin, int32_t pitch) {
   const double x = (*p.approx)[axis];
-  if (!p.implicit) return floor_div(int64_t(x) - origin, pitch);
-  const int64_t near = std::llround((x - origin) / pitch);  // the nearest plane is the only one that x can be unsure of
+  // Integers below 2^23: the quotient cannot round up to a whole number that it does not reach.
+  if (!p.implicit) return floor_of((x - origin) / pitch);
+  const int64_t near = floor_of((x - origin) / pitch + 0.5);  // the nearest plane is the only one that x can be unsure of
   const double plane = double(origin) + double(near) * pitch;
   const int64_t c = int64_t(origin) + near * pitch;
   if (std::abs(x - plane) > kApproximationError) return int32_t(x >= plane ? near : near - 1);

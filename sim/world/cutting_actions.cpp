@@ -169,7 +169,8 @@ Outcome OperatingTable::rebuild() {
   Version next;
   try {
     next.lattice = update_topology(*version_.lattice, material_surface(*arrangement_));
-    next.model = assemble_fem(*stencils_, *next.lattice);
+    const EarlierModel before{*version_.lattice, *version_.model};
+    next.model = assemble_fem(*stencils_, *next.lattice, &before);
     next.surface = make_surface(*next.lattice);
     next.index = std::make_shared<RestIndex>(next.surface->view, body_->surface.tri.size());
   } catch (const InputError& e) {
