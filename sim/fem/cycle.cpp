@@ -10,9 +10,10 @@ namespace {
 // Of the bound 2. Measured on the 30 mm pull at 2k, 8k and 30k nodes (2026-11-21), steps to 0.1 mm: 1.5: 26, 29, 40;
 // 1.8: 26, 30, 45; 1.95: 26, 30, 49.
 constexpr float relaxation = 1.5f;
-// Nodes of a coarse level below which its exact factor is the cheaper answer, to make and to apply. Measured at 30k nodes
-// (2026-11-21): 2 levels 19 / 40 steps to 1 / 0.1 mm and 22 ms to carry over, 3 levels 16 / 40 and 15 ms, 4 levels 16 / 42.
-constexpr int32_t bottom_limit = 2000;
+// Nodes of a coarse level below which its exact factor is the better answer. Measured (2026-11-21), steps to 0.1 mm: at 30k
+// nodes 2 levels 40 and 22 ms to carry over, 3 levels 40 and 15 ms, 4 levels 42; at 8k, 3 levels save 1 ms of 5, but a flap of
+// two coarsest cells takes 101 steps instead of 76.
+constexpr int32_t bottom_limit = 3000;
 constexpr size_t most_levels = 4;
 
 AlignedArray<float> smoother(const NodeMatrix& A) {
