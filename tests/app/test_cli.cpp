@@ -278,4 +278,37 @@ TEST_F(Recorded, ReportIsMadeAgain) {
   EXPECT_EQ(json("o.json")["metrics"]["pieces"], 1);
 }
 
+TEST_F(Cli, StudiesSayWhatTheyTake) {
+  expect_refused("study nothing", {"nothing", "gape", "disc"});
+  expect_refused("study disc --set foo=1", {"foo", "along", "poisson"});
+  expect_refused("study disc --set along=2", {"along", "2", "range"});
+  expect_refused("study disc --set along=1.1,x", {"along", "x"});
+  const Outcome o = run("study disc --set along=1.1 --set across=1.05 --set cell_mm=4 --set radius_mm=6 --out " + path("disc"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  const auto j = nlohmann::json::parse(slurp(dir_ / "disc/result.json"));
+  EXPECT_EQ(j["command"], "study");
+  EXPECT_EQ(j["rows"].size(), 1u);
+  EXPECT_TRUE(j["bars"][0]["pass"].get<bool>());
+  for (const char* name : {"disc/rows.csv", "disc/disc.svg", "disc/report.html"}) EXPECT_TRUE(fs::exists(dir_ / name)) << name;
+  EXPECT_NE(slurp(dir_ / "disc/report.html").find("Study: disc"), std::string::npos);
+}
+
+TEST_F(Cli, ARefusedCutCanBeTriedAgain) {
+  const std::string scene = file("small.toml", small_scene());
+  const std::string bad = file("bad.jsonl", script("{\"action\":\"incise\",\"path\":[[-8,0],[8,0]]}\n{\"action\":\"incise\",\"path\":[[-8,5],[80,5]]}\n"));
+  for (int n = 1; n <= 2; ++n) {  // the second does not overwrite the first
+    EXPECT_EQ(run("operate " + scene + " " + bad + " --out " + path("out")).status, 2);
+    EXPECT_TRUE(fs::exists(dir_ / ("out/repro-" + std::to_string(n) + ".json")));
+  }
+  const std::string repro = path("out/repro-1.json");
+  EXPECT_EQ(run("check " + repro).status, 0);
+  const Outcome again = run("operate " + scene + " " + repro);
+  EXPECT_EQ(again.status, 3);
+  EXPECT_NE(again.out.find("as recorded"), std::string::npos) << again.out;
+  EXPECT_FALSE(fs::exists(dir_ / "out/repro-3.json"));
+  const std::string other = file("other.toml", small_scene("1.08", "1.07"));
+  expect_refused("operate " + other + " " + repro, {"another scene"});
+  expect_refused("check " + file("broken.json", slurp(repro).substr(0, 300)), {"broken"});
+}
+
 }  // namespace
