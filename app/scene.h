@@ -15,7 +15,7 @@
 //   [build]      can_cut, dynamic
 //   [springs]    suture_N_per_mm, hook_N_per_mm
 //   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed
-//   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm
+//   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
 //   [camera]     target_mm = [x, y, z], from = [x, y, z] (direction towards the eye), up = [x, y, z], distance_mm, fov_deg
 //
 // Reading is strict: an unknown key, a wrong type, a number that is not finite or out of its range is an InputError with
