@@ -48,6 +48,11 @@ void fill_metrics(Result& r, const Metrics& m) {
   r.set("/metrics/wound_gape_mean_mm", m.wound_gape_mean_mm);
   if (m.elongation) r.set("/metrics/elongation", *m.elongation);
   if (m.flap_area_mm2) r.set("/metrics/flap_area_mm2", *m.flap_area_mm2);
+  r.set("/metrics/penetration_max_mm", m.penetration.max_mm);
+  r.set("/metrics/penetration_p99_mm", m.penetration.p99_mm);
+  r.set("/metrics/penetration_area_mm2", m.penetration.overlapping_mm2);
+  set_vector(r, "/metrics/penetration_at_mm", m.penetration.at_mm);
+  r.set("/metrics/contact_force_N", m.contact_force_N);
   r.set("/metrics/min_J", m.min_J);
   r.set("/metrics/inverted_cells", m.inverted_cells);
   set_vector(r, "/balance/hooks_N", m.balance.hooks_N);

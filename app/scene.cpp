@@ -84,6 +84,16 @@ class Table {
     if (!n->is_boolean()) fail(key, "is neither true nor false; expected one of them");
     value = *n->value<bool>();
   }
+  void choice(const char* key, ContactChoice& value) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    if (n->is_boolean())
+      value = *n->value<bool>() ? ContactChoice::on : ContactChoice::off;
+    else if (n->is_string() && *n->value<std::string>() == "auto")
+      value = ContactChoice::automatic;
+    else
+      fail(key, "is neither \"auto\" nor true nor false; expected one of them");
+  }
   void text(const char* key, std::string& value, size_t max_bytes = 1000) {
     const toml::node* n = take(key);
     if (!n) return;
@@ -257,6 +267,7 @@ Scene parse_scene(const std::string& text, const std::string& path) {
   Table build = section(root, "build", path);
   build.boolean("can_cut", s.can_cut);
   build.boolean("dynamic", s.dynamic);
+  build.choice("contact", s.contact);
   build.finish();
 
   Table springs = section(root, "springs", path);
@@ -341,6 +352,7 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.can_cut = scene.can_cut;
   w.refine_fronts = scene.refine_fronts;
   w.dynamic = scene.dynamic;
+  w.contact = scene.contact;
   w.seed = scene.seed;
   return w;
 }

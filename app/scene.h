@@ -12,7 +12,8 @@
 //   [[layer]]    name, thickness_mm, young_kPa, poisson, density_kg_m3, prestretch_along, prestretch_across; from the skin
 //                down, one at least
 //   [lattice]    cell_mm, refine_fronts
-//   [build]      can_cut, dynamic
+//   [build]      can_cut, dynamic, contact = "auto" | true | false (do wound surfaces keep each other out? auto: as soon as
+//                something has been cut; false unless asked for)
 //   [springs]    suture_N_per_mm, hook_N_per_mm
 //   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
@@ -46,6 +47,7 @@ struct Scene {
   double cell_mm = 3.5;
   bool refine_fronts = false;
   bool can_cut = true, dynamic = false;
+  ContactChoice contact = ContactChoice::off;
   double suture_N_per_mm = 20, hook_N_per_mm = 0.5;
   uint64_t seed = 1;
 

@@ -23,6 +23,9 @@ namespace limberg {
 struct FaultPlan;
 
 /// What World is built from; made by app/ from a scene file, or by a researcher's own code.
+/// automatic: on where something has been cut that can touch.
+enum class ContactChoice : uint8_t { automatic, on, off };
+
 struct WorldSpec {
   std::shared_ptr<const Body> body;
   double cell_mm = 3.5;
@@ -32,6 +35,7 @@ struct WorldSpec {
   bool can_cut = true;      // false: no cutter is built
   bool refine_fronts = false;  // cells in which a cut ends are divided twice, so that it opens to within a quarter cell of its end
   bool dynamic = false;     // false: quasi-static
+  ContactChoice contact = ContactChoice::off;  // do wound surfaces keep each other out? (contact/contact_finder.h)
   uint64_t seed = 1;
   FaultPlan* fault = nullptr;  // tests only: lets steps of a cut fail (cutting/fault.h)
 };

@@ -8,50 +8,39 @@ namespace limberg::fem {
 
 ContactForces::ContactForces(const FemModel& model, std::span<const Contact> contacts) {
   item_.reserve(contacts.size());
-  share_.reserve(16 * contacts.size());
   for (const Contact& c : contacts) {
     Item it;
     it.normal = c.normal.cast<double>();
     it.k = double(c.k_N_per_mm) * 1000;
     it.offset = -double(c.gap_mm);
-    it.first = int32_t(share_.size());
     if (!(std::fabs(it.normal.norm() - 1) < 1e-3) || !(it.k > 0) || !std::isfinite(it.k) || !std::isfinite(it.offset))
       throw InputError("", 0, "a contact has no unit normal, no positive stiffness or no finite gap");
-    // Double weights, so that two places with the same weights meet to the last bit.
-    const auto add = [&](const EmbeddedPoint& p, double sign) {
-      double sum = 0;
+    for (size_t side = 0; side < 2; ++side) {
+      const EmbeddedPoint& p = side == 0 ? c.a : c.b;
+      double sum = 0;  // single-precision weights sum to 1 only nearly
       for (float w : p.w) sum += double(w);
       for (size_t i = 0; i < 8; ++i) {
         if (p.w[i] == 0) continue;
         if (p.node[i] < 0 || size_t(p.node[i]) >= model.X_mm.size())
           throw InputError("", 0, "a contact names a node that the model does not have");
-        const double w = sign * double(p.w[i]) / sum;
+        const double w = (side == 0 ? 1 : -1) * double(p.w[i]) / sum;
+        it.node[8 * side + i] = p.node[i], it.w[8 * side + i] = float(w);
         it.offset += w * it.normal.dot(model.X_mm[size_t(p.node[i])]);
-        Share* same = nullptr;
-        for (size_t k = size_t(it.first); k < share_.size(); ++k)
-          if (share_[k].node == p.node[i]) same = &share_[k];
-        if (same)
-          same->w += w;
-        else
-          share_.push_back({p.node[i], w});
       }
-    };
-    add(c.a, 1);
-    add(c.b, -1);
-    it.count = int32_t(share_.size()) - it.first;
+    }
     item_.push_back(it);
   }
 }
 
 double ContactForces::clearance_mm(size_t i, const NodeArray& u) const {
   const Item& it = item_[i];
-  const Share* s = share_.data() + it.first;
-  double x = 0, y = 0, z = 0;
-  for (int32_t k = 0; k < it.count; ++k) {
-    const Node4& v = u[size_t(s[k].node)];
-    x += s[k].w * double(v.x), y += s[k].w * double(v.y), z += s[k].w * double(v.z);
+  v4 a = {}, b = {};
+  for (size_t k = 0; k < 8; ++k) {
+    a += it.w[k] * load(u[size_t(it.node[k])]);
+    b += it.w[8 + k] * load(u[size_t(it.node[8 + k])]);
   }
-  return it.offset + it.normal[0] * x + it.normal[1] * y + it.normal[2] * z;
+  const v4 r = a + b;
+  return it.offset + it.normal[0] * double(r[0]) + it.normal[1] * double(r[1]) + it.normal[2] * double(r[2]);
 }
 
 double ContactForces::force_mN(size_t i, const NodeArray& u) const {
@@ -66,12 +55,12 @@ double ContactForces::add(const NodeArray& u, NodeArray& g, bool measure) const 
     if (!(s < 0)) continue;
     const Item& it = item_[i];
     energy += 0.5 * it.k * s * s;
-    const Share* share = share_.data() + it.first;
-    for (int32_t k = 0; k < it.count; ++k) {
-      const double f = it.k * s * share[k].w;
-      Node4& n = g[size_t(share[k].node)];
-      n.x += float(f * it.normal[0]), n.y += float(f * it.normal[1]), n.z += float(f * it.normal[2]);
-      if (measure) n.w += float(std::fabs(f));
+    const double f = it.k * s;
+    const v4 along = {float(f * it.normal[0]), float(f * it.normal[1]), float(f * it.normal[2]), 0};
+    for (size_t k = 0; k < 16; ++k) {
+      Node4& n = g[size_t(it.node[k])];
+      store(n, load(n) + it.w[k] * along);
+      if (measure) n.w += float(std::fabs(f * double(it.w[k])));
     }
   }
   return energy;

@@ -1,9 +1,10 @@
 #pragma once
-// One-sided springs between places of the tissue, in double: energy k/2 min(0, s)^2 with s = n.(x_a - x_b) - gap.
+// One-sided springs between places of the tissue: energy k/2 min(0, s)^2 with s = n.(x_a - x_b) - gap.
 //
 // The force k max(0, -s) n on a, and its opposite on b, is continuous; only its slope jumps where the places part. There is
 // no friction: nothing acts across n. Normals stand still while the minimiser works; whoever finds contacts turns them
-// between steps.
+// between steps. Sums over nodes run in single precision, four numbers at a time; what is summed are displacements, a
+// rounding of some 1e-6 mm. The rest is in double.
 #include <span>
 #include <vector>
 
@@ -30,17 +31,13 @@ class ContactForces {
 
  private:
   struct Item {
+    std::array<int32_t, 16> node{};  // a's eight, then b's
+    std::array<float, 16> w{};       // positive on a's side, negative on b's; unused: 0
     Vec3 normal = Vec3::UnitZ();
     double k = 0;       // mN/mm
     double offset = 0;  // s of the undeformed state
-    int32_t first = 0, count = 0;
-  };
-  struct Share {
-    int32_t node = 0;
-    double w = 0;  // positive on a's side, negative on b's
   };
   std::vector<Item> item_;
-  std::vector<Share> share_;
 };
 
 }  // namespace limberg::fem

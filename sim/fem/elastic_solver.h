@@ -73,6 +73,7 @@ class ElasticSolver {
   virtual Vec3 spring_force_mN(int32_t id) const = 0;
   /// Force in mN of the i-th contact of the list, along its normal; never negative.
   virtual double contact_force_mN(size_t i) const = 0;
+  virtual size_t contacts() const = 0;  // length of the list
   /// Sum of the forces in mN that the Dirichlet nodes receive from the material and from springs that hang on them (their
   /// supports give the opposite).
   virtual Vec3 support_force_mN() const = 0;

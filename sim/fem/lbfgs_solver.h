@@ -42,6 +42,7 @@ class LbfgsSolver final : public ElasticSolver {
   void restore(const SolverState& state) override;
   Vec3 spring_force_mN(int32_t id) const override;
   double contact_force_mN(size_t i) const override;
+  size_t contacts() const override { return contacts_.size(); }
   Vec3 support_force_mN() const override;
   void cell_J(std::vector<float>& J) const override;
   Mat3 cell_F(int32_t cell) const override;

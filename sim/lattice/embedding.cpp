@@ -100,8 +100,7 @@ std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const Materia
   return out;
 }
 
-EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri,
-                          const std::array<double, 3>& bary, Vec3* X_mm) {
+int32_t copy_of_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary, Vec3* X_mm) {
   const Tri& corner = view.tri[size_t(tri)];
   Vec3 X = Vec3::Zero();
   size_t nearest = 0;
@@ -113,6 +112,13 @@ EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int
   int32_t copy = copy_in(t, cell_of(t, X), view.sided_face[size_t(tri)]);
   // Rounding may put X just across a lattice plane, where the face is not: then a corner's cell carries it.
   if (copy < 0) copy = view.cell_copy[size_t(corner[nearest])];
+  return copy;
+}
+
+EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary, Vec3* X_mm) {
+  Vec3 X;
+  const int32_t copy = copy_of_point(t, view, tri, bary, &X);
+  if (X_mm) *X_mm = X;
   return embed(t, copy, X);
 }
 

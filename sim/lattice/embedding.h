@@ -31,6 +31,10 @@ std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const 
 EmbeddedPoint embed_point(const LatticeTopology& topology, const SurfaceView& view, int32_t tri,
                           const std::array<double, 3>& bary, Vec3* X_mm = nullptr);
 
+/// The cell copy that carries a point of view triangle `tri`.
+int32_t copy_of_point(const LatticeTopology& topology, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary,
+                      Vec3* X_mm = nullptr);
+
 /// The point X (on or next to the surface) as carried by cell copy `copy`, whatever its cell: weights extrapolate when
 /// X lies outside.
 EmbeddedPoint embed_in_copy(const LatticeTopology& topology, int32_t copy, const Vec3& X_mm);

@@ -69,6 +69,8 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   m.wound_gape_mm = gape.gape_mm;
   m.wound_gape_mean_mm = gape.mean_mm;
   m.compression = compression(view, x);
+  m.penetration = penetration(view, x);
+  for (size_t i = 0; i < solver.contacts(); ++i) m.contact_force_N += 1e-3 * solver.contact_force_mN(i);
 
   if (const auto z = find_central_limb(script)) m.elongation = elongation(view, x, skin, *z);
   if (const auto f = find_transposition_flap(script)) m.flap_area_mm2 = skin_area_mm2(view, x, skin.body(), std::array{f->C, f->D, f->E, f->F});

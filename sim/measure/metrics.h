@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/fem/elastic_solver.h"
+#include "sim/measure/penetration.h"
 #include "sim/measure/skin_shape.h"
 #include "sim/measure/skin_strain.h"
 #include "sim/snapshot.h"
@@ -46,6 +47,9 @@ struct Metrics {
   double dog_ear_mm = 0, dog_ear_volume_mm3 = 0;  // of the skin within 20 mm of a cut
   Vec3 dog_ear_at_mm = Vec3::Zero();
   double wound_gape_mm = 0, wound_gape_mean_mm = 0;
+
+  Penetration penetration;       // tissue in tissue, at wounds
+  double contact_force_N = 0;    // sum of the forces with which wound surfaces press on each other, each pair once
 
   double min_J = 1;              // det F at the centres of the cells
   int inverted_cells = 0;

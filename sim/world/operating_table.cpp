@@ -11,7 +11,8 @@
 namespace limberg {
 
 OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
-    : spec_(std::move(spec)), body_(spec_.body), skin_(spec_.body), arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)) {
+    : spec_(std::move(spec)), body_(spec_.body), skin_(spec_.body), arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)),
+      workers_(workers) {
   const int front_levels = spec_.can_cut && spec_.refine_fronts ? kLevels : 0;
   const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm, front_levels);
   stencils_ = std::make_unique<StencilTable>(skin_, grid);
@@ -57,11 +58,26 @@ StepReport OperatingTable::step(const StepSettings& settings) {
     drawn = true;
   }
   if (drawn) publish_springs();
+  publish_contacts();
   const StepReport report = solver_->step(settings);
+  if (report.iterations > 0) contacts_current_ = false;
   ++steps_;
   residual_ = float(report.residual);
   distance_mm_ = float(report.distance_mm);
   return report;
+}
+
+void OperatingTable::publish_contacts() {
+  if (spec_.contact == ContactChoice::off) return;
+  if (contacts_version_ != version_.surface->version) {
+    contacts_version_ = version_.surface->version;
+    contacts_current_ = false;
+    const auto surface = contact_surface(version_.surface->view, version_.surface->embedding, *version_.lattice, *version_.model);
+    contacts_ = surface ? std::make_unique<ContactFinder>(surface, version_.lattice->grid.cell_mm()) : nullptr;
+  }
+  if (!contacts_ || contacts_current_) return;
+  solver_->set_contacts(contacts_->find(solver_->displacement_mm(), workers_));
+  contacts_current_ = true;
 }
 
 bool OperatingTable::settled() const {

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/contact/contact_finder.h"
 #include "sim/cutting/arrangement.h"
 #include "sim/cutting/blade_build.h"
 #include "sim/cutting/drawn_incision.h"
@@ -133,6 +134,7 @@ class OperatingTable {
   bool same_place(const Anchor& a, const Anchor& b) const;
   bool joins(const Stitch& stitch, const Anchor& a, const Anchor& b) const;  // the same two places, either way round
   void publish_springs();
+  void publish_contacts();  // before each step; nothing where nothing has been cut
   BladeContext blade_context() const;
   Moment moment() const;
   /// `parent`: per node of its model, the node of the present one (-1: none); empty when the model stays.
@@ -147,6 +149,10 @@ class OperatingTable {
   std::unique_ptr<StencilTable> stencils_;
   Version version_;
   std::unique_ptr<ElasticSolver> solver_;
+  Workers& workers_;
+  std::unique_ptr<ContactFinder> contacts_;  // absent as long as there is no wall
+  uint64_t contacts_version_ = 0;            // of the surface that it was made for
+  bool contacts_current_ = false;            // nothing has moved since they were found
   std::vector<Hook> hooks_;
   std::vector<Stitch> stitches_;
   std::vector<Done> done_;

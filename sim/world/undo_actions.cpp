@@ -53,6 +53,8 @@ void OperatingTable::return_to(const Moment& m, std::vector<int32_t> parent) {
   next_stitch_ = m.next_stitch;
   publish_springs();
   solver_->restore(m.solver);
+  if (contacts_) contacts_->forget();
+  contacts_current_ = false;
 }
 
 void OperatingTable::remember(Done done) {

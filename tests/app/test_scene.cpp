@@ -131,6 +131,7 @@ TEST(Scene, EveryMistakeIsNamedWithItsLine) {
       {kGood + "[solver]\niterations_per_step = 1.5\n", 13, "not an integer"},
       {kGood + "[solver]\nseed = -1\n", 13, "from 0"},
       {kGood + "[build]\ncan_cut = 1\n", 13, "neither true nor false"},
+      {kGood + "[build]\ncontact = \"maybe\"\n", 13, "neither \"auto\" nor true nor false"},
       {kGood + "[camera]\nfrom = [0, 0, 2]\n", 12, "across"},
       {kGood + "[tools]\nmax_depth_mm = 2\n", 12, "default_depth_mm"},
   };

@@ -86,6 +86,7 @@ const std::map<std::string, std::set<std::string>> kSim{
     {"sim/cutting", {"sim", "sim/geometry"}},
     {"sim/fem", {"sim", "sim/geometry"}},
     {"sim/lattice", {"sim", "sim/geometry", "sim/cutting", "sim/fem"}},
+    {"sim/contact", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice"}},
     {"sim/tools", {"sim", "sim/geometry"}},
     {"sim/measure", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice", "sim/tools"}},
 };
@@ -152,6 +153,8 @@ TEST(Includes, WrongArrowsAreSeen) {
   EXPECT_TRUE(refused(devices_rule, "devices/cursor.h", "app/session/session.h"));
   EXPECT_TRUE(refused(render_rule, "render/scene.cpp", "devices/sample.h"));
   EXPECT_TRUE(refused(calibration_rule, "calibration/pivot.h", "sim/geometry/bvh.h"));
+  EXPECT_TRUE(refused(sim_rule, "sim/lattice/embedding.h", "sim/contact/contact_finder.h"));
+  EXPECT_TRUE(refused(sim_rule, "sim/measure/penetration.cpp", "sim/contact/contact_finder.h"));
   EXPECT_FALSE(refused(sim_rule, "sim/world.cpp", "sim/fem/elastic_solver.h"));
   EXPECT_FALSE(refused(devices_rule, "devices/cursor.h", "sim/geometry/bvh.h"));
   std::istringstream text("  #  include <thread>\n// #include <mutex>\n#include \"sim/world.h\" // x\n#define include\n");

@@ -24,6 +24,7 @@ class GivenSolver final : public ElasticSolver {
   void restore(const SolverState&) override {}
   Vec3 spring_force_mN(int32_t) const override { return Vec3::Zero(); }
   double contact_force_mN(size_t) const override { return 0; }
+  size_t contacts() const override { return 0; }
   Vec3 support_force_mN() const override { return support; }
   void cell_J(std::vector<float>& out) const override { out = J; }
   Mat3 cell_F(int32_t) const override { return Mat3::Identity(); }

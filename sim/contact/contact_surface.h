@@ -1,0 +1,55 @@
+#pragma once
+// What may touch what in one version of the topology: made at a cut, never changed after it.
+//
+//   triangles   all wound walls, and the skin within a few mm of a wound's rim: what can be touched
+//   places      points of the walls that must not enter other tissue, each standing for its share of the wall: one for
+//               every half cell in each direction (at most 1.75 mm), whatever the triangles; finer ones could not move
+//               apart from each other
+//
+// A triangle is carried by the cell copy that holds its middle: its corners are embedded there too, so that any point of
+// it hangs on eight nodes.
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "sim/cutting/surface_view.h"
+#include "sim/fem/fem_model.h"
+#include "sim/lattice/topology.h"
+
+namespace limberg {
+
+struct ContactPlace {
+  int32_t triangle = 0;     // the place is its middle
+  EmbeddedPoint embedded;
+  Vec3 X_mm = Vec3::Zero();
+  double area_mm2 = 0;      // of the wall that it stands for, at rest
+  double stiffness_kPa = 0; // of the tissue there: 3 mu, Young's modulus of what is nearly incompressible
+};
+
+struct ContactSurface {
+  std::vector<int32_t> vertex;           // vertex of the view, per vertex here
+  std::vector<Vec3> X_mm;                // at rest
+  std::vector<EmbeddedPoint> embedding;  // as it is shown
+  std::vector<Tri> tri;
+  std::vector<int32_t> around_begin, around;  // triangles around vertex v: around[around_begin[v]] ... [around_begin[v + 1]]
+  struct Carrier {
+    std::array<int32_t, 8> node{};
+    std::array<std::array<float, 8>, 3> w{};  // per corner
+  };
+  std::vector<Carrier> carrier;  // per triangle
+  std::vector<ContactPlace> place;
+
+  Vec3 rest_mm(int32_t t, const std::array<double, 3>& bary) const {
+    const Tri& c = tri[size_t(t)];
+    return bary[0] * X_mm[size_t(c[0])] + bary[1] * X_mm[size_t(c[1])] + bary[2] * X_mm[size_t(c[2])];
+  }
+  std::span<const int32_t> triangles_around(int32_t v) const {
+    return {around.data() + around_begin[size_t(v)], size_t(around_begin[size_t(v) + 1] - around_begin[size_t(v)])};
+  }
+};
+
+/// Nothing (null) where there is no wall. `embedding`: per vertex of the view.
+std::shared_ptr<const ContactSurface> contact_surface(const SurfaceView& view, std::span<const EmbeddedPoint> embedding,
+                                                      const LatticeTopology& lattice, const FemModel& model);
+
+}  // namespace limberg
