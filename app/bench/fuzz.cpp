@@ -96,7 +96,7 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
       if (s.progress) s.progress("violation: " + why + " (history " + std::to_string(history) + ")");
       fuzz::Settings strict = runner_settings;
       strict.check_every = 1;
-      FuzzReport::Violation v{why, {}, make_small(c, strict, 400)};
+      FuzzReport::Violation v{why, {}, make_small(c, strict, s.shrink_runs)};
       if (!s.out_dir.empty()) {
         v.file = s.out_dir + "/fuzz_" + std::to_string(s.seed) + "_" + std::to_string(history) + ".json";
         fuzz::write_case(v.small, v.file);

@@ -17,6 +17,7 @@ struct FuzzSettings {
   uint64_t first_history = 0;  // to begin in the middle of a longer run
   int check_every = 1;                              // operations between full checks
   int max_violations = 20;                          // then it stops
+  int shrink_runs = 400;                            // given to making one small
   std::string out_dir;                              // for repro files; empty: none are written
   std::function<void(const std::string&)> progress;  // empty: silent
   bool generic = true, adversarial = true;

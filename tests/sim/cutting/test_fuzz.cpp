@@ -8,6 +8,7 @@
 #include "app/bench/fuzz.h"
 #include "app/bench/fuzz/generator.h"
 #include "sim/error.h"
+#include "tests/sim/cutting/compilers/history.h"
 
 namespace limberg {
 namespace {
@@ -81,6 +82,9 @@ TEST(Fuzz, SameSeedSameOperationsSameHashes) {
   EXPECT_EQ(run(), first);
   EXPECT_EQ(run(), first);
 }
+
+// The same as every other compiler makes of it: compilers/compilers.sh.
+TEST(Fuzz, FixedHistoryHasItsCommittedHash) { EXPECT_EQ(test::history_hash(), test::kHistoryHash); }
 
 TEST(Fuzz, CasesGoThroughFilesUnchanged) {
   fuzz::Generator g(5, false);
