@@ -114,7 +114,7 @@ Op Generator::incise(int bends) {
     heading += random_.real(-1.6, 1.6);
   }
   const double depth = random_.real(0.5, 1.2 * case_.body.thickness_mm);
-  const Vec2 lean = random_.one_in(3) ? Vec2(random_.real(-2, 2), random_.real(-2, 2)) : Vec2(0, 0);
+  const Vec2 lean = random_.one_in(3) ? Vec2{random_.real(-2, 2), random_.real(-2, 2)} : Vec2(0, 0);
   finish_strip(op, path, case_.body.wave_mm + random_.real(0.5, 2), -depth, false, lean);
   if (random_.one_in(6)) op.seed_of_tri[0] = op.seed_of_tri[1] = 0;
   return op;
@@ -224,8 +224,9 @@ Op Generator::sheet() {
   op.name = "sheet";
   const Vec2 c = around(0.8);
   const double t = random_.real(0, 6.28), z = -random_.real(0.2, case_.body.thickness_mm);
-  const Vec3 u(random_.real(4, 18) * std::cos(t), random_.real(4, 18) * std::sin(t), random_.one_in(2) ? 0 : random_.real(-2, 2));
-  const Vec3 v(-random_.real(4, 18) * std::sin(t), random_.real(4, 18) * std::cos(t), random_.one_in(2) ? 0 : random_.real(-2, 2));
+  // Braces: the draws come in this order with every compiler.
+  const Vec3 u{random_.real(4, 18) * std::cos(t), random_.real(4, 18) * std::sin(t), random_.one_in(2) ? 0 : random_.real(-2, 2)};
+  const Vec3 v{-random_.real(4, 18) * std::sin(t), random_.real(4, 18) * std::cos(t), random_.one_in(2) ? 0 : random_.real(-2, 2)};
   const int n = 1 + random_.below(3), m = 1 + random_.below(3);
   for (int j = 0; j <= m; ++j)
     for (int i = 0; i <= n; ++i)
@@ -317,8 +318,8 @@ Op Generator::fold() {
   const int n = 4 + random_.below(8);
   for (int i = 0; i < n; ++i, turn += random_.real(0.5, 1.3))
     path.push_back(c + (r + pitch * i) * Vec2(std::cos(turn), std::sin(turn)));
-  finish_strip(op, path, case_.body.wave_mm + 1, -random_.real(0.5, case_.body.thickness_mm), false,
-               {random_.real(-1, 1), random_.real(-1, 1)});
+  const Vec2 lean{random_.real(-1, 1), random_.real(-1, 1)};
+  finish_strip(op, path, case_.body.wave_mm + 1, -random_.real(0.5, case_.body.thickness_mm), false, lean);
   return op;
 }
 
