@@ -6,6 +6,7 @@
 #include <cstring>
 #include <nlohmann/json.hpp>
 
+#include "app/json_nesting.h"
 #include "app/result.h"
 #include "sim/error.h"
 
@@ -16,26 +17,6 @@ namespace {
 using Json = nlohmann::json;
 
 [[noreturn]] void fail(const std::string& file, const std::string& what) { throw InputError(file, 0, what); }
-
-/// How deep brackets lie in each other; reading takes stack for every level.
-bool too_deep(const std::string& text) {
-  int depth = 0;
-  bool quoted = false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      else quoted = c != '"';
-    } else if (c == '"') {
-      quoted = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > 16) return true;
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return false;
-}
 
 std::string words(const Json& j, const char* key, const std::string& file) {
   const auto it = j.find(key);
@@ -98,7 +79,7 @@ bool looks_like_repro(std::string_view text) {
 
 Repro parse_repro(const std::string& text, const std::string& file) {
   if (text.size() > ScriptLimits::file_bytes) fail(file, "is larger than " + std::to_string(ScriptLimits::file_bytes >> 20) + " MB");
-  if (too_deep(text)) fail(file, "brackets are nested too deeply; expected a repro file");
+  if (json_nesting(text) > 16) fail(file, "brackets are nested too deeply; expected a repro file");
   const Json j = Json::parse(text, nullptr, false);
   if (!j.is_object()) fail(file, "is broken JSON; expected a repro file");
   for (const auto& [key, value] : j.items()) {

@@ -1,9 +1,9 @@
 #include "app/bench/fuzz.h"
 
 #include <algorithm>
-#include <ctime>
 #include <filesystem>
 
+#include "app/bench/cpu_clock.h"
 #include "app/bench/fuzz/generator.h"
 
 namespace limberg::bench {
@@ -16,12 +16,6 @@ const fuzz::Op undo = [] {
   op.kind = fuzz::Op::undo;
   return op;
 }();
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
 
 std::string kind_of(const std::string& violation) { return violation.substr(0, violation.find(':')); }
 
@@ -67,7 +61,7 @@ fuzz::Case make_small(fuzz::Case c, const fuzz::Settings& settings, int runs) {
 FuzzReport fuzz_run(const FuzzSettings& s) {
   FuzzReport report;
   report.seed = s.seed;
-  const double start = cpu_seconds();
+  const double start_ms = cpu_ms();
   fuzz::Settings runner_settings = s.runner;
   runner_settings.check_every = s.check_every;
   if (!s.out_dir.empty()) std::filesystem::create_directories(s.out_dir);
@@ -113,7 +107,7 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
                  std::to_string(a.refused) + " of " + std::to_string(a.cuts) + " adversarial cuts");
     }
   }
-  report.cpu_s = cpu_seconds() - start;
+  report.cpu_s = (cpu_ms() - start_ms) * 1e-3;
   return report;
 }
 

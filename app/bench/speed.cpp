@@ -2,20 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
+#include "app/bench/cpu_clock.h"
 #include "sim/fem/box_model.h"
 #include "sim/fem/elastic_solver.h"
 #include "sim/fem/reference_newton.h"
 
 namespace limberg::bench {
 namespace {
-
-double cpu_ms() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) * 1e3 + double(t.tv_nsec) * 1e-6;
-}
 
 const Vec3 pull(-10, -10, 26);  // mm, 29.6 in length
 

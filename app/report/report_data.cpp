@@ -7,6 +7,7 @@
 
 #include "app/report/report_names.h"
 #include "app/report/script_words.h"
+#include "app/json_nesting.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -48,28 +49,8 @@ int line_of(const std::string& text, size_t byte) {
   return 1 + int(std::count(text.begin(), text.begin() + std::ptrdiff_t(std::min(byte, text.size())), '\n'));
 }
 
-// How deep lists and objects lie in each other; writing a value out again takes stack for every level.
-int depth_of(const std::string& text) {
-  int depth = 0, deepest = 0;
-  bool quoted = false;
-  for (size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      else quoted = c != '"';
-    } else if (c == '"') {
-      quoted = true;
-    } else if (c == '[' || c == '{') {
-      deepest = std::max(deepest, ++depth);
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return deepest;
-}
-
 Json parse(const std::string& text, const std::string& file) {
-  if (depth_of(text) > 64) throw InputError(file, 0, "nests deeper than 64 levels; expected the result of a run");
+  if (json_nesting(text) > 64) throw InputError(file, 0, "nests deeper than 64 levels; expected the result of a run");
   Json j;
   try {
     j = Json::parse(text);

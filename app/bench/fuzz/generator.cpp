@@ -5,6 +5,20 @@
 #include <numbers>
 
 namespace limberg::fuzz {
+namespace {
+
+/// Triangles of a sheet whose vertices are a grid of n x m squares, row by row; all of it drawn inside the body.
+void sew_grid(Op& op, int n, int m) {
+  for (int j = 0; j < m; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int32_t a = j * (n + 1) + i, b = a + 1, d = a + n + 1, e = d + 1;
+      op.tri.push_back({a, b, e});
+      op.tri.push_back({a, e, d});
+    }
+  op.seed_of_tri.assign(op.tri.size(), 2);
+}
+
+}  // namespace
 
 Case Generator::start(int front_levels) {
   Case c;
@@ -231,13 +245,7 @@ Op Generator::sheet() {
   for (int j = 0; j <= m; ++j)
     for (int i = 0; i <= n; ++i)
       op.vertex.push_back(place(Vec3(c.x(), c.y(), z) + u * (double(i) / n - 0.5) + v * (double(j) / m - 0.5)));
-  for (int j = 0; j < m; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int32_t a = j * (n + 1) + i, b = a + 1, d = a + n + 1, e = d + 1;
-      op.tri.push_back({a, b, e});
-      op.tri.push_back({a, e, d});
-    }
-  op.seed_of_tri.assign(op.tri.size(), 2);
+  sew_grid(op, n, m);
   return op;
 }
 
@@ -266,13 +274,7 @@ Op Generator::undermine(const Runner& runner) {
       const Vec2 p = start + along * (double(i) / n) + across * (double(j) / k);
       op.vertex.push_back(place({p.x(), p.y(), z}));
     }
-  for (int j = 0; j < k; ++j)
-    for (int i = 0; i < n; ++i) {
-      const int32_t p = j * (n + 1) + i, q = p + 1, r = p + n + 1, s = r + 1;
-      op.tri.push_back({p, q, s});
-      op.tri.push_back({p, s, r});
-    }
-  op.seed_of_tri.assign(op.tri.size(), 2);
+  sew_grid(op, n, k);
   return op;
 }
 
