@@ -21,6 +21,8 @@
 namespace limberg {
 
 struct FaultPlan;
+struct LatticeTopology;
+class Arrangement;
 
 /// What World is built from; made by app/ from a scene file, or by a researcher's own code.
 /// automatic: on where something has been cut that can touch.
@@ -61,6 +63,8 @@ class World {
   // For measurement (sim/measure).
   const WorldSpec& spec() const;
   const ElasticSolver& solver() const;
+  const Arrangement* arrangement() const;  // null when the scene cannot be cut
+  std::shared_ptr<const LatticeTopology> lattice() const;
   double volume_mm3() const;           // exact, of all remaining pieces at rest
   double removed_volume_mm3() const;   // exact, of what was excised
   double initial_volume_mm3() const;

@@ -49,6 +49,7 @@ class Arrangement {
   /// Takes away every loose piece (no `fixed` face) smaller than this, as part of the last operation: its undo brings
   /// them back. Blades that nearly coincide leave such slivers; a solver cannot hold them.
   DebrisResult sweep_debris(double below_mm3);
+  DebrisResult find_debris(double below_mm3) const;  // what that would take
   /// Takes the last cut or excision back, exactly. False when there is none.
   bool undo();
   int32_t operations() const;  // that undo() could take back

@@ -100,19 +100,33 @@ ExciseResult Arrangement::excise(int32_t which) {
   return result;
 }
 
-DebrisResult Arrangement::sweep_debris(double below_mm3) {
+namespace {
+
+/// Marks what a sweep takes: loose pieces below a size, if anything is left beside them.
+DebrisResult mark_debris(const std::vector<SurfaceComponent>& all, double below_mm3, std::vector<uint8_t>& marked) {
   DebrisResult result;
-  ArrangementStore& s = *store_;
-  if (s.history.empty()) return result;
-  const auto& all = components();
-  std::vector<uint8_t> marked(all.size(), 0);
+  marked.assign(all.size(), 0);
   for (size_t i = 0; i < all.size(); ++i) {
     if (all[i].touches_fixed || all[i].volume_mm3 >= below_mm3 || all[i].volume_mm3 <= 0) continue;
     marked[i] = 1;
     ++result.pieces;
     result.volume_mm3 += all[i].volume_mm3;
   }
-  if (size_t(result.pieces) == all.size()) return {};  // there must be something left
+  return size_t(result.pieces) == all.size() ? DebrisResult{} : result;
+}
+
+}  // namespace
+
+DebrisResult Arrangement::find_debris(double below_mm3) const {
+  std::vector<uint8_t> marked;
+  return store_->history.empty() ? DebrisResult{} : mark_debris(components(), below_mm3, marked);
+}
+
+DebrisResult Arrangement::sweep_debris(double below_mm3) {
+  ArrangementStore& s = *store_;
+  if (s.history.empty()) return {};
+  std::vector<uint8_t> marked;
+  const DebrisResult result = mark_debris(components(), below_mm3, marked);
   if (result.pieces > 0) s.clear_components(marked, s.history.back());
   return result;
 }

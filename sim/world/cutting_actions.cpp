@@ -96,6 +96,11 @@ Outcome OperatingTable::act(const Excise& c) {
   done.before = moment();
   const CutResult made = cut_stroke(ring, c.depth_mm, 90, false, done.steps);
   if (made.status == CutResult::refused) return {false, made.reason};
+  if (!done.steps.empty())
+    if (const Outcome o = follow(); !o.done) {
+      take_back(done.steps);
+      return o;
+    }
   CutStep taking;
   taking.excised = arrangement_->loose_component_near(inside_mm, 0.01);
   const ExciseResult taken = taking.excised < 0 ? ExciseResult{} : arrangement_->excise(taking.excised);
@@ -121,20 +126,35 @@ Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const
   if (!made.ok())
     return {false, made.reason.empty() ? "the blade met no tissue that is not cut already; a new cut was expected" : made.reason};
   step.first_try = made.tries - 1;
+  const auto refuse = [&](const std::string& why) {
+    arrangement_->undo();
+    made = CutResult{};
+    made.reason = why;
+    return Outcome{false, why};
+  };
+  const bool takes = take_out || arrangement_->find_debris(kDebris_mm3).pieces > 0;
+  if (takes)
+    if (const Outcome o = follow(); !o.done) return refuse(o.reason);
   if (take_out) {
     step.excised = arrangement_->loose_component_near(inside_mm, 0.01);
     const ExciseResult taken = step.excised < 0
                                    ? ExciseResult{false, "the tissue inside the outline is still attached; a plug free of its bed was expected", 0, 0}
                                    : arrangement_->excise(step.excised);
     if (!taken.done) {
-      arrangement_->undo();
-      return {false, taken.reason};
+      followed_.reset();
+      return refuse(taken.reason);
     }
     step.operations = 2;
     step.taken_mm3 = taken.volume_mm3;
   }
   // Blades that nearly coincide leave slivers that no lattice can hold; they go with the cut, and their volume is booked.
   step.debris = arrangement_->sweep_debris(kDebris_mm3);
+  if (takes)
+    if (const Outcome o = follow(); !o.done) {
+      followed_.reset();
+      if (step.operations == 2) arrangement_->undo();
+      return refuse(o.reason);
+    }
   step.blade = blade;
   step.hash_after = arrangement_->hash();
   return {true, {}};
@@ -165,18 +185,33 @@ Outcome OperatingTable::finish(Done done) {
   return {true, {}};
 }
 
+Outcome OperatingTable::follow() {
+  if (followed_ && followed_hash_ == arrangement_->hash()) return {true, {}};
+  try {
+    const auto next = update_topology(followed_ ? *followed_ : *version_.lattice, material_surface(*arrangement_));
+    followed_ = followed_ ? skip_version(*followed_, *next) : next;
+    followed_hash_ = arrangement_->hash();
+  } catch (const InputError& e) {
+    return {false, e.what()};
+  } catch (const std::logic_error& e) {  // the lattice found a contradiction: nothing has changed yet, the cut is taken back
+    return {false, std::string("the lattice cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
+  }
+  return {true, {}};
+}
+
 Outcome OperatingTable::rebuild() {
   Version next;
+  if (const Outcome o = follow(); !o.done) return o;
   try {
-    next.lattice = update_topology(*version_.lattice, material_surface(*arrangement_));
+    next.lattice = std::move(followed_);
     const EarlierModel before{*version_.lattice, *version_.model};
     next.model = assemble_fem(*stencils_, *next.lattice, &before);
     next.surface = make_surface(*next.lattice);
     next.index = std::make_shared<RestIndex>(next.surface->view, body_->surface.tri.size());
   } catch (const InputError& e) {
     return {false, e.what()};
-  } catch (const std::logic_error& e) {  // the lattice found a contradiction: nothing has changed yet, the cut is taken back
-    return {false, std::string("the lattice cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
+  } catch (const std::logic_error& e) {
+    return {false, std::string("the model cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
   }
   version_ = next;
   std::vector<int32_t> cell_parent;

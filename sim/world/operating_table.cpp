@@ -30,6 +30,7 @@ OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
 Outcome OperatingTable::apply(const Command& command) {
   const int32_t operations = arrangement_ ? arrangement_->operations() : 0;
   const auto lattice = version_.lattice;
+  followed_.reset();
   Outcome outcome;
   try {
     outcome = std::visit([this](const auto& c) { return act(c); }, command);

@@ -50,6 +50,8 @@ class OperatingTable {
   int pieces() const { return version_.lattice->pieces; }
   int refused() const { return refused_; }
   uint64_t full_hash() const;
+  const Arrangement* arrangement() const { return arrangement_.get(); }
+  std::shared_ptr<const LatticeTopology> lattice() const { return version_.lattice; }
   bool settled() const;  // every stitch drawn tight
 
  private:
@@ -126,6 +128,9 @@ class OperatingTable {
   bool cut_again(const CutStep& step);  // false, with nothing changed, when other bits came of it: a defect
   void take_back(std::span<const CutStep> steps);
   Outcome rebuild();  // lattice, model, surface, anchors after the arrangement has changed
+  /// Lets followed_ catch up with the arrangement. Called between a cut and what is taken away after it, and before the
+  /// next cut: an update that sees only one of the two names every parent exactly, one that sees both may not (topology.h).
+  Outcome follow();
   std::shared_ptr<const SurfaceTopology> make_surface(const LatticeTopology& lattice);
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
@@ -155,6 +160,9 @@ class OperatingTable {
   bool contacts_current_ = false;            // nothing has moved since they were found
   std::vector<Hook> hooks_;
   std::vector<Stitch> stitches_;
+  // During an act: the lattice after a part of its cuts, its parents in version_.lattice. Null: nothing was followed yet.
+  std::shared_ptr<const LatticeTopology> followed_;
+  uint64_t followed_hash_ = 0;  // of the arrangement then
   std::vector<Done> done_;
   std::vector<Undone> undone_;
   std::optional<Stroke> stroke_;

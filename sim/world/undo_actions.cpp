@@ -66,6 +66,7 @@ void OperatingTable::remember(Done done) {
 
 void OperatingTable::take_back(std::span<const CutStep> steps) {
   if (!arrangement_) return;
+  followed_.reset();  // (whatever is not taken back is followed again)
   for (size_t i = steps.size(); i-- > 0;)
     for (int k = 0; k < steps[i].operations; ++k) arrangement_->undo();
   // Numbers of points that are gone will be given to others.

@@ -22,6 +22,8 @@ uint64_t World::state_hash() const { return impl_->state_hash(); }
 uint64_t World::full_hash() const { return impl_->full_hash(); }
 const WorldSpec& World::spec() const { return impl_->spec(); }
 const ElasticSolver& World::solver() const { return impl_->solver(); }
+const Arrangement* World::arrangement() const { return impl_->arrangement(); }
+std::shared_ptr<const LatticeTopology> World::lattice() const { return impl_->lattice(); }
 double World::volume_mm3() const { return impl_->volume_mm3(); }
 double World::removed_volume_mm3() const { return impl_->removed_volume_mm3(); }
 double World::initial_volume_mm3() const { return impl_->initial_volume_mm3(); }
