@@ -42,6 +42,7 @@ struct SolverState {
   std::vector<float> displacement_mm, velocity_mm_s;  // 3 per node
   std::vector<float> pressure;                        // 1 per cell: the multiplier of its volume
   int since_update = 0;                               // iterates since the multipliers changed
+  std::vector<float> memory;                          // of layers that relax (viscous_points.h)
   bool operator==(const SolverState&) const = default;
 };
 

@@ -43,6 +43,19 @@ struct MaterialPoint {
   Mat3 M = Mat3::Identity();
 };
 
+/// A place of a cell where resistance to change of shape fades after a strain (dynamic steps; viscous_points.h). The law is
+/// the whole of the layer there, matrix included, as it is once relaxed.
+struct ViscousPoint {
+  struct Term {
+    double ratio = 0, time_s = 1;  // stiffness that fades over the relaxed one; its time
+  };
+  Vec3 at = Vec3::Constant(0.5);
+  double volume_mm3 = 0;
+  int32_t law = 0;
+  Mat3 M = Mat3::Identity();
+  std::vector<Term> terms;
+};
+
 /// The constants of one kind of full cell; many cells share one.
 struct Stencil {
   Mat8 K = Mat8::Zero();     // mN/mm, symmetric, rows sum to 0
@@ -54,6 +67,7 @@ struct Stencil {
   double density_kg_mm3 = 0;
   uint8_t level = 0;                  // of the cells that it is for; all lengths here are theirs
   std::vector<MaterialPoint> points;  // empty for cells whose whole shape energy is in K, and then costs nothing
+  std::vector<ViscousPoint> viscous;  // empty where nothing relaxes, and then costs nothing
 };
 
 /// Edges of a cell of that level.
@@ -107,7 +121,7 @@ struct FemModel {
   std::vector<double> mass_kg;       // per node, lumped, exact fractions (no floor)
   std::vector<HexCell> cells;
   std::vector<Stencil> stencils;
-  std::vector<LawPtr> laws;          // named by the material points of stencils
+  std::vector<LawPtr> laws;          // named by the material and viscous points of stencils
   // Per node: its index in the previous model (state is carried from it); -1 only at start. For a node in `born`: the
   // first of the previous nodes with the largest weight.
   std::vector<int32_t> parent;
