@@ -34,6 +34,10 @@ KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augment
   k.centred = s.sample == Vec3::Constant(0.5);
   for (int e = 0; e < 4; ++e) k.bx[e] = float(B(2 * e + 1, 0)), k.by[e] = float(B(2 * (e & 2) + 2 + (e & 1), 1)), k.bz[e] = float(B(4 + e, 2));
   for (int i = 0; i < 3; ++i) k.inv4h[i] = float(1 / (4 * h[i]));
+  if (!s.points.empty() && s.points[0].gradients) {  // no box: all its energy is in its points; theta stays 0 here
+    k.centred = false;
+    for (int e = 0; e < 4; ++e) k.bx[e] = k.by[e] = k.bz[e] = 0;
+  }
   k.volume = float(s.volume_mm3);
   k.p0 = float(s.p0_kPa);
   k.ke = float(effective_bulk_kPa(s, augmented));

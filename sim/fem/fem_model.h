@@ -23,6 +23,7 @@
 // the hanging nodes before the cells are visited, forces are gathered from them afterwards (hanging_nodes.h), and the
 // scalar matrix is P^T A P (scalar_matrix.h), so that the metric never meets a hanging node. Displacements, velocities and
 // reports still have one entry per node, and points may be embedded in hanging ones.
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -41,6 +42,8 @@ struct MaterialPoint {
   double volume_mm3 = 0;
   int32_t law = 0;                // of FemModel::laws
   Mat3 M = Mat3::Identity();
+  // Not null: grad N_a (1/mm) at this point, of a cell that is no box of the lattice (shaped_cells.h); `at` is unused then.
+  std::shared_ptr<const Eigen::Matrix<double, 8, 3>> gradients;
 };
 
 /// A place of a cell where resistance to change of shape fades after a strain (dynamic steps; viscous_points.h). The law is
@@ -86,8 +89,14 @@ inline Eigen::Matrix<double, 8, 3> trilinear_gradients(const Stencil& s, const V
   return B;
 }
 
-/// The same at the stencil's sample point.
+/// The same at a material point.
+inline Eigen::Matrix<double, 8, 3> point_gradients(const Stencil& s, const MaterialPoint& p, const Vec3& cell_mm) {
+  return p.gradients ? *p.gradients : trilinear_gradients(s, p.at, cell_mm);
+}
+
+/// The same at the stencil's sample point; in a cell that is no box, at its first material point.
 inline Eigen::Matrix<double, 8, 3> sample_gradients(const Stencil& s, const Vec3& cell_mm) {
+  if (!s.points.empty() && s.points[0].gradients) return *s.points[0].gradients;
   return trilinear_gradients(s, s.sample, cell_mm);
 }
 

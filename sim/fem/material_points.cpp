@@ -26,7 +26,7 @@ MaterialPoints::MaterialPoints(const FemModel& m) : laws_(m.laws) {
     for (const MaterialPoint& p : s.points) {
       Point q;
       q.law = &law_of(m, p);
-      q.BM = trilinear_gradients(s, p.at, m.cell_mm) * p.M;
+      q.BM = point_gradients(s, p, m.cell_mm) * p.M;
       q.M = p.M;
       q.volume_mm3 = p.volume_mm3;
       q.rest_kPa = q.law->at(p.M).energy_kPa;
@@ -104,7 +104,7 @@ double points_force(const FemModel& m, const Stencil& s, const Vec3& cell_mm, co
   double energy = 0;
   for (const MaterialPoint& p : s.points) {
     const MaterialLaw& law = law_of(m, p);
-    const Gradients BM = trilinear_gradients(s, p.at, cell_mm) * p.M;
+    const Gradients BM = point_gradients(s, p, cell_mm) * p.M;
     const MaterialLaw::Response r = law.at(p.M + u.transpose() * BM);
     energy += p.volume_mm3 * (r.energy_kPa - law.at(p.M).energy_kPa);
     force += p.volume_mm3 * BM * r.P_kPa.transpose();
@@ -115,7 +115,7 @@ double points_force(const FemModel& m, const Stencil& s, const Vec3& cell_mm, co
 Mat24 points_tangent(const FemModel& m, const Stencil& s, const Vec3& cell_mm, const Gradients& u, bool project) {
   Mat24 H = Mat24::Zero();
   for (const MaterialPoint& p : s.points) {
-    const Gradients BM = trilinear_gradients(s, p.at, cell_mm) * p.M;
+    const Gradients BM = point_gradients(s, p, cell_mm) * p.M;
     const Mat9 C = law_of(m, p).tangent_kPa(p.M + u.transpose() * BM, project);
     Eigen::Matrix<double, 24, 9> B = Eigen::Matrix<double, 24, 9>::Zero();  // vec F is column-major
     for (int a = 0; a < 8; ++a)
@@ -129,7 +129,7 @@ Mat24 points_tangent(const FemModel& m, const Stencil& s, const Vec3& cell_mm, c
 Mat8 points_scalar(const FemModel& m, const Stencil& s, const Vec3& cell_mm) {
   Mat8 K = Mat8::Zero();
   for (const MaterialPoint& p : s.points) {
-    const Gradients BM = trilinear_gradients(s, p.at, cell_mm) * p.M;
+    const Gradients BM = point_gradients(s, p, cell_mm) * p.M;
     K += p.volume_mm3 * law_of(m, p).typical_stiffness_kPa(p.M) * (BM * BM.transpose());
   }
   return K;
