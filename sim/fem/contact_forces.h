@@ -1,27 +1,33 @@
 #pragma once
-// One-sided springs between places of the tissue: energy k/2 min(0, s)^2 with s = n.(x_a - x_b) - gap.
+// One-sided springs between places of the tissue, s = n.(x_a - x_b) - gap, with the law of contact_law.h.
 //
-// The force k max(0, -s) n on a, and its opposite on b, is continuous; only its slope jumps where the places part. There is
-// no friction: nothing acts across n. Normals stand still while the minimiser works; whoever finds contacts turns them
-// between steps. Sums over nodes run in single precision, four numbers at a time; what is summed are displacements, a
-// rounding of some 1e-6 mm. The rest is in double.
+// There is no friction: nothing acts across n. Normals and gaps stand still while the minimiser works; whoever finds contacts
+// turns them between steps. Sums over nodes run in single precision, four numbers at a time; what is summed are
+// displacements, a rounding of some 1e-6 mm. The rest is in double. How far each pair is apart is found in parallel; forces
+// are handed out in the order of the list, so that no bit depends on the number of workers.
 #include <span>
 #include <vector>
 
+#include "sim/fem/contact_law.h"
 #include "sim/fem/fem_model.h"
 #include "sim/fem/simd.h"
+#include "sim/workers.h"
 
 namespace limberg::fem {
 
 class ContactForces {
  public:
   ContactForces() = default;
-  /// Throws InputError for a node outside the model, a normal that is not of unit length or a stiffness that is not positive.
-  ContactForces(const FemModel& model, std::span<const Contact> contacts);
+  ContactForces(const FemModel& model, std::span<const Contact> contacts);  // on the calling thread
+
+  /// Throws InputError for a node outside the model, a normal that is not of unit length, a stiffness that is not positive
+  /// or a negative softness; then there are no contacts.
+  void set(const FemModel& model, std::span<const Contact> contacts, Workers& workers);
 
   /// Adds the forces to g (as a gradient; fixed nodes included) and returns the energy. `measure`: also adds the norm of
   /// each nodal share to w.
-  double add(const NodeArray& u, NodeArray& g, bool measure) const;
+  double add(const NodeArray& u, NodeArray& g, bool measure, Workers& workers);
+  double add(const NodeArray& u, NodeArray& g, bool measure);  // on the calling thread
   bool empty() const { return item_.empty(); }
   size_t size() const { return item_.size(); }
   /// s in mm: negative when the two places press on each other.
@@ -35,9 +41,13 @@ class ContactForces {
     std::array<float, 16> w{};       // positive on a's side, negative on b's; unused: 0
     Vec3 normal = Vec3::UnitZ();
     double k = 0;       // mN/mm
+    double soft = 0;    // mm
     double offset = 0;  // s of the undeformed state
   };
+  static const char* fault_of(const FemModel& model, const Contact& c, Item& item);
   std::vector<Item> item_;
+  std::vector<float> force_;     // of the last add, per contact
+  std::vector<double> energy_;   // of it, per chunk
 };
 
 }  // namespace limberg::fem

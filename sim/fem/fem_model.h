@@ -154,12 +154,14 @@ struct Spring {
   double k_N_per_mm = 1;
 };
 
-/// A one-sided spring between two places of the tissue that must not pass through each other:
-/// E = k/2 min(0, n.(x_a - x_b) - gap)^2. It pushes, never pulls.
+/// A one-sided spring between two places of the tissue that must not pass through each other. With the overlap
+/// p = gap - n.(x_a - x_b): no energy for p <= 0, k p^3 / (6 soft) up to p = soft, from there a parabola of curvature k that
+/// continues it with force and slope: k ((p - soft/2)^2 / 2 + soft^2 / 24). It pushes, never pulls.
 struct Contact {
   EmbeddedPoint a, b;
   Vec3f normal = Vec3f::UnitZ();  // unit, from b's surface towards a
   float gap_mm = 0;
+  float soft_mm = 0;              // overlap over which the stiffness sets in; 0: at once
   float k_N_per_mm = 1;
 };
 

@@ -121,7 +121,7 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
 
 void LbfgsSolver::set_contacts(std::span<const Contact> contacts) {
   if (!model_) throw InputError("", 0, "contacts were given before a model");
-  contacts_ = ContactForces(*model_, contacts);
+  contacts_.set(*model_, contacts, workers_);
 }
 
 LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool measure) {
@@ -129,7 +129,7 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
   const double springs = forces_.add(u, g, measure);
   Value v{cells.energy + springs, float_noise * (cells.magnitude + springs)};
   if (!contacts_.empty()) {
-    const double pressed = contacts_.add(u, g, measure);
+    const double pressed = contacts_.add(u, g, measure, workers_);
     v.energy += pressed, v.noise += float_noise * pressed;
   }
   if (!points_.empty()) {
@@ -357,7 +357,7 @@ Vec3 LbfgsSolver::support_force_mN() const {
   NodeArray g(u_.size());
   elements_->evaluate(u_, g, false, workers_);
   forces_.add(u_, g, false);
-  contacts_.add(u_, g, false);
+  ContactForces(contacts_).add(u_, g, false);
   points_.add(u_, g, false, workers_);
   give_to_masters(model_->hanging, g);
   Vec3 f = Vec3::Zero();

@@ -11,6 +11,7 @@
 #include <numeric>
 
 #include "sim/fem/cholesky.h"
+#include "sim/fem/contact_law.h"
 #include "sim/fem/hanging_nodes.h"
 #include "sim/fem/material_points.h"
 #include "sim/fem/scalar_matrix.h"
@@ -37,10 +38,10 @@ Mat3 skew(const Vec3& v) {  // S_ik = epsilon_ikm v_m
 /// A contact as one row: s = w . x along the normal - gap.
 struct ContactRow {
   Vec3 normal = Vec3::UnitZ();
-  double k = 0, gap = 0;
+  double k = 0, gap = 0, soft = 0;
   std::vector<std::pair<int32_t, double>> share;  // node, signed weight; each node once
 
-  ContactRow(const Contact& c) : normal(c.normal.cast<double>()), k(double(c.k_N_per_mm) * 1000), gap(double(c.gap_mm)) {
+  ContactRow(const Contact& c) : normal(c.normal.cast<double>()), k(double(c.k_N_per_mm) * 1000), gap(double(c.gap_mm)), soft(double(c.soft_mm)) {
     for (const EmbeddedPoint* p : {&c.a, &c.b}) {
       const double sum = std::accumulate(p->w.begin(), p->w.end(), 0.0), sign = p == &c.a ? 1 : -1;
       for (size_t i = 0; i < 8; ++i) {
@@ -166,11 +167,11 @@ struct ReferenceElasticity::Impl {
         });
     }
     for (const ContactRow& c : contacts) {
-      const double s = std::min(0.0, c.clearance(m, u));
-      energy += 0.5 * c.k * s * s;
+      const fem::Push push = fem::contact_push(c.clearance(m, u), c.k, c.soft);
+      energy += push.energy;
       if (g) for (const auto& [n, w] : c.share) {
-          (*g)[size_t(n)] += c.k * s * w * c.normal;
-          if (scale) size[size_t(n)] += c.k * std::fabs(s * w);
+          (*g)[size_t(n)] -= push.force * w * c.normal;
+          if (scale) size[size_t(n)] += push.force * std::fabs(w);
         }
     }
     if (scale) {
@@ -356,10 +357,11 @@ struct ReferenceElasticity::Impl {
       }
     for (size_t c = 0; c < contacts.size(); ++c) {
       const ContactRow& pressed = contacts[c];
-      if (!(pressed.clearance(m, u) < 0)) continue;
+      const double slope = fem::contact_push(pressed.clearance(m, u), pressed.k, pressed.soft).slope;
+      if (!(slope > 0)) continue;
       for (auto [a, b, e] : contact_entry[c]) {
         const int32_t j = graph.row_of_node[size_t(pressed.share[size_t(b)].first)];
-        const double kw = pressed.k * pressed.share[size_t(a)].second * pressed.share[size_t(b)].second;
+        const double kw = slope * pressed.share[size_t(a)].second * pressed.share[size_t(b)].second;
         for (int k = 0; k < 3; ++k)
           for (int r = a == b ? k : 0; r < 3; ++r) value[place(j, e, r, k)] += kw * pressed.normal[r] * pressed.normal[k];
       }
@@ -436,9 +438,10 @@ Eigen::MatrixXd ReferenceElasticity::dense_hessian(std::span<const Vec3> u, bool
         H.block<3, 3>(3 * r.node[a], 3 * r.node[b]) += r.k_mN_per_mm * r.w[a] * r.w[b] * Mat3::Identity();
   }
   for (const ContactRow& c : p.contacts) {
-    if (!(c.clearance(p.m, u) < 0)) continue;
+    const double slope = fem::contact_push(c.clearance(p.m, u), c.k, c.soft).slope;
+    if (!(slope > 0)) continue;
     for (const auto& [i, wi] : c.share)
-      for (const auto& [j, wj] : c.share) H.block<3, 3>(3 * i, 3 * j) += c.k * wi * wj * c.normal * c.normal.transpose();
+      for (const auto& [j, wj] : c.share) H.block<3, 3>(3 * i, 3 * j) += slope * wi * wj * c.normal * c.normal.transpose();
   }
   return H;
 }

@@ -87,6 +87,7 @@ std::vector<Contact> random_contacts(const Slabs& s, int count, uint64_t seed) {
     c.normal = (Vec3::UnitZ() + r.vector(0.4)).normalized().cast<float>();
     c.gap_mm = float(0.3 * r.uniform());
     c.k_N_per_mm = float(0.5 + 0.4 * r.uniform());
+    c.soft_mm = i % 2 ? float(0.2 + 0.1 * r.uniform()) : 0.0f;
     out.push_back(c);
   }
   return out;
@@ -101,7 +102,7 @@ fem::NodeArray nodes_of(const std::vector<Vec3>& u) {
 TEST(ContactForces, GradientIsTheDerivativeOfTheEnergy) {
   const Slabs s = two_slabs(3, 1, 12, 4, 30, 0.3);
   const std::vector<Contact> contacts = random_contacts(s, 40, 3);
-  const fem::ContactForces f(s.model, contacts);
+  fem::ContactForces f(s.model, contacts);
   const std::vector<Vec3> u = test::random_displacement(s.model, 0.5, 11);
   fem::NodeArray at = nodes_of(u), g(u.size()), ignored(u.size());
   const double energy = f.add(at, g, false);
@@ -140,7 +141,10 @@ TEST(ContactForces, GradientIsTheDerivativeOfTheEnergy) {
 TEST(ContactForces, TheReferenceHessianIsTheDerivativeOfItsGradient) {
   const Slabs s = two_slabs(2, 1, 8, 4, 30, 0.3);
   std::vector<Contact> contacts = random_contacts(s, 20, 5);
-  for (Contact& c : contacts) c.gap_mm += c.gap_mm > 0 ? 2 : -2;  // none changes sides within a step
+  for (Contact& c : contacts) {  // none changes sides within a step; the soft ones stay in their soft part
+    c.gap_mm += c.gap_mm > 0 ? 2 : -2;
+    if (c.soft_mm > 0) c.soft_mm = 8;
+  }
   const ReferenceElasticity none(s.model, {}), with(s.model, {}, contacts);
   const std::vector<Vec3> u = test::random_displacement(s.model, 0.2, 17);
   const Eigen::MatrixXd H = with.dense_hessian(u, false) - none.dense_hessian(u, false);
@@ -156,10 +160,27 @@ TEST(ContactForces, TheReferenceHessianIsTheDerivativeOfItsGradient) {
   EXPECT_GT(H.norm(), 100);
 }
 
+// Where the parts of the law meet, energy, force and slope agree; each is the derivative of the one before.
+TEST(ContactForces, TheLawHasNoJump) {
+  const double k = 700, soft = 0.05;
+  for (const double p : {0.0, soft}) {
+    const fem::Push a = fem::contact_push(-p + 1e-9, k, soft), b = fem::contact_push(-p - 1e-9, k, soft);
+    EXPECT_NEAR(a.energy, b.energy, 1e-6);
+    EXPECT_NEAR(a.force, b.force, 1e-5);
+    EXPECT_NEAR(a.slope, b.slope, 1e-3 * k);
+  }
+  for (double p = 0.0021; p < 0.2; p *= 1.3) {
+    const double h = 1e-6;
+    const fem::Push a = fem::contact_push(-p + h, k, soft), b = fem::contact_push(-p - h, k, soft), at = fem::contact_push(-p, k, soft);
+    EXPECT_NEAR((b.energy - a.energy) / (2 * h), at.force, 1e-4 + 1e-6 * at.force);
+    EXPECT_NEAR((b.force - a.force) / (2 * h), at.slope, 1e-3 * k);
+  }
+}
+
 TEST(ContactForces, ActionIsReaction) {
   const Slabs s = two_slabs(3, 1, 12, 4, 30, 0.3);
   for (const Contact& c : random_contacts(s, 30, 7)) {
-    const fem::ContactForces f(s.model, std::span(&c, 1));
+    fem::ContactForces f(s.model, std::span(&c, 1));
     const fem::NodeArray u = nodes_of(test::random_displacement(s.model, 0.5, 13));
     fem::NodeArray g(u.size());
     f.add(u, g, false);
