@@ -87,6 +87,7 @@ const std::map<std::string, std::set<std::string>> kSim{
     {"sim/fem", {"sim", "sim/geometry"}},
     {"sim/lattice", {"sim", "sim/geometry", "sim/cutting", "sim/fem"}},
     {"sim/contact", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice"}},
+    {"sim/simplex", {"sim", "sim/geometry"}},
     {"sim/tools", {"sim", "sim/geometry"}},
     {"sim/measure", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice", "sim/tools"}},
 };
