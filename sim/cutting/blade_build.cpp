@@ -16,40 +16,6 @@ namespace {
 
 constexpr double kShortest = 1.0;  // of a stroke
 
-/// Per segment of the path (from column i to i + 1): how far the blade leans to the right, per mm of depth. `lean` itself where
-/// the tissue lies as at rest; else what comes of it there, evened out over 3 mm of nearly straight path, because cells are
-/// as large.
-std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> path, std::span<const Column> columns, double lean,
-                                  bool closed) {
-  const size_t n = columns.size(), segments = closed ? n : n - 1;
-  std::vector<double> out(segments, lean);
-  if (!c.gradient) return out;
-  std::vector<Mat3> F(n, Mat3::Identity());
-  bool any = false;
-  for (size_t i = 0; i < n; ++i)
-    if (const auto hit = c.skin(path[i]); hit && (!c.arrangement || skin_is_live(c, path[i]))) {
-      F[i] = c.gradient(*hit);
-      any = any || (F[i] - Mat3::Identity()).norm() >= kAsAtRest;
-    }
-  if (!any) return out;
-  std::vector<Vec3> way(segments), middle(segments);
-  std::vector<double> raw(segments);
-  for (size_t s = 0; s < segments; ++s) {
-    const size_t t = (s + 1) % n;
-    const Vec3 normal = (columns[s].normal + columns[t].normal).normalized(), d = columns[t].X - columns[s].X;
-    way[s] = (d - d.dot(normal) * normal).normalized();
-    middle[s] = (columns[s].X + columns[t].X) / 2;
-    raw[s] = aside_at_rest((F[s] + F[t]) / 2, normal, way[s], lean).dot(way[s].cross(normal));
-  }
-  for (size_t s = 0; s < segments; ++s) {
-    double sum = 0, weight = 0;
-    for (size_t t = 0; t < segments; ++t)
-      if ((middle[s] - middle[t]).norm() < 3 && way[s].dot(way[t]) > 0.94) sum += raw[t], weight += 1;
-    out[s] = sum / weight;
-  }
-  return out;
-}
-
 /// Which way a blade runs into the tissue at every column: to the right of the path by its segments' leans per mm of depth;
 /// at a corner mitred, so that both sides keep theirs. With upright_corners the blade turns upright towards sharp corners:
 /// leaning into a sharp bend it would run through itself.
@@ -90,6 +56,37 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, std::span<con
 }
 
 }  // namespace
+
+std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> path, std::span<const Column> columns, double lean,
+                                  bool closed) {
+  const size_t n = columns.size(), segments = closed ? n : n - 1;
+  std::vector<double> out(segments, lean);
+  if (!c.gradient) return out;
+  std::vector<Mat3> F(n, Mat3::Identity());
+  bool any = false;
+  for (size_t i = 0; i < n; ++i)
+    if (const auto hit = c.skin(path[i]); hit && (!c.arrangement || skin_is_live(c, path[i]))) {
+      F[i] = c.gradient(*hit);
+      any = any || (F[i] - Mat3::Identity()).norm() >= kAsAtRest;
+    }
+  if (!any) return out;
+  std::vector<Vec3> way(segments), middle(segments);
+  std::vector<double> raw(segments);
+  for (size_t s = 0; s < segments; ++s) {
+    const size_t t = (s + 1) % n;
+    const Vec3 normal = (columns[s].normal + columns[t].normal).normalized(), d = columns[t].X - columns[s].X;
+    way[s] = (d - d.dot(normal) * normal).normalized();
+    middle[s] = (columns[s].X + columns[t].X) / 2;
+    raw[s] = aside_at_rest((F[s] + F[t]) / 2, normal, way[s], lean).dot(way[s].cross(normal));
+  }
+  for (size_t s = 0; s < segments; ++s) {
+    double sum = 0, weight = 0;
+    for (size_t t = 0; t < segments; ++t)
+      if ((middle[s] - middle[t]).norm() < 3 && way[s].dot(way[t]) > 0.94) sum += raw[t], weight += 1;
+    out[s] = sum / weight;
+  }
+  return out;
+}
 
 BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm,
                            double angle_deg, bool may_join) {

@@ -78,8 +78,8 @@ void add_between(Blade& blade, const StripSide& left, const StripSide& right, ui
   }
 }
 
-int32_t join_start(const WallMap& walls, std::vector<Vec2>& path, double level) {
-  const int32_t end = walls.open_end_near(path[0], kSnap, level);
+int32_t join_start(const WallMap& walls, std::vector<Vec2>& path, double level, int32_t not_point) {
+  const int32_t end = walls.open_end_near(path[0], kSnap, level, not_point);
   if (end < 0) return -1;
   const Vec2 place = walls.columns()[size_t(end)].chart;
   size_t next = 1;
@@ -92,11 +92,10 @@ int32_t join_start(const WallMap& walls, std::vector<Vec2>& path, double level) 
   return end;
 }
 
-BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, double depth_mm) {
+BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, double to) {
   const WallMap walls(c);
   // The strips that the path runs along: those whose middle it passes.
   std::vector<int32_t> strips;
-  const double to = depth_mm + wall_extra(c);
   bool any = false;
   for (size_t i = 0; i < walls.strips().size(); ++i) {
     const WallStrip& t = walls.strips()[i];

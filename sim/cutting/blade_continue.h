@@ -25,11 +25,11 @@ StripSide side_of_wall(Blade& blade, const BladeContext& context, const WallColu
 void add_between(Blade& blade, const StripSide& left, const StripSide& right, uint8_t seed_other, uint8_t seed_top);
 
 /// Where a stroke may go on from the open end of an earlier wall: the column, or -1. The path's first point is then that
-/// of the column. `level` is how deep the stroke reaches.
-int32_t join_start(const WallMap& walls, std::vector<Vec2>& path, double level);
+/// of the column. `level` is how deep the stroke reaches; a column that has `not_point` does not count.
+int32_t join_start(const WallMap& walls, std::vector<Vec2>& path, double level, int32_t not_point = -1);
 
-/// Deepens the walls that a path runs along, from their fronts to the depth asked. Empty blade: nothing there is
-/// shallower.
-BladeResult build_deepening(const BladeContext& context, std::span<const Vec2> path, double depth_mm);
+/// Deepens the walls that a path runs along, from their fronts to `level_mm` (a stroke's depth and its wall_extra). Empty
+/// blade: nothing there is shallower.
+BladeResult build_deepening(const BladeContext& context, std::span<const Vec2> path, double level_mm);
 
 }  // namespace limberg

@@ -34,6 +34,12 @@ std::string columns_at(const BladeContext& context, std::span<const Vec2> path, 
 std::vector<Column> stiffened(std::span<const Column> columns, double share);
 inline constexpr std::array<double, 3> kStiffness{0, 0.6, 1};  // tried in turn
 
+/// Per segment of the path (from column i to i + 1): how far the blade leans to the right, per mm of depth. `lean` itself where
+/// the tissue lies as at rest; else what comes of it there, evened out over 3 mm of nearly straight path, because cells are
+/// as large.
+std::vector<double> leans_at_rest(const BladeContext& context, std::span<const Vec2> path, std::span<const Column> columns,
+                                  double lean, bool closed);
+
 /// How far an incision reaches below the depth asked, and how far blades stick out. Both vary a little from operation
 /// to operation: two walls of one nominal depth then join with a clean end instead of a coincidence.
 double wall_extra(const BladeContext& context);

@@ -7,6 +7,8 @@ namespace limberg {
 
 namespace {
 
+constexpr double kCurl = 1.5;  // a loop of this length is a knot of the hand
+
 double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 }  // namespace
@@ -122,6 +124,20 @@ std::vector<SelfCrossing> self_crossings(std::span<const Vec2> path) {
     }
   std::sort(out.begin(), out.end(), [](const SelfCrossing& a, const SelfCrossing& b) { return a.second < b.second; });
   return out;
+}
+
+std::vector<Vec2> without_curls(std::vector<Vec2> path) {
+  for (;;) {
+    const auto crossings = self_crossings(path);
+    const auto curl = std::find_if(crossings.begin(), crossings.end(), [](const SelfCrossing& x) { return x.second - x.first < kCurl; });
+    if (curl == crossings.end()) return path;
+    std::vector<Vec2> rest = part_of(path, 0, curl->first);
+    const std::vector<Vec2> after = part_of(path, curl->second, path_length(path));
+    rest.insert(rest.end(), after.begin(), after.end());
+    rest = drop_close(rest, 1e-6);
+    if (rest.size() >= path.size() + 2 || rest.size() < 2) return path;
+    path = std::move(rest);
+  }
 }
 
 std::vector<Vec2> part_of(std::span<const Vec2> path, double from, double to) {

@@ -35,6 +35,9 @@ struct SelfCrossing {
 };
 std::vector<SelfCrossing> self_crossings(std::span<const Vec2> path);
 
+/// Without the small loops of an unquiet hand.
+std::vector<Vec2> without_curls(std::vector<Vec2> path);
+
 /// The part of a polyline between two arc lengths.
 std::vector<Vec2> part_of(std::span<const Vec2> path, double from, double to);
 

@@ -6,114 +6,16 @@
 #include <numbers>
 
 #include "sim/cutting/blade_continue.h"
-#include "sim/cutting/pull_back.h"
+#include "sim/cutting/stroke_runs.h"
 
 namespace limberg {
 
 namespace {
 
-constexpr double kStep = 0.25;         // between samples of a stroke
-constexpr size_t kWindow = 6;          // samples on either side that tell its direction: 3 mm in all
-constexpr double kCosine = 0.9659;     // 15 degrees: still along a wall
-constexpr double kGap = 1.0;           // a hand leaves the line that it follows by so much and comes back
-constexpr double kLeastAlong = 3.0;    // shorter ways along a wall are chance
-constexpr double kCurl = 1.5;          // a loop of this length is a knot of the hand
 constexpr double kFarAlong = 3.0;      // an end is near the stroke's own middle when the way back to it is longer
 
 constexpr double kLeastPart = 2.0;     // of a stroke that is divided where its blade would fold
 constexpr int kMostDivided = 5;
-
-struct Run {
-  double from = 0, to = 0;
-  bool along = false;
-};
-
-/// Would a blade held at this angle lie on that wall, within 15 degrees?
-bool blades_alike(const BladeContext& c, const WallMap& walls, const WallMap::Along& at, const Vec2& p, const Vec2& way, double lean) {
-  const auto k = column_at(c, p);
-  if (!k) return false;
-  const Vec3 along = (c.body->chart_e1 * way.x() + c.body->chart_e2 * way.y());
-  const WallStrip& t = walls.strips()[size_t(at.strip)];
-  const auto on_wall = [&](const Vec3& blade) {
-    return std::all_of(t.column.begin(), t.column.end(), [&](int32_t i) {
-      return blade.normalized().dot(walls.columns()[size_t(i)].down.normalized()) >= kCosine;
-    });
-  };
-  if (on_wall(-k->normal + along.cross(k->normal).normalized() * lean)) return true;
-  // Beside a wound that gapes the skin is turned: as it lies now, or as it lay.
-  const auto hit = c.gradient ? c.skin(p) : std::nullopt;
-  if (!hit) return false;
-  const Vec3 in_skin = (along - along.dot(k->normal) * k->normal).normalized();
-  return on_wall(-k->normal + aside_at_rest(c.gradient(*hit), k->normal, in_skin, lean));
-}
-
-/// Which parts of a path run along earlier walls; all of it in order.
-std::vector<Run> runs_along(const BladeContext& c, const WallMap& walls, std::span<const Vec2> path, double lean) {
-  const double length = path_length(path);
-  const size_t n = size_t(std::ceil(length / kStep)) + 1;
-  const auto at = [&](double arc) {
-    const auto part = part_of(path, std::clamp(arc, 0.0, length), length);
-    return part.empty() ? path.back() : part.front();
-  };
-  std::vector<Vec2> p(n);
-  for (size_t i = 0; i < n; ++i) p[i] = at(double(i) * kStep);
-  std::vector<uint8_t> is_along(n, 0);
-  std::vector<double> offset(n, 0);
-  for (size_t i = 0; i < n; ++i) {
-    const Vec2 way = (p[std::min(i + kWindow, n - 1)] - p[i < kWindow ? 0 : i - kWindow]).normalized();
-    const WallMap::Along w = walls.nearest(p[i], kSnap);
-    if (w.strip < 0 || std::abs(way.dot(w.direction)) < kCosine) continue;
-    is_along[i] = blades_alike(c, walls, w, p[i], way, lean);
-    offset[i] = way.dot(w.direction) > 0 ? w.offset : -w.offset;
-  }
-  // Fill short gaps, then keep the runs that are long enough and do not pass from one side to the other.
-  for (size_t i = 0; i < n;) {
-    size_t j = i;
-    while (j < n && is_along[j] == is_along[i]) ++j;
-    if (!is_along[i] && i > 0 && j < n && double(j - i) * kStep <= kGap) std::fill(is_along.begin() + long(i), is_along.begin() + long(j), 1);
-    i = j;
-  }
-  std::vector<Run> runs;
-  const auto add = [&](double from, double to, bool along) {
-    if (to <= from) return;
-    if (!runs.empty() && runs.back().along == along)
-      runs.back().to = to;
-    else
-      runs.push_back({from, to, along});
-  };
-  for (size_t i = 0; i < n;) {
-    size_t j = i;
-    while (j < n && is_along[j] == is_along[i]) ++j;
-    const double from = double(i) * kStep, to = j == n ? length : double(j - 1) * kStep, l = to - from;
-    bool along = is_along[i] && (l >= kLeastAlong || l >= 0.8 * length);
-    if (along && std::abs(offset[j - 1] - offset[i]) > std::max(0.7 * kSnap, 0.06 * l)) along = false;
-    add(runs.empty() ? 0 : runs.back().to, to, along);
-    i = j;
-  }
-  // What is left over beside a run is not a cut of its own.
-  for (size_t i = 0; i < runs.size();) {
-    if (!runs[i].along && runs[i].to - runs[i].from < 1 && runs.size() > 1)
-      runs.erase(runs.begin() + long(i));
-    else
-      ++i;
-  }
-  return runs;
-}
-
-/// Drops the small loops of an unquiet hand.
-std::vector<Vec2> without_curls(std::vector<Vec2> path) {
-  for (;;) {
-    const auto crossings = self_crossings(path);
-    const auto curl = std::find_if(crossings.begin(), crossings.end(), [](const SelfCrossing& x) { return x.second - x.first < kCurl; });
-    if (curl == crossings.end()) return path;
-    std::vector<Vec2> rest = part_of(path, 0, curl->first);
-    const std::vector<Vec2> after = part_of(path, curl->second, path_length(path));
-    rest.insert(rest.end(), after.begin(), after.end());
-    rest = drop_close(rest, 1e-6);
-    if (rest.size() >= path.size() + 2 || rest.size() < 2) return path;
-    path = std::move(rest);
-  }
-}
 
 /// A stroke that comes back to its own beginning, as a closed path; else as it was.
 std::vector<Vec2> closed_when_meant(std::vector<Vec2> path) {
@@ -205,7 +107,7 @@ StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke
   const bool simple = clean.size() < 2 || !(angle_deg >= 20 && angle_deg <= 160);
   const double lean = simple ? 0 : 1 / std::tan(angle_deg * std::numbers::pi / 180);
   std::vector<Run> runs;
-  if (!simple && !walls.empty()) runs = runs_along(c, walls, clean, lean);
+  if (!simple && !walls.empty()) runs = runs_along(samples_along(c, walls, clean, lean));
   const bool any_along = std::any_of(runs.begin(), runs.end(), [](const Run& r) { return r.along; });
   const std::vector<Vec2> path = simple || any_along ? clean : closed_when_meant(without_curls(clean));
   const auto add_free = [&](const std::vector<Vec2>& part) {
@@ -265,7 +167,7 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
     CutResult r;
     bool folds = false;
     for (const bool may_join : {true, false}) {
-      const BladeResult b = piece.along ? build_deepening(c, piece.path, plan.depth_mm)
+      const BladeResult b = piece.along ? build_deepening(c, piece.path, plan.depth_mm + wall_extra(c))
                                         : build_incision(c, piece.path, plan.depth_mm, plan.angle_deg, may_join);
       r = CutResult{};
       r.reason = b.reason;

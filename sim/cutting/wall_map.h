@@ -37,8 +37,9 @@ struct WallStrip {
 
 class WallMap {
  public:
-  /// Reads the blades of all operations whose blade was a stroke's strip. Cost: their triangles.
-  explicit WallMap(const BladeContext& context);
+  /// Reads the blades of all operations whose blade was a stroke's strip, or of those before number `end` alone. Cost: their
+  /// triangles.
+  explicit WallMap(const BladeContext& context, int32_t end = INT32_MAX);
 
   std::span<const WallColumn> columns() const { return column_; }
   std::span<const WallStrip> strips() const { return strip_; }
@@ -46,7 +47,8 @@ class WallMap {
 
   /// The end of a wall nearest to p within `reach` at which the crack ends all the way down to the level asked (or to
   /// the wall's own foot): a stroke can go on there without a joint. -1 if there is none.
-  int32_t open_end_near(const Vec2& p, double reach, double level) const;
+  /// `not_point`: a column that has it does not count.
+  int32_t open_end_near(const Vec2& p, double reach, double level, int32_t not_point = -1) const;
   /// Unit direction in the chart in which the wall ends at this end column.
   Vec2 outward(int32_t end_column) const;
 

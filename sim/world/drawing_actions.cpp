@@ -17,7 +17,7 @@ Outcome OperatingTable::act(const InciseMore& c) {
     if (c.last) stopped_stroke_ = 0;
     return {false, "stroke " + std::to_string(c.stroke) + " has stopped: " + why_stopped_};
   }
-  if (!stroke_ || stroke_->id != c.stroke) stroke_ = Stroke{c.stroke, DrawnIncision(c.depth_mm, c.angle_deg)};
+  if (!stroke_ || stroke_->id != c.stroke) stroke_ = Stroke{c.stroke, DrawnStroke(c.depth_mm, c.angle_deg)};
   if (const std::string why = stroke_->drawn.draw(blade_context(), c.path); !why.empty()) {
     stop_stroke(c.stroke, why);
     if (c.last) stopped_stroke_ = 0;
@@ -34,37 +34,45 @@ Outcome OperatingTable::act(const InciseMore& c) {
 }
 
 Outcome OperatingTable::cut_on(bool last) {
-  const BladeResult blade = stroke_->drawn.next(blade_context(), last);
-  if (!blade.blade) return {blade.reason.empty(), blade.reason};
+  constexpr size_t kMostCuts = 2000;  // of one act: far more than a path of 2000 points needs
+  const BladeContext context = blade_context();
+  std::vector<CutStep> steps;
+  const auto refuse = [&](const Outcome& o) {
+    take_back(steps);
+    return o;
+  };
+  for (;;) {
+    const BladeResult blade = stroke_->drawn.next(context, last);
+    if (!blade.blade && blade.reason.empty()) break;
+    if (!blade.blade) return refuse({false, blade.reason});
+    CutStep step;
+    CutResult made;
+    const Outcome o = cut_arrangement(*blade.blade, false, Vec3::Zero(), step, made);
+    if (o.done) {
+      steps.push_back(std::move(step));
+      stroke_->drawn.was_cut(made);
+    } else if (made.status == CutResult::nothing_to_cut) {
+      stroke_->drawn.was_nothing(context);  // over a hole, or along an earlier cut
+    } else if (!stroke_->drawn.was_refused()) {
+      return refuse(o);
+    }
+    if (steps.size() > kMostCuts) return refuse({false, "one piece of a stroke makes too many cuts; shorter pieces were expected"});
+  }
+  if (steps.empty()) return {true, {}};
   Moment before;
   if (!stroke_->cut) before = moment();
-  CutStep step;
-  CutResult made;
-  if (const Outcome o = cut_arrangement(*blade.blade, false, Vec3::Zero(), step, made); !o.done) {
-    if (made.status != CutResult::nothing_to_cut) return o;
-    stroke_->drawn.was_nothing(blade_context());  // over a hole, or along an earlier cut
-    return {true, {}};
-  }
-  if (const Outcome built = rebuild(); !built.done) {
-    take_back({&step, 1});
-    return built;
-  }
-  stroke_->drawn.was_cut(made);
+  if (const Outcome built = rebuild(); !built.done) return refuse(built);
   ++cuts_;
-  removed_volume_mm3_ += step.debris.volume_mm3;
+  for (const CutStep& s : steps) removed_volume_mm3_ += s.debris.volume_mm3;
   volume_mm3_ = arrangement_->volume_mm3();
   std::vector<int32_t> ancestor = version_.model->parent;
   if (!stroke_->cut) {
-    Done done;
-    done.before = std::move(before);
-    done.steps.push_back(std::move(step));
-    done.ancestor = std::move(ancestor);
-    remember(std::move(done));
+    remember({std::move(before), std::move(steps), std::move(ancestor)});
     stroke_->cut = true;
     return {true, {}};
   }
   Done& done = done_.back();
-  done.steps.push_back(std::move(step));
+  std::move(steps.begin(), steps.end(), std::back_inserter(done.steps));
   for (int32_t& a : ancestor)
     if (a >= 0) a = done.ancestor[size_t(a)];
   done.ancestor = std::move(ancestor);

@@ -9,7 +9,7 @@
 // exactly that one. The arrangement takes its operations back, and makes them again from what it was given: the same
 // blade, seed and try give the same bits, which is checked.
 //
-// An incision may come in pieces while it is drawn (drawn_incision.h); they are cut one by one and undone as one.
+// An incision may come in pieces while it is drawn (drawn_stroke.h); they are cut one by one and undone as one.
 // Hooks and stitches are springs; a stitch is drawn tight over some steps (its slack shrinks), as a hand does it.
 #include <memory>
 #include <string>
@@ -18,7 +18,7 @@
 #include "sim/contact/contact_finder.h"
 #include "sim/cutting/arrangement.h"
 #include "sim/cutting/blade_build.h"
-#include "sim/cutting/drawn_incision.h"
+#include "sim/cutting/drawn_stroke.h"
 #include "sim/geometry/skin.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/topology.h"
@@ -96,7 +96,7 @@ class OperatingTable {
   /// An incision that is being drawn. Its pieces are one entry of the history, the last one.
   struct Stroke {
     int id = 0;
-    DrawnIncision drawn;
+    DrawnStroke drawn;
     bool cut = false;  // it has its entry
   };
 
@@ -122,7 +122,7 @@ class OperatingTable {
   Outcome finish(Done done);
   /// Blade, excision and sweeping on the arrangement alone; refused: nothing has changed.
   Outcome cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step, CutResult& made);
-  /// The next piece of the stroke that is being drawn; refused: nothing has changed.
+  /// What of the stroke that is being drawn can be cut by now; refused: nothing has changed.
   Outcome cut_on(bool last);
   Outcome stop_stroke(int stroke, const std::string& why);  // the rest of it will be refused
   bool cut_again(const CutStep& step);  // false, with nothing changed, when other bits came of it: a defect

@@ -1,0 +1,231 @@
+#include "sim/cutting/drawn_stroke.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/cutting/store.h"
+#include "sim/cutting/tri_tests.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr double kSettled = kGap + double(kWindow) * kStep;  // behind this much more path a sample's kind is final
+constexpr double kLeastWay = 1.0;                            // shorter free ways beside a run are none
+constexpr double kFarAlong = 3.0;                            // the stroke's own middle is so far along it
+constexpr double kPastStart = 4 * kSnap;                     // an end goes so far past the beginning that it closes on
+constexpr double kShortestLoop = 10 * kSnap;
+
+Vec2 point_at(std::span<const Vec2> path, double arc) {
+  const std::vector<Vec2> p = part_of(path, std::clamp(arc, 0.0, path_length(path)), path_length(path));
+  return p.empty() ? path.back() : p.front();
+}
+
+}  // namespace
+
+std::string DrawnStroke::draw(const BladeContext& c, std::span<const ChartPoint> points) {
+  if (std::string why = check_stroke(points, depth_); !why.empty()) return why;
+  if (!(angle_deg_ >= 20 && angle_deg_ <= 160)) return "the angle between blade and skin must be 20 to 160 degrees";
+  std::vector<Vec2> path = path_;
+  for (const ChartPoint& p : points) {
+    if (!path.empty() && (p - path.back()).norm() < kKnot) continue;
+    if (!column_at(c, p)) {
+      char text[80];
+      std::snprintf(text, sizeof text, "the point (%.2f, %.2f) is not on the skin", p.x(), p.y());
+      return text;
+    }
+    path.push_back(p);
+  }
+  path_ = without_curls(std::move(path));
+  return {};
+}
+
+/// A way along a wall begins where kLeastAlong of it are seen, and ends where the wall or the likeness does; until that is
+/// clear the free way waits before it.
+DrawnStroke::Stretch DrawnStroke::stretch(const BladeContext& c, const WallMap& walls, bool last) const {
+  const double length = length_mm();
+  if (walls.empty()) return {length, last};
+  const double angle = angle_deg_ * std::numbers::pi / 180;
+  const AlongSamples s = samples_along(c, walls, path_, std::cos(angle) / std::sin(angle));
+  const size_t n = s.along.size();
+  const double settled = last ? length : length - kSettled;
+  size_t i = std::min(n - 1, size_t(std::ceil(from_ / kStep - 1e-9)));
+  if (along_) {
+    const size_t first = i;
+    for (; i < n; ++i) {
+      const bool drifted = s.arc(i) - s.arc(first) >= kLeastAlong && s.drifts(first, i);
+      if (s.along[i] && !drifted) continue;
+      if (s.arc(i) > settled && !drifted) break;
+      return {std::max(from_, s.arc(i > 0 ? i - 1 : 0)), true};
+    }
+    return {std::max(from_, std::min(settled, length)), last};
+  }
+  for (size_t j = i; i < n; i = j) {
+    j = s.block_end(i);
+    if (!s.along[i]) continue;
+    const double from = s.arc(i), to = s.arc(j - 1), l = to - from;
+    if ((l >= kLeastAlong || (last && l >= 0.8 * length)) && !s.drifts(i, j - 1)) return {std::max(from, from_), true};
+    if (!last && to >= settled && l < kLeastAlong) return {std::max(from, from_), false};
+  }
+  if (last) return {length, true};
+  // Near the end of the path the kind of a sample is not known yet where a wall is near.
+  for (double at = std::max(settled, from_); at < length; at += kStep)
+    if (walls.nearest(point_at(path_, at), kSnap).strip >= 0) return {at, false};
+  return {length, false};
+}
+
+void DrawnStroke::begin_way(const BladeContext& c, double from, bool is_along) {
+  from_ = from;
+  along_ = is_along;
+  if (is_along) return;
+  free_ = DrawnIncision(depth_, angle_deg_);
+  start_is_led_ = true;  // (the stroke's own beginning is another)
+  start_ = point_at(path_, from);
+  // Beyond a wall's end the stroke goes on from that end.
+  const WallMap walls(c);
+  const int32_t end = walls.open_end_near(start_, 2 * kSnap + kStep, depth_);
+  if (end >= 0) start_ = walls.columns()[size_t(end)].chart;
+}
+
+BladeResult DrawnStroke::deepen(const BladeContext& c, const Stretch& s) const {
+  double to = s.to;
+  for (;;) {
+    BladeResult b = build_deepening(c, part_of(path_, from_, to), level_);
+    if (b.blade || !b.folds) return b.blade ? std::move(b) : BladeResult{};
+    to = from_ + (to - from_) / 2;  // first a part of it, then the rest
+    if (to - from_ < 2 * kLeastAlong) return b;
+  }
+}
+
+BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
+  offered_ = none;
+  if (path_.empty()) return last ? refuse("the stroke has no points") : BladeResult{};
+  if (operations_before_ < 0) {
+    operations_before_ = c.arrangement ? int32_t(c.arrangement->store().op.size()) : 0;
+    level_ = depth_ + wall_extra(c);
+    start_ = path_[0];
+  }
+  if (last && !over_) {  // an end drawn past the beginning
+    over_ = true;
+    const double length = length_mm();
+    if (path_.size() > 3 && length >= kShortestLoop)
+      for (const SelfCrossing& x : self_crossings(path_))
+        if (x.first <= kPastStart && x.second >= length - kPastStart) {
+          path_ = part_of(path_, 0, x.second);
+          break;
+        }
+  }
+  const WallMap walls(c, operations_before_);
+  for (int ways = 0; ways < 1000; ++ways) {
+    const Stretch s = stretch(c, walls, last);
+    if (along_) {
+      BladeResult b = s.to > std::max(from_, nothing_to_) ? deepen(c, s) : BladeResult{};
+      if (b.blade || !b.reason.empty()) {
+        offered_ = along;
+        offered_to_ = s.to;
+        return b;
+      }
+    } else {
+      if (auto blade = lead_start_through(c)) {
+        offered_ = start_wall;
+        return {std::move(blade), {}};
+      }
+      std::vector<Vec2> way{start_};
+      double arc = 0;
+      for (size_t i = 1; i < path_.size(); ++i) {
+        arc += (path_[i] - path_[i - 1]).norm();
+        const bool leaves_start = from_ > 0 && way.size() == 1 && (path_[i] - start_).norm() < kSnap;
+        if (arc > from_ + 1e-9 && arc <= s.to + 1e-9 && !leaves_start) way.push_back(path_[i]);
+      }
+      const bool to_wall = s.ends && s.to < length_mm() - 1e-9;
+      if (to_wall) {  // up to where a wall begins
+        Vec2 p = point_at(path_, s.to);
+        const WallMap all(c);
+        const int32_t end = all.open_end_near(p, 2 * kSnap + kStep, depth_);
+        if (end >= 0) p = all.columns()[size_t(end)].chart;
+        while (way.size() > 1 && (way.back() - p).norm() < kSnap) way.pop_back();
+        way.push_back(p);
+      }
+      const bool too_short = (from_ > 0 || to_wall) && path_length(way) < kLeastWay;
+      if (!too_short || !s.ends) {
+        free_.follow(std::move(way));
+        BladeResult b = free_.next(c, s.ends);
+        if (b.blade || !b.reason.empty()) {
+          offered_ = free_way;
+          return b;
+        }
+      }
+    }
+    if (!s.ends || s.to >= length_mm() - 1e-9) return {};
+    begin_way(c, s.to, !along_);
+  }
+  return refuse("the stroke changes between free and earlier cuts too often");
+}
+
+/// When the stroke has passed its own beginning within kSnap without crossing it: a blade from there through that wall.
+std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
+  if (start_is_led_ || !c.arrangement || free_.start_point() < 0) return std::nullopt;
+  const double reached = length_mm() - free_.left_mm() - 1;
+  double arc = 0, best = kSnap, where = -1;
+  Vec2 foot = Vec2::Zero();
+  for (size_t i = 0; i + 1 < path_.size(); ++i) {
+    const Vec2 d = path_[i + 1] - path_[i];
+    const double l = d.norm(), t = l > 0 ? std::clamp((start_ - path_[i]).dot(d) / (l * l), 0.0, 1.0) : 0;
+    const Vec2 p = path_[i] + t * d;
+    if (arc + t * l > kFarAlong && arc + t * l < reached && (p - start_).norm() <= best) best = (p - start_).norm(), where = arc + t * l, foot = p;
+    arc += l;
+  }
+  if (where < 0) return std::nullopt;
+  start_is_led_ = true;
+  for (const SelfCrossing& x : self_crossings(path_))
+    if (x.first < kPastStart && std::abs(x.second - where) < kPastStart) return std::nullopt;  // it crosses there
+  const WallMap walls(c);
+  const WallColumn* column = nullptr;
+  for (const WallColumn& k : walls.columns())
+    for (const WallPoint& p : k.point)
+      if (p.point == free_.start_point() && k.is_end()) column = &k;
+  if (!column || best < 1e-3) return std::nullopt;
+  const Vec2 beyond = foot + (foot - start_).normalized() * overshoot_of(c);
+  Blade blade;
+  blade.strip = true;
+  const double level = free_.level_mm(), margin = margin_of(c);
+  std::vector<std::pair<int32_t, int32_t>> known;
+  StripSide left = side_of_wall(blade, c, *column, -1e300, level, known);
+  left.arc = 0;
+  for (const double share : {0.5, 1.0}) {  // only the first half is a seed
+    const Vec2 at = column->chart + share * (beyond - column->chart);
+    const auto k = column_at(c, at);
+    if (!k) return std::nullopt;
+    StripSide right;
+    const int rows = std::max(2, int(std::ceil((level + margin) / 2.5)));
+    for (int r = 0; r <= rows; ++r) {
+      right.vertex.push_back(int32_t(blade.vertex.size()));
+      right.level.push_back((level + margin) * r / rows - margin);
+      blade.vertex.push_back(c.body->grid.to_grid(k->X + column->down * right.level.back()));
+    }
+    right.arc = share * best;
+    const size_t before = blade.seed.size();
+    add_between(blade, left, right, 0, 0);
+    if (share == 1) std::fill(blade.seed.begin() + long(before), blade.seed.end(), uint8_t(0));
+    left = right;
+  }
+  blade.shared_point.resize(blade.vertex.size(), -1);
+  if (!check_embedded(blade.vertex, blade.tri).empty() || !fits_grid(c, blade).empty()) return std::nullopt;
+  return blade;
+}
+
+void DrawnStroke::was_cut(const CutResult& result) {
+  if (offered_ == free_way) free_.was_cut(result);
+}
+
+void DrawnStroke::was_nothing(const BladeContext& c) {
+  if (offered_ == free_way) free_.was_nothing(c);
+  if (offered_ == along) nothing_to_ = offered_to_;
+}
+
+bool DrawnStroke::was_refused() {
+  return offered_ == start_wall || (offered_ == free_way && free_.was_refused());
+}
+
+}  // namespace limberg
