@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kSettled = kGap + double(kWindow) * kStep;  // behind this much more path a sample's kind is final
 constexpr double kLeastWay = 1.0;                            // shorter free ways beside a run are none
-constexpr double kFarAlong = 3.0;                            // the stroke's own middle is so far along it
 constexpr double kPastStart = 4 * kSnap;                     // an end goes so far past the beginning that it closes on
+constexpr double kStub = 0.05;                               // a crossing so near to an end may miss it at depth
 constexpr double kShortestLoop = 10 * kSnap;
 
 Vec2 point_at(std::span<const Vec2> path, double arc) {
@@ -28,7 +28,9 @@ std::string DrawnStroke::draw(const BladeContext& c, std::span<const ChartPoint>
   if (std::string why = check_stroke(points, depth_); !why.empty()) return why;
   if (!(angle_deg_ >= 20 && angle_deg_ <= 160)) return "the angle between blade and skin must be 20 to 160 degrees";
   std::vector<Vec2> path = path_;
+  Vec2 end = end_;
   for (const ChartPoint& p : points) {
+    end = p;
     if (!path.empty() && (p - path.back()).norm() < kKnot) continue;
     if (!column_at(c, p)) {
       char text[80];
@@ -37,7 +39,8 @@ std::string DrawnStroke::draw(const BladeContext& c, std::span<const ChartPoint>
     }
     path.push_back(p);
   }
-  path_ = without_curls(std::move(path));
+  path_ = clear_of_start(without_curls(std::move(path)));
+  end_ = end;
   return {};
 }
 
@@ -108,6 +111,8 @@ BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
   }
   if (last && !over_) {  // an end drawn past the beginning
     over_ = true;
+    while (path_.size() > 1 && (path_.back() - end_).norm() < kKnot) path_.pop_back();  // the end is where it was drawn
+    if (path_.back() != end_ && column_at(c, end_)) path_.push_back(end_);
     const double length = length_mm();
     if (path_.size() > 3 && length >= kShortestLoop)
       for (const SelfCrossing& x : self_crossings(path_))
@@ -166,7 +171,7 @@ BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
 /// When the stroke has passed its own beginning within kSnap without crossing it: a blade from there through that wall.
 std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
   if (start_is_led_ || !c.arrangement || free_.start_point() < 0) return std::nullopt;
-  const double reached = length_mm() - free_.left_mm() - 1;
+  const double ahead = free_.left_mm(), reached = length_mm() - (ahead > 0 ? ahead + 1 : 0);
   double arc = 0, best = kSnap, where = -1;
   Vec2 foot = Vec2::Zero();
   for (size_t i = 0; i + 1 < path_.size(); ++i) {
@@ -179,14 +184,15 @@ std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
   if (where < 0) return std::nullopt;
   start_is_led_ = true;
   for (const SelfCrossing& x : self_crossings(path_))
-    if (x.first < kPastStart && std::abs(x.second - where) < kPastStart) return std::nullopt;  // it crosses there
+    if (x.first > kStub && x.first < kPastStart && std::abs(x.second - where) < kPastStart) return std::nullopt;  // it crosses there
   const WallMap walls(c);
   const WallColumn* column = nullptr;
   for (const WallColumn& k : walls.columns())
     for (const WallPoint& p : k.point)
       if (p.point == free_.start_point() && k.is_end()) column = &k;
-  if (!column || best < 1e-3) return std::nullopt;
-  const Vec2 beyond = foot + (foot - start_).normalized() * overshoot_of(c);
+  if (!column) return std::nullopt;
+  const Vec2 way = best > kStub ? Vec2((foot - start_).normalized()) : walls.outward(int32_t(column - walls.columns().data()));
+  const Vec2 beyond = foot + way * overshoot_of(c);
   Blade blade;
   blade.strip = true;
   const double level = free_.level_mm(), margin = margin_of(c);
@@ -204,7 +210,7 @@ std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
       right.level.push_back((level + margin) * r / rows - margin);
       blade.vertex.push_back(c.body->grid.to_grid(k->X + column->down * right.level.back()));
     }
-    right.arc = share * best;
+    right.arc = share * (beyond - column->chart).norm();
     const size_t before = blade.seed.size();
     add_between(blade, left, right, 0, 0);
     if (share == 1) std::fill(blade.seed.begin() + long(before), blade.seed.end(), uint8_t(0));

@@ -13,7 +13,7 @@
 //  * Free ways are blades handed out in pieces (drawn_incision.h) that begin and end on what is there, go on from the open
 //    ends of walls, and cross what the stroke itself has cut.
 //  * An end that comes back to the stroke's own beginning shares its edge. A beginning that the stroke later passes by
-//    within kSnap is led through that wall.
+//    within kSnap is led through that wall; nearer than 0.25 mm, the stroke is led across its beginning.
 //
 // What is known later than it is cut stays: of an end drawn past the stroke's own beginning, at once both stubs go, here only
 // the later one.
@@ -52,7 +52,8 @@ class DrawnStroke {
   void begin_way(const BladeContext& context, double from, bool is_along);
 
   double depth_, angle_deg_;
-  std::vector<Vec2> path_;
+  std::vector<Vec2> path_;          // points at least kKnot apart, without curls
+  Vec2 end_ = Vec2::Zero();         // the last point drawn, whatever its distance
   int32_t operations_before_ = -1;  // of the arrangement: walls that were there before the stroke
   double level_ = 0;                // of the foot of what it deepens
   double from_ = 0;                 // of the present way, along the path

@@ -9,6 +9,10 @@ namespace {
 
 constexpr double kCurl = 1.5;  // a loop of this length is a knot of the hand
 
+constexpr double kTooNear = 0.25;  // passing the beginning so near is crossing it,
+constexpr double kCrossAt = 0.5;   // so far from its end
+constexpr double kBend = 1.0;      // by a bend of so much to both sides
+
 double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 }  // namespace
@@ -138,6 +142,34 @@ std::vector<Vec2> without_curls(std::vector<Vec2> path) {
     if (rest.size() >= path.size() + 2 || rest.size() < 2) return path;
     path = std::move(rest);
   }
+}
+
+std::vector<Vec2> clear_of_start(std::vector<Vec2> path) {
+  if (path.size() < 4 || path_length(path) < kFarAlong + kBend) return path;
+  const Vec2 start = path[0], first = -heading_at_start(path, 2);
+  const double length = path_length(path);
+  double arc = 0, best = kTooNear, where = -1;
+  Vec2 way = Vec2::Zero();
+  for (size_t i = 0; i + 1 < path.size(); ++i) {
+    const Vec2 d = path[i + 1] - path[i];
+    const double l = d.norm(), t = l > 0 ? std::clamp((start - path[i]).dot(d) / (l * l), 0.0, 1.0) : 0, at = arc + t * l;
+    const double distance = (path[i] + t * d - start).norm();
+    if (at > kFarAlong && at + kBend <= length && distance <= best) best = distance, where = at, way = d / l;
+    arc += l;
+  }
+  if (where < 0 || std::abs(way.x() * first.y() - way.y() * first.x()) < 0.5) return path;
+  std::vector<Vec2> out;
+  arc = 0;
+  bool bent = false;
+  for (size_t i = 0; i < path.size(); ++i) {
+    if (i > 0) arc += (path[i] - path[i - 1]).norm();
+    if (!bent && arc >= where - kBend) {  // (two points: it crosses between them)
+      for (const double side : {-0.6, 0.6}) out.push_back(start + kCrossAt * (first + side * way));
+      bent = true;
+    }
+    if (std::abs(arc - where) >= kBend) out.push_back(path[i]);
+  }
+  return out;
 }
 
 std::vector<Vec2> part_of(std::span<const Vec2> path, double from, double to) {

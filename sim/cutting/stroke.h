@@ -10,6 +10,9 @@
 
 namespace limberg {
 
+/// A place of a path is far from another when the way between is longer: passages nearer than this are one.
+inline constexpr double kFarAlong = 3.0;
+
 /// Is every number finite?
 bool all_finite(std::span<const Vec2> path);
 
@@ -37,6 +40,10 @@ std::vector<SelfCrossing> self_crossings(std::span<const Vec2> path);
 
 /// Without the small loops of an unquiet hand.
 std::vector<Vec2> without_curls(std::vector<Vec2> path);
+
+/// Where a path passes its own beginning within 0.25 mm, it is led across its first part, 0.5 mm from there: blades a few
+/// micrometres apart would part the tissue at some depths and not at others.
+std::vector<Vec2> clear_of_start(std::vector<Vec2> path);
 
 /// The part of a polyline between two arc lengths.
 std::vector<Vec2> part_of(std::span<const Vec2> path, double from, double to);

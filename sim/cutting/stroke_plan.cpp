@@ -12,8 +12,6 @@ namespace limberg {
 
 namespace {
 
-constexpr double kFarAlong = 3.0;      // an end is near the stroke's own middle when the way back to it is longer
-
 constexpr double kLeastPart = 2.0;     // of a stroke that is divided where its blade would fold
 constexpr int kMostDivided = 5;
 
@@ -109,7 +107,7 @@ StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke
   std::vector<Run> runs;
   if (!simple && !walls.empty()) runs = runs_along(samples_along(c, walls, clean, lean));
   const bool any_along = std::any_of(runs.begin(), runs.end(), [](const Run& r) { return r.along; });
-  const std::vector<Vec2> path = simple || any_along ? clean : closed_when_meant(without_curls(clean));
+  const std::vector<Vec2> path = simple || any_along ? clean : closed_when_meant(clear_of_start(without_curls(clean)));
   const auto add_free = [&](const std::vector<Vec2>& part) {
     double from = 0;
     bool start_touches = false;
