@@ -15,6 +15,8 @@ constexpr float relaxation = 1.5f;
 // two coarsest cells takes 101 steps instead of 76.
 constexpr int32_t bottom_limit = 3000;
 constexpr size_t most_levels = 4;
+// What one thread takes at a time: some 10 us of work.
+constexpr size_t groups_per_chunk = 512, rows_per_chunk = 4096;
 
 AlignedArray<float> smoother(const NodeMatrix& A) {
   AlignedArray<float> s(size_t(A.rows()));
@@ -117,7 +119,7 @@ void ScalarCycle::factorize_bottom(std::span<const std::array<int32_t, 3>> at) {
   }
 }
 
-void ScalarCycle::apply(const NodeArray& r, NodeArray& z, Work& work) const {
+void ScalarCycle::apply(const NodeArray& r, NodeArray& z, Work& work, const Engine& engine) const {
   work.level.resize(level_.size() + 1);
   for (size_t k = 0; k < work.level.size(); ++k) {
     Work::Level& w = work.level[k];
@@ -126,28 +128,35 @@ void ScalarCycle::apply(const NodeArray& r, NodeArray& z, Work& work) const {
     if (k < level_.size() && w.t.size() != n) w.t.resize(n), w.x.resize(n);
   }
   if (work.bottom.size() != size_t(factor_.panels.n())) work.bottom.resize(size_t(factor_.panels.n()));
-  descend(0, r.data(), z.data(), work);
+  descend(0, r.data(), z.data(), work, engine);
 }
 
-void ScalarCycle::descend(size_t k, const Node4* r, Node4* z, Work& work) const {
+void ScalarCycle::descend(size_t k, const Node4* r, Node4* z, Work& work, const Engine& engine) const {
   if (k == level_.size()) {
     if (factor_.node_order.empty()) std::fill(z, z + bottom_.rows(), Node4{});
     for (size_t i = 0; i < factor_.node_order.size(); ++i) work.bottom[i] = r[factor_.node_order[i]];
-    factor_.panels.solve(work.bottom.data());
+    factor_.panels.solve(work.bottom.data(), engine);
     for (size_t i = 0; i < factor_.node_order.size(); ++i) z[factor_.node_order[i]] = work.bottom[i];
     return;
   }
+  const Kernels& kernel = engine.kernels();
   const Level& level = level_[k];
   Work::Level &own = work.level[k], &below = work.level[k + 1];
   const size_t groups = size_t(level.A.rows() + 3) / 4;
+  const GroupView A = level.groups.view();
+  const float* scale = level.scale.data();
   Node4* x = own.x.data();
-  scale_nodes(level.scale.data(), r, x, 0, groups);
-  residual(level.groups, r, x, own.t.data(), 0, groups);
+  engine.run(groups, 4 * groups_per_chunk, [&](size_t a, size_t b) { kernel.scale_nodes(scale, r, x, a, b); });
+  engine.run(groups, groups_per_chunk, [&](size_t a, size_t b) { kernel.residual(A, r, x, own.t.data(), a, b); });
   const Interpolation &R = level.coarse.restrict_, &P = level.coarse.prolong;
-  weigh(R.begin.data(), R.column.data(), R.weight.data(), own.t.data(), below.r.data(), 0, size_t(R.rows()));
-  descend(k + 1, below.r.data(), below.z.data(), work);
-  weigh_add(P.begin.data(), P.column.data(), P.weight.data(), below.z.data(), x, 0, size_t(P.rows()));
-  relax(level.groups, level.scale.data(), r, x, z, 0, groups);
+  engine.run(size_t(R.rows()), rows_per_chunk / 4, [&](size_t a, size_t b) {
+    kernel.weigh(R.begin.data(), R.column.data(), R.weight.data(), own.t.data(), below.r.data(), a, b);
+  });
+  descend(k + 1, below.r.data(), below.z.data(), work, engine);
+  engine.run(size_t(P.rows()), rows_per_chunk, [&](size_t a, size_t b) {
+    kernel.weigh_add(P.begin.data(), P.column.data(), P.weight.data(), below.z.data(), x, a, b);
+  });
+  engine.run(groups, groups_per_chunk, [&](size_t a, size_t b) { kernel.relax(A, scale, r, x, z, a, b); });
 }
 
 size_t ScalarCycle::bytes() const {

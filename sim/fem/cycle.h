@@ -12,7 +12,8 @@
 // galerkin.h). The coarsest matrix is eliminated in an order that depends on places alone (dissection_order), copies beside
 // their originals, so it costs next to nothing and does not age.
 //
-// Immutable once made. One thread; every loop runs over ranges, so that a second one can take half of each.
+// Immutable once made. Every loop runs over ranges that share nothing, so threads can take parts of it; small levels stay on
+// the calling thread.
 #include <memory>
 #include <span>
 #include <string>
@@ -50,7 +51,7 @@ class ScalarCycle {
                                                     double mass_per_s2);
 
   /// r and z: one entry per node of the model; where nothing is free r must be and z will be zero.
-  void apply(const NodeArray& r, NodeArray& z, Work& work) const;
+  void apply(const NodeArray& r, NodeArray& z, Work& work, const Engine& engine) const;
 
   const FemModel& model() const { return *model_; }
   std::span<const SpringRow> springs() const { return springs_; }
@@ -72,7 +73,7 @@ class ScalarCycle {
   };
   void make(const ScalarCycle* before, std::span<const int32_t> cell_parent);
   void factorize_bottom(std::span<const std::array<int32_t, 3>> at);
-  void descend(size_t level, const Node4* r, Node4* z, Work& work) const;
+  void descend(size_t level, const Node4* r, Node4* z, Work& work, const Engine& engine) const;
 
   std::shared_ptr<const FemModel> model_;
   std::vector<SpringRow> springs_;

@@ -117,27 +117,25 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
   tile_sums_.resize(data_.tiles.size());
 }
 
-CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure, Workers& workers) {
-  const size_t tiles = data_.tiles.size();
-  auto work = [&](size_t begin, size_t end) {
+CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure, const Engine& engine) {
+  const Kernels& k = engine.kernels();
+  const CellView view = data_.view();
+  engine.run(data_.tiles.size(), 1, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t)
-      tile_sums_[t] = evaluate_tile(data_, data_.tiles[t], u, q_.data(), slots_.data(), theta_.data(), measure);
-  };
-  auto gather = [&](size_t begin, size_t end) { sum_slots(data_, slots_.data(), begin, end, g.data()); };
-  if (workers.count() == 1) {
-    work(0, tiles), gather(0, g.size());
-  } else {
-    workers.parallel_for(tiles, 1, work);
-    workers.parallel_for(g.size(), 4096, gather);
-  }
+      tile_sums_[t] = k.evaluate_tile(view, data_.tiles[t], u.data(), q_.data(), slots_.data(), theta_.data(), measure);
+  });
+  engine.run(g.size(), 2048, [&](size_t begin, size_t end) { k.sum_slots(view, slots_.data(), begin, end, g.data()); });
   CellSums total;
   for (const CellSums& s : tile_sums_) total.energy += s.energy, total.magnitude += s.magnitude;
   return total;
 }
 
-bool ElementSystem::update_multipliers(double scale_of_increment) {
+bool ElementSystem::update_multipliers(const Engine& engine, double scale_of_increment) {
   if (!has_multipliers_) return false;
-  fem::update_multipliers(data_, theta_.data(), q_.data(), float(scale_of_increment));
+  const CellView view = data_.view();
+  engine.run(data_.cells.size(), 8192, [&](size_t begin, size_t end) {
+    engine.kernels().update_multipliers(view, theta_.data(), q_.data(), float(scale_of_increment), begin, end);
+  });
   return true;
 }
 

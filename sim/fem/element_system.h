@@ -1,15 +1,41 @@
 #pragma once
 // The material of a FemModel as the minimiser sees it: energy and gradient at a displacement, and the multipliers.
+//
+// Works on displacements u = x - X, so that a flat, unloaded state is exactly zero and single precision keeps its digits:
+// with K the stencil, B_a = grad N_a at its sample point, G = sum u_a B_a^T, F = I + G,
+//
+//   f_a = scale * ( sum_b K_ab u_b + f0_a + V ( (p - p0)(cof F - I) + p I ) B_a ),   f0_a = (K X)_a - p0 V B_a
+//   p   = ke (theta + q),  theta = J - 1
+//
+// Augmented Lagrangian with the pressure eliminated per cell: q is the stored multiplier over the penalty k = 3 mu,
+// ke = lambda k / (lambda + k). At the fixed point of update_multipliers p = lambda theta, so the answer is that of the
+// plain energy; the minimiser only ever meets the stiffness ke. Cells with lambda below `primal_below` mu (nu < 0.4) keep
+// q = 0 and ke = lambda.
+//
+// Cells are kept in tiles of the lattice. A tile gathers its nodes into a small local array, works there, and leaves its
+// forces in slots of its own; slots are summed per node in tile order. So the result has the same bits for any number of
+// workers.
 #include <memory>
 
-#include "sim/fem/element_kernel.h"
+#include <vector>
+
+#include "sim/fem/engine.h"
 #include "sim/fem/fem_model.h"
-#include "sim/workers.h"
 
 namespace limberg::fem {
 
 /// Effective volumetric stiffness ke in kPa of a stencil, as it enters gradient and preconditioner.
 double effective_bulk_kPa(const Stencil& s, bool augmented);
+
+/// Everything the kernels read of the cells.
+struct KernelData {
+  AlignedArray<KernelStencil> stencils;
+  AlignedArray<KernelCell> cells;  // in tile order
+  std::vector<Tile> tiles;
+  std::vector<int32_t> slot_node;
+  std::vector<int32_t> node_slots_begin, node_slots;  // per node: its slots in ascending order
+  CellView view() const { return {stencils.data(), cells.data(), slot_node.data(), node_slots_begin.data(), node_slots.data()}; }
+};
 
 class ElementSystem {
  public:
@@ -17,9 +43,9 @@ class ElementSystem {
 
   /// Energy; g = dE/du of the cells at every node, fixed ones included. `measure`: w of a node = sum of the norms of the
   /// cell forces that meet there (otherwise 0). Same bits for any number of workers.
-  CellSums evaluate(const NodeArray& u, NodeArray& g, bool measure, Workers& workers);
+  CellSums evaluate(const NodeArray& u, NodeArray& g, bool measure, const Engine& engine);
   /// One multiplier update from the theta of the last evaluate. Returns false if no cell has a multiplier.
-  bool update_multipliers(double scale_of_increment = 1);
+  bool update_multipliers(const Engine& engine, double scale_of_increment = 1);
 
   /// theta = J - 1 of the last evaluate, and q, both in the model's cell order.
   float theta(size_t cell) const { return theta_[size_t(slot_of_cell_[cell])]; }

@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "sim/fem/node_vectors.h"
+#include "sim/fem/engine.h"
 
 namespace limberg::fem {
 
@@ -17,10 +17,11 @@ class LbfgsHistory {
   NodeArray& next_s() { return s_[size_t(head_)]; }
   NodeArray& next_y() { return y_[size_t(head_)]; }
   /// Takes the pair in the scratch; refuses one without positive curvature.
-  bool push();
+  bool push(const Engine& engine);
 
   /// d = -H g. `metric(r, z)` applies the initial inverse Hessian.
-  void direction(const NodeArray& g, NodeArray& d, const std::function<void(const NodeArray&, NodeArray&)>& metric);
+  void direction(const NodeArray& g, NodeArray& d, const std::function<void(const NodeArray&, NodeArray&)>& metric,
+                 const Engine& engine);
 
  private:
   size_t index(int k) const { return size_t((head_ - 1 - k + 2 * capacity_) % capacity_); }  // k-th newest

@@ -125,7 +125,7 @@ void LbfgsSolver::set_contacts(std::span<const Contact> contacts) {
 }
 
 LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool measure) {
-  const CellSums cells = elements_->evaluate(u, g, measure, workers_);
+  const CellSums cells = elements_->evaluate(u, g, measure, engine_);
   const double springs = forces_.add(u, g, measure);
   Value v{cells.energy + springs, float_noise * (cells.magnitude + springs)};
   if (!contacts_.empty()) {
@@ -133,7 +133,7 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
     v.energy += pressed, v.noise += float_noise * pressed;
   }
   if (!points_.empty()) {
-    const CellSums p = points_.add(u, g, measure, workers_);
+    const CellSums p = points_.add(u, g, measure, engine_.workers());
     v.energy += p.energy, v.noise += float_noise * p.magnitude;
   }
   if (!inertia_.empty()) {
@@ -159,7 +159,7 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
 }
 
 double LbfgsSolver::relative_residual() const {
-  const double g = std::sqrt(dot(g_, g_));
+  const double g = std::sqrt(engine_.dot(g_, g_));
   return force_scale_ > 0 ? g / force_scale_ : (g > 0 ? 1 : 0);
 }
 
@@ -186,7 +186,7 @@ void LbfgsSolver::start_where_inertia_leads(Value& value) {
   for (int32_t i : fixed_) u_try_[size_t(i)] = u_[size_t(i)];
   follow_masters(model_->hanging, u_try_);
   const Value ahead = evaluate(u_try_, g_try_, true);
-  if (ahead.finite() && all_finite(g_try_) && ahead.energy < value.energy) {
+  if (ahead.finite() && engine_.all_finite(g_try_) && ahead.energy < value.energy) {
     u_.swap(u_try_), g_.swap(g_try_);
     value = ahead;
   } else {
@@ -198,7 +198,7 @@ void LbfgsSolver::start_where_inertia_leads(Value& value) {
 LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
   double alpha = 1;
   for (int h = 0; h < max_halvings; ++h) {
-    combine(u_try_, u_, alpha, d_);
+    engine_.combine(u_try_, u_, alpha, d_);
     follow_masters(model_->hanging, u_try_);
     const Value t = evaluate(u_try_, g_try_, false);
     bool accept = false;
@@ -206,17 +206,17 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
     if (t.finite()) {
       const double change = t.energy - value.energy;
       accept = change <= armijo * alpha * slope;
-      if (!accept && std::fabs(change) <= value.noise + t.noise) accept = dot(g_try_, d_) <= (2 * armijo - 1) * slope;
+      if (!accept && std::fabs(change) <= value.noise + t.noise) accept = engine_.dot(g_try_, d_) <= (2 * armijo - 1) * slope;
       const double bend = change - alpha * slope;
       if (bend > 0) next = std::clamp(-0.5 * alpha * slope / bend, 0.1, 0.5);
     }
-    if (accept && all_finite(g_try_)) {
-      subtract(history_.next_s(), u_try_, u_);
-      subtract(history_.next_y(), g_try_, g_);
-      history_.push();
+    if (accept && engine_.all_finite(g_try_)) {
+      engine_.subtract(history_.next_s(), u_try_, u_);
+      engine_.subtract(history_.next_y(), g_try_, g_);
+      history_.push(engine_);
       u_.swap(u_try_), g_.swap(g_try_);
       value = t;
-      last_move_mm_ = alpha * max_node(d_);
+      last_move_mm_ = alpha * engine_.max_node(d_);
       return Search::moved;
     }
     alpha *= next;
@@ -235,14 +235,14 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   last_move_mm_ = 0;
   Value value = evaluate(u_, g_, true);
   if (!inertia_.empty()) start_where_inertia_leads(value);
-  if (!value.finite() || !all_finite(g_)) {  // nothing can be saved from such a state but the rest shape
+  if (!value.finite() || !engine_.all_finite(g_)) {  // nothing can be saved from such a state but the rest shape
     u_.zero(), velocity_.zero(), history_.clear();
     for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, 0);
     prepare_dynamics(s);
     value = evaluate(u_, g_, true);
   }
   const auto update = [&] {
-    if (since_update_ == 0 || !elements_->update_multipliers()) return false;
+    if (since_update_ == 0 || !elements_->update_multipliers(engine_)) return false;
     since_update_ = 0;
     return true;
   };
@@ -255,12 +255,12 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     } else if (since_update_ >= update_every && update()) {
       value = evaluate(u_, g_, false);
     }
-    history_.direction(g_, d_, metric);
-    double slope = dot(g_, d_);
+    history_.direction(g_, d_, metric, engine_);
+    double slope = engine_.dot(g_, d_);
     if (!(slope < 0) && history_.count() > 0) {
       history_.clear();
-      history_.direction(g_, d_, metric);
-      slope = dot(g_, d_);
+      history_.direction(g_, d_, metric, engine_);
+      slope = engine_.dot(g_, d_);
     }
     if (!(slope < 0)) break;  // no force left
     if (search(value, slope) == Search::stuck) {
@@ -276,7 +276,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   report.residual = relative_residual();
   if (report.iterations == 0) {
     metric(g_, d_);
-    last_move_mm_ = max_node(d_);
+    last_move_mm_ = engine_.max_node(d_);
   }
   report.distance_mm = last_move_mm_;
   report.energy_uJ = value.energy + elements_->energy_to_primal();
@@ -355,10 +355,10 @@ double LbfgsSolver::contact_force_mN(size_t i) const { return i < contacts_.size
 
 Vec3 LbfgsSolver::support_force_mN() const {
   NodeArray g(u_.size());
-  elements_->evaluate(u_, g, false, workers_);
+  elements_->evaluate(u_, g, false, engine_);
   forces_.add(u_, g, false);
   ContactForces(contacts_).add(u_, g, false);
-  points_.add(u_, g, false, workers_);
+  points_.add(u_, g, false, engine_.workers());
   give_to_masters(model_->hanging, g);
   Vec3 f = Vec3::Zero();
   for (int32_t i : fixed_) f -= Vec3(double(g[size_t(i)].x), double(g[size_t(i)].y), double(g[size_t(i)].z));

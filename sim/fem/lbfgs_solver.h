@@ -29,7 +29,7 @@ namespace limberg::fem {
 class LbfgsSolver final : public ElasticSolver {
  public:
   explicit LbfgsSolver(Workers& workers, bool augmented = true, MetricPolicy policy = {})
-      : workers_(workers), augmented_(augmented), metric_(workers, policy) {}
+      : engine_(workers, policy.kernels ? *policy.kernels : default_kernels()), augmented_(augmented), metric_(workers, policy) {}
 
   void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) override;
   void set_springs(std::span<const Spring> springs) override;
@@ -64,7 +64,7 @@ class LbfgsSolver final : public ElasticSolver {
   double relative_residual() const;
   void publish();
 
-  Workers& workers_;
+  Engine engine_;
   bool augmented_;
   Preconditioner metric_;
   std::shared_ptr<const FemModel> model_;

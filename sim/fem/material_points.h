@@ -5,7 +5,8 @@
 // undeformed cell has energy 0. A model without points has no list here and costs nothing.
 #include <vector>
 
-#include "sim/fem/element_kernel.h"
+#include "sim/fem/kernels/kernels.h"
+#include "sim/fem/simd.h"
 #include "sim/fem/fem_model.h"
 #include "sim/workers.h"
 

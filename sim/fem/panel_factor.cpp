@@ -3,6 +3,15 @@
 #include <algorithm>
 
 namespace limberg::fem {
+namespace {
+
+// Numbers in the panels below which one thread is done before another is awake.
+constexpr size_t least_to_share = 100000;
+// A subtree with more than this part of the work is not left whole. A dissection's tree halves at every level, so a quarter
+// leaves four subtrees and three separators on top.
+constexpr size_t pieces = 4;
+
+}  // namespace
 
 PanelFactor::PanelFactor(const SupernodalView& L) : n_(L.n) {
   size_t total = 0, tails = 0;
@@ -51,111 +60,122 @@ PanelFactor::PanelFactor(const SupernodalView& L) : n_(L.n) {
     at += (nr + 15) / 16 * 16 * nc;
     panels_.push_back(p);
   }
+  find_subtrees();
 }
 
-namespace {
-
-/// Rows r0 .. r0+15 of M b to y: the supernode's own rows are assigned, the others added.
-inline void scatter(v16 s0, v16 s1, v16 s2, Node4* y, int first, int nc, int nr, const int32_t* rows, int r0) {
-  alignas(64) v16 t[4];
-  to_rows(s0, s1, s2, t);
-  const v4* out = reinterpret_cast<const v4*>(t);
-  const int end = nr - r0 < 16 ? nr - r0 : 16;
-  int i = 0;
-  for (; i < end && r0 + i < nc; ++i) store(y[first + r0 + i], out[(i & 3) * 4 + (i >> 2)]);
-  for (; i < end; ++i) {
-    Node4& target = y[rows[r0 + i - nc]];
-    store(target, load(target) + out[(i & 3) * 4 + (i >> 2)]);
+void PanelFactor::find_subtrees() {
+  const size_t n = panels_.size();
+  for (Panel& p : panels_) p.inside = p.rows;
+  stretches_ = {{0, int32_t(n), false, 0, 0}};
+  if (values_.size() < least_to_share) return;
+  std::vector<int32_t> panel_of(size_t(n_), 0), parent(n, -1), first(n);
+  std::vector<size_t> work(n, 0);
+  for (size_t k = 0; k < n; ++k) {
+    first[k] = int32_t(k);
+    for (int32_t j = 0; j < panels_[k].columns; ++j) panel_of[size_t(panels_[k].first + j)] = int32_t(k);
   }
-}
-
-/// Sum over the 16 rows.
-inline v4 total(v16 s0, v16 s1, v16 s2) {
-  alignas(64) v16 t[4];
-  to_rows(s0, s1, s2, t);
-  alignas(64) v4 part[4];
-  *reinterpret_cast<v16*>(part) = (t[0] + t[1]) + (t[2] + t[3]);
-  return (part[0] + part[1]) + (part[2] + part[3]);
-}
-
-}  // namespace
-
-// Several row blocks (forward) or columns (backward) at a time keep enough independent sums in flight.
-void PanelFactor::solve(Node4* y) const {
-  const size_t blocks = size_t(max_rows_ + 15) / 16;
-  static thread_local NodeArray b_store, row_store;
-  static thread_local AlignedArray<float> x_store;
-  if (b_store.size() < size_t(max_columns_)) b_store.resize(size_t(max_columns_));
-  if (row_store.size() < 16 * blocks) row_store.resize(16 * blocks);
-  if (x_store.size() < 48 * blocks) x_store.resize(48 * blocks);
-
-  Node4* b = b_store.data();
-  for (const Panel& p : panels_) {
-    const v16* M = reinterpret_cast<const v16*>(values_.data() + p.values);
-    const int32_t* rows = rows_.data() + p.rows_begin;
-    const int nc = p.columns, nr = p.rows;
-    std::memcpy(static_cast<void*>(b), y + p.first, size_t(nc) * sizeof(Node4));
-    int r0 = 0;
-    for (; r0 + 32 < nr; r0 += 48, M += 3 * nc) {
-      v16 s0 = {}, s1 = {}, s2 = {}, t0 = {}, t1 = {}, t2 = {}, u0 = {}, u1 = {}, u2 = {};
-      for (int j = 0; j < nc; ++j) {
-        const v16 m = M[j], n = M[nc + j], o = M[2 * nc + j];
-        const float x = b[j].x, yy = b[j].y, z = b[j].z;
-        s0 += m * x, s1 += m * yy, s2 += m * z;
-        t0 += n * x, t1 += n * yy, t2 += n * z;
-        u0 += o * x, u1 += o * yy, u2 += o * z;
-      }
-      scatter(s0, s1, s2, y, p.first, nc, nr, rows, r0);
-      scatter(t0, t1, t2, y, p.first, nc, nr, rows, r0 + 16);
-      scatter(u0, u1, u2, y, p.first, nc, nr, rows, r0 + 32);
-    }
-    for (; r0 < nr; r0 += 16, M += nc) {
-      v16 s0 = {}, s1 = {}, s2 = {}, t0 = {}, t1 = {}, t2 = {};
-      int j = 0;
-      for (; j + 1 < nc; j += 2) {
-        const v16 m = M[j], n = M[j + 1];
-        s0 += m * b[j].x, s1 += m * b[j].y, s2 += m * b[j].z;
-        t0 += n * b[j + 1].x, t1 += n * b[j + 1].y, t2 += n * b[j + 1].z;
-      }
-      if (j < nc) s0 += M[j] * b[j].x, s1 += M[j] * b[j].y, s2 += M[j] * b[j].z;
-      scatter(s0 + t0, s1 + t1, s2 + t2, y, p.first, nc, nr, rows, r0);
-    }
-  }
-  v4* gathered = reinterpret_cast<v4*>(row_store.data());
-  v16* x = reinterpret_cast<v16*>(x_store.data());
-  for (size_t k = panels_.size(); k-- > 0;) {
+  size_t total = 0;
+  for (size_t k = 0; k < n; ++k) {  // children come before their parents, a subtree is one stretch
     const Panel& p = panels_[k];
-    const v16* M = reinterpret_cast<const v16*>(values_.data() + p.values);
-    const int32_t* rows = rows_.data() + p.rows_begin;
-    const int nc = p.columns, nr = p.rows, nb = (nr + 15) / 16;
-    const auto slot = [](int i) { return (i & ~15) + (i & 3) * 4 + ((i >> 2) & 3); };
-    for (int i = 0; i < nc; ++i) gathered[slot(i)] = load(y[p.first + i]);
-    for (int i = nc; i < nr; ++i) gathered[slot(i)] = load(y[rows[i - nc]]);
-    for (int i = nr; i < nb * 16; ++i) gathered[slot(i)] = v4{};
-    for (int i = 0; i < nb; ++i) from_rows(reinterpret_cast<const v16*>(gathered) + 4 * i, x[3 * i], x[3 * i + 1], x[3 * i + 2]);
-    int j = 0;
-    for (; j + 3 < nc; j += 4) {
-      v16 a0 = {}, a1 = {}, a2 = {}, b0 = {}, b1 = {}, b2 = {}, c0 = {}, c1 = {}, c2 = {}, d0 = {}, d1 = {}, d2 = {};
-      for (int i = 0; i < nb; ++i) {
-        const v16* m = M + i * nc + j;
-        const v16 x0 = x[3 * i], x1 = x[3 * i + 1], x2 = x[3 * i + 2];
-        a0 += m[0] * x0, a1 += m[0] * x1, a2 += m[0] * x2;
-        b0 += m[1] * x0, b1 += m[1] * x1, b2 += m[1] * x2;
-        c0 += m[2] * x0, c1 += m[2] * x1, c2 += m[2] * x2;
-        d0 += m[3] * x0, d1 += m[3] * x1, d2 += m[3] * x2;
-      }
-      store(y[p.first + j], total(a0, a1, a2)), store(y[p.first + j + 1], total(b0, b1, b2));
-      store(y[p.first + j + 2], total(c0, c1, c2)), store(y[p.first + j + 3], total(d0, d1, d2));
+    work[k] += size_t(p.rows) * size_t(p.columns + 8);
+    if (p.rows == p.columns) {
+      total += work[k];
+      continue;
     }
-    for (; j < nc; ++j) {
-      v16 s0 = {}, s1 = {}, s2 = {};
-      for (int i = 0; i < nb; ++i) {
-        const v16 m = M[i * nc + j];
-        s0 += m * x[3 * i], s1 += m * x[3 * i + 1], s2 += m * x[3 * i + 2];
-      }
-      store(y[p.first + j], total(s0, s1, s2));
+    const size_t up = size_t(parent[k] = panel_of[size_t(rows_[size_t(p.rows_begin)])]);
+    work[up] += work[k];
+    first[up] = std::min(first[up], first[k]);
+  }
+  // From the last panel down: what is small enough is a subtree, what is not is top. Small neighbours are taken together.
+  std::vector<Stretch> found;
+  size_t taken = 0;  // work of the latest stretch of subtrees
+  for (int32_t k = int32_t(n) - 1; k >= 0;) {
+    const size_t own = work[size_t(k)];
+    const bool subtree = own <= total / pieces, joins = !found.empty() && found.back().subtree == subtree;
+    if (subtree) {
+      if (joins && taken + own <= total / pieces)
+        found.back().first = first[size_t(k)], taken += own;
+      else
+        found.push_back({first[size_t(k)], k + 1, true, 0, 0}), taken = own;
+      k = first[size_t(k)] - 1;
+    } else {
+      if (joins)
+        found.back().first = k;
+      else
+        found.push_back({k, k + 1, false, 0, 0});
+      --k;
     }
   }
+  std::reverse(found.begin(), found.end());
+  stretches_ = std::move(found);
+  for (size_t s = 0; s < stretches_.size(); ++s) {
+    Stretch& t = stretches_[s];
+    if (!t.subtree) continue;
+    subtrees_.push_back(int32_t(s));
+    const Panel& top = panels_[size_t(t.last) - 1];
+    t.log = log_length_;
+    for (int32_t k = t.first; k < t.last; ++k) {
+      Panel& p = panels_[size_t(k)];
+      while (p.inside > p.columns && rows_[size_t(p.rows_begin + p.inside - p.columns) - 1] >= top.first + top.columns) --p.inside;
+      t.log_length += size_t(p.rows - p.inside);
+    }
+    log_length_ += t.log_length;
+  }
+  const auto size = [&](int32_t s) {
+    const Stretch& t = stretches_[size_t(s)];
+    return (size_t(t.last) < n ? panels_[size_t(t.last)].values : values_.size()) - panels_[size_t(t.first)].values;
+  };
+  std::stable_sort(subtrees_.begin(), subtrees_.end(), [&](int32_t a, int32_t b) { return size(a) > size(b); });
+}
+
+void PanelFactor::replay(const Stretch& s, Node4* y, const Node4* log) const {
+  for (int32_t k = s.first; k < s.last; ++k) {
+    const Panel& p = panels_[size_t(k)];
+    const int32_t* rows = rows_.data() + p.rows_begin - p.columns;
+    for (int32_t i = p.inside; i < p.rows; ++i, ++log) store(y[rows[i]], load(y[rows[i]]) + load(*log));
+  }
+}
+
+void PanelFactor::solve(Node4* y, const Engine& engine) const {
+  struct Scratch {
+    NodeArray columns, rows;
+    AlignedArray<float> x;
+  };
+  const size_t blocks = size_t(max_rows_ + 15) / 16;
+  const auto scratch = [&] {
+    static thread_local Scratch s;
+    if (s.columns.size() < size_t(max_columns_)) s.columns.resize(size_t(max_columns_));
+    if (s.rows.size() < 16 * blocks) s.rows.resize(16 * blocks);
+    if (s.x.size() < 48 * blocks) s.x.resize(48 * blocks);
+    return PanelScratch{s.columns.data(), s.rows.data(), s.x.data()};
+  };
+  const Kernels& k = engine.kernels();
+  const PanelView view{panels_.data(), rows_.data(), values_.data()};
+  const PanelScratch own = scratch();
+  static thread_local NodeArray log_store;
+  if (log_store.size() < log_length_) log_store.resize(log_length_);
+  Node4* log = log_store.data();
+  const bool shared = engine.workers().count() > 1 && subtrees_.size() > 1;
+  const auto forward = [&](const Stretch& s, const PanelScratch& with) {
+    k.panels_forward(view, size_t(s.first), size_t(s.last), y, log + s.log, with);
+  };
+  if (shared)
+    engine.run(subtrees_.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) forward(stretches_[size_t(subtrees_[i])], scratch());
+    });
+  for (const Stretch& s : stretches_) {
+    if (!s.subtree || !shared) forward(s, own);
+    if (s.subtree) replay(s, y, log + s.log);
+  }
+  const auto backward = [&](const Stretch& s, const PanelScratch& with) {
+    k.panels_backward(view, size_t(s.first), size_t(s.last), y, with);
+  };
+  for (size_t i = stretches_.size(); i-- > 0;)
+    if (!stretches_[i].subtree || !shared) backward(stretches_[i], own);
+  if (shared)
+    engine.run(subtrees_.size(), 1, [&](size_t begin, size_t end) {
+      for (size_t i = begin; i < end; ++i) backward(stretches_[size_t(subtrees_[i])], scratch());
+    });
 }
 
 }  // namespace limberg::fem

@@ -6,9 +6,14 @@
 //   backward:  y = M^T [y1 ; x2]
 // No recurrence inside a panel, and one panel serves both passes, so the operator is exactly symmetric up to rounding.
 // Rows are stored in blocks of 16, column after column inside a block.
+//
+// Several threads: the tree of supernodes is cut into a few subtrees of about the same work and the rest, the top. Subtrees
+// share no column, so each can be solved by a thread of its own; what a subtree adds to rows of the top it puts down in a
+// log instead, in the order in which it would have been added. The top is walked on one thread, in the order of all panels,
+// adding a subtree's log where the subtree would have stood: the same sums in the same order as on one thread.
 #include <vector>
 
-#include "sim/fem/simd.h"
+#include "sim/fem/engine.h"
 
 namespace limberg::fem {
 
@@ -29,18 +34,24 @@ class PanelFactor {
 
   int32_t n() const { return n_; }
   size_t bytes() const { return values_.size() * sizeof(float) + rows_.size() * sizeof(int32_t); }
-  /// y := (L L^T)^-1 y; y in elimination order, n nodes.
-  void solve(Node4* y) const;
+  /// y := (L L^T)^-1 y; y in elimination order, n nodes. Same bits for any number of workers.
+  void solve(Node4* y, const Engine& engine) const;
 
  private:
-  struct Panel {
-    int32_t first = 0, columns = 0, rows = 0;  // rows: all, the diagonal block's included
-    int32_t rows_begin = 0;                    // of the off-diagonal rows, in rows_
-    size_t values = 0;
+  /// Panels [first, last): a subtree when its adds above go to `log`, or a stretch of the top.
+  struct Stretch {
+    int32_t first = 0, last = 0;
+    bool subtree = false;
+    size_t log = 0, log_length = 0;  // in nodes
   };
+  void find_subtrees();
+  void replay(const Stretch& s, Node4* y, const Node4* log) const;
   int32_t n_ = 0;
   int32_t max_columns_ = 0, max_rows_ = 0;
   std::vector<Panel> panels_;
+  std::vector<Stretch> stretches_;  // all panels in order; one when there are too few to share
+  std::vector<int32_t> subtrees_;   // of these, the largest first
+  size_t log_length_ = 0;
   std::vector<int32_t> rows_;
   AlignedArray<float> values_;
 };

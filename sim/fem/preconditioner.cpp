@@ -5,8 +5,6 @@
 #include <atomic>
 #include <numeric>
 
-#include "sim/fem/node_vectors.h"
-
 namespace limberg::fem {
 namespace {
 
@@ -34,7 +32,7 @@ struct Preconditioner::Pending {
   int steps = 0;
 };
 
-Preconditioner::Preconditioner(Workers& workers, MetricPolicy policy) : workers_(workers), policy_(policy) {}
+Preconditioner::Preconditioner(Workers& workers, MetricPolicy policy) : engine_(workers, policy.kernels ? *policy.kernels : default_kernels()), policy_(policy) {}
 Preconditioner::~Preconditioner() {
   drop_pending();
   for (const auto& p : dropped_) p->job->wait();
@@ -141,7 +139,7 @@ void Preconditioner::submit(double mass_per_s2) {
       result->factor.reset();  // the cycle stays in use
     }
   };
-  p->job = workers_.submit(std::move(job));
+  p->job = engine_.workers().submit(std::move(job));
   pending_ = std::move(p);
 }
 
@@ -190,14 +188,18 @@ void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_r
 }
 
 void Preconditioner::apply_base(const NodeArray& r, NodeArray& z) {
-  if (!factor_is_current_) return now_.cycle->apply(r, z, cycle_work_);
-  const size_t n = place_.size();
+  if (!factor_is_current_) return now_.cycle->apply(r, z, cycle_work_, engine_);
+  constexpr size_t nodes_per_chunk = 4096;
+  const std::vector<int32_t>& node = now_.factor->node_order;
   if (!work_.empty()) {
-    for (size_t i = 0; i < n; ++i)
-      if (place_[i] >= 0) work_[size_t(place_[i])] = r[i];
-    now_.factor->panels.solve(work_.data());
+    engine_.run(node.size(), nodes_per_chunk, [&](size_t begin, size_t end) {
+      for (size_t k = begin; k < end; ++k) work_[k] = r[size_t(node[k])];
+    });
+    now_.factor->panels.solve(work_.data(), engine_);
   }
-  for (size_t i = 0; i < n; ++i) z[i] = place_[i] >= 0 ? work_[size_t(place_[i])] : Node4{};
+  engine_.run(place_.size(), nodes_per_chunk, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) z[i] = place_[i] >= 0 ? work_[size_t(place_[i])] : Node4{};
+  });
 }
 
 // Woodbury: (M0 + W C W^T)^-1 r = z0 - Y (C^-1 + W^T Y)^-1 W^T z0,  z0 = M0^-1 r,  Y = M0^-1 W.
@@ -279,7 +281,7 @@ void Preconditioner::apply(const NodeArray& r, NodeArray& z) {
     }
     column_force_[i] = {float(x), float(y), float(zz), 0};
   }
-  subtract_outer(z, column_data_.data(), column_force_.data(), int(k));
+  engine_.subtract_outer(z, column_data_.data(), column_force_.data(), int(k));
 }
 
 std::string Preconditioner::describe() const {

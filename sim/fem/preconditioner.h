@@ -24,6 +24,7 @@ namespace limberg::fem {
 
 struct MetricPolicy {
   int32_t factor_up_to_nodes = 10000;  // 0: always the cycle
+  const Kernels* kernels = nullptr;    // none: the default ones
 };
 
 class Preconditioner {
@@ -78,7 +79,7 @@ class Preconditioner {
   void apply_base(const NodeArray& r, NodeArray& z);
   void update_columns();
 
-  Workers& workers_;
+  Engine engine_;
   MetricPolicy policy_;
   std::vector<SpringEntry> springs_;
   Operators now_;

@@ -1,6 +1,5 @@
 #pragma once
-// Sparse rows times nodes (three right-hand sides and a lane of zeros), four rows at a time, and the other loops of the
-// cycle (cycle.h).
+// A sparse matrix for products with nodes (three right-hand sides and a lane of zeros), four rows at a time.
 //
 // Four rows that follow each other are stored by diagonals: a slot has the first of four consecutive nodes and four numbers,
 // so its product is one load of 64 bytes times one spread of four numbers. On a lattice the diagonals of neighbouring rows
@@ -9,6 +8,7 @@
 // Vectors that are multiplied have four nodes of room on either side (slots may begin before 0): PaddedNodes.
 #include <vector>
 
+#include "sim/fem/kernels/kernels.h"
 #include "sim/fem/simd.h"
 
 namespace limberg::fem {
@@ -18,6 +18,7 @@ struct RowGroups {
   std::vector<int32_t> begin{0};  // per group, in slots
   std::vector<int32_t> base;      // per slot: node of its first row, from -3
   AlignedArray<float> number;     // 4 per slot
+  GroupView view() const { return {begin.data(), base.data(), number.data()}; }
   size_t bytes() const { return 4 * (begin.size() + base.size() + number.size()); }
 };
 /// `begin`, `column`, `value`: rows + 1, and the entries, columns ascending.
@@ -33,21 +34,5 @@ class PaddedNodes {
  private:
   NodeArray store_;
 };
-
-// Loops over groups [first, last) of four nodes; `scale` is one number per node, padded to four.
-
-/// x = scale * r
-void scale_nodes(const float* scale, const Node4* r, Node4* x, size_t first, size_t last);
-/// t = r - A x
-void residual(const RowGroups& A, const Node4* r, const Node4* x, Node4* t, size_t first, size_t last);
-/// z = x + scale * (r - A x)
-void relax(const RowGroups& A, const float* scale, const Node4* r, const Node4* x, Node4* z, size_t first, size_t last);
-
-// Rows of weights (coarsening.h) times nodes, rows [first, last).
-
-/// out = W in
-void weigh(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out, size_t first, size_t last);
-/// out += W in
-void weigh_add(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out, size_t first, size_t last);
 
 }  // namespace limberg::fem

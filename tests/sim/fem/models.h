@@ -9,6 +9,7 @@
 
 #include "sim/fem/box_model.h"
 #include "sim/fem/elastic_solver.h"
+#include "sim/fem/engine.h"
 
 namespace limberg::test {
 
@@ -69,6 +70,13 @@ inline std::vector<int32_t> identity_parents(const FemModel& m) {
   std::vector<int32_t> p(m.cells.size());
   for (size_t i = 0; i < p.size(); ++i) p[i] = int32_t(i);
   return p;
+}
+
+/// Arithmetic on the calling thread.
+inline fem::Engine& engine() {
+  static InlineWorkers workers;
+  static fem::Engine one(workers);
+  return one;
 }
 
 /// Workers with real threads, started per call: slow, but every interleaving may happen.

@@ -8,7 +8,6 @@
 #include "cut_models.h"
 #include "divided_box.h"
 #include "sim/fem/cycle.h"
-#include "sim/fem/node_vectors.h"
 
 namespace limberg {
 namespace {
@@ -35,7 +34,7 @@ Eigen::MatrixXd operator_of(const ScalarCycle& c, const fem::ScalarMatrix& A) {
   for (int32_t j = 0; j < A.n(); ++j) {
     r.zero();
     r[size_t(A.node_of_row[size_t(j)])] = {1, 2, -1, 0};
-    c.apply(r, z, work);
+    c.apply(r, z, work, test::engine());
     for (int32_t i = 0; i < A.n(); ++i) {
       const fem::Node4& v = z[size_t(A.node_of_row[size_t(i)])];
       M(i, j) = double(v.x);
@@ -140,14 +139,14 @@ double convergence_factor(const std::shared_ptr<const FemModel>& m) {
   ScalarCycle::Work work;
   double factor = 0;
   for (int k = 0; k < 40; ++k) {
-    fem::residual(G, zero.data(), e.data(), t.data(), 0, groups);  // -A e
+    test::engine().kernels().residual(G.view(), zero.data(), e.data(), t.data(), 0, groups);  // -A e
     std::copy(e.data(), e.data() + n, now.data());
-    const double before = -fem::dot(now, t);
-    c->apply(t, z, work);
-    fem::add_scaled(now, 1, z);
+    const double before = -test::engine().dot(now, t);
+    c->apply(t, z, work, test::engine());
+    test::engine().add_scaled(now, 1, z);
     std::copy(now.data(), now.data() + n, e.data());
-    fem::residual(G, zero.data(), e.data(), t.data(), 0, groups);
-    const double after = -fem::dot(now, t);
+    test::engine().kernels().residual(G.view(), zero.data(), e.data(), t.data(), 0, groups);
+    const double after = -test::engine().dot(now, t);
     factor = std::sqrt(after / before);
     const double scale = 1 / std::sqrt(after);
     for (size_t i = 0; i < n; ++i) fem::store(e.data()[i], float(scale) * fem::load(e.data()[i]));
@@ -212,7 +211,7 @@ TEST(Cycle, CarriedOverIsTheSameToTheBit) {
       for (size_t i = 0; i < a.size(); ++i)
         if (!body.model()->fixed[i]) a[i] = {float(draw.uniform()), float(draw.uniform()), float(draw.uniform()), 0};
       ScalarCycle::Work work;
-      carried->apply(a, za, work), afresh->apply(a, zb, work);
+      carried->apply(a, za, work, test::engine()), afresh->apply(a, zb, work, test::engine());
       for (size_t i = 0; i < a.size(); ++i) ASSERT_TRUE(za[i].x == zb[i].x && za[i].y == zb[i].y && za[i].z == zb[i].z);
       cycle = carried;
     }
@@ -228,25 +227,25 @@ TEST(Cycle, FloatingAndHeldPiecesAndEmptyOnes) {
   Random draw(5);
   for (size_t i = 0; i < r.size(); ++i) r[i] = {float(draw.uniform()), float(draw.uniform()), float(draw.uniform()), 0};
   ScalarCycle::Work work;
-  ScalarCycle::build(floating, {}, 0)->apply(r, z, work);
-  EXPECT_TRUE(fem::all_finite(z));
-  EXPECT_GT(fem::dot(r, z), 0);
+  ScalarCycle::build(floating, {}, 0)->apply(r, z, work, test::engine());
+  EXPECT_TRUE(test::engine().all_finite(z));
+  EXPECT_GT(test::engine().dot(r, z), 0);
 
   auto held = std::make_shared<FemModel>(*floating);
   held->fixed.assign(held->fixed.size(), 1);
-  ScalarCycle::build(held, {}, 0)->apply(r, z, work);  // nothing is free
-  EXPECT_EQ(fem::max_node(z), 0);
+  ScalarCycle::build(held, {}, 0)->apply(r, z, work, test::engine());  // nothing is free
+  EXPECT_EQ(test::engine().max_node(z), 0);
   held->fixed[7] = 0;  // one node
   NodeArray one(r.size());
   one[7] = {1, 0, 0, 0};
-  ScalarCycle::build(held, {}, 0)->apply(one, z, work);
-  EXPECT_TRUE(fem::all_finite(z));
+  ScalarCycle::build(held, {}, 0)->apply(one, z, work, test::engine());
+  EXPECT_TRUE(test::engine().all_finite(z));
   EXPECT_GT(z[7].x, 0);
 
   ScalarCycle::build(std::make_shared<FemModel>(), {}, 0);
   const auto dynamic = ScalarCycle::build(floating, {}, 1e4);  // inertia holds it
-  dynamic->apply(r, z, work);
-  EXPECT_GT(fem::dot(r, z), 0);
+  dynamic->apply(r, z, work, test::engine());
+  EXPECT_GT(test::engine().dot(r, z), 0);
 }
 
 TEST(Dissection, CostsNoMoreFillThanAGraphPartitioner) {

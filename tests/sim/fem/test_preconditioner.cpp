@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 
 #include "cut_models.h"
-#include "sim/fem/node_vectors.h"
 #include "sim/fem/preconditioner.h"
 
 namespace limberg {
@@ -110,7 +109,7 @@ TEST(Preconditioner, ACutIsAnsweredByTheCycleUntilTheFactorIsThere) {
   const NodeArray a = random_nodes(*after, 3), b = random_nodes(*after, 4);
   NodeArray za(a.size()), zb(a.size());
   P.apply(a, za), P.apply(b, zb);
-  EXPECT_NEAR(fem::dot(a, zb), fem::dot(b, za), 1e-5 * std::sqrt(fem::dot(a, za) * fem::dot(b, zb)));
+  EXPECT_NEAR(test::engine().dot(a, zb), test::engine().dot(b, za), 1e-5 * std::sqrt(test::engine().dot(a, za) * test::engine().dot(b, zb)));
   // Forces that open the cut are answered as the new topology answers them.
   NodeArray open(a.size()), z(a.size()), exact(a.size());
   for (size_t i = before->X_mm.size(); i < a.size(); ++i) open[i].x = 1, open[size_t(after->parent[i])].x = -1;
@@ -118,8 +117,8 @@ TEST(Preconditioner, ACutIsAnsweredByTheCycleUntilTheFactorIsThere) {
   P.begin_step(0, 3, false), P.begin_step(0, 3, false), P.begin_step(0, 3, false);
   EXPECT_FALSE(P.on_cycle());
   P.apply(open, exact);
-  EXPECT_GT(fem::dot(open, z), 0.3 * fem::dot(open, exact));  // measured 0.48
-  EXPECT_LT(fem::dot(open, z), 1.001 * fem::dot(open, exact));
+  EXPECT_GT(test::engine().dot(open, z), 0.3 * test::engine().dot(open, exact));  // measured 0.48
+  EXPECT_LT(test::engine().dot(open, z), 1.001 * test::engine().dot(open, exact));
   P.apply(a, za);
   const auto A = fem::assemble_scalar(*after, {}, 0);
   EXPECT_LT(solve_error(A, dense(A), a, za), 1e-5);
@@ -221,16 +220,16 @@ TEST(NodeVectors, SumsAndSmallOperations) {
     b[i] = {float(r.uniform()), float(r.uniform()), float(r.uniform()), 0};
     exact += double(a[i].x) * b[i].x + double(a[i].y) * b[i].y + double(a[i].z) * b[i].z;
   }
-  EXPECT_NEAR(fem::dot(a, b), exact, 1e-4);  // 3000 terms of 1 in blocks of single precision
+  EXPECT_NEAR(test::engine().dot(a, b), exact, 1e-4);  // 3000 terms of 1 in blocks of single precision
   NodeArray c = a;
-  EXPECT_NEAR(fem::add_scaled_dot(c, 0.5, b, b), exact + 0.5 * fem::dot(b, b), 1e-3);
+  EXPECT_NEAR(test::engine().add_scaled_dot(c, 0.5, b, b), exact + 0.5 * test::engine().dot(b, b), 1e-3);
   EXPECT_FLOAT_EQ(c[77].y, a[77].y + 0.5f * b[77].y);
-  EXPECT_TRUE(fem::all_finite(c));
+  EXPECT_TRUE(test::engine().all_finite(c));
   c[1000].z = std::numeric_limits<float>::infinity();
-  EXPECT_FALSE(fem::all_finite(c));
+  EXPECT_FALSE(test::engine().all_finite(c));
   c[1000].z = std::numeric_limits<float>::quiet_NaN();
-  EXPECT_FALSE(fem::all_finite(c));
-  EXPECT_TRUE(std::isnan(fem::max_node(c)));
+  EXPECT_FALSE(test::engine().all_finite(c));
+  EXPECT_TRUE(std::isnan(test::engine().max_node(c)));
 }
 
 }  // namespace

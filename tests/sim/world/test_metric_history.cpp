@@ -6,7 +6,7 @@
 #include <random>
 
 #include "sim/fem/lbfgs_solver.h"
-#include "sim/fem/node_vectors.h"
+#include "sim/fem/engine.h"
 #include "sim/geometry/block.h"
 #include "sim/world.h"
 
@@ -74,11 +74,13 @@ TEST_P(MetricHistory, FollowsEveryActAndIsTheSameAfresh) {
       a[i] = {float(real(-1, 1)), float(real(-1, 1)), float(real(-1, 1)), 0};
       b[i] = {float(real(-1, 1)), float(real(-1, 1)), float(real(-1, 1)), 0};
     }
+    InlineWorkers inline_workers;
+    const fem::Engine engine(inline_workers);
     fem::ScalarCycle::Work work;
-    cycle->apply(a, za, work), cycle->apply(b, zb, work);
-    const double size = std::sqrt(fem::dot(a, za) * fem::dot(b, zb));
-    EXPECT_GT(fem::dot(a, za), 0);
-    EXPECT_NEAR(fem::dot(a, zb), fem::dot(b, za), 2e-5 * size);
+    cycle->apply(a, za, work, engine), cycle->apply(b, zb, work, engine);
+    const double size = std::sqrt(engine.dot(a, za) * engine.dot(b, zb));
+    EXPECT_GT(engine.dot(a, za), 0);
+    EXPECT_NEAR(engine.dot(a, zb), engine.dot(b, za), 2e-5 * size);
   }
   EXPECT_GT(done, 6);
   EXPECT_GT(compared, 3);

@@ -1,11 +1,8 @@
-#include "sim/fem/element_kernel.h"
+// The one loop that visits the material (element_system.h has the formulas).
+#include "sim/fem/kernels/parts.h"
 
-#include <cmath>
-
-namespace limberg::fem {
+namespace limberg::fem::LIMBERG_SET {
 namespace {
-
-constexpr int max_tile_nodes = 8192;
 
 inline v4 cross(v4 a, v4 b) {
   const v4i yzx = {1, 2, 0, 3};
@@ -18,7 +15,7 @@ inline float dot3(v4 a, v4 b) {
 }
 
 /// f = K u + f0 for the eight nodes; returns sum of u . (f + f0), spread over the lanes.
-#ifdef __AVX512F__
+#if LIMBERG_LANES == 512
 inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
   const v16* f0 = reinterpret_cast<const v16*>(s.f0);
   const v16* K = reinterpret_cast<const v16*>(s.K);
@@ -39,6 +36,18 @@ inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
   for (int a = 0; a < 8; ++a) w += (f[a] + reinterpret_cast<const v4*>(s.f0)[a]) * un[a];
   return w;
 }
+#elif LIMBERG_LANES == 256
+inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
+  v16 a = get(s.f0), b = get(s.f0 + 16);
+  for (int k = 0; k < 8; ++k) {
+    const v16 x = in_every_lane(un + k);
+    a += spread(s.K + 8 * k) * x, b += spread(s.K + 8 * k + 4) * x;
+  }
+  put(f, a), put(f + 4, b);
+  v4 w = {};
+  for (int i = 0; i < 8; ++i) w += (f[i] + reinterpret_cast<const v4*>(s.f0)[i]) * un[i];
+  return w;
+}
 #else
 inline v4 deviatoric(const KernelStencil& s, const v4* u, v4* f) {
   const v4* f0 = reinterpret_cast<const v4*>(s.f0);
@@ -52,18 +61,18 @@ inline v4 deviatoric(const KernelStencil& s, const v4* u, v4* f) {
 #endif
 
 template <bool Measure>
-CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const float* q, Node4* slots, float* theta) {
+CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q, Node4* slots, float* theta) {
   alignas(64) v4 local[max_tile_nodes];
   v4* out = reinterpret_cast<v4*>(slots + tile.first_slot);
   const int nodes = tile.last_slot - tile.first_slot;
   for (int i = 0; i < nodes; ++i) {
-    local[i] = load(u[size_t(d.slot_node[size_t(tile.first_slot + i)])]);
+    local[i] = load(u[d.slot_node[tile.first_slot + i]]);
     out[i] = v4{};
   }
   CellSums sums;
   for (int c = tile.first_cell; c < tile.last_cell; ++c) {
-    const KernelCell& cell = d.cells[size_t(c)];
-    const KernelStencil& s = d.stencils[size_t(cell.stencil)];
+    const KernelCell& cell = d.cells[c];
+    const KernelStencil& s = d.stencils[cell.stencil];
     const float ix = s.inv4h[0], iy = s.inv4h[1], iz = s.inv4h[2];
     alignas(64) v4 n[8], f[8];
     // Relative to the first corner: a translation costs nothing, and its digits would be lost by those of the strain.
@@ -99,7 +108,7 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
     const float bulk = 0.5f * vol * p * x, pre = s.p0 * vol * second;
     const double e1 = 0.5 * double(work[0] + work[1] + work[2]), e2 = double(bulk), e3 = double(pre);
     sums.energy += double(cell.scale) * (e1 + e2 - e3);
-    sums.magnitude += double(cell.scale) * (std::fabs(e1) + e2 + std::fabs(e3));
+    sums.magnitude += double(cell.scale) * (__builtin_fabs(e1) + e2 + __builtin_fabs(e3));
 
     const float pm = p - s.p0;
     v4 hx = (pm * cx + v4{p, 0, 0, 0}) * vol;
@@ -118,7 +127,7 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
     }
     for (int k = 0; k < 8; ++k) {
       v4 g = f[k] * cell.scale;
-      if (Measure) g[3] = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+      if (Measure) g[3] = __builtin_sqrtf(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
       out[cell.node[k]] += g;
     }
   }
@@ -127,14 +136,13 @@ CellSums run(const KernelData& d, const Tile& tile, const NodeArray& u, const fl
 
 }  // namespace
 
-CellSums evaluate_tile(const KernelData& data, const Tile& tile, const NodeArray& u, const float* q, Node4* slots,
-                       float* theta, bool measure) {
+CellSums evaluate_tile(const CellView& data, const Tile& tile, const Node4* u, const float* q, Node4* slots, float* theta, bool measure) {
   return measure ? run<true>(data, tile, u, q, slots, theta) : run<false>(data, tile, u, q, slots, theta);
 }
 
-void sum_slots(const KernelData& data, const Node4* slots, size_t begin, size_t end, Node4* out) {
-  const int32_t* first = data.node_slots_begin.data();
-  const int32_t* list = data.node_slots.data();
+void sum_slots(const CellView& data, const Node4* slots, size_t begin, size_t end, Node4* out) {
+  const int32_t* first = data.node_slots_begin;
+  const int32_t* list = data.node_slots;
   for (size_t i = begin; i < end; ++i) {
     v4 s = {};
     for (int32_t j = first[i]; j < first[i + 1]; ++j) s += load(slots[list[j]]);
@@ -144,10 +152,10 @@ void sum_slots(const KernelData& data, const Node4* slots, size_t begin, size_t 
 
 // Measured choices: an unlimited increment diverges for nearly incompressible material, and a cell that is flattened or
 // blown up (a scrambled start) has no useful pressure, so its multiplier fades until the cell has a shape again.
-void update_multipliers(const KernelData& data, const float* theta, float* q, float scale_of_increment) {
+void update_multipliers(const CellView& data, const float* theta, float* q, float scale_of_increment, size_t first, size_t last) {
   constexpr float limit = 0.15f;
-  for (size_t c = 0; c < data.cells.size(); ++c) {
-    const float r = data.stencils[size_t(data.cells[c].stencil)].r;
+  for (size_t c = first; c < last; ++c) {
+    const float r = data.stencils[data.cells[c].stencil].r;
     if (r == 0) continue;
     const float th = theta[c];
     if (th < -0.7f || th > 2.0f) {
@@ -160,4 +168,4 @@ void update_multipliers(const KernelData& data, const float* theta, float* q, fl
   }
 }
 
-}  // namespace limberg::fem
+}  // namespace limberg::fem::LIMBERG_SET

@@ -1,0 +1,14 @@
+#include "sim/fem/kernels/parts.h"
+
+#define LIMBERG_WORD(x) #x
+#define LIMBERG_NAME(x) LIMBERG_WORD(x)
+
+namespace limberg::fem::LIMBERG_SET {
+
+const Kernels kernels = {LIMBERG_NAME(LIMBERG_SET),
+                         evaluate_tile, sum_slots, update_multipliers,
+                         dot, add_scaled, add_scaled_dot, combine, subtract, subtract_outer, max_square, all_finite,
+                         panels_forward, panels_backward,
+                         scale_nodes, residual, relax, weigh, weigh_add};
+
+}  // namespace limberg::fem::LIMBERG_SET

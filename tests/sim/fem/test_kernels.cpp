@@ -1,0 +1,210 @@
+// The kernels of every instruction set that this machine has: the same numbers to single-precision rounding, each set
+// always the same bits, with any number of threads.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "models.h"
+#include "sim/fem/cholesky.h"
+#include "sim/fem/cycle.h"
+#include "sim/fem/element_system.h"
+#include "sim/fem/lbfgs_solver.h"
+
+namespace limberg {
+namespace {
+
+using fem::Engine;
+using fem::Kernels;
+using fem::NodeArray;
+using test::Random;
+
+NodeArray random_nodes(size_t n, double size, uint64_t seed) {
+  Random r(seed);
+  NodeArray a(n);
+  for (auto& v : a) {
+    const Vec3 x = r.vector(size);
+    v = {float(x[0]), float(x[1]), float(x[2]), 0};
+  }
+  return a;
+}
+
+bool same_bits(const NodeArray& a, const NodeArray& b) { return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(fem::Node4)) == 0; }
+
+/// Root of the mean square difference over that of `b`.
+double apart(const NodeArray& a, const NodeArray& b) {
+  double d = 0, s = 0;
+  for (size_t i = 0; i < a.size(); ++i)
+    for (const auto& [x, y] : {std::pair{a[i].x, b[i].x}, {a[i].y, b[i].y}, {a[i].z, b[i].z}, {a[i].w, b[i].w}})
+      d += (double(x) - double(y)) * (double(x) - double(y)), s += double(y) * double(y);
+  return std::sqrt(d / s);
+}
+
+FemModel block(Int3 cells) {
+  BoxSpec b;
+  b.cells = cells, b.size_mm = {60, 60, 10}, b.young_bottom_kPa = 18, b.poisson = 0.49, b.fix_sides = true, b.hole_length_mm = 20, b.hole_width_mm = 6;
+  FemModel m = box_model(b);
+  m.stencils[0].sample = {0.4, 0.5, 0.7};  // both ways to sample the volume
+  return m;
+}
+
+constexpr double rounding = 1e-6;  // relative, of sums of some ten float terms (unit 6e-8)
+
+template <class Test>
+void for_every_set(const Test& test) {
+  for (const Kernels* k : fem::available_kernels()) {
+    SCOPED_TRACE(k->name);
+    test(*k);
+  }
+}
+
+TEST(Kernels, PlainIsAlwaysThereAndUnknownNamesAreNot) {
+  EXPECT_STREQ(fem::available_kernels().front()->name, "plain");
+  EXPECT_EQ(fem::find_kernels("sse9"), nullptr);
+  EXPECT_EQ(fem::find_kernels("plain"), fem::available_kernels().front());
+}
+
+TEST(Kernels, CellsAgree) {
+  const auto m = std::make_shared<FemModel>(block({31, 29, 5}));
+  const NodeArray u = random_nodes(m->X_mm.size(), 0.7, 1);
+  test::ThreadWorkers four(4);
+  for (bool measure : {false, true}) {
+    NodeArray expected(u.size());
+    fem::CellSums sums;
+    float theta = 0;
+    for_every_set([&](const Kernels& k) {
+      InlineWorkers one;
+      fem::ElementSystem cells(m);
+      NodeArray g(u.size()), again(u.size()), threads(u.size());
+      for (int round = 0; round < 2; ++round) {
+        cells.evaluate(u, g, measure, Engine(one, k));
+        cells.update_multipliers(Engine(one, k));
+      }
+      const fem::CellSums s = cells.evaluate(u, g, measure, Engine(one, k)), t = cells.evaluate(u, threads, measure, Engine(four, k));
+      cells.evaluate(u, again, measure, Engine(one, k));
+      EXPECT_TRUE(same_bits(g, again));
+      EXPECT_TRUE(same_bits(g, threads));
+      EXPECT_EQ(s.energy, t.energy);
+      if (expected[7].x == 0) expected = g, sums = s, theta = cells.theta(100);
+      EXPECT_LT(apart(g, expected), rounding);
+      EXPECT_NEAR(s.energy, sums.energy, rounding * sums.magnitude);
+      EXPECT_NEAR(cells.theta(100), theta, 1e-5);
+    });
+  }
+}
+
+TEST(Kernels, VectorsAgree) {
+  const size_t n = 10007;
+  const NodeArray a = random_nodes(n, 1, 2), b = random_nodes(n, 1, 3);
+  test::ThreadWorkers three(3);
+  double expected_dot = 0;
+  NodeArray expected;
+  for_every_set([&](const Kernels& k) {
+    InlineWorkers one;
+    NodeArray result[2];
+    double dots[2];
+    for (int threads = 0; threads < 2; ++threads) {
+      const Engine e(threads ? static_cast<Workers&>(three) : one, k);
+      NodeArray c = a, d(n);
+      dots[threads] = e.dot(a, b) + e.add_scaled_dot(c, 0.3, b, a);
+      e.combine(d, c, -0.7, b);
+      e.subtract(c, d, a);
+      e.add_scaled(c, 2, b);
+      fem::AlignedArray<float> f(n), g(n);
+      for (size_t i = 0; i < n; ++i) f[i] = a[i].x, g[i] = b[i].y;
+      const float* columns[3] = {f.data(), g.data(), f.data()};
+      NodeArray forces = random_nodes(3, 1, 4);
+      e.subtract_outer(c, columns, forces.data(), 3);
+      EXPECT_TRUE(e.all_finite(c));
+      NodeArray bad = c;
+      bad[9000].y = std::nanf("");
+      EXPECT_FALSE(e.all_finite(bad));
+      EXPECT_TRUE(std::isnan(e.max_node(bad)));
+      double most = 0;
+      for (const auto& v : c) most = std::max(most, Vec3(double(v.x), double(v.y), double(v.z)).norm());
+      EXPECT_NEAR(e.max_node(c), most, 1e-12);
+      result[threads] = c;
+    }
+    EXPECT_TRUE(same_bits(result[0], result[1]));
+    EXPECT_EQ(dots[0], dots[1]);
+    if (expected.empty()) expected = result[0], expected_dot = dots[0];
+    EXPECT_LT(apart(result[0], expected), rounding);
+    EXPECT_NEAR(dots[0], expected_dot, 1e-5 * std::sqrt(double(n)));
+  });
+}
+
+// Random matrices have no lattice's luck: rows of any length, groups that are not full, supernodes of any shape.
+TEST(Kernels, FactorAndCycleAgree) {
+  const auto m = std::make_shared<FemModel>(block({44, 43, 4}));
+  const fem::ScalarMatrix A = fem::assemble_scalar(*m, {}, 0);
+  const fem::ScalarFactor F = fem::factorize(A, {});
+  const auto cycle = fem::ScalarCycle::build(m, {}, 0);
+  const std::vector<uint8_t> free = fem::free_nodes(*m);
+  NodeArray r = random_nodes(free.size(), 1, 5), b = random_nodes(size_t(A.n()), 1, 6);
+  for (size_t i = 0; i < free.size(); ++i)
+    if (!free[i]) r[i] = {};
+  test::ThreadWorkers three(3);
+  NodeArray expected_y, expected_z;
+  for_every_set([&](const Kernels& k) {
+    InlineWorkers one;
+    NodeArray y[2], z[2];
+    for (int threads = 0; threads < 2; ++threads) {
+      const Engine e(threads ? static_cast<Workers&>(three) : one, k);
+      y[threads] = b, z[threads] = NodeArray(free.size());
+      F.panels.solve(y[threads].data(), e);
+      fem::ScalarCycle::Work work;
+      cycle->apply(r, z[threads], work, e);
+    }
+    EXPECT_TRUE(same_bits(y[0], y[1]));
+    EXPECT_TRUE(same_bits(z[0], z[1]));
+    if (expected_y.empty()) expected_y = y[0], expected_z = z[0];
+    EXPECT_LT(apart(y[0], expected_y), 3 * rounding);  // some hundred terms
+    EXPECT_LT(apart(z[0], expected_z), 3 * rounding);
+  });
+  // And the solve is one: A y = b.
+  std::vector<Vec3> product(size_t(A.n()), Vec3::Zero());
+  const auto x = [&](int32_t row, const std::vector<int32_t>& place) {
+    const fem::Node4& v = expected_y[size_t(place[size_t(A.node_of_row[size_t(row)])])];
+    return Vec3(double(v.x), double(v.y), double(v.z));
+  };
+  std::vector<int32_t> place(free.size(), -1);
+  for (size_t i = 0; i < F.node_order.size(); ++i) place[size_t(F.node_order[i])] = int32_t(i);
+  for (int32_t j = 0; j < A.n(); ++j)
+    for (int32_t e = A.begin[size_t(j)]; e < A.begin[size_t(j) + 1]; ++e) {
+      const int32_t i = A.row[size_t(e)];
+      product[size_t(i)] += A.value[size_t(e)] * x(j, place);
+      if (i != j) product[size_t(j)] += A.value[size_t(e)] * x(i, place);
+    }
+  double wrong = 0, size = 0;
+  for (int32_t i = 0; i < A.n(); ++i) {
+    const fem::Node4& v = b[size_t(place[size_t(A.node_of_row[size_t(i)])])];
+    const Vec3 wanted(double(v.x), double(v.y), double(v.z));
+    wrong += (product[size_t(i)] - wanted).squaredNorm(), size += wanted.squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(wrong / size), 1e-4);  // float times the matrix's condition
+}
+
+TEST(Kernels, WholeStepsAgreeAndDoNotDependOnTheWorkers) {
+  BenchScene scene = bench_scene(30, 3, 0.49);
+  const auto m = std::make_shared<FemModel>(scene.model);
+  scene.springs.back().target_mm += Vec3(-3, -3, 8);
+  test::ThreadWorkers three(3);
+  for (int32_t factor_up_to : {0, 10000}) {  // the cycle, and the factor
+    std::vector<Vec3f> expected;
+    for_every_set([&](const Kernels& k) {
+      InlineWorkers one;
+      fem::LbfgsSolver a(one, true, {factor_up_to, &k}), b(three, true, {factor_up_to, &k});
+      StepSettings few, many;
+      few.max_iterations = 5, many.max_iterations = 800, many.tolerance = 3e-6;
+      for (auto* s : {&a, &b}) s->set_model(m, {}), s->set_springs(scene.springs), s->step(few);
+      EXPECT_TRUE(a.save() == b.save());
+      EXPECT_TRUE(a.step(many).converged);
+      const auto u = a.displacement_mm();
+      if (expected.empty()) expected.assign(u.begin(), u.end());
+      for (size_t i = 0; i < u.size(); ++i) ASSERT_LT((u[i] - expected[i]).norm(), 5e-3) << i;  // of an 8 mm pull, at residual 3e-6
+    });
+  }
+}
+
+}  // namespace
+}  // namespace limberg
