@@ -42,7 +42,7 @@ StepSettings step_settings(const Scene& scene, bool real_time) {
   s.max_iterations = scene.iterations_per_step;
   s.tolerance = 1e-5;  // a patient at rest costs nothing; single precision reaches about 4e-6
   if (scene.dynamic) s.dt_s = 1e-3 * ticks_per_solver_step(scene);
-  s.damping_per_s = scene.damping_per_s;
+  s.damping_per_s = scene.damping_per_s, s.integrator = scene.integrator;
   s.adopt_when_ready = real_time;
   return s;
 }

@@ -279,6 +279,13 @@ Scene parse_scene(const std::string& text, const std::string& path) {
   solver.integer("iterations_per_step", 1, 1000, [&](int64_t v) { s.iterations_per_step = int(v); });
   solver.real("steps_per_s", s.steps_per_s, 1, 1000);
   solver.real("damping_per_s", s.damping_per_s, 0, 1e4);
+  if (std::string name = "backward_euler"; solver.has("integrator")) {
+    solver.text("integrator", name);
+    if (name != "backward_euler" && name != "bdf2") solver.fail("integrator", "is \"" + name + "\"; expected \"backward_euler\" or \"bdf2\"");
+    s.integrator = name == "bdf2" ? Integrator::bdf2 : Integrator::backward_euler;
+  } else {
+    solver.text("integrator", name);
+  }
   solver.integer("seed", 0, std::numeric_limits<int64_t>::max(), [&](int64_t v) { s.seed = uint64_t(v); });
   solver.finish();
 

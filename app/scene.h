@@ -15,7 +15,7 @@
 //   [build]      can_cut, dynamic, contact = "auto" | true | false (do wound surfaces keep each other out? auto: as soon as
 //                something has been cut; false unless asked for)
 //   [springs]    suture_N_per_mm, hook_N_per_mm
-//   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed
+//   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed, integrator = "backward_euler" | "bdf2" (of dynamic scenes)
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
 //   [camera]     target_mm = [x, y, z], from = [x, y, z] (direction towards the eye), up = [x, y, z], distance_mm, fov_deg
 //
@@ -54,6 +54,7 @@ struct Scene {
   int iterations_per_step = 10;
   double steps_per_s = 60;
   double damping_per_s = 0;
+  Integrator integrator = Integrator::backward_euler;
 
   struct Tools {
     double max_depth_mm = 9;      // deeper cuts are refused

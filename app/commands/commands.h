@@ -27,11 +27,12 @@ void add_bench(CLI::App& app, Chosen& chosen);
 /// Options that several commands share.
 struct CommonOptions {
   std::string out_dir, json_file, repro_dir;
+  std::string simd;
   int workers = 0;  // 0: as many as the machine has cores, at most 8
 
   void add_out(CLI::App& command);
   void add_json(CLI::App& command);
-  void add_workers(CLI::App& command);
+  void add_workers(CLI::App& command);  // and --simd
   void add_repro(CLI::App& command);
   /// Where refused cuts leave their files: --repro, or else --out.
   const std::string& repro() const { return repro_dir.empty() ? out_dir : repro_dir; }

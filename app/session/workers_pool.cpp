@@ -1,6 +1,8 @@
 #include "app/session/workers_pool.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <deque>
 #include <exception>
 #include <mutex>
@@ -13,6 +15,15 @@
 namespace limberg {
 
 namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+// A wait is long when it is this much longer than three chunks of the caller's took.
+constexpr microseconds patience{150};
+constexpr milliseconds first_pause{10}, longest_pause{1000};
+constexpr int good_loops_forget = 500;
 
 void pause_cpu() {
 #if defined(__x86_64__)
@@ -65,6 +76,12 @@ struct WorkersPool::Impl {
   std::exception_ptr error;
   std::mutex error_mutex;
 
+  // How sharing goes; only the caller of a loop (the one that made it `busy`) touches these.
+  Pace pace;
+  Clock::time_point alone_until{};
+  Clock::duration pause = first_pause;
+  int good_loops = 0;
+
   std::mutex jobs_mutex;
   std::deque<std::shared_ptr<PoolJob>> jobs;
 
@@ -77,11 +94,11 @@ struct WorkersPool::Impl {
     bell.notify_all();
   }
 
-  void take_chunks() {
-    for (;;) {
+  size_t take_chunks() {
+    for (size_t taken = 0;; ++taken) {
       const size_t i = next.fetch_add(1, std::memory_order_relaxed);
       const size_t begin = i * grain;
-      if (begin >= n) return;
+      if (begin >= n) return taken;
       try {
         (*body)(begin, std::min(n, begin + grain));
       } catch (...) {
@@ -133,19 +150,39 @@ void WorkersPool::parallel_for(size_t n, size_t grain, const std::function<void(
     return;
   }
   Impl& p = *impl_;
+  const Clock::time_point start = Clock::now();
+  if (start < p.alone_until) {
+    ++p.pace.alone;
+    p.busy.store(false);
+    for (size_t b = 0; b < n; b += grain) body(b, std::min(n, b + grain));
+    return;
+  }
   p.body = &body, p.n = n, p.grain = grain, p.error = nullptr;
   p.next.store(0, std::memory_order_relaxed);
   p.open.store(true);
   p.ring();
-  p.take_chunks();
+  const size_t taken = p.take_chunks();
   p.open.store(false);
+  const Clock::time_point done = Clock::now();
   for (int spins = 0; p.inside.load() != 0; ++spins)
     if (spins < 1000) pause_cpu();
     else std::this_thread::yield();
+  const Clock::time_point end = Clock::now();
+  ++p.pace.shared;
+  if (end - done > patience + 3 * (done - start) / std::max<int64_t>(1, int64_t(taken))) {
+    ++p.pace.long_waits;
+    p.alone_until = end + p.pause;
+    p.pause = std::min<Clock::duration>(2 * p.pause, longest_pause);
+    p.good_loops = 0;
+  } else if (++p.good_loops == good_loops_forget) {
+    p.pause = first_pause;
+  }
   const std::exception_ptr error = p.error;
   p.busy.store(false);
   if (error) std::rethrow_exception(error);
 }
+
+WorkersPool::Pace WorkersPool::pace() const { return impl_->pace; }
 
 std::shared_ptr<Workers::Job> WorkersPool::submit(std::function<void()> job) {
   auto j = std::make_shared<PoolJob>(std::move(job));

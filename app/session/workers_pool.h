@@ -3,7 +3,13 @@
 //
 // A loop is cut into the same chunks whatever N is, so results do not depend on it. One loop runs at a time; a loop
 // begun while another runs (from a background job) runs on its caller alone. Helpers run at SCHED_OTHER.
+//
+// When another job takes a helper's core in the middle of a chunk, the caller has to wait until the scheduler gives the core
+// back: milliseconds, for a loop of microseconds. So every loop is timed. A caller that has waited far longer than its own
+// chunks took does the next loops alone, for 10 ms at first and for twice as long after every such wait up to 1 s, and
+// shares again afterwards; 500 shared loops without a long wait forget the past. Who does a chunk never changes what it gives.
 // An exception from a chunk or a job is thrown again to whoever waits for it.
+#include <cstdint>
 #include <memory>
 
 #include "sim/workers.h"
@@ -17,6 +23,11 @@ class WorkersPool final : public Workers {
   ~WorkersPool() override;
 
   int count() const override { return n_; }
+  /// Loops so far: shared with helpers, done alone because of a long wait before, and those waits.
+  struct Pace {
+    uint64_t shared = 0, alone = 0, long_waits = 0;
+  };
+  Pace pace() const;
   void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) override;
   std::shared_ptr<Job> submit(std::function<void()> job) override;
 

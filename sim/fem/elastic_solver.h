@@ -11,10 +11,16 @@
 
 namespace limberg {
 
+/// How a dynamic step replaces time derivatives. Both are unconditionally stable on linear problems; backward Euler is of
+/// first order and damps every motion, BDF2 is of second order and damps the slow ones far less. BDF2 begins with one step of
+/// backward Euler, and again after a change of dt_s, a displacement from outside, or steps of another kind.
+enum class Integrator : uint8_t { backward_euler, bdf2 };
+
 struct StepSettings {
   int max_iterations = 10;
   double tolerance = 0;         // stop when the relative residual is below; 0 = use all iterations
-  double dt_s = 0;              // 0 = quasi-static; otherwise one backward Euler step
+  double dt_s = 0;              // 0 = quasi-static; otherwise one step of `integrator`
+  Integrator integrator = Integrator::backward_euler;
   double damping_per_s = 0;     // mass-proportional, dynamic steps only
   double budget_ms = 0;         // 0 = none. Not used by the solver itself (it reads no clock): see should_stop
   std::function<bool()> should_stop;  // asked after each iteration; empty = never
@@ -42,6 +48,9 @@ struct SolverState {
   std::vector<float> displacement_mm, velocity_mm_s;  // 3 per node
   std::vector<float> pressure;                        // 1 per cell: the multiplier of its volume
   int since_update = 0;                               // iterates since the multipliers changed
+  // One step earlier, for BDF2; before_s is the time between, 0 when there is no such step.
+  std::vector<float> displacement_before_mm, velocity_before_mm_s;
+  double before_s = 0;
   std::vector<float> memory;                          // of layers that relax (viscous_points.h)
   bool operator==(const SolverState&) const = default;
 };

@@ -62,6 +62,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
   };
   u_ = carried(u_);
   velocity_ = carried(velocity_);
+  if (before_s_ > 0) u_before_ = carried(u_before_), velocity_before_ = carried(velocity_before_);
   if (elements_)
     for (size_t c = 0; c < cells && c < cell_parent.size(); ++c)
       if (cell_parent[c] >= 0 && size_t(cell_parent[c]) < elements_->cells()) elements->set_q(c, elements_->q(size_t(cell_parent[c])));
@@ -70,7 +71,10 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
   model_ = std::move(model);
   fixed_.clear();
   for (size_t i = 0; i < n; ++i)
-    if (model_->fixed[i]) fixed_.push_back(int32_t(i)), velocity_[i] = {};
+    if (model_->fixed[i]) {
+      fixed_.push_back(int32_t(i)), velocity_[i] = {};
+      if (before_s_ > 0) u_before_[i] = u_[i], velocity_before_[i] = {};
+    }
   std::vector<double> floor(n, 0);
   for (const HexCell& c : model_->cells) {
     const Stencil& st = model_->stencils[size_t(c.stencil)];
@@ -121,7 +125,7 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
 
 void LbfgsSolver::set_contacts(std::span<const Contact> contacts) {
   if (!model_) throw InputError("", 0, "contacts were given before a model");
-  contacts_.set(*model_, contacts, workers_);
+  contacts_.set(*model_, contacts, engine_.workers());
 }
 
 LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool measure) {
@@ -129,7 +133,7 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
   const double springs = forces_.add(u, g, measure);
   Value v{cells.energy + springs, float_noise * (cells.magnitude + springs)};
   if (!contacts_.empty()) {
-    const double pressed = contacts_.add(u, g, measure, workers_);
+    const double pressed = contacts_.add(u, g, measure, engine_.workers());
     v.energy += pressed, v.noise += float_noise * pressed;
   }
   if (!points_.empty()) {
@@ -169,14 +173,22 @@ void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
     return;
   }
   const size_t n = u_.size();
-  const double a = 1 / (s.dt_s * s.dt_s), c = s.damping_per_s / s.dt_s;
-  u_before_ = u_;
+  const bool two_steps = s.integrator == Integrator::bdf2 && before_s_ == s.dt_s;
+  h_s_ = two_steps ? 2 * s.dt_s / 3 : s.dt_s;
+  const double a = 1 / (h_s_ * h_s_), c = s.damping_per_s / h_s_;
   if (inertia_target_.size() != n) inertia_target_.resize(n);
   inertia_.resize(n);
-  const float ahead = float(s.dt_s * a / (a + c));  // t = u0 + dt v0 (1/dt^2) / (1/dt^2 + c/dt)
+  u_base_ = u_;
+  const float ahead = float(h_s_ * a / (a + c));
+  constexpr float third = 1.0f / 3;
   for (size_t i = 0; i < n; ++i) {
+    v4 v = load(velocity_[i]);
+    if (two_steps) {  // as differences, so that a body at rest stays there to the last bit
+      store(u_base_[i], load(u_[i]) + third * (load(u_[i]) - load(u_before_[i])));
+      v += third * (v - load(velocity_before_[i]));
+    }
     inertia_[i] = float(model_->mass_kg[i] * (a + c));
-    store(inertia_target_[i], load(u_[i]) + ahead * load(velocity_[i]));
+    store(inertia_target_[i], load(u_base_[i]) + ahead * v);
   }
 }
 
@@ -227,16 +239,23 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
 StepReport LbfgsSolver::step(const StepSettings& s) {
   if (!model_) throw InputError("", 0, "a step was asked for before a model was given");
   prepare_dynamics(s);
-  const double mass_per_s2 = s.dt_s > 0 ? 1 / (s.dt_s * s.dt_s) + s.damping_per_s / s.dt_s : 0;
+  // BDF2's first step has the metric of its others.
+  const double h = s.integrator == Integrator::bdf2 ? 2 * s.dt_s / 3 : s.dt_s;
+  const double mass_per_s2 = s.dt_s > 0 ? 1 / (h * h) + s.damping_per_s / h : 0;
   metric_.begin_step(mass_per_s2, s.adopt_after_steps, s.adopt_when_ready);
   const auto metric = [this](const NodeArray& r, NodeArray& z) { metric_.apply(r, z); };
+
+  const bool remember = s.dt_s > 0 && s.integrator == Integrator::bdf2;
+  NodeArray u_start, velocity_start;
+  if (remember) u_start = u_, velocity_start = velocity_;
 
   StepReport report;
   last_move_mm_ = 0;
   Value value = evaluate(u_, g_, true);
   if (!inertia_.empty()) start_where_inertia_leads(value);
   if (!value.finite() || !engine_.all_finite(g_)) {  // nothing can be saved from such a state but the rest shape
-    u_.zero(), velocity_.zero(), history_.clear();
+    u_.zero(), velocity_.zero(), history_.clear(), before_s_ = 0;
+    if (remember) u_start = u_, velocity_start = velocity_;
     for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, 0);
     prepare_dynamics(s);
     value = evaluate(u_, g_, true);
@@ -286,11 +305,13 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   report.inverted_cells = elements_->inverted();
   report.min_J = 1 + double(elements_->min_theta());
   if (s.dt_s > 0) {
-    const float f = float(1 / s.dt_s);
-    for (size_t i = 0; i < u_.size(); ++i) store(velocity_[i], f * (load(u_[i]) - load(u_before_[i])));
+    const float f = float(1 / h_s_);
+    for (size_t i = 0; i < u_.size(); ++i) store(velocity_[i], f * (load(u_[i]) - load(u_base_[i])));
   } else {
     velocity_.zero();
   }
+  before_s_ = remember ? s.dt_s : 0;
+  if (remember) u_before_.swap(u_start), velocity_before_.swap(velocity_start);
   publish();
   return report;
 }
@@ -304,7 +325,7 @@ void LbfgsSolver::set_displacement_mm(std::span<const Vec3f> u) {
   if (u.size() != u_.size()) throw InputError("", 0, "a displacement needs one vector per node of the model");
   for (size_t i = 0; i < u.size(); ++i) u_[i] = {u[i][0], u[i][1], u[i][2], 0};
   follow_masters(model_->hanging, u_);
-  velocity_.zero();
+  velocity_.zero(), before_s_ = 0;
   history_.clear();
   publish();
 }
@@ -322,6 +343,8 @@ SolverState LbfgsSolver::save() const {
   s.displacement_mm = flat(u_);
   s.velocity_mm_s = flat(velocity_);
   s.since_update = since_update_;
+  s.before_s = before_s_;
+  if (before_s_ > 0) s.displacement_before_mm = flat(u_before_), s.velocity_before_mm_s = flat(velocity_before_);
   if (!elements_ || !elements_->has_multipliers()) return s;
   s.pressure.resize(elements_->cells());
   bool any = false;
@@ -332,7 +355,8 @@ SolverState LbfgsSolver::save() const {
 
 void LbfgsSolver::restore(const SolverState& s) {
   const auto fits = [](const std::vector<float>& v, size_t n) { return v.empty() || v.size() == n; };
-  if (!model_ || !fits(s.displacement_mm, 3 * u_.size()) || !fits(s.velocity_mm_s, 3 * u_.size()) || !fits(s.pressure, elements_->cells()))
+  if (!model_ || !fits(s.displacement_mm, 3 * u_.size()) || !fits(s.velocity_mm_s, 3 * u_.size()) || !fits(s.displacement_before_mm, 3 * u_.size()) ||
+      !fits(s.velocity_before_mm_s, 3 * u_.size()) || !fits(s.pressure, elements_->cells()))
     throw InputError("", 0, "a solver's state is of another model; expected one that was saved with this model");
   const auto fill = [](NodeArray& to, const std::vector<float>& from) {
     for (size_t i = 0; i < to.size(); ++i)
@@ -340,6 +364,11 @@ void LbfgsSolver::restore(const SolverState& s) {
   };
   fill(u_, s.displacement_mm);
   fill(velocity_, s.velocity_mm_s);
+  before_s_ = s.before_s;
+  if (before_s_ > 0) {
+    u_before_.resize(u_.size()), velocity_before_.resize(u_.size());
+    fill(u_before_, s.displacement_before_mm), fill(velocity_before_, s.velocity_before_mm_s);
+  }
   for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, s.pressure.empty() ? 0 : s.pressure[c]);
   since_update_ = s.since_update;
   history_.clear();

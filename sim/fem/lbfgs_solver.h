@@ -2,8 +2,10 @@
 // The elasticity solver: how the parts of this folder work together in one step.
 //
 //   u     displacement of all nodes, float, 16 bytes each; fixed nodes keep theirs (zero, or what set_displacement gave)
-//   E(u)  cells (ElementSystem) + springs (SpringForces) + contacts (ContactForces) + in a dynamic step the incremental potential of backward Euler
-//         sum_i a_i/2 |u_i - t_i|^2,  a = m (1/dt^2 + c/dt),  t = ((u0 + dt v0)/dt^2 + c u0/dt) / (1/dt^2 + c/dt)
+//   E(u)  cells (ElementSystem) + springs (SpringForces) + contacts (ContactForces) + in a dynamic step the incremental potential
+//         sum_i a_i/2 |u_i - t_i|^2,  a = m (1/h^2 + c/h),  t = ((U + h V)/h^2 + c U/h) / (1/h^2 + c/h)
+//         backward Euler: h = dt, U = u0, V = v0.  BDF2: h = 2/3 dt, U = (4 u0 - u_before)/3, V = (4 v0 - v_before)/3.
+//         In both the new velocity is (u - U)/h. (BDF2: Hairer & Wanner, Solving Ordinary Differential Equations II, V.1.)
 //   d     = -H g, H: L-BFGS over a scalar matrix, factored or by a multilevel cycle (Preconditioner); Armijo line search; when the change of energy
 //         is below the noise of single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
 //   P     hanging nodes, if any, follow their masters: u is spread to them after every move, evaluate() hands their forces
@@ -78,7 +80,10 @@ class LbfgsSolver final : public ElasticSolver {
 
   NodeArray u_, g_, d_, u_try_, g_try_;
   NodeArray velocity_;                 // mm/s
-  NodeArray u_before_, inertia_target_;
+  NodeArray u_base_, inertia_target_;  // U and t above
+  NodeArray u_before_, velocity_before_;  // one step earlier, for BDF2
+  double before_s_ = 0;                // how much earlier; 0: no such step
+  double h_s_ = 0;                     // of the step being made
   std::vector<float> inertia_;         // per node, mN/mm; empty in a quasi-static step
   double force_scale_ = 0;             // sqrt(sum_nodes (sum of force magnitudes)^2), of the last measuring evaluate
   double force_floor_ = 0;             // the same for a strain of 1e-3, so that a block at rest has a scale too

@@ -128,6 +128,8 @@ uint64_t OperatingTable::full_hash() const {
     h.bytes(v->data(), v->size() * sizeof(float));
   }
   h.add(s.since_update);
+  if (s.before_s > 0)
+    for (const std::vector<float>* v : {&s.displacement_before_mm, &s.velocity_before_mm_s}) h.bytes(v->data(), v->size() * sizeof(float));
   for (const Hook& k : hooks_) h.add(k.spring), h.add(k.anchor.at.triangle);
   for (const Stitch& k : stitches_) h.add(k.spring), h.add(k.a.at.triangle), h.add(k.b.at.triangle);
   h.add(volume_mm3_), h.add(removed_volume_mm3_);

@@ -6,10 +6,12 @@
 #include <sched.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <mutex>
 #include <set>
 #include <stdexcept>
+#include <thread>
 
 #include "app/session/thread.h"
 
@@ -50,6 +52,30 @@ TEST(WorkersPool, EveryIndexOnceOverManyShortLoops) {
       for (size_t i = b; i < e; ++i) ++hit[i];
     });
   for (const int h : hit) EXPECT_EQ(h, 2000);
+}
+
+// A helper that is held up in the middle of a chunk: the caller goes on alone for a while, and comes back. Same bits always.
+TEST(WorkersPool, AHelperThatIsHeldUpIsLeftOut) {
+  InlineWorkers one;
+  const double expected = chunked_sum(one, 5000, 100);
+  WorkersPool pool(2);
+  const auto caller = std::this_thread::get_id();
+  for (int round = 0; round < 2000 && pool.pace().long_waits == 0; ++round) {
+    std::atomic<bool> helper_came = false;
+    pool.parallel_for(2, 1, [&](size_t, size_t) {
+      if (std::this_thread::get_id() == caller)
+        for (int i = 0; i < 1000 && !helper_came; ++i) std::this_thread::yield();  // leaves a chunk to the helper
+      else
+        helper_came = true, std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    });
+  }
+  ASSERT_GT(pool.pace().long_waits, 0u);
+  const auto before = pool.pace();
+  EXPECT_EQ(chunked_sum(pool, 5000, 100), expected);  // at once: nobody is asked
+  EXPECT_GE(pool.pace().alone + pool.pace().shared, before.alone + before.shared + 1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(25));
+  EXPECT_EQ(chunked_sum(pool, 5000, 100), expected);
+  EXPECT_GT(pool.pace().shared, before.shared);  // asked again
 }
 
 TEST(WorkersPool, JobsRunOnceAndMayUseLoops) {

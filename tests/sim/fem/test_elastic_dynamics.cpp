@@ -1,4 +1,4 @@
-// Backward Euler through the same minimiser.
+// Backward Euler and BDF2 through the same minimiser.
 #include <gtest/gtest.h>
 
 #include "models.h"
@@ -35,13 +35,14 @@ struct Oscillator {
     omega = std::sqrt(spring.k_N_per_mm * 1000 / mass);
   }
   /// Height of the point above its rest after `periods` of a period in `steps` steps.
-  double run(int steps, double time) const {
+  double run(int steps, double time, Integrator integrator = Integrator::backward_euler, double damping_per_s = 0) const {
     InlineWorkers w;
     auto solver = make_solver(w);
     solver->set_model(model, {});
     solver->set_springs(std::vector<Spring>{spring});
     StepSettings s;
-    s.dt_s = time / steps, s.max_iterations = 200, s.tolerance = 1e-6;
+    s.dt_s = time / steps, s.max_iterations = 40, s.tolerance = 1e-6;
+    s.integrator = integrator, s.damping_per_s = damping_per_s;
     for (int i = 0; i < steps; ++i) solver->step(s);
     return solver->position_mm(spring.a)[2] - 5;
   }
@@ -125,6 +126,88 @@ TEST(BackwardEuler, ManyStepsEndInTheStaticSolution) {
   for (size_t i = 0; i < m->X_mm.size(); ++i)
     worst = std::max(worst, double((fast->displacement_mm()[i] - still->displacement_mm()[i]).norm()));
   EXPECT_LT(worst, 1e-3);
+}
+
+// Against the closed form, which is nearer than any number of float steps: below 1e-3 mm rounding of velocities takes over
+// (measured with 320 steps and more).
+TEST(Bdf2, SecondOrderOnADampedOscillation) {
+  const Oscillator o;
+  const double time = 2.0 / o.omega, damping = 0.4 * o.omega;
+  // The point on its spring, from rest: 2 mm (1 - e^(-ct/2) (cos wt + c/(2w) sin wt)). The block is stiff: 500 times the spring.
+  const double w = o.omega * std::sqrt(1 - 0.04);
+  const double exact = 2 * (1 - std::exp(-damping * time / 2) * (std::cos(w * time) + damping / (2 * w) * std::sin(w * time)));
+  const auto error = [&](int steps, Integrator kind) { return o.run(steps, time, kind, damping) - exact; };
+  const double e1 = error(20, Integrator::bdf2), e2 = error(40, Integrator::bdf2), e3 = error(80, Integrator::bdf2);
+  EXPECT_NEAR(std::log2(e1 / e2), 2, 0.1);  // measured 1.99, 1.98
+  EXPECT_NEAR(std::log2(e2 / e3), 2, 0.1);
+  EXPECT_NEAR(std::log2(error(40, Integrator::backward_euler) / error(80, Integrator::backward_euler)), 1, 0.1);
+  EXPECT_LT(std::abs(e3), 0.1 * std::abs(error(80, Integrator::backward_euler)));
+}
+
+TEST(Bdf2, EnergyNeverGrowsBeyondTheStartAndSlowMotionKeepsMost) {
+  const auto m = std::make_shared<FemModel>(block(true));
+  ReferenceElasticity reference(*m, {});
+  InlineWorkers w;
+  // Bent over: mostly the lowest mode (a period of about 20 ms), some of the others.
+  std::vector<Vec3> bent;
+  for (const Vec3& X : m->X_mm) bent.push_back({0.02 * X[2] * X[2], 0, 0});
+  double left[2];
+  for (Integrator kind : {Integrator::backward_euler, Integrator::bdf2}) {
+    auto solver = make_solver(w);
+    solver->set_model(m, {});
+    solver->set_displacement_mm(test::to_float(bent));
+    StepSettings s;
+    s.dt_s = 1e-3, s.integrator = kind, s.max_iterations = 200, s.tolerance = 1e-6;
+    const double start = reference.energy(current(*solver));
+    double most = 0, total = 0;
+    for (int k = 0; k < 60; ++k) {
+      solver->step(s);
+      const auto now = current(*solver);
+      const SolverState state = solver->save();
+      double kinetic = 0;
+      for (size_t i = 0; i < now.size(); ++i)
+        for (size_t j = 0; j < 3; ++j) kinetic += 0.5 * m->mass_kg[i] * double(state.velocity_mm_s[3 * i + j]) * double(state.velocity_mm_s[3 * i + j]);
+      total = reference.energy(now) + kinetic, most = std::max(most, total);
+    }
+    EXPECT_LT(most, start * (1 + 1e-4));
+    left[kind == Integrator::bdf2] = total / start;
+  }
+  EXPECT_LT(left[1], 0.99);
+  EXPECT_GT(left[1], 2 * left[0]);
+}
+
+TEST(Bdf2, LongStepsOfStiffTissueEndAtRest) {
+  const auto m = std::make_shared<FemModel>(block(true));
+  InlineWorkers w;
+  auto solver = make_solver(w);
+  solver->set_model(m, {});
+  solver->set_displacement_mm(test::to_float(test::random_displacement(*m, 0.5, 5, false)));
+  StepSettings s;
+  s.dt_s = 0.1, s.integrator = Integrator::bdf2, s.max_iterations = 300, s.tolerance = 1e-6;
+  for (int k = 0; k < 40; ++k) solver->step(s);
+  for (const Vec3f& u : solver->displacement_mm()) EXPECT_LT(u.norm(), 1e-3);
+}
+
+TEST(Bdf2, SavedAndRestoredItGoesOnToTheBit) {
+  const Oscillator o;
+  InlineWorkers w;
+  auto a = make_solver(w), b = make_solver(w);
+  StepSettings s;
+  s.dt_s = 0.1 / o.omega, s.integrator = Integrator::bdf2, s.max_iterations = 200, s.tolerance = 1e-6;
+  for (auto* x : {&a, &b}) (*x)->set_model(o.model, {}), (*x)->set_springs(std::vector<Spring>{o.spring});
+  for (int k = 0; k < 3; ++k) a->step(s);
+  const SolverState state = a->save();
+  EXPECT_GT(state.before_s, 0);
+  b->step(s);
+  b->restore(state);
+  EXPECT_TRUE(b->save() == state);
+  a->restore(state);  // forgets its pairs, as b
+  for (int k = 0; k < 3; ++k) a->step(s), b->step(s);
+  EXPECT_TRUE(a->save() == b->save());
+  StepSettings still;
+  still.max_iterations = 5;
+  a->step(still);
+  EXPECT_EQ(a->save().before_s, 0);  // another kind of step: BDF2 begins anew
 }
 
 }  // namespace
