@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/cutting/cut_builder.h"
+#include "sim/cutting/radix_sort.h"
 #include "sim/error.h"
 #include "sim/hash.h"
 
@@ -40,13 +41,16 @@ std::string check_blade(const Blade& blade, const ArrangementStore& store) {
     if (shared >= 0 && (!store.points.is_explicit(shared) || store.points.integer(shared) != blade.vertex[i]))
       return "the blade shares a point that is not an explicit point at the same place";
   }
-  std::vector<std::pair<int32_t, int32_t>> edges;
+  std::vector<uint64_t> edges, room;
+  edges.reserve(blade.tri.size() * 3);
+  const int bits = bits_of(blade.vertex.size());
   for (const Tri& t : blade.tri)
     for (size_t k = 0; k < 3; ++k) {
       if (t[k] < 0 || size_t(t[k]) >= blade.vertex.size()) return "a blade triangle names a vertex that does not exist";
-      edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+      const int32_t next = t[k == 2 ? 0 : k + 1];
+      edges.push_back(uint64_t(uint32_t(std::min(t[k], next))) << bits | uint32_t(std::max(t[k], next)));
     }
-  std::sort(edges.begin(), edges.end());
+  radix_sort(edges, room, 2 * bits, [](uint64_t e) { return e; });
   for (size_t i = 0; i + 2 < edges.size(); ++i)
     if (edges[i] == edges[i + 2]) return "more than two triangles of the blade share an edge";
   return {};
@@ -215,8 +219,7 @@ FaceKind Arrangement::kind_of_orig(int32_t o) const {
   }
 }
 std::span<const Constraint> Arrangement::constraints_of(int32_t o) const {
-  const int32_t split = store_->orig[o].split;
-  return split < 0 ? std::span<const Constraint>() : std::span<const Constraint>(store_->division[split].constraint);
+  return store_->constraints_of(o);
 }
 std::span<const int32_t> Arrangement::faces_of_orig(int32_t o) const { return store_->faces_of(o); }
 const LastOperation& Arrangement::last_operation() const { return store_->last; }

@@ -53,10 +53,10 @@ struct Constraint {
   int32_t a = -1, b = -1, partner = -1;
 };
 
-/// The complete current triangulation of a divided original triangle, pieces without material included.
+/// The complete current triangulation of a divided original triangle, pieces without material included: ranges of the
+/// store's division_face and division_constraint.
 struct Division {
-  std::vector<int32_t> face;
-  std::vector<Constraint> constraint;
+  uint32_t first_face = 0, faces = 0, first_constraint = 0, constraints = 0;
 };
 
 /// One closed component of the sided surface.

@@ -2,10 +2,22 @@
 
 #include <algorithm>
 
+#include "sim/cutting/radix_sort.h"
+
 namespace limberg {
 
+namespace {
+
+CutScratch& scratch_of(ArrangementStore& store) {
+  if (!store.scratch) store.scratch = std::make_shared<CutScratch>();
+  store.scratch->clear();
+  return *store.scratch;
+}
+
+}  // namespace
+
 CutBuilder::CutBuilder(ArrangementStore& store, const Blade& blade, std::vector<Int3> vertex)
-    : store_(store), blade_(blade), vertex_(std::move(vertex)) {
+    : store_(store), blade_(blade), vertex_(std::move(vertex)), room_(scratch_of(store)) {
   delta_ = store.begin_delta(LastOperation::cut);
 }
 
@@ -39,11 +51,14 @@ void CutBuilder::abandon() {
 }
 
 CutBuilder::Outcome CutBuilder::prepare() {
+  room_.triangle = int_triangles(vertex_, blade_.tri);
+  room_.plane.clear();
+  for (const IntTriangle& t : room_.triangle) room_.plane.push_back(plane_through(t.p[0], t.p[1], t.p[2]));
   tree_ = std::make_shared<OrigTree>();
-  tree_->bvh = tree_over(vertex_, blade_.tri);
+  tree_->boxes = tree_over(room_.triangle);
   const FaultPlan* fault = store_.points.fault;
   if (!fault || !fault->skip_embedding)
-    if (const std::string why = check_embedded(vertex_, blade_.tri, tree_->bvh); !why.empty()) {
+    if (const std::string why = check_embedded(room_.triangle, room_.plane, tree_->boxes); !why.empty()) {
       reason_ = why;
       return coincidence;
     }
@@ -57,103 +72,21 @@ CutBuilder::Outcome CutBuilder::prepare() {
     continues_ = continues_ || shared >= 0;
     blade_point_[i] = shared >= 0 ? shared : store_.points.add_explicit(vertex_[i]);
   }
-  for (const Tri& t : blade_.tri) {
+  for (size_t i = 0; i < blade_.tri.size(); ++i) {
     OrigTri o;
-    for (size_t k = 0; k < 3; ++k) o.v[k] = blade_point_[size_t(t[k])];
-    o.plane = plane_through(vertex_[size_t(t[0])], vertex_[size_t(t[1])], vertex_[size_t(t[2])]);
+    for (size_t k = 0; k < 3; ++k) o.v[k] = blade_point_[size_t(blade_.tri[i][k])];
+    room_.triangle[i].id = o.v;
+    o.plane = room_.plane[i];
     o.op = op_;
     store_.orig.push_back(o);
   }
   return ok;
 }
 
-IntTriangle CutBuilder::triangle(int32_t o) const {
-  IntTriangle t;
-  for (size_t k = 0; k < 3; ++k) t.id[k] = store_.orig[o].v[k], t.p[k] = store_.points.integer(t.id[k]);
-  return t;
-}
-
-CutBuilder::Outcome CutBuilder::intersect() {
-  struct Box {
-    Vec3 lo, hi;
-  };
-  std::vector<Box> box(blade_.tri.size());
-  for (size_t i = 0; i < box.size(); ++i) {
-    const auto& v = store_.orig[first_orig_ + int32_t(i)].v;
-    box[i].lo = box[i].hi = store_.points.approx(v[0]);
-    for (size_t k = 1; k < 3; ++k) {
-      box[i].lo = box[i].lo.cwiseMin(store_.points.approx(v[k]));
-      box[i].hi = box[i].hi.cwiseMax(store_.points.approx(v[k]));
-    }
-  }
-  // Neighbours in the blade's list are mostly neighbours in space: one walk down each tree serves several.
-  constexpr size_t kGroup = 8;
-  struct Near {
-    Box box;
-    int32_t orig = 0;
-    IntTriangle triangle;
-  };
-  std::vector<Near> near;
-  for (size_t i = 0; i < blade_.tri.size(); ++i) {
-    if (i % kGroup == 0) {
-      Box group = box[i];
-      for (size_t j = i; j < std::min(i + kGroup, box.size()); ++j)
-        group.lo = group.lo.cwiseMin(box[j].lo), group.hi = group.hi.cwiseMax(box[j].hi);
-      near.clear();
-      for (const auto& tree : store_.forest)
-        tree->bvh.box(group.lo, group.hi, [&](int32_t t) {
-          const int32_t o = tree->first + t;
-          if (store_.orig[o].live == 0) return;
-          Near& n = near.emplace_back();
-          n.orig = o;
-          n.triangle = triangle(o);
-          const auto& v = store_.orig[o].v;
-          const Vec3 &a = store_.points.approx(v[0]), &b = store_.points.approx(v[1]), &c = store_.points.approx(v[2]);
-          n.box = {a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)};
-        });
-    }
-    const int32_t s = first_orig_ + int32_t(i);
-    const IntTriangle ts = triangle(s);
-    for (const Near& n : near) {
-      if ((n.box.hi.array() < box[i].lo.array()).any() || (n.box.lo.array() > box[i].hi.array()).any()) continue;
-      const Outcome outcome = intersect_with(s, ts, n.orig, n.triangle);
-      if (outcome != ok) return outcome;
-    }
-  }
-  std::sort(segment_.begin(), segment_.end(),
-            [](const Segment& a, const Segment& b) { return std::tie(a.f, a.s) < std::tie(b.f, b.s); });
-  return ok;
-}
-
-CutBuilder::Outcome CutBuilder::intersect_with(int32_t s, const IntTriangle& ts, int32_t f, const IntTriangle& tf) {
-  bool shares = false;
-  for (int32_t a : ts.id)
-    for (int32_t b : tf.id) shares = shares || a == b;
-  if (shares)
-    return meet_beyond_shared(ts, tf) || store_.points.fails()
-               ? fail(coincidence, "the blade runs through the wall that it continues")
-               : ok;
-  // Points that it shares cannot be redrawn: in their planes lie triangles that the blade never touches.
-  const auto& cross = continues_ ? cross_triangles_exactly : cross_triangles;
-  const Crossing c = cross(ts, store_.orig[s].plane, tf, store_.orig[f].plane);
-  if (c.kind == Crossing::apart) return ok;
-  if (c.kind == Crossing::coincidence || store_.points.fails())
-    return fail(coincidence, "the blade touches the surface in a way that cannot be resolved");
-  segment_.push_back({s, f, uint32_t(mark_.size()), 2});
-  for (const CrossingEnd& e : c.end) {
-    const int32_t owner = e.edge_of_s ? s : f, plane = e.edge_of_s ? f : s;
-    const auto& v = store_.orig[owner].v;
-    const int32_t point =
-        store_.points.line_plane(v[size_t(e.edge)], v[size_t(e.edge + 1) % 3], plane, store_.orig[plane].plane);
-    mark_.push_back({point, e.edge_of_s ? PlanarSplit::kFree : int16_t(e.edge)});
-  }
-  return ok;
-}
-
 int16_t CutBuilder::label_of(int32_t point, int32_t orig) const {
-  const PointKey key = store_.points.key(point);
-  if (key.kind != PointKey::line_plane) return PlanarSplit::kFree;
-  return int16_t(store_.edge_of_orig(orig, key.id[0], key.id[1]));  // -1 == kFree: an edge of the other triangle
+  const auto* ends = store_.points.edge_of(point);
+  if (!ends) return PlanarSplit::kFree;
+  return int16_t(store_.edge_of_orig(orig, (*ends)[0], (*ends)[1]));  // -1 == kFree: an edge of the other triangle
 }
 
 bool CutBuilder::crosses(const Constraint& c, const Plane& plane_s, const Plane& plane_g, int32_t p, int32_t q,
@@ -174,19 +107,25 @@ bool CutBuilder::crosses(const Constraint& c, const Plane& plane_s, const Plane&
 CutBuilder::Outcome CutBuilder::divide() {
   static_assert(PlanarSplit::kFree == -1);
   for (size_t i = 0; i < segment_.size();) {
-    Touched t;
+    Touched& t = touched_.next();
     t.orig = segment_[i].f;
     t.first = i;
+    t.changes = false;
+    t.needed.clear();
     while (i < segment_.size() && segment_[i].f == t.orig) ++i;
     t.count = i - t.first;
-    touched_.push_back(std::move(t));
   }
-  std::vector<Mark> between;
-  for (Touched& t : touched_) {
+  constexpr size_t kAhead = 4;
+  std::vector<Mark>& between = room_.between;
+  for (size_t at = 0; at < touched_.size(); ++at) {
+    Touched& t = touched_[at];
+    if (at + kAhead < touched_.size()) {  // met in no order: fetched ahead
+      const int32_t whole = store_.orig[touched_[at + kAhead].orig].whole;
+      if (whole >= 0) __builtin_prefetch(&store_.face[whole]);
+    }
     const OrigTri f = store_.orig[t.orig];
     t.scratch.open(store_, t.orig);
-    const std::span<const Constraint> junctions =
-        f.split >= 0 ? std::span<const Constraint>(store_.division[f.split].constraint) : std::span<const Constraint>();
+    const std::span<const Constraint> junctions = store_.constraints_of(t.orig);
     for (size_t i = t.first; i < t.first + t.count; ++i) {
       Segment& seg = segment_[i];
       const Plane& plane_s = store_.orig[seg.s].plane;
@@ -203,8 +142,7 @@ CutBuilder::Outcome CutBuilder::divide() {
       }
       if (between.empty()) continue;
       // Along the segment. It goes to the end of the list of marks, where there is room.
-      int axis = 0;
-      (store_.points.approx(q) - store_.points.approx(p)).cwiseAbs().maxCoeff(&axis);
+      const int axis = store_.points.longest_axis(p, q);
       const int forward = store_.points.order(axis, q, p);
       if (forward == 0) return fail(coincidence, "a cut line without length");
       std::sort(between.begin(), between.end(), [&](const Mark& a, const Mark& b) {
@@ -231,26 +169,30 @@ CutBuilder::Outcome CutBuilder::divide() {
         const int32_t a = along[j].point, b = along[j + 1].point;
         if (!t.scratch.enforce(a, b, seg.s))
           return fail(coincidence, "a cut line runs along a junction of earlier cuts");
-        auto [piece, k] = t.scratch.find_edge(a, b);
-        if (piece < 0) std::tie(piece, k) = t.scratch.find_edge(b, a);
+        const auto [piece, k] = t.scratch.enforced();
         const auto& here = t.scratch.pieces()[size_t(piece)];
         const int32_t n = here.neighbour[size_t(k)];
         if (n < 0 || t.scratch.pieces()[size_t(n)].mat != here.mat)
           return fail(coincidence, "a cut line runs along a border");
-        if (here.mat != 0) barrier_.push_back({seg.s, seg.f, a, b, size_t(&t - touched_.data()), here.mat});
+        if (here.mat != 0)
+          barrier_.push_back({seg.s, seg.f, a, b, label_of(a, seg.s), label_of(b, seg.s), uint32_t(at), here.mat});
       }
     }
   }
-  std::sort(barrier_.begin(), barrier_.end(), [](const Barrier& a, const Barrier& b) {
-    return std::tie(a.s, a.f, a.a, a.b) < std::tie(b.s, b.f, b.a, b.b);
-  });
+  // By blade triangle, then by existing one (they come so), then by ends.
+  radix_sort(barrier_, room_.barrier_room, bits_of(blade_.tri.size()),
+             [&](const Barrier& b) { return uint64_t(b.s - first_orig_); });
+  for (size_t i = 1; i < barrier_.size(); ++i)
+    for (size_t j = i; j > 0 && barrier_[j - 1].s == barrier_[j].s && barrier_[j - 1].f == barrier_[j].f &&
+                       std::tie(barrier_[j].a, barrier_[j].b) < std::tie(barrier_[j - 1].a, barrier_[j - 1].b);
+         --j)
+      std::swap(barrier_[j - 1], barrier_[j]);
   return ok;
 }
 
 CutBuilder::Outcome CutBuilder::divide_blade() {
   for (const Barrier& b : barrier_)
-    for (int32_t p : {b.a, b.b}) {
-      const int16_t k = label_of(p, b.s);
+    for (const auto& [p, k] : {std::pair(b.a, b.label_a), std::pair(b.b, b.label_b)}) {
       if (k == PlanarSplit::kFree) continue;
       const auto& v = store_.orig[b.s].v;
       const int32_t u = v[size_t(k)], w = v[size_t(k + 1) % 3];
@@ -259,7 +201,7 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
   std::sort(edge_point_.begin(), edge_point_.end());
   edge_point_.erase(std::unique(edge_point_.begin(), edge_point_.end()), edge_point_.end());
 
-  blade_split_.resize(blade_.tri.size());
+  blade_split_.take(blade_.tri.size());
   barrier_first_.reserve(blade_.tri.size());
   size_t next = 0;
   for (size_t i = 0; i < blade_.tri.size(); ++i) {
@@ -277,8 +219,8 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
     barrier_first_.push_back(begin);
     while (next < barrier_.size() && barrier_[next].s == s) ++next;
     for (size_t j = begin; j < next; ++j)
-      for (int32_t p : {barrier_[j].a, barrier_[j].b})
-        if (label_of(p, s) == PlanarSplit::kFree && !split.insert(p, PlanarSplit::kFree))
+      for (const auto& [p, k] : {std::pair(barrier_[j].a, barrier_[j].label_a), std::pair(barrier_[j].b, barrier_[j].label_b)})
+        if (k == PlanarSplit::kFree && !split.insert(p, PlanarSplit::kFree))
           return fail(coincidence, "two cut lines meet on the blade");
     for (size_t j = begin; j < next; ++j)
       if (!split.enforce(barrier_[j].a, barrier_[j].b, barrier_[j].f))

@@ -7,8 +7,10 @@
 //   find_patches  blade divided by barriers (junctions with live faces); flood; inside or outside by unanimous vote
 //   select        patches in material that hold a seed
 //   commit        divide only by what the kept patches need; walls in, gluing of dirty edges, local invariants
-#include "sim/cutting/planar_split.h"
-#include "sim/cutting/tri_tests.h"
+//
+// cut_builder.cpp holds the frame and the divisions, cut_intersect.cpp the second step, cut_patches.cpp and
+// cut_commit.cpp the last ones.
+#include "sim/cutting/cut_scratch.h"
 
 namespace limberg {
 
@@ -21,25 +23,10 @@ class CutBuilder {
   const std::string& reason() const { return reason_; }
 
  private:
-  struct Mark {
-    int32_t point = 0;
-    int16_t label = 0;  // where it lies on f (PlanarSplit labels)
-  };
-  struct Segment {
-    int32_t s = 0, f = 0;          // blade triangle and existing one, both as original triangles
-    uint32_t first = 0, count = 0;  // its marks: ends, and between them crossings of junctions, in order
-  };
-  struct Touched {
-    int32_t orig = 0;
-    size_t first = 0, count = 0;  // its segments
-    PlanarSplit scratch;
-    std::vector<std::pair<int32_t, int32_t>> needed;  // sub-edges, ascending ends
-  };
-  struct Barrier {  // a sub-edge of a segment next to live material
-    int32_t s = 0, f = 0, a = 0, b = 0;
-    size_t touched = 0;
-    uint8_t mat = 0;
-  };
+  using Mark = CutScratch::Mark;
+  using Segment = CutScratch::Segment;
+  using Touched = CutScratch::Touched;
+  using Barrier = CutScratch::Barrier;
 
   Outcome fail(Outcome o, const char* why) {
     reason_ = why;
@@ -47,6 +34,7 @@ class CutBuilder {
   }
   Outcome prepare();
   Outcome intersect();
+  void find_near();
   Outcome intersect_with(int32_t s, const IntTriangle& ts, int32_t f, const IntTriangle& tf);
   Outcome divide();
   Outcome divide_blade();
@@ -60,7 +48,6 @@ class CutBuilder {
 
   std::span<Mark> marks(const Segment& s) { return {mark_.data() + s.first, s.count}; }
   std::span<const Mark> marks(const Segment& s) const { return {mark_.data() + s.first, s.count}; }
-  IntTriangle triangle(int32_t orig) const;
   int16_t label_of(int32_t point, int32_t orig) const;  // of an end of a segment
   bool crosses(const Constraint& c, const Plane& plane_s, const Plane& plane_g, int32_t p, int32_t q, bool& zero) const;
   /// Points that a kept patch is bounded by.
@@ -85,18 +72,17 @@ class CutBuilder {
   std::vector<int32_t> blade_point_;
   bool continues_ = false;  // shares points with an older wall
   int32_t first_orig_ = 0, op_ = 0;
-  std::vector<Segment> segment_;
-  std::vector<Mark> mark_;
-  std::vector<Touched> touched_;
-  std::vector<Barrier> barrier_;
-  std::vector<PlanarSplit> blade_split_;                  // per blade triangle
-  std::vector<std::pair<int32_t, int32_t>> shared_edge_;  // sub-edges shared with older walls, ascending ends
-  std::vector<std::array<int32_t, 3>> edge_point_;        // blade edge (ascending ends), point on it
-  std::vector<int32_t> kept_;                             // room for write_division
-  // Enforced in the order of barrier_, so junction j of blade triangle i is barrier barrier_first_[i] + j.
-  std::vector<size_t> barrier_first_;
-  std::vector<size_t> piece_first_;  // per blade triangle: its first piece among all
-  std::vector<uint8_t> keep_;        // per piece
+  CutScratch& room_;
+  std::vector<Segment>& segment_ = room_.segment;
+  std::vector<Mark>& mark_ = room_.mark;
+  Recycled<Touched>& touched_ = room_.touched;
+  std::vector<Barrier>& barrier_ = room_.barrier;
+  Recycled<PlanarSplit>& blade_split_ = room_.blade_split;
+  std::vector<std::pair<int32_t, int32_t>>& shared_edge_ = room_.shared_edge;
+  std::vector<std::array<int32_t, 3>>& edge_point_ = room_.edge_point;
+  std::vector<size_t>& barrier_first_ = room_.barrier_first;
+  std::vector<size_t>& piece_first_ = room_.piece_first;
+  std::vector<uint8_t>& keep_ = room_.keep;
 };
 
 }  // namespace limberg

@@ -45,28 +45,29 @@ CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& ou
 }
 
 void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
-  OrigTri& orig = store_.orig[o];
+  OrigTri& orig = store_.orig[size_t(o)];
   const auto pieces = split.pieces();
   Division d;
-  d.constraint = split.current_constraints();
-  d.face.reserve(pieces.size());
-  const bool is_new = o >= first_orig_;
-  if (!is_new) {
-    Delta::OrigBefore before{o, orig.live, orig.whole, orig.split, std::nullopt};
-    kept_.clear();
+  d.first_constraint = uint32_t(store_.division_constraint.size());
+  d.constraints = split.append_constraints(store_.division_constraint);
+  if (o < first_orig_) {
+    std::vector<int32_t>& kept = room_.kept;
+    kept.clear();
     for (const auto& p : pieces)
-      if (p.face >= 0) kept_.push_back(p.face);
-    std::sort(kept_.begin(), kept_.end());
+      if (p.face >= 0) kept.push_back(p.face);
+    std::sort(kept.begin(), kept.end());
     for (int32_t f : store_.faces_of(o)) {
-      if (std::binary_search(kept_.begin(), kept_.end(), f)) continue;
-      Face& face = store_.face[f];
+      if (std::binary_search(kept.begin(), kept.end(), f)) continue;
+      Face& face = store_.face[size_t(f)];
       if (face.live()) store_.last.removed.push_back(f);
       face.retired = true;
       delta_.retired.push_back(f);
     }
-    if (orig.split >= 0) before.division = std::move(store_.division[orig.split]);  // gets a new one below
-    delta_.orig.push_back(std::move(before));
+    delta_.orig.push_back({o, orig.live, orig.whole, orig.split, std::nullopt});
+    if (orig.split >= 0) delta_.orig.back().division = store_.division[size_t(orig.split)];  // gets a new one below
   }
+  d.first_face = uint32_t(store_.division_face.size());
+  d.faces = uint32_t(pieces.size());
   orig.live = 0;
   for (const auto& p : pieces) {
     int32_t f = p.face;
@@ -76,12 +77,13 @@ void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
       store_.mate.push_back({-1, -1, -1, -1, -1, -1});
       if (p.mat != 0) store_.last.added.push_back(f);
     }
-    d.face.push_back(f);
-    orig.live += store_.face[f].live();
+    store_.division_face.push_back(f);
+    orig.live += store_.face[size_t(f)].live();
   }
-  if (d.face.size() == 1 && d.constraint.empty()) {
-    orig.whole = d.face[0];
+  if (d.faces == 1 && d.constraints == 0) {
+    orig.whole = store_.division_face.back();
     orig.split = -1;
+    store_.division_face.pop_back();
     return;
   }
   orig.whole = -1;
@@ -89,7 +91,7 @@ void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
     orig.split = int32_t(store_.division.size());
     store_.division.emplace_back();
   }
-  store_.division[orig.split] = std::move(d);
+  store_.division[size_t(orig.split)] = d;
 }
 
 CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
@@ -121,7 +123,6 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     v.erase(std::unique(v.begin(), v.end()), v.end());
   };
   tidy(needed_points.old);
-  std::vector<uint8_t> change(touched_.size(), 0);
   for (size_t i = 0; i < touched_.size(); ++i) {
     Touched& t = touched_[i];
     tidy(t.needed);
@@ -133,7 +134,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
         forced = forced || (m.label != PlanarSplit::kFree && needed_points.has(m.point));
     }
     if (t.needed.empty() && !forced) continue;
-    change[i] = 1;
+    t.changes = true;
     if (t.needed.size() == sub_edges) continue;  // the scratch division is the final one
     PlanarSplit final_split;
     if (divide_finally(t, final_split, needed_points) != ok)
@@ -149,7 +150,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   store_.last = LastOperation{};
   store_.last.kind = LastOperation::cut;
   for (size_t i = 0; i < touched_.size(); ++i)
-    if (change[i]) {
+    if (touched_[i].changes) {
       write_division(touched_[i].orig, touched_[i].scratch);
       if (store_.points.fails()) return fail(coincidence, "made to fail");
     }
@@ -166,25 +167,35 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
 
   // The edge map is large and met in no order: what comes next is fetched ahead.
   constexpr size_t kAhead = 4;
-  const auto account = [&](const std::vector<int32_t>& faces, bool in) {
-    for (size_t i = 0; i < faces.size(); ++i) {
-      if (i + kAhead < faces.size()) store_.edges.prefetch(store_.face[faces[i + kAhead]].v);
-      store_.account(faces[i], in);
-    }
-  };
-  account(store_.last.removed, false);
-  account(store_.last.added, true);
+  const auto& removed = store_.last.removed;
+  const auto& added = store_.last.added;
+  store_.edges.make_room(removed.size() + added.size(), int32_t(store_.face.size()) - 1);
+  for (size_t i = 0; i < removed.size(); ++i) {
+    if (i + kAhead < removed.size()) store_.edges.prefetch(store_.face[size_t(removed[i + kAhead])].v);
+    store_.edges.remove(removed[i], store_.face[size_t(removed[i])].v);
+  }
+  for (size_t i = 0; i < added.size(); ++i) {
+    if (i + kAhead < added.size()) store_.edges.prefetch(store_.face[size_t(added[i + kAhead])].v);
+    store_.edges.add(added[i], store_.face[size_t(added[i])].v);
+  }
   store_.edges.end_changes();
+  for (int32_t f : removed) store_.account_sums(f, false);
+  for (int32_t f : added) store_.account_sums(f, true);
   accounted_ = true;
-  for (const Edge& e : store_.edges.changed())
-    if (const char* why = store_.glue_edge(e.first, e.second, &delta_)) return fail(coincidence, why);
+  for (const EdgeMap::Change& c : store_.edges.changed())
+    if (const char* why = store_.glue_edge(c.edge.first, c.edge.second, store_.edges.first(c), &delta_))
+      return fail(coincidence, why);
 
   // Local invariants: the divided surface encloses the same volume, every side that faces material is glued all round,
   // junctions are edges of both triangles that they join.
   if (store_.volume_residue != delta_.volume_residue) return fail(coincidence, "the volume changed");
+  Projection view;
+  int32_t viewed = -1;
   for (size_t f = size_t(delta_.faces); f < store_.face.size(); ++f) {
     const Face& face = store_.face[f];
-    if (store_.points.turn(store_.orig[face.orig].plane, face.v[0], face.v[1], face.v[2]) <= 0)
+    const Plane& plane = store_.orig[size_t(face.orig)].plane;
+    if (face.orig != viewed) view = Projection(plane), viewed = face.orig;
+    if (store_.points.turn(plane, view, face.v[0], face.v[1], face.v[2]) <= 0)
       return fail(coincidence, "a face without area");
   }
   for (int32_t f : store_.last.added)
@@ -195,8 +206,8 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
         if ((m >= 0) != store_.face[f].has_side(side) || (m >= 0 && store_.mate[m / 6][size_t(m % 6)] != h))
           return fail(coincidence, "the surface does not close");
       }
-  for (size_t i = 0; i < touched_.size(); ++i)
-    for (const Edge& e : touched_[i].needed)
+  for (const Touched& t : touched_)
+    for (const Edge& e : t.needed)
       if (store_.edges.first(e.first, e.second) < 0) return fail(coincidence, "a junction is missing");
 
   tree_->first = first_orig_;

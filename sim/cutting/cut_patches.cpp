@@ -11,29 +11,23 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   std::vector<size_t>& first = piece_first_;
   first.assign(blade_split_.size() + 1, 0);
   for (size_t i = 0; i < blade_split_.size(); ++i) first[i + 1] = first[i] + blade_split_[i].pieces().size();
-  std::vector<size_t> parent(first.back());
-  std::iota(parent.begin(), parent.end(), size_t(0));
-  const auto root = [&](size_t x) {
-    while (parent[x] != x) x = parent[x] = parent[parent[x]];
-    return x;
+  std::vector<int32_t>& parent = room_.parent;
+  parent.resize(first.back());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](size_t at) {
+    int32_t x = int32_t(at);
+    while (parent[size_t(x)] != x) x = parent[size_t(x)] = parent[size_t(parent[size_t(x)])];
+    return size_t(x);
   };
   const auto unite = [&](size_t a, size_t b) {
     a = root(a), b = root(b);
-    if (a != b) parent[std::max(a, b)] = std::min(a, b);
+    if (a != b) parent[std::max(a, b)] = int32_t(std::min(a, b));
   };
 
-  struct BorderEdge {
-    int32_t a, b;
-    size_t piece;
-    auto operator<=>(const BorderEdge&) const = default;
-  };
-  struct Vote {
-    size_t piece;
-    bool inside;
-  };
-  std::vector<BorderEdge> border;
-  std::vector<Vote> votes;
-  std::vector<uint8_t> seeded(first.back(), 0);
+  std::vector<CutScratch::BorderEdge>& border = room_.border;
+  std::vector<CutScratch::Vote>& votes = room_.vote;
+  std::vector<uint8_t>& seeded = room_.seeded;
+  seeded.assign(first.back(), 0);
   for (size_t i = 0; i < blade_split_.size(); ++i) {
     const auto pieces = blade_split_[i].pieces();
     const uint8_t seed = i < blade_.seed.size() ? blade_.seed[i] : uint8_t(1);
@@ -46,14 +40,14 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
         if (label == PlanarSplit::kFree) {
           unite(me, first[i] + size_t(pieces[t].neighbour[k]));
         } else if (label < PlanarSplit::kJunction) {
-          border.push_back({std::min(a, b), std::max(a, b), me});
+          border.push_back({std::min(a, b), std::max(a, b), int32_t(me)});
         } else {
           const int32_t f = blade_split_[i].partner(label);
           // Next to its junction with f the piece lies on the side of f where its third corner is.
           const int side = store_.points.side(store_.orig[f].plane, pieces[t].v[(k + 2) % 3]);
           if (side == 0) return fail(coincidence, "a piece of the blade lies on the surface");
           const Barrier& barrier = barrier_[barrier_first_[i] + size_t(label - PlanarSplit::kJunction)];
-          votes.push_back({me, bool(barrier.mat >> (side > 0 ? 0 : 1) & 1)});
+          votes.push_back({int32_t(me), bool(barrier.mat >> (side > 0 ? 0 : 1) & 1)});
           if (seed == 1 && store_.is_body(f)) seeded[me] = 1;
         }
       }
@@ -62,16 +56,17 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   if (shared_edge_.empty()) {  // nothing but pairs to find: no need to sort
     size_t slots = 64;
     while (slots < border.size() * 2) slots *= 2;
-    std::vector<int32_t> seen(slots, -1);
+    std::vector<int32_t>& seen = room_.table;
+    seen.assign(slots, -1);
     for (size_t i = 0; i < border.size(); ++i) {
-      const BorderEdge& e = border[i];
+      const CutScratch::BorderEdge& e = border[i];
       size_t at = size_t((uint64_t(uint32_t(e.a)) << 32 | uint32_t(e.b)) * 0x9e3779b97f4a7c15ull >> 32) & (slots - 1);
       while (seen[at] >= 0 && (border[size_t(seen[at])].a != e.a || border[size_t(seen[at])].b != e.b))
         at = (at + 1) & (slots - 1);
       if (seen[at] < 0)
         seen[at] = int32_t(i);
       else
-        unite(e.piece, border[size_t(seen[at])].piece);
+        unite(size_t(e.piece), size_t(border[size_t(seen[at])].piece));
     }
     border.clear();
   }
@@ -81,27 +76,27 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
     while (j < border.size() && border[j].a == border[i].a && border[j].b == border[i].b) ++j;
     if (std::binary_search(shared_edge_.begin(), shared_edge_.end(), std::pair(border[i].a, border[i].b))) {
       for (size_t m = i; m < j; ++m) {
-        const size_t tri = size_t(std::upper_bound(first.begin(), first.end(), border[m].piece) - first.begin()) - 1;
-        const auto& v = blade_split_[tri].pieces()[border[m].piece - first[tri]].v;
+        const size_t tri = size_t(std::upper_bound(first.begin(), first.end(), size_t(border[m].piece)) - first.begin()) - 1;
+        const auto& v = blade_split_[tri].pieces()[size_t(border[m].piece) - first[tri]].v;
         int32_t third = v[0];
         for (int32_t p : v)
           if (p != border[m].a && p != border[m].b) third = p;
         const int vote = vote_at_shared_edge(border[m].a, border[m].b, first_orig_ + int32_t(tri), third);
         if (vote < 0) return fail(coincidence, "the blade lies on the wall that it continues");
         votes.push_back({border[m].piece, vote == 1});
-        if (tri < blade_.seed.size() && blade_.seed[tri] == 3) seeded[border[m].piece] = 1;
+        if (tri < blade_.seed.size() && blade_.seed[tri] == 3) seeded[size_t(border[m].piece)] = 1;
       }
     } else {
       if (j - i > 2) return fail(refused, "more than two triangles of the blade share an edge");
-      if (j - i == 2) unite(border[i].piece, border[i + 1].piece);
+      if (j - i == 2) unite(size_t(border[i].piece), size_t(border[i + 1].piece));
     }
     i = j;
   }
 
   std::vector<int8_t> inside(first.back(), -1);
   std::vector<uint8_t> seed_of(first.back(), 0);
-  for (const Vote& v : votes) {
-    int8_t& known = inside[root(v.piece)];
+  for (const CutScratch::Vote& v : votes) {
+    int8_t& known = inside[root(size_t(v.piece))];
     if (known >= 0 && known != int8_t(v.inside))
       return fail(coincidence, "the blade is both inside and outside the body");
     known = int8_t(v.inside);

@@ -49,14 +49,14 @@ int CutBuilder::vote_at_shared_edge(int32_t a, int32_t b, int32_t s, int32_t thi
   for (int32_t h = store_.edges.first(a, b); h >= 0; h = store_.edges.next(h)) {
     const Face& f = store_.face[h / 3];
     around.push_back(
-        {store_.orig[f.orig].plane, f.orig, f.v[size_t(h % 3)] == a ? 1 : -1, f.v[size_t(h % 3 + 2) % 3], f.mat, h});
+        {&store_.orig[f.orig].plane, f.orig, f.v[size_t(h % 3)] == a ? 1 : -1, f.v[size_t(h % 3 + 2) % 3], f.mat, h});
   }
   // The new face as one of them; its own bits do not matter. Sense as if its corners were a, b, third.
   RadialFace me;
-  me.plane = store_.orig[s].plane;
+  me.plane = &store_.orig[s].plane;
   me.orig = s;
   me.third = third;
-  me.sense = store_.points.turn(me.plane, a, b, third);
+  me.sense = store_.points.turn(*me.plane, a, b, third);
   around.insert(around.begin(), me);
   if (!sort_radially(store_.points, a, b, around)) return -1;
   const bool after = around[1].cw_material(), before = around.back().ccw_material();

@@ -3,7 +3,7 @@
 // at a crack front. Open addressing; faces at one edge are chained through their half-edges (3 * face + k).
 //
 // A cut asks in the end which edges it has touched: between begin_changes() and end_changes() every edge that gains or
-// loses a face is noted once.
+// loses a face is noted once, with the place where it is found again without a search.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -26,9 +26,9 @@ class EdgeMap {
   /// Enters or removes the three edges of a face.
   void add(int32_t face, const std::array<int32_t, 3>& v) {
     if (next_.size() < size_t(face) * 3 + 3) next_.resize(size_t(face) * 3 + 3, -1);
+    if ((used_ + 3) * 2 > slot_.size()) grow();
     for (int k = 0; k < 3; ++k) {
-      if ((used_ + 1) * 2 > slot_.size()) grow();
-      Slot& s = slot_[find_or_enter(key(v[size_t(k)], v[size_t(k + 1) % 3]))];
+      Slot& s = slot_[find_or_enter(key(v[size_t(k)], v[k == 2 ? 0 : size_t(k + 1)]))];
       next_[size_t(face) * 3 + size_t(k)] = s.head;
       s.head = face * 3 + k;
       note(s);
@@ -36,7 +36,7 @@ class EdgeMap {
   }
   void remove(int32_t face, const std::array<int32_t, 3>& v) {
     for (int k = 0; k < 3; ++k) {
-      Slot& s = slot_[find(key(v[size_t(k)], v[size_t(k + 1) % 3]))];
+      Slot& s = slot_[find(key(v[size_t(k)], v[k == 2 ? 0 : size_t(k + 1)]))];
       int32_t* at = &s.head;
       while (*at != face * 3 + k) at = &next_[size_t(*at)];
       *at = next_[size_t(*at)];
@@ -51,6 +51,13 @@ class EdgeMap {
   }
   int32_t next(int32_t half_edge) const { return next_[size_t(half_edge)]; }
 
+  /// After this `faces` faces can be entered, the last of them named last_face, without asking for memory.
+  void make_room(size_t faces, int32_t last_face) {
+    if (next_.size() < size_t(last_face + 1) * 3) next_.resize(size_t(last_face + 1) * 3, -1);
+    if ((used_ + 3 * faces) * 2 > slot_.size()) grow(3 * faces);
+    changed_.reserve(changed_.size() + 3 * faces);
+  }
+
   /// Soon to be added or removed.
   void prefetch(const std::array<int32_t, 3>& v) const {
     for (size_t k = 0; k < 3; ++k) __builtin_prefetch(&slot_[Search(key(v[k], v[(k + 1) % 3]), slot_.size()).at], 1);
@@ -62,8 +69,16 @@ class EdgeMap {
     ++round_;
   }
   void end_changes() { noting_ = false; }
-  /// Edges touched since begin_changes(), in the order of their first change.
-  std::span<const Edge> changed() const { return changed_; }
+  /// Edges touched since begin_changes(), in the order of their first change, with their first half-edge or -1.
+  struct Change {
+    Edge edge;
+    uint32_t slot;
+  };
+  std::span<const Change> changed() const { return changed_; }
+  int32_t first(const Change& c) const {
+    const Slot& s = slot_[c.slot];
+    return s.key == key(c.edge.first, c.edge.second) ? s.head : -1;  // another's: it lost its faces, and came again elsewhere if at all
+  }
 
  private:
   static constexpr uint64_t kEmpty = ~uint64_t(0);
@@ -111,10 +126,10 @@ class EdgeMap {
   void note(Slot& s) {
     if (!noting_ || s.round == round_) return;
     s.round = round_;
-    changed_.push_back({int32_t(s.key >> 32), int32_t(uint32_t(s.key))});
+    changed_.push_back({{int32_t(s.key >> 32), int32_t(uint32_t(s.key))}, uint32_t(&s - slot_.data())});
   }
-  void grow() {  // edges without faces are dropped on the way
-    size_t live = 0;
+  void grow(size_t more = 3) {  // edges without faces are dropped on the way
+    size_t live = more;
     for (const Slot& s : slot_) live += s.key != kEmpty && s.head >= 0;
     size_t n = 64;
     while (n < (live + 1) * 4) n *= 2;
@@ -129,6 +144,7 @@ class EdgeMap {
       slot_[find(s.key)] = s;
       ++used_;
     }
+    for (Change& c : changed_) c.slot = uint32_t(find(key(c.edge.first, c.edge.second)));
   }
 
   std::vector<Slot> slot_;
@@ -136,7 +152,7 @@ class EdgeMap {
   size_t used_ = 0;  // slots that are not empty
   bool noting_ = false;
   uint32_t round_ = 0;
-  std::vector<Edge> changed_;
+  std::vector<Change> changed_;
 };
 
 }  // namespace limberg

@@ -12,6 +12,8 @@ Delta ArrangementStore::begin_delta(LastOperation::Kind kind) const {
   d.faces = int32_t(face.size());
   d.origs = int32_t(orig.size());
   d.divisions = int32_t(division.size());
+  d.division_faces = division_face.size();
+  d.division_constraints = division_constraint.size();
   d.ops = int32_t(op.size());
   d.forest = forest;
   d.hash_sum = hash_sum;

@@ -11,11 +11,11 @@ namespace {
 // coinciding.
 int sector(const PointStore& points, int32_t a, int32_t b, const RadialFace& g, const RadialFace& h) {
   if (g.orig == h.orig) return g.sense == h.sense ? -1 : 1;
-  const int side = g.sense * points.side(g.plane, h.third);
+  const int side = g.sense * points.side(*g.plane, h.third);
   if (side > 0) return 0;
   if (side < 0) return 2;
-  const int sg = points.turn(g.plane, a, b, g.third);
-  const int sh = points.turn(g.plane, a, b, h.third);
+  const int sg = points.turn(*g.plane, a, b, g.third);
+  const int sh = points.turn(*g.plane, a, b, h.third);
   return sg * sh < 0 ? 1 : -1;
 }
 
@@ -23,34 +23,28 @@ int sector(const PointStore& points, int32_t a, int32_t b, const RadialFace& g, 
 
 bool sort_radially(const PointStore& points, int32_t a, int32_t b, std::vector<RadialFace>& faces) {
   if (faces.size() < 3) return faces.size() < 2 || faces[0].orig != faces[1].orig || faces[0].sense != faces[1].sense;
-  struct Item {
-    RadialFace face;
-    int sector;
-  };
-  std::vector<Item> items;
   bool ok = true;
-  for (size_t i = 0; i < faces.size(); ++i) {
-    const int s = i == 0 ? -2 : sector(points, a, b, faces[0], faces[i]);
-    if (s == -1) ok = false;
-    items.push_back({faces[i], s});
+  faces[0].sector = -2;
+  for (size_t i = 1; i < faces.size(); ++i) {
+    faces[i].sector = sector(points, a, b, faces[0], faces[i]);
+    if (faces[i].sector == -1) ok = false;
   }
   // Within an open half turn "h is counter-clockwise of g" is an order. Few faces meet here: insertion sort.
-  for (size_t i = 2; i < items.size(); ++i)
+  for (size_t i = 2; i < faces.size(); ++i)
     for (size_t j = i; j > 1; --j) {
-      bool before = items[j].sector < items[j - 1].sector;
-      if (items[j].sector == items[j - 1].sector) {
-        const int s = sector(points, a, b, items[j].face, items[j - 1].face);
+      bool before = faces[j].sector < faces[j - 1].sector;
+      if (faces[j].sector == faces[j - 1].sector) {
+        const int s = sector(points, a, b, faces[j], faces[j - 1]);
         if (s == -1 || s == 1) ok = false;
         before = s == 0;
       }
       if (!before) break;
-      std::swap(items[j], items[j - 1]);
+      std::swap(faces[j], faces[j - 1]);
     }
-  for (size_t i = 0; i < faces.size(); ++i) faces[i] = items[i].face;
   return ok;
 }
 
-const char* ArrangementStore::glue_edge(int32_t a, int32_t b, Delta* delta) {
+const char* ArrangementStore::glue_edge(int32_t a, int32_t b, int32_t h0, Delta* delta) {
   const auto set = [&](int32_t half_edge, int side, int32_t value) {
     int32_t& m = mate[half_edge / 3][size_t(3 * side + half_edge % 3)];
     if (m == value) return;
@@ -76,7 +70,6 @@ const char* ArrangementStore::glue_edge(int32_t a, int32_t b, Delta* delta) {
   };
   constexpr const char* kDisagree = "the two faces of a sector disagree about material";
   constexpr const char* kCoincide = "two faces coincide at an edge";
-  const int32_t h0 = edges.first(a, b);
   if (h0 < 0) return nullptr;
   const int32_t h1 = edges.next(h0);
   if (h1 < 0) {  // a crack front
@@ -96,15 +89,15 @@ const char* ArrangementStore::glue_edge(int32_t a, int32_t b, Delta* delta) {
     const size_t k = size_t(h % 3);
     RadialFace r;
     r.orig = f.orig;
-    r.plane = orig[f.orig].plane;
+    r.plane = &orig[f.orig].plane;
     r.sense = f.v[k] == a ? 1 : -1;
     r.third = f.v[(k + 2) % 3];
     r.mat = f.mat;
     r.half_edge = h;
+    size_t at = around.size();  // by half-edge
     around.push_back(r);
+    for (; at > 0 && around[at - 1].half_edge > h; --at) std::swap(around[at], around[at - 1]);
   }
-  std::sort(around.begin(), around.end(),
-            [](const RadialFace& x, const RadialFace& y) { return x.half_edge < y.half_edge; });
   if (!sort_radially(points, a, b, around)) return kCoincide;
   for (size_t i = 0; i < around.size(); ++i) {
     const RadialFace &g = around[i], &h = around[(i + 1) % around.size()];
@@ -150,14 +143,20 @@ uint64_t ArrangementStore::face_hash(const Face& f) const { return hash_of(f, co
 uint64_t ArrangementStore::face_volume_residue(const Face& f) const { return volume_of(f, corners_of(points, f)); }
 
 void ArrangementStore::account(int32_t id, bool in) {
+  if (in)
+    edges.add(id, face[id].v);
+  else
+    edges.remove(id, face[id].v);
+  account_sums(id, in);
+}
+
+void ArrangementStore::account_sums(int32_t id, bool in) {
   const Face& f = face[id];
   const Corners corner = corners_of(points, f);
   if (in) {
-    edges.add(id, f.v);
     hash_sum += hash_of(f, corner);
     volume_residue = mod_add(volume_residue, volume_of(f, corner));
   } else {
-    edges.remove(id, f.v);
     hash_sum -= hash_of(f, corner);
     volume_residue = mod_sub(volume_residue, volume_of(f, corner));
   }

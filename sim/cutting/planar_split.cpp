@@ -15,6 +15,7 @@ int prev3(int k) { return k == 0 ? 2 : k - 1; }
 void PlanarSplit::open(const PointStore& points, const Plane& plane, const std::array<int32_t, 3>& v) {
   points_ = &points;
   plane_ = plane;
+  view_ = Projection(plane);
   junction_.clear();
   Piece p;
   p.v = v;
@@ -32,22 +33,23 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
     piece_[0].face = store.orig[o].whole;
     // The face may start at another corner than the original triangle.
     piece_[0].v = store.face[store.orig[o].whole].v;
-    for (size_t k = 0; k < 3; ++k)
+    for (size_t k = 0; k < 3 && piece_[0].v != store.orig[o].v; ++k)
       piece_[0].label[k] = int16_t(store.edge_of_orig(o, piece_[0].v[k], piece_[0].v[(k + 1) % 3]));
     return;
   }
-  const Division& d = store.division[store.orig[o].split];
-  junction_ = d.constraint;
+  const auto faces = store.faces_of(o);
+  const auto junctions = store.constraints_of(o);
+  junction_.assign(junctions.begin(), junctions.end());
   piece_.clear();
-  piece_.reserve(d.face.size() * 2 + 8);
+  piece_.reserve(faces.size() * 2 + 8);
   struct HalfEdge {
     int32_t lo, hi, piece;
     int k;
     bool operator<(const HalfEdge& b) const { return std::tie(lo, hi, piece) < std::tie(b.lo, b.hi, b.piece); }
   };
-  std::vector<HalfEdge> edges;
-  edges.reserve(d.face.size() * 3);
-  for (int32_t f : d.face) {
+  thread_local std::vector<HalfEdge> edges;
+  edges.clear();
+  for (int32_t f : faces) {
     Piece p;
     p.v = store.face[f].v;
     p.mat = store.face[f].mat;
@@ -63,8 +65,8 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
   const auto on_edge = [&](int32_t point, int k) {  // of the original triangle
     const auto& v = store.orig[o].v;
     if (point == v[size_t(k)] || point == v[size_t(next3(k))]) return true;
-    const PointKey key = store.points.key(point);
-    return key.kind == PointKey::line_plane && store.edge_of_orig(o, key.id[0], key.id[1]) == k;
+    const auto* ends = store.points.edge_of(point);
+    return ends && store.edge_of_orig(o, (*ends)[0], (*ends)[1]) == k;
   };
   for (size_t i = 0; i < edges.size(); ++i) {
     if (i + 1 < edges.size() && edges[i].lo == edges[i + 1].lo && edges[i].hi == edges[i + 1].hi) {
@@ -88,28 +90,10 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
 
 bool PlanarSplit::strictly_between(int32_t a, int32_t p, int32_t b) const {
   // The three are collinear: compare along the axis in which a and b differ most.
-  const Vec3 d = (points_->approx(b) - points_->approx(a)).cwiseAbs();
-  int axis = 0;
-  d.maxCoeff(&axis);
+  const int axis = points_->longest_axis(a, b);
   const int ab = points_->order(axis, a, b);
   return ab != 0 && points_->order(axis, a, p) == ab &&
          points_->order(axis, p, b) == ab;
-}
-
-int32_t PlanarSplit::locate(int32_t point) const {
-  // Walk across edges that have the point on their other side; bounded, because among implicit points a walk may
-  // circle.
-  int32_t t = std::min(last_, int32_t(piece_.size()) - 1);
-  for (size_t steps = 0; steps < piece_.size(); ++steps) {
-    int32_t next = -1;
-    for (int k = 0; k < 3 && next < 0; ++k)
-      if (piece_[t].neighbour[size_t(k)] >= 0 &&
-          orient(piece_[t].v[size_t(k)], piece_[t].v[size_t(next3(k))], point) < 0)
-        next = piece_[t].neighbour[size_t(k)];
-    if (next < 0) return t;
-    t = next;
-  }
-  return 0;
 }
 
 bool PlanarSplit::insert(int32_t point, int16_t label) {
@@ -126,30 +110,46 @@ bool PlanarSplit::insert(int32_t point, int16_t label) {
       }
     return false;
   }
-  // The piece that the walk ends in, then (should the walk have failed) every other.
-  const size_t start = size_t(locate(point));
-  for (size_t i = 0; i < piece_.size(); ++i) {
-    const size_t t = (start + i) % piece_.size();
-    const auto v = piece_[t].v;
-    int zero_edge = -1, zeros = 0;
+  // Walk across edges that have the point on their other side; bounded, because among implicit points a walk may circle.
+  std::array<int, 3> side{};
+  int32_t t = std::min(last_, int32_t(piece_.size()) - 1), from = -1;
+  for (size_t steps = 0; steps < piece_.size(); ++steps) {
+    const Piece& p = piece_[size_t(t)];
+    int out = -1;
+    for (int k = 0; k < 3 && out < 0; ++k) {
+      side[size_t(k)] = from >= 0 && p.neighbour[size_t(k)] == from ? 1 : orient(p.v[size_t(k)], p.v[size_t(next3(k))], point);
+      if (side[size_t(k)] < 0) out = k;
+    }
+    if (out < 0) return insert_into(t, side, point);
+    if (p.neighbour[size_t(out)] < 0) break;
+    from = t;
+    t = p.neighbour[size_t(out)];
+  }
+  for (t = 0; t < int32_t(piece_.size()); ++t) {
+    const auto& v = piece_[size_t(t)].v;
     bool inside = true;
     for (int k = 0; k < 3 && inside; ++k) {
-      const int s = orient(v[size_t(k)], v[size_t(next3(k))], point);
-      if (s < 0) inside = false;
-      if (s == 0) zero_edge = k, ++zeros;
+      side[size_t(k)] = orient(v[size_t(k)], v[size_t(next3(k))], point);
+      inside = side[size_t(k)] >= 0;
     }
-    if (!inside) continue;
-    if (zeros > 1) return false;
-    last_ = int32_t(t);
-    if (zeros == 1) {
-      if (piece_[t].label[size_t(zero_edge)] != kFree) return false;
-      split_edge(int32_t(t), zero_edge, point);
-    } else {
-      split_piece(int32_t(t), point);
-    }
-    return true;
+    if (inside) return insert_into(t, side, point);
   }
   return false;
+}
+
+bool PlanarSplit::insert_into(int32_t t, const std::array<int, 3>& side, int32_t point) {
+  int edge = -1, zeros = 0;
+  for (int k = 0; k < 3; ++k)
+    if (side[size_t(k)] == 0) edge = k, ++zeros;
+  if (zeros > 1) return false;
+  last_ = t;
+  if (zeros == 1) {
+    if (piece_[size_t(t)].label[size_t(edge)] != kFree) return false;
+    split_edge(t, edge, point);
+  } else {
+    split_piece(t, point);
+  }
+  return true;
 }
 
 void PlanarSplit::relink(int32_t piece, int32_t from, int32_t to) {
@@ -219,8 +219,10 @@ void PlanarSplit::flip(int32_t t, int k) {
 
 std::pair<int32_t, int> PlanarSplit::find_edge(int32_t a, int32_t b) const {
   for (size_t t = 0; t < piece_.size(); ++t)
-    for (int k = 0; k < 3; ++k)
-      if (piece_[t].v[size_t(k)] == a && piece_[t].v[size_t(next3(k))] == b) return {int32_t(t), k};
+    for (int k = 0; k < 3; ++k) {
+      const int32_t u = piece_[t].v[size_t(k)], v = piece_[t].v[size_t(next3(k))];
+      if ((u == a && v == b) || (u == b && v == a)) return {int32_t(t), k};
+    }
   return {-1, 0};
 }
 
@@ -240,10 +242,10 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     if (piece_[t].label[size_t(k)] != kFree) return false;  // it lies on something that is there already
     junction_.push_back({a, b, partner});
     set_label(t, k, label);
+    enforced_ = {t, k};
     return true;
   };
   if (const auto [t, k] = find_edge(a, b); t >= 0) return finish(t, k);
-  if (const auto [t, k] = find_edge(b, a); t >= 0) return finish(t, k);
 
   // The pieces that a-b passes through, from the one at a whose opposite edge it crosses.
   thread_local std::vector<int32_t> corridor;
@@ -351,16 +353,16 @@ void PlanarSplit::forget_dead_junctions() {
       if (p.label[k] >= kJunction && p.mat == 0 && piece_[p.neighbour[k]].mat == 0) p.label[k] = kFree;
 }
 
-std::vector<Constraint> PlanarSplit::current_constraints() const {
-  std::vector<Constraint> out;
+uint32_t PlanarSplit::append_constraints(std::vector<Constraint>& out) const {
+  const size_t before = out.size();
+  if (junction_.empty()) return 0;
   for (size_t t = 0; t < piece_.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
+    for (size_t k = 0; k < 3; ++k) {
       const Piece& p = piece_[t];
-      if (p.label[size_t(k)] < kJunction || p.neighbour[size_t(k)] < int32_t(t))
-        continue;  // each once, from its lower side
-      out.push_back({p.v[size_t(k)], p.v[size_t(next3(k))], partner(p.label[size_t(k)])});
+      if (p.label[k] < kJunction || p.neighbour[k] < int32_t(t)) continue;  // each once, from its lower side
+      out.push_back({p.v[k], p.v[size_t(next3(int(k)))], partner(p.label[k])});
     }
-  return out;
+  return uint32_t(out.size() - before);
 }
 
 }  // namespace limberg

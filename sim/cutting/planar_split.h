@@ -43,18 +43,21 @@ class PlanarSplit {
   void forget_dead_junctions();
 
   std::span<const Piece> pieces() const { return piece_; }
-  /// The piece and edge k that run from a to b; -1 if there is none.
-  std::pair<int32_t, int> find_edge(int32_t a, int32_t b) const;
   /// Partner of a junction label.
   int32_t partner(int16_t label) const { return junction_[label - kJunction].partner; }
-  /// The junctions as they are now: sub-edges, each once.
-  std::vector<Constraint> current_constraints() const;
+  /// The edge that the last successful enforce() made: a piece and its edge k.
+  std::pair<int32_t, int> enforced() const { return enforced_; }
+  /// Appends the junctions as they are now: sub-edges, each once. Returns how many.
+  uint32_t append_constraints(std::vector<Constraint>& out) const;
 
  private:
-  int32_t locate(int32_t point) const;  // a piece that holds it, or the one to try first
+  /// A piece with the edge between a and b, in either sense; -1 if there is none.
+  std::pair<int32_t, int> find_edge(int32_t a, int32_t b) const;
+  /// Puts a point that lies in the closed piece t into it, given its sides of the three edges.
+  bool insert_into(int32_t t, const std::array<int, 3>& side, int32_t point);
   int orient(int32_t a, int32_t b, int32_t c) const {
     if (a == b || b == c || c == a) return 0;  // the filter cannot see this zero, and wide integers are slow
-    return points_->turn(plane_, a, b, c);
+    return points_->turn(plane_, view_, a, b, c);
   }
   bool strictly_between(int32_t a, int32_t p, int32_t b) const;
   void split_piece(int32_t t, int32_t point);
@@ -66,9 +69,11 @@ class PlanarSplit {
 
   const PointStore* points_ = nullptr;
   Plane plane_;
+  Projection view_;
   std::vector<Piece> piece_;
   std::vector<Constraint> junction_;
   int32_t last_ = 0;  // where the last point went in: the next is often near
+  std::pair<int32_t, int> enforced_{-1, 0};
 };
 
 }  // namespace limberg

@@ -17,8 +17,10 @@ uint64_t mod_inverse(uint64_t a) {  // Fermat: a^(p - 2)
 uint64_t mod_prime(const Int256& value) {
   const bool negative = value.negative();
   const Int256 m = negative ? -value : value;
+  size_t top = 4;
+  while (top > 0 && m.limb[top - 1] == 0) --top;
   uint64_t r = 0;
-  for (size_t i = 4; i-- > 0;) {
+  for (size_t i = top; i-- > 0;) {
     const uint128 t = (uint128(r) << 3) + m.limb[i];
     r = uint64_t(t & kPrime) + uint64_t(t >> 61);
     if (r >= kPrime) r -= kPrime;
@@ -57,7 +59,7 @@ int32_t PointStore::add_implicit(const PointKey& key, const Homogeneous& h) {
   table_[place(key)] = int32_t(implicit_.size());
   approx_.push_back(approximate(h));
   implicit_of_.push_back(int32_t(implicit_.size()));
-  implicit_.push_back({h, key, id, {}});
+  implicit_.push_back({h, key, id});
   return id;
 }
 
@@ -70,36 +72,28 @@ void PointStore::truncate(int32_t n) {
     implicit_of_.pop_back();
     approx_.pop_back();
   }
-  settled_ = std::min(settled_, implicit_.size());
+  residue_.resize(std::min(residue_.size(), implicit_.size()));
 }
 
 void PointStore::settle() {
-  // x_i / w_i for all i with one inverse: products of w up to each point, the inverse of the last, and back.
-  const size_t from = settled_, n = implicit_.size() - from;
-  if (n == 0) return;
-  std::vector<uint64_t> w(n), before(n);
+  // x_i / w_i for all i with one inverse: products of w up to each point, the inverse of the last, and back. The
+  // product before a point waits in the place of its first residue, w in that of its second.
+  const size_t from = residue_.size();
+  if (from == implicit_.size()) return;
+  residue_.resize(implicit_.size());
   uint64_t product = 1;
-  for (size_t i = 0; i < n; ++i) {
-    w[i] = mod_prime(implicit_[from + i].h.w);
-    before[i] = product;
-    if (w[i] != 0) product = mod_mul(product, w[i]);
+  for (size_t i = from; i < implicit_.size(); ++i) {
+    const uint64_t w = mod_prime(implicit_[i].h.w);
+    residue_[i] = {product, w, 0};
+    if (w != 0) product = mod_mul(product, w);
   }
   uint64_t inverse = mod_inverse(product);
-  for (size_t i = n; i-- > 0;) {
-    Implicit& p = implicit_[from + i];
-    const uint64_t own = w[i] != 0 ? mod_mul(inverse, before[i]) : 0;
-    if (w[i] != 0) inverse = mod_mul(inverse, w[i]);
-    for (size_t k = 0; k < 3; ++k) p.residue[k] = mod_mul(mod_prime(p.h.x[k]), own);
+  for (size_t i = implicit_.size(); i-- > from;) {
+    const uint64_t before = residue_[i][0], w = residue_[i][1];
+    const uint64_t own = w != 0 ? mod_mul(inverse, before) : 0;
+    if (w != 0) inverse = mod_mul(inverse, w);
+    for (size_t k = 0; k < 3; ++k) residue_[i][k] = mod_mul(mod_prime(implicit_[i].h.x[k]), own);
   }
-  settled_ = implicit_.size();
-}
-
-Residues PointStore::residues(int32_t i) const {
-  if (!is_explicit(i)) return implicit_[implicit_of_[i]].residue;
-  const Vec3& p = approx_[i];
-  Residues r;
-  for (int k = 0; k < 3; ++k) r[size_t(k)] = p[k] < 0 ? kPrime - uint64_t(-p[k]) : uint64_t(p[k]);
-  return r;
 }
 
 }  // namespace limberg

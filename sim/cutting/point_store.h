@@ -42,33 +42,64 @@ class PointStore {
   void truncate(int32_t n);
 
   bool is_explicit(int32_t i) const { return implicit_of_[i] < 0; }
-  Int3 integer(int32_t i) const { return {int32_t(approx_[i][0]), int32_t(approx_[i][1]), int32_t(approx_[i][2])}; }
+  Int3 integer(int32_t i) const {
+    const double* p = approx_[size_t(i)].data();
+    return {int32_t(p[0]), int32_t(p[1]), int32_t(p[2])};
+  }
+  /// Soon to be asked for.
+  void prefetch(int32_t i) const { __builtin_prefetch(&approx_[size_t(i)]); }
   const Vec3& approx(int32_t i) const { return approx_[i]; }
   PointRef ref(int32_t i) const { return {&approx_[i], implicit_of_[i] < 0 ? nullptr : &implicit_[implicit_of_[i]].h}; }
   PointKey key(int32_t i) const { return implicit_of_[i] < 0 ? PointKey{} : implicit_[implicit_of_[i]].key; }
+  /// For an intersection of an edge: the ends of that edge, ascending; else null.
+  const std::array<int32_t, 3>* edge_of(int32_t i) const {
+    if (implicit_of_[size_t(i)] < 0) return nullptr;
+    const PointKey& k = implicit_[size_t(implicit_of_[size_t(i)])].key;
+    return k.kind == PointKey::line_plane ? &k.id : nullptr;
+  }
   Homogeneous exact(int32_t i) const { return is_explicit(i) ? homogeneous(integer(i)) : implicit_[implicit_of_[i]].h; }
   /// Residues of all points so far, in one go: needs one division for all. residues() asks for it.
   void settle();
-  Residues residues(int32_t i) const;
+  Residues residues(int32_t i) const {
+    if (const int32_t k = implicit_of_[size_t(i)]; k >= 0) return residue_[size_t(k)];
+    const double* p = approx_[size_t(i)].data();
+    Residues r;
+    for (size_t k = 0; k < 3; ++k) {
+      const int64_t v = int64_t(p[k]);
+      r[k] = uint64_t(v + (v >> 63 & int64_t(kPrime)));
+    }
+    return r;
+  }
 
   // The signs of predicates.h by point ids: every decision among implicit points is made here.
   int side(const Plane& plane, int32_t p) const {
-    const int s = side_of_plane(plane, ref(p));
+    int s = filtered_side(plane, approx_[size_t(p)]);
+    if (s == 0) s = side_of_plane(plane, ref(p));
     if (!fault) return s;
     if (fault->watch) fault->watch->side(plane, ref(p), s);
     return fault->strikes() ? 0 : s;
   }
-  int turn(const Plane& plane, int32_t a, int32_t b, int32_t c) const {
-    const int s = orient2d(plane, ref(a), ref(b), ref(c));
+  int turn(const Plane& plane, int32_t a, int32_t b, int32_t c) const { return turn(plane, Projection(plane), a, b, c); }
+  /// For those who ask often about one plane: `view` is its projection.
+  int turn(const Plane& plane, const Projection& view, int32_t a, int32_t b, int32_t c) const {
+    int s = filtered_orient2d(view, approx_[size_t(a)], approx_[size_t(b)], approx_[size_t(c)]);
+    if (s == 0) s = orient2d(view, ref(a), ref(b), ref(c));
     if (!fault) return s;
     if (fault->watch) fault->watch->turn(plane, ref(a), ref(b), ref(c), s);
     return fault->strikes() ? 0 : s;
   }
   int order(int axis, int32_t a, int32_t b) const {
-    const int s = compare_coordinate(axis, ref(a), ref(b));
+    int s = filtered_order(axis, approx_[size_t(a)], approx_[size_t(b)]);
+    if (s == 0) s = compare_coordinate(axis, ref(a), ref(b));
     if (!fault) return s;
     if (fault->watch) fault->watch->order(axis, ref(a), ref(b), s);
     return fault->strikes() ? 0 : s;
+  }
+  /// The axis along which two points lie farthest apart.
+  int longest_axis(int32_t a, int32_t b) const {
+    const double *p = approx_[size_t(a)].data(), *q = approx_[size_t(b)].data();
+    const double x = std::abs(q[0] - p[0]), y = std::abs(q[1] - p[1]), z = std::abs(q[2] - p[2]);
+    return x >= y ? (x >= z ? 0 : 2) : (y >= z ? 1 : 2);
   }
   /// A step that a test may make fail.
   bool fails() const { return fault && fault->strikes(); }
@@ -79,7 +110,6 @@ class PointStore {
     Homogeneous h;
     PointKey key;
     int32_t point = 0;
-    Residues residue{};  // from settle() on
   };
   static uint64_t hash(const PointKey& k) {
     uint64_t h = uint64_t(k.kind);
@@ -101,7 +131,7 @@ class PointStore {
   std::vector<Vec3> approx_;          // explicit points: exact
   std::vector<int32_t> implicit_of_;  // -1: explicit
   std::vector<Implicit> implicit_;
-  size_t settled_ = 0;                // implicit points with residues
+  std::vector<Residues> residue_;     // of the implicit points that settle() has seen
   std::vector<int32_t> table_;        // open addressing by key: index of implicit_, -1 empty. Points leave in reverse order
                                       // of coming, so a place that is emptied never lies inside another's search
 };

@@ -24,7 +24,7 @@ std::optional<double> PocketMap::height(const Vec3& p_mm, const Vec3& n, double 
   const Vec3 box = Vec3::Constant(reach);
   std::optional<double> best;
   for (size_t i = 1; i < s.forest.size(); ++i)
-    s.forest[i]->bvh.box(p - box, p + box, [&](int32_t j) {
+    s.forest[i]->boxes.box(p - box, p + box, [&](int32_t j) {
       const int32_t o = s.forest[i]->first + j;
       if (s.orig[o].live == 0) return;
       for (int32_t f : s.faces_of(o)) {

@@ -29,7 +29,7 @@ bool ArrangementStore::is_cut_already(const Blade& blade) const {
       bool covered = false;
       const Vec3 reach = Vec3::Constant(beyond);
       for (size_t i = 1; i < forest.size() && !covered; ++i)
-        forest[i]->bvh.box(p - reach, p + reach, [&](int32_t j) {
+        forest[i]->boxes.box(p - reach, p + reach, [&](int32_t j) {
           const OrigTri& o = orig[forest[i]->first + j];
           if (covered || o.live == 0) return;
           const Vec3 &a = points.approx(o.v[0]), &b = points.approx(o.v[1]), &c = points.approx(o.v[2]);

@@ -4,17 +4,18 @@
 #include <optional>
 
 #include "sim/cutting/arrangement.h"
+#include "sim/cutting/box_tree.h"
 #include "sim/cutting/edge_map.h"
 #include "sim/cutting/point_store.h"
-#include "sim/geometry/bvh.h"
 
 namespace limberg {
 
-/// A box tree over original triangles [first, first + count), in half-units (exact in floats).
+/// A box tree over original triangles [first, first + count).
 struct OrigTree {
   int32_t first = 0, count = 0;
-  Bvh bvh;
+  BoxTree boxes;
 };
+struct CutScratch;
 using Forest = std::vector<std::shared_ptr<const OrigTree>>;
 
 /// One operation that made original triangles: the body (op 0) or a blade.
@@ -34,6 +35,7 @@ struct Components {
 struct Delta {
   LastOperation::Kind kind = LastOperation::none;
   int32_t points = 0, faces = 0, origs = 0, divisions = 0, ops = 0;  // array lengths before
+  size_t division_faces = 0, division_constraints = 0;
   Forest forest;                                                     // before
   std::vector<int32_t> retired;                                      // faces retired
   std::vector<std::pair<int32_t, uint8_t>> mat;                      // face, bits before (excision)
@@ -55,12 +57,15 @@ struct ArrangementStore {
   std::vector<std::array<int32_t, 6>> mate;  // per face: [3 * side + k]
   std::vector<OrigTri> orig;
   std::vector<Division> division;
+  std::vector<int32_t> division_face;            // of all divisions, earlier ones included: undo goes back to them
+  std::vector<Constraint> division_constraint;
   EdgeMap edges;
   std::vector<OpRecord> op;
   Forest forest;
   std::vector<SurfaceTag> tag;  // per body triangle
   std::vector<Delta> history;
   LastOperation last;
+  std::shared_ptr<CutScratch> scratch;  // working space of cuts (cut_scratch.h), of no meaning between them
   uint64_t hash_sum = 0;        // sum of face_hash over live faces
   uint64_t volume_residue = 0;  // 6 V modulo kPrime
 
@@ -73,7 +78,13 @@ struct ArrangementStore {
   std::span<const int32_t> faces_of(int32_t o) const {
     const OrigTri& t = orig[o];
     if (t.split < 0) return {&t.whole, size_t(t.whole >= 0)};
-    return division[t.split].face;
+    const Division& d = division[size_t(t.split)];
+    return {division_face.data() + d.first_face, size_t(d.faces)};
+  }
+  std::span<const Constraint> constraints_of(int32_t o) const {
+    if (orig[o].split < 0) return {};
+    const Division& d = division[size_t(orig[o].split)];
+    return {division_constraint.data() + d.first_constraint, size_t(d.constraints)};
   }
   /// Which edge (0, 1, 2) of original triangle o has these end points; -1 if none.
   int edge_of_orig(int32_t o, int32_t a, int32_t b) const {
@@ -90,9 +101,13 @@ struct ArrangementStore {
   uint64_t face_volume_residue(const Face& f) const;  // of its sided faces: 6 V modulo kPrime
   /// Enters a face that is to live into the edge map and the running sums, or takes it out of them.
   void account(int32_t f, bool in);
+  /// Its part in the running sums alone.
+  void account_sums(int32_t f, bool in);
   /// Sets the mates of every live face at the edge a-b by the radial rule; old ones of faces older than `delta` go to it. Returns a
   /// description of the contradiction if there is one, else null.
-  const char* glue_edge(int32_t a, int32_t b, Delta* delta);
+  const char* glue_edge(int32_t a, int32_t b, Delta* delta) { return glue_edge(a, b, edges.first(a, b), delta); }
+  /// The same where the first half-edge at a-b is known.
+  const char* glue_edge(int32_t a, int32_t b, int32_t first, Delta* delta);
 
   // components.cpp
   void find_components() const;
@@ -116,12 +131,13 @@ struct ArrangementStore {
 
 /// A face as the radial order around an edge a-b sees it.
 struct RadialFace {
-  Plane plane;
+  const Plane* plane = nullptr;
   int32_t orig = -1;
   int sense = 1;       // +1 when the face runs a -> b
   int32_t third = -1;  // its third corner
   uint8_t mat = 0;
   int32_t half_edge = -1;  // 3 * face + k
+  int sector = 0;          // for sort_radially
   uint8_t ccw_side() const { return sense > 0 ? 0 : 1; }
   bool ccw_material() const { return mat >> ccw_side() & 1; }
   bool cw_material() const { return mat >> (1 - ccw_side()) & 1; }

@@ -99,10 +99,20 @@ bool edge_meets(const IntTriangle& s, size_t k, const std::array<int, 3>& side, 
 }  // namespace
 
 bool meet_beyond_shared(const IntTriangle& s, const IntTriangle& t) {
+  return meet_beyond_shared(s, plane_through(s.p[0], s.p[1], s.p[2]), t, plane_through(t.p[0], t.p[1], t.p[2]));
+}
+
+bool meet_beyond_shared(const IntTriangle& s, const Plane& ps, const IntTriangle& t, const Plane& pt) {
   int shared = 0;
-  for (int32_t i : s.id) shared += i == t.id[0] || i == t.id[1] || i == t.id[2];
+  size_t other = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    const bool known = s.id[i] == t.id[0] || s.id[i] == t.id[1] || s.id[i] == t.id[2];
+    shared += known;
+    if (!known) other = i;
+  }
   if (shared == 3) return true;
-  const Plane ps = plane_through(s.p[0], s.p[1], s.p[2]), pt = plane_through(t.p[0], t.p[1], t.p[2]);
+  // Two different planes through a common edge: nothing but the common line.
+  if (shared == 2 && side_of_plane(pt, s.p[other]) != 0) return false;
   std::array<int, 3> side_s, side_t;
   int plus = 0, minus = 0;
   for (size_t i = 0; i < 3; ++i) {
@@ -128,13 +138,23 @@ bool meet_beyond_shared(const IntTriangle& s, const IntTriangle& t) {
 
 namespace {
 
-Crossing cross(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t, bool exactly) {
+// The sides of a triangle's corners against a plane: -1 all on one, 0 a coincidence, +1 straddling.
+int classify(const std::array<int, 3>& x) {
+  const int plus = (x[0] > 0) + (x[1] > 0) + (x[2] > 0), minus = (x[0] < 0) + (x[1] < 0) + (x[2] < 0);
+  return plus == 3 || minus == 3 ? -1 : plus + minus < 3 ? 0 : 1;
+}
+
+// Of a straddling triangle: its two edges through the plane, ascending. They meet in the corner that is alone.
+std::array<size_t, 2> straddling_edges(const std::array<int, 3>& side) {
+  if (side[0] == side[1]) return {1, 2};
+  return side[0] == side[2] ? std::array<size_t, 2>{0, 1} : std::array<size_t, 2>{0, 2};
+}
+
+}  // namespace
+
+Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t) {
   Crossing result;
   std::array<int, 3> ss, st;
-  const auto classify = [](const std::array<int, 3>& x) {  // -1 apart, 0 coincidence, +1 straddling
-    const int plus = (x[0] > 0) + (x[1] > 0) + (x[2] > 0), minus = (x[0] < 0) + (x[1] < 0) + (x[2] < 0);
-    return plus == 3 || minus == 3 ? -1 : plus + minus < 3 ? 0 : 1;
-  };
   for (size_t i = 0; i < 3; ++i) ss[i] = side_of_plane(plane_t, s.p[i]);
   const int cs = classify(ss);
   if (cs < 0) return result;
@@ -143,7 +163,47 @@ Crossing cross(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t,
   if (ct < 0) return result;
   if (cs == 0 || ct == 0) {
     result.kind = Crossing::coincidence;
-    if (!exactly) return result;
+    return result;
+  }
+  // Both straddle the other's plane, so each has two edges that cross it. An edge of s meets the plane of t on the line
+  // that both planes share; it is inside t when that place lies between t's two crossing edges. On which side of one of
+  // them it lies is the sign of a volume, which is that of the two edges whichever is asked about the other: four signs
+  // tell all. The third edge of t need not be asked: the common line does not meet it.
+  const auto es = straddling_edges(ss), et = straddling_edges(st);
+  int o[2][2];
+  for (size_t i = 0; i < 2; ++i)
+    for (size_t j = 0; j < 2; ++j)
+      o[i][j] = orient3d(s.p[es[i]], s.p[(es[i] + 1) % 3], t.p[et[j]], t.p[(et[j] + 1) % 3]);
+  if (o[0][0] * o[0][1] * o[1][0] * o[1][1] == 0) {
+    result.kind = Crossing::coincidence;
+    return result;
+  }
+  size_t ends = 0;
+  const auto end = [&](bool of_s, size_t edge) {
+    if (ends < 2) result.end[ends] = {of_s, int(edge)};
+    ++ends;
+  };
+  for (size_t i = 0; i < 2; ++i)
+    if (o[i][0] == o[i][1]) end(true, es[i]);
+  for (size_t j = 0; j < 2; ++j)
+    if (o[0][j] == o[1][j]) end(false, et[j]);
+  if (ends == 2) result.kind = Crossing::crossing;
+  if (ends > 2) result.kind = Crossing::coincidence;  // cannot happen
+  return result;
+}
+
+Crossing cross_triangles_exactly(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t,
+                                 const Plane& plane_t) {
+  Crossing result;
+  std::array<int, 3> ss, st;
+  for (size_t i = 0; i < 3; ++i) ss[i] = side_of_plane(plane_t, s.p[i]);
+  const int cs = classify(ss);
+  if (cs < 0) return result;
+  for (size_t i = 0; i < 3; ++i) st[i] = side_of_plane(plane_s, t.p[i]);
+  const int ct = classify(st);
+  if (ct < 0) return result;
+  if (cs == 0 || ct == 0) {
+    result.kind = Crossing::coincidence;
     IntTriangle a = s, b = t;  // without common names: closed triangles
     a.id = {0, 1, 2};
     b.id = {3, 4, 5};
@@ -188,52 +248,6 @@ Crossing cross(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t,
   if (ends == 1 || (ends == 0 && (cs == 0 || ct == 0)))
     result.kind = Crossing::coincidence;  // cannot happen without an exact zero
   return result;
-}
-
-}  // namespace
-
-Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t) {
-  return cross(s, plane_s, t, plane_t, false);
-}
-
-Crossing cross_triangles_exactly(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t,
-                                 const Plane& plane_t) {
-  return cross(s, plane_s, t, plane_t, true);
-}
-
-Bvh tree_over(std::span<const Int3> vertex, std::span<const Tri> tri) {
-  std::vector<Vec3> x(vertex.size());
-  for (size_t i = 0; i < vertex.size(); ++i) x[i] = Vec3(vertex[i].x, vertex[i].y, vertex[i].z);
-  return Bvh(x, tri);
-}
-
-std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri) {
-  return check_embedded(vertex, tri, tree_over(vertex, tri));
-}
-
-std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri, const Bvh& tree) {
-  const auto at = [&](int32_t v) {
-    const Int3& p = vertex[size_t(v)];
-    return Vec3(p.x, p.y, p.z);
-  };
-  const auto triangle = [&](size_t i) {
-    IntTriangle t;
-    for (size_t k = 0; k < 3; ++k) t.p[k] = vertex[size_t(tri[i][k])], t.id[k] = tri[i][k];
-    return t;
-  };
-  for (size_t i = 0; i < tri.size(); ++i) {
-    const IntTriangle s = triangle(i);
-    const Plane p = plane_through(s.p[0], s.p[1], s.p[2]);
-    if (p.n[0] == 0 && p.n[1] == 0 && p.n[2] == 0) return "the blade has a triangle without area";
-    Vec3 lo = at(tri[i][0]), hi = lo;
-    for (int32_t v : tri[i]) lo = lo.cwiseMin(at(v)), hi = hi.cwiseMax(at(v));
-    bool folded = false;
-    tree.box(lo, hi, [&](int32_t j) {
-      if (size_t(j) > i && !folded && meet_beyond_shared(s, triangle(size_t(j)))) folded = true;
-    });
-    if (folded) return "the blade runs through itself";
-  }
-  return {};
 }
 
 }  // namespace limberg

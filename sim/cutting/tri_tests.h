@@ -4,8 +4,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "sim/geometry/bvh.h"
+#include "sim/cutting/box_tree.h"
 #include "sim/geometry/exact/predicates.h"
 
 namespace limberg {
@@ -17,6 +18,7 @@ struct IntTriangle {
 
 /// Do two triangles have a point in common besides the vertices and the edge that they share by name? Touching counts.
 bool meet_beyond_shared(const IntTriangle& s, const IntTriangle& t);
+bool meet_beyond_shared(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t);
 
 /// Where two triangles without shared vertices cross in general position: the two ends of the common segment.
 struct CrossingEnd {
@@ -34,10 +36,13 @@ Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTr
 Crossing cross_triangles_exactly(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t,
                                  const Plane& plane_t);
 
+/// Triangles by their vertices' indices and places.
+std::vector<IntTriangle> int_triangles(std::span<const Int3> vertex, std::span<const Tri> tri);
+BoxTree tree_over(std::span<const IntTriangle> triangle);
+
 /// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices. `tree`: over the
 /// same triangles.
-std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri, const Bvh& tree);
+std::string check_embedded(std::span<const IntTriangle> triangle, std::span<const Plane> plane, const BoxTree& tree);
 std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri);
-Bvh tree_over(std::span<const Int3> vertex, std::span<const Tri> tri);
 
 }  // namespace limberg

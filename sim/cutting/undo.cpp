@@ -30,6 +30,8 @@ void ArrangementStore::take_back(const Delta& d) {
     if (b.division) division[b.split] = *b.division;
   }
   division.resize(size_t(d.divisions));
+  division_face.resize(d.division_faces);
+  division_constraint.resize(d.division_constraints);
   orig.resize(size_t(d.origs));
   op.resize(size_t(d.ops));
   points.truncate(d.points);
@@ -52,20 +54,17 @@ void ArrangementStore::plant(std::shared_ptr<OrigTree> tree) {
     tree->count += forest.back()->count;
     forest.pop_back();
   }
-  if (tree->count == own && !tree->bvh.empty()) {
+  if (tree->count == own && !tree->boxes.empty()) {
     forest.push_back(std::move(tree));
     return;
   }
-  std::vector<Vec3> x;
-  std::vector<Tri> t;
-  x.reserve(size_t(tree->count) * 3);
-  t.reserve(size_t(tree->count));
+  std::vector<std::array<Int3, 3>> corner;
+  corner.reserve(size_t(tree->count));
   for (int32_t o = tree->first; o < tree->first + tree->count; ++o) {
-    const int32_t n = int32_t(x.size());
-    for (int32_t v : orig[o].v) x.push_back(points.approx(v));
-    t.push_back({n, n + 1, n + 2});
+    const auto& v = orig[o].v;
+    corner.push_back({points.integer(v[0]), points.integer(v[1]), points.integer(v[2])});
   }
-  tree->bvh = Bvh(x, t);
+  tree->boxes = BoxTree(corner);
   forest.push_back(std::move(tree));
 }
 

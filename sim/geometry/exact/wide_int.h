@@ -5,7 +5,6 @@
 // WideInt<N> holds 64*N bits in two's complement, least significant limb first. Arithmetic is modulo 2^(64 N), so a
 // result is right whenever it fits.
 #include <array>
-#include <cmath>
 #include <cstdint>
 
 namespace limberg {
@@ -52,13 +51,15 @@ struct WideInt {
   }
   /// Nearest-ish double: relative error at most 2^-52 (the limbs are rounded one by one).
   double to_double() const {
+    static_assert(N <= 8);
+    constexpr std::array<double, 8> kPower{1, 0x1p64, 0x1p128, 0x1p192, 0x1p256, 0x1p320, 0x1p384, 0x1p448};
     const WideInt m = negative() ? -*this : *this;
     double r = 0;
     for (int i = N - 1; i >= 0; --i)
       if (m.limb[i] != 0) {
         // The two highest limbs carry at least 65 bits; what lies below is less than 2^-64 of the value.
-        r = std::ldexp(double(m.limb[i]), 64 * i);
-        if (i > 0) r += std::ldexp(double(m.limb[i - 1]), 64 * (i - 1));
+        r = double(m.limb[i]) * kPower[unsigned(i)];  // powers of two: no rounding
+        if (i > 0) r += double(m.limb[i - 1]) * kPower[unsigned(i - 1)];
         break;
       }
     return negative() ? -r : r;

@@ -248,6 +248,7 @@ TEST(RadialOrder, FansOfManyPlanesAreSortedByAngle) {
     std::vector<RadialFace> faces;
     std::vector<double> angle;
     const int n = 3 + draw(6);
+    std::vector<Plane> plane(static_cast<size_t>(n));
     while (int(faces.size()) < n) {
       const int32_t x = 2 * (draw(21) - 10), y = 2 * (draw(21) - 10);
       const double w = std::atan2(y, x);
@@ -258,8 +259,9 @@ TEST(RadialOrder, FansOfManyPlanesAreSortedByAngle) {
       f.orig = int32_t(faces.size());
       f.third = points.add_explicit({x, y, 2 * draw(9)});
       f.sense = draw(2) ? 1 : -1;
-      f.plane = f.sense > 0 ? plane_through(points.integer(a), points.integer(b), points.integer(f.third))
-                            : plane_through(points.integer(b), points.integer(a), points.integer(f.third));
+      plane[faces.size()] = f.sense > 0 ? plane_through(points.integer(a), points.integer(b), points.integer(f.third))
+                                        : plane_through(points.integer(b), points.integer(a), points.integer(f.third));
+      f.plane = &plane[faces.size()];
       faces.push_back(f);
       angle.push_back(w);
     }

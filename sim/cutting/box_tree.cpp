@@ -1,0 +1,98 @@
+#include "sim/cutting/box_tree.h"
+
+namespace limberg {
+
+// Split at the median of the centres along the longest side, down to leaves of four triangles. Two levels of such
+// splits make one node.
+struct BoxTree::Builder {
+  std::span<const std::array<Int3, 3>> triangle;
+  std::vector<Item> item;
+  std::vector<Node>& node;
+
+  struct Range {
+    int32_t first, count;
+  };
+  static constexpr int32_t kLeaf = 4;
+
+  void split(const Range& r, Range& a, Range& b) {
+    Int3 lo = item[size_t(r.first)].sum, hi = lo;
+    for (int32_t i = r.first; i < r.first + r.count; ++i) {
+      const Int3& s = item[size_t(i)].sum;
+      lo = {std::min(lo.x, s.x), std::min(lo.y, s.y), std::min(lo.z, s.z)};
+      hi = {std::max(hi.x, s.x), std::max(hi.y, s.y), std::max(hi.z, s.z)};
+    }
+    int axis = 0;
+    double longest = -1;
+    for (int k = 0; k < 3; ++k) {
+      const double side = double(hi[k]) / 3 - double(lo[k]) / 3;
+      if (side > longest) longest = side, axis = k;
+    }
+    const auto begin = item.begin() + r.first;
+    const auto halve = [&](int32_t Int3::*c) {
+      std::nth_element(begin, begin + r.count / 2, begin + r.count, [c](const Item& x, const Item& y) {
+        return x.sum.*c != y.sum.*c ? x.sum.*c < y.sum.*c : x.triangle < y.triangle;
+      });
+    };
+    halve(axis == 0 ? &Int3::x : axis == 1 ? &Int3::y : &Int3::z);
+    a = {r.first, r.count / 2};
+    b = {r.first + r.count / 2, r.count - r.count / 2};
+  }
+
+  IntBox build(int32_t at, const Range& r) {
+    std::array<Range, 4> part;
+    size_t parts = 0;
+    const bool leaf = r.count <= kLeaf;
+    if (leaf) {
+      for (int32_t i = 0; i < r.count; ++i) part[parts++] = {r.first + i, 1};
+    } else {
+      Range half[2];
+      split(r, half[0], half[1]);
+      for (const Range& h : half) {
+        if (h.count <= kLeaf) {
+          part[parts++] = h;
+        } else {
+          split(h, part[parts], part[parts + 1]);
+          parts += 2;
+        }
+      }
+    }
+    IntBox all{};
+    for (size_t k = 0; k < 4; ++k) {
+      constexpr int32_t far = 1 << 29;
+      IntBox b{{far, far, far}, {-far, -far, -far}};
+      int32_t child = 0;
+      if (k < parts) {
+        if (leaf) {
+          const int32_t t = item[size_t(part[k].first)].triangle;
+          b = box_around(triangle[size_t(t)][0], triangle[size_t(t)][1], triangle[size_t(t)][2]);
+          child = ~t;
+        } else {
+          child = int32_t(node.size());
+          node.emplace_back();
+          b = build(child, part[k]);
+        }
+        all = k == 0 ? b : box_around(all, b);
+      }
+      Node& n = node[size_t(at)];
+      for (size_t i = 0; i < 3; ++i) n.lo[i][k] = b.lo[int(i)], n.hi[i][k] = b.hi[int(i)];
+      n.child[k] = child;
+    }
+    return all;
+  }
+};
+
+BoxTree::BoxTree(std::span<const std::array<Int3, 3>> triangle) {
+  if (triangle.empty()) return;
+  Builder b{triangle, {}, node_};
+  b.item.reserve(triangle.size());
+  for (size_t t = 0; t < triangle.size(); ++t) {
+    const auto& [p, q, r] = triangle[t];
+    b.item.push_back({{p.x + q.x + r.x, p.y + q.y + r.y, p.z + q.z + r.z}, int32_t(t)});
+  }
+  node_.reserve(triangle.size() * 3 / 4 + 1);
+  node_.emplace_back();
+  b.build(0, {0, int32_t(triangle.size())});
+  node_.shrink_to_fit();
+}
+
+}  // namespace limberg
