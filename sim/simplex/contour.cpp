@@ -170,6 +170,7 @@ void release_contour(Mesh& m, size_t index) {
 int32_t fill_zone(Mesh& m, int32_t v, uint16_t zone) {
   if (!m.alive(v)) throw InputError("", 0, "there is no vertex " + std::to_string(v));
   if (m.flags[size_t(v)] & kOnContour) return 0;
+  ++m.version;
   std::vector<uint8_t> seen(m.nbr.size(), 0);
   std::vector<int32_t> stack{v};
   seen[size_t(v)] = 1;

@@ -251,6 +251,7 @@ int32_t append(Mesh& m, const Mesh& other) {
 }
 
 void record_shape(Mesh& m, ShapeCode code) {
+  ++m.version;
   for (int32_t v = 0; v < m.slots(); ++v)
     if (m.alive(v)) {
       const Row& r = m.nbr[size_t(v)];

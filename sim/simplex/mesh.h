@@ -51,7 +51,7 @@ struct Mesh {
   std::vector<int32_t> free_vertex, free_face;
   // Kept contours: closed cycles of neighbouring vertices (zone borders, planned cuts). contour.h.
   std::vector<std::vector<int32_t>> contour;
-  uint64_t version = 0;                          // counts changes of topology
+  uint64_t version = 0;                          // counts changes of all but positions and velocities
 
   int32_t slots() const { return int32_t(nbr.size()); }
   int32_t face_slots() const { return int32_t(face_edge.size()); }

@@ -73,7 +73,7 @@ VertexShape encode(const Vec3& P, const Vec3& A, const Vec3& B, const Vec3& C, S
   s.phi = f.phi();
   s.height = f.L_mm / std::sqrt(f.area2_mm2);
   if (code == ShapeCode::angle) {
-    s.branch = f.k_mm2 < 0 && f.L_mm * f.L_mm < -f.k_mm2 ? ShapeBranch::far : ShapeBranch::near;
+    s.branch = f.far_branch() ? ShapeBranch::far : ShapeBranch::near;
     constexpr double kGivenBack = 2e-14;  // of the vertex's size: some ten roundings
     if (std::abs(height_of(s, q) - f.L_mm) <= kGivenBack * std::max(q.longest, std::abs(f.L_mm))) return s;
   }
