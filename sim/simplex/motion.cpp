@@ -96,6 +96,7 @@ KernelView Motion::view(const Mesh& m) {
   v.metric = m.metric.empty() ? nullptr : m.metric[0].data();
   v.shape = shape_of_.data(), v.law = zone_.data(), v.zones = int32_t(zone_.size());
   v.near_first = near_first_.data(), v.near = near_.data();
+  v.large = m.nbr.size() > 40000;
   v.keep = 1 - law_.gamma, v.max_step_mm = std::min(law_.max_step_mm, 1e100);  // (its square is finite)
   return v;
 }

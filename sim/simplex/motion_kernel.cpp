@@ -79,7 +79,17 @@ inline V3 load(const double* x, const size_t* v) {
   return o;
 }
 
+/// Neighbours that will be needed a few groups later are fetched into the cache: meshes of 10^5 vertices and more do not fit.
+inline void fetch(const KernelView& k, size_t first, size_t end) {
+  constexpr size_t kAhead = 6 * kLanes;
+  if (first + kAhead + kLanes > end) return;
+  const int32_t* n = k.nbr + 3 * (first + kAhead);
+  for (int j = 0; j < 3 * kLanes; ++j)
+    if (n[j] >= 0) __builtin_prefetch(k.x + 3 * size_t(n[j]));
+}
+
 inline void gather(const KernelView& k, size_t first, size_t end, Group& g, V3& A) {
+  if (k.large) fetch(k, first, end);
   size_t n[3][kLanes];
   for (int l = 0; l < kLanes; ++l) {
     const size_t v = first + size_t(l) < end ? first + size_t(l) : end - 1;

@@ -37,6 +37,7 @@ struct KernelView {
   const double* push = nullptr;             // may be null: added as it is
   double keep = 0;                          // 1 - gamma
   double max_step_mm = 0;
+  bool large = false;                       // the positions do not fit the near caches
 };
 
 /// Simplex angle (pi less it on the far branch) and mean curvature of vertices [begin, end); phi or H may be null.

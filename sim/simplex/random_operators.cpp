@@ -58,8 +58,9 @@ Vec3 middle(const Mesh& m) {
 
 }  // namespace
 
-RandomOperators random_operators(Mesh& m, int64_t operations, uint64_t seed) {
+RandomOperators random_operators(const Mesh& start, int64_t operations, uint64_t seed, int64_t length) {
   RandomOperators out;
+  Mesh m = start;
   Dice d(seed);
   Delta delta;
   const int32_t size = m.vertices();
@@ -71,11 +72,14 @@ RandomOperators random_operators(Mesh& m, int64_t operations, uint64_t seed) {
     return out;
   };
   for (; out.operations < operations; ++out.operations) {
-    // Mostly local operators; t1 and t2 balanced so that the size stays.
-    const int32_t n = m.vertices();
+    if (out.operations % std::max<int64_t>(1, length) == 0) {
+      m = start, delta = Delta();
+      stretch = now = hash(m), since = 0, before = census(m);
+      ++out.sequences;
+    }
+    // Mostly local operators; t1 and t2 so that the size stays.
     const int32_t roll = d.below(100);
-    int kind = roll < 60 ? (d.uniform() * (2 * size - n) < 0.5 * (2 * size - size) || n > 2 * size ? 0 : 1) : roll < 85 ? 2 : 3 + (roll - 85) % 4;
-    if (kind > 2 && m.faces() - before.faces > size) kind = 0;
+    const int kind = roll < 50 ? (m.vertices() > size ? 0 : 1) : roll < 70 ? 2 : 3 + roll % 4;
     Outcome o;
     int64_t V = 0, E = 0, F = 0, chi = 0;
     const int32_t p = any_vertex(m, d), q = d.below(20) == 0 ? any_vertex(m, d) : m.nbr[size_t(p)][size_t(d.below(3))];
