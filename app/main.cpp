@@ -28,6 +28,7 @@ int run_main(int argc, char** argv) {
   add_run(app, chosen);
   add_replay(app, chosen);
   add_operate(app, chosen);
+  add_procedure(app, chosen);
   add_study(app, chosen);
   add_emulate(app, chosen);
   add_check(app, chosen);

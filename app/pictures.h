@@ -26,6 +26,9 @@ class OffscreenFrames final : public PictureSink {
   std::unique_ptr<Impl> impl_;
 };
 
+/// DIR/stages/NN-title.png of one member of a study: its operated region, with the title. Says so when none can be made.
+void draw_member_picture(const std::string& dir, int number, const std::string& title, const Snapshot& shown);
+
 /// Draws DIR/stages/NN-name.png, DIR/overview.png and DIR/tension.png (report_names.h), all with one camera on what was
 /// operated. Says in one line when pictures cannot be made here; InputError when a file cannot be written.
 void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last);

@@ -6,7 +6,9 @@
 #include "app/commands/session_command.h"
 #include "app/interrupt.h"
 #include "app/output.h"
+#include "app/pictures.h"
 #include "app/progress.h"
+#include "app/report/report_names.h"
 #include "app/session/workers_pool.h"
 #include "app/study/study.h"
 #include "sim/error.h"
@@ -40,6 +42,12 @@ Result result_of(const study::Family& f, const std::vector<study::Row>& rows, si
   for (const auto& [name, v] : rows[0].figures) r.set("/columns/" + std::to_string(n++), name);
   for (size_t i = 0; i < rows.size(); ++i)
     for (const auto& [name, v] : rows[i].figures) r.set("/rows/" + std::to_string(i) + "/" + name, v);
+  for (size_t i = 0; i < rows.size(); ++i)
+    if (rows[i].shown) {
+      const std::string p = "/stages/" + std::to_string(i);
+      r.set(p + "/name", rows[i].title);
+      r.set(p + "/picture", report_names::stage_picture(int(i) + 1, rows[i].title));
+    }
   const auto bars = f.bars(rows);
   bool ok = rows.size() == members;
   for (size_t i = 0; i < bars.size(); ++i) {
@@ -107,6 +115,8 @@ int run(const Options& o) {
     if (!o.common.out_dir.empty()) {  // as they finish
       result_of(f, rows, members.size()).write(o.common.out_dir + "/result.json");
       leave_files(f, rows, o.common.out_dir);
+      if (rows.back().shown) draw_member_picture(o.common.out_dir, int(rows.size()), rows.back().title, *rows.back().shown);
+      rows.back().shown = rows.back().shown ? std::make_shared<Snapshot>() : nullptr;  // drawn: its memory is not needed
     }
   }
   if (rows.empty()) {
@@ -151,7 +161,7 @@ std::string footer() {
 void add_study(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("study", "A family of operations, each brought to rest: table, charts and bars");
-  c->add_option("NAME", o->name, "Which: gape or disc")->required();
+  c->add_option("NAME", o->name, "Which (see below)")->required();
   c->add_option("--set", o->settings, "Values of a setting instead of its own; once per setting")->type_name("KEY=V1,V2,...")->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);

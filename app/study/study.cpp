@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "app/study/flaps.h"
 #include "sim/error.h"
 
 namespace limberg::study {
@@ -54,7 +55,7 @@ double Row::at(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
-  static const std::vector<Family> all{gape(), disc()};
+  static const std::vector<Family> all{gape(), disc(), zplasty(), rhomboid(), fusiform()};
   return all;
 }
 

@@ -7,11 +7,13 @@
 // A family names its parameters, each with the values it takes by itself and the range that makes sense; --set gives
 // others. Its members are all combinations, the first parameter changing slowest. They run one after another.
 #include <functional>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "app/report/svg_chart.h"
+#include "sim/snapshot.h"
 #include "sim/workers.h"
 
 namespace limberg::study {
@@ -28,6 +30,8 @@ using Values = std::vector<double>;
 struct Row {
   std::vector<std::pair<std::string, double>> figures;  // the set values first
   ChartSeries profile;  // a curve of this member for the family's charts; may be empty
+  std::string title;    // of its picture
+  std::shared_ptr<const Snapshot> shown;  // what is pictured; may be null
   double at(const std::string& name) const;  // not a number when there is none
 };
 

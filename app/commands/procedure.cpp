@@ -1,0 +1,91 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "app/commands/session_command.h"
+#include "app/output.h"
+#include "app/progress.h"
+#include "sim/error.h"
+#include "sim/geometry/skin.h"
+#include "sim/tools/procedures/catalogue.h"
+#include "sim/tools/procedures/operation.h"
+#include "sim/tools/procedures/plan_drawing.h"
+
+namespace limberg {
+
+namespace {
+
+struct Options {
+  std::string name, scene = "rhomboid", out, svg;
+  std::vector<std::string> settings;
+  std::vector<double> at{0, 0};
+  Placement placement;
+  OperationPlan plan;
+  bool replace = false;
+};
+
+int list() {
+  for (const Procedure& p : procedures()) {
+    std::printf("%-13s %s\n", p.name.c_str(), p.about.c_str());
+    for (const ProcedureParameter& q : p.parameters)
+      std::printf("    %-13s %g (%g to %g): %s\n", q.name.c_str(), q.value, q.lo, q.hi, q.help.c_str());
+  }
+  return kDone;
+}
+
+int procedure(Options o) {
+  if (o.name.empty()) return list();
+  const Procedure& p = find_procedure(o.name);
+  const std::vector<double> values = procedure_values(p, o.settings);
+  const Figure figure = p.figure(values);
+  const Scene scene = open_scene(o.scene);
+  const Skin skin(build_body(scene));
+  o.placement.origin = {o.at[0], o.at[1]};
+  const OnSkin where(skin, o.placement);
+  std::string title = p.name;
+  for (size_t i = 0; i < values.size(); ++i) {
+    char t[80];
+    std::snprintf(t, sizeof t, " %s=%g", p.parameters[i].name.c_str(), values[i]);
+    title += t;
+  }
+  Script script;
+  script.name = o.out;
+  script.header = {o.scene, title};
+  int line = 1;
+  for (Command& c : carry_out(figure, where, o.plan)) script.lines.push_back({++line, std::move(c)});
+  std::printf("%s\n", title.c_str());
+  for (const Charge& c : charges(figure)) {
+    if (std::abs(c.q_deg) < 25) continue;  // spread along a curve
+    const ChartPoint at = where.chart(c.meeting.front());
+    std::printf("%s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, at.x(), at.y());
+  }
+  if (!o.svg.empty()) write_whole_file(o.svg, plan_svg(figure, title));
+  if (!o.out.empty()) {
+    ScriptWriter writer(o.out, script.header, o.replace ? ScriptWriter::Existing::replace : ScriptWriter::Existing::refuse);
+    for (const ScriptLine& l : script.lines) writer.append(l.command);
+    std::printf("%zu actions in %s; limberg operate %s %s carries them out\n", script.lines.size(), o.out.c_str(), o.scene.c_str(), o.out.c_str());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_procedure(CLI::App& app, Chosen& chosen) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("procedure", "A classical operation laid on any skin: its script, its plan, where it will stand up");
+  c->add_option("NAME", o->name, "Which; none: a list with all parameters");
+  c->add_option("--scene", o->scene, "Scene file, or the name of a shipped scene (default rhomboid)");
+  c->add_option("--set", o->settings, "A parameter")->type_name("NAME=VALUE")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_option("--at", o->at, "Where the figure's origin lies on the chart, mm")->type_name("X,Y")->delimiter(',')->expected(2);
+  c->add_option("--turn", o->placement.turn_deg, "Turns the figure counter-clockwise, degrees");
+  c->add_flag("--mirror", o->placement.mirrored, "Mirrors it first");
+  c->add_option("--depth-mm", o->plan.depth_mm, "Of all cuts (default 4)")->check(CLI::PositiveNumber);
+  c->add_option("--spacing-mm", o->plan.spacing_mm, "Of stitches (default 4)")->check(CLI::PositiveNumber);
+  c->add_option("--undermine-mm", o->plan.undermine_margin_mm, "Undermined so far around the figure (default 12; 0: not)")->check(CLI::NonNegativeNumber);
+  c->add_option("--out", o->out, "The script to write")->type_name("SCRIPT");
+  c->add_option("--plan", o->svg, "The plan as a picture")->type_name("SVG");
+  c->add_flag("--replace", o->replace, "Replace SCRIPT if it exists");
+  c->footer("Example: limberg procedure bilobed --set diameter_mm=12 --at 0,5 --turn 30 --out bilobed.jsonl --plan bilobed.svg");
+  c->callback([o, &chosen] { chosen = [o] { return procedure(*o); }; });
+}
+
+}  // namespace limberg

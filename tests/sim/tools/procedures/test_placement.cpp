@@ -1,0 +1,121 @@
+// Figures on curved skin: straight on, true lengths through the origin, the same places on another mesh.
+#include "sim/tools/procedures/placement.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "sim/error.h"
+#include "sim/geometry/block.h"
+#include "sim/tools/procedures/catalogue.h"
+#include "sim/tools/procedures/operation.h"
+
+namespace limberg {
+namespace {
+
+std::shared_ptr<Body> flat(double skin_cell_mm) {
+  BlockSpec b;
+  b.skin_cell_mm = skin_cell_mm;
+  b.layers = {{"skin", 10, Material()}};
+  return std::make_shared<Body>(make_block(b));
+}
+
+// The skin of a dome: a grid over |x|, |y| <= half, z = height(x, y). Only the skin is needed here.
+template <class Height>
+std::shared_ptr<Body> dome(double half, int n, const Height& height) {
+  auto body = std::make_shared<Body>();
+  body->name = "dome";
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double x = -half + 2 * half * i / n, y = -half + 2 * half * j / n;
+      body->surface.X_mm.push_back({x, y, height(x, y)});
+    }
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      const int32_t a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
+      body->surface.tri.push_back({a, b, d}), body->surface.tri.push_back({a, d, c});
+    }
+  body->surface.tag.assign(body->surface.tri.size(), SurfaceTag::skin);
+  return body;
+}
+
+TEST(OnSkin, IsATurnAndAShiftOnFlatSkin) {
+  const Skin skin(flat(1.7));
+  const OnSkin on(skin, {{3, -4}, 30, true});
+  for (const Vec2& p : {Vec2(0, 0), Vec2(10, 0), Vec2(-7, 13), Vec2(21.3, -17.9)}) {
+    const double c = std::cos(std::numbers::pi / 6), s = 0.5;
+    const Vec2 q(p.x(), -p.y()), want(3 + c * q.x() - s * q.y(), -4 + s * q.x() + c * q.y());
+    EXPECT_LT((on.chart(p) - want).norm(), 1e-9);
+    EXPECT_LT((on.above(p, 5) - Vec3(want.x(), want.y(), 5)).norm(), 1e-9);
+  }
+}
+
+// On a sphere the exponential map is known: distance r in direction u arrives at angle r / R from the pole.
+TEST(OnSkin, WalksGreatCirclesOnASphere) {
+  constexpr double R = 60;
+  double last = 0;
+  for (const int n : {60, 120, 240}) {
+    const Skin skin(dome(40, n, [](double x, double y) { return std::sqrt(R * R - x * x - y * y); }));
+    const OnSkin on(skin, {{0.37, 0.21}, 0, false});
+    const Vec3 pole = skin.at({0.37, 0.21})->X_mm.normalized();
+    double worst = 0;
+    for (const double r : {5., 15., 30.})
+      for (int k = 0; k < 24; ++k) {
+        const double a = 2 * std::numbers::pi * (k + 0.3) / 24;
+        const Vec3 X = on.spot(r * Vec2(std::cos(a), std::sin(a))).X_mm;
+        worst = std::max(worst, std::abs(std::acos(std::clamp(X.normalized().dot(pole), -1.0, 1.0)) * R - r));
+      }
+    // Chords are shorter than arcs by h^2 / 24 R^2 of their length (h: mesh width); the direction errs by as much.
+    const double h = 80.0 / n * std::numbers::sqrt2;
+    EXPECT_LT(worst, 30 * h * h / (24 * R * R) * 3);
+    if (last > 0) {
+      EXPECT_LT(worst, 0.45 * last);
+    }
+    last = worst;
+  }
+}
+
+TEST(OnSkin, UnrollsACylinder) {
+  constexpr double R = 40;
+  const Skin skin(dome(30, 300, [](double x, double) { return std::sqrt(R * R - x * x); }));
+  const OnSkin on(skin, {{0, 0}, 0, false});
+  for (const Vec2& p : {Vec2(20, 0), Vec2(0, 20), Vec2(14, -11), Vec2(-9, 17)}) {
+    const Vec3 want(R * std::sin(p.x() / R), p.y(), R * std::cos(p.x() / R));
+    EXPECT_LT((on.spot(p).X_mm - want).norm(), 0.01);
+  }
+}
+
+// The same figure on a remeshed skin: within 0.5 mm (the bar of the repertoire), here far better.
+TEST(OnSkin, RemeshedSkinGivesTheSamePlaces) {
+  const auto hill = [](double x, double y) { return 12 * std::cos(x / 18) * std::cos(y / 25); };
+  const Skin coarse(dome(45, 50, hill)), fine(dome(45, 173, hill));
+  for (const Procedure& p : procedures()) {
+    const Figure f = p.figure(p.defaults());
+    const OnSkin a(coarse, {{2, 1}, 17, false}), b(fine, {{2, 1}, 17, false});
+    for (const auto& w : f.wounds)
+      for (const Vec2& c : w) {
+        if (c.norm() > 30) continue;
+        EXPECT_LT((a.spot(c).X_mm - b.spot(c).X_mm).norm(), 0.5) << p.name;
+      }
+  }
+}
+
+TEST(OnSkin, RefusesPlacesBeyondTheSkin) {
+  const Skin skin(flat(2));
+  EXPECT_THROW(OnSkin(skin, {{70, 0}, 0, false}), InputError);
+  EXPECT_THROW(OnSkin(skin, {{50, 0}, 0, false}).chart({20, 0}), InputError);
+}
+
+TEST(CarryOut, WritesScriptsThatReadBack) {
+  const Skin skin(flat(2));
+  for (const Procedure& p : procedures()) {
+    const auto commands = carry_out(p.figure(p.defaults()), OnSkin(skin, {}));
+    EXPECT_GT(commands.size(), 6u) << p.name;
+    for (const Command& c : commands) EXPECT_EQ(to_json_line(parse_command(to_json_line(c), "test", 1)), to_json_line(c));
+  }
+}
+
+}  // namespace
+}  // namespace limberg
