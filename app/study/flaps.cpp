@@ -92,7 +92,7 @@ std::vector<std::vector<const Row*>> groups(const std::vector<Row>& rows, const 
       return std::all_of(parameters.begin(), parameters.end(), [&](const std::string& p) { return p == key || g[0]->at(p) == r.at(p); });
     };
     auto it = std::find_if(out.begin(), out.end(), same);
-    if (it == out.end()) it = out.insert(it, {});
+    if (it == out.end()) it = out.emplace(it);
     it->push_back(&r);
   }
   for (auto& g : out) std::sort(g.begin(), g.end(), [&](const Row* a, const Row* b) { return a->at(key) < b->at(key); });

@@ -67,6 +67,34 @@ TEST(Study, AnUprightCutOpensEvenlyAndALeaningOneDoesNot) {
   EXPECT_NEAR(left.at("step_mm"), -right.at("step_mm"), 0.02 * left.at("gape_mid_mm"));
 }
 
+// A wider Z-plasty gains more, stands up more and at the ends of its central limb; bars and charts take any rows.
+TEST(Study, AWiderZPlastyGainsMoreAndStandsUpMore) {
+  const Family& f = find_family("zplasty");
+  const std::vector<std::string> small{"cell_mm=6", "prestretch=0"};
+  const auto with = [&](const char* angle) {
+    auto s = small;
+    s.push_back(angle);
+    return run("zplasty", s);
+  };
+  const std::vector<Row> rows{with("angle=30"), with("angle=75")};
+  EXPECT_GT(rows[1].at("elongation"), rows[0].at("elongation") + 0.05);
+  EXPECT_LT(rows[1].at("elongation"), rows[1].at("theory"));
+  EXPECT_GT(rows[1].at("ear_mm"), rows[0].at("ear_mm"));
+  EXPECT_GT(rows[1].at("ear_mm"), rows[1].at("at_C_D_mm"));
+  EXPECT_FALSE(f.bars(rows).empty());
+  for (const NamedChart& c : f.charts(rows)) {
+    ASSERT_EQ(c.chart.series.size(), 1u);
+    EXPECT_EQ(c.chart.series[0].x, (std::vector<double>{30, 75}));
+  }
+}
+
+TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
+  const Row r = run("fusiform", {"ratio=3", "cell_mm=6"});
+  EXPECT_NEAR(r.at("vertex_form_deg"), 73.7, 0.05);  // tabulated
+  EXPECT_NEAR(r.at("scar_mm"), 1.073 * 42, 0.05);    // tabulated
+  EXPECT_LT(r.at("gap_max_mm"), 0.2);
+}
+
 TEST(Study, RowsAsCommaSeparatedValues) {
   Row a, b;
   a.figures = {{"x", 1}, {"y", 0.1}};
