@@ -108,9 +108,7 @@ Arrangement::Arrangement(const TriMesh& surface, const RestGrid& grid) : store_(
         if (const char* why = s.glue_edge(a, b, nullptr))
           throw InputError("", 0, std::string("the body's surface: ") + why + " at triangle " + std::to_string(i));
     }
-  auto tree = std::make_shared<OrigTree>();
-  tree->count = int32_t(n);
-  s.plant(std::move(tree));
+  s.plant(0, int32_t(n));
 }
 
 Arrangement::~Arrangement() = default;

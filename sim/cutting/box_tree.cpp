@@ -29,9 +29,10 @@ struct BoxTree::Builder {
     }
     const auto begin = item.begin() + r.first;
     const auto halve = [&](int32_t Int3::*c) {
-      std::nth_element(begin, begin + r.count / 2, begin + r.count, [c](const Item& x, const Item& y) {
-        return x.sum.*c != y.sum.*c ? x.sum.*c < y.sum.*c : x.triangle < y.triangle;
-      });
+      // Place and name in one number: one comparison.
+      const auto key = [c](const Item& x) { return int64_t(uint64_t(int64_t(x.sum.*c)) << 32 | uint32_t(x.triangle)); };
+      std::nth_element(begin, begin + r.count / 2, begin + r.count,
+                       [key](const Item& x, const Item& y) { return key(x) < key(y); });
     };
     halve(axis == 0 ? &Int3::x : axis == 1 ? &Int3::y : &Int3::z);
     a = {r.first, r.count / 2};

@@ -1,13 +1,14 @@
 #pragma once
 // A box tree over integer triangles that never change: what a blade may meet.
 //
-// Four boxes stand in a node, each of a further node or of one triangle, so that one look at two cache lines serves
+// Four boxes stand in a node, of further nodes or of single triangles, so that one look at two cache lines serves
 // four of them and a triangle is told apart without being read. Coordinates are half-units; nothing is rounded.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "sim/geometry/vec.h"
@@ -31,6 +32,43 @@ inline IntBox box_around(const IntBox& a, const IntBox& b) {
           {std::max(a.hi.x, b.hi.x), std::max(a.hi.y, b.hi.y), std::max(a.hi.z, b.hi.z)}};
 }
 
+/// Up to eight boxes that follow each other in a list, looked at together: neighbours in the list of a blade's triangles
+/// are mostly neighbours in space, so one walk down a tree serves them all.
+struct BoxGroup {
+  static constexpr size_t kMost = 8;
+  size_t first = 0, count = 0;
+  IntBox all;
+  std::array<std::array<int32_t, kMost>, 3> lo, hi;  // [axis][member]
+
+  /// The group that begins at `start`: it ends where it would grow large beside its members.
+  BoxGroup(std::span<const IntBox> box, size_t start) : first(start), all(box[start]) {
+    const auto size = [](const IntBox& b) { return int64_t(b.hi.x) - b.lo.x + b.hi.y - b.lo.y + b.hi.z - b.lo.z; };
+    int64_t members = 0;
+    for (; count < kMost && first + count < box.size(); ++count) {
+      const IntBox grown = box_around(all, box[first + count]);
+      members += size(box[first + count]);
+      if (size(grown) * int64_t(count + 1) > 3 * members) break;
+      all = grown;
+    }
+    for (size_t i = 0; i < kMost; ++i)
+      for (size_t k = 0; k < 3; ++k) {
+        const IntBox& b = box[first + std::min(i, count - 1)];
+        lo[k][i] = b.lo[int(k)], hi[k][i] = b.hi[int(k)];
+      }
+  }
+  size_t end() const { return first + count; }
+  /// Bit i: member i meets the box.
+  uint32_t meeting(const IntBox& b) const {
+    std::array<int32_t, kMost> apart;  // negative: they are
+    for (size_t i = 0; i < kMost; ++i)
+      apart[i] = (hi[0][i] - b.lo.x) | (b.hi.x - lo[0][i]) | (hi[1][i] - b.lo.y) | (b.hi.y - lo[1][i]) |
+                 (hi[2][i] - b.lo.z) | (b.hi.z - lo[2][i]);
+    uint32_t bits = 0;
+    for (size_t i = 0; i < kMost; ++i) bits |= uint32_t(apart[i] >= 0) << i;
+    return bits & ((1u << count) - 1);
+  }
+};
+
 class BoxTree {
  public:
   BoxTree() = default;
@@ -39,7 +77,8 @@ class BoxTree {
 
   bool empty() const { return node_.empty(); }
 
-  /// Calls visit(triangle) for every triangle whose box meets the given one, in an order of the tree's own.
+  /// Calls visit(triangle) or visit(triangle, its box) for every triangle whose box meets the given one, in an order of the
+  /// tree's own.
   template <class Visit>
   void box(const IntBox& q, Visit&& visit) const {
     if (node_.empty()) return;
@@ -47,16 +86,21 @@ class BoxTree {
     int n = 0;
     stack[n++] = 0;
     while (n > 0) {
-      const int32_t at = stack[--n];
-      if (at < 0) {
-        visit(~at);
-        continue;
-      }
-      const Node& node = node_[size_t(at)];
+      const Node& node = node_[size_t(stack[--n])];
       std::array<int32_t, 4> apart;  // negative: somewhere apart
       for (size_t k = 0; k < 4; ++k)
         apart[k] = (q.hi.x - node.lo[0][k]) | (node.hi[0][k] - q.lo.x) | (q.hi.y - node.lo[1][k]) |
                    (node.hi[1][k] - q.lo.y) | (q.hi.z - node.lo[2][k]) | (node.hi[2][k] - q.lo.z);
+      if (node.child[0] < 0) {
+        for (size_t k = 0; k < 4; ++k) {
+          if (apart[k] < 0) continue;
+          if constexpr (std::is_invocable_v<Visit, int32_t, const IntBox&>)
+            visit(~node.child[k], IntBox{{node.lo[0][k], node.lo[1][k], node.lo[2][k]}, {node.hi[0][k], node.hi[1][k], node.hi[2][k]}});
+          else
+            visit(~node.child[k]);
+        }
+        continue;
+      }
       for (size_t k = 4; k-- > 0;) {  // the first on top
         stack[n] = node.child[k];
         n += apart[k] >= 0;
@@ -77,7 +121,7 @@ class BoxTree {
   static constexpr int kStack = 64;  // each level of 4-fold nodes leaves three behind: enough for 2^32 triangles
   struct Node {
     std::array<std::array<int32_t, 4>, 3> lo, hi;  // [axis][child]; of no child: a box that meets none
-    std::array<int32_t, 4> child;                  // node, or ~triangle
+    std::array<int32_t, 4> child;                  // nodes, or ~triangles
   };
   struct Item {
     Int3 sum;  // of the corners: three times the centre

@@ -53,12 +53,14 @@ void CutBuilder::abandon() {
 CutBuilder::Outcome CutBuilder::prepare() {
   room_.triangle = int_triangles(vertex_, blade_.tri);
   room_.plane.clear();
-  for (const IntTriangle& t : room_.triangle) room_.plane.push_back(plane_through(t.p[0], t.p[1], t.p[2]));
-  tree_ = std::make_shared<OrigTree>();
-  tree_->boxes = tree_over(room_.triangle);
+  room_.box.clear();
+  for (const IntTriangle& t : room_.triangle) {
+    room_.plane.push_back(plane_through(t.p[0], t.p[1], t.p[2]));
+    room_.box.push_back(box_around(t.p[0], t.p[1], t.p[2]));
+  }
   const FaultPlan* fault = store_.points.fault;
   if (!fault || !fault->skip_embedding)
-    if (const std::string why = check_embedded(room_.triangle, room_.plane, tree_->boxes); !why.empty()) {
+    if (const std::string why = check_embedded(room_.triangle, room_.plane, room_.box); !why.empty()) {
       reason_ = why;
       return coincidence;
     }

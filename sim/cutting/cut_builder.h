@@ -68,7 +68,6 @@ class CutBuilder {
   Delta delta_;
   LastOperation last_before_;
   bool committing_ = false, accounted_ = false;
-  std::shared_ptr<OrigTree> tree_;  // over the blade
   std::vector<int32_t> blade_point_;
   bool continues_ = false;  // shares points with an older wall
   int32_t first_orig_ = 0, op_ = 0;

@@ -210,9 +210,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     for (const Edge& e : t.needed)
       if (store_.edges.first(e.first, e.second) < 0) return fail(coincidence, "a junction is missing");
 
-  tree_->first = first_orig_;
-  tree_->count = int32_t(blade_.tri.size());
-  store_.plant(std::move(tree_));
+  store_.plant(first_orig_, int32_t(blade_.tri.size()));
   std::sort(store_.last.removed.begin(), store_.last.removed.end());
   std::sort(store_.last.added.begin(), store_.last.added.end());
   result.op = op_;

@@ -6,76 +6,55 @@
 
 namespace limberg {
 
-namespace {
-
-// Neighbours in the blade's list are mostly neighbours in space: one walk down each tree serves several.
-constexpr size_t kGroup = 8;
-
-}  // namespace
-
 void CutBuilder::find_near() {
   // What a cut meets lies all over the store's arrays, so it is asked for in three rounds, each of which fetches what
   // the next one reads: triangles by the trees, their corners' names, the corners.
   const size_t n = blade_.tri.size();
-  room_.box.clear();
-  for (const IntTriangle& t : room_.triangle) room_.box.push_back(box_around(t.p[0], t.p[1], t.p[2]));
-  for (size_t first = 0; first < n; first += kGroup) {
-    room_.hit_first.push_back(room_.hit.size());
-    IntBox group = room_.box[first];
-    for (size_t i = first + 1; i < std::min(first + kGroup, n); ++i) group = box_around(group, room_.box[i]);
+  for (size_t i = 0; i < n; i = room_.group.back().end()) {
+    const BoxGroup& group = room_.group.emplace_back(room_.box, i);
     for (const auto& tree : store_.forest)
-      tree->boxes.box(group, [&](int32_t t) {
+      tree->boxes.box(group.all, [&](int32_t t, const IntBox& box) {
+        const uint32_t members = group.meeting(box);
+        if (members == 0) return;
         const int32_t o = tree->first + t;
         const auto* at = reinterpret_cast<const char*>(&store_.orig[size_t(o)]);
         __builtin_prefetch(at);
         __builtin_prefetch(at + sizeof(OrigTri) - 1);
-        room_.hit.push_back(o);
+        room_.hit.push_back({o, uint32_t(room_.group.size() - 1), members});
       });
   }
-  room_.hit_first.push_back(room_.hit.size());
-  for (int32_t o : room_.hit)
-    if (store_.orig[size_t(o)].live != 0)
-      for (int32_t v : store_.orig[size_t(o)].v) store_.points.prefetch(v);
+  for (const CutScratch::Hit& h : room_.hit)
+    if (const OrigTri& o = store_.orig[size_t(h.orig)]; o.live != 0)
+      for (int32_t v : o.v) store_.points.prefetch(v);
 }
 
 CutBuilder::Outcome CutBuilder::intersect() {
   find_near();
-  std::array<std::vector<uint32_t>, kGroup>& chosen = room_.chosen;
-  for (size_t g = 0; g + 1 < room_.hit_first.size(); ++g) {
-    const size_t first = g * kGroup, last = std::min(first + kGroup, blade_.tri.size());
-    // The group's boxes, one coordinate beside another.
-    std::array<std::array<int32_t, kGroup>, 3> lo, hi;
-    for (size_t i = 0; i < kGroup; ++i)
-      for (size_t k = 0; k < 3; ++k) {
-        const IntBox& b = room_.box[std::min(first + i, last - 1)];
-        lo[k][i] = b.lo[int(k)], hi[k][i] = b.hi[int(k)];
-      }
-    const size_t most = room_.hit_first[g + 1] - room_.hit_first[g];
-    std::array<size_t, kGroup> count{};
-    for (auto& c : chosen) c.resize(std::max(c.size(), most + 1));
+  auto& chosen = room_.chosen;
+  for (auto& c : chosen) c.resize(std::max(c.size(), room_.hit.size() + 1));
+  size_t h = 0;
+  for (size_t g = 0; g < room_.group.size(); ++g) {
+    std::array<size_t, BoxGroup::kMost> count{};
     room_.near.clear();
-    for (size_t h = room_.hit_first[g]; h < room_.hit_first[g + 1]; ++h) {
-      const OrigTri& o = store_.orig[size_t(room_.hit[h])];
+    for (; h < room_.hit.size() && room_.hit[h].group == g; ++h) {
+      const OrigTri& o = store_.orig[size_t(room_.hit[h].orig)];
       if (o.live == 0) continue;
+      const uint32_t at = uint32_t(room_.near.size());
       CutScratch::Near& near = room_.near.emplace_back();
-      near.orig = room_.hit[h];
+      near.orig = room_.hit[h].orig;
       near.triangle.id = o.v;
       for (size_t k = 0; k < 3; ++k) near.triangle.p[k] = store_.points.integer(o.v[k]);
-      near.box = box_around(near.triangle.p[0], near.triangle.p[1], near.triangle.p[2]);
-      const IntBox& b = near.box;
-      std::array<int32_t, kGroup> apart;  // negative: they are
-      for (size_t i = 0; i < kGroup; ++i)
-        apart[i] = (hi[0][i] - b.lo.x) | (b.hi.x - lo[0][i]) | (hi[1][i] - b.lo.y) | (b.hi.y - lo[1][i]) |
-                   (hi[2][i] - b.lo.z) | (b.hi.z - lo[2][i]);
-      for (size_t i = 0; i < kGroup; ++i) {
-        chosen[i][count[i]] = uint32_t(room_.near.size() - 1);
-        count[i] += apart[i] >= 0;
+      for (size_t i = 0; i < BoxGroup::kMost; ++i) {
+        chosen[i][count[i]] = at;
+        count[i] += room_.hit[h].members >> i & 1;
       }
     }
-    for (size_t i = first; i < last; ++i)
-      for (size_t j = 0; j < count[i - first]; ++j) {
-        const CutScratch::Near& near = room_.near[chosen[i - first][j]];
-        const Outcome outcome = intersect_with(first_orig_ + int32_t(i), room_.triangle[i], near.orig, near.triangle);
+    const BoxGroup& group = room_.group[g];
+    for (size_t i = 0; i < group.count; ++i)
+      for (size_t j = 0; j < count[i]; ++j) {
+        const CutScratch::Near& near = room_.near[chosen[i][j]];
+        const size_t t = group.first + i;
+        const Outcome outcome = intersect_with(first_orig_ + int32_t(t), room_.triangle[t], near.orig, near.triangle);
         if (outcome != ok) return outcome;
       }
   }

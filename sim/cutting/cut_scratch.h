@@ -55,9 +55,12 @@ struct CutScratch {
     uint32_t touched = 0;
     uint8_t mat = 0;
   };
+  struct Hit {  // an existing triangle whose box meets that of a blade triangle
+    int32_t orig = 0;
+    uint32_t group = 0, members = 0;  // of blade triangles; which of them
+  };
   struct Near {  // an existing triangle that a blade triangle may meet
     int32_t orig = 0;
-    IntBox box;
     IntTriangle triangle;
   };
   struct BorderEdge {  // of a piece of the blade
@@ -73,10 +76,10 @@ struct CutScratch {
   std::vector<IntTriangle> triangle;  // of the blade, named by its vertices until they have points
   std::vector<Plane> plane;
   std::vector<IntBox> box;
-  std::vector<int32_t> hit;
-  std::vector<size_t> hit_first;  // per group of blade triangles
+  std::vector<Hit> hit;
+  std::vector<BoxGroup> group;  // of blade triangles
   std::vector<Near> near;                            // of one group
-  std::array<std::vector<uint32_t>, 8> chosen;       // of those, by each blade triangle of the group
+  std::array<std::vector<uint32_t>, BoxGroup::kMost> chosen;       // of those, by each blade triangle of the group
   std::vector<Segment> segment, segment_room;
   std::vector<Mark> mark, between;
   // divide
@@ -98,7 +101,7 @@ struct CutScratch {
   std::vector<int32_t> kept;
 
   void clear() {
-    hit.clear(), hit_first.clear(), near.clear(), segment.clear(), mark.clear(), touched.clear(), barrier.clear();
+    hit.clear(), group.clear(), near.clear(), segment.clear(), mark.clear(), touched.clear(), barrier.clear();
     shared_edge.clear(), edge_point.clear(), barrier_first.clear(), piece_first.clear(), keep.clear();
     border.clear(), vote.clear();
     blade_split.clear();

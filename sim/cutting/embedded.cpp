@@ -1,4 +1,6 @@
 // Is a blade a surface without contact with itself? What cutting rests on.
+#include <algorithm>
+
 #include "sim/cutting/tri_tests.h"
 
 namespace limberg {
@@ -22,32 +24,45 @@ std::vector<IntTriangle> int_triangles(std::span<const Int3> vertex, std::span<c
 std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri) {
   const std::vector<IntTriangle> triangle = int_triangles(vertex, tri);
   std::vector<Plane> plane;
-  for (const IntTriangle& t : triangle) plane.push_back(plane_through(t.p[0], t.p[1], t.p[2]));
-  return check_embedded(triangle, plane, tree_over(triangle));
+  std::vector<IntBox> box;
+  for (const IntTriangle& t : triangle) {
+    plane.push_back(plane_through(t.p[0], t.p[1], t.p[2]));
+    box.push_back(box_around(t.p[0], t.p[1], t.p[2]));
+  }
+  return check_embedded(triangle, plane, box);
 }
 
-std::string check_embedded(std::span<const IntTriangle> triangle, std::span<const Plane> plane, const BoxTree& tree) {
+std::string check_embedded(std::span<const IntTriangle> triangle, std::span<const Plane> plane, std::span<const IntBox> box) {
   for (const Plane& p : plane)
     if (p.n[0] == 0 && p.n[1] == 0 && p.n[2] == 0) return "the blade has a triangle without area";
-  std::vector<IntBox> box;
-  box.reserve(triangle.size());
-  for (const IntTriangle& t : triangle) box.push_back(box_around(t.p[0], t.p[1], t.p[2]));
-  // Neighbours in the list are mostly neighbours in space: one walk down the tree serves several.
-  constexpr size_t kGroup = 8;
-  std::vector<int32_t> near;
-  for (size_t first = 0; first < triangle.size(); first += kGroup) {
-    const size_t last = std::min(first + kGroup, triangle.size());
-    IntBox group = box[first];
-    for (size_t i = first + 1; i < last; ++i) group = box_around(group, box[i]);
-    near.clear();
-    tree.box(group, [&](int32_t j) {
-      if (size_t(j) > first) near.push_back(j);
+  const auto meet = [&](size_t i, size_t j) { return meet_beyond_shared(triangle[i], plane[i], triangle[j], plane[j]); };
+  constexpr const char* kThroughItself = "the blade runs through itself";
+  std::vector<BoxGroup> group;
+  for (size_t i = 0; i < triangle.size(); i = group.back().end()) group.emplace_back(box, i);
+  constexpr size_t kFew = 64;
+  if (group.size() <= kFew) {  // a tree would cost more than asking every pair of groups
+    for (size_t g = 0; g < group.size(); ++g)
+      for (size_t h = g; h < group.size(); ++h) {
+        if (!group[g].all.meets(group[h].all)) continue;
+        for (size_t j = std::max(group[h].first, group[g].first + 1); j < group[h].end(); ++j) {
+          const uint32_t bits = group[g].meeting(box[j]);
+          for (size_t i = 0; i < group[g].count && bits >> i != 0; ++i)
+            if ((bits >> i & 1) && group[g].first + i < j && meet(group[g].first + i, j)) return kThroughItself;
+        }
+      }
+    return {};
+  }
+  const BoxTree tree = tree_over(triangle);
+  bool folded = false;
+  for (const BoxGroup& g : group) {
+    tree.box(g.all, [&](int32_t at, const IntBox& its) {
+      const size_t j = size_t(at);
+      if (folded || j <= g.first) return;
+      const uint32_t bits = g.meeting(its);
+      for (size_t i = 0; i < g.count && bits >> i != 0; ++i)
+        folded = folded || ((bits >> i & 1) && g.first + i < j && meet(g.first + i, j));
     });
-    for (size_t i = first; i < last; ++i)
-      for (int32_t j : near)
-        if (size_t(j) > i && box[i].meets(box[size_t(j)]) &&
-            meet_beyond_shared(triangle[i], plane[i], triangle[size_t(j)], plane[size_t(j)]))
-          return "the blade runs through itself";
+    if (folded) return kThroughItself;
   }
   return {};
 }

@@ -125,8 +125,8 @@ struct ArrangementStore {
 
   // undo.cpp
   void take_back(const Delta& delta);
-  /// Adds a tree over original triangles (its box tree is built here unless it is given); equal neighbours are merged.
-  void plant(std::shared_ptr<OrigTree> tree);
+  /// Adds a tree over original triangles [first, first + count); neighbours of like size are merged.
+  void plant(int32_t first, int32_t count);
 };
 
 /// A face as the radial order around an edge a-b sees it.

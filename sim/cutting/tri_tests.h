@@ -40,9 +40,9 @@ Crossing cross_triangles_exactly(const IntTriangle& s, const Plane& plane_s, con
 std::vector<IntTriangle> int_triangles(std::span<const Int3> vertex, std::span<const Tri> tri);
 BoxTree tree_over(std::span<const IntTriangle> triangle);
 
-/// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices. `tree`: over the
-/// same triangles.
-std::string check_embedded(std::span<const IntTriangle> triangle, std::span<const Plane> plane, const BoxTree& tree);
+/// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices, with their planes
+/// and boxes.
+std::string check_embedded(std::span<const IntTriangle> triangle, std::span<const Plane> plane, std::span<const IntBox> box);
 std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri);
 
 }  // namespace limberg

@@ -46,17 +46,14 @@ void ArrangementStore::take_back(const Delta& d) {
   }
 }
 
-void ArrangementStore::plant(std::shared_ptr<OrigTree> tree) {
+void ArrangementStore::plant(int32_t first, int32_t count) {
   // Trees of blades merge when the older is not larger than twice the newer: few trees, each triangle moved seldom.
-  const int32_t own = tree->count;
+  auto tree = std::make_shared<OrigTree>();
+  tree->first = first, tree->count = count;
   while (forest.size() > 1 && forest.back()->count <= 2 * tree->count) {
     tree->first = forest.back()->first;
     tree->count += forest.back()->count;
     forest.pop_back();
-  }
-  if (tree->count == own && !tree->boxes.empty()) {
-    forest.push_back(std::move(tree));
-    return;
   }
   std::vector<std::array<Int3, 3>> corner;
   corner.reserve(size_t(tree->count));
