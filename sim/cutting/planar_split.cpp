@@ -46,9 +46,11 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
     int32_t lo, hi, piece;
     int k;
     bool operator<(const HalfEdge& b) const { return std::tie(lo, hi, piece) < std::tie(b.lo, b.hi, b.piece); }
+    bool along(const HalfEdge& b) const { return lo == b.lo && hi == b.hi; }
   };
-  thread_local std::vector<HalfEdge> edges;
+  thread_local std::vector<HalfEdge> edges, border;
   edges.clear();
+  border.clear();
   for (int32_t f : faces) {
     Piece p;
     p.v = store.face[f].v;
@@ -61,30 +63,53 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
     }
     piece_.push_back(p);
   }
-  std::sort(edges.begin(), edges.end());
+  const auto join = [&](const HalfEdge& a, const HalfEdge& b) {
+    neighbour(a.piece, a.k) = b.piece;
+    neighbour(b.piece, b.k) = a.piece;
+  };
+  constexpr size_t kFew = 48;
+  if (edges.size() <= kFew) {  // sorting costs more than looking at all that wait for their partner
+    for (const HalfEdge& e : edges) {
+      size_t i = 0;
+      while (i < border.size() && !border[i].along(e)) ++i;
+      if (i == border.size()) {
+        border.push_back(e);
+      } else {
+        join(border[i], e);
+        border[i] = border.back();
+        border.pop_back();
+      }
+    }
+  } else {
+    std::sort(edges.begin(), edges.end());
+    for (size_t i = 0; i < edges.size(); ++i) {
+      if (i + 1 < edges.size() && edges[i].along(edges[i + 1])) {
+        join(edges[i], edges[i + 1]);
+        ++i;
+      } else {
+        border.push_back(edges[i]);
+      }
+    }
+  }
   const auto on_edge = [&](int32_t point, int k) {  // of the original triangle
     const auto& v = store.orig[o].v;
     if (point == v[size_t(k)] || point == v[size_t(next3(k))]) return true;
     const auto* ends = store.points.edge_of(point);
     return ends && store.edge_of_orig(o, (*ends)[0], (*ends)[1]) == k;
   };
-  for (size_t i = 0; i < edges.size(); ++i) {
-    if (i + 1 < edges.size() && edges[i].lo == edges[i + 1].lo && edges[i].hi == edges[i + 1].hi) {
-      neighbour(edges[i].piece, edges[i].k) = edges[i + 1].piece;
-      neighbour(edges[i + 1].piece, edges[i + 1].k) = edges[i].piece;
-      ++i;
-    } else {
-      for (int k = 0; k < 3; ++k)
-        if (on_edge(edges[i].lo, k) && on_edge(edges[i].hi, k))
-          piece_[edges[i].piece].label[size_t(edges[i].k)] = int16_t(k);
-    }
-  }
-  // Junctions: look each up among the sorted edges.
+  for (const HalfEdge& e : border)
+    for (int k = 0; k < 3; ++k)
+      if (on_edge(e.lo, k) && on_edge(e.hi, k)) piece_[e.piece].label[size_t(e.k)] = int16_t(k);
   for (size_t j = 0; j < junction_.size(); ++j) {
-    const int32_t lo = std::min(junction_[j].a, junction_[j].b), hi = std::max(junction_[j].a, junction_[j].b);
-    auto it = std::lower_bound(edges.begin(), edges.end(), HalfEdge{lo, hi, -1, 0});
-    for (; it != edges.end() && it->lo == lo && it->hi == hi; ++it)
-      piece_[it->piece].label[size_t(it->k)] = int16_t(kJunction + int(j));
+    const HalfEdge wanted{std::min(junction_[j].a, junction_[j].b), std::max(junction_[j].a, junction_[j].b), -1, 0};
+    const int16_t label = int16_t(kJunction + int(j));
+    if (edges.size() <= kFew) {
+      for (const HalfEdge& e : edges)
+        if (e.along(wanted)) piece_[e.piece].label[size_t(e.k)] = label;
+    } else {
+      for (auto it = std::lower_bound(edges.begin(), edges.end(), wanted); it != edges.end() && it->along(wanted); ++it)
+        piece_[it->piece].label[size_t(it->k)] = label;
+    }
   }
 }
 

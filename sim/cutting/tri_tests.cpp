@@ -155,12 +155,12 @@ std::array<size_t, 2> straddling_edges(const std::array<int, 3>& side) {
 Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t) {
   Crossing result;
   std::array<int, 3> ss, st;
+  for (size_t i = 0; i < 3; ++i) st[i] = side_of_plane(plane_s, t.p[i]);  // mostly tells them apart: blades stand upright
+  const int ct = classify(st);
+  if (ct < 0) return result;
   for (size_t i = 0; i < 3; ++i) ss[i] = side_of_plane(plane_t, s.p[i]);
   const int cs = classify(ss);
   if (cs < 0) return result;
-  for (size_t i = 0; i < 3; ++i) st[i] = side_of_plane(plane_s, t.p[i]);
-  const int ct = classify(st);
-  if (ct < 0) return result;
   if (cs == 0 || ct == 0) {
     result.kind = Crossing::coincidence;
     return result;
