@@ -39,34 +39,43 @@ int32_t PointStore::add_explicit(const Int3& p) {
 int32_t PointStore::line_plane(int32_t a, int32_t b, int32_t tri, const Plane& plane) {
   if (a > b) std::swap(a, b);
   const PointKey key{PointKey::line_plane, {a, b, tri}};
-  const int32_t i = known(key);
-  return i >= 0 ? i : add_implicit(key, limberg::line_plane(integer(a), integer(b), plane));
+  const size_t at = place_for(key);
+  const int32_t i = table_[at].index;
+  return i >= 0 ? implicit_[size_t(i)].point : add_implicit(at, key, limberg::line_plane(integer(a), integer(b), plane));
 }
 
 int32_t PointStore::three_planes(std::array<int32_t, 3> tri, const Plane& p0, const Plane& p1, const Plane& p2) {
   std::sort(tri.begin(), tri.end());
   const PointKey key{PointKey::three_planes, tri};
-  const int32_t i = known(key);
-  return i >= 0 ? i : add_implicit(key, limberg::three_planes(p0, p1, p2));
+  const size_t at = place_for(key);
+  const int32_t i = table_[at].index;
+  return i >= 0 ? implicit_[size_t(i)].point : add_implicit(at, key, limberg::three_planes(p0, p1, p2));
 }
 
-int32_t PointStore::add_implicit(const PointKey& key, const Homogeneous& h) {
-  const int32_t id = size();
-  if ((implicit_.size() + 1) * 2 > table_.size()) {
-    table_.assign(std::max<size_t>(64, table_.size() * 4), -1);
-    for (size_t i = 0; i < implicit_.size(); ++i) table_[place(implicit_[i].key)] = int32_t(i);
+size_t PointStore::place_for(const PointKey& key) {
+  if ((implicit_.size() + 1) * 4 > table_.size()) {
+    table_.assign(std::max<size_t>(256, table_.size() * 4), {});
+    for (size_t i = 0; i < implicit_.size(); ++i) {
+      const uint64_t h = hash(implicit_[i].key);
+      table_[place(implicit_[i].key, h)] = {uint32_t(h >> 32), int32_t(i)};
+    }
   }
-  table_[place(key)] = int32_t(implicit_.size());
+  return place(key, hash(key));
+}
+
+int32_t PointStore::add_implicit(size_t at, const PointKey& key, const Homogeneous& h) {
+  const int32_t id = size();
   approx_.push_back(approximate(h));
   implicit_of_.push_back(int32_t(implicit_.size()));
   implicit_.push_back({h, key, id});
+  table_[at] = {uint32_t(hash(key) >> 32), int32_t(implicit_.size()) - 1};
   return id;
 }
 
 void PointStore::truncate(int32_t n) {
   while (size() > n) {
     if (implicit_of_.back() >= 0) {
-      table_[place(implicit_.back().key)] = -1;
+      table_[place(implicit_.back().key, hash(implicit_.back().key))].index = -1;
       implicit_.pop_back();
     }
     implicit_of_.pop_back();

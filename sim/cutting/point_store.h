@@ -114,26 +114,32 @@ class PointStore {
   static uint64_t hash(const PointKey& k) {
     uint64_t h = uint64_t(k.kind);
     for (int32_t i : k.id) h = (h ^ uint32_t(i)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
-    return h ^ h >> 32;
+    return h * 0xff51afd7ed558ccdull ^ h >> 32;
   }
-  /// Where the key is, or the empty place at which the search ends.
-  size_t place(const PointKey& key) const {
-    size_t at = size_t(hash(key)) & (table_.size() - 1);
-    while (table_[at] >= 0 && !(implicit_[table_[at]].key == key)) at = (at + 1) & (table_.size() - 1);
+  /// Where the key is, or the empty place at which the search ends. Other points are told apart by their tags, without
+  /// being looked at.
+  size_t place(const PointKey& key, uint64_t h) const {
+    const size_t mask = table_.size() - 1;
+    const uint32_t tag = uint32_t(h >> 32);
+    size_t at = size_t(h) & mask;
+    while (table_[at].index >= 0 && !(table_[at].tag == tag && implicit_[size_t(table_[at].index)].key == key))
+      at = (at + 1) & mask;
     return at;
   }
-  int32_t known(const PointKey& key) const {
-    const int32_t i = table_.empty() ? -1 : table_[place(key)];
-    return i < 0 ? -1 : implicit_[i].point;
-  }
-  int32_t add_implicit(const PointKey& key, const Homogeneous& h);
+  /// Room for one more, then place().
+  size_t place_for(const PointKey& key);
+  int32_t add_implicit(size_t place, const PointKey& key, const Homogeneous& h);
 
   std::vector<Vec3> approx_;          // explicit points: exact
   std::vector<int32_t> implicit_of_;  // -1: explicit
   std::vector<Implicit> implicit_;
   std::vector<Residues> residue_;     // of the implicit points that settle() has seen
-  std::vector<int32_t> table_;        // open addressing by key: index of implicit_, -1 empty. Points leave in reverse order
-                                      // of coming, so a place that is emptied never lies inside another's search
+  struct Entry {
+    uint32_t tag = 0;
+    int32_t index = -1;  // of implicit_; -1: empty
+  };
+  std::vector<Entry> table_;  // open addressing by key. Points leave in reverse order of coming, so a place that is emptied
+                              // never lies inside another's search
 };
 
 }  // namespace limberg
