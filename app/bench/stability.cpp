@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "app/bench/bullet_peer.h"
 #include "app/bench/cpu_clock.h"
 #include "app/bench/stability_cases.h"
 #include "sim/fem/reference_newton.h"
@@ -15,6 +16,8 @@ namespace {
 constexpr int kIterationsPerStep = 40;  // what a frame of 60 Hz holds at 8k nodes
 constexpr int kMaxSteps = 300;          // 5 s at 60 Hz
 constexpr int kPeerIterations = 200;
+constexpr int kPeerSteps = 100;
+constexpr double kPeerLimit_ms = 5000;  // CPU; for Bullet, whose steps take some 50 ms here
 
 /// Largest distance of a node from its rest place; for a floating piece after the best rigid motion (Kabsch).
 double distance_from_rest(const FemModel& m, std::span<const Vec3> u, bool floating) {
@@ -48,6 +51,15 @@ struct Outcome {
   std::string why;    // of a failure
 };
 
+/// The load after so many steps of its ramp.
+std::vector<Spring> ramped(const StabilityCase& c, int steps) {
+  std::vector<Spring> load = c.load;
+  Vec3 from = Vec3::Zero();
+  for (size_t i = 0; i < 8; ++i) from += double(load[0].a.w[i]) * c.model->X_mm[size_t(load[0].a.node[i])];
+  load[0].target_mm = from + std::min(1.0, double(steps) / c.ramp_steps) * (load[0].target_mm - from);
+  return load;
+}
+
 Outcome ours(const StabilityCase& c) {
   Outcome o;
   const double t0 = cpu_ms();
@@ -74,6 +86,7 @@ Outcome ours(const StabilityCase& c) {
     solver->set_springs(c.load);
     for (int k = 0; k < c.hold_steps; ++k) {
       if (k == 1 && !c.teleport.empty()) solver->set_springs(c.teleport);
+      if (c.ramp_steps > 0) solver->set_springs(ramped(c, k + 1));
       r = solver->step(s);
       if (!finite(r)) return fail("not finite under load");
     }
@@ -146,6 +159,51 @@ Outcome newton(const StabilityCase& c, const FemModel& model) {
   return o;
 }
 
+/// Bullet's body; its one material's constants from the case.
+Outcome bullet(const StabilityCase& c) {
+  Outcome o;
+  const double t0 = cpu_ms(), dt = c.dt_s > 0 ? c.dt_s : 1.0 / 60;
+  const auto [mu, lambda] = bullet_constants(c.young_kPa, c.poisson);
+  BulletBody body(*c.model, mu, lambda);
+  if (!c.start.empty()) body.set_displacement_mm(c.start);
+  std::vector<Vec3> u;
+  const auto lost = [&] {
+    u = body.displacement_mm();
+    o.distance_mm = distance_from_rest(*c.model, u, c.floating);
+    return !(o.distance_mm < 1e4);
+  };
+  const auto done = [&](const std::string& why) {
+    o.why = why, o.pass = why.empty(), o.ms = cpu_ms() - t0;
+    return o;
+  };
+  if (c.throw_mm_per_s.norm() > 0) body.set_velocity(c.throw_mm_per_s);
+  body.set_springs(c.load);
+  for (int k = 0; k < std::min(c.hold_steps, kPeerSteps); ++k) {
+    if (k == 1 && !c.teleport.empty()) body.set_springs(c.teleport);
+    if (c.ramp_steps > 0) body.set_springs(ramped(c, k + 1));
+    body.step(dt);
+    if (lost()) return done("blown up under load");
+    if (cpu_ms() - t0 > kPeerLimit_ms) break;
+  }
+  if (c.must_reach) {
+    const auto at = [&](const EmbeddedPoint& p) {
+      Vec3 x = Vec3::Zero();
+      for (size_t i = 0; i < 8; ++i) x += double(p.w[i]) * (c.model->X_mm[size_t(p.node[i])] + u[size_t(p.node[i])]);
+      return x;
+    };
+    for (const Spring& s : c.load)
+      if ((at(s.a) - at(s.b)).norm() > 0.05) return done("a suture stays open");
+  }
+  body.set_springs({});
+  for (o.steps = 1; o.steps <= kPeerSteps; ++o.steps) {
+    body.step(dt);
+    if (lost()) return done("blown up after the release");
+    if (o.distance_mm < 1e-3 * c.length_mm) return done("");
+    if (cpu_ms() - t0 > kPeerLimit_ms) break;
+  }
+  return done("not at rest " + std::to_string(o.steps) + " steps after the release");
+}
+
 Row row(const StabilityCase& c, const char* method, const Outcome& o, bool under_test) {
   Row r;
   r.name = c.family + ": " + c.name;
@@ -163,11 +221,19 @@ Result stability(const StabilitySettings& settings) {
   Result out;
   const std::vector<StabilityCase> cases = stability_cases(settings.quick);
   int passed = 0, newton_passed = 0, corotated_passed = 0, compared = 0;
+  int bullet_passed = 0, bullet_compared = 0, run_cases = 0;
   for (const StabilityCase& c : cases) {
+    if (!settings.only.empty() && (c.family + ": " + c.name).find(settings.only) == std::string::npos) continue;
+    ++run_cases;
     if (settings.progress) settings.progress(c.family + ": " + c.name);
     const Outcome o = ours(c);
     passed += o.pass;
     out.rows.push_back(row(c, "limberg (steps of 40 iterations)", o, true));
+    if (!settings.quick && c.one_material && has_bullet()) {
+      const Outcome k = bullet(c);
+      ++bullet_compared, bullet_passed += k.pass;
+      out.rows.push_back(row(c, "Bullet deformable", k, false));
+    }
     if (settings.quick || c.dt_s > 0) continue;  // the peers here are quasi-static
     ++compared;
     const Outcome n = newton(c, *c.model);
@@ -182,12 +248,13 @@ Result stability(const StabilitySettings& settings) {
     corotated_passed += k.pass;
     out.rows.push_back(row(c, "full Newton, linear corotated", k, false));
   }
-  const double n = double(cases.size());
-  out.bars.push_back({"cases recovered, of " + std::to_string(cases.size()), double(passed), false, n, true, passed == int(n),
+  const double n = double(run_cases);
+  out.bars.push_back({"cases recovered, of " + std::to_string(run_cases), double(passed), false, n, true, passed == int(n),
                       "every case has a rest state to return to"});
   if (!settings.quick)
     out.notes.push_back("Of the " + std::to_string(compared) + " quasi-static neo-Hookean cases full Newton on the same energy recovers " +
-                        std::to_string(newton_passed) + ", full Newton on the linear corotated law " + std::to_string(corotated_passed) + ".");
+                        std::to_string(newton_passed) + ", full Newton on the linear corotated law " + std::to_string(corotated_passed) +
+                        "; of the " + std::to_string(bullet_compared) + " of one tissue Bullet's deformable body " + std::to_string(bullet_passed) + ".");
   return out;
 }
 

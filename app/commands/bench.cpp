@@ -18,7 +18,7 @@ namespace limberg {
 namespace {
 
 struct Options {
-  std::string suite, scene;
+  std::string suite, scene, only;
   bool quick = false;
   int front_levels = 0;
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
@@ -81,11 +81,13 @@ int run(const Options& o) {
   if (o.suite == "speed") {
     bench::SpeedSettings s;
     s.quick = o.quick;
+    s.only = o.only;
     s.progress = note;
     b = bench::speed(s);
   } else if (o.suite == "stability") {
     bench::StabilitySettings s;
     s.quick = o.quick;
+    s.only = o.only;
     s.progress = note;
     b = bench::stability(s);
   } else if (o.suite == "simplex") {
@@ -112,6 +114,7 @@ int run(const Options& o) {
     b.bars.insert(b.bars.end(), metric.bars.begin(), metric.bars.end());
   }
   progress.clear();
+  if (!o.only.empty() && b.rows.empty()) throw InputError("", 0, "bench " + o.suite + ": --only " + o.only + " names no part; expected one of those that --help lists");
   print(b);
   Result result("bench", "");
   result.set("/suite", o.suite);
@@ -139,6 +142,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
+  c->add_option("--only", o->only, "speed, stability: the parts or families whose name contains this (speed: pull, kernels, scalar, workers, locking, slab, bullet, drag)")->type_name("TEXT");
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
   c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(CLI::Range(0, 2));

@@ -1,0 +1,49 @@
+#pragma once
+// The parts of `limberg bench speed`, and what they share. Each adds its rows and bars.
+#include <memory>
+#include <span>
+#include <string>
+
+#include "app/bench/speed.h"
+#include "sim/fem/box_model.h"
+#include "sim/fem/elastic_solver.h"
+
+namespace limberg::bench {
+
+struct SpeedRun {
+  Result& out;
+  const SpeedSettings& settings;
+  void say(const std::string& text) const {
+    if (settings.progress) settings.progress(text);
+  }
+  void bar(const std::string& name, double value, double wanted, bool larger, const char* source, bool at_least = false) const {
+    out.bars.push_back({name, value, at_least, wanted, larger, larger ? value >= wanted : value <= wanted, source});
+  }
+};
+
+double largest_error(std::span<const Vec3f> u, std::span<const Vec3> exact);
+double largest_error(std::span<const Vec3> u, std::span<const Vec3> exact);
+
+/// The scene with the hook pulled by 29.6 mm.
+BenchScene pulled_scene(int side, int layers, double poisson);
+/// A solver at rest with its factor or cycle made.
+std::unique_ptr<ElasticSolver> ready(Workers& w, std::span<const Spring> springs, const std::shared_ptr<const FemModel>& model);
+/// The equilibrium from rest: this solver to its floor, polished by Newton in double.
+std::vector<Vec3> equilibrium(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs);
+
+/// CPU time from rest until the largest error stays below 1 mm and 0.1 mm.
+struct PullTimes {
+  double ms[2] = {0, 0}, error[2] = {0, 0};
+  int iterations[2] = {-1, -1};  // -1: not reached
+  bool cycle = false;
+};
+PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs, std::span<const Vec3> exact);
+
+void speed_kernels(const SpeedRun& run);        // instruction sets; three right-hand sides against CHOLMOD
+void speed_scalar_double(const SpeedRun& run);  // the same pull by a scalar double solver
+void speed_workers(const SpeedRun& run);        // a second core
+void speed_locking(const SpeedRun& run);        // energy error at two cells thickness
+void speed_slab(const SpeedRun& run);           // the peers' slab
+void speed_bullet(const SpeedRun& run);         // Bullet's deformable body
+
+}  // namespace limberg::bench
