@@ -229,12 +229,12 @@ Result stability(const StabilitySettings& settings) {
     const Outcome o = ours(c);
     passed += o.pass;
     out.rows.push_back(row(c, "limberg (steps of 40 iterations)", o, true));
-    if (!settings.quick && c.one_material && has_bullet()) {
+    if (!settings.quick && settings.peers && c.one_material && has_bullet()) {
       const Outcome k = bullet(c);
       ++bullet_compared, bullet_passed += k.pass;
       out.rows.push_back(row(c, "Bullet deformable", k, false));
     }
-    if (settings.quick || c.dt_s > 0) continue;  // the peers here are quasi-static
+    if (settings.quick || !settings.peers || c.dt_s > 0) continue;  // the peers here are quasi-static
     ++compared;
     const Outcome n = newton(c, *c.model);
     newton_passed += n.pass;
@@ -251,7 +251,7 @@ Result stability(const StabilitySettings& settings) {
   const double n = double(run_cases);
   out.bars.push_back({"cases recovered, of " + std::to_string(run_cases), double(passed), false, n, true, passed == int(n),
                       "every case has a rest state to return to"});
-  if (!settings.quick)
+  if (!settings.quick && settings.peers)
     out.notes.push_back("Of the " + std::to_string(compared) + " quasi-static neo-Hookean cases full Newton on the same energy recovers " +
                         std::to_string(newton_passed) + ", full Newton on the linear corotated law " + std::to_string(corotated_passed) +
                         "; of the " + std::to_string(bullet_compared) + " of one tissue Bullet's deformable body " + std::to_string(bullet_passed) + ".");

@@ -20,6 +20,7 @@ namespace limberg::bench {
 
 struct StabilitySettings {
   bool quick = false;  // one case per family, no peers
+  bool peers = true;   // without them it is a matter of seconds
   std::string only;    // families and cases whose name contains this
   std::function<void(const std::string&)> progress;  // empty: silent
 };

@@ -19,7 +19,7 @@ namespace {
 
 struct Options {
   std::string suite, scene, only;
-  bool quick = false;
+  bool quick = false, no_peers = false;
   int front_levels = 0;
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
   uint64_t seed = 1;
@@ -88,6 +88,7 @@ int run(const Options& o) {
     bench::StabilitySettings s;
     s.quick = o.quick;
     s.only = o.only;
+    s.peers = !o.no_peers;
     s.progress = note;
     b = bench::stability(s);
   } else if (o.suite == "simplex") {
@@ -142,6 +143,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
+  c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
   c->add_option("--only", o->only, "speed, stability: the parts or families whose name contains this (speed: pull, kernels, scalar, workers, locking, slab, bullet, drag)")->type_name("TEXT");
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");

@@ -119,7 +119,8 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
 
 CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure, const Engine& engine) {
   const Kernels& k = engine.kernels();
-  const CellView view = data_.view();
+  CellView view = data_.view();
+  if (shape_only_) view.stencils = shape_stencils_.data();
   engine.run(data_.tiles.size(), 1, [&](size_t begin, size_t end) {
     for (size_t t = begin; t < end; ++t)
       tile_sums_[t] = k.evaluate_tile(view, data_.tiles[t], u.data(), q_.data(), slots_.data(), theta_.data(), measure);
@@ -130,8 +131,18 @@ CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure,
   return total;
 }
 
+void ElementSystem::shape_only(bool on) {
+  shape_only_ = on;
+  if (!on || !shape_stencils_.empty()) return;
+  shape_stencils_ = data_.stencils;
+  for (KernelStencil& k : shape_stencils_) {
+    std::fill(std::begin(k.f0), std::end(k.f0), 0.0f);
+    k.p0 = k.ke = k.r = 0;
+  }
+}
+
 bool ElementSystem::update_multipliers(const Engine& engine, double scale_of_increment) {
-  if (!has_multipliers_) return false;
+  if (!has_multipliers_ || shape_only_) return false;
   const CellView view = data_.view();
   engine.run(data_.cells.size(), 8192, [&](size_t begin, size_t end) {
     engine.kernels().update_multipliers(view, theta_.data(), q_.data(), float(scale_of_increment), begin, end);

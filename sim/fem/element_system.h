@@ -44,6 +44,9 @@ class ElementSystem {
   /// Energy; g = dE/du of the cells at every node, fixed ones included. `measure`: w of a node = sum of the norms of the
   /// cell forces that meet there (otherwise 0). Same bits for any number of workers.
   CellSums evaluate(const NodeArray& u, NodeArray& g, bool measure, const Engine& engine);
+  /// From now on sum K_ab/2 u_a . u_b in place of the energy: linear in what it asks for, convex, least at rest. It knows no
+  /// rotation and no volume, but leads out of any tangle (LbfgsSolver).
+  void shape_only(bool on);
   /// One multiplier update from the theta of the last evaluate. Returns false if no cell has a multiplier.
   bool update_multipliers(const Engine& engine, double scale_of_increment = 1);
 
@@ -61,6 +64,8 @@ class ElementSystem {
 
  private:
   KernelData data_;
+  AlignedArray<KernelStencil> shape_stencils_;  // made when first asked for
+  bool shape_only_ = false;
   std::vector<int32_t> slot_of_cell_;  // position in tile order of a model cell
   AlignedArray<float> theta_, q_;
   NodeArray slots_;

@@ -12,6 +12,12 @@
 //         on, so g is zero there and they take no part in any product (hanging_nodes.h)
 //   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers)
 //
+// A tangle that the energy does not lead out of (many cells inverted and no balance in sight for a hundred iterations: layers
+// of very different stiffness thrown together) is undone in two stages. First the energy is replaced by its quadratic part
+// about the rest shape, which is convex and, under whatever springs there are, leaves no cell folded by another. Then the
+// whole energy takes over from there. Only in quasi-static steps, only where something holds every piece (the quadratic
+// part would turn a free one back as it was), and not with laws beside the quadratic part.
+//
 // The history outlives the step: moving a target or updating q only shifts the gradient, so old pairs stay true as long as
 // no pair is taken across such a shift. A new model or another set of springs clears it. Other contacts do not: the metric
 // knows nothing of them, the pairs learn them, and a pair that is out of date still makes a positive definite operator.
@@ -64,6 +70,8 @@ class LbfgsSolver final : public ElasticSolver {
   enum class Search { moved, stuck };
   Search search(Value& value, double slope);
   double relative_residual() const;
+  void begin_or_end_untangling(Value& value, bool dynamic);
+  bool every_piece_is_held() const;
   void publish();
 
   Engine engine_;
@@ -88,6 +96,9 @@ class LbfgsSolver final : public ElasticSolver {
   double force_scale_ = 0;             // sqrt(sum_nodes (sum of force magnitudes)^2), of the last measuring evaluate
   double force_floor_ = 0;             // the same for a strain of 1e-3, so that a block at rest has a scale too
   double last_move_mm_ = 0;
+  int tangled_iterations_ = 0;         // spent in steps that ended in a tangle, without a better one between
+  bool untangling_ = false;
+  int untangling_iterations_ = 0;
   int since_update_ = 0;               // accepted iterates since the multipliers changed
   std::vector<Vec3f> shown_;
 };
