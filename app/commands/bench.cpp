@@ -3,6 +3,7 @@
 
 #include "app/bench/cutting.h"
 #include "app/bench/fuzz.h"
+#include "app/bench/fuzz/world_runner.h"
 #include "app/bench/metric.h"
 #include "app/bench/simplex.h"
 #include "app/bench/speed.h"
@@ -21,6 +22,7 @@ struct Options {
   std::string suite, scene, only;
   bool quick = false, no_peers = false;
   int front_levels = 0;
+  bool world = false;       // fuzz: acts on patients
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
   uint64_t seed = 1;
   CommonOptions common;
@@ -77,7 +79,7 @@ int run(const Options& o) {
   Progress progress("bench " + o.suite);
   const auto note = [&](const std::string& line) { progress.note(line); };
   bench::Result b;
-  bench::FuzzReport fuzz;
+  bench::FuzzReport fuzzed;
   if (o.suite == "speed") {
     bench::SpeedSettings s;
     s.quick = o.quick;
@@ -96,6 +98,13 @@ int run(const Options& o) {
     s.quick = o.quick;
     s.progress = note;
     b = bench::simplex_suite(s);
+  } else if (o.suite == "fuzz" && o.world) {
+    fuzz::WorldFuzzSettings s;
+    s.acts = o.operations > 0 ? o.operations : o.quick ? 300 : 3000;
+    s.seed = o.seed;
+    s.out_dir = o.common.out_dir;
+    s.progress = note;
+    b = fuzz::world_fuzz(s).result();
   } else if (o.suite == "fuzz") {
     bench::FuzzSettings s;
     s.operations = o.operations > 0 ? o.operations : o.quick ? 2000 : 20000;
@@ -103,8 +112,8 @@ int run(const Options& o) {
     s.front_levels = o.front_levels;
     s.out_dir = o.common.out_dir;
     s.progress = note;
-    fuzz = bench::fuzz_run(s);
-    b = fuzz.result();
+    fuzzed = bench::fuzz_run(s);
+    b = fuzzed.result();
   } else {
     bench::CuttingSettings s;
     s.quick = o.quick;
@@ -120,10 +129,10 @@ int run(const Options& o) {
   Result result("bench", "");
   result.set("/suite", o.suite);
   result.set("/quick", o.quick);
-  if (o.suite == "fuzz") {
-    result.set("/operations", fuzz.operations());
-    result.set("/violations", int64_t(fuzz.violations.size()));
-    result.set("/refused", fuzz.generic.refused + fuzz.adversarial.refused);
+  if (o.suite == "fuzz" && !o.world) {
+    result.set("/operations", fuzzed.operations());
+    result.set("/violations", int64_t(fuzzed.violations.size()));
+    result.set("/refused", fuzzed.generic.refused + fuzzed.adversarial.refused);
     result.set("/seed", int64_t(o.seed));
   }
   fill(result, b);
@@ -146,6 +155,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
   c->add_option("--only", o->only, "speed, stability: the parts or families whose name contains this (speed: pull, kernels, scalar, workers, locking, slab, bullet, drag)")->type_name("TEXT");
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
+  c->add_flag("--world", o->world, "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
   c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(CLI::Range(0, 2));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);

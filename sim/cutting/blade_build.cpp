@@ -121,7 +121,8 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     attach(join_at_end, past_end);
     std::reverse(path.begin(), path.end());
     if (join_at_end >= 0 && join_at_end == join_at_start) return refuse("both ends of the stroke meet at one place");
-    if (path.size() < 2 || meets_itself(path, false)) return refuse("nothing of the stroke lies on uncut skin");
+    if (path.size() < 2 || meets_itself(path, false))
+      return {.blade = {}, .reason = "nothing of the stroke lies on uncut skin", .nothing = true};
   }
   path = resample(path, kSpacing, closed);
   const bool attached = past_start || past_end || join_at_start >= 0 || join_at_end >= 0;

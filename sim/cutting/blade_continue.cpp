@@ -111,27 +111,63 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
   }
   if (!any) return refuse("no earlier cut runs along the stroke");
   if (strips.empty()) return {.blade = {}, .reason = "this is cut already", .nothing = true};
-  Blade blade;
-  blade.strip = true;
-  std::vector<std::pair<int32_t, int32_t>> known;
   const auto level_at = [&](int32_t column, int32_t point) {
     for (const WallPoint& p : walls.columns()[size_t(column)].point)
       if (p.point == point) return p.level;
     return 0.0;
   };
-  for (int32_t i : strips) {
-    const WallStrip& t = walls.strips()[size_t(i)];
-    std::array<StripSide, 2> side;
-    for (size_t k = 0; k < 2; ++k) {
-      side[k] = side_of_wall(blade, c, walls.columns()[size_t(t.column[k])], level_at(t.column[k], t.front[k]), to, known);
-      side[k].arc = kSpacing * t.column[k];  // the same for the strips on both sides of a column
+  std::vector<double> foot(walls.columns().size(), to);  // per column: how deep it is to be
+  const auto assemble = [&](std::span<const int32_t> some) {
+    Blade blade;
+    blade.strip = true;
+    std::vector<std::pair<int32_t, int32_t>> known;
+    for (int32_t i : some) {
+      const WallStrip& t = walls.strips()[size_t(i)];
+      std::array<StripSide, 2> side;
+      for (size_t k = 0; k < 2; ++k) {
+        const int32_t column = t.column[k];
+        side[k] = side_of_wall(blade, c, walls.columns()[size_t(column)], level_at(column, t.front[k]), foot[size_t(column)], known);
+        side[k].arc = kSpacing * column;  // the same for the strips on both sides of a column
+      }
+      add_between(blade, side[0], side[1], 0, 3);
     }
-    add_between(blade, side[0], side[1], 0, 3);
-  }
-  blade.shared_point.resize(blade.vertex.size(), -1);
+    blade.shared_point.resize(blade.vertex.size(), -1);
+    return blade;
+  };
+  Blade blade = assemble(strips);
   if (blade.tri.empty()) return {.blade = {}, .reason = "this is cut already", .nothing = true};
-  if (!check_embedded(blade.vertex, blade.tri).empty())
-    return {.blade = {}, .reason = "the deeper blade would run through itself; expected less depth or a straighter path", .folds = true};
+  if (!check_embedded(blade.vertex, blade.tri).empty()) {
+    // Columns that lean towards each other meet at some depth: there it stays shallower. Strip by strip, as deep as goes.
+    std::vector<int32_t> fitting;
+    std::vector<uint8_t> placed(walls.columns().size(), 0);
+    const auto fits = [&] {
+      const Blade b = assemble(fitting);
+      return b.tri.empty() || check_embedded(b.vertex, b.tri).empty();
+    };
+    for (int32_t i : strips) {
+      const WallStrip& t = walls.strips()[size_t(i)];
+      fitting.push_back(i);
+      bool ok = fits();
+      for (const double share : {0.6, 0.3, 0.0}) {
+        if (ok) break;
+        for (size_t k = 0; k < 2; ++k) {
+          const double from = level_at(t.column[k], t.front[k]);
+          if (!placed[size_t(t.column[k])]) foot[size_t(t.column[k])] = from + share * (to - from);
+        }
+        ok = fits();
+      }
+      if (ok) {
+        for (int32_t k : t.column) placed[size_t(k)] = 1;
+        continue;
+      }
+      fitting.pop_back();
+      for (int32_t k : t.column)
+        if (!placed[size_t(k)]) foot[size_t(k)] = to;
+    }
+    blade = assemble(fitting);
+    if (blade.tri.empty())
+      return {.blade = {}, .reason = "the deeper blade would run through itself; expected less depth or a straighter path", .folds = true};
+  }
   if (std::string why = fits_grid(c, blade); !why.empty()) return refuse(why);
   return {std::move(blade), {}};
 }

@@ -11,7 +11,7 @@ namespace limberg {
 
 namespace {
 
-constexpr double kSettled = kGap + double(kWindow) * kStep;  // behind this much more path a sample's kind is final
+constexpr double kSettled = kCorner + double(kWindow) * kStep;  // behind this much more path a sample's kind is final
 constexpr double kLeastWay = 1.0;                            // shorter free ways beside a run are none
 constexpr double kPastStart = 4 * kSnap;                     // an end goes so far past the beginning that it closes on
 constexpr double kStub = 0.05;                               // a crossing so near to an end may miss it at depth
@@ -50,7 +50,7 @@ DrawnStroke::Stretch DrawnStroke::stretch(const BladeContext& c, const WallMap& 
   const double length = length_mm();
   if (walls.empty()) return {length, last};
   const double angle = angle_deg_ * std::numbers::pi / 180;
-  const AlongSamples s = samples_along(c, walls, path_, std::cos(angle) / std::sin(angle));
+  const AlongSamples s = samples_along(c, walls, path_, std::cos(angle) / std::sin(angle), depth_);
   const size_t n = s.along.size();
   const double settled = last ? length : length - kSettled;
   size_t i = std::min(n - 1, size_t(std::ceil(from_ / kStep - 1e-9)));

@@ -13,7 +13,9 @@ namespace limberg {
 namespace {
 
 constexpr double kLeastPart = 2.0;     // of a stroke that is divided where its blade would fold
+constexpr double kLeastFree = 1.2;     // what is left over between other parts is not a cut of its own
 constexpr int kMostDivided = 5;
+constexpr double kLeastShare = 0.2;    // of the depth, where the whole of it would fold
 
 /// A stroke that comes back to its own beginning, as a closed path; else as it was.
 std::vector<Vec2> closed_when_meant(std::vector<Vec2> path) {
@@ -65,6 +67,8 @@ std::vector<double> divisions(std::span<const Vec2> path, bool& start_touches) {
 struct Part {
   StrokePiece piece;
   int divided = 0;
+  double share = 1;       // of the depth asked
+  bool may_fail = false;  // it only deepens what was made
 };
 
 /// The sharpest corner of a path that leaves parts of a length on both sides; the middle of what deepens a wall, because
@@ -105,7 +109,7 @@ StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke
   const bool simple = clean.size() < 2 || !(angle_deg >= 20 && angle_deg <= 160);
   const double lean = simple ? 0 : 1 / std::tan(angle_deg * std::numbers::pi / 180);
   std::vector<Run> runs;
-  if (!simple && !walls.empty()) runs = runs_along(samples_along(c, walls, clean, lean));
+  if (!simple && !walls.empty()) runs = runs_along(samples_along(c, walls, clean, lean, depth_mm));
   const bool any_along = std::any_of(runs.begin(), runs.end(), [](const Run& r) { return r.along; });
   const std::vector<Vec2> path = simple || any_along ? clean : closed_when_meant(clear_of_start(without_curls(clean)));
   const auto add_free = [&](const std::vector<Vec2>& part) {
@@ -157,16 +161,20 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
   int made = 0, faces = 0, patches = 0, kept = 0;
   std::string nothing;
   std::deque<Part> parts;
-  for (const StrokePiece& piece : plan.piece) parts.push_back({piece, 0});
+  for (const StrokePiece& piece : plan.piece) parts.push_back({piece});
   while (!parts.empty()) {
     const Part part = std::move(parts.front());
     const StrokePiece& piece = part.piece;
     parts.pop_front();
+    if (!piece.along && (plan.piece.size() > 1 || part.divided > 0) &&
+        path_length(drop_close(simplify(piece.path, kSimplify), kKnot)) < kLeastFree)
+      continue;
     CutResult r;
     bool folds = false;
+    const double depth = plan.depth_mm * part.share;
     for (const bool may_join : {true, false}) {
-      const BladeResult b = piece.along ? build_deepening(c, piece.path, plan.depth_mm + wall_extra(c))
-                                        : build_incision(c, piece.path, plan.depth_mm, plan.angle_deg, may_join);
+      const BladeResult b = piece.along ? build_deepening(c, piece.path, depth + wall_extra(c))
+                                        : build_incision(c, piece.path, depth, plan.angle_deg, may_join);
       r = CutResult{};
       r.reason = b.reason;
       folds = b.folds;
@@ -174,13 +182,18 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       if (b.blade) r = cut(*b.blade);
       if (r.status != CutResult::refused || !b.blade || b.blade->shared_point.empty()) break;
     }
-    if (folds && part.divided < kMostDivided)
+    if ((folds || (piece.along && r.status == CutResult::refused)) && part.divided < kMostDivided)
       if (const double at = where_to_divide(piece); at > 0) {
         const double length = path_length(piece.path);
         parts.push_front({{part_of(piece.path, at, length), piece.along}, part.divided + 1});
         parts.push_front({{part_of(piece.path, 0, at), piece.along}, part.divided + 1});
         continue;
       }
+    if (folds && !piece.along && part.share > kLeastShare) {  // first a shallower cut, then deeper along it where that goes
+      parts.push_front({piece, part.divided, part.share / 2});
+      continue;
+    }
+    if (r.status == CutResult::refused && part.may_fail) continue;
     if (r.status == CutResult::refused) {
       for (; made > 0; --made) take_back();
       return r;
@@ -189,6 +202,7 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       nothing = r.reason;
       continue;
     }
+    if (part.share < 1 && !piece.along && r.ok()) parts.push_front({{piece.path, true}, kMostDivided, 1, true});
     ++made;
     faces += r.wall_faces;
     patches += r.patches;

@@ -5,7 +5,8 @@
 //    does nothing where that is deep enough.
 //  * What crosses itself is divided between the passages: the second part begins where the first ends, shares its end
 //    edge, and crosses it as it would any earlier cut.
-//  * What would run through itself at depth, leaning into a sharp bend, is divided at its corners.
+//  * What would run through itself at depth, leaning into a sharp bend, is divided at its corners; what still would is
+//    cut shallower, and deepened where that goes.
 //  * An end that comes back to the stroke's own beginning closes the loop; one that comes near the stroke's own middle
 //    ends on it.
 // All other strokes are one cut. Each cut is built on what the ones before it have left.

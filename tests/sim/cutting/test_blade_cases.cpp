@@ -201,6 +201,30 @@ TEST(BladeCases, Case16_SharpBends) {
   }
 }
 
+TEST(BladeCases, DeepensThroughSharpCorners) {
+  // Along both legs and through the corner in one stroke, as a hand does it: neither refused, nor left shallow at the corner.
+  // Where a leaning blade meets itself it stays shallower there.
+  const std::vector<Vec2> zigzag{{30.2, -14.9}, {23.9, -12}, {-23.9, 15.8}, {28.2, 12.1}, {-13.8, 24}};
+  for (const std::vector<Vec2>& path : {std::vector<Vec2>{{-18, 0}, {4, 1}, {-12, 10}}, zigzag})
+    for (const double angle : {90.0, 65.0, 120.0})
+      for (const double off : {0.0, 0.15}) {
+        SCOPED_TRACE(testing::Message() << path.size() << " points, " << angle << " degrees, off by " << off);
+        Patient p(2), q(2);
+        ASSERT_TRUE(p.incise(path, 3, angle).ok());
+        const double front = p.front_length();
+        std::vector<Vec2> second = path;
+        for (size_t i = 0; i < second.size(); ++i) second[i] += Vec2(i % 2 ? off : -off, off);
+        const CutResult r = p.incise(second, 7, angle);
+        ASSERT_TRUE(r.ok()) << r.reason;
+        EXPECT_EQ(p.a.pieces(), 1);
+        EXPECT_EQ(euler(p.a), Chi{2});
+        if (angle == 90) {  // the foot has moved down, two ends are 4 mm longer
+          EXPECT_NEAR(p.front_length(), front + 2 * 4, 1.0);
+        }
+        EXPECT_EQ(p.incise(second, 3, angle).status, CutResult::nothing_to_cut);
+      }
+}
+
 TEST(BladeCases, Splines) {
   const std::vector<Vec2> control{{-20, 0}, {-8, 9}, {6, 4}, {12, -9}, {24, -12}};
   const std::vector<Vec2> curve = spline_through(control, 0.5);
