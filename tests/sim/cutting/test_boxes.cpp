@@ -1,0 +1,135 @@
+// The box tree, groups of boxes, sorting by digits, and the four signs that tell how two triangles cross.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "sim/cutting/radix_sort.h"
+#include "sim/cutting/tri_tests.h"
+
+namespace limberg {
+namespace {
+
+struct Draw {
+  uint64_t state = 0x9e3779b97f4a7c15ull;
+  int32_t operator()(int32_t n) {
+    state ^= state << 13, state ^= state >> 7, state ^= state << 17;
+    return int32_t((state >> 20) % uint64_t(n));
+  }
+  Int3 point(int32_t from, int32_t n) { return {from + (*this)(n), from + (*this)(n), from + (*this)(n)}; }
+};
+
+std::vector<std::array<Int3, 3>> cloud(Draw& draw, size_t n, int32_t size) {
+  std::vector<std::array<Int3, 3>> t(n);
+  for (auto& c : t) {
+    const Int3 o = draw.point(-1000, 2000);
+    for (Int3& p : c) p = {o.x + draw(size), o.y + draw(size), o.z + draw(size)};
+  }
+  return t;
+}
+
+TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
+  Draw draw;
+  for (size_t n : {1u, 2u, 4u, 5u, 9u, 33u, 700u})
+    for (int32_t size : {1, 60, 900}) {
+      const auto t = cloud(draw, n, size);
+      const BoxTree tree(t);
+      for (int q = 0; q < 40; ++q) {
+        const Int3 lo = draw.point(-1100, 2200);
+        const IntBox box{lo, {lo.x + draw(300), lo.y + draw(300), lo.z + draw(300)}};
+        std::vector<int32_t> expected, found, by_fractions;
+        for (size_t i = 0; i < n; ++i)
+          if (box_around(t[i][0], t[i][1], t[i][2]).meets(box)) expected.push_back(int32_t(i));
+        tree.box(box, [&](int32_t i, const IntBox& b) {
+          found.push_back(i);
+          const IntBox own = box_around(t[size_t(i)][0], t[size_t(i)][1], t[size_t(i)][2]);
+          ASSERT_TRUE(b.lo == own.lo && b.hi == own.hi);
+        });
+        tree.box(Vec3(box.lo.x - 0.75, box.lo.y - 0.25, box.lo.z - 0.5), Vec3(box.hi.x + 0.75, box.hi.y + 0.25, box.hi.z + 0.5),
+                 [&](int32_t i) { by_fractions.push_back(i); });
+        ASSERT_EQ(found, by_fractions);  // the same order too
+        std::sort(found.begin(), found.end());
+        ASSERT_EQ(found, expected);
+      }
+    }
+  BoxTree().box(IntBox{}, [](int32_t) { FAIL(); });
+}
+
+TEST(BoxGroup, HoldsEveryBoxOnceAndTellsWhichMeet) {
+  Draw draw;
+  std::vector<IntBox> box;
+  for (int i = 0; i < 200; ++i) {  // a strip with jumps
+    const Int3 o{i * 40 + (i % 31 == 0 ? 5000 : 0), draw(50), -draw(50)};
+    box.push_back(box_around(o, {o.x + 60, o.y + draw(40), o.z}, {o.x, o.y, o.z - 200}));
+  }
+  size_t next = 0, groups = 0;
+  for (; next < box.size(); ++groups) {
+    const BoxGroup g(box, next);
+    ASSERT_EQ(g.first, next);
+    ASSERT_GE(g.count, 1u);
+    ASSERT_LE(g.count, BoxGroup::kMost);
+    next = g.end();
+    for (size_t j = 0; j < box.size(); ++j) {
+      uint32_t expected = 0;
+      for (size_t i = 0; i < g.count; ++i) expected |= uint32_t(box[g.first + i].meets(box[j])) << i;
+      ASSERT_EQ(g.meeting(box[j]), expected);
+      if (expected) {
+        ASSERT_TRUE(g.all.meets(box[j]));
+      }
+    }
+  }
+  EXPECT_EQ(next, box.size());
+  EXPECT_LT(groups, box.size() / 4);  // neighbours do go together
+}
+
+TEST(RadixSort, SortsAndKeepsTheOrderOfEquals) {
+  Draw draw;
+  struct Item {
+    uint32_t key, place;
+  };
+  for (size_t n : {0u, 1u, 5u, 23u, 24u, 1000u})
+    for (int bits : {1, 8, 13, 20}) {
+      std::vector<Item> v, room;
+      for (size_t i = 0; i < n; ++i) v.push_back({uint32_t(draw(1 << bits)), uint32_t(i)});
+      auto expected = v;
+      std::stable_sort(expected.begin(), expected.end(), [](const Item& a, const Item& b) { return a.key < b.key; });
+      radix_sort(v, room, bits, [](const Item& x) { return uint64_t(x.key); });
+      for (size_t i = 0; i < n; ++i) ASSERT_EQ(v[i].place, expected[i].place);
+    }
+  EXPECT_EQ(bits_of(0), 0);
+  EXPECT_EQ(bits_of(255), 8);
+  EXPECT_EQ(bits_of(256), 9);
+}
+
+TEST(Crossing, FourSignsTellWhatTwelveTell) {
+  Draw draw;
+  int crossing = 0, apart = 0, coincidence = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const int32_t size = i % 4 == 0 ? 6 : 4000;  // small numbers: exact zeros are common
+    IntTriangle s, t;
+    for (size_t k = 0; k < 3; ++k) s.p[k] = draw.point(0, size), t.p[k] = draw.point(0, size), s.id[k] = int32_t(k), t.id[k] = 3 + int32_t(k);
+    const Plane ps = plane_through(s.p[0], s.p[1], s.p[2]), pt = plane_through(t.p[0], t.p[1], t.p[2]);
+    const Crossing a = cross_triangles(s, ps, t, pt), b = cross_triangles_exactly(s, ps, t, pt);
+    ++(a.kind == Crossing::crossing ? crossing : a.kind == Crossing::apart ? apart : coincidence);
+    if (a.kind == Crossing::coincidence) {
+      // The exact test may find that a vertex in the other's plane does no harm. Without such a vertex both must agree.
+      bool in_plane = false;
+      for (size_t k = 0; k < 3; ++k)
+        in_plane = in_plane || side_of_plane(pt, s.p[k]) == 0 || side_of_plane(ps, t.p[k]) == 0;
+      if (!in_plane) {
+        ASSERT_EQ(int(b.kind), int(Crossing::coincidence));
+      }
+      continue;
+    }
+    ASSERT_EQ(int(a.kind), int(b.kind));
+    for (size_t e = 0; e < 2 && a.kind == Crossing::crossing; ++e) {
+      ASSERT_EQ(a.end[e].edge_of_s, b.end[e].edge_of_s);
+      ASSERT_EQ(a.end[e].edge, b.end[e].edge);
+    }
+  }
+  EXPECT_GT(crossing, 10000);
+  EXPECT_GT(apart, 10000);
+  EXPECT_GT(coincidence, 10000);
+}
+
+}  // namespace
+}  // namespace limberg
