@@ -244,11 +244,11 @@ PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const
 Result speed(const SpeedSettings& settings) {
   Result out;
   const SpeedRun run{out, settings};
-  const auto wanted = [&](const char* part) { return settings.only.empty() || std::string(part).find(settings.only) != std::string::npos; };
+  const auto wanted = [&](const std::string& part) { return settings.only.empty() || part.find(settings.only) != std::string::npos; };
   for (const Size& size : sizes) {
     if (settings.quick && size.side != 24) continue;
     for (double poisson : {0.45, 0.49})
-      if (wanted("pull")) cold_pull(run, size, poisson);
+      if (wanted(std::string("pull ") + size.name)) cold_pull(run, size, poisson);
   }
   if (wanted("kernels")) speed_kernels(run);
   if (wanted("locking")) speed_locking(run);
@@ -257,11 +257,10 @@ Result speed(const SpeedSettings& settings) {
   if (wanted("scalar")) speed_scalar_double(run);
   if (wanted("workers")) speed_workers(run);
   if (wanted("bullet")) speed_bullet(run);
-  if (!wanted("drag")) return out;
   for (const Size& size : sizes)
     for (double poisson : {0.45, 0.49, 0.499})
-      if (size.lag_worst > 0) drag(run, size, poisson, 1);
-  drag(run, large, 0.49, 10);
+      if (size.lag_worst > 0 && wanted(std::string("drag ") + size.name)) drag(run, size, poisson, 1);
+  if (wanted(std::string("drag ") + large.name)) drag(run, large, 0.49, 10);
   return out;
 }
 

@@ -153,7 +153,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
-  c->add_option("--only", o->only, "speed, stability: the parts or families whose name contains this (speed: pull, kernels, scalar, workers, locking, slab, bullet, drag)")->type_name("TEXT");
+  c->add_option("--only", o->only, "speed, stability: the parts or families whose name contains this (speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
   c->add_flag("--world", o->world, "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
