@@ -90,11 +90,16 @@ std::vector<Vec2> widen(const WoundMap& wounds, const Covered& covered, std::spa
       edge_along.push_back(along[i]);
       continue;
     }
+    // A border that leaves a wall where walls meet (a flap's tip) passes that place on the outside: exactly through it, the
+    // sheet would part the tip at some places and leave bridges at others.
+    const bool at_tip = along[h] != along[i] && wounds.nearest(p[i]).distance <= kSnap;
+    const double before = at_tip && !along[h] ? std::max(shift[h], kCornerPast) : shift[h];
+    const double after = at_tip && !along[i] ? std::max(shift[i], kCornerPast) : shift[i];
     const double det = u.x() * v.y() - u.y() * v.x();
     if (std::abs(det) < 0.3) {
-      q.push_back(p[i] + (u + v).normalized() * std::max(shift[h], shift[i]));
+      q.push_back(p[i] + (u + v).normalized() * std::max(before, after));
     } else {
-      q.push_back(p[i] + Vec2(shift[h] * v.y() - shift[i] * u.y(), shift[i] * u.x() - shift[h] * v.x()) / det);
+      q.push_back(p[i] + Vec2(before * v.y() - after * u.y(), after * u.x() - before * v.x()) / det);
     }
     edge_along.push_back(along[i]);
   }

@@ -52,6 +52,29 @@ TEST(PocketCases, Case29_MeetsTheIncisionExactlyShortOrPast) {
   EXPECT_EQ(p.a.full_hash(), hash);
 }
 
+TEST(PocketCases, ExactlyThroughTheTipsOfFlaps) {
+  // Both flaps of a Z-plasty under one sheet whose border runs through the tips: no bridge is left there.
+  const Vec2 a(-10, 0), b(10, 0), arm(10, 10 * std::sqrt(3.0));
+  for (const double off : {-0.3, 0.0, 0.3})
+    for (const bool at_once : {true, false}) {
+      SCOPED_TRACE(testing::Message() << "off by " << off << (at_once ? ", one stroke" : ", three strokes"));
+      Patient p(2);
+      if (at_once) {
+        ASSERT_TRUE(p.incise({a + arm, a, b, b - arm}).ok());
+      } else {
+        for (const std::vector<Vec2>& path : {std::vector<Vec2>{a, b}, std::vector<Vec2>{a, a + arm}, std::vector<Vec2>{b, b - arm}})
+          ASSERT_TRUE(p.incise(path).ok());
+      }
+      const Vec2 d(off, -off);
+      const CutResult r = p.undermine({a + arm + d, a - d, b - arm - d, b + d});
+      ASSERT_TRUE(r.ok()) << r.reason;
+      EXPECT_EQ(p.a.pieces(), 1);
+      EXPECT_EQ(euler(p.a), Chi{2});
+      while (p.a.undo()) {
+      }
+    }
+}
+
 TEST(PocketCases, Case31_TwoPocketsThatMerge) {
   // From two parallel incisions towards each other: the skin between them becomes a bridge, one handle. Overlapping much,
   // little, just touching, and short of each other by what a hand misses.
