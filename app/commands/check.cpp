@@ -12,13 +12,14 @@
 #include "app/session/workers_pool.h"
 #include "sim/error.h"
 #include "sim/geometry/obj.h"
+#include "sim/simplex/file.h"
 #include "sim/tools/script.h"
 
 namespace limberg {
 
 namespace {
 
-enum class Kind { scene, script, repro, recording, calibration, surface };
+enum class Kind { scene, script, repro, recording, calibration, surface, simplex_mesh };
 
 /// What a file is, by what is in it; its name decides only where the content leaves a doubt.
 Kind recognise(const std::string& file, std::string_view text) {
@@ -28,6 +29,7 @@ Kind recognise(const std::string& file, std::string_view text) {
   if (first == std::string_view::npos)
     throw InputError(file, 0, "is empty; expected a scene, a script, a recording, a calibration or an OBJ surface");
   if (looks_like_repro(text)) return Kind::repro;
+  if (text.substr(first).starts_with("limberg-simplex")) return Kind::simplex_mesh;
   if (text[first] == '{' || ends(".jsonl")) return Kind::script;
   if (text.find('\0') != std::string_view::npos) {
     if (ends(".lcm")) return Kind::recording;
@@ -160,6 +162,12 @@ int check(const std::string& file, bool with_plan, int workers) {
       print_surface(report);
       break;
     }
+    case Kind::simplex_mesh: {
+      const simplex::Census c = simplex::census(simplex::parse_mesh(text, file));
+      std::printf("simplex     %lld vertices, %lld faces, %lld parts, genus %lld, %lld end contours\n", static_cast<long long>(c.vertices),
+                  static_cast<long long>(c.faces - c.end_contours), static_cast<long long>(c.components), static_cast<long long>(c.genus), static_cast<long long>(c.end_contours));
+      break;
+    }
     case Kind::scene: {
       const Scene scene = load_scene(file);
       check_scene(scene);
@@ -180,7 +188,7 @@ void add_check(CLI::App& app, Chosen& chosen) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("check", "Say what a file holds and whether it is sound");
-  c->add_option("FILE", o->file, "Scene, script, repro, recording, calibration or OBJ surface; known by its content")->required();
+  c->add_option("FILE", o->file, "Scene, script, repro, recording, calibration, OBJ surface or simplex mesh; known by its content")->required();
   c->add_flag("--plan", o->plan, "Build the scene: parts, nodes, memory, time of a step");
   o->common.add_workers(*c);
   c->footer("Exit status 3: a recording is damaged, but what is whole can be replayed.\n"

@@ -110,6 +110,7 @@ class Fitter {
       // Where the volume is flat the first order says nothing: then the way along the normal.
       d.push_back(std::min(g > 0 ? f / g : 1e300, pull_[size_t(v)].norm()));
     }
+    r.rms_mm = r.p95_mm = r.max_mm = 0;
     r.found = m_.vertices() > 0 ? double(d.size()) / m_.vertices() : 0;
     if (d.empty()) return;
     std::sort(d.begin(), d.end());
@@ -143,7 +144,9 @@ class Fitter {
       for (int32_t f : g) whole &= m_.alive_face(f);
       if (whole && open_hole(m_, g, d)) ++r.holes;
     }
-    if (r.holes > 0) compact(m_);
+    if (r.holes == 0) return;
+    compact(m_);
+    measure(r);  // of what is left
   }
 
   Mesh& m_;

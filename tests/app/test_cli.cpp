@@ -93,7 +93,7 @@ TEST_F(Cli, HelpAndVersion) {
   Outcome o = run("--version");
   EXPECT_EQ(o.status, 0);
   EXPECT_EQ(o.out.rfind("limberg ", 0), 0u);
-  for (const char* c : {"run", "replay", "operate", "emulate", "check", "report", "bench"}) {
+  for (const char* c : {"run", "replay", "operate", "emulate", "check", "report", "bench", "fit"}) {
     o = run(std::string(c) + " --help");
     EXPECT_EQ(o.status, 0) << c;
     EXPECT_NE(o.out.find(std::string("Example: limberg ") + c), std::string::npos) << c;
