@@ -90,13 +90,23 @@ struct Binned {
 
 }  // namespace
 
-std::shared_ptr<const ContactSurface> contact_surface(const SurfaceView& view, std::span<const EmbeddedPoint> embedding,
-                                                      const LatticeTopology& lattice, const FemModel& model) {
+EmbeddedPoint ContactSurface::embedded(int32_t t, const std::array<double, 3>& bary) const {
+  const Vec3 X = rest_mm(t, bary);
+  int32_t copy = carrier[size_t(t)];
+  if (cell_of(*lattice, X) != lattice->cells[size_t(copy)].cell) copy = copy_of_point(*lattice, *view, in_view[size_t(t)], bary);
+  return embed_in_copy(*lattice, copy, X);
+}
+
+std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view_ptr, std::span<const EmbeddedPoint> embedding,
+                                                      std::shared_ptr<const LatticeTopology> lattice_ptr, const FemModel& model) {
+  const SurfaceView& view = *view_ptr;
+  const LatticeTopology& lattice = *lattice_ptr;
   if (std::none_of(view.kind.begin(), view.kind.end(), [](FaceKind k) { return k == FaceKind::wall; })) return nullptr;
   auto s = std::make_shared<ContactSurface>();
   const std::vector<uint8_t> wanted = touchable(view);
   std::vector<int32_t> here(view.X_mm.size(), -1);
   std::vector<Binned> wall;
+  std::vector<uint8_t> kind;
   const Vec3 cell = lattice.grid.cell_mm();
   const int parts = std::max(2, int(std::ceil(cell.maxCoeff() / kSpacing_mm - 1e-6)));
   for (size_t t = 0; t < view.tri.size(); ++t) {
@@ -114,15 +124,10 @@ std::shared_ptr<const ContactSurface> contact_surface(const SurfaceView& view, s
     }
     Vec3 middle = Vec3::Zero();
     const int32_t copy = copy_of_point(lattice, view, int32_t(t), {1.0 / 3, 1.0 / 3, 1.0 / 3}, &middle);
-    ContactSurface::Carrier carrier;
-    for (size_t k = 0; k < 3; ++k) {
-      const EmbeddedPoint e = embed_in_copy(lattice, copy, s->X_mm[size_t(tri[k])]);
-      carrier.node = e.node, carrier.w[k] = e.w;
-    }
     const Vec3 area2 = area_vector2(s->X_mm[size_t(tri[0])], s->X_mm[size_t(tri[1])], s->X_mm[size_t(tri[2])]);
     if (view.kind[t] == FaceKind::wall && area2.norm() > 0) {
       Binned b;
-      const Vec3 at = (middle - model.X_mm[size_t(carrier.node[0])]).cwiseQuotient(cell) * parts;
+      const Vec3 at = (middle - model.X_mm[size_t(lattice.cells[size_t(copy)].node[0])]).cwiseQuotient(cell) * parts;
       for (int a = 2; a >= 0; --a) b.bin = b.bin * 64 + std::clamp(int(std::floor(at[a])), 0, 63);
       int axis = 0;
       area2.cwiseAbs().maxCoeff(&axis);
@@ -131,7 +136,9 @@ std::shared_ptr<const ContactSurface> contact_surface(const SurfaceView& view, s
       wall.push_back(b);
     }
     s->tri.push_back(tri);
-    s->carrier.push_back(carrier);
+    s->in_view.push_back(int32_t(t));
+    s->carrier.push_back(copy);
+    kind.push_back(uint8_t(view.kind[t]));
   }
   s->around_begin.assign(s->vertex.size() + 1, 0);
   for (const Tri& t : s->tri)
@@ -141,6 +148,9 @@ std::shared_ptr<const ContactSurface> contact_surface(const SurfaceView& view, s
   std::vector<int32_t> fill(s->around_begin.begin(), s->around_begin.end() - 1);
   for (size_t t = 0; t < s->tri.size(); ++t)
     for (int32_t v : s->tri[t]) s->around[size_t(fill[size_t(v)]++)] = int32_t(t);
+
+  s->sheets = find_sheets(s->X_mm, s->tri, kind, s->around_begin, s->around);
+  s->view = std::move(view_ptr), s->lattice = std::move(lattice_ptr);
 
   // One place for each bin: the middle of the triangle that is nearest to the bin's own.
   std::stable_sort(wall.begin(), wall.end(), [](const Binned& a, const Binned& b) { return a.key() < b.key(); });

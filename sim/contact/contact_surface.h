@@ -6,12 +6,13 @@
 //               every half cell in each direction (at most 1.75 mm), whatever the triangles; finer ones could not move
 //               apart from each other
 //
-// A triangle is carried by the cell copy that holds its middle: its corners are embedded there too, so that any point of
-// it hangs on eight nodes.
+// A point of a triangle hangs on the eight nodes of the cell copy that holds it, so what carries it changes smoothly when it
+// slides on from one triangle to the next.
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "sim/contact/sheets.h"
 #include "sim/cutting/surface_view.h"
 #include "sim/fem/fem_model.h"
 #include "sim/lattice/topology.h"
@@ -32,13 +33,16 @@ struct ContactSurface {
   std::vector<EmbeddedPoint> embedding;  // as it is shown
   std::vector<Tri> tri;
   std::vector<int32_t> around_begin, around;  // triangles around vertex v: around[around_begin[v]] ... [around_begin[v + 1]]
-  struct Carrier {
-    std::array<int32_t, 8> node{};
-    std::array<std::array<float, 8>, 3> w{};  // per corner
-  };
-  std::vector<Carrier> carrier;  // per triangle
+  std::vector<int32_t> in_view;  // triangle of the view, per triangle here
+  std::vector<int32_t> carrier;  // the cell copy that holds its middle
+  Sheets sheets;
   std::vector<ContactPlace> place;
 
+  std::shared_ptr<const SurfaceView> view;
+  std::shared_ptr<const LatticeTopology> lattice;
+
+  /// A point of triangle t as its cell copy carries it.
+  EmbeddedPoint embedded(int32_t t, const std::array<double, 3>& bary) const;
   Vec3 rest_mm(int32_t t, const std::array<double, 3>& bary) const {
     const Tri& c = tri[size_t(t)];
     return bary[0] * X_mm[size_t(c[0])] + bary[1] * X_mm[size_t(c[1])] + bary[2] * X_mm[size_t(c[2])];
@@ -49,7 +53,7 @@ struct ContactSurface {
 };
 
 /// Nothing (null) where there is no wall. `embedding`: per vertex of the view.
-std::shared_ptr<const ContactSurface> contact_surface(const SurfaceView& view, std::span<const EmbeddedPoint> embedding,
-                                                      const LatticeTopology& lattice, const FemModel& model);
+std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view, std::span<const EmbeddedPoint> embedding,
+                                                      std::shared_ptr<const LatticeTopology> lattice, const FemModel& model);
 
 }  // namespace limberg

@@ -19,7 +19,8 @@ Vec3 unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-FacingTree::FacingTree(std::vector<Vec3> X_mm, std::vector<Tri> tri) : X_(std::move(X_mm)), tri_(std::move(tri)) {
+FacingTree::FacingTree(std::vector<Vec3> X_mm, std::vector<Tri> tri, std::vector<int32_t> sheet)
+    : X_(std::move(X_mm)), tri_(std::move(tri)), sheet_(std::move(sheet)) {
   const size_t n = tri_.size();
   order_.resize(n);
   std::iota(order_.begin(), order_.end(), 0);
@@ -31,7 +32,8 @@ FacingTree::FacingTree(std::vector<Vec3> X_mm, std::vector<Tri> tri) : X_(std::m
     N_[t] = unit_normal(a, b, c);
   }
   if (n > 0) build(0, int32_t(n), centre);
-  refit(X_);
+  InlineWorkers here;
+  refit(X_, here);
 }
 
 // Parts [first, first + count) of order_ in two; returns how many are in the first.
@@ -78,7 +80,12 @@ int32_t FacingTree::build(int32_t first, int32_t count, std::span<const Vec3> ce
       leaf = part[k].second <= kLeaf ? part[k].second : 0;
       child = leaf > 0 ? part[k].first : build(part[k].first, part[k].second, centre);
     }
-    node_[size_t(self)].child[k] = child, node_[size_t(self)].count[k] = leaf;
+    Node& node = node_[size_t(self)];
+    node.child[k] = child, node.count[k] = leaf, node.sheet[k] = -1;
+    if (leaf < 0) continue;
+    const auto begin = order_.begin() + part[k].first, end = begin + part[k].second;
+    const int32_t sheet = sheet_[size_t(*begin)];
+    if (std::all_of(begin, end, [&](int32_t t) { return sheet_[size_t(t)] == sheet; })) node.sheet[k] = sheet;
   }
   return self;
 }
@@ -97,28 +104,38 @@ FacingTree::Box FacingTree::box_of(const Node& node) const {
   return b;
 }
 
-void FacingTree::refit(std::span<const Vec3> x_mm) {
+void FacingTree::refit_leaves(Node& node) const {
+  for (size_t k = 0; k < 4; ++k) {
+    if (node.count[k] <= 0) continue;
+    const size_t t0 = size_t(order_[size_t(node.child[k])]);
+    Vec3 lo = x_[size_t(tri_[t0][0])], hi = lo, nlo = n_[t0], nhi = nlo;
+    for (int32_t j = node.child[k]; j < node.child[k] + node.count[k]; ++j) {
+      const size_t t = size_t(order_[size_t(j)]);
+      for (int32_t v : tri_[t]) lo = lo.cwiseMin(x_[size_t(v)]), hi = hi.cwiseMax(x_[size_t(v)]);
+      nlo = nlo.cwiseMin(n_[t]), nhi = nhi.cwiseMax(n_[t]);
+    }
+    for (int a = 0; a < 3; ++a) {
+      node.lo[a][k] = float(lo[a]) - kPlaceSlack_mm, node.hi[a][k] = float(hi[a]) + kPlaceSlack_mm;
+      node.normal_lo[a][k] = float(nlo[a]) - kNormalSlack, node.normal_hi[a][k] = float(nhi[a]) + kNormalSlack;
+    }
+  }
+}
+
+void FacingTree::refit(std::span<const Vec3> x_mm, Workers& workers) {
   assert(x_mm.size() == X_.size());
   x_.assign(x_mm.begin(), x_mm.end());
-  for (size_t t = 0; t < tri_.size(); ++t) n_[t] = unit_normal(x_[size_t(tri_[t][0])], x_[size_t(tri_[t][1])], x_[size_t(tri_[t][2])]);
+  constexpr size_t grain = 512;
+  workers.parallel_for(tri_.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t t = begin; t < end; ++t) n_[t] = unit_normal(x_[size_t(tri_[t][0])], x_[size_t(tri_[t][1])], x_[size_t(tri_[t][2])]);
+  });
+  workers.parallel_for(node_.size(), grain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) refit_leaves(node_[i]);
+  });
   for (size_t i = node_.size(); i-- > 0;) {  // children stand after their parent
     Node& node = node_[i];
     for (size_t k = 0; k < 4; ++k) {
-      if (node.count[k] < 0) continue;
-      Box b;
-      if (node.count[k] == 0) {
-        b = box_of(node_[size_t(node.child[k])]);
-      } else {
-        const size_t t0 = size_t(order_[size_t(node.child[k])]);
-        Vec3 lo = x_[size_t(tri_[t0][0])], hi = lo, nlo = n_[t0], nhi = nlo;
-        for (int32_t j = node.child[k]; j < node.child[k] + node.count[k]; ++j) {
-          const size_t t = size_t(order_[size_t(j)]);
-          for (int32_t v : tri_[t]) lo = lo.cwiseMin(x_[size_t(v)]), hi = hi.cwiseMax(x_[size_t(v)]);
-          nlo = nlo.cwiseMin(n_[t]), nhi = nhi.cwiseMax(n_[t]);
-        }
-        b.lo = lo.cast<float>().array() - kPlaceSlack_mm, b.hi = hi.cast<float>().array() + kPlaceSlack_mm;
-        b.normal_lo = nlo.cast<float>().array() - kNormalSlack, b.normal_hi = nhi.cast<float>().array() + kNormalSlack;
-      }
+      if (node.count[k] != 0) continue;
+      const Box b = box_of(node_[size_t(node.child[k])]);
       for (int a = 0; a < 3; ++a) {
         node.lo[a][k] = b.lo[a], node.hi[a][k] = b.hi[a];
         node.normal_lo[a][k] = b.normal_lo[a], node.normal_hi[a][k] = b.normal_hi[a];

@@ -9,6 +9,11 @@
 #include "sim/lattice/grid_fit.h"
 
 namespace limberg {
+namespace {
+
+constexpr int kIterationsOfContacts = 10;  // of the minimiser, until contacts are found again
+
+}  // namespace
 
 OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
     : spec_(std::move(spec)), body_(spec_.body), skin_(spec_.body), arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)),
@@ -59,12 +64,32 @@ StepReport OperatingTable::step(const StepSettings& settings) {
     drawn = true;
   }
   if (drawn) publish_springs();
-  publish_contacts();
-  const StepReport report = solver_->step(settings);
-  if (report.iterations > 0) contacts_current_ = false;
+  const StepReport report = solve(settings);
   ++steps_;
   residual_ = float(report.residual);
   distance_mm_ = float(report.distance_mm);
+  return report;
+}
+
+// Where something presses, a step's iterations are taken some at a time, with contacts found anew before each. At rest is only what is
+// at rest with the contacts of its own place. A dynamic step cannot be parted; its length bounds how far things go.
+StepReport OperatingTable::solve(const StepSettings& settings) {
+  publish_contacts();
+  const bool part_by_part = contacts_ && contacts_->presses() && !(settings.dt_s > 0);
+  StepSettings part = settings;
+  if (part_by_part) part.max_iterations = std::min(settings.max_iterations, kIterationsOfContacts);
+  StepReport report = solver_->step(part);
+  int done = report.iterations;
+  while (part_by_part && report.iterations > 0 && (done < settings.max_iterations || report.converged) &&
+         !(settings.should_stop && settings.should_stop())) {
+    contacts_current_ = false;
+    publish_contacts();
+    part.max_iterations = std::min(settings.max_iterations - done, kIterationsOfContacts);
+    report = solver_->step(part);
+    done += report.iterations;
+  }
+  if (report.iterations > 0) contacts_current_ = false;
+  report.iterations = done;
   return report;
 }
 
@@ -73,8 +98,14 @@ void OperatingTable::publish_contacts() {
   if (contacts_version_ != version_.surface->version) {
     contacts_version_ = version_.surface->version;
     contacts_current_ = false;
-    const auto surface = contact_surface(version_.surface->view, version_.surface->embedding, *version_.lattice, *version_.model);
+    const auto surface = contact_surface({version_.surface, &version_.surface->view}, version_.surface->embedding, version_.lattice, *version_.model);
     contacts_ = surface ? std::make_unique<ContactFinder>(surface, version_.lattice->grid.cell_mm()) : nullptr;
+    contacts_lattice_ = version_.lattice;
+  }
+  if (contacts_restored_) {
+    if (contacts_) contacts_->resume(held_contacts_);
+    held_contacts_.clear();
+    contacts_restored_ = false;
   }
   if (!contacts_ || contacts_current_) return;
   solver_->set_contacts(contacts_->find(solver_->displacement_mm(), workers_));

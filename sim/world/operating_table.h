@@ -66,6 +66,7 @@ class OperatingTable {
   struct Moment {
     Version version;
     SolverState solver;
+    std::vector<HeldContact> contacts;
     std::vector<Hook> hooks;
     std::vector<Stitch> stitches;
     double volume_mm3 = 0, removed_volume_mm3 = 0;
@@ -139,6 +140,8 @@ class OperatingTable {
   bool same_place(const Anchor& a, const Anchor& b) const;
   bool joins(const Stitch& stitch, const Anchor& a, const Anchor& b) const;  // the same two places, either way round
   void publish_springs();
+  StepReport solve(const StepSettings& settings);
+  std::vector<HeldContact> held_contacts() const;
   void publish_contacts();  // before each step; nothing where nothing has been cut
   BladeContext blade_context() const;
   Moment moment() const;
@@ -158,6 +161,9 @@ class OperatingTable {
   std::unique_ptr<ContactFinder> contacts_;  // absent as long as there is no wall
   uint64_t contacts_version_ = 0;            // of the surface that it was made for
   bool contacts_current_ = false;            // nothing has moved since they were found
+  std::shared_ptr<const LatticeTopology> contacts_lattice_;  // that the finder is for
+  std::vector<HeldContact> held_contacts_;   // brought back by undo or redo, for the next step to take up
+  bool contacts_restored_ = false;
   std::vector<Hook> hooks_;
   std::vector<Stitch> stitches_;
   // During an act: the lattice after a part of its cuts, its parents in version_.lattice. Null: nothing was followed yet.

@@ -16,6 +16,7 @@ OperatingTable::Moment OperatingTable::moment() const {
   m.version = version_;
   m.version.index.reset();  // made again with the surface's new number
   m.solver = solver_->save();
+  m.contacts = held_contacts();
   m.hooks = hooks_;
   m.stitches = stitches_;
   m.volume_mm3 = volume_mm3_;
@@ -24,6 +25,11 @@ OperatingTable::Moment OperatingTable::moment() const {
   m.next_spring = next_spring_;
   m.next_stitch = next_stitch_;
   return m;
+}
+
+std::vector<HeldContact> OperatingTable::held_contacts() const {
+  if (contacts_restored_) return held_contacts_;  // not taken up yet
+  return contacts_ && contacts_lattice_ == version_.lattice ? contacts_->held() : std::vector<HeldContact>();
 }
 
 void OperatingTable::return_to(const Moment& m, std::vector<int32_t> parent) {
@@ -53,7 +59,8 @@ void OperatingTable::return_to(const Moment& m, std::vector<int32_t> parent) {
   next_stitch_ = m.next_stitch;
   publish_springs();
   solver_->restore(m.solver);
-  if (contacts_) contacts_->forget();
+  held_contacts_ = m.contacts;
+  contacts_restored_ = true;
   contacts_current_ = false;
 }
 
@@ -130,6 +137,11 @@ uint64_t OperatingTable::full_hash() const {
   h.add(s.since_update);
   if (s.before_s > 0)
     for (const std::vector<float>* v : {&s.displacement_before_mm, &s.velocity_before_mm_s}) h.bytes(v->data(), v->size() * sizeof(float));
+  for (const HeldContact& c : held_contacts()) {
+    for (const int32_t v : {c.place, c.sheet, c.triangle}) h.add(v);
+    for (const double v : {c.bary[0], c.bary[1], c.bary[2], c.weight, c.rate, c.change, c.s_mm}) h.add(v);
+    h.bytes(c.normal.data(), 3 * sizeof(double)), h.bytes(c.turn.data(), 3 * sizeof(double));
+  }
   for (const Hook& k : hooks_) h.add(k.spring), h.add(k.anchor.at.triangle);
   for (const Stitch& k : stitches_) h.add(k.spring), h.add(k.a.at.triangle), h.add(k.b.at.triangle);
   h.add(volume_mm3_), h.add(removed_volume_mm3_);
