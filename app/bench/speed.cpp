@@ -14,12 +14,13 @@ const Vec3 pull(-10, -10, 26);  // mm, 29.6 in length
 struct Size {
   const char* name;
   int side, layers;
-  // Times faster than Newton. 2k and 8k: the targets set after the prototype (35-98 times to 1 mm, 22-70 to 0.1 mm). 30k, where
+  // Times faster than Newton. 8k to 1 mm: the issue's. 2k, and 8k to 0.1 mm: the targets set after the prototype (35-98 times to
+  // 1 mm, 22-70 to 0.1 mm). 30k, where
   // Newton is stopped at its limit and the ratio is a lower bound: the prototype's lowest.
   double bar_1mm, bar_01mm;
   double lag_median, lag_worst;  // mm, drag; 0: not dragged. The issue's
 };
-constexpr Size sizes[] = {{"2k", 24, 2, 30, 20, 0, 0}, {"8k", 44, 3, 60, 50, 0.05, 0.05}, {"30k", 66, 6, 35, 22, 0.06, 0.3}};
+constexpr Size sizes[] = {{"2k", 24, 2, 30, 20, 0, 0}, {"8k", 44, 3, 150, 50, 0.05, 0.05}, {"30k", 66, 6, 35, 22, 0.06, 0.3}};
 constexpr Size large = {"100k", 100, 9, 0, 0, 0, 0};  // the stretch: how far it gets, no bar
 
 const char* method(bool cycle) {
@@ -94,7 +95,7 @@ void cold_pull(const SpeedRun& run, const Size& size, double poisson) {
   const auto bar = [&](const char* what, double newton_ms, bool has, double own_ms, double wanted) {
     const double ratio = own_ms > 0 ? newton_ms / own_ms : 0;
     out.bars.push_back({std::string(label) + ": times faster than Newton to " + what, ratio, !has, wanted, true, ratio >= wanted,
-                        "prototype: 35-98 times to 1 mm, 22-70 to 0.1 mm"});
+                        "issue: 150 times to 1 mm at 8k; prototype: 35-98 to 1 mm, 22-70 to 0.1 mm"});
   };
   bar("1 mm", best.to_1mm, best.has_1mm, ours.ms[0], size.bar_1mm);
   bar("0.1 mm", best.to_01mm, best.has_01mm, ours.ms[1], size.bar_01mm);
