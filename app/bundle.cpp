@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kLevels = 8;  // a mesh may lie so many folders above its scene
+constexpr const char* kTissues = "tissues.toml";  // beside the scene, where it is looked for first
 constexpr size_t kMaxMesh = size_t(512) << 20;
 
 /// A private folder that goes away with its owner.
@@ -42,6 +43,7 @@ std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
   std::vector<Blob> out;
   out.push_back({BlobKind::scene, scene.name.substr(0, 63), scene.text});
   out.push_back({BlobKind::calibration, calibration.name.substr(0, 63), to_toml(calibration)});
+  if (!scene.tissues.empty()) out.push_back({BlobKind::tissues, kTissues, scene.tissues});
   if (scene.source == Scene::Source::obj) {
     const fs::path folder = fs::path(scene.path).parent_path();
     const std::string name = fs::path(scene.obj.path).lexically_relative(folder.empty() ? "." : folder).string();
@@ -55,19 +57,20 @@ std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
 Unbundled unbundle_scene(const Recording& rec, const std::string& file) {
   const Blob* scene = rec.blob(BlobKind::scene);
   if (!scene) throw InputError(file, 0, "no valid record of a scene; expected a recording that holds its scene whole");
-  bool has_mesh = false;
-  for (const Blob& b : rec.blobs) has_mesh |= b.kind == BlobKind::mesh;
+  bool has_files = false;
+  for (const Blob& b : rec.blobs) has_files |= b.kind == BlobKind::mesh || b.kind == BlobKind::tissues;
   Unbundled out;
-  if (!has_mesh) {
+  if (!has_files) {
     out.scene = parse_scene(scene->data, file);
   } else {
-    // The scene reads its mesh from a path relative to itself: lay both out below a folder of our own. A path that would
+    // The scene reads its mesh and tissues from paths relative to itself: lay all out below a folder of our own. A path that would
     // lead out of it is refused.
     const auto tmp = std::make_shared<TemporaryFolder>();
     fs::path folder = tmp->path;
     for (int i = 0; i < kLevels; ++i) folder /= "s";
     fs::create_directories(folder);
     for (const Blob& b : rec.blobs) {
+      if (b.kind == BlobKind::tissues) write_whole_file((folder / kTissues).string(), b.data);
       if (b.kind != BlobKind::mesh) continue;
       const fs::path at = (folder / b.name).lexically_normal();
       if (fs::path(b.name).is_absolute() || !inside(tmp->path, at))

@@ -10,7 +10,7 @@
 
 namespace limberg {
 
-/// The scene's text, its mesh if it has one, and the calibration, as blobs. InputError when the mesh lies at a path that
+/// The scene's text, its mesh and its library of tissues if it has them, and the calibration, as blobs. InputError when the mesh lies at a path that
 /// cannot be put beside the scene elsewhere (absolute, or more than eight folders up).
 std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration);
 

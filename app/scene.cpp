@@ -13,7 +13,8 @@
 #include <sstream>
 #include <string_view>
 
-#include "calibration/toml.h"
+#include "app/scene_layers.h"
+#include "app/toml_table.h"
 #include "sim/error.h"
 #include "sim/hash.h"
 
@@ -22,13 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr size_t kMaxBytes = 1 << 20;
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
-std::string number(double v) {
-  std::ostringstream s;
-  s << v;
-  return s.str();
-}
 
 std::string slurp(const std::string& path, const char* expected, size_t max_bytes) {
   std::error_code ec;
@@ -44,142 +38,6 @@ std::string slurp(const std::string& path, const char* expected, size_t max_byte
   }
   if (in.bad()) throw InputError(path, 0, "cannot be read to its end; expected a readable file");
   return text;
-}
-
-// One table of the file. Every key that is asked for is ticked off; finish() complains about the others.
-class Table {
- public:
-  Table(const toml::table* table, std::string name, const std::string& file) : t_(table), name_(std::move(name)), file_(file) {}
-
-  bool present() const { return t_ != nullptr; }
-  bool has(const char* key) const { return t_ && t_->contains(key); }
-
-  [[noreturn]] void fail(const char* key, const std::string& what) const {
-    int line = t_ ? int(t_->source().begin.line) : 0;
-    if (has(key)) line = int(t_->get(key)->source().begin.line);
-    throw InputError(file_, line, full(key) + " " + what);
-  }
-
-  void real(const char* key, double& value, double lo, double hi, bool open = false) {
-    const toml::node* n = take(key);
-    if (!n) return;
-    const std::string range = "; expected a number " + std::string(open ? "above " : "from ") + number(lo) + " to " + number(hi);
-    const std::optional<double> v = n->is_number() ? n->value<double>() : std::nullopt;
-    if (!v) fail(key, "is not a number" + range);
-    if (!std::isfinite(*v) || *v < lo || *v > hi || (open && *v == lo)) fail(key, "is " + number(*v) + range);
-    value = *v;
-  }
-  void integer(const char* key, int64_t lo, int64_t hi, const std::function<void(int64_t)>& set) {
-    const toml::node* n = take(key);
-    if (!n) return;
-    const std::string range = "; expected an integer from " + std::to_string(lo) + " to " + std::to_string(hi);
-    const std::optional<int64_t> v = n->is_integer() ? n->value<int64_t>() : std::nullopt;
-    if (!v) fail(key, "is not an integer" + range);
-    if (*v < lo || *v > hi) fail(key, "is " + std::to_string(*v) + range);
-    set(*v);
-  }
-  void boolean(const char* key, bool& value) {
-    const toml::node* n = take(key);
-    if (!n) return;
-    if (!n->is_boolean()) fail(key, "is neither true nor false; expected one of them");
-    value = *n->value<bool>();
-  }
-  void choice(const char* key, ContactChoice& value) {
-    const toml::node* n = take(key);
-    if (!n) return;
-    if (n->is_boolean())
-      value = *n->value<bool>() ? ContactChoice::on : ContactChoice::off;
-    else if (n->is_string() && *n->value<std::string>() == "auto")
-      value = ContactChoice::automatic;
-    else
-      fail(key, "is neither \"auto\" nor true nor false; expected one of them");
-  }
-  void text(const char* key, std::string& value, size_t max_bytes = 1000) {
-    const toml::node* n = take(key);
-    if (!n) return;
-    if (!n->is_string()) fail(key, "is not a text; expected \"...\"");
-    value = *n->value<std::string>();
-    if (value.empty() || value.size() > max_bytes) fail(key, "is empty or too long; expected 1 to " + std::to_string(max_bytes) + " bytes");
-    if (value.find('\0') != std::string::npos) fail(key, "holds a zero byte; expected plain text");
-  }
-  void vector(const char* key, Vec3& value, double limit) {
-    const toml::node* n = take(key);
-    if (!n) return;
-    const toml::array* a = n->as_array();
-    if (!a || a->size() != 3) fail(key, "is not [x, y, z]; expected three numbers");
-    for (size_t i = 0; i < 3; ++i) {
-      const std::optional<double> v = a->get(i)->is_number() ? a->get(i)->value<double>() : std::nullopt;
-      if (!v || !std::isfinite(*v) || std::abs(*v) > limit) fail(key, "holds a value that cannot be used; expected finite numbers of at most " + number(limit));
-      value[Eigen::Index(i)] = *v;
-    }
-  }
-  void direction(const char* key, Vec3& value) {
-    vector(key, value, 1e6);
-    if (value.norm() < 1e-6) fail(key, "has no length; expected a direction");
-  }
-
-  /// Every key of the table must have been asked for, or be listed here.
-  void finish(std::initializer_list<const char*> others = {}) {
-    if (!t_) return;
-    asked_.insert(asked_.end(), others.begin(), others.end());
-    for (const auto& [k, n] : *t_) {
-      if (std::find(asked_.begin(), asked_.end(), k.str()) != asked_.end()) continue;
-      std::string list;
-      for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
-      throw InputError(file_, int(n.source().begin.line), "unknown key \"" + shown(k.str()) + "\" in " + where() + "; expected " + list);
-    }
-  }
-
- private:
-  const toml::node* take(const char* key) {
-    asked_.emplace_back(key);
-    return t_ ? t_->get(key) : nullptr;
-  }
-  static std::string shown(std::string_view s) {
-    std::string out;
-    for (char c : s.substr(0, 40)) out += (c >= ' ' && c != 127) ? c : '?';
-    return out;
-  }
-  std::string full(const char* key) const { return name_.empty() ? key : name_ + "." + key; }
-  std::string where() const { return name_.empty() ? "the scene" : "[" + name_ + "]"; }
-
-  const toml::table* t_;
-  std::string name_;
-  const std::string& file_;
-  std::vector<std::string> asked_;
-};
-
-Table section(const toml::table& root, const char* key, const std::string& file) {
-  const toml::node* n = root.get(key);
-  if (n && !n->is_table()) throw InputError(file, int(n->source().begin.line), std::string(key) + " is not a table; expected [" + key + "]");
-  return Table(n ? n->as_table() : nullptr, key, file);
-}
-
-std::vector<Layer> read_layers(const toml::table& root, const std::string& file) {
-  const toml::node* n = root.get("layer");
-  const toml::array* a = n ? n->as_array() : nullptr;
-  if (!a || a->empty()) throw InputError(file, n ? int(n->source().begin.line) : 0, "no layers; expected at least one [[layer]]");
-  if (a->size() > 16) throw InputError(file, int(n->source().begin.line), "more than 16 layers; expected at most 16");
-  std::vector<Layer> layers;
-  for (const toml::node& e : *a) {
-    if (!e.is_table()) throw InputError(file, int(e.source().begin.line), "a layer is not a table; expected [[layer]]");
-    Table t(e.as_table(), "layer", file);
-    Layer l;
-    for (const char* key : {"name", "thickness_mm", "young_kPa", "poisson"})
-      if (!t.has(key)) t.fail(key, "is missing; expected name, thickness_mm, young_kPa and poisson in every layer");
-    t.text("name", l.name, 40);
-    t.real("thickness_mm", l.thickness_mm, 0, 1000, true);
-    t.real("young_kPa", l.material.young_kPa, 0, 1e6, true);
-    t.real("poisson", l.material.poisson, 0, 0.499);
-    double density = 1000;
-    t.real("density_kg_m3", density, 1, 1e5);
-    l.material.density_kg_mm3 = density * 1e-9;
-    t.real("prestretch_along", l.material.prestretch_along, 0.8, 1.5);
-    t.real("prestretch_across", l.material.prestretch_across, 0.8, 1.5);
-    t.finish();
-    layers.push_back(std::move(l));
-  }
-  return layers;
 }
 
 void read_body(Table t, Scene& s, const std::string& file) {
@@ -228,19 +86,10 @@ Vec3 Scene::Camera::eye_mm() const {
   return target_mm + distance_mm * from.normalized();
 }
 
-Scene parse_scene(const std::string& text, const std::string& path) {
+Scene parse_scene(const std::string& text, const std::string& path, std::shared_ptr<const LawCatalogue> laws) {
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw InputError(path, 0, "the file is empty; expected a scene");
   if (text.size() > kMaxBytes) throw InputError(path, 0, "the scene is larger than 1 MB; expected less");
-  toml::table root;
-  try {
-    root = toml::parse(std::string_view(text), std::string_view(path));
-  } catch (const toml::parse_error& e) {
-    std::string what(e.description());
-    std::replace_if(what.begin(), what.end(), [](char c) { return c < ' ' || c == 127; }, ' ');
-    throw InputError(path, int(e.source().begin.line), "broken TOML: " + what + "; expected a scene");
-  } catch (const BrokenToml&) {
-    throw InputError(path, 0, "broken TOML; expected a scene");
-  }
+  const toml::table root = parse_toml(text, path, "a scene");
 
   Scene s;
   s.path = path;
@@ -252,7 +101,15 @@ Scene parse_scene(const std::string& text, const std::string& path) {
   top.finish({"body", "layer", "lattice", "build", "springs", "solver", "tools", "camera"});
 
   read_body(section(root, "body", path), s, path);
-  (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = read_layers(root, path);
+  s.laws = laws ? laws : shipped_laws();
+  std::optional<TissueLibrary> library;
+  (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = read_layers(root, path, *s.laws, [&](Table& layer) -> const TissueLibrary& {
+    if (library) return *library;
+    const std::string file = find_tissues(path);
+    if (file.empty()) layer.fail("tissue", "cannot be looked up: there is no tissues.toml beside the scene or in the folder above; expected one");
+    s.tissues = slurp(file, "a library of tissues", kMaxBytes);
+    return library.emplace(parse_tissues(s.tissues, file, *s.laws));
+  });
 
   Table lattice = section(root, "lattice", path);
   lattice.real("cell_mm", s.cell_mm, 0.2, 100);
@@ -267,7 +124,7 @@ Scene parse_scene(const std::string& text, const std::string& path) {
   Table build = section(root, "build", path);
   build.boolean("can_cut", s.can_cut);
   build.boolean("dynamic", s.dynamic);
-  build.choice("contact", s.contact);
+  build.choice("contact", [&](int v) { s.contact = v < 0 ? ContactChoice::automatic : v ? ContactChoice::on : ContactChoice::off; });
   build.finish();
 
   Table springs = section(root, "springs", path);
@@ -312,6 +169,7 @@ Scene parse_scene(const std::string& text, const std::string& path) {
 
   Hash64 h;
   h.add(text);
+  if (!s.tissues.empty()) h.add(s.tissues);
   if (s.source == Scene::Source::obj) h.add(slurp(s.obj.path, "the OBJ surface that the scene names", ObjLimits::file_bytes));
   s.hash = h.value();
   return s;
@@ -340,12 +198,14 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
   if (scene.source == Scene::Source::obj) {
     auto body = std::make_shared<Body>(load_obj(scene.obj, report));
     body->name = scene.name;
+    body->laws = scene.laws;
     if (const double side = (body->box_max_mm - body->box_min_mm).minCoeff(); scene.cell_mm > side)
       throw InputError(scene.path, 0, "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
                                           number(side) + " mm; expected cells that fit into it");
     return body;
   }
   auto body = std::make_shared<Body>(make_block(scene.block));
+  body->laws = scene.laws;
   if (report) *report = validate_surface(body->surface, body->grid, scene.path);
   return body;
 }

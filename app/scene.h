@@ -10,7 +10,8 @@
 //                chart_e2
 //                both:  tension_direction = [x, y, z]
 //   [[layer]]    name, thickness_mm, young_kPa, poisson, density_kg_m3, prestretch_along, prestretch_across; from the skin
-//                down, one at least
+//                down, one at least. Instead of young_kPa a law with its constants, or a tissue of the library, and a Prony
+//                series: scene_layers.h
 //   [lattice]    cell_mm, refine_fronts
 //   [build]      can_cut, dynamic, contact = "auto" | true | false (do wound surfaces keep each other out? auto: as soon as
 //                something has been cut; false unless asked for)
@@ -38,7 +39,9 @@ struct Scene {
   std::string name, note;
   std::string path;    // of the scene file, as given
   std::string text;    // the whole file; it goes into recordings
-  uint64_t hash = 0;   // of the text and, for obj, of the mesh file's bytes
+  uint64_t hash = 0;   // of the text and, for obj, of the mesh file's bytes, and of the tissues where one is named
+  std::string tissues; // text of the library that layers name tissues of; empty when none does
+  std::shared_ptr<const LawCatalogue> laws;  // what layers may name
 
   Source source = Source::block;
   BlockSpec block;     // when source is block
@@ -78,7 +81,8 @@ struct Scene {
 /// Throws InputError (missing file, folder, unreadable, empty, or as parse_scene).
 Scene load_scene(const std::string& path);
 /// `path` names the scene in messages; mesh files are looked for beside it. Reads the mesh file's bytes for the hash.
-Scene parse_scene(const std::string& text, const std::string& path);
+/// `laws`: what layers may name; null: the shipped ones.
+Scene parse_scene(const std::string& text, const std::string& path, std::shared_ptr<const LawCatalogue> laws = nullptr);
 
 /// A scene's file by what a user typed: an existing path as it is, otherwise NAME.toml in the first of `folders` that has
 /// it. Throws InputError that lists the names to be had.

@@ -32,7 +32,7 @@ struct SessionInfo {
   int64_t utc_start_ns = 0;         // of tick 0; 0: unknown
 };
 
-enum class BlobKind : int32_t { scene = 1, calibration = 2, mesh = 3, script = 4, texture = 5 };
+enum class BlobKind : int32_t { scene = 1, calibration = 2, mesh = 3, script = 4, texture = 5, tissues = 6 };
 
 /// A file that the run needs, embedded.
 struct Blob {

@@ -122,7 +122,7 @@ class Reader {
     limberg_msg::chunk_t m;
     if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
     if (m.blob < 0 || m.blob >= kMaxBlobs || m.total < 1 || m.total > kMaxPieces || m.index < 0 || m.index >= m.total ||
-        m.bytes < 0 || m.kind < int32_t(BlobKind::scene) || m.kind > int32_t(BlobKind::texture))
+        m.bytes < 0 || m.kind < int32_t(BlobKind::scene) || m.kind > int32_t(BlobKind::tissues))
       return "a piece of a file that cannot be";
     const int64_t before = int64_t(m.index) * int64_t(kPiece);
     const int64_t expected = std::min<int64_t>(int64_t(kPiece), m.bytes - before);

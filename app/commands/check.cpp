@@ -10,6 +10,7 @@
 #include "app/repro.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
+#include "app/tissues.h"
 #include "sim/error.h"
 #include "sim/geometry/obj.h"
 #include "sim/simplex/file.h"
@@ -19,7 +20,7 @@ namespace limberg {
 
 namespace {
 
-enum class Kind { scene, script, repro, recording, calibration, surface, simplex_mesh };
+enum class Kind { scene, tissues, script, repro, recording, calibration, surface, simplex_mesh };
 
 /// What a file is, by what is in it; its name decides only where the content leaves a doubt.
 Kind recognise(const std::string& file, std::string_view text) {
@@ -27,26 +28,94 @@ Kind recognise(const std::string& file, std::string_view text) {
   if (text.substr(0, 4096).find("\xED\xA1\xDA\x01") != std::string_view::npos) return Kind::recording;
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos)
-    throw InputError(file, 0, "is empty; expected a scene, a script, a recording, a calibration or an OBJ surface");
+    throw InputError(file, 0, "is empty; expected a scene, a library of tissues, a script, a recording, a calibration or an OBJ surface");
   if (looks_like_repro(text)) return Kind::repro;
   if (text.substr(first).starts_with("limberg-simplex")) return Kind::simplex_mesh;
   if (text[first] == '{' || ends(".jsonl")) return Kind::script;
   if (text.find('\0') != std::string_view::npos) {
     if (ends(".lcm")) return Kind::recording;
-    throw InputError(file, 0, "is of no kind that is known here; expected a scene, a script, a recording, a calibration or an OBJ surface");
+    throw InputError(file, 0, "is of no kind that is known here; expected a scene, a library of tissues, a script, a recording, a calibration or an OBJ surface");
   }
   if (text.find("limberg_calibration") != std::string_view::npos) return Kind::calibration;
   if (ends(".lcm")) return Kind::recording;
+  if (text.find("[[tissue]]") != std::string_view::npos && text.find("[body]") == std::string_view::npos) return Kind::tissues;
   if (ends(".toml")) return Kind::scene;
   if (ends(".obj")) return Kind::surface;
   if (text.find("\nv ") != std::string_view::npos || text.starts_with("v ")) return Kind::surface;
   if (text.find("[body]") != std::string_view::npos) return Kind::scene;
-  throw InputError(file, 0, "is of no kind that is known here; expected a scene, a script, a recording, a calibration or an OBJ surface");
+  throw InputError(file, 0, "is of no kind that is known here; expected a scene, a library of tissues, a script, a recording, a calibration or an OBJ surface");
 }
 
 void print_surface(const SurfaceReport& s) {
   std::printf("surface     closed, %lld triangles, %lld vertices, genus %d, %.1f cm3, %.1f cm2\n", static_cast<long long>(s.triangles),
               static_cast<long long>(s.vertices), s.genus, s.volume_mm3 * 1e-3, s.area_mm2 * 1e-2);
+}
+
+std::string constants_of(const Material& m) {
+  std::string s;
+  char part[64];
+  for (const auto& c : m.law.constants) {
+    s += (s.empty() ? "" : ", ") + c.key + " ";
+    for (size_t i = 0; i < c.value.size(); ++i) std::snprintf(part, sizeof part, "%s%.6g", i ? " " : "", c.value[i]), s += part;
+  }
+  return s;
+}
+
+/// Only what differs from the plain case.
+void print_law(const Material& m) {
+  if (!m.tissue.empty()) std::printf("  tissue    %s\n", m.tissue.c_str());
+  if (!m.law.name.empty()) std::printf("  law       %s: %s\n", m.law.name.c_str(), constants_of(m).c_str());
+  for (const PronyTerm& p : m.prony) std::printf("  relaxes   %.3g %% in %.4g s\n", 100 * p.share, p.time_s);
+}
+
+void check_tissues(const TissueLibrary& library) {
+  std::printf("tissues     %zu\n", library.tissues.size());
+  for (const Tissue& t : library.tissues) {
+    const Material& m = t.material;
+    std::printf("\n%s\n", t.name.c_str());
+    if (!t.note.empty()) std::printf("  %s\n", t.note.c_str());
+    std::printf("  %.4g kPa at small strain, Poisson %.3g, prestretch %.3g along, %.3g across", m.young_kPa, m.poisson, m.prestretch_along, m.prestretch_across);
+    std::printf(t.thickness_mm > 0 ? ", %.3g mm thick\n" : "\n", t.thickness_mm);
+    print_law(m);
+    for (const auto& [key, from] : t.source) std::printf("    %-18s %s\n", key.c_str(), from.c_str());
+  }
+  std::printf("\nlaws\n");
+  for (const auto& e : shipped_laws()->entries()) {
+    std::printf("  %s: %s\n", e.name.c_str(), e.about.c_str());
+    for (const auto& c : e.constants)
+      std::printf("    %-18s %s%s %g to %g%s\n", c.key.c_str(), c.most_values > 1 ? "list of " : "", c.above ? "above" : "from", c.least, c.most, c.required ? "" : ", optional");
+  }
+}
+
+/// The law of every layer: where its energy is kept, its points in a full cell's share, the time of one visit.
+void plan_laws(const Scene& scene, const FemModel& m) {
+  std::map<const MaterialLaw*, size_t> points;
+  size_t viscous = 0;
+  for (const HexCell& c : m.cells) {
+    const Stencil& s = m.stencils[size_t(c.stencil)];
+    for (const MaterialPoint& p : s.points) ++points[m.laws[size_t(p.law)].get()];
+    viscous += s.viscous.size();
+  }
+  size_t next = 0;
+  for (const Layer& l : scene.layers()) {
+    const LayerResponse r = layer_response(l.material, scene.laws.get());
+    const char* name = l.material.law.name.empty() ? kDefaultLaw : l.material.law.name.c_str();
+    std::printf("  law       %s: %s", l.name.c_str(), name);
+    if (!r.points) std::printf(", in the constants of its cells: no cost\n");
+    while (r.points && next < m.laws.size() && m.laws[next]->describe() != r.points->describe()) ++next;
+    if (r.points && next < m.laws.size()) {
+      const MaterialLaw& law = *m.laws[next++];
+      constexpr int visits = 20000;
+      double sum = 0;
+      const int64_t t0 = RealClock::monotonic_ns();
+      for (int i = 0; i < visits; ++i) sum += law.at(Mat3(Vec3(1.1 + 1e-6 * i, 1.05, 0.87).asDiagonal())).energy_kPa;
+      const double ns = double(RealClock::monotonic_ns() - t0) / visits;
+      std::printf("%s, %zu points of %.0f ns: %.2f ms an iteration on one core%s\n", r.matrix_mu_kPa > 0 ? ", matrix in the constants of its cells" : "",
+                  points[&law], ns, ns * 1e-6 * double(points[&law]), sum < 0 ? " " : "");
+    }
+    if (!l.material.prony.empty() && !scene.dynamic) std::printf("            its relaxation is not used: the scene is quasi-static ([build] dynamic = true uses it)\n");
+  }
+  if (viscous > 0) std::printf("  relaxes   %zu points%s\n", viscous, scene.dynamic ? "" : ", unused");
 }
 
 void check_scene(const Scene& scene) {
@@ -59,9 +128,11 @@ void check_scene(const Scene& scene) {
   else std::printf("surface     %lld triangles, %lld vertices\n", static_cast<long long>(surface.triangles), static_cast<long long>(surface.vertices));
   const Vec3 size = body->box_max_mm - body->box_min_mm;
   std::printf("size        %.1f x %.1f x %.1f mm\n", size.x(), size.y(), size.z());
-  for (const Layer& l : body->layers)
+  for (const Layer& l : body->layers) {
     std::printf("layer       %s, %.3g mm, %.3g kPa, Poisson %.3g, prestretch %.3g along, %.3g across\n", l.name.c_str(), l.thickness_mm,
                 l.material.young_kPa, l.material.poisson, l.material.prestretch_along, l.material.prestretch_across);
+    print_law(l.material);
+  }
   std::printf("hash        %s\n", hex(scene.hash).c_str());
 }
 
@@ -84,6 +155,7 @@ void plan(const Scene& scene, int workers_n) {
   }
   std::printf("plan        built in %.2f s with %d workers\n", double(t1 - t0) * 1e-9, workers_n);
   std::printf("  lattice   %zu nodes, %zu cells of %.2f x %.2f x %.2f mm\n", m.X_mm.size(), m.cells.size(), m.cell_mm.x(), m.cell_mm.y(), m.cell_mm.z());
+  plan_laws(scene, m);
   std::printf("  solver    %s\n", world.solver().describe().c_str());
   std::printf("  parts     %s%s\n", scene.can_cut ? "cutter" : "no cutter", scene.dynamic ? ", dynamics" : ", quasi-static");
   std::printf("  not built bone, simplex meshes, haptic contact model (not asked for)\n");
@@ -168,6 +240,7 @@ int check(const std::string& file, bool with_plan, int workers) {
                   static_cast<long long>(c.faces - c.end_contours), static_cast<long long>(c.components), static_cast<long long>(c.genus), static_cast<long long>(c.end_contours));
       break;
     }
+    case Kind::tissues: check_tissues(parse_tissues(text, file, *shipped_laws())); break;
     case Kind::scene: {
       const Scene scene = load_scene(file);
       check_scene(scene);
@@ -188,7 +261,7 @@ void add_check(CLI::App& app, Chosen& chosen) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("check", "Say what a file holds and whether it is sound");
-  c->add_option("FILE", o->file, "Scene, script, repro, recording, calibration, OBJ surface or simplex mesh; known by its content")->required();
+  c->add_option("FILE", o->file, "Scene, library of tissues, script, repro, recording, calibration, OBJ surface or simplex mesh; known by its content")->required();
   c->add_flag("--plan", o->plan, "Build the scene: parts, nodes, memory, time of a step");
   o->common.add_workers(*c);
   c->footer("Exit status 3: a recording is damaged, but what is whole can be replayed.\n"

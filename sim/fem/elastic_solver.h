@@ -78,6 +78,8 @@ class ElasticSolver {
   /// path of the next iterations depends on it, not where they lead. restore throws InputError on lists of another model.
   virtual SolverState save() const = 0;
   virtual void restore(const SolverState& state) = 0;
+  /// What layers that relax remember (SolverState::memory), without a copy; empty when nothing relaxes.
+  virtual std::span<const float> memory() const { return {}; }
   Vec3 position_mm(const EmbeddedPoint& p) const;
   /// Force in mN that the spring exerts on its point a.
   virtual Vec3 spring_force_mN(int32_t id) const = 0;

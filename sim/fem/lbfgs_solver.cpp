@@ -73,6 +73,9 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<con
       if (cell_parent[c] >= 0 && size_t(cell_parent[c]) < elements_->cells()) elements->set_q(c, elements_->q(size_t(cell_parent[c])));
   elements_ = std::move(elements);
   points_ = MaterialPoints(*model);
+  ViscousPoints viscous(*model);
+  viscous.carry(viscous_, cell_parent, u_);
+  viscous_ = std::move(viscous);
   model_ = std::move(model);
   fixed_.clear();
   for (size_t i = 0; i < n; ++i)
@@ -146,6 +149,10 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
     const CellSums p = points_.add(u, g, measure, engine_.workers());
     v.energy += p.energy, v.noise += float_noise * p.magnitude;
   }
+  if (viscous_.in_step()) {
+    const CellSums p = viscous_.add(u, g, measure, engine_.workers());
+    v.energy += p.energy, v.noise += float_noise * p.magnitude;
+  }
   if (!inertia_.empty()) {
     double e = 0;
     for (size_t i = 0; i < g.size(); ++i) {
@@ -178,6 +185,7 @@ void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
     inertia_.clear();
     return;
   }
+  viscous_.begin_step(s.dt_s);
   const size_t n = u_.size();
   const bool two_steps = s.integrator == Integrator::bdf2 && before_s_ == s.dt_s;
   h_s_ = two_steps ? 2 * s.dt_s / 3 : s.dt_s;
@@ -355,6 +363,8 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   }
   before_s_ = remember ? s.dt_s : 0;
   if (remember) u_before_.swap(u_start), velocity_before_.swap(velocity_start);
+  if (s.dt_s > 0) viscous_.end_step(u_);
+  else viscous_.relax(u_);
   publish();
   return report;
 }
@@ -389,6 +399,7 @@ SolverState LbfgsSolver::save() const {
   s.since_update = since_update_;
   s.before_s = before_s_;
   if (before_s_ > 0) s.displacement_before_mm = flat(u_before_), s.velocity_before_mm_s = flat(velocity_before_);
+  s.memory = viscous_.memory();
   if (!elements_ || !elements_->has_multipliers()) return s;
   s.pressure.resize(elements_->cells());
   bool any = false;
@@ -400,7 +411,7 @@ SolverState LbfgsSolver::save() const {
 void LbfgsSolver::restore(const SolverState& s) {
   const auto fits = [](const std::vector<float>& v, size_t n) { return v.empty() || v.size() == n; };
   if (!model_ || !fits(s.displacement_mm, 3 * u_.size()) || !fits(s.velocity_mm_s, 3 * u_.size()) || !fits(s.displacement_before_mm, 3 * u_.size()) ||
-      !fits(s.velocity_before_mm_s, 3 * u_.size()) || !fits(s.pressure, elements_->cells()))
+      !fits(s.velocity_before_mm_s, 3 * u_.size()) || !fits(s.pressure, elements_->cells()) || !viscous_.fits(s.memory))
     throw InputError("", 0, "a solver's state is of another model; expected one that was saved with this model");
   const auto fill = [](NodeArray& to, const std::vector<float>& from) {
     for (size_t i = 0; i < to.size(); ++i)
@@ -415,6 +426,7 @@ void LbfgsSolver::restore(const SolverState& s) {
   }
   for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, s.pressure.empty() ? 0 : s.pressure[c]);
   since_update_ = s.since_update;
+  viscous_.restore(s.memory);
   history_.clear();
   tangled_iterations_ = 0, untangling_ = false;
   publish();

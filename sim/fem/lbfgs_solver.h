@@ -31,6 +31,7 @@
 #include "sim/fem/material_points.h"
 #include "sim/fem/preconditioner.h"
 #include "sim/fem/spring_forces.h"
+#include "sim/fem/viscous_points.h"
 
 namespace limberg::fem {
 
@@ -48,6 +49,7 @@ class LbfgsSolver final : public ElasticSolver {
   void set_displacement_mm(std::span<const Vec3f> u) override;
   SolverState save() const override;
   void restore(const SolverState& state) override;
+  std::span<const float> memory() const override { return viscous_.memory(); }
   Vec3 spring_force_mN(int32_t id) const override;
   double contact_force_mN(size_t i) const override;
   size_t contacts() const override { return contacts_.size(); }
@@ -84,6 +86,7 @@ class LbfgsSolver final : public ElasticSolver {
   SpringForces forces_;
   ContactForces contacts_;
   MaterialPoints points_;
+  ViscousPoints viscous_;
   LbfgsHistory history_;
 
   NodeArray u_, g_, d_, u_try_, g_try_;

@@ -35,27 +35,16 @@ MaterialPoints::MaterialPoints(const FemModel& m) : laws_(m.laws) {
     of_stencil.push_back({first, int32_t(points_.size())});
   }
   if (points_.empty()) return;
-  std::vector<int32_t> count(m.X_mm.size() + 1, 0);
+  std::vector<std::array<int32_t, 8>> nodes;
   for (const HexCell& c : m.cells) {
     const auto [first, last] = of_stencil[size_t(c.stencil)];
     if (first == last) continue;
     cells_.push_back({c.node, first, last, double(c.scale)});
-    for (int32_t n : c.node) ++count[size_t(n)];
+    nodes.push_back(c.node);
   }
+  scatter_ = CellScatter(nodes, m.X_mm.size());
   force_.resize(cells_.size());
   sums_.resize(cells_.size());
-  std::vector<int32_t> place(m.X_mm.size(), -1);
-  begin_.push_back(0);
-  for (size_t n = 0; n < m.X_mm.size(); ++n) {
-    if (!count[n]) continue;
-    place[n] = int32_t(nodes_.size());
-    nodes_.push_back(int32_t(n));
-    begin_.push_back(begin_.back() + count[n]);
-  }
-  list_.resize(size_t(begin_.back()));
-  std::vector<int32_t> fill(begin_.begin(), begin_.end() - 1);
-  for (size_t c = 0; c < cells_.size(); ++c)
-    for (size_t a = 0; a < 8; ++a) list_[size_t(fill[size_t(place[size_t(cells_[c].node[a])])]++)] = int32_t(8 * c + a);
 }
 
 CellSums MaterialPoints::add(const NodeArray& u, NodeArray& g, bool measure, Workers& workers) const {
@@ -85,15 +74,7 @@ CellSums MaterialPoints::add(const NodeArray& u, NodeArray& g, bool measure, Wor
       }
     }
   });
-  workers.parallel_for(nodes_.size(), 1024, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      Eigen::Vector4f sum = Eigen::Vector4f::Zero();
-      for (int32_t k = begin_[i]; k < begin_[i + 1]; ++k) sum += force_[size_t(list_[size_t(k)] / 8)].col(list_[size_t(k)] % 8);
-      Node4& n = g[size_t(nodes_[i])];
-      n.x += sum[0], n.y += sum[1], n.z += sum[2];
-      if (measure) n.w += sum[3];
-    }
-  });
+  scatter_.add(force_, g, measure, workers);
   CellSums total;
   for (const CellSums& s : sums_) total.energy += s.energy, total.magnitude += s.magnitude;
   return total;
@@ -130,7 +111,11 @@ Mat8 points_scalar(const FemModel& m, const Stencil& s, const Vec3& cell_mm) {
   Mat8 K = Mat8::Zero();
   for (const MaterialPoint& p : s.points) {
     const Gradients BM = point_gradients(s, p, cell_mm) * p.M;
-    K += p.volume_mm3 * law_of(m, p).typical_stiffness_kPa(p.M) * (BM * BM.transpose());
+    const Mat9 C = law_of(m, p).tangent_kPa(p.M, true);
+    Mat3 D;
+    for (int j = 0; j < 3; ++j)
+      for (int l = 0; l < 3; ++l) D(j, l) = C.block<3, 3>(3 * j, 3 * l).trace() / 3;
+    K += p.volume_mm3 * (BM * D * BM.transpose());
   }
   return K;
 }

@@ -5,6 +5,7 @@
 // undeformed cell has energy 0. A model without points has no list here and costs nothing.
 #include <vector>
 
+#include "sim/fem/cell_scatter.h"
 #include "sim/fem/kernels/kernels.h"
 #include "sim/fem/simd.h"
 #include "sim/fem/fem_model.h"
@@ -37,9 +38,9 @@ class MaterialPoints {
   std::vector<LawPtr> laws_;
   std::vector<Point> points_;       // per stencil, in order
   std::vector<Cell> cells_;
-  mutable std::vector<Eigen::Matrix<float, 4, 8>> force_;  // scratch, per cell: x, y, z and the norm
+  CellScatter scatter_;
+  mutable std::vector<CellForce> force_;  // scratch, per cell
   mutable std::vector<CellSums> sums_;
-  std::vector<int32_t> nodes_, begin_, list_;      // nodes with points; per node its 8 * cell + corner, ascending
 };
 
 /// 24 x 24 tangent of one cell's points at u (corner-major: 3 a + i), for the reference solver. Scale not applied.
@@ -48,8 +49,8 @@ Eigen::Matrix<double, 24, 24> points_tangent(const FemModel& model, const Stenci
 /// Energy and 8 x 3 forces of one cell's points at u. Scale not applied.
 double points_force(const FemModel& model, const Stencil& stencil, const Vec3& cell_mm,
                     const Eigen::Matrix<double, 8, 3>& u, Eigen::Matrix<double, 8, 3>& force);
-/// What the points add to the scalar matrix of the preconditioner: sum V m (grad N M)(grad N M)^T, m a typical modulus of
-/// the law at F = M.
+/// What the points add to the scalar matrix of the preconditioner: sum V (grad N M) D (grad N M)^T, D_jl = the mean over i of
+/// dP_ij/dF_il of the law at F = M (projected): how stiff it is against gradients along each axis. Neo-Hookean: mu I.
 Mat8 points_scalar(const FemModel& model, const Stencil& stencil, const Vec3& cell_mm);
 
 /// A full cell of one law: 2 x 2 x 2 Gauss points, no K; lambda (reparametrised) at the centre; p0 such that a flat piece

@@ -39,9 +39,9 @@ struct Material {
   // Stretch that the tissue already carries at rest, along and across `Body::tension_direction`, within the skin plane;
   // the thickness direction takes 1/(along*across), so the prestretch keeps volume.
   double prestretch_along = 1, prestretch_across = 1;
-  LawSpec law;
-  std::vector<PronyTerm> prony;  // shares sum to less than 1; all constants above are those of the relaxed tissue
-  std::string tissue;            // its name in the library of tissues, where it comes from there
+  LawSpec law = {};
+  std::vector<PronyTerm> prony = {};  // shares sum to less than 1; all constants above are those of the relaxed tissue
+  std::string tissue = {};            // its name in the library of tissues, where it comes from there
 
   double mu_kPa() const { return young_kPa / (2 * (1 + poisson)); }
   double lambda_kPa() const { return 2 * mu_kPa() * poisson / (1 - 2 * poisson); }

@@ -92,6 +92,7 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
   for (const auto& h : t.hanging) model->fixed[size_t(h.node)] = 0;  // its masters hold it
   // (Only now: places of parts may have added stencils.)
   model->stencils = table.stencils();
+  model->laws = table.laws();
   return model;
 }
 

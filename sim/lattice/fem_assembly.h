@@ -24,13 +24,17 @@
 
 namespace limberg {
 
+struct LayerMatter;
+
 /// Stencils of a body on a grid; built once, reused for every version of the topology.
 class StencilTable {
  public:
   /// Throws InputError when the body has no layer or a layer with impossible constants.
   /// The skin must outlive the table when cells will be divided.
   StencilTable(const Skin& skin, const LatticeGrid& grid);
+  ~StencilTable();
   const std::vector<Stencil>& stencils() const { return stencils_; }
+  const std::vector<LawPtr>& laws() const { return laws_; }  // that points of the stencils name
   int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: the body is nowhere in the cell
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
   int32_t of_place(const CellPlace& place) const;
@@ -49,6 +53,8 @@ class StencilTable {
   int32_t intern(const Stencil& s) const;
   Stencil block_row(const LatticeGrid& grid, int32_t z) const;
   Stencil general_part(const LatticeGrid& grid, Int3 at) const;
+  std::vector<LayerMatter> matter_;  // per layer
+  std::vector<LawPtr> laws_;
   mutable std::vector<Stencil> stencils_;
   std::vector<int32_t> of_cell_;
   std::vector<uint8_t> fixed_;
@@ -79,7 +85,7 @@ struct StretchFrame {
 /// F0 F0^T of the layer's prestretch in that frame; det F0 = 1.
 Mat3 prestretch_tensor(const Material& material, const StretchFrame& frame);
 
-/// The stencil of a box of one material.
+/// The stencil of a box of one material; its points name law 0, that of layer_response(material).
 Stencil homogeneous_stencil(const Vec3& cell_mm, const Material& material, const StretchFrame& frame = {});
 
 }  // namespace limberg

@@ -20,6 +20,12 @@ void check_layers(const Body& body) {
     if (!std::isfinite(m.poisson) || m.poisson < 0 || m.poisson >= 0.5)
       fail(name + "Poisson's ratio must be in [0, 0.5)");
     if (!positive(m.density_kg_mm3)) fail(name + "density must be above 0");
+    double shares = 0;
+    for (const PronyTerm& t : m.prony) {
+      if (!(t.share > 0) || !positive(t.time_s)) fail(name + "relaxation needs shares and times above 0");
+      shares += t.share;
+    }
+    if (!(shares < 1)) fail(name + "the shares of its relaxation must sum to less than 1");
     if (!positive(m.prestretch_along) || !positive(m.prestretch_across)) fail(name + "prestretch must be above 0");
     if (!positive(l.thickness_mm)) fail(name + "thickness must be above 0 mm");
   }
@@ -80,9 +86,12 @@ std::array<int, kSplit * kSplit * kSplit> boxes_of_layers(const Skin& skin, cons
 
 }  // namespace
 
+StencilTable::~StencilTable() = default;
+
 StencilTable::StencilTable(const Skin& skin, const LatticeGrid& grid) {
   const Body& body = skin.body();
   check_layers(body);
+  matter_ = layer_matter(body, laws_);
   skin_ = &skin, grid_ = grid, is_block_ = skin_on_top(body);
   of_cell_.assign(size_t(grid.count.x) * size_t(grid.count.y) * size_t(grid.count.z), 0);
   fixed_.assign(size_t(grid.count.x + 1) * size_t(grid.count.y + 1) * size_t(grid.count.z + 1), 0);
@@ -96,7 +105,13 @@ int32_t StencilTable::intern(const Stencil& s) const {
   for (size_t i = 0; i < stencils_.size(); ++i) {
     const Stencil& o = stencils_[i];
     if (o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa && o.lambda_kPa == s.lambda_kPa &&
-        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level)
+        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level &&
+        std::equal(o.points.begin(), o.points.end(), s.points.begin(), s.points.end(), [](const MaterialPoint& p, const MaterialPoint& q) {
+          return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
+        }) &&
+        std::equal(o.viscous.begin(), o.viscous.end(), s.viscous.begin(), s.viscous.end(), [](const ViscousPoint& p, const ViscousPoint& q) {
+          return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
+        }))
       return int32_t(i);
   }
   stencils_.push_back(s);
@@ -124,7 +139,7 @@ Stencil StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
     if (z1 > z0) {
       // Cell units; differences of rounding size are the same as nothing.
       const double a = std::max(0.0, (z0 - low) / h.z()), b = std::min(1.0, (z1 - low) / h.z());
-      if (b - a > 1e-9) add_box(s, h, {0, 0, a}, {1, 1, b}, body.layers[l].material, frame);
+      if (b - a > 1e-9) add_box(s, h, {0, 0, a}, {1, 1, b}, matter_[l], frame);
     }
     from = to;
   }
@@ -175,10 +190,7 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
     const double depth = skin.depth_mm(centre);
     const int upper = skin.layer_at(depth - reach), lower = skin.layer_at(depth + reach);  // depth is 1-Lipschitz
     bool stretched = false;
-    for (int l = upper; l <= lower; ++l) {
-      const Material& m = body.layers[size_t(l)].material;
-      stretched = stretched || m.prestretch_along != 1 || m.prestretch_across != 1;
-    }
+    for (int l = upper; l <= lower; ++l) stretched = stretched || matter_[size_t(l)].directed();
     if (upper == lower && !stretched && whole[size_t(upper)] >= 0) {
       of_cell_[c] = whole[size_t(upper)];
       continue;
@@ -190,7 +202,7 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
     }
     Stencil s;
     if (upper == lower) {
-      add_box(s, h, Vec3::Zero(), Vec3::Ones(), body.layers[size_t(upper)].material, frame);
+      add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], frame);
     } else {
       const Int3 at = grid.cell_at(int32_t(c));
       double corner[8];
@@ -199,7 +211,7 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
         if (std::isnan(d)) d = skin.depth_mm(low + h.cwiseProduct(Vec3(k & 1, k >> 1 & 1, k >> 2 & 1)));
         corner[k] = d;
       }
-      s = layered_stencil(h, tables, body.layers, boxes_of_layers(skin, corner), frame);
+      s = layered_stencil(h, tables, matter_, boxes_of_layers(skin, corner), frame);
     }
     finish_stencil(s);
     of_cell_[c] = int32_t(stencils_.size());
@@ -216,25 +228,23 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
 
 // As the loop of fill_general, for one part of a cell.
 Stencil StencilTable::general_part(const LatticeGrid& grid, Int3 at) const {
-  const std::vector<Layer>& layers = skin_->body().layers;
   const Vec3 h = grid.cell_mm(), low = grid.node_mm(at), centre = low + 0.5 * h;
   const double depth = skin_->depth_mm(centre), reach = 0.5 * h.norm();
   const int upper = skin_->layer_at(depth - reach), lower = skin_->layer_at(depth + reach);
   StretchFrame frame;
   for (int l = upper; l <= lower; ++l) {
-    const Material& m = layers[size_t(l)].material;
-    if (m.prestretch_along == 1 && m.prestretch_across == 1) continue;
+    if (!matter_[size_t(l)].directed()) continue;
     const Skin::Frame f = skin_->frame(centre);
     frame = {f.along, f.across, f.normal};
     break;
   }
   Stencil s;
   if (upper == lower) {
-    add_box(s, h, Vec3::Zero(), Vec3::Ones(), layers[size_t(upper)].material, frame);
+    add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], frame);
   } else {
     double corner[8];
     for (int k = 0; k < 8; ++k) corner[k] = skin_->depth_mm(low + h.cwiseProduct(Vec3(k & 1, k >> 1 & 1, k >> 2 & 1)));
-    s = layered_stencil(h, gradient_tables(h), layers, boxes_of_layers(*skin_, corner), frame);
+    s = layered_stencil(h, gradient_tables(h), matter_, boxes_of_layers(*skin_, corner), frame);
   }
   finish_stencil(s);
   return s;

@@ -172,6 +172,7 @@ uint64_t OperatingTable::state_hash() const {
     h.bytes(s.b.X_mm.data(), 3 * sizeof(double));
     h.bytes(s.slack_mm.data(), 3 * sizeof(double));
   }
+  if (const auto m = solver_->memory(); !m.empty()) h.bytes(m.data(), m.size() * sizeof(float));
   return h.value();
 }
 

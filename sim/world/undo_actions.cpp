@@ -130,7 +130,7 @@ uint64_t OperatingTable::full_hash() const {
   h.add(state_hash());
   h.add(arrangement_ ? arrangement_->full_hash() : 0);
   const SolverState s = solver_->save();
-  for (const std::vector<float>* v : {&s.displacement_mm, &s.velocity_mm_s, &s.pressure}) {
+  for (const std::vector<float>* v : {&s.displacement_mm, &s.velocity_mm_s, &s.pressure, &s.memory}) {
     h.add(uint64_t(v->size()));
     h.bytes(v->data(), v->size() * sizeof(float));
   }

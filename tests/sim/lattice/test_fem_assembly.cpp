@@ -95,9 +95,11 @@ TEST(Stencils, TablesAddUpToBoxes) {
   const StretchFrame frame{along, across, along.cross(across)};
   std::array<int, 64> layer;
   for (int i = 0; i < 64; ++i) layer[size_t(i)] = i >= 48 ? 0 : 1;
-  Stencil t = layered_stencil(h, gradient_tables(h), b.layers, layer, frame), s;
-  add_box(s, h, {0, 0, 0.75}, {1, 1, 1}, b.layers[0].material, frame);
-  add_box(s, h, {0, 0, 0}, {1, 1, 0.75}, b.layers[1].material, frame);
+  std::vector<LawPtr> laws;
+  const std::vector<LayerMatter> matter = layer_matter(b, laws);
+  Stencil t = layered_stencil(h, gradient_tables(h), matter, layer, frame), s;
+  add_box(s, h, {0, 0, 0.75}, {1, 1, 1}, matter[0], frame);
+  add_box(s, h, {0, 0, 0}, {1, 1, 0.75}, matter[1], frame);
   finish_stencil(t);
   finish_stencil(s);
   EXPECT_LT((t.K - s.K).cwiseAbs().maxCoeff(), 1e-12 * s.K.cwiseAbs().maxCoeff());

@@ -1,0 +1,94 @@
+// How a user adds a law: everything of it is in this file. First the energy in principal stretches (value and two derivatives),
+// then its entry, then a scene that names it.
+#include <gtest/gtest.h>
+
+#include "app/scene.h"
+#include "sim/fem/materials/catalogue.h"
+#include "sim/fem/materials/isotropic.h"
+#include "sim/fem/reference_newton.h"
+#include "sim/world.h"
+
+namespace limberg {
+namespace {
+
+// Yeoh (1993): W = c1 x + c2 x^2 + c3 x^3 with x = s1^2 + s2^2 + s3^2 - 3.
+struct Yeoh final : PrincipalEnergy {
+  double c1, c2, c3;
+  Yeoh(double a, double b, double c) : c1(a), c2(b), c3(c) {}
+  PrincipalResponse at(const Vec3& s) const override {
+    const double x = s.squaredNorm() - 3, w1 = c1 + 2 * c2 * x + 3 * c3 * x * x, w2 = 2 * c2 + 6 * c3 * x;
+    return {c1 * x + c2 * x * x + c3 * x * x * x, 2 * w1 * s, 2 * w1 * Mat3::Identity() + 4 * w2 * s * s.transpose()};
+  }
+  std::string describe() const override { return "Yeoh"; }
+};
+
+LawCatalogue::Entry yeoh() {
+  return {"yeoh", "c1 (I1 - 3) + c2 (I1 - 3)^2 + c3 (I1 - 3)^3", {{"c1_kPa", 0, 1e6, true}, {"c2_kPa", 0, 1e6}, {"c3_kPa", 0, 1e6}},
+          [](const LawCatalogue::Values& v) {
+            return LayerLaw{0, std::make_shared<Isotropic>(std::make_shared<Yeoh>(v.number("c1_kPa"), v.number("c2_kPa"), v.number("c3_kPa"))), 8};
+          }};
+}
+
+TEST(OwnLaw, RunsThroughAScene) {
+  auto laws = std::make_shared<LawCatalogue>(*shipped_laws());
+  laws->add(yeoh());
+  const std::string text = R"(
+[body]
+source = "block"
+size_mm = [24, 20, 6]
+skin_cell_mm = 2
+[[layer]]
+name = "skin"
+thickness_mm = 1.5
+law = "yeoh"
+c1_kPa = 10
+c2_kPa = 30
+c3_kPa = 5
+poisson = 0.48
+prestretch_along = 1.1
+[[layer]]
+name = "fat"
+thickness_mm = 4.5
+young_kPa = 12
+poisson = 0.45
+[lattice]
+cell_mm = 3
+)";
+  const Scene scene = parse_scene(text, "own.toml", laws);
+  EXPECT_NEAR(scene.layers()[0].material.mu_kPa(), 20, 1e-9);  // 2 c1
+  InlineWorkers workers;
+  World world(world_spec(scene, build_body(scene)), workers);
+  ASSERT_EQ(world.solver().model().laws.size(), 1u);
+  // It is pulled by a hook, cut, undone, and comes back to the same state.
+  StepSettings s;
+  s.max_iterations = 300, s.tolerance = 1e-5;
+  EXPECT_TRUE(world.apply(SetHook{1, {2, 1}}).done);
+  EXPECT_TRUE(world.apply(MoveHook{1, {2, 3, 6}, 0}).done);
+  EXPECT_LE(world.step(s).residual, 1e-5);
+  EXPECT_TRUE(world.apply(Incise{{{-5, -2}, {6, -2}}, 4}).done);
+  EXPECT_LE(world.step(s).residual, 1e-5);
+  const FemModel& m = world.solver().model();
+  EXPECT_EQ(m.laws.size(), 1u);
+  // The engine's forces are those of the reference in double.
+  std::vector<Vec3> u, g;
+  for (const Vec3f& v : world.solver().displacement_mm()) u.push_back(v.cast<double>());
+  double points = 0;
+  for (const HexCell& c : m.cells) points += double(m.stencils[size_t(c.stencil)].points.size());
+  EXPECT_GT(points, 100);
+  EXPECT_TRUE(std::isfinite(ReferenceElasticity(m, {}).gradient(u, g)));
+}
+
+TEST(OwnLaw, NamesAndConstantsAreChecked) {
+  LawCatalogue laws = *shipped_laws();
+  laws.add(yeoh());
+  EXPECT_THROW(laws.add(yeoh()), std::exception);
+  Material m;
+  m.law = {"yeoh", {{"c1_kPa", {10}}, {"c2_kPa", {1}}}};
+  EXPECT_THROW(layer_response(m, &laws), std::exception);  // c3 is missing
+  m.law.constants.push_back({"c3_kPa", {0}});
+  EXPECT_NEAR(layer_response(m, &laws).mu_kPa, 20, 1e-9);
+  EXPECT_THROW(layer_response(m), std::exception);  // the shipped laws do not know it
+}
+
+}  // namespace
+}  // namespace limberg

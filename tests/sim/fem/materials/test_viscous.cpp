@@ -1,0 +1,219 @@
+// Relaxation against the analytic Prony series, and what must hold besides: rest stays rest, states come back, nothing costs
+// anything where nothing relaxes.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "../models.h"
+#include "sim/fem/material_points.h"
+#include "sim/fem/materials/fibres.h"
+#include "sim/fem/materials/isotropic.h"
+
+namespace limberg {
+namespace {
+
+constexpr double kMu = 20, kNu = 0.499;
+
+/// A bar of 10 x 5 x 5 mm, nothing held.
+FemModel bar(const std::vector<ViscousPoint::Term>& terms, LawPtr fibres = nullptr, const Mat3& M = Mat3::Identity()) {
+  BoxSpec b;
+  b.cells = {4, 2, 2};
+  b.size_mm = {10, 5, 5};
+  b.poisson = kNu, b.young_top_kPa = b.young_bottom_kPa = 2 * (1 + kNu) * kMu;
+  FemModel m = box_model(b);
+  const LawPtr matrix = neo_hookean(kMu);
+  m.laws = {fibres ? sum_of({matrix, fibres}) : matrix};
+  if (fibres) m.laws.push_back(fibres);
+  for (Stencil& s : m.stencils) {
+    s = box_stencil(m.cell_mm, elastic_from_young(2 * (1 + kNu) * kMu, kNu), 1e-6, M);
+    if (fibres) {
+      s.points = {{Vec3::Constant(0.5), s.volume_mm3, 1, M}};
+      s.p0_kPa += (fibres->at(M).P_kPa * M.transpose())(2, 2);
+    }
+    if (!terms.empty()) s.viscous = {{Vec3::Constant(0.5), s.volume_mm3, 0, M, terms}};
+  }
+  return m;
+}
+
+EmbeddedPoint at_node(size_t i) {
+  EmbeddedPoint p;
+  p.node.fill(int32_t(i)), p.w[0] = 1;
+  return p;
+}
+
+/// Both ends held by stiff springs at uniform uniaxial stretch l: no force across, so the state stays uniform.
+std::vector<Spring> grips(const FemModel& m, double l, double lateral) {
+  std::vector<Spring> s;
+  for (size_t i = 0; i < m.X_mm.size(); ++i) {
+    if (std::fabs(m.X_mm[i][0]) < 4.999) continue;
+    Spring k;
+    k.id = int32_t(i) + 1, k.to_world = true, k.a = at_node(i), k.k_N_per_mm = 100;
+    k.target_mm = Vec3(l * m.X_mm[i][0], lateral * m.X_mm[i][1], (m.X_mm[i][2] - 2.5) / (l * lateral) + 2.5);
+    s.push_back(k);
+  }
+  return s;
+}
+
+double pull_mN(const ElasticSolver& solver, const FemModel& m) {
+  double f = 0;
+  for (size_t i = 0; i < m.X_mm.size(); ++i)
+    if (m.X_mm[i][0] > 4.999) f += solver.spring_force_mN(int32_t(i) + 1)[0];
+  return f;
+}
+
+StepSettings dynamic(double dt) {
+  StepSettings s;
+  s.max_iterations = 300, s.tolerance = 2e-6, s.dt_s = dt;
+  return s;
+}
+
+struct Case {
+  const char* name;
+  LawPtr fibres;
+  double lateral;  // of a stretch of 1.2
+};
+
+// A sudden stretch of 20 %, held: the force is the relaxed one times 1 + sum ratio exp(-t / time). The jump is taken in the middle
+// of the first step.
+TEST(Viscous, AHeldStripRelaxesByItsPronySeries) {
+  const std::vector<ViscousPoint::Term> terms = {{0.8, 0.5}, {0.5, 4}};
+  const double l = 1.2, t = 1 / std::sqrt(l);
+  for (const Case& c : {Case{"neo-Hookean", nullptr, t}, Case{"fibres along", dispersed_fibres({100, 1, 0.1}, {{Vec3::UnitX()}}), t}}) {
+    const FemModel m = bar(terms, c.fibres);
+    InlineWorkers one;
+    auto solver = make_solver(one);
+    solver->set_model(std::make_shared<FemModel>(m), {});
+    solver->set_springs(grips(m, l, c.lateral));
+    const double dt = 0.1;
+    std::vector<double> force;
+    for (int n = 0; n < 100; ++n) {
+      EXPECT_LE(solver->step(dynamic(dt)).residual, 2e-5);
+      force.push_back(pull_mN(*solver, m));
+    }
+    StepSettings still;
+    still.max_iterations = 500, still.tolerance = 1e-6;
+    solver->step(still);
+    const double relaxed = pull_mN(*solver, m);
+    if (!c.fibres) {
+      EXPECT_NEAR(relaxed, -kMu * (l - 1 / (l * l)) * 25, 0.01 * kMu * (l - 1 / (l * l)) * 25);  // nominal, incompressible
+    }
+    for (size_t n = 0; n < force.size(); ++n) {
+      const double time = (double(n) + 0.5) * dt;
+      double factor = 1;
+      for (const auto& p : terms) factor += p.ratio * std::exp(-time / p.time_s);
+      EXPECT_NEAR(force[n] / relaxed, factor, 0.01 * factor) << c.name << " at " << time << " s";
+    }
+  }
+}
+
+// A constant load, then none: the standard linear solid. Strain of 1 %.
+TEST(Viscous, CreepAndRecovery) {
+  const double r = 1.2, tau = 1, dt = 0.05, on_s = 3;
+  const FemModel m = bar({{r, tau}});
+  InlineWorkers one;
+  auto solver = make_solver(one);
+  solver->set_model(std::make_shared<FemModel>(m), {});
+  const double E = 2 * (1 + kNu) * kMu, load = 0.01 * E * 25;  // mN
+  std::vector<Spring> springs;
+  for (size_t i = 0; i < m.X_mm.size(); ++i) {
+    const Vec3& X = m.X_mm[i];
+    if (std::fabs(X[0]) < 4.999) continue;
+    const double share = (std::fabs(X[1]) > 2.4 ? 0.25 : 0.5) * (std::fabs(X[2] - 2.5) > 2.4 ? 0.5 : 1.0);
+    Spring k;  // so far away that its force does not change
+    k.id = int32_t(i) + 1, k.to_world = true, k.a = at_node(i), k.k_N_per_mm = load * share * 1e-3 / 1e4;
+    k.target_mm = X + Vec3(std::copysign(1e4, X[0]), 0, 0);
+    springs.push_back(k);
+  }
+  solver->set_springs(springs);
+  const auto strain = [&] {
+    double d = 0;
+    int n = 0;
+    for (size_t i = 0; i < m.X_mm.size(); ++i)
+      if (std::fabs(m.X_mm[i][0]) > 4.999) d += double(solver->displacement_mm()[i][0]) * (m.X_mm[i][0] > 0 ? 1 : -1), ++n;
+    return 2 * d / n / 10;
+  };
+  const auto creep = [&](double t) { return t <= 0 ? 0.0 : 0.01 * (1 - r / (1 + r) * std::exp(-t / (tau * (1 + r)))); };
+  for (int n = 0; n < 120; ++n) {
+    if (n * dt > on_s - 1e-9 && !springs.empty()) springs.clear(), solver->set_springs(springs);
+    solver->step(dynamic(dt));
+    const double t = (n + 0.5) * dt, expected = creep(t) - creep(t - on_s);
+    EXPECT_NEAR(strain(), expected, 0.01 * 0.01) << t;  // of the full strain; geometry is linear to about 1 % of it
+  }
+}
+
+// Prestretched skin with relaxation under a free surface: a flat piece stays where it is.
+TEST(Viscous, RestStaysRest) {
+  const Mat3 M = Vec3(1.15, 1.05, 1 / (1.15 * 1.05)).asDiagonal();
+  FemModel m = bar({{1.5, 0.2}}, dispersed_fibres({80, 2, 0.2}, {{{0.75, 0.66, 0}}, {{0.75, -0.66, 0}}}), M);
+  for (size_t i = 0; i < m.X_mm.size(); ++i) m.fixed[i] = std::fabs(m.X_mm[i][0]) > 4.999 || std::fabs(m.X_mm[i][1]) > 2.499;
+  InlineWorkers one;
+  auto solver = make_solver(one);
+  solver->set_model(std::make_shared<FemModel>(m), {});
+  for (int n = 0; n < 20; ++n) solver->step(dynamic(0.05));
+  for (const Vec3f& u : solver->displacement_mm()) EXPECT_LT(u.norm(), 1e-4f);
+}
+
+// States come back, new models of the same tissue go on, and the number of workers changes nothing.
+TEST(Viscous, StatesComeBackAndAreCarriedOn) {
+  const FemModel m = bar({{0.8, 0.5}});
+  const auto shared = std::make_shared<FemModel>(m);
+  const auto run = [&](Workers& w, bool new_model) {
+    auto solver = make_solver(w);
+    solver->set_model(shared, {});
+    solver->set_springs(grips(m, 1.2, 0.9));
+    for (int n = 0; n < 5; ++n) solver->step(dynamic(0.1));
+    if (new_model) {
+      FemModel again = m;
+      for (size_t i = 0; i < again.parent.size(); ++i) again.parent[i] = int32_t(i);
+      solver->set_model(std::make_shared<FemModel>(again), test::identity_parents(m));
+      solver->set_springs(grips(m, 1.2, 0.9));
+    }
+    return solver;
+  };
+  InlineWorkers one;
+  test::ThreadWorkers two(2);
+  auto a = run(one, false), b = run(two, false), c = run(one, true);
+  const SolverState state = a->save();
+  EXPECT_FALSE(state.memory.empty());
+  EXPECT_EQ(state, b->save());
+  EXPECT_EQ(state.memory, c->save().memory);
+  const auto go_on = [&] {
+    for (int n = 0; n < 5; ++n) a->step(dynamic(0.1));
+    return a->save();
+  };
+  a->restore(state);
+  const SolverState first = go_on();
+  a->restore(state);
+  EXPECT_EQ(first, go_on());
+  EXPECT_NE(first.memory, state.memory);
+  SolverState broken = state;
+  broken.memory.pop_back();
+  EXPECT_ANY_THROW(a->restore(broken));
+}
+
+TEST(Viscous, TissueTurnedInsideOutComesBack) {
+  FemModel m = bar({{1.5, 0.2}});
+  for (size_t i = 0; i < m.X_mm.size(); ++i) m.fixed[i] = m.X_mm[i][0] < -4.999;
+  InlineWorkers one;
+  auto solver = make_solver(one);
+  solver->set_model(std::make_shared<FemModel>(m), {});
+  test::Random r(4);
+  std::vector<Vec3f> u;
+  for (size_t i = 0; i < m.X_mm.size(); ++i) u.push_back(m.fixed[i] ? Vec3f(0, 0, 0) : Vec3f(r.vector(8).cast<float>()));
+  solver->set_displacement_mm(u);
+  StepReport last;
+  for (int n = 0; n < 60; ++n) last = solver->step(dynamic(0.1));
+  EXPECT_GT(last.min_J, 0.9);
+  for (const Vec3f& v : solver->displacement_mm()) EXPECT_LT(v.norm(), 0.1f);
+}
+
+TEST(Viscous, NothingThatRelaxesNothingToRemember) {
+  InlineWorkers one;
+  auto solver = make_solver(one);
+  solver->set_model(std::make_shared<FemModel>(bar({})), {});
+  solver->step(dynamic(0.1));
+  EXPECT_TRUE(solver->memory().empty() && solver->save().memory.empty());
+}
+
+}  // namespace
+}  // namespace limberg
