@@ -4,6 +4,7 @@
 #include "app/bench/cutting.h"
 #include "app/bench/fuzz.h"
 #include "app/bench/fuzz/world_runner.h"
+#include "app/bench/laws.h"
 #include "app/bench/metric.h"
 #include "app/bench/simplex.h"
 #include "app/bench/speed.h"
@@ -72,8 +73,8 @@ void fill(Result& out, const bench::Result& b) {
 
 int run(const Options& o) {
   o.common.prepare();
-  if (o.suite != "speed" && o.suite != "cutting" && o.suite != "stability" && o.suite != "simplex" && o.suite != "fuzz")
-    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed, cutting, stability, simplex or fuzz");
+  if (o.suite != "speed" && o.suite != "cutting" && o.suite != "stability" && o.suite != "laws" && o.suite != "simplex" && o.suite != "fuzz")
+    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed, cutting, stability, laws, simplex or fuzz");
   if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
   if (!o.scene.empty()) throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
   Progress progress("bench " + o.suite);
@@ -105,6 +106,8 @@ int run(const Options& o) {
     s.out_dir = o.common.out_dir;
     s.progress = note;
     b = fuzz::world_fuzz(s).result();
+  } else if (o.suite == "laws") {
+    b = bench::laws({o.quick, note});
   } else if (o.suite == "fuzz") {
     bench::FuzzSettings s;
     s.operations = o.operations > 0 ? o.operations : o.quick ? 2000 : 20000;
@@ -149,7 +152,7 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
+  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");

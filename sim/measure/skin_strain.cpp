@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/fem/materials/catalogue.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
@@ -17,13 +18,19 @@ std::array<double, 2> eigenvalues(const Mat2& S) {
   return {m + r, m - r};
 }
 
-}  // namespace
-
-MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material, const Vec3& along) {
+// What of a triangle both need.
+struct InPlane {
   MembraneState s;
+  Mat2 C;           // F^T F in the axes along and across
+  Mat2 B;           // the same with prestretch, sqrt(A) C sqrt(A)
+  double det = 0;   // sqrt(det C); 0: nothing but s is known
+};
+
+InPlane in_plane(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material, const Vec3& along) {
+  InPlane r;
   const Vec3 n2 = area_vector2(X[0], X[1], X[2]);
-  s.area_mm2 = 0.5 * n2.norm();
-  if (!(s.area_mm2 > 0)) return s;
+  r.s.area_mm2 = 0.5 * n2.norm();
+  if (!(r.s.area_mm2 > 0)) return r;
   const Vec3 n = n2.normalized();
   Vec3 e1 = along - along.dot(n) * n;
   if (e1.norm() < 1e-3 * along.norm()) e1 = X[1] - X[0];
@@ -36,22 +43,58 @@ MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3
   Eigen::Matrix<double, 3, 2> e;
   e << x[1] - x[0], x[2] - x[0];
   const Eigen::Matrix<double, 3, 2> F = e * E.inverse();
-  const Mat2 C = F.transpose() * F;
+  r.C = F.transpose() * F;
   const double p = material.prestretch_along, q = material.prestretch_across;
-  Mat2 B;  // sqrt(A) C sqrt(A)
-  B << p * p * C(0, 0), p * q * C(0, 1), p * q * C(1, 0), q * q * C(1, 1);
-  const auto b = eigenvalues(B);
-  s.stretch = std::sqrt(std::max(0.0, b[0]));
-  s.least_stretch = std::sqrt(std::max(0.0, b[1]));
+  r.B << p * p * r.C(0, 0), p * q * r.C(0, 1), p * q * r.C(1, 0), q * q * r.C(1, 1);
+  const auto b = eigenvalues(r.B);
+  r.s.stretch = std::sqrt(std::max(0.0, b[0]));
+  r.s.least_stretch = std::sqrt(std::max(0.0, b[1]));
+  const double det = std::sqrt(std::max(0.0, r.C.determinant()));
+  if (det >= 1e-6) r.det = det;
+  return r;
+}
 
-  const double det = std::sqrt(std::max(0.0, C.determinant()));
-  if (det < 1e-6) return s;
-  const double mu = material.mu_kPa(), lambda = material.lambda_kPa() + mu, a_nn = 1 / (p * p * q * q);
-  const double thick = (mu * a_nn + lambda) / (mu * a_nn / det + lambda * det), J = det * thick;
-  const double s1 = mu / J * (b[0] - a_nn * thick * thick), s2 = mu / J * (b[1] - a_nn * thick * thick);
+void set_stress(MembraneState& s, double s1, double s2) {
   s.stress_kPa = s1;
   s.von_mises_kPa = std::sqrt(std::max(0.0, s1 * s1 - s1 * s2 + s2 * s2));
-  return s;
+}
+
+}  // namespace
+
+MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material, const Vec3& along) {
+  InPlane r = in_plane(X, x, material, along);
+  if (r.det == 0) return r.s;
+  const auto b = eigenvalues(r.B);
+  const double p = material.prestretch_along, q = material.prestretch_across;
+  const double mu = material.mu_kPa(), lambda = material.lambda_kPa() + mu, a_nn = 1 / (p * p * q * q);
+  const double thick = (mu * a_nn + lambda) / (mu * a_nn / r.det + lambda * r.det), J = r.det * thick;
+  set_stress(r.s, mu / J * (b[0] - a_nn * thick * thick), mu / J * (b[1] - a_nn * thick * thick));
+  return r.s;
+}
+
+MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material, const Vec3& along,
+                             const LayerResponse& law) {
+  InPlane r = in_plane(X, x, material, along);
+  if (r.det == 0) return r.s;
+  const double p = material.prestretch_along, q = material.prestretch_across;
+  const Mat3 M = Vec3(p, q, 1 / (p * q)).asDiagonal();
+  const double p0 = rest_pressure_kPa(law, M, Vec3::UnitZ());
+  // F as a symmetric stretch in the plane: sqrt of a 2 x 2 matrix is (C + det I) / sqrt(trace + 2 det).
+  const Mat2 U = (r.C + r.det * Mat2::Identity()) / std::sqrt(r.C.trace() + 2 * r.det);
+  const auto cauchy = [&](double thick) {
+    Mat3 F = Mat3::Zero();
+    F.topLeftCorner<2, 2>() = U, F(2, 2) = thick;
+    const double J = r.det * thick;
+    return Mat3(law.whole->at(F * M).P_kPa * (F * M).transpose() / J + (law.lambda_kPa * (J - 1) - p0) * Mat3::Identity());
+  };
+  double lo = 0.2 / r.det, hi = 3 / r.det;  // J between 0.2 and 3; the stress across rises with the thickness
+  for (int k = 0; k < 40; ++k) {
+    const double mid = 0.5 * (lo + hi);
+    (cauchy(mid)(2, 2) > 0 ? hi : lo) = mid;
+  }
+  const auto e = eigenvalues(cauchy(0.5 * (lo + hi)).topLeftCorner<2, 2>());
+  set_stress(r.s, e[0], e[1]);
+  return r.s;
 }
 
 double weighted_percentile(std::vector<std::pair<double, double>>& pairs, double q) {
@@ -69,6 +112,8 @@ double weighted_percentile(std::vector<std::pair<double, double>>& pairs, double
 SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body) {
   SkinStrain s;
   if (body.layers.empty()) return s;
+  const Material& material = body.layers[0].material;
+  const LayerResponse law = layer_response(material, body.laws.get());
   std::vector<std::pair<double, double>> stretch, stress;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
@@ -79,7 +124,7 @@ SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, con
     }
     const double longest = std::max({(X[1] - X[0]).norm(), (X[2] - X[1]).norm(), (X[0] - X[2]).norm()});
     if (area_vector2(X[0], X[1], X[2]).norm() < kSliver_mm * longest) continue;
-    const MembraneState m = membrane_state(X, x, body.layers[0].material, body.tension_direction);
+    const MembraneState m = law.points ? membrane_state(X, x, material, body.tension_direction, law) : membrane_state(X, x, material, body.tension_direction);
     stretch.push_back({m.stretch, m.area_mm2});
     stress.push_back({m.stress_kPa, m.area_mm2});
     if (m.stress_kPa > s.stress_max_kPa || s.area_mm2 == 0) {

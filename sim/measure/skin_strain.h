@@ -12,6 +12,9 @@
 //   principal stresses = (mu / J) (eigenvalues of sqrt(A) F^T F sqrt(A)  -  A_nn s^2).
 //
 // The pressure of the mixed cell below is not needed, hence the figure does not depend on how cells and layers meet.
+//
+// A layer with a law of its own (Material::law) has (1/J) P(F F0) F0 F^T in place of (mu/J) F A F^T, its lambda and its rest
+// pressure (catalogue.h), and s is found by bisection. What relaxes is not counted: this is the stress once relaxed.
 #include <span>
 #include <vector>
 
@@ -19,6 +22,8 @@
 #include "sim/geometry/body.h"
 
 namespace limberg {
+
+struct LayerResponse;
 
 struct MembraneState {
   double stretch = 1;       // largest principal stretch that the tissue carries, prestretch included
@@ -31,6 +36,9 @@ struct MembraneState {
 /// One triangle, corners at rest and now. `along` need not lie in its plane nor be unit. A triangle that has collapsed
 /// now has stress 0 and the stretch that its edges show.
 MembraneState membrane_state(const std::array<Vec3, 3>& X_mm, const std::array<Vec3, 3>& x_mm, const Material& material, const Vec3& along);
+/// The same of a layer whose law is known already: that of layer_response(material), with points.
+MembraneState membrane_state(const std::array<Vec3, 3>& X_mm, const std::array<Vec3, 3>& x_mm, const Material& material, const Vec3& along,
+                             const LayerResponse& law);
 
 struct SkinStrain {
   double stretch_max = 1, stretch_p99 = 1;

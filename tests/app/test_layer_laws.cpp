@@ -37,6 +37,7 @@ std::string law_lines(const LawSpec& law, double young) {
 std::string scene_text(const std::string& material, double angle_deg = 0, const std::string& more = "") {
   const double a = angle_deg * std::numbers::pi / 180;
   std::ostringstream s;
+  s.precision(17);
   s << "[body]\nsource = \"block\"\nsize_mm = [12, 10, 6]\nskin_cell_mm = 3\ntension_direction = [" << std::cos(a) << ", " << std::sin(a) << ", 0]\n";
   for (const char* layer : {"name = \"skin\"\nthickness_mm = 1.4\n", "name = \"below\"\nthickness_mm = 4.6\n"}) s << "[[layer]]\n" << layer << material;
   s << "[lattice]\ncell_mm = 2.5\n[build]\ncan_cut = false\n" << more;
@@ -99,8 +100,9 @@ TEST(LayerLaws, EveryHomogeneousStateComesBack) {
   FemModel m;
   double angle = 0;
   for (const HomogeneousState& h : homogeneous_states()) {
-    // The tables are incompressible. Nu 0.499 is the most that a scene takes; the stiffest skin needs more to be within 1 %.
-    const bool steep = h.cauchy_kPa > 1000 && h.name.find("G1") != std::string::npos;
+    // The tables are incompressible. Nu 0.499 is the most that a scene takes; of excised skin it leaves 2.3 % less stress at a
+    // stretch of 1.10 (its exponential answers to the volume change of 0.3 %), so its bulk modulus is raised here.
+    const bool steep = h.cauchy_kPa > 100 && h.name.find("G1") != std::string::npos;
     const std::string material = law_lines(h.law, h.young_kPa * 2 * 1.499 / 3) + "poisson = 0.499\n";
     if (material != last) {
       angle += 25;  // the axes of skin and lattice need not agree
