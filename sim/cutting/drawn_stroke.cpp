@@ -121,7 +121,8 @@ BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
           break;
         }
   }
-  const WallMap walls(c, operations_before_);
+  if (!earlier_) earlier_ = std::make_shared<const WallMap>(c, operations_before_);
+  const WallMap& walls = *earlier_;
   for (int ways = 0; ways < 1000; ++ways) {
     const Stretch s = stretch(c, walls, last);
     if (along_) {

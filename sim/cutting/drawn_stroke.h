@@ -17,6 +17,8 @@
 //
 // What is known later than it is cut stays: of an end drawn past the stroke's own beginning, at once both stubs go, here only
 // the later one.
+#include <memory>
+
 #include "sim/cutting/drawn_incision.h"
 #include "sim/cutting/stroke_runs.h"
 
@@ -55,6 +57,7 @@ class DrawnStroke {
   std::vector<Vec2> path_;          // points at least kKnot apart, without curls
   Vec2 end_ = Vec2::Zero();         // the last point drawn, whatever its distance
   int32_t operations_before_ = -1;  // of the arrangement: walls that were there before the stroke
+  std::shared_ptr<const WallMap> earlier_;  // those walls, as they were when it began; their fronts may be others now
   double level_ = 0;                // of the foot of what it deepens
   double from_ = 0;                 // of the present way, along the path
   bool along_ = false;

@@ -63,7 +63,7 @@ class WallMap {
 
  private:
   bool is_front(int32_t a, int32_t b) const;
-  const BladeContext& context_;
+  BladeContext context_;
   std::vector<WallColumn> column_;
   std::vector<WallStrip> strip_;
   std::vector<std::array<int32_t, 3>> edge_;  // ends ascending, original triangle; sorted
