@@ -123,8 +123,13 @@ class CellBuilder {
   SubPoint edge_corner(int axis, int corner) const;  // low end of a lattice edge
   static int corner_of_edge(int axis, int corner, bool high);
 
-  std::vector<LocalFace> face_;
-  std::vector<int32_t> local_;                // per face id: index into face_, valid when stamped
+  std::vector<LocalFace> face_;               // ascending by id
+  /// Layers of points: a point is met by several faces and cells. One place per few points, taken by the last.
+  struct KnownLayers {
+    int32_t point = -1;
+    std::array<int32_t, 3> layer{};
+  };
+  mutable std::vector<KnownLayers> known_layers_;
   std::array<std::vector<int32_t>, 12> hit_;  // local faces along each lattice edge, ascending
   std::array<uint8_t, 12> edge_state_{};
   Partition join_, square_, old_;

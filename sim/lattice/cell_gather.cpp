@@ -7,9 +7,8 @@
 
 namespace limberg {
 
-CellBuilder::CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface) : grid_(grid), surface_(surface) {
-  local_.assign(surface.faces.size(), -1);
-}
+CellBuilder::CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface)
+    : grid_(grid), surface_(surface), known_layers_(1024) {}
 
 void CellBuilder::contradiction(const char* what) const {
   throw std::logic_error("lattice cell (" + std::to_string(index_[0]) + "," + std::to_string(index_[1]) + "," +
@@ -49,8 +48,13 @@ std::array<std::array<int32_t, 3>, 3> CellBuilder::layers(int32_t face) const {
   std::array<std::array<int32_t, 3>, 3> q;
   const Face& f = surface_.faces[size_t(face)];
   for (size_t k = 0; k < 3; ++k) {
-    const PointRef p = surface_.points->ref(f.v[k]);
-    for (int a = 0; a < 3; ++a) q[k][size_t(a)] = layer_of(p, a, grid_.origin[a], grid_.pitch[a]);
+    KnownLayers& known = known_layers_[(uint32_t(f.v[k]) * 0x9e3779b9u) >> 22];
+    if (known.point != f.v[k]) {
+      const PointRef p = surface_.points->ref(f.v[k]);
+      for (int a = 0; a < 3; ++a) known.layer[size_t(a)] = layer_of(p, a, grid_.origin[a], grid_.pitch[a]);
+      known.point = f.v[k];
+    }
+    q[k] = known.layer;
   }
   return q;
 }
@@ -75,8 +79,8 @@ int CellBuilder::corner_of_edge(int axis, int corner, bool high) {
 }
 
 int32_t CellBuilder::local_of(int32_t face) const {
-  const int32_t l = local_[size_t(face)];
-  return l >= 0 && size_t(l) < face_.size() && face_[size_t(l)].id == face ? l : -1;
+  const auto f = std::lower_bound(face_.begin(), face_.end(), face, [](const LocalFace& l, int32_t id) { return l.id < id; });
+  return f != face_.end() && f->id == face ? int32_t(f - face_.begin()) : -1;
 }
 
 int CellBuilder::about(LocalFace& f, int edge, int axis, int corner) {
@@ -123,7 +127,6 @@ bool CellBuilder::pierced_by_edge(LocalFace& f, int axis, int corner) {
 void CellBuilder::gather(std::span<const int32_t> candidates) {
   face_.clear();
   for (auto& h : hit_) h.clear();
-  if (local_.size() < surface_.faces.size()) local_.resize(surface_.faces.size(), -1);
   LocalFace f;
   for (int32_t id : candidates) {
     const Face& source = surface_.faces[size_t(id)];
@@ -156,7 +159,6 @@ void CellBuilder::gather(std::span<const int32_t> candidates) {
           if (pierced_by_edge(f, a, c)) hit_[size_t(4 * a + c)].push_back(local), meets = true;
     if (!meets) continue;
     face_.push_back(f);
-    local_[size_t(id)] = local;
   }
 }
 

@@ -5,9 +5,10 @@
 // bits of its corner: 1 = +x, 2 = +y, 4 = +z). A tree only grows, so an id means the same cell in every later version.
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <utility>
 
 #include "sim/lattice/lattice.h"
+#include "sim/shared_array.h"
 
 namespace limberg {
 
@@ -21,10 +22,11 @@ struct CellTree {
     int32_t cell = 0;
     // Which of the 27 corners of the parts (x fastest) lie in the material.
     std::array<uint8_t, 27> node_in_material{};
+    bool operator==(const Division&) const = default;
   };
   int32_t grid_cells = 0;
-  std::vector<Division> division;
-  std::vector<int32_t> division_of;  // per id; empty as long as nothing is divided; -1: not divided
+  SharedArray<Division> division;
+  SharedArray<int32_t> division_of;  // per id; empty as long as nothing is divided; -1: not divided
 
   int32_t ids() const { return grid_cells + 8 * int32_t(division.size()); }
   bool is_divided(int32_t cell) const { return !division_of.empty() && division_of[size_t(cell)] >= 0; }
@@ -38,10 +40,11 @@ struct CellTree {
   /// Makes the eight parts; returns the number of the division.
   int32_t divide(int32_t cell) {
     division_of.resize(size_t(ids()), -1);
-    division_of[size_t(cell)] = int32_t(division.size());
+    const int32_t made = int32_t(division.size());
+    division_of[size_t(cell)] = made;
     division.push_back({cell, {}});
     division_of.resize(size_t(ids()), -1);
-    return division_of[size_t(cell)];
+    return made;
   }
 
   CellPlace place(const LatticeGrid& grid, int32_t cell) const {

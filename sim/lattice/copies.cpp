@@ -1,6 +1,7 @@
 // Cell copies and the links between them.
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/hash.h"
 #include "sim/lattice/topology_parts.h"
@@ -26,25 +27,29 @@ constexpr int kLowToHigh[3] = {1, 2, 4};
 
 void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::span<const uint8_t> touched) {
   const int32_t cells = int32_t(t.components.size());
-  t.copy_begin.assign(size_t(cells) + 1, 0);
-  for (int32_t c = 0; c < cells; ++c) t.copy_begin[size_t(c) + 1] = t.copy_begin[size_t(c)] + classes_in(t, c);
-  t.copy_id.assign(size_t(t.copy_begin.back()), -1);
+  const auto& components = std::as_const(t.components);
+  std::vector<int32_t> begin(size_t(cells) + 1, 0);
+  for (int32_t c = 0; c < cells; ++c) begin[size_t(c) + 1] = begin[size_t(c)] + classes_in(t, c);
+  const auto classes = [&](int32_t c) { return begin[size_t(c) + 1] - begin[size_t(c)]; };
+  std::vector<int32_t> id_of(size_t(begin.back()), -1);
   t.cells.clear();
-  t.cells.reserve(t.copy_id.size());
+  t.cells.reserve(id_of.size());
+  std::vector<int32_t> parents;
+  parents.reserve(id_of.size());
   auto make = [&](int32_t cell, int cls, int32_t parent) {
-    int32_t& id = t.copy_id[size_t(t.copy_begin[size_t(cell)] + cls)];
+    int32_t& id = id_of[size_t(begin[size_t(cell)] + cls)];
     if (id >= 0) return;
     id = int32_t(t.cells.size());
     CellCopy copy;
     copy.cell = cell;
-    copy.parent = parent;
-    const auto& comp = t.components[size_t(cell)];
+    const auto& comp = components[size_t(cell)];
     copy.fraction = comp ? comp->classes[size_t(cls)].fraction : 1;
     t.cells.push_back(copy);
+    parents.push_back(parent);
   };
   const int32_t known = previous ? int32_t(previous->components.size()) : 0;  // ids from here on are new parts
   auto old_class = [&](int32_t cell, int cls) -> int {
-    const auto& comp = t.components[size_t(cell)];
+    const auto& comp = components[size_t(cell)];
     if (cell >= known && !comp) {  // a full part: it has a corner of the whole
       const auto& whole = previous->components[size_t(t.tree.owner(cell))];
       return whole ? whole->of_corner[size_t(t.tree.which_part(cell))] : 0;
@@ -54,12 +59,11 @@ void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::spa
   if (previous) {
     // Class of a previous copy: its place among the copies of its cell.
     std::vector<int32_t> class_of_copy(previous->cells.size());
-    for (size_t c = 0; c + 1 < previous->copy_begin.size(); ++c)
-      for (int32_t k = previous->copy_begin[c]; k < previous->copy_begin[c + 1]; ++k)
-        class_of_copy[size_t(previous->copy_id[size_t(k)])] = k - previous->copy_begin[c];
+    for (int32_t c = 0; c < known; ++c)
+      for (int k = 0; k < previous->copies_of(c); ++k) class_of_copy[size_t(previous->copy(c, k))] = k;
     for (size_t p = 0; p < previous->cells.size(); ++p) {
       const int32_t cell = previous->cells[p].cell;
-      for (int k = 0; k < t.copies_of(cell); ++k)
+      for (int k = 0; k < classes(cell); ++k)
         if (old_class(cell, k) == class_of_copy[p]) {
           make(cell, k, int32_t(p));
           break;
@@ -67,10 +71,14 @@ void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::spa
     }
   }
   for (int32_t c = 0; c < cells; ++c)
-    for (int k = 0; k < t.copies_of(c); ++k) {
+    for (int k = 0; k < classes(c); ++k) {
       const int old = previous ? old_class(c, k) : -1;
       make(c, k, old >= 0 ? previous->copy(c < known ? c : t.tree.owner(c), old) : -1);
     }
+  t.cell_parent = std::move(parents);
+  t.copies = ShortLists(size_t(cells));
+  for (int32_t c = 0; c < cells; ++c)
+    t.copies.set(size_t(c), std::span(id_of).subspan(size_t(begin[size_t(c)]), size_t(classes(c))));
 }
 
 void cells_beyond(const LatticeTopology& t, int32_t cell, int axis, std::vector<int32_t>& out) {
@@ -92,12 +100,12 @@ void cells_beyond(const LatticeTopology& t, int32_t cell, int axis, std::vector<
 }
 
 void find_links(const LatticeTopology& t, LevelBuilders& builders, int32_t cell, int axis, int32_t next,
-                std::vector<LatticeTopology::Link>& out) {
+                std::vector<Link>& out) {
   if (t.copies_of(cell) == 0 || t.copies_of(next) == 0) return;
   const size_t first = out.size();
   auto add = [&](int a, int b) {
     if (a < 0 || b < 0) return;
-    const LatticeTopology::Link l{3 * cell + axis, next, int16_t(a), int16_t(b)};
+    const Link l{3 * cell + axis, next, int16_t(a), int16_t(b)};
     if (std::find(out.begin() + ptrdiff_t(first), out.end(), l) == out.end()) out.push_back(l);
   };
   const bool parts = t.tree.is_part(cell) || t.tree.is_part(next);
@@ -136,12 +144,13 @@ void find_links(const LatticeTopology& t, LevelBuilders& builders, int32_t cell,
 
 void name_parents_by_neighbours(LatticeTopology& t, const LatticeTopology& previous) {
   std::vector<int32_t> open;
-  for (size_t c = 0; c < t.cells.size(); ++c)
-    if (t.cells[c].parent < 0) open.push_back(int32_t(c));
+  for (size_t c = 0; c < t.cell_parent.size(); ++c)
+    if (t.cell_parent[c] < 0) open.push_back(int32_t(c));
+  const SharedArray<CellCopy>& cells = t.cells;
   for (bool progress = true; progress && !open.empty();) {
     progress = false;
     for (size_t k = 0; k < open.size(); ++k) {
-      const int32_t me = open[k], cell = t.cells[size_t(me)].cell;
+      const int32_t me = open[k], cell = cells[size_t(me)].cell;
       int32_t found = -1;
       bool one = true;
       for (const auto& l : t.links) {
@@ -149,19 +158,17 @@ void name_parents_by_neighbours(LatticeTopology& t, const LatticeTopology& previ
         const bool low = low_cell == cell;  // my cell is the low one
         if (!low && l.next != cell) continue;
         const int32_t low_copy = t.copy(low_cell, l.low), high_copy = t.copy(l.next, l.high);
-        const int32_t other_parent = t.cells[size_t(low ? high_copy : low_copy)].parent;
+        const int32_t other_parent = t.cell_parent[size_t(low ? high_copy : low_copy)];
         if ((low ? low_copy : high_copy) != me || other_parent < 0) continue;
-        for (auto p = std::lower_bound(previous.links.begin(), previous.links.end(),
-                                       LatticeTopology::Link{l.cell_axis, l.next, 0, 0});
-             p != previous.links.end() && p->cell_axis == l.cell_axis && p->next == l.next; ++p) {
-          if (previous.copy(low ? l.next : low_cell, low ? p->high : p->low) != other_parent) continue;
-          const int32_t candidate = previous.copy(cell, low ? p->low : p->high);
+        for (const Link& p : previous.links.of(l.cell_axis)) {
+          if (p.next != l.next || previous.copy(low ? l.next : low_cell, low ? p.high : p.low) != other_parent) continue;
+          const int32_t candidate = previous.copy(cell, low ? p.low : p.high);
           one = one && (found < 0 || found == candidate);
           found = candidate;
         }
       }
       if (found >= 0 && one) {
-        t.cells[size_t(me)].parent = found;
+        t.cell_parent.set(size_t(me), found);
         open[k] = open.back();
         open.pop_back();
         --k;
@@ -170,14 +177,14 @@ void name_parents_by_neighbours(LatticeTopology& t, const LatticeTopology& previ
     }
   }
   for (int32_t me : open) {  // an isolated crumb: the largest copy that its cell had
-    const int32_t cell = t.cells[size_t(me)].cell;
+    const int32_t cell = cells[size_t(me)].cell;
     int32_t best = -1;
     for (int k = 0; k < previous.copies_of(cell); ++k) {
       const int32_t c = previous.copy(cell, k);
       if (best < 0 || previous.cells[size_t(c)].fraction > previous.cells[size_t(best)].fraction) best = c;
     }
     if (best < 0) throw std::logic_error("material has appeared in an empty lattice cell");
-    t.cells[size_t(me)].parent = best;
+    t.cell_parent.set(size_t(me), best);
   }
 }
 

@@ -1,6 +1,7 @@
 // Divided cells: which, when, and what their parts hold.
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/lattice/topology_parts.h"
 
@@ -124,7 +125,7 @@ std::shared_ptr<LatticeTopology> divide_cells(const LatticeTopology& before, Lev
   for (int32_t cell : cells) {
     const CellPlace place = t->tree.place(t->grid, cell);
     const uint8_t corners = t->corners_in_material(cell);
-    const std::shared_ptr<const CellComponents> whole = t->components[size_t(cell)];
+    const std::shared_ptr<const CellComponents> whole = std::as_const(t->components)[size_t(cell)];
     std::span<const int32_t> faces;
     if (whole) faces = whole->face;
     const int32_t d = t->tree.divide(cell);
@@ -152,7 +153,9 @@ std::shared_ptr<LatticeTopology> divide_cells(const LatticeTopology& before, Lev
 // Parents of parents; a node whose ancestors are several is born.
 void skip_parents(const LatticeTopology& middle, LatticeTopology& last) {
   LatticeTopology* t = &last;
-  for (CellCopy& c : t->cells) c.parent = middle.cells[size_t(c.parent)].parent;
+  std::vector<int32_t> cell_parent(t->cell_parent.size()), node_parent(t->node_parent.size());
+  for (size_t c = 0; c < cell_parent.size(); ++c) cell_parent[c] = middle.cell_parent[size_t(t->cell_parent[c])];
+  t->cell_parent = std::move(cell_parent);
   t->touched_cells += middle.touched_cells;
   auto index = [](const LatticeTopology& v) {
     std::vector<int32_t> at(v.born.empty() ? 0 : v.nodes.size(), -1);
@@ -164,10 +167,10 @@ void skip_parents(const LatticeTopology& middle, LatticeTopology& last) {
   t->born.clear();
   LatticeTopology::Born b;
   for (size_t n = 0; n < t->nodes.size(); ++n) {
-    NodeCopy& node = t->nodes[n];
+    const int32_t parent = t->node_parent[n];
     const int32_t own = in_last.empty() ? -1 : in_last[n];
-    if (own < 0 && (in_middle.empty() || in_middle[size_t(node.parent)] < 0)) {
-      node.parent = middle.nodes[size_t(node.parent)].parent;
+    if (own < 0 && (in_middle.empty() || in_middle[size_t(parent)] < 0)) {
+      node_parent[n] = middle.node_parent[size_t(parent)];
       continue;
     }
     b.node = int32_t(n);
@@ -183,21 +186,22 @@ void skip_parents(const LatticeTopology& middle, LatticeTopology& last) {
     auto through = [&](int32_t mid, double weight) {
       const int32_t at = in_middle.empty() ? -1 : in_middle[size_t(mid)];
       if (at < 0)
-        add(middle.nodes[size_t(mid)].parent, weight);
+        add(middle.node_parent[size_t(mid)], weight);
       else
         for (auto [p, w] : middle.born[size_t(at)].from) add(p, weight * w);
     };
     if (own < 0)
-      through(node.parent, 1);
+      through(parent, 1);
     else
       for (auto [mid, w] : born[size_t(own)].from) through(mid, w);
     std::sort(b.from.begin(), b.from.end());
     size_t most = 0;
     for (size_t i = 1; i < b.from.size(); ++i)
       if (b.from[i].second > b.from[most].second) most = i;
-    node.parent = b.from[most].first;
+    node_parent[n] = b.from[most].first;
     if (b.from.size() > 1) t->born.push_back(b);
   }
+  t->node_parent = std::move(node_parent);
 }
 
 std::shared_ptr<const LatticeTopology> skip_version(const LatticeTopology& middle, const LatticeTopology& last) {

@@ -5,7 +5,8 @@
 // eight, and the parts again (cell_tree.h); the parts are cells of a finer grid over the same box, so all that is said
 // of cells holds for them. A LatticeTopology says which copies of
 // which cells exist: one copy per connected piece of material in a cell (the virtual node algorithm), found exactly by
-// cells.h. Cutting only refines the partition, so every copy has one parent in the version before.
+// cells.h. Cutting only refines the partition, so every copy has one parent in the version before
+// (LatticeTopology::cell_parent, node_parent).
 #include <cstdint>
 #include <vector>
 
@@ -58,13 +59,13 @@ struct CellCopy {
   int32_t piece = 0;              // connected piece of the whole lattice (0..pieces-1)
   double fraction = 1;            // exact volume of its material / volume of the cell
   std::array<int32_t, 8> node{};  // node copies, corner order of fem_model.h
-  int32_t parent = -1;            // index in the previous version
+  bool operator==(const CellCopy&) const = default;
 };
 
 struct NodeCopy {
   int32_t lattice_node = 0;  // -1: a corner of parts of cells only
-  int32_t parent = -1;       // index in the previous version; of a born node (topology.h) the one with the largest weight
   Int3 at{};                 // quarters of an undivided cell from the grid's origin
+  bool operator==(const NodeCopy&) const = default;
 };
 
 }  // namespace limberg

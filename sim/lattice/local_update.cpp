@@ -10,17 +10,19 @@
 //           found again
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
 namespace {
 
+/// `t` comes as a copy of the version before with the components of the touched cells found; only what differs is written.
 class LocalUpdate {
  public:
   LocalUpdate(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& previous,
               std::span<const int32_t> touched)
-      : t_(t), builders_(builders), before_(previous), touched_(touched) {
+      : t_(t), builders_(builders), before_(previous), touched_(touched), cells_(t.cells), components_(t.components) {
     const Int3 n = t.grid.count;
     stride_ = {1, n.x, n.x * n.y};
   }
@@ -37,25 +39,20 @@ class LocalUpdate {
   void relink();
   void number_nodes();
   void around(int32_t lattice_node);
+  void set_node(int32_t copy, int8_t corner, int32_t node) {
+    if (cells_[size_t(copy)].node[size_t(corner)] != node) t_.cells[size_t(copy)].node[size_t(corner)] = node;
+  }
   void summarise();
   bool pieces_stay() const;
-  /// First link of cell and axis in t_.links, or its size.
-  size_t links_from(int32_t cell_axis) {
-    int32_t& at = link_at_[size_t(cell_axis)];
-    if (at < 0)
-      at = int32_t(std::lower_bound(t_.links.begin(), t_.links.end(), cell_axis,
-                                    [](const LatticeTopology::Link& l, int32_t k) { return l.cell_axis < k; }) -
-                   t_.links.begin());
-    return size_t(at);
-  }
 
   LatticeTopology& t_;
   LevelBuilders& builders_;
   const LatticeTopology& before_;
   std::span<const int32_t> touched_;  // cells, ascending
+  const SharedArray<CellCopy>& cells_;  // t_'s, for reading
+  const SharedArray<std::shared_ptr<const CellComponents>>& components_;
   std::array<int32_t, 3> stride_{};
-  std::vector<LatticeTopology::Link> fresh_;
-  std::vector<int32_t> link_at_;
+  std::vector<Link> fresh_;
 
   // Around one lattice node: corners of copies, which of them are one, and the parts beyond the first of each old node.
   struct Corner {
@@ -77,7 +74,7 @@ bool LocalUpdate::possible() const {
   if (!t_.tree.division.empty() || t_.front_levels != 0) return false;
   std::vector<uint8_t> has_part;
   for (int32_t c : touched_) {
-    const auto& now = t_.components[size_t(c)];
+    const auto& now = components_[size_t(c)];
     const auto& was = before_.components[size_t(c)];
     if (!now && was) return false;
     if (!now) continue;
@@ -93,44 +90,28 @@ bool LocalUpdate::possible() const {
 }
 
 void LocalUpdate::number_copies() {
-  t_.cells = before_.cells;
-  for (size_t i = 0; i < t_.cells.size(); ++i) t_.cells[i].parent = int32_t(i);
-  t_.copy_begin = before_.copy_begin;
-  t_.copy_id.clear();
-  t_.copy_id.reserve(before_.copy_id.size() + touched_.size());
-  size_t copied = 0;                    // of before_.copy_id
-  int32_t shift = 0, shifted_from = 0;  // cells from here on have not been shifted yet
-  const auto shift_to = [&](int32_t end) {
-    for (int32_t c = shifted_from; shift != 0 && c < end; ++c) t_.copy_begin[size_t(c)] += shift;
-    shifted_from = end;
-  };
+  t_.cell_parent = ParentList::identity(before_.cells.size());
   std::vector<uint8_t> taken;
+  std::vector<int32_t> list;
   for (int32_t c : touched_) {
-    const auto& comp = t_.components[size_t(c)];
+    const auto& comp = components_[size_t(c)];
     if (!comp) continue;
-    shift_to(c + 1);
-    const size_t begin = size_t(before_.copy_begin[size_t(c)]), end = size_t(before_.copy_begin[size_t(c) + 1]);
-    t_.copy_id.insert(t_.copy_id.end(), before_.copy_id.begin() + ptrdiff_t(copied),
-                      before_.copy_id.begin() + ptrdiff_t(begin));
-    copied = end;
-    taken.assign(end - begin, 0);
+    taken.assign(size_t(before_.copies_of(c)), 0);
+    list.clear();
     for (const CellClass& cls : comp->classes) {
-      const int32_t old = before_.copy_id[begin + size_t(cls.old_class)];
+      const int32_t old = before_.copy(c, cls.old_class);
       int32_t id = old;
       if (taken[size_t(cls.old_class)]) {
-        id = int32_t(t_.cells.size());
-        CellCopy part = before_.cells[size_t(old)];
-        part.parent = old;
-        t_.cells.push_back(part);
+        id = int32_t(cells_.size());
+        t_.cells.push_back(before_.cells[size_t(old)]);
+        t_.cell_parent.push_back(old);
       }
       taken[size_t(cls.old_class)] = 1;
-      t_.cells[size_t(id)].fraction = cls.fraction;
-      t_.copy_id.push_back(id);
+      if (cells_[size_t(id)].fraction != cls.fraction) t_.cells[size_t(id)].fraction = cls.fraction;
+      list.push_back(id);
     }
-    shift += int32_t(comp->classes.size()) - int32_t(end - begin);
+    t_.copies.set(size_t(c), list);
   }
-  shift_to(int32_t(t_.copy_begin.size()));
-  t_.copy_id.insert(t_.copy_id.end(), before_.copy_id.begin() + ptrdiff_t(copied), before_.copy_id.end());
 }
 
 void LocalUpdate::relink() {
@@ -144,29 +125,13 @@ void LocalUpdate::relink() {
   }
   std::sort(squares.begin(), squares.end());
   squares.erase(std::unique(squares.begin(), squares.end()), squares.end());
-  t_.links.clear();
-  t_.links.reserve(before_.links.size() + squares.size());
-  auto at = before_.links.begin();
-  const auto before = [](const LatticeTopology::Link& l, int32_t k) { return l.cell_axis < k; };
   for (int32_t s : squares) {
-    // The next square is near: the search gallops.
-    auto near = at;
-    auto from = at;
-    for (ptrdiff_t step = 8; near != before_.links.end() && near->cell_axis < s; step *= 2) {
-      from = near;
-      near += std::min(step, ptrdiff_t(before_.links.end() - near));
-    }
-    const auto to = std::lower_bound(from, near, s, before);
-    t_.links.insert(t_.links.end(), at, to);
-    at = to;
-    while (at != before_.links.end() && at->cell_axis == s) ++at;
-    const size_t own = t_.links.size();
+    const size_t own = fresh_.size();
     const int32_t cell = s / 3, axis = s % 3;
-    find_links(t_, builders_, cell, axis, cell + stride_[size_t(axis)], t_.links);
-    std::sort(t_.links.begin() + ptrdiff_t(own), t_.links.end());
-    fresh_.insert(fresh_.end(), t_.links.begin() + ptrdiff_t(own), t_.links.end());
+    find_links(t_, builders_, cell, axis, cell + stride_[size_t(axis)], fresh_);
+    std::sort(fresh_.begin() + ptrdiff_t(own), fresh_.end());
   }
-  t_.links.insert(t_.links.end(), at, before_.links.end());
+  t_.links.replace(squares, fresh_);
 }
 
 void LocalUpdate::around(int32_t lattice_node) {
@@ -184,7 +149,7 @@ void LocalUpdate::around(int32_t lattice_node) {
     const int8_t k = int8_t(7 ^ b);
     for (int cls = 0; cls < t_.copies_of(cell[size_t(b)]); ++cls) {
       const int32_t copy = t_.copy(cell[size_t(b)], cls);
-      corner_.push_back({copy, before_.cells[size_t(t_.cells[size_t(copy)].parent)].node[size_t(k)], k});
+      corner_.push_back({copy, before_.cells[size_t(t_.cell_parent[size_t(copy)])].node[size_t(k)], k});
     }
   }
   first[8] = int32_t(corner_.size());
@@ -195,8 +160,7 @@ void LocalUpdate::around(int32_t lattice_node) {
       if (other == b || first[size_t(b)] == first[size_t(b) + 1] || first[size_t(other)] == first[size_t(other) + 1])
         continue;
       const int32_t key = 3 * cell[size_t(b)] + axis;
-      for (size_t l = links_from(key); l < t_.links.size() && t_.links[l].cell_axis == key; ++l)
-        join_.unite(first[size_t(b)] + t_.links[l].low, first[size_t(other)] + t_.links[l].high);
+      for (const Link& l : t_.links.of(key)) join_.unite(first[size_t(b)] + l.low, first[size_t(other)] + l.high);
     }
   // Groups: their lowest corner, and the old node that all their corners must have had.
   struct Group {
@@ -231,7 +195,7 @@ void LocalUpdate::around(int32_t lattice_node) {
     for (size_t i = 0; i < corner_.size(); ++i) {
       if (join_.find(int32_t(i)) != group(g).root) continue;
       if (lowest)
-        t_.cells[size_t(corner_[i].copy)].node[size_t(corner_[i].k)] = group(g).parent;
+        set_node(corner_[i].copy, corner_[i].k, group(g).parent);
       else
         extra_corner_.push_back({corner_[i].copy, corner_[i].k});
     }
@@ -241,8 +205,7 @@ void LocalUpdate::around(int32_t lattice_node) {
 }
 
 void LocalUpdate::number_nodes() {
-  t_.nodes = before_.nodes;
-  for (size_t i = 0; i < t_.nodes.size(); ++i) t_.nodes[i].parent = int32_t(i);
+  t_.node_parent = ParentList::identity(before_.nodes.size());
   std::vector<int32_t> corners;
   corners.reserve(8 * touched_.size());
   for (int32_t c : touched_) {
@@ -252,16 +215,13 @@ void LocalUpdate::number_nodes() {
   }
   std::sort(corners.begin(), corners.end());
   corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  link_at_.assign(3 * t_.components.size(), -1);
   for (int32_t n : corners) around(n);
   std::sort(extra_.begin(), extra_.end(), [](const Extra& a, const Extra& b) { return a.first < b.first; });
   for (const Extra& e : extra_) {
     const int32_t id = int32_t(t_.nodes.size());
-    NodeCopy node = before_.nodes[size_t(e.parent)];
-    node.parent = e.parent;
-    t_.nodes.push_back(node);
-    for (uint32_t i = e.begin; i < e.end; ++i)
-      t_.cells[size_t(extra_corner_[i].first)].node[size_t(extra_corner_[i].second)] = id;
+    t_.nodes.push_back(before_.nodes[size_t(e.parent)]);
+    t_.node_parent.push_back(e.parent);
+    for (uint32_t i = e.begin; i < e.end; ++i) set_node(extra_corner_[i].first, extra_corner_[i].second, id);
   }
 }
 
@@ -284,7 +244,7 @@ bool LocalUpdate::pieces_stay() const {
   }
   std::vector<int32_t> root_of_piece(size_t(before_.pieces), -1);
   for (size_t i = 0; i < copies.size(); ++i) {
-    int32_t& r = root_of_piece[size_t(t_.cells[size_t(copies[i])].piece)];
+    int32_t& r = root_of_piece[size_t(cells_[size_t(copies[i])].piece)];
     if (r < 0) r = join.find(int32_t(i));
     if (r != join.find(int32_t(i))) return false;
   }
@@ -293,18 +253,21 @@ bool LocalUpdate::pieces_stay() const {
 
 void LocalUpdate::summarise() {
   if (!pieces_stay()) return limberg::summarise(t_);
-  t_.pieces = before_.pieces;
-  t_.piece_fixed = before_.piece_fixed;
-  sum_volumes(t_);
-  t_.walks = before_.walks;
-  t_.walks_unresolved = before_.walks_unresolved;
   for (int32_t c : touched_) {
+    for (int k = 0; k < before_.copies_of(c); ++k) {
+      const CellCopy& was = before_.cells[size_t(before_.copy(c, k))];
+      t_.piece_sum[size_t(was.piece)] -= exact_share(was.fraction, 0);
+    }
+    for (int k = 0; k < t_.copies_of(c); ++k) {
+      const CellCopy& now = cells_[size_t(t_.copy(c, k))];
+      t_.piece_sum[size_t(now.piece)] += exact_share(now.fraction, 0);
+    }
     if (const auto& was = before_.components[size_t(c)])
       t_.walks -= was->walks, t_.walks_unresolved -= was->walks_unresolved;
-    if (const auto& now = t_.components[size_t(c)])
+    if (const auto& now = components_[size_t(c)])
       t_.walks += now->walks, t_.walks_unresolved += now->walks_unresolved;
   }
-  set_hash(t_);
+  volumes_from_sums(t_);
 }
 
 }  // namespace

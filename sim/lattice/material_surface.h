@@ -14,6 +14,7 @@ namespace limberg {
 
 class Arrangement;
 class PointStore;
+struct Delta;
 
 struct MaterialSurface {
   RestGrid grid;
@@ -22,6 +23,12 @@ struct MaterialSurface {
   std::span<const OrigTri> orig;
   std::span<const SurfaceTag> tag;  // per triangle of the body; originals of op 0 come first
   const PointStore* points = nullptr;
+  const std::vector<Delta>* history = nullptr;  // what each operation has changed; null: not recorded
+  int32_t operations() const;                   // so far
+
+  /// Those of the first `faces_then` faces that may have changed since there were so many operations, ascending: a few, when
+  /// there is a history, else all.
+  std::vector<int32_t> suspects(int32_t operations_then, size_t faces_then) const;
 
   const Plane& plane(int32_t face) const { return orig[size_t(faces[size_t(face)].orig)].plane; }
   bool is_fixed(int32_t face) const {

@@ -1,7 +1,9 @@
 // Node copies: classes of cell corners under the links, their parents, and what hangs.
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/hash.h"
 #include "sim/lattice/topology_parts.h"
@@ -113,14 +115,16 @@ void number_nodes(LatticeTopology& t, const LatticeTopology* previous) {
   // cell that has been divided.
   struct Group {
     NodeCopy node;
+    int32_t parent = -1;
     int32_t born = -1;  // index into `ancestors`
   };
   const int32_t known = previous ? int32_t(previous->components.size()) : 0;  // ids from here on are new parts
   std::vector<int32_t> group_of(8 * t.cells.size(), -1);
   std::vector<Group> group;
   std::vector<Ancestors> ancestors;
-  for (size_t c = 0; c < t.cells.size(); ++c) {
-    const CellCopy& copy = t.cells[c];
+  const SharedArray<CellCopy>& cells = t.cells;
+  for (size_t c = 0; c < cells.size(); ++c) {
+    const CellCopy& copy = cells[c];
     const CellPlace place = t.tree.place(t.grid, copy.cell);
     const int size = kQuarters >> place.level;
     const bool is_new_part = previous && copy.cell >= known;
@@ -129,10 +133,10 @@ void number_nodes(LatticeTopology& t, const LatticeTopology* previous) {
       Ancestors from;
       int32_t parent = -1;
       if (is_new_part) {
-        from = within(previous->cells[size_t(copy.parent)], t.tree.which_part(copy.cell), k);
+        from = within(previous->cells[size_t(t.cell_parent[c])], t.tree.which_part(copy.cell), k);
         if (from.size() == 1) parent = from[0].first;
       } else if (previous) {
-        parent = previous->cells[size_t(copy.parent)].node[size_t(k)];
+        parent = previous->cells[size_t(t.cell_parent[c])].node[size_t(k)];
       }
       if (g < 0) {
         g = int32_t(group.size());
@@ -143,33 +147,36 @@ void number_nodes(LatticeTopology& t, const LatticeTopology* previous) {
         made.node.at = at;
         made.node.lattice_node =
             off ? -1 : t.grid.node_index({at.x / kQuarters, at.y / kQuarters, at.z / kQuarters});
-        made.node.parent = parent;
+        made.parent = parent;
         if (from.size() > 1) made.born = int32_t(ancestors.size()), ancestors.push_back(from);
         group.push_back(made);
         continue;
       }
       Group& seen = group[size_t(g)];
-      if (seen.born < 0 && parent == seen.node.parent && from.size() < 2) continue;
+      if (seen.born < 0 && parent == seen.parent && from.size() < 2) continue;
       const Ancestors mine = resolve(*previous, from.size() > 1 ? from : Ancestors{{parent, 1.0}});
       const Ancestors others =
-          resolve(*previous, seen.born >= 0 ? ancestors[size_t(seen.born)] : Ancestors{{seen.node.parent, 1.0}});
+          resolve(*previous, seen.born >= 0 ? ancestors[size_t(seen.born)] : Ancestors{{seen.parent, 1.0}});
       if (mine != others)
         throw std::logic_error("a cut has joined two node copies: the lattice is not a refinement of the one before");
-      if (from.size() < 2) seen.born = -1, seen.node.parent = parent;  // a node that was there before stays that node
+      if (from.size() < 2) seen.born = -1, seen.parent = parent;  // a node that was there before stays that node
     }
   }
   std::vector<int32_t> number(group.size(), -1);
   t.nodes.clear();
   t.nodes.reserve(group.size());
+  std::vector<int32_t> parents;
+  parents.reserve(group.size());
   auto push = [&](size_t g) {
     number[g] = int32_t(t.nodes.size());
     t.nodes.push_back(group[g].node);
+    parents.push_back(group[g].parent);
   };
   if (previous) {  // first child of each parent, in the parents' order
     std::vector<int32_t> first_child(previous->nodes.size(), -1);
     for (size_t g = 0; g < group.size(); ++g)
-      if (group[g].born < 0 && first_child[size_t(group[g].node.parent)] < 0)
-        first_child[size_t(group[g].node.parent)] = int32_t(g);
+      if (group[g].born < 0 && first_child[size_t(group[g].parent)] < 0)
+        first_child[size_t(group[g].parent)] = int32_t(g);
     for (int32_t g : first_child)
       if (g >= 0) push(size_t(g));
   }
@@ -182,9 +189,10 @@ void number_nodes(LatticeTopology& t, const LatticeTopology* previous) {
     size_t most = 0;
     for (size_t i = 1; i < from.size(); ++i)
       if (from[i].second > from[most].second) most = i;
-    t.nodes[size_t(number[g])].parent = from[most].first;
+    parents[size_t(number[g])] = from[most].first;
     t.born.push_back({number[g], from});
   }
+  t.node_parent = std::move(parents);
   std::sort(t.born.begin(), t.born.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
   auto node_of = [&](int32_t corner) { return number[size_t(group_of[size_t(corners.find(corner))])]; };
   for (size_t c = 0; c < t.cells.size(); ++c)
@@ -200,30 +208,31 @@ void number_nodes(LatticeTopology& t, const LatticeTopology* previous) {
   std::sort(t.hanging.begin(), t.hanging.end(), [](const auto& a, const auto& b) { return a.node < b.node; });
 }
 
-void sum_volumes(LatticeTopology& t) {
+// In binary fractions of a cell, so that sums do not depend on their order and a cut changes them exactly.
+int128 exact_share(double fraction, int level) { return int128(std::ldexp(fraction, 60 - 3 * level)); }
+
+void volumes_from_sums(LatticeTopology& t) {
   const Vec3 h = t.grid.cell_mm();
-  const double cell_volume = h.x() * h.y() * h.z();
-  t.piece_volume_mm3.assign(size_t(t.pieces), 0);
-  const bool divided = !t.tree.division.empty();
-  for (const CellCopy& c : t.cells)
-    t.piece_volume_mm3[size_t(c.piece)] +=
-        c.fraction * (divided ? cell_volume / double(1 << 3 * t.tree.level(c.cell)) : cell_volume);
+  t.piece_volume_mm3.clear();
   t.volume_mm3 = 0;
-  for (double v : t.piece_volume_mm3) t.volume_mm3 += v;
+  for (const int128& sum : t.piece_sum) {
+    t.piece_volume_mm3.push_back(std::ldexp(double(sum), -60) * h.prod());
+    t.volume_mm3 += t.piece_volume_mm3.back();
+  }
 }
 
-void set_hash(LatticeTopology& t) {
-  Hash64 hash;
-  for (size_t cell = 0; cell < t.components.size(); ++cell) {
-    const auto& comp = t.components[cell];
-    for (int k = 0; k < t.copies_of(int32_t(cell)); ++k) {
-      hash.add(int32_t(cell));
-      hash.add(comp ? comp->classes[size_t(k)].corners : uint8_t(255));
-      for (int32_t n : t.cells[size_t(t.copy(int32_t(cell), k))].node) hash.add(n);
+uint64_t LatticeTopology::hash() const {
+  Hash64 sum;
+  for (size_t cell = 0; cell < components.size(); ++cell) {
+    const auto& comp = components[cell];
+    for (int k = 0; k < copies_of(int32_t(cell)); ++k) {
+      sum.add(int32_t(cell));
+      sum.add(comp ? comp->classes[size_t(k)].corners : uint8_t(255));
+      for (int32_t n : cells[size_t(copy(int32_t(cell), k))].node) sum.add(n);
     }
   }
-  hash.add(t.pieces);
-  t.hash = hash.value();
+  sum.add(pieces);
+  return sum.value();
 }
 
 void summarise(LatticeTopology& t) {
@@ -231,24 +240,27 @@ void summarise(LatticeTopology& t) {
   join.reset(t.cells.size());
   for (const auto& l : t.links)
     join.unite(t.copy(l.cell_axis / 3, l.low), t.copy(l.next, l.high));
-  std::vector<int32_t> piece_of(t.cells.size(), -1);
+  const SharedArray<CellCopy>& cells = t.cells;
+  std::vector<int32_t> piece_of(cells.size(), -1);
   t.pieces = 0;
-  for (size_t c = 0; c < t.cells.size(); ++c) {
+  t.piece_sum.clear();
+  const bool divided = !t.tree.division.empty();
+  for (size_t c = 0; c < cells.size(); ++c) {
     int32_t& p = piece_of[size_t(join.find(int32_t(c)))];
-    if (p < 0) p = t.pieces++;
-    t.cells[c].piece = p;
+    if (p < 0) p = t.pieces++, t.piece_sum.push_back(0);
+    if (cells[c].piece != p) t.cells[c].piece = p;
+    t.piece_sum[size_t(p)] += exact_share(cells[c].fraction, divided ? t.tree.level(cells[c].cell) : 0);
   }
-  sum_volumes(t);
+  volumes_from_sums(t);
   t.piece_fixed.assign(size_t(t.pieces), 0);
   t.walks = t.walks_unresolved = 0;
   for (size_t cell = 0; cell < t.components.size(); ++cell) {
-    const auto& comp = t.components[cell];
+    const auto& comp = std::as_const(t.components)[cell];
     if (!comp) continue;
     for (size_t k = 0; k < comp->classes.size(); ++k)
-      if (comp->classes[k].fixed_sides) t.piece_fixed[size_t(t.cells[size_t(t.copy(int32_t(cell), int(k)))].piece)] = 1;
+      if (comp->classes[k].fixed_sides) t.piece_fixed[size_t(cells[size_t(t.copy(int32_t(cell), int(k)))].piece)] = 1;
     t.walks += comp->walks, t.walks_unresolved += comp->walks_unresolved;
   }
-  set_hash(t);
 }
 
 }  // namespace limberg

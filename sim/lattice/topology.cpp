@@ -1,9 +1,11 @@
 #include "sim/lattice/topology.h"
 
 #include <algorithm>
+#include <exception>
 #include <stdexcept>
 #include <string>
 
+#include "sim/cutting/point_store.h"
 #include "sim/error.h"
 #include "sim/lattice/topology_parts.h"
 
@@ -13,9 +15,11 @@ namespace {
 uint8_t bits_of(const Face& f) { return f.live() ? f.mat : uint8_t(0); }
 
 void fill_face_bits(LatticeTopology& t, const MaterialSurface& surface) {
-  t.face_bits.resize(surface.faces.size());
-  for (size_t f = 0; f < surface.faces.size(); ++f) t.face_bits[f] = bits_of(surface.faces[f]);
+  t.face_bits.clear();
+  t.face_bits.reserve(surface.faces.size());
+  for (const Face& f : surface.faces) t.face_bits.push_back(bits_of(f));
   t.last_op = surface.orig.empty() ? 0 : surface.orig.back().op;
+  t.operations = surface.operations();
 }
 
 /// Calls visit(cell) for the undivided cells of the box of a face's corners.
@@ -56,7 +60,7 @@ void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, V
 
 void relink(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* previous,
             std::span<const uint8_t> touched) {
-  std::vector<LatticeTopology::Link> fresh;
+  std::vector<Link> fresh, links;
   std::vector<int32_t> beyond;
   for (int32_t cell = 0; cell < t.tree.ids(); ++cell) {
     if (t.copies_of(cell) == 0) continue;  // divided, or without material
@@ -67,16 +71,16 @@ void relink(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* 
           find_links(t, builders, cell, axis, next, fresh);
     }
   }
-  t.links.clear();
   if (previous) {
-    t.links.reserve(previous->links.size() + fresh.size());
+    links.reserve(previous->links.size() + fresh.size());
     for (const auto& l : previous->links)
-      if (!touched[size_t(l.cell_axis / 3)] && !touched[size_t(l.next)]) t.links.push_back(l);
+      if (!touched[size_t(l.cell_axis / 3)] && !touched[size_t(l.next)]) links.push_back(l);
   }
-  const size_t kept = t.links.size();
-  t.links.insert(t.links.end(), fresh.begin(), fresh.end());
-  std::sort(t.links.begin() + ptrdiff_t(kept), t.links.end());
-  std::inplace_merge(t.links.begin(), t.links.begin() + ptrdiff_t(kept), t.links.end());
+  const ptrdiff_t kept = ptrdiff_t(links.size());
+  links.insert(links.end(), fresh.begin(), fresh.end());
+  std::sort(links.begin() + kept, links.end());
+  std::inplace_merge(links.begin(), links.begin() + kept, links.end());
+  t.links.assign(links);
 }
 
 /// Divides what holds a front, until nothing is left to divide.
@@ -92,6 +96,45 @@ std::shared_ptr<const LatticeTopology> divide_fronts(std::shared_ptr<const Latti
     candidates.resize(touched.size(), 0);
     for (size_t c = 0; c < touched.size(); ++c) candidates[c] |= touched[c];
   }
+}
+
+/// The components of the touched cells. Each cell is found by itself, in groups that one worker takes one after another.
+template <class Candidates>
+void find_components(LatticeTopology& t, const LatticeTopology& previous, const MaterialSurface& surface,
+                     std::span<const int32_t> touched, const Candidates& candidates_of, bool only_cuts, Workers* workers) {
+  constexpr size_t kGroup = 16;
+  std::vector<std::shared_ptr<const CellComponents>> found(touched.size());
+  std::vector<std::exception_ptr> wrong((touched.size() + kGroup - 1) / kGroup);
+  const LatticeTopology& now = t;
+  const auto find = [&](LevelBuilders& builders, size_t begin, size_t end) {
+    std::vector<int32_t> candidates;
+    for (size_t i = begin; i < end; ++i) {
+      const int32_t cell = touched[i];
+      candidates.clear();
+      candidates_of(cell, candidates);
+      std::sort(candidates.begin(), candidates.end());
+      const CellPlace place = now.tree.place(now.grid, cell);
+      found[i] = builders[place.level].build(place.at, candidates, now.corners_in_material(cell),
+                                             {true, previous.components[size_t(cell)].get(), previous.last_op, only_cuts, nullptr});
+    }
+  };
+  // A step that a test lets fail is counted in the order of the cells.
+  if (!workers || workers->count() == 1 || surface.points->fault) {
+    LevelBuilders builders(t.grid, surface);
+    find(builders, 0, touched.size());
+  } else {
+    workers->parallel_for(touched.size(), kGroup, [&](size_t begin, size_t end) {
+      LevelBuilders builders(now.grid, surface);
+      try {
+        find(builders, begin, end);
+      } catch (...) {
+        wrong[begin / kGroup] = std::current_exception();
+      }
+    });
+    for (const std::exception_ptr& e : wrong)
+      if (e) std::rethrow_exception(e);  // the first cell's, whoever came to it
+  }
+  for (size_t i = 0; i < touched.size(); ++i) t.components[size_t(touched[i])] = std::move(found[i]);
 }
 
 /// The cells of the grid, none divided.
@@ -173,40 +216,49 @@ std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology
   return t;
 }
 
-std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous,
-                                                       const MaterialSurface& surface) {
-  return update_topology(previous, surface, true);
+std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
+                                                       Workers* workers) {
+  return update_topology(previous, surface, true, workers);
 }
 
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
-                                                       bool locally) {
-  auto t = std::make_shared<LatticeTopology>();
-  t->grid = previous.grid;
-  t->front_levels = previous.front_levels;
-  t->tree = previous.tree;
+                                                       bool locally, Workers* workers) {
+  const auto t = std::make_shared<LatticeTopology>(previous);
+  t->hanging.clear();
+  t->born.clear();
+  t->touched_cells = 0;
   const CellTree& tree = t->tree;
-  fill_face_bits(*t, surface);
   LevelBuilders builders(t->grid, surface);
 
   // What has changed, where.
-  const size_t before = previous.face_bits.size(), now = t->face_bits.size(), cells = previous.components.size();
-  std::vector<uint8_t> touched(cells, 0);
+  const size_t before = previous.face_bits.size(), now = surface.faces.size();
+  if (now < before) throw std::logic_error("the surface has lost faces since the lattice's last version");
+  std::vector<int32_t> touched;
   std::vector<std::pair<int32_t, int32_t>> added;  // cell, face
   bool taken_away = false;
-  for (size_t f = 0; f < std::max(before, now); ++f) {
-    const uint8_t was = f < before ? previous.face_bits[f] : uint8_t(0), is = f < now ? t->face_bits[f] : uint8_t(0);
-    if (f >= now) throw std::logic_error("the surface has lost faces since the lattice's last version");
-    if (was == is) continue;
+  const auto look_at = [&](size_t f) {
+    const uint8_t was = f < before ? previous.face_bits[f] : uint8_t(0), is = bits_of(surface.faces[f]);
+    if (f >= before)
+      t->face_bits.push_back(is);
+    else if (was != is)
+      t->face_bits[f] = is;
+    if (was == is) return;
     // Material is gone where a face has lost a side, or a new wall has only one.
     taken_away = taken_away || (!surface.faces[f].retired && (was & ~is));
     taken_away =
         taken_away || (f >= before && is != 3 && surface.orig[size_t(surface.faces[f].orig)].op > previous.last_op);
     cells_around(tree, builders, int32_t(f), [&](int32_t c) {
-      touched[size_t(c)] = 1;
+      touched.push_back(c);
       if (is && !was) added.push_back({c, int32_t(f)});
     });
-  }
+  };
+  for (int32_t f : surface.suspects(previous.operations, before)) look_at(size_t(f));
+  for (size_t f = before; f < now; ++f) look_at(f);
+  t->last_op = surface.orig.empty() ? 0 : surface.orig.back().op;
+  t->operations = surface.operations();
   std::sort(added.begin(), added.end());
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
 
   auto candidates_of = [&](int32_t cell, std::vector<int32_t>& out) {
     if (const CellComponents* old = previous.components[size_t(cell)].get())
@@ -219,45 +271,37 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
     if (!tree.is_divided(cell)) return candidates_of(cell, out);
     for (int k = 0; k < 8; ++k) self(self, tree.part(cell, k), out);
   };
-  std::vector<int32_t> candidates;
-  if (!taken_away) {
-    t->node_in_material = previous.node_in_material;  // and so have the parts' corners
-  } else {
+  if (taken_away) {  // else nodes are in the material that were, and so are the parts' corners
     t->node_in_material = classify_nodes(t->grid, surface);
-    for (CellTree::Division& d : t->tree.division) {
+    std::vector<int32_t> candidates;
+    for (size_t i = 0; i < tree.division.size(); ++i) {
+      const int32_t cell = tree.division[i].cell;
       candidates.clear();
-      candidates_within(candidates_within, d.cell, candidates);
+      candidates_within(candidates_within, cell, candidates);
       std::sort(candidates.begin(), candidates.end());
       candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-      d.node_in_material =
-          classify_parts(builders, tree.place(t->grid, d.cell), t->corners_in_material(d.cell), candidates);
+      t->tree.division[i].node_in_material =
+          classify_parts(builders, tree.place(t->grid, cell), t->corners_in_material(cell), candidates);
     }
   }
+  find_components(*t, previous, surface, touched, candidates_of, !taken_away, workers);
+  t->touched_cells = int(touched.size());
 
-  t->components = previous.components;
-  for (size_t c = 0; c < cells; ++c) {
-    if (!touched[c]) continue;
-    ++t->touched_cells;
-    const int32_t cell = int32_t(c);
-    candidates.clear();
-    candidates_of(cell, candidates);
-    std::sort(candidates.begin(), candidates.end());
-    const CellPlace place = tree.place(t->grid, cell);
-    t->components[c] = builders[place.level].build(
-        place.at, candidates, t->corners_in_material(cell),
-        {true, previous.components[c].get(), previous.last_op, !taken_away, nullptr});
-  }
-  if (taken_away)  // full cells that are empty now
-    for (size_t c = 0; c < cells; ++c) {
-      if (previous.components[c] || touched[c] || tree.is_divided(int32_t(c))) continue;
-      if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c))) touched[c] = 1;
+  if (!locally || taken_away || !finish_locally(*t, builders, previous, touched)) {
+    const size_t cells = previous.components.size();
+    std::vector<uint8_t> marks(cells, 0);
+    for (int32_t c : touched) marks[size_t(c)] = 1;
+    for (size_t c = 0; taken_away && c < cells; ++c) {  // full cells that are empty now
+      if (previous.components[c] || marks[c] || tree.is_divided(int32_t(c))) continue;
+      if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c))) marks[c] = 1;
     }
-  std::vector<int32_t> touched_cells;
-  for (size_t c = 0; c < touched.size(); ++c)
-    if (touched[c]) touched_cells.push_back(int32_t(c));
-  if (!locally || taken_away || !finish_locally(*t, builders, previous, touched_cells))
-    finish_topology(*t, builders, &previous, touched);
-  return divide_fronts(t, builders, std::move(touched));
+    finish_topology(*t, builders, &previous, marks);
+    return divide_fronts(t, builders, std::move(marks));
+  }
+  if (t->front_levels == 0) return t;
+  std::vector<uint8_t> marks(previous.components.size(), 0);
+  for (int32_t c : touched) marks[size_t(c)] = 1;
+  return divide_fronts(t, builders, std::move(marks));
 }
 
 }  // namespace limberg

@@ -34,41 +34,41 @@
 #include "sim/lattice/cell_tree.h"
 #include "sim/lattice/cells.h"
 #include "sim/lattice/lattice.h"
+#include "sim/lattice/link_table.h"
 #include "sim/lattice/material_surface.h"
+#include "sim/parent_list.h"
+#include "sim/short_lists.h"
+#include "sim/workers.h"
 
 namespace limberg {
 
 struct LatticeTopology {
   LatticeGrid grid;
-  std::vector<CellCopy> cells;
-  std::vector<NodeCopy> nodes;
+  SharedArray<CellCopy> cells;
+  SharedArray<NodeCopy> nodes;
+  // Per copy: its index in the previous version, -1 only at the start; of a born node (below) the one with the largest weight.
+  ParentList cell_parent, node_parent;
   int pieces = 0;                        // connected pieces of the lattice
   std::vector<double> piece_volume_mm3;  // per piece
   std::vector<uint8_t> piece_fixed;      // per piece: 1 when it has a face of the body tagged fixed
   double volume_mm3 = 0;                 // sum over cell copies of fraction * cell volume
-  uint64_t hash = 0;                     // of cells, classes, corners and node copies: no floating point, no parents
+  std::vector<int128> piece_sum;         // per piece: sum of fractions of undivided cells, times 2^60; exact in any order
+  uint64_t hash() const;                 // of cells, classes, corners and node copies: no floating point, no parents. O(cells)
 
   int front_levels = 0;  // how often cells at a front are divided: 0 to kLevels
   CellTree tree;
 
-  /// Cell copies of cell c (an id of the tree; a divided one has none): copy_id[copy_begin[c] + class].
-  std::vector<int32_t> copy_begin, copy_id;
-  int copies_of(int32_t cell) const { return copy_begin[size_t(cell) + 1] - copy_begin[size_t(cell)]; }
-  int32_t copy(int32_t cell, int cls) const { return copy_id[size_t(copy_begin[size_t(cell)] + cls)]; }
+  ShortLists copies;  // per cell (an id of the tree; a divided one has none) its cell copies, by class
+  int copies_of(int32_t cell) const { return copies.count(size_t(cell)); }
+  int32_t copy(int32_t cell, int cls) const { return copies.at(size_t(cell), cls); }
 
   /// Per cell: what it holds; null when no face meets it (it is full or empty then) or it is divided.
-  std::vector<std::shared_ptr<const CellComponents>> components;
-  std::vector<uint8_t> node_in_material;  // per lattice node
+  SharedArray<std::shared_ptr<const CellComponents>> components;
+  SharedArray<uint8_t> node_in_material;  // per lattice node
 
   uint8_t corners_in_material(int32_t cell) const;  // bit per corner
 
-  struct Link {                 // copies joined through the square between `cell` and a + neighbour
-    int32_t cell_axis = 0;      // 3 * cell + axis
-    int32_t next = 0;           // the neighbour
-    int16_t low = 0, high = 0;  // classes
-    auto operator<=>(const Link&) const = default;
-  };
-  std::vector<Link> links;  // sorted
+  LinkTable links;  // copies joined through squares
 
   struct Hanging {  // as HangingNode: equal weights, none of the masters hangs
     int32_t node = 0, count = 0;
@@ -81,7 +81,8 @@ struct LatticeTopology {
   };
   std::vector<Born> born;  // ascending by node
 
-  std::vector<uint8_t> face_bits;       // per face id: its material bits in this version (0: not there)
+  SharedArray<uint8_t> face_bits;       // per face id: its material bits in this version (0: not there)
+  int32_t operations = 0;               // of the surface so far (MaterialSurface::suspects)
   int32_t last_op = 0;                  // highest operation that has made a face so far
   int touched_cells = 0;                // recomputed to make this version
   int walks = 0, walks_unresolved = 0;  // sums over cells
@@ -95,10 +96,12 @@ std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, c
 /// The same with the cells divided that are divided in `like`, in the same order, and no others.
 std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like, const MaterialSurface& surface);
 
-/// The version after the arrangement has changed. CellCopy::parent and NodeCopy::parent index `previous`.
+/// The version after the arrangement has changed. cell_parent and node_parent index `previous`.
 /// Face ids must mean the same as in `previous` (an arrangement never renumbers; after its undo, go on from the version
 /// of that time). Nothing changes on an exception.
-std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface);
+/// Cells are found in parallel when there are workers; the result does not depend on them.
+std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
+                                                       Workers* workers = nullptr);
 
 /// `last` with the parents of the version before `middle`, which `last` was updated from. A cut that takes something
 /// away at once is followed in two steps, the cut and the taking away: each names its parents exactly.

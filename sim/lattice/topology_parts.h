@@ -36,7 +36,7 @@ void cells_beyond(const LatticeTopology& topology, int32_t cell, int axis, std::
 
 /// Links between undivided `cell` and `next`, one of the cells_beyond. Of different levels: through the smaller square.
 void find_links(const LatticeTopology& topology, LevelBuilders& builders, int32_t cell, int axis, int32_t next,
-                std::vector<LatticeTopology::Link>& out);
+                std::vector<Link>& out);
 
 /// Which cells must be divided next, ascending: those of `candidates` that hold a front, coarsest first, and before them
 /// what the grading needs. Empty when all is well.
@@ -68,8 +68,8 @@ void number_nodes(LatticeTopology& topology, const LatticeTopology* previous);
 
 /// Pieces, volumes and the hash.
 void summarise(LatticeTopology& topology);
-void sum_volumes(LatticeTopology& topology);  // of the pieces, which are known
-void set_hash(LatticeTopology& topology);
+int128 exact_share(double fraction, int level);     // of an undivided cell, times 2^60
+void volumes_from_sums(LatticeTopology& topology);  // of the pieces, from piece_sum
 
 /// finish_topology at the cost of what the cut has changed (local_update.cpp). False, and nothing done, when it took
 /// something away, or when cells are divided. `touched`: cells, ascending.
@@ -78,6 +78,6 @@ bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const La
 
 /// update_topology; `locally` false: by finish_topology whatever has changed, for tests.
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
-                                                       bool locally);
+                                                       bool locally, Workers* workers = nullptr);
 
 }  // namespace limberg
