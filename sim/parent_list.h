@@ -27,6 +27,16 @@ class ParentList {
   /// The first so many elements are their own parents (others may be, too).
   size_t same() const { return same_; }
 
+  /// Of this version in the one before `middle`, which this one was made from.
+  ParentList through(const ParentList& middle) const {
+    ParentList out = identity(std::min(same_, middle.same_));
+    for (size_t i = out.same_; i < size(); ++i) {
+      const int32_t m = (*this)[i];
+      out.rest_.push_back(m < 0 ? -1 : middle[size_t(m)]);
+    }
+    return out;
+  }
+
   void push_back(int32_t parent) { rest_.push_back(parent); }
   void assign(size_t n, int32_t parent) {
     same_ = 0;

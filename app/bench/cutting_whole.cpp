@@ -73,10 +73,8 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const RestIndex index(view, body->surface.tri.size());
     lap();
     sum.add(at - start);
-    std::vector<int32_t> parent;
-    for (const CellCopy& c : lattice->cells) parent.push_back(c.parent);
     at = cpu_ms();
-    solver->set_model(model, parent);
+    solver->set_model(model, lattice->cell_parent);
     lap();
     a.undo();
     triangles = view.tri.size(), cells = lattice->cells.size(), nodes = lattice->nodes.size(), touched = lattice->touched_cells;

@@ -115,9 +115,7 @@ SlitOpening open_slit(const SlitSpec& s, Workers& workers) {
   out.lattice_ms = lap();
   const auto model = assemble_fem(stencils, *lattice);
   out.assembly_ms = lap();
-  std::vector<int32_t> parent;
-  for (const CellCopy& c : lattice->cells) parent.push_back(c.parent);
-  solver->set_model(model, parent);
+  solver->set_model(model, lattice->cell_parent);
   StepSettings settings;
   settings.max_iterations = 20, settings.tolerance = s.residual;
   for (StepReport r; out.iterations < s.max_iterations && !r.converged;) {

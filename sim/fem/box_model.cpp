@@ -88,7 +88,7 @@ FemModel box_model(const BoxSpec& b) {
 
 FemModel part_cells(const FemModel& before, const std::function<bool(const Vec3&, const Vec3&)>& apart) {
   FemModel m = before;
-  std::iota(m.parent.begin(), m.parent.end(), 0);
+  m.parent = ParentList::identity(m.X_mm.size());
   m.born.clear();
   std::vector<int32_t> up(8 * m.cells.size());  // classes of (cell, corner)
   std::iota(up.begin(), up.end(), 0);

@@ -51,7 +51,7 @@ std::shared_ptr<const ScalarCycle> ScalarCycle::build(std::shared_ptr<const FemM
 }
 
 std::shared_ptr<const ScalarCycle> ScalarCycle::rebuild(const ScalarCycle& before, std::shared_ptr<const FemModel> model,
-                                                        std::span<const int32_t> cell_parent, std::vector<SpringRow> springs,
+                                                        const ParentList& cell_parent, std::vector<SpringRow> springs,
                                                         double mass_per_s2) {
   auto c = std::make_shared<ScalarCycle>();
   c->model_ = std::move(model), c->springs_ = std::move(springs), c->mass_per_s2_ = mass_per_s2;
@@ -60,7 +60,7 @@ std::shared_ptr<const ScalarCycle> ScalarCycle::rebuild(const ScalarCycle& befor
   return c;
 }
 
-void ScalarCycle::make(const ScalarCycle* before, std::span<const int32_t> cell_parent) {
+void ScalarCycle::make(const ScalarCycle* before, const ParentList& cell_parent) {
   const std::vector<uint8_t> free = free_nodes(*model_);
   NodeChange change;
   const bool related = before && before->mass_per_s2_ == mass_per_s2_ &&

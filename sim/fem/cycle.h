@@ -47,7 +47,7 @@ class ScalarCycle {
   /// From a cycle of the model before; `cell_parent` per cell, FemModel::parent per node. Same bits as a build on the
   /// same blocks; whatever does not fit together is made afresh.
   static std::shared_ptr<const ScalarCycle> rebuild(const ScalarCycle& before, std::shared_ptr<const FemModel> model,
-                                                    std::span<const int32_t> cell_parent, std::vector<SpringRow> springs,
+                                                    const ParentList& cell_parent, std::vector<SpringRow> springs,
                                                     double mass_per_s2);
 
   /// r and z: one entry per node of the model; where nothing is free r must be and z will be zero.
@@ -71,7 +71,7 @@ class ScalarCycle {
     AlignedArray<float> scale;
     Coarsening coarse;
   };
-  void make(const ScalarCycle* before, std::span<const int32_t> cell_parent);
+  void make(const ScalarCycle* before, const ParentList& cell_parent);
   void factorize_bottom(std::span<const std::array<int32_t, 3>> at);
   void descend(size_t level, const Node4* r, Node4* z, Work& work, const Engine& engine) const;
 

@@ -61,7 +61,7 @@ class ElasticSolver {
 
   /// Takes a new model: positions, velocities and pressures are carried through FemModel::parent and
   /// `cell_parent` (per cell: index in the previous model); the factorization is rebuilt in the background.
-  virtual void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) = 0;
+  virtual void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) = 0;
 
   /// The whole list of springs, in any order, ids unique. Moving a target costs nothing; adding or removing a spring
   /// never waits for a factorization. Springs name nodes of the current model: give them again after set_model, which drops them.

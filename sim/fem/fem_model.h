@@ -29,6 +29,8 @@
 
 #include "sim/fem/materials/law.h"
 #include "sim/geometry/vec.h"
+#include "sim/parent_list.h"
+#include "sim/shared_array.h"
 
 namespace limberg {
 
@@ -106,6 +108,7 @@ struct HexCell {
   float scale = 1;  // volume fraction of this copy of the cell, floored for conditioning
   std::array<int16_t, 3> at{};  // its low corner on the lattice, in halves of an undivided cell (rounded down at level 2)
   uint8_t level = 0;            // 0: undivided; 1: one of the eight parts of a divided cell; 2: one of eight of such a part
+  bool operator==(const HexCell&) const = default;
 };
 
 /// A node in the middle of an edge or a square of a coarser neighbour: not free, but where its masters put it.
@@ -123,17 +126,18 @@ struct BornNode {
   std::vector<std::pair<int32_t, float>> from;  // previous node, weight; sum 1
 };
 
+/// Versions of a model share what a cut has not changed.
 struct FemModel {
   Vec3 cell_mm = Vec3::Ones();       // of an undivided cell (level 0)
-  std::vector<Vec3> X_mm;            // rest positions of node copies
-  std::vector<uint8_t> fixed;        // per node, 1 = Dirichlet (stays at X)
-  std::vector<double> mass_kg;       // per node, lumped, exact fractions (no floor)
-  std::vector<HexCell> cells;
-  std::vector<Stencil> stencils;
+  SharedArray<Vec3> X_mm;            // rest positions of node copies
+  SharedArray<uint8_t> fixed;        // per node, 1 = Dirichlet (stays at X)
+  SharedArray<double> mass_kg;       // per node, lumped, exact fractions (no floor)
+  SharedArray<HexCell> cells;
+  SharedArray<Stencil> stencils;
   std::vector<LawPtr> laws;          // named by the material and viscous points of stencils
   // Per node: its index in the previous model (state is carried from it); -1 only at start. For a node in `born`: the
   // first of the previous nodes with the largest weight.
-  std::vector<int32_t> parent;
+  ParentList parent;
   std::vector<BornNode> born;        // ascending by node
   std::vector<HangingNode> hanging;  // ascending by node; empty on a lattice without divided cells, and then costs nothing
 };
@@ -142,6 +146,7 @@ struct FemModel {
 struct EmbeddedPoint {
   std::array<int32_t, 8> node{};
   std::array<float, 8> w{};
+  bool operator==(const EmbeddedPoint&) const = default;
 };
 
 /// A zero-length embedded spring: point a to point b (a suture), or point a to a place in the world (a hook).

@@ -44,7 +44,7 @@ constexpr size_t small_model = 3000; // nodes: a shorter history pays there
 
 bool LbfgsSolver::Value::finite() const { return std::isfinite(energy); }
 
-void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) {
+void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) {
   const size_t n = model->X_mm.size(), cells = model->cells.size();
   if (model->fixed.size() != n || model->mass_kg.size() != n || model->parent.size() != n)
     throw InputError("", 0, "a model's fixed, mass and parent lists must have one entry per node");

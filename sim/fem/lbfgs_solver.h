@@ -40,7 +40,7 @@ class LbfgsSolver final : public ElasticSolver {
   explicit LbfgsSolver(Workers& workers, bool augmented = true, MetricPolicy policy = {})
       : engine_(workers, policy.kernels ? *policy.kernels : default_kernels()), augmented_(augmented), metric_(workers, policy) {}
 
-  void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) override;
+  void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) override;
   void set_springs(std::span<const Spring> springs) override;
   void set_contacts(std::span<const Contact> contacts) override;
   StepReport step(const StepSettings& settings) override;

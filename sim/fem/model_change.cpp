@@ -1,6 +1,5 @@
 // What of a model's rows is the same as in the model before (node_matrix.h).
 #include <algorithm>
-#include <numeric>
 
 #include "sim/fem/masters.h"
 #include "sim/fem/node_matrix.h"
@@ -57,12 +56,11 @@ bool same_model(const FemModel& a, const FemModel& b) {
 }
 
 bool compare_models(const FemModel& before, std::span<const SpringRow> springs_before, const FemModel& now,
-                    std::span<const SpringRow> springs_now, std::span<const int32_t> cell_parent, NodeChange& change) {
+                    std::span<const SpringRow> springs_now, const ParentList& cell_parent, NodeChange& change) {
   const size_t n = now.X_mm.size(), n_before = before.X_mm.size();
   const bool itself = &before == &now;
   if ((!itself && cell_parent.size() != now.cells.size()) || now.cell_mm != before.cell_mm) return false;
-  change.parent = now.parent;
-  if (itself) std::iota(change.parent.begin(), change.parent.end(), 0);
+  change.parent = (itself ? ParentList::identity(n) : now.parent).flat();
   change.child.assign(n_before, -1);
   change.dirty.assign(n, 0);
   std::vector<uint8_t> children(n_before, 0);

@@ -31,7 +31,7 @@ struct NodeChange {
 /// Compares two versions of a model through FemModel::parent and `cell_parent` (per cell of `now`: its index in `before`), or a
 /// model with itself under other springs. Rows are carried over as far as nodes and cells keep their order. False: not at all.
 bool compare_models(const FemModel& before, std::span<const SpringRow> springs_before, const FemModel& now,
-                    std::span<const SpringRow> springs_now, std::span<const int32_t> cell_parent, NodeChange& change);
+                    std::span<const SpringRow> springs_now, const ParentList& cell_parent, NodeChange& change);
 
 /// Sets all numbers outside a longest rising subsequence to -1 (-1 is no number).
 void keep_rising(std::vector<int32_t>& a);

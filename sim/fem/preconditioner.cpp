@@ -50,16 +50,16 @@ void Preconditioner::drop_pending() {
   pending_.reset();
 }
 
-void Preconditioner::set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent) {
+void Preconditioner::set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) {
   drop_pending();
-  const std::vector<int32_t>& parent = model->parent;
+  const ParentList& parent = model->parent;
   std::vector<int32_t> ancestor(model->X_mm.size(), -1);
   for (size_t i = 0; i < ancestor.size(); ++i)
     if (parent[i] >= 0 && size_t(parent[i]) < ancestor_.size()) ancestor[i] = ancestor_[size_t(parent[i])];
   ancestor_ = std::move(ancestor);
   if (now_.cycle) cycle_before_ = now_.cycle;
   if (cycle_before_ && &cycle_before_->model() != now_.model.get()) cycle_before_.reset();
-  cell_parent_.assign(cell_parent.begin(), cell_parent.end());
+  cell_parent_ = cell_parent;
 
   if (now_.factor || now_.cycle) kept_.push_front(std::move(now_));
   now_ = {};

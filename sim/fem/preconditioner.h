@@ -34,7 +34,7 @@ class Preconditioner {
 
   /// FemModel::parent and `cell_parent` (per cell) name places in the model given last; without `cell_parent` the cycle is made
   /// afresh.
-  void set_model(std::shared_ptr<const FemModel> model, std::span<const int32_t> cell_parent);
+  void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent);
   struct SpringEntry {
     SpringRow row;
     bool foldable = true;  // false for hooks
@@ -94,7 +94,7 @@ class Preconditioner {
   size_t ordered_bytes_ = 0;
   std::vector<int32_t> ancestor_;  // current node -> node of that factor's model
   std::shared_ptr<const ScalarCycle> cycle_before_;
-  std::vector<int32_t> cell_parent_;
+  ParentList cell_parent_;
 
   std::vector<Column> columns_;
   std::vector<const float*> column_data_;

@@ -153,15 +153,18 @@ std::shared_ptr<LatticeTopology> divide_cells(const LatticeTopology& before, Lev
 // Parents of parents; a node whose ancestors are several is born.
 void skip_parents(const LatticeTopology& middle, LatticeTopology& last) {
   LatticeTopology* t = &last;
-  std::vector<int32_t> cell_parent(t->cell_parent.size()), node_parent(t->node_parent.size());
-  for (size_t c = 0; c < cell_parent.size(); ++c) cell_parent[c] = middle.cell_parent[size_t(t->cell_parent[c])];
-  t->cell_parent = std::move(cell_parent);
+  t->cell_parent = t->cell_parent.through(middle.cell_parent);
   t->touched_cells += middle.touched_cells;
   auto index = [](const LatticeTopology& v) {
     std::vector<int32_t> at(v.born.empty() ? 0 : v.nodes.size(), -1);
     for (size_t i = 0; i < v.born.size(); ++i) at[size_t(v.born[i].node)] = int32_t(i);
     return at;
   };
+  if (middle.born.empty() && t->born.empty()) {
+    t->node_parent = t->node_parent.through(middle.node_parent);
+    return;
+  }
+  std::vector<int32_t> node_parent(t->nodes.size());
   const std::vector<int32_t> in_middle = index(middle), in_last = index(last);
   const std::vector<LatticeTopology::Born> born = std::move(t->born);
   t->born.clear();

@@ -78,7 +78,7 @@ std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const Materia
   constexpr int32_t kNone = -1, kSeveral = -2;
   std::vector<int32_t> part(before.topology.cells.size(), kNone);
   for (size_t c = 0; c < t.cells.size(); ++c) {
-    const int32_t parent = t.cells[c].parent;
+    const int32_t parent = t.cell_parent[c];
     if (parent < 0) continue;
     int32_t& p = part[size_t(parent)];
     p = p == kNone && t.cells[c].cell == before.topology.cells[size_t(parent)].cell ? int32_t(c) : kSeveral;

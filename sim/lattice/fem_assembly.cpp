@@ -12,22 +12,155 @@ constexpr double kFloor = 1e-2;  // of the fraction, for conditioning: a sliver'
 // times that when cells can be divided, and in a part it is more of the whole.
 double counts_as_full(bool divisible, int level) { return 1 - (divisible ? 0.003 : 0.002) * double(1 << level); }
 
+class Assembly {
+ public:
+  Assembly(const StencilTable& table, const LatticeTopology& t) : table_(table), t_(t), whole_mm3_(t.grid.cell_mm().prod()) {}
+
+  HexCell cell(const CellCopy& copy) const {
+    HexCell out;
+    out.node = copy.node;
+    const CellPlace place = t_.tree.place(t_.grid, copy.cell);
+    for (int a = 0; a < 3; ++a) out.at[size_t(a)] = int16_t(2 * place.at[a] >> place.level);
+    out.level = uint8_t(place.level);
+    out.stencil = table_.of_place(place);
+    if (out.stencil < 0) throw std::logic_error("material in a lattice cell for which there is no stencil");
+    out.scale = scale(copy.fraction, place.level);
+    return out;
+  }
+  float scale(double fraction, int level) const {
+    return fraction > counts_as_full(t_.front_levels > 0, level) ? 1.0f : float(std::max(fraction, kFloor));
+  }
+  double mass_kg(const CellCopy& copy, const HexCell& cell) const {
+    int32_t stencil = cell.stencil;
+    if (cell.level > 0) {  // a part weighs as the cell that it is a part of: division does not change the mass
+      const CellPlace place = t_.tree.place(t_.grid, copy.cell);
+      stencil = table_.of_cell(
+          t_.grid.cell_index({place.at.x >> place.level, place.at.y >> place.level, place.at.z >> place.level}));
+    }
+    const double volume = whole_mm3_ / double(1 << 3 * cell.level);
+    return std::max(copy.fraction, 0.0) * volume * table_.stencils()[size_t(stencil)].density_kg_mm3;
+  }
+  /// Whether a copy holds the node at its corner.
+  bool holds(int32_t cell, uint8_t fixed_sides, int32_t node, size_t corner) const {
+    const uint8_t may = table_.fixed_candidate(t_.nodes[size_t(node)].at);
+    return (may & fixed_sides & 0x3f) || (may & StencilTable::kNearFixed) ||
+           ((may & StencilTable::kFarFixed) && !(t_.corners_in_material(cell) >> corner & 1));
+  }
+
+  void all(FemModel& model) const;
+  /// After a cut that takes nothing away, in a lattice without divided cells: what it has not changed is shared.
+  void changed(FemModel& model, const EarlierModel& before) const;
+
+ private:
+  struct Around {  // a copy that has a node, and at which corner
+    int32_t copy, cell;
+    int cls, corner;
+  };
+  void node_again(FemModel& model, int32_t node, std::vector<Around>& around) const;
+
+  const StencilTable& table_;
+  const LatticeTopology& t_;
+  double whole_mm3_;
+};
+
+void Assembly::all(FemModel& model) const {
+  const size_t nodes = t_.nodes.size();
+  for (const NodeCopy& n : t_.nodes) model.X_mm.push_back(t_.grid.quarter_mm(n.at));
+  std::vector<uint8_t> fixed(nodes, 0);
+  std::vector<double> mass(nodes, 0);
+  model.cells.reserve(t_.cells.size());
+  for (const CellCopy& copy : t_.cells) {
+    const HexCell made = cell(copy);
+    model.cells.push_back(made);
+    const double share = mass_kg(copy, made) / 8;
+    for (int32_t n : copy.node) mass[size_t(n)] += share;
+  }
+  for (size_t c = 0; c < t_.components.size(); ++c) {
+    const auto& comp = t_.components[c];
+    if (!comp) continue;
+    for (size_t k = 0; k < comp->classes.size(); ++k) {
+      if (!comp->classes[k].fixed_sides) continue;
+      const auto& node = t_.cells[size_t(t_.copy(int32_t(c), int(k)))].node;
+      for (size_t corner = 0; corner < 8; ++corner)
+        if (holds(int32_t(c), comp->classes[k].fixed_sides, node[corner], corner)) fixed[size_t(node[corner])] = 1;
+    }
+  }
+  for (const auto& h : t_.hanging) fixed[size_t(h.node)] = 0;  // its masters hold it
+  model.fixed = fixed;
+  model.mass_kg = mass;
+}
+
+void Assembly::changed(FemModel& model, const EarlierModel& before) const {
+  const size_t nodes_before = before.topology.nodes.size();
+  model.X_mm = before.model.X_mm;
+  model.cells = before.model.cells;
+  model.fixed = before.model.fixed;
+  model.mass_kg = before.model.mass_kg;
+  for (size_t n = nodes_before; n < t_.nodes.size(); ++n) model.X_mm.push_back(t_.grid.quarter_mm(t_.nodes[n].at));
+  model.fixed.resize(t_.nodes.size(), 0);
+  model.mass_kg.resize(t_.nodes.size(), 0);
+  std::vector<int32_t> nodes;  // whose cells have changed
+  for_each_change(before.topology.cells, t_.cells, [&](size_t c) {
+    const CellCopy& copy = t_.cells[c];
+    const size_t parent = size_t(t_.cell_parent[c]);
+    HexCell now = before.model.cells[parent];
+    now.node = copy.node;
+    now.scale = scale(copy.fraction, 0);
+    if (c < model.cells.size())
+      model.cells.set(c, now);
+    else
+      model.cells.push_back(now);
+    nodes.insert(nodes.end(), copy.node.begin(), copy.node.end());
+    const auto& old = before.topology.cells[parent].node;
+    nodes.insert(nodes.end(), old.begin(), old.end());
+  });
+  for_each_change(before.topology.components, t_.components, [&](size_t cell) {  // a held face may be in another part now
+    for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k) {
+      const auto& node = t_.cells[size_t(t_.copy(int32_t(cell), k))].node;
+      nodes.insert(nodes.end(), node.begin(), node.end());
+    }
+  });
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  std::vector<Around> around;
+  for (int32_t n : nodes) node_again(model, n, around);
+}
+
+// From the copies around it, in their order.
+void Assembly::node_again(FemModel& model, int32_t node, std::vector<Around>& around) const {
+  const NodeCopy& n = t_.nodes[size_t(node)];
+  const Int3 at = t_.grid.node_at(n.lattice_node);
+  around.clear();
+  for (int b = 0; b < 8; ++b) {
+    const Int3 c{at.x - 1 + (b & 1), at.y - 1 + (b >> 1 & 1), at.z - 1 + (b >> 2 & 1)};
+    if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= t_.grid.count.x || c.y >= t_.grid.count.y || c.z >= t_.grid.count.z) continue;
+    const int32_t cell = t_.grid.cell_index(c);
+    for (int k = 0; k < t_.copies_of(cell); ++k) {
+      const int32_t copy = t_.copy(cell, k);
+      if (t_.cells[size_t(copy)].node[size_t(7 ^ b)] != node) continue;
+      around.push_back({copy, cell, k, 7 ^ b});
+    }
+  }
+  std::sort(around.begin(), around.end(), [](const Around& a, const Around& b) { return a.copy < b.copy; });
+  double mass = 0;
+  uint8_t fixed = 0;
+  const SharedArray<HexCell>& cells = model.cells;
+  for (const Around& a : around) {
+    mass += mass_kg(t_.cells[size_t(a.copy)], cells[size_t(a.copy)]) / 8;
+    const auto& comp = t_.components[size_t(a.cell)];
+    const uint8_t sides = comp ? comp->classes[size_t(a.cls)].fixed_sides : uint8_t(0);
+    if (sides && holds(a.cell, sides, node, size_t(a.corner))) fixed = 1;
+  }
+  model.mass_kg.set(size_t(node), mass);
+  model.fixed.set(size_t(node), fixed);
+}
+
 }  // namespace
 
-std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& t,
-                                             const EarlierModel* before) {
+std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& t, const EarlierModel* before) {
   auto model = std::make_shared<FemModel>();
   model->cell_mm = t.grid.cell_mm();
-  const size_t nodes = t.nodes.size();
-  model->X_mm.reserve(nodes);
-  model->parent.reserve(nodes);
-  const size_t nodes_before = before ? before->topology.nodes.size() : 0;
-  for (size_t i = 0; i < nodes; ++i) {
-    const NodeCopy& n = t.nodes[i];
-    const bool same = i < nodes_before && before->topology.nodes[i].at == n.at;
-    model->X_mm.push_back(same ? before->model.X_mm[i] : t.grid.quarter_mm(n.at));
-    model->parent.push_back(n.parent);
-  }
+  model->parent = t.node_parent;
   for (const auto& b : t.born) {
     BornNode born{b.node, {}};
     for (auto [p, w] : b.from) born.from.push_back({p, float(w)});
@@ -38,58 +171,14 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
     for (size_t k = 0; k < size_t(h.count); ++k) out.weight[k] = 1 / float(h.count);
     model->hanging.push_back(out);
   }
-  model->fixed.assign(nodes, 0);
-  model->mass_kg.assign(nodes, 0);
-  model->cells.resize(t.cells.size());
-  const double whole = model->cell_mm.prod();
-  const auto scale_of = [&](double fraction, int level) {
-    return fraction > counts_as_full(t.front_levels > 0, level) ? 1.0f : float(std::max(fraction, kFloor));
-  };
-  for (size_t c = 0; c < t.cells.size(); ++c) {
-    const CellCopy& copy = t.cells[c];
-    HexCell& cell = model->cells[c];
-    const bool same = before && copy.parent >= 0 && before->topology.cells[size_t(copy.parent)].cell == copy.cell;
-    if (same && before->model.cells[size_t(copy.parent)].level == 0) {  // where it lies, and of what it is
-      cell = before->model.cells[size_t(copy.parent)];
-      cell.node = copy.node;
-      cell.scale = scale_of(copy.fraction, 0);
-      const double mass =
-          std::max(copy.fraction, 0.0) * whole * table.stencils()[size_t(cell.stencil)].density_kg_mm3;
-      for (int32_t n : copy.node) model->mass_kg[size_t(n)] += mass / 8;
-      continue;
-    }
-    cell.node = copy.node;
-    const CellPlace place = t.tree.place(t.grid, copy.cell);
-    for (int a = 0; a < 3; ++a) cell.at[size_t(a)] = int16_t(2 * place.at[a] >> place.level);
-    cell.level = uint8_t(place.level);
-    cell.stencil = table.of_place(place);
-    if (cell.stencil < 0) throw std::logic_error("material in a lattice cell for which there is no stencil");
-    cell.scale = scale_of(copy.fraction, place.level);
-    const double volume = whole / double(1 << 3 * place.level);
-    // A part weighs as the cell that it is a part of: division does not change the mass.
-    const int32_t root = table.of_cell(
-        t.grid.cell_index({place.at.x >> place.level, place.at.y >> place.level, place.at.z >> place.level}));
-    const double mass = std::max(copy.fraction, 0.0) * volume * table.stencils()[size_t(root)].density_kg_mm3;
-    for (int32_t n : copy.node) model->mass_kg[size_t(n)] += mass / 8;
-  }
-  // Held nodes.
-  for (size_t cell = 0; cell < t.components.size(); ++cell) {
-    const auto& comp = t.components[cell];
-    if (!comp) continue;
-    for (size_t k = 0; k < comp->classes.size(); ++k) {
-      const uint8_t sides = comp->classes[k].fixed_sides;
-      if (!sides) continue;
-      const auto& node = t.cells[size_t(t.copy(int32_t(cell), int(k)))].node;
-      const uint8_t in = t.corners_in_material(int32_t(cell));
-      for (size_t corner = 0; corner < 8; ++corner) {
-        const uint8_t may = table.fixed_candidate(t.nodes[size_t(node[corner])].at);
-        if ((may & sides & 0x3f) || (may & StencilTable::kNearFixed) ||
-            ((may & StencilTable::kFarFixed) && !(in >> corner & 1)))
-          model->fixed[size_t(node[corner])] = 1;
-      }
-    }
-  }
-  for (const auto& h : t.hanging) model->fixed[size_t(h.node)] = 0;  // its masters hold it
+  const Assembly assembly(table, t);
+  const bool grows = before && t.tree.division.empty() && t.cell_parent.same() >= before->topology.cells.size() &&
+                     t.node_parent.same() >= before->topology.nodes.size() &&
+                     t.node_in_material == before->topology.node_in_material;
+  if (grows)
+    assembly.changed(*model, *before);
+  else
+    assembly.all(*model);
   // (Only now: places of parts may have added stencils.)
   model->stencils = table.stencils();
   model->laws = table.laws();

@@ -33,7 +33,7 @@ class StencilTable {
   /// The skin must outlive the table when cells will be divided.
   StencilTable(const Skin& skin, const LatticeGrid& grid);
   ~StencilTable();
-  const std::vector<Stencil>& stencils() const { return stencils_; }
+  const SharedArray<Stencil>& stencils() const { return stencils_; }
   const std::vector<LawPtr>& laws() const { return laws_; }  // that points of the stencils name
   int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: the body is nowhere in the cell
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
@@ -55,7 +55,7 @@ class StencilTable {
   Stencil general_part(const LatticeGrid& grid, Int3 at) const;
   std::vector<LayerMatter> matter_;  // per layer
   std::vector<LawPtr> laws_;
-  mutable std::vector<Stencil> stencils_;
+  mutable SharedArray<Stencil> stencils_;
   std::vector<int32_t> of_cell_;
   std::vector<uint8_t> fixed_;
   // For parts of cells.

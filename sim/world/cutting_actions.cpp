@@ -188,7 +188,7 @@ Outcome OperatingTable::finish(Done done) {
 Outcome OperatingTable::follow() {
   if (followed_ && followed_hash_ == arrangement_->hash()) return {true, {}};
   try {
-    const auto next = update_topology(followed_ ? *followed_ : *version_.lattice, material_surface(*arrangement_));
+    const auto next = update_topology(followed_ ? *followed_ : *version_.lattice, material_surface(*arrangement_), &workers_);
     followed_ = followed_ ? skip_version(*followed_, *next) : next;
     followed_hash_ = arrangement_->hash();
   } catch (const InputError& e) {
@@ -214,9 +214,7 @@ Outcome OperatingTable::rebuild() {
     return {false, std::string("the model cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
   }
   version_ = next;
-  std::vector<int32_t> cell_parent;
-  for (const CellCopy& c : version_.lattice->cells) cell_parent.push_back(c.parent);
-  solver_->set_model(version_.model, cell_parent);
+  solver_->set_model(version_.model, version_.lattice->cell_parent);
   carry_anchors();
   publish_springs();
   return {true, {}};
@@ -248,7 +246,7 @@ std::shared_ptr<const SurfaceTopology> OperatingTable::make_surface(const Lattic
   }
   Hash64 h;
   h.add(arrangement_->hash());
-  h.add(lattice.hash);
+  h.add(lattice.hash());
   surface->hash = h.value();
   return surface;
 }

@@ -65,7 +65,7 @@ Outcome OperatingTable::cut_on(bool last) {
   ++cuts_;
   for (const CutStep& s : steps) removed_volume_mm3_ += s.debris.volume_mm3;
   volume_mm3_ = arrangement_->volume_mm3();
-  std::vector<int32_t> ancestor = version_.model->parent;
+  ParentList ancestor = version_.model->parent;
   if (!stroke_->cut) {
     remember({std::move(before), std::move(steps), std::move(ancestor)});
     stroke_->cut = true;
@@ -73,9 +73,7 @@ Outcome OperatingTable::cut_on(bool last) {
   }
   Done& done = done_.back();
   std::move(steps.begin(), steps.end(), std::back_inserter(done.steps));
-  for (int32_t& a : ancestor)
-    if (a >= 0) a = done.ancestor[size_t(a)];
-  done.ancestor = std::move(ancestor);
+  done.ancestor = ancestor.through(done.ancestor);
   return {true, {}};
 }
 

@@ -88,7 +88,7 @@ class OperatingTable {
   struct Done {
     Moment before;
     std::vector<CutStep> steps;
-    std::vector<int32_t> ancestor;  // per node after it: the node before; empty when the lattice is the same
+    ParentList ancestor;            // per node after it: the node before; empty when the lattice is the same
   };
   struct Undone {
     Done done;
@@ -146,7 +146,7 @@ class OperatingTable {
   BladeContext blade_context() const;
   Moment moment() const;
   /// `parent`: per node of its model, the node of the present one (-1: none); empty when the model stays.
-  void return_to(const Moment& m, std::vector<int32_t> parent);
+  void return_to(const Moment& m, ParentList parent);
   void remember(Done done);  // a new act: what was undone before it cannot be redone any more
   Vec3 position_mm(const EmbeddedPoint& e) const { return solver_->position_mm(e); }
 

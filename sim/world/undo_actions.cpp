@@ -32,7 +32,7 @@ std::vector<HeldContact> OperatingTable::held_contacts() const {
   return contacts_ && contacts_lattice_ == version_.lattice ? contacts_->held() : std::vector<HeldContact>();
 }
 
-void OperatingTable::return_to(const Moment& m, std::vector<int32_t> parent) {
+void OperatingTable::return_to(const Moment& m, ParentList parent) {
   if (m.version.lattice != version_.lattice) {
     version_ = m.version;
     // The same surface under a new number: readers take versions to grow.
@@ -98,12 +98,8 @@ Outcome OperatingTable::act(const Undo&) {
   done_.pop_back();
   take_back(u.done.steps);
   // Each node returns from one of the nodes that it was parted into.
-  std::vector<int32_t> parent;
-  if (!u.done.ancestor.empty()) {
-    parent.assign(u.done.before.version.model->X_mm.size(), -1);
-    for (size_t i = u.done.ancestor.size(); i-- > 0;)
-      if (u.done.ancestor[i] >= 0) parent[size_t(u.done.ancestor[i])] = int32_t(i);
-  }
+  ParentList parent;
+  if (!u.done.ancestor.empty()) parent = u.done.ancestor.reversed(u.done.before.version.model->X_mm.size());
   return_to(u.done.before, std::move(parent));
   undone_.push_back(std::move(u));
   if (undone_.size() > kSurfacesKept) undone_[undone_.size() - 1 - kSurfacesKept].after.version.surface.reset();

@@ -44,7 +44,7 @@ std::string check_parents(const LatticeTopology& before, const LatticeTopology& 
   const std::vector<double> u = some_state(before);
   std::vector<double> v(after.nodes.size());
   for (size_t n = 0; n < v.size(); ++n) {
-    const int32_t p = after.nodes[n].parent;
+    const int32_t p = after.node_parent[n];
     if (p < 0 || size_t(p) >= u.size()) return "I7: a node copy without parent";
     v[n] = u[size_t(p)];
   }
@@ -57,15 +57,17 @@ std::string check_parents(const LatticeTopology& before, const LatticeTopology& 
     for (size_t k = 0; k < size_t(h.count); ++k) middle += v[size_t(h.master[k])] / h.count;
     if (std::abs(middle - v[size_t(h.node)]) > 1e-12) return "I7: a hanging node starts away from its masters";
   }
-  for (const CellCopy& c : after.cells) {
+  for (size_t i = 0; i < after.cells.size(); ++i) {
+    const CellCopy& c = after.cells[i];
+    const int32_t parent = after.cell_parent[i];
     if (c.fraction < -1e-9 || c.fraction > 1 + 1e-9) return "I5: a fraction outside 0 to 1";
-    if (c.parent < 0 || size_t(c.parent) >= before.cells.size()) return "I7: a cell copy without parent";
-    const CellCopy& whole = before.cells[size_t(c.parent)];
+    if (parent < 0 || size_t(parent) >= before.cells.size()) return "I7: a cell copy without parent";
+    const CellCopy& whole = before.cells[size_t(parent)];
     int32_t cell = c.cell;
     double share = 1;
     for (; cell != whole.cell && after.tree.is_part(cell); cell = after.tree.owner(cell)) share /= 8;
     if (cell != whole.cell) return "I7: a parent in another cell";
-    fraction[size_t(c.parent)] += share * c.fraction;
+    fraction[size_t(parent)] += share * c.fraction;
     const CellPlace at = after.tree.place(after.grid, c.cell);
     for (int k = 0; k < 8; ++k)
       if (std::abs(state_in(before, whole, at, k, u) - v[size_t(c.node[size_t(k)])]) > 1e-12)

@@ -217,7 +217,7 @@ std::string Runner::fault(const Op& op) {
     lattice.until = lattice.at + 1;
     lattice.calls = 0;
     lattice.kind = op.thrown ? FaultPlan::thrown : FaultPlan::zero;
-    const uint64_t before = t_->hash;
+    const uint64_t before = t_->hash();
     bool failed = false;
     try {
       update_topology(*t_, material_surface(*a_));
@@ -226,7 +226,7 @@ std::string Runner::fault(const Op& op) {
       ++counts_.faults_rolled_back;
     }
     if (!failed && lattice.struck > 0) return finish("fault: the lattice update has hidden a failure");
-    if (t_->hash != before) return finish("fault: a failed update has changed the lattice");
+    if (t_->hash() != before) return finish("fault: a failed update has changed the lattice");
     a_->undo();
     return finish({});
   }

@@ -76,7 +76,7 @@ TEST(Fuzz, SameSeedSameOperationsSameHashes) {
     fuzz::Case c = g.start();
     fuzz::Runner r(c, {0, true, false});
     for (int32_t i = 0; i < 40; ++i) EXPECT_EQ(r.apply(g.next(r, i)), "");
-    return std::pair(r.arrangement().full_hash(), r.lattice()->hash);
+    return std::pair(r.arrangement().full_hash(), r.lattice()->hash());
   };
   const auto first = run();
   EXPECT_EQ(run(), first);

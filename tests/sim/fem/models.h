@@ -46,7 +46,7 @@ inline std::vector<Vec3f> to_float(const std::vector<Vec3>& u) {
 /// The model with the nodes on the plane x = 0 doubled for |y| < half_length: a through cut. Cells keep their order.
 inline FemModel cut_at_x0(const FemModel& before, double half_length_mm) {
   FemModel m = before;
-  for (size_t i = 0; i < m.parent.size(); ++i) m.parent[i] = int32_t(i);
+  m.parent = ParentList::identity(m.parent.size());
   std::map<int32_t, int32_t> copy;
   for (HexCell& c : m.cells) {
     double x = 0;

@@ -259,11 +259,13 @@ TEST(ElasticSolver, TheSameModelGivenAgainIsStillInBalance) {
   for (size_t i = 0; i < n; ++i) {
     const size_t j = size_t(moved(int32_t(i)));
     again.X_mm[j] = s.model.X_mm[i], again.fixed[j] = s.model.fixed[i], again.mass_kg[j] = s.model.mass_kg[i];
-    again.parent[j] = int32_t(i);
+    again.parent.set(j, int32_t(i));
   }
-  std::reverse(again.cells.begin(), again.cells.end());
-  for (HexCell& c : again.cells)
+  std::vector<HexCell> cells = again.cells.flat();
+  std::reverse(cells.begin(), cells.end());
+  for (HexCell& c : cells)
     for (int32_t& v : c.node) v = moved(v);
+  again.cells = cells;
   std::vector<int32_t> cell_parent = test::identity_parents(again);
   std::reverse(cell_parent.begin(), cell_parent.end());
   std::vector<Spring> springs = s.springs;

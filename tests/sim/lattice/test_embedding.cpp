@@ -70,7 +70,7 @@ TEST_F(Skin, NothingJumpsAtACut) {
     for (size_t f = 0; f < view.tri.size(); ++f)
       for (int32_t v : view.tri[f]) before[{view.sided_face[f], view.point[size_t(v)]}] = at(e[size_t(v)], u);
     std::vector<Vec3> carried;
-    for (const NodeCopy& n : s.t->nodes) carried.push_back(u[size_t(n.parent)]);
+    for (size_t n = 0; n < s.t->nodes.size(); ++n) carried.push_back(u[size_t(s.t->node_parent[n])]);
     u = carried;
     view = s.a.surface_view();
     e = embed_surface(*s.t, material_surface(s.a), view);

@@ -68,18 +68,18 @@ TEST_F(Fronts, UndoGoesOnFromTheOldVersion) {
   ASSERT_TRUE(s.cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6)));
   const auto second = s.t;
   ASSERT_TRUE(s.cut(strip({{1, -20}, {2, 20}}, 3, -8)));
-  const uint64_t hash = s.t->hash;
+  const uint64_t hash = s.t->hash();
   ASSERT_TRUE(s.a.undo());
   s.t = second;
   s.seed = 2;
   ASSERT_TRUE(s.cut(strip({{1, -20}, {2, 20}}, 3, -8)));
-  EXPECT_EQ(s.t->hash, hash);
+  EXPECT_EQ(s.t->hash(), hash);
   ASSERT_TRUE(s.a.undo());
   ASSERT_TRUE(s.a.undo());
   s.t = first;
   s.seed = 1;
   ASSERT_TRUE(s.cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6)));
-  EXPECT_EQ(s.t->hash, second->hash);
+  EXPECT_EQ(s.t->hash(), second->hash());
 }
 
 // A whole history under arbitrary displacements: no point of the surface moves when cells are cut and divided.

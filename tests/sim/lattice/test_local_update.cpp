@@ -9,23 +9,25 @@ namespace limberg::test {
 namespace {
 
 void expect_same(const LatticeTopology& a, const LatticeTopology& b) {
-  ASSERT_EQ(a.hash, b.hash);
+  ASSERT_EQ(a.hash(), b.hash());
   ASSERT_EQ(a.cells.size(), b.cells.size());
   for (size_t i = 0; i < a.cells.size(); ++i) {
     EXPECT_EQ(a.cells[i].cell, b.cells[i].cell) << i;
     EXPECT_EQ(a.cells[i].piece, b.cells[i].piece) << i;
     EXPECT_EQ(a.cells[i].fraction, b.cells[i].fraction) << i;
     EXPECT_EQ(a.cells[i].node, b.cells[i].node) << i;
-    EXPECT_EQ(a.cells[i].parent, b.cells[i].parent) << i;
+    EXPECT_EQ(a.cell_parent[i], b.cell_parent[i]) << i;
   }
   ASSERT_EQ(a.nodes.size(), b.nodes.size());
   for (size_t i = 0; i < a.nodes.size(); ++i) {
     EXPECT_EQ(a.nodes[i].lattice_node, b.nodes[i].lattice_node) << i;
-    EXPECT_EQ(a.nodes[i].parent, b.nodes[i].parent) << i;
+    EXPECT_EQ(a.node_parent[i], b.node_parent[i]) << i;
     EXPECT_EQ(a.nodes[i].at, b.nodes[i].at) << i;
   }
-  EXPECT_EQ(a.copy_begin, b.copy_begin);
-  EXPECT_EQ(a.copy_id, b.copy_id);
+  EXPECT_TRUE(a.copies == b.copies);
+  EXPECT_TRUE(a.face_bits == b.face_bits);
+  EXPECT_TRUE(a.node_in_material == b.node_in_material);
+  EXPECT_TRUE(a.piece_sum == b.piece_sum);
   EXPECT_TRUE(a.links == b.links);
   EXPECT_EQ(a.pieces, b.pieces);
   EXPECT_EQ(a.piece_volume_mm3, b.piece_volume_mm3);

@@ -71,19 +71,19 @@ TEST_P(Slab, ParallelCutsLeaveAThinSheet) {
 TEST_P(Slab, UndoGoesOnFromTheOldVersion) {
   const auto before = s.t;
   ASSERT_TRUE(s.cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6)));
-  const uint64_t hash = s.t->hash;
+  const uint64_t hash = s.t->hash();
   ASSERT_TRUE(s.a.undo());
   s.t = before;
   s.seed = 1;
   ASSERT_TRUE(s.cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6)));
-  EXPECT_EQ(s.t->hash, hash);
+  EXPECT_EQ(s.t->hash(), hash);
 }
 
 TEST_P(Slab, IdsOfWhatStaysAreKept) {
   const auto before = s.t;
   ASSERT_TRUE(s.cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6)));
-  for (size_t c = 0; c < before->cells.size(); ++c) EXPECT_EQ(s.t->cells[c].parent, int32_t(c));
-  for (size_t n = 0; n < before->nodes.size(); ++n) EXPECT_EQ(s.t->nodes[n].parent, int32_t(n));
+  for (size_t c = 0; c < before->cells.size(); ++c) EXPECT_EQ(s.t->cell_parent[c], int32_t(c));
+  for (size_t n = 0; n < before->nodes.size(); ++n) EXPECT_EQ(s.t->node_parent[n], int32_t(n));
   EXPECT_TRUE(GetParam() > 3 || s.t->nodes.size() > before->nodes.size());  // deeper than a cell
 }
 

@@ -23,7 +23,7 @@ inline uint64_t history_hash() {
       const std::string why = r.apply(g.next(r, i));
       h.add(uint64_t(why.size()));
       h.add(r.arrangement().full_hash());
-      h.add(r.lattice()->hash);
+      h.add(r.lattice()->hash());
       h.add(int32_t(r.arrangement().pieces()));
     }
     h.add(r.counts().done);
