@@ -20,6 +20,7 @@
 #include <initializer_list>
 #include <iterator>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -75,37 +76,41 @@ class SharedArray {
   }
   std::vector<T> flat() const { return {begin(), end()}; }
 
-  class const_iterator {
+  template <class Array>
+  class Iterator {
    public:
     using iterator_category = std::random_access_iterator_tag;
     using value_type = T;
     using difference_type = ptrdiff_t;
-    using pointer = const T*;
-    using reference = const T&;
-    const_iterator() = default;
-    const_iterator(const SharedArray* a, size_t i) : a_(a), i_(i) {}
+    using reference = decltype(std::declval<Array&>()[0]);
+    using pointer = std::remove_reference_t<reference>*;
+    Iterator() = default;
+    Iterator(Array* a, size_t i) : a_(a), i_(i) {}
     reference operator*() const { return (*a_)[i_]; }
     pointer operator->() const { return &(*a_)[i_]; }
     reference operator[](ptrdiff_t d) const { return (*a_)[i_ + size_t(d)]; }
-    const_iterator& operator++() { return ++i_, *this; }
-    const_iterator& operator--() { return --i_, *this; }
-    const_iterator operator++(int) { return {a_, i_++}; }
-    const_iterator operator--(int) { return {a_, i_--}; }
-    const_iterator& operator+=(ptrdiff_t d) { return i_ += size_t(d), *this; }
-    const_iterator& operator-=(ptrdiff_t d) { return i_ -= size_t(d), *this; }
-    friend const_iterator operator+(const_iterator p, ptrdiff_t d) { return p += d; }
-    friend const_iterator operator+(ptrdiff_t d, const_iterator p) { return p += d; }
-    friend const_iterator operator-(const_iterator p, ptrdiff_t d) { return p -= d; }
-    friend ptrdiff_t operator-(const const_iterator& p, const const_iterator& q) { return ptrdiff_t(p.i_) - ptrdiff_t(q.i_); }
-    bool operator==(const const_iterator& o) const { return i_ == o.i_; }
-    auto operator<=>(const const_iterator& o) const { return i_ <=> o.i_; }
+    Iterator& operator++() { return ++i_, *this; }
+    Iterator& operator--() { return --i_, *this; }
+    Iterator operator++(int) { return {a_, i_++}; }
+    Iterator operator--(int) { return {a_, i_--}; }
+    Iterator& operator+=(ptrdiff_t d) { return i_ += size_t(d), *this; }
+    Iterator& operator-=(ptrdiff_t d) { return i_ -= size_t(d), *this; }
+    friend Iterator operator+(Iterator p, ptrdiff_t d) { return p += d; }
+    friend Iterator operator+(ptrdiff_t d, Iterator p) { return p += d; }
+    friend Iterator operator-(Iterator p, ptrdiff_t d) { return p -= d; }
+    friend ptrdiff_t operator-(const Iterator& p, const Iterator& q) { return ptrdiff_t(p.i_) - ptrdiff_t(q.i_); }
+    bool operator==(const Iterator& o) const { return i_ == o.i_; }
+    auto operator<=>(const Iterator& o) const { return i_ <=> o.i_; }
 
    private:
-    const SharedArray* a_ = nullptr;
+    Array* a_ = nullptr;
     size_t i_ = 0;
   };
+  using const_iterator = Iterator<const SharedArray>;
   const_iterator begin() const { return {this, 0}; }
   const_iterator end() const { return {this, size_}; }
+  Iterator<SharedArray> begin() { return {this, 0}; }
+  Iterator<SharedArray> end() { return {this, size_}; }
 
   friend bool operator==(const SharedArray& a, const SharedArray& b) {
     bool same = a.size() == b.size();

@@ -16,8 +16,8 @@ struct SurfaceTopology {
   uint64_t version = 0;
   uint64_t hash = 0;
   SurfaceView view;
-  std::vector<EmbeddedPoint> embedding;  // per view vertex
-  std::vector<float> depth_mm;           // per view vertex: distance below the skin at rest
+  SharedArray<EmbeddedPoint> embedding;  // per view vertex
+  SharedArray<float> depth_mm;           // per view vertex: distance below the skin at rest
   std::shared_ptr<const Body> body;
 };
 

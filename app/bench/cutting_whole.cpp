@@ -1,4 +1,5 @@
 // The whole cut, part by part, as World makes it on the solver thread.
+#include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
@@ -32,6 +33,9 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   const auto model_before = assemble_fem(stencils, *before);
   SurfaceView view_before = a.surface_view();
   const auto embedding_before = embed_surface(*before, material_surface(a), view_before);
+  const RestIndex index_before(view_before, body->surface.tri.size());
+  const size_t points_then = size_t(a.point_count());
+  std::vector<float> depth(points_then, 0);
   InlineWorkers workers;
   const auto solver = make_solver(workers);
 
@@ -60,17 +64,21 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const EarlierModel earlier_model{*before, *model_before};
     const auto model = assemble_fem(stencils, *lattice, &earlier_model);
     lap();
-    std::vector<int32_t> earlier;
-    SurfaceView view = a.surface_view(view_before, int32_t(before->face_bits.size()), &earlier);
+    ViewChange change;
+    SurfaceView view = a.surface_view(view_before, before->operations, change);
     lap();
     const auto embedding =
-        embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, earlier});
+        embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, change});
     lap();
-    std::vector<float> depth(view.X_mm.size(), 0);  // World remembers those of points that were there
-    for (size_t v = 0; v < view.X_mm.size(); ++v)
-      if (earlier[v] < 0) depth[v] = float(skin.depth_mm(view.X_mm[v]));
+    const SurfaceView& now = view;
+    depth.resize(points_then);  // World remembers those of points that were there
+    for (int32_t v : change.vertices) {
+      const size_t point = size_t(now.point[size_t(v)]);
+      if (point >= depth.size()) depth.resize(point + 1, std::nanf(""));
+      if (std::isnan(depth[point])) depth[point] = float(skin.depth_mm(now.X_mm[size_t(v)]));
+    }
     lap();
-    const RestIndex index(view, body->surface.tri.size());
+    const RestIndex index(view, index_before, change);
     lap();
     sum.add(at - start);
     at = cpu_ms();

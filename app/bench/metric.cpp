@@ -66,7 +66,7 @@ void rebuilds(Result& out, const Size& size, const char* what, const Scene& befo
     const auto fresh = fem::factorize(fem::assemble_scalar(*after.model, {}, 0), {});
     stop(metis);
     const fem::ScalarMatrix A = fem::assemble_scalar(*after.model, {}, 0);
-    const auto again = fem::factorize(A, fem::inherited_order(A, F0.node_order, after.model->parent));
+    const auto again = fem::factorize(A, fem::inherited_order(A, F0.node_order, after.model->parent.flat()));
     stop(inherited);
     fem::ScalarCycle::build(after.model, {}, 0);
     stop(full);
@@ -145,7 +145,7 @@ void frames(Result& out, const Size& size, const Scene& before, const Scene& aft
   cut(rest);
   rest.step(settle);
   const std::vector<Vec3f> open(rest.displacement_mm().begin(), rest.displacement_mm().end());
-  const double opening = largest(open, shut, after.model->parent, top);
+  const double opening = largest(open, shut, after.model->parent.flat(), top);
 
   // As a session goes.
   fem::LbfgsSolver solver(workers);
@@ -153,12 +153,12 @@ void frames(Result& out, const Size& size, const Scene& before, const Scene& aft
   int meanwhile = 0, to_01 = -1, frame_count = 0;
   double first_move = 0, most_move = 0, overshoot = 0, lag_first = 0, lag_adopted = 0, residual = 0;
   std::vector<Vec3f> last;
-  for (const int32_t p : after.model->parent) last.push_back(shut[size_t(p)]);
+  for (const int32_t p : after.model->parent.flat()) last.push_back(shut[size_t(p)]);
   for (int k = 0; k < 40 && to_01 < 0; ++k) {
     const StepReport r = solver.step(frame);
     ++frame_count;
     const double move = largest(solver.displacement_mm(), last, {}, top), lag = largest(solver.displacement_mm(), open, {}, top);
-    const double out_of_rest = largest(solver.displacement_mm(), shut, after.model->parent, top);
+    const double out_of_rest = largest(solver.displacement_mm(), shut, after.model->parent.flat(), top);
     last.assign(solver.displacement_mm().begin(), solver.displacement_mm().end());
     if (k == 0) first_move = move, lag_first = lag, residual = r.residual;
     most_move = std::max(most_move, move), overshoot = std::max(overshoot, out_of_rest / opening);

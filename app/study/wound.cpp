@@ -54,17 +54,18 @@ double StraightWound::gape_mm(double x) const {
 
 SkinArea central_skin(const Snapshot& s) {
   const SurfaceView& v = s.topology->view;
+  const std::vector<int32_t> component_of = surface_components(v);
   double best = 1e300;
   int32_t component = -1;
   for (size_t t = 0; t < v.tri.size(); ++t) {
     if (v.kind[t] != FaceKind::skin) continue;
     Vec3 c = Vec3::Zero();
     for (const int32_t i : v.tri[t]) c += v.X_mm[size_t(i)] / 3;
-    if (const double d = (c - s.topology->body->chart_origin_mm).norm(); d < best) best = d, component = v.component[t];
+    if (const double d = (c - s.topology->body->chart_origin_mm).norm(); d < best) best = d, component = component_of[t];
   }
   SkinArea out;
   for (size_t t = 0; t < v.tri.size(); ++t) {
-    if (v.kind[t] != FaceKind::skin || v.component[t] != component) continue;
+    if (v.kind[t] != FaceKind::skin || component_of[t] != component) continue;
     const auto X = [&](size_t k) { return v.X_mm[size_t(v.tri[t][k])]; };
     const auto x = [&](size_t k) { return Vec3(s.x_mm[size_t(v.tri[t][k])].cast<double>()); };
     out.rest_mm2 += area(X(0), X(1), X(2));
@@ -75,8 +76,9 @@ SkinArea central_skin(const Snapshot& s) {
 
 Hole central_hole(const Snapshot& s) {
   const SurfaceView& v = s.topology->view;
+  const std::vector<int32_t> component_of = surface_components(v);
   std::map<int32_t, size_t> size;
-  for (const int32_t c : v.component) ++size[c];
+  for (const int32_t c : component_of) ++size[c];
   int32_t largest = size.empty() ? -1 : size.begin()->first;
   for (const auto& [c, n] : size)
     if (n > size[largest]) largest = c;
@@ -84,7 +86,7 @@ Hole central_hole(const Snapshot& s) {
   Vec2 lo = Vec2::Constant(1e300), hi = -lo;
   const auto cross = [](const auto& a, const auto& b) { return double(a.x()) * double(b.y()) - double(a.y()) * double(b.x()); };
   for_rim(v, [&](size_t t, int32_t a, int32_t b) {
-    if (v.component[t] != largest) return;
+    if (component_of[t] != largest) return;
     // The skin lies to the left of its edges: around a hole they run clockwise.
     out.rest_mm2 -= 0.5 * cross(v.X_mm[size_t(a)], v.X_mm[size_t(b)]);
     out.now_mm2 -= 0.5 * cross(s.x_mm[size_t(a)], s.x_mm[size_t(b)]);

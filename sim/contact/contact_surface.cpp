@@ -97,7 +97,7 @@ EmbeddedPoint ContactSurface::embedded(int32_t t, const std::array<double, 3>& b
   return embed_in_copy(*lattice, copy, X);
 }
 
-std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view_ptr, std::span<const EmbeddedPoint> embedding,
+std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view_ptr, const SharedArray<EmbeddedPoint>& embedding,
                                                       std::shared_ptr<const LatticeTopology> lattice_ptr, const FemModel& model) {
   const SurfaceView& view = *view_ptr;
   const LatticeTopology& lattice = *lattice_ptr;

@@ -53,7 +53,7 @@ struct ContactSurface {
 };
 
 /// Nothing (null) where there is no wall. `embedding`: per vertex of the view.
-std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view, std::span<const EmbeddedPoint> embedding,
+std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view, const SharedArray<EmbeddedPoint>& embedding,
                                                       std::shared_ptr<const LatticeTopology> lattice, const FemModel& model);
 
 }  // namespace limberg

@@ -95,10 +95,9 @@ class Arrangement {
 
   /// The boundary of the material as a closed oriented mesh; cell_copy is left empty for the lattice to fill.
   SurfaceView surface_view() const;
-  /// The same, at the cost of copying `before`: the view when there were `faces_then` faces, of a state that the present
-  /// one has come from by cuts and excisions alone. `earlier`: per vertex its number in `before`, -1 where it was found
-  /// afresh.
-  SurfaceView surface_view(const SurfaceView& before, int32_t faces_then, std::vector<int32_t>* earlier = nullptr) const;
+  /// The same mesh from `before`: the view when there had been `operations_then` operations, of a state that the present
+  /// one has come from by cuts and excisions alone. Costs what has changed, unless something was taken away.
+  SurfaceView surface_view(const SurfaceView& before, int32_t operations_then, ViewChange& change) const;
 
   /// Empty when every invariant holds everywhere; else the first violation. O(N), for tests and for finding defects.
   std::string check_all() const;

@@ -117,12 +117,13 @@ std::string Arrangement::check_all() const {
   std::vector<int64_t> faces(all.size(), 0), vertices(all.size(), 0);
   std::vector<int32_t> component_of_vertex(view.X_mm.size(), -1);
   for (size_t i = 0; i < view.tri.size(); ++i) {
-    ++faces[size_t(view.component[i])];
+    const int32_t component = component_of(view.sided_face[i]);
+    ++faces[size_t(component)];
     for (int32_t v : view.tri[i]) {
-      if (component_of_vertex[size_t(v)] >= 0 && component_of_vertex[size_t(v)] != view.component[i])
+      if (component_of_vertex[size_t(v)] >= 0 && component_of_vertex[size_t(v)] != component)
         return "a vertex in two components";
-      if (component_of_vertex[size_t(v)] < 0) ++vertices[size_t(view.component[i])];
-      component_of_vertex[size_t(v)] = view.component[i];
+      if (component_of_vertex[size_t(v)] < 0) ++vertices[size_t(component)];
+      component_of_vertex[size_t(v)] = component;
     }
   }
   for (size_t c = 0; c < all.size(); ++c)

@@ -19,6 +19,7 @@ std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<cons
   if (face_.empty()) return nullptr;
   for (int k = 0; k < 8; ++k) corner_in_[size_t(k)] = corners_in >> k & 1;
   join_.reset(2 * face_.size() + 8);
+  find_mates();
   join_faces();
   join_lattice_edges();
   join_walks();
@@ -36,18 +37,8 @@ std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<cons
 void CellBuilder::join_faces() {
   for (size_t l = 0; l < face_.size(); ++l) {
     const LocalFace& f = face_[l];
-    const auto& mate = surface_.mate[size_t(f.id)];
-    for (int side = 0; side < 2; ++side) {
-      if (!has(f.mat, side)) continue;
-      for (int e = 0; e < 3; ++e) {
-        if (!f.edge_in[size_t(e)]) continue;
-        const int32_t m = mate[size_t(3 * side + e)];
-        if (m < 0) contradiction("a sided half-edge has no mate");
-        const int32_t other = local_of(face_of_half_edge(m));
-        if (other < 0) contradiction("a glued face does not meet the cell that their common edge meets");
-        join_.unite(member(l, side), member(size_t(other), sided_of_half_edge(m) & 1));
-      }
-    }
+    for (size_t e = 0; e < 6; ++e)
+      if (f.mate[e] >= 0) join_.unite(member(l, int(e / 3)), f.mate[e]);
   }
 }
 

@@ -77,7 +77,9 @@ class CellBuilder {
     std::array<PointRef, 3> p;
     std::array<std::array<int32_t, 3>, 3> layer{};                // [corner][axis]
     std::array<bool, 3> edge_in{};                                // edge meets the cell
+    uint8_t squares = 0;                                          // bit 2 axis + high: it reaches through that plane
     std::array<std::array<std::array<int8_t, 4>, 3>, 3> about{};  // [edge][axis][corner]: kUnknown or the sign
+    std::array<int32_t, 6> mate{};                                // [3 * side + edge], where the edge meets the cell: the glued member
   };
   static constexpr int8_t kUnknown = 2;
   // Sided face as a member of the partition; corner as a member.
@@ -92,8 +94,14 @@ class CellBuilder {
   void gather(std::span<const int32_t> candidates);
   bool edge_meets(LocalFace& f, int edge);
   int about(LocalFace& f, int edge, int axis, int corner);
+  /// The face reaches through both planes of the lattice edge.
+  static bool may_pierce(const LocalFace& f, int axis, int corner) {
+    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+    return (f.squares >> (2 * i + (corner & 1)) & 1) && (f.squares >> (2 * j + (corner >> 1)) & 1);
+  }
   bool pierced_by_edge(LocalFace& f, int axis, int corner);  // by the cell's lattice edge, within its length
   int32_t local_of(int32_t face) const;
+  void find_mates();
 
   void join_faces();
   void join_lattice_edges();
@@ -118,12 +126,14 @@ class CellBuilder {
   const MaterialSurface& surface_;
   std::array<int32_t, 3> index_{};
   std::array<std::array<int64_t, 2>, 3> bound_{};  // sub-units, [axis][high]
+  std::array<std::array<SubPoint, 4>, 3> edge_corner_{};  // low ends of the lattice edges, [axis][corner]
   std::array<bool, 8> corner_in_{};
 
-  SubPoint edge_corner(int axis, int corner) const;  // low end of a lattice edge
+  const SubPoint& edge_corner(int axis, int corner) const { return edge_corner_[size_t(axis)][size_t(corner)]; }
   static int corner_of_edge(int axis, int corner, bool high);
 
   std::vector<LocalFace> face_;               // ascending by id
+  std::vector<std::pair<int32_t, int32_t>> place_;  // open addressing: id of a face, its place in face_
   /// Layers of points: a point is met by several faces and cells. One place per few points, taken by the last.
   struct KnownLayers {
     int32_t point = -1;

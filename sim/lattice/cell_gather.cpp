@@ -21,6 +21,14 @@ void CellBuilder::enter(Int3 at) {
     for (int high = 0; high < 2; ++high)
       bound_[size_t(a)][size_t(high)] = (int64_t(grid_.origin[a]) + int64_t(index_[size_t(a)] + high) * grid_.pitch[a])
                                         << kSubUnitBits;
+  for (size_t axis = 0; axis < 3; ++axis)
+    for (size_t corner = 0; corner < 4; ++corner) {
+      SubPoint& c = edge_corner_[axis][corner];
+      const size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
+      c[axis] = bound_[axis][0];
+      c[i] = bound_[i][corner & 1];
+      c[j] = bound_[j][corner >> 1];
+    }
 }
 
 bool CellBuilder::meets(Int3 at, int32_t face) {
@@ -64,23 +72,43 @@ bool CellBuilder::pierced(const std::array<PointRef, 3>& p, int axis, const SubP
   return s && edge_about_corner(p[1], p[2], axis, corner) == s && edge_about_corner(p[2], p[0], axis, corner) == s;
 }
 
-SubPoint CellBuilder::edge_corner(int axis, int corner) const {
-  SubPoint c;
-  c[size_t(axis)] = bound_[size_t(axis)][0];
-  const size_t i = size_t(axis + 1) % 3, j = size_t(axis + 2) % 3;
-  c[i] = bound_[i][corner & 1];
-  c[j] = bound_[j][corner >> 1 & 1];
-  return c;
-}
-
 int CellBuilder::corner_of_edge(int axis, int corner, bool high) {
   const int i = (axis + 1) % 3, j = (axis + 2) % 3;
   return int(high) << axis | (corner & 1) << i | (corner >> 1 & 1) << j;
 }
 
 int32_t CellBuilder::local_of(int32_t face) const {
-  const auto f = std::lower_bound(face_.begin(), face_.end(), face, [](const LocalFace& l, int32_t id) { return l.id < id; });
-  return f != face_.end() && f->id == face ? int32_t(f - face_.begin()) : -1;
+  for (size_t i = uint32_t(face) * 0x9e3779b9u;; ++i) {
+    const auto& [id, local] = place_[i & (place_.size() - 1)];
+    if (id == face) return local;
+    if (id < 0) return -1;
+  }
+}
+
+// What each side is glued to along the edges that meet the cell.
+void CellBuilder::find_mates() {
+  size_t places = 32;
+  while (places < 3 * face_.size()) places *= 2;
+  place_.assign(places, {-1, -1});
+  for (size_t l = 0; l < face_.size(); ++l) {
+    size_t i = uint32_t(face_[l].id) * 0x9e3779b9u;
+    while (place_[i & (places - 1)].first >= 0) ++i;
+    place_[i & (places - 1)] = {face_[l].id, int32_t(l)};
+  }
+  for (LocalFace& f : face_) {
+    const auto& mate = surface_.mate[size_t(f.id)];
+    for (int side = 0; side < 2; ++side)
+      for (int e = 0; e < 3; ++e) {
+        int32_t& m = f.mate[size_t(3 * side + e)];
+        m = -1;
+        if (!has(f.mat, side) || !f.edge_in[size_t(e)]) continue;
+        const int32_t h = mate[size_t(3 * side + e)];
+        if (h < 0) contradiction("a sided half-edge has no mate");
+        const int32_t other = local_of(face_of_half_edge(h));
+        if (other < 0) contradiction("a glued face does not meet the cell that their common edge meets");
+        m = member(size_t(other), sided_of_half_edge(h) & 1);
+      }
+  }
 }
 
 int CellBuilder::about(LocalFace& f, int edge, int axis, int corner) {
@@ -110,12 +138,6 @@ bool CellBuilder::edge_meets(LocalFace& f, int edge) {
 }
 
 bool CellBuilder::pierced_by_edge(LocalFace& f, int axis, int corner) {
-  const size_t i = size_t(axis + 1) % 3, j = size_t(axis + 2) % 3;
-  const int32_t li = index_[i] + (corner & 1), lj = index_[j] + (corner >> 1 & 1);
-  // The projection's box must straddle the line: points of layer >= l are above plane l.
-  const auto& q = f.layer;
-  if (std::max({q[0][i], q[1][i], q[2][i]}) < li || std::min({q[0][i], q[1][i], q[2][i]}) >= li) return false;
-  if (std::max({q[0][j], q[1][j], q[2][j]}) < lj || std::min({q[0][j], q[1][j], q[2][j]}) >= lj) return false;
   const int s = about(f, 0, axis, corner);
   if (!s || about(f, 1, axis, corner) != s || about(f, 2, axis, corner) != s) return false;
   SubPoint c = edge_corner(axis, corner);
@@ -133,13 +155,15 @@ void CellBuilder::gather(std::span<const int32_t> candidates) {
     if (!source.live()) continue;
     f.layer = layers(id);
     bool apart = false;
-    f.inside = true;
+    f.squares = 0;
     for (size_t a = 0; a < 3; ++a) {
-      const auto [lo, hi] = std::minmax({f.layer[0][a], f.layer[1][a], f.layer[2][a]});
-      apart = apart || hi < index_[a] || lo > index_[a];
-      f.inside = f.inside && lo == index_[a] && hi == index_[a];
+      const int32_t p = f.layer[0][a], q = f.layer[1][a], r = f.layer[2][a], at = index_[a];
+      const int32_t lo = std::min(p, std::min(q, r)), hi = std::max(p, std::max(q, r));
+      apart = apart || hi < at || lo > at;
+      f.squares |= uint8_t(int(lo < at) << (2 * a) | int(hi > at) << (2 * a + 1));
     }
     if (apart) continue;
+    f.inside = f.squares == 0;
     f.id = id;
     f.plane = &surface_.plane(id);
     f.mat = source.mat;
@@ -156,7 +180,7 @@ void CellBuilder::gather(std::span<const int32_t> candidates) {
     if (!f.inside)
       for (int a = 0; a < 3; ++a)
         for (int c = 0; c < 4; ++c)
-          if (pierced_by_edge(f, a, c)) hit_[size_t(4 * a + c)].push_back(local), meets = true;
+          if (may_pierce(f, a, c) && pierced_by_edge(f, a, c)) hit_[size_t(4 * a + c)].push_back(local), meets = true;
     if (!meets) continue;
     face_.push_back(f);
   }

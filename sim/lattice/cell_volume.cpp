@@ -23,9 +23,12 @@ struct Polygon {
 
 // Keeps the part with sign * (coordinate - at) >= 0.
 void clip(Polygon& p, int axis, double at, double sign) {
+  bool all = true;
+  for (int i = 0; i < p.n; ++i) all = all && sign * (p.v[i][axis] - at) >= 0;
+  if (all) return;
   Polygon r;
   for (int i = 0; i < p.n; ++i) {
-    const Vec3 &a = p.v[i], &b = p.v[(i + 1) % p.n];
+    const Vec3 &a = p.v[i], &b = p.v[i + 1 < p.n ? i + 1 : 0];
     const double da = sign * (a[axis] - at), db = sign * (b[axis] - at);
     if (da >= 0) r.v[r.n++] = a;
     if ((da > 0 && db < 0) || (da < 0 && db > 0)) {

@@ -95,10 +95,13 @@ void CellBuilder::walk_square(int normal, bool high) {
   const size_t k = size_t(normal);
   const int32_t plane_layer = index_[k] + int32_t(high);
   bool any = false;
+  for (const LocalFace& f : face_) any = any || (f.squares >> (2 * normal + int(high)) & 1);
+  if (!any) return;
+  any = false;
   crosses_.assign(3 * face_.size(), 0);
   for (size_t l = 0; l < face_.size(); ++l) {
     LocalFace& f = face_[l];
-    if (f.inside) continue;
+    if (!(f.squares >> (2 * normal + int(high)) & 1)) continue;
     for (int e = 0; e < 3; ++e) {
       if (!f.edge_in[size_t(e)]) continue;
       const int32_t a = f.layer[size_t(e)][k], b = f.layer[size_t(e + 1) % 3][k];
@@ -127,10 +130,8 @@ void CellBuilder::walk_square(int normal, bool high) {
   for (size_t l = 0; l < face_.size(); ++l)
     for (int side = 0; side < 2; ++side)
       for (int e = 0; e < 3; ++e)
-        if (crosses_[3 * l + size_t(e)] && has(face_[l].mat, side)) {
-          const int32_t m = surface_.mate[size_t(face_[l].id)][size_t(3 * side + e)];
-          square_.unite(member(l, side), member(size_t(local_of(face_of_half_edge(m))), sided_of_half_edge(m) & 1));
-        }
+        if (crosses_[3 * l + size_t(e)] && has(face_[l].mat, side))
+          square_.unite(member(l, side), face_[l].mate[size_t(3 * side + e)]);
   for (int step = 1; step <= 2; ++step) {  // the four lattice edges of the square
     const int axis = (normal + step) % 3;
     const bool normal_first = (axis + 1) % 3 == normal;
@@ -261,10 +262,7 @@ void CellBuilder::walk_shells() {
     for (int side = 0; side < 2; ++side) {
       if (!has(face_[l].mat, side)) continue;
       for (int e = 0; e < 3; ++e)
-        if (face_[l].edge_in[size_t(e)]) {
-          const int32_t m = surface_.mate[size_t(face_[l].id)][size_t(3 * side + e)];
-          square_.unite(member(l, side), member(size_t(local_of(face_of_half_edge(m))), sided_of_half_edge(m) & 1));
-        }
+        if (face_[l].edge_in[size_t(e)]) square_.unite(member(l, side), face_[l].mate[size_t(3 * side + e)]);
     }
   for (size_t l = 0; l < face_.size(); ++l)
     if (!face_[l].inside)

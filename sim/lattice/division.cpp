@@ -170,10 +170,10 @@ void skip_parents(const LatticeTopology& middle, LatticeTopology& last) {
   t->born.clear();
   LatticeTopology::Born b;
   for (size_t n = 0; n < t->nodes.size(); ++n) {
-    const int32_t parent = t->node_parent[n];
+    const int32_t of_last = t->node_parent[n];
     const int32_t own = in_last.empty() ? -1 : in_last[n];
-    if (own < 0 && (in_middle.empty() || in_middle[size_t(parent)] < 0)) {
-      node_parent[n] = middle.node_parent[size_t(parent)];
+    if (own < 0 && (in_middle.empty() || in_middle[size_t(of_last)] < 0)) {
+      node_parent[n] = middle.node_parent[size_t(of_last)];
       continue;
     }
     b.node = int32_t(n);
@@ -194,7 +194,7 @@ void skip_parents(const LatticeTopology& middle, LatticeTopology& last) {
         for (auto [p, w] : middle.born[size_t(at)].from) add(p, weight * w);
     };
     if (own < 0)
-      through(parent, 1);
+      through(of_last, 1);
     else
       for (auto [mid, w] : born[size_t(own)].from) through(mid, w);
     std::sort(b.from.begin(), b.from.end());

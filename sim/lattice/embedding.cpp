@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "sim/cutting/point_store.h"
@@ -41,39 +42,92 @@ int32_t cell_of(const LatticeTopology& t, const Vec3& X_mm) {
 
 namespace {
 
-/// Every vertex of the view that has no copy yet.
-void embed_rest(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view,
-                std::vector<EmbeddedPoint>& out) {
-  const LatticeGrid finest = t.tree.division.empty() ? t.grid : t.grid.at_level(kLevels);
-  for (size_t f = 0; f < view.tri.size(); ++f)
-    for (int32_t v : view.tri[f]) {
-      int32_t& copy = view.cell_copy[size_t(v)];
-      if (copy >= 0) continue;
-      const PointRef p = surface.points->ref(view.point[size_t(v)]);
-      int32_t at[3];
-      for (int a = 0; a < 3; ++a) at[a] = layer_of(p, a, t.grid.origin[a], t.grid.pitch[a]);
-      int32_t cell = t.grid.cell_index({at[0], at[1], at[2]});
-      if (t.tree.is_divided(cell)) {
-        for (int a = 0; a < 3; ++a) at[a] = layer_of(p, a, finest.origin[a], finest.pitch[a]);
-        cell = t.tree.find(t.grid, kLevels, {at[0], at[1], at[2]});
-      }
-      copy = copy_in(t, cell, view.sided_face[f]);
-      if (copy < 0) throw std::logic_error("a surface vertex lies in a lattice cell that does not hold its face");
-      out[size_t(v)] = embed(t, copy, view.X_mm[size_t(v)]);
+/// The vertices of a triangle that have no copy yet.
+class Embedder {
+ public:
+  Embedder(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view, SharedArray<EmbeddedPoint>& out)
+      : t_(t), surface_(surface), view_(view), now_(view), out_(out),
+        finest_(t.tree.division.empty() ? t.grid : t.grid.at_level(kLevels)) {}
+  void triangle(size_t f) {
+    for (int32_t v : now_.tri[f])
+      if (now_.cell_copy[size_t(v)] < 0) vertex(size_t(v), now_.sided_face[f]);
+  }
+
+ private:
+  void vertex(size_t v, int32_t sided) {
+    const PointRef p = surface_.points->ref(now_.point[v]);
+    int32_t at[3];
+    for (int a = 0; a < 3; ++a) at[a] = layer_of(p, a, t_.grid.origin[a], t_.grid.pitch[a]);
+    int32_t cell = t_.grid.cell_index({at[0], at[1], at[2]});
+    if (t_.tree.is_divided(cell)) {
+      for (int a = 0; a < 3; ++a) at[a] = layer_of(p, a, finest_.origin[a], finest_.pitch[a]);
+      cell = t_.tree.find(t_.grid, kLevels, {at[0], at[1], at[2]});
     }
+    const int32_t copy = copy_in(t_, cell, sided);
+    if (copy < 0) throw std::logic_error("a surface vertex lies in a lattice cell that does not hold its face");
+    view_.cell_copy[v] = copy;
+    out_.set(v, embed(t_, copy, now_.X_mm[v]));
+  }
+  const LatticeTopology& t_;
+  const MaterialSurface& surface_;
+  SurfaceView& view_;
+  const SurfaceView& now_;  // view_, for reading
+  SharedArray<EmbeddedPoint>& out_;
+  LatticeGrid finest_;
+};
+
+/// Vertices in cells of which a copy has come apart or has got other nodes: found through the faces of the cell.
+void follow_copies(const LatticeTopology& t, const LatticeTopology& before, SurfaceView& view, SharedArray<EmbeddedPoint>& out) {
+  std::vector<int32_t> cells;
+  for_each_change(before.cells, t.cells, [&](size_t c) { cells.push_back(t.cells[c].cell); });
+  for_each_change(before.components, t.components, [&](size_t c) { cells.push_back(int32_t(c)); });
+  std::sort(cells.begin(), cells.end());
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+  const SurfaceView& now = view;
+  const SharedArray<EmbeddedPoint>& embedding = out;
+  for (int32_t cell : cells) {
+    const auto& comp = t.components[size_t(cell)];
+    if (!comp) continue;
+    for (size_t i = 0; i < comp->face.size(); ++i)
+      for (int side = 0; side < 2; ++side) {
+        if (comp->of_side[i][size_t(side)] < 0) continue;
+        const int32_t f = now.triangle_of[size_t(2 * comp->face[i] + side)];
+        if (f < 0) throw std::logic_error("a face of a lattice cell is not on the surface");
+        const int32_t copy = t.copy(cell, comp->of_side[i][size_t(side)]);
+        for (int32_t v : now.tri[size_t(f)]) {
+          const int32_t was = now.cell_copy[size_t(v)];
+          if (was < 0 || t.cells[size_t(was)].cell != cell) continue;
+          view.cell_copy.set(size_t(v), copy);
+          if (embedding[size_t(v)].node != t.cells[size_t(copy)].node) out[size_t(v)].node = t.cells[size_t(copy)].node;
+        }
+      }
+  }
 }
 
 }  // namespace
 
-std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view) {
-  std::vector<EmbeddedPoint> out(view.X_mm.size());
+SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view) {
+  SharedArray<EmbeddedPoint> out(view.X_mm.size());
   view.cell_copy.assign(view.X_mm.size(), -1);
-  embed_rest(t, surface, view, out);
+  Embedder rest(t, surface, view, out);
+  for (size_t f = 0; f < view.tri.size(); ++f) rest.triangle(f);
   return out;
 }
 
-std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view,
+SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view,
                                          const EarlierEmbedding& before) {
+  const ViewChange& change = before.change;
+  if (!change.whole && t.tree.division.empty() && t.cell_parent.same() >= before.topology.cells.size()) {
+    SharedArray<EmbeddedPoint> out = before.embedding;
+    view.cell_copy = before.view.cell_copy;
+    out.resize(view.X_mm.size());
+    view.cell_copy.resize(view.X_mm.size(), -1);
+    for (int32_t v : change.vertices) view.cell_copy.set(size_t(v), -1);
+    follow_copies(t, before.topology, view, out);
+    Embedder rest(t, surface, view, out);
+    for (int32_t f : change.triangles) rest.triangle(size_t(f));
+    return out;
+  }
   // The one part of each earlier copy; none when it has come apart, or lies in the parts of a divided cell.
   constexpr int32_t kNone = -1, kSeveral = -2;
   std::vector<int32_t> part(before.topology.cells.size(), kNone);
@@ -83,20 +137,22 @@ std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& t, const Materia
     int32_t& p = part[size_t(parent)];
     p = p == kNone && t.cells[c].cell == before.topology.cells[size_t(parent)].cell ? int32_t(c) : kSeveral;
   }
-  std::vector<EmbeddedPoint> out;
-  out.reserve(view.X_mm.size());
-  view.cell_copy.assign(view.X_mm.size(), -1);
-  for (size_t v = 0; v < view.X_mm.size(); ++v) {
-    const int32_t u = before.earlier[v];
-    const int32_t copy = u < 0 ? -1 : part[size_t(before.view.cell_copy[size_t(u)])];
-    if (copy < 0) {
-      out.emplace_back();
-      continue;
-    }
-    view.cell_copy[v] = copy;
-    out.push_back({t.cells[size_t(copy)].node, before.embedding[size_t(u)].w});
+  std::vector<int32_t> earlier = change.earlier;
+  if (!change.whole) {
+    earlier.assign(view.X_mm.size(), -1);
+    std::iota(earlier.begin(), earlier.begin() + ptrdiff_t(std::min(earlier.size(), before.view.X_mm.size())), 0);
+    for (int32_t v : change.vertices) earlier[size_t(v)] = -1;
   }
-  embed_rest(t, surface, view, out);
+  SharedArray<EmbeddedPoint> out;
+  view.cell_copy.clear();
+  for (size_t v = 0; v < view.X_mm.size(); ++v) {
+    const int32_t u = earlier[v];
+    const int32_t copy = u < 0 ? -1 : std::max(-1, part[size_t(before.view.cell_copy[size_t(u)])]);
+    view.cell_copy.push_back(copy);
+    out.push_back(copy < 0 ? EmbeddedPoint{} : EmbeddedPoint{t.cells[size_t(copy)].node, before.embedding[size_t(u)].w});
+  }
+  Embedder rest(t, surface, view, out);
+  for (size_t f = 0; f < view.tri.size(); ++f) rest.triangle(f);
   return out;
 }
 

@@ -13,18 +13,19 @@ namespace limberg {
 
 /// Fills view.cell_copy and returns one EmbeddedPoint per vertex of the view. Each vertex lies, exactly, in one cell;
 /// the copy is that of the class which holds the sided faces around it.
-std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const MaterialSurface& surface,
+SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const MaterialSurface& surface,
                                          SurfaceView& view);
 
 /// The same from an earlier version of both: vertices that were there, in a cell copy that has not come apart, keep their
-/// weights. `earlier` as Arrangement::surface_view gives it; topology.cells[i].parent must index the earlier topology.
+/// weights. `change` as Arrangement::surface_view gives it; topology.cell_parent must index the earlier topology. Costs what
+/// has changed, unless that is everything, or cells are divided.
 struct EarlierEmbedding {
   const LatticeTopology& topology;
   const SurfaceView& view;
-  std::span<const EmbeddedPoint> embedding;
-  std::span<const int32_t> earlier;  // per vertex of the new view
+  const SharedArray<EmbeddedPoint>& embedding;
+  const ViewChange& change;
 };
-std::vector<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const MaterialSurface& surface,
+SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const MaterialSurface& surface,
                                          SurfaceView& view, const EarlierEmbedding& before);
 
 /// A point of view triangle `tri` by barycentric coordinates; rest position returned through X_mm when asked for.

@@ -206,8 +206,7 @@ Outcome OperatingTable::rebuild() {
     next.lattice = std::move(followed_);
     const EarlierModel before{*version_.lattice, *version_.model};
     next.model = assemble_fem(*stencils_, *next.lattice, &before);
-    next.surface = make_surface(*next.lattice);
-    next.index = std::make_shared<RestIndex>(next.surface->view, body_->surface.tri.size());
+    make_surface(next);
   } catch (const InputError& e) {
     return {false, e.what()};
   } catch (const std::logic_error& e) {
@@ -220,35 +219,59 @@ Outcome OperatingTable::rebuild() {
   return {true, {}};
 }
 
-std::shared_ptr<const SurfaceTopology> OperatingTable::make_surface(const LatticeTopology& lattice) {
+void OperatingTable::make_surface(Version& next) {
   auto surface = std::make_shared<SurfaceTopology>();
   surface->version = next_version_++;
   surface->body = body_;
+  const MaterialSurface material = material_surface(*arrangement_);
+  SurfaceView& view = surface->view;
+  ViewChange change;
   if (version_.surface) {  // most of it is as it was
     const SurfaceTopology& before = *version_.surface;
-    std::vector<int32_t> earlier;
-    surface->view = arrangement_->surface_view(before.view, int32_t(version_.lattice->face_bits.size()), &earlier);
-    surface->embedding = embed_surface(lattice, material_surface(*arrangement_), surface->view,
-                                       {*version_.lattice, before.view, before.embedding, earlier});
+    view = arrangement_->surface_view(before.view, version_.lattice->operations, change);
+    surface->embedding = embed_surface(*next.lattice, material, view, {*version_.lattice, before.view, before.embedding, change});
+    next.index = std::make_shared<RestIndex>(view, *version_.index, change);
   } else {
-    surface->view = arrangement_->surface_view();
-    surface->embedding = embed_surface(lattice, material_surface(*arrangement_), surface->view);
+    change.whole = true;
+    view = arrangement_->surface_view();
+    surface->embedding = embed_surface(*next.lattice, material, view);
+    next.index = std::make_shared<RestIndex>(view, body_->surface.tri.size());
   }
   // Depths are remembered by point: points of the arrangement never move.
-  const SurfaceView& view = surface->view;
-  surface->depth_mm.resize(view.X_mm.size());
-  for (size_t v = 0; v < view.X_mm.size(); ++v) {
-    const size_t point = size_t(view.point[v]);
+  const SurfaceView& now = view;
+  const auto depth_of = [&](size_t v) {
+    const size_t point = size_t(now.point[v]);
     if (point >= depth_of_point_mm_.size()) depth_of_point_mm_.resize(point + 1, std::nanf(""));
     float& depth = depth_of_point_mm_[point];
-    if (std::isnan(depth)) depth = float(skin_.depth_mm(view.X_mm[v]));
-    surface->depth_mm[v] = depth;
+    if (std::isnan(depth)) depth = float(skin_.depth_mm(now.X_mm[v]));
+    return depth;
+  };
+  if (change.whole) {
+    for (size_t v = 0; v < now.X_mm.size(); ++v) surface->depth_mm.push_back(depth_of(v));
+  } else {
+    surface->depth_mm = version_.surface->depth_mm;
+    surface->depth_mm.resize(now.X_mm.size());
+    for (int32_t v : change.vertices) surface->depth_mm.set(size_t(v), depth_of(size_t(v)));
   }
-  Hash64 h;
+  Hash64 h;  // a few numbers that another state hardly shares; topology_hash() tells all
   h.add(arrangement_->hash());
-  h.add(lattice.hash());
+  h.add(next.lattice->pieces);
+  h.add(uint64_t(next.lattice->cells.size()));
+  h.add(uint64_t(next.lattice->nodes.size()));
   surface->hash = h.value();
-  return surface;
+  next.surface = surface;
+  next.arrangement_hash = arrangement_->hash();
+}
+
+uint64_t OperatingTable::topology_hash() const {
+  if (hash_version_ != version_.surface->version) {
+    Hash64 h;
+    h.add(version_.arrangement_hash);
+    h.add(version_.lattice->hash());
+    hash_ = h.value();
+    hash_version_ = version_.surface->version;
+  }
+  return hash_;
 }
 
 }  // namespace limberg

@@ -23,8 +23,7 @@ OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
   stencils_ = std::make_unique<StencilTable>(skin_, grid);
   version_.lattice = build_topology(grid, material_surface(*arrangement_), front_levels);
   version_.model = assemble_fem(*stencils_, *version_.lattice);
-  version_.surface = make_surface(*version_.lattice);
-  version_.index = std::make_shared<RestIndex>(version_.surface->view, body_->surface.tri.size());
+  make_surface(version_);
   initial_volume_mm3_ = volume_mm3_ = arrangement_->volume_mm3();
   if (!spec_.can_cut) arrangement_.reset();
   if (arrangement_) arrangement_->store().points.fault = spec_.fault;
@@ -158,7 +157,7 @@ void OperatingTable::fill(Snapshot& snapshot, bool with_field) const {
 
 uint64_t OperatingTable::state_hash() const {
   Hash64 h;
-  h.add(version_.surface->hash);
+  h.add(topology_hash());
   const std::span<const Vec3f> u = solver_->displacement_mm();
   h.bytes(u.data(), u.size() * sizeof(Vec3f));
   for (const Hook& k : hooks_) {

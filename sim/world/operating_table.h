@@ -42,6 +42,7 @@ class OperatingTable {
 
   std::shared_ptr<const SurfaceTopology> topology() const { return version_.surface; }
   uint64_t state_hash() const;
+  uint64_t topology_hash() const;  // O(cells) once per version
   const WorldSpec& spec() const { return spec_; }
   const ElasticSolver& solver() const { return *solver_; }
   double volume_mm3() const { return volume_mm3_; }
@@ -55,12 +56,13 @@ class OperatingTable {
   bool settled() const;  // every stitch drawn tight
 
  private:
-  /// One state of the topology; immutable once made.
+  /// One state of the topology; immutable once made. Versions share what they have in common, so all of them are kept.
   struct Version {
     std::shared_ptr<const LatticeTopology> lattice;
     std::shared_ptr<const FemModel> model;
     std::shared_ptr<const SurfaceTopology> surface;
     std::shared_ptr<const RestIndex> index;
+    uint64_t arrangement_hash = 0;
   };
   /// All that undo and redo bring back, except the arrangement.
   struct Moment {
@@ -132,7 +134,7 @@ class OperatingTable {
   /// Lets followed_ catch up with the arrangement. Called between a cut and what is taken away after it, and before the
   /// next cut: an update that sees only one of the two names every parent exactly, one that sees both may not (topology.h).
   Outcome follow();
-  std::shared_ptr<const SurfaceTopology> make_surface(const LatticeTopology& lattice);
+  void make_surface(Version& next);  // and its index; from the surface of version_ when there is one
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
   EmbeddedPoint embed(const Anchor& anchor) const;
@@ -180,6 +182,7 @@ class OperatingTable {
   double initial_volume_mm3_ = 0, volume_mm3_ = 0, removed_volume_mm3_ = 0;
   uint64_t steps_ = 0, cuts_ = 0;
   uint64_t next_version_ = 1;
+  mutable uint64_t hash_ = 0, hash_version_ = 0;  // topology_hash() of that version
   int32_t next_spring_ = 1, next_stitch_ = 1, stage_ = -1;
   int refused_ = 0;
   float residual_ = 0, distance_mm_ = 0;

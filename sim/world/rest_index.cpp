@@ -1,6 +1,7 @@
 #include "sim/world/rest_index.h"
 
 #include <algorithm>
+#include <numeric>
 #include <unordered_set>
 
 #include "sim/geometry/triangle.h"
@@ -19,34 +20,83 @@ Vec3 closest_bary(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-RestIndex::RestIndex(const SurfaceView& view, size_t body_triangles) : view_(&view) {
-  first_.assign(body_triangles + 1, 0);
-  for (size_t t = 0; t < view.tri.size(); ++t)
-    if (of_body(view.kind[t])) ++first_[size_t(view.origin[t]) + 1];
-  for (size_t i = 0; i < body_triangles; ++i) first_[i + 1] += first_[i];
-  by_origin_.resize(size_t(first_.back()));
-  std::vector<int32_t> next(first_.begin(), first_.end() - 1);
-  for (size_t t = 0; t < view.tri.size(); ++t)
-    if (of_body(view.kind[t])) by_origin_[size_t(next[size_t(view.origin[t])]++)] = int32_t(t);
+RestIndex::RestIndex(const SurfaceView& view, size_t body_triangles) : view_(view) { find_all(body_triangles); }
 
-  // The rim: edges of walls whose other side is skin. A wall edge without a wall behind it is a candidate; the skin
-  // triangles that hold it are found by one scan that only looks at vertices on candidates.
+void RestIndex::find_all(size_t body_triangles) {
+  std::vector<int32_t> order(view_.tri.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int32_t a, int32_t b) { return name(a) < name(b); });
+  std::vector<int32_t> first(body_triangles + 1, 0);
+  for (size_t t = 0; t < order.size(); ++t)
+    if (of_body(view_.kind[t])) ++first[size_t(view_.origin[t]) + 1];
+  for (size_t i = 0; i < body_triangles; ++i) first[i + 1] += first[i];
+  std::vector<int32_t> list(size_t(first.back())), next(first.begin(), first.end() - 1);
+  for (int32_t t : order)
+    if (of_body(view_.kind[size_t(t)])) list[size_t(next[size_t(view_.origin[size_t(t)])]++)] = t;
+  by_origin_ = ShortLists(body_triangles);
+  for (size_t i = 0; i < body_triangles; ++i)
+    by_origin_.set(i, std::span(list).subspan(size_t(first[i]), size_t(first[i + 1] - first[i])));
+
+  // The rim: edges of skin whose other side is wall.
+  rim_.clear();
   std::unordered_set<uint64_t> wall_edges;
-  for (size_t t = 0; t < view.tri.size(); ++t)
-    if (view.kind[t] == FaceKind::wall)
-      for (size_t k = 0; k < 3; ++k) wall_edges.emplace(edge_key(view.tri[t][k], view.tri[t][(k + 1) % 3]));
-  std::vector<uint8_t> on_wall(view.X_mm.size(), 0);
-  for (size_t t = 0; t < view.tri.size(); ++t)
-    if (view.kind[t] == FaceKind::wall)
-      for (int32_t v : view.tri[t]) on_wall[size_t(v)] = 1;
-  for (size_t t = 0; t < view.tri.size(); ++t) {
-    if (view.kind[t] != FaceKind::skin) continue;
+  std::vector<uint8_t> on_wall(view_.X_mm.size(), 0);
+  for (size_t t = 0; t < order.size(); ++t)
+    if (view_.kind[t] == FaceKind::wall)
+      for (size_t k = 0; k < 3; ++k) {
+        wall_edges.emplace(edge_key(view_.tri[t][k], view_.tri[t][(k + 1) % 3]));
+        on_wall[size_t(view_.tri[t][k])] = 1;
+      }
+  for (int32_t t : order) {
+    if (view_.kind[size_t(t)] != FaceKind::skin) continue;
     for (int k = 0; k < 3; ++k) {
-      const int32_t a = view.tri[t][size_t(k)], b = view.tri[t][size_t((k + 1) % 3)];
-      if (on_wall[size_t(a)] && on_wall[size_t(b)] && wall_edges.count(edge_key(b, a)))
-        rim_.push_back({int32_t(t), k});
+      const int32_t a = view_.tri[size_t(t)][size_t(k)], b = view_.tri[size_t(t)][size_t((k + 1) % 3)];
+      if (on_wall[size_t(a)] && on_wall[size_t(b)] && wall_edges.count(edge_key(b, a))) rim_.push_back({t, k});
     }
   }
+}
+
+RestIndex::RestIndex(const SurfaceView& view, const RestIndex& before, const ViewChange& change) : view_(view) {
+  if (change.whole) return find_all(before.by_origin_.keys());
+  by_origin_ = before.by_origin_;
+  std::vector<int32_t> origins;  // whose triangles are others
+  for (int32_t t : change.triangles) {
+    const bool was = size_t(t) < before.view_.tri.size();
+    if (was && before.view_.sided_face[size_t(t)] == view_.sided_face[size_t(t)]) continue;
+    if (was && of_body(before.view_.kind[size_t(t)])) origins.push_back(before.view_.origin[size_t(t)]);
+    if (of_body(view_.kind[size_t(t)])) origins.push_back(view_.origin[size_t(t)]);
+  }
+  std::sort(origins.begin(), origins.end());
+  origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
+  std::vector<std::pair<int32_t, int32_t>> come;  // origin, triangle
+  for (int32_t t : change.triangles)
+    if (of_body(view_.kind[size_t(t)])) come.push_back({view_.origin[size_t(t)], t});
+  std::sort(come.begin(), come.end());
+  const auto changed = [&](int32_t t) { return std::binary_search(change.triangles.begin(), change.triangles.end(), t); };
+  std::vector<int32_t> list;
+  for (int32_t o : origins) {
+    list.clear();
+    for (int32_t i = 0; i < before.by_origin_.count(size_t(o)); ++i)
+      if (const int32_t t = before.by_origin_.at(size_t(o), i); !changed(t)) list.push_back(t);
+    for (auto c = std::lower_bound(come.begin(), come.end(), std::pair(o, INT32_MIN)); c != come.end() && c->first == o; ++c)
+      list.push_back(c->second);
+    std::sort(list.begin(), list.end(), [&](int32_t a, int32_t b) { return name(a) < name(b); });
+    by_origin_.set(size_t(o), list);
+  }
+  const auto earlier = [&](const RimEdge& a, const RimEdge& b) {
+    return std::pair(name(a.triangle), a.corner) < std::pair(name(b.triangle), b.corner);
+  };
+  std::vector<RimEdge> fresh;
+  for (int32_t t : change.triangles)
+    for (int k = 0; k < 3; ++k)
+      if (view_.rim[size_t(t)] >> k & 1) fresh.push_back({t, k});
+  std::sort(fresh.begin(), fresh.end(), earlier);
+  std::vector<RimEdge> kept;
+  kept.reserve(before.rim_.size());
+  for (const RimEdge& e : before.rim_)
+    if (!changed(e.triangle)) kept.push_back(e);
+  rim_.resize(kept.size() + fresh.size());
+  std::merge(kept.begin(), kept.end(), fresh.begin(), fresh.end(), rim_.begin(), earlier);
 }
 
 SurfacePoint RestIndex::closest_in(int32_t t, const Vec3& X, double& distance2) const {
@@ -64,12 +114,12 @@ Vec3 RestIndex::weights(int32_t t, const Vec3& X_mm) const {
 }
 
 std::optional<SurfacePoint> RestIndex::locate(const Vec3& X_mm, int32_t origin, double slack_mm) const {
-  if (origin < 0 || size_t(origin) + 1 >= first_.size()) return std::nullopt;
+  if (origin < 0 || size_t(origin) >= by_origin_.keys()) return std::nullopt;
   std::optional<SurfacePoint> best;
   double best2 = slack_mm * slack_mm;
-  for (int32_t i = first_[size_t(origin)]; i < first_[size_t(origin) + 1]; ++i) {
+  for (int32_t i = 0; i < by_origin_.count(size_t(origin)); ++i) {
     double d2;
-    const SurfacePoint p = closest_in(by_origin_[size_t(i)], X_mm, d2);
+    const SurfacePoint p = closest_in(by_origin_.at(size_t(origin), i), X_mm, d2);
     if (d2 <= best2 && (!best || d2 < best2)) best2 = d2, best = p;
   }
   return best;
@@ -78,11 +128,11 @@ std::optional<SurfacePoint> RestIndex::locate(const Vec3& X_mm, int32_t origin, 
 std::optional<SurfacePoint> RestIndex::nearest_skin(const Vec3& X_mm, double reach_mm) const {
   std::optional<SurfacePoint> best;
   double best2 = reach_mm * reach_mm;
-  for (size_t t = 0; t < view_->tri.size(); ++t) {
-    if (view_->kind[t] != FaceKind::skin) continue;
+  for (size_t t = 0; t < view_.tri.size(); ++t) {
+    if (view_.kind[t] != FaceKind::skin) continue;
     double d2;
     const SurfacePoint p = closest_in(int32_t(t), X_mm, d2);
-    if (d2 <= best2 && (!best || d2 < best2)) best2 = d2, best = p;
+    if (d2 < best2 || (d2 == best2 && (!best || name(int32_t(t)) < name(best->triangle)))) best2 = d2, best = p;
   }
   return best;
 }

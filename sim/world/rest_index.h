@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/cutting/surface_view.h"
+#include "sim/short_lists.h"
 
 namespace limberg {
 
@@ -21,6 +22,8 @@ struct SurfacePoint {
 class RestIndex {
  public:
   RestIndex(const SurfaceView& view, size_t body_triangles);
+  /// The same from the index of the view before, at the cost of what has changed and of the length of the rim.
+  RestIndex(const SurfaceView& view, const RestIndex& before, const ViewChange& change);
 
   /// The live triangle that descends from original triangle `origin` and holds X_mm (nearest of them within
   /// slack_mm otherwise); nothing when the place has been cut away.
@@ -44,12 +47,15 @@ class RestIndex {
     int32_t triangle;  // the skin triangle
     int32_t corner;    // the edge runs from this corner to the next
   };
-  Vec3 corner(int32_t t, int k) const { return view_->X_mm[size_t(view_->tri[size_t(t)][size_t(k % 3)])]; }
+  /// Triangles by the names of their sided faces: what comes first does not depend on how a view was numbered.
+  int32_t name(int32_t t) const { return view_.sided_face.empty() ? t : view_.sided_face[size_t(t)]; }
+  Vec3 corner(int32_t t, int k) const { return view_.X_mm[size_t(view_.tri[size_t(t)][size_t(k % 3)])]; }
+  void find_all(size_t body_triangles);
   SurfacePoint closest_in(int32_t t, const Vec3& X, double& distance2) const;
 
-  const SurfaceView* view_;
-  std::vector<int32_t> first_, by_origin_;  // triangles of each original triangle, compressed rows
-  std::vector<RimEdge> rim_;
+  const SurfaceView view_;  // shares what it holds
+  ShortLists by_origin_;  // triangles of each original triangle, by name
+  std::vector<RimEdge> rim_;  // by name
 };
 
 }  // namespace limberg

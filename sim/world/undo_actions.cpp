@@ -3,18 +3,9 @@
 #include "sim/world/operating_table.h"
 
 namespace limberg {
-namespace {
-
-// The surfaces of so many moments back (and forward) are kept, some 7 MB each at 60,000 triangles; further ones are read
-// off the arrangement again when undo gets there.
-constexpr size_t kSurfacesKept = 8;
-
-}  // namespace
-
 OperatingTable::Moment OperatingTable::moment() const {
   Moment m;
   m.version = version_;
-  m.version.index.reset();  // made again with the surface's new number
   m.solver = solver_->save();
   m.contacts = held_contacts();
   m.hooks = hooks_;
@@ -36,14 +27,9 @@ void OperatingTable::return_to(const Moment& m, ParentList parent) {
   if (m.version.lattice != version_.lattice) {
     version_ = m.version;
     // The same surface under a new number: readers take versions to grow.
-    if (m.version.surface) {
-      auto surface = std::make_shared<SurfaceTopology>(*m.version.surface);
-      surface->version = next_version_++;
-      version_.surface = surface;
-    } else {
-      version_.surface = make_surface(*m.version.lattice);
-    }
-    version_.index = std::make_shared<RestIndex>(version_.surface->view, body_->surface.tri.size());
+    auto surface = std::make_shared<SurfaceTopology>(*m.version.surface);
+    surface->version = next_version_++;
+    version_.surface = surface;
     // The same model, for a solver that comes from another side of it than when it was made.
     auto model = std::make_shared<FemModel>(*m.version.model);
     model->parent = std::move(parent);
@@ -68,7 +54,6 @@ void OperatingTable::remember(Done done) {
   undone_.clear();
   if (stroke_ && stroke_->cut) stop_stroke(stroke_->id, "another act came between");
   done_.push_back(std::move(done));
-  if (done_.size() > kSurfacesKept) done_[done_.size() - 1 - kSurfacesKept].before.version.surface.reset();
 }
 
 void OperatingTable::take_back(std::span<const CutStep> steps) {
@@ -102,7 +87,6 @@ Outcome OperatingTable::act(const Undo&) {
   if (!u.done.ancestor.empty()) parent = u.done.ancestor.reversed(u.done.before.version.model->X_mm.size());
   return_to(u.done.before, std::move(parent));
   undone_.push_back(std::move(u));
-  if (undone_.size() > kSurfacesKept) undone_[undone_.size() - 1 - kSurfacesKept].after.version.surface.reset();
   return {true, {}};
 }
 
@@ -143,8 +127,8 @@ uint64_t OperatingTable::full_hash() const {
   h.add(volume_mm3_), h.add(removed_volume_mm3_);
   h.add(cuts_), h.add(next_spring_), h.add(next_stitch_);
   const SurfaceTopology& t = *version_.surface;
-  h.bytes(t.view.X_mm.data(), t.view.X_mm.size() * sizeof(Vec3));
-  h.bytes(t.view.tri.data(), t.view.tri.size() * sizeof(Tri));
+  for (const Vec3& X : t.view.X_mm) h.bytes(X.data(), 3 * sizeof(double));
+  for (const Tri& tri : t.view.tri) h.bytes(tri.data(), sizeof tri);
   for (const EmbeddedPoint& e : t.embedding) h.bytes(e.node.data(), sizeof e.node), h.bytes(e.w.data(), sizeof e.w);
   for (const float d : t.depth_mm) h.add(d);
   return h.value();

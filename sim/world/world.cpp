@@ -17,7 +17,7 @@ Outcome World::apply(const Command& command) { return impl_->apply(command); }
 StepReport World::step(const StepSettings& settings) { return impl_->step(settings); }
 void World::fill(Snapshot& snapshot, bool with_field) const { impl_->fill(snapshot, with_field); }
 std::shared_ptr<const SurfaceTopology> World::topology() const { return impl_->topology(); }
-uint64_t World::topology_hash() const { return impl_->topology()->hash; }
+uint64_t World::topology_hash() const { return impl_->topology_hash(); }
 uint64_t World::state_hash() const { return impl_->state_hash(); }
 uint64_t World::full_hash() const { return impl_->full_hash(); }
 const WorldSpec& World::spec() const { return impl_->spec(); }

@@ -114,7 +114,6 @@ class FakePatient final : public Patient {
     v.tri = body_->surface.tri;
     v.uv.resize(v.tri.size());
     v.kind.assign(v.tri.size(), FaceKind::skin);
-    v.component.assign(v.tri.size(), 0);
     for (size_t i = 0; i < v.tri.size(); ++i) v.sided_face.push_back(int32_t(2 * i)), v.origin.push_back(int32_t(i));
     t->embedding.resize(v.X_mm.size());
     t->depth_mm.assign(v.X_mm.size(), 0);

@@ -40,7 +40,6 @@ Snapshot sample_snapshot(const SampleOptions& o) {
       view.uv.push_back({});
       view.kind.push_back(kind);
       view.sided_face.push_back(int32_t(view.tri.size()));
-      view.component.push_back(0);
       view.origin.push_back(0);
     }
   };

@@ -116,8 +116,9 @@ inline std::vector<int> euler(const Arrangement& a) {
   std::vector<int> chi(a.components().size(), 0), faces(a.components().size(), 0);
   std::vector<int32_t> of(view.X_mm.size(), -1);
   for (size_t i = 0; i < view.tri.size(); ++i) {
-    ++faces[size_t(view.component[i])];
-    for (int32_t v : view.tri[i]) of[size_t(v)] = view.component[i];
+    const int32_t component = a.component_of(view.sided_face[i]);
+    ++faces[size_t(component)];
+    for (int32_t v : view.tri[i]) of[size_t(v)] = component;
   }
   for (int32_t c : of) ++chi[size_t(c)];
   for (size_t c = 0; c < chi.size(); ++c) chi[c] -= faces[c] / 2;

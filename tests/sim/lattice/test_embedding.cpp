@@ -101,7 +101,7 @@ TEST_F(Skin, BanksSeparate) {
       EXPECT_NEAR(std::abs(y), 1, 1e-6);
       const int32_t piece = s.t->cells[size_t(view.cell_copy[size_t(v)])].piece;
       EXPECT_EQ(y > 0, piece == 0);
-      EXPECT_EQ(view.component[f], view.component[0] == 0 ? piece : 1 - piece);
+      EXPECT_EQ(s.a.component_of(view.sided_face[f]), s.a.component_of(view.sided_face[0]) == 0 ? piece : 1 - piece);
     }
 }
 

@@ -2,6 +2,7 @@
 #include <random>
 
 #include "sim/lattice/embedding.h"
+#include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/topology_parts.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
@@ -68,34 +69,103 @@ TEST(LocalUpdate, IsTheWholeUpdateToTheLastBit) {
   EXPECT_GT(local, 30);
 }
 
-void expect_same(const SurfaceView& a, const SurfaceView& b) {
-  ASSERT_EQ(a.X_mm.size(), b.X_mm.size());
+void expect_same(const FemModel& a, const FemModel& b) {
   EXPECT_TRUE(a.X_mm == b.X_mm);
-  EXPECT_TRUE(a.point == b.point);
-  EXPECT_TRUE(a.cell_copy == b.cell_copy);
-  EXPECT_TRUE(a.tri == b.tri);
-  EXPECT_TRUE(a.uv == b.uv);
-  EXPECT_TRUE(a.kind == b.kind);
-  EXPECT_TRUE(a.sided_face == b.sided_face);
-  EXPECT_TRUE(a.component == b.component);
-  EXPECT_TRUE(a.origin == b.origin);
+  EXPECT_TRUE(a.fixed == b.fixed);
+  EXPECT_TRUE(a.mass_kg == b.mass_kg);
+  EXPECT_TRUE(a.cells == b.cells);
+  EXPECT_TRUE(a.parent == b.parent);
+  EXPECT_EQ(a.stencils.size(), b.stencils.size());
 }
 
-// The surface that is drawn is a function of the state alone: put together from the version before it is, byte for byte, what
-// it is from nothing; after cuts, deepenings along the old front, excisions and undo.
+// The same mesh, whatever its numbers: triangles are named by sided faces, and each has one vertex for the other's.
+void expect_same(const SurfaceView& a, const SharedArray<EmbeddedPoint>& of_a, const SurfaceView& b,
+                 const SharedArray<EmbeddedPoint>& of_b) {
+  ASSERT_EQ(a.X_mm.size(), b.X_mm.size());
+  ASSERT_EQ(a.tri.size(), b.tri.size());
+  for (const SurfaceView* v : {&a, &b}) {
+    ASSERT_EQ(v->cell_copy.size(), v->X_mm.size());
+    ASSERT_EQ(v->point.size(), v->X_mm.size());
+    ASSERT_EQ(v->corners.size(), v->X_mm.size());
+    for (size_t n : {v->uv.size(), v->kind.size(), v->sided_face.size(), v->origin.size(), v->rim.size()}) ASSERT_EQ(n, v->tri.size());
+    size_t named = 0;
+    for (int32_t t : v->triangle_of) named += t >= 0;
+    ASSERT_EQ(named, v->tri.size());
+  }
+  ASSERT_EQ(of_a.size(), a.X_mm.size());
+  ASSERT_EQ(of_b.size(), b.X_mm.size());
+  ASSERT_EQ(a.triangle_of.size(), b.triangle_of.size());
+  std::vector<int32_t> partner(a.X_mm.size(), -1), back(a.X_mm.size(), -1);
+  for (size_t t = 0; t < a.tri.size(); ++t) {
+    const int32_t sided = a.sided_face[t];
+    ASSERT_EQ(a.triangle_of[size_t(sided)], int32_t(t));
+    const size_t u = size_t(b.triangle_of[size_t(sided)]);
+    ASSERT_LT(u, b.tri.size());
+    EXPECT_EQ(a.uv[t], b.uv[u]);
+    EXPECT_EQ(a.kind[t], b.kind[u]);
+    EXPECT_EQ(a.origin[t], b.origin[u]);
+    EXPECT_EQ(a.rim[t], b.rim[u]);
+    for (size_t k = 0; k < 3; ++k) {
+      const int32_t v = a.tri[t][k], w = b.tri[u][k];
+      ASSERT_TRUE(partner[size_t(v)] < 0 || partner[size_t(v)] == w);
+      ASSERT_TRUE(back[size_t(w)] < 0 || back[size_t(w)] == v);
+      partner[size_t(v)] = w, back[size_t(w)] = v;
+    }
+  }
+  for (size_t v = 0; v < partner.size(); ++v) {
+    ASSERT_GE(partner[v], 0) << "a vertex without a triangle";
+    const size_t w = size_t(partner[v]);
+    EXPECT_EQ(a.X_mm[v], b.X_mm[w]);
+    EXPECT_EQ(a.point[v], b.point[w]);
+    EXPECT_EQ(a.corners[v], b.corners[w]);
+    EXPECT_EQ(a.cell_copy[v], b.cell_copy[w]);
+    EXPECT_EQ(of_a[v], of_b[w]);
+  }
+}
+
+// What was not said to change has not changed.
+void expect_kept(const SurfaceView& before, const SurfaceView& now, const ViewChange& change) {
+  const auto in = [](const std::vector<int32_t>& list, size_t i) { return std::binary_search(list.begin(), list.end(), int32_t(i)); };
+  for (size_t v = 0; v < now.X_mm.size(); ++v)
+    if (!in(change.vertices, v)) {
+      ASSERT_LT(v, before.X_mm.size());
+      EXPECT_EQ(now.point[v], before.point[v]);
+    }
+  for (size_t t = 0; t < now.tri.size(); ++t)
+    if (!in(change.triangles, t)) {
+      ASSERT_LT(t, before.tri.size());
+      EXPECT_EQ(now.tri[t], before.tri[t]);
+      EXPECT_EQ(now.sided_face[t], before.sided_face[t]);
+      EXPECT_EQ(now.rim[t], before.rim[t]);
+    }
+}
+
+// The surface that is drawn is a function of the state alone: made from the version before it is, up to its numbers, what
+// it is from nothing; after cuts, deepenings along the old front, excisions and undo. So is the model.
 TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
   std::mt19937 random(11);
   const auto uniform = [&](double from, double to) { return from + (to - from) * (random() * (1.0 / 4294967296.0)); };
   struct Version {
     std::shared_ptr<const LatticeTopology> lattice;
     SurfaceView view;
-    std::vector<EmbeddedPoint> embedding;
+    SharedArray<EmbeddedPoint> embedding;
+    std::shared_ptr<const FemModel> model;
   };
-  int cuts = 0, excised = 0, kept = 0, found = 0;
+  int cuts = 0, excised = 0, kept = 0, followed = 0;
   for (int levels : {0, 0, 2}) {
     Arrangement a(wavy_slab(60, 12, 24, 0.8), grid());
     std::vector<Version> history(1);
     history[0].lattice = build_topology(grid_over(60, 12, 4.3), material_surface(a), levels);
+    Body slab;
+    slab.grid = grid();
+    slab.surface = wavy_slab(60, 12, 24, 0.8);
+    slab.layers.resize(2);
+    slab.layers[0].thickness_mm = 2, slab.layers[1].thickness_mm = 5;
+    slab.box_min_mm = {-30, -30, -12}, slab.box_max_mm = {30, 30, 0.8};
+    const auto body = std::make_shared<const Body>(std::move(slab));
+    const Skin skin(body);
+    const StencilTable stencils(skin, history[0].lattice->grid);
+    history[0].model = assemble_fem(stencils, *history[0].lattice);
     history[0].view = a.surface_view();
     history[0].embedding = embed_surface(*history[0].lattice, material_surface(a), history[0].view);
     for (int i = 0; i < 16; ++i) {
@@ -136,21 +206,21 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
       } catch (const std::exception&) {
         break;  // the lattice's own tests are elsewhere
       }
-      std::vector<int32_t> earlier;
-      now.view = a.surface_view(before.view, int32_t(before.lattice->face_bits.size()), &earlier);
-      now.embedding = embed_surface(*now.lattice, surface, now.view, {*before.lattice, before.view, before.embedding, earlier});
+      ViewChange change;
+      now.view = a.surface_view(before.view, before.lattice->operations, change);
+      now.embedding = embed_surface(*now.lattice, surface, now.view, {*before.lattice, before.view, before.embedding, change});
       SurfaceView view = a.surface_view();
       const auto embedding = embed_surface(*now.lattice, surface, view);
-      expect_same(now.view, view);
-      ASSERT_EQ(now.embedding.size(), embedding.size());
-      for (size_t v = 0; v < embedding.size(); ++v) {
-        ASSERT_EQ(now.embedding[v].node, embedding[v].node) << v;
-        ASSERT_EQ(now.embedding[v].w, embedding[v].w) << v;
+      expect_same(now.view, now.embedding, view, embedding);
+      if (!change.whole) {
+        expect_kept(before.view, now.view, change);
+        ++followed, kept += change.vertices.size() < now.view.X_mm.size() / 2;
       }
-      for (int32_t u : earlier) ++(u < 0 ? found : kept);
+      const EarlierModel earlier{*before.lattice, *before.model};
+      now.model = assemble_fem(stencils, *now.lattice, &earlier);
+      expect_same(*now.model, *assemble_fem(stencils, *now.lattice));
       if (i % 4 == 3) {  // back, and on from there
-        const int32_t then = int32_t(before.lattice->face_bits.size());
-        while (int32_t(a.faces().size()) > then) a.undo();
+        while (a.operations() > before.lattice->operations) a.undo();
       } else {
         history.push_back(std::move(now));
       }
@@ -158,7 +228,8 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
   }
   EXPECT_GT(cuts, 30);
   EXPECT_GT(excised, 3);
-  EXPECT_GT(kept, 5 * found);
+  EXPECT_GT(followed, 15);
+  EXPECT_GT(kept, 10);
 }
 
 }  // namespace

@@ -42,9 +42,10 @@ Shape shape(const World& world) {
   s.removed_mm3 = world.removed_volume_mm3();
   const SurfaceView& v = world.topology()->view;
   std::map<int32_t, double> volume;
+  const std::vector<int32_t> component = surface_components(v);
   for (size_t t = 0; t < v.tri.size(); ++t) {
     const Vec3 &a = v.X_mm[size_t(v.tri[t][0])], &b = v.X_mm[size_t(v.tri[t][1])], &c = v.X_mm[size_t(v.tri[t][2])];
-    volume[v.component[t]] += a.dot(b.cross(c)) / 6;
+    volume[component[t]] += a.dot(b.cross(c)) / 6;
     if (v.kind[t] == FaceKind::wall) s.wall_mm2 += (b - a).cross(c - a).norm() / 2;
   }
   s.chi = int(v.X_mm.size()) - int(v.tri.size()) / 2;  // closed: three edges to two triangles
