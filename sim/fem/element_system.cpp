@@ -54,19 +54,26 @@ double effective_bulk_kPa(const Stencil& s, bool augmented) {
   return s.lambda_kPa * k / (s.lambda_kPa + k);
 }
 
-ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augmented) {
+ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augmented, const FemModel* before,
+                             const ElementSystem* system_before) {
   const FemModel& m = *model;
   const size_t n = m.X_mm.size(), nc = m.cells.size();
   data_.stencils.resize(m.stencils.size());
+  const bool carry = before && system_before && before->cell_mm == m.cell_mm;
   for (size_t i = 0; i < m.stencils.size(); ++i) {
-    data_.stencils[i] = kernel_stencil(m.stencils[i], m.cell_mm, augmented);
+    if (carry && m.stencils.shares(before->stencils, i / SharedArray<Stencil>::kChunk))
+      data_.stencils[i] = system_before->data_.stencils[i];
+    else
+      data_.stencils[i] = kernel_stencil(m.stencils[i], m.cell_mm, augmented);
     has_multipliers_ = has_multipliers_ || data_.stencils[i].r > 0;
   }
 
   // Tile order: square tiles of the xy plane, full height.
   struct Key {
-    int32_t tx, ty, x, y, z, index;
+    uint64_t place;  // tx, ty, x, y, z: 12, 12, 14, 14 and 12 bits
+    int32_t index;
     auto operator<=>(const Key&) const = default;
+    uint64_t tile() const { return place >> 40; }
   };
   std::vector<Key> order(nc);
   Vec3 low = Vec3::Constant(1e300);
@@ -74,7 +81,8 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
   for (size_t c = 0; c < nc; ++c) {
     const Vec3 at = (m.X_mm[size_t(m.cells[c].node[0])] - low).cwiseQuotient(m.cell_mm);
     const int x = int(std::lround(at[0])), y = int(std::lround(at[1])), z = int(std::lround(at[2]));
-    order[c] = {x / tile_edge_cells, y / tile_edge_cells, x, y, z, int32_t(c)};
+    const uint64_t tile = uint64_t(x / tile_edge_cells) << 12 | uint64_t(y / tile_edge_cells);
+    order[c] = {tile << 40 | uint64_t(x) << 26 | uint64_t(y) << 12 | uint64_t(z), int32_t(c)};
   }
   std::sort(order.begin(), order.end());
 
@@ -86,7 +94,7 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
     const int32_t c = order[k].index;
     const HexCell& from = m.cells[size_t(c)];
     const int count = int(k) - tile.first_cell;
-    const bool next_tile = k > 0 && (order[k].tx != order[k - 1].tx || order[k].ty != order[k - 1].ty);
+    const bool next_tile = k > 0 && order[k].tile() != order[k - 1].tile();
     if ((next_tile && count >= tile_min_cells) || count >= tile_max_cells) {
       tile.last_cell = int32_t(k), tile.last_slot = int32_t(data_.slot_node.size());
       data_.tiles.push_back(tile);

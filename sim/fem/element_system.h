@@ -39,7 +39,9 @@ struct KernelData {
 
 class ElementSystem {
  public:
-  explicit ElementSystem(std::shared_ptr<const FemModel> model, bool augmented = true);
+  /// `before`, `system_before`: the last model and its system, of which stencils that both models share are taken over.
+  explicit ElementSystem(std::shared_ptr<const FemModel> model, bool augmented = true, const FemModel* before = nullptr,
+                         const ElementSystem* system_before = nullptr);
 
   /// Energy; g = dE/du of the cells at every node, fixed ones included. `measure`: w of a node = sum of the norms of the
   /// cell forces that meet there (otherwise 0). Same bits for any number of workers.

@@ -49,7 +49,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   if (model->fixed.size() != n || model->mass_kg.size() != n || model->parent.size() != n)
     throw InputError("", 0, "a model's fixed, mass and parent lists must have one entry per node");
   if (const std::string wrong = check_hanging(*model); !wrong.empty()) throw InputError("", 0, wrong);
-  auto elements = std::make_unique<ElementSystem>(model, augmented_);
+  auto elements = std::make_unique<ElementSystem>(model, augmented_, model_.get(), elements_.get());
   const auto carried = [&](const NodeArray& old) {
     NodeArray out(n);
     for (size_t i = 0; i < n; ++i) {
@@ -84,9 +84,11 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
       if (before_s_ > 0) u_before_[i] = u_[i], velocity_before_[i] = {};
     }
   std::vector<double> floor(n, 0);
+  double volume_mm3 = -1, area_mm2 = 0;  // of the cell before: most have one size
   for (const HexCell& c : model_->cells) {
     const Stencil& st = model_->stencils[size_t(c.stencil)];
-    for (int32_t v : c.node) floor[size_t(v)] += floor_strain * double(c.scale) * st.mu_kPa * std::pow(st.volume_mm3, 2.0 / 3);
+    if (st.volume_mm3 != volume_mm3) volume_mm3 = st.volume_mm3, area_mm2 = std::pow(volume_mm3, 2.0 / 3);
+    for (int32_t v : c.node) floor[size_t(v)] += floor_strain * double(c.scale) * st.mu_kPa * area_mm2;
   }
   force_floor_ = 0;
   for (size_t i = 0; i < n; ++i)
