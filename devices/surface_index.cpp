@@ -159,7 +159,7 @@ SkinTouch SurfaceIndex::closest_apart(const Snapshot& s, const Vec3& p_mm, const
 }
 
 SurfaceIndex::Place SurfaceIndex::walk(const Snapshot& s, const Vec3& p_mm, int32_t triangle) const {
-  const std::vector<Tri>& tri = s.topology->view.tri;
+  const SharedArray<Tri>& tri = s.topology->view.tri;
   Place best;
   auto look_at = [&](int32_t t) {
     const Tri& k = tri[size_t(t)];

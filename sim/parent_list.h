@@ -54,6 +54,7 @@ class ParentList {
     for (size_t i = 0; i < all.size(); ++i) all[i] = (*this)[i];
     return all;
   }
+  operator std::vector<int32_t>() const { return flat(); }
   /// The way back to a version of `n` elements: each returns from the first that came from it; -1: none did.
   ParentList reversed(size_t n) const {
     if (same_ >= n) return identity(n);

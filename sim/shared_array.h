@@ -75,6 +75,7 @@ class SharedArray {
     for (; from != to; ++from) push_back(*from);
   }
   std::vector<T> flat() const { return {begin(), end()}; }
+  operator std::vector<T>() const { return flat(); }
 
   template <class Array>
   class Iterator {

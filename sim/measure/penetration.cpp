@@ -72,7 +72,7 @@ Penetration penetration(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   std::vector<Vec3> x;
   x.reserve(x_mm.size());
   for (const Vec3f& p : x_mm) x.push_back(p.cast<double>());
-  const Bvh surface(x, view.tri);
+  const Bvh surface(x, view.tri.flat());
   const std::vector<uint8_t> look = wounded(view);
   static const Ways ways;
   Probe probe(surface);

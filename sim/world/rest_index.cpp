@@ -57,7 +57,10 @@ void RestIndex::find_all(size_t body_triangles) {
 }
 
 RestIndex::RestIndex(const SurfaceView& view, const RestIndex& before, const ViewChange& change) : view_(view) {
-  if (change.whole) return find_all(before.by_origin_.keys());
+  if (change.whole) {
+    find_all(before.by_origin_.keys());
+    return;
+  }
   by_origin_ = before.by_origin_;
   std::vector<int32_t> origins;  // whose triangles are others
   for (int32_t t : change.triangles) {

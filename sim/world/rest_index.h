@@ -38,6 +38,8 @@ class RestIndex {
   Vec3 rest_mm(const SurfacePoint& p) const;
   /// Barycentric weights of the point of triangle t closest to X_mm.
   Vec3 weights(int32_t t, const Vec3& X_mm) const;
+  /// Whether both hold the same triangles and rim edges in the same order. O(triangles), for tests.
+  bool same_as(const RestIndex& other) const { return by_origin_ == other.by_origin_ && rim_ == other.rim_; }
   size_t rim_edges() const { return rim_.size(); }
   /// Total length of the rim in mm (both banks counted).
   double rim_length_mm() const;
@@ -46,6 +48,7 @@ class RestIndex {
   struct RimEdge {
     int32_t triangle;  // the skin triangle
     int32_t corner;    // the edge runs from this corner to the next
+    bool operator==(const RimEdge&) const = default;
   };
   /// Triangles by the names of their sided faces: what comes first does not depend on how a view was numbered.
   int32_t name(int32_t t) const { return view_.sided_face.empty() ? t : view_.sided_face[size_t(t)]; }

@@ -72,7 +72,7 @@ TEST(SurfaceIndex, ClosestIsThatOfTheTree) {
   index.build(*topology);
   std::vector<Vec3> x;
   for (const Vec3f& v : s.x_mm) x.push_back(v.cast<double>());
-  const Bvh bvh(x, topology->view.tri);
+  const Bvh bvh(x, topology->view.tri.flat());
   Dice dice{12};
   int32_t hint = -1;
   Vec3 p(0, 0, 4);

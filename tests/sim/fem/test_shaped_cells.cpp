@@ -44,7 +44,7 @@ FemModel crooked_tets(double poisson = 0.4) {
   b.cells = {2, 2, 2}, b.size_mm = {6, 6, 6}, b.poisson = poisson;
   FemModel straight = bcc_box_model(b);
   Random r(9);
-  std::vector<Vec3> X = straight.X_mm;
+  std::vector<Vec3> X = straight.X_mm.flat();
   std::vector<uint8_t> outer(X.size());
   for (size_t i = 0; i < X.size(); ++i) {
     outer[i] = std::abs(std::abs(X[i][0]) - 3) < 1e-9 || std::abs(std::abs(X[i][1]) - 3) < 1e-9 || std::abs(X[i][2] - 3) > 3 - 1e-9;

@@ -151,7 +151,7 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
     SharedArray<EmbeddedPoint> embedding;
     std::shared_ptr<const FemModel> model;
   };
-  int cuts = 0, excised = 0, kept = 0, followed = 0;
+  int cuts = 0, excised = 0, kept = 0, followed = 0, deepened = 0;
   for (int levels : {0, 0, 2}) {
     Arrangement a(wavy_slab(60, 12, 24, 0.8), grid());
     std::vector<Version> history(1);
@@ -168,9 +168,13 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
     history[0].model = assemble_fem(stencils, *history[0].lattice);
     history[0].view = a.surface_view();
     history[0].embedding = embed_surface(*history[0].lattice, material_surface(a), history[0].view);
+    Blade deeper;  // from the front of the cut before: there vertices come apart
     for (int i = 0; i < 16; ++i) {
       const Vec2 p(uniform(-25, 25), uniform(-25, 25)), q(uniform(-25, 25), uniform(-25, 25));
-      if (i % 5 == 4) {  // a corner comes off and is taken away
+      if (!deeper.tri.empty()) {
+        deepened += a.cut(deeper, 1).ok();
+        deeper = {};
+      } else if (i % 5 == 4) {  // a corner comes off and is taken away
         const Vec2 d = (q - p).normalized() * 90;
         if (!a.cut(strip({p - d, p + d}, 3, -14), uint64_t(i)).ok()) continue;
         const auto& all = a.components();
@@ -182,8 +186,7 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
         Blade blade = strip({p, q}, 3, -uniform(1, 6));
         const CutResult r = a.cut(blade, uint64_t(i));
         if (!r.ok()) continue;
-        if (i % 3 == 0) {  // deeper, from the points of its front
-          Blade deeper;
+        if (i % 3 == 0) {
           std::vector<int32_t> name(blade.vertex.size(), -1);
           for (size_t v = 1; v < blade.vertex.size(); v += 2) {
             const Int3 front = a.explicit_point(r.blade_point[v]);
@@ -193,7 +196,6 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
           for (int32_t v = 0; v + 3 < int32_t(deeper.vertex.size()); v += 2)
             deeper.tri.push_back({v, v + 1, v + 3}), deeper.tri.push_back({v, v + 3, v + 2});
           deeper.seed.assign(deeper.tri.size(), 2);
-          a.cut(deeper, 1);
         }
       }
       a.sweep_debris(1);
@@ -221,6 +223,7 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
       expect_same(*now.model, *assemble_fem(stencils, *now.lattice));
       if (i % 4 == 3) {  // back, and on from there
         while (a.operations() > before.lattice->operations) a.undo();
+        deeper = {};
       } else {
         history.push_back(std::move(now));
       }
@@ -228,6 +231,7 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
   }
   EXPECT_GT(cuts, 30);
   EXPECT_GT(excised, 3);
+  EXPECT_GT(deepened, 3);
   EXPECT_GT(followed, 15);
   EXPECT_GT(kept, 10);
 }

@@ -3,6 +3,7 @@
 
 #include "sim/world/anchors.h"
 #include "sim/world/rest_index.h"
+#include "tests/sim/cutting/scenes.h"
 
 namespace limberg {
 namespace {
@@ -79,6 +80,30 @@ TEST(RestIndex, AnAnchorIsLostWithItsTissue) {
   after.tri.resize(4), after.kind.resize(4), after.origin.resize(4);
   const RestIndex again(after, 4);
   EXPECT_FALSE(carry_anchor(anchor, after, again));
+}
+
+// After every cut the index made from the last one holds what one made from nothing holds, in the same order.
+TEST(RestIndex, FollowsCutsAtTheirOwnCost) {
+  const TriMesh slab = test::wavy_slab(60, 12, 24, 0.8);
+  Arrangement a(slab, test::grid());
+  SurfaceView view = a.surface_view();
+  auto index = std::make_unique<const RestIndex>(view, slab.tri.size());
+  int followed = 0;
+  uint64_t seed = 5;
+  const auto uniform = [&] { return -25 + 50 * double((seed = seed * 6364136223846793005ull + 1442695040888963407ull) >> 11) * 0x1p-53; };
+  for (int i = 0; i < 12; ++i) {
+    const int32_t operations = a.operations();
+    const Vec2 p(uniform(), uniform()), q(uniform(), uniform());
+    if (!a.cut(test::strip({p, q}, 3, i % 4 == 3 ? -14 : -4), uint64_t(i)).ok()) continue;
+    ViewChange change;
+    view = a.surface_view(view, operations, change);
+    auto next = std::make_unique<const RestIndex>(view, *index, change);
+    ASSERT_TRUE(next->same_as(RestIndex(view, slab.tri.size()))) << "cut " << i;
+    followed += !change.whole;
+    index = std::move(next);
+  }
+  EXPECT_GT(followed, 8);
+  EXPECT_GT(index->rim_length_mm(), 300);
 }
 
 TEST(Resample, EqualStepsAlongAPolylineEndsIncluded) {
