@@ -88,6 +88,10 @@ case "${1:-help}" in
       cmake --preset release >/dev/null
       build limberg_bench_cgal
     fi
+    if [ "${2:-}" = verification ]; then  # an independent solver to compare with, a program of its own
+      packages+=(calculix-ccx)
+      ensure_packages
+    fi
     build limberg
     build/limberg bench "${2:-speed}" "${@:3}"
     ;;

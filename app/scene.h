@@ -12,7 +12,8 @@
 //   [[layer]]    name, thickness_mm, young_kPa, poisson, density_kg_m3, prestretch_along, prestretch_across; from the skin
 //                down, one at least. Instead of young_kPa a law with its constants, or a tissue of the library, and a Prony
 //                series: scene_layers.h
-//   [lattice]    cell_mm, refine_fronts
+//   [lattice]    cell_mm, refine_fronts, region_mm (> 0: tissue farther than this from the chart's origin holds still and costs
+//                the solver nothing; 0, the default: all of it moves)
 //   [build]      can_cut, dynamic, contact = "auto" | true | false (do wound surfaces keep each other out? auto: as soon as
 //                something has been cut; false unless asked for)
 //   [springs]    suture_N_per_mm, hook_N_per_mm
@@ -49,6 +50,7 @@ struct Scene {
 
   double cell_mm = 3.5;
   bool refine_fronts = false;
+  double region_mm = 0;
   bool can_cut = true, dynamic = false;
   ContactChoice contact = ContactChoice::off;
   double suture_N_per_mm = 20, hook_N_per_mm = 0.5;

@@ -39,6 +39,7 @@ void fill_lanes(Result& r, Assembly& a, const SessionFigures& f) {
   r.set("/solver/skipped_steps", f.solver.skipped);
   r.set_times("/solver/step_ms", f.solver.work, 1e-6, {.p95 = true});
   r.set("/solver/residual", a.solver.last().residual);
+  r.set("/solver/distance_mm", a.solver.last().distance_mm);
   r.set("/solver/settle_steps", f.settle_steps);
   r.set("/solver/describe", a.world.solver().describe());
   r.set("/render/frames", a.render.frames());

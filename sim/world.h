@@ -34,6 +34,7 @@ struct WorldSpec {
   double suture_k_N_per_mm = 20;
   double hook_k_N_per_mm = 0.5;
   double suture_pull_mm_per_step = 0.5;  // how fast a stitch is drawn tight
+  double region_mm = 0;     // > 0: tissue farther than this from the chart's origin holds still (lattice/region.h)
   bool can_cut = true;      // false: no cutter is built
   bool refine_fronts = false;  // cells in which a cut ends are divided twice, so that it opens to within a quarter cell of its end
   bool dynamic = false;     // false: quasi-static

@@ -1,7 +1,10 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 
+#include "app/bench/accuracy.h"
 #include "app/bench/cutting.h"
+#include "app/bench/features.h"
 #include "app/bench/fuzz.h"
 #include "app/bench/fuzz/world_runner.h"
 #include "app/bench/laws.h"
@@ -9,7 +12,10 @@
 #include "app/bench/simplex.h"
 #include "app/bench/speed.h"
 #include "app/bench/stability.h"
-#include "app/commands/commands.h"
+#include "app/bench/verification.h"
+#include "app/commands/session_command.h"
+#include "app/interrupt.h"
+#include "app/operating_point.h"
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/result.h"
@@ -26,6 +32,7 @@ struct Options {
   bool world = false;       // fuzz: acts on patients
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
   uint64_t seed = 1;
+  double budget_ms = 0, limit_s = 150;  // accuracy
   CommonOptions common;
 };
 
@@ -73,15 +80,27 @@ void fill(Result& out, const bench::Result& b) {
 
 int run(const Options& o) {
   o.common.prepare();
-  if (o.suite != "speed" && o.suite != "cutting" && o.suite != "stability" && o.suite != "laws" && o.suite != "simplex" && o.suite != "fuzz")
-    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected speed, cutting, stability, laws, simplex or fuzz");
+  const std::vector<std::string> suites = {"accuracy", "cutting", "features", "fuzz", "laws", "simplex", "speed", "stability", "verification"};
+  if (std::find(suites.begin(), suites.end(), o.suite) == suites.end())
+    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected accuracy, cutting, features, fuzz, laws, simplex, speed, stability or verification");
   if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
-  if (!o.scene.empty()) throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
+  if (!o.scene.empty() && o.suite != "accuracy" && o.suite != "features") throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
   Progress progress("bench " + o.suite);
   const auto note = [&](const std::string& line) { progress.note(line); };
   bench::Result b;
   bench::FuzzReport fuzzed;
-  if (o.suite == "speed") {
+  bench::AccuracyReport accuracy;
+  if (o.suite == "accuracy") {
+    bench::AccuracySettings s;
+    s.quick = o.quick, s.budget_ms = o.budget_ms, s.limit_s = o.limit_s;
+    s.progress = note, s.interrupted = interrupted;
+    accuracy = bench::accuracy(open_scene(o.scene.empty() ? "rhomboid" : o.scene), s);
+    b = accuracy.result();
+  } else if (o.suite == "features") {
+    b = bench::features(open_scene(o.scene.empty() ? "rhomboid" : o.scene), {o.quick, note});
+  } else if (o.suite == "verification") {
+    b = bench::verification({o.quick, note});
+  } else if (o.suite == "speed") {
     bench::SpeedSettings s;
     s.quick = o.quick;
     s.only = o.only;
@@ -129,7 +148,7 @@ int run(const Options& o) {
   progress.clear();
   if (!o.only.empty() && b.rows.empty()) throw InputError("", 0, "bench " + o.suite + ": --only " + o.only + " names no part; expected one of those that --help lists");
   print(b);
-  Result result("bench", "");
+  Result result("bench", accuracy.scene);
   result.set("/suite", o.suite);
   result.set("/quick", o.quick);
   if (o.suite == "fuzz" && !o.world) {
@@ -137,6 +156,10 @@ int run(const Options& o) {
     result.set("/violations", int64_t(fuzzed.violations.size()));
     result.set("/refused", fuzzed.generic.refused + fuzzed.adversarial.refused);
     result.set("/seed", int64_t(o.seed));
+  }
+  if (o.suite == "accuracy") {
+    fill_operating_point(result, accuracy.point);
+    if (!o.common.out_dir.empty()) write_whole_file(o.common.out_dir + "/accuracy.csv", accuracy.csv()), write_whole_file(o.common.out_dir + "/accuracy.svg", accuracy.svg());
   }
   fill(result, b);
   bool ok = true;
@@ -152,11 +175,13 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
+  c->add_option("SUITE", o->suite, "accuracy: error against run time on a scene, and the setting that fits a frame; features: memory and time of each part of a scene, off and on; verification: closed forms, published values, CalculiX; speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
   c->add_option("--only", o->only, "speed, stability: the parts or families whose name contains this (speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
+  c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(CLI::PositiveNumber);
+  c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(CLI::PositiveNumber);
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
   c->add_flag("--world", o->world, "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "app/commands/session_command.h"
+#include "app/discretisation.h"
 #include "app/interrupt.h"
 #include "app/metrics.h"
 #include "app/operation.h"
@@ -28,7 +29,8 @@ struct Options {
 
 /// One run's row of the convergence table.
 struct Row {
-  double cell_mm = 0, solve_ms = 0, residual = 0;
+  double cell_mm = 0, solve_ms = 0, residual = 0, distance_mm = 0;
+  double fitted_mm = 0;  // cube root of a cell of the lattice, which is fitted to a block
   size_t nodes = 0;
   Metrics key;
 };
@@ -42,13 +44,26 @@ void fill_convergence(Result& r, const std::vector<Row>& rows) {
     r.set(p + "/closure_force_N", x.key.closure_force_N);
     r.set(p + "/suture_gap_max_mm", x.key.suture_gap_max_mm);
     r.set(p + "/dog_ear_mm", x.key.dog_ear_mm);
+    r.set(p + "/fitted_cell_mm", x.fitted_mm);
+    r.set(p + "/suture_force_max_N", x.key.suture_force_max_N);
     r.set(p + "/residual", x.residual);
+    r.set(p + "/distance_mm", x.distance_mm);
     r.set(p + "/solve_ms", x.solve_ms);
     if (i == 0) continue;
     const Metrics& y = rows[i - 1].key;  // the coarser one before it
     r.set(p + "/difference/closure_force_N", x.key.closure_force_N - y.closure_force_N);
     r.set(p + "/difference/suture_gap_max_mm", x.key.suture_gap_max_mm - y.suture_gap_max_mm);
     r.set(p + "/difference/dog_ear_mm", x.key.dog_ear_mm - y.dog_ear_mm);
+  }
+  std::vector<SizedFigures> runs;
+  for (const Row& x : rows) runs.push_back({x.fitted_mm, x.key, x.distance_mm});
+  const std::vector<FigureError> errors = discretisation_errors(runs);
+  fill_discretisation(r, errors);
+  if (!errors.empty()) std::printf("%-20s %10s %10s %12s\n", "figure", "finest", "+-", "extrapolated");
+  for (const FigureError& e : errors) {
+    const Extrapolation& x = e.estimate;
+    std::printf("%-20s %10.4g %10.2g %12s  %s\n", e.name.c_str(), x.value, x.error.value_or(0),
+                x.extrapolated ? std::to_string(*x.extrapolated).c_str() : "-", x.says.c_str());
   }
 }
 
@@ -65,6 +80,7 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   r.set("/lattice/dofs", uint64_t(3 * free_nodes));
   r.set("/solve_ms", o.solve_ms);
   r.set("/residual", o.last.residual);
+  r.set("/distance_mm", o.last.distance_mm);
   r.set_hash("/state_hash", world.state_hash());
   r.set_hash("/topology_hash", world.topology_hash());
   r.set("/memory_mb", peak_memory_mb());
@@ -141,9 +157,10 @@ int run(const Options& opt) {
       return kGoalMissed;
     }
     at_rest &= o.last.residual <= 1e-4;
-    rows.push_back({cells[i], o.solve_ms, o.last.residual, world.solver().model().X_mm.size(), measure_world(world, actions)});
-    std::printf("%-12s %7zu nodes  %8.0f ms  residual %.1e  closure %.3f N  gap %.3f mm  dog-ear %.2f mm  state_hash %s\n", label,
-                rows.back().nodes, o.solve_ms, o.last.residual, rows.back().key.closure_force_N,
+    rows.push_back({cells[i], o.solve_ms, o.last.residual, o.last.distance_mm, std::cbrt(world.solver().model().cell_mm.prod()),
+                    world.solver().model().X_mm.size(), measure_world(world, actions)});
+    std::printf("%-12s %7zu nodes  %8.0f ms  residual %.1e  off by about %.1e mm  closure %.3f N  gap %.3f mm  dog-ear %.2f mm  state_hash %s\n", label,
+                rows.back().nodes, o.solve_ms, o.last.residual, o.last.distance_mm, rows.back().key.closure_force_N,
                 rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm, hex(world.state_hash()).c_str());
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
@@ -170,7 +187,7 @@ void add_operate(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut")->required();
   CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(CLI::PositiveNumber);
-  c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes")
+  c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes, and the error of every figure by extrapolation")
       ->type_name("H,H,...")->delimiter(',')->check(CLI::PositiveNumber)->excludes(one);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");

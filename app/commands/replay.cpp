@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "app/commands/auto_option.h"
 #include "app/commands/session_command.h"
 #include "app/progress.h"
 #include "devices/log_source.h"
@@ -13,6 +14,7 @@ namespace {
 struct Options {
   std::string recording, scene, convergence;
   bool lockstep = false, real_time = false;
+  AutoOption automatic;
   CommonOptions common;
 };
 
@@ -55,6 +57,7 @@ int replay(const Options& o) {
     call.end_tick = rec.end->tick;
     call.expected.push_back({rec.end->tick, rec.end->hash});
   }
+  if ((call.point = o.automatic.apply(call.scene))) call.expected.clear();  // another lattice: nothing to compare with
   auto source = std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total());
   call.known_length_s = double(source->last_ns()) * 1e-9;
   call.sources.push_back(std::move(source));
@@ -64,7 +67,9 @@ int replay(const Options& o) {
   Result other("", "");
   if (!o.convergence.empty()) other.take("/convergence", o.convergence);  // refuses a bad file before the work
   return run_session(std::move(call), [&o](Result& r, Assembly&) {
-    if (!o.convergence.empty()) r.take("/convergence", o.convergence);
+    if (o.convergence.empty()) return;
+    r.take("/convergence", o.convergence);
+    r.take("/discretisation", o.convergence);
   });
 }
 
@@ -77,8 +82,9 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   CLI::Option* lockstep = c->add_flag("--lockstep", o->lockstep, "On a virtual clock, bit for bit (default)");
   c->add_flag("--realtime", o->real_time, "On three threads at their own rates, with timing figures")->excludes(lockstep);
   c->add_option("--scene", o->scene, "Refuse the recording if it was not made with this scene")->type_name("SCENE");
-  c->add_option("--convergence", o->convergence, "Put the convergence table of this result (of operate --cells) into the report")
+  c->add_option("--convergence", o->convergence, "Put the convergence table and the lattice errors of this result (of operate --cells) into the report")
       ->type_name("FILE");
+  o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg replay recordings/rhomboid.lcm --out out/demo --json out/demo/result.json");
   c->callback([o, &chosen] { chosen = [o] { return replay(*o); }; });

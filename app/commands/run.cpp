@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 
+#include "app/commands/auto_option.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"
 #include "app/progress.h"
@@ -18,6 +19,7 @@ struct Options {
   std::vector<std::string> devices;
   double seconds = 0;
   bool headless = false, replace = false, cut_at_end = false;
+  AutoOption automatic;
   CommonOptions common;
 };
 
@@ -32,7 +34,8 @@ void add_device(SessionCall& call, const std::string& spec) {
     call.sources.push_back(std::make_unique<EmulatedSurgeon>(join_strokes(commands)));
   } else if (kind == "log" && !rest.empty()) {
     Recording rec = read_recording(rest);
-    if (rec.session && rec.session->scene_hash != call.scene.hash)
+    const uint64_t named = call.point ? call.point->scene_hash : call.scene.hash;
+    if (rec.session && rec.session->scene_hash != named)
       throw InputError(rest, 0, "log of another scene (" + rec.session->scene_name + "); expected one of " + call.scene.name);
     if (rec.samples.empty()) throw InputError(rest, 0, "no valid record of a sample in it; expected a stream of stylus samples");
     if (rec.damage.total() > 0) say(rest + ": damaged: " + std::to_string(rec.damage.total()) + " events lost; what is whole is used");
@@ -56,6 +59,7 @@ int run(const Options& o) {
   if (!o.calibration.empty()) call.calibration = load_calibration(o.calibration);
   call.real_time = true;
   call.progressive_cut = call.scene.tools.progressive_cut.value_or(true) && !o.cut_at_end;
+  call.point = o.automatic.apply(call.scene);
   for (const std::string& d : o.devices) add_device(call, d);
   if (o.devices.empty()) add_device(call, "lcm");
   if (call.live_source && o.seconds <= 0) say("listening until Ctrl-C");
@@ -80,6 +84,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")->type_name("S")->check(CLI::Range(0.001, 86400.0));
   c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
   c->add_flag("--headless", o->headless, "No window (this build draws off screen only)");
+  o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out out/my");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

@@ -68,8 +68,8 @@ void print_summary(const SessionCall& call, const Assembly& a, const SessionFigu
   std::printf("scene       %s\n", a.scene.name.c_str());
   std::printf("mode        %s, %.2f s\n", call.real_time ? "real time" : "lockstep", f.duration_s);
   std::printf("commands    %llu done, %zu refused\n", static_cast<unsigned long long>(a.solver.commands()), a.solver.refused().size());
-  std::printf("solver      %llu steps, %.2f ms median, residual %.2e\n", static_cast<unsigned long long>(a.solver.steps()),
-              double(f.solver.work.percentile_ns(0.5)) * 1e-6, a.solver.last().residual);
+  std::printf("solver      %llu steps, %.2f ms median, residual %.2e, about %.2g mm from equilibrium\n", static_cast<unsigned long long>(a.solver.steps()),
+              double(f.solver.work.percentile_ns(0.5)) * 1e-6, a.solver.last().residual, a.solver.last().distance_mm);
   std::printf("pieces      %d\n", a.world.pieces());
   std::printf("state_hash  %s\n", hex(f.state_hash).c_str());
 }
@@ -133,6 +133,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
 
   Result result(call.command, a.scene.name);
   fill_session(result, a, f, call.real_time);
+  if (call.point) fill_operating_point(result, *call.point);
   fill_damage(result, call.damage);
   if (!call.real_time) compare_checkpoints(result, call, f);
   if (!call.reproduce.empty()) result.set("/reproduce", call.reproduce);

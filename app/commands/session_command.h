@@ -7,6 +7,7 @@
 
 #include "app/commands/commands.h"
 #include "app/bundle.h"
+#include "app/operating_point.h"
 #include "app/session_result.h"
 
 namespace limberg {
@@ -29,6 +30,7 @@ struct SessionCall {
   std::vector<Checkpoint> expected;  // of a recording: compared in lockstep
   LogDamage damage;
   std::string reproduce;           // the command that makes the result again
+  std::optional<bench::OperatingPoint> point;  // that the scene was set to (--auto)
   CommonOptions common;
 };
 

@@ -141,6 +141,7 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
   d.residual = number(solver, "residual");
   if (!d.residual) d.residual = number(j, "residual");
   d.distance_mm = number(solver, "distance_mm");
+  if (!d.distance_mm) d.distance_mm = number(j, "distance_mm");
   d.solver_steps = number(solver, "steps");
   d.render_frames = number(render, "frames");
   d.device_ticks = number(device, "ticks");
@@ -182,6 +183,12 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
     for (const Json& r : rows)
       d.convergence.push_back({number(r, "cell_mm"), number(r, "nodes"), number(r, "closure_force_N"), number(r, "suture_gap_max_mm"),
                                number(r, "suture_force_max_N"), number(r, "dog_ear_mm"), number(r, "residual"), number(r, "solve_ms")});
+  if (const Json& errors = member(j, "discretisation"); errors.is_object())
+    for (const auto& [name, e] : errors.items()) {
+      const Json& known = member(e, "asymptotic");
+      d.errors[name] = {number(e, "value"), number(e, "error"), number(e, "order"), number(e, "extrapolated"),
+                        known.is_boolean() && known.get<bool>(), words(e, "says")};
+    }
   if (d.command == "study") read_study(j, d);
   if (const Json& script = member(j, "script"); script.is_array())
     for (const Json& l : script) d.script.push_back(l.is_string() ? l.get<std::string>() : l.dump());

@@ -30,6 +30,13 @@ struct ReportConvergence {
   Maybe cell_mm, nodes, closure_force_N, suture_gap_max_mm, suture_force_max_N, dog_ear_mm, residual, solve_ms;
 };
 
+/// The lattice's share of a figure's error.
+struct ReportError {
+  Maybe value, error, order, extrapolated;
+  bool asymptotic = false;
+  std::string says;
+};
+
 /// Of a study.
 struct ReportBar {
   std::string name, source;
@@ -63,6 +70,7 @@ struct ReportData {
   std::vector<std::pair<std::string, std::vector<double>>> balance;     // name, N; "sum_N" and others
   Maybe balance_relative;
   std::vector<ReportConvergence> convergence;
+  std::map<std::string, ReportError> errors;  // by the name of the metric
   std::vector<std::string> script;
   std::string study, about;
   std::vector<std::string> study_columns;

@@ -18,6 +18,9 @@
 //                  forces on the tissue at the end; relative = |sum| / sum of magnitudes
 //   "metrics":     also "removed_volume_mm3", "initial_volume_mm3"
 //   "convergence": [{"cell_mm", "nodes", "closure_force_N", "suture_gap_max_mm", "dog_ear_mm", "residual", "solve_ms"}]
+//   "discretisation": {NAME: {"value", "error", "order", "extrapolated", "asymptotic", "says"}}   NAME: one of "metrics"; of the
+//                  finest lattice of "convergence"
+//   "distance_mm" (or "solver": {"distance_mm"}): estimated distance to equilibrium at the end
 //   "study", "about", "columns": [name], "rows": [{name: value}], "bars": [{"name", "value", "bar", "larger_is_better", "pass",
 //                  "source"}], "charts": [{"title", "description", "x", "y", "series": [{"name", "markers", "x": [...], "y": [...]}]}]
 //                  of a study; rows are shown in the order of the columns

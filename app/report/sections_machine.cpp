@@ -47,9 +47,18 @@ std::string convergence(const ReportData& d) {
     }
     body += "</tr>\n";
   }
+  std::string errors;
+  for (const auto& [name, e] : d.errors)
+    errors += "<tr><td><code>" + escape(name) + "</code></td><td>" + quantity(e.value, "") + "</td><td>" + quantity(e.error, "", 2) + "</td><td>" +
+              quantity(e.extrapolated, "") + "</td><td>" + quantity(e.order, "", 2) + "</td><td class=\"soft\">" + escape(e.says) + "</td></tr>\n";
+  if (!errors.empty())
+    errors = "<p>What the lattice does to each figure: the finest value, its estimated error (grid convergence index), and what it tends to as the cells "
+             "shrink. Where the sizes are not in the asymptotic range nothing is extrapolated, and the error is three times the largest change.</p>\n"
+             "<div class=\"wide\"><table>\n<thead><tr><th>Figure</th><th>finest</th><th>±</th><th>limit</th><th>order</th><th></th></tr></thead>\n<tbody>\n" +
+             errors + "</tbody></table></div>\n";
   return "<section>\n<h2>Finer cells, same answer?</h2>\n<p>The same script at several lattice sizes. In brackets: change against the row above; "
          "it should shrink.</p>\n<div class=\"wide\"><table>\n<thead><tr>" +
-         head + "</tr></thead>\n<tbody>\n" + body + "</tbody></table></div>\n</section>\n";
+         head + "</tr></thead>\n<tbody>\n" + body + "</tbody></table></div>\n" + errors + "</section>\n";
 }
 
 std::string timing(const ReportData& d) {
@@ -127,6 +136,7 @@ std::string residual(const ReportData& d) {
   }
   if (d.series_distance_mm.size() > 1) {
     chart.description = "Estimated distance to equilibrium over time";
+    s += "<p>The largest distance of any node from where it will come to rest, as every frame estimates it while it works.</p>\n";
     chart.y = {"estimated distance, mm", true, {}, {}};
     chart.series = {{"distance", t, d.series_distance_mm, false}};
     chart.y_marks.clear();
@@ -138,11 +148,17 @@ std::string residual(const ReportData& d) {
 
 std::string figures(const ReportData& d) {
   std::string rows;
-  for (const auto& [name, v] : d.metrics) rows += "<tr><td><code>" + escape(name) + "</code></td><td>" + number(v, 6) + "</td></tr>\n";
+  for (const auto& [name, v] : d.metrics) {
+    const auto e = d.errors.find(name);
+    rows += "<tr><td><code>" + escape(name) + "</code></td><td>" + number(v, 6) + "</td>";
+    if (!d.errors.empty()) rows += "<td>" + (e == d.errors.end() ? std::string() : quantity(e->second.error, "", 2)) + "</td>";
+    rows += "</tr>\n";
+  }
   for (const auto& [name, v] : d.lattice) rows += "<tr><td><code>lattice." + escape(name) + "</code></td><td>" + number(v, 6) + "</td></tr>\n";
   if (d.solve_ms) rows += "<tr><td><code>solve_ms</code></td><td>" + number(*d.solve_ms, 6) + "</td></tr>\n";
   if (rows.empty()) return {};
-  return "<section>\n<h2>All figures</h2>\n<p class=\"note\">Units stand in the names; a name without a unit is a ratio or a count.</p>\n<div class=\"wide\"><table>\n<tbody>\n" +
+  return "<section>\n<h2>All figures</h2>\n<p class=\"note\">Units stand in the names; a name without a unit is a ratio or a count." +
+         std::string(d.errors.empty() ? "" : " Third column: the lattice's share of the error, where it is known.") + "</p>\n<div class=\"wide\"><table>\n<tbody>\n" +
          rows + "</tbody></table></div>\n</section>\n";
 }
 

@@ -89,26 +89,35 @@ std::string verdict(const ReportData& d, std::string& light) {
   return line.empty() ? line : capital(line) + ".";
 }
 
+/// "lattice ± 0.2 N" beside the figure that it qualifies; empty when it is not known.
+std::string lattice_error(const ReportData& d, const char* name, std::string_view unit) {
+  const auto e = d.errors.find(name);
+  if (e == d.errors.end() || !e->second.error) return {};
+  return "lattice ± " + quantity(e->second.error, unit, 2) + (e->second.asymptotic && e->second.order ? ", order " + number(*e->second.order, 2) : ", not yet settled");
+}
+std::string joined(const std::string& a, const std::string& b) { return a.empty() || b.empty() ? a + b : a + "; " + b; }
+
 std::string key_figures(const ReportData& d) {
   std::string c;
   const Maybe force = largest_force(d), gap = largest_gap(d);
   if (const Maybe v = d.metric("closure_force_N"))
-    c += card(quantity(v, "N"), "closure force", "sum over all sutures; clinical limit " + number(Limits::closure_N) + "\u202fN",
+    c += card(quantity(v, "N"), "closure force", joined("sum over all sutures; clinical limit " + number(Limits::closure_N) + "\u202fN", lattice_error(d, "closure_force_N", "N")),
               *v > Limits::closure_N ? "bad" : "");
-  if (force) c += card(quantity(force, "N"), "largest suture force", "one thread", light_of_force(*force));
-  if (gap) c += card(quantity(gap, "mm", 2), "largest gap", "closed up to " + number(Limits::gap_mm) + "\u202fmm", *gap <= Limits::gap_mm ? "good" : "warn");
+  if (force) c += card(quantity(force, "N"), "largest suture force", joined("one thread", lattice_error(d, "suture_force_max_N", "N")), light_of_force(*force));
+  if (gap) c += card(quantity(gap, "mm", 2), "largest gap", joined("closed up to " + number(Limits::gap_mm) + "\u202fmm", lattice_error(d, "suture_gap_max_mm", "mm")), *gap <= Limits::gap_mm ? "good" : "warn");
   if (const Maybe v = d.metric("dog_ear_mm")) {
     const Maybe volume = d.metric("dog_ear_volume_mm3");
-    c += card(quantity(v, "mm"), "dog-ear height", volume ? quantity(volume, "mm³") + " above the skin" : "standing cone above the skin");
+    c += card(quantity(v, "mm"), "dog-ear height", joined(volume ? quantity(volume, "mm³") + " above the skin" : "standing cone above the skin", lattice_error(d, "dog_ear_mm", "mm")));
   }
-  if (const Maybe v = d.metric("wound_gape_mm")) c += card(quantity(v, "mm", 2), "wound gape", "95 % of the edge gapes less");
-  if (const Maybe v = d.metric("flap_area_mm2")) c += card(quantity(v, "mm²"), "flap area", "");
-  if (const Maybe v = d.metric("elongation")) c += card(quantity(v, "×"), "elongation", "of the central limb's line");
+  if (const Maybe v = d.metric("wound_gape_mm")) c += card(quantity(v, "mm", 2), "wound gape", joined("95 % of the edge gapes less", lattice_error(d, "wound_gape_mm", "mm")));
+  if (const Maybe v = d.metric("flap_area_mm2")) c += card(quantity(v, "mm²"), "flap area", lattice_error(d, "flap_area_mm2", "mm²"));
+  if (const Maybe v = d.metric("elongation")) c += card(quantity(v, "×"), "elongation", joined("of the central limb's line", lattice_error(d, "elongation", "")));
   if (const Maybe v = d.metric("stretch_p99")) {
     const Maybe most = d.metric("stretch_max");
-    c += card(quantity(v, "×"), "stretch, 99th percentile", most ? "largest " + quantity(most, "×") : "");
+    c += card(quantity(v, "×"), "stretch, 99th percentile", joined(most ? "largest " + quantity(most, "×") : "", lattice_error(d, "stretch_p99", "")));
   }
   if (d.residual) c += card(number(*d.residual, 2), "relative residual", "goal " + number(Limits::residual), *d.residual <= Limits::residual ? "good" : "warn");
+  if (d.distance_mm) c += card(quantity(d.distance_mm, "mm", 2), "from equilibrium", "estimated by the last frame: the node that is farthest off");
   return c.empty() ? c : "<div class=\"cards\">\n" + c + "</div>\n";
 }
 

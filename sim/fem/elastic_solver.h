@@ -33,7 +33,7 @@ struct StepReport {
   // |g| / |s| in the Euclidean norm over free nodes: g = net force on a node, s = sum of the norms of the forces that meet
   // there (each cell's share, springs', inertia), plus what a strain of 0.1 % would give, so that rest has a scale. Single precision reaches about 1e-6.
   double residual = 0;
-  double distance_mm = 0;        // estimated distance to equilibrium: largest nodal move of the last preconditioned step
+  double distance_mm = 0;        // estimated distance to equilibrium of the node that is farthest off (distance_estimate.h): good to a factor of 3.3 in nine frames of ten
   double energy_uJ = 0;
   bool converged = false;        // residual <= tolerance
   bool preconditioner_pending = false;

@@ -85,12 +85,20 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
     order[c] = {tile << 40 | uint64_t(x) << 26 | uint64_t(y) << 12 | uint64_t(z), int32_t(c)};
   }
   std::sort(order.begin(), order.end());
+  // Cells that are absent (scale 0: a region's outside) come last and are in no tile.
+  const auto absent = std::stable_partition(order.begin(), order.end(), [&](const Key& k) { return m.cells[size_t(k.index)].scale > 0; });
+  const size_t present = size_t(absent - order.begin());
 
   data_.cells.resize(nc);
   slot_of_cell_.resize(nc);
   std::vector<int32_t> local(n, -1);  // local index in the open tile, or below its first slot: not there yet
   Tile tile;
-  for (size_t k = 0; k < nc; ++k) {
+  for (size_t k = present; k < nc; ++k) {
+    slot_of_cell_[size_t(order[k].index)] = int32_t(k);
+    data_.cells[k] = {};
+    data_.cells[k].stencil = m.cells[size_t(order[k].index)].stencil;
+  }
+  for (size_t k = 0; k < present; ++k) {
     const int32_t c = order[k].index;
     const HexCell& from = m.cells[size_t(c)];
     const int count = int(k) - tile.first_cell;
@@ -109,8 +117,8 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
       to.node[a] = uint16_t(local[node] - tile.first_slot);
     }
   }
-  tile.last_cell = int32_t(nc), tile.last_slot = int32_t(data_.slot_node.size());
-  if (nc) data_.tiles.push_back(tile);
+  tile.last_cell = int32_t(present), tile.last_slot = int32_t(data_.slot_node.size());
+  if (present) data_.tiles.push_back(tile);
 
   data_.node_slots_begin.assign(n + 1, 0);
   for (int32_t node : data_.slot_node) ++data_.node_slots_begin[size_t(node) + 1];

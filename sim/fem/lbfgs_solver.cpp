@@ -102,6 +102,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   metric_.set_model(model_, cell_parent);
   force_scale_ = 0, since_update_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
+  distance_.forget();
   publish();
 }
 
@@ -244,7 +245,7 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
       history_.push(engine_);
       u_.swap(u_try_), g_.swap(g_try_);
       value = t;
-      last_move_mm_ = alpha * engine_.max_node(d_);
+      distance_.moved(u_);
       return Search::moved;
     }
     alpha *= next;
@@ -299,7 +300,6 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   if (remember) u_start = u_, velocity_start = velocity_;
 
   StepReport report;
-  last_move_mm_ = 0;
   Value value = evaluate(u_, g_, true);
   if (!inertia_.empty()) start_where_inertia_leads(value);
   if (!value.finite() || !engine_.all_finite(g_)) {  // nothing can be saved from such a state but the rest shape
@@ -346,11 +346,8 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   report.residual = relative_residual();
   const bool tangled = report.residual > tangled_residual && elements_->inverted() > tangled_cells * double(elements_->cells());
   tangled_iterations_ = tangled && !untangling_ ? tangled_iterations_ + report.iterations : 0;
-  if (report.iterations == 0) {
-    metric(g_, d_);
-    last_move_mm_ = engine_.max_node(d_);
-  }
-  report.distance_mm = last_move_mm_;
+  history_.direction(g_, d_, metric, engine_);
+  report.distance_mm = distance_(u_, engine_.max_node(d_));
   report.energy_uJ = value.energy + elements_->energy_to_primal();
   report.converged = s.tolerance > 0 && report.residual <= s.tolerance;
   report.preconditioner_pending = metric_.pending();
@@ -383,6 +380,7 @@ void LbfgsSolver::set_displacement_mm(std::span<const Vec3f> u) {
   velocity_.zero(), before_s_ = 0;
   tangled_iterations_ = 0, untangling_ = false;
   history_.clear();
+  distance_.forget();
   publish();
 }
 
@@ -431,6 +429,7 @@ void LbfgsSolver::restore(const SolverState& s) {
   viscous_.restore(s.memory);
   history_.clear();
   tangled_iterations_ = 0, untangling_ = false;
+  distance_.forget();
   publish();
 }
 

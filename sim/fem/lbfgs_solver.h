@@ -25,6 +25,7 @@
 #include <vector>
 
 #include "sim/fem/contact_forces.h"
+#include "sim/fem/distance_estimate.h"
 #include "sim/fem/elastic_solver.h"
 #include "sim/fem/element_system.h"
 #include "sim/fem/lbfgs.h"
@@ -98,10 +99,10 @@ class LbfgsSolver final : public ElasticSolver {
   std::vector<float> inertia_;         // per node, mN/mm; empty in a quasi-static step
   double force_scale_ = 0;             // sqrt(sum_nodes (sum of force magnitudes)^2), of the last measuring evaluate
   double force_floor_ = 0;             // the same for a strain of 1e-3, so that a block at rest has a scale too
-  double last_move_mm_ = 0;
   int tangled_iterations_ = 0;         // spent in steps that ended in a tangle, without a better one between
   bool untangling_ = false;
   int untangling_iterations_ = 0;
+  DistanceEstimate distance_;
   int since_update_ = 0;               // accepted iterates since the multipliers changed
   std::vector<Vec3f> shown_;
 };

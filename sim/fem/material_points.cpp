@@ -38,7 +38,7 @@ MaterialPoints::MaterialPoints(const FemModel& m) : laws_(m.laws) {
   std::vector<std::array<int32_t, 8>> nodes;
   for (const HexCell& c : m.cells) {
     const auto [first, last] = of_stencil[size_t(c.stencil)];
-    if (first == last) continue;
+    if (first == last || c.scale == 0) continue;
     cells_.push_back({c.node, first, last, double(c.scale)});
     nodes.push_back(c.node);
   }

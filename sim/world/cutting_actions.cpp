@@ -3,6 +3,7 @@
 
 #include "sim/error.h"
 #include "sim/hash.h"
+#include "sim/lattice/region.h"
 #include "sim/lattice/embedding.h"
 #include "sim/cutting/stroke_plan.h"
 #include "sim/world/operating_table.h"
@@ -205,7 +206,7 @@ Outcome OperatingTable::rebuild() {
   try {
     next.lattice = std::move(followed_);
     const EarlierModel before{*version_.lattice, *version_.model};
-    next.model = assemble_fem(*stencils_, *next.lattice, &before);
+    next.model = hold_outside(assemble_fem(*stencils_, *next.lattice, &before), *body_, spec_.region_mm);
     make_surface(next);
   } catch (const InputError& e) {
     return {false, e.what()};

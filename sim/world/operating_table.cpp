@@ -7,6 +7,7 @@
 #include "sim/hash.h"
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/grid_fit.h"
+#include "sim/lattice/region.h"
 
 namespace limberg {
 namespace {
@@ -22,7 +23,7 @@ OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
   const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm, front_levels);
   stencils_ = std::make_unique<StencilTable>(skin_, grid);
   version_.lattice = build_topology(grid, material_surface(*arrangement_), front_levels);
-  version_.model = assemble_fem(*stencils_, *version_.lattice);
+  version_.model = hold_outside(assemble_fem(*stencils_, *version_.lattice), *body_, spec_.region_mm);
   make_surface(version_);
   initial_volume_mm3_ = volume_mm3_ = arrangement_->volume_mm3();
   if (!spec_.can_cut) arrangement_.reset();

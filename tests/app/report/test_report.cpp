@@ -23,7 +23,7 @@ const char* const kFull = R"({
 "parts": ["cutter", "elasticity"], "memory_mb": 300, "reproduce": "limberg replay recordings/rhomboid.lcm --lockstep",
 "device": {"ticks": 60500, "late_ticks": 3, "events_lost": 0, "wake_us": {"p50": 20, "p99": 80, "p999": 300, "max": 5000},
            "work_us": {"p50": 10, "p99": 40, "p999": 60, "max": 90}},
-"solver": {"steps": 3630, "step_ms": {"p50": 8, "p95": 10, "p99": 12, "max": 40}, "residual": 3.2e-5},
+"solver": {"steps": 3630, "step_ms": {"p50": 8, "p95": 10, "p99": 12, "max": 40}, "residual": 3.2e-5, "distance_mm": 0.0123},
 "render": {"frames": 900, "frame_ms": {"p50": 20, "p95": 28, "p99": 35, "max": 70}},
 "latency_ms": {"sample_to_snapshot": {"p50": 12, "p99": 24}, "sample_to_frame": {"p50": 40, "p99": 90}},
 "metrics": {"pieces": 1, "volume_mm3": 900, "removed_volume_mm3": 100, "initial_volume_mm3": 1000, "closure_force_N": 7.25,
@@ -34,6 +34,8 @@ const char* const kFull = R"({
 "series": {"t_s": [0, 1, 2, 3], "residual": [0.1, null, 1e-3, 3.2e-5]},
 "balance": {"hooks_N": [0.1, 0, 0], "supports_N": [-0.1, 0.001, 0], "sum_N": [0, 0.001, 0], "relative": 0.005},
 "convergence": [{"cell_mm": 5, "closure_force_N": 6.5, "dog_ear_mm": 1.6}, {"cell_mm": 3.5, "closure_force_N": 7.25, "dog_ear_mm": 1.9}],
+"discretisation": {"closure_force_N": {"value": 7.25, "error": 0.3, "order": 1.4, "extrapolated": 7.0, "asymptotic": true, "says": "observed order 1.4"},
+                   "dog_ear_mm": {"value": 1.9, "error": 0.9, "asymptotic": false, "says": "swings from size to size: not in the asymptotic range"}},
 "script": [{"action": "excise", "depth_mm": 4}, "{\"action\":\"stage\",\"name\":\"excised\"}"]
 })";
 
@@ -70,7 +72,8 @@ TEST_F(Report, HoldsTheFigures) {
   const std::string h = make(kFull);
   for (const char* text : {"Rhomboid", "Closed with 3 sutures", "7.25\u202fN", "2.75\u202fN", "0.12\u202fmm", "3.2\u202f×\u202f10⁻⁵", "The plug is out.", "p99.9", "60500 device ticks",
                            "3 late by more than", "excise", "limberg replay recordings/rhomboid.lcm", "00ff00ff00ff00ff", "Some CPU", "0.1.0", "Larrabee", "something_new_kPa",
-                           "0.5\u202f% of the sum", "(+0.75)", "Tension map"})
+                           "0.5\u202f% of the sum", "(+0.75)", "Tension map", "lattice ± 0.3\u202fN, order 1.4", "lattice ± 0.9\u202fmm, not yet settled", "0.012\u202fmm", "from equilibrium",
+                           "swings from size to size"})
     EXPECT_NE(h.find(text), std::string::npos) << text;
   EXPECT_EQ(count(h, "data:image/png;base64,"), 3u);
   EXPECT_EQ(count(h, "<svg"), 2u);
@@ -116,7 +119,7 @@ TEST_F(Report, AbsentFieldsAreAbsent) {
 TEST_F(Report, WrongKindsAreLeftOut) {
   // Every field of the full example replaced in turn by something of another kind: never a crash, always well formed.
   for (const char* name : {"limberg", "command", "scene", "machine", "mode", "device", "solver", "render", "latency_ms", "metrics", "stages", "series", "balance",
-                           "convergence", "script", "reproduce", "parts", "pictures", "damage", "lattice", "ok", "duration_s"})
+                           "convergence", "discretisation", "script", "reproduce", "parts", "pictures", "damage", "lattice", "ok", "duration_s"})
     for (const char* value : {"null", "7", "-1e308", "\"x\"", "[]", "[1,[2],{}]", "{}", "{\"sutures\":{}}", "[[[]]]", "true"})
       make("{\"" + std::string(name) + "\": " + value + "}");
   make(R"({"metrics":{"sutures":[7,null,{"id":{},"force_N":"x","gap_mm":null}]},"series":{"t_s":[1],"residual":[-1,0,1e308,1e-308,5]},"balance":{"a":[1,2,"x"]}})");

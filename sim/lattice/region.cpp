@@ -1,0 +1,26 @@
+#include "sim/lattice/region.h"
+
+#include <algorithm>
+
+namespace limberg {
+
+std::shared_ptr<const FemModel> hold_outside(std::shared_ptr<const FemModel> model, const Body& body, double radius_mm) {
+  if (!(radius_mm > 0)) return model;
+  auto m = std::make_shared<FemModel>(*model);
+  const Vec3 axis = body.chart_normal().normalized();
+  std::vector<uint8_t> out(m->X_mm.size(), 0);
+  for (size_t i = 0; i < out.size(); ++i) {
+    const Vec3 d = m->X_mm[i] - body.chart_origin_mm;
+    out[i] = (d - d.dot(axis) * axis).squaredNorm() > radius_mm * radius_mm;
+  }
+  for (const HangingNode& h : m->hanging)  // held where its masters are
+    out[size_t(h.node)] = std::all_of(h.master.begin(), h.master.begin() + h.count, [&](int32_t n) { return out[size_t(n)] != 0; });
+  for (size_t i = 0; i < out.size(); ++i)
+    if (out[i]) m->fixed[i] = 1;
+  for (const HangingNode& h : m->hanging) m->fixed[size_t(h.node)] = 0;
+  for (HexCell& c : m->cells)
+    if (std::all_of(c.node.begin(), c.node.end(), [&](int32_t n) { return out[size_t(n)] != 0; })) c.scale = 0;
+  return m;
+}
+
+}  // namespace limberg

@@ -1,0 +1,17 @@
+#pragma once
+// The region of interest of a scene: tissue outside it is part of the body (seen, cut, undone) but holds still and is no work
+// for the solver.
+//
+// A node farther than the radius from the axis through the chart's origin along its normal is held; a cell of nothing but
+// such nodes has scale 0, and ElementSystem leaves such cells out. So the solution is that of the region with a held rim.
+#include <memory>
+
+#include "sim/fem/fem_model.h"
+#include "sim/geometry/body.h"
+
+namespace limberg {
+
+/// `radius_mm` <= 0: the model as it is.
+std::shared_ptr<const FemModel> hold_outside(std::shared_ptr<const FemModel> model, const Body& body, double radius_mm);
+
+}  // namespace limberg

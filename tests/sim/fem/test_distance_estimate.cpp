@@ -1,0 +1,69 @@
+// The distance to equilibrium that a step states, against the equilibrium that steps lead to.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/fem/box_model.h"
+#include "sim/fem/elastic_solver.h"
+#include "tests/sim/fem/models.h"
+
+namespace limberg {
+namespace {
+
+// Jumps and small moves of a hook, at frames of 5, 10 and 20 iterations. The factor is that of distance_estimate.h, with room for so
+// few frames (`limberg bench verification` measures it on the shipped operations too).
+TEST(DistanceEstimate, NineFramesOfTenAreWithinAFactorOfFour) {
+  InlineWorkers workers;
+  test::Random random(3);
+  std::vector<double> off;
+  for (int iterations : {5, 10, 20}) {
+    BenchScene s = bench_scene(16, 2, 0.45);
+    const auto solver = make_solver(workers);
+    solver->set_model(std::make_shared<FemModel>(s.model), {});
+    const Vec3 rest = s.springs.back().target_mm;
+    for (double size : {20.0, 3.0}) {
+      s.springs.back().target_mm = rest + random.vector(size) + Vec3(0, 0, size);
+      solver->set_springs(s.springs);
+      StepSettings set;
+      set.max_iterations = iterations, set.tolerance = 2e-6;
+      std::vector<std::vector<Vec3f>> u;
+      std::vector<double> stated;
+      for (int k = 0; k < 60; ++k) {
+        const StepReport r = solver->step(set);
+        u.emplace_back(solver->displacement_mm().begin(), solver->displacement_mm().end()), stated.push_back(r.distance_mm);
+        if (r.converged) break;
+      }
+      for (size_t k = 0; k + 1 < u.size(); ++k) {
+        double truth = 0;
+        for (size_t i = 0; i < u[k].size(); ++i) truth = std::max(truth, double((u[k][i] - u.back()[i]).norm()));
+        if (truth > 2e-3) off.push_back(std::fabs(std::log(stated[k] / truth)));
+      }
+    }
+  }
+  ASSERT_GT(off.size(), 20u);
+  std::sort(off.begin(), off.end());
+  const double factor = std::exp(off[off.size() * 9 / 10]);
+  RecordProperty("factor", std::to_string(factor));
+  EXPECT_LT(factor, 4) << "of " << off.size() << " frames";
+}
+
+TEST(DistanceEstimate, IsNothingAtRestAndAfterUndo) {
+  InlineWorkers workers;
+  BoxSpec b;
+  b.fix_bottom = true;
+  const auto solver = make_solver(workers);
+  solver->set_model(std::make_shared<FemModel>(box_model(b)), {});
+  EXPECT_LT(solver->step({}).distance_mm, 1e-12);
+  const SolverState rest = solver->save();
+  Spring hook;
+  hook.id = 1, hook.to_world = true, hook.a = embed(solver->model(), {0, 0, 10}), hook.target_mm = {0, 0, 20};
+  solver->set_springs(std::span(&hook, 1));
+  EXPECT_GT(solver->step({}).distance_mm, 0.01);
+  solver->set_springs({});
+  solver->restore(rest);
+  EXPECT_LT(solver->step({}).distance_mm, 1e-6);
+}
+
+}  // namespace
+}  // namespace limberg
