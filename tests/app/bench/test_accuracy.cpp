@@ -53,8 +53,8 @@ TEST(Accuracy, ASmallSceneGivesAFrontAndAPoint) {
     EXPECT_LE(t.error_mm, 1.001 * (t.lattice_mm + t.behind_mm));  // the triangle inequality of root mean squares
     chosen += t.chosen, front += t.pareto;
     for (const auto& o : r.trials) EXPECT_FALSE(t.pareto && o.frame_ms < t.frame_ms && o.error_mm < t.error_mm);
-    if (t.chosen)
-      for (const auto& o : r.trials) EXPECT_LE(t.error_mm, 1.05 * o.error_mm);  // all fit such a budget
+    for (const auto& o : r.trials)
+      if (t.chosen) { EXPECT_LE(t.error_mm, 1.05 * o.error_mm); }  // all fit such a budget
   }
   EXPECT_EQ(chosen, 1);
   EXPECT_GT(front, 0);
