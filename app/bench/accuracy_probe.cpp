@@ -12,7 +12,7 @@
 namespace limberg::bench {
 namespace {
 
-constexpr double near_mm = 40, lift_mm = 6, aside_mm = 6;
+constexpr double near_mm = 40, hook_mm = 5, lift_mm = 6, aside_mm = 6;
 
 /// mu A of fem_model.h, the mean over the cell, as mu and M with A = M M^T, det M = 1.
 struct MeanShape {
@@ -60,11 +60,12 @@ Probe make_probe(const Scene& scene, std::shared_ptr<const Body> body, double ce
     if (size_t(i) >= count.size()) count.resize(size_t(i) + 1, 0);
     ++count[size_t(i)];
   }
+  // Right at the hook there is no limit to compare with: a point that is pulled gives the more, the finer the cells.
   double best = 1e300;
   for (size_t v = 0; v < skin.size(); ++v) {
     if (!skin[v]) continue;
     const double d = (t.view.X_mm[v] - at).norm();
-    if (count[size_t(t.view.point[v])] == 1 && d < near_mm) p.X_mm.push_back(t.view.X_mm[v]), p.place.push_back(t.embedding[v]);
+    if (count[size_t(t.view.point[v])] == 1 && d < near_mm && d > hook_mm) p.X_mm.push_back(t.view.X_mm[v]), p.place.push_back(t.embedding[v]);
     if (d < best) best = d, p.hook.a = t.embedding[v], p.hook.target_mm = t.view.X_mm[v];
   }
   p.hook.id = 1, p.hook.to_world = true, p.hook.k_N_per_mm = scene.hook_N_per_mm;

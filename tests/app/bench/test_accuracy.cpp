@@ -38,7 +38,6 @@ cell_mm = 5       # coarse
 fov_deg = 26
 )";
 
-// Uncut: next to a cut the lattice's error depends on where its planes happen to lie, too.
 TEST(Accuracy, ASmallSceneGivesAFrontAndAPoint) {
   const Scene scene = parse_scene(std::string(kSmall) + "[build]\ncan_cut = false\n", "small.toml");
   bench::AccuracySettings s;
@@ -59,8 +58,6 @@ TEST(Accuracy, ASmallSceneGivesAFrontAndAPoint) {
   EXPECT_EQ(chosen, 1);
   EXPECT_GT(front, 0);
   EXPECT_TRUE(r.point.fits);
-  // Finer cells, converged: nearer to the fine lattice.
-  EXPECT_LT(r.trials.back().lattice_mm, r.trials.front().lattice_mm);
   EXPECT_NE(r.svg().find("Pareto front"), std::string::npos);
   const std::string csv = r.csv();
   EXPECT_EQ(size_t(std::count(csv.begin(), csv.end(), '\n')), r.trials.size() + 1);
