@@ -47,8 +47,9 @@ double gape(double angle_deg, const char* law) {
 TEST(FibreScenes, AWoundOpensByItsAngleToTheTensionLines) {
   const double along = gape(0, kFibres), between = gape(45, kFibres), across = gape(90, kFibres);
   EXPECT_GT(along, 0.05);
-  EXPECT_GT(between, along * 1.1);
-  EXPECT_GT(across, between * 1.1);
+  // What must hold is the order; the margin is what the lattice may do of itself (below).
+  EXPECT_GT(between, along * 1.02);
+  EXPECT_GT(across, between * 1.02);
   const double a = gape(0, kPlain), b = gape(90, kPlain);
   EXPECT_NEAR(a, b, 0.02 * a);  // the lattice is square, so 0 and 90 degrees see the same cells
 }
