@@ -92,7 +92,7 @@ ViscousPoints::Shape ViscousPoints::shape_stress(const Point& p, const Mat83& U)
   return r;
 }
 
-void ViscousPoints::carry(const ViscousPoints& before, std::span<const int32_t> parent, const NodeArray& u) {
+void ViscousPoints::carry(const ViscousPoints& before, const ParentList& parent, const NodeArray& u) {
   if (empty()) return;
   relax(u);
   for (const Cell& c : cells_) {

@@ -23,6 +23,7 @@
 #include "sim/fem/cell_scatter.h"
 #include "sim/fem/kernels/kernels.h"
 #include "sim/fem/fem_model.h"
+#include "sim/parent_list.h"
 
 namespace limberg::fem {
 
@@ -33,7 +34,7 @@ class ViscousPoints {
   bool empty() const { return cells_.empty(); }
 
   /// The branches of the model before, by cell_parent and law; what is new starts relaxed at u (of this model).
-  void carry(const ViscousPoints& before, std::span<const int32_t> cell_parent, const NodeArray& u);
+  void carry(const ViscousPoints& before, const ParentList& cell_parent, const NodeArray& u);
 
   void begin_step(double dt_s);             // dynamic
   bool in_step() const { return in_step_; }
