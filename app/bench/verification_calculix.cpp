@@ -155,8 +155,9 @@ std::vector<Vec3> ours(double h, double load, bool own, size_t& nodes, bool& con
     }
     // Shape at the Gauss points, volume once: the scenes' integration rule. The law is complete; its own volume part is made negligible.
     m.laws.push_back(neo_hookean_isochoric_full(c.mu, 1e-9 * c.mu));
-    m.stencils.push_back(fem::law_stencil(m.cell_mm, int32_t(m.laws.size()) - 1, *m.laws.back(), c.bulk));
-    m.stencils.back().p0_kPa = 0;
+    Stencil stencil = fem::law_stencil(m.cell_mm, int32_t(m.laws.size()) - 1, *m.laws.back(), c.bulk);
+    stencil.p0_kPa = 0;
+    m.stencils.push_back(stencil);
   }
   for (HexCell& c : m.cells) c.stencil = m.X_mm[size_t(c.node[0])][2] > height - skin - 1e-9;
   std::vector<double> area(m.X_mm.size(), 0);

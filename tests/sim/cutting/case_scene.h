@@ -146,7 +146,7 @@ class CaseScene {
       ASSERT_EQ(a.full_hash(), steps_[i].after);
     }
   }
-  uint64_t signature() const { return a.full_hash() ^ t->hash * 0x9e3779b97f4a7c15ull; }
+  uint64_t signature() const { return a.full_hash() ^ t->hash() * 0x9e3779b97f4a7c15ull; }
 
   // --- What the cases ask -------------------------------------------------------------------------------------------
   std::vector<int32_t> walls() const {

@@ -14,7 +14,7 @@ class GivenSolver final : public ElasticSolver {
  public:
   std::vector<float> J{1.0f, 0.5f, -0.25f, 1.1f};
   Vec3 support{0, 0, 0};
-  void set_model(std::shared_ptr<const FemModel>, std::span<const int32_t>) override {}
+  void set_model(std::shared_ptr<const FemModel>, const ParentList&) override {}
   void set_springs(std::span<const Spring>) override {}
   void set_contacts(std::span<const Contact>) override {}
   StepReport step(const StepSettings&) override { return {}; }

@@ -166,7 +166,7 @@ TEST(Viscous, StatesComeBackAndAreCarriedOn) {
     for (int n = 0; n < 5; ++n) solver->step(dynamic(0.1));
     if (new_model) {
       FemModel again = m;
-      for (size_t i = 0; i < again.parent.size(); ++i) again.parent[i] = int32_t(i);
+      again.parent = ParentList::identity(again.parent.size());
       solver->set_model(std::make_shared<FemModel>(again), test::identity_parents(m));
       solver->set_springs(grips(m, 1.2, 0.9));
     }
