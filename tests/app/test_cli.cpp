@@ -105,7 +105,7 @@ TEST_F(Cli, WrongCalls) {
   expect_refused("dance", {"expected"});
   expect_refused("replay", {"RECORDING"});
   expect_refused("replay a.lcm --lockstep --realtime", {"expected"});
-  expect_refused("bench nothing", {"nothing", "expected speed"});
+  expect_refused("bench nothing", {"nothing", "expected accuracy"});
   expect_refused("run rhomboid --device telepathy", {"telepathy", "expected"});
   expect_refused("operate rhomboid x.jsonl --cell-mm -1", {"cell-mm"});
   expect_refused("check x --workers 0", {"workers"});

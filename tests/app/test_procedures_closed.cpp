@@ -1,12 +1,17 @@
 // Every procedure of the repertoire, carried out with its own settings on a patch of skin: it closes and comes to rest.
 #include <gtest/gtest.h>
 
+#include <ostream>
+
 #include "app/metrics.h"
 #include "app/operation.h"
 #include "sim/tools/procedures/catalogue.h"
 #include "sim/tools/procedures/operation.h"
 
 namespace limberg {
+
+void PrintTo(const Procedure& p, std::ostream* to) { *to << p.name; }  // the test's name for it
+
 namespace {
 
 class Repertoire : public testing::TestWithParam<Procedure> {};
