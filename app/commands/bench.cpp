@@ -78,11 +78,18 @@ void fill(Result& out, const bench::Result& b) {
   for (size_t i = 0; i < b.notes.size(); ++i) out.set("/notes/" + std::to_string(i), b.notes[i]);
 }
 
+/// "a, b or c"
+std::string any_of(const std::vector<std::string>& names) {
+  std::string s;
+  for (size_t i = 0; i < names.size(); ++i) s += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
+  return s;
+}
+
 int run(const Options& o) {
   o.common.prepare();
   const std::vector<std::string> suites = {"accuracy", "cutting", "features", "fuzz", "laws", "simplex", "speed", "stability", "verification"};
   if (std::find(suites.begin(), suites.end(), o.suite) == suites.end())
-    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected accuracy, cutting, features, fuzz, laws, simplex, speed, stability or verification");
+    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected " + any_of(suites));
   if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
   if (!o.scene.empty() && o.suite != "accuracy" && o.suite != "features") throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
   Progress progress("bench " + o.suite);

@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 
+#include "app/bench/cpu_clock.h"
 #include "app/commands/commands.h"
 #include "app/output.h"
 #include "app/progress.h"
@@ -24,12 +24,6 @@ struct Options {
   bool has_iso = false;
   CommonOptions common;
 };
-
-double cpu_seconds() {
-  timespec t;
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return double(t.tv_sec) + double(t.tv_nsec) * 1e-9;
-}
 
 /// An ellipsoid that nearly fills the volume.
 simplex::Mesh start(const Volume& v) {
@@ -62,9 +56,9 @@ int run(const Options& o) {
   };
   WorkersPool workers(o.common.worker_count());
   simplex::Mesh m = start(v);
-  const double t0 = cpu_seconds();
+  const double start_ms = bench::cpu_ms();
   const FitReport r = fit(m, v, s, workers);
-  const double cpu_s = cpu_seconds() - t0;
+  const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
   write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m));
   const simplex::Census c = simplex::census(m);

@@ -43,7 +43,7 @@ Result result_of(const study::Family& f, const std::vector<study::Row>& rows, si
   for (size_t i = 0; i < rows.size(); ++i)
     for (const auto& [name, v] : rows[i].figures) r.set("/rows/" + std::to_string(i) + "/" + name, v);
   for (size_t i = 0; i < rows.size(); ++i)
-    if (rows[i].shown) {
+    if (!rows[i].title.empty()) {
       const std::string p = "/stages/" + std::to_string(i);
       r.set(p + "/name", rows[i].title);
       r.set(p + "/picture", report_names::stage_picture(int(i) + 1, rows[i].title));
@@ -116,8 +116,8 @@ int run(const Options& o) {
       result_of(f, rows, members.size()).write(o.common.out_dir + "/result.json");
       leave_files(f, rows, o.common.out_dir);
       if (rows.back().shown) draw_member_picture(o.common.out_dir, int(rows.size()), rows.back().title, *rows.back().shown);
-      rows.back().shown = rows.back().shown ? std::make_shared<Snapshot>() : nullptr;  // drawn: its memory is not needed
     }
+    rows.back().shown.reset();  // drawn
   }
   if (rows.empty()) {
     say("interrupted; nothing was written");

@@ -12,6 +12,7 @@
 
 #include "app/metrics.h"
 #include "app/operation.h"
+#include "app/study/wound.h"
 #include "sim/measure/skin_shape.h"
 #include "sim/measure/skin_strain.h"
 #include "sim/tools/procedures/catalogue.h"
@@ -21,7 +22,7 @@ namespace limberg::study {
 
 namespace {
 
-constexpr double kSkin_mm = 1.5, kBlock_mm = 10, kFatShare = 0.8, kSkinCell_mm = 1.2, kDeg = 180 / std::numbers::pi;
+constexpr double kBlock_mm = 10, kSkinCell_mm = 1.2, kDeg = 180 / std::numbers::pi;
 
 /// An operation done: the patient's figures and what it looks like.
 struct Done {
@@ -48,12 +49,7 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   b.size_mm = {patch.side_mm, patch.side_mm, kBlock_mm};
   b.skin_cell_mm = kSkinCell_mm;
   b.tension_direction = {0, 1, 0};
-  Material skin, fat;
-  skin.young_kPa = 60, fat.young_kPa = 15;
-  skin.poisson = fat.poisson = 0.45;
-  skin.prestretch_along = skin.prestretch_across = 1 + patch.prestretch_percent / 100;
-  fat.prestretch_along = fat.prestretch_across = 1 + kFatShare * patch.prestretch_percent / 100;
-  b.layers = {{"skin", kSkin_mm, skin}, {"fat", kBlock_mm - kSkin_mm, fat}};
+  b.layers = skin_on_fat(kBlock_mm, patch.prestretch_percent);
   WorldSpec spec;
   spec.body = std::make_shared<Body>(make_block(b));
   spec.cell_mm = patch.cell_mm;
@@ -259,14 +255,12 @@ Row run_fusiform(const Values& v, const Run& with) {
   const Done d = carry_out_on({std::max(120.0, W * v[0] + 60), v[1], v[2], 10}, f, with);
   const Seam& s = f.seams[0];
   const double left = d.height_mm(place(f, s.a_from), W / 2), right = d.height_mm(place(f, s.a_to), W / 2);
+  double drawn = 0;  // vertex angle: the larger tip's charge
+  for (const Charge& c : charges(f)) drawn = std::max(drawn, c.q_deg);
   const double L = W * v[0], vertex = 4 * std::atan(1 / v[0]), R = (L * L + W * W) / (4 * W);
   Row r;
   r.figures = {{"ratio", v[0]}, {"prestretch", v[1]}, {"cell_mm", v[2]},
-               {"vertex_deg", charges(f).empty() ? 0 : [&] {
-                  double q = 0;
-                  for (const Charge& c : charges(f)) q = std::max(q, c.q_deg);
-                  return q;
-                }()},
+               {"vertex_deg", drawn},
                {"vertex_form_deg", vertex * kDeg}, {"scar_mm", length_mm(bank(f, s.a_from, s.a_to, true))}, {"scar_form_mm", R * vertex},
                {"ear_mm", std::max(left, right)}};
   add_common(r, d);

@@ -15,9 +15,8 @@ namespace {
 
 enum : size_t { kAngle, kPrestretch, kCell, kLength, kDepth, kRefine };
 
-// The body as in the shipped scenes: 1.5 mm of skin, 8.5 mm of fat that is stretched 0.8 times as much (septa tie it to the
-// skin); the sides are three wounds apart, where a slit's field has fallen to a tenth.
-constexpr double kSkin_mm = 1.5, kBlock_mm = 10, kFatShare = 0.8, kSkinCell_mm = 1.1;  // about: an odd number of them too
+// The sides are three wounds apart, where a slit's field has fallen to a tenth.
+constexpr double kBlock_mm = 10, kSkinCell_mm = 1.1;  // about: an odd number of them too
 
 double odd_multiple(double cell, double about) {
   const int n = int(std::lround(about / cell));
@@ -30,12 +29,7 @@ Row run(const Values& v, const Run& with) {
   const double side = odd_multiple(v[kCell], std::max(80.0, 3 * v[kLength]));
   b.size_mm = {side, side, kBlock_mm};
   b.skin_cell_mm = side / std::round(odd_multiple(kSkinCell_mm, side) / kSkinCell_mm);
-  Material skin, fat;
-  skin.young_kPa = 60, fat.young_kPa = 15;
-  skin.poisson = fat.poisson = 0.45;
-  skin.prestretch_along = skin.prestretch_across = 1 + v[kPrestretch] / 100;
-  fat.prestretch_along = fat.prestretch_across = 1 + kFatShare * v[kPrestretch] / 100;
-  b.layers = {{"skin", kSkin_mm, skin}, {"fat", kBlock_mm - kSkin_mm, fat}};
+  b.layers = skin_on_fat(kBlock_mm, v[kPrestretch]);
   WorldSpec spec;
   spec.body = std::make_shared<Body>(make_block(b));
   spec.cell_mm = v[kCell];

@@ -30,8 +30,8 @@ using Values = std::vector<double>;
 struct Row {
   std::vector<std::pair<std::string, double>> figures;  // the set values first
   ChartSeries profile;  // a curve of this member for the family's charts; may be empty
-  std::string title;    // of its picture
-  std::shared_ptr<const Snapshot> shown;  // what is pictured; may be null
+  std::string title;    // of its picture; empty: none is made
+  std::shared_ptr<const Snapshot> shown;  // what is pictured
   double at(const std::string& name) const;  // not a number when there is none
 };
 

@@ -6,6 +6,17 @@
 
 namespace limberg::study {
 
+std::vector<Layer> skin_on_fat(double thickness_mm, double prestretch_percent) {
+  constexpr double kSkin_mm = 1.5, kFatShare = 0.8;
+  Material skin, fat;
+  skin.young_kPa = 60, fat.young_kPa = 15;
+  skin.poisson = fat.poisson = 0.45;
+  skin.prestretch_along = skin.prestretch_across = 1 + prestretch_percent / 100;
+  fat.prestretch_along = fat.prestretch_across = 1 + kFatShare * prestretch_percent / 100;
+  return {{"skin", kSkin_mm, skin}, {"fat", thickness_mm - kSkin_mm, fat}};
+}
+
+
 namespace {
 
 

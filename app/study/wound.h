@@ -7,6 +7,10 @@
 
 namespace limberg::study {
 
+/// The layers of the flaps' and gape studies, as in the shipped scenes: 1.5 mm of skin at 60 kPa, and fat at 15 kPa down to
+/// thickness_mm that is stretched 0.8 times as much (septa tie it to the skin); alike in all directions.
+std::vector<Layer> skin_on_fat(double thickness_mm, double prestretch_percent);
+
 /// One bank of a wound at a station: where its skin edge lies at rest and now, mm.
 struct Bank {
   Vec3 X_mm = Vec3::Zero(), x_mm = Vec3::Zero();

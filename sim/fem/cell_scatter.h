@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "sim/fem/kernels/kernels.h"
 #include "sim/fem/simd.h"
 #include "sim/geometry/vec.h"
 #include "sim/workers.h"
@@ -10,6 +11,23 @@
 namespace limberg::fem {
 
 using CellForce = Eigen::Matrix<float, 4, 8>;  // per corner: x, y, z and the norm
+
+/// A cell's share of its nodes' forces: `f` (one row per corner) times the cell's scale.
+inline CellForce cell_force(const Eigen::Matrix<double, 8, 3>& f, double scale) {
+  CellForce out;
+  for (int a = 0; a < 8; ++a) {
+    const Vec3 v = scale * f.row(a).transpose();
+    out.col(a) << v.cast<float>(), float(v.norm());
+  }
+  return out;
+}
+
+/// In cell order.
+inline CellSums total(const std::vector<CellSums>& sums) {
+  CellSums all;
+  for (const CellSums& s : sums) all.energy += s.energy, all.magnitude += s.magnitude;
+  return all;
+}
 
 class CellScatter {
  public:

@@ -68,16 +68,11 @@ CellSums MaterialPoints::add(const NodeArray& u, NodeArray& g, bool measure, Wor
         f.noalias() += p.volume_mm3 * p.BM * r.P_kPa.transpose();
       }
       sums_[c] = {cell.scale * sums.energy, cell.scale * sums.magnitude};
-      for (int a = 0; a < 8; ++a) {
-        const Vec3 v = cell.scale * f.row(a).transpose();
-        force_[c].col(a) << v.cast<float>(), float(v.norm());
-      }
+      force_[c] = cell_force(f, cell.scale);
     }
   });
   scatter_.add(force_, g, measure, workers);
-  CellSums total;
-  for (const CellSums& s : sums_) total.energy += s.energy, total.magnitude += s.magnitude;
-  return total;
+  return total(sums_);
 }
 
 double points_force(const FemModel& m, const Stencil& s, const Vec3& cell_mm, const Gradients& u, Gradients& force) {

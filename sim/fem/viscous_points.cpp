@@ -152,16 +152,11 @@ CellSums ViscousPoints::add(const NodeArray& u, NodeArray& g, bool measure, Work
         f.noalias() += p.volume_mm3 * (p.BM * (p.G * r.P_kPa + F * B).transpose() - p.G * s * L1 * p.B * cofactor(grad).transpose());
       }
       sums_[c] = {cell.scale * sums.energy, cell.scale * sums.magnitude};
-      for (int a = 0; a < 8; ++a) {
-        const Vec3 v = cell.scale * f.row(a).transpose();
-        force_[c].col(a) << v.cast<float>(), float(v.norm());
-      }
+      force_[c] = cell_force(f, cell.scale);
     }
   });
   scatter_.add(force_, g, measure, workers);
-  CellSums total;
-  for (const CellSums& s : sums_) total.energy += s.energy, total.magnitude += s.magnitude;
-  return total;
+  return total(sums_);
 }
 
 void ViscousPoints::end_step(const NodeArray& u) {

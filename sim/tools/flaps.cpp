@@ -1,21 +1,12 @@
 #include "sim/tools/flaps.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "sim/error.h"
+#include "sim/tools/plan_numbers.h"
 
 namespace limberg {
 namespace {
-
-Vec2 turned(const Vec2& p, double deg) {
-  const double a = deg * std::numbers::pi / 180;
-  return {std::cos(a) * p.x() - std::sin(a) * p.y(), std::sin(a) * p.x() + std::cos(a) * p.y()};
-}
-double rounded(double v) {
-  const double r = std::round(v * 1000) / 1000;
-  return r == 0 ? 0 : r;  // no minus zero
-}
 
 // Writes the commands of one operation; points come in local units.
 class Writer {

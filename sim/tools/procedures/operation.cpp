@@ -9,11 +9,6 @@
 namespace limberg {
 namespace {
 
-double rounded(double v) {
-  const double r = std::round(v * 1000) / 1000;
-  return r == 0 ? 0 : r;
-}
-
 // The hull of discs of `margin` around all corners, counter-clockwise (Andrew 1979).
 std::vector<Vec2> pocket(const Figure& f, double margin) {
   std::vector<Vec2> p;

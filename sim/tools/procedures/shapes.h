@@ -4,15 +4,12 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/geometry/vec.h"
+#include "sim/tools/plan_numbers.h"
 
 namespace limberg::figures {
 
-inline Vec2 along(double deg) { return {std::cos(deg * std::numbers::pi / 180), std::sin(deg * std::numbers::pi / 180)}; }
-inline Vec2 turned(const Vec2& p, double deg) {
-  const Vec2 u = along(deg);
-  return {u.x() * p.x() - u.y() * p.y(), u.y() * p.x() + u.x() * p.y()};
-}
+using limberg::turned;
+inline Vec2 along(double deg) { return direction(deg); }
 /// Both ends included; `n` pieces.
 inline std::vector<Vec2> arc(const Vec2& centre, double radius, double from_deg, double to_deg, int n) {
   std::vector<Vec2> out;
