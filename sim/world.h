@@ -20,6 +20,7 @@
 
 namespace limberg {
 
+struct ContactCounts;  // contact/contact_counts.h
 struct FaultPlan;
 struct LatticeTopology;
 class Arrangement;
@@ -72,6 +73,7 @@ class World {
   int pieces() const;                  // connected pieces of the lattice
   int refused() const;                 // commands refused so far
   bool settled() const;                // every stitch is drawn tight
+  ContactCounts contact_counts() const;  // what contact has cost so far, counted
 
  private:
   struct Impl;

@@ -2,248 +2,267 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sim/error.h"
 
 namespace limberg {
 namespace {
 
-constexpr size_t kGrain = 128, kVertexGrain = 1024;
-constexpr double kOn_mm = 0.02;    // so near to a sheet a place lies on it
-constexpr double kBirth = 0.25;    // rate of a new pair
-constexpr double kSlowest = 0.004;  // rate of a pair that swings to and fro
-constexpr double kNothing = 1e-4;  // a pair of this weight is left out: its force is below single precision
-constexpr std::array<double, 3> kMiddle{1.0 / 3, 1.0 / 3, 1.0 / 3};
+constexpr size_t kGrain = 32, kChunks = 4, kVertexGrain = 1024;  // places of a chunk, ...
+constexpr double kNothing = 1e-4;   // a pair of this weight is left out: its force is below single precision
+constexpr double kNear_mm = 0.3;    // clearance of pairs that may press within a few iterations
+constexpr double kTurn_mm = 0.08;   // less motion turns no surface by the angle that counts
+constexpr double kLeast_mm = 0.005; // pairs are looked at again after so much motion at least
+constexpr int kFresh = 4;           // turns in one spot that go all the way
+constexpr int kTired = 16;          // the last one
 
 Vec3 displaced(const EmbeddedPoint& e, std::span<const Vec3f> u) {
   Vec3 d = Vec3::Zero();
-  for (size_t i = 0; i < 8; ++i)
-    if (e.w[i] != 0) d += double(e.w[i]) * u[size_t(e.node[i])].cast<double>();
-  return d;
-}
-
-double weight(const EmbeddedPoint& e) {
   double sum = 0;
-  for (float w : e.w) sum += double(w);
-  return sum;
-}
-
-/// 0 up to `from`, 1 after `to`; value and slope are continuous.
-double smooth_step(double x, double from, double to) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
+  for (size_t i = 0; i < 8; ++i)
+    if (e.w[i] != 0) d += double(e.w[i]) * u[size_t(e.node[i])].cast<double>(), sum += double(e.w[i]);
+  return d / sum;
 }
 
 }  // namespace
 
-ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const Vec3& cell_mm, const ContactSettings& settings)
-    : surface_(std::move(surface)), settings_(settings), cell_mm_(std::cbrt(cell_mm.prod())),
-      tree_(surface_->X_mm, surface_->tri, surface_->sheets.of), neighbours_(surface_), x_(surface_->X_mm.size()) {
+ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model, const ContactSettings& settings)
+    : surface_(std::move(surface)), settings_(settings), cell_mm_(std::cbrt(model.cell_mm.prod())),
+      turn_cos_(std::cos(settings.turn_deg * std::numbers::pi / 180)), tree_(surface_->X_mm, surface_->tri, surface_->sheets.of),
+      neighbours_(surface_), motion_(*surface_, model), x_(surface_->X_mm.size()), looked_(surface_->place.size()) {
   Guess none;
   none.fill(-1);
   guess_.assign(surface_->place.size(), none);
-  found_.resize((surface_->place.size() + kGrain - 1) / kGrain);
-  before_.resize(found_.size());
+  chunk_.resize((surface_->place.size() + kGrain - 1) / kGrain);
+  counts_.places = surface_->place.size(), counts_.triangles = surface_->tri.size();
 }
 
-Vec3 ContactFinder::smooth_normal(int32_t t, const std::array<double, 3>& bary) const {
-  const ContactSurface& s = *surface_;
-  Vec3 n = Vec3::Zero();
-  for (size_t k = 0; k < 3; ++k) {
-    if (bary[k] == 0) continue;
-    Vec3 fan = Vec3::Zero();
-    for (int32_t i : s.sheets.triangles_of_fan(s.sheets.fan[size_t(t)][k])) {
-      const Tri& c = s.tri[size_t(i)];
-      fan += area_vector2(x_[size_t(c[0])], x_[size_t(c[1])], x_[size_t(c[2])]);
-    }
-    const double l = fan.norm();
-    if (l > 0) n += bary[k] / l * fan;
-  }
+Vec3 ContactFinder::facet(int32_t t, std::span<const Vec3f> u) const {
+  const Tri& c = surface_->tri[size_t(t)];
+  std::array<Vec3, 3> x;
+  for (size_t k = 0; k < 3; ++k) x[k] = surface_->X_mm[size_t(c[k])] + displaced(surface_->embedding[size_t(c[k])], u);
+  const Vec3 n = area_vector2(x[0], x[1], x[2]);
   const double l = n.norm();
-  return l > 1e-6 ? Vec3(n / l) : tree_.normal(t);
+  return l > 0 ? Vec3(n / l) : n;
 }
 
-/// Is p behind the sheet, or rather beyond its border or about to leave through a sheet beside it? 1: behind; 0: beyond.
-double ContactFinder::inside(const Neighbours::Place& self, const Vec3& p, const FacingTree::Foot& foot) {
-  const ContactSurface& s = *surface_;
-  const Vec3 apart = p - foot.point_mm;
-  const double wide = std::max(settings_.border_mm, 1.5 * std::abs(tree_.normal(foot.triangle).dot(apart)));
-  const auto across = [&](int32_t t, const Vec3& r) {  // what of r is not along the normal of t: none over its inner part
-    const Vec3& n = tree_.normal(t);
-    return (r - n.dot(r) * n).norm();
-  };
-  double weight = 1 - smooth_step(across(foot.triangle, apart), 0, wide);
-  if (weight == 0) return 0;
-  std::array<FacingTree::Foot, 12> beside;  // the nearest point of each other sheet; more never meet in one place
-  size_t count = 0;
-  tree_.near(p, wide, [&](int32_t t, const TrianglePoint& at, double d2) {
-    const int32_t sheet = s.sheets.of[size_t(t)];
-    size_t k = 0;
-    while (k < count && beside[k].sheet != sheet) ++k;
-    if (k == beside.size() || (k < count && (d2 > beside[k].distance_mm || (d2 == beside[k].distance_mm && t > beside[k].triangle)))) return;
-    if (sheet == foot.sheet || !neighbours_.other(self, t, s.rest_mm(t, at.bary), tree_.rest_normal(t))) return;
-    count = std::max(count, k + 1);
-    beside[k] = {t, sheet, at.point, at.bary, d2};
-  });
-  for (size_t k = 0; k < count; ++k) {
-    const Vec3 r = p - beside[k].point_mm;
-    const double d = std::sqrt(beside[k].distance_mm);
-    const double within = smooth_normal(beside[k].triangle, beside[k].bary).dot(r) < 0 ? d : 0;
-    // 1 where p is over or under the sheet itself; what is nearer than kOn_mm has no direction.
-    const double over = 1 - smooth_step(across(beside[k].triangle, r) / std::max(d, kOn_mm), 0.3, 0.7);
-    // A sheet that is not part of the same edge says something only to a place that lies on it: banks that still coincide.
-    const double counts = s.sheets.adjacent(beside[k].sheet, foot.sheet) ? 1 : 1 - smooth_step(d, kOn_mm, 5 * kOn_mm);
-    weight *= 1 - counts * over * (1 - smooth_step(within, 0, wide));
+// Which places must look, and which pairs have had their time.
+void ContactFinder::check(size_t chunk, std::span<const Vec3f> u) {
+  Chunk& here = chunk_[chunk];
+  here.changed = here.due = false;
+  const size_t first = chunk * kGrain, last = std::min(first + kGrain, looked_.size());
+  double moved = 0;
+  for (size_t i = first; i < last; ++i) {
+    const double m = 2 * motion_.near(i);
+    Looked& l = looked_[i];
+    moved = std::max(moved, m);
+    l.travelled_mm += m;
+    l.stale = false;
+    l.due = l.travelled_mm > l.free_mm;
+    here.due |= l.due;
   }
-  return weight;
-}
-
-void ContactFinder::look(size_t i, std::vector<HeldContact>& out) {
-  const ContactSurface& s = *surface_;
-  const ContactPlace& place = s.place[i];
-  const Tri& own = s.tri[size_t(place.triangle)];
-  FacingTree::Query q;
-  q.p_mm = (x_[size_t(own[0])] + x_[size_t(own[1])] + x_[size_t(own[2])]) / 3;
-  q.n = smooth_normal(place.triangle, kMiddle);
-  q.near_mm = settings_.ahead_mm, q.deep_mm = settings_.deep_none_mm;
-  q.guess = guess_[i];
-  const Neighbours::Place self{i, place.triangle, place.X_mm, tree_.rest_normal(place.triangle)};
-  FacingTree::Feet feet;
-  const size_t count = tree_.nearest(q, [&](int32_t t, const std::array<double, 3>& bary) {
-    return neighbours_.other(self, t, s.rest_mm(t, bary), tree_.rest_normal(t));
-  }, feet);
-  std::array<double, FacingTree::kFeet> facing{};
-  std::array<Vec3, FacingTree::kFeet> normal;
-  for (size_t k = 0; k < FacingTree::kFeet; ++k) {
-    guess_[i][k] = k < count ? feet[k].triangle : -1;
-    if (k >= count) continue;
-    normal[k] = smooth_normal(feet[k].triangle, feet[k].bary);
-    facing[k] = smooth_step(-q.n.dot(normal[k]), settings_.facing_none, settings_.facing_full);
-  }
-  for (size_t k = 0; k < count; ++k) {
-    const Vec3 r = q.p_mm - feet[k].point_mm;
-    HeldContact f{int32_t(i), feet[k].sheet, feet[k].triangle, feet[k].bary, normal[k], normal[k].dot(r), facing[k]};
-    if (f.s_mm > ahead_mm_) continue;
-    const double d = feet[k].distance_mm;
-    f.weight *= 1 - smooth_step(d, settings_.deep_full_mm, settings_.deep_none_mm);
-    if (-f.s_mm > settings_.most_mm) f.weight *= settings_.most_mm / -f.s_mm;
-    if (f.weight > kNothing) f.weight *= inside(self, q.p_mm, feet[k]);
-    if (f.weight > kNothing) out.push_back(f);
-  }
-}
-
-// `found`, by place, goes from what was held before towards what is found now.
-void ContactFinder::follow(const std::vector<HeldContact>& before, std::vector<HeldContact>& found) const {
-  const auto by = [](const HeldContact& a, const HeldContact& b) { return std::pair(a.place, a.sheet) < std::pair(b.place, b.sheet); };
-  std::sort(found.begin(), found.end(), by);
-  std::vector<HeldContact> out;
-  out.reserve(found.size() + before.size() / 8);
-  const auto go = [&](HeldContact h, double weight, const Vec3& normal) {  // h: how it was, with its new foot
-    const double change = weight - h.weight;
-    const Vec3 turn = normal - h.normal;
-    const bool back = change * h.change < 0 || turn.dot(h.turn) < 0;
-    h.rate = std::clamp(h.rate * (back ? 0.5 : 1.5), kSlowest, weight > 0 ? 1.0 : 0.5);
-    h.change = change, h.turn = turn;
-    h.weight += h.rate * change;
-    h.normal = (h.normal + h.rate * turn).normalized();
-    const ContactPlace& place = surface_->place[size_t(h.place)];
-    const Tri &own = surface_->tri[size_t(place.triangle)], &c = surface_->tri[size_t(h.triangle)];
-    const Vec3 p = (x_[size_t(own[0])] + x_[size_t(own[1])] + x_[size_t(own[2])]) / 3;
-    h.s_mm = h.normal.dot(p - h.bary[0] * x_[size_t(c[0])] - h.bary[1] * x_[size_t(c[1])] - h.bary[2] * x_[size_t(c[2])]);
-    if (h.weight > kNothing && h.s_mm <= ahead_mm_) out.push_back(h);
-  };
-  size_t i = 0, j = 0;
-  while (i < before.size() || j < found.size()) {
-    if (j == found.size() || (i < before.size() && by(before[i], found[j]))) {
-      go(before[i], 0, before[i].normal);
-      ++i;
-    } else if (i == before.size() || by(found[j], before[i])) {
-      HeldContact h = found[j++];
-      h.change = h.weight;
-      if (h.s_mm < -settings_.slack_mm) h.weight *= kBirth, h.rate = kBirth;  // it presses already: it must not come at once
-      out.push_back(h);
-    } else {
-      HeldContact h = before[i++];
-      h.triangle = found[j].triangle, h.bary = found[j].bary;
-      go(h, found[j].weight, found[j].normal);
-      ++j;
+  here.left_mm -= moved, here.nearest_mm -= moved;
+  if (here.left_mm > 0) return;
+  here.left_mm = here.nearest_mm = 1e30;
+  for (Pair& p : here.pair) {
+    const HeldContact& h = p.held;
+    const size_t i = size_t(h.place);
+    Looked& l = looked_[i];
+    const Vec3 apart = p.rest_apart_mm + displaced(p.contact.a, u) - displaced(p.contact.b, u);
+    p.s_mm = h.normal.dot(apart) - h.gap_mm;
+    Vec3 slid = apart - h.apart_mm;
+    slid -= h.normal.dot(slid) * h.normal;
+    double left = h.judged ? (p.s_mm < 0 ? kTurn_mm : p.s_mm + kTurn_mm) : p.s_mm;
+    p.stale = left < 0;
+    if (!p.stale && p.s_mm < settings_.guard_mm) {
+      const bool tired = l.turns > kTired && (l.slid_mm + slid).norm() < settings_.spot_mm;
+      if (!tired) {
+        const double more = settings_.slide_mm + std::max(0.0, p.s_mm) - slid.norm();
+        p.stale = more < 0 || (p.s_mm < 0 && facet(h.triangle, u).dot(h.facet) < turn_cos_);
+        left = std::min(left, more);
+      }
     }
-  }
-  found.swap(out);
-}
-
-bool ContactFinder::presses() const {
-  return std::any_of(found_.begin(), found_.end(), [&](const std::vector<HeldContact>& f) {
-    return std::any_of(f.begin(), f.end(), [&](const HeldContact& h) { return h.s_mm < -settings_.slack_mm; });
-  });
-}
-
-std::vector<HeldContact> ContactFinder::held() const {
-  std::vector<HeldContact> all;
-  for (const std::vector<HeldContact>& f : found_) all.insert(all.end(), f.begin(), f.end());
-  return all;
-}
-
-void ContactFinder::resume(std::span<const HeldContact> held) {
-  for (std::vector<HeldContact>& f : found_) f.clear();
-  first_ = true;
-  for (const HeldContact& h : held) {
-    if (h.place < 0 || size_t(h.place) >= surface_->place.size() || h.triangle < 0 || size_t(h.triangle) >= surface_->tri.size())
-      throw InputError("", 0, "a held contact is of another surface");
-    found_[size_t(h.place) / kGrain].push_back(h);
+    here.left_mm = std::min(here.left_mm, std::max(left, kLeast_mm));
+    if (h.weight > kNothing) here.nearest_mm = std::min(here.nearest_mm, p.s_mm);
+    if (!p.stale) continue;
+    l.slid_mm += slid;
+    if (l.slid_mm.norm() > settings_.spot_mm) l.slid_mm = Vec3::Zero(), l.turns = 0;
+    l.stale = here.due = true;
   }
 }
 
-Contact ContactFinder::contact(const HeldContact& f, std::span<const Vec3f> u) const {
+void ContactFinder::make_contact(Pair& p) const {
+  const HeldContact& f = p.held;
   const ContactPlace& place = surface_->place[size_t(f.place)];
-  Contact c;
+  Contact& c = p.contact;
+  p.rest_apart_mm = place.X_mm - surface_->rest_mm(f.triangle, f.bary);
   c.a = place.embedded;
   c.b = surface_->embedded(f.triangle, f.bary);
   c.normal = f.normal.cast<float>();
-  // What the surfaces show is linear in their triangles, what the springs feel is trilinear in the cells: the gap makes up
-  // the difference, so that a contact begins where it is seen to begin.
-  const Vec3 apart = place.X_mm - surface_->rest_mm(f.triangle, f.bary);
-  const double felt = f.normal.dot(apart + displaced(c.a, u) / weight(c.a) - displaced(c.b, u) / weight(c.b));
-  c.gap_mm = float(felt - f.s_mm - settings_.slack_mm);
+  c.gap_mm = float(f.gap_mm - settings_.slack_mm);
   c.soft_mm = float(settings_.soft_mm);
   c.k_N_per_mm = float(1e-3 * f.weight * settings_.stiffness * place.stiffness_kPa * place.area_mm2 / cell_mm_);
-  return c;
 }
 
-std::span<const Contact> ContactFinder::find(std::span<const Vec3f> u, Workers& workers) {
+// Pairs of one place: what was held goes to what is found, or stays.
+void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, std::span<const Vec3f> u, Chunk& chunk,
+                          std::vector<Pair>& out) {
+  Looked& l = looked_[i];
+  const double part = l.turns < kFresh ? 1 : 1.0 / (l.turns - kFresh + 2);
+  bool turned = false;
+  const auto place = [&](Pair p) {  // its place and its foot are where they are now; s_mm is given
+    HeldContact& h = p.held;
+    make_contact(p);
+    h.apart_mm = p.rest_apart_mm + displaced(p.contact.a, u) - displaced(p.contact.b, u);
+    // What the surfaces show is linear in their triangles, what the springs feel is trilinear in the cells: the gap makes up
+    // the difference, so that a contact begins where it is seen to begin.
+    h.gap_mm = h.normal.dot(h.apart_mm) - p.s_mm;
+    p.contact.gap_mm = float(h.gap_mm - settings_.slack_mm);
+    p.stale = false;
+    out.push_back(p);
+    chunk.changed = true;
+    chunk.left_mm = 0;
+    chunk.nearest_mm = std::min(chunk.nearest_mm, p.s_mm);
+    turned |= p.s_mm < 0 && h.weight > kNothing;
+  };
+  const Tri& own = surface_->tri[size_t(surface_->place[i].triangle)];
+  const Vec3 at = (x_[size_t(own[0])] + x_[size_t(own[1])] + x_[size_t(own[2])]) / 3;
+  size_t b = 0, f = 0;
+  while (b < before.size() || f < found.size()) {
+    if (f == found.size() || (b < before.size() && before[b].held.sheet < found[f].sheet)) {  // no longer found
+      Pair& p = before[b++];
+      if (!p.stale && (p.s_mm < 0 || !l.due)) {
+        out.push_back(p);
+      } else if (p.s_mm > 0) {
+        chunk.changed = true;
+      } else {
+        turned = true;
+        p.held.weight *= 1 - part;
+        p.held.facet = tree_.normal(p.held.triangle);
+        if (p.held.weight > kNothing) place(p);
+        else chunk.changed = true;
+      }
+    } else if (b == before.size() || found[f].sheet < before[b].held.sheet) {  // new
+      Pair p;
+      p.held = found[f++];
+      p.s_mm = -p.held.gap_mm;
+      if (p.s_mm < 0) p.held.weight *= part;
+      place(p);
+    } else {
+      Pair& p = before[b++];
+      const HeldContact& n = found[f++];
+      if (!p.stale) {
+        out.push_back(p);
+        continue;
+      }
+      const double weight = p.held.weight;
+      const Vec3 normal = p.held.normal;
+      const bool pressed = p.held.judged;
+      p.held = n;
+      if (pressed && part < 1) {
+        p.held.weight = weight + part * (n.weight - weight);
+        p.held.normal = (normal + part * (n.normal - normal)).normalized();
+      }
+      const Tri& c = surface_->tri[size_t(n.triangle)];
+      p.s_mm = p.held.normal.dot(at - n.bary[0] * x_[size_t(c[0])] - n.bary[1] * x_[size_t(c[1])] - n.bary[2] * x_[size_t(c[2])]);
+      place(p);
+    }
+  }
+  if (turned) ++l.turns, ++chunk.turned;
+}
+
+void ContactFinder::search(size_t chunk, std::span<const Vec3f> u) {
+  Chunk& here = chunk_[chunk];
+  if (!here.due) return;
+  std::vector<Pair> out;
+  out.reserve(here.pair.size() + 16);
+  std::vector<HeldContact> found;
+  const size_t first = chunk * kGrain, last = std::min(first + kGrain, looked_.size());
+  size_t pair = 0;
+  for (size_t i = first; i < last; ++i) {
+    size_t end = pair;
+    while (end < here.pair.size() && size_t(here.pair[end].held.place) == i) ++end;
+    const std::span<Pair> before(here.pair.data() + pair, end - pair);
+    pair = end;
+    if (!looked_[i].due && !looked_[i].stale) {
+      out.insert(out.end(), before.begin(), before.end());
+      continue;
+    }
+    found.clear();
+    if (looked_[i].due) {
+      look(i, -1, found);
+      looked_[i].travelled_mm = 0;
+      ++here.looks;
+    } else {
+      for (const Pair& p : before)
+        if (p.stale) look(i, p.held.sheet, found);
+    }
+    merge(i, before, found, u, here, out);
+  }
+  here.pair.swap(out);
+}
+
+bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
   const ContactSurface& s = *surface_;
-  move2_.assign(x_.size() / kVertexGrain + 1, 0);
-  workers.parallel_for(x_.size(), kVertexGrain, [&](size_t begin, size_t end) {
-    double move2 = 0;
-    for (size_t v = begin; v < end; ++v) {
-      const Vec3 x = s.X_mm[v] + displaced(s.embedding[v], u);
-      move2 = std::max(move2, (x - x_[v]).squaredNorm());
-      x_[v] = x;
-    }
-    move2_[begin / kVertexGrain] = move2;
+  ++counts_.checks;
+  if (motion_.measure(u, workers) == 0 && !resumed_) return false;
+  resumed_ = false;
+  workers.parallel_for(chunk_.size(), kChunks, [&](size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) check(c, u);
   });
-  const double move = std::sqrt(*std::max_element(move2_.begin(), move2_.end()));
-  ahead_mm_ = first_ ? settings_.ahead_mm : std::clamp(2 * move, settings_.ahead_least_mm, settings_.ahead_mm);
-  first_ = false;
-  tree_.refit(x_, workers);
-  workers.parallel_for(s.place.size(), kGrain, [&](size_t begin, size_t end) {
-    std::vector<HeldContact>& out = found_[begin / kGrain];
-    out.swap(before_[begin / kGrain]);
-    out.clear();
-    for (size_t i = begin; i < end; ++i) look(i, out);
-    follow(before_[begin / kGrain], out);
-  });
-  size_t total = 0;
-  for (const std::vector<HeldContact>& f : found_) total += f.size();
-  contacts_.resize(total);
-  workers.parallel_for(found_.size(), 1, [&](size_t begin, size_t end) {
-    for (size_t chunk = begin; chunk < end; ++chunk) {
-      size_t at = 0;
-      for (size_t k = 0; k < chunk; ++k) at += found_[k].size();
-      for (const HeldContact& f : found_[chunk]) contacts_[at++] = contact(f, u);
-    }
-  });
-  return contacts_;
+  if (std::any_of(chunk_.begin(), chunk_.end(), [](const Chunk& c) { return c.due; })) {
+    ++counts_.searches;
+    workers.parallel_for(x_.size(), kVertexGrain, [&](size_t begin, size_t end) {
+      for (size_t v = begin; v < end; ++v) x_[v] = s.X_mm[v] + displaced(s.embedding[v], u);
+    });
+    tree_.refit(x_, workers);
+    workers.parallel_for(chunk_.size(), kChunks, [&](size_t begin, size_t end) {
+      for (size_t c = begin; c < end; ++c) search(c, u);
+    });
+  }
+  bool changed = false;
+  near_ = false;
+  for (Chunk& c : chunk_) {
+    changed |= c.changed, near_ |= c.nearest_mm < kNear_mm;
+    counts_.looks += c.looks, counts_.turned += c.turned;
+    c.looks = c.turned = 0;
+  }
+  if (!changed) return false;
+  contacts_.clear();
+  for (Chunk& c : chunk_)
+    for (const Pair& p : c.pair)
+      if (p.held.weight > kNothing) contacts_.push_back(p.contact);
+  counts_.pairs = contacts_.size(), counts_.tired = 0;
+  for (const Looked& l : looked_) counts_.tired += l.turns > kTired;
+  return true;
+}
+
+ContactMemory ContactFinder::memory() const {
+  ContactMemory m;
+  for (const Chunk& c : chunk_)
+    for (const Pair& p : c.pair) m.pairs.push_back(p.held);
+  for (size_t i = 0; i < looked_.size(); ++i)
+    if (looked_[i].turns > 0 || !looked_[i].slid_mm.isZero(0)) m.spots.push_back({int32_t(i), looked_[i].turns, looked_[i].slid_mm});
+  return m;
+}
+
+void ContactFinder::resume(const ContactMemory& m) {
+  const auto wrong = [] { throw InputError("", 0, "a held contact is of another surface; expected pairs of this one"); };
+  for (const HeldContact& h : m.pairs)
+    if (h.place < 0 || size_t(h.place) >= looked_.size() || h.triangle < 0 || size_t(h.triangle) >= surface_->tri.size()) wrong();
+  for (const ContactMemory::Spot& s : m.spots)
+    if (s.place < 0 || size_t(s.place) >= looked_.size()) wrong();
+  for (Chunk& c : chunk_) c.pair.clear();
+  resumed_ = true;
+  for (Looked& l : looked_) l = Looked();  // all look at the next step: what they then find beside is new
+  for (const HeldContact& h : m.pairs) {
+    Pair p;
+    p.held = h;
+    make_contact(p);
+    chunk_[size_t(h.place) / kGrain].pair.push_back(p);
+  }
+  for (const ContactMemory::Spot& s : m.spots) looked_[size_t(s.place)].turns = s.turns, looked_[size_t(s.place)].slid_mm = s.slid_mm;
 }
 
 }  // namespace limberg

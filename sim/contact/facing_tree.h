@@ -7,7 +7,7 @@
 //
 // A triangle faces a place when n . n_T < -0.1, n the outward normal of the place's own surface, as things lie now. Asked
 // for is the nearest point of each sheet: within near_mm anywhere, within deep_mm on the place's own inner side, where a
-// sheet lies that it has gone through. Whether a point may answer at all is for the caller to say: most of what faces a place
+// sheet lies that it has gone through. (One sheet alone can be asked for.) Whether a point may answer at all is for the caller to say: most of what faces a place
 // is behind it in the same piece of tissue.
 #include <algorithm>
 #include <array>
@@ -29,6 +29,7 @@ class FacingTree {
   struct Query {
     Vec3 p_mm, n;
     double near_mm = 0.75, deep_mm = 2.5;
+    int32_t sheet = -1;  // the only one asked about; -1: all
     std::span<const int32_t> guess;  // triangles that may be near, or -1; the answer does not depend on them
   };
   struct Foot {
@@ -91,7 +92,7 @@ template <class Accept>
 size_t FacingTree::nearest(const Query& q, Accept&& accept, Feet& feet) const {
   size_t count = 0;
   if (node_.empty()) return 0;
-  const double near2 = q.near_mm * q.near_mm, deep2 = q.deep_mm * q.deep_mm;
+  const double near2 = q.near_mm * q.near_mm, deep2 = q.deep_mm * q.deep_mm, far2 = std::max(near2, deep2);
   // While it runs, distance_mm holds the square.
   const auto reach2 = [&](int32_t sheet) {  // farther than this nothing of the sheet can be an answer
     double worst = 0;
@@ -99,9 +100,10 @@ size_t FacingTree::nearest(const Query& q, Accept&& accept, Feet& feet) const {
       if (feet[k].sheet == sheet) return feet[k].distance_mm;
       worst = std::max(worst, feet[k].distance_mm);
     }
-    return count == kFeet ? worst : deep2;
+    return count == kFeet ? worst : far2;
   };
   const auto try_triangle = [&](int32_t t) {
+    if (q.sheet >= 0 && sheet_[size_t(t)] != q.sheet) return;
     if (!(q.n.dot(n_[size_t(t)]) < kFacing)) return;
     const Tri& c = tri_[size_t(t)];
     const TrianglePoint at = closest_on_triangle(q.p_mm, x_[size_t(c[0])], x_[size_t(c[1])], x_[size_t(c[2])]);
@@ -155,6 +157,7 @@ size_t FacingTree::nearest(const Query& q, Accept&& accept, Feet& feet) const {
     for (size_t k = 0; k < 4; ++k) {
       if (node.count[k] < 0 || double(facing[k]) >= kFacing || double(d2[k]) > (inward[k] >= 0 ? deep2 : near2)) continue;
       if (double(d2[k]) > reach2(node.sheet[k])) continue;
+      if (q.sheet >= 0 && node.sheet[k] >= 0 && node.sheet[k] != q.sheet) continue;
       int at = top++;  // nearer ones on top
       for (; at > bottom && stack[at - 1].d2 < d2[k]; --at) stack[at] = stack[at - 1];
       stack[at] = {node.child[k], node.count[k], node.sheet[k], d2[k]};

@@ -315,6 +315,8 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     since_update_ = 0;
     return true;
   };
+  NodeArray u_first;
+  if (s.most_move_mm > 0) u_first = u_;
   while (report.iterations < s.max_iterations) {
     if (s.tolerance > 0 && relative_residual() <= s.tolerance) {
       // A true equilibrium also survives fresh multipliers and a fresh force scale.
@@ -339,6 +341,10 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     }
     ++report.iterations, ++since_update_;
     if (s.should_stop && s.should_stop()) break;
+    if (s.most_move_mm > 0) {
+      engine_.subtract(d_, u_, u_first);
+      if (engine_.max_node(d_) > s.most_move_mm) break;
+    }
   }
 
   if (untangling_) untangling_iterations_ += std::max(1, report.iterations), elements_->shape_only(false);

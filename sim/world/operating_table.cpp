@@ -12,7 +12,9 @@
 namespace limberg {
 namespace {
 
-constexpr int kIterationsOfContacts = 10;  // of the minimiser, until contacts are found again
+// Until contacts follow: iterations of the minimiser, and how far it may go.
+constexpr int kIterationsOfContacts = 10;
+constexpr double kMoveOfContacts_mm = 0.4;
 
 }  // namespace
 
@@ -71,45 +73,69 @@ StepReport OperatingTable::step(const StepSettings& settings) {
   return report;
 }
 
-// Where something presses, a step's iterations are taken some at a time, with contacts found anew before each. At rest is only what is
-// at rest with the contacts of its own place. A dynamic step cannot be parted; its length bounds how far things go.
+// Where something may press, a step's iterations are taken some at a time, and after each contacts follow. At rest is only
+// what is at rest with the contacts of its own place. A dynamic step cannot be parted; its length bounds how far things go.
 StepReport OperatingTable::solve(const StepSettings& settings) {
-  publish_contacts();
-  const bool part_by_part = contacts_ && contacts_->presses() && !(settings.dt_s > 0);
+  follow_contacts();
+  if (!contacts_ || settings.dt_s > 0) {
+    const StepReport report = solver_->step(settings);
+    if (contacts_) contact_counts_.iterations += uint64_t(report.iterations);
+    return report;
+  }
   StepSettings part = settings;
-  if (part_by_part) part.max_iterations = std::min(settings.max_iterations, kIterationsOfContacts);
-  StepReport report = solver_->step(part);
-  int done = report.iterations;
-  while (part_by_part && report.iterations > 0 && (done < settings.max_iterations || report.converged) &&
-         !(settings.should_stop && settings.should_stop())) {
-    contacts_current_ = false;
-    publish_contacts();
-    part.max_iterations = std::min(settings.max_iterations - done, kIterationsOfContacts);
+  StepReport report;
+  int done = 0;
+  for (bool more = true; more;) {
+    const bool near = contacts_->any_near();
+    part.max_iterations = near ? std::min(settings.max_iterations - done, kIterationsOfContacts) : settings.max_iterations - done;
+    part.most_move_mm = near ? kMoveOfContacts_mm : 0;
     report = solver_->step(part);
     done += report.iterations;
+    const bool moved = report.iterations > 0, stopped = settings.should_stop && settings.should_stop();
+    const bool others = moved && contacts_->any_near() && follow_contacts();
+    if (done >= settings.max_iterations || stopped || !moved) more = false;
+    else more = others || !report.converged;
+    if (!more && others && report.converged) {  // is it at rest with these, too?
+      part.max_iterations = 0;
+      report = solver_->step(part);
+    }
   }
-  if (report.iterations > 0) contacts_current_ = false;
+  contact_counts_.iterations += uint64_t(done);
   report.iterations = done;
   return report;
 }
 
-void OperatingTable::publish_contacts() {
-  if (spec_.contact == ContactChoice::off) return;
+bool OperatingTable::follow_contacts() {
+  if (spec_.contact == ContactChoice::off) return false;
+  bool fresh = false;
   if (contacts_version_ != version_.surface->version) {
     contacts_version_ = version_.surface->version;
-    contacts_current_ = false;
+    contact_counts_ = contact_counts();
     const auto surface = contact_surface({version_.surface, &version_.surface->view}, version_.surface->embedding, version_.lattice, *version_.model);
-    contacts_ = surface ? std::make_unique<ContactFinder>(surface, version_.lattice->grid.cell_mm()) : nullptr;
+    contacts_ = surface ? std::make_unique<ContactFinder>(surface, *version_.model) : nullptr;
+    if (contacts_) ++contact_counts_.surfaces;
     contacts_lattice_ = version_.lattice;
+    fresh = true;
   }
-  if (contacts_restored_) {
-    if (contacts_) contacts_->resume(held_contacts_);
-    held_contacts_.clear();
-    contacts_restored_ = false;
+  if (contacts_to_resume_) {
+    if (contacts_) contacts_->resume(*contacts_to_resume_);
+    contacts_to_resume_.reset();
+    fresh = true;
   }
-  if (!contacts_ || contacts_current_) return;
-  solver_->set_contacts(contacts_->find(solver_->displacement_mm(), workers_));
-  contacts_current_ = true;
+  if (!contacts_) return false;
+  const bool changed = contacts_->follow(solver_->displacement_mm(), workers_);
+  if (fresh || changed) solver_->set_contacts(contacts_->contacts());
+  return fresh || changed;
+}
+
+ContactCounts OperatingTable::contact_counts() const {
+  ContactCounts n = contact_counts_;
+  n.places = n.triangles = n.pairs = n.tired = 0;
+  if (!contacts_) return n;
+  const ContactCounts& now = contacts_->counts();
+  n.checks += now.checks, n.searches += now.searches, n.looks += now.looks, n.turned += now.turned;
+  n.places = now.places, n.triangles = now.triangles, n.pairs = now.pairs, n.tired = now.tired;
+  return n;
 }
 
 bool OperatingTable::settled() const {

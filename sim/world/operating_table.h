@@ -12,6 +12,7 @@
 // An incision may come in pieces while it is drawn (drawn_stroke.h); they are cut one by one and undone as one.
 // Hooks and stitches are springs; a stitch is drawn tight over some steps (its slack shrinks), as a hand does it.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -54,6 +55,7 @@ class OperatingTable {
   const Arrangement* arrangement() const { return arrangement_.get(); }
   std::shared_ptr<const LatticeTopology> lattice() const { return version_.lattice; }
   bool settled() const;  // every stitch drawn tight
+  ContactCounts contact_counts() const;
 
  private:
   /// One state of the topology; immutable once made. Versions share what they have in common, so all of them are kept.
@@ -68,7 +70,7 @@ class OperatingTable {
   struct Moment {
     Version version;
     SolverState solver;
-    std::vector<HeldContact> contacts;
+    ContactMemory contacts;
     std::vector<Hook> hooks;
     std::vector<Stitch> stitches;
     double volume_mm3 = 0, removed_volume_mm3 = 0;
@@ -143,8 +145,8 @@ class OperatingTable {
   bool joins(const Stitch& stitch, const Anchor& a, const Anchor& b) const;  // the same two places, either way round
   void publish_springs();
   StepReport solve(const StepSettings& settings);
-  std::vector<HeldContact> held_contacts() const;
-  void publish_contacts();  // before each step; nothing where nothing has been cut
+  ContactMemory contact_memory() const;
+  bool follow_contacts();  // true when the solver has others now; nothing is done where nothing has been cut
   BladeContext blade_context() const;
   Moment moment() const;
   /// `parent`: per node of its model, the node of the present one (-1: none); empty when the model stays.
@@ -162,10 +164,9 @@ class OperatingTable {
   Workers& workers_;
   std::unique_ptr<ContactFinder> contacts_;  // absent as long as there is no wall
   uint64_t contacts_version_ = 0;            // of the surface that it was made for
-  bool contacts_current_ = false;            // nothing has moved since they were found
   std::shared_ptr<const LatticeTopology> contacts_lattice_;  // that the finder is for
-  std::vector<HeldContact> held_contacts_;   // brought back by undo or redo, for the next step to take up
-  bool contacts_restored_ = false;
+  std::optional<ContactMemory> contacts_to_resume_;  // brought back by undo or redo, for the next step to take up
+  ContactCounts contact_counts_;             // of finders that are gone
   std::vector<Hook> hooks_;
   std::vector<Stitch> stitches_;
   // During an act: the lattice after a part of its cuts, its parents in version_.lattice. Null: nothing was followed yet.

@@ -7,7 +7,7 @@ OperatingTable::Moment OperatingTable::moment() const {
   Moment m;
   m.version = version_;
   m.solver = solver_->save();
-  m.contacts = held_contacts();
+  m.contacts = contact_memory();
   m.hooks = hooks_;
   m.stitches = stitches_;
   m.volume_mm3 = volume_mm3_;
@@ -18,9 +18,9 @@ OperatingTable::Moment OperatingTable::moment() const {
   return m;
 }
 
-std::vector<HeldContact> OperatingTable::held_contacts() const {
-  if (contacts_restored_) return held_contacts_;  // not taken up yet
-  return contacts_ && contacts_lattice_ == version_.lattice ? contacts_->held() : std::vector<HeldContact>();
+ContactMemory OperatingTable::contact_memory() const {
+  if (contacts_to_resume_) return *contacts_to_resume_;  // not taken up yet
+  return contacts_ && contacts_lattice_ == version_.lattice ? contacts_->memory() : ContactMemory();
 }
 
 void OperatingTable::return_to(const Moment& m, ParentList parent) {
@@ -45,9 +45,7 @@ void OperatingTable::return_to(const Moment& m, ParentList parent) {
   next_stitch_ = m.next_stitch;
   publish_springs();
   solver_->restore(m.solver);
-  held_contacts_ = m.contacts;
-  contacts_restored_ = true;
-  contacts_current_ = false;
+  contacts_to_resume_ = m.contacts;
 }
 
 void OperatingTable::remember(Done done) {
@@ -117,11 +115,13 @@ uint64_t OperatingTable::full_hash() const {
   h.add(s.since_update);
   if (s.before_s > 0)
     for (const std::vector<float>* v : {&s.displacement_before_mm, &s.velocity_before_mm_s}) h.bytes(v->data(), v->size() * sizeof(float));
-  for (const HeldContact& c : held_contacts()) {
-    for (const int32_t v : {c.place, c.sheet, c.triangle}) h.add(v);
-    for (const double v : {c.bary[0], c.bary[1], c.bary[2], c.weight, c.rate, c.change, c.s_mm}) h.add(v);
-    h.bytes(c.normal.data(), 3 * sizeof(double)), h.bytes(c.turn.data(), 3 * sizeof(double));
+  const ContactMemory contacts = contact_memory();
+  for (const HeldContact& c : contacts.pairs) {
+    for (const int32_t v : {c.place, c.sheet, c.triangle, int32_t(c.judged)}) h.add(v);
+    for (const double v : {c.bary[0], c.bary[1], c.bary[2], c.weight, c.gap_mm}) h.add(v);
+    for (const Vec3* v : {&c.normal, &c.facet, &c.apart_mm}) h.bytes(v->data(), 3 * sizeof(double));
   }
+  for (const ContactMemory::Spot& k : contacts.spots) h.add(k.place), h.add(k.turns), h.bytes(k.slid_mm.data(), 3 * sizeof(double));
   for (const Hook& k : hooks_) h.add(k.spring), h.add(k.anchor.at.triangle);
   for (const Stitch& k : stitches_) h.add(k.spring), h.add(k.a.at.triangle), h.add(k.b.at.triangle);
   h.add(volume_mm3_), h.add(removed_volume_mm3_);

@@ -29,6 +29,7 @@ double World::removed_volume_mm3() const { return impl_->removed_volume_mm3(); }
 double World::initial_volume_mm3() const { return impl_->initial_volume_mm3(); }
 int World::pieces() const { return impl_->pieces(); }
 int World::refused() const { return impl_->refused(); }
+ContactCounts World::contact_counts() const { return impl_->contact_counts(); }
 bool World::settled() const { return impl_->settled(); }
 
 }  // namespace limberg
