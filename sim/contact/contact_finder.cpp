@@ -25,6 +25,12 @@ Vec3 displaced(const EmbeddedPoint& e, std::span<const Vec3f> u) {
   return d / sum;
 }
 
+Vec3f moved_by(const EmbeddedPoint& e, std::span<const Vec3f> u) {
+  Vec3f d = Vec3f::Zero();
+  for (size_t i = 0; i < 8; ++i) d += e.w[i] * u[size_t(e.node[i])];
+  return d;
+}
+
 }  // namespace
 
 ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model, const ContactSettings& settings)
@@ -54,8 +60,10 @@ void ContactFinder::check(size_t chunk, std::span<const Vec3f> u) {
   const size_t first = chunk * kGrain, last = std::min(first + kGrain, looked_.size());
   double moved = 0;
   for (size_t i = first; i < last; ++i) {
-    const double m = 2 * motion_.near(i);
     Looked& l = looked_[i];
+    const Vec3f at = moved_by(surface_->place[i].embedded, u);
+    const double m = motion_.apart(i, at - l.at_mm);
+    l.at_mm = at;
     moved = std::max(moved, m);
     l.travelled_mm += m;
     l.stale = false;
@@ -206,7 +214,7 @@ void ContactFinder::search(size_t chunk, std::span<const Vec3f> u) {
 bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
   const ContactSurface& s = *surface_;
   ++counts_.checks;
-  if (motion_.measure(u, workers) == 0 && !resumed_) return false;
+  if (!motion_.measure(u) && !resumed_) return false;
   resumed_ = false;
   workers.parallel_for(chunk_.size(), kChunks, [&](size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) check(c, u);

@@ -117,7 +117,8 @@ class ContactFinder {
     double s_mm = 0;  // at the last check
   };
   struct Looked {             // of a place
-    double travelled_mm = 1e30;  // it and what is near it together, since it last looked
+    Vec3f at_mm = Vec3f::Zero();  // its displacement at the last check
+    double travelled_mm = 1e30;  // it and what is near it against each other, since it last looked
     double free_mm = 0;          // so far there was nothing but its pairs
     Vec3 slid_mm = Vec3::Zero();
     int32_t turns = 0;

@@ -6,9 +6,10 @@
 namespace limberg {
 namespace {
 
-constexpr size_t kGrain = 2048;
-constexpr double kReach_mm = 4;   // what comes nearer than kTrusted_mm and the motion of both
-constexpr double kMostBlocks = 40;  // along an axis; beyond, blocks are larger
+constexpr double kSorted_mm = 0.5;  // cells may go so far until they are sorted again
+constexpr int32_t kAround = 2;      // blocks on each side
+constexpr double kMostBlocks = 64;  // along an axis; beyond, blocks are larger
+constexpr float kFar_mm = 1e6f;
 
 }  // namespace
 
@@ -33,72 +34,75 @@ SurfaceMotion::SurfaceMotion(const ContactSurface& s, const FemModel& model) {
   for (const ContactPlace& p : s.place)
     carrier_of_place_.push_back(size_t(std::lower_bound(copy.begin(), copy.end(), s.carrier[size_t(p.triangle)]) - copy.begin()));
   then_.assign(node_.size(), Vec3f::Zero());
-  move_.assign(node_.size(), 0);
+  move_.assign(node_.size(), Vec3f::Zero());
   block_.assign(slot_.size(), 0);
-  block_move_.assign(1, 0);
 }
 
+// A block is as wide as half of what can lie between a place and the middle of a cell that counts, so that two blocks around
+// are enough: reach, the cell's radius on either side, and what both may move until cells are sorted again.
 void SurfaceMotion::sort_into_blocks(std::span<const Vec3f> u) {
-  std::vector<Vec3> at(node_.size()), middle(slot_.size());
-  for (size_t i = 0; i < node_.size(); ++i) {
-    at[i] = rest_[i] + u[size_t(node_[i])].cast<double>();
-  }
+  std::vector<Vec3> middle(slot_.size());
   double radius = 0;
   Vec3 lo = Vec3::Constant(1e30), hi = -lo;
   for (size_t c = 0; c < slot_.size(); ++c) {
+    std::array<Vec3, 8> at;
     Vec3& m = middle[c] = Vec3::Zero();
-    for (int32_t k : slot_[c]) m += at[size_t(k)] / 8;
-    for (int32_t k : slot_[c]) radius = std::max(radius, (at[size_t(k)] - m).norm());
+    for (size_t k = 0; k < 8; ++k) {
+      const size_t i = size_t(slot_[c][k]);
+      at[k] = rest_[i] + u[size_t(node_[i])].cast<double>();
+      m += at[k] / 8;
+    }
+    for (const Vec3& p : at) radius = std::max(radius, (p - m).norm());
     lo = lo.cwiseMin(m), hi = hi.cwiseMax(m);
   }
-  const double size = std::max(2 * radius + kReach_mm, (hi - lo).maxCoeff() / kMostBlocks);
+  const double size = std::max((kReach_mm + 2 * radius + 2 * kSorted_mm) / kAround, (hi - lo).maxCoeff() / kMostBlocks);
   for (int a = 0; a < 3; ++a) blocks_[size_t(a)] = int32_t((hi[a] - lo[a]) / size) + 1;
   for (size_t c = 0; c < slot_.size(); ++c) {
     const Vec3 p = (middle[c] - lo) / size;
     block_[c] = (int32_t(p[2]) * blocks_[1] + int32_t(p[1])) * blocks_[0] + int32_t(p[0]);
   }
-  block_move_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), 0);
+  since_sorted_mm_ = 0;
 }
 
-double SurfaceMotion::measure(std::span<const Vec3f> u, Workers& workers) {
-  workers.parallel_for(node_.size(), kGrain, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const Vec3f now = u[size_t(node_[i])];
-      move_[i] = (now - then_[i]).squaredNorm();
-      then_[i] = now;
-    }
-  });
+bool SurfaceMotion::measure(std::span<const Vec3f> u) {
   float most2 = 0;
-  for (float m : move_) most2 = std::max(most2, m);
-  const double most = since_sorted_mm_ == 1e30 ? 1e30 : std::sqrt(double(most2));
-  if (most > kTrusted_mm || since_sorted_mm_ > kTrusted_mm) {
-    sort_into_blocks(u);
-    since_sorted_mm_ = 0;
-    std::fill(block_move_.begin(), block_move_.end(), most);
-    return most;
+  for (size_t i = 0; i < node_.size(); ++i) {
+    const Vec3f now = u[size_t(node_[i])];
+    move_[i] = now - then_[i];
+    most2 = std::max(most2, move_[i].squaredNorm());
+    then_[i] = now;
   }
-  since_sorted_mm_ += most;
-  std::fill(block_move_.begin(), block_move_.end(), 0);
-  if (most == 0) return 0;
+  const bool first = since_sorted_mm_ == 1e30;
+  if (most2 == 0 && !first) return false;
+  since_sorted_mm_ += std::sqrt(double(most2));
+  if (since_sorted_mm_ > kSorted_mm) {
+    sort_into_blocks(u);
+    if (first || std::sqrt(double(most2)) > kReach_mm) {  // it may have jumped over what is near
+      near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), {Vec3f::Constant(-kFar_mm), Vec3f::Constant(kFar_mm)});
+      return true;
+    }
+  }
+  const Box none{Vec3f::Constant(kFar_mm), Vec3f::Constant(-kFar_mm)};
+  near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), none);
   for (size_t c = 0; c < slot_.size(); ++c) {
-    float m = 0;
-    for (int32_t k : slot_[c]) m = std::max(m, move_[size_t(k)]);
-    double& b = block_move_[size_t(block_[c])];
-    b = std::max(b, double(m));
+    Box& b = near_[size_t(block_[c])];
+    for (int32_t k : slot_[c]) b.add({move_[size_t(k)], move_[size_t(k)]});
   }
   int32_t step = 1;
-  for (size_t a = 0; a < 3; ++a) {  // and of the blocks beside, one axis after the other
-    spread_ = block_move_;
-    for (int32_t i = 0; i < int32_t(block_move_.size()); ++i) {
-      const int32_t along = i / step % blocks_[a];
-      if (along > 0) spread_[size_t(i)] = std::max(spread_[size_t(i)], block_move_[size_t(i - step)]);
-      if (along + 1 < blocks_[a]) spread_[size_t(i)] = std::max(spread_[size_t(i)], block_move_[size_t(i + step)]);
+  for (size_t a = 0; a < 3; ++a) {  // and of the blocks around, one axis after the other
+    if (blocks_[a] > 1) {
+      spread_ = near_;
+      for (int32_t i = 0; i < int32_t(near_.size()); ++i) {
+        const int32_t along = i / step % blocks_[a];
+        const int32_t from = std::max(-along, -kAround), to = std::min(blocks_[a] - 1 - along, kAround);
+        for (int32_t k = from; k <= to; ++k)
+          if (k != 0) spread_[size_t(i)].add(near_[size_t(i + k * step)]);
+      }
+      near_.swap(spread_);
     }
-    block_move_.swap(spread_);
     step *= blocks_[a];
   }
-  for (double& b : block_move_) b = std::sqrt(b);
-  return most;
+  return true;
 }
 
 }  // namespace limberg

@@ -14,7 +14,7 @@ namespace {
 
 // Until contacts follow: iterations of the minimiser, and how far it may go.
 constexpr int kIterationsOfContacts = 10;
-constexpr double kMoveOfContacts_mm = 0.4;
+constexpr double kMoveOfContacts_mm = 0.75;
 
 }  // namespace
 
