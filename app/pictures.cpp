@@ -70,12 +70,11 @@ void OffscreenFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
 
 void OffscreenFrames::finish() { impl_->maker.reset(); }
 
-void draw_member_picture(const std::string& dir, int number, const std::string& title, const Snapshot& shown) {
+void draw_member_picture(const std::string& file, const std::string& title, const Snapshot& shown) {
   try {
     PictureMaker pictures(960, 600);
     pictures.focus_from(shown);
-    prepare_folder(dir + "/" + report_names::stages_dir);
-    write_png(dir + "/" + report_names::stage_picture(number, title), pictures.skin(shown, titled(title)));
+    write_png(file, pictures.skin(shown, titled(title)));
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());
   }

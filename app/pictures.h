@@ -26,8 +26,8 @@ class OffscreenFrames final : public PictureSink {
   std::unique_ptr<Impl> impl_;
 };
 
-/// DIR/stages/NN-title.png of one member of a study: its operated region, with the title. Says so when none can be made.
-void draw_member_picture(const std::string& dir, int number, const std::string& title, const Snapshot& shown);
+/// The picture of one member of a study: its operated region, with the title. Says so when none can be made.
+void draw_member_picture(const std::string& file, const std::string& title, const Snapshot& shown);
 
 /// Draws DIR/stages/NN-name.png, DIR/overview.png and DIR/tension.png (report_names.h), all with one camera on what was
 /// operated. Says in one line when pictures cannot be made here; InputError when a file cannot be written.

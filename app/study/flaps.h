@@ -1,10 +1,9 @@
 #pragma once
-// The studies of whole operations; what each is about stands in flaps.cpp.
+// Rhomboid flaps by shape and fusiform excisions by ratio; patch.h says on what they are done.
 #include "app/study/study.h"
 
 namespace limberg::study {
 
-Family zplasty();
 Family rhomboid();
 Family fusiform();
 

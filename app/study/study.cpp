@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "app/study/flaps.h"
+#include "app/study/zplasty.h"
 #include "sim/error.h"
 
 namespace limberg::study {
@@ -55,7 +56,7 @@ double Row::at(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
-  static const std::vector<Family> all{gape(), disc(), zplasty(), rhomboid(), fusiform()};
+  static const std::vector<Family> all{gape(), disc(), zplasty(), plate(), planar(), rhomboid(), fusiform()};
   return all;
 }
 

@@ -5,7 +5,8 @@
 //   limberg study gape --set angle_deg=90,45 --set prestretch_percent=5,10,20
 //
 // A family names its parameters, each with the values it takes by itself and the range that makes sense; --set gives
-// others. Its members are all combinations, the first parameter changing slowest. They run one after another.
+// others. Its members are all combinations, the first parameter changing slowest. Each is a process of its own (processes.h) that
+// leaves a file (member_file.h); the rows, charts and bars are made of those files, wherever they were made.
 #include <functional>
 #include <memory>
 #include <string>
@@ -53,12 +54,20 @@ struct Run {
   std::function<bool()> interrupted;
 };
 
+/// Members of a family that a check needs.
+struct CheckPart {
+  std::string family;
+  std::vector<std::string> settings;  // as of --set
+};
+
 struct Family {
   std::string name, about;
   std::vector<Parameter> parameters;
   std::function<Row(const Values&, const Run&)> run;
   std::function<std::vector<Bar>(const std::vector<Row>&)> bars;
   std::function<std::vector<NamedChart>(const std::vector<Row>&)> charts;
+  std::vector<CheckPart> check = {};  // the members that all its checks need, its own first; empty: its members by themselves
+  std::function<uint64_t(const Values&)> inputs = {};  // hash of the files that a member reads; empty: it reads none
 };
 
 Family gape();

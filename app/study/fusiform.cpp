@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/study/flaps.h"
+#include "app/study/patch.h"
+#include "sim/tools/procedures/catalogue.h"
+
+namespace limberg::study {
+
+namespace {
+
+constexpr double kDeg = 180 / std::numbers::pi;
+
+// ---- Fusiform excisions
+
+const std::vector<std::string> kFusiform{"ratio", "prestretch", "cell_mm"};
+
+Row run_fusiform(const Values& v, const Run& with) {
+  const double W = 14;
+  const Figure f = find_procedure("fusiform").figure({W, v[0]});
+  const Done d = carry_out_on({.side_mm = std::max(120.0, W * v[0] + 60), .prestretch_percent = v[1], .cell_mm = v[2], .undermine_mm = 10}, f, with);
+  const Seam& s = f.seams[0];
+  const double left = d.height_mm(place(f, s.a_from), W / 2), right = d.height_mm(place(f, s.a_to), W / 2);
+  double drawn = 0;  // vertex angle: the larger tip's charge
+  for (const Charge& c : charges(f)) drawn = std::max(drawn, c.q_deg);
+  const double L = W * v[0], vertex = 4 * std::atan(1 / v[0]), R = (L * L + W * W) / (4 * W);
+  Row r;
+  r.figures = {{"ratio", v[0]}, {"prestretch", v[1]}, {"cell_mm", v[2]},
+               {"vertex_deg", drawn},
+               {"vertex_form_deg", vertex * kDeg}, {"scar_mm", length_mm(bank(f, s.a_from, s.a_to, true))}, {"scar_form_mm", R * vertex},
+               {"ear_mm", std::max(left, right)}};
+  add_common(r, d);
+  char name[60];
+  std::snprintf(name, sizeof name, "%g to 1", v[0]);
+  r.title = name;
+  return r;
+}
+
+std::vector<Bar> bars_fusiform(const std::vector<Row>& rows) {
+  double residual = 0, gap = 0, scar = 0, fall = 1e300;
+  for (const Row& r : rows) {
+    residual = std::max(residual, r.at("residual")), gap = std::max(gap, r.at("gap_max_mm"));
+    scar = std::max(scar, std::abs(r.at("scar_mm") / r.at("scar_form_mm") - 1));
+  }
+  for (const auto& g : groups(rows, "ratio", kFusiform))
+    for (size_t i = 1; i < g.size(); ++i) fall = std::min(fall, g[i - 1]->at("ear_mm") - g[i]->at("ear_mm"));
+  std::vector<Bar> out{at_most("largest relative residual", residual, 1e-4, "at rest, as in operate"), at_most("largest gap, mm", gap, 0.2, "closed"),
+                       at_most("scar length against the closed form, relative", scar, 0.003, "chords of 12 equal pieces of an arc of at most 106 degrees")};
+  if (fall < 1e300) out.push_back(at_least("least fall of the dog-ear with the ratio, mm", fall, 0, "narrower tips stand up less"));
+  return out;
+}
+
+std::vector<NamedChart> charts_fusiform(const std::vector<Row>& rows) {
+  return {chart("dog-ear", "Height of the dog-ears", rows, "ratio", "length over width", "ear_mm", "height, mm", kFusiform),
+          chart("force", "Sum of the stitches' forces", rows, "ratio", "length over width", "closure_force_N", "force, N", kFusiform)};
+}
+
+}  // namespace
+
+Family fusiform() {
+  return {"fusiform", "Spindle-shaped excisions 14 mm wide by their ratio of length to width",
+          {{"ratio", "length over width", {2, 3, 4, 5, 6}, 1.5, 8},
+           {"prestretch", "of the skin, percent, in all directions", {5}, 0, 30},
+           {"cell_mm", "size of the lattice's cells", {4}, 2, 8}},
+          run_fusiform, bars_fusiform, charts_fusiform};
+}
+
+}  // namespace limberg::study

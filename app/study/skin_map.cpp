@@ -1,0 +1,147 @@
+#include "app/study/skin_map.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sim/measure/skin_strain.h"
+
+namespace limberg::study {
+
+namespace {
+
+constexpr double kBin_mm = 3, kSliver_mm = 0.02, kDeg = 180 / std::numbers::pi;
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+}  // namespace
+
+SkinMap::SkinMap(const Snapshot& s) {
+  const SurfaceView& v = s.topology->view;
+  Vec2 high = Vec2::Constant(-1e300);
+  low_ = -high;
+  for (size_t t = 0; t < v.tri.size(); ++t) {
+    if (v.kind[t] != FaceKind::skin) continue;
+    Patch p;
+    for (size_t k = 0; k < 3; ++k) {
+      const auto i = size_t(v.tri[t][k]);
+      p.X[k] = v.X_mm[i], p.x[k] = s.x_mm[i].cast<double>();
+      p.at[k] = s.topology->body->to_chart(p.X[k]);
+      low_ = low_.cwiseMin(p.at[k]), high = high.cwiseMax(p.at[k]);
+    }
+    patches_.push_back(p);
+  }
+  if (patches_.empty()) return;
+  nx_ = int((high.x() - low_.x()) / kBin_mm) + 1, ny_ = int((high.y() - low_.y()) / kBin_mm) + 1;
+  bin_.resize(size_t(nx_) * size_t(ny_));
+  for (size_t t = 0; t < patches_.size(); ++t) {
+    Vec2 a = patches_[t].at[0], b = a;
+    for (const Vec2& p : patches_[t].at) a = a.cwiseMin(p), b = b.cwiseMax(p);
+    for (int y = int((a.y() - low_.y()) / kBin_mm); y <= int((b.y() - low_.y()) / kBin_mm); ++y)
+      for (int x = int((a.x() - low_.x()) / kBin_mm); x <= int((b.x() - low_.x()) / kBin_mm); ++x)
+        bin_[size_t(y) * size_t(nx_) + size_t(x)].push_back(int32_t(t));
+  }
+}
+
+std::optional<Vec3> SkinMap::now_mm(const ChartPoint& p) const {
+  const int x = int(std::floor((p.x() - low_.x()) / kBin_mm)), y = int(std::floor((p.y() - low_.y()) / kBin_mm));
+  if (x < 0 || y < 0 || x >= nx_ || y >= ny_) return std::nullopt;
+  for (const int32_t i : bin_[size_t(y) * size_t(nx_) + size_t(x)]) {
+    const Patch& t = patches_[size_t(i)];
+    const double area = cross(t.at[1] - t.at[0], t.at[2] - t.at[0]);
+    if (!(area > 0)) continue;
+    Vec3 w;
+    for (size_t k = 0; k < 3; ++k) w[Eigen::Index(k)] = cross(t.at[(k + 1) % 3] - p, t.at[(k + 2) % 3] - p) / area;
+    if (w.minCoeff() < -1e-9) continue;
+    return w[0] * t.x[0] + w[1] * t.x[1] + w[2] * t.x[2];
+  }
+  return std::nullopt;
+}
+
+SkinMap::Gradient SkinMap::gradient(const Patch& t) {
+  Gradient g;
+  Eigen::Matrix2d D;
+  D << t.at[1] - t.at[0], t.at[2] - t.at[0];
+  const double twice = D.determinant(), longest = std::max({(t.at[1] - t.at[0]).norm(), (t.at[2] - t.at[1]).norm(), (t.at[0] - t.at[2]).norm()});
+  if (!(twice > kSliver_mm * longest)) return g;
+  Eigen::Matrix<double, 3, 2> d;
+  d << t.x[1] - t.x[0], t.x[2] - t.x[0];
+  g.F = d * D.inverse();
+  g.area_mm2 = 0.5 * twice;
+  return g;
+}
+
+template <class Visit>
+void SkinMap::near(const ChartPoint& p, double radius, Visit visit) const {
+  for (const Patch& t : patches_)
+    if ((t.centre() - p).norm() <= radius)
+      if (const Gradient g = gradient(t); g.area_mm2 > 0) visit(t, g);
+}
+
+SkinMap::Stretch SkinMap::stretch(const ChartPoint& p, double radius) const {
+  Stretch out;
+  Mat3 left = Mat3::Zero();            // F F^T
+  Eigen::Matrix2d right = Eigen::Matrix2d::Zero();  // F^T F
+  near(p, radius, [&](const Patch&, const Gradient& g) {
+    left += g.area_mm2 * g.F * g.F.transpose(), right += g.area_mm2 * g.F.transpose() * g.F;
+    out.area_mm2 += g.area_mm2;
+  });
+  if (!(out.area_mm2 > 0)) return out;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> stretches(right / out.area_mm2);
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(left / out.area_mm2);
+  out.most = std::sqrt(stretches.eigenvalues()[1]), out.least = std::sqrt(std::max(0.0, stretches.eigenvalues()[0]));
+  out.direction = axes.eigenvectors().col(2);
+  return out;
+}
+
+double SkinMap::percentile(double q, double radius, const std::vector<ChartPoint>& tips, double keep_off) const {
+  std::vector<std::pair<double, double>> stretches;
+  near({0, 0}, radius, [&](const Patch& t, const Gradient& g) {
+    for (const ChartPoint& c : tips)
+      if ((t.centre() - c).norm() < keep_off) return;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> e(g.F.transpose() * g.F);
+    stretches.push_back({std::sqrt(e.eigenvalues()[1]), g.area_mm2});
+  });
+  return weighted_percentile(stretches, q);
+}
+
+double SkinMap::slack_share(double radius, double prestretch) const {
+  double all = 0, slack = 0;
+  near({0, 0}, radius, [&](const Patch&, const Gradient& g) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> e(g.F.transpose() * g.F);
+    const double most = prestretch * std::sqrt(e.eigenvalues()[1]), least = prestretch * std::sqrt(std::max(0.0, e.eigenvalues()[0]));
+    all += g.area_mm2;
+    if (least * std::sqrt(most) < 1 - 1e-3) slack += g.area_mm2;  // a thousandth is the rounding of positions over a triangle
+  });
+  return all > 0 ? slack / all : 0;
+}
+
+double SkinMap::deficit_deg(const Figure& f, const std::vector<Corner>& corners, double radius) const {
+  constexpr double kStep_deg = 4, kEdge_deg = 1, kApex_mm = 0.03;
+  double sum = 0;
+  for (const Corner& c : corners) {
+    const double angle = tissue_deg(f, c);
+    const Vec2 middle = tissue_bisector(f, c), apex = place(f, c);
+    const auto apex_now = now_mm(apex + kApex_mm * middle);
+    if (!apex_now) return std::nan("");
+    // From edge to edge; the outermost places lie a degree inside, and what is missing there is taken in proportion.
+    const double half = 0.5 * angle - kEdge_deg;
+    const int n = std::max(2, int(std::ceil(2 * half / kStep_deg)));
+    double seen = 0;
+    std::optional<Vec3> before;
+    for (int i = 0; i <= n; ++i) {
+      const double a = (-half + 2 * half * i / n) / kDeg;
+      const Vec2 d(std::cos(a) * middle.x() - std::sin(a) * middle.y(), std::sin(a) * middle.x() + std::cos(a) * middle.y());
+      const auto x = now_mm(apex + radius * d);
+      if (!x) return std::nan("");
+      const Vec3 ray = *x - *apex_now;
+      if (before) seen += std::atan2(before->cross(ray).norm(), before->dot(ray));
+      before = ray;
+    }
+    sum += seen * kDeg * angle / (2 * half);
+  }
+  return 360 - sum;
+}
+
+}  // namespace limberg::study

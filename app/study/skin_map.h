@@ -1,0 +1,62 @@
+#pragma once
+// Where places of the operated skin are now, and how the skin there is stretched: from chart points at rest.
+//
+// Banks of a cut share their rest places, so a place should lie inside tissue, not on a cut.
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/snapshot.h"
+#include "sim/tools/procedures/figure.h"
+
+namespace limberg::study {
+
+class SkinMap {
+ public:
+  explicit SkinMap(const Snapshot& shown);
+
+  /// Where the skin of a chart point is now; nothing where it has been taken away.
+  std::optional<Vec3> now_mm(const ChartPoint& p) const;
+
+  /// The skin's stretch, averaged over what lies at rest within `radius_mm` of a chart point; prestretch not included.
+  struct Stretch {
+    double most = 1, least = 1;      // principal, in the plane of the skin
+    Vec3 direction = Vec3::UnitX();  // of the larger one, now
+    double area_mm2 = 0;
+  };
+  Stretch stretch(const ChartPoint& p, double radius_mm) const;
+
+  /// The larger principal stretch that a fraction q of the area within `radius_mm` of the chart's origin does not exceed,
+  /// leaving out what lies within `keep_off_mm` of `tips`; prestretch not included. Slivers as in sim/measure are left out.
+  double percentile(double q, double radius_mm, const std::vector<ChartPoint>& tips, double keep_off_mm) const;
+
+  /// Share of the area within `radius_mm` of the chart's origin that a sheet cannot carry flat: its larger stretch l, prestretch
+  /// included, leaves it a natural width of 1/sqrt(l) (no change of volume), and it is narrower.
+  double slack_share(double radius_mm, double prestretch) const;
+
+  /// What the angles of some corners that are sewn together fall short of a full turn, as the skin lies now: the sum over
+  /// the corners of the angles under which their arcs of radius `radius_mm` at rest are seen from their apexes. A sheet that
+  /// is bent but not stretched keeps its rest angles and shows its charge; one that lies flat shows 0.
+  double deficit_deg(const Figure& figure, const std::vector<Corner>& corners, double radius_mm) const;
+
+ private:
+  struct Patch {
+    std::array<ChartPoint, 3> at;
+    std::array<Vec3, 3> X, x;
+    Vec2 centre() const { return (at[0] + at[1] + at[2]) / 3; }
+  };
+  struct Gradient {
+    Eigen::Matrix<double, 3, 2> F;  // now over chart
+    double area_mm2 = 0;
+  };
+  static Gradient gradient(const Patch& t);
+  template <class Visit>
+  void near(const ChartPoint& p, double radius_mm, Visit visit) const;
+
+  std::vector<Patch> patches_;
+  Vec2 low_ = Vec2::Zero();
+  int nx_ = 0, ny_ = 0;
+  std::vector<std::vector<int32_t>> bin_;
+};
+
+}  // namespace limberg::study

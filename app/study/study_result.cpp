@@ -1,0 +1,106 @@
+#include "app/study/study_result.h"
+
+#include <filesystem>
+
+#include "app/output.h"
+#include "app/report/report_names.h"
+
+namespace limberg::study {
+
+std::vector<Bar> bars_of(const std::vector<Gathered>& parts) {
+  std::vector<Bar> out;
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (parts[i].rows.empty()) continue;
+    for (Bar b : parts[i].family->bars(parts[i].rows)) {
+      if (i) b.name = parts[i].family->name + ": " + b.name;
+      out.push_back(std::move(b));
+    }
+  }
+  return out;
+}
+
+Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bars) {
+  const Gathered& g = parts[0];
+  Result r("study", "");
+  r.set("/study", g.family->name);
+  r.set("/about", g.family->about);
+  r.set_empty_list("/rows");
+  r.set_empty_list("/bars");
+  size_t members = 0, done = 0, failures = 0;
+  for (const Gathered& p : parts) {
+    members += p.members.size(), done += p.rows.size();
+    for (const auto& [name, why] : p.failed) {
+      r.set("/failed/" + std::to_string(failures) + "/member", name);
+      r.set("/failed/" + std::to_string(failures++) + "/why", why);
+    }
+  }
+  r.set("/members", uint64_t(members));
+  r.set("/complete", done == members);
+  bool ok = done == members;
+  int n = 0;
+  if (!g.rows.empty())
+    for (const auto& [name, v] : g.rows[0].figures) r.set("/columns/" + std::to_string(n++), name);
+  for (size_t i = 0; i < g.rows.size(); ++i)
+    for (const auto& [name, v] : g.rows[i].figures) r.set("/rows/" + std::to_string(i) + "/" + name, v);
+  int stage = 0;
+  for (size_t i = 0; i < g.rows.size(); ++i)
+    if (!g.rows[i].title.empty()) {
+      const std::string p = "/stages/" + std::to_string(stage++);
+      r.set(p + "/name", g.rows[i].title);
+      r.set(p + "/picture", report_names::stage_picture(int(i) + 1, g.rows[i].title));
+    }
+  for (size_t i = 0; i < bars.size(); ++i) {
+    const std::string p = "/bars/" + std::to_string(i);
+    r.set(p + "/name", bars[i].name);
+    r.set(p + "/value", bars[i].value);
+    r.set(p + "/bar", bars[i].bar);
+    r.set(p + "/larger_is_better", bars[i].larger_is_better);
+    r.set(p + "/pass", bars[i].pass);
+    r.set(p + "/source", bars[i].source);
+    ok &= bars[i].pass;
+  }
+  int number = 0;
+  for (const Gathered& part : parts) {
+    if (part.rows.empty()) continue;
+    for (const NamedChart& c : part.family->charts(part.rows)) {
+      const std::string p = "/charts/" + std::to_string(number++);
+      r.set(p + "/title", (&part == &g ? "" : part.family->name + ": ") + c.title);
+      r.set(p + "/description", c.chart.description);
+      r.set(p + "/x", c.chart.x.title);
+      r.set(p + "/y", c.chart.y.title);
+      for (size_t k = 0; k < c.chart.series.size(); ++k) {
+        const ChartSeries& s = c.chart.series[k];
+        const std::string q = p + "/series/" + std::to_string(k);
+        const std::vector<float> x(s.x.begin(), s.x.end()), y(s.y.begin(), s.y.end());
+        r.set(q + "/name", s.name);
+        r.set(q + "/markers", s.markers);
+        r.set(q + "/x", std::span<const float>(x));
+        r.set(q + "/y", std::span<const float>(y));
+      }
+    }
+  }
+  r.set_ok(ok);
+  return r;
+}
+
+void leave_files(const std::vector<Gathered>& parts, const std::string& dir) {
+  for (const Gathered& p : parts) {
+    if (p.rows.empty()) continue;
+    const std::string prefix = &p == &parts[0] ? "" : p.family->name;
+    write_whole_file(dir + "/" + (prefix.empty() ? "rows" : prefix) + ".csv", csv(p.rows));
+    for (const NamedChart& c : p.family->charts(p.rows)) write_whole_file(dir + "/" + (prefix.empty() ? "" : prefix + "-") + c.name + ".svg", svg(c.chart));
+  }
+}
+
+void leave_pictures(const Gathered& part, const std::vector<std::string>& picture_of_row, const std::string& dir) {
+  namespace fs = std::filesystem;
+  std::error_code ec;
+  fs::remove_all(dir + "/" + report_names::stages_dir, ec);  // numbered anew
+  for (size_t i = 0; i < part.rows.size(); ++i) {
+    if (part.rows[i].title.empty() || !fs::is_regular_file(picture_of_row[i], ec)) continue;
+    prepare_folder(dir + "/" + report_names::stages_dir);
+    write_whole_file(dir + "/" + report_names::stage_picture(int(i) + 1, part.rows[i].title), read_whole_file(picture_of_row[i]));
+  }
+}
+
+}  // namespace limberg::study

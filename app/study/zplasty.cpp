@@ -1,0 +1,130 @@
+#include "app/study/zplasty.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "app/study/patch.h"
+#include "sim/tools/procedures/catalogue.h"
+
+namespace limberg::study {
+
+namespace {
+
+constexpr double kDeg = 180 / std::numbers::pi;
+const std::vector<std::string> kKeys{"angle", "prestretch", "cell_mm"};
+
+Row run(const Values& v, Patch patch, const Run& with) {
+  const double t = v[0], p = v[1], L = kLimb_mm;
+  patch.prestretch_percent = p, patch.cell_mm = v[2];
+  const Figure f = find_procedure("z_plasty").figure({L, t, t});
+  const Corner C{0, 0}, A{0, 1}, B2{0, 2}, D{0, 3}, B{0, 4}, A1{0, 5};
+  // The outer corners; a push goes 0.15 limbs outside them, into skin that stays in one piece.
+  for (const Corner& c : {A, B}) patch.ears.push_back(place(f, c) + 0.15 * L * tissue_bisector(f, c));
+  const Done d = carry_out_on(patch, f, with);
+  const DogEar a = d.shape(place(f, A), L / 2), b = d.shape(place(f, B), L / 2), around = d.shape({0, 0}, 2.2 * L);
+  const double tips = std::max(d.height_mm(place(f, C), L / 4), d.height_mm(place(f, D), L / 4));
+  const double volume = d.shape(place(f, A), L).volume_mm3 + d.shape(place(f, B), L).volume_mm3;
+  const double theory = std::sqrt(5 - 4 * std::cos(t / kDeg)), gained = d.metrics.elongation.value_or(std::nan("")), ear = std::max(a.height_mm, b.height_mm);
+  const std::vector<ChartPoint> corners{place(f, A), place(f, B), place(f, C), place(f, D)};
+  const double p95 = d.map->percentile(0.95, 2 * L, corners, 0.1 * L), p99 = d.map->percentile(0.99, 2 * L, corners, 0.1 * L);
+  const auto outside = [&](const Corner& c) { return d.map->now_mm(place(f, c) + 0.05 * tissue_bisector(f, c)); };
+  const auto flat = [](const std::optional<Vec3>& x, const std::optional<Vec3>& y) { return x && y ? (*x - *y).head<2>().norm() : std::nan(""); };
+  Row r;
+  r.figures = {{"angle", t}, {"prestretch", p}, {"cell_mm", v[2]},
+               {"elongation", gained}, {"theory", theory}, {"gain_of_theory", (gained - 1) / (theory - 1)},
+               {"elongation_flat", flat(outside(A), outside(B)) / L},
+               {"elongation_4L", flat(d.map->now_mm({0, 2 * L}), d.map->now_mm({0, -2 * L})) / (4 * L)},
+               {"open_elongation", d.open_elongation},
+               {"ear_A_mm", a.height_mm}, {"ear_B_mm", b.height_mm}, {"ear_mm", ear}, {"at_C_D_mm", tips},
+               {"ear_volume_mm3", volume}, {"rms_mm", around.rms_mm},
+               // What is sewn together there: A's and B's own edges; the flaps' tips into the ends of the lateral limbs.
+               {"deficit_A_deg", d.map->deficit_deg(f, {A}, 0.3 * L)}, {"deficit_B_deg", d.map->deficit_deg(f, {B}, 0.3 * L)},
+               {"deficit_C_deg", d.map->deficit_deg(f, {C, B2}, 0.3 * L)}, {"deficit_D_deg", d.map->deficit_deg(f, {D, A1}, 0.3 * L)},
+               {"slack_share", d.map->slack_share(2.2 * L, 1 + p / 100)},
+               {"strain_p95", p95 - 1}, {"strain_p99", p99 - 1}, {"closing_uJ", d.closing_uJ},
+               // Alberini et al. 2021: what is gained for the largest strain that it costs, times the narrower flap's sine.
+               {"efficiency", (gained - 1) / std::max(1e-3, p99 - 1) * std::sin(std::min(t, 90.0) / kDeg)},
+               // What is gained for the work of closing it: strain energy goes with the square of the strain.
+               {"gain_per_root_work", (gained - 1) / std::sqrt(std::max(1e-9, d.closing_uJ))},
+               {"equilibria", double(d.equilibria)}, {"pushed_gain", 1 - d.closing_uJ / std::max(1e-9, d.closing_uJ + d.energy_as_closed_uJ - d.energy_uJ)}};
+  add_common(r, d);
+  char name[60];
+  std::snprintf(name, sizeof name, "%g degrees, %g %%, %g mm", t, p, v[2]);
+  r.title = name;
+  return r;
+}
+
+std::vector<NamedChart> charts_z(const std::vector<Row>& rows) {
+  std::vector<NamedChart> out{
+      chart("elongation", "Elongation of the central limb", rows, "angle", "angle, degrees", "elongation", "times its length", kKeys),
+      chart("dog-ear", "Height of the dog-ears", rows, "angle", "angle, degrees", "ear_mm", "height, mm", kKeys),
+      chart("dog-ear-by-prestretch", "Height of the dog-ears", rows, "prestretch", "prestretch, percent", "ear_mm", "height, mm", kKeys),
+      chart("efficiency", "Gain for the work of closing", rows, "angle", "angle, degrees", "gain_per_root_work", "gain over root of the work, 1/sqrt(uJ)", kKeys),
+      chart("strain-efficiency", "Gain for the largest strain", rows, "angle", "angle, degrees", "efficiency", "gain over strain, times sine of the angle", kKeys)};
+  for (const Row& r : rows)
+    if (r.at("prestretch") != rows[0].at("prestretch")) return out;
+  out.erase(out.begin() + 2);  // one prestretch: no curve over it
+  return out;
+}
+
+std::vector<NamedChart> charts_planar(const std::vector<Row>& rows) {
+  NamedChart gain = chart("gain", "Share of the theoretical gain", rows, "angle", "angle, degrees", "gain_of_theory", "gain over theory", kKeys);
+  gain.chart.y_marks = {{0.53, "membrane of triangles"}};
+  return {chart("elongation", "Elongation of the central limb", rows, "angle", "angle, degrees", "elongation", "times its length", kKeys), gain};
+}
+
+}  // namespace
+
+Row run_z(const Values& v, const Run& with) {
+  Patch p;
+  p.side_mm = 10 * kLimb_mm, p.undermine_mm = 0.8 * kLimb_mm, p.contact = v[3] > 0, p.depth_mm = v[4], p.push_mm = v[5];
+  Row r = run(v, p, with);
+  r.figures.insert(r.figures.begin() + 3, {{"contact", v[3]}, {"depth_mm", v[4]}, {"push_mm", v[5]}});
+  return r;
+}
+
+Row run_plate(const Values& v, const Run& with) {
+  Patch p;
+  p.support = Support::none;
+  p.side_mm = 10.4 * kLimb_mm, p.region_mm = 5 * kLimb_mm, p.push_mm = 0.2 * kLimb_mm;
+  return run(v, p, with);
+}
+
+Row run_planar(const Values& v, const Run& with) {
+  Patch p;
+  p.support = Support::plane;
+  p.side_mm = 12.4 * kLimb_mm, p.region_mm = 6 * kLimb_mm;
+  p.spacing_mm = 0.05 * kLimb_mm, p.inset_mm = 0.1, p.corner_mm = 0.15;
+  return run(v, p, with);
+}
+
+Family zplasty() {
+  return {"zplasty", "Z-plasties of 20 mm limbs by angle and prestretch: what they gain, and where the skin stands up",
+          {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
+           {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
+           {"cell_mm", "size of the lattice's cells", {5, 4}, 2, 8},
+           {"contact", "1: wound surfaces keep each other out", {0}, 0, 1},
+           {"depth_mm", "of cut and undermining", {4}, 1.5, 8},
+           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {4}, 0, 10}},
+          run_z, bars_z, charts_z,
+          {{"zplasty", {"prestretch=0,5,10", "cell_mm=5,2.5"}}, {"planar", {"prestretch=0"}}}};
+}
+
+Family plate() {
+  return {"plate", "The same Z-plasties in skin of 1.5 mm with nothing beneath it, held at five limbs",
+          {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
+           {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
+           {"cell_mm", "size of the lattice's cells; at most the skin's thickness", {1.5}, 1, 1.5}},
+          run_plate, bars_plate, charts_z};
+}
+
+Family planar() {
+  return {"planar", "The same Z-plasties in a membrane that cannot leave its plane, held at six limbs: the control of the elongation",
+          {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
+           {"prestretch", "of the membrane, percent, in all directions", {0, 10}, 0, 30},
+           {"cell_mm", "size of the lattice's cells", {2.5}, 1, 8}},
+          run_planar, bars_planar, charts_planar};
+}
+
+}  // namespace limberg::study

@@ -1,0 +1,172 @@
+// What must come out of Z-plasties: a protocol for simulators that claim the classical statements, and reference figures
+// of two models that were computed for it with other programs:
+//   a planar membrane of triangles (neo-Hookean, constant volume, disc of six limbs, sutured node to node, ten elements to a
+//   limb), and a plate of the same law with bending on a one-sided bed (thickness 0.075 limbs). The membrane's figures are good to
+//   3 %; the plate's heights to 25 % and its thresholds to 10 degrees.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "app/study/patch.h"
+#include "app/study/zplasty.h"
+
+namespace limberg::study {
+
+namespace {
+
+constexpr const char* kProtocol = "protocol";
+
+struct Reference {
+  double angle, prestretch, elongation, open;  // open: of the wound before it is sewn; 0: not known
+};
+constexpr Reference kMembrane[] = {{20, 0, 1.061, 0},    {30, 0, 1.128, 0},    {45, 0, 1.254, 0},    {50, 0, 1.299, 0},    {60, 0, 1.390, 0},
+                                   {70, 0, 1.484, 0},    {75, 0, 1.528, 0},    {80, 0, 1.571, 0},    {90, 0, 1.648, 0},    {20, 10, 1.064, 1.121},
+                                   {30, 10, 1.135, 1.178}, {45, 10, 1.269, 1.258}, {50, 10, 1.318, 1.283}, {60, 10, 1.416, 1.327}, {70, 10, 1.516, 1.363},
+                                   {75, 10, 1.564, 1.380}, {80, 10, 1.611, 1.394}, {90, 10, 1.696, 1.418}};
+
+struct Height {
+  double angle, prestretch, height_mm;  // of a limb of 20 mm
+};
+constexpr Height kPlate[] = {{30, 0, 3.8}, {45, 0, 6.8}, {60, 0, 9.2}, {75, 0, 11}, {90, 0, 12}, {30, 5, 0}, {45, 5, 0}, {60, 5, 2.6}, {75, 5, 5.3}, {90, 5, 7.5},
+                             {45, 10, 0}, {60, 10, 0}, {75, 10, 2.1}, {90, 10, 4.4}, {75, 15, 0}, {90, 15, 2.7}};
+
+/// Rows of one setting but the angle.
+struct Group {
+  std::vector<const Row*> rows;  // by angle
+  double at(double angle, const char* what) const {
+    for (const Row* r : rows)
+      if (r->at("angle") == angle) return r->at(what);
+    return std::nan("");
+  }
+  double prestretch() const { return rows[0]->at("prestretch"); }
+};
+
+std::vector<Group> groups_of(const std::vector<Row>& rows) {
+  std::vector<Group> out;
+  for (auto& g : groups(rows, "angle", {"angle", "prestretch", "cell_mm", "contact", "depth_mm"})) out.push_back({std::move(g)});
+  return out;
+}
+
+/// Keeps the worst of some values; nothing when there were none.
+struct Worst {
+  std::optional<double> least, most;
+  void operator()(double v) {
+    if (!std::isfinite(v)) return;
+    least = std::min(least.value_or(v), v), most = std::max(most.value_or(v), v);
+  }
+};
+
+void add_rest(std::vector<Bar>& out, const std::vector<Row>& rows) {
+  Worst residual, gap;
+  for (const Row& r : rows) residual(r.at("residual")), gap(r.at("gap_max_mm"));
+  if (residual.most) out.push_back(at_most("2  largest relative residual", *residual.most, 1e-4, "protocol: equilibrium"));
+  if (gap.most) out.push_back(at_most("2  largest gap of a stitch, mm", *gap.most, 0.2, "protocol: closed"));
+}
+
+void add_elongation(std::vector<Bar>& out, const std::vector<Row>& rows) {
+  Worst rise, elongation, over;
+  for (const Group& g : groups_of(rows))
+    for (size_t i = 1; i < g.rows.size(); ++i)
+      if (g.rows[i]->at("angle") <= 75) rise(g.rows[i]->at("elongation") - g.rows[i - 1]->at("elongation"));
+  for (const Row& r : rows) elongation(r.at("elongation")), over(r.at("elongation") / r.at("theory"));
+  if (rise.least) out.push_back(at_least("4a least rise of the elongation from angle to angle, to 75", *rise.least, 1e-3, "protocol: rises strictly; 0.001 is what a residual of 1e-5 leaves open"));
+  if (elongation.least) out.push_back(at_least("4a least elongation", *elongation.least, 1, "protocol: a Z-plasty lengthens"));
+  if (over.most) out.push_back(at_most("4a largest elongation over theory", *over.most, 1, "protocol: sqrt(5 - 4 cos angle), without any resistance"));
+}
+
+void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_bed) {
+  Worst rise, tips, ratio, saturation, flat, high, none, work, strain, with_tension;
+  for (const Group& g : groups_of(rows)) {
+    const double p = g.prestretch();
+    double best_work = -1, best_strain = -1, work_at = 0, strain_at = 0;
+    for (size_t i = 0; i < g.rows.size(); ++i) {
+      const Row& r = *g.rows[i];
+      if (i) rise(r.at("ear_mm") - g.rows[i - 1]->at("ear_mm"));
+      if (r.at("ear_mm") > 0.5) tips(r.at("at_C_D_mm") - r.at("ear_mm"));  // flat ones stand nowhere
+      if (p == 0) none(r.at("ear_mm"));
+      if (r.at("gain_per_root_work") > best_work) best_work = r.at("gain_per_root_work"), work_at = r.at("angle");
+      if (r.at("efficiency") > best_strain) best_strain = r.at("efficiency"), strain_at = r.at("angle");
+      for (const Group& h : groups_of(rows))  // the same with more tension
+        if (h.rows[0]->at("cell_mm") == r.at("cell_mm") && h.prestretch() > p)
+          with_tension(h.at(r.at("angle"), "ear_mm") - r.at("ear_mm"));
+    }
+    if (g.rows.size() >= 4) work(work_at), strain(strain_at);
+    ratio(g.at(90, "ear_mm") / std::max(g.at(60, "ear_mm"), 1e-3));
+    if (p == 0) saturation((g.at(90, "elongation") - g.at(75, "elongation")) / (g.at(60, "elongation") - g.at(45, "elongation")));
+    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), high(g.at(90, "ear_mm"));
+  }
+  if (rise.least) out.push_back(at_least("4c least rise of the dog-ear from angle to angle, mm", *rise.least, -0.05, "protocol: rises with the angle; 0.05 mm is the lattice's noise"));
+  if (tips.most) out.push_back(at_most("4c height at the flaps' tips less that at the limb's ends, mm", *tips.most, 0, "protocol: cones at the limb's ends (charge +angle), saddles at the tips"));
+  if (with_tension.most) out.push_back(at_most("   largest rise of the dog-ear with the prestretch, mm", *with_tension.most, 0.05, "tension flattens; 0.05 mm is the lattice's noise"));
+  if (work.most) {
+    out.push_back(at_least("4d angle of the greatest gain for the work, least", *work.least, 50, "protocol: an efficiency index peaks inside 50 to 75 degrees"));
+    out.push_back(at_most("4d angle of the greatest gain for the work, largest", *work.most, 75, "the same"));
+    out.push_back(at_least("4d angle of the greatest gain for the strain, least", *strain.least, 50, "the same, with the 99th percentile of the strain; the membrane's own peaks at 90"));
+    out.push_back(at_most("4d angle of the greatest gain for the strain, largest", *strain.most, 75, "the same"));
+  }
+  if (ratio.least) out.push_back(at_least("4e dog-ear at 90 over 60 degrees, least", *ratio.least, 1.2, kProtocol));
+  if (saturation.most) out.push_back(at_most("4e no prestretch: gain from 75 to 90 over that from 45 to 60", *saturation.most, 0.5, "protocol: the ears eat the gain"));
+  if (flat.most) out.push_back(at_most("4f 10 % prestretch: dog-ear at 45 and 60 degrees, mm", *flat.most, 0.5, "protocol: flat; the plate is so to 65 degrees"));
+  if (high.least) out.push_back(at_least("4f 10 % prestretch: dog-ear at 90 degrees, mm", *high.least, 2, "protocol; the plate has 4.4 mm"));
+  if (none.least) out.push_back(at_least("4f no prestretch: least dog-ear of any angle, mm", *none.least, on_bed ? 0.5 : 1, "protocol: every angle has one; it counts from 1 mm on"));
+}
+
+/// Root of the mean square of the heights' errors against the plate, relative to its mean height; and the elongations'.
+void add_plate(std::vector<Bar>& out, const std::vector<Row>& rows, const char* who) {
+  double square = 0, mean = 0;
+  int n = 0;
+  for (const Row& r : rows)
+    for (const Height& h : kPlate)
+      if (h.angle == r.at("angle") && h.prestretch == r.at("prestretch")) square += std::pow(r.at("ear_mm") - h.height_mm, 2), mean += h.height_mm, ++n;
+  if (n && mean > 0) out.push_back(at_most(std::string("   heights against the plate's, ") + who + ", relative", std::sqrt(square / n) / (mean / n), 0.25, "protocol: 25 % on heights"));
+}
+
+}  // namespace
+
+std::vector<Bar> bars_planar(const std::vector<Row>& rows) {
+  std::vector<Bar> out;
+  add_rest(out, rows);
+  add_elongation(out, rows);
+  Worst gain, error, open, height;
+  for (const Row& r : rows) {
+    if (r.at("prestretch") == 0) gain(r.at("gain_of_theory"));
+    height(r.at("rms_mm"));
+    for (const Reference& x : kMembrane) {
+      if (x.angle != r.at("angle") || x.prestretch != r.at("prestretch")) continue;
+      error(std::abs(r.at("elongation") / x.elongation - 1));
+      if (x.open > 0) open(std::abs(r.at("open_elongation") / x.open - 1));
+    }
+  }
+  if (gain.least) {
+    out.push_back(at_least("4b planar: gain over theory, least", *gain.least, 0.48, "protocol: 0.53 +- 0.05"));
+    out.push_back(at_most("4b planar: gain over theory, largest", *gain.most, 0.58, "protocol: 0.53 +- 0.05"));
+  }
+  if (error.most) out.push_back(at_most("4b planar: elongation against the membrane, relative", *error.most, 0.03, "protocol: 3 % of the membrane of triangles"));
+  if (open.most) out.push_back(at_most("4b planar: the open wound's length against the membrane, relative", *open.most, 0.03, "the same"));
+  if (height.most) out.push_back(at_most("4b planar: root of the mean square of the height, mm", *height.most, 1e-3, "it has none"));
+  return out;
+}
+
+std::vector<Bar> bars_plate(const std::vector<Row>& rows) {
+  std::vector<Bar> out;
+  add_rest(out, rows);
+  add_elongation(out, rows);
+  add_heights(out, rows, false);
+  add_plate(out, rows, "nothing beneath");
+  return out;
+}
+
+std::vector<Bar> bars_z(const std::vector<Row>& rows) {
+  std::vector<Bar> out;
+  Worst cells;
+  for (const Row& r : rows) cells(r.at("cell_mm"));
+  if (cells.least) out.push_back(at_most("1  cells of the finest lattice, mm", *cells.least, 2.5, "protocol: eight elements to a limb"));
+  add_rest(out, rows);
+  add_elongation(out, rows);
+  add_heights(out, rows, true);
+  add_plate(out, rows, "on fat");
+  return out;
+}
+
+}  // namespace limberg::study

@@ -1,0 +1,127 @@
+// What the studies measure on the skin, against shapes that are known; and the law of the planar control.
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <numbers>
+
+#include "app/study/planar_law.h"
+#include "app/study/skin_map.h"
+#include "sim/fem/materials/catalogue.h"
+#include "sim/geometry/block.h"
+
+namespace limberg::study {
+namespace {
+
+constexpr double kDeg = 180 / std::numbers::pi;
+
+/// A flat skin of 40 mm, bent by `now`; triangles of which `keep` is false are left out.
+template <class Now, class Keep>
+Snapshot bent(Now now, Keep keep) {
+  auto topology = std::make_shared<SurfaceTopology>();
+  auto body = std::make_shared<Body>();
+  topology->body = body;
+  constexpr int n = 80;
+  constexpr double h = 40.0 / n;
+  std::vector<Vec3> X;
+  std::vector<Tri> tri;
+  std::vector<FaceKind> kind;
+  Snapshot s;
+  for (int y = 0; y <= n; ++y)
+    for (int x = 0; x <= n; ++x) X.push_back({-20 + h * x, -20 + h * y, 0});
+  for (const Vec3& p : X) s.x_mm.push_back(now(p).template cast<float>());
+  for (int y = 0; y < n; ++y)
+    for (int x = 0; x < n; ++x) {
+      const int a = y * (n + 1) + x, b = a + 1, c = a + n + 1, d = c + 1;
+      for (const Tri& t : {Tri{a, b, d}, Tri{a, d, c}})
+        if (keep((X[size_t(t[0])] + X[size_t(t[1])] + X[size_t(t[2])]) / 3)) tri.push_back(t), kind.push_back(FaceKind::skin);
+    }
+  const auto fill = [](auto& shared, const auto& list) { shared = std::remove_reference_t<decltype(shared)>(list); };
+  fill(topology->view.X_mm, X), fill(topology->view.tri, tri), fill(topology->view.kind, kind);
+  s.topology = topology;
+  return s;
+}
+
+TEST(SkinMap, AnEvenStretchIsSeenEverywhere) {
+  const auto s = bent([](const Vec3& p) { return Vec3(1.3 * p.x() + 0.0 * p.y(), 0.8 * p.y(), 0.6 * p.y()); }, [](const Vec3&) { return true; });
+  const SkinMap map(s);
+  const auto x = map.now_mm({3.21, -7.65});
+  ASSERT_TRUE(x);
+  EXPECT_LT((*x - Vec3(1.3 * 3.21, -0.8 * 7.65, -0.6 * 7.65)).norm(), 1e-5);
+  EXPECT_FALSE(map.now_mm({21, 0}));
+  const SkinMap::Stretch e = map.stretch({1, 2}, 3);
+  EXPECT_NEAR(e.most, 1.3, 1e-4);
+  EXPECT_NEAR(e.least, 1.0, 1e-4);
+  EXPECT_NEAR(std::abs(e.direction.x()), 1, 1e-4);
+  EXPECT_NEAR(map.percentile(0.99, 10, {}, 0), 1.3, 1e-4);
+  EXPECT_NEAR(map.slack_share(10, 1), 0, 1e-9);  // 1.0 is more than 1/sqrt(1.3)
+  EXPECT_NEAR(map.slack_share(10, 0.8), 1, 1e-9);
+}
+
+// A wound with an apex of 300 degrees of tissue at the origin, opening along +x.
+Figure notch() {
+  Figure f;
+  const double a = 30 / kDeg;
+  f.wounds = {{{18 * std::cos(a), -18 * std::sin(a)}, {0, 0}, {18 * std::cos(a), 18 * std::sin(a)}}};
+  if (std::abs(tissue_deg(f, {0, 1}) - 300) > 1) std::swap(f.wounds[0][0], f.wounds[0][2]);
+  return f;
+}
+
+TEST(SkinMap, AConeShowsItsChargeAndAFlatSheetNone) {
+  const Figure f = notch();
+  ASSERT_NEAR(tissue_deg(f, {0, 1}), 300, 1e-9);
+  const auto tissue = [](const Vec3& p) { return std::abs(std::atan2(p.y(), p.x())) > 30 / kDeg - 0.08 && p.norm() < 19; };
+  // Polar angle from the middle of the tissue (the -x axis), 300 degrees of it to be closed to a full turn.
+  const auto turn = [](const Vec3& p) { return std::atan2(-p.y(), -p.x()); };
+  const auto cone = bent([&](const Vec3& p) {
+    const double r = p.head<2>().norm(), a = turn(p) * 360 / 300, s = 300.0 / 360;
+    return Vec3(-r * s * std::cos(a), -r * s * std::sin(a), -r * std::sqrt(1 - s * s));
+  }, tissue);
+  EXPECT_NEAR(SkinMap(cone).deficit_deg(f, {{0, 1}}, 6), 60, 2);
+  const auto flat = bent([&](const Vec3& p) {
+    const double r = p.head<2>().norm(), a = turn(p) * 360 / 300;
+    return Vec3(-r * std::cos(a), -r * std::sin(a), 0);
+  }, tissue);
+  EXPECT_NEAR(SkinMap(flat).deficit_deg(f, {{0, 1}}, 6), 0, 2);
+}
+
+TEST(PlaneMembrane, ForcesAndTangentAreDerivativesOfTheEnergy) {
+  const LawPtr law = plane_membrane(20, 200, 0.9);
+  for (const double squeeze : {1.0, 0.4, 0.05, -0.3}) {  // down to inverted
+    Mat3 F;
+    F << 1.2, 0.3, 0.1, -0.2, 0.9 * squeeze, -0.05, 0.07, 0.02, 0.8;
+    const auto r = law->at(F);
+    const Mat9 C = law->tangent_kPa(F, false);
+    constexpr double h = 1e-5;
+    for (int k = 0; k < 9; ++k) {
+      Mat3 a = F, b = F;
+      a.data()[k] -= h, b.data()[k] += h;
+      const auto ra = law->at(a), rb = law->at(b);
+      EXPECT_NEAR((rb.energy_kPa - ra.energy_kPa) / (2 * h), r.P_kPa.data()[k], 1e-4 * (1 + std::abs(r.P_kPa.data()[k])));
+      for (int l = 0; l < 9; ++l) EXPECT_NEAR((rb.P_kPa.data()[l] - ra.P_kPa.data()[l]) / (2 * h), C(l, k), 1e-3 * (1 + std::abs(C(l, k))));
+    }
+    EXPECT_GE(Eigen::SelfAdjointEigenSolver<Mat9>(law->tangent_kPa(F, true)).eigenvalues().minCoeff(), -1e-9);
+  }
+}
+
+TEST(PlaneMembrane, IsThatOfConstantVolumeUnderPlaneStressAndRestsWhenStretched) {
+  // Uniaxial: the free width is l^-1/2 and the stress mu (l^2 - 1/l).
+  const LawPtr law = plane_membrane(1, 10, 1);
+  for (const double l : {1.2, 1.5, 2.0}) {
+    Mat3 F = Mat3::Identity();
+    F(0, 0) = l, F(1, 1) = 1 / std::sqrt(l);
+    const Mat3 P = law->at(F).P_kPa;
+    EXPECT_NEAR(P(0, 0) * l, l * l - 1 / l, 1e-12);
+    EXPECT_NEAR(P(1, 1), 0, 1e-12);
+    EXPECT_NEAR(P(2, 2), 0, 1e-12);
+  }
+  const Material m = membrane_material(20, 1.1);
+  const auto laws = laws_with_membrane();
+  const LayerResponse r = layer_response(m, laws.get());
+  EXPECT_NEAR(r.lambda_kPa, 0.02, 1e-9);
+  const Mat3 M = Vec3(1.1, 1.1, 1 / 1.21).asDiagonal();
+  EXPECT_NEAR(rest_pressure_kPa(r, M, Vec3::UnitZ()), 0, 1e-9);
+}
+
+}  // namespace
+}  // namespace limberg::study

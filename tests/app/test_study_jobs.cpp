@@ -1,0 +1,164 @@
+// Members of studies as jobs: their files, processes, and the program that goes on where it was stopped.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "app/study/member_file.h"
+#include "app/study/processes.h"
+#include "sim/error.h"
+
+namespace limberg::study {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Jobs : public ::testing::Test {
+ protected:
+  Jobs() {
+    std::string name = (fs::temp_directory_path() / "limberg-jobs-XXXXXX").string();
+    dir_ = mkdtemp(name.data());
+  }
+  ~Jobs() override { fs::remove_all(dir_); }
+  std::string path(const std::string& name) const { return dir_ + "/" + name; }
+  void write(const std::string& name, const std::string& text) const {
+    fs::create_directories(fs::path(path(name)).parent_path());
+    std::ofstream(path(name), std::ios::binary) << text;
+  }
+  std::string slurp(const std::string& name) const {
+    std::ifstream in(path(name), std::ios::binary);
+    std::ostringstream s;
+    s << in.rdbuf();
+    return s.str();
+  }
+  /// Exit status; what it printed lies in .out and .err.
+  int limberg(const std::string& arguments) const {
+    const int s = std::system((std::string(LIMBERG_BINARY_DIR "/limberg ") + arguments + " >" + path(".out") + " 2>" + path(".err") + " </dev/null").c_str());
+    return WIFEXITED(s) ? WEXITSTATUS(s) : 1000 + WTERMSIG(s);
+  }
+  std::string dir_;
+  const Family& disc_ = find_family("disc");
+  const std::string small_ = "study disc --set along=1.1,1.2 --set across=1.05 --set cell_mm=6 --set radius_mm=6 ";
+};
+
+TEST_F(Jobs, AMembersFileHoldsItsRowToTheLastBit) {
+  const Values v{1.1, 1.0 / 3 + 1, 3.5, 10, 3, 0.495};
+  MemberResult m;
+  m.row.figures = {{"a", 0.1}, {"b", 1.0 / 3}, {"none", std::nan("")}};
+  m.row.title = "a \"title\"";
+  m.row.profile = {"curve", {1, 2}, {0.1, std::nan("")}, true};
+  m.seconds = 1.5, m.program = 0x0123456789abcdef, m.inputs = ~uint64_t(0);
+  write("members/x.json", member_text(disc_, v, m));
+  const auto r = read_member(path("members/x.json"), disc_, v);
+  ASSERT_TRUE(r);
+  EXPECT_EQ(r->row.at("a"), 0.1);
+  EXPECT_EQ(r->row.at("b"), 1.0 / 3);
+  EXPECT_TRUE(std::isnan(r->row.at("none")));
+  EXPECT_EQ(r->row.figures.size(), 3u);
+  EXPECT_EQ(r->row.title, m.row.title);
+  EXPECT_EQ(r->row.profile.x, m.row.profile.x);
+  EXPECT_TRUE(std::isnan(r->row.profile.y[1]));
+  EXPECT_EQ(r->program, m.program);
+  EXPECT_EQ(r->inputs, m.inputs);
+  EXPECT_TRUE(r->failure.empty());
+  Values other = v;
+  other[1] = 1.05;
+  EXPECT_THROW(read_member(path("members/x.json"), disc_, other), InputError);
+  EXPECT_THROW(read_member(path("members/x.json"), find_family("gape"), v), InputError);
+  EXPECT_FALSE(read_member(path("members/none.json"), disc_, v));
+}
+
+TEST_F(Jobs, BrokenMembersAreRefused) {
+  const Values v = members(disc_, {})[0];
+  for (const char* text : {"", "{", "[]", "{\"study\":\"disc\"}", "{\"study\":3}", "null", "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[["}) {
+    write("x.json", text);
+    EXPECT_THROW(read_member(path("x.json"), disc_, v), InputError) << text;
+  }
+  EXPECT_THROW(members_in(dir_, disc_), InputError);  // no folder
+  write("members/disc,along=1.json", "{}");
+  EXPECT_THROW(members_in(dir_, disc_), InputError);
+}
+
+TEST_F(Jobs, ProcessesRunSeveralAtATimeAndSayHowTheyEnded) {
+  std::vector<Process> all;
+  for (const char* c : {"exit 0", "exit 7", "echo why >&2; exit 2", "kill -9 $$"}) all.push_back({{"/bin/sh", "-c", c}, path("log" + std::to_string(all.size()))});
+  all.push_back({{"/no/such/program"}, path("log4")});
+  std::vector<int> status(all.size(), -99);
+  size_t most = 0;
+  run_processes(all, 2, {}, [&](size_t n) { most = std::max(most, n); }, [&](size_t i, int s) { status[i] = s; });
+  EXPECT_EQ(status, (std::vector<int>{0, 7, 2, 1000 + SIGKILL, -1}));
+  EXPECT_LE(most, 2u);
+  EXPECT_EQ(slurp("log2"), "why\n");
+}
+
+TEST_F(Jobs, AnInterruptEndsThoseThatRunAndStartsNoMore) {
+  std::vector<Process> all(4, {{"/bin/sleep", "600"}, path("log")});
+  std::vector<int> status(4, -99);
+  bool now = false;
+  run_processes(all, 2, [&] { return now; }, [&](size_t running) { now = running == 2 || now; }, [&](size_t i, int s) { status[i] = s; });
+  EXPECT_EQ(status, (std::vector<int>{1000 + SIGTERM, 1000 + SIGTERM, -1, -1}));
+}
+
+TEST_F(Jobs, AStudyGoesOnFromTheMembersThatAreThere) {
+  const std::string out = "--out " + path("o");
+  ASSERT_EQ(limberg(small_ + out), 0) << slurp(".err");
+  const std::string rows = slurp("o/rows.csv");
+  const std::string first = path("o/members/disc,along=1.1,across=1.05,cell_mm=6,radius_mm=6,depth_mm=3,poisson=0.495.json");
+  ASSERT_TRUE(fs::exists(first)) << slurp(".out");
+  ASSERT_EQ(limberg(small_ + out), 0);
+  EXPECT_NE(slurp(".err").find("2 members are there already"), std::string::npos);
+  EXPECT_EQ(slurp("o/rows.csv"), rows);  // the times too: nothing ran
+  // One taken away, one of another program: both are made again.
+  fs::remove(first);
+  ASSERT_EQ(limberg(small_ + out), 0);
+  EXPECT_NE(slurp(".err").find("1 members are there already"), std::string::npos);
+  std::string text = slurp(fs::relative(first, dir_).string());
+  text.replace(text.find("\"program\": \"") + 12, 16, "0123456789abcdef");
+  std::ofstream(first) << text;
+  ASSERT_EQ(limberg(small_ + out), 0);
+  EXPECT_NE(slurp(".err").find("1 members are there already"), std::string::npos);
+}
+
+TEST_F(Jobs, AMemberThatFailsDoesNotLoseTheOthers) {
+  // Its file cannot be written: something that is no file is in its place.
+  write("o/members/disc,along=1.2,across=1.05,cell_mm=6,radius_mm=6,depth_mm=3,poisson=0.495.json/x", "");
+  EXPECT_EQ(limberg(small_ + "--out " + path("o")), 3);
+  EXPECT_NE(slurp("o/rows.csv").find("\n1.1,"), std::string::npos);
+  EXPECT_EQ(slurp("o/rows.csv").find("\n1.2,"), std::string::npos);
+  EXPECT_NE(slurp(".err").find("along=1.2"), std::string::npos) << slurp(".err");
+  EXPECT_NE(slurp("o/result.json").find("\"complete\": false"), std::string::npos);
+}
+
+TEST_F(Jobs, AJobListRunsElsewhereAndIsCollected) {
+  ASSERT_EQ(limberg(small_ + "--list-jobs --out '" + path("there it is") + "'"), 0);
+  const std::string list = slurp(".out");
+  EXPECT_EQ(std::count(list.begin(), list.end(), '\n'), 2);
+  write("list.sh", list);
+  ASSERT_EQ(std::system(("sh " + path("list.sh")).c_str()), 0);
+  ASSERT_EQ(limberg("study disc --collect '" + path("there it is") + "' --out " + path("o")), 0) << slurp(".err");
+  const std::string rows = slurp("o/rows.csv");
+  EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 3);
+  // Members of another program are not mixed with these.
+  const std::string one = "/members/disc,along=1.2,across=1.05,cell_mm=6,radius_mm=6,depth_mm=3,poisson=0.495.json";
+  std::string text = slurp("there it is" + one);
+  text.replace(text.find("\"program\": \"") + 12, 16, "0123456789abcdef");
+  write("there it is" + one, text);
+  EXPECT_EQ(limberg("study disc --collect '" + path("there it is") + "'"), 2);
+  EXPECT_NE(slurp(".err").find("another program"), std::string::npos);
+}
+
+TEST_F(Jobs, BadCallsAreRefused) {
+  EXPECT_EQ(limberg(small_ + "--member --out " + path("o")), 2);  // two members
+  EXPECT_EQ(limberg(small_ + "--set across=1.05 --list-jobs"), 2);
+  EXPECT_EQ(limberg("study disc --list-jobs"), 2);  // where to?
+  EXPECT_EQ(limberg("study disc --collect " + path("nowhere")), 2);
+  EXPECT_EQ(limberg("study disc --jobs 0"), 2);
+}
+
+}  // namespace
+}  // namespace limberg::study
