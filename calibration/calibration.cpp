@@ -37,6 +37,36 @@ constexpr Field kFilter[] = {
     {"latency_ms", &FilterParameters::latency_ms, 0, 1000},
 };
 
+struct GloveField {
+  const char* name;
+  double GloveParameters::*value;
+  double low, high;
+};
+constexpr GloveField kGlove[] = {
+    {"closed_mm", &GloveParameters::closed_mm, 0, 500},
+    {"open_mm", &GloveParameters::open_mm, 1, 500},
+    {"grab_share", &GloveParameters::grab_share, 0.01, 0.98},
+    {"release_share", &GloveParameters::release_share, 0.02, 0.99},
+    {"readings", &GloveParameters::readings, 1, 20},
+    {"motion_scale", &GloveParameters::motion_scale, 0.01, 100},
+};
+struct GloveVector {
+  const char* name;
+  Vec3 GloveParameters::*value;
+};
+constexpr GloveVector kGloveVector[] = {{"forefinger_tip_mm", &GloveParameters::forefinger_tip_mm},
+                                        {"thumb_tip_mm", &GloveParameters::thumb_tip_mm},
+                                        {"pointing", &GloveParameters::pointing}};
+constexpr int kMostNodes = 12;  // of a distortion grid, each way
+
+bool same(const GloveParameters& a, const GloveParameters& b) {
+  for (const GloveField& f : kGlove)
+    if (a.*f.value != b.*f.value) return false;
+  for (const GloveVector& f : kGloveVector)
+    if (a.*f.value != b.*f.value) return false;
+  return true;
+}
+
 int line_of(const toml::node& n) { return int(n.source().begin.line); }
 
 void only_keys(const toml::table& t, std::initializer_list<const char*> known, const char* where, const std::string& file) {
@@ -89,7 +119,68 @@ std::string shortest(double v) {
   return s;
 }
 
+void read_glove(const toml::table& t, GloveParameters& g, const std::string& file) {
+  for (const auto& [key, node] : t) {
+    bool known = false;
+    for (const GloveField& f : kGlove)
+      if (key.str() == f.name) known = true, g.*f.value = number(node, f.name, f.low, f.high, file);
+    for (const GloveVector& f : kGloveVector)
+      if (key.str() == f.name) {
+        known = true;
+        const auto v = numbers<3>(node, f.name, 1000, file);
+        g.*f.value = Vec3(v[0], v[1], v[2]);
+      }
+    if (!known) throw InputError(file, line_of(node), "unknown key \"" + std::string(key.str()) + "\" in [glove]; see calibration/identity.toml");
+  }
+  if (g.open_mm < g.closed_mm + 5 || g.release_share <= g.grab_share)
+    throw InputError(file, 0, "[glove] is not usable: expected open_mm at least 5 above closed_mm, and release_share above grab_share");
+  if (std::abs(g.pointing.norm() - 1) > 0.01) throw InputError(file, 0, "\"pointing\" is no direction; expected three numbers of unit length");
+}
+
+void read_distortion(const toml::table& t, DistortionGrid& d, const std::string& file) {
+  only_keys(t, {"nodes", "low_mm", "high_mm", "add_mm"}, "[distortion]", file);
+  const toml::node *nodes = t.get("nodes"), *low = t.get("low_mm"), *high = t.get("high_mm"), *add = t.get("add_mm");
+  if (!nodes || !low || !high || !add) throw InputError(file, 0, "[distortion] is not whole; expected nodes, low_mm, high_mm and add_mm");
+  const auto n = numbers<3>(*nodes, "nodes", kMostNodes, file), lo = numbers<3>(*low, "low_mm", 10'000, file), hi = numbers<3>(*high, "high_mm", 10'000, file);
+  size_t count = 1;
+  for (size_t i = 0; i < 3; ++i) {
+    d.nodes[i] = int(n[i]);
+    if (d.nodes[i] < 2 || n[i] != d.nodes[i] || !(hi[i] > lo[i])) throw InputError(file, line_of(*nodes), "[distortion] is not usable; expected 2 to 12 nodes each way, and high_mm above low_mm");
+    count *= size_t(d.nodes[i]);
+  }
+  d.low_mm = Vec3(lo[0], lo[1], lo[2]), d.high_mm = Vec3(hi[0], hi[1], hi[2]);
+  const auto* a = add->as_array();
+  if (!a || a->size() != 3 * count) throw InputError(file, line_of(*add), "\"add_mm\" is not usable; expected a list of " + std::to_string(3 * count) + " numbers");
+  d.add_mm.resize(count);
+  for (size_t i = 0; i < count; ++i)
+    for (int k = 0; k < 3; ++k) d.add_mm[i][k] = number(*a->get(3 * i + size_t(k)), "add_mm", -1000, 1000, file);
+}
+
 }  // namespace
+
+Vec3 DistortionGrid::at(const Vec3& p) const {
+  if (empty()) return Vec3::Zero();
+  int at[3];
+  double w[3];
+  for (int i = 0; i < 3; ++i) {
+    const int n = nodes[size_t(i)];
+    const double s = std::min(std::max(0.0, (p[i] - low_mm[i]) / (high_mm[i] - low_mm[i])), 1.0) * (n - 1);
+    at[i] = std::min(int(s), n - 2);
+    w[i] = s - at[i];
+  }
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < 8; ++k) {
+    double weight = 1;
+    int node[3];
+    for (int i = 0; i < 3; ++i) {
+      const int up = k >> i & 1;
+      node[i] = at[i] + up;
+      weight *= up ? w[i] : 1 - w[i];
+    }
+    sum += weight * add_mm[size_t((node[2] * nodes[1] + node[1]) * nodes[0] + node[0])];
+  }
+  return sum;
+}
 
 Calibration parse_calibration(const std::string& text, const std::string& name) {
   toml::table t;
@@ -100,7 +191,7 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
   } catch (const BrokenToml&) {
     throw InputError(name, 0, "is not TOML; expected a calibration file");
   }
-  only_keys(t, {"limberg_calibration", "name", "stylus", "world", "filter"}, "a calibration", name);
+  only_keys(t, {"limberg_calibration", "name", "device", "date", "stylus", "world", "filter", "glove", "distortion"}, "a calibration", name);
   const auto version = t["limberg_calibration"].value<int64_t>();
   if (!version || *version != Calibration::kVersion)
     throw InputError(name, 0, "is not a calibration of a known version; expected limberg_calibration = 1");
@@ -111,7 +202,15 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
     if (!s || s->size() > 200) throw InputError(name, line_of(*n), "\"name\" is not usable; expected a short text");
     c.name = *s;
   }
+  for (const auto& [key, text] : {std::pair{"device", &c.device}, std::pair{"date", &c.date}})
+    if (const toml::node* n = t.get(key)) {
+      const auto s = n->value<std::string>();
+      if (!s || s->size() > 200) throw InputError(name, line_of(*n), "\"" + std::string(key) + "\" is not usable; expected a short text");
+      *text = *s;
+    }
   constexpr double kFarMm = 10'000;
+  if (const auto* g = table(t, "glove", name)) read_glove(*g, c.glove, name);
+  if (const auto* d = table(t, "distortion", name)) read_distortion(*d, c.distortion, name);
   if (const auto* s = table(t, "stylus", name)) {
     only_keys(*s, {"tip_offset_mm"}, "[stylus]", name);
     if (const toml::node* n = s->get("tip_offset_mm")) {
@@ -159,22 +258,40 @@ Calibration load_calibration(const std::string& path) {
 }
 
 std::string to_toml(const Calibration& c) {
-  std::string quoted;
-  for (char ch : c.name) {
-    if (ch == '"' || ch == '\\') quoted += '\\';
-    quoted += (unsigned char)ch < 0x20 || ch == 0x7F ? ' ' : ch;
-  }
+  const auto quoted = [](const std::string& text) {
+    std::string q;
+    for (char ch : text) {
+      if (ch == '"' || ch == '\\') q += '\\';
+      q += (unsigned char)ch < 0x20 || ch == 0x7F ? ' ' : ch;
+    }
+    return q;
+  };
   auto list = [](const double* v, int n) {
     std::string s = "[";
     for (int i = 0; i < n; ++i) s += (i ? ", " : "") + shortest(v[i]);
     return s + "]";
   };
-  std::string s = "limberg_calibration = " + std::to_string(Calibration::kVersion) + "\nname = \"" + quoted + "\"\n";
+  std::string s = "limberg_calibration = " + std::to_string(Calibration::kVersion) + "\nname = \"" + quoted(c.name) + "\"\n";
+  if (!c.device.empty()) s += "device = \"" + quoted(c.device) + "\"\n";
+  if (!c.date.empty()) s += "date = \"" + quoted(c.date) + "\"\n";
   s += "\n[stylus]  # the tip in the frame of the sensor\ntip_offset_mm = " + list(c.tip_offset_mm.data(), 3) + "\n";
   s += "\n[world]  # pose of the tracker in the world; quaternion w, x, y, z\nfrom_tracker_mm = " +
        list(c.world_from_tracker_mm.data(), 3) + "\nfrom_tracker_quat = " + list(c.world_from_tracker_quat.data(), 4) + "\n";
   s += "\n[filter]  # see calibration.h\n";
   for (const Field& f : kFilter) s += std::string(f.name) + " = " + shortest(c.filter.*f.value) + "\n";
+  if (!same(c.glove, GloveParameters{})) {
+    s += "\n[glove]  # see calibration.h\n";
+    for (const GloveField& f : kGlove) s += std::string(f.name) + " = " + shortest(c.glove.*f.value) + "\n";
+    for (const GloveVector& f : kGloveVector) s += std::string(f.name) + " = " + list((c.glove.*f.value).data(), 3) + "\n";
+  }
+  if (!c.distortion.empty()) {
+    const DistortionGrid& d = c.distortion;
+    s += "\n[distortion]  # added to positions in the tracker's frame; x fastest\nnodes = [" + std::to_string(d.nodes[0]) + ", " +
+         std::to_string(d.nodes[1]) + ", " + std::to_string(d.nodes[2]) + "]\nlow_mm = " + list(d.low_mm.data(), 3) +
+         "\nhigh_mm = " + list(d.high_mm.data(), 3) + "\nadd_mm = [\n";
+    for (const Vec3& v : d.add_mm) s += "  " + shortest(v.x()) + ", " + shortest(v.y()) + ", " + shortest(v.z()) + ",\n";
+    s += "]\n";
+  }
   return s;
 }
 
@@ -198,6 +315,18 @@ uint64_t calibration_hash(const Calibration& c) {
   for (int i = 0; i < 3; ++i) h.add(c.world_from_tracker_mm[i]);
   for (double v : c.world_from_tracker_quat) h.add(v);
   for (const Field& f : kFilter) h.add(c.filter.*f.value);
+  // What a calibration does not have leaves its hash as it was before there was such a thing.
+  if (!same(c.glove, GloveParameters{})) {
+    for (const GloveField& f : kGlove) h.add(c.glove.*f.value);
+    for (const GloveVector& f : kGloveVector)
+      for (int i = 0; i < 3; ++i) h.add((c.glove.*f.value)[i]);
+  }
+  if (!c.distortion.empty()) {
+    for (const int n : c.distortion.nodes) h.add(int32_t(n));
+    for (int i = 0; i < 3; ++i) h.add(c.distortion.low_mm[i]), h.add(c.distortion.high_mm[i]);
+    for (const Vec3& v : c.distortion.add_mm)
+      for (int i = 0; i < 3; ++i) h.add(v[i]);
+  }
   return h.value();
 }
 

@@ -1,13 +1,15 @@
 #pragma once
 // What is known about a device, a user and a room: plain numbers with a version, kept in a TOML file.
 //
-//   p_world = R_WT (p_sample + R_TS tip_offset) + t_WT
+//   p_world = R_WT (D(p_sample) + R_TS tip_offset) + t_WT
 //
-// where p_sample and R_TS are the position and orientation that the device sends. The identity calibration leaves a
+// where p_sample and R_TS are the position and orientation that the device sends and D is the correction of a field that
+// metal bends, if there is one. The identity calibration leaves a
 // stream as it is; recordings of the emulated surgeon use it.
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "sim/geometry/vec.h"
 
@@ -29,6 +31,27 @@ struct FilterParameters {
   double latency_ms = 0;                // how long before its time stamp a reading was true
 };
 
+/// A hand in a glove (devices/glove.h).
+struct GloveParameters {
+  double closed_mm = 10, open_mm = 70;  // distance of the finger tips of this user's closed and open hand
+  double grab_share = 0.25;             // closed below this share of the way from closed to open ...
+  double release_share = 0.40;          // ... and open above this one
+  double readings = 3;                  // in a row beyond the threshold, of both fingers
+  double motion_scale = 1;              // what is held moves so much as the hand does
+  Vec3 forefinger_tip_mm = Vec3::Zero(), thumb_tip_mm = Vec3::Zero();  // the tips in the frames of their sensors
+  Vec3 pointing = Vec3::UnitX();        // the forefinger's direction in the frame of its sensor; unit
+};
+
+/// Correction of a distorted field: what is to be added to a position in the tracker's frame, on the nodes of a regular grid,
+/// trilinear between them and constant outside.
+struct DistortionGrid {
+  std::array<int, 3> nodes{0, 0, 0};   // 0: no correction
+  Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();
+  std::vector<Vec3> add_mm;            // x fastest
+  bool empty() const { return add_mm.empty(); }
+  Vec3 at(const Vec3& p_mm) const;
+};
+
 struct Calibration {
   static constexpr int kVersion = 1;
   std::string name = "identity";
@@ -36,6 +59,9 @@ struct Calibration {
   Vec3 world_from_tracker_mm = Vec3::Zero();              // t_WT
   std::array<double, 4> world_from_tracker_quat{1, 0, 0, 0};  // R_WT as w, x, y, z; unit length
   FilterParameters filter;
+  GloveParameters glove;
+  DistortionGrid distortion;
+  std::string device, date;   // what was calibrated and when (ISO 8601), as the user said; not part of the hash
 };
 
 /// Reads a calibration. `name` stands for the file in errors. Throws InputError: broken TOML, unknown key, unknown

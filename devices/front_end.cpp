@@ -34,6 +34,7 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
     gestures_.control(*c, tick_, *snapshot_, *events_);
     return;
   }
+  if (!std::holds_alternative<StylusSample>(sample)) return;
   const auto& s = std::get<StylusSample>(sample);
   last_sample_ns_ = std::max(last_sample_ns_, s.t_ns);
   if (!have_stylus_) {

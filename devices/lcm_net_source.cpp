@@ -7,9 +7,9 @@
 #include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <thread>
-#include <vector>
 
 #include "devices/message_codec.h"
+#include "devices/sample_queue.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -37,46 +37,46 @@ constexpr size_t kMaxStreams = 64;
 }  // namespace
 
 struct LcmNetSource::Impl {
-  Impl(const LcmNetSettings& settings, int64_t start) : lcm(settings.url), start_ns(start) {
-    size_t size = 2;
-    while (size < settings.ring) size *= 2;
-    slot.resize(size);
-  }
+  Impl(const LcmNetSettings& settings, int64_t start) : lcm(settings.url), start_ns(start), queue(settings.ring) {}
 
   // ---- the receiving thread ----
 
   static void on_stylus(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::stylus_t, StylusSample>(buffer, 0);
+    self->take<limberg_msg::stylus_t, StylusSample>(buffer);
   }
   static void on_control(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::control_t, ControlSample>(buffer, 1);
+    self->take<limberg_msg::control_t, ControlSample>(buffer);
+  }
+  static void on_tracker(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
+    self->take<limberg_msg::tracker_t, TrackerSample>(buffer);
   }
 
   template <class M, class S>
-  void take(const lcm::ReceiveBuffer* buffer, int type) {
+  void take(const lcm::ReceiveBuffer* buffer) {
     M m;
     S s;
-    if (decode_message(static_cast<const uint8_t*>(buffer->data), buffer->data_size, m) || to_sample(m, s, true)) {
+    bool has_checksum = false;
+    if (decode_message(static_cast<const uint8_t*>(buffer->data), buffer->data_size, m, &has_checksum) || to_sample(m, s, true)) {
       malformed.fetch_add(1, std::memory_order_relaxed);
       return;
     }
+    [[maybe_unused]] const int64_t sent_ns = s.t_ns;
     s.t_ns = monotonic_ns() - start_ns;
-    const std::pair<int, int32_t> stream{type, s.device_id};
+    // The sender's clock is not ours, but how old the reading was when it was sent is known by it alone.
+    if constexpr (std::is_same_v<S, TrackerSample>) s.true_ns = s.t_ns - std::clamp<int64_t>(sent_ns - s.true_ns, 0, 1'000'000'000);
+    const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
     int64_t gap = 0;
-    if ((order.size() >= kMaxStreams && !order.contains(stream)) || !order[stream].accept(s.seq, s.t_ns, gap)) {
+    const bool known = order.contains(stream);
+    if ((order.size() >= kMaxStreams && !known) || (known && order[stream].checksums && !has_checksum) ||
+        !order[stream].accept(s.seq, s.t_ns, gap)) {
       malformed.fetch_add(1, std::memory_order_relaxed);
       return;
     }
+    order[stream].checksums |= has_checksum;
     // A sender that begins anew at a much higher number has lost nothing.
     constexpr int64_t kMostLost = 100'000;
     if (gap < kMostLost) lost.fetch_add(gap, std::memory_order_relaxed);
-    const size_t at = head.load(std::memory_order_relaxed);
-    if (at - tail.load(std::memory_order_acquire) >= slot.size()) {
-      lost.fetch_add(1, std::memory_order_relaxed);
-      return;
-    }
-    slot[at & (slot.size() - 1)] = s;
-    head.store(at + 1, std::memory_order_release);
+    if (!queue.push(s)) lost.fetch_add(1, std::memory_order_relaxed);
   }
 
   void listen() {
@@ -92,14 +92,10 @@ struct LcmNetSource::Impl {
   lcm::LCM lcm;
   const int64_t start_ns;
   std::map<std::pair<int, int32_t>, StreamOrder> order;  // of the receiving thread alone
-  std::vector<Sample> slot;
-  alignas(64) std::atomic<size_t> head{0};
-  alignas(64) std::atomic<size_t> tail{0};
+  SampleQueue queue;
   std::atomic<int64_t> malformed{0}, lost{0};
   std::atomic<bool> stop{false};
   std::thread thread;
-  // Of the polling thread alone.
-  int64_t samples = 0, last_t_ns = -1, last_now_ns = -1;
 };
 
 LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
@@ -112,6 +108,7 @@ LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
                                 "\" cannot be opened; expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
   impl_->lcm.subscribeFunction(std::string(kStylusChannel), &Impl::on_stylus, impl_.get());
   impl_->lcm.subscribeFunction(std::string(kControlChannel), &Impl::on_control, impl_.get());
+  impl_->lcm.subscribeFunction(std::string(kTrackerChannel), &Impl::on_tracker, impl_.get());
   impl_->thread = std::thread([this] { impl_->listen(); });
 }
 
@@ -121,25 +118,10 @@ LcmNetSource::~LcmNetSource() {
   impl_->thread.join();
 }
 
-void LcmNetSource::poll(int64_t now_ns, SampleSink& sink) {
-  Impl& i = *impl_;
-  const size_t head = i.head.load(std::memory_order_acquire);
-  for (size_t at = i.tail.load(std::memory_order_relaxed); at != head; ++at) {
-    Sample& s = i.slot[at & (i.slot.size() - 1)];
-    int64_t& t_ns = *std::visit([](auto& v) { return &v.t_ns; }, s);
-    if (t_ns > now_ns) break;
-    // Stamped within the tick that consumes it, so that a replay by time stamps consumes it in the same tick.
-    t_ns = std::max({t_ns, i.last_now_ns + 1, i.last_t_ns + 1});
-    i.last_t_ns = t_ns;
-    ++i.samples;
-    sink.on_sample(s);
-    i.tail.store(at + 1, std::memory_order_release);
-  }
-  i.last_now_ns = now_ns;
-}
+void LcmNetSource::poll(int64_t now_ns, SampleSink& sink) { impl_->queue.poll(now_ns, sink); }
 
 SourceCounts LcmNetSource::counts() const {
-  return {impl_->samples, impl_->malformed.load(std::memory_order_relaxed), impl_->lost.load(std::memory_order_relaxed)};
+  return {impl_->queue.handed_over(), impl_->malformed.load(std::memory_order_relaxed), impl_->lost.load(std::memory_order_relaxed)};
 }
 
 }  // namespace limberg

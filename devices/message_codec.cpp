@@ -31,6 +31,17 @@ const char* check_prefix(const M& m, bool any_time) {
   return nullptr;
 }
 
+const char* check_pose(const double (&p)[3], const double (&q)[4]) {
+  double qq = 0;
+  for (double v : p)
+    if (!std::isfinite(v) || std::abs(v) > kFarMm) return "tip is not a place";
+  for (double v : q) {
+    if (!std::isfinite(v) || std::abs(v) > 2) return "quaternion is not of unit length";
+    qq += v * v;
+  }
+  return qq < 0.99 * 0.99 || qq > 1.01 * 1.01 ? "quaternion is not of unit length" : nullptr;
+}
+
 template <class M, class S>
 void copy_prefix(const M& m, S& s) {
   s.device_id = m.device_id;
@@ -52,14 +63,7 @@ void set_prefix(const S& s, M& m) {
 
 const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_time) {
   if (const char* wrong = check_prefix(m, any_time)) return wrong;
-  double qq = 0;
-  for (double v : m.tip_mm)
-    if (!std::isfinite(v) || std::abs(v) > kFarMm) return "tip is not a place";
-  for (double v : m.quat) {
-    if (!std::isfinite(v) || std::abs(v) > 2) return "quaternion is not of unit length";
-    qq += v * v;
-  }
-  if (qq < 0.99 * 0.99 || qq > 1.01 * 1.01) return "quaternion is not of unit length";
+  if (const char* wrong = check_pose(m.tip_mm, m.quat)) return wrong;
   copy_prefix(m, s);
   s.tip_mm = Vec3(m.tip_mm[0], m.tip_mm[1], m.tip_mm[2]);
   for (int i = 0; i < 4; ++i) s.quat[size_t(i)] = m.quat[i];
@@ -100,6 +104,60 @@ limberg_msg::control_t to_message(const ControlSample& s) {
   for (int i = 0; i < 4; ++i) m.value[i] = s.value[size_t(i)];
   put_text(m.text, s.text.str());
   return m;
+}
+
+const char* to_sample(const limberg_msg::tracker_t& m, TrackerSample& s, bool any_time) {
+  if (const char* wrong = check_prefix(m, any_time)) return wrong;
+  if (const char* wrong = check_pose(m.pos_mm, m.quat)) return wrong;
+  if (m.station < 1 || m.station > 4) return "unknown station";
+  if (m.role < int32_t(StationRole::none) || m.role > int32_t(StationRole::thumb)) return "unknown role of a station";
+  if (m.status < 0x20 || m.status > 0x7E) return "status is not a character";
+  constexpr int64_t second = 1'000'000'000;
+  if (!any_time && (m.t_device_ns > m.t_host_ns || m.t_device_ns < m.t_host_ns - second)) return "reading not from the last second";
+  copy_prefix(m, s);
+  s.true_ns = m.t_device_ns;
+  s.station = m.station;
+  s.role = StationRole(m.role);
+  s.status = char(m.status);
+  s.pos_mm = Vec3(m.pos_mm[0], m.pos_mm[1], m.pos_mm[2]);
+  for (int i = 0; i < 4; ++i) s.quat[size_t(i)] = m.quat[i];
+  s.buttons = uint32_t(m.buttons);
+  return nullptr;
+}
+
+const char* to_sample(const limberg_msg::raw_t& m, RawSample& s, bool any_time) {
+  if (const char* wrong = check_prefix(m, any_time)) return wrong;
+  if (m.n < 0 || m.n > int32_t(s.bytes.size())) return "number of bytes that cannot be";
+  copy_prefix(m, s);
+  s.n = m.n;
+  std::memcpy(s.bytes.data(), m.raw, s.bytes.size());
+  return nullptr;
+}
+
+limberg_msg::tracker_t to_message(const TrackerSample& s) {
+  limberg_msg::tracker_t m{};
+  set_prefix(s, m);
+  m.t_device_ns = s.true_ns;
+  m.station = s.station;
+  m.role = int32_t(s.role);
+  m.status = s.status;
+  for (int i = 0; i < 3; ++i) m.pos_mm[i] = s.pos_mm[i];
+  for (int i = 0; i < 4; ++i) m.quat[i] = s.quat[size_t(i)];
+  m.buttons = int32_t(s.buttons);
+  return m;
+}
+
+limberg_msg::raw_t to_message(const RawSample& s) {
+  limberg_msg::raw_t m{};
+  set_prefix(s, m);
+  m.n = s.n;
+  std::memcpy(m.raw, s.bytes.data(), s.bytes.size());
+  return m;
+}
+
+std::string_view channel_of(const Sample& s) {
+  constexpr std::array<std::string_view, std::variant_size_v<Sample>> channel{kStylusChannel, kControlChannel, kTrackerChannel, kRawChannel};
+  return channel[s.index()];
 }
 
 }  // namespace limberg

@@ -13,15 +13,18 @@
 #include "limberg_msg/chunk_t.hpp"
 #include "limberg_msg/control_t.hpp"
 #include "limberg_msg/end_t.hpp"
+#include "limberg_msg/raw_t.hpp"
 #include "limberg_msg/session_t.hpp"
 #include "limberg_msg/stylus_t.hpp"
+#include "limberg_msg/tracker_t.hpp"
 
 namespace limberg {
 
 inline constexpr int32_t kSchemaVersion = 1;
 inline constexpr std::string_view kStylusChannel = "LIMBERG_STYLUS", kControlChannel = "LIMBERG_CONTROL",
                                   kSessionChannel = "LIMBERG_SESSION", kChunkChannel = "LIMBERG_CHUNK",
-                                  kCheckpointChannel = "LIMBERG_CHECKPOINT", kEndChannel = "LIMBERG_END";
+                                  kCheckpointChannel = "LIMBERG_CHECKPOINT", kEndChannel = "LIMBERG_END",
+                                  kTrackerChannel = "LIMBERG_TRACKER", kRawChannel = "LIMBERG_RAW";
 
 /// CRC-32 of IEEE 802.3 (reflected polynomial 0xEDB88320).
 uint32_t crc32(const uint8_t* data, size_t n);
@@ -42,14 +45,16 @@ size_t encode_message(M message, MessageBytes& bytes) {
   return size_t(n);
 }
 
-/// What is wrong with the bytes as a message of type M, or nullptr, and then `message` holds it.
+/// What is wrong with the bytes as a message of type M, or nullptr, and then `message` holds it. `has_checksum`: whether a
+/// checksum was given, and then it was right. A stream that has given one gives them always (StreamOrder).
 template <class M>
-const char* decode_message(const uint8_t* data, size_t n, M& message) {
+const char* decode_message(const uint8_t* data, size_t n, M& message, bool* has_checksum = nullptr) {
   const int size = message.getEncodedSize();
   if (n != size_t(size)) return "wrong message size";
   if (get_big_endian<int64_t>(data) != M::getHash()) return "wrong message fingerprint";
   if (get_big_endian<int32_t>(data + 8) != kSchemaVersion) return "unknown schema version";
   const auto given = get_big_endian<uint32_t>(data + n - 4);
+  if (has_checksum) *has_checksum = given != 0;
   if (given != 0) {
     uint32_t crc = crc32(data, n - 4);
     if (crc == 0) crc = 1;
@@ -64,8 +69,19 @@ const char* decode_message(const uint8_t* data, size_t n, M& message) {
 /// for a recording's clock (`any_time`: not checked, for live streams), negative sequence numbers, unknown kinds.
 const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_time = false);
 const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time = false);
+const char* to_sample(const limberg_msg::tracker_t& m, TrackerSample& s, bool any_time = false);
+const char* to_sample(const limberg_msg::raw_t& m, RawSample& s, bool any_time = false);
 limberg_msg::stylus_t to_message(const StylusSample& s);
 limberg_msg::control_t to_message(const ControlSample& s);
+limberg_msg::tracker_t to_message(const TrackerSample& s);
+limberg_msg::raw_t to_message(const RawSample& s);
+
+/// The channel of a sample and the number of its stream within a device: each counts for itself.
+std::string_view channel_of(const Sample& s);
+inline int stream_of(const StylusSample&) { return 0; }
+inline int stream_of(const ControlSample&) { return 1; }
+inline int stream_of(const RawSample&) { return 2; }
+inline int stream_of(const TrackerSample& s) { return 2 + s.station; }
 
 /// Zero-filled fixed text; reading stops at the first zero. Control characters are refused on reading by to_sample.
 template <size_t N>
@@ -82,6 +98,7 @@ std::string get_text(const uint8_t (&field)[N]) {
 /// Follows one stream (type and device): sequence numbers and times must grow.
 struct StreamOrder {
   bool started = false;
+  bool checksums = false;  // one was seen: from then on a message without is a damaged one
   int64_t seq = 0, t_ns = 0;
   /// False: not newer than what came before. `gap` counts the numbers left out.
   bool accept(int64_t new_seq, int64_t new_t_ns, int64_t& gap) {

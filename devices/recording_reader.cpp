@@ -31,9 +31,13 @@ class Reader {
       const char* wrong = nullptr;
       bool ours = true;
       if (e.channel == kStylusChannel)
-        wrong = sample<limberg_msg::stylus_t, StylusSample>(e, 0);
+        wrong = sample<limberg_msg::stylus_t, StylusSample>(e);
       else if (e.channel == kControlChannel)
-        wrong = sample<limberg_msg::control_t, ControlSample>(e, 1);
+        wrong = sample<limberg_msg::control_t, ControlSample>(e);
+      else if (e.channel == kTrackerChannel)
+        wrong = sample<limberg_msg::tracker_t, TrackerSample>(e);
+      else if (e.channel == kRawChannel)
+        wrong = sample<limberg_msg::raw_t, RawSample>(e);
       else if (e.channel == kSessionChannel)
         wrong = session(e);
       else if (e.channel == kChunkChannel)
@@ -56,6 +60,7 @@ class Reader {
         ++r_.events;
       }
     }
+    leave_out_unchecked();
     for (auto& [index, b] : open_) {
       if (!b.broken && b.next == b.total && int64_t(b.blob.data.size()) == b.bytes)
         r_.blobs.push_back(std::move(b.blob));
@@ -71,7 +76,26 @@ class Reader {
   }
 
  private:
+  static constexpr const char* kNoChecksum = "no checksum in a stream that has them";
   static constexpr const char* kOutOfOrder = "sequence or time does not grow";
+
+  /// Samples without a checksum in front of the first one that has it, in a stream that has them: damaged as well.
+  void leave_out_unchecked() {
+    size_t out = 0, next = 0;
+    for (size_t i = 0; i < r_.samples.size(); ++i) {
+      if (next < unchecked_.size() && unchecked_[next].first == i) {
+        const int64_t offset = unchecked_[next++].second;
+        if (checksums_[r_.samples[i].index()]) {
+          ++log_.damage().bad_payload, --r_.events;
+          if (log_.damage().first_message.empty()) log_.damage().first_message = std::string(kNoChecksum) + " in the event at byte " + std::to_string(offset);
+          continue;
+        }
+      }
+      if (out != i) r_.samples[out] = r_.samples[i];
+      ++out;
+    }
+    r_.samples.resize(out);
+  }
 
   void note(const LogEvent& e, const char* wrong) {
     if (log_.damage().first_message.empty())
@@ -80,16 +104,22 @@ class Reader {
   }
 
   template <class M, class S>
-  const char* sample(const LogEvent& e, int type) {
+  const char* sample(const LogEvent& e) {
     M m;
     S s;
-    if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
+    bool has_checksum = false;
+    if (const char* wrong = decode_message(e.data, e.size, m, &has_checksum)) return wrong;
     if (const char* wrong = to_sample(m, s)) return wrong;
-    const std::pair<int, int32_t> stream{type, s.device_id};
+    const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
     if (!order_.contains(stream) && order_.size() >= kMaxStreams) return "too many devices";
     int64_t gap = 0;
+    // Damage that moves bytes can leave a message that says that it has no checksum, and can change whose it is: where one
+    // message of a channel has a checksum, all must have.
+    if (checksums_[Sample(S{}).index()] && !has_checksum) return kNoChecksum;
     if (!order_[stream].accept(s.seq, s.t_ns, gap)) return kOutOfOrder;
+    checksums_[Sample(S{}).index()] |= has_checksum;
     log_.damage().stream_gaps += gap;
+    if (!has_checksum) unchecked_.emplace_back(r_.samples.size(), e.offset);
     r_.samples.push_back(s);
     return nullptr;
   }
@@ -167,6 +197,8 @@ class Reader {
   Recording r_;
   std::map<std::pair<int, int32_t>, StreamOrder> order_;
   std::map<int32_t, OpenBlob> open_;
+  std::vector<std::pair<size_t, int64_t>> unchecked_;  // samples without a checksum, and where they stand in the file
+  std::array<bool, std::variant_size_v<Sample>> checksums_{};  // per kind of sample
   bool incomplete_ = false;
 };
 
@@ -187,7 +219,10 @@ Recording read(LogReader& log, const std::string& name) {
     int64_t first = time_of(r.samples.front());
     for (const Sample& s : r.samples) first = std::min(first, time_of(s));
     first -= first % 1'000'000;
-    for (Sample& s : r.samples) std::visit([&](auto& v) { v.t_ns -= first; }, s);
+    for (Sample& s : r.samples) {
+      std::visit([&](auto& v) { v.t_ns -= first; }, s);
+      if (auto* t = std::get_if<TrackerSample>(&s)) t->true_ns -= first;
+    }
   }
   return r;
 }

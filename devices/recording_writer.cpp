@@ -81,9 +81,8 @@ void RecordingWriter::on_sample(const Sample& sample) {
   MessageBytes bytes;
   std::visit(
       [&](const auto& s) {
-        constexpr bool stylus = std::is_same_v<std::decay_t<decltype(s)>, StylusSample>;
         last_us_ = std::max(last_us_, start_us_ + s.t_ns / 1000);
-        log_.write(last_us_, stylus ? kStylusChannel : kControlChannel, bytes.data(), encode_message(to_message(s), bytes));
+        log_.write(last_us_, channel_of(sample), bytes.data(), encode_message(to_message(s), bytes));
       },
       sample);
 }

@@ -45,6 +45,30 @@ struct ControlSample {
 
 enum ControlValue : int { kDepth = 0, kAngle = 1, kSpacing = 2, kHookId = 3 };  // select_tool's value[]
 
-using Sample = std::variant<StylusSample, ControlSample>;
+/// What a station of a tracker is fixed to.
+enum class StationRole : int32_t { none = 0, stylus = 1, forefinger = 2, thumb = 3 };
+
+/// One reading of one station of a tracker (LCM tracker_t), in the tracker's own frame: the sensor, not the tip.
+struct TrackerSample {
+  int32_t device_id = 0;
+  int64_t seq = 0, t_ns = 0;               // seq counts the readings of this station; t_ns: when it was consumed
+  int64_t true_ns = 0;                     // when the station was where it says, as well as is known
+  int32_t station = 1;                     // 1 to 4
+  StationRole role = StationRole::none;
+  Vec3 pos_mm = Vec3::Zero();
+  std::array<double, 4> quat{1, 0, 0, 0};  // w, x, y, z
+  uint32_t buttons = 0;                    // bit 0: the stylus' switch
+  char status = ' ';                       // what the device says of itself; a blank: well
+};
+
+/// Bytes of a serial line as they came (LCM raw_t): a record in which a parser erred can be read again.
+struct RawSample {
+  int32_t device_id = 0;
+  int64_t seq = 0, t_ns = 0;  // when the first byte was read
+  int32_t n = 0;              // bytes used
+  std::array<uint8_t, 64> bytes{};
+};
+
+using Sample = std::variant<StylusSample, ControlSample, TrackerSample, RawSample>;
 
 }  // namespace limberg

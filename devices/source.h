@@ -4,6 +4,7 @@
 // The owner of the clock polls every source once per device tick with the time of that tick. A source hands over, in order,
 // each sample whose time has come. It does not wait. Live and recorded sources allocate nothing while they are polled.
 #include <cstdint>
+#include <string>
 
 #include "devices/sample.h"
 
@@ -33,6 +34,8 @@ class Source {
   /// True when no further sample will ever come.
   virtual bool done() const = 0;
   virtual SourceCounts counts() const = 0;
+  /// In a line: what the device says of itself, or why it is not there. Not for the device thread.
+  virtual std::string health() const { return {}; }
 };
 
 }  // namespace limberg

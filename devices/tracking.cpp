@@ -73,6 +73,7 @@ double OneEuro::step(double raw, double speed, double dt_s, double min_cutoff_hz
 
 StylusTracker::StylusTracker(const Calibration& c)
     : f_(c.filter),
+      distortion_(c.distortion),
       tip_offset_(c.tip_offset_mm),
       t_WT_(c.world_from_tracker_mm),
       R_WT_(Quat(c.world_from_tracker_quat[0], c.world_from_tracker_quat[1], c.world_from_tracker_quat[2],
@@ -106,7 +107,8 @@ void StylusTracker::add(const StylusSample& s) {
   last_seq_ = s.seq;
 
   const Quat R_TS = Quat(s.quat[0], s.quat[1], s.quat[2], s.quat[3]).normalized();
-  const Vec3 p = R_WT_ * (s.tip_mm + R_TS * tip_offset_) + t_WT_;
+  const Vec3 sensor = distortion_.empty() ? s.tip_mm : Vec3(s.tip_mm + distortion_.at(s.tip_mm));
+  const Vec3 p = R_WT_ * (sensor + R_TS * tip_offset_) + t_WT_;
   const Quat q = (R_WT_ * R_TS).normalized();
 
   const double dt = double(t_ns - t_ns_) * kNs;

@@ -58,6 +58,7 @@ class StylusTracker {
   void restart(const Vec3& p, const Eigen::Quaterniond& q, int64_t t_ns);
 
   FilterParameters f_;
+  DistortionGrid distortion_;
   Vec3 tip_offset_, t_WT_;
   Eigen::Quaterniond R_WT_;
   bool running_ = false;

@@ -4,6 +4,7 @@
 
 #include "app/bench/accuracy.h"
 #include "app/bench/cutting.h"
+#include "app/bench/devices/fuzz.h"
 #include "app/bench/features.h"
 #include "app/bench/fuzz.h"
 #include "app/bench/fuzz/world_runner.h"
@@ -30,6 +31,7 @@ struct Options {
   bool quick = false, no_peers = false;
   int front_levels = 0;
   bool world = false;       // fuzz: acts on patients
+  bool devices = false;     // fuzz: what devices send
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
   uint64_t seed = 1;
   double budget_ms = 0, limit_s = 150;  // accuracy
@@ -132,6 +134,12 @@ int run(const Options& o) {
     s.out_dir = o.common.out_dir;
     s.progress = note;
     b = fuzz::world_fuzz(s).result();
+  } else if (o.suite == "fuzz" && o.devices) {
+    bench::DevicesFuzzSettings s;
+    s.cases = o.operations > 0 ? o.operations : o.quick ? 120'000 : s.cases;
+    s.seed = o.seed;
+    s.progress = note;
+    b = bench::devices_fuzz(s).result();
   } else if (o.suite == "laws") {
     b = bench::laws({o.quick, note});
   } else if (o.suite == "fuzz") {
@@ -158,7 +166,7 @@ int run(const Options& o) {
   Result result("bench", accuracy.scene);
   result.set("/suite", o.suite);
   result.set("/quick", o.quick);
-  if (o.suite == "fuzz" && !o.world) {
+  if (o.suite == "fuzz" && !o.world && !o.devices) {
     result.set("/operations", fuzzed.operations());
     result.set("/violations", int64_t(fuzzed.violations.size()));
     result.set("/refused", fuzzed.generic.refused + fuzzed.adversarial.refused);
@@ -191,6 +199,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(CLI::PositiveNumber);
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
   c->add_flag("--world", o->world, "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
+  c->add_flag("--devices", o->devices, "fuzz: damaged serial bytes, packets and logs instead of cuts");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
   c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(CLI::Range(0, 2));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);

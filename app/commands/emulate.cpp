@@ -1,9 +1,14 @@
+#include <time.h>
+
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
 
 #include "app/commands/session_command.h"
+#include "app/interrupt.h"
 #include "app/progress.h"
 #include "devices/emulator.h"
+#include "devices/fastrak/port.h"
 #include "sim/error.h"
 #include "sim/tools/strokes.h"
 
@@ -14,11 +19,31 @@ namespace {
 struct Options {
   std::string scene, script, out_log;
   uint64_t seed = 1;
-  bool replace = false, progressive = false;
+  bool replace = false, progressive = false, fastrak = false;
+  double seconds = 0, damage = 0;
   CommonOptions common;
 };
 
+/// A FASTRAK on a pseudo-terminal until Ctrl-C.
+int serve_fastrak(const Options& o) {
+  fastrak::EmulatorSettings settings;
+  settings.seed = o.seed;
+  settings.damage_per_byte = o.damage;
+  const fastrak::EmulatedPort port(fastrak::hand_at_work(o.seed), settings);
+  std::printf("%s\n", port.path().c_str());
+  std::fflush(stdout);
+  say("an emulated FASTRAK: glove on stations 1 and 2, stylus on 3; until Ctrl-C. Elsewhere: limberg devices --watch --device fastrak:" + port.path() + ",fts");
+  while (!interrupted() && (o.seconds <= 0 || double(port.now_ns()) * 1e-9 < o.seconds)) {
+    const timespec pause{0, 20'000'000};
+    nanosleep(&pause, nullptr);
+  }
+  return kDone;
+}
+
 int emulate(const Options& o) {
+  if (o.fastrak) return serve_fastrak(o);
+  if (o.scene.empty() || o.script.empty() || o.out_log.empty())
+    throw InputError("", 0, "emulate without scene, script or --out; expected limberg emulate SCENE SCRIPT --out LOG, or limberg emulate --fastrak");
   if (!o.common.json_file.empty()) o.common.prepare();
   SessionCall call;
   call.command = "emulate";
@@ -59,11 +84,14 @@ int emulate(const Options& o) {
 void add_emulate(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("emulate", "A scripted surgeon carries out an operation with a stylus: a recording");
-  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
-  c->add_option("SCRIPT", o->script, "Operation script (JSON lines)")->required();
-  c->add_option("--out", o->out_log, "The LCM log to write")->type_name("LOG")->required();
+  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene");
+  c->add_option("SCRIPT", o->script, "Operation script (JSON lines)");
+  c->add_option("--out", o->out_log, "The LCM log to write")->type_name("LOG");
   c->add_option("--seed", o->seed, "Of tremor, noise and dropouts (default 1)")->type_name("N");
   c->add_flag("--replace", o->replace, "Replace LOG if it exists");
+  c->add_flag("--fastrak", o->fastrak, "Instead: be a FASTRAK on a pseudo-terminal, whose path is printed, moved by a hand at work");
+  c->add_option("--seconds", o->seconds, "--fastrak: end after so long (default: Ctrl-C)")->type_name("S")->check(CLI::PositiveNumber);
+  c->add_option("--damage", o->damage, "--fastrak: share of bytes lost, changed or put in")->type_name("P")->check(CLI::Range(0.0, 1.0));
   c->add_flag("--progressive-cut", o->progressive, "Incisions open while they are drawn, as run does it");
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg emulate rhomboid recordings/rhomboid.jsonl --out rhomboid.lcm --seed 7");

@@ -5,7 +5,6 @@
 #include "app/output.h"
 #include "app/progress.h"
 #include "devices/emulator.h"
-#include "devices/lcm_net_source.h"
 #include "devices/log_source.h"
 #include "sim/error.h"
 #include "sim/tools/strokes.h"
@@ -23,31 +22,27 @@ struct Options {
   CommonOptions common;
 };
 
-/// Adds what `emulated:SCRIPT`, `log:FILE`, `lcm` or `lcm:URL` names.
-void add_device(SessionCall& call, const std::string& spec) {
-  const size_t colon = spec.find(':');
-  const std::string kind = spec.substr(0, colon), rest = colon == std::string::npos ? "" : spec.substr(colon + 1);
-  if (kind == "emulated" && !rest.empty()) {
+/// Adds what a --device names (device_specs.h).
+void add_device(SessionCall& call, const std::string& text) {
+  const DeviceSpec spec(text);
+  if (spec.kind == "emulated" && !spec.rest.empty()) {
     std::vector<Command> commands;
-    for (const ScriptLine& l : load_script(rest).lines) commands.push_back(l.command);
+    for (const ScriptLine& l : load_script(spec.rest).lines) commands.push_back(l.command);
     call.surgeon_seed = SurgeonSettings{}.seed;
     call.sources.push_back(std::make_unique<EmulatedSurgeon>(join_strokes(commands)));
-  } else if (kind == "log" && !rest.empty()) {
-    Recording rec = read_recording(rest);
+  } else if (spec.kind == "log" && !spec.rest.empty()) {
+    Recording rec = read_recording(spec.rest);
     const uint64_t named = call.point ? call.point->scene_hash : call.scene.hash;
     if (rec.session && rec.session->scene_hash != named)
-      throw InputError(rest, 0, "log of another scene (" + rec.session->scene_name + "); expected one of " + call.scene.name);
-    if (rec.samples.empty()) throw InputError(rest, 0, "no valid record of a sample in it; expected a stream of stylus samples");
-    if (rec.damage.total() > 0) say(rest + ": damaged: " + std::to_string(rec.damage.total()) + " events lost; what is whole is used");
+      throw InputError(spec.rest, 0, "log of another scene (" + rec.session->scene_name + "); expected one of " + call.scene.name);
+    if (rec.samples.empty()) throw InputError(spec.rest, 0, "no valid record of a sample in it; expected a stream of stylus samples");
+    if (rec.damage.total() > 0) say(spec.rest + ": damaged: " + std::to_string(rec.damage.total()) + " events lost; what is whole is used");
     call.damage = rec.damage;
     call.sources.push_back(std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total()));
-  } else if (kind == "lcm") {
-    if (call.live_source) throw InputError("", 0, "--device " + spec + ": a second lcm device; expected one address");
-    LcmNetSettings net;
-    if (!rest.empty()) net.url = rest;
-    call.live_source = [net](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<LcmNetSource>(net, start_ns); };
+  } else if (LiveSource live = live_source(spec, int(call.live_sources.size()))) {
+    call.live_sources.push_back(std::move(live));
   } else {
-    throw InputError("", 0, "--device " + spec + ": unknown device; expected emulated:SCRIPT, log:FILE, lcm or lcm:URL");
+    throw InputError("", 0, "--device " + text + ": unknown device; expected " + kDeviceSpecs);
   }
 }
 
@@ -62,7 +57,7 @@ int run(const Options& o) {
   call.point = o.automatic.apply(call.scene);
   for (const std::string& d : o.devices) add_device(call, d);
   if (o.devices.empty()) add_device(call, "lcm");
-  if (call.live_source && o.seconds <= 0) say("listening until Ctrl-C");
+  if (!call.live_sources.empty() && o.seconds <= 0) say("listening until Ctrl-C");
   if (o.seconds > 0) call.end_tick = int64_t(o.seconds * 1000);
   call.known_length_s = o.seconds;
   call.record_file = o.record;
@@ -77,7 +72,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("run", "Operate in real time");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
-  c->add_option("--device", o->devices, "emulated:SCRIPT, log:FILE, lcm or lcm:URL (default lcm); may be repeated")->type_name("SPEC");
+  c->add_option("--device", o->devices, std::string(kDeviceSpecs) + " (default lcm); may be repeated")->type_name("SPEC");
   c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")->type_name("FILE");
   c->add_option("--record", o->record, "Record the session to this LCM log")->type_name("FILE");
   c->add_flag("--replace", o->replace, "Replace the recording if it exists");

@@ -123,7 +123,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   SessionFigures f;
   if (call.real_time) {
     f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
-      if (call.live_source) a.front.add(call.live_source(start_ns));
+      for (const LiveSource& live : call.live_sources) a.front.add(live(start_ns));
     });
   } else {
     set.ticks_per_frame = 1000;  // on a virtual clock frames are samples of the picture, one a second

@@ -7,6 +7,7 @@
 
 #include "app/commands/commands.h"
 #include "app/bundle.h"
+#include "app/device_specs.h"
 #include "app/operating_point.h"
 #include "app/session_result.h"
 
@@ -20,7 +21,7 @@ struct SessionCall {
   bool real_time = false;
   bool progressive_cut = false;    // incisions open while they are drawn; recordings say whether they did
   std::vector<std::unique_ptr<Source>> sources;
-  std::function<std::unique_ptr<Source>(int64_t start_ns)> live_source;  // made when the clock starts
+  std::vector<LiveSource> live_sources;  // made when the clock starts
   std::string record_file;         // empty: none
   bool replace_record = false;
   uint64_t surgeon_seed = 0;

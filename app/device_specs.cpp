@@ -1,0 +1,59 @@
+#include "app/device_specs.h"
+
+#include "devices/fastrak/port.h"
+#include "devices/fastrak/source.h"
+#include "devices/lcm_net_source.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr int32_t kFirstFastrak = 200;
+
+/// The emulator and whoever reads it, as one.
+class EmulatedFastrak final : public Source {
+ public:
+  EmulatedFastrak(fastrak::SourceSettings settings, int64_t start_ns, uint64_t seed) : port_(fastrak::hand_at_work(seed)) {
+    settings.path = port_.path();
+    source_ = std::make_unique<fastrak::FastrakSource>(settings, start_ns);
+  }
+  void poll(int64_t now_ns, SampleSink& sink) override { source_->poll(now_ns, sink); }
+  bool done() const override { return false; }
+  SourceCounts counts() const override { return source_->counts(); }
+  std::string health() const override { return source_->health(); }
+
+ private:
+  fastrak::EmulatedPort port_;
+  std::unique_ptr<fastrak::FastrakSource> source_;
+};
+
+}  // namespace
+
+DeviceSpec::DeviceSpec(const std::string& text) {
+  const size_t colon = text.find(':');
+  kind = text.substr(0, colon);
+  rest = colon == std::string::npos ? "" : text.substr(colon + 1);
+}
+
+LiveSource live_source(const DeviceSpec& spec, int number) {
+  if (spec.kind == "lcm" || (spec.kind == "lcm-from-anywhere" && !spec.rest.empty())) {
+    LcmNetSettings net;
+    if (!spec.rest.empty()) net.url = spec.rest;
+    net.allow_other_networks = spec.kind != "lcm";
+    return [net](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<LcmNetSource>(net, start_ns); };
+  }
+  if (spec.kind == "fastrak") {
+    fastrak::SourceSettings s = fastrak::parse_source(spec.rest);
+    s.link.device_id = kFirstFastrak + number;
+    return [s](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<fastrak::FastrakSource>(s, start_ns); };
+  }
+  if (spec.kind == "fastrak-emulator") {
+    fastrak::SourceSettings s;
+    if (!spec.rest.empty()) s.link.role = fastrak::parse_roles(spec.rest);
+    s.link.device_id = kFirstFastrak + number;
+    return [s, number](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<EmulatedFastrak>(s, start_ns, uint64_t(number + 1)); };
+  }
+  return {};
+}
+
+}  // namespace limberg
