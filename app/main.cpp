@@ -34,6 +34,8 @@ int run_main(int argc, char** argv) {
   add_check(app, chosen);
   add_report(app, chosen);
   add_bench(app, chosen);
+  add_calibrate(app, chosen);
+  add_devices(app, chosen);
   add_fit(app, chosen);
   try {
     app.parse(argc, argv);

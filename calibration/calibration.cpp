@@ -202,11 +202,11 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
     if (!s || s->size() > 200) throw InputError(name, line_of(*n), "\"name\" is not usable; expected a short text");
     c.name = *s;
   }
-  for (const auto& [key, text] : {std::pair{"device", &c.device}, std::pair{"date", &c.date}})
+  for (const auto& [key, words] : {std::pair{"device", &c.device}, std::pair{"date", &c.date}})
     if (const toml::node* n = t.get(key)) {
       const auto s = n->value<std::string>();
       if (!s || s->size() > 200) throw InputError(name, line_of(*n), "\"" + std::string(key) + "\" is not usable; expected a short text");
-      *text = *s;
+      *words = *s;
     }
   constexpr double kFarMm = 10'000;
   if (const auto* g = table(t, "glove", name)) read_glove(*g, c.glove, name);

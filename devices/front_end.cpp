@@ -5,7 +5,7 @@
 namespace limberg {
 
 DeviceFrontEnd::DeviceFrontEnd(const Calibration& calibration, const GestureSettings& gestures)
-    : tracker_(calibration), gestures_(gestures) {}
+    : tracker_(calibration), gestures_(gestures), glove_(calibration), hand_(calibration.glove) {}
 
 void DeviceFrontEnd::add(std::unique_ptr<Source> source) { sources_.push_back(std::move(source)); }
 
@@ -20,8 +20,9 @@ void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& eve
     source->look(snapshot);
     source->poll(now_ns, *this);
   }
-  gestures_.tick(tick, tracker_.at(now_ns), pressed_, edges_, snapshot, events);
+  gestures_.tick(tick, tracker_.at(now_ns), pressed_, edges_, snapshot, *this);
   state = gestures_.state();
+  if (have_glove_) hand_.tick(tick, glove_.at(now_ns), clutch_, snapshot, *this);
   snapshot_ = nullptr;
   events_ = nullptr;
   recorder_ = nullptr;
@@ -31,17 +32,23 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
   recorder_->on_sample(sample);
   if (const auto* c = std::get_if<ControlSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, c->t_ns);
-    gestures_.control(*c, tick_, *snapshot_, *events_);
-    return;
+    gestures_.control(*c, tick_, *snapshot_, *this);
+  } else if (const auto* s = std::get_if<StylusSample>(&sample)) {
+    last_sample_ns_ = std::max(last_sample_ns_, s->t_ns);
+    add_stylus(*s, s->device_id);
+  } else if (const auto* t = std::get_if<TrackerSample>(&sample)) {
+    last_sample_ns_ = std::max(last_sample_ns_, t->t_ns);
+    if (t->role == StationRole::stylus) add_stylus(as_stylus(*t), t->device_id);
+    if (t->role == StationRole::forefinger || t->role == StationRole::thumb) have_glove_ = true, glove_.add(*t);
   }
-  if (!std::holds_alternative<StylusSample>(sample)) return;
-  const auto& s = std::get<StylusSample>(sample);
-  last_sample_ns_ = std::max(last_sample_ns_, s.t_ns);
+}
+
+void DeviceFrontEnd::add_stylus(const StylusSample& s, int32_t device) {
   if (!have_stylus_) {
     have_stylus_ = true;
-    stylus_ = s.device_id;
+    stylus_ = device;
   }
-  if (s.device_id != stylus_) {
+  if (device != stylus_) {
     ++other_devices_;
     return;
   }
@@ -49,6 +56,13 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
   const bool pressed = s.buttons & 1;
   if (pressed != pressed_) ++edges_;
   pressed_ = pressed;
+  clutch_ = s.buttons & 2;
+}
+
+bool DeviceFrontEnd::push(const ToolEvent& event) {
+  ToolEvent e = event;
+  e.seq = next_event_++;
+  return events_->push(e);
 }
 
 bool DeviceFrontEnd::done() const {
@@ -64,8 +78,11 @@ FrontEndCounts DeviceFrontEnd::counts() const {
     c.sources.lost += k.lost;
   }
   c.tracking = tracker_.counts();
-  c.events = gestures_.events();
-  c.events_lost = gestures_.events_lost();
+  c.events = next_event_;
+  c.events_lost = gestures_.events_lost() + hand_.events_lost();
+  c.glove = glove_.counts();
+  c.grabs = hand_.grabs();
+  c.empty_grabs = hand_.empty_grabs();
   c.missed_presses = gestures_.missed_presses();
   c.other_devices = other_devices_;
   return c;

@@ -1,5 +1,7 @@
 #pragma once
-// The device side, one object, driven tick by tick: read sources -> filter -> gestures on the newest snapshot.
+// The device side, one object, driven tick by tick: read sources -> filter -> gestures on the newest snapshot. A stylus in
+// one hand and a glove on the other work at the same time (virtual_hand.h); while a glove is closed, a second button of the
+// stylus (bit 1) is its clutch.
 //
 //   DeviceFrontEnd front(calibration);
 //   front.add(std::make_unique<LogSource>(...));
@@ -17,6 +19,7 @@
 #include "devices/source.h"
 #include "devices/tool_event.h"
 #include "devices/tracking.h"
+#include "devices/virtual_hand.h"
 
 namespace limberg {
 
@@ -25,9 +28,11 @@ struct FrontEndCounts {
   TrackingCounts tracking;
   int64_t events = 0, events_lost = 0, missed_presses = 0;
   int64_t other_devices = 0; // stylus samples of a second device, recorded but not followed
+  GloveCounts glove;
+  int64_t grabs = 0, empty_grabs = 0;
 };
 
-class DeviceFrontEnd final : private SampleSink {
+class DeviceFrontEnd final : private SampleSink, private EventSink {
  public:
   static constexpr int64_t kTickNs = 1'000'000;
 
@@ -43,14 +48,23 @@ class DeviceFrontEnd final : private SampleSink {
   int64_t last_sample_ns() const { return last_sample_ns_; }  // time stamp of the newest sample handled; -1 before any
   FrontEndCounts counts() const;
   const SkinTouch& touched() const { return gestures_.touched(); }
+  /// The glove's hand; nothing is computed for it before a glove has been seen.
+  const SecondHand& second_hand() const { return hand_.state(); }
+  const VirtualHand& hand() const { return hand_; }
 
  private:
   void on_sample(const Sample& sample) override;
+  bool push(const ToolEvent& event) override;  // numbers the events of both hands
+  void add_stylus(const StylusSample& s, int32_t device);
 
   std::vector<std::unique_ptr<Source>> sources_;
   StylusTracker tracker_;
   Gestures gestures_;
-  bool have_stylus_ = false, pressed_ = false;
+  GloveTracker glove_;
+  VirtualHand hand_;
+  bool have_glove_ = false;
+  int64_t next_event_ = 0;
+  bool have_stylus_ = false, pressed_ = false, clutch_ = false;
   int32_t stylus_ = 0;
   int edges_ = 0;
   int64_t other_devices_ = 0, last_sample_ns_ = -1;

@@ -24,6 +24,7 @@ struct ToolEvent {
   double world_mm[3]{};
   double depth_mm = 0, angle_deg = 90, spacing_mm = 0;
   int32_t id = 0;          // hook id, or stage number
+  int32_t hand = 0;        // 0 stylus, 1 glove
   ShortText text;          // stage: its name
 };
 

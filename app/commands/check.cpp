@@ -182,24 +182,29 @@ void check_repro(const Repro& r) {
 
 int check_recording(const std::string& file, bool with_plan, int workers) {
   const Recording rec = read_recording(file);
-  int64_t stylus = 0, first = 0, last = 0;
+  int64_t stylus = 0, stations = 0, controls = 0, raw_bytes = 0, first = 0, last = 0;
   for (const Sample& s : rec.samples) {
     const int64_t t = std::visit([](const auto& x) { return x.t_ns; }, s);
     if (&s == &rec.samples.front()) first = t;
     last = std::max(last, t);
     stylus += std::holds_alternative<StylusSample>(s);
+    stations += std::holds_alternative<TrackerSample>(s);
+    controls += std::holds_alternative<ControlSample>(s);
+    if (const auto* r = std::get_if<RawSample>(&s)) raw_bytes += r->n;
   }
   std::printf("recording   %lld events\n", static_cast<long long>(rec.events));
   if (rec.session)
     std::printf("session     scene %s (hash %s), by %s\n", rec.session->scene_name.c_str(), hex(rec.session->scene_hash).c_str(), rec.session->program.c_str());
   else std::printf("session     none: a plain stream, not a recording that replays by itself\n");
   const double seconds = double(last - first) * 1e-9;
-  std::printf("samples     %lld stylus, %lld controls, %.2f s%s\n", static_cast<long long>(stylus), static_cast<long long>(int64_t(rec.samples.size()) - stylus),
+  std::printf("samples     %lld stylus, %lld controls, %.2f s%s\n", static_cast<long long>(stylus), static_cast<long long>(controls),
               seconds, seconds > 0 ? (", " + std::to_string(int(double(stylus) / seconds + 0.5)) + " Hz").c_str() : "");
+  if (stations > 0 || raw_bytes > 0)
+    std::printf("tracker     %lld readings of stations, %lld bytes as they came\n", static_cast<long long>(stations), static_cast<long long>(raw_bytes));
   for (const Blob& b : rec.blobs) std::printf("holds       %s, %zu bytes\n", b.name.c_str(), b.data.size());
   std::printf("checkpoints %zu\n", rec.checkpoints.size());
   std::printf("end         %s\n", rec.end ? "whole" : "missing: the session was cut short");
-  if (rec.session) {
+  if (rec.session && rec.blob(BlobKind::scene)) {
     const Unbundled u = unbundle_scene(rec, file);
     if (u.scene.hash != rec.session->scene_hash) throw InputError(file, 0, "its scene is not the one that it was recorded with");
     check_scene(u.scene);
@@ -223,6 +228,10 @@ int check(const std::string& file, bool with_plan, int workers) {
     case Kind::calibration: {
       const Calibration c = parse_calibration(text, file);
       std::printf("calibration %s, hash %s\n", c.name.c_str(), hex(calibration_hash(c)).c_str());
+      if (!c.device.empty() || !c.date.empty()) std::printf("device      %s, %s\n", c.device.c_str(), c.date.c_str());
+      std::printf("stylus      tip (%.3f, %.3f, %.3f) mm\nworld       tracker at (%.2f, %.2f, %.2f) mm\nglove       closed %.1f mm, open %.1f mm\n", c.tip_offset_mm.x(),
+                  c.tip_offset_mm.y(), c.tip_offset_mm.z(), c.world_from_tracker_mm.x(), c.world_from_tracker_mm.y(), c.world_from_tracker_mm.z(), c.glove.closed_mm, c.glove.open_mm);
+      if (!c.distortion.empty()) std::printf("distortion  corrected on %d x %d x %d nodes\n", c.distortion.nodes[0], c.distortion.nodes[1], c.distortion.nodes[2]);
       break;
     }
     case Kind::surface: {

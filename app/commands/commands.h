@@ -24,6 +24,8 @@ void add_report(CLI::App& app, Chosen& chosen);
 void add_procedure(CLI::App& app, Chosen& chosen);
 void add_study(CLI::App& app, Chosen& chosen);
 void add_bench(CLI::App& app, Chosen& chosen);
+void add_calibrate(CLI::App& app, Chosen& chosen);
+void add_devices(CLI::App& app, Chosen& chosen);
 void add_fit(CLI::App& app, Chosen& chosen);
 
 /// Options that several commands share.

@@ -12,6 +12,7 @@
 #include "app/session/spsc_ring.h"
 #include "app/session/triple_buffer.h"
 #include "devices/tool_event.h"
+#include "devices/virtual_hand.h"
 #include "sim/snapshot.h"
 
 namespace limberg {
@@ -19,6 +20,7 @@ namespace limberg {
 /// Where the hand is, and when its newest reading was taken.
 struct HandState {
   ToolState tool;
+  SecondHand glove;
   int64_t sample_ns = -1;  // session time of the newest sample that went into it; -1 before any
 };
 

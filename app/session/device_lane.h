@@ -16,6 +16,7 @@ class DeviceLane final : private EventSink, private SampleSink {
     const Snapshot& s = ch_.patient_to_device.reading().snapshot;
     front_.tick(tick, s, *this, *this, hand_.tool);
     ch_.topologies.moved_to(kDeviceReader, s.topology_version);
+    hand_.glove = front_.second_hand();
     hand_.sample_ns = front_.last_sample_ns();
     ch_.hand_to_solver.writing() = hand_, ch_.hand_to_solver.publish();
     ch_.hand_to_render.writing() = hand_, ch_.hand_to_render.publish();

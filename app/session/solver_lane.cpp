@@ -41,7 +41,7 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   if (e.seq > next_event_) event_gaps_ += e.seq - next_event_;
   next_event_ = e.seq + 1;
   std::optional<Command> c = builder_.feed(e);
-  if (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take) held_since_ = e.tick;
+  if (e.hand == 0 && (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take)) held_since_ = e.tick;
   if (c) {
     // A hook that was carried is put down: say how long the way took, for whoever carries the script out again.
     if (auto* m = std::get_if<MoveHook>(&*c)) m->seconds = seconds(std::max<int64_t>(0, e.tick - held_since_));
@@ -49,9 +49,9 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   }
   switch (e.kind) {
     case ToolEvent::hook_set:
-    case ToolEvent::hook_take: held_hook_ = e.id; break;
+    case ToolEvent::hook_take: (e.hand == 1 ? glove_hook_ : held_hook_) = e.id; break;
     case ToolEvent::hook_leave:
-    case ToolEvent::hook_release: held_hook_ = 0; break;
+    case ToolEvent::hook_release: (e.hand == 1 ? glove_hook_ : held_hook_) = 0; break;
     default: break;
   }
 }
@@ -78,8 +78,8 @@ void SolverLane::apply(const Command& c, int64_t tick) {
 
 void SolverLane::follow_hand() {
   // The hand state may be a moment older or newer than the events: a hook follows only when both say that it is held.
-  if (held_hook_ == 0 || hand_.tool.held_hook != held_hook_ || !hand_.tool.valid) return;
-  patient_.apply(MoveHook{held_hook_, vec(hand_.tool.tip_mm), 0});
+  if (held_hook_ != 0 && hand_.tool.held_hook == held_hook_ && hand_.tool.valid) patient_.apply(MoveHook{held_hook_, vec(hand_.tool.tip_mm), 0});
+  if (glove_hook_ != 0 && hand_.glove.held_hook == glove_hook_ && hand_.glove.valid) patient_.apply(MoveHook{glove_hook_, vec(hand_.glove.hook_mm), 0});
 }
 
 void SolverLane::publish(int64_t tick) {
@@ -107,6 +107,10 @@ uint64_t SolverLane::state_hash() const {
   for (const double v : hand_.tool.shaft) h.add(v);
   h.add(hand_.tool.tool), h.add(hand_.tool.held_hook), h.add(hand_.tool.pressed), h.add(hand_.tool.valid);
   h.add(hand_.tool.tick);
+  if (hand_.glove.valid || hand_.glove.held_hook != 0) {
+    for (const double v : hand_.glove.hook_mm) h.add(v);
+    h.add(hand_.glove.held_hook), h.add(hand_.glove.closed);
+  }
   return h.value();
 }
 

@@ -84,7 +84,8 @@ class SolverLane {
   OnRefusal on_refusal_;
   CommandBuilder builder_;
   HandState hand_;
-  int32_t held_hook_ = 0;
+  int32_t held_hook_ = 0;  // by the stylus
+  int32_t glove_hook_ = 0;
   int64_t held_since_ = 0;
   int64_t next_event_ = 0, event_gaps_ = 0;
   bool new_sample_ = false;

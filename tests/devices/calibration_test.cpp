@@ -26,10 +26,19 @@ TEST(Calibration, RoundTripToTheBit) {
     const Eigen::Quaterniond q = Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal()).normalized();
     c.world_from_tracker_quat = {q.w(), q.x(), q.y(), q.z()};
     c.filter.stale_ms = 1 + 100 * dice.unit();
+    c.device = "FASTRAK \"ft\"", c.date = "2026-11-21";
+    c.glove.closed_mm = 20 * dice.unit(), c.glove.forefinger_tip_mm = Vec3(dice.normal(), 0, 3);
+    if (k % 2) {
+      c.distortion.nodes = {2, 3, 2};
+      c.distortion.high_mm = Vec3(10, 20, 30 + dice.unit());
+      for (int i = 0; i < 12; ++i) c.distortion.add_mm.push_back(Vec3(dice.normal(), dice.normal(), 1e-9 * dice.normal()));
+    }
     save_calibration(c, dir / "c.toml");
     const Calibration d = load_calibration(dir / "c.toml");
     EXPECT_EQ(calibration_hash(c), calibration_hash(d)) << to_toml(c);
     EXPECT_EQ(c.name, d.name);
+    EXPECT_EQ(c.device, d.device);
+    EXPECT_EQ(c.date, d.date);
   }
 }
 
@@ -55,6 +64,12 @@ TEST(Calibration, BadFilesSayWhatAndWhere) {
   EXPECT_NE(message(head + "[stylus]\ntip_offset_mm = [1, 2]\n").find("list of 3"), std::string::npos);
   EXPECT_NE(message(head + "[stylus]\ntip_offset_mm = [1, 2, inf]\n").find("tip_offset_mm"), std::string::npos);
   EXPECT_NE(message(head + "[world]\nfrom_tracker_quat = [1, 1, 0, 0]\n").find("unit length"), std::string::npos);
+  EXPECT_NE(message(head + "[glove]\nopen_mm = 12\n").find("at least 5 above"), std::string::npos);
+  EXPECT_NE(message(head + "[glove]\nfist = 1\n").find("unknown key \"fist\""), std::string::npos);
+  EXPECT_NE(message(head + "[glove]\npointing = [1, 1, 0]\n").find("direction"), std::string::npos);
+  EXPECT_NE(message(head + "[distortion]\nnodes = [2, 2, 2]\n").find("not whole"), std::string::npos);
+  EXPECT_NE(message(head + "[distortion]\nnodes = [2, 2, 2]\nlow_mm = [0, 0, 0]\nhigh_mm = [1, 1, 1]\nadd_mm = [1]\n").find("list of 24"), std::string::npos);
+  EXPECT_NE(message(head + "[distortion]\nnodes = [2, 2.5, 2]\nlow_mm = [0, 0, 0]\nhigh_mm = [1, 1, 1]\nadd_mm = [1]\n").find("nodes each way"), std::string::npos);
   EXPECT_NE(message(head + "stylus = 3\n").find("table"), std::string::npos);
   EXPECT_THROW(load_calibration("/no/such/file.toml"), InputError);
   EXPECT_THROW(load_calibration("/"), InputError);

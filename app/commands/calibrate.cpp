@@ -1,0 +1,242 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <map>
+#include <sstream>
+
+#include "app/commands/commands.h"
+#include "app/output.h"
+#include "app/progress.h"
+#include "calibration/distortion.h"
+#include "calibration/glove_range.h"
+#include "calibration/pivot.h"
+#include "calibration/registration.h"
+#include "devices/glove.h"
+#include "devices/recording.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+struct Options {
+  std::string what, log, out, from, points, device;
+  bool replace = false, distortion = false;
+};
+
+std::string today() {
+  const std::time_t now = std::time(nullptr);
+  std::tm t{};
+  gmtime_r(&now, &t);
+  char text[64];
+  std::snprintf(text, sizeof text, "%04d-%02d-%02d", t.tm_year + 1900, t.tm_mon + 1, t.tm_mday);
+  return text;
+}
+
+/// The readings of a stylus in a log, as a sensor's, in order.
+std::vector<StylusSample> stylus_readings(const Recording& rec, const std::string& log) {
+  std::vector<StylusSample> r;
+  for (const Sample& s : rec.samples) {
+    if (const auto* t = std::get_if<TrackerSample>(&s); t && t->role == StationRole::stylus) r.push_back(as_stylus(*t));
+    else if (const auto* p = std::get_if<StylusSample>(&s)) r.push_back(*p);
+  }
+  if (r.empty()) throw InputError(log, 0, "holds no reading of a stylus; expected one recorded with a station of role s, or LIMBERG_STYLUS messages");
+  return r;
+}
+
+Eigen::Quaterniond rotation(const StylusSample& s) { return Eigen::Quaterniond(s.quat[0], s.quat[1], s.quat[2], s.quat[3]).normalized(); }
+
+void line(const char* what, double value, const char* unit, double limit, bool at_most) {
+  std::printf("  %-34s %8.3f %-4s  %s %g\n", what, value, unit, at_most ? "at most" : "at least", limit);
+}
+
+int refused(const Options& o, const std::string& advice) {
+  say(o.log + ": not accepted: " + advice);
+  std::printf("nothing was written\n");
+  return kGoalMissed;
+}
+
+int finish(const Options& o, Calibration c) {
+  c.date = today();
+  if (!o.device.empty()) c.device = o.device;
+  if (c.name == "identity") c.name = std::filesystem::path(o.out).stem().string();
+  save_calibration(c, o.out);
+  std::printf("calibration %s\n", o.out.c_str());
+  return kDone;
+}
+
+int stylus(const Options& o, const Recording& rec, Calibration c) {
+  std::vector<SensorPose> poses;
+  for (const StylusSample& s : stylus_readings(rec, o.log)) poses.push_back({s.tip_mm + c.distortion.at(s.tip_mm), rotation(s)});
+  const PivotLimits limit;
+  const PivotResult r = calibrate_pivot(poses, 1, limit);
+  std::printf("stylus      %d poses, %d agree\n", r.poses, r.agreeing);
+  line("residual", r.residual_mm, "mm", limit.residual_mm, true);
+  line("share of poses that agree", r.poses ? double(r.agreeing) / r.poses : 0, "", limit.inliers, false);
+  line("cone, full opening", r.cone_deg, "deg", limit.cone_deg, false);
+  line("weakest direction", r.weakest, "", limit.weakest, false);
+  line("first half against second", r.repeat_mm, "mm", limit.repeat_mm, true);
+  std::printf("  tip (%.3f, %.3f, %.3f) mm in the sensor's frame, +- %.3f mm\n", r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z(), r.uncertainty_mm);
+  if (!r.accepted) return refused(o, r.advice);
+  c.tip_offset_mm = r.tip_mm;
+  return finish(o, c);
+}
+
+/// A place that the stylus rested on with its switch pressed.
+struct Touch {
+  Vec3 sensor_mm = Vec3::Zero(), tip_mm = Vec3::Zero();  // in the tracker's frame, as measured
+  double spread_mm = 0;
+  int readings = 0;
+};
+
+std::vector<Touch> touches(const std::vector<StylusSample>& readings, const Calibration& c) {
+  std::vector<Touch> all;
+  std::vector<const StylusSample*> press;
+  const auto end = [&] {
+    constexpr size_t kFewest = 12;  // a tenth of a second
+    if (press.size() >= kFewest) {
+      // The switch moves the hand when it is pressed and let go: the middle counts.
+      const size_t from = press.size() / 5, to = press.size() - from;
+      Touch t;
+      double sum2 = 0;
+      std::vector<Vec3> tips;
+      for (size_t i = from; i < to; ++i) {
+        const Vec3 tip = press[i]->tip_mm + rotation(*press[i]) * c.tip_offset_mm;
+        t.sensor_mm += press[i]->tip_mm, t.tip_mm += tip, tips.push_back(tip);
+      }
+      t.readings = int(tips.size());
+      t.sensor_mm /= t.readings, t.tip_mm /= t.readings;
+      for (const Vec3& p : tips) sum2 += (p - t.tip_mm).squaredNorm();
+      t.spread_mm = std::sqrt(sum2 / t.readings);
+      all.push_back(t);
+    }
+    press.clear();
+  };
+  for (const StylusSample& s : readings) {
+    if (s.buttons & 1) press.push_back(&s);
+    else end();
+  }
+  end();
+  return all;
+}
+
+std::vector<Vec3> read_points(const std::string& file) {
+  std::istringstream in(read_whole_file(file, 1 << 20));
+  std::vector<Vec3> p;
+  std::string text;
+  for (int n = 1; std::getline(in, text); ++n) {
+    if (const size_t hash = text.find('#'); hash != std::string::npos) text.resize(hash);
+    for (char& ch : text)
+      if (ch == ',' || ch == ';') ch = ' ';
+    std::istringstream words(text);
+    Vec3 v;
+    std::string rest;
+    if (!(words >> rest)) continue;
+    words.clear(), words.str(text);
+    if (!(words >> v.x() >> v.y() >> v.z()) || (words >> rest) || !v.allFinite() || v.norm() > 1e5)
+      throw InputError(file, n, "is no point; expected x y z in mm of the world");
+    p.push_back(v);
+  }
+  return p;
+}
+
+int world(const Options& o, const Recording& rec, Calibration c) {
+  if (o.points.empty()) throw InputError("", 0, "calibrate world without --points; expected a file with a line x y z in mm for each touched point");
+  const std::vector<Vec3> known = read_points(o.points);
+  const std::vector<Touch> touch = touches(stylus_readings(rec, o.log), c);
+  constexpr double kStill = 1.5;  // mm RMS: twice the static accuracy of the device
+  for (size_t i = 0; i < touch.size(); ++i)
+    if (touch[i].spread_mm > kStill) return refused(o, "the tip moved by " + std::to_string(touch[i].spread_mm).substr(0, 4) + " mm during touch " + std::to_string(i + 1) + ": rest it on the point, then press and hold for half a second");
+  std::vector<Vec3> tips;
+  for (const Touch& t : touch) tips.push_back(t.tip_mm);
+  RegistrationLimits limit;
+  if (o.distortion) limit.residual_mm = limit.held_out_mm = 50;  // judged once the field is corrected
+  RegistrationResult r = calibrate_world(tips, known, limit);
+  if (o.distortion && r.accepted) {
+    // What the sensor should have read, so that the tip had been where it was.
+    std::vector<Vec3> measured, right;
+    for (size_t i = 0; i < touch.size(); ++i) {
+      measured.push_back(touch[i].sensor_mm);
+      right.push_back(touch[i].sensor_mm + r.rotation.conjugate() * (known[i] - r.translation_mm) - touch[i].tip_mm);
+    }
+    const DistortionSettings set;
+    const DistortionResult d = calibrate_distortion(measured, right, set);
+    std::printf("distortion  %zu points\n", measured.size());
+    line("error at held-out points before", d.before_mm, "mm", d.before_mm, true);
+    line("after", d.after_mm, "mm", d.before_mm / set.gain, true);
+    if (!d.accepted) return refused(o, d.advice);
+    c.distortion = d.grid;
+    for (size_t i = 0; i < touch.size(); ++i) tips[i] += d.grid.at(touch[i].sensor_mm);
+    limit = {};
+    r = calibrate_world(tips, known, limit);
+  }
+  std::printf("world       %zu points touched, the last one held out\n", touch.size());
+  line("residual at the fitted points", r.residual_mm, "mm", limit.residual_mm, true);
+  line("error at the held-out point", r.held_out_mm, "mm", limit.held_out_mm, true);
+  line("spread beside their line", r.spread_mm, "mm", limit.spread_mm, false);
+  if (!r.accepted) return refused(o, r.advice);
+  c.world_from_tracker_mm = r.translation_mm;
+  c.world_from_tracker_quat = {r.rotation.w(), r.rotation.x(), r.rotation.y(), r.rotation.z()};
+  return finish(o, c);
+}
+
+int glove(const Options& o, const Recording& rec, Calibration c) {
+  GloveTracker tracker(c);
+  constexpr int64_t kStepNs = 16'000'000;
+  std::vector<double> aperture;
+  int64_t next = 0, readings = 0;
+  for (const Sample& s : rec.samples) {
+    const auto* t = std::get_if<TrackerSample>(&s);
+    if (!t || (t->role != StationRole::forefinger && t->role != StationRole::thumb)) continue;
+    ++readings;
+    for (; next < t->t_ns; next += kStepNs)
+      if (const HandPose h = tracker.at(next); h.valid) aperture.push_back(h.aperture_mm);
+    tracker.add(*t);
+  }
+  if (readings == 0) throw InputError(o.log, 0, "holds no reading of a glove; expected one recorded with stations of the roles f and t");
+  const GloveLimits limit;
+  const GloveResult r = calibrate_glove(aperture, 1e9 / double(kStepNs), limit);
+  std::printf("glove       closed %.1f mm, open %.1f mm\n", r.closed_mm, r.open_mm);
+  line("range", r.open_mm - r.closed_mm, "mm", limit.range_mm, false);
+  line("closings", r.cycles, "", limit.cycles, false);
+  const double band = (limit.release_share - limit.grab_share) * (r.open_mm - r.closed_mm);
+  line("spread of the closed hand", r.spread_mm, "mm", band / limit.band_sigma, true);
+  std::printf("  grabs below %.1f mm, releases above %.1f mm\n", r.closed_mm + limit.grab_share * (r.open_mm - r.closed_mm), r.closed_mm + limit.release_share * (r.open_mm - r.closed_mm));
+  if (!r.accepted) return refused(o, r.advice);
+  c.glove.closed_mm = r.closed_mm, c.glove.open_mm = r.open_mm;
+  c.glove.grab_share = limit.grab_share, c.glove.release_share = limit.release_share;
+  return finish(o, c);
+}
+
+int calibrate(const Options& o) {
+  const std::map<std::string, int (*)(const Options&, const Recording&, Calibration)> procedures{{"stylus", stylus}, {"glove", glove}, {"world", world}};
+  const auto procedure = procedures.find(o.what);
+  if (procedure == procedures.end()) throw InputError("", 0, "calibrate " + o.what + ": unknown; expected stylus, glove or world");
+  if (std::filesystem::exists(o.out) && !o.replace && o.out != o.from)
+    throw InputError(o.out, 0, "exists already; expected the name of a new file, or --replace");
+  const Calibration from = o.from.empty() ? Calibration{} : load_calibration(o.from);
+  const Recording rec = read_recording(o.log);
+  if (rec.damage.total() > 0) say(o.log + ": damaged: " + std::to_string(rec.damage.total()) + " events lost; what is whole is used");
+  return procedure->second(o, rec, from);
+}
+
+}  // namespace
+
+void add_calibrate(CLI::App& app, Chosen& chosen) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("calibrate", "From a recorded stream to a calibration file, or to what was wrong with it");
+  c->add_option("WHAT", o->what, "stylus: its tip, turned about in a dimple; world: where the tracker stands, from touched points; glove: how far apart the fingers of the open and closed hand are")->required();
+  c->add_option("LOG", o->log, "The recorded stream")->required();
+  c->add_option("--out", o->out, "The calibration file to write")->type_name("FILE")->required();
+  c->add_option("--from", o->from, "A calibration to begin with: only the part that is calibrated now changes")->type_name("FILE");
+  c->add_option("--points", o->points, "world: the points that were touched, a line x y z in mm each, in their order; the last one checks the others")->type_name("FILE");
+  c->add_flag("--distortion", o->distortion, "world: also correct a field that metal bends (40 points or more)");
+  c->add_option("--device", o->device, "A word on the device, kept in the file")->type_name("TEXT");
+  c->add_flag("--replace", o->replace, "Replace FILE if it exists");
+  c->footer("Example: limberg calibrate stylus pivot.lcm --out stylus.toml && limberg calibrate world touched.lcm --points board.txt --from stylus.toml --out room.toml");
+  c->callback([o, &chosen] { chosen = [o] { return calibrate(*o); }; });
+}
+
+}  // namespace limberg

@@ -1,0 +1,182 @@
+// `limberg devices`: what is connected, live poses, rates, gaps, buttons.
+#include <dirent.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <map>
+
+#include "app/commands/commands.h"
+#include "app/device_specs.h"
+#include "app/interrupt.h"
+#include "app/progress.h"
+#include "app/session/clock.h"
+#include "devices/glove.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+struct Options {
+  std::vector<std::string> devices;
+  bool watch = false;
+  double seconds = 0;
+  std::string calibration;
+};
+
+/// What came of one stream (a station, a stylus) lately.
+struct Stream {
+  std::string name;
+  int64_t count = 0, gaps = 0, last_seq = -1, last_ns = -1, edges = 0;
+  double longest_gap_ms = 0, rate_hz = 0;
+  int64_t counted = 0;  // at the last line
+  Vec3 pos_mm = Vec3::Zero();
+  std::array<double, 4> quat{1, 0, 0, 0};
+  uint32_t buttons = 0;
+  char status = ' ';
+
+  void add(int64_t seq, int64_t t_ns, uint32_t now) {
+    if (last_seq >= 0 && seq > last_seq + 1) gaps += seq - last_seq - 1;
+    if (last_ns >= 0) longest_gap_ms = std::max(longest_gap_ms, double(t_ns - last_ns) * 1e-6);
+    edges += last_seq >= 0 && ((now ^ buttons) & 1);
+    buttons = now, last_seq = seq, last_ns = t_ns, ++count;
+  }
+};
+
+const char* role_name(StationRole r) {
+  constexpr const char* name[] = {"station", "stylus", "forefinger", "thumb"};
+  return name[size_t(r)];
+}
+
+struct Desk final : SampleSink {
+  explicit Desk(const Calibration& c) : glove(c) {}
+  void on_sample(const Sample& sample) override {
+    if (const auto* t = std::get_if<TrackerSample>(&sample)) {
+      Stream& s = streams[{t->device_id, t->station}];
+      s.name = role_name(t->role);
+      s.pos_mm = t->pos_mm, s.quat = t->quat, s.status = t->status;
+      s.add(t->seq, t->true_ns, t->buttons);
+      glove.add(*t);
+      has_glove |= t->role == StationRole::forefinger;
+    } else if (const auto* p = std::get_if<StylusSample>(&sample)) {
+      Stream& s = streams[{p->device_id, 0}];
+      s.name = "stylus";
+      s.pos_mm = p->tip_mm, s.quat = p->quat;
+      s.add(p->seq, p->t_ns, p->buttons);
+    } else if (std::holds_alternative<ControlSample>(sample)) {
+      ++controls;
+    }
+  }
+  std::map<std::pair<int32_t, int32_t>, Stream> streams;
+  GloveTracker glove;
+  bool has_glove = false;
+  int64_t controls = 0;
+};
+
+/// Serial ports that exist: where a device could be.
+std::vector<std::string> serial_ports() {
+  std::vector<std::string> found;
+  for (const char* dir : {"/dev", "/dev/serial/by-id"}) {
+    DIR* d = opendir(dir);
+    if (!d) continue;
+    while (const dirent* e = readdir(d)) {
+      const std::string name = e->d_name;
+      const bool serial = name.starts_with("ttyUSB") || name.starts_with("ttyACM") || name.starts_with("ttyS");
+      if ((std::strcmp(dir, "/dev") == 0 ? serial : name[0] != '.') && found.size() < 64) found.push_back(std::string(dir) + "/" + name);
+    }
+    closedir(d);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// How many lines were printed.
+int show(const std::vector<std::string>& names, const std::vector<std::unique_ptr<Source>>& sources, Desk& desk, int64_t now_ns, double since_s) {
+  int lines = 0;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    const SourceCounts c = sources[i]->counts();
+    std::printf("%-34.34s %8lld taken %6lld damaged %6lld lost  %s\n", names[i].c_str(), (long long)c.samples, (long long)c.malformed, (long long)c.lost, sources[i]->health().c_str());
+    ++lines;
+  }
+  for (auto& [key, s] : desk.streams) {
+    s.rate_hz = double(s.count - s.counted) / std::max(1e-3, since_s);
+    s.counted = s.count;
+    const double age_ms = double(now_ns - s.last_ns) * 1e-6;
+    std::printf("  %-10s %d.%d %6.1f Hz  age %6.1f ms  longest gap %6.1f ms  %4lld missing  (%8.2f %8.2f %8.2f) mm  q (%6.3f %6.3f %6.3f %6.3f)  button %s, %lld changes%s\n",
+                s.name.c_str(), key.first, key.second, s.rate_hz, age_ms, s.longest_gap_ms, (long long)s.gaps, s.pos_mm.x(), s.pos_mm.y(), s.pos_mm.z(), s.quat[0], s.quat[1],
+                s.quat[2], s.quat[3], s.buttons & 1 ? "down" : "up", (long long)s.edges, s.status == ' ' ? "" : (std::string("  device says ") + s.status).c_str());
+    ++lines;
+  }
+  if (desk.has_glove) {
+    const HandPose h = desk.glove.at(now_ns);
+    std::printf("  hand       %s, tips %.1f mm apart, centre (%.1f %.1f %.1f) mm, %lld grabs\n", !h.valid ? "not tracked" : h.closed ? "closed" : "open", h.aperture_mm, h.centre_mm.x(),
+                h.centre_mm.y(), h.centre_mm.z(), (long long)desk.glove.counts().grabs);
+    ++lines;
+  }
+  if (desk.controls > 0) std::printf("  controls   %lld\n", (long long)desk.controls), ++lines;
+  std::fflush(stdout);
+  return lines;
+}
+
+int devices(const Options& o) {
+  std::vector<std::string> names = o.devices;
+  if (names.empty()) names.push_back("lcm");
+  const Calibration calibration = o.calibration.empty() ? Calibration{} : load_calibration(o.calibration);
+  const RealClock clock(RealClock::monotonic_ns());
+  const int64_t start = RealClock::monotonic_ns();
+  std::vector<std::unique_ptr<Source>> sources;
+  for (size_t i = 0; i < names.size();) {
+    const LiveSource live = live_source(DeviceSpec(names[i]), int(i));
+    if (!live) throw InputError("", 0, "--device " + names[i] + ": no live device; expected lcm, lcm:URL, fastrak:PORT or fastrak-emulator");
+    try {
+      sources.push_back(live(start));
+      ++i;
+    } catch (const InputError& e) {
+      if (!o.devices.empty()) throw;
+      std::printf("lcm         not to be had: %s\n", e.what());  // nobody asked for it by name
+      names.erase(names.begin() + long(i));
+    }
+  }
+  const std::vector<std::string> ports = serial_ports();
+  std::printf("serial ports %s", ports.empty() ? "none" : "");
+  for (const std::string& p : ports) std::printf("%s ", p.c_str());
+  std::printf("\n");
+  Desk desk(calibration);
+  const double seconds = o.seconds > 0 ? o.seconds : o.watch ? 1e9 : 2;
+  const bool terminal = isatty(STDOUT_FILENO);
+  int64_t shown_ns = 0;
+  int lines = 0;
+  for (int64_t tick = 0; double(tick) * 1e-3 < seconds && !interrupted(); tick += 4) {
+    clock.sleep_until_ns(tick * kNsPerMs);
+    const int64_t now = clock.now_ns();
+    tick = std::max(tick, now / kNsPerMs);
+    for (const auto& s : sources) s->poll(now, desk);
+    if (desk.has_glove) desk.glove.at(now);
+    if (o.watch && now - shown_ns >= (terminal ? 100 : 1000) * kNsPerMs) {
+      if (terminal && lines > 0) std::printf("\x1b[%dA\x1b[J", lines);
+      lines = show(names, sources, desk, now, double(now - shown_ns) * 1e-9);
+      shown_ns = now;
+    }
+  }
+  if (!o.watch) show(names, sources, desk, clock.now_ns(), double(clock.now_ns()) * 1e-9);
+  return kDone;
+}
+
+}  // namespace
+
+void add_devices(CLI::App& app, Chosen& chosen) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("devices", "What is connected: live poses, rates, gaps, buttons");
+  c->add_option("--device", o->devices, "lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE] or fastrak-emulator[:ROLES] (default lcm); may be repeated")->type_name("SPEC");
+  c->add_flag("--watch", o->watch, "Go on until Ctrl-C; devices may come and go");
+  c->add_option("--seconds", o->seconds, "End after so long (default 2; --watch: never)")->type_name("S")->check(CLI::Range(0.01, 86400.0));
+  c->add_option("--calibration", o->calibration, "Of the glove, for its open and closed hand")->type_name("FILE");
+  c->footer("Example: limberg devices --watch --device fastrak:/dev/ttyUSB0,fts");
+  c->callback([o, &chosen] { chosen = [o] { return devices(*o); }; });
+}
+
+}  // namespace limberg

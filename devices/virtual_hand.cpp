@@ -1,0 +1,171 @@
+#include "devices/virtual_hand.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace limberg {
+
+namespace {
+
+bool has_surface(const Snapshot& s) { return s.topology && s.x_mm.size() == s.topology->view.X_mm.size(); }
+
+/// Whether a is the better place: met before beside, then nearer; beside: the smaller angle.
+bool better(const PointedPlace& a, const PointedPlace& b) {
+  if (b.triangle < 0) return true;
+  const bool a_met = a.beside_rad == 0, b_met = b.beside_rad == 0;
+  if (a_met != b_met) return a_met;
+  return a_met ? a.along_mm < b.along_mm : a.beside_rad < b.beside_rad;
+}
+
+}  // namespace
+
+void PointingSearch::slice(const Snapshot& s, size_t from, size_t to, const Vec3& origin, const Vec3& direction, PointedPlace& best) const {
+  const SurfaceView& view = s.topology->view;
+  const double least_cos = std::cos(cone_rad);
+  for (size_t t = from; t < to; ++t) {
+    if (view.kind[t] != FaceKind::skin) continue;
+    const Tri& k = view.tri[t];
+    const Vec3 a = s.x_mm[size_t(k[0])].cast<double>() - origin;
+    // Far beside and far away: the first corner tells, but for triangles of half the cone's width.
+    const double along = a.dot(direction);
+    if (along > reach_mm) continue;
+    const Vec3 b = s.x_mm[size_t(k[1])].cast<double>() - origin, c = s.x_mm[size_t(k[2])].cast<double>() - origin;
+    const Vec3 ab = b - a, ac = c - a, h = direction.cross(ac);
+    const double det = ab.dot(h);
+    PointedPlace p;
+    p.triangle = int32_t(t);
+    if (std::abs(det) > 1e-12) {
+      const double u = -a.dot(h) / det;
+      const Vec3 q = (-a).cross(ab);
+      const double v = direction.dot(q) / det, at = ac.dot(q) / det;
+      if (u >= 0 && v >= 0 && u + v <= 1 && at >= 0) {
+        p.bary = {1 - u - v, u, v};
+        p.along_mm = at;
+        if (at <= reach_mm && better(p, best)) best = p;
+        continue;
+      }
+    }
+    if (best.triangle >= 0 && best.beside_rad == 0) continue;
+    const double length = a.norm();
+    if (along < least_cos * length || length < 1e-9) continue;
+    p.along_mm = along;
+    p.beside_rad = std::max(1e-12, std::acos(std::min(1.0, along / length)));
+    if (better(p, best)) best = p;
+  }
+}
+
+void PointingSearch::finish(const Snapshot& s, PointedPlace& p) {
+  if (p.triangle < 0) return;
+  const Tri& k = s.topology->view.tri[size_t(p.triangle)];
+  p.x_mm = p.X_mm = Vec3::Zero();
+  for (size_t i = 0; i < 3; ++i) {
+    p.x_mm += p.bary[i] * s.x_mm[size_t(k[i])].cast<double>();
+    p.X_mm += p.bary[i] * s.topology->view.X_mm[size_t(k[i])];
+  }
+}
+
+void PointingSearch::step(const Snapshot& s, const Vec3& origin_mm, const Vec3& direction) {
+  if (!has_surface(s)) {
+    found_ = best_ = {}, next_ = 0;
+    return;
+  }
+  if (s.topology->version != version_) {
+    version_ = s.topology->version;
+    next_ = 0;
+    found_ = {};
+  }
+  if (next_ == 0) origin_ = origin_mm, direction_ = direction, best_ = {};
+  const size_t n = s.topology->view.tri.size(), to = std::min(n, next_ + n / kSlices + 1);
+  slice(s, next_, to, origin_, direction_, best_);
+  next_ = to;
+  if (next_ < n) {
+    finish(s, found_);  // the skin moves under what was found
+    return;
+  }
+  next_ = 0;
+  found_ = best_;
+  finish(s, found_);
+}
+
+PointedPlace PointingSearch::find(const Snapshot& s, const Vec3& origin_mm, const Vec3& direction) const {
+  PointedPlace p;
+  if (!has_surface(s)) return p;
+  slice(s, 0, s.topology->view.tri.size(), origin_mm, direction, p);
+  finish(s, p);
+  return p;
+}
+
+void RigidGrip::begin(const Vec3& centre_mm, const Eigen::Quaterniond& orientation, double scale) {
+  motion_ = base_ = Eigen::Isometry3d::Identity();
+  from_ = held_at_ = now_at_ = centre_mm;
+  turned_from_ = orientation;
+  scale_ = scale;
+  clutched_ = false;
+}
+
+const Eigen::Isometry3d& RigidGrip::follow(const Vec3& centre_mm, const Eigen::Quaterniond& orientation, bool clutch) {
+  if (clutch || clutched_) {
+    // From here on it is as if it had been grabbed here, in the place where it is.
+    base_ = motion_;
+    from_ = centre_mm, held_at_ = now_at_, turned_from_ = orientation;
+    clutched_ = clutch;
+    return motion_;
+  }
+  // A place x of base goes to c + R (x - c0), where the virtual centre goes from c0 to c = c0 + scale (centre - from).
+  now_at_ = held_at_ + scale_ * (centre_mm - from_);
+  const Eigen::Isometry3d turn = Eigen::Translation3d(now_at_) * (orientation * turned_from_.conjugate()).normalized() * Eigen::Translation3d(-held_at_);
+  return motion_ = turn * base_;
+}
+
+void VirtualHand::emit(ToolEvent e, EventSink& out) {
+  e.hand = 1;
+  if (!out.push(e)) ++lost_;
+}
+
+void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out) {
+  state_.valid = hand.valid;
+  state_.closed = hand.closed;
+  if (hand.valid) {
+    for (int i = 0; i < 3; ++i) state_.centre_mm[i] = hand.centre_mm[i];
+    const double open = (hand.aperture_mm - glove_.closed_mm) / (glove_.open_mm - glove_.closed_mm);
+    if (!hand.closed && state_.held_hook == 0 && open >= kFrozenBelow) {
+      search_.step(s, hand.forefinger.tip_mm, hand.pointing);
+      pointed_ = search_.place();
+    }
+  }
+  ToolEvent e;
+  e.tick = tick;
+  e.snapshot = s.step;
+  e.tool = int32_t(Tool::hook);
+  if (hand.valid && hand.closed && !was_closed_) {
+    grip_.begin(hand.centre_mm, hand.orientation, glove_.motion_scale);
+    const bool there = pointed_.triangle >= 0 && has_surface(s) && size_t(pointed_.triangle) < s.topology->view.tri.size();
+    if (there) {
+      const ChartPoint chart = s.topology->body->to_chart(pointed_.X_mm);
+      held_mm_ = pointed_.x_mm;
+      for (const HookState& h : s.hooks) next_hook_ = std::max(next_hook_, h.id + 1);
+      e.kind = ToolEvent::hook_set;
+      e.id = state_.held_hook = next_hook_++;
+      e.chart_x = chart.x(), e.chart_y = chart.y();
+      for (int i = 0; i < 3; ++i) e.world_mm[i] = held_mm_[i];
+      ++grabs_;
+      emit(e, out);
+    } else {
+      ++empty_;
+    }
+  } else if (!hand.closed && state_.held_hook != 0) {
+    e.kind = ToolEvent::hook_release;
+    e.id = state_.held_hook;
+    state_.held_hook = 0;
+    emit(e, out);
+  }
+  if (hand.valid) {
+    was_closed_ = hand.closed;
+    if (hand.closed) {
+      const Vec3 at = grip_.follow(hand.centre_mm, hand.orientation, clutch) * held_mm_;
+      for (int i = 0; i < 3; ++i) state_.hook_mm[i] = at[i];
+    }
+  }
+}
+
+}  // namespace limberg

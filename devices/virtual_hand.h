@@ -1,0 +1,102 @@
+#pragma once
+// The hand of the glove in the scene: it points, grabs, carries and lets go.
+//
+//   pointing   the closest place of the skin that the line of the forefinger meets; where it meets none, the place least
+//              beside it within a cone. A hand that closes moves its forefinger: from 60 % open downwards the place that
+//              was pointed at last is kept.
+//   grab       what is pointed at is held from the tick on which the hand closes, where it is: nothing jumps. Skin is held by
+//              a hook that follows the hand (ToolEvent::hook_set, hand 1).
+//   carry      it turns with the hand about the hand's centre, and moves with it times the motion scale
+//   clutch     while it is down the hand moves and what it holds does not
+//   release    when the hand opens. A hand out of sight keeps what it holds.
+//
+// A tick allocates nothing; the search for what is pointed at is spread over kSlices ticks.
+#include <cstdint>
+
+#include "calibration/calibration.h"
+#include "devices/glove.h"
+#include "devices/tool_event.h"
+#include "sim/snapshot.h"
+
+namespace limberg {
+
+struct PointedPlace {
+  int32_t triangle = -1;  // of the view; -1: nothing
+  std::array<double, 3> bary{1, 0, 0};
+  Vec3 x_mm = Vec3::Zero(), X_mm = Vec3::Zero();  // deformed, at rest
+  double along_mm = 0;    // from the finger tip
+  double beside_rad = 0;  // between the forefinger's direction and the place; 0: the line meets it
+};
+
+/// The place of the skin in a direction. Call step() once per tick; place() is that of the last sweep that was finished.
+class PointingSearch {
+ public:
+  static constexpr int kSlices = 32;
+  double cone_rad = 0.17, reach_mm = 500;
+  void step(const Snapshot& s, const Vec3& origin_mm, const Vec3& direction);
+  const PointedPlace& place() const { return found_; }
+  /// All at once, for whoever is in no hurry.
+  PointedPlace find(const Snapshot& s, const Vec3& origin_mm, const Vec3& direction) const;
+
+ private:
+  void slice(const Snapshot& s, size_t from, size_t to, const Vec3& origin, const Vec3& direction, PointedPlace& best) const;
+  static void finish(const Snapshot& s, PointedPlace& p);
+  uint64_t version_ = 0;
+  size_t next_ = 0;
+  Vec3 origin_ = Vec3::Zero(), direction_ = Vec3::UnitX();
+  PointedPlace best_, found_;
+};
+
+/// What a hand carries: a rigid motion about the hand's centre.
+class RigidGrip {
+ public:
+  /// `scale`: of the way; turns are not scaled.
+  void begin(const Vec3& centre_mm, const Eigen::Quaterniond& orientation, double scale);
+  /// The motion of the object since begin(), a map of places to places. Nothing moves while `clutch`.
+  const Eigen::Isometry3d& follow(const Vec3& centre_mm, const Eigen::Quaterniond& orientation, bool clutch);
+  const Eigen::Isometry3d& motion() const { return motion_; }
+
+ private:
+  Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity(), base_ = Eigen::Isometry3d::Identity();
+  Vec3 from_ = Vec3::Zero(), held_at_ = Vec3::Zero();  // the hand's centre, the virtual one, when motion_ was base_
+  Vec3 now_at_ = Vec3::Zero();
+  Eigen::Quaterniond turned_from_ = Eigen::Quaterniond::Identity();
+  double scale_ = 1;
+  bool clutched_ = false;
+};
+
+/// Where the glove's hand is, and what it holds: beside ToolState on its way to the solver.
+struct SecondHand {
+  int32_t valid = 0, closed = 0, held_hook = 0;
+  double hook_mm[3]{};    // where the hook that it holds is pulled to
+  double centre_mm[3]{};
+};
+
+class VirtualHand {
+ public:
+  static constexpr int32_t kFirstHook = 1001;  // its hooks do not meet those of the stylus
+  static constexpr double kFrozenBelow = 0.6;  // share of the opening below which the pointed place is kept
+  explicit VirtualHand(const GloveParameters& glove) : glove_(glove) {}
+
+  void tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out);
+  const PointedPlace& pointed() const { return pointed_; }
+  const RigidGrip& grip() const { return grip_; }
+  const SecondHand& state() const { return state_; }
+  int64_t grabs() const { return grabs_; }
+  int64_t empty_grabs() const { return empty_; }  // closed, but nothing was pointed at
+  int64_t events_lost() const { return lost_; }
+
+ private:
+  void emit(ToolEvent e, EventSink& out);
+  GloveParameters glove_;
+  PointingSearch search_;
+  PointedPlace pointed_;
+  RigidGrip grip_;
+  SecondHand state_;
+  Vec3 held_mm_ = Vec3::Zero();
+  bool was_closed_ = false;
+  int32_t next_hook_ = kFirstHook;
+  int64_t grabs_ = 0, empty_ = 0, lost_ = 0;
+};
+
+}  // namespace limberg
