@@ -116,10 +116,9 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   // a little from place to place, so that symmetric saddles are left.
   if (patch.push_mm > 0 && !patch.ears.empty()) {
     std::vector<double> energies{done.energy_uJ};
-    const size_t n = patch.ears.size();
-    for (size_t signs = 0; signs < (size_t(1) << n); ++signs) {
+    for (const int sign : {1, -1}) {
       std::vector<double> height;
-      for (size_t i = 0; i < n; ++i) height.push_back((signs >> i & 1 ? -1 : 1) * patch.push_mm * (1 + 0.1 * double(i)));
+      for (size_t i = 0; i < patch.ears.size(); ++i) height.push_back(sign * patch.push_mm * (1 + 0.1 * double(i)));
       o = operate(world, depth, script_of(pushes(patch.ears, height), "study's push"), set);
       done.solve_ms += o.solve_ms;
       if (with.interrupted && with.interrupted()) break;
@@ -148,7 +147,7 @@ std::vector<std::vector<const Row*>> groups(const std::vector<Row>& rows, const 
   std::vector<std::vector<const Row*>> out;
   for (const Row& r : rows) {
     auto same = [&](const std::vector<const Row*>& g) {
-      return std::all_of(parameters.begin(), parameters.end(), [&](const std::string& p) { return p == key || g[0]->at(p) == r.at(p); });
+      return std::all_of(parameters.begin(), parameters.end(), [&](const std::string& p) { return p == key || g[0]->at(p) == r.at(p) || (std::isnan(g[0]->at(p)) && std::isnan(r.at(p))); });
     };
     auto it = std::find_if(out.begin(), out.end(), same);
     if (it == out.end()) it = out.emplace(it);

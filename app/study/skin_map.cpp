@@ -31,13 +31,18 @@ SkinMap::SkinMap(const Snapshot& s) {
       low_ = low_.cwiseMin(p.at[k]), high = high.cwiseMax(p.at[k]);
     }
     patches_.push_back(p);
+    for (size_t k = 0; k < 3 && t < v.rim.size(); ++k)
+      if (v.rim[t] >> k & 1) rim_.push_back({p.at[k], p.at[(k + 1) % 3]});
   }
   if (patches_.empty()) return;
   nx_ = int((high.x() - low_.x()) / kBin_mm) + 1, ny_ = int((high.y() - low_.y()) / kBin_mm) + 1;
   bin_.resize(size_t(nx_) * size_t(ny_));
+  centred_in_.resize(bin_.size());
   for (size_t t = 0; t < patches_.size(); ++t) {
     Vec2 a = patches_[t].at[0], b = a;
     for (const Vec2& p : patches_[t].at) a = a.cwiseMin(p), b = b.cwiseMax(p);
+    const Vec2 c = (patches_[t].centre() - low_) / kBin_mm;
+    centred_in_[size_t(int(c.y())) * size_t(nx_) + size_t(int(c.x()))].push_back(int32_t(t));
     for (int y = int((a.y() - low_.y()) / kBin_mm); y <= int((b.y() - low_.y()) / kBin_mm); ++y)
       for (int x = int((a.x() - low_.x()) / kBin_mm); x <= int((b.x() - low_.x()) / kBin_mm); ++x)
         bin_[size_t(y) * size_t(nx_) + size_t(x)].push_back(int32_t(t));
@@ -74,9 +79,15 @@ SkinMap::Gradient SkinMap::gradient(const Patch& t) {
 
 template <class Visit>
 void SkinMap::near(const ChartPoint& p, double radius, Visit visit) const {
-  for (const Patch& t : patches_)
-    if ((t.centre() - p).norm() <= radius)
-      if (const Gradient g = gradient(t); g.area_mm2 > 0) visit(t, g);
+  const auto bin = [](double d, int n) { return std::clamp(int(std::floor(d / kBin_mm)), 0, n - 1); };
+  const Vec2 c = p - low_;
+  for (int y = bin(c.y() - radius, ny_); y <= bin(c.y() + radius, ny_); ++y)
+    for (int x = bin(c.x() - radius, nx_); x <= bin(c.x() + radius, nx_); ++x)
+      for (const int32_t i : centred_in_[size_t(y) * size_t(nx_) + size_t(x)]) {
+        const Patch& t = patches_[size_t(i)];
+        if ((t.centre() - p).norm() <= radius)
+          if (const Gradient g = gradient(t); g.area_mm2 > 0) visit(t, g);
+      }
 }
 
 SkinMap::Stretch SkinMap::stretch(const ChartPoint& p, double radius) const {
@@ -115,6 +126,25 @@ double SkinMap::slack_share(double radius, double prestretch) const {
     if (least * std::sqrt(most) < 1 - 1e-3) slack += g.area_mm2;  // a thousandth is the rounding of positions over a triangle
   });
   return all > 0 ? slack / all : 0;
+}
+
+double SkinMap::cut_angle_deg(const Figure& f, const Corner& c, double radius) const {
+  const Vec2 apex = place(f, c), middle = tissue_bisector(f, c);
+  double ahead = 360, behind = 360;
+  for (const auto& [p, q] : rim_) {
+    const Vec2 a = p - apex, e = q - p;  // |a + t e| = radius
+    const double A = e.squaredNorm(), B = a.dot(e), C = a.squaredNorm() - radius * radius, D = B * B - A * C;
+    if (!(A > 0) || D < 0) continue;
+    for (const double root : {-std::sqrt(D), std::sqrt(D)}) {
+      const double t = (root - B) / A;
+      if (t < 0 || t > 1) continue;
+      const Vec2 x = a + t * e;
+      double turn = std::atan2(cross(middle, x), middle.dot(x)) * kDeg;  // counter-clockwise from the middle
+      if (turn < 0) turn += 360;
+      ahead = std::min(ahead, turn), behind = std::min(behind, 360 - turn);
+    }
+  }
+  return ahead < 360 && behind < 360 ? ahead + behind : std::nan("");
 }
 
 double SkinMap::deficit_deg(const Figure& f, const std::vector<Corner>& corners, double radius) const {

@@ -34,6 +34,10 @@ class SkinMap {
   /// included, leaves it a natural width of 1/sqrt(l) (no change of volume), and it is narrower.
   double slack_share(double radius_mm, double prestretch) const;
 
+  /// The angle of the tissue at a corner as it has been cut: on a circle of `radius_mm` at rest around the corner's place, from the
+  /// middle of its tissue both ways to the first edge between skin and cut wall. Not a number where no edge is met.
+  double cut_angle_deg(const Figure& figure, const Corner& corner, double radius_mm) const;
+
   /// What the angles of some corners that are sewn together fall short of a full turn, as the skin lies now: the sum over
   /// the corners of the angles under which their arcs of radius `radius_mm` at rest are seen from their apexes. A sheet that
   /// is bent but not stretched keeps its rest angles and shows its charge; one that lies flat shows 0.
@@ -54,9 +58,11 @@ class SkinMap {
   void near(const ChartPoint& p, double radius_mm, Visit visit) const;
 
   std::vector<Patch> patches_;
+  std::vector<std::pair<ChartPoint, ChartPoint>> rim_;  // at rest
   Vec2 low_ = Vec2::Zero();
   int nx_ = 0, ny_ = 0;
-  std::vector<std::vector<int32_t>> bin_;
+  std::vector<std::vector<int32_t>> bin_;         // triangles that touch a bin
+  std::vector<std::vector<int32_t>> centred_in_;  // whose middle lies in it
 };
 
 }  // namespace limberg::study

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "app/study/flaps.h"
+#include "app/study/place.h"
 #include "app/study/zplasty.h"
 #include "sim/error.h"
 
@@ -56,7 +57,7 @@ double Row::at(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
-  static const std::vector<Family> all{gape(), disc(), zplasty(), plate(), planar(), rhomboid(), fusiform()};
+  static const std::vector<Family> all{gape(), disc(), zplasty(), plate(), planar(), rhomboid(), fusiform(), place_scripts()};
   return all;
 }
 

@@ -86,9 +86,16 @@ Row run_z(const Values& v, const Run& with) {
 
 Row run_plate(const Values& v, const Run& with) {
   Patch p;
-  p.support = Support::none;
-  p.side_mm = 10.4 * kLimb_mm, p.region_mm = 5 * kLimb_mm, p.push_mm = 0.2 * kLimb_mm;
-  return run(v, p, with);
+  p.push_mm = 0.1 * kLimb_mm;
+  if (v[3] > 0) {
+    p.side_mm = 10 * kLimb_mm, p.undermine_mm = 0.8 * kLimb_mm, p.contact = true, p.depth_mm = 1.5;
+  } else {
+    p.support = Support::none;
+    p.side_mm = 10.4 * kLimb_mm, p.region_mm = 5 * kLimb_mm;
+  }
+  Row r = run(v, p, with);
+  r.figures.insert(r.figures.begin() + 3, {"bed", v[3]});
+  return r;
 }
 
 Row run_planar(const Values& v, const Run& with) {
@@ -104,18 +111,20 @@ Family zplasty() {
           {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
            {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
            {"cell_mm", "size of the lattice's cells", {5, 4}, 2, 8},
-           {"contact", "1: wound surfaces keep each other out", {0}, 0, 1},
+           {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
            {"depth_mm", "of cut and undermining", {4}, 1.5, 8},
-           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {4}, 0, 10}},
+           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {4}, 0, 10},
+           {"inset_mm", "of the stitches from their edge", {0.7}, 0.05, 3}},
           run_z, bars_z, charts_z,
           {{"zplasty", {"prestretch=0,5,10", "cell_mm=5,2.5"}}, {"planar", {"prestretch=0"}}}};
 }
 
 Family plate() {
-  return {"plate", "The same Z-plasties in skin of 1.5 mm with nothing beneath it, held at five limbs",
+  return {"plate", "The same Z-plasties in a flap of nothing but 1.5 mm of skin: on a bed that it can rise from, or with nothing beneath it",
           {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
            {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
-           {"cell_mm", "size of the lattice's cells; at most the skin's thickness", {1.5}, 1, 1.5}},
+           {"cell_mm", "size of the lattice's cells; at most 1.5 without a bed", {3.5}, 1, 5},
+           {"bed", "1: fat, which it is raised from by 0.8 limbs around the figure; 0: nothing, held at five limbs", {1}, 0, 1}},
           run_plate, bars_plate, charts_z};
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Z-plasties of 20 mm limbs in three settings, after the same protocol; what is compared with what stands in zplasty_bars.cpp.
 //   zplasty  skin on fat, undermined: the patient
-//   plate    the skin alone, nothing beneath it: how far it stands up where no bed holds it
+//   plate    the skin alone, on a bed that it can rise from or with nothing beneath it: how far thin skin stands up
 //   planar   a membrane that cannot leave its plane, clamped at six limbs: how much of the theory a flat surrounding allows
 #include "app/study/study.h"
 
@@ -9,8 +9,8 @@ namespace limberg::study {
 
 inline constexpr double kLimb_mm = 20;
 
-Row run_z(const Values& values, const Run& with);       // angle, prestretch, cell_mm, contact
-Row run_plate(const Values& values, const Run& with);   // angle, prestretch, cell_mm
+Row run_z(const Values& values, const Run& with);       // angle, prestretch, cell_mm, contact, depth_mm, push_mm
+Row run_plate(const Values& values, const Run& with);   // angle, prestretch, cell_mm, bed
 Row run_planar(const Values& values, const Run& with);  // angle, prestretch, cell_mm
 
 std::vector<Bar> bars_z(const std::vector<Row>& rows);

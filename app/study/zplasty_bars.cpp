@@ -44,7 +44,7 @@ struct Group {
 
 std::vector<Group> groups_of(const std::vector<Row>& rows) {
   std::vector<Group> out;
-  for (auto& g : groups(rows, "angle", {"angle", "prestretch", "cell_mm", "contact", "depth_mm"})) out.push_back({std::move(g)});
+  for (auto& g : groups(rows, "angle", {"angle", "prestretch", "cell_mm", "contact", "depth_mm", "bed"})) out.push_back({std::move(g)});
   return out;
 }
 
@@ -153,7 +153,7 @@ std::vector<Bar> bars_plate(const std::vector<Row>& rows) {
   add_rest(out, rows);
   add_elongation(out, rows);
   add_heights(out, rows, false);
-  add_plate(out, rows, "nothing beneath");
+  add_plate(out, rows, "skin alone");
   return out;
 }
 

@@ -105,6 +105,31 @@ TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
   EXPECT_LT(r.at("gap_max_mm"), 0.2);
 }
 
+// What rhomboid flaps are known for: the cut has the angles of the plan, and the donor's closure is pulled tight, across it. (That
+// it is the tightest place of all takes finer cells than these.)
+TEST(Study, ARhomboidFlapHasTheChargesOfItsPlan) {
+  const Row r = run("rhomboid", {"flap_angle=60", "cell_mm=5", "contact=0"});
+  EXPECT_NEAR(r.at("charge_C_deg"), 60, 0.5);
+  EXPECT_NEAR(r.at("charge_E_deg"), 60, 0.5);
+  EXPECT_NEAR(r.at("charge_DF_deg"), -120, 0.5);
+  EXPECT_GT(r.at("stretch_D_F"), 1.3);
+  EXPECT_LT(r.at("direction_off_deg"), 45);
+}
+
+// Every procedure, laid on one mesh and carried out on others: within the repertoire's 0.5 mm, with room.
+TEST(Study, ScriptsSurviveOtherMeshesLatticesAndSkins) {
+  const std::vector<std::string> forms{"form=0", "form=1", "form=2"}, cells{"cell_mm=8", "cell_mm=5.5", "cell_mm=7"}, skins{"skin_mm=2", "skin_mm=1.7", "skin_mm=2.5"};
+  for (size_t i = 0; i < 3; ++i) {
+    const Row r = run("place", {forms[i], cells[i], skins[i]});
+    EXPECT_EQ(r.at("refused"), 0);
+    EXPECT_EQ(r.at("procedures"), 13);
+    EXPECT_LT(r.at("corner_mm"), 0.25) << forms[i];
+    EXPECT_LT(r.at("line_mm"), 0.25) << forms[i];
+    EXPECT_LT(r.at("stitch_mm"), 0.5) << forms[i];
+    EXPECT_GT(r.at("stitch_mm"), 0) << forms[i];
+  }
+}
+
 TEST(Study, RowsAsCommaSeparatedValues) {
   Row a, b;
   a.figures = {{"x", 1}, {"y", 0.1}};
