@@ -217,22 +217,25 @@ void crossing(Result& out, const CuttingSettings& settings, int cells, int repea
 
 Result cutting(const CuttingSettings& settings) {
   Result out;
-  CgalChild cgal(settings.cgal_program.empty() ? cgal_program() : settings.cgal_program);
-  double at_103k = 0, at_1600k = 0;
-  const auto sizes = settings.quick ? std::span<const Size>(quick_sizes) : std::span<const Size>(full_sizes);
-  for (const Size& size : sizes) {
-    const double ms = arrangement(out, settings, size, cgal);
-    if (size.cells == 224) at_103k = ms;
-    if (size.cells == 896) at_1600k = ms;
+  const auto wanted = [&](const char* part) { return std::string(part).find(settings.only) != std::string::npos; };
+  if (wanted("arrangement")) {
+    CgalChild cgal(settings.cgal_program.empty() ? cgal_program() : settings.cgal_program);
+    double at_103k = 0, at_1600k = 0;
+    const auto sizes = settings.quick ? std::span<const Size>(quick_sizes) : std::span<const Size>(full_sizes);
+    for (const Size& size : sizes) {
+      const double ms = arrangement(out, settings, size, cgal);
+      if (size.cells == 224) at_103k = ms;
+      if (size.cells == 896) at_1600k = ms;
+    }
+    if (at_103k > 0 && at_1600k > 0) add_bar(out, "growth: 1.6 M over 103 k triangles", at_1600k / at_103k, 4.5, false, kTargets);
+    out.notes.push_back("Ours keeps a tree over the body's triangles (row 'made once'); CGAL makes its own in every call.");
+    out.notes.push_back("Ours also glues the banks, keeps what undo needs and checks volume and closure; CGAL adds the curve to both meshes.");
+    if (!cgal.available()) out.notes.push_back("No comparison with CGAL: " + cgal.why() + ".");
   }
-  if (at_103k > 0 && at_1600k > 0) add_bar(out, "growth: 1.6 M over 103 k triangles", at_1600k / at_103k, 4.5, false, kTargets);
-  history(out, settings, settings.quick ? 56 : 224, settings.quick ? 30 : 200);
-  crossing(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
-  whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, settings.quick ? 2 : 9);
-  fronts(out, settings);
-  out.notes.push_back("Ours keeps a tree over the body's triangles (row 'made once'); CGAL makes its own in every call.");
-  out.notes.push_back("Ours also glues the banks, keeps what undo needs and checks volume and closure; CGAL adds the curve to both meshes.");
-  if (!cgal.available()) out.notes.push_back("No comparison with CGAL: " + cgal.why() + ".");
+  if (wanted("history")) history(out, settings, settings.quick ? 56 : 224, settings.quick ? 30 : 200);
+  if (wanted("crossing")) crossing(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
+  if (wanted("whole cut")) whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, getenv("REP") ? atoi(getenv("REP")) : settings.quick ? 2 : 9);
+  if (wanted("fronts")) fronts(out, settings);
   return out;
 }
 

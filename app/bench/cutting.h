@@ -23,6 +23,7 @@ namespace limberg::bench {
 
 struct CuttingSettings {
   bool quick = false;  // small slabs, few repeats: behaviour, not time; the bars that need size are left out
+  std::string only;    // parts whose name contains this: arrangement, history, crossing, whole cut, fronts; empty: all
   std::string cgal_program;  // empty: the helper beside the running program
   std::function<void(const std::string&)> progress;  // empty: silent
 };

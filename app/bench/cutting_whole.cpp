@@ -13,6 +13,7 @@
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/grid_fit.h"
 #include "sim/lattice/topology.h"
+#include "sim/world/point_depths.h"
 #include "sim/world/rest_index.h"
 
 namespace limberg::bench {
@@ -34,8 +35,11 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   SurfaceView view_before = a.surface_view();
   const auto embedding_before = embed_surface(*before, material_surface(a), view_before);
   const RestIndex index_before(view_before, body->surface.tri.size());
-  const size_t points_then = size_t(a.point_count());
-  std::vector<float> depth(points_then, 0);
+  PointDepths depths_before;
+  SharedArray<float> depth_before;
+  ViewChange all;
+  all.whole = true;
+  depths_before.follow(view_before, all, skin, depth_before);
   InlineWorkers workers;
   const auto solver = make_solver(workers);
 
@@ -48,6 +52,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   say("cuts");
   for (int i = 0; i < repeats; ++i) {
     solver->set_model(model_before, {});
+    PointDepths depths = depths_before;  // World remembers those of points that were there
     double at = cpu_ms();
     const double start = at;
     int k = 0;
@@ -70,13 +75,8 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const auto embedding =
         embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, change});
     lap();
-    const SurfaceView& now = view;
-    depth.resize(points_then);  // World remembers those of points that were there
-    for (int32_t v : change.vertices) {
-      const size_t point = size_t(now.point[size_t(v)]);
-      if (point >= depth.size()) depth.resize(point + 1, std::nanf(""));
-      if (std::isnan(depth[point])) depth[point] = float(skin.depth_mm(now.X_mm[size_t(v)]));
-    }
+    SharedArray<float> depth = depth_before;
+    depths.follow(view, change, skin, depth);
     lap();
     const RestIndex index(view, index_before, change);
     lap();

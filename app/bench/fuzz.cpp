@@ -79,7 +79,15 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
       const int64_t left = s.operations - report.operations();
       for (int32_t i = 0; i < int32_t(std::min<int64_t>(kHistory, left)) && why.empty(); ++i) {
         c.ops.push_back(generator.next(runner, i));
+        const int64_t refused = runner.counts().refused;
         why = runner.apply(c.ops.back());
+        if (adversarial || runner.counts().refused == refused) continue;
+        FuzzReport::Refusal r{history, i, c.ops.back().name, runner.last_cut.reason, {}};
+        if (!s.out_dir.empty()) {
+          r.file = s.out_dir + "/refused_" + std::to_string(s.seed) + "_" + std::to_string(history) + "_" + std::to_string(i) + ".json";
+          fuzz::write_case(c, r.file);
+        }
+        report.refusals.push_back(std::move(r));
       }
       counts = runner.counts();
       while (why.empty() && !runner.made().empty()) why = runner.apply(undo);
@@ -149,6 +157,9 @@ Result FuzzReport::result() const {
   b.pass = b.value <= b.bar;
   b.source = "one in ten thousand";
   r.bars.push_back(b);
+  for (const Refusal& x : refusals)
+    r.notes.push_back("refused: " + x.name + ", history " + std::to_string(x.history) + ", operation " + std::to_string(x.op) +
+                      ": " + x.reason + (x.file.empty() ? "" : "; written to " + x.file));
   for (const Violation& v : violations)
     r.notes.push_back("violation: " + v.what + (v.file.empty() ? "" : "; written to " + v.file));
   return r;

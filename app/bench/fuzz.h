@@ -18,7 +18,7 @@ struct FuzzSettings {
   int check_every = 1;                              // operations between full checks
   int max_violations = 20;                          // then it stops
   int shrink_runs = 400;                            // given to making one small
-  std::string out_dir;                              // for repro files; empty: none are written
+  std::string out_dir;                              // for repro files, of violations and of refused cuts in general position; empty: none are written
   std::function<void(const std::string&)> progress;  // empty: silent
   bool generic = true, adversarial = true;
   int front_levels = 0;                             // of the lattice: how often cells at a front are divided
@@ -33,6 +33,12 @@ struct FuzzReport {
     fuzz::Case small;
   };
   std::vector<Violation> violations;
+  struct Refusal {  // of a cut in general position after all its tries
+    uint64_t history = 0;
+    int32_t op = 0;
+    std::string name, reason, file;
+  };
+  std::vector<Refusal> refusals;
   double cpu_s = 0;
 
   int64_t operations() const { return generic.operations + adversarial.operations; }

@@ -30,6 +30,7 @@ struct Options {
   std::string suite, scene, only;
   bool quick = false, no_peers = false;
   int front_levels = 0;
+  int check_every = 1;
   bool world = false;       // fuzz: acts on patients
   bool devices = false;     // fuzz: what devices send
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
@@ -147,6 +148,7 @@ int run(const Options& o) {
     s.operations = o.operations > 0 ? o.operations : o.quick ? 2000 : 20000;
     s.seed = o.seed;
     s.front_levels = o.front_levels;
+    s.check_every = o.check_every;
     s.out_dir = o.common.out_dir;
     s.progress = note;
     fuzzed = bench::fuzz_run(s);
@@ -154,11 +156,14 @@ int run(const Options& o) {
   } else {
     bench::CuttingSettings s;
     s.quick = o.quick;
+    s.only = o.only;
     s.progress = note;
     b = bench::cutting(s);
-    const bench::Result metric = bench::cut_metric({o.quick, note});
-    b.rows.insert(b.rows.end(), metric.rows.begin(), metric.rows.end());
-    b.bars.insert(b.bars.end(), metric.bars.begin(), metric.bars.end());
+    if (std::string("metric").find(o.only) != std::string::npos) {
+      const bench::Result metric = bench::cut_metric({o.quick, note});
+      b.rows.insert(b.rows.end(), metric.rows.begin(), metric.rows.end());
+      b.bars.insert(b.bars.end(), metric.bars.begin(), metric.bars.end());
+    }
   }
   progress.clear();
   if (!o.only.empty() && b.rows.empty()) throw InputError("", 0, "bench " + o.suite + ": --only " + o.only + " names no part; expected one of those that --help lists");
@@ -194,7 +199,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
-  c->add_option("--only", o->only, "speed, stability: the parts or families whose name contains this (speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
+  c->add_option("--only", o->only, "speed, stability, cutting: the parts or families whose name contains this (cutting: arrangement, history, crossing, whole cut, fronts, metric; speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
   c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(CLI::PositiveNumber);
   c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(CLI::PositiveNumber);
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
@@ -202,6 +207,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_flag("--devices", o->devices, "fuzz: damaged serial bytes, packets and logs instead of cuts");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
   c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(CLI::Range(0, 2));
+  c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")->check(CLI::Range(1, 1000));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg bench speed --quick --json out/bench.json");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

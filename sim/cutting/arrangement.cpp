@@ -124,12 +124,18 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed, int first_try) {
     result.reason = "this is cut already";
     return result;
   }
+  std::optional<Blade> redrawn;
   for (int k = first_try; k < kTries; ++k) {
     result.tries = k + 1;
-    // The first try takes the blade as it is; each further one redraws every vertex that is not shared.
+    // The first try takes the blade as it is; each further one redraws every vertex that is not shared, or shared in vain.
+    if (k > 0 && !redrawn && !blade.shared_point.empty()) {
+      redrawn = blade;
+      redrawn->shared_point = live_shared_points(*store_, blade);
+    }
+    const Blade& asked = redrawn ? *redrawn : blade;
     std::vector<Int3> vertex = blade.vertex;
     for (size_t i = 0; i < vertex.size() && k > 0; ++i) {
-      if (!blade.shared_point.empty() && blade.shared_point[i] >= 0) continue;
+      if (!asked.shared_point.empty() && asked.shared_point[i] >= 0) continue;
       const uint64_t r = scramble(scramble(seed + uint64_t(k) * 0x632be59bd9b4e019ull) ^ i);
       const auto jitter = [&](int shift) {
         return 2 * (int32_t((r >> shift & 0xfffff) % (2 * kJitterUnits + 1)) - kJitterUnits);
@@ -138,7 +144,7 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed, int first_try) {
       vertex[i].y += jitter(21);
       vertex[i].z += jitter(42);
     }
-    CutBuilder builder(*store_, blade, std::move(vertex));
+    CutBuilder builder(*store_, asked, std::move(vertex));
     const CutBuilder::Outcome outcome = builder.run(result);
     result.reason = builder.reason();
     if (outcome == CutBuilder::coincidence) continue;

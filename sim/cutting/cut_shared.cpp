@@ -44,6 +44,30 @@ CutBuilder::Outcome CutBuilder::take_shared_edges() {
   return ok;
 }
 
+std::vector<int32_t> live_shared_points(const ArrangementStore& store, const Blade& blade) {
+  std::vector<int32_t> shared, live;
+  for (int32_t p : blade.shared_point)
+    if (p >= 0) shared.push_back(p);
+  std::sort(shared.begin(), shared.end());
+  const auto is_shared = [&](int32_t p) { return std::binary_search(shared.begin(), shared.end(), p); };
+  for (const OrigTri& g : store.orig) {
+    if (g.live == 0 || !(is_shared(g.v[0]) || is_shared(g.v[1]) || is_shared(g.v[2]))) continue;
+    for (int32_t f : store.faces_of(int32_t(&g - store.orig.data()))) {
+      if (!store.face[size_t(f)].live()) continue;
+      for (int32_t p : store.face[size_t(f)].v) {
+        const auto* ends = store.points.edge_of(p);
+        if (!ends && is_shared(p)) live.push_back(p);
+        if (ends && is_shared((*ends)[0]) && is_shared((*ends)[1])) live.push_back((*ends)[0]), live.push_back((*ends)[1]);
+      }
+    }
+  }
+  std::sort(live.begin(), live.end());
+  std::vector<int32_t> out = blade.shared_point;
+  for (int32_t& p : out)
+    if (p >= 0 && !std::binary_search(live.begin(), live.end(), p)) p = -1;
+  return out;
+}
+
 int CutBuilder::vote_at_shared_edge(int32_t a, int32_t b, int32_t s, int32_t third) const {
   std::vector<RadialFace> around;
   for (int32_t h = store_.edges.first(a, b); h >= 0; h = store_.edges.next(h)) {

@@ -10,8 +10,6 @@ namespace {
 
 constexpr double penalty_over_mu = 3;  // k = 3 mu
 constexpr double primal_below = 5;     // lambda / mu at nu = 0.4 (reparametrised: 2 nu / (1 - 2 nu) + 1)
-constexpr int tile_edge_cells = 12;
-constexpr int tile_min_cells = 256, tile_max_cells = 960;
 
 bool uses_multiplier(const Stencil& s, bool augmented) {
   return augmented && s.mu_kPa > 0 && s.lambda_kPa > primal_below * s.mu_kPa * (1 + 1e-9);
@@ -48,6 +46,12 @@ KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augment
 
 }  // namespace
 
+bool same_stencils(const FemModel& a, const FemModel& b) {
+  bool same = a.stencils.size() == b.stencils.size() && a.cell_mm == b.cell_mm && a.laws == b.laws;
+  for (size_t c = 0; same && c < a.stencils.chunks(); ++c) same = a.stencils.shares(b.stencils, c);
+  return same;
+}
+
 double effective_bulk_kPa(const Stencil& s, bool augmented) {
   if (!uses_multiplier(s, augmented)) return s.lambda_kPa;
   const double k = penalty_over_mu * s.mu_kPa;
@@ -58,67 +62,27 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
                              const ElementSystem* system_before) {
   const FemModel& m = *model;
   const size_t n = m.X_mm.size(), nc = m.cells.size();
-  data_.stencils.resize(m.stencils.size());
   const bool carry = before && system_before && before->cell_mm == m.cell_mm;
-  for (size_t i = 0; i < m.stencils.size(); ++i) {
-    if (carry && m.stencils.shares(before->stencils, i / SharedArray<Stencil>::kChunk))
-      data_.stencils[i] = system_before->data_.stencils[i];
-    else
-      data_.stencils[i] = kernel_stencil(m.stencils[i], m.cell_mm, augmented);
-    has_multipliers_ = has_multipliers_ || data_.stencils[i].r > 0;
+  if (carry && same_stencils(m, *before)) {
+    data_.stencils = system_before->data_.stencils;
+    has_multipliers_ = system_before->has_multipliers_;
+  } else {
+    const auto made = std::make_shared<AlignedArray<KernelStencil>>(m.stencils.size());
+    for (size_t i = 0; i < m.stencils.size(); ++i) {
+      if (carry && m.stencils.shares(before->stencils, i / SharedArray<Stencil>::kChunk))
+        (*made)[i] = (*system_before->data_.stencils)[i];
+      else
+        (*made)[i] = kernel_stencil(m.stencils[i], m.cell_mm, augmented);
+      has_multipliers_ = has_multipliers_ || (*made)[i].r > 0;
+    }
+    data_.stencils = made;
   }
 
-  // Tile order: square tiles of the xy plane, full height.
-  struct Key {
-    uint64_t place;  // tx, ty, x, y, z: 12, 12, 14, 14 and 12 bits
-    int32_t index;
-    auto operator<=>(const Key&) const = default;
-    uint64_t tile() const { return place >> 40; }
-  };
-  std::vector<Key> order(nc);
-  Vec3 low = Vec3::Constant(1e300);
-  for (const Vec3& x : m.X_mm) low = low.cwiseMin(x);
-  for (size_t c = 0; c < nc; ++c) {
-    const Vec3 at = (m.X_mm[size_t(m.cells[c].node[0])] - low).cwiseQuotient(m.cell_mm);
-    const int x = int(std::lround(at[0])), y = int(std::lround(at[1])), z = int(std::lround(at[2]));
-    const uint64_t tile = uint64_t(x / tile_edge_cells) << 12 | uint64_t(y / tile_edge_cells);
-    order[c] = {tile << 40 | uint64_t(x) << 26 | uint64_t(y) << 12 | uint64_t(z), int32_t(c)};
-  }
-  std::sort(order.begin(), order.end());
-  // Cells that are absent (scale 0: a region's outside) come last and are in no tile.
-  const auto absent = std::stable_partition(order.begin(), order.end(), [&](const Key& k) { return m.cells[size_t(k.index)].scale > 0; });
-  const size_t present = size_t(absent - order.begin());
-
-  data_.cells.resize(nc);
-  slot_of_cell_.resize(nc);
-  std::vector<int32_t> local(n, -1);  // local index in the open tile, or below its first slot: not there yet
-  Tile tile;
-  for (size_t k = present; k < nc; ++k) {
-    slot_of_cell_[size_t(order[k].index)] = int32_t(k);
-    data_.cells[k] = {};
-    data_.cells[k].stencil = m.cells[size_t(order[k].index)].stencil;
-  }
-  for (size_t k = 0; k < present; ++k) {
-    const int32_t c = order[k].index;
-    const HexCell& from = m.cells[size_t(c)];
-    const int count = int(k) - tile.first_cell;
-    const bool next_tile = k > 0 && order[k].tile() != order[k - 1].tile();
-    if ((next_tile && count >= tile_min_cells) || count >= tile_max_cells) {
-      tile.last_cell = int32_t(k), tile.last_slot = int32_t(data_.slot_node.size());
-      data_.tiles.push_back(tile);
-      tile.first_cell = tile.last_cell, tile.first_slot = tile.last_slot;
-    }
-    slot_of_cell_[size_t(c)] = int32_t(k);
-    KernelCell& to = data_.cells[k];
-    to.stencil = from.stencil, to.scale = from.scale;
-    for (int a = 0; a < 8; ++a) {
-      const size_t node = size_t(from.node[size_t(a)]);
-      if (local[node] < tile.first_slot) local[node] = int32_t(data_.slot_node.size()), data_.slot_node.push_back(int32_t(node));
-      to.node[a] = uint16_t(local[node] - tile.first_slot);
-    }
-  }
-  tile.last_cell = int32_t(present), tile.last_slot = int32_t(data_.slot_node.size());
-  if (present) data_.tiles.push_back(tile);
+  std::vector<uint8_t> changed;
+  std::optional<TileOrder> followed;
+  if (carry) followed = order_cells(m, *before, system_before->order_, changed);
+  order_ = followed ? std::move(*followed) : order_cells(m);
+  lay_tiles(m, followed ? system_before : nullptr, changed);
 
   data_.node_slots_begin.assign(n + 1, 0);
   for (int32_t node : data_.slot_node) ++data_.node_slots_begin[size_t(node) + 1];
@@ -131,6 +95,71 @@ ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augment
   slots_.resize(data_.slot_node.size());
   theta_.resize(nc), q_.resize(nc);
   tile_sums_.resize(data_.tiles.size());
+}
+
+void ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier, std::span<const uint8_t> changed) {
+  const size_t n = m.X_mm.size(), nc = m.cells.size(), present = order_.present;
+  const std::vector<TileKey>& order = order_.key;
+  data_.cells.resize(nc);
+  slot_of_cell_.resize(nc);
+  for (size_t k = present; k < nc; ++k) {
+    slot_of_cell_[size_t(order[k].index)] = int32_t(k);
+    data_.cells[k] = {};
+    data_.cells[k].stencil = m.cells[size_t(order[k].index)].stencil;
+  }
+  // Tiles of the earlier system of which no cell has changed.
+  static const std::vector<Tile> none;
+  const std::vector<Tile>& tiles_before = earlier ? earlier->data_.tiles : none;
+  std::vector<uint8_t> whole(tiles_before.size(), 1);
+  for (size_t t = 0; t < tiles_before.size(); ++t)
+    for (int32_t k = tiles_before[t].first_cell; k < tiles_before[t].last_cell && whole[t]; ++k)
+      whole[t] = !changed[size_t(earlier->order_.key[size_t(k)].index)];
+
+  std::vector<int32_t> local(n, -1);  // slot of a node in the open tile, or below its first slot: it has none yet
+  Tile tile;
+  bool numbered = true;  // `local` knows the nodes of the open tile
+  size_t next_before = 0;
+  for (size_t k = 0; k < present;) {
+    const int32_t c = order[k].index;
+    if (tile_ends(int(k) - tile.first_cell, k > 0 && order[k].tile() != order[k - 1].tile())) {
+      tile.last_cell = int32_t(k), tile.last_slot = int32_t(data_.slot_node.size());
+      data_.tiles.push_back(tile);
+      tile.first_cell = tile.last_cell, tile.first_slot = tile.last_slot;
+      numbered = true;
+    }
+    if (earlier && int32_t(k) == tile.first_cell && size_t(c) < changed.size()) {  // one of the earlier tiles, as it was?
+      const int32_t place = earlier->slot_of_cell_[size_t(c)];
+      while (next_before < tiles_before.size() && tiles_before[next_before].first_cell < place) ++next_before;
+      if (next_before < tiles_before.size() && tiles_before[next_before].first_cell == place && whole[next_before]) {
+        const Tile& was = tiles_before[next_before];
+        const size_t size = size_t(was.last_cell - was.first_cell);
+        if (k + size <= present && order[k + size - 1].index == earlier->order_.key[size_t(was.last_cell) - 1].index) {
+          std::copy_n(earlier->data_.cells.data() + was.first_cell, size, data_.cells.data() + k);
+          for (size_t i = k; i < k + size; ++i) slot_of_cell_[size_t(order[i].index)] = int32_t(i);
+          const auto slots = earlier->data_.slot_node.begin();
+          data_.slot_node.insert(data_.slot_node.end(), slots + was.first_slot, slots + was.last_slot);
+          numbered = false;
+          k += size;
+          continue;
+        }
+      }
+    }
+    if (!numbered)
+      for (size_t s = size_t(tile.first_slot); s < data_.slot_node.size(); ++s) local[size_t(data_.slot_node[s])] = int32_t(s);
+    numbered = true;
+    const HexCell& from = m.cells[size_t(c)];
+    slot_of_cell_[size_t(c)] = int32_t(k);
+    KernelCell& to = data_.cells[k];
+    to.stencil = from.stencil, to.scale = from.scale;
+    for (int a = 0; a < 8; ++a) {
+      const size_t node = size_t(from.node[size_t(a)]);
+      if (local[node] < tile.first_slot) local[node] = int32_t(data_.slot_node.size()), data_.slot_node.push_back(int32_t(node));
+      to.node[a] = uint16_t(local[node] - tile.first_slot);
+    }
+    ++k;
+  }
+  tile.last_cell = int32_t(present), tile.last_slot = int32_t(data_.slot_node.size());
+  if (present) data_.tiles.push_back(tile);
 }
 
 CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure, const Engine& engine) {
@@ -150,7 +179,7 @@ CellSums ElementSystem::evaluate(const NodeArray& u, NodeArray& g, bool measure,
 void ElementSystem::shape_only(bool on) {
   shape_only_ = on;
   if (!on || !shape_stencils_.empty()) return;
-  shape_stencils_ = data_.stencils;
+  shape_stencils_ = *data_.stencils;
   for (KernelStencil& k : shape_stencils_) {
     std::fill(std::begin(k.f0), std::end(k.f0), 0.0f);
     k.p0 = k.ke = k.r = 0;
@@ -169,7 +198,7 @@ bool ElementSystem::update_multipliers(const Engine& engine, double scale_of_inc
 double ElementSystem::energy_to_primal() const {
   double e = 0;
   for (size_t c = 0; c < data_.cells.size(); ++c) {
-    const KernelStencil& s = data_.stencils[size_t(data_.cells[c].stencil)];
+    const KernelStencil& s = (*data_.stencils)[size_t(data_.cells[c].stencil)];
     if (s.r == 0) continue;
     const double lambda = double(s.ke) / (1 - double(s.r)), th = double(theta_[c]), x = th + double(q_[c]);
     e += 0.5 * double(data_.cells[c].scale * s.volume) * (lambda * th * th - double(s.ke) * x * x);

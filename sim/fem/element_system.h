@@ -17,29 +17,34 @@
 // workers.
 #include <memory>
 
+#include <span>
 #include <vector>
 
 #include "sim/fem/engine.h"
 #include "sim/fem/fem_model.h"
+#include "sim/fem/tiles.h"
 
 namespace limberg::fem {
 
 /// Effective volumetric stiffness ke in kPa of a stencil, as it enters gradient and preconditioner.
 double effective_bulk_kPa(const Stencil& s, bool augmented);
 
+/// Whether two models have one list of stencils and laws in common, not only equal ones.
+bool same_stencils(const FemModel& a, const FemModel& b);
+
 /// Everything the kernels read of the cells.
 struct KernelData {
-  AlignedArray<KernelStencil> stencils;
+  std::shared_ptr<const AlignedArray<KernelStencil>> stencils;
   AlignedArray<KernelCell> cells;  // in tile order
   std::vector<Tile> tiles;
   std::vector<int32_t> slot_node;
   std::vector<int32_t> node_slots_begin, node_slots;  // per node: its slots in ascending order
-  CellView view() const { return {stencils.data(), cells.data(), slot_node.data(), node_slots_begin.data(), node_slots.data()}; }
+  CellView view() const { return {stencils->data(), cells.data(), slot_node.data(), node_slots_begin.data(), node_slots.data()}; }
 };
 
 class ElementSystem {
  public:
-  /// `before`, `system_before`: the last model and its system, of which stencils that both models share are taken over.
+  /// `before`, `system_before`: the last model and its system, of which stencils and tiles that both have are taken over.
   explicit ElementSystem(std::shared_ptr<const FemModel> model, bool augmented = true, const FemModel* before = nullptr,
                          const ElementSystem* system_before = nullptr);
 
@@ -65,7 +70,11 @@ class ElementSystem {
   const KernelData& kernel() const { return data_; }
 
  private:
+  /// `earlier`: a system whose cells the model begins with; `changed`, per cell of it: 1 when it is not what it was.
+  void lay_tiles(const FemModel& model, const ElementSystem* earlier, std::span<const uint8_t> changed);
+
   KernelData data_;
+  TileOrder order_;
   AlignedArray<KernelStencil> shape_stencils_;  // made when first asked for
   bool shape_only_ = false;
   std::vector<int32_t> slot_of_cell_;  // position in tile order of a model cell

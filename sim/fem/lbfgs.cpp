@@ -7,8 +7,9 @@ namespace limberg::fem {
 // One slot more than pairs in use, so that filling the scratch never spoils the oldest pair.
 void LbfgsHistory::resize(size_t nodes, int pairs) {
   capacity_ = pairs + 1;
-  s_.assign(size_t(capacity_), NodeArray(nodes));
-  y_.assign(size_t(capacity_), NodeArray(nodes));
+  nodes_ = nodes;
+  s_.resize(size_t(capacity_));
+  y_.resize(size_t(capacity_));
   rho_.assign(size_t(capacity_), 0);
   q_.resize(nodes);
   count_ = head_ = 0;

@@ -9,13 +9,13 @@ namespace limberg::fem {
 
 class LbfgsHistory {
  public:
-  void resize(size_t nodes, int pairs);  // forgets everything
+  void resize(size_t nodes, int pairs);  // forgets everything; room for pairs is made as they come
   void clear() { count_ = 0; }
   int count() const { return count_; }
 
   /// Scratch for the next pair: fill s = u_new - u and y = g_new - g, then push().
-  NodeArray& next_s() { return s_[size_t(head_)]; }
-  NodeArray& next_y() { return y_[size_t(head_)]; }
+  NodeArray& next_s() { return sized(s_[size_t(head_)]); }
+  NodeArray& next_y() { return sized(y_[size_t(head_)]); }
   /// Takes the pair in the scratch; refuses one without positive curvature.
   bool push(const Engine& engine);
 
@@ -25,6 +25,11 @@ class LbfgsHistory {
 
  private:
   size_t index(int k) const { return size_t((head_ - 1 - k + 2 * capacity_) % capacity_); }  // k-th newest
+  NodeArray& sized(NodeArray& a) const {
+    if (a.size() != nodes_) a.resize(nodes_);
+    return a;
+  }
+  size_t nodes_ = 0;
   int capacity_ = 0, count_ = 0, head_ = 0;
   std::vector<NodeArray> s_, y_;
   std::vector<double> rho_;

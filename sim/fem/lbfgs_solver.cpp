@@ -52,7 +52,9 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   auto elements = std::make_unique<ElementSystem>(model, augmented_, model_.get(), elements_.get());
   const auto carried = [&](const NodeArray& old) {
     NodeArray out(n);
-    for (size_t i = 0; i < n; ++i) {
+    const size_t same = std::min({model->parent.same(), old.size(), n});
+    std::copy_n(old.data(), same, out.data());
+    for (size_t i = same; i < n; ++i) {
       const int32_t p = model->parent[i];
       if (p >= 0 && size_t(p) < old.size()) out[i] = old[size_t(p)];
     }
@@ -72,10 +74,17 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
     for (size_t c = 0; c < cells && c < cell_parent.size(); ++c)
       if (cell_parent[c] >= 0 && size_t(cell_parent[c]) < elements_->cells()) elements->set_q(c, elements_->q(size_t(cell_parent[c])));
   elements_ = std::move(elements);
-  points_ = MaterialPoints(*model);
-  ViscousPoints viscous(*model);
-  viscous.carry(viscous_, cell_parent, u_);
-  viscous_ = std::move(viscous);
+  const bool same_matter = model_ && same_stencils(*model, *model_);
+  if (!same_matter || !points_.in_no_stencil()) points_ = MaterialPoints(*model);
+  if (!same_matter || !viscous_.in_no_stencil()) {
+    ViscousPoints viscous(*model);
+    viscous.carry(viscous_, cell_parent, u_);
+    viscous_ = std::move(viscous);
+  }
+  if (!same_matter) {
+    floor_weight_.clear();
+    for (const Stencil& st : model->stencils) floor_weight_.push_back({st.mu_kPa, std::pow(st.volume_mm3, 2.0 / 3)});
+  }
   model_ = std::move(model);
   fixed_.clear();
   for (size_t i = 0; i < n; ++i)
@@ -84,12 +93,14 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
       if (before_s_ > 0) u_before_[i] = u_[i], velocity_before_[i] = {};
     }
   std::vector<double> floor(n, 0);
-  double volume_mm3 = -1, area_mm2 = 0;  // of the cell before: most have one size
-  for (const HexCell& c : model_->cells) {
-    const Stencil& st = model_->stencils[size_t(c.stencil)];
-    if (st.volume_mm3 != volume_mm3) volume_mm3 = st.volume_mm3, area_mm2 = std::pow(volume_mm3, 2.0 / 3);
-    for (int32_t v : c.node) floor[size_t(v)] += floor_strain * double(c.scale) * st.mu_kPa * area_mm2;
-  }
+  const SharedArray<HexCell>& present = model_->cells;
+  for (size_t chunk = 0; chunk < present.chunks(); ++chunk)
+    for (size_t k = 0; k < present.run_length(chunk); ++k) {
+      const HexCell& c = present.run(chunk)[k];
+      const auto [mu_kPa, area_mm2] = floor_weight_[size_t(c.stencil)];
+      const double share = floor_strain * double(c.scale) * mu_kPa * area_mm2;
+      for (int32_t v : c.node) floor[size_t(v)] += share;
+    }
   force_floor_ = 0;
   for (size_t i = 0; i < n; ++i)
     if (!model_->fixed[i]) force_floor_ += floor[i] * floor[i];

@@ -98,6 +98,7 @@ class LbfgsSolver final : public ElasticSolver {
   double h_s_ = 0;                     // of the step being made
   std::vector<float> inertia_;         // per node, mN/mm; empty in a quasi-static step
   double force_scale_ = 0;             // sqrt(sum_nodes (sum of force magnitudes)^2), of the last measuring evaluate
+  std::vector<std::array<double, 2>> floor_weight_;  // per stencil: shear modulus in kPa, area of a cell's side in mm2
   double force_floor_ = 0;             // the same for a strain of 1e-3, so that a block at rest has a scale too
   int tangled_iterations_ = 0;         // spent in steps that ended in a tangle, without a better one between
   bool untangling_ = false;

@@ -18,6 +18,7 @@ class MaterialPoints {
   MaterialPoints() = default;
   explicit MaterialPoints(const FemModel& model);
   bool empty() const { return cells_.empty(); }
+  bool in_no_stencil() const { return points_.empty(); }
 
   /// Adds dE/du to g and returns the energy. `measure`: adds the norm of every cell's force to w. Same bits for any
   /// number of workers.

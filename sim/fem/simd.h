@@ -27,9 +27,14 @@ class AlignedArray {
 
   /// Drops the old content; everything is zero afterwards.
   void resize(size_t n) {
-    if (n > n_ || n == 0 || bytes(n) != bytes(n_)) {
+    const size_t needed = bytes(n);
+    if (needed > room_ || needed < room_ / 2) {
       ::operator delete[](static_cast<void*>(p_), std::align_val_t(64));
-      p_ = static_cast<T*>(::operator new[](bytes(n), std::align_val_t(64)));
+      p_ = nullptr;
+      room_ = 0;
+      const size_t room = n_ && n > n_ ? bytes(n + n / 16) : needed;  // what grows once grows again
+      p_ = static_cast<T*>(::operator new[](room, std::align_val_t(64)));
+      room_ = room;
     }
     n_ = n;
     zero();
@@ -40,6 +45,7 @@ class AlignedArray {
   void swap(AlignedArray& o) noexcept {
     std::swap(p_, o.p_);
     std::swap(n_, o.n_);
+    std::swap(room_, o.room_);
   }
   size_t size() const { return n_; }
   bool empty() const { return n_ == 0; }
@@ -55,7 +61,7 @@ class AlignedArray {
  private:
   static size_t bytes(size_t n) { return (n * sizeof(T) + 63) / 64 * 64 + 64; }
   T* p_ = nullptr;
-  size_t n_ = 0;
+  size_t n_ = 0, room_ = 0;  // room in bytes
 };
 
 using NodeArray = AlignedArray<Node4>;

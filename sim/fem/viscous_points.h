@@ -32,6 +32,7 @@ class ViscousPoints {
   ViscousPoints() = default;
   explicit ViscousPoints(const FemModel& model);
   bool empty() const { return cells_.empty(); }
+  bool in_no_stencil() const { return points_.empty(); }
 
   /// The branches of the model before, by cell_parent and law; what is new starts relaxed at u (of this model).
   void carry(const ViscousPoints& before, const ParentList& cell_parent, const NodeArray& u);

@@ -25,7 +25,8 @@ float above(double v) {
 double box_distance2(const Vec3f& lo, const Vec3f& hi, const Vec3& p) {
   double d2 = 0;
   for (int a = 0; a < 3; ++a) {
-    const double d = std::max({double(lo[a]) - p[a], 0.0, p[a] - double(hi[a])});
+    const double under = double(lo[a]) - p[a], over = p[a] - double(hi[a]);
+    const double out = under > over ? under : over, d = out > 0 ? out : 0;
     d2 += d * d;
   }
   return d2;

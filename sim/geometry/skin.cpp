@@ -99,8 +99,16 @@ Vec3 Skin::side_normal(const Bvh::Closest& c) const {
 
 double Skin::depth_mm(const Vec3& X) const {
   if (!any_) return std::numeric_limits<double>::infinity();
-  const auto c = skin_.closest(X);
-  return (X - c.point_mm).dot(side_normal(c)) > 0 ? -c.distance_mm : c.distance_mm;
+  Bvh::Closest near;
+  return depth_mm(X, near);
+}
+
+double Skin::depth_mm(const Vec3& X, Bvh::Closest& near) const {
+  if (!any_) return std::numeric_limits<double>::infinity();
+  // The last answer's point is skin too: nothing farther away can be nearest.
+  const double bound = near.triangle >= 0 ? (X - near.point_mm).norm() * (1 + 1e-12) + 1e-12 : std::numeric_limits<double>::infinity();
+  near = skin_.closest(X, bound);
+  return (X - near.point_mm).dot(side_normal(near)) > 0 ? -near.distance_mm : near.distance_mm;
 }
 
 int Skin::layer_at(double depth_mm) const {

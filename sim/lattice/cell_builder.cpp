@@ -21,6 +21,7 @@ std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<cons
   join_.reset(2 * face_.size() + 8);
   find_mates();
   join_faces();
+  glued_ = join_;
   join_lattice_edges();
   join_walks();
   auto out = std::make_shared<CellComponents>();
@@ -153,8 +154,12 @@ void CellBuilder::name_old_classes(const CellHistory& history, CellComponents& o
       contradiction("a cut has joined two pieces");
   };
   for (size_t k = 0; k < 8; ++k) vote(out.of_corner[k], before->of_corner[k], true);
-  for (size_t l = 0; l < out.face.size(); ++l)
-    for (int s = 0; s < 2; ++s) vote(out.of_side[l][size_t(s)], before->class_of(2 * out.face[l] + s), true);
+  for (size_t l = 0, b = 0; l < out.face.size(); ++l) {  // both lists ascend
+    while (b < before->face.size() && before->face[b] < out.face[l]) ++b;
+    if (b == before->face.size()) break;
+    if (before->face[b] != out.face[l]) continue;
+    for (size_t s = 0; s < 2; ++s) vote(out.of_side[l][s], before->of_side[b][s], true);
+  }
   auto unnamed = [&](size_t c) { return old_.find(int32_t(c)) == int32_t(c) && name[c] < 0; };
   auto any_unnamed = [&] {
     for (size_t c = 0; c < classes; ++c)

@@ -78,10 +78,10 @@ class CellBuilder {
     std::array<std::array<int32_t, 3>, 3> layer{};                // [corner][axis]
     std::array<bool, 3> edge_in{};                                // edge meets the cell
     uint8_t squares = 0;                                          // bit 2 axis + high: it reaches through that plane
-    std::array<std::array<std::array<int8_t, 4>, 3>, 3> about{};  // [edge][axis][corner]: kUnknown or the sign
+    std::array<EdgeSigns, 3> about;                               // [edge], where known
+    std::array<bool, 3> known{};
     std::array<int32_t, 6> mate{};                                // [3 * side + edge], where the edge meets the cell: the glued member
   };
-  static constexpr int8_t kUnknown = 2;
   // Sided face as a member of the partition; corner as a member.
   static int32_t member(size_t local, int side) { return int32_t(2 * local) + side; }
   int32_t corner_member(int corner) const { return int32_t(2 * face_.size()) + corner; }
@@ -93,7 +93,14 @@ class CellBuilder {
   void enter(Int3 at);
   void gather(std::span<const int32_t> candidates);
   bool edge_meets(LocalFace& f, int edge);
-  int about(LocalFace& f, int edge, int axis, int corner);
+  const EdgeSigns& about(LocalFace& f, int edge) {
+    const size_t e = size_t(edge);
+    if (!f.known[e]) find_about(f, e);
+    return f.about[e];
+  }
+  void find_about(LocalFace& f, size_t edge);
+  int parallel_axis(int32_t p, int32_t q) const;
+  void note_crossings(LocalFace& f, int32_t local);
   /// The face reaches through both planes of the lattice edge.
   static bool may_pierce(const LocalFace& f, int axis, int corner) {
     const int i = (axis + 1) % 3, j = (axis + 2) % 3;
@@ -126,10 +133,10 @@ class CellBuilder {
   const MaterialSurface& surface_;
   std::array<int32_t, 3> index_{};
   std::array<std::array<int64_t, 2>, 3> bound_{};  // sub-units, [axis][high]
-  std::array<std::array<SubPoint, 4>, 3> edge_corner_{};  // low ends of the lattice edges, [axis][corner]
+  CellBounds bounds_;
   std::array<bool, 8> corner_in_{};
 
-  const SubPoint& edge_corner(int axis, int corner) const { return edge_corner_[size_t(axis)][size_t(corner)]; }
+  const SubPoint& edge_corner(int axis, int corner) const { return bounds_.edge_corner[size_t(axis)][size_t(corner)]; }
   static int corner_of_edge(int axis, int corner, bool high);
 
   std::vector<LocalFace> face_;               // ascending by id
@@ -141,8 +148,13 @@ class CellBuilder {
   };
   mutable std::vector<KnownLayers> known_layers_;
   std::array<std::vector<int32_t>, 12> hit_;  // local faces along each lattice edge, ascending
+  struct Crossing {
+    int32_t local, edge;
+  };
+  std::array<std::vector<Crossing>, 6> crossing_;  // edges that pierce each square of the cell (2 axis + high), ascending
   std::array<uint8_t, 12> edge_state_{};
   Partition join_, square_, old_;
+  Partition glued_;  // sided faces joined along glued edges only
   std::vector<int32_t> hits_;
   std::vector<uint8_t> open_, seen_, crosses_;
   int walks_ = 0, unresolved_ = 0;

@@ -21,9 +21,11 @@ void CellBuilder::enter(Int3 at) {
     for (int high = 0; high < 2; ++high)
       bound_[size_t(a)][size_t(high)] = (int64_t(grid_.origin[a]) + int64_t(index_[size_t(a)] + high) * grid_.pitch[a])
                                         << kSubUnitBits;
+  for (size_t a = 0; a < 3; ++a)
+    for (size_t high = 0; high < 2; ++high) bounds_.half[a][high] = sub_to_half(bound_[a][high]);
   for (size_t axis = 0; axis < 3; ++axis)
     for (size_t corner = 0; corner < 4; ++corner) {
-      SubPoint& c = edge_corner_[axis][corner];
+      SubPoint& c = bounds_.edge_corner[axis][corner];
       const size_t i = (axis + 1) % 3, j = (axis + 2) % 3;
       c[axis] = bound_[axis][0];
       c[i] = bound_[i][corner & 1];
@@ -111,11 +113,32 @@ void CellBuilder::find_mates() {
   }
 }
 
-int CellBuilder::about(LocalFace& f, int edge, int axis, int corner) {
-  int8_t& s = f.about[size_t(edge)][size_t(axis)][size_t(corner)];
-  if (s == kUnknown)
-    s = int8_t(edge_about_corner(f.p[size_t(edge)], f.p[size_t(edge + 1) % 3], axis, edge_corner(axis, corner)));
-  return s;
+// The axis that an edge of a blade or the body, or a part of one, is parallel to; -1: none, or it is no such edge.
+int CellBuilder::parallel_axis(int32_t p, int32_t q) const {
+  const PointStore& points = *surface_.points;
+  const auto *of_p = points.edge_of(p), *of_q = points.edge_of(q);
+  int32_t a = p, b = q;
+  if (of_p && of_q) {
+    a = (*of_p)[0], b = (*of_p)[1];
+    if (a != (*of_q)[0] || b != (*of_q)[1]) return -1;
+  } else if (of_p || of_q) {
+    const auto& ends = of_p ? *of_p : *of_q;
+    const int32_t other = of_p ? q : p;
+    a = ends[0], b = ends[1];
+    if (other != a && other != b) return -1;
+  }
+  if (!points.is_explicit(a) || !points.is_explicit(b)) return -1;
+  const Vec3 &x = points.approx(a), &y = points.approx(b);
+  for (int axis = 0; axis < 3; ++axis)
+    if (x[(axis + 1) % 3] == y[(axis + 1) % 3] && x[(axis + 2) % 3] == y[(axis + 2) % 3]) return axis;
+  return -1;
+}
+
+void CellBuilder::find_about(LocalFace& f, size_t e) {
+  const size_t next = e == 2 ? 0 : e + 1;
+  const auto& v = surface_.faces[size_t(f.id)].v;
+  edge_about_corners(f.p[e], f.p[next], parallel_axis(v[e], v[next]), bounds_, f.about[e]);
+  f.known[e] = true;
 }
 
 // Segment against box by separating axes: the three box normals (on exact layers), and the three cross products of the
@@ -130,29 +153,60 @@ bool CellBuilder::edge_meets(LocalFace& f, int edge) {
     b_in = b_in && b[k] == index_[k];
   }
   if (a_in || b_in) return true;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int s = about(f, edge, axis, 0);
-    if (s && about(f, edge, axis, 1) == s && about(f, edge, axis, 2) == s && about(f, edge, axis, 3) == s) return false;
-  }
+  for (const auto& s : about(f, edge))
+    if (s[0] && s[1] == s[0] && s[2] == s[0] && s[3] == s[0]) return false;
   return true;
 }
 
 bool CellBuilder::pierced_by_edge(LocalFace& f, int axis, int corner) {
-  const int s = about(f, 0, axis, corner);
-  if (!s || about(f, 1, axis, corner) != s || about(f, 2, axis, corner) != s) return false;
+  const size_t a = size_t(axis), k = size_t(corner);
+  const int s = about(f, 0)[a][k];
+  if (!s || about(f, 1)[a][k] != s || about(f, 2)[a][k] != s) return false;
   SubPoint c = edge_corner(axis, corner);
   const int low = plane_at_corner(*f.plane, c);
   c[size_t(axis)] = bound_[size_t(axis)][1];
   return low != plane_at_corner(*f.plane, c);
 }
 
+// Which squares the edges of a face pierce.
+void CellBuilder::note_crossings(LocalFace& f, int32_t local) {
+  for (size_t k = 0; k < 3; ++k)
+    for (int high = 0; high < 2; ++high) {
+      if (!(f.squares >> (2 * k + size_t(high)) & 1)) continue;
+      const int32_t plane_layer = index_[k] + high;
+      for (size_t e = 0; e < 3; ++e) {
+        if (!f.edge_in[e]) continue;
+        const bool below = f.layer[e][k] < plane_layer;
+        if (below == (f.layer[e == 2 ? 0 : e + 1][k] < plane_layer)) continue;
+        const int rising = below ? 1 : -1;
+        const EdgeSigns& sign = about(f, int(e));
+        // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and
+        // "crossing at greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are
+        // opposite.
+        bool within = true;
+        for (size_t step = 1; step <= 2 && within; ++step) {
+          const size_t u = (k + step) % 3, v = 3 - k - u;
+          const bool u_first = (v + 1) % 3 == u;
+          for (int u_high = 0; u_high < 2 && within; ++u_high) {
+            const int corner = u_first ? u_high | high << 1 : high | u_high << 1;
+            const int beyond = sign[v][size_t(corner)] * (u_first ? 1 : -1) * rising;
+            within = u_high ? beyond < 0 : beyond > 0;
+          }
+        }
+        if (within) crossing_[2 * k + size_t(high)].push_back({local, int32_t(e)});
+      }
+    }
+}
+
 void CellBuilder::gather(std::span<const int32_t> candidates) {
   face_.clear();
   for (auto& h : hit_) h.clear();
-  LocalFace f;
+  for (auto& c : crossing_) c.clear();
   for (int32_t id : candidates) {
     const Face& source = surface_.faces[size_t(id)];
     if (!source.live()) continue;
+    const int32_t local = int32_t(face_.size());
+    LocalFace& f = face_.emplace_back();
     f.layer = layers(id);
     bool apart = false;
     f.squares = 0;
@@ -162,7 +216,10 @@ void CellBuilder::gather(std::span<const int32_t> candidates) {
       apart = apart || hi < at || lo > at;
       f.squares |= uint8_t(int(lo < at) << (2 * a) | int(hi > at) << (2 * a + 1));
     }
-    if (apart) continue;
+    if (apart) {
+      face_.pop_back();
+      continue;
+    }
     f.inside = f.squares == 0;
     f.id = id;
     f.plane = &surface_.plane(id);
@@ -172,17 +229,16 @@ void CellBuilder::gather(std::span<const int32_t> candidates) {
     if (f.inside) {
       f.edge_in = {true, true, true};
     } else {
-      for (auto& e : f.about)
-        for (auto& a : e) a.fill(kUnknown);
       for (int e = 0; e < 3; ++e) meets = (f.edge_in[size_t(e)] = edge_meets(f, e)) || meets;
     }
-    const int32_t local = int32_t(face_.size());
     if (!f.inside)
       for (int a = 0; a < 3; ++a)
         for (int c = 0; c < 4; ++c)
           if (may_pierce(f, a, c) && pierced_by_edge(f, a, c)) hit_[size_t(4 * a + c)].push_back(local), meets = true;
-    if (!meets) continue;
-    face_.push_back(f);
+    if (!meets)
+      face_.pop_back();
+    else if (!f.inside)
+      note_crossings(f, local);
   }
 }
 

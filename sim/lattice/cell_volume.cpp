@@ -90,8 +90,10 @@ void CellBuilder::measure(CellComponents& out) const {
     const Vec3 corner[3] = {p.v[0], p.v[1], p.v[2]};
     if (!f.inside)
       for (int a = 0; a < 3 && p.n > 2; ++a) {
-        clip(p, a, 0, 1);
-        clip(p, a, a == 0 ? W : a == 1 ? D : H, -1);
+        const double size = a == 0 ? W : a == 1 ? D : H;
+        constexpr double kClear = 1e-3;  // half-units, far above what clipping along another axis can move
+        if (std::min({corner[0][a], corner[1][a], corner[2][a]}) < kClear) clip(p, a, 0, 1);
+        if (std::max({corner[0][a], corner[1][a], corner[2][a]}) > size - kClear) clip(p, a, size, -1);
       }
     double flux = z_flux(p);
     if (!f.inside && f.plane->n[0] != 0) {
@@ -104,7 +106,8 @@ void CellBuilder::measure(CellComponents& out) const {
         const Vec3 &a = corner[e], &b = corner[(e + 1) % 3];
         // Seen along y the coordinates are (z, x): an edge that rises in z has the line to its left when it passes at
         // smaller x.
-        beyond[n] = (edge_about_corner(f.p[e], f.p[(e + 1) % 3], 1, line) > 0) == !rises;
+        const int about = f.known[e] ? f.about[e][1][3] : edge_about_corner(f.p[e], f.p[(e + 1) % 3], 1, line);
+        beyond[n] = (about > 0) == !rises;
         end[n] = a + (b - a) * ((H - a.z()) / (b.z() - a.z()));
         if (!beyond[n]) end[n].x() = std::min(end[n].x(), W);
         ++n;

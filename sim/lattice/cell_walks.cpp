@@ -92,46 +92,15 @@ bool CellBuilder::walk_left(int axis, const SubPoint& line, Partition& own, int3
 
 // Curves on the square `normal` = low/high bound: sided faces joined where their glued edge pierces the square.
 void CellBuilder::walk_square(int normal, bool high) {
-  const size_t k = size_t(normal);
-  const int32_t plane_layer = index_[k] + int32_t(high);
-  bool any = false;
-  for (const LocalFace& f : face_) any = any || (f.squares >> (2 * normal + int(high)) & 1);
-  if (!any) return;
-  any = false;
-  crosses_.assign(3 * face_.size(), 0);
-  for (size_t l = 0; l < face_.size(); ++l) {
-    LocalFace& f = face_[l];
-    if (!(f.squares >> (2 * normal + int(high)) & 1)) continue;
-    for (int e = 0; e < 3; ++e) {
-      if (!f.edge_in[size_t(e)]) continue;
-      const int32_t a = f.layer[size_t(e)][k], b = f.layer[size_t(e + 1) % 3][k];
-      if ((a < plane_layer) == (b < plane_layer)) continue;
-      const int rising = a < plane_layer ? 1 : -1;
-      // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and
-      // "crossing at greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are
-      // opposite.
-      bool within = true;
-      for (int step = 1; step <= 2 && within; ++step) {
-        const int u = (normal + step) % 3, v = 3 - normal - u;
-        const bool u_first = (v + 1) % 3 == u;
-        for (int u_high = 0; u_high < 2 && within; ++u_high) {
-          const int corner = u_first ? u_high | int(high) << 1 : int(high) | u_high << 1;
-          const int beyond = about(f, e, v, corner) * (u_first ? 1 : -1) * rising;
-          within = u_high ? beyond < 0 : beyond > 0;
-        }
-      }
-      if (within) crosses_[3 * l + size_t(e)] = 1, any = true;
-    }
-  }
-  if (!any) return;
+  const std::vector<Crossing>& crossing = crossing_[size_t(2 * normal + int(high))];
+  if (crossing.empty()) return;
   square_.reset(2 * face_.size());
   open_.assign(2 * face_.size(), 0);
   seen_.assign(2 * face_.size(), 0);
-  for (size_t l = 0; l < face_.size(); ++l)
+  for (const Crossing& c : crossing)
     for (int side = 0; side < 2; ++side)
-      for (int e = 0; e < 3; ++e)
-        if (crosses_[3 * l + size_t(e)] && has(face_[l].mat, side))
-          square_.unite(member(l, side), face_[l].mate[size_t(3 * side + e)]);
+      if (has(face_[size_t(c.local)].mat, side))
+        square_.unite(member(size_t(c.local), side), face_[size_t(c.local)].mate[size_t(3 * side + c.edge)]);
   for (int step = 1; step <= 2; ++step) {  // the four lattice edges of the square
     const int axis = (normal + step) % 3;
     const bool normal_first = (axis + 1) % 3 == normal;
@@ -142,13 +111,19 @@ void CellBuilder::walk_square(int normal, bool high) {
           if (has(face_[size_t(h)].mat, side)) open_[size_t(square_.find(member(size_t(h), side)))] = 1;
     }
   }
-  for (size_t l = 0; l < face_.size(); ++l)
+  bool marked = false;
+  for (const Crossing& c : crossing)
     for (int side = 0; side < 2; ++side) {
+      const size_t l = size_t(c.local);
       if (!has(face_[l].mat, side)) continue;
-      if (!crosses_[3 * l] && !crosses_[3 * l + 1] && !crosses_[3 * l + 2]) continue;
       const int32_t root = square_.find(member(l, side));
       if (open_[size_t(root)] || seen_[size_t(root)]) continue;
       seen_[size_t(root)] = 1;
+      if (!marked) {  // for the walks, which closed curves are rare to need
+        crosses_.assign(3 * face_.size(), 0);
+        for (const Crossing& x : crossing) crosses_[3 * size_t(x.local) + size_t(x.edge)] = 1;
+        marked = true;
+      }
       if (!walk_from_loop(normal, high, (normal + 1) % 3, root) &&
           !walk_from_loop(normal, high, (normal + 2) % 3, root) && !walk_from_speck(normal, high, root))
         ++unresolved_;
@@ -251,27 +226,20 @@ bool CellBuilder::walk_from_speck(int normal, bool high, int32_t root) {
 }
 
 void CellBuilder::walk_shells() {
-  // Closed components all of whose faces lie inside the cell (square_ is free again).
+  // Closed components all of whose faces lie inside the cell.
   bool any = false;
   for (const LocalFace& f : face_) any = any || f.inside;
   if (!any) return;
-  square_.reset(2 * face_.size());
-  open_.assign(2 * face_.size(), 0);
-  seen_.assign(2 * face_.size(), 0);
-  for (size_t l = 0; l < face_.size(); ++l)
-    for (int side = 0; side < 2; ++side) {
-      if (!has(face_[l].mat, side)) continue;
-      for (int e = 0; e < 3; ++e)
-        if (face_[l].edge_in[size_t(e)]) square_.unite(member(l, side), face_[l].mate[size_t(3 * side + e)]);
-    }
+  open_.assign(glued_.size(), 0);
+  seen_.assign(glued_.size(), 0);
   for (size_t l = 0; l < face_.size(); ++l)
     if (!face_[l].inside)
       for (int side = 0; side < 2; ++side)
-        if (has(face_[l].mat, side)) open_[size_t(square_.find(member(l, side)))] = 1;
+        if (has(face_[l].mat, side)) open_[size_t(glued_.find(member(l, side)))] = 1;
   for (size_t l0 = 0; l0 < face_.size(); ++l0)
     for (int side0 = 0; side0 < 2; ++side0) {
-      if (!has(face_[l0].mat, side0)) continue;
-      const int32_t root = square_.find(member(l0, side0));
+      if (!face_[l0].inside || !has(face_[l0].mat, side0)) continue;
+      const int32_t root = glued_.find(member(l0, side0));
       if (open_[size_t(root)] || seen_[size_t(root)]) continue;
       seen_[size_t(root)] = 1;
       bool done = false;  // a level shell is met by lines along one axis only
@@ -290,8 +258,8 @@ bool CellBuilder::walk_from_shell(int axis, int32_t root) {
   std::vector<Start> starts;
   for (size_t l = 0; l < face_.size(); ++l) {
     const LocalFace& f = face_[l];
-    if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) ||
-          (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
+    if (!((has(f.mat, 0) && glued_.find(member(l, 0)) == root) ||
+          (has(f.mat, 1) && glued_.find(member(l, 1)) == root)))
       continue;
     const Vec3 u = *f.p[1].approx - *f.p[0].approx, v = *f.p[2].approx - *f.p[0].approx;
     starts.push_back({std::abs(u[b] * v[c] - u[c] * v[b]), l});
@@ -319,7 +287,7 @@ bool CellBuilder::walk_from_shell(int axis, int32_t root) {
       if (!has(next.mat, after)) contradiction("material along a walk contradicts a face's bits");
       return member(size_t(row.back()), after);
     };
-    if (walk_left(axis, line, square_, root, left)) return true;
+    if (walk_left(axis, line, glued_, root, left)) return true;
   }
   return false;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "sim/number_set.h"
+
 namespace limberg {
 namespace {
 
@@ -99,7 +101,7 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
   for (size_t n = nodes_before; n < t_.nodes.size(); ++n) model.X_mm.push_back(t_.grid.quarter_mm(t_.nodes[n].at));
   model.fixed.resize(t_.nodes.size(), 0);
   model.mass_kg.resize(t_.nodes.size(), 0);
-  std::vector<int32_t> nodes;  // whose cells have changed
+  NumberSet nodes(t_.nodes.size());  // whose cells have changed
   for_each_change(before.topology.cells, t_.cells, [&](size_t c) {
     const CellCopy& copy = t_.cells[c];
     const size_t parent = size_t(t_.cell_parent[c]);
@@ -110,20 +112,16 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
       model.cells.set(c, now);
     else
       model.cells.push_back(now);
-    nodes.insert(nodes.end(), copy.node.begin(), copy.node.end());
-    const auto& old = before.topology.cells[parent].node;
-    nodes.insert(nodes.end(), old.begin(), old.end());
+    nodes.add_all(copy.node);
+    nodes.add_all(before.topology.cells[parent].node);
   });
   for_each_change(before.topology.components, t_.components, [&](size_t cell) {  // a held face may be in another part now
     for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k) {
-      const auto& node = t_.cells[size_t(t_.copy(int32_t(cell), k))].node;
-      nodes.insert(nodes.end(), node.begin(), node.end());
+      nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
     }
   });
-  std::sort(nodes.begin(), nodes.end());
-  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   std::vector<Around> around;
-  for (int32_t n : nodes) node_again(model, n, around);
+  for (int32_t n : nodes.ascending()) node_again(model, n, around);
 }
 
 // From the copies around it, in their order.

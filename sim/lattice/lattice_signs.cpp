@@ -1,5 +1,6 @@
 #include "sim/lattice/lattice_signs.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace limberg {
@@ -75,6 +76,37 @@ int edge_about_corner(const PointRef& p, const PointRef& q, int axis, const SubP
     s = edge_about_corner_exact(p, q, size_t(i), size_t(j), corner);
   }
   return s ? s : break_tie(p, q, i, j);
+}
+
+void edge_about_corners(const PointRef& p, const PointRef& q, int parallel, const CellBounds& cell, EdgeSigns& out) {
+  std::array<std::array<double, 2>, 3> a, b;  // from the bounds
+  double far = 0;
+  for (size_t k = 0; k < 3; ++k)
+    for (size_t high = 0; high < 2; ++high) {
+      a[k][high] = (*p.approx)[int(k)] - cell.half[k][high];
+      b[k][high] = (*q.approx)[int(k)] - cell.half[k][high];
+      far = std::max({far, std::abs(a[k][high]), std::abs(b[k][high])});
+    }
+  // One bound for all of them, as in edge_about_corner. Integers below 2^23 have exact products and differences.
+  const bool exact = !p.implicit && !q.implicit;
+  constexpr double kDelta = 2 * kApproximationError;
+  const double error = exact ? 0 : 4.000001 * kDelta * far + 2 * kDelta * kDelta + 0x1p-50 * far * far;
+  for (size_t axis = 0; axis < 3; ++axis) {
+    if (int(axis) == parallel) {
+      out[axis] = {0, 0, 0, 0};
+      continue;
+    }
+    const size_t i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
+    for (size_t corner = 0; corner < 4; ++corner) {
+      const size_t ci = corner & 1, cj = corner >> 1;
+      const double det = a[i][ci] * b[j][cj] - a[j][cj] * b[i][ci];
+      int8_t& s = out[axis][corner];
+      s = int8_t(int(det > error) - int(det < -error));
+      if (s) continue;
+      if (!exact) s = int8_t(edge_about_corner_exact(p, q, i, j, cell.edge_corner[axis][corner]));
+      if (!s) s = int8_t(break_tie(p, q, int(i), int(j)));
+    }
+  }
 }
 
 int plane_at_corner(const Plane& plane, const SubPoint& c) {

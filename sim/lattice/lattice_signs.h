@@ -22,6 +22,16 @@ int32_t layer_of(const PointRef& p, int axis, int32_t origin, int32_t pitch);
 /// (axis + 2) % 3): +1 when the corner is to its left. 0 only when the edge is parallel to the axis.
 int edge_about_corner(const PointRef& p, const PointRef& q, int axis, const SubPoint& corner);
 
+/// The same for the twelve lattice edges of a cell: [axis][corner], bit 0 of the corner the high bound of the first
+/// coordinate, bit 1 that of the second.
+using EdgeSigns = std::array<std::array<int8_t, 4>, 3>;
+struct CellBounds {
+  std::array<std::array<double, 2>, 3> half;             // half-units, [axis][high]; whole numbers
+  std::array<std::array<SubPoint, 4>, 3> edge_corner{};  // low ends of the lattice edges, [axis][corner]
+};
+/// `parallel`: the axis that the edge is known to be parallel to, or -1. (That is found without it, too, but costs more.)
+void edge_about_corners(const PointRef& p, const PointRef& q, int parallel, const CellBounds& cell, EdgeSigns& out);
+
 /// Sign of n . corner - d.
 int plane_at_corner(const Plane& plane, const SubPoint& corner);
 

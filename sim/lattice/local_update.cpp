@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "sim/lattice/topology_parts.h"
+#include "sim/number_set.h"
 
 namespace limberg {
 namespace {
@@ -115,16 +116,15 @@ void LocalUpdate::number_copies() {
 }
 
 void LocalUpdate::relink() {
-  std::vector<int32_t> squares;  // cell and axis
+  NumberSet set(3 * t_.components.size());  // cell and axis
   for (int32_t c : touched_) {
     const Int3 at = t_.grid.cell_at(c);
     for (int axis = 0; axis < 3; ++axis) {
-      if (at[axis] + 1 < t_.grid.count[axis]) squares.push_back(3 * c + axis);
-      if (at[axis] > 0) squares.push_back(3 * (c - stride_[size_t(axis)]) + axis);
+      if (at[axis] + 1 < t_.grid.count[axis]) set.add(3 * c + axis);
+      if (at[axis] > 0) set.add(3 * (c - stride_[size_t(axis)]) + axis);
     }
   }
-  std::sort(squares.begin(), squares.end());
-  squares.erase(std::unique(squares.begin(), squares.end()), squares.end());
+  const std::vector<int32_t>& squares = set.ascending();
   for (int32_t s : squares) {
     const size_t own = fresh_.size();
     const int32_t cell = s / 3, axis = s % 3;
@@ -206,16 +206,13 @@ void LocalUpdate::around(int32_t lattice_node) {
 
 void LocalUpdate::number_nodes() {
   t_.node_parent = ParentList::identity(before_.nodes.size());
-  std::vector<int32_t> corners;
-  corners.reserve(8 * touched_.size());
+  NumberSet corners(t_.node_in_material.size());
   for (int32_t c : touched_) {
     const Int3 at = t_.grid.cell_at(c);
     for (int k = 0; k < 8; ++k)
-      corners.push_back(t_.grid.node_index({at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}));
+      corners.add(t_.grid.node_index({at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}));
   }
-  std::sort(corners.begin(), corners.end());
-  corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
-  for (int32_t n : corners) around(n);
+  for (int32_t n : corners.ascending()) around(n);
   std::sort(extra_.begin(), extra_.end(), [](const Extra& a, const Extra& b) { return a.first < b.first; });
   for (const Extra& e : extra_) {
     const int32_t id = int32_t(t_.nodes.size());

@@ -8,6 +8,7 @@
 #include "sim/cutting/point_store.h"
 #include "sim/error.h"
 #include "sim/lattice/topology_parts.h"
+#include "sim/number_set.h"
 
 namespace limberg {
 namespace {
@@ -112,7 +113,7 @@ void find_components(LatticeTopology& t, const LatticeTopology& previous, const 
       const int32_t cell = touched[i];
       candidates.clear();
       candidates_of(cell, candidates);
-      std::sort(candidates.begin(), candidates.end());
+      if (!std::is_sorted(candidates.begin(), candidates.end())) std::sort(candidates.begin(), candidates.end());
       const CellPlace place = now.tree.place(now.grid, cell);
       found[i] = builders[place.level].build(place.at, candidates, now.corners_in_material(cell),
                                              {true, previous.components[size_t(cell)].get(), previous.last_op, only_cuts, nullptr});
@@ -233,8 +234,8 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   // What has changed, where.
   const size_t before = previous.face_bits.size(), now = surface.faces.size();
   if (now < before) throw std::logic_error("the surface has lost faces since the lattice's last version");
-  std::vector<int32_t> touched;
-  std::vector<std::pair<int32_t, int32_t>> added;  // cell, face
+  NumberSet touches(previous.components.size());
+  std::vector<std::pair<int32_t, int32_t>> added;  // cell, face; faces ascend
   bool taken_away = false;
   const auto look_at = [&](size_t f) {
     const uint8_t was = f < before ? previous.face_bits[f] : uint8_t(0), is = bits_of(surface.faces[f]);
@@ -248,7 +249,7 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
     taken_away =
         taken_away || (f >= before && is != 3 && surface.orig[size_t(surface.faces[f].orig)].op > previous.last_op);
     cells_around(tree, builders, int32_t(f), [&](int32_t c) {
-      touched.push_back(c);
+      touches.add(c);
       if (is && !was) added.push_back({c, int32_t(f)});
     });
   };
@@ -256,16 +257,23 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   for (size_t f = before; f < now; ++f) look_at(f);
   t->last_op = surface.orig.empty() ? 0 : surface.orig.back().op;
   t->operations = surface.operations();
-  std::sort(added.begin(), added.end());
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  const std::vector<int32_t>& touched = touches.ascending();
+  // Faces added in each touched cell.
+  std::vector<int32_t> place(previous.components.size(), -1), added_begin(touched.size() + 1, 0), added_face(added.size());
+  for (size_t i = 0; i < touched.size(); ++i) place[size_t(touched[i])] = int32_t(i);
+  for (const auto& [cell, face] : added) ++added_begin[size_t(place[size_t(cell)]) + 1];
+  for (size_t i = 0; i < touched.size(); ++i) added_begin[i + 1] += added_begin[i];
+  {
+    std::vector<int32_t> next(added_begin.begin(), added_begin.end() - 1);
+    for (const auto& [cell, face] : added) added_face[size_t(next[size_t(place[size_t(cell)])]++)] = face;
+  }
 
   auto candidates_of = [&](int32_t cell, std::vector<int32_t>& out) {
     if (const CellComponents* old = previous.components[size_t(cell)].get())
       out.insert(out.end(), old->face.begin(), old->face.end());
-    for (auto a = std::lower_bound(added.begin(), added.end(), std::pair(cell, INT32_MIN));
-         a != added.end() && a->first == cell; ++a)
-      out.push_back(a->second);
+    const int32_t at = place[size_t(cell)];
+    if (at >= 0)
+      out.insert(out.end(), added_face.begin() + added_begin[size_t(at)], added_face.begin() + added_begin[size_t(at) + 1]);
   };
   auto candidates_within = [&](auto&& self, int32_t cell, std::vector<int32_t>& out) -> void {
     if (!tree.is_divided(cell)) return candidates_of(cell, out);

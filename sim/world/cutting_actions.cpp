@@ -238,22 +238,8 @@ void OperatingTable::make_surface(Version& next) {
     surface->embedding = embed_surface(*next.lattice, material, view);
     next.index = std::make_shared<RestIndex>(view, body_->surface.tri.size());
   }
-  // Depths are remembered by point: points of the arrangement never move.
-  const SurfaceView& now = view;
-  const auto depth_of = [&](size_t v) {
-    const size_t point = size_t(now.point[v]);
-    if (point >= depth_of_point_mm_.size()) depth_of_point_mm_.resize(point + 1, std::nanf(""));
-    float& depth = depth_of_point_mm_[point];
-    if (std::isnan(depth)) depth = float(skin_.depth_mm(now.X_mm[v]));
-    return depth;
-  };
-  if (change.whole) {
-    for (size_t v = 0; v < now.X_mm.size(); ++v) surface->depth_mm.push_back(depth_of(v));
-  } else {
-    surface->depth_mm = version_.surface->depth_mm;
-    surface->depth_mm.resize(now.X_mm.size());
-    for (int32_t v : change.vertices) surface->depth_mm.set(size_t(v), depth_of(size_t(v)));
-  }
+  if (!change.whole) surface->depth_mm = version_.surface->depth_mm;
+  depths_.follow(view, change, skin_, surface->depth_mm);
   Hash64 h;  // a few numbers that another state hardly shares; topology_hash() tells all
   h.add(arrangement_->hash());
   h.add(next.lattice->pieces);

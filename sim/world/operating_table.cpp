@@ -46,7 +46,7 @@ Outcome OperatingTable::apply(const Command& command) {
     // where it was, and nothing else has changed yet.
     if (!arrangement_ || arrangement_->operations() < operations || version_.lattice != lattice) throw;
     while (arrangement_->operations() > operations) arrangement_->undo();
-    depth_of_point_mm_.resize(std::min(depth_of_point_mm_.size(), size_t(arrangement_->point_count())));
+    depths_.forget_from(arrangement_->point_count());
     if (stroke_) stop_stroke(stroke_->id, "a piece of it failed");
     outcome = {false, std::string("the cut failed inside (") + e.what() + "); nothing has changed"};
   }

@@ -25,6 +25,7 @@
 #include "sim/lattice/topology.h"
 #include "sim/world.h"
 #include "sim/world/anchors.h"
+#include "sim/world/point_depths.h"
 #include "sim/world/rest_index.h"
 #include "sim/world/tension_field.h"
 
@@ -177,7 +178,7 @@ class OperatingTable {
   std::optional<Stroke> stroke_;
   int stopped_stroke_ = 0;  // one whose rest is refused, and why
   std::string why_stopped_;
-  std::vector<float> depth_of_point_mm_;  // by arrangement point; points never move
+  PointDepths depths_;
   mutable std::unique_ptr<TensionField> tension_;
   mutable uint64_t tension_version_ = 0;
   double initial_volume_mm3_ = 0, volume_mm3_ = 0, removed_volume_mm3_ = 0;

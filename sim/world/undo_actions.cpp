@@ -60,7 +60,7 @@ void OperatingTable::take_back(std::span<const CutStep> steps) {
   for (size_t i = steps.size(); i-- > 0;)
     for (int k = 0; k < steps[i].operations; ++k) arrangement_->undo();
   // Numbers of points that are gone will be given to others.
-  depth_of_point_mm_.resize(std::min(depth_of_point_mm_.size(), size_t(arrangement_->point_count())));
+  depths_.forget_from(arrangement_->point_count());
 }
 
 bool OperatingTable::cut_again(const CutStep& s) {

@@ -1,0 +1,64 @@
+#include "sim/fem/tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+namespace limberg::fem {
+namespace {
+
+constexpr int kTileEdgeCells = 12;
+
+TileKey key_of(const FemModel& m, const Vec3& low, size_t c) {
+  const Vec3 at = (m.X_mm[size_t(m.cells[c].node[0])] - low).cwiseQuotient(m.cell_mm);
+  const int x = int(std::lround(at[0])), y = int(std::lround(at[1])), z = int(std::lround(at[2]));
+  const uint64_t tile = uint64_t(x / kTileEdgeCells) << 12 | uint64_t(y / kTileEdgeCells);
+  return {tile << 40 | uint64_t(x) << 26 | uint64_t(y) << 12 | uint64_t(z), int32_t(c)};
+}
+
+}  // namespace
+
+TileOrder order_cells(const FemModel& m) {
+  TileOrder o;
+  for (const Vec3& x : m.X_mm) o.low_mm = o.low_mm.cwiseMin(x);
+  o.key.resize(m.cells.size());
+  for (size_t c = 0; c < o.key.size(); ++c) o.key[c] = key_of(m, o.low_mm, c);
+  std::sort(o.key.begin(), o.key.end());
+  const auto absent = std::stable_partition(o.key.begin(), o.key.end(), [&](const TileKey& k) { return m.cells[size_t(k.index)].scale > 0; });
+  o.present = size_t(absent - o.key.begin());
+  return o;
+}
+
+std::optional<TileOrder> order_cells(const FemModel& m, const FemModel& before, const TileOrder& order_before,
+                                     std::vector<uint8_t>& changed) {
+  const size_t cells_before = before.cells.size(), nodes_before = before.X_mm.size();
+  if (before.cell_mm != m.cell_mm || m.cells.size() < cells_before || m.X_mm.size() < nodes_before) return std::nullopt;
+  TileOrder o;
+  o.low_mm = order_before.low_mm;
+  bool same = true;
+  for_each_change(before.X_mm, m.X_mm, [&](size_t n) {
+    same = same && n >= nodes_before;
+    o.low_mm = o.low_mm.cwiseMin(m.X_mm[n]);
+  });
+  if (!same || o.low_mm != order_before.low_mm) return std::nullopt;
+  changed.assign(cells_before, 0);
+  std::vector<TileKey> fresh[2];  // present, absent
+  for_each_change(before.cells, m.cells, [&](size_t c) {
+    const TileKey key = key_of(m, o.low_mm, c);
+    const bool present = m.cells[c].scale > 0;
+    if (c >= cells_before)
+      fresh[present ? 0 : 1].push_back(key);
+    else
+      changed[c] = 1, same = same && key == key_of(before, o.low_mm, c) && present == (before.cells[c].scale > 0);
+  });
+  if (!same) return std::nullopt;
+  o.key.reserve(m.cells.size());
+  const auto middle = order_before.key.begin() + ptrdiff_t(order_before.present);
+  for (std::vector<TileKey>& f : fresh) std::sort(f.begin(), f.end());
+  std::merge(order_before.key.begin(), middle, fresh[0].begin(), fresh[0].end(), std::back_inserter(o.key));
+  o.present = o.key.size();
+  std::merge(middle, order_before.key.end(), fresh[1].begin(), fresh[1].end(), std::back_inserter(o.key));
+  return o;
+}
+
+}  // namespace limberg::fem
