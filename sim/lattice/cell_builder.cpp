@@ -15,8 +15,14 @@ std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<cons
   enter(at);
   if (surface_.points->fails()) contradiction("made to fail");
   walks_ = unresolved_ = 0;
-  gather(candidates);
+  const CellComponents* last = history.known && !history.whole ? history.before : nullptr;
+  gather(candidates, last);
   if (face_.empty()) return nullptr;
+  if (as_before_) {
+    auto same = std::make_shared<CellComponents>(*last);
+    for (size_t c = 0; c < same->classes.size(); ++c) same->classes[c].old_class = int16_t(c);
+    return same;
+  }
   for (int k = 0; k < 8; ++k) corner_in_[size_t(k)] = corners_in >> k & 1;
   join_.reset(2 * face_.size() + 8);
   find_mates();
@@ -89,8 +95,10 @@ void CellBuilder::classify(const CellHistory& history, CellComponents& out) {
     if (corner_in_[size_t(k)]) out.of_corner[size_t(k)] = class_of(corner_member(k));
   out.face.reserve(face_.size());
   out.of_side.reserve(face_.size());
+  out.relation.reserve(face_.size());
   for (size_t l = 0; l < face_.size(); ++l) {
     out.face.push_back(face_[l].id);
+    out.relation.push_back(face_[l].in.bits);
     auto& side = out.of_side.emplace_back();
     for (int s = 0; s < 2; ++s) side[size_t(s)] = has(face_[l].mat, s) ? class_of(member(l, s)) : int16_t(-1);
   }

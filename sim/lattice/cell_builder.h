@@ -40,6 +40,21 @@ class Partition {
   std::vector<int32_t> parent_;
 };
 
+/// How a face lies in a cell, as bits. A face never moves, so what was found once holds in every later version.
+struct FaceInCell {
+  uint64_t bits = 0;
+  static constexpr uint64_t kWhole = 15;                                    // all edges meet the cell, all corners lie in it
+  bool edge(size_t e) const { return bits >> e & 1; }                       // edge e meets the cell
+  void set_edge(size_t e) { bits |= uint64_t(1) << e; }
+  bool inside() const { return bits >> 3 & 1; }                             // all corners lie in it
+  uint8_t squares() const { return uint8_t(bits >> 4 & 63); }               // bit 2 axis + high: it reaches through that plane
+  void set_squares(uint8_t s) { bits |= uint64_t(s) << 4; }
+  static uint64_t hit(int lattice_edge) { return uint64_t(1) << (10 + lattice_edge); }  // 4 axis + corner: that edge pierces it
+  static uint64_t crossing(size_t square, size_t e) { return uint64_t(1) << (22 + 3 * square + e); }  // its edge e pierces the square
+  uint64_t hits() const { return bits >> 10 & 0xfff; }
+  uint64_t crossings() const { return bits >> 22; }
+};
+
 /// What a cell was before, for CellClass::old_class.
 struct CellHistory {
   bool known = false;                      // false: first build, no parents
@@ -73,12 +88,11 @@ class CellBuilder {
     int32_t id = 0;
     const Plane* plane = nullptr;
     uint8_t mat = 0;
-    bool inside = false;  // all corners in the cell
+    bool layered = false;  // `layer` is known: it was not met in an earlier version
+    FaceInCell in;
     std::array<PointRef, 3> p;
-    std::array<std::array<int32_t, 3>, 3> layer{};                // [corner][axis]
-    std::array<bool, 3> edge_in{};                                // edge meets the cell
-    uint8_t squares = 0;                                          // bit 2 axis + high: it reaches through that plane
-    std::array<EdgeSigns, 3> about;                               // [edge], where known
+    std::array<std::array<int32_t, 3>, 3> layer;  // [corner][axis]
+    std::array<EdgeSigns, 3> about;               // [edge], where known
     std::array<bool, 3> known{};
     std::array<int32_t, 6> mate{};                                // [3 * side + edge], where the edge meets the cell: the glued member
   };
@@ -91,7 +105,9 @@ class CellBuilder {
   static bool has(uint8_t mat, int side) { return mat >> side & 1; }
 
   void enter(Int3 at);
-  void gather(std::span<const int32_t> candidates);
+  /// `before`: what the cell held in the last version; what is known of its faces is taken over.
+  void gather(std::span<const int32_t> candidates, const CellComponents* before = nullptr);
+  void take_known(LocalFace& f, uint64_t relation, int32_t local);
   bool edge_meets(LocalFace& f, int edge);
   const EdgeSigns& about(LocalFace& f, int edge) {
     const size_t e = size_t(edge);
@@ -104,7 +120,7 @@ class CellBuilder {
   /// The face reaches through both planes of the lattice edge.
   static bool may_pierce(const LocalFace& f, int axis, int corner) {
     const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-    return (f.squares >> (2 * i + (corner & 1)) & 1) && (f.squares >> (2 * j + (corner >> 1)) & 1);
+    return (f.in.squares() >> (2 * i + (corner & 1)) & 1) && (f.in.squares() >> (2 * j + (corner >> 1)) & 1);
   }
   bool pierced_by_edge(LocalFace& f, int axis, int corner);  // by the cell's lattice edge, within its length
   int32_t local_of(int32_t face) const;
@@ -140,6 +156,7 @@ class CellBuilder {
   static int corner_of_edge(int axis, int corner, bool high);
 
   std::vector<LocalFace> face_;               // ascending by id
+  bool as_before_ = false;                    // the same faces with the same material as in the last version
   std::vector<std::pair<int32_t, int32_t>> place_;  // open addressing: id of a face, its place in face_
   /// Layers of points: a point is met by several faces and cells. One place per few points, taken by the last.
   struct KnownLayers {

@@ -1,5 +1,6 @@
 // Which faces meet a cell, and the exact signs they need.
 #include <algorithm>
+#include <bit>
 #include <stdexcept>
 #include <string>
 
@@ -49,7 +50,7 @@ bool CellBuilder::holds_front(Int3 at, std::span<const int32_t> faces) {
     if (!f.live() || f.mat != 3 || !(is_front(id, 0) || is_front(id, 1) || is_front(id, 2))) continue;
     gather({&id, 1});
     for (int e = 0; e < 3; ++e)
-      if (!face_.empty() && face_[0].edge_in[size_t(e)] && is_front(id, e)) return true;
+      if (!face_.empty() && face_[0].in.edge(size_t(e)) && is_front(id, e)) return true;
   }
   return false;
 }
@@ -103,7 +104,7 @@ void CellBuilder::find_mates() {
       for (int e = 0; e < 3; ++e) {
         int32_t& m = f.mate[size_t(3 * side + e)];
         m = -1;
-        if (!has(f.mat, side) || !f.edge_in[size_t(e)]) continue;
+        if (!has(f.mat, side) || !f.in.edge(size_t(e))) continue;
         const int32_t h = mate[size_t(3 * side + e)];
         if (h < 0) contradiction("a sided half-edge has no mate");
         const int32_t other = local_of(face_of_half_edge(h));
@@ -172,10 +173,10 @@ bool CellBuilder::pierced_by_edge(LocalFace& f, int axis, int corner) {
 void CellBuilder::note_crossings(LocalFace& f, int32_t local) {
   for (size_t k = 0; k < 3; ++k)
     for (int high = 0; high < 2; ++high) {
-      if (!(f.squares >> (2 * k + size_t(high)) & 1)) continue;
+      if (!(f.in.squares() >> (2 * k + size_t(high)) & 1)) continue;
       const int32_t plane_layer = index_[k] + high;
       for (size_t e = 0; e < 3; ++e) {
-        if (!f.edge_in[e]) continue;
+        if (!f.in.edge(e)) continue;
         const bool below = f.layer[e][k] < plane_layer;
         if (below == (f.layer[e == 2 ? 0 : e + 1][k] < plane_layer)) continue;
         const int rising = below ? 1 : -1;
@@ -193,53 +194,79 @@ void CellBuilder::note_crossings(LocalFace& f, int32_t local) {
             within = u_high ? beyond < 0 : beyond > 0;
           }
         }
-        if (within) crossing_[2 * k + size_t(high)].push_back({local, int32_t(e)});
+        if (!within) continue;
+        crossing_[2 * k + size_t(high)].push_back({local, int32_t(e)});
+        f.in.bits |= FaceInCell::crossing(2 * k + size_t(high), e);
       }
     }
 }
 
-void CellBuilder::gather(std::span<const int32_t> candidates) {
+void CellBuilder::take_known(LocalFace& f, uint64_t relation, int32_t local) {
+  f.in.bits = relation;
+  for (uint64_t hits = f.in.hits(); hits; hits &= hits - 1) hit_[size_t(std::countr_zero(hits))].push_back(local);
+  for (uint64_t c = f.in.crossings(); c; c &= c - 1) {
+    const int bit = std::countr_zero(c);
+    crossing_[size_t(bit / 3)].push_back({local, bit % 3});
+  }
+}
+
+void CellBuilder::gather(std::span<const int32_t> candidates, const CellComponents* before) {
   face_.clear();
   for (auto& h : hit_) h.clear();
   for (auto& c : crossing_) c.clear();
+  size_t known = 0, taken_over = 0;
+  as_before_ = true;
   for (int32_t id : candidates) {
     const Face& source = surface_.faces[size_t(id)];
     if (!source.live()) continue;
     const int32_t local = int32_t(face_.size());
     LocalFace& f = face_.emplace_back();
+    f.id = id;
+    f.plane = &surface_.plane(id);
+    f.mat = source.mat;
+    for (size_t k = 0; k < 3; ++k) f.p[k] = surface_.points->ref(source.v[k]);
+    while (before && known < before->face.size() && before->face[known] < id) ++known;
+    if (before && known < before->face.size() && before->face[known] == id) {
+      take_known(f, before->relation[known], local);
+      for (int side = 0; side < 2; ++side) as_before_ = as_before_ && has(f.mat, side) == (before->of_side[known][size_t(side)] >= 0);
+      ++taken_over;
+      continue;
+    }
     f.layer = layers(id);
+    f.layered = true;
     bool apart = false;
-    f.squares = 0;
+    uint8_t squares = 0;
     for (size_t a = 0; a < 3; ++a) {
       const int32_t p = f.layer[0][a], q = f.layer[1][a], r = f.layer[2][a], at = index_[a];
       const int32_t lo = std::min(p, std::min(q, r)), hi = std::max(p, std::max(q, r));
       apart = apart || hi < at || lo > at;
-      f.squares |= uint8_t(int(lo < at) << (2 * a) | int(hi > at) << (2 * a + 1));
+      squares |= uint8_t(int(lo < at) << (2 * a) | int(hi > at) << (2 * a + 1));
     }
     if (apart) {
       face_.pop_back();
       continue;
     }
-    f.inside = f.squares == 0;
-    f.id = id;
-    f.plane = &surface_.plane(id);
-    f.mat = source.mat;
-    for (size_t k = 0; k < 3; ++k) f.p[k] = surface_.points->ref(source.v[k]);
-    bool meets = f.inside;
-    if (f.inside) {
-      f.edge_in = {true, true, true};
-    } else {
-      for (int e = 0; e < 3; ++e) meets = (f.edge_in[size_t(e)] = edge_meets(f, e)) || meets;
+    if (squares == 0) {
+      f.in.bits = FaceInCell::kWhole;
+      continue;
     }
-    if (!f.inside)
-      for (int a = 0; a < 3; ++a)
-        for (int c = 0; c < 4; ++c)
-          if (may_pierce(f, a, c) && pierced_by_edge(f, a, c)) hit_[size_t(4 * a + c)].push_back(local), meets = true;
+    f.in.set_squares(squares);
+    bool meets = false;
+    for (int e = 0; e < 3; ++e)
+      if (edge_meets(f, e)) f.in.set_edge(size_t(e)), meets = true;
+    for (int a = 0; a < 3; ++a)
+      for (int c = 0; c < 4; ++c)
+        if (may_pierce(f, a, c) && pierced_by_edge(f, a, c)) {
+          hit_[size_t(4 * a + c)].push_back(local);
+          f.in.bits |= FaceInCell::hit(4 * a + c);
+          meets = true;
+        }
     if (!meets)
       face_.pop_back();
-    else if (!f.inside)
+    else
       note_crossings(f, local);
   }
+  as_before_ = as_before_ && before && taken_over == before->face.size() && face_.size() == taken_over;
 }
 
 }  // namespace limberg

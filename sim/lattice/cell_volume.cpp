@@ -88,7 +88,7 @@ void CellBuilder::measure(CellComponents& out) const {
     p.n = 3;
     for (int k = 0; k < 3; ++k) p.v[k] = *f.p[size_t(k)].approx - low;
     const Vec3 corner[3] = {p.v[0], p.v[1], p.v[2]};
-    if (!f.inside)
+    if (!f.in.inside())
       for (int a = 0; a < 3 && p.n > 2; ++a) {
         const double size = a == 0 ? W : a == 1 ? D : H;
         constexpr double kClear = 1e-3;  // half-units, far above what clipping along another axis can move
@@ -96,13 +96,14 @@ void CellBuilder::measure(CellComponents& out) const {
         if (std::max({corner[0][a], corner[1][a], corner[2][a]}) > size - kClear) clip(p, a, size, -1);
       }
     double flux = z_flux(p);
-    if (!f.inside && f.plane->n[0] != 0) {
+    if ((f.in.squares() >> 5 & 1) && f.plane->n[0] != 0) {  // through the plane z high
       Vec3 end[2];
       bool beyond[2] = {false, false};
       int n = 0;
+      const auto layer = f.layered ? f.layer : layers(f.id);
       for (size_t e = 0; e < 3 && n < 2; ++e) {
-        const bool rises = f.layer[e][2] < top;
-        if (rises == (f.layer[(e + 1) % 3][2] < top)) continue;
+        const bool rises = layer[e][2] < top;
+        if (rises == (layer[(e + 1) % 3][2] < top)) continue;
         const Vec3 &a = corner[e], &b = corner[(e + 1) % 3];
         // Seen along y the coordinates are (z, x): an edge that rises in z has the line to its left when it passes at
         // smaller x.

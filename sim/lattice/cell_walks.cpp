@@ -141,7 +141,7 @@ bool CellBuilder::walk_from_loop(int normal, bool high, int run, int32_t root) {
   std::vector<Start> starts;
   for (size_t l = 0; l < face_.size(); ++l) {
     const LocalFace& f = face_[l];
-    if (f.inside) continue;
+    if (f.in.inside()) continue;
     if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) ||
           (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
       continue;
@@ -228,17 +228,17 @@ bool CellBuilder::walk_from_speck(int normal, bool high, int32_t root) {
 void CellBuilder::walk_shells() {
   // Closed components all of whose faces lie inside the cell.
   bool any = false;
-  for (const LocalFace& f : face_) any = any || f.inside;
+  for (const LocalFace& f : face_) any = any || f.in.inside();
   if (!any) return;
   open_.assign(glued_.size(), 0);
   seen_.assign(glued_.size(), 0);
   for (size_t l = 0; l < face_.size(); ++l)
-    if (!face_[l].inside)
+    if (!face_[l].in.inside())
       for (int side = 0; side < 2; ++side)
         if (has(face_[l].mat, side)) open_[size_t(glued_.find(member(l, side)))] = 1;
   for (size_t l0 = 0; l0 < face_.size(); ++l0)
     for (int side0 = 0; side0 < 2; ++side0) {
-      if (!face_[l0].inside || !has(face_[l0].mat, side0)) continue;
+      if (!face_[l0].in.inside() || !has(face_[l0].mat, side0)) continue;
       const int32_t root = glued_.find(member(l0, side0));
       if (open_[size_t(root)] || seen_[size_t(root)]) continue;
       seen_[size_t(root)] = 1;
