@@ -234,7 +234,7 @@ Result cutting(const CuttingSettings& settings) {
   }
   if (wanted("history")) history(out, settings, settings.quick ? 56 : 224, settings.quick ? 30 : 200);
   if (wanted("crossing")) crossing(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
-  if (wanted("whole cut")) whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, getenv("REP") ? atoi(getenv("REP")) : settings.quick ? 2 : 9);
+  if (wanted("whole cut")) whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, settings.quick ? 2 : 9);
   if (wanted("fronts")) fronts(out, settings);
   return out;
 }

@@ -1,11 +1,14 @@
 // The whole cut, part by part, as World makes it on the solver thread.
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
+#include <thread>
 
 #include "app/bench/cpu_clock.h"
 #include "app/bench/cutting.h"
 #include "app/bench/cutting_scene.h"
+#include "app/session/workers_pool.h"
 #include "sim/cutting/arrangement.h"
 #include "sim/fem/elastic_solver.h"
 #include "sim/geometry/skin.h"
@@ -42,6 +45,35 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   depths_before.follow(view_before, all, skin, depth_before);
   InlineWorkers workers;
   const auto solver = make_solver(workers);
+
+  // The same with the machine's workers, as World divides it among them, by the clock on the wall.
+  WorkersPool pool(std::max(1, int(std::thread::hardware_concurrency())));
+  Times wall;
+  say("cuts, by the clock");
+  for (int i = 0; i < 3 * repeats; ++i) {
+    PointDepths depths = depths_before;
+    const auto start = std::chrono::steady_clock::now();
+    if (const CutResult r = a.cut(blade, 1); !r.ok()) throw std::runtime_error("bench cutting: a cut was refused: " + r.reason);
+    a.sweep_debris(1);
+    ViewChange change;
+    SurfaceView view;
+    SharedArray<float> depth = depth_before;
+    std::unique_ptr<RestIndex> index;
+    const auto drawing = pool.submit([&] {
+      view = a.surface_view(view_before, before->operations, change);
+      index = std::make_unique<RestIndex>(view, index_before, change);
+      depths.follow(view, change, skin, depth);
+    });
+    const auto lattice = update_topology(*before, material_surface(a), &pool);
+    std::shared_ptr<const FemModel> model;
+    const EarlierModel earlier_model{*before, *model_before};
+    const auto assembling = pool.submit([&] { model = assemble_fem(stencils, *lattice, &earlier_model); });
+    drawing->wait();
+    const auto embedding = embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, change});
+    assembling->wait();
+    wall.add(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+    a.undo();
+  }
 
   constexpr int kParts = 8;
   const char* const name[kParts] = {"arrangement",    "lattice", "finite elements", "surface that is drawn",
@@ -99,9 +131,14 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   };
   for (int k = 0; k < kParts; ++k) add(name[k], part[k]);
   add("sum of the parts: cut to new topology", sum);
+  char how[64];
+  std::snprintf(how, sizeof how, "cut to new topology by the clock, %d workers", pool.count());
+  add(how, wall);
   if (settings.quick) return;
-  out.bars.push_back({"whole cut to new topology at 103 k triangles, 3 mm cells (ms)", sum.median(), false, 4, false,
+  out.bars.push_back({"whole cut to new topology at 103 k triangles, 3 mm cells, CPU time on one core (ms)", sum.median(), false, 4, false,
                       sum.median() <= 4, "issue 3: a quarter of a 60 Hz frame"});
+  out.bars.push_back({"the same by the clock with all workers, best (ms; means little beside other work)", wall.best(), false, 4, false,
+                      wall.best() <= 4, "issue 3: a quarter of a 60 Hz frame"});
 }
 
 }  // namespace limberg::bench

@@ -200,19 +200,37 @@ Outcome OperatingTable::follow() {
   return {true, {}};
 }
 
+// Three parts hang together only at their ends: the surface that is drawn, the lattice with its model, and the embedding of
+// the one in the other. So the first is made beside the lattice, and the model beside the embedding.
 Outcome OperatingTable::rebuild() {
   Version next;
+  Drawn drawn;
+  const EarlierModel before{*version_.lattice, *version_.model};
+  const std::shared_ptr<Workers::Job> drawing = workers_.submit([&] { drawn = draw_surface(); });
+  std::shared_ptr<Workers::Job> assembling;
+  struct Finish {  // nobody goes on before the jobs have let go of this frame
+    const std::shared_ptr<Workers::Job>& job;
+    ~Finish() {
+      try {
+        if (job) job->wait();
+      } catch (...) {  // told where it was first waited for
+      }
+    }
+  };
+  const Finish finish_drawing{drawing}, finish_assembling{assembling};
   if (const Outcome o = follow(); !o.done) return o;
   try {
-    next.lattice = std::move(followed_);
-    const EarlierModel before{*version_.lattice, *version_.model};
-    next.model = hold_outside(assemble_fem(*stencils_, *next.lattice, &before), *body_, spec_.region_mm);
-    make_surface(next);
+    next.lattice = followed_;
+    assembling = workers_.submit([&] { next.model = hold_outside(assemble_fem(*stencils_, *next.lattice, &before), *body_, spec_.region_mm); });
+    drawing->wait();
+    make_surface(next, std::move(drawn));
+    assembling->wait();
   } catch (const InputError& e) {
     return {false, e.what()};
   } catch (const std::logic_error& e) {
     return {false, std::string("the model cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
   }
+  followed_.reset();
   version_ = next;
   solver_->set_model(version_.model, version_.lattice->cell_parent);
   carry_anchors();
@@ -220,26 +238,36 @@ Outcome OperatingTable::rebuild() {
   return {true, {}};
 }
 
-void OperatingTable::make_surface(Version& next) {
-  auto surface = std::make_shared<SurfaceTopology>();
+OperatingTable::Drawn OperatingTable::draw_surface() {
+  Drawn d;
+  d.surface = std::make_shared<SurfaceTopology>();
+  d.surface->body = body_;
+  SurfaceView& view = d.surface->view;
+  if (version_.surface) {  // most of it is as it was
+    view = arrangement_->surface_view(version_.surface->view, version_.lattice->operations, d.change);
+    d.index = std::make_shared<RestIndex>(view, *version_.index, d.change);
+    if (!d.change.whole) d.surface->depth_mm = version_.surface->depth_mm;
+  } else {
+    d.change.whole = true;
+    view = arrangement_->surface_view();
+    d.index = std::make_shared<RestIndex>(view, body_->surface.tri.size());
+  }
+  depths_.follow(view, d.change, skin_, d.surface->depth_mm);
+  return d;
+}
+
+void OperatingTable::make_surface(Version& next, Drawn drawn) {
+  const std::shared_ptr<SurfaceTopology>& surface = drawn.surface;
   surface->version = next_version_++;
-  surface->body = body_;
   const MaterialSurface material = material_surface(*arrangement_);
   SurfaceView& view = surface->view;
-  ViewChange change;
-  if (version_.surface) {  // most of it is as it was
+  if (version_.surface) {
     const SurfaceTopology& before = *version_.surface;
-    view = arrangement_->surface_view(before.view, version_.lattice->operations, change);
-    surface->embedding = embed_surface(*next.lattice, material, view, {*version_.lattice, before.view, before.embedding, change});
-    next.index = std::make_shared<RestIndex>(view, *version_.index, change);
+    surface->embedding = embed_surface(*next.lattice, material, view, {*version_.lattice, before.view, before.embedding, drawn.change});
   } else {
-    change.whole = true;
-    view = arrangement_->surface_view();
     surface->embedding = embed_surface(*next.lattice, material, view);
-    next.index = std::make_shared<RestIndex>(view, body_->surface.tri.size());
   }
-  if (!change.whole) surface->depth_mm = version_.surface->depth_mm;
-  depths_.follow(view, change, skin_, surface->depth_mm);
+  next.index = drawn.index;
   Hash64 h;  // a few numbers that another state hardly shares; topology_hash() tells all
   h.add(arrangement_->hash());
   h.add(next.lattice->pieces);

@@ -26,7 +26,7 @@ OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
   stencils_ = std::make_unique<StencilTable>(skin_, grid);
   version_.lattice = build_topology(grid, material_surface(*arrangement_), front_levels);
   version_.model = hold_outside(assemble_fem(*stencils_, *version_.lattice), *body_, spec_.region_mm);
-  make_surface(version_);
+  make_surface(version_, draw_surface());
   initial_volume_mm3_ = volume_mm3_ = arrangement_->volume_mm3();
   if (!spec_.can_cut) arrangement_.reset();
   if (arrangement_) arrangement_->store().points.fault = spec_.fault;

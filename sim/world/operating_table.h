@@ -137,7 +137,15 @@ class OperatingTable {
   /// Lets followed_ catch up with the arrangement. Called between a cut and what is taken away after it, and before the
   /// next cut: an update that sees only one of the two names every parent exactly, one that sees both may not (topology.h).
   Outcome follow();
-  void make_surface(Version& next);  // and its index; from the surface of version_ when there is one
+  /// What is drawn of the arrangement, and the index for picking; from those of version_ when there are some. Reads only
+  /// what the lattice's update reads, too, so both may run at once.
+  struct Drawn {
+    std::shared_ptr<SurfaceTopology> surface;
+    ViewChange change;
+    std::shared_ptr<const RestIndex> index;
+  };
+  Drawn draw_surface();
+  void make_surface(Version& next, Drawn drawn);  // with its embedding in next.lattice
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
   EmbeddedPoint embed(const Anchor& anchor) const;

@@ -30,6 +30,16 @@ TEST(FuzzCorpus, WhatWasFoundStaysMended) {
   }
 }
 
+// A blade goes on from where another ran out of the body, and a third has a corner on the edge that it shares: no try can move that
+// edge. But no wall is there to continue, so the edge need not be shared, and the answer is that there is nothing to cut.
+TEST(FuzzCorpus, AnEdgeOutsideTheBodyIsNotShared) {
+  const fuzz::Case c = fuzz::read_case(std::string(LIMBERG_SOURCE_DIR) + "/tests/sim/cutting/corpus/continued_outside_the_body.json");
+  fuzz::Runner runner(c, {});
+  for (const fuzz::Op& op : c.ops) ASSERT_EQ(runner.apply(op), "");
+  EXPECT_EQ(runner.last_cut.status, CutResult::nothing_to_cut) << runner.last_cut.reason;
+  EXPECT_EQ(runner.counts().refused, 0);
+}
+
 // LIMBERG_FUZZ_OPERATIONS and LIMBERG_FUZZ_SEED lengthen and vary the run.
 int64_t number(const char* name, int64_t otherwise) {
   const char* v = std::getenv(name);

@@ -198,5 +198,60 @@ TEST(Elements, MultipliersConvergeToThePrimalForceAtAFixedDeformation) {
   EXPECT_NEAR(augmented_energy + augmented.energy_to_primal(), energy, 1e-4 * std::abs(energy));
 }
 
+// A cut gives some cells other nodes and adds copies of cells: the system that takes its tiles over from the one before has the
+// same numbers in it as one that is made from nothing.
+TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
+  BoxSpec b;
+  b.cells = {50, 40, 3};
+  b.size_mm = {100, 80, 6};
+  b.young_bottom_kPa = 18;
+  Random r(11);
+  const auto below = [&](size_t n) { return std::min(n - 1, size_t((r.uniform() + 1) / 2 * double(n))); };
+  auto model = std::make_shared<const FemModel>(box_model(b));
+  auto system = std::make_unique<fem::ElementSystem>(model);
+  size_t tiles = 0;
+  for (int round = 0; round < 12; ++round) {
+    auto next = std::make_shared<FemModel>(*model);
+    const auto duplicate = [&](int32_t node) {
+      next->X_mm.push_back(Vec3(next->X_mm[size_t(node)]));
+      return int32_t(next->X_mm.size()) - 1;
+    };
+    const int changes = round == 5 ? 0 : round == 9 ? 1500 : 3;
+    for (int i = 0; i < changes; ++i) {
+      HexCell c = next->cells[below(next->cells.size())];
+      c.node[below(8)] = duplicate(c.node[0]);
+      if (i % 7 == 5) c.scale = 0;
+      next->cells.push_back(c);
+      HexCell& old = next->cells[below(model->cells.size())];
+      const size_t corner = below(8);
+      if (corner) old.node[corner] = duplicate(old.node[corner]);
+      if (round == 7) old.scale = 0.5f;
+      if (round == 10) old.scale = 0;  // it leaves its tile: all is made anew
+    }
+    auto taken_over = std::make_unique<fem::ElementSystem>(next, true, model.get(), system.get());
+    const fem::ElementSystem anew(next);
+    const fem::KernelData &x = taken_over->kernel(), &y = anew.kernel();
+    ASSERT_EQ(x.tiles.size(), y.tiles.size()) << round;
+    for (size_t t = 0; t < x.tiles.size(); ++t) {
+      EXPECT_EQ(x.tiles[t].first_cell, y.tiles[t].first_cell);
+      EXPECT_EQ(x.tiles[t].last_cell, y.tiles[t].last_cell);
+      EXPECT_EQ(x.tiles[t].first_slot, y.tiles[t].first_slot);
+      EXPECT_EQ(x.tiles[t].last_slot, y.tiles[t].last_slot);
+    }
+    EXPECT_EQ(x.slot_node, y.slot_node) << round;
+    EXPECT_EQ(x.node_slots, y.node_slots) << round;
+    EXPECT_EQ(x.node_slots_begin, y.node_slots_begin) << round;
+    ASSERT_EQ(x.cells.size(), y.cells.size());
+    for (size_t c = 0; c < x.cells.size(); ++c)
+      EXPECT_TRUE(std::equal(std::begin(x.cells[c].node), std::end(x.cells[c].node), std::begin(y.cells[c].node)) &&
+                  x.cells[c].stencil == y.cells[c].stencil && x.cells[c].scale == y.cells[c].scale)
+          << round << ": cell " << c;
+    model = next;
+    system = std::move(taken_over);
+    tiles += x.tiles.size();
+  }
+  EXPECT_GT(tiles, 80u);  // several to take over in each round
+}
+
 }  // namespace
 }  // namespace limberg
