@@ -1,7 +1,12 @@
 #include "app/device_specs.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "devices/desktop_source.h"
 #include "devices/fastrak/port.h"
 #include "devices/fastrak/source.h"
+#include "devices/force/force_source.h"
 #include "devices/lcm_net_source.h"
 
 namespace limberg {
@@ -53,6 +58,20 @@ LiveSource live_source(const DeviceSpec& spec, int number) {
     s.link.device_id = kFirstFastrak + number;
     return [s, number](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<EmulatedFastrak>(s, start_ns, uint64_t(number + 1)); };
   }
+  if (spec.kind == "spacemouse" || spec.kind == "mouse") {
+    DesktopSettings s;
+    s.kind = spec.kind == "mouse" ? DesktopSettings::mouse : DesktopSettings::space_mouse;
+    s.path = spec.rest;
+    s.device_id += number;
+    return [s](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<DesktopSource>(s, start_ns); };
+  }
+  if (spec.kind == "force-simulated")
+    return [](int64_t) -> std::unique_ptr<Source> {
+      SimulatedHand hand;
+      // Comes down onto the middle of the skin, presses 3 mm deep and strokes to and fro.
+      hand.target = [](double t) { return Vec3(15 * std::sin(1.5 * t), 10 * std::sin(0.9 * t), 20 - 23 * std::min(1.0, t / 2)); };
+      return std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand));
+    };
   return {};
 }
 

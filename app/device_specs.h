@@ -6,6 +6,9 @@
 //   lcm, lcm:URL                          LCM on this machine; lcm-from-anywhere:URL also what comes from others
 //   fastrak:PORT[,ROLES][,ascii][,RATE]   a FASTRAK on a serial port; roles a letter a station: f forefinger, t thumb, s stylus
 //   fastrak-emulator[:ROLES]              the same with the emulator on a pseudo-terminal, a hand at work
+//   spacemouse[:SOCKET]                   a SpaceMouse through spacenavd
+//   mouse[:FILE]                          a mouse (/dev/input/mice); made for run --cursor
+//   force-simulated                       a force device made of equations, in a hand that presses and strokes
 #include <functional>
 #include <memory>
 #include <string>
@@ -17,7 +20,7 @@ namespace limberg {
 /// Makes a live source when the clock starts; `start_ns`: CLOCK_MONOTONIC at tick 0.
 using LiveSource = std::function<std::unique_ptr<Source>(int64_t start_ns)>;
 
-inline constexpr const char* kDeviceSpecs = "emulated:SCRIPT, log:FILE, lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE] or fastrak-emulator[:ROLES]";
+inline constexpr const char* kDeviceSpecs = "emulated:SCRIPT, log:FILE, lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], spacemouse, mouse or force-simulated";
 
 /// "fastrak" of "fastrak:/dev/ttyS0", and the rest.
 struct DeviceSpec {

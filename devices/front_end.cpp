@@ -20,7 +20,13 @@ void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& eve
     source->look(snapshot);
     source->poll(now_ns, *this);
   }
-  gestures_.tick(tick, tracker_.at(now_ns), pressed_, edges_, snapshot, *this);
+  Pose pose = tracker_.at(now_ns);
+  if (cursor_on_) {
+    if (!cursor_.placed() && pose.valid) cursor_.put(snapshot, pose.tip_mm);
+    cursor_.tick(snapshot, pose, clutch_, pressed_);
+    if (cursor_.placed()) pose.tip_mm = cursor_.x_mm();
+  }
+  gestures_.tick(tick, pose, pressed_, edges_, snapshot, *this);
   state = gestures_.state();
   if (have_glove_) hand_.tick(tick, glove_.at(now_ns), clutch_, snapshot, *this);
   snapshot_ = nullptr;
@@ -33,6 +39,12 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
   if (const auto* c = std::get_if<ControlSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, c->t_ns);
     gestures_.control(*c, tick_, *snapshot_, *this);
+    if (c->kind == ControlSample::cursor) {
+      cursor_on_ = c->value[0] > 0;
+      cursor_.set_surface(c->value[1] != 1);
+      if (cursor_on_) cursor_.set_gain(c->value[0]);
+      else cursor_.remove();
+    }
   } else if (const auto* s = std::get_if<StylusSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, s->t_ns);
     add_stylus(*s, s->device_id);

@@ -3,6 +3,9 @@
 // one hand and a glove on the other work at the same time (virtual_hand.h); while a glove is closed, a second button of the
 // stylus (bit 1) is its clutch.
 //
+// With the surface cursor on (ControlSample::cursor) the stylus pushes a place of the skin about instead of being there
+// (surface_cursor.h); every tool then acts at that place, and the second button is the clutch.
+//
 //   DeviceFrontEnd front(calibration);
 //   front.add(std::make_unique<LogSource>(...));
 //   for (int64_t tick = 0;; ++tick)                       // 1 ms each; a real-time thread or a virtual clock
@@ -17,6 +20,7 @@
 #include "calibration/calibration.h"
 #include "devices/gestures.h"
 #include "devices/source.h"
+#include "devices/surface_cursor.h"
 #include "devices/tool_event.h"
 #include "devices/tracking.h"
 #include "devices/virtual_hand.h"
@@ -51,6 +55,7 @@ class DeviceFrontEnd final : private SampleSink, private EventSink {
   /// The glove's hand; nothing is computed for it before a glove has been seen.
   const SecondHand& second_hand() const { return hand_.state(); }
   const VirtualHand& hand() const { return hand_; }
+  const SurfaceCursor& cursor() const { return cursor_; }
 
  private:
   void on_sample(const Sample& sample) override;
@@ -62,7 +67,8 @@ class DeviceFrontEnd final : private SampleSink, private EventSink {
   Gestures gestures_;
   GloveTracker glove_;
   VirtualHand hand_;
-  bool have_glove_ = false;
+  SurfaceCursor cursor_;
+  bool have_glove_ = false, cursor_on_ = false;
   int64_t next_event_ = 0;
   bool have_stylus_ = false, pressed_ = false, clutch_ = false;
   int32_t stylus_ = 0;

@@ -12,17 +12,22 @@ SurfaceCursor::SurfaceCursor(const CursorSettings& settings) : set_(settings), p
 
 void SurfaceCursor::set_gain(double gain) { set_.gain = std::clamp(gain, 0.05, 2.0); }
 
+void SurfaceCursor::set_surface(bool skin_only) {
+  if (skin_only != set_.skin_only) walk_stale_ = true, placed_ = false;
+  set_.skin_only = skin_only;
+}
+
 bool SurfaceCursor::put(const Snapshot& s, const Vec3& x_mm) {
   placed_ = false;
   if (!has_surface(s)) return false;
-  if (!walk_.built_for(s)) walk_.build(*s.topology, set_.skin_only);
+  if (walk_stale_ || !walk_.built_for(s)) walk_.build(*s.topology, set_.skin_only), walk_stale_ = false;
   return put(s, walk_.nearest(s, x_mm));
 }
 
 bool SurfaceCursor::put(const Snapshot& s, const SurfacePlace& place) {
   placed_ = false;
   if (!has_surface(s) || place.triangle < 0 || size_t(place.triangle) >= s.topology->view.tri.size()) return false;
-  if (!walk_.built_for(s)) walk_.build(*s.topology, set_.skin_only);
+  if (walk_stale_ || !walk_.built_for(s)) walk_.build(*s.topology, set_.skin_only), walk_stale_ = false;
   place_ = place;
   placed_ = true;
   hand_known_ = was_drawing_ = false;

@@ -39,6 +39,8 @@ class SurfaceCursor {
   explicit SurfaceCursor(const CursorSettings& settings = {});
   void set_gain(double gain);
   double gain() const { return set_.gain; }
+  /// Whether walls and bed are its surface too; it is put anew when that changes.
+  void set_surface(bool skin_only);
 
   /// Puts it at the place nearest to x_mm. False: there is no surface.
   bool put(const Snapshot& s, const Vec3& x_mm);
@@ -67,7 +69,7 @@ class SurfaceCursor {
   CursorSettings set_;
   SurfaceWalk walk_;
   SurfacePlace place_;
-  bool placed_ = false, hand_known_ = false, was_drawing_ = false;
+  bool placed_ = false, hand_known_ = false, was_drawing_ = false, walk_stale_ = false;
   Vec3 hand_ = Vec3::Zero(), left_ = Vec3::Zero();  // left_: of the last tick's way, when it had too many crossings
   Vec3 x_ = Vec3::Zero(), X_ = Vec3::Zero(), normal_ = Vec3::UnitZ();
   std::vector<CursorPoint> path_;

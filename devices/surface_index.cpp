@@ -185,6 +185,25 @@ SkinTouch SurfaceIndex::closest(const Snapshot& s, const Vec3& p_mm, int32_t hin
   return touch(s, walk(s, p_mm, star_[size_t(star_start_[size_t(v)])]));
 }
 
+int SurfaceIndex::facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm, std::span<std::array<Vec3, 3>> out) const {
+  constexpr size_t kMost = 128;
+  std::array<int32_t, kMost> found;
+  size_t n = 0;
+  const size_t most = std::min(kMost, out.size());
+  if (place.triangle < 0 || most == 0) return 0;
+  const SharedArray<Tri>& tri = s.topology->view.tri;
+  found[n++] = place.triangle;
+  for (size_t next = 0; next < n && n < most; ++next)
+    for (const int32_t v : tri[size_t(found[next])]) {
+      if ((at(s, v).cast<double>() - place.x_mm).norm() > reach_mm) continue;
+      for (int32_t i = star_start_[size_t(v)]; i < star_start_[size_t(v) + 1] && n < most; ++i)
+        if (std::find(found.begin(), found.begin() + long(n), star_[size_t(i)]) == found.begin() + long(n)) found[n++] = star_[size_t(i)];
+    }
+  for (size_t i = 0; i < n; ++i)
+    for (size_t k = 0; k < 3; ++k) out[i][k] = at(s, tri[size_t(found[i])][k]).cast<double>();
+  return int(n);
+}
+
 SkinTouch SurfaceIndex::at_chart(const Snapshot& s, const ChartPoint& c, double slack_mm) const {
   if (nx_ == 0 || !c.allFinite()) return {};
   const SurfaceView& view = s.topology->view;

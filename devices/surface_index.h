@@ -41,6 +41,10 @@ class SurfaceIndex {
   /// under a flap), if it is within `reach_mm`; else triangle -1.
   SkinTouch closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm);
 
+  /// Corners of the skin triangles around a touched place, those first that are fewest triangles away, none further than
+  /// reach_mm; as many as fit. How many. Allocates nothing.
+  int facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm, std::span<std::array<Vec3, 3>> out) const;
+
   static constexpr double kSheetRadius_mm = 4;  // at rest
 
   /// The skin point above chart point c at rest, in its deformed place; outermost where several skins lie over one

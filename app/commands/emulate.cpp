@@ -8,11 +8,9 @@
 #include "app/interrupt.h"
 #include "app/output.h"
 #include "app/progress.h"
-#include "app/version.h"
+#include "app/streams.h"
 #include "devices/emulator.h"
 #include "devices/fastrak/port.h"
-#include "devices/fastrak/virtual_line.h"
-#include "devices/rehearsal.h"
 #include "sim/error.h"
 #include "sim/tools/strokes.h"
 
@@ -23,7 +21,7 @@ namespace {
 struct Options {
   std::string scene, script, out_log;
   uint64_t seed = 1;
-  std::string calibration;
+  std::string stream;
   bool replace = false, progressive = false, fastrak = false;
   double seconds = 0, damage = 0;
   CommonOptions common;
@@ -45,58 +43,28 @@ int serve_fastrak(const Options& o) {
   return kDone;
 }
 
-/// What a user does to calibrate a device, with known truth (rehearsal.h).
-int rehearse(const Options& o) {
-  if (o.out_log.empty()) throw InputError("", 0, "emulate --calibration without --out; expected the LCM log to write");
-  fastrak::LinkSettings link;
-  fastrak::EmulatorSettings device;
-  device.seed = o.seed;
-  device.noise_mm = 0.2;
-  fastrak::Motion motion;
-  double seconds = 12;
-  if (o.calibration == "glove") {
-    motion = glove_opening(o.seed, 18, 85);
-    std::printf("truth       closed 18 mm, open 85 mm\n");
-  } else if (o.calibration == "stylus") {
-    PivotRehearsal r;
-    r.seed = o.seed;
-    r.slips_per_s = 0.3;
-    motion = stylus_in_dimple(r);
-    link.role = fastrak::parse_roles("s");
-    std::printf("truth       tip (%g, %g, %g) mm in the sensor's frame\n", r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z());
-  } else if (o.calibration == "world") {
-    TouchRehearsal r;
-    r.seed = o.seed;
-    r.points_mm = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}, {0, 0, 30}, {0, -40, 10}, {20, 20, 5}};
-    motion = stylus_touching(r);
-    seconds = seconds_for(r);
-    link.role = fastrak::parse_roles("s");
+/// A stream whose truth is known (streams.h), with the truth beside it.
+int write_known(const Options& o) {
+  if (o.out_log.empty()) throw InputError("", 0, "emulate --stream without --out; expected the LCM log to write");
+  const KnownStream k = known_stream(o.stream, o.seed);
+  write_stream(o.out_log, k.samples, o.replace);
+  write_whole_file(o.out_log + ".truth.csv", k.truth_csv);
+  if (!k.points_mm.empty()) {
     std::string list;
-    for (const Vec3& p : r.points_mm) list += std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
-    const std::string file = o.out_log + ".points.txt";
-    write_whole_file(file, list);
-    std::printf("points      %s\ntruth       tracker at (%g, %g, %g) mm, tip (%g, %g, %g) mm\n", file.c_str(), r.world_from_tracker_mm.x(), r.world_from_tracker_mm.y(),
-                r.world_from_tracker_mm.z(), r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z());
-  } else {
-    throw InputError("", 0, "emulate --calibration " + o.calibration + ": unknown; expected stylus, world or glove");
+    for (const Vec3& p : k.points_mm) list += std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
+    write_whole_file(o.out_log + ".points.txt", list);
+    std::printf("points      %s.points.txt\n", o.out_log.c_str());
   }
-  RecordingWriter writer;
-  SessionInfo info;
-  info.scene_name = "calibration of " + o.calibration;
-  info.program = program_name();
-  info.seeds[1] = o.seed;
-  writer.open(o.out_log, info, {}, o.replace);
-  for (const Sample& s : fastrak::readings_of(std::move(motion), seconds, link, device)) writer.on_sample(s);
-  if (!writer.finish(int64_t(seconds * 1000), 0)) throw InputError(o.out_log, 0, writer.error());
-  std::printf("recording   %s\n", o.out_log.c_str());
+  std::printf("recording   %s, %zu samples, seed %llu\ntruth       %s\n            %s.truth.csv\n", o.out_log.c_str(), k.samples.size(), static_cast<unsigned long long>(o.seed), k.truth.c_str(),
+              o.out_log.c_str());
   return kDone;
 }
 
 int emulate(const Options& o) {
-  if (!o.calibration.empty()) return rehearse(o);
+  if (!o.stream.empty()) return write_known(o);
   if (o.fastrak) return serve_fastrak(o);
   if (o.scene.empty() || o.script.empty() || o.out_log.empty())
-    throw InputError("", 0, "emulate without scene, script or --out; expected limberg emulate SCENE SCRIPT --out LOG, limberg emulate --fastrak, or limberg emulate --calibration stylus --out LOG");
+    throw InputError("", 0, "emulate without scene, script or --out; expected limberg emulate SCENE SCRIPT --out LOG, limberg emulate --fastrak, or limberg emulate --stream pivot --out LOG");
   if (!o.common.json_file.empty()) o.common.prepare();
   SessionCall call;
   call.command = "emulate";
@@ -142,7 +110,7 @@ void add_emulate(CLI::App& app, Chosen& chosen) {
   c->add_option("--out", o->out_log, "The LCM log to write")->type_name("LOG");
   c->add_option("--seed", o->seed, "Of tremor, noise and dropouts (default 1)")->type_name("N");
   c->add_flag("--replace", o->replace, "Replace LOG if it exists");
-  c->add_option("--calibration", o->calibration, "Instead: what a user does to calibrate a device, recorded from an emulated FASTRAK, with the truth printed")->type_name("stylus|world|glove");
+  c->add_option("--stream", o->stream, "Instead: a stream of a hand whose truth is known: glove, cursor, tremor, force; or pivot, touch, open for limberg calibrate")->type_name("NAME");
   c->add_flag("--fastrak", o->fastrak, "Instead: be a FASTRAK on a pseudo-terminal, whose path is printed, moved by a hand at work");
   c->add_option("--seconds", o->seconds, "--fastrak: end after so long (default: Ctrl-C)")->type_name("S")->check(CLI::PositiveNumber);
   c->add_option("--damage", o->damage, "--fastrak: share of bytes lost, changed or put in")->type_name("P")->check(CLI::Range(0.0, 1.0));

@@ -16,11 +16,13 @@ namespace {
 struct Options {
   std::string scene, record, calibration;
   std::vector<std::string> devices;
-  double seconds = 0;
+  double seconds = 0, cursor = 0;
   bool headless = false, replace = false, cut_at_end = false;
   AutoOption automatic;
   CommonOptions common;
 };
+
+constexpr int32_t kOwnControls = 900;  // device number of what the command line chose
 
 /// Adds what a --device names (device_specs.h).
 void add_device(SessionCall& call, const std::string& text) {
@@ -57,6 +59,13 @@ int run(const Options& o) {
   call.point = o.automatic.apply(call.scene);
   for (const std::string& d : o.devices) add_device(call, d);
   if (o.devices.empty()) add_device(call, "lcm");
+  if (o.cursor > 0) {
+    ControlSample on;
+    on.device_id = kOwnControls;
+    on.kind = ControlSample::cursor;
+    on.value[0] = o.cursor;
+    call.sources.push_back(std::make_unique<LogSource>(std::vector<Sample>{on}));
+  }
   if (!call.live_sources.empty() && o.seconds <= 0) say("listening until Ctrl-C");
   if (o.seconds > 0) call.end_tick = int64_t(o.seconds * 1000);
   call.known_length_s = o.seconds;
@@ -77,6 +86,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->add_option("--record", o->record, "Record the session to this LCM log")->type_name("FILE");
   c->add_flag("--replace", o->replace, "Replace the recording if it exists");
   c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")->type_name("S")->check(CLI::Range(0.001, 86400.0));
+  c->add_option("--cursor", o->cursor, "The stylus pushes a surface cursor, by this share of its own way")->type_name("GAIN")->check(CLI::Range(0.05, 2.0));
   c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
   c->add_flag("--headless", o->headless, "No window (this build draws off screen only)");
   o->automatic.add(*c);

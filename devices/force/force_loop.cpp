@@ -1,0 +1,144 @@
+#include "devices/force/force_loop.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/geometry/triangle.h"
+
+namespace limberg {
+
+namespace {
+constexpr double kDeepest_mm = 25;    // further in, the tip came from elsewhere
+constexpr double kLeave_mm = 1.0;     // out of a cut so far: the skin closes for the next one
+}  // namespace
+
+void ForceLoop::take(const ForceModel& m) {
+  if (m.t_ns < 0 || (had_model_ && m.seq <= model_.seq)) return;
+  from_N_mm_ = had_model_ ? now_N_mm_ : m.stiffness_N_mm;
+  const bool same_hook = had_model_ && model_.hooked && m.hooked;
+  from_hook_N_mm_ = same_hook ? now_hook_N_mm_ : 0;
+  from_home_ = same_hook ? now_home_ : m.hook_home_mm;
+  model_ = m;
+  had_model_ = model_fresh_ = true;
+}
+
+/// The surface point that is nearest; below it is where its facet's normal points away.
+bool ForceLoop::closest(const Vec3& p, Touch& best) const {
+  double best2 = 1e300;
+  for (int i = 0; i < model_.facets; ++i) {
+    const auto& f = model_.facet[size_t(i)];
+    const Vec3 n = area_vector2(f[0], f[1], f[2]);
+    const double length = n.norm();
+    if (!(length > 0)) continue;
+    const TrianglePoint q = closest_on_triangle(p, f[0], f[1], f[2]);
+    const double d2 = (p - q.point).squaredNorm(), side = (p - q.point).dot(n) / length;
+    // Of facets equally near (an edge, a corner) the one that faces the tip most speaks.
+    if (d2 < best2 - 1e-12 || (d2 < best2 + 1e-12 && std::abs(side) > std::abs(best.depth))) {
+      best2 = std::min(best2, d2);
+      best = {q.point, n / length, -side, std::sqrt(d2)};
+    }
+  }
+  return best2 < 1e300;
+}
+
+Vec3 ForceLoop::contact_force(const Vec3& tip, double k) {
+  Touch t{};
+  if (k <= 0 || !closest(tip, t) || t.depth <= 0 || t.depth > kDeepest_mm || t.apart > t.depth + 3) {
+    if (!closest(tip, t) || -t.depth > kLeave_mm) plastic_mm_ = 0, state_.cut = false;
+    state_.touching = false;
+    state_.depth_mm = 0;
+    state_.proxy_mm = tip;
+    return Vec3::Zero();
+  }
+  state_.depth_mm = t.depth;
+  if (!state_.touching) {
+    // Entered since the last tick: the proxy is where the tip went through.
+    state_.touching = true;
+    state_.proxy_mm = t.point;
+  } else {
+    // The proxy stays on the surface and sticks to it within the friction cone.
+    Touch on{};
+    closest(state_.proxy_mm, on);
+    const Vec3 aside = on.point - t.point, slip = aside - aside.dot(t.normal) * t.normal;
+    const double most = model_.friction * t.depth, length = slip.norm();
+    state_.proxy_mm = length > most ? Vec3(t.point + slip * (most / length)) : on.point;
+  }
+  // The blade: elastic up to the puncture, afterwards the skin gives way and keeps what was cut.
+  double normal = k * std::max(0.0, t.depth - plastic_mm_);
+  if (model_.puncture_N > 0) {
+    if (!state_.cut && normal >= model_.puncture_N) state_.cut = true;
+    if (state_.cut && normal > model_.cutting_N) {
+      plastic_mm_ = t.depth - model_.cutting_N / k;
+      normal = model_.cutting_N;
+    }
+  }
+  const Vec3 aside = state_.proxy_mm - t.point;
+  const double share = t.depth > 0 ? normal / (k * t.depth) : 0;  // of the elastic force that is left
+  return normal * t.normal + share * k * (aside - aside.dot(t.normal) * t.normal);
+}
+
+const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
+  ++counts_.ticks;
+  const double dt = last_ns_ < 0 ? 1e-3 : double(now_ns - last_ns_) * 1e-9;
+  const bool stalled = last_ns_ >= 0 && dt > limit_.stall_s;
+  last_ns_ = now_ns;
+  if (model_fresh_) model_came_ns_ = now_ns, model_fresh_ = false;
+  const Vec3 before = state_.force_N, travelled = tip - last_tip_;
+  last_tip_ = tip;
+
+  if (!valid || !had_model_) {
+    state_.force_N.setZero();
+    state_.touching = false;
+    ramp_ = 0;
+    return state_;
+  }
+  if (stalled) {
+    // Whoever held the last force meanwhile has moved the hand. Begin anew: no force, and no memory of it.
+    ++counts_.stalls;
+    state_.force_N.setZero();
+    state_.touching = false;
+    state_.energy_mJ = std::max(0.0, state_.energy_mJ);
+    ramp_ = 0;
+    return state_;
+  }
+  // N mm = mJ: what the hand did against the force that it felt.
+  state_.energy_mJ -= before.dot(travelled);
+
+  const double w = std::clamp(double(now_ns - model_came_ns_) / double(std::max<int64_t>(1, model_.period_ns)), 0.0, 1.0);
+  now_N_mm_ = from_N_mm_ + w * (model_.stiffness_N_mm - from_N_mm_);
+  now_hook_N_mm_ = from_hook_N_mm_ + w * (model_.hook_stiffness_N_mm - from_hook_N_mm_);
+  now_home_ = from_home_ + w * (model_.hook_home_mm - from_home_);
+  // In series with the coupling.
+  const auto coupled = [&](double k) { return k > 0 ? k * limit_.stiffness_N_mm / (k + limit_.stiffness_N_mm) : 0; };
+  Vec3 f = contact_force(tip, coupled(now_N_mm_));
+  if (model_.hooked) f += coupled(now_hook_N_mm_) * (now_home_ - tip);
+  const Vec3 v = travelled / dt;
+  // The encoder's steps of 0.01 mm are 10 mm/s from tick to tick: the coupling's damper acts on a smoothed speed.
+  slow_v_ += 0.2 * (v - slow_v_);
+  if (state_.touching || model_.hooked) f -= limit_.damping_N_s_mm * slow_v_;
+
+  const bool stale = double(now_ns - model_.t_ns) > limit_.stale_periods * double(model_.period_ns) + double(model_.period_ns);
+  counts_.stale += stale;
+  fade_ = std::clamp(fade_ + (stale ? -dt / limit_.decay_s : dt / limit_.decay_s), 0.0, 1.0);
+  ramp_ = std::min(1.0, ramp_ + dt / limit_.ramp_s);
+  f *= fade_ * ramp_;
+
+  // More would go into the hand than came out of it: a damper as strong as needed.
+  if (state_.energy_mJ < -limit_.spare_mJ && v.squaredNorm() > 1e-6) {
+    const double missing = -limit_.spare_mJ - state_.energy_mJ;  // mJ = N mm
+    const double b = std::min(limit_.most_damping_N_s_mm, missing / (v.squaredNorm() * dt));
+    f -= b * v;
+    ++counts_.damped;
+  }
+  counts_.least_energy_mJ = std::min(counts_.least_energy_mJ, state_.energy_mJ);
+  constexpr double kMost_mJ = 50;  // what was put in long ago does not pay for what comes out now
+  state_.energy_mJ = std::min(state_.energy_mJ, kMost_mJ);
+
+  if (const double size = f.norm(); size > limit_.force_N) f *= limit_.force_N / size, ++counts_.saturated;
+  if (const double step = (f - before).norm(); step > limit_.slew_N) f = before + (f - before) * (limit_.slew_N / step), ++counts_.slewed;
+  counts_.largest_step_N = std::max(counts_.largest_step_N, (f - before).norm());
+  state_.force_N = f;
+  return state_;
+}
+
+}  // namespace limberg
