@@ -93,9 +93,11 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
     return state_;
   }
   if (stalled) {
-    // Whoever held the last force meanwhile has moved the hand. Begin anew: no force, and no memory of it.
+    // Whoever held the last force meanwhile has moved the hand. Begin anew: the force goes as fast as it may, without memory.
     ++counts_.stalls;
-    state_.force_N.setZero();
+    const double size = before.norm();
+    state_.force_N = size > limit_.slew_N ? Vec3(before * (1 - limit_.slew_N / size)) : Vec3(Vec3::Zero());
+    slow_v_.setZero();
     state_.touching = false;
     state_.energy_mJ = std::max(0.0, state_.energy_mJ);
     ramp_ = 0;
