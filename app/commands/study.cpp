@@ -59,8 +59,8 @@ std::vector<Gathered> wanted(const Options& o) {
     std::vector<std::string> settings = p.settings;
     if (&f == &own)
       for (const std::string& s : o.settings) {  // a user's values stand for the check's
-        const std::string key = s.substr(0, s.find('=') + 1);
-        std::erase_if(settings, [&](const std::string& t) { return t.rfind(key, 0) == 0; });
+        const std::string key = study::parameter_named(f, s.substr(0, s.find('=')));
+        std::erase_if(settings, [&](const std::string& t) { return study::parameter_named(f, t.substr(0, t.find('='))) == key; });
         settings.push_back(s);
       }
     parts.push_back({&f, study::members(f, settings), {}, {}, {}});

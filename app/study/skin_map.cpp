@@ -90,6 +90,14 @@ void SkinMap::near(const ChartPoint& p, double radius, Visit visit) const {
       }
 }
 
+std::optional<Vec3> SkinMap::mean_now_mm(const ChartPoint& p, double radius) const {
+  Vec3 sum = Vec3::Zero();
+  double area = 0;
+  near(p, radius, [&](const Patch& t, const Gradient& g) { sum += g.area_mm2 * (t.x[0] + t.x[1] + t.x[2]) / 3, area += g.area_mm2; });
+  if (area < 0.5 * std::numbers::pi * radius * radius) return std::nullopt;
+  return sum / area;
+}
+
 SkinMap::Stretch SkinMap::stretch(const ChartPoint& p, double radius) const {
   Stretch out;
   Mat3 left = Mat3::Zero();            // F F^T

@@ -18,6 +18,9 @@ class SkinMap {
   /// Where the skin of a chart point is now; nothing where it has been taken away.
   std::optional<Vec3> now_mm(const ChartPoint& p) const;
 
+  /// The mean place now of what lies at rest within `radius_mm` of a chart point; nothing where less than half of that disc is left.
+  std::optional<Vec3> mean_now_mm(const ChartPoint& p, double radius_mm) const;
+
   /// The skin's stretch, averaged over what lies at rest within `radius_mm` of a chart point; prestretch not included.
   struct Stretch {
     double most = 1, least = 1;      // principal, in the plane of the skin

@@ -32,6 +32,14 @@ std::string shown(std::string s) {
   return s;
 }
 
+/// A parameter may be called without its unit: cell for cell_mm.
+bool names_it(const std::string& key, const std::string& parameter) {
+  if (key == parameter) return true;
+  for (const char* unit : {"_mm", "_deg", "_percent"})
+    if (parameter.ends_with(unit) && key + unit == parameter) return true;
+  return false;
+}
+
 std::vector<double> numbers(const std::string& list, const Parameter& p) {
   const std::string want = "; expected numbers from " + text(p.lo) + " to " + text(p.hi) + " with commas between";
   std::vector<double> out;
@@ -70,6 +78,12 @@ const Family& find_family(const std::string& name) {
   throw InputError("", 0, "study " + shown(name) + ": unknown study; expected one of: " + list);
 }
 
+std::string parameter_named(const Family& family, const std::string& key) {
+  for (const Parameter& p : family.parameters)
+    if (names_it(key, p.name)) return p.name;
+  return {};
+}
+
 std::vector<Values> members(const Family& family, const std::vector<std::string>& settings) {
   std::vector<std::vector<double>> values;
   for (const Parameter& p : family.parameters) values.push_back(p.values);
@@ -78,7 +92,7 @@ std::vector<Values> members(const Family& family, const std::vector<std::string>
     const size_t equals = s.find('=');
     const std::string key = s.substr(0, equals);
     size_t i = 0;
-    while (i < values.size() && family.parameters[i].name != key) ++i;
+    while (i < values.size() && !names_it(key, family.parameters[i].name)) ++i;
     if (equals == std::string::npos || i == values.size())
       throw InputError("", 0, "--set " + shown(s) + ": no such setting of study " + family.name + "; expected KEY=V1,V2,... with one of: " +
                                   names(family.parameters));

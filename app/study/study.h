@@ -76,7 +76,10 @@ const std::vector<Family>& families();
 /// InputError that lists the families when there is none of this name.
 const Family& find_family(const std::string& name);
 
-/// Applies "key=v1,v2,..." settings and lists the members. InputError on an unknown or repeated key, no or broken numbers, values
+/// The parameter that a key of --set means, empty when there is none.
+std::string parameter_named(const Family& family, const std::string& key);
+
+/// Applies "key=v1,v2,..." settings and lists the members; a key may leave its unit off (cell for cell_mm). InputError on an unknown or repeated key, no or broken numbers, values
 /// out of range, or more than 1000 members.
 std::vector<Values> members(const Family& family, const std::vector<std::string>& settings);
 

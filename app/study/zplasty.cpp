@@ -25,6 +25,19 @@ Row run(const Values& v, Patch patch, const Run& with) {
   const DogEar a = d.shape(place(f, A), L / 2), b = d.shape(place(f, B), L / 2), around = d.shape({0, 0}, 2.2 * L);
   const double tips = std::max(d.height_mm(place(f, C), L / 4), d.height_mm(place(f, D), L / 4));
   const double volume = d.shape(place(f, A), L).volume_mm3 + d.shape(place(f, B), L).volume_mm3;
+  // The same evened out over discs of an eighth of a limb: what stands up as a whole, not the lips of a seam.
+  const auto evened = [&](const Corner& c) {
+    double most = 0;
+    for (double y = -L / 2; y <= L / 2; y += 1.5)
+      for (double x = -L / 2; x <= L / 2; x += 1.5)
+        if (const Vec2 q(x, y); q.norm() <= L / 2) most = std::max(most, d.map->mean_now_mm(place(f, c) + q, L / 8).value_or(Vec3::Zero()).z());
+    return most;
+  };
+  // How much thicker the flap has become where it stands highest: tissue that keeps its volume and gives way in its plane. That height
+  // is no bending.
+  const DogEar& higher = a.height_mm > b.height_mm ? a : b;
+  const SkinMap::Stretch there = d.map->stretch(d.skin->body().to_chart(higher.at_mm), L / 8);
+  const double thickness = patch.support == Support::fat ? patch.depth_mm : 1.5, thicker = thickness * (1 / (there.most * there.least) - 1);
   const double theory = std::sqrt(5 - 4 * std::cos(t / kDeg)), gained = d.metrics.elongation.value_or(std::nan("")), ear = std::max(a.height_mm, b.height_mm);
   const std::vector<ChartPoint> corners{place(f, A), place(f, B), place(f, C), place(f, D)};
   const double p95 = d.map->percentile(0.95, 2 * L, corners, 0.1 * L), p99 = d.map->percentile(0.99, 2 * L, corners, 0.1 * L);
@@ -36,7 +49,7 @@ Row run(const Values& v, Patch patch, const Run& with) {
                {"elongation_flat", flat(outside(A), outside(B)) / L},
                {"elongation_4L", flat(d.map->now_mm({0, 2 * L}), d.map->now_mm({0, -2 * L})) / (4 * L)},
                {"open_elongation", d.open_elongation},
-               {"ear_A_mm", a.height_mm}, {"ear_B_mm", b.height_mm}, {"ear_mm", ear}, {"at_C_D_mm", tips},
+               {"ear_A_mm", a.height_mm}, {"ear_B_mm", b.height_mm}, {"ear_mm", ear}, {"ear_evened_mm", std::max(evened(A), evened(B))}, {"thicker_mm", thicker}, {"at_C_D_mm", tips},
                {"ear_volume_mm3", volume}, {"rms_mm", around.rms_mm},
                // What is sewn together there: A's and B's own edges; the flaps' tips into the ends of the lateral limbs.
                {"deficit_A_deg", d.map->deficit_deg(f, {A}, 0.3 * L)}, {"deficit_B_deg", d.map->deficit_deg(f, {B}, 0.3 * L)},
@@ -78,9 +91,9 @@ std::vector<NamedChart> charts_planar(const std::vector<Row>& rows) {
 
 Row run_z(const Values& v, const Run& with) {
   Patch p;
-  p.side_mm = 10 * kLimb_mm, p.undermine_mm = 0.8 * kLimb_mm, p.contact = v[3] > 0, p.depth_mm = v[4], p.push_mm = v[5];
+  p.side_mm = 10 * kLimb_mm, p.undermine_mm = 0.8 * kLimb_mm, p.contact = v[3] > 0, p.depth_mm = v[4], p.push_mm = v[5], p.spacing_mm = v[6];
   Row r = run(v, p, with);
-  r.figures.insert(r.figures.begin() + 3, {{"contact", v[3]}, {"depth_mm", v[4]}, {"push_mm", v[5]}});
+  r.figures.insert(r.figures.begin() + 3, {{"contact", v[3]}, {"depth_mm", v[4]}, {"push_mm", v[5]}, {"spacing_mm", v[6]}});
   return r;
 }
 
@@ -110,11 +123,11 @@ Family zplasty() {
   return {"zplasty", "Z-plasties of 20 mm limbs by angle and prestretch: what they gain, and where the skin stands up",
           {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
            {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
-           {"cell_mm", "size of the lattice's cells", {5, 4}, 2, 8},
+           {"cell_mm", "size of the lattice's cells", {5}, 2, 8},
            {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
            {"depth_mm", "of cut and undermining", {4}, 1.5, 8},
-           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {4}, 0, 10},
-           {"inset_mm", "of the stitches from their edge", {0.7}, 0.05, 3}},
+           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10},
+           {"spacing_mm", "of the stitches", {4}, 1, 8}},
           run_z, bars_z, charts_z,
           {{"zplasty", {"prestretch=0,5,10", "cell_mm=5,2.5"}}, {"planar", {"prestretch=0"}}}};
 }

@@ -76,7 +76,7 @@ void add_elongation(std::vector<Bar>& out, const std::vector<Row>& rows) {
 }
 
 void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_bed) {
-  Worst rise, tips, ratio, saturation, flat, high, none, work, strain, with_tension;
+  Worst rise, tips, ratio, saturation, flat, evened, high, none, work, strain, with_tension;
   for (const Group& g : groups_of(rows)) {
     const double p = g.prestretch();
     double best_work = -1, best_strain = -1, work_at = 0, strain_at = 0;
@@ -94,7 +94,7 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
     if (g.rows.size() >= 4) work(work_at), strain(strain_at);
     ratio(g.at(90, "ear_mm") / std::max(g.at(60, "ear_mm"), 1e-3));
     if (p == 0) saturation((g.at(90, "elongation") - g.at(75, "elongation")) / (g.at(60, "elongation") - g.at(45, "elongation")));
-    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), high(g.at(90, "ear_mm"));
+    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), evened(g.at(45, "ear_evened_mm") - g.at(45, "thicker_mm")), evened(g.at(60, "ear_evened_mm") - g.at(60, "thicker_mm")), high(g.at(90, "ear_mm"));
   }
   if (rise.least) out.push_back(at_least("4c least rise of the dog-ear from angle to angle, mm", *rise.least, -0.05, "protocol: rises with the angle; 0.05 mm is the lattice's noise"));
   if (tips.most) out.push_back(at_most("4c height at the flaps' tips less that at the limb's ends, mm", *tips.most, 0, "protocol: cones at the limb's ends (charge +angle), saddles at the tips"));
@@ -108,6 +108,7 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
   if (ratio.least) out.push_back(at_least("4e dog-ear at 90 over 60 degrees, least", *ratio.least, 1.2, kProtocol));
   if (saturation.most) out.push_back(at_most("4e no prestretch: gain from 75 to 90 over that from 45 to 60", *saturation.most, 0.5, "protocol: the ears eat the gain"));
   if (flat.most) out.push_back(at_most("4f 10 % prestretch: dog-ear at 45 and 60 degrees, mm", *flat.most, 0.5, "protocol: flat; the plate is so to 65 degrees"));
+  if (evened.most) out.push_back(at_most("4f the same, evened out over discs of 2.5 mm, less what the flap thickens", *evened.most, 0.5, "the plate has no lips at its seams, and its middle surface is measured"));
   if (high.least) out.push_back(at_least("4f 10 % prestretch: dog-ear at 90 degrees, mm", *high.least, 2, "protocol; the plate has 4.4 mm"));
   if (none.least) out.push_back(at_least("4f no prestretch: least dog-ear of any angle, mm", *none.least, on_bed ? 0.5 : 1, "protocol: every angle has one; it counts from 1 mm on"));
 }

@@ -18,6 +18,7 @@ TEST(Study, MembersAreAllCombinationsInOrder) {
   EXPECT_EQ(m[0][1], 5);
   EXPECT_EQ(m[1][1], 10);
   EXPECT_EQ(m[5][0], 70);
+  EXPECT_EQ(members(f, {"prestretch=5,10", "angle=90,45,70"}), m);  // units may be left off
 }
 
 TEST(Study, BadSettingsAreRefused) {
@@ -70,7 +71,7 @@ TEST(Study, AnUprightCutOpensEvenlyAndALeaningOneDoesNot) {
 // A wider Z-plasty gains more, stands up more and at the ends of its central limb; bars and charts take any rows.
 TEST(Study, AWiderZPlastyGainsMoreAndStandsUpMore) {
   const Family& f = find_family("zplasty");
-  const std::vector<std::string> small{"cell_mm=6", "prestretch=0", "push_mm=0", "contact=0"};
+  const std::vector<std::string> small{"cell_mm=6", "prestretch=0", "push_mm=0", "contact=0", "spacing_mm=4"};
   const auto with = [&](const char* angle) {
     auto s = small;
     s.push_back(angle);
