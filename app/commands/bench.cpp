@@ -21,6 +21,8 @@
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/result.h"
+#include "app/session_latency.h"
+#include "app/streams.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -111,6 +113,8 @@ int run(const Options& o) {
     b = bench::features(open_scene(o.scene.empty() ? "rhomboid" : o.scene), {o.quick, note});
   } else if (o.suite == "devices") {
     b = bench::devices_suite({o.quick, o.only, note});
+    if (std::string("latency").find(o.only) != std::string::npos)
+      bench::add_session_latency(b, open_scene("rhomboid"), known_stream("tremor", 5).samples, o.quick, note);
   } else if (o.suite == "verification") {
     b = bench::verification({o.quick, note});
   } else if (o.suite == "speed") {
@@ -202,7 +206,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
-  c->add_option("--only", o->only, "speed, stability, cutting, devices: the parts or families whose name contains this (cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force; speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
+  c->add_option("--only", o->only, "speed, stability, cutting, devices: the parts or families whose name contains this (cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
   c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(CLI::PositiveNumber);
   c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(CLI::PositiveNumber);
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");

@@ -49,6 +49,7 @@ void Thread::join() {
 }
 
 std::string request_real_time(int priority) {
+  if (priority <= 0) return "device thread: ordinary scheduling, as asked";
   sched_param p{};
   p.sched_priority = priority;
   const int err = pthread_setschedparam(pthread_self(), SCHED_FIFO, &p);

@@ -24,6 +24,7 @@ class Thread {
 
 /// Asks for SCHED_FIFO at `priority` and locked memory for the calling thread; says in one line what it got and what
 /// follows from it. Memory is locked only where the limit allows all of it: otherwise later allocations would fail.
+/// Priority 0: asks for nothing.
 std::string request_real_time(int priority);
 
 /// Lowers the calling thread's priority (nice value, >= 0).

@@ -184,7 +184,6 @@ Result devices_suite(const DevicesSettings& settings) {
   if (s.wants("calibration")) s.calibration();
   if (s.wants("grabs")) s.grabs();
   if (s.wants("force")) s.force();
-  s.out.notes.push_back("Latency from sample to snapshot and frame of a whole session is in the result of `replay --realtime`: latency_ms.");
   return s.out;
 }
 

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "app/bench/cpu_clock.h"
+#include "app/bench/devices/hogs.h"
 #include "app/session/clock.h"
 #include "app/session/spsc_ring.h"
 #include "app/session/thread.h"
@@ -16,26 +17,6 @@
 namespace limberg::bench {
 
 namespace {
-
-/// Threads that only use time, until destroyed.
-class Hogs {
- public:
-  explicit Hogs(int n) {
-    for (int i = 0; i < n; ++i)
-      thread_.push_back(std::make_unique<Thread>([this] {
-        uint64_t x = 1;
-        while (!stop_.load(std::memory_order_relaxed))
-          for (int k = 0; k < 1000; ++k) x = x * 6364136223846793005ull + 1;
-        sink_.fetch_add(x, std::memory_order_relaxed);
-      }));
-  }
-  ~Hogs() { stop_ = true; }
-
- private:
-  std::atomic<bool> stop_{false};
-  std::atomic<uint64_t> sink_{0};
-  std::vector<std::unique_ptr<Thread>> thread_;
-};
 
 bool be_fifo(int priority) {
   sched_param p{};
