@@ -128,11 +128,15 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
   if (hand.valid) {
     for (int i = 0; i < 3; ++i) state_.centre_mm[i] = hand.centre_mm[i];
     const double open = (hand.aperture_mm - glove_.closed_mm) / (glove_.open_mm - glove_.closed_mm);
-    if (!hand.closed && state_.held_hook == 0 && open >= kFrozenBelow) {
+    const double rate = aperture_known_ ? (hand.aperture_mm - aperture_mm_) * 1000 : 0;  // a tick is a millisecond
+    opening_mm_s_ += 0.05 * (rate - opening_mm_s_);
+    aperture_mm_ = hand.aperture_mm, aperture_known_ = true;
+    if (!hand.closed && state_.held_hook == 0 && open >= kFrozenBelow && opening_mm_s_ > -kClosing_mm_s) {
       search_.step(s, hand.forefinger.tip_mm, hand.pointing);
       pointed_ = search_.place();
     }
   }
+  if (!hand.valid) aperture_known_ = false, opening_mm_s_ = 0;
   ToolEvent e;
   e.tick = tick;
   e.snapshot = s.step;

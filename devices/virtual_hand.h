@@ -2,8 +2,8 @@
 // The hand of the glove in the scene: it points, grabs, carries and lets go.
 //
 //   pointing   the closest place of the skin that the line of the forefinger meets; where it meets none, the place least
-//              beside it within a cone. A hand that closes moves its forefinger: from 60 % open downwards the place that
-//              was pointed at last is kept.
+//              beside it within a cone. A hand that closes bends its forefinger: once it closes faster than kClosing_mm_s,
+//              or is less than 60 % open, the place that was pointed at last is kept.
 //   grab       what is pointed at is held from the tick on which the hand closes, where it is: nothing jumps. Skin is held by
 //              a hook that follows the hand (ToolEvent::hook_set, hand 1).
 //   carry      it turns with the hand about the hand's centre, and moves with it times the motion scale
@@ -76,6 +76,7 @@ class VirtualHand {
  public:
   static constexpr int32_t kFirstHook = 1001;  // its hooks do not meet those of the stylus
   static constexpr double kFrozenBelow = 0.6;  // share of the opening below which the pointed place is kept
+  static constexpr double kClosing_mm_s = 80;  // of the distance of the tips; tremor and noise stay below 40
   explicit VirtualHand(const GloveParameters& glove) : glove_(glove) {}
 
   void tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out);
@@ -94,7 +95,8 @@ class VirtualHand {
   RigidGrip grip_;
   SecondHand state_;
   Vec3 held_mm_ = Vec3::Zero();
-  bool was_closed_ = false;
+  bool was_closed_ = false, aperture_known_ = false;
+  double aperture_mm_ = 0, opening_mm_s_ = 0;  // at the last tick; its rate, smoothed over 20 ms
   int32_t next_hook_ = kFirstHook;
   int64_t grabs_ = 0, empty_ = 0, lost_ = 0;
 };

@@ -83,6 +83,22 @@ TEST(FastrakProtocol, BeginsInTheMiddleAndFindsTheNextRecord) {
   }
 }
 
+TEST(FastrakProtocol, OnlyWhatStandsBehindALineEndIsARecord) {
+  Dice dice{21};
+  const Layout layout;
+  const std::vector<uint8_t> first = bytes_of(record(dice, 1), layout), second = bytes_of(record(dice, 2), layout), third = bytes_of(record(dice, 1), layout);
+  Parser p;
+  p.reset(layout);
+  Take take;
+  for (uint8_t x : first) p.feed(x, 0, take);
+  p.feed('x', 0, take);  // a stray byte: what follows looks like a record, but could be the inside of something
+  for (uint8_t x : second) p.feed(x, 0, take);
+  EXPECT_EQ(take.got.size(), 1u);
+  for (uint8_t x : third) p.feed(x, 0, take);
+  ASSERT_EQ(take.got.size(), 2u);
+  EXPECT_EQ(take.got[1].station, 1);
+}
+
 TEST(FastrakProtocol, OneDamagedByteCostsOneRecordOrTwo) {
   Dice dice{3};
   const Layout layout;

@@ -70,7 +70,8 @@ std::vector<Sample> both_hands() {
     }
     const double shut = minimum_jerk((t - 1.6) / 0.3) - minimum_jerk((t - 4.0) / 0.3);
     const double aperture = 70 - 58 * shut;
-    p.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitY()));  // the sensor's x points down
+    // The sensor's x points down; a finger that closes bends by 30 degrees, and would point 23 mm beside.
+    p.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(M_PI / 2 + 0.52 * shut, Vec3::UnitY()));
     const Vec3 fore = Vec3(20, -10, 40) + way(t) * Vec3(0, 30, 10);
     p.pos_mm = station == 1 ? fore : Vec3(fore + Vec3(0, -aperture, 0));
     return p;
@@ -119,11 +120,12 @@ TEST(TwoHands, TheGloveHoldsSkinWhileTheStylusDraws) {
     if (e.kind == ToolEvent::hook_set) {
       EXPECT_EQ(e.hand, 1);
       EXPECT_GE(e.id, VirtualHand::kFirstHook);
-      EXPECT_NEAR(e.chart_x, 20, 1);   // what was pointed at before the hand closed
+      EXPECT_NEAR(e.chart_x, 20, 1.5);   // what was pointed at before the hand closed
       EXPECT_NEAR(e.chart_y, -10, 1);
     }
-  // The thumb comes to the forefinger while the hand closes and goes: the centre moves a little more than the forefinger.
-  EXPECT_LT((furthest - Vec3(20, 20, 10)).norm(), 12);
+  // While the hand opens again its centre goes with the thumb, and its bending fingers turn what lies 40 mm below them,
+  // until the release is seen: at most 35 % of the way.
+  EXPECT_LT((furthest - Vec3(20, 20, 10)).norm(), 0.5 * 58 * 0.35 + 45 * 0.52 * 0.35 + 4);
   EXPECT_EQ(front.counts().grabs, 1);
 }
 
