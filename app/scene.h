@@ -52,7 +52,7 @@ struct Scene {
   bool refine_fronts = false;
   double region_mm = 0;
   bool can_cut = true, dynamic = false;
-  ContactChoice contact = ContactChoice::off;
+  ContactChoice contact = ContactChoice::automatic;
   double suture_N_per_mm = 20, hook_N_per_mm = 0.5;
   uint64_t seed = 1;
 

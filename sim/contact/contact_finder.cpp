@@ -14,8 +14,8 @@ constexpr double kNothing = 1e-4;   // a pair of this weight is left out: its fo
 constexpr double kNear_mm = 0.3;    // clearance of pairs that may press within a few iterations
 constexpr double kTurn_mm = 0.08;   // less motion turns no surface by the angle that counts
 constexpr double kLeast_mm = 0.005; // pairs are looked at again after so much motion at least
-constexpr int kFresh = 4;           // turns in one spot that go all the way
-constexpr int kTired = 16;          // the last one
+constexpr int kFresh = 2;           // turns in one spot that go all the way
+constexpr int kTired = 8;           // the last one
 
 Vec3 displaced(const EmbeddedPoint& e, std::span<const Vec3f> u) {
   Vec3 d = Vec3::Zero();

@@ -60,7 +60,7 @@ struct ContactSettings {
   double guard_mm = 0.75;     // sheets so near to a place are its pairs
   double far_mm = 3;          // how far around it a place looks; less than a block's reach (surface_motion.h)
   double most_mm = 0.4;       // deeper overlaps push no harder than this one
-  double slide_mm = 0.15, turn_deg = 5, spot_mm = 0.5;
+  double slide_mm = 0.15, turn_deg = 5, spot_mm = 1;
   // Where pairs fade, from 1 to 0. Thinner flaps than deep are none.
   double facing_full = 0.5, facing_none = 0.2;    // minus the cosine between the two normals
   double deep_full_mm = 0.6, deep_none_mm = 2;    // how far inside

@@ -88,6 +88,9 @@ void ContactFinder::look(size_t i, int32_t sheet, std::vector<HeldContact>& foun
   const size_t count = tree_.nearest(q, [&](int32_t t, const std::array<double, 3>& bary) {
     return neighbours_.other(self, t, s.rest_mm(t, bary), tree_.rest_normal(t));
   }, feet);
+  if (sheet >= 0 && count > 0)
+    for (int32_t& t : guess_[i])
+      if (t >= 0 && s.sheets.of[size_t(t)] == sheet) t = feet[0].triangle;
   if (sheet < 0) {
     looked_[i].free_mm = count == FacingTree::kFeet ? feet[count - 1].distance_mm : settings_.far_mm;
     guess_[i].fill(-1);

@@ -38,7 +38,17 @@ FacingTree::FacingTree(std::vector<Vec3> X_mm, std::vector<Tri> tri, std::vector
 
 // Parts [first, first + count) of order_ in two; returns how many are in the first.
 int32_t FacingTree::split(int32_t first, int32_t count, std::span<const Vec3> centre) {
-  // By normals first, where they differ much: the two sides of a cut lie in the same place. Then by place.
+  // By sheets first: once a place has a foot on a sheet, all else of the sheet that is farther is passed over.
+  const auto sheet_of = [&](int32_t t) { return sheet_[size_t(t)]; };
+  const auto whole = order_.begin() + first;
+  if (std::any_of(whole, whole + count, [&](int32_t t) { return sheet_of(t) != sheet_of(*whole); })) {
+    std::stable_sort(whole, whole + count, [&](int32_t a, int32_t b) { return sheet_of(a) < sheet_of(b); });
+    int32_t best = 0;
+    for (int32_t i = 1; i < count; ++i)
+      if (sheet_of(whole[i]) != sheet_of(whole[i - 1]) && (best == 0 || std::abs(2 * i - count) < std::abs(2 * best - count))) best = i;
+    return best;
+  }
+  // Then by normals, where they differ much: the two sides of a cut lie in the same place. Then by place.
   Vec3 lo = centre[size_t(order_[size_t(first)])], hi = lo, nlo = N_[size_t(order_[size_t(first)])], nhi = nlo;
   for (int32_t i = first; i < first + count; ++i) {
     const size_t t = size_t(order_[size_t(i)]);

@@ -96,6 +96,7 @@ size_t FacingTree::nearest(const Query& q, Accept&& accept, Feet& feet) const {
   // While it runs, distance_mm holds the square.
   const auto reach2 = [&](int32_t sheet) {  // farther than this nothing of the sheet can be an answer
     double worst = 0;
+    if (q.sheet >= 0) return count > 0 ? feet[0].distance_mm : far2;
     for (size_t k = 0; k < count; ++k) {
       if (feet[k].sheet == sheet) return feet[k].distance_mm;
       worst = std::max(worst, feet[k].distance_mm);
