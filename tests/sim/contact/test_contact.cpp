@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "../fem/models.h"
+#include "sim/contact/contact_counts.h"
 #include "sim/geometry/block.h"
 #include "sim/measure/penetration.h"
 #include "sim/tools/flaps.h"
@@ -103,9 +104,37 @@ TEST(Contact, WithoutWallsNothingIsDone) {
     world.apply(MoveHook{1, {0, 5, 9}, 1});
     settle(world, 10);
     EXPECT_EQ(world.solver().contacts(), 0u);
+    const ContactCounts n = world.contact_counts();
+    EXPECT_EQ(n.surfaces + n.checks + n.searches + n.looks + n.iterations + n.places + n.triangles, 0u) << "not even asked";
     return world.state_hash();
   };
   EXPECT_EQ(run(ContactChoice::automatic), run(ContactChoice::off));
+}
+
+// Nobody searches where nothing comes nearer: not at rest, and only near a hook that pulls.
+TEST(Contact, WhatDoesNotMoveIsNotSearched) {
+  InlineWorkers workers;
+  World world(block(ContactChoice::automatic), workers);
+  close_fusiform(world, 150);
+  StepSettings still;
+  still.max_iterations = 0;
+  const ContactCounts rest = world.contact_counts();
+  EXPECT_GT(rest.places, 200u);
+  for (int i = 0; i < 10; ++i) world.step(still);
+  EXPECT_EQ(world.contact_counts().looks, rest.looks);
+  EXPECT_EQ(world.contact_counts().searches, rest.searches);
+  ASSERT_TRUE(world.apply(SetHook{1, {0, 24}}).done);  // outside of what was undermined
+  Snapshot s;
+  world.fill(s);
+  const Vec3 at = s.hooks[0].handle_mm.cast<double>();
+  StepSettings live;
+  live.max_iterations = 10;
+  for (int i = 1; i <= 10; ++i) {
+    ASSERT_TRUE(world.apply(MoveHook{1, at + Vec3(0, 0.1 * i, 0), 0}).done);
+    world.step(live);
+  }
+  const ContactCounts pulled = world.contact_counts();
+  EXPECT_LT(pulled.looks - rest.looks, 10 * rest.places / 10) << "a tenth of all places a step, at most";
 }
 
 TEST(Contact, AWoundThatOnlyGapesFeelsNothing) {
@@ -222,6 +251,65 @@ TEST(Contact, EdgesUnderCrossingStitches) {
     EXPECT_EQ(contact_force_mN(world) > 5, choice != ContactChoice::off);
   }
   EXPECT_LT(p[1].p99_mm, p[0].p99_mm);
+}
+
+// Stitches hold the two rims of a slit together at no distance: contact must allow that, and come to rest with it.
+TEST(Contact, AStitchedSlitComesToRest) {
+  for (const ContactChoice choice : {ContactChoice::off, ContactChoice::automatic}) {
+    InlineWorkers workers;
+    World world(block(choice), workers);
+    ASSERT_TRUE(world.apply(Incise{{{-12, 0}, {12, 0}}, 4, 90}).done);
+    settle(world, 20);
+    const Outcome o = world.apply(SutureRow{{{-9, 2}, {9, 2}}, {{-9, -2}, {9, -2}}, 4});  // at the rims
+    ASSERT_TRUE(o.done) << o.reason;
+    EXPECT_LE(settle(world, 100, 1e-5).residual, 1e-5);
+    Snapshot s;
+    world.fill(s);
+    EXPECT_GE(s.sutures.size(), 4u);
+    for (const SutureState& t : s.sutures) EXPECT_LT(t.gap_mm, 0.05f);
+  }
+}
+
+// The tip of a narrow flap, drawn across the wound's edge and let go: it comes to rest, and less deep in the other side.
+TEST(Contact, ASharpCorner) {
+  Penetration p[2];
+  for (const ContactChoice choice : {ContactChoice::off, ContactChoice::automatic}) {
+    InlineWorkers workers;
+    World world(block(choice), workers);
+    ASSERT_TRUE(world.apply(Incise{{{-6, -12}, {0, 8}, {6, -12}}, 3, 90}).done);
+    ASSERT_TRUE(world.apply(Undermine{{{-6, -12}, {0, 8}, {6, -12}}, 3}).done);
+    settle(world, 30);
+    ASSERT_TRUE(world.apply(Suture{{-0.6, 5}, {3, 4}}).done);
+    const StepReport r = settle(world, 150, 1e-5);
+    EXPECT_LE(r.residual, 1e-5);
+    p[choice == ContactChoice::off ? 0 : 1] = overlap(world);
+  }
+  EXPECT_LT(p[1].p99_mm, p[0].p99_mm);
+  EXPECT_LT(p[1].max_mm, p[0].max_mm);
+}
+
+// A hook that jumps: 20 mm up, through the bed, and away. Nothing explodes, and what is let go comes to rest.
+TEST(Contact, AFlapThatIsThrownComesToRest) {
+  InlineWorkers workers;
+  World world(block(ContactChoice::automatic), workers);
+  ASSERT_TRUE(world.apply(Incise{{{-8, -10}, {-8, 8}, {8, 8}, {8, -10}}, 4, 90}).done);
+  ASSERT_TRUE(world.apply(Undermine{{{-8, 8}, {8, 8}, {8, -10}, {-8, -10}}, 4}).done);
+  settle(world, 30);
+  ASSERT_TRUE(world.apply(SetHook{1, {0, 6}}).done);
+  for (const Vec3& at : {Vec3(0, 0, 20), Vec3(0, 10, -15), Vec3(20, 0, 5), Vec3(0, 6, 0)}) {
+    ASSERT_TRUE(world.apply(MoveHook{1, at, 0}).done);
+    for (int i = 0; i < 3; ++i) {
+      StepSettings s;
+      s.max_iterations = 10;
+      const StepReport r = world.step(s);
+      EXPECT_TRUE(std::isfinite(r.energy_uJ));
+    }
+  }
+  ASSERT_TRUE(world.apply(ReleaseHook{1}).done);
+  EXPECT_LE(settle(world, 200).residual, 2e-5);
+  double far = 0;
+  for (const Vec3f& u : displacement(world)) far = std::max(far, double(u.norm()));
+  EXPECT_LT(far, 12);
 }
 
 // A flap drawn over another one and down on it.
