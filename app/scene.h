@@ -15,7 +15,7 @@
 //   [lattice]    cell_mm, refine_fronts, region_mm (> 0: tissue farther than this from the chart's origin holds still and costs
 //                the solver nothing; 0, the default: all of it moves)
 //   [build]      can_cut, dynamic, contact = "auto" | true | false (do wound surfaces keep each other out? auto: as soon as
-//                something has been cut; false unless asked for)
+//                something has been cut, the default)
 //   [springs]    suture_N_per_mm, hook_N_per_mm
 //   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed, integrator = "backward_euler" | "bdf2" (of dynamic scenes)
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
