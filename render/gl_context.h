@@ -22,6 +22,8 @@ class GlContext {
   virtual void make_current() = 0;                     // RenderUnavailable when refused
   virtual void* address(const char* function) const = 0;  // null when unknown
   virtual std::string describe() const = 0;
+  /// Shows what was drawn into the context's own frame; nothing where there is no window.
+  virtual void show() {}
 };
 
 struct OsMesaSettings {
@@ -35,5 +37,12 @@ struct OsMesaSettings {
 /// Off-screen context through OSMesa, loaded with dlopen (never linked: libGL would take its symbols).
 /// RenderUnavailable when the build has LIMBERG_OSMESA off, the library is absent or it refuses the version.
 std::unique_ptr<GlContext> make_osmesa_context(const OsMesaSettings& settings = {});
+
+/// Off-screen context through EGL without a surface, loaded with dlopen: the graphics card's driver where there is one.
+/// RenderUnavailable when the library is absent or refuses OpenGL 3.3 core.
+std::unique_ptr<GlContext> make_egl_context(const std::string& library = "libEGL.so.1");
+
+/// The off-screen context of this machine: OSMesa, or EGL where there is none. LIMBERG_GL=osmesa|egl chooses.
+std::unique_ptr<GlContext> make_offscreen_context(int software_threads = -1);
 
 }  // namespace limberg

@@ -15,6 +15,7 @@ class GlProgram {
  public:
   GlProgram(const GlFunctions& gl, const std::string& vertex, const std::string& fragment);
   void use() const { gl_->UseProgram(id_); }
+  GLuint id() const { return id_; }
   void set(const char* name, float v) const { gl_->Uniform1f(at(name), v); }
   void set(const char* name, int v) const { gl_->Uniform1i(at(name), v); }
   void set(const char* name, const Vec3f& v) const { gl_->Uniform3f(at(name), v.x(), v.y(), v.z()); }
@@ -73,5 +74,8 @@ bool has_anisotropy(const GlFunctions& gl);
 
 /// Uploads a texture with mipmaps; `srgb`: the colours are sRGB and are read as linear light.
 GLuint make_texture(const GlFunctions& gl, const Texels& texels, bool srgb, bool repeat, bool mipmaps);
+
+/// An empty texture for a frame to be copied into: no mipmaps, no filter.
+GLuint make_frame_texture(const GlFunctions& gl);
 
 }  // namespace limberg

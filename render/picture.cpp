@@ -38,7 +38,7 @@ struct PictureMaker::Impl {
   std::optional<Camera> camera;
 
   Impl(int w, int h, PictureQuality q, int threads)
-      : width(w), height(h), quality(q), renderer(make_osmesa_context({.threads = threads})) {}
+      : width(w), height(h), quality(q), renderer(make_offscreen_context(threads)) {}
 
   // Where the eye stands. Over a block: on the surgeon's side, 52 degrees above the skin, so that depth shows and shapes
   // on the skin are hardly foreshortened. Over any other surface: in front of the skin that is looked at, a little below.

@@ -1,6 +1,7 @@
 #include "render/renderer.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -54,6 +55,9 @@ struct Renderer::Impl {
   GLuint skin_map, grid_map, detail_map, colour_map, layer_map = 0;
   std::shared_ptr<const TissueMesh> uploaded;  // the topology that the constant buffers hold
   std::unique_ptr<GlTarget> picture, ids;
+  std::array<std::unique_ptr<GlTarget>, 2> eyes;  // of an anaglyph
+  std::array<GLuint, 2> eye_map{};
+  std::unique_ptr<GlProgram> anaglyph;
   GLint largest = 0;
   bool anisotropic = false;
 
@@ -183,6 +187,7 @@ struct Renderer::Impl {
     empty.draw();
 
     gl.Enable(GL_DEPTH_TEST);
+    if (o.wireframe) gl.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
     bind(0, shadow.texture);
     int unit = 1;
     for (const GLuint texture : {skin_map, grid_map, detail_map, layer_map, colour_map}) {
@@ -195,31 +200,78 @@ struct Renderer::Impl {
         {Part::skin, {0, m.skin_triangles}}, {Part::wall, {m.skin_triangles, m.wall_triangles}}, {Part::side, {walls, m.tri.size() - walls}}};
     for (const auto& [part, range] : ranges)
       if (range[1] > 0) shaded(part, view, o, to_light), tissue_mesh.draw(range[0], range[1]);
+    if (o.wireframe) gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (!s.props.tri.empty()) shaded(Part::tool, view, o, to_light), prop_mesh.draw();
   }
 
-  Image draw(const RenderScene& s, std::span<const View> views, const DrawOptions& o) {
+  // Paints into `target`, made anew when it has another size.
+  void paint_to(std::unique_ptr<GlTarget>& target, const RenderScene& s, std::span<const View> views, const DrawOptions& o, int w, int h) {
     context->make_current();
-    const int ss = std::clamp(o.supersample, 1, 4), w = o.width * ss, h = o.height * ss;
     if (o.width < 1 || o.height < 1 || w > largest || h > largest)
       throw RenderUnavailable("a picture of " + std::to_string(w) + " x " + std::to_string(h) +
                               " pixels cannot be drawn; expected at most " + std::to_string(largest) + " a side");
-    if (!picture || picture->width() != w || picture->height() != h) picture = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
+    const bool anew = !target || target->width() != w || target->height() != h;
+    if (anew) target = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
     upload(s);
     const Mat4f to_light = cast_shadow(s, o.shadow);
-    picture->bind();
+    target->bind();
     const float clear[4]{0, 0, 0, 1}, far_depth = 1;
-    gl.ClearBufferfv(GL_COLOR, 0, clear);
+    if (anew || !o.keep) gl.ClearBufferfv(GL_COLOR, 0, clear);
     gl.ClearBufferfv(GL_DEPTH, 0, &far_depth);
     for (const View& view : views) paint(s, view, o, to_light, w, h);
+  }
 
+  void paint_anaglyph(const RenderScene& s, const View& left, const View& right, const DrawOptions& o) {
+    paint_to(eyes[0], s, std::span(&left, 1), o, o.width, o.height);
+    paint_to(eyes[1], s, std::span(&right, 1), o, o.width, o.height);
+    if (!picture || picture->width() != o.width || picture->height() != o.height)
+      picture = std::make_unique<GlTarget>(gl, GL_RGBA8, o.width, o.height);
+    if (!anaglyph) {
+      anaglyph = std::make_unique<GlProgram>(gl, shaders::background_vertex, std::string("#version 330 core\n") + shaders::anaglyph_fragment);
+      for (GLuint& t : eye_map) t = make_frame_texture(gl);
+    }
+    for (size_t eye = 0; eye < 2; ++eye) {
+      eyes[eye]->bind();
+      bind(int(eye), eye_map[eye]);
+      gl.CopyTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 0, 0, o.width, o.height, 0);
+    }
+    picture->bind();
+    gl.Viewport(0, 0, o.width, o.height);
+    gl.Disable(GL_DEPTH_TEST);
+    anaglyph->use();
+    anaglyph->set("left_eye", 0);
+    anaglyph->set("right_eye", 1);
+    empty.triangles({{0, 1, 2}});
+    empty.draw();
+  }
+
+  Image read() {
+    context->make_current();
+    if (!picture) return {};
+    picture->bind();
+    const int w = picture->width(), h = picture->height();
     Image image(w, h);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     std::vector<uint8_t> rows(image.rgb.size());
     gl.ReadPixels(0, 0, w, h, GL_RGB, GL_UNSIGNED_BYTE, rows.data());
     const size_t stride = 3 * size_t(w);
     for (int y = 0; y < h; ++y) std::memcpy(&image.rgb[stride * size_t(y)], &rows[stride * size_t(h - 1 - y)], stride);
-    return shrink(image, ss);
+    return image;
+  }
+
+  void present(int w, int h) {
+    context->make_current();
+    if (!picture) return;
+    picture->bind();
+    gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+    gl.BlitFramebuffer(0, 0, picture->width(), picture->height(), 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    context->show();
+  }
+
+  Image draw(const RenderScene& s, std::span<const View> views, const DrawOptions& o) {
+    const int ss = std::clamp(o.supersample, 1, 4);
+    paint_to(picture, s, views, o, o.width * ss, o.height * ss);
+    return shrink(read(), ss);
   }
 
   IdImage draw_ids(const RenderScene& s, const View& view, int w, int h) {
@@ -268,6 +320,15 @@ Image Renderer::draw(const RenderScene& scene, const View& view, const DrawOptio
 Image Renderer::draw(const RenderScene& scene, std::span<const View> views, const DrawOptions& options) {
   return impl_->draw(scene, views, options);
 }
+void Renderer::paint(const RenderScene& scene, std::span<const View> views, const DrawOptions& options) {
+  impl_->paint_to(impl_->picture, scene, views, options, options.width, options.height);
+}
+void Renderer::paint_anaglyph(const RenderScene& scene, const View& left, const View& right, const DrawOptions& options) {
+  impl_->paint_anaglyph(scene, left, right, options);
+}
+Image Renderer::read() { return impl_->read(); }
+void Renderer::present(int width, int height) { impl_->present(width, height); }
+const GlFunctions& Renderer::functions() const { return impl_->gl; }
 IdImage Renderer::draw_ids(const RenderScene& scene, const View& view, int width, int height) {
   return impl_->draw_ids(scene, view, width, height);
 }

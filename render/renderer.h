@@ -4,6 +4,12 @@
 //
 // Passes: shadow map (optional), background, tissue, props; then the image is read back. Text and legends are drawn on
 // the image afterwards (overlay.h), so they never depend on the driver.
+//
+// draw() does all of it. A window takes the steps one by one, so that its panels are drawn in the same frame:
+//
+//   renderer.paint(scene, views, options);   // once, or again over a part of the frame with options.keep
+//   ui.paint(...);                           // ui_painter.h
+//   renderer.present(width, height);         // to the window; or renderer.read()
 #include <memory>
 #include <span>
 
@@ -19,6 +25,8 @@ struct DrawOptions {
   int supersample = 1;      // 1..4: draws this many times wider and higher, then averages
   bool shadow = true;
   bool fine_skin = true;    // bump and second specular lobe
+  bool wireframe = false;   // the tissue's triangles as lines
+  bool keep = false;        // paint(): leave what is there; only the views' parts of the frame are drawn anew
   bool colour_field = false;  // show RenderScene::field instead of the skin's colour
   double field_min = 0, field_max = 1;
   int iso_lines = 10;       // intervals of the colour map that are parted by thin lines; 0 = none
@@ -32,6 +40,8 @@ struct IdImage {
   uint32_t at(int x, int y) const { return id[size_t(y) * size_t(width) + size_t(x)]; }
 };
 
+struct GlFunctions;
+
 class Renderer {
  public:
   /// RenderUnavailable when the context lacks a function of OpenGL 3.3 core.
@@ -41,6 +51,16 @@ class Renderer {
 
   Image draw(const RenderScene& scene, const View& view, const DrawOptions& options);
   Image draw(const RenderScene& scene, std::span<const View> views, const DrawOptions& options);
+  /// The same without reading back; the frame keeps it. `supersample` is not regarded.
+  void paint(const RenderScene& scene, std::span<const View> views, const DrawOptions& options);
+  /// Left and right eye as a red-cyan anaglyph (stereo.h). The views fill the whole frame.
+  void paint_anaglyph(const RenderScene& scene, const View& left, const View& right, const DrawOptions& options);
+  Image read();
+  /// Copies the frame to the context's own and shows it. width, height: of the window's frame, in pixels.
+  void present(int width, int height);
+  /// For others who draw into the frame that was painted last (it is bound).
+  const GlFunctions& functions() const;
+
   IdImage draw_ids(const RenderScene& scene, const View& view, int width, int height);
 
   std::string describe() const;

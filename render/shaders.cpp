@@ -260,6 +260,19 @@ void main() {
 }
 )";
 
+// Red-cyan by least squares (Dubois 2001): each eye's picture, in linear light, through the matrix fitted to its filter.
+const char* const anaglyph_fragment = R"(
+in vec2 v_at;
+uniform sampler2D left_eye, right_eye;
+out vec4 colour;
+const mat3 left_filter = mat3(0.4561, -0.0400822, -0.0152161,   0.500484, -0.0378246, -0.0205971,   0.176381, -0.0157589, -0.00546856);
+const mat3 right_filter = mat3(-0.0434706, 0.378476, -0.0721527,   -0.0879388, 0.73364, -0.112961,   -0.00155529, -0.0184503, 1.2264);
+void main() {
+  vec3 l = pow(texture(left_eye, v_at).rgb, vec3(2.2)), r = pow(texture(right_eye, v_at).rgb, vec3(2.2));
+  colour = vec4(pow(clamp(left_filter * l + right_filter * r, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);
+}
+)";
+
 const char* const depth_vertex = R"(#version 330 core
 layout(location = 0) in vec3 position;
 uniform mat4 to_clip;

@@ -48,6 +48,21 @@ Vec3f View::to_pixel(const Vec3f& world_mm, int width, int height) const {
   return {(x0 + u * (x1 - x0)) * float(width), (y0 + v * (y1 - y0)) * float(height), ndc.z()};
 }
 
+View View::part(float u0, float u1) const {
+  View v = *this;
+  const float middle = u0 + u1 - 1, half = u1 - u0;
+  v.projection.row(0) = (projection.row(0) - middle * projection.row(3)) / half;
+  v.x0 = x0 + u0 * (x1 - x0), v.x1 = x0 + u1 * (x1 - x0);
+  return v;
+}
+
+Vec3f View::ray_through(float x_px, float y_px, int width, int height) const {
+  const float u = (x_px / float(width) - x0) / (x1 - x0), v = (y_px / float(height) - y0) / (y1 - y0);
+  const Mat4f back = (projection * to_eye).inverse();
+  const Vec3f far_end = (back * Eigen::Vector4f(2 * u - 1, 1 - 2 * v, 0.5f, 1)).hnormalized();
+  return (far_end - eye_mm).normalized();
+}
+
 View Camera::view(double aspect) const {
   const Axes a = axes_of(*this);
   const float t = near_mm * std::tan(0.5f * fov_deg * float(M_PI) / 180), r = t * float(aspect);
@@ -58,10 +73,10 @@ View Camera::view(double aspect) const {
   return v;
 }
 
-std::vector<View> Camera::stereo_side_by_side(double aspect, double eye_distance_mm) const {
+std::vector<View> Camera::stereo_pair(double aspect, double eye_distance_mm) const {
   const Axes a = axes_of(*this);
   const float distance = std::max((eye_mm - target_mm).norm(), near_mm);
-  const float t = near_mm * std::tan(0.5f * fov_deg * float(M_PI) / 180), r = t * float(aspect) * 0.5f;
+  const float t = near_mm * std::tan(0.5f * fov_deg * float(M_PI) / 180), r = t * float(aspect);
   std::vector<View> views;
   for (const float side : {-0.5f, 0.5f}) {
     const float offset = side * float(eye_distance_mm), shift = -offset * near_mm / distance;
@@ -69,9 +84,14 @@ std::vector<View> Camera::stereo_side_by_side(double aspect, double eye_distance
     v.eye_mm = eye_mm + offset * a.right;
     v.to_eye = look(v.eye_mm, a.right, a.up, a.back);
     v.projection = frustum(-r + shift, r + shift, -t, t, near_mm, far_mm);
-    v.x0 = side < 0 ? 0.0f : 0.5f, v.x1 = v.x0 + 0.5f;
     views.push_back(v);
   }
+  return views;
+}
+
+std::vector<View> Camera::stereo_side_by_side(double aspect, double eye_distance_mm) const {
+  std::vector<View> views = stereo_pair(0.5 * aspect, eye_distance_mm);
+  views[0].x1 = views[1].x0 = 0.5f;
   return views;
 }
 

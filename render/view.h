@@ -15,6 +15,13 @@ struct View {
   Vec3f eye_mm = Vec3f::Zero();
   float x0 = 0, y0 = 0, x1 = 1, y1 = 1;  // of the image, from its top left corner
 
+  /// The part of this view between u0 and u1 of its width (0..1, from the left), in that part of the image: what a wipe
+  /// between two scenes shows on one side.
+  View part(float u0, float u1) const;
+
+  /// The ray through a pixel: where it starts (the eye) and its unit direction.
+  Vec3f ray_through(float x_px, float y_px, int width, int height) const;
+
   /// Pixel of a world point in an image of the given size (x right, y down), and its depth in clip space.
   Vec3f to_pixel(const Vec3f& world_mm, int width, int height) const;
 };
@@ -28,6 +35,8 @@ struct Camera {
   View view(double aspect) const;
   /// Left and right eye, off-axis frusta meeting in the plane of the target; each fills half of the image, side by side.
   std::vector<View> stereo_side_by_side(double aspect, double eye_distance_mm = 6) const;
+  /// The same, but each fills the whole image: for an anaglyph.
+  std::vector<View> stereo_pair(double aspect, double eye_distance_mm = 6) const;
 };
 
 /// A camera that sees the whole ball (centre, radius) from the direction `from` (towards the eye).

@@ -1,0 +1,115 @@
+#include <cstdlib>
+
+#include "render/gl_context.h"
+
+#ifdef LIMBERG_EGL
+#include <dlfcn.h>
+
+#include <array>
+#include <cstdint>
+
+namespace limberg {
+
+namespace {
+
+// The part of EGL that is used (EGL 1.5), declared here so that no header and no library is needed to build.
+using Handle = void*;
+using PlatformDisplayFn = Handle (*)(unsigned platform, void* native, const intptr_t* attributes);
+using InitializeFn = unsigned (*)(Handle display, int* major, int* minor);
+using BindApiFn = unsigned (*)(unsigned api);
+using CreateContextFn = Handle (*)(Handle display, Handle config, Handle share, const int* attributes);
+using DestroyContextFn = unsigned (*)(Handle display, Handle context);
+using MakeCurrentFn = unsigned (*)(Handle display, Handle draw, Handle read, Handle context);
+using AddressFn = void (*(*)(const char*))();
+
+constexpr unsigned kSurfacelessMesa = 0x31DD, kOpenGlApi = 0x30A2;
+constexpr int kMajor = 0x3098, kMinor = 0x30FB, kProfileMask = 0x30FD, kCoreProfile = 1, kNone = 0x3038;
+
+template <class F>
+F symbol(void* library, const char* name, const std::string& file) {
+  void* p = dlsym(library, name);
+  if (!p) throw RenderUnavailable("no pictures: " + file + " lacks " + name + "; expected EGL 1.5 (Debian: libegl1)");
+  return reinterpret_cast<F>(p);
+}
+
+class EglContext final : public GlContext {
+ public:
+  explicit EglContext(const std::string& file) {
+    void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // never closed, as with OSMesa
+    if (!library) {
+      const char* why = dlerror();
+      throw RenderUnavailable("no pictures: " + file + " cannot be loaded (" + (why ? why : "unknown") + "); install libegl1");
+    }
+    const auto display = symbol<PlatformDisplayFn>(library, "eglGetPlatformDisplay", file);
+    const auto initialize = symbol<InitializeFn>(library, "eglInitialize", file);
+    bind_api_ = symbol<BindApiFn>(library, "eglBindAPI", file);
+    const auto create = symbol<CreateContextFn>(library, "eglCreateContext", file);
+    destroy_ = symbol<DestroyContextFn>(library, "eglDestroyContext", file);
+    make_current_ = symbol<MakeCurrentFn>(library, "eglMakeCurrent", file);
+    address_ = symbol<AddressFn>(library, "eglGetProcAddress", file);
+    display_ = display(kSurfacelessMesa, nullptr, nullptr);
+    if (!display_ || !initialize(display_, nullptr, nullptr))
+      throw RenderUnavailable("no pictures: EGL has no display without a surface; expected Mesa's (Debian: libegl-mesa0)");
+    bind_api_(kOpenGlApi);
+    const std::array<int, 7> attributes{kMajor, 3, kMinor, 3, kProfileMask, kCoreProfile, kNone};
+    context_ = create(display_, nullptr, nullptr, attributes.data());  // no config: nothing but framebuffer objects is drawn to
+    if (!context_) throw RenderUnavailable("no pictures: EGL refused a core context of OpenGL 3.3");
+  }
+  ~EglContext() override {
+    if (!context_) return;
+    make_current_(display_, nullptr, nullptr, nullptr);
+    destroy_(display_, context_);
+  }
+  void make_current() override {
+    bind_api_(kOpenGlApi);  // of this thread
+    if (!make_current_(display_, nullptr, nullptr, context_))
+      throw RenderUnavailable("no pictures: EGL could not make its context current without a surface");
+  }
+  void* address(const char* function) const override { return reinterpret_cast<void*>(address_(function)); }
+  std::string describe() const override { return "EGL without a surface"; }
+
+ private:
+  Handle display_ = nullptr, context_ = nullptr;
+  BindApiFn bind_api_ = nullptr;
+  DestroyContextFn destroy_ = nullptr;
+  MakeCurrentFn make_current_ = nullptr;
+  AddressFn address_ = nullptr;
+};
+
+}  // namespace
+
+std::unique_ptr<GlContext> make_egl_context(const std::string& library) { return std::make_unique<EglContext>(library); }
+
+}  // namespace limberg
+
+#else
+
+namespace limberg {
+
+std::unique_ptr<GlContext> make_egl_context(const std::string&) {
+  throw RenderUnavailable("no pictures: this program was built without EGL (LIMBERG_EGL=OFF)");
+}
+
+}  // namespace limberg
+#endif
+
+namespace limberg {
+
+std::unique_ptr<GlContext> make_offscreen_context(int software_threads) {
+  const char* chosen = std::getenv("LIMBERG_GL");
+  const std::string kind = chosen ? chosen : "";
+  if (kind == "egl") return make_egl_context();
+  if (kind == "osmesa") return make_osmesa_context({.threads = software_threads});
+  if (!kind.empty()) throw RenderUnavailable("no pictures: LIMBERG_GL=" + kind + " is unknown; expected osmesa or egl");
+  try {
+    return make_osmesa_context({.threads = software_threads});
+  } catch (const RenderUnavailable& first) {
+    try {
+      return make_egl_context();
+    } catch (const RenderUnavailable& second) {
+      throw RenderUnavailable(std::string(first.what()) + "; " + second.what());
+    }
+  }
+}
+
+}  // namespace limberg
