@@ -5,6 +5,7 @@
 
 #include "app/commands/commands.h"
 #include "app/interrupt.h"
+#include "app/manual.h"
 #include "app/progress.h"
 #include "app/version.h"
 #include "sim/error.h"
@@ -18,12 +19,25 @@ int defect(const char* what) {
   return kDefect;
 }
 
+// What a call without a command says.
+constexpr const char* kFirstSteps =
+    "Limberg: a trainer for open reconstructive surgery. Try:\n"
+    "  limberg run                                    a window: operate on a rhomboid defect with the mouse; N shows each step\n"
+    "  limberg replay recordings/rhomboid.lcm --out out/demo   a recorded operation, its pictures and its report\n"
+    "  limberg operate zplasty recordings/zplasty.jsonl --out out/z   an operation by script, to equilibrium\n"
+    "  limberg study zplasty --out out/study          what a Z-plasty gains, by its angle\n"
+    "  limberg bench speed                            how fast it is on this machine\n"
+    "limberg --help lists the commands; limberg COMMAND --help has an example of each.\n";
+
 int run_main(int argc, char** argv) {
   CLI::App app("Limberg: a trainer for open reconstructive surgery", "limberg");
-  app.require_subcommand(1);
+  app.require_subcommand(0, 1);
   app.set_version_flag("--version", program_name());
   app.footer("Exit status: 0 done; 1 the program failed; 2 the input or the call is wrong; 3 the goal was not reached.\n"
              "Example: limberg replay recordings/rhomboid.lcm --out out/demo");
+  bool man = false, completion = false;
+  app.add_flag("--man", man, "Print the manual page (limberg --man | man -l -)");
+  app.add_flag("--completion", completion, "Print the completion for bash");
   Chosen chosen;
   add_run(app, chosen);
   add_replay(app, chosen);
@@ -48,8 +62,16 @@ int run_main(int argc, char** argv) {
     say(what + "; expected a call as in limberg --help");
     return kBadInput;
   }
+  if (man || completion) {
+    std::fputs((man ? manual_page(app, program_name()) : bash_completion(app)).c_str(), stdout);
+    return kDone;
+  }
+  if (!chosen) {
+    if (app.get_subcommands().empty()) std::fputs(kFirstSteps, stdout);
+    return kDone;
+  }
   catch_interrupts();
-  return chosen ? chosen() : kBadInput;
+  return chosen();
 }
 
 }  // namespace

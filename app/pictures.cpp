@@ -17,6 +17,8 @@ PictureOptions titled(const std::string& title) {
   return o;
 }
 
+}  // namespace
+
 Camera scene_camera(const Scene& scene) {
   Camera c;
   c.target_mm = scene.camera.target_mm.cast<float>();
@@ -39,8 +41,6 @@ ToolPose tool_pose(const ToolState& t) {
   for (int i = 0; i < 3; ++i) p.tip_mm[i] = float(t.tip_mm[i]), p.shaft[i] = float(t.shaft[i]);
   return p;
 }
-
-}  // namespace
 
 struct OffscreenFrames::Impl {
   Camera camera;

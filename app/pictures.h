@@ -7,8 +7,14 @@
 #include "app/scene.h"
 #include "app/session/picture_sink.h"
 #include "app/session/solver_lane.h"
+#include "render/tool_pose.h"
+#include "render/view.h"
 
 namespace limberg {
+
+/// Where a scene's camera stands, and what the hand holds, as pictures know them.
+Camera scene_camera(const Scene& scene);
+ToolPose tool_pose(const ToolState& tool);
 
 /// Draws frames off screen and throws them away: what a session without a window costs is then what one with a window
 /// costs. Where no context can be made it says so once and draws nothing.

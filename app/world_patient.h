@@ -13,6 +13,7 @@ class WorldPatient final : public Patient {
   StepReport step(const StepSettings& s) override { return world_.step(s); }
   bool settled() const override { return world_.settled(); }
   void fill(Snapshot& s) const override { world_.fill(s); }
+  void fill_with_field(Snapshot& s) const override { world_.fill(s, true); }
   std::shared_ptr<const SurfaceTopology> topology() const override { return world_.topology(); }
   uint64_t topology_hash() const override { return world_.topology_hash(); }
   uint64_t state_hash() const override { return world_.state_hash(); }

@@ -29,6 +29,11 @@ double scale_end(const RenderScene& scene, double& highest) {
 
 }  // namespace
 
+double tension_scale_end(const RenderScene& scene) {
+  double highest = 0;
+  return scale_end(scene, highest) / 100;
+}
+
 struct PictureMaker::Impl {
   int width, height;
   PictureQuality quality;

@@ -30,6 +30,10 @@ enum class PictureQuality {
   live    // no extras: for a frame many times a second on a software renderer
 };
 
+struct RenderScene;
+/// Where a live colour scale of the tension ends (stretch - 1): a round number above the skin's 99th percentile.
+double tension_scale_end(const RenderScene& scene);
+
 class PictureMaker {
  public:
   /// RenderUnavailable (gl_context.h) when there is no off-screen context.

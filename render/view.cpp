@@ -56,6 +56,13 @@ View View::part(float u0, float u1) const {
   return v;
 }
 
+View View::placed(float u0, float v0, float u1, float v1) const {
+  View v = *this;
+  v.x0 = u0 + x0 * (u1 - u0), v.x1 = u0 + x1 * (u1 - u0);
+  v.y0 = v0 + y0 * (v1 - v0), v.y1 = v0 + y1 * (v1 - v0);
+  return v;
+}
+
 Vec3f View::ray_through(float x_px, float y_px, int width, int height) const {
   const float u = (x_px / float(width) - x0) / (x1 - x0), v = (y_px / float(height) - y0) / (y1 - y0);
   const Mat4f back = (projection * to_eye).inverse();

@@ -19,6 +19,10 @@ struct View {
   /// between two scenes shows on one side.
   View part(float u0, float u1) const;
 
+  /// This view in another part of the image: between u0 and u1 of the width and v0 and v1 of the height of where it was
+  /// meant to be all of it.
+  View placed(float u0, float v0, float u1, float v1) const;
+
   /// The ray through a pixel: where it starts (the eye) and its unit direction.
   Vec3f ray_through(float x_px, float y_px, int width, int height) const;
 

@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
+#include <cstdlib>
 
 #include "app/commands/auto_option.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"
 #include "app/progress.h"
+#include "app/shipped.h"
 #include "devices/emulator.h"
 #include "devices/log_source.h"
 #include "sim/error.h"
@@ -14,7 +16,7 @@ namespace limberg {
 namespace {
 
 struct Options {
-  std::string scene, record, calibration;
+  std::string scene = "rhomboid", record, calibration, lesson;
   std::vector<std::string> devices;
   double seconds = 0, cursor = 0;
   bool headless = false, replace = false, cut_at_end = false;
@@ -48,6 +50,21 @@ void add_device(SessionCall& call, const std::string& text) {
   }
 }
 
+/// A desktop to open a window on.
+bool has_display() {
+  const auto set = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value && *value;
+  };
+  return set("DISPLAY") || set("WAYLAND_DISPLAY");
+}
+
+/// What "next" shows: the script asked for, or the one shipped for the scene.
+std::string lesson_file(const Options& o) {
+  if (!o.lesson.empty()) return o.lesson;
+  return o.scene.find('/') == std::string::npos ? shipped_file("recordings/" + o.scene + ".jsonl") : "";
+}
+
 int run(const Options& o) {
   o.common.prepare();
   SessionCall call;
@@ -58,7 +75,20 @@ int run(const Options& o) {
   call.progressive_cut = call.scene.tools.progressive_cut.value_or(true) && !o.cut_at_end;
   call.point = o.automatic.apply(call.scene);
   for (const std::string& d : o.devices) add_device(call, d);
-  if (o.devices.empty()) add_device(call, "lcm");
+  const bool window = !o.headless && has_display();
+  if (!o.headless && !window) say("no display: no window is opened; --headless says that none is wanted");
+  if (o.devices.empty() && !window) add_device(call, "lcm");
+  if (window) {
+    WindowCall w;
+    for (const std::string& d : o.devices) w.device += (w.device.empty() ? "" : ", ") + d;
+    w.mouse = o.devices.empty();
+    w.recording = o.record;
+    if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
+    const std::string lesson = lesson_file(o);
+    if (!lesson.empty())
+      for (const ScriptLine& l : load_script(lesson).lines) w.lesson.push_back(l.command);
+    call.window = [w](const Scene& scene) { return open_window(scene, w); };
+  }
   if (o.cursor > 0) {
     ControlSample on;
     on.device_id = kOwnControls;
@@ -80,15 +110,16 @@ int run(const Options& o) {
 void add_run(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("run", "Operate in real time");
-  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
-  c->add_option("--device", o->devices, std::string(kDeviceSpecs) + " (default lcm); may be repeated")->type_name("SPEC");
+  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene (default: rhomboid)");
+  c->add_option("--device", o->devices, std::string(kDeviceSpecs) + "; may be repeated (default: the mouse; without a window lcm)")->type_name("SPEC");
   c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")->type_name("FILE");
   c->add_option("--record", o->record, "Record the session to this LCM log")->type_name("FILE");
   c->add_flag("--replace", o->replace, "Replace the recording if it exists");
   c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")->type_name("S")->check(CLI::Range(0.001, 86400.0));
   c->add_option("--cursor", o->cursor, "The stylus pushes a surface cursor, by this share of its own way")->type_name("GAIN")->check(CLI::Range(0.05, 2.0));
   c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
-  c->add_flag("--headless", o->headless, "No window (this build draws off screen only)");
+  c->add_flag("--headless", o->headless, "No window");
+  c->add_option("--lesson", o->lesson, "Script whose steps the window's Next shows (default: the shipped one of the scene)")->type_name("SCRIPT");
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out out/my");

@@ -14,7 +14,9 @@
 #include "app/report/report_names.h"
 #include "app/session/lockstep.h"
 #include "app/session/realtime.h"
+#include "app/shipped.h"
 #include "app/version.h"
+#include "render/gl_context.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -77,7 +79,9 @@ void print_summary(const SessionCall& call, const Assembly& a, const SessionFigu
 }  // namespace
 
 Scene open_scene(const std::string& name_or_path) {
-  return load_scene(find_scene(name_or_path, {"app/scenes", LIMBERG_SOURCE_DIR "/app/scenes"}));
+  std::vector<std::string> folders;
+  for (const std::string& root : shipped_roots()) folders.push_back(root == "." ? "app/scenes" : root + "/app/scenes");
+  return load_scene(find_scene(name_or_path, folders));
 }
 
 void leave_result(const Result& result, const CommonOptions& common) {
@@ -107,9 +111,21 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (!call.common.out_dir.empty()) o.script_file = call.common.out_dir + "/session.jsonl";
   OffscreenFrames frames(call.scene, 640, 480);
   if (o.draw_frames) o.sink = &frames;
+  std::unique_ptr<SessionWindow> window;
+  if (call.window) {
+    try {
+      window = call.window(call.scene);
+      o.sink = &window->sink();
+    } catch (const RenderUnavailable& e) {
+      say(e.what());
+      if (call.sources.empty() && call.live_sources.empty()) throw InputError("", 0, "no window and no device: nothing can be done to the patient; expected a display, or --device");
+      say("going on without a window");
+    }
+  }
   Assembly a(std::move(call.scene), call.calibration, o);
   call.scene_files.reset();
   for (auto& s : call.sources) a.front.add(std::move(s));
+  if (window) a.front.add(window->pointer());
   const std::unique_ptr<Recorder> recorder = open_recorder(call, a);
 
   Progress progress(call.command);
@@ -120,6 +136,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   set.interrupted = interrupted;
   set.progress = [&](int64_t tick) { progress.show(double(tick) * 1e-3, call.known_length_s, "s"); };
   set.say = [&](const std::string& line) { progress.clear(), say(line); };
+  if (window) set.gauges = &window->gauges(), set.pump = [&] { window->pump(); };
   SessionFigures f;
   if (call.real_time) {
     f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
@@ -130,6 +147,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     f = run_lockstep(a.lanes(recorder.get()), set);
   }
   progress.clear();
+  window.reset();
 
   Result result(call.command, a.scene.name);
   fill_session(result, a, f, call.real_time);

@@ -10,6 +10,7 @@
 #include "app/device_specs.h"
 #include "app/operating_point.h"
 #include "app/session_result.h"
+#include "app/window/run_window.h"
 
 namespace limberg {
 
@@ -32,6 +33,7 @@ struct SessionCall {
   LogDamage damage;
   std::string reproduce;           // the command that makes the result again
   std::optional<bench::OperatingPoint> point;  // that the scene was set to (--auto)
+  std::function<std::unique_ptr<SessionWindow>(const Scene&)> window;  // empty: none; RenderUnavailable: goes on without
   CommonOptions common;
 };
 

@@ -4,11 +4,14 @@
 //     device ──ring: tool events, never dropped unsaid──► solver
 //     device ──triple buffer: where the hand is────────► solver, render
 //     solver ──triple buffer: the patient──────────────► device, render
-//     solver ──ring: stages passed─────────────────────► render
+//     solver ──ring: stages passed, acts done──────────► render
 //     device ──ring: every sample as received──────────► recorder
 //
 // Nothing here waits. Each buffer has one writer and one reader.
+#include <atomic>
+
 #include "app/session/epoch.h"
+#include "app/session/notice.h"
 #include "app/session/spsc_ring.h"
 #include "app/session/triple_buffer.h"
 #include "devices/tool_event.h"
@@ -42,6 +45,8 @@ struct Channels {
   SpscRing<ToolEvent> events{1 << 14};  // 16 s of a gesture that makes an event on every tick
   SpscRing<Sample> samples{1 << 14};
   SpscRing<StageMark> stages{1 << 10};
+  SpscRing<Notice> notices{1 << 8};  // for a screen: where nobody empties it, later ones are dropped
+  std::atomic<bool> want_field{false};  // render asks the solver for the tension
   TripleBuffer<HandState> hand_to_solver, hand_to_render;
   TripleBuffer<PatientState> patient_to_device, patient_to_render;
   Versions<SurfaceTopology, kTopologyReaders> topologies;  // owned by the solver lane

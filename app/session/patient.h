@@ -16,6 +16,8 @@ class Patient {
   /// False while something that a command began is still going on over steps (a stitch that is being drawn tight).
   virtual bool settled() const { return true; }
   virtual void fill(Snapshot& snapshot) const = 0;
+  /// With the tension of the skin, where the patient knows one.
+  virtual void fill_with_field(Snapshot& snapshot) const { fill(snapshot); }
   virtual std::shared_ptr<const SurfaceTopology> topology() const = 0;
   virtual uint64_t topology_hash() const = 0;
   virtual uint64_t state_hash() const = 0;

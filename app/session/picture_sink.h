@@ -6,6 +6,7 @@
 // the topology it names stay valid during a call, and the topology until the next call.
 #include <string>
 
+#include "app/session/notice.h"
 #include "devices/tool_event.h"
 #include "sim/snapshot.h"
 
@@ -21,6 +22,12 @@ class PictureSink {
   virtual void stage(const std::string& name, const Snapshot& snapshot) = 0;
   /// After the last frame, on the same thread: the place to let go of a GL context.
   virtual void finish() {}
+  /// True when a frame is wanted although neither patient nor hand has changed (a panel was touched, the camera moved).
+  virtual bool wants_frame() { return false; }
+  /// True when the patient's tension is to be filled in (Snapshot::field), which costs the solver a few ms a step.
+  virtual bool wants_field() const { return false; }
+  /// Something was done, undone or refused (channels.h), in order, before the frame that shows it.
+  virtual void notice(const Notice& notice) { (void)notice; }
   /// False asks the session to end (a window was closed).
   virtual bool open() const { return true; }
 };

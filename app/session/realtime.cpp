@@ -62,7 +62,7 @@ void give_up_real_time() {
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
 }
 
-void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick, int64_t tail_ticks, int priority) {
+void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick, int64_t tail_ticks, int priority, LaneGauges* gauges) {
   request_exact_timers();
   {
     const std::string got = request_real_time(priority);
@@ -89,6 +89,15 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick,
     t.age.add((tick - lane.snapshot_tick()) * kDeviceTickNs);
     ++t.ticks;
     c.tick.store(tick, std::memory_order_relaxed);
+    if (gauges) {
+      LaneGauges::set(gauges->tick, tick);
+      LaneGauges::set(gauges->device_late, int64_t(t.late));
+      LaneGauges::set(gauges->device_ns, ended - woke);
+      if (lane.hand().sample_ns != LaneGauges::get(gauges->sample_ns)) {
+        LaneGauges::set(gauges->sample_ns, lane.hand().sample_ns);
+        LaneGauges::set(gauges->samples, LaneGauges::get(gauges->samples) + 1);
+      }
+    }
     if (ended - woke > 50 * kNsPerMs) give_up_real_time();
     if (end < 0 && lane.done()) end = tick + tail_ticks;
     if (end >= 0 && tick >= end) break;
@@ -121,6 +130,7 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
     const int64_t done = clock.now_ns();
     t.work.add(done - woke);
     ++t.ticks;
+    if (set.gauges) LaneGauges::set(set.gauges->solver_ns, done - woke);
     if (lane.published_new_sample()) out.sample_to_snapshot.add(done - lane.newest_sample_ns());
     if (ended && ++resting >= 1) {
       out.settle_steps = resting;
@@ -156,6 +166,7 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
       const int64_t done = clock.now_ns();
       t.work.add(done - woke);
       ++t.ticks;
+      if (set.gauges) LaneGauges::set(set.gauges->frame_ns, done - woke);
       if (lane.sample_ns() != shown_sample) out.sample_to_frame.add(done - lane.sample_ns());
       shown_sample = lane.sample_ns();
     }
@@ -179,7 +190,7 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
     Thread render_t(guarded(c, [&] { render_thread(c, render, out, set, rt.render_nice); }));
     for (int r = c.ready.load(); r < 2; r = c.ready.load()) c.ready.wait(r);
     Thread device_t(guarded(c, [&] {
-      device_thread(c, device, out.device, set.end_tick, set.tail_ticks, rt.fifo_priority);
+      device_thread(c, device, out.device, set.end_tick, set.tail_ticks, rt.fifo_priority, set.gauges);
     }));
     for (int r = c.ready.load(); r < 3; r = c.ready.load()) c.ready.wait(r);
     const int64_t start = RealClock::monotonic_ns() + 20 * kNsPerMs;
@@ -194,9 +205,11 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
 
     const RealClock clock(start);
     bool warned = false;
-    for (int64_t t = 0; !c.at_rest && !c.failed(); t += 10 * kNsPerMs) {
+    const int64_t look_ns = (set.pump ? 4 : 10) * kNsPerMs;
+    for (int64_t t = 0; !c.at_rest && !c.failed(); t += look_ns) {
       clock.sleep_until_ns(t);
       t = std::max(t, clock.now_ns());
+      if (set.pump) set.pump();
       if (recorder) {
         recorder->drain();
         if (recorder->failed() && !warned && set.say) set.say(recorder->path() + ": recording stopped: " + recorder->error());

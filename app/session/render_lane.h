@@ -40,7 +40,9 @@ class RenderLane {
         waiting_.pop_front();
         drawn = true;
       }
-      if (frames_ && ((new_patient && patient_changed(s)) || (new_hand && hand_changed()))) {
+      for (Notice n; ch_.notices.pop(n);) sink_->notice(n);
+      ch_.want_field.store(sink_->wants_field(), std::memory_order_relaxed);
+      if (frames_ && (sink_->wants_frame() || (new_patient && patient_changed(s)) || (new_hand && hand_changed()))) {
         sink_->frame(s, ch_.hand_to_render.reading().tool);
         drawn = true;
         ++frames_drawn_;
@@ -68,7 +70,7 @@ class RenderLane {
   }
   bool patient_changed(const Snapshot& s) const {
     if (frames_drawn_ == 0 || s.topology_version != shown_version_ || s.hooks.size() != shown_hooks_ ||
-        s.sutures.size() != shown_sutures_ || s.x_mm.size() != shown_x_.size())
+        s.sutures.size() != shown_sutures_ || s.x_mm.size() != shown_x_.size() || s.field.empty() != shown_plain_)
       return true;
     for (size_t i = 0; i < s.x_mm.size(); ++i)
       if ((s.x_mm[i] - shown_x_[i]).squaredNorm() > kVisible_mm * kVisible_mm) return true;
@@ -79,6 +81,7 @@ class RenderLane {
     shown_version_ = s.topology_version;
     shown_hooks_ = s.hooks.size(), shown_sutures_ = s.sutures.size();
     shown_x_ = s.x_mm;
+    shown_plain_ = s.field.empty();
   }
 
   Channels& ch_;
@@ -91,6 +94,7 @@ class RenderLane {
   uint64_t shown_version_ = 0;
   size_t shown_hooks_ = 0, shown_sutures_ = 0;
   std::vector<Vec3f> shown_x_;
+  bool shown_plain_ = true;  // without the tension
 };
 
 }  // namespace limberg

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/session/device_lane.h"
+#include "app/session/gauges.h"
 #include "app/session/lanes.h"
 #include "app/session/recorder.h"
 #include "app/session/render_lane.h"
@@ -33,6 +34,8 @@ struct SessionSettings {
   double settle_residual = 1e-5;
   int settle_steps = 600;
   bool stop_when_recording_fails = false;
+  LaneGauges* gauges = nullptr;      // real time: filled while it runs
+  std::function<void()> pump;        // real time: called every few ms from the calling thread (a window's events)
   std::function<bool()> interrupted;             // asked now and then, from the driver's thread
   std::function<void(int64_t tick)> progress;    // the same
   std::function<void(const std::string&)> say;   // one line for the user, from the driver's thread

@@ -1,6 +1,7 @@
 #include "app/session/solver_lane.h"
 
 #include "app/session/clock.h"
+#include "app/session/command_words.h"
 #include "sim/hash.h"
 #include "sim/tools/script.h"
 
@@ -60,6 +61,7 @@ void SolverLane::apply(const Command& c, int64_t tick) {
   const Outcome o = patient_.apply(c);
   if (!o.done) {
     refused_.push_back({seconds(tick), action_name(c), o.reason});
+    notify(Notice::refused, c, o.reason, tick);
     if (std::holds_alternative<InciseMore>(c)) builder_.stop_stroke();
     if (on_refusal_) on_refusal_(c, o.reason);
     return;
@@ -73,7 +75,18 @@ void SolverLane::apply(const Command& c, int64_t tick) {
     stages_.push_back(row);
     ch_.stages.push({row.number, ShortText(s->name)});
   }
+  const bool undo = std::holds_alternative<Undo>(c), redo = std::holds_alternative<Redo>(c);
+  notify(undo ? Notice::undone : redo ? Notice::redone : Notice::done, c, undo || redo ? "" : in_words(c), tick);
   if (on_command_) on_command_(c);
+}
+
+void SolverLane::notify(int32_t kind, const Command& c, const std::string& text, int64_t tick) {
+  Notice n;
+  n.kind = kind;
+  n.t_s = seconds(tick);
+  Notice::put(n.action, action_name(c));
+  Notice::put(n.text, text);
+  ch_.notices.push(n);
 }
 
 void SolverLane::follow_hand() {
@@ -88,7 +101,8 @@ void SolverLane::publish(int64_t tick) {
   new_sample_ = hand_.sample_ns != shown_sample_ns_;
   shown_sample_ns_ = hand_.sample_ns;
   PatientState& out = ch_.patient_to_device.writing();
-  patient_.fill(out.snapshot);
+  if (ch_.want_field.load(std::memory_order_relaxed)) patient_.fill_with_field(out.snapshot);
+  else patient_.fill(out.snapshot);
   out.snapshot.device_tick = tick;
   out.snapshot.stage = int32_t(stages_.size());
   out.sample_ns = hand_.sample_ns;

@@ -74,6 +74,7 @@ class SolverLane {
  private:
   void take(const ToolEvent& e, int64_t tick);
   void apply(const Command& c, int64_t tick);
+  void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
   void follow_hand();
   void publish(int64_t tick);
 

@@ -1,0 +1,40 @@
+#include "app/session/command_words.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "sim/tools/script.h"
+
+namespace limberg {
+
+namespace {
+
+double length_mm(const std::vector<ChartPoint>& p, bool closed) {
+  double l = 0;
+  for (size_t i = 1; i < p.size(); ++i) l += (p[i] - p[i - 1]).norm();
+  return closed && p.size() > 2 ? l + (p.front() - p.back()).norm() : l;
+}
+
+template <class... Values>
+std::string words(const char* format, Values... values) {
+  char text[96];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+}  // namespace
+
+std::string in_words(const Command& command) {
+  if (const auto* c = std::get_if<Incise>(&command)) return words("incise %.0f mm, %.3g mm deep", length_mm(c->path, false), c->depth_mm);
+  if (const auto* c = std::get_if<InciseMore>(&command)) return words("incision %d, %.3g mm deep", c->stroke, c->depth_mm);
+  if (const auto* c = std::get_if<Undermine>(&command)) return words("undermine %.0f mm around, at %.3g mm", length_mm(c->outline, true), c->depth_mm);
+  if (const auto* c = std::get_if<Excise>(&command)) return words("excise %.0f mm around, %.3g mm deep", length_mm(c->outline, true), c->depth_mm);
+  if (const auto* c = std::get_if<SetHook>(&command)) return words("hook %d set", c->id);
+  if (const auto* c = std::get_if<MoveHook>(&command)) return words("hook %d moved", c->id);
+  if (const auto* c = std::get_if<ReleaseHook>(&command)) return words("hook %d released", c->id);
+  if (const auto* c = std::get_if<SutureRow>(&command)) return words("row of sutures every %.3g mm", c->spacing_mm);
+  if (const auto* c = std::get_if<Stage>(&command)) return "stage: " + c->name;
+  return action_name(command);
+}
+
+}  // namespace limberg

@@ -1,0 +1,23 @@
+#pragma once
+// What the solver did with a command, for whoever shows the session: fixed size, passed through a ring.
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace limberg {
+
+struct Notice {
+  enum Kind : int32_t { done, undone, redone, refused };
+  int32_t kind = done;
+  double t_s = 0;                 // session time
+  std::array<char, 24> action{};  // as in a script: "incise"
+  std::array<char, 168> text{};   // done: the act in a few words; refused: why. Ends with a zero, cut short where it is longer
+
+  template <size_t n>
+  static void put(std::array<char, n>& to, const std::string& from) {
+    to.fill(0);
+    for (size_t i = 0; i < from.size() && i + 1 < n; ++i) to[i] = from[i];
+  }
+};
+
+}  // namespace limberg

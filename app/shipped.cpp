@@ -1,0 +1,27 @@
+#include "app/shipped.h"
+
+#include <filesystem>
+
+namespace limberg {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> shipped_roots() {
+  std::vector<std::string> roots{"."};
+  std::error_code ec;
+  const fs::path program = fs::read_symlink("/proc/self/exe", ec);
+  if (!ec) roots.push_back((program.parent_path() / ".." / "share" / "limberg").lexically_normal().string());
+  roots.push_back(LIMBERG_SOURCE_DIR);
+  return roots;
+}
+
+std::string shipped_file(const std::string& path) {
+  std::error_code ec;
+  for (const std::string& root : shipped_roots()) {
+    const std::string file = root == "." ? path : root + "/" + path;
+    if (fs::exists(file, ec)) return file;
+  }
+  return "";
+}
+
+}  // namespace limberg

@@ -1,0 +1,300 @@
+#include "app/window/desk.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "render/colour_map.h"
+#include "render/overlay.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr float kToolsWidth = 168, kPatientWidth = 268, kLanesHeight = 84;
+constexpr size_t kNotices = 200;
+const ImVec4 kQuiet{0.66f, 0.72f, 0.74f, 1}, kGood{0.55f, 0.85f, 0.60f, 1}, kWarn{0.97f, 0.72f, 0.35f, 1}, kBad{0.98f, 0.45f, 0.40f, 1};
+
+constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
+                                    ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoTitleBar;
+
+bool panel(const char* name, float x, float y, float w, float h) {
+  ImGui::SetNextWindowPos({x, y});
+  ImGui::SetNextWindowSize({w, h});
+  ImGui::SetNextWindowBgAlpha(1);
+  return ImGui::Begin(name, nullptr, kFixed);
+}
+
+void heading(const char* text) {
+  ImGui::Spacing();
+  ImGui::TextColored(kQuiet, "%s", text);
+  ImGui::Separator();
+}
+
+// A lane's figure against its period: a bar and its number.
+void lane(const char* name, double ms, double period_ms, const char* note) {
+  const float share = float(std::clamp(ms / period_ms, 0.0, 1.0));
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextUnformatted(name);
+  ImGui::SameLine(64);
+  char text[48];
+  std::snprintf(text, sizeof text, ms < 1 ? "%.2f of %.3g ms" : "%.1f of %.3g ms", ms, period_ms);
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, share < 0.85f ? ImVec4(0.25f, 0.52f, 0.58f, 1) : ImVec4(0.75f, 0.45f, 0.20f, 1));
+  ImGui::ProgressBar(share, {170, 0}, text);
+  ImGui::PopStyleColor();
+  ImGui::SameLine();
+  ImGui::TextColored(kQuiet, "%s", note);
+}
+
+}  // namespace
+
+DeskStage desk_stage(int width, int height) {
+  const float w = float(width), h = float(height);
+  DeskStage s;
+  s.u0 = kToolsWidth / w, s.u1 = std::max(s.u0 + 0.05f, 1 - kPatientWidth / w), s.v1 = std::max(0.05f, 1 - kLanesHeight / h);
+  s.aspect = double(s.u1 - s.u0) * w / (double(s.v1) * h);
+  return s;
+}
+
+void Desk::notice(const Notice& n) {
+  const bool again = !notices_.empty() && n.kind == Notice::done && notices_.back().kind == n.kind && notices_.back().text == n.text;
+  if (again) return;  // a further piece of the same stroke
+  notices_.push_back(n);
+  if (notices_.size() > kNotices) notices_.pop_front();
+  last_word_ = n.kind == Notice::refused ? std::string(n.action.data()) + " refused: " + n.text.data() : "";
+}
+
+void Desk::choose(Tool tool) {
+  state.tool_changed |= tool != state.tool;
+  state.tool = tool;
+  if (tool != Tool::none) state.ruler = false;
+}
+
+void Desk::tools(int height) {
+  panel("tools", 0, 0, kToolsWidth, float(height));
+  ImGui::TextUnformatted(facts_.scene.c_str());
+  heading("TOOLS");
+  static constexpr struct { Tool tool; const char* name; } kTools[] = {{Tool::none, "1  Look around"}, {Tool::scalpel, "2  Scalpel"},
+      {Tool::undermine, "3  Undermine"}, {Tool::excise, "4  Excise"}, {Tool::hook, "5  Hook"}, {Tool::suture, "6  Stitch"}, {Tool::suture_row, "7  Row of stitches"}};
+  for (const auto& t : kTools)
+    if (ImGui::Selectable(t.name, state.tool == t.tool && !state.ruler)) choose(t.tool);
+  const bool cuts = state.tool == Tool::scalpel || state.tool == Tool::undermine || state.tool == Tool::excise;
+  if (cuts || state.tool == Tool::suture_row) {
+    ImGui::PushItemWidth(-1);
+    if (cuts) {
+      ImGui::TextColored(kQuiet, "depth");
+      state.tool_changed |= ImGui::SliderFloat("##depth", &state.depth_mm, 0.5f, float(facts_.max_depth_mm), "%.1f mm");
+    }
+    if (state.tool == Tool::scalpel) {
+      ImGui::TextColored(kQuiet, "blade's angle to the skin");
+      state.tool_changed |= ImGui::SliderFloat("##angle", &state.angle_deg, 30, 150, "%.0f\u00b0");
+    }
+    if (state.tool == Tool::suture_row) {
+      ImGui::TextColored(kQuiet, "spacing");
+      state.tool_changed |= ImGui::SliderFloat("##spacing", &state.spacing_mm, 1.5f, 12, "%.1f mm");
+    }
+    ImGui::PopItemWidth();
+  }
+  ImGui::Spacing();
+  if (ImGui::Button("Undo", {70, 0})) state.undo = true;
+  ImGui::SameLine();
+  if (ImGui::Button("Redo", {70, 0})) state.redo = true;
+
+  heading("VIEW");
+  ImGui::Checkbox("Tension", &state.tension);
+  ImGui::Checkbox("Shadows", &state.shadows);
+  ImGui::Checkbox("Triangles", &state.wireframe);
+  if (ImGui::Checkbox("Measure", &state.ruler) && state.ruler) choose(Tool::none);
+  ImGui::PushItemWidth(-1);
+  int compare = int(state.compare), stereo = int(state.stereo);
+  if (ImGui::Combo("##compare", &compare, "No comparison\0Before | after: wipe\0Before, after\0")) state.compare = Compare(compare);
+  if (state.compare == Compare::wipe) ImGui::SliderFloat("##wipe", &state.wipe, 0, 1, "");
+  if (ImGui::Combo("##stereo", &stereo, "One eye\0Stereo side by side\0Stereo red-cyan\0")) state.stereo = Stereo(stereo);
+  ImGui::PopItemWidth();
+  if (ImGui::Button("Picture", {70, 0})) state.picture = true;
+  ImGui::SameLine();
+  if (ImGui::Button("Home", {70, 0})) state.home = true;
+  if (ImGui::Button("Keys and mouse  ?", {-1, 0})) state.help = !state.help;
+
+  heading("DEVICE");
+  ImGui::TextWrapped("%s", facts_.device.c_str());
+  if (facts_.recording.empty()) ImGui::TextColored(kQuiet, "not recorded");
+  else {
+    ImGui::TextColored(kBad, "REC");
+    ImGui::SameLine();
+    ImGui::TextWrapped("%s", facts_.recording.c_str());
+  }
+  ImGui::End();
+}
+
+void Desk::patient(const DeskReading& r, int width, int height) {
+  panel("patient", float(width) - kPatientWidth, 0, kPatientWidth, float(height));
+  const Snapshot& s = *r.shown;
+  if (!facts_.goal.empty()) {
+    ImGui::TextWrapped("%s", facts_.goal.c_str());
+    ImGui::Spacing();
+  }
+  if (!facts_.lesson.empty()) {
+    heading("LESSON");
+    ImGui::BeginChild("lesson", {0, std::min(0.28f * float(height), 6.0f + 21.0f * float(facts_.lesson.size()))});
+    for (size_t i = 0; i < facts_.lesson.size(); ++i) {
+      const bool begun = int(i) < r.lesson_begun, now = int(i) + 1 == r.lesson_begun && r.showing;
+      ImGui::PushStyleColor(ImGuiCol_Text, now ? kWarn : begun ? kGood : kQuiet);
+      ImGui::TextWrapped("%2d  %s", int(i) + 1, facts_.lesson[i].c_str());
+      ImGui::PopStyleColor();
+      if (now) ImGui::SetScrollHereY();
+    }
+    ImGui::EndChild();
+    const bool more = r.lesson_begun < int(facts_.lesson.size());
+    if (ImGui::Button(r.showing ? "being shown ..." : more ? "Next: show me   N" : "the lesson is done", {-1, 0}) && more && !r.showing) state.next = true;
+  }
+
+  heading("SUTURES");
+  if (s.sutures.empty()) ImGui::TextColored(kQuiet, "none yet");
+  else {
+    double sum = 0;
+    for (const SutureState& x : s.sutures) sum += double(x.force_N);
+    ImGui::Text("%d stitches, %.2f N together", int(s.sutures.size()), sum);
+    if (ImGui::BeginTable("sutures", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY, {0, std::min(0.25f * float(height), 26.0f + 21.0f * float(s.sutures.size()))})) {
+      ImGui::TableSetupScrollFreeze(0, 1);
+      ImGui::TableSetupColumn("no.");
+      ImGui::TableSetupColumn("force N");
+      ImGui::TableSetupColumn("gap mm");
+      ImGui::TableHeadersRow();
+      for (const SutureState& x : s.sutures) {
+        ImGui::TableNextRow();
+        ImGui::TableNextColumn();
+        ImGui::Text("%d", x.id);
+        ImGui::TableNextColumn();
+        const double share = double(x.force_N) / facts_.suture_limit_N;
+        ImGui::TextColored(share < 0.7 ? kGood : share < 1 ? kWarn : kBad, "%.2f", double(x.force_N));
+        ImGui::TableNextColumn();
+        ImGui::Text("%.2f", double(x.gap_mm));
+      }
+      ImGui::EndTable();
+    }
+  }
+  if (!s.hooks.empty()) {
+    heading("HOOKS");
+    for (const HookState& h : s.hooks) ImGui::Text("%d   %.2f N", h.id, double(h.force_N.norm()));
+  }
+
+  heading("DONE");
+  ImGui::BeginChild("done", {0, -2});
+  for (const Notice& n : notices_) {
+    const char* mark = n.kind == Notice::undone ? "taken back" : n.kind == Notice::redone ? "done again" : n.text.data();
+    if (n.kind == Notice::refused) {
+      ImGui::PushStyleColor(ImGuiCol_Text, kBad);
+      ImGui::TextWrapped("%5.1f s  %s refused: %s", n.t_s, n.action.data(), n.text.data());
+      ImGui::PopStyleColor();
+    } else ImGui::TextWrapped("%5.1f s  %s", n.t_s, mark);
+  }
+  if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - 4) ImGui::SetScrollHereY(1);
+  ImGui::EndChild();
+  ImGui::End();
+}
+
+void Desk::lanes(const DeskReading& r, int width, int height) {
+  const float x = kToolsWidth, w = float(width) - kToolsWidth - kPatientWidth;
+  if (w < 200) return;
+  panel("lanes", x, float(height) - kLanesHeight, w, kLanesHeight);
+  const Snapshot& s = *r.shown;
+  if (r.gauges) {
+    const LaneGauges& g = *r.gauges;
+    const auto ms = [](const std::atomic<int64_t>& v) { return double(LaneGauges::get(v)) * 1e-6; };
+    char note[112];
+    std::snprintf(note, sizeof note, "%lld late of %lld, %.0f samples/s", static_cast<long long>(LaneGauges::get(g.device_late)),
+                  static_cast<long long>(LaneGauges::get(g.tick)), r.samples_per_s);
+    lane("hand", ms(g.device_ns), 1, note);
+    std::snprintf(note, sizeof note, "residual %.1e, about %.2g mm from equilibrium", double(s.residual), double(s.distance_mm));
+    lane("patient", ms(g.solver_ns), 16, note);
+    std::snprintf(note, sizeof note, "shows what was %lld ms ago", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)));
+    lane("picture", ms(g.frame_ns), 33, note);
+  }
+  ImGui::End();
+  if (!last_word_.empty()) {
+    ImGui::SetNextWindowPos({x + 0.5f * w, float(height) - kLanesHeight - 8}, ImGuiCond_Always, {0.5f, 1});
+    ImGui::SetNextWindowBgAlpha(0.85f);
+    ImGui::SetNextWindowSizeConstraints({200, 0}, {0.9f * w, 200});
+    ImGui::Begin("word", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoInputs);
+    ImGui::PushTextWrapPos(0.86f * w);
+    ImGui::TextUnformatted(last_word_.c_str());
+    ImGui::PopTextWrapPos();
+    ImGui::End();
+  }
+}
+
+void Desk::legend(const DeskReading& r, int width, int height) {
+  if (!state.tension) return;
+  const float left = float(width) - kPatientWidth - 96, top = 0.16f * float(height), bar = 0.42f * float(height);
+  ImGui::SetNextWindowPos({left, top});
+  ImGui::SetNextWindowSize({88, bar + 66});
+  ImGui::SetNextWindowBgAlpha(0.70f);
+  ImGui::Begin("legend", nullptr, kFixed | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar);
+  ImGui::TextUnformatted("skin\nstretch %");
+  ImDrawList& d = *ImGui::GetWindowDrawList();
+  const float x0 = left + 10, y0 = top + 52, x1 = x0 + 16;
+  const auto at = [](double t) {
+    const Rgb8 c = viridis(t);
+    return IM_COL32(c.r, c.g, c.b, 255);
+  };
+  constexpr int kSteps = 64;
+  for (int i = 0; i < kSteps; ++i)
+    d.AddRectFilled({x0, y0 + bar * float(i) / kSteps}, {x1, y0 + bar * float(i + 1) / kSteps + 1}, at(1 - (i + 0.5) / kSteps));
+  const double end = 100 * r.field_end, step = round_step(end, 6);
+  for (double v = 0; v <= end * 1.0001; v += step) {
+    const float y = y0 + bar * float(1 - v / end);
+    d.AddLine({x1, y}, {x1 + 5, y}, IM_COL32(240, 245, 245, 255));
+    d.AddText({x1 + 9, y - 8}, IM_COL32(240, 245, 245, 255), tick_label(v, step).c_str());
+  }
+  ImGui::End();
+}
+
+void Desk::help(int width, int height) {
+  if (!state.help) return;
+  ImGui::SetNextWindowPos({0.5f * float(width), 0.5f * float(height)}, ImGuiCond_Always, {0.5f, 0.5f});
+  ImGui::SetNextWindowBgAlpha(0.95f);
+  ImGui::Begin("Keys and mouse", &state.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
+  if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_RowBg)) {
+    for (const DeskKey& k : desk_keys()) {
+      ImGui::TableNextRow();
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(k.keys);
+      ImGui::TableNextColumn();
+      ImGui::TextUnformatted(k.what);
+    }
+    ImGui::EndTable();
+  }
+  ImGui::End();
+}
+
+void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int width, int height) {
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
+  tools(height);
+  patient(r, width, height);
+  lanes(r, width, height);
+  legend(r, width, height);
+  ImGui::PopStyleVar(2);
+  help(width, height);
+
+  if (!ruler_px.empty()) {
+    ImDrawList& d = *ImGui::GetBackgroundDrawList();
+    const ImU32 ink = IM_COL32(255, 240, 120, 255);
+    for (size_t i = 0; i < ruler_px.size(); ++i) {
+      if (i > 0) d.AddLine({ruler_px[i - 1].x(), ruler_px[i - 1].y()}, {ruler_px[i].x(), ruler_px[i].y()}, ink, 2);
+      d.AddCircleFilled({ruler_px[i].x(), ruler_px[i].y()}, 4, ink);
+    }
+    char text[96];
+    if (ruler_px.size() == 3) std::snprintf(text, sizeof text, "%.1f mm (%.1f at rest), %.1f\u00b0", r.ruler.length_mm, r.ruler.rest_mm, r.ruler.angle_deg);
+    else if (ruler_px.size() == 2) std::snprintf(text, sizeof text, "%.1f mm (%.1f at rest)", r.ruler.length_mm, r.ruler.rest_mm);
+    else std::snprintf(text, sizeof text, "second point?");
+    const Vec3f& p = ruler_px.back();
+    const ImVec2 size = ImGui::CalcTextSize(text);
+    d.AddRectFilled({p.x() + 8, p.y() + 4}, {p.x() + 16 + size.x, p.y() + 10 + size.y}, IM_COL32(15, 22, 26, 200), 3);
+    d.AddText({p.x() + 12, p.y() + 7}, ink, text);
+  }
+}
+
+}  // namespace limberg

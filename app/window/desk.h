@@ -1,0 +1,93 @@
+#pragma once
+// The panels around the patient: what can be chosen and what is read off. State and drawing with Dear ImGui, nothing of
+// GL, threads or devices: WindowFrames (window_frames.h) feeds it and carries out what it asks for.
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "app/session/gauges.h"
+#include "app/session/notice.h"
+#include "app/window/ruler.h"
+#include "app/window/screen.h"
+#include "devices/sample.h"
+#include "sim/snapshot.h"
+
+namespace limberg {
+
+enum class Compare { off, wipe, side_by_side };
+enum class Stereo { off, side_by_side, anaglyph };
+
+/// What the session is, said once.
+struct DeskFacts {
+  std::string scene, device, recording;  // recording: its file, empty when nothing is recorded
+  std::string goal;                      // of the lesson, or the scene's note
+  std::vector<std::string> lesson;       // its steps, in words
+  double max_depth_mm = 9;
+  double suture_limit_N = 1.5;           // beyond it a stitch is shown in red (desk.cpp says why)
+};
+
+/// What is chosen, and what is asked for once.
+struct DeskState {
+  Tool tool = Tool::none;        // none: look around
+  float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
+  bool tension = false, wireframe = false, help = false, ruler = false, shadows = false;
+  Compare compare = Compare::off;
+  float wipe = 0.5f;
+  Stereo stereo = Stereo::off;
+  // Asked for in this frame:
+  bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false, clear_ruler = false;
+};
+
+/// What is read off in this frame.
+struct DeskReading {
+  const Snapshot* shown = nullptr;
+  const LaneGauges* gauges = nullptr;
+  Ruler::Reading ruler;
+  int lesson_begun = 0;
+  bool showing = false;
+  double field_end = 0.1;   // of the tension's colour scale: stretch - 1
+  double samples_per_s = 0;
+  std::string driver;       // of the pictures
+};
+
+class Desk {
+ public:
+  explicit Desk(DeskFacts facts) : facts_(std::move(facts)) {}
+  DeskState state;
+
+  void notice(const Notice& n);
+  /// A key that no text field took. What it does is in the table of keys (desk_keys.cpp), which the help shows as well.
+  void key(int32_t code, uint32_t mods);
+  /// Builds the panels: between ImGui::NewFrame and ImGui::Render. width, height: of the frame, pixels. `to_pixel` is where
+  /// the ruler's points lie in the frame.
+  void draw(const DeskReading& reading, const std::vector<Vec3f>& ruler_px, int width, int height);
+  void say(const std::string& line) { last_word_ = line; }
+
+ private:
+  void tools(int height);
+  void patient(const DeskReading& r, int width, int height);
+  void lanes(const DeskReading& r, int width, int height);
+  void legend(const DeskReading& r, int width, int height);
+  void help(int width, int height);
+  void choose(Tool tool);
+
+  DeskFacts facts_;
+  std::deque<Notice> notices_;
+  std::string last_word_;
+};
+
+/// The part of the frame that the panels leave to the patient, as shares of its width and height from the top left corner.
+struct DeskStage {
+  float u0 = 0, v0 = 0, u1 = 1, v1 = 1;
+  double aspect = 1;  // width over height, in pixels
+};
+DeskStage desk_stage(int width, int height);
+
+/// A line of the cheat sheet.
+struct DeskKey {
+  const char* keys;
+  const char* what;
+};
+const std::vector<DeskKey>& desk_keys();
+
+}  // namespace limberg

@@ -1,0 +1,68 @@
+// Keys and mouse of the window, in one place. The mouse is that of radiology and surgery viewers: the left button does what
+// is chosen, the right one turns, the middle one shifts, the wheel comes nearer.
+#include "app/window/desk.h"
+
+namespace limberg {
+
+const std::vector<DeskKey>& desk_keys() {
+  static const std::vector<DeskKey> keys{
+      {"left button", "use the tool; without a tool: turn"},
+      {"right button", "turn the view"},
+      {"middle button, Shift + right", "shift the view"},
+      {"wheel", "nearer, farther; with a hook held: lift"},
+      {"1 or Esc", "look around"},
+      {"2, 3, 4", "scalpel, undermine, excise"},
+      {"5, 6, 7", "hook, stitch, row of stitches"},
+      {"Ctrl+Z, Ctrl+Y", "undo, redo"},
+      {"N", "show me the next step of the lesson"},
+      {"T", "tension of the skin"},
+      {"B", "before and after: wipe, side by side, off"},
+      {"M", "measure: two points a length, three an angle"},
+      {"W", "triangles"},
+      {"S", "shadows"},
+      {"A", "stereo: side by side, red-cyan, off"},
+      {"P", "picture into a file"},
+      {"Home", "the first view again"},
+      {"? or F1", "this list"}};
+  return keys;
+}
+
+void Desk::key(int32_t code, uint32_t mods) {
+  DeskState& s = state;
+  const auto turn_on = [](auto value, int n) { return decltype(value)((int(value) + 1) % n); };
+  if (mods & WindowEvent::control) {
+    if (code == 'Z') (mods & WindowEvent::shift ? s.redo : s.undo) = true;
+    if (code == 'Y') s.redo = true;
+    return;
+  }
+  switch (code) {
+    case '1':
+    case WindowEvent::escape:
+      if (code == WindowEvent::escape && s.help) s.help = false;
+      else choose(Tool::none);
+      break;
+    case '2': choose(Tool::scalpel); break;
+    case '3': choose(Tool::undermine); break;
+    case '4': choose(Tool::excise); break;
+    case '5': choose(Tool::hook); break;
+    case '6': choose(Tool::suture); break;
+    case '7': choose(Tool::suture_row); break;
+    case 'N': s.next = true; break;
+    case 'T': s.tension = !s.tension; break;
+    case 'B': s.compare = turn_on(s.compare, 3); break;
+    case 'M':
+      s.ruler = !s.ruler;
+      if (s.ruler) choose(Tool::none);
+      break;
+    case 'W': s.wireframe = !s.wireframe; break;
+    case 'S': s.shadows = !s.shadows; break;
+    case 'A': s.stereo = turn_on(s.stereo, 3); break;
+    case 'P': s.picture = true; break;
+    case WindowEvent::home: s.home = true; break;
+    case WindowEvent::question:
+    case WindowEvent::f1: s.help = !s.help; break;
+    default: break;
+  }
+}
+
+}  // namespace limberg

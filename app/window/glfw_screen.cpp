@@ -1,0 +1,137 @@
+#include "app/window/glfw_screen.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <algorithm>
+
+namespace limberg {
+
+namespace {
+
+std::string last_error() {
+  const char* why = nullptr;
+  glfwGetError(&why);
+  return why ? why : "no reason given";
+}
+
+uint32_t mods_of(int glfw) {
+  return (glfw & GLFW_MOD_SHIFT ? WindowEvent::shift : 0u) | (glfw & GLFW_MOD_CONTROL ? WindowEvent::control : 0u) |
+         (glfw & GLFW_MOD_ALT ? WindowEvent::alt : 0u);
+}
+
+// Of the keys that are used; 0 for the others.
+int32_t key_of(int glfw) {
+  if ((glfw >= GLFW_KEY_A && glfw <= GLFW_KEY_Z) || (glfw >= GLFW_KEY_0 && glfw <= GLFW_KEY_9)) return glfw;
+  switch (glfw) {
+    case GLFW_KEY_ESCAPE: return WindowEvent::escape;
+    case GLFW_KEY_ENTER: return WindowEvent::enter;
+    case GLFW_KEY_TAB: return WindowEvent::tab;
+    case GLFW_KEY_BACKSPACE: return WindowEvent::backspace;
+    case GLFW_KEY_DELETE: return WindowEvent::remove;
+    case GLFW_KEY_LEFT: return WindowEvent::arrow_left;
+    case GLFW_KEY_RIGHT: return WindowEvent::arrow_right;
+    case GLFW_KEY_UP: return WindowEvent::arrow_up;
+    case GLFW_KEY_DOWN: return WindowEvent::arrow_down;
+    case GLFW_KEY_HOME: return WindowEvent::home;
+    case GLFW_KEY_END: return WindowEvent::end;
+    case GLFW_KEY_F1: return WindowEvent::f1;
+    default: return 0;
+  }
+}
+
+class WindowContext final : public GlContext {
+ public:
+  explicit WindowContext(GLFWwindow* w) : window_(w) {}
+  ~WindowContext() override { glfwMakeContextCurrent(nullptr); }
+  void make_current() override {
+    if (glfwGetCurrentContext() == window_) return;
+    glfwMakeContextCurrent(window_);
+    if (glfwGetCurrentContext() != window_) throw RenderUnavailable("no window: its context could not be made current: " + last_error());
+    glfwSwapInterval(0);  // frames are paced by the session
+  }
+  void* address(const char* function) const override { return reinterpret_cast<void*>(glfwGetProcAddress(function)); }
+  std::string describe() const override { return "window"; }
+  void show() override { glfwSwapBuffers(window_); }
+
+ private:
+  GLFWwindow* window_;
+};
+
+}  // namespace
+
+struct GlfwScreen::Impl {
+  GlfwScreen& screen;
+  GLFWwindow* window = nullptr;
+  float scale_x = 1, scale_y = 1;  // pixels of the frame for one unit of the desktop
+
+  static Impl& of(GLFWwindow* w) { return *static_cast<Impl*>(glfwGetWindowUserPointer(w)); }
+  void send(const WindowEvent& e) {
+    screen.events.push(e);
+    if (screen.on_event) screen.on_event(e);
+  }
+  void measure() {
+    int w = 0, h = 0, fw = 0, fh = 0;
+    glfwGetWindowSize(window, &w, &h);
+    glfwGetFramebufferSize(window, &fw, &fh);
+    if (fw < 1 || fh < 1) return;  // an icon
+    screen.width = std::max(fw, 64), screen.height = std::max(fh, 64);
+    scale_x = float(fw) / float(std::max(w, 1)), scale_y = float(fh) / float(std::max(h, 1));
+  }
+};
+
+GlfwScreen::GlfwScreen(const std::string& title, int w, int h) : impl_(new Impl{*this}) {
+  if (!glfwInit()) throw RenderUnavailable("no window: " + last_error());
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  impl_->window = glfwCreateWindow(w, h, title.c_str(), nullptr, nullptr);
+  if (!impl_->window) {
+    const std::string why = last_error();
+    glfwTerminate();
+    throw RenderUnavailable("no window: " + why);
+  }
+  GLFWwindow* g = impl_->window;
+  glfwSetWindowUserPointer(g, impl_.get());
+  impl_->measure();
+  glfwSetFramebufferSizeCallback(g, [](GLFWwindow* x, int, int) { Impl::of(x).measure(); });
+  glfwSetWindowCloseCallback(g, [](GLFWwindow* x) { Impl::of(x).screen.open = false; });
+  glfwSetCursorPosCallback(g, [](GLFWwindow* x, double px, double py) {
+    Impl& i = Impl::of(x);
+    WindowEvent e;
+    e.kind = WindowEvent::pointer, e.x = float(px) * i.scale_x, e.y = float(py) * i.scale_y;
+    i.send(e);
+  });
+  glfwSetMouseButtonCallback(g, [](GLFWwindow* x, int button, int action, int mods) {
+    WindowEvent e;
+    e.kind = WindowEvent::button, e.code = button, e.down = action == GLFW_PRESS, e.mods = mods_of(mods);
+    if (button < 3) Impl::of(x).send(e);
+  });
+  glfwSetScrollCallback(g, [](GLFWwindow* x, double dx, double dy) {
+    WindowEvent e;
+    e.kind = WindowEvent::wheel, e.x = float(dx), e.y = float(dy);
+    Impl::of(x).send(e);
+  });
+  glfwSetKeyCallback(g, [](GLFWwindow* x, int key, int, int action, int mods) {
+    WindowEvent e;
+    e.kind = WindowEvent::key, e.code = key_of(key), e.down = action != GLFW_RELEASE, e.mods = mods_of(mods);
+    if (e.code) Impl::of(x).send(e);
+  });
+  glfwSetCharCallback(g, [](GLFWwindow* x, unsigned c) {
+    WindowEvent e;
+    e.kind = WindowEvent::text, e.code = int32_t(c), e.down = 1;
+    Impl::of(x).send(e);
+  });
+}
+
+GlfwScreen::~GlfwScreen() {
+  glfwDestroyWindow(impl_->window);
+  glfwTerminate();
+}
+
+std::unique_ptr<GlContext> GlfwScreen::context() { return std::make_unique<WindowContext>(impl_->window); }
+
+void GlfwScreen::pump() { glfwPollEvents(); }
+
+}  // namespace limberg

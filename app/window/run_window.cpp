@@ -1,0 +1,57 @@
+#include "app/window/run_window.h"
+
+#include "app/pictures.h"
+#include "app/session/command_words.h"
+#include "app/window/glfw_screen.h"
+#include "app/window/window_frames.h"
+
+namespace limberg {
+
+namespace {
+
+DeskFacts facts(const Scene& scene, const WindowCall& call) {
+  DeskFacts f;
+  f.scene = scene.name;
+  f.device = call.device.empty() ? "mouse" : call.device;
+  f.recording = call.recording;
+  f.goal = call.goal.empty() ? scene.note : call.goal;
+  for (const std::vector<Command>& step : lesson_steps(call.lesson)) f.lesson.push_back(in_words(step.front()));
+  f.max_depth_mm = scene.tools.max_depth_mm;
+  return f;
+}
+
+class MouseWindow final : public SessionWindow {
+ public:
+  MouseWindow(const Scene& scene, const WindowCall& call)
+      : mouse_(call.mouse),
+        lesson_(lesson_steps(call.lesson)),
+        screen_("Limberg: " + scene.name, 1280, 720),
+        reader_(feed_),
+        frames_(screen_, feed_, &gauges_, {facts(scene, call), scene_camera(scene), call.picture_dir}) {
+    if (!call.mouse) return;
+    screen_.on_event = [this](const WindowEvent& e) {
+      if (e.kind == WindowEvent::pointer) reader_.pointer(e.x, e.y);
+      if (e.kind == WindowEvent::button && e.code == 0) reader_.left_button(e.down);
+      if (e.kind == WindowEvent::wheel) reader_.wheel(e.y);
+    };
+  }
+  PictureSink& sink() override { return frames_; }
+  std::unique_ptr<Source> pointer() override { return std::make_unique<PointerSource>(feed_, lesson_, mouse_); }
+  LaneGauges& gauges() override { return gauges_; }
+  void pump() override { screen_.pump(); }
+
+ private:
+  bool mouse_;
+  std::vector<std::vector<Command>> lesson_;
+  LaneGauges gauges_;
+  PointerFeed feed_;
+  GlfwScreen screen_;
+  PointerReader reader_;
+  WindowFrames frames_;
+};
+
+}  // namespace
+
+std::unique_ptr<SessionWindow> open_window(const Scene& scene, const WindowCall& call) { return std::make_unique<MouseWindow>(scene, call); }
+
+}  // namespace limberg

@@ -1,0 +1,34 @@
+#pragma once
+// A session with a window: what `limberg run` makes unless it is told not to. Built everywhere; where the program was
+// built without a window (LIMBERG_WINDOW=OFF) open_window says so.
+#include <memory>
+#include <string>
+
+#include "app/scene.h"
+#include "app/session/session.h"
+
+namespace limberg {
+
+struct WindowCall {
+  std::string device;     // in words; empty: the mouse alone
+  std::string recording;  // the file, or empty
+  std::string picture_dir = ".";
+  std::string goal;
+  std::vector<Command> lesson;  // what "next" shows, step by step; may be empty
+  bool mouse = true;      // the mouse uses tools (else it only chooses and looks)
+};
+
+/// The window, its picture sink and its device. Belongs to the main thread, outlives the session.
+class SessionWindow {
+ public:
+  virtual ~SessionWindow() = default;
+  virtual PictureSink& sink() = 0;
+  virtual std::unique_ptr<Source> pointer() = 0;  // the mouse and the palette, as a device
+  virtual LaneGauges& gauges() = 0;
+  virtual void pump() = 0;
+};
+
+/// RenderUnavailable where no window can be opened.
+std::unique_ptr<SessionWindow> open_window(const Scene& scene, const WindowCall& call);
+
+}  // namespace limberg

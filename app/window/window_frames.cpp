@@ -1,0 +1,312 @@
+#include "app/window/window_frames.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "app/pictures.h"
+#include "app/progress.h"
+#include "app/window/orbit.h"
+#include "render/picture.h"
+#include "render/renderer.h"
+#include "render/ui_painter.h"
+#include "sim/error.h"
+
+namespace limberg {
+
+namespace {
+
+constexpr float kFontPx = 14;
+constexpr float kRadiansPerPixel = 0.008f;
+constexpr int kRefreshFrames = 15;  // the figures on the panels move twice a second even when nothing else does
+
+int imgui_key(int32_t code) {
+  switch (code) {
+    case WindowEvent::tab: return ImGuiKey_Tab;
+    case WindowEvent::arrow_left: return ImGuiKey_LeftArrow;
+    case WindowEvent::arrow_right: return ImGuiKey_RightArrow;
+    case WindowEvent::arrow_up: return ImGuiKey_UpArrow;
+    case WindowEvent::arrow_down: return ImGuiKey_DownArrow;
+    case WindowEvent::home: return ImGuiKey_Home;
+    case WindowEvent::end: return ImGuiKey_End;
+    case WindowEvent::remove: return ImGuiKey_Delete;
+    case WindowEvent::backspace: return ImGuiKey_Backspace;
+    case WindowEvent::enter: return ImGuiKey_Enter;
+    case WindowEvent::escape: return ImGuiKey_Escape;
+    default: return -1;
+  }
+}
+
+void set_style() {
+  ImGui::StyleColorsDark();
+  ImGuiStyle& s = ImGui::GetStyle();
+  s.FrameRounding = 3, s.ItemSpacing = {6, 4}, s.WindowPadding = {9, 8};
+  s.Colors[ImGuiCol_WindowBg] = {0.07f, 0.10f, 0.115f, 1};
+  s.Colors[ImGuiCol_Header] = {0.16f, 0.42f, 0.48f, 1};
+  s.Colors[ImGuiCol_HeaderHovered] = {0.20f, 0.48f, 0.55f, 1};
+  s.Colors[ImGuiCol_Button] = {0.16f, 0.30f, 0.34f, 1};
+  s.Colors[ImGuiCol_ButtonHovered] = {0.22f, 0.42f, 0.48f, 1};
+  s.Colors[ImGuiCol_FrameBg] = {0.14f, 0.20f, 0.22f, 1};
+  s.Colors[ImGuiCol_CheckMark] = {0.55f, 0.85f, 0.60f, 1};
+}
+
+}  // namespace
+
+struct WindowFrames::Impl {
+  PointerFeed& feed;
+  const LaneGauges* gauges;
+  WindowSettings set;
+  Desk desk;
+  Ruler ruler;
+  Camera camera;
+  SceneBuilder builder, before_builder;
+  std::optional<Snapshot> first;                          // for "before"
+  std::shared_ptr<const SurfaceTopology> first_topology;  // keeps it alive
+  std::unique_ptr<Renderer> renderer;
+  std::unique_ptr<UiPainter> ui;
+  ImGuiContext* panels = nullptr;
+  std::deque<WindowEvent> waiting;
+  float x = 0, y = 0;
+  bool buttons[3]{};
+  bool turning = false, shifting = false;
+  int unseen = 2;       // frames still to be drawn after the last event: panels need two to settle
+  int since_frame = 0;
+  double field_end = 0.05;
+  int64_t rate_tick = 0, rate_samples = 0;
+  double samples_per_s = 0;
+  int pictures = 0;
+
+  Impl(PointerFeed& f, const LaneGauges* g, WindowSettings s) : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {}
+
+  View look(int width, int height) const {
+    const DeskStage g = desk_stage(width, height);
+    return camera.view(g.aspect).placed(g.u0, g.v0, g.u1, g.v1);
+  }
+
+  bool drag_turns(const WindowEvent& e) const {
+    return (e.code == 1 && !(e.mods & WindowEvent::shift)) || (e.code == 0 && desk.state.tool == Tool::none && !desk.state.ruler && !feed.showing);
+  }
+
+  void take(const WindowEvent& e, const Snapshot& s, int width, int height) {
+    ImGuiIO& io = ImGui::GetIO();
+    switch (e.kind) {
+      case WindowEvent::pointer: {
+        const float dx = e.x - x, dy = e.y - y;
+        x = e.x, y = e.y;
+        io.MousePos = {x, y};
+        if (turning) turn(camera, kRadiansPerPixel * dx, kRadiansPerPixel * dy);
+        if (shifting) shift(camera, dx, dy, int(desk_stage(width, height).v1 * float(height)));
+        break;
+      }
+      case WindowEvent::button: {
+        const bool over_panel = io.WantCaptureMouse && e.down;
+        buttons[e.code] = e.down;
+        io.MouseDown[e.code] = e.down;
+        if (!e.down) turning = shifting = false;
+        if (!e.down || over_panel) break;
+        if (drag_turns(e)) turning = true;
+        else if (e.code == 2 || e.code == 1) shifting = true;
+        else if (desk.state.ruler) {
+          const View v = look(width, height);
+          ruler.add(s, cast_ray(s, v.eye_mm, v.ray_through(x, y, width, height)));
+        }
+        break;
+      }
+      case WindowEvent::wheel:
+        io.MouseWheel += e.y;
+        if (!io.WantCaptureMouse && !buttons[0]) approach(camera, std::pow(0.9f, e.y));
+        break;
+      case WindowEvent::key:
+        io.KeyCtrl = e.mods & WindowEvent::control, io.KeyShift = e.mods & WindowEvent::shift, io.KeyAlt = e.mods & WindowEvent::alt;
+        if (imgui_key(e.code) >= 0) io.KeysDown[e.code] = e.down;
+        if (e.down && !io.WantTextInput) desk.key(e.code, e.mods);
+        break;
+      case WindowEvent::text:
+        io.AddInputCharacter(unsigned(e.code));
+        if (e.code == '?' && !io.WantTextInput) desk.key(WindowEvent::question, 0);
+        break;
+      default: break;
+    }
+  }
+
+  void choose(ControlSample::Kind kind) {
+    ControlSample c;
+    c.kind = kind;
+    if (kind == ControlSample::select_tool) {
+      const DeskState& d = desk.state;
+      c.tool = d.tool;
+      c.value[kDepth] = d.tool == Tool::suture || d.tool == Tool::suture_row ? 0 : double(d.depth_mm);
+      c.value[kAngle] = double(d.angle_deg);
+      c.value[kSpacing] = double(d.spacing_mm);
+    }
+    feed.choices.push(c);
+  }
+
+  // What the panels asked for in the last frame.
+  void carry_out() {
+    DeskState& d = desk.state;
+    if (d.tool_changed) choose(ControlSample::select_tool);
+    if (d.undo) choose(ControlSample::undo);
+    if (d.redo) choose(ControlSample::redo);
+    if (d.next && !feed.showing) feed.next_wanted.fetch_add(1);
+    if (d.home) camera = set.camera;
+    if (d.clear_ruler || !d.ruler) ruler.clear();
+    d.tool_changed = d.undo = d.redo = d.next = d.home = d.clear_ruler = false;
+  }
+
+  void save_picture(const Image& image) {
+    std::string file;
+    do file = set.picture_dir + "/limberg-" + std::to_string(++pictures) + ".png";
+    while (std::filesystem::exists(file));
+    try {
+      write_png(file, image);
+      desk.say("picture: " + file);
+    } catch (const InputError& e) {
+      desk.say(e.what());
+    }
+  }
+
+  DrawOptions options(int width, int height) const {
+    DrawOptions o;
+    o.width = width, o.height = height;
+    o.shadow = o.fine_skin = desk.state.shadows;
+    o.wireframe = desk.state.wireframe;
+    o.colour_field = desk.state.tension;
+    o.field_max = field_end;
+    return o;
+  }
+
+  void paint_patient(const RenderScene& now, int width, int height) {
+    const DeskStage g = desk_stage(width, height);
+    const auto placed = [&](const View& v) { return v.placed(g.u0, g.v0, g.u1, g.v1); };
+    DrawOptions o = options(width, height);
+    const View whole = placed(camera.view(g.aspect));
+    if (desk.state.compare != Compare::off && first) {
+      const RenderScene& then = before_builder.build(*first);
+      const bool wipe = desk.state.compare == Compare::wipe;
+      View left = wipe ? whole.part(0, std::max(0.001f, desk.state.wipe)) : camera.view(0.5 * g.aspect), right = wipe ? whole.part(std::min(0.999f, desk.state.wipe), 1) : left;
+      if (!wipe) {
+        left.x1 = right.x0 = 0.5f;
+        left = placed(left), right = placed(right);
+      }
+      DrawOptions plain = o;
+      plain.colour_field = false;
+      renderer->paint(then, std::span(&left, 1), plain);
+      o.keep = true;
+      renderer->paint(now, std::span(&right, 1), o);
+    } else if (desk.state.stereo == Stereo::anaglyph) {
+      const auto eyes = camera.stereo_pair(g.aspect);
+      renderer->paint_anaglyph(now, placed(eyes[0]), placed(eyes[1]), o);
+    } else if (desk.state.stereo == Stereo::side_by_side) {
+      std::vector<View> eyes = camera.stereo_side_by_side(g.aspect);
+      for (View& v : eyes) v = placed(v);
+      renderer->paint(now, eyes, o);
+    } else {
+      renderer->paint(now, std::span(&whole, 1), o);
+    }
+  }
+
+  void frame(const Snapshot& s, const ToolState& tool, Screen& screen) {
+    const int width = screen.width, height = screen.height;
+    ImGui::SetCurrentContext(panels);
+    ImGuiIO& io = ImGui::GetIO();
+    io.DisplaySize = {float(width), float(height)};
+    io.DeltaTime = 1.0f / 30;
+    // One press or release of a button a frame: the panels see each.
+    for (bool clicked = false; !waiting.empty();) {
+      const WindowEvent e = waiting.front();
+      if (e.kind == WindowEvent::button && clicked) break;
+      clicked |= e.kind == WindowEvent::button;
+      waiting.pop_front();
+      take(e, s, width, height);
+    }
+    if (!first) {
+      first = s, first_topology = s.topology;
+      first->topology = first_topology;
+    }
+    carry_out();
+
+    const View view = look(width, height);
+    feed.sight.writing() = {view, width, height};
+    feed.sight.publish();
+
+    const RenderScene& scene = builder.build(s, tool_pose(tool));
+    if (desk.state.tension && !scene.field.empty()) field_end = tension_scale_end(scene);
+    if (gauges) {
+      const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
+      if (tick - rate_tick >= 1000) {
+        samples_per_s = 1000.0 * double(samples - rate_samples) / double(tick - rate_tick);
+        rate_tick = tick, rate_samples = samples;
+      }
+    }
+
+    DeskReading r;
+    r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
+    r.lesson_begun = feed.next_shown, r.showing = feed.showing;
+    r.field_end = field_end, r.samples_per_s = samples_per_s;
+    std::vector<Vec3f> ruler_px;
+    for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height));
+    ImGui::NewFrame();
+    desk.draw(r, ruler_px, width, height);
+    ImGui::Render();
+    feed.panels_have_pointer = io.WantCaptureMouse;
+
+    paint_patient(scene, width, height);
+    if (desk.state.picture) save_picture(renderer->read()), desk.state.picture = false;  // the patient alone
+    ui->paint(*ImGui::GetDrawData(), width, height);
+    renderer->present(width, height);
+    since_frame = 0;
+    if (unseen > 0) --unseen;
+  }
+};
+
+WindowFrames::WindowFrames(Screen& screen, PointerFeed& feed, const LaneGauges* gauges, WindowSettings settings)
+    : screen_(screen), impl_(new Impl(feed, gauges, std::move(settings))) {}
+WindowFrames::~WindowFrames() { finish(); }
+
+void WindowFrames::prepare(const SurfaceTopology&) {
+  Impl& i = *impl_;
+  i.renderer = std::make_unique<Renderer>(screen_.context());
+  i.panels = ImGui::CreateContext();
+  ImGui::SetCurrentContext(i.panels);
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // nothing is kept between sessions
+  for (int32_t code = WindowEvent::escape; code <= WindowEvent::end; ++code)
+    if (imgui_key(code) >= 0) io.KeyMap[imgui_key(code)] = code;
+  set_style();
+  choose_ui_font(kFontPx);
+  i.ui = std::make_unique<UiPainter>(i.renderer->functions());
+}
+
+void WindowFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
+  if (impl_->renderer) impl_->frame(snapshot, tool, screen_);
+}
+
+void WindowFrames::notice(const Notice& notice) {
+  impl_->desk.notice(notice);
+  impl_->unseen = 2;
+}
+
+bool WindowFrames::wants_frame() {
+  Impl& i = *impl_;
+  for (WindowEvent e; screen_.events.pop(e);) i.waiting.push_back(e), i.unseen = 2;
+  return i.unseen > 0 || ++i.since_frame >= kRefreshFrames;
+}
+
+bool WindowFrames::wants_field() const { return impl_->desk.state.tension; }
+
+void WindowFrames::finish() {
+  Impl& i = *impl_;
+  if (!i.renderer) return;
+  i.ui.reset();
+  i.renderer.reset();
+  ImGui::DestroyContext(i.panels);
+  i.panels = nullptr;
+}
+
+Image WindowFrames::picture() { return impl_->renderer ? impl_->renderer->read() : Image{}; }
+
+}  // namespace limberg

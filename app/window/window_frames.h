@@ -1,0 +1,47 @@
+#pragma once
+// The window as the session's picture sink: the patient, the panels over it, and what the operator does with both.
+//
+// Lives on the render thread. What the mouse does to the patient does not pass through here but through PointerReader
+// (pointer_source.h), on the main thread; here are the camera, the panels, the ruler and the choice of tools.
+#include <memory>
+#include <string>
+
+#include "app/session/picture_sink.h"
+#include "app/window/desk.h"
+#include "app/window/pointer_source.h"
+#include "app/window/screen.h"
+#include "render/image.h"
+
+namespace limberg {
+
+struct WindowSettings {
+  DeskFacts facts;
+  Camera camera;              // the first view
+  std::string picture_dir = ".";  // where pictures asked for are put: limberg-1.png, never replacing a file
+};
+
+class WindowFrames final : public PictureSink {
+ public:
+  /// All three must outlive it; `gauges` may be null.
+  WindowFrames(Screen& screen, PointerFeed& feed, const LaneGauges* gauges, WindowSettings settings);
+  ~WindowFrames() override;
+
+  void prepare(const SurfaceTopology& first) override;
+  void frame(const Snapshot& snapshot, const ToolState& tool) override;
+  void stage(const std::string&, const Snapshot&) override {}
+  void notice(const Notice& notice) override;
+  bool wants_frame() override;
+  bool wants_field() const override;
+  void finish() override;
+  bool open() const override { return screen_.open; }
+
+  /// The frame drawn last; for tests.
+  Image picture();
+
+ private:
+  struct Impl;
+  Screen& screen_;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace limberg

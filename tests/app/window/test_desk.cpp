@@ -1,0 +1,201 @@
+// The window drawn into memory: what keys, clicks and the session's news do to the picture and to the feed.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "app/window/window_frames.h"
+#include "render/gl_context.h"
+#include "tests/render/sample_snapshot.h"
+
+namespace limberg {
+namespace {
+
+class MemoryScreen final : public Screen {
+ public:
+  std::unique_ptr<GlContext> context() override { return make_osmesa_context({.threads = 0}); }
+};
+
+struct Window {
+  MemoryScreen screen;
+  PointerFeed feed;
+  LaneGauges gauges;
+  Snapshot s = testing::sample_snapshot();
+  std::unique_ptr<WindowFrames> frames;
+
+  Window() {
+    WindowSettings set;
+    set.facts = {"rhomboid", "mouse", "", "Close the defect.", {"excise", "incise", "stitch"}, 9, 1.5};
+    set.camera.eye_mm = {5, -90, 130};
+    frames = std::make_unique<WindowFrames>(screen, feed, &gauges, set);
+    frames->prepare(*s.topology);
+    settle();
+  }
+  void settle() {
+    for (int i = 0; i < 4; ++i) frames->wants_frame(), frames->frame(s, ToolState{});
+  }
+  void key(int32_t code, uint32_t mods = 0) {
+    WindowEvent e;
+    e.kind = WindowEvent::key, e.code = code, e.down = 1, e.mods = mods;
+    screen.events.push(e);
+    e.down = 0;
+    screen.events.push(e);
+    settle();
+  }
+  void move(float x, float y) {
+    WindowEvent e;
+    e.x = x, e.y = y;
+    screen.events.push(e);
+  }
+  void button(int32_t which, bool down) {
+    WindowEvent e;
+    e.kind = WindowEvent::button, e.code = which, e.down = down;
+    screen.events.push(e);
+  }
+  int choices(std::vector<ControlSample>& out) {
+    for (ControlSample c; feed.choices.pop(c);) out.push_back(c);
+    return int(out.size());
+  }
+  View sight() {
+    feed.sight.update();
+    return feed.sight.reading().view;
+  }
+};
+
+// Pixels that differ by more than so many of 255 levels, of a part of the frame.
+int different(const Image& a, const Image& b, int x0, int y0, int x1, int y1, int levels = 0) {
+  int n = 0;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x) {
+      const Rgb8 p = a.at(x, y), q = b.at(x, y);
+      n += std::max({std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)}) > levels;
+    }
+  return n;
+}
+
+class DeskTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      make_osmesa_context();
+    } catch (const RenderUnavailable&) {
+      GTEST_SKIP() << "no OSMesa here";
+    }
+  }
+};
+
+TEST_F(DeskTest, KeysChooseToolsAndTheFeedHearsIt) {
+  Window w;
+  std::vector<ControlSample> c;
+  w.key('2');
+  ASSERT_EQ(w.choices(c), 1);
+  EXPECT_EQ(c[0].kind, ControlSample::select_tool);
+  EXPECT_EQ(c[0].tool, Tool::scalpel);
+  EXPECT_EQ(c[0].value[kDepth], 4);
+  EXPECT_EQ(c[0].value[kAngle], 90);
+  w.key('2');
+  EXPECT_EQ(w.choices(c), 1);  // chosen already
+  w.key('Z', WindowEvent::control);
+  w.key('Y', WindowEvent::control);
+  w.key('5');
+  ASSERT_EQ(w.choices(c), 4);
+  EXPECT_EQ(c[1].kind, ControlSample::undo);
+  EXPECT_EQ(c[2].kind, ControlSample::redo);
+  EXPECT_EQ(c[3].tool, Tool::hook);
+  w.key('N');
+  EXPECT_EQ(w.feed.next_wanted, 1);
+}
+
+TEST_F(DeskTest, AClickOnThePaletteDoesNotReachThePatient) {
+  Window w;
+  w.move(60, 78);  // on the second row of the tools
+  w.settle();
+  EXPECT_TRUE(w.feed.panels_have_pointer);
+  w.button(0, true), w.button(0, false);
+  w.settle();
+  std::vector<ControlSample> c;
+  ASSERT_GE(w.choices(c), 1);
+  EXPECT_EQ(c.back().kind, ControlSample::select_tool);
+  EXPECT_NE(c.back().tool, Tool::none);
+  w.move(640, 300);  // over the patient
+  w.settle();
+  EXPECT_FALSE(w.feed.panels_have_pointer);
+}
+
+TEST_F(DeskTest, TheRightButtonTurnsAndHomeComesBack) {
+  Window w;
+  const Vec3f start = w.sight().eye_mm;
+  w.move(640, 300), w.button(1, true), w.settle();
+  w.move(700, 330), w.settle();
+  w.button(1, false), w.settle();
+  EXPECT_GT((w.sight().eye_mm - start).norm(), 10);
+  w.move(100, 100), w.settle();
+  const Vec3f turned = w.sight().eye_mm;
+  w.move(500, 500), w.settle();
+  EXPECT_EQ(w.sight().eye_mm, turned);  // let go
+  w.key(WindowEvent::home);
+  EXPECT_EQ(w.sight().eye_mm, start);
+}
+
+TEST_F(DeskTest, NothingIsDrawnWhenNothingHappens) {
+  Window w;
+  int wanted = 0;
+  for (int i = 0; i < 100; ++i) {
+    const bool draw = w.frames->wants_frame();
+    wanted += draw;
+    if (draw) w.frames->frame(w.s, ToolState{});
+  }
+  EXPECT_LE(wanted, 100 / 15 + 1);  // the figures on the panels, twice a second
+  w.key('T');
+  EXPECT_TRUE(w.frames->wants_field());
+}
+
+TEST_F(DeskTest, HelpAndRefusalsAreSeen) {
+  Window w;
+  const Image plain = w.frames->picture();
+  ASSERT_EQ(plain.width, 1280);
+  w.key(WindowEvent::f1);
+  const Image help = w.frames->picture();
+  EXPECT_GT(different(plain, help, 450, 200, 830, 500), 20000);
+  w.key(WindowEvent::escape);
+  EXPECT_EQ(different(plain, w.frames->picture(), 300, 100, 900, 550), 0);
+  Notice n;
+  n.kind = Notice::refused, n.t_s = 3;
+  Notice::put(n.action, "incise"), Notice::put(n.text, "depth 10 mm is deeper than the scene allows");
+  w.frames->notice(n);
+  w.settle();
+  EXPECT_GT(different(plain, w.frames->picture(), 1020, 300, 1280, 720), 300);  // in the list
+  EXPECT_GT(different(plain, w.frames->picture(), 400, 560, 900, 640), 300);    // as the last word
+}
+
+TEST_F(DeskTest, AWipeShowsBeforeOnItsLeft) {
+  Window w;
+  const Image before = w.frames->picture();
+  for (Vec3f& x : w.s.x_mm) x.z() -= 3;
+  w.settle();
+  const Image now = w.frames->picture();
+  // The stage lies between 168 and 1012; the wipe parts it at 590. Each half is drawn with a cropped frustum, whose rounding
+  // and whose background shade differ a little.
+  constexpr int kLevels = 24;
+  const int moved_left = different(before, now, 170, 100, 580, 600, kLevels), moved_right = different(before, now, 600, 100, 1010, 600, kLevels);
+  ASSERT_GT(std::min(moved_left, moved_right), 4000);
+  w.key('B');
+  const Image both = w.frames->picture();
+  EXPECT_LT(different(before, both, 170, 100, 580, 600, kLevels), 0.1 * moved_left);
+  EXPECT_GT(different(now, both, 170, 100, 580, 600, kLevels), 0.8 * moved_left);
+  EXPECT_LT(different(now, both, 600, 100, 1010, 600, kLevels), 0.1 * moved_right);
+  EXPECT_GT(different(before, both, 600, 100, 1010, 600, kLevels), 0.8 * moved_right);
+}
+
+TEST_F(DeskTest, AnaglyphIsOfThePatientAlone) {
+  Window w;
+  const Image plain = w.frames->picture();
+  w.key('A'), w.key('A');
+  const Image stereo = w.frames->picture();
+  EXPECT_GT(different(plain, stereo, 200, 100, 1000, 600), 50000);
+  EXPECT_EQ(different(plain, stereo, 2, 560, 160, 600), 0);  // panels are not doubled
+}
+
+}  // namespace
+}  // namespace limberg
