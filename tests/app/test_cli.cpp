@@ -45,7 +45,7 @@ class Cli : public ::testing::Test {
 
   Outcome run(const std::string& arguments) const {
     const std::string out = path(".out"), err = path(".err");
-    const int s = std::system((kProgram + " " + arguments + " >" + out + " 2>" + err + " </dev/null").c_str());
+    const int s = std::system(("env -u DISPLAY -u WAYLAND_DISPLAY " + kProgram + " " + arguments + " >" + out + " 2>" + err + " </dev/null").c_str());
     Outcome o;
     o.status = WIFEXITED(s) ? WEXITSTATUS(s) : 1000 + WTERMSIG(s);
     o.out = slurp(out), o.err = slurp(err);
@@ -101,7 +101,6 @@ TEST_F(Cli, HelpAndVersion) {
 }
 
 TEST_F(Cli, WrongCalls) {
-  expect_refused("", {"expected"});
   expect_refused("dance", {"expected"});
   expect_refused("replay", {"RECORDING"});
   expect_refused("replay a.lcm --lockstep --realtime", {"expected"});
@@ -109,6 +108,22 @@ TEST_F(Cli, WrongCalls) {
   expect_refused("run rhomboid --device telepathy", {"telepathy", "expected"});
   expect_refused("operate rhomboid x.jsonl --cell-mm -1", {"cell-mm"});
   expect_refused("check x --workers 0", {"workers"});
+}
+
+TEST_F(Cli, FirstStepsManualAndCompletionComeFromTheCommandLine) {
+  const Outcome first = run("");
+  EXPECT_EQ(first.status, 0);
+  EXPECT_NE(first.out.find("limberg run "), std::string::npos) << first.out;
+  const Outcome man = run("--man"), completion = run("--completion");
+  for (const std::string command : {"run", "replay", "operate", "study", "bench", "emulate", "calibrate", "devices", "fit", "check", "report"}) {
+    EXPECT_NE(man.out.find(".SS limberg " + command + "\n"), std::string::npos) << command;
+    EXPECT_NE(completion.out.find("    " + command + ") words="), std::string::npos) << command;
+  }
+  EXPECT_NE(man.out.find("\\-\\-headless"), std::string::npos);
+  const std::string script = file("completion", completion.out + "\nCOMP_WORDS=(limberg replay --lo) COMP_CWORD=2; _limberg; echo ${COMPREPLY[@]}\n");
+  const std::string said = path("said");
+  ASSERT_EQ(std::system(("bash " + script + " >" + said).c_str()), 0);
+  EXPECT_EQ(slurp(said), "--lockstep\n");
 }
 
 TEST_F(Cli, MissingEmptyFolder) {
