@@ -12,6 +12,8 @@
 #include "app/bench/cutting_scene.h"
 #include "app/bench/fronts.h"
 #include "sim/cutting/arrangement.h"
+#include "sim/cutting/cut_scratch.h"
+#include "sim/cutting/store.h"
 
 namespace limberg::bench {
 namespace {
@@ -183,34 +185,59 @@ void crossing(Result& out, const CuttingSettings& settings, int cells, int repea
     blade.push_back(curved_blade(body, p));
   }
   // Each cut is made, taken back and made again, and the second time counts: so each finds in the caches what it needs,
-  // as the first one does, whose undo was the last act of the round before.
-  std::vector<Times> t(4), ratio(4);
-  std::array<int, 4> walls{};
-  std::array<size_t, 4> made{}, triangles{};
+  // as the first one does, whose undo was the last act of the round before. "Alone": the same blade into the uncut body, which
+  // tells what its own direction and depth cost from what crossing costs.
+  struct Work {  // what one cut had to look at and to make
+    size_t boxes = 0, pairs = 0, faces = 0, triangles = 0, walls = 0;
+  };
+  std::vector<Times> t(4), alone(4), ratio(4), to_alone(4);
+  std::array<Work, 4> work{};
+  std::array<size_t, 4> faces_alone{};
+  const auto timed = [&](size_t k, Times& times) {
+    Times untimed;
+    cut(a, blade[k], k, untimed);
+    a.undo();
+    return cut(a, blade[k], k, times);
+  };
   for (int i = 0; i < repeats; ++i) {
     for (size_t k = 0; k < 4; ++k) {
-      Times untimed;
-      cut(a, blade[k], k, untimed);
+      timed(k, alone[k]);
+      faces_alone[k] = a.last_operation().added.size() + a.last_operation().removed.size();
       a.undo();
-      walls[k] = cut(a, blade[k], k, t[k]).wall_faces;
+    }
+    for (size_t k = 0; k < 4; ++k) {
+      work[k].walls = size_t(timed(k, t[k]).wall_faces);
       ratio[k].add(t[k].ms.back() / t[0].ms.back());
+      to_alone[k].add(t[k].ms.back() / alone[k].ms.back());
+      work[k].boxes = a.store().scratch->hit.size();
+      work[k].pairs = a.store().scratch->segment.size();
       const LastOperation& last = a.last_operation();
-      made[k] = last.added.size() + last.removed.size();
+      work[k].faces = last.added.size() + last.removed.size();
       std::vector<int32_t> divided;
       for (int32_t f : last.removed) divided.push_back(a.faces()[size_t(f)].orig);
       std::sort(divided.begin(), divided.end());
-      triangles[k] = size_t(std::unique(divided.begin(), divided.end()) - divided.begin());
+      work[k].triangles = size_t(std::unique(divided.begin(), divided.end()) - divided.begin());
     }
     for (int k = 0; k < 4; ++k) a.undo();
   }
-  for (size_t k = 0; k < 4; ++k)
+  for (size_t k = 0; k < 4; ++k) {
+    const Work &w = work[k], &one = work[0];
+    const auto per = [](size_t x, size_t y) { return double(x) / double(y); };
     add_row(out, "crossing", text("cut %zu", k + 1),
-            text("%zu triangles, 120 mm, %d wall faces, %zu triangles divided, %zu faces made or replaced (%.3f of cut 1)",
-                 body.surface.tri.size(), walls[k], triangles[k], made[k], double(made[k]) / double(made[0])),
+            text("%zu triangles, 120 mm; near %zu (%.3f of cut 1), meeting %zu (%.3f), divided %zu (%.3f)", body.surface.tri.size(),
+                 w.boxes, per(w.boxes, one.boxes), w.pairs, per(w.pairs, one.pairs), w.triangles, per(w.triangles, one.triangles)) +
+                text(", faces made or replaced %zu (%.3f), of them wall %zu; %.0f ns a face", w.faces, per(w.faces, one.faces), w.walls,
+                     1e6 * t[k].median() / double(w.faces)),
             t[k]);
+    add_row(out, "crossing", text("cut %zu's blade alone, into the uncut body", k + 1), text("%.3f of cut 1's", alone[k].median() / alone[0].median()), alone[k]);
+  }
   if (settings.quick) return;
-  for (size_t k = 1; k < 4; ++k)
+  for (size_t k = 1; k < 4; ++k) {
     add_bar(out, text("crossing: cut %zu over cut 1", k + 1), ratio[k].median(), 1.1, false, kTargets);
+    const double output = double(work[k].faces) / double(faces_alone[k]);
+    add_bar(out, text("crossing: cut %zu over the same blade alone, per face made or replaced", k + 1), to_alone[k].median() / output, 1.1, false,
+            "beside the bar of issue 3: what crossing itself costs");
+  }
 }
 
 }  // namespace

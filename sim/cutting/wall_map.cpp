@@ -71,7 +71,10 @@ WallMap::WallMap(const BladeContext& context, int32_t end) : context_(context) {
     c.X_mm = x - c.down * top.level;
     c.chart = context.body->to_chart(c.X_mm);
   }
-  for (WallStrip& t : strip_) t.live = is_front(t.front[0], t.front[1]);
+  for (WallStrip& t : strip_) {
+    t.live = is_front(t.front[0], t.front[1]);
+    line_.push_back({column_[size_t(t.column[0])].chart, column_[size_t(t.column[1])].chart});
+  }
 }
 
 bool WallMap::is_front(int32_t a, int32_t b) const {
@@ -124,7 +127,11 @@ WallMap::Along WallMap::nearest(const Vec2& p, double reach) const {
   Along best;
   double least = reach;
   for (int32_t i = 0; i < int32_t(strip_.size()); ++i) {
-    const Vec2 &a = column_[size_t(strip_[size_t(i)].column[0])].chart, &b = column_[size_t(strip_[size_t(i)].column[1])].chart;
+    const auto& [a, b] = line_[size_t(i)];
+    const double near = least + 1e-9;  // farther along one axis: nearly all are
+    if (std::min(a.x(), b.x()) - p.x() > near || p.x() - std::max(a.x(), b.x()) > near ||
+        std::min(a.y(), b.y()) - p.y() > near || p.y() - std::max(a.y(), b.y()) > near)
+      continue;
     const Vec2 d = b - a;
     const double l = d.norm();
     if (l < 1e-9) continue;

@@ -66,6 +66,7 @@ class WallMap {
   BladeContext context_;
   std::vector<WallColumn> column_;
   std::vector<WallStrip> strip_;
+  std::vector<std::array<Vec2, 2>> line_;     // per strip: its ends on the chart
   std::vector<std::array<int32_t, 3>> edge_;  // ends ascending, original triangle; sorted
 };
 
