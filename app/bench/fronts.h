@@ -18,8 +18,9 @@ namespace limberg::bench {
 struct SlitSpec {
   Vec3 block_mm{80, 60, 10};     // sides and bottom held
   double skin_cell_mm = 1;
-  double from_mm = -18.7, to_mm = 21.3;  // the ends, along x: inside cells of 5 and of 3.5 mm
-  double y_mm = 0.37;
+  double from_mm = -18.7, to_mm = 21.3;  // the ends, along the slit: at 0 degrees inside cells of 5 and of 3.5 mm
+  double y_mm = 0.37;                    // to the left of the block's middle
+  double angle_deg = 0;                  // to the lattice, about the block's middle; the tension stays across the slit
   double depth_mm = 6.1;
   double cell_mm = 5;
   int front_levels = 0;
