@@ -90,7 +90,7 @@ class ElasticSolver {
   /// Sum of the forces in mN that the Dirichlet nodes receive from the material and from springs that hang on them (their
   /// supports give the opposite).
   virtual Vec3 support_force_mN() const = 0;
-  /// J = det F at the sample point of each cell (fem_model.h: the centre of a homogeneous one).
+  /// J = det F of each cell, where its volume is sampled (fem_model.h: the centre, unless layers of one side only share it).
   virtual void cell_J(std::vector<float>& J) const = 0;
   /// Deformation gradient at the sample point of a cell (row-major meaning F(i,j) = dx_i/dX_j).
   virtual Mat3 cell_F(int32_t cell) const = 0;

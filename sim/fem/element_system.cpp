@@ -8,7 +8,8 @@
 namespace limberg::fem {
 namespace {
 
-constexpr double penalty_over_mu = 3;  // k = 3 mu
+// k = 3 mu; twice that where layers share a cell, so that more of their stretch is taken at its place (layer_slide.h).
+double penalty_kPa(const Stencil& s) { return (s.slide_kPa != 0 ? 6 : 3) * s.mu_kPa; }
 constexpr double primal_below = 5;     // lambda / mu at nu = 0.4 (reparametrised: 2 nu / (1 - 2 nu) + 1)
 
 bool uses_multiplier(const Stencil& s, bool augmented) {
@@ -24,12 +25,20 @@ KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augment
     for (int i = 0; i < 3; ++i) {
       X(a, i) = (a >> i & 1) ? h[i] : 0;
     }
-  const Eigen::Matrix<double, 8, 3> f0 = s.K * X - s.p0_kPa * s.volume_mm3 * B;
+  const Eigen::Matrix<double, 8, 3> Bv = volume_gradients(s, cell_mm);
+  Eigen::Matrix<double, 8, 3> f0 = s.K * X - s.p0_kPa * s.volume_mm3 * Bv;
+  if (s.slide_kPa != 0) {  // the slopes at rest of what layers add (layer_slide.h)
+    const Vec3 N = s.slide_axes.col(2);
+    f0 += s.slide_kPa * s.volume_mm3 * (Bv * N) * N.transpose();
+    f0 -= s.p0_kPa * s.volume_mm3 * (B - Bv) * (Mat3::Identity() - N * N.transpose());
+    k.slide = float(s.slide_kPa), k.rest = float(s.p0_kPa), k.rest_lambda = float(effective_bulk_kPa(s, true));
+    for (int i = 0; i < 3; ++i) k.along[i] = float(s.slide_axes(i, 0)), k.across[i] = float(s.slide_axes(i, 1)), k.normal[i] = float(N[i]);
+  }
   for (int b = 0; b < 8; ++b)
     for (int a = 0; a < 8; ++a) k.K[8 * b + a] = float(s.K(a, b));
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) k.f0[4 * a + i] = float(f0(a, i));
-  k.centred = s.sample == Vec3::Constant(0.5);
+  k.centred = s.sample == Vec3::Constant(0.5) || s.slide_kPa != 0;
   for (int e = 0; e < 4; ++e) k.bx[e] = float(B(2 * e + 1, 0)), k.by[e] = float(B(2 * (e & 2) + 2 + (e & 1), 1)), k.bz[e] = float(B(4 + e, 2));
   for (int i = 0; i < 3; ++i) k.inv4h[i] = float(1 / (4 * h[i]));
   if (!s.points.empty() && s.points[0].gradients) {  // no box: all its energy is in its points; theta stays 0 here
@@ -39,7 +48,7 @@ KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augment
   k.volume = float(s.volume_mm3);
   k.p0 = float(s.p0_kPa);
   k.ke = float(effective_bulk_kPa(s, augmented));
-  const double pen = penalty_over_mu * s.mu_kPa;
+  const double pen = penalty_kPa(s);
   k.r = uses_multiplier(s, augmented) ? float(s.lambda_kPa / (s.lambda_kPa + pen)) : 0;
   return k;
 }
@@ -54,7 +63,7 @@ bool same_stencils(const FemModel& a, const FemModel& b) {
 
 double effective_bulk_kPa(const Stencil& s, bool augmented) {
   if (!uses_multiplier(s, augmented)) return s.lambda_kPa;
-  const double k = penalty_over_mu * s.mu_kPa;
+  const double k = penalty_kPa(s);
   return s.lambda_kPa * k / (s.lambda_kPa + k);
 }
 
@@ -182,7 +191,7 @@ void ElementSystem::shape_only(bool on) {
   shape_stencils_ = *data_.stencils;
   for (KernelStencil& k : shape_stencils_) {
     std::fill(std::begin(k.f0), std::end(k.f0), 0.0f);
-    k.p0 = k.ke = k.r = 0;
+    k.p0 = k.ke = k.r = k.slide = 0;
   }
 }
 

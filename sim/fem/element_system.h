@@ -7,7 +7,9 @@
 //   f_a = scale * ( sum_b K_ab u_b + f0_a + V ( (p - p0)(cof F - I) + p I ) B_a ),   f0_a = (K X)_a - p0 V B_a
 //   p   = ke (theta + q),  theta = J - 1
 //
-// Augmented Lagrangian with the pressure eliminated per cell: q is the stored multiplier over the penalty k = 3 mu,
+// (and what a cell that layers share adds, layer_slide.h).
+// Augmented Lagrangian with the pressure eliminated per cell: q is the stored multiplier over the penalty k = 3 mu
+// (6 mu where layers share the cell),
 // ke = lambda k / (lambda + k). At the fixed point of update_multipliers p = lambda theta, so the answer is that of the
 // plain energy; the minimiser only ever meets the stiffness ke. Cells with lambda below `primal_below` mu (nu < 0.4) keep
 // q = 0 and ke = lambda.

@@ -14,6 +14,9 @@
 //
 // mu/2 |F F0|^2 is quadratic in x, so K carries layers thinner than a cell, prestretch and full integration
 // (hourglass control included) at no run-time cost; sub-cell quadrature fills it.
+// A cell that layers share (slide > 0) takes J_c at its centre, where it is the cell's mean: what flows out of one layer must
+// flow somewhere. layer_slide.h has what is added there, so that its layers give way to each other along their planes and
+// that their stretch is still that at the sample point.
 // Corner order: bit 0 = +x, bit 1 = +y, bit 2 = +z.
 //
 // Cells of a lattice that is finer in places have a level: their edges are FemModel::cell_mm / 2^level, and so are those of
@@ -70,6 +73,8 @@ struct Stencil {
   double p0_kPa = 0;
   Vec3 sample = Vec3::Constant(0.5);  // where J is evaluated, in cell units (0..1 per axis); the centre when homogeneous
   double density_kg_mm3 = 0;
+  double slide_kPa = 0;               // 0: one layer, or none thinner than the cell
+  Mat3 slide_axes = Mat3::Identity();  // columns: two along the layers, their normal
   uint8_t level = 0;                  // of the cells that it is for; all lengths here are theirs
   std::vector<MaterialPoint> points;  // empty for cells whose whole shape energy is in K, and then costs nothing
   std::vector<ViscousPoint> viscous;  // empty where nothing relaxes, and then costs nothing
@@ -100,6 +105,11 @@ inline Eigen::Matrix<double, 8, 3> point_gradients(const Stencil& s, const Mater
 inline Eigen::Matrix<double, 8, 3> sample_gradients(const Stencil& s, const Vec3& cell_mm) {
   if (!s.points.empty() && s.points[0].gradients) return *s.points[0].gradients;
   return trilinear_gradients(s, s.sample, cell_mm);
+}
+
+/// The same where the volume is sampled, if the stencil has lambda.
+inline Eigen::Matrix<double, 8, 3> volume_gradients(const Stencil& s, const Vec3& cell_mm) {
+  return s.slide_kPa != 0 ? trilinear_gradients(s, Vec3::Constant(0.5), cell_mm) : sample_gradients(s, cell_mm);
 }
 
 struct HexCell {

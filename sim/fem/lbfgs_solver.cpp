@@ -469,20 +469,28 @@ Vec3 LbfgsSolver::support_force_mN() const {
   return f;
 }
 
+namespace {
+Mat3 gradient_at(const Eigen::Matrix<double, 8, 3>& B, const HexCell& c, const NodeArray& u) {
+  Mat3 F = Mat3::Identity();
+  for (int a = 0; a < 8; ++a) {
+    const Node4& v = u[size_t(c.node[size_t(a)])];
+    F += Vec3(double(v.x), double(v.y), double(v.z)) * B.row(a);
+  }
+  return F;
+}
+}  // namespace
+
 void LbfgsSolver::cell_J(std::vector<float>& J) const {
   J.resize(model_->cells.size());
-  for (size_t c = 0; c < J.size(); ++c) J[c] = float(cell_F(int32_t(c)).determinant());
+  const SharedArray<HexCell>& cells = model_->cells;
+  for (size_t c = 0; c < J.size(); ++c)
+    J[c] = float(gradient_at(volume_gradients(model_->stencils[size_t(cells[c].stencil)], model_->cell_mm), cells[c], u_).determinant());
 }
 
 Mat3 LbfgsSolver::cell_F(int32_t cell) const {
-  Mat3 F = Mat3::Identity();
-  const HexCell& c = model_->cells[size_t(cell)];
-  const Eigen::Matrix<double, 8, 3> B = sample_gradients(model_->stencils[size_t(c.stencil)], model_->cell_mm);
-  for (int a = 0; a < 8; ++a) {
-    const Node4& u = u_[size_t(c.node[size_t(a)])];
-    F += Vec3(double(u.x), double(u.y), double(u.z)) * B.row(a);
-  }
-  return F;
+  const SharedArray<HexCell>& cells = model_->cells;
+  const HexCell& c = cells[size_t(cell)];
+  return gradient_at(sample_gradients(model_->stencils[size_t(c.stencil)], model_->cell_mm), c, u_);
 }
 
 std::string LbfgsSolver::describe() const {

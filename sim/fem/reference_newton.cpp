@@ -12,7 +12,9 @@
 
 #include "sim/fem/cholesky.h"
 #include "sim/fem/contact_law.h"
+#include "sim/fem/element_system.h"
 #include "sim/fem/hanging_nodes.h"
+#include "sim/fem/layer_slide.h"
 #include "sim/fem/material_points.h"
 #include "sim/fem/scalar_matrix.h"
 
@@ -33,6 +35,17 @@ Mat3 skew(const Vec3& v) {  // S_ik = epsilon_ikm v_m
   Mat3 s;
   s << 0, v[2], -v[1], -v[2], 0, v[0], v[1], -v[0], 0;
   return s;
+}
+
+/// B H B^T with B from gradients to vec F (column-major), corners of nodes 3 a + i.
+Mat24 at_nodes(const Mat9& H, const Gradients& grad_N) {
+  Eigen::Matrix<double, 24, 9> B = Eigen::Matrix<double, 24, 9>::Zero();
+  for (int a = 0; a < 8; ++a)
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) B(3 * a + i, 3 * j + i) = grad_N(a, j);
+  Mat24 out;
+  out.noalias() = B * (H * B.transpose()).eval();
+  return out;
 }
 
 /// A contact as one row: s = w . x along the normal - gap.
@@ -75,7 +88,8 @@ struct ReferenceElasticity::Impl {
   const FemModel& m;
   std::vector<Spring> springs;
   std::vector<ContactRow> contacts;
-  std::vector<Gradients> B;        // per stencil, at its sample point
+  std::vector<Gradients> B;        // per stencil, where its volume is sampled
+  std::vector<Gradients> B_sample;  // at its sample point: another place only where layers share the cell
   std::vector<Gradients> KX;      // per stencil
   std::vector<double> mu_sample;  // share of K that is certainly a stiffness at the sample point
   std::vector<Mat8> K_rest;       // K without that share
@@ -101,9 +115,10 @@ struct ReferenceElasticity::Impl {
     cholmod_finish(&common);
   }
 
-  Mat3 F(const HexCell& c, std::span<const Vec3> u) const {
+  Mat3 F(const HexCell& c, std::span<const Vec3> u) const { return F_at(B[size_t(c.stencil)], c, u); }
+  static Mat3 F_at(const Gradients& grad_N, const HexCell& c, std::span<const Vec3> u) {
     Mat3 f = Mat3::Identity();
-    for (int a = 0; a < 8; ++a) f += u[size_t(c.node[size_t(a)])] * B[size_t(c.stencil)].row(a);
+    for (int a = 0; a < 8; ++a) f += u[size_t(c.node[size_t(a)])] * grad_N.row(a);
     return f;
   }
 
@@ -135,13 +150,24 @@ struct ReferenceElasticity::Impl {
       const Mat3 f = F(c, u);
       const double theta = f.determinant() - 1;
       const Gradients KU = s.K * U;
+      const bool shared = s.slide_kPa != 0;
       energy += double(c.scale) * (U.cwiseProduct(0.5 * KU + kx).sum() +
                                    s.volume_mm3 * (0.5 * s.lambda_kPa * theta * theta - s.p0_kPa * theta));
+      fem::LayerEnergy slide, here, there;
+      if (shared) {
+        const double lambda = fem::effective_bulk_kPa(s, true);
+        slide = fem::layer_slide(f, s.slide_axes);
+        here = fem::layer_stretch(f, s.slide_axes, s.p0_kPa, lambda);
+        there = fem::layer_stretch(F_at(B_sample[size_t(c.stencil)], c, u), s.slide_axes, s.p0_kPa, lambda);
+        energy += double(c.scale) * s.volume_mm3 * (s.slide_kPa * (slide.energy - 0.5) + there.energy - here.energy);
+      }
       Gradients extra;
       if (!s.points.empty()) energy += double(c.scale) * fem::points_force(m, s, m.cell_mm, U, extra);
       if (!g) continue;
-      const Mat3 P = s.volume_mm3 * (s.lambda_kPa * theta - s.p0_kPa) * cofactor(f);
+      Mat3 P = s.volume_mm3 * (s.lambda_kPa * theta - s.p0_kPa) * cofactor(f);
+      if (shared) P += s.volume_mm3 * (s.slide_kPa * slide.slope - here.slope);
       Gradients force = double(c.scale) * (KU + kx + B[size_t(c.stencil)] * P.transpose());
+      if (shared) force += double(c.scale) * s.volume_mm3 * B_sample[size_t(c.stencil)] * there.slope.transpose();
       if (!s.points.empty()) force += double(c.scale) * extra;
       for (int a = 0; a < 8; ++a) {
         (*g)[size_t(c.node[size_t(a)])] += force.row(a).transpose();
@@ -186,10 +212,26 @@ struct ReferenceElasticity::Impl {
   Mat24 cell_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
     const Stencil& s = m.stencils[size_t(c.stencil)];
     Mat24 H = stencil_hessian(c, u, project);
+    if (s.slide_kPa != 0) H += layers_hessian(c, u, project);
     if (s.points.empty()) return H;
     Gradients U;
     for (int a = 0; a < 8; ++a) U.row(a) = u[size_t(c.node[size_t(a)])].transpose();
     return H + double(c.scale) * fem::points_tangent(m, s, m.cell_mm, U, project);
+  }
+
+  // What layers that share a cell add to stencil_hessian.
+  Mat24 layers_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
+    const Stencil& s = m.stencils[size_t(c.stencil)];
+    const double lambda = fem::effective_bulk_kPa(s, true);
+    const Mat3 f = F(c, u), there = F_at(B_sample[size_t(c.stencil)], c, u);
+    Mat9 centre = s.slide_kPa * fem::layer_slide_tangent(f, s.slide_axes) - fem::layer_stretch_tangent(f, s.slide_axes, s.p0_kPa, lambda);
+    Mat9 sample = fem::layer_stretch_tangent(there, s.slide_axes, s.p0_kPa, lambda);
+    for (Mat9* H : {&centre, &sample}) {
+      if (!project) break;
+      const Eigen::SelfAdjointEigenSolver<Mat9> eig(*H);
+      *H = eig.eigenvectors() * eig.eigenvalues().cwiseMax(0).asDiagonal() * eig.eigenvectors().transpose();
+    }
+    return double(c.scale) * s.volume_mm3 * (at_nodes(centre, B[size_t(c.stencil)]) + at_nodes(sample, B_sample[size_t(c.stencil)]));
   }
 
   Mat24 stencil_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
@@ -234,11 +276,7 @@ struct ReferenceElasticity::Impl {
     }
     const Eigen::SelfAdjointEigenSolver<Mat3> eig(scaling);
     for (int i = 0; i < 3; ++i) add(eig.eigenvectors().col(i).asDiagonal(), eig.eigenvalues()[i]);
-    Eigen::Matrix<double, 24, 9> BF = Eigen::Matrix<double, 24, 9>::Zero();  // vec F is column-major
-    for (int a = 0; a < 8; ++a)
-      for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i) BF(3 * a + i, 3 * j + i) = grad_N(a, j);
-    H.noalias() = V * (BF * (HF * BF.transpose()).eval());
+    H = V * at_nodes(HF, grad_N);
     const Mat8& K = K_rest[size_t(c.stencil)];
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
@@ -404,7 +442,8 @@ ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const 
       for (int i = 0; i < 3; ++i) {
         X(a, i) = (a >> i & 1) ? h[i] : 0;
       }
-    p.B.push_back(sample_gradients(s, model.cell_mm));
+    p.B.push_back(volume_gradients(s, model.cell_mm));
+    p.B_sample.push_back(sample_gradients(s, model.cell_mm));
     p.KX.push_back(s.K * X);
     const Mat3 mean = X.transpose() * s.K * X / s.volume_mm3;
     const double mu = std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(mean).eigenvalues()[0]);

@@ -51,7 +51,7 @@ WideCell widen(const FemModel& m, const HexCell& c, const Mat8& K, std::span<con
 }  // namespace
 
 Mat8 scalar_cell_matrix(const FemModel& m, const Stencil& s, bool augmented) {
-  const Eigen::Matrix<double, 8, 3> B = sample_gradients(s, m.cell_mm);
+  const Eigen::Matrix<double, 8, 3> B = volume_gradients(s, m.cell_mm);
   Mat8 K = s.K + effective_bulk_kPa(s, augmented) * s.volume_mm3 * (B * B.transpose());
   if (!s.points.empty()) K += points_scalar(m, s, m.cell_mm);
   return K;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sim/error.h"
+#include "sim/lattice/shared_cells.h"
 #include "sim/lattice/stencil_integrals.h"
 
 namespace limberg {
@@ -71,9 +72,11 @@ std::vector<uint8_t> cells_of_body(const Bvh& surface, const LatticeGrid& grid) 
   return used;
 }
 
+using BoxLayers = std::array<int, kSplit * kSplit * kSplit>;
+
 // The layer of each of the boxes that a cell is summed from, by the depths of its corners.
-std::array<int, kSplit * kSplit * kSplit> boxes_of_layers(const Skin& skin, const double corner[8]) {
-  std::array<int, kSplit * kSplit * kSplit> layer;
+BoxLayers boxes_of_layers(const Skin& skin, const double corner[8]) {
+  BoxLayers layer;
   for (int b = 0; b < int(layer.size()); ++b) {
     const Vec3 x = (Vec3(b % kSplit, b / kSplit % kSplit, b / (kSplit * kSplit)) + Vec3::Constant(0.5)) / kSplit;
     double d = 0;
@@ -82,6 +85,26 @@ std::array<int, kSplit * kSplit * kSplit> boxes_of_layers(const Skin& skin, cons
     layer[size_t(b)] = skin.layer_at(d);
   }
   return layer;
+}
+
+std::vector<LayerMoments> moments_of_boxes(const Vec3& cell_mm) {
+  std::vector<LayerMoments> out;
+  for (int b = 0; b < kSplit * kSplit * kSplit; ++b) {
+    const Vec3 at(b % kSplit, b / kSplit % kSplit, b / (kSplit * kSplit));
+    out.push_back(box_moments(cell_mm, at / kSplit, (at + Vec3::Ones()) / kSplit));
+  }
+  return out;
+}
+
+std::vector<LayerPart> parts_of(const std::vector<LayerMoments>& boxes, const BoxLayers& layer, const std::vector<LayerMatter>& matter) {
+  std::vector<LayerPart> parts;
+  for (size_t l = 0; l < matter.size(); ++l) {
+    LayerPart part{&matter[l], {}};
+    for (size_t b = 0; b < boxes.size(); ++b)
+      if (layer[b] == int(l)) part.moments.add(boxes[b]);
+    if (part.moments.volume_mm3 > 0) parts.push_back(part);
+  }
+  return parts;
 }
 
 }  // namespace
@@ -105,7 +128,7 @@ int32_t StencilTable::intern(const Stencil& s) const {
   for (size_t i = 0; i < stencils_.size(); ++i) {
     const Stencil& o = stencils_[i];
     if (o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa && o.lambda_kPa == s.lambda_kPa &&
-        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level &&
+        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level && o.slide_kPa == s.slide_kPa && o.slide_axes == s.slide_axes &&
         std::equal(o.points.begin(), o.points.end(), s.points.begin(), s.points.end(), [](const MaterialPoint& p, const MaterialPoint& q) {
           return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
         }) &&
@@ -132,6 +155,7 @@ Stencil StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
 
   const double low = grid.node_mm({0, 0, k}).z(), high = grid.node_mm({0, 0, k + 1}).z();
   Stencil s;
+  std::vector<LayerPart> parts;
   double from = -INFINITY;  // depth of the layer's upper side; the first reaches up without end, the last down
   for (size_t l = 0; l < body.layers.size(); ++l) {
     const double to = l + 1 == body.layers.size() ? INFINITY : (l ? from : 0) + body.layers[l].thickness_mm;
@@ -139,11 +163,15 @@ Stencil StencilTable::block_row(const LatticeGrid& grid, int32_t k) const {
     if (z1 > z0) {
       // Cell units; differences of rounding size are the same as nothing.
       const double a = std::max(0.0, (z0 - low) / h.z()), b = std::min(1.0, (z1 - low) / h.z());
-      if (b - a > 1e-9) add_box(s, h, {0, 0, a}, {1, 1, b}, matter_[l], frame);
+      if (b - a > 1e-9) {
+        add_box(s, h, {0, 0, a}, {1, 1, b}, matter_[l], frame);
+        parts.push_back({&matter_[l], box_moments(h, {0, 0, a}, {1, 1, b})});
+      }
     }
     from = to;
   }
   finish_stencil(s);
+  share_cell(s, h, parts, frame);
   return s;
 }
 
@@ -181,6 +209,7 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
   const double reach = 0.5 * h.norm();
   const std::vector<uint8_t> used = cells_of_body(skin.surface(), grid);
   const std::vector<GradientTable> tables = gradient_tables(h);
+  const std::vector<LayerMoments> moments = moments_of_boxes(h);
   std::vector<double> node_depth(fixed_.size(), NAN);  // asked for when a layer boundary may be near
   std::vector<int32_t> whole(body.layers.size(), -1);  // stencil of a full cell of a layer without prestretch
   for (size_t c = 0; c < of_cell_.size(); ++c) {
@@ -196,11 +225,12 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
       continue;
     }
     StretchFrame frame;
-    if (stretched) {
+    if (stretched || upper != lower) {
       const Skin::Frame f = skin.frame(centre);
       frame = {f.along, f.across, f.normal};
     }
     Stencil s;
+    std::vector<LayerPart> parts;
     if (upper == lower) {
       add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], frame);
     } else {
@@ -211,9 +241,12 @@ void StencilTable::fill_general(const Skin& skin, const LatticeGrid& grid) {
         if (std::isnan(d)) d = skin.depth_mm(low + h.cwiseProduct(Vec3(k & 1, k >> 1 & 1, k >> 2 & 1)));
         corner[k] = d;
       }
-      s = layered_stencil(h, tables, matter_, boxes_of_layers(skin, corner), frame);
+      const BoxLayers layer = boxes_of_layers(skin, corner);
+      s = layered_stencil(h, tables, matter_, layer, frame);
+      parts = parts_of(moments, layer, matter_);
     }
     finish_stencil(s);
+    share_cell(s, h, parts, frame);
     of_cell_[c] = int32_t(stencils_.size());
     if (upper == lower && !stretched) whole[size_t(upper)] = of_cell_[c];
     stencils_.push_back(s);
@@ -233,20 +266,24 @@ Stencil StencilTable::general_part(const LatticeGrid& grid, Int3 at) const {
   const int upper = skin_->layer_at(depth - reach), lower = skin_->layer_at(depth + reach);
   StretchFrame frame;
   for (int l = upper; l <= lower; ++l) {
-    if (!matter_[size_t(l)].directed()) continue;
+    if (upper == lower && !matter_[size_t(l)].directed()) continue;
     const Skin::Frame f = skin_->frame(centre);
     frame = {f.along, f.across, f.normal};
     break;
   }
   Stencil s;
+  std::vector<LayerPart> parts;
   if (upper == lower) {
     add_box(s, h, Vec3::Zero(), Vec3::Ones(), matter_[size_t(upper)], frame);
   } else {
     double corner[8];
     for (int k = 0; k < 8; ++k) corner[k] = skin_->depth_mm(low + h.cwiseProduct(Vec3(k & 1, k >> 1 & 1, k >> 2 & 1)));
-    s = layered_stencil(h, gradient_tables(h), matter_, boxes_of_layers(*skin_, corner), frame);
+    const BoxLayers layer = boxes_of_layers(*skin_, corner);
+    s = layered_stencil(h, gradient_tables(h), matter_, layer, frame);
+    parts = parts_of(moments_of_boxes(h), layer, matter_);
   }
   finish_stencil(s);
+  share_cell(s, h, parts, frame);
   return s;
 }
 

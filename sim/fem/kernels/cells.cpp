@@ -14,6 +14,8 @@ inline float dot3(v4 a, v4 b) {
   return m[0] + m[1] + m[2];
 }
 
+constexpr float slide_least = 0.25f;  // layer_slide.h: squared area ratio from which downwards the energy is continued
+
 /// f = K u + f0 for the eight nodes; returns sum of u . (f + f0), spread over the lanes.
 #if LIMBERG_LANES == 512
 inline v4 deviatoric(const KernelStencil& s, const v4* un, v4* f) {
@@ -59,6 +61,83 @@ inline v4 deviatoric(const KernelStencil& s, const v4* u, v4* f) {
   return w;
 }
 #endif
+
+/// Columns of G = F - I at the sample point off the centre.
+LIMBERG_INLINE void gradients(const KernelStencil& s, const v4* n, v4& gx, v4& gy, v4& gz) {
+  gx = (n[1] - n[0]) * s.bx[0] + (n[3] - n[2]) * s.bx[1] + (n[5] - n[4]) * s.bx[2] + (n[7] - n[6]) * s.bx[3];
+  gy = (n[2] - n[0]) * s.by[0] + (n[3] - n[1]) * s.by[1] + (n[6] - n[4]) * s.by[2] + (n[7] - n[5]) * s.by[3];
+  gz = (n[4] - n[0]) * s.bz[0] + (n[5] - n[1]) * s.bz[1] + (n[6] - n[2]) * s.bz[2] + (n[7] - n[3]) * s.bz[3];
+}
+/// f += V P grad N there, columns of V P in h.
+LIMBERG_INLINE void spread_to_corners(const KernelStencil& s, v4 hx, v4 hy, v4 hz, v4* f) {
+  f[0] -= hx * s.bx[0] + hy * s.by[0] + hz * s.bz[0], f[1] += hx * s.bx[0] - hy * s.by[1] - hz * s.bz[1];
+  f[2] += hy * s.by[0] - hx * s.bx[1] - hz * s.bz[2], f[3] += hx * s.bx[1] + hy * s.by[1] - hz * s.bz[3];
+  f[4] += hz * s.bz[0] - hx * s.bx[2] - hy * s.by[2], f[5] += hx * s.bx[2] + hz * s.bz[1] - hy * s.by[3];
+  f[6] += hy * s.by[2] + hz * s.bz[2] - hx * s.bx[3], f[7] += hx * s.bx[3] + hy * s.by[3] + hz * s.bz[3];
+}
+
+/// How the plane of the layers is stretched at a place: columns of G = F - I in, and without subtracting numbers near 1
+struct LayerPlane {
+  v4 r1, r2;                  // d(|n|^2/2)/dF = (T1 + r1) T1^T + (T2 + r2) T2^T, n = cof F N
+  float in_plane, bend, sigma;  // T1.G T1 + T2.G T2;  |n|^2 - 1 = sigma = 2 in_plane + bend
+};
+LIMBERG_INLINE LayerPlane layer_plane(v4 t1, v4 t2, v4 N, v4 gx, v4 gy, v4 gz) {
+  const v4 g1 = gx * t1[0] + gy * t1[1] + gz * t1[2], g2 = gx * t2[0] + gy * t2[1] + gz * t2[2];
+  const v4 g12 = cross(g1, g2);
+  const v4 m = cross(g1, t2) + cross(t1, g2) + g12;  // n - N
+  LayerPlane p;
+  p.r1 = cross(g2, N) + cross(t2, m) + cross(g2, m), p.r2 = cross(N, g1) + cross(m, t1) + cross(m, g1);
+  p.in_plane = dot3(g1, t1) + dot3(g2, t2);
+  p.bend = 2 * dot3(g12, N) + dot3(m, m);
+  p.sigma = 2 * p.in_plane + p.bend;
+  return p;
+}
+/// mu L sigma / (2 (L + lambda sigma)) with a minus (layer_slide.h) less its linear part; `q1`, `q2`: its slope's columns there.
+LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, v4 t1, v4 t2, v4& q1, v4& q2) {
+  const float L = s.rest + s.rest_lambda, D = L + s.rest_lambda * p.sigma, inv = 1 / D;
+  const float c1 = -s.rest_lambda * p.sigma * (L + D) * inv * inv, c = 1 + c1;  // (L / D)^2 less 1
+  q1 = -s.rest * (c1 * t1 + c * p.r1), q2 = -s.rest * (c1 * t2 + c * p.r2);
+  return -0.5f * s.rest * (L * p.bend - 2 * p.in_plane * s.rest_lambda * p.sigma) * inv;
+}
+
+/// What layers that share a cell add (layer_slide.h), without the part that is linear in the displacement: that is in f0.
+/// g, C: columns of G = F - I and of cof F - I at the centre; th = J - 1, second = th - tr G; their forces go to h, those at the
+/// sample point to f. Apart from the loop, so that cells without layers are not touched by it. Returns the energy.
+[[gnu::noinline]] float add_layers(const KernelStencil& s, const v4* n, const v4* g, const v4* C, float th, float second, v4* h, v4* f) {
+  const v4 t1 = {s.along[0], s.along[1], s.along[2], 0}, t2 = {s.across[0], s.across[1], s.across[2], 0}, N = {s.normal[0], s.normal[1], s.normal[2], 0};
+  const LayerPlane p = layer_plane(t1, t2, N, g[0], g[1], g[2]);
+  const v4 gN = g[0] * N[0] + g[1] * N[1] + g[2] * N[2];
+  const float gnn = dot3(gN, N), J = 1 + th, area2 = 1 + p.sigma;
+  float energy, a1, b1;  // a - 1 and b - 1 of dW/dF = a cof F - b (q1 T1^T + q2 T2^T)
+  if (area2 >= slide_least) {
+    const float inv = 1 / area2;
+    energy = (2 * second - p.bend + th * th - 2 * p.sigma * gnn) * inv;
+    a1 = (th - p.sigma) * inv;
+    b1 = a1 * (J + area2) * inv;
+  } else {  // the parabola in area2 that goes on from there
+    constexpr float i = 1 / slide_least;
+    const float d = (area2 - slide_least) * i, value = i * (1 - d + d * d), slope = -i * i * (1 - 2 * d);
+    energy = J * J * value - 1 - 2 * gnn;
+    a1 = J * value - 1;
+    b1 = -J * J * slope - 1;
+  }
+  v4 c1, c2, at1, at2;  // slopes of the stretch energy here and at the sample point
+  const float here = layer_stretch(s, p, t1, t2, c1, c2);
+  v4 sx, sy, sz;
+  gradients(s, n, sx, sy, sz);
+  const float there = layer_stretch(s, layer_plane(t1, t2, N, sx, sy, sz), t1, t2, at1, at2);
+
+  const float V = s.volume, slide = s.slide, a = 1 + a1, b = 1 + b1;
+  const v4 q1 = slide * (b1 * t1 + b * p.r1) + c1, q2 = slide * (b1 * t2 + b * p.r2) + c2;
+  for (int i = 0; i < 3; ++i) {
+    v4 column = slide * (a * C[i]) - q1 * t1[i] - q2 * t2[i];
+    column[i] += slide * a1;
+    h[i] += V * column;
+  }
+  at1 *= V, at2 *= V;
+  spread_to_corners(s, at1 * t1[0] + at2 * t2[0], at1 * t1[1] + at2 * t2[1], at1 * t1[2] + at2 * t2[2], f);
+  return V * (0.5f * slide * energy + (there - here));
+}
 
 template <bool Measure>
 CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q, Node4* slots, float* theta) {
@@ -114,6 +193,14 @@ CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q
     v4 hx = (pm * cx + v4{p, 0, 0, 0}) * vol;
     v4 hy = (pm * cy + v4{0, p, 0, 0}) * vol;
     v4 hz = (pm * cz + v4{0, 0, p, 0}) * vol;
+    if (s.slide != 0) {
+      const v4 g[3] = {gx, gy, gz}, C[3] = {cx, cy, cz};
+      v4 h[3] = {hx, hy, hz};
+      const double e4 = double(add_layers(s, n, g, C, th, second, h, f));
+      hx = h[0], hy = h[1], hz = h[2];
+      sums.energy += double(cell.scale) * e4;
+      sums.magnitude += double(cell.scale) * __builtin_fabs(e4);
+    }
     if (s.centred) {
       hx *= ix, hy *= iy, hz *= iz;
       const v4 a = hx + hy, b = hx - hy;

@@ -24,6 +24,10 @@ struct alignas(64) KernelStencil {
   float bx[4], by[4], bz[4];
   bool centred = true;
   float inv4h[3] = {0, 0, 0};  // 1 / (4 edge), of the cells of its level
+  // slide not 0: layers share it (layer_slide.h). Then it is centred, and bx, by, bz belong to the layers' sample point.
+  // Axes along the layers and their normal: four numbers each.
+  float slide = 0, rest = 0, rest_lambda = 0;
+  float along[4] = {1, 0, 0, 0}, across[4] = {0, 1, 0, 0}, normal[4] = {0, 0, 1, 0};
 };
 
 struct KernelCell {

@@ -45,6 +45,7 @@ FemModel block(Int3 cells) {
   b.cells = cells, b.size_mm = {60, 60, 10}, b.young_bottom_kPa = 18, b.poisson = 0.49, b.fix_sides = true, b.hole_length_mm = 20, b.hole_width_mm = 6;
   FemModel m = box_model(b);
   m.stencils[0].sample = {0.4, 0.5, 0.7};  // both ways to sample the volume
+  m.stencils[1].sample = {0.5, 0.5, 0.3}, m.stencils[1].slide_kPa = 5;  // shared by layers
   return m;
 }
 
