@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <functional>
 #include <map>
+#include <optional>
+#include <sstream>
 
 #include "app/bench/accuracy_probe.h"
 #include "app/bench/cpu_clock.h"
@@ -99,6 +103,58 @@ void run_trial(Subject& s, AccuracyTrial& t, const Field& fine, double frame_s, 
   t.behind_mm = distance(now, s.after)[0], t.lattice_mm = distance(s.after, fine)[0];
 }
 
+/// Finished trials in a file: a line that names the scene and the kind of sweep, then one line per trial, with tabs.
+class Kept {
+ public:
+  Kept(const std::string& file, const std::string& title) : file_(file) {
+    if (file_.empty()) return;
+    std::ifstream in(file_);
+    std::string line;
+    bool same = std::getline(in, line) && line == title;
+    while (same && std::getline(in, line)) {  // a line that was cut off is no trial
+      std::istringstream text(line);
+      std::vector<std::string> w;
+      for (std::string word; std::getline(text, word, '\t');) w.push_back(word);
+      if (w.size() != 14 || w[13] != ".") continue;
+      try {
+        AccuracyTrial t;
+        t.cell_mm = std::stod(w[0]), t.element = w[1], t.material = w[2], t.step = w[3], t.iterations = std::stoi(w[4]);
+        t.own_kind = w[5] == "1", t.nodes = size_t(std::stoul(w[6])), t.frame_ms = std::stod(w[7]), t.frame_p95_ms = std::stod(w[8]);
+        t.error_mm = std::stod(w[9]), t.error_max_mm = std::stod(w[10]), t.lattice_mm = std::stod(w[11]), t.behind_mm = std::stod(w[12]);
+        trials_[name(t)] = t;
+      } catch (const std::exception&) {
+        continue;  // as a line that was cut off
+      }
+    }
+    in.close();
+    std::ofstream out(file_, same ? std::ios::app : std::ios::trunc);
+    if (!out) throw InputError(file_, 0, "cannot be written; a file for finished trials was expected");
+    out << (same ? "\n" : title + "\n");  // (a blank line ends one that was cut off)
+  }
+  const AccuracyTrial* find(const AccuracyTrial& t) const {
+    const auto it = trials_.find(name(t));
+    return it == trials_.end() ? nullptr : &it->second;
+  }
+  void add(const AccuracyTrial& t) const {
+    if (file_.empty()) return;
+    std::ofstream out(file_, std::ios::app);
+    char number[320];
+    std::snprintf(number, sizeof number, "%d\t%d\t%zu\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t.", t.iterations, int(t.own_kind), t.nodes, t.frame_ms, t.frame_p95_ms, t.error_mm,
+                  t.error_max_mm, t.lattice_mm, t.behind_mm);
+    out << cell(t) << '\t' << t.element << '\t' << t.material << '\t' << t.step << '\t' << number << '\n';
+  }
+
+ private:
+  static std::string cell(const AccuracyTrial& t) {
+    char c[32];
+    std::snprintf(c, sizeof c, "%.9g", t.cell_mm);
+    return c;
+  }
+  static std::string name(const AccuracyTrial& t) { return cell(t) + "|" + t.element + "|" + t.material + "|" + t.step + "|" + std::to_string(t.iterations); }
+  std::string file_;
+  std::map<std::string, AccuracyTrial> trials_;
+};
+
 void mark(AccuracyReport& r) {
   for (AccuracyTrial& t : r.trials) {
     t.pareto = t.material == "scene" && t.step == "quasi-static" &&
@@ -156,33 +212,52 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
     std::snprintf(s, sizeof s, "cells of %.3g mm", cell);
     return std::string(s);
   };
-  say("reference, " + labelled(r.reference_cell_mm));
-  const Probe fine_probe = make_probe(scene, body, r.reference_cell_mm, workers);
-  const Field fine = Subject(fine_probe, workers, false).after;
-  const auto add = [&](Subject& s, AccuracyTrial t, const Field& truth, int steps_a_frame) {
+  char title[128];
+  std::snprintf(title, sizeof title, "limberg bench accuracy%s, scene %016llx, finest %.9g mm", set.quick ? " --quick" : "", static_cast<unsigned long long>(scene.hash), r.reference_cell_mm);
+  const Kept kept(set.keep_file, title);
+  std::optional<Field> fine_field;  // made when the first trial needs it
+  const auto fine = [&]() -> const Field& {
+    if (!fine_field) {
+      say("reference, " + labelled(r.reference_cell_mm));
+      fine_field = Subject(make_probe(scene, body, r.reference_cell_mm, workers), workers, false).after;
+    }
+    return *fine_field;
+  };
+  // `subject` gives null when there is no such thing.
+  const auto add = [&](AccuracyTrial t, const std::function<Subject*()>& subject, const std::function<const Field&()>& truth, int steps_a_frame) {
+    if (const AccuracyTrial* done = kept.find(t)) {
+      r.trials.push_back(*done);
+      ++r.kept;
+      return;
+    }
     if (stopped()) {
       ++r.left_out;
       return;
     }
-    run_trial(s, t, truth, frame_s, steps_a_frame);
+    Subject* s = subject();
+    if (!s) return;
+    run_trial(*s, t, truth(), frame_s, steps_a_frame);
     r.trials.push_back(t);
+    kept.add(t);
   };
   for (double f : factors) {
-    if (stopped()) {
-      r.left_out += iterations.size();
-      continue;
-    }
     AccuracyTrial t;
     t.cell_mm = scene.cell_mm * f;
-    say(labelled(t.cell_mm));
-    Subject s(make_probe(scene, body, t.cell_mm, workers), workers, false);
+    std::unique_ptr<Subject> made;
+    const auto subject = [&] {
+      if (!made) {
+        say(labelled(t.cell_mm));
+        made = std::make_unique<Subject>(make_probe(scene, body, t.cell_mm, workers), workers, false);
+      }
+      return made.get();
+    };
     for (int steps : set.quick ? (scene.dynamic ? std::vector<int>{1} : std::vector<int>{0}) : std::vector<int>{0, 1, 2}) {
       t.step = steps == 0 ? "quasi-static" : steps == 1 ? "backward Euler" : "backward Euler, 2 a frame";
       t.own_kind = scene.dynamic ? steps == 1 : steps == 0;
       for (int its : iterations) {
         if (!t.own_kind && its != 10 && its != 40) continue;
         t.iterations = its;
-        add(s, t, fine, steps);
+        add(t, subject, fine, steps);
       }
     }
   }
@@ -197,27 +272,32 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
                             {"hexahedra", "scene, nu .499", [](const FemModel& m) { return with_poisson(m, 0.499); }},
                             {"hexahedra", "Mooney-Rivlin", with_mooney_rivlin}};
     for (const Other& o : others) {
-      if (stopped()) {
-        ++r.left_out;
-        continue;
-      }
-      say(std::string(o.element) + ", " + o.material);
       const bool own = std::string(o.material) == "scene", tets = std::string(o.element) == "linear tetrahedra";
-      Field truth = fine;
-      if (!own) {  // another material has an equilibrium of its own; its reference is as fine as the time allows
-        Probe p = make_probe(scene, body, scene.cell_mm * 0.65, workers);
+      const auto make = [&](double factor) -> std::unique_ptr<Subject> {
+        Probe p = make_probe(scene, body, scene.cell_mm * factor, workers);
         p.model = o.make(*p.model);
-        if (!p.model) continue;
-        truth = Subject(p, workers, false).after;
-      }
+        if (!p.model) return nullptr;
+        return std::make_unique<Subject>(std::move(p), workers, tets);
+      };
+      // Another material has an equilibrium of its own; its reference is as fine as the time allows.
+      std::optional<Field> own_truth;
+      const auto truth = [&]() -> const Field& {
+        if (own) return fine();
+        if (!own_truth) own_truth = make(0.65)->after;
+        return *own_truth;
+      };
       for (double f : {1.6, 1.0}) {
-        Probe p = make_probe(scene, body, scene.cell_mm * f, workers);
-        p.model = o.make(*p.model);
-        if (!p.model) continue;
-        Subject s(std::move(p), workers, tets);
+        std::unique_ptr<Subject> made;
+        const auto subject = [&] {
+          if (!made) {
+            say(std::string(o.element) + ", " + o.material);
+            made = make(f);
+          }
+          return made.get();
+        };
         AccuracyTrial t;
         t.cell_mm = scene.cell_mm * f, t.element = o.element, t.material = o.material, t.own_kind = false;
-        for (int its : {10, 40}) t.iterations = its, add(s, t, truth, 0);
+        for (int its : {10, 40}) t.iterations = its, add(t, subject, truth, 0);
       }
     }
   }
@@ -241,8 +321,9 @@ Result AccuracyReport::result() const {
                 point.cell_mm, point.iterations, point.error_mm, point.frame_ms, point.fits ? "" : "; nothing fits the budget, this is the fastest");
   out.notes.push_back(text);
   std::snprintf(text, sizeof text, "%zu trials in %.0f s of CPU time%s. Times are those of tetrahedra and other laws on the general path in double precision, of the scenes' element on the vectorised one.",
-                trials.size(), cpu_s, left_out ? (", " + std::to_string(left_out) + " left out for want of time").c_str() : "");
+                trials.size() - kept, cpu_s, left_out ? (", " + std::to_string(left_out) + " left out for want of time").c_str() : "");
   out.notes.push_back(text);
+  if (kept) out.notes.push_back(std::to_string(kept) + " more trials were taken from an earlier run into the same folder.");
   return out;
 }
 

@@ -26,6 +26,9 @@ struct AccuracySettings {
   bool quick = false;       // cells and iterations of the scene's own kind only: what `run --auto` measures before it begins
   double budget_ms = 0;     // of a frame; 0: half the scene's step interval, which leaves the rest to the other threads
   double limit_s = 150;     // CPU time after which no new trial begins
+  // Not empty: finished trials are kept in this file, one line each, and those that it has of the same scene
+  // are not run again. So a sweep that was stopped goes on.
+  std::string keep_file;
   std::function<void(const std::string&)> progress;
   std::function<bool()> interrupted;
 };
@@ -56,6 +59,7 @@ struct AccuracyReport {
   double reference_cell_mm = 0, budget_ms = 0, cpu_s = 0;
   std::vector<AccuracyTrial> trials;
   size_t left_out = 0;      // the time was up
+  size_t kept = 0;          // of the trials: from the file of an earlier run
   OperatingPoint point;
   Result result() const;
   std::string csv() const;

@@ -106,6 +106,10 @@ int run(const Options& o) {
   if (o.suite == "accuracy") {
     bench::AccuracySettings s;
     s.quick = o.quick, s.budget_ms = o.budget_ms, s.limit_s = o.limit_s;
+    if (!o.common.out_dir.empty()) {
+      prepare_folder(o.common.out_dir);
+      s.keep_file = o.common.out_dir + "/accuracy-trials.txt";
+    }
     s.progress = note, s.interrupted = interrupted;
     accuracy = bench::accuracy(open_scene(o.scene.empty() ? "rhomboid" : o.scene), s);
     b = accuracy.result();

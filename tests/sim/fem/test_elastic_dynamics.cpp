@@ -130,6 +130,41 @@ TEST(BackwardEuler, ManyStepsEndInTheStaticSolution) {
 
 // Against the closed form, which is nearer than any number of float steps: below 1e-3 mm rounding of velocities takes over
 // (measured with 320 steps and more).
+// What a step must have made zero, worked out apart from the minimiser: m a + dE/du, a from the formulas of the two methods.
+TEST(Dynamics, AStepBalancesForceAndInertia) {
+  const auto m = std::make_shared<FemModel>(block(true));
+  for (const Integrator method : {Integrator::backward_euler, Integrator::bdf2}) {
+    InlineWorkers w;
+    auto solver = make_solver(w);
+    solver->set_model(m, {});
+    solver->set_displacement_mm(test::to_float(test::random_displacement(*m, 0.3, 4)));
+    StepSettings s;
+    s.dt_s = 2e-3, s.max_iterations = 400, s.tolerance = 1e-6, s.integrator = method;
+    const double h = s.dt_s;
+    std::vector<std::vector<Vec3>> u{current(*solver)}, v{std::vector<Vec3>(m->X_mm.size(), Vec3::Zero())};
+    for (int k = 1; k <= 4; ++k) {
+      solver->step(s);
+      u.push_back(current(*solver));
+      const bool second = method == Integrator::bdf2 && k > 1;  // the first step is backward Euler's
+      const size_t n = size_t(k);
+      const auto rate = [&](const std::vector<std::vector<Vec3>>& x, size_t i) {
+        return second ? Vec3((3 * x[n][i] - 4 * x[n - 1][i] + x[n - 2][i]) / (2 * h)) : Vec3((x[n][i] - x[n - 1][i]) / h);
+      };
+      v.emplace_back();
+      for (size_t i = 0; i < m->X_mm.size(); ++i) v[n].push_back(rate(u, i));
+      std::vector<Vec3> g;
+      ReferenceElasticity(*m, {}).gradient(u[n], g);
+      double left = 0, size = 0;
+      for (size_t i = 0; i < g.size(); ++i) {
+        if (m->fixed[i]) continue;
+        const Vec3 inertia = m->mass_kg[i] * rate(v, i);
+        left += (g[i] + inertia).squaredNorm(), size += g[i].squaredNorm() + inertia.squaredNorm();
+      }
+      EXPECT_LT(std::sqrt(left), 2e-3 * std::sqrt(size)) << k;  // u in floats over h^2; a wrong factor would be tenths
+    }
+  }
+}
+
 TEST(Bdf2, SecondOrderOnADampedOscillation) {
   const Oscillator o;
   const double time = 2.0 / o.omega, damping = 0.4 * o.omega;
