@@ -60,6 +60,34 @@ Script script_of(const std::vector<Command>& commands, const char* name) {
   return s;
 }
 
+/// Flaps that change places pass one over the other: the first hook goes up high and comes down last, the others go low and first.
+/// (At one height they meet edge to edge, and one comes to lie on its side.)
+std::vector<Command> one_over_the_other(std::vector<Command> commands) {
+  constexpr double kHigh_mm = 14, kLow_mm = 3;
+  const bool several = std::any_of(commands.begin(), commands.end(), [](const Command& c) { return std::holds_alternative<SetHook>(c) && std::get<SetHook>(c).id == 2; });
+  if (!several) return commands;
+  std::vector<uint8_t> raised;  // per hook: it has been lifted
+  for (Command& c : commands)
+    if (auto* m = std::get_if<MoveHook>(&c)) {
+      raised.resize(std::max(raised.size(), size_t(m->id) + 1));
+      if (!raised[size_t(m->id)]) m->to_mm.z() = m->id == 1 ? kHigh_mm : kLow_mm;
+      raised[size_t(m->id)] = 1;
+    }
+  // Each run of moves: the first hook's after the others' once it is up.
+  bool up = false;
+  for (auto it = commands.begin(); it != commands.end();) {
+    if (!std::holds_alternative<MoveHook>(*it)) {
+      ++it;
+      continue;
+    }
+    auto end = it;
+    while (end != commands.end() && std::holds_alternative<MoveHook>(*end)) ++end;
+    if (up) std::stable_partition(it, end, [](const Command& c) { return std::get<MoveHook>(c).id != 1; });
+    up = true, it = end;
+  }
+  return commands;
+}
+
 /// Hooks near the places that may stand up, moved by the heights given, and let go.
 std::vector<Command> pushes(const std::vector<Vec2>& at, const std::vector<double>& height_mm) {
   std::vector<Command> out;
@@ -89,19 +117,20 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   World world(spec, with.workers);
 
   const double depth = spec.body->box_max_mm.z() - spec.body->box_min_mm.z() + 2;
-  const std::vector<Command> commands = carry_out(figure, OnSkin(*done.skin, {}), plan_of(patch));
-  const auto closing = std::find_if(commands.begin(), commands.end(), [](const Command& c) {
+  std::vector<Command> commands = carry_out(figure, OnSkin(*done.skin, {}), plan_of(patch));
+  if (patch.support != Support::plane && patch.contact) commands = one_over_the_other(std::move(commands));
+  const auto closing = std::find_if(commands.cbegin(), commands.cend(), [](const Command& c) {
     return std::holds_alternative<SetHook>(c) || std::holds_alternative<Suture>(c) || std::holds_alternative<SutureRow>(c);
   });
   OperationSettings set;
   set.interrupted = with.interrupted;
-  const OperationOutcome open = operate(world, depth, script_of({commands.begin(), closing}, "study"), set);
+  const OperationOutcome open = operate(world, depth, script_of({commands.cbegin(), closing}, "study"), set);
   {
     Snapshot s;
     world.fill(s);
     if (const auto limb = find_central_limb(commands)) done.open_elongation = elongation(s.topology->view, s.x_mm, *done.skin, *limb).value_or(0);
   }
-  OperationOutcome o = operate(world, depth, script_of({closing, commands.end()}, "study"), set);
+  OperationOutcome o = operate(world, depth, script_of({closing, commands.cend()}, "study"), set);
   done.solve_ms = open.solve_ms + o.solve_ms;
 
   const auto take = [&] {

@@ -19,6 +19,7 @@ double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(
 
 SkinMap::SkinMap(const Snapshot& s) {
   const SurfaceView& v = s.topology->view;
+  up_ = s.topology->body->chart_normal();
   Vec2 high = Vec2::Constant(-1e300);
   low_ = -high;
   for (size_t t = 0; t < v.tri.size(); ++t) {
@@ -134,6 +135,16 @@ double SkinMap::slack_share(double radius, double prestretch) const {
     if (least * std::sqrt(most) < 1 - 1e-3) slack += g.area_mm2;  // a thousandth is the rounding of positions over a triangle
   });
   return all > 0 ? slack / all : 0;
+}
+
+double SkinMap::turned_share(double radius) const {
+  double all = 0, turned = 0;
+  near({0, 0}, radius, [&](const Patch& t, const Gradient& g) {
+    const Vec3 n = (t.x[1] - t.x[0]).cross(t.x[2] - t.x[0]);
+    all += g.area_mm2;
+    if (n.dot(up_) < 0.5 * n.norm()) turned += g.area_mm2;
+  });
+  return all > 0 ? turned / all : 0;
 }
 
 double SkinMap::cut_angle_deg(const Figure& f, const Corner& c, double radius) const {

@@ -37,6 +37,10 @@ class SkinMap {
   /// included, leaves it a natural width of 1/sqrt(l) (no change of volume), and it is narrower.
   double slack_share(double radius_mm, double prestretch) const;
 
+  /// Share of the area within `radius_mm` of the chart's origin whose outward normal is more than 60 degrees off the chart's: a flap
+  /// that lies on its side or on its face. A cone of charge 90 is no steeper than 41 degrees.
+  double turned_share(double radius_mm) const;
+
   /// The angle of the tissue at a corner as it has been cut: on a circle of `radius_mm` at rest around the corner's place, from the
   /// middle of its tissue both ways to the first edge between skin and cut wall. Not a number where no edge is met.
   double cut_angle_deg(const Figure& figure, const Corner& corner, double radius_mm) const;
@@ -62,6 +66,7 @@ class SkinMap {
 
   std::vector<Patch> patches_;
   std::vector<std::pair<ChartPoint, ChartPoint>> rim_;  // at rest
+  Vec3 up_ = Vec3::UnitZ();  // the chart's normal
   Vec2 low_ = Vec2::Zero();
   int nx_ = 0, ny_ = 0;
   std::vector<std::vector<int32_t>> bin_;         // triangles that touch a bin

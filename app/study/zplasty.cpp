@@ -55,7 +55,7 @@ Row run(const Values& v, Patch patch, const Run& with) {
                {"deficit_A_deg", d.map->deficit_deg(f, {A}, 0.3 * L)}, {"deficit_B_deg", d.map->deficit_deg(f, {B}, 0.3 * L)},
                {"deficit_C_deg", d.map->deficit_deg(f, {C, B2}, 0.3 * L)}, {"deficit_D_deg", d.map->deficit_deg(f, {D, A1}, 0.3 * L)},
                {"slack_share", d.map->slack_share(2.2 * L, 1 + p / 100)},
-               {"strain_p95", p95 - 1}, {"strain_p99", p99 - 1}, {"closing_uJ", d.closing_uJ},
+               {"turned_share", d.map->turned_share(2.2 * L)}, {"strain_p95", p95 - 1}, {"strain_p99", p99 - 1}, {"closing_uJ", d.closing_uJ},
                // Alberini et al. 2021: what is gained for the largest strain that it costs, times the narrower flap's sine.
                {"efficiency", (gained - 1) / std::max(1e-3, p99 - 1) * std::sin(std::min(t, 90.0) / kDeg)},
                // What is gained for the work of closing it: strain energy goes with the square of the strain.

@@ -58,10 +58,11 @@ struct Worst {
 };
 
 void add_rest(std::vector<Bar>& out, const std::vector<Row>& rows) {
-  Worst residual, gap;
-  for (const Row& r : rows) residual(r.at("residual")), gap(r.at("gap_max_mm"));
+  Worst residual, gap, turned;
+  for (const Row& r : rows) residual(r.at("residual")), gap(r.at("gap_max_mm")), turned(r.at("turned_share"));
   if (residual.most) out.push_back(at_most("2  largest relative residual", *residual.most, 1e-4, "protocol: equilibrium"));
   if (gap.most) out.push_back(at_most("2  largest gap of a stitch, mm", *gap.most, 0.2, "protocol: closed"));
+  if (turned.most) out.push_back(at_most("2  largest share of skin that lies on its side", *turned.most, 0.01, "flaps lie beside each other; a cone of 90 degrees is no steeper than 41"));
 }
 
 void add_elongation(std::vector<Bar>& out, const std::vector<Row>& rows) {

@@ -78,6 +78,7 @@ TEST(SkinMap, AConeShowsItsChargeAndAFlatSheetNone) {
     return Vec3(-r * s * std::cos(a), -r * s * std::sin(a), -r * std::sqrt(1 - s * s));
   }, tissue);
   EXPECT_NEAR(SkinMap(cone).deficit_deg(f, {{0, 1}}, 6), 60, 2);
+  EXPECT_LT(SkinMap(cone).turned_share(10), 0.01);
   const auto flat = bent([&](const Vec3& p) {
     const double r = p.head<2>().norm(), a = turn(p) * 360 / 300;
     return Vec3(-r * std::cos(a), -r * std::sin(a), 0);
