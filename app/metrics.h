@@ -8,7 +8,7 @@
 namespace limberg {
 
 /// All figures of a patient; `script`: what was done to it.
-Metrics measure_world(const World& world, std::span<const Command> script);
+Metrics measure_world(const World& world, std::span<const Command> script, const MeasureAlso& also = {});
 
 /// `metrics` and `balance`.
 void fill_metrics(Result& result, const Metrics& metrics);

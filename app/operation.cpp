@@ -34,6 +34,18 @@ class Operation {
     return o;
   }
 
+  void note_closure(const Command& c, int line) {
+    if (std::holds_alternative<Stage>(c) || std::holds_alternative<Wait>(c)) return;
+    world_.fill(now_);
+    if (now_.sutures.empty() && out.closure.empty()) return;
+    ClosureForce f{line, action_name(c), 0, 0, int(now_.sutures.size()), 0};
+    for (const SutureState& s : now_.sutures) {
+      f.sum_N += double(s.force_N);
+      if (double(s.force_N) > f.max_N) f.max_N = double(s.force_N), f.max_id = s.id;
+    }
+    out.closure.push_back(f);
+  }
+
   void rest(double residual, int steps) {
     for (int i = 0; i < steps; ++i) {
       step(residual);
@@ -80,6 +92,7 @@ class Operation {
   World& world_;
   WorldPatient patient_;
   const OperationSettings& set_;
+  Snapshot now_;
   std::map<int, Vec3> handle_;
   int64_t steps_ = 0;
 };
@@ -100,6 +113,7 @@ OperationOutcome operate(World& world, double max_depth_mm, const Script& script
     const Outcome o = op.apply(l.command, l.line);
     if (!o.done && set.on_refusal) set.on_refusal(l.command, o.reason);
     if (o.done && set.on_done) set.on_done(l.command);
+    if (o.done) op.note_closure(l.command, l.line);
     if (!o.done) throw InputError(script.name, l.line, std::string(action_name(l.command)) + " refused: " + o.reason);
   }
   op.rest(set.final_residual, set.final_steps);

@@ -25,7 +25,16 @@ struct OperationSettings {
   std::function<void(size_t done, size_t total)> progress;
 };
 
+/// What the stitches pulled with when an action had come to rest.
+struct ClosureForce {
+  int line = 0;              // of the script
+  std::string action;
+  double sum_N = 0, max_N = 0;
+  int stitches = 0, max_id = 0;
+};
+
 struct OperationOutcome {
+  std::vector<ClosureForce> closure;  // after every action that came while or after something was sewn
   std::vector<StageRow> stages;     // t_s: number of the script's line, not a time
   SolverSeries series;              // t_s: number of the solver step
   StepReport last;

@@ -98,7 +98,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Table top(&root, "", path);
   top.text("name", s.name, 200);
   top.text("note", s.note, 10'000);
-  top.finish({"body", "layer", "lattice", "build", "springs", "solver", "tools", "camera"});
+  top.finish({"body", "layer", "lattice", "build", "springs", "solver", "tools", "landmarks", "camera"});
 
   read_body(section(root, "body", path), s, path);
   s.laws = laws ? laws : shipped_laws();
@@ -157,6 +157,18 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   if (s.tools.default_depth_mm > s.tools.max_depth_mm)
     tools.fail("default_depth_mm", "is larger than max_depth_mm; expected at most " + number(s.tools.max_depth_mm));
   tools.finish();
+
+  if (const toml::node* n = root.get("landmarks")) {
+    if (!n->is_table() || n->as_table()->size() > 50)
+      throw InputError(path, int(n->source().begin.line), "landmarks is no table of at most 50 places; expected [landmarks] with NAME = [x, y]");
+    for (const auto& [name, at] : *n->as_table()) {
+      const toml::array* a = at.as_array();
+      const auto x = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt, y = x ? a->get(1)->value<double>() : std::nullopt;
+      if (!y || !(std::abs(*x) <= 1e4) || !(std::abs(*y) <= 1e4))
+        throw InputError(path, int(at.source().begin.line), "landmarks." + std::string(name.str()).substr(0, 40) + " is no place; expected [x, y] in mm");
+      s.landmarks.push_back({std::string(name.str()), {*x, *y}});
+    }
+  }
 
   Table camera = section(root, "camera", path);
   camera.vector("target_mm", s.camera.target_mm, 1e4);

@@ -19,6 +19,7 @@
 //   [springs]    suture_N_per_mm, hook_N_per_mm
 //   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed, integrator = "backward_euler" | "bdf2" (of dynamic scenes)
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
+//   [landmarks]  NAME = [x, y]: places on the skin whose displacement is measured
 //   [camera]     target_mm = [x, y, z], from = [x, y, z] (direction towards the eye), up = [x, y, z], distance_mm, fov_deg
 //
 // Reading is strict: an unknown key, a wrong type, a number that is not finite or out of its range is an InputError with
@@ -30,6 +31,7 @@
 
 #include "sim/geometry/block.h"
 #include "sim/geometry/obj.h"
+#include "sim/tools/script.h"
 #include "sim/world.h"
 
 namespace limberg {
@@ -67,6 +69,8 @@ struct Scene {
     double reach_mm = 3;          // a tip nearer to the skin than this touches it
     std::optional<bool> progressive_cut;  // incisions open while they are drawn; unset: as the command does it
   } tools;
+
+  std::vector<Landmark> landmarks;  // whose displacement is measured
 
   struct Camera {
     Vec3 target_mm = Vec3::Zero();

@@ -1,6 +1,8 @@
 #include "app/session_result.h"
 
+#include "app/exercise.h"
 #include "app/metrics.h"
+#include "sim/tools/strokes.h"
 
 #include "app/report/report_names.h"
 
@@ -62,6 +64,8 @@ void fill_story(Result& r, const Assembly& a) {
   r.set("/series/t_s", std::span<const float>(s.t_s));
   r.set("/series/residual", std::span<const float>(s.residual));
   r.set("/series/distance_mm", std::span<const float>(s.distance_mm));
+  r.set("/series/closure_N", std::span<const float>(s.closure_N));
+  r.set("/series/suture_max_N", std::span<const float>(s.suture_max_N));
   r.set("/commands", a.solver.commands());
   for (size_t i = 0; i < a.done.size(); ++i) r.set("/script/" + std::to_string(i), to_json_line(a.done[i]));
   r.set_empty_list("/refused");
@@ -76,7 +80,7 @@ void fill_story(Result& r, const Assembly& a) {
 
 }  // namespace
 
-void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_time) {
+void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_time, const Lesson* lesson) {
   r.set("/scene_title", a.scene.name);
   r.set("/scene_note", a.scene.note);
   r.set("/mode", real_time ? "realtime" : "lockstep");
@@ -89,7 +93,17 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
   r.set("/memory_mb", peak_memory_mb());
   r.set("/workers", a.workers.count());
   fill_lanes(r, a, f);
-  fill_metrics(r, measure_world(a.world, a.done));
+  MeasureAlso also;
+  also.landmarks = a.scene.landmarks;
+  if (lesson) also.plan = lesson->plan, also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
+  const Metrics metrics = measure_world(a.world, a.done, also);
+  fill_metrics(r, metrics);
+  const Skin skin(a.world.spec().body);
+  Exercise e = exercise(a.done, metrics, plan_of(skin, also.plan, join_strokes(a.done)));
+  e.time_s = f.duration_s;
+  e.hand = a.solver.hand();
+  e.refused = int(a.solver.refused().size());
+  fill_exercise(r, e, metrics, lesson);
   fill_story(r, a);
 }
 

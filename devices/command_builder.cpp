@@ -125,6 +125,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       }
       have_suture_a_ = false;
       return Suture{suture_a_, here};
+    case ToolEvent::suture_cut:
+      return CutSuture{{0, here}};
     case ToolEvent::undo:
       return Undo{};
     case ToolEvent::redo:

@@ -19,7 +19,7 @@ class CommandBuilder {
   /// The command that this event completes, if any:
   ///   stroke_end -> Incise, Undermine or Excise; the second stroke of a pair -> SutureRow (turned when it was
   ///   plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0; hook_release ->
-  ///   ReleaseHook; suture_b -> Suture; undo -> Undo; redo -> Redo; stage -> Stage.
+  ///   ReleaseHook; suture_b -> Suture; suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
   /// Progressive: a stroke_point of the scalpel completes a piece of some 5 mm that lies a little behind the hand, smoothed
   /// over what is known by then, and stroke_end the last one; a stroke that ends before its first piece is an Incise.
   /// Between hook_set or hook_take and hook_leave the hook follows ToolState::tip_mm.

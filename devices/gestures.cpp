@@ -151,6 +151,8 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     emit(e, out);
   } else if (tool_ != Tool::none && !on_skin) {
     ++missed_;
+  } else if (tool_ == Tool::scissors) {
+    emit(event(ToolEvent::suture_cut, tick, s), out);
   } else if (tool_ == Tool::suture) {
     doing_ = Doing::suture;
     suture_a_ = touch_;

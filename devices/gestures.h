@@ -7,6 +7,7 @@
 //   hook               press on the skin: a hook is set and follows the hand until the button is let go; press at the
 //                      handle of a hook that stands: it is taken again
 //   suture             press at a, let go at b: on other skin than that around a, if there is some under the tip
+//   scissors           press beside a stitch: its thread is cut
 //
 // Where a hand rests before it presses or lets go, the mean of its last tenth of a second is meant: one period of tremor.
 //

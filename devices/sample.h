@@ -20,7 +20,7 @@ struct ShortText {
   bool operator==(const ShortText&) const = default;
 };
 
-enum class Tool : int32_t { none = 0, scalpel = 1, undermine = 2, excise = 3, hook = 4, suture = 5, suture_row = 6 };
+enum class Tool : int32_t { none = 0, scalpel = 1, undermine = 2, excise = 3, hook = 4, suture = 5, suture_row = 6, scissors = 7 };
 
 /// One stylus reading (LCM stylus_t), as received: tracker noise and gaps included.
 struct StylusSample {

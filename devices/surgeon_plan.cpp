@@ -221,6 +221,31 @@ void SurgeonPlan::plan(const SutureRow& c) {
   stroke(c.b, false, 90);
 }
 
+void SurgeonPlan::plan(const SutureCorner&) {
+  problems_.push_back("command " + std::to_string(number_) + ": a half-buried stitch is no gesture; single stitches were expected");
+}
+void SurgeonPlan::plan(const SutureBetween&) {
+  problems_.push_back("command " + std::to_string(number_) + ": a row between two stitches is no gesture; a row along two edges was expected");
+}
+
+void SurgeonPlan::plan(const CutSuture& c) {
+  const SutureState* s = nullptr;
+  for (const SutureState& k : sight_->seen->sutures)
+    if (k.id == c.which.id) s = &k;
+  if (c.which.id > 0 && !s) {
+    problems_.push_back("command " + std::to_string(number_) + ": there is no stitch " + std::to_string(c.which.id));
+    return;
+  }
+  if (!s && !reachable(c.which.at)) return;
+  const Aim aim = s ? in_world(0.5 * (s->a_mm + s->b_mm).cast<double>()) : on_skin(c.which.at);
+  control(ControlSample::select_tool, Tool::scissors);
+  go_down(aim, set_.hover_mm);
+  mark(Step::press);
+  hold(aim, set_.corner_pause_s);
+  mark(Step::let_go);
+  rise(aim);
+}
+
 void SurgeonPlan::plan(const Undo&) {
   control(ControlSample::undo);
   hold(Aim{}, set_.settle_s);

@@ -76,6 +76,9 @@ class SurgeonPlan {
   void plan(const ReleaseHook& c);
   void plan(const Suture& c);
   void plan(const SutureRow& c);
+  void plan(const SutureCorner& c);
+  void plan(const SutureBetween& c);
+  void plan(const CutSuture& c);
   void plan(const Undo& c);
   void plan(const Redo& c);
   void plan(const Stage& c);

@@ -13,7 +13,8 @@ struct ToolEvent {
     hook_take,   // an existing hook is gripped again at its handle; it follows the hand from now on
     hook_leave,  // the hand lets go; the hook's handle stays at world_mm
     suture_cancel,
-    redo
+    redo,
+    suture_cut   // the scissors close at the touched point
   };
   int64_t seq = 0;         // counts events, gaps are losses
   int64_t tick = 0;        // device tick, 1 ms

@@ -9,6 +9,7 @@
 // The order of use inside: Body (geometry/) -> Arrangement (cutting/) -> LatticeTopology (lattice/) -> FemModel and
 // ElasticSolver (fem/) -> SurfaceView embedded in the lattice -> Snapshot.
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -74,6 +75,9 @@ class World {
   int refused() const;                 // commands refused so far
   bool settled() const;                // every stitch is drawn tight
   ContactCounts contact_counts() const;  // what contact has cost so far, counted
+  /// Elastic energy, threads included, above that of the open wound: of the last state at rest (residual 1e-3) that neither
+  /// hook nor stitch held. Nothing as long as there was none, or a hook still pulls. Cutting after it goes into the difference.
+  std::optional<double> closure_energy_uJ() const;
 
  private:
   struct Impl;

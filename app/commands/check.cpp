@@ -1,9 +1,11 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <string_view>
 
 #include "app/bundle.h"
+#include "app/lesson.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"
 #include "app/progress.h"
@@ -14,13 +16,16 @@
 #include "sim/error.h"
 #include "sim/geometry/obj.h"
 #include "sim/simplex/file.h"
+#include "sim/measure/predicted.h"
+#include "sim/tools/procedures/plan_drawing.h"
 #include "sim/tools/script.h"
+#include "sim/tools/strokes.h"
 
 namespace limberg {
 
 namespace {
 
-enum class Kind { scene, tissues, script, repro, recording, calibration, surface, simplex_mesh };
+enum class Kind { scene, lesson, tissues, script, repro, recording, calibration, surface, simplex_mesh };
 
 /// What a file is, by what is in it; its name decides only where the content leaves a doubt.
 Kind recognise(const std::string& file, std::string_view text) {
@@ -28,22 +33,23 @@ Kind recognise(const std::string& file, std::string_view text) {
   if (text.substr(0, 4096).find("\xED\xA1\xDA\x01") != std::string_view::npos) return Kind::recording;
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos)
-    throw InputError(file, 0, "is empty; expected a scene, a library of tissues, a script, a recording, a calibration or an OBJ surface");
+    throw InputError(file, 0, "is empty; expected a scene, a lesson, a library of tissues, a script, a recording, a calibration or an OBJ surface");
   if (looks_like_repro(text)) return Kind::repro;
   if (text.substr(first).starts_with("limberg-simplex")) return Kind::simplex_mesh;
   if (text[first] == '{' || ends(".jsonl")) return Kind::script;
   if (text.find('\0') != std::string_view::npos) {
     if (ends(".lcm")) return Kind::recording;
-    throw InputError(file, 0, "is of no kind that is known here; expected a scene, a library of tissues, a script, a recording, a calibration or an OBJ surface");
+    throw InputError(file, 0, "is of no kind that is known here; expected a scene, a lesson, a library of tissues, a script, a recording, a calibration or an OBJ surface");
   }
   if (text.find("limberg_calibration") != std::string_view::npos) return Kind::calibration;
   if (ends(".lcm")) return Kind::recording;
   if (text.find("[[tissue]]") != std::string_view::npos && text.find("[body]") == std::string_view::npos) return Kind::tissues;
+  if (looks_like_lesson(text) && text.find("[procedure]") != std::string_view::npos) return Kind::lesson;
   if (ends(".toml")) return Kind::scene;
   if (ends(".obj")) return Kind::surface;
   if (text.find("\nv ") != std::string_view::npos || text.starts_with("v ")) return Kind::surface;
   if (text.find("[body]") != std::string_view::npos) return Kind::scene;
-  throw InputError(file, 0, "is of no kind that is known here; expected a scene, a library of tissues, a script, a recording, a calibration or an OBJ surface");
+  throw InputError(file, 0, "is of no kind that is known here; expected a scene, a lesson, a library of tissues, a script, a recording, a calibration or an OBJ surface");
 }
 
 void print_surface(const SurfaceReport& s) {
@@ -164,12 +170,62 @@ void plan(const Scene& scene, int workers_n) {
               scene.iterations_per_step, scene.steps_per_s);
 }
 
-void check_script(const Script& script) {
+/// What the plan foretells: the angles that do not add up, and a drawing when one is asked for.
+void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std::string& title, const std::string& svg) {
+  if (!plan) {
+    if (!svg.empty()) throw InputError(title, 0, "shows no plan that is known; expected \"plan\" in its header, a Z-plasty or a rhombic flap");
+    std::printf("plan        none that is known: no \"plan\" in the header, no Z-plasty, no rhombic flap\n");
+    return;
+  }
+  double sum = 0;
+  for (const Charge& c : charges(plan->figure)) {
+    sum += c.q_deg;
+    if (std::abs(c.q_deg) < 20) continue;  // spread along a curve
+    const ChartPoint at = plan->chart(c.meeting.front());
+    if (!skin.at(at)) throw InputError(title, 0, "its plan leaves the skin; expected a place with more skin around it");
+    std::printf("plan        %s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, at.x(), at.y());
+  }
+  std::printf("plan        all charges together %.3g degrees (0: it closes to one sheet)\n", std::abs(sum) < 1e-6 ? 0 : sum);
+  if (svg.empty()) return;
+  write_whole_file(svg, plan_svg(plan->figure, title));
+  std::printf("drawn       %s\n", svg.c_str());
+}
+
+Scene scene_of(const std::string& file, const std::string& name) {
+  std::error_code ec;
+  if (!std::filesystem::exists(name, ec) && !std::filesystem::exists("app/scenes/" + name + ".toml", ec) &&
+      !std::filesystem::exists(LIMBERG_SOURCE_DIR "/app/scenes/" + name + ".toml", ec))
+    throw InputError(file, 1, "names the scene \"" + name.substr(0, 100) + "\", which is not there; expected a scene file or the name of a shipped scene");
+  return open_scene(name);
+}
+
+void check_script(const Script& script, const std::string& file, bool with_plan, const std::string& svg) {
+  const Scene scene = scene_of(file, script.header.scene);
   std::printf("script      %zu actions for scene \"%s\"\n", script.lines.size(), script.header.scene.c_str());
   if (!script.header.note.empty()) std::printf("            %s\n", script.header.note.c_str());
   std::map<std::string, int> count;
-  for (const ScriptLine& l : script.lines) ++count[action_name(l.command)];
-  for (const auto& [name, n] : count) std::printf("  %-10s %d\n", name.c_str(), n);
+  std::vector<Command> commands;
+  for (const ScriptLine& l : script.lines) ++count[action_name(l.command)], commands.push_back(l.command);
+  for (const auto& [name, n] : count) std::printf("  %-14s %d\n", name.c_str(), n);
+  if (!with_plan && svg.empty()) return;
+  const Skin skin(build_body(scene));
+  foretell(skin, plan_of(skin, script.header.plan, join_strokes(commands)), script.header.note.empty() ? file : script.header.note, svg);
+}
+
+void check_lesson(const Lesson& l, bool with_plan, const std::string& svg) {
+  const Skin skin(build_body(scene_of(l.file, l.scene)));
+  const PlanOnSkin plan = plan_on(skin, l.plan);
+  std::printf("lesson      %s\n            %s\n", l.title.c_str(), l.goal.c_str());
+  std::printf("scene       %s\nprocedure   %s at (%g, %g) mm, turned by %g degrees%s\n", l.scene.c_str(), l.plan.procedure.c_str(), l.plan.at.x(), l.plan.at.y(),
+              l.plan.turn_deg, l.plan.mirrored ? ", mirrored" : "");
+  for (const auto& [name, limit] : l.tolerances) std::printf("  at most   %s %g\n", name.c_str(), limit);
+  std::printf("hints       %zu\n", l.hints.size());
+  // Every corner of the plan lies on the skin, or the lesson cannot be done.
+  for (const auto* lines : {&plan.figure.excisions, &plan.figure.incisions})
+    for (const auto& line : *lines)
+      for (const Vec2& p : line)
+        if (!skin.at(plan.chart(p))) throw InputError(l.file, 0, "its plan leaves the skin; expected a place with more skin around it");
+  if (with_plan || !svg.empty()) foretell(skin, plan, l.title, svg);
 }
 
 void check_repro(const Repro& r) {
@@ -219,12 +275,13 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
   return kGoalMissed;
 }
 
-int check(const std::string& file, bool with_plan, int workers) {
+int check(const std::string& file, bool with_plan, const std::string& svg, int workers) {
   const std::string text = read_whole_file(file, size_t(4) << 30);
   switch (recognise(file, text)) {
     case Kind::recording: return check_recording(file, with_plan, workers);
     case Kind::repro: check_repro(parse_repro(text, file)); break;
-    case Kind::script: check_script(parse_script(text, file)); break;
+    case Kind::script: check_script(parse_script(text, file), file, with_plan, svg); break;
+    case Kind::lesson: check_lesson(parse_lesson(text, file), with_plan, svg); break;
     case Kind::calibration: {
       const Calibration c = parse_calibration(text, file);
       std::printf("calibration %s, hash %s\n", c.name.c_str(), hex(calibration_hash(c)).c_str());
@@ -264,18 +321,19 @@ int check(const std::string& file, bool with_plan, int workers) {
 
 void add_check(CLI::App& app, Chosen& chosen) {
   struct Options {
-    std::string file;
+    std::string file, draw;
     bool plan = false;
     CommonOptions common;
   };
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("check", "Say what a file holds and whether it is sound");
-  c->add_option("FILE", o->file, "Scene, library of tissues, script, repro, recording, calibration, OBJ surface or simplex mesh; known by its content")->required();
-  c->add_flag("--plan", o->plan, "Build the scene: parts, nodes, memory, time of a step");
+  c->add_option("FILE", o->file, "Scene, lesson, library of tissues, script, repro, recording, calibration, OBJ surface or simplex mesh; known by its content")->required();
+  c->add_flag("--plan", o->plan, "Of a scene: build it and say parts, nodes, memory, time of a step. Of a script or lesson: where its angles do not add up, so that the skin will stand up or be drawn tight");
+  c->add_option("--draw", o->draw, "Draw the plan of a script or lesson, with what it foretells")->type_name("SVG");
   o->common.add_workers(*c);
   c->footer("Exit status 3: a recording is damaged, but what is whole can be replayed.\n"
             "Example: limberg check app/scenes/rhomboid.toml --plan");
-  c->callback([o, &chosen] { chosen = [o] { return check(o->file, o->plan, o->common.worker_count()); }; });
+  c->callback([o, &chosen] { chosen = [o] { return check(o->file, o->plan, o->draw, o->common.worker_count()); }; });
 }
 
 }  // namespace limberg

@@ -6,24 +6,29 @@
 
 #include "app/commands/session_command.h"
 #include "app/discretisation.h"
+#include "app/exercise.h"
 #include "app/interrupt.h"
 #include "app/metrics.h"
 #include "app/operation.h"
+#include "app/orders.h"
 #include "app/pictures.h"
 #include "app/output.h"
 #include "app/progress.h"
+#include "app/tables.h"
 #include "app/report/report_names.h"
 #include "app/session/workers_pool.h"
 #include "sim/error.h"
+#include "sim/tools/strokes.h"
 
 namespace limberg {
 
 namespace {
 
 struct Options {
-  std::string scene, script;
+  std::string scene, script, lesson, fields;
   double cell_mm = 0;
   std::vector<double> cells;
+  std::vector<std::string> orders;
   CommonOptions common;
 };
 
@@ -96,8 +101,134 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   r.set("/series/distance_mm", std::span<const float>(o.series.distance_mm));
 }
 
+/// Closure force after each action, as a chart and as `closure`.
+LineChart closure_chart(const std::vector<std::pair<std::string, const std::vector<ClosureForce>*>>& runs) {
+  LineChart c;
+  c.description = "Sum of the stitches' forces at rest after each action, and the largest of them";
+  c.x.title = "line of the script", c.y.title = "N";
+  for (const auto& [name, closure] : runs) {
+    ChartSeries sum, most;
+    sum.name = name.empty() ? "sum of all stitches" : name + ": sum", most.name = name.empty() ? "largest stitch" : name + ": largest";
+    sum.markers = most.markers = true;
+    for (const ClosureForce& f : *closure) {
+      sum.x.push_back(f.line), sum.y.push_back(f.sum_N);
+      most.x.push_back(f.line), most.y.push_back(f.max_N);
+    }
+    c.series.push_back(std::move(sum)), c.series.push_back(std::move(most));
+  }
+  return c;
+}
+
+void fill_closure(Result& r, const std::vector<ClosureForce>& closure) {
+  for (size_t i = 0; i < closure.size(); ++i) {
+    const std::string p = "/closure/" + std::to_string(i);
+    r.set(p + "/line", closure[i].line);
+    r.set(p + "/action", closure[i].action);
+    r.set(p + "/stitches", closure[i].stitches);
+    r.set(p + "/sum_N", closure[i].sum_N);
+    r.set(p + "/max_N", closure[i].max_N);
+    r.set(p + "/max_id", closure[i].max_id);
+  }
+  if (!closure.empty()) add_chart(r, 0, "Closure force over the operation", closure_chart({{"", &closure}}));
+}
+
+/// One order of closure: what it cost on the way and where it ended.
+struct OrderRow {
+  std::string name;
+  std::vector<ClosureForce> closure;
+  double peak_N = 0, peak_sum_N = 0, end_N = 0, end_max_N = 0, energy_uJ = 0, apart_mm = 0, residual = 0;
+};
+
+/// The same wound closed in several orders.
+int compare_orders(const Options& opt, const Scene& scene, const Script& script, const std::shared_ptr<const Body>& body, WorkersPool& workers) {
+  std::vector<OrderRow> rows;
+  std::vector<Vec3f> first;
+  bool at_rest = true;
+  for (const std::string& how : opt.orders) {
+    const Script ordered = reordered(script, how);
+    WorldSpec spec = world_spec(scene, body);
+    if (opt.cell_mm > 0) spec.cell_mm = opt.cell_mm;
+    World world(spec, workers);
+    OperationSettings set;
+    set.interrupted = interrupted;
+    Progress progress("order " + how);
+    set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
+    const OperationOutcome o = operate(world, scene.tools.max_depth_mm, ordered, set);
+    progress.clear();
+    if (o.interrupted) {
+      say("interrupted; nothing was written");
+      return kGoalMissed;
+    }
+    OrderRow r;
+    r.name = how, r.closure = o.closure, r.energy_uJ = o.last.energy_uJ, r.residual = o.last.residual;
+    at_rest &= o.last.residual <= 1e-4;
+    Snapshot end;
+    world.fill(end);
+    for (const SutureState& s : end.sutures) {
+      r.end_N += double(s.force_N), r.end_max_N = std::max(r.end_max_N, double(s.force_N));
+      r.peak_N = std::max({r.peak_N, double(s.peak_N), double(s.force_N)});
+    }
+    for (const ClosureForce& f : o.closure) r.peak_sum_N = std::max(r.peak_sum_N, f.sum_N);
+    if (first.empty()) first = end.x_mm;
+    if (first.size() == end.x_mm.size())
+      for (size_t v = 0; v < first.size(); ++v) r.apart_mm = std::max(r.apart_mm, double((first[v] - end.x_mm[v]).norm()));
+    rows.push_back(std::move(r));
+  }
+  Result result("operate", scene.name);
+  result.set("/scene_title", scene.name);
+  ResultTable table;
+  table.title = "Orders of closure";
+  table.about = "The same stitches, tied in another order. Forces are those of states at rest; 'apart' is how far the skin lies at the end, at most, from where the first order left it.";
+  table.columns = {"order", "largest force of a stitch ever, N", "largest sum ever, N", "largest at the end, N", "sum at the end, N", "energy, mJ", "apart, mm"};
+  std::printf("%-20s %12s %12s %12s %12s %12s %9s\n", "order", "peak N", "peak sum N", "end max N", "end sum N", "energy mJ", "apart mm");
+  std::vector<std::pair<std::string, const std::vector<ClosureForce>*>> runs;
+  for (size_t i = 0; i < rows.size(); ++i) {
+    const OrderRow& r = rows[i];
+    std::printf("%-20s %12.4f %12.4f %12.4f %12.4f %12.4f %9.3f\n", r.name.c_str(), r.peak_N, r.peak_sum_N, r.end_max_N, r.end_N, 1e-3 * r.energy_uJ, r.apart_mm);
+    table.rows.push_back({r.name, short_number(r.peak_N), short_number(r.peak_sum_N), short_number(r.end_max_N), short_number(r.end_N), short_number(1e-3 * r.energy_uJ), short_number(r.apart_mm, 3)});
+    const std::string p = "/orders/" + std::to_string(i);
+    result.set(p + "/order", r.name);
+    result.set(p + "/suture_force_peak_N", r.peak_N);
+    result.set(p + "/closure_force_peak_N", r.peak_sum_N);
+    result.set(p + "/suture_force_max_N", r.end_max_N);
+    result.set(p + "/closure_force_N", r.end_N);
+    result.set(p + "/energy_uJ", r.energy_uJ);
+    result.set(p + "/apart_mm", r.apart_mm);
+    result.set(p + "/residual", r.residual);
+    runs.emplace_back(r.name, &rows[i].closure);
+  }
+  add_chart(result, 0, "Closure force over the operation", closure_chart(runs));
+  add_table(result, 0, table);
+  result.set_ok(at_rest);
+  leave_result(result, opt.common);
+  return at_rest ? kDone : kGoalMissed;
+}
+
+/// Every skin triangle at rest: where, how it is stretched and pulled, which way, and what reaches it.
+void write_fields(const std::string& file, const World& world) {
+  Snapshot s;
+  world.fill(s);
+  const SurfaceView& view = s.topology->view;
+  const Body& body = *world.spec().body;
+  const Skin skin(world.spec().body);
+  const std::vector<MembraneState> states = skin_states(view, s.x_mm, body);
+  const Perfusion p = perfusion(view, skin);
+  std::string text = "chart_x_mm,chart_y_mm,area_mm2,stretch,least_stretch,stress_kPa,least_stress_kPa,angle_to_fibres_deg,perfusion_index\n";
+  char line[240];
+  for (size_t t = 0; t < states.size(); ++t) {
+    const MembraneState& m = states[t];
+    if (!(m.area_mm2 > 0)) continue;
+    const ChartPoint c = body.to_chart((view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) / 3);
+    std::snprintf(line, sizeof line, "%.4f,%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3f\n", c.x(), c.y(), m.area_mm2, m.stretch, m.least_stretch, m.stress_kPa,
+                  m.least_stress_kPa, m.angle_deg, double(p.index[t]));
+    text += line;
+  }
+  write_whole_file(file, text);
+}
+
 int run(const Options& opt) {
   opt.common.prepare();
+  if (!opt.fields.empty()) check_writable(opt.fields);
   const Scene scene = open_scene(opt.scene);
   std::optional<Repro> repro;
   if (std::error_code ec; std::filesystem::is_regular_file(opt.script, ec))
@@ -111,8 +242,17 @@ int run(const Options& opt) {
   const std::shared_ptr<const Body> body = build_body(scene);
   WorkersPool workers(opt.common.worker_count());
 
+  if (!opt.orders.empty()) return compare_orders(opt, scene, script, body, workers);
+
   std::vector<Command> actions;
   for (const ScriptLine& l : script.lines) actions.push_back(l.command);
+  std::optional<Lesson> lesson;
+  if (!opt.lesson.empty()) lesson = open_lesson(opt.lesson);
+  MeasureAlso also{lesson ? std::optional(lesson->plan) : script.header.plan, scene.landmarks, {}};
+  also.landmarks.insert(also.landmarks.end(), script.header.landmarks.begin(), script.header.landmarks.end());
+  if (lesson) also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
+  const Skin skin(body);
+  const std::optional<PlanOnSkin> planned = plan_of(skin, also.plan, join_strokes(actions));  // a bad plan is refused before the work
 
   Result result("operate", scene.name);
   std::vector<Row> rows;
@@ -158,12 +298,15 @@ int run(const Options& opt) {
     }
     at_rest &= o.last.residual <= 1e-4;
     rows.push_back({cells[i], o.solve_ms, o.last.residual, o.last.distance_mm, std::cbrt(world.solver().model().cell_mm.prod()),
-                    world.solver().model().X_mm.size(), measure_world(world, actions)});
+                    world.solver().model().X_mm.size(), measure_world(world, actions, also)});
     std::printf("%-12s %7zu nodes  %8.0f ms  residual %.1e  off by about %.1e mm  closure %.3f N  gap %.3f mm  dog-ear %.2f mm  state_hash %s\n", label,
                 rows.back().nodes, o.solve_ms, o.last.residual, o.last.distance_mm, rows.back().key.closure_force_N,
                 rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm, hex(world.state_hash()).c_str());
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
+    fill_closure(result, o.closure);
+    fill_exercise(result, exercise(actions, rows.back().key, planned), rows.back().key, lesson ? &*lesson : nullptr);
+    if (!opt.fields.empty()) write_fields(opt.fields, world);
     if (!opt.common.out_dir.empty()) {
       Snapshot last;
       world.fill(last, true);  // with the tension
@@ -186,9 +329,13 @@ void add_operate(CLI::App& app, Chosen& chosen) {
   CLI::App* c = app.add_subcommand("operate", "Carry out an operation script to equilibrium, at any resolution");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut")->required();
-  CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(CLI::PositiveNumber);
+  CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(CLI::Range(0.05, 100.0));
   c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes, and the error of every figure by extrapolation")
-      ->type_name("H,H,...")->delimiter(',')->check(CLI::PositiveNumber)->excludes(one);
+      ->type_name("H,H,...")->delimiter(',')->check(CLI::Range(0.05, 100.0))->excludes(one);
+  c->add_option("--orders", o->orders, "Close in several orders and compare: as-written, reversed, alternating, or numbers of the suture lines as 2-1-3")
+      ->type_name("ORDER,...")->delimiter(',');
+  c->add_option("--lesson", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
+  c->add_option("--fields", o->fields, "Write stretch, stress, their direction and the perfusion index of every skin triangle")->type_name("CSV");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

@@ -50,6 +50,10 @@ int procedure(Options o) {
   Script script;
   script.name = o.out;
   script.header = {o.scene, title};
+  PlannedProcedure plan{p.name, {}, o.placement.origin, o.placement.turn_deg, o.placement.mirrored};
+  for (size_t i = 0; i < values.size(); ++i)
+    if (values[i] != p.parameters[i].value) plan.values.emplace_back(p.parameters[i].name, values[i]);
+  script.header.plan = plan;
   int line = 1;
   for (Command& c : carry_out(figure, where, o.plan)) script.lines.push_back({++line, std::move(c)});
   std::printf("%s\n", title.c_str());

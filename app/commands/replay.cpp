@@ -12,7 +12,7 @@ namespace limberg {
 namespace {
 
 struct Options {
-  std::string recording, scene, convergence;
+  std::string recording, scene, convergence, lesson;
   bool lockstep = false, real_time = false;
   AutoOption automatic;
   CommonOptions common;
@@ -62,6 +62,7 @@ int replay(const Options& o) {
   call.known_length_s = double(source->last_ns()) * 1e-9;
   call.sources.push_back(std::move(source));
   call.damage = rec.damage;
+  if (!o.lesson.empty()) call.lesson = open_lesson(o.lesson);
   call.reproduce = "limberg replay " + o.recording + (o.real_time ? " --realtime" : "") + (o.common.out_dir.empty() ? "" : " --out " + o.common.out_dir);
   call.common = o.common;
   Result other("", "");
@@ -84,9 +85,11 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   c->add_option("--scene", o->scene, "Refuse the recording if it was not made with this scene")->type_name("SCENE");
   c->add_option("--convergence", o->convergence, "Put the convergence table and the lattice errors of this result (of operate --cells) into the report")
       ->type_name("FILE");
+  c->add_option("--lesson", o->lesson, "Judge the session by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
-  c->footer("Example: limberg replay recordings/rhomboid.lcm --out out/demo --json out/demo/result.json");
+  c->footer("Exit status 3: the recording is damaged; what is whole was replayed.\n"
+            "Example: limberg replay recordings/rhomboid.lcm --out out/demo --json out/demo/result.json");
   c->callback([o, &chosen] { chosen = [o] { return replay(*o); }; });
 }
 

@@ -16,7 +16,7 @@ namespace limberg {
 namespace {
 
 struct Options {
-  std::string scene = "rhomboid", record, calibration, lesson;
+  std::string scene = "rhomboid", record, calibration, lesson, judge;
   std::vector<std::string> devices;
   double seconds = 0, cursor = 0;
   bool headless = false, replace = false, cut_at_end = false;
@@ -101,6 +101,7 @@ int run(const Options& o) {
   call.known_length_s = o.seconds;
   call.record_file = o.record;
   call.replace_record = o.replace;
+  if (!o.judge.empty()) call.lesson = open_lesson(o.judge);
   call.common = o.common;
   return run_session(std::move(call));
 }
@@ -120,6 +121,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
   c->add_flag("--headless", o->headless, "No window");
   c->add_option("--lesson", o->lesson, "Script whose steps the window's Next shows (default: the shipped one of the scene)")->type_name("SCRIPT");
+  c->add_option("--judge", o->judge, "Judge the session by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out out/my");

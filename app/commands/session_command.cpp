@@ -74,6 +74,8 @@ void print_summary(const SessionCall& call, const Assembly& a, const SessionFigu
               double(f.solver.work.percentile_ns(0.5)) * 1e-6, a.solver.last().residual, a.solver.last().distance_mm);
   std::printf("pieces      %d\n", a.world.pieces());
   std::printf("state_hash  %s\n", hex(f.state_hash).c_str());
+  const HandFigures& h = a.solver.hand();
+  if (h.path_mm > 0) std::printf("hand        %.0f mm in %d movements, %d gaps in tracking\n", h.path_mm, h.movements, h.gaps);
 }
 
 }  // namespace
@@ -150,7 +152,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   window.reset();
 
   Result result(call.command, a.scene.name);
-  fill_session(result, a, f, call.real_time);
+  fill_session(result, a, f, call.real_time, call.lesson ? &*call.lesson : nullptr);
   if (call.point) fill_operating_point(result, *call.point);
   fill_damage(result, call.damage);
   if (!call.real_time) compare_checkpoints(result, call, f);
@@ -187,6 +189,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   }
   if (f.interrupted) say("interrupted; what was done and recorded until then is kept");
   if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");
+  if (call.damage.total() > 0) return kGoalMissed;  // not all of what was recorded could be replayed
   return at_rest ? kDone : kGoalMissed;
 }
 

@@ -70,7 +70,61 @@ void read_metrics(const Json& m, ReportData& d) {
   const Json& sutures = member(m, "sutures");
   if (sutures.is_array())
     for (const Json& s : sutures)
-      if (s.is_object()) d.sutures.push_back({words(s, "id"), number(s, "force_N"), number(s, "gap_mm")});
+      if (s.is_object()) d.sutures.push_back({words(s, "id"), number(s, "force_N"), number(s, "gap_mm"), number(s, "tied_N"), number(s, "peak_N")});
+  if (const Json& points = member(m, "predicted"); points.is_array())
+    for (const Json& p : points)
+      d.predicted.push_back({number(p, "charge_deg"), number(p, "x_mm"), number(p, "y_mm"), number(p, "height_mm"), number(p, "volume_mm3"), number(p, "deficit_deg")});
+  if (const Json& marks = member(m, "landmarks"); marks.is_array())
+    for (const Json& l : marks)
+      d.landmarks.push_back({words(l, "name"), {number(l, "displacement_mm"), number(l, "along_mm"), number(l, "across_mm"), number(l, "up_mm")}});
+}
+
+void read_charts(const Json& j, ReportData& d) {
+  const auto truth = [](const Json& v) { return v.is_boolean() && v.get<bool>(); };
+  if (const Json& charts = member(j, "charts"); charts.is_array())
+    for (const Json& c : charts) {
+      ReportChart chart{words(c, "title"), words(c, "description"), words(c, "x"), words(c, "y"), {}};
+      if (const Json& series = member(c, "series"); series.is_array())
+        for (const Json& s : series) {
+          ReportChart::Series one{words(s, "name"), column(member(s, "x")), column(member(s, "y")), truth(member(s, "markers"))};
+          if (one.x.size() == one.y.size()) chart.series.push_back(std::move(one));
+        }
+      d.charts.push_back(std::move(chart));
+    }
+}
+
+void read_exercise(const Json& j, ReportData& d) {
+  const Json& e = member(j, "exercise");
+  if (e.is_object())
+    for (const auto& [name, value] : e.items()) {
+      if (const Maybe v = number(value)) d.exercise[name] = *v;
+      if (name == "design" && value.is_object())
+        for (const auto& [k, x] : value.items())
+          if (const Maybe v = number(x)) d.exercise["design/" + k] = *v;
+    }
+  const Json& l = member(j, "lesson");
+  d.lesson_title = words(l, "title");
+  d.lesson_goal = words(l, "goal");
+  if (const Json& t = member(l, "tolerances"); t.is_array())
+    for (const Json& x : t) {
+      const Json& met = member(x, "met");
+      d.tolerances.push_back({words(x, "name"), words(x, "unit"), number(x, "limit"), number(x, "value"), met.is_boolean() && met.get<bool>()});
+    }
+  if (const Json& h = member(l, "hints"); h.is_array())
+    for (const Json& x : h) d.hints.push_back(words(x));
+  if (const Json& tables = member(j, "tables"); tables.is_array())
+    for (const Json& t : tables) {
+      ReportTable table{words(t, "title"), words(t, "about"), {}, {}};
+      if (const Json& c = member(t, "columns"); c.is_array())
+        for (const Json& x : c) table.columns.push_back(words(x));
+      if (const Json& rows = member(t, "rows"); rows.is_array())
+        for (const Json& r : rows) {
+          auto& row = table.rows.emplace_back();
+          if (r.is_array())
+            for (const Json& x : r) row.push_back(words(x));
+        }
+      d.tables.push_back(std::move(table));
+    }
 }
 
 void read_stages(const Json& j, ReportData& d) {
@@ -103,16 +157,6 @@ void read_study(const Json& j, ReportData& d) {
     for (const Json& b : bars)
       d.bars.push_back({words(b, "name"), words(b, "source"), number(b, "value"), number(b, "bar"), truth(member(b, "larger_is_better")),
                         truth(member(b, "pass"))});
-  if (const Json& charts = member(j, "charts"); charts.is_array())
-    for (const Json& c : charts) {
-      ReportChart chart{words(c, "title"), words(c, "description"), words(c, "x"), words(c, "y"), {}};
-      if (const Json& series = member(c, "series"); series.is_array())
-        for (const Json& s : series) {
-          ReportChart::Series one{words(s, "name"), column(member(s, "x")), column(member(s, "y")), truth(member(s, "markers"))};
-          if (one.x.size() == one.y.size()) chart.series.push_back(std::move(one));
-        }
-      d.charts.push_back(std::move(chart));
-    }
 }
 
 }  // namespace
@@ -190,6 +234,10 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
                         known.is_boolean() && known.get<bool>(), words(e, "says")};
     }
   if (d.command == "study") read_study(j, d);
+  read_charts(j, d);
+  read_exercise(j, d);
+  d.series_closure_N = column(member(series, "closure_N"));
+  d.series_suture_max_N = column(member(series, "suture_max_N"));
   if (const Json& script = member(j, "script"); script.is_array())
     for (const Json& l : script) d.script.push_back(l.is_string() ? l.get<std::string>() : l.dump());
   // A stage without words of its own says what the script did since the stage before.

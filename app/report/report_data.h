@@ -18,7 +18,19 @@ struct ReportTimes {
 
 struct ReportSuture {
   std::string id;
-  Maybe force_N, gap_mm;
+  Maybe force_N, gap_mm, tied_N, peak_N;
+};
+
+struct ReportTable {
+  std::string title, about;
+  std::vector<std::string> columns;
+  std::vector<std::vector<std::string>> rows;
+};
+
+struct ReportTolerance {
+  std::string name, unit;
+  Maybe limit, value;
+  bool met = false;
 };
 
 struct ReportStage {
@@ -77,6 +89,14 @@ struct ReportData {
   std::vector<std::vector<Maybe>> study_rows;  // as the columns
   std::vector<ReportBar> bars;
   std::vector<ReportChart> charts;
+  std::vector<ReportTable> tables;
+  std::map<std::string, double> exercise;  // and "design/..."
+  std::string lesson_title, lesson_goal;
+  std::vector<ReportTolerance> tolerances;
+  std::vector<std::string> hints;
+  std::vector<std::vector<Maybe>> predicted;  // charge, x, y, height, volume, deficit
+  std::vector<std::pair<std::string, std::vector<Maybe>>> landmarks;  // name; displacement, along, across, up
+  std::vector<double> series_closure_N, series_suture_max_N;
   std::vector<std::pair<std::string, std::string>> damage;  // of the recording: name, value
 
   Maybe metric(const std::string& name) const {

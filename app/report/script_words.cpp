@@ -48,7 +48,7 @@ std::string mm(double v) { return html::number(v, 3) + " mm"; }
 // What happened since the last stage.
 struct Deeds {
   std::string cuts;
-  int hooks = 0, moves = 0, released = 0, sutures = 0, rows = 0, undone = 0, redone = 0;
+  int hooks = 0, moves = 0, released = 0, sutures = 0, rows = 0, threads = 0, undone = 0, redone = 0;
 
   std::string text() const {
     std::string s = cuts;
@@ -59,6 +59,7 @@ struct Deeds {
     if (moves > 0) s += s.empty() ? "The flap is moved with the hooks." : " The flap is moved with the hooks.";
     add(sutures, "One key suture", " key sutures");
     add(rows, "One row of sutures", " rows of sutures");
+    add(threads, "One thread cut", " threads cut");
     if (released > 0) s += s.empty() ? "The hooks are taken out." : " The hooks are taken out.";
     add(undone, "One action taken back", " actions taken back");
     add(redone, "One action done again", " actions done again");
@@ -79,7 +80,9 @@ void note(const Json& j, const std::string& action, Deeds& d) {
   else if (action == "move") ++d.moves;
   else if (action == "release") ++d.released;
   else if (action == "suture") ++d.sutures;
-  else if (action == "suture_row") ++d.rows;
+  else if (action == "suture_corner") ++d.sutures;
+  else if (action == "suture_row" || action == "suture_between") ++d.rows;
+  else if (action == "cut_suture") ++d.threads;
   else if (action == "undo") ++d.undone;
   else if (action == "redo") ++d.redone;
 }

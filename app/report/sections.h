@@ -22,6 +22,8 @@ std::string heading(const ReportData& d, const std::string& dir);  // title, ver
 std::string story(const ReportData& d, const std::string& dir);
 std::string tension(const ReportData& d, const std::string& dir);
 std::string sutures(const ReportData& d);
+std::string exercise(const ReportData& d);  // lesson, tolerances, figures of the hand
+std::string closing(const ReportData& d);   // force over time or actions, charts and tables that the command left, predicted points, landmarks
 std::string balance(const ReportData& d);
 std::string convergence(const ReportData& d);
 std::string study(const ReportData& d);

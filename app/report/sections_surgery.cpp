@@ -206,12 +206,13 @@ std::string sutures(const ReportData& d) {
   double most = 1e-9;
   for (const ReportSuture& s : d.sutures) most = std::max(most, s.force_N.value_or(0));
   std::string t =
-      "<section>\n<h2>Sutures</h2>\n<div class=\"wide\"><table>\n<thead><tr><th>Suture</th><th>Force</th><th class=\"bar\"></th><th>Gap</th></tr></thead>\n<tbody>\n";
+      "<section>\n<h2>Sutures</h2>\n<div class=\"wide\"><table>\n<thead><tr><th>Suture</th><th>Force</th><th class=\"bar\"></th><th>when tied</th><th>largest ever</th><th>Gap</th></tr></thead>\n<tbody>\n";
   for (const ReportSuture& s : d.sutures) {
     const std::string light = s.force_N ? light_of_force(*s.force_N) : "";
     t += "<tr><td><span class=\"light " + light + "\"></span>" + (s.id.empty() ? "–" : escape(s.id)) + "</td><td>" + quantity(s.force_N, "N") +
          "</td><td class=\"bar " + light + "\">";
     if (s.force_N) t += "<span class=\"meter\" style=\"width:" + std::to_string(int(std::lround(100 * std::clamp(*s.force_N / most, 0.0, 1.0)))) + "%\"></span>";
+    t += "</td><td>" + quantity(s.tied_N, "N") + "</td><td>" + quantity(s.peak_N, "N");
     t += "</td><td class=\"" + std::string(s.gap_mm && *s.gap_mm > Limits::gap_mm ? "warn" : "") + "\">" + quantity(s.gap_mm, "mm", 2) + "</td></tr>\n";
   }
   t += "</tbody></table></div>\n";

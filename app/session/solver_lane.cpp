@@ -1,5 +1,7 @@
 #include "app/session/solver_lane.h"
 
+#include <algorithm>
+
 #include "app/session/clock.h"
 #include "app/session/command_words.h"
 #include "sim/hash.h"
@@ -29,12 +31,19 @@ void SolverLane::step(int64_t tick, const std::function<bool()>& stop_early) {
   if (stop_early) s.should_stop = stop_early;
   last_ = patient_.step(s);
   ++steps_;
+  motion_.add(seconds(tick), hand_.tool);
   if (settings_.series_every > 0 && steps_ % uint64_t(settings_.series_every) == 0) {
     series_.t_s.push_back(float(seconds(tick)));
     series_.residual.push_back(float(last_.residual));
     series_.distance_mm.push_back(float(last_.distance_mm));
   }
   publish(tick);
+}
+
+void SolverLane::note_closure(const Snapshot& s) {
+  float sum = 0, most = 0;
+  for (const SutureState& k : s.sutures) sum += k.force_N, most = std::max(most, k.force_N);
+  while (series_.closure_N.size() < series_.t_s.size()) series_.closure_N.push_back(sum), series_.suture_max_N.push_back(most);
 }
 
 void SolverLane::take(const ToolEvent& e, int64_t tick) {
@@ -103,6 +112,7 @@ void SolverLane::publish(int64_t tick) {
   PatientState& out = ch_.patient_to_device.writing();
   if (ch_.want_field.load(std::memory_order_relaxed)) patient_.fill_with_field(out.snapshot);
   else patient_.fill(out.snapshot);
+  note_closure(out.snapshot);
   out.snapshot.device_tick = tick;
   out.snapshot.stage = int32_t(stages_.size());
   out.sample_ns = hand_.sample_ns;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "app/session/channels.h"
+#include "app/session/hand_motion.h"
 #include "app/session/patient.h"
 #include "devices/command_builder.h"
 
@@ -36,7 +37,8 @@ struct StageRow {
 
 struct SolverSeries {
   std::vector<float> t_s, residual, distance_mm;
-  void reserve(size_t n) { t_s.reserve(n), residual.reserve(n), distance_mm.reserve(n); }
+  std::vector<float> closure_N, suture_max_N;  // all stitches together, and the largest
+  void reserve(size_t n) { t_s.reserve(n), residual.reserve(n), distance_mm.reserve(n), closure_N.reserve(n), suture_max_N.reserve(n); }
 };
 
 class SolverLane {
@@ -66,6 +68,7 @@ class SolverLane {
   const std::vector<Refusal>& refused() const { return refused_; }
   const std::vector<StageRow>& stages() const { return stages_; }
   const SolverSeries& series() const { return series_; }
+  const HandFigures& hand() const { return motion_.figures(); }
   uint64_t commands() const { return commands_; }
   int dropped_gestures() const { return builder_.dropped(); }
   uint64_t events() const { return events_; }
@@ -77,6 +80,7 @@ class SolverLane {
   void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
   void follow_hand();
   void publish(int64_t tick);
+  void note_closure(const Snapshot& shown);
 
   Patient& patient_;
   Channels& ch_;
@@ -97,6 +101,7 @@ class SolverLane {
   std::vector<StageRow> stages_;
   size_t shown_stages_ = 0;  // those that have their snapshot
   SolverSeries series_;
+  HandMotion motion_;
 };
 
 }  // namespace limberg

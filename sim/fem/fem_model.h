@@ -167,6 +167,10 @@ struct Spring {
   // to_world: the place that pulls a. Otherwise the gap still allowed, a - b at rest: zero once a stitch is tight.
   Vec3 target_mm = Vec3::Zero();
   double k_N_per_mm = 1;
+  // Springs of one number above 0 are the spans of one thread that slides through its bites: together thread_mm long (the
+  // same in all of them) without tension; target_mm is not used. See spring_forces.h. ReferenceElasticity knows no threads.
+  int32_t thread = 0;
+  double thread_mm = 0;
 };
 
 /// A one-sided spring between two places of the tissue that must not pass through each other. With the overlap

@@ -126,9 +126,11 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
         throw InputError("", 0, "spring " + std::to_string(s.id) + " names a node that the model does not have");
     if (!(s.k_N_per_mm > 0) || !s.target_mm.allFinite())
       throw InputError("", 0, "spring " + std::to_string(s.id) + " has no positive stiffness or no finite target");
+    if (s.thread > 0 && (s.to_world || !(s.thread_mm >= 0)))
+      throw InputError("", 0, "spring " + std::to_string(s.id) + " is a span of a thread without two bites and a length");
   }
   auto moved_only = [](const Spring& a, const Spring& b) {
-    return a.id == b.id && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm && a.a.node == b.a.node && a.a.w == b.a.w &&
+    return a.id == b.id && a.thread == b.thread && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm && a.a.node == b.a.node && a.a.w == b.a.w &&
            (a.to_world || (a.b.node == b.b.node && a.b.w == b.b.w));
   };
   std::vector<Spring> sorted(springs.begin(), springs.end());

@@ -1,10 +1,13 @@
 #include "sim/fem/spring_forces.h"
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace limberg::fem {
 
 SpringForces::SpringForces(const FemModel& model, std::span<const Spring> springs) {
+  std::map<int32_t, int> number;
   for (const Spring& s : springs) {
     Item it;
     it.id = s.id;
@@ -21,7 +24,14 @@ SpringForces::SpringForces(const FemModel& model, std::span<const Spring> spring
     };
     add(s.a, 1);
     if (!s.to_world) add(s.b, -1);
-    it.offset -= s.target_mm;
+    if (s.thread > 0) {
+      const auto [at, fresh] = number.try_emplace(s.thread, int(threads_.size()));
+      if (fresh) threads_.push_back({s.thread_mm, {}});
+      it.thread = at->second;
+      threads_[size_t(it.thread)].spans.push_back(items_.size());
+    } else {
+      it.offset -= s.target_mm;
+    }
     items_.push_back(it);
   }
 }
@@ -36,10 +46,48 @@ Vec3 SpringForces::gap_mm(size_t i, const NodeArray& u) const {
   return r;
 }
 
+double SpringForces::thread_stretch_mm(std::vector<double>& l, double thread_mm) {
+  // sum max(0, l - m) falls with m in straight pieces, which part at the l: the longest n spans hold the thread.
+  std::sort(l.begin(), l.end(), std::greater<>());
+  double sum = 0;
+  for (size_t n = 1; n <= l.size(); ++n) {
+    sum += l[n - 1];
+    const double m = (sum - thread_mm) / double(n);
+    if (n == l.size() || m >= l[n]) return std::max(0.0, m);
+  }
+  return 0;
+}
+
+double SpringForces::stretch_mm(const Thread& t, const NodeArray& u) const {
+  std::vector<double> length;
+  length.reserve(t.spans.size());
+  for (size_t i : t.spans) length.push_back(gap_mm(i, u).norm());
+  return thread_stretch_mm(length, t.length_mm);
+}
+
+Vec3 SpringForces::force_mN(size_t i, const NodeArray& u) const {
+  const Item& it = items_[i];
+  const Vec3 r = gap_mm(i, u);
+  if (it.thread < 0) return -it.k * r;
+  const double l = r.norm(), m = stretch_mm(threads_[size_t(it.thread)], u);
+  return l > m ? Vec3(-it.k * m / l * r) : Vec3(-it.k * r);
+}
+
+void SpringForces::pull(const Item& it, const Vec3& force, NodeArray& g, bool measure) const {
+  const double size = force.norm();
+  for (size_t k = 0; k < size_t(it.count); ++k) {
+    const Vec3 f = it.w[k] * force;
+    Node4& n = g[size_t(it.node[k])];
+    n.x += float(f[0]), n.y += float(f[1]), n.z += float(f[2]);
+    if (measure) n.w += float(size * std::fabs(it.w[k]));
+  }
+}
+
 double SpringForces::add(const NodeArray& u, NodeArray& g, bool measure) const {
   double energy = 0;
   for (size_t i = 0; i < items_.size(); ++i) {
     const Item& it = items_[i];
+    if (it.thread >= 0) continue;
     const Vec3 r = gap_mm(i, u);
     energy += 0.5 * it.k * r.squaredNorm();
     const double size = it.k * r.norm();
@@ -48,6 +96,15 @@ double SpringForces::add(const NodeArray& u, NodeArray& g, bool measure) const {
       Node4& n = g[size_t(it.node[k])];
       n.x += float(f[0]), n.y += float(f[1]), n.z += float(f[2]);
       if (measure) n.w += float(size * std::fabs(it.w[k]));
+    }
+  }
+  for (const Thread& t : threads_) {
+    const double m = stretch_mm(t, u);
+    for (size_t i : t.spans) {
+      const Vec3 r = gap_mm(i, u);
+      const double l = r.norm();
+      energy += 0.5 * items_[i].k * std::pow(std::min(l, m), 2);
+      pull(items_[i], l > m ? Vec3(items_[i].k * m / l * r) : Vec3(items_[i].k * r), g, measure);
     }
   }
   return energy;

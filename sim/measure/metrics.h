@@ -9,7 +9,10 @@
 #include <vector>
 
 #include "sim/fem/elastic_solver.h"
+#include "sim/measure/elongations.h"
 #include "sim/measure/penetration.h"
+#include "sim/measure/perfusion.h"
+#include "sim/measure/predicted.h"
 #include "sim/measure/skin_shape.h"
 #include "sim/measure/skin_strain.h"
 #include "sim/snapshot.h"
@@ -29,6 +32,15 @@ struct SutureFigure {
   int id = 0;
   double force_N = 0, gap_mm = 0;
   std::array<float, 3> at_mm{};  // the middle of the stitch, in the world
+  int thread = 0;                // stitches of one thread have one number; 0: a thread of its own
+  std::optional<double> tied_N;  // in the first state at rest after it was tied; nothing when there was none
+  double peak_N = 0;             // the largest of all states at rest, the present one included
+};
+
+struct NamedLandmark {
+  std::string name;
+  ChartPoint at{0, 0};
+  std::optional<LandmarkFigure> figure;  // nothing: its skin is gone, or never was
 };
 
 struct Metrics {
@@ -55,7 +67,23 @@ struct Metrics {
   int inverted_cells = 0;
   ForceBalance balance;
 
+  double suture_force_peak_N = 0;    // the largest at any time the tissue was at rest
+  int sutures_over_2_5_N = 0, sutures_over_5_N = 0;  // now; limits as in the report
+  std::optional<double> closure_energy_mJ;  // World::closure_energy_uJ
+  double scar_length_mm = 0;         // half of the rim as it lies now: the scar, once closed
+  double closure_line_N_per_m = 0;   // sum of the stitches' forces over the scar's length
+  double step_off_mm = 0, step_off_mean_mm = 0;  // WoundGape::step_mm
+  std::optional<double> stress_fibre_angle_deg;  // SkinStrain::angle_deg
+  double compressed_mm2 = 0;         // SkinStrain
+  double excised_mm2 = 0;            // skin taken away, at rest
+  std::optional<double> waste_mm2;   // of it, outside the first excision's outline: healthy skin given up for the closure
+  std::vector<PredictedPoint> predicted;
+  std::vector<NamedLandmark> landmarks;
+  double landmark_max_mm = 0;
+  Perfusion perfused;
+
   std::optional<double> elongation;     // Z-plasty
+  std::optional<Elongations> elongations;
   std::optional<double> flap_area_mm2;  // present area of the skin of the flap (find_flap)
 };
 
@@ -67,14 +95,22 @@ struct RestVolumes {
 /// `support_force_mN` as ElasticSolver gives it: what the fixed nodes receive from the material.
 ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures, const Vec3& support_force_mN);
 
+/// What is measured beside the tissue itself.
+struct MeasureAlso {
+  std::optional<PlannedProcedure> plan = {};
+  std::vector<Landmark> landmarks = {};
+  std::optional<double> closure_energy_uJ = {};
+};
+
 /// `script`: what was done, for figures that belong to a kind of flap; may be empty. The snapshot's topology must be set.
 /// About 0.3 s on a block of 60,000 triangles.
 Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver& solver, const RestVolumes& volumes,
-                std::span<const Command> script = {});
+                std::span<const Command> script = {}, const MeasureAlso& also = {});
 
-inline Metrics measure(const World& world, const Snapshot& snapshot, const Skin& skin, std::span<const Command> script = {}) {
+inline Metrics measure(const World& world, const Snapshot& snapshot, const Skin& skin, std::span<const Command> script = {}, MeasureAlso also = {}) {
+  also.closure_energy_uJ = world.closure_energy_uJ();
   return measure(snapshot, skin, world.solver(),
-                 {world.pieces(), world.volume_mm3(), world.removed_volume_mm3(), world.initial_volume_mm3()}, script);
+                 {world.pieces(), world.volume_mm3(), world.removed_volume_mm3(), world.initial_volume_mm3()}, script, also);
 }
 
 }  // namespace limberg

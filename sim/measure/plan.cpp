@@ -32,6 +32,15 @@ void mark(std::span<const ChartPoint> path, double tolerance, std::vector<char>&
 
 }  // namespace
 
+bool inside_polygon(const Vec2& p, std::span<const ChartPoint> polygon) {
+  bool in = false;
+  for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
+    const Vec2 &a = polygon[i], &b = polygon[j];
+    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) in = !in;
+  }
+  return in;
+}
+
 std::vector<ChartPoint> corners_of_path(std::span<const ChartPoint> path, double tolerance_mm) {
   if (path.size() < 3) return {path.begin(), path.end()};
   std::vector<char> keep(path.size(), 0);

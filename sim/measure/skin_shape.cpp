@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sim/geometry/triangle.h"
+#include "sim/measure/skin_strain.h"
 
 namespace limberg {
 namespace {
@@ -14,15 +15,6 @@ std::array<Vec3, 3> rest(const SurfaceView& v, size_t t) {
 }
 std::array<Vec3, 3> now(const SurfaceView& v, std::span<const Vec3f> x, size_t t) {
   return {x[size_t(v.tri[t][0])].cast<double>(), x[size_t(v.tri[t][1])].cast<double>(), x[size_t(v.tri[t][2])].cast<double>()};
-}
-
-bool inside(const Vec2& p, std::span<const ChartPoint> polygon) {
-  bool in = false;
-  for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const Vec2 &a = polygon[i], &b = polygon[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) in = !in;
-  }
-  return in;
 }
 
 // Skin triangles' edges (triangle, first corner) that a wall triangle has across.
@@ -97,6 +89,7 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   struct Rim {
     int32_t a, b;
     Vec3 p, q, out;     // now
+    Vec3 up = Vec3::Zero();
     double length = 0;  // at rest
     int32_t loop = -1;
     double s = 0;       // arc length at rest of its middle along the loop
@@ -105,8 +98,9 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   for (const auto& [t, k] : rim_edges(view)) {
     const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
     const auto x = now(view, x_mm, t);
-    Rim r{a, b, x[k], x[(k + 1) % 3], Vec3::Zero(), (view.X_mm[size_t(b)] - view.X_mm[size_t(a)]).norm()};
+    Rim r{a, b, x[k], x[(k + 1) % 3], Vec3::Zero(), Vec3::Zero(), (view.X_mm[size_t(b)] - view.X_mm[size_t(a)]).norm()};
     const Vec3 n = area_vector2(x[0], x[1], x[2]);
+    if (n.norm() > 0) r.up = n.normalized();
     if (n.norm() > 0 && (r.q - r.p).norm() > 0) r.out = (r.q - r.p).cross(n).normalized();
     rim.push_back(r);
   }
@@ -136,11 +130,11 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   }
 
   WoundGape g;
-  std::vector<std::pair<double, double>> gapes;
+  std::vector<std::pair<double, double>> gapes, steps;
   double sum = 0;
   for (const Rim& r : rim) {
     const Vec3 m = 0.5 * (r.p + r.q);
-    double best = kFar_mm;
+    double best = kFar_mm, step = 0;
     for (const Rim& o : rim) {
       if ((0.5 * (o.p + o.q) - m).norm() - 0.5 * (o.q - o.p).norm() > best) continue;
       if (o.loop == r.loop) {
@@ -151,14 +145,18 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
       const double ee = e.squaredNorm(), t = ee > 0 ? std::clamp((m - o.p).dot(e) / ee, 0.0, 1.0) : 0;
       const Vec3 d = o.p + t * e - m;
       const double distance = d.norm();
-      if (distance < best && (distance < kTouch_mm || d.dot(r.out) >= kCos * distance)) best = distance;
+      if (distance < best && (distance < kTouch_mm || d.dot(r.out) >= kCos * distance)) best = distance, step = std::abs(d.dot(r.up));
     }
     const double gape = best < kFar_mm ? best : 0;
     gapes.push_back({gape, r.length});
+    steps.push_back({step, r.length});
+    g.step_mean_mm += step * r.length;
+    g.rim_now_mm += (r.q - r.p).norm();
     sum += gape * r.length;
     g.rim_length_mm += r.length;
   }
-  if (g.rim_length_mm > 0) g.mean_mm = sum / g.rim_length_mm;
+  if (g.rim_length_mm > 0) g.mean_mm = sum / g.rim_length_mm, g.step_mean_mm /= g.rim_length_mm;
+  g.step_mm = weighted_percentile(steps, 0.95);
   std::sort(gapes.begin(), gapes.end());
   double passed = 0;
   for (const auto& [v, w] : gapes) {
@@ -184,7 +182,7 @@ double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
     const auto X = rest(view, t);
-    if (!inside(body.to_chart((X[0] + X[1] + X[2]) / 3), polygon)) continue;
+    if (!inside_polygon(body.to_chart((X[0] + X[1] + X[2]) / 3), polygon)) continue;
     const auto x = now(view, x_mm, t);
     area += 0.5 * area_vector2(x[0], x[1], x[2]).norm();
   }
@@ -221,14 +219,19 @@ std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const 
   return x;
 }
 
-std::optional<double> elongation(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb) {
+std::optional<LimbEnds> limb_ends(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb) {
   const auto& [C, A, B, D] = limb;
   const auto a0 = skin.at(A), b0 = skin.at(B);
   // The outer skin at A lies opposite the bisector of the flap's corner CAB; at B opposite that of ABD.
   const Vec2 at_A = (C - A).normalized() + (B - A).normalized(), at_B = (A - B).normalized() + (D - B).normalized();
   const auto a = corner_position_mm(view, x_mm, skin, A, A - at_A), b = corner_position_mm(view, x_mm, skin, B, B - at_B);
   if (!a0 || !b0 || !a || !b || !((a0->X_mm - b0->X_mm).norm() > 0)) return std::nullopt;
-  return (*a - *b).norm() / (a0->X_mm - b0->X_mm).norm();
+  return LimbEnds{*a, *b, (a0->X_mm - b0->X_mm).norm()};
+}
+
+std::optional<double> elongation(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb) {
+  const auto ends = limb_ends(view, x_mm, skin, limb);
+  return ends ? std::optional((ends->a - ends->b).norm() / ends->before_mm) : std::nullopt;
 }
 
 }  // namespace limberg

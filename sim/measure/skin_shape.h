@@ -36,6 +36,10 @@ struct WoundGape {
   double gape_mm = 0;        // which 95 % of the rim do not exceed
   double mean_mm = 0;        // over the length of the rim
   double rim_length_mm = 0;  // at rest, both banks
+  double rim_now_mm = 0;     // the same as it lies now; a closed wound's scar is half of it
+  // Edges that lie at different heights: the part of the way to the rim over there that runs along the skin's normal. 95 % of the rim do
+  // not exceed step_mm.
+  double step_mm = 0, step_mean_mm = 0;
 };
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm);
 
@@ -49,6 +53,13 @@ double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const
 /// the direction of `towards` (chart). Nothing when there is no skin within 1 mm.
 std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const ChartPoint& p,
                                        const ChartPoint& towards);
+
+/// The ends A and B of the limb now, and their distance at rest, taken in the skin outside the flaps.
+struct LimbEnds {
+  Vec3 a, b;
+  double before_mm;
+};
+std::optional<LimbEnds> limb_ends(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb);
 
 /// Distance of the limb's ends now over their distance at rest, both taken in the skin outside the flaps.
 std::optional<double> elongation(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb);

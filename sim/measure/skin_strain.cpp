@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sim/fem/materials/catalogue.h"
 #include "sim/geometry/triangle.h"
@@ -54,8 +55,20 @@ InPlane in_plane(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, con
   return r;
 }
 
+// T: stress (up to a positive factor) in axes turned with the tissue; U: its stretch, so that fibres lie along U e1.
+double angle_to_fibres_deg(const Mat2& T, const Mat2& U, double s1, double s2) {
+  if (!(std::abs(s1 - s2) > 0.02 * std::abs(s1))) return -1;
+  const double most = 0.5 * std::atan2(T(0, 1) + T(1, 0), T(0, 0) - T(1, 1)), fibre = std::atan2(U(1, 0), U(0, 0));
+  const double d = std::abs(std::remainder(most - fibre, std::numbers::pi));
+  return d * 180 / std::numbers::pi;
+}
+
+// F as a symmetric stretch in the plane: sqrt of a 2 x 2 matrix is (C + det I) / sqrt(trace + 2 det).
+Mat2 stretch_of(const InPlane& r) { return (r.C + r.det * Mat2::Identity()) / std::sqrt(r.C.trace() + 2 * r.det); }
+
 void set_stress(MembraneState& s, double s1, double s2) {
   s.stress_kPa = s1;
+  s.least_stress_kPa = s2;
   s.von_mises_kPa = std::sqrt(std::max(0.0, s1 * s1 - s1 * s2 + s2 * s2));
 }
 
@@ -69,6 +82,8 @@ MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3
   const double mu = material.mu_kPa(), lambda = material.lambda_kPa() + mu, a_nn = 1 / (p * p * q * q);
   const double thick = (mu * a_nn + lambda) / (mu * a_nn / r.det + lambda * r.det), J = r.det * thick;
   set_stress(r.s, mu / J * (b[0] - a_nn * thick * thick), mu / J * (b[1] - a_nn * thick * thick));
+  const Mat2 U = stretch_of(r);
+  r.s.angle_deg = angle_to_fibres_deg(U * Eigen::Vector2d(p * p, q * q).asDiagonal() * U, U, r.s.stress_kPa, r.s.least_stress_kPa);
   return r.s;
 }
 
@@ -79,8 +94,7 @@ MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3
   const double p = material.prestretch_along, q = material.prestretch_across;
   const Mat3 M = Vec3(p, q, 1 / (p * q)).asDiagonal();
   const double p0 = rest_pressure_kPa(law, M, Vec3::UnitZ());
-  // F as a symmetric stretch in the plane: sqrt of a 2 x 2 matrix is (C + det I) / sqrt(trace + 2 det).
-  const Mat2 U = (r.C + r.det * Mat2::Identity()) / std::sqrt(r.C.trace() + 2 * r.det);
+  const Mat2 U = stretch_of(r);
   const auto cauchy = [&](double thick) {
     Mat3 F = Mat3::Zero();
     F.topLeftCorner<2, 2>() = U, F(2, 2) = thick;
@@ -92,8 +106,10 @@ MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3
     const double mid = 0.5 * (lo + hi);
     (cauchy(mid)(2, 2) > 0 ? hi : lo) = mid;
   }
-  const auto e = eigenvalues(cauchy(0.5 * (lo + hi)).topLeftCorner<2, 2>());
+  const Mat2 T = cauchy(0.5 * (lo + hi)).topLeftCorner<2, 2>();
+  const auto e = eigenvalues(T);
   set_stress(r.s, e[0], e[1]);
+  r.s.angle_deg = angle_to_fibres_deg(T, U, e[0], e[1]);
   return r.s;
 }
 
@@ -109,12 +125,11 @@ double weighted_percentile(std::vector<std::pair<double, double>>& pairs, double
   return pairs.back().first;
 }
 
-SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body) {
-  SkinStrain s;
-  if (body.layers.empty()) return s;
+std::vector<MembraneState> skin_states(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body) {
+  std::vector<MembraneState> out(view.tri.size());
+  if (body.layers.empty()) return out;
   const Material& material = body.layers[0].material;
   const LayerResponse law = layer_response(material, body.laws.get());
-  std::vector<std::pair<double, double>> stretch, stress;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
     std::array<Vec3, 3> X, x;
@@ -124,19 +139,35 @@ SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, con
     }
     const double longest = std::max({(X[1] - X[0]).norm(), (X[2] - X[1]).norm(), (X[0] - X[2]).norm()});
     if (area_vector2(X[0], X[1], X[2]).norm() < kSliver_mm * longest) continue;
-    const MembraneState m = law.points ? membrane_state(X, x, material, body.tension_direction, law) : membrane_state(X, x, material, body.tension_direction);
+    out[t] = law.points ? membrane_state(X, x, material, body.tension_direction, law) : membrane_state(X, x, material, body.tension_direction);
+  }
+  return out;
+}
+
+SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body) {
+  SkinStrain s;
+  const std::vector<MembraneState> states = skin_states(view, x_mm, body);
+  std::vector<std::pair<double, double>> stretch, stress;
+  for (size_t t = 0; t < states.size(); ++t) {
+    const MembraneState& m = states[t];
+    if (!(m.area_mm2 > 0)) continue;
     stretch.push_back({m.stretch, m.area_mm2});
     stress.push_back({m.stress_kPa, m.area_mm2});
     if (m.stress_kPa > s.stress_max_kPa || s.area_mm2 == 0) {
       s.stress_max_kPa = m.stress_kPa;
-      s.most_stressed_mm = (X[0] + X[1] + X[2]) / 3;
+      s.most_stressed_mm = (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) / 3;
     }
     s.stretch_max = s.area_mm2 == 0 ? m.stretch : std::max(s.stretch_max, m.stretch);
     s.area_mm2 += m.area_mm2;
+    if (m.least_stress_kPa < 0) s.compressed_mm2 += m.area_mm2;
   }
   if (stretch.empty()) return s;
   s.stretch_p99 = weighted_percentile(stretch, 0.99);
   s.stress_p95_kPa = weighted_percentile(stress, 0.95);
+  double sum = 0, area = 0;
+  for (const MembraneState& m : states)
+    if (m.area_mm2 > 0 && m.stress_kPa >= s.stress_p95_kPa && m.angle_deg >= 0) sum += m.angle_deg * m.area_mm2, area += m.area_mm2;
+  if (area > 0) s.angle_deg = sum / area;
   return s;
 }
 

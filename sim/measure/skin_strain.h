@@ -29,6 +29,10 @@ struct MembraneState {
   double stretch = 1;       // largest principal stretch that the tissue carries, prestretch included
   double least_stretch = 1; // smallest in the plane
   double stress_kPa = 0;    // largest principal Cauchy stress in the plane
+  double least_stress_kPa = 0;  // the other principal stress in the plane
+  // Between the direction of the greatest stress and the fibres (the tension direction), both as they lie now, 0 to 90; less than 0
+  // where the two stresses differ by less than 2 % of the greater: no direction then.
+  double angle_deg = -1;
   double von_mises_kPa = 0; // of the plane stress state
   double area_mm2 = 0;      // at rest
 };
@@ -40,15 +44,20 @@ MembraneState membrane_state(const std::array<Vec3, 3>& X_mm, const std::array<V
 MembraneState membrane_state(const std::array<Vec3, 3>& X_mm, const std::array<Vec3, 3>& x_mm, const Material& material, const Vec3& along,
                              const LayerResponse& law);
 
+/// The state of every skin triangle, by triangle of the view; area 0 on what is no skin, and on triangles of less than
+/// 0.02 mm height (slivers that cuts leave: positions are floats, so their stretch would carry an error above 0.1 %).
+std::vector<MembraneState> skin_states(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body);
+
 struct SkinStrain {
   double stretch_max = 1, stretch_p99 = 1;
   double stress_max_kPa = 0, stress_p95_kPa = 0;
+  double compressed_mm2 = 0;             // rest area with a least principal stress below 0: it would wrinkle
+  double angle_deg = -1;                 // mean of MembraneState::angle_deg over the 5 % of the area with the greatest stress
   Vec3 most_stressed_mm = Vec3::Zero();  // where the stress is greatest, at rest
   double area_mm2 = 0;                   // of the triangles counted
 };
 
-/// Over all skin triangles, percentiles weighted by rest area. Triangles of less than 0.02 mm height (slivers that cuts
-/// leave) are not counted: positions are floats, so their stretch would carry an error above 0.1 %. The maxima sit at the
+/// Over all skin triangles but slivers, percentiles weighted by rest area. The maxima sit at the
 /// tips of cuts and at stitches and grow as cells shrink; the percentiles converge.
 SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body);
 

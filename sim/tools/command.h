@@ -18,9 +18,19 @@
 //   {"action":"hook","id":1,"at":[x,y]}                                          skin hook, to be moved
 //   {"action":"move","id":1,"to":[x,y,z],"seconds":1.5}                          its handle, world mm (block: z up, skin at 0)
 //   {"action":"release","id":1}
-//   {"action":"suture","a":[x,y],"b":[x,y]}                                      one stitch; each point lies just beside its edge
-//   {"action":"suture_row","a":[[x,y],...],"b":[[x,y],...],"spacing_mm":4}       stitches along two paths, ends included
-//   {"action":"undo"}                                                            the last cut, excision or suture
+//   {"action":"suture","a":[x,y],"b":[x,y]}                                      one stitch; each point lies just beside its edge.
+//                                                                                "depth_mm":3: a buried one, whose bites lie so deep
+//                                                                                in the two walls of the wound
+//   {"action":"suture_row","a":[[x,y],...],"b":[[x,y],...],"spacing_mm":4}       stitches along two paths, ends included; also with
+//                                                                                "depth_mm". "running":true: one thread, the paths
+//                                                                                may be curved; "slack_mm": so much of it is left over
+//   {"action":"suture_corner","tip":[x,y],"a":[x,y],"b":[x,y],"depth_mm":1}      half-buried mattress: one thread from bank a through
+//                                                                                the flap's tip to bank b, all within the walls
+//   {"action":"suture_between","from":1,"to":2,"spacing_mm":4}                   a row along the wound's edges between two stitches, by
+//                                                                                number (in order of tying) or by place [x,y]; also
+//                                                                                with "depth_mm", "running", "slack_mm"
+//   {"action":"cut_suture","id":3}   or   {"action":"cut_suture","at":[x,y]}     the whole thread goes
+//   {"action":"undo"}                                                            the last cut, excision, suture or cut thread
 //   {"action":"redo"}                                                            what was undone last; a new act ends that
 //   {"action":"stage","name":"flap cut"}                                         a picture and a row in the report
 //   {"action":"wait","seconds":1}
@@ -42,14 +52,22 @@ struct Excise { std::vector<ChartPoint> outline; double depth_mm = 4; bool floor
 struct SetHook { int id = 0; ChartPoint at{0, 0}; };
 struct MoveHook { int id = 0; Vec3 to_mm{0, 0, 0}; double seconds = 1; };
 struct ReleaseHook { int id = 0; };
-struct Suture { ChartPoint a{0, 0}, b{0, 0}; };
-struct SutureRow { std::vector<ChartPoint> a, b; double spacing_mm = 4; };
+struct Suture { ChartPoint a{0, 0}, b{0, 0}; double depth_mm = 0; };  // depth 0: through the edges
+/// How a row is sewn: single stitches, or one thread that runs through all of them and may slide. It is drawn until the edges meet at
+/// every stitch (within 0.2 mm) or it would tear (5.9 N, USP 4-0), then slack_mm is given back and it is tied.
+struct RowKind { double spacing_mm = 4; double depth_mm = 0; bool running = false; double slack_mm = 0; };
+struct SutureRow { std::vector<ChartPoint> a, b; double spacing_mm = 4; double depth_mm = 0; bool running = false; double slack_mm = 0; };
+struct SutureCorner { ChartPoint tip{0, 0}, a{0, 0}, b{0, 0}; double depth_mm = 1; };
+/// A stitch by its number, or (id 0) the one nearest to a place on the skin.
+struct StitchPick { int id = 0; ChartPoint at{0, 0}; };
+struct SutureBetween { StitchPick from, to; RowKind row; };
+struct CutSuture { StitchPick which; };
 struct Undo {};
 struct Redo {};
 struct Stage { std::string name; };
 struct Wait { double seconds = 1; };
 
-using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo, Stage, Wait>;
+using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo, Stage, Wait, SutureCorner, SutureBetween, CutSuture>;
 
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {

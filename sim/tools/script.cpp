@@ -30,14 +30,15 @@ class Reader {
   Reader(std::string_view text, const std::string& name, int line) : name_(name), line_(line) {
     if (text.size() > L::line_bytes) fail("the line is longer than " + std::to_string(L::line_bytes) + " bytes");
     check_depth(text);
-    std::vector<std::string> keys;
+    std::vector<std::pair<int, std::string>> keys;  // of the objects that are open, by depth
     std::string twice;
-    const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+    const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+      if (event == Json::parse_event_t::object_end) std::erase_if(keys, [&](const auto& k) { return k.first > depth; });
       if (event == Json::parse_event_t::key) {
         const auto& k = value.get_ref<const std::string&>();
-        if (std::find(keys.begin(), keys.end(), k) != keys.end()) twice = k;
-        keys.push_back(k);
-        if (keys.size() > 32) keys.clear(), twice = "(more than 32 keys)";
+        if (std::find(keys.begin(), keys.end(), std::pair(depth, k)) != keys.end()) twice = k;
+        keys.emplace_back(depth, k);
+        if (keys.size() > 100) keys.clear(), twice = "(more than 100 keys)";
       }
       return true;
     };
@@ -104,6 +105,57 @@ class Reader {
     const double d = v.get<double>();
     if (!std::isfinite(d) || d < lo || d > hi || (open && d == lo)) fail(quoted(key) + " is " + number(d) + range);
     return d;
+  }
+
+  /// Named points: {"name":[x, y], ...}.
+  std::vector<Landmark> landmarks(const char* key) const {
+    std::vector<Landmark> out;
+    if (!has(key)) return out;
+    if (!json_[key].is_object() || json_[key].size() > L::landmarks)
+      fail(quoted(key) + " is no list of at most " + std::to_string(L::landmarks) + " named points; expected {\"name\":[x, y], ...}");
+    for (const auto& [name, at] : json_[key].items()) {
+      if (name.empty() || name.size() > L::name_bytes) fail(quoted(key) + " holds a name that is empty or too long");
+      double c[2];
+      coordinates(at, c, 2, key);
+      out.push_back({name, {c[0], c[1]}});
+    }
+    return out;
+  }
+
+  std::optional<PlannedProcedure> plan(const char* key) const {
+    if (!has(key)) return std::nullopt;
+    const std::string expected = "; expected {\"procedure\":\"NAME\",\"values\":{...},\"at\":[x, y],\"turn_deg\":0,\"mirror\":false}";
+    const Json& p = json_[key];
+    if (!p.is_object() || !p.contains("procedure") || !p["procedure"].is_string()) fail(quoted(key) + " names no procedure" + expected);
+    PlannedProcedure out;
+    out.procedure = p["procedure"].get<std::string>();
+    for (const auto& [k, v] : p.items()) {
+      if (k == "procedure") continue;
+      if (k == "values" && v.is_object() && v.size() <= 32) {
+        for (const auto& [name, value] : v.items()) {
+          if (!value.is_number() || !std::isfinite(value.get<double>())) fail("\"values\" holds something that is not a number" + expected);
+          out.values.emplace_back(name, value.get<double>());
+        }
+      } else if (k == "at") {
+        double c[2];
+        coordinates(v, c, 2, "at");
+        out.at = {c[0], c[1]};
+      } else if (k == "turn_deg" && v.is_number() && std::abs(v.get<double>()) <= 3600) {
+        out.turn_deg = v.get<double>();
+      } else if (k == "mirror" && v.is_boolean()) {
+        out.mirrored = v.get<bool>();
+      } else {
+        fail(quoted(key) + " holds \"" + shown(k) + "\", which is unknown or of a wrong kind" + expected);
+      }
+    }
+    return out;
+  }
+
+  /// A stitch: its number, or a place.
+  StitchPick stitch(const char* key) const {
+    if (!has(key)) missing(key, "the number of a stitch or a place [x, y]");
+    if (json_[key].is_array()) return {0, point(key)};
+    return {int(integer(key, 1, L::max_id)), {0, 0}};
   }
 
   ChartPoint point(const char* key) const {
@@ -196,9 +248,9 @@ ScriptHeader read_header(std::string_view text, const std::string& name, int lin
   const Reader r(text, name, line);
   if (!r.has("limberg_script"))
     r.fail("the first line is not a script's header; expected {\"limberg_script\":1,\"scene\":\"NAME\"}");
-  r.only({"limberg_script", "scene", "note"}, "the header");
+  r.only({"limberg_script", "scene", "note", "landmarks", "plan"}, "the header");
   r.integer("limberg_script", ScriptHeader::version, ScriptHeader::version);
-  return {r.text("scene", true, 1000), r.text("note", false, 10'000)};
+  return {r.text("scene", true, 1000), r.text("note", false, 10'000), r.landmarks("landmarks"), r.plan("plan")};
 }
 
 Json json(const ChartPoint& p) { return Json::array({p.x(), p.y()}); }
@@ -206,6 +258,13 @@ Json json(const std::vector<ChartPoint>& path) {
   Json a = Json::array();
   for (const auto& p : path) a.push_back(json(p));
   return a;
+}
+Json json(const StitchPick& s) { return s.id > 0 ? Json(s.id) : json(s.at); }
+void add_kind(Json& j, const RowKind& k) {
+  j["spacing_mm"] = k.spacing_mm;
+  if (k.depth_mm > 0) j["depth_mm"] = k.depth_mm;
+  if (k.running) j["running"] = true;
+  if (k.slack_mm > 0) j["slack_mm"] = k.slack_mm;
 }
 
 }  // namespace
@@ -247,18 +306,40 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     r.only({"action", "id"}, where);
     return ReleaseHook{int(r.integer("id", 1, L::max_id))};
   }
+  const auto bite = [&](double otherwise) { return r.real("depth_mm", otherwise, 0, L::depth_mm, false); };
+  const auto kind = [&] {
+    return RowKind{r.real("spacing_mm", RowKind{}.spacing_mm, 0, 1000, true), bite(0), r.boolean("running", false),
+                   r.real("slack_mm", 0, 0, 1000, false)};
+  };
   if (a == "suture") {
-    r.only({"action", "a", "b"}, where);
-    return Suture{r.point("a"), r.point("b")};
+    r.only({"action", "a", "b", "depth_mm"}, where);
+    return Suture{r.point("a"), r.point("b"), bite(0)};
   }
   if (a == "suture_row") {
-    r.only({"action", "a", "b", "spacing_mm"}, where);
-    SutureRow row{r.path("a", 2), r.path("b", 2), r.real("spacing_mm", SutureRow{}.spacing_mm, 0, 1000, true)};
+    r.only({"action", "a", "b", "spacing_mm", "depth_mm", "running", "slack_mm"}, where);
+    const RowKind k = kind();
+    SutureRow row{r.path("a", 2), r.path("b", 2), k.spacing_mm, k.depth_mm, k.running, k.slack_mm};
     const double longer = std::max(length_mm(row.a), length_mm(row.b));
     if (longer / row.spacing_mm > double(L::row_sutures))
       r.fail("\"spacing_mm\" " + number(row.spacing_mm) + " on a path of " + number(longer) + " mm makes too many sutures; expected at most " +
              std::to_string(L::row_sutures));
+    if (row.slack_mm > 0 && !row.running) r.fail("\"slack_mm\" without \"running\":true; expected a running suture");
     return row;
+  }
+  if (a == "suture_corner") {
+    r.only({"action", "tip", "a", "b", "depth_mm"}, where);
+    return SutureCorner{r.point("tip"), r.point("a"), r.point("b"), r.real("depth_mm", SutureCorner{}.depth_mm, 0, L::depth_mm, true)};
+  }
+  if (a == "suture_between") {
+    r.only({"action", "from", "to", "spacing_mm", "depth_mm", "running", "slack_mm"}, where);
+    const SutureBetween between{r.stitch("from"), r.stitch("to"), kind()};
+    if (between.row.slack_mm > 0 && !between.row.running) r.fail("\"slack_mm\" without \"running\":true; expected a running suture");
+    return between;
+  }
+  if (a == "cut_suture") {
+    r.only({"action", "id", "at"}, where);
+    if (r.has("id") == r.has("at")) r.fail("expected either \"id\" or \"at\"");
+    return r.has("id") ? CutSuture{{int(r.integer("id", 1, L::max_id)), {0, 0}}} : CutSuture{{0, r.point("at")}};
   }
   if (a == "undo") {
     r.only({"action"}, where);
@@ -277,7 +358,7 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     return Wait{r.real("seconds", Wait{}.seconds, 0, L::seconds, false)};
   }
   r.fail("unknown action \"" + Reader::shown(a) +
-         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, undo, redo, stage or wait");
+         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, suture_corner, suture_between, cut_suture, undo, redo, stage or wait");
 }
 
 Script parse_script(std::string_view text, const std::string& name) {
@@ -325,7 +406,7 @@ Script load_script(const std::string& path) {
 
 const char* action_name(const Command& command) {
   static constexpr const char* names[] = {"incise", "incise", "undermine",  "excise", "hook",  "move", "release",
-                                          "suture", "suture_row", "undo",   "redo",  "stage", "wait"};
+                                          "suture", "suture_row", "undo",   "redo",  "stage", "wait", "suture_corner", "suture_between", "cut_suture"};
   static_assert(std::variant_size_v<Command> == std::size(names));
   return names[command.index()];
 }
@@ -335,6 +416,15 @@ std::string to_json_line(const ScriptHeader& h) {
   j["limberg_script"] = ScriptHeader::version;
   j["scene"] = h.scene;
   if (!h.note.empty()) j["note"] = h.note;
+  for (const Landmark& l : h.landmarks) j["landmarks"][l.name] = json(l.at);
+  if (h.plan) {
+    Json& p = j["plan"];
+    p["procedure"] = h.plan->procedure;
+    for (const auto& [name, value] : h.plan->values) p["values"][name] = value;
+    p["at"] = json(h.plan->at);
+    p["turn_deg"] = h.plan->turn_deg;
+    if (h.plan->mirrored) p["mirror"] = true;
+  }
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -372,10 +462,22 @@ std::string to_json_line(const Command& command) {
         } else if constexpr (std::is_same_v<T, Suture>) {
           j["a"] = json(c.a);
           j["b"] = json(c.b);
+          if (c.depth_mm > 0) j["depth_mm"] = c.depth_mm;
         } else if constexpr (std::is_same_v<T, SutureRow>) {
           j["a"] = json(c.a);
           j["b"] = json(c.b);
-          j["spacing_mm"] = c.spacing_mm;
+          add_kind(j, RowKind{c.spacing_mm, c.depth_mm, c.running, c.slack_mm});
+        } else if constexpr (std::is_same_v<T, SutureCorner>) {
+          j["tip"] = json(c.tip);
+          j["a"] = json(c.a);
+          j["b"] = json(c.b);
+          j["depth_mm"] = c.depth_mm;
+        } else if constexpr (std::is_same_v<T, SutureBetween>) {
+          j["from"] = json(c.from);
+          j["to"] = json(c.to);
+          add_kind(j, c.row);
+        } else if constexpr (std::is_same_v<T, CutSuture>) {
+          j[c.which.id > 0 ? "id" : "at"] = json(c.which);
         } else if constexpr (std::is_same_v<T, Stage>) {
           j["name"] = c.name;
         } else if constexpr (std::is_same_v<T, Wait>) {

@@ -4,13 +4,17 @@
 //   {"limberg_script":1,"scene":"rhomboid","note":"Limberg flap, side 20 mm"}
 //   {"action":"incise","path":[[10,0],[30,0]],"depth_mm":4}
 //
+// The header may also have "landmarks":{"ala":[12,-3]} and "plan" (below).
+//
 // Reading is strict: an unknown action or key, a key given twice, a wrong type, a number out of its range or a broken
 // line is an InputError with the file, the line, what is wrong and what was expected. Nothing is guessed. depth_mm,
 // angle_deg, spacing_mm and seconds may be left out and then take the value of command.h; blank lines are skipped.
 // Writing gives the shortest decimals that read back to the same numbers, so a script survives any number of round trips.
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sim/tools/command.h"
@@ -30,12 +34,31 @@ struct ScriptLimits {
   static constexpr double min_angle_deg = 10, max_angle_deg = 170;
   static constexpr double seconds = 3600;          // 0 <= seconds <= this
   static constexpr int max_id = 1'000'000;         // 1 <= id <= this
+  static constexpr size_t landmarks = 50;
+};
+
+/// A named place on the skin: an eyelid's rim, a nostril's wing.
+struct Landmark {
+  std::string name;
+  ChartPoint at{0, 0};
+};
+
+/// A procedure of the repertoire (procedures/catalogue.h) with the values that differ from its own, and where it is laid:
+///   "plan":{"procedure":"bilobed","values":{"diameter_mm":12},"at":[0,5],"turn_deg":30,"mirror":true}
+struct PlannedProcedure {
+  std::string procedure;
+  std::vector<std::pair<std::string, double>> values{};
+  ChartPoint at{0, 0};
+  double turn_deg = 0;
+  bool mirrored = false;
 };
 
 struct ScriptHeader {
   static constexpr int version = 1;
   std::string scene;  // name of a shipped scene or path of a scene file, as the reader of the script resolves it
   std::string note;
+  std::vector<Landmark> landmarks{};      // places whose displacement is measured
+  std::optional<PlannedProcedure> plan{};  // the procedure that the script was made from
 };
 
 struct ScriptLine {

@@ -10,13 +10,15 @@
 namespace limberg {
 
 /// A material point that a hook or a stitch holds. `hint_mm` lies a little inside its triangle, so that the bank of a
-/// cut stays the same when triangles are split again.
+/// cut stays the same when triangles are split again. A buried bite lies in the wall of a wound.
 struct Anchor {
   Vec3 X_mm = Vec3::Zero();
   Vec3 hint_mm = Vec3::Zero();
   int32_t origin = -1;  // triangle of the body's original surface
   SurfacePoint at;
   EmbeddedPoint embedded;
+  Vec3 wall_normal = Vec3::Zero();  // of a wall at rest, out of the tissue: tells the two walls of a cut apart. Zero: on the skin
+  bool in_wall() const { return !wall_normal.isZero(0); }
 };
 
 struct Hook {
@@ -26,17 +28,34 @@ struct Hook {
   Vec3 handle_mm = Vec3::Zero();
 };
 
+/// A stitch, or a span of a thread: across the wound, where it counts as a stitch, or along its edges.
 struct Stitch {
-  int32_t id = 0;      // 1, 2, ... in order of placing
+  int32_t id = 0;      // 1, 2, ... in order of placing; 0: a span along the wound
   int32_t spring = 0;
   Anchor a, b;
-  Vec3 slack_mm = Vec3::Zero();  // a - b still left open while the thread is drawn tight
+  Vec3 slack_mm = Vec3::Zero();  // a - b still left open while the thread is drawn tight; not used in a thread of several spans
+  int32_t thread = 0;  // its number; 0: this stitch has a thread of its own
+  double tied_N = -1, peak_N = 0;  // of states at rest (snapshot.h)
+  bool across() const { return id > 0; }
+};
+
+/// One thread through several bites (spring_forces.h). It is drawn until the wound is closed.
+struct Thread {
+  int32_t id = 0;
+  double length_mm = 0;  // now, without tension
+  double slack_mm = 0;   // given back once it is closed
+  bool corner = false;   // closed when it runs straight; else when the edges meet at every stitch of it
+  bool closing = true;
 };
 
 /// Finds the anchor of a surface point; `point` comes from the RestIndex of the same view.
 Anchor make_anchor(const SurfaceView& view, const RestIndex& index, const SurfacePoint& point);
 
-/// The same material point on a newer view; nothing when its tissue was removed.
+/// The bite `depth_mm` below a point of a wound's rim, in the wall of its own bank: of the places of that depth the one nearest to
+/// the rim point. Nothing when the wound is not so deep there. O(triangles)
+std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const RestIndex& index, const SurfacePoint& rim, double depth_mm);
+
+/// The same material point on a newer view; nothing when its tissue was removed. O(triangles) for one in a wall.
 std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view, const RestIndex& index);
 
 /// n points of a polyline, equally spaced by arc length, ends included (n >= 2; path.size() >= 2).

@@ -58,18 +58,12 @@ Outcome OperatingTable::act(const Stage&) { return ++stage_, Outcome{true, {}}; 
 Outcome OperatingTable::act(const Wait&) { return {true, {}}; }
 
 StepReport OperatingTable::step(const StepSettings& settings) {
-  bool drawn = false;
-  for (Stitch& s : stitches_) {
-    const double slack = s.slack_mm.norm();
-    if (slack == 0) continue;
-    s.slack_mm *= slack > spec_.suture_pull_mm_per_step ? 1 - spec_.suture_pull_mm_per_step / slack : 0;
-    drawn = true;
-  }
-  if (drawn) publish_springs();
+  draw_tight();
   const StepReport report = solve(settings);
   ++steps_;
   residual_ = float(report.residual);
   distance_mm_ = float(report.distance_mm);
+  note_forces(report);
   return report;
 }
 
@@ -139,7 +133,8 @@ ContactCounts OperatingTable::contact_counts() const {
 }
 
 bool OperatingTable::settled() const {
-  return std::all_of(stitches_.begin(), stitches_.end(), [](const Stitch& s) { return s.slack_mm.isZero(0); });
+  return std::all_of(stitches_.begin(), stitches_.end(), [](const Stitch& s) { return s.slack_mm.isZero(0); }) &&
+         std::all_of(threads_.begin(), threads_.end(), [](const Thread& t) { return !t.closing; });
 }
 
 void OperatingTable::fill(Snapshot& snapshot, bool with_field) const {
@@ -164,9 +159,11 @@ void OperatingTable::fill(Snapshot& snapshot, bool with_field) const {
   }
   snapshot.sutures.clear();
   for (const Stitch& s : stitches_) {
+    if (!s.across()) continue;
     const Vec3 a = position_mm(s.a.embedded), b = position_mm(s.b.embedded);
     snapshot.sutures.push_back({s.id, a.cast<float>(), b.cast<float>(),
-                                float(solver_->spring_force_mN(s.spring).norm() * 1e-3), float((a - b).norm())});
+                                float(solver_->spring_force_mN(s.spring).norm() * 1e-3), float((a - b).norm()), s.thread,
+                                float(s.tied_N), float(s.peak_N)});
   }
   snapshot.residual = residual_;
   snapshot.distance_mm = distance_mm_;
@@ -198,6 +195,7 @@ uint64_t OperatingTable::state_hash() const {
     h.bytes(s.b.X_mm.data(), 3 * sizeof(double));
     h.bytes(s.slack_mm.data(), 3 * sizeof(double));
   }
+  for (const Thread& t : threads_) h.add(t.id), h.add(t.length_mm);
   if (const auto m = solver_->memory(); !m.empty()) h.bytes(m.data(), m.size() * sizeof(float));
   return h.value();
 }

@@ -10,7 +10,8 @@
 // blade, seed and try give the same bits, which is checked.
 //
 // An incision may come in pieces while it is drawn (drawn_stroke.h); they are cut one by one and undone as one.
-// Hooks and stitches are springs; a stitch is drawn tight over some steps (its slack shrinks), as a hand does it.
+// Hooks and stitches are springs; a stitch is drawn tight over some steps (its slack shrinks), as a hand does it. A running
+// suture is one thread through many bites, which slides until its tension is the same everywhere (fem/spring_forces.h).
 #include <memory>
 #include <optional>
 #include <string>
@@ -57,6 +58,7 @@ class OperatingTable {
   std::shared_ptr<const LatticeTopology> lattice() const { return version_.lattice; }
   bool settled() const;  // every stitch drawn tight
   ContactCounts contact_counts() const;
+  std::optional<double> closure_energy_uJ() const;
 
  private:
   /// One state of the topology; immutable once made. Versions share what they have in common, so all of them are kept.
@@ -74,9 +76,11 @@ class OperatingTable {
     ContactMemory contacts;
     std::vector<Hook> hooks;
     std::vector<Stitch> stitches;
+    std::vector<Thread> threads;
     double volume_mm3 = 0, removed_volume_mm3 = 0;
+    std::optional<double> open_energy_uJ;
     uint64_t cuts = 0;
-    int32_t next_spring = 1, next_stitch = 1;
+    int32_t next_spring = 1, next_stitch = 1, next_thread = 1;
   };
   /// One cut of the arrangement with what went with it: enough to make it again.
   struct CutStep {
@@ -115,6 +119,9 @@ class OperatingTable {
   Outcome act(const ReleaseHook&);
   Outcome act(const Suture&);
   Outcome act(const SutureRow&);
+  Outcome act(const SutureCorner&);
+  Outcome act(const SutureBetween&);
+  Outcome act(const CutSuture&);
   Outcome act(const Undo&);
   Outcome act(const Redo&);
   Outcome act(const Stage&);
@@ -148,6 +155,19 @@ class OperatingTable {
   void make_surface(Version& next, Drawn drawn);  // with its embedding in next.lattice
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
+  /// Of a stitch's bite: on the rim near p, or so deep in the wall below it.
+  std::optional<Anchor> find_bite(const ChartPoint& p, double depth_mm, std::string& reason) const;
+  std::optional<Anchor> bite_at(const SurfacePoint& rim, double depth_mm, std::string& reason) const;
+  /// Index into stitches_.
+  std::optional<size_t> find_stitch(const StitchPick& pick, std::string& reason) const;
+  Stitch between(const Anchor& a, const Anchor& b) const;  // without numbers, open as it lies
+  Outcome sew_row(const std::vector<std::pair<Anchor, Anchor>>& bites, const RowKind& kind, bool whole);
+  /// One thread through these spans in their order.
+  void thread_through(std::vector<Stitch> spans, bool corner, double slack_mm);
+  void draw(Thread& thread) const;
+  void drop_thread(int32_t thread);  // and its spans
+  void draw_tight();
+  void note_forces(const StepReport& report);
   EmbeddedPoint embed(const Anchor& anchor) const;
   bool carry_anchors();  // true when something was lost with its tissue
   bool same_place(const Anchor& a, const Anchor& b) const;
@@ -177,7 +197,11 @@ class OperatingTable {
   std::optional<ContactMemory> contacts_to_resume_;  // brought back by undo or redo, for the next step to take up
   ContactCounts contact_counts_;             // of finders that are gone
   std::vector<Hook> hooks_;
-  std::vector<Stitch> stitches_;
+  std::vector<Stitch> stitches_;  // threads' spans together, in their order
+  std::vector<Thread> threads_;
+  // Energy of the open wound: of the last state at rest in which neither hook nor stitch held anything.
+  std::optional<double> open_energy_uJ_;
+  double energy_uJ_ = 0;
   // During an act: the lattice after a part of its cuts, its parents in version_.lattice. Null: nothing was followed yet.
   std::shared_ptr<const LatticeTopology> followed_;
   uint64_t followed_hash_ = 0;  // of the arrangement then
@@ -193,7 +217,7 @@ class OperatingTable {
   uint64_t steps_ = 0, cuts_ = 0;
   uint64_t next_version_ = 1;
   mutable uint64_t hash_ = 0, hash_version_ = 0;  // topology_hash() of that version
-  int32_t next_spring_ = 1, next_stitch_ = 1, stage_ = -1;
+  int32_t next_spring_ = 1, next_stitch_ = 1, next_thread_ = 1, stage_ = -1;
   int refused_ = 0;
   float residual_ = 0, distance_mm_ = 0;
 };

@@ -10,11 +10,14 @@ OperatingTable::Moment OperatingTable::moment() const {
   m.contacts = contact_memory();
   m.hooks = hooks_;
   m.stitches = stitches_;
+  m.threads = threads_;
+  m.open_energy_uJ = open_energy_uJ_;
   m.volume_mm3 = volume_mm3_;
   m.removed_volume_mm3 = removed_volume_mm3_;
   m.cuts = cuts_;
   m.next_spring = next_spring_;
   m.next_stitch = next_stitch_;
+  m.next_thread = next_thread_;
   return m;
 }
 
@@ -38,11 +41,14 @@ void OperatingTable::return_to(const Moment& m, ParentList parent) {
   }
   hooks_ = m.hooks;
   stitches_ = m.stitches;
+  threads_ = m.threads;
+  open_energy_uJ_ = m.open_energy_uJ;
   volume_mm3_ = m.volume_mm3;
   removed_volume_mm3_ = m.removed_volume_mm3;
   cuts_ = m.cuts;
   next_spring_ = m.next_spring;
   next_stitch_ = m.next_stitch;
+  next_thread_ = m.next_thread;
   publish_springs();
   solver_->restore(m.solver);
   contacts_to_resume_ = m.contacts;
@@ -124,6 +130,7 @@ uint64_t OperatingTable::full_hash() const {
   for (const ContactMemory::Spot& k : contacts.spots) h.add(k.place), h.add(k.turns), h.bytes(k.slid_mm.data(), 3 * sizeof(double));
   for (const Hook& k : hooks_) h.add(k.spring), h.add(k.anchor.at.triangle);
   for (const Stitch& k : stitches_) h.add(k.spring), h.add(k.a.at.triangle), h.add(k.b.at.triangle);
+  for (const Thread& t : threads_) h.add(t.id), h.add(t.length_mm), h.add(uint64_t(t.closing));
   h.add(volume_mm3_), h.add(removed_volume_mm3_);
   h.add(cuts_), h.add(next_spring_), h.add(next_stitch_);
   const SurfaceTopology& t = *version_.surface;

@@ -31,5 +31,6 @@ int World::pieces() const { return impl_->pieces(); }
 int World::refused() const { return impl_->refused(); }
 ContactCounts World::contact_counts() const { return impl_->contact_counts(); }
 bool World::settled() const { return impl_->settled(); }
+std::optional<double> World::closure_energy_uJ() const { return impl_->closure_energy_uJ(); }
 
 }  // namespace limberg

@@ -49,10 +49,12 @@ class Meetings {
   std::vector<Charge> charges() {
     std::map<int, Charge> found;
     for (const auto& [corner, i] : number_) {
-      Charge& c = found.try_emplace(find(i), Charge{360, {}}).first->second;
+      Charge& c = found.try_emplace(find(i), Charge{360, {}, {}}).first->second;
+      const Vec2 ahead = edge_from(f_, corner);
       c.q_deg -= tissue_deg(f_, corner);
       c.meeting.push_back(place(f_, corner));
-      for (const Vec2& p : straight_[size_t(i)]) c.q_deg -= 180, c.meeting.push_back(p);
+      c.sector.push_back({std::atan2(ahead.y(), ahead.x()) * kDeg, tissue_deg(f_, corner)});
+      for (const Straight& s : straight_[size_t(i)]) c.q_deg -= 180, c.meeting.push_back(s.at), c.sector.push_back({s.from_deg, 180});
     }
     std::vector<Charge> out;
     for (auto& [root, c] : found)
@@ -69,12 +71,17 @@ class Meetings {
     const int i = find(number_.at(a)), j = find(number_.at(b));
     root_[size_t(std::max(i, j))] = std::min(i, j);
   }
+  struct Straight {
+    Vec2 at;
+    double from_deg;  // along the bank, the tissue on its left
+  };
   struct Side {
+    bool forward;
     std::vector<Corner> corner;
     std::vector<double> t;  // 0..1 of the arc length
   };
   Side side(const Corner& from, const Corner& to, bool forward) const {
-    Side s{stretch(f_, from, to, forward), {0}};
+    Side s{forward, stretch(f_, from, to, forward), {0}};
     for (size_t i = 1; i < s.corner.size(); ++i) s.t.push_back(s.t.back() + (place(f_, s.corner[i]) - place(f_, s.corner[i - 1])).norm());
     for (double& t : s.t) t /= s.t.back();
     return s;
@@ -95,7 +102,8 @@ class Meetings {
         join(a.corner[i], b.corner[k]);
       } else {
         const double u = (a.t[i] - b.t[k - 1]) / (b.t[k] - b.t[k - 1]);
-        straight_[size_t(number_.at(a.corner[i]))].push_back((1 - u) * place(f_, b.corner[k - 1]) + u * place(f_, b.corner[k]));
+        const Vec2 p = place(f_, b.corner[k - 1]), q = place(f_, b.corner[k]), ahead = b.forward ? Vec2(q - p) : Vec2(p - q);
+        straight_[size_t(number_.at(a.corner[i]))].push_back({(1 - u) * p + u * q, std::atan2(ahead.y(), ahead.x()) * kDeg});
       }
     }
   }
@@ -103,7 +111,7 @@ class Meetings {
   const Figure& f_;
   std::map<Corner, int> number_;
   std::vector<int> root_;
-  std::vector<std::vector<Vec2>> straight_;
+  std::vector<std::vector<Straight>> straight_;
 };
 
 }  // namespace

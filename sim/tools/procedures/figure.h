@@ -66,9 +66,15 @@ double length_mm(const std::vector<Vec2>& path);
 /// Point at arc length s, moved by `inset_mm` to the left.
 Vec2 beside(const std::vector<Vec2>& path, double s_mm, double inset_mm);
 
+/// The tissue that one corner (or straight bank) brings to a meeting: between two directions, counter-clockwise.
+struct TissueSector {
+  double from_deg = 0, sweep_deg = 0;
+};
+
 struct Charge {
   double q_deg = 0;
   std::vector<Vec2> meeting;  // the places, on the uncut skin, that the seams bring together
+  std::vector<TissueSector> sector;  // of each of them
 };
 /// Of every point of the closed plan where |q| > 1e-6 degrees. A seam of unequal lengths or curvatures spreads its charge
 /// over its corners.

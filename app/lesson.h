@@ -1,0 +1,64 @@
+#pragma once
+// A lesson: what to do, where, how well, and hints; and what a session came to by it.
+//
+//   lesson = "Limberg's flap"               its title
+//   goal = "..."                            in a sentence or two
+//   scene = "rhomboid"                      name of a shipped scene or path of a scene file
+//   hints = ["...", "..."]
+//   [procedure]
+//   name = "rhomboid"                       of the repertoire (limberg procedure)
+//   at_mm = [0, 0], turn_deg, mirror        where it is laid
+//   [procedure.values]  side_mm = 20        parameters that differ from the procedure's own
+//   [tolerance]                             at most; only those that are given are judged
+//   corner_mm, angle_deg, limb_percent      of the cuts against the plan (design_error)
+//   gap_mm, suture_N, suture_peak_N, closure_N, dog_ear_mm, step_off_mm, landmark_mm, waste_mm2   of result.json's metrics
+//   time_s, path_mm, movements, undos       of the hand; judged where there was one
+//   [landmarks]  ala = [x, y]               places that must not be drawn away
+//
+// Reading is strict, as of scenes. There is no grade: each tolerance is met or not, with its value beside it.
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/measure/metrics.h"
+
+namespace limberg {
+
+struct Lesson {
+  std::string file, title, goal, scene;
+  std::vector<std::string> hints;
+  PlannedProcedure plan;
+  std::vector<std::pair<std::string, double>> tolerances;  // by name, in the file's order of the list above
+  std::vector<Landmark> landmarks;
+};
+
+/// Is this the text of one?
+bool looks_like_lesson(std::string_view text);
+Lesson parse_lesson(const std::string& text, const std::string& file);
+std::string find_lesson(const std::string& name_or_path);
+/// A path, or NAME for app/lessons/NAME.toml. InputError that lists the names to be had.
+Lesson open_lesson(const std::string& name_or_path);
+
+/// How far the cuts lie from the plan. Corners of what was drawn are those that matter by more than 1.5 mm (plan.h).
+struct DesignError {
+  double corner_mean_mm = 0, corner_max_mm = 0;  // planned corner to the nearest drawn one of the same kind of cut
+  double angle_max_deg = 0;                      // at planned inner corners of cuts, against the drawn corner nearest to them
+  double limb_max_percent = 0;                   // length between neighbouring planned corners, against that between theirs
+  int corners = 0, missing = 0;                  // planned; without a drawn one within 10 mm
+};
+/// Nothing when nothing was cut.
+std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const Command> script);
+
+/// One tolerance and what it came to.
+struct Judgement {
+  std::string name, unit;
+  double limit = 0;
+  std::optional<double> value;  // nothing: it could not be measured (no hand, no Z, ...)
+  bool met = false;
+};
+std::vector<Judgement> judge(const Lesson& lesson, const std::map<std::string, double>& values);
+/// The values by the names of tolerances.
+std::map<std::string, double> lesson_values(const Metrics& metrics, const std::optional<DesignError>& error);
+
+}  // namespace limberg

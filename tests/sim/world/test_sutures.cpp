@@ -1,0 +1,260 @@
+// Threads: what slides has one tension, what is buried lies where it should, what is cut holds nothing; all can be taken back.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/fem/box_model.h"
+#include "sim/fem/spring_forces.h"
+#include "sim/geometry/block.h"
+#include "sim/world.h"
+
+namespace limberg {
+namespace {
+
+WorldSpec block(double prestretch = 1.2) {
+  BlockSpec b;
+  b.size_mm = {60, 60, 10};
+  b.skin_cell_mm = 1.5;
+  Material skin, fat;
+  skin.young_kPa = 60, skin.poisson = 0.45, skin.prestretch_along = skin.prestretch_across = prestretch;
+  fat.young_kPa = 12, fat.poisson = 0.45;
+  b.layers = {{"skin", 1.5, skin}, {"fat", 8.5, fat}};
+  WorldSpec spec;
+  spec.body = std::make_shared<Body>(make_block(b));
+  spec.cell_mm = 3.5;
+  return spec;
+}
+
+void settle(World& world, double tolerance = 2e-5, int steps = 300) {
+  StepSettings s;
+  s.max_iterations = 20;
+  for (int i = 0; i < steps; ++i)
+    if (const StepReport r = world.step(s); world.settled() && r.residual <= tolerance) break;
+}
+
+Snapshot shown(const World& world) {
+  Snapshot s;
+  world.fill(s);
+  return s;
+}
+
+void must(World& world, const Command& c) {
+  const Outcome o = world.apply(c);
+  ASSERT_TRUE(o.done) << o.reason;
+}
+
+TEST(Thread, GoesWhereItIsWantedAndKeepsItsLength) {
+  for (const double L : {0.0, 0.5, 3.0, 7.9, 8.0, 20.0}) {
+    std::vector<double> l{1, 4, 0.5, 2.5};
+    const double m = fem::SpringForces::thread_stretch_mm(l, L);
+    double sum = 0;
+    for (double v : l) sum += std::max(0.0, v - m);
+    if (L >= 8) EXPECT_EQ(m, 0) << L;  // slack: it pulls nothing
+    else EXPECT_NEAR(sum, L, 1e-12) << L;
+  }
+}
+
+TEST(Thread, ForcesAreTheSlopeOfTheEnergy) {
+  BoxSpec box;
+  box.cells = {3, 3, 2};
+  const FemModel model = box_model(box);
+  std::vector<Spring> springs;
+  for (int i = 0; i < 4; ++i) {
+    Spring s;
+    s.id = i + 1, s.thread = 1, s.thread_mm = 6, s.k_N_per_mm = 2;
+    s.a = embed(model, {-4 + 2.0 * i, 1 + 0.3 * i * i, 9}), s.b = embed(model, {-4 + 2.3 * i, -1, 9.5});
+    springs.push_back(s);
+  }
+  springs[1].b = springs[1].a;  // a span without length
+  springs[1].b.w[0] += 0.01f;
+  const fem::SpringForces forces(model, springs);
+  fem::NodeArray u(model.X_mm.size()), g(model.X_mm.size());
+  uint32_t seed = 7;
+  const auto next = [&] { return float((seed = seed * 1664525u + 1013904223u) >> 8) / 16777216.f - 0.5f; };
+  for (auto& n : u) n.x = next(), n.y = next(), n.z = next();
+  for (auto& n : g) n = {};
+  forces.add(u, g, false);
+  const float h = 1.f / 1024;
+  double worst = 0, largest = 0;
+  for (size_t n = 0; n < u.size(); ++n) {
+    float* x[3] = {&u[n].x, &u[n].y, &u[n].z};
+    const double want[3] = {double(g[n].x), double(g[n].y), double(g[n].z)};
+    for (int c = 0; c < 3; ++c) {
+      const float before = *x[c];
+      fem::NodeArray none(u.size());
+      for (auto& k : none) k = {};
+      *x[c] = before + h;
+      const double up = forces.add(u, none, false), above = double(*x[c]);
+      *x[c] = before - h;
+      const double down = forces.add(u, none, false), below = double(*x[c]);
+      *x[c] = before;
+      worst = std::max(worst, std::abs((up - down) / (above - below) - want[c]));
+      largest = std::max(largest, std::abs(want[c]));
+    }
+  }
+  EXPECT_GT(largest, 100);
+  EXPECT_LT(worst, 1e-4 * largest);  // h^2 of central differences, and single precision of g
+}
+
+struct Slit {
+  InlineWorkers workers;
+  World world{block(), workers};
+  Slit() {
+    must(world, Incise{{{-14, 0.3}, {-5, 1.3}, {5, 1.3}, {14, 0.3}}, 4, 90, true});
+    settle(world);
+  }
+  SutureRow row(double slack) const { return {{{-12, -0.2}, {0, 0.6}, {12, -0.2}}, {{-12, 1.3}, {0, 2.2}, {12, 1.3}}, 4, 0, true, slack}; }
+};
+
+TEST(RunningSuture, ClosesWithOneTension) {
+  Slit s;
+  must(s.world, s.row(0));
+  settle(s.world);
+  ASSERT_TRUE(s.world.settled());
+  const Snapshot closed = shown(s.world);
+  ASSERT_EQ(closed.sutures.size(), 7u);
+  double most = 0;
+  for (const SutureState& k : closed.sutures) {
+    EXPECT_EQ(k.thread, closed.sutures[0].thread);
+    EXPECT_GT(k.thread, 0);
+    EXPECT_LT(k.gap_mm, 0.25);  // met within 0.2 mm when it was tied, before the last steps to rest
+    most = std::max(most, double(k.force_N));
+  }
+  EXPECT_GT(most, 0.05);
+
+  // Four mm more of it: the wound stands open, and every span that thread is left in pulls alike.
+  Slit loose;
+  must(loose.world, loose.row(4));
+  settle(loose.world);
+  const Snapshot open = shown(loose.world);
+  float hi = 0, gaps = 0;
+  int open_ones = 0;
+  for (const SutureState& k : open.sutures) hi = std::max(hi, k.force_N), gaps += k.gap_mm;
+  for (const SutureState& k : open.sutures) {
+    if (k.gap_mm < hi / 20 + 0.01f) continue;  // the thread there is used up (20 N/mm): the edges have met
+    EXPECT_NEAR(k.force_N, hi, 1e-3f * hi);
+    ++open_ones;
+  }
+  EXPECT_GE(open_ones, 2);
+  EXPECT_GT(gaps, 1);
+  EXPECT_LT(hi, most);
+}
+
+TEST(RunningSuture, CutUndoRedoAndAgainGiveTheSameBits) {
+  Slit s;
+  const uint64_t before = s.world.full_hash();
+  must(s.world, s.row(0));
+  settle(s.world);
+  ASSERT_EQ(shown(s.world).sutures.size(), 7u);
+  const uint64_t tied = s.world.full_hash();
+  const double force = double(shown(s.world).sutures[3].force_N);
+  EXPECT_GT(force, 0);
+  must(s.world, CutSuture{{4, {0, 0}}});  // one stitch of it: the whole thread
+  EXPECT_TRUE(shown(s.world).sutures.empty());
+  settle(s.world);
+  const uint64_t cut = s.world.full_hash();
+  must(s.world, Undo{});
+  EXPECT_EQ(s.world.full_hash(), tied);
+  EXPECT_EQ(double(shown(s.world).sutures[3].force_N), force);
+  must(s.world, Redo{});
+  EXPECT_EQ(s.world.full_hash(), cut);
+  must(s.world, Undo{});
+  must(s.world, Undo{});
+  EXPECT_EQ(s.world.full_hash(), before);
+
+  Slit again;
+  must(again.world, again.row(0));
+  settle(again.world);
+  EXPECT_EQ(again.world.full_hash(), tied);
+  must(again.world, CutSuture{{0, {0, 1}}});  // by place
+  EXPECT_TRUE(shown(again.world).sutures.empty());
+}
+
+TEST(BuriedSuture, ItsBitesLieAtTheirDepthInTheTwoWalls) {
+  Slit s;
+  const uint64_t before = s.world.full_hash();
+  const Outcome too_deep = s.world.apply(Suture{{0, 0.8}, {0, 2.1}, 6});
+  EXPECT_FALSE(too_deep.done);
+  EXPECT_NE(too_deep.reason.find("no wall 6 mm below"), std::string::npos) << too_deep.reason;
+  EXPECT_EQ(s.world.full_hash(), before);
+  const Snapshot open = shown(s.world);
+  must(s.world, Suture{{0, 0.8}, {0, 2.1}, 2.5});
+  const Snapshot placed = shown(s.world);
+  ASSERT_EQ(placed.sutures.size(), 1u);
+  // Open as it lies, the two bites are apart by the gape at that depth, below the skin, and on different banks.
+  const Vec3f a = placed.sutures[0].a_mm, b = placed.sutures[0].b_mm;
+  EXPECT_LT(a.y(), b.y());
+  for (const float z : {a.z(), b.z()}) EXPECT_NEAR(z, -2.5, 1);  // the walls of an open wound lean and rise
+  EXPECT_GT(placed.sutures[0].gap_mm, 0.5);
+  settle(s.world);
+  EXPECT_LT(shown(s.world).sutures[0].gap_mm, 0.1);
+  const uint64_t tied = s.world.full_hash();
+  must(s.world, Undo{});
+  EXPECT_EQ(s.world.full_hash(), before);
+  must(s.world, Redo{});
+  EXPECT_EQ(s.world.full_hash(), tied);
+  // It stays where it is when the wound is made longer, and deeper elsewhere.
+  must(s.world, Incise{{{14, 0.3}, {20, -3}}, 4, 90});
+  ASSERT_EQ(shown(s.world).sutures.size(), 1u);
+  EXPECT_NEAR((shown(s.world).sutures[0].a_mm - shown(s.world).sutures[0].b_mm).norm(), shown(s.world).sutures[0].gap_mm, 1e-5);
+  EXPECT_LT(shown(s.world).sutures[0].gap_mm, 0.1);
+}
+
+TEST(CornerSuture, HoldsTheTipWithOneThread) {
+  InlineWorkers workers;
+  World world(block(), workers);
+  must(world, Incise{{{-9, -9}, {0, 7}, {9, -9}}, 4, 90});
+  settle(world);
+  must(world, SutureCorner{{0, 5.5}, {-2.2, 5.5}, {2.2, 5.5}, 1});
+  settle(world);
+  const Snapshot s = shown(world);
+  ASSERT_EQ(s.sutures.size(), 2u);
+  EXPECT_EQ(s.sutures[0].thread, s.sutures[1].thread);
+  EXPECT_NEAR(s.sutures[0].force_N, s.sutures[1].force_N, 1e-3f * s.sutures[0].force_N + 1e-5f);
+  EXPECT_LT((s.sutures[0].b_mm - s.sutures[1].a_mm).norm(), 1e-4f);  // the tip is one bite
+  EXPECT_LT(s.sutures[0].b_mm.z(), -0.3f);                           // below the surface
+  EXPECT_LT(s.sutures[0].gap_mm + s.sutures[1].gap_mm, 6.f);
+}
+
+TEST(SutureBetween, FillsTheWoundBetweenTwoStitches) {
+  Slit s;
+  must(s.world, Suture{{-10, 0}, {-10, 1.6}});
+  must(s.world, Suture{{10, 1.6}, {10, 0}});  // the other way round
+  settle(s.world);
+  must(s.world, SutureBetween{{1, {0, 0}}, {0, {10, 1.5}}, {4, 0, false, 0}});
+  settle(s.world);
+  const Snapshot k = shown(s.world);
+  ASSERT_EQ(k.sutures.size(), 6u);  // 20 mm at 4 mm: four between
+  std::vector<float> x;
+  for (const SutureState& t : k.sutures) {
+    x.push_back(t.a_mm.x());
+    EXPECT_LT(t.gap_mm, 0.15f);
+    EXPECT_GE(t.peak_N, t.force_N - 1e-6f);
+    EXPECT_GE(t.tied_N, 0);
+  }
+  std::sort(x.begin(), x.end());
+  for (size_t i = 1; i < x.size(); ++i) EXPECT_NEAR(x[i] - x[i - 1], 4, 0.8);
+  const uint64_t before = s.world.full_hash();
+  const Outcome near = s.world.apply(SutureBetween{{1, {0, 0}}, {3, {0, 0}}, {4, 0, false, 0}});
+  EXPECT_FALSE(near.done);
+  const Outcome none = s.world.apply(CutSuture{{77, {0, 0}}});
+  EXPECT_FALSE(none.done);
+  EXPECT_EQ(s.world.full_hash(), before);
+}
+
+TEST(Closure, EnergyIsCountedFromTheOpenWound) {
+  Slit s;
+  EXPECT_FALSE(s.world.closure_energy_uJ());
+  must(s.world, Suture{{0, 0.8}, {0, 2.1}, 0});
+  settle(s.world);
+  const auto one = s.world.closure_energy_uJ();
+  ASSERT_TRUE(one);
+  EXPECT_GT(*one, 0);
+  must(s.world, s.row(0));
+  settle(s.world);
+  EXPECT_GT(*s.world.closure_energy_uJ(), *one);
+}
+
+}  // namespace
+}  // namespace limberg
