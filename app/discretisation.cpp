@@ -6,13 +6,13 @@
 namespace limberg {
 namespace {
 
-struct Figure {
+struct Named {
   const char* name;
   std::optional<double> (*of)(const Metrics&);
   bool length;
 };
 
-const Figure figures[] = {
+const Named figures[] = {
     {"closure_force_N", [](const Metrics& m) { return std::optional(m.closure_force_N); }, false},
     {"suture_force_max_N", [](const Metrics& m) { return std::optional(m.suture_force_max_N); }, false},
     {"suture_gap_max_mm", [](const Metrics& m) { return std::optional(m.suture_gap_max_mm); }, true},
@@ -35,7 +35,7 @@ std::vector<FigureError> discretisation_errors(std::span<const SizedFigures> run
   sorted.erase(std::unique(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.cell_mm == b.cell_mm; }), sorted.end());
   std::vector<FigureError> out;
   if (sorted.size() < 2) return out;
-  for (const Figure& f : figures) {
+  for (const Named& f : figures) {
     std::vector<double> h, v;
     double noise = 0;
     for (const SizedFigures& r : sorted)

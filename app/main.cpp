@@ -52,6 +52,7 @@ int run_main(int argc, char** argv) {
   add_devices(app, chosen);
   add_fit(app, chosen);
   add_measures(app, chosen);
+  add_design(app, chosen);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {

@@ -262,7 +262,7 @@ TEST_F(Recorded, DamageIsSaidAndCountedAndTheRestReplays) {
   std::string holed = whole;
   for (size_t i = whole.size() / 2; i < whole.size() / 2 + 3000; ++i) holed[i] = char(i * 7);
   o = run("replay " + file("holed.lcm", holed) + " --json " + path("holed.json"));
-  EXPECT_TRUE(o.status == 0 || o.status == 3) << o.status << o.err;
+  EXPECT_EQ(o.status, 3) << o.err;
   EXPECT_NE(o.err.find("damaged"), std::string::npos) << o.err;
   EXPECT_GT(json("holed.json")["damage"]["events"].get<int>(), 0);
   EXPECT_EQ(run("check " + path("holed.lcm")).status, 3);
@@ -324,6 +324,87 @@ TEST_F(Cli, ARefusedCutCanBeTriedAgain) {
   const std::string other = file("other.toml", small_scene("1.08", "1.07"));
   expect_refused("operate " + other + " " + repro, {"another scene"});
   expect_refused("check " + file("broken.json", slurp(repro).substr(0, 300)), {"broken"});
+}
+
+TEST_F(Cli, BadScriptsNameTheirLine) {
+  const std::string scene = file("small.toml", small_scene());
+  const std::string hole = "{\"action\":\"excise\",\"outline\":[[-4,-4],[4,-4],[4,4],[-4,4]],\"depth_mm\":4}\n";
+  const std::string slit = "{\"action\":\"incise\",\"path\":[[-10,7],[10,7]],\"depth_mm\":4}\n";
+  const std::string stitch = "{\"action\":\"suture\",\"a\":[0,6.4],\"b\":[0,7.6]}\n";
+  const struct { std::string name, lines; int line; const char* word; } bad[] = {
+      {"unknown", "{\"action\":\"pray\"}\n", 2, "unknown action"},
+      {"outside", slit + "{\"action\":\"incise\",\"path\":[[-8,5],[80,5]]}\n", 3, "skin"},
+      {"removed", hole + "{\"action\":\"suture\",\"a\":[0,0],\"b\":[0,6]}\n", 3, "removed"},
+      {"nothing", hole + "{\"action\":\"incise\",\"path\":[[-2,0],[2,0]]}\n", 3, "incise refused"},
+      {"twice", slit + stitch + stitch, 4, "already"},
+      {"loop", "{\"action\":\"excise\",\"outline\":[[-4,-4],[4,-4],[4,4],[-4,4]],\"depth_mm\":3,\"floor\":false}\n", 2, "attached"},
+      {"none", slit + stitch + "{\"action\":\"cut_suture\",\"id\":2}\n", 4, "no stitch 2"},
+      {"both", slit + "{\"action\":\"cut_suture\",\"id\":2,\"at\":[0,0]}\n", 3, "either"},
+  };
+  for (const auto& b : bad) {
+    const std::string f = file(b.name + ".jsonl", script(b.lines));
+    expect_refused("operate " + scene + " " + f + " --json " + path(b.name + ".json"), {b.name + ".jsonl:" + std::to_string(b.line) + ":", b.word});
+    EXPECT_FALSE(fs::exists(path(b.name + ".json"))) << b.name;
+  }
+  expect_refused("operate " + scene + " " + file("good.jsonl", script(slit)) + " --cells 0", {"cells", "0.05"});
+  expect_refused("check " + file("lost.jsonl", "{\"limberg_script\":1,\"scene\":\"nowhere\"}\n"), {"lost.jsonl:1:", "nowhere"});
+}
+
+TEST_F(Cli, ThreadsOrdersAndTheirFigures) {
+  const std::string scene = file("small.toml", small_scene("1.08", "1.15"));
+  const std::string text = script(
+      "{\"action\":\"incise\",\"path\":[[-12,1],[12,1]],\"depth_mm\":5}\n"
+      "{\"action\":\"suture\",\"a\":[-6,0.3],\"b\":[-6,1.7]}\n"
+      "{\"action\":\"suture\",\"a\":[0,0.3],\"b\":[0,1.7]}\n"
+      "{\"action\":\"suture\",\"a\":[6,0.3],\"b\":[6,1.7]}\n");
+  const std::string f = file("three.jsonl", text);
+  Outcome o = run("operate " + scene + " " + f + " --orders as-written,reversed,2-1-3 --json " + path("orders.json"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  const auto j = nlohmann::json::parse(slurp(dir_ / "orders.json"));
+  ASSERT_EQ(j["orders"].size(), 3u);
+  const double a = j["orders"][0]["closure_force_N"], b = j["orders"][1]["closure_force_N"];
+  EXPECT_NEAR(a, b, 0.02 * a);  // elastic: the end does not remember the way
+  EXPECT_GE(j["orders"][0]["suture_force_peak_N"].get<double>(), j["orders"][0]["suture_force_max_N"].get<double>() - 1e-9);
+  EXPECT_EQ(j["charts"].size(), 1u);
+  expect_refused("operate " + scene + " " + f + " --orders 1-2", {"orders"});
+  const std::string running = file("running.jsonl", script(
+      "{\"action\":\"incise\",\"path\":[[-12,1],[12,1]],\"depth_mm\":5}\n"
+      "{\"action\":\"suture_row\",\"a\":[[-10,0.3],[10,0.3]],\"b\":[[-10,1.7],[10,1.7]],\"spacing_mm\":5,\"running\":true}\n"));
+  o = run("operate " + scene + " " + running + " --json " + path("running.json") + " --fields " + path("fields.csv"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  const auto k = nlohmann::json::parse(slurp(dir_ / "running.json"));
+  for (const auto& s : k["metrics"]["sutures"]) {
+    EXPECT_EQ(s["thread"], 1);
+    EXPECT_GE(s["peak_N"].get<double>(), s["force_N"].get<double>() - 1e-9);
+  }
+  EXPECT_GT(k["closure"].size(), 0u);
+  EXPECT_NE(slurp(dir_ / "fields.csv").find("perfusion_index"), std::string::npos);
+}
+
+TEST_F(Cli, PlansLessonsAndMeasures) {
+  Outcome o = run("check " + kSource + "/app/lessons/rhomboid.toml --plan --draw " + path("plan.svg"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.out.find("saddle  of -120 degrees"), std::string::npos) << o.out;
+  EXPECT_NE(slurp(dir_ / "plan.svg").find("<svg"), std::string::npos);
+  o = run("check " + kSource + "/recordings/zplasty.jsonl --plan");
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.out.find("dog-ear of +60 degrees"), std::string::npos) << o.out;
+  expect_refused("check " + file("bad.toml", "lesson = \"x\"\ngoal = \"y\"\nscene = \"rhomboid\"\n[procedure]\nname = \"magic\"\n[tolerance]\ngap_mm = 1\n"), {"bad.toml:5", "magic"});
+  EXPECT_NE(run("measures").out.find("closure_force_N [N]"), std::string::npos);
+  expect_refused("design rhomboid --defect circle:0,0", {"circle"});
+  expect_refused("design rhomboid --defect circle:200,0,10", {"skin"});
+  expect_refused("design rhomboid --defect circle:0,0,10 --types sleight", {"sleight", "fusiform"});
+}
+
+TEST_F(Cli, DesignsAreRanked) {
+  const std::string scene = file("flat.toml", small_scene("size_mm = [40, 40, 10]", "size_mm = [70, 70, 10]"));
+  const Outcome o = run("design " + scene + " --defect circle:0,0,8 --types fusiform --turn-step 90 --refine 1 --spare lid=0,16 --out " + path("out"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  const auto j = nlohmann::json::parse(slurp(dir_ / "out/result.json"));
+  ASSERT_GE(j["rows"].size(), 1u);
+  EXPECT_GT(j["rows"][0]["excised_mm2"].get<double>(), 50.3);  // it holds the circle
+  EXPECT_TRUE(fs::exists(dir_ / "out/design-1.svg"));
+  EXPECT_EQ(run("operate " + scene + " " + path("out/design-1.jsonl")).status, 0);
 }
 
 }  // namespace

@@ -32,18 +32,21 @@ class Maker {
   }
   Command command() {
     const int id = 1 + pick(1000);
-    switch (pick(13)) {
+    switch (pick(16)) {
       case 0: return Incise{path(2), real(0.5, 200), real(10, 170)};
       case 1: return Undermine{path(3), real(0.5, 200)};
       case 2: return Excise{path(3), real(0.5, 200)};
       case 3: return SetHook{id, point()};
       case 4: return MoveHook{id, {real(-1, 1), real(-9999, 9999), real(-1e-9, 1e-9)}, real(0, 3600)};
       case 5: return ReleaseHook{id};
-      case 6: return Suture{point(), point()};
-      case 7: return SutureRow{path(2), path(2), real(2, 9)};
+      case 6: return Suture{point(), point(), pick(2) == 0 ? 0 : real(0.1, 9)};
+      case 7: return SutureRow{path(2), path(2), real(2, 9), pick(2) == 0 ? 0 : real(0.1, 9), true, real(0, 9)};
       case 8: return Undo{};
       case 9: return Redo{};
       case 10: return InciseMore{id, path(1), real(0.5, 200), real(10, 170), pick(2) == 0};
+      case 12: return SutureCorner{point(), point(), point(), real(0.1, 9)};
+      case 13: return SutureBetween{{id, {0, 0}}, {0, point()}, {real(2, 9), real(0, 5), true, real(0, 5)}};
+      case 14: return pick(2) == 0 ? CutSuture{{id, {0, 0}}} : CutSuture{{0, point()}};
       case 11: return Stage{pick(2) == 0 ? "flap \"cut\" \\ \n\t" : "lambeau incis\xc3\xa9"};
       default: return Wait{real(0, 3600)};
     }
@@ -56,13 +59,19 @@ class Maker {
 TEST(Script, RoundTripIsExact) {
   Maker make(7);
   Script s;
-  s.header = {"app/scenes/face.toml", "with a \"note\""};
+  s.header = {"app/scenes/face.toml", "with a \"note\"", {{"ala", {1, 2.5}}, {"at", {-3, 0}}}, PlannedProcedure{"bilobed", {{"diameter_mm", 12.5}}, {0.1, -4}, 30, true}};
   for (int i = 0; i < 3000; ++i) s.lines.push_back({i + 2, make.command()});
   const std::string text = to_text(s);
   const Script back = parse_script(text, "mem");
   ASSERT_EQ(back.lines.size(), s.lines.size());
   EXPECT_EQ(back.header.scene, s.header.scene);
   EXPECT_EQ(back.header.note, s.header.note);
+  ASSERT_EQ(back.header.landmarks.size(), 2u);
+  EXPECT_EQ(back.header.landmarks[0].at, s.header.landmarks[0].at);
+  ASSERT_TRUE(back.header.plan);
+  EXPECT_EQ(back.header.plan->values, s.header.plan->values);
+  EXPECT_EQ(back.header.plan->at, s.header.plan->at);
+  EXPECT_TRUE(back.header.plan->mirrored);
   for (size_t i = 0; i < s.lines.size(); ++i) {
     EXPECT_EQ(back.lines[i].line, s.lines[i].line);
     ASSERT_EQ(back.lines[i].command.index(), s.lines[i].command.index());
@@ -77,6 +86,9 @@ TEST(Script, RoundTripIsExact) {
       EXPECT_EQ(b.a, m->a);
       EXPECT_EQ(b.b, m->b);
       EXPECT_EQ(b.spacing_mm, m->spacing_mm);
+      EXPECT_EQ(b.depth_mm, m->depth_mm);
+      EXPECT_EQ(b.running, m->running);
+      EXPECT_EQ(b.slack_mm, m->slack_mm);
     }
     if (const auto* m = std::get_if<Suture>(&s.lines[i].command)) {
       const auto& b = std::get<Suture>(back.lines[i].command);

@@ -256,5 +256,39 @@ TEST(Closure, EnergyIsCountedFromTheOpenWound) {
   EXPECT_GT(*s.world.closure_energy_uJ(), *one);
 }
 
+TEST(Refused, BadActionsSayWhyAndChangeNothing) {
+  InlineWorkers workers;
+  World world(block(), workers);
+  must(world, Excise{{{-8, -18}, {8, -18}, {8, -8}, {-8, -8}}, 4});
+  must(world, Incise{{{-12, 5.3}, {12, 5.3}}, 4, 90});
+  must(world, Suture{{0, 4.6}, {0, 6}});
+  settle(world);
+  const uint64_t before = world.full_hash();
+  const std::pair<Command, const char*> bad[] = {
+      {Incise{{{0, 20}, {80, 20}}, 4, 90}, "skin"},                                             // a point outside
+      {Suture{{0, -13}, {0, -5}}, "removed"},                                                   // on tissue that is gone
+      {SetHook{1, {0, -13}}, "removed"},
+      {Incise{{{-4, -13}, {4, -13}}, 4, 90}, ""},                                               // a cut into nothing
+      {Incise{{{-12, 5.3}, {12, 5.3}}, 4, 90}, "new cut"},                                      // where it is cut already
+      {Suture{{0, 4.6}, {0, 6}}, "already"},                                                    // two in one place
+      {Suture{{0, 6}, {0, 4.6}}, "already"},
+      {Excise{{{10, 10}, {20, 10}, {20, 20}, {10, 20}}, 4, false}, "attached"},                 // a loop that frees nothing
+      {Excise{{{10, 10}, {20, 10}, {10, 10}}, 4, true}, ""},                                    // one that encloses nothing
+      {SutureCorner{{0, 4.6}, {0, 4.6}, {0, 6}, 1}, "one place"},
+      {SutureRow{{{-9, 4.6}, {9, 4.6}}, {{-9, 6}, {9, 6}}, 4, 7, false, 0}, "no wall"},         // deeper than the wound
+      {SutureBetween{{1, {0, 0}}, {1, {0, 0}}, {}}, "two different"},
+      {SutureBetween{{1, {0, 0}}, {9, {0, 0}}, {}}, "no stitch 9"},
+      {CutSuture{{0, {25, 25}}}, "no stitch within"},
+      {Redo{}, "nothing to redo"},
+  };
+  for (const auto& [command, word] : bad) {
+    const Outcome o = world.apply(command);
+    EXPECT_FALSE(o.done) << word;
+    EXPECT_NE(o.reason.find(word), std::string::npos) << o.reason;
+    EXPECT_EQ(o.reason.find('\n'), std::string::npos);
+    EXPECT_EQ(world.full_hash(), before) << o.reason;
+  }
+}
+
 }  // namespace
 }  // namespace limberg

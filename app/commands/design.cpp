@@ -1,0 +1,136 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "app/commands/session_command.h"
+#include "app/design_search.h"
+#include "app/interrupt.h"
+#include "app/output.h"
+#include "app/progress.h"
+#include "app/session/workers_pool.h"
+#include "app/tables.h"
+#include "sim/error.h"
+#include "sim/tools/procedures/plan_drawing.h"
+
+namespace limberg {
+
+namespace {
+
+struct Options {
+  std::string scene, defect;
+  std::vector<std::string> spare;
+  std::optional<double> lines_deg;
+  DesignTask task;
+  int show = 12;
+  CommonOptions common;
+};
+
+Landmark parse_landmark(const std::string& text) {
+  const size_t equals = text.find('=');
+  Landmark l;
+  double x = 0, y = 0;
+  char more = 0;
+  if (equals == std::string::npos || equals == 0 || std::sscanf(text.c_str() + equals + 1, "%lf,%lf%c", &x, &y, &more) != 2 || !(std::abs(x) <= 1e4) || !(std::abs(y) <= 1e4))
+    throw InputError("--spare", 0, text.substr(0, 60) + " is no named place; expected NAME=X,Y in mm");
+  l.name = text.substr(0, equals), l.at = {x, y};
+  return l;
+}
+
+int design(Options o) {
+  o.common.prepare();
+  Scene scene = open_scene(o.scene);
+  if (o.lines_deg) {
+    const double a = *o.lines_deg * std::numbers::pi / 180;
+    const Vec3 along(std::cos(a), std::sin(a), 0);
+    (scene.source == Scene::Source::block ? scene.block.tension_direction : scene.obj.tension_direction) = along;
+  }
+  o.task.defect = parse_defect(o.defect);
+  for (const std::string& s : o.spare) o.task.spare.push_back(parse_landmark(s));
+  o.task.spare.insert(o.task.spare.end(), scene.landmarks.begin(), scene.landmarks.end());
+  WorkersPool workers(o.common.worker_count());
+  Progress progress("design");
+  const std::vector<Design> found = search_designs(scene, o.task, workers, interrupted, [&](int done, int total) { progress.show(done, total, "designs"); });
+  progress.clear();
+  if (interrupted()) {
+    say("interrupted; nothing was written");
+    return kGoalMissed;
+  }
+  Result r("design", scene.name);
+  r.set("/defect", o.defect);
+  ResultTable table;
+  table.title = "Designs, best first";
+  table.about = "Cost: largest force of a stitch over 2.45 N, plus dog-ear over 4 mm, plus displacement of landmarks over 2 mm. The first were carried out again on finer cells; "
+                "costs of different cell sizes are not compared with each other.";
+  table.columns = {"", "design", "cells, mm", "cost", "largest stitch, N", "closure, N", "dog-ear, mm", "landmark, mm", "skin taken, mm2", "scar, mm"};
+  std::printf("%3s %-58s %6s %7s %8s %9s %8s %9s %8s %7s\n", "", "design", "cells", "cost", "stitch N", "closure N", "ear mm", "landm. mm", "skin mm2", "scar mm");
+  int rank = 0, dropped = 0;
+  bool any = false;
+  for (const Design& d : found) {
+    if (!d.dropped.empty()) {
+      const std::string p = "/dropped/" + std::to_string(dropped++);
+      r.set(p + "/design", d.name());
+      r.set(p + "/reason", d.dropped);
+      continue;
+    }
+    any = true;
+    const std::string p = "/rows/" + std::to_string(rank++);
+    r.set(p + "/design", d.name());
+    r.set(p + "/procedure", d.plan.procedure);
+    r.set(p + "/turn_deg", d.plan.turn_deg);
+    r.set(p + "/mirrored", d.plan.mirrored);
+    r.set(p + "/cell_mm", d.cell_mm);
+    r.set(p + "/cost", d.cost);
+    r.set(p + "/suture_force_max_N", d.force_N);
+    r.set(p + "/closure_force_N", d.closure_N);
+    r.set(p + "/dog_ear_mm", d.dog_ear_mm);
+    r.set(p + "/landmark_max_mm", d.landmark_mm);
+    r.set(p + "/excised_mm2", d.waste_mm2);
+    r.set(p + "/scar_length_mm", d.scar_mm);
+    r.set(p + "/residual", d.residual);
+    table.rows.push_back({std::to_string(rank), d.name(), short_number(d.cell_mm), short_number(d.cost, 3), short_number(d.force_N, 3), short_number(d.closure_N, 3),
+                          short_number(d.dog_ear_mm, 3), short_number(d.landmark_mm, 3), short_number(d.waste_mm2, 3), short_number(d.scar_mm, 3)});
+    if (rank <= o.show)
+      std::printf("%3d %-58s %6.3g %7.3f %8.3f %9.3f %8.2f %9.2f %8.0f %7.1f\n", rank, d.name().c_str(), d.cell_mm, d.cost, d.force_N, d.closure_N, d.dog_ear_mm, d.landmark_mm,
+                  d.waste_mm2, d.scar_mm);
+    if (o.common.out_dir.empty() || rank > o.task.refine) continue;
+    write_whole_file(o.common.out_dir + "/design-" + std::to_string(rank) + ".svg", plan_svg(d.figure, std::to_string(rank) + ". " + d.name()));
+    ScriptHeader header{o.scene, d.name(), o.task.spare, d.plan};
+    std::string text = to_json_line(header) + "\n";
+    for (const Command& c : d.commands) text += to_json_line(c) + "\n";
+    write_whole_file(o.common.out_dir + "/design-" + std::to_string(rank) + ".jsonl", text);
+  }
+  if (rank > o.show) std::printf("    and %d more\n", rank - o.show);
+  if (dropped > 0) std::printf("%d dropped: they leave the skin, take a landmark away, or do not cover the defect\n", dropped);
+  add_table(r, 0, table);
+  r.set_ok(any);
+  leave_result(r, o.common);
+  if (!any) say("no design covers this defect here");
+  return any ? kDone : kGoalMissed;
+}
+
+}  // namespace
+
+void add_design(CLI::App& app, Chosen& chosen) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = app.add_subcommand("design", "Rank flaps for a defect by closure force, dog-ear and displacement of landmarks");
+  c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
+  c->add_option("--defect", o->defect, "Its outline on the chart, mm: circle:X,Y,DIAMETER or X,Y;X,Y;X,Y;...")->required();
+  c->add_option("--spare", o->spare, "A landmark, once each")->type_name("NAME=X,Y")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_option("--lines", o->lines_deg, "Direction of the tension lines on the chart, degrees (default: the scene's)");
+  c->add_option("--types", o->task.types, "Only these procedures (default: all that can cover a defect)")->delimiter(',');
+  c->add_option("--turn-step", o->task.turn_step_deg, "Degrees between orientations (default 60)")->check(CLI::Range(5.0, 180.0));
+  c->add_option("--coarse-mm", o->task.coarse_mm, "Cells of the first pass (default 5)")->check(CLI::Range(0.5, 50.0));
+  c->add_option("--fine-mm", o->task.fine_mm, "Cells of the second (default: the scene's)")->check(CLI::Range(0.5, 50.0));
+  c->add_option("--refine", o->task.refine, "How many are carried out again on fine cells and drawn (default 3)")->check(CLI::Range(0, 100));
+  c->add_option("--weight-force", o->task.weight_force, "Of the largest stitch over 2.45 N (default 1)")->check(CLI::Range(0.0, 100.0));
+  c->add_option("--weight-ear", o->task.weight_ear, "Of the dog-ear over 4 mm (default 1)")->check(CLI::Range(0.0, 100.0));
+  c->add_option("--weight-landmark", o->task.weight_landmark, "Of the landmarks' displacement over 2 mm (default 1)")->check(CLI::Range(0.0, 100.0));
+  c->add_option("--undermine-mm", o->task.plan.undermine_margin_mm, "Undermined so far around each figure (default 12)")->check(CLI::NonNegativeNumber);
+  o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
+  c->footer("Leaves design-N.svg and design-N.jsonl of the best in DIR.\n"
+            "Example: limberg design rhomboid --defect circle:0,0,14 --spare lid=0,22 --out out/design");
+  c->callback([o, &chosen] { chosen = [o] { return design(*o); }; });
+}
+
+}  // namespace limberg

@@ -1,0 +1,160 @@
+// Lessons, orders of closure and the figures of a hand.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "app/exercise.h"
+#include "app/orders.h"
+#include "app/scene.h"
+#include "sim/error.h"
+#include "sim/tools/flaps.h"
+#include "sim/tools/procedures/operation.h"
+
+namespace limberg {
+namespace {
+
+const std::string kLesson = R"(lesson = "A Z"
+goal = "Lengthen it."
+scene = "zplasty"
+hints = ["slowly"]
+[procedure]
+name = "z_plasty"
+at_mm = [1, -2]
+[procedure.values]
+limb_mm = 18
+[tolerance]
+corner_mm = 2
+gap_mm = 0.2
+undos = 3
+[landmarks]
+lid = [0, 30]
+)";
+
+std::string changed(const std::string& from, const std::string& to) {
+  std::string s = kLesson;
+  const size_t at = s.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return s.replace(at, from.size(), to);
+}
+
+void expect_bad(const std::string& text, int line, const std::string& word) {
+  try {
+    parse_lesson(text, "l.toml");
+    ADD_FAILURE() << "taken: " << word;
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    if (line > 0) EXPECT_NE(what.find("l.toml:" + std::to_string(line) + ":"), std::string::npos) << what;
+    EXPECT_NE(what.find(word), std::string::npos) << what;
+  }
+}
+
+TEST(Lesson, IsReadStrictly) {
+  const Lesson l = parse_lesson(kLesson, "l.toml");
+  EXPECT_EQ(l.plan.procedure, "z_plasty");
+  ASSERT_EQ(l.plan.values.size(), 1u);
+  EXPECT_EQ(l.plan.values[0].second, 18);
+  EXPECT_EQ(l.plan.at, ChartPoint(1, -2));
+  EXPECT_EQ(l.tolerances.size(), 3u);
+  ASSERT_EQ(l.landmarks.size(), 1u);
+  EXPECT_TRUE(looks_like_lesson(kLesson));
+  expect_bad(changed("goal = \"Lengthen it.\"\n", ""), 0, "goal");
+  expect_bad(changed("z_plasty", "w_plasty"), 6, "w_plasty");
+  expect_bad(changed("limb_mm = 18", "limb_mm = 1800"), 9, "limb_mm");
+  expect_bad(changed("limb_mm = 18", "length = 18"), 9, "length");
+  expect_bad(changed("gap_mm = 0.2", "gap_mm = \"small\""), 12, "gap_mm");
+  expect_bad(changed("undos = 3", "grade = 3"), 13, "grade");
+  expect_bad(changed("lid = [0, 30]", "lid = 30"), 15, "lid");
+  expect_bad(changed("[tolerance]", "[tolerance"), 10, "TOML");
+}
+
+TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
+  for (const std::string name : {"rhomboid", "zplasty"}) {
+    const Lesson l = open_lesson(LIMBERG_SOURCE_DIR "/app/lessons/" + name + ".toml");
+    const Skin skin(build_body(load_scene(LIMBERG_SOURCE_DIR "/app/scenes/" + l.scene + ".toml")));
+    const PlanOnSkin plan = plan_on(skin, l.plan);
+    std::vector<Command> script;
+    for (const ScriptLine& s : shipped_script(name).lines) script.push_back(s.command);
+    const auto e = design_error(plan, script);
+    ASSERT_TRUE(e) << name;
+    EXPECT_EQ(e->missing, 0) << name;
+    EXPECT_LT(e->corner_max_mm, 0.01) << name;  // coordinates of scripts are rounded to 1/1000 mm
+    EXPECT_LT(e->angle_max_deg, 0.05) << name;
+    EXPECT_LT(e->limb_max_percent, 0.05) << name;
+    // One corner of an incision moved by 3 mm.
+    for (Command& c : script)
+      if (auto* i = std::get_if<Incise>(&c)) {
+        i->path[1] += Vec2(3, 0);
+        break;
+      }
+    const auto off = design_error(plan, script);
+    EXPECT_NEAR(off->corner_max_mm, 3, 0.02) << name;
+    EXPECT_GT(off->angle_max_deg, 3) << name;
+    EXPECT_GT(off->limb_max_percent, 3) << name;
+  }
+}
+
+TEST(Lesson, TellsWhatIsMet) {
+  const Lesson l = parse_lesson(kLesson, "l.toml");
+  const auto j = judge(l, {{"corner_mm", 1.9}, {"gap_mm", 0.3}});
+  ASSERT_EQ(j.size(), 3u);
+  EXPECT_TRUE(j[0].met);
+  EXPECT_FALSE(j[1].met);
+  EXPECT_FALSE(j[2].met);
+  EXPECT_FALSE(j[2].value);  // not measured is not met
+}
+
+Script five() {
+  std::string text = "{\"limberg_script\":1,\"scene\":\"s\"}\n";
+  for (int i = 1; i <= 5; ++i) text += "{\"action\":\"suture\",\"a\":[" + std::to_string(i) + ",0],\"b\":[0,0]}\n{\"action\":\"wait\",\"seconds\":0}\n";
+  return parse_script(text, "five");
+}
+
+std::vector<int> order_of(const Script& s) {
+  std::vector<int> out;
+  for (const ScriptLine& l : s.lines)
+    if (const auto* k = std::get_if<Suture>(&l.command)) out.push_back(int(k->a.x()));
+  return out;
+}
+
+TEST(Orders, MoveStitchesAmongTheirLines) {
+  EXPECT_EQ(order_of(reordered(five(), "as-written")), (std::vector<int>{1, 2, 3, 4, 5}));
+  EXPECT_EQ(order_of(reordered(five(), "reversed")), (std::vector<int>{5, 4, 3, 2, 1}));
+  EXPECT_EQ(order_of(reordered(five(), "alternating")), (std::vector<int>{1, 5, 2, 4, 3}));
+  EXPECT_EQ(order_of(reordered(five(), "3-1-2-5-4")), (std::vector<int>{3, 1, 2, 5, 4}));
+  for (const char* bad : {"backwards", "1-2-3", "1-1-2-3-4", "1-2-3-4-6", "", "1-2-3-4-5-"}) EXPECT_THROW(reordered(five(), bad), InputError) << bad;
+  Script s = five();
+  s.lines.push_back({99, Undo{}});
+  EXPECT_THROW(reordered(s, "reversed"), InputError);
+}
+
+TEST(HandMotion, CountsPathMovementsAndGaps) {
+  HandMotion h;
+  ToolState tool;
+  const double dt = 1.0 / 62;
+  double t = 0, x = 0;
+  const auto go = [&](double seconds, double speed, bool valid = true) {
+    for (const double end = t + seconds; t < end - 1e-9; t += dt) {
+      x += speed * dt;
+      tool.tip_mm[0] = x, tool.valid = valid, tool.pressed = speed > 50;
+      h.add(t, tool);
+    }
+  };
+  go(0.5, 0, false);  // before the tracker sees anything there is no gap
+  EXPECT_EQ(h.figures().gaps, 0);
+  go(1, 0);
+  go(1, 100);
+  go(1, 0);
+  go(0.3, 20);  // slow: no movement
+  go(0.5, 0);
+  go(0.5, 0, false);
+  go(1, 60);
+  const HandFigures& f = h.figures();
+  EXPECT_EQ(f.movements, 2);
+  EXPECT_EQ(f.gaps, 1);
+  EXPECT_NEAR(f.lost_s, 0.5, 2 * dt);
+  EXPECT_NEAR(f.path_mm, 100 + 6 + 60, 5);
+  EXPECT_NEAR(f.pressed_s, 2, 4 * dt);
+}
+
+}  // namespace
+}  // namespace limberg
