@@ -1,10 +1,13 @@
 #include "app/pictures.h"
 
+#include "app/field_map.h"
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/report/report_names.h"
 #include "render/gl_context.h"
 #include "render/picture.h"
+#include "sim/measure/perfusion.h"
+#include "sim/measure/skin_strain.h"
 
 namespace limberg {
 
@@ -80,8 +83,26 @@ void draw_member_picture(const std::string& file, const std::string& title, cons
   }
 }
 
+namespace {
+
+/// What cannot be seen: where the blood may not reach, and how hard the skin is pulled.
+void draw_maps(const std::string& dir, const Snapshot& last) {
+  const Skin skin(last.topology->body);
+  const SurfaceView& view = last.topology->view;
+  write_whole_file(dir + "/" + report_names::perfusion, field_map_svg(view, skin.body(), perfusion(view, skin).index, {"Perfusion index (dark: little)", "", 0, 1, true}));
+  const std::vector<MembraneState> states = skin_states(view, last.x_mm, skin.body());
+  std::vector<float> stress(states.size(), -1);
+  std::vector<std::pair<double, double>> all;
+  for (size_t t = 0; t < states.size(); ++t)
+    if (states[t].area_mm2 > 0) stress[t] = float(std::max(0.0, states[t].stress_kPa)), all.emplace_back(double(stress[t]), states[t].area_mm2);
+  write_whole_file(dir + "/" + report_names::stress, field_map_svg(view, skin.body(), stress, {"Largest principal stress of the skin", "kPa", 0, std::max(1.0, weighted_percentile(all, 0.99)), false}));
+}
+
+}  // namespace
+
 void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last) {
   if (!last.topology) return;
+  draw_maps(dir, last);
   try {
     PictureMaker pictures(1280, 720);
     pictures.focus_from(last);

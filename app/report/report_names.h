@@ -5,6 +5,7 @@
 //   DIR/result.json
 //   DIR/stages/NN-name.png     one picture per stage, NN = 00, 01, ... in order
 //   DIR/tension.png            tension map at the end
+//   DIR/perfusion.svg, DIR/stress.svg   maps on the chart at rest
 //   DIR/overview.png           picture at the end, shown first
 //   DIR/report.html            written by the report
 //
@@ -42,6 +43,8 @@ inline constexpr const char* html = "report.html";
 inline constexpr const char* stages_dir = "stages";
 inline constexpr const char* overview = "overview.png";
 inline constexpr const char* tension = "tension.png";
+inline constexpr const char* perfusion = "perfusion.svg";
+inline constexpr const char* stress = "stress.svg";
 
 /// "stages/03-flap-cut.png": letters and digits kept (lower case), everything else becomes one dash.
 inline std::string stage_picture(int number, const std::string& name) {

@@ -23,7 +23,7 @@ std::string story(const ReportData& d, const std::string& dir);
 std::string tension(const ReportData& d, const std::string& dir);
 std::string sutures(const ReportData& d);
 std::string exercise(const ReportData& d);  // lesson, tolerances, figures of the hand
-std::string closing(const ReportData& d);   // force over time or actions, charts and tables that the command left, predicted points, landmarks
+std::string closing(const ReportData& d, const std::string& dir);   // force over time or actions, charts and tables that the command left, predicted points, landmarks
 std::string balance(const ReportData& d);
 std::string convergence(const ReportData& d);
 std::string study(const ReportData& d);

@@ -1,8 +1,12 @@
 // How the wound was closed and what an exercise came to.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 
 #include "app/report/html.h"
+#include "app/report/report_names.h"
 #include "app/report/sections.h"
 #include "app/report/svg_chart.h"
 
@@ -24,6 +28,14 @@ std::string table(const std::vector<std::string>& head, const std::vector<std::v
     s += "</tr>\n";
   }
   return s + "</tbody></table></div>\n";
+}
+
+// A map that the run has left, as a picture that cannot run anything.
+std::string map(const std::string& dir, const char* name, const std::string& words) {
+  std::ifstream in(std::filesystem::path(dir) / name, std::ios::binary);
+  const std::string svg((std::istreambuf_iterator<char>(in)), {});
+  if (!svg.starts_with("<svg") || svg.size() > (4u << 20)) return {};
+  return "<figure><img src=\"data:image/svg+xml;base64," + html::base64(svg) + "\" alt=\"" + words + "\"/></figure>\n";
 }
 
 std::string spoken(std::string name) {
@@ -59,7 +71,7 @@ std::string exercise(const ReportData& d) {
   return s.empty() ? s : "<section>\n" + s + "</section>\n";
 }
 
-std::string closing(const ReportData& d) {
+std::string closing(const ReportData& d, const std::string& dir) {
   std::string s;
   if (d.series_closure_N.size() > 1 && d.series_t_s.size() >= d.series_closure_N.size() &&
       *std::max_element(d.series_closure_N.begin(), d.series_closure_N.end(), [](double a, double b) { return !(a >= b); }) > 0) {
@@ -112,6 +124,7 @@ std::string closing(const ReportData& d) {
          quantity(d.metric("perfusion_farthest_mm"), "mm") + (d.metric("perfusion_severed_mm2").value_or(0) > 0.5 ? ", without any pedicle " + quantity(d.metric("perfusion_severed_mm2"), "mm²") : "") +
          ". It orders places and designs; it foretells no necrosis: the source gives no spread, and facial skin is perfused better than a pig's flank.</p>\n";
   }
+  s += map(dir, report_names::perfusion, "Map of the perfusion index on the chart") + map(dir, report_names::stress, "Map of the skin's largest principal stress on the chart");
   return s.empty() ? s : "<section>\n<h2>The closure</h2>\n" + s + "</section>\n";
 }
 

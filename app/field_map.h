@@ -1,0 +1,21 @@
+#pragma once
+// A figure of every place of the skin, drawn on the chart at rest.
+#include <span>
+#include <string>
+
+#include "sim/cutting/surface_view.h"
+#include "sim/geometry/body.h"
+
+namespace limberg {
+
+struct FieldMap {
+  std::string title, unit;
+  double lo = 0, hi = 1;      // of the scale: ten steps from light to dark
+  bool dark_is_low = false;   // what is to be seen is where the figure is small
+};
+
+/// An SVG picture, y up, in squares of 1 mm or a 160th of the skin's extent. `value`: per triangle of the view; what is no skin, or not
+/// finite, or below `nothing`, is left out.
+std::string field_map_svg(const SurfaceView& view, const Body& body, std::span<const float> value, const FieldMap& map, double nothing = -0.5);
+
+}  // namespace limberg
