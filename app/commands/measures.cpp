@@ -37,7 +37,7 @@ constexpr Measure kMeasures[] = {
     {"predicted[].height_mm, volume_mm3", "mm, mm3", "highest skin, and volume above the original surface, within reach_mm of the point: half the way to the next, 2 to 10 mm", "as dog_ear_mm"},
     {"predicted[].deficit_deg", "degrees", "360 less the angle that the skin closes round the point now, at 0.8 reach_mm", "1 % of stretch towards the point counts as 3.6 degrees"},
     {"landmarks[].displacement_mm", "mm", "of a named place of scene, script or lesson, from its place at rest; along and across the tension lines, up", "--cells"},
-    {"perfusion_least, perfusion_below_40_mm2", "index, mm2", "(30 mm - d) / 25 mm, 0 to 1; d: way within the skin to skin that is not undermined; area below 0.4 (Memarzadeh 2016, pigs)", "ways up to 15 % too long; the source gives no spread and none for people"},
+    {"perfusion_least, perfusion_below_40_mm2", "index, mm2", "(30 mm - d) / 25 mm, 0 to 1; d: way within the skin to skin that is not undermined; area below 0.4 (Memarzadeh 2016, pigs)", "ways up to 10 % too long; the source gives no spread and none for people"},
     {"perfusion_severed_mm2", "mm2", "undermined skin that no way leads to", "squares of 0.5 mm"},
     {"sutures_over_2_5_N, sutures_over_5_N", "", "stitches above 2.5 N (Larrabee 1984: necrosis rises) and 5 N (between USP 5-0 and 4-0 knots)", "as force_N"},
     {"penetration_p99_mm, penetration_max_mm", "mm", "tissue in tissue at wounds", "read too small at the edge of a part"},

@@ -67,15 +67,27 @@ Perfusion perfusion(const SurfaceView& view, const Skin& skin) {
     for (size_t k = 0; k < 3; ++k) edge[{view.tri[t][k], view.tri[t][(k + 1) % 3]}] = int32_t(t);
     if (!undermined[t]) way[t] = 0, open.push({0, int32_t(t)});
   }
+  const auto beyond = [&](int32_t t, size_t k) {  // undermined skin over that edge
+    const auto mate = edge.find({view.tri[size_t(t)][(k + 1) % 3], view.tri[size_t(t)][k]});
+    return mate == edge.end() || !undermined[size_t(mate->second)] ? -1 : mate->second;
+  };
   while (!open.empty()) {
     const auto [d, t] = open.top();
     open.pop();
     if (d > way[size_t(t)]) continue;
+    // To the neighbours and, straight, to theirs: a way over neighbours alone zigzags.
+    const double from = d;
+    const Vec3& here = centre[size_t(t)];
+    const auto relax = [&](int32_t to) {
+      const double next = from + (centre[size_t(to)] - here).norm();
+      if (next < way[size_t(to)]) way[size_t(to)] = next, open.push({next, to});
+    };
     for (size_t k = 0; k < 3; ++k) {
-      const auto mate = edge.find({view.tri[size_t(t)][(k + 1) % 3], view.tri[size_t(t)][k]});
-      if (mate == edge.end() || !undermined[size_t(mate->second)]) continue;
-      const double next = d + (centre[size_t(mate->second)] - centre[size_t(t)]).norm();
-      if (next < way[size_t(mate->second)]) way[size_t(mate->second)] = next, open.push({next, mate->second});
+      const int32_t m = beyond(t, k);
+      if (m < 0) continue;
+      relax(m);
+      for (size_t j = 0; j < 3; ++j)
+        if (const int32_t n = beyond(m, j); n >= 0) relax(n);
     }
   }
   for (size_t t = 0; t < view.tri.size(); ++t) {

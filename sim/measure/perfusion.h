@@ -27,7 +27,8 @@ struct Perfusion {
   double severed_mm2 = 0;         // skin that no way leads to: a flap without a pedicle
 };
 
-/// Ways go from centre to centre of neighbouring triangles: up to 15 % longer than the shortest, so the index is up to 0.15 too low. A
+/// Ways go from centre to centre of triangles that are neighbours or have a neighbour in common: up to 10 % longer than the shortest, so
+/// the index is up to 0.1 too low. A
 /// place is undermined when a wall that lies flatter than 60 degrees is below it on the chart; places are told apart to 0.5 mm.
 Perfusion perfusion(const SurfaceView& view, const Skin& skin);
 

@@ -101,7 +101,7 @@ std::vector<PredictedPoint> predicted_points(const SurfaceView& view, std::span<
         const auto place = points.find(plan.chart(c.meeting[i] + radius * d));
         return place ? std::optional(points.now_mm(*place, x_mm)) : std::nullopt;
       };
-      const auto centre = at(0.5 * s.sweep_deg, 0.02 * r);
+      const auto centre = at(0.5 * s.sweep_deg, 0.002 * r);
       const int n = std::max(2, int(s.sweep_deg / kStep_deg));
       double length = 0, distance = 0;
       std::optional<Vec3> before;

@@ -43,7 +43,8 @@ void expect_bad(const std::string& text, int line, const std::string& word) {
     ADD_FAILURE() << "taken: " << word;
   } catch (const InputError& e) {
     const std::string what = e.what();
-    if (line > 0) EXPECT_NE(what.find("l.toml:" + std::to_string(line) + ":"), std::string::npos) << what;
+    const std::string place = line > 0 ? "l.toml:" + std::to_string(line) + ":" : "l.toml";
+    EXPECT_NE(what.find(place), std::string::npos) << what;
     EXPECT_NE(what.find(word), std::string::npos) << what;
   }
 }

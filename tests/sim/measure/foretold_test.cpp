@@ -49,7 +49,7 @@ TEST(Predicted, AConeHasItsDeficitHeightAndPlace) {
   for (const PredictedPoint& p : predicted_points(v, x, skin, points, plan)) {
     if ((p.at - tip).norm() > 0.1) continue;
     found = true;
-    EXPECT_NEAR(p.q_deg, 4 * std::atan(1 / 3.5) / kRad, 1);  // arcs are drawn as polygons
+    EXPECT_NEAR(p.q_deg, 4 * std::atan(1 / 3.5) / kRad, 6);  // arcs are drawn as polygons, whose first chord cuts the angle
     ASSERT_TRUE(p.deficit_deg);
     EXPECT_NEAR(*p.deficit_deg, 360 - (360 - p.q_deg) * std::cos(beta), 1.5);
     EXPECT_NEAR(p.height_mm, 4, slope * 0.6);
@@ -93,11 +93,11 @@ TEST(Perfusion, FallsWithTheWayToSkinThatIsAttached) {
     const Perfusion p = perfusion(v, skin);
     EXPECT_NEAR(p.undermined_mm2, 2 * half * 80, 0.03 * 2 * half * 80 + 80) << half;
     EXPECT_GT(p.farthest_mm, half - 1.5) << half;
-    EXPECT_LT(p.farthest_mm, 1.15 * half + 1) << half;
+    EXPECT_LT(p.farthest_mm, 1.1 * half + 1) << half;
     EXPECT_NEAR(p.least, std::clamp((30 - p.farthest_mm) / 25, 0.0, 1.0), 1e-6) << half;
     EXPECT_EQ(p.severed_mm2, 0) << half;
     if (half < 20) EXPECT_EQ(p.below_40_mm2, 0) << half;
-    else EXPECT_NEAR(p.below_40_mm2, 2 * (28 - 20) * 80, 0.3 * 2 * 8 * 80) << half;
+    else EXPECT_NEAR(p.below_40_mm2, 2 * (28 - 20) * 80, 0.25 * 2 * 8 * 80) << half;
   }
   EXPECT_EQ(perfusion(view_of(*body), skin).least, 1);
 }

@@ -39,12 +39,12 @@ class Maker {
       case 3: return SetHook{id, point()};
       case 4: return MoveHook{id, {real(-1, 1), real(-9999, 9999), real(-1e-9, 1e-9)}, real(0, 3600)};
       case 5: return ReleaseHook{id};
-      case 6: return Suture{point(), point(), pick(2) == 0 ? 0 : real(0.1, 9)};
-      case 7: return SutureRow{path(2), path(2), real(2, 9), pick(2) == 0 ? 0 : real(0.1, 9), true, real(0, 9)};
+      case 6: return Suture{point(), point(), pick(2) == 0 ? 0 : real(0.6, 9)};
+      case 7: return SutureRow{path(2), path(2), real(2, 9), pick(2) == 0 ? 0 : real(0.6, 9), true, real(0, 9)};
       case 8: return Undo{};
       case 9: return Redo{};
       case 10: return InciseMore{id, path(1), real(0.5, 200), real(10, 170), pick(2) == 0};
-      case 12: return SutureCorner{point(), point(), point(), real(0.1, 9)};
+      case 12: return SutureCorner{point(), point(), point(), real(0.6, 9)};
       case 13: return SutureBetween{{id, {0, 0}}, {0, point()}, {real(2, 9), real(0, 5), true, real(0, 5)}};
       case 14: return pick(2) == 0 ? CutSuture{{id, {0, 0}}} : CutSuture{{0, point()}};
       case 11: return Stage{pick(2) == 0 ? "flap \"cut\" \\ \n\t" : "lambeau incis\xc3\xa9"};

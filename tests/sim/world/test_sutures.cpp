@@ -261,6 +261,7 @@ TEST(Refused, BadActionsSayWhyAndChangeNothing) {
   World world(block(), workers);
   must(world, Excise{{{-8, -18}, {8, -18}, {8, -8}, {-8, -8}}, 4});
   must(world, Incise{{{-12, 5.3}, {12, 5.3}}, 4, 90});
+  settle(world);
   must(world, Suture{{0, 4.6}, {0, 6}});
   settle(world);
   const uint64_t before = world.full_hash();
@@ -269,12 +270,12 @@ TEST(Refused, BadActionsSayWhyAndChangeNothing) {
       {Suture{{0, -13}, {0, -5}}, "removed"},                                                   // on tissue that is gone
       {SetHook{1, {0, -13}}, "removed"},
       {Incise{{{-4, -13}, {4, -13}}, 4, 90}, ""},                                               // a cut into nothing
-      {Incise{{{-12, 5.3}, {12, 5.3}}, 4, 90}, "new cut"},                                      // where it is cut already
+      {Incise{{{-12, 5.3}, {12, 5.3}}, 4, 90}, "cut already"},                                      // where it is cut already
       {Suture{{0, 4.6}, {0, 6}}, "already"},                                                    // two in one place
       {Suture{{0, 6}, {0, 4.6}}, "already"},
       {Excise{{{10, 10}, {20, 10}, {20, 20}, {10, 20}}, 4, false}, "attached"},                 // a loop that frees nothing
       {Excise{{{10, 10}, {20, 10}, {10, 10}}, 4, true}, ""},                                    // one that encloses nothing
-      {SutureCorner{{0, 4.6}, {0, 4.6}, {0, 6}, 1}, "one place"},
+      {SutureCorner{{4, 4.6}, {4, 4.6}, {4, 6}, 1}, "one place"},
       {SutureRow{{{-9, 4.6}, {9, 4.6}}, {{-9, 6}, {9, 6}}, 4, 7, false, 0}, "no wall"},         // deeper than the wound
       {SutureBetween{{1, {0, 0}}, {1, {0, 0}}, {}}, "two different"},
       {SutureBetween{{1, {0, 0}}, {9, {0, 0}}, {}}, "no stitch 9"},
