@@ -334,7 +334,7 @@ void add_operate(CLI::App& app, Chosen& chosen) {
       ->type_name("H,H,...")->delimiter(',')->check(CLI::Range(0.05, 100.0))->excludes(one);
   c->add_option("--orders", o->orders, "Close in several orders and compare: as-written, reversed, alternating, or numbers of the suture lines as 2-1-3")
       ->type_name("ORDER,...")->delimiter(',');
-  c->add_option("--lesson", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
+  c->add_option("--judge", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
   c->add_option("--fields", o->fields, "Write stretch, stress, their direction and the perfusion index of every skin triangle")->type_name("CSV");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");

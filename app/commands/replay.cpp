@@ -85,7 +85,7 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   c->add_option("--scene", o->scene, "Refuse the recording if it was not made with this scene")->type_name("SCENE");
   c->add_option("--convergence", o->convergence, "Put the convergence table and the lattice errors of this result (of operate --cells) into the report")
       ->type_name("FILE");
-  c->add_option("--lesson", o->lesson, "Judge the session by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
+  c->add_option("--judge", o->lesson, "Judge the session by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Exit status 3: the recording is damaged; what is whole was replayed.\n"
