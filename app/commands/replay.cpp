@@ -12,7 +12,8 @@ namespace limberg {
 namespace {
 
 struct Options {
-  std::string recording, scene, convergence, lesson;
+  std::string recording, scene, convergence, film, lesson;
+  int frames_per_s = 25;
   bool lockstep = false, real_time = false;
   AutoOption automatic;
   CommonOptions common;
@@ -64,6 +65,7 @@ int replay(const Options& o) {
   call.damage = rec.damage;
   if (!o.lesson.empty()) call.lesson = open_lesson(o.lesson);
   call.reproduce = "limberg replay " + o.recording + (o.real_time ? " --realtime" : "") + (o.common.out_dir.empty() ? "" : " --out " + o.common.out_dir);
+  if (!o.film.empty()) call.film = FilmSettings{.file = o.film, .frames_per_s = o.frames_per_s};
   call.common = o.common;
   Result other("", "");
   if (!o.convergence.empty()) other.take("/convergence", o.convergence);  // refuses a bad file before the work
@@ -81,11 +83,13 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   CLI::App* c = app.add_subcommand("replay", "Replay a recorded session: the file alone reproduces it");
   c->add_option("RECORDING", o->recording, "LCM log made by run --record or emulate")->required();
   CLI::Option* lockstep = c->add_flag("--lockstep", o->lockstep, "On a virtual clock, bit for bit (default)");
-  c->add_flag("--realtime", o->real_time, "On three threads at their own rates, with timing figures")->excludes(lockstep);
+  CLI::Option* realtime = c->add_flag("--realtime", o->real_time, "On three threads at their own rates, with timing figures")->excludes(lockstep);
   c->add_option("--scene", o->scene, "Refuse the recording if it was not made with this scene")->type_name("SCENE");
   c->add_option("--convergence", o->convergence, "Put the convergence table and the lattice errors of this result (of operate --cells) into the report")
       ->type_name("FILE");
   c->add_option("--judge", o->lesson, "Judge the session by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
+  c->add_option("--film", o->film, "Make a film, FILE.mp4 or FILE.webm, of the replay on its virtual clock (needs ffmpeg)")->type_name("FILE")->excludes(realtime);
+  c->add_option("--frames", o->frames_per_s, "Frames a second of the film (default 25)")->type_name("N")->check(CLI::IsMember({10, 20, 25, 40, 50}));
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Exit status 3: the recording is damaged; what is whole was replayed.\n"

@@ -124,6 +124,11 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
       say("going on without a window");
     }
   }
+  std::unique_ptr<Film> film;
+  if (call.film) {
+    film = std::make_unique<Film>(call.scene, *call.film);
+    o.sink = film.get(), o.draw_frames = true;
+  }
   Assembly a(std::move(call.scene), call.calibration, o);
   call.scene_files.reset();
   for (auto& s : call.sources) a.front.add(std::move(s));
@@ -145,11 +150,15 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
       for (const LiveSource& live : call.live_sources) a.front.add(live(start_ns));
     });
   } else {
-    set.ticks_per_frame = 1000;  // on a virtual clock frames are samples of the picture, one a second
+    set.ticks_per_frame = film ? 1000 / call.film->frames_per_s : 1000;  // on a virtual clock frames are samples of the picture, one a second
     f = run_lockstep(a.lanes(recorder.get()), set);
   }
   progress.clear();
   window.reset();
+  if (film) {
+    film->close();
+    std::printf("film        %s, %d frames\n", call.film->file.c_str(), film->frames());
+  }
 
   Result result(call.command, a.scene.name);
   fill_session(result, a, f, call.real_time, call.lesson ? &*call.lesson : nullptr);

@@ -8,6 +8,7 @@
 #include "app/commands/commands.h"
 #include "app/bundle.h"
 #include "app/device_specs.h"
+#include "app/film.h"
 #include "app/lesson.h"
 #include "app/operating_point.h"
 #include "app/session_result.h"
@@ -34,6 +35,7 @@ struct SessionCall {
   LogDamage damage;
   std::string reproduce;           // the command that makes the result again
   std::optional<bench::OperatingPoint> point;  // that the scene was set to (--auto)
+  std::optional<FilmSettings> film;  // in lockstep: every frame goes into it
   std::function<std::unique_ptr<SessionWindow>(const Scene&)> window;  // empty: none; RenderUnavailable: goes on without
   std::optional<Lesson> lesson;    // by which the session is judged
   CommonOptions common;
