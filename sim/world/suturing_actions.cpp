@@ -191,10 +191,10 @@ Outcome OperatingTable::act(const Suture& c) {
   if (!a) return {false, reason};
   const auto b = find_bite(c.b, c.depth_mm, reason);
   if (!b) return {false, reason};
-  if (same_place(*a, *b)) return {false, "both ends of the stitch are at " + at_text(c.a) + "; two different edges were expected"};
-  for (const Stitch& s : stitches_)
+  for (const Stitch& s : stitches_)  // first: a stitch that is tight has its two ends in one place
     if (s.across() && joins(s, *a, *b))
       return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
+  if (same_place(*a, *b)) return {false, "both ends of the stitch are at " + at_text(c.a) + "; two different edges were expected"};
   remember({moment(), {}, {}});
   Stitch stitch = between(*a, *b);
   stitch.id = next_stitch_++, stitch.spring = next_spring_++;
