@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "app/output.h"
+#include "app/shipped.h"
 #include "app/toml_table.h"
 #include "sim/measure/plan.h"
 #include "sim/tools/procedures/catalogue.h"
@@ -121,7 +122,8 @@ std::string find_lesson(const std::string& name_or_path) {
   std::error_code ec;
   if (fs::exists(name_or_path, ec)) return name_or_path;
   std::string list;
-  for (const std::string folder : {"app/lessons", LIMBERG_SOURCE_DIR "/app/lessons"}) {
+  for (const std::string& root : shipped_roots()) {
+    const std::string folder = root == "." ? "app/lessons" : root + "/app/lessons";
     const fs::path candidate = fs::path(folder) / (name_or_path + ".toml");
     if (name_or_path.find('/') == std::string::npos && fs::exists(candidate, ec)) return candidate.string();
     std::vector<std::string> names;

@@ -12,6 +12,7 @@
 #include "app/repro.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
+#include "app/shipped.h"
 #include "app/tissues.h"
 #include "sim/error.h"
 #include "sim/geometry/obj.h"
@@ -193,8 +194,7 @@ void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std
 
 Scene scene_of(const std::string& file, const std::string& name) {
   std::error_code ec;
-  if (!std::filesystem::exists(name, ec) && !std::filesystem::exists("app/scenes/" + name + ".toml", ec) &&
-      !std::filesystem::exists(LIMBERG_SOURCE_DIR "/app/scenes/" + name + ".toml", ec))
+  if (!std::filesystem::exists(name, ec) && shipped_file("app/scenes/" + name + ".toml").empty())
     throw InputError(file, 1, "names the scene \"" + name.substr(0, 100) + "\", which is not there; expected a scene file or the name of a shipped scene");
   return open_scene(name);
 }
