@@ -130,7 +130,7 @@ std::string find_lesson(const std::string& name_or_path) {
     for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec))
       if (it->path().extension() == ".toml") names.push_back(it->path().stem().string());
     std::sort(names.begin(), names.end());
-    list.clear();
+    if (!names.empty()) list.clear();
     for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n;
   }
   throw InputError(name_or_path, 0, "no such lesson; expected a lesson file" + (list.empty() ? "" : " or one of: " + list));
