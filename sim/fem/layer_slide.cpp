@@ -61,11 +61,23 @@ Mat9 to_lattice(const Mat9& H, const Mat3& axes) {
 
 }  // namespace
 
+namespace {
+// slide/2 x^2 / (x + limit) of slide = 1 and its derivatives by x.
+OfArea slip_end(double x) {
+  constexpr double limit = 2.5;
+  const double d = 1 / (x + limit);
+  return {0.5 * x * x * d, 0.5 * x * (x + 2 * limit) * d * d, limit * limit * d * d * d};
+}
+}  // namespace
+
 LayerEnergy layer_slide(const Mat3& F, const Mat3& axes) {
   const Mat3 f = F * axes, area = area_slope(f);
   const double J = F.determinant();
   const OfArea g = fade(f.col(0).cross(f.col(1)).squaredNorm());
-  return {0.5 * J * J * g.value, J * g.value * cofactor(F) + J * J * g.slope * area * axes.transpose()};
+  const double W = 0.5 * J * J * g.value;
+  const Mat3 slope = J * g.value * cofactor(F) + J * J * g.slope * area * axes.transpose();
+  const OfArea end = slip_end(f.col(2).squaredNorm() - 2 * W);
+  return {W + end.value, slope + end.slope * 2 * (f.col(2) * axes.col(2).transpose() - slope)};
 }
 
 Mat9 determinant_tangent(const Mat3& F) {
@@ -83,9 +95,14 @@ Mat9 layer_slide_tangent(const Mat3& F, const Mat3& axes) {
   const double J = f.determinant();
   const OfArea g = fade(f.col(0).cross(f.col(1)).squaredNorm());
   const Vec9 dJ = Eigen::Map<const Vec9>(cof.data()), ds = 2 * Eigen::Map<const Vec9>(area.data());
-  return to_lattice(g.value * dJ * dJ.transpose() + J * g.slope * (dJ * ds.transpose() + ds * dJ.transpose()) + 0.5 * J * J * g.bend * ds * ds.transpose() +
-                        J * g.value * determinant_tangent(f) + 0.5 * J * J * g.slope * area_tangent(f),
-                    axes);
+  const Mat9 H = g.value * dJ * dJ.transpose() + J * g.slope * (dJ * ds.transpose() + ds * dJ.transpose()) + 0.5 * J * J * g.bend * ds * ds.transpose() +
+                 J * g.value * determinant_tangent(f) + 0.5 * J * J * g.slope * area_tangent(f);
+  const OfArea end = slip_end(f.col(2).squaredNorm() - J * J * g.value);
+  Vec9 dx = -2 * (J * g.value * dJ + 0.5 * J * J * g.slope * ds);
+  dx.tail<3>() += 2 * f.col(2);
+  Mat9 d2x = -2 * H;
+  d2x.bottomRightCorner<3, 3>() += 2 * Mat3::Identity();
+  return to_lattice(H + end.bend * dx * dx.transpose() + end.slope * d2x, axes);
 }
 
 LayerEnergy layer_stretch(const Mat3& F, const Mat3& axes, double p0, double lambda) {

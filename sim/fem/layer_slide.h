@@ -14,6 +14,10 @@
 //
 //   W(F) = slide/2 J^2 g(|n|^2),   g(s) = 1/s down to s = 1/4, below that its parabola there: bounded where a cell is flattened.
 //
+// What the layers give way ends as it grows: with the slip x = |F N|^2 - J^2 g(|n|^2) the energy slide/2 x^2 / (x + 2.5) is
+// added. It is of fourth order for small slips and makes the moduli's mean count again at large ones; without it a scrambled
+// cell with layers of a hundredfold contrast may stay folded over.
+//
 // Stretch. Volume is kept by the cell as a whole (J at its centre), but every layer has the area that its own place has, and
 // grows thinner accordingly. Given the area |n|^2 = s, the thickness t of least energy mu/2 t^2 - mu (t sqrt(s) - 1) +
 // lambda/2 (t sqrt(s) - 1)^2 leaves
@@ -34,7 +38,7 @@ struct LayerEnergy {
   double energy = 0;
   Mat3 slope = Mat3::Zero();  // dW/dF
 };
-/// W of slide = 1. `axes`: Stencil::slide_axes. The tangent is d2W/dF2, vec F column-major.
+/// W and what ends the slip, of slide = 1. `axes`: Stencil::slide_axes. The tangent is d2W/dF2, vec F column-major.
 LayerEnergy layer_slide(const Mat3& F, const Mat3& axes);
 Mat9 layer_slide_tangent(const Mat3& F, const Mat3& axes);
 

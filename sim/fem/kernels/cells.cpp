@@ -14,6 +14,7 @@ inline float dot3(v4 a, v4 b) {
   return m[0] + m[1] + m[2];
 }
 
+constexpr float slip_limit = 2.5f;    // layer_slide.h
 constexpr float slide_least = 0.25f;  // layer_slide.h: squared area ratio from which downwards the energy is continued
 
 /// f = K u + f0 for the eight nodes; returns sum of u . (f + f0), spread over the lanes.
@@ -121,6 +122,10 @@ LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, 
     a1 = J * value - 1;
     b1 = -J * J * slope - 1;
   }
+  // Slip x = |F N|^2 - J^2 g, less as it grows: slide/2 x^2 / (x + limit) on top.
+  const float slip = dot3(gN, gN) - energy;
+  const float below = 1 / (slip + slip_limit), share = slip * (slip + 2 * slip_limit) * below * below;
+  const float stiffer = slip * slip * below;
   v4 c1, c2, at1, at2;  // slopes of the stretch energy here and at the sample point
   const float here = layer_stretch(s, p, t1, t2, c1, c2);
   v4 sx, sy, sz;
@@ -128,15 +133,16 @@ LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, 
   const float there = layer_stretch(s, layer_plane(t1, t2, N, sx, sy, sz), t1, t2, at1, at2);
 
   const float V = s.volume, slide = s.slide, a = 1 + a1, b = 1 + b1;
-  const v4 q1 = slide * (b1 * t1 + b * p.r1) + c1, q2 = slide * (b1 * t2 + b * p.r2) + c2;
+  const float left = slide * (1 - share), back = slide * share;
+  const v4 q1 = left * (b1 * t1 + b * p.r1) + c1, q2 = left * (b1 * t2 + b * p.r2) + c2;
   for (int i = 0; i < 3; ++i) {
-    v4 column = slide * (a * C[i]) - q1 * t1[i] - q2 * t2[i];
-    column[i] += slide * a1;
+    v4 column = left * (a * C[i]) - q1 * t1[i] - q2 * t2[i] + back * N[i] * gN;
+    column[i] += left * a1;
     h[i] += V * column;
   }
   at1 *= V, at2 *= V;
   spread_to_corners(s, at1 * t1[0] + at2 * t2[0], at1 * t1[1] + at2 * t2[1], at1 * t1[2] + at2 * t2[2], f);
-  return V * (0.5f * slide * energy + (there - here));
+  return V * (0.5f * slide * (energy + stiffer) + (there - here));
 }
 
 template <bool Measure>
