@@ -99,6 +99,7 @@ std::shared_ptr<const FemModel> with_full_integration(const FemModel& from) {
       s.points.push_back(p);
     }
     s.lambda_kPa = s.p0_kPa = 0;
+    s.slide_kPa = 0;  // this element does not let layers that share a cell slide
   }
   return m;
 }

@@ -31,8 +31,9 @@ std::string at_text(const ChartPoint& p) {
 
 }  // namespace
 
+// Of the same piece of tissue, too: the two edges of a wound that has not opened yet lie in one place.
 bool OperatingTable::same_place(const Anchor& a, const Anchor& b) const {
-  return (a.X_mm - b.X_mm).norm() < kSamePlace_mm && (position_mm(a.embedded) - position_mm(b.embedded)).norm() < kSamePlace_mm;
+  return (a.X_mm - b.X_mm).norm() < kSamePlace_mm && a.embedded.node == b.embedded.node;
 }
 
 bool OperatingTable::joins(const Stitch& s, const Anchor& a, const Anchor& b) const {
