@@ -26,6 +26,7 @@ std::string exercise(const ReportData& d);  // lesson, tolerances, figures of th
 std::string closing(const ReportData& d, const std::string& dir);   // force over time or actions, charts and tables that the command left, predicted points, landmarks
 std::string balance(const ReportData& d);
 std::string convergence(const ReportData& d);
+std::string chart_figure(const ReportChart& chart);  // a chart that a command left, with its title
 std::string study(const ReportData& d);
 std::string timing(const ReportData& d);
 std::string residual(const ReportData& d);

@@ -88,13 +88,7 @@ std::string closing(const ReportData& d, const std::string& dir) {
     s += "<h3>Closure force over the operation</h3>\n<figure>" + svg(chart) + "</figure>\n";
   }
   if (d.command != "study")
-    for (const ReportChart& c : d.charts) {
-      LineChart chart;
-      chart.description = c.description;
-      chart.x.title = c.x, chart.y.title = c.y;
-      for (const auto& one : c.series) chart.series.push_back({one.name, one.x, one.y, one.markers});
-      s += "<h3>" + escape(c.title) + "</h3>\n<figure>" + svg(chart) + "</figure>\n";
-    }
+    for (const ReportChart& c : d.charts) s += chart_figure(c);
   for (const ReportTable& t : d.tables) {
     s += "<h3>" + escape(t.title) + "</h3>\n" + (t.about.empty() ? "" : "<p>" + escape(t.about) + "</p>\n");
     std::vector<std::string> head;

@@ -11,17 +11,19 @@ namespace limberg::sections {
 using html::escape;
 using html::number;
 
+std::string chart_figure(const ReportChart& c) {
+  LineChart chart;
+  chart.description = c.description;
+  chart.x.title = c.x, chart.y.title = c.y;
+  for (const auto& s : c.series) chart.series.push_back({s.name, s.x, s.y, s.markers});
+  return "<h3>" + escape(c.title) + "</h3>\n<figure>" + svg(chart) + "</figure>\n";
+}
+
 std::string study(const ReportData& d) {
   if (d.study_columns.empty() || d.study_rows.empty()) return {};
   std::string out = "<section>\n<h2>Study: " + escape(d.study) + "</h2>\n";
   if (!d.about.empty()) out += "<p>" + escape(d.about) + "</p>\n";
-  for (const ReportChart& c : d.charts) {
-    LineChart chart;
-    chart.description = c.description;
-    chart.x.title = c.x, chart.y.title = c.y;
-    for (const auto& s : c.series) chart.series.push_back({s.name, s.x, s.y, s.markers});
-    out += "<h3>" + escape(c.title) + "</h3>\n<figure>" + svg(chart) + "</figure>\n";
-  }
+  for (const ReportChart& c : d.charts) out += chart_figure(c);
   if (!d.bars.empty()) {
     out += "<div class=\"wide\"><table>\n<thead><tr><th>Bar</th><th>Value</th><th>Bar</th><th></th><th>Where it comes from</th></tr></thead>\n<tbody>\n";
     for (const ReportBar& b : d.bars)

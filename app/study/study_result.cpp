@@ -4,6 +4,7 @@
 
 #include "app/output.h"
 #include "app/report/report_names.h"
+#include "app/tables.h"
 
 namespace limberg::study {
 
@@ -62,22 +63,8 @@ Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bar
   int number = 0;
   for (const Gathered& part : parts) {
     if (part.rows.empty()) continue;
-    for (const NamedChart& c : part.family->charts(part.rows)) {
-      const std::string p = "/charts/" + std::to_string(number++);
-      r.set(p + "/title", (&part == &g ? "" : part.family->name + ": ") + c.title);
-      r.set(p + "/description", c.chart.description);
-      r.set(p + "/x", c.chart.x.title);
-      r.set(p + "/y", c.chart.y.title);
-      for (size_t k = 0; k < c.chart.series.size(); ++k) {
-        const ChartSeries& s = c.chart.series[k];
-        const std::string q = p + "/series/" + std::to_string(k);
-        const std::vector<float> x(s.x.begin(), s.x.end()), y(s.y.begin(), s.y.end());
-        r.set(q + "/name", s.name);
-        r.set(q + "/markers", s.markers);
-        r.set(q + "/x", std::span<const float>(x));
-        r.set(q + "/y", std::span<const float>(y));
-      }
-    }
+    for (const NamedChart& c : part.family->charts(part.rows))
+      add_chart(r, number++, (&part == &g ? "" : part.family->name + ": ") + c.title, c.chart);
   }
   r.set_ok(ok);
   return r;

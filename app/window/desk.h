@@ -23,7 +23,7 @@ struct DeskFacts {
   std::string goal;                      // of the lesson, or the scene's note
   std::vector<std::string> lesson;       // its steps, in words
   double max_depth_mm = 9;
-  double suture_limit_N = 1.5;           // beyond it a stitch is shown in red (desk.cpp says why)
+  double suture_limit_N = 1.5;           // beyond it a stitch is shown in red: this window's own choice, stricter than the report's sourced limits
 };
 
 /// What is chosen, and what is asked for once.
@@ -35,7 +35,7 @@ struct DeskState {
   float wipe = 0.5f;
   Stereo stereo = Stereo::off;
   // Asked for in this frame:
-  bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false, clear_ruler = false;
+  bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false;
 };
 
 /// What is read off in this frame.
@@ -47,7 +47,6 @@ struct DeskReading {
   bool showing = false;
   double field_end = 0.1;   // of the tension's colour scale: stretch - 1
   double samples_per_s = 0;
-  std::string driver;       // of the pictures
 };
 
 class Desk {

@@ -63,8 +63,7 @@ struct WindowFrames::Impl {
   Ruler ruler;
   Camera camera;
   SceneBuilder builder, before_builder;
-  std::optional<Snapshot> first;                          // for "before"
-  std::shared_ptr<const SurfaceTopology> first_topology;  // keeps it alive
+  std::optional<Snapshot> first;  // for "before"; keeps its topology
   std::unique_ptr<Renderer> renderer;
   std::unique_ptr<UiPainter> ui;
   ImGuiContext* panels = nullptr;
@@ -153,8 +152,8 @@ struct WindowFrames::Impl {
     if (d.redo) choose(ControlSample::redo);
     if (d.next && !feed.showing) feed.next_wanted.fetch_add(1);
     if (d.home) camera = set.camera;
-    if (d.clear_ruler || !d.ruler) ruler.clear();
-    d.tool_changed = d.undo = d.redo = d.next = d.home = d.clear_ruler = false;
+    if (!d.ruler) ruler.clear();
+    d.tool_changed = d.undo = d.redo = d.next = d.home = false;
   }
 
   void save_picture(const Image& image) {
@@ -223,10 +222,7 @@ struct WindowFrames::Impl {
       waiting.pop_front();
       take(e, s, width, height);
     }
-    if (!first) {
-      first = s, first_topology = s.topology;
-      first->topology = first_topology;
-    }
+    if (!first) first = s;
     carry_out();
 
     const View view = look(width, height);
