@@ -27,6 +27,9 @@ struct StepSettings {
   std::function<bool()> should_stop;  // asked after each iteration; empty = never
   int adopt_after_steps = 3;    // a pending preconditioner is waited for after so many steps (deterministic)...
   bool adopt_when_ready = false;  // ...or taken as soon as it is there (real time)
+  // With adopt_when_ready: asked at each such chance, told whether it is there; true: it is taken (and waited for if need
+  // be). So a step that was taken against the clock can be taken again, bit for bit. Empty: it is taken when it is there.
+  std::function<bool(bool there)> adopt_now;
 };
 
 struct StepReport {

@@ -305,7 +305,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   // BDF2's first step has the metric of its others.
   const double h = s.integrator == Integrator::bdf2 ? 2 * s.dt_s / 3 : s.dt_s;
   const double mass_per_s2 = s.dt_s > 0 ? 1 / (h * h) + s.damping_per_s / h : 0;
-  metric_.begin_step(mass_per_s2, s.adopt_after_steps, s.adopt_when_ready);
+  metric_.begin_step(mass_per_s2, s.adopt_after_steps, s.adopt_when_ready, s.adopt_now);
   const auto metric = [this](const NodeArray& r, NodeArray& z) { metric_.apply(r, z); };
 
   const bool remember = s.dt_s > 0 && s.integrator == Integrator::bdf2;

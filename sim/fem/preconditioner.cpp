@@ -169,10 +169,14 @@ void Preconditioner::make_cycle(double mass_per_s2) {
   operator_changed();
 }
 
-void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_ready) {
+void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_ready, const std::function<bool(bool)>& adopt_now) {
   if (pending_) {
     ++pending_->steps;
-    if (pending_->steps >= adopt_after || (when_ready && pending_->job->done())) adopt();
+    const auto now = [&] {
+      const bool there = pending_->job->done();
+      return adopt_now ? adopt_now(there) : there;
+    };
+    if (pending_->steps >= adopt_after || (when_ready && now())) adopt();
   }
   if (int32_t(now_.model->X_mm.size()) <= policy_.factor_up_to_nodes && !pending_ && !now_.has_no_factor) {
     if (!factor_is_current_ || mass_differs(now_.factor_mass, mass_per_s2) || springs_have_changed()) {

@@ -10,6 +10,7 @@
 // Sutures are folded into the next factor or cycle; hooks come and go and never are. The operators of the last few models
 // are kept, so that an undo finds its own again.
 #include <deque>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -42,8 +43,8 @@ class Preconditioner {
   void set_springs(std::vector<SpringEntry> springs);
 
   /// Once per solver step, before apply. Takes a finished factor (after `adopt_after` steps it is waited for; as soon as
-  /// it is there when `when_ready`), asks for a new one if the old is out of date, makes the cycle if one is needed.
-  void begin_step(double mass_per_s2, int adopt_after, bool when_ready);
+  /// it is there when `when_ready`; StepSettings::adopt_now), asks for a new one if the old is out of date, makes the cycle if one is needed.
+  void begin_step(double mass_per_s2, int adopt_after, bool when_ready, const std::function<bool(bool)>& adopt_now = {});
   void apply(const NodeArray& r, NodeArray& z);
 
   bool pending() const { return pending_ != nullptr; }
