@@ -275,7 +275,7 @@ Outcome t4_edges(Mesh& m, std::span<const Crossing> curve, CutPolicy policy, Del
     m.nbr[size_t(t[j])] = {b, t[after], t[before]};
     e.replace_neighbour(a, b, s[j]), e.replace_neighbour(b, a, t[j]);
   }
-  for (size_t j = 0; j < n; ++j) other[j] = e.add_face(FaceKind::surface);
+  for (size_t j = 0; j < n; ++j) other[j] = e.add_face(m.kind(face[j]));
   const int32_t x = e.add_face(FaceKind::cut), y = e.add_face(FaceKind::cut);
   for (size_t j = 0; j < n; ++j) {
     const size_t after = (j + 1) % n;

@@ -136,8 +136,14 @@ Vec3 face_centre(const Mesh& m, int32_t f) {
   m.around(f, [&](int32_t h) { mean += m.x_mm[size_t(h / 3)]; });
   mean /= m.face_size[size_t(f)];
   Nearest near(mean);
+  const auto is_wall = [&](int32_t g) { return m.kind(g) == FaceKind::wall; };
   m.around(f, [&](int32_t h) {
-    const Row& r = m.nbr[size_t(h / 3)];
+    const Row &r = m.nbr[size_t(h / 3)], &l = m.left[size_t(h / 3)];
+    if (is_wall(l[0]) || is_wall(l[1]) || is_wall(l[2])) {  // at a crease: the corner of this face alone
+      const Vec3& before = m.x_mm[size_t(r[size_t(h % 3 + 1) % 3])];
+      near.plane(m.x_mm[size_t(h / 3)], unit(area_vector2(m.x_mm[size_t(h / 3)], m.x_mm[size_t(m.to(h))], before)));
+      return;
+    }
     near.plane(m.x_mm[size_t(h / 3)], unit(area_vector2(m.x_mm[size_t(r[0])], m.x_mm[size_t(r[1])], m.x_mm[size_t(r[2])])));
   });
   return near.solve();

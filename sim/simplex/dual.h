@@ -3,7 +3,8 @@
 //
 // Duality exchanges triangles with vertices and vertices with faces. It is one of topology only: where the dual vertices
 // lie is a choice. Centroids shrink the shape, and the place nearest to the tangent planes at the corners (least squares)
-// inflates it by as much; the default puts each vertex half way between. The fan of a face is lifted the same way.
+// inflates it by as much; the default puts each vertex half way between. The fan of a face is lifted the same way; at the
+// crease between a wall and the surface each of them has its own tangent plane, so that neither bulges.
 //
 // Every border loop of an open surface becomes one face of kind `hole`: the loop is closed by a cone whose tip is the hole,
 // so each border edge gives one more vertex, at the middle of that edge.

@@ -114,8 +114,8 @@ class Parser {
     if (key == "e") {
       const int32_t a = whole(FileLimits::vertices - 1), b = whole(FileLimits::vertices - 1);
       const std::string_view kind = word();
-      if (kind != "hole" && kind != "cut") fail("an end face is a hole or a cut");
-      ends_.push_back({a, b, kind == "hole" ? FaceKind::hole : FaceKind::cut, line_});
+      if (kind != "hole" && kind != "cut" && kind != "wall") fail("a marked face is a hole, a cut or a wall");
+      ends_.push_back({a, b, kind == "hole" ? FaceKind::hole : kind == "cut" ? FaceKind::cut : FaceKind::wall, line_});
       return;
     }
     if (key == "c") {
@@ -206,6 +206,8 @@ std::string to_text(const Mesh& given) {
       s += 's', put(s, q.e1), put(s, q.e2), put(s, q.phi), put(s, q.height), s += ' ', s += kBranch[int(q.branch)], s += '\n';
   }
   for (const EndContour& e : end_contours(m)) s += 'e', put(s, e.rim[0]), put(s, e.rim[1]), s += e.kind == FaceKind::hole ? " hole\n" : " cut\n";
+  for (int32_t f = 0; f < m.face_slots(); ++f)
+    if (m.alive_face(f) && m.kind(f) == FaceKind::wall) s += 'e', put(s, m.from(m.face_edge[size_t(f)])), put(s, m.to(m.face_edge[size_t(f)])), s += " wall\n";
   for (const auto& c : m.contour) {
     s += 'c';
     for (int32_t v : c) put(s, v);

@@ -8,7 +8,7 @@
 //   l                            it is locked
 //   m e1 e2                      its wanted metric parameters, where not 1/3
 //   s e1 e2 phi height branch    its reference shape, where it is not the present one; branch near, far or height
-//   e a b hole|cut               the face on the left of a -> b is a hole, or the mouth of a cut
+//   e a b hole|cut|wall          the face on the left of a -> b is a hole, the mouth of a cut, or the wall of a cut
 //   c v1 v2 v3 ...               a kept contour
 //
 // Numbers are written so that they are read back to the same bits. Reading checks everything: find_fault, limits below.

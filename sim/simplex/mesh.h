@@ -8,6 +8,7 @@
 //
 // A hole is a face flagged `hole`, the mouth of a cut one flagged `cut`: neither is drawn, pulled or coloured, and its ring
 // is an end contour. So every vertex of an open surface has three neighbours too, and there is no second case anywhere.
+// A `wall` is the cut surface of bone: drawn and closed, no end; between it and the `surface` runs a crease.
 // A slot that an operator has freed holds -1 in its row and is used again by the next one that needs a vertex.
 //
 // Invariants (find_fault checks all of them): neighbours are mutual and distinct; no vertex meets a face twice and no two
@@ -24,8 +25,8 @@
 
 namespace limberg::simplex {
 
-enum class FaceKind : uint8_t { surface = 0, hole = 1, cut = 2 };
-inline bool is_end(FaceKind k) { return k != FaceKind::surface; }
+enum class FaceKind : uint8_t { surface = 0, hole = 1, cut = 2, wall = 3 };
+inline bool is_end(FaceKind k) { return k == FaceKind::hole || k == FaceKind::cut; }
 
 enum VertexFlag : uint8_t {
   kLocked = 1,      // does not move; operators leave it alone

@@ -86,7 +86,7 @@ Answer may_t1(const Mesh& m, int32_t p, int32_t q) {
   if (kept(m, p, kLocked) || kept(m, q, kLocked)) return Answer::locked;
   if (kept(m, p, kOnContour) || kept(m, q, kOnContour)) return Answer::on_contour;
   const Around s = around(m, p, q);
-  if (is_end(m.kind(s.A)) || is_end(m.kind(s.B))) return Answer::end_face;
+  if (is_end(m.kind(s.A)) || is_end(m.kind(s.B)) || m.kind(s.A) != m.kind(s.B)) return Answer::end_face;
   if (m.face_size[size_t(s.C)] < 4 || m.face_size[size_t(s.D)] < 4) return Answer::face_too_small;
   if (m.face_size[size_t(s.A)] + m.face_size[size_t(s.B)] < 7) return Answer::face_too_small;
   if (m.slot(s.p1, s.p2) >= 0 || m.slot(s.q1, s.q2) >= 0) return Answer::already_neighbours;
@@ -140,7 +140,7 @@ Outcome t2(Mesh& m, int32_t f, int32_t u1, int32_t u2, Delta& delta) {
   const int32_t g1 = m.face(m.edge(v1, u1)), g2 = m.face(m.edge(v2, u2));
   Edit e(m, delta);
   const int32_t a = e.add_vertex(u1), b = e.add_vertex(u2);
-  const int32_t fresh = e.add_face(FaceKind::surface);
+  const int32_t fresh = e.add_face(m.kind(f));
   const auto at = [](int32_t i) { return size_t(i); };
   const auto place = [&](std::vector<Vec3>& x) {
     const Vec3 h1 = 0.5 * (x[at(u1)] + x[at(v1)]), h2 = 0.5 * (x[at(u2)] + x[at(v2)]);

@@ -88,6 +88,7 @@ const std::map<std::string, std::set<std::string>> kSim{
     {"sim/lattice", {"sim", "sim/geometry", "sim/cutting", "sim/fem"}},
     {"sim/contact", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice"}},
     {"sim/simplex", {"sim", "sim/geometry"}},
+    {"sim/bone", {"sim", "sim/geometry", "sim/simplex", "sim/tools"}},
     {"sim/imaging", {"sim", "sim/geometry", "sim/simplex"}},
     {"sim/tools", {"sim", "sim/geometry"}},
     {"sim/measure", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice", "sim/tools"}},
