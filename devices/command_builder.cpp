@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "devices/bone_contour.h"
+#include "devices/rigid_grip.h"
+
 namespace limberg {
 
 namespace {
@@ -55,6 +58,7 @@ Command CommandBuilder::finish_drawing(const ToolEvent& e, const std::vector<Cha
 
 std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   const ChartPoint here(e.chart_x, e.chart_y);
+  const Vec3 rest(e.rest_mm[0], e.rest_mm[1], e.rest_mm[2]);
   const Tool tool = Tool(e.tool);
   // Anything but a second stroke along the other edge gives a begun row up.
   const bool of_a_row = tool == Tool::suture_row && e.kind <= ToolEvent::stroke_cancel;
@@ -64,11 +68,13 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   }
   switch (e.kind) {
     case ToolEvent::stroke_begin:
+      bone_stroke_.assign(1, rest);
       stroke_.assign(1, here);
       in_pieces_ = false;
       stroke_begin_ = Vec3(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
       return {};
     case ToolEvent::stroke_point:
+      if (tool == Tool::saw) bone_stroke_.push_back(rest);
       if (!stroke_.empty()) stroke_.push_back(here);
       if (progressive_ && tool == Tool::scalpel) return draw_on(e);
       return {};
@@ -76,6 +82,13 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       stroke_.clear();
       return {};
     case ToolEvent::stroke_end: {
+      if (tool == Tool::saw) {
+        CutBone cut;
+        cut.contour_mm = bone_contour(bone_stroke_);
+        stroke_.clear();
+        if (cut.contour_mm.empty()) return ++dropped_, std::nullopt;
+        return HeadCommand(std::move(cut));
+      }
       const Vec3 end(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
       const std::vector<ChartPoint> drawn = std::move(stroke_);
       stroke_.clear();
@@ -127,6 +140,16 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       return Suture{suture_a_, here};
     case ToolEvent::suture_cut:
       return CutSuture{{0, here}};
+    case ToolEvent::bone_grab:
+      return HeadCommand(GrabFragment{{-1, rest}, e.hand});
+    case ToolEvent::bone_drag: {
+      Carried c;
+      std::copy(std::begin(e.quat), std::end(e.quat), c.quat);
+      std::copy(std::begin(e.world_mm), std::end(e.world_mm), c.shift_mm);
+      return HeadCommand(DragFragment{as_move(motion_of(c)), 0, e.hand});
+    }
+    case ToolEvent::bone_release:
+      return HeadCommand(LetGo{false, e.hand});
     case ToolEvent::undo:
       return Undo{};
     case ToolEvent::redo:

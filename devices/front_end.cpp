@@ -21,14 +21,16 @@ void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& eve
     source->poll(now_ns, *this);
   }
   Pose pose = tracker_.at(now_ns);
+  const Ground ground = acts_on_bone(Tool(gestures_.state().tool)) ? Ground::bone : cursor_on_flesh_ ? Ground::flesh : Ground::skin;
   if (cursor_on_) {
+    cursor_.set_ground(ground);
     if (!cursor_.placed() && pose.valid) cursor_.put(snapshot, pose.tip_mm);
     cursor_.tick(snapshot, pose, clutch_, pressed_);
     if (cursor_.placed()) pose.tip_mm = cursor_.x_mm();
   }
   gestures_.tick(tick, pose, pressed_, edges_, snapshot, *this);
   state = gestures_.state();
-  if (have_glove_) hand_.tick(tick, glove_.at(now_ns), clutch_, snapshot, *this);
+  if (have_glove_) hand_.tick(tick, glove_.at(now_ns), clutch_, snapshot, *this, ground == Ground::bone ? Ground::bone : Ground::skin);
   snapshot_ = nullptr;
   events_ = nullptr;
   recorder_ = nullptr;
@@ -41,7 +43,7 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
     gestures_.control(*c, tick_, *snapshot_, *this);
     if (c->kind == ControlSample::cursor) {
       cursor_on_ = c->value[0] > 0;
-      cursor_.set_surface(c->value[1] != 1);
+      cursor_on_flesh_ = c->value[1] == 1;
       if (cursor_on_) cursor_.set_gain(c->value[0]);
       else cursor_.remove();
     }

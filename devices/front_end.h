@@ -68,7 +68,7 @@ class DeviceFrontEnd final : private SampleSink, private EventSink {
   GloveTracker glove_;
   VirtualHand hand_;
   SurfaceCursor cursor_;
-  bool have_glove_ = false, cursor_on_ = false;
+  bool have_glove_ = false, cursor_on_ = false, cursor_on_flesh_ = false;
   int64_t next_event_ = 0;
   bool have_stylus_ = false, pressed_ = false, clutch_ = false;
   int32_t stylus_ = 0;

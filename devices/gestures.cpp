@@ -15,7 +15,7 @@ constexpr double kJumpMm = 3;          // along a stroke the touched point may r
 constexpr double kJumpPerMm = 3;       // ... and by this factor; further is another sheet of skin
 constexpr double kTicksPerMs = 1;
 
-bool draws(Tool t) { return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || t == Tool::suture_row; }
+bool draws(Tool t) { return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || t == Tool::suture_row || t == Tool::saw; }
 
 }  // namespace
 
@@ -27,7 +27,7 @@ ToolEvent Gestures::event(int kind, int64_t tick, const Snapshot& s) const {
   e.tool = int32_t(tool_);
   e.chart_x = touch_.chart.x();
   e.chart_y = touch_.chart.y();
-  for (int i = 0; i < 3; ++i) e.world_mm[i] = touch_.x_mm[i];
+  for (int i = 0; i < 3; ++i) e.world_mm[i] = touch_.x_mm[i], e.rest_mm[i] = touch_.X_mm[i];
   e.depth_mm = depth_mm_;
   e.angle_deg = angle_deg_ > 0 ? angle_deg_ : 90;
   e.spacing_mm = spacing_mm_;
@@ -39,14 +39,18 @@ void Gestures::emit(ToolEvent e, EventSink& out) {
   if (!out.push(e)) ++lost_;
 }
 
+double Gestures::apart(const SkinTouch& a, const SkinTouch& b) const {
+  return acts_on_bone(tool_) ? (a.X_mm - b.X_mm).norm() : (a.chart - b.chart).norm();
+}
+
 void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
   if (!s.topology || s.x_mm.size() != s.topology->view.X_mm.size()) {
     touch_ = {};
     return;
   }
-  const bool rebuilt = !index_.built_for(s);
+  const bool on_bone = acts_on_bone(tool_), rebuilt = !index().built_for(s);
   if (rebuilt) {
-    index_.build(*s.topology);
+    index().build(*s.topology, on_bone ? Ground::bone : Ground::skin);
     touch_.triangle = -1;
     if (doing_ == Doing::stroke && tool_ == Tool::suture_row) edge_.found_again(index_, s);
     if (doing_ == Doing::suture) suture_a_ = index_.closest(s, suture_a_.x_mm, -1);
@@ -55,13 +59,13 @@ void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
   const int32_t hint = near ? touch_.triangle : -1;
   const bool search = rebuilt || tick % (near ? kSearchNear : kSearchFar) == 0;
   if (near) {
-    touch_ = index_.closest(s, pose.tip_mm, hint);
+    touch_ = index().closest(s, pose.tip_mm, hint);
   } else if (!search) {
     touch_.distance_mm = std::max(touch_.distance_mm, kNearMm);
     return;
   }
   if (search) {
-    const SkinTouch all = index_.closest(s, pose.tip_mm, -1);
+    const SkinTouch all = index().closest(s, pose.tip_mm, -1);
     if (all.triangle >= 0 && (touch_.triangle < 0 || !near || all.distance_mm < touch_.distance_mm)) touch_ = all;
   }
 }
@@ -79,7 +83,7 @@ Vec3 Gestures::meant_tip() const {
 /// Where the hand rests, the touched point is that of the mean tip.
 void Gestures::touch_where_rested(const Snapshot& s) {
   if (recent_ < kRestTicks || touch_.triangle < 0) return;
-  const SkinTouch rested = index_.closest(s, meant_tip(), touch_.triangle);
+  const SkinTouch rested = index().closest(s, meant_tip(), touch_.triangle);
   if (rested.triangle >= 0) touch_ = rested;
 }
 
@@ -87,6 +91,7 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
   switch (c.kind) {
     case ControlSample::select_tool:
       cancel(tick, s, out);
+      if (acts_on_bone(tool_) != acts_on_bone(c.tool)) touch_ = {};  // another ground
       tool_ = c.tool;
       depth_mm_ = c.value[kDepth] > 0 ? c.value[kDepth] : g_.default_depth_mm;
       angle_deg_ = c.value[kAngle] > 0 && c.value[kAngle] < 180 ? c.value[kAngle] : 0;
@@ -151,6 +156,13 @@ void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSin
     emit(e, out);
   } else if (tool_ != Tool::none && !on_skin) {
     ++missed_;
+  } else if (tool_ == Tool::grab) {
+    ToolEvent e = event(ToolEvent::bone_grab, tick, s);
+    e.id = ++bone_grabs_;
+    grip_.begin(pose.tip_mm, pose.orientation, 1);
+    state_.carried = carried(grip_.motion(), e.id);
+    doing_ = Doing::carry;
+    emit(e, out);
   } else if (tool_ == Tool::scissors) {
     emit(event(ToolEvent::suture_cut, tick, s), out);
   } else if (tool_ == Tool::suture) {
@@ -197,7 +209,7 @@ void Gestures::stroke_on(int64_t tick, const Pose& pose, const Snapshot& s, Even
     edge_.note(pose.tip_mm, g_.step_mm);
     return;
   }
-  const double step = (touch_.chart - last_stroke_.chart).norm();
+  const double step = apart(touch_, last_stroke_);
   if (step < g_.step_mm) return;
   const Vec3 travelled = touch_.x_mm - last_stroke_.x_mm;
   const double hand = (pose.tip_mm - last_drawn_tip_).norm();
@@ -220,7 +232,7 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
         emit_row(tick, s, out);
         break;
       }
-      const double step = (touch_.chart - last_stroke_.chart).norm();
+      const double step = apart(touch_, last_stroke_);
       if (on_skin && step > 0.05 && step < kJumpMm) emit(event(ToolEvent::stroke_point, tick, s), out);
       ToolEvent e = event(ToolEvent::stroke_end, tick, s);
       e.angle_deg = blade_angle_deg();
@@ -240,6 +252,18 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
         if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), suture_a_, g_.apart_mm); apart.triangle >= 0) touch_ = apart;
       emit(event(on_skin ? ToolEvent::suture_b : ToolEvent::suture_cancel, tick, s), out);
       break;
+    case Doing::carry: {
+      const Carried c = state_.carried;
+      ToolEvent e = event(ToolEvent::bone_drag, tick, s);
+      e.id = c.holds;
+      for (int i = 0; i < 3; ++i) e.world_mm[i] = c.shift_mm[i];
+      for (int i = 0; i < 4; ++i) e.quat[i] = c.quat[i];
+      emit(e, out);
+      e.kind = ToolEvent::bone_release;
+      emit(e, out);
+      state_.carried = {};
+      break;
+    }
     case Doing::nothing:
       break;
   }
@@ -260,7 +284,7 @@ void Gestures::emit_row(int64_t tick, const Snapshot& s, EventSink& out) {
 void Gestures::cancel(int64_t tick, const Snapshot& s, EventSink& out) {
   if (doing_ == Doing::stroke && tool_ != Tool::suture_row) emit(event(ToolEvent::stroke_cancel, tick, s), out);
   if (doing_ == Doing::suture) emit(event(ToolEvent::suture_cancel, tick, s), out);
-  if (doing_ == Doing::hold_hook) release(tick, last_pose_, s, out);
+  if (doing_ == Doing::hold_hook || doing_ == Doing::carry) release(tick, last_pose_, s, out);
   doing_ = Doing::nothing;
 }
 
@@ -300,6 +324,8 @@ void Gestures::tick(int64_t tick, const Pose& pose, bool pressed, int edges, con
   if (pressed && (!pressed_ || again)) {
     last_drawn_tip_ = pose.tip_mm;
     press(tick, pose, s, out);
+  } else if (doing_ == Doing::carry) {
+    state_.carried = carried(grip_.follow(pose.tip_mm, pose.orientation, false), state_.carried.holds);
   } else if (doing_ == Doing::stroke) {
     stroke_on(tick, pose, s, out);
   }

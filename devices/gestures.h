@@ -8,6 +8,8 @@
 //                      handle of a hook that stands: it is taken again
 //   suture             press at a, let go at b: on other skin than that around a, if there is some under the tip
 //   scissors           press beside a stitch: its thread is cut
+//   saw                press on bone, draw once round, let go: the closed line of an osteotomy
+//   grab               press on bone: its fragment is carried, and turned about the tip, until the button is let go
 //
 // Where a hand rests before it presses or lets go, the mean of its last tenth of a second is meant: one period of tremor.
 //
@@ -16,6 +18,7 @@
 #include <cstdint>
 
 #include "devices/edge_stroke.h"
+#include "devices/rigid_grip.h"
 #include "devices/sample.h"
 #include "devices/surface_index.h"
 #include "devices/tool_event.h"
@@ -51,7 +54,7 @@ class Gestures {
   int64_t missed_presses() const { return missed_; }   // pressed with a tool, but not on skin
 
  private:
-  enum class Doing { nothing, stroke, hold_hook, suture };
+  enum class Doing { nothing, stroke, hold_hook, suture, carry };
   void press(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
   void release(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
   void stroke_on(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out);
@@ -65,9 +68,12 @@ class Gestures {
   void emit_row(int64_t tick, const Snapshot& s, EventSink& out);
   ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
   void emit(ToolEvent e, EventSink& out);
+  /// How far two touched places are apart at rest: on the chart, on bone in space.
+  double apart(const SkinTouch& a, const SkinTouch& b) const;
+  SurfaceIndex& index() { return acts_on_bone(tool_) ? bone_index_ : index_; }
 
   GestureSettings g_;
-  SurfaceIndex index_;
+  SurfaceIndex index_, bone_index_;
   SkinTouch touch_;
   Tool tool_ = Tool::none;
   double depth_mm_ = 4, angle_deg_ = 0, spacing_mm_ = 4;
@@ -84,6 +90,8 @@ class Gestures {
   Vec3 last_drawn_tip_ = Vec3::Zero();      // where the hand was then
   int64_t lost_tick_ = -1;  // tracking was lost at this tick, during a gesture
   double angle_sum_deg_ = 0, angle_weight_mm_ = 0;
+  RigidGrip grip_;
+  int32_t bone_grabs_ = 0;
   ToolState state_;
   int64_t seq_ = 0, lost_ = 0, missed_ = 0;
 };

@@ -20,7 +20,9 @@ struct ShortText {
   bool operator==(const ShortText&) const = default;
 };
 
-enum class Tool : int32_t { none = 0, scalpel = 1, undermine = 2, excise = 3, hook = 4, suture = 5, suture_row = 6, scissors = 7 };
+enum class Tool : int32_t { none = 0, scalpel = 1, undermine = 2, excise = 3, hook = 4, suture = 5, suture_row = 6, scissors = 7, saw = 8, grab = 9 };
+/// Those that act on bone instead of skin: the saw draws a closed line on it, grab carries a fragment.
+inline bool acts_on_bone(Tool t) { return t == Tool::saw || t == Tool::grab; }
 
 /// One stylus reading (LCM stylus_t), as received: tracker noise and gaps included.
 struct StylusSample {

@@ -12,22 +12,22 @@ SurfaceCursor::SurfaceCursor(const CursorSettings& settings) : set_(settings), p
 
 void SurfaceCursor::set_gain(double gain) { set_.gain = std::clamp(gain, 0.05, 2.0); }
 
-void SurfaceCursor::set_surface(bool skin_only) {
-  if (skin_only != set_.skin_only) walk_stale_ = true, placed_ = false;
-  set_.skin_only = skin_only;
+void SurfaceCursor::set_ground(Ground ground) {
+  if (ground != set_.ground) walk_stale_ = true, placed_ = false;
+  set_.ground = ground;
 }
 
 bool SurfaceCursor::put(const Snapshot& s, const Vec3& x_mm) {
   placed_ = false;
   if (!has_surface(s)) return false;
-  if (walk_stale_ || !walk_.built_for(s)) walk_.build(*s.topology, set_.skin_only), walk_stale_ = false;
+  if (walk_stale_ || !walk_.built_for(s)) walk_.build(*s.topology, set_.ground), walk_stale_ = false;
   return put(s, walk_.nearest(s, x_mm));
 }
 
 bool SurfaceCursor::put(const Snapshot& s, const SurfacePlace& place) {
   placed_ = false;
   if (!has_surface(s) || place.triangle < 0 || size_t(place.triangle) >= s.topology->view.tri.size()) return false;
-  if (walk_stale_ || !walk_.built_for(s)) walk_.build(*s.topology, set_.skin_only), walk_stale_ = false;
+  if (walk_stale_ || !walk_.built_for(s)) walk_.build(*s.topology, set_.ground), walk_stale_ = false;
   place_ = place;
   placed_ = true;
   hand_known_ = was_drawing_ = false;
@@ -44,7 +44,7 @@ void SurfaceCursor::look(const Snapshot& s) {
 
 bool SurfaceCursor::follow_topology(const Snapshot& s) {
   if (walk_.built_for(s)) return true;
-  walk_.build(*s.topology, set_.skin_only);
+  walk_.build(*s.topology, set_.ground);
   const Vec3 X = X_;
   const SurfacePlace found = walk_.nearest_at_rest(s, X, x_);
   if (found.triangle < 0) return placed_ = false;
@@ -61,7 +61,7 @@ void SurfaceCursor::note(const Snapshot& s, bool first) {
     path_n_ = (path_n_ + 1) / 2;
     step_ *= 2;
   }
-  path_[path_n_++] = {s.topology->body ? s.topology->body->to_chart(X_) : ChartPoint(X_.x(), X_.y()), X_, x_};
+  path_[path_n_++] = {s.topology->to_chart(X_), X_, x_};
 }
 
 void SurfaceCursor::tick(const Snapshot& s, const Pose& hand, bool clutch, bool drawing) {

@@ -21,7 +21,7 @@ namespace limberg {
 
 struct CursorSettings {
   double gain = 0.25;       // of the hand's way; 0.05 to 2
-  bool skin_only = true;
+  Ground ground = Ground::skin;
   double step_mm = 0.4;     // of the path, at rest
 };
 
@@ -39,8 +39,8 @@ class SurfaceCursor {
   explicit SurfaceCursor(const CursorSettings& settings = {});
   void set_gain(double gain);
   double gain() const { return set_.gain; }
-  /// Whether walls and bed are its surface too; it is put anew when that changes.
-  void set_surface(bool skin_only);
+  /// What its surface is; it is put anew when that changes.
+  void set_ground(Ground ground);
 
   /// Puts it at the place nearest to x_mm. False: there is no surface.
   bool put(const Snapshot& s, const Vec3& x_mm);

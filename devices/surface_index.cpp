@@ -21,7 +21,7 @@ double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x
 int SurfaceIndex::cell_x(double x) const { return std::clamp(int(std::floor((x - grid_min_.x()) / cell_mm_)), 0, nx_ - 1); }
 int SurfaceIndex::cell_y(double y) const { return std::clamp(int(std::floor((y - grid_min_.y()) / cell_mm_)), 0, ny_ - 1); }
 
-void SurfaceIndex::build(const SurfaceTopology& topology) {
+void SurfaceIndex::build(const SurfaceTopology& topology, Ground ground) {
   const SurfaceView& view = topology.view;
   built_ = true;
   version_ = topology.version;
@@ -31,7 +31,7 @@ void SurfaceIndex::build(const SurfaceTopology& topology) {
   // Skin triangles, and the stars of their vertices by counting.
   star_start_.assign(view.X_mm.size() + 1, 0);
   for (size_t t = 0; t < view.tri.size(); ++t) {
-    if (view.kind[t] != FaceKind::skin) continue;
+    if (!topology.is_ground(t, ground)) continue;
     skin_tri_.push_back(int32_t(t));
     for (int32_t v : view.tri[t]) ++star_start_[size_t(v) + 1];
   }
@@ -51,7 +51,7 @@ void SurfaceIndex::build(const SurfaceTopology& topology) {
   std::vector<Vec2> chart(view.X_mm.size(), Vec2::Zero());
   Vec2 low(1e30, 1e30), high(-1e30, -1e30);
   for (int32_t v : skin_vertex_) {
-    chart[size_t(v)] = topology.body->to_chart(view.X_mm[size_t(v)]);
+    chart[size_t(v)] = topology.to_chart(view.X_mm[size_t(v)]);
     low = low.cwiseMin(chart[size_t(v)]);
     high = high.cwiseMax(chart[size_t(v)]);
   }
@@ -87,7 +87,7 @@ SkinTouch SurfaceIndex::touch(const Snapshot& s, const Place& place) const {
   out.x_mm = place.bary[0] * a + place.bary[1] * b + place.bary[2] * c;
   out.X_mm = Vec3::Zero();
   for (size_t i = 0; i < 3; ++i) out.X_mm += place.bary[i] * view.X_mm[size_t(k[i])];
-  out.chart = s.topology->body->to_chart(out.X_mm);
+  out.chart = s.topology->to_chart(out.X_mm);
   const Vec3 n = area_vector2(a, b, c);
   if (n.norm() > 0) out.normal = n.normalized();
   out.distance_mm = std::sqrt(place.distance2);
@@ -205,7 +205,7 @@ int SurfaceIndex::facets_around(const Snapshot& s, const SkinTouch& place, doubl
 }
 
 SkinTouch SurfaceIndex::at_chart(const Snapshot& s, const ChartPoint& c, double slack_mm) const {
-  if (nx_ == 0 || !c.allFinite()) return {};
+  if (nx_ == 0 || !c.allFinite() || !s.topology->body) return {};
   const SurfaceView& view = s.topology->view;
   const Body& body = *s.topology->body;
   const Vec3 up = body.chart_normal();

@@ -26,8 +26,8 @@ struct SkinTouch {
 
 class SurfaceIndex {
  public:
-  /// Reads the topology; keeps no reference to it.
-  void build(const SurfaceTopology& topology);
+  /// Reads the topology; keeps no reference to it. `ground`: of what it is an index; "skin" below stands for that.
+  void build(const SurfaceTopology& topology, Ground ground = Ground::skin);
   bool built_for(const Snapshot& s) const { return built_ && s.topology && version_ == s.topology->version; }
 
   /// Closest skin point to p. `hint`: a triangle touched before, or -1 for a search over all the skin.

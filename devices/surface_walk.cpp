@@ -24,14 +24,14 @@ struct SurfaceWalk::Way {
   double length = -1;  // of the way that d makes there
 };
 
-void SurfaceWalk::build(const SurfaceTopology& topology, bool skin_only) {
+void SurfaceWalk::build(const SurfaceTopology& topology, Ground ground) {
   const SurfaceView& view = topology.view;
   built_ = true;
   version_ = topology.version;
   triangle_.clear();
   star_start_.assign(view.X_mm.size() + 1, 0);
   for (size_t t = 0; t < view.tri.size(); ++t) {
-    if (skin_only && view.kind[t] != FaceKind::skin) continue;
+    if (!topology.is_ground(t, ground)) continue;
     triangle_.push_back(int32_t(t));
     for (const int32_t v : view.tri[t]) ++star_start_[size_t(v) + 1];
   }

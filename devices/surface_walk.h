@@ -31,8 +31,8 @@ class SurfaceWalk {
   static constexpr double kSliver = 1e-3;
   static constexpr int kMostCrossings = 64;  // in one walk; what is left then is returned
 
-  /// `skin_only`: walls, bed and underside are not part of the surface; their edges are its rim.
-  void build(const SurfaceTopology& topology, bool skin_only);
+  /// What is not `ground` is not part of the surface; where it begins is its rim.
+  void build(const SurfaceTopology& topology, Ground ground);
   bool built_for(const Snapshot& s) const { return built_ && s.topology && version_ == s.topology->version; }
 
   /// Moves `place` by d_mm. Returns what is left of d_mm when the crossings were used up, else zero.

@@ -263,4 +263,8 @@ void SurgeonPlan::plan(const Stage& c) {
 
 void SurgeonPlan::plan(const Wait& c) { hold(Aim{}, c.seconds); }
 
+void SurgeonPlan::plan(const HeadCommand&) {
+  problems_.push_back("command " + std::to_string(number_) + ": an act on bone is no gesture of the stylus on skin; a scene with a [head] was expected");
+}
+
 }  // namespace limberg

@@ -83,6 +83,7 @@ class SurgeonPlan {
   void plan(const Redo& c);
   void plan(const Stage& c);
   void plan(const Wait& c);
+  void plan(const HeadCommand& c);
 
   SurgeonSettings set_;
   std::deque<Step> steps_;

@@ -14,7 +14,10 @@ struct ToolEvent {
     hook_leave,  // the hand lets go; the hook's handle stays at world_mm
     suture_cancel,
     redo,
-    suture_cut   // the scissors close at the touched point
+    suture_cut,  // the scissors close at the touched point
+    bone_grab,   // the hand closes on a fragment at rest_mm; it follows ToolState::carried or SecondHand::carried from now on
+    bone_drag,   // where the fragment was taken in the end: world_mm and quat, the map of places since it was grabbed
+    bone_release
   };
   int64_t seq = 0;         // counts events, gaps are losses
   int64_t tick = 0;        // device tick, 1 ms
@@ -23,6 +26,8 @@ struct ToolEvent {
   int32_t tool = 0;        // Tool
   double chart_x = 0, chart_y = 0;  // the touched skin point, rest chart mm
   double world_mm[3]{};
+  double rest_mm[3]{};     // the touched place at rest
+  double quat[4]{1, 0, 0, 0};
   double depth_mm = 0, angle_deg = 90, spacing_mm = 0;
   int32_t id = 0;          // hook id, or stage number
   int32_t hand = 0;        // 0 stylus, 1 glove
@@ -36,6 +41,13 @@ class EventSink {
   virtual bool push(const ToolEvent& event) = 0;
 };
 
+/// A fragment of bone in a hand: a map of places, from where they were when it was grabbed to where the hand takes them.
+struct Carried {
+  int32_t holds = 0;       // counts grabs of this hand; 0: nothing is held
+  double quat[4]{1, 0, 0, 0};
+  double shift_mm[3]{};
+};
+
 /// The newest tool state (triple buffer): where the hand is now. Hooks that are held follow it.
 struct ToolState {
   int64_t tick = 0;
@@ -45,6 +57,7 @@ struct ToolState {
   int32_t held_hook = 0;   // 0 = none
   int32_t pressed = 0;
   int32_t valid = 0;       // 0 before the first sample or when stale
+  Carried carried;
 };
 
 }  // namespace limberg

@@ -23,7 +23,7 @@ void PointingSearch::slice(const Snapshot& s, size_t from, size_t to, const Vec3
   const SurfaceView& view = s.topology->view;
   const double least_cos = std::cos(cone_rad);
   for (size_t t = from; t < to; ++t) {
-    if (view.kind[t] != FaceKind::skin) continue;
+    if (!s.topology->is_ground(t, ground)) continue;
     const Tri& k = view.tri[t];
     const Vec3 a = s.x_mm[size_t(k[0])].cast<double>() - origin;
     // Far beside and far away: the first corner tells, but for triangles of half the cone's width.
@@ -95,34 +95,13 @@ PointedPlace PointingSearch::find(const Snapshot& s, const Vec3& origin_mm, cons
   return p;
 }
 
-void RigidGrip::begin(const Vec3& centre_mm, const Eigen::Quaterniond& orientation, double scale) {
-  motion_ = base_ = Eigen::Isometry3d::Identity();
-  from_ = held_at_ = now_at_ = centre_mm;
-  turned_from_ = orientation;
-  scale_ = scale;
-  clutched_ = false;
-}
-
-const Eigen::Isometry3d& RigidGrip::follow(const Vec3& centre_mm, const Eigen::Quaterniond& orientation, bool clutch) {
-  if (clutch || clutched_) {
-    // From here on it is as if it had been grabbed here, in the place where it is.
-    base_ = motion_;
-    from_ = centre_mm, held_at_ = now_at_, turned_from_ = orientation;
-    clutched_ = clutch;
-    return motion_;
-  }
-  // A place x of base goes to c + R (x - c0), where the virtual centre goes from c0 to c = c0 + scale (centre - from).
-  now_at_ = held_at_ + scale_ * (centre_mm - from_);
-  const Eigen::Isometry3d turn = Eigen::Translation3d(now_at_) * (orientation * turned_from_.conjugate()).normalized() * Eigen::Translation3d(-held_at_);
-  return motion_ = turn * base_;
-}
-
 void VirtualHand::emit(ToolEvent e, EventSink& out) {
   e.hand = 1;
   if (!out.push(e)) ++lost_;
 }
 
-void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out) {
+void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out, Ground ground) {
+  search_.ground = s.topology && !s.topology->body ? Ground::bone : ground;
   state_.valid = hand.valid;
   state_.closed = hand.closed;
   if (hand.valid) {
@@ -131,7 +110,7 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
     const double rate = aperture_known_ ? (hand.aperture_mm - aperture_mm_) * 1000 : 0;  // a tick is a millisecond
     opening_mm_s_ += 0.05 * (rate - opening_mm_s_);
     aperture_mm_ = hand.aperture_mm, aperture_known_ = true;
-    if (!hand.closed && state_.held_hook == 0 && open >= kFrozenBelow && opening_mm_s_ > -kClosing_mm_s) {
+    if (!hand.closed && state_.held_hook == 0 && state_.carried.holds == 0 && open >= kFrozenBelow && opening_mm_s_ > -kClosing_mm_s) {
       search_.step(s, hand.forefinger.tip_mm, hand.pointing);
       pointed_ = search_.place();
     }
@@ -144,8 +123,17 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
   if (hand.valid && hand.closed && !was_closed_) {
     grip_.begin(hand.centre_mm, hand.orientation, glove_.motion_scale);
     const bool there = pointed_.triangle >= 0 && has_surface(s) && size_t(pointed_.triangle) < s.topology->view.tri.size();
-    if (there) {
-      const ChartPoint chart = s.topology->body->to_chart(pointed_.X_mm);
+    for (int i = 0; i < 3; ++i) e.rest_mm[i] = pointed_.X_mm[i];
+    if (there && s.topology->is_ground(size_t(pointed_.triangle), Ground::bone)) {
+      e.kind = ToolEvent::bone_grab;
+      e.tool = int32_t(Tool::grab);
+      e.id = ++bone_grabs_;
+      held_mm_ = pointed_.x_mm;
+      state_.carried = carried(Eigen::Isometry3d::Identity(), e.id);
+      ++grabs_;
+      emit(e, out);
+    } else if (there) {
+      const ChartPoint chart = s.topology->to_chart(pointed_.X_mm);
       held_mm_ = pointed_.x_mm;
       for (const HookState& h : s.hooks) next_hook_ = std::max(next_hook_, h.id + 1);
       e.kind = ToolEvent::hook_set;
@@ -162,11 +150,24 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
     e.id = state_.held_hook;
     state_.held_hook = 0;
     emit(e, out);
+  } else if (!hand.closed && state_.carried.holds != 0) {
+    const Carried c = state_.carried;
+    e.tool = int32_t(Tool::grab);
+    e.id = c.holds;
+    for (int i = 0; i < 3; ++i) e.world_mm[i] = c.shift_mm[i];
+    for (int i = 0; i < 4; ++i) e.quat[i] = c.quat[i];
+    e.kind = ToolEvent::bone_drag;
+    emit(e, out);
+    e.kind = ToolEvent::bone_release;
+    emit(e, out);
+    state_.carried = {};
   }
   if (hand.valid) {
     was_closed_ = hand.closed;
     if (hand.closed) {
-      const Vec3 at = grip_.follow(hand.centre_mm, hand.orientation, clutch) * held_mm_;
+      const Eigen::Isometry3d& motion = grip_.follow(hand.centre_mm, hand.orientation, clutch);
+      if (state_.carried.holds != 0) state_.carried = carried(motion, state_.carried.holds);
+      const Vec3 at = motion * held_mm_;
       for (int i = 0; i < 3; ++i) state_.hook_mm[i] = at[i];
     }
   }

@@ -5,7 +5,8 @@
 //              beside it within a cone. A hand that closes bends its forefinger: once it closes faster than kClosing_mm_s,
 //              or is less than 60 % open, the place that was pointed at last is kept.
 //   grab       what is pointed at is held from the tick on which the hand closes, where it is: nothing jumps. Skin is held by
-//              a hook that follows the hand (ToolEvent::hook_set, hand 1).
+//              a hook that follows the hand (ToolEvent::hook_set, hand 1), bone is carried as it is (ToolEvent::bone_grab). Where
+//              both lie in its way, bone is meant while the other hand has a tool for bone.
 //   carry      it turns with the hand about the hand's centre, and moves with it times the motion scale
 //   clutch     while it is down the hand moves and what it holds does not
 //   release    when the hand opens. A hand out of sight keeps what it holds.
@@ -15,6 +16,7 @@
 
 #include "calibration/calibration.h"
 #include "devices/glove.h"
+#include "devices/rigid_grip.h"
 #include "devices/tool_event.h"
 #include "sim/snapshot.h"
 
@@ -28,11 +30,12 @@ struct PointedPlace {
   double beside_rad = 0;  // between the forefinger's direction and the place; 0: the line meets it
 };
 
-/// The place of the skin in a direction. Call step() once per tick; place() is that of the last sweep that was finished.
+/// The place of the skin (or of the bone) in a direction. Call step() once per tick; place() is that of the last sweep that was finished.
 class PointingSearch {
  public:
   static constexpr int kSlices = 32;
   double cone_rad = 0.17, reach_mm = 500;
+  Ground ground = Ground::skin;  // what can be pointed at
   void step(const Snapshot& s, const Vec3& origin_mm, const Vec3& direction);
   const PointedPlace& place() const { return found_; }
   /// All at once, for whoever is in no hurry.
@@ -47,29 +50,12 @@ class PointingSearch {
   PointedPlace best_, found_;
 };
 
-/// What a hand carries: a rigid motion about the hand's centre.
-class RigidGrip {
- public:
-  /// `scale`: of the way; turns are not scaled.
-  void begin(const Vec3& centre_mm, const Eigen::Quaterniond& orientation, double scale);
-  /// The motion of the object since begin(), a map of places to places. Nothing moves while `clutch`.
-  const Eigen::Isometry3d& follow(const Vec3& centre_mm, const Eigen::Quaterniond& orientation, bool clutch);
-  const Eigen::Isometry3d& motion() const { return motion_; }
-
- private:
-  Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity(), base_ = Eigen::Isometry3d::Identity();
-  Vec3 from_ = Vec3::Zero(), held_at_ = Vec3::Zero();  // the hand's centre, the virtual one, when motion_ was base_
-  Vec3 now_at_ = Vec3::Zero();
-  Eigen::Quaterniond turned_from_ = Eigen::Quaterniond::Identity();
-  double scale_ = 1;
-  bool clutched_ = false;
-};
-
 /// Where the glove's hand is, and what it holds: beside ToolState on its way to the solver.
 struct SecondHand {
   int32_t valid = 0, closed = 0, held_hook = 0;
   double hook_mm[3]{};    // where the hook that it holds is pulled to
   double centre_mm[3]{};
+  Carried carried;        // the fragment that it holds
 };
 
 class VirtualHand {
@@ -79,7 +65,8 @@ class VirtualHand {
   static constexpr double kClosing_mm_s = 80;  // of the distance of the tips; tremor and noise stay below 40
   explicit VirtualHand(const GloveParameters& glove) : glove_(glove) {}
 
-  void tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out);
+  /// `ground`: what it points at; bone where there is nothing else.
+  void tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out, Ground ground = Ground::skin);
   const PointedPlace& pointed() const { return pointed_; }
   const RigidGrip& grip() const { return grip_; }
   const SecondHand& state() const { return state_; }
@@ -97,7 +84,7 @@ class VirtualHand {
   Vec3 held_mm_ = Vec3::Zero();
   bool was_closed_ = false, aperture_known_ = false;
   double aperture_mm_ = 0, opening_mm_s_ = 0;  // at the last tick; its rate, smoothed over 20 ms
-  int32_t next_hook_ = kFirstHook;
+  int32_t next_hook_ = kFirstHook, bone_grabs_ = 0;
   int64_t grabs_ = 0, empty_ = 0, lost_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 // What the solver thread shows to the others: plain data, copied or shared by version, never written after publishing.
 #include <cstdint>
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +12,11 @@
 
 namespace limberg {
 
+/// What a triangle of the view belongs to. Flesh: the finite-element block or surface, whose kinds are those of the view.
+enum class Organ : uint8_t { flesh = 0, face = 1, bone = 2, bone_cut = 3 };
+/// What a tool acts on: skin, everything of the flesh (walls and bed too), bone.
+enum class Ground : uint8_t { skin = 0, flesh = 1, bone = 2 };
+
 /// Changes only when a cut, an excision or an undo does. Immutable, shared by version.
 struct SurfaceTopology {
   uint64_t version = 0;
@@ -19,6 +25,20 @@ struct SurfaceTopology {
   SharedArray<EmbeddedPoint> embedding;  // per view vertex
   SharedArray<float> depth_mm;           // per view vertex: distance below the skin at rest
   std::shared_ptr<const Body> body;
+  // Of a scene with a head; empty where there is none. Bone and face are of the kind `free` in the view.
+  SharedArray<Organ> organ;              // per view triangle; empty: all of it is flesh
+  SharedArray<int32_t> object;           // per view triangle: of bone, the number of its fragment; else -1
+  std::vector<std::array<int32_t, 2>> strand;  // edges of the tissue between face and bone, by view vertices
+  std::vector<std::string> landmark;     // names; their places are in the snapshot
+
+  Organ organ_of(size_t triangle) const { return organ.empty() ? Organ::flesh : organ[triangle]; }
+  bool is_ground(size_t triangle, Ground ground) const {
+    const Organ o = organ_of(triangle);
+    if (ground == Ground::bone) return o == Organ::bone || o == Organ::bone_cut;
+    return o == Organ::flesh && (ground == Ground::flesh || view.kind[triangle] == FaceKind::skin);
+  }
+  /// On the chart of the body; where there is none, seen from in front.
+  ChartPoint to_chart(const Vec3& X_mm) const { return body ? body->to_chart(X_mm) : ChartPoint(X_mm.x(), X_mm.z()); }
 };
 
 struct HookState {
@@ -37,6 +57,13 @@ struct SutureState {
   float tied_N = -1, peak_N = 0;
 };
 
+/// A number that is shown while it changes: a distance, an angle, a gap.
+struct LiveFigure {
+  std::string name;
+  const char* unit = "mm";
+  float value = 0;
+};
+
 struct Snapshot {
   uint64_t step = 0;               // solver steps done
   int64_t device_tick = 0;         // the newest device tick it has seen
@@ -44,6 +71,9 @@ struct Snapshot {
   std::shared_ptr<const SurfaceTopology> topology;  // kept alive by the solver's epoch list; readers only borrow it
   std::vector<Vec3f> x_mm;         // per view vertex
   std::vector<float> field;        // per view vertex: skin tension shown (largest principal stretch - 1), may be empty
+  std::vector<float> moved_mm;     // per view vertex, of a face: how far it is from where it was at first; empty without a face
+  std::vector<Vec3f> landmark_mm;  // one per SurfaceTopology::landmark
+  std::vector<LiveFigure> figures;
   std::vector<HookState> hooks;
   std::vector<SutureState> sutures;
   float residual = 0, distance_mm = 0;

@@ -33,6 +33,12 @@ std::string in_words(const Command& command) {
   if (const auto* c = std::get_if<MoveHook>(&command)) return words("hook %d moved", c->id);
   if (const auto* c = std::get_if<ReleaseHook>(&command)) return words("hook %d released", c->id);
   if (const auto* c = std::get_if<SutureRow>(&command)) return words("row of sutures every %.3g mm", c->spacing_mm);
+  if (const auto* h = std::get_if<HeadCommand>(&command)) {
+    if (const auto* c = std::get_if<CutBone>(h)) return c->contour_mm.empty() ? "osteotomy by a plane" : words("osteotomy by a contour of %zu places", c->contour_mm.size());
+    if (const auto* c = std::get_if<DragFragment>(h)) return words("fragment taken by %.1f mm in %.1f s", c->to.translation_mm.norm(), c->seconds);
+    if (const auto* c = std::get_if<ConnectTissue>(h)) return "tissue: " + c->name;
+    if (const auto* c = std::get_if<PlaceLandmark>(h)) return "landmark " + c->name;
+  }
   if (const auto* c = std::get_if<Stage>(&command)) return "stage: " + c->name;
   return action_name(command);
 }

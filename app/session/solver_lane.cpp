@@ -4,6 +4,7 @@
 
 #include "app/session/clock.h"
 #include "app/session/command_words.h"
+#include "devices/rigid_grip.h"
 #include "sim/hash.h"
 #include "sim/tools/script.h"
 
@@ -51,29 +52,38 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   if (e.seq > next_event_) event_gaps_ += e.seq - next_event_;
   next_event_ = e.seq + 1;
   std::optional<Command> c = builder_.feed(e);
-  if (e.hand == 0 && (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take)) held_since_ = e.tick;
+  const size_t hand = e.hand == 1 ? 1 : 0;
+  if (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take || e.kind == ToolEvent::bone_grab) held_since_[hand] = e.tick;
+  // What was not taken up (the grab was refused) is neither carried nor let go.
+  if ((e.kind == ToolEvent::bone_drag || e.kind == ToolEvent::bone_release) && carried_[hand] == 0) return;
+  bool done = false;
   if (c) {
     // A hook that was carried is put down: say how long the way took, for whoever carries the script out again.
-    if (auto* m = std::get_if<MoveHook>(&*c)) m->seconds = seconds(std::max<int64_t>(0, e.tick - held_since_));
-    apply(*c, tick);
+    const double carried_s = seconds(std::max<int64_t>(0, e.tick - held_since_[hand]));
+    if (auto* m = std::get_if<MoveHook>(&*c)) m->seconds = carried_s;
+    if (auto* h = std::get_if<HeadCommand>(&*c))
+      if (auto* d = std::get_if<DragFragment>(h)) d->seconds = carried_s;
+    done = apply(*c, tick);
   }
   switch (e.kind) {
     case ToolEvent::hook_set:
     case ToolEvent::hook_take: (e.hand == 1 ? glove_hook_ : held_hook_) = e.id; break;
     case ToolEvent::hook_leave:
     case ToolEvent::hook_release: (e.hand == 1 ? glove_hook_ : held_hook_) = 0; break;
+    case ToolEvent::bone_grab: carried_[hand] = done ? e.id : 0; break;
+    case ToolEvent::bone_release: carried_[hand] = 0; break;
     default: break;
   }
 }
 
-void SolverLane::apply(const Command& c, int64_t tick) {
+bool SolverLane::apply(const Command& c, int64_t tick) {
   const Outcome o = patient_.apply(c);
   if (!o.done) {
     refused_.push_back({seconds(tick), action_name(c), o.reason});
     notify(Notice::refused, c, o.reason, tick);
     if (std::holds_alternative<InciseMore>(c)) builder_.stop_stroke();
     if (on_refusal_) on_refusal_(c, o.reason);
-    return;
+    return false;
   }
   ++commands_;
   if (const auto* s = std::get_if<Stage>(&c)) {
@@ -87,6 +97,7 @@ void SolverLane::apply(const Command& c, int64_t tick) {
   const bool undo = std::holds_alternative<Undo>(c), redo = std::holds_alternative<Redo>(c);
   notify(undo ? Notice::undone : redo ? Notice::redone : Notice::done, c, undo || redo ? "" : in_words(c), tick);
   if (on_command_) on_command_(c);
+  return true;
 }
 
 void SolverLane::notify(int32_t kind, const Command& c, const std::string& text, int64_t tick) {
@@ -102,6 +113,11 @@ void SolverLane::follow_hand() {
   // The hand state may be a moment older or newer than the events: a hook follows only when both say that it is held.
   if (held_hook_ != 0 && hand_.tool.held_hook == held_hook_ && hand_.tool.valid) patient_.apply(MoveHook{held_hook_, vec(hand_.tool.tip_mm), 0});
   if (glove_hook_ != 0 && hand_.glove.held_hook == glove_hook_ && hand_.glove.valid) patient_.apply(MoveHook{glove_hook_, vec(hand_.glove.hook_mm), 0});
+  const auto carry = [&](int hand, bool valid, const Carried& c) {
+    if (carried_[hand] != 0 && c.holds == carried_[hand] && valid) patient_.apply(HeadCommand(DragFragment{as_move(motion_of(c)), 0, hand}));
+  };
+  carry(0, hand_.tool.valid, hand_.tool.carried);
+  carry(1, hand_.glove.valid, hand_.glove.carried);
 }
 
 void SolverLane::publish(int64_t tick) {
@@ -134,6 +150,12 @@ uint64_t SolverLane::state_hash() const {
   if (hand_.glove.valid || hand_.glove.held_hook != 0) {
     for (const double v : hand_.glove.hook_mm) h.add(v);
     h.add(hand_.glove.held_hook), h.add(hand_.glove.closed);
+  }
+  for (const Carried* c : {&hand_.tool.carried, &hand_.glove.carried}) {
+    if (c->holds == 0) continue;
+    for (const double v : c->quat) h.add(v);
+    for (const double v : c->shift_mm) h.add(v);
+    h.add(c->holds);
   }
   return h.value();
 }

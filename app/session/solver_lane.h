@@ -76,7 +76,7 @@ class SolverLane {
 
  private:
   void take(const ToolEvent& e, int64_t tick);
-  void apply(const Command& c, int64_t tick);
+  bool apply(const Command& c, int64_t tick);  // false: refused
   void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
   void follow_hand();
   void publish(int64_t tick);
@@ -91,7 +91,8 @@ class SolverLane {
   HandState hand_;
   int32_t held_hook_ = 0;  // by the stylus
   int32_t glove_hook_ = 0;
-  int64_t held_since_ = 0;
+  int32_t carried_[2] = {0, 0};  // by stylus and glove: the grab whose fragment they hold, 0 none
+  int64_t held_since_[2] = {0, 0};
   int64_t next_event_ = 0, event_gaps_ = 0;
   bool new_sample_ = false;
   int64_t shown_sample_ns_ = -1;

@@ -34,11 +34,14 @@
 //   {"action":"redo"}                                                            what was undone last; a new act ends that
 //   {"action":"stage","name":"flap cut"}                                         a picture and a row in the report
 //   {"action":"wait","seconds":1}
+//
+// Acts on bones and face are in head_command.h.
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "sim/geometry/body.h"
+#include "sim/tools/head_command.h"
 
 namespace limberg {
 
@@ -67,7 +70,7 @@ struct Redo {};
 struct Stage { std::string name; };
 struct Wait { double seconds = 1; };
 
-using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo, Stage, Wait, SutureCorner, SutureBetween, CutSuture>;
+using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, MoveHook, ReleaseHook, Suture, SutureRow, Undo, Redo, Stage, Wait, SutureCorner, SutureBetween, CutSuture, HeadCommand>;
 
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {

@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "sim/error.h"
+#include "sim/tools/script_reader.h"
 
 namespace limberg {
 namespace {
@@ -18,234 +19,16 @@ namespace {
 using Json = nlohmann::ordered_json;
 using L = ScriptLimits;
 
-std::string number(double v) {
-  std::ostringstream s;
-  s << v;
-  return s.str();
-}
-
-// One line being read: gives each key by its type and complains in the words of the house.
-class Reader {
- public:
-  Reader(std::string_view text, const std::string& name, int line) : name_(name), line_(line) {
-    if (text.size() > L::line_bytes) fail("the line is longer than " + std::to_string(L::line_bytes) + " bytes");
-    check_depth(text);
-    std::vector<std::pair<int, std::string>> keys;  // of the objects that are open, by depth
-    std::string twice;
-    const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-      if (event == Json::parse_event_t::object_end) std::erase_if(keys, [&](const auto& k) { return k.first > depth; });
-      if (event == Json::parse_event_t::key) {
-        const auto& k = value.get_ref<const std::string&>();
-        if (std::find(keys.begin(), keys.end(), std::pair(depth, k)) != keys.end()) twice = k;
-        keys.emplace_back(depth, k);
-        if (keys.size() > 100) keys.clear(), twice = "(more than 100 keys)";
-      }
-      return true;
-    };
-    try {
-      json_ = Json::parse(text.begin(), text.end(), watch);
-    } catch (const Json::parse_error& e) {
-      fail("broken JSON near column " + std::to_string(e.byte) + "; expected one whole JSON object on the line");
-    } catch (const Json::exception&) {
-      fail("a number is out of range; expected finite numbers");
-    }
-    if (!json_.is_object()) fail("expected one JSON object on the line");
-    if (!twice.empty()) fail("key \"" + shown(twice) + "\" is given twice; expected each key once");
-  }
-
-  [[noreturn]] void fail(const std::string& what) const { throw InputError(name_, line_, what); }
-
-  bool has(const char* key) const { return json_.contains(key); }
-
-  void only(std::initializer_list<const char*> keys, const std::string& where) const {
-    for (const auto& [k, v] : json_.items()) {
-      if (std::any_of(keys.begin(), keys.end(), [&](const char* want) { return k == want; })) continue;
-      std::string list;
-      for (const char* want : keys) list += (list.empty() ? "" : ", ") + std::string(want);
-      fail("unknown key \"" + shown(k) + "\" in " + where + "; expected " + list);
-    }
-  }
-
-  std::string text(const char* key, bool required, size_t max_bytes) const {
-    if (!has(key)) {
-      if (required) missing(key, "a text");
-      return {};
-    }
-    const Json& v = json_[key];
-    if (!v.is_string()) fail(quoted(key) + " is not a text");
-    const auto& s = v.get_ref<const std::string&>();
-    if (required && s.empty()) fail(quoted(key) + " is empty");
-    if (s.size() > max_bytes) fail(quoted(key) + " is longer than " + std::to_string(max_bytes) + " bytes");
-    return s;
-  }
-
-  int64_t integer(const char* key, int64_t lo, int64_t hi) const {
-    if (!has(key)) missing(key, "an integer");
-    const Json& v = json_[key];
-    const std::string range = "; expected an integer from " + std::to_string(lo) + " to " + std::to_string(hi);
-    if (!v.is_number_integer()) fail(quoted(key) + " is not an integer" + range);
-    if (v.is_number_unsigned() && v.get<uint64_t>() > uint64_t(INT64_MAX)) fail(quoted(key) + " is out of range" + range);
-    const int64_t i = v.get<int64_t>();
-    if (i < lo || i > hi) fail(quoted(key) + " is " + std::to_string(i) + range);
-    return i;
-  }
-
-  bool boolean(const char* key, bool otherwise) const {
-    if (!has(key)) return otherwise;
-    if (!json_[key].is_boolean()) fail(quoted(key) + " is neither true nor false; expected one of them");
-    return json_[key].get<bool>();
-  }
-
-  // lo <= value <= hi; with `open`, lo < value.
-  double real(const char* key, double otherwise, double lo, double hi, bool open) const {
-    if (!has(key)) return otherwise;
-    const Json& v = json_[key];
-    const std::string range = std::string("; expected a number ") + (open ? "above " : "from ") + number(lo) + " to " + number(hi);
-    if (!v.is_number()) fail(quoted(key) + " is not a number" + range);
-    const double d = v.get<double>();
-    if (!std::isfinite(d) || d < lo || d > hi || (open && d == lo)) fail(quoted(key) + " is " + number(d) + range);
-    return d;
-  }
-
-  /// Named points: {"name":[x, y], ...}.
-  std::vector<Landmark> landmarks(const char* key) const {
-    std::vector<Landmark> out;
-    if (!has(key)) return out;
-    if (!json_[key].is_object() || json_[key].size() > L::landmarks)
-      fail(quoted(key) + " is no list of at most " + std::to_string(L::landmarks) + " named points; expected {\"name\":[x, y], ...}");
-    for (const auto& [name, at] : json_[key].items()) {
-      if (name.empty() || name.size() > L::name_bytes) fail(quoted(key) + " holds a name that is empty or too long");
-      double c[2];
-      coordinates(at, c, 2, key);
-      out.push_back({name, {c[0], c[1]}});
-    }
-    return out;
-  }
-
-  std::optional<PlannedProcedure> plan(const char* key) const {
-    if (!has(key)) return std::nullopt;
-    const std::string expected = "; expected {\"procedure\":\"NAME\",\"values\":{...},\"at\":[x, y],\"turn_deg\":0,\"mirror\":false}";
-    const Json& p = json_[key];
-    if (!p.is_object() || !p.contains("procedure") || !p["procedure"].is_string()) fail(quoted(key) + " names no procedure" + expected);
-    PlannedProcedure out;
-    out.procedure = p["procedure"].get<std::string>();
-    for (const auto& [k, v] : p.items()) {
-      if (k == "procedure") continue;
-      if (k == "values" && v.is_object() && v.size() <= 32) {
-        for (const auto& [name, value] : v.items()) {
-          if (!value.is_number() || !std::isfinite(value.get<double>())) fail("\"values\" holds something that is not a number" + expected);
-          out.values.emplace_back(name, value.get<double>());
-        }
-      } else if (k == "at") {
-        double c[2];
-        coordinates(v, c, 2, "at");
-        out.at = {c[0], c[1]};
-      } else if (k == "turn_deg" && v.is_number() && std::abs(v.get<double>()) <= 3600) {
-        out.turn_deg = v.get<double>();
-      } else if (k == "mirror" && v.is_boolean()) {
-        out.mirrored = v.get<bool>();
-      } else {
-        fail(quoted(key) + " holds \"" + shown(k) + "\", which is unknown or of a wrong kind" + expected);
-      }
-    }
-    return out;
-  }
-
-  /// A stitch: its number, or a place.
-  StitchPick stitch(const char* key) const {
-    if (!has(key)) missing(key, "the number of a stitch or a place [x, y]");
-    if (json_[key].is_array()) return {0, point(key)};
-    return {int(integer(key, 1, L::max_id)), {0, 0}};
-  }
-
-  ChartPoint point(const char* key) const {
-    if (!has(key)) missing(key, "a point [x, y]");
-    double c[2];
-    coordinates(json_[key], c, 2, key);
-    return {c[0], c[1]};
-  }
-
-  Vec3 place(const char* key) const {
-    if (!has(key)) missing(key, "a place [x, y, z]");
-    double c[3];
-    coordinates(json_[key], c, 3, key);
-    return {c[0], c[1], c[2]};
-  }
-
-  std::vector<ChartPoint> path(const char* key, size_t least) const {
-    if (!has(key)) missing(key, "a list of points [[x, y], ...]");
-    const Json& v = json_[key];
-    if (!v.is_array()) fail(quoted(key) + " is not a list of points [[x, y], ...]");
-    if (v.size() < least || v.size() > L::path_points)
-      fail(quoted(key) + " has " + std::to_string(v.size()) + " points; expected " + std::to_string(least) + " to " +
-           std::to_string(L::path_points));
-    std::vector<ChartPoint> p;
-    p.reserve(v.size());
-    for (const Json& e : v) {
-      double c[2];
-      coordinates(e, c, 2, key);
-      p.emplace_back(c[0], c[1]);
-    }
-    return p;
-  }
-
-  // A text from the file, made fit for a one-line message.
-  static std::string shown(const std::string& s) {
-    std::string out;
-    for (char c : s.substr(0, 40)) out += (c >= ' ' && c != 127) ? c : '?';
-    return out + (s.size() > 40 ? "..." : "");
-  }
-
- private:
-  static std::string quoted(const char* key) { return "\"" + std::string(key) + "\""; }
-  [[noreturn]] void missing(const char* key, const std::string& what) const {
-    fail("key " + quoted(key) + " is missing; expected " + what);
-  }
-
-  void coordinates(const Json& v, double* out, size_t n, const char* key) const {
-    const std::string want = n == 2 ? "; expected points [x, y]" : "; expected [x, y, z]";
-    if (!v.is_array() || v.size() != n) fail(quoted(key) + " holds something that is not " + std::to_string(n) + " numbers" + want);
-    for (size_t i = 0; i < n; ++i) {
-      if (!v[i].is_number()) fail(quoted(key) + " holds a coordinate that is not a number" + want);
-      out[i] = v[i].get<double>();
-      if (!std::isfinite(out[i]) || std::abs(out[i]) > L::coordinate_mm)
-        fail(quoted(key) + " holds the coordinate " + number(out[i]) + "; expected at most " + number(L::coordinate_mm) + " mm");
-    }
-  }
-
-  void check_depth(std::string_view text) const {
-    int depth = 0;
-    bool in_text = false;
-    for (size_t i = 0; i < text.size(); ++i) {
-      const char c = text[i];
-      if (in_text) {
-        if (c == '\\') ++i;
-        else if (c == '"') in_text = false;
-      } else if (c == '"') {
-        in_text = true;
-      } else if (c == '[' || c == '{') {
-        if (++depth > 4) fail("brackets are nested too deeply; expected an object of numbers and points");
-      } else if (c == ']' || c == '}') {
-        --depth;
-      }
-    }
-  }
-
-  std::string name_;
-  int line_;
-  Json json_;
-};
-
 double length_mm(const std::vector<ChartPoint>& p) {
   double l = 0;
   for (size_t i = 1; i < p.size(); ++i) l += (p[i] - p[i - 1]).norm();
   return l;
 }
 
-double depth(const Reader& r, double otherwise) { return r.real("depth_mm", otherwise, 0, L::depth_mm, true); }
+double depth(const ScriptReader& r, double otherwise) { return r.real("depth_mm", otherwise, 0, L::depth_mm, true); }
 
 ScriptHeader read_header(std::string_view text, const std::string& name, int line) {
-  const Reader r(text, name, line);
+  const ScriptReader r(text, name, line);
   if (!r.has("limberg_script"))
     r.fail("the first line is not a script's header; expected {\"limberg_script\":1,\"scene\":\"NAME\"}");
   r.only({"limberg_script", "scene", "note", "landmarks", "plan"}, "the header");
@@ -270,10 +53,10 @@ void add_kind(Json& j, const RowKind& k) {
 }  // namespace
 
 Command parse_command(std::string_view json_line, const std::string& name, int line) {
-  const Reader r(json_line, name, line);
+  const ScriptReader r(json_line, name, line);
   if (r.has("limberg_script")) r.fail("a second header; expected an action");
   const std::string a = r.text("action", true, 100);
-  const std::string where = "the action " + Reader::shown(a);
+  const std::string where = "the action " + ScriptReader::shown(a);
   if (a == "incise" && r.has("stroke")) {
     r.only({"action", "stroke", "path", "depth_mm", "angle_deg", "more"}, where);
     const InciseMore d;
@@ -321,7 +104,7 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     SutureRow row{r.path("a", 2), r.path("b", 2), k.spacing_mm, k.depth_mm, k.running, k.slack_mm};
     const double longer = std::max(length_mm(row.a), length_mm(row.b));
     if (longer / row.spacing_mm > double(L::row_sutures))
-      r.fail("\"spacing_mm\" " + number(row.spacing_mm) + " on a path of " + number(longer) + " mm makes too many sutures; expected at most " +
+      r.fail("\"spacing_mm\" " + ScriptReader::number(row.spacing_mm) + " on a path of " + ScriptReader::number(longer) + " mm makes too many sutures; expected at most " +
              std::to_string(L::row_sutures));
     if (row.slack_mm > 0 && !row.running) r.fail("\"slack_mm\" without \"running\":true; expected a running suture");
     return row;
@@ -357,8 +140,9 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     r.only({"action", "seconds"}, where);
     return Wait{r.real("seconds", Wait{}.seconds, 0, L::seconds, false)};
   }
-  r.fail("unknown action \"" + Reader::shown(a) +
-         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, suture_corner, suture_between, cut_suture, undo, redo, stage or wait");
+  if (is_head_action(a)) return read_head_action(r, a, where);
+  r.fail("unknown action \"" + ScriptReader::shown(a) +
+         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, suture_corner, suture_between, cut_suture, undo, redo, stage or wait, or of a head: osteotomy, move_fragment, grab, drag, let_go, plate, join, connect_tissue or landmark");
 }
 
 Script parse_script(std::string_view text, const std::string& name) {
@@ -406,8 +190,9 @@ Script load_script(const std::string& path) {
 
 const char* action_name(const Command& command) {
   static constexpr const char* names[] = {"incise", "incise", "undermine",  "excise", "hook",  "move", "release",
-                                          "suture", "suture_row", "undo",   "redo",  "stage", "wait", "suture_corner", "suture_between", "cut_suture"};
+                                          "suture", "suture_row", "undo",   "redo",  "stage", "wait", "suture_corner", "suture_between", "cut_suture", ""};
   static_assert(std::variant_size_v<Command> == std::size(names));
+  if (const auto* head = std::get_if<HeadCommand>(&command)) return head_action_name(*head);
   return names[command.index()];
 }
 
@@ -429,6 +214,7 @@ std::string to_json_line(const ScriptHeader& h) {
 }
 
 std::string to_json_line(const Command& command) {
+  if (const auto* head = std::get_if<HeadCommand>(&command)) return head_json_line(*head);
   Json j;
   j["action"] = action_name(command);
   std::visit(

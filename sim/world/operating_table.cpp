@@ -56,6 +56,7 @@ Outcome OperatingTable::apply(const Command& command) {
 
 Outcome OperatingTable::act(const Stage&) { return ++stage_, Outcome{true, {}}; }
 Outcome OperatingTable::act(const Wait&) { return {true, {}}; }
+Outcome OperatingTable::act(const HeadCommand&) { return {false, "there is no bone here; expected a scene with a [head]"}; }
 
 StepReport OperatingTable::step(const StepSettings& settings) {
   draw_tight();

@@ -126,6 +126,7 @@ class OperatingTable {
   Outcome act(const Redo&);
   Outcome act(const Stage&);
   Outcome act(const Wait&);
+  Outcome act(const HeadCommand&);
 
   Outcome cut(const BladeResult& blade, bool take_out, const Vec3& inside_mm);
   /// The cuts of one stroke on the arrangement alone; refused: nothing has changed.

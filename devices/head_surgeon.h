@@ -1,0 +1,36 @@
+#pragma once
+// The emulated surgeon at a skull: a stylus in one hand draws osteotomies on the bone, a glove on the other points at
+// fragments, closes, carries them and opens. Out come samples at 120 Hz: the stylus, and the two stations of the glove in turn.
+//
+//   osteotomy (contour)     the saw drawn round the contour with the stylus
+//   move_fragment           the glove: points at the place that the line names (or at the middle of the fragment), closes, moves by
+//                           the map that the line means, opens
+//   stage, wait, undo, redo as the stylus does them
+//
+// Everything else (planes, plates, joins, tissue, landmarks) is no gesture: a line in problems(). Noise, tremor and gaps are
+// those of SurgeonSettings; everything random comes from its seed. The glove is that of the shipped calibration: tips at the sensors,
+// the forefinger along its sensor's x axis.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "devices/emulator.h"
+
+namespace limberg {
+
+class EmulatedHeadSurgeon final : public Source {
+ public:
+  explicit EmulatedHeadSurgeon(std::vector<Command> script, const SurgeonSettings& settings = {});
+  ~EmulatedHeadSurgeon() override;
+  void look(const Snapshot& snapshot) override;  // keeps a pointer until the next poll
+  void poll(int64_t now_ns, SampleSink& sink) override;
+  bool done() const override;
+  SourceCounts counts() const override;
+  const std::vector<std::string>& problems() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace limberg
