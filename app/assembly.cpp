@@ -54,10 +54,10 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
       world(world_spec(scene, build_body(scene)), workers),
       patient(world, scene.tools.max_depth_mm),
       front(calibration, gestures(scene)),
-      device(front, channels, o.record),
+      device(front, channels, o.record, o.record && o.real_time),
       script(open_script(o.script_file, scene)),
       repro(o.repro_dir, blank_repro(scene, scene.cell_mm, scene.seed)),
-      solver(patient, channels, SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut},
+      solver(patient, channels, SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut, o.record && o.real_time},
              [this](const Command& c) {
                done.push_back(c);
                repro.done(c);

@@ -14,6 +14,7 @@
 #include "limberg_msg/control_t.hpp"
 #include "limberg_msg/end_t.hpp"
 #include "limberg_msg/raw_t.hpp"
+#include "limberg_msg/schedule_t.hpp"
 #include "limberg_msg/session_t.hpp"
 #include "limberg_msg/stylus_t.hpp"
 #include "limberg_msg/tracker_t.hpp"
@@ -24,7 +25,8 @@ inline constexpr int32_t kSchemaVersion = 1;
 inline constexpr std::string_view kStylusChannel = "LIMBERG_STYLUS", kControlChannel = "LIMBERG_CONTROL",
                                   kSessionChannel = "LIMBERG_SESSION", kChunkChannel = "LIMBERG_CHUNK",
                                   kCheckpointChannel = "LIMBERG_CHECKPOINT", kEndChannel = "LIMBERG_END",
-                                  kTrackerChannel = "LIMBERG_TRACKER", kRawChannel = "LIMBERG_RAW";
+                                  kTrackerChannel = "LIMBERG_TRACKER", kRawChannel = "LIMBERG_RAW",
+                                  kScheduleChannel = "LIMBERG_SCHEDULE";
 
 /// CRC-32 of IEEE 802.3 (reflected polynomial 0xEDB88320).
 uint32_t crc32(const uint8_t* data, size_t n);

@@ -4,9 +4,11 @@
 //   LIMBERG_CHUNK ...   the scene file, the calibration and any mesh, byte for byte
 //   LIMBERG_STYLUS, LIMBERG_TRACKER, LIMBERG_CONTROL   every sample as received
 //   LIMBERG_RAW         the bytes of serial devices from which samples were read
+//   LIMBERG_SCHEDULE    of a live session: what its threads took from each other (schedule.h)
 //   LIMBERG_CHECKPOINT  tick and state hash, once a second or so
 //   LIMBERG_END         number of events before it, final tick and hash; missing when the session was cut short
 // All messages have a fixed size, a schema version, a sequence number and a CRC-32 (messages/*.lcm).
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +16,7 @@
 
 #include "devices/lcm_log.h"
 #include "devices/sample.h"
+#include "devices/schedule.h"
 #include "devices/source.h"
 
 namespace limberg {
@@ -57,6 +60,7 @@ struct Recording {
   std::vector<Blob> blobs;         // whole ones only
   std::vector<Sample> samples;     // in file order; times never decrease within a device
   std::vector<Checkpoint> checkpoints;
+  LiveSchedule schedule;           // of a live session; empty otherwise
   std::optional<RecordingEnd> end;
   LogDamage damage;
   int64_t events = 0;              // events of ours that were taken
@@ -76,6 +80,11 @@ class RecordingWriter final : public SampleSink {
   void open(const std::string& path, const SessionInfo& session, const std::vector<Blob>& blobs, bool replace = false);
   void on_sample(const Sample& sample) override;
   void checkpoint(int64_t tick, uint64_t hash);
+  /// Rows are gathered and written 32 at a time, or when they are half a second old.
+  void schedule(const DeviceRun& run);
+  void schedule(const SolverTake& take);
+  /// Says that rows or samples were lost, so that nobody takes the schedule for whole.
+  void schedule_lost();
   /// Writes the end event and closes. False, with error() set, when the disk refused anything; the whole events before
   /// that are kept.
   bool finish(int64_t tick, uint64_t hash);
@@ -85,6 +94,14 @@ class RecordingWriter final : public SampleSink {
 
  private:
   LogWriter log_;
+  struct Rows {  // not yet written
+    int64_t seq = 0, first_tick = 0;
+    std::vector<std::array<int64_t, 7>> row;
+  };
+  void add_row(int kind, int64_t tick, const std::array<int64_t, 7>& row);
+  void write_rows(int kind, int64_t tick);
+  Rows rows_[2];  // device ticks, solver steps
+  bool said_lost_ = false;
   int64_t tick_ns_ = 1'000'000, start_us_ = 0, last_us_ = 0, seq_ = 0;
 };
 

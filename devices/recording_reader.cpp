@@ -44,6 +44,8 @@ class Reader {
         wrong = chunk(e);
       else if (e.channel == kCheckpointChannel)
         wrong = checkpoint(e);
+      else if (e.channel == kScheduleChannel)
+        wrong = schedule(e);
       else if (e.channel == kEndChannel)
         wrong = end(e);
       else
@@ -61,6 +63,7 @@ class Reader {
       }
     }
     leave_out_unchecked();
+    if (!r_.end) trim_schedule();
     for (auto& [index, b] : open_) {
       if (!b.broken && b.next == b.total && int64_t(b.blob.data.size()) == b.bytes)
         r_.blobs.push_back(std::move(b.blob));
@@ -184,6 +187,52 @@ class Reader {
     return nullptr;
   }
 
+  /// Of a session that was cut short: as much as is known for certain. Ticks whose samples are in the file, and steps before
+  /// which all ticks are known.
+  void trim_schedule() {
+    std::vector<DeviceRun>& ticks = r_.schedule.device;
+    std::vector<SolverTake>& steps = r_.schedule.solver;
+    size_t samples = 0, n = 0;
+    for (; n < ticks.size() && samples + size_t(ticks[n].samples) <= r_.samples.size(); ++n) samples += size_t(ticks[n].samples);
+    ticks.resize(n);
+    const int64_t known = ticks.empty() ? 0 : ticks.back().snapshot;
+    while (!steps.empty() && steps.back().step > known) steps.pop_back();
+  }
+
+  /// A schedule from which a row is missing is of no use, and says so; the rest of the recording is not the worse for it.
+  const char* schedule(const LogEvent& e) {
+    limberg_msg::schedule_t m;
+    const char* wrong = decode_message(e.data, e.size, m);
+    if (!wrong && (m.kind < 1 || m.kind > 3 || m.n < 0 || m.n > int32_t(std::size(m.row)))) wrong = "rows that cannot be";
+    if (!wrong && m.kind == 3) return r_.schedule.broken = true, nullptr;
+    if (!wrong && m.seq != schedule_seq_[m.kind - 1]) wrong = kOutOfOrder;
+    for (int32_t i = 0; !wrong && i < m.n; ++i)
+      if (!(m.kind == 1 ? device_row(m.row[i]) : solver_row(m.row[i]))) wrong = "rows that cannot be";
+    if (wrong) r_.schedule.broken = true;
+    else ++schedule_seq_[m.kind - 1];
+    return wrong;
+  }
+
+  bool device_row(const int64_t* row) {
+    const DeviceRun r{row[0], row[1], int32_t(row[2]), int32_t(row[3])};
+    std::vector<DeviceRun>& all = r_.schedule.device;
+    const bool follows = all.empty() ? r.tick >= 0 && r.snapshot >= 0 : r.tick >= all.back().tick + all.back().count && r.snapshot >= all.back().snapshot;
+    if (!follows || row[2] < 1 || row[2] > kMaxRun || row[3] < 0 || row[3] > kMaxRun || r.tick > kMaxTick) return false;
+    all.push_back(r);
+    return true;
+  }
+
+  bool solver_row(const int64_t* row) {
+    const SolverTake t{row[0], row[1], row[2], row[3], row[4], uint64_t(row[5]), uint64_t(row[6])};
+    std::vector<SolverTake>& all = r_.schedule.solver;
+    const SolverTake before = all.empty() ? SolverTake{} : all.back();
+    if (t.step != before.step + 1 || t.tick < before.tick || t.tick > kMaxTick || t.hand_tick < before.hand_tick || t.hand_tick > kMaxTick ||
+        t.events < before.events || t.stop_at < 0)
+      return false;
+    all.push_back(t);
+    return true;
+  }
+
   const char* end(const LogEvent& e) {
     limberg_msg::end_t m;
     if (const char* wrong = decode_message(e.data, e.size, m)) return wrong;
@@ -193,8 +242,10 @@ class Reader {
     return nullptr;
   }
 
+  static constexpr int64_t kMaxRun = 1'000'000, kMaxTick = int64_t(1) << 40;
   LogReader& log_;
   Recording r_;
+  int64_t schedule_seq_[2] = {0, 0};  // of the next message of each kind
   std::map<std::pair<int, int32_t>, StreamOrder> order_;
   std::map<int32_t, OpenBlob> open_;
   std::vector<std::pair<size_t, int64_t>> unchecked_;  // samples without a checksum, and where they stand in the file

@@ -97,8 +97,47 @@ void RecordingWriter::checkpoint(int64_t tick, uint64_t hash) {
   log_.write(last_us_, kCheckpointChannel, bytes.data(), encode_message(m, bytes));
 }
 
+void RecordingWriter::schedule(const DeviceRun& r) { add_row(1, r.tick, {r.tick, r.snapshot, r.count, r.samples, 0, 0, 0}); }
+
+void RecordingWriter::schedule(const SolverTake& t) {
+  add_row(2, t.tick, {t.step, t.tick, t.hand_tick, t.events, t.stop_at, int64_t(t.adopted), int64_t(t.hash)});
+}
+
+void RecordingWriter::schedule_lost() {
+  if (said_lost_ || !log_.is_open()) return;
+  said_lost_ = true;
+  auto m = own_message<limberg_msg::schedule_t>(0, std::max<int64_t>(0, (last_us_ - start_us_) * 1000));
+  m.kind = 3;
+  MessageBytes bytes;
+  log_.write(last_us_, kScheduleChannel, bytes.data(), encode_message(m, bytes));
+}
+
+void RecordingWriter::add_row(int kind, int64_t tick, const std::array<int64_t, 7>& row) {
+  constexpr size_t full = std::extent_v<decltype(limberg_msg::schedule_t::row)>;
+  const int64_t half_a_second = 500'000'000 / tick_ns_;
+  Rows& rows = rows_[kind - 1];
+  if (rows.row.empty()) rows.first_tick = tick;
+  rows.row.push_back(row);
+  if (rows.row.size() == full || tick - rows.first_tick > half_a_second) write_rows(kind, tick);
+}
+
+void RecordingWriter::write_rows(int kind, int64_t tick) {
+  Rows& rows = rows_[kind - 1];
+  if (rows.row.empty()) return;
+  const int64_t t_ns = tick * tick_ns_;
+  last_us_ = std::max(last_us_, start_us_ + t_ns / 1000);
+  auto m = own_message<limberg_msg::schedule_t>(rows.seq++, t_ns);
+  m.kind = kind;
+  m.n = int32_t(rows.row.size());
+  for (size_t i = 0; i < rows.row.size(); ++i) std::copy(rows.row[i].begin(), rows.row[i].end(), m.row[i]);
+  rows.row.clear();
+  MessageBytes bytes;
+  log_.write(last_us_, kScheduleChannel, bytes.data(), encode_message(m, bytes));
+}
+
 bool RecordingWriter::finish(int64_t tick, uint64_t hash) {
   if (!log_.is_open()) return log_.error().empty();
+  write_rows(1, tick), write_rows(2, tick);
   const int64_t t_ns = tick * tick_ns_;
   auto m = own_message<limberg_msg::end_t>(seq_++, t_ns);
   m.tick = tick;

@@ -259,6 +259,9 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
     std::printf("tracker     %lld readings of stations, %lld bytes as they came\n", static_cast<long long>(stations), static_cast<long long>(raw_bytes));
   for (const Blob& b : rec.blobs) std::printf("holds       %s, %zu bytes\n", b.name.c_str(), b.data.size());
   std::printf("checkpoints %zu\n", rec.checkpoints.size());
+  if (rec.schedule.broken) std::printf("schedule    not whole: replays, but not exactly as it was\n");
+  else if (rec.schedule.usable())
+    std::printf("schedule    %zu solver steps of a live session: replays exactly as it was\n", rec.schedule.solver.size());
   std::printf("end         %s\n", rec.end ? "whole" : "missing: the session was cut short");
   if (rec.session && rec.blob(BlobKind::scene)) {
     const Unbundled u = unbundle_scene(rec, file);

@@ -14,7 +14,7 @@ namespace {
 struct Options {
   std::string recording, scene, convergence, film, lesson;
   int frames_per_s = 25;
-  bool lockstep = false, real_time = false;
+  bool lockstep = false, real_time = false, even_clock = false;
   AutoOption automatic;
   CommonOptions common;
 };
@@ -59,9 +59,18 @@ int replay(const Options& o) {
     call.expected.push_back({rec.end->tick, rec.end->hash});
   }
   if ((call.point = o.automatic.apply(call.scene))) call.expected.clear();  // another lattice: nothing to compare with
-  auto source = std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total());
-  call.known_length_s = double(source->last_ns()) * 1e-9;
-  call.sources.push_back(std::move(source));
+  const bool as_it_was = !o.real_time && !o.even_clock && !call.point && rec.damage.total() == rec.damage.truncated;  // a killed session ends within an event
+  if (as_it_was && rec.schedule.usable()) {
+    call.schedule = std::move(rec.schedule);
+    call.taken = std::move(rec.samples);
+    call.known_length_s = double(call.schedule.solver.back().tick) * 1e-3;
+  } else {
+    if (rec.schedule.usable()) call.expected.clear();  // hashes of a live session are those of its own interleaving
+    else if (rec.schedule.broken) say(o.recording + ": what its threads found is not whole: replayed on an even clock, not exactly as it was");
+    auto source = std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total());
+    call.known_length_s = double(source->last_ns()) * 1e-9;
+    call.sources.push_back(std::move(source));
+  }
   call.damage = rec.damage;
   if (!o.lesson.empty()) call.lesson = open_lesson(o.lesson);
   call.reproduce = "limberg replay " + o.recording + (o.real_time ? " --realtime" : "") + (o.common.out_dir.empty() ? "" : " --out " + o.common.out_dir);
@@ -84,6 +93,7 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   c->add_option("RECORDING", o->recording, "LCM log made by run --record or emulate")->required();
   CLI::Option* lockstep = c->add_flag("--lockstep", o->lockstep, "On a virtual clock, bit for bit (default)");
   CLI::Option* realtime = c->add_flag("--realtime", o->real_time, "On three threads at their own rates, with timing figures")->excludes(lockstep);
+  c->add_flag("--even-clock", o->even_clock, "A recording of run: not as its threads were interleaved then, but on an even clock")->excludes(realtime);
   c->add_option("--scene", o->scene, "Refuse the recording if it was not made with this scene")->type_name("SCENE");
   c->add_option("--convergence", o->convergence, "Put the convergence table and the lattice errors of this result (of operate --cells) into the report")
       ->type_name("FILE");

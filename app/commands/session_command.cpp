@@ -12,6 +12,7 @@
 #include "app/progress.h"
 #include "app/report/report.h"
 #include "app/report/report_names.h"
+#include "app/session/as_recorded.h"
 #include "app/session/lockstep.h"
 #include "app/session/realtime.h"
 #include "app/shipped.h"
@@ -47,7 +48,7 @@ std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
 }
 
 void compare_checkpoints(Result& r, const SessionCall& call, const SessionFigures& f) {
-  int64_t compared = 0, equal = 0, first_difference = -1;
+  int64_t compared = f.hashes_compared, equal = f.hashes_equal, first_difference = f.first_difference_tick;
   for (const Checkpoint& want : call.expected)
     for (const Checkpoint& got : f.checkpoints)
       if (want.tick == got.tick && want.hash != 0) {
@@ -132,6 +133,12 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   Assembly a(std::move(call.scene), call.calibration, o);
   call.scene_files.reset();
   for (auto& s : call.sources) a.front.add(std::move(s));
+  TakenSource* taken = nullptr;
+  if (call.schedule.usable()) {
+    auto source = std::make_unique<TakenSource>(std::move(call.taken));
+    taken = source.get();
+    a.front.add(std::move(source));
+  }
   if (window) a.front.add(window->pointer());
   const std::unique_ptr<Recorder> recorder = open_recorder(call, a);
 
@@ -151,7 +158,8 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     });
   } else {
     set.ticks_per_frame = film ? 1000 / call.film->frames_per_s : 1000;  // on a virtual clock frames are samples of the picture, one a second
-    f = run_lockstep(a.lanes(recorder.get()), set);
+    if (taken && call.end_tick >= 0) set.settle_steps = 0;  // whole: it says itself how it came to rest
+    f = taken ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken) : run_lockstep(a.lanes(recorder.get()), set);
   }
   progress.clear();
   window.reset();

@@ -31,6 +31,8 @@ struct SessionCall {
   int64_t end_tick = -1;           // -1: when the sources have ended
   int ticks_per_solver_step = 0;   // 0: as the scene asks
   double known_length_s = 0;       // for the progress line
+  LiveSchedule schedule;           // of a live recording: it is done again as it was
+  std::vector<Sample> taken;       // its samples, in the order in which they were recorded
   std::vector<Checkpoint> expected;  // of a recording: compared in lockstep
   LogDamage damage;
   std::string reproduce;           // the command that makes the result again

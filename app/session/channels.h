@@ -6,6 +6,7 @@
 //     solver ──triple buffer: the patient──────────────► device, render
 //     solver ──ring: stages passed, acts done──────────► render
 //     device ──ring: every sample as received──────────► recorder
+//     device, solver ──rings: what they found──────────► recorder (live sessions)
 //
 // Nothing here waits. Each buffer has one writer and one reader.
 #include <atomic>
@@ -14,6 +15,7 @@
 #include "app/session/notice.h"
 #include "app/session/spsc_ring.h"
 #include "app/session/triple_buffer.h"
+#include "devices/schedule.h"
 #include "devices/tool_event.h"
 #include "devices/virtual_hand.h"
 #include "sim/snapshot.h"
@@ -44,6 +46,8 @@ enum TopologyReader : int { kDeviceReader = 0, kRenderReader = 1, kTopologyReade
 struct Channels {
   SpscRing<ToolEvent> events{1 << 14};  // 16 s of a gesture that makes an event on every tick
   SpscRing<Sample> samples{1 << 14};
+  SpscRing<DeviceRun> device_runs{1 << 12};   // at most one a tick: 4 s
+  SpscRing<SolverTake> solver_takes{1 << 10};
   SpscRing<StageMark> stages{1 << 10};
   SpscRing<Notice> notices{1 << 8};  // for a screen: where nobody empties it, later ones are dropped
   std::atomic<bool> want_field{false};  // render asks the solver for the tension

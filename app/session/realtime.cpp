@@ -236,8 +236,9 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
   out.last_tick = c.tick.load();
   out.duration_s = double(out.last_tick) * 1e-3;
   out.scheduling = c.scheduling;
-  if (recorder) recorder->finish(out.last_tick, 0);  // hash 0: the interleaving of a live session is its own
   out.state_hash = solver.state_hash();
+  device.end_schedule();
+  if (recorder) recorder->finish(out.last_tick, out.state_hash);
   return out;
 }
 

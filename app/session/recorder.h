@@ -21,6 +21,9 @@ class Recorder {
 
   void drain() {
     for (Sample s; ch_.samples.pop(s); ++samples_) writer_.on_sample(s);
+    for (DeviceRun r; ch_.device_runs.pop(r);) writer_.schedule(r);
+    for (SolverTake t; ch_.solver_takes.pop(t);) writer_.schedule(t);
+    if (ch_.samples.lost() + ch_.events.lost() + ch_.device_runs.lost() + ch_.solver_takes.lost() > 0) writer_.schedule_lost();
   }
   void checkpoint(int64_t tick, uint64_t hash) { writer_.checkpoint(tick, hash); }
   void finish(int64_t tick, uint64_t hash) {

@@ -51,6 +51,8 @@ struct SessionFigures {
   int settle_steps = 0;
   uint64_t state_hash = 0;   // at the end, at rest
   std::vector<Checkpoint> checkpoints;  // lockstep: the last one is at the last tick, before the rest afterwards
+  // A live session done again: hashes that its steps carry, compared; the first tick that differs, -1: none.
+  int64_t hashes_compared = 0, hashes_equal = 0, first_difference_tick = -1;
   bool interrupted = false;
   std::string scheduling;    // real time: what the device thread got
 };

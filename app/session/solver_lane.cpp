@@ -12,6 +12,7 @@ namespace limberg {
 
 namespace {
 double seconds(int64_t tick) { return double(tick) * 1e-3; }
+constexpr int kChances = 64;  // bits of SolverTake::adopted; later chances in one step are let pass
 Vec3 vec(const double (&p)[3]) { return {p[0], p[1], p[2]}; }
 }  // namespace
 
@@ -25,11 +26,51 @@ SolverLane::SolverLane(Patient& patient, Channels& channels, const SolverSetting
 void SolverLane::start() { publish(0); }
 
 void SolverLane::step(int64_t tick, const std::function<bool()>& stop_early) {
-  if (ch_.hand_to_solver.update()) hand_ = ch_.hand_to_solver.reading();
+  if (ch_.hand_to_solver.update()) hand_ = ch_.hand_to_solver.reading(), hand_known_ = true;
   for (ToolEvent e; ch_.events.pop(e);) take(e, tick);
-  follow_hand();
   StepSettings s = settings_.step;
-  if (stop_early) s.should_stop = stop_early;
+  if (!settings_.schedule) {
+    if (stop_early) s.should_stop = stop_early;
+    return advance(tick, s);
+  }
+  SolverTake found{int64_t(steps_) + 1, tick, hand_known_ ? hand_.tool.tick : -1, int64_t(events_)};
+  int64_t asked = 0;
+  if (stop_early)
+    s.should_stop = [&] {
+      ++asked;
+      if (found.stop_at == 0 && stop_early()) found.stop_at = asked;
+      return found.stop_at != 0;
+    };
+  int chance = 0;
+  if (s.adopt_when_ready)
+    s.adopt_now = [&](bool there) {
+      const bool now = there && chance < kChances;
+      if (now) found.adopted |= uint64_t(1) << chance;
+      ++chance;
+      return now;
+    };
+  advance(tick, s);
+  if (settings_.hash_every > 0 && steps_ % uint64_t(settings_.hash_every) == 0) found.hash = state_hash();
+  ch_.solver_takes.push(found);
+}
+
+void SolverLane::step_as(const SolverTake& as, const HandState* hand) {
+  if (hand) hand_ = *hand, hand_known_ = true;
+  for (ToolEvent e; int64_t(events_) < as.events && ch_.events.pop(e);) take(e, as.tick);
+  StepSettings s = settings_.step;
+  int64_t asked = 0;
+  s.should_stop = [&] { return ++asked >= as.stop_at && as.stop_at > 0; };
+  int chance = 0;
+  s.adopt_when_ready = true;
+  s.adopt_now = [&](bool) {
+    const int k = chance++;
+    return k < kChances && (as.adopted >> k & 1) != 0;
+  };
+  advance(as.tick, s);
+}
+
+void SolverLane::advance(int64_t tick, const StepSettings& s) {
+  follow_hand();
   last_ = patient_.step(s);
   ++steps_;
   motion_.add(seconds(tick), hand_.tool);

@@ -19,6 +19,8 @@ struct SolverSettings {
   StepSettings step;           // of one step of the session
   int64_t series_every = 1;    // keep every n-th step's figures
   bool progressive_cut = false;  // an incision opens while it is drawn
+  bool schedule = false;         // pass what each step found on to Channels::solver_takes
+  int64_t hash_every = 60;       // with `schedule`: the state's hash goes with every n-th step, about once a second
 };
 
 /// A command that the patient refused: nothing was changed.
@@ -54,6 +56,8 @@ class SolverLane {
   void start();
   /// One step at device tick `tick`. `stop_early` is asked between iterations (real time); empty in lockstep.
   void step(int64_t tick, const std::function<bool()>& stop_early = {});
+  /// The step that a live session took, once more: with this hand, the events that it had, and cut short where it was.
+  void step_as(const SolverTake& take, const HandState* hand);
   /// A step towards rest after the last event: hooks and sutures stay as they are.
   void settle_step(int64_t tick) { step(tick); }
 
@@ -75,6 +79,7 @@ class SolverLane {
   int64_t event_gaps() const { return event_gaps_; }
 
  private:
+  void advance(int64_t tick, const StepSettings& s);
   void take(const ToolEvent& e, int64_t tick);
   bool apply(const Command& c, int64_t tick);  // false: refused
   void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
@@ -89,6 +94,7 @@ class SolverLane {
   OnRefusal on_refusal_;
   CommandBuilder builder_;
   HandState hand_;
+  bool hand_known_ = false;
   int32_t held_hook_ = 0;  // by the stylus
   int32_t glove_hook_ = 0;
   int32_t carried_[2] = {0, 0};  // by stylus and glove: the grab whose fragment they hold, 0 none

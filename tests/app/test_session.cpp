@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <thread>
 
+#include "app/session/as_recorded.h"
 #include "app/session/lockstep.h"
 #include "app/session/realtime.h"
 #include "app/session/workers_pool.h"
@@ -41,12 +42,15 @@ struct Notes final : PictureSink {
 };
 
 struct Rig {
-  explicit Rig(std::unique_ptr<Source> source, Workers* workers = nullptr, bool record = false)
-      : patient(workers), front(Calibration{}), device(front, *channels, record), solver(patient, *channels, settings()), render(*channels, &notes, true) {
+  explicit Rig(std::unique_ptr<Source> source, Workers* workers = nullptr, bool record = false, bool schedule = false)
+      : patient(workers), front(Calibration{}), device(front, *channels, record, schedule), solver(patient, *channels, settings(schedule)), render(*channels, &notes, true) {
     front.add(std::move(source));
   }
-  static SolverSettings settings() {
+  static SolverSettings settings(bool schedule) {
     SolverSettings s;
+    s.schedule = schedule;
+    s.hash_every = 10;
+    s.step.adopt_when_ready = schedule;
     s.step.max_iterations = 6;
     s.step.tolerance = 1e-9;
     return s;
@@ -247,6 +251,127 @@ TEST(RealTime, LosesNothingAndEndsWhereLockstepDoes) {
   const Recording second = read_recording(copy);
   EXPECT_EQ(second.samples.size(), rec.samples.size());  // every sample as received
   std::filesystem::remove(file), std::filesystem::remove(copy);
+}
+
+/// A live session of some two seconds, recorded: a cut, a hook, and a clock that stops every third step early.
+Recording live_recording(const std::string& file, uint64_t& hash, int64_t* early = nullptr) {
+  const std::vector<Command> script{Incise{{{-4, -5}, {0, -5}}, 4, 90}, SetHook{1, {3, 4}}, MoveHook{1, {6, 8, 5}, 0.4}, Stage{"pulled"}};
+  SurgeonSettings ss;
+  ss.settle_s = 0.05, ss.start_s = 0.1, ss.carry_mm_s = 300, ss.corner_pause_s = 0.05;
+  Rig rig(std::make_unique<EmulatedSurgeon>(script, ss), nullptr, true, true);
+  Recorder recorder(*rig.channels, file, SessionInfo{}, {}, true);
+  const SessionFigures f = run_realtime(rig.lanes(&recorder), quick(), {.solver_budget = 0});
+  EXPECT_FALSE(recorder.failed()) << recorder.error();
+  hash = f.state_hash;
+  Recording rec = read_recording(file);
+  EXPECT_EQ(rec.damage.total(), 0) << rec.damage.first_message;
+  EXPECT_TRUE(rec.schedule.usable());
+  EXPECT_EQ(rec.schedule.solver.size(), f.solver.ticks);
+  EXPECT_TRUE(rec.end && rec.end->hash == hash);
+  if (early)
+    for (const SolverTake& t : rec.schedule.solver) *early += t.stop_at > 0;
+  return rec;
+}
+
+SessionFigures again(const Recording& rec, const LiveSchedule& schedule, Workers* workers = nullptr) {
+  auto source = std::make_unique<TakenSource>(rec.samples);
+  TakenSource& taken = *source;
+  Rig rig(std::move(source), workers);
+  SessionSettings set = quick();
+  if (rec.end) set.settle_steps = 0;
+  return run_as_recorded(rig.lanes(), set, schedule, taken);
+}
+
+TEST(AsRecorded, ALiveSessionReplaysToTheSameBits) {
+  const std::string file = temporary("live.lcm");
+  uint64_t hash = 0;
+  int64_t early = 0;
+  const Recording rec = live_recording(file, hash, &early);
+  EXPECT_GT(early, 10);  // a budget of nothing: whatever is not done after one iteration is cut short
+  WorkersPool two(2);
+  for (Workers* w : {static_cast<Workers*>(nullptr), static_cast<Workers*>(&two)}) {
+    const SessionFigures f = again(rec, rec.schedule, w);
+    EXPECT_EQ(f.state_hash, hash);
+    EXPECT_GT(f.hashes_compared, 5);
+    EXPECT_EQ(f.hashes_equal, f.hashes_compared);
+    EXPECT_EQ(f.first_difference_tick, -1);
+  }
+  std::filesystem::remove(file);
+}
+
+TEST(AsRecorded, EachColumnOfTheScheduleCounts) {
+  const std::string file = temporary("live2.lcm");
+  uint64_t hash = 0;
+  const Recording rec = live_recording(file, hash);
+  std::filesystem::remove(file);
+  const auto differs = [&](const LiveSchedule& s) {
+    const SessionFigures f = again(rec, s);
+    return f.state_hash != hash || f.hashes_equal != f.hashes_compared || f.first_difference_tick >= 0;
+  };
+  LiveSchedule s = rec.schedule;
+  ASSERT_FALSE(differs(s));
+  size_t at = 0;  // a step within the hook's way that was cut short
+  for (size_t i = 0; i < s.solver.size(); ++i)
+    if (s.solver[i].stop_at == 1 && s.solver[i].events > 0) at = i;
+  ASSERT_GT(at, 0u);
+  s.solver[at].stop_at = 3;
+  EXPECT_TRUE(differs(s)) << "the clock's stop";
+  s = rec.schedule;
+  for (SolverTake& t : s.solver) t.hand_tick = std::min<int64_t>(t.hand_tick, 400);
+  EXPECT_TRUE(differs(s)) << "the hand";
+  s = rec.schedule;
+  for (size_t i = 0; i + 1 < s.device.size(); ++i)
+    if (s.device[i].samples > 0) std::swap(s.device[i].samples, s.device[i + 1].samples);
+  EXPECT_TRUE(differs(s)) << "the samples of a tick";
+}
+
+TEST(AsRecorded, AKilledSessionLosesLessThanASecondAndReplays) {
+  const std::string file = temporary("killed.lcm");
+  uint64_t hash = 0;
+  const Recording whole = live_recording(file, hash);
+  std::filesystem::remove(file);
+  // Written anew from what the threads passed on, and looked at as it stands on the disk when the program is killed: what
+  // the writer still holds is lost.
+  RecordingWriter w;
+  w.open(file, SessionInfo{}, {}, true);
+  size_t run = 0, step = 0, sample = 0;
+  const int64_t killed = whole.end->tick * 3 / 4;
+  for (int64_t tick = 0; tick < killed; ++tick) {
+    for (; run < whole.schedule.device.size() && whole.schedule.device[run].tick + whole.schedule.device[run].count - 1 <= tick; ++run) {
+      for (int32_t k = 0; k < whole.schedule.device[run].samples; ++k) w.on_sample(whole.samples[sample++]);
+      w.schedule(whole.schedule.device[run]);
+    }
+    for (; step < whole.schedule.solver.size() && whole.schedule.solver[step].tick <= tick; ++step) w.schedule(whole.schedule.solver[step]);
+  }
+  const std::string copy = temporary("killed-copy.lcm");
+  std::filesystem::copy_file(file, copy);
+  std::filesystem::resize_file(copy, std::filesystem::file_size(copy) - 11);  // the last event is torn
+  const Recording rec = read_recording(copy);
+  std::filesystem::remove(file), std::filesystem::remove(copy);
+  EXPECT_FALSE(rec.end);
+  EXPECT_EQ(rec.damage.total(), 1);
+  ASSERT_TRUE(rec.schedule.usable());
+  EXPECT_GT(rec.schedule.solver.back().tick, killed - 1000);
+  const SessionFigures f = again(rec, rec.schedule);
+  EXPECT_GT(f.hashes_compared, 2);
+  EXPECT_EQ(f.hashes_equal, f.hashes_compared);
+  EXPECT_EQ(f.first_difference_tick, -1);
+}
+
+TEST(AsRecorded, AScheduleWithAMissingRowIsNotTakenForWhole) {
+  const std::string file = temporary("gap.lcm");
+  RecordingWriter w;
+  w.open(file, SessionInfo{}, {}, true);
+  w.on_sample(StylusSample{});
+  w.schedule(DeviceRun{0, 0, 10, 1});
+  w.schedule(SolverTake{1, 5, 4, 0});
+  w.schedule(SolverTake{3, 9, 8, 0});  // the second is missing
+  w.finish(10, 1);
+  const Recording rec = read_recording(file);
+  EXPECT_TRUE(rec.schedule.broken);
+  EXPECT_FALSE(rec.schedule.usable());
+  EXPECT_EQ(rec.samples.size(), 1u);
+  std::filesystem::remove(file);
 }
 
 TEST(RealTime, AnErrorInAThreadEndsTheSession) {
