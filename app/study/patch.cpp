@@ -60,34 +60,6 @@ Script script_of(const std::vector<Command>& commands, const char* name) {
   return s;
 }
 
-/// Flaps that change places pass one over the other: the first hook goes up high and comes down last, the others go low and first.
-/// (At one height they meet edge to edge, and one comes to lie on its side.)
-std::vector<Command> one_over_the_other(std::vector<Command> commands) {
-  constexpr double kHigh_mm = 14, kLow_mm = 3;
-  const bool several = std::any_of(commands.begin(), commands.end(), [](const Command& c) { return std::holds_alternative<SetHook>(c) && std::get<SetHook>(c).id == 2; });
-  if (!several) return commands;
-  std::vector<uint8_t> raised;  // per hook: it has been lifted
-  for (Command& c : commands)
-    if (auto* m = std::get_if<MoveHook>(&c)) {
-      raised.resize(std::max(raised.size(), size_t(m->id) + 1));
-      if (!raised[size_t(m->id)]) m->to_mm.z() = m->id == 1 ? kHigh_mm : kLow_mm;
-      raised[size_t(m->id)] = 1;
-    }
-  // Each run of moves: the first hook's after the others' once it is up.
-  bool up = false;
-  for (auto it = commands.begin(); it != commands.end();) {
-    if (!std::holds_alternative<MoveHook>(*it)) {
-      ++it;
-      continue;
-    }
-    auto end = it;
-    while (end != commands.end() && std::holds_alternative<MoveHook>(*end)) ++end;
-    if (up) std::stable_partition(it, end, [](const Command& c) { return std::get<MoveHook>(c).id != 1; });
-    up = true, it = end;
-  }
-  return commands;
-}
-
 /// Hooks near the places that may stand up, moved by the heights given, and let go.
 std::vector<Command> pushes(const std::vector<Vec2>& at, const std::vector<double>& height_mm) {
   std::vector<Command> out;
@@ -111,19 +83,20 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   spec.body = body_of(patch);
   spec.cell_mm = std::min(patch.cell_mm, spec.body->box_max_mm.z() - spec.body->box_min_mm.z());
   spec.region_mm = patch.region_mm;
+  spec.refine_fronts = patch.support == Support::fat && patch.fronts;
   spec.contact = patch.contact ? ContactChoice::automatic : ContactChoice::off;
   Done done;
   done.skin = std::make_shared<Skin>(spec.body);
   World world(spec, with.workers);
 
   const double depth = spec.body->box_max_mm.z() - spec.body->box_min_mm.z() + 2;
-  std::vector<Command> commands = carry_out(figure, OnSkin(*done.skin, {}), plan_of(patch));
-  if (patch.support != Support::plane && patch.contact) commands = one_over_the_other(std::move(commands));
+  const std::vector<Command> commands = carry_out(figure, OnSkin(*done.skin, {}), plan_of(patch));
   const auto closing = std::find_if(commands.cbegin(), commands.cend(), [](const Command& c) {
     return std::holds_alternative<SetHook>(c) || std::holds_alternative<Suture>(c) || std::holds_alternative<SutureRow>(c);
   });
   OperationSettings set;
   set.interrupted = with.interrupted;
+  set.hook_step_mm = 3, set.rest_residual = 1e-4;  // on the way; at the end as in operate
   const OperationOutcome open = operate(world, depth, script_of({commands.cbegin(), closing}, "study"), set);
   {
     Snapshot s;

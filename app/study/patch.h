@@ -27,6 +27,9 @@ struct Patch {
   double spacing_mm = 4, inset_mm = 0.7, corner_mm = 0.9;  // of stitches
   bool contact = false;
   double depth_mm = 4;        // of cut and undermining; on fat only
+  // Cells in which a cut ends are divided, so that it opens to its end; on fat only. Without, a slit stays shut over the last cell, and a
+  // flap's tip that is to lie in its end comes to lie on the skin instead.
+  bool fronts = true;
   // Where skin may stand up (places of the figure), and how far it is pushed there, up and down, to find equilibria beside the
   // one that closing it leads to. The one of least energy counts. 0: not pushed.
   std::vector<Vec2> ears = {};

@@ -65,6 +65,18 @@ std::optional<Vec3> SkinMap::now_mm(const ChartPoint& p) const {
   return std::nullopt;
 }
 
+double SkinMap::free_mm(const ChartPoint& from, const Vec2& d) const {
+  double least = 1e300;
+  for (const auto& [p, q] : rim_) {  // from + s d = p + t (q - p)
+    const Vec2 e = q - p;
+    const double det = cross(d, e);
+    if (det == 0) continue;
+    const double s = cross(p - from, e) / det, t = cross(p - from, d) / det;
+    if (s > 0 && t >= -1e-9 && t <= 1 + 1e-9) least = std::min(least, s);
+  }
+  return least;
+}
+
 SkinMap::Gradient SkinMap::gradient(const Patch& t) {
   Gradient g;
   Eigen::Matrix2d D;

@@ -18,6 +18,9 @@ class SkinMap {
   /// Where the skin of a chart point is now; nothing where it has been taken away.
   std::optional<Vec3> now_mm(const ChartPoint& p) const;
 
+  /// How far one comes from a chart point in a direction (unit) before an edge of a cut, at rest.
+  double free_mm(const ChartPoint& from, const Vec2& direction) const;
+
   /// The mean place now of what lies at rest within `radius_mm` of a chart point; nothing where less than half of that disc is left.
   std::optional<Vec3> mean_now_mm(const ChartPoint& p, double radius_mm) const;
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "app/study/patch.h"
+#include "app/study/seams.h"
 #include "sim/tools/procedures/catalogue.h"
 
 namespace limberg::study {
@@ -43,6 +44,7 @@ Row run(const Values& v, Patch patch, const Run& with) {
   const double p95 = d.map->percentile(0.95, 2 * L, corners, 0.1 * L), p99 = d.map->percentile(0.99, 2 * L, corners, 0.1 * L);
   const auto outside = [&](const Corner& c) { return d.map->now_mm(place(f, c) + 0.05 * tissue_bisector(f, c)); };
   const auto flat = [](const std::optional<Vec3>& x, const std::optional<Vec3>& y) { return x && y ? (*x - *y).head<2>().norm() : std::nan(""); };
+  const SeamsLie lie = seams_lie(*d.map, f, patch.spacing_mm);
   Row r;
   r.figures = {{"angle", t}, {"prestretch", p}, {"cell_mm", v[2]},
                {"elongation", gained}, {"theory", theory}, {"gain_of_theory", (gained - 1) / (theory - 1)},
@@ -55,7 +57,8 @@ Row run(const Values& v, Patch patch, const Run& with) {
                {"deficit_A_deg", d.map->deficit_deg(f, {A}, 0.3 * L)}, {"deficit_B_deg", d.map->deficit_deg(f, {B}, 0.3 * L)},
                {"deficit_C_deg", d.map->deficit_deg(f, {C, B2}, 0.3 * L)}, {"deficit_D_deg", d.map->deficit_deg(f, {D, A1}, 0.3 * L)},
                {"slack_share", d.map->slack_share(2.2 * L, 1 + p / 100)},
-               {"turned_share", d.map->turned_share(2.2 * L)}, {"strain_p95", p95 - 1}, {"strain_p99", p99 - 1}, {"closing_uJ", d.closing_uJ},
+               {"turned_share", d.map->turned_share(2.2 * L)},
+               {"least_opening_deg", lie.least_opening_deg}, {"most_step_mm", lie.most_step_mm}, {"most_tip_mm", lie.most_tip_mm}, {"strain_p95", p95 - 1}, {"strain_p99", p99 - 1}, {"closing_uJ", d.closing_uJ},
                // Alberini et al. 2021: what is gained for the largest strain that it costs, times the narrower flap's sine.
                {"efficiency", (gained - 1) / std::max(1e-3, p99 - 1) * std::sin(std::min(t, 90.0) / kDeg)},
                // What is gained for the work of closing it: strain energy goes with the square of the strain.
@@ -91,9 +94,9 @@ std::vector<NamedChart> charts_planar(const std::vector<Row>& rows) {
 
 Row run_z(const Values& v, const Run& with) {
   Patch p;
-  p.side_mm = 10 * kLimb_mm, p.undermine_mm = 0.8 * kLimb_mm, p.contact = v[3] > 0, p.depth_mm = v[4], p.push_mm = v[5], p.spacing_mm = v[6];
+  p.side_mm = 10 * kLimb_mm, p.undermine_mm = 0.8 * kLimb_mm, p.contact = v[3] > 0, p.depth_mm = v[4], p.push_mm = v[5], p.spacing_mm = v[6], p.fronts = v[7] > 0;
   Row r = run(v, p, with);
-  r.figures.insert(r.figures.begin() + 3, {{"contact", v[3]}, {"depth_mm", v[4]}, {"push_mm", v[5]}, {"spacing_mm", v[6]}});
+  r.figures.insert(r.figures.begin() + 3, {{"contact", v[3]}, {"depth_mm", v[4]}, {"push_mm", v[5]}, {"spacing_mm", v[6]}, {"fronts", v[7]}});
   return r;
 }
 
@@ -127,7 +130,8 @@ Family zplasty() {
            {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
            {"depth_mm", "of cut and undermining", {4}, 1.5, 8},
            {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10},
-           {"spacing_mm", "of the stitches", {4}, 1, 8}},
+           {"spacing_mm", "of the stitches", {4}, 1, 8},
+           {"fronts", "1: cells in which a cut ends are divided, 0: they are not", {1}, 0, 1}},
           run_z, bars_z, charts_z,
           {{"zplasty", {"prestretch=0,5,10", "cell_mm=5,2.5"}}, {"planar", {"prestretch=0"}}}};
 }

@@ -9,7 +9,7 @@ namespace limberg::study {
 
 inline constexpr double kLimb_mm = 20;
 
-Row run_z(const Values& values, const Run& with);       // angle, prestretch, cell_mm, contact, depth_mm, push_mm
+Row run_z(const Values& values, const Run& with);       // angle, prestretch, cell_mm, contact, depth_mm, push_mm, spacing_mm, fronts
 Row run_plate(const Values& values, const Run& with);   // angle, prestretch, cell_mm, bed
 Row run_planar(const Values& values, const Run& with);  // angle, prestretch, cell_mm
 

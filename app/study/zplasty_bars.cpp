@@ -58,11 +58,15 @@ struct Worst {
 };
 
 void add_rest(std::vector<Bar>& out, const std::vector<Row>& rows) {
-  Worst residual, gap, turned;
-  for (const Row& r : rows) residual(r.at("residual")), gap(r.at("gap_max_mm")), turned(r.at("turned_share"));
+  Worst residual, gap, turned, opening, step, tip;
+  for (const Row& r : rows)
+    residual(r.at("residual")), gap(r.at("gap_max_mm")), turned(r.at("turned_share")), opening(r.at("least_opening_deg")), step(r.at("most_step_mm")), tip(r.at("most_tip_mm"));
   if (residual.most) out.push_back(at_most("2  largest relative residual", *residual.most, 1e-4, "protocol: equilibrium"));
   if (gap.most) out.push_back(at_most("2  largest gap of a stitch, mm", *gap.most, 0.2, "protocol: closed"));
   if (turned.most) out.push_back(at_most("2  largest share of skin that lies on its side", *turned.most, 0.01, "flaps lie beside each other; a cone of 90 degrees is no steeper than 41"));
+  if (opening.least) out.push_back(at_least("2  least angle between the banks at a stitch, degrees", *opening.least, 60, "180 is flat, 0 is one on the other; a cone of 90 degrees opens by 97"));
+  if (step.most) out.push_back(at_most("2  largest step between the edges at a stitch, mm", *step.most, 1.5, "the skin's thickness: beyond it skin does not meet skin"));
+  if (tip.most) out.push_back(at_most("2  farthest tip of a flap from its corner, mm", *tip.most, 3, "twice the skin's thickness; the stitch holds both 0.9 mm from it"));
 }
 
 void add_elongation(std::vector<Bar>& out, const std::vector<Row>& rows) {

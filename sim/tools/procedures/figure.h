@@ -50,6 +50,7 @@ struct Figure {
   std::vector<Seam> seams;                    // in the order of closure
   std::vector<KeyStitch> keys;                // in their order
   std::vector<Carry> carries;
+  bool exchanged = false;                     // the flaps change places: each is folded back until it is its turn (operation.h)
   bool undermined = true;                     // under and around the figure; false: flaps stay on their bed
   double deeper = 1;                          // incisions, of the depth of the excision: a flap on its bed needs a tall stalk
 };

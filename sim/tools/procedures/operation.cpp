@@ -53,6 +53,7 @@ class Writer {
 
   // Held 3 mm inside its tip, lifted half way, set down inside the corner that it goes to.
   void carry() {
+    if (f_.exchanged && plan_.lift_mm > 0) return exchange();
     std::vector<Vec2> from, to;
     for (const Carry& c : f_.carries) {
       from.push_back(place(f_, c.tip) + kGrip_mm * tissue_bisector(f_, c.tip));
@@ -70,6 +71,37 @@ class Writer {
     if (!f_.keys.empty()) stage("set", 1);
   }
 
+  void exchange() {
+    struct Flap {
+      Vec2 base, grip, to;
+      double reach_mm;  // from the base's middle to the hook
+    };
+    std::vector<Flap> flaps;
+    for (const Carry& c : f_.carries) {
+      const int n = int(f_.wounds[size_t(c.tip.wound)].size());
+      const Vec2 base = 0.5 * (place(f_, {c.tip.wound, (c.tip.at + n - 1) % n}) + place(f_, {c.tip.wound, (c.tip.at + 1) % n}));
+      const Vec2 grip = place(f_, c.tip) + kGrip_mm * tissue_bisector(f_, c.tip), end = place(f_, c.to);
+      flaps.push_back({base, grip, end - kGrip_mm * (end - base).normalized(), (grip - base).norm()});
+    }
+    const auto at = [](const Flap& f, double share) { return Vec2(f.base + share * (f.grip - f.base)); };
+    for (size_t i = 0; i < flaps.size(); ++i) commands.push_back(SetHook{int(i) + 1, chart(flaps[i].grip)});
+    for (size_t i = 0; i < flaps.size(); ++i) {
+      move(int(i) + 1, at(flaps[i], 0.6), 0.7 * flaps[i].reach_mm);
+      move(int(i) + 1, at(flaps[i], kBack), kUp * flaps[i].reach_mm);
+    }
+    stage("raised", 0.5);
+    for (size_t i = flaps.size(); i-- > 0;) {
+      const int id = int(i) + 1;
+      move(id, flaps[i].to, kOver_mm);
+      move(id, flaps[i].to, kBelow_mm);
+      for (const KeyStitch& k : f_.keys)
+        if (k.a == f_.carries[i].tip) commands.push_back(Suture{chart(in_corner(k.a, k.b)), chart(in_corner(k.b, k.a))});
+      commands.push_back(ReleaseHook{id});
+      if (i) stage(("laid " + std::to_string(flaps.size() - i)).c_str(), 0.5);
+    }
+    stage("transposed", 1);
+  }
+
   void close() {
     for (const Seam& s : f_.seams)
       if (s.stitched) sew(s);
@@ -78,6 +110,8 @@ class Writer {
 
  private:
   static constexpr double kGrip_mm = 3;
+  static constexpr double kBack = -0.15, kUp = 0.8;      // a flap folded back: its hook over the base, in lengths of the flap
+  static constexpr double kOver_mm = 6, kBelow_mm = -1;  // a tip comes from above and is set down a little too deep
 
   ChartPoint chart(const Vec2& p) const {
     const ChartPoint c = on_.chart(p);

@@ -1,5 +1,9 @@
 #pragma once
 // A figure carried out: excision, incision, undermining, hooks, key stitches, rows, with a stage after each, as a script.
+//
+// Flaps that change places (Figure::exchanged) lie in each other's way: brought over together they meet edge to edge, and one comes
+// to lie on its side. So all are folded back on their bases first. Then one after the other is laid over, with its tip 1 mm below
+// the skin that it comes to, and stitched there before the next comes down beside it.
 #include <vector>
 
 #include "sim/tools/procedures/figure.h"

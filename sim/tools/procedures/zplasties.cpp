@@ -11,6 +11,7 @@ Figure z_plasty(double L, double a_deg, double b_deg) {
   const int c = w(C), a0 = w(A), b2 = w(B), d = w(D), b0 = w(B), a1 = w(A);
   f.incisions = {{C, A, B, D}};
   f.wounds = {w.at};
+  f.exchanged = true;
   f.carries = {{{0, a1}, {0, d}}, {{0, b2}, {0, c}}};
   f.keys = {{{0, a1}, {0, d}}, {{0, b2}, {0, c}}};
   f.seams = {seam(b0, a1, b0, d), seam(a0, b2, a0, c), seam(a1, c, d, b2)};
@@ -45,6 +46,7 @@ Figure multiple_z(double length, int count, double angle_deg) {
     if (j > 1) c[size_t(j)] = w(C(j)), left_out[k] = w(P(j - 1));
   }
   f.wounds = {w.at};
+  f.exchanged = true;
   for (int j = 1; j <= count; ++j) {
     const auto k = size_t(j);
     const int a_tip = left_in[k - 1], b_tip = right_in[k];
@@ -70,6 +72,7 @@ Figure four_flap_z(double L, double t) {
   Walk w;
   const int c = w(C), a0 = w(A), b3 = w(B), g = w(G), b4 = w(B), d = w(D), b0 = w(B), a1 = w(A), e = w(E), a2 = w(A);
   f.wounds = {w.at};
+  f.exchanged = true;
   // Like a zip from the upper end: B3 to C, A2 to G, B4 to E, A1 to D.
   f.carries = {{{0, a1}, {0, d}}, {{0, b3}, {0, c}}, {{0, a2}, {0, g}}, {{0, b4}, {0, e}}};
   f.keys = {{{0, a1}, {0, d}}, {{0, b3}, {0, c}}, {{0, a2}, {0, g}}, {{0, b4}, {0, e}}};
