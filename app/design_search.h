@@ -3,7 +3,8 @@
 //
 //   1. every type of design in several orientations (and mirrored), sized so that its excision just holds the defect's outline;
 //   2. those that leave the skin, cut a landmark's place away or pass within 2 mm of one are dropped;
-//   3. all others are carried out on coarse cells, the best few again on fine ones.
+//   3. all others are carried out on coarse cells, without contact between wound surfaces (it costs several times as much and
+//      hardly changes which design pulls more), the best few again on fine ones as the scene is.
 //
 // Cost = force / 2.45 N + dog-ear / 4 mm + landmark / 2 mm: the largest force of a stitch at rest over the closing tension above
 // which necrosis rose (Larrabee, Holloway and Sutton 1984), the highest skin over what may be left to settle (4 mm), the largest displacement of a
@@ -40,7 +41,8 @@ struct Design {
   std::vector<Command> commands;
   std::string dropped;                 // why it was not carried out; empty: it was
   double cell_mm = 0, residual = 0;
-  double force_N = 0, closure_N = 0, dog_ear_mm = 0, landmark_mm = 0, waste_mm2 = 0, scar_mm = 0, cost = 0;
+  double force_N = 0, closure_N = 0, dog_ear_mm = 0, landmark_mm = 0, waste_mm2 = 0, scar_mm = 0;
+  double force_cost = 0, ear_cost = 0, landmark_cost = 0, cost = 0;  // with their weights; the sum
   std::string name() const;            // "rhomboid 18.5 mm at 60 degrees"
 };
 
@@ -57,8 +59,15 @@ std::vector<Design> candidates(const Scene& scene, const Skin& skin, const Desig
 void carry_out(Design& design, const Scene& scene, const std::shared_ptr<const Body>& body, const DesignTask& task, double cell_mm, bool fine, Workers& workers,
                const std::function<bool()>& interrupted);
 
-/// All of it: those carried out first, by cost (refined ones before coarse ones), then the dropped. `progress` is told how many are done.
+/// How far a search has come. `share` of the work: 0 to 1, a fine design counted as what it takes against a coarse one.
+struct SearchProgress {
+  int done = 0, total = 0;  // designs
+  bool fine = false;
+  double share = 0;
+};
+
+/// All of it: those carried out first, by cost (refined ones before coarse ones), then the dropped.
 std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, Workers& workers, const std::function<bool()>& interrupted,
-                           const std::function<void(int done, int total)>& progress);
+                           const std::function<void(const SearchProgress&)>& progress);
 
 }  // namespace limberg

@@ -4,10 +4,13 @@
 #include <numbers>
 
 #include "app/commands/session_command.h"
+#include "app/design_drawing.h"
 #include "app/design_search.h"
 #include "app/interrupt.h"
 #include "app/output.h"
 #include "app/progress.h"
+#include "app/report/report_names.h"
+#include "app/session/clock.h"
 #include "app/session/workers_pool.h"
 #include "app/tables.h"
 #include "sim/error.h"
@@ -50,7 +53,17 @@ int design(Options o) {
   o.task.spare.insert(o.task.spare.end(), scene.landmarks.begin(), scene.landmarks.end());
   WorkersPool workers(o.common.worker_count());
   Progress progress("design");
-  const std::vector<Design> found = search_designs(scene, o.task, workers, interrupted, [&](int done, int total) { progress.show(done, total, "designs"); });
+  const int64_t start = RealClock::monotonic_ns();
+  const auto told = [&](const SearchProgress& p) {
+    char t[120];
+    int n = std::snprintf(t, sizeof t, "%d of %d designs%s", p.done, p.total, p.fine ? ", the best on fine cells" : "");
+    if (p.share > 0.02) {  // what the first ones took says how long the rest will
+      const double left_s = double(RealClock::monotonic_ns() - start) * 1e-9 * (1 / p.share - 1);
+      std::snprintf(t + n, sizeof t - size_t(n), left_s < 90 ? ", about %.0f s left" : ", about %.1f min left", left_s < 90 ? left_s : left_s / 60);
+    }
+    progress.note(t);
+  };
+  const std::vector<Design> found = search_designs(scene, o.task, workers, interrupted, told);
   progress.clear();
   if (interrupted()) {
     say("interrupted; nothing was written");
@@ -102,6 +115,12 @@ int design(Options o) {
   }
   if (rank > o.show) std::printf("    and %d more\n", rank - o.show);
   if (dropped > 0) std::printf("%d dropped: they leave the skin, take a landmark away, or do not cover the defect\n", dropped);
+  if (!o.common.out_dir.empty() && any) {
+    const Vec3 along = scene.source == Scene::Source::block ? scene.block.tension_direction : scene.obj.tension_direction;
+    const std::shared_ptr<const Body> body = build_body(scene);
+    write_whole_file(o.common.out_dir + "/" + report_names::ranking,
+                     ranking_svg(found, o.task, std::atan2(along.dot(body->chart_e2), along.dot(body->chart_e1)) * 180 / std::numbers::pi));
+  }
   add_table(r, 0, table);
   r.set_ok(any);
   leave_result(r, o.common);
@@ -128,7 +147,7 @@ void add_design(CLI::App& app, Chosen& chosen) {
   c->add_option("--weight-landmark", o->task.weight_landmark, "Of the landmarks' displacement over 2 mm (default 1)")->check(CLI::Range(0.0, 100.0));
   c->add_option("--undermine-mm", o->task.plan.undermine_margin_mm, "Undermined so far around each figure (default 12)")->check(CLI::NonNegativeNumber);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
-  c->footer("Leaves design-N.svg and design-N.jsonl of the best in DIR.\n"
+  c->footer("Leaves ranking.svg, and design-N.svg and design-N.jsonl of the best, in DIR.\n"
             "Example: limberg design rhomboid --defect circle:0,0,14 --spare lid=0,22 --out out/design");
   c->callback([o, &chosen] { chosen = [o] { return design(*o); }; });
 }

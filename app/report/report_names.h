@@ -6,6 +6,7 @@
 //   DIR/stages/NN-name.png     one picture per stage, NN = 00, 01, ... in order
 //   DIR/tension.png            tension map at the end
 //   DIR/perfusion.svg, DIR/stress.svg   maps on the chart at rest
+//   DIR/ranking.svg            designs that were compared
 //   DIR/overview.png           picture at the end, shown first
 //   DIR/report.html            written by the report
 //
@@ -45,6 +46,7 @@ inline constexpr const char* overview = "overview.png";
 inline constexpr const char* tension = "tension.png";
 inline constexpr const char* perfusion = "perfusion.svg";
 inline constexpr const char* stress = "stress.svg";
+inline constexpr const char* ranking = "ranking.svg";
 
 /// "stages/03-flap-cut.png": letters and digits kept (lower case), everything else becomes one dash.
 inline std::string stage_picture(int number, const std::string& name) {

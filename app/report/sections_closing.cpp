@@ -118,6 +118,7 @@ std::string closing(const ReportData& d, const std::string& dir) {
          quantity(d.metric("perfusion_farthest_mm"), "mm") + (d.metric("perfusion_severed_mm2").value_or(0) > 0.5 ? ", without any pedicle " + quantity(d.metric("perfusion_severed_mm2"), "mm²") : "") +
          ". It orders places and designs; it foretells no necrosis: the source gives no spread, and facial skin is perfused better than a pig's flank.</p>\n";
   }
+  s += map(dir, report_names::ranking, "The best designs as they would lie on the skin, and what each costs");
   s += map(dir, report_names::perfusion, "Map of the perfusion index on the chart") + map(dir, report_names::stress, "Map of the skin's largest principal stress on the chart");
   return s.empty() ? s : "<section>\n<h2>The closure</h2>\n" + s + "</section>\n";
 }

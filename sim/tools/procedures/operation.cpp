@@ -41,9 +41,9 @@ class Writer {
   std::vector<Command> commands;
 
   void cuts() {
-    for (const auto& o : f_.excisions) commands.push_back(Excise{path(o), plan_.depth_mm});
+    for (const auto& o : f_.excisions) commands.push_back(Excise{cut(o, true), plan_.depth_mm});
     if (!f_.excisions.empty()) stage("defect", 1);
-    for (const auto& p : f_.incisions) commands.push_back(Incise{path(p), f_.deeper * plan_.depth_mm, 90});
+    for (const auto& p : f_.incisions) commands.push_back(Incise{cut(p, false), f_.deeper * plan_.depth_mm, 90});
     if (!f_.incisions.empty()) stage("incised", 1);
     if (f_.undermined && plan_.undermine_margin_mm > 0) {
       commands.push_back(Undermine{path(pocket(f_, plan_.undermine_margin_mm)), plan_.depth_mm});
@@ -120,6 +120,14 @@ class Writer {
   std::vector<ChartPoint> path(const std::vector<Vec2>& points) const {
     std::vector<ChartPoint> out;
     for (const Vec2& p : points) out.push_back(chart(p));
+    return out;
+  }
+  /// The same for what is cut: along the figure's lines on a curved skin too.
+  std::vector<ChartPoint> cut(const std::vector<Vec2>& points, bool closed) const {
+    std::vector<ChartPoint> out{chart(points[0])};
+    for (size_t i = 1; i < points.size() + (closed ? 1 : 0); ++i)
+      for (const ChartPoint& c : on_.line(points[i - 1], points[i % points.size()])) out.push_back({rounded(c.x()), rounded(c.y())});
+    if (closed) out.pop_back();  // back at the first
     return out;
   }
   void stage(const char* name, double settle_s) {

@@ -1,5 +1,6 @@
 #include "sim/tools/procedures/placement.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -94,6 +95,30 @@ ChartPoint OnSkin::chart(const Vec2& figure_mm) const {
   if (!hit || (hit->X_mm - s.X_mm).norm() > 0.05)
     throw InputError("placement", 0, "the figure's point " + text(figure_mm) + " is hidden from the chart's direction; expected a place that faces it");
   return p;
+}
+
+std::vector<ChartPoint> OnSkin::line(const Vec2& a, const Vec2& b, double within) const {
+  std::vector<ChartPoint> out;
+  follow(a, chart(a), b, chart(b), within, out);
+  return out;
+}
+
+void OnSkin::follow(const Vec2& a, const ChartPoint& at_a, const Vec2& b, const ChartPoint& at_b, double within, std::vector<ChartPoint>& out) const {
+  const Vec2 e = at_b - at_a;
+  bool strays = false;
+  for (const double t : {0.5, 0.25, 0.75}) {
+    if ((b - a).norm() < 2 || strays) break;
+    const Vec2 p = a + t * (b - a);
+    // Beside the line's nearest place; how fast it is run through does not matter.
+    const double s = std::clamp((chart(p) - at_a).dot(e) / e.squaredNorm(), 0.0, 1.0);
+    const auto there = skin_.at(at_a + s * e);
+    strays = !there || (there->X_mm - spot(p).X_mm).norm() > within;
+  }
+  if (!strays) return out.push_back(at_b);
+  const Vec2 middle = 0.5 * (a + b);
+  const ChartPoint at_middle = chart(middle);
+  follow(a, at_a, middle, at_middle, within, out);
+  follow(middle, at_middle, b, at_b, within, out);
 }
 
 Vec3 OnSkin::above(const Vec2& figure_mm, double height_mm) const {

@@ -88,6 +88,40 @@ TEST(OnSkin, UnrollsACylinder) {
 }
 
 // The same figure on a remeshed skin: within 0.5 mm (the bar of the repertoire), here far better.
+// On a strongly curved bump a straight line of the figure that passes beside the origin is bent on the chart.
+TEST(OnSkin, LinesAreFollowedOnACurvedSkin) {
+  const Skin skin(dome(45, 150, [](double x, double y) { return 14 * std::exp(-(x * x + y * y) / 200); }));
+  const OnSkin on(skin, {{9, 0}, 20, false});
+  const Vec2 a(-20, -9), b(18, 7);
+  const auto off = [&](const std::vector<ChartPoint>& chart) {  // of the places meant from the line cut, on the skin
+    double worst = 0;
+    for (double t = 0; t <= 1; t += 1.0 / 128) {
+      const Vec3 meant = on.spot(a + t * (b - a)).X_mm;
+      double best = 1e300;
+      for (size_t i = 1; i < chart.size(); ++i)
+        for (int k = 0; k <= 400; ++k)
+          if (const auto x = skin.at(chart[i - 1] + (chart[i] - chart[i - 1]) * (k / 400.0))) best = std::min(best, (x->X_mm - meant).norm());
+      worst = std::max(worst, best);
+    }
+    return worst;
+  };
+  std::vector<ChartPoint> followed{on.chart(a)};
+  for (const ChartPoint& p : on.line(a, b)) followed.push_back(p);
+  EXPECT_GT(off({on.chart(a), on.chart(b)}), 0.5);
+  EXPECT_LT(off(followed), 0.2);  // 0.1 at the quarters of each piece; what lies between them, and the samples here
+  EXPECT_LT(followed.size(), 40u);
+  EXPECT_EQ((followed.back() - on.chart(b)).norm(), 0);
+  // The script's cut is that line.
+  Figure f = find_procedure("z_plasty").figure({14, 60, 60});
+  const auto commands = carry_out(f, on);
+  const auto& path = std::get<Incise>(commands.at(0)).path;
+  EXPECT_GT(path.size(), 4u);
+  // On a flat skin nothing is added.
+  const Skin level(flat(2));
+  EXPECT_EQ(OnSkin(level, {{1, 2}, 33, true}).line(a, b).size(), 1u);
+  EXPECT_EQ(std::get<Incise>(carry_out(f, OnSkin(level, {})).at(0)).path.size(), 4u);
+}
+
 TEST(OnSkin, RemeshedSkinGivesTheSamePlaces) {
   const auto hill = [](double x, double y) { return 12 * std::cos(x / 18) * std::cos(y / 25); };
   const Skin coarse(dome(45, 50, hill)), fine(dome(45, 173, hill));

@@ -1,0 +1,102 @@
+// The search for a design: what is a candidate, what is dropped, how those that are left are ranked and drawn.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "app/design_drawing.h"
+#include "app/design_search.h"
+#include "app/shipped.h"
+#include "sim/error.h"
+#include "sim/measure/plan.h"
+
+namespace limberg {
+namespace {
+
+Scene small_scene() {
+  Scene s = load_scene(shipped_file("app/scenes/rhomboid.toml"));
+  s.block.size_mm = {110, 110, 10};
+  s.block.skin_cell_mm = 2.5;
+  s.cell_mm = 6;
+  return s;
+}
+
+DesignTask task_of(const char* defect, std::vector<std::string> types) {
+  DesignTask t;
+  t.defect = parse_defect(defect);
+  t.types = std::move(types);
+  t.turn_step_deg = 90;
+  t.coarse_mm = 8, t.fine_mm = 6, t.refine = 1;
+  return t;
+}
+
+TEST(Design, ADefectIsACircleOrAnOutline) {
+  const auto circle = parse_defect("circle:3,-4,10");
+  for (const ChartPoint& p : circle) EXPECT_NEAR((p - Vec2(3, -4)).norm(), 5, 1e-12);
+  EXPECT_EQ(parse_defect("0,0;10,0;10,5").size(), 3u);
+  for (const char* bad : {"", "circle:", "circle:1,2", "circle:0,0,-3", "circle:0,0,1e9", "0,0;1,1", "0,0;5,5;10,10", "0,0;1,0;1", "0,0,1,0;1,1", "circle:a,b,c", "0,0;nan,1;2,2"})
+    EXPECT_THROW(parse_defect(bad), InputError) << bad;
+}
+
+TEST(Design, EveryCandidateHoldsTheDefectAndIsNoLargerThanItMustBe) {
+  const Scene scene = small_scene();
+  const auto body = build_body(scene);
+  const Skin skin(body);
+  const DesignTask task = task_of("circle:2,1,12", {});
+  const std::vector<Design> all = candidates(scene, skin, task);
+  EXPECT_GT(all.size(), covering_types().size());
+  for (const Design& d : all) {
+    if (!d.dropped.empty()) continue;
+    const auto* e = std::get_if<Excise>(&d.commands.at(0));
+    ASSERT_NE(e, nullptr) << d.name();
+    double nearest = 1e300;
+    for (const ChartPoint& p : task.defect) {
+      EXPECT_TRUE(inside_polygon(p, e->outline)) << d.name();
+      for (size_t i = 0; i < e->outline.size(); ++i) {
+        const Vec2 a = e->outline[i], b = e->outline[(i + 1) % e->outline.size()], c = b - a;
+        const double t = std::clamp((p - a).dot(c) / c.squaredNorm(), 0.0, 1.0);
+        nearest = std::min(nearest, (a + t * c - p).norm());
+      }
+    }
+    EXPECT_LT(nearest, 0.35) << d.name();  // sizes go in steps of 0.05 mm; the outline's corners are rounded
+  }
+}
+
+TEST(Design, WhatTakesALandmarkAwayIsDroppedAndSaysWhy) {
+  const Scene scene = small_scene();
+  const Skin skin(build_body(scene));
+  DesignTask task = task_of("circle:0,0,12", {"fusiform"});
+  task.spare = {{"lid", {0, 11}}};  // in the tips of those that stand upright
+  int dropped = 0;
+  for (const Design& d : candidates(scene, skin, task)) dropped += d.dropped.find("lid") != std::string::npos;
+  EXPECT_EQ(dropped, 1);
+  task.types = {"nothing"};
+  EXPECT_THROW(candidates(scene, skin, task), InputError);
+}
+
+TEST(Design, TheSearchRanksTellsHowFarItIsAndDraws) {
+  const Scene scene = small_scene();
+  DesignTask task = task_of("circle:0,0,10", {"fusiform"});
+  InlineWorkers workers;
+  std::vector<SearchProgress> told;
+  const auto found = search_designs(scene, task, workers, {}, [&](const SearchProgress& p) { told.push_back(p); });
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].cell_mm, 6);  // the best, carried out again
+  EXPECT_EQ(found[1].cell_mm, 8);
+  for (const Design& d : found) {
+    EXPECT_TRUE(d.dropped.empty()) << d.dropped;
+    EXPECT_GT(d.force_N, 0);
+    EXPECT_NEAR(d.cost, d.force_N / 2.45 + d.dog_ear_mm / 4 + d.landmark_mm / 2, 1e-12);
+  }
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_TRUE(std::is_sorted(told.begin(), told.end(), [](const auto& a, const auto& b) { return a.share < b.share; }));
+  EXPECT_EQ(told[0].share, 0);
+  EXPECT_LT(told.back().share, 1);
+  EXPECT_TRUE(told.back().fine);
+  const std::string picture = ranking_svg(found, task, 0);
+  EXPECT_NE(picture.find("1. fusiform"), std::string::npos);
+  EXPECT_NE(picture.find("2. fusiform"), std::string::npos);
+  EXPECT_TRUE(ranking_svg({}, task, 0).empty());
+}
+
+}  // namespace
+}  // namespace limberg
