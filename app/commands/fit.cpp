@@ -5,6 +5,7 @@
 
 #include "app/bench/cpu_clock.h"
 #include "app/commands/commands.h"
+#include "app/commands/fit_sweep.h"
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/result.h"
@@ -12,73 +13,122 @@
 #include "sim/error.h"
 #include "sim/imaging/fit.h"
 #include "sim/simplex/file.h"
-#include "sim/simplex/generators.h"
 
 namespace limberg {
 
 namespace {
 
+constexpr double kFound = 0.95;    // of the vertices must have the surface within two voxels
+constexpr double kRmsVoxels = 0.5; // and lie so near it, rms (both: issue list of the craniofacial part)
+
 struct Options {
-  std::string volume, tissue, mesh_file;
-  double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0;
+  std::string volume, tissue, mesh_file, start = "sphere", sweep_dir;
+  double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, smooth = 0.6, parts = 1;
   bool has_iso = false;
   CommonOptions common;
 };
 
-/// An ellipsoid that nearly fills the volume.
-simplex::Mesh start(const Volume& v) {
-  simplex::Mesh m = simplex::make_sphere_of_faces({0, 0, 0}, 1, 1002);
-  const Vec3 last(v.size[0] - 1, v.size[1] - 1, v.size[2] - 1);
-  Mat3 half = v.step_mm * (0.45 * last).asDiagonal();
-  if (half.determinant() < 0) half.col(0) = -half.col(0);  // the outside stays outside
-  for (Vec3& x : m.x_mm) x = v.place(0.5 * last) + half * x;
-  m.before_mm = m.x_mm;
-  return m;
+void print(const FitReport& r, double voxel, const char* unit) {
+  std::printf("surface     %.1f %% of the vertices have it within two %ss; %.1f %% of it is within two %ss of the mesh\n", 100 * r.found, unit, 100 * r.reached, unit);
+  std::printf("distance    rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm (%s %.3f mm)\n", r.rms_mm, r.p95_mm, r.max_mm, unit, voxel);
+  std::printf("            surface to mesh: rms %.3f mm, 95 %% within %.3f mm\n", r.surface_rms_mm, r.surface_p95_mm);
+  if (r.joined + r.cut > 0) std::printf("topology    %d sheets joined (t3), %d tubes cut (t4)\n", r.joined, r.cut);
+  for (const FitHole& h : r.hole)
+    std::printf("opening     %-52s at (%.0f, %.0f, %.0f) mm, %.0f mm around, %d vertices\n", h.place.c_str(), h.centre_mm.x(), h.centre_mm.y(), h.centre_mm.z(), h.around_mm, h.vertices);
+  for (const std::string& n : r.notes) std::printf("note        %s\n", n.c_str());
+}
+
+void fill(Result& result, const FitReport& r) {
+  result.set("/vertices", r.vertices), result.set("/iterations", r.iterations), result.set("/vertex_iterations", r.vertex_iterations);
+  result.set("/found", r.found), result.set("/rms_mm", r.rms_mm), result.set("/p95_mm", r.p95_mm), result.set("/max_mm", r.max_mm);
+  result.set("/reached", r.reached), result.set("/surface_rms_mm", r.surface_rms_mm), result.set("/surface_p95_mm", r.surface_p95_mm);
+  result.set("/joined", r.joined), result.set("/cut", r.cut);
+  result.set_empty_list("/openings"), result.set_empty_list("/notes");
+  for (size_t i = 0; i < r.hole.size(); ++i) {
+    const std::string p = "/openings/" + std::to_string(i);
+    result.set(p + "/place", r.hole[i].place), result.set(p + "/around_mm", r.hole[i].around_mm), result.set(p + "/vertices", r.hole[i].vertices);
+    for (int k = 0; k < 3; ++k) result.set(p + "/centre_mm/" + std::to_string(k), r.hole[i].centre_mm[k]);
+  }
+  for (size_t i = 0; i < r.notes.size(); ++i) result.set("/notes/" + std::to_string(i), r.notes[i]);
+}
+
+/// What kept the fit from its goal, in sentences; nothing: it was reached.
+std::vector<std::string> missed(const FitReport& r, double voxel, const char* unit) {
+  std::vector<std::string> out;
+  char b[160];
+  if (r.found < kFound) {
+    std::snprintf(b, sizeof b, "%.1f %% of the vertices have the surface within two %ss; %.0f %% were wanted", 100 * r.found, unit, 100 * kFound);
+    out.push_back(b);
+  }
+  if (!(r.rms_mm <= kRmsVoxels * voxel) || r.vertices == 0) {
+    std::snprintf(b, sizeof b, "the rms distance is %.3f mm; %.3f mm (half a %s) was wanted", r.rms_mm, kRmsVoxels * voxel, unit);
+    out.push_back(b);
+  }
+  return out;
 }
 
 int run(const Options& o) {
   o.common.prepare();
   check_writable(o.mesh_file);
+  if (!o.sweep_dir.empty()) prepare_folder(o.sweep_dir);
+  if (o.tissue.empty() && !o.has_iso) throw InputError("", 0, "fit " + o.volume + ": what is to be fitted is not said; expected --tissue skin, --tissue bone or --iso");
   const Volume v = load_volume(o.volume);
-  double longest = 0, voxel = 1e300;
-  for (int k = 0; k < 3; ++k) {
-    const double step = v.step_mm.col(k).norm();
-    longest = std::max(longest, step * v.size[size_t(k)]), voxel = std::min(voxel, step);
+  WorkersPool workers(o.common.worker_count());
+  PrepareSettings q;
+  q.iso = o.has_iso ? o.iso : (o.tissue == "bone" ? 250 : -300) + o.offset;  // Hounsfield units
+  q.sigma_voxels = o.smooth, q.least_part = o.parts;
+  q.seal_mm = o.seal_mm >= 0 ? o.seal_mm : o.tissue == "bone" ? 10 : 6;
+  Progress progress("fit");
+  progress.note("preparing the volume");
+  const double start_ms = bench::cpu_ms();
+  Prepared p;
+  try {
+    p = prepare(v, q, workers);
+  } catch (const InputError& e) {
+    throw InputError(o.volume, 0, e.what());
   }
   FitSettings s;
-  s.iso = o.has_iso ? o.iso : (o.tissue == "bone" ? 250 : -300) + o.offset;  // Hounsfield units
-  s.edge_mm = o.edge_mm, s.chord_mm = o.chord_mm, s.range_mm = 0.25 * longest;
-  Progress progress("fit");
+  s.iso = q.iso, s.edge_mm = o.edge_mm, s.chord_mm = o.chord_mm, s.skull = o.tissue == "bone";
+  s.range_mm = 0.25 * (p.high_mm - p.low_mm).maxCoeff();
   s.progress = [&](int stage, int32_t vertices, double move_mm) {
     char line[128];
     std::snprintf(line, sizeof line, "stage %d of %d, %d vertices, last move %.3f mm", stage + 1, s.stages, vertices, move_mm);
     progress.note(line);
   };
-  WorkersPool workers(o.common.worker_count());
-  simplex::Mesh m = start(v);
-  const double start_ms = bench::cpu_ms();
-  const FitReport r = fit(m, v, s, workers);
+  simplex::Mesh m = start_mesh(o.start == "plane" ? Start::plane : o.start == "cylinder" ? Start::cylinder : Start::sphere, p.low_mm, p.high_mm);
+  const FitReport r = fit(m, p, s, workers);
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
   write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m));
   const simplex::Census c = simplex::census(m);
-  std::printf("mesh        %d vertices, %lld faces, %lld end contours, genus %lld\n", r.vertices, static_cast<long long>(c.faces - c.end_contours),
-              static_cast<long long>(c.end_contours), static_cast<long long>(c.genus));
-  std::printf("surface     %.1f %% of the vertices have one within two voxels\n", 100 * r.found);
-  std::printf("distance    rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm (smallest voxel side %.3f mm)\n", r.rms_mm, r.p95_mm, r.max_mm, voxel);
+  if (p.parts > 1) std::printf("object      the largest %d of %d parts; the others have %.2f %% of what is above %g\n", p.kept_parts, p.parts, 100. * double(p.dropped_nodes) / double(p.dropped_nodes + p.object_nodes), q.iso);
+  std::printf("mesh        %d vertices, %lld faces, %lld end contours, genus %lld, from a %s\n", r.vertices, static_cast<long long>(c.faces - c.end_contours),
+              static_cast<long long>(c.end_contours), static_cast<long long>(c.genus), o.start.c_str());
+  print(r, p.voxel_mm, "voxel");
   std::printf("work        %d iterations, %.2f s of CPU time\n", r.iterations, cpu_s);
-  constexpr double kMost = 0.9;  // of the vertices: else much of the mesh hangs free, however near the rest may be
-  const bool ok = r.found >= kMost && r.rms_mm <= 0.5 * voxel;
-  if (!ok) say(o.volume + ": the surface was not reached to half a voxel by 90 % of the vertices; see --iso, --offset");
+  const std::vector<std::string> faults = missed(r, p.voxel_mm, "voxel");
+  for (const std::string& f : faults) say(o.volume + ": " + f + "; see --iso, --offset, --seal-mm, --edge-mm");
   Result result("fit", "");
   result.set("/volume", o.volume), result.set("/tissue", o.tissue), result.set("/iso", s.iso), result.set("/mesh", o.mesh_file);
-  result.set("/vertices", r.vertices), result.set("/iterations", r.iterations), result.set("/cpu_s", cpu_s);
-  result.set("/found", r.found), result.set("/rms_mm", r.rms_mm), result.set("/p95_mm", r.p95_mm), result.set("/max_mm", r.max_mm);
+  result.set("/start", o.start), result.set("/seal_mm", q.seal_mm), result.set("/smooth_voxels", q.sigma_voxels), result.set("/voxel_mm", p.voxel_mm), result.set("/cpu_s", cpu_s);
+  fill(result, r);
   result.set("/end_contours", c.end_contours), result.set("/genus", c.genus);
+  for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
   result.set_hash("/state_hash", simplex::hash(m));
-  result.set_ok(ok);
+  result.set_ok(faults.empty());
+  if (!o.sweep_dir.empty()) {
+    const FitSweep sweep = fit_sweep(p, s, workers, [&](const std::string& line) { progress.note(line); });
+    progress.clear();
+    std::printf("\n%-9s %8s %8s %9s %9s %12s %12s %9s\n", "faces", "edge mm", "chord mm", "vertices", "CPU s", "rms mm", "95 % mm", "reached");
+    for (const FitTrial& t : sweep.trial)
+      std::printf("%-9s %8.2f %8.2f %9d %9.2f %12.3f %12.3f %8.1f%%\n", t.adapted ? "adapted" : "uniform", t.edge_mm, t.chord_mm, t.report.vertices, t.cpu_s, t.report.surface_rms_mm,
+                  t.report.surface_p95_mm, 100 * t.report.reached);
+    write_whole_file(o.sweep_dir + "/fit-sweep.csv", sweep.csv());
+    write_whole_file(o.sweep_dir + "/fit-error-vertices.svg", sweep.svg(false));
+    write_whole_file(o.sweep_dir + "/fit-error-time.svg", sweep.svg(true));
+  }
   if (!o.common.json_file.empty()) result.write(o.common.json_file);
-  return ok ? kDone : kGoalMissed;
+  return faults.empty() ? kDone : kGoalMissed;
 }
 
 }  // namespace
@@ -87,14 +137,19 @@ void add_fit(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("fit", "Fit a simplex mesh to skin or bone in a CT volume");
   c->add_option("VOLUME", o->volume, "NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd)")->required();
-  c->add_option("--tissue", o->tissue, "skin (-300 HU) or bone (250 HU)")->required()->check(CLI::IsMember({"skin", "bone"}));
+  c->add_option("--tissue", o->tissue, "skin (-300 HU) or bone (250 HU)")->check(CLI::IsMember({"skin", "bone"}));
   c->add_option("--out", o->mesh_file, "The mesh: a simplex mesh, or triangles when the name ends in .obj")->required()->type_name("MESH");
   CLI::Option* iso = c->add_option("--iso", o->iso, "Isovalue in the volume's own numbers, instead of the tissue's");
   c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]");
   c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4]")->check(CLI::Range(0.1, 100.));
   c->add_option("--chord-mm", o->chord_mm, "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")->check(CLI::Range(0., 10.));
+  c->add_option("--start", o->start, "What the mesh is at first: sphere around the object, plane before it (the -y side), or cylinder about z through the borders [sphere]")->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
+  c->add_option("--seal-mm", o->seal_mm, "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")->check(CLI::Range(0., 100.));
+  c->add_option("--smooth", o->smooth, "Gaussian smoothing, standard deviation in voxels [0.6]")->check(CLI::Range(0., 10.));
+  c->add_option("--parts", o->parts, "Keep other parts too that have this share of the largest one's size (a mandible beside a skull: 0.05) [1]")->check(CLI::Range(1e-4, 1.));
+  c->add_option("--sweep", o->sweep_dir, "Also fit again and again with other edges, uniform and adapted to curvature: table and charts of error against vertices and run time in this folder")->type_name("DIR");
   o->common.add_json(*c), o->common.add_workers(*c);
-  c->footer("Exit status 3: the surface was not reached to half a voxel by 90 % of the vertices.\n"
+  c->footer("Exit status 3: fewer than 95 % of the vertices have the surface within two voxels, or they are farther from it than half a voxel, rms.\n"
             "Example: limberg fit head.nhdr --tissue skin --offset 1024 --out out/skin.simplex");
   c->callback([o, iso, &chosen] {
     o->has_iso = iso->count() > 0;

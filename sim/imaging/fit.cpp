@@ -1,173 +1,244 @@
 #include "sim/imaging/fit.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "sim/error.h"
+#include "sim/geometry/bvh.h"
+#include "sim/imaging/fit_parts.h"
 #include "sim/simplex/adapt.h"
 #include "sim/simplex/contour.h"
+#include "sim/simplex/dual.h"
+#include "sim/simplex/generators.h"
 #include "sim/simplex/motion.h"
 
 namespace limberg {
 namespace {
 
 using namespace simplex;
+using namespace imaging;
+
+constexpr int kRounds = 4;  // of opening, at most
+
+double mean_edge(const Mesh& m) {
+  double sum = 0;
+  for (int32_t v = 0; v < m.slots(); ++v)
+    if (m.alive(v)) sum += (m.x_mm[size_t(v)] - m.x_mm[size_t(m.nbr[size_t(v)][0])]).norm() / m.vertices();
+  return sum;
+}
 
 class Fitter {
  public:
-  Fitter(Mesh& m, const Volume& v, const FitSettings& s, Workers& w) : m_(m), sampler_(v), s_(s), workers_(w), motion_(w) {
-    voxel_ = std::min({v.step_mm.col(0).norm(), v.step_mm.col(1).norm(), v.step_mm.col(2).norm()});
-  }
+  Fitter(Mesh& m, const Sight& sight, const Vec3& low, const Vec3& high, const FitSettings& s, Workers& w)
+      : m_(m), sight_(sight), low_(low), high_(high), s_(s), workers_(w), motion_(w), topology_(m, sight) {}
 
   FitReport run() {
-    FitReport r;
-    double longest = 0;  // mean edge of the mesh as it is given
-    for (int32_t v = 0; v < m_.slots(); ++v)
-      if (m_.alive(v)) longest += (m_.x_mm[size_t(v)] - m_.x_mm[size_t(m_.nbr[size_t(v)][0])]).norm() / m_.vertices();
+    const double longest = mean_edge(m_);
     for (int stage = 0; stage < s_.stages; ++stage) {
       const double t = s_.stages > 1 ? double(stage) / (s_.stages - 1) : 1;
-      Law law;
-      ZoneLaw& z = law.zone[0];
-      z.constraint = Constraint::angle, z.alpha = 0.5;
-      z.rigidity = std::max(1, int(std::lround(8 * std::pow(1. / 8, t))));
-      z.beta = 0.05 * std::pow(10, t);
-      law.external_stiffness = 1, law.max_step_mm = 0.25 * s_.range_mm;
-      if (const Admission a = motion_.set_law(law); !a) throw InputError("", 0, a.refused);
-      const double range = std::max(2 * voxel_, s_.range_mm * std::pow(2 * voxel_ / s_.range_mm, t));
-      int still = 0;
-      double move = 0;
-      for (int i = 0; i < s_.iterations && still < 10; ++i) {
-        look(range);
-        move = motion_.step(m_, {pull_, {}}).max_move_mm;
-        still = move < s_.still_mm ? still + 1 : 0;
-        ++r.iterations, r.vertex_iterations += m_.vertices();
-      }
+      const double move = settle(t, s_.iterations, true);
       if (s_.progress) s_.progress(stage, m_.vertices(), move);
-      if (stage + 1 < s_.stages) {
-        AdaptSettings a;
-        a.edge_mm = std::max(s_.edge_mm, longest * std::pow(s_.edge_mm / longest, double(stage + 1) / std::max(1, s_.stages - 2)));
-        a.chord_mm = s_.chord_mm, a.passes = 2, a.seed = uint64_t(stage) + 1;
-        Delta d;
-        adapt(m_, a, d);
+      if (stage + 1 < s_.stages)
+        refine(std::max(s_.edge_mm, longest * std::pow(s_.edge_mm / longest, double(stage + 1) / std::max(1, s_.stages - 2))), 2, uint64_t(stage) + 1);
+    }
+    if (s_.open_ends) {
+      look(1, range(1));
+      for (int round = 0; round < kRounds; ++round) {
+        std::vector<std::string> notes;
+        const int opened = open_unseen(m_, seen_, notes);
+        if (round + 1 == kRounds || opened == 0) r_.notes.insert(r_.notes.end(), notes.begin(), notes.end());
+        if (opened == 0) break;
+        r_.holes += opened;
         compact(m_, true);
+        // The rims settle, and the faces beside them.
+        settle(1, s_.iterations / 2, true);
+        refine(s_.edge_mm, 1, 100 + uint64_t(round));
+        settle(1, s_.iterations / 2, true);
+        look(1, range(1));
       }
     }
-    measure(r);
-    if (s_.open_ends) open(r);
-    r.vertices = m_.vertices();
-    return r;
+    measure();
+    r_.joined = topology_.joined, r_.cut = topology_.cut;
+    r_.notes.insert(r_.notes.end(), topology_.notes.begin(), topology_.notes.end());
+    r_.hole = places(m_, sight_, low_, high_, s_.skull);
+    r_.vertices = m_.vertices();
+    return r_;
   }
 
  private:
-  /// Signed way along the normal to the nearest place where the volume falls through iso outwards; false: none within range.
-  /// Outside the volume nothing is known: no edge there, nor across its border.
-  bool edge(const Vec3& x, const Vec3& n, double range, double& at) const {
-    const double h = 0.5 * voxel_;
-    const auto known = [&](const Vec3& p, double& f) {
-      if (!sampler_.inside(p)) return false;
-      f = sampler_.value(p) - s_.iso;
-      return true;
-    };
-    double out = 0, in = 0, f = 0;
-    bool out_known = known(x, out), in_known = out_known;
-    in = out;
-    for (double t = 0; t < range; t += h) {
-      bool k = known(x + (t + h) * n, f);
-      if (k && out_known && out >= 0 && f < 0) {
-        at = t + h * out / (out - f);
-        return true;
-      }
-      out = f, out_known = k;
-      k = known(x - (t + h) * n, f);
-      if (k && in_known && f >= 0 && in < 0) {
-        at = -(t + h * in / (in - f));
-        return true;
-      }
-      in = f, in_known = k;
-    }
-    return false;
+  double range(double t) const { return std::max(2 * sight_.voxel(), s_.range_mm * std::pow(2 * sight_.voxel() / s_.range_mm, t)); }
+
+  void refine(double edge, int passes, uint64_t seed) {
+    AdaptSettings a;
+    a.edge_mm = edge, a.chord_mm = s_.chord_mm, a.passes = passes, a.seed = seed;
+    Delta d;
+    adapt(m_, a, d);
+    compact(m_, true);
   }
 
-  void look(double range) {
+  /// One stage; returns the longest move of its last iteration.
+  double settle(double t, int iterations, bool topology) {
+    Law law;
+    ZoneLaw& z = law.zone[0];
+    z.constraint = Constraint::angle, z.alpha = 0.5;
+    z.rigidity = std::max(1, int(std::lround(8 * std::pow(1. / 8, t))));
+    z.beta = 0.05 * std::pow(10, t);
+    law.external_stiffness = 2;  // along the normal, and at rims towards the border of the data
+    const double edge = mean_edge(m_);
+    law.max_step_mm = std::min(0.25 * s_.range_mm, 0.5 * edge);
+    if (const Admission a = motion_.set_law(law); !a) throw InputError("", 0, a.refused);
+    int still = 0;
+    double move = 0;
+    still_.assign(m_.nbr.size(), 0);
+    const bool check = topology && t < 1;
+    for (int i = 0; i < iterations && still < 10; ++i) {
+      if (check && i % 5 == 0) {
+        const int changes = topology_.joined + topology_.cut;
+        topology_.check(edge, still_);
+        if (topology_.joined + topology_.cut != changes) still_.resize(m_.nbr.size(), 0);
+      }
+      look(t, range(t));
+      if (check)
+        for (size_t v = 0; v < pull_.size(); ++v)
+          if (still_[v] && m_.alive(int32_t(v))) {
+            if (still_[v] == 2) pull_[v] = sight_.home(m_.x_mm[v], 0.5 * edge);
+            else pull_[v].setZero(), m_.before_mm[v] = m_.x_mm[v];
+          }
+      to_border();
+      move = motion_.step(m_, {pull_, {}}).max_move_mm;
+      still = move < s_.still_mm ? still + 1 : 0;
+      ++r_.iterations, r_.vertex_iterations += m_.vertices();
+    }
+    return move;
+  }
+
+  void look(double t, double range) {
     pull_.assign(m_.nbr.size(), Vec3::Zero());
     seen_.assign(m_.nbr.size(), 0);
     workers_.parallel_for(m_.nbr.size(), 256, [&](size_t b, size_t e) {
       for (size_t v = b; v < e; ++v) {
         if (!m_.alive(int32_t(v))) continue;
         const LocalFrame f = m_.frame(int32_t(v));
-        double t = 0;
-        if (!f.degenerate && edge(m_.x_mm[v], f.N, range, t)) pull_[v] = t * f.N, seen_[v] = 1;
+        bool seen = false;
+        if (!f.degenerate) pull_[v] = sight_.pull(m_.x_mm[v], f.N, t, range, seen), seen_[v] = seen;
       }
     });
   }
 
-  void measure(FitReport& r) {
-    look(2 * voxel_);
-    std::vector<double> d;
-    for (int32_t v = 0; v < m_.slots(); ++v) {
-      if (!m_.alive(v) || !seen_[size_t(v)]) continue;
-      const double g = sampler_.gradient(m_.x_mm[size_t(v)]).norm(), f = std::abs(sampler_.value(m_.x_mm[size_t(v)]) - s_.iso);
-      // Where the volume is flat the first order says nothing: then the way along the normal.
-      d.push_back(std::min(g > 0 ? f / g : 1e300, pull_[size_t(v)].norm()));
-    }
-    r.rms_mm = r.p95_mm = r.max_mm = 0;
-    r.found = m_.vertices() > 0 ? double(d.size()) / m_.vertices() : 0;
-    if (d.empty()) return;
-    std::sort(d.begin(), d.end());
-    for (double x : d) r.rms_mm += x * x / double(d.size());
-    r.rms_mm = std::sqrt(r.rms_mm), r.p95_mm = d[d.size() * 95 / 100], r.max_mm = d.back();
+  /// Rims at the border of the data are drawn to it.
+  void to_border() {
+    for (const EndContour& e : end_contours(m_))
+      for (int32_t v : e.rim) {
+        Vec3 outward;
+        double way = 0;
+        if (sight_.border(m_.x_mm[size_t(v)], 6 * sight_.voxel(), outward, way) >= 0)
+          pull_[size_t(v)] += (std::min(way, 2 * sight_.voxel()) - outward.dot(pull_[size_t(v)])) * outward;
+      }
   }
 
-  void open(FitReport& r) {
-    // Connected groups of faces none of whose vertices has found anything.
-    std::vector<uint8_t> blind(m_.face_edge.size(), 0);
-    for (int32_t f = 0; f < m_.face_slots(); ++f) {
-      if (!m_.alive_face(f) || is_end(m_.kind(f))) continue;
-      blind[size_t(f)] = 1;
-      m_.around(f, [&](int32_t h) { blind[size_t(f)] &= !seen_[size_t(m_.from(h))]; });
+  void measure() {
+    look(1, range(1));
+    std::vector<double> d;
+    for (int32_t v = 0; v < m_.slots(); ++v) {
+      if (!m_.alive(v)) continue;
+      const Vec3& x = m_.x_mm[size_t(v)];
+      if (seen_[size_t(v)]) d.push_back(sight_.distance(x, pull_[size_t(v)]));
+      else if (const double beside = sight_.nearest(x, 2 * sight_.voxel()); std::isfinite(beside)) d.push_back(beside);
     }
-    std::vector<std::vector<int32_t>> groups;
-    for (int32_t f = 0; f < m_.face_slots(); ++f) {
-      if (blind[size_t(f)] != 1) continue;
-      std::vector<int32_t> g{f};
-      blind[size_t(f)] = 2;
-      for (size_t i = 0; i < g.size(); ++i)
-        m_.around(g[i], [&](int32_t h) {
-          const int32_t q = m_.face(m_.twin(h));
-          if (blind[size_t(q)] == 1) blind[size_t(q)] = 2, g.push_back(q);
-        });
-      if (g.size() >= 3) groups.push_back(std::move(g));
-    }
-    for (const auto& g : groups) {
-      Delta d;
-      bool whole = true;
-      for (int32_t f : g) whole &= m_.alive_face(f);
-      if (whole && open_hole(m_, g, d)) ++r.holes;
-    }
-    if (r.holes == 0) return;
-    compact(m_);
-    measure(r);  // of what is left
+    r_.found = m_.vertices() > 0 ? double(d.size()) / m_.vertices() : 0;
+    std::sort(d.begin(), d.end());
+    for (double x : d) r_.rms_mm += x * x / double(d.size());
+    r_.rms_mm = std::sqrt(r_.rms_mm);
+    if (!d.empty()) r_.p95_mm = d[d.size() * 95 / 100], r_.max_mm = d.back();
+    // The other way: from the surface's own places to the mesh, its faces included.
+    const std::vector<Vec3>& places = sight_.surface();
+    const FanTriangles fan = fan_triangles(m_);
+    if (places.empty() || fan.tri.empty()) return;
+    const Bvh bvh(fan.X_mm, fan.tri);
+    const size_t every = std::max<size_t>(1, places.size() / 20000), n = (places.size() + every - 1) / every;
+    std::vector<double> away(n);
+    workers_.parallel_for(n, 256, [&](size_t b, size_t e) {
+      for (size_t i = b; i < e; ++i) away[i] = bvh.closest(places[i * every], 2 * sight_.voxel()).distance_mm;
+    });
+    std::sort(away.begin(), away.end());
+    const size_t reached = size_t(std::lower_bound(away.begin(), away.end(), 2 * sight_.voxel()) - away.begin());
+    r_.reached = double(reached) / double(n);
+    for (size_t i = 0; i < reached; ++i) r_.surface_rms_mm += away[i] * away[i] / double(reached);
+    r_.surface_rms_mm = std::sqrt(r_.surface_rms_mm);
+    if (reached > 0) r_.surface_p95_mm = away[reached * 95 / 100 < reached ? reached * 95 / 100 : reached - 1];
   }
 
   Mesh& m_;
-  VolumeSampler sampler_;
+  const Sight& sight_;
+  Vec3 low_, high_;
   const FitSettings& s_;
   Workers& workers_;
   Motion motion_;
-  double voxel_ = 1;
+  Topology topology_;
+  FitReport r_;
   std::vector<Vec3> pull_;
-  std::vector<uint8_t> seen_;
+  std::vector<uint8_t> seen_, still_;
 };
 
-}  // namespace
-
-FitReport fit(Mesh& m, const Volume& v, const FitSettings& s, Workers& w) {
+void check_settings(const Mesh& m, const FitSettings& s) {
   if (!std::isfinite(s.iso)) throw InputError("", 0, "the isovalue must be a finite number");
   for (double l : {s.range_mm, s.edge_mm, s.still_mm})
     if (!std::isfinite(l) || l <= 0) throw InputError("", 0, "range, edge and stillness of a fit must be finite lengths above 0 mm");
   if (s.stages < 1 || s.stages > 100 || s.iterations < 1 || s.iterations > 100000) throw InputError("", 0, "a fit has 1 to 100 stages of 1 to 100000 iterations");
-  if (v.value.empty() || m.vertices() == 0) throw InputError("", 0, "a fit needs a mesh and a volume");
-  return Fitter(m, v, s, w).run();
+  if (m.vertices() == 0) throw InputError("", 0, "a fit needs a mesh and a volume");
+}
+
+}  // namespace
+
+Mesh start_mesh(Start kind, const Vec3& low, const Vec3& high) {
+  if (!low.allFinite() || !high.allFinite() || !((high - low).minCoeff() >= 0) || !((high - low).norm() > 0)) throw InputError("", 0, "the box around the object is empty");
+  const Vec3 middle = 0.5 * (low + high), half = (0.5 * (high - low)).cwiseMax(0.02 * (high - low).norm());
+  Mesh m;
+  if (kind == Start::sphere) {
+    m = make_sphere_of_faces({0, 0, 0}, 1, 1002);
+    for (Vec3& x : m.x_mm) x = middle + 1.25 * half.cwiseProduct(x);
+  } else if (kind == Start::cylinder) {
+    m = make_cylinder(1, 2 * half.z() / std::sqrt(half.x() * half.y()), 40);
+    const double length = 2 * half.z() / std::sqrt(half.x() * half.y());
+    for (Vec3& x : m.x_mm) x = middle + Vec3(1.2 * half.x() * x.x(), 1.2 * half.y() * x.y(), 2 * half.z() * (x.z() / length - 0.5));
+  } else {
+    const double edge = std::sqrt(half.x() * half.z() * 4 / 2000 / 1.3);  // about 2000 vertices: 4 / (3 sqrt 3) edge^-2 of them per area
+    m = make_plane(2 * half.x(), 2 * half.z(), edge);
+    for (Vec3& x : m.x_mm) x = Vec3(low.x() + x.x(), low.y() - 0.1 * half.y(), low.z() + x.y());  // (x, y) -> (x, z): the normal looks to -y
+  }
+  m.before_mm = m.x_mm;
+  return m;
+}
+
+FitReport fit(Mesh& m, const Prepared& p, const FitSettings& s, Workers& w) {
+  check_settings(m, s);
+  if (p.volume.value.empty()) throw InputError("", 0, "a fit needs a mesh and a volume");
+  const VolumeSight sight(p);
+  return Fitter(m, sight, p.low_mm, p.high_mm, s, w).run();
+}
+
+FitReport fit(Mesh& m, const Volume& v, const FitSettings& s, Workers& w) {
+  check_settings(m, s);
+  if (v.value.empty()) throw InputError("", 0, "a fit needs a mesh and a volume");
+  PrepareSettings q;
+  q.iso = s.iso, q.sigma_voxels = 0;
+  q.seal_mm = 2 * std::min({v.step_mm.col(0).norm(), v.step_mm.col(1).norm(), v.step_mm.col(2).norm()});
+  const Prepared p = prepare(v, q, w);
+  return fit(m, p, s, w);
+}
+
+FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Workers& w) {
+  check_settings(m, s);
+  if (points.size() < 10) throw InputError("", 0, "a range scan of at least 10 points was expected");
+  Vec3 low = points.front(), high = low;
+  for (const Vec3& x : points) {
+    if (!x.allFinite()) throw InputError("", 0, "a point of the scan is not at a finite place");
+    low = low.cwiseMin(x), high = high.cwiseMax(x);
+  }
+  if (!((high - low).norm() > 0)) throw InputError("", 0, "all points of the scan are the same");
+  const PointSight sight(points);
+  return Fitter(m, sight, low, high, s, w).run();
 }
 
 }  // namespace limberg

@@ -1,0 +1,125 @@
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/imaging/fit_parts.h"
+
+namespace limberg::imaging {
+
+namespace {
+constexpr double kGuided = 0.55;  // of the way: the guide leads, after it the volume itself
+constexpr double kPush = 0.3, kFolded = 0.2;
+}
+
+/// Signed way along the normal to the nearest place where the volume falls through iso outwards; false: none within range.
+/// Outside the volume nothing is known: no edge there, nor across its border. Edges deep below the sealed surface (the inner
+/// table, the wall of a sinus) belong to another surface.
+bool VolumeSight::edge(const Vec3& x, const Vec3& n, double range, double& at) const {
+  const double h = 0.5 * p_.voxel_mm, deep = -(2 * p_.voxel_mm + p_.guide_mm);
+  const auto known = [&](const Vec3& p, double& f) {
+    if (!volume_.inside(p)) return false;
+    f = volume_.value(p) - p_.iso;
+    return true;
+  };
+  const auto outer = [&](double t) { return guide_.value(x + t * n) >= deep; };
+  double out = 0, in = 0, f = 0;
+  bool out_known = known(x, out), in_known = out_known;
+  in = out;
+  for (double t = 0; t < range; t += h) {
+    bool k = known(x + (t + h) * n, f);
+    if (k && out_known && out >= 0 && f < 0 && outer(t + h * out / (out - f))) {
+      at = t + h * out / (out - f);
+      return at <= range;
+    }
+    out = f, out_known = k;
+    k = known(x - (t + h) * n, f);
+    if (k && in_known && f >= 0 && in < 0 && outer(-(t + h * in / (in - f)))) {
+      at = -(t + h * in / (in - f));
+      return -at <= range;
+    }
+    in = f, in_known = k;
+  }
+  return false;
+}
+
+/// By the guide: phi is the distance to the sealed surface and g its direction. What lies along the normal is (g . N) phi, which
+/// never leads away from the surface, not even where the mesh is folded over. In the mouth of a cavity g lies across the
+/// normal, or nowhere: there the mesh is pushed in (kPush) as long as it looks outwards.
+Vec3 VolumeSight::pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const {
+  const double near = 2 * p_.voxel_mm, phi = guide_.value(x);
+  const Vec3 slope = guide_.gradient(x);
+  const double across = slope.norm() > 0.1 ? slope.normalized().dot(N) : 0;
+  double at = 0;
+  seen = false;
+  if (t >= kGuided && across > -kFolded && edge(x, N, near * (t < 1 ? 2 - t : 1), at)) {
+    seen = true;
+    return at * N;
+  }
+  if (t >= kGuided) {
+    // Beside the surface, but not across from it (at a rim, in a fold): to its nearest place, sideways too.
+    const PointTree::Nearest place = tree_.nearest(x, 2 * near);
+    if (place.index >= 0) {
+      seen = place.distance <= p_.voxel_mm;
+      return tree_.point(place.index) - x;
+    }
+  }
+  const double most = t < kGuided ? range : near;
+  return -std::clamp(phi, -most, most) * (across > -kFolded ? std::max(across, kPush) : across) * N;
+}
+
+Vec3 VolumeSight::home(const Vec3& x, double most) const {
+  const Vec3 slope = guide_.gradient(x);
+  const double g = slope.norm();
+  return g > 0.1 ? Vec3(-std::clamp(guide_.value(x), -most, most) / g * slope) : Vec3(Vec3::Zero());
+}
+
+double VolumeSight::distance(const Vec3& x, const Vec3& way) const {
+  // (`way` may lead sideways: it is the distance to a place of the surface in any case.)
+  const double g = volume_.gradient(x).norm(), f = std::abs(volume_.value(x) - p_.iso);
+  // Where the volume is flat the first order says nothing: then the way along the normal.
+  return std::min(g > 0 ? f / g : 1e300, way.norm());
+}
+
+int VolumeSight::border(const Vec3& x, double within, Vec3& outward, double& way) const {
+  const Vec3 q = to_voxel_ * (x - p_.volume.origin_mm);
+  int best = -1;
+  double least = within;
+  for (int k = 0; k < 3; ++k)
+    for (int s = 0; s < 2; ++s) {
+      const double step = p_.volume.step_mm.col(k).norm(), inner = (s ? p_.volume.size[size_t(k)] - 1 - q[k] : q[k]) * step;
+      if (inner > least) continue;
+      // Outward normal of that border: along the reciprocal axis.
+      least = inner, best = 2 * k + s, way = inner - 0.25 * step;
+      outward = (s ? 1. : -1.) * to_voxel_.row(k).transpose().normalized();
+    }
+  return best;
+}
+
+PointSight::PointSight(const std::vector<Vec3>& points) : points_(points), tree_(points) {
+  Vec3 lo = points.front(), hi = lo;
+  for (const Vec3& p : points) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
+  size_ = (hi - lo).norm();
+  // Median distance to the fourth nearest: about the spacing of a scan, whatever its pattern.
+  std::vector<double> d;
+  std::vector<PointTree::Nearest> n;
+  const size_t every = std::max<size_t>(1, points.size() / 2000);
+  for (size_t i = 0; i < points.size(); i += every) {
+    tree_.nearest(points[i], 5, n);
+    d.push_back(n.back().distance);
+  }
+  std::nth_element(d.begin(), d.begin() + ptrdiff_t(d.size() / 2), d.end());
+  spacing_ = std::max(d[d.size() / 2], 1e-6 * size_);
+}
+
+Vec3 PointSight::pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const {
+  const PointTree::Nearest n = tree_.nearest(x);
+  const Vec3 to = tree_.point(n.index) - x;
+  const double D = size_ * (0.2 + t * (0.08 - 0.2)), G = n.distance < D ? 1 : (D / n.distance) * (D / n.distance);
+  const double along = to.dot(N), beside = (to - along * N).norm();
+  seen = n.distance <= 2 * spacing_ || (beside <= spacing_ && std::abs(along) <= 2 * spacing_);
+  return std::clamp(G * along, -range, range) * N;
+}
+
+double PointSight::distance(const Vec3&, const Vec3& way) const { return way.norm(); }
+
+}  // namespace limberg::imaging
