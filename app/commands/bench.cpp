@@ -7,6 +7,7 @@
 #include "app/bench/devices/fuzz.h"
 #include "app/bench/devices/suite.h"
 #include "app/bench/features.h"
+#include "app/bench/frames.h"
 #include "app/bench/fuzz.h"
 #include "app/bench/fuzz/world_runner.h"
 #include "app/bench/laws.h"
@@ -22,6 +23,7 @@
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/session_latency.h"
+#include "app/shipped.h"
 #include "app/streams.h"
 #include "sim/error.h"
 
@@ -93,11 +95,11 @@ std::string any_of(const std::vector<std::string>& names) {
 
 int run(const Options& o) {
   o.common.prepare();
-  const std::vector<std::string> suites = {"accuracy", "cutting", "devices", "features", "fuzz", "laws", "simplex", "speed", "stability", "verification"};
+  const std::vector<std::string> suites = {"accuracy", "cutting", "devices", "features", "frames", "fuzz", "laws", "simplex", "speed", "stability", "verification"};
   if (std::find(suites.begin(), suites.end(), o.suite) == suites.end())
     throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected " + any_of(suites));
   if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
-  if (!o.scene.empty() && o.suite != "accuracy" && o.suite != "features") throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
+  if (!o.scene.empty() && o.suite != "accuracy" && o.suite != "features" && o.suite != "frames") throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
   Progress progress("bench " + o.suite);
   const auto note = [&](const std::string& line) { progress.note(line); };
   bench::Result b;
@@ -115,6 +117,11 @@ int run(const Options& o) {
     b = accuracy.result();
   } else if (o.suite == "features") {
     b = bench::features(open_scene(o.scene.empty() ? "rhomboid" : o.scene), {o.quick, note});
+  } else if (o.suite == "frames") {
+    const Scene scene = open_scene(o.scene.empty() ? "rhomboid" : o.scene);
+    const std::string file = shipped_file("recordings/" + scene.name + ".jsonl");
+    const Script script = file.empty() ? Script{} : load_script(file);
+    b = bench::frames(scene, file.empty() ? nullptr : &script, {o.quick, note});
   } else if (o.suite == "devices") {
     b = bench::devices_suite({o.quick, o.only, note});
     if (std::string("latency").find(o.only) != std::string::npos)
@@ -206,7 +213,7 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "accuracy: error against run time on a scene, and the setting that fits a frame; features: memory and time of each part of a scene, off and on; verification: closed forms, published values, CalculiX; speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the 1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
+  c->add_option("SUITE", o->suite, "accuracy: error against run time on a scene, and the setting that fits a frame; features: memory and time of each part of a scene, off and on; frames: what a picture costs at each quality and size, and what the solver loses beside it; verification: closed forms, published values, CalculiX; speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the 1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");

@@ -84,6 +84,7 @@ int run(const Options& o) {
     w.mouse = o.devices.empty();
     w.recording = o.record;
     if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
+    call.keep_dir = w.picture_dir;
     const std::string lesson = lesson_file(o);
     if (!lesson.empty())
       for (const ScriptLine& l : load_script(lesson).lines) w.lesson.push_back(l.command);

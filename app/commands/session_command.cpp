@@ -1,6 +1,7 @@
 #include "app/commands/session_command.h"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -96,8 +97,40 @@ void leave_result(const Result& result, const CommonOptions& common) {
   std::printf("report      %s\n", write_report(common.out_dir).c_str());
 }
 
+/// A recording that is made in case it is wanted: beside the machine's temporary files, kept or removed at the end. A session
+/// that is killed leaves it there, and it can be replayed.
+class AsideRecording {
+ public:
+  explicit AsideRecording(const std::string& keep_dir)
+      : dir_(keep_dir), file_((std::filesystem::temp_directory_path() / ("limberg-session-" + std::to_string(getpid()) + ".lcm")).string()) {}
+  ~AsideRecording() {
+    std::error_code ec;
+    std::filesystem::remove(file_, ec);
+  }
+  const std::string& file() const { return file_; }
+  /// The name under which it was kept: limberg-N.lcm, never replacing a file. InputError when it cannot be.
+  std::string keep() const {
+    std::string name;
+    int n = 0;
+    do name = dir_ + "/limberg-" + std::to_string(++n) + ".lcm";
+    while (std::filesystem::exists(name));
+    std::error_code ec;
+    std::filesystem::copy_file(file_, name, ec);
+    if (ec) throw InputError(name, 0, "the recording cannot be kept there (" + ec.message() + "); expected a folder with room and the right to write");
+    return name;
+  }
+
+ private:
+  std::string dir_, file_;
+};
+
 int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
   call.common.prepare();
+  std::optional<AsideRecording> aside;
+  if (call.window && call.record_file.empty() && !call.keep_dir.empty()) {
+    aside.emplace(call.keep_dir);
+    call.record_file = aside->file(), call.replace_record = true;
+  }
   if (!call.record_file.empty() && !is_special(call.record_file)) {
     check_writable(call.record_file);
     if (!call.replace_record && std::filesystem::exists(call.record_file))
@@ -162,6 +195,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     f = taken ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken) : run_lockstep(a.lanes(recorder.get()), set);
   }
   progress.clear();
+  const bool keep = window && window->keep_recording();
   window.reset();
   if (film) {
     film->close();
@@ -198,7 +232,8 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
   }
   print_summary(call, a, f);
-  if (recorder && !recording_failed) std::printf("recording   %s, %lld samples\n", call.record_file.c_str(), static_cast<long long>(recorder->samples()));
+  const std::string recorded_in = !recorder || recording_failed ? "" : !aside ? call.record_file : keep ? aside->keep() : "";
+  if (!recorded_in.empty()) std::printf("recording   %s, %lld samples\n", recorded_in.c_str(), static_cast<long long>(recorder->samples()));
   leave_result(result, call.common);
   if (recording_failed) {
     say(call.record_file + ": the recording is cut short: " + recorder->error() + "; what was written before is kept");

@@ -27,6 +27,7 @@ struct SessionCall {
   std::vector<LiveSource> live_sources;  // made when the clock starts
   std::string record_file;         // empty: none
   bool replace_record = false;
+  std::string keep_dir;            // with a window and no record_file: recorded aside all the same; kept here when the operator says so
   uint64_t surgeon_seed = 0;
   int64_t end_tick = -1;           // -1: when the sources have ended
   int ticks_per_solver_step = 0;   // 0: as the scene asks

@@ -1,13 +1,12 @@
 #include "app/report/report.h"
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 
 #include "app/report/html.h"
 #include "app/report/report_data.h"
+#include "app/report/report_file.h"
 #include "app/report/report_names.h"
 #include "app/report/sections.h"
 #include "app/report/style.h"
@@ -31,29 +30,35 @@ std::string page(const ReportData& d, const std::string& dir) {
 
 }  // namespace
 
-std::string report_html(const std::string& result_json, const std::string& dir) {
-  return page(read_report_data(result_json, (fs::path(dir) / report_names::result).string()), dir);
-}
+std::string result_file(const std::string& dir) { return (fs::path(dir) / report_names::result).string(); }
 
-std::string write_report(const std::string& dir) {
+std::string read_result_file(const std::string& dir) {
   std::error_code none;
   if (!fs::is_directory(dir, none)) throw InputError(dir, 0, "is no folder; expected one that a run has left, with result.json");
-  const std::string source = (fs::path(dir) / report_names::result).string();
+  const std::string source = result_file(dir);
   std::ifstream in(source, std::ios::binary);
   if (!in || !fs::is_regular_file(source, none)) throw InputError(source, 0, "cannot be read; expected the result of a run");
-  const std::string json((std::istreambuf_iterator<char>(in)), {});
-  const std::string text = report_html(json, dir);
+  return {(std::istreambuf_iterator<char>(in)), {}};
+}
 
-  const std::string target = (fs::path(dir) / report_names::html).string(), part = target + ".part";
+void write_page(const std::string& file, const std::string& text) {
+  const std::string part = file + ".part";
   std::ofstream out(part, std::ios::binary | std::ios::trunc);
   out << text;
   out.close();
-  std::error_code failed;
-  if (out) fs::rename(part, target, failed);
+  std::error_code failed, none;
+  if (out) fs::rename(part, file, failed);
   if (!out || failed) {
     fs::remove(part, none);
-    throw InputError(target, 0, "cannot be written; expected a folder with room and the right to write");
+    throw InputError(file, 0, "cannot be written; expected a folder with room and the right to write");
   }
+}
+
+std::string report_html(const std::string& result_json, const std::string& dir) { return page(read_report_data(result_json, result_file(dir)), dir); }
+
+std::string write_report(const std::string& dir) {
+  const std::string text = report_html(read_result_file(dir), dir), target = (fs::path(dir) / report_names::html).string();
+  write_page(target, text);
   return target;
 }
 

@@ -15,6 +15,9 @@ struct Limits {
   static constexpr double residual = 1e-4;       // the tissue counts as at rest
 };
 
+/// A picture of a result as a data URL, made smaller to so many pixels; a name that leads out of the folder gives nothing.
+std::string picture_url(const std::string& dir, const std::string& name, int widest = 1600);
+
 /// "good", "warn" or "bad".
 std::string light_of_force(double force_N);
 

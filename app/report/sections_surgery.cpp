@@ -14,16 +14,15 @@ using html::escape;
 using html::number;
 using html::quantity;
 
-namespace {
-
-// A picture named by the result may only lie inside its folder.
-std::string picture_url(const std::string& dir, const std::string& name, int widest = 1600) {
+std::string picture_url(const std::string& dir, const std::string& name, int widest) {
   const fs::path p(name);
   if (name.empty() || p.is_absolute() || name.find('\0') != std::string::npos) return {};
   for (const fs::path& part : p)
     if (part == "..") return {};
   return html::png_data_url((fs::path(dir) / p).string(), widest);
 }
+
+namespace {
 
 std::string figure(const std::string& url, const std::string& alt, const std::string& caption) {
   return "<figure><img src=\"" + url + "\" alt=\"" + escape(alt) + "\"/>" + (caption.empty() ? "" : "<figcaption>" + caption + "</figcaption>") +

@@ -103,7 +103,6 @@ void Desk::tools(int height) {
 
   heading("VIEW");
   ImGui::Checkbox("Tension", &state.tension);
-  ImGui::Checkbox("Shadows", &state.shadows);
   ImGui::Checkbox("Triangles", &state.wireframe);
   if (ImGui::Checkbox("Measure", &state.ruler) && state.ruler) choose(Tool::none);
   ImGui::PushItemWidth(-1);
@@ -111,6 +110,7 @@ void Desk::tools(int height) {
   if (ImGui::Combo("##compare", &compare, "No comparison\0Before | after: wipe\0Before, after\0")) state.compare = Compare(compare);
   if (state.compare == Compare::wipe) ImGui::SliderFloat("##wipe", &state.wipe, 0, 1, "");
   if (ImGui::Combo("##stereo", &stereo, "One eye\0Stereo side by side\0Stereo red-cyan\0")) state.stereo = Stereo(stereo);
+  ImGui::Combo("##quality", &state.quality, "Quality by frame time\0Fast\0Fine skin\0Shadows\0");
   ImGui::PopItemWidth();
   if (ImGui::Button("Picture", {70, 0})) state.picture = true;
   ImGui::SameLine();
@@ -119,8 +119,9 @@ void Desk::tools(int height) {
 
   heading("DEVICE");
   ImGui::TextWrapped("%s", facts_.device.c_str());
-  if (facts_.recording.empty()) ImGui::TextColored(kQuiet, "not recorded");
-  else {
+  if (facts_.recording.empty()) {
+    ImGui::Checkbox("Keep the recording", &state.keep_recording);
+  } else {
     ImGui::TextColored(kBad, "REC");
     ImGui::SameLine();
     ImGui::TextWrapped("%s", facts_.recording.c_str());

@@ -1,6 +1,7 @@
 // Keys and mouse of the window, in one place. The mouse is that of radiology and surgery viewers: the left button does what
 // is chosen, the right one turns, the middle one shifts, the wheel comes nearer.
 #include "app/window/desk.h"
+#include "render/quality.h"
 
 namespace limberg {
 
@@ -19,9 +20,10 @@ const std::vector<DeskKey>& desk_keys() {
       {"B", "before and after: wipe, side by side, off"},
       {"M", "measure: two points a length, three an angle"},
       {"W", "triangles"},
-      {"S", "shadows"},
+      {"S", "quality: by frame time, fast, fine skin, shadows"},
       {"A", "stereo: side by side, red-cyan, off"},
       {"P", "picture into a file"},
+      {"R", "keep the recording of this session, or do not"},
       {"Home", "the first view again"},
       {"? or F1", "this list"}};
   return keys;
@@ -55,9 +57,10 @@ void Desk::key(int32_t code, uint32_t mods) {
       if (s.ruler) choose(Tool::none);
       break;
     case 'W': s.wireframe = !s.wireframe; break;
-    case 'S': s.shadows = !s.shadows; break;
+    case 'S': s.quality = (s.quality + 1) % (1 + kLiveLevels); break;
     case 'A': s.stereo = turn_on(s.stereo, 3); break;
     case 'P': s.picture = true; break;
+    case 'R': s.keep_recording = facts_.recording.empty() && !s.keep_recording; break;
     case WindowEvent::home: s.home = true; break;
     case WindowEvent::question:
     case WindowEvent::f1: s.help = !s.help; break;

@@ -30,6 +30,7 @@ struct PointerReading {
 struct PointerFeed {
   SpscRing<PointerReading> readings{1 << 10};  // main -> device
   SpscRing<ControlSample> choices{1 << 6};     // render -> device; its time is set there
+  std::atomic<bool> keep_recording{false};     // render -> main
   std::atomic<int> next_wanted{0};             // render -> device: so many steps of the lesson asked for
   std::atomic<int> next_shown{0};              // device -> render: so many were begun
   std::atomic<bool> showing{false};            // device -> render: a step is being shown

@@ -39,6 +39,7 @@ class MouseWindow final : public SessionWindow {
   std::unique_ptr<Source> pointer() override { return std::make_unique<PointerSource>(feed_, lesson_, mouse_); }
   LaneGauges& gauges() override { return gauges_; }
   void pump() override { screen_.pump(); }
+  bool keep_recording() const override { return feed_.keep_recording.load(); }
 
  private:
   bool mouse_;

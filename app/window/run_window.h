@@ -26,6 +26,8 @@ class SessionWindow {
   virtual std::unique_ptr<Source> pointer() = 0;  // the mouse and the palette, as a device
   virtual LaneGauges& gauges() = 0;
   virtual void pump() = 0;
+  /// Whether the operator wants to keep the recording that was made in any case.
+  virtual bool keep_recording() const = 0;
 };
 
 /// RenderUnavailable where no window can be opened.

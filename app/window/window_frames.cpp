@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "app/progress.h"
 #include "app/window/orbit.h"
 #include "render/picture.h"
+#include "render/quality.h"
 #include "render/renderer.h"
 #include "render/ui_painter.h"
 #include "sim/error.h"
@@ -21,6 +23,7 @@ namespace {
 
 constexpr float kFontPx = 14;
 constexpr float kRadiansPerPixel = 0.008f;
+constexpr double kFrameBudget_ms = 16;  // half of the frame's period: the other half is the solver's where cores are few
 constexpr int kRefreshFrames = 15;  // the figures on the panels move twice a second even when nothing else does
 
 int imgui_key(int32_t code) {
@@ -62,6 +65,7 @@ struct WindowFrames::Impl {
   Desk desk;
   Ruler ruler;
   Camera camera;
+  QualityLadder ladder{kFrameBudget_ms};
   SceneBuilder builder, before_builder;
   std::optional<Snapshot> first;  // for "before"; keeps its topology
   std::unique_ptr<Renderer> renderer;
@@ -171,7 +175,8 @@ struct WindowFrames::Impl {
   DrawOptions options(int width, int height) const {
     DrawOptions o;
     o.width = width, o.height = height;
-    o.shadow = o.fine_skin = desk.state.shadows;
+    const QualityLevel& q = kQualityLevels[size_t(desk.state.quality > 0 ? desk.state.quality - 1 : ladder.level())];
+    o.shadow = q.shadow, o.fine_skin = q.fine_skin;
     o.wireframe = desk.state.wireframe;
     o.colour_field = desk.state.tension;
     o.field_max = field_end;
@@ -250,10 +255,13 @@ struct WindowFrames::Impl {
     ImGui::Render();
     feed.panels_have_pointer = io.WantCaptureMouse;
 
+    const auto began = std::chrono::steady_clock::now();
     paint_patient(scene, width, height);
     if (desk.state.picture) save_picture(renderer->read()), desk.state.picture = false;  // the patient alone
     ui->paint(*ImGui::GetDrawData(), width, height);
     renderer->present(width, height);
+    if (desk.state.quality == 0) ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+    feed.keep_recording.store(desk.state.keep_recording, std::memory_order_relaxed);
     since_frame = 0;
     if (unseen > 0) --unseen;
   }

@@ -62,6 +62,26 @@ TEST_F(Rendered, SameSceneSameBytes) {
   EXPECT_EQ(draw(s), a);  // the first is still whole
 }
 
+TEST_F(Rendered, EveryContextGivesTheSameBytes) {
+  std::unique_ptr<GlContext> egl;
+  try {
+    egl = make_egl_context();
+  } catch (const RenderUnavailable& e) {
+    GTEST_SKIP() << e.what();
+  }
+  Renderer other(std::move(egl));
+  // Byte for byte only where the same rasteriser stands behind both: a graphics card rounds as it likes.
+  if (other.describe().find("llvmpipe") == std::string::npos) GTEST_SKIP() << "another driver: " << other.describe();
+  const Snapshot s = sample_snapshot();
+  SceneBuilder builder;
+  for (const bool fine : {false, true}) {
+    options.shadow = options.fine_skin = fine;
+    const Image a = draw(s), b = other.draw(builder.build(s), view(), options);
+    if (renderer->describe() == other.describe()) EXPECT_EQ(a, b);
+    EXPECT_LE(block_mean_difference(a, b), 4) << renderer->describe() << " and " << other.describe();
+  }
+}
+
 TEST_F(Rendered, PickedPixelHasTheTriangleThatLiesThere) {
   const Snapshot s = sample_snapshot({.sutures = 0, .hooks = 0});
   const IdImage im = ids(s);

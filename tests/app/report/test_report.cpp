@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/report/compare.h"
 #include "app/report/html.h"
 #include "app/report/report.h"
 #include "app/report/report_data.h"
@@ -215,6 +216,62 @@ TEST(XmlCheck, FindsPlantedFaults) {
   EXPECT_EQ(xml_fault("<!DOCTYPE html><a b=\"c\">x &lt; y<br/></a>"), "");
   for (const char* bad : {"<a>", "<a></b>", "<a b=c></a>", "<a b=\"<\"></a>", "a & b", "a < b", "<a b=\"1\" b=\"2\"/>", "<a b=\"x", "&nbsp;", "\x01", "</a>"})
     EXPECT_NE(xml_fault(bad), "") << bad;
+}
+
+TEST_F(Report, ComparesTwoResults) {
+  std::string other = kFull;
+  const auto put_in = [&](const std::string& from, const std::string& to) {
+    const size_t at = other.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    other.replace(at, from.size(), to);
+  };
+  put_in("\"closure_force_N\": 7.25", "\"closure_force_N\": 9.25");   // beyond .3 + .3
+  put_in("\"dog_ear_mm\": 1.9", "\"dog_ear_mm\": 2.9");               // within .9 + .9
+  put_in("{\"action\": \"excise\", \"depth_mm\": 4}", "{\"action\": \"excise\", \"depth_mm\": 5}");
+  put_in("00ff00ff00ff00ff", "11ff00ff00ff00ff");
+  const std::string html = comparison_html(kFull, dir.string(), other, dir.string());
+  EXPECT_EQ(xml_fault(html), "");
+  EXPECT_NE(html.find("Different states"), std::string::npos);
+  const auto row = [&](const std::string& name) {
+    const size_t at = html.find("<code>" + name + "</code>");
+    return at == std::string::npos ? std::string() : html.substr(at, html.find("</tr>", at) - at);
+  };
+  EXPECT_NE(row("closure_force_N").find("+2"), std::string::npos) << row("closure_force_N");
+  EXPECT_NE(row("closure_force_N").find("beyond"), std::string::npos);
+  EXPECT_NE(row("dog_ear_mm").find("within"), std::string::npos);
+  EXPECT_NE(row("pieces").find("same"), std::string::npos);
+  EXPECT_EQ(row("suture_gap_max_mm").find("within"), std::string::npos);  // no error known: nothing claimed
+  EXPECT_NE(html.find("<b class=\"bad\">- "), std::string::npos);
+  EXPECT_NE(html.find("<b class=\"good\">+ "), std::string::npos);
+  const std::string same = comparison_html(kFull, dir.string(), kFull, dir.string());
+  EXPECT_NE(same.find("The same state at the end"), std::string::npos);
+  EXPECT_EQ(same.find("<b class=\"bad\">- "), std::string::npos);
+  EXPECT_THROW(write_comparison(dir.string(), (dir / "none").string(), (dir / "c.html").string()), InputError);
+}
+
+TEST(LineChanges, AreAShortestWay) {
+  const auto text = [](const std::vector<LineChange>& c) {
+    std::string s;
+    for (const LineChange& l : c) s += l.kind + l.line;
+    return s;
+  };
+  EXPECT_EQ(text(line_changes({"a", "b", "c"}, {"a", "x", "c"})), " a-b+x c");
+  EXPECT_EQ(text(line_changes({}, {"a"})), "+a");
+  EXPECT_EQ(text(line_changes({"a", "b"}, {})), "-a-b");
+  // Whatever the texts are: without its + lines the change is the first, without its - lines the second.
+  uint32_t seed = 1;
+  for (int round = 0; round < 200; ++round) {
+    std::vector<std::string> in[2];
+    for (auto& t : in)
+      for (int i = 0; i < round % 9; ++i) seed = seed * 1664525 + 1013904223, t.push_back(std::string(1, char('a' + (seed >> 24) % 3)));
+    std::vector<std::string> first, second;
+    for (const LineChange& l : line_changes(in[0], in[1])) {
+      if (l.kind != '+') first.push_back(l.line);
+      if (l.kind != '-') second.push_back(l.line);
+    }
+    EXPECT_EQ(first, in[0]);
+    EXPECT_EQ(second, in[1]);
+  }
 }
 
 }  // namespace

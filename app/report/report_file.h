@@ -1,0 +1,14 @@
+#pragma once
+// Where a report's data stand and where pages go.
+#include <string>
+
+namespace limberg {
+
+/// DIR/result.json.
+std::string result_file(const std::string& dir);
+/// Its text. InputError: no folder, or no result in it.
+std::string read_result_file(const std::string& dir);
+/// Writes a page beside itself and puts it in place whole, or throws InputError and leaves what was there.
+void write_page(const std::string& file, const std::string& html);
+
+}  // namespace limberg
