@@ -7,11 +7,11 @@ namespace limberg {
 namespace {
 
 /// Frames on a machine where level k takes cost[k] ms; the level at the end and how often it changed.
-struct Run {
+struct Climb {
   int level = 0, changes = 0, frames_at[4]{};
 };
-Run run(QualityLadder& ladder, std::array<double, 4> cost, int frames) {
-  Run r;
+Climb run(QualityLadder& ladder, std::array<double, 4> cost, int frames) {
+  Climb r;
   for (int i = 0; i < frames; ++i) {
     const int at = ladder.level();
     ++r.frames_at[at];
@@ -24,7 +24,7 @@ Run run(QualityLadder& ladder, std::array<double, 4> cost, int frames) {
 
 TEST(QualityLadder, ClimbsWhereThereIsTime) {
   QualityLadder ladder(20);
-  const Run r = run(ladder, {2, 3, 5, 40}, 500);
+  const Climb r = run(ladder, {2, 3, 5, 40}, 500);
   EXPECT_EQ(r.level, 2);  // the levels of a window, and no further
   EXPECT_EQ(r.changes, 2);
 }
@@ -46,7 +46,7 @@ TEST(QualityLadder, ComesDownWhenTheMachineIsBusyAndGoesUpAgain) {
 TEST(QualityLadder, DoesNotFlicker) {
   QualityLadder ladder(20);
   // The second level looks cheap from the first and is not.
-  const Run r = run(ladder, {5, 30, 60, 90}, 6000);
+  const Climb r = run(ladder, {5, 30, 60, 90}, 6000);
   EXPECT_LE(r.changes, 2 * 8);  // tried after 30, 60, 120 ... frames: log2(6000 / 30) times
   EXPECT_GT(r.frames_at[0], 5700);
 }
