@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/bone/held.h"
 #include "sim/bone/join.h"
-#include "sim/bone/rigid_world.h"
-#include "sim/bone/surface.h"
+#include "sim/bone/shape.h"
 #include "sim/error.h"
 #include "sim/hash.h"
 
@@ -23,10 +23,6 @@ std::string no_fragment(int32_t id) { return "there is no fragment " + std::to_s
 constexpr const char* kHeld = "a fragment is held; it has to be released first";
 
 }  // namespace
-
-Bones::~Bones() = default;
-Bones::Bones(Bones&&) noexcept = default;
-Bones& Bones::operator=(Bones&&) noexcept = default;
 
 Bones::Bones(std::vector<NamedMesh> bones, Workers& workers) : workers_(&workers) {
   if (bones.empty()) throw InputError("", 0, "there is no bone; at least one mesh was expected");
@@ -56,7 +52,7 @@ Bones::Bones(std::vector<NamedMesh> bones, Workers& workers) : workers_(&workers
 }
 
 void Bones::recount() {
-  surfaces_.clear();
+  shapes_.clear();
   const int32_t count = simplex::components(mesh_, component_);
   const std::vector<Bulk> bulk = bulks(mesh_, component_, count);
   id_of_component_.assign(size_t(count), -1);
@@ -85,19 +81,11 @@ Vec3 Bones::now_mm(int32_t v) const {
   return f ? Vec3(f->pose * mesh_.x_mm[size_t(v)]) : Vec3(Vec3::Zero());
 }
 
-const BoneSurface& Bones::surface(int32_t id) const {
-  for (const auto& [k, s] : surfaces_)
-    if (k == id) return *s;
-  const Fragment* f = fragment(id);
-  surfaces_.emplace_back(id, std::make_unique<BoneSurface>(bone_surface(mesh_, component_of(mesh_, f->vertex))));
-  return *surfaces_.back().second;
-}
-
 int32_t Bones::nearest_fragment(const Vec3& rest, Vec3* on_bone) const {
   int32_t best = -1;
   double near = 1e300;
   for (const Fragment& f : now_.fragments) {
-    const Bvh::Closest c = surface(f.id).bvh.closest(rest, near);
+    const Bvh::Closest c = shape(f.id).surface.bvh.closest(rest, near);
     if (c.triangle >= 0 && c.distance_mm < near) {
       near = c.distance_mm, best = f.id;
       if (on_bone) *on_bone = c.point_mm;
@@ -148,7 +136,7 @@ std::string Bones::cut_mesh(const Osteotomy& what, simplex::Delta& delta) {
       double near = 1e300;
       for (const Fragment& f : now_.fragments) {
         if (f.id != parent.id && f.id < now_.next_id - (count - 1)) continue;
-        const Bvh::Closest c = surface(f.id).bvh.closest(*x, near);
+        const Bvh::Closest c = shape(f.id).surface.bvh.closest(*x, near);
         if (c.triangle >= 0 && c.distance_mm < near) near = c.distance_mm, *id = f.id;
       }
     }

@@ -24,8 +24,13 @@
 
 namespace limberg::bone {
 
-class RigidWorld;
-struct BoneSurface;
+struct FragmentShape;
+
+/// Of the last step of the Bullet world (rigid_world.h).
+struct RigidFigures {
+  int substeps = 0, pairs = 0, contacts = 0;
+  double deepest_mm = 0;  // overlap of the bodies' convex pieces at its end
+};
 
 /// `mesh` may have several parts: each becomes a bone of that name. Closed cavities (parts turned inside out) are filled.
 struct NamedMesh {
@@ -89,10 +94,12 @@ class Bones {
 
   Outcome grab(int32_t id);
   void drag(int32_t id, const Eigen::Isometry3d& wanted_pose);
-  /// Leaves it where it is. snap: fits its cut surface to the one nearest by, when within kSnap_mm and kSnap_deg of it.
+  /// Leaves it where it is. snap: when within kSnap_mm (of its centre) and
+  /// kSnap_deg of fitting a fragment that it was cut from, it is put where it fits; to the nearest of several.
   Outcome release(int32_t id, bool snap = false);
   void step(double dt_s);
-  bool physics() const { return world_ != nullptr; }
+  bool physics() const { return hold_ != nullptr; }
+  RigidFigures physics_figures() const;
   int32_t held() const { return held_; }                      // -1: nothing
   static constexpr double kSnap_mm = 3, kSnap_deg = 10;
 
@@ -125,7 +132,7 @@ class Bones {
   void recount();                                             // components after the mesh changed
   void finish(Act&& act);
   std::vector<int32_t> plated(int32_t id) const;              // indices, itself included
-  const BoneSurface& surface(int32_t id) const;               // at rest, kept until the mesh changes
+  const FragmentShape& shape(int32_t id) const;               // at rest, kept until the mesh changes
 
   simplex::Mesh mesh_;
   State now_;
@@ -133,8 +140,9 @@ class Bones {
   std::vector<int32_t> component_;          // per vertex slot
   std::vector<int32_t> id_of_component_;
   std::vector<Act> done_, undone_;
-  mutable std::vector<std::pair<int32_t, std::unique_ptr<BoneSurface>>> surfaces_;
-  std::unique_ptr<RigidWorld> world_;
+  mutable std::vector<std::unique_ptr<FragmentShape>> shapes_;
+  struct Held;
+  std::unique_ptr<Held> hold_;              // while something is held
   State before_grab_;
   int32_t held_ = -1;
   Workers* workers_ = nullptr;

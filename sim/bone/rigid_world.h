@@ -15,11 +15,12 @@
 #include <span>
 #include <vector>
 
+#include "sim/bone/bones.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg::bone {
 
-/// One convex piece, places in the frame of rest.
+/// The places that a convex piece spans, in the frame of rest; Bullet adds kMargin_mm around it.
 using Prism = std::vector<Vec3>;
 
 struct RigidPart {
@@ -33,7 +34,7 @@ struct RigidPart {
 
 class RigidWorld {
  public:
-  static constexpr double kInset_mm = 0.25, kThick_mm = 2, kStride_mm = 0.4;
+  static constexpr double kInset_mm = 0.25, kMargin_mm = 0.1, kThick_mm = 2, kStride_mm = 0.4;
   static constexpr int kMostSubsteps = 64;
 
   /// `held` is an index into parts.
@@ -42,11 +43,7 @@ class RigidWorld {
   void want(const Eigen::Isometry3d& pose);
   void step(double dt_s);
   Eigen::Isometry3d pose(size_t part) const;
-  struct Figures {
-    int substeps = 0, pairs = 0, contacts = 0;  // of the last step
-    double deepest_mm = 0;                      // overlap of the prisms at its end
-  };
-  Figures figures() const;
+  RigidFigures figures() const;
 
  private:
   struct Inside;

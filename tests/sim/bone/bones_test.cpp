@@ -4,42 +4,16 @@
 #include <gtest/gtest.h>
 
 #include "sim/error.h"
-#include "tests/sim/bone/shapes.h"
+#include "tests/sim/bone/heads.h"
 #include "tests/sim/simplex/random.h"
 
 namespace limberg::bone {
 namespace {
 
-InlineWorkers g_inline;
-
-Bones head(int levels = 3) {
-  std::vector<NamedMesh> all;
-  all.push_back({"cranium", test::skull_shell(levels), true});
-  simplex::Mesh jaw = test::mandible(levels);
-  for (Vec3& x : jaw.x_mm) x += Vec3(0, 20, -90);
-  all.push_back({"mandible", jaw, false});
-  return Bones(std::move(all), g_inline);
-}
-
-Osteotomy window() {
-  Osteotomy o;
-  o.path_mm = test::on_ellipsoid(test::circle({0, 68, 30}, {0, 1, 0.5}, 26, 80));
-  return o;
-}
-Osteotomy chin() {
-  Osteotomy o;
-  o.kind = Osteotomy::Kind::plane, o.point_mm = {12, 57, -90}, o.normal = {1, 0, 0}, o.radius_mm = 15;
-  return o;
-}
-Eigen::Isometry3d moved(const Vec3& by, double angle = 0, const Vec3& axis = Vec3::UnitZ()) {
-  Eigen::Isometry3d p = Eigen::Isometry3d::Identity();
-  p.linear() = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
-  p.translation() = by;
-  return p;
-}
+using test::chin, test::moved, test::window;
 
 TEST(Bones, FragmentsAreNumberedAndKeepTheirAttributes) {
-  Bones b = head();
+  Bones b = test::simple_head();
   ASSERT_EQ(b.fragments().size(), 2u);
   EXPECT_EQ(b.fragments()[0].name, "cranium");
   EXPECT_EQ(b.fragments()[1].name, "mandible");
@@ -62,11 +36,11 @@ TEST(Bones, FragmentsAreNumberedAndKeepTheirAttributes) {
   EXPECT_FALSE(b.move(9, moved({1, 0, 0})).done);
   ASSERT_TRUE(b.move(2, moved({0, 8, 0}, 0.1)).done);
   EXPECT_LT((b.now_mm(piece.vertex) - moved({0, 8, 0}, 0.1) * b.mesh().x_mm[size_t(piece.vertex)]).norm(), 1e-12);
-  EXPECT_THROW(Bones({}, g_inline), InputError);
+  EXPECT_THROW(Bones({}, test::inline_workers()), InputError);
 }
 
 TEST(Bones, PlatesHoldTogether) {
-  Bones b = head();
+  Bones b = test::simple_head();
   ASSERT_TRUE(b.cut(chin()).done);
   ASSERT_EQ(b.fragments().size(), 3u);
   ASSERT_TRUE(b.plate({8, 67, -90}, {16, 65, -90}).done);
@@ -80,7 +54,7 @@ TEST(Bones, PlatesHoldTogether) {
 }
 
 TEST(Bones, JoinIsTheInverseOfACut) {
-  Bones b = head();
+  Bones b = test::simple_head();
   const double whole = b.fragments()[0].volume_mm3;
   const simplex::Census c = simplex::census(b.mesh());
   for (const Osteotomy& o : {window(), chin()}) {
@@ -110,7 +84,7 @@ TEST(Bones, JoinIsTheInverseOfACut) {
 }
 
 TEST(Bones, RandomActsReturnToEveryState) {
-  Bones b = head();
+  Bones b = test::simple_head();
   test::Random random(3);
   std::vector<uint64_t> states{b.hash()};
   int cuts = 0, joins = 0, refused = 0;

@@ -12,12 +12,16 @@
 
 namespace limberg::test {
 
-/// Outer and inner table as scaled spheres, joined at the foramen (below, z near -0.93 of the outer radius).
-inline simplex::Mesh skull_shell(int levels = 4, const Vec3& half_mm = {70, 85, 65}, double thick_mm = 6) {
+/// Outer and inner table as scaled spheres, joined at the foramen (below, z near -0.93 of the outer radius). `uneven`: with
+/// bosses and hollows of that height, no two alike, and a thickness that varies by a third of it, as skulls have them.
+inline simplex::Mesh skull_shell(int levels = 4, const Vec3& half_mm = {70, 85, 65}, double thick_mm = 6, double uneven_mm = 0) {
   using namespace simplex;
   Mesh m = make_sphere({0, 0, 0}, 1, levels), inner = m;
-  for (Vec3& x : m.x_mm) x = x.cwiseProduct(half_mm);
-  for (Vec3& x : inner.x_mm) x = x.cwiseProduct(half_mm - Vec3::Constant(thick_mm));
+  const auto boss = [](const Vec3& u, double phase) {
+    return 0.5 * std::sin(5.3 * u.x() + 2.1 * u.y() + phase) + 0.5 * std::sin(4.1 * u.y() - 3.7 * u.z() + 1 + 2 * phase) + 0.5 * std::sin(6.1 * u.z() + 3.3 * u.x() + 2);
+  };
+  for (Vec3& x : m.x_mm) x = x.cwiseProduct(half_mm) + uneven_mm * boss(x, 0) * x;
+  for (Vec3& x : inner.x_mm) x = x.cwiseProduct(half_mm - Vec3::Constant(thick_mm)) + uneven_mm * (boss(x, 0) + boss(x, 0.7) / 3) * x;
   for (Row& r : inner.nbr) std::swap(r[1], r[2]);
   m.before_mm = m.x_mm;
   append(m, make_mesh(inner.nbr, inner.x_mm));

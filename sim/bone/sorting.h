@@ -1,0 +1,53 @@
+#pragma once
+// Sorting of bone fragments: which cut surfaces belong together, and how the fragments lie to each other.
+//
+// A fragment is described by its cut rings: the creases between its surface and its cut walls, walked with the surface on
+// the left. Two fragments that were one run along the same curve in opposite directions, with the same surface normal. So a
+// place on one ring and a place on another one give a rigid motion (tangent to minus tangent, normal to normal). All pairs
+// of places are tried; along the rings from there, by arc length, the curves either stay together (curvature and torsion
+// agree) or part. The best are fitted: first along that run, then nearest place to nearest place over all rings of both (both
+// tables, so that the thickness has to agree too).
+//
+// Verified, or refused: enough length together, the residual, no bone within bone, and no second way that fits as well
+// (a circle in a sphere fits at every angle). Fragments are put together best pair first; a pair that contradicts what
+// stands is refused.
+#include <string>
+#include <vector>
+
+#include "sim/simplex/mesh.h"
+
+namespace limberg::bone {
+
+class Bones;
+
+struct SortingRules {
+  double least_length_mm = 30;  // of rings that run together
+  double most_residual_mm = 0.4;  // rms
+  double most_depth_mm = 1;     // of one within the other
+  double same_mm = 0.5, same_deg = 1;  // two ways that differ by less are one
+};
+
+struct Match {
+  int32_t a = -1, b = -1;       // pieces
+  Eigen::Isometry3d b_in_a = Eigen::Isometry3d::Identity();
+  double length_mm = 0, residual_mm = 0;
+};
+struct Unmatched {
+  int32_t a = -1, b = -1;
+  std::string reason;
+};
+
+struct Sorting {
+  std::vector<Match> matches;                 // verified, best first
+  std::vector<Unmatched> refused;             // pairs that came near, with the reason
+  std::vector<Eigen::Isometry3d> pose;        // per piece: into the frame of the first of its group
+  std::vector<int32_t> group;                 // the smallest piece that it was put together with (itself, when alone)
+};
+
+/// Pieces: closed meshes with cut walls, each wherever it is. Deterministic. About 0.1 s a pair.
+Sorting sort_fragments(const std::vector<simplex::Mesh>& pieces, const SortingRules& rules = {});
+
+/// The fragments of a head as they lie now, as pieces; `ids` (may be null) receives which.
+std::vector<simplex::Mesh> pieces_of(const Bones& bones, std::vector<int32_t>* ids = nullptr);
+
+}  // namespace limberg::bone

@@ -1,0 +1,53 @@
+#include "sim/bone/stl.h"
+
+#include <bit>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "sim/bone/surface.h"
+#include "sim/error.h"
+
+namespace limberg::bone {
+namespace {
+
+void put(std::string& s, uint32_t v, int bytes) {
+  for (int i = 0; i < bytes; ++i) s += char((v >> (8 * i)) & 0xff);
+}
+void put(std::string& s, const Vec3& x) {
+  for (int k = 0; k < 3; ++k) put(s, std::bit_cast<uint32_t>(float(x[k])), 4);
+}
+
+}  // namespace
+
+std::string to_stl(const simplex::Mesh& m, int32_t vertex, const Eigen::Isometry3d& pose) {
+  if (!m.alive(vertex)) throw InputError("", 0, "there is no vertex " + std::to_string(vertex));
+  const BoneSurface b = bone_surface(m, component_of(m, vertex));
+  std::string s = "limberg bone fragment, mm";
+  s.resize(80, ' ');
+  put(s, uint32_t(b.tri.size()), 4);
+  for (size_t t = 0; t < b.tri.size(); ++t) {
+    put(s, Vec3(pose.linear() * b.normal(int32_t(t))));
+    for (int32_t v : b.tri[t]) put(s, Vec3(pose * b.X_mm[size_t(v)]));
+    put(s, 0, 2);
+  }
+  return s;
+}
+
+void save_stl(const std::string& bytes, const std::string& path) {
+  const std::string beside = path + ".new";
+  {
+    std::ofstream out(beside, std::ios::binary);
+    out.write(bytes.data(), std::streamsize(bytes.size()));
+    out.close();
+    if (!out) throw InputError(path, 0, "cannot write this file");
+  }
+  std::error_code failed;
+  std::filesystem::rename(beside, path, failed);
+  if (failed) {
+    std::remove(beside.c_str());
+    throw InputError(path, 0, "cannot write this file: " + failed.message());
+  }
+}
+
+}  // namespace limberg::bone

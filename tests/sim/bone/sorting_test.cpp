@@ -1,0 +1,147 @@
+// Fragments sorted by their cut rings; STL.
+#include "sim/bone/sorting.h"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "sim/bone/bones.h"
+#include "sim/bone/gaps.h"
+#include "sim/bone/shape.h"
+#include "sim/bone/stl.h"
+#include "sim/error.h"
+#include "tests/sim/bone/heads.h"
+#include "tests/sim/simplex/random.h"
+
+namespace limberg::bone {
+namespace {
+
+/// A vault in six fragments: cut off, then apart by planes that meet each other.
+Bones six_fragments() {
+  std::vector<NamedMesh> all;
+  all.push_back({"cranium", test::skull_shell(4, {70, 85, 65}, 6, 3), true});
+  Bones b(std::move(all), test::inline_workers());
+  const auto plane = [&](const Vec3& p, const Vec3& n, int32_t id) {
+    Osteotomy o;
+    o.kind = Osteotomy::Kind::plane, o.point_mm = p, o.normal = n, o.fragment = id;
+    const Outcome done = b.cut(o);
+    EXPECT_TRUE(done.done) << done.reason;
+  };
+  plane({0, 0, 12}, {0.1, 0.25, 1}, 0);   // 0 below, 1 the vault
+  plane({5, 10, 0}, {0.15, 1, 0.1}, 1);   // front and back
+  const int32_t back = b.fragments()[2].id;
+  plane({6, 0, 0}, {1, 0.2, 0}, 1);
+  plane({-9, 0, 0}, {1, -0.1, 0.1}, back);
+  plane({0, -45, 0}, {0.3, 1, -0.3}, b.nearest_fragment({30, -50, 40}));
+  EXPECT_EQ(b.fragments().size(), 6u);
+  return b;
+}
+
+Eigen::Isometry3d anywhere(test::Random& random) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::AngleAxisd(random.uniform(0, 3), random.vec().normalized()).toRotationMatrix();
+  T.translation() = random.vec(200);
+  return T;
+}
+
+void move_mesh(simplex::Mesh& m, const Eigen::Isometry3d& T, test::Random& random, double noise_mm) {
+  for (Vec3& x : m.x_mm) x = T * x + random.vec(noise_mm);
+}
+
+TEST(Sorting, SixFragmentsMovedAtRandomAreFoundToFit) {
+  const Bones b = six_fragments();
+  test::Random random(5);
+  for (const double noise_mm : {0., 0.1}) {
+    std::vector<simplex::Mesh> pieces = pieces_of(b);
+    std::vector<Eigen::Isometry3d> moved;
+    std::vector<FragmentShape> shapes;
+    for (simplex::Mesh& m : pieces) {
+      shapes.push_back(fragment_shape(m, 0));
+      moved.push_back(anywhere(random));
+      move_mesh(m, moved.back(), random, noise_mm);
+    }
+    const Sorting s = sort_fragments(pieces);
+    int pairs = 0;
+    for (size_t i = 0; i < pieces.size(); ++i) {
+      EXPECT_EQ(s.group[i], 0);
+      for (size_t j = i + 1; j < pieces.size(); ++j) {
+        const double seam = seam_mm2(shapes[i], shapes[j]);
+        const auto m = std::find_if(s.matches.begin(), s.matches.end(), [&](const Match& k) { return size_t(k.a) == i && size_t(k.b) == j; });
+        if (seam == 0) {
+          EXPECT_EQ(m, s.matches.end()) << i << " " << j;
+        }
+        // A seam of 6 mm thickness runs along twice its length: two tables.
+        if (seam > 6 * 20) {
+          ++pairs;
+          EXPECT_NE(m, s.matches.end()) << i << " " << j << " seam " << seam;
+        }
+        if (m == s.matches.end()) continue;
+        // b_in_a against what was done to both.
+        const Eigen::Isometry3d truth = moved[i] * moved[j].inverse();
+        const Vec3 middle = moved[j] * (0.5 * (shapes[j].lo_mm + shapes[j].hi_mm));
+        EXPECT_LE((m->b_in_a * middle - truth * middle).norm(), 0.5) << i << " " << j;
+        EXPECT_LE(Eigen::AngleAxisd(Mat3((truth.inverse() * m->b_in_a).linear())).angle() * 180 / M_PI, 1.0) << i << " " << j;
+        if (noise_mm == 0) {
+          EXPECT_LE((m->b_in_a * middle - truth * middle).norm(), 0.1) << i << " " << j;
+        }
+      }
+      const Eigen::Isometry3d truth = moved[0] * moved[i].inverse();
+      const Vec3 middle = moved[i] * (0.5 * (shapes[i].lo_mm + shapes[i].hi_mm));
+      EXPECT_LE((s.pose[i] * middle - truth * middle).norm(), 0.5);
+      EXPECT_LE(Eigen::AngleAxisd(Mat3((truth.inverse() * s.pose[i]).linear())).angle() * 180 / M_PI, 1.0);
+    }
+    EXPECT_GE(pairs, 7);
+    for (const Unmatched& u : s.refused) std::printf("%d %d: %s (seam %.0f)\n", u.a, u.b, u.reason.c_str(), seam_mm2(shapes[size_t(u.a)], shapes[size_t(u.b)]));
+    for (const Match& m : s.matches) std::printf("%d %d: %.0f mm, %.3f mm\n", m.a, m.b, m.length_mm, m.residual_mm);
+  }
+}
+
+TEST(Sorting, WhatDoesNotBelongTogetherIsRefused) {
+  // The pieces of one skull's forehead against the window of another.
+  Bones one = test::simple_head(4), other = test::simple_head(4);
+  Osteotomy o = test::window();
+  o.path_mm = test::on_ellipsoid(test::circle({0, 68, 30}, {0, 1, 0.5}, 24, 80, 0.2));
+  ASSERT_TRUE(one.cut(o).done);
+  o.path_mm = test::on_ellipsoid(test::circle({5, 60, 40}, {0, 1, 0.9}, 20, 80, -0.25));
+  ASSERT_TRUE(other.cut(o).done);
+  const std::vector<simplex::Mesh> a = pieces_of(one), b = pieces_of(other);
+  const Sorting right = sort_fragments({a[0], a[2]}), wrong = sort_fragments({a[0], b[2]});
+  ASSERT_EQ(right.matches.size(), 1u);
+  EXPECT_TRUE(wrong.matches.empty());
+  ASSERT_EQ(wrong.refused.size(), 1u);
+  std::printf("%s\n", wrong.refused[0].reason.c_str());
+  // A round hole in a sphere: it fits at every angle.
+  std::vector<NamedMesh> ball;
+  ball.push_back({"ball", test::skull_shell(4, {70, 70, 70}), true});
+  Bones round(std::move(ball), test::inline_workers());
+  o.path_mm = test::on_ellipsoid(test::circle({0, 60, 0}, {0, 1, 0}, 25, 80), {70, 70, 70});
+  ASSERT_TRUE(round.cut(o).done);
+  const Sorting turned = sort_fragments(pieces_of(round));
+  EXPECT_TRUE(turned.matches.empty());
+  ASSERT_EQ(turned.refused.size(), 1u);
+  EXPECT_NE(turned.refused[0].reason.find("several"), std::string::npos) << turned.refused[0].reason;
+}
+
+TEST(Stl, IsClosedAndHasTheVolume) {
+  Bones b = test::simple_head();
+  ASSERT_TRUE(b.cut(test::window()).done);
+  const Fragment& f = b.fragments()[2];
+  const std::string s = to_stl(b.mesh(), f.vertex, test::moved({1, 2, 3}, 0.3));
+  uint32_t n;
+  std::memcpy(&n, s.data() + 80, 4);
+  ASSERT_EQ(s.size(), 84 + 50 * size_t(n));
+  double volume = 0;
+  for (uint32_t t = 0; t < n; ++t) {
+    float x[12];
+    std::memcpy(x, s.data() + 84 + 50 * t, sizeof x);
+    const Vec3 p(x[3], x[4], x[5]), q(x[6], x[7], x[8]), r(x[9], x[10], x[11]);
+    volume += p.dot(q.cross(r)) / 6;
+    EXPECT_GT((q - p).cross(r - p).dot(Vec3(x[0], x[1], x[2])), -1e-6);
+  }
+  EXPECT_NEAR(volume, f.volume_mm3, 1e-3 * f.volume_mm3);
+  EXPECT_THROW(to_stl(b.mesh(), -4, Eigen::Isometry3d::Identity()), InputError);
+  EXPECT_THROW(save_stl(s, "/nonexistent-folder/x.stl"), InputError);
+}
+
+}  // namespace
+}  // namespace limberg::bone
