@@ -1,5 +1,6 @@
 #include "sim/bone/sorting.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,8 @@ using Eigen::Isometry3d;
 constexpr double kNear_mm = 1.5;      // rings run together while they are no further apart
 constexpr double kFan = 0.08;         // and per mm of arc from where they were laid on each other: frames are good to 5 degrees
 constexpr double kLongest_mm = 45;    // of the run to either side that is looked at
-constexpr double kTogether_mm = 0.6;  // rings that run together in the end
+constexpr double kTogether_mm = 0.6;  // rings that are counted as running together
+constexpr double kExact_mm = 0.05;    // a fit looks at least so far
 constexpr size_t kFitted = 12;        // the best ways that are fitted
 
 struct Piece {
@@ -27,13 +29,35 @@ struct Piece {
   std::vector<Vec3> corner, edge;     // of all rings: places, and edge vectors to the next
   std::vector<Vec3> tangent;
   std::vector<double> share_mm;       // of the ring's length that a corner stands for
+  Vec3 middle() const { return 0.5 * (shape.lo_mm + shape.hi_mm); }
+  Vec3 middle_at(const Isometry3d& T) const { return T * middle(); }
 };
 
-Isometry3d rigid_fit(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
-  Eigen::Matrix3Xd A(3, Eigen::Index(from.size())), B(3, Eigen::Index(to.size()));
-  for (size_t i = 0; i < from.size(); ++i) A.col(Eigen::Index(i)) = from[i], B.col(Eigen::Index(i)) = to[i];
-  Isometry3d T;
-  T.matrix() = Eigen::umeyama(A, B, false);
+/// The small motion that brings the places nearest to the lines (least squares of the distances across them: a curve may
+/// slide along itself, where nearest places would hold it back). Gauss-Newton; rotation about `about`.
+Isometry3d towards_lines(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Vec3>& along) {
+  Vec3 about = Vec3::Zero();
+  for (const Vec3& x : from) about += x / double(from.size());
+  Eigen::Matrix<double, 6, 6> M = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();
+  for (size_t i = 0; i < from.size(); ++i) {
+    const Mat3 P = Mat3::Identity() - along[i] * along[i].transpose();
+    const Vec3 y = from[i] - about;
+    Eigen::Matrix<double, 3, 6> J;
+    J << 0, y.z(), -y.y(), 1, 0, 0, -y.z(), 0, y.x(), 0, 1, 0, y.y(), -y.x(), 0, 0, 0, 1;
+    M += J.transpose() * P * J, g += J.transpose() * P * (to[i] - from[i]);
+  }
+  // What nothing holds stays where it is.
+  for (int k : {0, 3}) {
+    const double t = 1e-6 * M.block<3, 3>(k, k).trace();
+    for (int i = k; i < k + 3; ++i) M(i, i) += t;
+  }
+  const Eigen::Matrix<double, 6, 1> d = M.ldlt().solve(g);
+  const Vec3 w = d.head<3>();
+  const double angle = std::min(w.norm(), 0.3);
+  Isometry3d T = Isometry3d::Identity();
+  if (angle > 0) T.linear() = Eigen::AngleAxisd(angle, w.normalized()).toRotationMatrix();
+  T.translation() = about + d.tail<3>() - T.linear() * about;
   return T;
 }
 
@@ -67,41 +91,55 @@ Way lay(const Ring& p, size_t i, const Ring& q, size_t j) {
   return w;
 }
 
-/// Corners of b on the rings of a, where they are near and run against each other.
+/// Corners of b on the rings of a, where they are nearer than that and run against each other.
+struct Together {
+  std::vector<Vec3> from, to, along;  // corners of b where they are now, the places on a's rings, a's tangents there
+  std::vector<double> apart;
+  double length = 0, residual = 1e9;
+};
+Together together(const Piece& a, const Piece& b, const Isometry3d& T, double near) {
+  Together out;
+  double sum = 0;
+  for (size_t j = 0; j < b.corner.size(); ++j) {
+    const Vec3 y = T * b.corner[j], t = T.linear() * b.tangent[j];
+    double best = near * near;
+    Vec3 at, along;
+    for (size_t i = 0; i < a.corner.size(); ++i) {
+      const double longest = a.edge[i].norm();
+      if ((a.corner[i] - y).squaredNorm() > (near + longest) * (near + longest) || a.tangent[i].dot(t) > -0.5) continue;
+      const double s = std::clamp(a.edge[i].dot(y - a.corner[i]) / std::max(longest * longest, 1e-12), 0., 1.);
+      const Vec3 x = a.corner[i] + s * a.edge[i];
+      if (const double d = (x - y).squaredNorm(); d < best) best = d, at = x, along = a.edge[i] / std::max(longest, 1e-12);
+    }
+    if (best >= near * near) continue;
+    out.from.push_back(y), out.to.push_back(at), out.along.push_back(along), out.apart.push_back(std::sqrt(best));
+    out.length += b.share_mm[j], sum += b.share_mm[j] * best;
+  }
+  if (out.length > 0) out.residual = std::sqrt(sum / out.length);
+  return out;
+}
+
 struct Fit {
   Isometry3d T;
   double length = 0, residual = 0;
 };
+/// Nearest places, within a distance that shrinks to three times the usual one: what only comes near where
+/// the common curve ends is left out.
 Fit fit(const Piece& a, const Piece& b, Isometry3d T) {
-  Fit out;
-  double near = 4;  // mm, shrinking
-  for (int round = 0; round < 40; ++round) {
-    std::vector<Vec3> from, to;
-    double length = 0, sum = 0;
-    for (size_t j = 0; j < b.corner.size(); ++j) {
-      const Vec3 y = T * b.corner[j], t = T.linear() * b.tangent[j];
-      double best = near * near;
-      Vec3 at;
-      for (size_t i = 0; i < a.corner.size(); ++i) {
-        const double longest = a.edge[i].norm();
-        if ((a.corner[i] - y).squaredNorm() > (near + longest) * (near + longest) || a.tangent[i].dot(t) > -0.5) continue;
-        const double s = std::clamp(a.edge[i].dot(y - a.corner[i]) / std::max(longest * longest, 1e-12), 0., 1.);
-        const Vec3 x = a.corner[i] + s * a.edge[i];
-        if (const double d = (x - y).squaredNorm(); d < best) best = d, at = x;
-      }
-      if (best >= near * near) continue;
-      from.push_back(b.corner[j]), to.push_back(at);
-      length += b.share_mm[j], sum += b.share_mm[j] * best;
-    }
-    out.T = T, out.length = length, out.residual = length > 0 ? std::sqrt(sum / length) : 1e9;
-    if (from.size() < 8) return out;
-    const Isometry3d next = rigid_fit(from, to);
-    const double move = (next.translation() - T.translation()).norm() + degrees(next.inverse() * T);
-    T = next;
-    near = std::max(kTogether_mm, 0.8 * near);
+  double near = 4;  // mm
+  for (int round = 0; round < 60; ++round) {
+    Together t = together(a, b, T, near);
+    if (t.from.size() < 8) break;
+    const Isometry3d by = towards_lines(t.from, t.to, t.along);
+    const double move = (by * b.middle_at(T) - b.middle_at(T)).norm() + degrees(by);
+    T = by * T;
+    std::nth_element(t.apart.begin(), t.apart.begin() + std::ptrdiff_t(t.apart.size() / 2), t.apart.end());
+    near = std::max({kExact_mm, 3 * t.apart[t.apart.size() / 2], near > kTogether_mm ? 0.8 * near : 0.});
+    near = std::min(near, 4.);
     if (move < 1e-7 && near <= kTogether_mm) break;
   }
-  return out;
+  const Together end = together(a, b, T, kTogether_mm);
+  return {T, end.length, end.residual};
 }
 
 /// Deepest place of one within the other.
@@ -145,8 +183,8 @@ std::string text(const char* format, double a, double b) {
   return s;
 }
 
-/// The best verified way of b to a, or why there is none.
-std::string match(const Piece& a, const Piece& b, const SortingRules& rules, Match& out) {
+/// All verified ways of b to a, best first; or why there is none.
+std::vector<Fit> ways_of(const Piece& a, const Piece& b, const SortingRules& rules, std::string& why) {
   std::vector<Way> ways;
   for (const Ring& p : a.rings)
     for (const Ring& q : b.rings)
@@ -156,9 +194,10 @@ std::string match(const Piece& a, const Piece& b, const SortingRules& rules, Mat
           if (const Way w = lay(p, i, q, j); w.score > best.score) best = w;
         if (best.score > 0) ways.push_back(best);
       }
+  why = "no way to lay their cut rings together";
+  if (ways.empty()) return {};
   std::stable_sort(ways.begin(), ways.end(), [](const Way& s, const Way& t) { return s.score > t.score; });
-  if (ways.empty()) return "no cut rings";
-  const Vec3 middle = 0.5 * (b.shape.lo_mm + b.shape.hi_mm);
+  const Vec3 middle = b.middle();
   std::vector<Way> different;
   for (const Way& w : ways) {
     if (different.size() >= kFitted || w.score < 0.4 * ways[0].score) break;
@@ -169,77 +208,138 @@ std::string match(const Piece& a, const Piece& b, const SortingRules& rules, Mat
     const Fit f = fit(a, b, w.T);
     if (std::none_of(fits.begin(), fits.end(), [&](const Fit& g) { return same(f.T, g.T, middle, rules.same_mm, rules.same_deg); })) fits.push_back(f);
   }
-  // Longest together first; those that hold the residual before those that do not.
-  const auto good = [&](const Fit& f) { return f.residual <= rules.most_residual_mm && f.length >= rules.least_length_mm; };
-  std::stable_sort(fits.begin(), fits.end(), [&](const Fit& f, const Fit& g) { return good(f) != good(g) ? good(f) : f.length > g.length; });
+  std::stable_sort(fits.begin(), fits.end(), [](const Fit& f, const Fit& g) { return f.length > g.length; });
   std::vector<Fit> stand;
-  std::string why;
   for (const Fit& f : fits) {
-    if (!good(f)) {
-      if (why.empty()) why = text("rings run together for %.0f mm only, %.2f mm apart", f.length, f.residual);
-      continue;
-    }
-    if (const double d = depth(a, b, f.T); d > rules.most_depth_mm) {
+    if (f.length < rules.least_length_mm || f.residual > rules.most_residual_mm) {
+      if (&f == &fits[0]) why = text("their cut rings run together for %.0f mm, %.2f mm apart", f.length, f.residual);
+    } else if (const double d = depth(a, b, f.T); d > rules.most_depth_mm) {
       why = text("bone would lie %.1f mm within bone (rings together for %.0f mm)", d, f.length);
-      continue;
+    } else {
+      stand.push_back(f);
     }
-    stand.push_back(f);
   }
-  if (stand.empty()) return why.empty() ? "no way to lay the rings together" : why;
-  if (stand.size() > 1 && stand[1].length > 0.8 * stand[0].length && stand[1].residual < 2 * stand[0].residual + 0.05)
-    return text("it fits in several places: for %.0f mm and for %.0f mm", stand[0].length, stand[1].length);
-  out.b_in_a = stand[0].T, out.length_mm = stand[0].length, out.residual_mm = stand[0].residual;
-  return "";
+  return stand;
 }
+
+/// Another way that is as good: nearly as long, and not clearly worse in its residual.
+bool ambiguous(const std::vector<Fit>& f) {
+  return f.size() > 1 && f[1].length > 0.8 * f[0].length && f[1].residual < 1.5 * f[0].residual + 0.03;
+}
+
+/// Puts groups together.
+class Assembly {
+ public:
+  Assembly(const std::vector<Piece>& pieces, const SortingRules& rules, Sorting& out) : p_(pieces), rules_(rules), o_(out) {
+    o_.pose.assign(p_.size(), Isometry3d::Identity());
+    for (size_t i = 0; i < p_.size(); ++i) o_.group.push_back(int32_t(i));
+  }
+  bool one(size_t a, size_t b) const { return o_.group[a] == o_.group[b]; }
+  /// From the frame of b's group to that of a's, when b lies at b_in_a.
+  Isometry3d carry(size_t a, size_t b, const Isometry3d& b_in_a) const { return o_.pose[a] * b_in_a * o_.pose[b].inverse(); }
+  template <class Visit>
+  void between(size_t a, size_t b, const Isometry3d& by, Visit&& visit) const {
+    for (size_t i = 0; i < p_.size(); ++i)
+      for (size_t j = 0; j < p_.size(); ++j)
+        if (one(i, a) && one(j, b)) visit(p_[i], p_[j], Isometry3d(o_.pose[i].inverse() * by * o_.pose[j]));
+  }
+  double deepest(size_t a, size_t b, const Isometry3d& by) const {
+    double most = 0;
+    between(a, b, by, [&](const Piece& p, const Piece& q, const Isometry3d& T) { most = std::max(most, depth(p, q, T)); });
+    return most;
+  }
+  /// Length of all rings of the two groups that would run together.
+  double length(size_t a, size_t b, const Isometry3d& by) const {
+    double sum = 0;
+    between(a, b, by, [&](const Piece& p, const Piece& q, const Isometry3d& T) { sum += together(p, q, T, kTogether_mm).length; });
+    return sum;
+  }
+  void put(size_t a, size_t b, const Isometry3d& by) {
+    const int32_t from = o_.group[b], to = o_.group[a], low = std::min(from, to);
+    for (size_t i = 0; i < p_.size(); ++i) {
+      if (o_.group[i] == from) o_.pose[i] = by * o_.pose[i], o_.group[i] = low;
+      else if (o_.group[i] == to) o_.group[i] = low;
+    }
+    const Isometry3d back = o_.pose[size_t(low)].inverse();
+    for (size_t i = 0; i < p_.size(); ++i)
+      if (o_.group[i] == low) o_.pose[i] = i == size_t(low) ? Isometry3d::Identity() : Isometry3d(back * o_.pose[i]);
+  }
+  /// A pair of one group, where it lies: the rings run together there.
+  bool stands(size_t a, size_t b, Match& m) const {
+    const Isometry3d T = o_.pose[a].inverse() * o_.pose[b];
+    const Fit f = fit(p_[a], p_[b], T);
+    if (f.length < rules_.least_length_mm || f.residual > rules_.most_residual_mm || !same(f.T, T, p_[b].middle(), 2 * rules_.same_mm, 2 * rules_.same_deg)) return false;
+    m.b_in_a = f.T, m.length_mm = f.length, m.residual_mm = f.residual;
+    return true;
+  }
+
+ private:
+  const std::vector<Piece>& p_;
+  const SortingRules& rules_;
+  Sorting& o_;
+};
 
 }  // namespace
 
 Sorting sort_fragments(const std::vector<simplex::Mesh>& meshes, const SortingRules& rules) {
   std::vector<Piece> pieces;
   for (const simplex::Mesh& m : meshes) pieces.push_back(describe(m));
-  const size_t n = pieces.size();
   Sorting out;
-  out.pose.assign(n, Isometry3d::Identity());
-  for (size_t i = 0; i < n; ++i) out.group.push_back(int32_t(i));
-  std::vector<Match> found;
-  for (size_t i = 0; i < n; ++i)
-    for (size_t j = i + 1; j < n; ++j) {
-      Match m;
-      m.a = int32_t(i), m.b = int32_t(j);
-      if (std::string why = match(pieces[i], pieces[j], rules, m); why.empty()) found.push_back(m);
-      else out.refused.push_back({m.a, m.b, why});
+  Assembly assembly(pieces, rules, out);
+  struct Pair {
+    size_t a, b;
+    std::vector<Fit> ways;
+    std::string why;
+  };
+  std::vector<Pair> pairs;
+  for (size_t i = 0; i < pieces.size(); ++i)
+    for (size_t j = i + 1; j < pieces.size(); ++j) {
+      pairs.push_back({i, j, {}, ""});
+      pairs.back().ways = ways_of(pieces[i], pieces[j], rules, pairs.back().why);
     }
-  std::stable_sort(found.begin(), found.end(), [](const Match& s, const Match& t) { return s.length_mm > t.length_mm; });
-  for (const Match& m : found) {
-    const size_t a = size_t(m.a), b = size_t(m.b);
-    const Isometry3d b_now = out.pose[a] * m.b_in_a;  // in the frame of a's group
-    const Vec3 middle = 0.5 * (pieces[b].shape.lo_mm + pieces[b].shape.hi_mm);
-    if (out.group[a] == out.group[b]) {
-      // Three pairs in a ring: the third has to say the same. Small errors of two add up.
-      if (same(out.pose[b], b_now, middle, 3 * rules.same_mm, 3 * rules.same_deg)) out.matches.push_back(m);
-      else out.refused.push_back({m.a, m.b, "it contradicts pairs that fit for longer"});
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& s, const Pair& t) {
+    const double x = s.ways.empty() ? 0 : s.ways[0].length, y = t.ways.empty() ? 0 : t.ways[0].length;
+    return x > y;
+  });
+  // What fits in one way only, the longest first.
+  for (Pair& p : pairs) {
+    if (p.ways.empty()) continue;
+    if (ambiguous(p.ways)) {
+      p.why = text("it fits in several places: for %.0f mm and for %.0f mm", p.ways[0].length, p.ways[1].length);
       continue;
     }
-    // All of b's group goes to a's; nothing of one may lie within the other.
-    const Isometry3d by = b_now * out.pose[b].inverse();
-    double deep = 0;
-    for (size_t i = 0; i < n; ++i)
-      for (size_t j = 0; j < n; ++j)
-        if (out.group[i] == out.group[a] && out.group[j] == out.group[b]) deep = std::max(deep, depth(pieces[i], pieces[j], out.pose[i].inverse() * by * out.pose[j]));
-    if (deep > rules.most_depth_mm) {
-      out.refused.push_back({m.a, m.b, text("with it, bone would lie %.1f mm within bone (rings together for %.0f mm)", deep, m.length_mm)});
-      continue;
-    }
-    const int32_t from = out.group[b], to = out.group[a], low = std::min(from, to);
-    for (size_t i = 0; i < n; ++i) {
-      if (out.group[i] == from) out.pose[i] = by * out.pose[i], out.group[i] = low;
-      else if (out.group[i] == to) out.group[i] = low;
-    }
-    const Isometry3d back = out.pose[size_t(low)].inverse();
-    for (size_t i = 0; i < n; ++i)
-      if (out.group[i] == low) out.pose[i] = i == size_t(low) ? Isometry3d::Identity() : Isometry3d(back * out.pose[i]);
-    out.matches.push_back(m);
+    if (assembly.one(p.a, p.b)) continue;
+    const Isometry3d by = assembly.carry(p.a, p.b, p.ways[0].T);
+    if (const double d = assembly.deepest(p.a, p.b, by); d > rules.most_depth_mm) p.why = text("with it, bone would lie %.1f mm within bone (rings together for %.0f mm)", d, p.ways[0].length);
+    else assembly.put(p.a, p.b, by);
   }
+  // What fits in several: where all neighbours fit too, if that is clearly one way.
+  for (bool any = true; any;) {
+    any = false;
+    for (const Pair& p : pairs) {
+      if (p.ways.size() < 2 || assembly.one(p.a, p.b)) continue;
+      double best = 0, second = 0;
+      Isometry3d by;
+      for (const Fit& f : p.ways) {
+        const Isometry3d way = assembly.carry(p.a, p.b, f.T);
+        const double length = assembly.length(p.a, p.b, way);
+        if (length <= second || assembly.deepest(p.a, p.b, way) > rules.most_depth_mm) continue;
+        if (length > best) second = best, best = length, by = way;
+        else second = length;
+      }
+      if (best < 1.25 * second || best == 0) continue;
+      assembly.put(p.a, p.b, by);
+      any = true;
+    }
+  }
+  // Every pair where it lies now.
+  for (const Pair& p : pairs) {
+    Match m;
+    m.a = int32_t(p.a), m.b = int32_t(p.b);
+    if (assembly.one(p.a, p.b) && assembly.stands(p.a, p.b, m)) out.matches.push_back(m);
+    else out.refused.push_back({m.a, m.b, !p.ways.empty() && assembly.one(p.a, p.b) && p.why.empty() ? "it contradicts pairs that fit for longer" : p.why});
+  }
+  std::stable_sort(out.matches.begin(), out.matches.end(), [](const Match& s, const Match& t) { return s.length_mm > t.length_mm; });
   return out;
 }
 

@@ -8,9 +8,9 @@
 // agree) or part. The best are fitted: first along that run, then nearest place to nearest place over all rings of both (both
 // tables, so that the thickness has to agree too).
 //
-// Verified, or refused: enough length together, the residual, no bone within bone, and no second way that fits as well
-// (a circle in a sphere fits at every angle). Fragments are put together best pair first; a pair that contradicts what
-// stands is refused.
+// Verified, or refused: enough length together, the residual, no bone within bone. What fits in one way only is put
+// together first, the longest first. What fits in several (a circle in a sphere fits at every angle) is put where its
+// neighbours fit as well, if that is clearly one way, else refused. In the end every pair is looked at where it lies.
 #include <string>
 #include <vector>
 
