@@ -1,5 +1,8 @@
 #include "app/exercise.h"
 
+#include <cmath>
+#include <cstdio>
+
 #include "sim/tools/strokes.h"
 
 namespace limberg {
@@ -24,7 +27,7 @@ Exercise exercise(std::span<const Command> script, const Metrics& m, const std::
   return e;
 }
 
-void fill_exercise(Result& r, const Exercise& e, const Metrics& m, const Lesson* lesson) {
+std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics& m, const Lesson* lesson) {
   std::map<std::string, double> values = lesson_values(m, e.design);
   values["undos"] = e.undos;
   const auto set = [&](const char* name, auto v) { r.set(std::string("/exercise/") + name, v); };
@@ -50,12 +53,14 @@ void fill_exercise(Result& r, const Exercise& e, const Metrics& m, const Lesson*
     set("design/corners", e.design->corners);
     set("design/missing", e.design->missing);
   }
-  if (!lesson) return;
+  if (!lesson) return {};
   r.set("/lesson/title", lesson->title);
   r.set("/lesson/goal", lesson->goal);
   r.set("/lesson/file", lesson->file);
   bool all = true;
-  const auto judged = judge(*lesson, values);
+  auto judged = judge(*lesson, values);
+  if (!e.hand)
+    std::erase_if(judged, [](const Judgement& j) { return !j.value && (j.name == "time_s" || j.name == "path_mm" || j.name == "movements"); });
   for (size_t i = 0; i < judged.size(); ++i) {
     const std::string p = "/lesson/tolerances/" + std::to_string(i);
     r.set(p + "/name", judged[i].name);
@@ -67,6 +72,15 @@ void fill_exercise(Result& r, const Exercise& e, const Metrics& m, const Lesson*
   }
   r.set("/lesson/all_met", all);
   for (size_t i = 0; i < lesson->hints.size(); ++i) r.set("/lesson/hints/" + std::to_string(i), lesson->hints[i]);
+  return judged;
+}
+
+void print_judgements(const std::vector<Judgement>& judged) {
+  for (const Judgement& j : judged) {
+    char value[32] = "-";
+    if (j.value) std::snprintf(value, sizeof value, "%.3g", std::abs(*j.value) < 1e-6 ? 0 : *j.value);
+    std::printf("lesson      %-14s %8s of at most %6.3g %-8s %s\n", j.name.c_str(), value, j.limit, j.unit.c_str(), j.met ? "met" : j.value ? "missed" : "not measured");
+  }
 }
 
 }  // namespace limberg

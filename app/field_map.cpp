@@ -18,8 +18,22 @@ std::string field_map_svg(const SurfaceView& view, const Body& body, std::span<c
       lo = lo.cwiseMin(corner[t][k]), hi = hi.cwiseMax(corner[t][k]);
     }
   }
+  constexpr double kAround_mm = 25;
+  std::vector<std::pair<Vec2, Vec2>> cut;
+  Vec2 cut_lo = Vec2::Constant(1e300), cut_hi = -cut_lo;
+  for (size_t t = 0; t < view.tri.size() && t < view.rim.size(); ++t)
+    for (size_t k = 0; k < 3; ++k)
+      if (view.kind[t] == FaceKind::skin && (view.rim[t] >> k & 1)) {
+        cut.push_back({corner[t][k], corner[t][(k + 1) % 3]});
+        for (const Vec2& p : {cut.back().first, cut.back().second}) cut_lo = cut_lo.cwiseMin(p), cut_hi = cut_hi.cwiseMax(p);
+      }
+  if (!cut.empty()) {
+    // A square, so that every map of an operation has one scale.
+    const Vec2 centre = 0.5 * (cut_lo + cut_hi), half = Vec2::Constant(0.5 * (cut_hi - cut_lo).maxCoeff() + kAround_mm);
+    lo = lo.cwiseMax(centre - half), hi = hi.cwiseMin(centre + half);
+  }
   if (!(hi.x() > lo.x()) || !(hi.y() > lo.y())) return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 10 10\"></svg>\n";
-  const double step = std::max(1.0, (hi - lo).maxCoeff() / 160);
+  const double step = (hi - lo).maxCoeff() / 160;
   const int nx = int(std::ceil((hi.x() - lo.x()) / step)), ny = int(std::ceil((hi.y() - lo.y()) / step));
   std::vector<int> level(size_t(nx) * size_t(ny), -1);
   const auto left = [](const Vec2& a, const Vec2& b, const Vec2& p) { return (b.x() - a.x()) * (p.y() - a.y()) - (b.y() - a.y()) * (p.x() - a.x()); };
@@ -51,6 +65,15 @@ std::string field_map_svg(const SurfaceView& view, const Body& body, std::span<c
       }
       i = j;
     }
+  s += "<g stroke=\"#222\" stroke-width=\"1\" stroke-linecap=\"round\">\n";
+  const double mm = px / step;
+  for (const auto& [a, b] : cut) {
+    std::snprintf(text, sizeof text, "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>\n", 8 + (a.x() - lo.x()) * mm, 32 + height - (a.y() - lo.y()) * mm,
+                  8 + (b.x() - lo.x()) * mm, 32 + height - (b.y() - lo.y()) * mm);
+    s += text;
+  }
+  std::snprintf(text, sizeof text, "<line x1=\"585\" y1=\"270\" x2=\"%.1f\" y2=\"270\" stroke-width=\"2\"/></g>\n<text x=\"585\" y=\"290\">10 mm</text>\n", 585 + 10 * mm);
+  s += text;
   for (int n = 0; n < 10; ++n) {
     const double v = map.lo + (map.hi - map.lo) * (map.dark_is_low ? 1 - n / 10.0 : n / 10.0);
     std::snprintf(text, sizeof text, "<rect x=\"585\" y=\"%d\" width=\"18\" height=\"18\" fill=\"%s\"/><text x=\"610\" y=\"%d\">%.3g %s</text>\n", 40 + 20 * n, kInk[n], 54 + 20 * n, v, n == 0 ? map.unit.c_str() : "");

@@ -14,7 +14,8 @@ struct FieldMap {
   bool dark_is_low = false;   // what is to be seen is where the figure is small
 };
 
-/// An SVG picture, y up, in squares of 1 mm or a 160th of the skin's extent. `value`: per triangle of the view; what is no skin, or not
+/// An SVG picture, y up, in squares of a 160th of what is shown: what lies within 25 mm of a cut, or all skin where nothing is cut. Cuts are
+/// drawn as they lie at rest, with a scale of 10 mm. `value`: per triangle of the view; what is no skin, or not
 /// finite, or below `nothing`, is left out.
 std::string field_map_svg(const SurfaceView& view, const Body& body, std::span<const float> value, const FieldMap& map, double nothing = -0.5);
 

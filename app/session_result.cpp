@@ -103,7 +103,7 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
   e.time_s = f.duration_s;
   e.hand = a.solver.hand();
   e.refused = int(a.solver.refused().size());
-  fill_exercise(r, e, metrics, lesson);
+  print_judgements(fill_exercise(r, e, metrics, lesson));
   fill_story(r, a);
 }
 

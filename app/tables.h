@@ -21,4 +21,7 @@ void add_chart(Result& result, int number, const std::string& title, const LineC
 /// At most `digits` significant digits.
 std::string short_number(double v, int digits = 4);
 
+/// For printing with one decimal: 0 for what would be "-0.0".
+inline double unsigned_zero(double v) { return v > -0.05 && v < 0.05 ? 0 : v; }
+
 }  // namespace limberg

@@ -8,6 +8,7 @@
 #include "app/lesson.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"
+#include "app/tables.h"
 #include "app/progress.h"
 #include "app/repro.h"
 #include "app/session/clock.h"
@@ -184,7 +185,7 @@ void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std
     if (std::abs(c.q_deg) < 20) continue;  // spread along a curve
     const ChartPoint at = plan->chart(c.meeting.front());
     if (!skin.at(at)) throw InputError(title, 0, "its plan leaves the skin; expected a place with more skin around it");
-    std::printf("plan        %s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, at.x(), at.y());
+    std::printf("plan        %s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, unsigned_zero(at.x()), unsigned_zero(at.y()));
   }
   std::printf("plan        all charges together %.3g degrees (0: it closes to one sheet)\n", std::abs(sum) < 1e-6 ? 0 : sum);
   if (svg.empty()) return;

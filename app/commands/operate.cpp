@@ -305,7 +305,7 @@ int run(const Options& opt) {
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
     fill_closure(result, o.closure);
-    fill_exercise(result, exercise(actions, rows.back().key, planned), rows.back().key, lesson ? &*lesson : nullptr);
+    print_judgements(fill_exercise(result, exercise(actions, rows.back().key, planned), rows.back().key, lesson ? &*lesson : nullptr));
     if (!opt.fields.empty()) write_fields(opt.fields, world);
     if (!opt.common.out_dir.empty()) {
       Snapshot last;
@@ -330,12 +330,12 @@ void add_operate(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut")->required();
   CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(CLI::Range(0.05, 100.0));
-  c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes, and the error of every figure by extrapolation")
+  CLI::Option* several = c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes, and the error of every figure by extrapolation")
       ->type_name("H,H,...")->delimiter(',')->check(CLI::Range(0.05, 100.0))->excludes(one);
-  c->add_option("--orders", o->orders, "Close in several orders and compare: as-written, reversed, alternating, or numbers of the suture lines as 2-1-3")
-      ->type_name("ORDER,...")->delimiter(',');
-  c->add_option("--judge", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
-  c->add_option("--fields", o->fields, "Write stretch, stress, their direction and the perfusion index of every skin triangle")->type_name("CSV");
+  CLI::Option* orders = c->add_option("--orders", o->orders, "Close in several orders and compare: as-written, reversed, alternating, or numbers of the suture lines as 2-1-3")
+      ->type_name("ORDER,...")->delimiter(',')->excludes(several);
+  c->add_option("--judge", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")->type_name("LESSON")->excludes(orders);
+  c->add_option("--fields", o->fields, "Write stretch, stress, their direction and the perfusion index of every skin triangle")->type_name("CSV")->excludes(orders);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

@@ -3,6 +3,7 @@
 
 #include "app/commands/session_command.h"
 #include "app/output.h"
+#include "app/tables.h"
 #include "app/progress.h"
 #include "sim/error.h"
 #include "sim/geometry/skin.h"
@@ -60,7 +61,7 @@ int procedure(Options o) {
   for (const Charge& c : charges(figure)) {
     if (std::abs(c.q_deg) < 25) continue;  // spread along a curve
     const ChartPoint at = where.chart(c.meeting.front());
-    std::printf("%s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, at.x(), at.y());
+    std::printf("%s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, unsigned_zero(at.x()), unsigned_zero(at.y()));
   }
   if (!o.svg.empty()) write_whole_file(o.svg, plan_svg(figure, title));
   if (!o.out.empty()) {

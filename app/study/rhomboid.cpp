@@ -48,6 +48,20 @@ Row run_rhomboid(const Values& v, const Run& with) {
   }
   r.figures.push_back({"donor_stitch_N", donor});
   r.figures.push_back({"donor_over_next", donor / next});
+  // What each seam carries, its corner's key stitch with the donor's: keys were tied first, then the seams in their order.
+  double donor_seam = 0, next_seam = 1e-12;
+  size_t at_stitch = f.keys.size();
+  const auto& sutures = d.metrics.sutures;
+  for (size_t i = 0; i < f.seams.size(); ++i) {
+    const Seam& s = f.seams[i];
+    const double longer = std::max(length_mm(bank(f, s.a_from, s.a_to, true)), length_mm(bank(f, s.b_from, s.b_to, false)));
+    double sum = i == 0 && !sutures.empty() ? sutures[0].force_N : 0;
+    for (int n = int(std::floor(longer / patch.spacing_mm + 0.5)) - 1; n > 0 && at_stitch < sutures.size(); --n) sum += sutures[at_stitch++].force_N;
+    if (i == 0) donor_seam = sum;
+    else next_seam = std::max(next_seam, sum);
+  }
+  r.figures.push_back({"donor_seam_N", donor_seam});
+  r.figures.push_back({"donor_seam_over_next", donor_seam / next_seam});
   for (const auto& [name, corners] : {std::pair<const char*, std::vector<Corner>>{"C", {kC}}, {"E", {kE}}, {"DF", {kD, kF}}}) {
     r.figures.push_back({std::string("charge_") + name + "_deg", charge_deg(*d.map, f, corners)});
     r.figures.push_back({std::string("deficit_") + name + "_deg", d.map->deficit_deg(f, corners, 0.4 * L)});
@@ -78,13 +92,13 @@ Row run_rhomboid(const Values& v, const Run& with) {
 }
 
 std::vector<Bar> bars_rhomboid(const std::vector<Row>& rows) {
-  double residual = 0, gap = 0, stitch = 1e300, share = 1e300, far = 0, off = 0, plan = 0, up = 1e300, down = -1e300, ears = 1e300;
+  double residual = 0, gap = 0, stitch = 1e300, seam = 1e300, share = 1e300, far = 0, off = 0, plan = 0, up = 1e300, down = -1e300, ears = 1e300;
   bool limberg = false;
   for (const Row& r : rows) {
     residual = std::max(residual, r.at("residual")), gap = std::max(gap, r.at("gap_max_mm"));
     if (r.at("flap_angle") != 60 || r.at("defect_angle") != 60) continue;
     limberg = true;
-    stitch = std::min(stitch, r.at("donor_over_next"));
+    stitch = std::min(stitch, r.at("donor_over_next")), seam = std::min(seam, r.at("donor_seam_over_next"));
     share = std::min(share, r.at("stretch_D_F") / r.at("stretch_elsewhere"));
     far = std::max(far, r.at("most_from_D_F_mm")), off = std::max(off, r.at("direction_off_deg"));
     plan = std::max({plan, std::abs(r.at("charge_C_deg") - 60), std::abs(r.at("charge_E_deg") - 60), std::abs(r.at("charge_DF_deg") + 120)});
@@ -95,6 +109,7 @@ std::vector<Bar> bars_rhomboid(const std::vector<Row>& rows) {
   if (!limberg) return out;
   const char* figure = "Limberg's flap: the donor's closure D-F carries the greatest tension (charge -120)";
   out.push_back(at_least("Limberg: strongest stitch at D-F over the strongest elsewhere", stitch, 1, figure));
+  out.push_back(at_least("Limberg: force of the donor's seam over the next seam's", seam, 1, figure));
   out.push_back(at_least("Limberg: stretch at D-F over the largest elsewhere (beyond 8 mm)", share, 1, figure));
   out.push_back(at_most("Limberg: place of the largest stretch, from D or F, mm", far, 0.4 * kSide_mm, figure));
   out.push_back(at_most("Limberg: direction of the largest stretch there, off D-F, degrees", off, 30, "parallel to two sides of the rhombus; half of its 60 degrees"));

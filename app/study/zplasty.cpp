@@ -78,6 +78,16 @@ std::vector<NamedChart> charts_z(const std::vector<Row>& rows) {
       chart("dog-ear-by-prestretch", "Height of the dog-ears", rows, "prestretch", "prestretch, percent", "ear_mm", "height, mm", kKeys),
       chart("efficiency", "Gain for the work of closing", rows, "angle", "angle, degrees", "gain_per_root_work", "gain over root of the work, 1/sqrt(uJ)", kKeys),
       chart("strain-efficiency", "Gain for the largest strain", rows, "angle", "angle, degrees", "efficiency", "gain over strain, times sine of the angle", kKeys)};
+  // What geometry alone promises beside it; the height from which skin counts as standing up (half a skin's thickness or 1 mm).
+  ChartSeries theory;
+  theory.name = "geometry", theory.markers = true;
+  for (const auto& g : groups(rows, "angle", kKeys)) {
+    if (g.size() < theory.x.size()) continue;
+    theory.x.clear(), theory.y.clear();
+    for (const Row* r : g) theory.x.push_back(r->at("angle")), theory.y.push_back(r->at("theory"));
+  }
+  out[0].chart.series.push_back(std::move(theory));
+  for (const size_t i : {1, 2}) out[i].chart.y_marks = {{1, "stands up"}};
   for (const Row& r : rows)
     if (r.at("prestretch") != rows[0].at("prestretch")) return out;
   out.erase(out.begin() + 2);  // one prestretch: no curve over it

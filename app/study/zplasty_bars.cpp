@@ -80,26 +80,36 @@ void add_elongation(std::vector<Bar>& out, const std::vector<Row>& rows) {
   if (over.most) out.push_back(at_most("4a largest elongation over theory", *over.most, 1, "protocol: sqrt(5 - 4 cos angle), without any resistance"));
 }
 
+/// Where a figure over the angle is greatest: the vertex of the parabola through the greatest and its neighbours, as the angles tried are
+/// 15 degrees apart; the end where it is greatest at an end.
+double peak_at(const Group& g, const char* what) {
+  size_t k = 0;
+  for (size_t i = 1; i < g.rows.size(); ++i)
+    if (g.rows[i]->at(what) > g.rows[k]->at(what)) k = i;
+  const double x = g.rows[k]->at("angle");
+  if (k == 0 || k + 1 == g.rows.size()) return x;
+  const double a = g.rows[k - 1]->at("angle") - x, b = g.rows[k + 1]->at("angle") - x, y = g.rows[k]->at(what), fa = (g.rows[k - 1]->at(what) - y) / a, fb = (g.rows[k + 1]->at(what) - y) / b;
+  const double curve = (fb - fa) / (b - a), slope = fa - curve * a;
+  return curve < 0 ? x - slope / (2 * curve) : x;
+}
+
 void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_bed) {
-  Worst rise, tips, ratio, saturation, flat, evened, high, none, work, strain, with_tension;
+  Worst rise, tips, ratio, saturation, flat, evened, high, none, work, strain, with_tension, sixty;
   for (const Group& g : groups_of(rows)) {
     const double p = g.prestretch();
-    double best_work = -1, best_strain = -1, work_at = 0, strain_at = 0;
     for (size_t i = 0; i < g.rows.size(); ++i) {
       const Row& r = *g.rows[i];
       if (i) rise(r.at("ear_mm") - g.rows[i - 1]->at("ear_mm"));
       if (r.at("ear_mm") > 0.5) tips(r.at("at_C_D_mm") - r.at("ear_mm"));  // flat ones stand nowhere
       if (p == 0) none(r.at("ear_mm"));
-      if (r.at("gain_per_root_work") > best_work) best_work = r.at("gain_per_root_work"), work_at = r.at("angle");
-      if (r.at("efficiency") > best_strain) best_strain = r.at("efficiency"), strain_at = r.at("angle");
       for (const Group& h : groups_of(rows))  // the same with more tension
         if (h.rows[0]->at("cell_mm") == r.at("cell_mm") && h.prestretch() > p)
           with_tension(h.at(r.at("angle"), "ear_mm") - r.at("ear_mm"));
     }
-    if (g.rows.size() >= 4) work(work_at), strain(strain_at);
+    if (g.rows.size() >= 4) work(peak_at(g, "gain_per_root_work")), strain(peak_at(g, "efficiency"));
     ratio(g.at(90, "ear_mm") / std::max(g.at(60, "ear_mm"), 1e-3));
     if (p == 0) saturation((g.at(90, "elongation") - g.at(75, "elongation")) / (g.at(60, "elongation") - g.at(45, "elongation")));
-    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), evened(g.at(45, "ear_evened_mm") - g.at(45, "thicker_mm")), evened(g.at(60, "ear_evened_mm") - g.at(60, "thicker_mm")), high(g.at(90, "ear_mm"));
+    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), evened(g.at(45, "ear_evened_mm") - g.at(45, "thicker_mm")), evened(g.at(60, "ear_evened_mm") - g.at(60, "thicker_mm")), high(g.at(90, "ear_mm")), sixty(g.at(60, "ear_mm"));
   }
   if (rise.least) out.push_back(at_least("4c least rise of the dog-ear from angle to angle, mm", *rise.least, -0.05, "protocol: rises with the angle; 0.05 mm is the lattice's noise"));
   if (tips.most) out.push_back(at_most("4c height at the flaps' tips less that at the limb's ends, mm", *tips.most, 0, "protocol: cones at the limb's ends (charge +angle), saddles at the tips"));
@@ -114,6 +124,8 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
   if (saturation.most) out.push_back(at_most("4e no prestretch: gain from 75 to 90 over that from 45 to 60", *saturation.most, 0.5, "protocol: the ears eat the gain"));
   if (flat.most) out.push_back(at_most("4f 10 % prestretch: dog-ear at 45 and 60 degrees, mm", *flat.most, 0.5, "protocol: flat; the plate is so to 65 degrees"));
   if (evened.most) out.push_back(at_most("4f the same, evened out over discs of 2.5 mm, less what the flap thickens", *evened.most, 0.5, "the plate has no lips at its seams, and its middle surface is measured"));
+  if (sixty.most) out.push_back(at_most("4f 10 % prestretch: dog-ear at 60 degrees, mm", *sixty.most, 1, "the classical statement: flat; skin stands up from 1 mm on"));
+  if (high.least) out.push_back(at_least("4f 10 % prestretch: dog-ear at 90 degrees stands up, mm", *high.least, 1, "the classical statement: a dog-ear; the same"));
   if (high.least) out.push_back(at_least("4f 10 % prestretch: dog-ear at 90 degrees, mm", *high.least, 2, "protocol; the plate has 4.4 mm"));
   if (none.least) out.push_back(at_least("4f no prestretch: least dog-ear of any angle, mm", *none.least, on_bed ? 0.5 : 1, "protocol: every angle has one; it counts from 1 mm on"));
 }

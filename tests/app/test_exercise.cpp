@@ -104,6 +104,24 @@ TEST(Lesson, TellsWhatIsMet) {
   EXPECT_FALSE(j[2].value);  // not measured is not met
 }
 
+// What only a hand can miss is not held against a script that was carried out without one.
+TEST(Lesson, AScriptIsNotJudgedByTheHandsTolerances) {
+  Lesson l = parse_lesson(kLesson, "l.toml");
+  l.tolerances = {{"time_s", 600}, {"movements", 100}, {"undos", 3}};
+  Exercise e;
+  Result r("operate", "s");
+  const auto script = fill_exercise(r, e, {}, &l);
+  ASSERT_EQ(script.size(), 1u);
+  EXPECT_EQ(script[0].name, "undos");
+  EXPECT_TRUE(script[0].met);
+  e.hand.emplace();
+  e.hand->movements = 120;
+  const auto hand = fill_exercise(r, e, {}, &l);
+  ASSERT_EQ(hand.size(), 3u);
+  EXPECT_FALSE(hand[0].met);  // a session without its time
+  EXPECT_FALSE(hand[1].met);
+}
+
 Script five() {
   std::string text = "{\"limberg_script\":1,\"scene\":\"s\"}\n";
   for (int i = 1; i <= 5; ++i) text += "{\"action\":\"suture\",\"a\":[" + std::to_string(i) + ",0],\"b\":[0,0]}\n{\"action\":\"wait\",\"seconds\":0}\n";

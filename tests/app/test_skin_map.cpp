@@ -6,9 +6,11 @@
 #include <numbers>
 
 #include "app/study/planar_law.h"
+#include "app/study/seams.h"
 #include "app/study/skin_map.h"
 #include "sim/fem/materials/catalogue.h"
 #include "sim/geometry/block.h"
+#include "sim/tools/procedures/shapes.h"
 
 namespace limberg::study {
 namespace {
@@ -84,6 +86,30 @@ TEST(SkinMap, AConeShowsItsChargeAndAFlatSheetNone) {
     return Vec3(-r * std::cos(a), -r * std::sin(a), 0);
   }, tissue);
   EXPECT_NEAR(SkinMap(flat).deficit_deg(f, {{0, 1}}, 6), 0, 2);
+}
+
+// A strip of 4 mm is taken out and its long sides are sewn together: level, as a roof, in a step, one side turned over onto the other.
+TEST(SeamsLie, BesideEachOtherOrOneOnTheOther) {
+  Figure f;
+  f.wounds = {{{-10, 2}, {10, 2}, {10, -2}, {-10, -2}}};
+  f.seams = {figures::seam(0, 1, 3, 2)};
+  const auto lie = [&](auto upper, auto lower) {
+    const auto s = bent([&](const Vec3& p) { return p.y() > 0 ? upper(p.x(), p.y() - 2) : lower(p.x(), -2 - p.y()); }, [](const Vec3& p) { return std::abs(p.y()) > 2; });
+    return seams_lie(SkinMap(s), f, 4);
+  };
+  const auto level = [](double x, double in) { return Vec3(x, in, 0); };
+  const SeamsLie flat = lie(level, [](double x, double in) { return Vec3(x, -in, 0); });
+  EXPECT_EQ(flat.stitches, 4);
+  EXPECT_NEAR(flat.least_opening_deg, 180, 1);
+  EXPECT_NEAR(flat.most_step_mm, 0, 1e-3);
+  const double c = std::sqrt(0.5);
+  const SeamsLie roof = lie([&](double x, double in) { return Vec3(x, c * in, -c * in); }, [&](double x, double in) { return Vec3(x, -c * in, -c * in); });
+  EXPECT_NEAR(roof.least_opening_deg, 90, 3);
+  EXPECT_NEAR(roof.most_step_mm, 0, 1e-3);
+  const SeamsLie step = lie(level, [](double x, double in) { return Vec3(x, -in, 1.2); });
+  EXPECT_NEAR(step.most_step_mm, 1.2, 1e-3);
+  const SeamsLie turned_over = lie(level, [](double x, double in) { return Vec3(x, in, 0.1); });
+  EXPECT_LT(turned_over.least_opening_deg, 5);
 }
 
 TEST(PlaneMembrane, ForcesAndTangentAreDerivativesOfTheEnergy) {

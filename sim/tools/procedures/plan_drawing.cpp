@@ -76,13 +76,17 @@ std::string plan_svg(const Figure& f, const std::string& title) {
   for (size_t i = 0; i < f.seams.size(); ++i) {
     const char* ink = kInk[i % std::size(kInk)];
     const std::string letter(1, char('a' + i % 26));
-    const auto a = inside(bank(f, f.seams[i].a_from, f.seams[i].a_to, true), by), b = inside(bank(f, f.seams[i].b_from, f.seams[i].b_to, false), -by);
-    for (const auto& path : {a, b}) {
-      if (path.empty()) continue;
+    const auto draw = [&](const std::vector<Vec2>& edge, int side) {
+      const auto path = inside(edge, side * by);
+      if (path.empty()) return;
       s += "<polyline points=\"" + points(paper, path) + "\" fill=\"none\" stroke=\"" + ink + "\" stroke-width=\"3\"/>\n";
-      s += text(paper, path[path.size() / 2] + Vec2(0, 9 / paper.px()), ink, letter, 14);
-    }
+      s += text(paper, beside(edge, length_mm(edge) / 2, side * (by + 11 / paper.px())), ink, letter, 14);  // in the tissue that it names
+    };
+    draw(bank(f, f.seams[i].a_from, f.seams[i].a_to, true), 1);
+    draw(bank(f, f.seams[i].b_from, f.seams[i].b_to, false), -1);
   }
+  Vec2 centre = Vec2::Zero();
+  for (const Vec2& p : f.wounds[0]) centre += p / double(f.wounds[0].size());
   for (const Charge& c : charges(f)) {
     if (std::abs(c.q_deg) < kCorner_deg) continue;  // spread along a curve: no place of its own
     std::snprintf(t, sizeof t, "%+.0f&#176;", c.q_deg);
@@ -95,7 +99,8 @@ std::string plan_svg(const Figure& f, const std::string& title) {
         std::snprintf(mark, sizeof mark, "<rect x=\"%.1f\" y=\"%.1f\" width=\"12\" height=\"12\" fill=\"none\" stroke=\"#00b\" stroke-width=\"2\"/>\n", q.x() - 6, q.y() - 6);
       s += mark;
     }
-    s += text(paper, c.meeting.front() + Vec2(0, 16 / paper.px()), c.q_deg > 0 ? "#b00" : "#00b", t, 15);
+    const Vec2 out = c.meeting.front() - centre;  // outside the plan, where no line is
+    s += text(paper, c.meeting.front() + 22 / paper.px() * (out.norm() > 1e-9 ? Vec2(out.normalized()) : Vec2(0, 1)), c.q_deg > 0 ? "#b00" : "#00b", t, 15);
   }
   return s + "</svg>\n";
 }
