@@ -60,6 +60,7 @@ class Operation {
     s.tolerance = tolerance;
     const int64_t before = RealClock::monotonic_ns();
     out.last = patient_.step(s);
+    out.iterations += out.last.iterations;
     out.solve_ms += double(RealClock::monotonic_ns() - before) * 1e-6;
     out.series.t_s.push_back(float(++steps_));
     out.series.residual.push_back(float(out.last.residual));

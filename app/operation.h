@@ -39,6 +39,7 @@ struct OperationOutcome {
   SolverSeries series;              // t_s: number of the solver step
   StepReport last;
   double solve_ms = 0;              // wall time of all solver steps
+  int64_t iterations = 0;           // of the minimiser, in all of them
   size_t cells = 0;                 // lattice cells that held material before the first cut
   bool interrupted = false;
 };

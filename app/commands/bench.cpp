@@ -6,6 +6,7 @@
 #include "app/bench/cutting.h"
 #include "app/bench/devices/fuzz.h"
 #include "app/bench/devices/suite.h"
+#include "app/bench/contact.h"
 #include "app/bench/features.h"
 #include "app/bench/frames.h"
 #include "app/bench/fuzz.h"
@@ -95,7 +96,7 @@ std::string any_of(const std::vector<std::string>& names) {
 
 int run(const Options& o) {
   o.common.prepare();
-  const std::vector<std::string> suites = {"accuracy", "cutting", "devices", "features", "frames", "fuzz", "laws", "simplex", "speed", "stability", "verification"};
+  const std::vector<std::string> suites = {"accuracy", "contact", "cutting", "devices", "features", "frames", "fuzz", "laws", "simplex", "speed", "stability", "verification"};
   if (std::find(suites.begin(), suites.end(), o.suite) == suites.end())
     throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected " + any_of(suites));
   if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
@@ -122,6 +123,8 @@ int run(const Options& o) {
     const std::string file = shipped_file("recordings/" + scene.name + ".jsonl");
     const Script script = file.empty() ? Script{} : load_script(file);
     b = bench::frames(scene, file.empty() ? nullptr : &script, {o.quick, note});
+  } else if (o.suite == "contact") {
+    b = bench::contact({o.quick, o.only, note});
   } else if (o.suite == "devices") {
     b = bench::devices_suite({o.quick, o.only, note});
     if (std::string("latency").find(o.only) != std::string::npos)
@@ -213,11 +216,11 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "accuracy: error against run time on a scene, and the setting that fits a frame; features: memory and time of each part of a scene, off and on; frames: what a picture costs at each quality and size, and what the solver loses beside it; verification: closed forms, published values, CalculiX; speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the 1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
+  c->add_option("SUITE", o->suite, "accuracy: error against run time on a scene, and the setting that fits a frame; contact: overlap and cost of operations with wound surfaces that keep each other out; features: memory and time of each part of a scene, off and on; frames: what a picture costs at each quality and size, and what the solver loses beside it; verification: closed forms, published values, CalculiX; speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the 1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
-  c->add_option("--only", o->only, "speed, stability, cutting, devices: the parts or families whose name contains this (cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
+  c->add_option("--only", o->only, "speed, stability, contact, cutting, devices: the parts or families whose name contains this (contact: rhomboid, zplasty, live, or a procedure; cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
   c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(CLI::PositiveNumber);
   c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(CLI::PositiveNumber);
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");

@@ -260,7 +260,7 @@ TEST(Contact, AStitchedSlitComesToRest) {
     World world(block(choice), workers);
     ASSERT_TRUE(world.apply(Incise{{{-12, 0}, {12, 0}}, 4, 90}).done);
     settle(world, 20);
-    const Outcome o = world.apply(SutureRow{{{-9, 2}, {9, 2}}, {{-9, -2}, {9, -2}}, 4});  // at the rims
+    const Outcome o = world.apply(SutureRow{{{-9, 0.7}, {9, 0.7}}, {{-9, -0.7}, {9, -0.7}}, 4});  // through the rims
     ASSERT_TRUE(o.done) << o.reason;
     EXPECT_LE(settle(world, 100, 1e-5).residual, 1e-5);
     Snapshot s;
@@ -268,6 +268,36 @@ TEST(Contact, AStitchedSlitComesToRest) {
     EXPECT_GE(s.sutures.size(), 4u);
     for (const SutureState& t : s.sutures) EXPECT_LT(t.gap_mm, 0.05f);
   }
+}
+
+// What a stitch pulls with is the tension of the open wound, where it goes through the edges: they meet and press on nothing.
+// A bite 2.5 mm behind one edge draws that much skin over the cut: without contact it slips under the other edge, with contact
+// edge presses on edge, and the stitches carry that pressure beside the tension.
+TEST(Contact, EdgesPressOnlyWhereStitchesDrawSkinBeyondThem) {
+  double pull_N[2][2], pressed_N[2][2];
+  for (const bool behind : {false, true})
+    for (const ContactChoice choice : {ContactChoice::off, ContactChoice::automatic}) {
+      InlineWorkers workers;
+      World world(block(choice), workers);
+      ASSERT_TRUE(world.apply(Incise{{{-12, 0}, {12, 0}}, 4, 90}).done);
+      settle(world, 20);
+      const double y = behind ? 2.5 : 0.7;  // stitches within 2 mm of an edge go through it
+      ASSERT_TRUE(world.apply(SutureRow{{{-9, y}, {9, y}}, {{-9, -0.7}, {9, -0.7}}, 4}).done);
+      settle(world, 100, 1e-5);
+      Snapshot s;
+      world.fill(s);
+      double sum = 0;
+      for (const SutureState& t : s.sutures) sum += double(t.force_N);
+      pull_N[behind][choice != ContactChoice::off] = sum, pressed_N[behind][choice != ContactChoice::off] = 1e-3 * contact_force_mN(world);
+    }
+  EXPECT_NEAR(pull_N[0][1], pull_N[0][0], 0.02 * pull_N[0][0]);
+  EXPECT_LT(pressed_N[0][1], 0.05 * pull_N[0][1]);
+  EXPECT_GT(pull_N[0][0], 0.05);
+  // The closed block would carry (skin 60 kPa, 8 %; fat 15 kPa, 6 %; both ways) 0.41 N over 24 mm of 4 mm depth; a slit whose ends
+  // are held takes less.
+  EXPECT_LT(pull_N[0][0], 0.41);
+  EXPECT_GT(pressed_N[1][1], 0.2);
+  EXPECT_GT(pull_N[1][1], pull_N[1][0] + 0.3 * pressed_N[1][1]) << "the stitches carry it";
 }
 
 // The tip of a narrow flap, drawn across the wound's edge and let go: it comes to rest, and less deep in the other side.
