@@ -1,5 +1,7 @@
 #include "render/render_scene.h"
 
+#include "render/glyphs.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -65,6 +67,8 @@ void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState&
 }
 
 }  // namespace
+
+void SceneBuilder::add_stretch_glyphs(const Snapshot& snapshot) { add_glyphs(scene_.props, stretch_glyphs(snapshot)); }
 
 const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool) {
   RenderScene& scene = scene_;

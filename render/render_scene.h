@@ -48,6 +48,8 @@ class SceneBuilder {
  public:
   /// The scene of a snapshot; valid until the next call. A snapshot without topology gives an empty scene.
   const RenderScene& build(const Snapshot& snapshot, const ToolPose& tool = {});
+  /// Adds the skin's principal stretches (glyphs.h) to the scene that was built last.
+  void add_stretch_glyphs(const Snapshot& snapshot);
 
  private:
   RenderScene scene_;

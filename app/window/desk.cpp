@@ -103,6 +103,7 @@ void Desk::tools(int height) {
 
   heading("VIEW");
   ImGui::Checkbox("Tension", &state.tension);
+  ImGui::Checkbox("Directions", &state.directions);
   ImGui::Checkbox("Triangles", &state.wireframe);
   if (ImGui::Checkbox("Measure", &state.ruler) && state.ruler) choose(Tool::none);
   ImGui::PushItemWidth(-1);

@@ -30,7 +30,7 @@ struct DeskFacts {
 struct DeskState {
   Tool tool = Tool::none;        // none: look around
   float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
-  bool tension = false, wireframe = false, help = false, ruler = false, keep_recording = false;
+  bool tension = false, directions = false, wireframe = false, help = false, ruler = false, keep_recording = false;
   int quality = 0;               // 0: chosen from the time of a frame (quality.h), else a level, from 1
   Compare compare = Compare::off;
   float wipe = 0.5f;

@@ -17,6 +17,7 @@ const std::vector<DeskKey>& desk_keys() {
       {"Ctrl+Z, Ctrl+Y", "undo, redo"},
       {"N", "show me the next step of the lesson"},
       {"T", "tension of the skin"},
+      {"D", "directions in which the skin is stretched most and least"},
       {"B", "before and after: wipe, side by side, off"},
       {"M", "measure: two points a length, three an angle"},
       {"W", "triangles"},
@@ -51,6 +52,7 @@ void Desk::key(int32_t code, uint32_t mods) {
     case '7': choose(Tool::suture_row); break;
     case 'N': s.next = true; break;
     case 'T': s.tension = !s.tension; break;
+    case 'D': s.directions = !s.directions; break;
     case 'B': s.compare = turn_on(s.compare, 3); break;
     case 'M':
       s.ruler = !s.ruler;

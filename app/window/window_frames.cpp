@@ -235,6 +235,7 @@ struct WindowFrames::Impl {
     feed.sight.publish();
 
     const RenderScene& scene = builder.build(s, tool_pose(tool));
+    if (desk.state.directions) builder.add_stretch_glyphs(s);
     if (desk.state.tension && !scene.field.empty()) field_end = tension_scale_end(scene);
     if (gauges) {
       const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
