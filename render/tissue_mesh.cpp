@@ -52,6 +52,7 @@ void measure_rim(const SurfaceView& view, TissueMesh& mesh) {
 
 TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   const SurfaceView& view = topology.view;
+  const SharedArray<float>& depth = topology.depth_mm.all();
   TissueMesh mesh;
   mesh.version = topology.version;
   mesh.hash = topology.hash;
@@ -96,7 +97,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
         mesh.source.push_back(int32_t(v));
         mesh.X_mm.push_back(X.cast<float>());
         mesh.chart_mm.push_back(chart.cast<float>());
-        mesh.depth_mm.push_back(v < topology.depth_mm.size() ? topology.depth_mm[v] : 0.0f);
+        mesh.depth_mm.push_back(v < depth.size() ? depth[v] : 0.0f);
         mesh.part.push_back(part);
       } else if (!found->has_normal && good) {
         found->has_normal = true, found->normal = normal;

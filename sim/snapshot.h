@@ -9,6 +9,7 @@
 #include "sim/cutting/surface_view.h"
 #include "sim/fem/fem_model.h"
 #include "sim/geometry/body.h"
+#include "sim/lazy_array.h"
 
 namespace limberg {
 
@@ -23,7 +24,7 @@ struct SurfaceTopology {
   uint64_t hash = 0;
   SurfaceView view;
   SharedArray<EmbeddedPoint> embedding;  // per view vertex
-  SharedArray<float> depth_mm;           // per view vertex: distance below the skin at rest
+  LazyArray<float> depth_mm;             // per view vertex: distance below the skin at rest
   std::shared_ptr<const Body> body;
   // Of a scene with a head; empty where there is none. Bone and face are of the kind `free` in the view.
   SharedArray<Organ> organ;              // per view triangle; empty: all of it is flesh

@@ -31,18 +31,17 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   Arrangement a(body->surface, body->grid);
   a.components();  // as World has asked for them by then
   const LatticeGrid grid = fit_lattice(*body, cell_mm);
-  const Skin skin(body);
-  const StencilTable stencils(skin, grid);
+  const auto skin = std::make_shared<const Skin>(body);
+  const StencilTable stencils(*skin, grid);
   const auto before = build_topology(grid, material_surface(a));
   const auto model_before = assemble_fem(stencils, *before);
   SurfaceView view_before = a.surface_view();
   const auto embedding_before = embed_surface(*before, material_surface(a), view_before);
   const RestIndex index_before(view_before, body->surface.tri.size());
   PointDepths depths_before;
-  SharedArray<float> depth_before;
   ViewChange all;
   all.whole = true;
-  depths_before.follow(view_before, all, skin, depth_before);
+  depths_before.follow(view_before, all, skin).all();
   InlineWorkers workers;
   const auto solver = make_solver(workers);
 
@@ -57,12 +56,12 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     a.sweep_debris(1);
     ViewChange change;
     SurfaceView view;
-    SharedArray<float> depth = depth_before;
+    LazyArray<float> depth;
     std::unique_ptr<RestIndex> index;
     const auto drawing = pool.submit([&] {
       view = a.surface_view(view_before, before->operations, change);
       index = std::make_unique<RestIndex>(view, index_before, change);
-      depths.follow(view, change, skin, depth);
+      depth = depths.follow(view, change, skin);
     });
     const auto lattice = update_topology(*before, material_surface(a), &pool);
     std::shared_ptr<const FemModel> model;
@@ -75,9 +74,10 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     a.undo();
   }
 
-  constexpr int kParts = 8;
+  constexpr int kParts = 9;
   const char* const name[kParts] = {"arrangement",    "lattice", "finite elements", "surface that is drawn",
-                                    "its embedding", "depth of new points", "index for picking", "solver takes the model (not in the sum)"};
+                                    "its embedding", "depth of new points: what is needed to find it", "index for picking", "solver takes the model (not in the sum)",
+                                    "depth of new points, when a picture first asks (not in the sum)"};
   Times part[kParts], sum;
   size_t triangles = 0, cells = 0, nodes = 0;
   int touched = 0;
@@ -107,14 +107,17 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const auto embedding =
         embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, change});
     lap();
-    SharedArray<float> depth = depth_before;
-    depths.follow(view, change, skin, depth);
+    const LazyArray<float> depth = depths.follow(view, change, skin);
     lap();
     const RestIndex index(view, index_before, change);
     lap();
     sum.add(at - start);
     at = cpu_ms();
     solver->set_model(model, lattice->cell_parent);
+    lap();
+    depths_before.follow(view_before, all, skin).all();  // as asked for last
+    at = cpu_ms();
+    depth.all();
     lap();
     a.undo();
     triangles = view.tri.size(), cells = lattice->cells.size(), nodes = lattice->nodes.size(), touched = lattice->touched_cells;

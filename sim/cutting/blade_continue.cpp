@@ -135,6 +135,7 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
     return blade;
   };
   Blade blade = assemble(strips);
+  std::string shallower;
   if (blade.tri.empty()) return {.blade = {}, .reason = "this is cut already", .nothing = true};
   if (!check_embedded(blade.vertex, blade.tri).empty()) {
     // Columns that lean towards each other meet at some depth: there it stays shallower. Strip by strip, as deep as goes.
@@ -165,11 +166,12 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
         if (!placed[size_t(k)]) foot[size_t(k)] = to;
     }
     blade = assemble(fitting);
+    shallower = "at a sharp corner it stays shallower: there it would run through itself";
     if (blade.tri.empty())
       return {.blade = {}, .reason = "the deeper blade would run through itself; expected less depth or a straighter path", .folds = true};
   }
   if (std::string why = fits_grid(c, blade); !why.empty()) return refuse(why);
-  return {std::move(blade), {}};
+  return {std::move(blade), std::move(shallower)};
 }
 
 }  // namespace limberg

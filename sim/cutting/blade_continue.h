@@ -29,7 +29,8 @@ void add_between(Blade& blade, const StripSide& left, const StripSide& right, ui
 int32_t join_start(const WallMap& walls, std::vector<Vec2>& path, double level, int32_t not_point = -1);
 
 /// Deepens the walls that a path runs along, from their fronts to `level_mm` (a stroke's depth and its wall_extra); less deep
-/// where the blade would run through itself. Empty blade: nothing there is shallower.
+/// where the blade would run through itself; then a reason stands beside the blade.
+/// Empty blade: nothing there is shallower.
 BladeResult build_deepening(const BladeContext& context, std::span<const Vec2> path, double level_mm);
 
 }  // namespace limberg

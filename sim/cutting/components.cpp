@@ -111,8 +111,8 @@ void ArrangementStore::update_components(Delta& delta) {
   };
   std::vector<int32_t> of_group(fresh.size(), -1);  // by root: the component that the group hangs on
   for (size_t i = 0; i < fresh.size(); ++i)
-    for (int k = 0; k < 3; ++k)
-      if (const int32_t n = neighbour(fresh[i], k); n >= old_sided) unite(int32_t(i), index[size_t(n - old_sided)]);
+    for (int k = 0; k < 3; ++k)  // (each pair once)
+      if (const int32_t n = neighbour(fresh[i], k); n > fresh[i]) unite(int32_t(i), index[size_t(n - old_sided)]);
   for (size_t i = 0; i < fresh.size(); ++i)
     for (int k = 0; k < 3; ++k) {
       const int32_t n = neighbour(fresh[i], k);

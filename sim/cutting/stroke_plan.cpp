@@ -16,6 +16,7 @@ constexpr double kLeastPart = 2.0;     // of a stroke that is divided where its 
 constexpr double kLeastFree = 1.2;     // what is left over between other parts is not a cut of its own
 constexpr int kMostDivided = 5;
 constexpr double kLeastShare = 0.2;    // of the depth, where the whole of it would fold
+constexpr int kMostRounds = 4;         // of deepening through sharp corners
 
 /// A stroke that comes back to its own beginning, as a closed path; else as it was.
 std::vector<Vec2> closed_when_meant(std::vector<Vec2> path) {
@@ -162,7 +163,17 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
   std::string nothing;
   std::deque<Part> parts;
   for (const StrokePiece& piece : plan.piece) parts.push_back({piece});
-  while (!parts.empty()) {
+  // Where a deepening was cut in parts, or an upright one had to stay shallower at a corner, what is left may go now that this
+  // is there. (A leaning one that stays shallower would be led into its own wall and leave a bridge.)
+  const bool upright = std::abs(plan.angle_deg - 90) < 1;
+  bool unfinished = false;
+  for (int rounds = 0; !parts.empty() || unfinished;) {
+    if (parts.empty()) {
+      unfinished = false;
+      if (++rounds == kMostRounds) break;
+      for (const StrokePiece& piece : plan.piece)
+        if (piece.along) parts.push_back({piece, 0, 1, true});
+    }
     const Part part = std::move(parts.front());
     const StrokePiece& piece = part.piece;
     parts.pop_front();
@@ -170,7 +181,7 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
         path_length(drop_close(simplify(piece.path, kSimplify), kKnot)) < kLeastFree)
       continue;
     CutResult r;
-    bool folds = false;
+    bool folds = false, shallower = false;
     const double depth = plan.depth_mm * part.share;
     for (const bool may_join : {true, false}) {
       const BladeResult b = piece.along ? build_deepening(c, piece.path, depth + wall_extra(c))
@@ -178,6 +189,7 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       r = CutResult{};
       r.reason = b.reason;
       folds = b.folds;
+      shallower = b.blade && !b.reason.empty();
       if (b.nothing) r.status = CutResult::nothing_to_cut;
       if (b.blade) r = cut(*b.blade);
       if (r.status != CutResult::refused || !b.blade || b.blade->shared_point.empty()) break;
@@ -185,8 +197,8 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
     if ((folds || (piece.along && r.status == CutResult::refused)) && part.divided < kMostDivided)
       if (const double at = where_to_divide(piece); at > 0) {
         const double length = path_length(piece.path);
-        parts.push_front({{part_of(piece.path, at, length), piece.along}, part.divided + 1});
-        parts.push_front({{part_of(piece.path, 0, at), piece.along}, part.divided + 1});
+        parts.push_front({{part_of(piece.path, at, length), piece.along}, part.divided + 1, 1, part.may_fail});
+        parts.push_front({{part_of(piece.path, 0, at), piece.along}, part.divided + 1, 1, part.may_fail});
         continue;
       }
     if (folds && !piece.along && part.share > kLeastShare) {  // first a shallower cut, then deeper along it where that goes
@@ -203,6 +215,7 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       continue;
     }
     if (part.share < 1 && !piece.along && r.ok()) parts.push_front({{piece.path, true}, kMostDivided, 1, true});
+    unfinished = unfinished || (piece.along && (shallower ? upright : part.divided > 0));
     ++made;
     faces += r.wall_faces;
     patches += r.patches;

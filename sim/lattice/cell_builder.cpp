@@ -44,8 +44,8 @@ std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<cons
 void CellBuilder::join_faces() {
   for (size_t l = 0; l < face_.size(); ++l) {
     const LocalFace& f = face_[l];
-    for (size_t e = 0; e < 6; ++e)
-      if (f.mate[e] >= 0) join_.unite(member(l, int(e / 3)), f.mate[e]);
+    for (size_t e = 0; e < 6; ++e)  // each pair once
+      if (const int32_t me = member(l, int(e / 3)); f.mate[e] > me) join_.unite(me, f.mate[e]);
   }
 }
 
@@ -80,10 +80,10 @@ void CellBuilder::join_lattice_edges() {
 
 void CellBuilder::classify(const CellHistory& history, CellComponents& out) {
   const size_t n = join_.size();
-  std::vector<int16_t> class_of_root(n, -1);
+  class_of_root_.assign(n, -1);
   int16_t classes = 0;
   auto class_of = [&](int32_t m) {
-    int16_t& c = class_of_root[size_t(join_.find(m))];
+    int16_t& c = class_of_root_[size_t(join_.find(m))];
     if (c < 0) {
       if (classes == INT16_MAX) contradiction("more than 32767 pieces");
       c = classes++;
@@ -93,14 +93,14 @@ void CellBuilder::classify(const CellHistory& history, CellComponents& out) {
   out.of_corner.fill(-1);
   for (int k = 0; k < 8; ++k)
     if (corner_in_[size_t(k)]) out.of_corner[size_t(k)] = class_of(corner_member(k));
-  out.face.reserve(face_.size());
-  out.of_side.reserve(face_.size());
-  out.relation.reserve(face_.size());
-  for (size_t l = 0; l < face_.size(); ++l) {
-    out.face.push_back(face_[l].id);
-    out.relation.push_back(face_[l].in.bits);
-    auto& side = out.of_side.emplace_back();
-    for (int s = 0; s < 2; ++s) side[size_t(s)] = has(face_[l].mat, s) ? class_of(member(l, s)) : int16_t(-1);
+  const size_t faces = face_.size();
+  out.face.resize(faces), out.of_side.resize(faces), out.relation.resize(faces), out.flux.resize(faces);
+  for (size_t l = 0; l < faces; ++l) {
+    const LocalFace& f = face_[l];
+    out.face[l] = f.id;
+    out.relation[l] = f.in.bits;
+    out.flux[l] = f.flux;
+    for (int s = 0; s < 2; ++s) out.of_side[l][size_t(s)] = has(f.mat, s) ? class_of(member(l, s)) : int16_t(-1);
   }
   out.classes.assign(size_t(classes), {});
   for (size_t k = 0; k < 8; ++k)

@@ -78,24 +78,41 @@ class CellBuilder {
   /// Whether one of the faces has a crack front in the cell: an edge where its two sides are glued to each other.
   bool holds_front(Int3 at, std::span<const int32_t> faces);
 
-  /// Layers of the corners of a face.
-  std::array<std::array<int32_t, 3>, 3> layers(int32_t face) const;
+  /// Layers of the corners of a face: [corner][axis].
+  using Layers = std::array<std::array<int32_t, 3>, 3>;
+  Layers layers(int32_t face) const;
+  /// Those of faces first, first + 1, ... when they have been found already. Must outlive what is built then.
+  void know_layers(int32_t first, std::span<const Layers> of_face) { first_layered_ = first, of_face_ = of_face; }
   /// Whether the lattice line along `axis` through `corner` pierces the face's projection (any position along it).
   static bool pierced(const std::array<PointRef, 3>& p, int axis, const SubPoint& corner);
 
  private:
   struct LocalFace {
-    int32_t id = 0;
-    const Plane* plane = nullptr;
-    uint8_t mat = 0;
-    bool layered = false;  // `layer` is known: it was not met in an earlier version
+    LocalFace(int32_t its_id, const Plane* its_plane, uint8_t material, FaceInCell how, double its_flux, bool was_there)
+        : id(its_id), plane(its_plane), in(how), flux(its_flux), mat(material), known(was_there) {}
+    int32_t id;
+    int32_t shape = -1;  // into shape_, once its corners have been asked for
+    const Plane* plane;
     FaceInCell in;
+    double flux;                  // NaN: not known
+    std::array<int32_t, 6> mate;  // [3 * side + edge], where the edge meets the cell: the glued member; set by find_mates()
+    uint8_t mat;
+    bool known;  // it was in the cell before
+  };
+  /// Where the corners of a face lie. Most faces are known from the version before and never need it.
+  struct Shape {
     std::array<PointRef, 3> p;
-    std::array<std::array<int32_t, 3>, 3> layer;  // [corner][axis]
+    Layers layer;                                 // when layered
     std::array<EdgeSigns, 3> about;               // [edge], where known
     std::array<bool, 3> known{};
-    std::array<int32_t, 6> mate{};                                // [3 * side + edge], where the edge meets the cell: the glued member
+    bool layered = false;
   };
+  Shape& shape(LocalFace& f);
+  Shape& layered_shape(LocalFace& f);
+  Layers grid_layers(int32_t face) const {
+    const size_t k = size_t(face - first_layered_);
+    return face >= first_layered_ && k < of_face_.size() ? of_face_[k] : layers(face);
+  }
   // Sided face as a member of the partition; corner as a member.
   static int32_t member(size_t local, int side) { return int32_t(2 * local) + side; }
   int32_t corner_member(int corner) const { return int32_t(2 * face_.size()) + corner; }
@@ -107,28 +124,28 @@ class CellBuilder {
   void enter(Int3 at);
   /// `before`: what the cell held in the last version; what is known of its faces is taken over.
   void gather(std::span<const int32_t> candidates, const CellComponents* before = nullptr);
-  void take_known(LocalFace& f, uint64_t relation, int32_t local);
-  bool edge_meets(LocalFace& f, int edge);
-  const EdgeSigns& about(LocalFace& f, int edge) {
-    const size_t e = size_t(edge);
-    if (!f.known[e]) find_about(f, e);
-    return f.about[e];
+  void take_known(FaceInCell in, int32_t local);
+  bool edge_meets(const LocalFace& f, Shape& s, size_t edge);
+  const EdgeSigns& about(const LocalFace& f, Shape& s, size_t edge) {
+    if (!s.known[edge]) find_about(f, s, edge);
+    return s.about[edge];
   }
-  void find_about(LocalFace& f, size_t edge);
+  void find_about(const LocalFace& f, Shape& s, size_t edge);
   int parallel_axis(int32_t p, int32_t q) const;
-  void note_crossings(LocalFace& f, int32_t local);
+  void note_crossings(LocalFace& f, Shape& s, int32_t local);
   /// The face reaches through both planes of the lattice edge.
   static bool may_pierce(const LocalFace& f, int axis, int corner) {
     const int i = (axis + 1) % 3, j = (axis + 2) % 3;
     return (f.in.squares() >> (2 * i + (corner & 1)) & 1) && (f.in.squares() >> (2 * j + (corner >> 1)) & 1);
   }
-  bool pierced_by_edge(LocalFace& f, int axis, int corner);  // by the cell's lattice edge, within its length
+  bool pierced_by_edge(const LocalFace& f, Shape& s, int axis, int corner);  // by the cell's lattice edge, within its length
   int32_t local_of(int32_t face) const;
   void find_mates();
 
   void join_faces();
   void join_lattice_edges();
   void join_walks();
+  bool has_loop(int normal, bool high);
   void walk_square(int normal, bool high);
   bool walk_from_loop(int normal, bool high, int run, int32_t root);
   bool walk_from_speck(int normal, bool high, int32_t root);
@@ -141,7 +158,8 @@ class CellBuilder {
   void classify(const CellHistory& history, CellComponents& out);
   void name_classes_of_whole(const CellComponents& whole, CellComponents& out) const;
   void name_old_classes(const CellHistory& history, CellComponents& out);
-  void measure(CellComponents& out) const;
+  double flux_of(LocalFace& f);
+  void measure(CellComponents& out);
   void name_by_volume(const CellHistory& history, CellComponents& out);
   [[noreturn]] void contradiction(const char* what) const;
 
@@ -156,6 +174,11 @@ class CellBuilder {
   static int corner_of_edge(int axis, int corner, bool high);
 
   std::vector<LocalFace> face_;               // ascending by id
+  int32_t first_layered_ = 0;
+  std::span<const Layers> of_face_;
+  std::vector<Shape> shape_;  // the first shapes_ of them
+  int32_t shapes_ = 0;
+  bool no_walks_before_ = false;              // of the cell: no closed curve on its squares, no closed shell in it
   bool as_before_ = false;                    // the same faces with the same material as in the last version
   std::vector<std::pair<int32_t, int32_t>> place_;  // open addressing: id of a face, its place in face_
   /// Layers of points: a point is met by several faces and cells. One place per few points, taken by the last.
@@ -174,6 +197,9 @@ class CellBuilder {
   Partition glued_;  // sided faces joined along glued edges only
   std::vector<int32_t> hits_;
   std::vector<uint8_t> open_, seen_, crosses_;
+  std::vector<int32_t> curve_;  // of has_loop
+  std::vector<int16_t> class_of_root_;
+  std::vector<double> volume_;
   int walks_ = 0, unresolved_ = 0;
 };
 

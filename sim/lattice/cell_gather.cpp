@@ -1,6 +1,7 @@
 // Which faces meet a cell, and the exact signs they need.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -98,19 +99,23 @@ void CellBuilder::find_mates() {
     while (place_[i & (places - 1)].first >= 0) ++i;
     place_[i & (places - 1)] = {face_[l].id, int32_t(l)};
   }
-  for (LocalFace& f : face_) {
+  for (LocalFace& f : face_) f.mate.fill(-1);
+  for (size_t l = 0; l < face_.size(); ++l) {
+    LocalFace& f = face_[l];
     const auto& mate = surface_.mate[size_t(f.id)];
-    for (int side = 0; side < 2; ++side)
+    for (int side = 0; side < 2; ++side) {
+      if (!has(f.mat, side)) continue;
       for (int e = 0; e < 3; ++e) {
         int32_t& m = f.mate[size_t(3 * side + e)];
-        m = -1;
-        if (!has(f.mat, side) || !f.in.edge(size_t(e))) continue;
+        if (m >= 0 || !f.in.edge(size_t(e))) continue;
         const int32_t h = mate[size_t(3 * side + e)];
         if (h < 0) contradiction("a sided half-edge has no mate");
         const int32_t other = local_of(face_of_half_edge(h));
         if (other < 0) contradiction("a glued face does not meet the cell that their common edge meets");
         m = member(size_t(other), sided_of_half_edge(h) & 1);
+        face_[size_t(other)].mate[size_t(h % 6)] = member(l, side);
       }
+    }
   }
 }
 
@@ -135,34 +140,59 @@ int CellBuilder::parallel_axis(int32_t p, int32_t q) const {
   return -1;
 }
 
-void CellBuilder::find_about(LocalFace& f, size_t e) {
-  const size_t next = e == 2 ? 0 : e + 1;
+CellBuilder::Shape& CellBuilder::shape(LocalFace& f) {
+  if (f.shape >= 0) return shape_[size_t(f.shape)];
+  f.shape = shapes_++;
+  if (size_t(shapes_) > shape_.size()) shape_.resize(size_t(2 * shapes_));
+  Shape& s = shape_[size_t(f.shape)];
   const auto& v = surface_.faces[size_t(f.id)].v;
-  edge_about_corners(f.p[e], f.p[next], parallel_axis(v[e], v[next]), bounds_, f.about[e]);
-  f.known[e] = true;
+  for (size_t k = 0; k < 3; ++k) s.p[k] = surface_.points->ref(v[k]);
+  s.known = {false, false, false};
+  s.layered = false;
+  return s;
+}
+
+CellBuilder::Shape& CellBuilder::layered_shape(LocalFace& f) {
+  Shape& s = shape(f);
+  if (!s.layered) s.layer = layers(f.id), s.layered = true;
+  return s;
+}
+
+void CellBuilder::find_about(const LocalFace& f, Shape& s, size_t e) {
+  const size_t next = e == 2 ? 0 : e + 1;
+  // Points that lie this far apart along two axes are on no line along an axis.
+  const Vec3 way = (*s.p[next].approx - *s.p[e].approx).cwiseAbs();
+  constexpr double kNear = 4 * kApproximationError;
+  const bool upright = (way[0] <= kNear) + (way[1] <= kNear) + (way[2] <= kNear) >= 2;
+  const auto& v = surface_.faces[size_t(f.id)].v;
+  edge_about_corners(s.p[e], s.p[next], upright ? parallel_axis(v[e], v[next]) : -1, bounds_, s.about[e]);
+  s.known[e] = true;
 }
 
 // Segment against box by separating axes: the three box normals (on exact layers), and the three cross products of the
 // edge with the axes. An edge parallel to an axis gives no third kind of plane for it: that projection says nothing.
-bool CellBuilder::edge_meets(LocalFace& f, int edge) {
-  const auto& a = f.layer[size_t(edge)];
-  const auto& b = f.layer[size_t(edge + 1) % 3];
+bool CellBuilder::edge_meets(const LocalFace& f, Shape& s, size_t e) {
+  const auto& a = s.layer[e];
+  const auto& b = s.layer[e == 2 ? 0 : e + 1];
   bool a_in = true, b_in = true;
+  int beyond = 0;
   for (size_t k = 0; k < 3; ++k) {
     if ((a[k] < index_[k] && b[k] < index_[k]) || (a[k] > index_[k] && b[k] > index_[k])) return false;
-    a_in = a_in && a[k] == index_[k];
-    b_in = b_in && b[k] == index_[k];
+    const bool ak = a[k] == index_[k], bk = b[k] == index_[k];
+    a_in = a_in && ak;
+    b_in = b_in && bk;
+    beyond += !(ak && bk);
   }
-  if (a_in || b_in) return true;
-  for (const auto& s : about(f, edge))
-    if (s[0] && s[1] == s[0] && s[2] == s[0] && s[3] == s[0]) return false;
+  if (a_in || b_in || beyond == 1) return true;  // an end in it, or right through two opposite squares
+  for (const auto& sign : about(f, s, e))
+    if (sign[0] && sign[1] == sign[0] && sign[2] == sign[0] && sign[3] == sign[0]) return false;
   return true;
 }
 
-bool CellBuilder::pierced_by_edge(LocalFace& f, int axis, int corner) {
+bool CellBuilder::pierced_by_edge(const LocalFace& f, Shape& shape, int axis, int corner) {
   const size_t a = size_t(axis), k = size_t(corner);
-  const int s = about(f, 0)[a][k];
-  if (!s || about(f, 1)[a][k] != s || about(f, 2)[a][k] != s) return false;
+  const int s = about(f, shape, 0)[a][k];
+  if (!s || about(f, shape, 1)[a][k] != s || about(f, shape, 2)[a][k] != s) return false;
   SubPoint c = edge_corner(axis, corner);
   const int low = plane_at_corner(*f.plane, c);
   c[size_t(axis)] = bound_[size_t(axis)][1];
@@ -170,28 +200,28 @@ bool CellBuilder::pierced_by_edge(LocalFace& f, int axis, int corner) {
 }
 
 // Which squares the edges of a face pierce.
-void CellBuilder::note_crossings(LocalFace& f, int32_t local) {
-  for (size_t k = 0; k < 3; ++k)
-    for (int high = 0; high < 2; ++high) {
-      if (!(f.in.squares() >> (2 * k + size_t(high)) & 1)) continue;
-      const int32_t plane_layer = index_[k] + high;
-      for (size_t e = 0; e < 3; ++e) {
-        if (!f.in.edge(e)) continue;
-        const bool below = f.layer[e][k] < plane_layer;
-        if (below == (f.layer[e == 2 ? 0 : e + 1][k] < plane_layer)) continue;
-        const int rising = below ? 1 : -1;
-        const EdgeSigns& sign = about(f, int(e));
+void CellBuilder::note_crossings(LocalFace& f, Shape& s, int32_t local) {
+  for (size_t e = 0; e < 3; ++e) {
+    if (!f.in.edge(e)) continue;
+    const auto& from = s.layer[e];
+    const auto& to = s.layer[e == 2 ? 0 : e + 1];
+    for (size_t k = 0; k < 3; ++k) {
+      if (from[k] == to[k]) continue;
+      const int rising = from[k] < to[k] ? 1 : -1;
+      const int32_t lo = std::min(from[k], to[k]), hi = std::max(from[k], to[k]), at = index_[k];
+      for (int high = lo < at ? 0 : 1; high < (hi > at ? 2 : 1); ++high) {
         // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and
         // "crossing at greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are
-        // opposite.
+        // opposite. A bound that both ends lie within needs no sign.
         bool within = true;
         for (size_t step = 1; step <= 2 && within; ++step) {
-          const size_t u = (k + step) % 3, v = 3 - k - u;
-          const bool u_first = (v + 1) % 3 == u;
+          const size_t u = k + step < 3 ? k + step : k + step - 3, v = 3 - k - u;
+          const bool u_first = (v == 2 ? 0 : v + 1) == u;
           for (int u_high = 0; u_high < 2 && within; ++u_high) {
+            if (u_high ? from[u] <= index_[u] && to[u] <= index_[u] : from[u] >= index_[u] && to[u] >= index_[u]) continue;
             const int corner = u_first ? u_high | high << 1 : high | u_high << 1;
-            const int beyond = sign[v][size_t(corner)] * (u_first ? 1 : -1) * rising;
-            within = u_high ? beyond < 0 : beyond > 0;
+            const int past = about(f, s, e)[v][size_t(corner)] * (u_first ? 1 : -1) * rising;
+            within = u_high ? past < 0 : past > 0;
           }
         }
         if (!within) continue;
@@ -199,12 +229,12 @@ void CellBuilder::note_crossings(LocalFace& f, int32_t local) {
         f.in.bits |= FaceInCell::crossing(2 * k + size_t(high), e);
       }
     }
+  }
 }
 
-void CellBuilder::take_known(LocalFace& f, uint64_t relation, int32_t local) {
-  f.in.bits = relation;
-  for (uint64_t hits = f.in.hits(); hits; hits &= hits - 1) hit_[size_t(std::countr_zero(hits))].push_back(local);
-  for (uint64_t c = f.in.crossings(); c; c &= c - 1) {
+void CellBuilder::take_known(FaceInCell in, int32_t local) {
+  for (uint64_t hits = in.hits(); hits; hits &= hits - 1) hit_[size_t(std::countr_zero(hits))].push_back(local);
+  for (uint64_t c = in.crossings(); c; c &= c - 1) {
     const int bit = std::countr_zero(c);
     crossing_[size_t(bit / 3)].push_back({local, bit % 3});
   }
@@ -212,61 +242,63 @@ void CellBuilder::take_known(LocalFace& f, uint64_t relation, int32_t local) {
 
 void CellBuilder::gather(std::span<const int32_t> candidates, const CellComponents* before) {
   face_.clear();
+  face_.reserve(candidates.size());
+  shapes_ = 0;
   for (auto& h : hit_) h.clear();
   for (auto& c : crossing_) c.clear();
   size_t known = 0, taken_over = 0;
+  const size_t last_known = before ? before->face.size() : 0;
   as_before_ = true;
+  no_walks_before_ = before && before->walks == 0 && before->walks_unresolved == 0;
   for (int32_t id : candidates) {
     const Face& source = surface_.faces[size_t(id)];
     if (!source.live()) continue;
     const int32_t local = int32_t(face_.size());
-    LocalFace& f = face_.emplace_back();
-    f.id = id;
-    f.plane = &surface_.plane(id);
-    f.mat = source.mat;
-    for (size_t k = 0; k < 3; ++k) f.p[k] = surface_.points->ref(source.v[k]);
-    while (before && known < before->face.size() && before->face[known] < id) ++known;
-    if (before && known < before->face.size() && before->face[known] == id) {
-      take_known(f, before->relation[known], local);
-      for (int side = 0; side < 2; ++side) as_before_ = as_before_ && has(f.mat, side) == (before->of_side[known][size_t(side)] >= 0);
+    while (known < last_known && before->face[known] < id) ++known;
+    if (known < last_known && before->face[known] == id) {
+      const FaceInCell in{before->relation[known]};
+      face_.emplace_back(id, &surface_.orig[size_t(source.orig)].plane, source.mat, in, before->flux[known], true);
+      if (in.bits >> 10) take_known(in, local);
+      for (int side = 0; side < 2; ++side)
+        as_before_ = as_before_ && has(source.mat, side) == (before->of_side[known][size_t(side)] >= 0);
       ++taken_over;
       continue;
     }
-    f.layer = layers(id);
-    f.layered = true;
+    const auto layer = grid_layers(id);
     bool apart = false;
     uint8_t squares = 0;
     for (size_t a = 0; a < 3; ++a) {
-      const int32_t p = f.layer[0][a], q = f.layer[1][a], r = f.layer[2][a], at = index_[a];
+      const int32_t p = layer[0][a], q = layer[1][a], r = layer[2][a], at = index_[a];
       const int32_t lo = std::min(p, std::min(q, r)), hi = std::max(p, std::max(q, r));
       apart = apart || hi < at || lo > at;
       squares |= uint8_t(int(lo < at) << (2 * a) | int(hi > at) << (2 * a + 1));
     }
-    if (apart) {
-      face_.pop_back();
-      continue;
-    }
+    if (apart) continue;
+    LocalFace& f = face_.emplace_back(id, &surface_.orig[size_t(source.orig)].plane, source.mat, FaceInCell{}, std::nan(""), false);
     if (squares == 0) {
       f.in.bits = FaceInCell::kWhole;
       continue;
     }
+    Shape& s = shape(f);
+    s.layer = layer;
+    s.layered = true;
     f.in.set_squares(squares);
     bool meets = false;
-    for (int e = 0; e < 3; ++e)
-      if (edge_meets(f, e)) f.in.set_edge(size_t(e)), meets = true;
+    for (size_t e = 0; e < 3; ++e)
+      if (edge_meets(f, s, e)) f.in.set_edge(e), meets = true;
     for (int a = 0; a < 3; ++a)
       for (int c = 0; c < 4; ++c)
-        if (may_pierce(f, a, c) && pierced_by_edge(f, a, c)) {
+        if (may_pierce(f, a, c) && pierced_by_edge(f, s, a, c)) {
           hit_[size_t(4 * a + c)].push_back(local);
           f.in.bits |= FaceInCell::hit(4 * a + c);
           meets = true;
         }
     if (!meets)
-      face_.pop_back();
+      face_.pop_back(), --shapes_;
     else
-      note_crossings(f, local);
+      note_crossings(f, s, local);
   }
-  as_before_ = as_before_ && before && taken_over == before->face.size() && face_.size() == taken_over;
+  as_before_ = as_before_ && before && taken_over == last_known && face_.size() == taken_over;
 }
 
 }  // namespace limberg

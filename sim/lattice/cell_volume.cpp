@@ -68,67 +68,78 @@ double x_sweep(Vec3 a, Vec3 b, double W, double D) {
 
 }  // namespace
 
-void CellBuilder::measure(CellComponents& out) const {
+// What a face adds to the volume behind it (where its normal comes from), and takes from that before it.
+double CellBuilder::flux_of(LocalFace& f) {
   Vec3 low;
   for (int a = 0; a < 3; ++a) low[a] = sub_to_half(bound_[size_t(a)][0]);
   const double W = grid_.pitch.x, D = grid_.pitch.y, H = grid_.pitch.z;
-  std::vector<double> volume(out.classes.size(), 0);
-  auto add = [&](size_t local, double along_normal) {
-    // Side 0 has its material where the normal points: its outward normal is the opposite.
-    if (out.of_side[local][0] >= 0) volume[size_t(out.of_side[local][0])] -= along_normal;
-    if (out.of_side[local][1] >= 0) volume[size_t(out.of_side[local][1])] += along_normal;
-  };
-  const int32_t top = index_[2] + 1;
+  Shape& s = shape(f);
+  Polygon p;
+  p.n = 3;
+  for (int k = 0; k < 3; ++k) p.v[k] = *s.p[size_t(k)].approx - low;
+  const Vec3 corner[3] = {p.v[0], p.v[1], p.v[2]};
+  if (!f.in.inside())
+    for (int a = 0; a < 3 && p.n > 2; ++a) {
+      const double size = a == 0 ? W : a == 1 ? D : H;
+      constexpr double kClear = 1e-3;  // half-units, far above what clipping along another axis can move
+      if (std::min({corner[0][a], corner[1][a], corner[2][a]}) < kClear) clip(p, a, 0, 1);
+      if (std::max({corner[0][a], corner[1][a], corner[2][a]}) > size - kClear) clip(p, a, size, -1);
+    }
+  double flux = z_flux(p);
+  if (!(f.in.squares() >> 5 & 1) || f.plane->n[0] == 0) return flux;  // not through the plane z high
   // The lattice edge along y at x and z high: seen along y the coordinates are (z, x), both high: corner 3.
   const SubPoint line = edge_corner(1, 3);
-  for (size_t l = 0; l < face_.size(); ++l) {
-    if (out.of_side[l][0] == out.of_side[l][1]) continue;
-    const LocalFace& f = face_[l];
-    Polygon p;
-    p.n = 3;
-    for (int k = 0; k < 3; ++k) p.v[k] = *f.p[size_t(k)].approx - low;
-    const Vec3 corner[3] = {p.v[0], p.v[1], p.v[2]};
-    if (!f.in.inside())
-      for (int a = 0; a < 3 && p.n > 2; ++a) {
-        const double size = a == 0 ? W : a == 1 ? D : H;
-        constexpr double kClear = 1e-3;  // half-units, far above what clipping along another axis can move
-        if (std::min({corner[0][a], corner[1][a], corner[2][a]}) < kClear) clip(p, a, 0, 1);
-        if (std::max({corner[0][a], corner[1][a], corner[2][a]}) > size - kClear) clip(p, a, size, -1);
-      }
-    double flux = z_flux(p);
-    if ((f.in.squares() >> 5 & 1) && f.plane->n[0] != 0) {  // through the plane z high
-      Vec3 end[2];
-      bool beyond[2] = {false, false};
-      int n = 0;
-      const auto layer = f.layered ? f.layer : layers(f.id);
-      for (size_t e = 0; e < 3 && n < 2; ++e) {
-        const bool rises = layer[e][2] < top;
-        if (rises == (layer[(e + 1) % 3][2] < top)) continue;
-        const Vec3 &a = corner[e], &b = corner[(e + 1) % 3];
-        // Seen along y the coordinates are (z, x): an edge that rises in z has the line to its left when it passes at
-        // smaller x.
-        const int about = f.known[e] ? f.about[e][1][3] : edge_about_corner(f.p[e], f.p[(e + 1) % 3], 1, line);
-        beyond[n] = (about > 0) == !rises;
-        end[n] = a + (b - a) * ((H - a.z()) / (b.z() - a.z()));
-        if (!beyond[n]) end[n].x() = std::min(end[n].x(), W);
-        ++n;
-      }
-      if (n == 2 && beyond[0] != beyond[1] && f.plane->n[1] != 0) {
-        const double y = hit_on_line(*f.plane, 1, line) - low.y();
-        end[beyond[0] ? 0 : 1] = Vec3(W, std::clamp(y, std::min(end[0].y(), end[1].y()), std::max(end[0].y(), end[1].y())), H);
-        beyond[0] = beyond[1] = false;
-      }
-      if (n == 2 && !beyond[0]) flux += (f.plane->n[0] > 0 ? H : -H) * x_sweep(end[0], end[1], W, D);
+  const int32_t top = index_[2] + 1;
+  layered_shape(f);
+  Vec3 end[2];
+  bool beyond[2] = {false, false};
+  int n = 0;
+  for (size_t e = 0; e < 3 && n < 2; ++e) {
+    const size_t next = e == 2 ? 0 : e + 1;
+    const bool rises = s.layer[e][2] < top;
+    if (rises == (s.layer[next][2] < top)) continue;
+    const Vec3 &a = corner[e], &b = corner[next];
+    // Seen along y the coordinates are (z, x): an edge that rises in z has the line to its left when it passes at
+    // smaller x. Both ends within the low side of x high need no sign.
+    if (s.layer[e][0] > index_[0] || s.layer[next][0] > index_[0]) {
+      const int about = s.known[e] ? s.about[e][1][3] : edge_about_corner(s.p[e], s.p[next], 1, line);
+      beyond[n] = (about > 0) == !rises;
     }
+    end[n] = a + (b - a) * ((H - a.z()) / (b.z() - a.z()));
+    if (!beyond[n]) end[n].x() = std::min(end[n].x(), W);
+    ++n;
+  }
+  if (n == 2 && beyond[0] != beyond[1] && f.plane->n[1] != 0) {
+    const double y = hit_on_line(*f.plane, 1, line) - low.y();
+    end[beyond[0] ? 0 : 1] = Vec3(W, std::clamp(y, std::min(end[0].y(), end[1].y()), std::max(end[0].y(), end[1].y())), H);
+    beyond[0] = beyond[1] = false;
+  }
+  if (n == 2 && !beyond[0]) flux += (f.plane->n[0] > 0 ? H : -H) * x_sweep(end[0], end[1], W, D);
+  return flux;
+}
+
+void CellBuilder::measure(CellComponents& out) {
+  const double W = grid_.pitch.x, D = grid_.pitch.y, H = grid_.pitch.z;
+  volume_.assign(out.classes.size(), 0);
+  auto add = [&](size_t local, double along_normal) {
+    // Side 0 has its material where the normal points: its outward normal is the opposite.
+    if (out.of_side[local][0] >= 0) volume_[size_t(out.of_side[local][0])] -= along_normal;
+    if (out.of_side[local][1] >= 0) volume_[size_t(out.of_side[local][1])] += along_normal;
+  };
+  for (size_t l = 0; l < face_.size(); ++l) {
+    double& flux = out.flux[l];
+    if (out.of_side[l][0] == out.of_side[l][1]) continue;
+    if (std::isnan(flux)) flux = flux_of(face_[l]);
     add(l, flux);
   }
+  const SubPoint line = edge_corner(1, 3);
   for (int32_t h : hit_[4 * 1 + 3]) {
     const Plane& plane = *face_[size_t(h)].plane;
-    const double y = hit_on_line(plane, 1, line) - low.y();
+    const double y = hit_on_line(plane, 1, line) - sub_to_half(bound_[1][0]);
     add(size_t(h), (plane.n[1] > 0 ? 1.0 : -1.0) * y * W * H);
   }
-  if (out.of_corner[7] >= 0) volume[size_t(out.of_corner[7])] += W * D * H;
-  for (size_t c = 0; c < volume.size(); ++c) out.classes[c].fraction = volume[c] / (W * D * H);
+  if (out.of_corner[7] >= 0) volume_[size_t(out.of_corner[7])] += W * D * H;
+  for (size_t c = 0; c < volume_.size(); ++c) out.classes[c].fraction = volume_[c] / (W * D * H);
 }
 
 }  // namespace limberg

@@ -26,9 +26,9 @@ void CellBuilder::hits_between(int axis, const SubPoint& line, const SubPoint* u
   SubPoint low = line;
   low[size_t(axis)] = bound_[size_t(axis)][0];
   for (size_t l = 0; l < face_.size(); ++l) {
-    const LocalFace& f = face_[l];
+    LocalFace& f = face_[l];
     const int64_t n = f.plane->n[size_t(axis)];
-    if (n == 0 || !pierced(f.p, axis, line)) continue;
+    if (n == 0 || !pierced(shape(f).p, axis, line)) continue;
     const int up = n > 0 ? 1 : -1;  // n . c - d grows along the axis with the sign of n: negative below the hit
     if (plane_at_corner(*f.plane, low) != -up) continue;
     if (upper && plane_at_corner(*f.plane, *upper) != up) continue;
@@ -90,10 +90,46 @@ bool CellBuilder::walk_left(int axis, const SubPoint& line, Partition& own, int3
   return false;
 }
 
+// Whether a curve on the square is closed: does not end at a lattice edge. Most squares have none. From each end of a
+// curve it is followed to its other end; what is left over then is closed.
+bool CellBuilder::has_loop(int normal, bool high) {
+  const std::vector<Crossing>& crossing = crossing_[size_t(2 * normal + int(high))];
+  // Per sided face: the two members that its curve goes on with (-1: it ends there).
+  if (curve_.size() < 4 * face_.size()) curve_.resize(4 * face_.size());
+  for (const Crossing& c : crossing)
+    for (int side = 0; side < 2; ++side) curve_[size_t(2 * member(size_t(c.local), side))] = curve_[size_t(2 * member(size_t(c.local), side) + 1)] = -1;
+  int32_t count = 0;
+  for (const Crossing& c : crossing)
+    for (int side = 0; side < 2; ++side) {
+      if (!has(face_[size_t(c.local)].mat, side)) continue;
+      const size_t at = size_t(2 * member(size_t(c.local), side));
+      if (curve_[at] < 0) ++count;
+      curve_[curve_[at] < 0 ? at : at + 1] = face_[size_t(c.local)].mate[size_t(3 * side + c.edge)];
+    }
+  for (const Crossing& c : crossing)
+    for (int side = 0; side < 2; ++side) {
+      int32_t at = member(size_t(c.local), side), last = -1;
+      if (curve_[size_t(2 * at)] < 0 || curve_[size_t(2 * at + 1)] >= 0) continue;  // no end, or followed already
+      while (at >= 0) {
+        int32_t* way = &curve_[size_t(2 * at)];
+        const int32_t next = way[0] != last ? way[0] : way[1];
+        way[0] = way[1] = -1;
+        --count;
+        last = at;
+        at = next;
+      }
+    }
+  return count != 0;
+}
+
 // Curves on the square `normal` = low/high bound: sided faces joined where their glued edge pierces the square.
 void CellBuilder::walk_square(int normal, bool high) {
   const std::vector<Crossing>& crossing = crossing_[size_t(2 * normal + int(high))];
   if (crossing.empty()) return;
+  // Where all curves were there before, and no closed one among them, there is none now.
+  bool known = no_walks_before_;
+  for (size_t i = 0; known && i < crossing.size(); ++i) known = face_[size_t(crossing[i].local)].known;
+  if (known || !has_loop(normal, high)) return;
   square_.reset(2 * face_.size());
   open_.assign(2 * face_.size(), 0);
   seen_.assign(2 * face_.size(), 0);
@@ -140,16 +176,17 @@ bool CellBuilder::walk_from_loop(int normal, bool high, int run, int32_t root) {
   };
   std::vector<Start> starts;
   for (size_t l = 0; l < face_.size(); ++l) {
-    const LocalFace& f = face_[l];
+    LocalFace& f = face_[l];
     if (f.in.inside()) continue;
     if (!((has(f.mat, 0) && square_.find(member(l, 0)) == root) ||
           (has(f.mat, 1) && square_.find(member(l, 1)) == root)))
       continue;
     double at[3];
     int n = 0;
+    const Shape& s = shape(f);
     for (size_t e = 0; e < 3; ++e)
       if (crosses_[3 * l + e]) {
-        const Vec3 &a = *f.p[e].approx, &b = *f.p[(e + 1) % 3].approx;
+        const Vec3 &a = *s.p[e].approx, &b = *s.p[(e + 1) % 3].approx;
         const double t = (sub_to_half(level) - a[normal]) / (b[normal] - a[normal]);
         at[n++] = a[rise] + t * (b[rise] - a[rise]);
       }
@@ -188,7 +225,8 @@ bool CellBuilder::walk_from_speck(int normal, bool high, int32_t root) {
       int n = 0;
       for (size_t e = 0; e < 3 && n < 2; ++e) {
         if (!crosses_[3 * l + e]) continue;
-        const Vec3 &a = *face_[l].p[e].approx, &b = *face_[l].p[(e + 1) % 3].approx;
+        const Shape& s = shape(face_[l]);
+        const Vec3 &a = *s.p[e].approx, &b = *s.p[(e + 1) % 3].approx;
         const Vec3 slope = (b - a) / (b[normal] - a[normal]);
         place = a + (level - a[normal]) * slope;
         way[n++] = Vec2(slope[u], slope[v]);
@@ -257,19 +295,20 @@ bool CellBuilder::walk_from_shell(int axis, int32_t root) {
   };
   std::vector<Start> starts;
   for (size_t l = 0; l < face_.size(); ++l) {
-    const LocalFace& f = face_[l];
+    LocalFace& f = face_[l];
     if (!((has(f.mat, 0) && glued_.find(member(l, 0)) == root) ||
           (has(f.mat, 1) && glued_.find(member(l, 1)) == root)))
       continue;
-    const Vec3 u = *f.p[1].approx - *f.p[0].approx, v = *f.p[2].approx - *f.p[0].approx;
+    const Shape& s = shape(f);
+    const Vec3 u = *s.p[1].approx - *s.p[0].approx, v = *s.p[2].approx - *s.p[0].approx;
     starts.push_back({std::abs(u[b] * v[c] - u[c] * v[b]), l});
   }
   std::stable_sort(starts.begin(), starts.end(), [](const Start& p, const Start& q) { return p.area > q.area; });
   if (starts.size() > 8) starts.resize(8);
   std::vector<int32_t> row;
   for (const Start& s : starts) {
-    const LocalFace& f = face_[s.face];
-    const Vec3 middle = (*f.p[0].approx + *f.p[1].approx + *f.p[2].approx) / 3;
+    const Shape& its = shape(face_[s.face]);
+    const Vec3 middle = (*its.p[0].approx + *its.p[1].approx + *its.p[2].approx) / 3;
     SubPoint line;
     line[size_t(axis)] = bound_[size_t(axis)][0];
     line[size_t(b)] = std::llround(middle[b] * 0x1p24);

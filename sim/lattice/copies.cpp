@@ -103,10 +103,15 @@ void find_links(const LatticeTopology& t, LevelBuilders& builders, int32_t cell,
                 std::vector<Link>& out) {
   if (t.copies_of(cell) == 0 || t.copies_of(next) == 0) return;
   const size_t first = out.size();
+  uint64_t seen = 0;  // of the first eight classes of both
   auto add = [&](int a, int b) {
     if (a < 0 || b < 0) return;
+    const bool few = a < 8 && b < 8;
+    const uint64_t bit = uint64_t(1) << (few ? 8 * a + b : 0);
     const Link l{3 * cell + axis, next, int16_t(a), int16_t(b)};
-    if (std::find(out.begin() + ptrdiff_t(first), out.end(), l) == out.end()) out.push_back(l);
+    if (few ? (seen & bit) != 0 : std::find(out.begin() + ptrdiff_t(first), out.end(), l) != out.end()) return;
+    if (few) seen |= bit;
+    out.push_back(l);
   };
   const bool parts = t.tree.is_part(cell) || t.tree.is_part(next);
   const CellPlace low = parts ? t.tree.place(t.grid, cell) : CellPlace{}, high = parts ? t.tree.place(t.grid, next) : low;
@@ -122,6 +127,7 @@ void find_links(const LatticeTopology& t, LevelBuilders& builders, int32_t cell,
   }
   const CellComponents *a = t.components[size_t(cell)].get(), *b = t.components[size_t(next)].get();
   if (!a || !b) return;
+  if (seen && a->classes.size() == 1 && b->classes.size() == 1) return;  // there is no other pair
   // Every sided face in both: it crosses the common square, with its material on the same side of it in both cells. That
   // needs two boxes whose union is a box: of a coarser cell only the part next to the finer one counts.
   CellPlace beside{};
@@ -129,16 +135,15 @@ void find_links(const LatticeTopology& t, LevelBuilders& builders, int32_t cell,
     beside = low.level > high.level ? low : high;
     (axis == 0 ? beside.at.x : axis == 1 ? beside.at.y : beside.at.z) += low.level > high.level ? 1 : -1;
   }
-  for (size_t i = 0, j = 0; i < a->face.size() && j < b->face.size();) {
-    if (a->face[i] < b->face[j])
-      ++i;
-    else if (a->face[i] > b->face[j])
-      ++j;
-    else {
-      if (low.level == high.level || builders[beside.level].meets(beside.at, a->face[i]))
-        for (size_t s = 0; s < 2; ++s) add(a->of_side[i][s], b->of_side[j][s]);
-      ++i, ++j;
-    }
+  const size_t end_a = a->face.size(), end_b = b->face.size();
+  for (size_t i = 0, j = 0; i < end_a; ++i) {
+    if (!(FaceInCell{a->relation[i]}.squares() >> (2 * axis + 1) & 1)) continue;  // it does not reach beyond
+    const int32_t face = a->face[i];
+    while (j < end_b && b->face[j] < face) ++j;
+    if (j == end_b) break;
+    if (b->face[j] != face) continue;
+    if (low.level == high.level || builders[beside.level].meets(beside.at, face))
+      for (size_t s = 0; s < 2; ++s) add(a->of_side[i][s], b->of_side[j][s]);
   }
 }
 

@@ -76,29 +76,43 @@ class Embedder {
   LatticeGrid finest_;
 };
 
-/// Vertices in cells of which a copy has come apart or has got other nodes: found through the faces of the cell.
+/// Vertices in cells of which a copy has come apart or has got other nodes: found through the faces of the cell. A part that
+/// keeps number and nodes of its copy has the vertices that it had.
 void follow_copies(const LatticeTopology& t, const LatticeTopology& before, SurfaceView& view, SharedArray<EmbeddedPoint>& out) {
   std::vector<int32_t> cells;
   for_each_change(before.cells, t.cells, [&](size_t c) { cells.push_back(t.cells[c].cell); });
-  for_each_change(before.components, t.components, [&](size_t c) { cells.push_back(int32_t(c)); });
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
   const SurfaceView& now = view;
   const SharedArray<EmbeddedPoint>& embedding = out;
+  std::vector<int32_t> copies;
+  std::vector<uint8_t> other;
   for (int32_t cell : cells) {
     const auto& comp = t.components[size_t(cell)];
     if (!comp) continue;
+    copies.clear();
+    other.clear();
+    bool any = false;
+    for (int k = 0; k < t.copies_of(cell); ++k) {
+      const int32_t copy = t.copy(cell, k);
+      copies.push_back(copy);
+      other.push_back(size_t(copy) >= before.cells.size() || before.cells[size_t(copy)].node != t.cells[size_t(copy)].node);
+      any = any || other.back();
+    }
+    if (!any) continue;
     for (size_t i = 0; i < comp->face.size(); ++i)
       for (int side = 0; side < 2; ++side) {
-        if (comp->of_side[i][size_t(side)] < 0) continue;
+        const int cls = comp->of_side[i][size_t(side)];
+        if (cls < 0 || !other[size_t(cls)]) continue;
         const int32_t f = now.triangle_of[size_t(2 * comp->face[i] + side)];
         if (f < 0) throw std::logic_error("a face of a lattice cell is not on the surface");
-        const int32_t copy = t.copy(cell, comp->of_side[i][size_t(side)]);
+        const int32_t copy = copies[size_t(cls)];
+        const auto& node = t.cells[size_t(copy)].node;
         for (int32_t v : now.tri[size_t(f)]) {
           const int32_t was = now.cell_copy[size_t(v)];
-          if (was < 0 || t.cells[size_t(was)].cell != cell) continue;
-          view.cell_copy.set(size_t(v), copy);
-          if (embedding[size_t(v)].node != t.cells[size_t(copy)].node) out[size_t(v)].node = t.cells[size_t(copy)].node;
+          if (was < 0 || (was != copy && std::find(copies.begin(), copies.end(), was) == copies.end())) continue;  // elsewhere
+          if (was != copy) view.cell_copy[size_t(v)] = copy;
+          if (embedding[size_t(v)].node != node) out[size_t(v)].node = node;
         }
       }
   }

@@ -115,10 +115,13 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
     nodes.add_all(copy.node);
     nodes.add_all(before.topology.cells[parent].node);
   });
-  for_each_change(before.topology.components, t_.components, [&](size_t cell) {  // a held face may be in another part now
-    for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k) {
-      nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
-    }
+  // A held face may be in another part now.
+  const auto holds_any = [](const std::shared_ptr<const CellComponents>& c) {
+    return c && std::any_of(c->classes.begin(), c->classes.end(), [](const CellClass& k) { return k.fixed_sides != 0; });
+  };
+  for_each_change(before.topology.components, t_.components, [&](size_t cell) {
+    if (!holds_any(t_.components[cell]) && !holds_any(before.topology.components[cell])) return;
+    for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k) nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
   });
   std::vector<Around> around;
   for (int32_t n : nodes.ascending()) node_again(model, n, around);

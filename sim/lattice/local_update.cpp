@@ -4,8 +4,8 @@
 //
 //   copies  every old copy has a part, the first of which keeps its number; others come after
 //   links   only through squares of touched cells
-//   nodes   only at corners of touched cells: the cells around such a corner say which copies share it. Of the parts of
-//           a node the one with the lowest corner keeps its number
+//   nodes   only at corners of cells that have come apart and of squares with other links: the cells around such a corner
+//           say which copies share it. Of the parts of a node the one with the lowest corner keeps its number
 //   pieces  none has come apart when the touched copies of each are still linked among themselves; else they are
 //           found again
 #include <algorithm>
@@ -54,6 +54,8 @@ class LocalUpdate {
   const SharedArray<std::shared_ptr<const CellComponents>>& components_;
   std::array<int32_t, 3> stride_{};
   std::vector<Link> fresh_;
+  std::vector<int32_t> other_links_;  // squares (cell and axis) whose links are not those of before
+  std::vector<int32_t> apart_;        // cells with another number of copies than before
 
   // Around one lattice node: corners of copies, which of them are one, and the parts beyond the first of each old node.
   struct Corner {
@@ -111,6 +113,7 @@ void LocalUpdate::number_copies() {
       if (cells_[size_t(id)].fraction != cls.fraction) t_.cells[size_t(id)].fraction = cls.fraction;
       list.push_back(id);
     }
+    if (list.size() != taken.size()) apart_.push_back(c);
     t_.copies.set(size_t(c), list);
   }
 }
@@ -130,6 +133,8 @@ void LocalUpdate::relink() {
     const int32_t cell = s / 3, axis = s % 3;
     find_links(t_, builders_, cell, axis, cell + stride_[size_t(axis)], fresh_);
     std::sort(fresh_.begin() + ptrdiff_t(own), fresh_.end());
+    const std::span<const Link> was = before_.links.of(s);
+    if (!std::equal(was.begin(), was.end(), fresh_.begin() + ptrdiff_t(own), fresh_.end())) other_links_.push_back(s);
   }
   t_.links.replace(squares, fresh_);
 }
@@ -154,14 +159,28 @@ void LocalUpdate::around(int32_t lattice_node) {
   }
   first[8] = int32_t(corner_.size());
   join_.reset(corner_.size());
-  for (int b = 0; b < 8; ++b)
+  size_t groups = corner_.size();
+  for (int b = 0; b < 8; ++b) {
+    if (first[size_t(b)] == first[size_t(b) + 1]) continue;
     for (int axis = 0; axis < 3; ++axis) {
       const int other = b | 1 << axis;
-      if (other == b || first[size_t(b)] == first[size_t(b) + 1] || first[size_t(other)] == first[size_t(other) + 1])
-        continue;
-      const int32_t key = 3 * cell[size_t(b)] + axis;
-      for (const Link& l : t_.links.of(key)) join_.unite(first[size_t(b)] + l.low, first[size_t(other)] + l.high);
+      if (other == b || first[size_t(other)] == first[size_t(other) + 1]) continue;
+      for (const Link& l : t_.links.of(3 * cell[size_t(b)] + axis)) {
+        const int32_t low = first[size_t(b)] + l.low, high = first[size_t(other)] + l.high;
+        if (corner_[size_t(low)].node != corner_[size_t(high)].node)
+          throw std::logic_error("a cut has joined two node copies: the lattice is not a refinement of the one before");
+        groups -= join_.unite(low, high);
+      }
     }
+  }
+  // As many groups as there were nodes: each is one of them, and copies come with the nodes of their parents.
+  size_t nodes = 0;
+  for (size_t i = 0; i < corner_.size(); ++i) {
+    bool seen = false;
+    for (size_t j = 0; j < i && !seen; ++j) seen = corner_[j].node == corner_[i].node;
+    nodes += !seen;
+  }
+  if (groups == nodes) return;
   // Groups: their lowest corner, and the old node that all their corners must have had.
   struct Group {
     int32_t root, first, parent;
@@ -183,8 +202,6 @@ void LocalUpdate::around(int32_t lattice_node) {
       ++n;
       continue;
     }
-    if (group(g).parent != corner_[i].node)
-      throw std::logic_error("a cut has joined two node copies: the lattice is not a refinement of the one before");
     group(g).first = std::min(group(g).first, name);
   }
   for (size_t g = 0; g < n; ++g) {
@@ -207,11 +224,13 @@ void LocalUpdate::around(int32_t lattice_node) {
 void LocalUpdate::number_nodes() {
   t_.node_parent = ParentList::identity(before_.nodes.size());
   NumberSet corners(t_.node_in_material.size());
-  for (int32_t c : touched_) {
-    const Int3 at = t_.grid.cell_at(c);
+  const auto add = [&](int32_t cell, int of, int high) {  // corners k of a cell with (k & of) == high
+    const Int3 at = t_.grid.cell_at(cell);
     for (int k = 0; k < 8; ++k)
-      corners.add(t_.grid.node_index({at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}));
-  }
+      if ((k & of) == high) corners.add(t_.grid.node_index({at.x + (k & 1), at.y + (k >> 1 & 1), at.z + (k >> 2 & 1)}));
+  };
+  for (int32_t c : apart_) add(c, 0, 0);
+  for (int32_t s : other_links_) add(s / 3, 1 << s % 3, 1 << s % 3);
   for (int32_t n : corners.ascending()) around(n);
   std::sort(extra_.begin(), extra_.end(), [](const Extra& a, const Extra& b) { return a.first < b.first; });
   for (const Extra& e : extra_) {

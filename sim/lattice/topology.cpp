@@ -25,13 +25,12 @@ void fill_face_bits(LatticeTopology& t, const MaterialSurface& surface) {
 
 /// Calls visit(cell) for the undivided cells of the box of a face's corners.
 template <class Visit>
-void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, Visit&& visit) {
+void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, const CellBuilder::Layers& layers, Visit&& visit) {
   struct Box {
     int32_t lo[3], hi[3];
   };
   const LatticeGrid& grid = builders.grid();
-  auto box_at = [&](int level) {
-    const auto q = builders[level].layers(face);
+  auto box_of = [&](int level, const CellBuilder::Layers& q) {
     Box b;
     for (size_t a = 0; a < 3; ++a) {
       b.lo[a] = std::max(0, std::min({q[0][a], q[1][a], q[2][a]}));
@@ -39,7 +38,7 @@ void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, V
     }
     return b;
   };
-  const Box whole = box_at(0);
+  const Box whole = box_of(0, layers);
   Box fine{};
   bool fine_known = false;
   auto descend = [&](auto&& self, int32_t cell, int level, Int3 at) -> void {
@@ -49,7 +48,7 @@ void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, V
         if (((at[a] + 1) << shift) - 1 < fine.lo[a] || at[a] << shift > fine.hi[a]) return;
     }
     if (!tree.is_divided(cell)) return visit(cell);
-    if (!fine_known) fine = box_at(kLevels), fine_known = true;
+    if (!fine_known) fine = box_of(kLevels, builders[kLevels].layers(face)), fine_known = true;
     for (int k = 0; k < 8; ++k)
       self(self, tree.part(cell, k), level + 1, {2 * at.x + (k & 1), 2 * at.y + (k >> 1 & 1), 2 * at.z + (k >> 2 & 1)});
   };
@@ -102,12 +101,14 @@ std::shared_ptr<const LatticeTopology> divide_fronts(std::shared_ptr<const Latti
 /// The components of the touched cells. Each cell is found by itself, in groups that one worker takes one after another.
 template <class Candidates>
 void find_components(LatticeTopology& t, const LatticeTopology& previous, const MaterialSurface& surface,
-                     std::span<const int32_t> touched, const Candidates& candidates_of, bool only_cuts, Workers* workers) {
+                     std::span<const int32_t> touched, const Candidates& candidates_of,
+                     std::span<const CellBuilder::Layers> layers_of_new, bool only_cuts, Workers* workers) {
   constexpr size_t kGroup = 16;
   std::vector<std::shared_ptr<const CellComponents>> found(touched.size());
   std::vector<std::exception_ptr> wrong((touched.size() + kGroup - 1) / kGroup);
   const LatticeTopology& now = t;
   const auto find = [&](LevelBuilders& builders, size_t begin, size_t end) {
+    builders[0].know_layers(int32_t(previous.face_bits.size()), layers_of_new);
     std::vector<int32_t> candidates;
     for (size_t i = begin; i < end; ++i) {
       const int32_t cell = touched[i];
@@ -152,7 +153,7 @@ std::shared_ptr<LatticeTopology> build_whole(const LatticeGrid& grid, const Mate
   for (int pass = 0; pass < 2; ++pass) {
     for (size_t f = 0; f < surface.faces.size(); ++f)
       if (surface.faces[f].live())
-        cells_around(t->tree, builders, int32_t(f), [&](int32_t c) {
+        cells_around(t->tree, builders, int32_t(f), builders[0].layers(int32_t(f)), [&](int32_t c) {
           if (pass == 0)
             ++begin[size_t(c) + 1];
           else
@@ -236,6 +237,7 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   if (now < before) throw std::logic_error("the surface has lost faces since the lattice's last version");
   NumberSet touches(previous.components.size());
   std::vector<std::pair<int32_t, int32_t>> added;  // cell, face; faces ascend
+  std::vector<CellBuilder::Layers> layers_of_new(now - before);  // of those that are in the material
   bool taken_away = false;
   const auto look_at = [&](size_t f) {
     const uint8_t was = f < before ? previous.face_bits[f] : uint8_t(0), is = bits_of(surface.faces[f]);
@@ -248,7 +250,9 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
     taken_away = taken_away || (!surface.faces[f].retired && (was & ~is));
     taken_away =
         taken_away || (f >= before && is != 3 && surface.orig[size_t(surface.faces[f].orig)].op > previous.last_op);
-    cells_around(tree, builders, int32_t(f), [&](int32_t c) {
+    const CellBuilder::Layers layers = builders[0].layers(int32_t(f));
+    if (f >= before) layers_of_new[f - before] = layers;
+    cells_around(tree, builders, int32_t(f), layers, [&](int32_t c) {
       touches.add(c);
       if (is && !was) added.push_back({c, int32_t(f)});
     });
@@ -292,7 +296,7 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
           classify_parts(builders, tree.place(t->grid, cell), t->corners_in_material(cell), candidates);
     }
   }
-  find_components(*t, previous, surface, touched, candidates_of, !taken_away, workers);
+  find_components(*t, previous, surface, touched, candidates_of, layers_of_new, !taken_away, workers);
   t->touched_cells = int(touched.size());
 
   if (!locally || taken_away || !finish_locally(*t, builders, previous, touched)) {

@@ -45,9 +45,10 @@ std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const R
   const double reach = kBuriedReach * depth_mm + 0.5;
   double best = reach * reach;
   std::optional<Anchor> found;
+  const SharedArray<float>& depth = surface.depth_mm.all();
   for (size_t t = 0; t < v.tri.size(); ++t) {
     if (v.kind[t] != FaceKind::wall) continue;
-    const double d[3] = {double(surface.depth_mm[size_t(v.tri[t][0])]), double(surface.depth_mm[size_t(v.tri[t][1])]), double(surface.depth_mm[size_t(v.tri[t][2])])};
+    const double d[3] = {double(depth[size_t(v.tri[t][0])]), double(depth[size_t(v.tri[t][1])]), double(depth[size_t(v.tri[t][2])])};
     if (std::min({d[0], d[1], d[2]}) > depth_mm || std::max({d[0], d[1], d[2]}) < depth_mm) continue;
     Vec3 out = normal_of(v, t);
     if (!(out.norm() > 0)) continue;

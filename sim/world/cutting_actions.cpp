@@ -246,13 +246,12 @@ OperatingTable::Drawn OperatingTable::draw_surface() {
   if (version_.surface) {  // most of it is as it was
     view = arrangement_->surface_view(version_.surface->view, version_.lattice->operations, d.change);
     d.index = std::make_shared<RestIndex>(view, *version_.index, d.change);
-    if (!d.change.whole) d.surface->depth_mm = version_.surface->depth_mm;
   } else {
     d.change.whole = true;
     view = arrangement_->surface_view();
     d.index = std::make_shared<RestIndex>(view, body_->surface.tri.size());
   }
-  depths_.follow(view, d.change, skin_, d.surface->depth_mm);
+  d.surface->depth_mm = depths_.follow(view, d.change, shared_skin_);
   return d;
 }
 

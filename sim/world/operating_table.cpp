@@ -19,7 +19,7 @@ constexpr double kMoveOfContacts_mm = 0.75;
 }  // namespace
 
 OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
-    : spec_(std::move(spec)), body_(spec_.body), skin_(spec_.body), arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)),
+    : spec_(std::move(spec)), body_(spec_.body), shared_skin_(std::make_shared<const Skin>(spec_.body)), skin_(*shared_skin_), arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)),
       workers_(workers) {
   const int front_levels = spec_.can_cut && spec_.refine_fronts ? kLevels : 0;
   const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm, front_levels);

@@ -186,7 +186,8 @@ class OperatingTable {
 
   WorldSpec spec_;
   std::shared_ptr<const Body> body_;
-  Skin skin_;
+  std::shared_ptr<const Skin> shared_skin_;  // pictures may outlive the table
+  const Skin& skin_;
   std::unique_ptr<Arrangement> arrangement_;  // absent when the scene cannot be cut
   std::unique_ptr<StencilTable> stencils_;
   Version version_;

@@ -1,26 +1,41 @@
 #pragma once
-// How far below the skin each vertex of the drawn surface lies at rest, for pictures of the layers. Remembered by point of
-// the arrangement: points never move, and banks share them.
-#include <vector>
+// How far below the skin each vertex of the drawn surface lies at rest, for pictures of the layers and buried stitches.
+//
+// A cut does not pay for it: the depths of a version are found when somebody first asks for them, on whatever thread, from
+// those that were asked for last. Points never move, so only vertices that differ from those cost a search. The answer does
+// not depend on what was asked for before.
+#include <memory>
+#include <mutex>
 
 #include "sim/cutting/surface_view.h"
 #include "sim/geometry/skin.h"
+#include "sim/lazy_array.h"
 
 namespace limberg {
 
 class PointDepths {
  public:
-  /// Depths in mm of the vertices that `change` names (all when it is `whole`), written to `depth_mm`, one per vertex of the
-  /// view. Corners of skin lie at 0; others cost a search for the nearest skin, begun at what was nearest to the last one.
-  void follow(const SurfaceView& view, const ViewChange& change, const Skin& skin, SharedArray<float>& depth_mm);
+  /// Depths in mm, one per vertex of the view. `change`: from the view before. Corners of skin lie at 0; others cost a search
+  /// for the nearest skin, begun at what was nearest to the last one.
+  LazyArray<float> follow(const SurfaceView& view, const ViewChange& change, std::shared_ptr<const Skin> skin);
 
   /// Points from this one on are no more: their numbers will mean others.
   void forget_from(int32_t point) {
-    if (size_t(point) < known_.size()) known_.resize(size_t(point));
+    if (size_t(point) < on_skin_.size()) on_skin_.resize(size_t(point));
   }
 
  private:
-  std::vector<float> known_;  // per point; NaN: not asked for yet
+  struct Last {  // what was asked for last
+    std::mutex mutex;
+    SharedArray<Vec3> X_mm;
+    SharedArray<int32_t> point;
+    SharedArray<float> depth_mm;
+  };
+  struct Asked;
+  static SharedArray<float> find(const Asked& asked);
+
+  SharedArray<uint8_t> on_skin_;  // per point: a triangle of skin has had it as a corner
+  std::shared_ptr<Last> last_ = std::make_shared<Last>();
 };
 
 }  // namespace limberg

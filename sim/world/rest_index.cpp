@@ -20,6 +20,9 @@ Vec3 closest_bary(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
+RestIndex::Mesh::Mesh(const SurfaceView& v)
+    : X_mm(v.X_mm), tri(v.tri), kind(v.kind), sided_face(v.sided_face), origin(v.origin), rim(v.rim) {}
+
 RestIndex::RestIndex(const SurfaceView& view, size_t body_triangles) : view_(view) { find_all(body_triangles); }
 
 void RestIndex::find_all(size_t body_triangles) {

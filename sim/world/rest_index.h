@@ -56,7 +56,15 @@ class RestIndex {
   void find_all(size_t body_triangles);
   SurfacePoint closest_in(int32_t t, const Vec3& X, double& distance2) const;
 
-  const SurfaceView view_;  // shares what it holds
+  struct Mesh {  // what is read of a view; shares what it holds
+    explicit Mesh(const SurfaceView& v);
+    SharedArray<Vec3> X_mm;
+    SharedArray<Tri> tri;
+    SharedArray<FaceKind> kind;
+    SharedArray<int32_t> sided_face, origin;
+    SharedArray<uint8_t> rim;
+  };
+  const Mesh view_;
   ShortLists by_origin_;  // triangles of each original triangle, by name
   std::vector<RimEdge> rim_;  // by name
 };

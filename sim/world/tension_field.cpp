@@ -14,9 +14,10 @@ Mat3 prestretch_gradient(const Material& material, const Skin::Frame& frame) {
 
 TensionField::TensionField(const SurfaceTopology& topology, const Skin& skin) {
   const Body& body = *topology.body;
+  const SharedArray<float>& depth = topology.depth_mm.all();
   prestretch_.resize(topology.view.X_mm.size());
   for (size_t v = 0; v < prestretch_.size(); ++v) {
-    const Material& material = body.layers[size_t(skin.layer_at(topology.depth_mm[v]))].material;
+    const Material& material = body.layers[size_t(skin.layer_at(depth[v]))].material;
     prestretch_[v] = prestretch_gradient(material, skin.frame(topology.view.X_mm[v]));
   }
 }

@@ -137,7 +137,7 @@ uint64_t OperatingTable::full_hash() const {
   for (const Vec3& X : t.view.X_mm) h.bytes(X.data(), 3 * sizeof(double));
   for (const Tri& tri : t.view.tri) h.bytes(tri.data(), sizeof tri);
   for (const EmbeddedPoint& e : t.embedding) h.bytes(e.node.data(), sizeof e.node), h.bytes(e.w.data(), sizeof e.w);
-  for (const float d : t.depth_mm) h.add(d);
+  for (const float d : t.depth_mm.all()) h.add(d);
   return h.value();
 }
 

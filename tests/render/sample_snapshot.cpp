@@ -25,12 +25,13 @@ Snapshot sample_snapshot(const SampleOptions& o) {
   auto topology = std::make_shared<SurfaceTopology>();
   SurfaceView& view = topology->view;
   const int levels = 8;
+  SharedArray<float> depths;
   std::map<std::array<int, 3>, int32_t> index;  // grid corner and level; both banks share nothing: the wound is open
   const auto vertex = [&](int i, int j, int k) {
     const auto [it, fresh] = index.try_emplace({i, j, k}, int32_t(view.X_mm.size()));
     if (fresh) {
       view.X_mm.push_back(Vec3(-half + i * h, -half + j * h, -depth * k / levels));
-      topology->depth_mm.push_back(float(depth * k / levels));
+      depths.push_back(float(depth * k / levels));
     }
     return it->second;
   };
@@ -62,6 +63,7 @@ Snapshot sample_snapshot(const SampleOptions& o) {
   body->surface.X_mm = {{-half, -half, 0}, {half, -half, 0}, {half, half, 0}, {-half, half, 0}};
   body->surface.tri = {{0, 1, 2}, {0, 2, 3}};
   body->surface.tag = {SurfaceTag::skin, SurfaceTag::skin};
+  topology->depth_mm = depths;
   topology->body = body;
   topology->version = 1;
   topology->hash = 0x5a5a + uint64_t(o.wound);
