@@ -54,7 +54,10 @@ struct Anchor {
   int32_t skull[3] = {-1, -1, -1};  // vertices of the skull that carry it
   double weight[3] = {0, 0, 0};
   double height_mm = 0;             // over their plane
+  Mat3 axes = Mat3::Identity();     // that turn with them, as they stood when lift0_mm was recorded
 };
+/// Right-handed axes that turn with the three vertices of the skull that an anchor names.
+Mat3 axes_of(const Anchor& anchor, const Mesh& skull);
 
 struct Tissue {
   std::vector<std::array<int32_t, 4>> nbr;
@@ -62,6 +65,8 @@ struct Tissue {
   std::vector<TissueRole> role;
   std::vector<std::array<double, 4>> rest_mm, k_mN_per_mm, weight;  // per neighbour; weight: of the mode shape
   std::vector<std::pair<int32_t, int32_t>> link;                    // tissue vertex, face vertex
+  std::vector<Vec3> lift0_mm, lift_mm;                              // per link: from the tetrahedron below to it at rest; turned as the bone under it has
+  std::vector<int32_t> under;                                       // per link: the anchor below it
   std::vector<Anchor> anchor;
   // The primal: nodes from the skull (layer 0) to the face, and tetrahedra of positive volume.
   std::vector<Vec3> node_mm;
@@ -80,7 +85,7 @@ struct TissueResult {
 /// `face_region`: vertices of the face. Their dual triangles must form one patch without pinched corners, none on a rim. The
 /// opposite places are where the normals of the face, inwards, meet the part of the skull that `skull_region` covers (the
 /// faces around those vertices; empty: all of it), else its nearest places, evened out over the patch until every prism has a
-/// positive volume. The result is smoothed and its rest lengths, weights and stiffnesses recorded.
+/// positive volume; where that is not to be had (over the mouth, say), the lowest nodes stay above the bone, carried by it. The result is smoothed and its rest lengths, weights and stiffnesses recorded.
 TissueResult build_tissue(const Mesh& face, std::span<const int32_t> face_region, const Mesh& skull, std::span<const int32_t> skull_region,
                           const TissueSettings& settings, Workers& workers);
 
@@ -95,7 +100,7 @@ struct TissueLaw {
   SpringLaw spring;
   double shape = 0;      // springs: share of the mode shape that is mixed in, 0..1
   double gamma = 0.35;   // damping
-  double alpha = 0.8;    // below 2 - gamma: forces are over the largest stiffness of a vertex, whose eigenvalues lie below 2
+  double alpha = 0.8;    // below 2 - gamma: forces are over the stiffness of their vertex, so that eigenvalues lie below 2
 };
 
 struct TissueStep {
@@ -106,11 +111,11 @@ struct TissueStep {
 /// One iteration of the vertices inside and on the sides. Throws InputError on a law that no alpha makes stable.
 TissueStep step(Tissue& tissue, const TissueLaw& law, Workers& workers);
 
-/// What the springs do to the face: adds to `force_mm` (per vertex slot of the face) the force on its linked vertices over the
-/// largest stiffness of a vertex, as the external force of motion.h, of stiffness 2 or less. `force_mN` (may be null): the same
-/// in mN. The modes smoothing and shape have no influence on the face.
-/// Springs pull well and push badly: under compression they fold into the motions that they leave free (zero_energy_modes).
-/// A share of the shape force on the vertices inside (TissueLaw::shape) keeps them from it.
+/// What the tissue does to the face: adds to `force_mm` (per vertex slot of the face) the springs' force on its linked vertices
+/// over their stiffness, as the external force of motion.h, of stiffness 2 or less. With a share of shape (TissueLaw::shape) that share
+/// of the force draws each vertex to where it lay over the tetrahedron below it, as a free surface that goes with what it
+/// covers; it pushes as well as it pulls, which springs do not: under compression they fold into the motions that they leave free
+/// (zero_energy_modes). `force_mN` (may be null): the springs' force in mN. The modes smoothing and shape have no influence.
 void pull_face(const Tissue& tissue, const TissueLaw& law, std::vector<Vec3>& force_mm, std::vector<Vec3>* force_mN = nullptr);
 
 void record_rest(Tissue& tissue);
@@ -118,9 +123,11 @@ void record_rest(Tissue& tissue);
 /// Degrees of freedom, springs that act on them, and motions (to first order) that no spring resists, with both ends held.
 struct ZeroModes {
   int64_t dofs = 0, springs = 0, modes = 0;
+  bool estimate = false;  // by the pivots of a sparse factor instead of an orthogonal one
 };
-/// Rank of the rigidity matrix at the present place. Dense: throws InputError above 3000 degrees of freedom.
-ZeroModes zero_energy_modes(const Tissue& tissue);
+/// Rank of the rigidity matrix at the present place: dense and orthogonal up to so many degrees of freedom (0.1 s for 1000, 3 s for
+/// 3000), beyond by the pivots of a sparse L D L^T of its Gram matrix, which is quick and may miscount nearly dependent springs.
+ZeroModes zero_energy_modes(const Tissue& tissue, int64_t dense_up_to = 1500);
 
 /// What is wrong with the tissue, in a sentence; nothing when all is well.
 std::optional<std::string> find_fault(const Tissue& tissue);

@@ -71,41 +71,65 @@ std::string make_patch(const Mesh& face, std::span<const int32_t> region, Patch&
   return "";
 }
 
-/// Opposite places on the skull, all prisms upright.
-std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Vec3>& bottom) {
+bool upright(const Patch& p, const Tri& t, const std::vector<Vec3>& bottom) {
+  const Vec3 &a = bottom[size_t(t[0])], &b = bottom[size_t(t[1])], &c = bottom[size_t(t[2])];
+  const Vec3 &x = p.top[size_t(t[0])], &y = p.top[size_t(t[1])], &z = p.top[size_t(t[2])];
+  // All tetrahedra that a diagonal may give: each corner of one side over the whole other side.
+  bool up = true;
+  for (const Vec3* u : {&x, &y, &z}) up &= volume6(a, b, c, *u) > 0;
+  for (const Vec3* u : {&a, &b, &c}) up &= volume6(x, z, y, *u) > 0;
+  return up;
+}
+
+/// Opposite places on the skull, all prisms upright. Where no evening out of places on the bone achieves that (over the mouth,
+/// the nose, an orbit's rim), the nodes of what folds stay above the bone, on their ways to it: `hovers`.
+std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Vec3>& bottom, std::vector<uint8_t>& hovers) {
+  constexpr int kRounds = 30, kMore = 80;
+  constexpr double kDetour = 1.6, kDetour_mm = 5;  // a normal that misses what is near is not followed (through the mouth to the palate)
+  constexpr double kShorter = 0.85, kLeast = 0.05;
   const size_t n = p.top.size();
   std::vector<Vec3> d(n);
   for (size_t i = 0; i < n; ++i) {
+    const Bvh::Closest c = bvh.closest(p.top[i], farthest);
+    if (c.triangle < 0) return "the skull is farther from the face than " + std::to_string(farthest) + " mm";
+    d[i] = c.point_mm - p.top[i];
     Bvh::LineHit hit;
-    if (bvh.line(p.top[i], -p.normal[i], 1e-9, farthest, std::span(&hit, 1)) > 0) {
-      d[i] = -hit.t * p.normal[i];
-    } else {
-      const Bvh::Closest c = bvh.closest(p.top[i], farthest);
-      if (c.triangle < 0) return "the skull is farther from the face than " + std::to_string(farthest) + " mm";
-      d[i] = c.point_mm - p.top[i];
-    }
+    if (bvh.line(p.top[i], -p.normal[i], 1e-9, kDetour * c.distance_mm + kDetour_mm, std::span(&hit, 1)) > 0) d[i] = -hit.t * p.normal[i];
   }
-  constexpr int kRounds = 40;
-  for (int round = 0;; ++round) {
-    bottom.resize(n);
-    for (size_t i = 0; i < n; ++i) bottom[i] = bvh.closest(p.top[i] + d[i]).point_mm;
-    bool upright = true;
-    for (const Tri& t : p.tri) {
-      const Vec3 &a = bottom[size_t(t[0])], &b = bottom[size_t(t[1])], &c = bottom[size_t(t[2])];
-      const Vec3 &x = p.top[size_t(t[0])], &y = p.top[size_t(t[1])], &z = p.top[size_t(t[2])];
-      // All tetrahedra that a diagonal may give: each corner of one side over the whole other side, and the mixed ones.
-      for (const Vec3* u : {&x, &y, &z}) upright &= volume6(a, b, c, *u) > 0;
-      for (const Vec3* u : {&a, &b, &c}) upright &= volume6(x, z, y, *u) > 0;
-    }
-    if (upright) return "";
-    if (round == kRounds) break;
-    std::vector<Vec3> even = d;
+  hovers.assign(n, 0);
+  std::vector<double> share(n, 1);
+  const auto even = [&](const std::vector<uint8_t>* only) {
+    std::vector<Vec3> next = d;
     for (size_t i = 0; i < n; ++i) {
+      if (only && !(*only)[i]) continue;
       Vec3 mean = Vec3::Zero();
       for (int32_t j : p.near[i]) mean += d[size_t(j)] / double(p.near[i].size());
-      even[i] = 0.5 * (d[i] + mean);
+      next[i] = 0.5 * (d[i] + mean);
     }
-    d = std::move(even);
+    d = std::move(next);
+  };
+  for (int round = 0; round < kRounds + kMore; ++round) {
+    bottom.resize(n);
+    for (size_t i = 0; i < n; ++i) bottom[i] = hovers[i] ? p.top[i] + share[i] * d[i] : bvh.closest(p.top[i] + d[i]).point_mm;
+    std::vector<uint8_t> bad(n, 0);
+    bool good = true;
+    for (const Tri& t : p.tri)
+      if (!upright(p, t, bottom)) {
+        good = false;
+        for (int32_t v : t) bad[size_t(v)] = 1;
+      }
+    if (good) return "";
+    if (round < kRounds) {
+      even(nullptr);
+      continue;
+    }
+    for (size_t i = 0; i < n; ++i) {
+      if (!bad[i]) continue;
+      if (!hovers[i]) d[i] = bottom[i] - p.top[i];
+      hovers[i] = 1, share[i] *= kShorter;
+      if (share[i] < kLeast) return "the two regions do not lie opposite to one another: layers between them would fold";
+    }
+    even(&bad);
   }
   return "the two regions do not lie opposite to one another: layers between them would fold";
 }
@@ -162,7 +186,8 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   if (fan.tri.empty() || (!skull_region.empty() && subset.empty())) return refuse("the region of the skull has no surface");
   const Bvh bvh(fan.X_mm, fan.tri, subset);
   std::vector<Vec3> bottom;
-  if (std::string why = drop(p, bvh, s.max_thickness_mm, bottom); !why.empty()) return refuse(why);
+  std::vector<uint8_t> hovers;
+  if (std::string why = drop(p, bvh, s.max_thickness_mm, bottom, hovers); !why.empty()) return refuse(why);
 
   Tissue& t = out.tissue;
   t.layers = s.layers;
@@ -241,7 +266,9 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
     }
     if (under) {
       const Bvh::Closest q = bvh.closest(c);
-      t.x_mm.back() = q.point_mm;
+      const bool over_bone = hovers[size_t(f.key[0])] || hovers[size_t(f.key[1])] || hovers[size_t(f.key[2])];
+      const Vec3 foot = over_bone ? c : q.point_mm;
+      t.x_mm.back() = foot;
       Anchor a;
       a.vertex = b;
       // The fan's centre is not a vertex of the skull: carried by the triangle of a face's vertices that is nearest to it.
@@ -251,9 +278,10 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
       const size_t at = size_t(std::find(ring.begin(), ring.end(), ft[1]) - ring.begin());
       a.skull[0] = ft[1], a.skull[1] = ft[2], a.skull[2] = ring[(at + 1 + ring.size() / 2) % ring.size()];
       const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])], &C = skull.x_mm[size_t(a.skull[2])];
-      const LocalFrame g = local_frame(q.point_mm, A, B, C);
+      const LocalFrame g = local_frame(foot, A, B, C);
       for (size_t k = 0; k < 3; ++k) a.weight[k] = g.e[k];
       a.height_mm = g.L_mm;
+      a.axes = axes_of(a, skull);
       t.anchor.push_back(a);
     }
     for (const auto& [u, v] : {std::pair{0, 1}, {1, 2}, {0, 2}}) rim[{f.key[size_t(u)], f.key[size_t(v)]}].push_back(b);  // keys are sorted
@@ -267,7 +295,12 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
     const double A = (area(boundary[size_t(two[0] - tets)]) + area(boundary[size_t(two[1] - tets)])) / 6;
     join(two[0], used[size_t(two[0])]++, two[1], used[size_t(two[1])]++, A);
   }
+  // Tetrahedra come layer by layer, three per triangle of the region: a link and the anchor of one column hang on such.
+  std::vector<int32_t> anchor_of(region.size());
+  for (size_t i = 0; i < t.anchor.size(); ++i) anchor_of[size_t(t.nbr[size_t(t.anchor[i].vertex)][0]) / 3 % region.size()] = int32_t(i);
+  for (const auto& [v, f] : t.link) t.under.push_back(anchor_of[size_t(t.nbr[size_t(v)][0]) / 3 % region.size()]);
   t.before_mm = t.x_mm;
+  record_rest(t);
   follow(t, face, skull);
   TissueLaw smooth;
   smooth.mode = TissueMode::smoothing, smooth.alpha = 1;
@@ -284,6 +317,15 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   return out;
 }
 
+Mat3 axes_of(const Anchor& a, const Mesh& skull) {
+  const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])], &C = skull.x_mm[size_t(a.skull[2])];
+  const Vec3 N = (B - A).cross(C - A), e = B - A;
+  if (!(N.norm() > 1e-9 * e.squaredNorm()) || !(e.norm() > 0)) return Mat3::Identity();
+  Mat3 Q;
+  Q.col(0) = e.normalized(), Q.col(2) = N.normalized(), Q.col(1) = Q.col(2).cross(Q.col(0));
+  return Q;
+}
+
 void follow(Tissue& t, const Mesh& face, const Mesh& skull) {
   for (const auto& [v, f] : t.link) {
     if (!face.alive(f)) throw InputError("", 0, "the tissue hangs on vertex " + std::to_string(f) + " of the face, which has gone");
@@ -298,6 +340,10 @@ void follow(Tissue& t, const Mesh& face, const Mesh& skull) {
     const Vec3 N = (skull.x_mm[size_t(a.skull[1])] - skull.x_mm[size_t(a.skull[0])]).cross(skull.x_mm[size_t(a.skull[2])] - skull.x_mm[size_t(a.skull[0])]);
     if (const double l = N.norm(); l > 0) x += a.height_mm / l * N;
     t.x_mm[size_t(a.vertex)] = x;
+  }
+  for (size_t i = 0; i < t.link.size(); ++i) {
+    const Anchor& a = t.anchor[size_t(t.under[i])];
+    t.lift_mm[i] = axes_of(a, skull) * a.axes.transpose() * t.lift0_mm[i];
   }
 }
 

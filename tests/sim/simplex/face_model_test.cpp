@@ -1,0 +1,264 @@
+// The face that follows: each mode, anchors after a cut, the elastic body.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "sim/error.h"
+#include "sim/simplex/contour.h"
+#include "sim/simplex/dual.h"
+#include "sim/simplex/face_model.h"
+#include "sim/simplex/generators.h"
+#include "sim/simplex/operators.h"
+
+namespace limberg::simplex {
+namespace {
+
+struct Head {
+  Mesh face = make_sphere({0, 0, 0}, 60, 3), skull = make_sphere_of_faces({0, 0, 0}, 48, 600);
+  std::vector<int32_t> region = region_around(face, 5, 22);
+  Vec3 out = face.x_mm[5].normalized();
+  FaceTissuePlan plan(FaceMode mode, int layers = 2) const { return {"cheek", region, {}, layers, 10, mode}; }
+};
+
+const FaceMode kModes[] = {FaceMode::smoothing, FaceMode::springs, FaceMode::shape, FaceMode::finite_elements};
+
+Mesh moved(Mesh m, const Eigen::Isometry3d& T) {
+  for (Vec3& x : m.x_mm) x = T * x;
+  m.before_mm = m.x_mm;
+  return m;
+}
+
+int settle(FaceModel& f, int most = 4000) {
+  int n = 0;
+  while (n < most && !f.at_rest()) n += std::max(1, f.step(40).iterations);
+  return n;
+}
+
+TEST(FaceModel, WhereNothingMovesNothingMoves) {
+  for (FaceMode mode : kModes) {
+    const Head h;
+    InlineWorkers w;
+    FaceModel f(h.face, w);
+    ASSERT_TRUE(f.connect(h.skull, h.plan(mode)).done);
+    const uint64_t before = f.hash();
+    f.follow(h.skull);
+    EXPECT_TRUE(f.step(50).at_rest);
+    EXPECT_EQ(f.hash(), before) << name_of(mode);
+    EXPECT_EQ(f.face().x_mm, h.face.x_mm);
+  }
+}
+
+TEST(FaceModel, TheFaceFollowsABoneThatMovesWhole) {
+  for (FaceMode mode : kModes) {
+    Head h;
+    InlineWorkers w;
+    FaceModelSettings s;
+    FaceModel f(h.face, w, s);
+    ASSERT_TRUE(f.connect(h.skull, h.plan(mode)).done);
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.pretranslate(4 * h.out);
+    f.follow(moved(h.skull, T));
+    const int n = settle(f);
+    const double along = (f.face().x_mm[5] - h.face.x_mm[5]).dot(h.out);
+    std::printf("%s: %.2f of 4 mm after %d iterations\n", name_of(mode), along, n);
+    const bool smooth = mode == FaceMode::smoothing;
+    EXPECT_GT(along, smooth ? -1e-9 : mode == FaceMode::springs ? 0.4 : 2.5);  // springs push badly (tissue.h)
+    EXPECT_LT(along, smooth ? 1e-9 : 4.1);
+    if (mode == FaceMode::finite_elements) {
+      EXPECT_NEAR(along, 4, 1e-3);
+    }  // no load on the skin, none on the sides: it goes along whole
+    // What is far from the region stays, bit by bit.
+    for (size_t v = 0; v < h.face.x_mm.size(); ++v)
+      EXPECT_TRUE(h.face.x_mm[v].dot(h.out) >= 0 || f.face().x_mm[v] == h.face.x_mm[v]);
+  }
+}
+
+TEST(FaceModel, TurningEverythingTurnsTheResult) {
+  for (FaceMode mode : {FaceMode::springs, FaceMode::shape, FaceMode::finite_elements}) {
+    const Head h;
+    InlineWorkers w;
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity(), move = T;
+    T.rotate(Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized())).pretranslate(Vec3(10, -20, 5));
+    move.pretranslate(-3 * h.out).rotate(Eigen::AngleAxisd(0.1, Vec3::UnitX()));
+    FaceModel a(h.face, w), b(moved(h.face, T), w);
+    ASSERT_TRUE(a.connect(h.skull, h.plan(mode)).done);
+    ASSERT_TRUE(b.connect(moved(h.skull, T), h.plan(mode)).done);
+    a.follow(moved(h.skull, move)), b.follow(moved(h.skull, T * move));
+    a.step(60), b.step(60);
+    double far = 0;
+    for (size_t v = 0; v < h.face.x_mm.size(); ++v) far = std::max(far, (T * a.face().x_mm[v] - b.face().x_mm[v]).norm());
+    EXPECT_LT(far, mode == FaceMode::finite_elements ? 2e-2 : 1e-6) << name_of(mode);  // the solver's numbers have single precision
+    EXPECT_GT(a.moved().max_mm, 1);
+  }
+}
+
+TEST(FaceModel, ASymmetricMoveGivesASymmetricFace) {
+  // A slab under a sheet that x -> -x takes to itself, up to the mesh; the elastic solution has no other choice than to be even.
+  const Head h;
+  InlineWorkers w;
+  FaceModel f(h.face, w);
+  ASSERT_TRUE(f.connect(h.skull, h.plan(FaceMode::finite_elements, 3)).done);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity(), U = T;
+  T.rotate(Eigen::AngleAxisd(0.05, h.out)), U.rotate(Eigen::AngleAxisd(-0.05, h.out));
+  FaceModel g = f;
+  f.follow(moved(h.skull, T)), g.follow(moved(h.skull, U));
+  settle(f), settle(g);
+  double odd = 0, size = 0;
+  for (int32_t v : h.region) {
+    const Vec3 a = f.face().x_mm[size_t(v)] - h.face.x_mm[size_t(v)], b = g.face().x_mm[size_t(v)] - h.face.x_mm[size_t(v)];
+    const Vec3 side = h.out.cross(h.face.x_mm[size_t(v)]).normalized();
+    odd = std::max(odd, std::abs(a.dot(side) + b.dot(side))), size = std::max(size, a.norm());
+  }
+  EXPECT_GT(size, 0.5);
+  EXPECT_LT(odd, 0.02 * size);
+}
+
+TEST(FaceElasticity, EvenStrainsPassThePatchTest) {
+  const Head h;
+  InlineWorkers w;
+  TissueSettings s;
+  s.layers = 3;
+  const TissueResult r = build_tissue(h.face, h.region, h.skull, {}, s, w);
+  ASSERT_TRUE(r) << r.reason;
+  const FaceElasticity::Body body{&r.tissue, 10};
+  ElasticitySettings e;
+  e.skin_kPa = 0;  // one material
+  FaceElasticity fe({&body, 1}, e, w);
+  // Every node on the boundary is held where an affine map puts it; the inner ones find theirs.
+  std::vector<std::array<int32_t, 3>> facet;
+  for (const auto& t : r.tissue.tet)
+    for (size_t k = 0; k < 4; ++k) {
+      std::array<int32_t, 3> f{};
+      for (size_t j = 0, c = 0; j < 4; ++j)
+        if (j != k) f[c++] = fe.node(0, size_t(t[j]));
+      std::sort(f.begin(), f.end());
+      facet.push_back(f);
+    }
+  std::sort(facet.begin(), facet.end());
+  std::vector<uint8_t> held(fe.nodes(), 0);
+  for (size_t i = 0; i < facet.size(); ++i)
+    if ((i == 0 || facet[i] != facet[i - 1]) && (i + 1 == facet.size() || facet[i] != facet[i + 1]))
+      for (int32_t v : facet[i]) held[size_t(v)] = 1;
+  fe.hold(held);
+  Mat3 A;
+  A << 0.08, 0.05, 0, -0.02, -0.06, 0.03, 0.01, 0.04, 0.05;
+  std::vector<Vec3> u(fe.nodes(), Vec3::Zero()), want(fe.nodes());
+  int inner = 0;
+  for (size_t i = 0; i < r.tissue.node_mm.size(); ++i) {
+    const size_t n = size_t(fe.node(0, i));
+    want[n] = A * r.tissue.node_mm[i];
+    if (held[n]) u[n] = want[n];
+    else ++inner;
+  }
+  for (int i = 0; i < 40; ++i)
+    if (fe.step(u, 20, 1e-6).converged) break;
+  double far = 0;
+  for (size_t n = 0; n < u.size(); ++n) far = std::max(far, (u[n] - want[n]).norm());
+  EXPECT_GE(inner, 10);
+  EXPECT_LT(far, 2e-3);  // of displacements of 5 mm, in single precision
+}
+
+TEST(FaceModel, NeighbouringElasticRegionsHangTogether) {
+  const Head h;
+  InlineWorkers w;
+  FaceModel both(h.face, w), one(h.face, w);
+  std::vector<int32_t> a, b;
+  const Vec3 side = h.out.cross(Vec3(0.3, 0.5, 0.8)).normalized();
+  for (int32_t v : h.region) (h.face.x_mm[size_t(v)].dot(side) > 0 ? a : b).push_back(v);
+  FaceTissuePlan p = h.plan(FaceMode::finite_elements), q = p;
+  p.face_region = a, q.face_region = b, q.name = "other";
+  ASSERT_TRUE(both.connect(h.skull, p).done);
+  const limberg::Outcome o = both.connect(h.skull, q);
+  ASSERT_TRUE(o.done) << o.reason;
+  ASSERT_TRUE(one.connect(h.skull, h.plan(FaceMode::finite_elements)).done);
+  Mesh skull = h.skull;
+  for (Vec3& x : skull.x_mm) x += 3 * std::exp(-(x - 48 * h.out).squaredNorm() / 200) * h.out;
+  both.follow(skull), one.follow(skull);
+  settle(both), settle(one);
+  double far = 0;
+  for (int32_t v : h.region) far = std::max(far, (both.face().x_mm[size_t(v)] - one.face().x_mm[size_t(v)]).norm());
+  EXPECT_LT(far, 0.6);
+  EXPECT_GT(one.moved().max_mm, 1.5);
+}
+
+TEST(FaceModel, AnchorsFindTheirFragmentAfterACut) {
+  Head h;
+  InlineWorkers w;
+  FaceModel f(h.face, w);
+  ASSERT_TRUE(f.connect(h.skull, h.plan(FaceMode::finite_elements)).done);
+  const uint64_t before = f.hash();
+  f.rebind(h.skull);
+  EXPECT_TRUE(f.warnings().empty());
+  EXPECT_EQ(f.hash(), before);
+  // A cut around a smaller cap of the bone: the region now stands on two fragments.
+  Mesh cut = h.skull;
+  const PlaneCurves curves = curves_of_plane(cut, 46.5 * h.out, h.out);
+  ASSERT_EQ(curves.curve.size(), 1u);
+  Delta d;
+  ASSERT_TRUE(t4_edges(cut, curves.curve[0], CutPolicy::must_divide, d));
+  f.rebind(cut);
+  ASSERT_EQ(f.warnings().size(), 1u);
+  EXPECT_NE(f.warnings()[0].find("2 fragments"), std::string::npos);
+  f.follow(cut);
+  EXPECT_LT(f.moved().max_mm, 1e-6);
+  std::vector<int32_t> part;
+  components(cut, part);
+  const int32_t cap = part[size_t(std::max_element(cut.x_mm.begin(), cut.x_mm.end(), [&](const Vec3& a, const Vec3& b) { return a.dot(h.out) < b.dot(h.out); }) - cut.x_mm.begin())];
+  for (size_t v = 0; v < cut.x_mm.size(); ++v)
+    if (part[v] == cap) cut.x_mm[v] += 3 * h.out;
+  f.follow(cut);
+  settle(f);
+  EXPECT_GT((f.face().x_mm[5] - h.face.x_mm[5]).dot(h.out), 1.5);
+  EXPECT_LT(f.moved().max_mm, 3.3);
+}
+
+TEST(FaceModel, CopiesAreIndependentAndRefusalsChangeNothing) {
+  const Head h;
+  InlineWorkers w;
+  FaceModel f(h.face, w);
+  FaceTissuePlan bad = h.plan(FaceMode::springs);
+  bad.face_region.push_back(bad.face_region[0]);
+  EXPECT_FALSE(f.connect(h.skull, bad).done);
+  bad = h.plan(FaceMode::finite_elements), bad.young_kPa = 0;
+  EXPECT_FALSE(f.connect(h.skull, bad).done);
+  EXPECT_TRUE(f.tissues().empty());
+  ASSERT_TRUE(f.connect(h.skull, h.plan(FaceMode::finite_elements)).done);
+  EXPECT_FALSE(f.connect(h.skull, h.plan(FaceMode::springs)).done);  // the name, and the vertices
+  FaceTissuePlan other = h.plan(FaceMode::springs);
+  other.name = "other";
+  EXPECT_NE(f.connect(h.skull, other).reason.find("belongs"), std::string::npos);
+  FaceModel copy = f;
+  EXPECT_EQ(copy.hash(), f.hash());
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.pretranslate(2 * h.out);
+  f.follow(moved(h.skull, T));
+  f.step(40);
+  EXPECT_NE(copy.hash(), f.hash());
+  EXPECT_TRUE(copy.step(10).at_rest);
+  copy.follow(moved(h.skull, T));
+  settle(copy), settle(f);
+  for (size_t v = 0; v < h.face.x_mm.size(); ++v) EXPECT_LT((copy.face().x_mm[v] - f.face().x_mm[v]).norm(), 1e-2);
+  FaceModel none(Mesh{}, w);
+  EXPECT_FALSE(none.connect(h.skull, h.plan(FaceMode::springs)).done);
+  EXPECT_TRUE(none.step(5).at_rest);
+  EXPECT_EQ(f.describe().size(), 1u);
+}
+
+TEST(ZeroModes, SparseAndDenseCountsAgree) {
+  Head h;
+  h.region = region_around(h.face, 5, 16);
+  InlineWorkers w;
+  for (int layers : {1, 2, 3}) {
+    TissueSettings s;
+    s.layers = layers;
+    const Tissue t = build_tissue(h.face, h.region, h.skull, {}, s, w).tissue;
+    const ZeroModes dense = zero_energy_modes(t, 100000), sparse = zero_energy_modes(t, 0);
+    EXPECT_TRUE(sparse.estimate);
+    EXPECT_EQ(sparse.dofs, dense.dofs);
+    EXPECT_NEAR(double(sparse.modes), double(dense.modes), 0.01 * double(dense.dofs));
+  }
+}
+
+}  // namespace
+}  // namespace limberg::simplex
