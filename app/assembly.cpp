@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "app/head_build.h"
 #include "app/version.h"
 #include "sim/error.h"
 
@@ -24,6 +25,11 @@ std::unique_ptr<ScriptWriter> open_script(const std::string& file, const Scene& 
 }
 
 }  // namespace
+
+std::unique_ptr<Patient> make_patient(const Scene& scene, World* world, Head* head) {
+  if (!head) return std::make_unique<WorldPatient>(*world, scene.tools.max_depth_mm);
+  return std::make_unique<HeadPatient>(*head, world, scene.tools.max_depth_mm, 1e-3 * ticks_per_solver_step(scene), scene.head->carries_skin_mm);
+}
 
 Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed) {
   Repro r;
@@ -51,13 +57,14 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
     : scene(std::move(scene_in)),
       calibration(calibration_in),
       workers(o.workers),
-      world(world_spec(scene, build_body(scene)), workers),
-      patient(world, scene.tools.max_depth_mm),
+      world(scene.flesh ? std::make_unique<World>(world_spec(scene, build_body(scene)), workers) : nullptr),
+      head(scene.head ? std::make_unique<Head>(head_parts(scene, workers), workers) : nullptr),
+      patient(make_patient(scene, world.get(), head.get())),
       front(calibration, gestures(scene)),
       device(front, channels, o.record, o.record && o.real_time),
       script(open_script(o.script_file, scene)),
       repro(o.repro_dir, blank_repro(scene, scene.cell_mm, scene.seed)),
-      solver(patient, channels, SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut, o.record && o.real_time},
+      solver(*patient, channels, SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut, o.record && o.real_time},
              [this](const Command& c) {
                done.push_back(c);
                repro.done(c);
@@ -68,7 +75,7 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
                  script_error = e.what();
                }
              },
-             [this](const Command& c, const std::string& reason) { repro.refused(c, reason, world.topology_hash()); }),
+             [this](const Command& c, const std::string& reason) { repro.refused(c, reason, patient->topology_hash()); }),
       render(channels, o.sink, o.draw_frames) {}
 
 SessionSettings Assembly::session_settings() const {

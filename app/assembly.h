@@ -1,10 +1,11 @@
 #pragma once
 // A session put together: scene and calibration in, lanes out, ready for lockstep or real time.
 //
-// The order matters and is kept here: workers, body, World, channels, front end, lanes.
+// The order matters and is kept here: workers, body, World, head, channels, front end, lanes.
 #include <memory>
 #include <string>
 
+#include "app/head_patient.h"
 #include "app/repro.h"
 #include "app/scene.h"
 #include "app/session/session.h"
@@ -36,8 +37,9 @@ class Assembly {
   const Scene scene;
   const Calibration calibration;
   WorkersPool workers;
-  World world;
-  WorldPatient patient;
+  const std::unique_ptr<World> world;   // null: no skin with flap tools
+  const std::unique_ptr<Head> head;     // null: no bone
+  const std::unique_ptr<Patient> patient;
   Channels channels;
   DeviceFrontEnd front;
   DeviceLane device;
@@ -49,6 +51,8 @@ class Assembly {
   RenderLane render;
 };
 
+/// The patient that a scene asks for: skin, head, or both.
+std::unique_ptr<Patient> make_patient(const Scene& scene, World* world, Head* head);
 /// What every repro file of this scene begins with.
 Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed);
 int ticks_per_solver_step(const Scene& scene);

@@ -12,12 +12,16 @@ namespace {
 
 class Operation {
  public:
-  Operation(World& w, double max_depth_mm, const OperationSettings& set) : world_(w), patient_(w, max_depth_mm), set_(set) {}
+  Operation(Patient& patient, const OperationSettings& set) : patient_(patient), set_(set) {}
 
   OperationOutcome out;
 
   Outcome apply(const Command& c, int line) {
     if (const auto* m = std::get_if<MoveHook>(&c)) return move(*m);
+    if (const auto* h = std::get_if<HeadCommand>(&c)) {
+      if (const auto* d = std::get_if<DragFragment>(h)) return drag(*d);
+      dragged_ = {};  // whatever is held from now on is where it is
+    }
     const Outcome o = patient_.apply(c);
     if (!o.done) return o;
     if (const auto* h = std::get_if<SetHook>(&c)) note_handle(h->id);
@@ -27,7 +31,7 @@ class Operation {
       row.number = int32_t(out.stages.size()) + 1;
       row.name = s->name;
       row.t_s = line;
-      world_.fill(row.shown);
+      patient_.fill(row.shown);
       out.stages.push_back(std::move(row));
     }
     if (!std::holds_alternative<Stage>(c)) rest(set_.rest_residual, set_.rest_steps);
@@ -36,7 +40,7 @@ class Operation {
 
   void note_closure(const Command& c, int line) {
     if (std::holds_alternative<Stage>(c) || std::holds_alternative<Wait>(c)) return;
-    world_.fill(now_);
+    patient_.fill(now_);
     if (now_.sutures.empty() && out.closure.empty()) return;
     ClosureForce f{line, action_name(c), 0, 0, int(now_.sutures.size()), 0};
     for (const SutureState& s : now_.sutures) {
@@ -69,7 +73,7 @@ class Operation {
 
   void note_handle(int id) {
     Snapshot s;
-    world_.fill(s);
+    patient_.fill(s);
     for (const HookState& h : s.hooks)
       if (h.id == id) handle_[id] = h.handle_mm.cast<double>();
   }
@@ -90,8 +94,27 @@ class Operation {
     return {true, {}};
   }
 
-  World& world_;
-  WorldPatient patient_;
+  /// In steps of 0.5 mm and half a degree: what lies in the way has to be met.
+  Outcome drag(const DragFragment& d) {
+    const RigidMove from = dragged_;
+    const double way = std::max((d.to.translation_mm - from.translation_mm).norm(), (d.to.rotation_deg - from.rotation_deg).norm());
+    const int n = std::max(1, int(std::ceil(way / 0.5)));
+    for (int i = 1; i <= n; ++i) {
+      DragFragment part = d;
+      const double s = double(i) / n;
+      part.to.translation_mm = from.translation_mm + s * (d.to.translation_mm - from.translation_mm);
+      part.to.rotation_deg = from.rotation_deg + s * (d.to.rotation_deg - from.rotation_deg);
+      const Outcome o = patient_.apply(HeadCommand(part));
+      if (!o.done) return o;
+      step(set_.rest_residual);
+    }
+    dragged_ = d.to;
+    for (int i = 0; i < 30; ++i) step(set_.rest_residual);  // half a second for what follows the hand to arrive
+    return {true, {}};
+  }
+
+  Patient& patient_;
+  RigidMove dragged_;  // since the grab
   const OperationSettings& set_;
   Snapshot now_;
   std::map<int, Vec3> handle_;
@@ -101,8 +124,15 @@ class Operation {
 }  // namespace
 
 OperationOutcome operate(World& world, double max_depth_mm, const Script& script, const OperationSettings& set) {
-  Operation op(world, max_depth_mm, set);
-  op.out.cells = world.solver().model().cells.size();
+  WorldPatient patient(world, max_depth_mm);
+  const size_t cells = world.solver().model().cells.size();
+  OperationOutcome out = operate(patient, script, set);
+  out.cells = cells;
+  return out;
+}
+
+OperationOutcome operate(Patient& patient, const Script& script, const OperationSettings& set) {
+  Operation op(patient, set);
   op.rest(set.rest_residual, set.rest_steps);
   size_t done = 0;
   for (const ScriptLine& l : script.lines) {

@@ -44,6 +44,8 @@ struct OperationOutcome {
   bool interrupted = false;
 };
 
+/// On any patient. InputError with the script's file and line when it refuses an action.
+OperationOutcome operate(Patient& patient, const Script& script, const OperationSettings& settings);
 /// InputError with the script's file and line when the patient refuses an action.
 OperationOutcome operate(World& world, double max_depth_mm, const Script& script, const OperationSettings& settings);
 

@@ -13,6 +13,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "app/scene_head_read.h"
 #include "app/scene_layers.h"
 #include "app/toml_table.h"
 #include "sim/error.h"
@@ -98,12 +99,17 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Table top(&root, "", path);
   top.text("name", s.name, 200);
   top.text("note", s.note, 10'000);
-  top.finish({"body", "layer", "lattice", "build", "springs", "solver", "tools", "landmarks", "camera"});
+  top.finish({"head", "body", "layer", "lattice", "build", "springs", "solver", "tools", "landmarks", "camera"});
 
-  read_body(section(root, "body", path), s, path);
+  s.head = read_head(root, path);
+  s.flesh = !s.head || root.contains("body");
+  if (!s.flesh)
+    for (const char* key : {"layer", "lattice", "springs", "build"})
+      if (const toml::node* n = root.get(key)) throw InputError(path, int(n->source().begin.line), std::string(key) + " belongs to a [body], and there is none; expected a [body] or no " + key);
+  if (s.flesh) read_body(section(root, "body", path), s, path);
   s.laws = laws ? laws : shipped_laws();
   std::optional<TissueLibrary> library;
-  (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = read_layers(root, path, *s.laws, [&](Table& layer) -> const TissueLibrary& {
+  if (s.flesh) (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = read_layers(root, path, *s.laws, [&](Table& layer) -> const TissueLibrary& {
     if (library) return *library;
     const std::string file = find_tissues(path);
     if (file.empty()) layer.fail("tissue", "cannot be looked up: there is no tissues.toml beside the scene or in the folder above; expected one");
@@ -113,10 +119,10 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
 
   Table lattice = section(root, "lattice", path);
   lattice.real("cell_mm", s.cell_mm, 0.2, 100);
-  if (s.source == Scene::Source::block && s.cell_mm > s.block.size_mm.minCoeff())
+  if (s.flesh && s.source == Scene::Source::block && s.cell_mm > s.block.size_mm.minCoeff())
     lattice.fail("cell_mm", "is " + number(s.cell_mm) + ", larger than the block's side of " + number(s.block.size_mm.minCoeff()) +
                                 " mm; expected cells that fit into it");
-  if (s.source == Scene::Source::block && s.block.size_mm.prod() / (s.cell_mm * s.cell_mm * s.cell_mm) > 2e6)
+  if (s.flesh && s.source == Scene::Source::block && s.block.size_mm.prod() / (s.cell_mm * s.cell_mm * s.cell_mm) > 2e6)
     lattice.fail("cell_mm", "makes more than 2 million cells; expected larger cells");
   lattice.boolean("refine_fronts", s.refine_fronts);
   lattice.real("region_mm", s.region_mm, 0, 1e5);
@@ -184,6 +190,10 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   h.add(text);
   if (!s.tissues.empty()) h.add(s.tissues);
   if (s.source == Scene::Source::obj) h.add(slurp(s.obj.path, "the OBJ surface that the scene names", ObjLimits::file_bytes));
+  if (s.head) {
+    for (const std::string& f : s.head->bone_files) h.add(slurp(f, "a simplex mesh that the scene names", ObjLimits::file_bytes));
+    if (!s.head->face_file.empty()) h.add(slurp(s.head->face_file, "a simplex mesh that the scene names", ObjLimits::file_bytes));
+  }
   s.hash = h.value();
   return s;
 }

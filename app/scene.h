@@ -20,15 +20,17 @@
 //   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed, integrator = "backward_euler" | "bdf2" (of dynamic scenes)
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
 //   [landmarks]  NAME = [x, y]: places on the skin whose displacement is measured
+//   [head]       skull and face: scene_head.h. With a [head], [body] and [[layer]] may be left out
 //   [camera]     target_mm = [x, y, z], from = [x, y, z] (direction towards the eye), up = [x, y, z], distance_mm, fov_deg
 //
 // Reading is strict: an unknown key, a wrong type, a number that is not finite or out of its range is an InputError with
-// the line, what is wrong and what was expected. Everything but [body] and [[layer]] has a default.
+// the line, what is wrong and what was expected. Everything but [body] and [[layer]], or [head], has a default.
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "app/scene_head.h"
 #include "sim/geometry/block.h"
 #include "sim/geometry/obj.h"
 #include "sim/tools/script.h"
@@ -46,6 +48,8 @@ struct Scene {
   std::string tissues; // text of the library that layers name tissues of; empty when none does
   std::shared_ptr<const LawCatalogue> laws;  // what layers may name
 
+  bool flesh = true;   // there is a [body]: skin with flap tools
+  std::optional<HeadScene> head;
   Source source = Source::block;
   BlockSpec block;     // when source is block
   ObjSpec obj;         // when source is obj; obj.path is resolved against the scene file's folder
@@ -94,7 +98,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
 /// it. Throws InputError that lists the names to be had.
 std::string find_scene(const std::string& name_or_path, const std::vector<std::string>& folders);
 
-/// Generates or loads and validates the body. Throws InputError.
+/// Generates or loads and validates the body; of scenes with one. Throws InputError.
 std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report = nullptr);
 
 WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body);

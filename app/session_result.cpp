@@ -1,6 +1,7 @@
 #include "app/session_result.h"
 
 #include "app/exercise.h"
+#include "app/head_report.h"
 #include "app/metrics.h"
 #include "sim/tools/strokes.h"
 
@@ -13,11 +14,19 @@ namespace {
 void fill_parts(Result& r, const Assembly& a) {
   int n = 0;
   const auto part = [&](const std::string& name) { r.set("/parts/" + std::to_string(n++), name); };
-  part(a.scene.source == Scene::Source::block ? "block" : "surface");
-  part("lattice");
-  part("elastic solver");
-  if (a.scene.can_cut) part("cutter");
-  if (a.scene.dynamic) part("dynamics");
+  if (a.scene.flesh) {
+    part(a.scene.source == Scene::Source::block ? "block" : "surface");
+    part("lattice");
+    part("elastic solver");
+  }
+  if (a.scene.flesh && a.scene.can_cut) part("cutter");
+  if (a.scene.flesh && a.scene.dynamic) part("dynamics");
+  if (a.head) {
+    part("bones");
+    part("fragments, with a Bullet world while one is held");
+    if (a.head->has_face()) part("face");
+    if (!a.head->tissues().empty()) part("tissue between face and bone");
+  }
   part("device front end");
 }
 
@@ -43,7 +52,7 @@ void fill_lanes(Result& r, Assembly& a, const SessionFigures& f) {
   r.set("/solver/residual", a.solver.last().residual);
   r.set("/solver/distance_mm", a.solver.last().distance_mm);
   r.set("/solver/settle_steps", f.settle_steps);
-  r.set("/solver/describe", a.world.solver().describe());
+  r.set("/solver/describe", a.world ? a.world->solver().describe() : std::string("simplex meshes of face and bone"));
   r.set("/render/frames", a.render.frames());
   r.set("/render/skipped_frames", f.render.skipped);
   r.set_times("/render/frame_ms", f.render.work, 1e-6, {.p95 = true});
@@ -87,18 +96,23 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
   r.set("/duration_s", f.duration_s);
   r.set("/interrupted", f.interrupted);
   r.set_hash("/state_hash", f.state_hash);
-  r.set_hash("/topology_hash", a.world.topology_hash());
+  r.set_hash("/topology_hash", a.patient->topology_hash());
   r.set_hash("/scene_hash", a.scene.hash);
   fill_parts(r, a);
   r.set("/memory_mb", peak_memory_mb());
   r.set("/workers", a.workers.count());
   fill_lanes(r, a, f);
+  if (a.head) fill_head(r, *a.head);
+  if (!a.world) {
+    fill_story(r, a);
+    return;
+  }
   MeasureAlso also;
   also.landmarks = a.scene.landmarks;
   if (lesson) also.plan = lesson->plan, also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
-  const Metrics metrics = measure_world(a.world, a.done, also);
+  const Metrics metrics = measure_world(*a.world, a.done, also);
   fill_metrics(r, metrics);
-  const Skin skin(a.world.spec().body);
+  const Skin skin(a.world->spec().body);
   Exercise e = exercise(a.done, metrics, plan_of(skin, also.plan, join_strokes(a.done)));
   e.time_s = f.duration_s;
   e.hand = a.solver.hand();

@@ -34,6 +34,17 @@ double tension_scale_end(const RenderScene& scene) {
   return scale_end(scene, highest) / 100;
 }
 
+double moved_scale_end(const RenderScene& scene) {
+  std::vector<float> v;
+  for (size_t i = 0; i < scene.field.size(); ++i)
+    if (scene.mesh->part[i] == Part::face && std::isfinite(scene.field[i])) v.push_back(scene.field[i]);
+  if (v.empty()) return 1;
+  const auto at = v.begin() + std::ptrdiff_t(0.995 * double(v.size() - 1));
+  std::nth_element(v.begin(), at, v.end());
+  const double most = std::max(double(*at), 1.0), step = round_step(most, 6);
+  return step * std::ceil(most / step - 1e-9);
+}
+
 struct PictureMaker::Impl {
   int width, height;
   PictureQuality quality;
@@ -113,9 +124,36 @@ const Camera& PictureMaker::camera() const {
   return impl_->camera ? *impl_->camera : unset;
 }
 
+namespace {
+
+/// Dots with names; those of the face where it hides the others.
+void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, const View& view, FaceLook face) {
+  if (!s.topology) return;
+  const double em = std::max(9.0, image.height / 48.0);
+  for (size_t i = 0; i < std::min(s.landmark_mm.size(), s.topology->landmark.size()); ++i) {
+    const std::string& name = s.topology->landmark[i];
+    const bool of_face = !name.empty() && name[0] >= 'a' && name[0] <= 'z';
+    if (of_face != (face == FaceLook::solid)) continue;
+    const Vec3f p = view.to_pixel(s.landmark_mm[i], image.width, image.height);
+    if (!p.allFinite() || p.x() < 0 || p.y() < 0 || p.x() >= float(image.width) || p.y() >= float(image.height)) continue;
+    const double r = 0.28 * em;
+    for (int y = int(p.y() - r) - 1; y <= int(p.y() + r) + 1; ++y)
+      for (int x = int(p.x() - r) - 1; x <= int(p.x() + r) + 1; ++x)
+        if (x >= 0 && y >= 0 && x < image.width && y < image.height)
+          image.blend(x, y, {30, 90, 220}, std::clamp(r - std::hypot(x + 0.5 - double(p.x()), y + 0.5 - double(p.y())) + 0.5, 0.0, 1.0));
+    text.draw(image, double(p.x()) + 0.45 * em, double(p.y()) - 0.25 * em, name, {em, {255, 255, 255}, true, 0.7});
+  }
+}
+
+}  // namespace
+
 Image PictureMaker::skin(const Snapshot& snapshot, const PictureOptions& options) {
-  const RenderScene& scene = impl_->builder.build(snapshot, options.tool);
-  Image image = impl_->renderer.draw(scene, impl_->view(snapshot), impl_->options());
+  const RenderScene& scene = impl_->builder.build(snapshot, options.tool, options.strands);
+  DrawOptions draw = impl_->options();
+  draw.face = options.face;
+  const View view = impl_->view(snapshot);
+  Image image = impl_->renderer.draw(scene, view, draw);
+  if (options.landmarks) draw_landmarks(image, impl_->text, snapshot, view, options.face);
   draw_caption(image, impl_->text, options.title, options.caption);
   return image;
 }
@@ -132,6 +170,23 @@ Image PictureMaker::tension(const Snapshot& snapshot, const PictureOptions& opti
   draw_caption(image, impl_->text, options.title, options.caption);
   draw_legend(image, impl_->text,
               {"Skin stretch", "% of length", 0, end, highest > end * 1.001, false});
+  return image;
+}
+
+Image PictureMaker::moved(const Snapshot& snapshot, const PictureOptions& options) {
+  const RenderScene& scene = impl_->builder.build(snapshot, options.tool, options.strands);
+  const double end = options.field_max > 0 ? options.field_max : moved_scale_end(scene);
+  const double highest = scene.field.empty() ? 0 : double(*std::max_element(scene.field.begin(), scene.field.end()));
+  DrawOptions draw = impl_->options();
+  draw.face = options.face;
+  draw.colour_field = true;
+  draw.field_min = 0, draw.field_max = end;
+  draw.iso_lines = int(std::lround(end / round_step(end, 6)));
+  const View view = impl_->view(snapshot);
+  Image image = impl_->renderer.draw(scene, view, draw);
+  if (options.landmarks) draw_landmarks(image, impl_->text, snapshot, view, options.face);
+  draw_caption(image, impl_->text, options.title, options.caption);
+  draw_legend(image, impl_->text, {"The face has moved", "mm", 0, end, highest > end * 1.001, false});
   return image;
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "render/image.h"
+#include "render/renderer.h"
 #include "render/tool_pose.h"
 #include "render/view.h"
 #include "sim/snapshot.h"
@@ -22,6 +23,9 @@ struct PictureOptions {
   std::string title;     // top left, bold; empty = none
   std::string caption;   // below the title
   ToolPose tool{};
+  FaceLook face = FaceLook::solid;
+  bool strands = false;    // the tissue between face and bone as a net
+  bool landmarks = false;  // named dots: of the bone, or of the face where it is solid
   double field_max = 0;  // end of the tension scale; 0 = a round number above the 99th percentile of this snapshot
 };
 
@@ -31,6 +35,8 @@ enum class PictureQuality {
 };
 
 struct RenderScene;
+/// Where a colour scale of moved_mm ends: a round number above the 99.5th percentile of the face, at least 1 mm.
+double moved_scale_end(const RenderScene& scene);
 /// Where a live colour scale of the tension ends (stretch - 1): a round number above the skin's 99th percentile.
 double tension_scale_end(const RenderScene& scene);
 
@@ -52,6 +58,9 @@ class PictureMaker {
   Image skin(const Snapshot& snapshot, const PictureOptions& options = {});
   /// Colour map of Snapshot::field (largest principal stretch - 1, prestretch included, shown in per cent) with a legend.
   Image tension(const Snapshot& snapshot, const PictureOptions& options = {});
+
+  /// How far every place of a face is from where it was at first, with a legend in mm.
+  Image moved(const Snapshot& snapshot, const PictureOptions& options = {});
 
   std::string describe() const;  // the GL driver, in words
 

@@ -70,7 +70,7 @@ void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState&
 
 void SceneBuilder::add_stretch_glyphs(const Snapshot& snapshot) { add_glyphs(scene_.props, stretch_glyphs(snapshot)); }
 
-const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool) {
+const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool, bool strands) {
   RenderScene& scene = scene_;
   scene.props.clear();
   scene.field.clear();
@@ -89,9 +89,10 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   scene.x_mm.resize(mesh.source.size());
   for (size_t v = 0; v < mesh.source.size(); ++v) scene.x_mm[v] = snapshot.x_mm[size_t(mesh.source[v])];
   vertex_normals(mesh.tri, scene.x_mm, scene.normal);
-  if (snapshot.field.size() == snapshot.x_mm.size()) {
+  const std::vector<float>& field = snapshot.field.empty() ? snapshot.moved_mm : snapshot.field;
+  if (field.size() == snapshot.x_mm.size()) {
     scene.field.resize(mesh.source.size());
-    for (size_t v = 0; v < mesh.source.size(); ++v) scene.field[v] = snapshot.field[size_t(mesh.source[v])];
+    for (size_t v = 0; v < mesh.source.size(); ++v) scene.field[v] = field[size_t(mesh.source[v])];
   }
   scene.bounds_min = Vec3f::Constant(std::numeric_limits<float>::max());
   scene.bounds_max = -scene.bounds_min;
@@ -104,6 +105,9 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
       const Nearest at = nearest_skin(scene, h.at_mm);
       add_hook(scene.props, h, at.found ? at.normal : Vec3f(Vec3f::UnitZ()));
     }
+  if (strands)
+    for (const auto& [a, b] : topology.strand)
+      add_tube(scene.props, std::array{snapshot.x_mm[size_t(a)], snapshot.x_mm[size_t(b)]}, std::array{0.22f, 0.22f}, {Vec3f(0.80f, 0.58f, 0.13f), 0, 0}, 3);
   add_tool(scene.props, tool);
   return scene;
 }

@@ -14,7 +14,8 @@
 namespace limberg {
 
 /// What kind of surface a pixel shows; also the part of an id (see Renderer::draw_ids).
-enum class Part : uint8_t { none = 0, skin = 1, wall = 2, side = 3, suture = 4, hook = 5, tool = 6 };
+enum class Part : uint8_t { none = 0, skin = 1, wall = 2, side = 3, suture = 4, hook = 5, tool = 6, bone = 7, bone_cut = 8, face = 9 };
+inline constexpr size_t kParts = 10;
 
 /// The constant half of the tissue's surface. A surface vertex is doubled where shading must not be smooth: between
 /// skin, walls and sides, and over sharp edges at rest.
@@ -26,20 +27,24 @@ struct TissueMesh {
   std::vector<Eigen::Vector2f> chart_mm;  // texture coordinate: rest position in the skin's chart
   std::vector<float> depth_mm;        // below the skin at rest
   std::vector<float> rim_mm;          // of skin: distance at rest to the nearest cut edge, at most kRimReach_mm
-  std::vector<Part> part;             // skin, wall or side
-  std::vector<std::array<uint32_t, 3>> tri;  // render vertices; skin first, then walls, then sides
+  std::vector<Part> part;             // skin, wall, side, bone, bone_cut or face
+  std::vector<std::array<uint32_t, 3>> tri;  // render vertices; in the order of kTissueParts
   std::vector<int32_t> tri_source;    // triangle of SurfaceView
   size_t skin_triangles = 0, wall_triangles = 0;
+  std::array<size_t, kParts> triangles_of{};  // per part
   std::vector<std::array<int32_t, 2>> rim;  // edges between skin and wall (SurfaceView vertices), skin on the left
   std::vector<Layer> layers;
 };
+
+/// The parts of a TissueMesh in the order in which they are drawn: the face last, because it may be translucent.
+inline constexpr Part kTissueParts[] = {Part::skin, Part::wall, Part::side, Part::bone, Part::bone_cut, Part::face};
 
 inline constexpr float kRimReach_mm = 3;  // so far the skin beside a cut is reddened
 
 struct RenderScene {
   std::shared_ptr<const TissueMesh> mesh;
   std::vector<Vec3f> x_mm, normal;  // per render vertex
-  std::vector<float> field;         // per render vertex, or empty
+  std::vector<float> field;         // per render vertex, or empty; of a head without skin: Snapshot::moved_mm
   PropMesh props;
   Vec3f bounds_min = Vec3f::Zero(), bounds_max = Vec3f::Zero();  // of the tissue
 };
@@ -47,7 +52,8 @@ struct RenderScene {
 class SceneBuilder {
  public:
   /// The scene of a snapshot; valid until the next call. A snapshot without topology gives an empty scene.
-  const RenderScene& build(const Snapshot& snapshot, const ToolPose& tool = {});
+  /// `strands`: the tissue between face and bone as a net.
+  const RenderScene& build(const Snapshot& snapshot, const ToolPose& tool = {}, bool strands = false);
   /// Adds the skin's principal stretches (glyphs.h) to the scene that was built last.
   void add_stretch_glyphs(const Snapshot& snapshot);
 

@@ -119,7 +119,7 @@ struct Renderer::Impl {
     gl.BindTexture(GL_TEXTURE_2D, texture);
   }
 
-  Mat4f cast_shadow(const RenderScene& s, bool on) {
+  Mat4f cast_shadow(const RenderScene& s, bool on, FaceLook face) {
     if (!on) return Mat4f::Identity();
     const Mat4f light = light_matrix(s);
     gl.BindFramebuffer(GL_FRAMEBUFFER, shadow.frame);
@@ -130,7 +130,8 @@ struct Renderer::Impl {
     depth.set("to_clip", light);
     gl.Enable(GL_POLYGON_OFFSET_FILL);
     gl.PolygonOffset(1.5f, 2.0f);
-    tissue_mesh.draw();
+    const size_t of_face = s.mesh->triangles_of[size_t(Part::face)];
+    tissue_mesh.draw(0, s.mesh->tri.size() - (face == FaceLook::solid ? 0 : of_face));
     prop_mesh.draw();
     gl.Disable(GL_POLYGON_OFFSET_FILL);
     Mat4f half = Mat4f::Identity();
@@ -141,19 +142,25 @@ struct Renderer::Impl {
 
   // The program for one part of the scene (tool: every prop) with the view's and the lamp's uniforms set.
   const GlProgram& shaded(Part part, const View& view, const DrawOptions& o, const Mat4f& to_light) {
-    const bool field = o.colour_field && part != Part::side && part != Part::tool;
-    const int key = int(part) * 8 + o.shadow * 4 + o.fine_skin * 2 + field;
+    const bool field = o.colour_field && (part == Part::skin || part == Part::wall || part == Part::face);
+    const bool clear = part == Part::face && o.face == FaceLook::clear;
+    const int key = int(part) * 16 + clear * 8 + o.shadow * 4 + o.fine_skin * 2 + field;
     auto it = programs.find(key);
     if (it == programs.end()) {
       std::string text = "#version 330 core\n";
       if (o.shadow) text += "#define SHADOW\n";
       if (o.fine_skin) text += "#define FINE\n";
       if (part == Part::wall) text += "#define PART_WALL\n";
+      if (part == Part::bone_cut) text += "#define BONE_CUT\n";
+      if (part == Part::face) text += "#define PART_FACE\n";
+      if (clear) text += "#define CLEAR\n";
       text += shaders::lighting;
       if (part == Part::tool) text += shaders::prop_fragment;
       else text += std::string(shaders::tissue_common) + (field               ? shaders::field_fragment
                                                           : part == Part::skin ? shaders::skin_fragment
                                                           : part == Part::wall ? shaders::wall_fragment
+                                                          : part == Part::face ? shaders::face_fragment
+                                                          : part == Part::bone || part == Part::bone_cut ? shaders::bone_fragment
                                                                                : shaders::side_fragment);
       it = programs.emplace(key, GlProgram(gl, part == Part::tool ? shaders::prop_vertex : shaders::tissue_vertex, text)).first;
     }
@@ -194,14 +201,23 @@ struct Renderer::Impl {
       bind(unit++, texture);
       if (texture == skin_map || texture == grid_map) set_anisotropy(gl, anisotropic, o.fine_skin ? 4.0f : 1.0f);
     }
-    const TissueMesh& m = *s.mesh;
-    const size_t walls = m.skin_triangles + m.wall_triangles;
-    const std::pair<Part, std::array<size_t, 2>> ranges[] = {
-        {Part::skin, {0, m.skin_triangles}}, {Part::wall, {m.skin_triangles, m.wall_triangles}}, {Part::side, {walls, m.tri.size() - walls}}};
-    for (const auto& [part, range] : ranges)
-      if (range[1] > 0) shaded(part, view, o, to_light), tissue_mesh.draw(range[0], range[1]);
+    size_t first = 0;
+    for (const Part part : kTissueParts) {
+      const size_t count = s.mesh->triangles_of[size_t(part)];
+      if (count > 0 && (part != Part::face || o.face == FaceLook::solid)) shaded(part, view, o, to_light), tissue_mesh.draw(first, count);
+      first += count;
+    }
     if (o.wireframe) gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (!s.props.tri.empty()) shaded(Part::tool, view, o, to_light), prop_mesh.draw();
+    if (const size_t count = s.mesh->triangles_of[size_t(Part::face)]; count > 0 && o.face == FaceLook::clear) {
+      gl.Enable(GL_BLEND);
+      gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+      gl.DepthMask(GL_FALSE);
+      shaded(Part::face, view, o, to_light);
+      tissue_mesh.draw(s.mesh->tri.size() - count, count);
+      gl.DepthMask(GL_TRUE);
+      gl.Disable(GL_BLEND);
+    }
   }
 
   // Paints into `target`, made anew when it has another size.
@@ -213,7 +229,7 @@ struct Renderer::Impl {
     const bool anew = !target || target->width() != w || target->height() != h;
     if (anew) target = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
     upload(s);
-    const Mat4f to_light = cast_shadow(s, o.shadow);
+    const Mat4f to_light = cast_shadow(s, o.shadow, o.face);
     target->bind();
     const float clear[4]{0, 0, 0, 1}, far_depth = 1;
     if (anew || !o.keep) gl.ClearBufferfv(GL_COLOR, 0, clear);

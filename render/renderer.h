@@ -2,7 +2,7 @@
 // Draws a RenderScene with OpenGL 3.3 core into an image. No picture depends on anything but the scene, the views and
 // the options: the same input gives the same bytes.
 //
-// Passes: shadow map (optional), background, tissue, props; then the image is read back. Text and legends are drawn on
+// Passes: shadow map (optional), background, tissue, props, a translucent face; then the image is read back. Text and legends are drawn on
 // the image afterwards (overlay.h), so they never depend on the driver.
 //
 // draw() does all of it. A window takes the steps one by one, so that its panels are drawn in the same frame:
@@ -20,6 +20,9 @@
 
 namespace limberg {
 
+/// Of a face over bones.
+enum class FaceLook : uint8_t { solid, clear, hidden };
+
 struct DrawOptions {
   int width = 1280, height = 720;
   int supersample = 1;      // 1..4: draws this many times wider and higher, then averages
@@ -27,7 +30,8 @@ struct DrawOptions {
   bool fine_skin = true;    // bump and second specular lobe
   bool wireframe = false;   // the tissue's triangles as lines
   bool keep = false;        // paint(): leave what is there; only the views' parts of the frame are drawn anew
-  bool colour_field = false;  // show RenderScene::field instead of the skin's colour
+  bool colour_field = false;  // show RenderScene::field instead of the skin's (the face's) colour
+  FaceLook face = FaceLook::solid;
   double field_min = 0, field_max = 1;
   int iso_lines = 10;       // intervals of the colour map that are parted by thin lines; 0 = none
   Rgb8 background_top{108, 142, 148}, background_bottom{44, 66, 74};

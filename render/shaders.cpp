@@ -174,6 +174,53 @@ void main() {
 }
 )";
 
+// Bone: dry and pale where it was not cut, marrow and fresh edges where it was.
+const char* const bone_fragment = R"(
+void main() {
+  vec3 v = normalize(eye - v_world), n = facing(v), l = key_direction;
+  vec3 w = n * n;
+  float m = w.x * texture(detail_map, v_rest.yz / 23.0).b + w.y * texture(detail_map, v_rest.xz / 23.0).b + w.z * texture(detail_map, v_rest.xy / 23.0).b;
+#ifdef BONE_CUT
+  vec3 albedo = mix(vec3(0.62, 0.20, 0.13), vec3(0.78, 0.50, 0.36), m);
+#else
+  vec3 albedo = mix(vec3(0.80, 0.71, 0.55), vec3(0.90, 0.84, 0.71), m);
+#endif
+  float shade = lit(v_world, n);
+  vec3 diffuse = wrapped(dot(n, l), vec3(0.16, 0.12, 0.09));
+  float fill = clamp(0.5 + 0.5 * dot(n, vec3(0.768, 0.329, 0.549)), 0.0, 1.0);
+  float from_eye = max(dot(n, v), 0.0);
+  vec3 light = key_colour * diffuse * mix(0.10, 1.0, shade) * 0.29 + fill_colour * fill * 0.26 + hemisphere(n) * 0.20 + vec3(0.16) * from_eye;
+  colour = vec4(to_screen(albedo * light + key_colour * (lobe(n, v, l, 0.48, 0.035) * shade * 0.5)), 1.0);
+}
+)";
+
+// The face over a skull; clear: what faces the eye lets it through, its outline does not.
+const char* const face_fragment = R"(
+void main() {
+  vec3 v = normalize(eye - v_world), l = key_direction;
+  float alpha = 1.0;
+#ifdef CLEAR
+  if (!gl_FrontFacing) discard;
+#endif
+  vec3 n = facing(v);
+  vec3 w = n * n;
+  float m = w.x * texture(detail_map, v_rest.yz / 41.0).b + w.y * texture(detail_map, v_rest.xz / 41.0).b + w.z * texture(detail_map, v_rest.xy / 41.0).b;
+  vec3 albedo = mix(vec3(0.66, 0.38, 0.28), vec3(0.80, 0.53, 0.41), m);
+  float shade = lit(v_world, n);
+#ifdef CLEAR
+  shade = 1.0;
+  alpha = mix(0.22, 0.80, pow(1.0 - max(dot(n, v), 0.0), 2.5));
+#endif
+  vec3 diffuse = wrapped(dot(n, l), vec3(0.42, 0.22, 0.15));
+  diffuse *= diffuse * 0.35 + 0.65;
+  vec3 shadow = mix(vec3(0.16, 0.07, 0.05), vec3(1.0), vec3(shade));
+  float fill = clamp(0.5 + 0.5 * dot(n, vec3(0.768, 0.329, 0.549)), 0.0, 1.0);
+  vec3 light = key_colour * diffuse * shadow * 0.318 + fill_colour * fill * 0.30 + hemisphere(n) * 0.27;
+  float s = lobe(n, v, l, 0.52, 0.030);
+  colour = vec4(to_screen(albedo * light + key_colour * (s * shade * 0.7)), alpha);
+}
+)";
+
 // The colour map on the skin; walls stay grey so that a wound reads as one.
 const char* const field_fragment = R"(
 void main() {
@@ -189,12 +236,20 @@ void main() {
     float line = (1.0 - smoothstep(0.4, 1.2, d)) * clamp(1.6 - 4.0 * w, 0.0, 1.0) * step(0.5, s) * step(s, iso_lines - 0.5);
     c = mix(c, vec3(1.0), 0.38 * line);
   }
+#ifndef PART_FACE
   c = mix(c, vec3(0.0), 0.16 * texture(grid_map, v_chart * 0.1).g);
+#endif
   c = mix(c, vec3(0.05), 0.75 * (1.0 - smoothstep(0.10, 0.26, v_rim)));
 #endif
   float light = 0.62 + 0.30 * max(dot(n, key_direction), 0.0) * mix(0.45, 1.0, lit(v_world, n)) + 0.12 * max(dot(n, v), 0.0);
   vec3 low = c / 12.92, high = pow((c + 0.055) / 1.055, vec3(2.4));
-  colour = vec4(to_screen(mix(low, high, step(0.04045, c)) * light), 1.0);
+#ifdef CLEAR
+  if (!gl_FrontFacing) discard;
+  float alpha = 0.55;
+#else
+  float alpha = 1.0;
+#endif
+  colour = vec4(to_screen(mix(low, high, step(0.04045, c)) * light), alpha);
 }
 )";
 

@@ -13,6 +13,8 @@ extern const char* const tissue_common;
 extern const char* const skin_fragment;
 extern const char* const wall_fragment;
 extern const char* const side_fragment;
+extern const char* const bone_fragment;
+extern const char* const face_fragment;
 extern const char* const field_fragment;
 extern const char* const prop_vertex;
 extern const char* const prop_fragment;

@@ -11,8 +11,14 @@ namespace {
 // Two faces at a vertex are shaded smoothly together when their rest normals differ by less than this.
 constexpr float kCreaseCos = 0.77f;  // 40 degrees
 
-Part part_of(FaceKind kind) {
-  switch (kind) {
+Part part_of(const SurfaceTopology& topology, size_t t) {
+  switch (topology.organ_of(t)) {
+    case Organ::face: return Part::face;
+    case Organ::bone: return Part::bone;
+    case Organ::bone_cut: return Part::bone_cut;
+    default: break;
+  }
+  switch (topology.view.kind[t]) {
     case FaceKind::skin: return Part::skin;
     case FaceKind::wall: return Part::wall;
     default: return Part::side;
@@ -62,9 +68,11 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   const size_t n = view.tri.size();
   std::vector<uint32_t> order;
   order.reserve(n);
-  for (const Part wanted : {Part::skin, Part::wall, Part::side}) {
+  for (const Part wanted : kTissueParts) {
+    const size_t before = order.size();
     for (size_t t = 0; t < n; ++t)
-      if (part_of(view.kind[t]) == wanted) order.push_back(uint32_t(t));
+      if (part_of(topology, t) == wanted) order.push_back(uint32_t(t));
+    mesh.triangles_of[size_t(wanted)] = order.size() - before;
     if (wanted == Part::skin) mesh.skin_triangles = order.size();
     if (wanted == Part::wall) mesh.wall_triangles = order.size() - mesh.skin_triangles;
   }
@@ -74,7 +82,7 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   mesh.tri_source.reserve(n);
   for (const uint32_t t : order) {
     const Tri& tri = view.tri[t];
-    const Part part = part_of(view.kind[t]);
+    const Part part = part_of(topology, t);
     const Vec3 cross = (view.X_mm[size_t(tri[1])] - view.X_mm[size_t(tri[0])])
                            .cross(view.X_mm[size_t(tri[2])] - view.X_mm[size_t(tri[0])]);
     // Slivers say nothing about the direction of the surface: they join whatever is there.

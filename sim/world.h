@@ -8,6 +8,7 @@
 //
 // The order of use inside: Body (geometry/) -> Arrangement (cutting/) -> LatticeTopology (lattice/) -> FemModel and
 // ElasticSolver (fem/) -> SurfaceView embedded in the lattice -> Snapshot.
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -53,6 +54,9 @@ class World {
 
   Outcome apply(const Command& command);
   StepReport step(const StepSettings& settings);
+  /// Takes what holds the tissue elsewhere: every fixed node to where(its place at rest), in mm. Free nodes stay where they are
+  /// until the next step. Cuts keep it; undo goes back to how the tissue was held then.
+  void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
   /// Reuses the snapshot's memory. The tension field costs a few ms and is filled only when asked for.
   void fill(Snapshot& snapshot, bool with_field = false) const;
   std::shared_ptr<const SurfaceTopology> topology() const;

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "app/bundle.h"
+#include "app/head_build.h"
 #include "app/lesson.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"
@@ -126,7 +127,26 @@ void plan_laws(const Scene& scene, const FemModel& m) {
   if (viscous > 0) std::printf("  relaxes   %zu points%s\n", viscous, scene.dynamic ? "" : ", unused");
 }
 
+void print_head_scene(const HeadScene& h) {
+  if (h.source == HeadScene::Source::synthetic)
+    std::printf("head        synthetic: mandible %.3g, left ramus %.3g, vault %.3g wide and %.3g long, forehead set back %.3g; edges %.3g and %.3g mm\n", h.mandible_scale, h.ramus_left,
+                h.vault_wide, h.vault_long, h.forehead_flat, h.edge_mm, h.face_edge_mm);
+  for (const std::string& f : h.bone_files) std::printf("head        bone %s\n", f.c_str());
+  if (!h.face_file.empty()) std::printf("head        face %s\n", h.face_file.c_str());
+  if (!h.face) std::printf("head        no face\n");
+  for (const HeadScene::TissueAt& t : h.tissues)
+    std::printf("tissue      %s, %d layers of %.4g kPa, %s, %.3g mm around on the face\n", t.tissue.name.c_str(), t.tissue.layers, t.tissue.young_kPa,
+                kTissueKinds[size_t(t.tissue.mode)], t.tissue.face_radius_mm);
+}
+
 void check_scene(const Scene& scene) {
+  if (!scene.flesh) {
+    std::printf("scene       %s\n", scene.name.c_str());
+    if (!scene.note.empty()) std::printf("            %s\n", scene.note.c_str());
+    print_head_scene(*scene.head);
+    std::printf("hash        %s\n", hex(scene.hash).c_str());
+    return;
+  }
   SurfaceReport surface;
   const auto body = build_body(scene, &surface);
   std::printf("scene       %s\n", scene.name.c_str());
@@ -141,12 +161,39 @@ void check_scene(const Scene& scene) {
                 l.material.young_kPa, l.material.poisson, l.material.prestretch_along, l.material.prestretch_across);
     print_law(l.material);
   }
+  if (scene.head) print_head_scene(*scene.head);
   std::printf("hash        %s\n", hex(scene.hash).c_str());
+}
+
+/// What a head is made of, built to be measured.
+void plan_head(const Scene& scene, Workers& workers) {
+  const double before_mb = peak_memory_mb();
+  const int64_t t0 = RealClock::monotonic_ns();
+  Head head(head_parts(scene, workers), workers);
+  const int64_t t1 = RealClock::monotonic_ns();
+  Histogram step;
+  for (int i = 0; i < 20; ++i) {
+    const int64_t a = RealClock::monotonic_ns();
+    head.step(1 / scene.steps_per_s);
+    step.add(RealClock::monotonic_ns() - a);
+  }
+  std::printf("plan        head built in %.2f s\n", double(t1 - t0) * 1e-9);
+  std::printf("  bones     %zu, %d vertices\n", head.bones().fragments().size(), head.bones().mesh().vertices());
+  std::printf("  face      %d vertices\n", head.face().vertices());
+  size_t tissue = 0;
+  for (const simplex::Tissue* t : head.face_model().tissues()) tissue += size_t(t->vertices());
+  std::printf("  tissue    %zu regions, %zu vertices\n", head.tissues().size(), tissue);
+  std::printf("  landmarks %zu\n", head.landmarks().size());
+  std::printf("  not built %sBullet world (until a fragment is held)\n", scene.flesh ? "" : "lattice, cutter, elastic solver, ");
+  std::printf("  memory    %.0f MB, of which the head %.0f MB\n", peak_memory_mb(), peak_memory_mb() - before_mb);
+  std::printf("  step      %.2f ms median of %d iterations (%.0f steps a second wanted)\n", double(step.percentile_ns(0.5)) * 1e-6, scene.head->iterations_per_step, scene.steps_per_s);
 }
 
 /// Builds what the scene asks for and says what came of it: the only plan that cannot be wrong.
 void plan(const Scene& scene, int workers_n) {
   WorkersPool workers(workers_n);
+  if (scene.head) plan_head(scene, workers);
+  if (!scene.flesh) return;
   const auto body = build_body(scene);
   const double before_mb = peak_memory_mb();
   const int64_t t0 = RealClock::monotonic_ns();
@@ -166,7 +213,7 @@ void plan(const Scene& scene, int workers_n) {
   plan_laws(scene, m);
   std::printf("  solver    %s\n", world.solver().describe().c_str());
   std::printf("  parts     %s%s\n", scene.can_cut ? "cutter" : "no cutter", scene.dynamic ? ", dynamics" : ", quasi-static");
-  std::printf("  not built bone, simplex meshes, haptic contact model (not asked for)\n");
+  std::printf("  not built %shaptic contact model (not asked for)\n", scene.head ? "" : "bone, simplex meshes, ");
   std::printf("  memory    %.0f MB, of which the patient %.0f MB\n", peak_memory_mb(), peak_memory_mb() - before_mb);
   std::printf("  step      %.2f ms median of %d iterations (%.0f steps a second wanted)\n", double(step.percentile_ns(0.5)) * 1e-6,
               scene.iterations_per_step, scene.steps_per_s);
@@ -206,9 +253,15 @@ void check_script(const Script& script, const std::string& file, bool with_plan,
   if (!script.header.note.empty()) std::printf("            %s\n", script.header.note.c_str());
   std::map<std::string, int> count;
   std::vector<Command> commands;
+  for (const ScriptLine& l : script.lines) {
+    const bool of_head = std::holds_alternative<HeadCommand>(l.command);
+    const bool neither = std::holds_alternative<Undo>(l.command) || std::holds_alternative<Redo>(l.command) || std::holds_alternative<Stage>(l.command) || std::holds_alternative<Wait>(l.command);
+    if (of_head && !scene.head) throw InputError(file, l.line, std::string(action_name(l.command)) + " asks for a head, and the scene \"" + scene.name + "\" has none; expected a scene with a [head]");
+    if (!of_head && !neither && !scene.flesh) throw InputError(file, l.line, std::string(action_name(l.command)) + " asks for skin, and the scene \"" + scene.name + "\" has none; expected a scene with a [body]");
+  }
   for (const ScriptLine& l : script.lines) ++count[action_name(l.command)], commands.push_back(l.command);
   for (const auto& [name, n] : count) std::printf("  %-14s %d\n", name.c_str(), n);
-  if (!with_plan && svg.empty()) return;
+  if ((!with_plan && svg.empty()) || !scene.flesh) return;
   const Skin skin(build_body(scene));
   foretell(skin, plan_of(skin, script.header.plan, join_strokes(commands)), script.header.note.empty() ? file : script.header.note, svg);
 }

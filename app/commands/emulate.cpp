@@ -11,6 +11,7 @@
 #include "app/streams.h"
 #include "devices/emulator.h"
 #include "devices/fastrak/port.h"
+#include "devices/head_surgeon.h"
 #include "sim/error.h"
 #include "sim/tools/strokes.h"
 
@@ -76,9 +77,16 @@ int emulate(const Options& o) {
   if (commands.empty()) throw InputError(o.script, 0, "holds no action; expected at least one line with an action");
   SurgeonSettings settings;
   settings.seed = o.seed;
-  auto surgeon = std::make_unique<EmulatedSurgeon>(join_strokes(commands), settings);
-  const EmulatedSurgeon* watch = surgeon.get();
-  call.sources.push_back(std::move(surgeon));
+  const std::vector<std::string>* problems = nullptr;
+  if (call.scene.head && !call.scene.flesh) {
+    auto surgeon = std::make_unique<EmulatedHeadSurgeon>(commands, settings);
+    problems = &surgeon->problems();
+    call.sources.push_back(std::move(surgeon));
+  } else {
+    auto surgeon = std::make_unique<EmulatedSurgeon>(join_strokes(commands), settings);
+    problems = &surgeon->problems();
+    call.sources.push_back(std::move(surgeon));
+  }
   call.surgeon_seed = o.seed;
   call.record_file = o.out_log;
   call.replace_record = o.replace;
@@ -87,11 +95,11 @@ int emulate(const Options& o) {
   const int status = run_session(std::move(call), [&](Result& r, Assembly& a) {
     r.set_empty_list("/problems");
     int n = 0;
-    for (const std::string& p : watch->problems()) {
+    for (const std::string& p : *problems) {
       r.set("/problems/" + std::to_string(n++), p);
       say(o.script + ": " + p);
     }
-    complete = watch->problems().empty() && a.solver.refused().empty();
+    complete = problems->empty() && a.solver.refused().empty();
   });
   if (status == kDone && !complete) {
     say(o.script + ": not every action was carried out; expected a script that fits the scene");

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/commands/operate_head.h"
 #include "app/commands/session_command.h"
 #include "app/discretisation.h"
 #include "app/exercise.h"
@@ -237,6 +238,11 @@ int run(const Options& opt) {
     throw InputError(opt.script, 0, "was written with another scene (" + repro->scene + ", hash " + hex(repro->scene_hash) + "); expected that of " +
                                         scene.name + ", hash " + hex(scene.hash));
   const Script script = repro ? script_of(*repro, opt.script) : load_script(opt.script);
+  if (scene.head) {
+    if (!opt.cells.empty() || !opt.orders.empty() || !opt.lesson.empty() || !opt.fields.empty())
+      throw InputError(opt.scene, 0, "has a head: --cells, --orders, --judge and --fields are for scenes of skin; expected none of them");
+    return operate_head(scene, script, opt.common);
+  }
   std::vector<double> cells = opt.cells;
   if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : repro ? repro->cell_mm : scene.cell_mm);
   const std::shared_ptr<const Body> body = build_body(scene);

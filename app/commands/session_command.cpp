@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/head_report.h"
 #include "app/interrupt.h"
 #include "app/output.h"
 #include "app/pictures.h"
@@ -74,7 +75,8 @@ void print_summary(const SessionCall& call, const Assembly& a, const SessionFigu
   std::printf("commands    %llu done, %zu refused\n", static_cast<unsigned long long>(a.solver.commands()), a.solver.refused().size());
   std::printf("solver      %llu steps, %.2f ms median, residual %.2e, about %.2g mm from equilibrium\n", static_cast<unsigned long long>(a.solver.steps()),
               double(f.solver.work.percentile_ns(0.5)) * 1e-6, a.solver.last().residual, a.solver.last().distance_mm);
-  std::printf("pieces      %d\n", a.world.pieces());
+  if (a.world) std::printf("pieces      %d\n", a.world->pieces());
+  if (a.head) print_head(*a.head);
   std::printf("state_hash  %s\n", hex(f.state_hash).c_str());
   const HandFigures& h = a.solver.hand();
   if (h.path_mm > 0) std::printf("hand        %.0f mm in %d movements, %d gaps in tracking\n", h.path_mm, h.movements, h.gaps);
@@ -228,8 +230,9 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
 
   if (!call.common.out_dir.empty()) {
     Snapshot last;
-    a.world.fill(last, true);  // with the tension
-    draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
+    a.patient->fill_with_field(last);  // with the tension
+    if (a.world) draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
+    else draw_head_pictures(call.common.out_dir, a.solver.stages(), last, scene_camera(a.scene));
   }
   print_summary(call, a, f);
   const std::string recorded_in = !recorder || recording_failed ? "" : !aside ? call.record_file : keep ? aside->keep() : "";

@@ -24,7 +24,7 @@ std::string page(const ReportData& d, const std::string& dir) {
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\"/>\n"
          "<title>" + html::escape(s::title(d)) + " – Limberg</title>\n<style>" + report_style + "</style>\n</head>\n<body>\n" +
-         s::heading(d, dir) + "<main>\n" + s::study(d) + s::exercise(d) + s::story(d, dir) + s::tension(d, dir) + s::sutures(d) + s::closing(d, dir) + s::balance(d) + s::convergence(d) +
+         s::heading(d, dir) + "<main>\n" + s::study(d) + s::exercise(d) + s::story(d, dir) + s::gallery(d, dir) + s::tension(d, dir) + s::sutures(d) + s::closing(d, dir) + s::balance(d) + s::convergence(d) +
          s::timing(d) + s::residual(d) + s::figures(d) + s::script(d) + "</main>\n" + s::footer(d) + "</body>\n</html>\n";
 }
 

@@ -213,6 +213,10 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
   if (d.overview.empty()) d.overview = report_names::overview;
   if (d.tension.empty()) d.tension = report_names::tension;
 
+  if (const Json& g = member(j, "gallery"); g.is_array())
+    for (const Json& e : g)
+      if (e.is_object()) d.gallery.emplace_back(words(e, "picture"), words(e, "caption"));
+
   const Json& series = member(j, "series");
   d.series_t_s = column(member(series, "t_s"));
   d.series_residual = column(member(series, "residual"));

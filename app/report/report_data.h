@@ -78,6 +78,7 @@ struct ReportData {
   std::vector<ReportSuture> sutures;
   std::vector<ReportStage> stages;
   std::string overview, tension;  // picture files, relative
+  std::vector<std::pair<std::string, std::string>> gallery;  // picture, caption
   std::vector<double> series_t_s, series_residual, series_distance_mm;  // NaN where a value is missing
   std::vector<std::pair<std::string, std::vector<double>>> balance;     // name, N; "sum_N" and others
   Maybe balance_relative;

@@ -14,6 +14,7 @@
 //                  no caption: what the script did since the stage before
 //                  absent: the pictures found in DIR/stages are shown in order of their names
 //   "pictures":    {"overview": "overview.png", "tension": "tension.png"}   absent: those names, where they exist
+//   "gallery":     [{"picture", "caption"}]  more pictures, side by side; those that are not there are left out
 //   "series":      {"t_s": [...], "residual": [...], "distance_mm": [...]}  of the solver, one entry a step or thinner;
 //                  null where a value is missing
 //   "balance":     {"hooks_N": [x,y,z], "supports_N": [x,y,z], "sum_N": [x,y,z], "relative": r}

@@ -24,6 +24,7 @@ std::string light_of_force(double force_N);
 std::string heading(const ReportData& d, const std::string& dir);  // title, verdict, picture, key figures
 std::string story(const ReportData& d, const std::string& dir);
 std::string tension(const ReportData& d, const std::string& dir);
+std::string gallery(const ReportData& d, const std::string& dir);
 std::string sutures(const ReportData& d);
 std::string exercise(const ReportData& d);  // lesson, tolerances, figures of the hand
 std::string closing(const ReportData& d, const std::string& dir);   // force over time or actions, charts and tables that the command left, predicted points, landmarks

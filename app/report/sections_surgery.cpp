@@ -148,7 +148,7 @@ std::string heading(const ReportData& d, const std::string& dir) {
     s += "</div>\n";
   }
   if (const std::string url = picture_url(dir, d.overview); !url.empty())
-    s += "<div class=\"hero\">" + figure(url, "The skin at the end of the operation", "") + "</div>\n";
+    s += "<div class=\"hero\">" + figure(url, d.gallery.empty() ? "The skin at the end of the operation" : "The head at the end of the operation", "") + "</div>\n";
   return s + key_figures(d);
 }
 
@@ -186,6 +186,13 @@ std::string story(const ReportData& d, const std::string& dir) {
     else if (!stage.name.empty()) s += "<figure><figcaption>" + caption + "</figcaption></figure>\n";
   }
   return s.empty() ? s : "<section>\n<h2>The operation, step by step</h2>\n<div class=\"story\">\n" + s + "</div>\n</section>\n";
+}
+
+std::string gallery(const ReportData& d, const std::string& dir) {
+  std::string s;
+  for (const auto& [picture, caption] : d.gallery)
+    if (const std::string url = picture_url(dir, picture, 720); !url.empty()) s += figure(url, caption, escape(caption));
+  return s.empty() ? s : "<section>\n<h2>Before and after</h2>\n<div class=\"story\">\n" + s + "</div>\n</section>\n";
 }
 
 std::string tension(const ReportData& d, const std::string& dir) {

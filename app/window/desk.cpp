@@ -76,9 +76,10 @@ void Desk::tools(int height) {
   ImGui::TextUnformatted(facts_.scene.c_str());
   heading("TOOLS");
   static constexpr struct { Tool tool; const char* name; } kTools[] = {{Tool::none, "1  Look around"}, {Tool::scalpel, "2  Scalpel"},
-      {Tool::undermine, "3  Undermine"}, {Tool::excise, "4  Excise"}, {Tool::hook, "5  Hook"}, {Tool::suture, "6  Stitch"}, {Tool::suture_row, "7  Row of stitches"}};
+      {Tool::undermine, "3  Undermine"}, {Tool::excise, "4  Excise"}, {Tool::hook, "5  Hook"}, {Tool::suture, "6  Stitch"}, {Tool::suture_row, "7  Row of stitches"},
+      {Tool::saw, "8  Saw"}, {Tool::grab, "9  Grab"}};
   for (const auto& t : kTools)
-    if (ImGui::Selectable(t.name, state.tool == t.tool && !state.ruler)) choose(t.tool);
+    if ((t.tool == Tool::none || (acts_on_bone(t.tool) ? facts_.head : facts_.skin)) && ImGui::Selectable(t.name, state.tool == t.tool && !state.ruler)) choose(t.tool);
   const bool cuts = state.tool == Tool::scalpel || state.tool == Tool::undermine || state.tool == Tool::excise;
   if (cuts || state.tool == Tool::suture_row) {
     ImGui::PushItemWidth(-1);
@@ -102,8 +103,9 @@ void Desk::tools(int height) {
   if (ImGui::Button("Redo", {70, 0})) state.redo = true;
 
   heading("VIEW");
-  ImGui::Checkbox("Tension", &state.tension);
+  ImGui::Checkbox(facts_.skin ? "Tension" : "Displacement", &state.tension);
   ImGui::Checkbox("Directions", &state.directions);
+  if (facts_.head) ImGui::PushItemWidth(-1), ImGui::Combo("##face", &state.face, "Face\0Clear face\0No face\0"), ImGui::PopItemWidth();
   ImGui::Checkbox("Triangles", &state.wireframe);
   if (ImGui::Checkbox("Measure", &state.ruler) && state.ruler) choose(Tool::none);
   ImGui::PushItemWidth(-1);
@@ -234,7 +236,8 @@ void Desk::legend(const DeskReading& r, int width, int height) {
   ImGui::SetNextWindowSize({88, bar + 66});
   ImGui::SetNextWindowBgAlpha(0.70f);
   ImGui::Begin("legend", nullptr, kFixed | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar);
-  ImGui::TextUnformatted("skin\nstretch %");
+  const bool moved = r.shown->field.empty() && !r.shown->moved_mm.empty();
+  ImGui::TextUnformatted(moved ? "face\nmoved, mm" : "skin\nstretch %");
   ImDrawList& d = *ImGui::GetWindowDrawList();
   const float x0 = left + 10, y0 = top + 52, x1 = x0 + 16;
   const auto at = [](double t) {
@@ -244,7 +247,7 @@ void Desk::legend(const DeskReading& r, int width, int height) {
   constexpr int kSteps = 64;
   for (int i = 0; i < kSteps; ++i)
     d.AddRectFilled({x0, y0 + bar * float(i) / kSteps}, {x1, y0 + bar * float(i + 1) / kSteps + 1}, at(1 - (i + 0.5) / kSteps));
-  const double end = 100 * r.field_end, step = round_step(end, 6);
+  const double end = (moved ? 1 : 100) * r.field_end, step = round_step(end, 6);
   for (double v = 0; v <= end * 1.0001; v += step) {
     const float y = y0 + bar * float(1 - v / end);
     d.AddLine({x1, y}, {x1 + 5, y}, IM_COL32(240, 245, 245, 255));

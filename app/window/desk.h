@@ -22,6 +22,7 @@ struct DeskFacts {
   std::string scene, device, recording;  // recording: its file, empty when nothing is recorded
   std::string goal;                      // of the lesson, or the scene's note
   std::vector<std::string> lesson;       // its steps, in words
+  bool head = false, skin = true;        // what the scene holds
   double max_depth_mm = 9;
   double suture_limit_N = 1.5;           // beyond it a stitch is shown in red: this window's own choice, stricter than the report's sourced limits
 };
@@ -32,6 +33,7 @@ struct DeskState {
   float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
   bool tension = false, directions = false, wireframe = false, help = false, ruler = false, keep_recording = false;
   int quality = 0;               // 0: chosen from the time of a frame (quality.h), else a level, from 1
+  int face = 0;                  // of a head: solid, clear, hidden
   Compare compare = Compare::off;
   float wipe = 0.5f;
   Stereo stereo = Stereo::off;
@@ -46,7 +48,7 @@ struct DeskReading {
   Ruler::Reading ruler;
   int lesson_begun = 0;
   bool showing = false;
-  double field_end = 0.1;   // of the tension's colour scale: stretch - 1
+  double field_end = 0.1;   // of the colour scale: stretch - 1, or mm that a face has moved
   double samples_per_s = 0;
 };
 

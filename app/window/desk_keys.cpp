@@ -14,9 +14,11 @@ const std::vector<DeskKey>& desk_keys() {
       {"1 or Esc", "look around"},
       {"2, 3, 4", "scalpel, undermine, excise"},
       {"5, 6, 7", "hook, stitch, row of stitches"},
+      {"8, 9", "on bone: saw, grab a fragment"},
+      {"F", "the face over the bones: solid, clear, hidden"},
       {"Ctrl+Z, Ctrl+Y", "undo, redo"},
       {"N", "show me the next step of the lesson"},
-      {"T", "tension of the skin"},
+      {"T", "tension of the skin; how far the face has moved"},
       {"D", "directions in which the skin is stretched most and least"},
       {"B", "before and after: wipe, side by side, off"},
       {"M", "measure: two points a length, three an angle"},
@@ -50,6 +52,9 @@ void Desk::key(int32_t code, uint32_t mods) {
     case '5': choose(Tool::hook); break;
     case '6': choose(Tool::suture); break;
     case '7': choose(Tool::suture_row); break;
+    case '8': choose(Tool::saw); break;
+    case '9': choose(Tool::grab); break;
+    case 'F': s.face = (s.face + 1) % 3; break;
     case 'N': s.next = true; break;
     case 'T': s.tension = !s.tension; break;
     case 'D': s.directions = !s.directions; break;

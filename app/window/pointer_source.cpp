@@ -133,21 +133,22 @@ void PointerSource::poll(int64_t now_ns, SampleSink& sink) {
 
 void PointerSource::point(const PointerReading& r, int64_t now_ns, SampleSink& sink) {
   if (!seen_ || !seen_->topology || now_ns <= last_sent_ns_) return;
-  if (pressed_ && r.pressed && tool_ == Tool::hook) {
+  const bool carries = tool_ == Tool::hook || tool_ == Tool::grab;
+  if (pressed_ && r.pressed && carries) {
     const float slope = r.towards.dot(grip_normal_);
     if (std::abs(slope) > 1e-3f) tip_mm_ = r.eye_mm + (grip_mm_ - r.eye_mm).dot(grip_normal_) / slope * r.towards + r.lift_mm * grip_normal_;
     send(tip_mm_, shaft_, true, now_ns, sink);
     return;
   }
-  const RayHit hit = r.inside ? cast_ray(*seen_, r.eye_mm, r.towards) : RayHit{};
+  const RayHit hit = r.inside ? cast_ray(*seen_, r.eye_mm, r.towards, acts_on_bone(tool_)) : RayHit{};
   if (hit.triangle < 0) {
     if (pressed_ && !r.pressed) send(tip_mm_, shaft_, false, now_ns, sink);  // let go beside the patient
     return;
   }
   if (r.pressed && !pressed_) grip_mm_ = hit.x_mm, grip_normal_ = -r.towards;
   shaft_ = (0.6f * hit.normal - 0.4f * r.towards).normalized();
-  // A hook is let go where it hangs, not on what lies behind it.
-  const bool hangs = pressed_ && !r.pressed && tool_ == Tool::hook;
+  // What is carried is let go where it is, not on what lies behind it.
+  const bool hangs = pressed_ && !r.pressed && carries;
   if (!hangs) tip_mm_ = hit.x_mm;
   send(tip_mm_, shaft_, r.pressed != 0, now_ns, sink);
 }

@@ -4,12 +4,13 @@
 
 namespace limberg {
 
-RayHit cast_ray(const Snapshot& s, const Vec3f& o, const Vec3f& d) {
+RayHit cast_ray(const Snapshot& s, const Vec3f& o, const Vec3f& d, bool bone_only) {
   RayHit hit;
   if (!s.topology) return hit;
   const auto& tri = s.topology->view.tri;
   float nearest = std::numeric_limits<float>::max();
   for (size_t t = 0; t < tri.size(); ++t) {
+    if (bone_only && !s.topology->is_ground(t, Ground::bone)) continue;
     const Tri k = tri[t];
     const Vec3f &a = s.x_mm[size_t(k[0])], e1 = s.x_mm[size_t(k[1])] - a, e2 = s.x_mm[size_t(k[2])] - a;
     const Vec3f p = d.cross(e2);

@@ -180,6 +180,7 @@ struct WindowFrames::Impl {
     o.wireframe = desk.state.wireframe;
     o.colour_field = desk.state.tension;
     o.field_max = field_end;
+    o.face = FaceLook(desk.state.face);
     return o;
   }
 
@@ -236,7 +237,7 @@ struct WindowFrames::Impl {
 
     const RenderScene& scene = builder.build(s, tool_pose(tool));
     if (desk.state.directions) builder.add_stretch_glyphs(s);
-    if (desk.state.tension && !scene.field.empty()) field_end = tension_scale_end(scene);
+    if (desk.state.tension && !scene.field.empty()) field_end = s.field.empty() ? moved_scale_end(scene) : tension_scale_end(scene);
     if (gauges) {
       const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
       if (tick - rate_tick >= 1000) {

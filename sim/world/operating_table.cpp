@@ -58,6 +58,20 @@ Outcome OperatingTable::act(const Stage&) { return ++stage_, Outcome{true, {}}; 
 Outcome OperatingTable::act(const Wait&) { return {true, {}}; }
 Outcome OperatingTable::act(const HeadCommand&) { return {false, "there is no bone here; expected a scene with a [head]"}; }
 
+void OperatingTable::hold_at(const std::function<Vec3(const Vec3&)>& where) {
+  const FemModel& m = *version_.model;
+  const std::span<const Vec3f> was = solver_->displacement_mm();
+  std::vector<Vec3f> u(was.begin(), was.end());
+  bool other = false;
+  for (size_t i = 0; i < u.size(); ++i) {
+    if (!m.fixed[i]) continue;
+    const Vec3f to = (where(m.X_mm[i]) - m.X_mm[i]).cast<float>();
+    other |= to != u[i];
+    u[i] = to;
+  }
+  if (other) solver_->set_displacement_mm(u);
+}
+
 StepReport OperatingTable::step(const StepSettings& settings) {
   draw_tight();
   const StepReport report = solve(settings);

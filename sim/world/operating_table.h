@@ -41,6 +41,7 @@ class OperatingTable {
 
   Outcome apply(const Command& command);
   StepReport step(const StepSettings& settings);
+  void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
   void fill(Snapshot& snapshot, bool with_field) const;
 
   std::shared_ptr<const SurfaceTopology> topology() const { return version_.surface; }

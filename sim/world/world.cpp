@@ -15,6 +15,7 @@ World::World(World&&) noexcept = default;
 
 Outcome World::apply(const Command& command) { return impl_->apply(command); }
 StepReport World::step(const StepSettings& settings) { return impl_->step(settings); }
+void World::hold_at(const std::function<Vec3(const Vec3&)>& where) { impl_->hold_at(where); }
 void World::fill(Snapshot& snapshot, bool with_field) const { impl_->fill(snapshot, with_field); }
 std::shared_ptr<const SurfaceTopology> World::topology() const { return impl_->topology(); }
 uint64_t World::topology_hash() const { return impl_->topology_hash(); }

@@ -1,0 +1,70 @@
+#include "app/commands/operate_head.h"
+
+#include <cstdio>
+
+#include "app/assembly.h"
+#include "app/head_build.h"
+#include "app/head_report.h"
+#include "app/interrupt.h"
+#include "app/metrics.h"
+#include "app/operation.h"
+#include "app/pictures.h"
+#include "app/progress.h"
+#include "app/report/report_names.h"
+#include "app/session/clock.h"
+#include "app/session/workers_pool.h"
+
+namespace limberg {
+
+int operate_head(const Scene& scene, const Script& script, const CommonOptions& common) {
+  WorkersPool workers(common.worker_count());
+  const int64_t t0 = RealClock::monotonic_ns();
+  const std::unique_ptr<World> world = scene.flesh ? std::make_unique<World>(world_spec(scene, build_body(scene)), workers) : nullptr;
+  Head head(head_parts(scene, workers), workers);
+  const double built_s = double(RealClock::monotonic_ns() - t0) * 1e-9;
+  const std::unique_ptr<Patient> patient = make_patient(scene, world.get(), &head);
+  Progress progress("operate");
+  OperationSettings set;
+  set.interrupted = interrupted;
+  set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
+  const OperationOutcome o = operate(*patient, script, set);
+  progress.clear();
+  if (o.interrupted) {
+    say("interrupted; nothing was written");
+    return kGoalMissed;
+  }
+  std::printf("scene       %s, built in %.1f s\n", scene.name.c_str(), built_s);
+  print_head(head);
+  std::printf("solve       %.0f ms, residual %.1e\nstate_hash  %s\n", o.solve_ms, o.last.residual, hex(patient->state_hash()).c_str());
+  Result r("operate", scene.name);
+  r.set("/scene_title", scene.name);
+  r.set("/scene_note", scene.note);
+  r.set("/solve_ms", o.solve_ms);
+  r.set("/residual", o.last.residual);
+  r.set_hash("/state_hash", patient->state_hash());
+  r.set_hash("/topology_hash", patient->topology_hash());
+  r.set("/memory_mb", peak_memory_mb());
+  std::vector<Command> actions;
+  int n = 0;
+  for (const ScriptLine& l : script.lines) actions.push_back(l.command), r.set("/script/" + std::to_string(n++), to_json_line(l.command));
+  fill_head(r, head);
+  if (world) fill_metrics(r, measure_world(*world, actions));
+  for (const StageRow& s : o.stages) {
+    const std::string p = "/stages/" + std::to_string(s.number - 1);
+    r.set(p + "/name", s.name);
+    r.set(p + "/picture", report_names::stage_picture(s.number, s.name));
+    r.set(p + "/residual", double(s.shown.residual));
+  }
+  const bool at_rest = o.last.residual <= 1e-4;
+  r.set_ok(at_rest);
+  if (!common.out_dir.empty()) {
+    Snapshot last;
+    patient->fill_with_field(last);
+    draw_head_pictures(common.out_dir, o.stages, last, scene_camera(scene));
+  }
+  leave_result(r, common);
+  if (!at_rest) say("the patient did not come to rest: the face still moves");
+  return at_rest ? kDone : kGoalMissed;
+}
+
+}  // namespace limberg

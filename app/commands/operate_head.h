@@ -1,0 +1,10 @@
+#pragma once
+#include "app/commands/session_command.h"
+#include "sim/tools/script.h"
+
+namespace limberg {
+
+/// `operate` on a scene with a head: one run, to rest.
+int operate_head(const Scene& scene, const Script& script, const CommonOptions& common);
+
+}  // namespace limberg

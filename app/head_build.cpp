@@ -1,0 +1,70 @@
+#include "app/head_build.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "sim/error.h"
+#include "sim/imaging/synthetic_head.h"
+#include "sim/simplex/file.h"
+
+namespace limberg {
+
+namespace {
+
+/// Names of the synthetic head: soft tissue begins with a small letter.
+bool on_face(const std::string& name) { return !name.empty() && name[0] >= 'a' && name[0] <= 'z'; }
+
+void add_synthetic(const HeadScene& h, HeadParts& parts, Workers& workers) {
+  HeadSpec spec;
+  spec.mandible_scale = h.mandible_scale, spec.ramus_left = h.ramus_left;
+  spec.vault_wide = h.vault_wide, spec.vault_long = h.vault_long, spec.forehead_flat = h.forehead_flat;
+  spec.edge_mm = h.edge_mm, spec.face_edge_mm = h.face_edge_mm;
+  HeadModel m = make_head(spec, workers);
+  parts.bones.push_back({"cranium", std::move(m.cranium), false});
+  parts.bones.push_back({"mandible", std::move(m.mandible), false});
+  if (h.face) parts.face = std::move(m.face);
+  for (const auto& [name, at] : m.landmarks)
+    if (h.face || !on_face(name)) parts.landmarks.push_back({name, at, on_face(name)});
+}
+
+}  // namespace
+
+HeadParts head_parts(const Scene& scene, Workers& workers) {
+  const HeadScene& h = *scene.head;
+  HeadParts parts;
+  parts.face_iterations = h.iterations_per_step;
+  if (h.source == HeadScene::Source::synthetic) {
+    add_synthetic(h, parts, workers);
+  } else {
+    for (const std::string& f : h.bone_files) parts.bones.push_back({std::filesystem::path(f).stem().string(), simplex::load_mesh(f), false});
+    if (h.face) parts.face = simplex::load_mesh(h.face_file);
+  }
+  for (const std::string& name : h.fixed) {
+    const auto b = std::find_if(parts.bones.begin(), parts.bones.end(), [&](const auto& x) { return x.name == name; });
+    if (b == parts.bones.end()) throw InputError(scene.path, 0, "head.fixed names the bone \"" + name + "\", which is not there; expected one of the bones");
+    b->fixed = true;
+  }
+  const auto put = [&](const auto& places, bool face) {
+    for (const auto& [name, at] : places) {
+      const auto same = std::find_if(parts.landmarks.begin(), parts.landmarks.end(), [&, n = name](const HeadLandmark& l) { return l.name == n; });
+      if (same != parts.landmarks.end()) same->X_mm = at, same->on_face = face;
+      else parts.landmarks.push_back({name, at, face});
+    }
+  };
+  put(h.landmarks, false);
+  put(h.face_landmarks, true);
+  const auto place_of = [&](const std::string& name) {
+    for (const HeadLandmark& l : parts.landmarks)
+      if (l.name == name) return l.X_mm;
+    throw InputError(scene.path, 0, "head.tissue names the landmark \"" + name + "\", which is not there; expected a place [x, y, z] or one of the landmarks");
+  };
+  for (const HeadScene::TissueAt& t : h.tissues) {
+    ConnectTissue c = t.tissue;
+    if (!t.face_name.empty()) c.face_mm = place_of(t.face_name);
+    if (!t.bone_name.empty()) c.bone_mm = place_of(t.bone_name);
+    parts.tissues.push_back(std::move(c));
+  }
+  return parts;
+}
+
+}  // namespace limberg

@@ -1,0 +1,140 @@
+#include "app/head_report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <numbers>
+
+#include "app/tables.h"
+
+namespace limberg {
+
+namespace {
+
+double turned_deg(const Eigen::Isometry3d& pose) { return Eigen::AngleAxisd(pose.linear()).angle() * 180 / std::numbers::pi; }
+
+struct Moved {
+  double most_mm = 0, mean_mm = 0;  // mean: of the places that moved by more than 0.1 mm
+  int64_t places = 0;
+};
+
+Moved face_moved(const Head& head) {
+  Moved m;
+  const simplex::Mesh& face = head.face();
+  const std::vector<Vec3>& X = head.face_model().rest_mm();
+  for (int32_t v = 0; v < face.slots(); ++v) {
+    if (!face.alive(v)) continue;
+    const double d = (face.x_mm[size_t(v)] - X[size_t(v)]).norm();
+    m.most_mm = std::max(m.most_mm, d);
+    if (d > 0.1) m.mean_mm += d, ++m.places;
+  }
+  if (m.places > 0) m.mean_mm /= double(m.places);
+  return m;
+}
+
+std::string name_of(const Head& head, int32_t id) {
+  const bone::Fragment* f = head.bones().fragment(id);
+  return f ? f->name : std::to_string(id);
+}
+
+void fill_pictures(Result& r, const Head& head) {
+  int n = 0;
+  const auto picture = [&](const char* file, const char* words) {
+    const std::string p = "/gallery/" + std::to_string(n++);
+    r.set(p + "/picture", std::string("head/") + file);
+    r.set(p + "/caption", words);
+  };
+  if (head.has_face()) {
+    picture("before.png", "The face before");
+    picture("after.png", "The face after");
+    picture("profile-before.png", "In profile, before: soft-tissue landmarks");
+    picture("profile-after.png", "In profile, after");
+    picture("moved.png", "How far the face has moved, in mm");
+  }
+  picture("bones-before.png", "The bones before");
+  picture("bones-after.png", "The bones after: cut surfaces in red");
+  if (head.has_face()) {
+    picture("through.png", "Bones through the face, after, with the landmarks on bone");
+    if (!head.tissues().empty()) picture("tissue.png", "The net of the tissue between face and bone");
+  }
+}
+
+}  // namespace
+
+void fill_head(Result& r, const Head& head, int tables) {
+  ResultTable t;
+  t.title = "Fragments";
+  t.about = "How far the middle of each fragment lies from where it was, and by how much it is turned.";
+  t.columns = {"fragment", "volume, cm3", "right, mm", "forward, mm", "up, mm", "distance, mm", "turned, degrees"};
+  int n = 0;
+  for (const bone::Fragment& f : head.bones().fragments()) {
+    const Vec3 way = f.pose * f.centre_mm - f.centre_mm;
+    const std::string p = "/head/fragments/" + std::to_string(n++);
+    r.set(p + "/id", f.id);
+    r.set(p + "/name", f.name);
+    r.set(p + "/fixed", f.fixed);
+    r.set(p + "/volume_mm3", f.volume_mm3);
+    for (int i = 0; i < 3; ++i) r.set(p + "/translation_mm/" + std::to_string(i), way[i]);
+    r.set(p + "/rotation_deg", turned_deg(f.pose));
+    t.rows.push_back({f.name + (f.fixed ? " (fixed)" : ""), short_number(f.volume_mm3 * 1e-3), short_number(way.x(), 3), short_number(way.y(), 3), short_number(way.z(), 3),
+                      short_number(way.norm(), 3), short_number(turned_deg(f.pose), 3)});
+  }
+  add_table(r, tables++, t);
+  ResultTable g;
+  g.title = "Gaps between fragments";
+  g.about = "Between the cut surfaces of fragments that were cut from each other, or wherever two fragments overlap.";
+  g.columns = {"fragments", "gap, mean, mm", "gap, largest, mm", "overlap, deepest, mm", "overlap, mm3"};
+  r.set_empty_list("/head/gaps");
+  n = 0;
+  for (const bone::Gap& x : head.bones().gaps()) {
+    const std::string p = "/head/gaps/" + std::to_string(n++);
+    r.set(p + "/a", x.a), r.set(p + "/b", x.b);
+    r.set(p + "/gap_mean_mm", x.gap_mean_mm), r.set(p + "/gap_max_mm", x.gap_max_mm);
+    r.set(p + "/overlap_max_mm", x.overlap_max_mm), r.set(p + "/overlap_mm3", x.overlap_mm3);
+    g.rows.push_back({name_of(head, x.a) + " - " + name_of(head, x.b), short_number(x.gap_mean_mm, 3), short_number(x.gap_max_mm, 3), short_number(x.overlap_max_mm, 3),
+                      short_number(x.overlap_mm3, 3)});
+  }
+  if (!g.rows.empty()) add_table(r, tables++, g);
+  ResultTable l;
+  l.title = "Landmarks that moved";
+  l.about = "By more than 0.05 mm. Names with a small letter lie on the face, the others on bone.";
+  l.columns = {"landmark", "right, mm", "forward, mm", "up, mm", "distance, mm"};
+  n = 0;
+  for (const HeadLandmark& k : head.landmarks()) {
+    const Vec3 way = head.landmark_mm(k) - k.X_mm;
+    const std::string p = "/head/landmarks/" + std::to_string(n++);
+    r.set(p + "/name", k.name);
+    for (int i = 0; i < 3; ++i) r.set(p + "/moved_mm/" + std::to_string(i), way[i]);
+    if (way.norm() > 0.05) l.rows.push_back({k.name, short_number(way.x(), 3), short_number(way.y(), 3), short_number(way.z(), 3), short_number(way.norm(), 3)});
+  }
+  if (!l.rows.empty()) add_table(r, tables++, l);
+  if (head.has_face()) {
+    const Moved m = face_moved(head);
+    r.set("/head/face_moved_max_mm", m.most_mm);
+    r.set("/head/face_moved_mean_mm", m.mean_mm);
+    r.set("/metrics/face_moved_max_mm", m.most_mm);
+  }
+  double most = 0;
+  for (const bone::Fragment& f : head.bones().fragments()) most = std::max(most, (f.pose * f.centre_mm - f.centre_mm).norm());
+  r.set("/metrics/fragments", uint64_t(head.bones().fragments().size()));
+  r.set("/metrics/fragment_moved_max_mm", most);
+  n = 0;
+  for (const ConnectTissue& c : head.tissues()) {
+    const std::string p = "/head/tissues/" + std::to_string(n++);
+    r.set(p + "/name", c.name), r.set(p + "/layers", c.layers), r.set(p + "/young_kPa", c.young_kPa), r.set(p + "/mode", kTissueKinds[size_t(c.mode)]);
+  }
+  fill_pictures(r, head);
+}
+
+void print_head(const Head& head) {
+  std::printf("bones       %zu fragments, %d vertices\n", head.bones().fragments().size(), head.bones().mesh().vertices());
+  for (const bone::Fragment& f : head.bones().fragments()) {
+    const Vec3 way = f.pose * f.centre_mm - f.centre_mm;
+    if (way.norm() > 0 || f.pose.linear() != Mat3::Identity())
+      std::printf("  moved     %d, %s: %.2f mm right, %.2f forward, %.2f up, turned by %.2f degrees\n", f.id, f.name.c_str(), way.x(), way.y(), way.z(), turned_deg(f.pose));
+  }
+  if (!head.has_face()) return;
+  const Moved m = face_moved(head);
+  std::printf("face        moved by at most %.2f mm\n", m.most_mm);
+}
+
+}  // namespace limberg

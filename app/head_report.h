@@ -1,0 +1,22 @@
+#pragma once
+// What became of a head: fragments, gaps, landmarks, cephalometry before and after, in result.json and on paper.
+#include <string>
+#include <vector>
+
+#include "app/result.h"
+#include "app/session/solver_lane.h"
+#include "render/view.h"
+#include "sim/head/head.h"
+
+namespace limberg {
+
+/// `head` {fragments, gaps, landmarks, face_moved_max_mm, tissues}, tables for the report, and `gallery`: the pictures that
+/// draw_head_pictures leaves. first_table: how many tables stand there already.
+void fill_head(Result& result, const Head& head, int first_table = 0);
+void print_head(const Head& head);
+
+/// Draws DIR/overview.png, the stages, and DIR/head/*.png: face and bones before and after, the map of displacement, the net of the
+/// tissue. `camera`: the scene's. Says in one line when pictures cannot be made here.
+void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last, const Camera& camera);
+
+}  // namespace limberg
