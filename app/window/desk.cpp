@@ -154,6 +154,10 @@ void Desk::patient(const DeskReading& r, int width, int height) {
     if (ImGui::Button(r.showing ? "being shown ..." : more ? "Next: show me   N" : "the lesson is done", {-1, 0}) && more && !r.showing) state.next = true;
   }
 
+  if (!s.figures.empty()) {
+    heading("HEAD");
+    for (const LiveFigure& k : s.figures) ImGui::Text("%s %.1f %s", k.name.c_str(), double(k.value), k.unit);
+  }
   heading("SUTURES");
   if (s.sutures.empty()) ImGui::TextColored(kQuiet, "none yet");
   else {

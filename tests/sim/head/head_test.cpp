@@ -1,0 +1,202 @@
+// A head of spheres: a ball of bone within a ball of skin.
+#include "sim/head/head.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/error.h"
+#include "sim/simplex/generators.h"
+
+namespace limberg {
+namespace {
+
+/// A ball of bone of radius 30 (may be moved) beside a fixed one, under a face of radius 38.
+HeadParts ball(bool tissue = false, int face_levels = 3) {
+  HeadParts p;
+  p.bones.push_back({"ball", simplex::make_sphere({0, 0, 0}, 30, 3), false});
+  p.bones.push_back({"anvil", simplex::make_sphere({0, 0, -200}, 20, 2), true});
+  p.face = simplex::make_sphere({0, 0, 0}, 38, face_levels);
+  simplex::record_shape(p.face);
+  p.landmarks = {{"top", {0, 0, 30}, false}, {"bottom", {0, 0, -30}, false}, {"crown", {0, 0, 38}, true}};
+  if (tissue) {
+    ConnectTissue t;
+    t.name = "cap", t.face_mm = {0, 0, 38}, t.bone_mm = {0, 0, 30}, t.face_radius_mm = 30, t.layers = 2;
+    t.mode = TissueKind::springs;
+    p.tissues.push_back(t);
+  }
+  return p;
+}
+
+CutBone halve() {
+  CutBone c;
+  c.point_mm = {0, 0, 5}, c.normal = Vec3::UnitZ();
+  return c;
+}
+
+MoveFragment lift(const Vec3& at, const Vec3& by) {
+  MoveFragment m;
+  m.fragment = {-1, at};
+  m.by.translation_mm = by;
+  return m;
+}
+
+Vec3 landmark(const Head& h, const std::string& name) {
+  for (const auto& [n, x] : h.landmarks_now())
+    if (n == name) return x;
+  return Vec3::Constant(1e9);
+}
+
+TEST(Head, AnOsteotomyFreesAFragmentThatTakesItsLandmarksAlong) {
+  InlineWorkers w;
+  Head h(ball(), w);
+  ASSERT_EQ(h.bones().fragments().size(), 2u);
+  const Outcome cut = h.apply(HeadCommand(halve()));
+  ASSERT_TRUE(cut.done) << cut.reason;
+  EXPECT_EQ(h.bones().fragments().size(), 3u);
+  ASSERT_TRUE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 3, 8}))).done);
+  h.step(0.016);
+  EXPECT_LT((landmark(h, "top") - Vec3(0, 3, 38)).norm(), 0.5);
+  EXPECT_LT((landmark(h, "bottom") - Vec3(0, 0, -30)).norm(), 0.5);
+}
+
+TEST(Head, RefusalsSayWhyAndChangeNothing) {
+  InlineWorkers w;
+  Head h(ball(), w);
+  const uint64_t before = h.state_hash();
+  const auto refused = [&](const Command& c, const char* says) {
+    const Outcome o = h.apply(c);
+    EXPECT_FALSE(o.done);
+    EXPECT_NE(o.reason.find(says), std::string::npos) << o.reason;
+    EXPECT_EQ(h.state_hash(), before);
+  };
+  refused(Incise{}, "no skin with flap tools");
+  refused(HeadCommand(MoveFragment{{17, Vec3::Zero()}, {}, 1}), "no fragment 17");
+  refused(HeadCommand(lift({0, 0, -180}, {0, 0, 1})), "anvil is fixed");
+  refused(HeadCommand(lift({500, 0, 0}, {0, 0, 1})), "no bone within 15 mm");
+  refused(HeadCommand(DragFragment{}), "nothing is held");
+  refused(HeadCommand(LetGo{}), "nothing is held");
+  refused(HeadCommand(PlaceLandmark{"far", {0, 0, 300}, false}), "more than 20 mm");
+  refused(Undo{}, "nothing to undo");
+  CutBone beside = halve();
+  beside.point_mm = {0, 0, 90};
+  EXPECT_FALSE(h.apply(HeadCommand(beside)).done);
+  EXPECT_EQ(h.state_hash(), before);
+  EXPECT_EQ(h.refused(), 9);
+}
+
+TEST(Head, UndoAndRedoGoThroughEveryKindOfAct) {
+  InlineWorkers w;
+  Head h(ball(), w);
+  ConnectTissue t;
+  t.name = "cap", t.face_mm = {0, 0, 38}, t.bone_mm = {0, 0, 30}, t.face_radius_mm = 25, t.mode = TissueKind::springs;
+  const std::vector<Command> acts{HeadCommand(t), HeadCommand(PlaceLandmark{"side", {30, 0, 0}, false}), HeadCommand(halve()),
+                                  HeadCommand(lift({0, 0, 30}, {0, 0, 6})), HeadCommand(PlateFragments{{25, 0, 15}, {27, 0, 0}})};
+  std::vector<uint64_t> bones{h.bones().hash()};
+  std::vector<size_t> landmarks{h.landmarks().size()}, tissues{0};
+  for (const Command& c : acts) {
+    const Outcome o = h.apply(c);
+    ASSERT_TRUE(o.done) << o.reason;
+    bones.push_back(h.bones().hash()), landmarks.push_back(h.landmarks().size()), tissues.push_back(h.tissues().size());
+  }
+  for (int round = 0; round < 2; ++round) {
+    for (size_t k = acts.size(); k-- > 0;) {
+      ASSERT_TRUE(h.apply(Undo{}).done);
+      EXPECT_EQ(h.bones().hash(), bones[k]);
+      EXPECT_EQ(h.landmarks().size(), landmarks[k]);
+      EXPECT_EQ(h.tissues().size(), tissues[k]);
+      h.step(0.016);
+    }
+    EXPECT_FALSE(h.apply(Undo{}).done);
+    for (size_t k = 1; k <= acts.size(); ++k) {
+      ASSERT_TRUE(h.apply(Redo{}).done);
+      EXPECT_EQ(h.bones().hash(), bones[k]);
+      EXPECT_EQ(h.landmarks().size(), landmarks[k]);
+      EXPECT_EQ(h.tissues().size(), tissues[k]);
+    }
+    EXPECT_FALSE(h.apply(Redo{}).done);
+  }
+}
+
+TEST(Head, TheViewIsTheMeshes) {
+  InlineWorkers w;
+  Head h(ball(true), w);
+  ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+  ASSERT_TRUE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 8}))).done);
+  h.step(0.016);
+  Snapshot s;
+  h.fill(s);
+  const SurfaceTopology& top = *s.topology;
+  ASSERT_EQ(s.x_mm.size(), top.view.X_mm.size());
+  ASSERT_EQ(s.moved_mm.size(), s.x_mm.size());
+  ASSERT_EQ(top.organ.size(), top.view.tri.size());
+  EXPECT_FALSE(top.strand.empty());
+  EXPECT_EQ(s.landmark_mm.size(), top.landmark.size());
+  size_t cut = 0, bone = 0, face = 0;
+  double outward = 0;
+  for (size_t t = 0; t < top.view.tri.size(); ++t) {
+    const Tri& k = top.view.tri[t];
+    const Vec3 a = top.view.X_mm[size_t(k[0])], b = top.view.X_mm[size_t(k[1])], c = top.view.X_mm[size_t(k[2])];
+    cut += top.organ[t] == Organ::bone_cut, bone += top.organ[t] == Organ::bone, face += top.organ[t] == Organ::face;
+    if (top.organ[t] == Organ::face) outward += a.dot((b - a).cross(c - a)) / 6;
+    if (top.organ[t] == Organ::face) continue;
+    // Each triangle of bone is where its fragment is, as a rigid body.
+    const Eigen::Isometry3d pose = h.bones().fragment(top.object[t])->pose;
+    for (const int32_t v : k) EXPECT_LT((pose * top.view.X_mm[size_t(v)] - s.x_mm[size_t(v)].cast<double>()).norm(), 1e-4);
+  }
+  EXPECT_GT(cut, 10u), EXPECT_GT(bone, 1000u), EXPECT_GT(face, 1000u);
+  EXPECT_NEAR(outward, 4.0 / 3 * M_PI * 38 * 38 * 38, 0.02 * outward);  // counter-clockwise from outside
+}
+
+TEST(Head, TheFaceFollowsTheBone) {
+  InlineWorkers w;
+  Head h(ball(true), w);
+  const Vec3 before = landmark(h, "crown");
+  ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+  ASSERT_TRUE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 6}))).done);
+  for (int i = 0; i < 400 && (i == 0 || !h.step(0.016).at_rest); ++i) {}
+  const Vec3 moved = landmark(h, "crown") - before;
+  EXPECT_GT(moved.z(), 3);
+  EXPECT_LT(moved.z(), 7);
+  EXPECT_LT(Vec2(moved.x(), moved.y()).norm(), 1);
+  // What lies far away stays.
+  EXPECT_LT((h.face().x_mm[0] - h.face_model().rest_mm()[0]).norm(), 8);
+  for (int32_t v = 0; v < h.face().slots(); ++v)
+    if (h.face_model().rest_mm()[size_t(v)].z() < -30) EXPECT_LT((h.face().x_mm[size_t(v)] - h.face_model().rest_mm()[size_t(v)]).norm(), 1.5);
+}
+
+TEST(Head, AHandCarriesAFragmentAndTheSameHandLetsItGo) {
+  InlineWorkers w;
+  Head h(ball(), w);
+  ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+  ASSERT_TRUE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, 30}}, 1})).done);
+  EXPECT_FALSE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, -30}}, 0})).done);
+  EXPECT_FALSE(h.apply(HeadCommand(DragFragment{{}, 0, 0})).done);
+  EXPECT_FALSE(h.apply(Undo{}).done);  // while it is held
+  for (int i = 1; i <= 80; ++i) {
+    DragFragment d;
+    d.hand = 1, d.to.translation_mm = {0, 0, 0.1 * i};
+    ASSERT_TRUE(h.apply(HeadCommand(d)).done);
+    h.step(1.0 / 60);
+  }
+  for (int i = 0; i < 30; ++i) h.step(1.0 / 60);
+  ASSERT_TRUE(h.apply(HeadCommand(LetGo{false, 1})).done);
+  h.step(1.0 / 60);
+  EXPECT_NEAR(landmark(h, "top").z(), 38, 0.5);
+  const uint64_t moved = h.bones().hash();
+  ASSERT_TRUE(h.apply(Undo{}).done);
+  EXPECT_NEAR(landmark(h, "top").z(), 30, 0.5);
+  ASSERT_TRUE(h.apply(Redo{}).done);
+  EXPECT_EQ(h.bones().hash(), moved);
+}
+
+TEST(Head, WhatCannotBeBuiltIsAnInputError) {
+  InlineWorkers w;
+  HeadParts p = ball(true);
+  p.tissues[0].face_radius_mm = 0.01;
+  EXPECT_THROW(Head(std::move(p), w), InputError);
+  HeadParts q = ball();
+  q.face = {};
+  EXPECT_THROW(Head(std::move(q), w), InputError);  // a landmark on a face that is not there
+}
+
+}  // namespace
+}  // namespace limberg
