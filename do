@@ -44,14 +44,14 @@ build() {
   cmake --build build --parallel "$jobs" ${1:+--target "$1"}
 }
 
-# The recording is replayed; the same operation by script at three cell sizes gives the small table in the report. That
-# table is kept until program, scene or script change.
+# The recording is replayed; the same operation by script at three cell sizes gives the small table in the report (a head has
+# no cells). That table is kept until program, scene or script change.
 demo() {
   local name=$1 out=out/demo
   local table=$out/convergence.json
   [ -f "recordings/$name.lcm" ] || { echo "limberg: recordings/$name.lcm: no such recording; expected one of: $(cd recordings && ls -- *.lcm | tr '\n' ' ')" >&2; exit 2; }
   mkdir -p "$out"
-  if [ -f "recordings/$name.jsonl" ]; then
+  if [ -f "recordings/$name.jsonl" ] && ! grep -q "^\[head\]" "app/scenes/$name.toml"; then
     local stamp="$name $(cat build/limberg "app/scenes/$name.toml" "recordings/$name.jsonl" | cksum)"
     if [ ! -f "$table" ] || [ "$(cat "$out/.convergence" 2>/dev/null)" != "$stamp" ]; then
       build/limberg operate "$name" "recordings/$name.jsonl" --cells 5,3.5,2.5 --json "$table"
@@ -76,7 +76,7 @@ case "${1:-help}" in
     ;;
   record)
     build limberg
-    for name in ${2:-rhomboid zplasty}; do
+    for name in ${2:-rhomboid zplasty craniofacial}; do
       case "$name" in zplasty) seed=3 ;; *) seed=7 ;; esac  # as recordings/README.md says
       build/limberg emulate "$name" "recordings/$name.jsonl" --out "recordings/$name.lcm" --seed "$seed" --replace
     done

@@ -39,6 +39,15 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
     for (const std::string& f : h.bone_files) parts.bones.push_back({std::filesystem::path(f).stem().string(), simplex::load_mesh(f), false});
     if (h.face) parts.face = simplex::load_mesh(h.face_file);
   }
+  if (h.offset_mm != Vec3::Zero()) {
+    std::vector<simplex::Mesh*> meshes{&parts.face};
+    for (auto& b : parts.bones) meshes.push_back(&b.mesh);
+    for (simplex::Mesh* m : meshes) {
+      for (Vec3& x : m->x_mm) x += h.offset_mm;
+      for (Vec3& x : m->before_mm) x += h.offset_mm;
+    }
+    for (HeadLandmark& l : parts.landmarks) l.X_mm += h.offset_mm;
+  }
   for (const std::string& name : h.fixed) {
     const auto b = std::find_if(parts.bones.begin(), parts.bones.end(), [&](const auto& x) { return x.name == name; });
     if (b == parts.bones.end()) throw InputError(scene.path, 0, "head.fixed names the bone \"" + name + "\", which is not there; expected one of the bones");

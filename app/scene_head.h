@@ -6,7 +6,7 @@
 //                    face_edge_mm
 //                    files: bones = ["cranium.txt", ...] simplex meshes relative to the scene file, the first of them fixed unless
 //                    "fixed" says otherwise; face = "face.txt"
-//                    both: fixed = ["cranium", ...] names of bones that do not move (of a file: its stem), face = true | false,
+//                    both: offset_mm = [x, y, z], by which the head is shifted (to where the skin of a [body] lies), fixed = ["cranium", ...] names of bones that do not move (of a file: its stem), face = true | false,
 //                    iterations_per_step of the face, show_face = "solid" | "clear" | "hidden" at the beginning,
 //                    carries_skin_mm: with a [body], its fixed nodes that are at most so far from bone move with it
 //   [[head.tissue]]  name, face and bone: a place [x, y, z] or a landmark's name; face_radius_mm, bone_radius_mm (0: all bone), layers,
@@ -33,6 +33,7 @@ struct HeadScene {
   int iterations_per_step = 12;
   FaceShown shown = FaceShown::solid;
   double carries_skin_mm = 6;
+  Vec3 offset_mm{0, 0, 0};
 
   struct TissueAt {
     ConnectTissue tissue;             // its places are filled in when the head is built

@@ -112,6 +112,7 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
     if (shown != "solid" && shown != "clear" && shown != "hidden") t.fail("show_face", "is of no known kind; expected \"solid\", \"clear\" or \"hidden\"");
     h.shown = shown == "solid" ? FaceShown::solid : shown == "clear" ? FaceShown::clear : FaceShown::hidden;
   }
+  t.vector("offset_mm", h.offset_mm, 1e4);
   t.real("carries_skin_mm", h.carries_skin_mm, 0, 1000);
   t.finish({"source", "bones", "face", "fixed", "show_face", "tissue", "landmarks", "face_landmarks"});
   if (const toml::node* n = table.get("tissue")) {

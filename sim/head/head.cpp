@@ -161,7 +161,7 @@ Outcome Head::connect(const ConnectTissue& t) {
       if (placed_.alive(v) && (placed_.x_mm[size_t(v)] - t.bone_mm).norm() <= t.bone_radius_mm) plan.skull_region.push_back(v);
     if (plan.skull_region.empty()) return refuse("there is no bone within bone_radius_mm of that place; expected some");
   }
-  const Outcome o = face_.connect(placed_, std::move(plan));
+  const Outcome o = face_.connect(placed_, std::move(plan), &bones_.mesh());
   if (o.done) tissues_.push_back(t);
   return o;
 }

@@ -1,0 +1,198 @@
+// A whole session on a head: the emulated surgeon saws and carries, once with one worker and once with two; scenes with and without
+// [head]; skin over bone.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "app/assembly.h"
+#include "app/operation.h"
+#include "app/session/lockstep.h"
+#include "devices/head_surgeon.h"
+#include "sim/error.h"
+#include "sim/simplex/file.h"
+#include "sim/simplex/generators.h"
+
+namespace limberg {
+namespace {
+
+/// A ball of bone of radius 40 under a face of radius 48, as files beside a scene. `more`: other parts of the scene.
+Scene ball_scene(const std::string& name, const std::string& more = "") {
+  const std::string dir = ::testing::TempDir();
+  simplex::Mesh ball = simplex::make_sphere({0, 0, 0}, 40, 3), anvil = simplex::make_sphere({0, 0, -200}, 20, 2), face = simplex::make_sphere({0, 0, 0}, 48, 3);
+  for (simplex::Mesh* m : {&ball, &anvil, &face}) simplex::record_shape(*m);
+  simplex::save_mesh(ball, dir + "/ball.txt"), simplex::save_mesh(anvil, dir + "/anvil.txt"), simplex::save_mesh(face, dir + "/face.txt");
+  return parse_scene("[head]\nsource = \"files\"\nbones = [\"anvil.txt\", \"ball.txt\"]\nface = \"face.txt\"\n" + more, dir + "/" + name + ".toml");
+}
+
+constexpr const char* kTissue = "[[head.tissue]]\nname = \"cap\"\nface = [0, 48, 0]\nface_radius_mm = 35\nlayers = 2\nmode = \"springs\"\n";
+
+/// A ring of radius 25 about the y axis, on the ball.
+CutBone ring() {
+  CutBone c;
+  for (int i = 0; i < 48; ++i) c.contour_mm.push_back({25 * std::cos(i * M_PI / 24), std::sqrt(40.0 * 40 - 25 * 25), 25 * std::sin(i * M_PI / 24)});
+  return c;
+}
+
+std::vector<Command> operation() {
+  MoveFragment m;
+  m.fragment = {-1, {0, 40, 0}};
+  m.by.translation_mm = {0, 8, 0};
+  m.seconds = 1.5;
+  return {HeadCommand(ring()), Stage{"cut"}, HeadCommand(m), Stage{"moved"}};
+}
+
+struct Ran {
+  uint64_t hash = 0;
+  std::vector<std::string> refused, script;
+  double forward_mm = 0;
+  size_t fragments = 0;
+};
+
+Ran run(int workers) {
+  AssemblyOptions o;
+  o.workers = workers;
+  Assembly a(ball_scene("session", kTissue), Calibration{}, o);
+  SurgeonSettings hand;
+  hand.seed = 5;
+  a.front.add(std::make_unique<EmulatedHeadSurgeon>(operation(), hand));
+  SessionSettings set = a.session_settings();
+  set.ticks_per_frame = 1000;
+  const SessionFigures f = run_lockstep(a.lanes(nullptr), set);
+  Ran r;
+  r.hash = f.state_hash;
+  for (const Refusal& x : a.solver.refused()) r.refused.push_back(x.command + ": " + x.reason);
+  for (const Command& c : a.done) r.script.push_back(action_name(c));
+  for (const bone::Fragment& x : a.head->bones().fragments()) r.forward_mm = std::max(r.forward_mm, (x.pose * x.centre_mm - x.centre_mm).y());
+  r.fragments = a.head->bones().fragments().size();
+  return r;
+}
+
+TEST(HeadSession, SawAndGloveCutAndCarryTheSameWithAnyNumberOfWorkers) {
+  const Ran one = run(1), two = run(2);
+  EXPECT_EQ(one.refused, std::vector<std::string>{});
+  EXPECT_EQ(one.script, (std::vector<std::string>{"osteotomy", "stage", "grab", "drag", "let_go", "stage"}));
+  EXPECT_EQ(one.fragments, 3u);
+  EXPECT_NEAR(one.forward_mm, 8, 1);  // the hand's tremor and noise, and what it met
+  EXPECT_EQ(one.hash, two.hash);
+}
+
+TEST(HeadSession, AScriptDoesTheSameWithoutAHand) {
+  AssemblyOptions o;
+  Assembly a(ball_scene("script", kTissue), Calibration{}, o);
+  Script s;
+  s.name = "s";
+  for (const Command& c : operation()) s.lines.push_back({int(s.lines.size()) + 2, c});
+  const OperationOutcome out = operate(*a.patient, s, {});
+  EXPECT_EQ(out.stages.size(), 2u);
+  EXPECT_NEAR(a.head->bones().fragments().back().pose.translation().y(), 8, 1e-9);
+  // Skin is not there: refused with the script's line.
+  Script bad;
+  bad.name = "bad.jsonl";
+  bad.lines.push_back({9, Incise{}});
+  try {
+    operate(*a.patient, bad, {});
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("bad.jsonl:9: incise refused: there is no skin"), std::string::npos) << e.what();
+  }
+}
+
+TEST(HeadSession, ScenesSayWhatIsWrong) {
+  const auto why = [](const std::string& more) {
+    try {
+      ball_scene("bad", more);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(why(""), "");
+  EXPECT_NE(why("colour = 3\n").find("unknown key \"colour\" in [head]"), std::string::npos);
+  EXPECT_NE(why("[[head.tissue]]\nname = \"a\"\n").find("face is missing"), std::string::npos);
+  EXPECT_NE(why("[[head.tissue]]\nname = \"a\"\nface = \"N\"\nmode = \"jelly\"\n").find("expected smoothing"), std::string::npos);
+  EXPECT_NE(why("[lattice]\ncell_mm = 3\n").find("lattice belongs to a [body]"), std::string::npos);
+  EXPECT_NE(why("[head.landmarks]\nN = [1, 2]\n").find("is not [x, y, z]"), std::string::npos);
+  // A landmark that is not there is found when the head is built.
+  EXPECT_THROW(Assembly(ball_scene("bad", "[[head.tissue]]\nname = \"a\"\nface = \"Nowhere\"\n"), Calibration{}, {}), InputError);
+}
+
+/// A slab of skin 60 x 60 x 8 mm, its underside 1 mm above flat bone: the top of a ball so large that it is nearly flat.
+Scene skin_over_bone() {
+  const std::string dir = ::testing::TempDir();
+  simplex::Mesh plate = simplex::make_sphere({0, 0, 0}, 1, 4), anvil = simplex::make_sphere({0, 0, -300}, 20, 2);
+  for (Vec3& x : plate.x_mm) x = Vec3(60 * x.x(), 60 * x.y(), 10 * (x.z() < 0 ? -1 : 1) * std::pow(std::abs(x.z()), 0.3) - 19);
+  for (simplex::Mesh* m : {&plate, &anvil}) m->before_mm = m->x_mm, simplex::record_shape(*m);
+  simplex::save_mesh(plate, dir + "/plate.txt"), simplex::save_mesh(anvil, dir + "/anvil2.txt");
+  return parse_scene(
+      "[head]\nsource = \"files\"\nbones = [\"anvil2.txt\", \"plate.txt\"]\ncarries_skin_mm = 20\n"
+      "[body]\nsource = \"block\"\nsize_mm = [60, 60, 8]\nskin_cell_mm = 3\n[[layer]]\nname = \"skin\"\nthickness_mm = 8\nyoung_kPa = 60\npoisson = 0.45\n[lattice]\ncell_mm = 4\n",
+      dir + "/skin_over_bone.toml");
+}
+
+std::vector<Vec3f> settled(Assembly& a, int steps = 300) {
+  StepSettings s;
+  s.max_iterations = 20, s.tolerance = 1e-6;
+  for (int i = 0; i < steps && a.patient->step(s).residual > 2e-6; ++i) {}
+  Snapshot shown;
+  a.world->fill(shown);
+  return shown.x_mm;
+}
+
+TEST(HeadSession, RigidMotionOfAllTheBoneMovesTheSkinRigidly) {
+  Assembly a(skin_over_bone(), Calibration{}, {});
+  const std::vector<Vec3f> before = settled(a);
+  MoveFragment m;
+  m.fragment = {-1, {0, 0, -9}};
+  m.by.translation_mm = {3, -2, 4}, m.by.rotation_deg = {0, 5, 3}, m.by.about_mm = Vec3(0, 0, -10);
+  ASSERT_TRUE(a.patient->apply(HeadCommand(m)).done);
+  const std::vector<Vec3f> after = settled(a);
+  const Eigen::Isometry3d map = isometry(m.by, Vec3::Zero());
+  double worst = 0;
+  for (size_t v = 0; v < before.size(); ++v) worst = std::max(worst, (map * before[v].cast<double>() - after[v].cast<double>()).norm());
+  EXPECT_LT(worst, 0.01);
+}
+
+TEST(HeadSession, AFragmentRaisedLiftsTheSkinAboveIt) {
+  Assembly a(skin_over_bone(), Calibration{}, {});
+  const std::vector<Vec3f> before = settled(a);
+  CutBone c;
+  c.point_mm = {0, 0, -19}, c.normal = Vec3::UnitX();
+  const Outcome cut = a.patient->apply(HeadCommand(c));
+  ASSERT_TRUE(cut.done) << cut.reason;
+  MoveFragment m;
+  m.fragment = {-1, {40, 0, -9}};
+  m.by.translation_mm = {0, 0, 3};
+  ASSERT_TRUE(a.patient->apply(HeadCommand(m)).done);
+  const std::vector<Vec3f> after = settled(a);
+  double above = 0, beside = 0;
+  for (size_t v = 0; v < before.size(); ++v) {
+    const float dz = after[v].z() - before[v].z();
+    if (before[v].z() > -0.1f && before[v].x() > 20) above = std::max(above, std::abs(double(dz) - 3));
+    if (before[v].z() > -0.1f && before[v].x() < -20) beside = std::max(beside, std::abs(double(dz)));
+  }
+  EXPECT_LT(above, 0.3);
+  EXPECT_LT(beside, 0.3);
+  // Skin and bone in one history: the last act goes first.
+  ASSERT_TRUE(a.patient->apply(Incise{{{-10, 0}, {10, 0}}, 3}).done);
+  ASSERT_TRUE(a.patient->apply(Undo{}).done);
+  EXPECT_EQ(a.head->bones().fragments().size(), 3u);
+  ASSERT_TRUE(a.patient->apply(Undo{}).done);  // the move
+  ASSERT_TRUE(a.patient->apply(Undo{}).done);  // the cut
+  EXPECT_EQ(a.head->bones().fragments().size(), 2u);
+  const std::vector<Vec3f> back = settled(a);
+  double worst = 0;
+  for (size_t v = 0; v < before.size(); ++v) worst = std::max(worst, double((before[v] - back[v]).norm()));
+  EXPECT_LT(worst, 0.02);
+}
+
+TEST(HeadSession, AScenesSkinAloneBuildsNoHead) {
+  Assembly a(parse_scene("[body]\nsource = \"block\"\nsize_mm = [40, 40, 8]\nskin_cell_mm = 4\n[[layer]]\nname = \"skin\"\nthickness_mm = 8\nyoung_kPa = 60\n[lattice]\ncell_mm = 5\n", "plain.toml"),
+             Calibration{}, {});
+  EXPECT_EQ(a.head, nullptr);
+  const Outcome o = a.patient->apply(HeadCommand(ring()));
+  EXPECT_FALSE(o.done);
+  EXPECT_NE(o.reason.find("no bone here"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace limberg
