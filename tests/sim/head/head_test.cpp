@@ -10,17 +10,17 @@ namespace limberg {
 namespace {
 
 /// A ball of bone of radius 30 (may be moved) beside a fixed one, under a face of radius 38.
-HeadParts ball(bool tissue = false, int face_levels = 3) {
+HeadParts ball(bool tissue = false, TissueKind mode = TissueKind::springs) {
   HeadParts p;
   p.bones.push_back({"ball", simplex::make_sphere({0, 0, 0}, 30, 3), false});
   p.bones.push_back({"anvil", simplex::make_sphere({0, 0, -200}, 20, 2), true});
-  p.face = simplex::make_sphere({0, 0, 0}, 38, face_levels);
+  p.face = simplex::make_sphere({0, 0, 0}, 38, 3);
   simplex::record_shape(p.face);
   p.landmarks = {{"top", {0, 0, 30}, false}, {"bottom", {0, 0, -30}, false}, {"crown", {0, 0, 38}, true}};
   if (tissue) {
     ConnectTissue t;
     t.name = "cap", t.face_mm = {0, 0, 38}, t.bone_mm = {0, 0, 30}, t.face_radius_mm = 30, t.layers = 2;
-    t.mode = TissueKind::springs;
+    t.mode = mode;
     p.tissues.push_back(t);
   }
   return p;
@@ -142,13 +142,15 @@ TEST(Head, TheViewIsTheMeshes) {
     const Eigen::Isometry3d pose = h.bones().fragment(top.object[t])->pose;
     for (const int32_t v : k) EXPECT_LT((pose * top.view.X_mm[size_t(v)] - s.x_mm[size_t(v)].cast<double>()).norm(), 1e-4);
   }
-  EXPECT_GT(cut, 10u), EXPECT_GT(bone, 1000u), EXPECT_GT(face, 1000u);
+  EXPECT_GT(cut, 10u);
+  EXPECT_GT(bone, 1000u);
+  EXPECT_GT(face, 1000u);
   EXPECT_NEAR(outward, 4.0 / 3 * M_PI * 38 * 38 * 38, 0.02 * outward);  // counter-clockwise from outside
 }
 
 TEST(Head, TheFaceFollowsTheBone) {
   InlineWorkers w;
-  Head h(ball(true), w);
+  Head h(ball(true, TissueKind::finite_elements), w);
   const Vec3 before = landmark(h, "crown");
   ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
   ASSERT_TRUE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 6}))).done);
@@ -159,8 +161,10 @@ TEST(Head, TheFaceFollowsTheBone) {
   EXPECT_LT(Vec2(moved.x(), moved.y()).norm(), 1);
   // What lies far away stays.
   EXPECT_LT((h.face().x_mm[0] - h.face_model().rest_mm()[0]).norm(), 8);
+  double below = 0;
   for (int32_t v = 0; v < h.face().slots(); ++v)
-    if (h.face_model().rest_mm()[size_t(v)].z() < -30) EXPECT_LT((h.face().x_mm[size_t(v)] - h.face_model().rest_mm()[size_t(v)]).norm(), 1.5);
+    if (h.face_model().rest_mm()[size_t(v)].z() < -30) below = std::max(below, (h.face().x_mm[size_t(v)] - h.face_model().rest_mm()[size_t(v)]).norm());
+  EXPECT_LT(below, 1.5);
 }
 
 TEST(Head, AHandCarriesAFragmentAndTheSameHandLetsItGo) {
@@ -191,7 +195,7 @@ TEST(Head, AHandCarriesAFragmentAndTheSameHandLetsItGo) {
 TEST(Head, WhatCannotBeBuiltIsAnInputError) {
   InlineWorkers w;
   HeadParts p = ball(true);
-  p.tissues[0].face_radius_mm = 0.01;
+  p.tissues.push_back(p.tissues[0]);  // of the same name
   EXPECT_THROW(Head(std::move(p), w), InputError);
   HeadParts q = ball();
   q.face = {};
