@@ -54,7 +54,7 @@ void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& sta
       write_png(file("tissue.png"), pictures.skin(last, net));
     }
     Camera side = camera;
-    side.eye_mm = camera.target_mm + Vec3f((camera.eye_mm - camera.target_mm).norm(), 0, 0);
+    side.eye_mm = camera.target_mm - Vec3f((camera.eye_mm - camera.target_mm).norm(), 0, 0);
     pictures.set_camera(side);
     write_png(file("profile-before.png"), pictures.skin(before, look(FaceLook::solid, "Before", true)));
     write_png(file("profile-after.png"), pictures.skin(last, look(FaceLook::solid, "After", true)));

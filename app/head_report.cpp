@@ -1,8 +1,10 @@
 #include "app/head_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 
 #include "app/tables.h"
 
@@ -34,6 +36,49 @@ Moved face_moved(const Head& head) {
 std::string name_of(const Head& head, int32_t id) {
   const bone::Fragment* f = head.bones().fragment(id);
   return f ? f->name : std::to_string(id);
+}
+
+/// A length between two landmarks, or with a third one the angle at the middle one.
+struct Figure {
+  const char *name, *a, *b, *c;
+};
+constexpr Figure kFigures[] = {{"S-N", "S", "N", nullptr}, {"N-ANS", "N", "ANS", nullptr}, {"ANS-Me", "ANS", "Me", nullptr}, {"N-Me", "N", "Me", nullptr},
+                               {"PNS-A", "PNS", "A", nullptr}, {"Co-Go, left", "Co_L", "Go_L", nullptr}, {"Co-Go, right", "Co_R", "Go_R", nullptr},
+                               {"Go-Me, left", "Go_L", "Me", nullptr}, {"Go-Me, right", "Go_R", "Me", nullptr}, {"bizygomatic, Zy-Zy", "Zy_L", "Zy_R", nullptr},
+                               {"bigonial, Go-Go", "Go_L", "Go_R", nullptr}, {"S-F, frontal bone", "S", "F", nullptr}, {"S-f', forehead", "S", "f'", nullptr}, {"SNA", "S", "N", "A"}, {"SNB", "S", "N", "B"},
+                               {"A-N-B", "A", "N", "B"}, {"Ba-S-N", "Ba", "S", "N"}, {"g'-sn-pog', profile", "g'", "sn", "pog'"}, {"prn-sn-ls", "prn", "sn", "ls"}};
+
+std::optional<double> value(const Figure& f, const std::vector<std::pair<std::string, Vec3>>& landmarks) {
+  const auto at = [&](const char* name) -> const Vec3* {
+    for (const auto& [n, x] : landmarks)
+      if (n == name) return &x;
+    return nullptr;
+  };
+  const Vec3 *a = at(f.a), *b = at(f.b), *c = f.c ? at(f.c) : nullptr;
+  if (!a || !b || (f.c && !c)) return std::nullopt;
+  if (!c) return (*a - *b).norm();
+  const Vec3 u = *a - *b, v = *c - *b;
+  return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / std::numbers::pi;
+}
+
+/// Lengths and angles between landmarks, before and after.
+ResultTable fill_cephalometry(Result& r, const Head& head) {
+  ResultTable t;
+  t.title = "Cephalometry";
+  t.about = "Lengths in mm between landmarks, and angles in degrees at the middle one of three, in space: of places off the midline they differ from those of a lateral film.";
+  t.columns = {"figure", "before", "after", "change"};
+  const auto before = head.landmarks_at_rest(), after = head.landmarks_now();
+  int n = 0;
+  for (const Figure& f : kFigures) {
+    const std::optional<double> a = value(f, before), b = value(f, after);
+    if (!a || !b) continue;
+    const std::string p = "/head/cephalometry/" + std::to_string(n++);
+    r.set(p + "/name", f.name), r.set(p + "/unit", f.c ? "deg" : "mm"), r.set(p + "/before", *a), r.set(p + "/after", *b);
+    char text[3][32];
+    std::snprintf(text[0], 32, "%.1f", *a), std::snprintf(text[1], 32, "%.1f", *b), std::snprintf(text[2], 32, "%+.2f", *b - *a + 0.0);
+    t.rows.push_back({f.name, text[0], text[1], text[2]});
+  }
+  return t;
 }
 
 void fill_pictures(Result& r, const Head& head) {
@@ -107,6 +152,7 @@ void fill_head(Result& r, const Head& head, int tables) {
     if (way.norm() > 0.05) l.rows.push_back({k.name, short_number(way.x(), 3), short_number(way.y(), 3), short_number(way.z(), 3), short_number(way.norm(), 3)});
   }
   if (!l.rows.empty()) add_table(r, tables++, l);
+  if (const ResultTable c = fill_cephalometry(r, head); !c.rows.empty()) add_table(r, tables++, c);
   if (head.has_face()) {
     const Moved m = face_moved(head);
     r.set("/head/face_moved_max_mm", m.most_mm);

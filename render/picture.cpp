@@ -126,6 +126,26 @@ const Camera& PictureMaker::camera() const {
 
 namespace {
 
+/// Whether something that is drawn solid lies more than 3 mm before a place.
+bool hidden(const Snapshot& s, const Vec3f& eye, const Vec3f& place, bool face_only) {
+  const SurfaceTopology& top = *s.topology;
+  const float far = (place - eye).norm() - 3;
+  const Vec3f d = (place - eye).normalized();
+  for (size_t t = 0; t < top.view.tri.size(); ++t) {
+    if ((top.organ_of(t) == Organ::face) != face_only) continue;
+    const Tri& k = top.view.tri[t];
+    const Vec3f &a = s.x_mm[size_t(k[0])], e1 = s.x_mm[size_t(k[1])] - a, e2 = s.x_mm[size_t(k[2])] - a, p = d.cross(e2), from = eye - a;
+    const float det = e1.dot(p);
+    if (det == 0) continue;
+    const float u = from.dot(p) / det;
+    if (!(u >= 0 && u <= 1)) continue;
+    const Vec3f q = from.cross(e1);
+    const float v = d.dot(q) / det, at = e2.dot(q) / det;
+    if (v >= 0 && u + v <= 1 && at > 0 && at < far) return true;
+  }
+  return false;
+}
+
 /// Dots with names; those of the face where it hides the others.
 void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, const View& view, FaceLook face) {
   if (!s.topology) return;
@@ -133,7 +153,7 @@ void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, co
   for (size_t i = 0; i < std::min(s.landmark_mm.size(), s.topology->landmark.size()); ++i) {
     const std::string& name = s.topology->landmark[i];
     const bool of_face = !name.empty() && name[0] >= 'a' && name[0] <= 'z';
-    if (of_face != (face == FaceLook::solid)) continue;
+    if (of_face != (face == FaceLook::solid) || hidden(s, view.eye_mm, s.landmark_mm[i], of_face)) continue;
     const Vec3f p = view.to_pixel(s.landmark_mm[i], image.width, image.height);
     if (!p.allFinite() || p.x() < 0 || p.y() < 0 || p.x() >= float(image.width) || p.y() >= float(image.height)) continue;
     const double r = 0.28 * em;
