@@ -71,23 +71,37 @@ Row run(const Values& v, Patch patch, const Run& with) {
   return r;
 }
 
+/// "prestretch 10, cell_mm 5" as "10 %, 5 mm": a legend holds two lattices of four prestretches.
+std::string short_name(std::string name) {
+  const auto put = [&](const std::string& key, const std::string& unit) {
+    const size_t at = name.find(key);
+    if (at == std::string::npos) return;
+    name.erase(at, key.size());
+    name.insert(std::min(name.find(',', at), name.size()), unit);
+  };
+  put("prestretch ", " %"), put("cell_mm ", " mm"), put("angle ", "°");
+  return name;
+}
+
 std::vector<NamedChart> charts_z(const std::vector<Row>& rows) {
   std::vector<NamedChart> out{
       chart("elongation", "Elongation of the central limb", rows, "angle", "angle, degrees", "elongation", "times its length", kKeys),
-      chart("dog-ear", "Height of the dog-ears", rows, "angle", "angle, degrees", "ear_mm", "height, mm", kKeys),
-      chart("dog-ear-by-prestretch", "Height of the dog-ears", rows, "prestretch", "prestretch, percent", "ear_mm", "height, mm", kKeys),
+      chart("dog-ear", "Height of the dog-ears", rows, "angle", "angle, degrees", "ear_mm", "height, mm; dashed: stands up", kKeys),
+      chart("dog-ear-by-prestretch", "Height of the dog-ears", rows, "prestretch", "prestretch, percent", "ear_mm", "height, mm; dashed: stands up", kKeys),
       chart("efficiency", "Gain for the work of closing", rows, "angle", "angle, degrees", "gain_per_root_work", "gain over root of the work, 1/sqrt(uJ)", kKeys),
       chart("strain-efficiency", "Gain for the largest strain", rows, "angle", "angle, degrees", "efficiency", "gain over strain, times sine of the angle", kKeys)};
+  for (NamedChart& c : out)
+    for (ChartSeries& one : c.chart.series) one.name = short_name(one.name);
   // What geometry alone promises beside it; the height from which skin counts as standing up (half a skin's thickness or 1 mm).
   ChartSeries theory;
-  theory.name = "geometry", theory.markers = true;
+  theory.name = "theory", theory.markers = true;
   for (const auto& g : groups(rows, "angle", kKeys)) {
     if (g.size() < theory.x.size()) continue;
     theory.x.clear(), theory.y.clear();
     for (const Row* r : g) theory.x.push_back(r->at("angle")), theory.y.push_back(r->at("theory"));
   }
   out[0].chart.series.push_back(std::move(theory));
-  for (const size_t i : {1, 2}) out[i].chart.y_marks = {{1, "stands up"}};
+  for (const size_t i : {1, 2}) out[i].chart.y_marks = {{1, ""}};
   for (const Row& r : rows)
     if (r.at("prestretch") != rows[0].at("prestretch")) return out;
   out.erase(out.begin() + 2);  // one prestretch: no curve over it
