@@ -118,21 +118,27 @@ Plan plan_contour(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o
   if (!plan.reason.empty()) return plan;
   constexpr double kAbove_mm = 1;  // the blade starts so far over the surface
   const bool solid = is_solid(path, o.deepest_mm);
-  std::vector<double> depth(path.x_mm.size(), kAbove_mm);
-  if (!solid) {
-    // As deep as the bone is within 3 mm along the path, and a third more.
-    const int n = int(depth.size()), reach = 3;
-    for (int i = 0; i < n; ++i) {
+  // As deep as the bone is nearby along the path, and some more; where the other table falls away steeply, more of both.
+  struct Try {
+    int reach;  // places to either side
+    double factor;
+  };
+  Section::Curves found;
+  for (const Try& attempt : {Try{3, 1.3}, Try{8, 1.5}, Try{16, 1.8}}) {
+    std::vector<double> depth(path.x_mm.size(), kAbove_mm);
+    const int n = int(depth.size());
+    for (int i = 0; i < n && !solid; ++i) {
       double most = 0;
-      for (int k = -reach; k <= reach; ++k)
-        if (const double d = path.depth_mm[size_t((i + k + n) % n)]; d <= o.deepest_mm) most = std::max(most, d);
-      depth[size_t(i)] = 1.3 * most + kAbove_mm;
+      for (int k = -attempt.reach; k <= attempt.reach; ++k)
+        if (const double d = path.depth_mm[size_t(((i + k) % n + n) % n)]; d <= o.deepest_mm) most = std::max(most, d);
+      depth[size_t(i)] = attempt.factor * most + kAbove_mm;
     }
+    const Ribbon ribbon = sweep(path, kAbove_mm, depth);
+    Section section = section_of_ribbon(m, in, ribbon.X_mm, ribbon.tri);
+    section.mend();
+    found = section.curves();
+    if (solid || found.over_ends > 0 || (found.open == 0 && found.closed.size() == 2)) break;
   }
-  const Ribbon ribbon = sweep(path, kAbove_mm, depth);
-  Section section = section_of_ribbon(m, in, ribbon.X_mm, ribbon.tri);
-  section.mend();
-  Section::Curves found = section.curves();
   if (found.over_ends > 0) plan.reason = "the contour runs over the ring of a hole";
   else if (found.closed.empty() && found.open == 0) plan.reason = "the contour is too small: it crosses no edge of the bone's mesh";
   else if (found.open > 0) plan.reason = solid ? "the contour meets the bone in open curves" : "the swept surface meets the other table in open curves";
