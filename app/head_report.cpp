@@ -1,12 +1,12 @@
 #include "app/head_report.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <optional>
 
 #include "app/tables.h"
+#include "sim/measure/cephalometry.h"
 
 namespace limberg {
 
@@ -38,46 +38,40 @@ std::string name_of(const Head& head, int32_t id) {
   return f ? f->name : std::to_string(id);
 }
 
-/// A length between two landmarks, or with a third one the angle at the middle one.
-struct Figure {
-  const char *name, *a, *b, *c;
-};
-constexpr Figure kFigures[] = {{"S-N", "S", "N", nullptr}, {"N-ANS", "N", "ANS", nullptr}, {"ANS-Me", "ANS", "Me", nullptr}, {"N-Me", "N", "Me", nullptr},
-                               {"PNS-A", "PNS", "A", nullptr}, {"Co-Go, left", "Co_L", "Go_L", nullptr}, {"Co-Go, right", "Co_R", "Go_R", nullptr},
-                               {"Go-Me, left", "Go_L", "Me", nullptr}, {"Go-Me, right", "Go_R", "Me", nullptr}, {"bizygomatic, Zy-Zy", "Zy_L", "Zy_R", nullptr},
-                               {"bigonial, Go-Go", "Go_L", "Go_R", nullptr}, {"S-F, frontal bone", "S", "F", nullptr}, {"S-f', forehead", "S", "f'", nullptr}, {"SNA", "S", "N", "A"}, {"SNB", "S", "N", "B"},
-                               {"A-N-B", "A", "N", "B"}, {"Ba-S-N", "Ba", "S", "N"}, {"g'-sn-pog', profile", "g'", "sn", "pog'"}, {"prn-sn-ls", "prn", "sn", "ls"}};
-
-std::optional<double> value(const Figure& f, const std::vector<std::pair<std::string, Vec3>>& landmarks) {
-  const auto at = [&](const char* name) -> const Vec3* {
-    for (const auto& [n, x] : landmarks)
-      if (n == name) return &x;
-    return nullptr;
-  };
-  const Vec3 *a = at(f.a), *b = at(f.b), *c = f.c ? at(f.c) : nullptr;
-  if (!a || !b || (f.c && !c)) return std::nullopt;
-  if (!c) return (*a - *b).norm();
-  const Vec3 u = *a - *b, v = *c - *b;
-  return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / std::numbers::pi;
+std::vector<NamedPoint> points(const std::vector<std::pair<std::string, Vec3>>& landmarks) {
+  std::vector<NamedPoint> out;
+  for (const auto& [name, at] : landmarks) out.push_back({name, at, 1});
+  return out;
 }
 
-/// Lengths and angles between landmarks, before and after.
+/// Lengths and angles between landmarks (measure/cephalometry.h), before and after.
 ResultTable fill_cephalometry(Result& r, const Head& head) {
   ResultTable t;
   t.title = "Cephalometry";
-  t.about = "Lengths in mm between landmarks, and angles in degrees at the middle one of three, in space: of places off the midline they differ from those of a lateral film.";
-  t.columns = {"figure", "before", "after", "change"};
-  const auto before = head.landmarks_at_rest(), after = head.landmarks_now();
+  t.about = "Lengths in mm and angles in degrees between landmarks, in space. Names with a small letter lie on the face.";
+  t.columns = {"figure", "before", "after", "change", "unit", "norm"};
+  const auto before = cephalometry(points(head.landmarks_at_rest())), after = cephalometry(points(head.landmarks_now()));
   int n = 0;
-  for (const Figure& f : kFigures) {
-    const std::optional<double> a = value(f, before), b = value(f, after);
-    if (!a || !b) continue;
+  const auto row = [&](const std::string& name, const std::string& unit, double a, double b, const std::string& norm) {
     const std::string p = "/head/cephalometry/" + std::to_string(n++);
-    r.set(p + "/name", f.name), r.set(p + "/unit", f.c ? "deg" : "mm"), r.set(p + "/before", *a), r.set(p + "/after", *b);
+    r.set(p + "/name", name), r.set(p + "/unit", unit), r.set(p + "/before", a), r.set(p + "/after", b);
     char text[3][32];
-    std::snprintf(text[0], 32, "%.1f", *a), std::snprintf(text[1], 32, "%.1f", *b), std::snprintf(text[2], 32, "%+.2f", *b - *a + 0.0);
-    t.rows.push_back({f.name, text[0], text[1], text[2]});
+    std::snprintf(text[0], 32, "%.1f", a), std::snprintf(text[1], 32, "%.1f", b), std::snprintf(text[2], 32, "%+.2f", b - a + 0.0);
+    t.rows.push_back({name, text[0], text[1], text[2], unit, norm});
+  };
+  for (size_t i = 0; i < std::min(before.size(), after.size()); ++i) {
+    const CephalometricMeasure& m = *before[i].measure;
+    if (before[i].value && after[i].value) row(m.name, m.unit, *before[i].value, *after[i].value, m.norm ? short_number(*m.norm, 3) : "");
   }
+  // The middle of the forehead from the sella, where a scene names it.
+  const auto at = [](const std::vector<std::pair<std::string, Vec3>>& l, const std::string& name) -> std::optional<Vec3> {
+    for (const auto& [k, x] : l)
+      if (k == name) return x;
+    return std::nullopt;
+  };
+  const auto was = head.landmarks_at_rest(), is = head.landmarks_now();
+  for (const auto& [name, words] : {std::pair("F", "S-F, frontal bone"), std::pair("f'", "S-f', forehead")})
+    if (at(was, "S") && at(was, name)) row(words, "mm", (*at(was, "S") - *at(was, name)).norm(), (*at(is, "S") - *at(is, name)).norm(), "");
   return t;
 }
 

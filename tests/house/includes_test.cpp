@@ -87,11 +87,11 @@ const std::map<std::string, std::set<std::string>> kSim{
     {"sim/fem", {"sim", "sim/geometry"}},
     {"sim/lattice", {"sim", "sim/geometry", "sim/cutting", "sim/fem"}},
     {"sim/contact", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice"}},
-    {"sim/simplex", {"sim", "sim/geometry"}},
+    {"sim/simplex", {"sim", "sim/geometry", "sim/fem", "sim/tools"}},
     {"sim/bone", {"sim", "sim/geometry", "sim/simplex", "sim/tools"}},
     {"sim/imaging", {"sim", "sim/geometry", "sim/simplex"}},
     {"sim/tools", {"sim", "sim/geometry"}},
-    {"sim/measure", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice", "sim/tools"}},
+    {"sim/measure", {"sim", "sim/geometry", "sim/cutting", "sim/fem", "sim/lattice", "sim/simplex", "sim/tools"}},
     {"sim/head", {"sim", "sim/geometry", "sim/simplex", "sim/bone", "sim/tools", "sim/measure"}},
 };
 // Headers directly in sim/ that the parts below may use; the world stands above them.
