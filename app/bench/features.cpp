@@ -6,6 +6,8 @@
 
 #include "app/bench/accuracy_probe.h"
 #include "app/bench/cpu_clock.h"
+#include "app/session/workers_pool.h"
+#include "sim/fem/lbfgs_solver.h"
 #include "sim/fem/material_points.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
@@ -18,172 +20,307 @@ double allocated_mb() {
   return double(m.uordblks + m.hblkhd) / 1e6;
 }
 
-struct Cost {
-  double memory_mb = 0, step_ms = 0, step_p95_ms = 0;
-  size_t nodes = 0, free_nodes = 0;
+/// Something whose frames are timed: a patient, or a solver alone.
+class Run {
+ public:
+  virtual ~Run() = default;
+  virtual void frame(int f) = 0;
+  virtual std::string size() const = 0;
   std::string refused;
+  double memory_mb = 0;
+  Times taken;
 };
+
+std::string nodes_of(const FemModel& m) {
+  size_t free = 0;
+  for (uint8_t f : m.fixed) free += !f;
+  char text[64];
+  std::snprintf(text, sizeof text, "%zu nodes, %zu free", m.X_mm.size(), free);
+  return text;
+}
 
 struct Patient {
   WorldSpec spec;
   StepSettings step;
   std::vector<Command> acts;      // before the pull
+  bool with_field = false;        // every frame
 };
 
-Cost measure(const Patient& p, const Scene& scene) {
-  InlineWorkers workers;
-  Cost c;
-  const double before = allocated_mb();
-  WorldSpec spec = p.spec;
-  spec.body = build_body(scene);
-  auto world = std::make_unique<World>(spec, workers);
-  for (const Command& a : p.acts) {
-    const Outcome o = world->apply(a);
-    if (!o.done && c.refused.empty()) c.refused = o.reason;
-    for (int k = 0; k < 3; ++k) world->step(p.step);
+class WorldRun final : public Run {
+ public:
+  WorldRun(const Patient& p, const Scene& scene, int frames) : p_(p), count_(frames) {
+    WorldSpec spec = p.spec;
+    spec.body = build_body(scene);
+    world_ = std::make_unique<World>(spec, workers_);
+    for (const Command& a : p.acts) {
+      const Outcome o = world_->apply(a);
+      if (!o.done && refused.empty()) refused = o.reason;
+      for (int k = 0; k < 3; ++k) world_->step(p.step);
+    }
+    world_->apply(SetHook{1, {0, 4}});
+    world_->fill(shown_);
+    at_ = shown_.hooks.empty() ? Vec3::Zero() : Vec3(shown_.hooks[0].handle_mm.cast<double>());
+    for (int k = 0; k < 5; ++k) world_->step(p.step);
   }
-  world->apply(SetHook{1, {0, 4}});
-  Snapshot shown;
-  world->fill(shown);
-  const Vec3 at = shown.hooks.empty() ? Vec3::Zero() : Vec3(shown.hooks[0].handle_mm.cast<double>());
-  for (int k = 0; k < 5; ++k) world->step(p.step);
-  Times frames;
-  for (int f = 1; f <= probe_frames; ++f) {
-    world->apply(MoveHook{1, at + double(f) / probe_frames * Vec3(0, 6, 6), 0});
-    const double start = cpu_ms();
-    world->step(p.step);
-    frames.add(cpu_ms() - start);
+  void frame(int f) override {
+    world_->apply(MoveHook{1, at_ + double(f) / count_ * Vec3(0, 6, 6), 0});
+    world_->step(p_.step);
+    if (p_.with_field) world_->fill(shown_, true);
   }
-  std::sort(frames.ms.begin(), frames.ms.end());
-  c.memory_mb = allocated_mb() - before;
-  c.step_ms = frames.median(), c.step_p95_ms = frames.ms[frames.ms.size() * 95 / 100];
-  const FemModel& m = world->solver().model();
-  c.nodes = m.X_mm.size();
-  for (uint8_t f : m.fixed) c.free_nodes += !f;
-  return c;
+  std::string size() const override { return nodes_of(world_->solver().model()); }
+  World& world() { return *world_; }
+  Vec3 handle_mm() const { return at_; }
+
+ private:
+  Patient p_;
+  int count_;
+  InlineWorkers workers_;
+  std::unique_ptr<World> world_;
+  Snapshot shown_;
+  Vec3 at_ = Vec3::Zero();
+};
+
+/// The elasticity solver on a model, with nothing around it.
+class SolverRun final : public Run {
+ public:
+  SolverRun(std::shared_ptr<const FemModel> model, const Spring& hook, const Vec3& pull_mm, const StepSettings& step, int frames, Workers* workers = nullptr,
+            bool estimate_error = true)
+      : hook_(hook), from_mm_(hook.target_mm), pull_mm_(pull_mm), step_(step), count_(frames), solver_(std::make_unique<fem::LbfgsSolver>(workers ? *workers : inline_, true, fem::MetricPolicy{}, fem::MinimiserPolicy{0, estimate_error})) {
+    solver_->set_model(std::move(model), {});
+    for (int k = 0; k < 5; ++k) frame(0);
+  }
+  void frame(int f) override {
+    hook_.target_mm = from_mm_ + double(f) / count_ * pull_mm_;
+    solver_->set_springs(std::span(&hook_, 1));
+    solver_->step(step_);
+  }
+  std::string size() const override { return nodes_of(solver_->model()); }
+
+ private:
+  Spring hook_;
+  Vec3 from_mm_, pull_mm_;
+  StepSettings step_;
+  int count_;
+  InlineWorkers inline_;
+  std::unique_ptr<ElasticSolver> solver_;
+};
+
+struct Variant {
+  std::string how;
+  std::function<std::unique_ptr<Run>()> make;
+  bool idle = false;  // present, but with nothing to do: must cost nothing
+};
+
+/// All variants frame by frame in turn, the first one (off) twice: how far the two differ is the noise of this run.
+class Trials {
+ public:
+  Trials(Result& out, int frames) : out_(out), frames_(frames) {}
+
+  double memory_of(const std::string& part, const std::string& how) const {
+    for (const Row& r : out_.rows)
+      if (r.name == part && r.method == how) return r.error;
+    return 0;
+  }
+
+  void add(const std::string& part, const std::vector<Variant>& variants) {
+    std::vector<std::unique_ptr<Run>> runs;
+    const auto make = [&](const Variant& v) {
+      const double before = allocated_mb();
+      runs.push_back(v.make());
+      runs.back()->memory_mb = allocated_mb() - before;
+    };
+    for (const Variant& v : variants) make(v);
+    make(variants[0]);
+    const size_t n = runs.size();
+    for (int f = 1; f <= frames_; ++f)
+      for (size_t k = 0; k < n; ++k) {
+        Run& r = *runs[(k + size_t(f)) % n];
+        const double start = cpu_ms();
+        r.frame(f);
+        r.taken.add(cpu_ms() - start);
+      }
+    // Median over frames of the ratio to the run that is off, of the same frame: what disturbs a frame disturbs both.
+    const auto ratio = [&](const Run& r) {
+      Times t;
+      for (size_t f = 0; f < r.taken.ms.size(); ++f) t.add(r.taken.ms[f] / runs[0]->taken.ms[f]);
+      return t.median();
+    };
+    const double noise = ratio(*runs[n - 1]) - 1;
+    for (size_t k = 0; k + 1 < n; ++k) {
+      const Run& r = *runs[k];
+      const double x = ratio(r);
+      char text[240];
+      std::snprintf(text, sizeof text, "step x %.3f of off, memory %+.1f MB of off; %s; off against off: x %.3f%s", x, r.memory_mb - runs[0]->memory_mb, r.size().c_str(), 1 + noise,
+                    r.refused.empty() ? "" : (", refused: " + r.refused.substr(0, 60)).c_str());
+      out_.rows.push_back({part, variants[k].how, text, r.taken.median(), false, r.memory_mb, "MB", "the allocator's count; time: one step of 10 iterations", true});
+      if (!variants[k].idle) continue;
+      // Three standard deviations of a median of n frames are about 3.8 / sqrt(n) of their scatter; the run's own twin says how much that is.
+      const double cost = 100 * (x - 1), bound = 2 + 100 * std::fabs(noise);
+      char source[128];
+      std::snprintf(source, sizeof source, "off must cost nothing: 2 %% and the noise of this run (off against off %+.1f %%)", 100 * noise);
+      out_.bars.push_back({part + ", " + variants[k].how + ": more than off (%)", cost, false, bound, false, cost <= bound, source});
+    }
+  }
+
+ private:
+  Result& out_;
+  int frames_;
+};
+
+std::shared_ptr<const FemModel> with_upper_points(const FemModel& from, const LawPtr& law, bool viscous) {
+  auto m = std::make_shared<FemModel>(from);
+  double top = -1e300;
+  for (const Vec3& X : from.X_mm) top = std::max(top, X[2]);
+  std::vector<uint8_t> upper(from.stencils.size(), 0);
+  for (const HexCell& c : from.cells) upper[size_t(c.stencil)] |= from.X_mm[size_t(c.node[7])][2] > top - 1e-6;
+  const int32_t index = int32_t(m->laws.size());
+  m->laws.push_back(law);
+  for (size_t i = 0; i < upper.size(); ++i)
+    for (int q = 0; upper[i] && q < 4; ++q) {
+      const Vec3 at(q & 1 ? 0.79 : 0.21, q & 2 ? 0.79 : 0.21, 0.75);
+      const double volume = from.stencils[i].volume_mm3 / 8;
+      if (viscous) {
+        ViscousPoint p;
+        p.at = at, p.volume_mm3 = volume, p.law = index, p.terms = {{0.5, 0.3}};
+        m->stencils[i].viscous.push_back(p);
+      } else {
+        MaterialPoint p;
+        p.at = at, p.volume_mm3 = volume, p.law = index;
+        m->stencils[i].points.push_back(p);
+      }
+    }
+  return m;
 }
 
-void row(Result& out, const std::string& part, const std::string& how, const Cost& c) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%zu nodes, %zu free, p95 %.2f ms%s", c.nodes, c.free_nodes, c.step_p95_ms, c.refused.empty() ? "" : (", refused: " + c.refused.substr(0, 60)).c_str());
-  out.rows.push_back({part, how, text, c.step_ms, false, c.memory_mb, "MB", "the allocator's count; time: one step of 10 iterations", true});
+std::shared_ptr<const FemModel> without_sliding(const FemModel& from, size_t& shared) {
+  auto m = std::make_shared<FemModel>(from);
+  std::vector<uint8_t> slides(from.stencils.size(), 0);
+  for (size_t i = 0; i < slides.size(); ++i)
+    if (from.stencils[i].slide_kPa != 0) slides[i] = 1, m->stencils[i].slide_kPa = 0;
+  shared = 0;
+  for (const HexCell& c : from.cells) shared += slides[size_t(c.stencil)];
+  return m;
 }
 
 }  // namespace
 
 Result features(const Scene& scene, const FeatureSettings& set) {
   Result out;
-  const auto say = [&](const char* s) {
-    if (set.progress) set.progress(s);
+  const int frames = set.quick ? 24 : 48;
+  Trials trials(out, frames);
+  const auto wanted = [&](const std::string& part) {
+    const bool yes = set.only.empty() || part.find(set.only) != std::string::npos;
+    if (yes && set.progress) set.progress(part);
+    return yes;
   };
   Patient base;
   base.spec = world_spec(scene, nullptr);
-  base.spec.can_cut = true, base.spec.contact = ContactChoice::off, base.spec.refine_fronts = false, base.spec.dynamic = false;
+  base.spec.can_cut = true, base.spec.contact = ContactChoice::off, base.spec.refine_fronts = false, base.spec.dynamic = false, base.spec.region_mm = 0;
   if (set.quick) base.spec.cell_mm = 2 * scene.cell_mm;
-  base.step.max_iterations = 10, base.step.tolerance = 1e-6;
+  base.step.max_iterations = 10;  // all of them: the same work in every frame
   const double depth = std::min(scene.tools.default_depth_mm, scene.tools.max_depth_mm);
   const Incise incision{{{-20, 0}, {20, 0}}, depth, 90, false};
-
-  say("cutting");
-  Patient uncut = base, blunt = base;
-  blunt.spec.can_cut = false;
-  row(out, "cutting", "off: can_cut = false", measure(blunt, scene));
-  const Cost ready = measure(uncut, scene);
-  row(out, "cutting", "on, nothing cut", ready);
   Patient cut = base;
   cut.acts = {incision};
-  const Cost one = measure(cut, scene);
-  row(out, "cutting", "on, one incision of 40 mm", one);
+  const auto patient = [&](const Patient& p) { return [&scene, p, frames] { return std::make_unique<WorldRun>(p, scene, frames); }; };
+  const auto changed = [](Patient p, const auto& change) {
+    change(p);
+    return p;
+  };
 
-  say("contact");
-  Patient touching = cut;
-  touching.spec.contact = ContactChoice::automatic;
-  Patient idle = uncut;
-  idle.spec.contact = ContactChoice::automatic;
-  row(out, "contact", "off, one incision", one);
-  row(out, "contact", "auto, one incision", measure(touching, scene));
-  row(out, "contact", "auto, nothing cut", measure(idle, scene));
-
-  say("fronts");
-  Patient fronts = cut;
-  fronts.spec.refine_fronts = true;
-  row(out, "divided fronts", "off, one incision", one);
-  row(out, "divided fronts", "on, one incision", measure(fronts, scene));
-
-  say("drawn incision");
-  Patient drawn = base;
-  for (int k = 0; k < 4; ++k) drawn.acts.push_back(InciseMore{1, {{-20.0 + 10 * k, 0}, {-10.0 + 10 * k, 0}}, depth, 90, k == 3});
-  row(out, "progressive incision", "off: the whole stroke at once", one);
-  row(out, "progressive incision", "on: in four pieces", measure(drawn, scene));
-
-  say("undo");
-  Patient many = cut;
-  for (int k = 1; k <= 8; ++k) many.acts.push_back(Incise{{{-15, 5.0 * k + 3}, {15, 5.0 * k + 3}}, depth, 90, false});
-  const Cost nine = measure(many, scene);
-  row(out, "undo depth", "1 incision to undo", one);
-  row(out, "undo depth", "9 incisions to undo", nine);
-  char note[128];
-  std::snprintf(note, sizeof note, "undo: %.2f MB for each incision of 30 mm, its wound included", (nine.memory_mb - one.memory_mb) / 8);
-  out.notes.push_back(note);
-
-  say("sutures");
-  Patient sewn = cut;
-  sewn.acts.push_back(SutureRow{{{-18, 1}, {18, 1}}, {{-18, -1}, {18, -1}}, 2});
-  row(out, "sutures", "none, one incision", one);
-  row(out, "sutures", "19 across the incision", measure(sewn, scene));
-
-  say("dynamics");
-  Patient moving = cut;
-  moving.spec.dynamic = true, moving.step.dt_s = 1 / scene.steps_per_s;
-  row(out, "dynamics", "off: quasi-static", one);
-  row(out, "dynamics", "on: one implicit step a frame", measure(moving, scene));
-
-  say("region");
-  if (scene.source == Scene::Source::block) {
-    Patient region = cut;
-    region.spec.region_mm = 40;
-    row(out, "region of interest", "off: the whole block", one);
-    row(out, "region of interest", "on: 40 mm about the middle, held outside", measure(region, scene));
+  if (wanted("everything off")) {
+    // The bare solver on the patient's own model, with the patient's hook.
+    const Patient plain = changed(base, [](Patient& p) { p.spec.can_cut = false; });
+    trials.add("everything off", {{"the elasticity solver alone", [&scene, plain, frames]() -> std::unique_ptr<Run> {
+                                     WorldRun w(plain, scene, frames);
+                                     Spring h;
+                                     h.id = 1, h.to_world = true, h.k_N_per_mm = plain.spec.hook_k_N_per_mm, h.target_mm = w.handle_mm();
+                                     const FemModel& m = w.world().solver().model();
+                                     size_t nearest = 0;
+                                     for (size_t i = 0; i < m.X_mm.size(); ++i)
+                                       if ((m.X_mm[i] - h.target_mm).squaredNorm() < (m.X_mm[nearest] - h.target_mm).squaredNorm()) nearest = i;
+                                     h.a.node[0] = int32_t(nearest), h.a.w[0] = 1;
+                                     return std::make_unique<SolverRun>(std::make_shared<FemModel>(m), h, Vec3(0, 6, 6), plain.step, frames);
+                                   }},
+                                  {"a patient that can be pulled only", patient(plain), true},
+                                  {"a patient that can be cut", patient(base), true}});
+  }
+  if (wanted("cutting"))
+    trials.add("cutting", {{"off: can_cut = false", patient(changed(base, [](Patient& p) { p.spec.can_cut = false; }))}, {"on, nothing cut", patient(base), true}, {"on, one incision of 40 mm", patient(cut)}});
+  if (wanted("contact")) {
+    const auto touch = [](Patient& p) { p.spec.contact = ContactChoice::automatic; };
+    trials.add("contact", {{"off, nothing cut", patient(base)}, {"auto, nothing cut", patient(changed(base, touch)), true}});
+    trials.add("contact in a wound", {{"off, one incision", patient(cut)}, {"auto, one incision", patient(changed(cut, touch))}});
+  }
+  if (wanted("divided fronts")) {
+    const auto divide = [](Patient& p) { p.spec.refine_fronts = true; };
+    trials.add("divided fronts", {{"off, one incision", patient(cut)}, {"on, one incision", patient(changed(cut, divide))}});
+  }
+  if (wanted("progressive incision")) {
+    Patient drawn = base;
+    for (int k = 0; k < 4; ++k) drawn.acts.push_back(InciseMore{1, {{-20.0 + 10 * k, 0}, {-10.0 + 10 * k, 0}}, depth, 90, k == 3});
+    trials.add("progressive incision", {{"off: the whole stroke at once", patient(cut)}, {"on: in four pieces", patient(drawn)}});
+  }
+  if (wanted("undo depth")) {
+    Patient many = cut;
+    for (int k = 1; k <= 8; ++k) many.acts.push_back(Incise{{{-15, 5.0 * k + 3}, {15, 5.0 * k + 3}}, depth, 90, false});
+    trials.add("undo depth", {{"1 incision to undo", patient(cut)}, {"9 incisions to undo", patient(many)}});
+    char note[128];
+    std::snprintf(note, sizeof note, "undo: %.2f MB for each incision of 30 mm, its wound included",
+                  (trials.memory_of("undo depth", "9 incisions to undo") - trials.memory_of("undo depth", "1 incision to undo")) / 8);
+    out.notes.push_back(note);
+  }
+  if (wanted("sutures")) {
+    const auto sew = [](Patient& p) { p.acts.push_back(SutureRow{{{-18, 1}, {18, 1}}, {{-18, -1}, {18, -1}}, 2}); };
+    trials.add("sutures", {{"none, one incision", patient(cut)}, {"19 across the incision", patient(changed(cut, sew))}});
+  }
+  if (wanted("dynamics")) {
+    const auto move = [&](Patient& p) { p.spec.dynamic = true, p.step.dt_s = 1 / scene.steps_per_s; };
+    trials.add("dynamics", {{"off: quasi-static", patient(cut)}, {"on: one implicit step a frame", patient(changed(cut, move))}});
+  }
+  if (wanted("tension field")) trials.add("tension field", {{"off", patient(cut)}, {"on: every frame", patient(changed(cut, [](Patient& p) { p.with_field = true; }))}});
+  if (wanted("region") && scene.source == Scene::Source::block) {
+    trials.add("region of interest", {{"off: the whole block", patient(cut)},
+                                      {"on, all of the block inside", patient(changed(cut, [](Patient& p) { p.spec.region_mm = 1e4; })), true},
+                                      {"on: 40 mm about the middle, the rest absent", patient(changed(cut, [](Patient& p) { p.spec.region_mm = 40; }))}});
   }
 
-  say("fibres");
-  {  // on plain finite elements: the same cells, with and without fibres in the uppermost ones
-    InlineWorkers workers;
-    const Probe probe = make_probe(scene, build_body(scene), base.spec.cell_mm, workers);
-    auto fibrous = std::make_shared<FemModel>(*probe.model);
-    double top = -1e300;
-    for (const Vec3& X : fibrous->X_mm) top = std::max(top, X[2]);
-    std::vector<uint8_t> upper(fibrous->stencils.size(), 0);
-    for (const HexCell& c : fibrous->cells) upper[size_t(c.stencil)] |= fibrous->X_mm[size_t(c.node[7])][2] > top - 1e-6;
-    const int32_t law = int32_t(fibrous->laws.size());
-    fibrous->laws.push_back(dispersed_fibres({50, 1.5, 0.15}, {{{1, 1, 0}}, {{1, -1, 0}}}));
-    for (size_t i = 0; i < upper.size(); ++i)
-      if (upper[i])
-        for (int q = 0; q < 4; ++q) {
-          MaterialPoint p;
-          p.at = Vec3(q & 1 ? 0.79 : 0.21, q & 2 ? 0.79 : 0.21, 0.75), p.volume_mm3 = fibrous->stencils[i].volume_mm3 / 8, p.law = law;
-          fibrous->stencils[i].points.push_back(p);
-        }
-    for (const auto& [name, model] : {std::pair<const char*, std::shared_ptr<const FemModel>>{"off", probe.model}, {"on: two families in the uppermost cells", fibrous}}) {
-      const double before = allocated_mb();
-      const auto solver = make_solver(workers);
-      solver->set_model(model, {});
-      Spring h = probe.hook;
-      Times frames;
-      for (int f = 0; f <= probe_frames; ++f) {
-        h.target_mm = probe.hook.target_mm + double(f) / probe_frames * probe.pull_mm;
-        const double start = cpu_ms();
-        solver->set_springs(std::span(&h, 1));
-        solver->step(base.step);
-        if (f > 0) frames.add(cpu_ms() - start);
-      }
-      Cost c;
-      c.memory_mb = allocated_mb() - before, c.step_ms = frames.median(), c.step_p95_ms = frames.ms.back(), c.nodes = model->X_mm.size();
-      for (uint8_t f : model->fixed) c.free_nodes += !f;
-      row(out, "fibres (solver alone)", name, c);
-    }
+  // On plain finite elements: the same cells with and without.
+  InlineWorkers workers;
+  const bool solvers = wanted("fibres") || wanted("viscoelasticity") || wanted("thin layers") || wanted("second worker") || wanted("error estimate");
+  if (!solvers) return out;
+  const Probe probe = make_probe(scene, build_body(scene), base.spec.cell_mm, workers);
+  const auto alone = [&](std::shared_ptr<const FemModel> model, const StepSettings& step, Workers* w = nullptr) {
+    return [&probe, model, step, frames, w]() -> std::unique_ptr<Run> {
+      return std::make_unique<SolverRun>(std::make_shared<FemModel>(*model), probe.hook, probe.pull_mm, step, frames, w);
+    };
+  };
+  if (wanted("fibres")) {
+    const auto fibrous = with_upper_points(*probe.model, dispersed_fibres({50, 1.5, 0.15}, {{{1, 1, 0}}, {{1, -1, 0}}}), false);
+    trials.add("fibres (solver alone)", {{"off", alone(probe.model, base.step)}, {"on: two families in the uppermost cells", alone(fibrous, base.step)}});
   }
-  out.notes.push_back("memory: of body, patient and solver together, in rows of fibres of the solver alone");
+  if (wanted("viscoelasticity")) {
+    const auto viscous = with_upper_points(*probe.model, neo_hookean(20), true);
+    StepSettings moving = base.step;
+    moving.dt_s = 1 / scene.steps_per_s;
+    trials.add("viscoelasticity (solver alone)", {{"off, quasi-static", alone(probe.model, base.step)}, {"layers that relax, quasi-static steps", alone(viscous, base.step), true}});
+    trials.add("viscoelasticity, dynamic", {{"off", alone(probe.model, moving)}, {"on: one Prony term in the uppermost cells", alone(viscous, moving)}});
+  }
+  if (wanted("thin layers")) {
+    size_t shared = 0;
+    const auto averaged = without_sliding(*probe.model, shared);
+    char how[96];
+    std::snprintf(how, sizeof how, "on: sliding in %zu of %zu cells", shared, probe.model->cells.size());
+    trials.add("thin layers (solver alone)", {{"off: layers of a cell averaged", alone(averaged, base.step)}, {how, alone(probe.model, base.step)}});
+  }
+  if (wanted("error estimate"))
+    trials.add("error estimate (solver alone)", {{"off", [&]() -> std::unique_ptr<Run> { return std::make_unique<SolverRun>(std::make_shared<FemModel>(*probe.model), probe.hook, probe.pull_mm, base.step, frames, nullptr, false); }},
+                                                 {"on", alone(probe.model, base.step)}});
+  if (wanted("second worker")) {
+    WorkersPool two(2);
+    trials.add("second worker (CPU time of both)", {{"off", alone(probe.model, base.step)}, {"on", alone(probe.model, base.step, &two)}});
+  }
+  out.notes.push_back("memory: of body, patient and solver together, in rows of the solver alone of that; each row's ratio is the median over the frames of on / off of the same frame, all run in turn");
   return out;
 }
 

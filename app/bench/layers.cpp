@@ -1,12 +1,13 @@
 // Layers thinner than a cell: 1.5 mm of skin in cells of 3 mm.
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "app/bench/cpu_clock.h"
 #include "app/bench/laws.h"
+#include "app/bench/layered_block.h"
 #include "sim/fem/box_model.h"
 #include "sim/fem/elastic_solver.h"
-#include "sim/lattice/shared_cells.h"
 
 namespace limberg::bench {
 namespace {
@@ -22,40 +23,16 @@ struct Case {
 };
 constexpr double kPatch_mm = 6;
 
-/// Cells of h mm; every row the exact sum of the layers in it, as lattices have it.
+/// Cells of h mm, held by its end or by its bottom and sides.
 FemModel block(const Case& c, double h, double skin_kPa, double nu) {
-  BoxSpec b;
+  LayeredBlock b;
   b.cells = {int(std::lround(c.size_mm[0] / h)), int(std::lround(c.size_mm[1] / h)), int(std::lround(c.size_mm[2] / h))};
-  b.size_mm = c.size_mm;
-  b.poisson = nu;
-  FemModel m = box_model(b);
-  Body body;
-  body.layers.resize(2);
-  body.layers[0].material.young_kPa = 15, body.layers[1].material.young_kPa = skin_kPa;
-  for (Layer& l : body.layers) l.material.poisson = nu;
-  const std::vector<LayerMatter> matter = layer_matter(body, m.laws);
-  m.stencils.clear();
-  const double border = (c.size_mm[2] - kSkin_mm) / m.cell_mm[2];  // in cells from below
-  for (int k = 0; k < b.cells.z; ++k) {
-    const double at = std::clamp(border - k, 0.0, 1.0);
-    Stencil s;
-    std::vector<LayerPart> parts;
-    const auto add = [&](double lo, double hi, const LayerMatter& l) {
-      if (hi - lo < 1e-9) return;
-      add_box(s, m.cell_mm, {0, 0, lo}, {1, 1, hi}, l, {});
-      parts.push_back({&l, box_moments(m.cell_mm, {0, 0, lo}, {1, 1, hi})});
-    };
-    add(0, at, matter[0]);
-    add(at, 1, matter[1]);
-    finish_stencil(s);
-    share_cell(s, m.cell_mm, parts, {});
-    m.stencils.push_back(s);
-  }
-  for (HexCell& cell : m.cells) cell.stencil = cell.at[2] / 2;
+  b.size_mm = c.size_mm, b.skin_mm = kSkin_mm, b.skin_kPa = skin_kPa, b.poisson = nu;
+  FemModel m = layered_block(b);
   for (size_t i = 0; i < m.X_mm.size(); ++i) {
-    const Vec3& X = m.X_mm[i];
-    m.fixed[i] = c.load == Load::beam ? X[0] < -0.5 * c.size_mm[0] + 1e-9
-                                      : X[2] < 1e-9 || std::fabs(X[0]) > 0.5 * c.size_mm[0] - 1e-9 || std::fabs(X[1]) > 0.5 * c.size_mm[1] - 1e-9;
+    const Vec3& X = std::as_const(m.X_mm)[i];
+    m.fixed.set(i, c.load == Load::beam ? X[0] < -0.5 * c.size_mm[0] + 1e-9
+                                        : X[2] < 1e-9 || std::fabs(X[0]) > 0.5 * c.size_mm[0] - 1e-9 || std::fabs(X[1]) > 0.5 * c.size_mm[1] - 1e-9);
   }
   return m;
 }

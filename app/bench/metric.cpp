@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "app/bench/cpu_clock.h"
-#include "sim/fem/box_model.h"
+#include "app/bench/wound_block.h"
 #include "sim/fem/lbfgs_solver.h"
 
 namespace limberg::bench {
@@ -18,7 +18,6 @@ struct Size {
 // Times METIS: the issue's. Times in ms: full rebuild 25 and 100, local 10 and 30 as the stretch (targets after the prototype).
 constexpr Size sizes[] = {{"2k", 24, 2, 0, 0, 0}, {"8k", 44, 3, 3, 25, 10}, {"30k", 66, 6, 5, 100, 30}};
 
-constexpr double slit_half_mm = 25, flap_mm = 20;
 enum class Wound { slit, slit_and_flap };
 
 struct Scene {
@@ -26,29 +25,9 @@ struct Scene {
   std::vector<int32_t> cell_parent;
 };
 
-FemModel block(const Size& size) {
-  BoxSpec b;
-  b.cells = {size.side, size.side, size.layers};
-  b.size_mm = {120, 120, 10};
-  b.young_bottom_kPa = 18, b.young_top_kPa = 60;
-  b.poisson = 0.49;
-  b.fix_sides = true;
-  return box_model(b);
-}
-
 /// Cells stay in their order, so that a cell's parent is its own index.
 Scene wounded(const FemModel& before, Wound wound) {
-  const Vec3 h = before.cell_mm;
-  const double under = 10 - h[2] * std::ceil(0.5 * (10 / h[2]));  // the flap has half of the layers
-  const auto apart = [&](const Vec3& p, const Vec3& q) {
-    const Vec3 m = 0.5 * (p + q);
-    const bool across_y = std::fabs(p[1] - q[1]) > 0.5 * h[1];
-    const bool across_z = std::fabs(p[2] - q[2]) > 0.5 * h[2];
-    if (across_y && std::fabs(m[1]) < 0.3 * h[1] && std::fabs(m[0]) < slit_half_mm) return true;
-    return wound == Wound::slit_and_flap && across_z && std::fabs(m[2] - under) < 0.3 * h[2] && m[1] > 0 && m[1] < flap_mm &&
-           std::fabs(m[0]) < slit_half_mm;
-  };
-  Scene s{std::make_shared<FemModel>(part_cells(before, apart)), std::vector<int32_t>(before.cells.size())};
+  Scene s{std::make_shared<FemModel>(wounded_block(before, wound == Wound::slit ? 0 : 20)), std::vector<int32_t>(before.cells.size())};
   std::iota(s.cell_parent.begin(), s.cell_parent.end(), 0);
   return s;
 }
@@ -98,15 +77,6 @@ void rebuilds(Result& out, const Size& size, const char* what, const Scene& befo
   bar("cycle carried over (ms)", local.median(), size.local_ms, false, "stretch after the prototype: 10 at 8k, 30 at 30k");
 }
 
-Spring lip_hook(const FemModel& m, bool pulled) {
-  Spring s;
-  s.id = 1, s.to_world = true, s.k_N_per_mm = 0.5;
-  const Vec3 at(0.1, 1, 9.9);
-  s.a = embed(m, at);
-  s.target_mm = at + (pulled ? Vec3(0, 8, 12) : Vec3(0, 0, 0));
-  return s;
-}
-
 double largest(std::span<const Vec3f> u, const std::vector<Vec3f>& v, const std::vector<int32_t>& of, const std::vector<uint8_t>& shown) {
   double m = 0;
   for (size_t i = 0; i < u.size(); ++i)
@@ -119,7 +89,7 @@ void frames(Result& out, const Size& size, const Scene& before, const Scene& aft
   InlineWorkers workers;
   char name[96];
   std::snprintf(name, sizeof name, "frames after a cut, %s", size.name);
-  const std::vector<Spring> hook_before{lip_hook(*before.model, true)}, hook{lip_hook(*after.model, true)};
+  const std::vector<Spring> hook_before{lip_hook(*before.model, 1)}, hook{lip_hook(*after.model, 1)};
   StepSettings settle, frame;
   settle.max_iterations = 1500, settle.tolerance = 4e-6;  // single precision reaches about 3e-6 at 30k nodes
   frame.max_iterations = 10;
@@ -178,7 +148,7 @@ void frames(Result& out, const Size& size, const Scene& before, const Scene& aft
 /// Steps to 1 and 0.1 mm from the shut wound, by the operator that is there at once and by a factor of the new model.
 void steps_after_cut(Result& out, const Size& size, const char* what, const Scene& before, const Scene& after) {
   InlineWorkers workers;
-  const std::vector<Spring> hook{lip_hook(*after.model, true)};
+  const std::vector<Spring> hook{lip_hook(*after.model, 1)};
   std::vector<Vec3f> exact;
   int steps[2][2] = {{-1, -1}, {-1, -1}};
   for (int how = -1; how < 2; ++how) {
@@ -227,7 +197,7 @@ Result cut_metric(const MetricSettings& settings) {
     const bool small = size.times_metis == 0;
     if (small != settings.quick) continue;
     if (settings.progress) settings.progress(std::string("metric after a cut, ") + size.name + " nodes");
-    const Scene whole{std::make_shared<FemModel>(block(size)), {}};
+    const Scene whole{std::make_shared<FemModel>(sided_block(size.side, size.layers)), {}};
     const Scene slit = wounded(*whole.model, Wound::slit), both = wounded(*whole.model, Wound::slit_and_flap);
     rebuilds(out, size, "slit", whole, slit, !small);
     rebuilds(out, size, "flap under it", slit, wounded(*slit.model, Wound::slit_and_flap), !small);

@@ -27,7 +27,7 @@ double largest_error(std::span<const Vec3> u, std::span<const Vec3> exact);
 /// The scene with the hook pulled by 29.6 mm.
 BenchScene pulled_scene(int side, int layers, double poisson);
 /// A solver at rest with its factor or cycle made.
-std::unique_ptr<ElasticSolver> ready(Workers& w, std::span<const Spring> springs, const std::shared_ptr<const FemModel>& model);
+std::unique_ptr<ElasticSolver> ready(Workers& w, std::span<const Spring> springs, const std::shared_ptr<const FemModel>& model, bool estimate_error = true);
 /// The equilibrium from rest: this solver to its floor, polished by Newton in double.
 std::vector<Vec3> equilibrium(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs);
 
@@ -35,11 +35,17 @@ std::vector<Vec3> equilibrium(const std::shared_ptr<const FemModel>& model, std:
 struct PullTimes {
   double ms[2] = {0, 0}, error[2] = {0, 0};
   int iterations[2] = {-1, -1};  // -1: not reached
+  double with_estimate_ms[2] = {0, 0};  // the same and the error that frames carry (MinimiserPolicy::estimate_error)
   bool cycle = false;
 };
 PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs, std::span<const Vec3> exact);
 
+/// What reading so many bytes, the half of them twice, takes at least.
+double solve_floor_ms(size_t bytes);
+
 void speed_kernels(const SpeedRun& run);        // instruction sets; three right-hand sides against CHOLMOD
+void speed_profile(const SpeedRun& run);        // where an iteration's time goes, beside the machine's floor
+void speed_flap(const SpeedRun& run);           // the undermined flap, and why it is slow
 void speed_scalar_double(const SpeedRun& run);  // the same pull by a scalar double solver
 void speed_workers(const SpeedRun& run);        // a second core
 void speed_locking(const SpeedRun& run);        // energy error at two cells thickness

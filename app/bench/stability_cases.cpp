@@ -1,7 +1,9 @@
 #include "app/bench/stability_cases.h"
 
 #include <cmath>
+#include <utility>
 
+#include "app/bench/layered_block.h"
 #include "sim/fem/box_model.h"
 #include "sim/fem/material_points.h"
 #include "sim/fem/materials/fibres.h"
@@ -30,8 +32,8 @@ BoxSpec block(double poisson = 0.45) {
 enum class Start { scramble, point, plane, mirror, half_inverted };
 constexpr const char* start_name[] = {"random scramble", "all at one point", "all on a plane", "mirrored", "half inverted"};
 
-std::vector<Vec3f> displaced(const FemModel& m, Start start) {
-  Random r;
+std::vector<Vec3f> displaced(const FemModel& m, Start start, uint64_t seed = 17) {
+  Random r{seed};
   std::vector<Vec3f> u(m.X_mm.size(), Vec3f::Zero());
   for (size_t i = 0; i < u.size(); ++i) {
     const Vec3 X = m.X_mm[i];
@@ -124,6 +126,16 @@ void contrast(List& l) {
         c.start = displaced(m, Start::scramble);
       else
         c.load = {hook(m, {5, 3, 0}, {0, 0, -20}, 0.5)}, c.hold_steps = 20;
+    }
+}
+
+// 1.5 mm of skin in the uppermost of three rows of 3.3 mm cells: skin and fat share a cell and slide in it.
+void shared_cells(List& l) {
+  for (const double contrast : {60.0, 400.0})
+    for (Start s : {Start::scramble, Start::mirror, Start::half_inverted}) {
+      auto& c = l.add("shared cells", std::string("skin in a cell of fat, ") + (contrast == 60 ? "60" : "400") + " : 1, " + start_name[int(s)], shared_cell_block(contrast));
+      c.start = displaced(*c.model, s);
+      c.one_material = false;
     }
 }
 
@@ -242,9 +254,20 @@ void slab(List& l) {
 
 }  // namespace
 
+FemModel shared_cell_block(double contrast) {
+  LayeredBlock b;
+  b.cells = {18, 18, 3}, b.size_mm = {60, 60, 10}, b.skin_kPa = 15 * contrast;
+  FemModel m = layered_block(b);
+  for (size_t i = 0; i < m.X_mm.size(); ++i) {
+    const Vec3& X = std::as_const(m.X_mm)[i];
+    m.fixed.set(i, std::fabs(X[0]) > 30 - 1e-9 || std::fabs(X[1]) > 30 - 1e-9);
+  }
+  return m;
+}
+
 std::vector<StabilityCase> stability_cases(bool one_per_family) {
   List l;
-  bad_starts(l), laws(l), contrast(l), slivers(l), steps(l), pulls(l), stitches(l), floating(l), everything(l), slab(l);
+  bad_starts(l), laws(l), contrast(l), shared_cells(l), slivers(l), steps(l), pulls(l), stitches(l), floating(l), everything(l), slab(l);
   if (!one_per_family) return std::move(l.all);
   std::vector<StabilityCase> few;
   for (StabilityCase& c : l.all)

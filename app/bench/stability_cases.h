@@ -29,6 +29,9 @@ struct StabilityCase {
 
 std::vector<StabilityCase> stability_cases(bool one_per_family);
 
+/// Thin skin over fat that share a row of cells, the skin so many times as stiff; sides held.
+FemModel shared_cell_block(double contrast);
+
 /// The same model with every stencil replaced by the linear corotated law of the same constants.
 std::shared_ptr<const FemModel> corotated_twin(const FemModel& model);
 

@@ -117,7 +117,7 @@ int run(const Options& o) {
     accuracy = bench::accuracy(open_scene(o.scene.empty() ? "rhomboid" : o.scene), s);
     b = accuracy.result();
   } else if (o.suite == "features") {
-    b = bench::features(open_scene(o.scene.empty() ? "rhomboid" : o.scene), {o.quick, note});
+    b = bench::features(open_scene(o.scene.empty() ? "rhomboid" : o.scene), {o.quick, o.only, note});
   } else if (o.suite == "frames") {
     const Scene scene = open_scene(o.scene.empty() ? "rhomboid" : o.scene);
     const std::string file = shipped_file("recordings/" + scene.name + ".jsonl");
@@ -220,7 +220,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
-  c->add_option("--only", o->only, "speed, stability, contact, cutting, devices: the parts or families whose name contains this (contact: rhomboid, zplasty, live, or a procedure; cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, scalar, workers, locking, slab, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
+  c->add_option("--only", o->only, "speed, stability, contact, cutting, devices, features: the parts or families whose name contains this (contact: rhomboid, zplasty, live, or a procedure; cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, profile, scalar, workers, locking, slab, flap, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
   c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(CLI::PositiveNumber);
   c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(CLI::PositiveNumber);
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");

@@ -2,10 +2,11 @@
 
 namespace limberg::fem {
 
-CellScatter::CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_t node_count) {
+CellScatter::CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_t node_count, const std::vector<uint8_t>& corners) {
+  const auto used = [&](size_t c) { return corners.empty() ? size_t(8) : size_t(corners[c]); };
   std::vector<int32_t> count(node_count, 0), place(node_count, -1);
-  for (const auto& c : cells)
-    for (int32_t n : c) ++count[size_t(n)];
+  for (size_t c = 0; c < cells.size(); ++c)
+    for (size_t a = 0; a < used(c); ++a) ++count[size_t(cells[c][a])];
   begin_.push_back(0);
   for (size_t n = 0; n < node_count; ++n) {
     if (!count[n]) continue;
@@ -16,7 +17,7 @@ CellScatter::CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_
   list_.resize(size_t(begin_.back()));
   std::vector<int32_t> fill(begin_.begin(), begin_.end() - 1);
   for (size_t c = 0; c < cells.size(); ++c)
-    for (size_t a = 0; a < 8; ++a) list_[size_t(fill[size_t(place[size_t(cells[c][a])])]++)] = int32_t(8 * c + a);
+    for (size_t a = 0; a < used(c); ++a) list_[size_t(fill[size_t(place[size_t(cells[c][a])])]++)] = int32_t(8 * c + a);
 }
 
 void CellScatter::add(const std::vector<CellForce>& force, NodeArray& g, bool measure, Workers& workers) const {

@@ -33,7 +33,8 @@ class CellScatter {
  public:
   CellScatter() = default;
   /// Nodes of every cell, corner order of fem_model.h; node_count of the model.
-  CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_t node_count);
+  /// `corners`: how many of a cell's are used, the first ones; empty: all eight.
+  CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_t node_count, const std::vector<uint8_t>& corners = {});
   /// g += the cells' forces; `measure`: the norms to w.
   void add(const std::vector<CellForce>& force, NodeArray& g, bool measure, Workers& workers) const;
 

@@ -12,7 +12,7 @@
 //         on, so g is zero there and they take no part in any product (hanging_nodes.h)
 //   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers)
 //
-// A tangle that the energy does not lead out of (many cells inverted and no balance in sight for a hundred iterations: layers
+// A tangle that the energy does not lead out of (many cells inverted and no balance in sight for forty iterations: layers
 // of very different stiffness thrown together) is undone in two stages. First the energy is replaced by its quadratic part
 // about the rest shape, which is convex and, under whatever springs there are, leaves no cell folded by another. Then the
 // whole energy takes over from there. Only in quasi-static steps, only where something holds every piece (the quadratic
@@ -36,10 +36,17 @@
 
 namespace limberg::fem {
 
+/// What scenes never change: benches ask what each of them is worth.
+struct MinimiserPolicy {
+  int pairs = 0;               // of the history; 0: as suits the size
+  // false: no distance_mm, and the residual against the forces of the step's beginning. Saves an evaluation and a direction.
+  bool estimate_error = true;
+};
+
 class LbfgsSolver final : public ElasticSolver {
  public:
-  explicit LbfgsSolver(Workers& workers, bool augmented = true, MetricPolicy policy = {})
-      : engine_(workers, policy.kernels ? *policy.kernels : default_kernels()), augmented_(augmented), metric_(workers, policy) {}
+  explicit LbfgsSolver(Workers& workers, bool augmented = true, MetricPolicy policy = {}, MinimiserPolicy own = {})
+      : engine_(workers, policy.kernels ? *policy.kernels : default_kernels()), augmented_(augmented), own_(own), metric_(workers, policy) {}
 
   void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) override;
   void set_springs(std::span<const Spring> springs) override;
@@ -79,6 +86,7 @@ class LbfgsSolver final : public ElasticSolver {
 
   Engine engine_;
   bool augmented_;
+  MinimiserPolicy own_;
   Preconditioner metric_;
   std::shared_ptr<const FemModel> model_;
   std::unique_ptr<ElementSystem> elements_;

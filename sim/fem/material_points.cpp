@@ -36,15 +36,44 @@ MaterialPoints::MaterialPoints(const FemModel& m) : laws_(m.laws) {
   }
   if (points_.empty()) return;
   std::vector<std::array<int32_t, 8>> nodes;
+  std::vector<uint8_t> corners;
   for (const HexCell& c : m.cells) {
     const auto [first, last] = of_stencil[size_t(c.stencil)];
     if (first == last || c.scale == 0) continue;
-    cells_.push_back({c.node, first, last, double(c.scale)});
-    nodes.push_back(c.node);
+    bool four = true;
+    for (int32_t i = first; i < last && four; ++i) four = points_[size_t(i)].BM.bottomRows<4>().isZero(0);
+    cells_.push_back({c.node, first, last, double(c.scale), uint8_t(four ? 4 : 8)});
+    nodes.push_back(c.node), corners.push_back(cells_.back().corners);
   }
-  scatter_ = CellScatter(nodes, m.X_mm.size());
+  scatter_ = CellScatter(nodes, m.X_mm.size(), corners);
   force_.resize(cells_.size());
   sums_.resize(cells_.size());
+}
+
+template <int corners>
+CellSums MaterialPoints::force(const Cell& cell, const NodeArray& u, bool measure, CellForce& out) const {
+  using Rows = Eigen::Matrix<double, corners, 3>;
+  Rows U;
+  for (int a = 0; a < corners; ++a) {
+    const Node4& n = u[size_t(cell.node[size_t(a)])];
+    U.row(a) << double(n.x), double(n.y), double(n.z);
+  }
+  Rows f = Rows::Zero();
+  CellSums sums;
+  for (int32_t i = cell.first; i < cell.last; ++i) {
+    const Point& p = points_[size_t(i)];
+    const Rows BM = p.BM.topRows<corners>();
+    const Mat3 FM = p.M + U.transpose() * BM;
+    const MaterialLaw::Response r = p.law->at(FM);
+    sums.energy += p.volume_mm3 * (r.energy_kPa - p.rest_kPa);
+    sums.magnitude += p.volume_mm3 * (std::fabs(r.energy_kPa) + p.rest_kPa);
+    f.noalias() += p.volume_mm3 * BM * r.P_kPa.transpose();
+  }
+  for (int a = 0; a < corners; ++a) {
+    const Vec3 v = cell.scale * f.row(a).transpose();
+    out.col(a) << v.cast<float>(), measure ? float(v.norm()) : 0.0f;
+  }
+  return {cell.scale * sums.energy, cell.scale * sums.magnitude};
 }
 
 CellSums MaterialPoints::add(const NodeArray& u, NodeArray& g, bool measure, Workers& workers) const {
@@ -52,23 +81,7 @@ CellSums MaterialPoints::add(const NodeArray& u, NodeArray& g, bool measure, Wor
   workers.parallel_for(cells_.size(), 64, [&](size_t begin, size_t end) {
     for (size_t c = begin; c < end; ++c) {
       const Cell& cell = cells_[c];
-      Gradients U;
-      for (int a = 0; a < 8; ++a) {
-        const Node4& n = u[size_t(cell.node[size_t(a)])];
-        U.row(a) << double(n.x), double(n.y), double(n.z);
-      }
-      Gradients f = Gradients::Zero();
-      CellSums sums;
-      for (int32_t i = cell.first; i < cell.last; ++i) {
-        const Point& p = points_[size_t(i)];
-        const Mat3 FM = p.M + U.transpose() * p.BM;
-        const MaterialLaw::Response r = p.law->at(FM);
-        sums.energy += p.volume_mm3 * (r.energy_kPa - p.rest_kPa);
-        sums.magnitude += p.volume_mm3 * (std::fabs(r.energy_kPa) + p.rest_kPa);
-        f.noalias() += p.volume_mm3 * p.BM * r.P_kPa.transpose();
-      }
-      sums_[c] = {cell.scale * sums.energy, cell.scale * sums.magnitude};
-      force_[c] = cell_force(f, cell.scale);
+      sums_[c] = cell.corners == 4 ? force<4>(cell, u, measure, force_[c]) : force<8>(cell, u, measure, force_[c]);
     }
   });
   scatter_.add(force_, g, measure, workers);

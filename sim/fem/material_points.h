@@ -35,7 +35,10 @@ class MaterialPoints {
     std::array<int32_t, 8> node{};
     int32_t first = 0, last = 0;  // points
     double scale = 1;
+    uint8_t corners = 8;          // 4: a tetrahedron
   };
+  template <int corners>
+  CellSums force(const Cell& cell, const NodeArray& u, bool measure, CellForce& out) const;
   std::vector<LawPtr> laws_;
   std::vector<Point> points_;       // per stencil, in order
   std::vector<Cell> cells_;

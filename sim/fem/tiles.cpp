@@ -16,6 +16,20 @@ TileKey key_of(const FemModel& m, const Vec3& low, size_t c) {
   return {tile << 40 | uint64_t(x) << 26 | uint64_t(y) << 12 | uint64_t(z), int32_t(c)};
 }
 
+/// Cells of scale 0 are absent from the tiles, and so are those all of whose energy is in material points (no boxes:
+/// shaped_cells.h): a hexahedron's kernel has nothing to add there.
+class Present {
+ public:
+  explicit Present(const FemModel& m) : m_(m) {
+    for (const Stencil& s : m.stencils) box_.push_back(s.points.empty() || !s.points[0].gradients);
+  }
+  bool operator()(size_t c) const { return m_.cells[c].scale > 0 && box_[size_t(m_.cells[c].stencil)]; }
+
+ private:
+  const FemModel& m_;
+  std::vector<uint8_t> box_;  // per stencil
+};
+
 }  // namespace
 
 TileOrder order_cells(const FemModel& m) {
@@ -24,7 +38,7 @@ TileOrder order_cells(const FemModel& m) {
   o.key.resize(m.cells.size());
   for (size_t c = 0; c < o.key.size(); ++c) o.key[c] = key_of(m, o.low_mm, c);
   std::sort(o.key.begin(), o.key.end());
-  const auto absent = std::stable_partition(o.key.begin(), o.key.end(), [&](const TileKey& k) { return m.cells[size_t(k.index)].scale > 0; });
+  const auto absent = std::stable_partition(o.key.begin(), o.key.end(), [here = Present(m)](const TileKey& k) { return here(size_t(k.index)); });
   o.present = size_t(absent - o.key.begin());
   return o;
 }
@@ -42,14 +56,15 @@ std::optional<TileOrder> order_cells(const FemModel& m, const FemModel& before, 
   });
   if (!same || o.low_mm != order_before.low_mm) return std::nullopt;
   changed.assign(cells_before, 0);
+  const Present here(m), here_before(before);
   std::vector<TileKey> fresh[2];  // present, absent
   for_each_change(before.cells, m.cells, [&](size_t c) {
     const TileKey key = key_of(m, o.low_mm, c);
-    const bool present = m.cells[c].scale > 0;
+    const bool present = here(c);
     if (c >= cells_before)
       fresh[present ? 0 : 1].push_back(key);
     else
-      changed[c] = 1, same = same && key == key_of(before, o.low_mm, c) && present == (before.cells[c].scale > 0);
+      changed[c] = 1, same = same && key == key_of(before, o.low_mm, c) && present == here_before(c);
   });
   if (!same) return std::nullopt;
   o.key.reserve(m.cells.size());

@@ -1,6 +1,7 @@
 #include "sim/lattice/region.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace limberg {
 
@@ -10,16 +11,20 @@ std::shared_ptr<const FemModel> hold_outside(std::shared_ptr<const FemModel> mod
   const Vec3 axis = body.chart_normal().normalized();
   std::vector<uint8_t> out(m->X_mm.size(), 0);
   for (size_t i = 0; i < out.size(); ++i) {
-    const Vec3 d = m->X_mm[i] - body.chart_origin_mm;
+    const Vec3 d = std::as_const(m->X_mm)[i] - body.chart_origin_mm;
     out[i] = (d - d.dot(axis) * axis).squaredNorm() > radius_mm * radius_mm;
   }
   for (const HangingNode& h : m->hanging)  // held where its masters are
     out[size_t(h.node)] = std::all_of(h.master.begin(), h.master.begin() + h.count, [&](int32_t n) { return out[size_t(n)] != 0; });
   for (size_t i = 0; i < out.size(); ++i)
-    if (out[i]) m->fixed[i] = 1;
-  for (const HangingNode& h : m->hanging) m->fixed[size_t(h.node)] = 0;
-  for (HexCell& c : m->cells)
-    if (std::all_of(c.node.begin(), c.node.end(), [&](int32_t n) { return out[size_t(n)] != 0; })) c.scale = 0;
+    if (out[i]) m->fixed.set(i, 1);
+  for (const HangingNode& h : m->hanging) m->fixed.set(size_t(h.node), 0);
+  for (size_t c = 0; c < m->cells.size(); ++c) {
+    HexCell cell = std::as_const(m->cells)[c];
+    if (!std::all_of(cell.node.begin(), cell.node.end(), [&](int32_t n) { return out[size_t(n)] != 0; })) continue;
+    cell.scale = 0;
+    m->cells.set(c, cell);
+  }
   return m;
 }
 

@@ -3,7 +3,8 @@
 // for the solver.
 //
 // A node farther than the radius from the axis through the chart's origin along its normal is held; a cell of nothing but
-// such nodes has scale 0, and ElementSystem leaves such cells out. So the solution is that of the region with a held rim.
+// such nodes has scale 0: the solver of such a scene (fem/region_solver.h) has neither unknowns nor elements there. So the
+// solution is that of the region with a held rim.
 #include <memory>
 
 #include "sim/fem/fem_model.h"

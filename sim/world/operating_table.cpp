@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/cutting/store.h"
+#include "sim/fem/region_solver.h"
 #include "sim/hash.h"
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/grid_fit.h"
@@ -30,7 +31,7 @@ OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
   initial_volume_mm3_ = volume_mm3_ = arrangement_->volume_mm3();
   if (!spec_.can_cut) arrangement_.reset();
   if (arrangement_) arrangement_->store().points.fault = spec_.fault;
-  solver_ = make_solver(workers);
+  solver_ = spec_.region_mm > 0 ? make_region_solver(workers) : make_solver(workers);
   solver_->set_model(version_.model, {});
 }
 

@@ -45,6 +45,8 @@ TEST(Region, OutsideHoldsStillAndInsideMovesAsBefore) {
   EXPECT_EQ(r.inverted_cells, 0);
   const FemModel &m = part.solver().model(), &w = whole.solver().model();
   ASSERT_EQ(m.X_mm.size(), w.X_mm.size());
+  EXPECT_NE(part.solver().describe().find("region of"), std::string::npos) << "the solver knows nothing of the rest";
+  EXPECT_EQ(whole.solver().describe().find("region of"), std::string::npos);
   size_t absent = 0, still = 0;
   for (const HexCell& c : m.cells) absent += c.scale == 0;
   EXPECT_GT(absent, m.cells.size() / 2);
