@@ -51,6 +51,7 @@ int run_main(int argc, char** argv) {
   add_calibrate(app, chosen);
   add_devices(app, chosen);
   add_fit(app, chosen);
+  add_superpose(app, chosen);
   add_measures(app, chosen);
   add_design(app, chosen);
   try {

@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <map>
@@ -18,6 +19,8 @@
 #include "app/tissues.h"
 #include "sim/error.h"
 #include "sim/geometry/obj.h"
+#include "sim/imaging/surface_file.h"
+#include "sim/imaging/volume.h"
 #include "sim/simplex/file.h"
 #include "sim/measure/predicted.h"
 #include "sim/tools/procedures/plan_drawing.h"
@@ -332,7 +335,30 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
   return kGoalMissed;
 }
 
-int check(const std::string& file, bool with_plan, const std::string& svg, int workers) {
+/// A volume (or a folder of DICOM slices) or a scan; false: something else.
+bool check_image(const std::string& file, const std::string& series) {
+  std::error_code ec;
+  const bool folder = std::filesystem::is_directory(file, ec);
+  const auto ends = [&](std::initializer_list<const char*> list) {
+    return std::any_of(list.begin(), list.end(), [&](const char* e) { return std::string_view(file).ends_with(e); });
+  };
+  if (ends({".ply", ".stl", ".xyz"}) && !folder) {
+    const Surface s = load_surface(file);
+    Vec3 low = s.x_mm.front(), high = low;
+    for (const Vec3& x : s.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    std::printf("%s %zu points, %zu triangles\nsize        %.1f x %.1f x %.1f mm\n", s.tri.empty() ? "scan       " : "surface    ", s.x_mm.size(), s.tri.size(), high.x() - low.x(), high.y() - low.y(), high.z() - low.z());
+    return true;
+  }
+  if (!folder && !ends({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".dcm", ".DCM", ".IMA"})) return false;
+  const Volume v = load_volume(file, series);
+  const auto [low, high] = std::minmax_element(v.value.begin(), v.value.end());
+  std::printf("volume      %d x %d x %d voxels of %.4g x %.4g x %.4g mm\nvalues      %g to %g\norigin      (%.2f, %.2f, %.2f) mm, left, posterior, superior\n", v.size[0], v.size[1], v.size[2],
+              v.step_mm.col(0).norm(), v.step_mm.col(1).norm(), v.step_mm.col(2).norm(), double(*low), double(*high), v.origin_mm.x(), v.origin_mm.y(), v.origin_mm.z());
+  return true;
+}
+
+int check(const std::string& file, const std::string& series, bool with_plan, const std::string& svg, int workers) {
+  if (check_image(file, series)) return kDone;
   const std::string text = read_whole_file(file, size_t(4) << 30);
   switch (recognise(file, text)) {
     case Kind::recording: return check_recording(file, with_plan, workers);
@@ -378,19 +404,20 @@ int check(const std::string& file, bool with_plan, const std::string& svg, int w
 
 void add_check(CLI::App& app, Chosen& chosen) {
   struct Options {
-    std::string file, draw;
+    std::string file, draw, series;
     bool plan = false;
     CommonOptions common;
   };
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("check", "Say what a file holds and whether it is sound");
-  c->add_option("FILE", o->file, "Scene, lesson, library of tissues, script, repro, recording, calibration, OBJ surface or simplex mesh; known by its content")->required();
+  c->add_option("FILE", o->file, "Scene, lesson, library of tissues, script, repro, recording, calibration, OBJ surface or simplex mesh, known by its content; a volume, a folder of DICOM slices, a PLY, STL or xyz scan")->required();
+  c->add_option("--series", o->series, "Of a DICOM folder with several: number, UID or part of its description")->type_name("NAME");
   c->add_flag("--plan", o->plan, "Of a scene: build it and say parts, nodes, memory, time of a step. Of a script or lesson: where its angles do not add up, so that the skin will stand up or be drawn tight");
   c->add_option("--draw", o->draw, "Draw the plan of a script or lesson, with what it foretells")->type_name("SVG");
   o->common.add_workers(*c);
   c->footer("Exit status 3: a recording is damaged, but what is whole can be replayed.\n"
             "Example: limberg check app/scenes/rhomboid.toml --plan");
-  c->callback([o, &chosen] { chosen = [o] { return check(o->file, o->plan, o->draw, o->common.worker_count()); }; });
+  c->callback([o, &chosen] { chosen = [o] { return check(o->file, o->series, o->plan, o->draw, o->common.worker_count()); }; });
 }
 
 }  // namespace limberg

@@ -27,6 +27,7 @@ void add_bench(CLI::App& app, Chosen& chosen);
 void add_calibrate(CLI::App& app, Chosen& chosen);
 void add_devices(CLI::App& app, Chosen& chosen);
 void add_fit(CLI::App& app, Chosen& chosen);
+void add_superpose(CLI::App& app, Chosen& chosen);
 void add_design(CLI::App& app, Chosen& chosen);
 void add_measures(CLI::App& app, Chosen& chosen);
 

@@ -12,6 +12,7 @@
 #include "app/session/workers_pool.h"
 #include "sim/error.h"
 #include "sim/imaging/fit.h"
+#include "sim/imaging/surface_file.h"
 #include "sim/simplex/file.h"
 
 namespace limberg {
@@ -22,7 +23,7 @@ constexpr double kFound = 0.95;    // of the vertices must have the surface with
 constexpr double kRmsVoxels = 0.5; // and lie so near it, rms (both: issue list of the craniofacial part)
 
 struct Options {
-  std::string volume, tissue, mesh_file, start = "sphere", sweep_dir;
+  std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, series;
   double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, smooth = 0.6, parts = 1;
   bool has_iso = false;
   CommonOptions common;
@@ -67,12 +68,62 @@ std::vector<std::string> missed(const FitReport& r, double voxel, const char* un
   return out;
 }
 
+Start start_of(const std::string& s) { return s == "plane" ? Start::plane : s == "cylinder" ? Start::cylinder : Start::sphere; }
+
+std::function<void(int, int32_t, double)> shown(Progress& progress, int stages) {
+  return [&progress, stages](int stage, int32_t vertices, double move_mm) {
+    char line[128];
+    std::snprintf(line, sizeof line, "stage %d of %d, %d vertices, last move %.3f mm", stage + 1, stages, vertices, move_mm);
+    progress.note(line);
+  };
+}
+
+void write_mesh(const Options& o, const simplex::Mesh& m) { write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m)); }
+
+/// A range scan: its points alone.
+int run_scan(const Options& o) {
+  if (!o.sweep_dir.empty()) throw InputError("", 0, "--sweep is for volumes");
+  const Surface scan = load_surface(o.volume);
+  Vec3 low = scan.x_mm.front(), high = low;
+  for (const Vec3& x : scan.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  WorkersPool workers(o.common.worker_count());
+  Progress progress("fit");
+  FitSettings s;
+  s.edge_mm = o.edge_mm, s.chord_mm = o.chord_mm, s.range_mm = std::max(1e-3, 0.25 * (high - low).maxCoeff()), s.progress = shown(progress, s.stages);
+  const double start_ms = bench::cpu_ms();
+  simplex::Mesh m;
+  FitReport r;
+  try {
+    m = start_mesh(start_of(o.start), low, high);
+    r = fit(m, scan.x_mm, s, workers);
+  } catch (const InputError& e) {
+    throw InputError(o.volume, 0, e.what());
+  }
+  const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
+  progress.clear();
+  write_mesh(o, m);
+  std::printf("scan        %zu points\nmesh        %d vertices, from a %s\n", scan.x_mm.size(), r.vertices, o.start.c_str());
+  print(r, r.voxel_mm, "spacing");
+  std::printf("work        %d iterations, %.2f s of CPU time\n", r.iterations, cpu_s);
+  const std::vector<std::string> faults = missed(r, r.voxel_mm, "spacing");
+  for (const std::string& f : faults) say(o.volume + ": " + f + "; see --edge-mm, --start");
+  Result result("fit", "");
+  result.set("/scan", o.volume), result.set("/points", int64_t(scan.x_mm.size())), result.set("/mesh", o.mesh_file), result.set("/start", o.start), result.set("/cpu_s", cpu_s);
+  fill(result, r);
+  for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
+  result.set_hash("/state_hash", simplex::hash(m));
+  result.set_ok(faults.empty());
+  if (!o.common.json_file.empty()) result.write(o.common.json_file);
+  return faults.empty() ? kDone : kGoalMissed;
+}
+
 int run(const Options& o) {
   o.common.prepare();
   check_writable(o.mesh_file);
+  if (is_surface_name(o.volume)) return run_scan(o);
   if (!o.sweep_dir.empty()) prepare_folder(o.sweep_dir);
   if (o.tissue.empty() && !o.has_iso) throw InputError("", 0, "fit " + o.volume + ": what is to be fitted is not said; expected --tissue skin, --tissue bone or --iso");
-  const Volume v = load_volume(o.volume);
+  const Volume v = load_volume(o.volume, o.series);
   WorkersPool workers(o.common.worker_count());
   PrepareSettings q;
   q.iso = o.has_iso ? o.iso : (o.tissue == "bone" ? 250 : -300) + o.offset;  // Hounsfield units
@@ -90,16 +141,12 @@ int run(const Options& o) {
   FitSettings s;
   s.iso = q.iso, s.edge_mm = o.edge_mm, s.chord_mm = o.chord_mm, s.skull = o.tissue == "bone";
   s.range_mm = 0.25 * (p.high_mm - p.low_mm).maxCoeff();
-  s.progress = [&](int stage, int32_t vertices, double move_mm) {
-    char line[128];
-    std::snprintf(line, sizeof line, "stage %d of %d, %d vertices, last move %.3f mm", stage + 1, s.stages, vertices, move_mm);
-    progress.note(line);
-  };
-  simplex::Mesh m = start_mesh(o.start == "plane" ? Start::plane : o.start == "cylinder" ? Start::cylinder : Start::sphere, p.low_mm, p.high_mm);
+  s.progress = shown(progress, s.stages);
+  simplex::Mesh m = start_mesh(start_of(o.start), p.low_mm, p.high_mm);
   const FitReport r = fit(m, p, s, workers);
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
-  write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m));
+  write_mesh(o, m);
   const simplex::Census c = simplex::census(m);
   if (p.parts > 1) std::printf("object      the largest %d of %d parts; the others have %.2f %% of what is above %g\n", p.kept_parts, p.parts, 100. * double(p.dropped_nodes) / double(p.dropped_nodes + p.object_nodes), q.iso);
   std::printf("mesh        %d vertices, %lld faces, %lld end contours, genus %lld, from a %s\n", r.vertices, static_cast<long long>(c.faces - c.end_contours),
@@ -136,9 +183,10 @@ int run(const Options& o) {
 void add_fit(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("fit", "Fit a simplex mesh to skin or bone in a CT volume");
-  c->add_option("VOLUME", o->volume, "NRRD (.nrrd, .nhdr) or MetaImage (.mha, .mhd)")->required();
+  c->add_option("VOLUME", o->volume, "NRRD, MetaImage, NIfTI-1, a folder of DICOM slices; or a range scan (.ply, .xyz, .obj)")->required();
   c->add_option("--tissue", o->tissue, "skin (-300 HU) or bone (250 HU)")->check(CLI::IsMember({"skin", "bone"}));
   c->add_option("--out", o->mesh_file, "The mesh: a simplex mesh, or triangles when the name ends in .obj")->required()->type_name("MESH");
+  c->add_option("--series", o->series, "Of a DICOM folder with several: number, UID or part of its description (left out: they are listed)")->type_name("NAME");
   CLI::Option* iso = c->add_option("--iso", o->iso, "Isovalue in the volume's own numbers, instead of the tissue's");
   c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]");
   c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4]")->check(CLI::Range(0.1, 100.));

@@ -62,7 +62,7 @@ class Fitter {
     r_.joined = topology_.joined, r_.cut = topology_.cut;
     r_.notes.insert(r_.notes.end(), topology_.notes.begin(), topology_.notes.end());
     r_.hole = places(m_, sight_, low_, high_, s_.skull);
-    r_.vertices = m_.vertices();
+    r_.vertices = m_.vertices(), r_.voxel_mm = sight_.voxel();
     return r_;
   }
 

@@ -57,6 +57,7 @@ struct FitReport {
   std::vector<std::string> notes; // regions that could not be opened, joins that were refused, and why
   double reached = 0;             // part of the isosurface's places (Prepared::surface_mm) within two voxels of the mesh
   double surface_rms_mm = 0, surface_p95_mm = 0;  // distance of the places that are reached to the mesh: vertices and faces
+  double voxel_mm = 0;            // smallest side of a voxel, or spacing of the points
   int64_t vertex_iterations = 0;
 };
 

@@ -12,13 +12,13 @@
 #include <fstream>
 
 #include "sim/error.h"
+#include "sim/imaging/dicom.h"
 #include "sim/imaging/header.h"
+#include "sim/imaging/nifti.h"
 
 namespace limberg {
 namespace imaging {
-namespace {
 
-/// Inflates gzip or zlib data until `wanted` bytes are there; memory grows with what really comes out.
 std::string inflated(std::string_view in, size_t wanted, const std::string& file) {
   z_stream z{};
   if (inflateInit2(&z, 15 + 32) != Z_OK) throw InputError(file, 0, "cannot be decompressed");
@@ -47,6 +47,8 @@ std::string inflated(std::string_view in, size_t wanted, const std::string& file
   return out;
 }
 
+namespace {
+
 template <class T>
 void convert(std::string_view in, bool swap, std::vector<float>& out) {
   for (size_t i = 0; i < out.size(); ++i) {
@@ -74,18 +76,43 @@ std::string read_bytes(const std::string& path, size_t most) {
   return text;
 }
 
-Volume read_data(const Header& h, const std::string& file) {
-  const int64_t voxels = h.size[0] * h.size[1] * h.size[2];  // (each at most a million: no overflow)
+std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count, const std::string& file) {
+  std::vector<float> out(count);
+  const bool swap = big_endian != (std::endian::native == std::endian::big);
+  switch (number) {
+    case Number::i8: convert<int8_t>(data, swap, out); break;
+    case Number::u8: convert<uint8_t>(data, swap, out); break;
+    case Number::i16: convert<int16_t>(data, swap, out); break;
+    case Number::u16: convert<uint16_t>(data, swap, out); break;
+    case Number::i32: convert<int32_t>(data, swap, out); break;
+    case Number::u32: convert<uint32_t>(data, swap, out); break;
+    case Number::f32: convert<float>(data, swap, out); break;
+    case Number::f64: convert<double>(data, swap, out); break;
+  }
+  for (const float f : out)
+    if (!std::isfinite(f)) throw InputError(file, 0, "a voxel holds no finite number");
+  return out;
+}
+
+int64_t check_extent(const std::array<int64_t, 3>& size, const Mat3& step_mm, const std::string& file) {
+  bool sensible = true;
+  for (const int64_t n : size) sensible &= n >= 1 && n <= 1'000'000;
+  const int64_t voxels = sensible ? size[0] * size[1] * size[2] : 0;
   if (voxels > VolumeLimits::voxels || voxels < 1)
-    throw InputError(file, 0, "the volume has " + std::to_string(h.size[0]) + " x " + std::to_string(h.size[1]) + " x " + std::to_string(h.size[2]) +
+    throw InputError(file, 0, "the volume has " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) +
                                   " voxels; at most " + std::to_string(VolumeLimits::voxels) + " are read");
   for (int k = 0; k < 3; ++k) {
-    const double l = h.step_mm.col(k).norm();
+    const double l = step_mm.col(k).norm();
     if (!(l >= VolumeLimits::min_step_mm && l <= VolumeLimits::max_step_mm))
       throw InputError(file, 0, "a voxel is " + std::to_string(l) + " mm long along axis " + std::to_string(k) + "; expected 0.001 to 100 mm");
   }
-  const double det = h.step_mm.determinant(), box = h.step_mm.col(0).norm() * h.step_mm.col(1).norm() * h.step_mm.col(2).norm();
+  const double det = step_mm.determinant(), box = step_mm.col(0).norm() * step_mm.col(1).norm() * step_mm.col(2).norm();
   if (!(std::abs(det) > 1e-3 * box)) throw InputError(file, 0, "the axes of the volume lie in a plane");
+  return voxels;
+}
+
+Volume read_data(const Header& h, const std::string& file) {
+  const int64_t voxels = check_extent(h.size, h.step_mm, file);
   const size_t bytes = size_t(voxels) * bytes_of(*h.number);
   const std::string path = h.data_file.empty() ? file : (std::filesystem::path(file).parent_path() / h.data_file).string();
   // What a sound file can need: the data, what is skipped, and the header.
@@ -106,35 +133,26 @@ Volume read_data(const Header& h, const std::string& file) {
   Volume v;
   for (size_t k = 0; k < 3; ++k) v.size[k] = int32_t(h.size[k]);
   v.step_mm = h.step_mm, v.origin_mm = h.origin_mm;
-  v.value.resize(size_t(voxels));
-  const bool swap = h.big_endian != (std::endian::native == std::endian::big);
-  switch (*h.number) {
-    case Number::i8: convert<int8_t>(data, swap, v.value); break;
-    case Number::u8: convert<uint8_t>(data, swap, v.value); break;
-    case Number::i16: convert<int16_t>(data, swap, v.value); break;
-    case Number::u16: convert<uint16_t>(data, swap, v.value); break;
-    case Number::i32: convert<int32_t>(data, swap, v.value); break;
-    case Number::u32: convert<uint32_t>(data, swap, v.value); break;
-    case Number::f32: convert<float>(data, swap, v.value); break;
-    case Number::f64: convert<double>(data, swap, v.value); break;
-  }
-  for (const float f : v.value)
-    if (!std::isfinite(f)) throw InputError(path, 0, "a voxel holds no finite number");
+  v.value = as_floats(data, *h.number, h.big_endian, size_t(voxels), path);
   return v;
 }
 
 }  // namespace imaging
 
-Volume load_volume(const std::string& path) {
+Volume load_volume(const std::string& path, const std::string& series) {
+  std::error_code ec;
+  if (std::filesystem::is_directory(path, ec)) return imaging::load_dicom(path, series);
   const std::string head = imaging::read_bytes(path, VolumeLimits::header_bytes);
   if (head.starts_with("NRRD000")) return imaging::read_data(imaging::nrrd_header(head, path), path);
+  if (imaging::looks_like_nifti(head)) return imaging::load_nifti(path);
+  if (imaging::looks_like_dicom(head)) return imaging::load_dicom(path, series);
   size_t at = 0;
   std::string_view first;
   imaging::next_line(head, at, first);
   const size_t equals = first.find('=');
   const std::string_view key = imaging::trimmed(first.substr(0, equals));
   if (equals != std::string_view::npos && (key == "ObjectType" || key == "NDims" || key == "Comment")) return imaging::read_data(imaging::meta_header(head, path), path);
-  throw InputError(path, 1, "is of no kind that is known here; expected an NRRD (NRRD0001...) or a MetaImage (ObjectType = Image)");
+  throw InputError(path, 1, "is of no kind that is known here; expected an NRRD (NRRD0001...), a MetaImage (ObjectType = Image), a NIfTI-1 or a DICOM file or folder");
 }
 
 double VolumeSampler::value(const Vec3& x_mm) const {

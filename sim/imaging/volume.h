@@ -1,8 +1,8 @@
 #pragma once
 // A volume of numbers (a CT in Hounsfield units, say) and where it lies.
 //
-// Read from NRRD (.nrrd, .nhdr) and MetaImage (.mha, .mhd): three dimensions, one number per voxel, raw or compressed with
-// gzip or zlib, in the file itself or beside it, either byte order. Places are in mm in the frame left, posterior, superior
+// Read from NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI-1 (nifti.h) and DICOM series (dicom.h): three dimensions, one
+// number per voxel, raw or compressed with gzip or zlib, in the file itself or beside it, either byte order. Places are in mm in the frame left, posterior, superior
 // (files in right-anterior-superior are turned), with the whole affine: origin, spacing, direction.
 #include <array>
 #include <string>
@@ -45,8 +45,9 @@ struct VolumeLimits {
   static constexpr size_t header_bytes = size_t(1) << 20;
 };
 
-/// By its first line: NRRD, or MetaImage. Throws InputError(file, line, ...): a field missing or not understood, a size that is
+/// By its first bytes: NRRD, MetaImage, NIfTI-1, DICOM; a folder is one of DICOM slices. `series`: which one, where a folder holds
+/// several (dicom.h). Throws InputError(file, line, ...): a field missing or not understood, a size that is
 /// absurd or does not match the data, a voxel without extent, data that are cut short or damaged.
-Volume load_volume(const std::string& path);
+Volume load_volume(const std::string& path, const std::string& series = {});
 
 }  // namespace limberg
