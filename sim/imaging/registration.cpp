@@ -134,10 +134,12 @@ RegistrationResult register_volumes(const Volume& fixed, const Volume& moved, co
       r.reason = "the images hardly overlap where they lie; expected a start that brings them together (landmarks)";
       return r;
     }
-    const double finest = level == 0 ? 0.02 * voxel : 0.25 * voxel * (1 << level);
+    const double finest = level == 0 ? 0.03 * voxel : 0.25 * voxel * (1 << level);
     // The turns' steps follow the shifts': both move the outermost places alike in the end.
     while (shift > finest || turn * reach > finest) {
       bool better = false;
+      double before[6];
+      std::copy(u, u + 6, before);
       for (int k = 0; k < 6; ++k)
         for (const double sign : {1., -1.}) {
           double v[6];
@@ -149,11 +151,21 @@ RegistrationResult register_volumes(const Volume& fixed, const Volume& moved, co
             break;
           }
         }
+      // The same way once more (Hooke and Jeeves 1961): valleys run across the axes.
+      while (better) {
+        double v[6];
+        for (int k = 0; k < 6; ++k) v[k] = 2 * u[k] - before[k];
+        const double i = measure(v);
+        if (!(i > best)) break;
+        best = i;
+        std::copy(u, u + 6, before);
+        std::copy(v, v + 6, u);
+      }
       if (!better) shift *= 0.5, turn *= 0.5;
     }
     r.information = measure(u);
     // A little room at the next level.
-    if (level > 0) shift = 4 * finest, turn = 4 * finest / reach;
+    if (level > 0) shift = voxel * (1 << level), turn = 2 * shift / reach;
   }
   r.map = (from_start * motion(u, c)).inverse();
   if (!(r.information > r.at_start) && r.information < 1.005) r.reason = "neither image says anything about the other; expected two images of the same head";

@@ -6,7 +6,7 @@
 // shifted within their cells by a fixed hash, so that the same call gives the same bits; a sample's second value is shared between
 // its two nearest bins, so that the measure is smooth. Coarse to fine: both images smoothed and fewer samples at
 // first. Search: a step along each of the three shifts and turns (about the middle of the first image), the best
-// kept, halved when none helps.
+// kept, and the same way again; halved when none helps.
 #include <string>
 
 #include "sim/imaging/superposition.h"

@@ -12,6 +12,7 @@ namespace limberg {
 namespace {
 
 constexpr size_t kNeighbours = 12;  // of a point, for its plane
+constexpr double kPolish_mm = 0.02; // a motion below it: the trimmed pairs have brought the surfaces together
 
 Vec3 middle_of(const std::vector<Vec3>& x) {
   Vec3 m = Vec3::Zero();
@@ -143,6 +144,7 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
   };
   std::vector<Pair> pair(x.size());
   std::vector<size_t> order;
+  bool polish = false;
   for (r.iterations = 0; r.iterations < s.iterations && !r.still; ++r.iterations) {
     workers.parallel_for(x.size(), 256, [&](size_t b, size_t e) {
       for (size_t i = b; i < e; ++i) pair[i].at = r.map(x[i]), pair[i].to = target.closest(pair[i].at);
@@ -156,11 +158,20 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
       return r;
     }
     std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return pair[a].to.distance_mm != pair[b].to.distance_mm ? pair[a].to.distance_mm < pair[b].to.distance_mm : a < b; });
-    order.resize(keep);
+    size_t count = keep;
+    if (polish && s.keep < 1) {
+      // Robust standard deviation: 1.4826 medians of the sizes, along the normals.
+      std::vector<double> away;
+      for (const size_t i : order) away.push_back(std::abs(pair[i].to.normal.dot(pair[i].to.point_mm - pair[i].at)));
+      std::nth_element(away.begin(), away.begin() + ptrdiff_t(away.size() / 2), away.end());
+      const double most = 3 * 1.4826 * away[away.size() / 2];
+      while (count < order.size() && pair[order[count]].to.distance_mm <= most) ++count;
+    }
+    order.resize(count);
     Vec3 c = Vec3::Zero();
-    for (const size_t i : order) c += pair[i].at / double(keep);
+    for (const size_t i : order) c += pair[i].at / double(order.size());
     double size2 = 0;
-    for (const size_t i : order) size2 += (pair[i].at - c).squaredNorm() / double(keep);
+    for (const size_t i : order) size2 += (pair[i].at - c).squaredNorm() / double(order.size());
     const double size = std::sqrt(std::max(size2, 1e-12));
     // Unknowns: turn about c (times size, so that all are lengths), shift, growth (times size).
     Eigen::Matrix<double, 7, 7> A = Eigen::Matrix<double, 7, 7>::Zero();
@@ -173,7 +184,7 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
       row << p.cross(n) / size, n, n.dot(p) / size;
       A += row * row.transpose(), g += d * row, sum += d * d;
     }
-    r.rms_mm = std::sqrt(sum / double(keep));
+    r.rms_mm = std::sqrt(sum / double(order.size()));
     const int unknowns = s.with_scale ? 7 : 6;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eig(A.topLeftCorner(unknowns, unknowns));
     const Eigen::VectorXd& l = eig.eigenvalues();
@@ -189,7 +200,8 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
     r.map = step * r.map;
     double move = 0;
     for (size_t i = 0; i < x.size(); i += 16) move = std::max(move, (r.map(x[i]) - pair[i].at).norm());
-    r.still = move < s.still_mm;
+    r.still = polish && move < s.still_mm;
+    polish |= move < kPolish_mm || r.iterations > s.iterations / 3;
   }
   // Rounding of many products.
   const Eigen::JacobiSVD<Mat3> svd(r.map.R, Eigen::ComputeFullU | Eigen::ComputeFullV);

@@ -5,7 +5,8 @@
 //                by singular values; for unit scale the same as Horn 1987)
 //   ICP          the nearest places on the other surface, the `keep` share of the pairs with the smallest distances, the small
 //                motion with the least squares of distances along the other's normals; again until it stands still
-//                (Chen and Medioni 1992; trimmed: Chetverikov and others 2002)
+//                (Chen and Medioni 1992; trimmed: Chetverikov and others 2002). Once it moves little, pairs within three
+//                robust standard deviations count too: with noise, the smallest distances are those that agree with the present guess
 //   mirror plane the surface reflected in a first guess, laid upon itself by ICP; the plane that bisects the result
 //   distance map signed distance of every vertex to the other surface, > 0 outside (weighted normals, Baerentzen and
 //                Aanaes 2005, blended at edges), mean, rms, 95th percentile
@@ -68,7 +69,7 @@ class SurfaceTarget {
 struct IcpSettings {
   double keep = 0.7;              // share of the pairs
   int iterations = 200;
-  double still_mm = 1e-5;         // ends when no sample moves farther
+  double still_mm = 1e-4;         // ends when no sample moves farther
   bool with_scale = false;
   int samples = 8000;             // at most, of the vertices of the surface that is moved (evenly by number)
 };

@@ -93,7 +93,7 @@ TEST(Icp, AKnownMotionOnAPartialAndNoisySurface) {
   const Similarity back = known().inverse();
   Surface part;
   uint64_t seed = 5;
-  for (const Vec3& x : head(place, 4).x_mm)
+  for (const Vec3& x : head(place, 5).x_mm)
     if (x.y() < 10) {
       Vec3 y = x + 0.3 * Vec3(noise(seed), noise(seed), noise(seed));
       if (x.z() > 45) y += Vec3(0, -6, 0);
