@@ -11,6 +11,7 @@
 #include "app/bench/frames.h"
 #include "app/bench/fuzz.h"
 #include "app/bench/fuzz/world_runner.h"
+#include "app/bench/head_face.h"
 #include "app/bench/laws.h"
 #include "app/bench/metric.h"
 #include "app/bench/simplex.h"
@@ -96,7 +97,7 @@ std::string any_of(const std::vector<std::string>& names) {
 
 int run(const Options& o) {
   o.common.prepare();
-  const std::vector<std::string> suites = {"accuracy", "contact", "cutting", "devices", "features", "frames", "fuzz", "laws", "simplex", "speed", "stability", "verification"};
+  const std::vector<std::string> suites = {"accuracy", "contact", "cutting", "devices", "features", "frames", "fuzz", "head", "laws", "simplex", "speed", "stability", "verification"};
   if (std::find(suites.begin(), suites.end(), o.suite) == suites.end())
     throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected " + any_of(suites));
   if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
@@ -144,6 +145,8 @@ int run(const Options& o) {
     s.peers = !o.no_peers;
     s.progress = note;
     b = bench::stability(s);
+  } else if (o.suite == "head") {
+    b = bench::head_suite({o.quick, note});
   } else if (o.suite == "simplex") {
     bench::SimplexSettings s;
     s.quick = o.quick;
@@ -216,7 +219,7 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "accuracy: error against run time on a scene, and the setting that fits a frame; contact: overlap and cost of operations with wound surfaces that keep each other out; features: memory and time of each part of a scene, off and on; frames: what a picture costs at each quality and size, and what the solver loses beside it; verification: closed forms, published values, CalculiX; speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the 1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
+  c->add_option("SUITE", o->suite, "accuracy: error against run time on a scene, and the setting that fits a frame; contact: overlap and cost of operations with wound surfaces that keep each other out; features: memory and time of each part of a scene, off and on; frames: what a picture costs at each quality and size, and what the solver loses beside it; verification: closed forms, published values, CalculiX; speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the 1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; head: the face that follows, each mode against the finite elements; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
