@@ -21,8 +21,12 @@ std::shared_ptr<const SurfaceTopology> joined(const SurfaceTopology& skin, const
   for (size_t v = 0; v < head.view.X_mm.size(); ++v) {
     both->view.X_mm.push_back(head.view.X_mm[v]);
     both->embedding.push_back({});
-    both->depth_mm.push_back(0);
   }
+  both->depth_mm = LazyArray<float>([of_skin = skin.depth_mm, others = head.view.X_mm.size()] {
+    SharedArray<float> depth = of_skin.all();
+    for (size_t v = 0; v < others; ++v) depth.push_back(0);
+    return depth;
+  });
   for (size_t t = 0; t < head.view.tri.size(); ++t) {
     const Tri& k = head.view.tri[t];
     both->view.tri.push_back({k[0] + base, k[1] + base, k[2] + base});
