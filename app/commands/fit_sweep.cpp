@@ -12,7 +12,7 @@ FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& wor
   FitSweep out;
   const double longest = 6 * target.voxel_mm;
   for (const bool adapted : {false, true})
-    for (const double x : adapted ? std::vector<double>{1.5, 0.75, 0.4, 0.2, 0.1} : std::vector<double>{6, 4.5, 3.5, 2.5, 1.8}) {  // in voxels
+    for (const double x : adapted ? std::vector<double>{0.2, 0.1, 0.05, 0.025, 0.012} : std::vector<double>{6, 4.5, 3.5, 2.5, 1.8}) {  // in voxels
       FitTrial t;
       t.adapted = adapted, t.edge_mm = adapted ? longest : x * target.voxel_mm, t.chord_mm = adapted ? x * target.voxel_mm : 0;
       FitSettings s = like;
