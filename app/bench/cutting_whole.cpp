@@ -41,7 +41,8 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   PointDepths depths_before;
   ViewChange all;
   all.whole = true;
-  depths_before.follow(view_before, all, skin).all();
+  SharedArray<uint8_t> on_skin_before;
+  depths_before.follow(view_before, all, skin, on_skin_before).all();
   InlineWorkers workers;
   const auto solver = make_solver(workers);
 
@@ -51,6 +52,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   say("cuts, by the clock");
   for (int i = 0; i < 3 * repeats; ++i) {
     PointDepths depths = depths_before;
+    SharedArray<uint8_t> on_skin = on_skin_before;
     const auto start = std::chrono::steady_clock::now();
     if (const CutResult r = a.cut(blade, 1); !r.ok()) throw std::runtime_error("bench cutting: a cut was refused: " + r.reason);
     a.sweep_debris(1);
@@ -61,7 +63,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const auto drawing = pool.submit([&] {
       view = a.surface_view(view_before, before->operations, change);
       index = std::make_unique<RestIndex>(view, index_before, change);
-      depth = depths.follow(view, change, skin);
+      depth = depths.follow(view, change, skin, on_skin);
     });
     const auto lattice = update_topology(*before, material_surface(a), &pool);
     std::shared_ptr<const FemModel> model;
@@ -85,6 +87,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
   for (int i = 0; i < repeats; ++i) {
     solver->set_model(model_before, {});
     PointDepths depths = depths_before;  // World remembers those of points that were there
+    SharedArray<uint8_t> on_skin = on_skin_before;
     double at = cpu_ms();
     const double start = at;
     int k = 0;
@@ -107,7 +110,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     const auto embedding =
         embed_surface(*lattice, material_surface(a), view, {*before, view_before, embedding_before, change});
     lap();
-    const LazyArray<float> depth = depths.follow(view, change, skin);
+    const LazyArray<float> depth = depths.follow(view, change, skin, on_skin);
     lap();
     const RestIndex index(view, index_before, change);
     lap();
@@ -115,7 +118,7 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     at = cpu_ms();
     solver->set_model(model, lattice->cell_parent);
     lap();
-    depths_before.follow(view_before, all, skin).all();  // as asked for last
+    depths_before.follow(view_before, all, skin, on_skin).all();  // as asked for last
     at = cpu_ms();
     depth.all();
     lap();

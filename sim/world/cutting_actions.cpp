@@ -251,7 +251,8 @@ OperatingTable::Drawn OperatingTable::draw_surface() {
     view = arrangement_->surface_view();
     d.index = std::make_shared<RestIndex>(view, body_->surface.tri.size());
   }
-  d.surface->depth_mm = depths_.follow(view, d.change, shared_skin_);
+  d.on_skin = version_.on_skin;
+  d.surface->depth_mm = depths_.follow(view, d.change, shared_skin_, d.on_skin);
   return d;
 }
 
@@ -267,6 +268,7 @@ void OperatingTable::make_surface(Version& next, Drawn drawn) {
     surface->embedding = embed_surface(*next.lattice, material, view);
   }
   next.index = drawn.index;
+  next.on_skin = drawn.on_skin;
   Hash64 h;  // a few numbers that another state hardly shares; topology_hash() tells all
   h.add(arrangement_->hash());
   h.add(next.lattice->pieces);

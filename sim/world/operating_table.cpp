@@ -47,7 +47,6 @@ Outcome OperatingTable::apply(const Command& command) {
     // where it was, and nothing else has changed yet.
     if (!arrangement_ || arrangement_->operations() < operations || version_.lattice != lattice) throw;
     while (arrangement_->operations() > operations) arrangement_->undo();
-    depths_.forget_from(arrangement_->point_count());
     if (stroke_) stop_stroke(stroke_->id, "a piece of it failed");
     outcome = {false, std::string("the cut failed inside (") + e.what() + "); nothing has changed"};
   }

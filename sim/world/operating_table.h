@@ -68,6 +68,7 @@ class OperatingTable {
     std::shared_ptr<const FemModel> model;
     std::shared_ptr<const SurfaceTopology> surface;
     std::shared_ptr<const RestIndex> index;
+    SharedArray<uint8_t> on_skin;  // point_depths.h
     uint64_t arrangement_hash = 0;
   };
   /// All that undo and redo bring back, except the arrangement.
@@ -152,6 +153,7 @@ class OperatingTable {
     std::shared_ptr<SurfaceTopology> surface;
     ViewChange change;
     std::shared_ptr<const RestIndex> index;
+    SharedArray<uint8_t> on_skin;
   };
   Drawn draw_surface();
   void make_surface(Version& next, Drawn drawn);  // with its embedding in next.lattice

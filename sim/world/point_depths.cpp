@@ -13,20 +13,20 @@ struct PointDepths::Asked {
   std::shared_ptr<Last> last;
 };
 
-LazyArray<float> PointDepths::follow(const SurfaceView& view, const ViewChange& change, std::shared_ptr<const Skin> skin) {
+LazyArray<float> PointDepths::follow(const SurfaceView& view, const ViewChange& change, std::shared_ptr<const Skin> skin, SharedArray<uint8_t>& on_skin) {
   const auto lies_on_skin = [&](size_t t) {
     if (view.kind[t] != FaceKind::skin) return;
     for (int32_t v : view.tri[t]) {
       const size_t point = size_t(view.point[size_t(v)]);
-      if (point >= on_skin_.size()) on_skin_.resize(point + 1, 0);
-      on_skin_.set(point, 1);
+      if (point >= on_skin.size()) on_skin.resize(point + 1, 0);
+      on_skin.set(point, 1);
     }
   };
   if (change.whole)
     for (size_t t = 0; t < view.tri.size(); ++t) lies_on_skin(t);
   else
     for (int32_t t : change.triangles) lies_on_skin(size_t(t));
-  return LazyArray<float>([asked = Asked{view.X_mm, view.point, on_skin_, std::move(skin), last_}] { return find(asked); });
+  return LazyArray<float>([asked = Asked{view.X_mm, view.point, on_skin, std::move(skin), last_}] { return find(asked); });
 }
 
 SharedArray<float> PointDepths::find(const Asked& asked) {
@@ -36,7 +36,6 @@ SharedArray<float> PointDepths::find(const Asked& asked) {
   const SharedArray<int32_t>& point_then = last.point;
   SharedArray<float> depth = last.depth_mm;
   depth.resize(X.size());
-  Bvh::Closest near;
   for (size_t c = 0; c < X.chunks(); ++c) {
     if (X.shares(X_then, c)) continue;
     const size_t first = c * SharedArray<Vec3>::kChunk, end = first + X.run_length(c);
@@ -44,7 +43,7 @@ SharedArray<float> PointDepths::find(const Asked& asked) {
       const int32_t point = asked.point[v];
       if (v < X_then.size() && X_then[v] == X[v] && point_then[v] == point) continue;
       const bool on_skin = size_t(point) < asked.on_skin.size() && asked.on_skin[size_t(point)];
-      depth.set(v, on_skin ? 0 : float(asked.skin->depth_mm(X[v], near)));
+      depth.set(v, on_skin ? 0 : float(asked.skin->depth_mm(X[v])));
     }
   }
   last.X_mm = X;

@@ -15,14 +15,10 @@ namespace limberg {
 
 class PointDepths {
  public:
-  /// Depths in mm, one per vertex of the view. `change`: from the view before. Corners of skin lie at 0; others cost a search
-  /// for the nearest skin, begun at what was nearest to the last one.
-  LazyArray<float> follow(const SurfaceView& view, const ViewChange& change, std::shared_ptr<const Skin> skin);
-
-  /// Points from this one on are no more: their numbers will mean others.
-  void forget_from(int32_t point) {
-    if (size_t(point) < on_skin_.size()) on_skin_.resize(size_t(point));
-  }
+  /// Depths in mm, one per vertex of the view. `change`: from the view before. Corners of skin lie at 0; others cost a search for
+  /// the nearest skin. `on_skin`, per point: a triangle of skin has had it as a corner, in this version or one that it came from;
+  /// it belongs to the version, so that it goes back with undo and forth with redo.
+  LazyArray<float> follow(const SurfaceView& view, const ViewChange& change, std::shared_ptr<const Skin> skin, SharedArray<uint8_t>& on_skin);
 
  private:
   struct Last {  // what was asked for last
@@ -34,7 +30,6 @@ class PointDepths {
   struct Asked;
   static SharedArray<float> find(const Asked& asked);
 
-  SharedArray<uint8_t> on_skin_;  // per point: a triangle of skin has had it as a corner
   std::shared_ptr<Last> last_ = std::make_shared<Last>();
 };
 

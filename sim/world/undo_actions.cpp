@@ -65,8 +65,6 @@ void OperatingTable::take_back(std::span<const CutStep> steps) {
   followed_.reset();  // (whatever is not taken back is followed again)
   for (size_t i = steps.size(); i-- > 0;)
     for (int k = 0; k < steps[i].operations; ++k) arrangement_->undo();
-  // Numbers of points that are gone will be given to others.
-  depths_.forget_from(arrangement_->point_count());
 }
 
 bool OperatingTable::cut_again(const CutStep& s) {

@@ -130,7 +130,8 @@ TEST_F(Cli, MissingEmptyFolder) {
   const std::string empty = file("empty", "");
   for (const std::string& c : {std::string("replay "), std::string("check "), std::string("report ")}) {
     expect_refused(c + path("absent"), {"absent"});
-    if (c != "report ") expect_refused(c + dir_.string(), {dir_.string(), "is a "});
+    if (c == "replay ") expect_refused(c + dir_.string(), {dir_.string(), "is a "});
+    if (c == "check ") expect_refused(c + dir_.string(), {dir_.string(), "no DICOM slices"});  // a folder is a series of images
     if (c != "report ") expect_refused(c + empty, {"empty"});
   }
   const std::string scene = file("small.toml", small_scene()), ok = file("ok.jsonl", script("{\"action\":\"wait\",\"seconds\":0}\n"));

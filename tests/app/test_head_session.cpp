@@ -186,7 +186,7 @@ TEST(HeadSession, AFragmentRaisedLiftsTheSkinAboveIt) {
 }
 
 TEST(HeadSession, AScenesSkinAloneBuildsNoHead) {
-  Assembly a(parse_scene("[body]\nsource = \"block\"\nsize_mm = [40, 40, 8]\nskin_cell_mm = 4\n[[layer]]\nname = \"skin\"\nthickness_mm = 8\nyoung_kPa = 60\n[lattice]\ncell_mm = 5\n", "plain.toml"),
+  Assembly a(parse_scene("[body]\nsource = \"block\"\nsize_mm = [40, 40, 8]\nskin_cell_mm = 4\n[[layer]]\nname = \"skin\"\nthickness_mm = 8\nyoung_kPa = 60\npoisson = 0.45\n[lattice]\ncell_mm = 5\n", "plain.toml"),
              Calibration{}, {});
   EXPECT_EQ(a.head, nullptr);
   const Outcome o = a.patient->apply(HeadCommand(ring()));

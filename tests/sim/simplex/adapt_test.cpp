@@ -191,7 +191,7 @@ TEST(File, BrokenInputHasAMessage) {
   EXPECT_NE(message(good + "v 1 2 3 0 1 2\n").find("in turn"), std::string::npos);
   EXPECT_NE(message(good + "z 70000\n").find("65535"), std::string::npos);
   EXPECT_NE(message(good + "z -1\n").find("whole number"), std::string::npos);
-  EXPECT_NE(message(good + "e 0 19 window\n").find("hole or a cut"), std::string::npos);
+  EXPECT_NE(message(good + "e 0 19 window\n").find("a hole, a cut or a wall"), std::string::npos);
   EXPECT_NE(message(good + "e 0 0 hole\n").find("not neighbours"), std::string::npos);
   EXPECT_NE(message(good + "e 0 4000 hole\n").find("not neighbours"), std::string::npos);
   EXPECT_NE(message(good + "c 0 1\n").find("F:22"), std::string::npos);
