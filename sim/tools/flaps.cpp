@@ -124,7 +124,7 @@ std::vector<Command> operation(const Rhomboid& plan, const FlapSettings& setting
   w.row(donor_D, donor_F);
   w.row({D, E, flap}, {B, A, left});
   w.row({E, F, flap}, {A, D, out}, 1, 1.75);  // its end lies beside the donor stitch, which is to carry the tension
-  w.row({C, D, flap}, {C, B, below}, 1.75);   // the pivot's skin is whole; a stitch close to it would only pucker
+  w.row({C, D, flap}, {C, B, below});  // up to one spacing from the pivot, whose skin is whole
   w.stage("closed", 4);
   return w.commands;
 }
