@@ -1,6 +1,7 @@
 // The pictures of a report on a head.
 #include "app/head_report.h"
 #include "app/output.h"
+#include "app/pictures.h"
 #include "app/progress.h"
 #include "app/report/report_names.h"
 #include "render/gl_context.h"
@@ -29,6 +30,7 @@ PictureOptions look(FaceLook face, const std::string& title, bool landmarks = fa
 }  // namespace
 
 void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last, const Camera& camera) {
+  remove_report_pictures(dir);
   if (!last.topology) return;
   const bool face = !last.moved_mm.empty();
   try {

@@ -1,5 +1,7 @@
 #include "app/pictures.h"
 
+#include <filesystem>
+
 #include "app/field_map.h"
 #include "app/output.h"
 #include "app/progress.h"
@@ -100,7 +102,14 @@ void draw_maps(const std::string& dir, const Snapshot& last) {
 
 }  // namespace
 
+void remove_report_pictures(const std::string& dir) {
+  std::error_code none;
+  for (const char* name : {report_names::overview, report_names::tension, report_names::perfusion, report_names::stress})
+    std::filesystem::remove(std::filesystem::path(dir) / name, none);
+}
+
 void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last) {
+  remove_report_pictures(dir);
   if (!last.topology) return;
   draw_maps(dir, last);
   try {
