@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/head_cache.h"
 #include "sim/error.h"
 #include "sim/imaging/synthetic_head.h"
 #include "sim/simplex/file.h"
@@ -19,7 +20,7 @@ void add_synthetic(const HeadScene& h, HeadParts& parts, Workers& workers) {
   spec.mandible_scale = h.mandible_scale, spec.ramus_left = h.ramus_left;
   spec.vault_wide = h.vault_wide, spec.vault_long = h.vault_long, spec.forehead_flat = h.forehead_flat;
   spec.edge_mm = h.edge_mm, spec.face_edge_mm = h.face_edge_mm;
-  HeadModel m = make_head(spec, workers);
+  HeadModel m = cached_head(spec, workers);
   parts.bones.push_back({"cranium", std::move(m.cranium), false});
   parts.bones.push_back({"mandible", std::move(m.mandible), false});
   if (h.face) parts.face = std::move(m.face);
