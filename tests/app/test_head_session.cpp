@@ -1,10 +1,15 @@
 // A whole session on a head: the emulated surgeon saws and carries, once with one worker and once with two; scenes with and without
 // [head]; skin over bone.
 #include <gtest/gtest.h>
+#include <filesystem>
+#include <cstdlib>
+#include <unistd.h>
 
 #include <fstream>
 
 #include "app/assembly.h"
+#include "app/head_cache.h"
+#include "sim/simplex/mesh.h"
 #include "app/operation.h"
 #include "app/session/lockstep.h"
 #include "devices/head_surgeon.h"
@@ -192,6 +197,31 @@ TEST(HeadSession, AScenesSkinAloneBuildsNoHead) {
   const Outcome o = a.patient->apply(HeadCommand(ring()));
   EXPECT_FALSE(o.done);
   EXPECT_NE(o.reason.find("no bone here"), std::string::npos);
+}
+
+TEST(HeadCache, WhatIsReadIsWhatWasMade) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("limberg-cache-" + std::to_string(getpid()));
+  setenv("LIMBERG_CACHE", folder.c_str(), 1);
+  HeadSpec coarse;
+  coarse.edge_mm = 8, coarse.face_edge_mm = 9, coarse.vault_wide = 1.02;
+  InlineWorkers w;
+  const HeadModel made = cached_head(coarse, w);
+  const bool kept = std::filesystem::exists(folder);
+  const HeadModel read = cached_head(coarse, w);
+  for (const auto& [a, b] : {std::pair(&made.cranium, &read.cranium), std::pair(&made.mandible, &read.mandible), std::pair(&made.face, &read.face)}) {
+    EXPECT_EQ(simplex::hash(*a), simplex::hash(*b));
+    EXPECT_EQ(a->face_edge, b->face_edge);  // numbers of faces too: tissue is built by them
+  }
+  ASSERT_EQ(made.landmarks.size(), read.landmarks.size());
+  for (size_t i = 0; i < made.landmarks.size(); ++i) EXPECT_TRUE(made.landmarks[i] == read.landmarks[i]) << made.landmarks[i].first;
+  if (kept) {  // a damaged one is made anew
+    for (const auto& f : std::filesystem::recursive_directory_iterator(folder))
+      if (f.path().filename() == "mandible.simplex") std::filesystem::resize_file(f.path(), 1000);
+    EXPECT_EQ(simplex::hash(cached_head(coarse, w).mandible), simplex::hash(made.mandible));
+  }
+  unsetenv("LIMBERG_CACHE");
+  std::filesystem::remove_all(folder);
+  if (!kept) GTEST_SKIP() << "this program differs from its commit: it keeps no heads";
 }
 
 }  // namespace
