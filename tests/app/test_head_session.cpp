@@ -1,21 +1,21 @@
 // A whole session on a head: the emulated surgeon saws and carries, once with one worker and once with two; scenes with and without
 // [head]; skin over bone.
 #include <gtest/gtest.h>
-#include <filesystem>
-#include <cstdlib>
 #include <unistd.h>
 
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 #include "app/assembly.h"
 #include "app/head_cache.h"
-#include "sim/simplex/mesh.h"
 #include "app/operation.h"
 #include "app/session/lockstep.h"
 #include "devices/head_surgeon.h"
 #include "sim/error.h"
 #include "sim/simplex/file.h"
 #include "sim/simplex/generators.h"
+#include "sim/simplex/mesh.h"
 
 namespace limberg {
 namespace {
