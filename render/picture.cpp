@@ -102,12 +102,7 @@ struct PictureMaker::Impl {
   }
 
   DrawOptions options() const {
-    DrawOptions o;
-    o.width = width, o.height = height;
-    const bool still = quality == PictureQuality::still;
-    o.supersample = still ? 2 : 1;
-    o.shadow = still, o.fine_skin = still;
-    return o;
+    return draw_options(quality == PictureQuality::still ? kQualityLevels.back() : kQualityLevels.front(), width, height);
   }
 };
 

@@ -326,6 +326,14 @@ struct Renderer::Impl {
   }
 };
 
+DrawOptions draw_options(const QualityLevel& level, int width, int height) {
+  DrawOptions o;
+  o.width = width, o.height = height;
+  o.supersample = level.supersample;
+  o.shadow = level.shadow, o.fine_skin = level.fine_skin;
+  return o;
+}
+
 Renderer::Renderer(std::unique_ptr<GlContext> context) : impl_(std::make_unique<Impl>(std::move(context))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;

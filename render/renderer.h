@@ -15,6 +15,7 @@
 
 #include "render/gl_context.h"
 #include "render/image.h"
+#include "render/quality.h"
 #include "render/render_scene.h"
 #include "render/view.h"
 
@@ -36,6 +37,9 @@ struct DrawOptions {
   int iso_lines = 10;       // intervals of the colour map that are parted by thin lines; 0 = none
   Rgb8 background_top{108, 142, 148}, background_bottom{44, 66, 74};
 };
+
+/// A level of quality (quality.h) at a size; the rest as it is by default.
+DrawOptions draw_options(const QualityLevel& level, int width, int height);
 
 /// Per pixel: Part << 24 | number. Number: triangle of SurfaceView (tissue), id of the suture or hook.
 struct IdImage {

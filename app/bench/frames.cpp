@@ -12,7 +12,6 @@
 #include "app/pictures.h"
 #include "app/session/thread.h"
 #include "app/session/workers_pool.h"
-#include "render/quality.h"
 #include "render/renderer.h"
 
 namespace limberg::bench {
@@ -32,13 +31,6 @@ Script opened(const Script& script) {
   return s;
 }
 
-DrawOptions options(const QualityLevel& q, int width, int height) {
-  DrawOptions o;
-  o.width = width, o.height = height;
-  o.fine_skin = q.fine_skin, o.shadow = q.shadow, o.supersample = q.supersample;
-  return o;
-}
-
 /// Draws the newest snapshot 30 times a second on a thread of its own, as a session does, while it is asked to.
 class Painter {
  public:
@@ -55,7 +47,7 @@ class Painter {
             s = shown_;
           }
           const View view = camera.view(640.0 / 480);
-          renderer.paint(builder.build(s), std::span(&view, 1), options(kQualityLevels[0], 640, 480));
+          renderer.paint(builder.build(s), std::span(&view, 1), draw_options(kQualityLevels[0], 640, 480));
           renderer.read();
           ++frames_;
         }
@@ -109,7 +101,7 @@ Result frames(const Scene& scene, const Script* script, const FramesSettings& se
       Times wall, cpu;
       for (int i = 0; i < (set.quick ? 3 : 7); ++i) {
         const double c = cpu_ms(), w = wall_ms();
-        const Image image = renderer.draw(builder.build(snapshot), view, options(q, width, height));
+        const Image image = renderer.draw(builder.build(snapshot), view, draw_options(q, width, height));
         if (i > 0) wall.add(wall_ms() - w), cpu.add(cpu_ms() - c);  // the first one warms up
       }
       Row r;

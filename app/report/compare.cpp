@@ -9,7 +9,6 @@
 #include "app/report/report_data.h"
 #include "app/report/report_file.h"
 #include "app/report/sections.h"
-#include "app/report/style.h"
 
 namespace limberg {
 
@@ -168,11 +167,8 @@ std::string timing(const ReportData& a, const ReportData& b) {
 }
 
 std::string page(const Side& a, const Side& b) {
-  return "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\"/>\n"
-         "<title>Comparison – Limberg</title>\n<style>" + std::string(report_style) + "</style>\n</head>\n<body>\n" + heading(a, b) + "<main>\n" + figures(a.d, b.d) +
-         sutures(a.d, b.d) + pictures(a, b) + timing(a.d, b.d) + script(a.d, b.d) + "</main>\n" + sections::footer(b.d) + "</body>\n</html>\n";
+  return whole_page("Comparison", heading(a, b) + "<main>\n" + figures(a.d, b.d) + sutures(a.d, b.d) + pictures(a, b) + timing(a.d, b.d) + script(a.d, b.d) + "</main>\n" +
+                                      sections::footer(b.d));
 }
 
 }  // namespace

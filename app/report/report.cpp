@@ -20,15 +20,18 @@ namespace {
 
 std::string page(const ReportData& d, const std::string& dir) {
   namespace s = sections;
-  return "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
-         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
-         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\"/>\n"
-         "<title>" + html::escape(s::title(d)) + " – Limberg</title>\n<style>" + report_style + "</style>\n</head>\n<body>\n" +
-         s::heading(d, dir) + "<main>\n" + s::study(d) + s::exercise(d) + s::story(d, dir) + s::gallery(d, dir) + s::tension(d, dir) + s::sutures(d) + s::closing(d, dir) + s::balance(d) + s::convergence(d) +
-         s::timing(d) + s::residual(d) + s::figures(d) + s::script(d) + "</main>\n" + s::footer(d) + "</body>\n</html>\n";
+  return whole_page(s::title(d), s::heading(d, dir) + "<main>\n" + s::study(d) + s::exercise(d) + s::story(d, dir) + s::tension(d, dir) + s::sutures(d) + s::closing(d, dir) +
+                                     s::balance(d) + s::convergence(d) + s::timing(d) + s::residual(d) + s::figures(d) + s::script(d) + "</main>\n" + s::footer(d));
 }
 
 }  // namespace
+
+std::string whole_page(const std::string& title, const std::string& body) {
+  return "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n"
+         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\"/>\n"
+         "<title>" + html::escape(title) + " – Limberg</title>\n<style>" + report_style + "</style>\n</head>\n<body>\n" + body + "</body>\n</html>\n";
+}
 
 std::string result_file(const std::string& dir) { return (fs::path(dir) / report_names::result).string(); }
 

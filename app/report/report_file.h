@@ -8,6 +8,8 @@ namespace limberg {
 std::string result_file(const std::string& dir);
 /// Its text. InputError: no folder, or no result in it.
 std::string read_result_file(const std::string& dir);
+/// A whole page: head with the style sheet, nothing from the network. `title` is text, `body` markup.
+std::string whole_page(const std::string& title, const std::string& body);
 /// Writes a page beside itself and puts it in place whole, or throws InputError and leaves what was there.
 void write_page(const std::string& file, const std::string& html);
 

@@ -12,7 +12,6 @@
 #include "app/progress.h"
 #include "app/window/orbit.h"
 #include "render/picture.h"
-#include "render/quality.h"
 #include "render/renderer.h"
 #include "render/ui_painter.h"
 #include "sim/error.h"
@@ -173,10 +172,7 @@ struct WindowFrames::Impl {
   }
 
   DrawOptions options(int width, int height) const {
-    DrawOptions o;
-    o.width = width, o.height = height;
-    const QualityLevel& q = kQualityLevels[size_t(desk.state.quality > 0 ? desk.state.quality - 1 : ladder.level())];
-    o.shadow = q.shadow, o.fine_skin = q.fine_skin;
+    DrawOptions o = draw_options(kQualityLevels[size_t(desk.state.quality > 0 ? desk.state.quality - 1 : ladder.level())], width, height);
     o.wireframe = desk.state.wireframe;
     o.colour_field = desk.state.tension;
     o.field_max = field_end;

@@ -11,6 +11,7 @@
 //
 // Undo and redo go through osteotomies, moves, plates, joins, tissue and landmarks in the order in which they were done. The
 // face is never set back by a move: it follows the bones to where they are.
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -103,6 +104,7 @@ class Head {
   Done moment(bool bones, bool with_face) const;
   void remember(Done before);
   void swap_with(Done& other);                // of undo and redo
+  Outcome go(std::vector<Done>& from, std::vector<Done>& to, const std::function<Outcome()>& bones);
   int32_t find(const FragmentPick& pick, std::string& reason) const;
   Vec3 centre_now(int32_t fragment) const;
   void tie(HeadLandmark& landmark) const;

@@ -30,28 +30,27 @@ void Head::swap_with(Done& other) {
   topology_changed();
 }
 
+/// The last act of `from` goes to `to`. A refusal of the bones leaves both as they are.
+Outcome Head::go(std::vector<Done>& from, std::vector<Done>& to, const std::function<Outcome()>& bones) {
+  if (from.back().bones)
+    if (Outcome o = bones(); !o.done) return o;
+  Done d = std::move(from.back());
+  from.pop_back();
+  swap_with(d);
+  to.push_back(std::move(d));
+  return {true, {}};
+}
+
 Outcome Head::undo() {
   if (bones_.held() >= 0) return {false, kHeld};
   if (done_.empty()) return {false, "there is nothing to undo"};
-  Done d = std::move(done_.back());
-  done_.pop_back();
-  if (d.bones)
-    if (Outcome o = bones_.undo(); !o.done) return done_.push_back(std::move(d)), o;
-  swap_with(d);
-  undone_.push_back(std::move(d));
-  return {true, {}};
+  return go(done_, undone_, [this] { return bones_.undo(); });
 }
 
 Outcome Head::redo() {
   if (bones_.held() >= 0) return {false, kHeld};
   if (undone_.empty()) return {false, "there is nothing to do again"};
-  Done d = std::move(undone_.back());
-  undone_.pop_back();
-  if (d.bones)
-    if (Outcome o = bones_.redo(); !o.done) return undone_.push_back(std::move(d)), o;
-  swap_with(d);
-  done_.push_back(std::move(d));
-  return {true, {}};
+  return go(undone_, done_, [this] { return bones_.redo(); });
 }
 
 }  // namespace limberg

@@ -52,19 +52,24 @@ void envelope(float* f, size_t stride, size_t n, std::vector<float>& g, std::vec
   }
 }
 
+/// Calls visit(node) for the up to six neighbours of node i.
+template <class Visit>
+void neighbours(const Size& n, size_t i, Visit&& visit) {
+  const int64_t stride[3] = {1, n[0], int64_t(n[0]) * n[1]};
+  const int32_t at[3] = {int32_t(i % size_t(n[0])), int32_t(i / size_t(n[0]) % size_t(n[1])), int32_t(i / size_t(stride[2]))};
+  for (int k = 0; k < 3; ++k)
+    for (int s : {-1, 1})
+      if (at[k] + s >= 0 && at[k] + s < n[size_t(k)]) visit(size_t(int64_t(i) + s * stride[k]));
+}
+
 /// Marks what is reached from `seeds` through nodes that may be entered.
 void flood(const Size& n, const std::vector<uint8_t>& may, std::vector<size_t> seeds, std::vector<uint8_t>& reached) {
-  const int64_t stride[3] = {1, n[0], int64_t(n[0]) * n[1]};
   while (!seeds.empty()) {
     const size_t i = seeds.back();
     seeds.pop_back();
-    const int32_t at[3] = {int32_t(i % size_t(n[0])), int32_t(i / size_t(n[0]) % size_t(n[1])), int32_t(i / size_t(stride[2]))};
-    for (int k = 0; k < 3; ++k)
-      for (int s : {-1, 1}) {
-        if (at[k] + s < 0 || at[k] + s >= n[size_t(k)]) continue;
-        const size_t j = size_t(int64_t(i) + s * stride[k]);
-        if (may[j] && !reached[j]) reached[j] = 1, seeds.push_back(j);
-      }
+    neighbours(n, i, [&](size_t j) {
+      if (may[j] && !reached[j]) reached[j] = 1, seeds.push_back(j);
+    });
   }
 }
 
@@ -83,7 +88,6 @@ std::vector<float> distance_to_outside(const Size& n, const std::vector<uint8_t>
 int largest_parts(const Size& n, std::vector<uint8_t>& set, double share, int64_t& kept, int64_t& dropped, int& kept_parts) {
   std::vector<int32_t> of(set.size(), -1);
   std::vector<int64_t> size;
-  const int64_t stride[3] = {1, n[0], int64_t(n[0]) * n[1]};
   std::vector<size_t> stack;
   for (size_t i = 0; i < set.size(); ++i) {
     if (!set[i] || of[i] >= 0) continue;
@@ -92,13 +96,9 @@ int largest_parts(const Size& n, std::vector<uint8_t>& set, double share, int64_
     while (!stack.empty()) {
       const size_t v = stack.back();
       stack.pop_back();
-      const int32_t at[3] = {int32_t(v % size_t(n[0])), int32_t(v / size_t(n[0]) % size_t(n[1])), int32_t(v / size_t(stride[2]))};
-      for (int k = 0; k < 3; ++k)
-        for (int s : {-1, 1}) {
-          if (at[k] + s < 0 || at[k] + s >= n[size_t(k)]) continue;
-          const size_t j = size_t(int64_t(v) + s * stride[k]);
-          if (set[j] && of[j] < 0) of[j] = part, ++size.back(), stack.push_back(j);
-        }
+      neighbours(n, v, [&](size_t j) {
+        if (set[j] && of[j] < 0) of[j] = part, ++size.back(), stack.push_back(j);
+      });
     }
   }
   kept = dropped = 0, kept_parts = 0;
