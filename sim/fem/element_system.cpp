@@ -8,14 +8,6 @@
 namespace limberg::fem {
 namespace {
 
-// k = 3 mu; twice that where layers share a cell, so that more of their stretch is taken at its place (layer_slide.h).
-double penalty_kPa(const Stencil& s) { return (s.slide_kPa != 0 ? 6 : 3) * s.mu_kPa; }
-constexpr double primal_below = 5;     // lambda / mu at nu = 0.4 (reparametrised: 2 nu / (1 - 2 nu) + 1)
-
-bool uses_multiplier(const Stencil& s, bool augmented) {
-  return augmented && s.mu_kPa > 0 && s.lambda_kPa > primal_below * s.mu_kPa * (1 + 1e-9);
-}
-
 KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augmented) {
   KernelStencil k{};
   const Vec3 h = cell_size_mm(cell_mm, s.level);
@@ -59,12 +51,6 @@ bool same_stencils(const FemModel& a, const FemModel& b) {
   bool same = a.stencils.size() == b.stencils.size() && a.cell_mm == b.cell_mm && a.laws == b.laws;
   for (size_t c = 0; same && c < a.stencils.chunks(); ++c) same = a.stencils.shares(b.stencils, c);
   return same;
-}
-
-double effective_bulk_kPa(const Stencil& s, bool augmented) {
-  if (!uses_multiplier(s, augmented)) return s.lambda_kPa;
-  const double k = penalty_kPa(s);
-  return s.lambda_kPa * k / (s.lambda_kPa + k);
 }
 
 ElementSystem::ElementSystem(std::shared_ptr<const FemModel> model, bool augmented, const FemModel* before,

@@ -22,14 +22,12 @@
 #include <span>
 #include <vector>
 
+#include "sim/fem/effective_bulk.h"
 #include "sim/fem/engine.h"
 #include "sim/fem/fem_model.h"
 #include "sim/fem/tiles.h"
 
 namespace limberg::fem {
-
-/// Effective volumetric stiffness ke in kPa of a stencil, as it enters gradient and preconditioner.
-double effective_bulk_kPa(const Stencil& s, bool augmented);
 
 /// Whether two models have one list of stencils and laws in common, not only equal ones.
 bool same_stencils(const FemModel& a, const FemModel& b);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/fem/element_system.h"
+#include "sim/fem/effective_bulk.h"
 
 namespace limberg {
 namespace {
