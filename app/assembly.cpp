@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "app/head_build.h"
+#include "app/head/build.h"
 #include "app/version.h"
 #include "sim/error.h"
 

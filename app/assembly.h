@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "app/head_patient.h"
+#include "app/head/patient.h"
 #include "app/repro.h"
 #include "app/scene.h"
 #include "app/session/session.h"

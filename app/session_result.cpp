@@ -1,7 +1,7 @@
 #include "app/session_result.h"
 
 #include "app/exercise.h"
-#include "app/head_report.h"
+#include "app/head/report.h"
 #include "app/metrics.h"
 #include "sim/tools/strokes.h"
 

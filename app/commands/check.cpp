@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "app/bundle.h"
-#include "app/head_build.h"
+#include "app/head/build.h"
 #include "app/lesson.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"

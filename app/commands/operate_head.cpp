@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "app/assembly.h"
-#include "app/head_build.h"
-#include "app/head_report.h"
+#include "app/head/build.h"
+#include "app/head/report.h"
 #include "app/interrupt.h"
 #include "app/metrics.h"
 #include "app/operation.h"

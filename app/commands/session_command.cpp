@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "app/head_report.h"
+#include "app/head/report.h"
 #include "app/interrupt.h"
 #include "app/output.h"
 #include "app/pictures.h"

@@ -1,4 +1,4 @@
-#include "app/head_cache.h"
+#include "app/head/cache.h"
 
 #include <unistd.h>
 

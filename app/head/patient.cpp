@@ -1,4 +1,4 @@
-#include "app/head_patient.h"
+#include "app/head/patient.h"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 // The pictures of a report on a head.
-#include "app/head_report.h"
+#include "app/head/report.h"
 #include "app/output.h"
 #include "app/pictures.h"
 #include "app/progress.h"

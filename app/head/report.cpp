@@ -1,4 +1,4 @@
-#include "app/head_report.h"
+#include "app/head/report.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,9 +1,9 @@
-#include "app/head_build.h"
+#include "app/head/build.h"
 
 #include <algorithm>
 #include <filesystem>
 
-#include "app/head_cache.h"
+#include "app/head/cache.h"
 #include "sim/error.h"
 #include "sim/imaging/synthetic_head.h"
 #include "sim/simplex/file.h"

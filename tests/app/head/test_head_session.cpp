@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "app/assembly.h"
-#include "app/head_cache.h"
+#include "app/head/cache.h"
 #include "app/operation.h"
 #include "app/session/lockstep.h"
 #include "devices/head_surgeon.h"
