@@ -45,32 +45,32 @@ LiveSource live_source(const DeviceSpec& spec, int number) {
     LcmNetSettings net;
     if (!spec.rest.empty()) net.url = spec.rest;
     net.allow_other_networks = spec.kind != "lcm";
-    return [net](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<LcmNetSource>(net, start_ns); };
+    return [net](const LiveStart& start) -> std::unique_ptr<Source> { return std::make_unique<LcmNetSource>(net, start.start_ns); };
   }
   if (spec.kind == "fastrak") {
     fastrak::SourceSettings s = fastrak::parse_source(spec.rest);
     s.link.device_id = kFirstFastrak + number;
-    return [s](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<fastrak::FastrakSource>(s, start_ns); };
+    return [s](const LiveStart& start) -> std::unique_ptr<Source> { return std::make_unique<fastrak::FastrakSource>(s, start.start_ns); };
   }
   if (spec.kind == "fastrak-emulator") {
     fastrak::SourceSettings s;
     if (!spec.rest.empty()) s.link.role = fastrak::parse_roles(spec.rest);
     s.link.device_id = kFirstFastrak + number;
-    return [s, number](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<EmulatedFastrak>(s, start_ns, uint64_t(number + 1)); };
+    return [s, number](const LiveStart& start) -> std::unique_ptr<Source> { return std::make_unique<EmulatedFastrak>(s, start.start_ns, uint64_t(number + 1)); };
   }
   if (spec.kind == "spacemouse" || spec.kind == "mouse") {
     DesktopSettings s;
     s.kind = spec.kind == "mouse" ? DesktopSettings::mouse : DesktopSettings::space_mouse;
     s.path = spec.rest;
     s.device_id += number;
-    return [s](int64_t start_ns) -> std::unique_ptr<Source> { return std::make_unique<DesktopSource>(s, start_ns); };
+    return [s](const LiveStart& start) -> std::unique_ptr<Source> { return std::make_unique<DesktopSource>(s, start.start_ns); };
   }
   if (spec.kind == "force-simulated")
-    return [](int64_t) -> std::unique_ptr<Source> {
+    return [](const LiveStart& start) -> std::unique_ptr<Source> {
       SimulatedHand hand;
       // Comes down onto the middle of the skin, presses 3 mm deep and strokes to and fro.
       hand.target = [](double t) { return Vec3(15 * std::sin(1.5 * t), 10 * std::sin(0.9 * t), 20 - 23 * std::min(1.0, t / 2)); };
-      return std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand));
+      return std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{}, start.stiffness);
     };
   return {};
 }

@@ -13,12 +13,17 @@
 #include <memory>
 #include <string>
 
+#include "devices/force/stiffness_line.h"
 #include "devices/source.h"
 
 namespace limberg {
 
-/// Makes a live source when the clock starts; `start_ns`: CLOCK_MONOTONIC at tick 0.
-using LiveSource = std::function<std::unique_ptr<Source>(int64_t start_ns)>;
+/// What a live source is given when the clock starts.
+struct LiveStart {
+  int64_t start_ns = 0;                      // CLOCK_MONOTONIC at tick 0
+  std::shared_ptr<StiffnessLine> stiffness;  // to a patient that can be felt; null: none
+};
+using LiveSource = std::function<std::unique_ptr<Source>(const LiveStart&)>;
 
 inline constexpr const char* kDeviceSpecs = "emulated:SCRIPT, log:FILE, lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], spacemouse, mouse or force-simulated";
 

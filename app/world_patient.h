@@ -12,6 +12,7 @@ class WorldPatient final : public Patient {
   Outcome apply(const Command& c) override;
   StepReport step(const StepSettings& s) override { return world_.step(s); }
   bool settled() const override { return world_.settled(); }
+  bool press(const PressQuestion& q, PressAnswer& a) override { return a = world_.press(q), a.stiffness_N_mm > 0; }
   void fill(Snapshot& s) const override { world_.fill(s); }
   void fill_with_field(Snapshot& s) const override { world_.fill(s, true); }
   std::shared_ptr<const SurfaceTopology> topology() const override { return world_.topology(); }

@@ -24,6 +24,8 @@ namespace limberg {
 
 struct ContactCounts;  // contact/contact_counts.h
 struct FaultPlan;
+struct PressAnswer;    // press.h
+struct PressQuestion;
 struct LatticeTopology;
 class Arrangement;
 
@@ -60,6 +62,8 @@ class World {
   /// Reuses the snapshot's memory. The tension field costs a few ms and is filled only when asked for.
   void fill(Snapshot& snapshot, bool with_field = false) const;
   std::shared_ptr<const SurfaceTopology> topology() const;
+  /// How stiff the patient is against a tool that presses here (world/press_probe.h). Asking changes no bit of the patient.
+  PressAnswer press(const PressQuestion& question, int iterations = 8);
 
   uint64_t topology_hash() const;  // same on every machine
   uint64_t state_hash() const;     // positions, topology, hooks and sutures

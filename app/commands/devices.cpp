@@ -133,7 +133,7 @@ int devices(const Options& o) {
     const LiveSource live = live_source(DeviceSpec(names[i]), int(i));
     if (!live) throw InputError("", 0, "--device " + names[i] + ": no live device; expected lcm, lcm:URL, fastrak:PORT or fastrak-emulator");
     try {
-      sources.push_back(live(start));
+      sources.push_back(live({start, nullptr}));
       ++i;
     } catch (const InputError& e) {
       if (!o.devices.empty()) throw;

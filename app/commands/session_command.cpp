@@ -188,8 +188,9 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (window) set.gauges = &window->gauges(), set.pump = [&] { window->pump(); };
   SessionFigures f;
   if (call.real_time) {
+    if (!call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
     f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
-      for (const LiveSource& live : call.live_sources) a.front.add(live(start_ns));
+      for (const LiveSource& live : call.live_sources) a.front.add(live({start_ns, a.channels.press}));
     });
   } else {
     set.ticks_per_frame = film ? 1000 / call.film->frames_per_s : 1000;  // on a virtual clock frames are samples of the picture, one a second

@@ -7,12 +7,15 @@
 //     solver ──ring: stages passed, acts done──────────► render
 //     device ──ring: every sample as received──────────► recorder
 //     device, solver ──rings: what they found──────────► recorder (live sessions)
+//     device ◄──triple buffers: how stiff is it here?──► solver (force devices: press_line.h)
 //
 // Nothing here waits. Each buffer has one writer and one reader.
 #include <atomic>
+#include <memory>
 
 #include "app/session/epoch.h"
 #include "app/session/notice.h"
+#include "app/session/press_line.h"
 #include "app/session/spsc_ring.h"
 #include "app/session/triple_buffer.h"
 #include "devices/schedule.h"
@@ -53,6 +56,7 @@ struct Channels {
   std::atomic<bool> want_field{false};  // render asks the solver for the tension
   TripleBuffer<HandState> hand_to_solver, hand_to_render;
   TripleBuffer<PatientState> patient_to_device, patient_to_render;
+  std::shared_ptr<PressLine> press;  // null: no device feels anything
   Versions<SurfaceTopology, kTopologyReaders> topologies;  // owned by the solver lane
 };
 

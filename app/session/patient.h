@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "sim/fem/elastic_solver.h"
+#include "sim/press.h"
 #include "sim/snapshot.h"
 #include "sim/tools/command.h"
 
@@ -18,6 +19,8 @@ class Patient {
   virtual void fill(Snapshot& snapshot) const = 0;
   /// With the tension of the skin, where the patient knows one.
   virtual void fill_with_field(Snapshot& snapshot) const { fill(snapshot); }
+  /// How stiff it is against a tool that presses (sim/press.h). Asking changes nothing. False: it cannot tell.
+  virtual bool press(const PressQuestion&, PressAnswer&) { return false; }
   virtual std::shared_ptr<const SurfaceTopology> topology() const = 0;
   virtual uint64_t topology_hash() const = 0;
   virtual uint64_t state_hash() const = 0;

@@ -69,6 +69,13 @@ void SolverLane::step_as(const SolverTake& as, const HandState* hand) {
   advance(as.tick, s);
 }
 
+// A question that came before the patient's newest cut is about a surface that is no longer there: no answer.
+void SolverLane::answer_press() {
+  if (!ch_.press) return;
+  const PressQuestion* question = ch_.press->asked();
+  if (PressAnswer answer; question && patient_.press(*question, answer)) ch_.press->answer(answer);
+}
+
 void SolverLane::advance(int64_t tick, const StepSettings& s) {
   follow_hand();
   last_ = patient_.step(s);
@@ -80,6 +87,7 @@ void SolverLane::advance(int64_t tick, const StepSettings& s) {
     series_.distance_mm.push_back(float(last_.distance_mm));
   }
   publish(tick);
+  answer_press();
 }
 
 void SolverLane::note_closure(const Snapshot& s) {

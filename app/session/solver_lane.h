@@ -84,6 +84,7 @@ class SolverLane {
   bool apply(const Command& c, int64_t tick);  // false: refused
   void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
   void follow_hand();
+  void answer_press();
   void publish(int64_t tick);
   void note_closure(const Snapshot& shown);
 

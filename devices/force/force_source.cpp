@@ -6,10 +6,25 @@
 
 namespace limberg {
 
-ForceSource::ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceSettings& settings)
-    : device_(std::move(device)), set_(settings), loop_(device_->limits()) {}
+ForceSource::ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceSettings& settings, std::shared_ptr<StiffnessLine> line)
+    : device_(std::move(device)), set_(settings), line_(std::move(line)), loop_(device_->limits()) {}
 
 void ForceSource::look(const Snapshot& s) { seen_ = &s; }
+
+double ForceSource::contact_stiffness(const Snapshot& s, const SkinTouch& touch) {
+  const double half_space = 2 * set_.tip_radius_mm * set_.young_kPa / (1 - set_.poisson * set_.poisson) * 1e-3;  // kPa mm = mN / mm
+  if (!line_) return half_space;
+  // How deep the tip is below the surface as it would be without it, or lies ready to be.
+  line_->ask({s.topology_version, touch.triangle, touch.bary, touch.normal, set_.tip_radius_mm, loop_.state().touching ? loop_.state().depth_mm : 0});
+  const PressAnswer& told = line_->newest();
+  const SurfaceView& view = s.topology->view;
+  if (told.stiffness_N_mm <= 0 || told.topology_version != s.topology_version || told.triangle < 0 || size_t(told.triangle) >= view.tri.size()) return half_space;
+  Vec3 there = Vec3::Zero();
+  for (int32_t v : view.tri[size_t(told.triangle)]) there += s.x_mm[size_t(v)].cast<double>() / 3;
+  if ((there - touch.x_mm).norm() > set_.answer_reach_mm) return half_space;
+  ++answers_;
+  return told.stiffness_N_mm;
+}
 
 void ForceSource::make_model(const Snapshot& s) {
   const bool surface = s.topology && s.x_mm.size() == s.topology->view.X_mm.size();
@@ -24,7 +39,7 @@ void ForceSource::make_model(const Snapshot& s) {
     near_ = touch.triangle;
     if (touch.triangle >= 0 && touch.distance_mm < set_.patch_mm) {
       m.facets = index_.facets_around(s, touch, set_.patch_mm, m.facet);
-      m.stiffness_N_mm = 2 * set_.tip_radius_mm * set_.young_kPa / (1 - set_.poisson * set_.poisson) * 1e-3;  // kPa mm = mN / mm
+      m.stiffness_N_mm = contact_stiffness(s, touch);
     }
   }
   if (set_.cuts) m.puncture_N = set_.puncture_N, m.cutting_N = set_.cutting_N;
@@ -78,9 +93,9 @@ void ForceSource::poll(int64_t now_ns, SampleSink& sink) {
 
 std::string ForceSource::health() const {
   const ForceCounts& c = loop_.counts();
-  char text[256];
-  std::snprintf(text, sizeof text, "%s, force %.2f N, %lld ticks, %lld saturated, %lld slewed, %lld with an old model, %lld stalls, least energy %.2f mJ", device_->name(),
-                loop_.state().force_N.norm(), (long long)c.ticks, (long long)c.saturated, (long long)c.slewed, (long long)c.stale, (long long)c.stalls, c.least_energy_mJ);
+  char text[320];
+  std::snprintf(text, sizeof text, "%s, force %.2f N, %lld ticks, stiffness %.3f N/mm (%lld models from the solver), %lld saturated, %lld slewed, %lld with an old model, %lld stalls, least energy %.2f mJ", device_->name(),
+                loop_.state().force_N.norm(), (long long)c.ticks, model_.stiffness_N_mm, (long long)answers_, (long long)c.saturated, (long long)c.slewed, (long long)c.stale, (long long)c.stalls, c.least_energy_mJ);
   return text;
 }
 

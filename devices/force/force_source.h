@@ -2,12 +2,14 @@
 // A force device as a source: its tip is a stylus reading a thousand times a second, and what it touches pushes back.
 //
 // The model of what is near (force_loop.h) is made from the newest snapshot, at the solver's rate and only then: facets of
-// the skin around the tip; for a held hook the stiffness that the solver's own force and displacement give (a secant), for
-// contact the stiffness of the layer under a round tip: 2 a E / (1 - nu^2) for a flat tip of radius a on a half space
-// (Boussinesq 1885), which is the secant at all depths for that tip. A session without such a source computes none of this.
+// the skin around the tip; for a held hook the stiffness that the solver's own force and displacement give (a secant); for
+// contact the secant that the solver finds for this tip at this place (sim/press.h), asked for as long as the tip is near.
+// Until it has answered, or where there is no line to it, that of a half space of the layer that is touched: 2 a E / (1 - nu^2)
+// for a flat tip of radius a (Boussinesq 1885). A session without such a source computes none of this.
 #include <memory>
 
 #include "devices/force/force_device.h"
+#include "devices/force/stiffness_line.h"
 #include "devices/source.h"
 #include "devices/surface_index.h"
 
@@ -19,13 +21,14 @@ struct ForceSourceSettings {
   double young_kPa = 60, poisson = 0.45;  // of the layer that is touched
   double patch_mm = 8;                    // facets within this of the tip
   double hook_reach_mm = 6;               // the nearest hook handle within this is the one that is held
+  double answer_reach_mm = 4;             // an answer for a place within this of the tip is still good
   double puncture_N = 0.8, cutting_N = 0.35;
   bool cuts = false;                      // the tool punctures
 };
 
 class ForceSource final : public Source {
  public:
-  ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceSettings& settings = {});
+  ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceSettings& settings = {}, std::shared_ptr<StiffnessLine> line = nullptr);
   void look(const Snapshot& snapshot) override;
   void poll(int64_t now_ns, SampleSink& sink) override;
   bool done() const override { return false; }
@@ -34,18 +37,22 @@ class ForceSource final : public Source {
 
   const ForceModel& model() const { return model_; }
   const ForceLoop& loop() const { return loop_; }
+  int64_t answers() const { return answers_; }  // models whose stiffness the solver gave
 
  private:
   void make_model(const Snapshot& s);
+  double contact_stiffness(const Snapshot& s, const SkinTouch& touch);
 
   std::unique_ptr<ForceDevice> device_;
   ForceSourceSettings set_;
+  std::shared_ptr<StiffnessLine> line_;
   ForceLoop loop_;
   ForceModel model_;
   SurfaceIndex index_;
   int32_t near_ = -1;          // the triangle touched last
   const Snapshot* seen_ = nullptr;
   uint64_t step_ = ~uint64_t(0);
+  int64_t answers_ = 0;
   int64_t now_ns_ = -1, last_model_ns_ = -1, seq_ = 0;
   Vec3 tip_ = Vec3::Zero();
   bool pressed_ = false;

@@ -137,6 +137,13 @@ bool OperatingTable::follow_contacts() {
   return fresh || changed;
 }
 
+PressAnswer OperatingTable::press(const PressQuestion& question, int iterations) {
+  if (!press_) press_ = std::make_unique<PressProbe>(workers_);
+  const std::vector<Spring> held = springs();
+  const bool touching = contacts_ && contacts_version_ == version_.surface->version;
+  return press_->ask({*version_.surface, version_.model, *solver_, held, touching ? contacts_->contacts() : std::span<const Contact>{}, *body_}, question, iterations);
+}
+
 ContactCounts OperatingTable::contact_counts() const {
   ContactCounts n = contact_counts_;
   n.places = n.triangles = n.pairs = n.tired = 0;

@@ -27,6 +27,7 @@
 #include "sim/world.h"
 #include "sim/world/anchors.h"
 #include "sim/world/point_depths.h"
+#include "sim/world/press_probe.h"
 #include "sim/world/rest_index.h"
 #include "sim/world/tension_field.h"
 
@@ -43,6 +44,7 @@ class OperatingTable {
   StepReport step(const StepSettings& settings);
   void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
   void fill(Snapshot& snapshot, bool with_field) const;
+  PressAnswer press(const PressQuestion& question, int iterations);
 
   std::shared_ptr<const SurfaceTopology> topology() const { return version_.surface; }
   uint64_t state_hash() const;
@@ -176,6 +178,7 @@ class OperatingTable {
   bool carry_anchors();  // true when something was lost with its tissue
   bool same_place(const Anchor& a, const Anchor& b) const;
   bool joins(const Stitch& stitch, const Anchor& a, const Anchor& b) const;  // the same two places, either way round
+  std::vector<Spring> springs() const;  // of hooks and stitches, as the solver gets them
   void publish_springs();
   StepReport solve(const StepSettings& settings);
   ContactMemory contact_memory() const;
@@ -217,6 +220,7 @@ class OperatingTable {
   std::string why_stopped_;
   PointDepths depths_;
   mutable std::unique_ptr<TensionField> tension_;
+  std::unique_ptr<PressProbe> press_;  // absent until something presses
   mutable uint64_t tension_version_ = 0;
   double initial_volume_mm3_ = 0, volume_mm3_ = 0, removed_volume_mm3_ = 0;
   uint64_t steps_ = 0, cuts_ = 0;

@@ -91,7 +91,7 @@ Stitch OperatingTable::between(const Anchor& a, const Anchor& b) const {
   return s;
 }
 
-void OperatingTable::publish_springs() {
+std::vector<Spring> OperatingTable::springs() const {
   std::vector<Spring> springs;
   for (const Hook& h : hooks_) {
     Spring s;
@@ -106,8 +106,10 @@ void OperatingTable::publish_springs() {
         if (thread.id == t.thread) s.thread = t.thread, s.thread_mm = thread.length_mm;
     springs.push_back(s);
   }
-  solver_->set_springs(springs);
+  return springs;
 }
+
+void OperatingTable::publish_springs() { solver_->set_springs(springs()); }
 
 void OperatingTable::draw_tight() {
   bool drawn = false;

@@ -1,5 +1,6 @@
 #include "sim/world.h"
 
+#include "sim/press.h"
 #include "sim/world/operating_table.h"
 
 namespace limberg {
@@ -18,6 +19,7 @@ StepReport World::step(const StepSettings& settings) { return impl_->step(settin
 void World::hold_at(const std::function<Vec3(const Vec3&)>& where) { impl_->hold_at(where); }
 void World::fill(Snapshot& snapshot, bool with_field) const { impl_->fill(snapshot, with_field); }
 std::shared_ptr<const SurfaceTopology> World::topology() const { return impl_->topology(); }
+PressAnswer World::press(const PressQuestion& q, int iterations) { return impl_->press(q, iterations); }
 uint64_t World::topology_hash() const { return impl_->topology_hash(); }
 uint64_t World::state_hash() const { return impl_->state_hash(); }
 uint64_t World::full_hash() const { return impl_->full_hash(); }

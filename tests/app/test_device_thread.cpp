@@ -51,7 +51,8 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
   front.add(std::make_unique<LcmNetSource>(memory, start));
   SimulatedHand hand;
   hand.target = [](double t) { return Vec3(10 * std::sin(t), 0, 5 - 8 * std::min(1.0, t)); };
-  front.add(std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand)));
+  channels->press = std::make_shared<PressLine>();
+  front.add(std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{}, channels->press));
   ControlSample cursor;
   cursor.device_id = 901;
   cursor.kind = ControlSample::cursor;
@@ -59,7 +60,7 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
   front.add(std::make_unique<LogSource>(std::vector<Sample>{cursor}));
   channels->patient_to_device.for_each_slot([&](PatientState& p) { p.snapshot = patient; });
   DeviceLane lane(front, *channels, true);
-  uint64_t memory_taken = 0, locks = 0, writes = 0, counted = 0, snapshots = 0;
+  uint64_t memory_taken = 0, locks = 0, writes = 0, counted = 0, snapshots = 0, answered = 0;
   {
     const Thread device([&] {
       const RealClock clock(start);
@@ -82,6 +83,7 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
       }
       for (ToolEvent e; channels->events.pop(e);) {
       }
+      if (const PressQuestion* q = channels->press->asked()) channels->press->answer({q->topology_version, q->triangle, 0.2, q->depth_mm, 0, 1}), ++answered;
       const timespec pause{0, 16'000'000};
       nanosleep(&pause, nullptr);
     }
@@ -89,6 +91,7 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
   const FrontEndCounts c = front.counts();
   EXPECT_GT(counted, 100u);
   EXPECT_GT(snapshots, 20u);
+  EXPECT_GT(answered, 10u) << "the force device asked";
   EXPECT_GT(c.glove.forefinger.used, 10) << "the glove was followed";
   EXPECT_EQ(memory_taken, 0u);
   EXPECT_EQ(locks, 0u);

@@ -75,7 +75,7 @@ std::string offences(const std::vector<Include>& all, const Rule& allowed) {
 
 // What devices and render may know of the patient.
 bool read_only_sim(const std::string& t) {
-  static const std::set<std::string> files{"sim/snapshot.h",     "sim/error.h", "sim/hash.h", "sim/cutting/surface_view.h", "sim/fem/fem_model.h",
+  static const std::set<std::string> files{"sim/snapshot.h",     "sim/press.h", "sim/error.h", "sim/hash.h", "sim/cutting/surface_view.h", "sim/fem/fem_model.h",
                                            "sim/tools/command.h", "sim/tools/script.h"};
   return files.contains(t) || t.starts_with("sim/geometry/");
 }

@@ -1,0 +1,161 @@
+// A force device feels the patient that is there: it asks the solver, takes what it says where that is about this place, and
+// gives no energy away in the loop that both make.
+#include "app/session/press_line.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "app/session/device_lane.h"
+#include "app/session/solver_lane.h"
+#include "app/world_patient.h"
+#include "devices/force/force_source.h"
+#include "sim/geometry/block.h"
+
+namespace limberg {
+namespace {
+
+constexpr int kTicksPerStep = 16;
+
+WorldSpec block() {
+  Material skin, fat;
+  skin.young_kPa = 60, fat.young_kPa = 18;
+  BlockSpec b;
+  b.size_mm = {60, 60, 10};
+  b.skin_cell_mm = 1.5;
+  b.layers = {{"skin", 2, skin}, {"fat", 8, fat}};
+  WorldSpec spec;
+  spec.body = std::make_shared<Body>(make_block(b));
+  spec.cell_mm = 4;
+  return spec;
+}
+
+/// A hand that comes down onto the skin at (4, 3), presses `depth_mm` deep and then strokes and taps.
+SimulatedHand hand(double top_mm, double depth_mm, bool restless) {
+  SimulatedHand h;
+  h.target = [=](double t) {
+    Vec3 to(4, 3, top_mm + 5 - (5 + depth_mm) * std::min(1.0, t));
+    if (restless && t > 1.5) to += Vec3(3 * std::sin(2 * t), 0, 2 * std::sin(9 * t));
+    return to;
+  };
+  return h;
+}
+
+/// Device and solver lane on a virtual clock.
+struct Loop {
+  InlineWorkers workers;
+  World world{block(), workers};
+  WorldPatient patient{world, 10};
+  std::unique_ptr<Channels> channels = std::make_unique<Channels>();
+  Calibration calibration;
+  DeviceFrontEnd front{calibration};
+  DeviceLane device{front, *channels, false};
+  SolverLane solver{patient, *channels, {}};
+  SimulatedForceDevice* tool = nullptr;
+  ForceSource* force = nullptr;
+  double energy_mJ = 0, least_mJ = 0, largest_step_N = 0;
+
+  Loop(const SimulatedHand& h, bool line) {
+    if (line) channels->press = std::make_shared<PressLine>();
+    auto made = std::make_unique<SimulatedForceDevice>(h);
+    tool = made.get();
+    auto source = std::make_unique<ForceSource>(std::move(made), ForceSourceSettings{}, channels->press);
+    force = source.get();
+    front.add(std::move(source));
+    solver.start();
+  }
+  void run(double seconds) {
+    Vec3 x = tool->true_mm(), f = Vec3::Zero();
+    for (int tick = 1; tick < int(seconds * 1000); ++tick) {
+      device.tick(tick);
+      energy_mJ -= f.dot(tool->true_mm() - x);  // N mm = mJ; what the hand has put in
+      x = tool->true_mm();
+      largest_step_N = std::max(largest_step_N, (force->loop().state().force_N - f).norm());
+      f = force->loop().state().force_N;
+      least_mJ = std::min(least_mJ, energy_mJ);
+      if (tick % kTicksPerStep == 0) solver.step(tick);
+    }
+  }
+};
+
+TEST(PressLine, AForceIsThatOfThePatientAndNotOfAHalfSpace) {
+  Loop with(hand(0, 4, false), true), without(hand(0, 4, false), false);
+  with.run(3), without.run(3);
+  ASSERT_TRUE(with.force->loop().state().touching);
+  EXPECT_GT(with.force->answers(), 50);
+  EXPECT_EQ(without.force->answers(), 0);
+  // What the world says at that place and depth is what the hand feels.
+  PressAnswer told;
+  Snapshot s;
+  with.world.fill(s);
+  SurfaceIndex index;
+  index.build(*s.topology);
+  const SkinTouch under = index.closest(s, with.tool->true_mm(), -1);
+  const double depth = with.force->loop().state().depth_mm;
+  for (int i = 0; i < 8; ++i) told = with.world.press({s.topology_version, under.triangle, under.bary, under.normal, 1, depth}, 20);
+  const double k = with.force->model().stiffness_N_mm;
+  EXPECT_NEAR(k / told.stiffness_N_mm, 1, 0.05);
+  EXPECT_NEAR(with.force->loop().state().force_N.norm(), k * depth, 0.1 * k * depth);  // the coupling's spring lies in series
+  // Fat below 2 mm of skin: softer than skin all the way down.
+  EXPECT_LT(k, 0.9 * without.force->model().stiffness_N_mm);
+}
+
+TEST(PressLine, NoEnergyComesFromAPatientThatAnswersLate) {
+  Loop loop(hand(0, 4, true), true);
+  loop.run(6);
+  EXPECT_GT(loop.force->answers(), 100);
+  // The bound of a wall read in steps: K T / 2 times the sum of the squares of the way per tick (Colgate 1995), and .1 mJ.
+  EXPECT_GT(loop.least_mJ, -0.15);
+  EXPECT_LE(loop.largest_step_N, 0.2 + 1e-9);
+}
+
+TEST(PressLine, AnAnswerAboutAnotherSurfaceIsNotTaken) {
+  Loop loop(hand(0, 4, false), true);
+  loop.run(2);
+  const int64_t answers = loop.force->answers();
+  ASSERT_GT(answers, 10);
+  ASSERT_TRUE(loop.world.apply(Incise{{{-20, -20}, {-10, -20}}, 3}).done);
+  loop.solver.step(2001);  // the new surface is shown, and the question about the old one is dropped
+  loop.device.tick(2002);
+  EXPECT_EQ(loop.force->answers(), answers);
+  loop.solver.step(2010), loop.device.tick(2011);
+  loop.solver.step(2020), loop.device.tick(2021);
+  EXPECT_GT(loop.force->answers(), answers);
+}
+
+TEST(PressLine, NeitherSideWaitsAndNothingIsTorn) {
+  PressLine line;
+  constexpr int kQuestions = 100'000;
+  int asked = 0, torn = 0, back = 0, last = -1;
+  std::thread solver([&] {
+    for (int newest = 0; newest < kQuestions;) {
+      const PressQuestion* q = line.asked();
+      if (!q) {
+        std::this_thread::yield();
+        continue;
+      }
+      torn += q->depth_mm != double(q->triangle) || q->normal.x() != double(q->triangle);
+      back += q->triangle < newest;
+      newest = q->triangle;
+      line.answer({uint64_t(newest), newest, double(newest), double(newest), 0, newest});
+      ++asked;
+    }
+  });
+  for (int i = 1; i <= kQuestions; ++i) {
+    line.ask({uint64_t(i), i, {double(i), 0, 0}, Vec3(i, 0, 0), 1, double(i)});
+    const PressAnswer& a = line.newest();
+    torn += a.triangle > 0 && (a.stiffness_N_mm != double(a.triangle) || a.iterations != a.triangle);
+    back += a.triangle < last;
+    last = std::max(last, a.triangle);
+    if (i % 64 == 0) std::this_thread::yield();
+  }
+  solver.join();
+  EXPECT_EQ(torn, 0);
+  EXPECT_EQ(back, 0);
+  EXPECT_GT(asked, 0);
+  EXPECT_EQ(line.newest().triangle, kQuestions);
+}
+
+}  // namespace
+}  // namespace limberg
