@@ -24,6 +24,7 @@
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/result.h"
+#include "app/felt_patient.h"
 #include "app/session_latency.h"
 #include "app/shipped.h"
 #include "app/streams.h"
@@ -128,6 +129,7 @@ int run(const Options& o) {
     b = bench::contact({o.quick, o.only, note});
   } else if (o.suite == "devices") {
     b = bench::devices_suite({o.quick, o.only, note});
+    if (std::string("felt").find(o.only) != std::string::npos) bench::add_felt_patient(b, open_scene("rhomboid"), o.quick, note);
     if (std::string("latency").find(o.only) != std::string::npos)
       bench::add_session_latency(b, open_scene("rhomboid"), known_stream("tremor", 5).samples, o.quick, note);
   } else if (o.suite == "verification") {

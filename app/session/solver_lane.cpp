@@ -69,9 +69,10 @@ void SolverLane::step_as(const SolverTake& as, const HandState* hand) {
   advance(as.tick, s);
 }
 
-// A question that came before the patient's newest cut is about a surface that is no longer there: no answer.
+// On every other step: an answer costs about as much as a step, and is faded in over longer than one. A question that came before
+// the patient's newest cut is about a surface that is no longer there: no answer.
 void SolverLane::answer_press() {
-  if (!ch_.press) return;
+  if (!ch_.press || steps_ % 2 != 0) return;
   const PressQuestion* question = ch_.press->asked();
   if (PressAnswer answer; question && patient_.press(*question, answer)) ch_.press->answer(answer);
 }
