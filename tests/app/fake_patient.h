@@ -79,6 +79,10 @@ class FakePatient final : public Patient {
     return out;
   }
 
+  bool press(const PressQuestion& q, PressAnswer& a) override {
+    a = {q.topology_version, q.triangle, 0.3, q.depth_mm, 0, 1};
+    return q.topology_version == t_->version;
+  }
   void fill(Snapshot& s) const override {
     s.step = steps_;
     s.topology = t_;

@@ -13,6 +13,7 @@
 #include "app/session/realtime.h"
 #include "app/session/workers_pool.h"
 #include "devices/emulator.h"
+#include "devices/force/force_source.h"
 #include "devices/log_source.h"
 #include "sim/error.h"
 #include "tests/app/fake_patient.h"
@@ -372,6 +373,22 @@ TEST(AsRecorded, AScheduleWithAMissingRowIsNotTakenForWhole) {
   EXPECT_FALSE(rec.schedule.usable());
   EXPECT_EQ(rec.samples.size(), 1u);
   std::filesystem::remove(file);
+}
+
+TEST(RealTime, AForceDeviceFeelsThePatientOfTheSolverThread) {
+  Rig rig(surgeon());
+  rig.channels->press = std::make_shared<PressLine>();
+  SimulatedHand hand;
+  hand.target = [](double t) { return Vec3(8, 8, 6 - 9 * std::min(1.0, 2 * t)); };
+  auto source = std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{}, rig.channels->press);
+  const ForceSource& force = *source;
+  rig.front.add(std::move(source));
+  SessionSettings set = quick();
+  set.end_tick = 2500;
+  run_realtime(rig.lanes(), set, {});
+  EXPECT_GT(force.answers(), 5);
+  EXPECT_EQ(force.model().stiffness_N_mm, 0.3);
+  EXPECT_GT(force.loop().state().force_N.z(), 0);
 }
 
 TEST(RealTime, AnErrorInAThreadEndsTheSession) {
