@@ -33,7 +33,15 @@ std::string at_text(const ChartPoint& p) {
 
 // Of the same piece of tissue, too: the two edges of a wound that has not opened yet lie in one place.
 bool OperatingTable::same_place(const Anchor& a, const Anchor& b) const {
-  return (a.X_mm - b.X_mm).norm() < kSamePlace_mm && a.embedded.node == b.embedded.node;
+  if ((a.X_mm - b.X_mm).norm() >= kSamePlace_mm || a.embedded.node != b.embedded.node) return false;
+  // One cell may hold both edges of a wound that is shallower than the cell. Edges have no triangle in common, and no corner but the
+  // wound's end.
+  if (a.at.triangle == b.at.triangle) return true;
+  const SurfaceView& view = version_.surface->view;
+  const Tri &s = view.tri[size_t(a.at.triangle)], &t = view.tri[size_t(b.at.triangle)];
+  return std::any_of(s.begin(), s.end(), [&](int32_t v) {
+    return std::find(t.begin(), t.end(), v) != t.end() && (view.X_mm[size_t(v)] - a.X_mm).norm() < 2 * kSamePlace_mm;
+  });
 }
 
 bool OperatingTable::joins(const Stitch& s, const Anchor& a, const Anchor& b) const {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -395,6 +396,36 @@ TEST_F(Cli, PlansLessonsAndMeasures) {
   expect_refused("design rhomboid --defect circle:0,0", {"circle"});
   expect_refused("design rhomboid --defect circle:200,0,10", {"skin"});
   expect_refused("design rhomboid --defect circle:0,0,10 --types sleight", {"sleight", "fusiform"});
+}
+
+// A session is judged as a script is: live, from its recording, and by both the same limits.
+TEST_F(Cli, SessionsAreJudgedByALesson) {
+  const std::string scene = file("small.toml", small_scene());
+  const std::string script = file("slit.jsonl", R"({"limberg_script":1,"scene":"small"}
+{"action":"incise","path":[[-6,0],[6,0]],"depth_mm":3}
+{"action":"suture","a":[0,1],"b":[0,-1]}
+)");
+  const std::string lesson = file("slit.toml", "lesson = \"A slit\"\ngoal = \"Close it\"\nscene = \"small\"\n[procedure]\nname = \"fusiform\"\n[procedure.values]\nwidth_mm = 4\n[tolerance]\ngap_mm = 0.2\ntime_s = 0.001\n");
+  const auto judged = [&](const std::string& command) {
+    const Outcome o = run(command + " --judge " + lesson + " --json " + path("result.json"));
+    EXPECT_EQ(o.status, 0) << command << "\n" << o.err;
+    EXPECT_NE(o.out.find("lesson      gap_mm"), std::string::npos) << o.out;
+    std::map<std::string, bool> met;
+    const auto j = nlohmann::json::parse(slurp(dir_ / "result.json"));
+    for (const auto& t : j.at("lesson").at("tolerances")) met[t.at("name").get<std::string>()] = t.at("met").get<bool>();
+    EXPECT_EQ(met.size(), 2u);
+    return met;
+  };
+  ASSERT_EQ(run("emulate " + scene + " " + script + " --out " + path("slit.lcm")).status, 0);
+  const auto replayed = judged("replay " + path("slit.lcm"));
+  EXPECT_TRUE(replayed.at("gap_mm"));
+  EXPECT_FALSE(replayed.at("time_s"));  // nobody sews in a millisecond
+  const auto live = judged("run " + scene + " --headless --device emulated:" + script);
+  EXPECT_TRUE(live.at("gap_mm"));
+  EXPECT_FALSE(live.at("time_s"));
+  const Outcome bad = run("replay " + path("slit.lcm") + " --judge " + file("none.toml", "lesson = 3\n"));
+  EXPECT_EQ(bad.status, 2) << bad.err;
+  EXPECT_NE(bad.err.find("none.toml"), std::string::npos) << bad.err;
 }
 
 TEST_F(Cli, DesignsAreRanked) {

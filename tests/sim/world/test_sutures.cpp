@@ -291,5 +291,19 @@ TEST(Refused, BadActionsSayWhyAndChangeNothing) {
   }
 }
 
+// Cells of 5 mm, a wound of 3 mm: its two edges lie in one cell, which holds together below. They are two edges all the same.
+TEST(Stitch, JoinsTheEdgesOfAWoundThatIsShallowerThanACell) {
+  InlineWorkers workers;
+  WorldSpec spec = block(1.08);
+  spec.cell_mm = 5;
+  World world(spec, workers);
+  must(world, Incise{{{-6, 1.9}, {6, 2.1}}, 3});
+  must(world, Suture{{0, 3}, {0, 1}});
+  EXPECT_EQ(shown(world).sutures.size(), 1u);
+  EXPECT_FALSE(world.apply(Suture{{0, 3}, {0, 1}}).done);  // it is there
+  EXPECT_FALSE(world.apply(Suture{{3, 3}, {3, 3}}).done);  // one edge
+  must(world, Suture{{3, 3}, {3, 1}});
+}
+
 }  // namespace
 }  // namespace limberg
