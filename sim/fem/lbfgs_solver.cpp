@@ -10,19 +10,6 @@ namespace limberg {
 
 std::unique_ptr<ElasticSolver> make_solver(Workers& workers) { return std::make_unique<fem::LbfgsSolver>(workers); }
 
-Vec3 ElasticSolver::position_mm(const EmbeddedPoint& p) const {
-  const std::span<const Vec3f> u = displacement_mm();
-  Vec3 x = Vec3::Zero();
-  double sum = 0;
-  for (size_t i = 0; i < 8; ++i) {
-    if (p.w[i] == 0) continue;
-    const size_t n = size_t(p.node[i]);
-    x += double(p.w[i]) * (model().X_mm[n] + u[n].cast<double>());
-    sum += double(p.w[i]);
-  }
-  return sum > 0 ? Vec3(x / sum) : x;
-}
-
 }  // namespace limberg
 
 namespace limberg::fem {
@@ -32,127 +19,16 @@ constexpr int update_every = 3;      // accepted iterates between multiplier upd
 constexpr int max_halvings = 40;     // a scrambled start needs many
 constexpr double armijo = 1e-4;
 constexpr double float_noise = 5e-8; // of a sum of single-precision terms, relative to the sum of their sizes
-constexpr double floor_strain = 1e-3; // what the force scale of a block at rest is taken from
 // A tangle: so many cells inverted, and so little balance, for so long. Measured (2026-11-21): scrambled blocks of one tissue
 // are out of it after some 30 iterations; thin skin on fat in shared cells, 60 and 400 : 1, comes back in 100 of 100 scrambles with 40 and with
 // 70 (at 100 it leaves eight by itself, folded, at rest in another equilibrium); no shipped operation ever has two inverted cells in a hundred.
 constexpr double tangled_cells = 0.02, tangled_residual = 0.3;
 constexpr int tangled_for = 40, untangle_for = 80;
 constexpr double untangled_residual = 0.01;
-constexpr size_t small_model = 3000; // nodes: a shorter history pays there
 
 }  // namespace
 
 bool LbfgsSolver::Value::finite() const { return std::isfinite(energy); }
-
-void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) {
-  const size_t n = model->X_mm.size(), cells = model->cells.size();
-  if (model->fixed.size() != n || model->mass_kg.size() != n || model->parent.size() != n)
-    throw InputError("", 0, "a model's fixed, mass and parent lists must have one entry per node");
-  if (const std::string wrong = check_hanging(*model); !wrong.empty()) throw InputError("", 0, wrong);
-  auto elements = std::make_unique<ElementSystem>(model, augmented_, model_.get(), elements_.get());
-  const auto carried = [&](const NodeArray& old) {
-    NodeArray out(n);
-    const size_t same = std::min({model->parent.same(), old.size(), n});
-    std::copy_n(old.data(), same, out.data());
-    for (size_t i = same; i < n; ++i) {
-      const int32_t p = model->parent[i];
-      if (p >= 0 && size_t(p) < old.size()) out[i] = old[size_t(p)];
-    }
-    for (const BornNode& b : model->born) {
-      v4 s = {};
-      for (auto [p, w] : b.from)
-        if (p >= 0 && size_t(p) < old.size()) s += w * load(old[size_t(p)]);
-      store(out[size_t(b.node)], s);
-    }
-    follow_masters(model->hanging, out);
-    return out;
-  };
-  u_ = carried(u_);
-  velocity_ = carried(velocity_);
-  if (before_s_ > 0) u_before_ = carried(u_before_), velocity_before_ = carried(velocity_before_);
-  if (elements_)
-    for (size_t c = 0; c < cells && c < cell_parent.size(); ++c)
-      if (cell_parent[c] >= 0 && size_t(cell_parent[c]) < elements_->cells()) elements->set_q(c, elements_->q(size_t(cell_parent[c])));
-  elements_ = std::move(elements);
-  const bool same_matter = model_ && same_stencils(*model, *model_);
-  if (!same_matter || !points_.in_no_stencil()) points_ = MaterialPoints(*model);
-  if (!same_matter || !viscous_.in_no_stencil()) {
-    ViscousPoints viscous(*model);
-    viscous.carry(viscous_, cell_parent, u_);
-    viscous_ = std::move(viscous);
-  }
-  if (!same_matter) {
-    floor_weight_.clear();
-    for (const Stencil& st : model->stencils) floor_weight_.push_back({st.mu_kPa, std::pow(st.volume_mm3, 2.0 / 3)});
-  }
-  model_ = std::move(model);
-  fixed_.clear();
-  for (size_t i = 0; i < n; ++i)
-    if (model_->fixed[i]) {
-      fixed_.push_back(int32_t(i)), velocity_[i] = {};
-      if (before_s_ > 0) u_before_[i] = u_[i], velocity_before_[i] = {};
-    }
-  std::vector<double> floor(n, 0);
-  const SharedArray<HexCell>& present = model_->cells;
-  for (size_t chunk = 0; chunk < present.chunks(); ++chunk)
-    for (size_t k = 0; k < present.run_length(chunk); ++k) {
-      const HexCell& c = present.run(chunk)[k];
-      const auto [mu_kPa, area_mm2] = floor_weight_[size_t(c.stencil)];
-      const double share = floor_strain * double(c.scale) * mu_kPa * area_mm2;
-      for (int32_t v : c.node) floor[size_t(v)] += share;
-    }
-  force_floor_ = 0;
-  for (size_t i = 0; i < n; ++i)
-    if (!model_->fixed[i]) force_floor_ += floor[i] * floor[i];
-  force_floor_ = std::sqrt(force_floor_);
-  for (NodeArray* a : {&g_, &d_, &u_try_, &g_try_}) a->resize(n);
-  history_.resize(n, own_.pairs > 0 ? own_.pairs : n < small_model ? 5 : 8);
-  springs_.clear();
-  forces_ = SpringForces();
-  contacts_ = ContactForces();
-  metric_.set_model(model_, cell_parent);
-  force_scale_ = 0, since_update_ = 0;
-  tangled_iterations_ = 0, untangling_ = false;
-  distance_.forget();
-  publish();
-}
-
-void LbfgsSolver::set_springs(std::span<const Spring> springs) {
-  if (!model_) throw InputError("", 0, "springs were given before a model");
-  const int32_t n = int32_t(model_->X_mm.size());
-  for (const Spring& s : springs) {
-    for (size_t i = 0; i < 8; ++i)
-      if (s.a.node[i] < 0 || s.a.node[i] >= n || (!s.to_world && (s.b.node[i] < 0 || s.b.node[i] >= n)))
-        throw InputError("", 0, "spring " + std::to_string(s.id) + " names a node that the model does not have");
-    if (!(s.k_N_per_mm > 0) || !s.target_mm.allFinite())
-      throw InputError("", 0, "spring " + std::to_string(s.id) + " has no positive stiffness or no finite target");
-    if (s.thread > 0 && (s.to_world || !(s.thread_mm >= 0)))
-      throw InputError("", 0, "spring " + std::to_string(s.id) + " is a span of a thread without two bites and a length");
-  }
-  auto moved_only = [](const Spring& a, const Spring& b) {
-    return a.id == b.id && a.thread == b.thread && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm && a.a.node == b.a.node && a.a.w == b.a.w &&
-           (a.to_world || (a.b.node == b.b.node && a.b.w == b.b.w));
-  };
-  std::vector<Spring> sorted(springs.begin(), springs.end());
-  std::sort(sorted.begin(), sorted.end(), [](const Spring& a, const Spring& b) { return a.id < b.id; });
-  for (size_t i = 1; i < sorted.size(); ++i)
-    if (sorted[i].id == sorted[i - 1].id)
-      throw InputError("", 0, "two springs have the id " + std::to_string(sorted[i].id));
-  const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), moved_only);
-  springs_ = std::move(sorted);
-  forces_ = SpringForces(*model_, springs_);
-  if (same) return;
-  history_.clear();
-  std::vector<Preconditioner::SpringEntry> rows;
-  for (const Spring& s : springs_) rows.push_back({spring_row(*model_, s), !s.to_world});
-  metric_.set_springs(std::move(rows));
-}
-
-void LbfgsSolver::set_contacts(std::span<const Contact> contacts) {
-  if (!model_) throw InputError("", 0, "contacts were given before a model");
-  contacts_.set(*model_, contacts, engine_.workers());
-}
 
 LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool measure) {
   const CellSums cells = elements_->evaluate(u, g, measure, engine_);
@@ -167,7 +43,7 @@ LbfgsSolver::Value LbfgsSolver::evaluate(const NodeArray& u, NodeArray& g, bool 
     v.energy += p.energy, v.noise += float_noise * p.magnitude;
   }
   if (viscous_.in_step()) {
-    const CellSums p = viscous_.add(u, g, measure, engine_.workers());
+    const CellSums p = viscous_.add(u, g, measure, engine_);
     v.energy += p.energy, v.noise += float_noise * p.magnitude;
   }
   if (!inertia_.empty()) {
@@ -390,119 +266,6 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   else viscous_.relax(u_);
   publish();
   return report;
-}
-
-void LbfgsSolver::publish() {
-  shown_.resize(u_.size());
-  for (size_t i = 0; i < u_.size(); ++i) shown_[i] = {u_[i].x, u_[i].y, u_[i].z};
-}
-
-void LbfgsSolver::set_displacement_mm(std::span<const Vec3f> u) {
-  if (u.size() != u_.size()) throw InputError("", 0, "a displacement needs one vector per node of the model");
-  for (size_t i = 0; i < u.size(); ++i) u_[i] = {u[i][0], u[i][1], u[i][2], 0};
-  follow_masters(model_->hanging, u_);
-  velocity_.zero(), before_s_ = 0;
-  tangled_iterations_ = 0, untangling_ = false;
-  history_.clear();
-  distance_.forget();
-  publish();
-}
-
-SolverState LbfgsSolver::save() const {
-  const auto flat = [](const NodeArray& from) {
-    std::vector<float> to;
-    to.reserve(3 * from.size());
-    bool any = false;
-    for (size_t i = 0; i < from.size(); ++i)
-      for (const float v : {from[i].x, from[i].y, from[i].z}) to.push_back(v), any = any || v != 0 || std::signbit(v);
-    return any ? to : std::vector<float>();
-  };
-  SolverState s;
-  s.displacement_mm = flat(u_);
-  s.velocity_mm_s = flat(velocity_);
-  s.since_update = since_update_;
-  s.before_s = before_s_;
-  if (before_s_ > 0) s.displacement_before_mm = flat(u_before_), s.velocity_before_mm_s = flat(velocity_before_);
-  s.memory = viscous_.memory();
-  if (!elements_ || !elements_->has_multipliers()) return s;
-  s.pressure.resize(elements_->cells());
-  bool any = false;
-  for (size_t c = 0; c < s.pressure.size(); ++c) any = (s.pressure[c] = elements_->q(c)) != 0 || any;
-  if (!any) s.pressure.clear();
-  return s;
-}
-
-void LbfgsSolver::restore(const SolverState& s) {
-  const auto fits = [](const std::vector<float>& v, size_t n) { return v.empty() || v.size() == n; };
-  if (!model_ || !fits(s.displacement_mm, 3 * u_.size()) || !fits(s.velocity_mm_s, 3 * u_.size()) || !fits(s.displacement_before_mm, 3 * u_.size()) ||
-      !fits(s.velocity_before_mm_s, 3 * u_.size()) || !fits(s.pressure, elements_->cells()) || !viscous_.fits(s.memory))
-    throw InputError("", 0, "a solver's state is of another model; expected one that was saved with this model");
-  const auto fill = [](NodeArray& to, const std::vector<float>& from) {
-    for (size_t i = 0; i < to.size(); ++i)
-      to[i] = from.empty() ? Node4{} : Node4{from[3 * i], from[3 * i + 1], from[3 * i + 2], 0};
-  };
-  fill(u_, s.displacement_mm);
-  fill(velocity_, s.velocity_mm_s);
-  before_s_ = s.before_s;
-  if (before_s_ > 0) {
-    u_before_.resize(u_.size()), velocity_before_.resize(u_.size());
-    fill(u_before_, s.displacement_before_mm), fill(velocity_before_, s.velocity_before_mm_s);
-  }
-  for (size_t c = 0; c < elements_->cells(); ++c) elements_->set_q(c, s.pressure.empty() ? 0 : s.pressure[c]);
-  since_update_ = s.since_update;
-  viscous_.restore(s.memory);
-  history_.clear();
-  tangled_iterations_ = 0, untangling_ = false;
-  distance_.forget();
-  publish();
-}
-
-Vec3 LbfgsSolver::spring_force_mN(int32_t id) const {
-  const int i = forces_.find(id);
-  return i < 0 ? Vec3::Zero() : forces_.force_mN(size_t(i), u_);
-}
-
-double LbfgsSolver::contact_force_mN(size_t i) const { return i < contacts_.size() ? contacts_.force_mN(i, u_) : 0; }
-
-Vec3 LbfgsSolver::support_force_mN() const {
-  NodeArray g(u_.size());
-  elements_->evaluate(u_, g, false, engine_);
-  forces_.add(u_, g, false);
-  ContactForces(contacts_).add(u_, g, false);
-  points_.add(u_, g, false, engine_.workers());
-  give_to_masters(model_->hanging, g);
-  Vec3 f = Vec3::Zero();
-  for (int32_t i : fixed_) f -= Vec3(double(g[size_t(i)].x), double(g[size_t(i)].y), double(g[size_t(i)].z));
-  return f;
-}
-
-namespace {
-Mat3 gradient_at(const Eigen::Matrix<double, 8, 3>& B, const HexCell& c, const NodeArray& u) {
-  Mat3 F = Mat3::Identity();
-  for (int a = 0; a < 8; ++a) {
-    const Node4& v = u[size_t(c.node[size_t(a)])];
-    F += Vec3(double(v.x), double(v.y), double(v.z)) * B.row(a);
-  }
-  return F;
-}
-}  // namespace
-
-void LbfgsSolver::cell_J(std::vector<float>& J) const {
-  J.resize(model_->cells.size());
-  const SharedArray<HexCell>& cells = model_->cells;
-  for (size_t c = 0; c < J.size(); ++c)
-    J[c] = float(gradient_at(volume_gradients(model_->stencils[size_t(cells[c].stencil)], model_->cell_mm), cells[c], u_).determinant());
-}
-
-Mat3 LbfgsSolver::cell_F(int32_t cell) const {
-  const SharedArray<HexCell>& cells = model_->cells;
-  const HexCell& c = cells[size_t(cell)];
-  return gradient_at(sample_gradients(model_->stencils[size_t(c.stencil)], model_->cell_mm), c, u_);
-}
-
-std::string LbfgsSolver::describe() const {
-  return "L-BFGS(" + std::to_string(own_.pairs > 0 ? own_.pairs : model_ && model_->X_mm.size() < small_model ? 5 : 8) + ") on " + metric_.describe() +
-         (elements_ && elements_->has_multipliers() ? ", augmented-Lagrangian pressure" : ", primal");
 }
 
 }  // namespace limberg::fem

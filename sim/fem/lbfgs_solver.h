@@ -83,6 +83,7 @@ class LbfgsSolver final : public ElasticSolver {
   void begin_or_end_untangling(Value& value, bool dynamic);
   bool every_piece_is_held() const;
   void publish();
+  int pairs() const;  // of the history
 
   Engine engine_;
   bool augmented_;

@@ -2,8 +2,6 @@
 
 #include <cholmod.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,41 +10,14 @@
 
 #include "sim/fem/cholesky.h"
 #include "sim/fem/contact_law.h"
-#include "sim/fem/element_system.h"
 #include "sim/fem/hanging_nodes.h"
-#include "sim/fem/layer_slide.h"
-#include "sim/fem/material_points.h"
+#include "sim/fem/reference_cells.h"
 #include "sim/fem/scalar_matrix.h"
 
 namespace limberg {
 namespace {
 
-using Gradients = Eigen::Matrix<double, 8, 3>;
-using Vec9 = Eigen::Matrix<double, 9, 1>;
 using Mat24 = Eigen::Matrix<double, 24, 24>;
-
-Mat3 cofactor(const Mat3& F) {
-  Mat3 c;
-  c.col(0) = F.col(1).cross(F.col(2)), c.col(1) = F.col(2).cross(F.col(0)), c.col(2) = F.col(0).cross(F.col(1));
-  return c;
-}
-
-Mat3 skew(const Vec3& v) {  // S_ik = epsilon_ikm v_m
-  Mat3 s;
-  s << 0, v[2], -v[1], -v[2], 0, v[0], v[1], -v[0], 0;
-  return s;
-}
-
-/// B H B^T with B from gradients to vec F (column-major), corners of nodes 3 a + i.
-Mat24 at_nodes(const Mat9& H, const Gradients& grad_N) {
-  Eigen::Matrix<double, 24, 9> B = Eigen::Matrix<double, 24, 9>::Zero();
-  for (int a = 0; a < 8; ++a)
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) B(3 * a + i, 3 * j + i) = grad_N(a, j);
-  Mat24 out;
-  out.noalias() = B * (H * B.transpose()).eval();
-  return out;
-}
 
 /// A contact as one row: s = w . x along the normal - gap.
 struct ContactRow {
@@ -88,11 +59,7 @@ struct ReferenceElasticity::Impl {
   const FemModel& m;
   std::vector<Spring> springs;
   std::vector<ContactRow> contacts;
-  std::vector<Gradients> B;        // per stencil, where its volume is sampled
-  std::vector<Gradients> B_sample;  // at its sample point: another place only where layers share the cell
-  std::vector<Gradients> KX;      // per stencil
-  std::vector<double> mu_sample;  // share of K that is certainly a stiffness at the sample point
-  std::vector<Mat8> K_rest;       // K without that share
+  fem::ReferenceCells cells;
 
   // Pattern of the 3n matrix: lower triangle, free nodes, scalar rows expanded.
   fem::ScalarMatrix graph;
@@ -109,17 +76,10 @@ struct ReferenceElasticity::Impl {
   mutable cholmod_common common;
   cholmod_factor* symbolic = nullptr;
 
-  explicit Impl(const FemModel& model) : m(model) { cholmod_start(&common); }
+  explicit Impl(const FemModel& model) : m(model), cells(model) { cholmod_start(&common); }
   ~Impl() {
     cholmod_free_factor(&symbolic, &common);
     cholmod_finish(&common);
-  }
-
-  Mat3 F(const HexCell& c, std::span<const Vec3> u) const { return F_at(B[size_t(c.stencil)], c, u); }
-  static Mat3 F_at(const Gradients& grad_N, const HexCell& c, std::span<const Vec3> u) {
-    Mat3 f = Mat3::Identity();
-    for (int a = 0; a < 8; ++a) f += u[size_t(c.node[size_t(a)])] * grad_N.row(a);
-    return f;
   }
 
   void follow_masters(std::vector<Vec3>& u) const {
@@ -143,32 +103,9 @@ struct ReferenceElasticity::Impl {
     if (scale) size.assign(m.X_mm.size(), 0);
     double energy = 0;
     for (const HexCell& c : m.cells) {
-      const Stencil& s = m.stencils[size_t(c.stencil)];
-      const Gradients& kx = KX[size_t(c.stencil)];
-      Gradients U;
-      for (int a = 0; a < 8; ++a) U.row(a) = u[size_t(c.node[size_t(a)])].transpose();
-      const Mat3 f = F(c, u);
-      const double theta = f.determinant() - 1;
-      const Gradients KU = s.K * U;
-      const bool shared = s.slide_kPa != 0;
-      energy += double(c.scale) * (U.cwiseProduct(0.5 * KU + kx).sum() +
-                                   s.volume_mm3 * (0.5 * s.lambda_kPa * theta * theta - s.p0_kPa * theta));
-      fem::LayerEnergy slide, here, there;
-      if (shared) {
-        const double lambda = fem::effective_bulk_kPa(s, true);
-        slide = fem::layer_slide(f, s.slide_axes);
-        here = fem::layer_stretch(f, s.slide_axes, s.p0_kPa, lambda);
-        there = fem::layer_stretch(F_at(B_sample[size_t(c.stencil)], c, u), s.slide_axes, s.p0_kPa, lambda);
-        energy += double(c.scale) * s.volume_mm3 * (s.slide_kPa * (slide.energy - 0.5) + there.energy - here.energy);
-      }
-      Gradients extra;
-      if (!s.points.empty()) energy += double(c.scale) * fem::points_force(m, s, m.cell_mm, U, extra);
+      fem::ReferenceCells::Gradients force;
+      energy += cells.energy(c, u, g ? &force : nullptr);
       if (!g) continue;
-      Mat3 P = s.volume_mm3 * (s.lambda_kPa * theta - s.p0_kPa) * cofactor(f);
-      if (shared) P += s.volume_mm3 * (s.slide_kPa * slide.slope - here.slope);
-      Gradients force = double(c.scale) * (KU + kx + B[size_t(c.stencil)] * P.transpose());
-      if (shared) force += double(c.scale) * s.volume_mm3 * B_sample[size_t(c.stencil)] * there.slope.transpose();
-      if (!s.points.empty()) force += double(c.scale) * extra;
       for (int a = 0; a < 8; ++a) {
         (*g)[size_t(c.node[size_t(a)])] += force.row(a).transpose();
         if (scale) size[size_t(c.node[size_t(a)])] += force.row(a).norm();
@@ -207,81 +144,6 @@ struct ReferenceElasticity::Impl {
       *scale = std::sqrt(sum);
     }
     return energy;
-  }
-
-  Mat24 cell_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
-    const Stencil& s = m.stencils[size_t(c.stencil)];
-    Mat24 H = stencil_hessian(c, u, project);
-    if (s.slide_kPa != 0) H += layers_hessian(c, u, project);
-    if (s.points.empty()) return H;
-    Gradients U;
-    for (int a = 0; a < 8; ++a) U.row(a) = u[size_t(c.node[size_t(a)])].transpose();
-    return H + double(c.scale) * fem::points_tangent(m, s, m.cell_mm, U, project);
-  }
-
-  // What layers that share a cell add to stencil_hessian.
-  Mat24 layers_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
-    const Stencil& s = m.stencils[size_t(c.stencil)];
-    const double lambda = fem::effective_bulk_kPa(s, true);
-    const Mat3 f = F(c, u), there = F_at(B_sample[size_t(c.stencil)], c, u);
-    Mat9 centre = s.slide_kPa * fem::layer_slide_tangent(f, s.slide_axes) - fem::layer_stretch_tangent(f, s.slide_axes, s.p0_kPa, lambda);
-    Mat9 sample = fem::layer_stretch_tangent(there, s.slide_axes, s.p0_kPa, lambda);
-    for (Mat9* H : {&centre, &sample}) {
-      if (!project) break;
-      const Eigen::SelfAdjointEigenSolver<Mat9> eig(*H);
-      *H = eig.eigenvectors() * eig.eigenvalues().cwiseMax(0).asDiagonal() * eig.eigenvectors().transpose();
-    }
-    return double(c.scale) * s.volume_mm3 * (at_nodes(centre, B[size_t(c.stencil)]) + at_nodes(sample, B_sample[size_t(c.stencil)]));
-  }
-
-  Mat24 stencil_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
-    const Stencil& s = m.stencils[size_t(c.stencil)];
-    const Gradients& grad_N = B[size_t(c.stencil)];
-    const Mat3 f = F(c, u);
-    const double V = s.volume_mm3, pressure = s.lambda_kPa * (f.determinant() - 1) - s.p0_kPa;
-    Mat24 H;
-    if (!project) {
-      const Gradients cb = grad_N * cofactor(f).transpose();
-      for (int a = 0; a < 8; ++a)
-        for (int b = 0; b < 8; ++b) {
-          const Vec3 cross = grad_N.row(a).transpose().cross(Vec3(grad_N.row(b).transpose()));
-          H.block<3, 3>(3 * a, 3 * b) = s.K(a, b) * Mat3::Identity() +
-                                        V * (s.lambda_kPa * cb.row(a).transpose() * cb.row(b) + pressure * skew(f * cross));
-        }
-      return double(c.scale) * H;
-    }
-    const double mu = mu_sample[size_t(c.stencil)];
-    const Eigen::JacobiSVD<Mat3> svd(f, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Mat3 U = svd.matrixU();
-    const Mat3 W = svd.matrixV();
-    Vec3 sig = svd.singularValues();
-    if (U.determinant() * W.determinant() < 0) U.col(2) *= -1, sig[2] *= -1;
-    Mat9 HF = Mat9::Zero();
-    auto add = [&](const Mat3& D, double value) {
-      if (value <= 0) return;
-      const Mat3 E = U * D * W.transpose();
-      const Vec9 e = Eigen::Map<const Vec9>(E.data());
-      HF += value * e * e.transpose();
-    };
-    const Vec3 grad(sig[1] * sig[2], sig[2] * sig[0], sig[0] * sig[1]);
-    Mat3 scaling = mu * Mat3::Identity() + s.lambda_kPa * grad * grad.transpose();
-    for (int i = 0; i < 3; ++i) {
-      const int j = (i + 1) % 3, k = (i + 2) % 3;
-      scaling(i, j) += pressure * sig[k], scaling(j, i) += pressure * sig[k];
-      Mat3 D = Mat3::Zero();
-      D(i, j) = D(j, i) = std::sqrt(0.5);
-      add(D, mu - pressure * sig[k]);
-      D(j, i) *= -1;
-      add(D, mu + pressure * sig[k]);
-    }
-    const Eigen::SelfAdjointEigenSolver<Mat3> eig(scaling);
-    for (int i = 0; i < 3; ++i) add(eig.eigenvectors().col(i).asDiagonal(), eig.eigenvalues()[i]);
-    H = V * at_nodes(HF, grad_N);
-    const Mat8& K = K_rest[size_t(c.stencil)];
-    for (int a = 0; a < 8; ++a)
-      for (int b = 0; b < 8; ++b)
-        for (int i = 0; i < 3; ++i) H(3 * a + i, 3 * b + i) += K(a, b);
-    return double(c.scale) * H;
   }
 
   void build_pattern() {
@@ -381,7 +243,7 @@ struct ReferenceElasticity::Impl {
   bool direction(std::span<const Vec3> u, std::span<const Vec3> g, bool project, std::vector<Vec3>& d) const {
     std::vector<double> value(row.size(), 0);
     for (size_t c = 0; c < m.cells.size(); ++c) {
-      const Mat24 H = cell_hessian(m.cells[c], u, project);
+      const Mat24 H = cells.hessian(m.cells[c], u, project);
       for (const Term& t : cell_terms[c])
         for (int k = 0; k < 3; ++k)
           for (int r = t.row == t.column ? k : 0; r < 3; ++r)
@@ -435,21 +297,6 @@ ReferenceElasticity::ReferenceElasticity(const FemModel& model, std::span<const 
   p.contacts.assign(contacts.begin(), contacts.end());
   if (const std::vector<int32_t> hangs = fem::hanging_index(model); !hangs.empty())
     for (ContactRow& c : p.contacts) c.give_to_masters(model, hangs);
-  for (const Stencil& s : model.stencils) {
-    const Vec3 h = cell_size_mm(model.cell_mm, s.level);
-    Gradients X;
-    for (int a = 0; a < 8; ++a)
-      for (int i = 0; i < 3; ++i) {
-        X(a, i) = (a >> i & 1) ? h[i] : 0;
-      }
-    p.B.push_back(volume_gradients(s, model.cell_mm));
-    p.B_sample.push_back(sample_gradients(s, model.cell_mm));
-    p.KX.push_back(s.K * X);
-    const Mat3 mean = X.transpose() * s.K * X / s.volume_mm3;
-    const double mu = std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(mean).eigenvalues()[0]);
-    p.mu_sample.push_back(mu);
-    p.K_rest.push_back(s.K - mu * s.volume_mm3 * p.B.back() * p.B.back().transpose());
-  }
 }
 ReferenceElasticity::~ReferenceElasticity() = default;
 
@@ -465,7 +312,7 @@ Eigen::MatrixXd ReferenceElasticity::dense_hessian(std::span<const Vec3> u, bool
   const Eigen::Index n = Eigen::Index(3 * p.m.X_mm.size());
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
   for (const HexCell& c : p.m.cells) {
-    const Mat24 h = p.cell_hessian(c, u, project);
+    const Mat24 h = p.cells.hessian(c, u, project);
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b)
         H.block<3, 3>(3 * c.node[size_t(a)], 3 * c.node[size_t(b)]) += h.block<3, 3>(3 * a, 3 * b);

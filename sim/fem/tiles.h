@@ -11,7 +11,7 @@
 namespace limberg::fem {
 
 struct TileKey {
-  uint64_t place = 0;  // tile x, tile y, x, y, z: 12, 12, 14, 14 and 12 bits
+  uint64_t place = 0;  // tile x, tile y, z, x, y: 12, 12, 12, 14 and 14 bits
   int32_t index = 0;   // of the model's cell
   auto operator<=>(const TileKey&) const = default;
   uint64_t tile() const { return place >> 40; }

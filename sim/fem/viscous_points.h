@@ -15,13 +15,17 @@
 // as a parabola below J = 0.2). For a neo-Hookean layer the sum of all terms in C is positive definite whatever has
 // happened before: B is a sum of S's neo-Hookean part, which G W cancels, and of C^-1's of the past with positive weights.
 //
-// A quasi-static step knows no time: it is the relaxed tissue, and leaves all branches empty. A model without viscous points
-// has no list here and costs nothing. Closed forms: tests/sim/fem/materials/test_viscous.cpp.
+// Where the law is neo-Hookean, W = mu/2 (I1 - 3), the shape's part of it all is half a constant tensor times the change of C;
+// such cells have a loop of their own (kernels/viscous.cpp). Other laws are asked point by point.
+//
+// A quasi-static step knows no time: it is the relaxed tissue, and leaves all branches empty. What S was at its end is worked
+// out when somebody asks (a dynamic step, a saved state), with the bits that it would have had at once. A model without
+// viscous points has no list here and costs nothing. Closed forms: tests/sim/fem/materials/test_viscous.cpp.
 #include <span>
 #include <vector>
 
 #include "sim/fem/cell_scatter.h"
-#include "sim/fem/kernels/kernels.h"
+#include "sim/fem/engine.h"
 #include "sim/fem/fem_model.h"
 #include "sim/parent_list.h"
 
@@ -39,21 +43,22 @@ class ViscousPoints {
 
   void begin_step(double dt_s);             // dynamic
   bool in_step() const { return in_step_; }
-  CellSums add(const NodeArray& u, NodeArray& g, bool measure, Workers& workers) const;
+  CellSums add(const NodeArray& u, NodeArray& g, bool measure, const Engine& engine) const;
   void end_step(const NodeArray& u);        // branches to the new state
   void relax(const NodeArray& u);           // quasi-static: branches empty
 
-  const std::vector<float>& memory() const { return state_; }  // empty: no point
+  const std::vector<float>& memory() const;  // empty: no point
   bool fits(const std::vector<float>& state) const;
   void restore(const std::vector<float>& state);  // empty: as at rest
 
  private:
   using Mat83 = Eigen::Matrix<double, 8, 3>;
   struct Point {
-    Mat83 B, BM;  // grad N, grad N M
+    Mat83 B;  // grad N
     Mat3 M;
     double volume_mm3 = 0, rest_kPa = 0;
     const MaterialLaw* law = nullptr;
+    double mu_kPa = 0;  // not 0: neo-Hookean
     int32_t law_index = 0;
     std::vector<ViscousPoint::Term> term;
     std::vector<double> a, h;  // of this step
@@ -63,6 +68,7 @@ class ViscousPoints {
     std::array<int32_t, 8> node{};
     int32_t cell = 0, first = 0, last = 0;  // of the model; points
     int32_t state = 0;                      // first number of its state
+    bool neo_hookean = false;               // all of its points are
     double scale = 1;
   };
   struct Shape {
@@ -75,12 +81,23 @@ class ViscousPoints {
   /// State of a point: S of the last step, its s, and H per term: 6 + 1 + 6 per term.
   static size_t state_size(const Point& p) { return 7 + 6 * p.term.size(); }
 
+  static Mat3 remembered(const Point& p, const float* state);  // B above
+  CellSums force(const Cell& cell, const NodeArray& u, CellForce& out) const;
+  void hold(const Cell& cell, size_t index);
+  void settle() const;  // the state of the last quasi-static step
+
   std::vector<LawPtr> laws_;
   std::vector<Point> points_;  // per stencil, in order
   std::vector<Cell> cells_;
   std::vector<int32_t> place_;  // per cell of the model: of cells_, or -1
-  std::vector<float> state_, rest_;
+  mutable std::vector<float> state_;
+  std::vector<float> rest_;
+  NodeArray relaxed_at_;
+  mutable bool owed_ = false;  // state_ is to be that of tissue relaxed at relaxed_at_
   bool in_step_ = false;
+  AlignedArray<ViscousGroup> groups_;     // for the kernel: per stencil its points by fours
+  AlignedArray<ViscousCell> kernel_cell_;  // per cell
+  AlignedArray<float> held_;              // of this step
   CellScatter scatter_;
   mutable std::vector<CellForce> force_;
   mutable std::vector<CellSums> sums_;

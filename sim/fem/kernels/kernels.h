@@ -55,6 +55,23 @@ struct CellView {
   const int32_t *node_slots_begin, *node_slots;  // per node: its slots in ascending order
 };
 
+/// Relaxing points of a stencil, four by four; what fills up has no volume (viscous_points.h has the formulas).
+struct alignas(64) ViscousGroup {
+  double B[24][4];   // grad N: 3 a + j
+  double volume[4];  // mm^3
+};
+struct ViscousCell {
+  int32_t node[8];
+  int32_t group = 0, groups = 0;
+  int32_t held = 0;  // first of its groups in `held`
+  float scale = 0;
+};
+struct ViscousView {
+  const ViscousGroup* groups;
+  const ViscousCell* cells;
+  const float* held;  // per cell's group 7 x 4: the six numbers of M (G mu I + B) M^T (diagonal, 01, 12, 20), and G s
+};
+
 /// Supernodes of a factor (panel_factor.h).
 struct Panel {
   int32_t first = 0, columns = 0, rows = 0;  // rows: all, the diagonal block's included
@@ -87,6 +104,9 @@ struct Kernels {
   void (*sum_slots)(const CellView&, const Node4* slots, size_t first, size_t last, Node4* out);
   /// q of cells [first, last) from theta; the increment is limited and cells far from rest forget instead (cells.cpp).
   void (*update_multipliers)(const CellView&, const float* theta, float* q, float scale_of_increment, size_t first, size_t last);
+
+  /// Relaxing neo-Hookean points of cells [first, last): energies to sums, forces (per corner x, y, z and the norm) to `force`.
+  void (*viscous_cells)(const ViscousView&, const Node4* u, size_t first, size_t last, CellSums* sums, float* force);
 
   // Vectors of nodes: blocks [first, last) of 32 x 4 nodes, the last one of them ending at `nodes`. Sums run in float over a
   // block; every block's goes to sums[block] in double.

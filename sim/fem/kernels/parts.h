@@ -7,7 +7,13 @@ namespace limberg::fem::LIMBERG_SET {
 
 CellSums evaluate_tile(const CellView& data, const Tile& tile, const Node4* u, const float* q, Node4* slots, float* theta, bool measure);
 void sum_slots(const CellView& data, const Node4* slots, size_t begin, size_t end, Node4* out);
+#if LIMBERG_LANES == 512
+/// Cells [first, last) of a tile, all of one stencil that is not shared by layers; `local`, `out`: the tile's nodes.
+void cells_wide(const CellView& data, int first, int last, const v4* local, v4* out, const float* q, float* theta, bool measure, CellSums& sums);
+#endif
 void update_multipliers(const CellView& data, const float* theta, float* q, float scale_of_increment, size_t first, size_t last);
+
+void viscous_cells(const ViscousView& data, const Node4* u, size_t first, size_t last, CellSums* sums, float* force);
 
 void dot(const Node4* a, const Node4* b, size_t nodes, size_t first, size_t last, double* sums);
 void add_scaled(Node4* y, float s, const Node4* x, size_t nodes, size_t first, size_t last);

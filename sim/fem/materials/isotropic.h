@@ -57,6 +57,8 @@ class Isotropic final : public MaterialLaw {
 
 /// mu/2 (I1 - 3)
 LawPtr neo_hookean(double mu_kPa);
+/// Its mu, if the law is that one; otherwise 0. For loops that know its closed form.
+double neo_hookean_modulus_kPa(const MaterialLaw& law);
 /// mu/2 (I1 - 3) - mu ln J + lambda/2 (ln J)^2 (Bonet, Wood). Complete.
 LawPtr neo_hookean_log_full(double mu_kPa, double lambda_kPa);
 /// mu/2 (I1 J^-2/3 - 3) + K/2 (J - 1)^2 (as CalculiX and Abaqus have it). Complete.

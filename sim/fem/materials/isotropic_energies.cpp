@@ -25,14 +25,17 @@ void add_volumetric(PrincipalResponse& r, const Volume& v, double f, double f1, 
   r.dd += f2 * v.d * v.d.transpose() + f1 * v.dd;
 }
 
-struct NeoHookean final : PrincipalEnergy {
-  double mu;
-  explicit NeoHookean(double m) : mu(m) {}
-  PrincipalResponse at(const Vec3& s) const override {
-    return {0.5 * mu * (s.squaredNorm() - 3), mu * s, mu * Mat3::Identity()};
-  }
-  bool defined_everywhere() const override { return true; }
-  std::string describe() const override { return "neo-Hookean, mu " + std::to_string(mu) + " kPa"; }
+/// mu/2 (I1 - 3) needs no principal axes: P = mu F, everywhere.
+class NeoHookean final : public MaterialLaw {
+ public:
+  explicit NeoHookean(double mu) : mu_(mu) {}
+  double modulus_kPa() const { return mu_; }
+  Response at(const Mat3& F) const override { return {0.5 * mu_ * (F.squaredNorm() - 3), mu_ * F}; }
+  Mat9 tangent_kPa(const Mat3&, bool) const override { return mu_ * Mat9::Identity(); }
+  std::string describe() const override { return "neo-Hookean, mu " + std::to_string(mu_) + " kPa"; }
+
+ private:
+  double mu_;
 };
 
 struct NeoHookeanLog final : PrincipalEnergy {
@@ -150,7 +153,11 @@ void require(bool ok, const char* what) {
 
 LawPtr neo_hookean(double mu) {
   require(mu > 0, "a neo-Hookean shear modulus above 0 kPa was expected");
-  return std::make_shared<Isotropic>(std::make_shared<NeoHookean>(mu));
+  return std::make_shared<NeoHookean>(mu);
+}
+double neo_hookean_modulus_kPa(const MaterialLaw& law) {
+  const auto* n = dynamic_cast<const NeoHookean*>(&law);
+  return n ? n->modulus_kPa() : 0;
 }
 LawPtr neo_hookean_log_full(double mu, double lambda) {
   require(mu > 0 && lambda >= 0, "a shear modulus above 0 and a lambda of at least 0 kPa were expected");
