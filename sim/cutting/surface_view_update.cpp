@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "sim/cutting/surface_view_update.h"
+#include "sim/number_set.h"
 
 namespace limberg {
 namespace {
@@ -25,9 +26,8 @@ class Follow {
         if (int32_t corner = 3 * sided + i; !seen_[size_t(corner - 6 * faces_then_)]) find_orbit(corner);
     if (!number_vertices()) return false;
     rims();
-    std::sort(change_.vertices.begin(), change_.vertices.end());
-    std::sort(change_.triangles.begin(), change_.triangles.end());
-    change_.triangles.erase(std::unique(change_.triangles.begin(), change_.triangles.end()), change_.triangles.end());
+    sort_unique(change_.vertices, now_.X_mm.size());
+    sort_unique(change_.triangles, now_.tri.size());
     return true;
   }
 

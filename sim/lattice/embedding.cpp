@@ -100,7 +100,8 @@ void follow_copies(const LatticeTopology& t, const LatticeTopology& before, Surf
       any = any || other.back();
     }
     if (!any) continue;
-    for (size_t i = 0; i < comp->face.size(); ++i)
+    // (The corners of a face that is new are found by Embedder.)
+    for (size_t i = 0; i < comp->face.size() && size_t(comp->face[i]) < before.face_bits.size(); ++i)
       for (int side = 0; side < 2; ++side) {
         const int cls = comp->of_side[i][size_t(side)];
         if (cls < 0 || !other[size_t(cls)]) continue;

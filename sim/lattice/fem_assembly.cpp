@@ -1,6 +1,7 @@
 #include "sim/lattice/fem_assembly.h"
 
 #include <algorithm>
+#include <span>
 #include <stdexcept>
 
 #include "sim/number_set.h"
@@ -54,11 +55,7 @@ class Assembly {
   void changed(FemModel& model, const EarlierModel& before) const;
 
  private:
-  struct Around {  // a copy that has a node, and at which corner
-    int32_t copy, cell;
-    int cls, corner;
-  };
-  void node_again(FemModel& model, int32_t node, std::vector<Around>& around) const;
+  void nodes_again(FemModel& model, std::span<const int32_t> nodes) const;
 
   const StencilTable& table_;
   const LatticeTopology& t_;
@@ -123,37 +120,45 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
     if (!holds_any(t_.components[cell]) && !holds_any(before.topology.components[cell])) return;
     for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k) nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
   });
-  std::vector<Around> around;
-  for (int32_t n : nodes.ascending()) node_again(model, n, around);
+  nodes_again(model, nodes.ascending());
 }
 
-// From the copies around it, in their order.
-void Assembly::node_again(FemModel& model, int32_t node, std::vector<Around>& around) const {
-  const NodeCopy& n = t_.nodes[size_t(node)];
-  const Int3 at = t_.grid.node_at(n.lattice_node);
-  around.clear();
-  for (int b = 0; b < 8; ++b) {
-    const Int3 c{at.x - 1 + (b & 1), at.y - 1 + (b >> 1 & 1), at.z - 1 + (b >> 2 & 1)};
-    if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= t_.grid.count.x || c.y >= t_.grid.count.y || c.z >= t_.grid.count.z) continue;
-    const int32_t cell = t_.grid.cell_index(c);
-    for (int k = 0; k < t_.copies_of(cell); ++k) {
-      const int32_t copy = t_.copy(cell, k);
-      if (t_.cells[size_t(copy)].node[size_t(7 ^ b)] != node) continue;
-      around.push_back({copy, cell, k, 7 ^ b});
+// From the copies around them, in their order: each copy is looked at once, for all of its corners.
+void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) const {
+  NumberSet cells(t_.components.size()), copies(t_.cells.size());
+  for (int32_t n : nodes) {
+    const Int3 at = t_.grid.node_at(t_.nodes[size_t(n)].lattice_node);
+    for (int b = 0; b < 8; ++b) {
+      const Int3 c{at.x - 1 + (b & 1), at.y - 1 + (b >> 1 & 1), at.z - 1 + (b >> 2 & 1)};
+      if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= t_.grid.count.x || c.y >= t_.grid.count.y || c.z >= t_.grid.count.z) continue;
+      cells.add(t_.grid.cell_index(c));
     }
   }
-  std::sort(around.begin(), around.end(), [](const Around& a, const Around& b) { return a.copy < b.copy; });
-  double mass = 0;
-  uint8_t fixed = 0;
-  const SharedArray<HexCell>& cells = model.cells;
-  for (const Around& a : around) {
-    mass += mass_kg(t_.cells[size_t(a.copy)], cells[size_t(a.copy)]) / 8;
-    const auto& comp = t_.components[size_t(a.cell)];
-    const uint8_t sides = comp ? comp->classes[size_t(a.cls)].fixed_sides : uint8_t(0);
-    if (sides && holds(a.cell, sides, node, size_t(a.corner))) fixed = 1;
+  for (int32_t c : cells.ascending())
+    for (int k = 0; k < t_.copies_of(c); ++k) copies.add(t_.copy(c, k));
+  std::vector<int32_t> place(t_.nodes.size(), -1);
+  for (size_t i = 0; i < nodes.size(); ++i) place[size_t(nodes[i])] = int32_t(i);
+  std::vector<double> mass(nodes.size(), 0);
+  std::vector<uint8_t> fixed(nodes.size(), 0);
+  const SharedArray<HexCell>& made = model.cells;
+  for (int32_t id : copies.ascending()) {
+    const CellCopy& copy = t_.cells[size_t(id)];
+    const double share = mass_kg(copy, made[size_t(id)]) / 8;
+    uint8_t sides = 0;
+    if (const auto& comp = t_.components[size_t(copy.cell)])
+      for (size_t k = 0; k < comp->classes.size(); ++k)
+        if (comp->classes[k].fixed_sides && t_.copy(copy.cell, int(k)) == id) sides = comp->classes[k].fixed_sides;
+    for (size_t corner = 0; corner < 8; ++corner) {
+      const int32_t at = place[size_t(copy.node[corner])];
+      if (at < 0) continue;
+      mass[size_t(at)] += share;
+      if (sides && holds(copy.cell, sides, copy.node[corner], corner)) fixed[size_t(at)] = 1;
+    }
   }
-  model.mass_kg.set(size_t(node), mass);
-  model.fixed.set(size_t(node), fixed);
+  for (size_t i = 0; i < nodes.size(); ++i) {
+    model.mass_kg.set(size_t(nodes[i]), mass[i]);
+    model.fixed.set(size_t(nodes[i]), fixed[i]);
+  }
 }
 
 }  // namespace

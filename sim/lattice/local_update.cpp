@@ -3,7 +3,7 @@
 // finish_topology to the last bit; only what cannot have changed is copied instead of found again.
 //
 //   copies  every old copy has a part, the first of which keeps its number; others come after
-//   links   only through squares of touched cells
+//   links   only through squares of touched cells, and not where both are whole still
 //   nodes   only at corners of cells that have come apart and of squares with other links: the cells around such a corner
 //           say which copies share it. Of the parts of a node the one with the lowest corner keeps its number
 //   pieces  none has come apart when the touched copies of each are still linked among themselves; else they are
@@ -22,8 +22,8 @@ namespace {
 class LocalUpdate {
  public:
   LocalUpdate(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& previous,
-              std::span<const int32_t> touched)
-      : t_(t), builders_(builders), before_(previous), touched_(touched), cells_(t.cells), components_(t.components) {
+              std::span<const int32_t> touched, std::span<const int32_t> place)
+      : t_(t), builders_(builders), before_(previous), touched_(touched), place_(place), cells_(t.cells), components_(t.components) {
     const Int3 n = t.grid.count;
     stride_ = {1, n.x, n.x * n.y};
   }
@@ -50,10 +50,11 @@ class LocalUpdate {
   LevelBuilders& builders_;
   const LatticeTopology& before_;
   std::span<const int32_t> touched_;  // cells, ascending
+  std::span<const int32_t> place_;    // per cell: where in touched_, -1
   const SharedArray<CellCopy>& cells_;  // t_'s, for reading
   const SharedArray<std::shared_ptr<const CellComponents>>& components_;
   std::array<int32_t, 3> stride_{};
-  std::vector<Link> fresh_;
+  bool one_class(int32_t cell) const { return t_.copies_of(cell) == 1 && before_.copies_of(cell) == 1; }
   std::vector<int32_t> other_links_;  // squares (cell and axis) whose links are not those of before
   std::vector<int32_t> apart_;        // cells with another number of copies than before
 
@@ -119,24 +120,31 @@ void LocalUpdate::number_copies() {
 }
 
 void LocalUpdate::relink() {
-  NumberSet set(3 * t_.components.size());  // cell and axis
+  std::vector<int32_t> squares;  // cell and axis, of which one side has come apart or came in parts before
+  const auto look_at = [&](int32_t cell, int axis) {
+    // Two whole cells that are joined stay so: a cut takes no material from their square.
+    if (!(one_class(cell) && one_class(cell + stride_[size_t(axis)]))) squares.push_back(3 * cell + axis);
+  };
   for (int32_t c : touched_) {
     const Int3 at = t_.grid.cell_at(c);
     for (int axis = 0; axis < 3; ++axis) {
-      if (at[axis] + 1 < t_.grid.count[axis]) set.add(3 * c + axis);
-      if (at[axis] > 0) set.add(3 * (c - stride_[size_t(axis)]) + axis);
+      if (at[axis] + 1 < t_.grid.count[axis]) look_at(c, axis);
+      const int32_t below = c - stride_[size_t(axis)];
+      if (at[axis] > 0 && place_[size_t(below)] < 0) look_at(below, axis);
     }
   }
-  const std::vector<int32_t>& squares = set.ascending();
+  std::sort(squares.begin(), squares.end());
+  std::vector<Link> fresh, changed;
   for (int32_t s : squares) {
-    const size_t own = fresh_.size();
-    const int32_t cell = s / 3, axis = s % 3;
-    find_links(t_, builders_, cell, axis, cell + stride_[size_t(axis)], fresh_);
-    std::sort(fresh_.begin() + ptrdiff_t(own), fresh_.end());
+    fresh.clear();
+    find_links(t_, builders_, s / 3, s % 3, s / 3 + stride_[size_t(s % 3)], fresh);
+    std::sort(fresh.begin(), fresh.end());
     const std::span<const Link> was = before_.links.of(s);
-    if (!std::equal(was.begin(), was.end(), fresh_.begin() + ptrdiff_t(own), fresh_.end())) other_links_.push_back(s);
+    if (std::equal(was.begin(), was.end(), fresh.begin(), fresh.end())) continue;
+    other_links_.push_back(s);
+    changed.insert(changed.end(), fresh.begin(), fresh.end());
   }
-  t_.links.replace(squares, fresh_);
+  t_.links.replace(other_links_, changed);
 }
 
 void LocalUpdate::around(int32_t lattice_node) {
@@ -244,26 +252,26 @@ void LocalUpdate::number_nodes() {
 bool LocalUpdate::pieces_stay() const {
   // Whoever left a touched copy for an untouched one before comes back to a part of it, so it is enough that the touched
   // ones of a piece are linked among themselves.
-  std::vector<int32_t> copies;
-  for (int32_t c : touched_)
-    for (int k = 0; k < t_.copies_of(c); ++k) copies.push_back(t_.copy(c, k));
-  std::sort(copies.begin(), copies.end());
-  const auto place = [&](int32_t copy) {
-    const auto it = std::lower_bound(copies.begin(), copies.end(), copy);
-    return it != copies.end() && *it == copy ? int32_t(it - copies.begin()) : -1;
-  };
+  std::vector<int32_t> first(touched_.size() + 1, 0);  // of the copies of each touched cell
+  for (size_t i = 0; i < touched_.size(); ++i) first[i + 1] = first[i] + t_.copies_of(touched_[i]);
   Partition join;
-  join.reset(copies.size());
-  for (const auto& l : fresh_) {
-    const int32_t a = place(t_.copy(l.cell_axis / 3, l.low)), b = place(t_.copy(l.next, l.high));
-    if (a >= 0 && b >= 0) join.unite(a, b);
+  join.reset(size_t(first.back()));
+  for (size_t i = 0; i < touched_.size(); ++i) {
+    const Int3 at = t_.grid.cell_at(touched_[i]);
+    for (int axis = 0; axis < 3; ++axis) {
+      if (at[axis] + 1 >= t_.grid.count[axis]) continue;
+      const int32_t next = place_[size_t(touched_[i] + stride_[size_t(axis)])];
+      if (next < 0) continue;
+      for (const Link& l : t_.links.of(3 * touched_[i] + axis)) join.unite(first[i] + l.low, first[size_t(next)] + l.high);
+    }
   }
   std::vector<int32_t> root_of_piece(size_t(before_.pieces), -1);
-  for (size_t i = 0; i < copies.size(); ++i) {
-    int32_t& r = root_of_piece[size_t(cells_[size_t(copies[i])].piece)];
-    if (r < 0) r = join.find(int32_t(i));
-    if (r != join.find(int32_t(i))) return false;
-  }
+  for (size_t i = 0; i < touched_.size(); ++i)
+    for (int32_t k = first[i]; k < first[i + 1]; ++k) {
+      int32_t& r = root_of_piece[size_t(cells_[size_t(t_.copy(touched_[i], k - first[i]))].piece)];
+      if (r < 0) r = join.find(k);
+      if (r != join.find(k)) return false;
+    }
   return true;
 }
 
@@ -289,8 +297,8 @@ void LocalUpdate::summarise() {
 }  // namespace
 
 bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
-                    std::span<const int32_t> touched) {
-  LocalUpdate update(topology, builders, previous, touched);
+                    std::span<const int32_t> touched, std::span<const int32_t> place) {
+  LocalUpdate update(topology, builders, previous, touched, place);
   if (!update.possible()) return false;
   update.run();
   return true;

@@ -261,7 +261,7 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   for (size_t f = before; f < now; ++f) look_at(f);
   t->last_op = surface.orig.empty() ? 0 : surface.orig.back().op;
   t->operations = surface.operations();
-  const std::vector<int32_t>& touched = touches.ascending();
+  const std::vector<int32_t> touched = touches.ascending();
   // Faces added in each touched cell.
   std::vector<int32_t> place(previous.components.size(), -1), added_begin(touched.size() + 1, 0), added_face(added.size());
   for (size_t i = 0; i < touched.size(); ++i) place[size_t(touched[i])] = int32_t(i);
@@ -299,7 +299,7 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   find_components(*t, previous, surface, touched, candidates_of, layers_of_new, !taken_away, workers);
   t->touched_cells = int(touched.size());
 
-  if (!locally || taken_away || !finish_locally(*t, builders, previous, touched)) {
+  if (!locally || taken_away || !finish_locally(*t, builders, previous, touched, place)) {
     const size_t cells = previous.components.size();
     std::vector<uint8_t> marks(cells, 0);
     for (int32_t c : touched) marks[size_t(c)] = 1;

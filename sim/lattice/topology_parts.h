@@ -72,9 +72,9 @@ int128 exact_share(double fraction, int level);     // of an undivided cell, tim
 void volumes_from_sums(LatticeTopology& topology);  // of the pieces, from piece_sum
 
 /// finish_topology at the cost of what the cut has changed (local_update.cpp). False, and nothing done, when it took
-/// something away, or when cells are divided. `touched`: cells, ascending.
+/// something away, or when cells are divided. `touched`: cells, ascending; `place`: per cell, where among them (-1: it is not).
 bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
-                    std::span<const int32_t> touched);
+                    std::span<const int32_t> touched, std::span<const int32_t> place);
 
 /// update_topology; `locally` false: by finish_topology whatever has changed, for tests.
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,

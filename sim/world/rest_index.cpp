@@ -4,7 +4,9 @@
 #include <numeric>
 #include <unordered_set>
 
+#include "sim/cutting/radix_sort.h"
 #include "sim/geometry/triangle.h"
+#include "sim/number_set.h"
 
 namespace limberg {
 namespace {
@@ -65,44 +67,54 @@ RestIndex::RestIndex(const SurfaceView& view, const RestIndex& before, const Vie
     return;
   }
   by_origin_ = before.by_origin_;
-  std::vector<int32_t> origins;  // whose triangles are others
+  NumberSet changed(std::max(view_.tri.size(), before.view_.tri.size())), origins(by_origin_.keys());  // whose triangles are others
+  struct OfOrigin {
+    int32_t origin, triangle;
+  };
+  struct NamedEdge {
+    uint64_t key;  // orders rim edges
+    RimEdge edge;
+  };
+  const auto key_of = [&](const RimEdge& e) { return uint64_t(name(e.triangle)) * 4 + uint64_t(e.corner); };
+  std::vector<OfOrigin> come, room;
+  std::vector<NamedEdge> fresh, edge_room;
+  uint64_t all_keys = 0;
   for (int32_t t : change.triangles) {
-    const bool was = size_t(t) < before.view_.tri.size();
-    if (was && before.view_.sided_face[size_t(t)] == view_.sided_face[size_t(t)]) continue;
-    if (was && of_body(before.view_.kind[size_t(t)])) origins.push_back(before.view_.origin[size_t(t)]);
-    if (of_body(view_.kind[size_t(t)])) origins.push_back(view_.origin[size_t(t)]);
+    changed.add(t);
+    const bool was = size_t(t) < before.view_.tri.size(), body = of_body(view_.kind[size_t(t)]);
+    if (!was || before.view_.sided_face[size_t(t)] != view_.sided_face[size_t(t)]) {
+      if (was && of_body(before.view_.kind[size_t(t)])) origins.add(before.view_.origin[size_t(t)]);
+      if (body) origins.add(view_.origin[size_t(t)]);
+    }
+    if (body) come.push_back({view_.origin[size_t(t)], t});
+    if (const uint8_t rim = view_.rim[size_t(t)])
+      for (int k = 0; k < 3; ++k)
+        if (rim >> k & 1) {
+          fresh.push_back({key_of({t, k}), {t, k}});
+          all_keys |= fresh.back().key;
+        }
   }
-  std::sort(origins.begin(), origins.end());
-  origins.erase(std::unique(origins.begin(), origins.end()), origins.end());
-  std::vector<std::pair<int32_t, int32_t>> come;  // origin, triangle
-  for (int32_t t : change.triangles)
-    if (of_body(view_.kind[size_t(t)])) come.push_back({view_.origin[size_t(t)], t});
-  std::sort(come.begin(), come.end());
-  const auto changed = [&](int32_t t) { return std::binary_search(change.triangles.begin(), change.triangles.end(), t); };
+  radix_sort(come, room, bits_of(by_origin_.keys()), [](const OfOrigin& c) { return uint64_t(c.origin); });
   std::vector<int32_t> list;
-  for (int32_t o : origins) {
+  size_t next = 0;
+  for (int32_t o : origins.ascending()) {
     list.clear();
     for (int32_t i = 0; i < before.by_origin_.count(size_t(o)); ++i)
-      if (const int32_t t = before.by_origin_.at(size_t(o), i); !changed(t)) list.push_back(t);
-    for (auto c = std::lower_bound(come.begin(), come.end(), std::pair(o, INT32_MIN)); c != come.end() && c->first == o; ++c)
-      list.push_back(c->second);
+      if (const int32_t t = before.by_origin_.at(size_t(o), i); !changed.has(t)) list.push_back(t);
+    while (next < come.size() && come[next].origin < o) ++next;
+    for (; next < come.size() && come[next].origin == o; ++next) list.push_back(come[next].triangle);
     std::sort(list.begin(), list.end(), [&](int32_t a, int32_t b) { return name(a) < name(b); });
     by_origin_.set(size_t(o), list);
   }
-  const auto earlier = [&](const RimEdge& a, const RimEdge& b) {
-    return std::pair(name(a.triangle), a.corner) < std::pair(name(b.triangle), b.corner);
-  };
-  std::vector<RimEdge> fresh;
-  for (int32_t t : change.triangles)
-    for (int k = 0; k < 3; ++k)
-      if (view_.rim[size_t(t)] >> k & 1) fresh.push_back({t, k});
-  std::sort(fresh.begin(), fresh.end(), earlier);
-  std::vector<RimEdge> kept;
-  kept.reserve(before.rim_.size());
-  for (const RimEdge& e : before.rim_)
-    if (!changed(e.triangle)) kept.push_back(e);
-  rim_.resize(kept.size() + fresh.size());
-  std::merge(kept.begin(), kept.end(), fresh.begin(), fresh.end(), rim_.begin(), earlier);
+  radix_sort(fresh, edge_room, bits_of(all_keys), [](const NamedEdge& e) { return e.key; });
+  rim_.reserve(before.rim_.size() + fresh.size());
+  auto add = fresh.begin();
+  for (const RimEdge& e : before.rim_) {
+    if (changed.has(e.triangle)) continue;
+    for (const uint64_t key = key_of(e); add != fresh.end() && add->key < key; ++add) rim_.push_back(add->edge);
+    rim_.push_back(e);
+  }
+  for (; add != fresh.end(); ++add) rim_.push_back(add->edge);
 }
 
 SurfacePoint RestIndex::closest_in(int32_t t, const Vec3& X, double& distance2) const {
