@@ -3,7 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
+#include <map>
+#include <optional>
+#include <queue>
 
 #include "sim/bone/osteotomy.h"
 
@@ -66,6 +70,78 @@ bool straight_on(const BoneSurface& bone, const OnBone& a, const OnBone& b, std:
   return true;
 }
 
+/// Shortest ways over the surface, for two places between which it turns too much to go straight on (over the rim of an orbit).
+class Over {
+ public:
+  explicit Over(const BoneSurface& bone) : bone_(bone) {
+    first_.assign(bone.X_mm.size() + 1, 0);
+    for (const Tri& t : bone.tri)
+      for (int32_t v : t) first_[size_t(v) + 1] += 2;
+    for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    std::vector<int32_t> at(first_.begin(), first_.end() - 1);
+    next_.resize(size_t(first_.back()));
+    for (const Tri& t : bone.tri)
+      for (size_t k = 0; k < 3; ++k)
+        for (size_t l : {(k + 1) % 3, (k + 2) % 3}) next_[size_t(at[size_t(t[k])]++)] = t[l];
+  }
+  /// As straight_on. Refused when the way is longer than kDetour times the distance and kSteep_mm.
+  bool way(const OnBone& a, const OnBone& b, std::vector<OnBone>& out) const {
+    const double most = kDetour * (b.x - a.x).norm() + kSteep_mm;
+    std::map<int32_t, std::pair<double, int32_t>> best;  // only what lies near
+    using Entry = std::pair<double, int32_t>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
+    for (int32_t v : bone_.tri[size_t(bone_.bvh.closest(a.x).triangle)]) {
+      const double d = (X(v) - a.x).norm();
+      best[v] = {d, -1}, open.push({d, v});
+    }
+    const Tri goal = bone_.tri[size_t(bone_.bvh.closest(b.x).triangle)];
+    int32_t end = -1;
+    double whole = most;
+    while (!open.empty()) {
+      const auto [d, v] = open.top();
+      open.pop();
+      if (d >= whole) break;
+      if (d > best[v].first) continue;
+      if (std::find(goal.begin(), goal.end(), v) != goal.end() && d + (b.x - X(v)).norm() < whole) end = v, whole = d + (b.x - X(v)).norm();
+      for (int32_t i = first_[size_t(v)]; i < first_[size_t(v) + 1]; ++i) {
+        const int32_t w = next_[size_t(i)];
+        const double far = d + (X(w) - X(v)).norm();
+        const auto known = best.find(w);
+        if (far < most && (known == best.end() || far < known->second.first)) best[w] = {far, v}, open.push({far, w});
+      }
+    }
+    if (end < 0) return false;
+    std::vector<Vec3> x{b.x};
+    for (int32_t v = end; v >= 0; v = best[v].second) x.push_back(X(v));
+    x.push_back(a.x);
+    std::reverse(x.begin(), x.end());
+    // Even steps, then pulled taut on the surface.
+    std::vector<Vec3> even;
+    double length = 0;
+    for (size_t i = 0; i + 1 < x.size(); ++i) length += (x[i + 1] - x[i]).norm();
+    const int n = std::max(2, int(std::ceil(length / DrawnPath::kSpacing_mm)));
+    double s = 0;
+    for (size_t i = 0, k = 0; i + 1 < x.size(); ++i) {
+      const double l = (x[i + 1] - x[i]).norm();
+      for (; k <= size_t(n) && double(k) * length / n <= s + l; ++k) even.push_back(l > 0 ? Vec3(x[i] + (double(k) * length / n - s) / l * (x[i + 1] - x[i])) : x[i]);
+      s += l;
+    }
+    if (even.size() < size_t(n) + 1) even.push_back(b.x);
+    even.back() = b.x;
+    for (int pass = 0; pass < 30; ++pass)
+      for (size_t i = 1; i + 1 < even.size(); ++i) even[i] = bone_.bvh.closest(0.5 * (even[i - 1] + even[i + 1])).point_mm;
+    for (size_t i = 1; i + 1 < even.size(); ++i) out.push_back({even[i], bone_.normal(bone_.bvh.closest(even[i]).triangle)});
+    out.push_back(b);
+    return true;
+  }
+
+ private:
+  static constexpr double kDetour = 3;
+  const Vec3& X(int32_t v) const { return bone_.X_mm[size_t(v)]; }
+  const BoneSurface& bone_;
+  std::vector<int32_t> first_, next_;
+};
+
 bool crosses_itself(const std::vector<OnBone>& p) {
   const size_t n = p.size();
   for (size_t i = 0; i < n; ++i) {
@@ -114,12 +190,19 @@ DrawnPath lay_path(const BoneSurface& bone, const std::vector<Vec3>& path) {
   if (at.size() >= 12 && usual < kPickStep_mm && gap > std::max(kPickStep_mm, 2 * longest))
     return refuse("the contour is open: its ends lie " + mm(gap) + " apart");
   std::vector<OnBone> way;
+  std::optional<Over> over;
   for (size_t i = 0; i < at.size(); ++i) {
     const OnBone& b = at[(i + 1) % at.size()];
     const double d = (b.x - at[i].x).norm();
     if (d < 1e-9) continue;
-    if (d <= 1.5 * DrawnPath::kSpacing_mm) way.push_back(b);
-    else if (!straight_on(bone, at[i], b, way)) return refuse("the bone turns too much between two places of the contour, " + mm(d) + " apart; a place between them was expected");
+    if (d <= 1.5 * DrawnPath::kSpacing_mm) {
+      way.push_back(b);
+      continue;
+    }
+    if (straight_on(bone, at[i], b, way)) continue;
+    if (!over) over.emplace(bone);
+    if (!over->way(at[i], b, way))
+      return refuse("the bone turns too much between two places of the contour, " + mm(d) + " apart; a place between them was expected");
   }
   // Closed, from the first place on; no two places nearer than the tightest spacing.
   std::vector<OnBone> kept;
@@ -168,16 +251,35 @@ bool is_solid(const DrawnPath& p, double deepest) {
   return 2 * solid > n;
 }
 
-Ribbon sweep(const DrawnPath& p, double above, const std::vector<double>& depth) {
+namespace {
+
+/// Rows of places around the path, the first over the surface.
+Ribbon between_rows(const std::vector<std::vector<Vec3>>& row) {
   Ribbon r;
-  const size_t n = p.x_mm.size();
-  for (size_t i = 0; i < n; ++i) r.X_mm.push_back(p.x_mm[i] - above * p.inward[i]);
-  for (size_t i = 0; i < n; ++i) r.X_mm.push_back(p.x_mm[i] + depth[i] * p.inward[i]);
-  for (size_t i = 0; i < n; ++i) {
-    const int32_t a = int32_t(i), b = int32_t((i + 1) % n), c = a + int32_t(n), d = b + int32_t(n);
-    r.tri.push_back({a, b, c}), r.tri.push_back({b, d, c});
-  }
+  const int32_t n = int32_t(row[0].size());
+  for (const std::vector<Vec3>& x : row) r.X_mm.insert(r.X_mm.end(), x.begin(), x.end());
+  for (int32_t k = 0; k + 1 < int32_t(row.size()); ++k)
+    for (int32_t i = 0; i < n; ++i) {
+      const int32_t a = k * n + i, b = k * n + (i + 1) % n, c = a + n, d = b + n;
+      r.tri.push_back({a, b, c}), r.tri.push_back({b, d, c});
+    }
   return r;
+}
+
+std::vector<Vec3> along(const DrawnPath& p, const std::vector<Vec3>& u, const std::vector<double>& by) {
+  std::vector<Vec3> out;
+  for (size_t i = 0; i < p.x_mm.size(); ++i) out.push_back(p.x_mm[i] + by[i] * u[i]);
+  return out;
+}
+
+}  // namespace
+
+Ribbon sweep(const DrawnPath& p, double above, const std::vector<double>& depth) {
+  return between_rows({along(p, p.inward, std::vector<double>(depth.size(), -above)), along(p, p.inward, depth)});
+}
+
+Ribbon sweep_tilted(const DrawnPath& p, const std::vector<Vec3>& inward, double above, const std::vector<double>& depth) {
+  return between_rows({along(p, p.inward, std::vector<double>(depth.size(), -above)), p.x_mm, along(p, inward, depth)});
 }
 
 }  // namespace limberg::bone

@@ -29,5 +29,7 @@ struct Ribbon {
 };
 /// From above_mm over the surface down to depth_mm[i] under it.
 Ribbon sweep(const DrawnPath& path, double above_mm, const std::vector<double>& depth_mm);
+/// The same with the blade tilted: along the path's own directions over the surface, along `inward` under it.
+Ribbon sweep_tilted(const DrawnPath& path, const std::vector<Vec3>& inward, double above_mm, const std::vector<double>& depth_mm);
 
 }  // namespace limberg::bone

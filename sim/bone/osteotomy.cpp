@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "sim/bone/aim.h"
 #include "sim/bone/drawn_path.h"
 #include "sim/bone/section.h"
 #include "sim/bone/surface.h"
@@ -124,20 +125,36 @@ Plan plan_contour(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o
     double factor;
   };
   Section::Curves found;
-  for (const Try& attempt : {Try{3, 1.3}, Try{8, 1.5}, Try{16, 1.8}}) {
-    std::vector<double> depth(path.x_mm.size(), kAbove_mm);
+  const auto good = [&] { return !solid && found.over_ends == 0 && found.open == 0 && found.closed.size() == 2; };
+  const auto depths = [&](const std::vector<double>& bone_mm, double deepest, const Try& attempt) {
+    std::vector<double> depth(bone_mm.size(), kAbove_mm);
     const int n = int(depth.size());
     for (int i = 0; i < n && !solid; ++i) {
       double most = 0;
       for (int k = -attempt.reach; k <= attempt.reach; ++k)
-        if (const double d = path.depth_mm[size_t(((i + k) % n + n) % n)]; d <= o.deepest_mm) most = std::max(most, d);
+        if (const double d = bone_mm[size_t(((i + k) % n + n) % n)]; d <= deepest) most = std::max(most, d);
       depth[size_t(i)] = attempt.factor * most + kAbove_mm;
     }
-    const Ribbon ribbon = sweep(path, kAbove_mm, depth);
+    return depth;
+  };
+  const auto saw = [&](const Ribbon& ribbon) {
     Section section = section_of_ribbon(m, in, ribbon.X_mm, ribbon.tri);
     section.mend();
     found = section.curves();
-    if (solid || found.over_ends > 0 || (found.open == 0 && found.closed.size() == 2)) break;
+  };
+  for (const Try& attempt : {Try{3, 1.3}, Try{8, 1.5}, Try{16, 1.8}}) {
+    saw(sweep(path, kAbove_mm, depths(path.depth_mm, o.deepest_mm, attempt)));
+    if (solid || found.over_ends > 0 || good()) break;
+  }
+  if (!solid && found.over_ends == 0 && !good()) {
+    // Straight in it does not do: tilted to where the other table is (aim.h).
+    const Section::Curves straight = found;
+    if (const Aim aim = aim_blade(m, bone, path, o.deepest_mm); aim.reason.empty())
+      for (const Try& attempt : {Try{0, 1.2}, Try{2, 1.3}, Try{5, 1.4}}) {
+        saw(sweep_tilted(path, aim.inward, 2 * kAbove_mm, depths(aim.depth_mm, kLonger * o.deepest_mm, attempt)));
+        if (good()) break;
+      }
+    if (!good()) found = straight;
   }
   if (found.over_ends > 0) plan.reason = "the contour runs over the ring of a hole";
   else if (found.closed.empty() && found.open == 0) plan.reason = "the contour is too small: it crosses no edge of the bone's mesh";

@@ -62,21 +62,49 @@ int Section::mend() {
   return turned;
 }
 
-Section::Curves Section::curves() const {
-  Curves out;
+std::vector<double> Section::one_sided() const {
+  std::vector<double> share = share_;
   std::vector<uint8_t> done(share_.size(), 0);
+  std::vector<int32_t> walk;  // half-edges, each from the left of the walk to its right
   for (int32_t h0 = 0; h0 < int32_t(share_.size()); ++h0) {
     if (share_[size_t(h0)] < 0 || done[size_t(h0)]) continue;
+    walk.clear();
+    int as_said = 0;
+    for (int32_t h = h0; !done[size_t(h)];) {
+      done[size_t(h)] = done[size_t(m_.twin(h))] = 1;
+      walk.push_back(h);
+      as_said += share_[size_t(h)] >= 0 ? 1 : -1;
+      int32_t e = m_.next(h);
+      while (e != h && !crossed(e)) e = m_.next(e);
+      if (e == h) break;  // nothing to go on to: open, whatever its sides
+      h = m_.twin(e);
+    }
+    if (as_said == int(walk.size()) || -as_said == int(walk.size())) continue;
+    for (int32_t h : walk) {
+      const int32_t g = m_.twin(h);
+      const double from_h = share[size_t(h)] >= 0 ? share[size_t(h)] : 1 - share[size_t(g)];
+      share[size_t(h)] = as_said >= 0 ? from_h : -1, share[size_t(g)] = as_said >= 0 ? -1 : 1 - from_h;
+    }
+  }
+  return share;
+}
+
+Section::Curves Section::curves() const {
+  Curves out;
+  const std::vector<double> share = one_sided();
+  std::vector<uint8_t> done(share.size(), 0);
+  for (int32_t h0 = 0; h0 < int32_t(share.size()); ++h0) {
+    if (share[size_t(h0)] < 0 || done[size_t(h0)]) continue;
     std::vector<simplex::Crossing> curve;
     bool open = false, end = false;
     for (int32_t h = h0; !done[size_t(h)];) {
       done[size_t(h)] = 1;
-      curve.push_back({m_.from(h), m_.to(h), share_[size_t(h)]});
+      curve.push_back({m_.from(h), m_.to(h), share[size_t(h)]});
       end |= is_end(m_.kind(m_.face(h)));
       int32_t e = m_.next(h);
       while (e != h && !crossed(e)) e = m_.next(e);
       const int32_t ahead = m_.twin(e);
-      if (e == h || share_[size_t(ahead)] < 0) {  // nothing to go on to, or from right to right
+      if (e == h || share[size_t(ahead)] < 0) {  // nothing to go on to, or from right to right
         open = true;
         break;
       }

@@ -27,9 +27,12 @@ class Section {
     int open = 0;        // ends within a face
     int over_ends = 0;   // runs over a hole
   };
+  /// Where a ribbon folds, single crossings have their sides the wrong way round: a curve has the sides of most of its
+  /// crossings (a surface that is closed has two sides along any curve).
   Curves curves() const;
 
  private:
+  std::vector<double> one_sided() const;
   void turn(int32_t v);
   const simplex::Mesh& m_;
   std::vector<double> share_;  // per half-edge; < 0: not crossed
