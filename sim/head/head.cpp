@@ -132,6 +132,11 @@ Outcome Head::act(const JoinFragments& j) {
   if (a < 0 || b < 0) return refuse(reason);
   Done before = moment(true, true);
   const uint64_t version = bones_.version();
+  std::vector<uint8_t> of[2];  // vertices of a and of b
+  for (const int k : {0, 1}) {
+    of[k].assign(size_t(bones_.mesh().slots()), 0);
+    for (int32_t v = 0; v < bones_.mesh().slots(); ++v) of[k][size_t(v)] = bones_.fragment_of(v) == (k == 0 ? a : b);
+  }
   const Eigen::Isometry3d pose_a = bones_.fragment(a)->pose, pose_b = bones_.fragment(b)->pose;
   const Outcome done = bones_.join(a, b);
   if (!done.done) return done;
@@ -140,6 +145,7 @@ Outcome Head::act(const JoinFragments& j) {
   const Eigen::Isometry3d to = a_stays ? pose_a.inverse() * pose_b : pose_b.inverse() * pose_a;
   for (HeadLandmark& l : landmarks_)
     if (!l.on_face && l.fragment == (a_stays ? b : a)) l.X_mm = to * l.X_mm;
+  if (has_face_) face_.rest_set_anew(of[a_stays ? 1 : 0], to);
   bones_changed(version);
   remember(std::move(before));
   return done;

@@ -13,6 +13,15 @@
 
 namespace limberg::simplex {
 
+double top_layer_kPa(const Tissue& t, double young_kPa, const ElasticitySettings& s) {
+  if (!(s.skin_kPa > 0) || t.layers < 1) return young_kPa;
+  const size_t n = t.node_mm.size() / size_t(t.layers + 1), top = n * size_t(t.layers);
+  double thick = 0;
+  for (size_t i = 0; i < n; ++i) thick += (t.node_mm[top + i] - t.node_mm[top - n + i]).norm() / double(n);
+  const double share = thick > 0 ? std::min(1., s.skin_mm / thick) : 0;
+  return (1 - share) * young_kPa + share * s.skin_kPa;
+}
+
 struct FaceElasticity::Impl {
   explicit Impl(Workers& w) : solver(w, true, {.factor_up_to_nodes = 1 << 30}) {}
   FemModel model;
@@ -44,10 +53,7 @@ FaceElasticity::FaceElasticity(std::span<const Body> bodies, const ElasticitySet
       held_.push_back(i < n);
       number.push_back(shaped.add_node(X, i < n));
     }
-    double thick = 0;
-    for (size_t i = 0; i < n; ++i) thick += (t.node_mm[top + i] - t.node_mm[top - n + i]).norm() / double(n);
-    const double share = thick > 0 ? std::min(1., s.skin_mm / thick) : 0;
-    const double skinned = s.skin_kPa > 0 ? (1 - share) * b.young_kPa + share * s.skin_kPa : b.young_kPa;
+    const double skinned = top_layer_kPa(t, b.young_kPa, s);
     const auto law = [&](double young) {
       const Elastic e = elastic_from_young(young, s.poisson);
       return shaped.add_law(stable_neo_hookean_full(e.mu_kPa, e.lambda_kPa, e.mu_kPa));

@@ -21,6 +21,9 @@ struct ElasticitySettings {
   double skin_kPa = 60;       // its Young modulus; 0: fat alone
 };
 
+/// Young's modulus of a tissue's top layer: skin and fat by their shares of its mean thickness.
+double top_layer_kPa(const Tissue& tissue, double young_kPa, const ElasticitySettings& settings);
+
 class FaceElasticity {
  public:
   struct Body {

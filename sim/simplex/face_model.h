@@ -10,12 +10,17 @@
 // vertex of the face) is first carried along with the piece of bone under it; what the iterations do is to even that out.
 //
 //   smoothing         the tissue fills the space, the face does not feel it
-//   springs           the paper's: along the edges, stiffer with elongation; holds little besides (tissue.h)
-//   shape             springs and the rest shape of the tissue in equal parts: holds what springs leave free
+//   springs           along the edges, stiffer with elongation; what they leave free (tissue.h) is held by a share of the shape force
+//   shape             the rest shape of the tissue, turned as it turns
 //   finite_elements   the same tetrahedra as an elastic body (face_elasticity.h); all such regions are one body
+//
+// Stiffness per edge of the first two comes from Young's modulus and the tissue's sections; their top layer is skin and fat, as that of
+// the finite elements.
 //
 // Vertices of the face that no region covers follow by the shape constraint alone up to `transition_mm` from a region; those
 // farther off stay where they are. Vertices over finite elements go where these put them.
+//
+// Bones that all move as one rigid body take the whole face with them as it is: a head that turns.
 //
 // Bones are one mesh whose components are the fragments; x_mm in it is where they are now. Anchors name three vertices of the
 // bone each, so they follow the fragment that owns these. After an osteotomy `rebind` finds them again by their place at rest, and
@@ -25,6 +30,7 @@
 #include <vector>
 
 #include "sim/simplex/face_elasticity.h"
+#include "sim/simplex/face_feet.h"
 #include "sim/simplex/mesh.h"
 #include "sim/simplex/tissue.h"
 #include "sim/tools/command.h"
@@ -47,7 +53,9 @@ struct FaceModelSettings {
   ElasticitySettings elasticity;
   double transition_mm = 25;
   double alpha = 0.03, beta = 0.9, gamma = 0.35;  // of the face's motion (law.h): its own shape, the tissues' pull, damping
-  double mix = 0.5;              // mode shape: share of the shape force
+  // Mode springs: share of the shape force; 0: the paper's springs alone. (On the mandible's advance of `bench head` the error is .66 to
+  // .68 mm for any share of .2 to .6, 2026-11-21.)
+  double hold = 0.5;
   SpringLaw spring;
   double still_mm = 1e-3;        // at rest when no vertex of the face moves farther in an iteration, five times in a row...
   double tolerance = 1e-4;       // ...and the relative residual of the finite elements is below this
@@ -83,6 +91,9 @@ class FaceModel {
 
   /// After vertices of the bones have changed (cut, join, undo). `bones_at_rest`: x_mm where they were at first.
   void rebind(const Mesh& bones_at_rest);
+  /// The rest of some bones is set anew, as a join does: what stands on `vertices` of the bones (a flag per slot, as they were at
+  /// the last rebind) stands at `by` times its place at rest. To be called before rebind.
+  void rest_set_anew(std::span<const uint8_t> vertices, const Eigen::Isometry3d& by);
 
   const Mesh& face() const { return face_; }
   const std::vector<Vec3>& rest_mm() const { return rest_mm_; }  // of the face, per vertex slot
@@ -101,13 +112,6 @@ class FaceModel {
   uint64_t hash() const;
 
  private:
-  struct Foot {                 // where tissue stands on bone
-    Anchor at;
-    Vec3 rest_mm = Vec3::Zero();
-    Mat3 turn = Mat3::Identity();      // of its bone from rest to when it was connected
-    Vec3 now_mm = Vec3::Zero();        // place and turn (since connected) of the last follow
-    Mat3 now_turn = Mat3::Identity();
-  };
   struct Region {
     FaceTissuePlan plan;
     Tissue tissue;
@@ -115,13 +119,14 @@ class FaceModel {
     std::vector<Foot> under;    // of the nodes of its lowest layer (finite elements)
     std::vector<int32_t> column;           // per vertex of the tissue: which vertex of the region it lies under
     std::vector<int32_t> foot;             // per column: its anchor
-    std::vector<Vec3> start_mm;            // per column: the face's vertex when it was connected
-    std::vector<std::array<int32_t, 3>> top;  // per column: the nodes of its triangle on the skin
+    std::vector<std::array<int32_t, 3>> top;  // per column: the nodes of its triangle on the skin...
+    std::vector<LocalFrame> over;          // ...and where over it the face's vertex was when it was connected (finite elements)
     std::vector<int32_t> face_vertex;      // per column
     int fragments = 1;          // that it hangs on
   };
   struct Scratch;
   void zones();
+  void turn_as_one(const Mesh& bones_now, const Eigen::Isometry3d& by);
   void make_elasticity();
   void place_elastic();
   Report step_elastic(int iterations);
@@ -135,6 +140,8 @@ class FaceModel {
   std::vector<Region> region_;
   std::vector<std::string> warnings_;
   std::vector<Vec3> u_mm_;                 // displacements of the finite elements' nodes
+  Eigen::Isometry3d frame_ = Eigen::Isometry3d::Identity();  // of the elastic bodies: their nodes are at frame_ * (rest + u_mm_)
+  std::vector<Vec3> bones_mm_;             // at the last follow; empty: not known
   std::shared_ptr<FaceElasticity> elastic_;  // shared with copies: it is given its state at every step
   std::unique_ptr<Scratch> scratch_;
   bool at_rest_ = true, elastic_rest_ = true, simplex_rest_ = true;

@@ -13,11 +13,14 @@
 //
 //   smoothing   to the mean of the four neighbours; fills the space evenly. Rest lengths are recorded after it
 //   springs     F_i = sum_j f(l_ij) along the edges, stiffer with elongation; skull fixed, the face receives the opposite
-//   shape       to sum_j w_j P_j with the weights of the rest shape (exact for affine motions): holds what springs cannot
+//   shape       to sum_j k_ij (P_j + (R_i + R_j)/2 (X_i - X_j)) / sum_j k_ij: the rest shape X of a vertex and its neighbours, turned
+//               as these have turned (R: the rotation with the least sum k_ij |P_j - P_i - R_i (X_j - X_i)|^2). Exact for rigid
+//               motions; the energy is that of Sorkine and Alexa 2007 with conductances of the tissue for weights, which for small
+//               displacements is Laplace's equation: the tissue passes on what its neighbours do
 //
 // Springs alone do not hold a shape: two springs per vertex stand against three unknowns. `zero_energy_modes` counts what
-// they leave free; with both surfaces held it is 0.6 to 0.9 per free vertex. (Delingette, Subsol, Cotin, Pignon 1994; the construction
-// and the count are this program's.)
+// they leave free; with both surfaces held it is 0.6 to 0.9 per free vertex. A share of the shape force (TissueLaw::shape) holds
+// that. (Delingette, Subsol, Cotin, Pignon 1994; the construction and the count are this program's.)
 #include <array>
 #include <optional>
 #include <span>
@@ -46,6 +49,7 @@ struct SpringLaw {
 struct TissueSettings {
   int layers = 1;                 // 1..16
   double young_kPa = 10;          // k_ij = E A_ij / l_ij, A_ij the primal triangle that the edge crosses; 0: all k_ij = 1 mN/mm
+  double skin_kPa = 0;            // of the top layer, which is skin and fat; 0: as the others
   double max_thickness_mm = 100;  // farther is no opposite side
 };
 
@@ -54,7 +58,7 @@ struct Anchor {
   int32_t skull[3] = {-1, -1, -1};  // vertices of the skull that carry it
   double weight[3] = {0, 0, 0};
   double height_mm = 0;             // over their plane
-  Mat3 axes = Mat3::Identity();     // that turn with them, as they stood when lift0_mm was recorded
+  Mat3 axes = Mat3::Identity();     // that turn with them, as they stood when the tissue was made
 };
 /// Right-handed axes that turn with the three vertices of the skull that an anchor names.
 Mat3 axes_of(const Anchor& anchor, const Mesh& skull);
@@ -63,10 +67,11 @@ struct Tissue {
   std::vector<std::array<int32_t, 4>> nbr;
   std::vector<Vec3> x_mm, before_mm;
   std::vector<TissueRole> role;
-  std::vector<std::array<double, 4>> rest_mm, k_mN_per_mm, weight;  // per neighbour; weight: of the mode shape
+  std::vector<std::array<double, 4>> rest_mm, k_mN_per_mm;  // per neighbour
+  std::vector<Vec3> x0_mm;                                  // places at rest
+  std::vector<Mat3> turn;                                   // R, as the last turn_shape left it
+  std::vector<Vec3> bent_mm;                                // sum_j k_ij (R_i + R_j)/2 (X_i - X_j) / sum_j k_ij, of the same
   std::vector<std::pair<int32_t, int32_t>> link;                    // tissue vertex, face vertex
-  std::vector<Vec3> lift0_mm, lift_mm;                              // per link: from the tetrahedron below to it at rest; turned as the bone under it has
-  std::vector<int32_t> under;                                       // per link: the anchor below it
   std::vector<Anchor> anchor;
   // The primal: nodes from the skull (layer 0) to the face, and tetrahedra of positive volume.
   std::vector<Vec3> node_mm;
@@ -85,7 +90,7 @@ struct TissueResult {
 /// `face_region`: vertices of the face. Their dual triangles must form one patch without pinched corners, none on a rim. The
 /// opposite places are where the normals of the face, inwards, meet the part of the skull that `skull_region` covers (the
 /// faces around those vertices; empty: all of it), else its nearest places, evened out over the patch until every prism has a
-/// positive volume; where that is not to be had (over the mouth, say), the lowest nodes stay above the bone, carried by it. The result is smoothed and its rest lengths, weights and stiffnesses recorded.
+/// positive volume; where that is not to be had (over the mouth, say), the lowest nodes stay above the bone, carried by it. The result is smoothed and its rest shape and stiffnesses recorded.
 TissueResult build_tissue(const Mesh& face, std::span<const int32_t> face_region, const Mesh& skull, std::span<const int32_t> skull_region,
                           const TissueSettings& settings, Workers& workers);
 
@@ -111,11 +116,14 @@ struct TissueStep {
 /// One iteration of the vertices inside and on the sides. Throws InputError on a law that no alpha makes stable.
 TissueStep step(Tissue& tissue, const TissueLaw& law, Workers& workers);
 
-/// What the tissue does to the face: adds to `force_mm` (per vertex slot of the face) the springs' force on its linked vertices
-/// over their stiffness, as the external force of motion.h, of stiffness 2 or less. With a share of shape (TissueLaw::shape) that share
-/// of the force draws each vertex to where it lay over the tetrahedron below it, as a free surface that goes with what it
-/// covers; it pushes as well as it pulls, which springs do not: under compression they fold into the motions that they leave free
-/// (zero_energy_modes). `force_mN` (may be null): the springs' force in mN. The modes smoothing and shape have no influence.
+/// Turns the rest shape of every vertex as its neighbours have turned by now: a few steps of a polar decomposition from where it
+/// stood (Mueller, Bender, Chentanez and Macklin 2016), so to be called every few iterations.
+void turn_shape(Tissue& tissue, Workers& workers);
+
+/// What the tissue does to the face: adds to `force_mm` (per vertex slot of the face) the force on its linked vertices over their
+/// stiffness, as the external force of motion.h, of stiffness 2 or less: of the springs, and of the shape by its share
+/// (TissueLaw::shape). Shape pushes as well as it pulls, which springs do not: under compression they fold into the motions that they
+/// leave free (zero_energy_modes). `force_mN` (may be null): the springs' force in mN. The mode smoothing has no influence.
 void pull_face(const Tissue& tissue, const TissueLaw& law, std::vector<Vec3>& force_mm, std::vector<Vec3>* force_mN = nullptr);
 
 void record_rest(Tissue& tissue);

@@ -222,7 +222,7 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   const auto add = [&](const Vec3& x, TissueRole r) {
     t.nbr.push_back({-1, -1, -1, -1});
     t.x_mm.push_back(x), t.role.push_back(r);
-    t.rest_mm.push_back({}), t.k_mN_per_mm.push_back({1, 1, 1, 1}), t.weight.push_back({0.25, 0.25, 0.25, 0.25});
+    t.rest_mm.push_back({}), t.k_mN_per_mm.push_back({1, 1, 1, 1});
   };
   for (const Tet& q : t.tet) {
     Vec3 c = Vec3::Zero();
@@ -295,10 +295,6 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
     const double A = (area(boundary[size_t(two[0] - tets)]) + area(boundary[size_t(two[1] - tets)])) / 6;
     join(two[0], used[size_t(two[0])]++, two[1], used[size_t(two[1])]++, A);
   }
-  // Tetrahedra come layer by layer, three per triangle of the region: a link and the anchor of one column hang on such.
-  std::vector<int32_t> anchor_of(region.size());
-  for (size_t i = 0; i < t.anchor.size(); ++i) anchor_of[size_t(t.nbr[size_t(t.anchor[i].vertex)][0]) / 3 % region.size()] = int32_t(i);
-  for (const auto& [v, f] : t.link) t.under.push_back(anchor_of[size_t(t.nbr[size_t(v)][0]) / 3 % region.size()]);
   t.before_mm = t.x_mm;
   record_rest(t);
   follow(t, face, skull);
@@ -308,10 +304,14 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
     if (step(t, smooth, workers).max_move_mm < 1e-4) break;
   t.before_mm = t.x_mm;
   record_rest(t);
+  // Young's modulus over an edge: the mean of its two ends'. A boundary vertex has that of its tetrahedron.
+  const double skin = s.skin_kPa > 0 ? s.skin_kPa : s.young_kPa;
+  const size_t under_skin = t.tet.size() / size_t(s.layers) * size_t(s.layers - 1);
+  const auto young = [&](int32_t v) { return size_t(v < tets ? v : t.nbr[size_t(v)][0]) >= under_skin ? skin : s.young_kPa; };
   for (size_t v = 0; v < t.nbr.size(); ++v)
     for (size_t k = 0; k < 4; ++k) {
       const double l = t.rest_mm[v][k];
-      t.k_mN_per_mm[v][k] = s.young_kPa > 0 && l > 0 ? s.young_kPa * t.k_mN_per_mm[v][k] / l : 1;
+      t.k_mN_per_mm[v][k] = s.young_kPa > 0 && l > 0 ? 0.5 * (young(int32_t(v)) + young(t.nbr[v][k])) * t.k_mN_per_mm[v][k] / l : 1;
     }
   if (const auto bad = find_fault(t)) return refuse(*bad);
   return out;
@@ -341,15 +341,11 @@ void follow(Tissue& t, const Mesh& face, const Mesh& skull) {
     if (const double l = N.norm(); l > 0) x += a.height_mm / l * N;
     t.x_mm[size_t(a.vertex)] = x;
   }
-  for (size_t i = 0; i < t.link.size(); ++i) {
-    const Anchor& a = t.anchor[size_t(t.under[i])];
-    t.lift_mm[i] = axes_of(a, skull) * a.axes.transpose() * t.lift0_mm[i];
-  }
 }
 
 std::optional<std::string> find_fault(const Tissue& t) {
   const size_t n = t.nbr.size();
-  if (t.x_mm.size() != n || t.before_mm.size() != n || t.role.size() != n || t.rest_mm.size() != n || t.k_mN_per_mm.size() != n || t.weight.size() != n)
+  if (t.x_mm.size() != n || t.before_mm.size() != n || t.role.size() != n || t.rest_mm.size() != n || t.k_mN_per_mm.size() != n || t.x0_mm.size() != n || t.turn.size() != n || t.bent_mm.size() != n)
     return "the arrays of the tissue differ in length";
   for (size_t v = 0; v < n; ++v) {
     const auto name = "vertex " + std::to_string(v) + " of the tissue ";
@@ -370,6 +366,7 @@ uint64_t hash(const Tissue& t) {
   for (size_t v = 0; v < t.nbr.size(); ++v) {
     for (size_t k = 0; k < 4; ++k) h.add(t.nbr[v][k]), h.add(t.rest_mm[v][k]), h.add(t.k_mN_per_mm[v][k]);
     for (int k = 0; k < 3; ++k) h.add(t.x_mm[v][k]), h.add(t.before_mm[v][k]);
+    for (int k = 0; k < 9; ++k) h.add(t.turn[v].data()[k]);
     h.add(t.role[v]);
   }
   return h.value();

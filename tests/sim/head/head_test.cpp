@@ -167,6 +167,31 @@ TEST(Head, TheFaceFollowsTheBone) {
   EXPECT_LT(below, 1.5);
 }
 
+TEST(Head, AJoinDoesNotMoveTheFace) {
+  // The rest of one of the two is set anew by the join: the tissue has to know where on it it stands.
+  for (TissueKind mode : {TissueKind::shape, TissueKind::finite_elements}) {
+    InlineWorkers w;
+    Head h(ball(true, mode), w);
+    ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+    MoveFragment m = lift({0, 0, 30}, {1.5, 0, 2});
+    m.by.rotation_deg = {0, 0, 20};
+    ASSERT_TRUE(h.apply(HeadCommand(m)).done);
+    for (int i = 0; i < 600 && (i == 0 || !h.step(0.016).at_rest); ++i) {}
+    const std::vector<Vec3> face = h.face().x_mm;
+    const Outcome o = h.apply(HeadCommand(JoinFragments{{-1, {0, 0, -30}}, {-1, {0, 0, 30}}}));
+    ASSERT_TRUE(o.done) << o.reason;
+    double far = 0;
+    for (int i = 0; i < 60; ++i) h.step(0.016);
+    for (size_t v = 0; v < face.size(); ++v) far = std::max(far, (h.face().x_mm[v] - face[v]).norm());
+    EXPECT_LT(far, 0.02) << int(mode);  // (feet along the cut stand on new vertices)
+    ASSERT_TRUE(h.apply(Undo{}).done);
+    for (int i = 0; i < 60; ++i) h.step(0.016);
+    far = 0;
+    for (size_t v = 0; v < face.size(); ++v) far = std::max(far, (h.face().x_mm[v] - face[v]).norm());
+    EXPECT_LT(far, 1e-6) << int(mode);
+  }
+}
+
 TEST(Head, AHandCarriesAFragmentAndTheSameHandLetsItGo) {
   InlineWorkers w;
   Head h(ball(), w);
