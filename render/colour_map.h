@@ -1,12 +1,20 @@
 #pragma once
-// Colour maps for magnitudes. Viridis: lightness grows evenly from one end to the other, so the map can be read in grey
-// and by colour-blind eyes.
+// Colour maps. Viridis for magnitudes: lightness grows evenly from one end to the other, so the map can be read in grey
+// and by colour-blind eyes. Blue to red over a light grey for signed values: the middle is zero, both ends are equally dark,
+// and blue against red is told apart by the common kinds of colour blindness.
 #include "render/image.h"
 
 namespace limberg {
 
 /// t in [0, 1], clamped; NaN gives the low end.
 Rgb8 viridis(double t);
+
+/// -1 dark blue, 0 light grey, 1 dark red; clamped; NaN gives the middle.
+Rgb8 diverging(double t);
+
+enum class ColourScale : uint8_t { magnitude, signed_value };
+/// t in [0, 1] over the scale's range: viridis, or diverging with its middle at 0.5.
+Rgb8 colour_of(ColourScale scale, double t);
 
 /// CIE lightness L* (0..100) of an sRGB colour, D65.
 double lightness(Rgb8 c);

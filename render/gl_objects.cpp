@@ -97,6 +97,11 @@ void GlMesh::draw(size_t first, size_t count) const {
   gl_->DrawElements(GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT, reinterpret_cast<void*>(first * 3 * sizeof(uint32_t)));
 }
 
+void GlMesh::draw_lines(size_t ends) const {
+  gl_->BindVertexArray(array_);
+  gl_->DrawArrays(GL_LINES, 0, GLsizei(ends));
+}
+
 GlTarget::GlTarget(const GlFunctions& gl, GLenum colour_format, int width, int height)
     : gl_(&gl), width_(width), height_(height) {
   gl.GenFramebuffers(1, &frame_);
@@ -105,17 +110,35 @@ GlTarget::GlTarget(const GlFunctions& gl, GLenum colour_format, int width, int h
   gl.BindRenderbuffer(GL_RENDERBUFFER, colour_);
   gl.RenderbufferStorage(GL_RENDERBUFFER, colour_format, width, height);
   gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
-  gl.GenRenderbuffers(1, &depth_);
-  gl.BindRenderbuffer(GL_RENDERBUFFER, depth_);
-  gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
-  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+  depth_ = make_frame_texture(gl);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, width, height, 0, GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth_, 0);
   check(gl, "a picture of this size");
+  gl.GenFramebuffers(1, &flat_);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, flat_);
+  gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, colour_);
+  check(gl, "a picture without its depth");
 }
 
 GlTarget::~GlTarget() {
   gl_->DeleteFramebuffers(1, &frame_);
+  gl_->DeleteFramebuffers(1, &flat_);
   gl_->DeleteRenderbuffers(1, &colour_);
-  gl_->DeleteRenderbuffers(1, &depth_);
+  gl_->DeleteTextures(1, &depth_);
+}
+
+GlLayer::GlLayer(const GlFunctions& gl, int w, int h) : functions(gl), width(w), height(h) {
+  texture = make_frame_texture(gl);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, w, h, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+  gl.GenFramebuffers(1, &frame);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, frame);
+  gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture, 0);
+  check(gl, "a layer of a picture");
+}
+
+GlLayer::~GlLayer() {
+  functions.DeleteFramebuffers(1, &frame);
+  functions.DeleteTextures(1, &texture);
 }
 
 ShadowMap::ShadowMap(const GlFunctions& gl, int side) : size(side) {

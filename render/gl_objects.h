@@ -18,6 +18,7 @@ class GlProgram {
   GLuint id() const { return id_; }
   void set(const char* name, float v) const { gl_->Uniform1f(at(name), v); }
   void set(const char* name, int v) const { gl_->Uniform1i(at(name), v); }
+  void set(const char* name, float x, float y) const { gl_->Uniform2f(at(name), x, y); }
   void set(const char* name, const Vec3f& v) const { gl_->Uniform3f(at(name), v.x(), v.y(), v.z()); }
   void set(const char* name, const Mat4f& m) const { gl_->UniformMatrix4fv(at(name), 1, GL_FALSE, m.data()); }
 
@@ -36,6 +37,7 @@ class GlMesh {
   void triangles(const std::vector<std::array<uint32_t, 3>>& tri);
   void draw() const { draw(0, size_t(indices_) / 3); }
   void draw(size_t first, size_t count) const;  // triangles
+  void draw_lines(size_t ends) const;           // two ends each, in their order
 
  private:
   GLuint buffer(GLuint attribute, const void* data, size_t bytes);
@@ -44,7 +46,7 @@ class GlMesh {
   GLsizei indices_ = 0;
 };
 
-/// A framebuffer with a colour (RGBA8 or R32UI) and a depth attachment.
+/// A framebuffer with a colour (RGBA8 or R32UI) and a depth attachment; the depth can be read as a texture.
 class GlTarget {
  public:
   GlTarget(const GlFunctions& gl, GLenum colour_format, int width, int height);
@@ -52,13 +54,28 @@ class GlTarget {
   GlTarget(const GlTarget&) = delete;
   GlTarget& operator=(const GlTarget&) = delete;
   void bind() const { gl_->BindFramebuffer(GL_FRAMEBUFFER, frame_); }
+  /// The colour alone, so that the depth may be read meanwhile.
+  void bind_flat() const { gl_->BindFramebuffer(GL_FRAMEBUFFER, flat_); }
+  GLuint depth() const { return depth_; }
+  GLuint frame() const { return frame_; }
   int width() const { return width_; }
   int height() const { return height_; }
 
  private:
   const GlFunctions* gl_;
-  GLuint frame_ = 0, colour_ = 0, depth_ = 0;
+  GLuint frame_ = 0, flat_ = 0, colour_ = 0, depth_ = 0;
   int width_, height_;
+};
+
+/// A framebuffer whose only attachment is an RGBA8 texture, to be read without a filter.
+struct GlLayer {
+  GlLayer(const GlFunctions& gl, int width, int height);
+  ~GlLayer();
+  GlLayer(const GlLayer&) = delete;
+  GlLayer& operator=(const GlLayer&) = delete;
+  const GlFunctions& functions;
+  GLuint frame = 0, texture = 0;
+  int width, height;
 };
 
 /// A depth texture with comparison, and a framebuffer that fills it.

@@ -76,7 +76,7 @@ void draw_legend(Image& image, const TextPainter& text, const Legend& legend) {
 
   const int x0 = left + int(0.9 * em), y0 = top + head + cap, y1 = y0 + bar_h;
   for (int v = y0; v < y1; ++v)
-    for (int u = x0; u < x0 + bar_w; ++u) image.blend(u, v, viridis(1 - (v + 0.5 - y0) / bar_h), 1);
+    for (int u = x0; u < x0 + bar_w; ++u) image.blend(u, v, colour_of(legend.scale, 1 - (v + 0.5 - y0) / bar_h), 1);
   const auto mark = [&](int tip, int base, Rgb8 c) {  // a triangle: the scale goes on beyond its end
     const int step = tip < base ? 1 : -1;
     for (int v = tip; v != base; v += step) {
@@ -85,8 +85,8 @@ void draw_legend(Image& image, const TextPainter& text, const Legend& legend) {
         image.blend(x0 + u, v, c, std::clamp(half - std::abs(u + 0.5 - 0.5 * bar_w) + 0.5, 0.0, 1.0));
     }
   };
-  if (legend.clipped_above) mark(y0 - cap + 2, y0 - 2, viridis(1));
-  if (legend.clipped_below) mark(y1 + cap - 3, y1 + 1, viridis(0));
+  if (legend.clipped_above) mark(y0 - cap + 2, y0 - 2, colour_of(legend.scale, 1));
+  if (legend.clipped_below) mark(y1 + cap - 3, y1 + 1, colour_of(legend.scale, 0));
 
   const double range = legend.max - legend.min, step = round_step(range, 6);
   for (int k = int(std::ceil(legend.min / step - 1e-9)); k <= int(std::floor(legend.max / step + 1e-9)); ++k) {

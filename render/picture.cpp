@@ -29,11 +29,6 @@ double scale_end(const RenderScene& scene, double& highest) {
 
 }  // namespace
 
-double tension_scale_end(const RenderScene& scene) {
-  double highest = 0;
-  return scale_end(scene, highest) / 100;
-}
-
 double moved_scale_end(const RenderScene& scene) {
   std::vector<float> v;
   for (size_t i = 0; i < scene.field.size(); ++i)
@@ -102,7 +97,7 @@ struct PictureMaker::Impl {
   }
 
   DrawOptions options() const {
-    return draw_options(quality == PictureQuality::still ? kQualityLevels.back() : kQualityLevels.front(), width, height);
+    return draw_options(quality == PictureQuality::still ? kQualityLevels.back() : kQualityLevels[kFastLevel], width, height);
   }
 };
 
@@ -184,7 +179,7 @@ Image PictureMaker::tension(const Snapshot& snapshot, const PictureOptions& opti
   Image image = impl_->renderer.draw(scene, impl_->view(snapshot), draw);
   draw_caption(image, impl_->text, options.title, options.caption);
   draw_legend(image, impl_->text,
-              {"Skin stretch", "% of length", 0, end, highest > end * 1.001, false});
+              {"Skin stretch", "% of length", 0, end, ColourScale::magnitude, highest > end * 1.001, false});
   return image;
 }
 
@@ -201,7 +196,7 @@ Image PictureMaker::moved(const Snapshot& snapshot, const PictureOptions& option
   Image image = impl_->renderer.draw(scene, view, draw);
   if (options.landmarks) draw_landmarks(image, impl_->text, snapshot, view, options.face);
   draw_caption(image, impl_->text, options.title, options.caption);
-  draw_legend(image, impl_->text, {"The face has moved", "mm", 0, end, highest > end * 1.001, false});
+  draw_legend(image, impl_->text, {"The face has moved", "mm", 0, end, ColourScale::magnitude, highest > end * 1.001, false});
   return image;
 }
 

@@ -37,8 +37,6 @@ enum class PictureQuality {
 struct RenderScene;
 /// Where a colour scale of moved_mm ends: a round number above the 99.5th percentile of the face, at least 1 mm.
 double moved_scale_end(const RenderScene& scene);
-/// Where a live colour scale of the tension ends (stretch - 1): a round number above the skin's 99th percentile.
-double tension_scale_end(const RenderScene& scene);
 
 class PictureMaker {
  public:

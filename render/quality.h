@@ -12,16 +12,24 @@ namespace limberg {
 struct QualityLevel {
   const char* name;
   bool fine_skin, shadow;
+  bool occlusion;   // creases and corners that little of the room's light reaches are darker
+  bool still;       // for pictures that are kept: sixteen taps of a larger shadow map, textures sharp when seen aslant
+  int shrink;       // of a window: the patient is drawn this many times smaller and enlarged
   int supersample;  // of pictures read back; a window's frames are not
 };
-inline constexpr std::array<QualityLevel, 4> kQualityLevels{{
-    {"fast", false, false, 1}, {"fine skin", true, false, 1}, {"fine skin, shadows", true, true, 1}, {"best", true, true, 2}}};
-inline constexpr int kLiveLevels = 3;  // those that a window uses
+inline constexpr std::array<QualityLevel, 6> kQualityLevels{{{"half size", false, false, false, false, 2, 1},
+                                                             {"fast", false, false, false, false, 1, 1},
+                                                             {"fine skin", true, false, false, false, 1, 1},
+                                                             {"shadows", true, true, false, false, 1, 1},
+                                                             {"shadows, occlusion", true, true, true, false, 1, 1},
+                                                             {"best", true, true, true, true, 1, 2}}};
+inline constexpr int kLiveLevels = 5;  // those that a window uses
+inline constexpr int kFastLevel = 1;   // the first at full size
 
 class QualityLadder {
  public:
-  /// budget_ms: what a frame may take. levels: how many of kQualityLevels may be chosen.
-  explicit QualityLadder(double budget_ms, int levels = kLiveLevels) : budget_ms_(budget_ms), levels_(levels) {}
+  /// budget_ms: what a frame may take. levels: how many of kQualityLevels may be chosen; start: the first of them.
+  explicit QualityLadder(double budget_ms, int levels = kLiveLevels, int start = kFastLevel) : budget_ms_(budget_ms), levels_(levels), level_(start) {}
 
   int level() const { return level_; }
   /// After a frame that was drawn at level().
@@ -50,7 +58,7 @@ class QualityLadder {
   void go(int level) { level_ = level, seen_ = 0, here_ = 0; }
 
   double budget_ms_;
-  int levels_, level_ = 0, seen_ = 0, here_ = 0;
+  int levels_, level_, seen_ = 0, here_ = 0;
   std::array<double, kFrames> recent_{};
   std::array<double, kQualityLevels.size()> took_{};
   std::array<int, kQualityLevels.size()> wait_{};

@@ -70,9 +70,24 @@ void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState&
 
 void SceneBuilder::add_stretch_glyphs(const Snapshot& snapshot) { add_glyphs(scene_.props, stretch_glyphs(snapshot)); }
 
+void SceneBuilder::add_lines(const SceneLines& lines) {
+  SceneLines& all = scene_.lines;
+  all.x_mm.insert(all.x_mm.end(), lines.x_mm.begin(), lines.x_mm.end());
+  all.colour.insert(all.colour.end(), lines.colour.begin(), lines.colour.end());
+}
+
+void SceneBuilder::show_field(std::span<const float> per_vertex) {
+  const TissueMesh& mesh = *scene_.mesh;
+  scene_.field.clear();
+  if (per_vertex.empty() || per_vertex.size() != mesh.vertices_of_view) return;
+  scene_.field.resize(mesh.source.size());
+  for (size_t v = 0; v < mesh.source.size(); ++v) scene_.field[v] = per_vertex[size_t(mesh.source[v])];
+}
+
 const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool, bool strands) {
   RenderScene& scene = scene_;
   scene.props.clear();
+  scene.lines.clear();
   scene.field.clear();
   if (!snapshot.topology || snapshot.x_mm.size() != snapshot.topology->view.X_mm.size()) {
     scene.mesh = std::make_shared<TissueMesh>();

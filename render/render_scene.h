@@ -5,6 +5,7 @@
 // coordinates, layer depths, indices) is worked out once per topology version; positions, normals and the field are
 // filled per snapshot.
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "render/props.h"
@@ -34,6 +35,7 @@ struct TissueMesh {
   std::array<size_t, kParts> triangles_of{};  // per part
   std::vector<std::array<int32_t, 2>> rim;  // edges between skin and wall (SurfaceView vertices), skin on the left
   std::vector<Layer> layers;
+  Eigen::Vector2f tension_chart = Eigen::Vector2f::Zero();  // unit: how the tension lines run on the chart; zero: unknown
 };
 
 /// The parts of a TissueMesh in the order in which they are drawn: the face last, because it may be translucent.
@@ -41,11 +43,19 @@ inline constexpr Part kTissueParts[] = {Part::skin, Part::wall, Part::side, Part
 
 inline constexpr float kRimReach_mm = 3;  // so far the skin beside a cut is reddened
 
+/// Thin lines, two ends each: faint where tissue hides them.
+struct SceneLines {
+  std::vector<Vec3f> x_mm, colour;  // per end; colour: linear RGB
+  void clear() { x_mm.clear(), colour.clear(); }
+  void add(const Vec3f& a, const Vec3f& b, const Vec3f& rgb) { x_mm.insert(x_mm.end(), {a, b}), colour.insert(colour.end(), {rgb, rgb}); }
+};
+
 struct RenderScene {
   std::shared_ptr<const TissueMesh> mesh;
   std::vector<Vec3f> x_mm, normal;  // per render vertex
   std::vector<float> field;         // per render vertex, or empty; of a head without skin: Snapshot::moved_mm
   PropMesh props;
+  SceneLines lines;
   Vec3f bounds_min = Vec3f::Zero(), bounds_max = Vec3f::Zero();  // of the tissue
 };
 
@@ -54,8 +64,13 @@ class SceneBuilder {
   /// The scene of a snapshot; valid until the next call. A snapshot without topology gives an empty scene.
   /// `strands`: the tissue between face and bone as a net.
   const RenderScene& build(const Snapshot& snapshot, const ToolPose& tool = {}, bool strands = false);
-  /// Adds the skin's principal stretches (glyphs.h) to the scene that was built last.
+  // To the scene that was built last:
+  /// Adds the skin's principal stretches (glyphs.h).
   void add_stretch_glyphs(const Snapshot& snapshot);
+  /// Adds lines. One list each for ends and colours, of equal length.
+  void add_lines(const SceneLines& lines);
+  /// Shows another field than the snapshot's own: a value per vertex of the view; empty: none.
+  void show_field(std::span<const float> per_vertex);
 
  private:
   RenderScene scene_;

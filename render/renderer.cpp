@@ -8,22 +8,23 @@
 
 #include "render/colour_map.h"
 #include "render/gl_objects.h"
+#include "render/occlusion.h"
 #include "render/shaders.h"
 
 namespace limberg {
 
 namespace {
 
-constexpr int kShadowSize = 2048;
+constexpr int kShadowSize = 2048, kLiveShadowSize = 1024;
 constexpr float kLayerRange_mm = 16;
 const Vec3f kKeyDirection = Vec3f(-0.62f, 0.44f, 0.65f).normalized();
 
 Vec3f unit_rgb(Rgb8 c) { return Vec3f(float(c.r), float(c.g), float(c.b)) / 255.0f; }
 
-Texels viridis_texture() {
+Texels scale_texture(ColourScale scale) {
   Texels t{256, 1, {}};
   for (int i = 0; i < 256; ++i) {
-    const Rgb8 c = viridis(i / 255.0);
+    const Rgb8 c = colour_of(scale, i / 255.0);
     t.rgba.insert(t.rgba.end(), {c.r, c.g, c.b, 255});
   }
   return t;
@@ -50,11 +51,28 @@ struct Renderer::Impl {
   GlFunctions gl;
   GlProgram background, depth, id;
   std::map<int, GlProgram> programs;  // of tissue and props, compiled when first wanted; see shaded()
-  GlMesh tissue_mesh, prop_mesh, empty;
-  ShadowMap shadow;
-  GLuint skin_map, grid_map, detail_map, colour_map, layer_map = 0;
-  std::shared_ptr<const TissueMesh> uploaded;  // the topology that the constant buffers hold
-  std::unique_ptr<GlTarget> picture, ids;
+  GlProgram line;
+  GlMesh tissue_mesh, prop_mesh, line_mesh, empty;
+  std::array<std::unique_ptr<ShadowMap>, 2> shadows;  // of pictures that are kept, of live ones
+  GLuint skin_map, grid_map, detail_map, layer_map = 0;
+  std::array<GLuint, 2> colour_map;            // by ColourScale
+  // What the buffers hold, so that only what has changed is sent, and the shadow of what has not moved is kept.
+  std::shared_ptr<const TissueMesh> uploaded;
+  struct {
+    std::vector<Vec3f> x_mm;
+    std::vector<float> field;
+    PropMesh props;
+    bool any = false;
+  } held;
+  struct {
+    bool valid = false;
+    const ShadowMap* map = nullptr;
+    FaceLook face = FaceLook::solid;
+    Mat4f to_light = Mat4f::Identity();
+  } cast;
+  std::unique_ptr<Occlusion> occlusion;
+  std::unique_ptr<GlTarget> picture, composed, ids;
+  GlTarget* shown = nullptr;                   // what read() and present() take
   std::array<std::unique_ptr<GlTarget>, 2> eyes;  // of an anaglyph
   std::array<GLuint, 2> eye_map{};
   std::unique_ptr<GlProgram> anaglyph;
@@ -72,20 +90,29 @@ struct Renderer::Impl {
         background(gl, shaders::background_vertex, shaders::background_fragment),
         depth(gl, shaders::depth_vertex, shaders::depth_fragment),
         id(gl, shaders::id_vertex, shaders::id_fragment),
-        tissue_mesh(gl), prop_mesh(gl), empty(gl),
-        shadow(gl, kShadowSize),
+        line(gl, shaders::line_vertex, shaders::line_fragment),
+        tissue_mesh(gl), prop_mesh(gl), line_mesh(gl), empty(gl),
         skin_map(make_texture(gl, skin_texture(512), true, true, true)),
         grid_map(make_texture(gl, grid_texture(), false, true, true)),
         detail_map(make_texture(gl, detail_texture(), false, true, true)),
-        colour_map(make_texture(gl, viridis_texture(), false, false, false)) {
+        colour_map{make_texture(gl, scale_texture(ColourScale::magnitude), false, false, false),
+                   make_texture(gl, scale_texture(ColourScale::signed_value), false, false, false)} {
+    empty.triangles({{0, 1, 2}});
     gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
     anisotropic = has_anisotropy(gl);
   }
 
   ~Impl() { context->make_current(); }  // the targets are freed in their own context
 
+  template <class T>
+  static bool same(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+  }
+
   void upload(const RenderScene& s) {
-    if (uploaded != s.mesh) {
+    const bool other_mesh = uploaded != s.mesh || !held.any;
+    held.any = true;
+    if (other_mesh) {
       const TissueMesh& m = *s.mesh;
       std::vector<Eigen::Vector4f> rest(m.X_mm.size());
       for (size_t v = 0; v < rest.size(); ++v) rest[v] << m.X_mm[v], m.depth_mm[v];
@@ -98,14 +125,25 @@ struct Renderer::Impl {
       layer_map = make_texture(gl, layer_texture(m.layers, double(kLayerRange_mm)), true, false, false);
       uploaded = s.mesh;
     }
-    tissue_mesh.floats(0, 3, s.x_mm.data(), s.x_mm.size() * sizeof(Vec3f));
-    tissue_mesh.floats(1, 3, s.normal.data(), s.normal.size() * sizeof(Vec3f));
+    if (other_mesh || !same(held.x_mm, s.x_mm)) {
+      tissue_mesh.floats(0, 3, s.x_mm.data(), s.x_mm.size() * sizeof(Vec3f));
+      tissue_mesh.floats(1, 3, s.normal.data(), s.normal.size() * sizeof(Vec3f));  // follow from the places
+      held.x_mm = s.x_mm;
+      cast.valid = false;
+    }
     std::vector<float> none;
     const std::vector<float>& field = s.field.size() == s.x_mm.size() ? s.field : none;
     if (field.empty()) none.assign(s.x_mm.size(), 0.0f);
-    tissue_mesh.floats(2, 1, field.data(), field.size() * sizeof(float));
+    if (other_mesh || !same(held.field, field)) {
+      tissue_mesh.floats(2, 1, field.data(), field.size() * sizeof(float));
+      held.field = field;
+    }
 
     const auto& v = s.props.vertex;
+    static_assert(sizeof(PropVertex) == 11 * sizeof(float), "compared byte by byte: nothing between the numbers");
+    if (same(held.props.vertex, v) && same(held.props.tri, s.props.tri)) return;
+    held.props = s.props;
+    cast.valid = false;
     const size_t bytes = v.size() * sizeof(PropVertex), stride = sizeof(PropVertex);
     prop_mesh.floats(0, 3, v.data(), bytes, stride, offsetof(PropVertex, x_mm));
     prop_mesh.floats(1, 3, v.data(), bytes, stride, offsetof(PropVertex, normal));
@@ -119,8 +157,28 @@ struct Renderer::Impl {
     gl.BindTexture(GL_TEXTURE_2D, texture);
   }
 
-  Mat4f cast_shadow(const RenderScene& s, bool on, FaceLook face) {
+  const ShadowMap& shadow_map(bool still) {
+    std::unique_ptr<ShadowMap>& map = shadows[still ? 0 : 1];
+    if (!map) map = std::make_unique<ShadowMap>(gl, still ? kShadowSize : kLiveShadowSize);
+    return *map;
+  }
+
+  // Skin, walls and sides close around the tissue: what of them is turned away is never seen. Of a face or bones from a scan that
+  // is not sure. `first`, `count`: triangles of the tissue.
+  void draw_tissue(size_t first, size_t count, const RenderScene& s, bool cull) {
+    const auto& of = s.mesh->triangles_of;
+    const size_t flesh = of[size_t(Part::skin)] + of[size_t(Part::wall)] + of[size_t(Part::side)];
+    const size_t closed = first < flesh ? std::min(count, flesh - first) : 0;
+    if (cull) gl.Enable(GL_CULL_FACE), gl.CullFace(GL_BACK);
+    tissue_mesh.draw(first, closed);
+    gl.Disable(GL_CULL_FACE);
+    tissue_mesh.draw(first + closed, count - closed);
+  }
+
+  Mat4f cast_shadow(const RenderScene& s, bool on, bool still, FaceLook face) {
     if (!on) return Mat4f::Identity();
+    const ShadowMap& shadow = shadow_map(still);
+    if (cast.valid && cast.map == &shadow && cast.face == face) return cast.to_light;
     const Mat4f light = light_matrix(s);
     gl.BindFramebuffer(GL_FRAMEBUFFER, shadow.frame);
     gl.Viewport(0, 0, shadow.size, shadow.size);
@@ -131,24 +189,27 @@ struct Renderer::Impl {
     gl.Enable(GL_POLYGON_OFFSET_FILL);
     gl.PolygonOffset(1.5f, 2.0f);
     const size_t of_face = s.mesh->triangles_of[size_t(Part::face)];
-    tissue_mesh.draw(0, s.mesh->tri.size() - (face == FaceLook::solid ? 0 : of_face));
+    draw_tissue(0, s.mesh->tri.size() - (face == FaceLook::solid ? 0 : of_face), s, true);
     prop_mesh.draw();
     gl.Disable(GL_POLYGON_OFFSET_FILL);
     Mat4f half = Mat4f::Identity();
     half.diagonal().head<3>().setConstant(0.5f);
     half.block<3, 1>(0, 3).setConstant(0.5f);
-    return half * light;
+    cast = {true, &shadow, face, half * light};
+    return cast.to_light;
   }
 
   // The program for one part of the scene (tool: every prop) with the view's and the lamp's uniforms set.
-  const GlProgram& shaded(Part part, const View& view, const DrawOptions& o, const Mat4f& to_light) {
+  const GlProgram& shaded(Part part, const View& view, const DrawOptions& o, const Mat4f& to_light, const Eigen::Vector2f& tension) {
     const bool field = o.colour_field && (part == Part::skin || part == Part::wall || part == Part::face);
     const bool clear = part == Part::face && o.face == FaceLook::clear;
-    const int key = int(part) * 16 + clear * 8 + o.shadow * 4 + o.fine_skin * 2 + field;
+    const bool lines = o.tension_lines && part == Part::skin && tension != Eigen::Vector2f::Zero();
+    const int key = int(part) * 64 + lines * 32 + o.still * 16 + clear * 8 + o.shadow * 4 + o.fine_skin * 2 + field;
     auto it = programs.find(key);
     if (it == programs.end()) {
       std::string text = "#version 330 core\n";
-      if (o.shadow) text += "#define SHADOW\n";
+      if (o.shadow) text += o.still ? "#define SHADOW 4\n" : "#define SHADOW 2\n";  // taps a side
+      if (lines) text += "#define TENSION_LINES\n";
       if (o.fine_skin) text += "#define FINE\n";
       if (part == Part::wall) text += "#define PART_WALL\n";
       if (part == Part::bone_cut) text += "#define BONE_CUT\n";
@@ -171,49 +232,80 @@ struct Renderer::Impl {
     p.set("key_direction", kKeyDirection);
     p.set("to_light", to_light);
     p.set("shadow_map", 0);
-    p.set("shadow_texel", 1.0f / float(kShadowSize));
+    p.set("shadow_texel", 1.0f / float(o.still ? kShadowSize : kLiveShadowSize));
     if (part == Part::tool) return p;
     int unit = 1;
     for (const char* name : {"skin_map", "grid_map", "detail_map", "layer_map", "colour_map"}) p.set(name, unit++);
     p.set("layer_range", kLayerRange_mm);
+    p.set("tension", tension.x(), tension.y());
     p.set("field_min", float(o.field_min));
     p.set("field_scale", float(1 / std::max(o.field_max - o.field_min, 1e-9)));
     p.set("iso_lines", float(o.iso_lines));
     return p;
   }
 
-  void paint(const RenderScene& s, const View& view, const DrawOptions& o, const Mat4f& to_light, int w, int h) {
+  // Twice: what tissue hides is faint.
+  void paint_lines(const SceneLines& lines, const View& view) {
+    if (lines.x_mm.empty()) return;
+    line_mesh.floats(0, 3, lines.x_mm.data(), lines.x_mm.size() * sizeof(Vec3f));
+    line_mesh.floats(1, 3, lines.colour.data(), lines.colour.size() * sizeof(Vec3f));
+    gl.Enable(GL_BLEND);
+    gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+    gl.DepthMask(GL_FALSE);
+    line.use();
+    line.set("to_clip", Mat4f(view.projection * view.to_eye));
+    for (const bool hidden : {true, false}) {
+      gl.DepthFunc(hidden ? GL_GREATER : GL_LEQUAL);
+      line.set("alpha", hidden ? 0.30f : 0.95f);
+      line_mesh.draw_lines(lines.x_mm.size());
+    }
+    gl.DepthFunc(GL_LESS);
+    gl.DepthMask(GL_TRUE);
+    gl.Disable(GL_BLEND);
+  }
+
+  void paint(const GlTarget& target, const RenderScene& s, const View& view, const DrawOptions& o, const Mat4f& to_light) {
+    const int w = target.width(), h = target.height();
     const int x0 = int(std::lround(view.x0 * float(w))), x1 = int(std::lround(view.x1 * float(w)));
     const int y0 = int(std::lround(view.y0 * float(h))), y1 = int(std::lround(view.y1 * float(h)));
     gl.Viewport(x0, h - y1, x1 - x0, y1 - y0);
-    gl.Disable(GL_DEPTH_TEST);
-    background.use();
-    background.set("top", unit_rgb(o.background_top));
-    background.set("bottom", unit_rgb(o.background_bottom));
-    empty.triangles({{0, 1, 2}});
-    empty.draw();
-
     gl.Enable(GL_DEPTH_TEST);
     if (o.wireframe) gl.PolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-    bind(0, shadow.texture);
+    const Eigen::Vector2f tension = s.mesh->tension_chart;
+    if (o.shadow) bind(0, shadow_map(o.still).texture);
     int unit = 1;
-    for (const GLuint texture : {skin_map, grid_map, detail_map, layer_map, colour_map}) {
+    for (const GLuint texture : {skin_map, grid_map, detail_map, layer_map, colour_map[size_t(o.scale)]}) {
       bind(unit++, texture);
-      if (texture == skin_map || texture == grid_map) set_anisotropy(gl, anisotropic, o.fine_skin ? 4.0f : 1.0f);
+      if (texture == skin_map || texture == grid_map) set_anisotropy(gl, anisotropic, o.fine_skin && o.still ? 4.0f : 1.0f);
     }
     size_t first = 0;
     for (const Part part : kTissueParts) {
       const size_t count = s.mesh->triangles_of[size_t(part)];
-      if (count > 0 && (part != Part::face || o.face == FaceLook::solid)) shaded(part, view, o, to_light), tissue_mesh.draw(first, count);
+      if (count > 0 && (part != Part::face || o.face == FaceLook::solid)) shaded(part, view, o, to_light, tension), draw_tissue(first, count, s, !o.wireframe);
       first += count;
     }
     if (o.wireframe) gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    if (!s.props.tri.empty()) shaded(Part::tool, view, o, to_light), prop_mesh.draw();
+    if (!s.props.tri.empty()) shaded(Part::tool, view, o, to_light, tension), prop_mesh.draw();
+
+    // Behind everything, and only where nothing was drawn.
+    gl.DepthFunc(GL_LEQUAL);
+    background.use();
+    background.set("top", unit_rgb(o.background_top));
+    background.set("bottom", unit_rgb(o.background_bottom));
+    empty.draw();
+    gl.DepthFunc(GL_LESS);
+
+    if (o.occlusion && !o.wireframe) {
+      if (!occlusion) occlusion = std::make_unique<Occlusion>(gl);
+      occlusion->darken(target, view, empty);
+      gl.Viewport(x0, h - y1, x1 - x0, y1 - y0);
+    }
+    paint_lines(s.lines, view);
     if (const size_t count = s.mesh->triangles_of[size_t(Part::face)]; count > 0 && o.face == FaceLook::clear) {
       gl.Enable(GL_BLEND);
       gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
       gl.DepthMask(GL_FALSE);
-      shaded(Part::face, view, o, to_light);
+      shaded(Part::face, view, o, to_light, tension);
       tissue_mesh.draw(s.mesh->tri.size() - count, count);
       gl.DepthMask(GL_TRUE);
       gl.Disable(GL_BLEND);
@@ -229,19 +321,21 @@ struct Renderer::Impl {
     const bool anew = !target || target->width() != w || target->height() != h;
     if (anew) target = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
     upload(s);
-    const Mat4f to_light = cast_shadow(s, o.shadow, o.face);
+    const Mat4f to_light = cast_shadow(s, o.shadow, o.still, o.face);
     target->bind();
     const float clear[4]{0, 0, 0, 1}, far_depth = 1;
     if (anew || !o.keep) gl.ClearBufferfv(GL_COLOR, 0, clear);
     gl.ClearBufferfv(GL_DEPTH, 0, &far_depth);
-    for (const View& view : views) paint(s, view, o, to_light, w, h);
+    for (const View& view : views) paint(*target, s, view, o, to_light);
+    shown = target.get();
   }
 
   void paint_anaglyph(const RenderScene& s, const View& left, const View& right, const DrawOptions& o) {
-    paint_to(eyes[0], s, std::span(&left, 1), o, o.width, o.height);
-    paint_to(eyes[1], s, std::span(&right, 1), o, o.width, o.height);
-    if (!picture || picture->width() != o.width || picture->height() != o.height)
-      picture = std::make_unique<GlTarget>(gl, GL_RGBA8, o.width, o.height);
+    const int w = shrunk(o.width, o), h = shrunk(o.height, o);
+    paint_to(eyes[0], s, std::span(&left, 1), o, w, h);
+    paint_to(eyes[1], s, std::span(&right, 1), o, w, h);
+    if (!picture || picture->width() != w || picture->height() != h) picture = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
+    shown = picture.get();
     if (!anaglyph) {
       anaglyph = std::make_unique<GlProgram>(gl, shaders::background_vertex, std::string("#version 330 core\n") + shaders::anaglyph_fragment);
       for (GLuint& t : eye_map) t = make_frame_texture(gl);
@@ -249,23 +343,35 @@ struct Renderer::Impl {
     for (size_t eye = 0; eye < 2; ++eye) {
       eyes[eye]->bind();
       bind(int(eye), eye_map[eye]);
-      gl.CopyTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 0, 0, o.width, o.height, 0);
+      gl.CopyTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, 0, 0, w, h, 0);
     }
     picture->bind();
-    gl.Viewport(0, 0, o.width, o.height);
+    gl.Viewport(0, 0, w, h);
     gl.Disable(GL_DEPTH_TEST);
     anaglyph->use();
     anaglyph->set("left_eye", 0);
     anaglyph->set("right_eye", 1);
-    empty.triangles({{0, 1, 2}});
     empty.draw();
+  }
+
+  static int shrunk(int size, const DrawOptions& o) { return std::max(1, (size + o.shrink - 1) / std::max(1, o.shrink)); }
+
+  void compose(int w, int h) {
+    context->make_current();
+    if (!picture) return;
+    if (!composed || composed->width() != w || composed->height() != h) composed = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
+    composed->bind();
+    gl.BindFramebuffer(GL_READ_FRAMEBUFFER, picture->frame());
+    gl.BlitFramebuffer(0, 0, picture->width(), picture->height(), 0, 0, w, h, GL_COLOR_BUFFER_BIT, picture->width() == w && picture->height() == h ? GL_NEAREST : GL_LINEAR);
+    composed->bind();
+    shown = composed.get();
   }
 
   Image read() {
     context->make_current();
-    if (!picture) return {};
-    picture->bind();
-    const int w = picture->width(), h = picture->height();
+    if (!shown) return {};
+    shown->bind();
+    const int w = shown->width(), h = shown->height();
     Image image(w, h);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
     std::vector<uint8_t> rows(image.rgb.size());
@@ -277,10 +383,10 @@ struct Renderer::Impl {
 
   void present(int w, int h) {
     context->make_current();
-    if (!picture) return;
-    picture->bind();
+    if (!shown) return;
+    shown->bind();
     gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-    gl.BlitFramebuffer(0, 0, picture->width(), picture->height(), 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    gl.BlitFramebuffer(0, 0, shown->width(), shown->height(), 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     context->show();
   }
 
@@ -330,7 +436,8 @@ DrawOptions draw_options(const QualityLevel& level, int width, int height) {
   DrawOptions o;
   o.width = width, o.height = height;
   o.supersample = level.supersample;
-  o.shadow = level.shadow, o.fine_skin = level.fine_skin;
+  o.shadow = level.shadow, o.fine_skin = level.fine_skin, o.occlusion = level.occlusion, o.still = level.still;
+  o.shrink = level.shrink;
   return o;
 }
 
@@ -345,11 +452,12 @@ Image Renderer::draw(const RenderScene& scene, std::span<const View> views, cons
   return impl_->draw(scene, views, options);
 }
 void Renderer::paint(const RenderScene& scene, std::span<const View> views, const DrawOptions& options) {
-  impl_->paint_to(impl_->picture, scene, views, options, options.width, options.height);
+  impl_->paint_to(impl_->picture, scene, views, options, Impl::shrunk(options.width, options), Impl::shrunk(options.height, options));
 }
 void Renderer::paint_anaglyph(const RenderScene& scene, const View& left, const View& right, const DrawOptions& options) {
   impl_->paint_anaglyph(scene, left, right, options);
 }
+void Renderer::compose(int width, int height) { impl_->compose(width, height); }
 Image Renderer::read() { return impl_->read(); }
 void Renderer::present(int width, int height) { impl_->present(width, height); }
 const GlFunctions& Renderer::functions() const { return impl_->gl; }

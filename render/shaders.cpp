@@ -13,7 +13,7 @@ const vec3 key_colour = vec3(3.05, 2.93, 2.75);
 const vec3 fill_colour = vec3(0.42, 0.48, 0.56);
 const vec3 sky = vec3(0.68, 0.67, 0.66), ground = vec3(0.34, 0.28, 0.25);
 
-// 1 in full light. Sixteen taps over about a millimetre: a lamp, not a point.
+// 1 in full light. SHADOW x SHADOW taps over about a millimetre: a lamp, not a point.
 float lit(vec3 world, vec3 n) {
 #ifndef SHADOW
   return 1.0;
@@ -21,11 +21,11 @@ float lit(vec3 world, vec3 n) {
   vec4 p = to_light * vec4(world + 0.25 * n, 1.0);
   if (any(lessThan(p.xyz, vec3(0.0))) || any(greaterThan(p.xyz, vec3(1.0)))) return 1.0;
   float sum = 0.0;
-  for (int i = 0; i < 16; ++i) {
-    vec2 o = (vec2(i & 3, i >> 2) - 1.5) * 2.2 * shadow_texel;
+  for (int i = 0; i < SHADOW * SHADOW; ++i) {
+    vec2 o = (vec2(i % SHADOW, i / SHADOW) - 0.5 * float(SHADOW - 1)) * 2.2 * shadow_texel;
     sum += texture(shadow_map, vec3(p.xy + o, p.z - 0.0012));
   }
-  return sum / 16.0;
+  return sum / float(SHADOW * SHADOW);
 #endif
 }
 
@@ -81,7 +81,19 @@ uniform sampler2D layer_map;   // sRGB albedo over depth, 0 .. layer_range mm
 uniform sampler2D colour_map;
 uniform float layer_range;
 uniform float field_min, field_scale, iso_lines;
+uniform vec2 tension;          // unit, along the tension lines on the chart
 out vec4 colour;
+
+// Dashes every 4 mm across the tension lines: 1 on a dash.
+float tension_line() {
+#ifndef TENSION_LINES
+  return 0.0;
+#else
+  float s = dot(v_chart, vec2(-tension.y, tension.x)) * 0.25, w = fwidth(s), row = floor(s + 0.5);
+  float d = abs(s - row) / max(w, 1e-6), dash = fract(dot(v_chart, tension) / 7.0 + 0.37 * row);
+  return (1.0 - smoothstep(0.7, 1.5, d)) * smoothstep(0.06, 0.12, dash) * (1.0 - smoothstep(0.66, 0.72, dash)) * clamp(1.6 - 4.0 * w, 0.0, 1.0);
+#endif
+}
 
 // The normal towards the eye: interpolation may carry it past the horizon.
 vec3 facing(vec3 v) {
@@ -111,6 +123,7 @@ void main() {
   vec3 ink = vec3(0.115, 0.06, 0.19);  // gentian violet, as on a marked patient
   albedo = mix(albedo, albedo * vec3(0.52, 0.40, 0.56), 0.55 * grid.r);
   albedo = mix(albedo, mix(ink, albedo, 0.12), 0.80 * grid.g);
+  albedo = mix(albedo, vec3(0.0, 0.10, 0.13), 0.75 * tension_line());
   // Beside a cut the skin is flushed, and its very edge is dark.
   albedo *= mix(vec3(1.0), vec3(0.97, 0.76, 0.74), exp(-v_rim * 1.1) * step(v_rim, 2.99));
   albedo = mix(albedo, vec3(0.26, 0.035, 0.03), 0.85 * (1.0 - smoothstep(0.10, 0.26, v_rim)));
@@ -240,6 +253,7 @@ void main() {
   c = mix(c, vec3(0.0), 0.16 * texture(grid_map, v_chart * 0.1).g);
 #endif
   c = mix(c, vec3(0.05), 0.75 * (1.0 - smoothstep(0.10, 0.26, v_rim)));
+  c = mix(c, vec3(0.0), 0.6 * tension_line());
 #endif
   float light = 0.62 + 0.30 * max(dot(n, key_direction), 0.0) * mix(0.45, 1.0, lit(v_world, n)) + 0.12 * max(dot(n, v), 0.0);
   vec3 low = c / 12.92, high = pow((c + 0.055) / 1.055, vec3(2.4));
@@ -297,7 +311,7 @@ const char* const background_vertex = R"(#version 330 core
 out vec2 v_at;
 void main() {
   v_at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;  // one triangle over the whole view
-  gl_Position = vec4(v_at * 2.0 - 1.0, 0.0, 1.0);
+  gl_Position = vec4(v_at * 2.0 - 1.0, 1.0, 1.0);  // as far as can be
 }
 )";
 
@@ -326,6 +340,25 @@ void main() {
   vec3 l = pow(texture(left_eye, v_at).rgb, vec3(2.2)), r = pow(texture(right_eye, v_at).rgb, vec3(2.2));
   colour = vec4(pow(clamp(left_filter * l + right_filter * r, 0.0, 1.0), vec3(1.0 / 2.2)), 1.0);
 }
+)";
+
+const char* const line_vertex = R"(#version 330 core
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 rgb;
+uniform mat4 to_clip;
+out vec3 v_colour;
+void main() {
+  v_colour = rgb;
+  gl_Position = to_clip * vec4(position, 1.0);
+  gl_Position.z -= 0.0004 * gl_Position.w;  // before the surface that it lies on
+}
+)";
+
+const char* const line_fragment = R"(#version 330 core
+in vec3 v_colour;
+uniform float alpha;
+out vec4 colour;
+void main() { colour = vec4(sqrt(v_colour), alpha); }
 )";
 
 const char* const depth_vertex = R"(#version 330 core

@@ -21,6 +21,8 @@ extern const char* const prop_fragment;
 extern const char* const background_vertex;
 extern const char* const background_fragment;
 extern const char* const anaglyph_fragment;  // after #version; with background_vertex
+extern const char* const line_vertex;
+extern const char* const line_fragment;
 extern const char* const depth_vertex;
 extern const char* const depth_fragment;
 extern const char* const id_vertex;

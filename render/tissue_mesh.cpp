@@ -63,7 +63,12 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   mesh.version = topology.version;
   mesh.hash = topology.hash;
   mesh.vertices_of_view = view.X_mm.size();
-  if (topology.body) mesh.layers = topology.body->layers;
+  if (topology.body) {
+    const Body& body = *topology.body;
+    mesh.layers = body.layers;
+    const Eigen::Vector2d along(body.tension_direction.dot(body.chart_e1), body.tension_direction.dot(body.chart_e2));
+    if (along.norm() > 1e-3) mesh.tension_chart = along.normalized().cast<float>();
+  }
 
   const size_t n = view.tri.size();
   std::vector<uint32_t> order;

@@ -47,7 +47,7 @@ class Painter {
             s = shown_;
           }
           const View view = camera.view(640.0 / 480);
-          renderer.paint(builder.build(s), std::span(&view, 1), draw_options(kQualityLevels[0], 640, 480));
+          renderer.paint(builder.build(s), std::span(&view, 1), draw_options(kQualityLevels[kFastLevel], 640, 480));
           renderer.read();
           ++frames_;
         }

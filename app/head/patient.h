@@ -24,6 +24,10 @@ class HeadPatient final : public Patient {
   bool settled() const override { return !skin_ || skin_->settled(); }
   void fill(Snapshot& snapshot) const override { fill(snapshot, false); }
   void fill_with_field(Snapshot& snapshot) const override { fill(snapshot, true); }
+  void fill_lattice(LatticeShown& out) const override {
+    if (skin_) skin_->fill_lattice(out);
+    else out = {};
+  }
   std::shared_ptr<const SurfaceTopology> topology() const override;
   uint64_t topology_hash() const override;
   uint64_t state_hash() const override;

@@ -14,6 +14,7 @@
 #include <memory>
 
 #include "app/session/epoch.h"
+#include "app/session/lattice_shown.h"
 #include "app/session/notice.h"
 #include "app/session/press_line.h"
 #include "app/session/spsc_ring.h"
@@ -36,6 +37,7 @@ struct HandState {
 struct PatientState {
   Snapshot snapshot;
   int64_t sample_ns = -1;
+  LatticeShown lattice;  // empty unless wanted; of the state that the render thread gets
 };
 
 /// A stage of the operation, passed when Snapshot::stage reaches its number.
@@ -54,6 +56,7 @@ struct Channels {
   SpscRing<StageMark> stages{1 << 10};
   SpscRing<Notice> notices{1 << 8};  // for a screen: where nobody empties it, later ones are dropped
   std::atomic<bool> want_field{false};  // render asks the solver for the tension
+  std::atomic<bool> want_lattice{false};
   TripleBuffer<HandState> hand_to_solver, hand_to_render;
   TripleBuffer<PatientState> patient_to_device, patient_to_render;
   std::shared_ptr<PressLine> press;  // null: no device feels anything

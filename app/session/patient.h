@@ -2,6 +2,7 @@
 // What the solver lane drives: World behind a narrow door, so that the lanes can be tested with a patient of a few lines.
 #include <memory>
 
+#include "app/session/lattice_shown.h"
 #include "sim/fem/elastic_solver.h"
 #include "sim/press.h"
 #include "sim/snapshot.h"
@@ -21,6 +22,8 @@ class Patient {
   virtual void fill_with_field(Snapshot& snapshot) const { fill(snapshot); }
   /// How stiff it is against a tool that presses (sim/press.h). Asking changes nothing. False: it cannot tell.
   virtual bool press(const PressQuestion&, PressAnswer&) { return false; }
+  /// The lattice, where the patient has one.
+  virtual void fill_lattice(LatticeShown& out) const { out = {}; }
   virtual std::shared_ptr<const SurfaceTopology> topology() const = 0;
   virtual uint64_t topology_hash() const = 0;
   virtual uint64_t state_hash() const = 0;

@@ -6,6 +6,7 @@
 // the topology it names stay valid during a call, and the topology until the next call.
 #include <string>
 
+#include "app/session/lattice_shown.h"
 #include "app/session/notice.h"
 #include "devices/tool_event.h"
 #include "sim/snapshot.h"
@@ -26,6 +27,9 @@ class PictureSink {
   virtual bool wants_frame() { return false; }
   /// True when the patient's tension is to be filled in (Snapshot::field), which costs the solver a few ms a step.
   virtual bool wants_field() const { return false; }
+  /// True when the lattice is to be shown: then `lattice` comes before each frame.
+  virtual bool wants_lattice() const { return false; }
+  virtual void lattice(const LatticeShown& lattice) { (void)lattice; }
   /// Something was done, undone or refused (channels.h), in order, before the frame that shows it.
   virtual void notice(const Notice& notice) { (void)notice; }
   /// False asks the session to end (a window was closed).

@@ -41,8 +41,10 @@ class RenderLane {
         drawn = true;
       }
       for (Notice n; ch_.notices.pop(n);) sink_->notice(n);
+      ch_.want_lattice.store(sink_->wants_lattice(), std::memory_order_relaxed);
       ch_.want_field.store(sink_->wants_field(), std::memory_order_relaxed);
       if (frames_ && (sink_->wants_frame() || (new_patient && patient_changed(s)) || (new_hand && hand_changed()))) {
+        if (sink_->wants_lattice()) sink_->lattice(ch_.patient_to_render.reading().lattice);
         sink_->frame(s, ch_.hand_to_render.reading().tool);
         drawn = true;
         ++frames_drawn_;

@@ -183,7 +183,10 @@ void SolverLane::publish(int64_t tick) {
   out.snapshot.stage = int32_t(stages_.size());
   out.sample_ns = hand_.sample_ns;
   for (; shown_stages_ < stages_.size(); ++shown_stages_) stages_[shown_stages_].shown = out.snapshot;
-  ch_.patient_to_render.writing() = out;
+  PatientState& shown = ch_.patient_to_render.writing();
+  shown.snapshot = out.snapshot, shown.sample_ns = out.sample_ns;
+  if (ch_.want_lattice.load(std::memory_order_relaxed)) patient_.fill_lattice(shown.lattice);
+  else if (shown.lattice.edges) shown.lattice = {};
   ch_.patient_to_device.publish();
   ch_.patient_to_render.publish();
   ch_.topologies.collect();

@@ -65,6 +65,10 @@ void Desk::notice(const Notice& n) {
   last_word_ = n.kind == Notice::refused ? std::string(n.action.data()) + " refused: " + n.text.data() : "";
 }
 
+void Desk::choose_field(SkinField field) {
+  state.field = facts_.skin || field == SkinField::moved ? field : SkinField::none;
+}
+
 void Desk::choose(Tool tool) {
   state.tool_changed |= tool != state.tool;
   state.tool = tool;
@@ -103,8 +107,20 @@ void Desk::tools(int height) {
   if (ImGui::Button("Redo", {70, 0})) state.redo = true;
 
   heading("VIEW");
-  ImGui::Checkbox(facts_.skin ? "Tension" : "Displacement", &state.tension);
-  ImGui::Checkbox("Directions", &state.directions);
+  ImGui::PushItemWidth(-1);
+  if (ImGui::BeginCombo("##field", state.field == SkinField::none ? "No colours" : look_of(state.field).name)) {
+    for (int k = 0; k < kSkinFields; ++k)
+      if (k == 0 || facts_.skin || SkinField(k) == SkinField::moved)
+        if (ImGui::Selectable(k == 0 ? "No colours" : look_of(SkinField(k)).name, int(state.field) == k)) choose_field(SkinField(k));
+    ImGui::EndCombo();
+  }
+  ImGui::PopItemWidth();
+  if (state.field != SkinField::none) ImGui::Checkbox("Iso-lines", &state.iso_lines);
+  if (facts_.skin) {
+    ImGui::Checkbox("Directions", &state.directions);
+    ImGui::Checkbox("Tension lines", &state.tension_lines);
+    ImGui::Checkbox("Lattice", &state.lattice);
+  }
   if (facts_.head) ImGui::PushItemWidth(-1), ImGui::Combo("##face", &state.face, "Face\0Clear face\0No face\0"), ImGui::PopItemWidth();
   ImGui::Checkbox("Triangles", &state.wireframe);
   if (ImGui::Checkbox("Measure", &state.ruler) && state.ruler) choose(Tool::none);
@@ -113,7 +129,7 @@ void Desk::tools(int height) {
   if (ImGui::Combo("##compare", &compare, "No comparison\0Before | after: wipe\0Before, after\0")) state.compare = Compare(compare);
   if (state.compare == Compare::wipe) ImGui::SliderFloat("##wipe", &state.wipe, 0, 1, "");
   if (ImGui::Combo("##stereo", &stereo, "One eye\0Stereo side by side\0Stereo red-cyan\0")) state.stereo = Stereo(stereo);
-  ImGui::Combo("##quality", &state.quality, "Quality by frame time\0Fast\0Fine skin\0Shadows\0");
+  ImGui::Combo("##quality", &state.quality, "Quality by frame time\0Half size\0Fast\0Fine skin\0Shadows\0Shadows, occlusion\0");
   ImGui::PopItemWidth();
   if (ImGui::Button("Picture", {70, 0})) state.picture = true;
   ImGui::SameLine();
@@ -234,26 +250,31 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
 }
 
 void Desk::legend(const DeskReading& r, int width, int height) {
-  if (!state.tension) return;
-  const float left = float(width) - kPatientWidth - 96, top = 0.16f * float(height), bar = 0.42f * float(height);
+  if (state.field == SkinField::none || !r.field || r.field->value.empty()) return;
+  const SkinFieldLook& look = look_of(state.field);
+  const float left = float(width) - kPatientWidth - 128, top = 0.16f * float(height), bar = 0.42f * float(height);
   ImGui::SetNextWindowPos({left, top});
-  ImGui::SetNextWindowSize({88, bar + 66});
+  ImGui::SetNextWindowSize({120, bar + 108});
   ImGui::SetNextWindowBgAlpha(0.70f);
   ImGui::Begin("legend", nullptr, kFixed | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar);
-  const bool moved = r.shown->field.empty() && !r.shown->moved_mm.empty();
-  ImGui::TextUnformatted(moved ? "face\nmoved, mm" : "skin\nstretch %");
+  ImGui::TextWrapped("%s", look.title);
+  ImGui::TextColored(kQuiet, "%s", look.unit);
   ImDrawList& d = *ImGui::GetWindowDrawList();
-  const float x0 = left + 10, y0 = top + 52, x1 = x0 + 16;
-  const auto at = [](double t) {
-    const Rgb8 c = viridis(t);
+  const float x0 = left + 12, y0 = top + 84, x1 = x0 + 18;
+  const auto at = [&](double t) {
+    const Rgb8 c = colour_of(look.scale, t);
     return IM_COL32(c.r, c.g, c.b, 255);
   };
   constexpr int kSteps = 64;
   for (int i = 0; i < kSteps; ++i)
     d.AddRectFilled({x0, y0 + bar * float(i) / kSteps}, {x1, y0 + bar * float(i + 1) / kSteps + 1}, at(1 - (i + 0.5) / kSteps));
-  const double end = (moved ? 1 : 100) * r.field_end, step = round_step(end, 6);
-  for (double v = 0; v <= end * 1.0001; v += step) {
-    const float y = y0 + bar * float(1 - v / end);
+  const double range = r.field->hi - r.field->lo, step = range / std::max(1, r.field->intervals);
+  // Values lie beyond the scale: a triangle says so.
+  if (r.field->above) d.AddTriangleFilled({x0, y0 - 3}, {x1, y0 - 3}, {0.5f * (x0 + x1), y0 - 12}, at(1));
+  if (r.field->below) d.AddTriangleFilled({x0, y0 + bar + 4}, {x1, y0 + bar + 4}, {0.5f * (x0 + x1), y0 + bar + 13}, at(0));
+  for (int k = 0; k <= r.field->intervals; ++k) {
+    const double v = r.field->lo + k * step;
+    const float y = y0 + bar * float(1 - (v - r.field->lo) / range);
     d.AddLine({x1, y}, {x1 + 5, y}, IM_COL32(240, 245, 245, 255));
     d.AddText({x1 + 9, y - 8}, IM_COL32(240, 245, 245, 255), tick_label(v, step).c_str());
   }

@@ -7,6 +7,7 @@
 
 #include "app/session/gauges.h"
 #include "app/session/notice.h"
+#include "app/skin_fields.h"
 #include "app/window/ruler.h"
 #include "app/window/screen.h"
 #include "devices/sample.h"
@@ -31,7 +32,9 @@ struct DeskFacts {
 struct DeskState {
   Tool tool = Tool::none;        // none: look around
   float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
-  bool tension = false, directions = false, wireframe = false, help = false, ruler = false, keep_recording = false;
+  SkinField field = SkinField::none;
+  bool iso_lines = true, tension_lines = false, lattice = false;
+  bool directions = false, wireframe = false, help = false, ruler = false, keep_recording = false;
   int quality = 0;               // 0: chosen from the time of a frame (quality.h), else a level, from 1
   int face = 0;                  // of a head: solid, clear, hidden
   Compare compare = Compare::off;
@@ -48,7 +51,7 @@ struct DeskReading {
   Ruler::Reading ruler;
   int lesson_begun = 0;
   bool showing = false;
-  double field_end = 0.1;   // of the colour scale: stretch - 1, or mm that a face has moved
+  const FieldShown* field = nullptr;  // what is shown in colours; null or empty: nothing
   double samples_per_s = 0;
 };
 
@@ -72,6 +75,8 @@ class Desk {
   void legend(const DeskReading& r, int width, int height);
   void help(int width, int height);
   void choose(Tool tool);
+  void choose_field(SkinField field);
+  SkinField first_field() const { return facts_.skin ? SkinField::stretch : SkinField::moved; }
 
   DeskFacts facts_;
   std::deque<Notice> notices_;

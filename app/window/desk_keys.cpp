@@ -18,12 +18,16 @@ const std::vector<DeskKey>& desk_keys() {
       {"F", "the face over the bones: solid, clear, hidden"},
       {"Ctrl+Z, Ctrl+Y", "undo, redo"},
       {"N", "show me the next step of the lesson"},
-      {"T", "tension of the skin; how far the face has moved"},
+      {"T", "colours: tension of the skin (of a head: how far the face has moved), off"},
+      {"V, Shift+V", "the next field in colours, the one before: stretch, area, stress, height, displacement, perfusion"},
+      {"I", "iso-lines of the colours"},
       {"D", "directions in which the skin is stretched most and least"},
+      {"L", "tension lines of the skin"},
+      {"X", "lattice; cells of which there are several copies in orange"},
       {"B", "before and after: wipe, side by side, off"},
       {"M", "measure: two points a length, three an angle"},
       {"W", "triangles"},
-      {"S", "quality: by frame time, fast, fine skin, shadows"},
+      {"S", "quality: by frame time, half size, fast, fine skin, shadows, occlusion"},
       {"A", "stereo: side by side, red-cyan, off"},
       {"P", "picture into a file"},
       {"R", "keep the recording of this session, or do not"},
@@ -56,7 +60,14 @@ void Desk::key(int32_t code, uint32_t mods) {
     case '9': choose(Tool::grab); break;
     case 'F': s.face = (s.face + 1) % 3; break;
     case 'N': s.next = true; break;
-    case 'T': s.tension = !s.tension; break;
+    case 'T': choose_field(s.field == SkinField::none ? first_field() : SkinField::none); break;
+    case 'V':
+      if (!facts_.skin) choose_field(s.field == SkinField::none ? SkinField::moved : SkinField::none);
+      else choose_field(SkinField((int(s.field) + (mods & WindowEvent::shift ? kSkinFields - 1 : 1)) % kSkinFields));
+      break;
+    case 'I': s.iso_lines = !s.iso_lines; break;
+    case 'L': s.tension_lines = !s.tension_lines; break;
+    case 'X': s.lattice = !s.lattice; break;
     case 'D': s.directions = !s.directions; break;
     case 'B': s.compare = turn_on(s.compare, 3); break;
     case 'M':

@@ -11,6 +11,7 @@
 #include "app/pictures.h"
 #include "app/progress.h"
 #include "app/window/orbit.h"
+#include "app/window/painted.h"
 #include "render/picture.h"
 #include "render/renderer.h"
 #include "render/ui_painter.h"
@@ -22,7 +23,9 @@ namespace {
 
 constexpr float kFontPx = 14;
 constexpr float kRadiansPerPixel = 0.008f;
-constexpr double kFrameBudget_ms = 16;  // half of the frame's period: the other half is the solver's where cores are few
+constexpr double kFrameBudget_ms = 22;  // two thirds of the frame's period: the rest is for the desktop and for jitter
+constexpr int kStillCalls = 10;     // a third of a second without a change: the picture may be drawn at leisure
+constexpr int kStillLevel = kLiveLevels - 1;
 constexpr int kRefreshFrames = 15;  // the figures on the panels move twice a second even when nothing else does
 
 int imgui_key(int32_t code) {
@@ -76,7 +79,14 @@ struct WindowFrames::Impl {
   bool turning = false, shifting = false;
   int unseen = 2;       // frames still to be drawn after the last event: panels need two to settle
   int since_frame = 0;
-  double field_end = 0.05;
+  SkinFields fields;
+  const FieldShown* field = nullptr;
+  LatticeShown lattice;
+  Painted painted;
+  int level = kFastLevel;  // of the picture as it stands
+  int quiet = 0;           // calls of wants_frame since the patient was drawn last
+  bool at_leisure = false; // nothing moves: the picture is drawn at kStillLevel
+  int64_t drawn = 0;
   int64_t rate_tick = 0, rate_samples = 0;
   double samples_per_s = 0;
   int pictures = 0;
@@ -171,19 +181,32 @@ struct WindowFrames::Impl {
     }
   }
 
-  DrawOptions options(int width, int height) const {
-    DrawOptions o = draw_options(kQualityLevels[size_t(desk.state.quality > 0 ? desk.state.quality - 1 : ladder.level())], width, height);
+  DrawOptions options(int at_level, int width, int height) const {
+    DrawOptions o = draw_options(kQualityLevels[size_t(at_level)], width, height);
     o.wireframe = desk.state.wireframe;
-    o.colour_field = desk.state.tension;
-    o.field_max = field_end;
+    o.tension_lines = desk.state.tension_lines;
+    if (field && !field->value.empty()) {
+      o.colour_field = true, o.scale = look_of(desk.state.field).scale;
+      o.field_min = field->lo, o.field_max = field->hi;
+      o.iso_lines = desk.state.iso_lines ? field->intervals : 0;
+    }
     o.face = FaceLook(desk.state.face);
     return o;
   }
 
-  void paint_patient(const RenderScene& now, int width, int height) {
+  SceneLines lattice_lines() const {
+    SceneLines lines;
+    if (!desk.state.lattice || !lattice.edges) return lines;
+    for (const LatticeShown::Edge& e : *lattice.edges)
+      if (size_t(std::max(e.a, e.b)) < lattice.node_mm.size())
+        lines.add(lattice.node_mm[size_t(e.a)], lattice.node_mm[size_t(e.b)], e.copied ? Vec3f(1.0f, 0.32f, 0.02f) : Vec3f(0.02f, 0.16f, 0.28f));
+    return lines;
+  }
+
+  void paint_patient(const RenderScene& now, int at_level, int width, int height) {
     const DeskStage g = desk_stage(width, height);
     const auto placed = [&](const View& v) { return v.placed(g.u0, g.v0, g.u1, g.v1); };
-    DrawOptions o = options(width, height);
+    DrawOptions o = options(at_level, width, height);
     const View whole = placed(camera.view(g.aspect));
     if (desk.state.compare != Compare::off && first) {
       const RenderScene& then = before_builder.build(*first);
@@ -233,7 +256,9 @@ struct WindowFrames::Impl {
 
     const RenderScene& scene = builder.build(s, tool_pose(tool));
     if (desk.state.directions) builder.add_stretch_glyphs(s);
-    if (desk.state.tension && !scene.field.empty()) field_end = s.field.empty() ? moved_scale_end(scene) : tension_scale_end(scene);
+    if (desk.state.lattice) builder.add_lines(lattice_lines());
+    field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
+    builder.show_field(field ? field->value : std::vector<float>());
     if (gauges) {
       const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
       if (tick - rate_tick >= 1000) {
@@ -245,7 +270,7 @@ struct WindowFrames::Impl {
     DeskReading r;
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
     r.lesson_begun = feed.next_shown, r.showing = feed.showing;
-    r.field_end = field_end, r.samples_per_s = samples_per_s;
+    r.field = field, r.samples_per_s = samples_per_s;
     std::vector<Vec3f> ruler_px;
     for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height));
     ImGui::NewFrame();
@@ -254,11 +279,26 @@ struct WindowFrames::Impl {
     feed.panels_have_pointer = io.WantCaptureMouse;
 
     const auto began = std::chrono::steady_clock::now();
-    paint_patient(scene, width, height);
-    if (desk.state.picture) save_picture(renderer->read()), desk.state.picture = false;  // the patient alone
+    if (desk.state.picture) {  // the patient alone, as well as it can be drawn
+      paint_patient(scene, int(kQualityLevels.size()) - 1, width, height);
+      save_picture(renderer->read());
+      desk.state.picture = false;
+      painted.forget();
+    }
+    const PictureWish wish{view, options(kFastLevel, width, height), desk.state.compare, desk.state.stereo, desk.state.wipe, desk.state.quality};
+    const bool same = painted.shows(scene, wish), finer = same && at_leisure && level < kStillLevel;
+    if (!same) at_leisure = false;
+    if (!same || finer) {
+      level = desk.state.quality > 0 ? desk.state.quality - 1 : at_leisure ? kStillLevel : ladder.level();
+      paint_patient(scene, level, width, height);
+      painted.note(scene, wish);
+      ++drawn;
+      quiet = 0;
+    }
+    renderer->compose(width, height);
     ui->paint(*ImGui::GetDrawData(), width, height);
     renderer->present(width, height);
-    if (desk.state.quality == 0) ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+    if (!same && desk.state.quality == 0) ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     feed.keep_recording.store(desk.state.keep_recording, std::memory_order_relaxed);
     since_frame = 0;
     if (unseen > 0) --unseen;
@@ -295,10 +335,14 @@ void WindowFrames::notice(const Notice& notice) {
 bool WindowFrames::wants_frame() {
   Impl& i = *impl_;
   for (WindowEvent e; screen_.events.pop(e);) i.waiting.push_back(e), i.unseen = 2;
-  return i.unseen > 0 || ++i.since_frame >= kRefreshFrames;
+  if (i.unseen > 0) return true;
+  if (++i.quiet >= kStillCalls && !i.at_leisure && i.desk.state.quality == 0) return i.at_leisure = true;
+  return ++i.since_frame >= kRefreshFrames;
 }
 
-bool WindowFrames::wants_field() const { return impl_->desk.state.tension; }
+bool WindowFrames::wants_lattice() const { return impl_->desk.state.lattice; }
+void WindowFrames::lattice(const LatticeShown& lattice) { impl_->lattice = lattice; }
+int64_t WindowFrames::patient_drawn() const { return impl_->drawn; }
 
 void WindowFrames::finish() {
   Impl& i = *impl_;

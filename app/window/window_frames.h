@@ -1,6 +1,10 @@
 #pragma once
 // The window as the session's picture sink: the patient, the panels over it, and what the operator does with both.
 //
+// The patient is drawn when it would look different from before (painted.h), else only the panels are. While things move the
+// quality is what the time of a frame allows (quality.h); when nothing has moved for a while the picture is drawn once more with
+// shadows and occlusion.
+//
 // Lives on the render thread. What the mouse does to the patient does not pass through here but through PointerReader
 // (pointer_source.h), on the main thread; here are the camera, the panels, the ruler and the choice of tools.
 #include <memory>
@@ -31,12 +35,14 @@ class WindowFrames final : public PictureSink {
   void stage(const std::string&, const Snapshot&) override {}
   void notice(const Notice& notice) override;
   bool wants_frame() override;
-  bool wants_field() const override;
+  bool wants_lattice() const override;
+  void lattice(const LatticeShown& lattice) override;
   void finish() override;
   bool open() const override { return screen_.open; }
 
-  /// The frame drawn last; for tests.
+  /// The frame drawn last, and how often the patient was drawn for one: for tests.
   Image picture();
+  int64_t patient_drawn() const;
 
  private:
   struct Impl;

@@ -204,6 +204,136 @@ TEST_F(Rendered, ShadowFallsUnderTheTool) {
   EXPECT_EQ(lighter, 0);
 }
 
+// How much darker occlusion makes the picture around a place: 1 = not at all.
+double shade_by_occlusion(const Image& with, const Image& without, const Vec3f& at) {
+  double a = 0, b = 0;
+  for (int dy = -2; dy <= 2; ++dy)
+    for (int dx = -2; dx <= 2; ++dx) {
+      const Rgb8 p = with.at(int(at.x()) + dx, int(at.y()) + dy), q = without.at(int(at.x()) + dx, int(at.y()) + dy);
+      a += p.r + p.g + p.b, b += q.r + q.g + q.b;
+    }
+  return a / b;
+}
+
+TEST_F(Rendered, ACreaseIsDarkerThanOpenSkinAndARidgeIsNot) {
+  options.width = 480, options.height = 360;
+  const Snapshot flat = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
+  const auto folded = [&](float slope) {  // along y = 0, within 6 mm of it
+    Snapshot s = flat;
+    for (Vec3f& x : s.x_mm) x.z() += slope * (std::min(std::abs(x.y()), 6.0f) - 6.0f);
+    return s;
+  };
+  const auto shade = [&](const Snapshot& s, const Vec3f& place) {
+    options.occlusion = false;
+    const Image without = draw(s);
+    options.occlusion = true;
+    return shade_by_occlusion(draw(s), without, view().to_pixel(place, options.width, options.height));
+  };
+  const Snapshot crease = folded(1.2f), ridge = folded(-1.2f);
+  const double in_crease = shade(crease, Vec3f(2, 0, -7.2f)), beside = shade(crease, Vec3f(2, 14, 0)), on_ridge = shade(ridge, Vec3f(2, 0, 7.2f));
+  EXPECT_LT(in_crease, 0.93);  // measured .90 on 2026-11-21; with the normal turned round 1.00
+  EXPECT_GT(beside, 0.97);
+  EXPECT_GT(on_ridge, 0.97);
+  EXPECT_GT(shade(flat, Vec3f(2, 3, 0)), 0.99);
+  // Only the tissue: behind it nothing changes.
+  camera = look_at_ball(Vec3f::Zero(), 70, Vec3f(0, -0.6f, 0.8f), Vec3f::UnitZ(), 25, 480.0 / 360);
+  options.occlusion = false;
+  const Image without = draw(crease);
+  options.occlusion = true;
+  EXPECT_EQ(draw(crease).at(5, 5), without.at(5, 5));
+}
+
+TEST_F(Rendered, WhatHasNotMovedIsKeptAndWhatHasIsNot) {
+  options.still = false;
+  Snapshot s = sample_snapshot();
+  const Image first = draw(s);
+  EXPECT_EQ(draw(s), first);  // from the kept buffers and shadow
+  for (Vec3f& x : s.x_mm) x.z() += 2;
+  const Image moved = draw(s);
+  EXPECT_NE(moved, first);
+  Renderer fresh(make_osmesa_context());
+  SceneBuilder builder;
+  EXPECT_EQ(fresh.draw(builder.build(s), view(), options), moved);
+  const ToolPose tool{true, ToolPose::Kind::stylus, Vec3f(0, 0, 4), Vec3f(0.7f, 0, 0.7f).normalized()};
+  EXPECT_EQ(fresh.draw(builder.build(s, tool), view(), options), renderer->draw(builder.build(s, tool), view(), options));
+  EXPECT_EQ(draw(s), moved);
+}
+
+TEST_F(Rendered, AFrameDrawnSmallerIsEnlarged) {
+  const Snapshot s = sample_snapshot();
+  SceneBuilder builder;
+  const View v = view();
+  options.shadow = false;
+  renderer->paint(builder.build(s), std::span(&v, 1), options);
+  renderer->compose(options.width, options.height);
+  const Image whole = renderer->read();
+  options.shrink = 2;
+  renderer->paint(builder.build(s), std::span(&v, 1), options);
+  EXPECT_EQ(renderer->read().width, options.width / 2);
+  renderer->compose(options.width, options.height);
+  const Image half = renderer->read();
+  ASSERT_EQ(half.width, options.width);
+  EXPECT_NE(half, whole);
+  EXPECT_LT(block_mean_difference(whole, half, 32), 20);  // the same picture, less sharp
+}
+
+TEST_F(Rendered, SignedValuesAreBlueAndRed) {
+  Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
+  options.colour_field = true, options.scale = ColourScale::signed_value, options.field_min = -2, options.field_max = 2, options.iso_lines = 0;
+  const auto at = [&](float value) {
+    std::fill(s.field.begin(), s.field.end(), value);
+    const Vec3f p = view().to_pixel(Vec3f(4.5f, 4.5f, 0), 320, 240);
+    return draw(s).at(int(p.x()), int(p.y()));
+  };
+  const Rgb8 low = at(-1.9f), zero = at(0), high = at(1.9f);
+  EXPECT_GT(low.b, low.r + 40);
+  EXPECT_GT(high.r, high.b + 40);
+  EXPECT_LT(std::max({zero.r, zero.g, zero.b}) - std::min({zero.r, zero.g, zero.b}), 12);
+  for (int i = 0; i <= 20; ++i)  // neither sign looks stronger, and lightness falls evenly away from zero
+    EXPECT_NEAR(lightness(diverging(-0.05 * i)), lightness(diverging(0.05 * i)), 3.5) << i;
+  for (int i = 0; i < 20; ++i) EXPECT_GT(lightness(diverging(0.05 * i)), lightness(diverging(0.05 * (i + 1))) + 1) << i;
+}
+
+TEST_F(Rendered, LinesAreSeenThroughTissueButFaintly) {
+  const Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
+  options.shadow = false;
+  const auto changed = [&](float z) {
+    SceneBuilder builder;
+    const RenderScene& scene = builder.build(s);  // valid until it is built again: lines are added to it
+    const Image without = renderer->draw(scene, view(), options);
+    SceneLines lines;
+    lines.add(Vec3f(-8, 1, z), Vec3f(8, 1, z), Vec3f(0, 0.6f, 1));
+    builder.add_lines(lines);
+    const Image with = renderer->draw(scene, view(), options);
+    long sum = 0;
+    for (size_t i = 0; i < with.rgb.size(); ++i) sum += std::abs(int(with.rgb[i]) - int(without.rgb[i]));
+    return sum;
+  };
+  const long above = changed(1), below = changed(-3);
+  EXPECT_GT(above, 10000);
+  EXPECT_GT(below, 2000);
+  EXPECT_LT(below, 0.6 * double(above));
+}
+
+TEST_F(Rendered, TensionLinesRunAlongTheTension) {
+  const Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
+  options.shadow = false;
+  const Image plain = draw(s);
+  options.tension_lines = true;
+  const Image lined = draw(s);
+  // A dash lies on y = 0 (along x, the body's direction of tension); none half way to the next.
+  const auto darker = [&](float y) {
+    int n = 0;
+    for (float x = -12; x <= 12; x += 0.25f) {
+      const Vec3f p = view().to_pixel(Vec3f(x, y, 0), options.width, options.height);
+      n += lined.at(int(p.x()), int(p.y())).r + 20 < plain.at(int(p.x()), int(p.y())).r;
+    }
+    return n;
+  };
+  EXPECT_GT(darker(0), 35);
+  EXPECT_LT(darker(2), 4);
+}
+
 TEST_F(Rendered, TwoViewsFillTheirHalves) {
   const Snapshot s = sample_snapshot();
   SceneBuilder builder;

@@ -146,9 +146,59 @@ TEST_F(DeskTest, NothingIsDrawnWhenNothingHappens) {
     wanted += draw;
     if (draw) w.frames->frame(w.s, ToolState{});
   }
-  EXPECT_LE(wanted, 100 / 15 + 1);  // the figures on the panels, twice a second
-  w.key('T');
-  EXPECT_TRUE(w.frames->wants_field());
+  EXPECT_LE(wanted, 100 / 15 + 2);  // the figures on the panels, twice a second, and once the finer picture
+  EXPECT_LE(w.frames->patient_drawn(), 3);
+  const int64_t before = w.frames->patient_drawn();
+  w.gauges.tick = 5000;
+  w.settle();
+  EXPECT_EQ(w.frames->patient_drawn(), before);  // panels only
+  for (Vec3f& x : w.s.x_mm) x.z() += 0.005f;
+  w.settle();
+  EXPECT_EQ(w.frames->patient_drawn(), before);  // cannot be seen
+  for (Vec3f& x : w.s.x_mm) x.z() += 0.1f;
+  w.settle();
+  EXPECT_EQ(w.frames->patient_drawn(), before + 1);
+}
+
+TEST_F(DeskTest, EveryFieldHasItsColoursAndLegendAndCostsNothingWhenOff) {
+  Window w;
+  w.key('S'), w.key('S');  // one quality, whatever the machine's speed
+  for (Vec3f& x : w.s.x_mm) x.x() *= 1.03f, x.z() += 0.05f * x.y();
+  w.settle();
+  const Image plain = w.frames->picture();
+  std::vector<Image> seen{plain};
+  for (int k = 1; k < kSkinFields; ++k) {
+    w.key('V');
+    const Image image = w.frames->picture();
+    EXPECT_GT(different(plain, image, 300, 150, 800, 500, 20), 20000) << k;  // the skin
+    EXPECT_GT(different(seen.back(), image, 890, 115, 1010, 200), 50) << k;  // the legend's words
+    seen.push_back(image);
+  }
+  w.key('V');
+  EXPECT_EQ(different(plain, w.frames->picture(), 0, 0, 1280, 600), 0);  // off again
+  EXPECT_FALSE(w.frames->wants_field());  // the solver is not asked for any of it
+  EXPECT_FALSE(w.frames->wants_lattice());
+}
+
+TEST_F(DeskTest, TheLatticeIsDrawnWithItsCopies) {
+  Window w;
+  const Image plain = w.frames->picture();
+  w.key('X');
+  EXPECT_TRUE(w.frames->wants_lattice());
+  LatticeShown l;
+  l.edges = std::make_shared<std::vector<LatticeShown::Edge>>(std::vector<LatticeShown::Edge>{{0, 1, false}, {2, 3, true}, {0, 99, true}});  // the last has no node: left out
+  l.node_mm = {Vec3f(-20, 15, 2), Vec3f(20, 15, 2), Vec3f(-20, -15, 2), Vec3f(20, -15, 2)};
+  w.frames->lattice(l);
+  w.settle();
+  const Image with = w.frames->picture();
+  int orange = 0;
+  for (int y = 0; y < 600; ++y)
+    for (int x = 180; x < 1000; ++x) {
+      const Rgb8 p = plain.at(x, y), q = with.at(x, y);
+      orange += q.r >= p.r && q.b + 60 < p.b;
+    }
+  EXPECT_GT(orange, 100);
+  EXPECT_GT(different(plain, with, 180, 0, 1000, 600, 40), 300);
 }
 
 TEST_F(DeskTest, HelpAndRefusalsAreSeen) {
