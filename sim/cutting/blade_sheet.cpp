@@ -22,6 +22,10 @@ constexpr double kBeforeEnd = 0.5;    // from the free end of a wall, where a sh
 constexpr double kSheetBeyond =
     1.0;  // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
 
+constexpr double kOnWound = 0.6;        // a hand that follows a cut stays this near to it
+constexpr double kLeastOnWound = 5.0;   // ... for at least so long; what crosses it at 15 degrees or more stays for less
+constexpr double kStep = 0.5;
+
 using Covered = std::function<bool(const Vec2&)>;  // is there an earlier pocket at the sheet's depth?
 
 /// How far an edge a-b must move along `out` to reach well into a pocket whose rim lies beside it: 0 when there is none.
@@ -45,6 +49,34 @@ double shift_into_pocket(const Covered& covered, const Vec2& a, const Vec2& b, c
       }
   }
   return near * 5 < samples * 3 ? 0 : shift;
+}
+
+/// An outline whose edges that run along a cut for a part of their length only have corners where that part begins and ends: a
+/// border in the plane of a wall would meet it here and miss it there, and leave bridges.
+std::vector<Vec2> divided_at_wounds(const WoundMap& wounds, std::span<const Vec2> p) {
+  std::vector<Vec2> out;
+  for (size_t i = 0; i < p.size(); ++i) {
+    out.push_back(p[i]);
+    const Vec2 a = p[i], d = p[(i + 1) % p.size()] - a;
+    const double length = d.norm();
+    const int samples = std::max(3, int(length / kStep));
+    int near = 0, first = -1;
+    std::vector<std::pair<int, int>> run;  // samples from, to (not included)
+    for (int k = 0; k <= samples; ++k) {
+      const double distance = k == samples ? 1e300 : wounds.nearest(a + d * ((k + 0.5) / samples)).distance;
+      near += distance <= kSeesWound;
+      if (distance <= kOnWound && first < 0) first = k;
+      if (distance <= kOnWound || first < 0) continue;
+      if ((k - first) * length / samples >= kLeastOnWound) run.push_back({first, k});
+      first = -1;
+    }
+    if (near * 5 >= samples * 3) continue;  // widen() takes all of it
+    for (const auto& [from, to] : run) {
+      if (from * length / samples > kOnWound) out.push_back(a + d * (double(from) / samples));
+      if ((samples - to) * length / samples > kOnWound) out.push_back(a + d * (double(to) / samples));
+    }
+  }
+  return out;
 }
 
 /// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls, and those
@@ -122,9 +154,10 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
     const auto k = column_at(c, p);
     return k ? pockets.height(k->X - k->normal * depth, k->normal, kPocketReach) : std::nullopt;
   };
-  std::vector<uint8_t> along(path.size(), 0), past_corner(path.size(), 0);
+  std::vector<uint8_t> along, past_corner;
   if (c.arrangement) {
     const WoundMap wounds(c);
+    path = divided_at_wounds(wounds, path);
     std::vector<Vec2> wider = widen(wounds, [&](const Vec2& p) { return pocket_height(p).has_value(); }, path, kSheetBeyond, along);
     if (meets_itself(wider, true))
       along.assign(path.size(), 0);
@@ -146,6 +179,7 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
     else
       path = std::move(reaching);
   }
+  along.resize(path.size(), 0), past_corner.resize(path.size(), 0);
   // Resample edge by edge, so that each boundary vertex knows whether it lies past a wall.
   std::vector<Vec2> boundary;
   std::vector<uint8_t> past;

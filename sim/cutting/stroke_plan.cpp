@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sim/cutting/blade_continue.h"
+#include "sim/cutting/handles.h"
 #include "sim/cutting/stroke_runs.h"
 
 namespace limberg {
@@ -163,8 +164,8 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
   std::string nothing;
   std::deque<Part> parts;
   for (const StrokePiece& piece : plan.piece) parts.push_back({piece});
-  // Where a deepening was cut in parts, or an upright one had to stay shallower at a corner, what is left may go now that this
-  // is there. (A leaning one that stays shallower would be led into its own wall and leave a bridge.)
+  // Where a deepening was cut in parts, or had to stay shallower at a corner, what is left may go now that this is there. A
+  // leaning one may then be led into its own wall and leave a bridge of tissue: what does is taken back.
   const bool upright = std::abs(plan.angle_deg - 90) < 1;
   bool unfinished = false;
   for (int rounds = 0; !parts.empty() || unfinished;) {
@@ -191,7 +192,14 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       folds = b.folds;
       shallower = b.blade && !b.reason.empty();
       if (b.nothing) r.status = CutResult::nothing_to_cut;
+      const bool may_bridge = b.blade && rounds > 0 && !upright;
+      const int64_t chi = may_bridge ? euler_characteristic(*c.arrangement) : 0;
       if (b.blade) r = cut(*b.blade);
+      if (may_bridge && r.ok() && euler_characteristic(*c.arrangement) != chi) {
+        take_back();
+        r = CutResult{};
+        r.reason = "the deeper blade would leave a bridge of tissue at a sharp corner";
+      }
       if (r.status != CutResult::refused || !b.blade || b.blade->shared_point.empty()) break;
     }
     if ((folds || (piece.along && r.status == CutResult::refused)) && part.divided < kMostDivided)
@@ -215,7 +223,7 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       continue;
     }
     if (part.share < 1 && !piece.along && r.ok()) parts.push_front({{piece.path, true}, kMostDivided, 1, true});
-    unfinished = unfinished || (piece.along && (shallower ? upright : part.divided > 0));
+    unfinished = unfinished || (piece.along && (shallower || part.divided > 0));
     ++made;
     faces += r.wall_faces;
     patches += r.patches;

@@ -206,7 +206,7 @@ TEST(BladeCases, DeepensThroughSharpCorners) {
   // Where a leaning blade meets itself it stays shallower there.
   const std::vector<Vec2> zigzag{{30.2, -14.9}, {23.9, -12}, {-23.9, 15.8}, {28.2, 12.1}, {-13.8, 24}};
   for (const std::vector<Vec2>& path : {std::vector<Vec2>{{-18, 0}, {4, 1}, {-12, 10}}, zigzag})
-    for (const double angle : {90.0, 65.0, 120.0})
+    for (const double angle : {90.0, 45.0, 65.0, 120.0})
       for (const double off : {0.0, 0.15}) {
         SCOPED_TRACE(testing::Message() << path.size() << " points, " << angle << " degrees, off by " << off);
         Patient p(2), q(2);
@@ -222,6 +222,9 @@ TEST(BladeCases, DeepensThroughSharpCorners) {
           EXPECT_NEAR(p.front_length(), front + 2 * 4, 1.0);
         }
         EXPECT_EQ(p.incise(second, 3, angle).status, CutResult::nothing_to_cut);
+        // All that goes was made by the one stroke: the same again cuts nothing.
+        EXPECT_FALSE(p.incise(second, 7, angle).ok());
+        EXPECT_EQ(euler(p.a), Chi{2});
       }
 }
 

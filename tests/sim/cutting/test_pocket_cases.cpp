@@ -1,5 +1,6 @@
 // Named cases at the level of strokes: pockets that meet incisions and one another, flaps cut without their bed, plugs
 // without a floor, cuts across holes.
+#include "sim/cutting/handles.h"
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
@@ -93,6 +94,87 @@ TEST(PocketCases, Case31_TwoPocketsThatMerge) {
       for (double y = -10; y < 11; y += 0.7) EXPECT_GE(walls_below(p, {x, y}).size(), 1u) << x << " " << y;
     while (p.a.undo()) ASSERT_EQ(p.a.check_all(), "");
   }
+}
+
+TEST(PocketCases, TheShelfOfMergedPocketsIsThinAndNarrow) {
+  // Where the second sheet runs over the first before it dips into it, tissue is left between the two: no thicker than the
+  // sheets' own distance and what they stay apart (0.2), and no wider than one width of the sheet's mesh.
+  for (const double overlap : {8.0, 2.0, 0.0, -0.6})
+    for (const double second : {4.0, 3.6}) {
+      SCOPED_TRACE(testing::Message() << "overlap " << overlap << ", second at " << second);
+      Patient p(2);
+      ASSERT_TRUE(p.incise({{-22, -12}, {22, -12}}, 4.5).ok());
+      ASSERT_TRUE(p.incise({{-22, 12}, {22, 12}}, 4.5).ok());
+      ASSERT_TRUE(p.undermine(box(-17, -12, 17, overlap / 2), 4).ok());
+      ASSERT_TRUE(p.undermine(box(-15, -overlap / 2, 15, 12), second).ok());
+      EXPECT_EQ(euler(p.a), Chi{0});  // the bridge of skin, and nothing between the sheets
+      constexpr double step = 0.2;
+      for (double x = -13; x < 13; x += 1.3) {
+        int shelf = 0;
+        for (double y = -7; y < 7; y += step) {
+          const std::vector<double> z = walls_below(p, {x, y + 1e-3});
+          ASSERT_GE(z.size(), 1u) << x << " " << y;
+          ASSERT_LE(z.size(), 2u) << x << " " << y;
+          if (z.size() == 1) continue;
+          ++shelf;
+          EXPECT_LT(z[0] - z[1], 0.2 + std::abs(4 - second)) << x << " " << y;
+        }
+        EXPECT_LE(shelf * step, kSheetSpacing) << x;
+      }
+    }
+}
+
+TEST(PocketCases, PocketsThatAreWiderThanTheirMouth) {
+  // Blind pockets: round about a short incision, beyond its end, to one side of it, as a tunnel. All of the outline is
+  // undermined, the pocket opens into the incision alone, and no bridge of tissue stays in its mouth: one ball.
+  const auto ellipse = [](const Vec2& middle, double a, double b) {
+    std::vector<Vec2> out;
+    for (int i = 0; i < 24; ++i) out.push_back(middle + Vec2(a * std::cos(i * M_PI / 12), b * std::sin(i * M_PI / 12)));
+    return out;
+  };
+  struct Case {
+    const char* name;
+    std::vector<Vec2> incision, outline;
+  };
+  const std::vector<Vec2> mouth{{-6, 0.2}, {6, 0.2}};
+  for (const Case& c : std::vector<Case>{{"round about", mouth, ellipse({0, 0}, 13, 12)},
+                                         {"round about a bend", {{-6, 3}, {0, 0}, {6, 3}}, ellipse({0, 1}, 14, 13)},
+                                         {"beyond one end", mouth, ellipse({10, 0}, 9, 6)},
+                                         {"to one side", mouth, box(-15, 0.2, 15, 14)},
+                                         {"to one side, a little past it", mouth, box(-15, -0.1, 15, 14)},
+                                         {"to one side, a little short of it", mouth, box(-15, 0.5, 15, 14)},
+                                         {"to the other side", mouth, box(-15, -14, 15, 0.2)},
+                                         {"to one side, beyond one end", {{-20, 0.2}, {3, 0.2}}, box(-9, 0.2, 25, 14)},
+                                         {"to one side, aslant", {{-6, 0.5}, {6, -0.3}}, box(-15, 0.2, 15, 14)},
+                                         {"a tunnel from the end", mouth, box(5.8, -2, 25, 2.5)},
+                                         {"a tunnel from the side", mouth, box(-1.5, 0.2, 1.5, 20)}}) {
+    SCOPED_TRACE(c.name);
+    Patient p(2);
+    ASSERT_TRUE(p.incise(c.incision).ok());
+    const CutResult r = p.undermine(c.outline);
+    ASSERT_TRUE(r.ok()) << r.reason;
+    EXPECT_EQ(p.a.pieces(), 1);
+    EXPECT_EQ(euler(p.a), Chi{2});
+    EXPECT_EQ(euler_characteristic(p.a), 2);
+    for (double x = -24; x < 26; x += 1.63)
+      for (double y = -14; y < 21; y += 1.59) {
+        bool well_inside = true;
+        for (int k = 0; k < 8; ++k)
+          well_inside = well_inside && inside_polygon(c.outline, Vec2(x, y) + 0.9 * Vec2(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4)));
+        if (well_inside) {
+          EXPECT_EQ(walls_below(p, {x, y}).size(), 1u) << x << " " << y;
+        }
+      }
+    ASSERT_TRUE(p.a.undo());
+    EXPECT_EQ(p.a.check_all(), "");
+  }
+  // Under two incisions at once: a bridge of skin between two mouths, one handle.
+  Patient p(2);
+  ASSERT_TRUE(p.incise(mouth).ok());
+  ASSERT_TRUE(p.incise({{-3, 5}, {3, 5}}).ok());
+  ASSERT_TRUE(p.undermine(ellipse({0, 0}, 20, 12)).ok());
+  EXPECT_EQ(euler(p.a), Chi{0});
+  EXPECT_EQ(euler_characteristic(p.a), 0);
 }
 
 TEST(PocketCases, ADeeperSecondPocket) {
