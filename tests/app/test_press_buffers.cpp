@@ -13,6 +13,7 @@ TEST(PressLine, NeitherSideWaitsAndNothingIsTorn) {
   PressLine line;
   constexpr int kQuestions = 100'000;
   int asked = 0, torn = 0, back = 0, last = -1;
+  int torn_questions = 0, questions_back = 0;  // the solver thread's own
   std::thread solver([&] {
     for (int newest = 0; newest < kQuestions;) {
       const PressQuestion* q = line.asked();
@@ -20,8 +21,8 @@ TEST(PressLine, NeitherSideWaitsAndNothingIsTorn) {
         std::this_thread::yield();
         continue;
       }
-      torn += q->depth_mm != double(q->triangle) || q->normal.x() != double(q->triangle);
-      back += q->triangle < newest;
+      torn_questions += q->depth_mm != double(q->triangle) || q->normal.x() != double(q->triangle);
+      questions_back += q->triangle < newest;
       newest = q->triangle;
       line.answer({uint64_t(newest), newest, double(newest), double(newest), 0, newest});
       ++asked;
@@ -36,8 +37,8 @@ TEST(PressLine, NeitherSideWaitsAndNothingIsTorn) {
     if (i % 64 == 0) std::this_thread::yield();
   }
   solver.join();
-  EXPECT_EQ(torn, 0);
-  EXPECT_EQ(back, 0);
+  EXPECT_EQ(torn + torn_questions, 0);
+  EXPECT_EQ(back + questions_back, 0);
   EXPECT_GT(asked, 0);
   EXPECT_EQ(line.newest().triangle, kQuestions);
 }
