@@ -260,6 +260,7 @@ Result speed(const SpeedSettings& settings) {
   if (wanted("locking")) speed_locking(run);
   if (wanted("slab")) speed_slab(run);
   if (wanted("flap")) speed_flap(run);
+  if (wanted("region")) speed_region(run);
   if (settings.quick) return out;
   if (wanted("scalar")) speed_scalar_double(run);
   if (wanted("workers")) speed_workers(run);

@@ -22,7 +22,7 @@ namespace limberg::bench {
 
 struct SpeedSettings {
   bool quick = false;             // about 2k nodes only, no drag
-  std::string only;               // parts whose name contains this: pull 2k, 8k, 30k; kernels, scalar, workers, locking, slab, bullet; drag 8k, 30k, 100k
+  std::string only;               // parts whose name contains this: pull 2k, 8k, 30k; kernels, profile, scalar, workers, locking, slab, flap, region, bullet; drag 8k, 30k, 100k
   double newton_limit_ms = 15000; // CPU time given to each Newton variant per case
   std::function<void(const std::string&)> progress;  // empty: silent
 };

@@ -43,11 +43,21 @@ PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const
 /// What reading so many bytes, the half of them twice, takes at least.
 double solve_floor_ms(size_t bytes);
 
+/// A displacement that the metric is told the stiffness of: w with w . metric w = 1, and the stiffness over the metric there.
+struct KnownMode {
+  std::vector<Vec3> w;
+  double quotient = 1;
+};
+/// Iterations of L-BFGS(8) in scalar double from rest until the largest error stays below to_mm, -1: not within 400. The metric
+/// is M^-1 + sum (1 / quotient - 1) w w^T.
+int scalar_double_steps(const FemModel& model, std::span<const Spring> springs, std::span<const Vec3> exact, double to_mm, std::span<const KnownMode> known);
+
 void speed_kernels(const SpeedRun& run);        // instruction sets; three right-hand sides against CHOLMOD
 void speed_profile(const SpeedRun& run);        // where an iteration's time goes, beside the machine's floor
 void speed_flap(const SpeedRun& run);           // the undermined flap, and why it is slow
 void speed_scalar_double(const SpeedRun& run);  // the same pull by a scalar double solver
 void speed_workers(const SpeedRun& run);        // a second core
+void speed_region(const SpeedRun& run);         // tissue far from the operation: whole, absent, condensed
 void speed_locking(const SpeedRun& run);        // energy error at two cells thickness
 void speed_slab(const SpeedRun& run);           // the peers' slab
 void speed_bullet(const SpeedRun& run);         // Bullet's deformable body

@@ -232,7 +232,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
-  c->add_option("--only", o->only, "speed, stability, contact, cutting, devices, features, head: the parts or families whose name contains this (head: modes, session; contact: rhomboid, zplasty, live, or a procedure; cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, profile, scalar, workers, locking, slab, flap, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
+  c->add_option("--only", o->only, "speed, stability, contact, cutting, devices, features, head: the parts or families whose name contains this (head: modes, session; contact: rhomboid, zplasty, live, or a procedure; cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, profile, scalar, workers, locking, slab, flap, region, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
   c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(CLI::PositiveNumber);
   c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(CLI::PositiveNumber);
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");

@@ -21,13 +21,14 @@ CellScatter::CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_
 }
 
 void CellScatter::add(const std::vector<CellForce>& force, NodeArray& g, bool measure, Workers& workers) const {
+  const Node4* corner = reinterpret_cast<const Node4*>(force.data());  // a column of four numbers is a node
   workers.parallel_for(nodes_.size(), 1024, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      Eigen::Vector4f sum = Eigen::Vector4f::Zero();
-      for (int32_t k = begin_[i]; k < begin_[i + 1]; ++k) sum += force[size_t(list_[size_t(k)] / 8)].col(list_[size_t(k)] % 8);
+      v4 sum = {};
+      for (int32_t k = begin_[i]; k < begin_[i + 1]; ++k) sum += load(corner[list_[size_t(k)]]);
+      if (!measure) sum[3] = 0;
       Node4& n = g[size_t(nodes_[i])];
-      n.x += sum[0], n.y += sum[1], n.z += sum[2];
-      if (measure) n.w += sum[3];
+      store(n, load(n) + sum);
     }
   });
 }

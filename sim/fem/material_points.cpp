@@ -50,29 +50,38 @@ MaterialPoints::MaterialPoints(const FemModel& m) : laws_(m.laws) {
   sums_.resize(cells_.size());
 }
 
+// Relative to the first corner: the gradients sum to zero, so the others' say all, and its force is what theirs leave.
 template <int corners>
 CellSums MaterialPoints::force(const Cell& cell, const NodeArray& u, bool measure, CellForce& out) const {
-  using Rows = Eigen::Matrix<double, corners, 3>;
-  Rows U;
-  for (int a = 0; a < corners; ++a) {
+  constexpr int others = corners - 1;
+  using Columns = Eigen::Matrix<double, 3, others>;
+  const auto node = [&](int a) {
     const Node4& n = u[size_t(cell.node[size_t(a)])];
-    U.row(a) << double(n.x), double(n.y), double(n.z);
-  }
-  Rows f = Rows::Zero();
+    return Vec3(double(n.x), double(n.y), double(n.z));
+  };
+  const Vec3 base = node(0);
+  Columns U, f = Columns::Zero();
+  for (int a = 0; a < others; ++a) U.col(a) = node(a + 1) - base;
   CellSums sums;
   for (int32_t i = cell.first; i < cell.last; ++i) {
     const Point& p = points_[size_t(i)];
-    const Rows BM = p.BM.topRows<corners>();
-    const Mat3 FM = p.M + U.transpose() * BM;
+    const auto BM = p.BM.template middleRows<others>(1);
+    Mat3 FM = p.M;
+    FM.noalias() += U * BM;
     const MaterialLaw::Response r = p.law->at(FM);
     sums.energy += p.volume_mm3 * (r.energy_kPa - p.rest_kPa);
     sums.magnitude += p.volume_mm3 * (std::fabs(r.energy_kPa) + p.rest_kPa);
-    f.noalias() += p.volume_mm3 * BM * r.P_kPa.transpose();
+    const Mat3 P = p.volume_mm3 * r.P_kPa;
+    f.noalias() += P * BM.transpose();
   }
-  for (int a = 0; a < corners; ++a) {
-    const Vec3 v = cell.scale * f.row(a).transpose();
-    out.col(a) << v.cast<float>(), measure ? float(v.norm()) : 0.0f;
-  }
+  f *= cell.scale;
+  const auto put = [&](int a, const Vec3& v) {
+    float* to = out.data() + 4 * a;
+    for (int k = 0; k < 3; ++k) to[k] = float(v[k]);
+    to[3] = measure ? float(v.norm()) : 0.0f;
+  };
+  put(0, -f.rowwise().sum());
+  for (int a = 0; a < others; ++a) put(a + 1, f.col(a));
   return {cell.scale * sums.energy, cell.scale * sums.magnitude};
 }
 

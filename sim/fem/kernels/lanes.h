@@ -35,9 +35,10 @@ LIMBERG_INLINE v16 spread(const float* four) {
   return __builtin_shuffle((v16)_mm512_castps128_ps512(_mm_loadu_ps(four)), lanes);
 }
 LIMBERG_INLINE double sum(v16 v) {
-  double s = 0;
-  for (int i = 0; i < 16; ++i) s += double(v[i]);
-  return s;
+  const v8d s = (v8d)_mm512_cvtps_pd(_mm512_castps512_ps256((__m512)v)) + (v8d)_mm512_cvtps_pd(_mm512_extractf32x8_ps((__m512)v, 1));
+  const __m256d t = _mm256_add_pd(_mm512_castpd512_pd256((__m512d)s), _mm512_extractf64x4_pd((__m512d)s, 1));
+  const __m128d r = _mm_add_pd(_mm256_castpd256_pd128(t), _mm256_extractf128_pd(t, 1));
+  return _mm_cvtsd_f64(r) + _mm_cvtsd_f64(_mm_unpackhi_pd(r, r));
 }
 /// Three vectors of 16 numbers (x, y, z of 16 rows) to four vectors whose 128-bit lane l holds row 4*l + k as (x,y,z,0).
 LIMBERG_INLINE void to_rows(v16 x, v16 y, v16 z, v16 r[4]) {
