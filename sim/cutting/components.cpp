@@ -49,6 +49,38 @@ bool is_fixed(const ArrangementStore& s, int32_t sided) {
   return s.is_body(o) && s.tag[o] == SurfaceTag::fixed;
 }
 
+/// Which group's search has come to a sided face first. Open addressing: searches see few of the faces that there are.
+class Reached {
+ public:
+  Reached() : slot_(1024) {}
+  /// The group that was there already, or -1: then `group` is now.
+  int32_t enter(int32_t sided, int32_t group) {
+    if (2 * used_ >= slot_.size()) {
+      std::vector<Slot> old(4 * slot_.size());
+      old.swap(slot_);
+      for (const Slot& s : old)
+        if (s.sided >= 0) slot_[find(s.sided)] = s;
+    }
+    Slot& s = slot_[find(sided)];
+    if (s.sided >= 0) return s.group;
+    s = {sided, group};
+    ++used_;
+    return -1;
+  }
+
+ private:
+  struct Slot {
+    int32_t sided = -1, group = -1;
+  };
+  size_t find(int32_t sided) const {
+    size_t i = (uint32_t(sided) * 0x9e3779b9u >> 7) & (slot_.size() - 1);
+    while (slot_[i].sided >= 0 && slot_[i].sided != sided) i = (i + 1) & (slot_.size() - 1);
+    return i;
+  }
+  std::vector<Slot> slot_;
+  size_t used_ = 0;
+};
+
 }  // namespace
 
 void ArrangementStore::find_components() const {
@@ -142,7 +174,7 @@ void ArrangementStore::update_components(Delta& delta) {
   bool apart = false;
   for (const Search& s : search) apart = apart || !alone(s);
   if (apart) {
-    std::vector<int32_t> reached(size_t(old_sided), -1);  // by which group
+    Reached reached;  // by which group
     for (size_t i = 0; i < fresh.size(); ++i)
       for (Search& s : search)
         if (s.group == root(int32_t(i))) s.queue.push_back(fresh[i]);
@@ -164,12 +196,13 @@ void ArrangementStore::update_components(Delta& delta) {
           if (n < 0) continue;
           if (n >= old_sided) {
             unite(s.group, index[size_t(n - old_sided)]);
-          } else if (reached[size_t(n)] < 0) {
-            reached[size_t(n)] = s.group;
-            s.queue.push_back(n);
-          } else {
-            unite(s.group, reached[size_t(n)]);
+            continue;
           }
+          const int32_t by = reached.enter(n, s.group);
+          if (by < 0)
+            s.queue.push_back(n);
+          else
+            unite(s.group, by);
         }
       }
     }
@@ -184,10 +217,9 @@ void ArrangementStore::update_components(Delta& delta) {
 
   Components now = component;
   component_of.resize(2 * face.size(), -1);
+  for (const Search& s : search) of_group[size_t(root(s.group))] = s.component;
   for (size_t i = 0; i < fresh.size(); ++i) {
-    int32_t c = -1;
-    for (const Search& s : search)
-      if (root(s.group) == root(int32_t(i))) c = s.component;
+    const int32_t c = of_group[size_t(root(int32_t(i)))];
     component_of[fresh[i]] = c;
     ++now.all[size_t(c)].sided_faces;
     now.volume[size_t(c)] += volume_under(*this, fresh[i]);
