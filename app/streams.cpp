@@ -7,7 +7,6 @@
 
 #include "devices/fastrak/virtual_line.h"
 #include "devices/force/force_device.h"
-#include "devices/lcm_log.h"
 #include "devices/message_codec.h"
 #include "devices/motion.h"
 #include "devices/rehearsal.h"
@@ -183,20 +182,46 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
     k.truth = text;
     return k;
   }
-  throw InputError("", 0, "stream " + name + ": unknown; expected glove, cursor, tremor, force, pivot, touch or open");
+  if (name == "metal") {
+    TouchRehearsal r;
+    r.seed = seed;
+    for (const double z : {0.0, 50.0, 100.0})
+      for (const double y : {-90.0, -30.0, 30.0, 90.0})
+        for (const double x : {-90.0, -30.0, 30.0, 90.0}) r.points_mm.push_back({x, y, z});
+    r.points_mm.push_back({10, 20, 60});
+    k.points_mm = r.points_mm;
+    k.samples = fastrak::readings_of(stylus_touching(r), seconds_for(r), stylus, device);
+    // A plate below: it draws positions towards itself, more the nearer they are; up to 12 mm.
+    const Vec3 metal = r.world_from_tracker.conjugate() * (Vec3(60, 60, -60) - r.world_from_tracker_mm);
+    for (Sample& s : k.samples)
+      if (auto* t = std::get_if<TrackerSample>(&s)) {
+        const Vec3 off = t->pos_mm - metal;
+        t->pos_mm -= off.normalized() * (12 * std::exp(-off.norm() / 160));
+      }
+    k.truth_csv = csv_of(stylus_touching(r), {1}, seconds_for(r));
+    k.truth = "as touch; readings are drawn by up to 12 mm towards a piece of metal";
+    return k;
+  }
+  throw InputError("", 0, "stream " + name + ": unknown; expected glove, cursor, tremor, force, pivot, touch, metal or open");
 }
 
 void write_stream(const std::string& path, const std::vector<Sample>& samples, bool replace) {
-  LogWriter log;
-  log.open(path, replace);
-  int64_t last_us = 0;
-  for (const Sample& s : samples) {
-    MessageBytes bytes;
-    const size_t n = std::visit([&](const auto& v) { return encode_message(to_message(v), bytes); }, s);
-    last_us = std::max(last_us, std::visit([](const auto& v) { return v.t_ns; }, s) / 1000);
-    log.write(last_us, channel_of(s), bytes.data(), n);
-  }
-  if (!log.close()) throw InputError(path, 0, log.error());
+  StreamWriter w(path, replace);
+  for (const Sample& s : samples) w.write(s);
+  w.close();
+}
+
+StreamWriter::StreamWriter(const std::string& path, bool replace) : path_(path) { log_.open(path, replace); }
+
+void StreamWriter::write(const Sample& s) {
+  MessageBytes bytes;
+  const size_t n = std::visit([&](const auto& v) { return encode_message(to_message(v), bytes); }, s);
+  last_us_ = std::max(last_us_, std::visit([](const auto& v) { return v.t_ns; }, s) / 1000);
+  log_.write(last_us_, channel_of(s), bytes.data(), n);
+}
+
+void StreamWriter::close() {
+  if (!log_.close()) throw InputError(path_, 0, log_.error());
 }
 
 }  // namespace limberg

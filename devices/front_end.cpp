@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "devices/force/tool_follower.h"
+
 namespace limberg {
 
 DeviceFrontEnd::DeviceFrontEnd(const Calibration& calibration, const GestureSettings& gestures)
@@ -18,6 +20,7 @@ void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& eve
   const int64_t now_ns = tick * kTickNs;
   for (const auto& source : sources_) {
     source->look(snapshot);
+    if (auto* follower = dynamic_cast<ToolFollower*>(source.get())) follower->hold(gestures_.state());
     source->poll(now_ns, *this);
   }
   Pose pose = tracker_.at(now_ns);

@@ -33,6 +33,11 @@ bool is_local(const std::string& url) {
 }
 
 constexpr size_t kMaxStreams = 64;
+constexpr int64_t kSilenceNs = 300'000'000;  // longer than packets linger on a network of one room
+
+struct Stream : StreamOrder {
+  int64_t shift = 0;  // of its numbers, since the sender began anew
+};
 
 }  // namespace
 
@@ -67,6 +72,13 @@ struct LcmNetSource::Impl {
     const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
     int64_t gap = 0;
     const bool known = order.contains(stream);
+    // A sender that was silent and counts from a lower number has begun anew (restarted, plugged in again): its numbers go on
+    // from where they were. Without the silence it is an old packet, or one that came twice.
+    if (known) {
+      Stream& o = order[stream];
+      if (s.seq + o.shift <= o.seq && s.t_ns - o.t_ns > kSilenceNs) o.shift = o.seq + 1 - s.seq;
+      s.seq += o.shift;
+    }
     if ((order.size() >= kMaxStreams && !known) || (known && order[stream].checksums && !has_checksum) ||
         !order[stream].accept(s.seq, s.t_ns, gap)) {
       malformed.fetch_add(1, std::memory_order_relaxed);
@@ -91,7 +103,7 @@ struct LcmNetSource::Impl {
 
   lcm::LCM lcm;
   const int64_t start_ns;
-  std::map<std::pair<int, int32_t>, StreamOrder> order;  // of the receiving thread alone
+  std::map<std::pair<int, int32_t>, Stream> order;  // of the receiving thread alone
   SampleQueue queue;
   std::atomic<int64_t> malformed{0}, lost{0};
   std::atomic<bool> stop{false};

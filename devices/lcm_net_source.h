@@ -3,7 +3,7 @@
 //
 // Packets are taken as bytes and checked before the packaged decoder sees them (size, fingerprint, version, finite
 // numbers, sequence): that decoder can be made to fail by what it reads. Time stamps are those of arrival on this
-// machine, counted from start_ns, because the sender's clock is not ours.
+// machine, counted from start_ns, because the sender's clock is not ours. A sender may stop and come back.
 #include <memory>
 #include <string>
 

@@ -63,6 +63,11 @@ class Reader {
       }
     }
     leave_out_unchecked();
+    // Only we write sessions: a name that is not known there was one of ours.
+    if (r_.session && log_.damage().unknown_channel > 0) {
+      log_.damage().bad_payload += log_.damage().unknown_channel;
+      if (log_.damage().first_message.empty()) log_.damage().first_message = "a channel that no session has";
+    }
     if (!r_.end) trim_schedule();
     for (auto& [index, b] : open_) {
       if (!b.broken && b.next == b.total && int64_t(b.blob.data.size()) == b.bytes)

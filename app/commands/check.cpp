@@ -319,7 +319,7 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
   if (rec.schedule.broken) std::printf("schedule    not whole: replays, but not exactly as it was\n");
   else if (rec.schedule.usable())
     std::printf("schedule    %zu solver steps of a live session: replays exactly as it was\n", rec.schedule.solver.size());
-  std::printf("end         %s\n", rec.end ? "whole" : "missing: the session was cut short");
+  if (rec.session || rec.end) std::printf("end         %s\n", rec.end ? "whole" : "missing: the session was cut short");
   if (rec.session && rec.blob(BlobKind::scene)) {
     const Unbundled u = unbundle_scene(rec, file);
     if (u.scene.hash != rec.session->scene_hash) throw InputError(file, 0, "its scene is not the one that it was recorded with");

@@ -1,11 +1,13 @@
 // `limberg devices`: what is connected, live poses, rates, gaps, buttons.
 #include <dirent.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <map>
 
@@ -14,6 +16,7 @@
 #include "app/interrupt.h"
 #include "app/progress.h"
 #include "app/session/clock.h"
+#include "app/streams.h"
 #include "devices/glove.h"
 #include "sim/error.h"
 
@@ -25,7 +28,8 @@ struct Options {
   std::vector<std::string> devices;
   bool watch = false;
   double seconds = 0;
-  std::string calibration;
+  std::string calibration, record;
+  bool replace = false;
 };
 
 /// What came of one stream (a station, a stylus) lately.
@@ -55,6 +59,7 @@ const char* role_name(StationRole r) {
 struct Desk final : SampleSink {
   explicit Desk(const Calibration& c) : glove(c) {}
   void on_sample(const Sample& sample) override {
+    if (record) record->write(sample);
     if (const auto* t = std::get_if<TrackerSample>(&sample)) {
       Stream& s = streams[{t->device_id, t->station}];
       s.name = role_name(t->role);
@@ -75,7 +80,13 @@ struct Desk final : SampleSink {
   GloveTracker glove;
   bool has_glove = false;
   int64_t controls = 0;
+  StreamWriter* record = nullptr;
 };
+
+bool exists(const char* file) {
+  struct stat st {};
+  return stat(file, &st) == 0;
+}
 
 /// Serial ports that exist: where a device could be.
 std::vector<std::string> serial_ports() {
@@ -131,7 +142,7 @@ int devices(const Options& o) {
   std::vector<std::unique_ptr<Source>> sources;
   for (size_t i = 0; i < names.size();) {
     const LiveSource live = live_source(DeviceSpec(names[i]), int(i));
-    if (!live) throw InputError("", 0, "--device " + names[i] + ": no live device; expected lcm, lcm:URL, fastrak:PORT or fastrak-emulator");
+    if (!live) throw InputError("", 0, "--device " + names[i] + ": no live device; expected lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT, fastrak-emulator, spacemouse, mouse or force-simulated");
     try {
       sources.push_back(live({start, nullptr}));
       ++i;
@@ -144,8 +155,12 @@ int devices(const Options& o) {
   const std::vector<std::string> ports = serial_ports();
   std::printf("serial ports %s", ports.empty() ? "none" : "");
   for (const std::string& p : ports) std::printf("%s ", p.c_str());
-  std::printf("\n");
+  const char* socket = std::getenv("SPNAV_SOCKET");
+  if (!socket) socket = "/var/run/spnav.sock";
+  std::printf("\nSpaceMouse   %s\nmouse        %s\n", exists(socket) ? (std::string("its daemon at ") + socket).c_str() : "no daemon", exists("/dev/input/mice") ? "/dev/input/mice" : "none");
   Desk desk(calibration);
+  std::unique_ptr<StreamWriter> record;
+  if (!o.record.empty()) record = std::make_unique<StreamWriter>(o.record, o.replace), desk.record = record.get();
   const double seconds = o.seconds > 0 ? o.seconds : o.watch ? 1e9 : 2;
   const bool terminal = isatty(STDOUT_FILENO);
   int64_t shown_ns = 0;
@@ -162,6 +177,7 @@ int devices(const Options& o) {
       shown_ns = now;
     }
   }
+  if (record) record->close(), std::printf("recording    %s, %lld samples\n", o.record.c_str(), (long long)record->samples());
   if (!o.watch) show(names, sources, desk, clock.now_ns(), double(clock.now_ns()) * 1e-9);
   return kDone;
 }
@@ -171,11 +187,13 @@ int devices(const Options& o) {
 void add_devices(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("devices", "What is connected: live poses, rates, gaps, buttons");
-  c->add_option("--device", o->devices, "lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE] or fastrak-emulator[:ROLES] (default lcm); may be repeated")->type_name("SPEC");
+  c->add_option("--device", o->devices, "lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], spacemouse[:SOCKET], mouse[:FILE] or force-simulated (default lcm); may be repeated")->type_name("SPEC");
   c->add_flag("--watch", o->watch, "Go on until Ctrl-C; devices may come and go");
   c->add_option("--seconds", o->seconds, "End after so long (default 2; --watch: never)")->type_name("S")->check(CLI::Range(0.01, 86400.0));
   c->add_option("--calibration", o->calibration, "Of the glove, for its open and closed hand")->type_name("FILE");
-  c->footer("Example: limberg devices --watch --device fastrak:/dev/ttyUSB0,fts");
+  c->add_option("--record", o->record, "Keep what came as a stream: what limberg calibrate reads")->type_name("LOG");
+  c->add_flag("--replace", o->replace, "Replace LOG if it exists");
+  c->footer("Example: limberg devices --seconds 20 --device fastrak:/dev/ttyUSB0,s --record pivot.lcm && limberg calibrate stylus pivot.lcm --out stylus.toml\n         limberg devices --watch --device fastrak:/dev/ttyUSB0,fts");
   c->callback([o, &chosen] { chosen = [o] { return devices(*o); }; });
 }
 

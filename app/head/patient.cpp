@@ -131,6 +131,18 @@ void HeadPatient::fill(Snapshot& s, bool with_field) const {
   s.topology_version = s.topology->version;
 }
 
+bool HeadPatient::press(const PressQuestion& question, PressAnswer& answer) {
+  // The triangles of the skin are the first of the joined surface, in their own order.
+  if (!skin_ || question.topology_version != topology()->version) return false;
+  const SurfaceTopology& skin = *world_->topology();
+  if (question.triangle < 0 || size_t(question.triangle) >= skin.view.tri.size()) return false;
+  PressQuestion of_skin = question;
+  of_skin.topology_version = skin.version;
+  const bool told = skin_->press(of_skin, answer);
+  answer.topology_version = question.topology_version;
+  return told;
+}
+
 uint64_t HeadPatient::topology_hash() const {
   if (!skin_) return head_.topology_hash();
   Hash64 h;

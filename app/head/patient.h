@@ -28,6 +28,8 @@ class HeadPatient final : public Patient {
     if (skin_) skin_->fill_lattice(out);
     else out = {};
   }
+  /// Of the skin. Bone and face are not asked for: false.
+  bool press(const PressQuestion& question, PressAnswer& answer) override;
   std::shared_ptr<const SurfaceTopology> topology() const override;
   uint64_t topology_hash() const override;
   uint64_t state_hash() const override;

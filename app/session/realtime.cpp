@@ -14,6 +14,9 @@ namespace limberg {
 
 namespace {
 
+constexpr int64_t kMostTickNs = 50 * kNsPerMs;    // of a device tick; longer, it is no real-time thread any more
+constexpr int64_t kSilentNs = 500 * kNsPerMs;     // a device tick that has not ended: seen from outside
+
 /// What the threads share beside the channels: when to start, when to end, and why.
 struct Control {
   std::atomic<int64_t> start_ns{0};  // set once; waited for
@@ -24,6 +27,8 @@ struct Control {
   std::mutex mutex;  // for `error` and `scheduling`, at start and end only
   std::exception_ptr error;
   std::string scheduling;
+  pthread_t device_id{};             // set before the device thread is ready
+  std::atomic<bool> device_gave_up{false};
 
   void i_am_ready() {
     ready.fetch_add(1);
@@ -57,9 +62,11 @@ std::function<void()> guarded(Control& c, F body) {
   };
 }
 
-void give_up_real_time() {
+/// A real-time thread that does not end its work would keep everything else from the processor.
+void give_up_real_time(Control& c, pthread_t thread) {
   const sched_param normal{};
-  pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
+  pthread_setschedparam(thread, SCHED_OTHER, &normal);
+  c.device_gave_up.store(true, std::memory_order_relaxed);
 }
 
 void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick, int64_t tail_ticks, int priority, LaneGauges* gauges) {
@@ -68,6 +75,7 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick,
     const std::string got = request_real_time(priority);
     const std::lock_guard lock(c.mutex);
     c.scheduling = got;
+    c.device_id = pthread_self();
   }
   c.i_am_ready();
   const RealClock clock(c.wait_for_start());
@@ -98,7 +106,7 @@ void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick,
         LaneGauges::set(gauges->samples, LaneGauges::get(gauges->samples) + 1);
       }
     }
-    if (ended - woke > 50 * kNsPerMs) give_up_real_time();
+    if (ended - woke > kMostTickNs) give_up_real_time(c, pthread_self());
     if (end < 0 && lane.done()) end = tick + tail_ticks;
     if (end >= 0 && tick >= end) break;
     ++tick;
@@ -204,12 +212,19 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
     c.start_ns.notify_all();
 
     const RealClock clock(start);
-    bool warned = false;
+    bool warned = false, told = rt.fifo_priority <= 0;
+    int64_t last_tick = -1, silent_ns = 0;  // as often as it was looked at: a machine that stood still is no silent thread
     const int64_t look_ns = (set.pump ? 4 : 10) * kNsPerMs;
     for (int64_t t = 0; !c.at_rest && !c.failed(); t += look_ns) {
       clock.sleep_until_ns(t);
       t = std::max(t, clock.now_ns());
       if (set.pump) set.pump();
+      if (const int64_t tick = c.tick.load(); tick != last_tick || told) last_tick = tick, silent_ns = 0;
+      else if ((silent_ns += look_ns) > kSilentNs && !c.device_ended) give_up_real_time(c, c.device_id);
+      if (c.device_gave_up && !told) {
+        told = true;
+        if (set.say) set.say("device thread: a tick took more than 50 ms; it goes on with ordinary scheduling");
+      }
       if (recorder) {
         recorder->drain();
         if (recorder->failed() && !warned && set.say) set.say(recorder->path() + ": recording stopped: " + recorder->error());

@@ -90,21 +90,27 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
     state_.force_N.setZero();
     state_.touching = false;
     ramp_ = 0;
-    return state_;
-  }
-  if (stalled) {
-    // Whoever held the last force meanwhile has moved the hand. Begin anew: the force goes as fast as it may, without memory.
-    ++counts_.stalls;
-    const double size = before.norm();
-    state_.force_N = size > limit_.slew_N ? Vec3(before * (1 - limit_.slew_N / size)) : Vec3(Vec3::Zero());
-    slow_v_.setZero();
-    state_.touching = false;
-    state_.energy_mJ = std::max(0.0, state_.energy_mJ);
-    ramp_ = 0;
+    held_over_.setZero();
     return state_;
   }
   // N mm = mJ: what the hand did against the force that it felt.
   state_.energy_mJ -= before.dot(travelled);
+  const Vec3 v = travelled / dt;
+  if (stalled) {
+    ++counts_.stalls;
+    slow_v_ = v;
+    state_.touching = false;  // where it was held on the surface is long ago
+    const double period = double(model_.period_ns) * 1e-9;
+    if (dt > (1 + limit_.stale_periods) * period + limit_.decay_s) {
+      const double size = before.norm();
+      state_.force_N = size > limit_.slew_N ? Vec3(before * (1 - limit_.slew_N / size)) : Vec3(Vec3::Zero());
+      state_.energy_mJ = std::max(0.0, state_.energy_mJ);
+      ramp_ = 0;
+      held_over_.setZero();
+      return state_;
+    }
+  }
+  const double step_s = std::min(dt, limit_.stall_s);  // what fades does not jump over a stall
 
   const double w = std::clamp(double(now_ns - model_came_ns_) / double(std::max<int64_t>(1, model_.period_ns)), 0.0, 1.0);
   now_N_mm_ = from_N_mm_ + w * (model_.stiffness_N_mm - from_N_mm_);
@@ -114,16 +120,19 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   const auto coupled = [&](double k) { return k > 0 ? k * limit_.stiffness_N_mm / (k + limit_.stiffness_N_mm) : 0; };
   Vec3 f = contact_force(tip, coupled(now_N_mm_));
   if (model_.hooked) f += coupled(now_hook_N_mm_) * (now_home_ - tip);
-  const Vec3 v = travelled / dt;
   // The encoder's steps of 0.01 mm are 10 mm/s from tick to tick: the coupling's damper acts on a smoothed speed.
   slow_v_ += 0.2 * (v - slow_v_);
   if (state_.touching || model_.hooked) f -= limit_.damping_N_s_mm * slow_v_;
 
   const bool stale = double(now_ns - model_.t_ns) > limit_.stale_periods * double(model_.period_ns) + double(model_.period_ns);
   counts_.stale += stale;
-  fade_ = std::clamp(fade_ + (stale ? -dt / limit_.decay_s : dt / limit_.decay_s), 0.0, 1.0);
-  ramp_ = std::min(1.0, ramp_ + dt / limit_.ramp_s);
+  fade_ = std::clamp(fade_ + (stale ? -step_s / limit_.decay_s : step_s / limit_.decay_s), 0.0, 1.0);
+  ramp_ = std::min(1.0, ramp_ + step_s / limit_.ramp_s);
   f *= fade_ * ramp_;
+  if (stalled) held_over_ = before - f;
+  else held_over_ *= std::exp(-step_s / limit_.catch_up_s);
+  if (!state_.touching && !model_.hooked) held_over_.setZero();
+  f += fade_ * held_over_;
 
   // More would go into the hand than came out of it: a damper as strong as needed.
   if (state_.energy_mJ < -limit_.spare_mJ && v.squaredNorm() > 1e-6) {

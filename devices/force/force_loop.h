@@ -16,7 +16,12 @@
 //   passivity  the energy that went into the hand is counted; when more than came out of it would go, a damper takes it
 //              (Hannaford and Ryu 2002)
 //   limits     of force and of change per tick; a ramp at the start; none when the model is old (decays) or the device
-//              is not read; after a stall of the loop the force begins anew from nothing
+//              is not read
+//   stalls     whoever stops this loop (a virtual machine's host does, for tens of ms) leaves the last force on the hand
+//              meanwhile, and the hand moves. Where it is then, another force is due. Both a jump there and a new start from
+//              nothing would throw it: what is due and what was held differ by so much, and that fades. A hand that has left
+//              the surface is let go of at once, as fast as the force may change. After a stall in which the model would have
+//              faded, the force begins anew from nothing
 //
 // Nothing allocates. No clock: times are handed in.
 #include <array>
@@ -51,6 +56,7 @@ struct ForceLimits {
   double ramp_s = 0.5;
   double stale_periods = 2, decay_s = 0.05;
   double stall_s = 0.004;       // a longer tick is a stall
+  double catch_up_s = 0.1;      // a force that was held over a stall fades so; slow beside a hand's swing, 20 ms
   double spare_mJ = 0.1;        // energy that may be missing before the damper acts
   double most_damping_N_s_mm = 0.02;  // of the passivity damper: below 2 m / T for the lightest device, 50 g
 };
@@ -97,6 +103,7 @@ class ForceLoop {
   int64_t model_came_ns_ = 0, last_ns_ = -1;
   bool model_fresh_ = false;
   double ramp_ = 0, fade_ = 1;
+  Vec3 held_over_ = Vec3::Zero();  // of the force that a stall left on the hand: what differs from the one that is due
   double plastic_mm_ = 0;  // how deep the blade has cut
   Vec3 last_tip_ = Vec3::Zero(), slow_v_ = Vec3::Zero();
   double now_N_mm_ = 0, now_hook_N_mm_ = 0;

@@ -11,17 +11,47 @@ ForceSource::ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceS
 
 void ForceSource::look(const Snapshot& s) { seen_ = &s; }
 
+void ForceSource::hold(const ToolState& state) { tool_ = Tool(state.tool), held_hook_ = state.held_hook; }
+
+double ForceSource::half_space(double young_kPa, double poisson) const {
+  return 2 * set_.tip_radius_mm * young_kPa / (1 - poisson * poisson) * 1e-3;  // kPa mm = mN / mm
+}
+
+SkinTouch ForceSource::closest(Sheet& sheet, const Snapshot& s) {
+  if (!sheet.index.built_for(s)) sheet.index.build(*s.topology, sheet.ground), sheet.near = -1;
+  const SkinTouch touch = sheet.index.closest(s, tip_, sheet.near >= 0 && s.step % 8 != 0 ? sheet.near : -1);
+  sheet.near = touch.triangle;
+  return touch;
+}
+
+// Over skin the skin holds a blunt tip up, closed wounds included; beside it (an open wound, a bed, the block's side) the whole
+// surface of the flesh counts. A blade that is in the skin stays with it. Bone only where the tip is in no flesh: what lies under
+// flesh is felt through it.
+ForceSource::Sheet& ForceSource::met(const Snapshot& s, SkinTouch& touch) {
+  const auto depth = [&](const SkinTouch& t) { return t.triangle < 0 ? -1e30 : -(tip_ - t.x_mm).dot(t.normal); };
+  Sheet* sheet = &skin_;
+  touch = closest(skin_, s);
+  double in = depth(touch);
+  const double aside = touch.triangle < 0 ? 1e30 : (tip_ - touch.x_mm + in * touch.normal).norm();
+  if (aside > set_.tip_radius_mm && !(cuts() && loop_.state().cut)) touch = closest(*(sheet = &flesh_), s), in = depth(touch);
+  if (in > 0 || s.topology->organ.empty()) return *sheet;
+  const SkinTouch hard = closest(bone_, s);
+  if (hard.triangle < 0 || (touch.triangle >= 0 && touch.distance_mm <= hard.distance_mm)) return *sheet;
+  touch = hard;
+  return bone_;
+}
+
 double ForceSource::contact_stiffness(const Snapshot& s, const SkinTouch& touch) {
-  const double half_space = 2 * set_.tip_radius_mm * set_.young_kPa / (1 - set_.poisson * set_.poisson) * 1e-3;  // kPa mm = mN / mm
-  if (!line_) return half_space;
+  const double alone = half_space(set_.young_kPa, set_.poisson);
+  if (!line_) return alone;
   // How deep the tip is below the surface as it would be without it, or lies ready to be.
   line_->ask({s.topology_version, touch.triangle, touch.bary, touch.normal, set_.tip_radius_mm, loop_.state().touching ? loop_.state().depth_mm : 0});
   const PressAnswer& told = line_->newest();
   const SurfaceView& view = s.topology->view;
-  if (told.stiffness_N_mm <= 0 || told.topology_version != s.topology_version || told.triangle < 0 || size_t(told.triangle) >= view.tri.size()) return half_space;
+  if (told.stiffness_N_mm <= 0 || told.topology_version != s.topology_version || told.triangle < 0 || size_t(told.triangle) >= view.tri.size()) return alone;
   Vec3 there = Vec3::Zero();
   for (int32_t v : view.tri[size_t(told.triangle)]) there += s.x_mm[size_t(v)].cast<double>() / 3;
-  if ((there - touch.x_mm).norm() > set_.answer_reach_mm) return half_space;
+  if ((there - touch.x_mm).norm() > set_.answer_reach_mm) return alone;
   ++answers_;
   return told.stiffness_N_mm;
 }
@@ -34,26 +64,18 @@ void ForceSource::make_model(const Snapshot& s) {
   m.period_ns = last_model_ns_ < 0 ? 16'000'000 : std::clamp<int64_t>(now_ns_ - last_model_ns_, 2'000'000, 100'000'000);
   last_model_ns_ = now_ns_;
   if (surface) {
-    if (!index_.built_for(s)) index_.build(*s.topology), near_ = -1;
-    const SkinTouch touch = index_.closest(s, tip_, near_ >= 0 && s.step % 8 != 0 ? near_ : -1);
-    near_ = touch.triangle;
-    if (touch.triangle >= 0 && touch.distance_mm < set_.patch_mm) {
-      m.facets = index_.facets_around(s, touch, set_.patch_mm, m.facet);
-      m.stiffness_N_mm = contact_stiffness(s, touch);
+    SkinTouch touch;
+    const Sheet& sheet = met(s, touch);
+    const bool bone = sheet.ground == Ground::bone;
+    if (touch.triangle >= 0 && touch.distance_mm < (touch.normal.dot(tip_ - touch.x_mm) < 0 ? set_.deepest_mm : set_.patch_mm)) {
+      m.facets = sheet.index.facets_around(s, touch, set_.patch_mm, m.facet);
+      m.stiffness_N_mm = bone ? half_space(set_.bone_kPa, set_.bone_poisson) : contact_stiffness(s, touch);
     }
+    if (cuts() && !bone) m.puncture_N = set_.puncture_N, m.cutting_N = set_.cutting_N;
   }
-  if (set_.cuts) m.puncture_N = set_.puncture_N, m.cutting_N = set_.cutting_N;
-  // The hook that is held: the one whose handle is at the tip while the button is down.
-  const HookState* held = nullptr;
-  double best = set_.hook_reach_mm;
-  for (const HookState& h : s.hooks) {
-    const double d = (h.handle_mm.cast<double>() - tip_).norm();
-    if (pressed_ && (h.id == hook_ || d < best)) {
-      held = &h;
-      if (h.id == hook_) break;
-      best = d;
-    }
-  }
+  const HookState* held = nullptr;  // by this hand; the solver may not have set it yet
+  for (const HookState& h : s.hooks)
+    if (held_hook_ != 0 && h.id == held_hook_) held = &h;
   if (held) {
     if (held->id != hook_) hook_ = held->id, hook_home_ = held->at_mm.cast<double>();
     const double pulled = (held->handle_mm.cast<double>() - hook_home_).norm(), force = held->force_N.cast<double>().norm();
@@ -72,7 +94,6 @@ void ForceSource::poll(int64_t now_ns, SampleSink& sink) {
   now_ns_ = now_ns;
   const ForceReading r = device_->read(now_ns);
   tip_ = r.tip_mm;
-  pressed_ = r.buttons & 1;
   if (seen_ && seen_->step != step_) {
     step_ = seen_->step;
     make_model(*seen_);
@@ -85,9 +106,10 @@ void ForceSource::poll(int64_t now_ns, SampleSink& sink) {
   s.device_id = set_.device_id;
   s.seq = seq_++;
   s.t_ns = now_ns;
-  s.tip_mm = r.tip_mm;
+  const ForceState& felt = loop_.state();
+  s.tip_mm = felt.touching ? felt.proxy_mm : r.tip_mm;
   s.quat = r.quat;
-  s.buttons = r.buttons;
+  s.buttons = r.buttons | (cuts() && felt.cut ? 1u : 0u);
   sink.on_sample(s);
 }
 

@@ -5,11 +5,18 @@
 // the skin around the tip; for a held hook the stiffness that the solver's own force and displacement give (a secant); for
 // contact the secant that the solver finds for this tip at this place (sim/press.h), asked for as long as the tip is near.
 // Until it has answered, or where there is no line to it, that of a half space of the layer that is touched: 2 a E / (1 - nu^2)
-// for a flat tip of radius a (Boussinesq 1885). A session without such a source computes none of this.
+// for a flat tip of radius a (Boussinesq 1885). Bone is that half space always: the skull across its thickness, 2.4 GPa
+// (McElhaney et al. 1970), thousands of times what any device holds, so that the coupling is what is felt.
+//
+// What is felt is what the hand holds (tool_follower.h): a scalpel punctures, and from then on until it is drawn out the tool is
+// engaged, with or without a button; a hook that this hand holds pulls. In contact the tool is where the surface holds it up
+// (the proxy of force_loop.h), and so is the reading that goes on: the device itself is deeper by what the force is worth.
+// A session without such a source computes none of this.
 #include <memory>
 
 #include "devices/force/force_device.h"
 #include "devices/force/stiffness_line.h"
+#include "devices/force/tool_follower.h"
 #include "devices/source.h"
 #include "devices/surface_index.h"
 
@@ -19,17 +26,18 @@ struct ForceSourceSettings {
   int32_t device_id = 300;
   double tip_radius_mm = 1.0;
   double young_kPa = 60, poisson = 0.45;  // of the layer that is touched
-  double patch_mm = 8;                    // facets within this of the tip
-  double hook_reach_mm = 6;               // the nearest hook handle within this is the one that is held
+  double patch_mm = 8;                    // facets within this of the tip, or of where it went in
+  double deepest_mm = 25;                 // a tip that is in the tissue is followed so far
+  double bone_kPa = 2.4e6, bone_poisson = 0.22;
   double answer_reach_mm = 4;             // an answer for a place within this of the tip is still good
-  double puncture_N = 0.8, cutting_N = 0.35;
-  bool cuts = false;                      // the tool punctures
+  double puncture_N = 0.8, cutting_N = 0.35;  // of the tools that cut
 };
 
-class ForceSource final : public Source {
+class ForceSource final : public Source, public ToolFollower {
  public:
   ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceSettings& settings = {}, std::shared_ptr<StiffnessLine> line = nullptr);
   void look(const Snapshot& snapshot) override;
+  void hold(const ToolState& state) override;
   void poll(int64_t now_ns, SampleSink& sink) override;
   bool done() const override { return false; }
   SourceCounts counts() const override { return {seq_, 0, 0}; }
@@ -40,23 +48,33 @@ class ForceSource final : public Source {
   int64_t answers() const { return answers_; }  // models whose stiffness the solver gave
 
  private:
+  /// The surfaces that a tip can meet, each found and followed by itself.
+  struct Sheet {
+    Ground ground = Ground::skin;
+    SurfaceIndex index;
+    int32_t near = -1;  // the triangle touched last
+  };
   void make_model(const Snapshot& s);
   double contact_stiffness(const Snapshot& s, const SkinTouch& touch);
+  double half_space(double young_kPa, double poisson) const;
+  SkinTouch closest(Sheet& sheet, const Snapshot& s);
+  /// What the tip is in, or else nearest to.
+  Sheet& met(const Snapshot& s, SkinTouch& touch);
+  bool cuts() const { return tool_ == Tool::scalpel || tool_ == Tool::excise; }
 
   std::unique_ptr<ForceDevice> device_;
   ForceSourceSettings set_;
   std::shared_ptr<StiffnessLine> line_;
   ForceLoop loop_;
   ForceModel model_;
-  SurfaceIndex index_;
-  int32_t near_ = -1;          // the triangle touched last
+  Sheet skin_{Ground::skin, {}, -1}, flesh_{Ground::flesh, {}, -1}, bone_{Ground::bone, {}, -1};
   const Snapshot* seen_ = nullptr;
   uint64_t step_ = ~uint64_t(0);
   int64_t answers_ = 0;
   int64_t now_ns_ = -1, last_model_ns_ = -1, seq_ = 0;
   Vec3 tip_ = Vec3::Zero();
-  bool pressed_ = false;
-  int32_t hook_ = 0;
+  Tool tool_ = Tool::none;
+  int32_t held_hook_ = 0, hook_ = 0;
   Vec3 hook_home_ = Vec3::Zero();  // where its tissue was when the hook was set
 };
 

@@ -10,6 +10,7 @@
 #include "app/session/solver_lane.h"
 #include "app/world_patient.h"
 #include "devices/force/force_source.h"
+#include "devices/log_source.h"
 #include "sim/geometry/block.h"
 
 namespace limberg {
@@ -107,6 +108,36 @@ TEST(PressLine, NoEnergyComesFromAPatientThatAnswersLate) {
   // The bound of a wall read in steps: K T / 2 times the sum of the squares of the way per tick (Colgate 1995), and .1 mJ.
   EXPECT_GT(loop.least_mJ, -0.15);
   EXPECT_LE(loop.largest_step_N, 0.2 + 1e-9);
+}
+
+// With a scalpel in the hand the skin holds, breaks and gives way, and the cut begins where it broke; with another tool it holds.
+TEST(PressLine, TheToolThatIsHeldIsFelt) {
+  for (const Tool tool : {Tool::scalpel, Tool::hook}) {
+    SimulatedHand firm = hand(0, 9, false);
+    firm.stiffness_N_mm = 1;
+    Loop loop(firm, true);
+    ControlSample c;
+    c.device_id = 901, c.t_ns = 1, c.tool = tool;
+    c.value[kDepth] = 3;
+    loop.front.add(std::make_unique<LogSource>(std::vector<Sample>{c}));
+    double most = 0, last = 0;
+    bool engaged = false;
+    for (int tick = 1; tick < 2500; ++tick) {
+      loop.device.tick(tick);
+      if (tick % kTicksPerStep == 0) loop.solver.step(tick);
+      last = loop.force->loop().state().force_N.norm();
+      most = std::max(most, last);
+      engaged |= loop.device.hand().tool.pressed != 0;
+    }
+    const ForceSourceSettings set;
+    if (tool == Tool::scalpel) {
+      EXPECT_NEAR(most, set.puncture_N, 0.1);
+      EXPECT_NEAR(last, set.cutting_N, 0.1);
+    } else {
+      EXPECT_GT(last, set.puncture_N);
+    }
+    EXPECT_EQ(engaged, tool == Tool::scalpel);
+  }
 }
 
 TEST(PressLine, AnAnswerAboutAnotherSurfaceIsNotTaken) {

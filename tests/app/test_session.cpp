@@ -2,6 +2,7 @@
 // nothing and ends at the same place, and the device thread takes no memory.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <cstdlib>
@@ -401,6 +402,29 @@ TEST(RealTime, AnErrorInAThreadEndsTheSession) {
   };
   Rig rig(std::make_unique<Broken>());
   EXPECT_THROW(run_realtime(rig.lanes(), quick(), {}), std::runtime_error);
+}
+
+// A device that keeps the real-time thread for too long loses its privilege, and the operator is told.
+TEST(RealTime, ASlowTickGivesUpRealTimeAndSaysSo) {
+  struct Slow final : Source {
+    void poll(int64_t now_ns, SampleSink&) override {
+      if (now_ns < 100'000'000 || slept) return;
+      slept = true;
+      const timespec pause{0, 80'000'000};
+      nanosleep(&pause, nullptr);
+    }
+    bool done() const override { return slept; }
+    SourceCounts counts() const override { return {}; }
+    bool slept = false;
+  };
+  Rig rig(std::make_unique<Slow>());
+  SessionSettings set = quick();
+  set.tail_ticks = 300;
+  std::string said;
+  set.say = [&](const std::string& line) { said += line + "\n"; };
+  const SessionFigures f = run_realtime(rig.lanes(), set, {});
+  if (f.scheduling.find("SCHED_FIFO") == std::string::npos) GTEST_SKIP() << "no real-time scheduling here";
+  EXPECT_NE(said.find("took more than 50 ms"), std::string::npos) << said;
 }
 
 TEST(RealTime, EndsWhenInterrupted) {

@@ -103,6 +103,17 @@ TEST(LcmNetSource, GoodPacketsArriveAndBadOnesAreCounted) {
   EXPECT_TRUE(wait_for([&] { return kept.all.size() >= 22; }));
   EXPECT_EQ(source.counts().lost, 2);  // numbers 20 and 21
   EXPECT_EQ(std::get<ControlSample>(kept.all[20]).text.str(), "defect");
+
+  // A sender that begins anew after a silence is heard again; its numbers go on.
+  const timespec silence{0, 400'000'000};
+  nanosleep(&silence, nullptr);
+  for (int i = 0; i < 3; ++i) send(kStylusChannel, encode_message(to_message(stylus(i, 5, Vec3(i, 7, 0))), bytes));
+  EXPECT_TRUE(wait_for([&] { return kept.all.size() >= 25; }));
+  EXPECT_EQ(std::get<StylusSample>(kept.all[22]).seq, 23);
+  EXPECT_EQ(std::get<StylusSample>(kept.all.back()).seq, 25);
+  send(kStylusChannel, encode_message(to_message(stylus(1, 5, Vec3(0, 7, 0))), bytes));  // at once: one that came twice
+  const int64_t malformed = source.counts().malformed;
+  EXPECT_TRUE(wait_for([&] { return source.counts().malformed > malformed; }));
   int64_t last = -1;
   for (const Sample& s : kept.all) {
     const int64_t t = std::visit([](const auto& v) { return v.t_ns; }, s);

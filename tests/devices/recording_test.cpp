@@ -4,6 +4,10 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
 #include "devices/log_source.h"
 #include "devices/message_codec.h"
 #include "sim/error.h"
@@ -172,6 +176,25 @@ TEST(Recording, ForeignChannelsAreSkipped) {
   EXPECT_EQ(r.damage.total(), 0);
   EXPECT_FALSE(r.session);
   EXPECT_EQ(std::get<StylusSample>(r.samples[3]).t_ns, 456'789 + 3);  // a plain stream counts from its first millisecond
+}
+
+// A sample whose channel was hit is lost like any other, and said to be.
+TEST(Recording, InASessionANameThatNobodyKnowsIsDamage) {
+  TemporaryFolder dir;
+  RecordingWriter w;
+  w.open(dir / "r.lcm", session(), blobs(), true);
+  for (int i = 0; i < 20; ++i) w.on_sample(stylus(i, 1000 + i, Vec3(0, 0, 0)));
+  w.finish(100, 1);
+  std::ifstream in(dir / "r.lcm", std::ios::binary);
+  std::vector<uint8_t> bytes((std::istreambuf_iterator<char>(in)), {});
+  ASSERT_EQ(read_recording(bytes, "r").damage.total(), 0);
+  const std::string name(kStylusChannel);
+  const auto hit = std::search(bytes.begin(), bytes.end(), name.begin(), name.end());
+  ASSERT_NE(hit, bytes.end());
+  hit[3] = 'X';
+  const Recording r = read_recording(bytes, "r");
+  EXPECT_EQ(r.damage.total(), 1);
+  EXPECT_FALSE(r.damage.first_message.empty());
 }
 
 TEST(Recording, NothingValidIsAnInputError) {

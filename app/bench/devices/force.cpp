@@ -45,15 +45,15 @@ ForceFigures force_trial(const ForceTrial& trial) {
   double energy = 0;
   Vec3 last_x = Vec3::Zero(), force = Vec3::Zero(), last_force = Vec3::Zero();
   bool first = true;
-  const auto stall_tick = int64_t(trial.seconds * 500);
+  const auto stall_tick = int64_t(trial.stall_at_s < 0 ? trial.seconds * 500 : trial.stall_at_s * 1000);
   int64_t stall_end = -1;
   const double cpu = cpu_ms();
   int64_t ticks = 0;
   for (int64_t tick = 0; tick < int64_t(trial.seconds * 1000); ++tick, ++ticks) {
     if (trial.stall_s > 0 && tick == stall_tick) {
       f.before_stall_mm_s = device.velocity_mm_s().norm();
-      tick += int64_t(trial.stall_s * 1000);  // the device holds the last force meanwhile
-      stall_end = tick;
+      stall_end = tick + int64_t(trial.stall_s * 1000);
+      if (trial.stalls) tick = stall_end;  // the device holds the last force meanwhile
     }
     const int64_t t = tick * kTickNs;
     const ForceReading r = device.read(t);
@@ -94,6 +94,23 @@ ForceFigures force_trial(const ForceTrial& trial) {
   f.ns_per_tick = (cpu_ms() - cpu) * 1e6 / double(std::max<int64_t>(1, ticks));
   f.damped = loop.counts().damped, f.slewed = loop.counts().slewed, f.stalls = loop.counts().stalls;
   return f;
+}
+
+StallFigures stall_trials(double stiffness_N_mm, double stall_s, int moments) {
+  StallFigures out;
+  for (int i = 0; i < moments; ++i) {
+    ForceTrial t;
+    t.stiffness_N_mm = stiffness_N_mm, t.stall_s = stall_s, t.seconds = 4;
+    t.stall_at_s = 2.6 + double(i) / moments / 1.5;  // the hand taps at 1.5 Hz
+    const ForceFigures f = force_trial(t);
+    t.stalls = false;
+    const ForceFigures calm = force_trial(t);
+    t.stiffness_N_mm = 0;
+    out.free_mm_s = std::max(out.free_mm_s, force_trial(t).after_stall_mm_s);
+    if (f.after_stall_mm_s > out.stalled_mm_s) out.stalled_mm_s = f.after_stall_mm_s, out.calm_mm_s = calm.after_stall_mm_s;
+    out.energy_mJ = std::min(out.energy_mJ, f.least_energy_mJ), out.largest_step_N = std::max(out.largest_step_N, f.largest_step_N);
+  }
+  return out;
 }
 
 }  // namespace limberg::bench

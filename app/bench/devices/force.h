@@ -18,6 +18,8 @@ struct ForceTrial {
   double solver_hz = 60;
   double seconds = 10;
   double stall_s = 0;            // the loop stops once, so long, in the middle of contact
+  double stall_at_s = -1;        // -1: half way
+  bool stalls = true;            // false: the same time is watched, and the loop goes on
   bool limits = true;            // local: slew limit and passivity damper on
 };
 
@@ -32,5 +34,14 @@ struct ForceFigures {
 };
 
 ForceFigures force_trial(const ForceTrial& trial);
+
+/// What a stall does to the hand, over one period of its tapping: the worst moment. A force that is held lets the hand go the
+/// way that it would without tissue; so it may be as fast afterwards as the same hand in free air, and a kick is what is more.
+struct StallFigures {
+  double stalled_mm_s = 0, calm_mm_s = 0;  // the fastest in the 100 ms after it; the same hand at that moment without a stall
+  double free_mm_s = 0;                    // in free air, whatever the moment
+  double energy_mJ = 0, largest_step_N = 0;
+};
+StallFigures stall_trials(double stiffness_N_mm, double stall_s, int moments = 12);
 
 }  // namespace limberg::bench

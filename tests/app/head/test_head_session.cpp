@@ -11,7 +11,9 @@
 #include "app/head/cache.h"
 #include "app/operation.h"
 #include "app/session/lockstep.h"
+#include "devices/force/force_source.h"
 #include "devices/head_surgeon.h"
+#include "devices/surface_index.h"
 #include "sim/error.h"
 #include "sim/simplex/file.h"
 #include "sim/simplex/generators.h"
@@ -188,6 +190,47 @@ TEST(HeadSession, AFragmentRaisedLiftsTheSkinAboveIt) {
   double worst = 0;
   for (size_t v = 0; v < before.size(); ++v) worst = std::max(worst, double((before[v] - back[v]).norm()));
   EXPECT_LT(worst, 0.02);
+}
+
+// The skin over bone answers a hand as it would alone; bone is as hard as bone, where no skin lies over it.
+TEST(HeadSession, SkinAndBoneAreFelt) {
+  Assembly a(skin_over_bone(), Calibration{}, {});
+  settled(a);
+  Snapshot s;
+  a.patient->fill(s);
+  SurfaceIndex skin, bone;
+  skin.build(*s.topology), bone.build(*s.topology, Ground::bone);
+  const SkinTouch on = skin.closest(s, Vec3(2, 3, 5), -1), hard = bone.closest(s, Vec3(45, 0, 20), -1);
+  ASSERT_GE(on.triangle, 0);
+  ASSERT_GE(hard.triangle, 0);
+  PressAnswer joined, alone;
+  ASSERT_TRUE(a.patient->press({s.topology_version, on.triangle, on.bary, on.normal, 1, 1}, joined));
+  EXPECT_EQ(joined.topology_version, s.topology_version);
+  alone = a.world->press({a.world->topology()->version, on.triangle, on.bary, on.normal, 1, 1});
+  EXPECT_NEAR(joined.stiffness_N_mm / alone.stiffness_N_mm, 1, 0.1);  // the second one goes on from the first
+  EXPECT_FALSE(a.patient->press({s.topology_version, hard.triangle, hard.bary, hard.normal, 1, 1}, joined));
+  EXPECT_FALSE(a.patient->press({s.topology_version + 1, on.triangle, on.bary, on.normal, 1, 1}, joined));
+
+  for (const Vec3& over : {on.x_mm, hard.x_mm}) {
+    SimulatedHand h;
+    h.target = [over](double t) { return Vec3(over + Vec3(0, 0, 3 - 5 * std::min(1.0, 4 * t))); };
+    ForceSource force(std::make_unique<SimulatedForceDevice>(h));
+    struct : SampleSink {
+      void on_sample(const Sample&) override {}
+    } nowhere;
+    for (int64_t tick = 1; tick < 800; ++tick) {
+      s.step = uint64_t(tick / 16);
+      force.look(s), force.poll(tick * 1'000'000, nowhere);
+    }
+    const bool is_bone = over == hard.x_mm;
+    EXPECT_TRUE(force.loop().state().touching) << is_bone;
+    if (is_bone) {
+      EXPECT_GT(force.model().stiffness_N_mm, 1000);
+      EXPECT_LT(force.loop().state().depth_mm, 0.5);  // a spring of the coupling's stiffness against the hand's
+    } else {
+      EXPECT_LT(force.model().stiffness_N_mm, 1);
+    }
+  }
 }
 
 TEST(HeadSession, AScenesSkinAloneBuildsNoHead) {
