@@ -8,6 +8,7 @@
 #include <map>
 #include <thread>
 
+#include "devices/lcm_local_link.h"
 #include "devices/message_codec.h"
 #include "devices/sample_queue.h"
 #include "sim/error.h"
@@ -42,26 +43,34 @@ struct Stream : StreamOrder {
 }  // namespace
 
 struct LcmNetSource::Impl {
-  Impl(const LcmNetSettings& settings, int64_t start) : lcm(settings.url), start_ns(start), queue(settings.ring) {}
+  Impl(const LcmNetSettings& settings, int64_t start) : start_ns(start), queue(settings.ring) {
+    if (!settings.allow_other_networks && settings.url.starts_with("udpm://")) local = std::make_unique<LcmLocalLink>(settings.url);
+    else library = std::make_unique<lcm::LCM>(settings.url);
+  }
 
   // ---- the receiving thread ----
 
   static void on_stylus(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::stylus_t, StylusSample>(buffer);
+    self->take<limberg_msg::stylus_t, StylusSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
   }
   static void on_control(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::control_t, ControlSample>(buffer);
+    self->take<limberg_msg::control_t, ControlSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
   }
   static void on_tracker(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
-    self->take<limberg_msg::tracker_t, TrackerSample>(buffer);
+    self->take<limberg_msg::tracker_t, TrackerSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
+  }
+  void on_packet(std::string_view channel, const uint8_t* data, size_t n) {
+    if (channel == kStylusChannel) take<limberg_msg::stylus_t, StylusSample>(data, n);
+    else if (channel == kControlChannel) take<limberg_msg::control_t, ControlSample>(data, n);
+    else if (channel == kTrackerChannel) take<limberg_msg::tracker_t, TrackerSample>(data, n);
   }
 
   template <class M, class S>
-  void take(const lcm::ReceiveBuffer* buffer) {
+  void take(const uint8_t* data, size_t n) {
     M m;
     S s;
     bool has_checksum = false;
-    if (decode_message(static_cast<const uint8_t*>(buffer->data), buffer->data_size, m, &has_checksum) || to_sample(m, s, true)) {
+    if (decode_message(data, n, m, &has_checksum) || to_sample(m, s, true)) {
       malformed.fetch_add(1, std::memory_order_relaxed);
       return;
     }
@@ -92,20 +101,24 @@ struct LcmNetSource::Impl {
   }
 
   void listen() {
-    while (!stop.load(std::memory_order_acquire))
-      if (lcm.handleTimeout(50) < 0) {
+    while (!stop.load(std::memory_order_acquire)) {
+      const bool whole = local ? local->receive(50, [this](std::string_view c, const uint8_t* d, size_t n) { on_packet(c, d, n); }) : library->handleTimeout(50) >= 0;
+      if (local) foreign.store(local->foreign(), std::memory_order_relaxed);
+      if (!whole) {
         // The socket is broken. Say so through the counts and do not spin.
         malformed.fetch_add(1, std::memory_order_relaxed);
         const timespec pause{0, 50'000'000};
         nanosleep(&pause, nullptr);
       }
+    }
   }
 
-  lcm::LCM lcm;
+  std::unique_ptr<LcmLocalLink> local;  // one of the two
+  std::unique_ptr<lcm::LCM> library;
   const int64_t start_ns;
   std::map<std::pair<int, int32_t>, Stream> order;  // of the receiving thread alone
   SampleQueue queue;
-  std::atomic<int64_t> malformed{0}, lost{0};
+  std::atomic<int64_t> malformed{0}, lost{0}, foreign{0};
   std::atomic<bool> stop{false};
   std::thread thread;
 };
@@ -115,12 +128,14 @@ LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
     throw InputError("", 0, "LCM address \"" + settings.url +
                                 "\" may reach other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to listen there");
   impl_ = std::make_unique<Impl>(settings, start_ns);
-  if (!impl_->lcm.good())
+  if (impl_->library && !impl_->library->good())
     throw InputError("", 0, "LCM address \"" + settings.url +
                                 "\" cannot be opened; expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
-  impl_->lcm.subscribeFunction(std::string(kStylusChannel), &Impl::on_stylus, impl_.get());
-  impl_->lcm.subscribeFunction(std::string(kControlChannel), &Impl::on_control, impl_.get());
-  impl_->lcm.subscribeFunction(std::string(kTrackerChannel), &Impl::on_tracker, impl_.get());
+  if (impl_->library) {
+    impl_->library->subscribeFunction(std::string(kStylusChannel), &Impl::on_stylus, impl_.get());
+    impl_->library->subscribeFunction(std::string(kControlChannel), &Impl::on_control, impl_.get());
+    impl_->library->subscribeFunction(std::string(kTrackerChannel), &Impl::on_tracker, impl_.get());
+  }
   impl_->thread = std::thread([this] { impl_->listen(); });
 }
 
@@ -131,6 +146,12 @@ LcmNetSource::~LcmNetSource() {
 }
 
 void LcmNetSource::poll(int64_t now_ns, SampleSink& sink) { impl_->queue.poll(now_ns, sink); }
+
+std::string LcmNetSource::health() const {
+  const int64_t n = impl_->foreign.load(std::memory_order_relaxed);
+  if (!impl_->local) return impl_->library ? "also from other machines, if its address lets them" : "";
+  return "this machine only" + (n > 0 ? ", " + std::to_string(n) + " packets of other machines refused" : std::string());
+}
 
 SourceCounts LcmNetSource::counts() const {
   return {impl_->queue.handed_over(), impl_->malformed.load(std::memory_order_relaxed), impl_->lost.load(std::memory_order_relaxed)};

@@ -4,6 +4,7 @@
 // Packets are taken as bytes and checked before the packaged decoder sees them (size, fingerprint, version, finite
 // numbers, sequence): that decoder can be made to fail by what it reads. Time stamps are those of arrival on this
 // machine, counted from start_ns, because the sender's clock is not ours. A sender may stop and come back.
+// From this machine alone, unless other networks are allowed: lcm_local_link.h.
 #include <memory>
 #include <string>
 
@@ -26,6 +27,7 @@ class LcmNetSource final : public Source {
   void poll(int64_t now_ns, SampleSink& sink) override;
   bool done() const override { return false; }
   SourceCounts counts() const override;
+  std::string health() const override;
 
  private:
   struct Impl;

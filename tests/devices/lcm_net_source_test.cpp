@@ -1,12 +1,14 @@
 // The live source. The network part runs where multicast works on this machine, on a port of its own.
 #include "devices/lcm_net_source.h"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <time.h>
 #include <unistd.h>
 
 #include <lcm/lcm-cpp.hpp>
 
+#include "devices/lcm_local_link.h"
 #include "devices/message_codec.h"
 #include "sim/error.h"
 #include "tests/devices/samples.h"
@@ -46,6 +48,42 @@ TEST(LcmNetSource, AnAddressThatCannotBeOpenedSaysWhatHelps) {
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("ip route"), std::string::npos);
   }
+}
+
+TEST(LcmNetSource, OnlyThisMachinesAddressesAreItsOwn) {
+  std::unique_ptr<LcmLocalLink> link;
+  try {
+    link = std::make_unique<LcmLocalLink>("udpm://239.255.76.67:7689?ttl=0");
+  } catch (const InputError&) {
+    GTEST_SKIP() << "no multicast on this machine";
+  }
+  in_addr a{};
+  for (const auto& [text, own] : {std::pair{"127.0.0.1", true}, {"127.3.2.1", true}, {"192.0.2.77", false}, {"203.0.113.5", false}, {"239.255.76.67", false}, {"0.0.0.0", false}}) {
+    ASSERT_EQ(inet_pton(AF_INET, text, &a), 1);
+    EXPECT_EQ(link->is_own(a), own) << text;
+  }
+  EXPECT_THROW(LcmLocalLink("udpm://192.0.2.1:7667?ttl=0"), InputError);
+  EXPECT_THROW(LcmLocalLink("udpm://239.255.76.67:0?ttl=0"), InputError);
+  EXPECT_THROW(LcmLocalLink("udpm://239.255.76.67:70000?ttl=0"), InputError);
+}
+
+TEST(LcmNetSource, PacketsAreReadToTheirEndsAndNoFurther) {
+  std::vector<uint8_t> packet = {'L', 'C', '0', '2', 0, 0, 0, 7, 'A', 'B', 0, 1, 2, 3};
+  std::string_view channel;
+  const uint8_t* data = nullptr;
+  size_t n = 0;
+  ASSERT_TRUE(LcmLocalLink::parse(packet.data(), packet.size(), channel, data, n));
+  EXPECT_EQ(channel, "AB");
+  ASSERT_EQ(n, 3u);
+  EXPECT_EQ(data[2], 3);
+  for (size_t cut = 0; cut < 11; ++cut) EXPECT_FALSE(LcmLocalLink::parse(std::vector<uint8_t>(packet.begin(), packet.begin() + long(cut)).data(), cut, channel, data, n)) << cut;
+  ASSERT_TRUE(LcmLocalLink::parse(packet.data(), 11, channel, data, n));
+  EXPECT_EQ(n, 0u);
+  packet[3] = '3';
+  EXPECT_FALSE(LcmLocalLink::parse(packet.data(), packet.size(), channel, data, n));
+  std::vector<uint8_t> endless(200, 'x');
+  std::copy_n("LC02", 4, endless.begin());
+  EXPECT_FALSE(LcmLocalLink::parse(endless.data(), endless.size(), channel, data, n));
 }
 
 TEST(LcmNetSource, StartsAndStopsWithoutTraffic) {
