@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "devices/bone_contour.h"
+#include "devices/pick.h"
 #include "devices/rigid_grip.h"
 
 namespace limberg {
@@ -150,6 +151,14 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
     }
     case ToolEvent::bone_release:
       return HeadCommand(LetGo{false, e.hand});
+    case pick::place:
+      return HeadCommand(PlaceLandmark{e.text.str(), rest, e.id == 1});
+    case pick::between: {
+      ConnectTissue t;
+      t.name = e.text.str(), t.face_mm = rest, t.bone_mm = Vec3(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
+      t.face_radius_mm = e.depth_mm, t.bone_radius_mm = e.spacing_mm, t.layers = e.id, t.young_kPa = e.angle_deg;
+      return HeadCommand(std::move(t));
+    }
     case ToolEvent::undo:
       return Undo{};
     case ToolEvent::redo:

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "devices/pick.h"
+
 namespace limberg {
 
 namespace {
@@ -120,6 +122,39 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
         doing_ = Doing::nothing;
         state_.held_hook = 0;
       }
+      emit(e, out);
+      break;
+    }
+    case pick::landmark: {
+      ToolEvent e = event(pick::place, tick, s);
+      const int on = int(std::clamp(c.value[3], 0.0, 3.0));
+      if (on == pick::touched && (touch_.triangle < 0 || touch_.distance_mm > g_.reach_mm || !acts_on_bone(tool_))) {
+        ++missed_;
+        break;
+      }
+      for (int i = 0; i < 3 && on != pick::touched; ++i) e.rest_mm[i] = on == pick::above ? last_pose_.tip_mm[i] : c.value[size_t(i)];
+      e.id = on == pick::face || on == pick::above;
+      e.text = c.text;
+      emit(e, out);
+      break;
+    }
+    case pick::tissue: {
+      const std::string names = c.text.str();
+      const size_t cut = std::min(names.find('/'), names.size());
+      const auto place = [&](const std::string& name, double (&to)[3]) {
+        if (!s.topology) return false;
+        const auto& all = s.topology->landmark;
+        const size_t k = size_t(std::find(all.begin(), all.end(), name) - all.begin());
+        for (int i = 0; i < 3 && k < s.landmark_mm.size(); ++i) to[i] = double(s.landmark_mm[k][i]);
+        return k < s.landmark_mm.size();
+      };
+      ToolEvent e = event(pick::between, tick, s);
+      if (cut == names.size() || !place(names.substr(0, cut), e.rest_mm) || !place(names.substr(cut + 1), e.world_mm)) {
+        ++missed_;
+        break;
+      }
+      e.text = ShortText(names.substr(0, cut) + "-" + names.substr(cut + 1));
+      e.depth_mm = c.value[0], e.spacing_mm = c.value[1], e.id = int32_t(std::clamp(c.value[2], 0.0, 1000.0)), e.angle_deg = c.value[3];
       emit(e, out);
       break;
     }

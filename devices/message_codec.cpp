@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "devices/pick.h"
+
 namespace limberg {
 
 uint32_t crc32(const uint8_t* data, size_t n) {
@@ -73,7 +75,7 @@ const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_
 
 const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time) {
   if (const char* wrong = check_prefix(m, any_time)) return wrong;
-  if (m.kind < ControlSample::select_tool || m.kind > ControlSample::cursor) return "unknown kind of control";
+  if (m.kind < ControlSample::select_tool || m.kind > pick::last_control) return "unknown kind of control";
   if (m.tool < int32_t(Tool::none) || m.tool > int32_t(Tool::grab)) return "unknown tool";
   for (double v : m.value)
     if (!std::isfinite(v) || std::abs(v) > 1e6) return "control value is not a number of this world";

@@ -196,7 +196,7 @@ Image PictureMaker::moved(const Snapshot& snapshot, const PictureOptions& option
   Image image = impl_->renderer.draw(scene, view, draw);
   if (options.landmarks) draw_landmarks(image, impl_->text, snapshot, view, options.face);
   draw_caption(image, impl_->text, options.title, options.caption);
-  draw_legend(image, impl_->text, {"The face has moved", "mm", 0, end, ColourScale::magnitude, highest > end * 1.001, false});
+  draw_legend(image, impl_->text, {options.legend, "mm", 0, end, ColourScale::magnitude, highest > end * 1.001, false});
   return image;
 }
 

@@ -26,6 +26,7 @@ struct PictureOptions {
   FaceLook face = FaceLook::solid;
   bool strands = false;    // the tissue between face and bone as a net
   bool landmarks = false;  // named dots: of the bone, or of the face where it is solid
+  std::string legend = "The face has moved";  // over the colour scale of moved()
   double field_max = 0;  // end of the tension scale; 0 = a round number above the 99th percentile of this snapshot
 };
 

@@ -61,6 +61,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
     Snapshot last;
     patient->fill_with_field(last);
     draw_head_pictures(common.out_dir, o.stages, last, scene_camera(scene));
+    leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
   }
   leave_result(r, common);
   if (!at_rest) say("the patient did not come to rest: the face still moves");

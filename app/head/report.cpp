@@ -5,8 +5,11 @@
 #include <numbers>
 #include <optional>
 
+#include "app/head/measures.h"
+#include "app/head/skull_comparison.h"
+#include "app/output.h"
+#include "app/progress.h"
 #include "app/tables.h"
-#include "sim/measure/cephalometry.h"
 
 namespace limberg {
 
@@ -38,41 +41,40 @@ std::string name_of(const Head& head, int32_t id) {
   return f ? f->name : std::to_string(id);
 }
 
-std::vector<NamedPoint> points(const std::vector<std::pair<std::string, Vec3>>& landmarks) {
-  std::vector<NamedPoint> out;
-  for (const auto& [name, at] : landmarks) out.push_back({name, at, 1});
-  return out;
+/// What head_measures finds, as rows of the report; one group in each table.
+ResultTable measure_table(Result& r, const std::vector<HeadMeasure>& all, HeadMeasure::Group group, const char* key, const char* title, const char* about) {
+  ResultTable t;
+  t.title = title, t.about = about;
+  t.columns = {"figure", "before", "after", "change", "unit", "norm"};
+  int n = 0;
+  for (const HeadMeasure& m : all) {
+    if (m.group != group) continue;
+    const std::string p = std::string("/head/") + key + "/" + std::to_string(n++);
+    r.set(p + "/name", m.name), r.set(p + "/unit", m.unit), r.set(p + "/before", m.before), r.set(p + "/after", m.now);
+    char text[3][32];
+    std::snprintf(text[0], 32, "%.1f", m.before), std::snprintf(text[1], 32, "%.1f", m.now), std::snprintf(text[2], 32, "%+.2f", m.change() + 0.0);
+    t.rows.push_back({m.name, text[0], text[1], text[2], m.unit, m.norm});
+  }
+  return t;
 }
 
-/// Lengths and angles between landmarks (measure/cephalometry.h), before and after.
-ResultTable fill_cephalometry(Result& r, const Head& head) {
-  ResultTable t;
-  t.title = "Cephalometry";
-  t.about = "Lengths in mm and angles in degrees between landmarks, in space. Names with a small letter lie on the face.";
-  t.columns = {"figure", "before", "after", "change", "unit", "norm"};
-  const auto before = cephalometry(points(head.landmarks_at_rest())), after = cephalometry(points(head.landmarks_now()));
-  int n = 0;
-  const auto row = [&](const std::string& name, const std::string& unit, double a, double b, const std::string& norm) {
-    const std::string p = "/head/cephalometry/" + std::to_string(n++);
-    r.set(p + "/name", name), r.set(p + "/unit", unit), r.set(p + "/before", a), r.set(p + "/after", b);
-    char text[3][32];
-    std::snprintf(text[0], 32, "%.1f", a), std::snprintf(text[1], 32, "%.1f", b), std::snprintf(text[2], 32, "%+.2f", b - a + 0.0);
-    t.rows.push_back({name, text[0], text[1], text[2], unit, norm});
-  };
-  for (size_t i = 0; i < std::min(before.size(), after.size()); ++i) {
-    const CephalometricMeasure& m = *before[i].measure;
-    if (before[i].value && after[i].value) row(m.name, m.unit, *before[i].value, *after[i].value, m.norm ? short_number(*m.norm, 3) : "");
-  }
-  // The middle of the forehead from the sella, where a scene names it.
-  const auto at = [](const std::vector<std::pair<std::string, Vec3>>& l, const std::string& name) -> std::optional<Vec3> {
+/// The middle of the forehead from the sella, where a scene names it.
+void add_forehead(Result& r, const Head& head, ResultTable& t) {
+  const auto at = [](const NamedPlaces& l, const std::string& name) -> std::optional<Vec3> {
     for (const auto& [k, x] : l)
       if (k == name) return x;
     return std::nullopt;
   };
-  const auto was = head.landmarks_at_rest(), is = head.landmarks_now();
+  const NamedPlaces was = head.landmarks_at_rest(), is = head.landmarks_now();
   for (const auto& [name, words] : {std::pair("F", "S-F, frontal bone"), std::pair("f'", "S-f', forehead")})
-    if (at(was, "S") && at(was, name)) row(words, "mm", (*at(was, "S") - *at(was, name)).norm(), (*at(is, "S") - *at(is, name)).norm(), "");
-  return t;
+    if (at(was, "S") && at(was, name)) {
+      const double a = (*at(was, "S") - *at(was, name)).norm(), b = (*at(is, "S") - *at(is, name)).norm();
+      const std::string p = "/head/cephalometry/" + std::to_string(t.rows.size());
+      r.set(p + "/name", words), r.set(p + "/unit", "mm"), r.set(p + "/before", a), r.set(p + "/after", b);
+      char text[3][32];
+      std::snprintf(text[0], 32, "%.1f", a), std::snprintf(text[1], 32, "%.1f", b), std::snprintf(text[2], 32, "%+.2f", b - a + 0.0);
+      t.rows.push_back({words, text[0], text[1], text[2], "mm", ""});
+    }
 }
 
 void fill_pictures(Result& r, const Head& head) {
@@ -146,7 +148,14 @@ void fill_head(Result& r, const Head& head, int tables) {
     if (way.norm() > 0.05) l.rows.push_back({k.name, short_number(way.x(), 3), short_number(way.y(), 3), short_number(way.z(), 3), short_number(way.norm(), 3)});
   }
   if (!l.rows.empty()) add_table(r, tables++, l);
-  if (const ResultTable c = fill_cephalometry(r, head); !c.rows.empty()) add_table(r, tables++, c);
+  const std::vector<HeadMeasure> measures = head_measures(head.landmarks_at_rest(), head.landmarks_now());
+  using Group = HeadMeasure::Group;
+  ResultTable lengths = measure_table(r, measures, Group::cephalometry, "cephalometry", "Cephalometry", "Lengths in mm and angles in degrees between landmarks, in space. Names with a small letter lie on the face.");
+  add_forehead(r, head, lengths);
+  const ResultTable y = measure_table(r, measures, Group::asymmetry, "asymmetry", "Left and right", "How far each landmark on the left is from mirroring its fellow on the right, in mm.");
+  const ResultTable q = measure_table(r, measures, Group::picked, "picked", "Picked places", "Lengths from each picked place to the next, and angles at the middle one of three.");
+  for (const ResultTable& m : {lengths, y, q})
+    if (!m.rows.empty()) add_table(r, tables++, m);
   if (head.has_face()) {
     const Moved m = face_moved(head);
     r.set("/head/face_moved_max_mm", m.most_mm);
@@ -175,6 +184,15 @@ void print_head(const Head& head) {
   if (!head.has_face()) return;
   const Moved m = face_moved(head);
   std::printf("face        moved by at most %.2f mm\n", m.most_mm);
+}
+
+void leave_head_figures(Result& r, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers) {
+  write_whole_file(dir + "/measures.csv", to_csv(head_measures(head.landmarks_at_rest(), head.landmarks_now())));
+  // A skull worth laying upon another has more than a few hundred places.
+  constexpr int kLeastVertices = 2000;
+  if (head.bones().mesh().vertices() < kLeastVertices) return;
+  prepare_folder(dir + "/head");
+  for (const std::string& why : report_skull(r, head, dir, last, camera, workers)) say(why);
 }
 
 }  // namespace limberg

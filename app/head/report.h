@@ -14,6 +14,8 @@ namespace limberg {
 /// draw_head_pictures leaves. first_table: how many tables stand there already.
 void fill_head(Result& result, const Head& head, int first_table = 0);
 void print_head(const Head& head);
+/// DIR/measures.csv (measures.h), and the skull beside a normal one and its mirror image (skull_comparison.h).
+void leave_head_figures(Result& result, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers);
 
 /// Draws DIR/overview.png, the stages, and DIR/head/*.png: face and bones before and after, the map of displacement, the net of the
 /// tissue. `camera`: the scene's. Says in one line when pictures cannot be made here.

@@ -174,6 +174,10 @@ void Desk::patient(const DeskReading& r, int width, int height) {
     heading("HEAD");
     for (const LiveFigure& k : s.figures) ImGui::Text("%s %.1f %s", k.name.c_str(), double(k.value), k.unit);
   }
+  if (facts_.head && r.measures) {
+    if (s.figures.empty()) heading("HEAD");
+    state.head.draw(*r.measures, float(height));
+  }
   heading("SUTURES");
   if (s.sutures.empty()) ImGui::TextColored(kQuiet, "none yet");
   else {

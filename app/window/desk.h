@@ -8,6 +8,7 @@
 #include "app/session/gauges.h"
 #include "app/session/notice.h"
 #include "app/skin_fields.h"
+#include "app/window/desk_head.h"
 #include "app/window/ruler.h"
 #include "app/window/screen.h"
 #include "devices/sample.h"
@@ -40,6 +41,7 @@ struct DeskState {
   Compare compare = Compare::off;
   float wipe = 0.5f;
   Stereo stereo = Stereo::off;
+  DeskHead head;
   // Asked for in this frame:
   bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false;
 };
@@ -53,6 +55,7 @@ struct DeskReading {
   bool showing = false;
   const FieldShown* field = nullptr;  // what is shown in colours; null or empty: nothing
   double samples_per_s = 0;
+  const std::vector<HeadMeasure>* measures = nullptr;  // of a head
 };
 
 class Desk {

@@ -26,6 +26,8 @@ const std::vector<DeskKey>& desk_keys() {
       {"X", "lattice; cells of which there are several copies in orange"},
       {"B", "before and after: wipe, side by side, off"},
       {"M", "measure: two points a length, three an angle"},
+      {"K", "pick the place under the mouse, on bone or face; beside the patient: where the tool touches"},
+      {"C", "the skull beside a normal one, beside its mirror image, alone"},
       {"W", "triangles"},
       {"S", "quality: by frame time, half size, fast, fine skin, shadows, occlusion"},
       {"A", "stereo: side by side, red-cyan, off"},
@@ -73,6 +75,10 @@ void Desk::key(int32_t code, uint32_t mods) {
     case 'M':
       s.ruler = !s.ruler;
       if (s.ruler) choose(Tool::none);
+      break;
+    case 'K': s.head.pick = facts_.head; break;
+    case 'C':
+      if (facts_.head) s.head.beside = turn_on(s.head.beside, 3);
       break;
     case 'W': s.wireframe = !s.wireframe; break;
     case 'S': s.quality = (s.quality + 1) % (1 + kLiveLevels); break;

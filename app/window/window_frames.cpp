@@ -10,7 +10,9 @@
 
 #include "app/pictures.h"
 #include "app/progress.h"
+#include "app/window/live_measures.h"
 #include "app/window/orbit.h"
+#include "app/window/skull_view.h"
 #include "app/window/painted.h"
 #include "render/picture.h"
 #include "render/renderer.h"
@@ -22,6 +24,7 @@ namespace limberg {
 namespace {
 
 constexpr float kFontPx = 14;
+constexpr double kSkullScale_mm = 5;  // of the distance from another skull
 constexpr float kRadiansPerPixel = 0.008f;
 constexpr double kFrameBudget_ms = 22;  // two thirds of the frame's period: the rest is for the desktop and for jitter
 constexpr int kStillCalls = 10;     // a third of a second without a change: the picture may be drawn at leisure
@@ -66,6 +69,10 @@ struct WindowFrames::Impl {
   WindowSettings set;
   Desk desk;
   Ruler ruler;
+  LiveMeasures measures;
+  SkullView skull;
+  bool skull_shown = false;
+  SceneBuilder skull_builder;
   Camera camera;
   QualityLadder ladder{kFrameBudget_ms};
   SceneBuilder builder, before_builder;
@@ -166,7 +173,9 @@ struct WindowFrames::Impl {
     if (d.next && !feed.showing) feed.next_wanted.fetch_add(1);
     if (d.home) camera = set.camera;
     if (!d.ruler) ruler.clear();
-    d.tool_changed = d.undo = d.redo = d.next = d.home = false;
+    if (d.head.tie)
+      if (const auto c = d.head.tied()) feed.choices.push(*c);
+    d.tool_changed = d.undo = d.redo = d.next = d.home = d.head.tie = false;
   }
 
   void save_picture(const Image& image) {
@@ -191,6 +200,10 @@ struct WindowFrames::Impl {
       o.iso_lines = desk.state.iso_lines ? field->intervals : 0;
     }
     o.face = FaceLook(desk.state.face);
+    if (skull_shown) {  // drawn as a face: 0 to 5 mm
+      o.colour_field = true, o.scale = ColourScale::magnitude, o.field_min = 0, o.field_max = kSkullScale_mm, o.iso_lines = 5;
+      o.face = FaceLook::solid;
+    }
     return o;
   }
 
@@ -248,17 +261,29 @@ struct WindowFrames::Impl {
       take(e, s, width, height);
     }
     if (!first) first = s;
+    if (desk.state.head.pick) {
+      const View v = look(width, height);
+      constexpr int kHidden = 2;
+      const RayHit hit = io.WantCaptureMouse ? RayHit{} : cast_ray(s, v.eye_mm, v.ray_through(x, y, width, height), desk.state.face == kHidden);
+      feed.choices.push(desk.state.head.picked(s, hit.triangle, hit.bary));
+      desk.state.head.pick = false;
+    }
     carry_out();
 
     const View view = look(width, height);
     feed.sight.writing() = {view, width, height};
     feed.sight.publish();
 
-    const RenderScene& scene = builder.build(s, tool_pose(tool));
+    const RenderScene& patient = builder.build(s, tool_pose(tool));
     if (desk.state.directions) builder.add_stretch_glyphs(s);
     if (desk.state.lattice) builder.add_lines(lattice_lines());
     field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
     builder.show_field(field ? field->value : std::vector<float>());
+    const Snapshot* beside = desk.state.head.beside == SkullBeside::off ? skull.show(SkullBeside::off, s, s) : skull.show(desk.state.head.beside, *first, s);
+    desk.state.head.skull_word = skull.word();
+    skull_shown = beside != nullptr;
+    const RenderScene& scene = beside ? skull_builder.build(*beside) : patient;
+    if (beside) skull_builder.show_field(beside->moved_mm);
     if (gauges) {
       const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
       if (tick - rate_tick >= 1000) {
@@ -271,6 +296,7 @@ struct WindowFrames::Impl {
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
     r.lesson_begun = feed.next_shown, r.showing = feed.showing;
     r.field = field, r.samples_per_s = samples_per_s;
+    if (set.facts.head) r.measures = &measures.read(s);
     std::vector<Vec3f> ruler_px;
     for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height));
     ImGui::NewFrame();

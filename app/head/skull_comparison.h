@@ -1,0 +1,43 @@
+#pragma once
+// A skull laid upon another: upon a normal one, or upon its own mirror image. What the operation has changed is read off the distance
+// from there, before and after.
+//
+// The normal skull is the synthetic head of normal proportions (cache.h), or any surface. The fit is trimmed ICP of the skull as it was at
+// first (sim/imaging/superposition.h): the places that differ most do not draw it, and the operation does not move it.
+#include <string>
+#include <vector>
+
+#include "app/result.h"
+#include "render/view.h"
+#include "sim/head/head.h"
+#include "sim/imaging/superposition.h"
+#include "sim/workers.h"
+
+namespace limberg {
+
+struct SkullComparison {
+  std::string with;                  // in words
+  Similarity map;                    // of the skull onto the other
+  double fit_rms_mm = 0;             // of the pairs that count
+  std::vector<Vec3> at_rest_mm;      // vertices of the skull's surface at first...
+  std::vector<Vec3> now_mm;          // ...and now
+  std::vector<int32_t> fragment;     // of each
+  std::vector<Tri> tri;
+  DistanceMap before, after;         // > 0: outside of the other
+  std::string reason;                // why there is none
+  explicit operator bool() const { return reason.empty(); }
+};
+
+/// The bones of a head as a surface: outside only matters to the eye, so cut faces are left out.
+Surface bone_surface(const Head& head, bool at_rest, std::vector<int32_t>* fragment = nullptr);
+
+SkullComparison compare_with(const Head& head, const Surface& other, const std::string& in_words, bool with_scale, Workers& workers);
+SkullComparison compare_with_mirror(const Head& head, Workers& workers);
+/// The skull of normal proportions, cranium and mandible.
+Surface normal_skull(Workers& workers);
+
+/// Both comparisons as `skull` {with, fit_rms_mm, before, after} and a table; maps as DIR/skull-normal.csv and DIR/skull-mirror.csv and, where
+/// pictures can be made, in `gallery`. Returns what could not be compared, a sentence each.
+std::vector<std::string> report_skull(Result& result, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers);
+
+}  // namespace limberg

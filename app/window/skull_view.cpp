@@ -1,0 +1,93 @@
+#include "app/window/skull_view.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "app/head/skull_comparison.h"
+
+namespace limberg {
+
+namespace {
+
+/// The bones of a snapshot as a surface, at rest or as they are; which vertex of the view each one is.
+Surface bones_of(const Snapshot& s, bool at_rest, std::vector<int32_t>& of) {
+  Surface out;
+  of.clear();
+  std::vector<int32_t> number(s.x_mm.size(), -1);
+  const auto& tri = s.topology->view.tri;
+  for (size_t t = 0; t < tri.size(); ++t) {
+    if (s.topology->organ_of(t) != Organ::bone) continue;
+    Tri k{};
+    for (size_t c = 0; c < 3; ++c) {
+      const size_t v = size_t(tri[t][c]);
+      if (number[v] < 0) number[v] = int32_t(of.size()), of.push_back(int32_t(v)), out.x_mm.push_back(at_rest ? s.topology->view.X_mm[v] : Vec3(s.x_mm[v].cast<double>()));
+      k[c] = number[v];
+    }
+    out.tri.push_back(k);
+  }
+  return out;
+}
+
+}  // namespace
+
+const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const Snapshot& now) {
+  if (with != with_) other_.reset(), shown_.reset(), measured_.clear(), with_ = with, word_.clear();
+  if (with == SkullBeside::off || !now.topology) return nullptr;
+  if (work_.valid() && work_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    Found f = work_.get();
+    other_ = f.other;
+    if (!other_->reason.empty()) {
+      word_ = other_->reason;
+    } else {
+      char text[64];
+      std::snprintf(text, sizeof text, "%.2f mm rms from %s", f.rms_mm, with == SkullBeside::normal ? "a normal skull" : "its mirror image");
+      word_ = text, shown_ = std::move(f.shown);
+    }
+  }
+  const bool failed = other_ && !other_->reason.empty();
+  if (!work_.valid() && !failed && now.x_mm != measured_) {
+    if (!other_) word_ = "laying the skull upon the other ...";
+    measured_ = now.x_mm;
+    work_ = std::async(std::launch::async, [with, before = first, s = now, other = other_, version = ++version_]() mutable {
+      InlineWorkers w;
+      std::vector<int32_t> of;
+      if (!other) {
+        const Surface rest = bones_of(before, true, of);
+        IcpSettings set;
+        set.samples = 4000, set.iterations = 80;
+        std::string reason;
+        Surface to;
+        if (with == SkullBeside::normal) {
+          to = normal_skull(w);
+        } else {
+          const MirrorPlane m = mirror_plane(rest, Vec3::UnitX(), set, w);
+          reason = m.reason, to = rest;
+          for (Vec3& x : to.x_mm) x = m.reflect(x);
+          for (Tri& t : to.tri) std::swap(t[1], t[2]);
+        }
+        SurfaceTarget target(to);
+        const IcpResult r = reason.empty() ? icp(rest, target, {}, set, w) : IcpResult{};
+        other = std::make_shared<const Other>(Other{std::move(target), r.map, reason.empty() ? r.reason : reason});
+      }
+      Found f;
+      f.other = other;
+      if (!other->reason.empty()) return f;
+      const Surface bones = bones_of(s, false, of);
+      const DistanceMap d = distance_map(bones, other->map, other->target, w);
+      auto top = std::make_shared<SurfaceTopology>();
+      top->version = version;
+      for (size_t v = 0; v < bones.x_mm.size(); ++v) {
+        top->view.X_mm.push_back(bones.x_mm[v]);
+        f.shown.x_mm.push_back(bones.x_mm[v].cast<float>()), f.shown.moved_mm.push_back(float(std::abs(d.signed_mm[v])));
+      }
+      // Drawn as a face is, since bone takes no colours.
+      for (const Tri& t : bones.tri) top->view.tri.push_back(t), top->view.kind.push_back(FaceKind::free), top->organ.push_back(Organ::face), top->object.push_back(-1);
+      f.shown.topology = std::move(top), f.shown.topology_version = version, f.rms_mm = d.rms_mm;
+      return f;
+    });
+  }
+  return shown_ ? &*shown_ : nullptr;
+}
+
+}  // namespace limberg
