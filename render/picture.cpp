@@ -29,6 +29,9 @@ double scale_end(const RenderScene& scene, double& highest) {
 
 }  // namespace
 
+// Between the eyes, as a share of the distance to what is looked at: 1 in 30, the rule of stereo photography.
+constexpr double kEyes = 1. / 30;
+
 double moved_scale_end(const RenderScene& scene) {
   std::vector<float> v;
   for (size_t i = 0; i < scene.field.size(); ++i)
@@ -160,10 +163,18 @@ void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, co
 Image PictureMaker::skin(const Snapshot& snapshot, const PictureOptions& options) {
   const RenderScene& scene = impl_->builder.build(snapshot, options.tool, options.strands);
   DrawOptions draw = impl_->options();
-  draw.face = options.face;
+  draw.face = options.face, draw.wireframe = options.wireframe;
   const View view = impl_->view(snapshot);
-  Image image = impl_->renderer.draw(scene, view, draw);
-  if (options.landmarks) draw_landmarks(image, impl_->text, snapshot, view, options.face);
+  Image image;
+  if (options.anaglyph) {
+    const auto eyes = impl_->camera->stereo_pair(impl_->aspect(), kEyes * double((impl_->camera->eye_mm - impl_->camera->target_mm).norm()));
+    impl_->renderer.paint_anaglyph(scene, eyes[0], eyes[1], draw);
+    impl_->renderer.compose(impl_->width, impl_->height);
+    image = impl_->renderer.read();
+  } else {
+    image = impl_->renderer.draw(scene, view, draw);
+    if (options.landmarks) draw_landmarks(image, impl_->text, snapshot, view, options.face);
+  }
   draw_caption(image, impl_->text, options.title, options.caption);
   return image;
 }

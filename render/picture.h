@@ -25,6 +25,8 @@ struct PictureOptions {
   ToolPose tool{};
   FaceLook face = FaceLook::solid;
   bool strands = false;    // the tissue between face and bone as a net
+  bool wireframe = false;  // triangles as lines
+  bool anaglyph = false;   // for red-cyan glasses; without landmarks. skin() only
   bool landmarks = false;  // named dots: of the bone, or of the face where it is solid
   std::string legend = "The face has moved";  // over the colour scale of moved()
   double field_max = 0;  // end of the tension scale; 0 = a round number above the 99th percentile of this snapshot

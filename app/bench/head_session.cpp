@@ -42,7 +42,7 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
       t.name = what, t.face_mm = at, t.face_radius_mm = radius, t.layers = layers, t.mode = kind;
       parts.tissues.push_back(t);
     };
-    tie("forehead", {0, 100, 58}, 78, 4), tie("jaw", landmark_of(model, "pog'"), 48, 4);
+    tie("forehead", {0, 100, 58}, 78, 8), tie("jaw", landmark_of(model, "pog'"), 48, 8);  // more layers than any tissue needs: for its size
     Head head(std::move(parts), w);
     size_t tissue = 0;
     for (const simplex::Tissue* t : head.face_model().tissues()) tissue += size_t(t->vertices());

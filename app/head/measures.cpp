@@ -44,7 +44,7 @@ std::vector<HeadMeasure> head_measures(const NamedPlaces& before, const NamedPla
     out.push_back({Group::cephalometry, m.name, m.unit, *a[i].value, *b[i].value, norm});
   }
   const Asymmetry x = asymmetry(was), y = asymmetry(is);
-  if (!x.rows.empty() && !y.rows.empty()) out.push_back({Group::asymmetry, "all pairs, rms", "mm", x.rms_mm, y.rms_mm, "0"});
+  if (!x.rows.empty() && !y.rows.empty()) out.push_back({Group::asymmetry, "rms of all pairs", "mm", x.rms_mm, y.rms_mm, "0"});
   for (const AsymmetryRow& r : x.rows)
     for (const AsymmetryRow& s : y.rows)
       if (r.name == s.name) out.push_back({Group::asymmetry, r.name, "mm", r.distance_mm, s.distance_mm, "0"});

@@ -49,6 +49,12 @@ void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& sta
     write_png(file("before.png"), pictures.skin(before, look(FaceLook::solid, "Before")));
     write_png(file("after.png"), pictures.skin(last, look(FaceLook::solid, "After")));
     write_png(file("moved.png"), pictures.moved(last, look(FaceLook::solid, "Displacement")));
+    PictureOptions lines = look(FaceLook::solid, "Triangles of face and bone");
+    lines.wireframe = true;
+    write_png(file("wireframe.png"), pictures.skin(last, lines));
+    PictureOptions stereo = look(FaceLook::clear, "After, for red-cyan glasses");
+    stereo.anaglyph = true;
+    write_png(file("anaglyph.png"), pictures.skin(last, stereo));
     write_png(file("through.png"), pictures.skin(last, look(FaceLook::clear, "After", true)));
     if (!last.topology->strand.empty()) {
       PictureOptions net = look(FaceLook::hidden, "Tissue between face and bone");

@@ -94,6 +94,8 @@ void fill_pictures(Result& r, const Head& head) {
   picture("bones-before.png", "The bones before");
   picture("bones-after.png", "The bones after: cut surfaces in red");
   if (head.has_face()) {
+    picture("wireframe.png", "The triangles of face and bone, after");
+    picture("anaglyph.png", "Face and bones after, for red-cyan glasses");
     picture("through.png", "Bones through the face, after, with the landmarks on bone");
     if (!head.tissues().empty()) picture("tissue.png", "The net of the tissue between face and bone");
   }

@@ -181,7 +181,10 @@ std::vector<std::string> report_skull(Result& r, const Head& head, const std::st
       pictures.set_camera(camera);
       PictureOptions o;
       o.legend = "Distance";
-      o.field_max = std::max(1., std::ceil(c.before.p95_mm));
+      double most = 1;  // what stands out is on some fragment
+      for (const bone::Fragment& f : head.bones().fragments())
+        for (const DistanceMap* d : {&c.before, &c.after}) most = std::max(most, spread(d->signed_mm, c.fragment, f.id).p95);
+      o.field_max = std::ceil(most);
       for (const bool after : {false, true}) {
         o.title = std::string("Distance from ") + c.with + (after ? ", after" : ", before");
         const std::string name = "head/" + file + (after ? "-after.png" : "-before.png");

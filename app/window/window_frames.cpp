@@ -105,6 +105,9 @@ struct WindowFrames::Impl {
     return camera.view(g.aspect).placed(g.u0, g.v0, g.u1, g.v1);
   }
 
+  /// A 30th of the distance to what is looked at, the rule of stereo photography: a head wants more than a patch of skin.
+  double eyes_apart_mm() const { return double((camera.eye_mm - camera.target_mm).norm()) / 30; }
+
   bool drag_turns(const WindowEvent& e) const {
     return (e.code == 1 && !(e.mods & WindowEvent::shift)) || (e.code == 0 && desk.state.tool == Tool::none && !desk.state.ruler && !feed.showing);
   }
@@ -235,10 +238,10 @@ struct WindowFrames::Impl {
       o.keep = true;
       renderer->paint(now, std::span(&right, 1), o);
     } else if (desk.state.stereo == Stereo::anaglyph) {
-      const auto eyes = camera.stereo_pair(g.aspect);
+      const auto eyes = camera.stereo_pair(g.aspect, eyes_apart_mm());
       renderer->paint_anaglyph(now, placed(eyes[0]), placed(eyes[1]), o);
     } else if (desk.state.stereo == Stereo::side_by_side) {
-      std::vector<View> eyes = camera.stereo_side_by_side(g.aspect);
+      std::vector<View> eyes = camera.stereo_side_by_side(g.aspect, eyes_apart_mm());
       for (View& v : eyes) v = placed(v);
       renderer->paint(now, eyes, o);
     } else {

@@ -1,0 +1,94 @@
+// Figures of a head: measures and their file, a skull beside another.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+#include "app/head/measures.h"
+#include "app/head/skull_comparison.h"
+#include "sim/simplex/dual.h"
+#include "sim/simplex/generators.h"
+
+namespace limberg {
+namespace {
+
+TEST(HeadMeasures, LengthsAnglesAndAsymmetryBeforeAndNow) {
+  NamedPlaces before{{"S", {0, 0, 0}}, {"N", {0, 70, 10}}, {"Ba", {0, -20, -40}}, {"ANS", {0, 80, -35}}, {"PNS", {0, 30, -35}}, {"Go_L", {-45, 0, -60}}, {"Go_R", {45, 0, -60}},
+                     {"M2", {0, 0, 3}}, {"M10", {4, 0, 3}}, {"M1", {0, 0, 0}}, {"Mx", {9, 9, 9}}};
+  NamedPlaces now = before;
+  now[6].second += Vec3(3, 4, 0), now[9].second -= Vec3(0, 0, 1);
+  const std::vector<HeadMeasure> all = head_measures(before, now);
+  const auto at = [&](const std::string& name) {
+    for (const HeadMeasure& m : all)
+      if (m.name == name) return m;
+    ADD_FAILURE() << name;
+    return HeadMeasure{};
+  };
+  EXPECT_NEAR(at("Go").before, 0, 1e-9);
+  EXPECT_NEAR(at("Go").now, 5, 1e-9);
+  EXPECT_NEAR(at("M1-M2").change(), 1, 1e-12);
+  EXPECT_NEAR(at("M2-M10").now, 4, 1e-12);  // by number, not by letters
+  EXPECT_NEAR(at("M1-M2-M10").now, 90, 1e-9);
+  for (const HeadMeasure& m : all) EXPECT_EQ(m.name.find("Mx"), std::string::npos);
+  // The file: a line each, seven fields, numbers as they are.
+  std::istringstream in(to_csv(all));
+  std::string line;
+  std::getline(in, line);
+  EXPECT_EQ(line, "group,name,unit,before,now,change,norm");
+  size_t lines = 0;
+  bool found = false;
+  for (; std::getline(in, line); ++lines) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), 6) << line;
+    found |= line == "picked,\"M1-M2\",mm,3.0000,4.0000,1.0000,";
+  }
+  EXPECT_EQ(lines, all.size());
+  EXPECT_TRUE(found);
+}
+
+/// A potato: no rotation takes it to itself.
+simplex::Mesh potato() {
+  simplex::Mesh m = simplex::make_sphere({0, 0, 0}, 40, 3);
+  for (Vec3& x : m.x_mm) x = Vec3(1.0 * x.x() + 0.004 * x.y() * x.y(), 1.3 * x.y(), 0.8 * x.z() + 0.003 * x.x() * x.y());
+  m.before_mm = m.x_mm;
+  simplex::record_shape(m);
+  return m;
+}
+
+TEST(SkullComparison, AKnownPlaceIsFoundAndAMoveIsReadOff) {
+  InlineWorkers w;
+  HeadParts parts;
+  parts.bones.push_back({"potato", potato(), false});
+  Head head(std::move(parts), w);
+  Surface other = bone_surface(head, true);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.translate(Vec3(2, -1, 3)).rotate(Eigen::AngleAxisd(0.08, Vec3(1, 2, 3).normalized()));
+  for (Vec3& x : other.x_mm) x = T * x;
+  const SkullComparison same = compare_with(head, other, "itself elsewhere", false, w);
+  ASSERT_TRUE(same) << same.reason;
+  for (const Vec3& x : same.at_rest_mm) EXPECT_LT((same.map(x) - T * x).norm(), 0.1);  // issue 7's bar
+  EXPECT_LT(same.before.max_mm, 0.1);
+  // A piece is cut off and raised: the fit stays, what was raised lies outside by so much.
+  CutBone cut;
+  cut.point_mm = {0, 0, 18}, cut.normal = Vec3::UnitZ();
+  ASSERT_TRUE(head.apply(HeadCommand(cut)).done);
+  MoveFragment m;
+  m.fragment = {-1, {0, 0, 32}}, m.by.translation_mm = {0, 0, 3};
+  ASSERT_TRUE(head.apply(HeadCommand(m)).done);
+  head.step(0.016);
+  const SkullComparison raised = compare_with(head, other, "itself elsewhere", false, w);
+  ASSERT_TRUE(raised) << raised.reason;
+  const int32_t id = head.bones().nearest_fragment({0, 0, 32});
+  double top = 0, rest = 0, most = 0;
+  for (size_t v = 0; v < raised.fragment.size(); ++v) {
+    if (raised.fragment[v] == id) top = std::max(top, raised.after.signed_mm[v]);
+    else rest = std::max(rest, std::abs(raised.after.signed_mm[v]));
+    most = std::max(most, std::abs(raised.before.signed_mm[v]));
+  }
+  EXPECT_NEAR(top, 3, 0.15);
+  EXPECT_LT(rest, 0.1);
+  EXPECT_LT(most, 0.1);
+}
+
+}  // namespace
+}  // namespace limberg

@@ -1,0 +1,73 @@
+// What the window makes of a head: picks, tissue between them, figures that follow.
+#include <gtest/gtest.h>
+
+#include "app/window/desk_head.h"
+#include "app/window/live_measures.h"
+#include "devices/pick.h"
+
+namespace limberg {
+namespace {
+
+Snapshot two_sheets() {
+  auto t = std::make_shared<SurfaceTopology>();
+  t->version = 1;
+  for (const double z : {0., 20.})
+    for (const Vec3& X : {Vec3(0, 0, z), Vec3(30, 0, z), Vec3(0, 30, z)}) t->view.X_mm.push_back(X);
+  t->view.tri.push_back({0, 1, 2}), t->view.tri.push_back({3, 4, 5});
+  for (const Organ o : {Organ::bone, Organ::face}) t->view.kind.push_back(FaceKind::free), t->organ.push_back(o), t->object.push_back(-1);
+  t->landmark = {"M1", "M2", "M3"};
+  Snapshot s;
+  for (size_t v = 0; v < 6; ++v) s.x_mm.push_back((t->view.X_mm[v] + Vec3(0, 0, 5)).cast<float>());
+  s.landmark_mm = {{0, 0, 0}, {3, 0, 0}, {3, 4, 0}};
+  s.topology = t, s.topology_version = 1;
+  return s;
+}
+
+TEST(DeskHead, APickIsThePlaceAtRestOfWhatLiesUnderTheMouse) {
+  const Snapshot s = two_sheets();
+  DeskHead d;
+  const Vec3f bary(0.5f, 0.25f, 0.25f);
+  ControlSample c = d.picked(s, 0, bary);
+  EXPECT_EQ(c.kind, pick::landmark);
+  EXPECT_EQ(c.text.str(), "M1");
+  EXPECT_EQ(c.value, (std::array<double, 4>{7.5, 7.5, 0, double(pick::bone)}));
+  EXPECT_FALSE(d.tied());
+  c = d.picked(s, 1, bary);
+  EXPECT_EQ(c.text.str(), "M2");
+  EXPECT_EQ(c.value, (std::array<double, 4>{7.5, 7.5, 20, double(pick::face)}));
+  const auto tie = d.tied();
+  ASSERT_TRUE(tie);
+  EXPECT_EQ(tie->text.str(), "M2/M1");
+  // A name of the list does not set the count back, and beside the patient the tool is asked.
+  std::string("Pog").copy(d.name.data(), 4);
+  d.name[3] = 0;
+  EXPECT_EQ(d.picked(s, -1, bary).value[3], double(pick::touched));
+  EXPECT_STREQ(d.name.data(), "M3");
+}
+
+TEST(LiveMeasures, FollowTheLandmarks) {
+  Snapshot s = two_sheets();
+  LiveMeasures live;
+  const auto at = [&](const std::string& name) -> HeadMeasure {
+    for (const HeadMeasure& m : live.read(s))
+      if (m.name == name) return m;
+    ADD_FAILURE() << name;
+    return {};
+  };
+  EXPECT_EQ(at("M1-M2").now, 3);
+  EXPECT_NEAR(at("M1-M2-M3").now, 90, 1e-9);
+  EXPECT_EQ(at("M1-M2").change(), 0);
+  s.landmark_mm[0] = {-2, 0, 0};
+  EXPECT_EQ(at("M1-M2").now, 5);
+  EXPECT_EQ(at("M1-M2").change(), 2);
+  EXPECT_EQ(at("M2-M3").change(), 0);
+  // Another one later: from where it was picked.
+  auto t = std::make_shared<SurfaceTopology>(*s.topology);
+  t->version = 2, t->landmark.push_back("M4");
+  s.topology = t, s.landmark_mm.push_back({3, 4, 2});
+  EXPECT_EQ(at("M3-M4").now, 2);
+  EXPECT_EQ(at("M1-M2").change(), 2);
+}
+
+}  // namespace
+}  // namespace limberg
