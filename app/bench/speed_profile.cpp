@@ -192,6 +192,7 @@ void speed_profile(const SpeedRun& run) {
     run.say(std::string("profile, ") + s.name + " nodes");
     profile(run, s.name, s.side, s.layers);
   }
+  run.out.notes.push_back("profile: the cells' floor counts arithmetic only. Of the kernel's instructions for sixteen cells some 400 are arithmetic and about as many again bring eight corners of 16 bytes to lanes and their forces back (8 x 16 loads, inserts, additions and stores): twice the floor; registers of 64 bytes take two cycles each on this processor, which the peak knows, and loads and stores of 16 bytes fill none of them");
   run.out.notes.push_back("profile: times are the best of 7, warm; a part's floor is the larger of its bytes over the speed at which its working set streams and its arithmetic over the peak, both measured in this run");
 }
 

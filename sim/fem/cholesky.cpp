@@ -84,10 +84,10 @@ struct DirectFactor::Impl {
   }
 };
 
-DirectFactor::DirectFactor(const ScalarMatrix& A) : impl_(std::make_unique<Impl>()) {
+DirectFactor::DirectFactor(const ScalarMatrix& A, bool supernodal) : impl_(std::make_unique<Impl>()) {
   keep_single_threaded();
   cholmod_common& c = impl_->common;
-  c.supernodal = CHOLMOD_SUPERNODAL, c.final_ll = 1, c.nmethods = 1, c.method[0].ordering = CHOLMOD_METIS, c.postorder = 1;
+  c.supernodal = supernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL, c.final_ll = 1, c.nmethods = 1, c.method[0].ordering = CHOLMOD_METIS, c.postorder = 1;
   cholmod_sparse S = view_of(A);
   impl_->n = A.n();
   impl_->L = cholmod_analyze(&S, &c);
@@ -95,6 +95,7 @@ DirectFactor::DirectFactor(const ScalarMatrix& A) : impl_(std::make_unique<Impl>
     throw std::runtime_error("the scalar stiffness matrix is not positive definite");
 }
 DirectFactor::~DirectFactor() = default;
+size_t DirectFactor::numbers() const { return impl_->L->is_super ? impl_->L->xsize : impl_->L->nzmax; }
 
 void DirectFactor::solve(std::span<double> columns) {
   Impl& m = *impl_;

@@ -21,12 +21,13 @@ ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order);
 class DirectFactor {
  public:
   /// Throws std::runtime_error if the matrix is not positive definite.
-  explicit DirectFactor(const ScalarMatrix& A);
+  explicit DirectFactor(const ScalarMatrix& A, bool supernodal = true);
   ~DirectFactor();
   DirectFactor(const DirectFactor&) = delete;
   DirectFactor& operator=(const DirectFactor&) = delete;
   /// Three right-hand sides, column after column, n() numbers each, replaced by the solution.
   void solve(std::span<double> columns);
+  size_t numbers() const;  // of the factor, 8 bytes each
 
  private:
   struct Impl;

@@ -15,8 +15,6 @@ inline float dot3(v4 a, v4 b) {
 }
 
 [[maybe_unused]] constexpr int least_wide = 6;  // cells of one stencil in a row from which sixteen lanes pay, even if most idle
-constexpr float slip_limit = 2.5f;    // layer_slide.h
-constexpr float slide_least = 0.25f;  // layer_slide.h: squared area ratio from which downwards the energy is continued
 
 /// f = K u + f0 for the eight nodes; returns sum of u . (f + f0), spread over the lanes.
 #if LIMBERG_LANES == 512
@@ -160,14 +158,12 @@ CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q
     const KernelCell& cell = d.cells[c];
     const KernelStencil& s = d.stencils[cell.stencil];
 #if LIMBERG_LANES == 512
-    if (s.slide == 0) {
-      int same = c + 1;
-      while (same < tile.last_cell && d.cells[same].stencil == cell.stencil) ++same;
-      if (same - c >= least_wide) {
-        cells_wide(d, c, same, local, out, q, theta, Measure, sums);
-        c = same - 1;
-        continue;
-      }
+    int same = c + 1;
+    while (same < tile.last_cell && d.cells[same].stencil == cell.stencil) ++same;
+    if (same - c >= least_wide) {
+      cells_wide(d, c, same, local, out, q, theta, Measure, sums);
+      c = same - 1;
+      continue;
     }
 #endif
     const float ix = s.inv4h[0], iy = s.inv4h[1], iz = s.inv4h[2];

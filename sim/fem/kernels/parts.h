@@ -7,8 +7,10 @@ namespace limberg::fem::LIMBERG_SET {
 
 CellSums evaluate_tile(const CellView& data, const Tile& tile, const Node4* u, const float* q, Node4* slots, float* theta, bool measure);
 void sum_slots(const CellView& data, const Node4* slots, size_t begin, size_t end, Node4* out);
+constexpr float slip_limit = 2.5f;    // layer_slide.h
+constexpr float slide_least = 0.25f;  // layer_slide.h: squared area ratio from which downwards the energy is continued
 #if LIMBERG_LANES == 512
-/// Cells [first, last) of a tile, all of one stencil that is not shared by layers; `local`, `out`: the tile's nodes.
+/// Cells [first, last) of a tile, all of one stencil; `local`, `out`: the tile's nodes.
 void cells_wide(const CellView& data, int first, int last, const v4* local, v4* out, const float* q, float* theta, bool measure, CellSums& sums);
 #endif
 void update_multipliers(const CellView& data, const float* theta, float* q, float scale_of_increment, size_t first, size_t last);
