@@ -34,12 +34,23 @@ Row run(const Values& v, Patch patch, const Run& with) {
         if (const Vec2 q(x, y); q.norm() <= L / 2) most = std::max(most, d.map->mean_now_mm(place(f, c) + q, L / 8).value_or(Vec3::Zero()).z());
     return most;
   };
+  // With nothing beneath, skin may as well go down: the two are mirror images of each other.
+  const auto dent = [&](const Corner& c) {
+    double most = 0;
+    if (patch.support != Support::none) return most;
+    for (double y = -L / 2; y <= L / 2; y += 1)
+      for (double x = -L / 2; x <= L / 2; x += 1)
+        if (const Vec2 q(x, y); q.norm() <= L / 2)
+          if (const auto now = d.map->now_mm(place(f, c) + q)) most = std::max(most, -now->z());
+    return most;
+  };
+  const double up_A = std::max(a.height_mm, dent(A)), up_B = std::max(b.height_mm, dent(B));
   // How much thicker the flap has become where it stands highest: tissue that keeps its volume and gives way in its plane. That height
   // is no bending.
   const DogEar& higher = a.height_mm > b.height_mm ? a : b;
   const SkinMap::Stretch there = d.map->stretch(d.skin->body().to_chart(higher.at_mm), L / 8);
   const double thickness = patch.support == Support::fat ? patch.depth_mm : 1.5, thicker = thickness * (1 / (there.most * there.least) - 1);
-  const double theory = std::sqrt(5 - 4 * std::cos(t / kDeg)), gained = d.metrics.elongation.value_or(std::nan("")), ear = std::max(a.height_mm, b.height_mm);
+  const double theory = std::sqrt(5 - 4 * std::cos(t / kDeg)), gained = d.metrics.elongation.value_or(std::nan("")), ear = std::max(up_A, up_B);
   const std::vector<ChartPoint> corners{place(f, A), place(f, B), place(f, C), place(f, D)};
   const double p95 = d.map->percentile(0.95, 2 * L, corners, 0.1 * L), p99 = d.map->percentile(0.99, 2 * L, corners, 0.1 * L);
   const auto outside = [&](const Corner& c) { return d.map->now_mm(place(f, c) + 0.05 * tissue_bisector(f, c)); };
@@ -51,7 +62,7 @@ Row run(const Values& v, Patch patch, const Run& with) {
                {"elongation_flat", flat(outside(A), outside(B)) / L},
                {"elongation_4L", flat(d.map->now_mm({0, 2 * L}), d.map->now_mm({0, -2 * L})) / (4 * L)},
                {"open_elongation", d.open_elongation},
-               {"ear_A_mm", a.height_mm}, {"ear_B_mm", b.height_mm}, {"ear_mm", ear}, {"ear_evened_mm", std::max(evened(A), evened(B))}, {"thicker_mm", thicker}, {"at_C_D_mm", tips},
+               {"ear_A_mm", up_A}, {"ear_B_mm", up_B}, {"ear_mm", ear}, {"ear_evened_mm", std::max(evened(A), evened(B))}, {"thicker_mm", thicker}, {"at_C_D_mm", tips},
                {"ear_volume_mm3", volume}, {"rms_mm", around.rms_mm},
                // What is sewn together there: A's and B's own edges; the flaps' tips into the ends of the lateral limbs.
                {"deficit_A_deg", d.map->deficit_deg(f, {A}, 0.3 * L)}, {"deficit_B_deg", d.map->deficit_deg(f, {B}, 0.3 * L)},
