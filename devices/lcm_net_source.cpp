@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "devices/lcm_local_link.h"
+#include "devices/lcm_publisher.h"
 #include "devices/message_codec.h"
 #include "devices/sample_queue.h"
 #include "sim/error.h"
@@ -21,16 +22,6 @@ int64_t monotonic_ns() {
   timespec ts;
   clock_gettime(CLOCK_MONOTONIC, &ts);
   return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
-}
-
-/// This machine only: memory, or multicast whose packets do not leave it.
-bool is_local(const std::string& url) {
-  if (url.rfind("memq://", 0) == 0) return true;
-  const size_t question = url.find('?');
-  if (url.rfind("udpm://239.", 0) != 0 || question == std::string::npos) return false;
-  const std::string options = "&" + url.substr(question + 1) + "&";
-  const size_t ttl = options.find("&ttl=");
-  return options.find("&ttl=0&") != std::string::npos && options.find("&ttl=", ttl + 1) == std::string::npos;
 }
 
 constexpr size_t kMaxStreams = 64;
@@ -124,7 +115,7 @@ struct LcmNetSource::Impl {
 };
 
 LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
-  if (!settings.allow_other_networks && !is_local(settings.url))
+  if (!settings.allow_other_networks && !stays_here(settings.url))
     throw InputError("", 0, "LCM address \"" + settings.url +
                                 "\" may reach other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to listen there");
   impl_ = std::make_unique<Impl>(settings, start_ns);

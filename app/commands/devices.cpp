@@ -18,6 +18,7 @@
 #include "app/session/clock.h"
 #include "app/streams.h"
 #include "devices/glove.h"
+#include "devices/lcm_publisher.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -28,8 +29,8 @@ struct Options {
   std::vector<std::string> devices;
   bool watch = false;
   double seconds = 0;
-  std::string calibration, record;
-  bool replace = false;
+  std::string calibration, record, publish;
+  bool replace = false, publish_anywhere = false;
 };
 
 /// What came of one stream (a station, a stylus) lately.
@@ -60,6 +61,7 @@ struct Desk final : SampleSink {
   explicit Desk(const Calibration& c) : glove(c) {}
   void on_sample(const Sample& sample) override {
     if (record) record->write(sample);
+    if (publish) publish->publish(sample);
     if (const auto* t = std::get_if<TrackerSample>(&sample)) {
       Stream& s = streams[{t->device_id, t->station}];
       s.name = role_name(t->role);
@@ -81,6 +83,7 @@ struct Desk final : SampleSink {
   bool has_glove = false;
   int64_t controls = 0;
   StreamWriter* record = nullptr;
+  LcmPublisher* publish = nullptr;
 };
 
 bool exists(const char* file) {
@@ -161,6 +164,12 @@ int devices(const Options& o) {
   Desk desk(calibration);
   std::unique_ptr<StreamWriter> record;
   if (!o.record.empty()) record = std::make_unique<StreamWriter>(o.record, o.replace), desk.record = record.get();
+  std::unique_ptr<LcmPublisher> publish;
+  if (!o.publish.empty()) {
+    for (const std::string& n : names)
+      if (n.starts_with("lcm")) throw InputError("", 0, "--publish beside --device " + n + ": what is sent would come back; expected other devices");
+    publish = std::make_unique<LcmPublisher>(o.publish, o.publish_anywhere), desk.publish = publish.get();
+  }
   const double seconds = o.seconds > 0 ? o.seconds : o.watch ? 1e9 : 2;
   const bool terminal = isatty(STDOUT_FILENO);
   int64_t shown_ns = 0;
@@ -177,6 +186,7 @@ int devices(const Options& o) {
       shown_ns = now;
     }
   }
+  if (publish) std::printf("published    %lld messages on %s\n", (long long)publish->sent(), o.publish.c_str());
   if (record) record->close(), std::printf("recording    %s, %lld samples\n", o.record.c_str(), (long long)record->samples());
   if (!o.watch) show(names, sources, desk, clock.now_ns(), double(clock.now_ns()) * 1e-9);
   return kDone;
@@ -192,6 +202,8 @@ void add_devices(CLI::App& app, Chosen& chosen) {
   c->add_option("--seconds", o->seconds, "End after so long (default 2; --watch: never)")->type_name("S")->check(CLI::Range(0.01, 86400.0));
   c->add_option("--calibration", o->calibration, "Of the glove, for its open and closed hand")->type_name("FILE");
   c->add_option("--record", o->record, "Keep what came as a stream: what limberg calibrate reads")->type_name("LOG");
+  c->add_option("--publish", o->publish, "Send what comes over LCM, for limberg run --device lcm and other programs: udpm://239.255.76.67:7667?ttl=0 stays on this machine")->type_name("URL");
+  c->add_flag("--publish-anywhere", o->publish_anywhere, "Allow addresses that reach other machines");
   c->add_flag("--replace", o->replace, "Replace LOG if it exists");
   c->footer("Example: limberg devices --seconds 20 --device fastrak:/dev/ttyUSB0,s --record pivot.lcm && limberg calibrate stylus pivot.lcm --out stylus.toml\n         limberg devices --watch --device fastrak:/dev/ttyUSB0,fts");
   c->callback([o, &chosen] { chosen = [o] { return devices(*o); }; });

@@ -50,6 +50,7 @@ Vec3 ForceLoop::contact_force(const Vec3& tip, double k) {
     state_.proxy_mm = tip;
     return Vec3::Zero();
   }
+  if (model_.puncture_N <= 0) plastic_mm_ = 0, state_.cut = false;  // what is held or met now does not cut
   state_.depth_mm = t.depth;
   if (!state_.touching) {
     // Entered since the last tick: the proxy is where the tip went through.

@@ -9,6 +9,7 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "devices/lcm_local_link.h"
+#include "devices/lcm_publisher.h"
 #include "devices/message_codec.h"
 #include "sim/error.h"
 #include "tests/devices/samples.h"
@@ -65,6 +66,39 @@ TEST(LcmNetSource, OnlyThisMachinesAddressesAreItsOwn) {
   EXPECT_THROW(LcmLocalLink("udpm://192.0.2.1:7667?ttl=0"), InputError);
   EXPECT_THROW(LcmLocalLink("udpm://239.255.76.67:0?ttl=0"), InputError);
   EXPECT_THROW(LcmLocalLink("udpm://239.255.76.67:70000?ttl=0"), InputError);
+}
+
+TEST(LcmPublisher, WhatIsSentHereIsHeardHere) {
+  EXPECT_THROW(LcmPublisher("udpm://239.255.76.67:7667?ttl=1", false), InputError);
+  LcmNetSettings settings;
+  settings.url = "udpm://239.255.76.67:" + std::to_string(40'001 + getpid() % 20'000) + "?ttl=0";
+  std::unique_ptr<LcmPublisher> publisher;
+  std::unique_ptr<LcmNetSource> source;
+  const int64_t start = monotonic_ns();
+  try {
+    publisher = std::make_unique<LcmPublisher>(settings.url, false);
+    source = std::make_unique<LcmNetSource>(settings, start);
+  } catch (const InputError&) {
+    GTEST_SKIP() << "no multicast on this machine";
+  }
+  TrackerSample t;
+  t.role = StationRole::thumb, t.station = 2, t.pos_mm = Vec3(1, 2, 3);
+  ControlSample c;
+  c.kind = ControlSample::undo;
+  Kept kept;
+  for (const Sample& s : {Sample(stylus(0, 5, Vec3(7, 8, 9))), Sample(t), Sample(c)}) EXPECT_TRUE(publisher->publish(s));
+  EXPECT_FALSE(publisher->publish(RawSample{}));
+  for (int i = 0; i < 2000 && kept.all.size() < 3; ++i) {
+    source->poll(monotonic_ns() - start, kept);
+    const timespec pause{0, 1'000'000};
+    nanosleep(&pause, nullptr);
+  }
+  if (kept.all.empty()) GTEST_SKIP() << "multicast packets do not come back on this machine";
+  ASSERT_EQ(kept.all.size(), 3u);
+  EXPECT_EQ(std::get<StylusSample>(kept.all[0]).tip_mm, Vec3(7, 8, 9));
+  EXPECT_EQ(std::get<TrackerSample>(kept.all[1]).pos_mm, Vec3(1, 2, 3));
+  EXPECT_EQ(std::get<ControlSample>(kept.all[2]).kind, ControlSample::undo);
+  EXPECT_EQ(source->counts().malformed, 0);
 }
 
 TEST(LcmNetSource, PacketsAreReadToTheirEndsAndNoFurther) {
