@@ -9,6 +9,29 @@ namespace limberg::bone {
 
 using simplex::FaceKind;
 
+namespace {
+
+/// From how far each corner lies off the line between its neighbours, across the ring. Of independent errors of standard
+/// deviation s in all corners that distance has s sqrt(1 + w^2 + (1 - w)^2) in each of two directions, w and 1 - w the
+/// neighbours' shares; its median is 1.18 times that (Rayleigh). The median does not see the few true kinks of a ring.
+double jumps(const std::vector<Vec3>& x) {
+  std::vector<double> off;
+  const size_t n = x.size();
+  for (size_t i = 0; i < n; ++i) {
+    const Vec3 &a = x[(i + n - 1) % n], &b = x[(i + 1) % n], e = b - a;
+    const double l = e.squaredNorm();
+    if (!(l > 1e-12)) continue;
+    const double w = e.dot(x[i] - a) / l;
+    if (w <= 0 || w >= 1) continue;
+    off.push_back((x[i] - a - w * e).norm() / std::sqrt(1 + w * w + (1 - w) * (1 - w)));
+  }
+  if (off.empty()) return 0;
+  std::nth_element(off.begin(), off.begin() + std::ptrdiff_t(off.size() / 2), off.end());
+  return off[off.size() / 2] / 1.18;
+}
+
+}  // namespace
+
 std::vector<Ring> cut_rings(const simplex::Mesh& m) {
   constexpr double kStep_mm = 1.5, kShortest_mm = 10;
   constexpr int kReach = 2;  // steps to either side
@@ -34,6 +57,7 @@ std::vector<Ring> cut_rings(const simplex::Mesh& m) {
     std::vector<double> at{0};
     for (size_t i = 0; i < n; ++i) at.push_back(at.back() + (r.corner_mm[(i + 1) % n] - r.corner_mm[i]).norm());
     if (at.back() < kShortest_mm) continue;
+    r.noise_mm = jumps(r.corner_mm);
     const size_t k = size_t(std::lround(at.back() / kStep_mm));
     r.step_mm = at.back() / double(k);
     std::vector<Vec3> normal(k);

@@ -7,7 +7,7 @@
 #include <cstdio>
 
 #include "sim/bone/bones.h"
-#include "sim/bone/rings.h"
+#include "sim/bone/ring_ways.h"
 #include "sim/bone/shape.h"
 #include "sim/simplex/dual.h"
 
@@ -16,12 +16,21 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr double kNear_mm = 1.5;      // rings run together while they are no further apart
-constexpr double kFan = 0.08;         // and per mm of arc from where they were laid on each other: frames are good to 5 degrees
-constexpr double kLongest_mm = 45;    // of the run to either side that is looked at
-constexpr double kTogether_mm = 0.6;  // rings that are counted as running together
+constexpr double kTogether_mm = 0.6;  // rings that are counted as running together, and 4 times their noise
+constexpr double kTouch_mm = 0.3;      // cut surfaces touch that lie no further apart, and so many times the noise
 constexpr double kExact_mm = 0.05;    // a fit looks at least so far
-constexpr size_t kFitted = 12;        // the best ways that are fitted
+constexpr double kExplained = 1.5;    // a residual may be so much greater than what the noise of the rings explains, and
+constexpr double kUnexplained_mm = 0.12;
+constexpr size_t kTried = 24, kFitted = 8;  // ways that are fitted a little, and to the end
+constexpr double kOne_mm = 3, kOne_deg = 4;  // with noise, fits that end so near to each other are one
+constexpr double kSettle_mm = 3;       // places so far apart are one at first
+constexpr int kRounds = 15;           // in which a group of pieces settles
+
+std::string text(const char* format, double a, double b) {
+  char s[160];
+  std::snprintf(s, sizeof s, format, a, b);
+  return s;
+}
 
 struct Piece {
   std::vector<Ring> rings;
@@ -29,6 +38,7 @@ struct Piece {
   std::vector<Vec3> corner, edge;     // of all rings: places, and edge vectors to the next
   std::vector<Vec3> tangent;
   std::vector<double> share_mm;       // of the ring's length that a corner stands for
+  double noise_mm = 0;                // of all rings
   Vec3 middle() const { return 0.5 * (shape.lo_mm + shape.hi_mm); }
   Vec3 middle_at(const Isometry3d& T) const { return T * middle(); }
 };
@@ -63,33 +73,9 @@ Isometry3d towards_lines(const std::vector<Vec3>& from, const std::vector<Vec3>&
 
 double degrees(const Isometry3d& T) { return Eigen::AngleAxisd(Mat3(T.linear())).angle() * 180 / M_PI; }
 
-struct Way {
-  double score = 0;
-  Isometry3d T;  // b in a
-};
-
-/// Lays place j of ring q on place i of ring p and follows both by arc length.
-Way lay(const Ring& p, size_t i, const Ring& q, size_t j) {
-  Way w;
-  Mat3 A, B;
-  A << p.tangent[i], p.normal[i], p.tangent[i].cross(p.normal[i]);
-  B << -q.tangent[j], q.normal[j], -q.tangent[j].cross(q.normal[j]);
-  w.T = Isometry3d::Identity();
-  w.T.linear() = A * B.transpose();
-  w.T.translation() = p.x_mm[i] - w.T.linear() * q.x_mm[j];
-  const int np = int(p.x_mm.size()), nq = int(q.x_mm.size());
-  for (int side : {1, -1})
-    for (int k = 2; k * p.step_mm < kLongest_mm && 2 * k < np; k += 2) {
-      const Vec3& x = p.x_mm[size_t(((int(i) + side * k) % np + np) % np)];
-      // Steps differ a little: the same arc on q, the other way round.
-      const int l = int(std::lround(k * p.step_mm / q.step_mm));
-      const Vec3& y = q.x_mm[size_t(((int(j) - side * l) % nq + nq) % nq)];
-      const double d = (w.T * y - x).norm(), most = kNear_mm + kFan * k * p.step_mm;
-      if (d > most) break;
-      w.score += 2 * p.step_mm * (1 - d / most);
-    }
-  return w;
-}
+/// What noise of both alone would leave as the distance of a corner from a line, which is the mean of two corners or nearly.
+double explained(const Piece& a, const Piece& b) { return std::sqrt(2.) * std::hypot(b.noise_mm, 0.82 * a.noise_mm); }
+double together_mm(const Piece& a, const Piece& b) { return kTogether_mm + 2.5 * explained(a, b); }
 
 /// Corners of b on the rings of a, where they are nearer than that and run against each other.
 struct Together {
@@ -102,6 +88,7 @@ Together together(const Piece& a, const Piece& b, const Isometry3d& T, double ne
   double sum = 0;
   for (size_t j = 0; j < b.corner.size(); ++j) {
     const Vec3 y = T * b.corner[j], t = T.linear() * b.tangent[j];
+    if ((y.array() < a.shape.lo_mm.array() - near).any() || (y.array() > a.shape.hi_mm.array() + near).any()) continue;
     double best = near * near;
     Vec3 at, along;
     for (size_t i = 0; i < a.corner.size(); ++i) {
@@ -119,26 +106,37 @@ Together together(const Piece& a, const Piece& b, const Isometry3d& T, double ne
   return out;
 }
 
+/// The same within three times the usual distance, no more than `widest`: without what only comes near where the common curve ends.
+Together together_closely(const Piece& a, const Piece& b, const Isometry3d& T, double widest) {
+  Together t = together(a, b, T, widest);
+  if (t.from.empty()) return t;
+  std::nth_element(t.apart.begin(), t.apart.begin() + std::ptrdiff_t(t.apart.size() / 2), t.apart.end());
+  const double near = std::max(kExact_mm, 3 * t.apart[t.apart.size() / 2]);
+  return near < widest ? together(a, b, T, near) : t;
+}
+
 struct Fit {
   Isometry3d T;
   double length = 0, residual = 0;
+  double worth() const { return length / (0.05 + residual); }
 };
 /// Nearest places, within a distance that shrinks to three times the usual one: what only comes near where
 /// the common curve ends is left out.
-Fit fit(const Piece& a, const Piece& b, Isometry3d T) {
-  double near = 4;  // mm
-  for (int round = 0; round < 60; ++round) {
+Fit fit(const Piece& a, const Piece& b, Isometry3d T, int rounds = 60) {
+  const double counted = together_mm(a, b), widest = std::max(4., counted);
+  double near = widest;
+  for (int round = 0; round < rounds; ++round) {
     Together t = together(a, b, T, near);
     if (t.from.size() < 8) break;
     const Isometry3d by = towards_lines(t.from, t.to, t.along);
     const double move = (by * b.middle_at(T) - b.middle_at(T)).norm() + degrees(by);
     T = by * T;
     std::nth_element(t.apart.begin(), t.apart.begin() + std::ptrdiff_t(t.apart.size() / 2), t.apart.end());
-    near = std::max({kExact_mm, 3 * t.apart[t.apart.size() / 2], near > kTogether_mm ? 0.8 * near : 0.});
-    near = std::min(near, 4.);
-    if (move < 1e-7 && near <= kTogether_mm) break;
+    near = std::max({kExact_mm, 3 * t.apart[t.apart.size() / 2], near > counted ? 0.8 * near : 0.});
+    near = std::min(near, widest);
+    if (move < 1e-7 && near <= counted) break;
   }
-  const Together end = together(a, b, T, kTogether_mm);
+  const Together end = together_closely(a, b, T, counted);
   return {T, end.length, end.residual};
 }
 
@@ -173,58 +171,88 @@ Piece describe(const simplex::Mesh& m) {
       p.tangent.push_back((after - before).normalized());
       p.share_mm.push_back(0.5 * ((after - x).norm() + (x - before).norm()));
     }
+    p.noise_mm = std::max(p.noise_mm, r.noise_mm);
   }
   return p;
 }
 
-std::string text(const char* format, double a, double b) {
-  char s[160];
-  std::snprintf(s, sizeof s, format, a, b);
-  return s;
+/// How the walls lie: area of b's wall that lies on a's, facing it, and the distance there (rms).
+struct Contact {
+  double area_mm2 = 0, residual_mm = 0;
+};
+Contact contact(const Piece& a, const Piece& b, const Isometry3d& T, double near) {
+  Contact c;
+  if (a.shape.walls.empty()) return c;
+  for (const WallPoint& p : b.shape.wall) {
+    const Vec3 x = T * p.x_mm;
+    if ((x.array() < a.shape.lo_mm.array() - near).any() || (x.array() > a.shape.hi_mm.array() + near).any()) continue;
+    const Bvh::Closest at = a.shape.walls.closest(x, near);
+    if (at.triangle < 0 || a.shape.surface.normal(at.triangle).dot(T.linear() * p.normal) > -0.7) continue;
+    c.area_mm2 += p.area_mm2, c.residual_mm += p.area_mm2 * at.distance_mm * at.distance_mm;
+  }
+  if (c.area_mm2 > 0) c.residual_mm = std::sqrt(c.residual_mm / c.area_mm2);
+  return c;
+}
+
+/// Empty when a fit stands; else why not.
+std::string doubt(const Piece& a, const Piece& b, const Fit& f, const SortingRules& rules) {
+  if (!(f.length > 0)) return "their cut rings do not run together";
+  if (f.length < rules.least_length_mm || f.residual > rules.most_residual_mm) return text("their cut rings run together for %.0f mm, %.2f mm apart", f.length, f.residual);
+  const double most = kExplained * explained(a, b) + kUnexplained_mm;
+  if (f.residual > most) return text("their cut rings lie %.2f mm apart; their noise explains %.2f mm", f.residual, most);
+  // Two tables of a bone that is kThinnest_mm thick, at least, have so much wall between them.
+  constexpr double kThinnest_mm = 1;
+  const double wall = 0.5 * f.length * kThinnest_mm;
+  const double touch = kTouch_mm + 2.5 * explained(a, b);
+  const Contact there = contact(a, b, f.T, touch), back = contact(b, a, f.T.inverse(), touch), &c = there.area_mm2 > back.area_mm2 ? there : back;
+  if (c.area_mm2 < wall) return text("their cut surfaces touch on %.0f mm^2; at least %.0f mm^2 was expected", c.area_mm2, wall);
+  if (const double apart = rules.most_residual_mm + explained(a, b); c.residual_mm > apart) return text("their cut surfaces lie %.2f mm apart; at most %.2f mm was expected", c.residual_mm, apart);
+  if (const double d = depth(a, b, f.T) - 4 * explained(a, b); d > rules.most_depth_mm) return text("bone would lie %.1f mm within bone (rings together for %.0f mm)", d, f.length);
+  return "";
 }
 
 /// All verified ways of b to a, best first; or why there is none.
 std::vector<Fit> ways_of(const Piece& a, const Piece& b, const SortingRules& rules, std::string& why) {
-  std::vector<Way> ways;
+  const Vec3 middle = b.middle();
+  std::vector<RingWay> ways;
   for (const Ring& p : a.rings)
     for (const Ring& q : b.rings)
-      for (size_t i = 0; i < p.x_mm.size(); i += 2) {
-        Way best;
-        for (size_t j = 0; j < q.x_mm.size(); ++j)
-          if (const Way w = lay(p, i, q, j); w.score > best.score) best = w;
-        if (best.score > 0) ways.push_back(best);
-      }
+      for (RingWay& w : ring_ways(p, q, middle, kTried)) ways.push_back(w);
   why = "no way to lay their cut rings together";
   if (ways.empty()) return {};
-  std::stable_sort(ways.begin(), ways.end(), [](const Way& s, const Way& t) { return s.score > t.score; });
-  const Vec3 middle = b.middle();
-  std::vector<Way> different;
-  for (const Way& w : ways) {
-    if (different.size() >= kFitted || w.score < 0.4 * ways[0].score) break;
-    if (std::none_of(different.begin(), different.end(), [&](const Way& d) { return same(w.T, d.T, middle, 4, 8); })) different.push_back(w);
+  std::stable_sort(ways.begin(), ways.end(), [](const RingWay& s, const RingWay& t) { return s.score > t.score; });
+  // Ways that come to the same place are one; the tables of a bone find it twice.
+  const auto keep = [&](std::vector<Fit>& fits, const Fit& f, double mm, double deg) {
+    for (Fit& g : fits)
+      if (same(f.T, g.T, middle, mm, deg)) {
+        if (f.worth() > g.worth()) g = f;
+        return;
+      }
+    fits.push_back(f);
+  };
+  const auto by_worth = [](const Fit& f, const Fit& g) { return f.worth() > g.worth(); };
+  std::vector<Fit> rough, fits;
+  for (size_t k = 0; k < ways.size() && rough.size() < kTried; ++k) {
+    if (std::any_of(rough.begin(), rough.end(), [&](const Fit& g) { return same(ways[k].T, g.T, middle, 1, 2); })) continue;
+    keep(rough, fit(a, b, ways[k].T, 8), 1, 2);
   }
-  std::vector<Fit> fits;
-  for (const Way& w : different) {
-    const Fit f = fit(a, b, w.T);
-    if (std::none_of(fits.begin(), fits.end(), [&](const Fit& g) { return same(f.T, g.T, middle, rules.same_mm, rules.same_deg); })) fits.push_back(f);
-  }
-  std::stable_sort(fits.begin(), fits.end(), [](const Fit& f, const Fit& g) { return f.length > g.length; });
+  std::stable_sort(rough.begin(), rough.end(), by_worth);
+  if (rough.size() > kFitted) rough.resize(kFitted);
+  for (const Fit& f : rough) keep(fits, fit(a, b, f.T), kOne_mm, kOne_deg);
+  std::stable_sort(fits.begin(), fits.end(), by_worth);
   std::vector<Fit> stand;
-  for (const Fit& f : fits) {
-    if (f.length < rules.least_length_mm || f.residual > rules.most_residual_mm) {
-      if (&f == &fits[0]) why = text("their cut rings run together for %.0f mm, %.2f mm apart", f.length, f.residual);
-    } else if (const double d = depth(a, b, f.T); d > rules.most_depth_mm) {
-      why = text("bone would lie %.1f mm within bone (rings together for %.0f mm)", d, f.length);
-    } else {
-      stand.push_back(f);
-    }
-  }
+  for (const Fit& f : fits)
+    if (const std::string bad = doubt(a, b, f, rules); bad.empty()) stand.push_back(f);
+    else if (&f == &fits[0]) why = bad;
   return stand;
 }
 
-/// Another way that is as good: nearly as long, and not clearly worse in its residual.
+/// Another way that is as good: nearly as long, and what it lies off more than the best one is less than kWorse_mm.
 bool ambiguous(const std::vector<Fit>& f) {
-  return f.size() > 1 && f[1].length > 0.8 * f[0].length && f[1].residual < 1.5 * f[0].residual + 0.03;
+  constexpr double kWorse_mm = 0.15;
+  return std::any_of(f.begin() + (f.empty() ? 0 : 1), f.end(), [&](const Fit& g) {
+    return g.length > 0.8 * f[0].length && g.residual * g.residual < f[0].residual * f[0].residual + kWorse_mm * kWorse_mm;
+  });
 }
 
 /// Puts groups together.
@@ -251,7 +279,7 @@ class Assembly {
   /// Length of all rings of the two groups that would run together.
   double length(size_t a, size_t b, const Isometry3d& by) const {
     double sum = 0;
-    between(a, b, by, [&](const Piece& p, const Piece& q, const Isometry3d& T) { sum += together(p, q, T, kTogether_mm).length; });
+    between(a, b, by, [&](const Piece& p, const Piece& q, const Isometry3d& T) { sum += together(p, q, T, together_mm(p, q)).length; });
     return sum;
   }
   void put(size_t a, size_t b, const Isometry3d& by) {
@@ -264,13 +292,43 @@ class Assembly {
     for (size_t i = 0; i < p_.size(); ++i)
       if (o_.group[i] == low) o_.pose[i] = i == size_t(low) ? Isometry3d::Identity() : Isometry3d(back * o_.pose[i]);
   }
-  /// A pair of one group, where it lies: the rings run together there.
-  bool stands(size_t a, size_t b, Match& m) const {
+  /// Puts the groups together if that goes: they settle, and then no bone may lie deep within bone. Else nothing has changed; the
+  /// answer is how deep.
+  double try_to_put(size_t a, size_t b, const Isometry3d& by, double most) {
+    const std::vector<Isometry3d> pose = o_.pose;
+    const std::vector<int32_t> group = o_.group;
+    put(a, b, by);
+    settle(o_.group[a]);
+    double deep = 0;
+    for (size_t i = 0; i < p_.size(); ++i)
+      for (size_t j = 0; j < p_.size(); ++j)
+        if (group[i] == group[a] && group[j] == group[b])
+          deep = std::max(deep, depth(p_[i], p_[j], o_.pose[i].inverse() * o_.pose[j]) - 4 * explained(p_[i], p_[j]));
+    if (deep <= most) return 0;
+    o_.pose = pose, o_.group = group;
+    return deep;
+  }
+  /// All pieces of a group, each towards all that it touches, the first kept in place.
+  void settle(int32_t group) {
+    double widest = kSettle_mm;
+    for (int round = 0; round < kRounds; ++round, widest *= 0.8)
+      for (size_t j = 0; j < p_.size(); ++j) {
+        if (o_.group[j] != group || size_t(group) == j) continue;
+        Together all;
+        for (size_t i = 0; i < p_.size(); ++i) {
+          if (i == j || !one(i, j)) continue;
+          const Together t = together_closely(p_[i], p_[j], o_.pose[i].inverse() * o_.pose[j], std::max(widest, together_mm(p_[i], p_[j])));
+          for (size_t k = 0; k < t.from.size(); ++k) all.from.push_back(o_.pose[i] * t.from[k]), all.to.push_back(o_.pose[i] * t.to[k]), all.along.push_back(o_.pose[i].linear() * t.along[k]);
+        }
+        if (all.from.size() >= 8) o_.pose[j] = towards_lines(all.from, all.to, all.along) * o_.pose[j];
+      }
+  }
+  /// A pair of one group, where it lies: rings and walls together there.
+  std::string stands(size_t a, size_t b, Match& m) const {
     const Isometry3d T = o_.pose[a].inverse() * o_.pose[b];
-    const Fit f = fit(p_[a], p_[b], T);
-    if (f.length < rules_.least_length_mm || f.residual > rules_.most_residual_mm || !same(f.T, T, p_[b].middle(), 2 * rules_.same_mm, 2 * rules_.same_deg)) return false;
-    m.b_in_a = f.T, m.length_mm = f.length, m.residual_mm = f.residual;
-    return true;
+    const Together t = together_closely(p_[a], p_[b], T, together_mm(p_[a], p_[b]));
+    m.b_in_a = T, m.length_mm = t.length, m.residual_mm = t.residual;
+    return doubt(p_[a], p_[b], {T, t.length, t.residual}, rules_);
   }
 
  private:
@@ -298,10 +356,9 @@ Sorting sort_fragments(const std::vector<simplex::Mesh>& meshes, const SortingRu
       pairs.back().ways = ways_of(pieces[i], pieces[j], rules, pairs.back().why);
     }
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& s, const Pair& t) {
-    const double x = s.ways.empty() ? 0 : s.ways[0].length, y = t.ways.empty() ? 0 : t.ways[0].length;
-    return x > y;
+    return (s.ways.empty() ? 0 : s.ways[0].worth()) > (t.ways.empty() ? 0 : t.ways[0].worth());
   });
-  // What fits in one way only, the longest first.
+  // What fits in one way only, the best first.
   for (Pair& p : pairs) {
     if (p.ways.empty()) continue;
     if (ambiguous(p.ways)) {
@@ -310,8 +367,7 @@ Sorting sort_fragments(const std::vector<simplex::Mesh>& meshes, const SortingRu
     }
     if (assembly.one(p.a, p.b)) continue;
     const Isometry3d by = assembly.carry(p.a, p.b, p.ways[0].T);
-    if (const double d = assembly.deepest(p.a, p.b, by); d > rules.most_depth_mm) p.why = text("with it, bone would lie %.1f mm within bone (rings together for %.0f mm)", d, p.ways[0].length);
-    else assembly.put(p.a, p.b, by);
+    if (const double d = assembly.try_to_put(p.a, p.b, by, rules.most_depth_mm); d > 0) p.why = text("with it, bone would lie %.1f mm within bone (rings together for %.0f mm)", d, p.ways[0].length);
   }
   // What fits in several: where all neighbours fit too, if that is clearly one way.
   for (bool any = true; any;) {
@@ -323,21 +379,21 @@ Sorting sort_fragments(const std::vector<simplex::Mesh>& meshes, const SortingRu
       for (const Fit& f : p.ways) {
         const Isometry3d way = assembly.carry(p.a, p.b, f.T);
         const double length = assembly.length(p.a, p.b, way);
-        if (length <= second || assembly.deepest(p.a, p.b, way) > rules.most_depth_mm) continue;
+        if (length <= second || assembly.deepest(p.a, p.b, way) > rules.most_depth_mm + kSettle_mm) continue;
         if (length > best) second = best, best = length, by = way;
         else second = length;
       }
       if (best < 1.25 * second || best == 0) continue;
-      assembly.put(p.a, p.b, by);
-      any = true;
+      any |= assembly.try_to_put(p.a, p.b, by, rules.most_depth_mm) == 0;
     }
   }
   // Every pair where it lies now.
   for (const Pair& p : pairs) {
     Match m;
     m.a = int32_t(p.a), m.b = int32_t(p.b);
-    if (assembly.one(p.a, p.b) && assembly.stands(p.a, p.b, m)) out.matches.push_back(m);
-    else out.refused.push_back({m.a, m.b, !p.ways.empty() && assembly.one(p.a, p.b) && p.why.empty() ? "it contradicts pairs that fit for longer" : p.why});
+    const std::string bad = assembly.one(p.a, p.b) ? assembly.stands(p.a, p.b, m) : "";
+    if (assembly.one(p.a, p.b) && bad.empty()) out.matches.push_back(m);
+    else out.refused.push_back({m.a, m.b, !bad.empty() ? bad : !p.why.empty() ? p.why : "it contradicts pairs that fit better"});
   }
   std::stable_sort(out.matches.begin(), out.matches.end(), [](const Match& s, const Match& t) { return s.length_mm > t.length_mm; });
   return out;

@@ -2,15 +2,15 @@
 // Sorting of bone fragments: which cut surfaces belong together, and how the fragments lie to each other.
 //
 // A fragment is described by its cut rings: the creases between its surface and its cut walls, walked with the surface on
-// the left. Two fragments that were one run along the same curve in opposite directions, with the same surface normal. So a
-// place on one ring and a place on another one give a rigid motion (tangent to minus tangent, normal to normal). All pairs
-// of places are tried; along the rings from there, by arc length, the curves either stay together (curvature and torsion
-// agree) or part. The best are fitted: first along that run, then nearest place to nearest place over all rings of both (both
-// tables, so that the thickness has to agree too).
+// the left. Two fragments that were one run along the same curve in opposite directions, with the same surface normal. All cyclic
+// shifts of every ring of one against every ring of the other are tried, run against run (ring_ways.h); parts of rings are enough. The
+// best are fitted nearest place to nearest line over all rings of both (both tables, so that the thickness has to agree too).
 //
-// Verified, or refused: enough length together, the residual, no bone within bone. What fits in one way only is put
-// together first, the longest first. What fits in several (a circle in a sphere fits at every angle) is put where its
-// neighbours fit as well, if that is clearly one way, else refused. In the end every pair is looked at where it lies.
+// Verified, or refused: enough length together; a residual that the noise of the rings explains (how far their corners jump,
+// rings.h); cut surfaces that touch, with a residual of their own; no bone within bone. What fits in one way only is put together
+// first, the best (length over residual) first. What fits in several (a circle in a sphere fits at every angle) is put where its
+// neighbours fit as well, if that is clearly one way, else refused. Then all pieces settle together: each in turn is moved to
+// where it fits all its neighbours best. In the end every pair is looked at where it lies.
 #include <string>
 #include <vector>
 
@@ -24,7 +24,6 @@ struct SortingRules {
   double least_length_mm = 30;  // of rings that run together
   double most_residual_mm = 0.4;  // rms
   double most_depth_mm = 1;     // of one within the other
-  double same_mm = 0.5, same_deg = 1;  // two ways that differ by less are one
 };
 
 struct Match {

@@ -15,22 +15,23 @@ Vec3 BoneSurface::normal(int32_t t) const {
 }
 
 bool BoneSurface::contains(const Vec3& x) const {
-  // A direction that no plane of an axis contains. A line through a shared edge meets both triangles there: entering and
-  // leaving is counted by sign, and what meets an edge twice in the same sense at the same place counts once.
-  static const Vec3 direction = Vec3(0.2718281828, 0.3141592654, 0.9097).normalized();
-  const std::vector<Bvh::LineHit> hits = bvh.line(x, direction, 0, 1e6);
-  // The first place where it is decided: leaving means inside.
-  double t = -1;
-  int out = 0, in = 0;
-  for (const Bvh::LineHit& h : hits) {
-    if (t >= 0 && h.t > t + 1e-9) {
-      if (out != in) break;
-      out = in = 0;
+  // Directions that no plane of an axis contains. A line through a shared edge meets both triangles there: the same sense at
+  // the same place counts once.
+  static const Vec3 direction[] = {Vec3(0.2718281828, 0.3141592654, 0.9097).normalized(), Vec3(-0.8123, 0.2511, 0.5267).normalized(), Vec3(0.4409, -0.8731, 0.2117).normalized(),
+                                   Vec3(-0.3313, -0.5279, -0.7822).normalized(), Vec3(0.6731, 0.7013, -0.2351).normalized()};
+  int votes = 0;
+  for (const Vec3& d : direction) {
+    int net = 0;
+    double at_in = -1, at_out = -1;
+    for (const Bvh::LineHit& h : bvh.line(x, d, 0, 1e6)) {
+      double& at = h.from_outside ? at_in : at_out;
+      if (at >= 0 && h.t <= at + 1e-9) continue;
+      at = h.t, net += h.from_outside ? -1 : 1;
     }
-    t = h.t;
-    (h.from_outside ? in : out) += 1;
+    if (net == 0 || net == 1) return net == 1;
+    votes += net > 0 ? 1 : -1;
   }
-  return out > in;
+  return votes > 0;
 }
 
 Vec3 fan_centre(const Mesh& m, int32_t f) {

@@ -13,10 +13,13 @@
 namespace limberg::test {
 
 /// Outer and inner table as scaled spheres, joined at the foramen (below, z near -0.93 of the outer radius). `uneven`: with
-/// bosses and hollows of that height, no two alike, and a thickness that varies by a third of it, as skulls have them.
-inline simplex::Mesh skull_shell(int levels = 4, const Vec3& half_mm = {70, 85, 65}, double thick_mm = 6, double uneven_mm = 0) {
+/// bosses and hollows of that height, no two alike, and a thickness that varies by a third of it, as skulls have them. `turn`: of the
+/// mesh on the same shape, so that it is divided into other faces.
+inline simplex::Mesh skull_shell(int levels = 4, const Vec3& half_mm = {70, 85, 65}, double thick_mm = 6, double uneven_mm = 0, const Mat3& turn = Mat3::Identity()) {
   using namespace simplex;
-  Mesh m = make_sphere({0, 0, 0}, 1, levels), inner = m;
+  Mesh m = make_sphere({0, 0, 0}, 1, levels);
+  for (Vec3& x : m.x_mm) x = turn * x;
+  Mesh inner = m;
   const auto boss = [](const Vec3& u, double phase) {
     return 0.5 * std::sin(5.3 * u.x() + 2.1 * u.y() + phase) + 0.5 * std::sin(4.1 * u.y() - 3.7 * u.z() + 1 + 2 * phase) + 0.5 * std::sin(6.1 * u.z() + 3.3 * u.x() + 2);
   };
