@@ -6,6 +6,7 @@
 // orthogonalisation; the stiffness by differences of the gradient in double, with the bulk modulus that the minimiser meets).
 // Steps go with the root of their quotient, as for conjugate gradients, whatever the pull, and however long the history.
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "app/bench/cpu_clock.h"
@@ -149,7 +150,7 @@ void speed_flap(const SpeedRun& run) {
     run.say(flap_mm > 0 ? "the undermined flap" : "the slit alone");
     const auto model = std::make_shared<FemModel>(wounded_block(block, flap_mm));
     const std::string name = std::string(flap_mm > 0 ? "slit and flap of 20 mm, " : "slit, ") + size + " nodes";
-    char how[240];
+    char how[320];
     const Steps full = steps(model, 1, 0), small = steps(model, 0.1, 0), longer = steps(model, 1, 40);
     std::snprintf(how, sizeof how, "%d to 1 mm; a tenth of the pull, same accuracy in parts of it: %d; with a history of 40 pairs: %d", full.to_1, small.to_01, longer.to_01);
     run.out.rows.push_back({name, "exact factor of the shape at rest", how, 0, full.to_01 < 0, double(full.to_01), "steps", "L-BFGS to residual 2.5e-6", true});
@@ -187,9 +188,12 @@ void speed_flap(const SpeedRun& run) {
     // turns nothing: there the modes at rest are the right ones, and show what they are worth.
     const std::vector<Spring> slight{lip_hook(met, 0.01)};
     const std::vector<Vec3> nearly = equilibrium(std::make_shared<FemModel>(met), slight);
+    int slight_plain = 0, slight_best = 1 << 20, best = 1 << 20;
     for (const int known : {0, 5, modes_known}) {
       std::snprintf(how, sizeof how, "a hundredth of the pull, steps to 0.1 mm of it at full size, %d softest modes known", known);
       const int taken = scalar_double_steps(met, slight, nearly, 0.001, std::span(modes[0]).first(size_t(known)));
+      if (known == 0) slight_plain = taken;
+      else if (taken > 0) slight_best = std::min(slight_best, taken);
       run.out.rows.push_back({name, "deflation", how, 0, taken < 0, double(taken), "steps", "", true});
     }
     const std::vector<Spring> hook{lip_hook(met, 1)};
@@ -200,9 +204,13 @@ void speed_flap(const SpeedRun& run) {
         if (known == 0 && at_pulled) continue;
         const int taken = scalar_double_steps(met, hook, exact, 0.1, std::span(modes[at_pulled]).first(size_t(known)));
         if (known == 0) plain = taken;
+        else if (taken > 0 && !at_pulled) best = std::min(best, taken);
         std::snprintf(how, sizeof how, known == 0 ? "steps to 0.1 mm, scalar double, no mode known" : "steps to 0.1 mm, scalar double, metric told the %d softest modes of the shape %s", known, at_pulled ? "as pulled, which nobody knows before" : "at rest");
         run.out.rows.push_back({name, "deflation", how, 0, taken < 0, double(taken), "steps", "x " + std::to_string(double(taken) / plain).substr(0, 4) + " of without", true});
       }
+    std::snprintf(how, sizeof how, "%s: told the softest modes at rest, the metric takes %d instead of %d steps for a hundredth of the pull, but %d instead of %d for all of it: the flap turns on the way, and its soft modes with it. Not built.", name.c_str(), slight_best,
+                  slight_plain, best, plain);
+    run.out.notes.push_back(how);
     run.bar(name + ": steps to 0.1 mm", full.to_01, 120, false, "prototype: 120 to 147, not understood");
   }
 }
