@@ -145,6 +145,7 @@ std::string dicom(const Slice& s) {
   };
   element(0x00020010, "UI", !s.syntax.empty() ? s.syntax : s.explicit_vr ? "1.2.840.10008.1.2.1" : "1.2.840.10008.1.2", true);
   const bool e = s.explicit_vr;
+  element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2", e), element(0x00080018, "UI", s.series + ".7." + std::to_string(int(s.at.z() * 10) + 5000), e);
   element(0x00080060, "CS", "CT", e);
   element(0x0008103e, "LO", s.description, e);
   if (s.sequence) {  // of undefined length, an item of undefined length with an element in it
@@ -156,7 +157,7 @@ std::string dicom(const Slice& s) {
   element(0x0020000e, "UI", s.series, e);
   element(0x00200032, "DS", text({s.at.x(), s.at.y(), s.at.z()}), e);
   element(0x00200037, "DS", text({1, 0, 0, 0, 1, 0}), e);
-  element(0x00280002, "US", number(1), e);
+  element(0x00280002, "US", number(1), e), element(0x00280004, "CS", "MONOCHROME2", e);
   element(0x00280010, "US", number(s.rows), e), element(0x00280011, "US", number(s.columns), e);
   element(0x00280030, "DS", text({s.spacing, s.spacing}), e);
   element(0x00280100, "US", number(16), e), element(0x00280101, "US", number(16), e), element(0x00280102, "US", number(15), e), element(0x00280103, "US", number(1), e);
@@ -233,7 +234,9 @@ TEST_F(Readers, BrokenSeriesAreRefusedByName) {
   EXPECT_NE(series("spacing", [](int, Slice& s) { s.spacing = 1e7; }).find("mm long"), std::string::npos);
   EXPECT_NE(series("nan", [](int, Slice& s) { s.intercept = NAN; }).find("finite"), std::string::npos);
   EXPECT_NE(series("big", [](int, Slice& s) { s.syntax = "1.2.840.10008.1.2.2"; }).find("big endian"), std::string::npos);
-  EXPECT_NE(series("packed", [](int, Slice& s) { s.syntax = "1.2.840.10008.1.2.4.70"; }).find("compressed"), std::string::npos);
+  // Plain numbers under a compressed syntax: GDCM, where it is built in, sees through that.
+  const std::string packed = series("packed", [](int, Slice& s) { s.syntax = "1.2.840.10008.1.2.4.70"; });
+  EXPECT_TRUE(packed == "accepted" || packed.find("compressed") != std::string::npos) << packed;
   EXPECT_NE(series("strange", [](int, Slice& s) { s.syntax = "1.9"; }).find("not known"), std::string::npos);
   EXPECT_NE(series("one", [](int, Slice&) {}, 1).find("at least 2"), std::string::npos);
   fs::create_directories(dir_ / "empty");
@@ -253,6 +256,31 @@ TEST_F(Readers, BrokenSeriesAreRefusedByName) {
   write("huge/a", huge), s.at.z() = 1;
   write("huge/b", huge);
   EXPECT_NE(message([&] { load_volume(dir_ / "huge"); }), "accepted");
+}
+
+TEST_F(Readers, CompressedSlicesThroughGdcm) {
+  // Packed by another program, where it is installed and this build has GDCM; all of these lose nothing.
+  if (std::system("gdcmconv --version > /dev/null 2>&1") != 0) GTEST_SKIP() << "gdcmconv is not installed";
+  for (const char* how : {"--jpeg", "--jpegls", "--j2k", "--rle"}) {
+    const std::string to = std::string("packed") + how;
+    fs::create_directories(dir_ / to);
+    for (int k = 0; k < 4; ++k) {
+      Slice s;
+      s.sequence = false, s.columns = 24, s.rows = 20, s.at.z() = 2 * k, s.intercept = -24;
+      s.value = [k](int i, int j) { return int16_t(i * j + 10 * j + 100 * k); };
+      const std::string from = write("whole/s" + std::to_string(k), dicom(s));
+      const std::string command = std::string("gdcmconv ") + how + " '" + from + "' '" + (dir_ / to / ("s" + std::to_string(k))).string() + "' > /dev/null 2>&1";
+      ASSERT_EQ(std::system(command.c_str()), 0) << command;
+    }
+    try {
+      const Volume v = load_volume(dir_ / to), whole = load_volume(dir_ / "whole");
+      EXPECT_EQ(v.size, whole.size) << how;
+      EXPECT_TRUE(v.value == whole.value) << how;
+    } catch (const InputError& e) {
+      if (std::string(e.what()).find("GDCM") == std::string::npos || std::string(e.what()).find("damaged") != std::string::npos) throw;
+      GTEST_SKIP() << e.what();
+    }
+  }
 }
 
 TEST_F(Readers, SurfacesFromEveryFormat) {
