@@ -6,6 +6,7 @@
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/report/report_names.h"
+#include "app/skin_fields.h"
 #include "render/gl_context.h"
 #include "render/picture.h"
 #include "sim/measure/perfusion.h"
@@ -104,7 +105,8 @@ void draw_maps(const std::string& dir, const Snapshot& last) {
 
 void remove_report_pictures(const std::string& dir) {
   std::error_code none;
-  for (const char* name : {report_names::overview, report_names::tension, report_names::perfusion, report_names::stress})
+  for (const char* name : {report_names::overview, report_names::tension, report_names::perfusion, report_names::stress, report_names::height, report_names::moved,
+                           report_names::risk})
     std::filesystem::remove(std::filesystem::path(dir) / name, none);
 }
 
@@ -122,6 +124,12 @@ void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
     write_png(dir + "/" + report_names::overview, pictures.skin(last));
     if (!last.field.empty())
       write_png(dir + "/" + report_names::tension, pictures.tension(last, titled("Tension of the skin")));
+    SkinFields fields;
+    for (const auto& [field, file] : {std::pair(SkinField::height, report_names::height), std::pair(SkinField::moved, report_names::moved), std::pair(SkinField::perfusion, report_names::risk)}) {
+      const FieldShown& shown = fields.show(field, last);
+      const SkinFieldLook& look = look_of(field);
+      if (!shown.value.empty()) write_png(dir + "/" + file, pictures.field(last, shown.value, {look.title, look.unit, shown.lo, shown.hi, look.scale, shown.above, shown.below}, titled(look.name)));
+    }
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());
   }

@@ -19,7 +19,7 @@ const SkinFieldLook& look_of(SkinField field) {
       {"Stress", "Skin stress", "kPa", ColourScale::magnitude, 1},
       {"Height: dog-ears", "Height over the skin before", "mm", ColourScale::signed_value, 0.5},
       {"Displacement", "Displacement", "mm", ColourScale::magnitude, 1},
-      {"Perfusion risk", "Perfusion index (dark: at risk)", "1: not undermined", ColourScale::magnitude, 1}};
+      {"Perfusion risk", "Perfusion index (dark: at risk)", "1: attached", ColourScale::magnitude, 1}};
   return kLooks[size_t(field) < size_t(kSkinFields) ? size_t(field) : 0];
 }
 

@@ -194,6 +194,19 @@ Image PictureMaker::tension(const Snapshot& snapshot, const PictureOptions& opti
   return image;
 }
 
+Image PictureMaker::field(const Snapshot& snapshot, std::span<const float> per_vertex, const Legend& legend, const PictureOptions& options) {
+  impl_->builder.build(snapshot, options.tool);
+  const RenderScene& scene = impl_->builder.show_field(per_vertex);
+  DrawOptions draw = impl_->options();
+  draw.colour_field = true, draw.scale = legend.scale;
+  draw.field_min = legend.min, draw.field_max = legend.max;
+  draw.iso_lines = int(std::lround((legend.max - legend.min) / round_step(legend.max - legend.min, 6)));
+  Image image = impl_->renderer.draw(scene, impl_->view(snapshot), draw);
+  draw_caption(image, impl_->text, options.title, options.caption);
+  draw_legend(image, impl_->text, legend);
+  return image;
+}
+
 Image PictureMaker::moved(const Snapshot& snapshot, const PictureOptions& options) {
   const RenderScene& scene = impl_->builder.build(snapshot, options.tool, options.strands);
   const double end = options.field_max > 0 ? options.field_max : moved_scale_end(scene);

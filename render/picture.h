@@ -9,9 +9,11 @@
 // fixed by focus / focus_from / set_camera, or else from the first picture's snapshot. Use one maker per thread: it owns a GL
 // context and belongs to the thread that made it.
 #include <memory>
+#include <span>
 #include <string>
 
 #include "render/image.h"
+#include "render/overlay.h"
 #include "render/renderer.h"
 #include "render/tool_pose.h"
 #include "render/view.h"
@@ -59,6 +61,9 @@ class PictureMaker {
   Image skin(const Snapshot& snapshot, const PictureOptions& options = {});
   /// Colour map of Snapshot::field (largest principal stretch - 1, prestretch included, shown in per cent) with a legend.
   Image tension(const Snapshot& snapshot, const PictureOptions& options = {});
+
+  /// A value per vertex of the view in colours, with its legend: title, unit, range, map. Iso-lines at the legend's ticks.
+  Image field(const Snapshot& snapshot, std::span<const float> per_vertex, const Legend& legend, const PictureOptions& options = {});
 
   /// How far every place of a face is from where it was at first, with a legend in mm.
   Image moved(const Snapshot& snapshot, const PictureOptions& options = {});

@@ -76,12 +76,13 @@ void SceneBuilder::add_lines(const SceneLines& lines) {
   all.colour.insert(all.colour.end(), lines.colour.begin(), lines.colour.end());
 }
 
-void SceneBuilder::show_field(std::span<const float> per_vertex) {
+const RenderScene& SceneBuilder::show_field(std::span<const float> per_vertex) {
   const TissueMesh& mesh = *scene_.mesh;
   scene_.field.clear();
-  if (per_vertex.empty() || per_vertex.size() != mesh.vertices_of_view) return;
+  if (per_vertex.empty() || per_vertex.size() != mesh.vertices_of_view) return scene_;
   scene_.field.resize(mesh.source.size());
   for (size_t v = 0; v < mesh.source.size(); ++v) scene_.field[v] = per_vertex[size_t(mesh.source[v])];
+  return scene_;
 }
 
 const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool, bool strands) {

@@ -70,7 +70,7 @@ class SceneBuilder {
   /// Adds lines. One list each for ends and colours, of equal length.
   void add_lines(const SceneLines& lines);
   /// Shows another field than the snapshot's own: a value per vertex of the view; empty: none.
-  void show_field(std::span<const float> per_vertex);
+  const RenderScene& show_field(std::span<const float> per_vertex);
 
  private:
   RenderScene scene_;

@@ -247,7 +247,7 @@ void main() {
     float s = t * iso_lines, w = fwidth(s);
     float d = abs(fract(s + 0.5) - 0.5) / max(w, 1e-6);
     float line = (1.0 - smoothstep(0.4, 1.2, d)) * clamp(1.6 - 4.0 * w, 0.0, 1.0) * step(0.5, s) * step(s, iso_lines - 0.5);
-    c = mix(c, vec3(1.0), 0.38 * line);
+    c = mix(c, vec3(dot(c, vec3(0.3, 0.6, 0.1)) > 0.62 ? 0.0 : 1.0), 0.42 * line);  // on light colours dark lines
   }
 #ifndef PART_FACE
   c = mix(c, vec3(0.0), 0.16 * texture(grid_map, v_chart * 0.1).g);

@@ -5,6 +5,7 @@
 //   DIR/result.json
 //   DIR/stages/NN-name.png     one picture per stage, NN = 00, 01, ... in order
 //   DIR/tension.png            tension map at the end
+//   DIR/height.png, DIR/moved.png, DIR/risk.png   what stands up, how far skin was moved, perfusion risk: on the skin at the end
 //   DIR/perfusion.svg, DIR/stress.svg   maps on the chart at rest
 //   DIR/ranking.svg            designs that were compared
 //   DIR/overview.png           picture at the end, shown first
@@ -47,6 +48,9 @@ inline constexpr const char* overview = "overview.png";
 inline constexpr const char* tension = "tension.png";
 inline constexpr const char* perfusion = "perfusion.svg";
 inline constexpr const char* stress = "stress.svg";
+inline constexpr const char* height = "height.png";
+inline constexpr const char* moved = "moved.png";
+inline constexpr const char* risk = "risk.png";
 inline constexpr const char* ranking = "ranking.svg";
 
 /// "stages/03-flap-cut.png": letters and digits kept (lower case), everything else becomes one dash.

@@ -35,10 +35,19 @@ std::string map(const std::string& dir, const char* name, const std::string& wor
   std::ifstream in(std::filesystem::path(dir) / name, std::ios::binary);
   const std::string svg((std::istreambuf_iterator<char>(in)), {});
   if (!svg.starts_with("<svg") || svg.size() > (4u << 20)) return {};
-  return "<figure><img src=\"data:image/svg+xml;base64," + html::base64(svg) + "\" alt=\"" + words + "\"/></figure>\n";
+  return "<figure class=\"onchart\"><img src=\"data:image/svg+xml;base64," + html::base64(svg) + "\" alt=\"" + words + "\"/></figure>\n";
 }
 
+/// A name of a figure in words: its unit in brackets, a point between digits.
 std::string spoken(std::string name) {
+  for (const auto& [ending, unit] : {std::pair<std::string, const char*>{"_deg", "°"}, {"_mm", "mm"}, {"_percent", "%"}, {"_mm2", "mm²"}, {"_s", "s"}, {"_N", "N"}, {"_mN", "mN"}, {"_kPa", "kPa"}})
+    if (name.ends_with(ending)) {
+      name.resize(name.size() - ending.size());
+      name += "_(" + std::string(unit) + ")";
+      break;
+    }
+  for (size_t i = 1; i + 1 < name.size(); ++i)
+    if (name[i] == '_' && name[i - 1] >= '0' && name[i - 1] <= '9' && name[i + 1] >= '0' && name[i + 1] <= '9') name[i] = '.';
   std::replace(name.begin(), name.end(), '_', ' ');
   std::replace(name.begin(), name.end(), '/', ' ');
   return escape(name);

@@ -204,7 +204,14 @@ std::string tension(const ReportData& d, const std::string& dir) {
     if (const Maybe most = d.metric("stress_max_kPa")) words += ", largest " + quantity(most, "kPa");
     words += ".";
   }
-  return "<section>\n<h2>Tension map</h2>\n" + figure(url, "Map of the skin's stretch", words) + "</section>\n";
+  std::string more;
+  const auto also = [&](const char* name, const char* alt, const char* caption) {
+    if (const std::string u = picture_url(dir, name, 720); !u.empty()) more += figure(u, alt, caption);
+  };
+  also(report_names::height, "Map of the skin's height", "<b>What stands up.</b> Height over where the skin's surface was before: red above it (dog-ears), blue below.");
+  also(report_names::moved, "Map of the skin's displacement", "<b>How far skin was moved</b>, from where the same skin was before.");
+  also(report_names::risk, "Map of the perfusion index", "<b>Perfusion risk</b> of undermined skin, by its way to skin that is still attached: dark is far. It orders places and foretells nothing.");
+  return "<section>\n<h2>Tension map</h2>\n" + figure(url, "Map of the skin's stretch", words) + (more.empty() ? "" : "<h3>More maps</h3>\n<div class=\"story\">\n" + more + "</div>\n") + "</section>\n";
 }
 
 std::string sutures(const ReportData& d) {

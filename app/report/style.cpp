@@ -47,7 +47,7 @@ a{color:var(--accent)}
 footer{margin-top:48px;padding-top:12px;border-top:1px solid var(--grid);font-size:.86rem;color:var(--soft);overflow-wrap:anywhere}
 @media (max-width:640px){body{padding:16px 12px 40px}th,td{padding:6px 7px}td.bar,th.bar{display:none}.phone{display:none}}
 @media print{:root{--paper:#fff;--card:#f3f5f6;--ink:#000;--soft:#444;--grid:#ccc;--good:#1a7f4b;--warn:#b26a00;--bad:#b3261e;--s1:#0072b2;--s2:#d55e00;--s3:#009e73;color-scheme:light}
-body{max-width:none;padding:0;font-size:11pt}h2{margin-top:22pt}figure,table,.card,svg.chart,.verdict{break-inside:avoid}h2,h3{break-after:avoid}
+body{max-width:none;padding:0;font-size:11pt}h2{margin-top:22pt}figure,tr,.card,svg.chart,.verdict{break-inside:avoid}thead{display:table-header-group}.cards{grid-template-columns:repeat(3,1fr)}.hero img{max-height:9cm;width:auto}.onchart img,.onchart svg{max-height:9cm}h2,h3{break-after:avoid}
 pre{max-height:none;white-space:pre-wrap;overflow:visible}.story{grid-template-columns:1fr 1fr}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )css";
 
