@@ -1,7 +1,11 @@
 #include "app/manual.h"
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
+#include <set>
 #include <sstream>
+
+#include "app/shipped.h"
 
 namespace limberg {
 
@@ -60,6 +64,22 @@ std::string manual_page(const CLI::App& app, const std::string& version) {
   return out.str();
 }
 
+namespace {
+
+/// The names of the shipped scenes, in order.
+std::vector<std::string> scene_names() {
+  std::set<std::string> names;
+  for (const std::string& root : shipped_roots()) {
+    std::error_code ec;
+    for (const auto& e : std::filesystem::directory_iterator(root + "/app/scenes", ec))
+      if (e.path().extension() == ".toml") names.insert(e.path().stem().string());
+    if (!names.empty()) break;
+  }
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
 std::string bash_completion(const CLI::App& app) {
   std::vector<std::string> commands;
   std::ostringstream cases;
@@ -68,14 +88,16 @@ std::string bash_completion(const CLI::App& app) {
     std::vector<std::string> words;
     for (const CLI::Option* o : c->get_options())
       for (const std::string& n : names(*o)) words.push_back(n);
-    cases << "    " << c->get_name() << ") words=\"" << joined(words) << "\" ;;\n";
+    cases << "    " << c->get_name() << ") words=\"" << joined(words) << "\"";
+    if (c->get_option_no_throw("SCENE")) cases << " scenes=\"" << joined(scene_names()) << "\"";
+    cases << " ;;\n";
   }
   std::ostringstream out;
   out << "# bash completion for limberg, made by limberg --completion\n_limberg() {\n"
-         "  local here=${COMP_WORDS[COMP_CWORD]} words=\n  case \"${COMP_WORDS[1]}\" in\n" << cases.str() << "  esac\n"
+         "  local here=${COMP_WORDS[COMP_CWORD]} words= scenes=\n  case \"${COMP_WORDS[1]}\" in\n" << cases.str() << "  esac\n"
          "  if [ \"$COMP_CWORD\" = 1 ]; then COMPREPLY=($(compgen -W \"" << joined(commands) << " --help --version\" -- \"$here\"))\n"
          "  elif [[ $here == -* ]]; then COMPREPLY=($(compgen -W \"$words\" -- \"$here\"))\n"
-         "  else COMPREPLY=($(compgen -f -- \"$here\")); fi\n}\ncomplete -o filenames -F _limberg limberg\n";
+         "  else COMPREPLY=($(compgen -W \"$scenes\" -- \"$here\") $(compgen -f -- \"$here\")); fi\n}\ncomplete -o filenames -F _limberg limberg\n";
   return out.str();
 }
 

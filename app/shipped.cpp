@@ -24,4 +24,11 @@ std::string shipped_file(const std::string& path) {
   return "";
 }
 
+std::string given_or_shipped(const std::string& path) {
+  std::error_code ec;
+  if (path.empty() || fs::exists(path, ec)) return path;
+  const std::string shipped = shipped_file(path);
+  return shipped.empty() ? path : shipped;
+}
+
 }  // namespace limberg

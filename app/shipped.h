@@ -11,5 +11,8 @@ std::vector<std::string> shipped_roots();
 
 /// A shipped file by its path in the tree ("recordings/rhomboid.jsonl"); empty when no root has it.
 std::string shipped_file(const std::string& path);
+/// The path as it was given when there is such a file, else the shipped file of that name, else as given: an installed program
+/// finds recordings/rhomboid.lcm from any folder.
+std::string given_or_shipped(const std::string& path);
 
 }  // namespace limberg

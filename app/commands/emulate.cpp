@@ -8,6 +8,7 @@
 #include "app/interrupt.h"
 #include "app/output.h"
 #include "app/progress.h"
+#include "app/shipped.h"
 #include "app/streams.h"
 #include "devices/emulator.h"
 #include "devices/fastrak/port.h"
@@ -71,7 +72,7 @@ int emulate(const Options& o) {
   call.command = "emulate";
   call.scene = open_scene(o.scene);
   call.progressive_cut = call.scene.tools.progressive_cut.value_or(o.progressive);
-  const Script script = load_script(o.script);
+  const Script script = load_script(given_or_shipped(o.script));
   std::vector<Command> commands;
   for (const ScriptLine& l : script.lines) commands.push_back(l.command);
   if (commands.empty()) throw InputError(o.script, 0, "holds no action; expected at least one line with an action");

@@ -15,6 +15,7 @@
 #include "app/pictures.h"
 #include "app/output.h"
 #include "app/progress.h"
+#include "app/shipped.h"
 #include "app/tables.h"
 #include "app/report/report_names.h"
 #include "app/session/workers_pool.h"
@@ -231,13 +232,14 @@ int run(const Options& opt) {
   opt.common.prepare();
   if (!opt.fields.empty()) check_writable(opt.fields);
   const Scene scene = open_scene(opt.scene);
+  const std::string script_file = given_or_shipped(opt.script);
   std::optional<Repro> repro;
-  if (std::error_code ec; std::filesystem::is_regular_file(opt.script, ec))
-    if (const std::string text = read_whole_file(opt.script); looks_like_repro(text)) repro = parse_repro(text, opt.script);
+  if (std::error_code ec; std::filesystem::is_regular_file(script_file, ec))
+    if (const std::string text = read_whole_file(script_file); looks_like_repro(text)) repro = parse_repro(text, opt.script);
   if (repro && repro->scene_hash != scene.hash)
     throw InputError(opt.script, 0, "was written with another scene (" + repro->scene + ", hash " + hex(repro->scene_hash) + "); expected that of " +
                                         scene.name + ", hash " + hex(scene.hash));
-  const Script script = repro ? script_of(*repro, opt.script) : load_script(opt.script);
+  const Script script = repro ? script_of(*repro, opt.script) : load_script(script_file);
   if (scene.head) {
     if (!opt.cells.empty() || !opt.orders.empty() || !opt.lesson.empty() || !opt.fields.empty())
       throw InputError(opt.scene, 0, "has a head: --cells, --orders, --judge and --fields are for scenes of skin; expected none of them");

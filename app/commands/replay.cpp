@@ -4,6 +4,7 @@
 #include "app/commands/auto_option.h"
 #include "app/commands/session_command.h"
 #include "app/progress.h"
+#include "app/shipped.h"
 #include "devices/log_source.h"
 #include "sim/error.h"
 
@@ -28,7 +29,7 @@ std::string describe(const LogDamage& d, const std::string& file) {
 
 int replay(const Options& o) {
   o.common.prepare();
-  Recording rec = read_recording(o.recording);
+  Recording rec = read_recording(given_or_shipped(o.recording));
   if (!rec.session)
     throw InputError(o.recording, 0, "no valid record of a session in it; expected a recording made by limberg run --record or limberg emulate");
   Unbundled u = unbundle_scene(rec, o.recording);

@@ -80,6 +80,7 @@ int run(const Options& o) {
   if (o.devices.empty() && !window) add_device(call, "lcm");
   if (window) {
     WindowCall w;
+    w.calibrated = !o.calibration.empty();
     for (const std::string& d : o.devices) w.device += (w.device.empty() ? "" : ", ") + d;
     w.mouse = o.devices.empty();
     w.recording = o.record;

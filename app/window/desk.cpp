@@ -65,6 +65,21 @@ void Desk::notice(const Notice& n) {
   last_word_ = n.kind == Notice::refused ? std::string(n.action.data()) + " refused: " + n.text.data() : "";
 }
 
+// What the device does, and what to do when it does nothing.
+void Desk::device(const DeskReading& r) {
+  ImGui::TextWrapped("%s", facts_.device.c_str());
+  if (!facts_.own_device) return;
+  const auto warn = [](const char* text) {
+    ImGui::PushStyleColor(ImGuiCol_Text, kWarn);
+    ImGui::TextWrapped("%s", text);
+    ImGui::PopStyleColor();
+  };
+  const bool begun = r.gauges && LaneGauges::get(r.gauges->tick) > 2500;
+  if (begun && r.samples_per_s < 1) warn("silent: no sample for a second. Is it connected and switched on? limberg devices --watch shows what comes");
+  else if (begun) ImGui::TextColored(kGood, "%.0f samples/s", r.samples_per_s);
+  if (!facts_.calibrated) warn("not calibrated: limberg calibrate stylus, then --calibration FILE");
+}
+
 void Desk::choose_field(SkinField field) {
   state.field = facts_.skin || field == SkinField::moved ? field : SkinField::none;
 }
@@ -75,7 +90,7 @@ void Desk::choose(Tool tool) {
   if (tool != Tool::none) state.ruler = false;
 }
 
-void Desk::tools(int height) {
+void Desk::tools(const DeskReading& r, int height) {
   panel("tools", 0, 0, kToolsWidth, float(height));
   ImGui::TextUnformatted(facts_.scene.c_str());
   heading("TOOLS");
@@ -137,7 +152,7 @@ void Desk::tools(int height) {
   if (ImGui::Button("Keys and mouse  ?", {-1, 0})) state.help = !state.help;
 
   heading("DEVICE");
-  ImGui::TextWrapped("%s", facts_.device.c_str());
+  device(r);
   if (facts_.recording.empty()) {
     ImGui::Checkbox("Keep the recording", &state.keep_recording);
   } else {
@@ -195,13 +210,14 @@ void Desk::patient(const DeskReading& r, int width, int height) {
         ImGui::TableNextColumn();
         ImGui::Text("%d", x.id);
         ImGui::TableNextColumn();
-        const double share = double(x.force_N) / facts_.suture_limit_N;
-        ImGui::TextColored(share < 0.7 ? kGood : share < 1 ? kWarn : kBad, "%.2f", double(x.force_N));
+        const double force = double(x.force_N);
+        ImGui::TextColored(force < facts_.suture_warn_N ? kGood : force < facts_.suture_limit_N ? kWarn : kBad, "%.2f", double(x.force_N));
         ImGui::TableNextColumn();
         ImGui::Text("%.2f", double(x.gap_mm));
       }
       ImGui::EndTable();
     }
+    ImGui::TextColored(kQuiet, "limits %.3g and %.3g N", facts_.suture_warn_N, facts_.suture_limit_N);
   }
   if (!s.hooks.empty()) {
     heading("HOOKS");
@@ -306,7 +322,7 @@ void Desk::help(int width, int height) {
 void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int width, int height) {
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
-  tools(height);
+  tools(r, height);
   patient(r, width, height);
   lanes(r, width, height);
   legend(r, width, height);

@@ -26,7 +26,9 @@ struct DeskFacts {
   std::vector<std::string> lesson;       // its steps, in words
   bool head = false, skin = true;        // what the scene holds
   double max_depth_mm = 9;
-  double suture_limit_N = 1.5;           // beyond it a stitch is shown in red: this window's own choice, stricter than the report's sourced limits
+  double suture_warn_N = 2.5, suture_limit_N = 5;  // beyond them a stitch is shown in amber and in red: the limits of the report, with their sources there
+  bool own_device = false;               // another than the mouse
+  bool calibrated = false;               // a calibration of it was given
 };
 
 /// What is chosen, and what is asked for once.
@@ -72,11 +74,12 @@ class Desk {
   void say(const std::string& line) { last_word_ = line; }
 
  private:
-  void tools(int height);
+  void tools(const DeskReading& r, int height);
   void patient(const DeskReading& r, int width, int height);
   void lanes(const DeskReading& r, int width, int height);
   void legend(const DeskReading& r, int width, int height);
   void help(int width, int height);
+  void device(const DeskReading& r);
   void choose(Tool tool);
   void choose_field(SkinField field);
   SkinField first_field() const { return facts_.skin ? SkinField::stretch : SkinField::moved; }

@@ -11,6 +11,7 @@ namespace limberg {
 
 struct WindowCall {
   std::string device;     // in words; empty: the mouse alone
+  bool calibrated = false;  // a calibration of it was given
   std::string recording;  // the file, or empty
   std::string picture_dir = ".";
   std::string goal;

@@ -125,6 +125,9 @@ TEST_F(Cli, FirstStepsManualAndCompletionComeFromTheCommandLine) {
   const std::string said = path("said");
   ASSERT_EQ(std::system(("bash " + script + " >" + said).c_str()), 0);
   EXPECT_EQ(slurp(said), "--lockstep\n");
+  const std::string scenes = file("completion", completion.out + "\nCOMP_WORDS=(limberg run rhom) COMP_CWORD=2; _limberg; echo ${COMPREPLY[@]}\n");
+  ASSERT_EQ(std::system(("bash " + scenes + " >" + said).c_str()), 0);
+  EXPECT_EQ(slurp(said), "rhomboid\n");
 }
 
 TEST_F(Cli, MissingEmptyFolder) {

@@ -201,6 +201,40 @@ TEST_F(DeskTest, TheLatticeIsDrawnWithItsCopies) {
   EXPECT_GT(different(plain, with, 180, 0, 1000, 600, 40), 300);
 }
 
+TEST_F(DeskTest, ASilentOrUncalibratedDeviceIsSaid) {
+  MemoryScreen screen;
+  PointerFeed feed;
+  LaneGauges gauges;
+  const Snapshot s = testing::sample_snapshot();
+  const auto device_panel = [&](bool own, bool calibrated, int samples) {
+    WindowSettings set;
+    set.facts.scene = "rhomboid", set.facts.device = "fastrak", set.facts.own_device = own, set.facts.calibrated = calibrated;
+    set.camera.eye_mm = {5, -90, 130};
+    WindowFrames f(screen, feed, &gauges, set);
+    f.prepare(*s.topology);
+    gauges.tick = 0, gauges.samples = 0;
+    f.frame(s, ToolState{});
+    gauges.tick = 3000, gauges.samples = samples;
+    f.frame(s, ToolState{});
+    f.frame(s, ToolState{});
+    return f.picture();
+  };
+  const auto amber = [](const Image& image) {  // letters of a warning
+    int n = 0;
+    for (int y = 500; y < 720; ++y)
+      for (int x = 0; x < 168; ++x) {
+        const Rgb8 c = image.at(x, y);
+        n += c.r > 200 && c.g > 120 && c.g < 200 && c.b < 130;
+      }
+    return n;
+  };
+  EXPECT_LT(amber(device_panel(false, false, 0)), 5);  // the mouse needs neither
+  EXPECT_LT(amber(device_panel(true, true, 180)), 5);
+  const int uncalibrated = amber(device_panel(true, false, 180)), silent = amber(device_panel(true, true, 0));
+  EXPECT_GT(uncalibrated, 100);
+  EXPECT_GT(silent, 100);
+}
+
 TEST_F(DeskTest, HelpAndRefusalsAreSeen) {
   Window w;
   const Image plain = w.frames->picture();
