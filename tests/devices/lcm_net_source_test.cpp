@@ -183,8 +183,8 @@ TEST(LcmNetSource, GoodPacketsArriveAndBadOnesAreCounted) {
   EXPECT_TRUE(wait_for([&] { return kept.all.size() >= 25; }));
   EXPECT_EQ(std::get<StylusSample>(kept.all[22]).seq, 23);
   EXPECT_EQ(std::get<StylusSample>(kept.all.back()).seq, 25);
-  send(kStylusChannel, encode_message(to_message(stylus(1, 5, Vec3(0, 7, 0))), bytes));  // at once: one that came twice
   const int64_t malformed = source.counts().malformed;
+  send(kStylusChannel, encode_message(to_message(stylus(1, 5, Vec3(0, 7, 0))), bytes));  // at once: one that came twice
   EXPECT_TRUE(wait_for([&] { return source.counts().malformed > malformed; }));
   int64_t last = -1;
   for (const Sample& s : kept.all) {
