@@ -60,7 +60,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   if (!common.out_dir.empty()) {
     Snapshot last;
     patient->fill_with_field(last);
-    draw_head_pictures(common.out_dir, o.stages, last, scene_camera(scene));
+    draw_head_pictures(common.out_dir, o.stages, last, scene_camera(scene), head);
     leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
   }
   leave_result(r, common);

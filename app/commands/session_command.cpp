@@ -233,7 +233,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     Snapshot last;
     a.patient->fill_with_field(last);  // with the tension
     if (a.world) draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
-    else draw_head_pictures(call.common.out_dir, a.solver.stages(), last, scene_camera(a.scene));
+    else if (a.head) draw_head_pictures(call.common.out_dir, a.solver.stages(), last, scene_camera(a.scene), *a.head);
     if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
   }
   print_summary(call, a, f);

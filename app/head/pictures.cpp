@@ -11,12 +11,15 @@ namespace limberg {
 
 namespace {
 
-/// Everything where it was at first.
-Snapshot at_rest(const Snapshot& s) {
+/// Everything where it was at first, landmarks too.
+Snapshot at_rest(const Snapshot& s, const Head& head) {
   Snapshot b = s;
   const SharedArray<Vec3>& X = s.topology->view.X_mm;
   for (size_t v = 0; v < b.x_mm.size(); ++v) b.x_mm[v] = X[v].cast<float>();
   b.moved_mm.assign(b.moved_mm.size(), 0.0f);
+  for (const auto& [name, at] : head.landmarks_at_rest())
+    for (size_t i = 0; i < std::min(b.landmark_mm.size(), s.topology->landmark.size()); ++i)
+      if (s.topology->landmark[i] == name) b.landmark_mm[i] = at.cast<float>();
   return b;
 }
 
@@ -29,7 +32,7 @@ PictureOptions look(FaceLook face, const std::string& title, bool landmarks = fa
 
 }  // namespace
 
-void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last, const Camera& camera) {
+void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last, const Camera& camera, const Head& head) {
   remove_report_pictures(dir);
   if (!last.topology) return;
   const bool face = !last.moved_mm.empty();
@@ -41,7 +44,7 @@ void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& sta
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
     for (const StageRow& s : stages)
       if (s.shown.topology) write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, look(FaceLook::clear, s.name)));
-    const Snapshot before = at_rest(last);
+    const Snapshot before = at_rest(last, head);
     write_png(dir + "/" + report_names::overview, pictures.skin(last, look(FaceLook::clear, "")));
     write_png(file("bones-before.png"), pictures.skin(before, look(FaceLook::hidden, "Before")));
     write_png(file("bones-after.png"), pictures.skin(last, look(FaceLook::hidden, "After")));

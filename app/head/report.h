@@ -19,6 +19,6 @@ void leave_head_figures(Result& result, const Head& head, const std::string& dir
 
 /// Draws DIR/overview.png, the stages, and DIR/head/*.png: face and bones before and after, the map of displacement, the net of the
 /// tissue. `camera`: the scene's. Says in one line when pictures cannot be made here.
-void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last, const Camera& camera);
+void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last, const Camera& camera, const Head& head);
 
 }  // namespace limberg
