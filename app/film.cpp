@@ -87,6 +87,7 @@ struct Film::Impl {
   std::unique_ptr<PictureMaker> maker;
   Encoder encoder;
   std::string title;
+  SecondHand glove;
   int frames = 0;
   bool broken = false, closed = false;
 };
@@ -119,11 +120,13 @@ void Film::prepare(const SurfaceTopology&) {
   impl_->maker->set_camera(impl_->camera);
 }
 
+void Film::second_hand(const SecondHand& hand) { impl_->glove = hand; }
+
 void Film::frame(const Snapshot& snapshot, const ToolState& tool) {
   Impl& i = *impl_;
   if (i.broken || !i.maker) return;
   PictureOptions o;
-  o.tool = tool_pose(tool);
+  o.tool = tool_pose(tool, i.glove);
   o.title = i.title;
   const Image image = i.maker->skin(snapshot, o);
   if (!i.encoder.write(image.rgb.data(), image.rgb.size())) i.broken = true;

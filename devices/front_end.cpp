@@ -28,12 +28,12 @@ void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& eve
   if (cursor_on_) {
     cursor_.set_ground(ground);
     if (!cursor_.placed() && pose.valid) cursor_.put(snapshot, pose.tip_mm);
-    cursor_.tick(snapshot, pose, clutch_, pressed_);
+    cursor_.tick(snapshot, pose, clutch_ || clutch_button_, pressed_);
     if (cursor_.placed()) pose.tip_mm = cursor_.x_mm();
   }
-  gestures_.tick(tick, pose, pressed_, edges_, snapshot, *this);
+  gestures_.tick(tick, pose, pressed_, edges_, snapshot, *this, clutch_);
   state = gestures_.state();
-  if (have_glove_) hand_.tick(tick, glove_.at(now_ns), clutch_, snapshot, *this, ground == Ground::bone ? Ground::bone : Ground::skin);
+  if (have_glove_) hand_.tick(tick, glove_.at(now_ns), clutch_ || clutch_button_, snapshot, *this, ground == Ground::bone ? Ground::bone : Ground::skin);
   snapshot_ = nullptr;
   events_ = nullptr;
   recorder_ = nullptr;
@@ -44,6 +44,7 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
   if (const auto* c = std::get_if<ControlSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, c->t_ns);
     gestures_.control(*c, tick_, *snapshot_, *this);
+    if (c->kind == ControlSample::clutch) clutch_ = c->value[0] != 0;
     if (c->kind == ControlSample::cursor) {
       cursor_on_ = c->value[0] > 0;
       cursor_on_flesh_ = c->value[1] == 1;
@@ -73,7 +74,7 @@ void DeviceFrontEnd::add_stylus(const StylusSample& s, int32_t device) {
   const bool pressed = s.buttons & 1;
   if (pressed != pressed_) ++edges_;
   pressed_ = pressed;
-  clutch_ = s.buttons & 2;
+  clutch_button_ = s.buttons & 2;
 }
 
 bool DeviceFrontEnd::push(const ToolEvent& event) {

@@ -3,6 +3,9 @@
 // one hand and a glove on the other work at the same time (virtual_hand.h); while a glove is closed, a second button of the
 // stylus (bit 1) is its clutch.
 //
+// ControlSample::clutch (a key, a pedal) is the clutch of both hands: while it is down they move and what they hold does not;
+// afterwards it follows from where it is. Whatever device has sent the last one counts.
+//
 // With the surface cursor on (ControlSample::cursor) the stylus pushes a place of the skin about instead of being there
 // (surface_cursor.h); every tool then acts at that place, and the second button is the clutch.
 //
@@ -70,7 +73,8 @@ class DeviceFrontEnd final : private SampleSink, private EventSink {
   SurfaceCursor cursor_;
   bool have_glove_ = false, cursor_on_ = false, cursor_on_flesh_ = false;
   int64_t next_event_ = 0;
-  bool have_stylus_ = false, pressed_ = false, clutch_ = false;
+  bool have_stylus_ = false, pressed_ = false;
+  bool clutch_button_ = false, clutch_ = false;  // the stylus' second button; ControlSample::clutch
   int32_t stylus_ = 0;
   int edges_ = 0;
   int64_t other_devices_ = 0, last_sample_ns_ = -1;

@@ -323,7 +323,22 @@ void Gestures::cancel(int64_t tick, const Snapshot& s, EventSink& out) {
   doing_ = Doing::nothing;
 }
 
-void Gestures::tick(int64_t tick, const Pose& pose, bool pressed, int edges, const Snapshot& s, EventSink& out) {
+/// Where the tip of the tool is while the hand is there.
+Vec3 Gestures::tool_tip(const Vec3& hand_mm, bool clutch) {
+  if (doing_ != Doing::hold_hook && doing_ != Doing::carry) {
+    shift_mm_ = Vec3::Zero();
+    clutched_ = shifted_ = false;
+  } else if (clutch || clutched_) {
+    shift_mm_ = last_pose_.tip_mm - hand_mm;
+    clutched_ = clutch, shifted_ = true;
+    return last_pose_.tip_mm;
+  }
+  return shifted_ ? Vec3(hand_mm + shift_mm_) : hand_mm;
+}
+
+void Gestures::tick(int64_t tick, const Pose& hand, bool pressed, int edges, const Snapshot& s, EventSink& out, bool clutch) {
+  Pose pose = hand;
+  if (hand.valid) pose.tip_mm = tool_tip(hand.tip_mm, clutch);
   state_.tick = tick;
   state_.tool = int32_t(tool_);
   state_.valid = pose.valid;
@@ -348,7 +363,7 @@ void Gestures::tick(int64_t tick, const Pose& pose, bool pressed, int edges, con
   }
   last_pose_ = pose;
   recent_tip_[recent_++ % kRestTicks] = pose.tip_mm;
-  for (int i = 0; i < 3; ++i) state_.tip_mm[i] = pose.tip_mm[i], state_.shaft[i] = pose.shaft[i];
+  for (int i = 0; i < 3; ++i) state_.tip_mm[i] = pose.tip_mm[i], state_.shaft[i] = pose.shaft[i], state_.shift_mm[i] = shift_mm_[i];
   state_.pressed = pressed;
 
   // Two changes within one tick while pressed are a release and a new press.
@@ -360,7 +375,7 @@ void Gestures::tick(int64_t tick, const Pose& pose, bool pressed, int edges, con
     last_drawn_tip_ = pose.tip_mm;
     press(tick, pose, s, out);
   } else if (doing_ == Doing::carry) {
-    state_.carried = carried(grip_.follow(pose.tip_mm, pose.orientation, false), state_.carried.holds);
+    state_.carried = carried(grip_.follow(pose.tip_mm, pose.orientation, clutch), state_.carried.holds);
   } else if (doing_ == Doing::stroke) {
     stroke_on(tick, pose, s, out);
   }

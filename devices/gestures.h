@@ -44,8 +44,9 @@ class Gestures {
 
   /// A control, in the order of its arrival among the tick's samples.
   void control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
-  /// One tick. `pressed` is the button now, `edges` how often it changed since the last tick.
-  void tick(int64_t tick, const Pose& pose, bool pressed, int edges, const Snapshot& s, EventSink& out);
+  /// One tick. `pressed` is the button now, `edges` how often it changed since the last tick. While `clutch` the hand moves and
+  /// the hook or fragment that it holds stays; afterwards it follows from where it is, until it is let go.
+  void tick(int64_t tick, const Pose& hand, bool pressed, int edges, const Snapshot& s, EventSink& out, bool clutch = false);
 
   ToolState state() const { return state_; }
   const SkinTouch& touched() const { return touch_; }  // the nearest skin at the last tick
@@ -61,6 +62,7 @@ class Gestures {
   void cancel(int64_t tick, const Snapshot& s, EventSink& out);
   void add_blade_angle(const Pose& pose, const Vec3& travelled_mm);
   double blade_angle_deg() const;
+  Vec3 tool_tip(const Vec3& hand_mm, bool clutch);
   void find_touch(int64_t tick, const Pose& pose, const Snapshot& s);
   void touch_where_rested(const Snapshot& s);
   /// The mean tip of a hand that rests, else the tip.
@@ -80,7 +82,9 @@ class Gestures {
   int32_t next_hook_ = 1, asked_hook_ = 0;  // asked_hook_: the number that the control gave, 0 = none
   Doing doing_ = Doing::nothing;
   bool pressed_ = false;
-  Pose last_pose_;
+  Pose last_pose_;                          // of the tool: where the hand is, but for what the clutch has left behind
+  Vec3 shift_mm_ = Vec3::Zero();
+  bool clutched_ = false, shifted_ = false;
   static constexpr size_t kRestTicks = 100;
   std::array<Vec3, kRestTicks> recent_tip_;  // a ring; recent_ ticks of it since tracking began
   size_t recent_ = 0;

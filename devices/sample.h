@@ -35,14 +35,14 @@ struct StylusSample {
 
 /// A choice made away from the hand: pedal, palette or keyboard (LCM control_t).
 struct ControlSample {
-  enum Kind : int32_t { select_tool = 1, undo = 2, stage = 3, release_hook = 4, redo = 5, cursor = 6 };
+  enum Kind : int32_t { select_tool = 1, undo = 2, stage = 3, release_hook = 4, redo = 5, cursor = 6, clutch = 9 };  // 7, 8: pick.h
   int32_t device_id = 0;
   int64_t seq = 0, t_ns = 0;
   int32_t kind = select_tool;
   Tool tool = Tool::none;
   ShortText text;                 // stage: its name
   std::array<double, 4> value{};  // select_tool: depth_mm, angle_deg, spacing_mm, hook id; stage: its number; release_hook: id
-                                  // cursor: gain (0: off), 1 to walk on walls and bed too
+                                  // cursor: gain (0: off), 1 to walk on walls and bed too; clutch: 1 down, 0 up
                                   // angle_deg 0: the blade's angle is read from the shaft during the stroke
 };
 

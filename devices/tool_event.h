@@ -57,6 +57,7 @@ struct ToolState {
   int32_t held_hook = 0;   // 0 = none
   int32_t pressed = 0;
   int32_t valid = 0;       // 0 before the first sample or when stale
+  double shift_mm[3]{};    // of what is held and of the tip with it, from where the hand is: what the clutch has left behind
   Carried carried;
 };
 

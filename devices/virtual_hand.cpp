@@ -170,6 +170,13 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
       const Vec3 at = motion * held_mm_;
       for (int i = 0; i < 3; ++i) state_.hook_mm[i] = at[i];
     }
+    const bool holds = state_.held_hook != 0 || state_.carried.holds != 0;
+    state_.points = holds || (!hand.closed && pointed_.triangle >= 0);
+    for (int i = 0; i < 3; ++i) {
+      state_.forefinger_mm[i] = hand.forefinger.tip_mm[i], state_.thumb_mm[i] = hand.thumb.tip_mm[i];
+      state_.pointing[i] = hand.pointing[i];
+      state_.pointed_mm[i] = holds ? state_.hook_mm[i] : pointed_.x_mm[i];
+    }
   }
 }
 

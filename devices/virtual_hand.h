@@ -56,6 +56,11 @@ struct SecondHand {
   double hook_mm[3]{};    // where the hook that it holds is pulled to
   double centre_mm[3]{};
   Carried carried;        // the fragment that it holds
+  // For pictures:
+  double forefinger_mm[3]{}, thumb_mm[3]{};  // the finger tips
+  double pointing[3]{1, 0, 0};               // the forefinger's direction, unit
+  int32_t points = 0;                        // 1: at pointed_mm, the place that would be selected; of a hand that holds something,
+  double pointed_mm[3]{};                    // where it holds it
 };
 
 class VirtualHand {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "render/render_scene.h"
 
@@ -230,6 +231,41 @@ void add_tool(PropMesh& mesh, const ToolPose& tool) {
       body({{30, 3.7f}, {36, 4.2f}, {120, 4.6f}, {140, 4.3f}, {146, 2.5f}}, grip);
       break;
   }
+}
+
+void add_glove(PropMesh& mesh, const GlovePose& g) {
+  if (!g.visible || !g.forefinger_mm.allFinite() || !g.thumb_mm.allFinite() || !g.pointing.allFinite()) return;
+  constexpr int32_t kNumber = 100;  // beyond the kinds of a tool
+  const uint32_t id = id_of(Part::tool, kNumber);
+  const Vec3f d = direction(g.pointing, Vec3f::UnitX());
+  const Vec3f colour = g.closed ? Vec3f(0.75f, 0.24f, 0.03f) : Vec3f(0.08f, 0.30f, 0.52f);
+  const PropLook finger{colour, 0, id}, sign{g.closed ? Vec3f(1.0f, 0.42f, 0.04f) : Vec3f(0.30f, 0.85f, 0.25f), 0, id};
+  const auto ball = [&](const Vec3f& at, float r, const PropLook& look, int rings) {
+    add_ellipsoid(mesh, at, r * Vec3f::UnitX(), r * Vec3f::UnitY(), r * Vec3f::UnitZ(), look, rings);
+  };
+  // The last joints of each finger, thinner than they are so that they hide little. The thumb's station says where its tip is; it comes from where the hand is.
+  const Vec3f palm = 0.5f * (g.forefinger_mm + g.thumb_mm) - 30 * d;
+  for (const auto& [tip, back, thick] : {std::tuple{g.forefinger_mm, Vec3f(-d), 2.0f}, {g.thumb_mm, direction(palm - g.thumb_mm, -d), 2.3f}}) {
+    const std::array<Vec3f, 3> path{tip + thick * back, tip + 8 * back, tip + 18 * back};
+    const std::array<float, 3> radius{thick, 1.15f * thick, 1.25f * thick};
+    add_tube(mesh, path, radius, finger, 12);
+  }
+  add_tube(mesh, std::array{g.forefinger_mm, g.thumb_mm}, std::array{0.6f, 0.6f}, sign, 6);
+
+  const bool there = g.points && g.pointed_mm.allFinite();
+  if (g.closed && !g.holds) return;
+  const Vec3f from = g.holds ? Vec3f(0.5f * (g.forefinger_mm + g.thumb_mm)) : g.forefinger_mm, to = there ? g.pointed_mm : Vec3f(from + 60 * d);
+  const Vec3f way = to - from;
+  const int dots = std::clamp(int(way.norm() / 5), 1, 40);
+  for (int i = 1; i <= dots; ++i) ball(from + float(i) / float(dots + 1) * way, 0.6f, sign, 4);
+  if (!there) return;
+  ball(to, 1.1f, sign, 5);
+  const Vec3f n = direction(way, d), a = any_normal(n), b = n.cross(a);
+  std::array<Vec3f, 25> ring;
+  for (size_t i = 0; i < ring.size(); ++i) ring[i] = to - 0.8f * n + 3.2f * (std::cos(kPi * float(i) / 12) * a + std::sin(kPi * float(i) / 12) * b);
+  std::array<float, 25> thin;
+  thin.fill(0.4f);
+  add_tube(mesh, ring, thin, sign, 6);
 }
 
 }  // namespace limberg

@@ -44,5 +44,8 @@ void add_suture(PropMesh& mesh, const SutureState& suture, const Vec3f& in_mm, c
 /// A sharp skin hook whose point is in the tissue and whose shaft leads to the handle.
 void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up);
 void add_tool(PropMesh& mesh, const ToolPose& tool);
+/// Forefinger and thumb of a glove and the line between their tips, blue while open and orange while closed; dots from the
+/// forefinger to the place that it points at, with a ring there. Nothing where it is not visible.
+void add_glove(PropMesh& mesh, const GlovePose& glove);
 
 }  // namespace limberg

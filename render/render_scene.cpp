@@ -93,7 +93,7 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   if (!snapshot.topology || snapshot.x_mm.size() != snapshot.topology->view.X_mm.size()) {
     scene.mesh = std::make_shared<TissueMesh>();
     scene.x_mm.clear(), scene.normal.clear();
-    add_tool(scene.props, tool);
+    add_tool(scene.props, tool), add_glove(scene.props, tool.glove);
     return scene;
   }
   const SurfaceTopology& topology = *snapshot.topology;
@@ -124,7 +124,7 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   if (strands)
     for (const auto& [a, b] : topology.strand)
       add_tube(scene.props, std::array{snapshot.x_mm[size_t(a)], snapshot.x_mm[size_t(b)]}, std::array{0.22f, 0.22f}, {Vec3f(0.80f, 0.58f, 0.13f), 0, 0}, 3);
-  add_tool(scene.props, tool);
+  add_tool(scene.props, tool), add_glove(scene.props, tool.glove);
   return scene;
 }
 

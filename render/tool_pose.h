@@ -1,8 +1,18 @@
 #pragma once
-// What the hand holds, as far as a picture needs to know it.
+// What the hands are and hold, as far as a picture needs to know it.
 #include "sim/geometry/vec.h"
 
 namespace limberg {
+
+/// The hand of a glove.
+struct GlovePose {
+  bool visible = false;
+  bool closed = false, holds = false;
+  bool points = false;                 // at pointed_mm; of a hand that holds something: where it holds it
+  Vec3f forefinger_mm = Vec3f::Zero(), thumb_mm = Vec3f::Zero();  // the finger tips
+  Vec3f pointing = Vec3f::UnitX();     // the forefinger's direction, unit
+  Vec3f pointed_mm = Vec3f::Zero();
+};
 
 struct ToolPose {
   enum class Kind { stylus, scalpel, hook, needle_holder };
@@ -10,6 +20,7 @@ struct ToolPose {
   Kind kind = Kind::stylus;
   Vec3f tip_mm = Vec3f::Zero();
   Vec3f shaft = Vec3f::UnitZ();  // unit, from the tip towards the hand
+  GlovePose glove;               // the other hand
 };
 
 }  // namespace limberg

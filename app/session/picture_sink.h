@@ -9,6 +9,7 @@
 #include "app/session/lattice_shown.h"
 #include "app/session/notice.h"
 #include "devices/tool_event.h"
+#include "devices/virtual_hand.h"
 #include "sim/snapshot.h"
 
 namespace limberg {
@@ -17,6 +18,8 @@ class PictureSink {
  public:
   virtual ~PictureSink() = default;
   virtual void prepare(const SurfaceTopology& first) { (void)first; }
+  /// The glove's hand, before each frame; without a glove it is not valid.
+  virtual void second_hand(const SecondHand& hand) { (void)hand; }
   /// One frame of the running session.
   virtual void frame(const Snapshot& snapshot, const ToolState& tool) = 0;
   /// A named stage of the operation was passed: the picture that goes into the report.

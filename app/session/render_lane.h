@@ -1,6 +1,7 @@
 #pragma once
 // The render thread's work on one frame, without the thread: the newest patient goes to the picture sink; nothing is
 // drawn when neither patient nor hand changed. Every stage that was passed gets its picture, once.
+#include <algorithm>
 #include <deque>
 #include <string>
 #include <vector>
@@ -45,6 +46,7 @@ class RenderLane {
       ch_.want_field.store(sink_->wants_field(), std::memory_order_relaxed);
       if (frames_ && (sink_->wants_frame() || (new_patient && patient_changed(s)) || (new_hand && hand_changed()))) {
         if (sink_->wants_lattice()) sink_->lattice(ch_.patient_to_render.reading().lattice);
+        sink_->second_hand(ch_.hand_to_render.reading().glove);
         sink_->frame(s, ch_.hand_to_render.reading().tool);
         drawn = true;
         ++frames_drawn_;
@@ -68,7 +70,21 @@ class RenderLane {
     double d2 = 0;
     for (int i = 0; i < 3; ++i) d2 += (t.tip_mm[i] - shown_tool_.tip_mm[i]) * (t.tip_mm[i] - shown_tool_.tip_mm[i]);
     return d2 > kVisible_mm * kVisible_mm || t.tool != shown_tool_.tool || t.pressed != shown_tool_.pressed ||
-           t.valid != shown_tool_.valid;
+           t.valid != shown_tool_.valid || glove_changed();
+  }
+  bool glove_changed() const {
+    const SecondHand &g = ch_.hand_to_render.reading().glove, &old = shown_glove_;
+    if (g.valid != old.valid) return true;
+    if (!g.valid) return false;
+    if (g.closed != old.closed || g.points != old.points || g.held_hook != old.held_hook || g.carried.holds != old.carried.holds) return true;
+    constexpr double kRay_mm = 60;  // as long is a ray that meets nothing
+    double fore = 0, thumb = 0, at = 0, turned = 0;
+    for (int i = 0; i < 3; ++i) {
+      const auto d2 = [i](const double (&a)[3], const double (&b)[3]) { return (a[i] - b[i]) * (a[i] - b[i]); };
+      fore += d2(g.forefinger_mm, old.forefinger_mm), thumb += d2(g.thumb_mm, old.thumb_mm);
+      at += d2(g.pointed_mm, old.pointed_mm), turned += kRay_mm * kRay_mm * d2(g.pointing, old.pointing);
+    }
+    return std::max({fore, thumb, g.points ? at : 0.0, turned}) > double(kVisible_mm) * double(kVisible_mm);
   }
   bool patient_changed(const Snapshot& s) const {
     if (frames_drawn_ == 0 || s.topology_version != shown_version_ || s.hooks.size() != shown_hooks_ ||
@@ -79,7 +95,7 @@ class RenderLane {
     return false;
   }
   void remember(const Snapshot& s) {
-    shown_tool_ = ch_.hand_to_render.reading().tool;
+    shown_tool_ = ch_.hand_to_render.reading().tool, shown_glove_ = ch_.hand_to_render.reading().glove;
     shown_version_ = s.topology_version;
     shown_hooks_ = s.hooks.size(), shown_sutures_ = s.sutures.size();
     shown_x_ = s.x_mm;
@@ -93,6 +109,7 @@ class RenderLane {
   uint64_t frames_drawn_ = 0;
   // What the last frame showed.
   ToolState shown_tool_;
+  SecondHand shown_glove_;
   uint64_t shown_version_ = 0;
   size_t shown_hooks_ = 0, shown_sutures_ = 0;
   std::vector<Vec3f> shown_x_;

@@ -11,6 +11,7 @@ const std::vector<DeskKey>& desk_keys() {
       {"right button", "turn the view"},
       {"middle button, Shift + right", "shift the view"},
       {"wheel", "nearer, farther; with a hook held: lift"},
+      {"Space held", "clutch: the hands move, what they hold stays; then it follows from there"},
       {"1 or Esc", "look around"},
       {"2, 3, 4", "scalpel, undermine, excise"},
       {"5, 6, 7", "hook, stitch, row of stitches"},

@@ -24,6 +24,7 @@ uint32_t mods_of(int glfw) {
 int32_t key_of(int glfw) {
   if ((glfw >= GLFW_KEY_A && glfw <= GLFW_KEY_Z) || (glfw >= GLFW_KEY_0 && glfw <= GLFW_KEY_9)) return glfw;
   switch (glfw) {
+    case GLFW_KEY_SPACE: return WindowEvent::space;
     case GLFW_KEY_ESCAPE: return WindowEvent::escape;
     case GLFW_KEY_ENTER: return WindowEvent::enter;
     case GLFW_KEY_TAB: return WindowEvent::tab;

@@ -14,7 +14,7 @@ namespace limberg {
 struct WindowEvent {
   enum Kind : int32_t { pointer, button, wheel, key, text };
   enum Key : int32_t {  // besides the capital letters and digits of ASCII
-    escape = 256, enter, tab, backspace, remove, arrow_left, arrow_right, arrow_up, arrow_down, home, end, f1, question
+    space = ' ', escape = 256, enter, tab, backspace, remove, arrow_left, arrow_right, arrow_up, arrow_down, home, end, f1, question
   };
   enum Mods : uint32_t { shift = 1, control = 2, alt = 4 };
   int32_t kind = pointer;

@@ -84,6 +84,8 @@ struct WindowFrames::Impl {
   float x = 0, y = 0;
   bool buttons[3]{};
   bool turning = false, shifting = false;
+  bool clutch = false;  // the key is down
+  SecondHand glove;
   int unseen = 2;       // frames still to be drawn after the last event: panels need two to settle
   int since_frame = 0;
   SkinFields fields;
@@ -144,7 +146,8 @@ struct WindowFrames::Impl {
       case WindowEvent::key:
         io.KeyCtrl = e.mods & WindowEvent::control, io.KeyShift = e.mods & WindowEvent::shift, io.KeyAlt = e.mods & WindowEvent::alt;
         if (imgui_key(e.code) >= 0) io.KeysDown[e.code] = e.down;
-        if (e.down && !io.WantTextInput) desk.key(e.code, e.mods);
+        if (e.code == WindowEvent::space) hold_clutch(e.down && (clutch || !io.WantTextInput));
+        else if (e.down && !io.WantTextInput) desk.key(e.code, e.mods);
         break;
       case WindowEvent::text:
         io.AddInputCharacter(unsigned(e.code));
@@ -152,6 +155,16 @@ struct WindowFrames::Impl {
         break;
       default: break;
     }
+  }
+
+  void hold_clutch(bool down) {
+    if (down == clutch) return;  // a key that repeats
+    clutch = down;
+    ControlSample c;
+    c.kind = ControlSample::clutch;
+    c.value[0] = down;
+    feed.choices.push(c);
+    desk.say(down ? "clutch: the hands move, what they hold does not" : "");
   }
 
   void choose(ControlSample::Kind kind) {
@@ -277,7 +290,7 @@ struct WindowFrames::Impl {
     feed.sight.writing() = {view, width, height};
     feed.sight.publish();
 
-    const RenderScene& patient = builder.build(s, tool_pose(tool));
+    const RenderScene& patient = builder.build(s, tool_pose(tool, glove));
     if (desk.state.directions) builder.add_stretch_glyphs(s);
     if (desk.state.lattice) builder.add_lines(lattice_lines());
     field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
@@ -351,6 +364,8 @@ void WindowFrames::prepare(const SurfaceTopology&) {
   choose_ui_font(kFontPx);
   i.ui = std::make_unique<UiPainter>(i.renderer->functions());
 }
+
+void WindowFrames::second_hand(const SecondHand& hand) { impl_->glove = hand; }
 
 void WindowFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
   if (impl_->renderer) impl_->frame(snapshot, tool, screen_);

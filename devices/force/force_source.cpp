@@ -11,7 +11,7 @@ ForceSource::ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceS
 
 void ForceSource::look(const Snapshot& s) { seen_ = &s; }
 
-void ForceSource::hold(const ToolState& state) { tool_ = Tool(state.tool), held_hook_ = state.held_hook; }
+void ForceSource::hold(const ToolState& state) { tool_ = Tool(state.tool), held_hook_ = state.held_hook, shift_ = Vec3(state.shift_mm[0], state.shift_mm[1], state.shift_mm[2]); }
 
 double ForceSource::half_space(double young_kPa, double poisson) const {
   return 2 * set_.tip_radius_mm * young_kPa / (1 - poisson * poisson) * 1e-3;  // kPa mm = mN / mm
@@ -80,7 +80,7 @@ void ForceSource::make_model(const Snapshot& s) {
     if (held->id != hook_) hook_ = held->id, hook_home_ = held->at_mm.cast<double>();
     const double pulled = (held->handle_mm.cast<double>() - hook_home_).norm(), force = held->force_N.cast<double>().norm();
     m.hooked = true;
-    m.hook_home_mm = hook_home_;
+    m.hook_home_mm = hook_home_ - shift_;  // behind the clutch the hand is elsewhere, and feels the same
     // Too little pull says nothing about stiffness: what was known stays.
     m.hook_stiffness_N_mm = pulled > 0.5 ? force / pulled : model_.hook_stiffness_N_mm;
     m.facets = 0;  // the tip is in the tissue that it holds

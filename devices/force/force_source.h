@@ -76,6 +76,7 @@ class ForceSource final : public Source, public ToolFollower {
   Tool tool_ = Tool::none;
   int32_t held_hook_ = 0, hook_ = 0;
   Vec3 hook_home_ = Vec3::Zero();  // where its tissue was when the hook was set
+  Vec3 shift_ = Vec3::Zero();      // ToolState::shift_mm
 };
 
 }  // namespace limberg

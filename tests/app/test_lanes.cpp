@@ -1,4 +1,4 @@
-// Histograms: percentiles against sorted values, exact extremes, nothing outside.
+// Histograms: percentiles against sorted values, exact extremes, nothing outside. The render lane draws when a hand has moved.
 #include "app/session/lanes.h"
 
 #include <gtest/gtest.h>
@@ -6,6 +6,9 @@
 #include <cmath>
 #include <random>
 #include <vector>
+
+#include "app/session/render_lane.h"
+#include "tests/devices/flat_patient.h"
 
 namespace limberg {
 namespace {
@@ -37,6 +40,50 @@ TEST(Histogram, SmallAndExtremeValues) {
   EXPECT_EQ(h.percentile_ns(0.25), 31);
   EXPECT_EQ(h.percentile_ns(0.5), 32);
   EXPECT_EQ(h.max_ns(), int64_t(1) << 60);
+}
+
+struct Hands final : PictureSink {
+  void second_hand(const SecondHand& hand) override { glove = hand; }
+  void frame(const Snapshot&, const ToolState&) override { ++frames; }
+  void stage(const std::string&, const Snapshot&) override {}
+  SecondHand glove;
+  int frames = 0;
+};
+
+TEST(RenderLane, DrawsAgainWhenTheGloveHasMoved) {
+  auto channels = std::make_unique<Channels>();
+  Hands sink;
+  RenderLane lane(*channels, &sink, true);
+  channels->patient_to_render.writing().snapshot = test::snapshot_of(test::flat_topology(2, 1));
+  channels->patient_to_render.publish();
+  HandState hand;
+  const auto drawn = [&] {
+    const int before = sink.frames;
+    channels->hand_to_render.writing() = hand, channels->hand_to_render.publish();
+    lane.frame();
+    return sink.frames - before;
+  };
+  EXPECT_EQ(drawn(), 1);  // the patient
+  hand.glove.forefinger_mm[0] = 7;
+  EXPECT_EQ(drawn(), 0) << "there is no glove";
+  hand.glove.valid = 1;
+  EXPECT_EQ(drawn(), 1);
+  EXPECT_EQ(sink.glove.forefinger_mm[0], 7);
+  EXPECT_EQ(drawn(), 0);
+  hand.glove.forefinger_mm[1] += 0.01;
+  EXPECT_EQ(drawn(), 0) << "cannot be seen";
+  hand.glove.thumb_mm[2] += 0.1;
+  EXPECT_EQ(drawn(), 1);
+  hand.glove.pointed_mm[2] += 5;
+  EXPECT_EQ(drawn(), 0) << "it points at nothing";
+  hand.glove.points = 1;
+  EXPECT_EQ(drawn(), 1);
+  hand.glove.pointing[1] = 0.01;
+  EXPECT_EQ(drawn(), 1);
+  hand.glove.closed = 1;
+  EXPECT_EQ(drawn(), 1);
+  hand.glove.valid = 0;
+  EXPECT_EQ(drawn(), 1);
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ TEST(Pick, TissueLiesBetweenTwoNamedPlacesWhereTheyAreNow) {
 }
 
 TEST(Pick, ControlsAreRecordedAndReadBack) {
-  for (int32_t kind : {int32_t(pick::landmark), int32_t(pick::tissue)}) {
+  for (int32_t kind : {int32_t(pick::landmark), int32_t(pick::tissue), int32_t(ControlSample::clutch)}) {
     const ControlSample c = control(kind, "pog'/Pog", {1, 2, 3, 4});
     ControlSample back;
     ASSERT_EQ(to_sample(to_message(c), back, true), nullptr);
@@ -100,7 +100,7 @@ TEST(Pick, ControlsAreRecordedAndReadBack) {
     EXPECT_EQ(back.value, c.value);
   }
   ControlSample back;
-  EXPECT_NE(to_sample(to_message(control(pick::last_control + 1, "", {})), back, true), nullptr);
+  EXPECT_NE(to_sample(to_message(control(ControlSample::clutch + 1, "", {})), back, true), nullptr);
 }
 
 }  // namespace

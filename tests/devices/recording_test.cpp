@@ -123,7 +123,7 @@ TEST(Recording, NumbersThatCannotBeAreRefused) {
     return to_sample(to_message(s), out) != nullptr;
   };
   EXPECT_FALSE(wrong_control([](ControlSample&) {}));
-  EXPECT_TRUE(wrong_control([](ControlSample& s) { s.kind = 9; }));
+  EXPECT_TRUE(wrong_control([](ControlSample& s) { s.kind = 10; }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.tool = Tool(-1); }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.value[1] = -INFINITY; }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.text.c[0] = '\n'; }));

@@ -431,5 +431,39 @@ TEST_F(Rendered, TooLargeIsRefused) {
   EXPECT_THROW(draw(sample_snapshot()), RenderUnavailable);
 }
 
+TEST_F(Rendered, TheGloveIsSeenWhereItIsAndOnlyThen) {
+  options.shadow = false;  // the skin is as it was but where they cover it
+  const Snapshot s = sample_snapshot();
+  const auto drawn = [&](const ToolPose& tool) {
+    SceneBuilder builder;
+    return renderer->draw(builder.build(s, tool), view(), options);
+  };
+  ToolPose tool;
+  tool.glove.forefinger_mm = Vec3f(-6, 2, 14), tool.glove.thumb_mm = Vec3f(-14, 2, 14), tool.glove.pointing = -Vec3f::UnitZ();
+  tool.glove.points = true, tool.glove.pointed_mm = Vec3f(-6, 2, 0.8f);
+  const Image none = draw(s);
+  EXPECT_EQ(drawn(tool), none) << "not visible";
+  tool.glove.visible = true;
+  const Image open = drawn(tool);
+  const auto differs = [&](const Image& a, const Image& b, const Vec3f& at_mm, int reach) {
+    const Vec3f p = view().to_pixel(at_mm, options.width, options.height);
+    int n = 0;
+    for (int y = int(p.y()) - reach; y <= int(p.y()) + reach; ++y)
+      for (int x = int(p.x()) - reach; x <= int(p.x()) + reach; ++x)
+        n += x >= 0 && y >= 0 && x < options.width && y < options.height && std::abs(a.at(x, y).r - b.at(x, y).r) + std::abs(a.at(x, y).g - b.at(x, y).g) + std::abs(a.at(x, y).b - b.at(x, y).b) > 40;
+    return n;
+  };
+  EXPECT_GT(differs(none, open, tool.glove.forefinger_mm, 6), 60);
+  EXPECT_GT(differs(none, open, tool.glove.thumb_mm, 6), 60);
+  EXPECT_GT(differs(none, open, tool.glove.pointed_mm, 4), 20);
+  EXPECT_EQ(differs(none, open, Vec3f(14, -4, 0), 8), 0) << "elsewhere the skin is as it was";
+  tool.glove.closed = true;
+  const Image empty = drawn(tool);
+  EXPECT_GT(differs(open, empty, tool.glove.forefinger_mm, 6), 60) << "another colour";
+  EXPECT_EQ(differs(none, empty, tool.glove.pointed_mm, 4), 0) << "a closed hand that holds nothing points at nothing";
+  tool.glove.holds = true;
+  EXPECT_GT(differs(none, drawn(tool), tool.glove.pointed_mm, 4), 20);
+}
+
 }  // namespace
 }  // namespace limberg

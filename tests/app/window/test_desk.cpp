@@ -107,6 +107,47 @@ TEST_F(DeskTest, KeysChooseToolsAndTheFeedHearsIt) {
   EXPECT_EQ(w.feed.next_wanted, 1);
 }
 
+TEST_F(DeskTest, SpaceIsTheClutchWhileItIsHeld) {
+  Window w;
+  std::vector<ControlSample> c;
+  WindowEvent e;
+  e.kind = WindowEvent::key, e.code = WindowEvent::space, e.down = 1;
+  for (int i = 0; i < 3; ++i) w.screen.events.push(e), w.settle();  // a held key repeats
+  ASSERT_EQ(w.choices(c), 1);
+  EXPECT_EQ(c[0].kind, ControlSample::clutch);
+  EXPECT_EQ(c[0].value[0], 1);
+  e.down = 0;
+  w.screen.events.push(e), w.settle();
+  ASSERT_EQ(w.choices(c), 2);
+  EXPECT_EQ(c[1].kind, ControlSample::clutch);
+  EXPECT_EQ(c[1].value[0], 0);
+}
+
+TEST_F(DeskTest, TheGloveIsDrawnWhereItIs) {
+  Window w;
+  w.key('S'), w.key('S');  // one quality, whatever the machine's speed
+  const Image none = w.frames->picture();
+  SecondHand hand;
+  hand.forefinger_mm[2] = 14, hand.thumb_mm[1] = -10, hand.thumb_mm[2] = 14;
+  hand.pointing[0] = 0, hand.pointing[2] = -1, hand.points = 1;
+  w.frames->second_hand(hand);
+  w.settle();
+  EXPECT_EQ(different(none, w.frames->picture(), 200, 0, 1000, 600), 0) << "there is no glove";
+  hand.valid = 1;
+  w.frames->second_hand(hand);
+  w.settle();
+  const Vec3f p = w.sight().to_pixel(Vec3f(0, 0, 14), w.screen.width, w.screen.height);
+  const int x = int(p.x()), y = int(p.y());
+  const Image glove = w.frames->picture();
+  EXPECT_GT(different(none, glove, x - 12, y - 12, x + 12, y + 12, 20), 100);
+  EXPECT_EQ(different(none, glove, 200, 450, 400, 600), 0);
+  const int64_t before = w.frames->patient_drawn();
+  hand.forefinger_mm[0] += 1;
+  w.frames->second_hand(hand);
+  w.settle();
+  EXPECT_GT(w.frames->patient_drawn(), before) << "it has moved";
+}
+
 TEST_F(DeskTest, AClickOnThePaletteDoesNotReachThePatient) {
   Window w;
   w.move(60, 78);  // on the second row of the tools
