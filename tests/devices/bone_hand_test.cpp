@@ -96,9 +96,12 @@ TEST(BoneHand, TheStylusCarriesAFragment) {
   for (const ToolEvent& e : out.all)
     if (auto c = builder.feed(e)) {
       names.push_back(std::to_string(std::get<HeadCommand>(*c).index()));
-      if (const auto* grab = std::get_if<GrabFragment>(&std::get<HeadCommand>(*c))) EXPECT_LT((grab->fragment.at_mm - Vec3(-30, 5, 0)).norm(), 1e-6);
-      if (const auto* drag = std::get_if<DragFragment>(&std::get<HeadCommand>(*c)))
+      if (const auto* grab = std::get_if<GrabFragment>(&std::get<HeadCommand>(*c))) {
+        EXPECT_LT((grab->fragment.at_mm - Vec3(-30, 5, 0)).norm(), 1e-6);
+      }
+      if (const auto* drag = std::get_if<DragFragment>(&std::get<HeadCommand>(*c))) {
         EXPECT_LT((isometry(drag->to, {7, 7, 7}) * Vec3(1, 2, 3) - Vec3(1, 2, 12)).norm(), 1e-9);
+      }
     }
   EXPECT_EQ(names, (std::vector<std::string>{"2", "3", "4"}));
 }

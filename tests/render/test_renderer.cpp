@@ -130,7 +130,7 @@ TEST_F(Rendered, HookAndToolAreSeen) {
   EXPECT_GT(count(ids(s), Part::hook), 100u);
   for (const auto kind : {ToolPose::Kind::stylus, ToolPose::Kind::scalpel, ToolPose::Kind::hook, ToolPose::Kind::needle_holder}) {
     SceneBuilder builder;
-    const ToolPose tool{true, kind, Vec3f(-5, 2, 1), Vec3f(-0.5f, -0.2f, 0.8f).normalized()};
+    const ToolPose tool{true, kind, Vec3f(-5, 2, 1), Vec3f(-0.5f, -0.2f, 0.8f).normalized(), {}};
     EXPECT_GT(count(renderer->draw_ids(builder.build(s, tool), view(), 320, 240), Part::tool), 300u);
   }
 }
@@ -194,7 +194,7 @@ TEST_F(Rendered, FieldColoursTheSkin) {
 TEST_F(Rendered, ShadowFallsUnderTheTool) {
   const Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
   SceneBuilder builder;
-  const ToolPose tool{true, ToolPose::Kind::stylus, Vec3f(0, 0, 4), Vec3f(0.7f, 0, 0.7f).normalized()};
+  const ToolPose tool{true, ToolPose::Kind::stylus, Vec3f(0, 0, 4), Vec3f(0.7f, 0, 0.7f).normalized(), {}};
   const Image with = renderer->draw(builder.build(s, tool), view(), options);
   options.shadow = false;
   const Image without = renderer->draw(builder.build(s, tool), view(), options);
@@ -254,7 +254,7 @@ TEST_F(Rendered, WhatHasNotMovedIsKeptAndWhatHasIsNot) {
   Renderer fresh(make_osmesa_context());
   SceneBuilder builder;
   EXPECT_EQ(fresh.draw(builder.build(s), view(), options), moved);
-  const ToolPose tool{true, ToolPose::Kind::stylus, Vec3f(0, 0, 4), Vec3f(0.7f, 0, 0.7f).normalized()};
+  const ToolPose tool{true, ToolPose::Kind::stylus, Vec3f(0, 0, 4), Vec3f(0.7f, 0, 0.7f).normalized(), {}};
   EXPECT_EQ(fresh.draw(builder.build(s, tool), view(), options), renderer->draw(builder.build(s, tool), view(), options));
   EXPECT_EQ(draw(s), moved);
 }
