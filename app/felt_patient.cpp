@@ -19,7 +19,7 @@ class Timed final : public Patient {
   StepReport step(const StepSettings& s) override {
     const double before = cpu_ms();
     const StepReport r = patient_.step(s);
-    steps_ms.push_back(cpu_ms() - before);
+    steps.add(cpu_ms() - before);
     return r;
   }
   bool settled() const override { return patient_.settled(); }
@@ -27,24 +27,18 @@ class Timed final : public Patient {
   bool press(const PressQuestion& q, PressAnswer& a) override {
     const double before = cpu_ms();
     const bool told = patient_.press(q, a);
-    questions_ms.push_back(cpu_ms() - before);
+    questions.add(cpu_ms() - before);
     return told;
   }
   std::shared_ptr<const SurfaceTopology> topology() const override { return patient_.topology(); }
   uint64_t topology_hash() const override { return patient_.topology_hash(); }
   uint64_t state_hash() const override { return patient_.state_hash(); }
 
-  std::vector<double> steps_ms, questions_ms;
+  Times steps, questions;
 
  private:
   Patient& patient_;
 };
-
-double at(std::vector<double> v, double part) {
-  if (v.empty()) return 0;
-  std::sort(v.begin(), v.end());
-  return v[std::min(v.size() - 1, size_t(part * double(v.size())))];
-}
 
 /// Comes down onto the middle of the skin, presses 4 mm deep, strokes 8 mm to and fro and taps.
 SimulatedHand hand() {
@@ -89,7 +83,7 @@ void add_felt_patient(Result& out, const Scene& scene, bool quick, const std::fu
     }
     char text[256];
     std::snprintf(text, sizeof text, "%.3f to %.3f N/mm, %.2f N at most, least energy %.2f mJ; %lld answers, a question %.1f ms of CPU at the median, %.1f at p95 (a step %.1f)", soft, hard, most, least,
-                  (long long)force.answers(), at(patient.questions_ms, 0.5), at(patient.questions_ms, 0.95), at(patient.steps_ms, 0.5));
+                  (long long)force.answers(), patient.questions.percentile(0.5), patient.questions.percentile(0.95), patient.steps.percentile(0.5));
     Row r;
     r.name = "felt patient, " + a.scene.name, r.method = asks ? "stiffness from the solver" : "half space of skin";
     r.settings = text, r.error = step, r.error_unit = "N/ms", r.reference = "from tick to tick";

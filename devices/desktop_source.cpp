@@ -16,6 +16,7 @@
 #include <mutex>
 #include <thread>
 
+#include "devices/monotonic.h"
 #include "devices/sample_queue.h"
 
 namespace limberg {
@@ -24,12 +25,6 @@ namespace {
 
 constexpr double kFullPush = 350;  // counts
 constexpr int32_t kMostCounts = 100'000;
-
-int64_t monotonic_ns() {
-  timespec ts;
-  clock_gettime(CLOCK_MONOTONIC, &ts);
-  return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
-}
 
 /// A light push is precise.
 double curve(double counts) {

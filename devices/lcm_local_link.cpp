@@ -5,7 +5,6 @@
 #include <ifaddrs.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include <cstring>
 
 #include "devices/big_endian.h"
+#include "devices/monotonic.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -23,12 +23,6 @@ namespace {
 constexpr uint32_t kSmall = 0x4c433032;  // "LC02"
 constexpr size_t kHeader = 8, kLongestChannel = 63, kLargestPacket = 65'536;
 constexpr int kAtOnce = 64;  // packets per call
-
-int64_t monotonic_ns() {
-  timespec ts;
-  clock_gettime(CLOCK_MONOTONIC, &ts);
-  return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
-}
 
 [[noreturn]] void refuse(const std::string& url, const std::string& why) { throw InputError("", 0, "LCM address \"" + url + "\" cannot be opened" + why); }
 

@@ -11,18 +11,13 @@
 #include "devices/lcm_local_link.h"
 #include "devices/lcm_publisher.h"
 #include "devices/message_codec.h"
+#include "devices/monotonic.h"
 #include "devices/sample_queue.h"
 #include "sim/error.h"
 
 namespace limberg {
 
 namespace {
-
-int64_t monotonic_ns() {
-  timespec ts;
-  clock_gettime(CLOCK_MONOTONIC, &ts);
-  return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
-}
 
 constexpr size_t kMaxStreams = 64;
 constexpr int64_t kSilenceNs = 300'000'000;  // longer than packets linger on a network of one room

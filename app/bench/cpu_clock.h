@@ -24,6 +24,13 @@ struct Times {
     std::sort(s.begin(), s.end());
     return 0.5 * (s[(s.size() - 1) / 2] + s[s.size() / 2]);
   }
+  /// The measurement that this share of all lies below.
+  double percentile(double share) const {
+    if (ms.empty()) return 0;
+    std::vector<double> s = ms;
+    std::sort(s.begin(), s.end());
+    return s[std::min(s.size() - 1, size_t(share * double(s.size())))];
+  }
 };
 
 }  // namespace limberg::bench

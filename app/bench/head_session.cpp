@@ -19,14 +19,6 @@ std::string text(const char* format, auto... value) {
   return buffer;
 }
 
-struct StepTimes {
-  std::vector<double> ms;
-  double at(double share) {
-    std::sort(ms.begin(), ms.end());
-    return ms[std::min(ms.size() - 1, size_t(share * double(ms.size())))];
-  }
-};
-
 }  // namespace
 
 void head_session(Result& out, const HeadModel& model, const HeadSettings& settings, Workers& w) {
@@ -66,17 +58,17 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
     const Vec3 middle = head.bones().fragments().back().centre_mm;
     const int32_t id = head.bones().fragments().back().id;
     const double grab_ms = act(GrabFragment{{id, middle}, 0});
-    StepTimes drag, rest;
+    Times drag, rest;
     const int frames = settings.quick ? 20 : 90;
     for (int i = 1; i <= frames; ++i) {
       DragFragment d;
       d.to.translation_mm = {0, 8. * i / frames, 0};
       const double ms = act(d);
-      drag.ms.push_back(ms + step());
+      drag.add(ms + step());
     }
     const double let_go_ms = act(LetGo{});
     int until = 0;
-    for (; until < 600 && !head.step(1. / 60).at_rest; ++until) rest.ms.push_back(step());
+    for (; until < 600 && !head.step(1. / 60).at_rest; ++until) rest.add(step());
     const double undo_t0 = cpu_ms();
     head.apply(Undo{}), head.apply(Undo{});
     const double undo_ms = cpu_ms() - undo_t0;
@@ -87,10 +79,10 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
       out.rows.push_back(r);
     };
     row("a cut, and the step after it", cut_ms, grab_ms, "ms, the grab");
-    row("a step while a fragment is carried, median", drag.at(0.5), drag.at(0.95), "ms, p95");
-    if (!rest.ms.empty()) row("a step while the face comes to rest, median", rest.at(0.5), double(until), "steps");
+    row("a step while a fragment is carried, median", drag.percentile(0.5), drag.percentile(0.95), "ms, p95");
+    if (!rest.empty()) row("a step while the face comes to rest, median", rest.percentile(0.5), double(until), "steps");
     row("taking both back", undo_ms, let_go_ms, "ms, letting go");
-    out.bars.push_back({text("%s: a step while a fragment is carried, p95 of %d at %zu vertices of tissue (ms, one core)", name, frames, tissue), drag.at(0.95), false, kFrame_ms, false, drag.at(0.95) <= kFrame_ms,
+    out.bars.push_back({text("%s: a step while a fragment is carried, p95 of %d at %zu vertices of tissue (ms, one core)", name, frames, tissue), drag.percentile(0.95), false, kFrame_ms, false, drag.percentile(0.95) <= kFrame_ms,
                         "30 updates a second"});
     out.bars.push_back({text("%s: a cut and the step after it (ms, one core)", name), cut_ms, false, kAtOnce_ms, false, cut_ms <= kAtOnce_ms, "0.1 s seems immediate (Miller 1968)"});
   }

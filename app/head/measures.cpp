@@ -18,18 +18,17 @@ std::vector<NamedPoint> points(const NamedPlaces& places) {
   return out;
 }
 
-/// The number of a picked place, M1, M2, ...; 0: it is none.
-int picked(const std::string& name) {
-  if (name.size() < 2 || name[0] != 'M' || name.find_first_not_of("0123456789", 1) != std::string::npos) return 0;
-  return std::atoi(name.c_str() + 1);
-}
-
 double angle_deg(const Vec3& a, const Vec3& at, const Vec3& b) {
   const Vec3 u = a - at, v = b - at;
   return std::atan2(u.cross(v).norm(), u.dot(v)) * 180 / std::numbers::pi;
 }
 
 }  // namespace
+
+int picked_number(const std::string& name) {
+  if (name.size() < 2 || name[0] != 'M' || name.find_first_not_of("0123456789", 1) != std::string::npos) return 0;
+  return std::atoi(name.c_str() + 1);
+}
 
 std::vector<HeadMeasure> head_measures(const NamedPlaces& before, const NamedPlaces& now) {
   using Group = HeadMeasure::Group;
@@ -54,7 +53,7 @@ std::vector<HeadMeasure> head_measures(const NamedPlaces& before, const NamedPla
   };
   std::vector<Place> place;
   for (const auto& [name, at] : now)
-    if (const int n = picked(name))
+    if (const int n = picked_number(name))
       for (const auto& [other, x0] : before)
         if (other == name) place.push_back({n, x0, at});
   std::stable_sort(place.begin(), place.end(), [](const Place& p, const Place& q) { return p.number < q.number; });

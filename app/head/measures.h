@@ -24,6 +24,9 @@ struct HeadMeasure {
 /// length from each to the next, and the angle at the middle one of each three.
 std::vector<HeadMeasure> head_measures(const NamedPlaces& before, const NamedPlaces& now);
 
+/// The number of a picked place, M1, M2, ...; 0: the name is of another kind.
+int picked_number(const std::string& name);
+
 /// group,name,unit,before,now,change,norm
 std::string to_csv(const std::vector<HeadMeasure>& measures);
 

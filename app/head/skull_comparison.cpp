@@ -18,8 +18,7 @@ namespace limberg {
 namespace {
 
 /// The triangles of a mesh that are bone's own surface; appended.
-void add_surface(Surface& s, const simplex::Mesh& mesh) {
-  const simplex::FanTriangles fan = simplex::fan_triangles(mesh);
+void add_surface(Surface& s, const simplex::Mesh& mesh, const simplex::FanTriangles& fan) {
   const auto base = int32_t(s.x_mm.size());
   s.x_mm.insert(s.x_mm.end(), fan.X_mm.begin(), fan.X_mm.end());
   for (size_t t = 0; t < fan.tri.size(); ++t)
@@ -46,10 +45,6 @@ Surface compacted(const Surface& s, std::vector<int32_t>* fragment) {
   return out;
 }
 
-DistanceMap distances(const std::vector<Vec3>& x, const std::vector<Tri>& tri, const Similarity& map, const SurfaceTarget& target, Workers& w) {
-  return distance_map({x, tri}, map, target, w);
-}
-
 struct Spread {
   double mean = 0, rms = 0, p95 = 0;
 };
@@ -62,19 +57,6 @@ Spread spread(const std::vector<double>& all, const std::vector<int32_t>& fragme
   s.mean /= double(size.size()), s.rms = std::sqrt(s.rms / double(size.size()));
   std::sort(size.begin(), size.end());
   s.p95 = size[size.size() * 95 / 100];
-  return s;
-}
-
-/// A snapshot of the skull alone, whose colour is the distance: drawn as a face is, since bone takes no colours.
-Snapshot coloured(const SkullComparison& c, bool after, uint64_t version) {
-  auto top = std::make_shared<SurfaceTopology>();
-  top->version = version;
-  Snapshot s;
-  const std::vector<Vec3>& x = after ? c.now_mm : c.at_rest_mm;
-  const std::vector<double>& d = (after ? c.after : c.before).signed_mm;
-  for (size_t v = 0; v < x.size(); ++v) top->view.X_mm.push_back(x[v]), s.x_mm.push_back(x[v].cast<float>()), s.moved_mm.push_back(float(std::abs(d[v])));
-  for (const Tri& t : c.tri) top->view.tri.push_back(t), top->view.kind.push_back(FaceKind::free), top->organ.push_back(Organ::face), top->object.push_back(-1);
-  s.topology = std::move(top), s.topology_version = version;
   return s;
 }
 
@@ -91,14 +73,40 @@ std::string map_csv(const SkullComparison& c) {
 
 }  // namespace
 
+Snapshot coloured_skull(const Surface& skull, const DistanceMap& distance, uint64_t version) {
+  auto top = std::make_shared<SurfaceTopology>();
+  top->version = version;
+  Snapshot s;
+  for (size_t v = 0; v < skull.x_mm.size(); ++v)
+    top->view.X_mm.push_back(skull.x_mm[v]), s.x_mm.push_back(skull.x_mm[v].cast<float>()), s.moved_mm.push_back(float(std::abs(distance.signed_mm[v])));
+  for (const Tri& t : skull.tri) top->view.tri.push_back(t), top->view.kind.push_back(FaceKind::free), top->organ.push_back(Organ::face), top->object.push_back(-1);
+  s.topology = std::move(top), s.topology_version = version;
+  return s;
+}
+
+IcpSettings skull_fit() {
+  IcpSettings s;
+  s.samples = 4000, s.iterations = 80;
+  return s;
+}
+
+Surface mirror_image(const Surface& skull, std::string& reason, Workers& w) {
+  const MirrorPlane m = mirror_plane(skull, Vec3::UnitX(), skull_fit(), w);
+  if (!m) return reason = m.reason, Surface{};
+  Surface other = skull;
+  for (Vec3& x : other.x_mm) x = m.reflect(x);
+  for (Tri& t : other.tri) std::swap(t[1], t[2]);
+  return other;
+}
+
 Surface bone_surface(const Head& head, bool at_rest, std::vector<int32_t>* fragment) {
   const simplex::Mesh& mesh = at_rest ? head.bones().mesh() : head.bones_now();
+  const simplex::FanTriangles fan = simplex::fan_triangles(mesh);
   Surface s;
-  add_surface(s, mesh);
+  add_surface(s, mesh, fan);
   if (fragment) {
     fragment->assign(s.x_mm.size(), -1);
     for (int32_t v = 0; v < mesh.slots(); ++v) (*fragment)[size_t(v)] = head.bones().fragment_of(v);
-    const simplex::FanTriangles fan = simplex::fan_triangles(mesh);
     for (const Tri& t : fan.tri) (*fragment)[size_t(t[0])] = (*fragment)[size_t(t[1])];
   }
   return compacted(s, fragment);
@@ -108,8 +116,8 @@ SkullComparison compare_with(const Head& head, const Surface& other, const std::
   SkullComparison c;
   c.with = words;
   Surface rest = bone_surface(head, true, &c.fragment), now = bone_surface(head, false);
-  IcpSettings s;
-  s.with_scale = with_scale, s.samples = 4000, s.iterations = 80;
+  IcpSettings s = skull_fit();
+  s.with_scale = with_scale;
   const SurfaceTarget target(other);
   const IcpResult r = icp(rest, target, {}, s, w);
   if (!r) {
@@ -117,8 +125,8 @@ SkullComparison compare_with(const Head& head, const Surface& other, const std::
     return c;
   }
   c.map = r.map, c.fit_rms_mm = r.rms_mm;
-  c.before = distances(rest.x_mm, rest.tri, c.map, target, w);
-  c.after = distances(now.x_mm, now.tri, c.map, target, w);
+  c.before = distance_map(rest, c.map, target, w);
+  c.after = distance_map(now, c.map, target, w);
   c.at_rest_mm = std::move(rest.x_mm), c.now_mm = std::move(now.x_mm), c.tri = std::move(now.tri);
   return c;
 }
@@ -126,24 +134,19 @@ SkullComparison compare_with(const Head& head, const Surface& other, const std::
 SkullComparison compare_with_mirror(const Head& head, Workers& w) {
   SkullComparison c;
   c.with = "its mirror image";
-  const Surface rest = bone_surface(head, true);
-  IcpSettings s;
-  s.samples = 4000, s.iterations = 80;
-  const MirrorPlane m = mirror_plane(rest, Vec3::UnitX(), s, w);
-  if (!m) {
-    c.reason = "No mirror plane of the skull was found: " + m.reason;
+  std::string reason;
+  const Surface other = mirror_image(bone_surface(head, true), reason, w);
+  if (!reason.empty()) {
+    c.reason = "No mirror plane of the skull was found: " + reason;
     return c;
   }
-  Surface other = rest;
-  for (Vec3& x : other.x_mm) x = m.reflect(x);
-  for (Tri& t : other.tri) std::swap(t[1], t[2]);
   return compare_with(head, other, c.with, false, w);
 }
 
 Surface normal_skull(Workers& w) {
   const HeadModel normal = cached_head({}, w);
   Surface s;
-  add_surface(s, normal.cranium), add_surface(s, normal.mandible);
+  for (const simplex::Mesh* m : {&normal.cranium, &normal.mandible}) add_surface(s, *m, simplex::fan_triangles(*m));
   return compacted(s, nullptr);
 }
 
@@ -188,7 +191,7 @@ std::vector<std::string> report_skull(Result& r, const Head& head, const std::st
       for (const bool after : {false, true}) {
         o.title = std::string("Distance from ") + c.with + (after ? ", after" : ", before");
         const std::string name = "head/" + file + (after ? "-after.png" : "-before.png");
-        write_png(dir + "/" + name, pictures.moved(coloured(c, after, after ? 2 : 1), o));
+        write_png(dir + "/" + name, pictures.moved(coloured_skull({after ? c.now_mm : c.at_rest_mm, c.tri}, after ? c.after : c.before, after ? 2 : 1), o));
         const std::string q = "/gallery/" + std::to_string(gallery++);
         r.set(q + "/picture", name), r.set(q + "/caption", o.title);
       }

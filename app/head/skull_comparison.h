@@ -35,6 +35,12 @@ SkullComparison compare_with(const Head& head, const Surface& other, const std::
 SkullComparison compare_with_mirror(const Head& head, Workers& workers);
 /// The skull of normal proportions, cranium and mandible.
 Surface normal_skull(Workers& workers);
+/// A skull's mirror image, in the plane of its own symmetry. Empty, with `reason` said: none was found.
+Surface mirror_image(const Surface& skull, std::string& reason, Workers& workers);
+/// How closely a skull is laid upon another.
+IcpSettings skull_fit();
+/// A snapshot of the skull alone, whose colour is the distance: drawn as a face is, since bone takes no colours.
+Snapshot coloured_skull(const Surface& skull, const DistanceMap& distance, uint64_t version);
 
 /// Both comparisons as `skull` {with, fit_rms_mm, before, after} and a table; maps as DIR/skull-normal.csv and DIR/skull-mirror.csv and, where
 /// pictures can be made, in `gallery`. Returns what could not be compared, a sentence each.

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "devices/monotonic.h"
+
 namespace limberg {
 
 constexpr int64_t kNsPerMs = 1'000'000;
@@ -21,11 +23,7 @@ class RealClock {
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &ts, nullptr) != 0) {  // only a signal ends it early
     }
   }
-  static int64_t monotonic_ns() {
-    timespec ts;
-    clock_gettime(CLOCK_MONOTONIC, &ts);
-    return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
-  }
+  static int64_t monotonic_ns() { return limberg::monotonic_ns(); }
 
  private:
   int64_t start_ = 0;

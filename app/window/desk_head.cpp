@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "devices/pick.h"
 
@@ -70,7 +69,7 @@ ControlSample DeskHead::picked(const Snapshot& s, int32_t triangle, const Vec3f&
     on_bone_ = called;
   }
   // M1, M2, ...; after a name of another kind the next number that was not given.
-  if (called.size() > 1 && called[0] == 'M' && called.find_first_not_of("0123456789", 1) == std::string::npos) next_ = std::max(next_, std::atoi(called.c_str() + 1) + 1);
+  if (const int number = picked_number(called)) next_ = std::max(next_, number + 1);
   const std::string next = "M" + std::to_string(next_);
   name.fill(0);
   next.copy(name.data(), name.size() - 1);

@@ -54,20 +54,10 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
       std::vector<int32_t> of;
       if (!other) {
         const Surface rest = bones_of(before, true, of);
-        IcpSettings set;
-        set.samples = 4000, set.iterations = 80;
         std::string reason;
-        Surface to;
-        if (with == SkullBeside::normal) {
-          to = normal_skull(w);
-        } else {
-          const MirrorPlane m = mirror_plane(rest, Vec3::UnitX(), set, w);
-          reason = m.reason, to = rest;
-          for (Vec3& x : to.x_mm) x = m.reflect(x);
-          for (Tri& t : to.tri) std::swap(t[1], t[2]);
-        }
-        SurfaceTarget target(to);
-        const IcpResult r = reason.empty() ? icp(rest, target, {}, set, w) : IcpResult{};
+        const Surface to = with == SkullBeside::normal ? normal_skull(w) : mirror_image(rest, reason, w);
+        SurfaceTarget target(reason.empty() ? to : rest);
+        const IcpResult r = reason.empty() ? icp(rest, target, {}, skull_fit(), w) : IcpResult{};
         other = std::make_shared<const Other>(Other{std::move(target), r.map, reason.empty() ? r.reason : reason});
       }
       Found f;
@@ -75,15 +65,7 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
       if (!other->reason.empty()) return f;
       const Surface bones = bones_of(s, false, of);
       const DistanceMap d = distance_map(bones, other->map, other->target, w);
-      auto top = std::make_shared<SurfaceTopology>();
-      top->version = version;
-      for (size_t v = 0; v < bones.x_mm.size(); ++v) {
-        top->view.X_mm.push_back(bones.x_mm[v]);
-        f.shown.x_mm.push_back(bones.x_mm[v].cast<float>()), f.shown.moved_mm.push_back(float(std::abs(d.signed_mm[v])));
-      }
-      // Drawn as a face is, since bone takes no colours.
-      for (const Tri& t : bones.tri) top->view.tri.push_back(t), top->view.kind.push_back(FaceKind::free), top->organ.push_back(Organ::face), top->object.push_back(-1);
-      f.shown.topology = std::move(top), f.shown.topology_version = version, f.rms_mm = d.rms_mm;
+      f.shown = coloured_skull(bones, d, version), f.rms_mm = d.rms_mm;
       return f;
     });
   }

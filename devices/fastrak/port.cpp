@@ -15,6 +15,7 @@
 #include <mutex>
 #include <thread>
 
+#include "devices/monotonic.h"
 #include "sim/error.h"
 
 namespace limberg::fastrak {
@@ -26,12 +27,6 @@ struct Rate {
   speed_t code;
 };
 constexpr Rate kRates[] = {{2400, B2400}, {4800, B4800}, {9600, B9600}, {19200, B19200}, {38400, B38400}, {57600, B57600}, {115200, B115200}};
-
-int64_t monotonic_ns() {
-  timespec ts;
-  clock_gettime(CLOCK_MONOTONIC, &ts);
-  return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
-}
 
 }  // namespace
 

@@ -9,18 +9,11 @@
 #include <thread>
 
 #include "devices/fastrak/port.h"
+#include "devices/monotonic.h"
 #include "devices/sample_queue.h"
 #include "sim/error.h"
 
 namespace limberg::fastrak {
-
-namespace {
-int64_t monotonic_ns() {
-  timespec ts;
-  clock_gettime(CLOCK_MONOTONIC, &ts);
-  return int64_t(ts.tv_sec) * 1'000'000'000 + ts.tv_nsec;
-}
-}  // namespace
 
 SourceSettings parse_source(const std::string& text) {
   SourceSettings s;

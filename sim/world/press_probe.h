@@ -18,7 +18,6 @@
 #include "sim/fem/elastic_solver.h"
 #include "sim/geometry/body.h"
 #include "sim/press.h"
-#include "sim/short_lists.h"
 #include "sim/snapshot.h"
 
 namespace limberg {
