@@ -1,10 +1,7 @@
-// Moving a tissue, what it does to the face, and what its springs do not hold.
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseCore>
+// Moving a tissue, and what it does to the face.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "sim/error.h"
 #include "sim/simplex/tissue.h"
@@ -17,25 +14,51 @@ constexpr double kReach = 0.25;  // of a spring's length, in one iteration
 
 bool moves(const Tissue& t, size_t v) { return t.role[v] == TissueRole::inside || t.role[v] == TissueRole::side; }
 
-Vec3 spring_force(const Tissue& t, size_t v, const SpringLaw& law) {  // mN
-  Vec3 f = Vec3::Zero();
-  for (size_t k = 0; k < 4; ++k) {
-    const Vec3 d = t.x_mm[size_t(t.nbr[v][k])] - t.x_mm[v];
-    const double l = d.norm();
-    if (l > 0) f += t.k_mN_per_mm[v][k] * law.force_over_k0(l, t.rest_mm[v][k]) / l * d;
-  }
-  return f;
-}
+typedef double v4 __attribute__((vector_size(32)));  // one lane per edge
+inline v4 all(double a) { return v4{a, a, a, a}; }
+inline double total(const v4& a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
-/// Sum of the tangent stiffnesses at a vertex, mN/mm; the longest elongation of its springs goes to `longest`.
-double stiffness(const Tissue& t, size_t v, const SpringLaw& law, double& longest) {
-  double sum = 0;
-  for (size_t k = 0; k < 4; ++k) {
-    const double l = (t.x_mm[size_t(t.nbr[v][k])] - t.x_mm[v]).norm(), l0 = t.rest_mm[v][k];
-    sum += t.k_mN_per_mm[v][k] * law.tangent_over_k0(l, l0);
-    if (l0 > 0) longest = std::max(longest, l / l0 - 1);
+/// What its four edges do to a vertex, in one pass over them and without branches: they are most of the cost of an iteration.
+struct Edges {
+  Vec3 force_mN = Vec3::Zero();  // of the springs
+  double tangent = 0;            // sum of their tangent stiffnesses, mN/mm
+  Vec3 mean_mm = Vec3::Zero();   // sum k_ij (P_j - P_i) / sum k_ij
+};
+/// The largest elongation of the springs goes to `longest` (never less than it was).
+template <bool with_springs, bool with_mean>
+inline Edges edges(const Tissue& t, size_t v, const SpringLaw& law, double& longest) {
+  Edges out;
+  v4 x, y, z, k, l0;
+  const Vec3& at = t.x_mm[v];
+  for (size_t j = 0; j < 4; ++j) {
+    const Vec3& u = t.x_mm[size_t(t.nbr[v][j])];
+    x[j] = u.x() - at.x(), y[j] = u.y() - at.y(), z[j] = u.z() - at.z();
   }
-  return sum;
+  std::memcpy(&k, t.k_mN_per_mm[v].data(), sizeof k);
+  if (with_mean)
+    if (const double sum = total(k); sum > 0) out.mean_mm = Vec3(total(k * x), total(k * y), total(k * z)) / sum;
+  if (!with_springs) return out;
+  std::memcpy(&l0, t.rest_mm[v].data(), sizeof l0);
+  const v4 l2 = x * x + y * y + z * z;
+  v4 l, f, slope;
+  for (size_t j = 0; j < 4; ++j) l[j] = std::sqrt(l2[j]);
+  if (law.kind == Stiffening::none || law.kind == Stiffening::biphasic) {
+    // Two straight pieces: the second adds (ratio - 1) times what is beyond the knee.
+    const double more = law.kind == Stiffening::none ? 0 : law.ratio - 1, knee = law.kind == Stiffening::none ? 1 : 1 + law.knee;
+    const v4 over = l - knee * l0;
+    const auto beyond = (over > 0) & (l0 > 0);
+    slope = beyond ? all(1 + more) : all(1);
+    f = (l - l0) + more * (beyond ? over : all(0));
+    f = l0 > 0 ? f : all(0);
+  } else {
+    for (size_t j = 0; j < 4; ++j) f[j] = law.force_over_k0(l[j], l0[j]), slope[j] = law.tangent_over_k0(l[j], l0[j]);
+  }
+  out.tangent = total(k * slope);
+  f = k * f / (l > 0 ? l : all(1));
+  out.force_mN = Vec3(total(f * x), total(f * y), total(f * z));
+  for (size_t j = 0; j < 4; ++j)
+    if (l[j] > (1 + longest) * l0[j] && l0[j] > 0) longest = l[j] / l0[j] - 1;
+  return out;
 }
 
 Vec3 to_mean(const Tissue& t, size_t v) {
@@ -44,17 +67,11 @@ Vec3 to_mean(const Tissue& t, size_t v) {
   return p - t.x_mm[v];
 }
 
-/// To where the turned rest shape wants the vertex.
-Vec3 to_shape(const Tissue& t, size_t v) {
-  Vec3 p = Vec3::Zero();
-  double sum = 0;
-  for (size_t k = 0; k < 4; ++k) p += t.k_mN_per_mm[v][k] * t.x_mm[size_t(t.nbr[v][k])], sum += t.k_mN_per_mm[v][k];
-  return sum > 0 ? Vec3(p / sum + t.bent_mm[v] - t.x_mm[v]) : Vec3(Vec3::Zero());
-}
-
-/// The rotation nearest to A (in the sense of polar decomposition), from a guess.
+/// The rotation nearest to A (in the sense of polar decomposition), from a guess. A guess that is nearly right is corrected once: the
+/// next call goes on from there.
 Mat3 nearest_rotation(const Mat3& A, Mat3 R) {
   constexpr int kTurns = 4;
+  constexpr double kNearly = 1e-3;
   for (int i = 0; i < kTurns; ++i) {
     const Vec3 axis = R.col(0).cross(A.col(0)) + R.col(1).cross(A.col(1)) + R.col(2).cross(A.col(2));
     const double size = std::abs(R.col(0).dot(A.col(0)) + R.col(1).dot(A.col(1)) + R.col(2).dot(A.col(2)));
@@ -62,6 +79,10 @@ Mat3 nearest_rotation(const Mat3& A, Mat3 R) {
     const Vec3 w = axis / size;
     const double angle = w.norm();
     if (angle < 1e-12) return R;
+    if (angle < kNearly) {
+      // Half the vector as a quaternion: the angle to the third order.
+      return Eigen::Quaterniond(1, w.x() / 2, w.y() / 2, w.z() / 2).normalized().toRotationMatrix() * R;
+    }
     R = Eigen::AngleAxisd(angle, w / angle) * R;
   }
   return R;
@@ -142,6 +163,7 @@ TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
   const size_t n = t.nbr.size();
   std::vector<double> far((n + kGrain - 1) / kGrain, 0), longest(far);
   workers.parallel_for(n, kGrain, [&](size_t b, size_t e) {
+    double most = 0, move2 = 0;
     for (size_t v = b; v < e; ++v) {
       if (!moves(t, v)) {
         t.before_mm[v] = t.x_mm[v];
@@ -151,19 +173,20 @@ TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
       if (law.mode == TissueMode::smoothing) {
         F = to_mean(t, v);
       } else {
-        if (springs)
-          if (const double k = stiffness(t, v, s, longest[b / kGrain]); k > 0) {
-            // The stiffness is that of where the vertex is: it goes no farther at once than this holds.
-            const Vec3 f = (1 - law.shape) / k * spring_force(t, v, s);
-            const double reach = kReach * (t.rest_mm[v][0] + t.rest_mm[v][1] + t.rest_mm[v][2] + t.rest_mm[v][3]) / 4, far_mm = f.norm();
-            F += far_mm > reach ? Vec3(reach / far_mm * f) : f;
-          }
-        if (shaped) F += (springs ? law.shape : 1) * to_shape(t, v);
+        const Edges of = !springs ? edges<false, true>(t, v, s, most) : shaped ? edges<true, true>(t, v, s, most) : edges<true, false>(t, v, s, most);
+        if (of.tangent > 0) {
+          // The stiffness is that of where the vertex is: it goes no farther at once than this holds.
+          const Vec3 f = (1 - law.shape) / of.tangent * of.force_mN;
+          const double reach = kReach * (t.rest_mm[v][0] + t.rest_mm[v][1] + t.rest_mm[v][2] + t.rest_mm[v][3]) / 4, far_mm2 = f.squaredNorm();
+          F += far_mm2 > reach * reach ? Vec3(reach / std::sqrt(far_mm2) * f) : f;
+        }
+        if (shaped) F += (springs ? law.shape : 1) * (of.mean_mm + t.bent_mm[v]);  // to where the turned rest shape wants the vertex
       }
       const Vec3 d = (1 - law.gamma) * (t.x_mm[v] - t.before_mm[v]) + out.alpha * F;
       t.before_mm[v] = t.x_mm[v] + d;
-      far[b / kGrain] = std::max(far[b / kGrain], d.squaredNorm());
+      move2 = std::max(move2, d.squaredNorm());
     }
+    far[b / kGrain] = move2, longest[b / kGrain] = most;
   });
   std::swap(t.x_mm, t.before_mm);
   for (double d : far) out.max_move_mm = std::max(out.max_move_mm, std::sqrt(d));
@@ -179,59 +202,13 @@ void pull_face(const Tissue& t, const TissueLaw& law, std::vector<Vec3>& force_m
     const auto [tv, f] = t.link[i];
     const size_t v = size_t(tv);
     if (size_t(f) >= force_mm.size() || (force_mN && size_t(f) >= force_mN->size())) throw InputError("", 0, "one force per vertex of the face was expected");
+    const Edges of = edges<true, true>(t, v, law.spring, longest);
     if (share < 1) {
-      const Vec3 F = spring_force(t, v, law.spring);
-      if (const double k = stiffness(t, v, law.spring, longest); k > 0) force_mm[size_t(f)] += (1 - share) / k * F;
-      if (force_mN) (*force_mN)[size_t(f)] += F;
+      if (of.tangent > 0) force_mm[size_t(f)] += (1 - share) / of.tangent * of.force_mN;
+      if (force_mN) (*force_mN)[size_t(f)] += of.force_mN;
     }
-    if (share > 0) force_mm[size_t(f)] += share * to_shape(t, v);
+    if (share > 0) force_mm[size_t(f)] += share * (of.mean_mm + t.bent_mm[v]);
   }
-}
-
-ZeroModes zero_energy_modes(const Tissue& t, int64_t dense_up_to) {
-  ZeroModes z;
-  std::vector<int32_t> at(t.nbr.size(), -1);
-  for (size_t v = 0; v < t.nbr.size(); ++v)
-    if (moves(t, v)) at[v] = int32_t(z.dofs), z.dofs += 3;
-  std::vector<std::pair<int32_t, int32_t>> spring;
-  for (size_t v = 0; v < t.nbr.size(); ++v)
-    for (int32_t u : t.nbr[v])
-      if (int32_t(v) < u && (at[v] >= 0 || at[size_t(u)] >= 0)) spring.push_back({int32_t(v), u});
-  z.springs = int64_t(spring.size());
-  if (z.dofs > dense_up_to) {
-    // Modes = dofs - rank, and the rank is that of R R^T, a row per spring: the pivots of L D L^T that are not zero. What is added
-    // to the diagonal keeps those of dependent springs from being exactly 0; they stay near it.
-    constexpr double shift = 1e-9;
-    std::vector<Eigen::Triplet<double>> entry;
-    for (size_t i = 0; i < spring.size(); ++i) {
-      const auto [a, b] = spring[i];
-      const Vec3 u = (t.x_mm[size_t(b)] - t.x_mm[size_t(a)]).normalized();
-      for (int k = 0; k < 3; ++k) {
-        if (at[size_t(a)] >= 0) entry.emplace_back(int(i), at[size_t(a)] + k, -u[k]);
-        if (at[size_t(b)] >= 0) entry.emplace_back(int(i), at[size_t(b)] + k, u[k]);
-      }
-    }
-    Eigen::SparseMatrix<double> R(z.springs, z.dofs);
-    R.setFromTriplets(entry.begin(), entry.end());
-    Eigen::SparseMatrix<double> G = R * R.transpose();
-    for (int i = 0; i < G.rows(); ++i) G.coeffRef(i, i) += shift;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt(G);
-    z.modes = z.dofs - (ldlt.vectorD().array() > 1e3 * shift).count();
-    z.estimate = true;
-    return z;
-  }
-  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(z.springs, z.dofs);
-  for (size_t i = 0; i < spring.size(); ++i) {
-    const auto [a, b] = spring[i];
-    const Vec3 u = (t.x_mm[size_t(b)] - t.x_mm[size_t(a)]).normalized();
-    if (at[size_t(a)] >= 0) R.block<1, 3>(Eigen::Index(i), at[size_t(a)]) = -u.transpose();
-    if (at[size_t(b)] >= 0) R.block<1, 3>(Eigen::Index(i), at[size_t(b)]) = u.transpose();
-  }
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(R);
-  // A motion whose stiffness is 1e-8 of the largest is free: symmetric patches have such, which are exact but for the smoothing's remainder.
-  qr.setThreshold(1e-4);
-  z.modes = z.dofs - qr.rank();
-  return z;
 }
 
 }  // namespace limberg::simplex
