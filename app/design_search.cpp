@@ -102,6 +102,30 @@ std::string Design::name() const {
   return s + t;
 }
 
+std::string why_first(const Design& a, const Design* b) {
+  char t[400];
+  std::snprintf(t, sizeof t, "its strongest stitch pulls with %.2f N (cost %.2f), the skin stands up by %.1f mm (%.2f), landmarks move by %.1f mm (%.2f)", a.force_N, a.force_cost,
+                a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
+  std::string why = t;
+  if (!b || b->cell_mm != a.cell_mm) return why;
+  const std::pair<double, const char*> parts[] = {{b->force_cost - a.force_cost, "its force"}, {b->ear_cost - a.ear_cost, "its dog-ear"}, {b->landmark_cost - a.landmark_cost, "what it does to landmarks"}};
+  const auto most = std::max_element(std::begin(parts), std::end(parts), [](const auto& x, const auto& y) { return x.first < y.first; });
+  std::snprintf(t, sizeof t, "; the next costs %.2f more, most of it by %s (%+.2f)", b->cost - a.cost, most->second, most->first);
+  return why + t;
+}
+
+std::vector<std::pair<std::string, int>> dropped_by_reason(std::span<const Design> all) {
+  std::vector<std::pair<std::string, int>> out;
+  for (const Design& d : all) {
+    if (d.dropped.empty()) continue;
+    const auto it = std::find_if(out.begin(), out.end(), [&](const auto& o) { return o.first == d.dropped; });
+    if (it == out.end()) out.emplace_back(d.dropped, 1);
+    else ++it->second;
+  }
+  std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+  return out;
+}
+
 std::vector<ChartPoint> parse_defect(const std::string& text) {
   std::vector<double> n;
   const bool circle = text.starts_with("circle:");

@@ -49,6 +49,11 @@ struct Design {
 /// The outline of "circle:X,Y,D" (diameter) or "X,Y;X,Y;X,Y;...". InputError otherwise.
 std::vector<ChartPoint> parse_defect(const std::string& text);
 
+/// In words: what the cost of a design is made of, and by which part most the next one (of the same cells; may be null) costs more.
+std::string why_first(const Design& first, const Design* next);
+/// The dropped ones by reason, most frequent first: how many of each.
+std::vector<std::pair<std::string, int>> dropped_by_reason(std::span<const Design> all);
+
 /// Types that can cover a defect.
 const std::vector<std::string>& covering_types();
 

@@ -94,6 +94,9 @@ int design(Options o) {
     r.set(p + "/mirrored", d.plan.mirrored);
     r.set(p + "/cell_mm", d.cell_mm);
     r.set(p + "/cost", d.cost);
+    r.set(p + "/force_cost", d.force_cost);
+    r.set(p + "/dog_ear_cost", d.ear_cost);
+    r.set(p + "/landmark_cost", d.landmark_cost);
     r.set(p + "/suture_force_max_N", d.force_N);
     r.set(p + "/closure_force_N", d.closure_N);
     r.set(p + "/dog_ear_mm", d.dog_ear_mm);
@@ -114,7 +117,15 @@ int design(Options o) {
     write_whole_file(o.common.out_dir + "/design-" + std::to_string(rank) + ".jsonl", text);
   }
   if (rank > o.show) std::printf("    and %d more\n", rank - o.show);
-  if (dropped > 0) std::printf("%d dropped: they leave the skin, take a landmark away, or do not cover the defect\n", dropped);
+  if (any) {
+    const std::string why = why_first(found[0], found.size() > 1 && found[1].dropped.empty() ? &found[1] : nullptr);
+    r.set("/why", why);
+    std::printf("why 1: %s\n", why.c_str());
+  }
+  if (dropped > 0) {
+    std::printf("%d dropped:\n", dropped);
+    for (const auto& [reason, count] : dropped_by_reason(found)) std::printf("  %3d  %s\n", count, reason.c_str());
+  }
   if (!o.common.out_dir.empty() && any) {
     const Vec3 along = scene.source == Scene::Source::block ? scene.block.tension_direction : scene.obj.tension_direction;
     const std::shared_ptr<const Body> body = build_body(scene);

@@ -14,13 +14,15 @@ constexpr double kDeg = 180 / std::numbers::pi;
 
 // ---- Fusiform excisions
 
-const std::vector<std::string> kFusiform{"ratio", "prestretch", "cell_mm", "contact"};
+const std::vector<std::string> kFusiform{"ratio", "prestretch", "cell_mm", "contact", "width_mm", "depth_mm"};
 
 Row run_fusiform(const Values& v, const Run& with) {
-  const double W = 14;
+  const double W = v[4];
   const Figure f = find_procedure("fusiform").figure({W, v[0]});
   Patch patch;
-  patch.side_mm = std::max(120.0, W * v[0] + 60), patch.prestretch_percent = v[1], patch.cell_mm = v[2], patch.undermine_mm = 10, patch.contact = v[3] > 0;
+  patch.side_mm = std::max(120.0, W * v[0] + 4 * W), patch.prestretch_percent = v[1], patch.cell_mm = v[2], patch.undermine_mm = 0.7 * W, patch.contact = v[3] > 0;
+  patch.depth_mm = v[5], patch.push_mm = v[6];
+  for (const double side : {-1, 1}) patch.ears.push_back({side * (W * v[0] / 2 + 2), 0});  // just beyond the tips
   const Done d = carry_out_on(patch, f, with);
   const Seam& s = f.seams[0];
   const double left = d.height_mm(place(f, s.a_from), W / 2), right = d.height_mm(place(f, s.a_to), W / 2);
@@ -37,10 +39,11 @@ Row run_fusiform(const Values& v, const Run& with) {
   for (size_t i = 1; i < scar.size(); ++i) scar_now += (scar[i] - scar[i - 1]).norm();
   scar_now *= kParts / std::max(1.0, double(scar.size()) - 1);  // the ends' pieces like the others
   Row r;
-  r.figures = {{"ratio", v[0]}, {"prestretch", v[1]}, {"cell_mm", v[2]}, {"contact", v[3]},
+  r.figures = {{"ratio", v[0]}, {"prestretch", v[1]}, {"cell_mm", v[2]}, {"contact", v[3]}, {"width_mm", W}, {"depth_mm", v[5]}, {"push_mm", v[6]},
                {"vertex_deg", drawn},
                {"vertex_form_deg", vertex * kDeg}, {"scar_mm", length_mm(bank(f, s.a_from, s.a_to, true))}, {"scar_form_mm", R * vertex}, {"scar_now_mm", scar_now},
-               {"ear_mm", std::max(left, right)}};
+               {"ear_mm", std::max(left, right)}, {"ear_middle_mm", std::max(d.middle_height_mm(place(f, s.a_from), W / 2, 2.5), d.middle_height_mm(place(f, s.a_to), W / 2, 2.5))},
+               {"ear_volume_mm3", d.shape(place(f, s.a_from), W).volume_mm3 + d.shape(place(f, s.a_to), W).volume_mm3}, {"found_by", double(d.found_by)}};
   add_common(r, d);
   char name[60];
   std::snprintf(name, sizeof name, "%g to 1", v[0]);
@@ -77,9 +80,12 @@ std::vector<NamedChart> charts_fusiform(const std::vector<Row>& rows) {
 Family fusiform() {
   return {"fusiform", "Spindle-shaped excisions 14 mm wide by their ratio of length to width",
           {{"ratio", "length over width", {2, 3, 4, 5, 6}, 1.5, 8},
-           {"prestretch", "of the skin, percent, in all directions", {5}, 0, 30},
+           {"prestretch", "of the skin, percent, in all directions", {0}, 0, 30},
            {"cell_mm", "size of the lattice's cells", {4}, 2, 8},
-           {"contact", "1: wound surfaces keep each other out", {1}, 0, 1}},
+           {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
+           {"width_mm", "of the excision", {20}, 6, 40},
+           {"depth_mm", "of cut and undermining", {2}, 1.5, 8},
+           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10}},
           run_fusiform, bars_fusiform, charts_fusiform};
 }
 

@@ -69,9 +69,44 @@ std::vector<Command> pushes(const std::vector<Vec2>& at, const std::vector<doubl
   return out;
 }
 
+/// All that is held goes outward from the chart's origin, in steps of at most step_mm, until it is `stretch` times as far away; the
+/// tissue comes to rest; and back again.
+void draw_taut_and_let_go(World& world, double stretch, double step_mm, const OperationSettings& set) {
+  const Body& body = *world.spec().body;
+  const double farthest = 0.5 * (body.box_max_mm - body.box_min_mm).head<2>().norm();
+  const int n = std::max(1, int(std::ceil((stretch - 1) * farthest / step_mm)));
+  StepSettings s;
+  s.max_iterations = set.iterations, s.tolerance = set.rest_residual;
+  for (int way = 1; way <= 2 * n; ++way) {
+    const double now = 1 + (stretch - 1) * (way <= n ? way : 2 * n - way) / n;
+    world.hold_at([&](const Vec3& X) {
+      const Vec3 d = X - body.chart_origin_mm;
+      return Vec3(X + (now - 1) * (d - d.dot(body.chart_normal()) * body.chart_normal()));
+    });
+    // Taut, it has to be at rest; on the way it need not.
+    for (int i = 0; i < (way == n ? set.rest_steps : 1); ++i) {
+      if (set.interrupted && set.interrupted()) return;
+      if (world.step(s).residual <= s.tolerance && world.settled()) break;
+    }
+  }
+}
+
 }  // namespace
 
 double Done::height_mm(const Vec2& p, double radius) const { return shape(p, radius).height_mm; }
+
+double Done::middle_height_mm(const Vec2& p, double radius, double even) const {
+  double most = 0;
+  const double step = even / 2;
+  for (double y = -radius; y <= radius; y += step)
+    for (double x = -radius; x <= radius; x += step) {
+      const Vec2 q(x, y);
+      if (q.norm() > radius) continue;
+      const auto above = map->mean_height_mm(p + q, even), below = under->mean_height_mm(p + q, even);
+      if (above && below) most = std::max(most, 0.5 * (*above + *below));
+    }
+  return most;
+}
 
 DogEar Done::shape(const Vec2& p, double radius) const {
   const Vec3 at = skin->body().chart_origin_mm + p.x() * skin->body().chart_e1 + p.y() * skin->body().chart_e2;
@@ -114,25 +149,36 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   take();
   done.energy_as_closed_uJ = done.energy_uJ;
 
-  // Other equilibria. Each push starts where the last one ended: what is bistable stays where it was put. The heights differ
+  // Other equilibria. Each search starts where the last one ended: what is bistable stays where it was put. The heights differ
   // a little from place to place, so that symmetric saddles are left.
+  std::vector<double> energies{done.energy_uJ};
+  const auto judge = [&](int how) {
+    const double e = o.last.energy_uJ;
+    // Two states are different when their energies differ by more than what a residual of 1e-5 leaves open.
+    if (std::all_of(energies.begin(), energies.end(), [&](double x) { return std::abs(x - e) > 1e-3 * std::abs(x - open.last.energy_uJ); })) energies.push_back(e);
+    if (e < done.energy_uJ) take(), done.found_by = how;
+  };
+  const auto stopped = [&] { return with.interrupted && with.interrupted(); };
+  if (patch.push_mm > 0 && patch.taut_percent > patch.prestretch_percent && !stopped()) {
+    draw_taut_and_let_go(world, (1 + patch.taut_percent / 100) / (1 + patch.prestretch_percent / 100), 0.5 * patch.cell_mm, set);
+    o = operate(world, depth, script_of({}, "study's rest"), set);
+    done.solve_ms += o.solve_ms;
+    judge(1);
+  }
   if (patch.push_mm > 0 && !patch.ears.empty()) {
-    std::vector<double> energies{done.energy_uJ};
-    for (const int sign : {1, -1}) {
+    for (const int how : {2, 3}) {
+      if (stopped()) break;
       std::vector<double> height;
-      for (size_t i = 0; i < patch.ears.size(); ++i) height.push_back(sign * patch.push_mm * (1 + 0.1 * double(i)));
+      for (size_t i = 0; i < patch.ears.size(); ++i) height.push_back((how == 2 ? 1 : -1) * patch.push_mm * (1 + 0.1 * double(i)));
       o = operate(world, depth, script_of(pushes(patch.ears, height), "study's push"), set);
       done.solve_ms += o.solve_ms;
-      if (with.interrupted && with.interrupted()) break;
-      const double e = o.last.energy_uJ;
-      // Two states are different when their energies differ by more than what a residual of 1e-5 leaves open.
-      if (std::all_of(energies.begin(), energies.end(), [&](double x) { return std::abs(x - e) > 1e-3 * std::abs(x - open.last.energy_uJ); })) energies.push_back(e);
-      if (e < done.energy_uJ) take();
+      judge(how);
     }
-    done.equilibria = int(energies.size());
   }
+  done.equilibria = int(energies.size());
   done.closing_uJ = done.energy_uJ - open.last.energy_uJ;
   done.map = std::make_shared<SkinMap>(*done.shown);
+  done.under = std::make_shared<SkinMap>(*done.shown, SkinMap::Side::under);
   done.nodes = world.solver().model().X_mm.size();
   return done;
 }

@@ -12,31 +12,40 @@ namespace {
 
 // ---- Rhomboid flaps
 
-const std::vector<std::string> kRhomboid{"flap_angle", "defect_angle", "prestretch", "cell_mm", "contact"};
+const std::vector<std::string> kRhomboid{"flap_angle", "defect_angle", "prestretch", "cell_mm", "contact", "side_mm", "depth_mm", "bed"};
 
 // Corners of rhombic flaps (figures.h): 0 A, 1 and 5 D (outer and flap), 2 and 4 E (outer and flap), 3 F, 6 C, 7 B.
-constexpr double kSide_mm = 20;
 constexpr Corner kD{0, 1}, kE{0, 2}, kF{0, 3}, kC{0, 6};
 
 /// What the angles of corners that meet lack for a full turn, as they have been cut.
-double charge_deg(const SkinMap& map, const Figure& f, const std::vector<Corner>& corners) {
+double charge_deg(const SkinMap& map, const Figure& f, const std::vector<Corner>& corners, double side_mm) {
   double q = 360;
-  for (const Corner& c : corners) q -= map.cut_angle_deg(f, c, 0.2 * kSide_mm);
+  for (const Corner& c : corners) q -= map.cut_angle_deg(f, c, 0.2 * side_mm);
   return q;
 }
 
 Row run_rhomboid(const Values& v, const Run& with) {
-  const double L = kSide_mm;
+  const double L = v[5];
   // Webster's construction with any tip; at 60 degrees of flap and defect, Limberg's own figure.
   const Figure f = v[0] == 60 ? find_procedure("rhomboid").figure({L, v[1]}) : find_procedure("webster").figure({L, v[0]});
   Patch patch;
-  patch.side_mm = 140, patch.prestretch_percent = v[2], patch.cell_mm = v[3], patch.undermine_mm = 14, patch.contact = v[4] > 0;
+  patch.side_mm = 7 * L, patch.prestretch_percent = v[2], patch.cell_mm = v[3], patch.undermine_mm = 0.7 * L, patch.contact = v[4] > 0;
+  patch.depth_mm = v[6], patch.push_mm = v[8];
+  if (v[7] <= 0) patch.support = Support::none, patch.side_mm = 6.4 * L, patch.region_mm = 3 * L;
+  for (const Corner& c : {kE, kC}) patch.ears.push_back(place(f, c) + 0.15 * L * tissue_bisector(f, c));
   const Done d = carry_out_on(patch, f, with);
   Row r;
-  r.figures = {{"flap_angle", v[0]}, {"defect_angle", v[1]}, {"prestretch", v[2]}, {"cell_mm", v[3]}, {"contact", v[4]}};
+  r.figures = {{"flap_angle", v[0]}, {"defect_angle", v[1]}, {"prestretch", v[2]}, {"cell_mm", v[3]}, {"contact", v[4]}, {"side_mm", L}, {"depth_mm", v[6]}, {"bed", v[7]}, {"push_mm", v[8]}};
   r.figures.push_back({"ear_donor_mm", d.height_mm(place(f, kE), L / 2)});
   r.figures.push_back({"ear_pivot_mm", d.height_mm(place(f, kC), L / 2)});
   r.figures.push_back({"at_D_F_mm", std::max(d.height_mm(place(f, kD), L / 4), d.height_mm(place(f, kF), L / 4))});
+  r.figures.push_back({"ear_donor_middle_mm", d.middle_height_mm(place(f, kE), L / 2, L / 8)});
+  r.figures.push_back({"ear_pivot_middle_mm", d.middle_height_mm(place(f, kC), L / 2, L / 8)});
+  r.figures.push_back({"found_by", double(d.found_by)});
+  // The most that any stitch has borne at rest: the donor's key stitch D-F, tied first, and every other.
+  double key_peak = 0, other_peak = 1e-12;
+  for (size_t i = 0; i < d.metrics.sutures.size(); ++i) (i ? other_peak : key_peak) = std::max(i ? other_peak : key_peak, d.metrics.sutures[i].peak_N);
+  r.figures.insert(r.figures.end(), {{"key_D_F_peak_N", key_peak}, {"other_peak_N", other_peak}});
   // The strongest stitch within 8 mm of where D and F have come to lie, and elsewhere.
   double donor = 0, next = 1e-12;
   const auto lies = [&](const Corner& c) { return d.map->now_mm(place(f, c) + 0.3 * tissue_bisector(f, c)).value_or(Vec3::Zero()); };
@@ -63,8 +72,12 @@ Row run_rhomboid(const Values& v, const Run& with) {
   r.figures.push_back({"donor_seam_N", donor_seam});
   r.figures.push_back({"donor_seam_over_next", donor_seam / next_seam});
   for (const auto& [name, corners] : {std::pair<const char*, std::vector<Corner>>{"C", {kC}}, {"E", {kE}}, {"DF", {kD, kF}}}) {
-    r.figures.push_back({std::string("charge_") + name + "_deg", charge_deg(*d.map, f, corners)});
-    r.figures.push_back({std::string("deficit_") + name + "_deg", d.map->deficit_deg(f, corners, 0.4 * L)});
+    r.figures.push_back({std::string("charge_") + name + "_deg", charge_deg(*d.map, f, corners, L)});
+    for (const double reach : {0.2, 0.4, 0.6}) {
+      char t[40];
+      std::snprintf(t, sizeof t, "deficit_%s_%g_deg", name, reach);
+      r.figures.push_back({t, d.map->deficit_deg(f, corners, reach * L)});
+    }
   }
   // The tension, evened out over discs of 3 mm: at the donor's closure, on its outer side and beyond F, and wherever else it is greatest.
   constexpr double kDisc_mm = 3, kStep_mm = 2;
@@ -72,8 +85,8 @@ Row run_rhomboid(const Values& v, const Run& with) {
   const SkinMap::Stretch here = std::max(d.map->stretch(at(kD), kDisc_mm), d.map->stretch(at(kF), kDisc_mm), [](const auto& x, const auto& y) { return x.most < y.most; });
   double most = 0, elsewhere = 0;
   ChartPoint most_at{0, 0};
-  for (double y = -60; y <= 60; y += kStep_mm)
-    for (double x = -60; x <= 60; x += kStep_mm) {
+  for (double y = -3 * L; y <= 3 * L; y += kStep_mm)
+    for (double x = -3 * L; x <= 3 * L; x += kStep_mm) {
       const ChartPoint p{x, y};
       const SkinMap::Stretch s = d.map->stretch(p, kDisc_mm);
       if (s.area_mm2 < 0.5 * std::numbers::pi * kDisc_mm * kDisc_mm) continue;
@@ -91,32 +104,50 @@ Row run_rhomboid(const Values& v, const Run& with) {
   return r;
 }
 
+/// Keeps the least and the largest of what is asked.
+struct Range {
+  double least = 1e300, most = -1e300;
+  void operator()(double v) { least = std::min(least, v), most = std::max(most, v); }
+};
+
 std::vector<Bar> bars_rhomboid(const std::vector<Row>& rows) {
-  double residual = 0, gap = 0, stitch = 1e300, seam = 1e300, share = 1e300, far = 0, off = 0, plan = 0, up = 1e300, down = -1e300, ears = 1e300;
-  bool limberg = false;
+  Range residual, gap, key, share, far, off, plan, ears, cones, saddle, slack_cones, slack_saddle;
+  bool limberg = false, alone = false, slack = false;
   for (const Row& r : rows) {
-    residual = std::max(residual, r.at("residual")), gap = std::max(gap, r.at("gap_max_mm"));
+    residual(r.at("residual")), gap(r.at("gap_max_mm"));
     if (r.at("flap_angle") != 60 || r.at("defect_angle") != 60) continue;
     limberg = true;
-    stitch = std::min(stitch, r.at("donor_over_next")), seam = std::min(seam, r.at("donor_seam_over_next"));
-    share = std::min(share, r.at("stretch_D_F") / r.at("stretch_elsewhere"));
-    far = std::max(far, r.at("most_from_D_F_mm")), off = std::max(off, r.at("direction_off_deg"));
-    plan = std::max({plan, std::abs(r.at("charge_C_deg") - 60), std::abs(r.at("charge_E_deg") - 60), std::abs(r.at("charge_DF_deg") + 120)});
-    up = std::min({up, r.at("deficit_C_deg"), r.at("deficit_E_deg")}), down = std::max(down, r.at("deficit_DF_deg"));
-    ears = std::min(ears, std::min(r.at("ear_donor_mm"), r.at("ear_pivot_mm")) - r.at("at_D_F_mm"));
+    key(r.at("key_D_F_peak_N") / r.at("other_peak_N")), share(r.at("stretch_D_F") / r.at("stretch_elsewhere"));
+    far(r.at("most_from_D_F_mm") / r.at("side_mm")), off(r.at("direction_off_deg"));
+    plan(std::max({std::abs(r.at("charge_C_deg") - 60), std::abs(r.at("charge_E_deg") - 60), std::abs(r.at("charge_DF_deg") + 120)}));
+    if (r.at("prestretch") > 0) continue;  // tension draws cones flat
+    const double least = std::min(r.at("deficit_C_0.4_deg"), r.at("deficit_E_0.4_deg"));
+    if (r.at("bed") > 0) {
+      slack = true;
+      ears(std::min(r.at("ear_donor_mm"), r.at("ear_pivot_mm")) - r.at("at_D_F_mm"));
+      slack_cones(least), slack_saddle(r.at("deficit_DF_0.2_deg"));
+    } else {
+      alone = true;
+      cones(least), saddle(r.at("deficit_DF_0.2_deg"));
+    }
   }
-  std::vector<Bar> out{at_most("largest relative residual", residual, 1e-4, "at rest, as in operate"), at_most("largest gap, mm", gap, 0.2, "closed")};
+  std::vector<Bar> out{at_most("largest relative residual", residual.most, 1e-4, "at rest, as in operate"), at_most("largest gap, mm", gap.most, 0.2, "closed")};
   if (!limberg) return out;
   const char* figure = "Limberg's flap: the donor's closure D-F carries the greatest tension (charge -120)";
-  out.push_back(at_least("Limberg: strongest stitch at D-F over the strongest elsewhere", stitch, 1, figure));
-  out.push_back(at_least("Limberg: force of the donor's seam over the next seam's", seam, 1, figure));
-  out.push_back(at_least("Limberg: stretch at D-F over the largest elsewhere (beyond 8 mm)", share, 1, figure));
-  out.push_back(at_most("Limberg: place of the largest stretch, from D or F, mm", far, 0.4 * kSide_mm, figure));
-  out.push_back(at_most("Limberg: direction of the largest stretch there, off D-F, degrees", off, 30, "parallel to two sides of the rhombus; half of its 60 degrees"));
-  out.push_back(at_most("Limberg: angle deficits as cut and sewn off +60, +60, -120, degrees", plan, 0.5, "closed form; half a degree on 4 mm is 0.03 mm of the cut edges"));
-  out.push_back(at_least("Limberg: smaller angle deficit of the closed skin at C and E, degrees", up, 0, "cones of charge +60; what tension draws flat is lost"));
-  out.push_back(at_most("Limberg: angle deficit of the closed skin at D-F, degrees", down, 0, "a saddle of charge -120; the same"));
-  out.push_back(at_least("Limberg: lower ear (C, E) above the height at D-F, mm", ears, 0, "cones stand up, saddles do not"));
+  out.push_back(at_least("Limberg: most that the donor's key stitch D-F has borne at rest over the most of any other", key.least, 1, figure));
+  out.push_back(at_least("Limberg: stretch at D-F over the largest elsewhere (beyond 0.4 sides)", share.least, 1, figure));
+  out.push_back(at_most("Limberg: place of the largest stretch, from D or F, sides", far.most, 0.4, figure));
+  out.push_back(at_most("Limberg: direction of the largest stretch there, off D-F, degrees", off.most, 30, "parallel to two sides of the rhombus; half of its 60 degrees"));
+  out.push_back(at_most("Limberg: angle deficits as cut and sewn off +60, +60, -120, degrees", plan.most, 0.5, "closed form; half a degree on 4 mm is 0.03 mm of the cut edges"));
+  if (slack) {
+    out.push_back(at_least("Limberg, slack, on fat: smaller angle deficit of the closed skin at C and E, degrees", slack_cones.least, 0, "cones of charge +60; what the fat holds flat is lost"));
+    out.push_back(at_most("Limberg, slack, on fat: angle deficit of the closed skin at D-F within 0.2 sides, degrees", slack_saddle.most, 0, "a saddle of charge -120; the same"));
+    out.push_back(at_least("Limberg, slack, on fat: lower ear (C, E) above the height at D-F, mm", ears.least, 0, "cones stand up, saddles do not"));
+  }
+  if (alone) {
+    out.push_back(at_least("Limberg, slack skin alone: smaller angle deficit of the closed skin at C and E, degrees", cones.least, 40, "two thirds of +60: within 5 thicknesses of its tip a cone is partly stretched instead of bent (it leaves the plane only beyond 4: Seung and Nelson 1988)"));
+    out.push_back(at_most("Limberg, slack skin alone: angle deficit of the closed skin at D-F within 0.2 sides, degrees", saddle.most, 0, "a saddle, under the greatest tension of all"));
+  }
   return out;
 }
 
@@ -132,10 +163,14 @@ Family rhomboid() {
           {{"flap_angle", "of the flap's tip, degrees", {30, 45, 60}, 20, 60},
            {"defect_angle", "of the defect, degrees; for Limberg's flap only", {60}, 40, 90},
            {"prestretch", "of the skin, percent, in all directions", {10}, 0, 30},
-           {"cell_mm", "size of the lattice's cells", {4}, 2, 8},
-           {"contact", "1: wound surfaces keep each other out", {1}, 0, 1}},
+           {"cell_mm", "size of the lattice's cells; at most 1.5 without a bed", {4}, 1, 8},
+           {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
+           {"side_mm", "of the defect and the flap", {20}, 10, 60},
+           {"depth_mm", "of cut and undermining: how thick the flap is", {2}, 1.5, 8},
+           {"bed", "1: on fat; 0: 1.5 mm of skin with nothing beneath it, held at three sides' lengths", {1}, 0, 1},
+           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10}},
           run_rhomboid, bars_rhomboid, charts_rhomboid,
-          {{"rhomboid", {"flap_angle=60", "prestretch=0,5,10"}}}};
+          {{"rhomboid", {"flap_angle=60", "prestretch=0,5,10", "cell_mm=5,4"}}, {"rhomboid", {"flap_angle=60", "prestretch=0", "bed=0", "cell_mm=1.5,1.2"}}}};
 }
 
 }  // namespace limberg::study

@@ -17,22 +17,30 @@ double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(
 
 }  // namespace
 
-SkinMap::SkinMap(const Snapshot& s) {
+SkinMap::SkinMap(const Snapshot& s, Side side) {
   const SurfaceView& v = s.topology->view;
   up_ = s.topology->body->chart_normal();
   Vec2 high = Vec2::Constant(-1e300);
   low_ = -high;
   for (size_t t = 0; t < v.tri.size(); ++t) {
-    if (v.kind[t] != FaceKind::skin) continue;
     Patch p;
+    Tri corner = v.tri[t];
+    if (side == Side::skin) {
+      if (v.kind[t] != FaceKind::skin) continue;
+    } else {
+      if (v.kind[t] != FaceKind::wall && v.kind[t] != FaceKind::free) continue;
+      const Vec3 a = v.X_mm[size_t(corner[0])], n = (v.X_mm[size_t(corner[1])] - a).cross(v.X_mm[size_t(corner[2])] - a);
+      if (n.dot(up_) > -0.9 * n.norm()) continue;
+      std::swap(corner[1], corner[2]);  // seen from above, as the skin
+    }
     for (size_t k = 0; k < 3; ++k) {
-      const auto i = size_t(v.tri[t][k]);
+      const auto i = size_t(corner[k]);
       p.X[k] = v.X_mm[i], p.x[k] = s.x_mm[i].cast<double>();
       p.at[k] = s.topology->body->to_chart(p.X[k]);
       low_ = low_.cwiseMin(p.at[k]), high = high.cwiseMax(p.at[k]);
     }
     patches_.push_back(p);
-    for (size_t k = 0; k < 3 && t < v.rim.size(); ++k)
+    for (size_t k = 0; k < 3 && t < v.rim.size() && side == Side::skin; ++k)
       if (v.rim[t] >> k & 1) rim_.push_back({p.at[k], p.at[(k + 1) % 3]});
   }
   if (patches_.empty()) return;
@@ -92,6 +100,7 @@ SkinMap::Gradient SkinMap::gradient(const Patch& t) {
 
 template <class Visit>
 void SkinMap::near(const ChartPoint& p, double radius, Visit visit) const {
+  if (patches_.empty()) return;
   const auto bin = [](double d, int n) { return std::clamp(int(std::floor(d / kBin_mm)), 0, n - 1); };
   const Vec2 c = p - low_;
   for (int y = bin(c.y() - radius, ny_); y <= bin(c.y() + radius, ny_); ++y)
@@ -107,6 +116,15 @@ std::optional<Vec3> SkinMap::mean_now_mm(const ChartPoint& p, double radius) con
   Vec3 sum = Vec3::Zero();
   double area = 0;
   near(p, radius, [&](const Patch& t, const Gradient& g) { sum += g.area_mm2 * (t.x[0] + t.x[1] + t.x[2]) / 3, area += g.area_mm2; });
+  if (area < 0.5 * std::numbers::pi * radius * radius) return std::nullopt;
+  return sum / area;
+}
+
+std::optional<double> SkinMap::mean_height_mm(const ChartPoint& p, double radius) const {
+  double sum = 0, area = 0;
+  near(p, radius, [&](const Patch& t, const Gradient& g) {
+    sum += g.area_mm2 * (t.x[0] + t.x[1] + t.x[2] - t.X[0] - t.X[1] - t.X[2]).dot(up_) / 3, area += g.area_mm2;
+  });
   if (area < 0.5 * std::numbers::pi * radius * radius) return std::nullopt;
   return sum / area;
 }

@@ -13,7 +13,9 @@ namespace limberg::study {
 
 class SkinMap {
  public:
-  explicit SkinMap(const Snapshot& shown);
+  /// `skin`: the skin. `under`: what looks down at rest and is no support: the underside of what was freed from its bed.
+  enum class Side : uint8_t { skin, under };
+  explicit SkinMap(const Snapshot& shown, Side side = Side::skin);
 
   /// Where the skin of a chart point is now; nothing where it has been taken away.
   std::optional<Vec3> now_mm(const ChartPoint& p) const;
@@ -23,6 +25,9 @@ class SkinMap {
 
   /// The mean place now of what lies at rest within `radius_mm` of a chart point; nothing where less than half of that disc is left.
   std::optional<Vec3> mean_now_mm(const ChartPoint& p, double radius_mm) const;
+
+  /// How far that place has risen along the chart's normal since rest.
+  std::optional<double> mean_height_mm(const ChartPoint& p, double radius_mm) const;
 
   /// The skin's stretch, averaged over what lies at rest within `radius_mm` of a chart point; prestretch not included.
   struct Stretch {

@@ -13,6 +13,8 @@ namespace limberg::study {
 namespace {
 
 constexpr double kDeg = 180 / std::numbers::pi;
+// Beyond the figure: the pocket reaches from 1.5 limbs (along the central one) to 1.9 or 2 from the middle, as the protocol asks.
+constexpr double kUndermined_mm = kLimb_mm;
 const std::vector<std::string> kKeys{"angle", "prestretch", "cell_mm"};
 
 Row run(const Values& v, Patch patch, const Run& with) {
@@ -45,11 +47,7 @@ Row run(const Values& v, Patch patch, const Run& with) {
     return most;
   };
   const double up_A = std::max(a.height_mm, dent(A)), up_B = std::max(b.height_mm, dent(B));
-  // How much thicker the flap has become where it stands highest: tissue that keeps its volume and gives way in its plane. That height
-  // is no bending.
-  const DogEar& higher = a.height_mm > b.height_mm ? a : b;
-  const SkinMap::Stretch there = d.map->stretch(d.skin->body().to_chart(higher.at_mm), L / 8);
-  const double thickness = patch.support == Support::fat ? patch.depth_mm : 1.5, thicker = thickness * (1 / (there.most * there.least) - 1);
+  const auto middle = [&](const Corner& c) { return d.middle_height_mm(place(f, c), L / 2, L / 8); };
   const double theory = std::sqrt(5 - 4 * std::cos(t / kDeg)), gained = d.metrics.elongation.value_or(std::nan("")), ear = std::max(up_A, up_B);
   const std::vector<ChartPoint> corners{place(f, A), place(f, B), place(f, C), place(f, D)};
   const double p95 = d.map->percentile(0.95, 2 * L, corners, 0.1 * L), p99 = d.map->percentile(0.99, 2 * L, corners, 0.1 * L);
@@ -62,7 +60,7 @@ Row run(const Values& v, Patch patch, const Run& with) {
                {"elongation_flat", flat(outside(A), outside(B)) / L},
                {"elongation_4L", flat(d.map->now_mm({0, 2 * L}), d.map->now_mm({0, -2 * L})) / (4 * L)},
                {"open_elongation", d.open_elongation},
-               {"ear_A_mm", up_A}, {"ear_B_mm", up_B}, {"ear_mm", ear}, {"ear_evened_mm", std::max(evened(A), evened(B))}, {"thicker_mm", thicker}, {"at_C_D_mm", tips},
+               {"ear_A_mm", up_A}, {"ear_B_mm", up_B}, {"ear_mm", ear}, {"ear_evened_mm", std::max(evened(A), evened(B))}, {"ear_middle_mm", std::max(middle(A), middle(B))}, {"at_C_D_mm", tips},
                {"ear_volume_mm3", volume}, {"rms_mm", around.rms_mm},
                // What is sewn together there: A's and B's own edges; the flaps' tips into the ends of the lateral limbs.
                {"deficit_A_deg", d.map->deficit_deg(f, {A}, 0.3 * L)}, {"deficit_B_deg", d.map->deficit_deg(f, {B}, 0.3 * L)},
@@ -74,7 +72,7 @@ Row run(const Values& v, Patch patch, const Run& with) {
                {"efficiency", (gained - 1) / std::max(1e-3, p99 - 1) * std::sin(std::min(t, 90.0) / kDeg)},
                // What is gained for the work of closing it: strain energy goes with the square of the strain.
                {"gain_per_root_work", (gained - 1) / std::sqrt(std::max(1e-9, d.closing_uJ))},
-               {"equilibria", double(d.equilibria)}, {"pushed_gain", 1 - d.closing_uJ / std::max(1e-9, d.closing_uJ + d.energy_as_closed_uJ - d.energy_uJ)}};
+               {"equilibria", double(d.equilibria)}, {"found_by", double(d.found_by)}, {"pushed_gain", 1 - d.closing_uJ / std::max(1e-9, d.closing_uJ + d.energy_as_closed_uJ - d.energy_uJ)}};
   add_common(r, d);
   char name[60];
   std::snprintf(name, sizeof name, "%g degrees, %g %%, %g mm", t, p, v[2]);
@@ -129,7 +127,7 @@ std::vector<NamedChart> charts_planar(const std::vector<Row>& rows) {
 
 Row run_z(const Values& v, const Run& with) {
   Patch p;
-  p.side_mm = 10 * kLimb_mm, p.undermine_mm = 0.8 * kLimb_mm, p.contact = v[3] > 0, p.depth_mm = v[4], p.push_mm = v[5], p.spacing_mm = v[6], p.fronts = v[7] > 0;
+  p.side_mm = 10 * kLimb_mm, p.undermine_mm = kUndermined_mm, p.contact = v[3] > 0, p.depth_mm = v[4], p.push_mm = v[5], p.spacing_mm = v[6], p.fronts = v[7] > 0;
   Row r = run(v, p, with);
   r.figures.insert(r.figures.begin() + 3, {{"contact", v[3]}, {"depth_mm", v[4]}, {"push_mm", v[5]}, {"spacing_mm", v[6]}, {"fronts", v[7]}});
   return r;
@@ -139,7 +137,7 @@ Row run_plate(const Values& v, const Run& with) {
   Patch p;
   p.push_mm = 0.1 * kLimb_mm;
   if (v[3] > 0) {
-    p.side_mm = 10 * kLimb_mm, p.undermine_mm = 0.8 * kLimb_mm, p.contact = true, p.depth_mm = 1.5;
+    p.side_mm = 10 * kLimb_mm, p.undermine_mm = kUndermined_mm, p.contact = true, p.depth_mm = 1.5;
   } else {
     p.support = Support::none;
     p.side_mm = 10.4 * kLimb_mm, p.region_mm = 5 * kLimb_mm;
@@ -163,12 +161,12 @@ Family zplasty() {
            {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
            {"cell_mm", "size of the lattice's cells", {5}, 2, 8},
            {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
-           {"depth_mm", "of cut and undermining", {4}, 1.5, 8},
+           {"depth_mm", "of cut and undermining: how thick the flaps are", {2}, 1.5, 8},
            {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10},
            {"spacing_mm", "of the stitches", {4}, 1, 8},
            {"fronts", "1: cells in which a cut ends are divided, 0: they are not", {1}, 0, 1}},
           run_z, bars_z, charts_z,
-          {{"zplasty", {"prestretch=0,5,10", "cell_mm=5,2.5"}}, {"planar", {"prestretch=0"}}}};
+          {{"zplasty", {"prestretch=0,5,10", "cell_mm=5,3.5"}}, {"planar", {"prestretch=0"}}}};
 }
 
 Family plate() {
@@ -176,7 +174,7 @@ Family plate() {
           {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
            {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
            {"cell_mm", "size of the lattice's cells; at most 1.5 without a bed", {3.5}, 1, 5},
-           {"bed", "1: fat, which it is raised from by 0.8 limbs around the figure; 0: nothing, held at five limbs", {1}, 0, 1}},
+           {"bed", "1: fat, which it is raised from by a limb around the figure; 0: nothing, held at five limbs", {1}, 0, 1}},
           run_plate, bars_plate, charts_z};
 }
 

@@ -73,6 +73,24 @@ TEST(Design, WhatTakesALandmarkAwayIsDroppedAndSaysWhy) {
   EXPECT_THROW(candidates(scene, skin, task), InputError);
 }
 
+// Why the first is first: of what its cost is made, and what the next one costs more by; what was dropped, by reason.
+TEST(Design, SaysWhyTheFirstIsFirstAndWhyOthersWereDropped) {
+  Design a, b, c, d;
+  a.force_N = 1.225, a.force_cost = 0.5, a.dog_ear_mm = 2, a.ear_cost = 0.5, a.cost = 1, a.cell_mm = b.cell_mm = 5;
+  b.force_cost = 0.4, b.ear_cost = 0.75, b.landmark_cost = 0.1, b.cost = 1.25;
+  c.dropped = d.dropped = "takes lid away";
+  Design e;
+  e.dropped = "passes within 2 mm of lid";
+  const std::string why = why_first(a, &b);
+  EXPECT_NE(why.find("1.23 N (cost 0.50)"), std::string::npos) << why;
+  EXPECT_NE(why.find("0.25 more, most of it by its dog-ear (+0.25)"), std::string::npos) << why;
+  b.cell_mm = 3.5;  // other cells: not compared
+  EXPECT_EQ(why_first(a, &b), why_first(a, nullptr));
+  const std::vector<Design> all{a, e, c, b, d};
+  const std::vector<std::pair<std::string, int>> expected{{"takes lid away", 2}, {"passes within 2 mm of lid", 1}};
+  EXPECT_EQ(dropped_by_reason(all), expected);
+}
+
 TEST(Design, TheSearchRanksTellsHowFarItIsAndDraws) {
   const Scene scene = small_scene();
   DesignTask task = task_of("circle:0,0,10", {"fusiform"});

@@ -60,6 +60,32 @@ TEST(SkinMap, AnEvenStretchIsSeenEverywhere) {
   EXPECT_NEAR(map.slack_share(10, 0.8), 1, 1e-9);
 }
 
+// A flap of 1.5 mm that has risen by 2 mm and grown thicker by 1, over a bed and beside the support: only its underside is the underside.
+TEST(SkinMap, TheUndersideIsWhatLooksDownAndIsFree) {
+  auto topology = std::make_shared<SurfaceTopology>();
+  topology->body = std::make_shared<Body>();
+  std::vector<Vec3> X;
+  std::vector<Tri> tri;
+  std::vector<FaceKind> kind;
+  Snapshot s;
+  const auto sheet = [&](double z, double now, bool up, FaceKind k) {
+    const int a = int(X.size());
+    for (const Vec2 p : {Vec2(-9, -9), Vec2(9, -9), Vec2(9, 9), Vec2(-9, 9)}) X.push_back({p.x(), p.y(), z}), s.x_mm.push_back(Vec3f(float(p.x()), float(p.y()), float(now)));
+    for (const Tri& t : {Tri{a, a + 1, a + 2}, Tri{a, a + 2, a + 3}}) tri.push_back(up ? t : Tri{t[0], t[2], t[1]}), kind.push_back(k);
+  };
+  sheet(0, 3, true, FaceKind::skin);
+  sheet(-1.5, 0.5, false, FaceKind::wall);
+  sheet(-1.5, -1.6, true, FaceKind::wall);   // the bed
+  sheet(-10, -10, false, FaceKind::fixed);   // what holds it
+  const auto fill = [](auto& shared, const auto& list) { shared = std::remove_reference_t<decltype(shared)>(list); };
+  fill(topology->view.X_mm, X), fill(topology->view.tri, tri), fill(topology->view.kind, kind);
+  s.topology = topology;
+  const SkinMap skin(s), under(s, SkinMap::Side::under);
+  EXPECT_NEAR(skin.mean_height_mm({1, 2}, 20).value_or(-1), 3, 1e-6);
+  EXPECT_NEAR(under.mean_height_mm({1, 2}, 20).value_or(-1), 2, 1e-6);
+  EXPECT_FALSE(under.mean_height_mm({1, 2}, 0.1));  // no triangle's middle so near
+}
+
 // A wound with an apex of 300 degrees of tissue at the origin, opening along +x.
 Figure notch() {
   Figure f;
