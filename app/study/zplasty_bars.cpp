@@ -94,7 +94,7 @@ double peak_at(const Group& g, const char* what) {
 }
 
 void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_bed) {
-  Worst rise, tips, ratio, saturation, flat, middle, high, none, work, with_tension, sixty;
+  Worst rise, tips, ratio, saturation, flat, over, high, none, work, with_tension, sixty;
   for (const Group& g : groups_of(rows)) {
     const double p = g.prestretch();
     for (size_t i = 0; i < g.rows.size(); ++i) {
@@ -109,7 +109,7 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
     if (g.rows.size() >= 4) work(peak_at(g, "gain_per_root_work"));
     ratio(g.at(90, "ear_mm") / std::max(g.at(60, "ear_mm"), 1e-3));
     if (p == 0) saturation((g.at(90, "elongation") - g.at(75, "elongation")) / (g.at(60, "elongation") - g.at(45, "elongation")));
-    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), middle(g.at(45, "ear_middle_mm")), middle(g.at(60, "ear_middle_mm")), high(g.at(90, "ear_mm")), sixty(g.at(60, "ear_mm"));
+    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), over(g.at(45, "ear_mm") - g.at(45, "at_C_D_mm")), over(g.at(60, "ear_mm") - g.at(60, "at_C_D_mm")), high(g.at(90, "ear_mm")), sixty(g.at(60, "ear_mm"));
   }
   if (rise.least) out.push_back(at_least("4c least rise of the dog-ear from angle to angle, mm", *rise.least, -0.05, "protocol: rises with the angle; 0.05 mm is the lattice's noise"));
   if (tips.most) out.push_back(at_most("4c height at the flaps' tips less that at the limb's ends, mm", *tips.most, 0, "protocol: cones at the limb's ends (charge +angle), saddles at the tips"));
@@ -121,7 +121,7 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
   if (ratio.least) out.push_back(at_least("4e dog-ear at 90 over 60 degrees, least", *ratio.least, 1.2, kProtocol));
   if (saturation.most) out.push_back(at_most("4e no prestretch: gain from 75 to 90 over that from 45 to 60", *saturation.most, 0.5, "protocol: the ears eat the gain"));
   if (flat.most) out.push_back(at_most("4f 10 % prestretch: dog-ear at 45 and 60 degrees, mm", *flat.most, 0.5, "protocol: flat; the plate is so to 65 degrees"));
-  if (middle.most) out.push_back(at_most("4f the same of the flap's middle surface, mm", *middle.most, 0.5, "what the plate's height is: without lips at the seams and what the flap thickens"));
+  if (over.most) out.push_back(at_most("4f the same above the seams at the flaps' tips, mm", *over.most, 0.5, "the plate has no lips at its seams: stitches pull above the middle of what they join and raise both banks, at saddles too"));
   if (sixty.most) out.push_back(at_most("4f 10 % prestretch: dog-ear at 60 degrees, mm", *sixty.most, 1, "the classical statement: flat; skin stands up from 1 mm on"));
   if (high.least) out.push_back(at_least("4f 10 % prestretch: dog-ear at 90 degrees stands up, mm", *high.least, 1, "the classical statement: a dog-ear; the same"));
   if (high.least) out.push_back(at_least("4f 10 % prestretch: dog-ear at 90 degrees, mm", *high.least, 2, "protocol; the plate has 4.4 mm"));

@@ -117,7 +117,7 @@ TEST(Study, APlanarZPlastyGainsHalfOfTheTheory) {
 }
 
 TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
-  const Row r = run("fusiform", {"ratio=3", "cell_mm=6"});
+  const Row r = run("fusiform", {"ratio=3", "cell_mm=6", "width_mm=14", "push_mm=0", "contact=0"});
   EXPECT_NEAR(r.at("vertex_form_deg"), 73.7, 0.05);  // tabulated
   EXPECT_NEAR(r.at("scar_mm"), 1.073 * 42, 0.05);    // tabulated
   EXPECT_LT(r.at("gap_max_mm"), 0.2);
@@ -126,7 +126,7 @@ TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
 // What rhomboid flaps are known for: the cut has the angles of the plan, and the donor's closure is pulled tight, across it. (That
 // it is the tightest place of all takes finer cells than these.)
 TEST(Study, ARhomboidFlapHasTheChargesOfItsPlan) {
-  const Row r = run("rhomboid", {"flap_angle=60", "cell_mm=5", "contact=0"});
+  const Row r = run("rhomboid", {"flap_angle=60", "cell_mm=5", "contact=0", "push_mm=0"});
   EXPECT_NEAR(r.at("charge_C_deg"), 60, 0.5);
   EXPECT_NEAR(r.at("charge_E_deg"), 60, 0.5);
   EXPECT_NEAR(r.at("charge_DF_deg"), -120, 0.5);
