@@ -80,11 +80,11 @@ std::vector<Patient> procedures_on_a_patch() {
 
 void add(Result& out, const Patient& p) {
   const Closed off = close(p, ContactChoice::off), on = close(p, ContactChoice::automatic);
-  char text[240];
-  std::snprintf(text, sizeof text, "p99 %.3f at (%.1f, %.1f, %.1f), %.0f mm2; residual %.1e, %lld iterations, closure %.2f N, gap %.2f mm; %llu checks, %llu searches, %llu looks, %llu turned, %llu tired",
+  char text[320];
+  std::snprintf(text, sizeof text, "p99 %.3f at (%.1f, %.1f, %.1f), %.0f mm2; residual %.1e, %lld iterations, closure %.2f N, gap %.2f mm; %llu checks, %llu searches, %llu looks, %llu turned, %llu tired; %llu places",
                 on.overlap.p99_mm, on.overlap.at_mm[0], on.overlap.at_mm[1], on.overlap.at_mm[2], on.overlap.overlapping_mm2, on.residual, static_cast<long long>(on.iterations), on.closure_N, on.gap_mm,
                 static_cast<unsigned long long>(on.counts.checks), static_cast<unsigned long long>(on.counts.searches), static_cast<unsigned long long>(on.counts.looks),
-                static_cast<unsigned long long>(on.counts.turned), static_cast<unsigned long long>(on.counts.tired));
+                static_cast<unsigned long long>(on.counts.turned), static_cast<unsigned long long>(on.counts.tired), static_cast<unsigned long long>(on.counts.places));
   out.rows.push_back({p.name, "with contact", text, on.cpu_ms, false, on.overlap.max_mm, "mm", "the surfaces' overlap, at most", on.residual <= 1e-5});
   std::snprintf(text, sizeof text, "p99 %.3f, %.0f mm2; residual %.1e, %lld iterations, closure %.2f N", off.overlap.p99_mm, off.overlap.overlapping_mm2, off.residual, static_cast<long long>(off.iterations), off.closure_N);
   out.rows.push_back({p.name, "without", text, off.cpu_ms, false, off.overlap.max_mm, "mm", "the surfaces' overlap, at most", true});

@@ -9,7 +9,7 @@
 namespace limberg {
 namespace {
 
-constexpr size_t kGrain = 32, kChunks = 4, kVertexGrain = 1024;  // places of a chunk, ...
+constexpr size_t kGrain = 32, kChunks = 4;  // places of a chunk, at least; chunks of a worker's share
 constexpr double kNothing = 1e-4;   // a pair of this weight is left out: its force is below single precision
 constexpr double kNear_mm = 0.3;    // clearance of pairs that may press within a few iterations
 constexpr double kTurn_mm = 0.08;   // less motion turns no surface by the angle that counts
@@ -17,58 +17,69 @@ constexpr double kLeast_mm = 0.005; // pairs are looked at again after so much m
 constexpr int kFresh = 2;           // turns in one spot that go all the way
 constexpr int kTired = 8;           // the last one
 
-Vec3 displaced(const EmbeddedPoint& e, std::span<const Vec3f> u) {
-  Vec3 d = Vec3::Zero();
-  double sum = 0;
-  for (size_t i = 0; i < 8; ++i)
-    if (e.w[i] != 0) d += double(e.w[i]) * u[size_t(e.node[i])].cast<double>(), sum += double(e.w[i]);
-  return d / sum;
-}
-
-Vec3f moved_by(const EmbeddedPoint& e, std::span<const Vec3f> u) {
-  Vec3f d = Vec3f::Zero();
-  for (size_t i = 0; i < 8; ++i) d += e.w[i] * u[size_t(e.node[i])];
-  return d;
-}
-
 }  // namespace
 
 ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model, const ContactSettings& settings)
     : surface_(std::move(surface)), settings_(settings), cell_mm_(std::cbrt(model.cell_mm.prod())),
-      turn_cos_(std::cos(settings.turn_deg * std::numbers::pi / 180)), tree_(surface_->X_mm, surface_->tri, surface_->sheets.of),
-      neighbours_(surface_), motion_(*surface_, model), x_(surface_->X_mm.size()), looked_(surface_->place.size()) {
-  Guess none;
-  none.fill(-1);
-  guess_.assign(surface_->place.size(), none);
-  chunk_.resize((surface_->place.size() + kGrain - 1) / kGrain);
+      turn_cos_(std::cos(settings.turn_deg * std::numbers::pi / 180)), tissue_(*surface_, model), cells_(tissue_, model),
+      motion_(tissue_, model), u_(model.X_mm.size()), looked_(surface_->place.size()) {
+  for (int32_t c : surface_->carrier) carrier_.push_back(tissue_.find(c));
+  for (size_t i = 0; i < surface_->place.size(); ++i) {
+    const ContactPlace& p = surface_->place[i];
+    normal_.push_back(tissue_.smooth_normal(p.triangle, p.bary));
+    const int32_t sheet = surface_->sheets.of[size_t(p.triangle)];
+    if (i == 0 || p.copy != surface_->place[i - 1].copy) {
+      Group g;
+      g.first = i, g.own = size_t(tissue_.find(p.copy)), g.sheet = sheet;
+      group_.push_back(std::move(g));
+    }
+    group_.back().last = i + 1;
+    if (group_.back().sheet != sheet) group_.back().sheet = -1;
+  }
+  chunk_of_.resize(surface_->place.size());
+  for (size_t g = 0; g < group_.size(); ++g) {
+    if (chunk_.empty() || group_[g].first - group_[chunk_.back().first].first >= kGrain) chunk_.emplace_back().first = g;
+    chunk_.back().last = g + 1;
+    for (size_t i = group_[g].first; i < group_[g].last; ++i) chunk_of_[i] = chunk_.size() - 1;
+  }
   counts_.places = surface_->place.size(), counts_.triangles = surface_->tri.size();
 }
 
-Vec3 ContactFinder::facet(int32_t t, std::span<const Vec3f> u) const {
-  const Tri& c = surface_->tri[size_t(t)];
-  std::array<Vec3, 3> x;
-  for (size_t k = 0; k < 3; ++k) x[k] = surface_->X_mm[size_t(c[k])] + displaced(surface_->embedding[size_t(c[k])], u);
-  const Vec3 n = area_vector2(x[0], x[1], x[2]);
-  const double l = n.norm();
-  return l > 0 ? Vec3(n / l) : n;
+Vec3 ContactFinder::displacement(const EmbeddedPoint& e) const {
+  fem::v4 d = {};
+  for (size_t i = 0; i < 8; ++i) d += e.w[i] * u_[size_t(e.node[i])];
+  return {double(d[0]), double(d[1]), double(d[2])};
+}
+
+Vec3 ContactFinder::shown_mm(int32_t t, const std::array<double, 3>& bary) const {
+  Vec3 x = Vec3::Zero();
+  for (size_t k = 0; k < 3; ++k) {
+    if (bary[k] == 0) continue;
+    const size_t v = size_t(surface_->tri[size_t(t)][k]);
+    x += bary[k] * (surface_->X_mm[v] + displacement(surface_->embedding[v]));
+  }
+  return x;
 }
 
 // Which places must look, and which pairs have had their time.
-void ContactFinder::check(size_t chunk, std::span<const Vec3f> u) {
+void ContactFinder::check(size_t chunk) {
   Chunk& here = chunk_[chunk];
-  here.changed = here.due = false;
-  const size_t first = chunk * kGrain, last = std::min(first + kGrain, looked_.size());
+  here.changed = here.due = here.afresh = false;
   double moved = 0;
-  for (size_t i = first; i < last; ++i) {
-    Looked& l = looked_[i];
-    const Vec3f at = moved_by(surface_->place[i].embedded, u);
-    const double m = motion_.apart(i, at - l.at_mm);
-    l.at_mm = at;
+  const double bound = 2 * motion_.most_mm();  // of any two
+  const bool still = bound < kLeast_mm;
+  for (size_t k = here.first; k < here.last; ++k) {
+    Group& g = group_[k];
+    g.far_mm += still ? bound : motion_.apart(g.own);
+    g.afresh = g.far_mm > settings_.margin_mm;
+    double m = still && !g.around.empty() ? bound : 0;
+    if (!still)
+      for (const Around& a : g.around) m = std::max(m, motion_.apart(g.own, size_t(a.copy)));
+    g.near_mm += m;
     moved = std::max(moved, m);
-    l.travelled_mm += m;
-    l.stale = false;
-    l.due = l.travelled_mm > l.free_mm;
-    here.due |= l.due;
+    g.due = g.afresh || (g.near_mm > settings_.look_mm && !g.around.empty());
+    here.due |= g.due, here.afresh |= g.afresh;
+    for (size_t i = g.first; i < g.last; ++i) looked_[i].due = g.due;
   }
   here.left_mm -= moved, here.nearest_mm -= moved;
   if (here.left_mm > 0) return;
@@ -77,7 +88,7 @@ void ContactFinder::check(size_t chunk, std::span<const Vec3f> u) {
     const HeldContact& h = p.held;
     const size_t i = size_t(h.place);
     Looked& l = looked_[i];
-    const Vec3 apart = p.rest_apart_mm + displaced(p.contact.a, u) - displaced(p.contact.b, u);
+    const Vec3 apart = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b);
     p.s_mm = h.normal.dot(apart) - h.gap_mm;
     Vec3 slid = apart - h.apart_mm;
     slid -= h.normal.dot(slid) * h.normal;
@@ -87,7 +98,7 @@ void ContactFinder::check(size_t chunk, std::span<const Vec3f> u) {
       const bool tired = l.turns > kTired && (l.slid_mm + slid).norm() < settings_.spot_mm;
       if (!tired) {
         const double more = settings_.slide_mm + std::max(0.0, p.s_mm) - slid.norm();
-        p.stale = more < 0 || (p.s_mm < 0 && facet(h.triangle, u).dot(h.facet) < turn_cos_);
+        p.stale = more < 0 || (p.s_mm < 0 && carried_normal(h.triangle, h.bary, tissue_.smooth_normal(h.triangle, h.bary)).dot(h.facet) < turn_cos_);
         left = std::min(left, more);
       }
     }
@@ -96,7 +107,7 @@ void ContactFinder::check(size_t chunk, std::span<const Vec3f> u) {
     if (!p.stale) continue;
     l.slid_mm += slid;
     if (l.slid_mm.norm() > settings_.spot_mm) l.slid_mm = Vec3::Zero(), l.turns = 0;
-    l.stale = here.due = true;
+    l.due = here.due = true;
   }
 }
 
@@ -114,15 +125,14 @@ void ContactFinder::make_contact(Pair& p) const {
 }
 
 // Pairs of one place: what was held goes to what is found, or stays.
-void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, std::span<const Vec3f> u, Chunk& chunk,
-                          std::vector<Pair>& out) {
+void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk, std::vector<Pair>& out) {
   Looked& l = looked_[i];
   const double part = l.turns < kFresh ? 1 : 1.0 / (l.turns - kFresh + 2);
   bool turned = false;
   const auto place = [&](Pair p) {  // its place and its foot are where they are now; s_mm is given
     HeldContact& h = p.held;
     make_contact(p);
-    h.apart_mm = p.rest_apart_mm + displaced(p.contact.a, u) - displaced(p.contact.b, u);
+    h.apart_mm = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b);
     // What the surfaces show is linear in their triangles, what the springs feel is trilinear in the cells: the gap makes up
     // the difference, so that a contact begins where it is seen to begin.
     h.gap_mm = h.normal.dot(h.apart_mm) - p.s_mm;
@@ -134,20 +144,17 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
     chunk.nearest_mm = std::min(chunk.nearest_mm, p.s_mm);
     turned |= p.s_mm < 0 && h.weight > kNothing;
   };
-  const Tri& own = surface_->tri[size_t(surface_->place[i].triangle)];
-  const Vec3 at = (x_[size_t(own[0])] + x_[size_t(own[1])] + x_[size_t(own[2])]) / 3;
+  const Vec3 at = shown_mm(surface_->place[i].triangle, surface_->place[i].bary);
   size_t b = 0, f = 0;
   while (b < before.size() || f < found.size()) {
     if (f == found.size() || (b < before.size() && before[b].held.sheet < found[f].sheet)) {  // no longer found
       Pair& p = before[b++];
-      if (!p.stale && (p.s_mm < 0 || !l.due)) {
-        out.push_back(p);
-      } else if (p.s_mm > 0) {
+      if (p.s_mm > 0) {
         chunk.changed = true;
       } else {
         turned = true;
         p.held.weight *= 1 - part;
-        p.held.facet = tree_.normal(p.held.triangle);
+        p.held.facet = carried_normal(p.held.triangle, p.held.bary, tissue_.smooth_normal(p.held.triangle, p.held.bary));
         if (p.held.weight > kNothing) place(p);
         else chunk.changed = true;
       }
@@ -160,7 +167,7 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
     } else {
       Pair& p = before[b++];
       const HeldContact& n = found[f++];
-      if (!p.stale) {
+      if (!p.stale && std::abs(n.weight - p.held.weight) < settings_.weight) {
         out.push_back(p);
         continue;
       }
@@ -172,62 +179,77 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
         p.held.weight = weight + part * (n.weight - weight);
         p.held.normal = (normal + part * (n.normal - normal)).normalized();
       }
-      const Tri& c = surface_->tri[size_t(n.triangle)];
-      p.s_mm = p.held.normal.dot(at - n.bary[0] * x_[size_t(c[0])] - n.bary[1] * x_[size_t(c[1])] - n.bary[2] * x_[size_t(c[2])]);
+      p.s_mm = p.held.normal.dot(at - shown_mm(n.triangle, n.bary));
       place(p);
     }
   }
   if (turned) ++l.turns, ++chunk.turned;
 }
 
-void ContactFinder::search(size_t chunk, std::span<const Vec3f> u) {
+void ContactFinder::find_cells(size_t chunk) {
+  Chunk& here = chunk_[chunk];
+  here.held.clear(), here.unknown.clear();
+  if (!here.due) return;
+  size_t pair = 0;
+  for (size_t k = here.first; k < here.last; ++k) {
+    Group& g = group_[k];
+    const size_t begin = pair;
+    while (pair < here.pair.size() && size_t(here.pair[pair].held.place) < g.last) ++pair;
+    if (g.afresh) list_around(g, {here.pair.data() + begin, pair - begin});
+    if (g.due) g.near_mm = 0;
+    for (size_t i = g.first; i < g.last; ++i)
+      if (looked_[i].due) locate(i, g.around, here), ++here.looks;
+  }
+}
+
+void ContactFinder::find_pairs(size_t chunk) {
   Chunk& here = chunk_[chunk];
   if (!here.due) return;
   std::vector<Pair> out;
   out.reserve(here.pair.size() + 16);
   std::vector<HeldContact> found;
-  const size_t first = chunk * kGrain, last = std::min(first + kGrain, looked_.size());
-  size_t pair = 0;
+  const size_t first = group_[here.first].first, last = group_[here.last - 1].last;
+  size_t pair = 0, held = 0;
   for (size_t i = first; i < last; ++i) {
     size_t end = pair;
     while (end < here.pair.size() && size_t(here.pair[end].held.place) == i) ++end;
     const std::span<Pair> before(here.pair.data() + pair, end - pair);
     pair = end;
-    if (!looked_[i].due && !looked_[i].stale) {
+    if (!looked_[i].due) {
       out.insert(out.end(), before.begin(), before.end());
       continue;
     }
+    end = held;
+    while (end < here.held.size() && size_t(here.held[end].place) == i) ++end;
     found.clear();
-    if (looked_[i].due) {
-      look(i, -1, found);
-      looked_[i].travelled_mm = 0;
-      ++here.looks;
-    } else {
-      for (const Pair& p : before)
-        if (p.stale) look(i, p.held.sheet, found);
-    }
-    merge(i, before, found, u, here, out);
+    judge(i, {here.held.data() + held, end - held}, found);
+    held = end;
+    merge(i, before, found, here, out);
   }
   here.pair.swap(out);
 }
 
 bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
-  const ContactSurface& s = *surface_;
   ++counts_.checks;
   if (!motion_.measure(u) && !resumed_) return false;
   resumed_ = false;
-  workers.parallel_for(chunk_.size(), kChunks, [&](size_t begin, size_t end) {
-    for (size_t c = begin; c < end; ++c) check(c, u);
-  });
+  for (size_t i = 0; i < u_.size(); ++i) u_[i] = fem::v4{u[i][0], u[i][1], u[i][2], 0};
+  cells_.move(u);
+  const auto each = [&](auto&& work) {
+    workers.parallel_for(chunk_.size(), kChunks, [&](size_t begin, size_t end) {
+      for (size_t c = begin; c < end; ++c) work(c);
+    });
+  };
+  each([&](size_t c) { check(c); });
   if (std::any_of(chunk_.begin(), chunk_.end(), [](const Chunk& c) { return c.due; })) {
     ++counts_.searches;
-    workers.parallel_for(x_.size(), kVertexGrain, [&](size_t begin, size_t end) {
-      for (size_t v = begin; v < end; ++v) x_[v] = s.X_mm[v] + displaced(s.embedding[v], u);
-    });
-    tree_.refit(x_, workers);
-    workers.parallel_for(chunk_.size(), kChunks, [&](size_t begin, size_t end) {
-      for (size_t c = begin; c < end; ++c) search(c, u);
-    });
+    cells_.refit(workers);
+    if (std::any_of(chunk_.begin(), chunk_.end(), [](const Chunk& c) { return c.afresh; })) cells_.sort();
+    each([&](size_t c) { find_cells(c); });
+    std::vector<int32_t> unknown;
+    for (const Chunk& c : chunk_) unknown.insert(unknown.end(), c.unknown.begin(), c.unknown.end());
+    if (!unknown.empty()) tissue_.learn(unknown, workers);
+    each([&](size_t c) { find_pairs(c); });
   }
   bool changed = false;
   near_ = false;
@@ -238,7 +260,7 @@ bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
   }
   if (!changed) return false;
   contacts_.clear();
-  for (Chunk& c : chunk_)
+  for (const Chunk& c : chunk_)
     for (const Pair& p : c.pair)
       if (p.held.weight > kNothing) contacts_.push_back(p.contact);
   counts_.pairs = contacts_.size(), counts_.tired = 0;
@@ -261,14 +283,15 @@ void ContactFinder::resume(const ContactMemory& m) {
     if (h.place < 0 || size_t(h.place) >= looked_.size() || h.triangle < 0 || size_t(h.triangle) >= surface_->tri.size()) wrong();
   for (const ContactMemory::Spot& s : m.spots)
     if (s.place < 0 || size_t(s.place) >= looked_.size()) wrong();
-  for (Chunk& c : chunk_) c.pair.clear();
+  for (Chunk& c : chunk_) c.pair.clear(), c.left_mm = 0;
   resumed_ = true;
-  for (Looked& l : looked_) l = Looked();  // all look at the next step: what they then find beside is new
+  for (Looked& l : looked_) l = Looked();
+  for (Group& g : group_) g.far_mm = g.near_mm = 1e30;  // all look at the next step: what they then find beside is new
   for (const HeldContact& h : m.pairs) {
     Pair p;
     p.held = h;
     make_contact(p);
-    chunk_[size_t(h.place) / kGrain].pair.push_back(p);
+    chunk_[chunk_of_[size_t(h.place)]].pair.push_back(p);
   }
   for (const ContactMemory::Spot& s : m.spots) looked_[size_t(s.place)].turns = s.turns, looked_[size_t(s.place)].slid_mm = s.slid_mm;
 }

@@ -3,9 +3,9 @@
 //
 //   cut  -> contact_surface()            what may touch what: walls and the skin beside them, sheet by sheet
 //                                        (contact_surface.h, sheets.h)
-//   step -> finder.follow(u)             does what was found still hold (surface_motion.h)? where not: for every place on a
-//                                        wall the nearest points of other sheets that face it (facing_tree.h), and a
-//                                        one-sided spring to each that is near or inside
+//   step -> finder.follow(u)             does what was found still hold (surface_motion.h)? where not: which cells of other
+//                                        tissue hold the place (moving_cells.h), where that is at rest and which way leads
+//                                        out of it (rest_tissue.h), and a one-sided spring to each sheet that is near
 //        -> solver.set_contacts(...)     fem/contact_forces.h, when anything is new
 //
 // A pair is a place and a plane: that of a sheet at the foot of the place. The plane is carried by the tissue at the foot; it
@@ -25,15 +25,16 @@
 // that has slid on by spot_mm is fresh again. So without motion from outside only finitely many pairs turn, and when none
 // turns any more, the body comes to rest.
 //
-// What makes jumps rare: the normal is that of the sheet at the foot, interpolated between its corners; each sheet presses on
-// its own, so that a place in a corner is held by two; and a pair's stiffness is multiplied by numbers that go from 1 to 0
-// with a level end (smooth_step) where it must end: as the surfaces turn away from facing each other, as the place gets too
-// deep to be believed, and near the border of the sheet, where the way out through the sheet beside it becomes shorter.
+// What makes jumps rare: whether a place is inside, and the shortest way out, depend on where it is and on nothing that was
+// before; the normal is that of the sheet at the foot, interpolated between its corners; each sheet presses on its own, so
+// that a place in a corner is held by two; and a pair's stiffness is multiplied by numbers that go from 1 to 0 with a level
+// end (smooth_step) where it must end: as the way out through this sheet becomes longer than the shortest one, and as the
+// place gets too deep to be believed, and as the sheet turns away from the place. The way is taken along the place's own
+// normal: edges that meet part sideways, they do not climb over each other.
 //
-// New pairs. Every sheet within guard_mm of a place gets its pair. When a place looks around, it looks farther, and notes how
-// far it is to the nearest sheet that is no pair yet. Until the place and what is near it together have moved so far, nothing
-// can touch it that was not seen, and it does not look again; so what has nothing moving near it never does. What slides is
-// looked for on its own sheet, near its last foot.
+// Who looks. Each cell copy that carries places has a list of the copies around it. While it and what is near have moved by
+// less than margin_mm against each other, nothing else can hold its places. While it and the copies of the list have moved by
+// less than look_mm, they do not look again either; so what has nothing moving near it never does.
 //
 // Stiffness. A place that stands for area A has k = c E A / h: c times that of a column of tissue of one cell's height h. It
 // is in scale with the solver's metric, which knows nothing of contacts. Under a pressure p both banks' places together
@@ -45,9 +46,10 @@
 #include <vector>
 
 #include "sim/contact/contact_counts.h"
+#include "sim/contact/contact_memory.h"
 #include "sim/contact/contact_surface.h"
-#include "sim/contact/facing_tree.h"
-#include "sim/contact/neighbours.h"
+#include "sim/contact/moving_cells.h"
+#include "sim/contact/rest_tissue.h"
 #include "sim/contact/surface_motion.h"
 #include "sim/workers.h"
 
@@ -57,36 +59,16 @@ struct ContactSettings {
   double stiffness = 8;       // c above
   double slack_mm = 0.01;     // overlap that does not push
   double soft_mm = 0.04;      // overlap beyond it over which the stiffness sets in
-  double guard_mm = 0.75;     // sheets so near to a place are its pairs
-  double far_mm = 3;          // how far around it a place looks; less than a block's reach (surface_motion.h)
+  double guard_mm = 0.5;      // sheets so near to a place are its pairs
+  double ahead_mm = 0.6;      // a cell's box is so much larger than the cell and what is known around it
+  double margin_mm = 1, look_mm = 0.4;
   double most_mm = 0.4;       // deeper overlaps push no harder than this one
   double slide_mm = 0.15, turn_deg = 5, spot_mm = 1;
+  double weight = 0.25;       // a pair whose weight would change by so much is found anew
   // Where pairs fade, from 1 to 0. Thinner flaps than deep are none.
   double facing_full = 0.5, facing_none = 0.2;    // minus the cosine between the two normals
   double deep_full_mm = 0.6, deep_none_mm = 2;    // how far inside
-  double border_mm = 0.25;                        // near the border of the sheet, at least; or 1.5 overlaps, where that is more
-};
-
-/// A pair of a place and a sheet as it is now.
-struct HeldContact {
-  int32_t place = 0, sheet = -1, triangle = -1;
-  std::array<double, 3> bary{};
-  Vec3 normal = Vec3::UnitZ();    // of the plane
-  Vec3 facet = Vec3::UnitZ();     // of the triangle when the pair was found
-  Vec3 apart_mm = Vec3::Zero();   // of place and foot as the cells carry them, when it was found
-  double gap_mm = 0;              // s = normal . apart - gap: clearance of the surfaces as they are shown; negative inside
-  double weight = 0;              // 0 to 1
-  bool judged = false;            // is the weight that of a place that presses?
-};
-
-/// What a finder must get back to go on as it would have. A place that is not named is fresh.
-struct ContactMemory {
-  struct Spot {
-    int32_t place = 0, turns = 0;
-    Vec3 slid_mm = Vec3::Zero();
-  };
-  std::vector<HeldContact> pairs;  // by place, then sheet
-  std::vector<Spot> spots;         // by place
+  double other_full = 1.25, other_none = 2;       // how much farther the way out is than the shortest one
 };
 
 class ContactFinder {
@@ -108,7 +90,6 @@ class ContactFinder {
   const ContactSurface& surface() const { return *surface_; }
 
  private:
-  using Guess = std::array<int32_t, FacingTree::kFeet>;
   struct Pair {
     HeldContact held;
     Contact contact;
@@ -116,41 +97,66 @@ class ContactFinder {
     bool stale = false;
     double s_mm = 0;  // at the last check
   };
-  struct Looked {             // of a place
-    Vec3f at_mm = Vec3f::Zero();  // its displacement at the last check
-    double travelled_mm = 1e30;  // it and what is near it against each other, since it last looked
-    double free_mm = 0;          // so far there was nothing but its pairs
+  struct Around {
+    int32_t copy = 0;    // of tissue_
+    bool kin = false;    // it hangs together with the group's own
+    auto operator<=>(const Around&) const = default;
+  };
+  struct Group {  // the places that one cell copy carries
+    size_t first = 0, last = 0;
+    size_t own = 0;          // that copy, in tissue_
+    int32_t sheet = -1;      // that all its places lie on, or -1
+    double far_mm = 1e30;    // it and what is near it against each other, since its list was made
+    double near_mm = 1e30;   // it and the list's copies against each other, since its places last looked
+    bool due = false, afresh = false;  // its places look around; with a new list
+    std::vector<Around> around;
+  };
+  struct Looked {            // of a place
     Vec3 slid_mm = Vec3::Zero();
     int32_t turns = 0;
-    bool due = false;    // it looks around
-    bool stale = false;  // some of its pairs are
+    bool due = false;        // it looks, since its group does or a pair of its own is stale
+  };
+  struct Held {  // a place that is in or near a copy
+    int32_t place = 0, copy = 0;
+    bool kin = false, in = false;  // in the cell itself, not beside it
+    int32_t part = 0;
+    Vec3 at = Vec3::Zero();
   };
   struct Chunk {
+    size_t first = 0, last = 0;    // of groups
     std::vector<Pair> pair;
-    bool changed = false, due = false;
+    std::vector<Held> held;        // by place; of this search
+    std::vector<int32_t> unknown;  // parts
+    bool changed = false, due = false, afresh = false;
     double left_mm = 0;      // until any of its pairs can turn
     double nearest_mm = 0;   // clearance of its nearest pair, at least
     uint64_t looks = 0, turned = 0;
   };
-  Vec3 smooth_normal(int32_t triangle, const std::array<double, 3>& bary) const;
-  Vec3 facet(int32_t triangle, std::span<const Vec3f> u) const;
-  void check(size_t chunk, std::span<const Vec3f> u);
-  void look(size_t place, int32_t sheet, std::vector<HeldContact>& found);
-  double inside(const Neighbours::Place& self, const Vec3& p_mm, const FacingTree::Foot& foot);
-  void search(size_t chunk, std::span<const Vec3f> u);
-  void merge(size_t place, std::span<Pair> before, std::vector<HeldContact>& found, std::span<const Vec3f> u, Chunk& chunk, std::vector<Pair>& out);
+  Vec3 displacement(const EmbeddedPoint& e) const;
+  Vec3 shown_mm(int32_t triangle, const std::array<double, 3>& bary) const;
+  Vec3 carried_normal(int32_t triangle, const std::array<double, 3>& bary, const Vec3& N) const;
+  void check(size_t chunk);
+  void list_around(Group& group, std::span<const Pair> pairs);
+  void locate(size_t place, std::span<const Around> around, Chunk& chunk);
+  void judge(size_t place, std::span<const Held> held, std::vector<HeldContact>& found) const;
+  void find_cells(size_t chunk);
+  void find_pairs(size_t chunk);
+  void merge(size_t place, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk, std::vector<Pair>& out);
   void make_contact(Pair& p) const;
 
   std::shared_ptr<const ContactSurface> surface_;
   ContactSettings settings_;
   double cell_mm_ = 1, turn_cos_ = 1;
-  FacingTree tree_;
-  Neighbours neighbours_;
+  RestTissue tissue_;
+  MovingCells cells_;
   SurfaceMotion motion_;
-  std::vector<Vec3> x_;
-  std::vector<Looked> looked_;  // per place
-  std::vector<Guess> guess_;    // per place: where the search begins; no answer depends on it
-  std::vector<Chunk> chunk_;    // of places
+  std::vector<int32_t> carrier_;  // per triangle: its copy in tissue_
+  std::vector<Group> group_;      // by copy, and so by place
+  std::vector<Vec3> normal_;      // per place, at rest
+  std::vector<fem::v4> u_;        // per node of the model
+  std::vector<Looked> looked_;    // per place
+  std::vector<Chunk> chunk_;      // of groups
+  std::vector<size_t> chunk_of_;  // per place
   std::vector<Contact> contacts_;
   bool near_ = false, resumed_ = false;
   ContactCounts counts_;

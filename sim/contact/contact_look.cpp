@@ -7,10 +7,11 @@
 namespace limberg {
 namespace {
 
-constexpr double kOn_mm = 0.02;      // so near to a sheet a place lies on it
-constexpr double kJudged_mm = 0.05;  // nearer than this it is worth while to ask whether the place is inside
+constexpr double kSurface_mm = 0.1;  // nearer than this to the surface a place is as good as on it
+constexpr double kFloor_mm = 0.02;   // added to depths that are compared: below it they are all the same
 constexpr double kNothing = 1e-4;    // a pair of this weight is left out: its force is below single precision
-constexpr std::array<double, 3> kMiddle{1.0 / 3, 1.0 / 3, 1.0 / 3};
+constexpr double kOwn_mm = 1e-3;     // a point of the own tissue is found again within this
+constexpr double kSelf_mm = 2;       // so near on its own sheet a place has neighbours
 
 /// 0 up to `from`, 1 after `to`; value and slope are continuous.
 double smooth_step(double x, double from, double to) {
@@ -20,103 +21,121 @@ double smooth_step(double x, double from, double to) {
 
 }  // namespace
 
-Vec3 ContactFinder::smooth_normal(int32_t t, const std::array<double, 3>& bary) const {
-  const ContactSurface& s = *surface_;
-  Vec3 n = Vec3::Zero();
-  for (size_t k = 0; k < 3; ++k) {
-    if (bary[k] == 0) continue;
-    Vec3 fan = Vec3::Zero();
-    for (int32_t i : s.sheets.triangles_of_fan(s.sheets.fan[size_t(t)][k])) {
-      const Tri& c = s.tri[size_t(i)];
-      fan += area_vector2(x_[size_t(c[0])], x_[size_t(c[1])], x_[size_t(c[2])]);
-    }
-    const double l = fan.norm();
-    if (l > 0) n += bary[k] / l * fan;
-  }
-  const double l = n.norm();
-  return l > 1e-6 ? Vec3(n / l) : tree_.normal(t);
+Vec3 ContactFinder::carried_normal(int32_t t, const std::array<double, 3>& bary, const Vec3& N) const {
+  const size_t c = size_t(carrier_[size_t(t)]);
+  return cells_.carried_normal(c, (surface_->rest_mm(t, bary) - tissue_.low_mm(c)).cwiseQuotient(tissue_.size_mm(c)), N);
 }
 
-/// Is p behind the sheet, or rather beyond its border or about to leave through a sheet beside it? 1: behind; 0: beyond.
-double ContactFinder::inside(const Neighbours::Place& self, const Vec3& p, const FacingTree::Foot& foot) {
-  const ContactSurface& s = *surface_;
-  const Vec3 apart = p - foot.point_mm;
-  const double wide = std::max(settings_.border_mm, 1.5 * std::abs(tree_.normal(foot.triangle).dot(apart)));
-  const auto across = [&](int32_t t, const Vec3& r) {  // what of r is not along the normal of t: none over its inner part
-    const Vec3& n = tree_.normal(t);
-    return (r - n.dot(r) * n).norm();
+// The copies around a copy's places, and the carriers of what they have pairs with.
+void ContactFinder::list_around(Group& g, std::span<const Pair> pairs) {
+  g.around.clear();
+  const auto add = [&](size_t c) {
+    if (c != g.own && !tissue_.says_nothing(c)) g.around.push_back({int32_t(c), false});
   };
-  double weight = 1 - smooth_step(across(foot.triangle, apart), 0, wide);
-  if (weight == 0) return 0;
-  std::array<FacingTree::Foot, 12> beside;  // the nearest point of each other sheet; more never meet in one place
-  size_t count = 0;
-  tree_.near(p, wide, [&](int32_t t, const TrianglePoint& at, double d2) {
-    const int32_t sheet = s.sheets.of[size_t(t)];
-    size_t k = 0;
-    while (k < count && beside[k].sheet != sheet) ++k;
-    if (k == beside.size() || (k < count && (d2 > beside[k].distance_mm || (d2 == beside[k].distance_mm && t > beside[k].triangle)))) return;
-    if (sheet == foot.sheet || !neighbours_.other(self, t, s.rest_mm(t, at.bary), tree_.rest_normal(t))) return;
-    count = std::max(count, k + 1);
-    beside[k] = {t, sheet, at.point, at.bary, d2};
-  });
-  for (size_t k = 0; k < count; ++k) {
-    const Vec3 r = p - beside[k].point_mm;
-    const double d = std::sqrt(beside[k].distance_mm);
-    const double within = smooth_normal(beside[k].triangle, beside[k].bary).dot(r) < 0 ? d : 0;
-    // 1 where p is over or under the sheet itself; what is nearer than kOn_mm has no direction.
-    const double over = 1 - smooth_step(across(beside[k].triangle, r) / std::max(d, kOn_mm), 0.3, 0.7);
-    // A sheet that is not part of the same edge says something only to a place that lies on it: banks that still coincide.
-    const double counts = s.sheets.adjacent(beside[k].sheet, foot.sheet) ? 1 : 1 - smooth_step(d, kOn_mm, 5 * kOn_mm);
-    weight *= 1 - counts * over * (1 - smooth_step(within, 0, wide));
+  cells_.near(g.own, float(settings_.ahead_mm + settings_.margin_mm), add);
+  for (const Pair& pair : pairs) add(size_t(carrier_[size_t(pair.held.triangle)]));
+  std::sort(g.around.begin(), g.around.end());
+  g.around.erase(std::unique(g.around.begin(), g.around.end()), g.around.end());
+  const std::span<const int32_t> kin = tissue_.kin(g.own);
+  size_t kept = 0, k = 0;
+  for (Around a : g.around) {
+    while (k < kin.size() && kin[k] < a.copy) ++k;
+    a.kin = k < kin.size() && kin[k] == a.copy;
+    if (!a.kin || tissue_.has_other_wall(size_t(a.copy), g.sheet)) g.around[kept++] = a;
   }
-  return weight;
+  g.around.resize(kept);
+  g.far_mm = 0;
 }
 
-// `sheet`: the only one asked about, or -1: all; then looked_[i].free_mm is set.
-void ContactFinder::look(size_t i, int32_t sheet, std::vector<HeldContact>& found) {
+// Which of the copies around hold it, and where. What the neighbours of a copy that holds it say from without, it knows itself.
+void ContactFinder::locate(size_t i, std::span<const Around> around, Chunk& chunk) {
+  const ContactPlace& place = surface_->place[i];
+  const int32_t sheet = surface_->sheets.of[size_t(place.triangle)];
+  const Vec3f p = (place.X_mm + displacement(place.embedded)).cast<float>();
+  const size_t first = chunk.held.size();
+  for (const Around& a : around) {
+    const size_t c = size_t(a.copy);
+    if (!cells_.may_hold(c, p, a.kin ? 0 : float(settings_.ahead_mm)) || (a.kin && !tissue_.has_other_wall(c, sheet))) continue;
+    Vec3 at;
+    if (!cells_.invert(c, p, a.kin ? 0 : float(RestTissue::kBeyond), at)) continue;
+    const bool in = (at.array() >= 0).all() && (at.array() <= 1).all();
+    chunk.held.push_back({int32_t(i), a.copy, a.kin, in, tissue_.part(c, at), at});
+  }
+  size_t kept = first;
+  for (size_t k = first; k < chunk.held.size(); ++k) {
+    const Held& h = chunk.held[k];
+    bool told = false;
+    for (size_t j = first; !h.in && !told && j < chunk.held.size(); ++j) told = chunk.held[j].in && tissue_.kin(size_t(chunk.held[j].copy), size_t(h.copy));
+    if (told) continue;
+    if (!tissue_.known(h.part)) chunk.unknown.push_back(h.part);
+    chunk.held[kept++] = h;
+  }
+  chunk.held.resize(kept);
+}
+
+// What the answers of these copies make of it: at most one pair for each sheet.
+void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<HeldContact>& found) const {
   const ContactSurface& s = *surface_;
   const ContactPlace& place = s.place[i];
-  const Tri& own = s.tri[size_t(place.triangle)];
-  FacingTree::Query q;
-  q.p_mm = (x_[size_t(own[0])] + x_[size_t(own[1])] + x_[size_t(own[2])]) / 3;
-  q.n = smooth_normal(place.triangle, kMiddle);
-  q.near_mm = sheet < 0 ? settings_.far_mm : settings_.guard_mm, q.deep_mm = settings_.deep_none_mm;
-  q.sheet = sheet;
-  q.guess = guess_[i];
-  const Neighbours::Place self{i, place.triangle, place.X_mm, tree_.rest_normal(place.triangle)};
-  FacingTree::Feet feet;
-  const size_t count = tree_.nearest(q, [&](int32_t t, const std::array<double, 3>& bary) {
-    return neighbours_.other(self, t, s.rest_mm(t, bary), tree_.rest_normal(t));
-  }, feet);
-  if (sheet >= 0 && count > 0)
-    for (int32_t& t : guess_[i])
-      if (t >= 0 && s.sheets.of[size_t(t)] == sheet) t = feet[0].triangle;
-  if (sheet < 0) {
-    looked_[i].free_mm = count == FacingTree::kFeet ? feet[count - 1].distance_mm : settings_.far_mm;
-    guess_[i].fill(-1);
-    for (size_t k = 0; k < count; ++k) guess_[i][k] = feet[k].triangle;
-  }
-  for (size_t k = 0; k < count; ++k) {
-    HeldContact f;
-    f.place = int32_t(i), f.sheet = feet[k].sheet, f.triangle = feet[k].triangle, f.bary = feet[k].bary;
-    const Vec3 r = q.p_mm - feet[k].point_mm;
-    if (feet[k].distance_mm > settings_.guard_mm && q.n.dot(r) < 0) {  // it lies before the place
-      looked_[i].free_mm = std::min(looked_[i].free_mm, feet[k].distance_mm);
-      continue;
+  const int32_t own_sheet = s.sheets.of[size_t(place.triangle)];
+  Vec3 own = Vec3::Zero(), shown = Vec3::Zero();
+  RestTissue::Answer a;
+  for (const Held& in : held) {
+    const size_t c = size_t(in.copy);
+    if (in.kin && (tissue_.rest_mm(c, in.at) - place.X_mm).squaredNorm() < kOwn_mm * kOwn_mm &&
+        s.lattice->cells[size_t(tissue_.copy(c))].cell != s.lattice->cells[size_t(place.copy)].cell)
+      continue;  // on the common square
+    tissue_.ask(c, in.at, in.part, a);
+    if (a.count == 0) continue;
+    size_t first = 0;
+    for (size_t k = 1; k < a.count; ++k)
+      if (a.foot[k].distance_mm < a.foot[first].distance_mm) first = k;
+    const auto itself = [&](const RestTissue::Foot& f) {
+      return f.sheet == own_sheet && (s.rest_mm(f.triangle, f.bary) - place.X_mm).squaredNorm() < kSelf_mm * kSelf_mm;
+    };
+    if (itself(a.foot[first])) continue;
+    // Inside, only what the place is behind leads out; outside, only what it is in front of can be entered. The way out is
+    // through a sheet that faces the place: its depth is taken along the place's own normal.
+    std::array<double, RestTissue::kFeet> depth{}, facing{};
+    std::array<Vec3, RestTissue::kFeet> normal;
+    double least = 1e30;
+    for (size_t k = 0; k < a.count; ++k) {
+      const RestTissue::Foot& f = a.foot[k];
+      depth[k] = -1;
+      if (a.inside ? f.height_mm >= 0 : f.distance_mm > settings_.guard_mm || f.height_mm < -RestTissue::kOn_mm) continue;
+      if (itself(f)) continue;
+      if (own.isZero(0)) own = carried_normal(place.triangle, place.bary, normal_[i]), shown = shown_mm(place.triangle, place.bary);
+      normal[k] = carried_normal(f.triangle, f.bary, tissue_.smooth_normal(f.triangle, f.bary));
+      facing[k] = -own.dot(normal[k]);
+      if (normal[k].isZero(0) || facing[k] <= settings_.facing_none) continue;
+      depth[k] = (f.distance_mm + kFloor_mm) / facing[k];
+      least = std::min(least, depth[k]);
     }
-    f.normal = smooth_normal(f.triangle, f.bary), f.facet = tree_.normal(f.triangle);
-    const double s_mm = f.normal.dot(r);
-    f.gap_mm = -s_mm;  // for the time being: it needs to know how the cells carry both (merge)
-    f.weight = smooth_step(-q.n.dot(f.normal), settings_.facing_none, settings_.facing_full);
-    f.judged = s_mm < kJudged_mm;
-    if (f.judged) {
-      f.weight *= 1 - smooth_step(feet[k].distance_mm, settings_.deep_full_mm, settings_.deep_none_mm);
-      if (-s_mm > settings_.most_mm) f.weight *= settings_.most_mm / -s_mm;
-      if (f.weight > kNothing) f.weight *= inside(self, q.p_mm, feet[k]);
+    for (size_t k = 0; k < a.count; ++k) {
+      if (depth[k] < 0) continue;
+      const RestTissue::Foot& f = a.foot[k];
+      HeldContact h;
+      h.place = int32_t(i), h.sheet = f.sheet, h.triangle = f.triangle, h.bary = f.bary;
+      h.normal = h.facet = normal[k];
+      const double s_mm = h.normal.dot(shown - shown_mm(f.triangle, f.bary));
+      h.gap_mm = -s_mm;  // for the time being: it needs to know how the cells carry both (merge)
+      h.judged = a.inside || f.distance_mm < kSurface_mm;
+      h.weight = 1;
+      if (h.judged) {
+        h.weight = (1 - smooth_step(depth[k] / least, settings_.other_full, settings_.other_none)) * smooth_step(facing[k], settings_.facing_none, settings_.facing_full);
+        h.weight *= 1 - smooth_step(f.distance_mm, settings_.deep_full_mm, settings_.deep_none_mm);
+        if (-s_mm > settings_.most_mm) h.weight *= settings_.most_mm / -s_mm;
+      } else if (s_mm < 0 || facing[k] < settings_.facing_full) {
+        continue;
+      }
+      if (h.weight < kNothing) continue;
+      // Several copies may tell of one sheet: one that the place is inside of knows best, then the nearest.
+      const auto same = std::find_if(found.begin(), found.end(), [&](const HeldContact& other) { return other.sheet == h.sheet; });
+      if (same == found.end()) found.push_back(h);
+      else if (std::pair(h.judged, -std::abs(h.gap_mm)) > std::pair(same->judged, -std::abs(same->gap_mm))) *same = h;
     }
-    found.push_back(f);
   }
-  if (sheet < 0) std::sort(found.begin(), found.end(), [](const HeldContact& a, const HeldContact& b) { return a.sheet < b.sheet; });
+  std::sort(found.begin(), found.end(), [](const HeldContact& one, const HeldContact& two) { return one.sheet < two.sheet; });
 }
 
 }  // namespace limberg

@@ -15,6 +15,7 @@ constexpr double kSkinReach_mm = 8;    // skin so near to a rim can be touched
 // In usual shares of a place: a piece of wall that holds nothing apart, and a bin that leaves its share to its neighbours.
 constexpr double kSliver = 0.02, kSmall = 0.35;
 constexpr double kSpacing_mm = 1.75;   // places are never farther apart than about this
+constexpr double kTurned = 0.34;       // sine of the least turn of a sharp edge, 20 degrees
 
 /// Marks of a coarse grid: is a point within reach of any of the points marked before (to a grid cell)?
 class NearMarks {
@@ -88,6 +89,107 @@ struct Binned {
   auto key() const { return std::tuple(copy, facing, bin); }
 };
 
+/// `except`: an axis along which all is one bin, or -1.
+int32_t bin_in_cell(const Vec3& at, int parts, int except) {
+  int32_t bin = 0;
+  for (int a = 2; a >= 0; --a) bin = bin * 64 + (a == except ? 0 : std::clamp(int(std::floor(at[a] * parts)), 0, 63));
+  return bin;
+}
+
+/// Where a wall runs on evenly, a cell's piece of it is one bin; within a cell of its borders, `parts` in each direction.
+void put_into_bins(std::vector<Binned>& wall, const ContactSurface& s, const FemModel& model, const Vec3& cell, int parts) {
+  if (wall.empty()) return;
+  Vec3 lo = s.X_mm[0], hi = lo;
+  for (const Vec3& x : s.X_mm) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
+  NearMarks borders(lo, hi, cell.maxCoeff());
+  for (size_t v = 0; v < s.X_mm.size(); ++v) {
+    const std::span<const int32_t> around = s.triangles_around(int32_t(v));
+    if (std::any_of(around.begin(), around.end(), [&](int32_t t) { return s.sheets.of[size_t(t)] != s.sheets.of[size_t(around[0])]; })) borders.mark(s.X_mm[v]);
+  }
+  for (Binned& b : wall) {
+    const Vec3& low = model.X_mm[size_t(s.lattice->cells[size_t(b.copy)].node[0])];
+    b.bin = borders.near(low + 0.5 * cell) ? bin_in_cell((b.middle - low).cwiseQuotient(cell), parts, b.facing / 2) : 0;
+  }
+}
+
+/// A corner of a wall's triangle on a sharp edge, in the bin of its cell copy.
+struct EdgePoint {
+  int32_t copy = 0, bin = 0, sheet = 0, vertex = 0;
+  int32_t triangle = 0, corner = 0;
+  double length = 0;      // half of the sharp edges of that triangle that end here
+  auto key() const { return std::tuple(copy, bin, sheet, vertex); }
+};
+
+/// Walls end in edges that can go into other tissue: where the sheet beside turns away, backwards.
+std::vector<EdgePoint> edge_points(const ContactSurface& s, const FemModel& model, std::span<const uint8_t> kind, const Vec3& cell, int parts) {
+  std::vector<EdgePoint> out;
+  for (size_t t = 0; t < s.tri.size(); ++t) {
+    if (FaceKind(kind[t]) != FaceKind::wall) continue;
+    const Tri& c = s.tri[t];
+    const Vec3 n2 = area_vector2(s.X_mm[size_t(c[0])], s.X_mm[size_t(c[1])], s.X_mm[size_t(c[2])]);
+    if (!(n2.norm() > 0)) continue;
+    const Vec3 n = n2.normalized();
+    for (size_t k = 0; k < 3; ++k) {
+      const int32_t a = c[k], b = c[(k + 1) % 3];
+      const Vec3 along = s.X_mm[size_t(b)] - s.X_mm[size_t(a)];
+      for (int32_t u : s.triangles_around(a)) {
+        const Tri& d = s.tri[size_t(u)];
+        if (s.sheets.of[size_t(u)] == s.sheets.of[t] || (d[0] != b && d[1] != b && d[2] != b)) continue;
+        const int32_t third = d[0] != a && d[0] != b ? d[0] : d[1] != a && d[1] != b ? d[1] : d[2];
+        const Vec3 beyond = s.X_mm[size_t(third)] - s.X_mm[size_t(a)];
+        const double height = area_vector2(s.X_mm[size_t(d[0])], s.X_mm[size_t(d[1])], s.X_mm[size_t(d[2])]).norm();
+        if (n.dot(beyond) * along.norm() > -kTurned * height) continue;  // it turns forwards, or hardly
+        for (const size_t end : {k, (k + 1) % 3}) {
+          EdgePoint p;
+          p.vertex = c[end], p.triangle = int32_t(t), p.corner = int32_t(end), p.sheet = s.sheets.of[t];
+          p.copy = s.view->cell_copy[size_t(s.vertex[size_t(p.vertex)])];
+          p.length = 0.5 * along.norm();
+          const Vec3 low = model.X_mm[size_t(s.lattice->cells[size_t(p.copy)].node[0])];
+          p.bin = bin_in_cell((s.X_mm[size_t(p.vertex)] - low).cwiseQuotient(cell), parts, -1);
+          out.push_back(p);
+        }
+      }
+    }
+  }
+  std::stable_sort(out.begin(), out.end(), [](const EdgePoint& a, const EdgePoint& b) { return a.key() < b.key(); });
+  return out;
+}
+
+double young_kPa(const FemModel& model, int32_t copy) { return 3 * model.stencils[size_t(model.cells[size_t(copy)].stencil)].mu_kPa; }
+
+/// One place for each bin of edge: the corner of most sheets, or else the point that is nearest to the bin's own middle.
+void add_edge_places(ContactSurface& s, const FemModel& model, std::span<const EdgePoint> points, double spacing) {
+  std::vector<int32_t> sheets;
+  const auto sheets_at = [&](int32_t v) {
+    sheets.clear();
+    for (int32_t t : s.triangles_around(v))
+      if (std::find(sheets.begin(), sheets.end(), s.sheets.of[size_t(t)]) == sheets.end()) sheets.push_back(s.sheets.of[size_t(t)]);
+    return int(sheets.size());
+  };
+  const auto same = [](const EdgePoint& a, const EdgePoint& b) { return a.copy == b.copy && a.bin == b.bin && a.sheet == b.sheet; };
+  for (size_t from = 0, to; from < points.size(); from = to) {
+    Vec3 middle = Vec3::Zero();
+    double length = 0;
+    for (to = from; to < points.size() && same(points[to], points[from]); ++to) middle += points[to].length * s.X_mm[size_t(points[to].vertex)], length += points[to].length;
+    if (length < kSmall * spacing) continue;
+    middle /= length;
+    size_t best = from;
+    auto rank = [&](size_t i) { return std::pair(-sheets_at(points[i].vertex), (s.X_mm[size_t(points[i].vertex)] - middle).squaredNorm()); };
+    for (size_t i = from + 1; i < to; ++i)
+      if (rank(i) < rank(best)) best = i;
+    ContactPlace p;
+    p.triangle = points[best].triangle;
+    p.bary = {0, 0, 0};
+    p.bary[size_t(points[best].corner)] = 1;
+    p.copy = points[best].copy;
+    p.X_mm = s.X_mm[size_t(points[best].vertex)];
+    p.embedded = s.embedding[size_t(points[best].vertex)];
+    p.area_mm2 = 0.5 * spacing * length;
+    p.stiffness_kPa = young_kPa(model, p.copy);
+    s.place.push_back(p);
+  }
+}
+
 }  // namespace
 
 EmbeddedPoint ContactSurface::embedded(int32_t t, const std::array<double, 3>& bary) const {
@@ -127,8 +229,6 @@ std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const Surf
     const Vec3 area2 = area_vector2(s->X_mm[size_t(tri[0])], s->X_mm[size_t(tri[1])], s->X_mm[size_t(tri[2])]);
     if (view.kind[t] == FaceKind::wall && area2.norm() > 0) {
       Binned b;
-      const Vec3 at = (middle - model.X_mm[size_t(lattice.cells[size_t(copy)].node[0])]).cwiseQuotient(cell) * parts;
-      for (int a = 2; a >= 0; --a) b.bin = b.bin * 64 + std::clamp(int(std::floor(at[a])), 0, 63);
       int axis = 0;
       area2.cwiseAbs().maxCoeff(&axis);
       b.facing = 2 * axis + (area2[axis] > 0);
@@ -152,6 +252,7 @@ std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const Surf
   s->sheets = find_sheets(s->X_mm, s->tri, kind, s->around_begin, s->around);
   s->view = std::move(view_ptr), s->lattice = std::move(lattice_ptr);
 
+  put_into_bins(wall, *s, model, cell, parts);
   // One place for each bin: the middle of the triangle that is nearest to the bin's own.
   std::stable_sort(wall.begin(), wall.end(), [](const Binned& a, const Binned& b) { return a.key() < b.key(); });
   const double whole = std::pow(cell.mean() / parts, 2);
@@ -175,14 +276,17 @@ std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const Surf
           if ((wall[i].middle - middle).squaredNorm() < (wall[best].middle - middle).squaredNorm()) best = i;
         ContactPlace p;
         p.triangle = wall[best].triangle;
+        p.copy = wall[best].copy;
         p.X_mm = wall[best].middle;
         p.embedded = embed_in_copy(lattice, wall[best].copy, p.X_mm);
         p.area_mm2 = area, kept += area;
-        p.stiffness_kPa = 3 * model.stencils[size_t(model.cells[size_t(wall[best].copy)].stencil)].mu_kPa;
+        p.stiffness_kPa = young_kPa(model, p.copy);
         s->place.push_back(p);
       }
     for (size_t i = before; i < s->place.size(); ++i) s->place[i].area_mm2 *= total / kept;
   }
+  add_edge_places(*s, model, edge_points(*s, model, kind, cell, parts), cell.mean() / parts);
+  std::stable_sort(s->place.begin(), s->place.end(), [](const ContactPlace& a, const ContactPlace& b) { return a.copy < b.copy; });
   return s;
 }
 

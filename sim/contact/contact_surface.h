@@ -2,9 +2,10 @@
 // What may touch what in one version of the topology: made at a cut, never changed after it.
 //
 //   triangles   all wound walls, and the skin within a few mm of a wound's rim: what can be touched
-//   places      points of the walls that must not enter other tissue, each standing for its share of the wall: one for
-//               every half cell in each direction (at most 1.75 mm), whatever the triangles; finer ones could not move
-//               apart from each other
+//   places      points of the walls that must not enter other tissue, each standing for its share of the wall, whatever the
+//               triangles: one in each cell copy where the wall runs on evenly, one for every half cell in each direction (at
+//               most 1.75 mm) within a cell of its borders, and one for every such length of its sharp edges and corners,
+//               which go deepest; finer ones could not move apart from each other
 //
 // A point of a triangle hangs on the eight nodes of the cell copy that holds it, so what carries it changes smoothly when it
 // slides on from one triangle to the next.
@@ -20,7 +21,9 @@
 namespace limberg {
 
 struct ContactPlace {
-  int32_t triangle = 0;     // the place is its middle
+  int32_t triangle = 0;     // it lies on
+  std::array<double, 3> bary{1.0 / 3, 1.0 / 3, 1.0 / 3};
+  int32_t copy = 0;         // the cell copy that carries it
   EmbeddedPoint embedded;
   Vec3 X_mm = Vec3::Zero();
   double area_mm2 = 0;      // of the wall that it stands for, at rest
@@ -36,7 +39,7 @@ struct ContactSurface {
   std::vector<int32_t> in_view;  // triangle of the view, per triangle here
   std::vector<int32_t> carrier;  // the cell copy that holds its middle
   Sheets sheets;
-  std::vector<ContactPlace> place;
+  std::vector<ContactPlace> place;  // those of one cell copy together
 
   std::shared_ptr<const SurfaceView> view;
   std::shared_ptr<const LatticeTopology> lattice;

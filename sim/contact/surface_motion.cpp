@@ -13,43 +13,26 @@ constexpr float kFar_mm = 1e6f;
 
 }  // namespace
 
-SurfaceMotion::SurfaceMotion(const ContactSurface& s, const FemModel& model) {
-  std::vector<int32_t> copy(s.carrier.begin(), s.carrier.end());
-  for (int32_t v : s.vertex) copy.push_back(s.view->cell_copy[size_t(v)]);
-  std::sort(copy.begin(), copy.end());
-  copy.erase(std::unique(copy.begin(), copy.end()), copy.end());
-  for (int32_t c : copy) {
-    const auto& n = s.lattice->cells[size_t(c)].node;
-    node_.insert(node_.end(), n.begin(), n.end());
-  }
-  std::sort(node_.begin(), node_.end());
-  node_.erase(std::unique(node_.begin(), node_.end()), node_.end());
-  for (int32_t n : node_) rest_.push_back(model.X_mm[size_t(n)]);
-  for (int32_t c : copy) {
-    const auto& n = s.lattice->cells[size_t(c)].node;
-    std::array<int32_t, 8> slot{};
-    for (size_t k = 0; k < 8; ++k) slot[k] = int32_t(std::lower_bound(node_.begin(), node_.end(), n[k]) - node_.begin());
-    slot_.push_back(slot);
-  }
-  for (const ContactPlace& p : s.place)
-    carrier_of_place_.push_back(size_t(std::lower_bound(copy.begin(), copy.end(), s.carrier[size_t(p.triangle)]) - copy.begin()));
-  then_.assign(node_.size(), Vec3f::Zero());
-  move_.assign(node_.size(), Vec3f::Zero());
-  block_.assign(slot_.size(), 0);
+SurfaceMotion::SurfaceMotion(const RestTissue& tissue, const FemModel& model) : tissue_(tissue) {
+  for (int32_t n : tissue.nodes()) rest_.push_back(model.X_mm[size_t(n)]);
+  then_.assign(rest_.size(), Vec3f::Zero());
+  move_.assign(rest_.size(), Vec3f::Zero());
+  block_.assign(tissue.size(), 0);
+  move_of_.assign(tissue.size(), {Vec3f::Constant(-kFar_mm), Vec3f::Constant(kFar_mm)});
 }
 
-// A block is as wide as half of what can lie between a place and the middle of a cell that counts, so that two blocks around
+// A block is as wide as half of what can lie between the middles of two cells that count, so that two blocks around
 // are enough: reach, the cell's radius on either side, and what both may move until cells are sorted again.
 void SurfaceMotion::sort_into_blocks(std::span<const Vec3f> u) {
-  std::vector<Vec3> middle(slot_.size());
+  std::vector<Vec3> middle(block_.size());
   double radius = 0;
   Vec3 lo = Vec3::Constant(1e30), hi = -lo;
-  for (size_t c = 0; c < slot_.size(); ++c) {
+  for (size_t c = 0; c < block_.size(); ++c) {
     std::array<Vec3, 8> at;
     Vec3& m = middle[c] = Vec3::Zero();
     for (size_t k = 0; k < 8; ++k) {
-      const size_t i = size_t(slot_[c][k]);
-      at[k] = rest_[i] + u[size_t(node_[i])].cast<double>();
+      const size_t i = size_t(tissue_.slots(c)[k]);
+      at[k] = rest_[i] + u[size_t(tissue_.nodes()[i])].cast<double>();
       m += at[k] / 8;
     }
     for (const Vec3& p : at) radius = std::max(radius, (p - m).norm());
@@ -57,7 +40,7 @@ void SurfaceMotion::sort_into_blocks(std::span<const Vec3f> u) {
   }
   const double size = std::max((kReach_mm + 2 * radius + 2 * kSorted_mm) / kAround, (hi - lo).maxCoeff() / kMostBlocks);
   for (int a = 0; a < 3; ++a) blocks_[size_t(a)] = int32_t((hi[a] - lo[a]) / size) + 1;
-  for (size_t c = 0; c < slot_.size(); ++c) {
+  for (size_t c = 0; c < block_.size(); ++c) {
     const Vec3 p = (middle[c] - lo) / size;
     block_[c] = (int32_t(p[2]) * blocks_[1] + int32_t(p[1])) * blocks_[0] + int32_t(p[0]);
   }
@@ -66,27 +49,31 @@ void SurfaceMotion::sort_into_blocks(std::span<const Vec3f> u) {
 
 bool SurfaceMotion::measure(std::span<const Vec3f> u) {
   float most2 = 0;
-  for (size_t i = 0; i < node_.size(); ++i) {
-    const Vec3f now = u[size_t(node_[i])];
+  for (size_t i = 0; i < rest_.size(); ++i) {
+    const Vec3f now = u[size_t(tissue_.nodes()[i])];
     move_[i] = now - then_[i];
     most2 = std::max(most2, move_[i].squaredNorm());
     then_[i] = now;
   }
   const bool first = since_sorted_mm_ == 1e30;
+  most_mm_ = first ? 1e30 : std::sqrt(double(most2));
   if (most2 == 0 && !first) return false;
   since_sorted_mm_ += std::sqrt(double(most2));
   if (since_sorted_mm_ > kSorted_mm) {
     sort_into_blocks(u);
     if (first || std::sqrt(double(most2)) > kReach_mm) {  // it may have jumped over what is near
       near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), {Vec3f::Constant(-kFar_mm), Vec3f::Constant(kFar_mm)});
+      move_of_.assign(move_of_.size(), {Vec3f::Constant(-kFar_mm), Vec3f::Constant(kFar_mm)});
       return true;
     }
   }
   const Box none{Vec3f::Constant(kFar_mm), Vec3f::Constant(-kFar_mm)};
   near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), none);
-  for (size_t c = 0; c < slot_.size(); ++c) {
-    Box& b = near_[size_t(block_[c])];
-    for (int32_t k : slot_[c]) b.add({move_[size_t(k)], move_[size_t(k)]});
+  for (size_t c = 0; c < block_.size(); ++c) {
+    Box& b = move_of_[c];
+    b = none;
+    for (int32_t k : tissue_.slots(c)) b.add({move_[size_t(k)], move_[size_t(k)]});
+    near_[size_t(block_[c])].add(b);
   }
   int32_t step = 1;
   for (size_t a = 0; a < 3; ++a) {  // and of the blocks around, one axis after the other

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/contact/contact_finder.h"
 #include "sim/cutting/store.h"
 #include "sim/fem/region_solver.h"
 #include "sim/hash.h"
@@ -15,7 +16,7 @@ namespace {
 
 // Until contacts follow: iterations of the minimiser, and how far it may go.
 constexpr int kIterationsOfContacts = 10;
-constexpr double kMoveOfContacts_mm = 0.75;
+constexpr double kMoveOfContacts_mm = 1.5;
 
 }  // namespace
 
@@ -34,6 +35,8 @@ OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
   solver_ = spec_.region_mm > 0 ? make_region_solver(workers) : make_solver(workers);
   solver_->set_model(version_.model, {});
 }
+
+OperatingTable::~OperatingTable() = default;
 
 Outcome OperatingTable::apply(const Command& command) {
   const int32_t operations = arrangement_ ? arrangement_->operations() : 0;

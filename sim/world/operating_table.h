@@ -17,7 +17,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/contact/contact_finder.h"
+#include "sim/contact/contact_counts.h"
+#include "sim/contact/contact_memory.h"
 #include "sim/cutting/arrangement.h"
 #include "sim/cutting/blade_build.h"
 #include "sim/cutting/drawn_stroke.h"
@@ -36,9 +37,12 @@ namespace limberg {
 /// The smallest loose piece that counts as tissue.
 inline constexpr double kDebris_mm3 = 1;
 
+class ContactFinder;  // contact/contact_finder.h
+
 class OperatingTable {
  public:
   OperatingTable(WorldSpec spec, Workers& workers);
+  ~OperatingTable();
 
   Outcome apply(const Command& command);
   StepReport step(const StepSettings& settings);

