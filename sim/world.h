@@ -41,7 +41,7 @@ struct WorldSpec {
   double suture_pull_mm_per_step = 0.5;  // how fast a stitch is drawn tight
   double region_mm = 0;     // > 0: tissue farther than this from the chart's origin holds still (lattice/region.h)
   bool can_cut = true;      // false: no cutter is built
-  bool refine_fronts = false;  // cells in which a cut ends are divided twice, so that it opens to within a quarter cell of its end
+  bool refine_fronts = false;  // cells in which a cut ends are divided twice, three times where it runs askew, so that it opens to within a quarter cell of its end
   bool dynamic = false;     // false: quasi-static
   ContactChoice contact = ContactChoice::off;  // do wound surfaces keep each other out? (contact/contact_finder.h)
   uint64_t seed = 1;

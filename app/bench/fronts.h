@@ -4,9 +4,9 @@
 //
 // A cell in which a crack ends stays one piece, so the slit opens only up to that cell. With divided fronts
 // (sim/lattice/topology.h) the piece that stays closed is a quarter as large. Rows of `limberg bench cutting`: for cells of
-// 5 and 3.5 mm as they are, with fronts divided once and twice, and uniform lattices of a half and a quarter of the cell;
-// the error is the root mean square difference of the width along the skin from that of the uniform quarter lattice,
-// relative to the greatest width.
+// 5 and 3.5 mm as they are, with fronts divided, and uniform lattices of a half and a quarter of the cell; the error is
+// the root mean square difference of the width along the skin from that of the uniform quarter lattice, relative to the
+// greatest width. What the lattice alone keeps closed is asked at all angles (slit_in_lattice).
 #include <vector>
 
 #include "app/bench/cutting.h"
@@ -42,6 +42,10 @@ struct SlitOpening {
 
 /// Throws std::runtime_error when the cut is refused.
 SlitOpening open_slit(const SlitSpec& spec, Workers& workers);
+
+/// The same without equilibrium: closed is where both banks hang on the same nodes with the same weights, so that no load can
+/// part them. Only nodes, cells, times and what is closed are filled in.
+SlitOpening slit_in_lattice(const SlitSpec& spec);
 
 /// The rows and bars.
 void fronts(Result& out, const CuttingSettings& settings);

@@ -29,6 +29,7 @@
 #include "app/shipped.h"
 #include "app/streams.h"
 #include "sim/error.h"
+#include "sim/lattice/lattice.h"
 
 namespace limberg {
 
@@ -239,7 +240,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_flag("--world", o->world, "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
   c->add_flag("--devices", o->devices, "fuzz: damaged serial bytes, packets and logs instead of cuts");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
-  c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(CLI::Range(0, 2));
+  c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(CLI::Range(0, kLevels));
   c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")->check(CLI::Range(1, 1000));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg bench speed --quick --json out/bench.json");

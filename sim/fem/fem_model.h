@@ -116,8 +116,8 @@ struct HexCell {
   std::array<int32_t, 8> node{};
   int32_t stencil = 0;
   float scale = 1;  // volume fraction of this copy of the cell, floored for conditioning; 0: absent (all its nodes are held)
-  std::array<int16_t, 3> at{};  // its low corner on the lattice, in halves of an undivided cell (rounded down at level 2)
-  uint8_t level = 0;            // 0: undivided; 1: one of the eight parts of a divided cell; 2: one of eight of such a part
+  std::array<int16_t, 3> at{};  // its low corner on the lattice, in halves of an undivided cell (rounded down from level 2)
+  uint8_t level = 0;            // 0: undivided; 1: one of the eight parts of a divided cell; 2, 3: one of eight of such
   bool operator==(const HexCell&) const = default;
 };
 

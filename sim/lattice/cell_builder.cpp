@@ -116,24 +116,28 @@ void CellBuilder::classify(const CellHistory& history, CellComponents& out) {
       }
   }
   if (history.whole)
-    name_classes_of_whole(*history.whole, out);
+    name_classes_of_whole(history, out);
   else if (history.known)
     name_old_classes(history, out);
 }
 
 // Every class of a part that faces meet is bounded by one of them, and a sided face has one class in the whole.
-void CellBuilder::name_classes_of_whole(const CellComponents& whole, CellComponents& out) const {
+void CellBuilder::name_classes_of_whole(const CellHistory& history, CellComponents& out) const {
+  const CellComponents& whole = *history.whole;
+  std::vector<int16_t> in_whole(out.classes.size(), -1);
   for (size_t l = 0; l < out.face.size(); ++l)
     for (int s = 0; s < 2; ++s) {
       const int16_t mine = out.of_side[l][size_t(s)];
       if (mine < 0) continue;
       const int before = whole.class_of(sided_face(out.face[l], s));
-      int16_t& old = out.classes[size_t(mine)].old_class;
+      int16_t& old = in_whole[size_t(mine)];
       if (before < 0 || (old >= 0 && old != before)) contradiction("a part of a cell contradicts the whole");
       old = int16_t(before);
     }
-  for (const CellClass& c : out.classes)
-    if (c.old_class < 0) contradiction("a piece in a part of a cell has no face");
+  for (size_t c = 0; c < in_whole.size(); ++c) {
+    if (in_whole[c] < 0) contradiction("a piece in a part of a cell has no face");
+    out.classes[c].old_class = history.whole_is_named ? whole.classes[size_t(in_whole[c])].old_class : in_whole[c];
+  }
 }
 
 // The old partition is the new one with both sides of every new wall united. Its groups are named after old classes by

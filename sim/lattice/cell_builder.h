@@ -62,6 +62,7 @@ struct CellHistory {
   int32_t last_op = 0;                     // walls of later operations are new
   bool only_cuts = true;                   // false: material was taken away, so old classes may have vanished
   const CellComponents* whole = nullptr;   // what the cell is a part of was this: old_class is its class; nothing else counts
+  bool whole_is_named = false;             // ... or what that class was before
 };
 
 class CellBuilder {
@@ -77,6 +78,9 @@ class CellBuilder {
   bool meets(Int3 at, int32_t face);
   /// Whether one of the faces has a crack front in the cell: an edge where its two sides are glued to each other.
   bool holds_front(Int3 at, std::span<const int32_t> faces);
+  /// How far from its front, square to it and along the crack, the cell reaches at most: in edges of the cell, 0 without a
+  /// front. This is what stays closed of the crack in a cell that is not divided.
+  double front_reach(Int3 at, std::span<const int32_t> faces);
 
   /// Layers of the corners of a face: [corner][axis].
   using Layers = std::array<std::array<int32_t, 3>, 3>;
@@ -121,6 +125,8 @@ class CellBuilder {
   static int side_before(const Plane& plane, int axis) { return plane.n[size_t(axis)] > 0 ? 1 : 0; }
   static bool has(uint8_t mat, int side) { return mat >> side & 1; }
 
+  bool is_front(int32_t face, size_t edge) const;
+  double reach_from(int32_t face, size_t edge) const;
   void enter(Int3 at);
   /// `before`: what the cell held in the last version; what is known of its faces is taken over.
   void gather(std::span<const int32_t> candidates, const CellComponents* before = nullptr);
@@ -156,7 +162,7 @@ class CellBuilder {
   int32_t region_on_lattice_edge(int axis, int corner, const SubPoint& below);
   void hits_between(int axis, const SubPoint& line, const SubPoint* upper, std::vector<int32_t>& out);
   void classify(const CellHistory& history, CellComponents& out);
-  void name_classes_of_whole(const CellComponents& whole, CellComponents& out) const;
+  void name_classes_of_whole(const CellHistory& history, CellComponents& out) const;
   void name_old_classes(const CellHistory& history, CellComponents& out);
   double flux_of(LocalFace& f);
   void measure(CellComponents& out);

@@ -41,21 +41,6 @@ bool CellBuilder::meets(Int3 at, int32_t face) {
   return !face_.empty();
 }
 
-bool CellBuilder::holds_front(Int3 at, std::span<const int32_t> faces) {
-  auto is_front = [&](int32_t face, int edge) {
-    return surface_.mate[size_t(face)][size_t(edge)] == sided_half_edge(sided_face(face, 1), edge);
-  };
-  enter(at);
-  for (int32_t id : faces) {
-    const Face& f = surface_.faces[size_t(id)];
-    if (!f.live() || f.mat != 3 || !(is_front(id, 0) || is_front(id, 1) || is_front(id, 2))) continue;
-    gather({&id, 1});
-    for (int e = 0; e < 3; ++e)
-      if (!face_.empty() && face_[0].in.edge(size_t(e)) && is_front(id, e)) return true;
-  }
-  return false;
-}
-
 std::array<std::array<int32_t, 3>, 3> CellBuilder::layers(int32_t face) const {
   std::array<std::array<int32_t, 3>, 3> q;
   const Face& f = surface_.faces[size_t(face)];

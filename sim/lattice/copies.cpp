@@ -9,13 +9,6 @@
 namespace limberg {
 namespace {
 
-int classes_in(const LatticeTopology& t, int32_t cell) {
-  if (const auto& c = t.components[size_t(cell)]) return int(c->classes.size());
-  if (t.tree.is_divided(cell)) return 0;
-  if (t.tree.is_part(cell)) return t.corners_in_material(cell) & 1;
-  return t.node_in_material[size_t(t.grid.node_index(t.grid.cell_at(cell)))] ? 1 : 0;
-}
-
 int class_of_corner(const LatticeTopology& t, int32_t cell, int corner) {
   if (const auto& c = t.components[size_t(cell)]) return c->of_corner[size_t(corner)];
   return classes_in(t, cell) - 1;
@@ -25,9 +18,33 @@ constexpr int kLowToHigh[3] = {1, 2, 4};
 
 }  // namespace
 
-void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::span<const uint8_t> touched) {
+int classes_in(const LatticeTopology& t, int32_t cell) {
+  if (const auto& c = t.components[size_t(cell)]) return int(c->classes.size());
+  if (t.tree.is_divided(cell)) return 0;
+  if (t.tree.is_part(cell)) return t.corners_in_material(cell) & 1;
+  return t.node_in_material[size_t(t.grid.node_index(t.grid.cell_at(cell)))] ? 1 : 0;
+}
+
+int Descent::class_before(int32_t part, int cls) const {
+  if (const auto& c = t_.components[size_t(part)]) return c->classes[size_t(cls)].old_class;
+  // A full part: it has a corner of what it is a part of.
+  for (;;) {
+    const int32_t division = (part - t_.tree.grid_cells) / 8;
+    const int32_t owner = t_.tree.owner(part);
+    const NewParts::Whole& whole = parts_.whole[size_t(division - (parts_.known - t_.tree.grid_cells) / 8)];
+    if (whole.held) {
+      const int16_t mine = whole.held->of_corner[size_t(t_.tree.which_part(part))];
+      return whole.named ? whole.held->classes[size_t(mine)].old_class : mine;
+    }
+    if (!is_new(owner)) return 0;
+    part = owner;
+  }
+}
+
+void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::span<const uint8_t> touched, const NewParts& parts) {
   const int32_t cells = int32_t(t.components.size());
   const auto& components = std::as_const(t.components);
+  const Descent descent(t, parts);
   std::vector<int32_t> begin(size_t(cells) + 1, 0);
   for (int32_t c = 0; c < cells; ++c) begin[size_t(c) + 1] = begin[size_t(c)] + classes_in(t, c);
   const auto classes = [&](int32_t c) { return begin[size_t(c) + 1] - begin[size_t(c)]; };
@@ -47,22 +64,29 @@ void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::spa
     t.cells.push_back(copy);
     parents.push_back(parent);
   };
-  const int32_t known = previous ? int32_t(previous->components.size()) : 0;  // ids from here on are new parts
+  const int32_t known = previous ? int32_t(previous->components.size()) : cells;
   auto old_class = [&](int32_t cell, int cls) -> int {
     const auto& comp = components[size_t(cell)];
-    if (cell >= known && !comp) {  // a full part: it has a corner of the whole
-      const auto& whole = previous->components[size_t(t.tree.owner(cell))];
-      return whole ? whole->of_corner[size_t(t.tree.which_part(cell))] : 0;
-    }
     return touched[size_t(cell)] && comp ? comp->classes[size_t(cls)].old_class : cls;
   };
+  const auto parent_of_part = [&](int32_t cell, int cls) {
+    const int old = descent.class_before(cell, cls);
+    return old < 0 ? -1 : previous->copy(descent.cell_before(cell), old);
+  };
   if (previous) {
+    // The first part of every copy that has been divided.
+    std::vector<std::pair<int32_t, int32_t>> first_part;  // cell and class, per copy of before
+    if (!parts.empty()) first_part.assign(previous->cells.size(), {-1, 0});
+    for (int32_t c = known; c < cells; ++c)
+      for (int k = 0; k < classes(c); ++k)
+        if (const int32_t p = parent_of_part(c, k); p >= 0 && first_part[size_t(p)].first < 0) first_part[size_t(p)] = {c, k};
     // Class of a previous copy: its place among the copies of its cell.
     std::vector<int32_t> class_of_copy(previous->cells.size());
     for (int32_t c = 0; c < known; ++c)
       for (int k = 0; k < previous->copies_of(c); ++k) class_of_copy[size_t(previous->copy(c, k))] = k;
     for (size_t p = 0; p < previous->cells.size(); ++p) {
       const int32_t cell = previous->cells[p].cell;
+      if (!parts.empty() && first_part[p].first >= 0) make(first_part[p].first, first_part[p].second, int32_t(p));
       for (int k = 0; k < classes(cell); ++k)
         if (old_class(cell, k) == class_of_copy[p]) {
           make(cell, k, int32_t(p));
@@ -72,8 +96,13 @@ void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::spa
   }
   for (int32_t c = 0; c < cells; ++c)
     for (int k = 0; k < classes(c); ++k) {
-      const int old = previous ? old_class(c, k) : -1;
-      make(c, k, old >= 0 ? previous->copy(c < known ? c : t.tree.owner(c), old) : -1);
+      if (id_of[size_t(begin[size_t(c)] + k)] >= 0) continue;
+      int32_t parent = -1;
+      if (c >= known)
+        parent = parent_of_part(c, k);
+      else if (const int old = previous ? old_class(c, k) : -1; old >= 0)
+        parent = previous->copy(c, old);
+      make(c, k, parent);
     }
   t.cell_parent = std::move(parents);
   t.copies = ShortLists(size_t(cells));
@@ -81,19 +110,20 @@ void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::spa
     t.copies.set(size_t(c), std::span(id_of).subspan(size_t(begin[size_t(c)]), size_t(classes(c))));
 }
 
-void cells_beyond(const LatticeTopology& t, int32_t cell, int axis, std::vector<int32_t>& out) {
+void cells_beyond(const LatticeTopology& t, int32_t cell, int axis, std::vector<int32_t>& out, bool high) {
   out.clear();
   const CellPlace p = t.tree.place(t.grid, cell);
   Int3 at = p.at;
   int32_t& along = axis == 0 ? at.x : axis == 1 ? at.y : at.z;
-  if (++along >= t.grid.count[axis] << p.level) return;
+  along += high ? 1 : -1;
+  if (along < 0 || along >= t.grid.count[axis] << p.level) return;
   const int32_t next = t.tree.find(t.grid, p.level, at);
   if (!t.tree.is_divided(next)) {
     out.push_back(next);
     return;
   }
   for (int k = 0; k < 8; ++k) {
-    if (k & kLowToHigh[axis]) continue;
+    if (bool(k & kLowToHigh[axis]) == high) continue;
     out.push_back(t.tree.part(next, k));
     if (t.tree.is_divided(out.back())) throw std::logic_error("neighbouring cells differ by more than one level");
   }

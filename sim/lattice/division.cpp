@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sim/lattice/topology_parts.h"
+#include "sim/number_set.h"
 
 namespace limberg {
 namespace {
@@ -89,65 +90,71 @@ std::array<uint8_t, 27> classify_parts(LevelBuilders& builders, const CellPlace&
   return in;
 }
 
+// A front keeps its cell closed. From level 2 on that is a quarter of the undivided cell, unless the crack runs askew.
+static bool needs_division(CellBuilder& builder, const CellPlace& p, std::span<const int32_t> faces) {
+  constexpr double kStraight = 1 + 1e-6;  // a crack along the lattice, but for rounding
+  return p.level < 2 ? builder.holds_front(p.at, faces) : builder.front_reach(p.at, faces) > kStraight;
+}
+
 std::vector<int32_t> cells_to_divide(const LatticeTopology& t, LevelBuilders& builders,
-                                     std::span<const uint8_t> candidates) {
-  std::vector<int32_t> coarse, fine;
-  if (t.front_levels == 0) return coarse;
-  for (int32_t cell = 0; cell < t.tree.ids(); ++cell) {
-    const auto& comp = t.components[size_t(cell)];
-    if (!candidates[size_t(cell)] || !comp || t.tree.is_divided(cell)) continue;
-    const CellPlace p = t.tree.place(t.grid, cell);
-    if (p.level >= t.front_levels || !builders[p.level].holds_front(p.at, comp->face)) continue;
-    if (p.level == 0) {
-      coarse.push_back(cell);
-      continue;
-    }
-    fine.push_back(cell);
-    // All that the parts of this one will touch must be divided once.
-    const LatticeGrid g = t.grid.at_level(1);
+                                     std::vector<int32_t>& candidates) {
+  std::array<std::vector<int32_t>, kLevels> wanted;  // per level
+  if (t.front_levels == 0) return {};
+  NumberSet known(size_t(t.tree.ids()));
+  const auto want = [&](auto&& self, int32_t cell, const CellPlace& p) -> void {
+    if (!known.add(cell)) return;
+    wanted[size_t(p.level)].push_back(cell);
+    if (p.level == 0) return;
+    // All that the parts of this one will touch must be divided as often as this one is.
+    const LatticeGrid g = t.grid.at_level(p.level);
     for (int k = 0; k < 27; ++k) {
       const Int3 n{p.at.x + k % 3 - 1, p.at.y + k / 3 % 3 - 1, p.at.z + k / 9 - 1};
       if (n.x < 0 || n.y < 0 || n.z < 0 || n.x >= g.count.x || n.y >= g.count.y || n.z >= g.count.z) continue;
-      const int32_t other = t.tree.find(t.grid, 1, n);
-      if (!t.tree.is_part(other) && t.copies_of(other) > 0) coarse.push_back(other);
+      const int32_t other = t.tree.find(t.grid, p.level, n);
+      if (classes_in(t, other) == 0) continue;
+      if (const CellPlace q = t.tree.place(t.grid, other); q.level < p.level) self(self, other, q);
     }
+  };
+  std::erase_if(candidates, [&](int32_t cell) {
+    const auto& comp = t.components[size_t(cell)];
+    if (!comp || t.tree.is_divided(cell)) return true;
+    const CellPlace p = t.tree.place(t.grid, cell);
+    if (p.level >= t.front_levels || !needs_division(builders[p.level], p, comp->face)) return true;
+    want(want, cell, p);
+    return false;
+  });
+  for (std::vector<int32_t>& list : wanted) {  // the coarsest first: what they need may not be there yet
+    if (list.empty()) continue;
+    std::sort(list.begin(), list.end());
+    return list;
   }
-  if (coarse.empty()) return fine;
-  std::sort(coarse.begin(), coarse.end());
-  coarse.erase(std::unique(coarse.begin(), coarse.end()), coarse.end());
-  return coarse;
+  return {};
 }
 
-std::shared_ptr<LatticeTopology> divide_cells(const LatticeTopology& before, LevelBuilders& builders,
-                                              std::span<const int32_t> cells, std::vector<uint8_t>& touched) {
-  auto t = std::make_shared<LatticeTopology>(before);
-  t->touched_cells = 0;
+void divide_cells(LatticeTopology& t, LevelBuilders& builders, std::span<const int32_t> cells, std::span<const uint8_t> named,
+                  NewParts& parts) {
   for (int32_t cell : cells) {
-    const CellPlace place = t->tree.place(t->grid, cell);
-    const uint8_t corners = t->corners_in_material(cell);
-    const std::shared_ptr<const CellComponents> whole = std::as_const(t->components)[size_t(cell)];
+    const CellPlace place = t.tree.place(t.grid, cell);
+    const uint8_t corners = t.corners_in_material(cell);
+    const std::shared_ptr<const CellComponents> whole = std::as_const(t.components)[size_t(cell)];
+    const bool is_named = cell >= parts.known || (size_t(cell) < named.size() && named[size_t(cell)]);
     std::span<const int32_t> faces;
     if (whole) faces = whole->face;
-    const int32_t d = t->tree.divide(cell);
-    t->tree.division[size_t(d)].node_in_material = classify_parts(builders, place, corners, faces);
-    t->components.resize(size_t(t->tree.ids()));
-    t->components[size_t(cell)] = nullptr;
+    const int32_t d = t.tree.divide(cell);
+    parts.whole.push_back({whole, is_named});
+    t.tree.division[size_t(d)].node_in_material = classify_parts(builders, place, corners, faces);
+    t.components.resize(size_t(t.tree.ids()));
+    t.components[size_t(cell)] = nullptr;
     CellHistory history;
     history.whole = whole.get();
+    history.whole_is_named = is_named;
     for (int k = 0; k < 8 && whole; ++k) {
-      const int32_t part = t->tree.part(cell, k);
-      t->components[size_t(part)] =
-          builders[place.level + 1].build(part_at(place, k), faces, t->corners_in_material(part), history);
-      ++t->touched_cells;
+      const int32_t part = t.tree.part(cell, k);
+      t.components[size_t(part)] =
+          builders[place.level + 1].build(part_at(place, k), faces, t.corners_in_material(part), history);
+      ++t.touched_cells;
     }
   }
-  touched.assign(size_t(t->tree.ids()), 0);
-  for (int32_t cell : cells) {
-    touched[size_t(cell)] = 1;
-    for (int k = 0; k < 8; ++k) touched[size_t(t->tree.part(cell, k))] = 1;
-  }
-  finish_topology(*t, builders, &before, touched);
-  return t;
 }
 
 // Parents of parents; a node whose ancestors are several is born.

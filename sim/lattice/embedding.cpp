@@ -77,8 +77,10 @@ class Embedder {
 };
 
 /// Vertices in cells of which a copy has come apart or has got other nodes: found through the faces of the cell. A part that
-/// keeps number and nodes of its copy has the vertices that it had.
-void follow_copies(const LatticeTopology& t, const LatticeTopology& before, SurfaceView& view, SharedArray<EmbeddedPoint>& out) {
+/// keeps number and nodes of its copy has the vertices that it had. Vertices in cells that have been divided lose their copy;
+/// triangles at them are added to `again`.
+void follow_copies(const LatticeTopology& t, const LatticeTopology& before, SurfaceView& view, SharedArray<EmbeddedPoint>& out,
+                   std::vector<int32_t>& again) {
   std::vector<int32_t> cells;
   for_each_change(before.cells, t.cells, [&](size_t c) { cells.push_back(t.cells[c].cell); });
   std::sort(cells.begin(), cells.end());
@@ -90,6 +92,19 @@ void follow_copies(const LatticeTopology& t, const LatticeTopology& before, Surf
   for (int32_t cell : cells) {
     const auto& comp = t.components[size_t(cell)];
     if (!comp) continue;
+    if (size_t(cell) >= before.components.size()) {  // a part of a cell that was whole
+      for (size_t i = 0; i < comp->face.size() && size_t(comp->face[i]) < before.face_bits.size(); ++i)
+        for (int side = 0; side < 2; ++side) {
+          if (comp->of_side[i][size_t(side)] < 0) continue;
+          const int32_t f = now.triangle_of[size_t(2 * comp->face[i] + side)];
+          if (f < 0) throw std::logic_error("a face of a lattice cell is not on the surface");
+          again.push_back(f);
+          for (int32_t v : now.tri[size_t(f)])
+            if (const int32_t was = now.cell_copy[size_t(v)]; was >= 0 && size_t(was) < before.cells.size() && t.tree.is_divided(before.cells[size_t(was)].cell))
+              view.cell_copy[size_t(v)] = -1;
+        }
+      continue;
+    }
     copies.clear();
     other.clear();
     bool any = false;
@@ -132,14 +147,16 @@ SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& t, const Materia
 SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view,
                                          const EarlierEmbedding& before) {
   const ViewChange& change = before.change;
-  if (!change.whole && t.tree.division.empty() && t.cell_parent.same() >= before.topology.cells.size()) {
+  if (!change.whole && t.cell_parent.same() >= before.topology.cells.size()) {
     SharedArray<EmbeddedPoint> out = before.embedding;
     view.cell_copy = before.view.cell_copy;
     out.resize(view.X_mm.size());
     view.cell_copy.resize(view.X_mm.size(), -1);
     for (int32_t v : change.vertices) view.cell_copy.set(size_t(v), -1);
-    follow_copies(t, before.topology, view, out);
+    std::vector<int32_t> again;
+    follow_copies(t, before.topology, view, out, again);
     Embedder rest(t, surface, view, out);
+    for (int32_t f : again) rest.triangle(size_t(f));
     for (int32_t f : change.triangles) rest.triangle(size_t(f));
     return out;
   }

@@ -18,7 +18,7 @@ SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const 
 
 /// The same from an earlier version of both: vertices that were there, in a cell copy that has not come apart, keep their
 /// weights. `change` as Arrangement::surface_view gives it; topology.cell_parent must index the earlier topology. Costs what
-/// has changed, unless that is everything, or cells are divided.
+/// has changed, unless that is everything.
 struct EarlierEmbedding {
   const LatticeTopology& topology;
   const SurfaceView& view;

@@ -11,9 +11,9 @@ namespace {
 
 constexpr double kFloor = 1e-2;  // of the fraction, for conditioning: a sliver's nodes stay solvable in float
 
-// A block's outermost cells miss this little at most (grid_fit.h): half of `count` half-units of thousands per cell, four
+// A block's outermost cells miss this little at most (grid_fit.h): half of `count` half-units of thousands per cell, eight
 // times that when cells can be divided, and in a part it is more of the whole.
-double counts_as_full(bool divisible, int level) { return 1 - (divisible ? 0.003 : 0.002) * double(1 << level); }
+double counts_as_full(bool divisible, int level) { return 1 - (divisible ? 0.006 : 0.002) * double(1 << level); }
 
 class Assembly {
  public:
@@ -51,7 +51,7 @@ class Assembly {
   }
 
   void all(FemModel& model) const;
-  /// After a cut that takes nothing away, in a lattice without divided cells: what it has not changed is shared.
+  /// After a cut that takes nothing away: what it has not changed is shared.
   void changed(FemModel& model, const EarlierModel& before) const;
 
  private:
@@ -64,7 +64,7 @@ class Assembly {
 
 void Assembly::all(FemModel& model) const {
   const size_t nodes = t_.nodes.size();
-  for (const NodeCopy& n : t_.nodes) model.X_mm.push_back(t_.grid.quarter_mm(n.at));
+  for (const NodeCopy& n : t_.nodes) model.X_mm.push_back(t_.grid.eighth_mm(n.at));
   std::vector<uint8_t> fixed(nodes, 0);
   std::vector<double> mass(nodes, 0);
   model.cells.reserve(t_.cells.size());
@@ -90,21 +90,28 @@ void Assembly::all(FemModel& model) const {
 }
 
 void Assembly::changed(FemModel& model, const EarlierModel& before) const {
-  const size_t nodes_before = before.topology.nodes.size();
   model.X_mm = before.model.X_mm;
   model.cells = before.model.cells;
   model.fixed = before.model.fixed;
   model.mass_kg = before.model.mass_kg;
-  for (size_t n = nodes_before; n < t_.nodes.size(); ++n) model.X_mm.push_back(t_.grid.quarter_mm(t_.nodes[n].at));
+  model.X_mm.resize(t_.nodes.size());
   model.fixed.resize(t_.nodes.size(), 0);
   model.mass_kg.resize(t_.nodes.size(), 0);
   NumberSet nodes(t_.nodes.size());  // whose cells have changed
+  for_each_change(before.topology.nodes, t_.nodes, [&](size_t n) {
+    model.X_mm[n] = t_.grid.eighth_mm(t_.nodes[n].at);
+    nodes.add(int32_t(n));
+  });
   for_each_change(before.topology.cells, t_.cells, [&](size_t c) {
     const CellCopy& copy = t_.cells[c];
     const size_t parent = size_t(t_.cell_parent[c]);
     HexCell now = before.model.cells[parent];
-    now.node = copy.node;
-    now.scale = scale(copy.fraction, 0);
+    if (copy.cell == before.topology.cells[parent].cell) {
+      now.node = copy.node;
+      now.scale = scale(copy.fraction, now.level);
+    } else {
+      now = cell(copy);
+    }
     if (c < model.cells.size())
       model.cells.set(c, now);
     else
@@ -117,21 +124,24 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
     return c && std::any_of(c->classes.begin(), c->classes.end(), [](const CellClass& k) { return k.fixed_sides != 0; });
   };
   for_each_change(before.topology.components, t_.components, [&](size_t cell) {
+    if (cell >= before.topology.components.size()) return;  // a part: all its nodes are looked at already
     if (!holds_any(t_.components[cell]) && !holds_any(before.topology.components[cell])) return;
     for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k) nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
   });
   nodes_again(model, nodes.ascending());
+  for (const auto& h : t_.hanging) model.fixed.set(size_t(h.node), 0);
 }
 
 // From the copies around them, in their order: each copy is looked at once, for all of its corners.
 void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) const {
   NumberSet cells(t_.components.size()), copies(t_.cells.size());
+  const LatticeGrid finest = t_.grid.at_level(kLevels);
   for (int32_t n : nodes) {
-    const Int3 at = t_.grid.node_at(t_.nodes[size_t(n)].lattice_node);
+    const Int3 at = t_.nodes[size_t(n)].at;
     for (int b = 0; b < 8; ++b) {
       const Int3 c{at.x - 1 + (b & 1), at.y - 1 + (b >> 1 & 1), at.z - 1 + (b >> 2 & 1)};
-      if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= t_.grid.count.x || c.y >= t_.grid.count.y || c.z >= t_.grid.count.z) continue;
-      cells.add(t_.grid.cell_index(c));
+      if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= finest.count.x || c.y >= finest.count.y || c.z >= finest.count.z) continue;
+      cells.add(t_.tree.find(t_.grid, kLevels, c));
     }
   }
   for (int32_t c : cells.ascending())
@@ -178,8 +188,7 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
     model->hanging.push_back(out);
   }
   const Assembly assembly(table, t);
-  const bool grows = before && t.tree.division.empty() && t.cell_parent.same() >= before->topology.cells.size() &&
-                     t.node_parent.same() >= before->topology.nodes.size() &&
+  const bool grows = before && t.cell_parent.same() >= before->topology.cells.size() && t.nodes.size() >= before->topology.nodes.size() &&
                      t.node_in_material == before->topology.node_in_material;
   if (grows)
     assembly.changed(*model, *before);

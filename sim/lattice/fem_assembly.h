@@ -44,7 +44,7 @@ class StencilTable {
   /// beyond.
   static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
   const std::vector<uint8_t>& fixed_candidates() const { return fixed_; }
-  /// The same for a corner of a part, in quarters of a cell.
+  /// The same for a corner of a part, in eighths of a cell.
   uint8_t fixed_candidate(Int3 at) const;
 
  private:

@@ -31,9 +31,9 @@ struct LatticeGrid {
   Vec3 node_mm(Int3 n) const {
     return rest.to_mm({origin.x + n.x * pitch.x, origin.y + n.y * pitch.y, origin.z + n.z * pitch.z});
   }
-  /// Place given in quarters of a cell (whole ones when the pitch is not divisible).
-  Vec3 quarter_mm(Int3 q) const {
-    return rest.to_mm({origin.x + q.x * (pitch.x / 2) / 2, origin.y + q.y * (pitch.y / 2) / 2, origin.z + q.z * (pitch.z / 2) / 2});
+  /// Place given in eighths of a cell (whole cells when the pitch is not divisible).
+  Vec3 eighth_mm(Int3 q) const {
+    return rest.to_mm({origin.x + q.x * (pitch.x / 2) / 4, origin.y + q.y * (pitch.y / 2) / 4, origin.z + q.z * (pitch.z / 2) / 4});
   }
   Vec3 cell_mm() const { return rest.half_unit_mm() * Vec3(pitch.x, pitch.y, pitch.z); }
   /// The grid of the parts of cells divided `level` times. Its pitch must stay even: see divisible().
@@ -49,10 +49,10 @@ struct LatticeGrid {
   }
 };
 
-/// Cells are divided twice at most.
-inline constexpr int kLevels = 2;
-/// Places of nodes are counted in quarters of an undivided cell.
-inline constexpr int kQuarters = 1 << kLevels;
+/// Cells are divided so often at most.
+inline constexpr int kLevels = 3;
+/// Places of nodes are counted in eighths of an undivided cell.
+inline constexpr int kEighths = 1 << kLevels;
 
 struct CellCopy {
   int32_t cell = 0;               // cell id: the lattice cell's index; from the number of cells on, parts of divided ones
@@ -64,7 +64,7 @@ struct CellCopy {
 
 struct NodeCopy {
   int32_t lattice_node = 0;  // -1: a corner of parts of cells only
-  Int3 at{};                 // quarters of an undivided cell from the grid's origin
+  Int3 at{};                 // eighths of an undivided cell from the grid's origin
   bool operator==(const NodeCopy&) const = default;
 };
 

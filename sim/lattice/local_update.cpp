@@ -1,4 +1,4 @@
-// What follows from the components after a cut that takes nothing away, in a lattice without divided cells: copies, links,
+// What follows from the components after a cut that takes nothing away, in a lattice whose cells are not divided: copies, links,
 // nodes and sums of the version before with the changes around the touched cells put in. The result is that of
 // finish_topology to the last bit; only what cannot have changed is copied instead of found again.
 //

@@ -301,13 +301,13 @@ int32_t StencilTable::of_place(const CellPlace& place) const {
 }
 
 uint8_t StencilTable::fixed_candidate(Int3 at) const {
-  if (at.x % kQuarters == 0 && at.y % kQuarters == 0 && at.z % kQuarters == 0)
-    return fixed_[size_t(grid_.node_index({at.x / kQuarters, at.y / kQuarters, at.z / kQuarters}))];
+  if (at.x % kEighths == 0 && at.y % kEighths == 0 && at.z % kEighths == 0)
+    return fixed_[size_t(grid_.node_index({at.x / kEighths, at.y / kEighths, at.z / kEighths}))];
   uint8_t may = 0;
   if (is_block_) {
     for (int a = 0; a < 3; ++a) {
       if (at[a] == 0) may |= uint8_t(fixed_sides_ & 1u << (2 * a));
-      if (at[a] == kQuarters * grid_.count[a]) may |= uint8_t(fixed_sides_ & 1u << (2 * a + 1));
+      if (at[a] == kEighths * grid_.count[a]) may |= uint8_t(fixed_sides_ & 1u << (2 * a + 1));
     }
     return may;
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -83,19 +84,40 @@ void relink(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* 
   t.links.assign(links);
 }
 
-/// Divides what holds a front, until nothing is left to divide.
-std::shared_ptr<const LatticeTopology> divide_fronts(std::shared_ptr<const LatticeTopology> t, LevelBuilders& builders,
-                                                     std::vector<uint8_t> candidates) {
+/// Divides what holds a front, until nothing is left to divide: tree and components. `named` as for divide_cells.
+void divide_fronts(LatticeTopology& t, LevelBuilders& builders, std::vector<int32_t> candidates, std::span<const uint8_t> named,
+                   NewParts& parts) {
   for (;;) {
-    const std::vector<int32_t> cells = cells_to_divide(*t, builders, candidates);
-    if (cells.empty()) return t;
-    std::vector<uint8_t> touched;
-    const std::shared_ptr<LatticeTopology> next = divide_cells(*t, builders, cells, touched);
-    skip_parents(*t, *next);
-    t = next;
-    candidates.resize(touched.size(), 0);
-    for (size_t c = 0; c < touched.size(); ++c) candidates[c] |= touched[c];
+    const std::vector<int32_t> cells = cells_to_divide(t, builders, candidates);
+    if (cells.empty()) return;
+    const int32_t first = t.tree.ids();
+    divide_cells(t, builders, cells, named, parts);
+    for (int32_t part = first; part < t.tree.ids(); ++part) candidates.push_back(part);
   }
+}
+
+/// Cells that an update has changed: the `touched` ones of before, and the parts of those that it has divided.
+std::vector<uint8_t> marks_of(const LatticeTopology& t, std::span<const int32_t> touched, const NewParts& parts) {
+  std::vector<uint8_t> marks(size_t(t.tree.ids()), 0);
+  for (int32_t c : touched) marks[size_t(c)] = 1;
+  for (int32_t c = parts.known; c < t.tree.ids(); ++c) marks[size_t(c)] = marks[size_t(t.tree.owner(c))] = 1;
+  return marks;
+}
+
+/// The version in which the fronts in these cells are divided; `before` is finished and has the same surface.
+std::shared_ptr<const LatticeTopology> with_divided_fronts(std::shared_ptr<const LatticeTopology> before, LevelBuilders& builders,
+                                                           std::vector<int32_t> candidates, bool locally) {
+  if (before->front_levels == 0) return before;
+  auto t = std::make_shared<LatticeTopology>(*before);
+  t->touched_cells = 0;
+  NewParts parts;
+  parts.known = t->tree.ids();
+  divide_fronts(*t, builders, std::move(candidates), {}, parts);
+  if (parts.empty()) return before;
+  if (!locally || !finish_fronts_locally(*t, builders, *before, {}, parts))
+    finish_topology(*t, builders, before.get(), marks_of(*t, {}, parts), parts);
+  skip_parents(*before, *t);
+  return t;
 }
 
 /// The components of the touched cells. Each cell is found by itself, in groups that one worker takes one after another.
@@ -172,18 +194,18 @@ std::shared_ptr<LatticeTopology> build_whole(const LatticeGrid& grid, const Mate
                                          t->corners_in_material(int32_t(c)), {});
     ++t->touched_cells;
   }
-  finish_topology(*t, builders, nullptr, {});
+  finish_topology(*t, builders, nullptr, {}, {});
   return t;
 }
 
 }  // namespace
 
 void finish_topology(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* previous,
-                     std::span<const uint8_t> touched) {
-  number_copies(t, previous, touched);
+                     std::span<const uint8_t> touched, const NewParts& parts) {
+  number_copies(t, previous, touched, parts);
   relink(t, builders, previous, touched);
   if (previous) name_parents_by_neighbours(t, *previous);
-  number_nodes(t, previous);
+  number_nodes(t, previous, parts);
   summarise(t);
 }
 
@@ -191,30 +213,27 @@ std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, c
                                                       int front_levels) {
   if (front_levels < 0 || front_levels > kLevels || (front_levels > 0 && !grid.divisible(kLevels)))
     throw InputError("", 0,
-                     "cells of this lattice cannot be divided; a pitch of a multiple of 8 half-units, and at most " +
+                     "cells of this lattice cannot be divided; a pitch of a multiple of 16 half-units, and at most " +
                          std::to_string(kLevels) + " levels, were expected");
   LevelBuilders builders(grid, surface);
   auto t = build_whole(grid, surface, builders);
   t->front_levels = front_levels;
-  return divide_fronts(t, builders, std::vector<uint8_t>(t->components.size(), 1));
+  std::vector<int32_t> all(t->components.size());
+  std::iota(all.begin(), all.end(), 0);
+  return with_divided_fronts(t, builders, std::move(all), false);
 }
 
 std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like, const MaterialSurface& surface) {
   LevelBuilders builders(like.grid, surface);
   auto whole = build_whole(like.grid, surface, builders);
   whole->front_levels = like.front_levels;
-  std::shared_ptr<const LatticeTopology> t = whole;
-  while (t->tree.division.size() < like.tree.division.size()) {
-    std::vector<int32_t> cells;
-    for (size_t d = t->tree.division.size(); d < like.tree.division.size(); ++d) {
-      if (like.tree.division[d].cell >= t->tree.ids()) break;
-      cells.push_back(like.tree.division[d].cell);
-    }
-    std::vector<uint8_t> touched;
-    const std::shared_ptr<LatticeTopology> next = divide_cells(*t, builders, cells, touched);
-    skip_parents(*t, *next);
-    t = next;
-  }
+  if (like.tree.division.empty()) return whole;
+  auto t = std::make_shared<LatticeTopology>(*whole);
+  NewParts parts;
+  parts.known = t->tree.ids();
+  for (const CellTree::Division& d : std::as_const(like.tree.division)) divide_cells(*t, builders, {&d.cell, 1}, {}, parts);
+  finish_topology(*t, builders, whole.get(), marks_of(*t, {}, parts), parts);
+  skip_parents(*whole, *t);
   return t;
 }
 
@@ -299,21 +318,37 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   find_components(*t, previous, surface, touched, candidates_of, layers_of_new, !taken_away, workers);
   t->touched_cells = int(touched.size());
 
-  if (!locally || taken_away || !finish_locally(*t, builders, previous, touched, place)) {
-    const size_t cells = previous.components.size();
-    std::vector<uint8_t> marks(cells, 0);
+  const auto marks_with = [&](std::vector<int32_t>& changed) {
+    std::vector<uint8_t> marks(previous.components.size(), 0);
     for (int32_t c : touched) marks[size_t(c)] = 1;
-    for (size_t c = 0; taken_away && c < cells; ++c) {  // full cells that are empty now
+    for (size_t c = 0; taken_away && c < marks.size(); ++c) {  // full cells that are empty now
       if (previous.components[c] || marks[c] || tree.is_divided(int32_t(c))) continue;
-      if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c))) marks[c] = 1;
+      if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c))) marks[c] = 1, changed.push_back(int32_t(c));
     }
-    finish_topology(*t, builders, &previous, marks);
-    return divide_fronts(t, builders, std::move(marks));
+    return marks;
+  };
+  if (taken_away) {  // what is left names its parents first, and is divided then
+    std::vector<int32_t> changed = touched;
+    finish_topology(*t, builders, &previous, marks_with(changed), {previous.tree.ids(), {}});
+    std::sort(changed.begin(), changed.end());
+    return with_divided_fronts(t, builders, std::move(changed), locally);
   }
-  if (t->front_levels == 0) return t;
-  std::vector<uint8_t> marks(previous.components.size(), 0);
-  for (int32_t c : touched) marks[size_t(c)] = 1;
-  return divide_fronts(t, builders, std::move(marks));
+  if (t->front_levels == 0) {
+    std::vector<int32_t> changed;
+    if (!locally || !finish_locally(*t, builders, previous, touched, place))
+      finish_topology(*t, builders, &previous, marks_with(changed), {previous.tree.ids(), {}});
+    return t;
+  }
+  NewParts parts;
+  parts.known = previous.tree.ids();
+  {
+    std::vector<uint8_t> named(previous.components.size(), 0);
+    for (int32_t c : touched) named[size_t(c)] = 1;
+    divide_fronts(*t, builders, touched, named, parts);
+  }
+  if (!locally || !finish_fronts_locally(*t, builders, previous, touched, parts))
+    finish_topology(*t, builders, &previous, marks_of(*t, touched, parts), parts);
+  return t;
 }
 
 }  // namespace limberg

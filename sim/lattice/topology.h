@@ -17,10 +17,11 @@
 // checked. When an excision is in the same update, the pieces that it leaves take the parent that their faces, corners
 // or neighbours name.
 //
-// Fronts. A cut that ends inside a cell leaves it one copy: it opens only up to that cell. With front_levels = 2 a cell
+// Fronts. A cut that ends inside a cell leaves it one copy: it opens only up to that cell. With front_levels = 3 a cell
 // that holds a crack's front is divided in eight, and those of the eight that hold it again (cell_tree.h, division.cpp):
-// then the closed part of the crack lies in one cell of a quarter of the size. Cells that touch each other, be it in a
-// corner, differ by one level at most. The parts are cells like any other, found by the same exact method; between a part
+// then the closed part of the crack lies in one cell of a quarter of the size. Where the crack runs through that cell
+// askew, farther than a quarter of the undivided cell from the front to where it comes in, it is divided a third time. Cells
+// that touch each other, be it in a corner, differ by one level at most. The parts are cells like any other, found by the same exact method; between a part
 // and a coarser neighbour the common square is the part's, and a node of it that is no corner of the neighbour hangs on
 // the neighbour's copy. When it hangs on several copies, these share their nodes there (a cut may stay closed there for
 // the length of a part, never is there a gap in tissue). Division never moves anything: every node of a part has its

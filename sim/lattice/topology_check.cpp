@@ -43,7 +43,7 @@ std::string check_grading(const LatticeTopology& t) {
   std::vector<std::pair<std::array<int32_t, 3>, uint8_t>> state;
   for (const CellTree::Division& d : t.tree.division) {
     const CellPlace p = t.tree.place(t.grid, d.cell);
-    const int step = kQuarters >> (p.level + 1);
+    const int step = kEighths >> (p.level + 1);
     for (int i = 0; i < 27; ++i)
       state.push_back({{step * (2 * p.at.x + i % 3), step * (2 * p.at.y + i / 3 % 3), step * (2 * p.at.z + i / 9)},
                        d.node_in_material[size_t(i)]});
@@ -103,14 +103,14 @@ std::string check_nodes(const LatticeTopology& t) {
   std::vector<uint8_t> used(t.nodes.size(), 0);
   for (const CellCopy& c : t.cells) {
     const CellPlace p = t.tree.place(t.grid, c.cell);
-    const int size = kQuarters >> p.level;
+    const int size = kEighths >> p.level;
     for (int k = 0; k < 8; ++k) {
       const NodeCopy& n = t.nodes[size_t(c.node[size_t(k)])];
       for (int a = 0; a < 3; ++a)
         if (n.at[a] != size * (p.at[a] + (k >> a & 1))) return "a node copy is not at its cell's corner";
-      const bool off = n.at.x % kQuarters || n.at.y % kQuarters || n.at.z % kQuarters;
+      const bool off = n.at.x % kEighths || n.at.y % kEighths || n.at.z % kEighths;
       if (n.lattice_node !=
-          (off ? -1 : t.grid.node_index({n.at.x / kQuarters, n.at.y / kQuarters, n.at.z / kQuarters})))
+          (off ? -1 : t.grid.node_index({n.at.x / kEighths, n.at.y / kEighths, n.at.z / kEighths})))
         return "a node copy has a wrong place";
       used[size_t(c.node[size_t(k)])] = 1;
     }

@@ -2,6 +2,7 @@
 // The parts that topology.cpp is put together from.
 #include "sim/lattice/cell_builder.h"
 #include "sim/lattice/topology.h"
+#include "sim/number_set.h"
 
 namespace limberg {
 
@@ -9,9 +10,41 @@ namespace limberg {
 /// InputError when the surface reaches beyond the lattice.
 std::vector<uint8_t> classify_nodes(const LatticeGrid& grid, const MaterialSurface& surface);
 
+/// What an update has divided: cells of the version before, and parts of them again.
+struct NewParts {
+  int32_t known = 0;  // ids of the version before; those from here on are new
+  struct Whole {
+    std::shared_ptr<const CellComponents> held;  // the divided cell when it was whole, with what has been cut since
+    bool named = false;                          // its classes name those of the version before; else they are those
+  };
+  std::vector<Whole> whole;  // per new division
+  bool empty() const { return whole.empty(); }
+};
+
+/// Where a cell and its classes come from in the version before.
+class Descent {
+ public:
+  Descent(const LatticeTopology& now, const NewParts& parts) : t_(now), parts_(parts) {}
+  bool is_new(int32_t cell) const { return cell >= parts_.known; }
+  int32_t cell_before(int32_t cell) const {
+    while (is_new(cell)) cell = t_.tree.owner(cell);
+    return cell;
+  }
+  /// Of a class of a new part: its class in cell_before(); -1: it is not known.
+  int class_before(int32_t part, int cls) const;
+
+ private:
+  const LatticeTopology& t_;
+  const NewParts& parts_;
+};
+
+/// Classes of a cell, before its copies have been made.
+int classes_in(const LatticeTopology& topology, int32_t cell);
+
 /// Numbers the cell copies (kept ones in the order of `previous`, new ones after, by cell and class) and names parents.
-/// Parts of cells that `previous` has whole are new; their parents are the copies of the whole.
-void number_copies(LatticeTopology& topology, const LatticeTopology* previous, std::span<const uint8_t> touched);
+/// Of the parts of a copy that was divided the first keeps its number.
+void number_copies(LatticeTopology& topology, const LatticeTopology* previous, std::span<const uint8_t> touched,
+                   const NewParts& parts);
 
 /// One builder per level, made when first asked for.
 class LevelBuilders {
@@ -32,21 +65,23 @@ class LevelBuilders {
 };
 
 /// Undivided cells that share (a part of) the + square of undivided `cell` along `axis`; none at the end of the lattice.
-void cells_beyond(const LatticeTopology& topology, int32_t cell, int axis, std::vector<int32_t>& out);
+/// `high` false: the - square.
+void cells_beyond(const LatticeTopology& topology, int32_t cell, int axis, std::vector<int32_t>& out, bool high = true);
 
 /// Links between undivided `cell` and `next`, one of the cells_beyond. Of different levels: through the smaller square.
 void find_links(const LatticeTopology& topology, LevelBuilders& builders, int32_t cell, int axis, int32_t next,
                 std::vector<Link>& out);
 
 /// Which cells must be divided next, ascending: those of `candidates` that hold a front, coarsest first, and before them
-/// what the grading needs. Empty when all is well.
+/// what the grading needs. Empty when all is well. Candidates that need no division are dropped. Asks for components only,
+/// not for copies.
 std::vector<int32_t> cells_to_divide(const LatticeTopology& topology, LevelBuilders& builders,
-                                     std::span<const uint8_t> candidates);
+                                     std::vector<int32_t>& candidates);
 
-/// The version in which these cells are divided; the surface is the same. Parents index `topology`. `touched`: the
-/// divided cells and their parts.
-std::shared_ptr<LatticeTopology> divide_cells(const LatticeTopology& topology, LevelBuilders& builders,
-                                              std::span<const int32_t> cells, std::vector<uint8_t>& touched);
+/// Divides these cells: tree and components. Copies and all that follows from them are made afterwards. `named`: per id of
+/// the version before, whether the cell's classes name those of that version.
+void divide_cells(LatticeTopology& topology, LevelBuilders& builders, std::span<const int32_t> cells,
+                  std::span<const uint8_t> named, NewParts& parts);
 
 /// skip_version (topology.h) in place.
 void skip_parents(const LatticeTopology& middle, LatticeTopology& last);
@@ -57,14 +92,24 @@ std::array<uint8_t, 27> classify_parts(LevelBuilders& builders, const CellPlace&
 
 /// All that follows from the components: copies, links, nodes, sums.
 void finish_topology(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology* previous,
-                     std::span<const uint8_t> touched);
+                     std::span<const uint8_t> touched, const NewParts& parts);
 
 /// Parents of copies that nothing in their own cell could name, by their neighbours.
 void name_parents_by_neighbours(LatticeTopology& topology, const LatticeTopology& previous);
 
-/// Node copies from links: ids of kept ones follow their parents' order. Throws std::logic_error when corners that are
-/// one node now were several before. Fills `hanging` and `born`.
-void number_nodes(LatticeTopology& topology, const LatticeTopology* previous);
+/// The neighbourhood in which nodes are numbered again.
+struct NodeRegion {
+  std::vector<int32_t> cells;   // with copies: all those near enough to have a say (two undivided cells around)
+  std::vector<int32_t> copies;  // of these cells, ascending
+  NumberSet changed;            // undivided cells (or what they were divided into) at whose corners nodes may be others
+};
+
+/// Node copies from links: ids of kept ones follow their parents' order; when cells have been divided, ids of nodes that
+/// are gone pass to new ones. Throws std::logic_error when corners that are one node now were several before. Fills
+/// `hanging` and `born`. With a region only what lies at the corners of its changed cells is done again, all else must be as
+/// in `previous`; false, and nothing done, when more nodes are gone than are new.
+bool number_nodes(LatticeTopology& topology, const LatticeTopology* previous, const NewParts& parts,
+                  const NodeRegion* region = nullptr);
 
 /// Pieces, volumes and the hash.
 void summarise(LatticeTopology& topology);
@@ -72,9 +117,14 @@ int128 exact_share(double fraction, int level);     // of an undivided cell, tim
 void volumes_from_sums(LatticeTopology& topology);  // of the pieces, from piece_sum
 
 /// finish_topology at the cost of what the cut has changed (local_update.cpp). False, and nothing done, when it took
-/// something away, or when cells are divided. `touched`: cells, ascending; `place`: per cell, where among them (-1: it is not).
+/// something away, or when cells can be divided. `touched`: cells, ascending; `place`: per cell, where among them (-1: it is not).
 bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
                     std::span<const int32_t> touched, std::span<const int32_t> place);
+
+/// The same where cells can be divided (local_fronts.cpp): after a cut, and after a division. `topology` comes as a copy of
+/// `previous` with tree and components of now; on false it is to be finished as a whole.
+bool finish_fronts_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
+                           std::span<const int32_t> touched, const NewParts& parts);
 
 /// update_topology; `locally` false: by finish_topology whatever has changed, for tests.
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,

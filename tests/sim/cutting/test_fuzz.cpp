@@ -70,7 +70,7 @@ TEST(Fuzz, DividedFronts) {  // 4 s of CPU (2026-11-21)
   bench::FuzzSettings s;
   s.operations = number("LIMBERG_FUZZ_OPERATIONS_DIVIDED", 250);
   s.seed = uint64_t(number("LIMBERG_FUZZ_SEED", 20261121));
-  s.front_levels = 2;
+  s.front_levels = 3;
   s.out_dir = std::string(LIMBERG_BINARY_DIR) + "/fuzz";
   const bench::FuzzReport r = bench::fuzz_run(s);
   for (const auto& v : r.violations) ADD_FAILURE() << v.what << "; written to " << v.file;

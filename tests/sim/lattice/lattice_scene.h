@@ -15,7 +15,8 @@ inline LatticeGrid grid_over(double size_mm, double thickness_mm, double cell_mm
   LatticeGrid g;
   g.rest = grid();
   const double u = g.rest.half_unit_mm();
-  const int32_t pitch = 8 * int32_t(std::lround(cell_mm / u / 8));  // its cells can be divided twice
+  constexpr int32_t unit = 2 << kLevels;  // its cells can be divided
+  const int32_t pitch = unit * int32_t(std::lround(cell_mm / u / unit));
   g.pitch = {pitch, pitch, pitch};
   auto odd = [&](double mm) { return 2 * int32_t(std::floor(mm / u / 2)) + 1; };
   g.origin = {odd(-size_mm / 2 - 0.4 * cell_mm), odd(-size_mm / 2 - 0.3 * cell_mm),

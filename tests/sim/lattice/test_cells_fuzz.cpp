@@ -60,7 +60,7 @@ int histories() {
 }
 
 class CellsFuzz : public ::testing::TestWithParam<int> {};  // how often cells at a front are divided
-INSTANTIATE_TEST_SUITE_P(FrontLevels, CellsFuzz, ::testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(FrontLevels, CellsFuzz, ::testing::Values(0, 1, 2, 3));
 
 TEST_P(CellsFuzz, EveryInvariantAfterEveryOperation) {
   for (int history = 0; history < histories(); ++history) {

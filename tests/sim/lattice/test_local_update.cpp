@@ -1,8 +1,10 @@
 // The update at the cost of the cut gives what the update from the whole lattice gives, to the last bit.
 #include <random>
 
+#include "sim/geometry/block.h"
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/fem_assembly.h"
+#include "sim/lattice/grid_fit.h"
 #include "sim/lattice/topology_parts.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
@@ -25,6 +27,18 @@ void expect_same(const LatticeTopology& a, const LatticeTopology& b) {
     EXPECT_EQ(a.node_parent[i], b.node_parent[i]) << i;
     EXPECT_EQ(a.nodes[i].at, b.nodes[i].at) << i;
   }
+  ASSERT_EQ(a.hanging.size(), b.hanging.size());
+  for (size_t i = 0; i < a.hanging.size(); ++i) {
+    EXPECT_EQ(a.hanging[i].node, b.hanging[i].node) << i;
+    EXPECT_EQ(a.hanging[i].count, b.hanging[i].count) << i;
+    EXPECT_EQ(a.hanging[i].master, b.hanging[i].master) << i;
+  }
+  ASSERT_EQ(a.born.size(), b.born.size());
+  for (size_t i = 0; i < a.born.size(); ++i) {
+    EXPECT_EQ(a.born[i].node, b.born[i].node) << i;
+    EXPECT_EQ(a.born[i].from, b.born[i].from) << i;
+  }
+  EXPECT_TRUE(a.tree.division == b.tree.division);
   EXPECT_TRUE(a.copies == b.copies);
   EXPECT_TRUE(a.face_bits == b.face_bits);
   EXPECT_TRUE(a.node_in_material == b.node_in_material);
@@ -69,7 +83,96 @@ TEST(LocalUpdate, IsTheWholeUpdateToTheLastBit) {
   EXPECT_GT(local, 30);
 }
 
+void expect_same(const FemModel& a, const FemModel& b);
+
+// With divided fronts: histories of cuts, undermining, excisions and undo. Model and embedding are those of the whole, too.
+TEST(LocalUpdate, OfDividedFrontsIsTheWholeUpdateToTheLastBit) {
+  std::mt19937 random(11);
+  const auto uniform = [&](double from, double to) { return from + (to - from) * (random() * (1.0 / 4294967296.0)); };
+  BlockSpec spec;
+  spec.size_mm = {48, 40, 12};
+  spec.skin_cell_mm = 2;
+  spec.layers = {{"skin", 2, {}}, {"fat", 10, {}}};
+  spec.layers[0].material.prestretch_along = 1.1;
+  const auto body = std::make_shared<const Body>(make_block(spec));
+  const Skin skin(body);
+  int updates = 0, apart = 0, born = 0, refilled = 0, excised = 0;
+  for (int scene = 0; scene < 4; ++scene) {
+    const LatticeGrid g = fit_lattice(*body, 4, kLevels);
+    const StencilTable table(skin, g);
+    Arrangement a(body->surface, body->grid);
+    struct Version {
+      std::shared_ptr<const LatticeTopology> lattice;
+      std::shared_ptr<const FemModel> model;
+      SurfaceView view;
+      SharedArray<EmbeddedPoint> embedding;
+    };
+    Version v{build_topology(g, material_surface(a), scene == 3 ? 2 : kLevels), nullptr, a.surface_view(), {}};
+    v.model = assemble_fem(table, *v.lattice);
+    v.embedding = embed_surface(*v.lattice, material_surface(a), v.view);
+    std::vector<Version> history{v};
+    for (int i = 0; i < 12; ++i) {
+      const Vec2 p(uniform(-18, 18), uniform(-15, 15)), q = p + Vec2(uniform(-14, 14), uniform(-14, 14));
+      bool done = false;
+      if (i % 5 == 3)
+        done = a.cut(sheet({p.x(), p.y(), -uniform(2, 9)}, {uniform(4, 12), 0.3, 0.2}, {0.2, uniform(4, 9), uniform(-1, 1)}, 5, 5), uint64_t(100 * scene + i)).ok();
+      else if (i % 5 == 4)
+        done = a.cut(open_box({p + Vec2(4, 0), p + Vec2(0, 3), p + Vec2(-4, 0), p + Vec2(0, -3)}, 3, -uniform(3, 8)), uint64_t(100 * scene + i)).ok();
+      else
+        done = a.cut(strip({p, q}, 3, -uniform(1, 11)), uint64_t(100 * scene + i)).ok();
+      if (!done) continue;
+      const MaterialSurface surface = material_surface(a);
+      const LatticeTopology& before = *v.lattice;
+      const auto whole = update_topology(before, surface, false);
+      const auto fast = update_topology(before, surface, true);
+      expect_same(*fast, *whole);
+      ASSERT_EQ(check_topology(*fast), "");
+      const EarlierModel earlier{before, *v.model};
+      Version next{fast, assemble_fem(table, *fast, &earlier), {}, {}};
+      expect_same(*next.model, *assemble_fem(table, *whole));
+      ViewChange change;
+      next.view = a.surface_view(v.view, before.operations, change);
+      next.embedding = embed_surface(*fast, surface, next.view, {before, v.view, v.embedding, change});
+      SurfaceView alone = next.view;
+      const auto embedding = embed_surface(*fast, surface, alone);
+      EXPECT_TRUE(next.view.cell_copy == alone.cell_copy);
+      EXPECT_TRUE(next.embedding == embedding);
+      ++updates;
+      apart += fast->cells.size() > before.cells.size(), born += int(fast->born.size());
+      for (const auto& b : fast->born) refilled += size_t(b.node) < before.nodes.size();
+      if (i % 4 == 3) {
+        ASSERT_TRUE(a.undo());
+        v = history.back();
+        continue;
+      }
+      v = next;
+      if (i % 5 == 4 && a.components().size() > 1) {  // takes the plug out: the whole way, and parts of what is left
+        int smallest = 0;
+        for (size_t c = 1; c < a.components().size(); ++c)
+          if (a.components()[c].volume_mm3 < a.components()[size_t(smallest)].volume_mm3) smallest = int(c);
+        if (a.excise(smallest).done) {
+          const auto slow = update_topology(*v.lattice, material_surface(a), false), quick = update_topology(*v.lattice, material_surface(a), true);
+          expect_same(*quick, *slow);
+          ASSERT_EQ(check_topology(*quick), "");
+          v = {quick, assemble_fem(table, *quick), a.surface_view(), {}};
+          v.embedding = embed_surface(*v.lattice, material_surface(a), v.view);
+          ++excised;
+        }
+      }
+      history.push_back(v);
+    }
+  }
+  EXPECT_GT(updates, 25);
+  EXPECT_GT(apart, 20);
+  EXPECT_GT(born, 1000);
+  EXPECT_GT(refilled, 0);  // numbers of nodes that are gone pass to new ones
+  EXPECT_GT(excised, 1);
+}
+
 void expect_same(const FemModel& a, const FemModel& b) {
+  ASSERT_EQ(a.hanging.size(), b.hanging.size());
+  for (size_t i = 0; i < a.hanging.size(); ++i) EXPECT_TRUE(a.hanging[i].node == b.hanging[i].node && a.hanging[i].master == b.hanging[i].master);
+
   EXPECT_TRUE(a.X_mm == b.X_mm);
   EXPECT_TRUE(a.fixed == b.fixed);
   EXPECT_TRUE(a.mass_kg == b.mass_kg);
