@@ -8,6 +8,8 @@
 #include "devices/fastrak/source.h"
 #include "devices/force/force_source.h"
 #include "devices/lcm_net_source.h"
+#include "devices/lcm_publisher.h"
+#include "sim/error.h"
 
 namespace limberg {
 
@@ -45,6 +47,8 @@ LiveSource live_source(const DeviceSpec& spec, int number) {
     LcmNetSettings net;
     if (!spec.rest.empty()) net.url = spec.rest;
     net.allow_other_networks = spec.kind != "lcm";
+    if (!net.allow_other_networks && !stays_here(net.url)) 
+      throw InputError("", 0, "--device " + spec.kind + ":" + net.url + " may reach other machines; expected lcm:udpm://239.255.76.67:7667?ttl=0, or lcm-from-anywhere:URL");
     return [net](const LiveStart& start) -> std::unique_ptr<Source> { return std::make_unique<LcmNetSource>(net, start.start_ns); };
   }
   if (spec.kind == "fastrak") {
@@ -65,7 +69,7 @@ LiveSource live_source(const DeviceSpec& spec, int number) {
     s.device_id += number;
     return [s](const LiveStart& start) -> std::unique_ptr<Source> { return std::make_unique<DesktopSource>(s, start.start_ns); };
   }
-  if (spec.kind == "force-simulated")
+  if (spec.kind == "force-simulated" && spec.rest.empty())
     return [](const LiveStart& start) -> std::unique_ptr<Source> {
       SimulatedHand hand;
       // Comes down onto the middle of the skin, presses 3 mm deep and strokes to and fro.

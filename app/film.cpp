@@ -47,7 +47,11 @@ struct Encoder {
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    const int failed = posix_spawnp(&child, "ffmpeg", &files, nullptr, arguments.data(), environ);
+    posix_spawnattr_t alone;  // in a process group of its own: Ctrl-C on a terminal must not reach it before the last frame
+    posix_spawnattr_init(&alone);
+    posix_spawnattr_setflags(&alone, POSIX_SPAWN_SETPGROUP);
+    const int failed = posix_spawnp(&child, "ffmpeg", &files, &alone, arguments.data(), environ);
+    posix_spawnattr_destroy(&alone);
     posix_spawn_file_actions_destroy(&files);
     ::close(pipe_ends[0]);
     if (failed) {

@@ -1,5 +1,6 @@
 // limberg: the command line. Each command is a file in commands/; here are only the frame, the exit status and the errors.
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <new>
 
@@ -62,7 +63,9 @@ int run_main(int argc, char** argv) {
     std::string what = e.what();
     for (char& c : what)
       if (c == '\n') c = ' ';
-    say(what + "; expected a call as in limberg --help");
+    const std::vector<CLI::App*> command = app.get_subcommands();
+    const std::string help = "limberg " + (command.empty() ? "" : command.front()->get_name() + " ") + "--help";
+    say(what + (what.find("; expected ") == std::string::npos ? "; expected a call as in " + help : " (" + help + ")"));
     return kBadInput;
   }
   if (man || completion) {
@@ -73,8 +76,16 @@ int run_main(int argc, char** argv) {
     if (app.get_subcommands().empty()) std::fputs(kFirstSteps, stdout);
     return kDone;
   }
-  catch_interrupts();
+  end_at_interrupts();  // commands with something to keep catch them instead
   return chosen();
+}
+
+/// What was printed may still wait in a buffer: a full disk is told, as for any other file.
+int flushed(int status) {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
+  if (errno == EPIPE) return status;  // whoever read it has had enough
+  say("standard output: cannot be written; expected room and permission");
+  return status == kDone ? int(kBadInput) : status;
 }
 
 }  // namespace
@@ -83,7 +94,7 @@ int run_main(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace limberg;
   try {
-    return run_main(argc, argv);
+    return flushed(run_main(argc, argv));
   } catch (const InputError& e) {
     say(e.what());
     return kBadInput;

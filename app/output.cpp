@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "sim/error.h"
 
@@ -57,6 +58,16 @@ void check_writable(const std::string& file) {
   if (!fs::is_directory(dir)) throw InputError(file, 0, "cannot be written: there is no folder " + dir + "; expected an existing folder");
   if (const int e = try_create_in(dir))
     throw InputError(file, 0, "cannot be written (" + reason(e) + "); expected a folder that takes files");
+}
+
+void check_replaces(const std::string& file, const std::string& begins, const std::string& kind) {
+  struct stat st {};
+  if (stat(file.c_str(), &st) != 0 || !S_ISREG(st.st_mode) || st.st_size == 0) return;
+  std::ifstream in(file, std::ios::binary);
+  std::string start;
+  for (char c; start.size() < begins.size() && in.get(c);)
+    if (c != ' ' && c != '\n' && c != '\r' && c != '\t') start += c;
+  if (start != begins) throw InputError(file, 0, "exists and is not " + kind + ", which would replace it; expected the name of a new file, or of " + kind);
 }
 
 void write_whole_file(const std::string& file, const std::string& text) {

@@ -3,14 +3,14 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "app/interrupt.h"
+#include "app/commands/numbers.h"
 #include "app/progress.h"
 
 namespace limberg {
 
 void AutoOption::add(CLI::App& c) {
-  c.add_flag("--auto", on, "Measure first which cell size and iterations fit a frame on this machine, and work with them");
-  c.add_option("--budget-ms", budget_ms, "With --auto: time of a frame (default: half the scene's step)")->type_name("MS")->check(CLI::PositiveNumber);
+  CLI::Option* flag = c.add_flag("--auto", on, "Measure first which cell size and iterations fit a frame on this machine, and work with them");
+  c.add_option("--budget-ms", budget_ms, "With --auto: time of a frame (default: half the scene's step)")->type_name("MS")->check(number_from(0.001, 1e5))->needs(flag);
   c.add_option("--operating-point", file, "Instead of measuring: the result.json of limberg bench accuracy")->type_name("FILE");
 }
 
@@ -24,7 +24,6 @@ std::optional<bench::OperatingPoint> AutoOption::apply(Scene& scene) const {
     bench::AccuracySettings s;
     s.quick = true, s.budget_ms = budget_ms, s.limit_s = 20;
     s.progress = [&](const std::string& line) { progress.note(line); };
-    s.interrupted = interrupted;
     p = bench::accuracy(scene, s).point;
   }
   if (p.iterations <= 0) return {};

@@ -17,7 +17,7 @@ struct AutoOption {
   std::string file;  // result.json of bench accuracy; empty: measured now
 
   void add(CLI::App& command);
-  /// Changes the scene, when asked to, and says so. Nothing when not asked to, or interrupted.
+  /// Changes the scene, when asked to, and says so. Nothing when not asked to.
   std::optional<bench::OperatingPoint> apply(Scene& scene) const;
 };
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "app/commands/numbers.h"
 #include "app/bench/accuracy.h"
 #include "app/bench/cutting.h"
 #include "app/bench/devices/fuzz.h"
@@ -110,6 +111,7 @@ int run(const Options& o) {
   bench::FuzzReport fuzzed;
   bench::AccuracyReport accuracy;
   if (o.suite == "accuracy") {
+    catch_interrupts();  // its trials are kept
     bench::AccuracySettings s;
     s.quick = o.quick, s.budget_ms = o.budget_ms, s.limit_s = o.limit_s;
     if (!o.common.out_dir.empty()) {
@@ -234,14 +236,14 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
   c->add_option("--only", o->only, "speed, stability, contact, cutting, devices, features, head: the parts or families whose name contains this (head: modes, session; contact: rhomboid, zplasty, live, or a procedure; cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, profile, scalar, workers, locking, slab, flap, region, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
-  c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(CLI::PositiveNumber);
-  c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(CLI::PositiveNumber);
-  c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)");
+  c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(number_from(0.001, 1e5));
+  c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(number_from(0.1, 1e6));
+  c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)")->type_name("N")->check(whole_from(1, 1'000'000'000'000));
   c->add_flag("--world", o->world, "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
   c->add_flag("--devices", o->devices, "fuzz: damaged serial bytes, packets and logs instead of cuts");
-  c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)");
-  c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(CLI::Range(0, kLevels));
-  c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")->check(CLI::Range(1, 1000));
+  c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)")->type_name("N")->check(whole_from(0, 9'007'199'254'740'992));
+  c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(whole_from(0, kLevels));
+  c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")->check(whole_from(1, 1000));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg bench speed --quick --json out/bench.json");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

@@ -239,6 +239,7 @@ void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std
   }
   std::printf("plan        all charges together %.3g degrees (0: it closes to one sheet)\n", std::abs(sum) < 1e-6 ? 0 : sum);
   if (svg.empty()) return;
+  check_replaces_drawing(svg);
   write_whole_file(svg, plan_svg(plan->figure, title));
   std::printf("drawn       %s\n", svg.c_str());
 }

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "app/commands/commands.h"
+#include "app/commands/numbers.h"
 #include "app/output.h"
 
 namespace limberg {
@@ -13,7 +14,7 @@ void CommonOptions::add_json(CLI::App& c) { c.add_option("--json", json_file, "W
 void CommonOptions::add_workers(CLI::App& c) {
   c.add_option("--workers", workers, "Worker threads; results do not depend on it (default: one per core)")
       ->type_name("N")
-      ->check(CLI::Range(1, 256));
+      ->check(whole_from(1, 256));
   c.add_option("--simd", simd, "Instructions of the elasticity kernels (default: the widest of this machine); results differ by single-precision rounding")
       ->type_name("SET")
       ->check(CLI::IsMember({"plain", "avx2", "avx512"}));
@@ -27,7 +28,7 @@ void CommonOptions::prepare() const {
   if (!simd.empty()) setenv("LIMBERG_SIMD", simd.c_str(), 1);  // before any thread and any solver (sim/fem/engine.h)
   if (!out_dir.empty()) prepare_folder(out_dir);
   if (!repro_dir.empty()) prepare_folder(repro_dir);
-  if (!json_file.empty()) check_writable(json_file);
+  if (!json_file.empty()) check_writable(json_file), check_replaces_result(json_file);
 }
 
 int CommonOptions::worker_count() const {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/design_drawing.h"
 #include "app/design_search.h"
@@ -41,6 +42,7 @@ Landmark parse_landmark(const std::string& text) {
 }
 
 int design(Options o) {
+  catch_interrupts();
   o.common.prepare();
   Scene scene = open_scene(o.scene);
   if (o.lines_deg) {
@@ -147,16 +149,16 @@ void add_design(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
   c->add_option("--defect", o->defect, "Its outline on the chart, mm: circle:X,Y,DIAMETER or X,Y;X,Y;X,Y;...")->required();
   c->add_option("--spare", o->spare, "A landmark, once each")->type_name("NAME=X,Y")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_option("--lines", o->lines_deg, "Direction of the tension lines on the chart, degrees (default: the scene's)");
+  c->add_option("--lines", o->lines_deg, "Direction of the tension lines on the chart, degrees (default: the scene's)")->check(number_from(-360, 360));
   c->add_option("--types", o->task.types, "Only these procedures (default: all that can cover a defect)")->delimiter(',');
-  c->add_option("--turn-step", o->task.turn_step_deg, "Degrees between orientations (default 60)")->check(CLI::Range(5.0, 180.0));
-  c->add_option("--coarse-mm", o->task.coarse_mm, "Cells of the first pass (default 5)")->check(CLI::Range(0.5, 50.0));
-  c->add_option("--fine-mm", o->task.fine_mm, "Cells of the second (default: the scene's)")->check(CLI::Range(0.5, 50.0));
-  c->add_option("--refine", o->task.refine, "How many are carried out again on fine cells and drawn (default 3)")->check(CLI::Range(0, 100));
-  c->add_option("--weight-force", o->task.weight_force, "Of the largest stitch over 2.45 N (default 1)")->check(CLI::Range(0.0, 100.0));
-  c->add_option("--weight-ear", o->task.weight_ear, "Of the dog-ear over 4 mm (default 1)")->check(CLI::Range(0.0, 100.0));
-  c->add_option("--weight-landmark", o->task.weight_landmark, "Of the landmarks' displacement over 2 mm (default 1)")->check(CLI::Range(0.0, 100.0));
-  c->add_option("--undermine-mm", o->task.plan.undermine_margin_mm, "Undermined so far around each figure (default 12)")->check(CLI::NonNegativeNumber);
+  c->add_option("--turn-step", o->task.turn_step_deg, "Degrees between orientations (default 60)")->check(number_from(5.0, 180.0));
+  c->add_option("--coarse-mm", o->task.coarse_mm, "Cells of the first pass (default 5)")->check(number_from(0.5, 50.0));
+  c->add_option("--fine-mm", o->task.fine_mm, "Cells of the second (default: the scene's)")->check(number_from(0.5, 50.0));
+  c->add_option("--refine", o->task.refine, "How many are carried out again on fine cells and drawn (default 3)")->check(whole_from(0, 100));
+  c->add_option("--weight-force", o->task.weight_force, "Of the largest stitch over 2.45 N (default 1)")->check(number_from(0.0, 100.0));
+  c->add_option("--weight-ear", o->task.weight_ear, "Of the dog-ear over 4 mm (default 1)")->check(number_from(0.0, 100.0));
+  c->add_option("--weight-landmark", o->task.weight_landmark, "Of the landmarks' displacement over 2 mm (default 1)")->check(number_from(0.0, 100.0));
+  c->add_option("--undermine-mm", o->task.plan.undermine_margin_mm, "Undermined so far around each figure (default 12)")->check(number_from(0, 1000));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Leaves ranking.svg, and design-N.svg and design-N.jsonl of the best, in DIR.\n"
             "Example: limberg design rhomboid --defect circle:0,0,14 --spare lid=0,22 --out out/design");

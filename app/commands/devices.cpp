@@ -12,6 +12,7 @@
 #include <map>
 
 #include "app/commands/commands.h"
+#include "app/commands/numbers.h"
 #include "app/device_specs.h"
 #include "app/interrupt.h"
 #include "app/progress.h"
@@ -137,6 +138,7 @@ int show(const std::vector<std::string>& names, const std::vector<std::unique_pt
 }
 
 int devices(const Options& o) {
+  catch_interrupts();
   std::vector<std::string> names = o.devices;
   if (names.empty()) names.push_back("lcm");
   const Calibration calibration = o.calibration.empty() ? Calibration{} : load_calibration(o.calibration);
@@ -199,7 +201,7 @@ void add_devices(CLI::App& app, Chosen& chosen) {
   CLI::App* c = app.add_subcommand("devices", "What is connected: live poses, rates, gaps, buttons");
   c->add_option("--device", o->devices, "lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], spacemouse[:SOCKET], mouse[:FILE] or force-simulated (default lcm); may be repeated")->type_name("SPEC");
   c->add_flag("--watch", o->watch, "Go on until Ctrl-C; devices may come and go");
-  c->add_option("--seconds", o->seconds, "End after so long (default 2; --watch: never)")->type_name("S")->check(CLI::Range(0.01, 86400.0));
+  c->add_option("--seconds", o->seconds, "End after so long (default 2; --watch: never)")->type_name("S")->check(number_from(0.01, 86400.0));
   c->add_option("--calibration", o->calibration, "Of the glove, for its open and closed hand")->type_name("FILE");
   c->add_option("--record", o->record, "Keep what came as a stream: what limberg calibrate reads")->type_name("LOG");
   c->add_option("--publish", o->publish, "Send what comes over LCM, for limberg run --device lcm and other programs: udpm://239.255.76.67:7667?ttl=0 stays on this machine")->type_name("URL");

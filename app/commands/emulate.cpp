@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/interrupt.h"
 #include "app/output.h"
@@ -31,6 +32,7 @@ struct Options {
 
 /// A FASTRAK on a pseudo-terminal until Ctrl-C.
 int serve_fastrak(const Options& o) {
+  catch_interrupts();
   fastrak::EmulatorSettings settings;
   settings.seed = o.seed;
   settings.damage_per_byte = o.damage;
@@ -117,12 +119,12 @@ void add_emulate(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene");
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines)");
   c->add_option("--out", o->out_log, "The LCM log to write")->type_name("LOG");
-  c->add_option("--seed", o->seed, "Of tremor, noise and dropouts (default 1)")->type_name("N");
+  c->add_option("--seed", o->seed, "Of tremor, noise and dropouts (default 1)")->type_name("N")->check(whole_from(0, 9'007'199'254'740'992));
   c->add_flag("--replace", o->replace, "Replace LOG if it exists");
   c->add_option("--stream", o->stream, "Instead: a stream of a hand whose truth is known: glove, cursor, tremor, force; or pivot, touch, open for limberg calibrate")->type_name("NAME");
   c->add_flag("--fastrak", o->fastrak, "Instead: be a FASTRAK on a pseudo-terminal, whose path is printed, moved by a hand at work");
-  c->add_option("--seconds", o->seconds, "--fastrak: end after so long (default: Ctrl-C)")->type_name("S")->check(CLI::PositiveNumber);
-  c->add_option("--damage", o->damage, "--fastrak: share of bytes lost, changed or put in")->type_name("P")->check(CLI::Range(0.0, 1.0));
+  c->add_option("--seconds", o->seconds, "--fastrak: end after so long (default: Ctrl-C)")->type_name("S")->check(number_from(0.01, 86400));
+  c->add_option("--damage", o->damage, "--fastrak: share of bytes lost, changed or put in")->type_name("P")->check(number_from(0.0, 1.0));
   c->add_flag("--progressive-cut", o->progressive, "Incisions open while they are drawn, as run does it");
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg emulate rhomboid recordings/rhomboid.jsonl --out rhomboid.lcm --seed 7");

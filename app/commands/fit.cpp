@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "app/bench/cpu_clock.h"
 #include "app/commands/commands.h"
 #include "app/commands/fit_sweep.h"
+#include "app/commands/numbers.h"
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/result.h"
@@ -120,6 +122,8 @@ int run_scan(const Options& o) {
 int run(const Options& o) {
   o.common.prepare();
   check_writable(o.mesh_file);
+  std::error_code none;
+  if (std::filesystem::equivalent(o.mesh_file, o.volume, none)) throw InputError(o.mesh_file, 0, "is what is to be fitted; expected the name of another file for the mesh");
   if (is_surface_name(o.volume)) return run_scan(o);
   if (!o.sweep_dir.empty()) prepare_folder(o.sweep_dir);
   if (o.tissue.empty() && !o.has_iso) throw InputError("", 0, "fit " + o.volume + ": what is to be fitted is not said; expected --tissue skin, --tissue bone or --iso");
@@ -187,14 +191,14 @@ void add_fit(CLI::App& app, Chosen& chosen) {
   c->add_option("--tissue", o->tissue, "skin (-300 HU) or bone (250 HU)")->check(CLI::IsMember({"skin", "bone"}));
   c->add_option("--out", o->mesh_file, "The mesh: a simplex mesh, or triangles when the name ends in .obj")->required()->type_name("MESH");
   c->add_option("--series", o->series, "Of a DICOM folder with several: number, UID or part of its description (left out: they are listed)")->type_name("NAME");
-  CLI::Option* iso = c->add_option("--iso", o->iso, "Isovalue in the volume's own numbers, instead of the tissue's");
-  c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]");
-  c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4]")->check(CLI::Range(0.1, 100.));
-  c->add_option("--chord-mm", o->chord_mm, "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")->check(CLI::Range(0., 10.));
+  CLI::Option* iso = c->add_option("--iso", o->iso, "Isovalue in the volume's own numbers, instead of the tissue's")->check(any_number());
+  c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]")->check(any_number());
+  c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4]")->check(number_from(0.1, 100.));
+  c->add_option("--chord-mm", o->chord_mm, "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")->check(number_from(0., 10.));
   c->add_option("--start", o->start, "What the mesh is at first: sphere around the object, plane before it (the -y side), or cylinder about z through the borders [sphere]")->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
-  c->add_option("--seal-mm", o->seal_mm, "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")->check(CLI::Range(0., 100.));
-  c->add_option("--smooth", o->smooth, "Gaussian smoothing, standard deviation in voxels [0.6]")->check(CLI::Range(0., 10.));
-  c->add_option("--parts", o->parts, "Keep other parts too that have this share of the largest one's size (a mandible beside a skull: 0.05) [1]")->check(CLI::Range(1e-4, 1.));
+  c->add_option("--seal-mm", o->seal_mm, "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")->check(number_from(0., 100.));
+  c->add_option("--smooth", o->smooth, "Gaussian smoothing, standard deviation in voxels [0.6]")->check(number_from(0., 10.));
+  c->add_option("--parts", o->parts, "Keep other parts too that have this share of the largest one's size (a mandible beside a skull: 0.05) [1]")->check(number_from(1e-4, 1.));
   c->add_option("--sweep", o->sweep_dir, "Also fit again and again with other edges, uniform and adapted to curvature: table and charts of error against vertices and run time in this folder")->type_name("DIR");
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Exit status 3: fewer than 95 % of the vertices have the surface within two voxels, or they are farther from it than half a voxel, rms.\n"

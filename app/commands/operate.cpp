@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/commands/numbers.h"
 #include "app/commands/operate_head.h"
 #include "app/commands/session_command.h"
 #include "app/discretisation.h"
@@ -206,6 +207,8 @@ int compare_orders(const Options& opt, const Scene& scene, const Script& script,
   return at_rest ? kDone : kGoalMissed;
 }
 
+constexpr const char* kFieldsHeader = "chart_x_mm,chart_y_mm,area_mm2,stretch,least_stretch,stress_kPa,least_stress_kPa,angle_to_fibres_deg,perfusion_index";
+
 /// Every skin triangle at rest: where, how it is stretched and pulled, which way, and what reaches it.
 void write_fields(const std::string& file, const World& world) {
   Snapshot s;
@@ -215,7 +218,7 @@ void write_fields(const std::string& file, const World& world) {
   const Skin skin(world.spec().body);
   const std::vector<MembraneState> states = skin_states(view, s.x_mm, body);
   const Perfusion p = perfusion(view, skin);
-  std::string text = "chart_x_mm,chart_y_mm,area_mm2,stretch,least_stretch,stress_kPa,least_stress_kPa,angle_to_fibres_deg,perfusion_index\n";
+  std::string text = std::string(kFieldsHeader) + "\n";
   char line[240];
   for (size_t t = 0; t < states.size(); ++t) {
     const MembraneState& m = states[t];
@@ -229,8 +232,9 @@ void write_fields(const std::string& file, const World& world) {
 }
 
 int run(const Options& opt) {
+  catch_interrupts();
   opt.common.prepare();
-  if (!opt.fields.empty()) check_writable(opt.fields);
+  if (!opt.fields.empty()) check_writable(opt.fields), check_replaces(opt.fields, kFieldsHeader, "a table of fields");
   const Scene scene = open_scene(opt.scene);
   const std::string script_file = given_or_shipped(opt.script);
   std::optional<Repro> repro;
@@ -337,9 +341,9 @@ void add_operate(CLI::App& app, Chosen& chosen) {
   CLI::App* c = app.add_subcommand("operate", "Carry out an operation script to equilibrium, at any resolution");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut")->required();
-  CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(CLI::Range(0.05, 100.0));
+  CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(number_from(0.05, 100.0));
   CLI::Option* several = c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes, and the error of every figure by extrapolation")
-      ->type_name("H,H,...")->delimiter(',')->check(CLI::Range(0.05, 100.0))->excludes(one);
+      ->type_name("H,H,...")->delimiter(',')->check(number_from(0.05, 100.0))->excludes(one);
   CLI::Option* orders = c->add_option("--orders", o->orders, "Close in several orders and compare: as-written, reversed, alternating, or numbers of the suture lines as 2-1-3")
       ->type_name("ORDER,...")->delimiter(',')->excludes(several);
   c->add_option("--judge", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")->type_name("LESSON")->excludes(orders);

@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"
 #include "app/tables.h"
@@ -35,6 +36,7 @@ int list() {
 
 int procedure(Options o) {
   if (o.name.empty()) return list();
+  if (!o.svg.empty()) check_writable(o.svg), check_replaces_drawing(o.svg);
   const Procedure& p = find_procedure(o.name);
   const std::vector<double> values = procedure_values(p, o.settings);
   const Figure figure = p.figure(values);
@@ -80,12 +82,12 @@ void add_procedure(CLI::App& app, Chosen& chosen) {
   c->add_option("NAME", o->name, "Which; none: a list with all parameters");
   c->add_option("--scene", o->scene, "Scene file, or the name of a shipped scene (default rhomboid)");
   c->add_option("--set", o->settings, "A parameter")->type_name("NAME=VALUE")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_option("--at", o->at, "Where the figure's origin lies on the chart, mm")->type_name("X,Y")->delimiter(',')->expected(2);
-  c->add_option("--turn", o->placement.turn_deg, "Turns the figure counter-clockwise, degrees");
+  c->add_option("--at", o->at, "Where the figure's origin lies on the chart, mm")->type_name("X,Y")->delimiter(',')->expected(2)->check(number_from(-10000, 10000));
+  c->add_option("--turn", o->placement.turn_deg, "Turns the figure counter-clockwise, degrees")->check(number_from(-360, 360));
   c->add_flag("--mirror", o->placement.mirrored, "Mirrors it first");
-  c->add_option("--depth-mm", o->plan.depth_mm, "Of all cuts (default 4)")->check(CLI::PositiveNumber);
-  c->add_option("--spacing-mm", o->plan.spacing_mm, "Of stitches (default 4)")->check(CLI::PositiveNumber);
-  c->add_option("--undermine-mm", o->plan.undermine_margin_mm, "Undermined so far around the figure (default 12; 0: not)")->check(CLI::NonNegativeNumber);
+  c->add_option("--depth-mm", o->plan.depth_mm, "Of all cuts (default 4)")->check(number_from(0.01, 200));
+  c->add_option("--spacing-mm", o->plan.spacing_mm, "Of stitches (default 4)")->check(number_from(0.1, 1000));
+  c->add_option("--undermine-mm", o->plan.undermine_margin_mm, "Undermined so far around the figure (default 12; 0: not)")->check(number_from(0, 1000));
   c->add_option("--out", o->out, "The script to write")->type_name("SCRIPT");
   c->add_option("--plan", o->svg, "The plan as a picture")->type_name("SVG");
   c->add_flag("--replace", o->replace, "Replace SCRIPT if it exists");

@@ -99,8 +99,8 @@ void add_replay(CLI::App& app, Chosen& chosen) {
   c->add_option("--convergence", o->convergence, "Put the convergence table and the lattice errors of this result (of operate --cells) into the report")
       ->type_name("FILE");
   c->add_option("--judge", o->lesson, "Judge the session by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
-  c->add_option("--film", o->film, "Make a film, FILE.mp4 or FILE.webm, of the replay on its virtual clock (needs ffmpeg)")->type_name("FILE")->excludes(realtime);
-  c->add_option("--frames", o->frames_per_s, "Frames a second of the film (default 25)")->type_name("N")->check(CLI::IsMember({10, 20, 25, 40, 50}));
+  CLI::Option* film = c->add_option("--film", o->film, "Make a film, FILE.mp4 or FILE.webm, of the replay on its virtual clock (needs ffmpeg)")->type_name("FILE")->excludes(realtime);
+  c->add_option("--frames", o->frames_per_s, "Frames a second of the film (default 25)")->type_name("N")->check(CLI::IsMember({10, 20, 25, 40, 50}))->needs(film);
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Exit status 3: the recording is damaged; what is whole was replayed.\n"

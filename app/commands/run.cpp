@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include "app/commands/auto_option.h"
+#include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"
 #include "app/progress.h"
@@ -45,6 +46,7 @@ void add_device(SessionCall& call, const std::string& text) {
     call.sources.push_back(std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total()));
   } else if (LiveSource live = live_source(spec, int(call.live_sources.size()))) {
     call.live_sources.push_back(std::move(live));
+    call.live_names.push_back(text);
   } else {
     throw InputError("", 0, "--device " + text + ": unknown device; expected " + kDeviceSpecs);
   }
@@ -75,6 +77,9 @@ int run(const Options& o) {
   call.progressive_cut = call.scene.tools.progressive_cut.value_or(true) && !o.cut_at_end;
   call.point = o.automatic.apply(call.scene);
   for (const std::string& d : o.devices) add_device(call, d);
+  std::vector<Command> lesson;
+  if (const std::string file = lesson_file(o); !file.empty())
+    for (const ScriptLine& l : load_script(file).lines) lesson.push_back(l.command);
   const bool window = !o.headless && has_display();
   if (!o.headless && !window) say("no display: no window is opened; --headless says that none is wanted");
   if (o.devices.empty() && !window) add_device(call, "lcm");
@@ -86,9 +91,7 @@ int run(const Options& o) {
     w.recording = o.record;
     if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
     call.keep_dir = w.picture_dir;
-    const std::string lesson = lesson_file(o);
-    if (!lesson.empty())
-      for (const ScriptLine& l : load_script(lesson).lines) w.lesson.push_back(l.command);
+    w.lesson = lesson;
     call.window = [w](const Scene& scene) { return open_window(scene, w); };
   }
   if (o.cursor > 0) {
@@ -118,8 +121,8 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")->type_name("FILE");
   c->add_option("--record", o->record, "Record the session to this LCM log")->type_name("FILE");
   c->add_flag("--replace", o->replace, "Replace the recording if it exists");
-  c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")->type_name("S")->check(CLI::Range(0.001, 86400.0));
-  c->add_option("--cursor", o->cursor, "The stylus pushes a surface cursor, by this share of its own way")->type_name("GAIN")->check(CLI::Range(0.05, 2.0));
+  c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")->type_name("S")->check(number_from(0.001, 86400.0));
+  c->add_option("--cursor", o->cursor, "The stylus pushes a surface cursor, by this share of its own way")->type_name("GAIN")->check(number_from(0.05, 2.0));
   c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
   c->add_flag("--headless", o->headless, "No window");
   c->add_option("--lesson", o->lesson, "Script whose steps the window's Next shows (default: the shipped one of the scene)")->type_name("SCRIPT");

@@ -69,6 +69,20 @@ void compare_checkpoints(Result& r, const SessionCall& call, const SessionFigure
   }
 }
 
+/// What each live device sent; of one that sent nothing also why, where it says so.
+void tell_devices(Result& r, const std::vector<std::string>& names, const std::vector<const Source*>& devices) {
+  for (size_t i = 0; i < devices.size(); ++i) {
+    const SourceCounts c = devices[i]->counts();
+    const std::string health = devices[i]->health(), p = "/device/sources/" + std::to_string(i);
+    r.set(p + "/device", names[i]);
+    r.set(p + "/samples", c.samples);
+    r.set(p + "/samples_malformed", c.malformed);
+    r.set(p + "/samples_lost", c.lost);
+    r.set(p + "/health", health);
+    if (c.samples == 0) say("--device " + names[i] + " sent nothing" + (health.empty() ? "" : ": " + health));
+  }
+}
+
 void print_summary(const SessionCall& call, const Assembly& a, const SessionFigures& f) {
   std::printf("scene       %s\n", a.scene.name.c_str());
   std::printf("mode        %s, %.2f s\n", call.real_time ? "real time" : "lockstep", f.duration_s);
@@ -127,6 +141,7 @@ class AsideRecording {
 };
 
 int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
+  catch_interrupts();
   call.common.prepare();
   std::optional<AsideRecording> aside;
   if (call.window && call.record_file.empty() && !call.keep_dir.empty()) {
@@ -137,6 +152,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     check_writable(call.record_file);
     if (!call.replace_record && std::filesystem::exists(call.record_file))
       throw InputError(call.record_file, 0, "exists already; expected the name of a new file, or --replace");
+    check_replaces_recording(call.record_file);
   }
 
   AssemblyOptions o;
@@ -187,10 +203,15 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   set.say = [&](const std::string& line) { progress.clear(), say(line); };
   if (window) set.gauges = &window->gauges(), set.pump = [&] { window->pump(); };
   SessionFigures f;
+  std::vector<const Source*> devices;  // as in call.live_names
   if (call.real_time) {
     if (!call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
     f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
-      for (const LiveSource& live : call.live_sources) a.front.add(live({start_ns, a.channels.press}));
+      for (const LiveSource& live : call.live_sources) {
+        auto source = live({start_ns, a.channels.press});
+        devices.push_back(source.get());
+        a.front.add(std::move(source));
+      }
     });
   } else {
     set.ticks_per_frame = film ? 1000 / call.film->frames_per_s : 1000;  // on a virtual clock frames are samples of the picture, one a second
@@ -223,25 +244,30 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   }
   if (!a.repro.error().empty()) say(a.repro.error());
   if (!a.script_error.empty()) say("the session's script is cut short: " + a.script_error);
+  tell_devices(result, call.live_names, devices);
   if (after) after(result, a);
   const bool recording_failed = recorder && recorder->failed();
   if (recording_failed) result.set("/recording_error", recorder->error());
   const bool at_rest = f.interrupted || a.solver.at_rest(1e-4);
   result.set_ok(at_rest && !recording_failed);
 
-  if (!call.common.out_dir.empty()) {
+  std::optional<InputError> unwritten;  // of a picture; the figures of the session are left even so
+  if (!call.common.out_dir.empty()) try {
     Snapshot last;
     a.patient->fill_with_field(last);  // with the tension
     if (a.world) draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
     else if (a.head) draw_head_pictures(call.common.out_dir, a.solver.stages(), last, scene_camera(a.scene), *a.head);
     if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
+  } catch (const InputError& e) {
+    unwritten = e;
   }
   print_summary(call, a, f);
   const std::string recorded_in = !recorder || recording_failed ? "" : !aside ? call.record_file : keep ? aside->keep() : "";
   if (!recorded_in.empty()) std::printf("recording   %s, %lld samples\n", recorded_in.c_str(), static_cast<long long>(recorder->samples()));
   leave_result(result, call.common);
+  if (unwritten) throw *unwritten;
   if (recording_failed) {
-    say(call.record_file + ": the recording is cut short: " + recorder->error() + "; what was written before is kept");
+    say("the recording is cut short: " + recorder->error());
     return kBadInput;
   }
   if (f.interrupted) say("interrupted; what was done and recorded until then is kept");

@@ -25,6 +25,7 @@ struct SessionCall {
   bool progressive_cut = false;    // incisions open while they are drawn; recordings say whether they did
   std::vector<std::unique_ptr<Source>> sources;
   std::vector<LiveSource> live_sources;  // made when the clock starts
+  std::vector<std::string> live_names;   // as they were asked for
   std::string record_file;         // empty: none
   bool replace_record = false;
   std::string keep_dir;            // with a window and no record_file: recorded aside all the same; kept here when the operator says so

@@ -10,6 +10,7 @@
 #include <set>
 #include <thread>
 
+#include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/interrupt.h"
 #include "app/output.h"
@@ -93,6 +94,7 @@ std::string quoted(const std::string& word) {
 
 /// One member, here and now; leaves its file and picture. Whatever goes wrong with it is said in its file.
 int run_member(const Options& o) {
+  catch_interrupts();
   const Family& f = study::find_family(o.name);
   const std::vector<Values> members = study::members(f, o.settings);
   if (members.size() != 1) throw InputError("", 0, "--member: the settings name " + std::to_string(members.size()) + " members of study " + f.name + "; expected one value for each key");
@@ -271,6 +273,7 @@ int collect(const Options& o, std::vector<Gathered> parts) {
 }
 
 int run(const Options& o) {
+  catch_interrupts();
   if (o.member) return run_member(o);
   std::vector<Gathered> parts = wanted(o);
   if (o.list_jobs) return list_jobs(o, parts);
@@ -371,7 +374,7 @@ void add_study(CLI::App& app, Chosen& chosen) {
   c->add_option("--set", o->settings, "Values of a setting instead of its own; once per setting")->type_name("KEY=V1,V2,...")->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   c->add_flag("--check", o->check, "The members that all checks of the study need, its controls too; each check with its figure");
-  c->add_option("--jobs", o->jobs, "Members at a time, each a process (default: as many as cores)")->type_name("N")->check(CLI::Range(1, 1024));
+  c->add_option("--jobs", o->jobs, "Members at a time, each a process (default: as many as cores)")->type_name("N")->check(whole_from(1, 1024));
   c->add_flag("--list-jobs", o->list_jobs, "Print one command a line for each member, to be run elsewhere, and do nothing");
   c->add_option("--collect", o->collect, "Gather members that were made elsewhere from DIR/members; may be given several times")->type_name("DIR")->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <sstream>
 
 #include "app/commands/commands.h"
+#include "app/commands/numbers.h"
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/result.h"
@@ -110,6 +112,8 @@ int images(const Options& o, Result& result, Workers& workers, Progress& progres
 }
 
 int run(const Options& o) {
+  for (const std::string& given : {o.a, o.b})
+    if (!given.empty() && !std::filesystem::exists(given)) throw InputError(given, 0, "cannot be read (No such file or directory); expected a surface or an image");
   o.common.prepare();
   WorkersPool workers(o.common.worker_count());
   Progress progress("superpose");
@@ -185,7 +189,7 @@ void add_superpose(CLI::App& app, Chosen& chosen) {
   c->add_flag("--landmarks-only", o->landmarks_only, "Landmarks alone, without looking for nearest places");
   c->add_flag("--scale", o->scale, "Let A grow or shrink");
   c->add_flag("--mirror", o->mirror, "Also the mirror plane of A (first guess: x = middle) and its asymmetry");
-  c->add_option("--keep", o->keep, "Share of the pairs that count: the others are where the two differ or one is missing [0.7]")->check(CLI::Range(0.05, 1.));
+  c->add_option("--keep", o->keep, "Share of the pairs that count: the others are where the two differ or one is missing [0.7]")->check(number_from(0.05, 1.));
   c->add_option("--series-a", o->series_a, "Series of a DICOM folder A: number, UID or part of its description")->type_name("NAME");
   c->add_option("--series-b", o->series_b, "The same of B")->type_name("NAME");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);

@@ -227,7 +227,7 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
       }
       if (recorder) {
         recorder->drain();
-        if (recorder->failed() && !warned && set.say) set.say(recorder->path() + ": recording stopped: " + recorder->error());
+        if (recorder->failed() && !warned && set.say) set.say("recording stopped: " + recorder->error());
         warned |= recorder->failed();
         if (recorder->failed() && set.stop_when_recording_fails) out.interrupted = true;
       }

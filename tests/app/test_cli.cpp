@@ -1,94 +1,11 @@
 // The program itself, on bad input: exit status 2, one clear line that names the file, nothing overwritten, no crash.
-#include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <sstream>
+
+#include "tests/app/cli.h"
 
 namespace {
-
-namespace fs = std::filesystem;
-
-const std::string kProgram = LIMBERG_BINARY_DIR "/limberg";
-const std::string kSource = LIMBERG_SOURCE_DIR;
-
-struct Outcome {
-  int status = -1;  // exit status; 1000 + signal when killed by one
-  std::string out, err;
-  int lines() const { return int(std::count(err.begin(), err.end(), '\n')); }
-};
-
-std::string slurp(const fs::path& p) {
-  std::ifstream in(p, std::ios::binary);
-  std::ostringstream s;
-  s << in.rdbuf();
-  return s.str();
-}
-
-class Cli : public ::testing::Test {
- protected:
-  Cli() {
-    std::string name = (fs::temp_directory_path() / "limberg-cli-XXXXXX").string();
-    dir_ = mkdtemp(name.data());
-  }
-  ~Cli() override { fs::remove_all(dir_); }
-
-  std::string file(const std::string& name, const std::string& text) const {
-    std::ofstream(dir_ / name, std::ios::binary) << text;
-    return (dir_ / name).string();
-  }
-  std::string path(const std::string& name) const { return (dir_ / name).string(); }
-
-  Outcome run(const std::string& arguments) const {
-    const std::string out = path(".out"), err = path(".err");
-    const int s = std::system(("env -u DISPLAY -u WAYLAND_DISPLAY " + kProgram + " " + arguments + " >" + out + " 2>" + err + " </dev/null").c_str());
-    Outcome o;
-    o.status = WIFEXITED(s) ? WEXITSTATUS(s) : 1000 + WTERMSIG(s);
-    o.out = slurp(out), o.err = slurp(err);
-    return o;
-  }
-
-  /// Exit 2, one line, in the house's form, that holds every given word.
-  void expect_refused(const std::string& arguments, const std::vector<std::string>& words) const {
-    const Outcome o = run(arguments);
-    EXPECT_EQ(o.status, 2) << arguments << "\n" << o.err;
-    EXPECT_EQ(o.lines(), 1) << arguments << "\n" << o.err;
-    EXPECT_EQ(o.err.rfind("limberg: ", 0), 0u) << o.err;
-    for (const std::string& w : words) EXPECT_NE(o.err.find(w), std::string::npos) << arguments << "\nno \"" << w << "\" in: " << o.err;
-  }
-
-  static std::string small_scene(const std::string& change = "", const std::string& to = "") {
-    std::string s = R"(name = "small"
-[body]
-source = "block"
-size_mm = [40, 40, 10]
-skin_cell_mm = 2
-[[layer]]
-name = "skin"
-thickness_mm = 2
-young_kPa = 60
-poisson = 0.45
-prestretch_along = 1.08
-[[layer]]
-name = "fat"
-thickness_mm = 8
-young_kPa = 15
-poisson = 0.45
-[lattice]
-cell_mm = 5
-)";
-    if (!change.empty()) s.replace(s.find(change), change.size(), to);
-    return s;
-  }
-  static std::string script(const std::string& lines) { return "{\"limberg_script\":1,\"scene\":\"small\"}\n" + lines; }
-
-  fs::path dir_;
-};
 
 TEST_F(Cli, HelpAndVersion) {
   Outcome o = run("--version");

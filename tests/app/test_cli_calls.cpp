@@ -1,0 +1,83 @@
+// Calls that a hand can slip in: numbers that are none, options without what they need, outputs upon inputs, Ctrl-C.
+#include <nlohmann/json.hpp>
+
+#include "tests/app/cli.h"
+
+namespace {
+
+TEST_F(Cli, NumbersThatAreNone) {
+  const std::string scene = file("small.toml", small_scene()), s = file("s.jsonl", script("{\"action\":\"stage\",\"name\":\"a\"}\n"));
+  expect_refused("operate " + scene + " " + s + " --cell-mm nan", {"--cell-mm", "nan", "expected a number from 0.05 to 100"});
+  expect_refused("operate " + scene + " " + s + " --cells 5,nan", {"--cells", "expected a number"});
+  expect_refused("operate " + scene + " " + s + " --workers 2.5", {"--workers", "expected a whole number from 1 to 256"});
+  expect_refused("emulate --fastrak --seconds nan", {"--seconds", "expected a number"});
+  expect_refused("procedure bilobed --at nan,0", {"--at", "expected a number"});
+  expect_refused("procedure bilobed --turn 1e99", {"--turn", "expected a number"});
+  expect_refused("bench fuzz --operations 0", {"--operations", "expected a whole number"});
+  expect_refused("bench fuzz --operations 5 --seed -1", {"--seed", "expected a whole number"});
+  expect_refused("design rhomboid --defect circle:0,0,14 --lines inf", {"--lines", "expected a number"});
+}
+
+TEST_F(Cli, OptionsThatNeedAnother) {
+  expect_refused("replay x.lcm --frames 10", {"--film"});
+  expect_refused("run rhomboid --headless --budget-ms 3", {"--auto"});
+  expect_refused("run rhomboid --headless --seconds 1 --lesson " + path("absent"), {"absent"});
+  expect_refused("operate rhomboid", {"SCRIPT", "limberg operate --help"});
+}
+
+TEST_F(Cli, DevicesAreRefusedBeforeThePatientIsBuilt) {
+  for (const std::string url : {"xyz", "udpm://8.8.8.8:7667?ttl=5"}) expect_refused("run rhomboid --headless --seconds 1 --device lcm:" + url, {"lcm:" + url, "expected lcm:udpm://"});
+  expect_refused("run rhomboid --headless --seconds 1 --device force-simulated:x", {"force-simulated:x"});
+  expect_refused("superpose " + path("absent.obj") + " --mirror", {"absent.obj", "expected"});
+}
+
+TEST_F(Cli, ADeviceThatNeverCameIsNamed) {
+  const std::string scene = file("small.toml", small_scene());
+  const Outcome o = run("run " + scene + " --headless --seconds 0.1 --device fastrak:" + path("no-port") + " --json " + path("r.json"));
+  EXPECT_EQ(o.status, 0) << o.err;
+  EXPECT_NE(o.err.find("no-port sent nothing: "), std::string::npos) << o.err;
+  const auto device = nlohmann::json::parse(slurp(path("r.json")))["device"]["sources"][0];
+  EXPECT_EQ(device["device"], "fastrak:" + path("no-port"));
+  EXPECT_EQ(device["samples"], 0);
+}
+
+TEST_F(Cli, WhatIsNoResultIsNotReplacedByOne) {
+  const std::string scene = file("small.toml", small_scene());
+  const std::string text = script("{\"action\":\"stage\",\"name\":\"a\"}\n"), s = file("s.jsonl", text);
+  expect_refused("operate " + scene + " " + s + " --json " + s, {"s.jsonl", "not a result"});
+  expect_refused("operate " + scene + " " + s + " --fields " + s, {"s.jsonl", "not a table of fields"});
+  expect_refused("procedure bilobed --plan " + s, {"s.jsonl", "not an SVG drawing"});
+  expect_refused("emulate " + scene + " " + s + " --replace --out " + s, {"s.jsonl", "not a recording"});
+  EXPECT_EQ(slurp(s), text);
+  EXPECT_EQ(run("procedure bilobed --plan " + path("p.svg")).status, 0);
+  EXPECT_EQ(run("procedure bilobed --plan " + path("p.svg")).status, 0) << "a drawing replaces a drawing";
+  EXPECT_EQ(run("bench fuzz --operations 5 --json " + path("r.json")).status, 0);
+  EXPECT_EQ(run("bench fuzz --operations 5 --json " + path("r.json")).status, 0) << "a result replaces a result";
+}
+
+TEST_F(Cli, AFullDiskBehindStandardOutputIsTold) {
+  const int s = std::system((kProgram + " measures >/dev/full 2>" + path("err")).c_str());
+  EXPECT_EQ(WEXITSTATUS(s), 2);
+  EXPECT_NE(slurp(path("err")).find("standard output"), std::string::npos);
+}
+
+TEST_F(Cli, CtrlCEndsWorkThatKeepsNothing) {
+  // A bench of hours: ended by the first signal, with the status of a goal not reached.
+  const std::string call = "{ " + kProgram + " bench fuzz --operations 100000000 >" + path("out") + " 2>" + path("err") + " & p=$!; sleep 0.3; kill -TERM $p; wait $p; echo $? >" + path("status") + "; }";
+  ASSERT_EQ(std::system(call.c_str()), 0);
+  EXPECT_EQ(slurp(path("status")), "3\n");
+  EXPECT_NE(slurp(path("err")).find("interrupted"), std::string::npos);
+}
+
+TEST_F(Cli, CtrlCKeepsARecordingWhole) {
+  const std::string scene = file("small.toml", small_scene()), log = path("kept.lcm");
+  // Ended once the recording has begun, however busy the machine is.
+  const std::string call = "{ " + kProgram + " run " + scene + " --headless --device force-simulated --record " + log + " >" + path("out") + " 2>" + path("err") +
+                           " & p=$!; for i in $(seq 200); do [ -s " + log + " ] && break; sleep 0.05; done; kill -TERM $p; wait $p; echo $? >" + path("status") + "; }";
+  ASSERT_EQ(std::system(call.c_str()), 0);
+  EXPECT_EQ(slurp(path("status")), "0\n") << slurp(path("err"));
+  const Outcome o = run("check " + log);
+  EXPECT_EQ(o.err, "") << "not damaged: it has its end mark";
+}
+
+}  // namespace
