@@ -95,6 +95,8 @@ std::unique_ptr<GlContext> make_egl_context(const std::string&) {
 
 namespace limberg {
 
+void software_drawing_threads(int n) { setenv("LP_NUM_THREADS", std::to_string(n).c_str(), 0); }
+
 std::unique_ptr<GlContext> make_offscreen_context(int software_threads) {
   const char* chosen = std::getenv("LIMBERG_GL");
   const std::string kind = chosen ? chosen : "";

@@ -1,5 +1,8 @@
 #include "render/gl_objects.h"
 
+#include <array>
+#include <cmath>
+
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -159,13 +162,33 @@ ShadowMap::ShadowMap(const GlFunctions& gl, int side) : size(side) {
   check(gl, "a shadow map");
 }
 
+namespace {
+
+/// sRGB to the root of linear light, both 0..255.
+std::array<uint8_t, 256> root_table() {
+  std::array<uint8_t, 256> table{};
+  for (size_t i = 0; i < table.size(); ++i) {
+    const double c = double(i) / 255, linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+    table[i] = uint8_t(std::lround(255 * std::sqrt(linear)));
+  }
+  return table;
+}
+
+}  // namespace
+
 GLuint make_texture(const GlFunctions& gl, const Texels& texels, bool srgb, bool repeat, bool mipmaps) {
+  std::vector<uint8_t> roots;
+  if (srgb) {
+    const std::array<uint8_t, 256> table = root_table();
+    roots = texels.rgba;
+    for (size_t i = 0; i < roots.size(); ++i)
+      if (i % 4 != 3) roots[i] = table[roots[i]];
+  }
   GLuint id = 0;
   gl.GenTextures(1, &id);
   gl.BindTexture(GL_TEXTURE_2D, id);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, srgb ? GL_SRGB8_ALPHA8 : GL_RGBA8, texels.width, texels.height, 0, GL_RGBA,
-                GL_UNSIGNED_BYTE, texels.rgba.data());
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, texels.width, texels.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, srgb ? roots.data() : texels.rgba.data());
   const GLint wrap = repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE;
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap);

@@ -119,7 +119,9 @@ void add_ellipsoid(PropMesh& mesh, const Vec3f& centre, const Vec3f& a, const Ve
   }
 }
 
-void add_suture(PropMesh& mesh, const SutureState& suture, const Vec3f& in_mm, const Vec3f& out_mm, const Vec3f& up) {
+void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f> skin_mm, const Vec3f& up) {
+  if (skin_mm.size() < 2) return;
+  const Vec3f in_mm = skin_mm.front(), out_mm = skin_mm.back();
   const uint32_t id = id_of(Part::suture, suture.id);
   const PropLook thread{{0.012f, 0.03f, 0.11f}, 0.15f, id};  // blue monofilament
   const PropLook bite{{0.14f, 0.012f, 0.012f}, 0, id};
@@ -131,8 +133,10 @@ void add_suture(PropMesh& mesh, const SutureState& suture, const Vec3f& in_mm, c
 
   // Out of the skin, over the wound, in again. A taut thread lies flat over an open wound.
   const float lift = 0.35f;
-  const std::array<Vec3f, 5> over{in_mm - 0.35f * up, in_mm + lift * up, in_mm + 0.5f * span + (lift + 0.08f) * up,
-                                  out_mm + lift * up, out_mm - 0.35f * up};
+  std::vector<Vec3f> over{in_mm - 0.35f * up, in_mm + lift * up};
+  for (const Vec3f& p : skin_mm.subspan(1, skin_mm.size() - 2)) over.push_back(p + lift * up);
+  if (over.size() == 2) over.push_back(in_mm + 0.5f * span + (lift + 0.08f) * up);
+  over.push_back(out_mm + lift * up), over.push_back(out_mm - 0.35f * up);
   smooth_tube(mesh, over, r, thread);
 
   // The knot lies over the entry, beside the wound, with two tails.

@@ -37,10 +37,9 @@ void add_tube(PropMesh& mesh, std::span<const Vec3f> path, std::span<const float
 void add_ellipsoid(PropMesh& mesh, const Vec3f& centre, const Vec3f& a, const Vec3f& b, const Vec3f& c,
                    const PropLook& look, int rings = 8);
 
-/// A stitch over the wound: entry and exit on either side, thread between them, knot with two tails, bite marks.
-/// `across` is the unit direction over the wound from a to b, `up` the outward unit normal of the skin there; in and
-/// out are the bites, on the skin.
-void add_suture(PropMesh& mesh, const SutureState& suture, const Vec3f& in_mm, const Vec3f& out_mm, const Vec3f& up);
+/// A stitch over the wound: thread, knot with two tails, bite marks. `skin_mm`: the way over the skin from the entry to the exit,
+/// at least these two; `up`: the outward unit normal of the skin there.
+void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f> skin_mm, const Vec3f& up);
 /// A sharp skin hook whose point is in the tissue and whose shaft leads to the handle.
 void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up);
 void add_tool(PropMesh& mesh, const ToolPose& tool);

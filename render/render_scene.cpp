@@ -1,72 +1,13 @@
 #include "render/render_scene.h"
 
 #include "render/glyphs.h"
+#include "render/stitches.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace limberg {
-
-namespace {
-
-// How far from the wound's edge a stitch enters the skin, for the picture.
-constexpr float kBite_mm = 2.2f;
-
-struct Nearest {
-  Vec3f x = Vec3f::Zero(), normal = Vec3f::UnitZ();
-  bool found = false;
-};
-
-// The skin vertex nearest to p. Skin triangles are under a millimetre, so its height is the skin's height there.
-Nearest nearest_skin(const RenderScene& scene, const Vec3f& p) {
-  Nearest best;
-  float distance = std::numeric_limits<float>::max();
-  const TissueMesh& m = *scene.mesh;
-  for (size_t v = 0; v < m.source.size(); ++v) {
-    if (m.part[v] != Part::skin) continue;
-    const float d = (scene.x_mm[v] - p).squaredNorm();
-    if (d < distance && scene.normal[v].squaredNorm() > 0.5f) distance = d, best = {scene.x_mm[v], scene.normal[v], true};
-  }
-  return best;
-}
-
-// A point of the skin beside p: p itself, moved along the normal to the height of the skin.
-Vec3f onto_skin(const RenderScene& scene, const Vec3f& p) {
-  const Nearest near = nearest_skin(scene, p);
-  return near.found ? Vec3f(p - (p - near.x).dot(near.normal) * near.normal) : p;
-}
-
-// The direction over the wound at a stitch: across the cut's rim nearest to its end a, away from the skin of a.
-Vec3f across_rim(const RenderScene& scene, const Snapshot& snapshot, const Vec3f& a, const Vec3f& up) {
-  float distance = std::numeric_limits<float>::max();
-  Vec3f along = Vec3f::Zero();
-  for (const auto& [i, j] : scene.mesh->rim) {
-    const Vec3f &p = snapshot.x_mm[size_t(i)], &q = snapshot.x_mm[size_t(j)];
-    const float length2 = (q - p).squaredNorm();
-    if (length2 < 1e-8f) continue;
-    const float t = std::clamp((a - p).dot(q - p) / length2, 0.0f, 1.0f);
-    const float d = (p + t * (q - p) - a).squaredNorm();
-    if (d < distance) distance = d, along = q - p;
-  }
-  const Vec3f out = along.cross(up);  // skin lies on the left of its rim, the wound on the right
-  return out.norm() > 1e-6f ? Vec3f(out.normalized()) : Vec3f(Vec3f::UnitX());
-}
-
-void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState& s) {
-  if (!s.a_mm.allFinite() || !s.b_mm.allFinite()) return;
-  const Nearest at = nearest_skin(scene, s.a_mm);
-  if (!at.found) return;
-  const Vec3f gap = s.b_mm - s.a_mm;
-  // An open stitch points from end to end; a closed one has no direction left and takes the wound's.
-  Vec3f across = gap.norm() > 1.5f ? Vec3f(gap.normalized()) : across_rim(scene, snapshot, s.a_mm, at.normal);
-  across = (across - across.dot(at.normal) * at.normal).normalized();
-  if (!across.allFinite()) across = Vec3f::UnitX();
-  add_suture(scene.props, s, onto_skin(scene, s.a_mm - kBite_mm * across), onto_skin(scene, s.b_mm + kBite_mm * across),
-             at.normal);
-}
-
-}  // namespace
 
 void SceneBuilder::add_stretch_glyphs(const Snapshot& snapshot) { add_glyphs(scene_.props, stretch_glyphs(snapshot)); }
 
@@ -118,7 +59,7 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   for (const SutureState& s : snapshot.sutures) add_stitch(scene, snapshot, s);
   for (const HookState& h : snapshot.hooks)
     if (h.at_mm.allFinite() && h.handle_mm.allFinite()) {
-      const Nearest at = nearest_skin(scene, h.at_mm);
+      const NearestSkin at = nearest_skin(scene, h.at_mm);
       add_hook(scene.props, h, at.found ? at.normal : Vec3f(Vec3f::UnitZ()));
     }
   if (strands)

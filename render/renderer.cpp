@@ -10,6 +10,7 @@
 #include "render/gl_objects.h"
 #include "render/occlusion.h"
 #include "render/shaders.h"
+#include "render/visible.h"
 
 namespace limberg {
 
@@ -58,6 +59,9 @@ struct Renderer::Impl {
   std::array<GLuint, 2> colour_map;            // by ColourScale
   // What the buffers hold, so that only what has changed is sent, and the shadow of what has not moved is kept.
   std::shared_ptr<const TissueMesh> uploaded;
+  bool all_triangles = false;  // the tissue's triangles are those of the mesh, in their order; else those that a view may show
+  VisibleTriangles visible;
+  std::vector<std::array<uint32_t, 3>> shown_triangles;
   struct {
     std::vector<Vec3f> x_mm;
     std::vector<float> field;
@@ -120,7 +124,7 @@ struct Renderer::Impl {
       std::vector<Vec3f> chart_rim(m.X_mm.size());
       for (size_t v = 0; v < chart_rim.size(); ++v) chart_rim[v] << m.chart_mm[v], m.rim_mm[v];
       tissue_mesh.floats(4, 3, chart_rim.data(), chart_rim.size() * sizeof chart_rim[0]);
-      tissue_mesh.triangles(m.tri);
+      all_triangles = false;
       if (layer_map) gl.DeleteTextures(1, &layer_map);
       layer_map = make_texture(gl, layer_texture(m.layers, double(kLayerRange_mm)), true, false, false);
       uploaded = s.mesh;
@@ -163,16 +167,36 @@ struct Renderer::Impl {
     return *map;
   }
 
+  void want_all_triangles(const TissueMesh& m) {
+    if (!all_triangles) tissue_mesh.triangles(m.tri);
+    all_triangles = true;
+  }
+
   // Skin, walls and sides close around the tissue: what of them is turned away is never seen. Of a face or bones from a scan that
-  // is not sure. `first`, `count`: triangles of the tissue.
-  void draw_tissue(size_t first, size_t count, const RenderScene& s, bool cull) {
-    const auto& of = s.mesh->triangles_of;
-    const size_t flesh = of[size_t(Part::skin)] + of[size_t(Part::wall)] + of[size_t(Part::side)];
-    const size_t closed = first < flesh ? std::min(count, flesh - first) : 0;
+  // is not sure.
+  static bool closed(Part part) { return part == Part::skin || part == Part::wall || part == Part::side; }
+
+  // The triangles of a view become those of the buffer; how many there are of each part.
+  std::array<size_t, kParts> want_triangles_of(const RenderScene& s, const Mat4f& to_clip, int w, int h) {
+    shown_triangles.clear();
+    visible.look(s.x_mm, to_clip, w, h);
+    std::array<size_t, kParts> count{};
+    std::span<const std::array<uint32_t, 3>> rest(s.mesh->tri);
+    for (const Part part : kTissueParts) {
+      const auto all = rest.first(s.mesh->triangles_of[size_t(part)]);
+      rest = rest.subspan(all.size());
+      if (closed(part)) count[size_t(part)] = visible.append(all, shown_triangles);
+      else shown_triangles.insert(shown_triangles.end(), all.begin(), all.end()), count[size_t(part)] = all.size();
+    }
+    tissue_mesh.triangles(shown_triangles);
+    all_triangles = false;
+    return count;
+  }
+
+  void draw_tissue(size_t first, size_t count, bool cull) {
     if (cull) gl.Enable(GL_CULL_FACE), gl.CullFace(GL_BACK);
-    tissue_mesh.draw(first, closed);
+    tissue_mesh.draw(first, count);
     gl.Disable(GL_CULL_FACE);
-    tissue_mesh.draw(first + closed, count - closed);
   }
 
   Mat4f cast_shadow(const RenderScene& s, bool on, bool still, FaceLook face) {
@@ -188,8 +212,10 @@ struct Renderer::Impl {
     depth.set("to_clip", light);
     gl.Enable(GL_POLYGON_OFFSET_FILL);
     gl.PolygonOffset(1.5f, 2.0f);
-    const size_t of_face = s.mesh->triangles_of[size_t(Part::face)];
-    draw_tissue(0, s.mesh->tri.size() - (face == FaceLook::solid ? 0 : of_face), s, true);
+    const auto count = want_triangles_of(s, light, shadow.size, shadow.size);
+    const size_t flesh = count[size_t(Part::skin)] + count[size_t(Part::wall)] + count[size_t(Part::side)];
+    draw_tissue(0, flesh, true);
+    draw_tissue(flesh, shown_triangles.size() - flesh - (face == FaceLook::solid ? 0 : count[size_t(Part::face)]), false);
     prop_mesh.draw();
     gl.Disable(GL_POLYGON_OFFSET_FILL);
     Mat4f half = Mat4f::Identity();
@@ -278,12 +304,16 @@ struct Renderer::Impl {
       bind(unit++, texture);
       if (texture == skin_map || texture == grid_map) set_anisotropy(gl, anisotropic, o.fine_skin && o.still ? 4.0f : 1.0f);
     }
+    std::array<size_t, kParts> triangles = s.mesh->triangles_of;
+    if (o.wireframe) want_all_triangles(*s.mesh);
+    else triangles = want_triangles_of(s, view.projection * view.to_eye, x1 - x0, y1 - y0);
     size_t first = 0;
     for (const Part part : kTissueParts) {
-      const size_t count = s.mesh->triangles_of[size_t(part)];
-      if (count > 0 && (part != Part::face || o.face == FaceLook::solid)) shaded(part, view, o, to_light, tension), draw_tissue(first, count, s, !o.wireframe);
+      const size_t count = triangles[size_t(part)];
+      if (count > 0 && (part != Part::face || o.face == FaceLook::solid)) shaded(part, view, o, to_light, tension), draw_tissue(first, count, !o.wireframe && closed(part));
       first += count;
     }
+    const size_t all = first;
     if (o.wireframe) gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     if (!s.props.tri.empty()) shaded(Part::tool, view, o, to_light, tension), prop_mesh.draw();
 
@@ -301,12 +331,12 @@ struct Renderer::Impl {
       gl.Viewport(x0, h - y1, x1 - x0, y1 - y0);
     }
     paint_lines(s.lines, view);
-    if (const size_t count = s.mesh->triangles_of[size_t(Part::face)]; count > 0 && o.face == FaceLook::clear) {
+    if (const size_t count = triangles[size_t(Part::face)]; count > 0 && o.face == FaceLook::clear) {
       gl.Enable(GL_BLEND);
       gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
       gl.DepthMask(GL_FALSE);
       shaded(Part::face, view, o, to_light, tension);
-      tissue_mesh.draw(s.mesh->tri.size() - count, count);
+      tissue_mesh.draw(all - count, count);
       gl.DepthMask(GL_TRUE);
       gl.Disable(GL_BLEND);
     }
@@ -401,6 +431,7 @@ struct Renderer::Impl {
     if (w < 1 || h < 1 || w > largest || h > largest) throw RenderUnavailable("an id picture of this size cannot be drawn");
     if (!ids || ids->width() != w || ids->height() != h) ids = std::make_unique<GlTarget>(gl, GL_R32UI, w, h);
     upload(s);
+    want_all_triangles(*s.mesh);
     ids->bind();
     gl.Viewport(0, 0, w, h);
     gl.Enable(GL_DEPTH_TEST);

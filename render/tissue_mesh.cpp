@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 
 #include "render/render_scene.h"
 
@@ -39,6 +40,33 @@ float distance_to_segment(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
   return (p - a - t * d).norm();
 }
 
+// Where a rest position lies on a curve that fills the body's box: triangles in this order have most corners from their
+// predecessors, which a driver then need not work out again.
+uint64_t along_curve(const Vec3& X, const Vec3& low, double per_mm) {
+  uint64_t key = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    uint64_t k = uint64_t(std::clamp((X[axis] - low[axis]) * per_mm, 0.0, 1023.0));  // ten bits, spread to every third
+    k = (k | k << 16) & 0x30000ff, k = (k | k << 8) & 0x300f00f, k = (k | k << 4) & 0x30c30c3, k = (k | k << 2) & 0x9249249;
+    key |= k << axis;
+  }
+  return key;
+}
+
+void sort_along_curve(const SurfaceView& view, std::span<uint32_t> triangles, std::vector<std::pair<uint64_t, uint32_t>>& room) {
+  if (triangles.empty()) return;
+  Vec3 low = Vec3::Constant(1e30), high = -low;
+  const auto middle = [&](uint32_t t) -> Vec3 {
+    const Tri& tri = view.tri[t];
+    return (view.X_mm[size_t(tri[0])] + view.X_mm[size_t(tri[1])] + view.X_mm[size_t(tri[2])]) / 3;
+  };
+  for (const uint32_t t : triangles) low = low.cwiseMin(middle(t)), high = high.cwiseMax(middle(t));
+  const double per_mm = 1023 / std::max((high - low).maxCoeff(), 1e-9);
+  room.clear();
+  for (const uint32_t t : triangles) room.emplace_back(along_curve(middle(t), low, per_mm), t);
+  std::sort(room.begin(), room.end());
+  for (size_t i = 0; i < room.size(); ++i) triangles[i] = room[i].second;
+}
+
 // Fills rim_mm. Skin vertices are sorted by x, so an edge only looks at those within reach of it.
 void measure_rim(const SurfaceView& view, TissueMesh& mesh) {
   mesh.rim_mm.assign(mesh.source.size(), kRimReach_mm);
@@ -73,10 +101,12 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
   const size_t n = view.tri.size();
   std::vector<uint32_t> order;
   order.reserve(n);
+  std::vector<std::pair<uint64_t, uint32_t>> room;
   for (const Part wanted : kTissueParts) {
     const size_t before = order.size();
     for (size_t t = 0; t < n; ++t)
       if (part_of(topology, t) == wanted) order.push_back(uint32_t(t));
+    sort_along_curve(view, std::span(order).subspan(before), room);
     mesh.triangles_of[size_t(wanted)] = order.size() - before;
     if (wanted == Part::skin) mesh.skin_triangles = order.size();
     if (wanted == Part::wall) mesh.wall_triangles = order.size() - mesh.skin_triangles;

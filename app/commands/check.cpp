@@ -358,7 +358,17 @@ bool check_image(const std::string& file, const std::string& series) {
   return true;
 }
 
-int check(const std::string& file, const std::string& series, bool with_plan, const std::string& svg, int workers) {
+/// The file as given, or a shipped one: by its path, or a scene by its name.
+std::string meant(const std::string& given) {
+  std::error_code ec;
+  const std::string file = given_or_shipped(given);
+  if (std::filesystem::exists(file, ec) || given.empty()) return file;
+  const std::string scene = shipped_file("app/scenes/" + given + ".toml");
+  return scene.empty() ? file : scene;
+}
+
+int check(const std::string& given, const std::string& series, bool with_plan, const std::string& svg, int workers) {
+  const std::string file = meant(given);
   if (check_image(file, series)) return kDone;
   const std::string text = read_whole_file(file, size_t(4) << 30);
   switch (recognise(file, text)) {

@@ -94,7 +94,7 @@ std::string closing(const ReportData& d, const std::string& dir) {
     if (d.series_suture_max_N.size() == t.size()) chart.series.push_back(thinned({"largest stitch", t, d.series_suture_max_N, false}, 600));
     for (const ReportStage& stage : d.stages)
       if (stage.t_s) chart.x_marks.push_back({*stage.t_s, stage.name.substr(0, 24)});
-    s += "<h3>Closure force over the operation</h3>\n<figure>" + svg(chart) + "</figure>\n";
+    s += "<h3>Closure force over the operation</h3>\n<figure class=\"wide\">" + svg(chart) + "</figure>\n";
   }
   if (d.command != "study")
     for (const ReportChart& c : d.charts) s += chart_figure(c);

@@ -106,7 +106,7 @@ std::string timing(const ReportData& d) {
   if (d.render_frames) fact(number(*d.render_frames, 9) + " frames");
   if (d.memory_mb) fact("peak memory " + quantity(d.memory_mb, "MB"));
   if (!facts.empty()) s += "<p>" + facts + "</p>\n";
-  s += svg(chart) + "\n<p class=\"note\">Bar: median (dot) to 99th percentile. Ring: worst. Upright line: the lane's budget (device 1\u202fkHz, solver 60\u202fHz, "
+  s += "<div class=\"wide\">" + svg(chart) + "</div>\n<p class=\"note\">Bar: median (dot) to 99th percentile. Ring: worst. Upright line: the lane's budget (device 1\u202fkHz, solver 60\u202fHz, "
                     "render 30\u202fHz).</p>\n<div class=\"wide\"><table>\n<thead><tr><th>Lane</th><th>p50</th><th>p95</th><th>p99</th><th>p99.9</th><th>max</th><th>budget</th></tr></thead>\n<tbody>\n" +
        rows + "</tbody></table></div>\n</section>\n";
   return s;
@@ -132,7 +132,7 @@ std::string residual(const ReportData& d) {
     chart.y_marks = {{Limits::residual, "goal"}};
     for (const ReportStage& stage : d.stages)
       if (stage.t_s && timed) chart.x_marks.push_back({*stage.t_s, stage.name.substr(0, 24)});
-    s += svg(chart) + "\n";
+    s += "<div class=\"wide\">" + svg(chart) + "</div>\n";
   }
   if (d.series_distance_mm.size() > 1) {
     chart.description = "Estimated distance to equilibrium over time";
@@ -141,7 +141,7 @@ std::string residual(const ReportData& d) {
     chart.series = {{"distance", t, d.series_distance_mm, false}};
     chart.y_marks.clear();
     chart.height = 240;
-    s += svg(chart) + "\n";
+    s += "<div class=\"wide\">" + svg(chart) + "</div>\n";
   }
   return s + "</section>\n";
 }

@@ -16,7 +16,7 @@ std::string chart_figure(const ReportChart& c) {
   chart.description = c.description;
   chart.x.title = c.x, chart.y.title = c.y;
   for (const auto& s : c.series) chart.series.push_back({s.name, s.x, s.y, s.markers});
-  return "<h3>" + escape(c.title) + "</h3>\n<figure>" + svg(chart) + "</figure>\n";
+  return "<h3>" + escape(c.title) + "</h3>\n<figure class=\"wide\">" + svg(chart) + "</figure>\n";
 }
 
 std::string study(const ReportData& d) {

@@ -30,7 +30,9 @@ figcaption{font-size:.92rem;margin:6px 2px 0}
 figcaption b{color:var(--ink)}
 .hero{margin:18px 0}
 .story{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,320px),1fr));gap:22px 18px}
-.wide{overflow-x:auto}
+/* What is wider than the page scrolls by itself, and a shadow at the edge says so. */
+.wide{overflow-x:auto;background:linear-gradient(to left,var(--paper) 40%,transparent) 100% 0/48px 100% no-repeat local,
+linear-gradient(to left,#0003,transparent) 100% 0/14px 100% no-repeat scroll}
 table{border-collapse:collapse;width:100%;margin:10px 0;font-variant-numeric:tabular-nums;font-size:.95rem}
 th,td{padding:6px 12px;text-align:right;border-bottom:1px solid var(--grid);white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
@@ -45,10 +47,11 @@ pre{background:var(--card);border-radius:8px;padding:12px 14px;overflow-x:auto;f
 code{font:.92em ui-monospace,"DejaVu Sans Mono",Consolas,monospace}
 a{color:var(--accent)}
 footer{margin-top:48px;padding-top:12px;border-top:1px solid var(--grid);font-size:.86rem;color:var(--soft);overflow-wrap:anywhere}
-@media (max-width:640px){body{padding:16px 12px 40px}th,td{padding:6px 7px}td.bar,th.bar{display:none}.phone{display:none}}
+@media (max-width:640px){body{padding:16px 12px 40px}th,td{padding:6px 7px}td.bar,th.bar{display:none}.phone{display:none}
+td:first-child,th{white-space:normal}svg.chart{min-width:600px}}
 @media print{:root{--paper:#fff;--card:#f3f5f6;--ink:#000;--soft:#444;--grid:#ccc;--good:#1a7f4b;--warn:#b26a00;--bad:#b3261e;--s1:#0072b2;--s2:#d55e00;--s3:#009e73;color-scheme:light}
 body{max-width:none;padding:0;font-size:11pt}h2{margin-top:22pt}figure,tr,.card,svg.chart,.verdict{break-inside:avoid}thead{display:table-header-group}.cards{grid-template-columns:repeat(3,1fr)}.hero img{max-height:9cm;width:auto}.onchart img,.onchart svg{max-height:9cm}h2,h3{break-after:avoid}
-pre{max-height:none;white-space:pre-wrap;overflow:visible}.story{grid-template-columns:1fr 1fr}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
+pre{max-height:none;white-space:pre-wrap;overflow-wrap:anywhere;overflow:visible}.wide{overflow:visible;background:none}td:first-child,th{white-space:normal}.story{grid-template-columns:1fr 1fr 1fr;gap:10px}th,td{padding:3px 10px}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )css";
 
 }  // namespace limberg

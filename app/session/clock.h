@@ -11,6 +11,13 @@ namespace limberg {
 constexpr int64_t kNsPerMs = 1'000'000;
 constexpr int64_t kDeviceTickNs = kNsPerMs;  // 1 kHz
 
+/// Processor time of the calling thread.
+inline int64_t thread_cpu_ns() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return int64_t(t.tv_sec) * 1'000'000'000 + t.tv_nsec;
+}
+
 /// CLOCK_MONOTONIC since a given moment of it.
 class RealClock {
  public:

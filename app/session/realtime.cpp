@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "app/session/clock.h"
+#include "app/session/drawing_share.h"
 #include "app/session/thread.h"
 
 namespace limberg {
@@ -29,6 +30,7 @@ struct Control {
   std::string scheduling;
   pthread_t device_id{};             // set before the device thread is ready
   std::atomic<bool> device_gave_up{false};
+  DrawingShare drawing;
 
   void i_am_ready() {
     ready.fetch_add(1);
@@ -134,8 +136,10 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
     const bool ended = c.device_ended.load();  // before the step: then the step sees the last event
     const int64_t deadline = woke + int64_t(budget * double(period));
     last_tick = std::max(last_tick, c.tick.load());
+    c.drawing.step_begins(woke);
     lane.step(last_tick, [&] { return clock.now_ns() > deadline; });
     const int64_t done = clock.now_ns();
+    c.drawing.step_ended(done, lane.last().iterations);
     t.work.add(done - woke);
     ++t.ticks;
     if (set.gauges) LaneGauges::set(set.gauges->solver_ns, done - woke);
@@ -157,29 +161,38 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
   const RealClock clock(c.wait_for_start());
   const int64_t period = int64_t(set.ticks_per_frame) * kDeviceTickNs;
   LaneTimes& t = out.render;
-  int64_t n = 1, shown_sample = -1;
+  int64_t due = period, shown_sample = -1, drawn_ns = 0, drawn_before = 0, since = 0;  // drawn since about a second
   for (bool last = false; !last;) {
     last = c.stop_render.load();  // one more frame after the end: the patient at rest
-    if (!last) clock.sleep_until_ns(n * period);
-    const int64_t woke = clock.now_ns(), late = woke - n * period;
+    if (!last) clock.sleep_until_ns(due);
+    const int64_t woke = clock.now_ns(), late = woke - due;
     if (!last && late > 0) {
       t.wake.add(late);
-      if (late >= period) {
-        ++t.late;
-        t.skipped += uint64_t(late / period);
-        n += late / period;
-      }
+      if (late >= period) ++t.late;
     }
-    if (lane.frame()) {
-      const int64_t done = clock.now_ns();
+    const int64_t cpu = thread_cpu_ns();
+    c.drawing.picture_begins(woke);
+    const bool drew = lane.frame();
+    const int64_t done = clock.now_ns();
+    const int64_t pause = c.drawing.picture_ended(done, thread_cpu_ns() - cpu);
+    const int64_t next = std::max(due + period, drew ? done + pause : done);
+    if (!last) t.skipped += uint64_t((next - due) / period - 1);
+    due = next;
+    if (drew) {
       t.work.add(done - woke);
       ++t.ticks;
-      if (set.gauges) LaneGauges::set(set.gauges->frame_ns, done - woke);
+      drawn_ns += done - woke;
+      if (set.gauges) {
+        LaneGauges::set(set.gauges->frame_ns, done - woke);
+        LaneGauges::set(set.gauges->frames, int64_t(t.ticks));
+        const double loss = c.drawing.loss();
+        LaneGauges::set(set.gauges->loss_permille, loss < 0 ? -1 : int64_t(1000 * loss * double(drawn_ns - drawn_before) / double(std::max<int64_t>(1, done - since))));
+        if (done - since > 1'000'000'000) since = done, drawn_before = drawn_ns;
+      }
       if (lane.sample_ns() != shown_sample) out.sample_to_frame.add(done - lane.sample_ns());
       shown_sample = lane.sample_ns();
     }
     if (!lane.open()) c.stop_device = true;
-    ++n;
   }
   lane.finish();
 }

@@ -144,7 +144,7 @@ void Desk::tools(const DeskReading& r, int height) {
   if (ImGui::Combo("##compare", &compare, "No comparison\0Before | after: wipe\0Before, after\0")) state.compare = Compare(compare);
   if (state.compare == Compare::wipe) ImGui::SliderFloat("##wipe", &state.wipe, 0, 1, "");
   if (ImGui::Combo("##stereo", &stereo, "One eye\0Stereo side by side\0Stereo red-cyan\0")) state.stereo = Stereo(stereo);
-  ImGui::Combo("##quality", &state.quality, "Quality by frame time\0Half size\0Fast\0Fine skin\0Shadows\0Shadows, occlusion\0");
+  ImGui::Combo("##quality", &state.quality, "Quality: automatic\0Half size\0Fast\0Fine skin\0Shadows\0Shadows, occlusion\0");
   ImGui::PopItemWidth();
   if (ImGui::Button("Picture", {70, 0})) state.picture = true;
   ImGui::SameLine();
@@ -253,7 +253,9 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
     lane("hand", ms(g.device_ns), 1, note);
     std::snprintf(note, sizeof note, "residual %.1e, about %.2g mm from equilibrium", double(s.residual), double(s.distance_mm));
     lane("patient", ms(g.solver_ns), 16, note);
-    std::snprintf(note, sizeof note, "shows what was %lld ms ago", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)));
+    const int at = std::snprintf(note, sizeof note, "shows what was %lld ms ago, %.0f pictures/s", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)), r.pictures_per_s);
+    if (const int64_t loss = LaneGauges::get(g.loss_permille); loss >= 0 && at > 0)
+      std::snprintf(note + at, sizeof note - size_t(at), ", the patient loses %.0f %%", 0.1 * double(loss));
     lane("picture", ms(g.frame_ns), 33, note);
   }
   ImGui::End();

@@ -56,7 +56,7 @@ struct DeskReading {
   int lesson_begun = 0;
   bool showing = false;
   const FieldShown* field = nullptr;  // what is shown in colours; null or empty: nothing
-  double samples_per_s = 0;
+  double samples_per_s = 0, pictures_per_s = 0;
   const std::vector<HeadMeasure>* measures = nullptr;  // of a head
 };
 

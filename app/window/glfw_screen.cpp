@@ -82,6 +82,7 @@ struct GlfwScreen::Impl {
 };
 
 GlfwScreen::GlfwScreen(const std::string& title, int w, int h) : impl_(new Impl{*this}) {
+  software_drawing_threads(0);
   if (!glfwInit()) throw RenderUnavailable("no window: " + last_error());
   glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
   glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);

@@ -96,8 +96,8 @@ struct WindowFrames::Impl {
   int quiet = 0;           // calls of wants_frame since the patient was drawn last
   bool at_leisure = false; // nothing moves: the picture is drawn at kStillLevel
   int64_t drawn = 0;
-  int64_t rate_tick = 0, rate_samples = 0;
-  double samples_per_s = 0;
+  int64_t rate_tick = 0, rate_samples = 0, rate_frames = 0;
+  double samples_per_s = 0, pictures_per_s = 0;
   int pictures = 0;
 
   Impl(PointerFeed& f, const LaneGauges* g, WindowSettings s) : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {}
@@ -304,14 +304,16 @@ struct WindowFrames::Impl {
       const int64_t tick = LaneGauges::get(gauges->tick), samples = LaneGauges::get(gauges->samples);
       if (tick - rate_tick >= 1000) {
         samples_per_s = 1000.0 * double(samples - rate_samples) / double(tick - rate_tick);
-        rate_tick = tick, rate_samples = samples;
+        const int64_t frames = LaneGauges::get(gauges->frames);
+        pictures_per_s = 1000.0 * double(frames - rate_frames) / double(tick - rate_tick);
+        rate_tick = tick, rate_samples = samples, rate_frames = frames;
       }
     }
 
     DeskReading r;
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
     r.lesson_begun = feed.next_shown, r.showing = feed.showing;
-    r.field = field, r.samples_per_s = samples_per_s;
+    r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
     if (set.facts.head) r.measures = &measures.read(s);
     std::vector<Vec3f> ruler_px;
     for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height));

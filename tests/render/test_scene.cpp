@@ -9,6 +9,7 @@
 #include "render/render_scene.h"
 #include "render/textures.h"
 #include "render/view.h"
+#include "render/visible.h"
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
@@ -128,6 +129,58 @@ TEST(SceneBuilder, ClosedStitchLiesAcrossTheWound) {
   for (const PropVertex& v : scene.props.vertex) lo = std::min(lo, v.x_mm.y()), hi = std::max(hi, v.x_mm.y());
   EXPECT_LT(lo, -7.9f);  // two bites of 2.2 mm on either side of the edge at y = -6
   EXPECT_GT(hi, -4.1f);
+}
+
+TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
+  // The skin rises between the holes of a closed stitch, as beside the end of a scar: the thread must not run beneath it.
+  Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
+  const auto hump = [](const Vec3f& x) { return 2.5f * std::exp(-x.head<2>().squaredNorm() / 2); };
+  for (size_t v = 0; v < s.x_mm.size(); ++v)
+    if (s.x_mm[v].z() > -1e-3f) s.x_mm[v].z() += hump(s.x_mm[v]);
+  s.sutures[0].a_mm = s.sutures[0].b_mm = Vec3f(0, 0, 2.5f);
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  ASSERT_FALSE(scene.props.vertex.empty());
+  // From one hole to the other a part of the thread is above the skin everywhere.
+  float lo = 1e9f, hi = -1e9f;
+  for (const PropVertex& v : scene.props.vertex) lo = std::min(lo, v.x_mm.x()), hi = std::max(hi, v.x_mm.x());
+  ASSERT_GT(hi - lo, 3);
+  for (float x = -1.6f; x < 1.7f; x += 0.2f) {
+    bool above = false;
+    for (const PropVertex& v : scene.props.vertex) above |= std::abs(v.x_mm.x() - x) < 0.25f && v.x_mm.z() > hump(v.x_mm) + 0.1f;
+    EXPECT_TRUE(above) << x;
+  }
+}
+
+TEST(Visible, ClosedSurfaceShowsItsFrontAndWhatIsInTheFrame) {
+  const Snapshot s = sample_snapshot();
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  const Camera camera = look_at_ball(Vec3f(8, 0, 0), 15, Vec3f(0.05f, -0.6f, 0.8f), Vec3f::UnitZ(), 25, 4.0 / 3);
+  const View view = camera.view(4.0 / 3);
+  VisibleTriangles visible;
+  visible.look(scene.x_mm, view.projection * view.to_eye, 320, 240);
+  std::vector<std::array<uint32_t, 3>> kept;
+  const size_t said = visible.append(scene.mesh->tri, kept);
+  ASSERT_EQ(said, kept.size());
+  const std::set<std::array<uint32_t, 3>> there(kept.begin(), kept.end());
+  size_t turned = 0, outside = 0;
+  for (const auto& t : scene.mesh->tri) {
+    const Vec3f &a = scene.x_mm[t[0]], &b = scene.x_mm[t[1]], &c = scene.x_mm[t[2]];
+    const bool front = (b - a).cross(c - a).dot(view.eye_mm - a) > 0;
+    bool in = false;
+    for (const Vec3f& p : {a, b, c}) {
+      const Vec3f px = view.to_pixel(p, 320, 240);
+      in |= px.x() >= 0 && px.x() <= 320 && px.y() >= 0 && px.y() <= 240;
+    }
+    if (front && in) {
+      EXPECT_TRUE(there.count(t));
+    }
+    turned += !front, outside += !in;
+  }
+  EXPECT_GT(turned, scene.mesh->tri.size() / 3);
+  EXPECT_GT(outside, scene.mesh->tri.size() / 10);
+  EXPECT_LT(kept.size(), scene.mesh->tri.size() * 2 / 3);
 }
 
 TEST(Props, TubeFacesOutwards) {
