@@ -20,21 +20,14 @@ Row run_fusiform(const Values& v, const Run& with) {
   const double W = v[4];
   const Figure f = find_procedure("fusiform").figure({W, v[0]});
   Patch patch;
-  patch.side_mm = std::max(120.0, W * v[0] + 4 * W), patch.prestretch_percent = v[1], patch.cell_mm = v[2], patch.undermine_mm = 0.7 * W, patch.contact = v[3] > 0;
+  // An odd number of cells: where half the length is a whole number of them, as by default, both tips lie in the middle of a cell. A tip
+  // on the border between two cells opens to its very end, one inside a cell does not, and stands up less by 0.1 mm.
+  patch.side_mm = v[2] * (2 * std::floor(std::max(120.0, W * v[0] + 60) / (2 * v[2])) + 1), patch.prestretch_percent = v[1], patch.cell_mm = v[2], patch.undermine_mm = 10, patch.contact = v[3] > 0;
   patch.depth_mm = v[5], patch.push_mm = v[6];
   for (const double side : {-1, 1}) patch.ears.push_back({side * (W * v[0] / 2 + 2), 0});  // just beyond the tips
   const Done d = carry_out_on(patch, f, with);
   const Seam& s = f.seams[0];
   const double left = d.height_mm(place(f, s.a_from), W / 2), right = d.height_mm(place(f, s.a_to), W / 2);
-  // Above a soft bed the skin of a cone may as well go down, or up beside a pit: how far its highest lies above its lowest place.
-  const auto relief = [&](const Corner& tip) {
-    double high = -1e300, low = 1e300;
-    for (double y = -W / 2; y <= W / 2; y += 1)
-      for (double x = -W / 2; x <= W / 2; x += 1)
-        if (const Vec2 q(x, y); q.norm() <= W / 2)
-          if (const auto now = d.map->now_mm(place(f, tip) + q)) high = std::max(high, now->z()), low = std::min(low, now->z());
-    return high > low ? high - low : std::nan("");
-  };
   double drawn = 0;  // vertex angle: the larger tip's charge
   for (const Charge& c : charges(f)) drawn = std::max(drawn, c.q_deg);
   const double L = W * v[0], vertex = 4 * std::atan(1 / v[0]), R = (L * L + W * W) / (4 * W);
@@ -51,7 +44,7 @@ Row run_fusiform(const Values& v, const Run& with) {
   r.figures = {{"ratio", v[0]}, {"prestretch", v[1]}, {"cell_mm", v[2]}, {"contact", v[3]}, {"width_mm", W}, {"depth_mm", v[5]}, {"push_mm", v[6]},
                {"vertex_deg", drawn},
                {"vertex_form_deg", vertex * kDeg}, {"scar_mm", length_mm(bank(f, s.a_from, s.a_to, true))}, {"scar_form_mm", R * vertex}, {"scar_now_mm", scar_now},
-               {"ear_mm", std::max(left, right)}, {"relief_mm", std::max(relief(s.a_from), relief(s.a_to))}, {"ear_middle_mm", std::max(d.middle_height_mm(place(f, s.a_from), W / 2, 2.5), d.middle_height_mm(place(f, s.a_to), W / 2, 2.5))},
+               {"ear_mm", std::max(left, right)}, {"ear_middle_mm", std::max(d.middle_height_mm(place(f, s.a_from), W / 2, 2.5), d.middle_height_mm(place(f, s.a_to), W / 2, 2.5))},
                {"ear_volume_mm3", d.shape(place(f, s.a_from), W).volume_mm3 + d.shape(place(f, s.a_to), W).volume_mm3}, {"found_by", double(d.found_by)}};
   add_common(r, d);
   char name[60];
@@ -70,30 +63,30 @@ std::vector<Bar> bars_fusiform(const std::vector<Row>& rows) {
     now = std::max(now, std::abs(r.at("scar_now_mm") / r.at("scar_form_mm") - 1));
   }
   for (const auto& g : groups(rows, "ratio", kFusiform))
-    for (size_t i = 1; i < g.size(); ++i) fall = std::min(fall, g[i - 1]->at("relief_mm") - g[i]->at("relief_mm"));
+    for (size_t i = 1; i < g.size(); ++i) fall = std::min(fall, g[i - 1]->at("ear_mm") - g[i]->at("ear_mm"));
   std::vector<Bar> out{at_most("largest relative residual", residual, 1e-4, "at rest, as in operate"), at_most("largest gap, mm", gap, 0.2, "closed"),
                        at_most("scar length against the closed form, relative", scar, 0.003, "chords of 12 equal pieces of an arc of at most 106 degrees"),
                        at_most("vertex angle against the closed form, relative", vertex, 0.003, "4 atan(width / length), less what 12 chords of each arc cut off"),
                        at_most("length of the closed scar against the closed form, relative", now, 0.1, "skin stretches by the prestretch at most along a scar that it was drawn along")};
-  if (fall < 1e300) out.push_back(at_least("least fall of the dog-ear (its highest over its lowest place) with the ratio, mm", fall, 0, "narrower tips stand up less"));
+  if (fall < 1e300) out.push_back(at_least("least fall of the dog-ear with the ratio, mm", fall, 0, "narrower tips stand up less"));
   return out;
 }
 
 std::vector<NamedChart> charts_fusiform(const std::vector<Row>& rows) {
-  return {chart("dog-ear", "Height of the dog-ears", rows, "ratio", "length over width", "relief_mm", "highest over lowest place, mm", kFusiform),
+  return {chart("dog-ear", "Height of the dog-ears", rows, "ratio", "length over width", "ear_mm", "height, mm", kFusiform),
           chart("force", "Sum of the stitches' forces", rows, "ratio", "length over width", "closure_force_N", "force, N", kFusiform)};
 }
 
 }  // namespace
 
 Family fusiform() {
-  return {"fusiform", "Spindle-shaped excisions 14 mm wide by their ratio of length to width",
+  return {"fusiform", "Spindle-shaped excisions by their ratio of length to width",
           {{"ratio", "length over width", {2, 3, 4, 5, 6}, 1.5, 8},
-           {"prestretch", "of the skin, percent, in all directions", {0}, 0, 30},
+           {"prestretch", "of the skin, percent, in all directions", {5}, 0, 30},
            {"cell_mm", "size of the lattice's cells", {4}, 2, 8},
            {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
-           {"width_mm", "of the excision", {20}, 6, 40},
-           {"depth_mm", "of cut and undermining", {2}, 1.5, 8},
+           {"width_mm", "of the excision", {16}, 6, 40},
+           {"depth_mm", "of cut and undermining", {4}, 1.5, 8},
            {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10}},
           run_fusiform, bars_fusiform, charts_fusiform};
 }
