@@ -1,12 +1,11 @@
 #include "app/felt_patient.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "app/assembly.h"
 #include "app/bench/cpu_clock.h"
-#include "devices/force/force_source.h"
+#include "app/felt_hand.h"
 
 namespace limberg::bench {
 namespace {
@@ -61,29 +60,17 @@ void add_felt_patient(Result& out, const Scene& scene, bool quick, const std::fu
     Timed patient(*a.patient);
     SolverLane solver(patient, a.channels, SolverSettings{step_settings(a.scene, false)});
     if (asks) a.channels.press = std::make_shared<PressLine>();
-    auto made = std::make_unique<SimulatedForceDevice>(hand());
-    SimulatedForceDevice& tool = *made;
-    auto source = std::make_unique<ForceSource>(std::move(made), ForceSourceSettings{}, a.channels.press);
-    const ForceSource& force = *source;
-    a.front.add(std::move(source));
+    FeltHand felt(hand(), a.front, a.channels.press);
     solver.start();
     const int every = ticks_per_solver_step(a.scene);
-    double energy = 0, least = 0, step = 0, most = 0, soft = 1e9, hard = 0;
-    Vec3 x = tool.true_mm(), f = Vec3::Zero();
     for (int tick = 1; tick < (quick ? 3000 : 8000); ++tick) {
-      a.device.tick(tick);
-      energy -= f.dot(tool.true_mm() - x);  // N mm = mJ
-      x = tool.true_mm();
-      const Vec3 now = force.loop().state().force_N;
-      step = std::max(step, (now - f).norm()), most = std::max(most, now.norm());
-      f = now;
-      least = std::min(least, energy);
-      if (force.loop().state().touching) soft = std::min(soft, force.model().stiffness_N_mm), hard = std::max(hard, force.model().stiffness_N_mm);
+      a.device.tick(tick), felt.watch();
       if (tick % every == 0) solver.step(tick);
     }
+    const double least = felt.least_mJ, step = felt.largest_step_N;
     char text[256];
-    std::snprintf(text, sizeof text, "%.3f to %.3f N/mm, %.2f N at most, least energy %.2f mJ; %lld answers, a question %.1f ms of CPU at the median, %.1f at p95 (a step %.1f)", soft, hard, most, least,
-                  (long long)force.answers(), patient.questions.percentile(0.5), patient.questions.percentile(0.95), patient.steps.percentile(0.5));
+    std::snprintf(text, sizeof text, "%.3f to %.3f N/mm, %.2f N at most, least energy %.2f mJ; %lld answers, a question %.1f ms of CPU at the median, %.1f at p95 (a step %.1f)", felt.softest_N_mm, felt.hardest_N_mm, felt.largest_N, least,
+                  (long long)felt.force().answers(), patient.questions.percentile(0.5), patient.questions.percentile(0.95), patient.steps.percentile(0.5));
     Row r;
     r.name = "felt patient, " + a.scene.name, r.method = asks ? "stiffness from the solver" : "half space of skin";
     r.settings = text, r.error = step, r.error_unit = "N/ms", r.reference = "from tick to tick";

@@ -1,7 +1,11 @@
 // limberg: the command line. Each command is a file in commands/; here are only the frame, the exit status and the errors.
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <new>
 
 #include "app/commands/commands.h"
@@ -83,9 +87,17 @@ int run_main(int argc, char** argv) {
 /// What was printed may still wait in a buffer: a full disk is told, as for any other file.
 int flushed(int status) {
   if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
-  if (errno == EPIPE) return status;  // whoever read it has had enough
+  pollfd reader{STDOUT_FILENO, POLLOUT, 0};
+  if (poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0) return status;  // a pipe whose reader has had enough
   say("standard output: cannot be written; expected room and permission");
   return status == kDone ? int(kBadInput) : status;
+}
+
+/// A caller may have closed standard input, output or error. The next file that is opened would take that number, and what is
+/// printed would go into a recording.
+void keep_standard_files() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDWR) != fd) std::abort();  // the lowest free number is fd
 }
 
 }  // namespace
@@ -93,6 +105,7 @@ int flushed(int status) {
 
 int main(int argc, char** argv) {
   using namespace limberg;
+  keep_standard_files();
   try {
     return flushed(run_main(argc, argv));
   } catch (const InputError& e) {

@@ -44,6 +44,7 @@ void fill_lanes(Result& r, Assembly& a, const SessionFigures& f) {
   r.set("/device/samples_malformed", c.sources.malformed);
   r.set("/device/samples_lost", c.sources.lost);
   r.set("/device/missed_presses", c.missed_presses);
+  r.set("/device/dropped_gestures", int64_t(a.solver.dropped_gestures()));
   if (!f.scheduling.empty()) r.set("/device/scheduling", f.scheduling);
   r.set("/solver/steps", a.solver.steps());
   r.set("/solver/late_steps", f.solver.late);

@@ -41,20 +41,13 @@ class Watch {
   std::vector<double> stated_;
 };
 
-double percentile(std::vector<double> v, double p) {
-  if (v.empty()) return 0;
-  std::sort(v.begin(), v.end());
-  return v[std::min(v.size() - 1, size_t(p * double(v.size())))];
-}
-
-void report(Result& out, const std::string& name, std::vector<double> r, double ms) {
-  for (double& x : r) x = std::log(std::max(x, 1e-9));
-  std::vector<double> off;
-  for (double x : r) off.push_back(std::fabs(x));
+void report(Result& out, const std::string& name, const std::vector<double>& ratios, double ms) {
+  Times r, off;  // of logarithms, not of times
+  for (const double x : ratios) r.add(std::log(std::max(x, 1e-9))), off.add(std::fabs(r.ms.back()));
   char how[128];
-  std::snprintf(how, sizeof how, "%zu frames; stated / true: median %.2f, 5 %% below %.2f, 5 %% above %.2f", r.size(), std::exp(percentile(r, 0.5)), std::exp(percentile(r, 0.05)),
-                std::exp(percentile(r, 0.95)));
-  const double factor = std::exp(percentile(off, 0.9));
+  std::snprintf(how, sizeof how, "%zu frames; stated / true: median %.2f, 5 %% below %.2f, 5 %% above %.2f", ratios.size(), std::exp(r.percentile(0.5)), std::exp(r.percentile(0.05)),
+                std::exp(r.percentile(0.95)));
+  const double factor = std::exp(off.percentile(0.9));
   out.rows.push_back({"live error", name, how, ms, false, factor, "x", "the state that the frames lead to", true});
   at_most(out, "live error, " + name + ": nine frames of ten within a factor of", factor, 4, "stated in distance_estimate.h: 3 on the set that it was made from");
 }

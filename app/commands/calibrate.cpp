@@ -49,7 +49,7 @@ std::vector<StylusSample> stylus_readings(const Recording& rec, const std::strin
 Eigen::Quaterniond rotation(const StylusSample& s) { return Eigen::Quaterniond(s.quat[0], s.quat[1], s.quat[2], s.quat[3]).normalized(); }
 
 void line(const char* what, double value, const char* unit, double limit, bool at_most) {
-  std::printf("  %-34s %8.3f %-4s  %s %g\n", what, value, unit, at_most ? "at most" : "at least", limit);
+  std::printf("  %-34s %8.3f %-4s  %s %.3g\n", what, value, unit, at_most ? "at most" : "at least", limit);
 }
 
 int refused(const Options& o, const std::string& advice) {

@@ -189,7 +189,8 @@ void plan_head(const Scene& scene, Workers& workers) {
   std::printf("  landmarks %zu\n", head.landmarks().size());
   std::printf("  not built %sBullet world (until a fragment is held)\n", scene.flesh ? "" : "lattice, cutter, elastic solver, ");
   std::printf("  memory    %.0f MB, of which the head %.0f MB\n", peak_memory_mb(), peak_memory_mb() - before_mb);
-  std::printf("  step      %.2f ms median of %d iterations (%.0f steps a second wanted)\n", double(step.percentile_ns(0.5)) * 1e-6, scene.head->iterations_per_step, scene.steps_per_s);
+  std::printf("  step      %.2f ms median at rest; %d iterations while something moves (%.0f steps a second wanted; limberg bench head measures them)\n",
+              double(step.percentile_ns(0.5)) * 1e-6, scene.head->iterations_per_step, scene.steps_per_s);
 }
 
 /// Builds what the scene asks for and says what came of it: the only plan that cannot be wrong.
@@ -379,7 +380,7 @@ int check(const std::string& given, const std::string& series, bool with_plan, c
     case Kind::calibration: {
       const Calibration c = parse_calibration(text, file);
       std::printf("calibration %s, hash %s\n", c.name.c_str(), hex(calibration_hash(c)).c_str());
-      if (!c.device.empty() || !c.date.empty()) std::printf("device      %s, %s\n", c.device.c_str(), c.date.c_str());
+      if (!c.device.empty() || !c.date.empty()) std::printf("device      %s, %s\n", c.device.empty() ? "not named" : c.device.c_str(), c.date.empty() ? "no date" : c.date.c_str());
       std::printf("stylus      tip (%.3f, %.3f, %.3f) mm\nworld       tracker at (%.2f, %.2f, %.2f) mm\nglove       closed %.1f mm, open %.1f mm\n", c.tip_offset_mm.x(),
                   c.tip_offset_mm.y(), c.tip_offset_mm.z(), c.world_from_tracker_mm.x(), c.world_from_tracker_mm.y(), c.world_from_tracker_mm.z(), c.glove.closed_mm, c.glove.open_mm);
       if (!c.distortion.empty()) std::printf("distortion  corrected on %d x %d x %d nodes\n", c.distortion.nodes[0], c.distortion.nodes[1], c.distortion.nodes[2]);

@@ -121,7 +121,8 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
     m.elongations = elongations(view, x, skin, *z);
     if (m.elongations) m.elongation = m.elongations->direct;
   }
-  m.excised_mm2 = std::max(0.0, skin.area_mm2() - skin_at_rest_mm2(view));
+  const double gone_mm2 = skin.area_mm2() - skin_at_rest_mm2(view);
+  m.excised_mm2 = gone_mm2 > 1e-9 * skin.area_mm2() ? gone_mm2 : 0;  // two long sums: what rounding leaves is nothing
   for (const Command& c : script)
     if (const auto* e = std::get_if<Excise>(&c)) {
       m.waste_mm2 = std::max(0.0, m.excised_mm2 - rest_area_mm2(skin, e->outline));

@@ -61,6 +61,15 @@ TEST_F(Cli, AFullDiskBehindStandardOutputIsTold) {
   EXPECT_NE(slurp(path("err")).find("standard output"), std::string::npos);
 }
 
+TEST_F(Cli, ClosedStandardFilesDoNotEndUpInARecording) {
+  const std::string scene = file("small.toml", small_scene()), s = file("s.jsonl", script("{\"action\":\"wait\",\"seconds\":0.2}\n"));
+  const std::string call = kProgram + " emulate " + scene + " " + s + " --seed 5 --out ";
+  ASSERT_EQ(std::system((call + path("open.lcm") + " >" + path("said")).c_str()), 0);
+  EXPECT_EQ(std::system((call + path("closed.lcm") + " <&- >&- 2>&-").c_str()), 0);
+  EXPECT_GT(slurp(path("open.lcm")).size(), 1000u);
+  EXPECT_EQ(slurp(path("closed.lcm")), slurp(path("open.lcm")));
+}
+
 TEST_F(Cli, CtrlCEndsWorkThatKeepsNothing) {
   // A bench of hours: ended by the first signal, with the status of a goal not reached.
   const std::string call = "{ " + kProgram + " bench fuzz --operations 100000000 >" + path("out") + " 2>" + path("err") + " & p=$!; sleep 0.3; kill -TERM $p; wait $p; echo $? >" + path("status") + "; }";

@@ -6,10 +6,10 @@
 
 #include <algorithm>
 
+#include "app/felt_hand.h"
 #include "app/session/device_lane.h"
 #include "app/session/solver_lane.h"
 #include "app/world_patient.h"
-#include "devices/force/force_source.h"
 #include "devices/log_source.h"
 #include "sim/geometry/block.h"
 
@@ -52,28 +52,12 @@ struct Loop {
   DeviceFrontEnd front{calibration};
   DeviceLane device{front, *channels, false};
   SolverLane solver{patient, *channels, {}};
-  SimulatedForceDevice* tool = nullptr;
-  ForceSource* force = nullptr;
-  double energy_mJ = 0, least_mJ = 0, largest_step_N = 0;
+  FeltHand felt;
 
-  Loop(const SimulatedHand& h, bool line) {
-    if (line) channels->press = std::make_shared<PressLine>();
-    auto made = std::make_unique<SimulatedForceDevice>(h);
-    tool = made.get();
-    auto source = std::make_unique<ForceSource>(std::move(made), ForceSourceSettings{}, channels->press);
-    force = source.get();
-    front.add(std::move(source));
-    solver.start();
-  }
+  Loop(const SimulatedHand& h, bool line) : felt(h, front, channels->press = line ? std::make_shared<PressLine>() : nullptr) { solver.start(); }
   void run(double seconds) {
-    Vec3 x = tool->true_mm(), f = Vec3::Zero();
     for (int tick = 1; tick < int(seconds * 1000); ++tick) {
-      device.tick(tick);
-      energy_mJ -= f.dot(tool->true_mm() - x);  // N mm = mJ; what the hand has put in
-      x = tool->true_mm();
-      largest_step_N = std::max(largest_step_N, (force->loop().state().force_N - f).norm());
-      f = force->loop().state().force_N;
-      least_mJ = std::min(least_mJ, energy_mJ);
+      device.tick(tick), felt.watch();
       if (tick % kTicksPerStep == 0) solver.step(tick);
     }
   }
@@ -82,32 +66,32 @@ struct Loop {
 TEST(PressLine, AForceIsThatOfThePatientAndNotOfAHalfSpace) {
   Loop with(hand(0, 4, false), true), without(hand(0, 4, false), false);
   with.run(3), without.run(3);
-  ASSERT_TRUE(with.force->loop().state().touching);
-  EXPECT_GT(with.force->answers(), 25);
-  EXPECT_EQ(without.force->answers(), 0);
+  ASSERT_TRUE(with.felt.force().loop().state().touching);
+  EXPECT_GT(with.felt.force().answers(), 25);
+  EXPECT_EQ(without.felt.force().answers(), 0);
   // What the world says at that place and depth is what the hand feels.
   PressAnswer told;
   Snapshot s;
   with.world.fill(s);
   SurfaceIndex index;
   index.build(*s.topology);
-  const SkinTouch under = index.closest(s, with.tool->true_mm(), -1);
-  const double depth = with.force->loop().state().depth_mm;
+  const SkinTouch under = index.closest(s, with.felt.tool().true_mm(), -1);
+  const double depth = with.felt.force().loop().state().depth_mm;
   for (int i = 0; i < 8; ++i) told = with.world.press({s.topology_version, under.triangle, under.bary, under.normal, 1, depth}, 20);
-  const double k = with.force->model().stiffness_N_mm;
+  const double k = with.felt.force().model().stiffness_N_mm;
   EXPECT_NEAR(k / told.stiffness_N_mm, 1, 0.05);
-  EXPECT_NEAR(with.force->loop().state().force_N.norm(), k * depth, 0.1 * k * depth);  // the coupling's spring lies in series
+  EXPECT_NEAR(with.felt.force().loop().state().force_N.norm(), k * depth, 0.1 * k * depth);  // the coupling's spring lies in series
   // Fat below 2 mm of skin: softer than skin all the way down.
-  EXPECT_LT(k, 0.9 * without.force->model().stiffness_N_mm);
+  EXPECT_LT(k, 0.9 * without.felt.force().model().stiffness_N_mm);
 }
 
 TEST(PressLine, NoEnergyComesFromAPatientThatAnswersLate) {
   Loop loop(hand(0, 4, true), true);
   loop.run(6);
-  EXPECT_GT(loop.force->answers(), 50);
+  EXPECT_GT(loop.felt.force().answers(), 50);
   // The bound of a wall read in steps: K T / 2 times the sum of the squares of the way per tick (Colgate 1995), and .1 mJ.
-  EXPECT_GT(loop.least_mJ, -0.15);
-  EXPECT_LE(loop.largest_step_N, 0.2 + 1e-9);
+  EXPECT_GT(loop.felt.least_mJ, -0.15);
+  EXPECT_LE(loop.felt.largest_step_N, 0.2 + 1e-9);
 }
 
 // With a scalpel in the hand the skin holds, breaks and gives way, and the cut begins where it broke; with another tool it holds.
@@ -125,7 +109,7 @@ TEST(PressLine, TheToolThatIsHeldIsFelt) {
     for (int tick = 1; tick < 2500; ++tick) {
       loop.device.tick(tick);
       if (tick % kTicksPerStep == 0) loop.solver.step(tick);
-      last = loop.force->loop().state().force_N.norm();
+      last = loop.felt.force().loop().state().force_N.norm();
       most = std::max(most, last);
       engaged |= loop.device.hand().tool.pressed != 0;
     }
@@ -143,14 +127,14 @@ TEST(PressLine, TheToolThatIsHeldIsFelt) {
 TEST(PressLine, AnAnswerAboutAnotherSurfaceIsNotTaken) {
   Loop loop(hand(0, 4, false), true);
   loop.run(2);
-  const int64_t answers = loop.force->answers();
+  const int64_t answers = loop.felt.force().answers();
   ASSERT_GT(answers, 10);
   ASSERT_TRUE(loop.world.apply(Incise{{{-20, -20}, {-10, -20}}, 3}).done);
   loop.solver.step(2001), loop.solver.step(2002);  // the new surface is shown, and the question about the old one is dropped
   loop.device.tick(2003);
-  EXPECT_EQ(loop.force->answers(), answers);
+  EXPECT_EQ(loop.felt.force().answers(), answers);
   for (int tick = 2010; tick < 2060; tick += 10) loop.solver.step(tick), loop.device.tick(tick + 1);
-  EXPECT_GT(loop.force->answers(), answers);
+  EXPECT_GT(loop.felt.force().answers(), answers);
 }
 
 }  // namespace
