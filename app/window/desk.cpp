@@ -277,7 +277,7 @@ void Desk::legend(const DeskReading& r, int width, int height) {
   const float left = float(width) - kPatientWidth - 128, top = 0.16f * float(height), bar = 0.42f * float(height);
   ImGui::SetNextWindowPos({left, top});
   ImGui::SetNextWindowSize({120, bar + 108});
-  ImGui::SetNextWindowBgAlpha(0.70f);
+  ImGui::SetNextWindowBgAlpha(0.88f);
   ImGui::Begin("legend", nullptr, kFixed | ImGuiWindowFlags_NoInputs | ImGuiWindowFlags_NoScrollbar);
   ImGui::TextWrapped("%s", look.title);
   ImGui::TextColored(kQuiet, "%s", look.unit);

@@ -85,6 +85,7 @@ struct WindowFrames::Impl {
   bool buttons[3]{};
   bool turning = false, shifting = false;
   bool clutch = false;  // the key is down
+  bool was_showing = false;  // a step of the lesson, in the last frame
   SecondHand glove;
   int unseen = 2;       // frames still to be drawn after the last event: panels need two to settle
   int since_frame = 0;
@@ -284,6 +285,10 @@ struct WindowFrames::Impl {
       feed.choices.push(desk.state.head.picked(s, hit.triangle, hit.bary));
       desk.state.head.pick = false;
     }
+    // The hand that showed a step took tools of its own: the mouse has again what is chosen here.
+    const bool showing = feed.showing;
+    desk.state.tool_changed |= was_showing && !showing;
+    was_showing = showing;
     carry_out();
 
     const View view = look(width, height);

@@ -107,6 +107,23 @@ TEST_F(DeskTest, KeysChooseToolsAndTheFeedHearsIt) {
   EXPECT_EQ(w.feed.next_wanted, 1);
 }
 
+TEST_F(DeskTest, AfterAShownStepTheMouseHasItsOwnToolAgain) {
+  // The hand that shows a step takes other tools; a click afterwards must not use the last of them.
+  Window w;
+  w.key('5');
+  std::vector<ControlSample> heard;
+  w.choices(heard);
+  heard.clear();
+  w.feed.showing = true;
+  w.settle();
+  EXPECT_EQ(w.choices(heard), 0);
+  w.feed.showing = false;
+  w.settle();
+  ASSERT_EQ(w.choices(heard), 1);
+  EXPECT_EQ(heard[0].kind, ControlSample::select_tool);
+  EXPECT_EQ(heard[0].tool, Tool::hook);
+}
+
 TEST_F(DeskTest, SpaceIsTheClutchWhileItIsHeld) {
   Window w;
   std::vector<ControlSample> c;
