@@ -13,6 +13,9 @@ Row run_z(const Values& values, const Run& with);       // angle, prestretch, ce
 Row run_plate(const Values& values, const Run& with);   // angle, prestretch, cell_mm, bed
 Row run_planar(const Values& values, const Run& with);  // angle, prestretch, cell_mm
 
+/// What a Z-plasty gains, over the height of the dog-ears that it costs, 1/mm.
+inline double gain_per_ear(const Row& r) { return (r.at("elongation") - 1) / r.at("ear_mm"); }
+
 std::vector<Bar> bars_z(const std::vector<Row>& rows);
 std::vector<Bar> bars_plate(const std::vector<Row>& rows);
 std::vector<Bar> bars_planar(const std::vector<Row>& rows);

@@ -82,19 +82,22 @@ void add_elongation(std::vector<Bar>& out, const std::vector<Row>& rows) {
 
 /// Where a figure over the angle is greatest: the vertex of the parabola through the greatest and its neighbours, as the angles tried are
 /// 15 degrees apart; the end where it is greatest at an end.
-double peak_at(const Group& g, const char* what) {
+template <class What>
+double peak_at(const Group& g, What what) {
   size_t k = 0;
   for (size_t i = 1; i < g.rows.size(); ++i)
-    if (g.rows[i]->at(what) > g.rows[k]->at(what)) k = i;
+    if (what(*g.rows[i]) > what(*g.rows[k])) k = i;
   const double x = g.rows[k]->at("angle");
   if (k == 0 || k + 1 == g.rows.size()) return x;
-  const double a = g.rows[k - 1]->at("angle") - x, b = g.rows[k + 1]->at("angle") - x, y = g.rows[k]->at(what), fa = (g.rows[k - 1]->at(what) - y) / a, fb = (g.rows[k + 1]->at(what) - y) / b;
+  const double a = g.rows[k - 1]->at("angle") - x, b = g.rows[k + 1]->at("angle") - x, y = what(*g.rows[k]), fa = (what(*g.rows[k - 1]) - y) / a, fb = (what(*g.rows[k + 1]) - y) / b;
   const double curve = (fb - fa) / (b - a), slope = fa - curve * a;
   return curve < 0 ? x - slope / (2 * curve) : x;
 }
 
 void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_bed) {
-  Worst rise, tips, ratio, saturation, flat, over, high, none, work, with_tension, sixty;
+  Worst rise, tips, ratio, saturation, flat, over, high, none, work, ear, with_tension, sixty;
+  // Lips that the stitches raise beside every seam, at saddles too, are no dog-ear, and grow with the tension.
+  const auto above_lips = [](const Row& r) { return r.at("ear_mm") - r.at("at_C_D_mm"); };
   for (const Group& g : groups_of(rows)) {
     const double p = g.prestretch();
     for (size_t i = 0; i < g.rows.size(); ++i) {
@@ -104,19 +107,24 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
       if (p == 0) none(r.at("ear_mm"));
       for (const Group& h : groups_of(rows))  // the same with more tension
         if (h.rows[0]->at("cell_mm") == r.at("cell_mm") && h.prestretch() > p)
-          with_tension(h.at(r.at("angle"), "ear_mm") - r.at("ear_mm"));
+          with_tension(h.at(r.at("angle"), "ear_mm") - h.at(r.at("angle"), "at_C_D_mm") - above_lips(r));
     }
-    if (g.rows.size() >= 4) work(peak_at(g, "gain_per_root_work"));
+    if (g.rows.size() >= 4) work(peak_at(g, [](const Row& r) { return r.at("gain_per_root_work"); }));
+    if (g.rows.size() >= 4 && p == 10) ear(peak_at(g, gain_per_ear));
     ratio(g.at(90, "ear_mm") / std::max(g.at(60, "ear_mm"), 1e-3));
     if (p == 0) saturation((g.at(90, "elongation") - g.at(75, "elongation")) / (g.at(60, "elongation") - g.at(45, "elongation")));
     if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), over(g.at(45, "ear_mm") - g.at(45, "at_C_D_mm")), over(g.at(60, "ear_mm") - g.at(60, "at_C_D_mm")), high(g.at(90, "ear_mm")), sixty(g.at(60, "ear_mm"));
   }
   if (rise.least) out.push_back(at_least("4c least rise of the dog-ear from angle to angle, mm", *rise.least, -0.05, "protocol: rises with the angle; 0.05 mm is the lattice's noise"));
   if (tips.most) out.push_back(at_most("4c height at the flaps' tips less that at the limb's ends, mm", *tips.most, 0, "protocol: cones at the limb's ends (charge +angle), saddles at the tips"));
-  if (with_tension.most) out.push_back(at_most("   largest rise of the dog-ear with the prestretch, mm", *with_tension.most, 0.05, "tension flattens; 0.05 mm is the lattice's noise"));
+  if (with_tension.most) out.push_back(at_most("   largest rise of the dog-ear, above the seams at the tips, with the prestretch, mm", *with_tension.most, 0.05, "tension flattens; 0.05 mm is the lattice's noise"));
   if (work.most) {
-    out.push_back(at_least("4d angle of the greatest gain for the work, least", *work.least, 50, "protocol: an efficiency index peaks inside 50 to 75 degrees; gain over root of the work is the one of its three that needs no point where a strain or a height is taken"));
+    out.push_back(at_least("4d angle of the greatest gain for the work, least", *work.least, 50, "protocol: an efficiency index peaks inside 50 to 75 degrees; this is one of its three, that for the strain peaks at 90 with the membrane's own figures"));
     out.push_back(at_most("4d angle of the greatest gain for the work, largest", *work.most, 75, "the same"));
+  }
+  if (ear.most) {
+    out.push_back(at_least("4d 10 % prestretch: angle of the greatest gain for the dog-ear, least", *ear.least, 50, "protocol: another of the three, where the classical statement holds; slack skin stands up at every angle"));
+    out.push_back(at_most("4d 10 % prestretch: angle of the greatest gain for the dog-ear, largest", *ear.most, 75, "the same"));
   }
   if (ratio.least) out.push_back(at_least("4e dog-ear at 90 over 60 degrees, least", *ratio.least, 1.2, kProtocol));
   if (saturation.most) out.push_back(at_most("4e no prestretch: gain from 75 to 90 over that from 45 to 60", *saturation.most, 0.5, "protocol: the ears eat the gain"));

@@ -70,7 +70,7 @@ TEST(SkinMap, TheUndersideIsWhatLooksDownAndIsFree) {
   Snapshot s;
   const auto sheet = [&](double z, double now, bool up, FaceKind k) {
     const int a = int(X.size());
-    for (const Vec2 p : {Vec2(-9, -9), Vec2(9, -9), Vec2(9, 9), Vec2(-9, 9)}) X.push_back({p.x(), p.y(), z}), s.x_mm.push_back(Vec3f(float(p.x()), float(p.y()), float(now)));
+    for (const Vec2& p : {Vec2(-9, -9), Vec2(9, -9), Vec2(9, 9), Vec2(-9, 9)}) X.push_back({p.x(), p.y(), z}), s.x_mm.push_back(Vec3f(float(p.x()), float(p.y()), float(now)));
     for (const Tri& t : {Tri{a, a + 1, a + 2}, Tri{a, a + 2, a + 3}}) tri.push_back(up ? t : Tri{t[0], t[2], t[1]}), kind.push_back(k);
   };
   sheet(0, 3, true, FaceKind::skin);
