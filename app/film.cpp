@@ -103,7 +103,7 @@ Film::Film(const Scene& scene, const FilmSettings& settings) : impl_(new Impl) {
   const std::vector<std::string> coded = codec(fs::path(settings.file).extension().string());
   if (coded.empty()) throw InputError(settings.file, 0, "not a kind of film that is known; expected a name that ends in .mp4 or .webm");
   check_writable(settings.file);
-  i.part = settings.file + ".part";
+  i.part = settings.file + "." + std::to_string(getpid()) + ".part";  // two processes may write into one folder
   signal(SIGPIPE, SIG_IGN);  // an encoder that ends early is seen by the failed write
   std::vector<std::string> words{"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size",
                                  std::to_string(settings.width) + "x" + std::to_string(settings.height), "-framerate", std::to_string(settings.frames_per_s), "-i", "pipe:0"};

@@ -1,6 +1,7 @@
 #include "render/image.h"
 
 #include <png.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -104,7 +105,7 @@ std::string encode_png(const Image& image) {
 
 void write_png(const std::string& file, const Image& image) {
   if (image.empty()) throw InputError(file, 0, "an empty picture cannot be written; expected at least one pixel");
-  const std::string part = file + ".part";
+  const std::string part = file + "." + std::to_string(getpid()) + ".part";  // two processes may write into one folder
   bool good = false;
   {
     std::unique_ptr<std::FILE, Closer> f(std::fopen(part.c_str(), "wb"));

@@ -1,5 +1,7 @@
 #include "app/report/report.h"
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -45,7 +47,7 @@ std::string read_result_file(const std::string& dir) {
 }
 
 void write_page(const std::string& file, const std::string& text) {
-  const std::string part = file + ".part";
+  const std::string part = file + "." + std::to_string(getpid()) + ".part";  // two processes may write into one folder
   std::ofstream out(part, std::ios::binary | std::ios::trunc);
   out << text;
   out.close();

@@ -70,6 +70,16 @@ TEST_F(Cli, ClosedStandardFilesDoNotEndUpInARecording) {
   EXPECT_EQ(slurp(path("closed.lcm")), slurp(path("open.lcm")));
 }
 
+TEST_F(Cli, SeveralCallsMayWriteIntoOneFolder) {
+  ASSERT_EQ(run("bench fuzz --operations 5 --out " + path("out")).status, 0);
+  const std::string call = "for i in 1 2 3 4 5 6 7 8; do { " + kProgram + " report " + path("out") + " >" + path("said") + " 2>>" + path("err") + " || echo failed >>" + path("err") + "; } & done; wait";
+  ASSERT_EQ(std::system(call.c_str()), 0);
+  EXPECT_EQ(slurp(path("err")), "");
+  int left = 0;
+  for (const auto& entry : fs::directory_iterator(path("out"))) left += entry.path().extension() == ".part";
+  EXPECT_EQ(left, 0);
+}
+
 TEST_F(Cli, CtrlCEndsWorkThatKeepsNothing) {
   // A bench of hours: ended by the first signal, with the status of a goal not reached.
   const std::string call = "{ " + kProgram + " bench fuzz --operations 100000000 >" + path("out") + " 2>" + path("err") + " & p=$!; sleep 0.3; kill -TERM $p; wait $p; echo $? >" + path("status") + "; }";
