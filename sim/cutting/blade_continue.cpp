@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/cutting/store.h"
 #include "sim/cutting/tri_tests.h"
 
 namespace limberg {
@@ -92,7 +93,49 @@ int32_t join_start(const WallMap& walls, std::vector<Vec2>& path, double level, 
   return end;
 }
 
-BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, double to) {
+namespace {
+
+/// The walls that a stroke has cut so far, to tell whether its next piece runs through them.
+class OwnWalls {
+ public:
+  OwnWalls(const BladeContext& c, int32_t first_operation) {
+    if (!c.arrangement) return;
+    const ArrangementStore& store = c.arrangement->store();
+    if (size_t(first_operation) >= store.op.size()) return;
+    for (size_t g = size_t(store.op[size_t(first_operation)].first_orig); g < store.orig.size(); ++g) {
+      const OrigTri& o = store.orig[g];
+      if (o.live == 0) continue;
+      IntTriangle t;
+      t.id = o.v;
+      for (size_t k = 0; k < 3; ++k) t.p[k] = store.points.integer(o.v[k]);
+      wall_.push_back(t);
+      box_.push_back(box_around(t.p[0], t.p[1], t.p[2]));
+    }
+  }
+  bool met_by(const Blade& blade) const {
+    if (wall_.empty()) return false;
+    for (const Tri& tri : blade.tri) {
+      IntTriangle t;
+      for (size_t k = 0; k < 3; ++k) {
+        const int32_t shared = blade.shared_point[size_t(tri[k])];
+        t.id[k] = shared >= 0 ? shared : INT32_MAX - tri[k];
+        t.p[k] = blade.vertex[size_t(tri[k])];
+      }
+      const IntBox box = box_around(t.p[0], t.p[1], t.p[2]);
+      for (size_t w = 0; w < wall_.size(); ++w)
+        if (box.meets(box_[w]) && meet_beyond_shared(t, wall_[w])) return true;
+    }
+    return false;
+  }
+
+ private:
+  std::vector<IntTriangle> wall_;
+  std::vector<IntBox> box_;
+};
+
+}  // namespace
+
+BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, double to, int32_t clear_of) {
   const WallMap walls(c);
   // The strips that the path runs along: those whose middle it passes.
   std::vector<int32_t> strips;
@@ -137,13 +180,15 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
   Blade blade = assemble(strips);
   std::string shallower;
   if (blade.tri.empty()) return {.blade = {}, .reason = "this is cut already", .nothing = true};
-  if (!check_embedded(blade.vertex, blade.tri).empty()) {
+  const OwnWalls own(c, clear_of);
+  const auto is_sound = [&](const Blade& b) { return check_embedded(b.vertex, b.tri).empty() && !own.met_by(b); };
+  if (!is_sound(blade)) {
     // Columns that lean towards each other meet at some depth: there it stays shallower. Strip by strip, as deep as goes.
     std::vector<int32_t> fitting;
     std::vector<uint8_t> placed(walls.columns().size(), 0);
     const auto fits = [&] {
       const Blade b = assemble(fitting);
-      return b.tri.empty() || check_embedded(b.vertex, b.tri).empty();
+      return b.tri.empty() || is_sound(b);
     };
     for (int32_t i : strips) {
       const WallStrip& t = walls.strips()[size_t(i)];

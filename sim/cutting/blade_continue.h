@@ -30,7 +30,8 @@ int32_t join_start(const WallMap& walls, std::vector<Vec2>& path, double level, 
 
 /// Deepens the walls that a path runs along, from their fronts to `level_mm` (a stroke's depth and its wall_extra); less deep
 /// where the blade would run through itself; then a reason stands beside the blade.
-/// Empty blade: nothing there is shallower.
-BladeResult build_deepening(const BladeContext& context, std::span<const Vec2> path, double level_mm);
+/// Empty blade: nothing there is shallower. It also keeps clear of the walls of operations from number `clear_of` on: those
+/// that a stroke has cut already.
+BladeResult build_deepening(const BladeContext& context, std::span<const Vec2> path, double level_mm, int32_t clear_of = INT32_MAX);
 
 }  // namespace limberg

@@ -221,13 +221,19 @@ BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
       o.arc_mm.push_back(i == 0 ? 0 : o.arc_mm.back() + (k->X - o.column.back().X).norm());
       o.column.push_back(*k);
     }
-    for (const double stiffness : kStiffness) {
-      if (embedded) break;
-      std::vector<Column> held = o.column;
-      const std::vector<Column> stiff = stiffened(std::span(o.column).subspan(first), stiffness);
-      std::copy(stiff.begin(), stiff.end(), held.begin() + long(first));
-      blade = strip(c, std::span(held).first(count), directions(c, held, place, first), first, closing, closing && end_wall ? &*end_wall : nullptr);
-      embedded = check_embedded(blade.vertex, blade.tri).empty();
+    // A leaning piece that cannot be divided any more turns upright.
+    for (const double most_share : {1.0, 0.5, 0.0}) {
+      if (embedded || (most_share < 1 && (lean() == 0 || count > first + 3))) break;
+      std::vector<Place> upright = place;
+      for (size_t i = first + 1; i < upright.size(); ++i) upright[i].share = std::min(upright[i].share, most_share);
+      for (const double stiffness : kStiffness) {
+        if (embedded) break;
+        std::vector<Column> held = o.column;
+        const std::vector<Column> stiff = stiffened(std::span(o.column).subspan(first), stiffness);
+        std::copy(stiff.begin(), stiff.end(), held.begin() + long(first));
+        blade = strip(c, std::span(held).first(count), directions(c, held, upright, first), first, closing, closing && end_wall ? &*end_wall : nullptr);
+        embedded = check_embedded(blade.vertex, blade.tri).empty();
+      }
     }
     // What runs through itself is divided: the first half of it may not, and the second half crosses a wall then.
     if (embedded || count <= first + 3) break;

@@ -81,6 +81,7 @@ DrawnStroke::Stretch DrawnStroke::stretch(const BladeContext& c, const WallMap& 
 void DrawnStroke::begin_way(const BladeContext& c, double from, bool is_along) {
   from_ = from;
   along_ = is_along;
+  along_from_ = from, along_limit_ = 1e300;
   if (is_along) return;
   free_ = DrawnIncision(depth_, angle_deg_);
   start_is_led_ = true;  // (the stroke's own beginning is another)
@@ -91,14 +92,35 @@ void DrawnStroke::begin_way(const BladeContext& c, double from, bool is_along) {
   if (end >= 0) start_ = walls.columns()[size_t(end)].chart;
 }
 
-BladeResult DrawnStroke::deepen(const BladeContext& c, const Stretch& s) const {
-  double to = s.to;
-  for (;;) {
-    BladeResult b = build_deepening(c, part_of(path_, from_, to), level_);
-    if (b.blade || !b.folds) return b.blade ? std::move(b) : BladeResult{};
-    to = from_ + (to - from_) / 2;  // first a part of it, then the rest
-    if (to - from_ < 2 * kLeastAlong) return b;
+/// After a part of a way along a wall could not be cut: half of it is tried next; what is too short for that stays as it is.
+/// False: it was all that there is to try now.
+bool DrawnStroke::narrow() {
+  const double to = std::min(offered_to_, along_limit_);
+  if (to - along_from_ >= 2 * kLeastAlong) {
+    along_limit_ = (along_from_ + to) / 2;
+    return true;
   }
+  along_from_ = to;
+  along_limit_ = 1e300;
+  return along_from_ < offered_to_ - 1e-9;
+}
+
+BladeResult DrawnStroke::deepen(const BladeContext& c, const Stretch& s) {
+  offered_to_ = s.to;
+  // Behind a sharp corner a leaning blade runs into what it has cut before the corner, and stays shallower there; an upright one
+  // only crosses where the path does.
+  const int32_t clear_of = angle_deg_ == 90 || !self_crossings(path_).empty() ? INT32_MAX : operations_before_;
+  while (along_from_ < s.to - 1e-9) {
+    BladeResult b = build_deepening(c, part_of(path_, along_from_, std::min(s.to, along_limit_)), level_, clear_of);
+    if (b.blade) return b;
+    if (b.folds) {
+      if (!narrow()) break;
+      continue;
+    }
+    if (along_limit_ >= s.to) break;
+    along_from_ = along_limit_, along_limit_ = 1e300;  // nothing to cut in that half: the other one
+  }
+  return {};
 }
 
 BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
@@ -129,7 +151,6 @@ BladeResult DrawnStroke::next(const BladeContext& c, bool last) {
       BladeResult b = s.to > std::max(from_, nothing_to_) ? deepen(c, s) : BladeResult{};
       if (b.blade || !b.reason.empty()) {
         offered_ = along;
-        offered_to_ = s.to;
         return b;
       }
     } else {
@@ -224,14 +245,20 @@ std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
 
 void DrawnStroke::was_cut(const CutResult& result) {
   if (offered_ == free_way) free_.was_cut(result);
+  if (offered_ == along && along_limit_ < offered_to_) along_from_ = along_limit_, along_limit_ = 1e300;
 }
 
 void DrawnStroke::was_nothing(const BladeContext& c) {
   if (offered_ == free_way) free_.was_nothing(c);
-  if (offered_ == along) nothing_to_ = offered_to_;
+  if (offered_ != along) return;
+  if (along_limit_ < offered_to_)
+    along_from_ = along_limit_, along_limit_ = 1e300;
+  else
+    nothing_to_ = offered_to_;
 }
 
 bool DrawnStroke::was_refused() {
+  if (offered_ == along) return narrow() || (nothing_to_ = offered_to_, true);
   return offered_ == start_wall || (offered_ == free_way && free_.was_refused());
 }
 

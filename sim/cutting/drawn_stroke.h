@@ -9,7 +9,8 @@
 //     ... stroke.was_cut(context, result), was_nothing(context), or was_refused()
 //   }
 //
-//  * Ways along walls that were there before it deepen them, as far as the hand has come.
+//  * Ways along walls that were there before it deepen them, as far as the hand has come. What of them cannot be deepened (a
+//    leaning blade at a sharp corner) is halved until the rest goes on without it.
 //  * Free ways are blades handed out in pieces (drawn_incision.h) that begin and end on what is there, go on from the open
 //    ends of walls, and cross what the stroke itself has cut.
 //  * An end that comes back to the stroke's own beginning shares its edge. A beginning that the stroke later passes by
@@ -49,7 +50,8 @@ class DrawnStroke {
     bool ends = false;
   };
   Stretch stretch(const BladeContext& context, const WallMap& walls, bool last) const;
-  BladeResult deepen(const BladeContext& context, const Stretch& s) const;
+  BladeResult deepen(const BladeContext& context, const Stretch& s);
+  bool narrow();
   std::optional<Blade> lead_start_through(const BladeContext& context);
   void begin_way(const BladeContext& context, double from, bool is_along);
 
@@ -62,6 +64,7 @@ class DrawnStroke {
   double from_ = 0;                 // of the present way, along the path
   bool along_ = false;
   double offered_to_ = 0, nothing_to_ = -1;  // along a wall: how far; up to where nothing was left to cut
+  double along_from_ = 0, along_limit_ = 1e300;  // what is tried of the way along a wall: less after a refusal
   DrawnIncision free_;
   Vec2 start_ = Vec2::Zero();       // of the free way
   bool start_is_led_ = false, over_ = false;
