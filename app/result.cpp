@@ -51,6 +51,11 @@ void Result::set(std::string_view path, bool v) { impl_->at(path) = v; }
 void Result::set(std::string_view path, const std::string& v) { impl_->at(path) = v; }
 void Result::set_empty_list(std::string_view path) { impl_->at(path) = Json::array(); }
 
+int Result::entries(std::string_view path) const {
+  const Json::json_pointer at{std::string(path)};
+  return impl_->json.contains(at) && impl_->json.at(at).is_array() ? int(impl_->json.at(at).size()) : 0;
+}
+
 void Result::set(std::string_view path, std::span<const float> v) {
   Json list = Json::array();
   for (const float x : v) {

@@ -36,6 +36,8 @@ class Result {
   void set(std::string_view path, std::span<const float> v);
   void set_hash(std::string_view path, uint64_t hash);  // 16 hex digits
   void set_empty_list(std::string_view path);
+  /// How many entries the list at `path` has; 0 where there is none.
+  int entries(std::string_view path) const;
 
   /// Copies what another result.json holds at `path`, if anything. InputError when that file is no JSON object.
   void take(std::string_view path, const std::string& other_file);

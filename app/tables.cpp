@@ -21,6 +21,8 @@ void add_chart(Result& r, int number, const std::string& title, const LineChart&
   r.set(p + "/description", c.description);
   r.set(p + "/x", c.x.title);
   r.set(p + "/y", c.y.title);
+  if (c.x.log) r.set(p + "/x_log", true);
+  if (c.y.log) r.set(p + "/y_log", true);
   for (size_t k = 0; k < c.series.size(); ++k) {
     const ChartSeries& s = c.series[k];
     const std::string q = p + "/series/" + std::to_string(k);

@@ -156,9 +156,12 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
     case pick::between: {
       ConnectTissue t;
       t.name = e.text.str(), t.face_mm = rest, t.bone_mm = Vec3(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
-      t.face_radius_mm = e.depth_mm, t.bone_radius_mm = e.spacing_mm, t.layers = e.id, t.young_kPa = e.angle_deg;
+      t.face_radius_mm = e.depth_mm, t.bone_radius_mm = e.spacing_mm, t.layers = e.id % 100, t.young_kPa = e.angle_deg;
+      t.mode = TissueKind(std::clamp(e.id / 100, 0, int(TissueKind::finite_elements)));
       return HeadCommand(std::move(t));
     }
+    case pick::laid_upon:
+      return HeadCommand(Superpose{SkullBeside(std::clamp(e.id, 0, int(SkullBeside::mirror))), e.text.str()});
     case ToolEvent::undo:
       return Undo{};
     case ToolEvent::redo:

@@ -234,6 +234,8 @@ EmulatedSurgeon::EmulatedSurgeon(std::vector<Command> script, const SurgeonSetti
 EmulatedSurgeon::~EmulatedSurgeon() = default;
 void EmulatedSurgeon::look(const Snapshot& snapshot) { impl_->sight.seen = &snapshot; }
 void EmulatedSurgeon::poll(int64_t now_ns, SampleSink& sink) {
+  // Bone without skin is another surgeon's (head_surgeon.h).
+  if (impl_->sight.open() && !impl_->sight.seen->topology->body) impl_->finished = true;
   impl_->poll(now_ns, sink);
   impl_->sight.seen = nullptr;
 }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "devices/pick.h"
+#include "sim/tools/head_command.h"
 
 namespace limberg {
 
@@ -139,8 +141,17 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
       break;
     }
     case pick::tissue: {
-      const std::string names = c.text.str();
+      std::string names = c.text.str();
       const size_t cut = std::min(names.find('/'), names.size());
+      int mode = int(TissueKind::finite_elements);
+      if (const size_t second = names.find('/', std::min(cut + 1, names.size())); second != std::string::npos) {
+        const auto* const known = std::find(std::begin(kTissueKinds), std::end(kTissueKinds), names.substr(second + 1));
+        if (known == std::end(kTissueKinds)) {
+          ++missed_;
+          break;
+        }
+        mode = int(known - std::begin(kTissueKinds)), names.resize(second);
+      }
       const auto place = [&](const std::string& name, double (&to)[3]) {
         if (!s.topology) return false;
         const auto& all = s.topology->landmark;
@@ -154,7 +165,14 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
         break;
       }
       e.text = ShortText(names.substr(0, cut) + "-" + names.substr(cut + 1));
-      e.depth_mm = c.value[0], e.spacing_mm = c.value[1], e.id = int32_t(std::clamp(c.value[2], 0.0, 1000.0)), e.angle_deg = c.value[3];
+      e.depth_mm = c.value[0], e.spacing_mm = c.value[1], e.id = int32_t(std::clamp(c.value[2], 0.0, 99.0)) + 100 * mode, e.angle_deg = c.value[3];
+      emit(e, out);
+      break;
+    }
+    case pick::beside: {
+      ToolEvent e = event(pick::laid_upon, tick, s);
+      e.id = int32_t(std::clamp(c.value[0], 0.0, double(std::size(kSkullBeside) - 1)));
+      e.text = c.text;
       emit(e, out);
       break;
     }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "devices/motion.h"
+#include "devices/pick.h"
 #include "devices/sample.h"
 #include "sim/geometry/triangle.h"
 #include "sim/snapshot.h"
@@ -22,12 +23,12 @@ const Vec3 kRest_mm{-150, 190, 40};               // where the hands wait
 
 /// One thing that the hands do.
 struct Act {
-  enum Kind { hold, saw_to, saw_along, press, let_go, reach, close, carry, open, control, next } kind = hold;
+  enum Kind { hold, saw_to, saw_along, press, let_go, carry_tip, reach, close, carry, open, control, next } kind = hold;
   double seconds = 0;
   Vec3 to_mm = Vec3::Zero();       // saw_to: on the bone at rest; reach: the pointed place, at rest
   double height_mm = 0;            // saw_to: above the bone
   std::vector<Vec3> path;          // saw_along: at rest
-  RigidMove move;                  // carry
+  RigidMove move;                  // carry, carry_tip
   ControlSample sample;
 };
 
@@ -41,13 +42,14 @@ struct OnBone {
 }  // namespace
 
 struct EmulatedHeadSurgeon::Impl {
-  Impl(std::vector<Command> commands, const SurgeonSettings& s)
-      : script(std::move(commands)), set(s),
+  Impl(std::vector<Command> commands, const SurgeonSettings& s, HeadHands which)
+      : script(std::move(commands)), set(s), glove(which == HeadHands::stylus_and_glove),
         tremor{Tremor(s.seed * 8 + 1, s.tremor_mm, s.tremor_low_hz, s.tremor_high_hz), Tremor(s.seed * 8 + 2, s.tremor_mm, s.tremor_low_hz, s.tremor_high_hz)},
         noise(s.seed * 8 + 3), dropouts(s.seed * 8 + 4, s.dropouts_per_s, s.dropout_max_s) {}
 
   std::vector<Command> script;
   SurgeonSettings set;
+  bool glove;
   Tremor tremor[2];
   RandomStream noise;
   Dropouts dropouts;
@@ -59,6 +61,7 @@ struct EmulatedHeadSurgeon::Impl {
   bool begun = false, act_begun = false, finished = false, pressed = false;
   double act_from_s = 0, act_seconds = 0;
   Vec3 tip = kRest_mm + Vec3(60, 0, 0), tip_from = tip, up = Vec3::UnitY();
+  Eigen::Quaterniond tip_turn = Eigen::Quaterniond::Identity();  // of the stylus since it gripped a fragment
   // The glove: where the middle between its tips is, how it is turned, how far it is open.
   Vec3 centre = kRest_mm, centre_from = kRest_mm, pointed = Vec3::Zero();
   Eigen::Quaterniond turn = Eigen::Quaterniond::Identity(), turn_from = turn;
@@ -170,6 +173,7 @@ struct EmulatedHeadSurgeon::Impl {
     if (m.fragment.id >= 0) at = front_of(m.fragment.id);
     place = on_bone(at);
     if (!place.found) return problem("there is no bone to grab");
+    if (!glove) return plan_grip(m, at, middle(place.object));
     Act reach;
     reach.kind = Act::reach;
     reach.to_mm = at;
@@ -191,6 +195,29 @@ struct EmulatedHeadSurgeon::Impl {
     acts.push_back(back);
     add(Act::hold, set.settle_s);
   }
+  void plan_grip(const MoveFragment& m, const Vec3& at, const Vec3& about_mm) {
+    choose(ControlSample::select_tool, Tool::grab);
+    Act to;
+    to.kind = Act::saw_to;
+    to.to_mm = at, to.height_mm = set.hover_mm;
+    acts.push_back(to);
+    to.height_mm = 0;
+    acts.push_back(to);
+    add(Act::hold, set.corner_pause_s);
+    add(Act::press);
+    add(Act::hold, set.corner_pause_s);
+    Act carry;
+    carry.kind = Act::carry_tip;
+    carry.move = m.by;
+    if (!carry.move.about_mm) carry.move.about_mm = about_mm;
+    carry.seconds = std::max(m.seconds, 0.5);
+    acts.push_back(carry);
+    add(Act::hold, 0.4);
+    add(Act::let_go);
+    to.height_mm = 4 * set.hover_mm;
+    acts.push_back(to);
+    add(Act::hold, set.settle_s);
+  }
   void plan(const Stage& s) { choose(ControlSample::stage, Tool::none, {double(++stages), 0, 0, 0}, s.name), add(Act::hold, set.corner_pause_s); }
   void plan(const Wait& w) { add(Act::hold, w.seconds); }
   void plan(const Undo&) { choose(ControlSample::undo), add(Act::hold, set.settle_s); }
@@ -198,7 +225,10 @@ struct EmulatedHeadSurgeon::Impl {
   void plan(const HeadCommand& h) {
     if (const auto* c = std::get_if<CutBone>(&h)) return plan(*c);
     if (const auto* m = std::get_if<MoveFragment>(&h)) return plan(*m);
-    problem("no gesture of saw and glove; expected osteotomies by contours and moves of fragments");
+    if (const auto* s = std::get_if<Superpose>(&h)) return choose(pick::beside, Tool::none, {double(s->on), 0, 0, 0}, s->name), add(Act::hold, set.settle_s);
+    if (const auto* l = std::get_if<PlaceLandmark>(&h))
+      return choose(pick::landmark, Tool::none, {l->at_mm.x(), l->at_mm.y(), l->at_mm.z(), double(l->on_face ? pick::face : pick::bone)}, l->name), add(Act::hold, set.settle_s);
+    problem("no gesture of saw and glove; expected osteotomies by contours, moves of fragments, landmarks and superpositions");
   }
   template <class Other>
   void plan(const Other&) { problem("an act on skin; expected acts on bone"); }
@@ -228,7 +258,7 @@ struct EmulatedHeadSurgeon::Impl {
         return std::max(0.5, l / set.draw_mm_s);
       }
       case Act::reach: return 1.2;
-      case Act::carry: return a.seconds;
+      case Act::carry: case Act::carry_tip: return a.seconds;
       default: return 0;
     }
   }
@@ -247,7 +277,13 @@ struct EmulatedHeadSurgeon::Impl {
 
   void move(const Act& a, double share) {
     const double s = minimum_jerk(share);
-    if (a.kind == Act::saw_to || a.kind == Act::saw_along) {
+    if (a.kind == Act::carry_tip) {
+      RigidMove part = a.move;
+      part.translation_mm *= s, part.rotation_deg *= s;
+      const Eigen::Isometry3d m = isometry(part, Vec3::Zero());
+      tip = m * tip_from, tip_turn = Eigen::Quaterniond(m.linear());
+    } else if (a.kind == Act::saw_to || a.kind == Act::saw_along) {
+      tip_turn.setIdentity();
       const OnBone b = on_bone(a.kind == Act::saw_to ? a.to_mm : along(a.path, s));
       if (!b.found) return;
       up = b.normal;
@@ -319,7 +355,7 @@ struct EmulatedHeadSurgeon::Impl {
     StylusSample s;
     s.device_id = set.device_id, s.seq = stylus_seq++, s.t_ns = t_ns;
     s.tip_mm = tip + tremor[0].at(t_s) + set.noise_mm * noise.normal3();
-    s.quat = noisy(Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up));
+    s.quat = noisy(tip_turn * Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), up));
     s.buttons = pressed ? 1 : 0;
     ++sent;
     sink.on_sample(s);
@@ -351,14 +387,14 @@ struct EmulatedHeadSurgeon::Impl {
       const bool lost = dropouts.lost(t_s);
       if (!lost) {
         send_stylus(t_s, t_ns, sink);
-        send_station(int(sample % 2), t_s, t_ns, sink);
+        if (glove) send_station(int(sample % 2), t_s, t_ns, sink);
       }
       ++sample;
     }
   }
 };
 
-EmulatedHeadSurgeon::EmulatedHeadSurgeon(std::vector<Command> script, const SurgeonSettings& settings) : impl_(new Impl(std::move(script), settings)) {}
+EmulatedHeadSurgeon::EmulatedHeadSurgeon(std::vector<Command> script, const SurgeonSettings& settings, HeadHands hands) : impl_(new Impl(std::move(script), settings, hands)) {}
 EmulatedHeadSurgeon::~EmulatedHeadSurgeon() = default;
 void EmulatedHeadSurgeon::look(const Snapshot& snapshot) { impl_->seen = &snapshot; }
 void EmulatedHeadSurgeon::poll(int64_t now_ns, SampleSink& sink) { impl_->poll(now_ns, sink); }

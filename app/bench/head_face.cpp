@@ -102,7 +102,7 @@ std::string HeadReport::csv() const {
   return s;
 }
 
-std::string HeadReport::svg(const std::string& situation) const {
+LineChart HeadReport::chart(const std::string& situation) const {
   LineChart c;
   c.description = situation + ": distance of the face from the finite elements at equilibrium against run time, for each mode of the tissue";
   c.x = {"CPU time of one core, ms", true, {}, {}};
@@ -115,7 +115,7 @@ std::string HeadReport::svg(const std::string& situation) const {
       if (t.situation == situation && t.mode == m.name) s.x.push_back(t.cpu_ms), s.y.push_back(t.rms_mm);
     c.series.push_back(std::move(s));
   }
-  return limberg::svg(c);
+  return c;
 }
 
 HeadReport head_suite(const HeadSettings& settings) {

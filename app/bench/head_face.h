@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "app/bench/bench.h"
+#include "app/report/svg_chart.h"
 
 namespace limberg {
 struct HeadModel;
@@ -37,7 +38,7 @@ struct HeadReport {
   std::vector<HeadTrial> trials;
   std::vector<std::string> situations() const;
   std::string csv() const;
-  std::string svg(const std::string& situation) const;  // error against run time, a line per mode
+  LineChart chart(const std::string& situation) const;  // error against run time, a line per mode
 };
 
 HeadReport head_suite(const HeadSettings& settings);

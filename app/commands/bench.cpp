@@ -29,6 +29,7 @@
 #include "app/session_latency.h"
 #include "app/shipped.h"
 #include "app/streams.h"
+#include "app/tables.h"
 #include "sim/error.h"
 #include "sim/lattice/lattice.h"
 
@@ -110,6 +111,7 @@ int run(const Options& o) {
   bench::Result b;
   bench::FuzzReport fuzzed;
   bench::AccuracyReport accuracy;
+  std::vector<std::pair<std::string, LineChart>> charts;
   if (o.suite == "accuracy") {
     catch_interrupts();  // its trials are kept
     bench::AccuracySettings s;
@@ -156,8 +158,10 @@ int run(const Options& o) {
     if (!o.common.out_dir.empty()) {
       prepare_folder(o.common.out_dir);
       write_whole_file(o.common.out_dir + "/head-modes.csv", heads.csv());
-      int n = 0;
-      for (const std::string& situation : heads.situations()) write_whole_file(o.common.out_dir + "/head-modes-" + std::to_string(++n) + ".svg", heads.svg(situation));
+    }
+    for (const std::string& situation : heads.situations()) {
+      charts.emplace_back(situation + ": error against run time", heads.chart(situation));
+      if (!o.common.out_dir.empty()) write_whole_file(o.common.out_dir + "/head-modes-" + std::to_string(charts.size()) + ".svg", svg(charts.back().second));
     }
   } else if (o.suite == "simplex") {
     bench::SimplexSettings s;
@@ -218,6 +222,7 @@ int run(const Options& o) {
     if (!o.common.out_dir.empty()) write_whole_file(o.common.out_dir + "/accuracy.csv", accuracy.csv()), write_whole_file(o.common.out_dir + "/accuracy.svg", accuracy.svg());
   }
   fill(result, b);
+  for (const auto& [title, chart] : charts) add_chart(result, result.entries("/charts"), title, chart);
   bool ok = true;
   for (const bench::Bar& x : b.bars) ok &= x.pass;
   result.set_ok(ok);

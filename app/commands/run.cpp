@@ -8,6 +8,7 @@
 #include "app/progress.h"
 #include "app/shipped.h"
 #include "devices/emulator.h"
+#include "devices/head_surgeon.h"
 #include "devices/log_source.h"
 #include "sim/error.h"
 #include "sim/tools/strokes.h"
@@ -34,7 +35,8 @@ void add_device(SessionCall& call, const std::string& text) {
     std::vector<Command> commands;
     for (const ScriptLine& l : load_script(spec.rest).lines) commands.push_back(l.command);
     call.surgeon_seed = SurgeonSettings{}.seed;
-    call.sources.push_back(std::make_unique<EmulatedSurgeon>(join_strokes(commands)));
+    if (call.scene.head && !call.scene.flesh) call.sources.push_back(std::make_unique<EmulatedHeadSurgeon>(commands));
+    else call.sources.push_back(std::make_unique<EmulatedSurgeon>(join_strokes(commands)));
   } else if (spec.kind == "log" && !spec.rest.empty()) {
     Recording rec = read_recording(spec.rest);
     const uint64_t named = call.point ? call.point->scene_hash : call.scene.hash;

@@ -50,7 +50,7 @@ Outcome HeadPatient::apply(const Command& c) {
   if (std::holds_alternative<Stage>(c) || std::holds_alternative<Wait>(c)) return skin_ ? skin_->apply(c) : head_.apply(c);
   if (const auto* h = std::get_if<HeadCommand>(&c)) {
     const Outcome o = head_.apply(c);
-    if (o.done && !std::holds_alternative<GrabFragment>(*h) && !std::holds_alternative<DragFragment>(*h)) done_.push_back(By::head), undone_.clear(), stroke_ = 0;
+    if (o.done && !std::holds_alternative<GrabFragment>(*h) && !std::holds_alternative<DragFragment>(*h) && !std::holds_alternative<Superpose>(*h)) done_.push_back(By::head), undone_.clear(), stroke_ = 0;
     return o;
   }
   if (!skin_) return head_.apply(c);  // says what is wrong

@@ -169,10 +169,25 @@ void fill_head(Result& r, const Head& head, int tables) {
   r.set("/metrics/fragments", uint64_t(head.bones().fragments().size()));
   r.set("/metrics/fragment_moved_max_mm", most);
   n = 0;
+  ResultTable net;
+  net.title = "Tissue between face and bone";
+  net.about = "What hangs between the opposite regions. Springs alone hold no shape: how many motions they leave free is counted, and what holds these is said.";
+  net.columns = {"tissue", "mode", "layers", "stiffness, kPa", "vertices", "of the face", "what its springs leave free"};
   for (const ConnectTissue& c : head.tissues()) {
-    const std::string p = "/head/tissues/" + std::to_string(n++);
+    const std::string p = "/head/tissues/" + std::to_string(n);
     r.set(p + "/name", c.name), r.set(p + "/layers", c.layers), r.set(p + "/young_kPa", c.young_kPa), r.set(p + "/mode", kTissueKinds[size_t(c.mode)]);
+    const simplex::Tissue& tissue = *head.face_model().tissues()[size_t(n)];
+    const bool springs = c.mode == TissueKind::springs || c.mode == TissueKind::shape;
+    const std::string free = springs ? head.face_model().free_motions(size_t(n)) : std::string();
+    if (springs) r.set(p + "/free_motions", free);
+    std::string mode = kTissueKinds[size_t(c.mode)];
+    std::replace(mode.begin(), mode.end(), '_', ' ');
+    net.rows.push_back({c.name, mode, std::to_string(c.layers), short_number(c.young_kPa, 3), std::to_string(tissue.vertices()), std::to_string(tissue.link.size()), springs ? free : "-"});
+    ++n;
   }
+  if (!net.rows.empty()) add_table(r, tables++, net);
+  n = 0;
+  for (const std::string& w : head.face_model().warnings()) r.set("/head/warnings/" + std::to_string(n++), w);
   fill_pictures(r, head);
 }
 
@@ -184,15 +199,14 @@ void print_head(const Head& head) {
       std::printf("  moved     %d, %s: %.2f mm right, %.2f forward, %.2f up, turned by %.2f degrees\n", f.id, f.name.c_str(), way.x(), way.y(), way.z(), turned_deg(f.pose));
   }
   if (!head.has_face()) return;
+  for (const std::string& line : head.face_model().describe()) std::printf("tissue      %s\n", line.c_str());
+  for (const std::string& line : head.face_model().warnings()) std::printf("  note      %s\n", line.c_str());
   const Moved m = face_moved(head);
   std::printf("face        moved by at most %.2f mm\n", m.most_mm);
 }
 
 void leave_head_figures(Result& r, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers) {
   write_whole_file(dir + "/measures.csv", to_csv(head_measures(head.landmarks_at_rest(), head.landmarks_now())));
-  // A skull worth laying upon another has more than a few hundred places.
-  constexpr int kLeastVertices = 2000;
-  if (head.bones().mesh().vertices() < kLeastVertices) return;
   prepare_folder(dir + "/head");
   for (const std::string& why : report_skull(r, head, dir, last, camera, workers)) say(why);
 }

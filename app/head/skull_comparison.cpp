@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <set>
 
 #include "app/head/cache.h"
 #include "app/output.h"
@@ -99,48 +100,79 @@ Surface mirror_image(const Surface& skull, std::string& reason, Workers& w) {
   return other;
 }
 
-Surface bone_surface(const Head& head, bool at_rest, std::vector<int32_t>* fragment) {
-  const simplex::Mesh& mesh = at_rest ? head.bones().mesh() : head.bones_now();
+namespace {
+
+/// `fragment`: per vertex slot on entry, per vertex of the surface afterwards.
+Surface surface_of(const simplex::Mesh& mesh, std::vector<int32_t>* fragment) {
   const simplex::FanTriangles fan = simplex::fan_triangles(mesh);
   Surface s;
   add_surface(s, mesh, fan);
   if (fragment) {
-    fragment->assign(s.x_mm.size(), -1);
-    for (int32_t v = 0; v < mesh.slots(); ++v) (*fragment)[size_t(v)] = head.bones().fragment_of(v);
+    fragment->resize(s.x_mm.size(), -1);
     for (const Tri& t : fan.tri) (*fragment)[size_t(t[0])] = (*fragment)[size_t(t[1])];
   }
   return compacted(s, fragment);
 }
 
-SkullComparison compare_with(const Head& head, const Surface& other, const std::string& words, bool with_scale, Workers& w) {
-  SkullComparison c;
-  c.with = words;
-  Surface rest = bone_surface(head, true, &c.fragment), now = bone_surface(head, false);
+}  // namespace
+
+Surface bone_surface(const Head& head, bool at_rest, std::vector<int32_t>* fragment) {
+  const simplex::Mesh& mesh = at_rest ? head.bones().mesh() : head.bones_now();
+  if (fragment) {
+    fragment->resize(size_t(mesh.slots()));
+    for (int32_t v = 0; v < mesh.slots(); ++v) (*fragment)[size_t(v)] = head.bones().fragment_of(v);
+  }
+  return surface_of(mesh, fragment);
+}
+
+SkullFit lay_upon(const Surface& skull, const Surface& other, const std::string& words, bool with_scale, Workers& w) {
+  SkullFit f;
+  f.with = words;
   IcpSettings s = skull_fit();
   s.with_scale = with_scale;
-  const SurfaceTarget target(other);
-  const IcpResult r = icp(rest, target, {}, s, w);
-  if (!r) {
-    c.reason = "The skull could not be laid upon " + words + ": " + r.reason;
-    return c;
-  }
-  c.map = r.map, c.fit_rms_mm = r.rms_mm;
-  c.before = distance_map(rest, c.map, target, w);
-  c.after = distance_map(now, c.map, target, w);
+  f.target.emplace(other);
+  const IcpResult r = icp(skull, *f.target, {}, s, w);
+  if (!r) f.reason = "The skull could not be laid upon " + words + ": " + r.reason;
+  f.map = r.map, f.rms_mm = r.rms_mm;
+  return f;
+}
+
+SkullComparison measure_on(const SkullFit& fit, Surface rest, Surface now, std::vector<int32_t> fragment, Workers& w) {
+  SkullComparison c;
+  c.with = fit.with, c.reason = fit.reason;
+  if (!c) return c;
+  c.map = fit.map, c.fit_rms_mm = fit.rms_mm;
+  c.before = distance_map(rest, c.map, *fit.target, w);
+  c.after = distance_map(now, c.map, *fit.target, w);
+  c.fragment = std::move(fragment);
   c.at_rest_mm = std::move(rest.x_mm), c.now_mm = std::move(now.x_mm), c.tri = std::move(now.tri);
   return c;
 }
 
-SkullComparison compare_with_mirror(const Head& head, Workers& w) {
-  SkullComparison c;
-  c.with = "its mirror image";
+SkullComparison compare_with(const Head& head, const Surface& other, const std::string& words, bool with_scale, Workers& w) {
+  std::vector<int32_t> fragment;
+  const Surface rest = bone_surface(head, true, &fragment);
+  return measure_on(lay_upon(rest, other, words, with_scale, w), rest, bone_surface(head, false), std::move(fragment), w);
+}
+
+namespace {
+
+SkullFit fit_to_mirror(const Surface& skull, Workers& w) {
+  SkullFit f;
+  f.with = "its mirror image";
   std::string reason;
-  const Surface other = mirror_image(bone_surface(head, true), reason, w);
-  if (!reason.empty()) {
-    c.reason = "No mirror plane of the skull was found: " + reason;
-    return c;
-  }
-  return compare_with(head, other, c.with, false, w);
+  const Surface other = mirror_image(skull, reason, w);
+  if (reason.empty()) return lay_upon(skull, other, f.with, false, w);
+  f.reason = "No mirror plane of the skull was found: " + reason;
+  return f;
+}
+
+}  // namespace
+
+SkullComparison compare_with_mirror(const Head& head, Workers& w) {
+  std::vector<int32_t> fragment;
+  const Surface rest = bone_surface(head, true, &fragment);
+  return measure_on(fit_to_mirror(rest, w), rest, bone_surface(head, false), std::move(fragment), w);
 }
 
 Surface normal_skull(Workers& w) {
@@ -150,24 +182,56 @@ Surface normal_skull(Workers& w) {
   return compacted(s, nullptr);
 }
 
-std::vector<std::string> report_skull(Result& r, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& w) {
-  std::vector<std::string> problems;
-  const nlohmann::json so_far = nlohmann::json::parse(r.text());
-  const auto standing = [&](const char* list) { return so_far.contains(list) ? int(so_far.at(list).size()) : 0; };
-  int gallery = standing("gallery"), n = 0;
+namespace {
+
+/// Pictures of skulls in colours, into DIR/head and the gallery; nothing where none can be made.
+class SkullPictures {
+ public:
+  SkullPictures(Result& r, const std::string& dir, const Camera& camera) : result_(r), dir_(dir) {
+    try {
+      maker_ = std::make_unique<PictureMaker>(1080, 1080);
+      maker_->set_camera(camera);
+    } catch (const RenderUnavailable&) {
+      // said once already, where the other pictures were to be made
+    }
+  }
+  void draw(const std::string& file, const std::string& title, const Surface& skull, const DistanceMap& d, double most_mm) {
+    if (!maker_) return;
+    PictureOptions o;
+    o.legend = "Distance", o.field_max = std::ceil(std::max(1.0, most_mm)), o.title = title;
+    write_png(dir_ + "/head/" + file, maker_->moved(coloured_skull(skull, d, ++version_), o));
+    const std::string p = "/gallery/" + std::to_string(result_.entries("/gallery"));
+    result_.set(p + "/picture", "head/" + file), result_.set(p + "/caption", title);
+  }
+
+ private:
+  Result& result_;
+  std::string dir_;
+  std::unique_ptr<PictureMaker> maker_;
+  uint64_t version_ = 0;
+};
+
+/// The largest 95th percentile of any fragment: what stands out is on some fragment.
+double largest_p95(const std::vector<double>& d, const std::vector<int32_t>& fragment) {
+  double most = 0;
+  for (const int32_t id : std::set<int32_t>(fragment.begin(), fragment.end())) most = std::max(most, spread(d, fragment, id).p95);
+  return most;
+}
+
+/// At the end, before the operation and after it.
+void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const std::string& dir, SkullPictures* pictures, Workers& w) {
   ResultTable t;
   t.title = "The skull beside another";
   t.about = "Distance of the skull's surface from the one that it was laid upon, in mm, outside of it positive. It was laid upon it as it was before the operation, by the places that differ least.";
   t.columns = {"laid upon", "part", "mean before", "mean after", "rms before", "rms after", "95 % within, before", "after"};
-  const SkullComparison all[] = {compare_with(head, normal_skull(w), "a normal skull", false, w), compare_with_mirror(head, w)};
   const char* const files[] = {"skull-normal", "skull-mirror"};
-  for (const SkullComparison& c : all) {
-    const std::string file = files[&c - all];
-    if (!c) {
-      problems.push_back(c.reason);
-      continue;
-    }
-    const std::string p = "/skull/" + std::to_string(n++);
+  std::vector<int32_t> fragment;
+  const Surface rest = bone_surface(head, true, &fragment), now = bone_surface(head, false);
+  int n = 0;
+  for (const SkullFit& fit : fits) {
+    const SkullComparison c = measure_on(fit, rest, now, fragment, w);
+    if (!c) continue;
+    const std::string p = "/skull/" + std::to_string(n++), file = files[&fit - fits];
     r.set(p + "/with", c.with), r.set(p + "/fit_rms_mm", c.fit_rms_mm);
     const auto row = [&](const std::string& part, int32_t id) {
       const Spread a = spread(c.before.signed_mm, c.fragment, id), b = spread(c.after.signed_mm, c.fragment, id);
@@ -178,28 +242,62 @@ std::vector<std::string> report_skull(Result& r, const Head& head, const std::st
     row("all", -1);
     for (const bone::Fragment& f : head.bones().fragments()) row(f.name, f.id);
     write_whole_file(dir + "/" + file + ".csv", map_csv(c));
-    if (!last.topology) continue;
-    try {
-      PictureMaker pictures(1080, 1080);
-      pictures.set_camera(camera);
-      PictureOptions o;
-      o.legend = "Distance";
-      double most = 1;  // what stands out is on some fragment
-      for (const bone::Fragment& f : head.bones().fragments())
-        for (const DistanceMap* d : {&c.before, &c.after}) most = std::max(most, spread(d->signed_mm, c.fragment, f.id).p95);
-      o.field_max = std::ceil(most);
-      for (const bool after : {false, true}) {
-        o.title = std::string("Distance from ") + c.with + (after ? ", after" : ", before");
-        const std::string name = "head/" + file + (after ? "-after.png" : "-before.png");
-        write_png(dir + "/" + name, pictures.moved(coloured_skull({after ? c.now_mm : c.at_rest_mm, c.tri}, after ? c.after : c.before, after ? 2 : 1), o));
-        const std::string q = "/gallery/" + std::to_string(gallery++);
-        r.set(q + "/picture", name), r.set(q + "/caption", o.title);
-      }
-    } catch (const RenderUnavailable&) {
-      // said once already, where the other pictures were to be made
-    }
+    if (!pictures) continue;
+    const double most = std::max(largest_p95(c.before.signed_mm, c.fragment), largest_p95(c.after.signed_mm, c.fragment));
+    for (const bool after : {false, true})
+      pictures->draw(file + (after ? "-after.png" : "-before.png"), "Distance from " + c.with + (after ? ", after" : ", before"), {after ? c.now_mm : c.at_rest_mm, c.tri}, after ? c.after : c.before, most);
   }
-  if (!t.rows.empty()) add_table(r, standing("tables"), t);
+  if (!t.rows.empty()) add_table(r, r.entries("/tables"), t);
+}
+
+/// When it was asked for.
+void report_moments(Result& r, const Head& head, const SkullFit (&fits)[2], const std::string& dir, SkullPictures* pictures, Workers& w) {
+  ResultTable t;
+  t.title = "The skull beside another, when it was asked for";
+  t.about = "Distance of the skull's surface at that moment, in mm, outside positive; laid upon the other as in the table of the whole operation.";
+  t.columns = {"moment", "laid upon", "part", "mean", "rms", "95 % within"};
+  int n = 0;
+  for (const SkullMoment& m : head.skull_moments()) {
+    std::vector<int32_t> fragment = m.fragment;
+    const Surface rest = surface_of(*m.rest, &fragment);
+    simplex::Mesh placed = *m.rest;
+    placed.x_mm = m.now_mm;
+    const SkullComparison c = measure_on(fits[m.on == SkullBeside::mirror], rest, surface_of(placed, nullptr), std::move(fragment), w);
+    if (!c) continue;
+    const std::string p = "/skull_moments/" + std::to_string(n), file = "skull-moment-" + std::to_string(++n);
+    const auto row = [&](const std::string& part, int32_t id) {
+      const Spread a = spread(c.after.signed_mm, c.fragment, id);
+      t.rows.push_back({m.name, c.with, part, short_number(a.mean, 3), short_number(a.rms, 3), short_number(a.p95, 3)});
+      if (id < 0) r.set(p + "/name", m.name), r.set(p + "/with", c.with), r.set(p + "/mean_mm", a.mean), r.set(p + "/rms_mm", a.rms), r.set(p + "/p95_mm", a.p95);
+    };
+    row("all", -1);
+    for (const auto& [id, name] : m.names) row(name, id);
+    write_whole_file(dir + "/" + file + ".csv", map_csv(c));
+    if (pictures) pictures->draw(file + ".png", m.name + ": distance from " + c.with, {c.now_mm, c.tri}, c.after, largest_p95(c.after.signed_mm, c.fragment));
+  }
+  if (!t.rows.empty()) add_table(r, r.entries("/tables"), t);
+}
+
+}  // namespace
+
+std::vector<std::string> report_skull(Result& r, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& w) {
+  // A skull worth laying upon another unasked has more than a few hundred places.
+  constexpr int kLeastVertices = 2000;
+  const bool whole = head.bones().mesh().vertices() >= kLeastVertices, moments = !head.skull_moments().empty();
+  if (!whole && !moments) return {};
+  bool wanted[2] = {whole, whole};
+  for (const SkullMoment& m : head.skull_moments()) wanted[m.on == SkullBeside::mirror] = true;
+  const Surface rest = bone_surface(head, true);
+  SkullFit fits[2];
+  if (wanted[0]) fits[0] = lay_upon(rest, normal_skull(w), "a normal skull", false, w);
+  if (wanted[1]) fits[1] = fit_to_mirror(rest, w);
+  std::vector<std::string> problems;
+  for (const SkullFit& f : fits)
+    if (!f.reason.empty()) problems.push_back(f.reason);
+  std::optional<SkullPictures> pictures;
+  if (last.topology) pictures.emplace(r, dir, camera);
+  if (whole) report_end(r, head, fits, dir, pictures ? &*pictures : nullptr, w);
+  if (moments) report_moments(r, head, fits, dir, pictures ? &*pictures : nullptr, w);
   return problems;
 }
 

@@ -4,6 +4,7 @@
 //
 // The normal skull is the synthetic head of normal proportions (cache.h), or any surface. The fit is trimmed ICP of the skull as it was at
 // first (sim/imaging/superposition.h): the places that differ most do not draw it, and the operation does not move it.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,18 @@ struct SkullComparison {
 /// The bones of a head as a surface: outside only matters to the eye, so cut faces are left out.
 Surface bone_surface(const Head& head, bool at_rest, std::vector<int32_t>* fragment = nullptr);
 
+/// A skull laid upon another, once; it can be measured there at several moments.
+struct SkullFit {
+  std::string with;                     // in words
+  std::optional<SurfaceTarget> target;
+  Similarity map;
+  double rms_mm = 0;                    // of the pairs that count
+  std::string reason;                   // why there is none
+};
+SkullFit lay_upon(const Surface& skull, const Surface& other, const std::string& in_words, bool with_scale, Workers& workers);
+/// `rest` and `now` have the same vertices and triangles; `fragment`: of each vertex.
+SkullComparison measure_on(const SkullFit& fit, Surface rest, Surface now, std::vector<int32_t> fragment, Workers& workers);
+
 SkullComparison compare_with(const Head& head, const Surface& other, const std::string& in_words, bool with_scale, Workers& workers);
 SkullComparison compare_with_mirror(const Head& head, Workers& workers);
 /// The skull of normal proportions, cranium and mandible.
@@ -43,7 +56,9 @@ IcpSettings skull_fit();
 Snapshot coloured_skull(const Surface& skull, const DistanceMap& distance, uint64_t version);
 
 /// Both comparisons as `skull` {with, fit_rms_mm, before, after} and a table; maps as DIR/skull-normal.csv and DIR/skull-mirror.csv and, where
-/// pictures can be made, in `gallery`. Returns what could not be compared, a sentence each.
+/// pictures can be made, in `gallery`. The moments that were asked for (Superpose) as `skull_moments` {name, with, mean_mm, rms_mm, p95_mm}, a
+/// table, a map DIR/skull-moment-1.csv and a picture each. A skull of fewer than 2000 vertices is only measured where it was asked
+/// for. Returns what could not be compared, a sentence each.
 std::vector<std::string> report_skull(Result& result, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers);
 
 }  // namespace limberg

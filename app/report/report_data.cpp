@@ -83,7 +83,7 @@ void read_charts(const Json& j, ReportData& d) {
   const auto truth = [](const Json& v) { return v.is_boolean() && v.get<bool>(); };
   if (const Json& charts = member(j, "charts"); charts.is_array())
     for (const Json& c : charts) {
-      ReportChart chart{words(c, "title"), words(c, "description"), words(c, "x"), words(c, "y"), {}};
+      ReportChart chart{words(c, "title"), words(c, "description"), words(c, "x"), words(c, "y"), {}, truth(member(c, "x_log")), truth(member(c, "y_log"))};
       if (const Json& series = member(c, "series"); series.is_array())
         for (const Json& s : series) {
           ReportChart::Series one{words(s, "name"), column(member(s, "x")), column(member(s, "y")), truth(member(s, "markers"))};

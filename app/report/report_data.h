@@ -63,6 +63,7 @@ struct ReportChart {
     bool markers = false;
   };
   std::vector<Series> series;
+  bool x_log = false, y_log = false;
 };
 
 struct ReportData {

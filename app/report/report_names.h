@@ -26,7 +26,7 @@
 //                  finest lattice of "convergence"
 //   "distance_mm" (or "solver": {"distance_mm"}): estimated distance to equilibrium at the end
 //   "study", "about", "columns": [name], "rows": [{name: value}], "bars": [{"name", "value", "bar", "larger_is_better", "pass",
-//                  "source"}], "charts": [{"title", "description", "x", "y", "series": [{"name", "markers", "x": [...], "y": [...]}]}]
+//                  "source"}], "charts": [{"title", "description", "x", "y", "x_log", "y_log" (absent: even), "series": [{"name", "markers", "x": [...], "y": [...]}]}]
 //                  of a study; rows are shown in the order of the columns
 //   "charts" and "tables": [{"title", "about", "columns": [name], "rows": [[text]]}] of other commands too
 //   "series": also "closure_N", "suture_max_N" of a session, over t_s

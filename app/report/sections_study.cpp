@@ -15,6 +15,7 @@ std::string chart_figure(const ReportChart& c) {
   LineChart chart;
   chart.description = c.description;
   chart.x.title = c.x, chart.y.title = c.y;
+  chart.x.log = c.x_log, chart.y.log = c.y_log;
   for (const auto& s : c.series) chart.series.push_back({s.name, s.x, s.y, s.markers});
   return "<h3>" + escape(c.title) + "</h3>\n<figure class=\"wide\">" + svg(chart) + "</figure>\n";
 }

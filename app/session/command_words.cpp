@@ -35,9 +35,18 @@ std::string in_words(const Command& command) {
   if (const auto* c = std::get_if<SutureRow>(&command)) return words("row of sutures every %.3g mm", c->spacing_mm);
   if (const auto* h = std::get_if<HeadCommand>(&command)) {
     if (const auto* c = std::get_if<CutBone>(h)) return c->contour_mm.empty() ? "osteotomy by a plane" : words("osteotomy by a contour of %zu places", c->contour_mm.size());
+    if (const auto* c = std::get_if<MoveFragment>(h)) {
+      const double deg = c->by.rotation_deg.norm();
+      return deg > 0 ? words("fragment moved by %.1f mm, turned by %.1f degrees", c->by.translation_mm.norm(), deg) : words("fragment moved by %.1f mm", c->by.translation_mm.norm());
+    }
+    if (std::holds_alternative<GrabFragment>(*h)) return "fragment grabbed";
+    if (const auto* c = std::get_if<LetGo>(h)) return c->snap ? "fragment let go, into its cut" : "fragment let go";
+    if (std::holds_alternative<PlateFragments>(*h)) return "plate across two fragments";
+    if (std::holds_alternative<JoinFragments>(*h)) return "two fragments joined";
     if (const auto* c = std::get_if<DragFragment>(h)) return words("fragment taken by %.1f mm in %.1f s", c->to.translation_mm.norm(), c->seconds);
     if (const auto* c = std::get_if<ConnectTissue>(h)) return "tissue: " + c->name;
     if (const auto* c = std::get_if<PlaceLandmark>(h)) return "landmark " + c->name;
+    if (const auto* c = std::get_if<Superpose>(h)) return kSkullBesideWords[size_t(c->on)];
   }
   if (const auto* c = std::get_if<Stage>(&command)) return "stage: " + c->name;
   return action_name(command);

@@ -145,7 +145,7 @@ bool SolverLane::apply(const Command& c, int64_t tick) {
     ch_.stages.push({row.number, ShortText(s->name)});
   }
   const bool undo = std::holds_alternative<Undo>(c), redo = std::holds_alternative<Redo>(c);
-  notify(undo ? Notice::undone : redo ? Notice::redone : Notice::done, c, undo || redo ? "" : in_words(c), tick);
+  notify(undo ? Notice::undone : redo ? Notice::redone : Notice::done, c, undo || redo ? "" : in_words(c) + (o.reason.empty() ? "" : ": " + o.reason), tick);
   if (on_command_) on_command_(c);
   return true;
 }

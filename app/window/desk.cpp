@@ -58,6 +58,7 @@ DeskStage desk_stage(int width, int height) {
 }
 
 void Desk::notice(const Notice& n) {
+  if (n.kind == Notice::done) state.head.hear(n.text.data());
   const bool again = !notices_.empty() && n.kind == Notice::done && notices_.back().kind == n.kind && notices_.back().text == n.text;
   if (again) return;  // a further piece of the same stroke
   notices_.push_back(n);
@@ -137,6 +138,7 @@ void Desk::tools(const DeskReading& r, int height) {
     ImGui::Checkbox("Lattice", &state.lattice);
   }
   if (facts_.head) ImGui::PushItemWidth(-1), ImGui::Combo("##face", &state.face, "Face\0Clear face\0No face\0"), ImGui::PopItemWidth();
+  if (facts_.head) ImGui::Checkbox("Landmarks", &state.landmarks);
   ImGui::Checkbox("Triangles", &state.wireframe);
   if (ImGui::Checkbox("Measure", &state.ruler) && state.ruler) choose(Tool::none);
   ImGui::PushItemWidth(-1);
@@ -191,10 +193,11 @@ void Desk::patient(const DeskReading& r, int width, int height) {
   }
   if (facts_.head && r.measures) {
     if (s.figures.empty()) heading("HEAD");
-    state.head.draw(*r.measures, float(height));
+    state.head.draw(*r.measures, !s.moved_mm.empty(), float(height));
   }
-  heading("SUTURES");
-  if (s.sutures.empty()) ImGui::TextColored(kQuiet, "none yet");
+  if (facts_.skin) heading("SUTURES");
+  if (!facts_.skin) ImGui::Spacing();
+  else if (s.sutures.empty()) ImGui::TextColored(kQuiet, "none yet");
   else {
     double sum = 0;
     for (const SutureState& x : s.sutures) sum += double(x.force_N);
@@ -272,8 +275,8 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
 }
 
 void Desk::legend(const DeskReading& r, int width, int height) {
-  if (state.field == SkinField::none || !r.field || r.field->value.empty()) return;
-  const SkinFieldLook& look = look_of(state.field);
+  if (!r.field || r.field->value.empty()) return;
+  const SkinFieldLook& look = r.look ? *r.look : look_of(state.field);
   const float left = float(width) - kPatientWidth - 128, top = 0.16f * float(height), bar = 0.42f * float(height);
   ImGui::SetNextWindowPos({left, top});
   ImGui::SetNextWindowSize({120, bar + 108});
@@ -331,6 +334,15 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   ImGui::PopStyleVar(2);
   help(width, height);
 
+  for (const DeskMark& m : r.marks) {
+    ImDrawList& d = *ImGui::GetBackgroundDrawList();
+    const ImU32 ink = m.hidden ? IM_COL32(140, 225, 255, 110) : IM_COL32(140, 225, 255, 255);
+    if (m.hidden) d.AddCircle({m.x, m.y}, 4, ink, 12, 1.5f);
+    else d.AddCircleFilled({m.x, m.y}, 4, IM_COL32(10, 30, 40, 255)), d.AddCircleFilled({m.x, m.y}, 3, ink);
+    const ImVec2 size = ImGui::CalcTextSize(m.name.c_str());
+    d.AddRectFilled({m.x + 6, m.y - 8}, {m.x + 12 + size.x, m.y - 4 + size.y}, IM_COL32(15, 22, 26, m.hidden ? 70 : 150), 3);
+    d.AddText({m.x + 9, m.y - 6}, ink, m.name.c_str());
+  }
   if (!ruler_px.empty()) {
     ImDrawList& d = *ImGui::GetBackgroundDrawList();
     const ImU32 ink = IM_COL32(255, 240, 120, 255);

@@ -37,6 +37,7 @@ struct DeskState {
   float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
   SkinField field = SkinField::none;
   bool iso_lines = true, tension_lines = false, lattice = false;
+  bool landmarks = false;        // of a head: all of them, not only those that were picked
   bool directions = false, wireframe = false, help = false, ruler = false, keep_recording = false;
   int quality = 0;               // 0: chosen from the time of a frame (quality.h), else a level, from 1
   int face = 0;                  // of a head: solid, clear, hidden
@@ -48,6 +49,13 @@ struct DeskState {
   bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false;
 };
 
+/// A named place in the frame, pixels.
+struct DeskMark {
+  float x = 0, y = 0;
+  std::string name;
+  bool hidden = false;   // something lies before it
+};
+
 /// What is read off in this frame.
 struct DeskReading {
   const Snapshot* shown = nullptr;
@@ -56,8 +64,10 @@ struct DeskReading {
   int lesson_begun = 0;
   bool showing = false;
   const FieldShown* field = nullptr;  // what is shown in colours; null or empty: nothing
+  const SkinFieldLook* look = nullptr;  // of what is shown, where it is none of the fields of skin
   double samples_per_s = 0, pictures_per_s = 0;
   const std::vector<HeadMeasure>* measures = nullptr;  // of a head
+  std::vector<DeskMark> marks;         // its landmarks
 };
 
 class Desk {

@@ -4,22 +4,29 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "devices/pick.h"
 
 namespace limberg {
 
-void DeskHead::draw(const std::vector<HeadMeasure>& measures, float height) {
+void DeskHead::draw(const std::vector<HeadMeasure>& measures, bool has_face, float height) {
   ImGui::PushItemWidth(72);
   ImGui::InputText("##name", name.data(), name.size());
   ImGui::PopItemWidth();
   ImGui::SameLine();
-  if (ImGui::Button("Pick   L")) pick = true;
-  if (!on_face_.empty() && !on_bone_.empty()) {
+  if (ImGui::Button("Pick   K")) pick = true;
+  if (on_face_.empty() || on_bone_.empty()) {
+    if (has_face) ImGui::TextDisabled("tissue: pick on face and on bone");
+  } else {
     ImGui::PushItemWidth(72);
-    ImGui::SliderFloat("radius, mm", &face_radius_mm, 8, 80, "%.0f");
+    ImGui::SliderFloat("on the face, mm", &face_radius_mm, 8, 80, "%.0f");
+    ImGui::SliderFloat("on bone, mm", &bone_radius_mm, 0, 120, bone_radius_mm > 0 ? "%.0f" : "all of it");
     ImGui::SliderInt("layers", &layers, 1, 6);
     ImGui::SliderFloat("kPa", &young_kPa, 1, 60, "%.0f");
+    ImGui::PopItemWidth();
+    ImGui::PushItemWidth(-1);
+    ImGui::Combo("##mode", &mode, "Smoothing: the face does not feel it\0Springs\0Shape\0Finite elements\0");
     ImGui::PopItemWidth();
     if (ImGui::Button(("Tissue " + on_face_ + " - " + on_bone_).c_str())) tie = true;
   }
@@ -32,7 +39,7 @@ void DeskHead::draw(const std::vector<HeadMeasure>& measures, float height) {
   if (ImGui::BeginTable("measures", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY, {0, 0.30f * height})) {
     ImGui::TableSetupScrollFreeze(0, 1);
     ImGui::TableSetupColumn("measure", ImGuiTableColumnFlags_WidthStretch, 1.5f);
-    ImGui::TableSetupColumn("now");
+    ImGui::TableSetupColumn("now, mm");
     ImGui::TableSetupColumn("change");
     ImGui::TableHeadersRow();
     // What was picked first, then what has changed most: the eye is on the fragment.
@@ -80,9 +87,23 @@ std::optional<ControlSample> DeskHead::tied() const {
   if (on_face_.empty() || on_bone_.empty()) return std::nullopt;
   ControlSample c;
   c.kind = pick::tissue;
-  c.text = ShortText(on_face_ + "/" + on_bone_);
-  c.value = {double(face_radius_mm), 0, double(layers), double(young_kPa)};
+  c.text = ShortText(on_face_ + "/" + on_bone_ + "/" + kTissueKinds[size_t(mode)]);
+  c.value = {double(face_radius_mm), double(bone_radius_mm), double(layers), double(young_kPa)};
   return c;
+}
+
+std::optional<ControlSample> DeskHead::laid_upon() {
+  if (beside == told_) return std::nullopt;
+  told_ = beside;
+  ControlSample c;
+  c.kind = pick::beside;
+  c.value[0] = double(beside);
+  return c;
+}
+
+void DeskHead::hear(const std::string& words) {
+  for (size_t k = 0; k < std::size(kSkullBesideWords); ++k)
+    if (words == kSkullBesideWords[k]) beside = told_ = SkullBeside(k);
 }
 
 }  // namespace limberg

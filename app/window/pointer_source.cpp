@@ -1,8 +1,10 @@
 #include "app/window/pointer_source.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/window/ray_cast.h"
+#include "devices/head_surgeon.h"
 #include "sim/tools/strokes.h"
 
 namespace limberg {
@@ -60,9 +62,7 @@ std::vector<std::vector<Command>> lesson_steps(const std::vector<Command>& scrip
   return steps;
 }
 
-PointerSource::PointerSource(PointerFeed& feed, const std::vector<std::vector<Command>>& lesson, bool stays) : feed_(feed), stays_(stays) {
-  for (const std::vector<Command>& step : lesson) lesson_.push_back(std::make_unique<EmulatedSurgeon>(step, steady_hand()));
-}
+PointerSource::PointerSource(PointerFeed& feed, const std::vector<std::vector<Command>>& lesson, bool stays) : feed_(feed), lesson_(lesson), stays_(stays) {}
 
 // Samples of the hand that shows, renumbered and on the session's clock.
 class PointerSource::Forward final : public SampleSink {
@@ -90,14 +90,19 @@ class PointerSource::Forward final : public SampleSink {
 };
 
 bool PointerSource::show(int64_t now_ns, SampleSink& sink) {
-  if (began_ns_ < 0 && shown_ < lesson_.size() && feed_.next_wanted.load() > int(shown_) && !pressed_) {
+  if (began_ns_ < 0 && shown_ < lesson_.size() && feed_.next_wanted.load() > int(shown_) && !pressed_ && seen_ && seen_->topology) {
+    // What acts on bone, and everything where there is no skin, is shown by the hand for bone: with the stylus, as the mouse is one.
+    const std::vector<Command>& step = lesson_[shown_];
+    const bool bone = !seen_->topology->body || std::any_of(step.begin(), step.end(), [](const Command& c) { return std::holds_alternative<HeadCommand>(c); });
+    if (bone) hand_ = std::make_unique<EmulatedHeadSurgeon>(step, steady_hand(), HeadHands::stylus);
+    else hand_ = std::make_unique<EmulatedSurgeon>(step, steady_hand());
     began_ns_ = now_ns + 1;
     ++shown_;
     feed_.next_shown.store(int(shown_));
     feed_.showing.store(true);
   }
   if (began_ns_ < 0) return false;
-  EmulatedSurgeon& hand = *lesson_[shown_ - 1];
+  Source& hand = *hand_;
   if (seen_) hand.look(*seen_);
   Forward forward(*this, began_ns_, sink);
   if (now_ns >= began_ns_) hand.poll(now_ns - began_ns_, forward);

@@ -79,7 +79,8 @@ class PointerSource final : public Source {
   void send(const Vec3f& tip_mm, const Vec3f& shaft, bool pressed, int64_t now_ns, SampleSink& sink);
 
   PointerFeed& feed_;
-  std::vector<std::unique_ptr<EmulatedSurgeon>> lesson_;
+  std::vector<std::vector<Command>> lesson_;
+  std::unique_ptr<Source> hand_;   // that shows the step being shown
   bool stays_;
   size_t shown_ = 0;
   int64_t began_ns_ = -1;  // of the step being shown

@@ -36,8 +36,10 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
   if (with == SkullBeside::off || !now.topology) return nullptr;
   if (work_.valid() && work_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
     Found f = work_.get();
-    other_ = f.other;
-    if (!other_->reason.empty()) {
+    if (f.with == with) other_ = f.other;
+    if (f.with != with) {
+      measured_.clear();  // another one was asked for meanwhile
+    } else if (!other_->reason.empty()) {
       word_ = other_->reason;
     } else {
       char text[64];
@@ -46,8 +48,8 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
     }
   }
   const bool failed = other_ && !other_->reason.empty();
+  if (!other_) word_ = "laying the skull upon the other ...";
   if (!work_.valid() && !failed && now.x_mm != measured_) {
-    if (!other_) word_ = "laying the skull upon the other ...";
     measured_ = now.x_mm;
     work_ = std::async(std::launch::async, [with, before = first, s = now, other = other_, version = ++version_]() mutable {
       InlineWorkers w;
@@ -61,7 +63,7 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
         other = std::make_shared<const Other>(Other{std::move(target), r.map, reason.empty() ? r.reason : reason});
       }
       Found f;
-      f.other = other;
+      f.with = with, f.other = other;
       if (!other->reason.empty()) return f;
       const Surface bones = bones_of(s, false, of);
       const DistanceMap d = distance_map(bones, other->map, other->target, w);

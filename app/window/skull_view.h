@@ -9,10 +9,9 @@
 
 #include "sim/imaging/superposition.h"
 #include "sim/snapshot.h"
+#include "sim/tools/head_command.h"
 
 namespace limberg {
-
-enum class SkullBeside { off, normal, mirror };
 
 class SkullView {
  public:
@@ -29,6 +28,7 @@ class SkullView {
     std::string reason;
   };
   struct Found {
+    SkullBeside with = SkullBeside::off;
     std::shared_ptr<const Other> other;
     Snapshot shown;
     double rms_mm = 0;

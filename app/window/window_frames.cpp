@@ -14,6 +14,7 @@
 #include "app/window/orbit.h"
 #include "app/window/skull_view.h"
 #include "app/window/painted.h"
+#include "app/window/ray_cast.h"
 #include "render/picture.h"
 #include "render/renderer.h"
 #include "render/ui_painter.h"
@@ -91,6 +92,7 @@ struct WindowFrames::Impl {
   int since_frame = 0;
   SkinFields fields;
   const FieldShown* field = nullptr;
+  FieldShown distance;     // of the skull from another: what its legend needs
   LatticeShown lattice;
   Painted painted;
   int level = kFastLevel;  // of the picture as it stands
@@ -192,6 +194,7 @@ struct WindowFrames::Impl {
     if (!d.ruler) ruler.clear();
     if (d.head.tie)
       if (const auto c = d.head.tied()) feed.choices.push(*c);
+    if (const auto c = d.head.laid_upon()) feed.choices.push(*c);
     d.tool_changed = d.undo = d.redo = d.next = d.home = d.head.tie = false;
   }
 
@@ -231,6 +234,24 @@ struct WindowFrames::Impl {
       if (size_t(std::max(e.a, e.b)) < lattice.node_mm.size())
         lines.add(lattice.node_mm[size_t(e.a)], lattice.node_mm[size_t(e.b)], e.copied ? Vec3f(1.0f, 0.32f, 0.02f) : Vec3f(0.02f, 0.16f, 0.28f));
     return lines;
+  }
+
+  /// Picked places always, the others when they are wanted. Whether one is hidden is found by a ray.
+  std::vector<DeskMark> marks(const Snapshot& s, const View& view, int width, int height) const {
+    constexpr float kBefore_mm = 2;
+    std::vector<DeskMark> out;
+    if (!s.topology) return out;
+    const std::vector<std::string>& names = s.topology->landmark;
+    for (size_t i = 0; i < std::min(names.size(), s.landmark_mm.size()); ++i) {
+      const bool picked = picked_number(names[i]) > 0;
+      if (!picked && !desk.state.landmarks) continue;
+      const Vec3f at = s.landmark_mm[i], px = view.to_pixel(at, width, height);
+      const float far = (at - view.eye_mm).norm();
+      if (!px.allFinite() || !(far > 0)) continue;
+      const RayHit hit = cast_ray(s, view.eye_mm, (at - view.eye_mm) / far, desk.state.face == 2);
+      out.push_back({px.x(), px.y(), names[i], hit.triangle >= 0 && hit.distance_mm < far - kBefore_mm});
+    }
+    return out;
   }
 
   void paint_patient(const RenderScene& now, int at_level, int width, int height) {
@@ -319,7 +340,14 @@ struct WindowFrames::Impl {
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
     r.lesson_begun = feed.next_shown, r.showing = feed.showing;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
+    if (beside) {
+      static constexpr SkinFieldLook kDistance{"Distance", "Distance from the other skull", "mm", ColourScale::magnitude, 1};
+      distance.value = beside->moved_mm, distance.lo = 0, distance.hi = kSkullScale_mm;
+      distance.above = std::any_of(distance.value.begin(), distance.value.end(), [](float d) { return double(d) > kSkullScale_mm; });
+      r.field = &distance, r.look = &kDistance;
+    }
     if (set.facts.head) r.measures = &measures.read(s);
+    if (set.facts.head) r.marks = marks(s, view, width, height);
     std::vector<Vec3f> ruler_px;
     for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height));
     ImGui::NewFrame();

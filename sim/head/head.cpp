@@ -10,6 +10,8 @@ namespace limberg {
 
 namespace {
 
+constexpr int64_t kCountedAtOnce = 300;  // degrees of freedom whose free motions are counted exactly while somebody waits
+
 Outcome refuse(std::string why) { return {false, std::move(why)}; }
 
 simplex::FaceMode mode_of(TissueKind k) {
@@ -80,7 +82,8 @@ Outcome Head::act(const CutBone& c) {
   if (!done.done) return done;
   bones_changed(version);
   remember(std::move(before));
-  return done;
+  // A cut through what a tissue hangs on is allowed; whoever made it is told.
+  return {true, has_face_ && !face_.warnings().empty() ? face_.warnings().back() : done.reason};
 }
 
 Outcome Head::act(const MoveFragment& m) {
@@ -179,7 +182,29 @@ Outcome Head::act(const ConnectTissue& t) {
   if (!o.done) return o;
   remember(std::move(before));
   topology_changed();
-  return o;
+  const bool net = t.mode == TissueKind::springs || t.mode == TissueKind::shape;
+  return {true, net ? face_.free_motions(face_.tissues().size() - 1, kCountedAtOnce) : std::string()};
+}
+
+Outcome Head::act(const Superpose& s) {
+  constexpr size_t kMostMoments = 20;
+  if (s.on != SkullBeside::off) {
+    if (bones_.fragments().empty()) return refuse("there is no bone; expected a head with some");
+    if (moments_.size() >= kMostMoments) return refuse("the skull was laid upon another 20 times already; expected fewer");
+    place_bones();
+    SkullMoment m;
+    m.name = s.name.empty() ? std::to_string(moments_.size() + 1) : s.name;
+    m.on = s.on;
+    m.rest = !moments_.empty() && moment_version_ == bones_.version() ? moments_.back().rest : std::make_shared<const simplex::Mesh>(bones_.mesh());
+    m.now_mm = placed_.x_mm;
+    m.fragment.resize(placed_.x_mm.size());
+    for (size_t v = 0; v < m.fragment.size(); ++v) m.fragment[v] = placed_.alive(int32_t(v)) ? bones_.fragment_of(int32_t(v)) : -1;
+    for (const bone::Fragment& f : bones_.fragments()) m.names.emplace_back(f.id, f.name);
+    moment_version_ = bones_.version();
+    moments_.push_back(std::move(m));
+  }
+  beside_ = s.on;
+  return {true, {}};
 }
 
 Outcome Head::act(const PlaceLandmark& p) {

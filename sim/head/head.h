@@ -44,6 +44,16 @@ struct HeadParts {
   int face_iterations = 12;            // of one step
 };
 
+/// The bones when the skull was laid upon another (Superpose).
+struct SkullMoment {
+  std::string name;                          // "1", "2", ... where none was given
+  SkullBeside on = SkullBeside::normal;
+  std::shared_ptr<const simplex::Mesh> rest; // shared with other moments of the same mesh
+  std::vector<Vec3> now_mm;                  // per vertex slot
+  std::vector<int32_t> fragment;             // per vertex slot; -1 none
+  std::vector<std::pair<int32_t, std::string>> names;  // of fragments, by number
+};
+
 struct HeadStep {
   double max_move_mm = 0;    // of the face, in the last iteration
   bool at_rest = true;       // nothing is held, and the face has come to rest
@@ -76,6 +86,9 @@ class Head {
   std::vector<std::pair<std::string, Vec3>> landmarks_now() const;
   std::vector<std::pair<std::string, Vec3>> landmarks_at_rest() const;
   const std::vector<ConnectTissue>& tissues() const { return tissues_; }
+  /// When the skull was laid upon another, and what it is shown upon now.
+  const std::vector<SkullMoment>& skull_moments() const { return moments_; }
+  SkullBeside beside() const { return beside_; }
   bool can_undo() const { return !done_.empty() && bones_.held() < 0; }
   int refused() const { return refused_; }
   uint64_t steps() const { return steps_; }
@@ -98,6 +111,7 @@ class Head {
   Outcome act(const JoinFragments&);
   Outcome act(const ConnectTissue&);
   Outcome act(const PlaceLandmark&);
+  Outcome act(const Superpose&);
   Outcome undo();
   Outcome redo();
   Outcome connect(const ConnectTissue& tissue);
@@ -122,6 +136,9 @@ class Head {
   uint64_t placed_version_ = 0;
   std::vector<HeadLandmark> landmarks_;
   std::vector<ConnectTissue> tissues_;
+  std::vector<SkullMoment> moments_;
+  uint64_t moment_version_ = 0;               // of the bones, in the last of them
+  SkullBeside beside_ = SkullBeside::off;
   HeadView view_;
   Eigen::Isometry3d grabbed_at_ = Eigen::Isometry3d::Identity();
   Vec3 grabbed_centre_ = Vec3::Zero();

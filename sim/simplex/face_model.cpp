@@ -51,8 +51,10 @@ limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, cons
     if (r.plan.name == plan.name) return refuse("there is a tissue " + plan.name + " already; another name was expected");
     std::vector<uint8_t> has(face_.nbr.size(), 0);
     for (int32_t v : r.face_vertex) has[size_t(v)] = 1;
-    for (int32_t v : plan.face_region)
-      if (face_.alive(v) && has[size_t(v)]) return refuse("vertex " + std::to_string(v) + " of the face belongs to tissue " + r.plan.name + " already");
+    const auto both = std::count_if(plan.face_region.begin(), plan.face_region.end(), [&](int32_t v) { return face_.alive(v) && has[size_t(v)]; });
+    if (both > 0)
+      return refuse("its region of the face overlaps that of tissue " + r.plan.name + " (" + std::to_string(both) + " of " + std::to_string(plan.face_region.size()) +
+                    " vertices); expected a place farther from it or a smaller radius");
   }
   if (plan.mode == FaceMode::finite_elements && !(plan.young_kPa > 0)) return refuse("finite elements need a stiffness above 0 kPa");
   TissueSettings s;
@@ -164,14 +166,18 @@ std::vector<std::string> FaceModel::describe() const {
     std::snprintf(line, sizeof line, "%s: %s, %d layers, %zu vertices of the face over %d of tissue (%zu tetrahedra), %.1f kPa", r.plan.name.c_str(), name_of(r.plan.mode), r.tissue.layers,
                   r.face_vertex.size(), r.tissue.vertices(), r.tissue.tet.size(), r.plan.young_kPa);
     out.push_back(line);
-    if (r.plan.mode == FaceMode::springs || r.plan.mode == FaceMode::shape) {
-      const ZeroModes z = zero_energy_modes(r.tissue);
-      std::snprintf(line, sizeof line, "; its springs leave %lld of %lld motions free (%.2f per free vertex)%s", static_cast<long long>(z.modes), static_cast<long long>(z.dofs),
-                    z.dofs > 0 ? 3 * double(z.modes) / double(z.dofs) : 0., r.plan.mode == FaceMode::shape || settings_.hold > 0 ? ", held by the shape force" : "");
-      out.back() += line;
-    }
+    if (r.plan.mode == FaceMode::springs || r.plan.mode == FaceMode::shape) out.back() += "; " + free_motions(size_t(&r - region_.data()));
   }
   return out;
+}
+
+std::string FaceModel::free_motions(size_t region, int64_t dense_up_to) const {
+  const Region& r = region_[region];
+  const ZeroModes z = zero_energy_modes(r.tissue, dense_up_to);
+  char line[200];
+  std::snprintf(line, sizeof line, "its springs leave %s%lld of %lld motions free (%.2f per free vertex)%s", z.estimate ? "about " : "", static_cast<long long>(z.modes), static_cast<long long>(z.dofs),
+                z.dofs > 0 ? 3 * double(z.modes) / double(z.dofs) : 0., r.plan.mode == FaceMode::shape || settings_.hold > 0 ? ", held by the shape force" : "");
+  return line;
 }
 
 FaceModel::Moved FaceModel::moved() const {

@@ -100,6 +100,9 @@ class FaceModel {
   std::vector<const Tissue*> tissues() const;
   /// One line per region: its mode, vertices, thickness, and what its springs leave free.
   std::vector<std::string> describe() const;
+  /// Of a region in springs or shape: "its springs leave 84 of 396 motions free (0.64 per free vertex), held by the shape force"; see
+  /// zero_energy_modes for the count.
+  std::string free_motions(size_t region, int64_t dense_up_to = 1500) const;
   /// Regions that hang on several fragments since the last rebind, a sentence each.
   const std::vector<std::string>& warnings() const { return warnings_; }
   bool at_rest() const { return at_rest_; }

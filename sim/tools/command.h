@@ -75,7 +75,7 @@ using Command = std::variant<Incise, InciseMore, Undermine, Excise, SetHook, Mov
 /// What came of a command. A refused one has changed nothing.
 struct Outcome {
   bool done = false;
-  std::string reason;  // when refused: what is wrong and what was expected, one line
+  std::string reason;  // when refused: what is wrong and what was expected, one line; when done: what is worth knowing, mostly nothing
 };
 
 }  // namespace limberg

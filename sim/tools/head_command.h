@@ -23,6 +23,10 @@
 //                                                                          smoothing, springs, shape, finite_elements
 //   {"action":"landmark","name":"Pog","at":[x,y,z],"on":"bone"}           a named place, set on the nearest bone (or "face"); a name
 //                                                                          that is there already is moved
+//   {"action":"superpose","on":"normal","name":"advanced"}               the skull is laid upon a normal one ("normal") or upon its own mirror
+//                                                                          image ("mirror"): from now on it is shown so, and how far from it
+//                                                                          it is at this moment stands in the report under that name.
+//                                                                          "off": it is shown alone again. No part of undo
 //
 // P is a fragment's number, or a place [x,y,z] on it.
 #include <cstdint>
@@ -78,10 +82,21 @@ struct PlaceLandmark {
   bool on_face = false;
 };
 
-using HeadCommand = std::variant<CutBone, MoveFragment, GrabFragment, DragFragment, LetGo, PlateFragments, JoinFragments, ConnectTissue, PlaceLandmark>;
+/// What the skull is laid upon.
+enum class SkullBeside : uint8_t { off, normal, mirror };
+struct Superpose {
+  SkullBeside on = SkullBeside::normal;
+  std::string name;
+};
+
+using HeadCommand = std::variant<CutBone, MoveFragment, GrabFragment, DragFragment, LetGo, PlateFragments, JoinFragments, ConnectTissue, PlaceLandmark, Superpose>;
 
 /// The names of TissueKind in scripts and scenes, in its order.
 inline constexpr const char* kTissueKinds[] = {"smoothing", "springs", "shape", "finite_elements"};
 inline constexpr const char* kTissueKindList = "smoothing, springs, shape or finite_elements";
+
+inline constexpr const char* kSkullBeside[] = {"off", "normal", "mirror"};
+/// The same in words, for people.
+inline constexpr const char* kSkullBesideWords[] = {"the skull alone", "the skull beside a normal one", "the skull beside its mirror image"};
 
 }  // namespace limberg

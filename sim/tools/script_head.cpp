@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using L = ScriptLimits;
 
-constexpr const char* kNames[] = {"osteotomy", "move_fragment", "grab", "drag", "let_go", "plate", "join", "connect_tissue", "landmark"};
+constexpr const char* kNames[] = {"osteotomy", "move_fragment", "grab", "drag", "let_go", "plate", "join", "connect_tissue", "landmark", "superpose"};
 static_assert(std::variant_size_v<HeadCommand> == std::size(kNames));
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -131,6 +131,16 @@ HeadCommand read_head_action(const ScriptReader& r, const std::string& a, const 
     return JoinFragments{pick(r, "a"), pick(r, "b")};
   }
   if (a == "connect_tissue") return read_tissue(r, where);
+  if (a == "superpose") {
+    r.only({"action", "on", "name"}, where);
+    Superpose s;
+    const std::string on = r.text("on", true, 40);
+    const auto* at = std::find(std::begin(kSkullBeside), std::end(kSkullBeside), on);
+    if (at == std::end(kSkullBeside)) r.fail("\"on\" is \"" + ScriptReader::shown(on) + "\"; expected normal, mirror or off");
+    s.on = SkullBeside(at - std::begin(kSkullBeside));
+    if (r.has("name")) s.name = r.text("name", true, 40);
+    return s;
+  }
   r.only({"action", "name", "at", "on"}, where);
   PlaceLandmark l;
   l.name = r.text("name", true, 40);
@@ -182,6 +192,9 @@ std::string head_json_line(const HeadCommand& command) {
   } else if (const auto* n = std::get_if<PlaceLandmark>(&command)) {
     j["name"] = n->name, j["at"] = json(n->at_mm);
     if (n->on_face) j["on"] = "face";
+  } else if (const auto* s = std::get_if<Superpose>(&command)) {
+    j["on"] = kSkullBeside[size_t(s->on)];
+    if (!s->name.empty()) j["name"] = s->name;
   }
   return j.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

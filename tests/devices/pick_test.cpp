@@ -87,11 +87,31 @@ TEST(Pick, TissueLiesBetweenTwoNamedPlacesWhereTheyAreNow) {
   EXPECT_EQ(t.bone_radius_mm, 40);
   EXPECT_EQ(t.layers, 3);
   EXPECT_EQ(t.young_kPa, 12);
-  for (const char* wrong : {"pog'/Nowhere", "Nowhere/Pog", "pog'", "", "/"}) EXPECT_FALSE(command_of(g, control(pick::tissue, wrong, {28, 40, 3, 12}), s)) << wrong;
+  EXPECT_EQ(t.mode, TissueKind::finite_elements);
+  for (const char* mode : kTissueKinds) {
+    const auto in = command_of(g, control(pick::tissue, std::string("pog'/Pog/") + mode, {28, 40, 3, 12}), s);
+    ASSERT_TRUE(in) << mode;
+    const auto& named = std::get<ConnectTissue>(std::get<HeadCommand>(*in));
+    EXPECT_EQ(named.name, "pog'-Pog");
+    EXPECT_STREQ(kTissueKinds[size_t(named.mode)], mode);
+    EXPECT_EQ(named.layers, 3);
+  }
+  for (const char* wrong : {"pog'/Nowhere", "Nowhere/Pog", "pog'", "", "/", "pog'/Pog/rubber", "pog'/Pog/"}) EXPECT_FALSE(command_of(g, control(pick::tissue, wrong, {28, 40, 3, 12}), s)) << wrong;
+}
+
+TEST(Pick, TheSkullIsLaidUponAnother) {
+  const Snapshot s = bone_with_landmarks();
+  Gestures g;
+  const auto made = command_of(g, control(pick::beside, "advanced", {2, 0, 0, 0}), s);
+  ASSERT_TRUE(made);
+  const auto& p = std::get<Superpose>(std::get<HeadCommand>(*made));
+  EXPECT_EQ(p.on, SkullBeside::mirror);
+  EXPECT_EQ(p.name, "advanced");
+  EXPECT_EQ(std::get<Superpose>(std::get<HeadCommand>(*command_of(g, control(pick::beside, "", {7e5, 0, 0, 0}), s))).on, SkullBeside::mirror);
 }
 
 TEST(Pick, ControlsAreRecordedAndReadBack) {
-  for (int32_t kind : {int32_t(pick::landmark), int32_t(pick::tissue), int32_t(ControlSample::clutch)}) {
+  for (int32_t kind : {int32_t(pick::landmark), int32_t(pick::tissue), int32_t(pick::beside), int32_t(ControlSample::clutch)}) {
     const ControlSample c = control(kind, "pog'/Pog", {1, 2, 3, 4});
     ControlSample back;
     ASSERT_EQ(to_sample(to_message(c), back, true), nullptr);
@@ -100,7 +120,7 @@ TEST(Pick, ControlsAreRecordedAndReadBack) {
     EXPECT_EQ(back.value, c.value);
   }
   ControlSample back;
-  EXPECT_NE(to_sample(to_message(control(ControlSample::clutch + 1, "", {})), back, true), nullptr);
+  EXPECT_NE(to_sample(to_message(control(pick::last_control + 1, "", {})), back, true), nullptr);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 #include "app/head/measures.h"
@@ -88,6 +89,51 @@ TEST(SkullComparison, AKnownPlaceIsFoundAndAMoveIsReadOff) {
   EXPECT_NEAR(top, 3, 0.15);
   EXPECT_LT(rest, 0.1);
   EXPECT_LT(most, 0.1);
+}
+
+double number_after(const std::string& text, const std::string& key, size_t from) {
+  const size_t at = text.find(key, from);
+  return at == std::string::npos ? NAN : std::stod(text.substr(text.find(':', at) + 1));
+}
+
+// Asked for twice by a script: as long as a piece stands out, and when it is back. Off asks for nothing.
+TEST(SkullComparison, MomentsThatWereAskedForAreInTheReport) {
+  InlineWorkers w;
+  HeadParts parts;
+  parts.bones.push_back({"potato", potato(), false});
+  Head head(std::move(parts), w);
+  const auto act = [&](const HeadCommand& c) {
+    const Outcome o = head.apply(c);
+    ASSERT_TRUE(o.done) << o.reason;
+  };
+  CutBone cut;
+  cut.point_mm = {0, 0, 18}, cut.normal = Vec3::UnitZ();
+  MoveFragment up, down;
+  up.fragment = down.fragment = {-1, {0, 0, 32}}, up.by.translation_mm = {0, 0, 3}, down.by.translation_mm = {0, 0, -3};
+  act(cut), act(up), act(Superpose{SkullBeside::mirror, "raised"});
+  EXPECT_EQ(head.beside(), SkullBeside::mirror);
+  act(down), act(Superpose{SkullBeside::mirror, ""}), act(Superpose{SkullBeside::off, ""});
+  EXPECT_EQ(head.beside(), SkullBeside::off);
+  ASSERT_EQ(head.skull_moments().size(), 2u);
+  EXPECT_EQ(head.skull_moments()[1].name, "2");
+  EXPECT_EQ(head.skull_moments()[0].rest, head.skull_moments()[1].rest);
+  // It is no part of undo: what goes is the move before it.
+  const std::string dir = ::testing::TempDir();
+  Result r("test", "potato");
+  EXPECT_TRUE(report_skull(r, head, dir, Snapshot{}, Camera{}, w).empty());
+  EXPECT_EQ(r.entries("/skull_moments"), 2);
+  EXPECT_EQ(r.entries("/skull"), 0);  // so small a skull is compared only when asked
+  EXPECT_EQ(r.entries("/tables"), 1);
+  EXPECT_EQ(r.entries("/tables/0/rows"), 6);  // all and two fragments, twice
+  const std::string text = r.text();
+  const size_t first = text.find("\"raised\"");
+  ASSERT_NE(first, std::string::npos);
+  const double out = number_after(text, "\"rms_mm\"", first), back = number_after(text, "\"rms_mm\"", text.find("\"rms_mm\"", first) + 8);
+  EXPECT_GT(out, back + 0.2);
+  EXPECT_TRUE(std::filesystem::exists(dir + "/skull-moment-2.csv"));
+  ASSERT_TRUE(head.apply(Undo{}).done);
+  const int32_t id = head.bones().nearest_fragment({0, 0, 32});
+  EXPECT_NEAR(head.bones().fragment(id)->pose.translation().z(), 3, 1e-9);
 }
 
 }  // namespace

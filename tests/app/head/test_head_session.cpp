@@ -192,6 +192,49 @@ TEST(HeadSession, AFragmentRaisedLiftsTheSkinAboveIt) {
   EXPECT_LT(worst, 0.02);
 }
 
+// One patient: flap tools in skin that a raised piece of bone carries, and the bone moves on under the stitches.
+TEST(HeadSession, AFlapIsCutUnderminedAndSewnOverRaisedBone) {
+  Assembly a(skin_over_bone(), Calibration{}, {});
+  settled(a);
+  const auto act = [&](const Command& c) {
+    const Outcome o = a.patient->apply(c);
+    ASSERT_TRUE(o.done) << o.reason;
+  };
+  CutBone c;
+  c.point_mm = {0, 0, -19}, c.normal = Vec3::UnitX();
+  MoveFragment m;
+  m.fragment = {-1, {40, 0, -9}}, m.by.translation_mm = {0, 0, 3};
+  act(HeadCommand(c)), act(HeadCommand(m));
+  settled(a);
+  const uint64_t whole = a.patient->topology_hash();
+  act(Incise{{{12, -6}, {26, -6}}, 3});
+  act(Undermine{{{12, -12}, {26, -12}, {26, 0}, {12, 0}}, 2.5});
+  act(Suture{{19, -7.5}, {19, -4.5}});
+  const std::vector<Vec3f> sewn = settled(a);
+  Snapshot s;
+  a.patient->fill(s);
+  ASSERT_EQ(s.sutures.size(), 1u);
+  EXPECT_LT(s.sutures[0].gap_mm, 0.3f);
+  for (const Vec3f& x : s.x_mm) ASSERT_TRUE(x.allFinite());
+  // The bone goes on by another 2 mm: bed, flap and stitch go along.
+  m.by.translation_mm = {0, 0, 2};
+  act(HeadCommand(m));
+  const std::vector<Vec3f> higher = settled(a);
+  ASSERT_EQ(higher.size(), sewn.size());
+  double rise = 0, n = 0;
+  for (size_t v = 0; v < sewn.size(); ++v)
+    if (sewn[v].x() > 14 && sewn[v].x() < 24 && std::abs(sewn[v].y() + 6) < 6) rise += double(higher[v].z() - sewn[v].z()), ++n;
+  ASSERT_GT(n, 20);
+  EXPECT_NEAR(rise / n, 2, 0.3);
+  a.patient->fill(s);
+  EXPECT_LT(s.sutures[0].gap_mm, 0.3f);
+  // One history through both.
+  for (int i = 0; i < 4; ++i) act(Undo{});
+  EXPECT_EQ(a.patient->topology_hash(), whole);
+  act(Undo{}), act(Undo{});
+  EXPECT_EQ(a.head->bones().fragments().size(), 2u);
+}
+
 // The skin over bone answers a hand as it would alone; bone is as hard as bone, where no skin lies over it.
 TEST(HeadSession, SkinAndBoneAreFelt) {
   Assembly a(skin_over_bone(), Calibration{}, {});

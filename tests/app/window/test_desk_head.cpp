@@ -1,6 +1,7 @@
 // What the window makes of a head: picks, tissue between them, figures that follow.
 #include <gtest/gtest.h>
 
+#include "app/session/command_words.h"
 #include "app/window/desk_head.h"
 #include "app/window/live_measures.h"
 #include "devices/pick.h"
@@ -37,12 +38,31 @@ TEST(DeskHead, APickIsThePlaceAtRestOfWhatLiesUnderTheMouse) {
   EXPECT_EQ(c.value, (std::array<double, 4>{7.5, 7.5, 20, double(pick::face)}));
   const auto tie = d.tied();
   ASSERT_TRUE(tie);
-  EXPECT_EQ(tie->text.str(), "M2/M1");
+  EXPECT_EQ(tie->text.str(), "M2/M1/finite_elements");
+  d.mode = int(TissueKind::springs);
+  EXPECT_EQ(d.tied()->text.str(), "M2/M1/springs");
   // A name of the list does not set the count back, and beside the patient the tool is asked.
   std::string("Pog").copy(d.name.data(), 4);
   d.name[3] = 0;
   EXPECT_EQ(d.picked(s, -1, bary).value[3], double(pick::touched));
   EXPECT_STREQ(d.name.data(), "M3");
+}
+
+TEST(DeskHead, WhatTheSkullLiesUponIsToldOnceAndHeardFromOthers) {
+  DeskHead d;
+  EXPECT_FALSE(d.laid_upon());
+  d.beside = SkullBeside::mirror;
+  const auto c = d.laid_upon();
+  ASSERT_TRUE(c);
+  EXPECT_EQ(c->kind, pick::beside);
+  EXPECT_EQ(c->value[0], double(SkullBeside::mirror));
+  EXPECT_FALSE(d.laid_upon());
+  // A script does it: shown, and not told back.
+  d.hear(in_words(HeadCommand(Superpose{SkullBeside::normal, "advanced"})));
+  EXPECT_EQ(d.beside, SkullBeside::normal);
+  EXPECT_FALSE(d.laid_upon());
+  d.hear("landmark M1");
+  EXPECT_EQ(d.beside, SkullBeside::normal);
 }
 
 TEST(LiveMeasures, FollowTheLandmarks) {

@@ -203,6 +203,44 @@ TEST(Pointer, NextShowsOneStepOfTheLesson) {
   EXPECT_NEAR(pressed_to, 10, 0.6);
 }
 
+// Bone alone: the same button, another hand. It saws and carries with the stylus; a skull has no chart for the other one to aim on.
+TEST(Pointer, NextShowsStepsOnBone) {
+  Mouse m;
+  auto bone = std::make_shared<SurfaceTopology>(*m.s.topology);
+  bone->body = nullptr;
+  bone->organ.assign(bone->view.tri.size(), Organ::bone);
+  bone->object.assign(bone->view.tri.size(), 0);
+  m.s.topology = bone;
+  CutBone cut;
+  cut.contour_mm = {{-8, -6, 0}, {8, -6, 0}, {0, 8, 0}};
+  MoveFragment move;
+  move.fragment = {-1, {2, 1, 0}}, move.by.translation_mm = {0, 0, 6}, move.by.rotation_deg = {0, 0, 30}, move.by.about_mm = Vec3::Zero(), move.seconds = 1;
+  const auto steps = lesson_steps({Stage{"before"}, HeadCommand(cut), HeadCommand(move)});
+  ASSERT_EQ(steps.size(), 3u);
+  PointerSource source(m.feed, steps);
+  m.feed.next_wanted = 3;
+  m.run(source, 0, 16000);
+  EXPECT_EQ(m.feed.next_shown, 3);
+  EXPECT_FALSE(m.feed.showing);
+  std::vector<Tool> tools;
+  for (const ControlSample& c : m.heard.control)
+    if (c.kind == ControlSample::select_tool) tools.push_back(c.tool);
+  EXPECT_EQ(tools, (std::vector<Tool>{Tool::saw, Tool::grab}));
+  // The second press carries: from the place on the fragment to where the move takes it, the stylus turned with it.
+  std::vector<size_t> down, up;
+  for (size_t i = 1; i < m.heard.stylus.size(); ++i) {
+    if (m.heard.stylus[i].buttons && !m.heard.stylus[i - 1].buttons) down.push_back(i);
+    if (!m.heard.stylus[i].buttons && m.heard.stylus[i - 1].buttons) up.push_back(i - 1);
+  }
+  ASSERT_EQ(down.size(), 2u);
+  ASSERT_EQ(up.size(), 2u);
+  const StylusSample &a = m.heard.stylus[down[1]], &b = m.heard.stylus[up[1]];
+  const Eigen::Isometry3d map = isometry(move.by, Vec3::Zero());
+  EXPECT_LT((map * a.tip_mm - b.tip_mm).norm(), 1e-6);
+  const Eigen::Quaterniond qa(a.quat[0], a.quat[1], a.quat[2], a.quat[3]), qb(b.quat[0], b.quat[1], b.quat[2], b.quat[3]);
+  EXPECT_LT((qb * qa.inverse()).angularDistance(Eigen::Quaterniond(map.linear())), 1e-6);
+}
+
 TEST(Ruler, PointsStayInTheTissue) {
   Snapshot s = testing::sample_snapshot({.wound = false, .wave_mm = 0});
   Ruler ruler;

@@ -33,7 +33,9 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
                                       PlateFragments{{1, 2, 3}, {4, 5, 6}},
                                       JoinFragments{{0, Vec3::Zero()}, {-1, {9, 8, 7}}},
                                       tissue,
-                                      PlaceLandmark{"Pog'", {0, 95, -80}, true}};
+                                      PlaceLandmark{"Pog'", {0, 95, -80}, true},
+                                      Superpose{SkullBeside::mirror, "advanced"},
+                                      Superpose{SkullBeside::off, ""}};
   for (const HeadCommand& act : acts) {
     const std::string line = to_json_line(Command(act));
     const Command read = parse_command(line, "s", 1);
@@ -45,6 +47,9 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
 }
 
 TEST(ScriptHead, BadLinesSayLineAndReason) {
+  EXPECT_NE(why(R"({"action":"superpose","on":"moon"})").find("expected normal, mirror or off"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"superpose"})").find("\"on\""), std::string::npos);
+  EXPECT_NE(why(R"({"action":"superpose","on":"normal","at":[0,0,0]})").find("\"at\""), std::string::npos);
   EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6]]})").find("s.jsonl:7: \"contour\" has 2 points; expected 3"), std::string::npos);
   EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2],[4,5],[6,7]]})").find("expected [x, y, z]"), std::string::npos);
   EXPECT_NE(why(R"({"action":"osteotomy","point":[0,0,0],"normal":[0,0,0]})").find("no length"), std::string::npos);
