@@ -23,11 +23,15 @@ namespace {
 
 constexpr double kFound = 0.95;    // of the vertices must have the surface within two voxels
 constexpr double kRmsVoxels = 0.5; // and lie so near it, rms (both: issue list of the craniofacial part)
+constexpr double kReached = 0.9;   // of a scan's points must be within two spacings of the mesh; for a plane, of those that are seen from its side
+constexpr double kSmallest = 60, kLargest = 1000;  // mm: a scan of a face or head is between them; one that is not was likely written in other units
+constexpr double kScanEdges = 75;  // edges along a scan's diagonal where --edge-mm is not given (4 mm for a face of 300 mm, as for volumes)
 
 struct Options {
-  std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, series;
+  std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, series, unit = "mm";
+  std::vector<double> from;
   double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, smooth = 0.6, parts = 1;
-  bool has_iso = false;
+  bool has_iso = false, has_edge = false;
   CommonOptions common;
 };
 
@@ -82,35 +86,74 @@ std::function<void(int, int32_t, double)> shown(Progress& progress, int stages) 
 
 void write_mesh(const Options& o, const simplex::Mesh& m) { write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m)); }
 
-/// A range scan: its points alone.
+double mm_of(const std::string& unit) { return unit == "cm" ? 10 : unit == "m" ? 1000 : unit == "inch" ? 25.4 : 1; }
+
+/// What the size of a scan says about its units; empty: nothing against them.
+std::string unlikely(double across_mm) {
+  if (across_mm >= kSmallest && across_mm <= kLargest) return "";
+  char b[200];
+  std::string as;
+  for (const char* unit : {"cm", "m", "inch"})
+    if (const double mm = across_mm * mm_of(unit); mm >= kSmallest && mm <= kLargest) {
+      std::snprintf(b, sizeof b, "%s --unit %s (%.0f mm)", as.empty() ? "" : " or", unit, mm);
+      as += b;
+    }
+  std::snprintf(b, sizeof b, "the scan is %.3g mm across; a face is 100 to 300 mm: perhaps its lengths are not in mm", across_mm);
+  return std::string(b) + (as.empty() ? "" : "; try" + as);
+}
+
+/// A range scan: its points, and which way its triangles look.
 int run_scan(const Options& o) {
   if (!o.sweep_dir.empty()) throw InputError("", 0, "--sweep is for volumes");
-  const Surface scan = load_surface(o.volume);
+  if (!o.from.empty() && start_of(o.start) != Start::plane) throw InputError("", 0, "--from is for --start plane");
+  Surface scan = load_surface(o.volume);
+  for (Vec3& x : scan.x_mm) x *= mm_of(o.unit);
   Vec3 low = scan.x_mm.front(), high = low;
   for (const Vec3& x : scan.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const std::string doubt = unlikely((high - low).maxCoeff());
+  if (!doubt.empty()) say(o.volume + ": " + doubt);
   WorkersPool workers(o.common.worker_count());
   Progress progress("fit");
   FitSettings s;
-  s.edge_mm = o.edge_mm, s.chord_mm = o.chord_mm, s.range_mm = std::max(1e-3, 0.25 * (high - low).maxCoeff()), s.progress = shown(progress, s.stages);
+  s.edge_mm = o.has_edge ? o.edge_mm : std::max(1e-3, std::min(o.edge_mm, (high - low).norm() / kScanEdges));
+  s.chord_mm = o.chord_mm, s.range_mm = std::max(1e-3, 0.25 * (high - low).maxCoeff()), s.progress = shown(progress, s.stages);
   const double start_ms = bench::cpu_ms();
   simplex::Mesh m;
   FitReport r;
+  const bool plane = start_of(o.start) == Start::plane;
+  ScanView view;
+  std::vector<Vec3> seen;
   try {
-    m = start_mesh(start_of(o.start), low, high);
-    r = fit(m, scan.x_mm, s, workers);
+    if (plane) {
+      view = view_of(scan.x_mm, scan.tri, o.from.empty() ? Vec3(Vec3::Zero()) : Vec3(o.from[0], o.from[1], o.from[2]));
+      seen = seen_from_front(scan.x_mm, scan.tri, view);
+    }
+    m = plane ? start_plane(view) : start_mesh(start_of(o.start), low, high);
+    r = fit(m, plane ? seen : scan.x_mm, s, workers, plane ? &view : nullptr);
   } catch (const InputError& e) {
     throw InputError(o.volume, 0, e.what());
   }
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
   write_mesh(o, m);
-  std::printf("scan        %zu points\nmesh        %d vertices, from a %s\n", scan.x_mm.size(), r.vertices, o.start.c_str());
+  std::printf("scan        %zu points, %.4g x %.4g x %.4g mm\nmesh        %d vertices, edges of %.3g mm, from a %s\n", scan.x_mm.size(), (high - low).x(), (high - low).y(), (high - low).z(), r.vertices, s.edge_mm, o.start.c_str());
+  const double hidden = plane ? 1 - double(seen.size()) / double(scan.x_mm.size()) : 0;
+  if (plane)
+    std::printf("seen from   (%.2f, %.2f, %.2f); %.1f %% of the points are hidden from there and do not count: a plane reaches one side only\n", view.front.x(), view.front.y(), view.front.z(), 100 * hidden);
   print(r, r.voxel_mm, "spacing");
   std::printf("work        %d iterations, %.2f s of CPU time\n", r.iterations, cpu_s);
-  const std::vector<std::string> faults = missed(r, r.voxel_mm, "spacing");
-  for (const std::string& f : faults) say(o.volume + ": " + f + "; see --edge-mm, --start");
+  std::vector<std::string> faults = missed(r, r.voxel_mm, "spacing");
+  if (r.reached < kReached) {
+    char b[160];
+    std::snprintf(b, sizeof b, "%.1f %% of %s is within two spacings of the mesh; %.0f %% was wanted", 100 * r.reached, plane ? "what is seen of the scan" : "the scan", 100 * kReached);
+    faults.push_back(b);
+  }
+  for (const std::string& f : faults)
+    say(o.volume + ": " + f + "; try " + (s.edge_mm > 2 * r.voxel_mm ? "a smaller --edge-mm (it is " + std::to_string(s.edge_mm).substr(0, 5) + "), or " : "") +
+        (o.start == "sphere" ? "--start plane for a scan that is seen from one side" : "--start sphere for a scan that goes round") + ", or a scan without noise and layers behind one another");
   Result result("fit", "");
   result.set("/scan", o.volume), result.set("/points", int64_t(scan.x_mm.size())), result.set("/mesh", o.mesh_file), result.set("/start", o.start), result.set("/cpu_s", cpu_s);
+  result.set("/edge_mm", s.edge_mm), result.set("/voxel_mm", r.voxel_mm), result.set("/unit", o.unit), result.set("/warning", doubt), result.set("/hidden", hidden);
   fill(result, r);
   for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
   result.set_hash("/state_hash", simplex::hash(m));
@@ -125,6 +168,7 @@ int run(const Options& o) {
   std::error_code none;
   if (std::filesystem::equivalent(o.mesh_file, o.volume, none)) throw InputError(o.mesh_file, 0, "is what is to be fitted; expected the name of another file for the mesh");
   if (is_surface_name(o.volume)) return run_scan(o);
+  if (!o.from.empty() || o.unit != "mm") throw InputError("", 0, "--from and --unit are for range scans; " + o.volume + " is taken for a volume");
   if (!o.sweep_dir.empty()) prepare_folder(o.sweep_dir);
   if (o.tissue.empty() && !o.has_iso) throw InputError("", 0, "fit " + o.volume + ": what is to be fitted is not said; expected --tissue skin, --tissue bone or --iso");
   const Volume v = load_volume(o.volume, o.series);
@@ -193,18 +237,21 @@ void add_fit(CLI::App& app, Chosen& chosen) {
   c->add_option("--series", o->series, "Of a DICOM folder with several: number, UID or part of its description (left out: they are listed)")->type_name("NAME");
   CLI::Option* iso = c->add_option("--iso", o->iso, "Isovalue in the volume's own numbers, instead of the tissue's")->check(any_number());
   c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]")->check(any_number());
-  c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4]")->check(number_from(0.1, 100.));
+  c->add_option("--unit", o->unit, "Of the numbers in a range scan [mm]")->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
+  CLI::Option* edge = c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4; of a scan: 1/75 of its diagonal, at most 4]")->check(number_from(0.1, 100.));
   c->add_option("--chord-mm", o->chord_mm, "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")->check(number_from(0., 10.));
-  c->add_option("--start", o->start, "What the mesh is at first: sphere around the object, plane before it (the -y side), or cylinder about z through the borders [sphere]")->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
+  c->add_option("--start", o->start, "What the mesh is at first: sphere around the object, plane before it (a volume: the -y side; a scan: the side it is seen from), or cylinder about z through the borders [sphere]")->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
+  c->add_option("--from", o->from, "Plane and scan: direction of the side that the scan is seen from, X,Y,Z [across its least extent, where it bulges or its triangles look to]")->expected(3)->delimiter(',')->type_name("X,Y,Z");
   c->add_option("--seal-mm", o->seal_mm, "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")->check(number_from(0., 100.));
   c->add_option("--smooth", o->smooth, "Gaussian smoothing, standard deviation in voxels [0.6]")->check(number_from(0., 10.));
   c->add_option("--parts", o->parts, "Keep other parts too that have this share of the largest one's size (a mandible beside a skull: 0.05) [1]")->check(number_from(1e-4, 1.));
   c->add_option("--sweep", o->sweep_dir, "Also fit again and again with other edges, uniform and adapted to curvature: table and charts of error against vertices and run time in this folder")->type_name("DIR");
   o->common.add_json(*c), o->common.add_workers(*c);
-  c->footer("Exit status 3: fewer than 95 % of the vertices have the surface within two voxels, or they are farther from it than half a voxel, rms.\n"
+  c->footer("Exit status 3: fewer than 95 % of the vertices have the surface within two voxels, or they are farther from it than half a voxel, rms;\n"
+            "of a scan also: less than 90 % of its points (from a plane: of those that are seen from its side) are within two spacings of the mesh.\n"
             "Example: limberg fit head.nhdr --tissue skin --offset 1024 --out out/skin.simplex");
-  c->callback([o, iso, &chosen] {
-    o->has_iso = iso->count() > 0;
+  c->callback([o, iso, edge, &chosen] {
+    o->has_iso = iso->count() > 0, o->has_edge = edge->count() > 0;
     chosen = [o] { return run(*o); };
   });
 }

@@ -20,6 +20,7 @@ using namespace simplex;
 using namespace imaging;
 
 constexpr int kRounds = 4;  // of opening, at most
+constexpr double kSmallRim = 12;  // spacings of a scan around
 
 double mean_edge(const Mesh& m) {
   double sum = 0;
@@ -31,7 +32,7 @@ double mean_edge(const Mesh& m) {
 class Fitter {
  public:
   Fitter(Mesh& m, const Sight& sight, const Vec3& low, const Vec3& high, const FitSettings& s, Workers& w)
-      : m_(m), sight_(sight), low_(low), high_(high), s_(s), workers_(w), motion_(w), topology_(m, sight) {}
+      : m_(m), sight_(sight), low_(low), high_(high), s_(s), workers_(w), motion_(w), topology_(m, sight), framed_(sight.heights() != nullptr) {}
 
   FitReport run() {
     const double longest = mean_edge(m_);
@@ -44,6 +45,7 @@ class Fitter {
     }
     if (s_.open_ends) {
       look(1, range(1));
+      framed_ = false;
       for (int round = 0; round < kRounds; ++round) {
         std::vector<std::string> notes;
         const int opened = open_unseen(m_, seen_, notes);
@@ -105,7 +107,7 @@ class Fitter {
             if (still_[v] == 2) pull_[v] = sight_.home(m_.x_mm[v], 0.5 * edge);
             else pull_[v].setZero(), m_.before_mm[v] = m_.x_mm[v];
           }
-      to_border();
+      to_border(z.beta);
       move = motion_.step(m_, {pull_, {}}).max_move_mm;
       still = move < s_.still_mm ? still + 1 : 0;
       ++r_.iterations, r_.vertex_iterations += m_.vertices();
@@ -126,15 +128,44 @@ class Fitter {
     });
   }
 
+  /// The edge of a plane, which is held above the border of its sheet: as strongly as the rim's own curve draws.
+  void hold(const ScanHeights& heights, const EndContour& e, double beta) {
+    const ScanView& view = heights.view();
+    const Vec2 half = view.sheet_mm();
+    for (int32_t v : e.rim) {
+      const Vec3 q = view.local(m_.x_mm[size_t(v)]);
+      Vec3 to(std::clamp(q.x(), -half.x(), half.x()), std::clamp(q.y(), -half.y(), half.y()), heights.at(q));
+      const Vec2 inside = half - to.head<2>().cwiseAbs();
+      const int k = inside.x() < inside.y() ? 0 : 1;
+      to[k] = std::copysign(half[k], to[k]);
+      pull_[size_t(v)] = 0.5 / beta * (view.place(to) - m_.x_mm[size_t(v)]);
+    }
+  }
+
+  /// Rims of openings are drawn to the edge of the scan; small ones are left alone: a few points of an edge would draw them together.
+  void to_scan_edge(const EndContour& e) {
+    double around = 0;
+    for (size_t i = 0; i < e.rim.size(); ++i) around += (m_.x_mm[size_t(e.rim[i])] - m_.x_mm[size_t(e.rim[(i + 1) % e.rim.size()])]).norm();
+    if (around < kSmallRim * sight_.voxel()) return;
+    for (const int32_t v : e.rim)
+      if (const Vec3 way = sight_.to_edge(m_.x_mm[size_t(v)]); way != Vec3::Zero()) pull_[size_t(v)] = way;
+  }
+
   /// Rims at the border of the data are drawn to it.
-  void to_border() {
-    for (const EndContour& e : end_contours(m_))
+  void to_border(double beta) {
+    for (const EndContour& e : end_contours(m_)) {
+      if (!sight_.knows_air()) {
+        if (framed_) hold(*sight_.heights(), e, beta);
+        else to_scan_edge(e);
+        continue;
+      }
       for (int32_t v : e.rim) {
         Vec3 outward;
         double way = 0;
         if (sight_.border(m_.x_mm[size_t(v)], 6 * sight_.voxel(), outward, way) >= 0)
           pull_[size_t(v)] += (std::min(way, 2 * sight_.voxel()) - outward.dot(pull_[size_t(v)])) * outward;
       }
+    }
   }
 
   void measure() {
@@ -176,6 +207,7 @@ class Fitter {
   Workers& workers_;
   Motion motion_;
   Topology topology_;
+  bool framed_;  // a plane's edge is held, until the apron is opened
   FitReport r_;
   std::vector<Vec3> pull_;
   std::vector<uint8_t> seen_, still_;
@@ -228,7 +260,7 @@ FitReport fit(Mesh& m, const Volume& v, const FitSettings& s, Workers& w) {
   return fit(m, p, s, w);
 }
 
-FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Workers& w) {
+FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Workers& w, const ScanView* plane) {
   check_settings(m, s);
   if (points.size() < 10) throw InputError("", 0, "a range scan of at least 10 points was expected");
   Vec3 low = points.front(), high = low;
@@ -237,7 +269,7 @@ FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Wo
     low = low.cwiseMin(x), high = high.cwiseMax(x);
   }
   if (!((high - low).norm() > 0)) throw InputError("", 0, "all points of the scan are the same");
-  const PointSight sight(points);
+  const PointSight sight(points, plane);
   return Fitter(m, sight, low, high, s, w).run();
 }
 

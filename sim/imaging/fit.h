@@ -12,11 +12,14 @@
 //
 // Points. Every vertex is pulled along its normal to the nearest point M, weight G(|PM| / D), G = 1 up to 1 and 1 / x^2
 // beyond; D shrinks from 20 % to 8 % of the cloud's size (Delingette 1994, as remembered). Regions without points are opened.
+// A plane (scan_view.h) first comes down upon the heights of the scan with its edge held beyond the scan's; the apron is
+// opened then. Rims of openings are drawn to the edge of the scan: outwards as long as the points under them are within it.
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "sim/imaging/prepare.h"
+#include "sim/imaging/scan_view.h"
 #include "sim/imaging/volume.h"
 #include "sim/simplex/mesh.h"
 #include "sim/workers.h"
@@ -70,6 +73,7 @@ FitReport fit(simplex::Mesh& mesh, const Prepared& target, const FitSettings& se
 /// The same with a preparation of its own: no smoothing, openings below two voxels sealed.
 FitReport fit(simplex::Mesh& mesh, const Volume& volume, const FitSettings& settings, Workers& workers);
 /// To points. `found`, rms and so on are of distances to the nearest points; a "voxel" is their median spacing. settings.iso is unused.
-FitReport fit(simplex::Mesh& mesh, const std::vector<Vec3>& points_mm, const FitSettings& settings, Workers& workers);
+/// `plane`: the mesh is start_plane(*plane), and the points are those that are seen from its front (seen_from_front): a plane reaches no others.
+FitReport fit(simplex::Mesh& mesh, const std::vector<Vec3>& points_mm, const FitSettings& settings, Workers& workers, const ScanView* plane = nullptr);
 
 }  // namespace limberg

@@ -1,5 +1,6 @@
 #pragma once
 // The parts of a fit (fit.h): what vertices are drawn to, and what is done to the mesh's topology.
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,10 @@ class Sight {
   /// Border of the data that a place lies at: 2 axis + (0 low, 1 high), with the outward normal there and the way to it; -1: none.
   virtual int border(const Vec3& x, double within, Vec3& outward, double& way) const = 0;
   virtual const std::vector<Vec3>& surface() const = 0;
+  /// What a plane comes down upon; null: it started otherwise, or the target is no scan.
+  virtual const ScanHeights* heights() const { return nullptr; }
+  /// The way of a rim's vertex to the nearest edge of a scan; none: zero.
+  virtual Vec3 to_edge(const Vec3&) const { return Vec3::Zero(); }
 };
 
 class VolumeSight final : public Sight {
@@ -55,7 +60,7 @@ class VolumeSight final : public Sight {
 
 class PointSight final : public Sight {
  public:
-  explicit PointSight(const std::vector<Vec3>& points);
+  PointSight(const std::vector<Vec3>& points, const ScanView* plane);
   Vec3 pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const override;
   double distance(const Vec3& x, const Vec3& way) const override;
   double nearest(const Vec3& x, double within) const override { return tree_.nearest(x, within).distance; }
@@ -65,10 +70,13 @@ class PointSight final : public Sight {
   Vec3 home(const Vec3&, double) const override { return Vec3::Zero(); }
   int border(const Vec3&, double, Vec3&, double&) const override { return -1; }
   const std::vector<Vec3>& surface() const override { return points_; }
+  const ScanHeights* heights() const override { return heights_ ? &*heights_ : nullptr; }
+  Vec3 to_edge(const Vec3& x) const override;
 
  private:
   const std::vector<Vec3>& points_;
-  PointTree tree_;
+  std::optional<ScanHeights> heights_;
+  PointTree tree_, edge_;
   double size_ = 0, spacing_ = 0;
 };
 

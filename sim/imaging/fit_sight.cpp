@@ -9,6 +9,7 @@ namespace limberg::imaging {
 namespace {
 constexpr double kGuided = 0.55;  // of the way: the guide leads, after it the volume itself
 constexpr double kPush = 0.3, kFolded = 0.2;
+constexpr size_t kAround = 20;  // neighbours that say whether a point of a scan is at its edge
 }
 
 /// Signed way along the normal to the nearest place where the volume falls through iso outwards; false: none within range.
@@ -95,29 +96,45 @@ int VolumeSight::border(const Vec3& x, double within, Vec3& outward, double& way
   return best;
 }
 
-PointSight::PointSight(const std::vector<Vec3>& points) : points_(points), tree_(points) {
+PointSight::PointSight(const std::vector<Vec3>& points, const ScanView* plane) : points_(points), tree_(points) {
   Vec3 lo = points.front(), hi = lo;
   for (const Vec3& p : points) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
   size_ = (hi - lo).norm();
-  // Median distance to the fourth nearest: about the spacing of a scan, whatever its pattern.
-  std::vector<double> d;
-  std::vector<PointTree::Nearest> n;
-  const size_t every = std::max<size_t>(1, points.size() / 2000);
-  for (size_t i = 0; i < points.size(); i += every) {
-    tree_.nearest(points[i], 5, n);
-    d.push_back(n.back().distance);
+  spacing_ = std::max(spacing_of(points), 1e-6 * size_);
+  if (!plane) return;
+  heights_.emplace(points, *plane, 1.5 * spacing_);
+  std::vector<Vec3> edge, around;
+  std::vector<PointTree::Nearest> near;
+  for (const Vec3& p : points) {
+    tree_.nearest(p, kAround, near);
+    around.clear();
+    for (const PointTree::Nearest& n : near) around.push_back(tree_.point(n.index));
+    Vec3 gap;
+    if (at_edge(p, around, gap)) edge.push_back(p);
   }
-  std::nth_element(d.begin(), d.begin() + ptrdiff_t(d.size() / 2), d.end());
-  spacing_ = std::max(d[d.size() / 2], 1e-6 * size_);
+  edge_ = PointTree(edge);
 }
 
 Vec3 PointSight::pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const {
+  seen = false;
+  if (heights_ && t < kGuided) {
+    // As by the guide of a volume: the way along the normal, and down while it is folded over. Before a steep wall the heights say too
+    // much: it is never farther than to the nearest point.
+    const Vec3 q = heights_->view().local(x);
+    const double most = std::min(range, tree_.nearest(x).distance);
+    return std::clamp((heights_->at(q) - q.z()) * std::max(heights_->view().front.dot(N), kPush), -most, most) * N;
+  }
   const PointTree::Nearest n = tree_.nearest(x);
   const Vec3 to = tree_.point(n.index) - x;
   const double D = size_ * (0.2 + t * (0.08 - 0.2)), G = n.distance < D ? 1 : (D / n.distance) * (D / n.distance);
   const double along = to.dot(N), beside = (to - along * N).norm();
   seen = n.distance <= 2 * spacing_ || (beside <= spacing_ && std::abs(along) <= 2 * spacing_);
   return std::clamp(G * along, -range, range) * N;
+}
+
+Vec3 PointSight::to_edge(const Vec3& x) const {
+  const PointTree::Nearest n = edge_.nearest(x, 6 * spacing_);
+  return n.index < 0 ? Vec3(Vec3::Zero()) : Vec3(edge_.point(n.index) - x);
 }
 
 double PointSight::distance(const Vec3&, const Vec3& way) const { return way.norm(); }
