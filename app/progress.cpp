@@ -36,7 +36,11 @@ void Progress::clear() {
 
 void say(const std::string& line) {
   if (isatty(STDERR_FILENO) == 1) std::fputs("\r\033[K", stderr);
-  std::fprintf(stderr, "limberg: %s\n", line.c_str());
+  // What a damaged file holds is quoted, but a terminal is given no commands by it.
+  std::string shown = line;
+  for (char& c : shown)
+    if ((static_cast<unsigned char>(c) < ' ' && c != '\n' && c != '\t') || c == 127) c = '?';
+  std::fprintf(stderr, "limberg: %s\n", shown.c_str());
 }
 
 }  // namespace limberg

@@ -11,6 +11,7 @@
 #include "app/bench/features.h"
 #include "app/bench/frames.h"
 #include "app/bench/fuzz.h"
+#include "app/bench/fuzz/readers.h"
 #include "app/bench/fuzz/world_runner.h"
 #include "app/bench/head_face.h"
 #include "app/bench/laws.h"
@@ -44,6 +45,7 @@ struct Options {
   int check_every = 1;
   bool world = false;       // fuzz: acts on patients
   bool devices = false;     // fuzz: what devices send
+  bool readers = false;     // fuzz: damaged files
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
   uint64_t seed = 1;
   double budget_ms = 0, limit_s = 150;  // accuracy
@@ -181,6 +183,13 @@ int run(const Options& o) {
     s.seed = o.seed;
     s.progress = note;
     b = bench::devices_fuzz(s).result();
+  } else if (o.suite == "fuzz" && o.readers) {
+    bench::ReadersFuzzSettings s;
+    s.cases = o.operations > 0 ? o.operations : o.quick ? 10'000 : s.cases;
+    s.seed = o.seed;
+    s.out_dir = o.common.out_dir;
+    s.progress = note;
+    b = bench::readers_fuzz(s, bench::readers()).result();
   } else if (o.suite == "laws") {
     b = bench::laws({o.quick, note});
   } else if (o.suite == "fuzz") {
@@ -211,7 +220,7 @@ int run(const Options& o) {
   Result result("bench", accuracy.scene);
   result.set("/suite", o.suite);
   result.set("/quick", o.quick);
-  if (o.suite == "fuzz" && !o.world && !o.devices) {
+  if (o.suite == "fuzz" && !o.world && !o.devices && !o.readers) {
     result.set("/operations", fuzzed.operations());
     result.set("/violations", int64_t(fuzzed.violations.size()));
     result.set("/refused", fuzzed.generic.refused + fuzzed.adversarial.refused);
@@ -246,6 +255,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)")->type_name("N")->check(whole_from(1, 1'000'000'000'000));
   c->add_flag("--world", o->world, "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
   c->add_flag("--devices", o->devices, "fuzz: damaged serial bytes, packets and logs instead of cuts");
+  c->add_flag("--readers", o->readers, "fuzz: damaged images, surfaces, meshes and scenes instead of cuts (default 100000 cases)");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)")->type_name("N")->check(whole_from(0, 9'007'199'254'740'992));
   c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(whole_from(0, kLevels));
   c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")->check(whole_from(1, 1000));

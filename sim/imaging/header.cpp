@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/error.h"
+#include "sim/quoted.h"
 
 namespace limberg::imaging {
 namespace {
@@ -29,6 +30,13 @@ void sizes(Header& h, std::string_view s, const std::string& file, int line) {
     if (n[k] != std::floor(n[k]) || n[k] < 1 || n[k] > 1e6) throw InputError(file, line, "a size is not a whole number from 1 to a million");
     h.size[k] = int64_t(n[k]);
   }
+}
+
+/// Of the file with the data.
+std::string name_of(std::string_view s, const std::string& file, int line) {
+  for (const char c : s)
+    if (static_cast<unsigned char>(c) < ' ' || c == 127) throw InputError(file, line, "the name of the file with the data has a character that no name has; the header is damaged");
+  return std::string(s);
 }
 
 }  // namespace
@@ -109,12 +117,12 @@ Header nrrd_header(std::string_view text, const std::string& file) {
       else if (is({"uint", "unsigned int", "uint32", "uint32_t"})) h.number = Number::u32;
       else if (v == "float") h.number = Number::f32;
       else if (v == "double") h.number = Number::f64;
-      else throw InputError(file, line, "numbers of type '" + v.substr(0, 40) + "' are not read; expected integers of 8 to 32 bits, float or double");
+      else throw InputError(file, line, "numbers of type " + quoted(v) + " are not read; expected integers of 8 to 32 bits, float or double");
     } else if (key == "sizes") {
       sizes(h, raw, file, line);
     } else if (key == "encoding") {
       if (v == "gzip" || v == "gz") h.compressed = true;
-      else if (v != "raw") throw InputError(file, line, "the encoding '" + v.substr(0, 40) + "' is not read; expected raw or gzip");
+      else if (v != "raw") throw InputError(file, line, "the encoding " + quoted(v) + " is not read; expected raw or gzip");
       encoding = true;
     } else if (key == "endian") {
       if (v != "little" && v != "big") throw InputError(file, line, "endian is little or big");
@@ -122,7 +130,7 @@ Header nrrd_header(std::string_view text, const std::string& file) {
     } else if (key == "space") {
       if (v == "right-anterior-superior" || v == "ras") flip = {-1, -1, 1};
       else if (v == "left-anterior-superior" || v == "las") flip = {1, -1, 1};
-      else if (v != "left-posterior-superior" && v != "lps") throw InputError(file, line, "the space '" + v.substr(0, 40) + "' is not known; expected left-posterior-superior, right-anterior-superior or left-anterior-superior");
+      else if (v != "left-posterior-superior" && v != "lps") throw InputError(file, line, "the space " + quoted(v) + " is not known; expected left-posterior-superior, right-anterior-superior or left-anterior-superior");
     } else if (key == "space directions") {
       const std::vector<double> n = numbers(raw, 9, file, line, "the space directions");
       Mat3 m;
@@ -136,7 +144,7 @@ Header nrrd_header(std::string_view text, const std::string& file) {
       h.origin_mm = {n[0], n[1], n[2]};
     } else if (key == "data file" || key == "datafile") {
       if (raw.empty() || v.starts_with("list") || raw.find('%') != std::string_view::npos) throw InputError(file, line, "one data file was expected, not a list of them");
-      h.data_file = raw;
+      h.data_file = name_of(raw, file, line);
     } else if (key == "byte skip" || key == "byteskip") {
       h.skip = whole(raw, file, line, "the byte skip");
       if (h.skip < -1) throw InputError(file, line, "the byte skip is below -1");
@@ -209,10 +217,10 @@ Header meta_header(std::string_view text, const std::string& file) {
       else if (v == "met_uint" || v == "met_ulong") h.number = Number::u32;
       else if (v == "met_float") h.number = Number::f32;
       else if (v == "met_double") h.number = Number::f64;
-      else throw InputError(file, line, "numbers of type '" + v.substr(0, 40) + "' are not read; expected MET_CHAR to MET_UINT, MET_FLOAT or MET_DOUBLE");
+      else throw InputError(file, line, "numbers of type " + quoted(v) + " are not read; expected MET_CHAR to MET_UINT, MET_FLOAT or MET_DOUBLE");
     } else if (key == "elementdatafile") {
       if (raw.empty() || v == "list" || raw.find('%') != std::string_view::npos) throw InputError(file, line, "one data file or LOCAL was expected, not a list");
-      if (v != "local") h.data_file = raw;
+      if (v != "local") h.data_file = name_of(raw, file, line);
       data = true;
     }
   }

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "sim/error.h"
+#include "sim/quoted.h"
 #include "sim/imaging/header.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/file.h"
@@ -52,7 +53,7 @@ class Reader {
     if (w.starts_with('+')) w.remove_prefix(1);
     double v = 0;
     const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v)) fail(line, "'" + std::string(w.substr(0, 30)) + "' is no finite number");
+    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v)) fail(line, quoted(w) + " is no finite number");
     return v;
   }
   Vec3 point(std::string_view rest, int line) const {
@@ -102,7 +103,7 @@ class Reader {
           const std::string_view i = w.substr(0, w.find('/'));
           int64_t v = 0;
           const auto [end, ec] = std::from_chars(i.data(), i.data() + i.size(), v);
-          if (ec != std::errc() || end != i.data() + i.size() || v == 0) fail(line, "'" + std::string(w.substr(0, 30)) + "' names no point");
+          if (ec != std::errc() || end != i.data() + i.size() || v == 0) fail(line, quoted(w) + " names no point");
           c.push_back(v > 0 ? v - 1 : int64_t(out_.x_mm.size()) + v);
         }
         face.emplace_back(std::move(c), line);
@@ -237,12 +238,12 @@ class Reader {
           if (!type(w, p.count_bytes, p.count_kind) || p.count_kind == 'f') fail(line, "the count of a list has no whole type");
           word(rest, w);
         }
-        if (!type(w, p.bytes, p.kind)) fail(line, "the type '" + std::string(w.substr(0, 30)) + "' is not known");
+        if (!type(w, p.bytes, p.kind)) fail(line, "the type " + quoted(w) + " is not known");
         word(rest, w), p.name = w;
         if (kinds.back().property.size() >= 256) fail(line, "has more than 256 properties");
         kinds.back().property.push_back(std::move(p));
       } else {
-        fail(line, "'" + std::string(w.substr(0, 30)) + "' is not known in the header of a PLY");
+        fail(line, quoted(w) + " is not known in the header of a PLY");
       }
     }
     if (!ended || format < 0) fail(0, "the PLY header does not end, or has no format");

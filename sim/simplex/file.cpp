@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "sim/error.h"
+#include "sim/quoted.h"
 #include "sim/simplex/contour.h"
 #include "sim/simplex/dual.h"
 
@@ -77,7 +78,7 @@ class Parser {
     const std::string_view w = word();
     double v = 0;
     const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v)) fail("a finite number was expected instead of '" + std::string(w.substr(0, 40)) + "'");
+    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v)) fail("a finite number was expected instead of " + quoted(w));
     return v;
   }
   int32_t whole(int32_t most) {
@@ -85,7 +86,7 @@ class Parser {
     int32_t v = -1;
     const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
     if (w.empty() || ec != std::errc() || end != w.data() + w.size() || v < 0 || v > most)
-      fail("a whole number from 0 to " + std::to_string(most) + " was expected instead of '" + std::string(w.substr(0, 40)) + "'");
+      fail("a whole number from 0 to " + std::to_string(most) + " was expected instead of " + quoted(w));
     return v;
   }
   Vec3 place() {
@@ -129,8 +130,8 @@ class Parser {
       rings_.push_back(std::move(ring));
       return;
     }
-    if (key != "b" && key != "z" && key != "l" && key != "m" && key != "s") fail("'" + std::string(key.substr(0, 40)) + "' is no statement; expected v, b, z, l, m, s, e or c");
-    if (nbr_.empty()) fail("'" + std::string(key) + "' belongs to a vertex; a v was expected before it");
+    if (key != "b" && key != "z" && key != "l" && key != "m" && key != "s") fail(quoted(key) + " is no statement; expected v, b, z, l, m, s, e or c");
+    if (nbr_.empty()) fail(quoted(key) + " belongs to a vertex; a v was expected before it");
     if (key == "b") {
       before_.back() = place();
     } else if (key == "z") {

@@ -1,4 +1,5 @@
 // The program itself, on bad input: exit status 2, one clear line that names the file, nothing overwritten, no crash.
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -105,6 +106,45 @@ TEST_F(Cli, SurfacesThatAreNoBody) {
   crossing += "v 5 5 5\nv 35 5 5\nv 5 35 5\nv 5 5 35\nf 5 7 6\nf 5 6 8\nf 6 7 8\nf 5 8 7\n";
   expect_refused("check " + file("crossing.obj", crossing), {"crossing.obj", "expected"});
   expect_refused("check " + file("broken.obj", "v 0 0\nf 1 2 9\n"), {"broken.obj:1"});
+}
+
+TEST_F(Cli, FitsSayHowMuchTheyReachAndInWhichUnit) {
+  // A dome, in cm. Its edge is where the mesh ends.
+  std::string dome;
+  for (int j = -20; j <= 20; ++j)
+    for (int i = -20; i <= 20; ++i)
+      if (const double q = 1 - (i * i + j * j) / 450.; q > 0.05) dome += std::to_string(0.4 * i) + " " + std::to_string(0.4 * j) + " " + std::to_string(6 * std::sqrt(q)) + "\n";
+  const std::string scan = file("dome.xyz", dome), out = " --out " + path("m.simplex") + " --json " + path("r.json");
+  Outcome o = run("fit " + scan + " --start plane --unit cm" + out);
+  EXPECT_EQ(o.status, 0) << o.err;
+  nlohmann::json r = nlohmann::json::parse(slurp(path("r.json")));
+  EXPECT_GT(r["reached"].get<double>(), 0.95);
+  EXPECT_NEAR(r["voxel_mm"].get<double>(), 4, 2.);
+  EXPECT_EQ(r["unit"], "cm");
+  EXPECT_EQ(r["warning"], "");
+  // In mm it would be a face of 16 mm: said, with what it might be.
+  o = run("fit " + scan + " --start plane" + out);
+  EXPECT_NE(o.err.find("--unit cm (160 mm)"), std::string::npos) << o.err;
+  // Not reached: exit 3, and how much was. A ball within a ball is behind it from everywhere.
+  std::string balls;
+  for (const double radius : {50., 35.})
+    for (int i = 0; i < int(radius * radius); ++i) {
+      const double z = 2 * (i + 0.5) / (radius * radius) - 1, turn = 2.399963 * i, ring = std::sqrt(1 - z * z);
+      balls += std::to_string(radius * ring * std::cos(turn)) + " " + std::to_string(radius * ring * std::sin(turn)) + " " + std::to_string(radius * z) + "\n";
+    }
+  o = run("fit " + file("balls.xyz", balls) + out);
+  EXPECT_EQ(o.status, 3) << o.err << o.out;
+  EXPECT_NE(o.err.find("of the scan is within two spacings of the mesh; 90 % was wanted"), std::string::npos) << o.err;
+  r = nlohmann::json::parse(slurp(path("r.json")));
+  EXPECT_FALSE(r["ok"].get<bool>());
+  EXPECT_TRUE(r.contains("missed"));
+  EXPECT_NEAR(r["reached"].get<double>(), 2500. / 3725, 0.05);
+  expect_refused("fit " + scan + " --from 0,0,1" + out, {"--from", "--start plane"});
+  expect_refused("fit " + scan + " --start plane --unit cm --from 0,0,nan" + out, {"dome.xyz", "finite"});
+  // What a damaged file holds is quoted without commands to a terminal.
+  o = run("check " + file("escape.nrrd", "NRRD0004\ndimension: 3\nsizes: 3 \x1b[31m 5\n\n"));
+  EXPECT_EQ(o.status, 2);
+  EXPECT_EQ(o.err.find('\x1b'), std::string::npos);
 }
 
 TEST_F(Cli, RecordingsThatAreNone) {
