@@ -78,8 +78,8 @@ class CellBuilder {
   bool meets(Int3 at, int32_t face);
   /// Whether one of the faces has a crack front in the cell: an edge where its two sides are glued to each other.
   bool holds_front(Int3 at, std::span<const int32_t> faces);
-  /// How far from its front, square to it and along the crack, the cell reaches at most: in edges of the cell, 0 without a
-  /// front. This is what stays closed of the crack in a cell that is not divided.
+  /// How far from its front, square to it and along the crack, the cell reaches at most: in edges of the cell (up to 6 %
+  /// more where the crack runs askew), 0 without a front. This is what stays closed of the crack in a cell that is not divided.
   double front_reach(Int3 at, std::span<const int32_t> faces);
 
   /// Layers of the corners of a face: [corner][axis].

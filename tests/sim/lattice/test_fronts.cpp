@@ -41,7 +41,7 @@ TEST_F(Fronts, LieInTheSmallestCells) {
   ASSERT_TRUE(s.cut(strip({{-14.3, 0.3}, {11.2, 1.1}}, 3, -6)));
   ASSERT_TRUE(s.cut(strip({{1, -13}, {2, 17}}, 3, -4)));
   ASSERT_TRUE(s.cut(sheet({-2, 0.1, -5}, {18, 0.1, 0}, {0.1, 13, 0.1}, 9, 7)));
-  for (const Vec2 at : {Vec2(-17, -15), Vec2(-19, 9), Vec2(9, -19), Vec2(13.4, 11), Vec2(-24, -4)})
+  for (const Vec2& at : {Vec2(-17, -15), Vec2(-19, 9), Vec2(9, -19), Vec2(13.4, 11), Vec2(-24, -4)})
     ASSERT_TRUE(s.cut(strip({at, at + Vec2(5.3, 5.1)}, 3, -5.2)));
   const auto edges = front_edges(s.a);
   EXPECT_GT(edges.size(), 40u);
