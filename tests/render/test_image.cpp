@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <fstream>
@@ -70,7 +71,8 @@ TEST(Image, BadFilesAreInputErrors) {
 TEST(Image, FailedWriteLeavesTheOldFile) {
   const fs::path dir = scratch("old");
   write_png(dir / "a.png", sample());
-  fs::create_directory(dir / "a.png.part");  // the temporary name is taken by a folder: the write must fail
+  // The name of what is not whole yet is taken by a folder: the write must fail.
+  fs::create_directory(dir / ("a.png." + std::to_string(getpid()) + ".part"));
   EXPECT_THROW(write_png(dir / "a.png", Image(3, 3)), InputError);
   EXPECT_EQ(read_png(dir / "a.png"), sample());
   EXPECT_THROW(write_png(dir / "nowhere" / "a.png", sample()), InputError);
