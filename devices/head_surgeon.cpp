@@ -143,18 +143,24 @@ struct EmulatedHeadSurgeon::Impl {
   }
   void problem(const std::string& what) { problems.push_back("command " + std::to_string(command + 1) + ": " + what); }
 
-  void plan(const CutBone& c) {
-    if (c.contour_mm.size() < 3) return problem("a plane is no gesture; expected an osteotomy by a contour");
-    choose(ControlSample::select_tool, Tool::saw);
+  /// Sets the tip down at a place, from above it, and presses; the way there, for the way back.
+  Act press_down(const Vec3& at_mm) {
     Act to;
     to.kind = Act::saw_to;
-    to.to_mm = c.contour_mm.front(), to.height_mm = set.hover_mm;
+    to.to_mm = at_mm, to.height_mm = set.hover_mm;
     acts.push_back(to);
     to.height_mm = 0;
     acts.push_back(to);
     add(Act::hold, set.corner_pause_s);
     add(Act::press);
     add(Act::hold, set.corner_pause_s);
+    return to;
+  }
+
+  void plan(const CutBone& c) {
+    if (c.contour_mm.size() < 3) return problem("a plane is no gesture; expected an osteotomy by a contour");
+    choose(ControlSample::select_tool, Tool::saw);
+    Act to = press_down(c.contour_mm.front());
     Act along;
     along.kind = Act::saw_along;
     along.path = c.contour_mm;
@@ -197,15 +203,7 @@ struct EmulatedHeadSurgeon::Impl {
   }
   void plan_grip(const MoveFragment& m, const Vec3& at, const Vec3& about_mm) {
     choose(ControlSample::select_tool, Tool::grab);
-    Act to;
-    to.kind = Act::saw_to;
-    to.to_mm = at, to.height_mm = set.hover_mm;
-    acts.push_back(to);
-    to.height_mm = 0;
-    acts.push_back(to);
-    add(Act::hold, set.corner_pause_s);
-    add(Act::press);
-    add(Act::hold, set.corner_pause_s);
+    Act to = press_down(at);
     Act carry;
     carry.kind = Act::carry_tip;
     carry.move = m.by;
