@@ -4,7 +4,7 @@
 //   device  1 kHz     SCHED_FIFO and locked memory where permitted; no allocation, lock or log call in steady state
 //   solver  62.5 Hz   ordinary priority; a step ends early when its period is used up
 //   render  <= 30 Hz  nice +5; skipped when nothing changed
-//   (the calling thread) writes the recording, looks out for the end, nice +10
+//   (the calling thread) writes the recording, looks out for the end
 //
 // A tick that comes late is done once with the present time; whole ticks that were missed are skipped and counted, never
 // run back to back. A device tick that takes longer than 50 ms gives the real-time priority back, so that a defect
@@ -15,7 +15,7 @@ namespace limberg {
 
 struct RealTimeSettings {
   int fifo_priority = 80;
-  int render_nice = 5, writer_nice = 10;
+  int render_nice = 5;
   double solver_budget = 0.85;  // of its period, after which a step takes no further iteration
 };
 
