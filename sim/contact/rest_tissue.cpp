@@ -59,8 +59,15 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
       own.push_back({c, int32_t(t)});
       if (lattice.cells[size_t(c)].cell != cell) cell = -1;
     }
+    const auto& v = corner_[t];
+    if (cell >= 0 && !lattice.hanging.empty()) {  // parts of a divided cell have one number
+      const auto& node = lattice.cells[size_t(s.carrier[t])].node;
+      const Vec3 low = model.X_mm[size_t(node[0])].array() - kTie_mm, high = model.X_mm[size_t(node[7])].array() + kTie_mm;
+      for (const Vec3& x : v)
+        if ((x.array() < low.array()).any() || (x.array() > high.array()).any()) cell = -1;
+    }
     if (cell >= 0) continue;
-    const auto& v = corner_[t];  // it goes through several cells: whose it is along its way
+    // It goes through several cells: whose it is along its way.
     const double longest = std::sqrt(std::max({(v[1] - v[0]).squaredNorm(), (v[2] - v[1]).squaredNorm(), (v[0] - v[2]).squaredNorm()}));
     const int parts = std::clamp(int(std::ceil(longest / kWay_mm)), 2, 64);
     for (int i = 0; i <= parts; ++i)
