@@ -1,11 +1,11 @@
 #include "app/bundle.h"
 
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
 
 #include "app/output.h"
+#include "app/temporary_folder.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -17,20 +17,6 @@ namespace {
 constexpr int kLevels = 8;  // a mesh may lie so many folders above its scene
 constexpr const char* kTissues = "tissues.toml";  // beside the scene, where it is looked for first
 constexpr size_t kMaxMesh = size_t(512) << 20;
-
-/// A private folder that goes away with its owner.
-struct TemporaryFolder {
-  fs::path path;
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "limberg-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw InputError(name, 0, "cannot make a temporary folder; expected room in the folder for temporary files");
-    path = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ec;
-    fs::remove_all(path, ec);
-  }
-};
 
 bool inside(const fs::path& root, const fs::path& p) {
   const fs::path r = p.lexically_relative(root);
@@ -66,14 +52,14 @@ Unbundled unbundle_scene(const Recording& rec, const std::string& file) {
     // The scene reads its mesh and tissues from paths relative to itself: lay all out below a folder of our own. A path that would
     // lead out of it is refused.
     const auto tmp = std::make_shared<TemporaryFolder>();
-    fs::path folder = tmp->path;
+    fs::path folder = tmp->path();
     for (int i = 0; i < kLevels; ++i) folder /= "s";
     fs::create_directories(folder);
     for (const Blob& b : rec.blobs) {
       if (b.kind == BlobKind::tissues) write_whole_file((folder / kTissues).string(), b.data);
       if (b.kind != BlobKind::mesh) continue;
       const fs::path at = (folder / b.name).lexically_normal();
-      if (fs::path(b.name).is_absolute() || !inside(tmp->path, at))
+      if (fs::path(b.name).is_absolute() || !inside(tmp->path(), at))
         throw InputError(file, 0, "holds a mesh with the path \"" + b.name + "\"; expected a path near its scene");
       fs::create_directories(at.parent_path());
       write_whole_file(at.string(), b.data);

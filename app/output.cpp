@@ -70,35 +70,6 @@ void check_replaces(const std::string& file, const std::string& begins, const st
   if (start != begins) throw InputError(file, 0, "exists and is not " + kind + ", which would replace it; expected the name of a new file, or of " + kind);
 }
 
-void write_whole_file(const std::string& file, const std::string& text) {
-  struct stat st {};
-  const bool special = stat(file.c_str(), &st) == 0 && !S_ISREG(st.st_mode);
-  std::string name = special ? file : folder_of(file) + "/.limberg-XXXXXX";
-  const int fd = special ? open(file.c_str(), O_WRONLY) : mkstemp(name.data());
-  const auto fail = [&](int e) {
-    if (fd >= 0) close(fd);
-    if (!special && fd >= 0) unlink(name.c_str());
-    throw InputError(file, 0, "cannot be written (" + reason(e) + "); expected room and permission");
-  };
-  if (fd < 0) fail(errno);
-  for (size_t done = 0; done < text.size();) {
-    const ssize_t n = write(fd, text.data() + done, text.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail(errno);
-    done += size_t(n);
-  }
-  if (special) {
-    close(fd);
-    return;
-  }
-  fchmod(fd, 0644);
-  if (close(fd) != 0 || rename(name.c_str(), file.c_str()) != 0) {
-    const int e = errno;
-    unlink(name.c_str());
-    throw InputError(file, 0, "cannot be written (" + reason(e) + "); expected room and permission");
-  }
-}
-
 std::string read_whole_file(const std::string& file, size_t limit) {
   struct stat st {};
   if (stat(file.c_str(), &st) != 0) throw InputError(file, 0, "cannot be read (" + reason(errno) + "); expected an existing file");

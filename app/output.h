@@ -2,6 +2,8 @@
 // Where results go: checked before work starts, written whole or not at all.
 #include <string>
 
+#include "sim/whole_file.h"
+
 namespace limberg {
 
 /// Makes the folder (and its parents) if need be and makes sure that a file can be created in it. InputError otherwise.
@@ -17,9 +19,6 @@ void check_replaces(const std::string& file, const std::string& begins, const st
 inline void check_replaces_result(const std::string& file) { check_replaces(file, "{\"limberg\":", "a result"); }
 inline void check_replaces_drawing(const std::string& file) { check_replaces(file, "<svg", "an SVG drawing"); }
 inline void check_replaces_recording(const std::string& file) { check_replaces(file, "\xED\xA1\xDA\x01", "a recording"); }
-
-/// Writes beside `file`, then renames. InputError when anything fails; an older file is then still there.
-void write_whole_file(const std::string& file, const std::string& text);
 
 /// The file's bytes. InputError: missing, a folder, unreadable or larger than `limit`.
 std::string read_whole_file(const std::string& file, size_t limit = size_t(256) << 20);

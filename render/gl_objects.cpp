@@ -1,10 +1,8 @@
 #include "render/gl_objects.h"
 
-#include <array>
-#include <cmath>
-
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
 
 namespace limberg {

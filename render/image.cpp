@@ -1,7 +1,6 @@
 #include "render/image.h"
 
 #include <png.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +10,7 @@
 #include <memory>
 
 #include "sim/error.h"
+#include "sim/whole_file.h"
 
 namespace limberg {
 
@@ -105,21 +105,9 @@ std::string encode_png(const Image& image) {
 
 void write_png(const std::string& file, const Image& image) {
   if (image.empty()) throw InputError(file, 0, "an empty picture cannot be written; expected at least one pixel");
-  const std::string part = file + "." + std::to_string(getpid()) + ".part";  // two processes may write into one folder
-  bool good = false;
-  {
-    std::unique_ptr<std::FILE, Closer> f(std::fopen(part.c_str(), "wb"));
-    if (!f) throw InputError(file, 0, std::string("cannot be written: ") + std::strerror(errno));
-    const std::string bytes = encode_png(image);
-    good = !bytes.empty() && std::fwrite(bytes.data(), 1, bytes.size(), f.get()) == bytes.size() && std::fflush(f.get()) == 0;
-  }
-  std::error_code failed;
-  if (good) std::filesystem::rename(part, file, failed);
-  if (!good || failed) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw InputError(file, 0, "cannot be written; expected a folder with room and the right to write");
-  }
+  const std::string bytes = encode_png(image);
+  if (bytes.empty()) throw InputError(file, 0, "a picture cannot be encoded");
+  write_whole_file(file, bytes);
 }
 
 Image read_png(const std::string& file) {

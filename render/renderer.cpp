@@ -22,15 +22,6 @@ const Vec3f kKeyDirection = Vec3f(-0.62f, 0.44f, 0.65f).normalized();
 
 Vec3f unit_rgb(Rgb8 c) { return Vec3f(float(c.r), float(c.g), float(c.b)) / 255.0f; }
 
-Texels scale_texture(ColourScale scale) {
-  Texels t{256, 1, {}};
-  for (int i = 0; i < 256; ++i) {
-    const Rgb8 c = colour_of(scale, i / 255.0);
-    t.rgba.insert(t.rgba.end(), {c.r, c.g, c.b, 255});
-  }
-  return t;
-}
-
 // The lamp's view: an orthographic box around the scene, looking along the light.
 Mat4f light_matrix(const RenderScene& scene) {
   Vec3f lo = scene.bounds_min, hi = scene.bounds_max;

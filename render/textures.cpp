@@ -147,4 +147,13 @@ Texels layer_texture(const std::vector<Layer>& layers, double range_mm, int size
   });
 }
 
+Texels scale_texture(ColourScale scale) {
+  Texels t{256, 1, {}};
+  for (int i = 0; i < 256; ++i) {
+    const Rgb8 c = colour_of(scale, i / 255.0);
+    t.rgba.insert(t.rgba.end(), {c.r, c.g, c.b, 255});
+  }
+  return t;
+}
+
 }  // namespace limberg

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "render/colour_map.h"
 #include "sim/geometry/body.h"
 
 namespace limberg {
@@ -25,5 +26,8 @@ Texels detail_texture(int size = 512);
 
 /// Albedo, sRGB, from the skin (left) to `range_mm` deep (right): a thin epidermis, pale dermis, yellow fat, red below.
 Texels layer_texture(const std::vector<Layer>& layers, double range_mm, int size = 512);
+
+/// A colour map's 256 colours, side by side.
+Texels scale_texture(ColourScale scale);
 
 }  // namespace limberg

@@ -93,8 +93,8 @@ class Banks {
 std::map<int32_t, double> carriers(const LatticeTopology& t, const EmbeddedPoint& p) {
   std::map<int32_t, double> sum;
   for (size_t k = 0; k < 8; ++k) {
-    const auto h = std::lower_bound(t.hanging.begin(), t.hanging.end(), p.node[k], [](const auto& a, int32_t n) { return a.node < n; });
-    if (h == t.hanging.end() || h->node != p.node[k])
+    const LatticeTopology::Hanging* h = t.hanging_at(p.node[k]);
+    if (!h)
       sum[p.node[k]] += double(p.w[k]);
     else
       for (size_t m = 0; m < size_t(h->count); ++m) sum[h->master[m]] += double(p.w[k]) / h->count;
@@ -132,7 +132,15 @@ std::string text(const char* format, auto... value) {
   return buffer;
 }
 
+void add_bar(Result& out, const std::string& name, double closed_cells) {
+  out.bars.push_back({name, closed_cells, false, 0.25, false, closed_cells <= 0.25, "issue 3: a cut's end within 1/4 of the coarse cell"});
+}
+
 }  // namespace
+
+double SlitOpening::closed_cells() const {
+  return std::max({closed_low_mm / cell_mm.x(), closed_high_mm / cell_mm.x(), closed_deep_mm / cell_mm.z()});
+}
 
 SlitOpening open_slit(const SlitSpec& s, Workers& workers) {
   const auto body = std::make_shared<const Body>(block(s));
@@ -227,7 +235,7 @@ static void all_angles(Result& out, const CuttingSettings& settings) {
         s.front_levels = kLevels;
         const SlitOpening o = slit_in_lattice(s);
         nodes[1] += o.nodes, ++slits;
-        const double closed = std::max({o.closed_low_mm / o.cell_mm.x(), o.closed_high_mm / o.cell_mm.x(), o.closed_deep_mm / o.cell_mm.z()});
+        const double closed = o.closed_cells();
         if (closed > worst) worst = closed, worst_at = angle;
       }
     Row r;
@@ -235,17 +243,13 @@ static void all_angles(Result& out, const CuttingSettings& settings) {
     r.settings = text("%zu slits at 0 to 90 degrees; worst closed end %.3f of a cell, at %g degrees; %zu nodes in the mean, %zu with two divisions only",
                       slits, worst, worst_at, nodes[1] / slits, nodes[0] / slits);
     out.rows.push_back(r);
-    out.bars.push_back({text("closed end of a slit at any angle, cells of %g mm (cells)", cell), worst, false, 0.25, false, worst <= 0.25,
-                        "issue 3: a cut's end within 1/4 of the coarse cell"});
+    add_bar(out, text("closed end of a slit at any angle, cells of %g mm (cells)", cell), worst);
   }
 }
 
 void fronts(Result& out, const CuttingSettings& settings) {
   InlineWorkers workers;
-  const auto bar = [&](const std::string& name, const SlitOpening& o) {
-    const double worst = std::max({o.closed_low_mm / o.cell_mm.x(), o.closed_high_mm / o.cell_mm.x(), o.closed_deep_mm / o.cell_mm.z()});
-    out.bars.push_back({name, worst, false, 0.25, false, worst <= 0.25, "issue 3: a cut's end within 1/4 of the coarse cell"});
-  };
+  const auto bar = [&](const std::string& name, const SlitOpening& o) { add_bar(out, name, o.closed_cells()); };
   for (double cell : settings.quick ? std::vector<double>{5} : std::vector<double>{5, 3.5}) {
     SlitSpec base;
     base.cell_mm = cell;

@@ -38,6 +38,7 @@ struct SlitOpening {
   double widest_mm = 0;
   // From where the width exceeds a thousandth of the greatest to the true end.
   double closed_low_mm = 0, closed_high_mm = 0, closed_deep_mm = 0;
+  double closed_cells() const;   // the largest of the three, in edges of a cell
 };
 
 /// Throws std::runtime_error when the cut is refused.

@@ -20,6 +20,7 @@
 #include "app/study/member_file.h"
 #include "app/study/processes.h"
 #include "app/study/study_result.h"
+#include "app/temporary_folder.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -184,19 +185,6 @@ class Gathering {
   bool head_ = true;
 };
 
-/// A folder of its own that goes with it.
-struct TemporaryFolder {
-  std::string path;
-  TemporaryFolder() {
-    path = (fs::temp_directory_path() / "limberg-study-XXXXXX").string();
-    if (!::mkdtemp(path.data())) throw InputError(path, 0, "no temporary folder can be made; expected --out DIR");
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-};
-
 std::string first_line(const std::string& file) {
   std::error_code ec;
   if (!fs::exists(file, ec)) return {};
@@ -280,8 +268,8 @@ int run(const Options& o) {
   if (!o.collect.empty()) return collect(o, std::move(parts));
   o.common.prepare();
   std::optional<TemporaryFolder> temporary;
-  if (o.common.out_dir.empty()) temporary.emplace();
-  const std::string dir = temporary ? temporary->path : o.common.out_dir;
+  if (o.common.out_dir.empty()) temporary.emplace("--out DIR");
+  const std::string dir = temporary ? temporary->path().string() : o.common.out_dir;
   prepare_folder(dir + "/members");
   const Places at{{dir}, dir};
   Gathering gathering(parts, at);

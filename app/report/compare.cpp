@@ -8,6 +8,7 @@
 #include "app/report/html.h"
 #include "app/report/report_data.h"
 #include "app/report/report_file.h"
+#include "sim/whole_file.h"
 #include "app/report/sections.h"
 
 namespace limberg {
@@ -203,7 +204,7 @@ std::string comparison_html(const std::string& json_a, const std::string& dir_a,
 
 std::string write_comparison(const std::string& dir_a, const std::string& dir_b, const std::string& file) {
   const std::string a = read_result_file(dir_a), b = read_result_file(dir_b);
-  write_page(file, comparison_html(a, dir_a, b, dir_b));
+  write_whole_file(file, comparison_html(a, dir_a, b, dir_b));
   return file;
 }
 

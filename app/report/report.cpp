@@ -1,7 +1,5 @@
 #include "app/report/report.h"
 
-#include <unistd.h>
-
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -13,6 +11,7 @@
 #include "app/report/sections.h"
 #include "app/report/style.h"
 #include "sim/error.h"
+#include "sim/whole_file.h"
 
 namespace limberg {
 
@@ -46,24 +45,11 @@ std::string read_result_file(const std::string& dir) {
   return {(std::istreambuf_iterator<char>(in)), {}};
 }
 
-void write_page(const std::string& file, const std::string& text) {
-  const std::string part = file + "." + std::to_string(getpid()) + ".part";  // two processes may write into one folder
-  std::ofstream out(part, std::ios::binary | std::ios::trunc);
-  out << text;
-  out.close();
-  std::error_code failed, none;
-  if (out) fs::rename(part, file, failed);
-  if (!out || failed) {
-    fs::remove(part, none);
-    throw InputError(file, 0, "cannot be written; expected a folder with room and the right to write");
-  }
-}
-
 std::string report_html(const std::string& result_json, const std::string& dir) { return page(read_report_data(result_json, result_file(dir)), dir); }
 
 std::string write_report(const std::string& dir) {
   const std::string text = report_html(read_result_file(dir), dir), target = (fs::path(dir) / report_names::html).string();
-  write_page(target, text);
+  write_whole_file(target, text);
   return target;
 }
 

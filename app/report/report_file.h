@@ -1,5 +1,5 @@
 #pragma once
-// Where a report's data stand and where pages go.
+// Where a report's data stand, and what a page begins with.
 #include <string>
 
 namespace limberg {
@@ -10,7 +10,5 @@ std::string result_file(const std::string& dir);
 std::string read_result_file(const std::string& dir);
 /// A whole page: head with the style sheet, nothing from the network. `title` is text, `body` markup.
 std::string whole_page(const std::string& title, const std::string& body);
-/// Writes a page beside itself and puts it in place whole, or throws InputError and leaves what was there.
-void write_page(const std::string& file, const std::string& html);
 
 }  // namespace limberg

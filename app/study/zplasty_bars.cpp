@@ -97,7 +97,7 @@ double peak_at(const Group& g, What what) {
 void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_bed) {
   Worst rise, tips, ratio, saturation, flat, over, high, none, work, ear, with_tension, sixty;
   // Lips that the stitches raise beside every seam, at saddles too, are no dog-ear, and grow with the tension.
-  const auto above_lips = [](const Row& r) { return r.at("ear_mm") - r.at("at_C_D_mm"); };
+  const auto above_lips = [](const Group& g, double angle) { return g.at(angle, "ear_mm") - g.at(angle, "at_C_D_mm"); };
   for (const Group& g : groups_of(rows)) {
     const double p = g.prestretch();
     for (size_t i = 0; i < g.rows.size(); ++i) {
@@ -107,13 +107,13 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
       if (p == 0) none(r.at("ear_mm"));
       for (const Group& h : groups_of(rows))  // the same with more tension
         if (h.rows[0]->at("cell_mm") == r.at("cell_mm") && h.prestretch() > p)
-          with_tension(h.at(r.at("angle"), "ear_mm") - h.at(r.at("angle"), "at_C_D_mm") - above_lips(r));
+          with_tension(above_lips(h, r.at("angle")) - above_lips(g, r.at("angle")));
     }
     if (g.rows.size() >= 4) work(peak_at(g, [](const Row& r) { return r.at("gain_per_root_work"); }));
     if (g.rows.size() >= 4 && p == 10) ear(peak_at(g, gain_per_ear));
     ratio(g.at(90, "ear_mm") / std::max(g.at(60, "ear_mm"), 1e-3));
     if (p == 0) saturation((g.at(90, "elongation") - g.at(75, "elongation")) / (g.at(60, "elongation") - g.at(45, "elongation")));
-    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), over(g.at(45, "ear_mm") - g.at(45, "at_C_D_mm")), over(g.at(60, "ear_mm") - g.at(60, "at_C_D_mm")), high(g.at(90, "ear_mm")), sixty(g.at(60, "ear_mm"));
+    if (p == 10) flat(g.at(45, "ear_mm")), flat(g.at(60, "ear_mm")), over(above_lips(g, 45)), over(above_lips(g, 60)), high(g.at(90, "ear_mm")), sixty(g.at(60, "ear_mm"));
   }
   if (rise.least) out.push_back(at_least("4c least rise of the dog-ear from angle to angle, mm", *rise.least, -0.05, "protocol: rises with the angle; 0.05 mm is the lattice's noise"));
   if (tips.most) out.push_back(at_most("4c height at the flaps' tips less that at the limb's ends, mm", *tips.most, 0, "protocol: cones at the limb's ends (charge +angle), saddles at the tips"));

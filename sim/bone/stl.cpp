@@ -1,12 +1,9 @@
 #include "sim/bone/stl.h"
 
 #include <bit>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include "sim/bone/surface.h"
-#include "sim/error.h"
+#include "sim/whole_file.h"
 
 namespace limberg::bone {
 namespace {
@@ -34,20 +31,6 @@ std::string to_stl(const simplex::Mesh& m, int32_t vertex, const Eigen::Isometry
   return s;
 }
 
-void save_stl(const std::string& bytes, const std::string& path) {
-  const std::string beside = path + ".new";
-  {
-    std::ofstream out(beside, std::ios::binary);
-    out.write(bytes.data(), std::streamsize(bytes.size()));
-    out.close();
-    if (!out) throw InputError(path, 0, "cannot write this file");
-  }
-  std::error_code failed;
-  std::filesystem::rename(beside, path, failed);
-  if (failed) {
-    std::remove(beside.c_str());
-    throw InputError(path, 0, "cannot write this file: " + failed.message());
-  }
-}
+void save_stl(const std::string& bytes, const std::string& path) { write_whole_file(path, bytes); }
 
 }  // namespace limberg::bone

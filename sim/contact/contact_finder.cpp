@@ -10,7 +10,6 @@ namespace limberg {
 namespace {
 
 constexpr size_t kGrain = 32, kChunks = 4;  // places of a chunk, at least; chunks of a worker's share
-constexpr double kNothing = 1e-4;   // a pair of this weight is left out: its force is below single precision
 constexpr double kNear_mm = 0.3;    // clearance of pairs that may press within a few iterations
 constexpr double kTurn_mm = 0.08;   // less motion turns no surface by the angle that counts
 constexpr double kLeast_mm = 0.005; // pairs are looked at again after so much motion at least

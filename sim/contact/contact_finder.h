@@ -19,7 +19,7 @@
 //
 // The plane is then wrong by turn_deg and by the sagitta of slide_mm on the sheet's curvature, 0.002 mm for a radius of 5 mm.
 // Where the answer itself jumps (a foot from one part of a sheet to another, or to another sheet), a pair might turn for
-// ever, as the body moves by more than slide_mm with it each time. So places tire: from the fifth time that its pairs turn
+// ever, as the body moves by more than slide_mm with it each time. So places tire: from the third time that its pairs turn
 // in one spot, each goes only a part of the way to what is found (a half, a third, ...), and after the last they stand
 // still: between the two answers, which is what an equilibrium at a jump is (the solution in the sense of Filippov). A place
 // that has slid on by spot_mm is fresh again. So without motion from outside only finitely many pairs turn, and when none
@@ -87,9 +87,9 @@ class ContactFinder {
   void resume(const ContactMemory& memory);
 
   const ContactCounts& counts() const { return counts_; }
-  const ContactSurface& surface() const { return *surface_; }
 
  private:
+  static constexpr double kNothing = 1e-4;  // a pair of this weight is left out: its force is below single precision
   struct Pair {
     HeldContact held;
     Contact contact;

@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kSurface_mm = 0.1;  // nearer than this to the surface a place is as good as on it
 constexpr double kFloor_mm = 0.02;   // added to depths that are compared: below it they are all the same
-constexpr double kNothing = 1e-4;    // a pair of this weight is left out: its force is below single precision
 constexpr double kOwn_mm = 1e-3;     // a point of the own tissue is found again within this
 constexpr double kSelf_mm = 2;       // so near on its own sheet a place has neighbours
 

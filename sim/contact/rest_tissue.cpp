@@ -114,10 +114,8 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
   for (size_t c = 0; c < copy_.size(); ++c)
     for (size_t k = 0; k < 8; ++k) {
       all_at.push_back({slot_[c][k], int32_t(c)});
-      if (lattice.hanging.empty()) continue;
-      const int32_t n = lattice.cells[size_t(copy_[c])].node[k];
-      const auto h = std::lower_bound(lattice.hanging.begin(), lattice.hanging.end(), n, [](const auto& a, int32_t b) { return a.node < b; });
-      if (h == lattice.hanging.end() || h->node != n) continue;
+      const LatticeTopology::Hanging* h = lattice.hanging_at(lattice.cells[size_t(copy_[c])].node[k]);
+      if (!h) continue;
       for (int32_t i = 0; i < h->count; ++i)
         if (const int32_t m = slot_of[size_t(h->master[size_t(i)])]; m >= 0) all_at.push_back({m, int32_t(c)});
     }
@@ -252,21 +250,21 @@ void RestTissue::gather(int32_t part, std::vector<Near>& own, std::vector<Near>&
 }
 
 void RestTissue::learn(std::span<const int32_t> parts, Workers& workers) {
-  std::vector<int32_t> todo(parts.begin(), parts.end());
-  unique_sorted(todo);
-  std::erase_if(todo, [&](int32_t p) { return known(p); });
-  std::vector<std::array<std::vector<Near>, 2>> found(todo.size());
-  workers.parallel_for(todo.size(), kGrain, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) gather(todo[i], found[i][0], found[i][1]);
+  std::vector<int32_t> wanted(parts.begin(), parts.end());
+  unique_sorted(wanted);
+  std::erase_if(wanted, [&](int32_t p) { return known(p); });
+  std::vector<std::array<std::vector<Near>, 2>> found(wanted.size());
+  workers.parallel_for(wanted.size(), kGrain, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) gather(wanted[i], found[i][0], found[i][1]);
   });
-  for (size_t i = 0; i < todo.size(); ++i) {
+  for (size_t i = 0; i < wanted.size(); ++i) {
     List l;
     l.begin = int32_t(near_.size());
     near_.insert(near_.end(), found[i][0].begin(), found[i][0].end());
     l.own = int32_t(near_.size());
     near_.insert(near_.end(), found[i][1].begin(), found[i][1].end());
     l.end = int32_t(near_.size());
-    of_part_[size_t(todo[i])] = int32_t(list_.size());
+    of_part_[size_t(wanted[i])] = int32_t(list_.size());
     list_.push_back(l);
   }
 }

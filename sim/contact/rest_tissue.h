@@ -70,7 +70,6 @@ class RestTissue {
   /// `at` in copy c, in a part that is known. The nearest point of each sheet, own sheets first.
   void ask(size_t c, const Vec3& at, int32_t part, Answer& answer) const;
 
-  const Vec3& normal(int32_t triangle) const { return normal_[size_t(triangle)]; }
   /// Between corners it goes linearly (sheets.h).
   Vec3 smooth_normal(int32_t triangle, const std::array<double, 3>& bary) const;
 

@@ -49,6 +49,11 @@ bool walk(const LatticeGrid& grid, const MaterialSurface& surface, std::span<con
 
 }  // namespace
 
+const LatticeTopology::Hanging* LatticeTopology::hanging_at(int32_t node) const {
+  const auto h = std::lower_bound(hanging.begin(), hanging.end(), node, [](const Hanging& a, int32_t n) { return a.node < n; });
+  return h != hanging.end() && h->node == node ? &*h : nullptr;
+}
+
 uint8_t LatticeTopology::corners_in_material(int32_t cell) const {
   uint8_t in = 0;
   if (!tree.is_part(cell)) {

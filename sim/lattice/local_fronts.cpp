@@ -41,7 +41,6 @@ class LocalFronts {
   void number_copies();
   void relink();
   void find_region();
-  bool pieces_stay() const;
   void summarise();
   int class_before(int32_t cell, int cls) const {
     if (descent_.is_new(cell)) return descent_.class_before(cell, cls);
@@ -178,32 +177,10 @@ void LocalFronts::find_region() {
   std::sort(region_.copies.begin(), region_.copies.end());
 }
 
-// Whoever left a changed copy for an unchanged one before comes back to a part of it, so it is enough that the changed ones
-// of a piece are linked among themselves.
-bool LocalFronts::pieces_stay() const {
-  std::vector<int32_t> place(size_t(t_.tree.ids()), -1), first(changed_.size() + 1, 0);
-  for (size_t i = 0; i < changed_.size(); ++i) {
-    place[size_t(changed_[i])] = int32_t(i);
-    first[i + 1] = first[i] + t_.copies_of(changed_[i]);
-  }
-  Partition join;
-  join.reset(size_t(first.back()));
-  for (size_t i = 0; i < changed_.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis)
-      for (const Link& l : t_.links.of(3 * changed_[i] + axis))
-        if (const int32_t next = place[size_t(l.next)]; next >= 0) join.unite(first[i] + l.low, first[size_t(next)] + l.high);
-  std::vector<int32_t> root_of_piece(size_t(before_.pieces), -1);
-  for (size_t i = 0; i < changed_.size(); ++i)
-    for (int32_t k = first[i]; k < first[i + 1]; ++k) {
-      int32_t& r = root_of_piece[size_t(cells_[size_t(t_.copy(changed_[i], k - first[i]))].piece)];
-      if (r < 0) r = join.find(k);
-      if (r != join.find(k)) return false;
-    }
-  return true;
-}
-
 void LocalFronts::summarise() {
-  if (!pieces_stay()) return limberg::summarise(t_);
+  std::vector<int32_t> place(size_t(t_.tree.ids()), -1);
+  for (size_t i = 0; i < changed_.size(); ++i) place[size_t(changed_[i])] = int32_t(i);
+  if (!pieces_stay(t_, before_.pieces, changed_, place)) return limberg::summarise(t_);
   NumberSet before(before_.components.size());
   for (int32_t c : changed_) {
     before.add(descent_.cell_before(c));

@@ -44,7 +44,6 @@ class LocalUpdate {
     if (cells_[size_t(copy)].node[size_t(corner)] != node) t_.cells[size_t(copy)].node[size_t(corner)] = node;
   }
   void summarise();
-  bool pieces_stay() const;
 
   LatticeTopology& t_;
   LevelBuilders& builders_;
@@ -249,34 +248,8 @@ void LocalUpdate::number_nodes() {
   }
 }
 
-bool LocalUpdate::pieces_stay() const {
-  // Whoever left a touched copy for an untouched one before comes back to a part of it, so it is enough that the touched
-  // ones of a piece are linked among themselves.
-  std::vector<int32_t> first(touched_.size() + 1, 0);  // of the copies of each touched cell
-  for (size_t i = 0; i < touched_.size(); ++i) first[i + 1] = first[i] + t_.copies_of(touched_[i]);
-  Partition join;
-  join.reset(size_t(first.back()));
-  for (size_t i = 0; i < touched_.size(); ++i) {
-    const Int3 at = t_.grid.cell_at(touched_[i]);
-    for (int axis = 0; axis < 3; ++axis) {
-      if (at[axis] + 1 >= t_.grid.count[axis]) continue;
-      const int32_t next = place_[size_t(touched_[i] + stride_[size_t(axis)])];
-      if (next < 0) continue;
-      for (const Link& l : t_.links.of(3 * touched_[i] + axis)) join.unite(first[i] + l.low, first[size_t(next)] + l.high);
-    }
-  }
-  std::vector<int32_t> root_of_piece(size_t(before_.pieces), -1);
-  for (size_t i = 0; i < touched_.size(); ++i)
-    for (int32_t k = first[i]; k < first[i + 1]; ++k) {
-      int32_t& r = root_of_piece[size_t(cells_[size_t(t_.copy(touched_[i], k - first[i]))].piece)];
-      if (r < 0) r = join.find(k);
-      if (r != join.find(k)) return false;
-    }
-  return true;
-}
-
 void LocalUpdate::summarise() {
-  if (!pieces_stay()) return limberg::summarise(t_);
+  if (!pieces_stay(t_, before_.pieces, touched_, place_)) return limberg::summarise(t_);
   for (int32_t c : touched_) {
     for (int k = 0; k < before_.copies_of(c); ++k) {
       const CellCopy& was = before_.cells[size_t(before_.copy(c, k))];

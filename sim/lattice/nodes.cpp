@@ -57,9 +57,8 @@ void sort_and_merge(Ancestors& a) {
 Ancestors resolve(const LatticeTopology& previous, const Ancestors& from) {
   Ancestors sum;
   for (auto [n, w] : from) {
-    const auto h = std::lower_bound(previous.hanging.begin(), previous.hanging.end(), n,
-                                    [](const LatticeTopology::Hanging& a, int32_t b) { return a.node < b; });
-    if (h == previous.hanging.end() || h->node != n) {
+    const LatticeTopology::Hanging* h = previous.hanging_at(n);
+    if (!h) {
       sum.push_back({n, w});
       continue;
     }
@@ -410,6 +409,27 @@ uint64_t LatticeTopology::hash() const {
   }
   sum.add(pieces);
   return sum.value();
+}
+
+// Whoever left a changed copy for an unchanged one before comes back to a part of it, so it is enough that the changed ones
+// of a piece are linked among themselves.
+bool pieces_stay(const LatticeTopology& t, int32_t pieces_before, std::span<const int32_t> changed, std::span<const int32_t> place) {
+  std::vector<int32_t> first(changed.size() + 1, 0);  // of the copies of each changed cell
+  for (size_t i = 0; i < changed.size(); ++i) first[i + 1] = first[i] + t.copies_of(changed[i]);
+  Partition join;
+  join.reset(size_t(first.back()));
+  for (size_t i = 0; i < changed.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis)
+      for (const Link& l : t.links.of(3 * changed[i] + axis))
+        if (const int32_t next = place[size_t(l.next)]; next >= 0) join.unite(first[i] + l.low, first[size_t(next)] + l.high);
+  std::vector<int32_t> root_of_piece(size_t(pieces_before), -1);
+  for (size_t i = 0; i < changed.size(); ++i)
+    for (int32_t k = first[i]; k < first[i + 1]; ++k) {
+      int32_t& r = root_of_piece[size_t(t.cells[size_t(t.copy(changed[i], k - first[i]))].piece)];
+      if (r < 0) r = join.find(k);
+      if (r != join.find(k)) return false;
+    }
+  return true;
 }
 
 void summarise(LatticeTopology& t) {

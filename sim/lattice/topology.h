@@ -76,6 +76,7 @@ struct LatticeTopology {
     std::array<int32_t, 4> master{};
   };
   std::vector<Hanging> hanging;  // ascending by node
+  const Hanging* hanging_at(int32_t node) const;  // null: it does not hang
   struct Born {                  // a node inside what was one cell in the previous version
     int32_t node = 0;
     std::vector<std::pair<int32_t, double>> from;  // previous nodes and weights

@@ -67,12 +67,6 @@ std::string check_grading(const LatticeTopology& t) {
   return {};
 }
 
-const LatticeTopology::Hanging* hanging_at(const LatticeTopology& t, int32_t node) {
-  const auto h = std::lower_bound(t.hanging.begin(), t.hanging.end(), node,
-                                  [](const LatticeTopology::Hanging& a, int32_t n) { return a.node < n; });
-  return h != t.hanging.end() && h->node == node ? &*h : nullptr;
-}
-
 std::string check_links(const LatticeTopology& t) {
   for (const auto& l : t.links) {
     const int32_t axis = l.cell_axis % 3, cell = l.cell_axis / 3;
@@ -90,7 +84,7 @@ std::string check_links(const LatticeTopology& t) {
       const int32_t n = fine.node[&fine == &a ? up : k];
       const auto begin = coarse.node.begin(), end = coarse.node.end();
       if (std::find(begin, end, n) != end) continue;
-      const LatticeTopology::Hanging* h = hanging_at(t, n);
+      const LatticeTopology::Hanging* h = t.hanging_at(n);
       if (!h) return "a node between levels does not hang";
       for (size_t m = 0; m < size_t(h->count); ++m)
         if (std::find(begin, end, h->master[m]) == end) return "a node hangs on what is not beside it";
@@ -128,7 +122,7 @@ std::string check_nodes(const LatticeTopology& t) {
       if (sum != h.count * t.nodes[size_t(h.node)].at[a]) return "a hanging node is not in the middle of its masters";
     }
     for (size_t k = 0; k < size_t(h.count); ++k)
-      if (hanging_at(t, h.master[k])) return "a master hangs itself";
+      if (t.hanging_at(h.master[k])) return "a master hangs itself";
   }
   return {};
 }

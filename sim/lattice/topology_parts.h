@@ -113,6 +113,9 @@ bool number_nodes(LatticeTopology& topology, const LatticeTopology* previous, co
 
 /// Pieces, volumes and the hash.
 void summarise(LatticeTopology& topology);
+/// Are the pieces those of before, of which there were `pieces_before`, now that `changed` cells are parted anew? `place`: per cell,
+/// where among the changed ones (-1: it is not).
+bool pieces_stay(const LatticeTopology& topology, int32_t pieces_before, std::span<const int32_t> changed, std::span<const int32_t> place);
 int128 exact_share(double fraction, int level);     // of an undivided cell, times 2^60
 void volumes_from_sums(LatticeTopology& topology);  // of the pieces, from piece_sum
 

@@ -12,6 +12,7 @@
 #include "sim/quoted.h"
 #include "sim/simplex/contour.h"
 #include "sim/simplex/dual.h"
+#include "sim/whole_file.h"
 
 namespace limberg::simplex {
 namespace {
@@ -219,28 +220,7 @@ std::string to_text(const Mesh& given) {
 
 Mesh parse_mesh(std::string_view text, const std::string& name) { return Parser(text, name).run(); }
 
-void save_mesh(const Mesh& m, const std::string& path) {
-  const std::string part = path + ".part";
-  {
-    std::ofstream out(part, std::ios::binary | std::ios::trunc);
-    const std::string text = to_text(m);
-    out.write(text.data(), std::streamsize(text.size()));
-    out.flush();
-    if (!out) {
-      const std::string why = std::strerror(errno);
-      std::error_code ec;
-      std::filesystem::remove(part, ec);
-      throw InputError(path, 0, "cannot be written (" + why + ")");
-    }
-  }
-  std::error_code ec;
-  std::filesystem::rename(part, path, ec);
-  if (ec) {
-    std::error_code ignored;
-    std::filesystem::remove(part, ignored);
-    throw InputError(path, 0, "cannot be written (" + ec.message() + ")");
-  }
-}
+void save_mesh(const Mesh& m, const std::string& path) { write_whole_file(path, to_text(m)); }
 
 Mesh load_mesh(const std::string& path) {
   std::error_code ec;

@@ -2,7 +2,6 @@
 #include "devices/recording.h"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "devices/message_codec.h"
 #include "devices/pick.h"
 #include "sim/error.h"
+#include "tests/small_files.h"
 #include "tests/devices/samples.h"
 #include "tests/devices/temporary.h"
 
@@ -214,19 +214,15 @@ TEST(Recording, AFullDiskIsReportedOnce) {
 
 TEST(Recording, ADiskThatFillsUpKeepsWholeEvents) {
   TemporaryFolder dir;
-  // A limit on the file's size stands in for the disk; the signal that comes with it is ignored.
-  signal(SIGXFSZ, SIG_IGN);
-  rlimit old{};
-  getrlimit(RLIMIT_FSIZE, &old);
-  rlimit small = old;
-  small.rlim_cur = 20'001;
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  RecordingWriter w;
-  w.open(dir / "r.lcm", session(), {});
-  for (const Sample& s : stream(500)) w.on_sample(s);
-  EXPECT_FALSE(w.finish(1, 1));
-  const std::string error = w.error();
-  setrlimit(RLIMIT_FSIZE, &old);
+  std::string error;
+  {
+    const SmallFiles no_room(20'001);
+    RecordingWriter w;
+    w.open(dir / "r.lcm", session(), {});
+    for (const Sample& s : stream(500)) w.on_sample(s);
+    EXPECT_FALSE(w.finish(1, 1));
+    error = w.error();
+  }
   EXPECT_NE(error.find("events before that are kept"), std::string::npos) << error;
   const Recording r = read_recording(dir / "r.lcm");
   EXPECT_EQ(r.damage.total(), 0) << r.damage.first_message;

@@ -15,6 +15,7 @@
 
 #include "app/bench/cpu_clock.h"
 #include "app/bench/fuzz/random.h"
+#include "app/temporary_folder.h"
 #include "sim/error.h"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -189,21 +190,6 @@ void limit_memory(int64_t most_bytes) {
   _exit(0);
 }
 
-/// A folder of its own, gone at the end.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "limberg-fuzz-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw InputError(name, 0, "no temporary folder could be made");
-    path = name;
-  }
-  ~Folder() {
-    std::error_code ec;
-    fs::remove_all(path, ec);
-  }
-  Folder(const Folder&) = delete;
-};
-
 struct Shared {
   Told* told;
   Shared() : told(static_cast<Told*>(mmap(nullptr, sizeof(Told), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))) {
@@ -230,7 +216,7 @@ int64_t ReadersFuzzReport::violations() const {
 ReadersFuzzReport readers_fuzz(const ReadersFuzzSettings& s, const std::vector<Reader>& readers) {
   ReadersFuzzReport report;
   report.seed = s.seed;
-  const Folder folder;
+  const TemporaryFolder folder;
   const Shared shared;
   for (size_t k = 0; k < readers.size(); ++k) {
     const Reader& reader = readers[k];
@@ -239,7 +225,7 @@ ReadersFuzzReport readers_fuzz(const ReadersFuzzSettings& s, const std::vector<R
     ReadersFuzzReport::Family& f = report.family.back();
     f.name = reader.name;
     f.cases = std::max<int64_t>(1, s.cases / int64_t(readers.size()) + (int64_t(k) < s.cases % int64_t(readers.size())));
-    const fs::path dir = folder.path / std::to_string(k);
+    const fs::path dir = folder.path() / std::to_string(k);
     for (size_t v = 0; v < reader.sound.size(); ++v) {
       fs::create_directories(dir / std::to_string(v));
       for (const auto& [name, content] : reader.sound[v].file) write(dir / std::to_string(v) / name, content);
