@@ -123,32 +123,45 @@ void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f
   if (skin_mm.size() < 2) return;
   const Vec3f in_mm = skin_mm.front(), out_mm = skin_mm.back();
   const uint32_t id = id_of(Part::suture, suture.id);
-  const PropLook thread{{0.012f, 0.03f, 0.11f}, 0.15f, id};  // blue monofilament
-  const PropLook bite{{0.14f, 0.012f, 0.012f}, 0, id};
-  const float r = 0.16f;
+  const PropLook thread{{0.016f, 0.035f, 0.13f}, 0.12f, id};  // blue monofilament
+  const PropLook bite{{0.16f, 0.020f, 0.018f}, 0, id};
+  const float r = 0.125f;  // a thread of 3-0: a quarter of a millimetre
   const Vec3f span = out_mm - in_mm, across = direction(span, any_normal(up)), along = up.cross(across);
 
   for (const Vec3f& p : {in_mm, out_mm})  // bite marks: flat red discs around the holes
-    add_ellipsoid(mesh, p + 0.01f * up, 0.34f * across, 0.34f * along, 0.06f * up, bite, 6);
+    add_ellipsoid(mesh, p + 0.01f * up, 0.28f * across, 0.25f * along, 0.05f * up, bite, 6);
 
   // Out of the skin, over the wound, in again. A taut thread lies flat over an open wound.
-  const float lift = 0.35f;
-  std::vector<Vec3f> over{in_mm - 0.35f * up, in_mm + lift * up};
+  const float lift = 0.16f;
+  std::vector<Vec3f> over{in_mm - 0.30f * up, in_mm + 0.10f * across + lift * up};
   for (const Vec3f& p : skin_mm.subspan(1, skin_mm.size() - 2)) over.push_back(p + lift * up);
-  if (over.size() == 2) over.push_back(in_mm + 0.5f * span + (lift + 0.08f) * up);
-  over.push_back(out_mm + lift * up), over.push_back(out_mm - 0.35f * up);
+  if (over.size() == 2) over.push_back(in_mm + 0.5f * span + (lift + 0.06f) * up);
+  over.push_back(out_mm - 0.10f * across + lift * up), over.push_back(out_mm - 0.30f * up);
   smooth_tube(mesh, over, r, thread);
 
-  // The knot lies over the entry, beside the wound, with two tails.
-  const Vec3f k = in_mm + 0.12f * span + (lift + 0.16f) * up;
-  add_ellipsoid(mesh, k, 0.42f * along, 0.30f * across, 0.26f * up, thread, 6);
-  add_ellipsoid(mesh, k + 0.16f * up, 0.24f * along, 0.34f * across, 0.18f * up, thread, 6);
-  const std::array<Vec3f, 4> tail1{k, k + 0.5f * along - 0.3f * across + 0.30f * up,
-                                   k + 0.9f * along - 0.9f * across + 0.45f * up, k + 1.1f * along - 1.7f * across + 0.40f * up};
-  const std::array<Vec3f, 4> tail2{k, k - 0.3f * along - 0.4f * across + 0.35f * up,
-                                   k - 0.5f * along - 1.0f * across + 0.70f * up, k - 0.4f * along - 1.6f * across + 0.95f * up};
-  smooth_tube(mesh, tail1, 0.7f * r, thread, 6);
-  smooth_tube(mesh, tail2, 0.7f * r, thread, 6);
+  // The knot lies over the entry, beside the wound: two throws, each a turn about the thread, and two tails. No two hands' tails
+  // lie alike: they follow the stitch's number.
+  const auto wish = [&](uint32_t k) { return float(((uint32_t(suture.id) + 1) * 2654435761u >> (4 * k)) & 255u) / 255.0f - 0.5f; };
+  const Vec3f k = in_mm + 0.42f * across + (lift + 0.04f) * up;
+  for (const float throw_at : {-0.15f, 0.15f}) {
+    std::vector<Vec3f> turn;
+    const Vec3f lean = direction(across + (throw_at > 0 ? 0.45f : -0.45f) * along, across), side = direction(up.cross(lean), along);
+    for (int i = 0; i <= 10; ++i) {
+      const float w = 2 * kPi * float(i) / 10;
+      turn.push_back(k + throw_at * across + 0.27f * std::cos(w) * side + 0.22f * std::sin(w) * up);
+    }
+    std::vector<float> radii(turn.size(), r);
+    add_tube(mesh, turn, radii, thread, 8);
+  }
+  const auto tail = [&](float sign, uint32_t seed) {
+    const Vec3f out = direction(sign * along + (-0.35f + 0.7f * wish(seed)) * across, along), bend = up.cross(out);
+    const float length = 2.0f + 0.8f * wish(seed + 1), curl = 1.4f * wish(seed + 2);
+    const std::array<Vec3f, 5> path{k, k + 0.28f * length * out + 0.18f * up, k + 0.55f * length * out + (0.36f + 0.2f * wish(seed + 3)) * up + 0.10f * curl * bend,
+                                    k + 0.80f * length * out + (0.46f + 0.4f * wish(seed + 3)) * up + 0.32f * curl * bend,
+                                    k + length * out + (0.50f + 0.7f * wish(seed + 3)) * up + 0.62f * curl * bend};
+    smooth_tube(mesh, path, 0.92f * r, thread, 6);
+  };
+  tail(1, 0), tail(-1, 3);
 }
 
 void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up) {
@@ -176,11 +189,11 @@ void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up) {
     radius.push_back(r);
   }
   add_tube(mesh, path, radius, steel, 14);
-  for (int i = 0; i < 5; ++i) {  // grip rings
+  for (int i = 0; i < 5; ++i) {  // grip rings: low ridges of the handle
     const Vec3f a = neck + (18.0f + 2.6f * float(i)) * shaft;
-    const std::array<Vec3f, 2> seg{a, a + 0.7f * shaft};
-    const std::array<float, 2> rr{1.06f, 1.06f};
-    add_tube(mesh, seg, rr, mark, 14);
+    const std::array<Vec3f, 4> ridge{a, a + 0.15f * shaft, a + 0.95f * shaft, a + 1.1f * shaft};
+    const std::array<float, 4> rr{0.80f, 1.10f, 1.10f, 0.80f};
+    add_tube(mesh, ridge, rr, mark, 14);
   }
   // The line to where the hand holds it, when that is away from the hook.
   if (pull.norm() > 1.0f) {

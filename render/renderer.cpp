@@ -46,7 +46,7 @@ struct Renderer::Impl {
   GlProgram line;
   GlMesh tissue_mesh, prop_mesh, line_mesh, empty;
   std::array<std::unique_ptr<ShadowMap>, 2> shadows;  // of pictures that are kept, of live ones
-  GLuint skin_map, grid_map, detail_map, layer_map = 0;
+  GLuint skin_map, grid_map, detail_map, slope_map, layer_map = 0;
   std::array<GLuint, 2> colour_map;            // by ColourScale
   // What the buffers hold, so that only what has changed is sent, and the shadow of what has not moved is kept.
   std::shared_ptr<const TissueMesh> uploaded;
@@ -90,6 +90,7 @@ struct Renderer::Impl {
         skin_map(make_texture(gl, skin_texture(512), true, true, true)),
         grid_map(make_texture(gl, grid_texture(), false, true, true)),
         detail_map(make_texture(gl, detail_texture(), false, true, true)),
+        slope_map(make_texture(gl, slope_texture(detail_texture()), false, true, true)),
         colour_map{make_texture(gl, scale_texture(ColourScale::magnitude), false, false, false),
                    make_texture(gl, scale_texture(ColourScale::signed_value), false, false, false)} {
     empty.triangles({{0, 1, 2}});
@@ -252,7 +253,7 @@ struct Renderer::Impl {
     p.set("shadow_texel", 1.0f / float(o.still ? kShadowSize : kLiveShadowSize));
     if (part == Part::tool) return p;
     int unit = 1;
-    for (const char* name : {"skin_map", "grid_map", "detail_map", "layer_map", "colour_map"}) p.set(name, unit++);
+    for (const char* name : {"skin_map", "grid_map", "detail_map", "layer_map", "colour_map", "slope_map"}) p.set(name, unit++);
     p.set("layer_range", kLayerRange_mm);
     p.set("tension", tension.x(), tension.y());
     p.set("field_min", float(o.field_min));
@@ -291,9 +292,9 @@ struct Renderer::Impl {
     const Eigen::Vector2f tension = s.mesh->tension_chart;
     if (o.shadow) bind(0, shadow_map(o.still).texture);
     int unit = 1;
-    for (const GLuint texture : {skin_map, grid_map, detail_map, layer_map, colour_map[size_t(o.scale)]}) {
+    for (const GLuint texture : {skin_map, grid_map, detail_map, layer_map, colour_map[size_t(o.scale)], slope_map}) {
       bind(unit++, texture);
-      if (texture == skin_map || texture == grid_map) set_anisotropy(gl, anisotropic, o.fine_skin && o.still ? 4.0f : 1.0f);
+      if (texture == skin_map || texture == grid_map || texture == slope_map) set_anisotropy(gl, anisotropic, o.fine_skin && o.still ? 4.0f : 1.0f);
     }
     std::array<size_t, kParts> triangles = s.mesh->triangles_of;
     if (o.wireframe) want_all_triangles(*s.mesh);

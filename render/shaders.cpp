@@ -76,7 +76,8 @@ in vec2 v_chart;
 in float v_depth, v_field, v_rim;
 uniform sampler2D skin_map;    // roots of the albedo, tile of 64 mm
 uniform sampler2D grid_map;    // coverage of fine (r) and bold (g) lines, tile of 10 mm
-uniform sampler2D detail_map;  // pores (r), lobules (g), mottle (b), tile of 32 mm
+uniform sampler2D detail_map;  // pores (r), lobules (g), mottle (b), number of the lobule (a)
+uniform sampler2D slope_map;   // slopes of the pores (rg) and of the lobules (ba); textures.h
 uniform sampler2D layer_map;   // roots of the albedo over depth, 0 .. layer_range mm
 uniform sampler2D colour_map;
 uniform float layer_range;
@@ -102,13 +103,32 @@ vec3 facing(vec3 v) {
   return normalize(n - 1.02 * away * v);
 }
 
-// Tilts n by a height field h (mm) on the surface, from screen-space differences.
-vec3 bump(vec3 n, vec3 p, float h) {
+// Tilts n by a height field on the surface, of which is known how it changes (mm) from pixel to pixel. Smooth over a triangle,
+// where a difference of two pixels' heights would be one for four of them.
+vec3 tilt(vec3 n, vec3 p, float hx, float hy) {
   vec3 px = dFdx(p), py = dFdy(p);
   vec3 rx = cross(py, n), ry = cross(n, px);
   float det = dot(px, rx);
-  vec3 g = sign(det) * (dFdx(h) * rx + dFdy(h) * ry);
+  vec3 g = sign(det) * (hx * rx + hy * ry);
   return normalize(abs(det) * n - g + 1e-12 * n);
+}
+
+// Slopes of the two heights (mm for a height of 1) at a place of a tile that is `tile` mm wide: d/du, d/dv each.
+vec4 slopes(vec2 at, float tile) { return (texture(slope_map, at / tile) - 0.5) * (512.0 / (4.0 * tile)); }
+
+// The same over a solid: seen along each axis, as much as the surface faces it.
+struct Solid { vec3 pores, lobules; };
+Solid slopes_in(vec3 p, vec3 n, float tile) {
+  vec3 w = n * n;
+  w /= w.x + w.y + w.z + 1e-6;
+  vec4 x = w.x * slopes(p.yz, tile), y = w.y * slopes(p.xz, tile), z = w.z * slopes(p.xy, tile);
+  return Solid(vec3(y.x + z.x, x.x + z.y, x.y + y.y), vec3(y.z + z.z, x.z + z.w, x.w + y.w));
+}
+
+// What a moist or oily surface mirrors of the room, most where it is seen aslant.
+vec3 sheen(vec3 n, vec3 v, float f0, float most) {
+  float g = 1.0 - max(dot(n, v), 0.0), g2 = g * g;
+  return hemisphere(reflect(-v, n)) * (f0 + (most - f0) * g2 * g2 * g);
 }
 
 // Light enters and leaves a little further on: the terminator is soft, and softest in red.
@@ -121,50 +141,59 @@ void main() {
   vec2 grid = texture(grid_map, v_chart * 0.1).rg;
   vec3 albedo = texture(skin_map, v_chart * (1.0 / 64.0)).rgb;
   albedo *= albedo;
-  vec3 ink = vec3(0.115, 0.06, 0.19);  // gentian violet, as on a marked patient
-  albedo = mix(albedo, albedo * vec3(0.52, 0.40, 0.56), 0.55 * grid.r);
-  albedo = mix(albedo, mix(ink, albedo, 0.12), 0.80 * grid.g);
+  vec3 ink = vec3(0.105, 0.07, 0.22);  // gentian violet, as on a marked patient
+  albedo = mix(albedo, albedo * vec3(0.56, 0.45, 0.58), 0.44 * grid.r);
+  albedo = mix(albedo, mix(ink, albedo, 0.16), 0.76 * grid.g);
   albedo = mix(albedo, vec3(0.0, 0.10, 0.13), 0.75 * tension_line());
   // Beside a cut the skin is flushed, and its very edge is dark.
   albedo *= mix(vec3(1.0), vec3(0.97, 0.76, 0.74), exp(-v_rim * 1.1) * step(v_rim, 2.99));
   albedo = mix(albedo, vec3(0.26, 0.035, 0.03), 0.85 * (1.0 - smoothstep(0.10, 0.26, v_rim)));
   float shade = lit(v_world, n);
+  vec3 soft = n;  // light that has gone through the skin has forgotten the pores
 #ifdef FINE
-  n = bump(n, v_world, 0.022 * texture(detail_map, v_chart * (1.0 / 11.0)).r);
+  // Lines and pores, and under them the unevenness of some millimetres that breaks up the shine.
+  vec2 g = 0.026 * slopes(v_chart, 13.0).xy + 0.070 * slopes(v_chart.yx + 3.7, 71.0).yx;
+  n = tilt(n, v_world, dot(g, dFdx(v_chart)), dot(g, dFdy(v_chart)));
+  soft = normalize(soft + 0.8 * n);
 #endif
-  vec3 diffuse = wrapped(dot(n, l), vec3(0.42, 0.22, 0.15));
+  vec3 diffuse = wrapped(dot(soft, l), vec3(0.42, 0.22, 0.15));
   diffuse *= diffuse * 0.35 + 0.65;
   vec3 shadow = mix(vec3(0.16, 0.07, 0.05), vec3(1.0), vec3(shade));
   float fill = clamp(0.5 + 0.5 * dot(n, vec3(0.768, -0.329, 0.549)), 0.0, 1.0);
   vec3 light = key_colour * diffuse * shadow * 0.318 + fill_colour * fill * 0.30 + hemisphere(n) * 0.27;
-  float s = lobe(n, v, l, 0.52, 0.030);
+  float s = lobe(n, v, l, 0.50, 0.030);
 #ifdef FINE
-  s = 0.80 * s + 0.20 * lobe(n, v, l, 0.33, 0.030);
+  s = 0.75 * s + 0.25 * lobe(n, v, l, 0.33, 0.030);
 #endif
-  colour = vec4(to_screen(albedo * light + key_colour * (s * shade * 0.85)), 1.0);
+  colour = vec4(to_screen(albedo * light + key_colour * (s * shade * 0.95) + 0.55 * sheen(n, v, 0.028, 0.45)), 1.0);
 }
 )";
 
 const char* const wall_fragment = R"(
-vec3 detail_on_wall(vec3 p, vec3 n, float scale) {
+vec4 detail_on_wall(vec3 p, vec3 n, float scale) {
   vec3 w = n * n;
   w /= w.x + w.y + w.z + 1e-6;
-  return w.x * texture(detail_map, p.yz * scale).rgb + w.y * texture(detail_map, p.xz * scale).rgb +
-         w.z * texture(detail_map, p.xy * scale).rgb;
+  return w.x * texture(detail_map, p.yz * scale) + w.y * texture(detail_map, p.xz * scale) + w.z * texture(detail_map, p.xy * scale);
 }
 
 void main() {
-  vec3 v = normalize(eye - v_world), n = facing(v), l = key_direction;
+  vec3 v = normalize(eye - v_world), n = facing(v), l = key_direction, smooth_n = n;
   float shade = lit(v_world, n);
-  vec3 m = detail_on_wall(v_rest, n, 1.0 / 17.0);
+  vec4 m = detail_on_wall(v_rest, n, 1.0 / 19.0);
   float ragged = (m.b - 0.5) * 0.35 + (m.r - 0.5) * 0.12;
   vec3 albedo = texture(layer_map, vec2((v_depth + ragged * smoothstep(0.15, 0.6, v_depth)) / layer_range, 0.5)).rgb;
   albedo *= albedo;
   float fat = smoothstep(1.4, 2.1, v_depth);
-  albedo *= mix(0.98 + 0.22 * (m.b - 0.5), 0.88 + 0.22 * m.g, fat);
-  albedo = mix(albedo, vec3(0.36, 0.030, 0.022), (0.03 + 0.34 * smoothstep(0.54, 0.72, m.b)) * smoothstep(0.2, 0.8, v_depth));
+  // Lobules differ in tone; between them lie thin septa, paler and redder than fat.
+  vec3 lobule = mix(vec3(0.95, 0.78, 0.70), vec3(1.0), smoothstep(0.15, 0.55, m.g)) * (0.93 + 0.14 * m.a);
+  albedo *= mix(vec3(0.98 + 0.22 * (m.b - 0.5)), lobule, fat);
+  // Blood: a film here and there, most of it between the lobules.
+  float film = smoothstep(0.46, 0.80, m.b) * mix(1.0, 1.35 - 0.7 * m.g, fat);
+  albedo = mix(albedo, albedo * vec3(0.88, 0.30, 0.26), (0.05 + 0.58 * film) * smoothstep(0.2, 0.8, v_depth));
 #ifdef FINE
-  n = bump(n, v_world, mix(0.04 * m.r, 0.15 * m.g, fat));
+  Solid s3 = slopes_in(v_rest, n, 19.0);
+  vec3 g = mix(0.05 * s3.pores, 0.42 * s3.lobules + 0.012 * s3.pores, fat);
+  n = tilt(n, v_world, dot(g, dFdx(v_rest)), dot(g, dFdy(v_rest)));
 #endif
   vec3 diffuse = wrapped(dot(n, l), vec3(0.50, 0.30, 0.22));
   float cavity = mix(0.62, 1.0, exp(-v_depth / 3.2));  // the deeper, the less of the room is seen
@@ -172,9 +201,12 @@ void main() {
   // A lamp on the surgeon's head looks into the wound where the room's light does not reach.
   float from_eye = max(dot(n, v), 0.0) * (1.0 - 0.75 * shade * max(dot(n, l), 0.0));
   vec3 light = key_colour * diffuse * shadow * 0.318 * mix(1.0, cavity, 0.35) +
-               (hemisphere(n) * vec3(0.42, 0.36, 0.32) + vec3(0.70, 0.64, 0.58) * from_eye) * cavity;
-  float s = lobe(n, v, l, 0.28, 0.040) + 0.25 * lobe(n, v, vec3(0.503, -0.503, 0.704), 0.30, 0.040);
-  colour = vec4(to_screen(albedo * light + key_colour * (s * mix(0.25, 1.0, shade) * 0.75)), 1.0);
+               (hemisphere(n) * vec3(0.44, 0.36, 0.31) + vec3(0.72, 0.63, 0.55) * from_eye) * cavity;
+  // What is dim is lit by its neighbours: warmer, never olive.
+  float dim = clamp(1.0 - dot(light, vec3(0.42)), 0.0, 1.0);
+  albedo = mix(albedo, albedo * vec3(1.05, 0.88, 0.76), dim * fat);
+  float s = 0.6 * lobe(n, v, l, 0.30, 0.040) + 0.5 * lobe(smooth_n, v, l, 0.42, 0.040) + 0.30 * lobe(n, v, vec3(0.503, -0.503, 0.704), 0.30, 0.040);
+  colour = vec4(to_screen(albedo * light + key_colour * (s * mix(0.25, 1.0, shade) * 0.75) + 0.6 * cavity * sheen(n, v, 0.035, 0.6)), 1.0);
 }
 )";
 
@@ -183,8 +215,9 @@ void main() {
   vec3 v = normalize(eye - v_world), n = facing(v);
   vec3 layer = texture(layer_map, vec2(v_depth / layer_range, 0.5)).rgb;
   layer *= layer;
+  // The border of what is computed: the layers, as of a specimen that was cut off, paler than a wound.
   float grey = dot(layer, vec3(0.30, 0.59, 0.11));
-  vec3 albedo = mix(vec3(0.50, 0.47, 0.44) * (0.45 + 0.75 * grey), layer, 0.22) * 0.75;
+  vec3 albedo = mix(vec3(0.50, 0.47, 0.44) * (0.45 + 0.75 * grey), layer, 0.50) * 0.85;
   float nl = max(dot(n, key_direction), 0.0);
   colour = vec4(to_screen(albedo * (key_colour * nl * mix(0.12, 1.0, lit(v_world, n)) * 0.318 + fill_colour * 0.18 + hemisphere(n) * 0.36)), 1.0);
 }
@@ -195,18 +228,34 @@ const char* const bone_fragment = R"(
 void main() {
   vec3 v = normalize(eye - v_world), n = facing(v), l = key_direction;
   vec3 w = n * n;
-  float m = w.x * texture(detail_map, v_rest.yz / 23.0).b + w.y * texture(detail_map, v_rest.xz / 23.0).b + w.z * texture(detail_map, v_rest.xy / 23.0).b;
+  w /= w.x + w.y + w.z + 1e-6;
+  vec4 m = w.x * texture(detail_map, v_rest.yz / 53.0) + w.y * texture(detail_map, v_rest.xz / 53.0) + w.z * texture(detail_map, v_rest.xy / 53.0);
 #ifdef BONE_CUT
-  vec3 albedo = mix(vec3(0.62, 0.20, 0.13), vec3(0.78, 0.50, 0.36), m);
+  vec3 albedo = mix(vec3(0.55, 0.15, 0.10), vec3(0.80, 0.52, 0.38), smoothstep(0.25, 0.75, 0.6 * m.r + 0.5 * m.b));
 #else
-  vec3 albedo = mix(vec3(0.80, 0.71, 0.55), vec3(0.90, 0.84, 0.71), m);
+  // Ivory, with the stains of old blood and thin places, and small foramina.
+  vec3 albedo = mix(vec3(0.79, 0.69, 0.52), vec3(0.89, 0.82, 0.69), smoothstep(0.15, 0.75, m.b));
+  albedo *= 0.92 + 0.10 * m.r;
 #endif
   float shade = lit(v_world, n);
-  vec3 diffuse = wrapped(dot(n, l), vec3(0.16, 0.12, 0.09));
+  vec3 soft = n;
+#ifdef FINE
+  Solid s3 = slopes_in(v_rest, n, 53.0), s4 = slopes_in(v_rest.zxy, n.zxy, 17.0);
+#ifdef BONE_CUT
+  vec3 g = 0.55 * s3.pores + 0.10 * s4.pores.yzx;
+#else
+  vec3 g = 0.16 * s3.pores + 0.035 * s4.pores.yzx;
+#endif
+  n = tilt(n, v_world, dot(g, dFdx(v_rest)), dot(g, dFdy(v_rest)));
+#endif
+  vec3 diffuse = wrapped(dot(n, l), vec3(0.18, 0.12, 0.08));
   float fill = clamp(0.5 + 0.5 * dot(n, vec3(0.768, 0.329, 0.549)), 0.0, 1.0);
-  float from_eye = max(dot(n, v), 0.0);
-  vec3 light = key_colour * diffuse * mix(0.10, 1.0, shade) * 0.29 + fill_colour * fill * 0.26 + hemisphere(n) * 0.20 + vec3(0.16) * from_eye;
-  colour = vec4(to_screen(albedo * light + key_colour * (lobe(n, v, l, 0.48, 0.035) * shade * 0.5)), 1.0);
+  float from_eye = max(dot(soft, v), 0.0);
+  vec3 light = key_colour * diffuse * mix(0.10, 1.0, shade) * 0.30 + fill_colour * fill * 0.26 + hemisphere(n) * 0.19 + vec3(0.13, 0.12, 0.11) * from_eye;
+  // Thin edges let light through; hollows are lit by bone alone.
+  float dim = clamp(1.0 - dot(light, vec3(0.45)), 0.0, 1.0);
+  albedo = mix(albedo, albedo * vec3(1.05, 0.86, 0.70), dim);
+  colour = vec4(to_screen(albedo * light + key_colour * (lobe(n, v, l, 0.46, 0.038) * shade * 0.6) + 0.35 * sheen(n, v, 0.03, 0.4)), 1.0);
 }
 )";
 
@@ -220,20 +269,32 @@ void main() {
 #endif
   vec3 n = facing(v);
   vec3 w = n * n;
-  float m = w.x * texture(detail_map, v_rest.yz / 41.0).b + w.y * texture(detail_map, v_rest.xz / 41.0).b + w.z * texture(detail_map, v_rest.xy / 41.0).b;
-  vec3 albedo = mix(vec3(0.66, 0.38, 0.28), vec3(0.80, 0.53, 0.41), m);
+  w /= w.x + w.y + w.z + 1e-6;
+  vec4 m = w.x * texture(detail_map, v_rest.yz / 83.0) + w.y * texture(detail_map, v_rest.xz / 83.0) + w.z * texture(detail_map, v_rest.xy / 83.0);
+  vec3 albedo = mix(vec3(0.67, 0.40, 0.30), vec3(0.76, 0.50, 0.395), smoothstep(0.10, 0.85, m.b));
+  albedo *= 0.95 + 0.08 * m.r;
   float shade = lit(v_world, n);
 #ifdef CLEAR
   shade = 1.0;
   alpha = mix(0.22, 0.80, pow(1.0 - max(dot(n, v), 0.0), 2.5));
 #endif
-  vec3 diffuse = wrapped(dot(n, l), vec3(0.42, 0.22, 0.15));
+  vec3 soft = n;
+#ifdef FINE
+  Solid s3 = slopes_in(v_rest, n, 23.0), s4 = slopes_in(v_rest.zxy, n.zxy, 83.0);
+  vec3 g = 0.040 * s3.pores + 0.14 * s4.pores.yzx;
+  n = tilt(n, v_world, dot(g, dFdx(v_rest)), dot(g, dFdy(v_rest)));
+  soft = normalize(soft + 0.8 * n);
+#endif
+  vec3 diffuse = wrapped(dot(soft, l), vec3(0.42, 0.22, 0.15));
   diffuse *= diffuse * 0.35 + 0.65;
   vec3 shadow = mix(vec3(0.16, 0.07, 0.05), vec3(1.0), vec3(shade));
   float fill = clamp(0.5 + 0.5 * dot(n, vec3(0.768, 0.329, 0.549)), 0.0, 1.0);
   vec3 light = key_colour * diffuse * shadow * 0.318 + fill_colour * fill * 0.30 + hemisphere(n) * 0.27;
-  float s = lobe(n, v, l, 0.52, 0.030);
-  colour = vec4(to_screen(albedo * light + key_colour * (s * shade * 0.7)), alpha);
+  float s = lobe(n, v, l, 0.50, 0.030);
+#ifdef FINE
+  s = 0.75 * s + 0.25 * lobe(n, v, l, 0.33, 0.030);
+#endif
+  colour = vec4(to_screen(albedo * light + key_colour * (s * shade * 0.9) + 0.45 * sheen(n, v, 0.028, 0.45)), alpha);
 }
 )";
 

@@ -12,7 +12,7 @@ namespace {
 constexpr float kBite_mm = 2.2f;  // how far from the wound's edge a stitch enters the skin, for the picture
 constexpr float kReach_mm = 4;    // a point of the thread is looked for so far above and below the straight line between its ends
 constexpr float kFlat_mm = 0.05f; // what stands up less does not bend the thread
-constexpr int kSamples = 8;       // places between the ends at which the skin's height is taken
+constexpr int kSamples = 12;      // places between the ends at which the skin's height is taken
 
 // The direction over the wound at a stitch: across the cut's rim nearest to its end a, away from the skin of a.
 Vec3f across_rim(const RenderScene& scene, const Snapshot& snapshot, const Vec3f& a, const Vec3f& up) {
@@ -40,7 +40,10 @@ struct Patch {
     const TissueMesh& m = *scene.mesh;
     for (size_t t = 0; t < m.skin_triangles; ++t) {
       const auto& [a, b, c] = m.tri[t];
-      if ((scene.x_mm[a] - middle).squaredNorm() > radius * radius) continue;
+      // The ball about the triangle: large ones lie near a place that their corners are far from.
+      const Vec3f centre = (scene.x_mm[a] + scene.x_mm[b] + scene.x_mm[c]) / 3;
+      const float around = std::max({(scene.x_mm[a] - centre).norm(), (scene.x_mm[b] - centre).norm(), (scene.x_mm[c] - centre).norm()});
+      if ((centre - middle).norm() > radius + around) continue;
       triangle.push_back(uint32_t(t));
       normal += (scene.x_mm[b] - scene.x_mm[a]).cross(scene.x_mm[c] - scene.x_mm[a]);
     }

@@ -72,11 +72,15 @@ Texels fill(int w, int h, F&& f) {
 
 Texels skin_texture(int size) {
   return fill(size, size, [](float u, float v) -> std::array<uint8_t, 4> {
-    const float blotch = fractal(u, v, 6, 3, 1) - 0.5f;    // flush, some 10 mm across
+    const float blotch = fractal(u, v, 5, 3, 1) - 0.5f;    // flush, some 10 mm across
     const float mottle = fractal(u, v, 40, 3, 11) - 0.5f;  // a millimetre or two
-    const float light = 1 + 0.07f * mottle;
-    return {byte(228 * light + 5 * blotch), byte(186 * light - 16 * blotch - 4 * mottle),
-            byte(164 * light - 15 * blotch - 4 * mottle), 255};
+    // Pores are a little darker than what is between them; here and there lies a freckle.
+    const float pore = std::clamp(1.25f - 4.0f * worley(u, v, 74, 23)[0], 0.0f, 1.0f);
+    const float freckle = fractal(u, v, 44, 2, 31);
+    const float brown = std::clamp(9 * (freckle - 0.83f), 0.0f, 1.0f);
+    const float light = 1 + 0.08f * mottle - 0.075f * pore;
+    return {byte(230 * light + 5 * blotch - 18 * brown), byte(187 * light - 30 * blotch - 5 * mottle - 24 * brown),
+            byte(166 * light - 27 * blotch - 5 * mottle - 26 * brown), 255};
   });
 }
 
@@ -94,22 +98,55 @@ Texels grid_texture(int size) {
   });
 }
 
+namespace {
+
+// Fat lies in lobules of several sizes that press against each other: the upper hull of round domes, one about a point of each
+// cell, softened where two meet. Height in [0, 1], and a number of the lobule.
+std::array<float, 2> lobules(float u, float v, int period, uint32_t seed) {
+  const float x = u * float(period), y = v * float(period);
+  const int i = int(std::floor(x)), j = int(std::floor(y));
+  float highest = -9, sum = 0, number = 0;
+  for (int b = j - 1; b <= j + 1; ++b)
+    for (int a = i - 1; a <= i + 1; ++a) {
+      const float dx = float(a) + 0.15f + 0.7f * cell_value(a, b, period, seed) - x, dy = float(b) + 0.15f + 0.7f * cell_value(a, b, period, seed + 77) - y;
+      const float size = 0.75f + 0.45f * cell_value(a, b, period, seed + 154);
+      const float dome = 1 - (dx * dx + dy * dy) / (size * size);
+      if (dome > highest) highest = dome, number = cell_value(a, b, period, seed + 231);
+      sum += std::exp(14 * std::max(dome, -2.0f));
+    }
+  return {std::clamp((std::log(sum) / 14 - 0.55f) / 0.47f, 0.0f, 1.0f), number};
+}
+
+}  // namespace
+
 Texels detail_texture(int size) {
   return fill(size, size, [](float u, float v) -> std::array<uint8_t, 4> {
     const auto pore = worley(u, v, 44, 3);
     const float pores = 0.55f * std::min(1.0f, 2.2f * (pore[1] - pore[0])) + 0.45f * fractal(u, v, 24, 4, 5);
-    // Fat lies in round lobules with thin septa between.
-    const auto cell = worley(u + 0.02f * fractal(u, v, 16, 2, 61), v + 0.02f * fractal(u, v, 16, 2, 71), 13, 9);
-    const float gap = std::clamp(3.0f * (cell[1] - cell[0]), 0.0f, 1.0f);
-    const float lobule = (0.35f + 0.65f * gap * (2 - gap)) * std::clamp(1.1f - 0.8f * cell[0] * cell[0], 0.0f, 1.0f);
-    return {byte(255 * pores), byte(255 * lobule), byte(255 * fractal(u, v, 8, 4, 17)), 255};
+    const float bent = 0.03f * fractal(u, v, 12, 2, 61), askew = 0.03f * fractal(u, v, 12, 2, 71);
+    const auto large = lobules(u + bent, v + askew, 9, 9), small = lobules(u + askew, v + bent, 23, 19);
+    return {byte(255 * pores), byte(255 * (0.76f * large[0] + 0.24f * small[0])), byte(255 * fractal(u, v, 8, 4, 17)), byte(255 * large[1])};
   });
+}
+
+Texels slope_texture(const Texels& detail) {
+  Texels t{detail.width, detail.height, std::vector<uint8_t>(detail.rgba.size())};
+  const int w = t.width, h = t.height;
+  const auto height = [&](int x, int y, size_t c) { return float(detail.rgba[4 * (size_t((y + h) % h) * size_t(w) + size_t((x + w) % w)) + c]); };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x)
+      for (size_t c = 0; c < 2; ++c) {
+        uint8_t* out = &t.rgba[4 * (size_t(y) * size_t(w) + size_t(x)) + 2 * c];
+        out[0] = byte(127.5f + 0.5f * kSlopeGain * (height(x + 1, y, c) - height(x - 1, y, c)));
+        out[1] = byte(127.5f + 0.5f * kSlopeGain * (height(x, y + 1, c) - height(x, y - 1, c)));
+      }
+  return t;
 }
 
 Texels layer_texture(const std::vector<Layer>& layers, double range_mm, int size) {
   using C = std::array<float, 3>;
-  const C epidermis{176, 112, 92}, dermis{246, 214, 204}, dermis_low{238, 194, 182}, fat{242, 208, 124},
-      fat_low{234, 188, 100}, muscle{158, 52, 44}, deep{178, 92, 78};
+  const C epidermis{170, 98, 80}, dermis{248, 216, 204}, dermis_low{240, 196, 180}, fat{247, 212, 128},
+      fat_low{240, 192, 104}, muscle{158, 52, 44}, deep{178, 92, 78};
   const auto mix = [](const C& a, const C& b, float t) {
     t = std::clamp(t, 0.0f, 1.0f);
     return C{a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2])};

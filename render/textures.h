@@ -21,8 +21,14 @@ Texels skin_texture(int size = 1024);
 /// edges. The grid is the landmark by which one sees the skin stretch and turn.
 Texels grid_texture(int size = 1024);
 
-/// Heights and noise, linear: r pores, g fat lobules, b mottle.
+/// Heights and noise, linear: r pores, g fat lobules, b mottle, a number of the lobule.
 Texels detail_texture(int size = 512);
+
+/// Slopes of a detail texture's heights, along u and v: r and g of the pores, b and a of the lobules. A texel is 1/2 +
+/// kSlopeGain x (change of the height from one texel to the next), so that smaller copies of it are the mean slope: from afar
+/// the surface is smooth, and nothing flickers.
+Texels slope_texture(const Texels& detail);
+inline constexpr float kSlopeGain = 4;
 
 /// Albedo, sRGB, from the skin (left) to `range_mm` deep (right): a thin epidermis, pale dermis, yellow fat, red below.
 Texels layer_texture(const std::vector<Layer>& layers, double range_mm, int size = 512);

@@ -17,7 +17,7 @@ const char* const kVertex = R"(#version 330 core
 layout(location = 0) in vec2 position;
 layout(location = 1) in vec2 uv;
 layout(location = 2) in vec4 colour;
-uniform vec2 size;  // of the frame, pixels
+uniform vec2 size;  // of the frame, in the panels' units
 out vec2 v_uv;
 out vec4 v_colour;
 void main() {
@@ -84,7 +84,8 @@ void UiPainter::paint(const ImDrawData& data, int width, int height) {
   gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   gl_.Enable(GL_SCISSOR_TEST);
   gl_.UseProgram(program_);
-  gl_.Uniform2f(size_at_, float(width), float(height));
+  const float sx = data.DisplaySize.x > 0 ? float(width) / data.DisplaySize.x : 1, sy = data.DisplaySize.y > 0 ? float(height) / data.DisplaySize.y : 1;
+  gl_.Uniform2f(size_at_, float(width) / sx, float(height) / sy);
   gl_.Uniform1i(font_at_, 0);
   gl_.ActiveTexture(GL_TEXTURE0);
   gl_.BindTexture(GL_TEXTURE_2D, font_);
@@ -96,8 +97,8 @@ void UiPainter::paint(const ImDrawData& data, int width, int height) {
     gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
     gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(list.IdxBuffer.size_in_bytes()), list.IdxBuffer.Data, GL_STREAM_DRAW);
     for (const ImDrawCmd& c : list.CmdBuffer) {
-      const int x0 = std::max(0, int(c.ClipRect.x)), y0 = std::max(0, int(c.ClipRect.y));
-      const int x1 = std::min(width, int(std::ceil(c.ClipRect.z))), y1 = std::min(height, int(std::ceil(c.ClipRect.w)));
+      const int x0 = std::max(0, int(sx * c.ClipRect.x)), y0 = std::max(0, int(sy * c.ClipRect.y));
+      const int x1 = std::min(width, int(std::ceil(sx * c.ClipRect.z))), y1 = std::min(height, int(std::ceil(sy * c.ClipRect.w)));
       if (x1 <= x0 || y1 <= y0) continue;
       gl_.Scissor(x0, height - y1, x1 - x0, y1 - y0);
       gl_.DrawElements(GL_TRIANGLES, GLsizei(c.ElemCount), sizeof(ImDrawIdx) == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT,

@@ -21,7 +21,7 @@ class UiPainter {
   UiPainter(const UiPainter&) = delete;
   UiPainter& operator=(const UiPainter&) = delete;
 
-  /// Over the bound frame of width x height pixels.
+  /// Over the bound frame of width x height pixels, which ImGui's display is stretched to.
   void paint(const ImDrawData& data, int width, int height);
 
  private:

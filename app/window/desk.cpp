@@ -32,15 +32,24 @@ void heading(const char* text) {
   ImGui::Separator();
 }
 
+// A line of a list: what goes before it stands alone on the left, its words wrap beside it.
+void listed(const ImVec4& colour, float indent, const char* before, const char* words) {
+  ImGui::PushStyleColor(ImGuiCol_Text, colour);
+  ImGui::TextUnformatted(before);
+  ImGui::SameLine(indent);
+  ImGui::TextWrapped("%s", words);
+  ImGui::PopStyleColor();
+}
+
 // A lane's figure against its period: a bar and its number.
-void lane(const char* name, double ms, double period_ms, const char* note) {
+void lane(const char* name, double ms, double period_ms, const char* note, bool may_last = false) {
   const float share = float(std::clamp(ms / period_ms, 0.0, 1.0));
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(name);
   ImGui::SameLine(64);
   char text[48];
   std::snprintf(text, sizeof text, ms < 1 ? "%.2f of %.3g ms" : "%.1f of %.3g ms", ms, period_ms);
-  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, share < 0.85f ? ImVec4(0.25f, 0.52f, 0.58f, 1) : ImVec4(0.75f, 0.45f, 0.20f, 1));
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, share < 0.85f || may_last ? ImVec4(0.25f, 0.52f, 0.58f, 1) : ImVec4(0.75f, 0.45f, 0.20f, 1));
   ImGui::ProgressBar(share, {170, 0}, text);
   ImGui::PopStyleColor();
   ImGui::SameLine();
@@ -49,11 +58,16 @@ void lane(const char* name, double ms, double period_ms, const char* note) {
 
 }  // namespace
 
+float desk_scale(int width, int height) {
+  constexpr float kLines = 1080, kColumns = 1500, kLargest = 3;
+  return std::clamp(std::floor(4 * std::min(float(height) / kLines, float(width) / kColumns)) / 4, 1.0f, kLargest);
+}
+
 DeskStage desk_stage(int width, int height) {
-  const float w = float(width), h = float(height);
+  const float scale = desk_scale(width, height), w = float(width) / scale, h = float(height) / scale;
   DeskStage s;
   s.u0 = kToolsWidth / w, s.u1 = std::max(s.u0 + 0.05f, 1 - kPatientWidth / w), s.v1 = std::max(0.05f, 1 - kLanesHeight / h);
-  s.aspect = double(s.u1 - s.u0) * w / (double(s.v1) * h);
+  s.aspect = double(s.u1 - s.u0) * double(width) / (double(s.v1) * double(height));
   return s;
 }
 
@@ -177,9 +191,7 @@ void Desk::patient(const DeskReading& r, int width, int height) {
     ImGui::BeginChild("lesson", {0, std::min(0.28f * float(height), 6.0f + 21.0f * float(facts_.lesson.size()))});
     for (size_t i = 0; i < facts_.lesson.size(); ++i) {
       const bool begun = int(i) < r.lesson_begun, now = int(i) + 1 == r.lesson_begun && r.showing;
-      ImGui::PushStyleColor(ImGuiCol_Text, now ? kWarn : begun ? kGood : kQuiet);
-      ImGui::TextWrapped("%2d  %s", int(i) + 1, facts_.lesson[i].c_str());
-      ImGui::PopStyleColor();
+      listed(now ? kWarn : begun ? kGood : kQuiet, 26, std::to_string(i + 1).c_str(), facts_.lesson[i].c_str());
       if (now) ImGui::SetScrollHereY();
     }
     ImGui::EndChild();
@@ -231,11 +243,10 @@ void Desk::patient(const DeskReading& r, int width, int height) {
   ImGui::BeginChild("done", {0, -2});
   for (const Notice& n : notices_) {
     const char* mark = n.kind == Notice::undone ? "taken back" : n.kind == Notice::redone ? "done again" : n.text.data();
-    if (n.kind == Notice::refused) {
-      ImGui::PushStyleColor(ImGuiCol_Text, kBad);
-      ImGui::TextWrapped("%5.1f s  %s refused: %s", n.t_s, n.action.data(), n.text.data());
-      ImGui::PopStyleColor();
-    } else ImGui::TextWrapped("%5.1f s  %s", n.t_s, mark);
+    char when[24];
+    std::snprintf(when, sizeof when, "%.1f s", n.t_s);
+    const bool refused = n.kind == Notice::refused;
+    listed(refused ? kBad : ImGui::GetStyleColorVec4(ImGuiCol_Text), 58, when, refused ? (std::string(n.action.data()) + " refused: " + n.text.data()).c_str() : mark);
   }
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - 4) ImGui::SetScrollHereY(1);
   ImGui::EndChild();
@@ -259,7 +270,8 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
     const int at = std::snprintf(note, sizeof note, "shows what was %lld ms ago, %.0f pictures/s", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)), r.pictures_per_s);
     if (const int64_t loss = LaneGauges::get(g.loss_permille); loss >= 0 && at > 0)
       std::snprintf(note + at, sizeof note - size_t(at), ", the patient loses %.0f %%", 0.1 * double(loss));
-    lane("picture", ms(g.frame_ns), 33, note);
+    if (r.at_leisure) std::snprintf(note, sizeof note, "at rest, drawn finely; shows what was %lld ms ago", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)));
+    lane("picture", ms(g.frame_ns), 33, note, r.at_leisure);
   }
   ImGui::End();
   if (!last_word_.empty()) {

@@ -49,7 +49,7 @@ struct DeskState {
   bool tool_changed = false, undo = false, redo = false, next = false, picture = false, home = false;
 };
 
-/// A named place in the frame, pixels.
+/// A named place in the frame.
 struct DeskMark {
   float x = 0, y = 0;
   std::string name;
@@ -63,6 +63,7 @@ struct DeskReading {
   Ruler::Reading ruler;
   int lesson_begun = 0;
   bool showing = false;
+  bool at_leisure = false;            // nothing moves: the picture was drawn as finely as a window can, and may take its time
   const FieldShown* field = nullptr;  // what is shown in colours; null or empty: nothing
   const SkinFieldLook* look = nullptr;  // of what is shown, where it is none of the fields of skin
   double samples_per_s = 0, pictures_per_s = 0;
@@ -78,8 +79,8 @@ class Desk {
   void notice(const Notice& n);
   /// A key that no text field took. What it does is in the table of keys (desk_keys.cpp), which the help shows as well.
   void key(int32_t code, uint32_t mods);
-  /// Builds the panels: between ImGui::NewFrame and ImGui::Render. width, height: of the frame, pixels. `to_pixel` is where
-  /// the ruler's points lie in the frame.
+  /// Builds the panels: between ImGui::NewFrame and ImGui::Render. width, height: of the frame in the panels' units, pixels
+  /// over desk_scale(); so are the places of marks and of the ruler's points.
   void draw(const DeskReading& reading, const std::vector<Vec3f>& ruler_px, int width, int height);
   void say(const std::string& line) { last_word_ = line; }
 
@@ -98,6 +99,9 @@ class Desk {
   std::deque<Notice> notices_;
   std::string last_word_;
 };
+
+/// How much larger than by default the panels are in a frame of so many pixels, in quarters: on a screen of 2160 lines twice.
+float desk_scale(int width, int height);
 
 /// The part of the frame that the panels leave to the patient, as shares of its width and height from the top left corner.
 struct DeskStage {

@@ -82,7 +82,8 @@ struct WindowFrames::Impl {
   std::unique_ptr<UiPainter> ui;
   ImGuiContext* panels = nullptr;
   std::deque<WindowEvent> waiting;
-  float x = 0, y = 0;
+  float x = 0, y = 0;   // the mouse, pixels
+  float scale = 1;      // pixels for one unit of the panels
   bool buttons[3]{};
   bool turning = false, shifting = false;
   bool clutch = false;  // the key is down
@@ -123,7 +124,7 @@ struct WindowFrames::Impl {
       case WindowEvent::pointer: {
         const float dx = e.x - x, dy = e.y - y;
         x = e.x, y = e.y;
-        io.MousePos = {x, y};
+        io.MousePos = {x / scale, y / scale};
         if (turning) turn(camera, kRadiansPerPixel * dx, kRadiansPerPixel * dy);
         if (shifting) shift(camera, dx, dy, int(desk_stage(width, height).v1 * float(height)));
         break;
@@ -249,7 +250,7 @@ struct WindowFrames::Impl {
       const float far = (at - view.eye_mm).norm();
       if (!px.allFinite() || !(far > 0)) continue;
       const RayHit hit = cast_ray(s, view.eye_mm, (at - view.eye_mm) / far, desk.state.face == 2);
-      out.push_back({px.x(), px.y(), names[i], hit.triangle >= 0 && hit.distance_mm < far - kBefore_mm});
+      out.push_back({px.x() / scale, px.y() / scale, names[i], hit.triangle >= 0 && hit.distance_mm < far - kBefore_mm});
     }
     return out;
   }
@@ -288,7 +289,14 @@ struct WindowFrames::Impl {
     const int width = screen.width, height = screen.height;
     ImGui::SetCurrentContext(panels);
     ImGuiIO& io = ImGui::GetIO();
-    io.DisplaySize = {float(width), float(height)};
+    if (const float wanted = desk_scale(width, height); wanted != scale) {  // letters as large as they are drawn, so that they are sharp
+      scale = wanted;
+      io.Fonts->Clear();
+      choose_ui_font(kFontPx * scale);
+      io.FontGlobalScale = 1 / scale;
+      ui = std::make_unique<UiPainter>(renderer->functions());
+    }
+    io.DisplaySize = {float(width) / scale, float(height) / scale};
     io.DeltaTime = 1.0f / 30;
     // One press or release of a button a frame: the panels see each.
     for (bool clicked = false; !waiting.empty();) {
@@ -316,7 +324,9 @@ struct WindowFrames::Impl {
     feed.sight.writing() = {view, width, height};
     feed.sight.publish();
 
-    const RenderScene& patient = builder.build(s, tool_pose(tool, glove));
+    ToolPose held = tool_pose(tool, glove);
+    if (!set.facts.own_device && desk.state.tool == Tool::none && !showing) held.visible = false;  // a mouse that looks around holds nothing
+    const RenderScene& patient = builder.build(s, held);
     if (desk.state.directions) builder.add_stretch_glyphs(s);
     if (desk.state.lattice) builder.add_lines(lattice_lines());
     field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
@@ -338,7 +348,7 @@ struct WindowFrames::Impl {
 
     DeskReading r;
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
-    r.lesson_begun = feed.next_shown, r.showing = feed.showing;
+    r.lesson_begun = feed.next_shown, r.showing = feed.showing, r.at_leisure = at_leisure && desk.state.quality == 0;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
     if (beside) {
       static constexpr SkinFieldLook kDistance{"Distance", "Distance from the other skull", "mm", ColourScale::magnitude, 1};
@@ -349,9 +359,9 @@ struct WindowFrames::Impl {
     if (set.facts.head) r.measures = &measures.read(s);
     if (set.facts.head) r.marks = marks(s, view, width, height);
     std::vector<Vec3f> ruler_px;
-    for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height));
+    for (const Vec3f& p : r.ruler.at_mm) ruler_px.push_back(view.to_pixel(p, width, height) / scale);
     ImGui::NewFrame();
-    desk.draw(r, ruler_px, width, height);
+    desk.draw(r, ruler_px, int(std::lround(io.DisplaySize.x)), int(std::lround(io.DisplaySize.y)));
     ImGui::Render();
     feed.panels_have_pointer = io.WantCaptureMouse;
 
