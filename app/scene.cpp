@@ -136,6 +136,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
 
   Table springs = section(root, "springs", path);
   springs.real("suture_N_per_mm", s.suture_N_per_mm, 0, 1e4, true);
+  springs.real("suture_bite_mm", s.suture_bite_mm, 0, 10);
   springs.real("hook_N_per_mm", s.hook_N_per_mm, 0, 1e4, true);
   springs.finish();
 
@@ -238,6 +239,7 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.body = std::move(body);
   w.cell_mm = scene.cell_mm;
   w.suture_k_N_per_mm = scene.suture_N_per_mm;
+  w.suture_bite_mm = scene.suture_bite_mm;
   w.hook_k_N_per_mm = scene.hook_N_per_mm;
   w.can_cut = scene.can_cut;
   w.refine_fronts = scene.refine_fronts;

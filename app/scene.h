@@ -16,7 +16,7 @@
 //                the solver nothing; 0, the default: all of it moves)
 //   [build]      can_cut, dynamic, contact = "auto" | true | false (do wound surfaces keep each other out? auto: as soon as
 //                something has been cut, the default)
-//   [springs]    suture_N_per_mm, hook_N_per_mm
+//   [springs]    suture_N_per_mm, suture_bite_mm (a stitch holds its edge over so much to either side; 1), hook_N_per_mm
 //   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed, integrator = "backward_euler" | "bdf2" (of dynamic scenes)
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
 //   [landmarks]  NAME = [x, y]: places on the skin whose displacement is measured
@@ -59,7 +59,7 @@ struct Scene {
   double region_mm = 0;
   bool can_cut = true, dynamic = false;
   ContactChoice contact = ContactChoice::automatic;
-  double suture_N_per_mm = 20, hook_N_per_mm = 0.5;
+  double suture_N_per_mm = 20, suture_bite_mm = 1, hook_N_per_mm = 0.5;
   uint64_t seed = 1;
 
   int iterations_per_step = 10;

@@ -51,7 +51,7 @@ struct HookState {
 struct SutureState {
   int32_t id = 0;
   Vec3f a_mm, b_mm;
-  float force_N = 0, gap_mm = 0;
+  float force_N = 0, gap_mm = 0;  // gap: what the thread leaves open between the two bites, whose middles a and b are
   int32_t thread = 0;      // stitches of one thread have one number; 0: a thread of its own
   // Of states at rest (relative residual at most 1e-3, every thread drawn tight): the force in the first of them, less than 0
   // as long as there is none, and the largest.

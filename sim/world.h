@@ -37,6 +37,7 @@ struct WorldSpec {
   std::shared_ptr<const Body> body;
   double cell_mm = 3.5;
   double suture_k_N_per_mm = 20;
+  double suture_bite_mm = 1;  // a stitch holds the mean of its wound's edge over so much to either side; 0: one point of it
   double hook_k_N_per_mm = 0.5;
   double suture_pull_mm_per_step = 0.5;  // how fast a stitch is drawn tight
   double region_mm = 0;     // > 0: tissue farther than this from the chart's origin holds still (lattice/region.h)

@@ -117,6 +117,7 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   WorldSpec spec;
   spec.body = body_of(patch);
   spec.cell_mm = std::min(patch.cell_mm, spec.body->box_max_mm.z() - spec.body->box_min_mm.z());
+  spec.suture_bite_mm = std::min(patch.bite_mm, 0.5 * patch.spacing_mm);
   spec.region_mm = patch.region_mm;
   spec.refine_fronts = patch.support == Support::fat && patch.fronts;
   spec.contact = patch.contact ? ContactChoice::automatic : ContactChoice::off;

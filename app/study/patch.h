@@ -25,6 +25,7 @@ struct Patch {
   double undermine_mm = 12;   // margin of the pocket around the figure; on fat only
   double region_mm = 0;       // > 0: held outside this radius
   double spacing_mm = 4, inset_mm = 0.7, corner_mm = 0.9;  // of stitches
+  double bite_mm = 1;         // half of what a stitch holds of its edge; no more than half the spacing
   bool contact = false;
   double depth_mm = 4;        // of cut and undermining; on fat only
   // Cells in which a cut ends are divided, so that it opens to its end; on fat only. Without, a slit stays shut over the last cell, and a

@@ -27,6 +27,7 @@
 // scalar matrix is P^T A P (scalar_matrix.h), so that the metric never meets a hanging node. Displacements, velocities and
 // reports still have one entry per node, and points may be embedded in hanging ones.
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -163,6 +164,10 @@ struct EmbeddedPoint {
 struct Spring {
   int32_t id = 0;
   EmbeddedPoint a, b;
+  // Not empty: this end holds the mean of these places instead of one (a point load has no limit as cells get smaller).
+  std::vector<EmbeddedPoint> a_wide, b_wide;
+  std::span<const EmbeddedPoint> held_a() const { return a_wide.empty() ? std::span(&a, 1) : std::span(a_wide); }
+  std::span<const EmbeddedPoint> held_b() const { return b_wide.empty() ? std::span(&b, 1) : std::span(b_wide); }
   bool to_world = false;
   // to_world: the place that pulls a. Otherwise the gap still allowed, a - b at rest: zero once a stitch is tight.
   Vec3 target_mm = Vec3::Zero();

@@ -93,17 +93,21 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   if (!model_) throw InputError("", 0, "springs were given before a model");
   const int32_t n = int32_t(model_->X_mm.size());
   for (const Spring& s : springs) {
-    for (size_t i = 0; i < 8; ++i)
-      if (s.a.node[i] < 0 || s.a.node[i] >= n || (!s.to_world && (s.b.node[i] < 0 || s.b.node[i] >= n)))
-        throw InputError("", 0, "spring " + std::to_string(s.id) + " names a node that the model does not have");
+    const auto there = [&](std::span<const EmbeddedPoint> end) {
+      return std::all_of(end.begin(), end.end(), [&](const EmbeddedPoint& p) {
+        return std::all_of(p.node.begin(), p.node.end(), [&](int32_t i) { return i >= 0 && i < n; });
+      });
+    };
+    if (!there(s.held_a()) || (!s.to_world && !there(s.held_b())))
+      throw InputError("", 0, "spring " + std::to_string(s.id) + " names a node that the model does not have");
     if (!(s.k_N_per_mm > 0) || !s.target_mm.allFinite())
       throw InputError("", 0, "spring " + std::to_string(s.id) + " has no positive stiffness or no finite target");
     if (s.thread > 0 && (s.to_world || !(s.thread_mm >= 0)))
       throw InputError("", 0, "spring " + std::to_string(s.id) + " is a span of a thread without two bites and a length");
   }
   auto moved_only = [](const Spring& a, const Spring& b) {
-    return a.id == b.id && a.thread == b.thread && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm && a.a.node == b.a.node && a.a.w == b.a.w &&
-           (a.to_world || (a.b.node == b.b.node && a.b.w == b.b.w));
+    return a.id == b.id && a.thread == b.thread && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm &&
+           std::ranges::equal(a.held_a(), b.held_a()) && (a.to_world || std::ranges::equal(a.held_b(), b.held_b()));
   };
   std::vector<Spring> sorted(springs.begin(), springs.end());
   std::sort(sorted.begin(), sorted.end(), [](const Spring& a, const Spring& b) { return a.id < b.id; });

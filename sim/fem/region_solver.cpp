@@ -138,14 +138,15 @@ void RegionSolver::set_springs(std::span<const Spring> springs) {
   std::vector<Spring> to(springs.begin(), springs.end());
   for (Spring& s : to) {
     const std::string name = "spring " + std::to_string(s.id);
-    check_point(s.a, place_.size(), name);
-    s.a = find(s.a);
+    const auto take = [&](EmbeddedPoint& p) { check_point(p, place_.size(), name), p = find(p); };
+    take(s.a);
+    for (EmbeddedPoint& p : s.a_wide) take(p);
     if (s.to_world) {
-      s.b = {};
+      s.b = {}, s.b_wide.clear();
       continue;
     }
-    check_point(s.b, place_.size(), name);
-    s.b = find(s.b);
+    take(s.b);
+    for (EmbeddedPoint& p : s.b_wide) take(p);
   }
   inner_->set_springs(to);
 }

@@ -62,23 +62,25 @@ SpringRow spring_row(const FemModel& model, const Spring& s) {
   r.id = s.id;
   r.k_mN_per_mm = s.k_N_per_mm * 1000;
   std::map<int32_t, double> w;
-  auto add = [&](const EmbeddedPoint& p, double sign, Vec3& rest) {
-    double sum = 0;
-    for (float x : p.w) sum += double(x);
-    for (size_t i = 0; i < 8; ++i) {
-      if (p.w[i] == 0) continue;
-      const double v = double(p.w[i]) / sum;
-      rest += v * model.X_mm[size_t(p.node[i])];
-      if (const HangingNode* h = hanging_at(model, p.node[i])) {
-        for (size_t k = 0; k < size_t(h->count); ++k)
-          if (!model.fixed[size_t(h->master[k])]) w[h->master[k]] += sign * v * double(h->weight[k]);
-      } else if (!model.fixed[size_t(p.node[i])]) {
-        w[p.node[i]] += sign * v;
+  auto add = [&](std::span<const EmbeddedPoint> end, double sign, Vec3& rest) {
+    for (const EmbeddedPoint& p : end) {
+      double sum = 0;
+      for (float x : p.w) sum += double(x);
+      for (size_t i = 0; i < 8; ++i) {
+        if (p.w[i] == 0) continue;
+        const double v = double(p.w[i]) / (sum * double(end.size()));
+        rest += v * model.X_mm[size_t(p.node[i])];
+        if (const HangingNode* h = hanging_at(model, p.node[i])) {
+          for (size_t k = 0; k < size_t(h->count); ++k)
+            if (!model.fixed[size_t(h->master[k])]) w[h->master[k]] += sign * v * double(h->weight[k]);
+        } else if (!model.fixed[size_t(p.node[i])]) {
+          w[p.node[i]] += sign * v;
+        }
       }
     }
   };
-  add(s.a, 1, r.rest_a_mm);
-  if (!s.to_world) add(s.b, -1, r.rest_b_mm);
+  add(s.held_a(), 1, r.rest_a_mm);
+  if (!s.to_world) add(s.held_b(), -1, r.rest_b_mm);
   for (auto [node, v] : w) r.node.push_back(node), r.w.push_back(v);
   return r;
 }

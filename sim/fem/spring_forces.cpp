@@ -12,18 +12,23 @@ SpringForces::SpringForces(const FemModel& model, std::span<const Spring> spring
     Item it;
     it.id = s.id;
     it.k = s.k_N_per_mm * 1000;
-    auto add = [&](const EmbeddedPoint& p, double sign) {
-      double sum = 0;
-      for (float x : p.w) sum += double(x);
-      for (size_t i = 0; i < 8; ++i) {
-        if (p.w[i] == 0) continue;
-        const double w = sign * double(p.w[i]) / sum;  // single-precision weights sum to 1 only nearly
-        it.node[size_t(it.count)] = p.node[i], it.w[size_t(it.count)] = w, ++it.count;
-        it.offset += w * model.X_mm[size_t(p.node[i])];
+    auto add = [&](std::span<const EmbeddedPoint> end, double sign) {
+      const size_t first = it.node.size();
+      for (const EmbeddedPoint& p : end) {
+        double sum = 0;
+        for (float x : p.w) sum += double(x);
+        for (size_t i = 0; i < 8; ++i) {
+          if (p.w[i] == 0) continue;
+          const double w = sign * double(p.w[i]) / (sum * double(end.size()));  // single-precision weights sum to 1 only nearly
+          const auto known = std::find(it.node.begin() + std::ptrdiff_t(first), it.node.end(), p.node[i]);
+          if (known == it.node.end()) it.node.push_back(p.node[i]), it.w.push_back(w);
+          else it.w[size_t(known - it.node.begin())] += w;
+          it.offset += w * model.X_mm[size_t(p.node[i])];
+        }
       }
     };
-    add(s.a, 1);
-    if (!s.to_world) add(s.b, -1);
+    add(s.held_a(), 1);
+    if (!s.to_world) add(s.held_b(), -1);
     if (s.thread > 0) {
       const auto [at, fresh] = number.try_emplace(s.thread, int(threads_.size()));
       if (fresh) threads_.push_back({s.thread_mm, {}});
@@ -32,14 +37,14 @@ SpringForces::SpringForces(const FemModel& model, std::span<const Spring> spring
     } else {
       it.offset -= s.target_mm;
     }
-    items_.push_back(it);
+    items_.push_back(std::move(it));
   }
 }
 
 Vec3 SpringForces::gap_mm(size_t i, const NodeArray& u) const {
   const Item& it = items_[i];
   Vec3 r = it.offset;
-  for (size_t k = 0; k < size_t(it.count); ++k) {
+  for (size_t k = 0; k < it.node.size(); ++k) {
     const Node4& v = u[size_t(it.node[k])];
     r += it.w[k] * Vec3(double(v.x), double(v.y), double(v.z));
   }
@@ -75,7 +80,7 @@ Vec3 SpringForces::force_mN(size_t i, const NodeArray& u) const {
 
 void SpringForces::pull(const Item& it, const Vec3& force, NodeArray& g, bool measure) const {
   const double size = force.norm();
-  for (size_t k = 0; k < size_t(it.count); ++k) {
+  for (size_t k = 0; k < it.node.size(); ++k) {
     const Vec3 f = it.w[k] * force;
     Node4& n = g[size_t(it.node[k])];
     n.x += float(f[0]), n.y += float(f[1]), n.z += float(f[2]);
@@ -91,7 +96,7 @@ double SpringForces::add(const NodeArray& u, NodeArray& g, bool measure) const {
     const Vec3 r = gap_mm(i, u);
     energy += 0.5 * it.k * r.squaredNorm();
     const double size = it.k * r.norm();
-    for (size_t k = 0; k < size_t(it.count); ++k) {
+    for (size_t k = 0; k < it.node.size(); ++k) {
       const Vec3 f = it.k * it.w[k] * r;
       Node4& n = g[size_t(it.node[k])];
       n.x += float(f[0]), n.y += float(f[1]), n.z += float(f[2]);

@@ -41,10 +41,9 @@ class SpringForces {
     int32_t id = 0;
     double k = 0;  // mN/mm
     Vec3 offset = Vec3::Zero();
-    int count = 0;
     int thread = -1;  // index into threads_
-    std::array<int32_t, 16> node{};
-    std::array<double, 16> w{};
+    std::vector<int32_t> node;
+    std::vector<double> w;
   };
   struct Thread {
     double length_mm = 0;

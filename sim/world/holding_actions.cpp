@@ -57,7 +57,10 @@ bool OperatingTable::carry_anchors() {
   std::erase_if(hooks_, [&](Hook& h) { return !carry(h.anchor) && (lost = true); });
   std::vector<int32_t> torn;  // a thread that has lost one bite holds nothing
   std::erase_if(stitches_, [&](Stitch& s) {
-    if (carry(s.a) && carry(s.b)) return false;
+    if (carry(s.a) && carry(s.b)) {
+      widen(s.a), widen(s.b);
+      return false;
+    }
     if (s.thread > 0) torn.push_back(s.thread);
     return lost = true;
   });

@@ -187,7 +187,7 @@ void OperatingTable::fill(Snapshot& snapshot, bool with_field) const {
     if (!s.across()) continue;
     const Vec3 a = position_mm(s.a.embedded), b = position_mm(s.b.embedded);
     snapshot.sutures.push_back({s.id, a.cast<float>(), b.cast<float>(),
-                                float(solver_->spring_force_mN(s.spring).norm() * 1e-3), float((a - b).norm()), s.thread,
+                                float(solver_->spring_force_mN(s.spring).norm() * 1e-3), float((held_mm(s.a) - held_mm(s.b)).norm()), s.thread,
                                 float(s.tied_N), float(s.peak_N)});
   }
   snapshot.residual = residual_;

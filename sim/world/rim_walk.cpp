@@ -71,11 +71,31 @@ SurfacePoint RimWalk::point(const Way& w, double share) const {
   Spot at = w.corner[i].first;  // both ends of a piece are on one edge, where it has a length
   const double piece = w.corner[i].second - w.corner[i - 1].second;
   if (piece > 0) at.at += (w.corner[i - 1].first.at - at.at) * (w.corner[i].second - s) / piece;
+  return point(at);
+}
+
+SurfacePoint RimWalk::point(const Spot& at) const {
   const Edge& e = edge_[size_t(at.edge)];
   SurfacePoint p{e.triangle, Vec3::Zero()};
   p.bary[e.corner] = 1 - at.at;
   p.bary[(e.corner + 1) % 3] = at.at;
   return p;
+}
+
+std::optional<SurfacePoint> RimWalk::along(const Spot& from, double by_mm) const {
+  const bool forward = by_mm >= 0;
+  Spot here = from;
+  double left = std::abs(by_mm);
+  for (size_t steps = 0; steps <= edge_.size(); ++steps) {
+    const Edge& e = edge_[size_t(here.edge)];
+    const double rest = (forward ? 1 - here.at : here.at) * e.length_mm;
+    if (left <= rest && e.length_mm > 0) return point(Spot{here.edge, here.at + (forward ? left : -left) / e.length_mm});
+    left -= rest;
+    const int32_t next = forward ? e.next : e.before;
+    if (next < 0) return std::nullopt;
+    here = {next, forward ? 0.0 : 1.0};
+  }
+  return std::nullopt;
 }
 
 }  // namespace limberg

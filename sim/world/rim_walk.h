@@ -32,6 +32,10 @@ class RimWalk {
   };
   std::optional<Way> way(const Spot& from, const Spot& to, bool forward) const;
   SurfacePoint point(const Way& way, double share) const;
+  /// The place so far along the rim from a spot, forward or (below 0) backward; nothing when the rim ends before.
+  std::optional<SurfacePoint> along(const Spot& from, double by_mm) const;
+
+  SurfacePoint point(const Spot& spot) const;
 
  private:
   struct Edge {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "sim/lattice/embedding.h"
 #include "sim/world/operating_table.h"
-#include "sim/world/rim_walk.h"
 
 namespace limberg {
 namespace {
@@ -15,6 +15,7 @@ constexpr double kPick_mm = 5;         // a stitch is meant that is this near to
 constexpr double kRest = 1e-3;         // relative residual of a state whose forces count
 constexpr int kMostStitches = 500;     // of one row
 constexpr double kMet_mm = 0.2;        // edges nearer than this have met
+constexpr int kBitePlaces = 5;         // that stand for a bite
 constexpr double kTear_N = 5.9;        // knot-pull strength of USP 4-0: no thread is drawn harder
 
 std::string mm(double v) {
@@ -27,6 +28,14 @@ std::string at_text(const ChartPoint& p) {
   char text[64];
   std::snprintf(text, sizeof text, "(%.2f, %.2f) mm", p.x(), p.y());
   return text;
+}
+
+// Where its triangle has no edge of the wound any more, from a little inside it: on the edge itself both banks are equally near.
+std::optional<RimWalk::Spot> spot_on(const RimWalk& rim, const RestIndex& index, const Anchor& anchor) {
+  if (anchor.in_wall()) return std::nullopt;
+  if (const auto spot = rim.spot(anchor.at)) return spot;
+  const auto p = index.snap_to_rim({anchor.at.triangle, 0.95 * anchor.at.bary + Vec3::Constant(0.05 / 3)}, kRimReach_mm);
+  return p ? rim.spot(*p) : std::nullopt;
 }
 
 }  // namespace
@@ -92,10 +101,32 @@ std::optional<size_t> OperatingTable::find_stitch(const StitchPick& pick, std::s
   return best;
 }
 
-Stitch OperatingTable::between(const Anchor& a, const Anchor& b) const {
+// A needle takes a bite, not a point: what it pulls reaches the edge spread over about as much as it is behind it. A point would
+// cut the deeper into its cell the smaller that is. A bite in a wall holds one place.
+void OperatingTable::widen(Anchor& anchor) {
+  anchor.wide.clear();
+  if (anchor.in_wall() || !(anchor.bite_mm > 0)) return;
+  if (!rim_ || rim_version_ != version_.surface->version) rim_ = std::make_unique<RimWalk>(version_.surface->view), rim_version_ = version_.surface->version;
+  const auto spot = spot_on(*rim_, *version_.index, anchor);
+  if (!spot) return;
+  for (int k = -kBitePlaces / 2; k <= kBitePlaces / 2; ++k)
+    if (const auto at = rim_->along(*spot, anchor.bite_mm * 2 * k / kBitePlaces))
+      anchor.wide.push_back(embed_point(*version_.lattice, version_.surface->view, at->triangle, {at->bary.x(), at->bary.y(), at->bary.z()}));
+}
+
+Vec3 OperatingTable::held_mm(const Anchor& a) const {
+  if (a.wide.empty()) return position_mm(a.embedded);
+  Vec3 sum = Vec3::Zero();
+  for (const EmbeddedPoint& p : a.wide) sum += position_mm(p);
+  return sum / double(a.wide.size());
+}
+
+Stitch OperatingTable::between(const Anchor& a, const Anchor& b, double bite_mm) {
   Stitch s;
   s.a = a, s.b = b;
-  s.slack_mm = position_mm(a.embedded) - position_mm(b.embedded);
+  s.a.bite_mm = s.b.bite_mm = bite_mm;
+  widen(s.a), widen(s.b);
+  s.slack_mm = held_mm(s.a) - held_mm(s.b);
   return s;
 }
 
@@ -108,7 +139,7 @@ std::vector<Spring> OperatingTable::springs() const {
   }
   for (const Stitch& t : stitches_) {
     Spring s;
-    s.id = t.spring, s.a = t.a.embedded, s.b = t.b.embedded, s.target_mm = t.slack_mm, s.k_N_per_mm = spec_.suture_k_N_per_mm;
+    s.id = t.spring, s.a = t.a.embedded, s.b = t.b.embedded, s.a_wide = t.a.wide, s.b_wide = t.b.wide, s.target_mm = t.slack_mm, s.k_N_per_mm = spec_.suture_k_N_per_mm;
     if (t.thread > 0)
       for (const Thread& thread : threads_)
         if (thread.id == t.thread) s.thread = t.thread, s.thread_mm = thread.length_mm;
@@ -143,7 +174,7 @@ void OperatingTable::draw(Thread& t) const {
   Vec3 last = Vec3::Zero();
   for (const Stitch& s : stitches_) {
     if (s.thread != t.id) continue;
-    const Vec3 a = position_mm(s.a.embedded), b = position_mm(s.b.embedded);
+    const Vec3 a = held_mm(s.a), b = held_mm(s.b);
     tension_N = std::max(tension_N, 1e-3 * solver_->spring_force_mN(s.spring).norm());
     if (!first) first = a;
     last = b;
@@ -207,7 +238,7 @@ Outcome OperatingTable::act(const Suture& c) {
       return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
   if (same_place(*a, *b)) return {false, "both ends of the stitch are at " + at_text(c.a) + "; two different edges were expected"};
   remember({moment(), {}, {}});
-  Stitch stitch = between(*a, *b);
+  Stitch stitch = between(*a, *b, spec_.suture_bite_mm);
   stitch.id = next_stitch_++, stitch.spring = next_spring_++;
   stitches_.push_back(stitch);
   publish_springs();
@@ -226,7 +257,7 @@ Outcome OperatingTable::act(const SutureCorner& c) {
   for (const Stitch& s : stitches_)
     if (s.across() && (joins(s, *a, *tip) || joins(s, *tip, *b))) return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
   remember({moment(), {}, {}});
-  std::vector<Stitch> spans{between(*a, *tip), between(*tip, *b)};
+  std::vector<Stitch> spans{between(*a, *tip, spec_.suture_bite_mm), between(*tip, *b, spec_.suture_bite_mm)};
   for (Stitch& s : spans) s.id = next_stitch_++;
   thread_through(std::move(spans), true, 0);
   publish_springs();
@@ -249,17 +280,18 @@ Outcome OperatingTable::sew_row(const std::vector<std::pair<Anchor, Anchor>>& bi
   if (row.empty()) return {false, "every stitch of the row is there already; free edges were expected"};
   if (kind.running && row.size() < 2) return {false, "a running suture of one stitch; a longer edge or a smaller spacing was expected"};
   remember({moment(), {}, {}});
+  const double bite = std::min(spec_.suture_bite_mm, 0.5 * kind.spacing_mm);  // neighbours share no tissue
   if (!kind.running) {
     for (const auto& [a, b] : row) {
-      Stitch s = between(a, b);
+      Stitch s = between(a, b, bite);
       s.id = next_stitch_++, s.spring = next_spring_++;
       stitches_.push_back(s);
     }
   } else {
     std::vector<Stitch> spans;
     for (size_t i = 0; i < row.size(); ++i) {
-      if (i > 0) spans.push_back(between(row[i - 1].second, row[i].first));
-      spans.push_back(between(row[i].first, row[i].second));
+      if (i > 0) spans.push_back(between(row[i - 1].second, row[i].first, bite));
+      spans.push_back(between(row[i].first, row[i].second, bite));
       spans.back().id = next_stitch_++;
     }
     thread_through(std::move(spans), false, kind.slack_mm);
@@ -294,12 +326,7 @@ Outcome OperatingTable::act(const SutureBetween& c) {
   if (!k) return {false, reason};
   if (i == k) return {false, "the row begins and ends at stitch " + std::to_string(stitches_[*i].id) + "; two different stitches were expected"};
   const RimWalk rim(version_.surface->view);
-  const auto spot = [&](const Anchor& a) -> std::optional<RimWalk::Spot> {
-    if (a.in_wall()) return std::nullopt;
-    // From a little inside its triangle: on the edge itself both banks of a cut are equally near.
-    const auto p = version_.index->snap_to_rim({a.at.triangle, 0.95 * a.at.bary + Vec3::Constant(0.05 / 3)}, kRimReach_mm);
-    return p ? rim.spot(*p) : std::nullopt;
-  };
+  const auto spot = [&](const Anchor& a) { return spot_on(rim, *version_.index, a); };
   // Forward along one bank and backward along the other; which bank of one stitch goes on into which of the other is not said
   // by the order of their bites. The shortest way is meant.
   struct Ways { RimWalk::Way a, b; };

@@ -25,7 +25,7 @@ Snapshot sample_head(double moved_mm) {
   Snapshot s;
   SharedArray<float> depths;
   const auto triangle = [&](const Tri& t, Organ organ) {
-    view.tri.push_back(t), view.uv.push_back({}), view.kind.push_back(FaceKind::free), view.sided_face.push_back(int32_t(view.tri.size())), view.origin.push_back(0);
+    view.tri.push_back(t), view.uv.push_back({Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero(), Eigen::Vector2f::Zero()}), view.kind.push_back(FaceKind::free), view.sided_face.push_back(int32_t(view.tri.size())), view.origin.push_back(0);
     topology->organ.push_back(organ), topology->object.push_back(organ == Organ::face ? -1 : 0);
   };
   const auto vertex = [&](const Vec3& X, double forwards) {

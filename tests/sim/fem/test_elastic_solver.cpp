@@ -143,6 +143,47 @@ TEST(ElasticSolver, StiffSuturesCloseTheirGap) {
   }
 }
 
+// Held by means over places along its edge: the means meet, the places themselves need not, and all three ways of counting a
+// spring agree about where that is.
+TEST(ElasticSolver, AWideStitchBringsTheMeansTogether) {
+  BenchScene s = bench_scene(20, 2, 0.45);
+  s.springs = {s.springs[9]};
+  Spring& stitch = s.springs[0];
+  stitch.k_N_per_mm = 20;
+  const auto place = [&](const EmbeddedPoint& p) {
+    Vec3 X = Vec3::Zero();
+    for (size_t i = 0; i < 8; ++i) X += double(p.w[i]) * s.model.X_mm[size_t(p.node[i])];
+    return X;
+  };
+  const Vec3 along = (place(stitch.a) - place(stitch.b)).cross(Vec3::UnitZ()).normalized();
+  for (double d : {-3.0, 0.0, 3.0}) stitch.a_wide.push_back(embed(s.model, place(stitch.a) + d * along)), stitch.b_wide.push_back(embed(s.model, place(stitch.b) + d * along));
+  InlineWorkers w;
+  auto solver = make_solver(w);
+  solver->set_model(std::make_shared<FemModel>(s.model), {});
+  solver->set_springs(s.springs);
+  StepSettings st;
+  st.max_iterations = 400, st.tolerance = 3e-6;
+  EXPECT_TRUE(solver->step(st).converged);
+  const auto mean = [&](const std::vector<EmbeddedPoint>& end) {
+    Vec3 sum = Vec3::Zero();
+    for (const EmbeddedPoint& p : end) sum += solver->position_mm(p);
+    return Vec3(sum / double(end.size()));
+  };
+  const Vec3 gap = mean(stitch.a_wide) - mean(stitch.b_wide);
+  EXPECT_LT(gap.norm(), 0.2);
+  EXPECT_NEAR(solver->spring_force_mN(stitch.id).norm(), 20e3 * gap.norm(), 1e-3 * 20e3 * gap.norm());
+  EXPECT_GT((solver->position_mm(stitch.a_wide[0]) - solver->position_mm(stitch.b_wide[0])).norm(), 2 * gap.norm());
+  // In equilibrium by the reference, too, which counts springs by itself.
+  const ReferenceElasticity reference(s.model, s.springs);
+  std::vector<Vec3> u, g;
+  for (const Vec3f& d : solver->displacement_mm()) u.push_back(d.cast<double>());
+  reference.gradient(u, g);
+  double most = 0;
+  for (size_t i = 0; i < g.size(); ++i)
+    if (!s.model.fixed[i]) most = std::max(most, g[i].norm());
+  EXPECT_LT(most, 1e-2 * solver->spring_force_mN(stitch.id).norm());
+}
+
 // A stitch with slack pulls only what the slack leaves; taking the slack away in steps ends where a tight stitch ends.
 TEST(ElasticSolver, AStitchIsTightenedThroughItsSlack) {
   BenchScene s = bench_scene(20, 2, 0.45);

@@ -44,7 +44,10 @@ std::vector<Spring> some_springs(const FemModel& m) {
   Spring a, b;
   a.id = 1, a.a = embed(m, {1, 1, 5}), a.b = embed(m, {-2, 1, 5}), a.k_N_per_mm = 0.02, a.target_mm = {0.2, 0, -0.1};
   b.id = 2, b.a = embed(m, {2, -3, 4}), b.to_world = true, b.target_mm = {5, 1, 9}, b.k_N_per_mm = 0.03;
-  return {a, b};
+  Spring wide;
+  wide.id = 3, wide.k_N_per_mm = 0.05;
+  for (double x : {-2.0, 0.0, 2.5}) wide.a_wide.push_back(embed(m, {x, 2, 5})), wide.b_wide.push_back(embed(m, {x, -2, 4}));
+  return {a, b, wide};
 }
 
 TEST(Reference, GradientIsTheDerivativeOfTheEnergy) {

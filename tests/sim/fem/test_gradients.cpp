@@ -46,7 +46,10 @@ TEST(Gradients, Springs) {
   Spring hook, stitch;
   hook.id = 1, hook.to_world = true, hook.a = embed(m, {1.3, 0.4, 9}), hook.target_mm = {3, 4, 12}, hook.k_N_per_mm = 0.7;
   stitch.id = 2, stitch.a = embed(m, {-2, 1, 10}), stitch.b = embed(m, {2, -1, 5.5}), stitch.target_mm = {0.1, 0.2, 0}, stitch.k_N_per_mm = 2;
-  const std::vector<Spring> springs = {hook, stitch};
+  Spring bite;  // its ends are means over places of more than one cell
+  bite.id = 3, bite.k_N_per_mm = 1.3;
+  for (double y : {-2.0, 0.0, 1.5}) bite.a_wide.push_back(embed(m, {-1, y, 9})), bite.b_wide.push_back(embed(m, {3, y, 8}));
+  const std::vector<Spring> springs = {hook, stitch, bite};
   const fem::SpringForces forces(m, springs);
   check(m, 1e-2, 1e-4, [&](const NodeArray& u, NodeArray& g) {
     g.zero();

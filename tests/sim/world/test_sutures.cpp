@@ -8,6 +8,7 @@
 #include "sim/fem/spring_forces.h"
 #include "sim/geometry/block.h"
 #include "sim/world.h"
+#include "sim/world/rim_walk.h"
 
 namespace limberg {
 namespace {
@@ -215,6 +216,71 @@ TEST(CornerSuture, HoldsTheTipWithOneThread) {
   EXPECT_LT((s.sutures[0].b_mm - s.sutures[1].a_mm).norm(), 1e-4f);  // the tip is one bite
   EXPECT_LT(s.sutures[0].b_mm.z(), -0.3f);                           // below the surface
   EXPECT_LT(s.sutures[0].gap_mm + s.sutures[1].gap_mm, 6.f);
+}
+
+// One stitch through the middle of an open wound: how much farther it draws in the edge there than a bite's length beside it.
+double dent_mm(double cell_mm, double bite_mm) {
+  WorldSpec spec = block();
+  spec.cell_mm = cell_mm, spec.suture_bite_mm = bite_mm;
+  InlineWorkers workers;
+  World world(spec, workers);
+  must(world, Incise{{{-14, 0}, {14, 0}}, 4, 90});
+  settle(world);
+  must(world, Suture{{0, -0.5}, {0, 0.5}});
+  settle(world);
+  const Snapshot s = shown(world);
+  // The wound's edge about one and a half mm from the stitch, along it: the skin's vertices at rest on the line.
+  const SurfaceView& view = s.topology->view;
+  double open = 0, shut = 1e9;
+  for (size_t v = 0; v < view.X_mm.size(); ++v) {
+    const Vec3& X = view.X_mm[v];
+    if (std::abs(X.y()) > 1e-6 || std::abs(X.z()) > 1e-6) continue;
+    const double aside = std::abs(double(s.x_mm[v].y()));
+    if (std::abs(std::abs(X.x()) - 1.5) < 0.3) open = std::max(open, aside);
+    if (std::abs(X.x()) < 0.3) shut = std::min(shut, aside);
+  }
+  return open - shut;
+}
+
+TEST(Stitch, ABiteDrawsItsEdgeAndAPointCutsIn) {
+  const double point = dent_mm(1.25, 0), bite = dent_mm(1.25, 1);
+  EXPECT_GT(point, 0.1);
+  EXPECT_LT(bite, 0.5 * point);
+}
+
+TEST(RimWalk, GoesSoFarAlongTheEdgeAndBack) {
+  Slit s;
+  const SurfaceView& view = shown(s.world).topology->view;
+  const RimWalk rim(view);
+  const auto place = [&](const SurfacePoint& p) {
+    Vec3 X = Vec3::Zero();
+    for (size_t k = 0; k < 3; ++k) X += p.bary[Eigen::Index(k)] * view.X_mm[size_t(view.tri[size_t(p.triangle)][k])];
+    return X;
+  };
+  double length = 0;  // of the one rim there is
+  std::optional<RimWalk::Spot> start;
+  for (size_t t = 0; t < view.tri.size(); ++t)
+    for (size_t k = 0; k < 3; ++k)
+      if (view.rim[t] >> k & 1) {
+        const Vec3 a = view.X_mm[size_t(view.tri[t][k])], b = view.X_mm[size_t(view.tri[t][(k + 1) % 3])];
+        length += (b - a).norm();
+        if (a.x() * b.x() > 0 || start) continue;
+        SurfacePoint p{int32_t(t), Vec3::Zero()};
+        p.bary[Eigen::Index(k)] = p.bary[Eigen::Index((k + 1) % 3)] = 0.5;
+        start = rim.spot(p);
+      }
+  ASSERT_TRUE(start);
+  const Vec3 from = place(*rim.along(*start, 0));
+  for (const double d : {0.3, 2.0, 5.0, -0.3, -5.0}) {
+    const auto p = rim.along(*start, d);
+    ASSERT_TRUE(p);
+    EXPECT_NEAR((place(*p) - from).norm(), std::abs(d), 0.02 * std::abs(d)) << d;  // straight but for the skin's facets
+    const auto back = rim.spot(*p);
+    ASSERT_TRUE(back);
+    EXPECT_NEAR((place(*rim.along(*back, -d)) - from).norm(), 0, 1e-6) << d;
+  }
+  EXPECT_NEAR((place(*rim.along(*start, length)) - from).norm(), 0, 1e-6);
+  EXPECT_NEAR((place(*rim.along(*start, length / 2)) - place(*rim.along(*start, -length / 2))).norm(), 0, 1e-6);
 }
 
 TEST(SutureBetween, FillsTheWoundBetweenTwoStitches) {
