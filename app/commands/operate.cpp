@@ -7,6 +7,7 @@
 #include "app/commands/numbers.h"
 #include "app/commands/operate_head.h"
 #include "app/commands/session_command.h"
+#include "app/commands/this_call.h"
 #include "app/discretisation.h"
 #include "app/exercise.h"
 #include "app/interrupt.h"
@@ -202,6 +203,7 @@ int compare_orders(const Options& opt, const Scene& scene, const Script& script,
   }
   add_chart(result, 0, "Closure force over the operation", closure_chart(runs));
   add_table(result, 0, table);
+  result.set("/reproduce", this_call());
   result.set_ok(at_rest);
   leave_result(result, opt.common);
   return at_rest ? kDone : kGoalMissed;
@@ -328,6 +330,7 @@ int run(const Options& opt) {
   if (rows.size() > 1) fill_convergence(result, rows);
   int n = 0;
   for (const ScriptLine& l : script.lines) result.set("/script/" + std::to_string(n++), to_json_line(l.command));
+  result.set("/reproduce", this_call());
   result.set_ok(at_rest);
   leave_result(result, opt.common);
   if (!at_rest) say("the patient did not come to rest: relative residual above 1e-4");

@@ -3,6 +3,7 @@
 #include <cstdio>
 
 #include "app/assembly.h"
+#include "app/commands/this_call.h"
 #include "app/head/build.h"
 #include "app/head/report.h"
 #include "app/interrupt.h"
@@ -63,6 +64,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
     draw_head_pictures(common.out_dir, o.stages, last, scene_camera(scene), head);
     leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
   }
+  r.set("/reproduce", this_call());
   leave_result(r, common);
   if (!at_rest) say("the patient did not come to rest: the face still moves");
   return at_rest ? kDone : kGoalMissed;

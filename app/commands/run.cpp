@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <cstdlib>
 
 #include "app/commands/auto_option.h"
@@ -88,7 +89,14 @@ int run(const Options& o) {
   if (window) {
     WindowCall w;
     w.calibrated = !o.calibration.empty();
-    for (const std::string& d : o.devices) w.device += (w.device.empty() ? "" : ", ") + d;
+    bool tracked = false;
+    for (const std::string& d : o.devices) {
+      const bool from_file = d.rfind("emulated:", 0) == 0 || d.rfind("log:", 0) == 0;
+      tracked |= d.rfind("fastrak", 0) == 0 || d.rfind("lcm", 0) == 0;
+      w.own_device |= !from_file && d != "mouse";
+      w.device += (w.device.empty() ? "" : ", ") + (from_file ? d.substr(0, d.find(':')) + ": " + std::filesystem::path(d.substr(d.find(':') + 1)).filename().string() : d);
+    }
+    w.calibrated |= !tracked;  // what else there is says where it is in the patient's own measure
     w.mouse = o.devices.empty();
     w.recording = o.record;
     if (!o.common.out_dir.empty()) w.picture_dir = o.common.out_dir;
@@ -103,7 +111,8 @@ int run(const Options& o) {
     on.value[0] = o.cursor;
     call.sources.push_back(std::make_unique<LogSource>(std::vector<Sample>{on}));
   }
-  if (!call.live_sources.empty() && o.seconds <= 0) say("listening until Ctrl-C");
+  if (window) say("opening a window; ? in it lists keys and mouse, closing it ends the session");
+  else if (!call.live_sources.empty() && o.seconds <= 0) say("listening until Ctrl-C");
   if (o.seconds > 0) call.end_tick = int64_t(o.seconds * 1000);
   call.known_length_s = o.seconds;
   call.record_file = o.record;

@@ -12,6 +12,7 @@
 
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
+#include "app/commands/this_call.h"
 #include "app/interrupt.h"
 #include "app/output.h"
 #include "app/pictures.h"
@@ -214,7 +215,9 @@ int finish(const Options& o, const std::vector<Gathered>& parts, const std::vect
   }
   const auto bars = study::bars_of(parts);
   if (!o.common.out_dir.empty()) study::leave_files(parts, o.common.out_dir), study::leave_pictures(parts[0], pictures, o.common.out_dir);
-  leave_result(study::result_of(parts, bars), o.common);
+  Result result = study::result_of(parts, bars);
+  result.set("/reproduce", this_call());
+  leave_result(result, o.common);
   bool ok = true;
   std::printf("\n%-76s %10s %10s\n", o.check ? "check" : "bar", "value", "bar");
   for (const study::Bar& b : bars) {

@@ -137,7 +137,7 @@ std::string pictures(const Side& a, const Side& b) {
     if (!used[i]) s += pair_of(a, "", b, b.d.stages[i].picture, b.d.stages[i].name);
   if (!a.d.tension.empty() || !b.d.tension.empty()) s += pair_of(a, a.d.tension, b, b.d.tension, "tension of the skin");
   if (s.empty() && (!a.d.overview.empty() || !b.d.overview.empty())) s = pair_of(a, a.d.overview, b, b.d.overview, "at the end");
-  return s.empty() ? s : "<section>\n<h2>Pictures</h2>\n<div class=\"story\">\n" + s + "</div>\n</section>\n";
+  return s.empty() ? s : "<section>\n<h2>Pictures</h2>\n<div class=\"story pairs\">\n" + s + "</div>\n</section>\n";
 }
 
 std::string script(const ReportData& a, const ReportData& b) {

@@ -22,11 +22,11 @@ std::string chart_figure(const ReportChart& c) {
 
 std::string study(const ReportData& d) {
   if (d.study_columns.empty() || d.study_rows.empty()) return {};
-  std::string out = "<section>\n<h2>Study: " + escape(d.study) + "</h2>\n";
+  std::string out = "<section>\n<h2>What it came to</h2>\n";
   if (!d.about.empty()) out += "<p>" + escape(d.about) + "</p>\n";
   for (const ReportChart& c : d.charts) out += chart_figure(c);
   if (!d.bars.empty()) {
-    out += "<div class=\"wide\"><table>\n<thead><tr><th>Bar</th><th>Value</th><th>Bar</th><th></th><th>Where it comes from</th></tr></thead>\n<tbody>\n";
+    out += "<div class=\"wide\"><table class=\"bars\">\n<thead><tr><th>What is asked</th><th>Value</th><th>Bar</th><th></th><th>Where it comes from</th></tr></thead>\n<tbody>\n";
     for (const ReportBar& b : d.bars)
       out += "<tr><td>" + escape(b.name) + "</td><td>" + (b.value ? number(*b.value) : "–") + "</td><td>" +
              (b.larger_is_better ? "≥ " : "≤ ") + (b.bar ? number(*b.bar) : "–") + "</td><td><b class=\"" + (b.pass ? "good" : "bad") + "\">" +

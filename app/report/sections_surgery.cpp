@@ -81,10 +81,16 @@ std::string verdict(const ReportData& d, std::string& light) {
   }
   if (d.ok && !*d.ok) {
     worse("bad");
-    says.insert(says.begin(), "The run did not reach its goal");
+    if (d.bars.empty()) says.insert(says.begin(), "The run did not reach its goal");
+  }
+  if (!d.bars.empty()) {
+    const auto met = std::count_if(d.bars.begin(), d.bars.end(), [](const ReportBar& b) { return b.pass; });
+    const auto all = std::ptrdiff_t(d.bars.size());
+    if (met < all) worse("bad");
+    says.insert(says.begin(), met == all ? "All " + std::to_string(all) + " bars are met" : std::to_string(met) + " of " + std::to_string(all) + " bars are met, " + std::to_string(all - met) + " missed");
   }
   std::string line;
-  for (size_t i = 0; i < says.size(); ++i) line += (i == 0 ? "" : i == 1 && d.ok && !*d.ok ? ": " : "; ") + says[i];
+  for (size_t i = 0; i < says.size(); ++i) line += (i == 0 ? "" : i == 1 && d.bars.empty() && d.ok && !*d.ok ? ": " : "; ") + says[i];
   return line.empty() ? line : capital(line) + ".";
 }
 
@@ -127,7 +133,7 @@ std::string light_of_force(double force_N) {
 }
 
 std::string title(const ReportData& d) {
-  return !d.scene_title.empty() ? capital(d.scene_title) : d.scene.empty() ? "Operation" : capital(d.scene);
+  return !d.scene_title.empty() ? capital(d.scene_title) : !d.scene.empty() ? capital(d.scene) : d.study.empty() ? "Operation" : "Study: " + d.study;
 }
 
 std::string heading(const ReportData& d, const std::string& dir) {
@@ -185,7 +191,7 @@ std::string story(const ReportData& d, const std::string& dir) {
     if (!url.empty()) s += figure(url, "Stage " + std::to_string(k) + ": " + stage.name, caption);
     else if (!stage.name.empty()) s += "<figure><figcaption>" + caption + "</figcaption></figure>\n";
   }
-  return s.empty() ? s : "<section>\n<h2>The operation, step by step</h2>\n<div class=\"story\">\n" + s + "</div>\n</section>\n";
+  return s.empty() ? s : "<section>\n<h2>" + std::string(d.study_rows.empty() ? "The operation, step by step" : "The members, each at rest") + "</h2>\n<div class=\"story\">\n" + s + "</div>\n</section>\n";
 }
 
 std::string gallery(const ReportData& d, const std::string& dir) {

@@ -19,17 +19,20 @@ p{margin:8px 0;max-width:75ch}
 .verdict{display:flex;gap:14px;align-items:flex-start;margin:18px 0 20px;padding:14px 18px;background:var(--card);border-left:6px solid var(--soft);border-radius:6px;font-size:1.08rem}
 .verdict.good{border-color:var(--good)}.verdict.warn{border-color:var(--warn)}.verdict.bad{border-color:var(--bad)}
 .notice{margin:14px 0;padding:10px 16px;background:var(--card);border-left:6px solid var(--warn);border-radius:6px}
-.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(158px,1fr));gap:12px;margin:18px 0}
+.cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(168px,1fr));gap:12px;margin:18px 0}
 .card{background:var(--card);border-radius:8px;padding:12px 14px}
-.card b{display:block;font-size:1.45rem;line-height:1.25;font-variant-numeric:tabular-nums;white-space:nowrap}
+.card b{display:block;font-size:1.32rem;line-height:1.25;font-variant-numeric:tabular-nums;white-space:nowrap}
 .card span{font-size:.86rem;color:var(--soft)}
 .card .why{display:block;margin-top:2px}
 figure{margin:0}
 figure img{display:block;width:100%;height:auto;border-radius:8px;background:#2c424a}
+.onchart{max-width:760px;margin:10px 0}
+.onchart img{background:#fff}
 figcaption{font-size:.92rem;margin:6px 2px 0}
 figcaption b{color:var(--ink)}
 .hero{margin:18px 0}
 .story{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,320px),1fr));gap:22px 18px}
+.pairs{grid-template-columns:1fr 1fr}
 /* What is wider than the page scrolls by itself, and a shadow at the edge says so. */
 .wide{overflow-x:auto;background:linear-gradient(to left,var(--paper) 40%,transparent) 100% 0/48px 100% no-repeat local,
 linear-gradient(to left,#0003,transparent) 100% 0/14px 100% no-repeat scroll}
@@ -37,6 +40,8 @@ table{border-collapse:collapse;width:100%;margin:10px 0;font-variant-numeric:tab
 th,td{padding:6px 12px;text-align:right;border-bottom:1px solid var(--grid);white-space:nowrap}
 th:first-child,td:first-child{text-align:left}
 th{font-weight:600;color:var(--soft);font-size:.88rem;vertical-align:bottom}
+.bars th:last-child,.bars td:last-child{text-align:left;white-space:normal;min-width:15em;font-size:.88rem;color:var(--soft)}
+.bars td:first-child{white-space:normal;min-width:11em}
 td.bar{width:40%;min-width:110px;padding-left:0}
 .meter{display:block;height:10px;border-radius:5px;background:currentColor;min-width:2px}
 .light{display:inline-block;width:.72em;height:.72em;border-radius:50%;background:currentColor;margin-right:.45em}
@@ -48,10 +53,10 @@ code{font:.92em ui-monospace,"DejaVu Sans Mono",Consolas,monospace}
 a{color:var(--accent)}
 footer{margin-top:48px;padding-top:12px;border-top:1px solid var(--grid);font-size:.86rem;color:var(--soft);overflow-wrap:anywhere}
 @media (max-width:640px){body{padding:16px 12px 40px}th,td{padding:6px 7px}td.bar,th.bar{display:none}.phone{display:none}
-td:first-child,th{white-space:normal}svg.chart{min-width:600px}}
+td:first-child,th{white-space:normal}td:first-child code{overflow-wrap:anywhere}.pairs{gap:14px 8px}svg.chart{min-width:600px}}
 @media print{:root{--paper:#fff;--card:#f3f5f6;--ink:#000;--soft:#444;--grid:#ccc;--good:#1a7f4b;--warn:#b26a00;--bad:#b3261e;--s1:#0072b2;--s2:#d55e00;--s3:#009e73;color-scheme:light}
 body{max-width:none;padding:0;font-size:11pt}h2{margin-top:22pt}figure,tr,.card,svg.chart,.verdict{break-inside:avoid}thead{display:table-header-group}.cards{grid-template-columns:repeat(3,1fr)}.hero img{max-height:9cm;width:auto}.onchart img,.onchart svg{max-height:9cm}h2,h3{break-after:avoid}
-pre{max-height:none;white-space:pre-wrap;overflow-wrap:anywhere;overflow:visible}.wide{overflow:visible;background:none}td:first-child,th{white-space:normal}.story{grid-template-columns:1fr 1fr 1fr;gap:10px}th,td{padding:3px 10px}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
+pre{max-height:none;white-space:pre-wrap;overflow-wrap:anywhere;overflow:visible}.wide{overflow:visible;background:none}td:first-child,th{white-space:normal}.story{grid-template-columns:1fr 1fr 1fr;gap:10px}.pairs{grid-template-columns:1fr 1fr}th,td{padding:3px 10px}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )css";
 
 }  // namespace limberg

@@ -42,19 +42,24 @@ void listed(const ImVec4& colour, float indent, const char* before, const char* 
 }
 
 // A lane's figure against its period: a bar and its number.
-void lane(const char* name, double ms, double period_ms, const char* note, bool may_last = false) {
+void lane(const char* name, double ms, double period_ms, std::string note, bool may_last = false) {
   const float share = float(std::clamp(ms / period_ms, 0.0, 1.0));
+  const bool narrow = ImGui::GetWindowWidth() < 560;
+  if (narrow) note = note.substr(0, note.find_first_of(",;"));  // the first thing alone
   ImGui::AlignTextToFramePadding();
   ImGui::TextUnformatted(name);
   ImGui::SameLine(64);
   char text[48];
   std::snprintf(text, sizeof text, ms < 1 ? "%.2f of %.3g ms" : "%.1f of %.3g ms", ms, period_ms);
   ImGui::PushStyleColor(ImGuiCol_PlotHistogram, share < 0.85f || may_last ? ImVec4(0.25f, 0.52f, 0.58f, 1) : ImVec4(0.75f, 0.45f, 0.20f, 1));
-  ImGui::ProgressBar(share, {170, 0}, text);
+  ImGui::ProgressBar(share, {narrow ? 112.0f : 170.0f, 0}, text);
   ImGui::PopStyleColor();
   ImGui::SameLine();
-  ImGui::TextColored(kQuiet, "%s", note);
+  ImGui::TextColored(kQuiet, "%s", note.c_str());
 }
+
+// Two buttons side by side, as wide as there is room.
+float half_width() { return 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x); }
 
 }  // namespace
 
@@ -132,9 +137,10 @@ void Desk::tools(const DeskReading& r, int height) {
     ImGui::PopItemWidth();
   }
   ImGui::Spacing();
-  if (ImGui::Button("Undo", {70, 0})) state.undo = true;
+  const float half = half_width();
+  if (ImGui::Button("Undo", {half, 0})) state.undo = true;
   ImGui::SameLine();
-  if (ImGui::Button("Redo", {70, 0})) state.redo = true;
+  if (ImGui::Button("Redo", {half, 0})) state.redo = true;
 
   heading("VIEW");
   ImGui::PushItemWidth(-1);
@@ -162,9 +168,9 @@ void Desk::tools(const DeskReading& r, int height) {
   if (ImGui::Combo("##stereo", &stereo, "One eye\0Stereo side by side\0Stereo red-cyan\0")) state.stereo = Stereo(stereo);
   ImGui::Combo("##quality", &state.quality, "Quality: automatic\0Half size\0Fast\0Fine skin\0Shadows\0Shadows, occlusion\0");
   ImGui::PopItemWidth();
-  if (ImGui::Button("Picture", {70, 0})) state.picture = true;
+  if (ImGui::Button("Picture", {half, 0})) state.picture = true;
   ImGui::SameLine();
-  if (ImGui::Button("Home", {70, 0})) state.home = true;
+  if (ImGui::Button("Home", {half, 0})) state.home = true;
   if (ImGui::Button("Keys and mouse  ?", {-1, 0})) state.help = !state.help;
 
   heading("DEVICE");
@@ -346,6 +352,20 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   ImGui::PopStyleVar(2);
   help(width, height);
 
+  if (state.compare != Compare::off) {
+    const DeskStage g = desk_stage(width, height);
+    const bool wipe = state.compare == Compare::wipe;
+    const float left = g.u0 * float(width), right = g.u1 * float(width), border = wipe ? left + state.wipe * (right - left) : 0.5f * (left + right);
+    ImDrawList& d = *ImGui::GetBackgroundDrawList();
+    const ImU32 ink = IM_COL32(240, 245, 245, 230);
+    d.AddLine({border, 0}, {border, g.v1 * float(height)}, ink, 1.5f);
+    for (const auto& [word, x] : {std::pair("before", border - 10 - ImGui::CalcTextSize("before").x), std::pair("after", border + 10)}) {
+      const ImVec2 size = ImGui::CalcTextSize(word);
+      if (x < left || x + size.x > right) continue;
+      d.AddRectFilled({x - 5, 7}, {x + size.x + 5, 13 + size.y}, IM_COL32(15, 22, 26, 170), 3);
+      d.AddText({x, 10}, ink, word);
+    }
+  }
   for (const DeskMark& m : r.marks) {
     ImDrawList& d = *ImGui::GetBackgroundDrawList();
     const ImU32 ink = m.hidden ? IM_COL32(140, 225, 255, 110) : IM_COL32(140, 225, 255, 255);

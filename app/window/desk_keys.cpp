@@ -51,7 +51,7 @@ void Desk::key(int32_t code, uint32_t mods) {
     case '1':
     case WindowEvent::escape:
       if (code == WindowEvent::escape && s.help) s.help = false;
-      else choose(Tool::none);
+      else choose(Tool::none), s.ruler = false;
       break;
     case '2': choose(Tool::scalpel); break;
     case '3': choose(Tool::undermine); break;

@@ -59,6 +59,20 @@ class WindowContext final : public GlContext {
   GLFWwindow* window_;
 };
 
+// Until the first picture is ready the window has the colour of its panels: black looks like a defect.
+void paint_plain(GLFWwindow* w) {
+  glfwMakeContextCurrent(w);
+  const auto colour = reinterpret_cast<void (*)(float, float, float, float)>(glfwGetProcAddress("glClearColor"));
+  const auto clear = reinterpret_cast<void (*)(unsigned)>(glfwGetProcAddress("glClear"));
+  if (colour && clear) {
+    constexpr unsigned kColourBuffer = 0x4000;  // GL_COLOR_BUFFER_BIT
+    colour(0.07f, 0.10f, 0.115f, 1);
+    clear(kColourBuffer);
+    glfwSwapBuffers(w);
+  }
+  glfwMakeContextCurrent(nullptr);
+}
+
 }  // namespace
 
 struct GlfwScreen::Impl {
@@ -95,6 +109,7 @@ GlfwScreen::GlfwScreen(const std::string& title, int w, int h) : impl_(new Impl{
     throw RenderUnavailable("no window: " + why);
   }
   GLFWwindow* g = impl_->window;
+  paint_plain(g);
   glfwSetWindowUserPointer(g, impl_.get());
   impl_->measure();
   glfwSetFramebufferSizeCallback(g, [](GLFWwindow* x, int, int) { Impl::of(x).measure(); });

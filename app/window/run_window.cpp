@@ -13,7 +13,7 @@ DeskFacts facts(const Scene& scene, const WindowCall& call) {
   DeskFacts f;
   f.scene = scene.name;
   f.device = call.device.empty() ? "mouse" : call.device;
-  f.own_device = !call.device.empty() && call.device != "mouse", f.calibrated = call.calibrated;
+  f.own_device = call.own_device, f.calibrated = call.calibrated;
   f.recording = call.recording;
   f.goal = call.goal.empty() ? scene.note : call.goal;
   for (const std::vector<Command>& step : lesson_steps(call.lesson)) f.lesson.push_back(in_words(step.front()));

@@ -11,7 +11,8 @@ namespace limberg {
 
 struct WindowCall {
   std::string device;     // in words; empty: the mouse alone
-  bool calibrated = false;  // a calibration of it was given
+  bool own_device = false;  // another device than the mouse, and not a file
+  bool calibrated = false;  // a calibration of it was given, or it needs none
   std::string recording;  // the file, or empty
   std::string picture_dir = ".";
   std::string goal;

@@ -59,6 +59,7 @@ void set_style() {
   s.Colors[ImGuiCol_Button] = {0.16f, 0.30f, 0.34f, 1};
   s.Colors[ImGuiCol_ButtonHovered] = {0.22f, 0.42f, 0.48f, 1};
   s.Colors[ImGuiCol_FrameBg] = {0.14f, 0.20f, 0.22f, 1};
+  s.Colors[ImGuiCol_TitleBg] = s.Colors[ImGuiCol_TitleBgActive] = {0.11f, 0.24f, 0.28f, 1};
   s.Colors[ImGuiCol_CheckMark] = {0.55f, 0.85f, 0.60f, 1};
 }
 
@@ -106,9 +107,17 @@ struct WindowFrames::Impl {
 
   Impl(PointerFeed& f, const LaneGauges* g, WindowSettings s) : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {}
 
+  /// The camera for a frame of this shape: a narrow one sees as much from left to right as one of 5 by 4.
+  Camera seen(double aspect) const {
+    constexpr double kWide = 1.25, kDegree = 3.14159265358979 / 180;
+    Camera c = camera;
+    if (aspect < kWide) c.fov_deg = float(2 / kDegree * std::atan(std::tan(0.5 * kDegree * double(camera.fov_deg)) * kWide / aspect));
+    return c;
+  }
+
   View look(int width, int height) const {
     const DeskStage g = desk_stage(width, height);
-    return camera.view(g.aspect).placed(g.u0, g.v0, g.u1, g.v1);
+    return seen(g.aspect).view(g.aspect).placed(g.u0, g.v0, g.u1, g.v1);
   }
 
   /// A 30th of the distance to what is looked at, the rule of stereo photography: a head wants more than a patch of skin.
@@ -214,6 +223,7 @@ struct WindowFrames::Impl {
   DrawOptions options(int at_level, int width, int height) const {
     DrawOptions o = draw_options(kQualityLevels[size_t(at_level)], width, height);
     o.wireframe = desk.state.wireframe;
+    if (o.wireframe) o.shrink = 1;  // lines that are enlarged are not lines any more
     o.tension_lines = desk.state.tension_lines;
     if (field && !field->value.empty()) {
       o.colour_field = true, o.scale = look_of(desk.state.field).scale;
@@ -259,11 +269,11 @@ struct WindowFrames::Impl {
     const DeskStage g = desk_stage(width, height);
     const auto placed = [&](const View& v) { return v.placed(g.u0, g.v0, g.u1, g.v1); };
     DrawOptions o = options(at_level, width, height);
-    const View whole = placed(camera.view(g.aspect));
+    const View whole = placed(seen(g.aspect).view(g.aspect));
     if (desk.state.compare != Compare::off && first) {
       const RenderScene& then = before_builder.build(*first);
       const bool wipe = desk.state.compare == Compare::wipe;
-      View left = wipe ? whole.part(0, std::max(0.001f, desk.state.wipe)) : camera.view(0.5 * g.aspect), right = wipe ? whole.part(std::min(0.999f, desk.state.wipe), 1) : left;
+      View left = wipe ? whole.part(0, std::max(0.001f, desk.state.wipe)) : seen(0.5 * g.aspect).view(0.5 * g.aspect), right = wipe ? whole.part(std::min(0.999f, desk.state.wipe), 1) : left;
       if (!wipe) {
         left.x1 = right.x0 = 0.5f;
         left = placed(left), right = placed(right);
@@ -274,10 +284,10 @@ struct WindowFrames::Impl {
       o.keep = true;
       renderer->paint(now, std::span(&right, 1), o);
     } else if (desk.state.stereo == Stereo::anaglyph) {
-      const auto eyes = camera.stereo_pair(g.aspect, eyes_apart_mm());
+      const auto eyes = seen(g.aspect).stereo_pair(g.aspect, eyes_apart_mm());
       renderer->paint_anaglyph(now, placed(eyes[0]), placed(eyes[1]), o);
     } else if (desk.state.stereo == Stereo::side_by_side) {
-      std::vector<View> eyes = camera.stereo_side_by_side(g.aspect, eyes_apart_mm());
+      std::vector<View> eyes = seen(0.5 * g.aspect).stereo_side_by_side(g.aspect, eyes_apart_mm());
       for (View& v : eyes) v = placed(v);
       renderer->paint(now, eyes, o);
     } else {

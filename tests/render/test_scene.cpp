@@ -152,6 +152,22 @@ TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
   }
 }
 
+TEST(SceneBuilder, ThreadLiesOverAFoldOfLargeTriangles) {
+  // A tent of 6 mm triangles: some that lie between the holes have their corners farther off than the stitch is long.
+  Snapshot s = sample_snapshot({.cells = 10, .wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
+  for (Vec3f& x : s.x_mm)
+    if (x.norm() < 1e-3f) x.z() = 2.5f;
+  s.sutures[0].a_mm = s.sutures[0].b_mm = Vec3f(0, 0, 2.5f);
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  for (float x = -1.6f; x < 1.7f; x += 0.2f) {
+    bool above = false;
+    for (const PropVertex& v : scene.props.vertex)
+      above |= std::abs(v.x_mm.x() - x) < 0.25f && v.x_mm.z() > 2.5f * (1 - std::abs(v.x_mm.x()) / 6) + 0.05f;
+    EXPECT_TRUE(above) << x;
+  }
+}
+
 TEST(Visible, ClosedSurfaceShowsItsFrontAndWhatIsInTheFrame) {
   const Snapshot s = sample_snapshot();
   SceneBuilder builder;
@@ -279,6 +295,23 @@ TEST(Textures, TilesRepeatWithoutSeam) {
       EXPECT_LE(seam, inside + 8);
     }
   }
+}
+
+TEST(Textures, SlopesAreThoseOfTheHeights) {
+  // Added up along a line of texels, slopes give the heights again; around the tile they give nothing.
+  const Texels detail = detail_texture(256), slope = slope_texture(detail);
+  for (const size_t c : {size_t(0), size_t(1)})
+    for (const int y : {0, 77, 200}) {
+      const auto at = [&](const Texels& t, int x, size_t k) { return double(t.rgba[4 * (size_t(y) * 256 + size_t((x + 256) % 256)) + k]); };
+      double sum = 0, worst = 0;
+      for (int x = 0; x < 256; ++x) {
+        const double d = (at(slope, x, 2 * c) - 127.5) / kSlopeGain, exact = 0.5 * (at(detail, x + 1, c) - at(detail, x - 1, c));
+        if (std::abs(exact) < 127.0 / kSlopeGain) worst = std::max(worst, std::abs(d - exact));
+        sum += d;
+      }
+      EXPECT_LT(worst, 0.5 / kSlopeGain + 0.02);  // half a level of the texture
+      EXPECT_LT(std::abs(sum) / 256, 0.5 / kSlopeGain + 0.5);
+    }
 }
 
 TEST(Overlay, RoundSteps) {
