@@ -136,6 +136,12 @@ std::string find_lesson(const std::string& name_or_path) {
   throw InputError(name_or_path, 0, "no such lesson; expected a lesson file" + (list.empty() ? "" : " or one of: " + list));
 }
 
+std::string made_for_another(const Lesson& l, const std::string& scene_name, const std::string& scene_path) {
+  const auto stem = [](const std::string& file) { return std::filesystem::path(file).stem().string(); };
+  if (l.scene.empty() || l.scene == scene_name || stem(l.scene) == scene_name || stem(l.scene) == stem(scene_path)) return {};
+  return "the lesson \"" + l.title + "\" is for the scene " + l.scene + ", not for " + scene_name + "; it is judged by it all the same";
+}
+
 Lesson open_lesson(const std::string& name_or_path) {
   const std::string file = find_lesson(name_or_path);
   return parse_lesson(read_whole_file(file, 1 << 20), file);

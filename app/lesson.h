@@ -40,6 +40,9 @@ std::string find_lesson(const std::string& name_or_path);
 /// A path, or NAME for app/lessons/NAME.toml. InputError that lists the names to be had.
 Lesson open_lesson(const std::string& name_or_path);
 
+/// A line that says so when a lesson judges what was done in another scene than its own, by the scene's name and file; empty where it fits.
+std::string made_for_another(const Lesson& lesson, const std::string& scene_name, const std::string& scene_path);
+
 /// How far the cuts lie from the plan. Corners of what was drawn are those that matter by more than 1.5 mm (plan.h).
 struct DesignError {
   double corner_mean_mm = 0, corner_max_mm = 0;  // planned corner to the nearest drawn one of the same kind of cut

@@ -252,6 +252,12 @@ int run(const Options& opt) {
     return operate_head(scene, script, opt.common);
   }
   std::vector<double> cells = opt.cells;
+  for (size_t i = 1; i < cells.size(); ++i)
+    if (!(cells[i] < cells[i - 1])) {
+      char t[120];
+      std::snprintf(t, sizeof t, "--cells: %g mm after %g mm; expected different sizes, coarse to fine", cells[i], cells[i - 1]);
+      throw InputError("", 0, t);
+    }
   if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : repro ? repro->cell_mm : scene.cell_mm);
   const std::shared_ptr<const Body> body = build_body(scene);
   WorkersPool workers(opt.common.worker_count());
@@ -262,6 +268,8 @@ int run(const Options& opt) {
   for (const ScriptLine& l : script.lines) actions.push_back(l.command);
   std::optional<Lesson> lesson;
   if (!opt.lesson.empty()) lesson = open_lesson(opt.lesson);
+  if (lesson)
+    if (const std::string other = made_for_another(*lesson, scene.name, scene.path); !other.empty()) say(other);
   MeasureAlso also{lesson ? std::optional(lesson->plan) : script.header.plan, scene.landmarks, {}};
   also.landmarks.insert(also.landmarks.end(), script.header.landmarks.begin(), script.header.landmarks.end());
   if (lesson) also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());

@@ -141,6 +141,10 @@ class AsideRecording {
 };
 
 int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
+  if (call.lesson) {
+    if (!call.scene.flesh) throw InputError(call.scene.name, 0, "has no skin: --judge is for scenes of skin; expected none");
+    if (const std::string other = made_for_another(*call.lesson, call.scene.name, call.scene.path); !other.empty()) say(other);
+  }
   catch_interrupts();
   call.common.prepare();
   std::optional<AsideRecording> aside;

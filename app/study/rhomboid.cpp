@@ -78,6 +78,11 @@ Row run_rhomboid(const Values& v, const Run& with) {
       std::snprintf(t, sizeof t, "deficit_%s_%g_deg", name, reach);
       r.figures.push_back({t, d.map->deficit_deg(f, corners, reach * L)});
     }
+    for (const double reach : {0.3, 0.4, 0.5, 0.6}) {
+      char t[40];
+      std::snprintf(t, sizeof t, "curvature_%s_%g_deg", name, reach);
+      r.figures.push_back({t, d.map->curvature_deg(f, corners, reach * L, 0.15 * L)});
+    }
   }
   // The tension, evened out over discs of 3 mm: at the donor's closure, on its outer side and beyond F, and wherever else it is greatest.
   constexpr double kDisc_mm = 3, kStep_mm = 2;

@@ -223,4 +223,34 @@ double SkinMap::deficit_deg(const Figure& f, const std::vector<Corner>& corners,
   return 360 - sum;
 }
 
+double SkinMap::curvature_deg(const Figure& f, const std::vector<Corner>& corners, double radius, double width) const {
+  constexpr double kCell_deg = 12;
+  std::vector<Vec3> round;  // unit normals
+  for (const Corner& c : corners) {
+    const double angle = tissue_deg(f, c);
+    const Vec2 middle = tissue_bisector(f, c), apex = place(f, c);
+    std::vector<Vec3> cell(size_t(std::max(2.0, std::ceil(angle / kCell_deg))), Vec3::Zero());
+    near(apex, radius + 0.5 * width, [&](const Patch& t, const Gradient&) {
+      const Vec2 d = t.centre() - apex;
+      if (d.norm() < radius - 0.5 * width) return;
+      const double turn = std::atan2(cross(middle, d), middle.dot(d)) * kDeg + 0.5 * angle;  // from the sector's first edge
+      if (turn < 0 || turn >= angle) return;
+      cell[std::min(cell.size() - 1, size_t(turn / angle * double(cell.size())))] += (t.x[1] - t.x[0]).cross(t.x[2] - t.x[0]);
+    });
+    const size_t before = round.size();
+    for (const Vec3& n : cell)
+      if (n.norm() > 0) round.push_back(n.normalized());
+    if (round.size() < before + 2) return std::nan("");
+  }
+  Vec3 pole = Vec3::Zero();
+  for (const Vec3& n : round) pole += n;
+  pole.normalize();
+  double area = 0;  // of the spherical triangles pole, n, next (Van Oosterom and Strackee 1983)
+  for (size_t i = 0; i < round.size(); ++i) {
+    const Vec3 &a = round[i], &b = round[(i + 1) % round.size()];
+    area += 2 * std::atan2(pole.dot(a.cross(b)), 1 + pole.dot(a) + a.dot(b) + b.dot(pole));
+  }
+  return area * kDeg;
+}
+
 }  // namespace limberg::study

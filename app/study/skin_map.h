@@ -58,6 +58,13 @@ class SkinMap {
   /// is bent but not stretched keeps its rest angles and shows its charge; one that lies flat shows 0.
   double deficit_deg(const Figure& figure, const std::vector<Corner>& corners, double radius_mm) const;
 
+  /// The Gaussian curvature of the skin that a loop of radius `radius_mm` at rest around some corners that are sewn together encloses,
+  /// degrees: what the theorem of Gauss and Bonnet makes of its angles and its bending together, however blunt the tip of the cone
+  /// inside. It is the signed area of the unit sphere that the skin's normals go round, walked from sector to sector in the order
+  /// of the corners; they are means over cells of a ring of `width_mm`, of 12 degrees each. A ridge that the loop crosses, such as
+  /// a seam's lip, leads there and back. Not a number where a corner has no skin at that radius.
+  double curvature_deg(const Figure& figure, const std::vector<Corner>& corners, double radius_mm, double width_mm) const;
+
  private:
   struct Patch {
     std::array<ChartPoint, 3> at;

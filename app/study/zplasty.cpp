@@ -54,6 +54,16 @@ Row run(const Values& v, Patch patch, const Run& with) {
   const auto outside = [&](const Corner& c) { return d.map->now_mm(place(f, c) + 0.05 * tissue_bisector(f, c)); };
   const auto flat = [](const std::optional<Vec3>& x, const std::optional<Vec3>& y) { return x && y ? (*x - *y).head<2>().norm() : std::nan(""); };
   const SeamsLie lie = seams_lie(*d.map, f, patch.spacing_mm);
+  // As they have been cut: the angles that the seams bring together, against the plan's charges.
+  double charge_off = 0;
+  for (const auto& [sign, meeting] : {std::pair<int, std::vector<Corner>>{1, {A}}, {1, {B}}, {-1, {C, B2}}, {-1, {D, A1}}}) {
+    double q = 360;
+    for (const Corner& c : meeting) q -= d.map->cut_angle_deg(f, c, 0.2 * L);
+    charge_off = std::max(charge_off, std::isfinite(q) ? std::abs(q - sign * t) : 360);
+  }
+  // The pocket is the hull of discs around the figure's corners, of which the middle's nearest and farthest are A and C.
+  const bool pocket = patch.support == Support::fat;
+  const double undermined_least = pocket ? (patch.undermine_mm + place(f, A).norm()) / L : std::nan(""), undermined_most = pocket ? (patch.undermine_mm + place(f, C).norm()) / L : std::nan("");
   Row r;
   r.figures = {{"angle", t}, {"prestretch", p}, {"cell_mm", v[2]},
                {"elongation", gained}, {"theory", theory}, {"gain_of_theory", (gained - 1) / (theory - 1)},
@@ -65,6 +75,9 @@ Row run(const Values& v, Patch patch, const Run& with) {
                // What is sewn together there: A's and B's own edges; the flaps' tips into the ends of the lateral limbs.
                {"deficit_A_deg", d.map->deficit_deg(f, {A}, 0.3 * L)}, {"deficit_B_deg", d.map->deficit_deg(f, {B}, 0.3 * L)},
                {"deficit_C_deg", d.map->deficit_deg(f, {C, B2}, 0.3 * L)}, {"deficit_D_deg", d.map->deficit_deg(f, {D, A1}, 0.3 * L)},
+               {"curvature_A_deg", d.map->curvature_deg(f, {A}, 0.3 * L, 0.15 * L)}, {"curvature_B_deg", d.map->curvature_deg(f, {B}, 0.3 * L, 0.15 * L)},
+               {"curvature_C_deg", d.map->curvature_deg(f, {C, B2}, 0.3 * L, 0.15 * L)}, {"curvature_D_deg", d.map->curvature_deg(f, {D, A1}, 0.3 * L, 0.15 * L)},
+               {"charge_off_deg", charge_off}, {"side_limbs", patch.side_mm / L}, {"undermined_least_limbs", undermined_least}, {"undermined_most_limbs", undermined_most},
                {"slack_share", d.map->slack_share(2.2 * L, 1 + p / 100)},
                {"turned_share", d.map->turned_share(2.2 * L)},
                {"least_opening_deg", lie.least_opening_deg}, {"most_step_mm", lie.most_step_mm}, {"most_tip_mm", lie.most_tip_mm}, {"strain_p95", p95 - 1}, {"strain_p99", p99 - 1}, {"closing_uJ", d.closing_uJ},

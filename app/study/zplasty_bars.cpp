@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <optional>
 
 #include "app/study/patch.h"
@@ -26,10 +27,16 @@ constexpr Reference kMembrane[] = {{20, 0, 1.061, 0},    {30, 0, 1.128, 0},    {
                                    {75, 10, 1.564, 1.380}, {80, 10, 1.611, 1.394}, {90, 10, 1.696, 1.418}};
 
 struct Height {
-  double angle, prestretch, height_mm;  // of a limb of 20 mm
+  double angle, prestretch, height_mm, elongation;  // height of a limb of 20 mm
 };
-constexpr Height kPlate[] = {{30, 0, 3.8}, {45, 0, 6.8}, {60, 0, 9.2}, {75, 0, 11}, {90, 0, 12}, {30, 5, 0}, {45, 5, 0}, {60, 5, 2.6}, {75, 5, 5.3}, {90, 5, 7.5},
-                             {45, 10, 0}, {60, 10, 0}, {75, 10, 2.1}, {90, 10, 4.4}, {75, 15, 0}, {90, 15, 2.7}};
+constexpr Height kPlate[] = {{30, 0, 3.8, 1.101},  {45, 0, 6.8, 1.174},  {60, 0, 9.2, 1.256},   {75, 0, 11, 1.324},   {90, 0, 12, 1.356},  {30, 5, 0, 1.134},
+                             {45, 5, 0, 1.259},    {60, 5, 2.6, 1.396},  {75, 5, 5.3, 1.513},   {90, 5, 7.5, 1.594},  {45, 10, 0, 1.272}, {60, 10, 0, 1.412},
+                             {75, 10, 2.1, 1.563}, {90, 10, 4.4, 1.681}, {75, 15, 0, 1.581},    {90, 15, 2.7, 1.724}};
+
+/// What the protocol wants to be told of every member: gain in space and in the plane, far field, strain, force, work, and the five measures
+/// of what is not flat.
+constexpr const char* kReported[] = {"elongation", "elongation_flat", "elongation_4L", "strain_p95", "strain_p99", "closure_force_N", "suture_force_max_N", "closing_uJ",
+                                     "ear_mm", "ear_volume_mm3", "rms_mm", "curvature_A_deg", "curvature_B_deg", "slack_share"};
 
 /// Rows of one setting but the angle.
 struct Group {
@@ -95,7 +102,9 @@ double peak_at(const Group& g, What what) {
 }
 
 void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_bed) {
-  Worst rise, tips, ratio, saturation, flat, over, high, none, work, ear, with_tension, sixty;
+  Worst rise, tips, ratio, saturation, flat, over, high, none, work, ear, with_tension, sixty, slack_rise;
+  int settings = 0, no_index = 0;
+  const auto inside = [](double angle) { return angle >= 50 && angle <= 75; };
   // Lips that the stitches raise beside every seam, at saddles too, are no dog-ear, and grow with the tension.
   const auto above_lips = [](const Group& g, double angle) { return g.at(angle, "ear_mm") - g.at(angle, "at_C_D_mm"); };
   for (const Group& g : groups_of(rows)) {
@@ -103,11 +112,18 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
     for (size_t i = 0; i < g.rows.size(); ++i) {
       const Row& r = *g.rows[i];
       if (i) rise(r.at("ear_mm") - g.rows[i - 1]->at("ear_mm"));
+      if (i && p == 0) slack_rise(r.at("ear_mm") - g.rows[i - 1]->at("ear_mm"));
       if (r.at("ear_mm") > 0.5) tips(r.at("at_C_D_mm") - r.at("ear_mm"));  // flat ones stand nowhere
       if (p == 0) none(r.at("ear_mm"));
       for (const Group& h : groups_of(rows))  // the same with more tension
         if (h.rows[0]->at("cell_mm") == r.at("cell_mm") && h.prestretch() > p)
           with_tension(above_lips(h, r.at("angle")) - above_lips(g, r.at("angle")));
+    }
+    if (g.rows.size() >= 4) {
+      ++settings;
+      const auto strain = [](const Row& r) { return r.at("efficiency"); };
+      const auto root = [](const Row& r) { return r.at("gain_per_root_work"); };
+      no_index += !inside(peak_at(g, strain)) && !inside(peak_at(g, root)) && !inside(peak_at(g, gain_per_ear));
     }
     if (g.rows.size() >= 4) work(peak_at(g, [](const Row& r) { return r.at("gain_per_root_work"); }));
     if (g.rows.size() >= 4 && p == 10) ear(peak_at(g, gain_per_ear));
@@ -118,6 +134,7 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
   if (rise.least) out.push_back(at_least("4c least rise of the dog-ear from angle to angle, mm", *rise.least, -0.05, "protocol: rises with the angle; 0.05 mm is the lattice's noise"));
   if (tips.most) out.push_back(at_most("4c height at the flaps' tips less that at the limb's ends, mm", *tips.most, 0, "protocol: cones at the limb's ends (charge +angle), saddles at the tips"));
   if (with_tension.most) out.push_back(at_most("   largest rise of the dog-ear, above the seams at the tips, with the prestretch, mm", *with_tension.most, 0.05, "tension flattens; 0.05 mm is the lattice's noise"));
+  if (settings) out.push_back(at_most("4d settings in which none of the three efficiency indices peaks inside 50 to 75 degrees", no_index, 0, "protocol: an efficiency index (gain over strain times sine, over root of the work, over the dog-ear)"));
   if (work.most) {
     out.push_back(at_least("4d angle of the greatest gain for the work, least", *work.least, 50, "protocol: an efficiency index peaks inside 50 to 75 degrees; this is one of its three, that for the strain peaks at 90 with the membrane's own figures"));
     out.push_back(at_most("4d angle of the greatest gain for the work, largest", *work.most, 75, "the same"));
@@ -133,6 +150,7 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows, bool on_be
   if (sixty.most) out.push_back(at_most("4f 10 % prestretch: dog-ear at 60 degrees, mm", *sixty.most, 1, "the classical statement: flat; skin stands up from 1 mm on"));
   if (high.least) out.push_back(at_least("4f 10 % prestretch: dog-ear at 90 degrees stands up, mm", *high.least, 1, "the classical statement: a dog-ear; the same"));
   if (high.least) out.push_back(at_least("4f 10 % prestretch: dog-ear at 90 degrees, mm", *high.least, 2, "protocol; the plate has 4.4 mm"));
+  if (slack_rise.least) out.push_back(at_least("4f no prestretch: least rise of the dog-ear from angle to angle, mm", *slack_rise.least, 0, "protocol: every angle has one, and heights rise with the angle"));
   if (none.least) out.push_back(at_least("4f no prestretch: least dog-ear of any angle, mm", *none.least, on_bed ? 0.5 : 1, "protocol: every angle has one; it counts from 1 mm on"));
 }
 
@@ -143,6 +161,30 @@ void add_lattices(std::vector<Bar>& out, const std::vector<Row>& rows) {
   for (const Row& r : rows) cells(r.at("cell_mm"));
   if (!cells.least) return;
   out.push_back(at_most("1  cells of the finest lattice, mm", *cells.least, 2.5, "protocol: eight elements to a limb"));
+  Worst side, least, most;
+  for (const Row& r : rows) side(r.at("side_limbs")), least(r.at("undermined_least_limbs")), most(r.at("undermined_most_limbs"));
+  if (side.least) out.push_back(at_least("1  side of the skin, limbs", *side.least, 10, "protocol: 10 limbs square"));
+  if (least.least) {
+    out.push_back(at_least("1  undermined from the middle, least, limbs", *least.least, 1.5, "protocol: 1.5 to 2 limbs"));
+    out.push_back(at_most("1  undermined from the middle, most, limbs", *most.most, 2, "the same; at 90 degrees the flaps' own corners lie 1.12 limbs from the middle"));
+  }
+  // Five angles, three prestretches, two lattices.
+  std::map<std::pair<double, double>, int> lattices;
+  for (const Row& r : rows) ++lattices[{r.at("angle"), r.at("prestretch")}];
+  int missing = 0;
+  for (const double angle : {30, 45, 60, 75, 90})
+    for (const double p : {0, 5, 10}) {
+      const auto there = lattices.find({angle, p});
+      missing += std::max(0, 2 - (there == lattices.end() ? 0 : there->second));
+    }
+  out.push_back(at_most("1  members of the protocol that are missing (5 angles, 0, 5 and 10 %, 2 lattices)", missing, 0, kProtocol));
+  Worst edges;
+  for (const Row& r : rows) edges(r.at("charge_off_deg"));
+  if (edges.most) out.push_back(at_most("2  angle deficits as cut and sewn off + + - - the angle, degrees", *edges.most, 0.5, "protocol: the three edge maps; closed form, half a degree on 4 mm is 0.03 mm of the cut edges"));
+  int untold = 0;
+  for (const Row& r : rows)
+    for (const char* name : kReported) untold += !std::isfinite(r.at(name));
+  out.push_back(at_most("3  figures that the protocol asks for and no member tells", untold, 0, kProtocol));
   Worst coarser;
   for (const Row& r : rows)
     if (r.at("cell_mm") > *cells.least) coarser(r.at("cell_mm"));
@@ -169,7 +211,12 @@ void add_plate(std::vector<Bar>& out, const std::vector<Row>& rows, const char* 
   for (const Row& r : rows)
     for (const Height& h : kPlate)
       if (h.angle == r.at("angle") && h.prestretch == r.at("prestretch")) square += std::pow(r.at("ear_mm") - h.height_mm, 2), mean += h.height_mm, ++n;
-  if (n && mean > 0) out.push_back(at_most(std::string("   heights against the plate's, ") + who + ", relative", std::sqrt(square / n) / (mean / n), 0.25, "protocol: 25 % on heights"));
+  Worst elongation;
+  for (const Row& r : rows)
+    for (const Height& h : kPlate)
+      if (h.angle == r.at("angle") && h.prestretch == r.at("prestretch")) elongation(std::abs(r.at("elongation") / h.elongation - 1));
+  if (elongation.most) out.push_back(at_most(std::string("4f elongation against the plate's, ") + who + ", relative", *elongation.most, 0.03, "protocol: 3 % on the elongation"));
+  if (n && mean > 0) out.push_back(at_most(std::string("4f heights against the plate's, ") + who + ", relative", std::sqrt(square / n) / (mean / n), 0.25, "protocol: 25 % on heights"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/cutting/blade_angle.h"
 #include "sim/cutting/blade_continue.h"
 #include "sim/cutting/blade_parts.h"
 #include "sim/cutting/pull_back.h"
@@ -91,8 +92,7 @@ std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> p
 BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm,
                            double angle_deg, bool may_join) {
   if (std::string why = check_stroke(stroke, depth_mm); !why.empty()) return refuse(why);
-  if (!(angle_deg >= 20 && angle_deg <= 160))
-    return refuse("the angle between blade and skin must be 20 to 160 degrees");
+  if (!blade_can_lean(angle_deg)) return refuse(kBladeAngles);
   if (stroke.size() < 2) return refuse("an incision needs at least two points");
   const bool closed = stroke.size() > 3 && (stroke.front() - stroke.back()).norm() <= 0.1;
   std::vector<Vec2> path;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/cutting/blade_angle.h"
 #include "sim/cutting/store.h"
 #include "sim/cutting/tri_tests.h"
 
@@ -26,7 +27,7 @@ Vec2 point_at(std::span<const Vec2> path, double arc) {
 
 std::string DrawnStroke::draw(const BladeContext& c, std::span<const ChartPoint> points) {
   if (std::string why = check_stroke(points, depth_); !why.empty()) return why;
-  if (!(angle_deg_ >= 20 && angle_deg_ <= 160)) return "the angle between blade and skin must be 20 to 160 degrees";
+  if (!blade_can_lean(angle_deg_)) return kBladeAngles;
   std::vector<Vec2> path = path_;
   Vec2 end = end_;
   for (const ChartPoint& p : points) {

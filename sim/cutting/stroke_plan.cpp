@@ -5,6 +5,7 @@
 #include <deque>
 #include <numbers>
 
+#include "sim/cutting/blade_angle.h"
 #include "sim/cutting/blade_continue.h"
 #include "sim/cutting/handles.h"
 #include "sim/cutting/stroke_runs.h"
@@ -108,7 +109,7 @@ StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke
   if (spline) drawn = spline_through(drawn, 0.5);
   const WallMap walls(c);
   const std::vector<Vec2> clean = drop_close(simplify(drawn, kSimplify), kKnot);
-  const bool simple = clean.size() < 2 || !(angle_deg >= 20 && angle_deg <= 160);
+  const bool simple = clean.size() < 2 || !blade_can_lean(angle_deg);
   const double lean = simple ? 0 : 1 / std::tan(angle_deg * std::numbers::pi / 180);
   std::vector<Run> runs;
   if (!simple && !walls.empty()) runs = runs_along(samples_along(c, walls, clean, lean, depth_mm));

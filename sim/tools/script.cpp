@@ -10,6 +10,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "sim/cutting/blade_angle.h"
 #include "sim/error.h"
 #include "sim/tools/script_reader.h"
 
@@ -18,6 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using L = ScriptLimits;
+// Of what a script may hold, what a blade can do.
+constexpr double kLeast_deg = std::max(L::min_angle_deg, kLeastBlade_deg), kMost_deg = std::min(L::max_angle_deg, kMostBlade_deg);
 
 double length_mm(const std::vector<ChartPoint>& p) {
   double l = 0;
@@ -61,12 +64,12 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     r.only({"action", "stroke", "path", "depth_mm", "angle_deg", "more"}, where);
     const InciseMore d;
     return InciseMore{int(r.integer("stroke", 1, L::max_id)), r.path("path", 1), depth(r, d.depth_mm),
-                      r.real("angle_deg", d.angle_deg, L::min_angle_deg, L::max_angle_deg, false), !r.boolean("more", false)};
+                      r.real("angle_deg", d.angle_deg, kLeast_deg, kMost_deg, false), !r.boolean("more", false)};
   }
   if (a == "incise") {
     r.only({"action", "path", "depth_mm", "angle_deg", "spline"}, where);
     const Incise d;
-    return Incise{r.path("path", 2), depth(r, d.depth_mm), r.real("angle_deg", d.angle_deg, L::min_angle_deg, L::max_angle_deg, false),
+    return Incise{r.path("path", 2), depth(r, d.depth_mm), r.real("angle_deg", d.angle_deg, kLeast_deg, kMost_deg, false),
                   r.boolean("spline", false)};
   }
   if (a == "undermine") {

@@ -309,6 +309,7 @@ TEST_F(Cli, BadScriptsNameTheirLine) {
     EXPECT_FALSE(fs::exists(path(b.name + ".json"))) << b.name;
   }
   expect_refused("operate " + scene + " " + file("good.jsonl", script(slit)) + " --cells 0", {"cells", "0.05"});
+  expect_refused("operate " + scene + " " + file("good.jsonl", script(slit)) + " --cells 5,5", {"--cells", "5 mm after 5 mm", "coarse to fine"});
   expect_refused("check " + file("lost.jsonl", "{\"limberg_script\":1,\"scene\":\"nowhere\"}\n"), {"lost.jsonl:1:", "nowhere"});
 }
 

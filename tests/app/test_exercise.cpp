@@ -58,6 +58,9 @@ TEST(Lesson, IsReadStrictly) {
   EXPECT_EQ(l.tolerances.size(), 3u);
   ASSERT_EQ(l.landmarks.size(), 1u);
   EXPECT_TRUE(looks_like_lesson(kLesson));
+  EXPECT_EQ(made_for_another(l, l.scene, "anywhere.toml"), "");
+  EXPECT_EQ(made_for_another(l, "of mine", "/home/me/" + l.scene + ".toml"), "");
+  EXPECT_NE(made_for_another(l, "scalp", "app/scenes/scalp.toml").find("not for scalp"), std::string::npos);
   expect_bad(changed("goal = \"Lengthen it.\"\n", ""), 0, "goal");
   expect_bad(changed("z_plasty", "w_plasty"), 6, "w_plasty");
   expect_bad(changed("limb_mm = 18", "limb_mm = 1800"), 9, "limb_mm");

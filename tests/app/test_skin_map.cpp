@@ -112,6 +112,25 @@ TEST(SkinMap, AConeShowsItsChargeAndAFlatSheetNone) {
     return Vec3(-r * std::cos(a), -r * std::sin(a), 0);
   }, tissue);
   EXPECT_NEAR(SkinMap(flat).deficit_deg(f, {{0, 1}}, 6), 0, 2);
+  EXPECT_NEAR(SkinMap(cone).curvature_deg(f, {{0, 1}}, 8, 3), 60, 1.5);
+  EXPECT_NEAR(SkinMap(flat).curvature_deg(f, {{0, 1}}, 8, 3), 0, 0.1);
+  // A tip that is rounded off over 5 mm bends as much in all; only rays from the tip do not show it.
+  const auto blunt = bent([&](const Vec3& p) {
+    const double r = p.head<2>().norm(), a = turn(p) * 360 / 300, s = 300.0 / 360, slope = std::sqrt(1 / (s * s) - 1), z = r * s;
+    return Vec3(-r * s * std::cos(a), -r * s * std::sin(a), -slope * (std::hypot(z, 4) - 4));
+  }, tissue);
+  const double at_14 = 14 * 300.0 / 360, steep = std::sqrt(1.44 - 1) * at_14 / std::hypot(at_14, 4);  // of its meridian
+  EXPECT_NEAR(SkinMap(blunt).curvature_deg(f, {{0, 1}}, 14, 3), 360 * (1 - 1 / std::hypot(1, steep)), 2);
+  EXPECT_LT(SkinMap(blunt).deficit_deg(f, {{0, 1}}, 14), 45);
+}
+
+// The same sector bent into a saddle z = (x^2 - y^2) / 40: its curvature against the integral of its closed form, K dA = -4 b^2 / (1 + 4 b^2 r^2)^1.5 dx dy with b = 1 / 40.
+TEST(SkinMap, ASaddleCurvesTheOtherWay) {
+  Figure f = notch();
+  const auto saddle = bent([](const Vec3& p) { return Vec3(p.x(), p.y(), (p.x() * p.x() - p.y() * p.y()) / 40); }, [](const Vec3& p) { return p.norm() < 19; });
+  f.wounds = {{{-10, 0}, {0, 0}, {10, 0}, {0, 0.001}}};  // two sectors of half a turn each, nearly
+  const double b = 1.0 / 40, r = 10, closed = -2 * std::numbers::pi * (1 - 1 / std::sqrt(1 + 4 * b * b * r * r)) * kDeg;
+  EXPECT_NEAR(SkinMap(saddle).curvature_deg(f, {{0, 1}, {0, 3}}, r, 2), closed, 1);
 }
 
 // A strip of 4 mm is taken out and its long sides are sewn together: level, as a roof, in a step, one side turned over onto the other.

@@ -33,7 +33,7 @@ class Maker {
   Command command() {
     const int id = 1 + pick(1000);
     switch (pick(16)) {
-      case 0: return Incise{path(2), real(0.5, 200), real(10, 170)};
+      case 0: return Incise{path(2), real(0.5, 200), real(20, 160)};
       case 1: return Undermine{path(3), real(0.5, 200)};
       case 2: return Excise{path(3), real(0.5, 200)};
       case 3: return SetHook{id, point()};
@@ -43,7 +43,7 @@ class Maker {
       case 7: return SutureRow{path(2), path(2), real(2, 9), pick(2) == 0 ? 0 : real(0.6, 9), true, real(0, 9)};
       case 8: return Undo{};
       case 9: return Redo{};
-      case 10: return InciseMore{id, path(1), real(0.5, 200), real(10, 170), pick(2) == 0};
+      case 10: return InciseMore{id, path(1), real(0.5, 200), real(20, 160), pick(2) == 0};
       case 12: return SutureCorner{point(), point(), point(), real(0.6, 9)};
       case 13: return SutureBetween{{id, {0, 0}}, {0, point()}, {real(2, 9), real(0, 5), true, real(0, 5)}};
       case 14: return pick(2) == 0 ? CutSuture{{id, {0, 0}}} : CutSuture{{0, point()}};
@@ -138,6 +138,7 @@ TEST(Script, RefusesWithPlaceAndReason) {
       {R"({"action":"incise","path":[[0,0],[1,1]],"depth_mm":0})", "above 0"},
       {R"({"action":"incise","path":[[0,0],[1,1]],"depth_mm":"4"})", "not a number"},
       {R"({"action":"incise","path":[[0,0],[1,1]],"angle_deg":0})", "angle_deg"},
+      {R"({"action":"incise","path":[[0,0],[1,1]],"angle_deg":15})", "20 to 160"},
       {R"({"action":"incise","path":[[0,0],[1,1]],"colour":1})", "unknown key \"colour\""},
       {R"({"action":"incise","path":[[0,0],[1,1]],"path":[[0,0],[1,1]]})", "twice"},
       {R"({"action":"undermine","outline":[[0,0],[1,1]]})", "2 points"},
