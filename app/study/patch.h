@@ -24,7 +24,7 @@ struct Patch {
   double side_mm = 120, prestretch_percent = 10, cell_mm = 4;
   double undermine_mm = 12;   // margin of the pocket around the figure; on fat only
   double region_mm = 0;       // > 0: held outside this radius
-  double spacing_mm = 4, inset_mm = 0.7, corner_mm = 0.9;  // of stitches
+  double spacing_mm = 3, inset_mm = 0.7, corner_mm = 0.9;  // of stitches
   double bite_mm = 1;         // half of what a stitch holds of its edge; no more than half the spacing
   bool contact = false;
   double depth_mm = 4;        // of cut and undermining; on fat only

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
 
 #include "app/study/flaps.h"
@@ -78,7 +80,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
       std::snprintf(t, sizeof t, "deficit_%s_%g_deg", name, reach);
       r.figures.push_back({t, d.map->deficit_deg(f, corners, reach * L)});
     }
-    for (const double reach : {0.3, 0.4, 0.5, 0.6}) {
+    for (const double reach : {0.2, 0.3, 0.4, 0.5, 0.6}) {
       char t[40];
       std::snprintf(t, sizeof t, "curvature_%s_%g_deg", name, reach);
       r.figures.push_back({t, d.map->curvature_deg(f, corners, reach * L, 0.15 * L)});
@@ -115,44 +117,55 @@ struct Range {
   void operator()(double v) { least = std::min(least, v), most = std::max(most, v); }
 };
 
-std::vector<Bar> bars_rhomboid(const std::vector<Row>& rows) {
-  Range residual, gap, key, share, far, off, plan, ears, cones, saddle, slack_cones, slack_saddle;
-  bool limberg = false, alone = false, slack = false;
-  for (const Row& r : rows) {
-    residual(r.at("residual")), gap(r.at("gap_max_mm"));
-    if (r.at("flap_angle") != 60 || r.at("defect_angle") != 60) continue;
-    limberg = true;
+/// What Limberg's own flap must show, of the rows of one lattice.
+void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
+  Range key, share, far, off, plan, ears, cones, saddle, slack_cones, slack_saddle;
+  bool alone = false, slack = false;
+  for (const Row* one : rows) {
+    const Row& r = *one;
     key(r.at("key_D_F_peak_N") / r.at("other_peak_N")), share(r.at("stretch_D_F") / r.at("stretch_elsewhere"));
     far(r.at("most_from_D_F_mm") / r.at("side_mm")), off(r.at("direction_off_deg"));
     plan(std::max({std::abs(r.at("charge_C_deg") - 60), std::abs(r.at("charge_E_deg") - 60), std::abs(r.at("charge_DF_deg") + 120)}));
     if (r.at("prestretch") > 0) continue;  // tension draws cones flat
-    const double least = std::min(r.at("deficit_C_0.4_deg"), r.at("deficit_E_0.4_deg"));
+    const double least = std::min(r.at("curvature_C_0.3_deg"), r.at("curvature_E_0.3_deg"));
     if (r.at("bed") > 0) {
       slack = true;
       ears(std::min(r.at("ear_donor_mm"), r.at("ear_pivot_mm")) - r.at("at_D_F_mm"));
-      slack_cones(least), slack_saddle(r.at("deficit_DF_0.2_deg"));
+      slack_cones(least), slack_saddle(r.at("curvature_DF_0.6_deg"));
     } else {
       alone = true;
-      cones(least), saddle(r.at("deficit_DF_0.2_deg"));
+      cones(least), saddle(r.at("curvature_DF_0.6_deg"));
     }
   }
-  std::vector<Bar> out{at_most("largest relative residual", residual.most, 1e-4, "at rest, as in operate"), at_most("largest gap, mm", gap.most, 0.2, "closed")};
-  if (!limberg) return out;
+  char with[40];
+  std::snprintf(with, sizeof with, "Limberg, %g mm cells", rows[0]->at("cell_mm"));
+  const std::string who = with;
   const char* figure = "Limberg's flap: the donor's closure D-F carries the greatest tension (charge -120)";
-  out.push_back(at_least("Limberg: most that the donor's key stitch D-F has borne at rest over the most of any other", key.least, 1, figure));
-  out.push_back(at_least("Limberg: stretch at D-F over the largest elsewhere (beyond 0.4 sides)", share.least, 1, figure));
-  out.push_back(at_most("Limberg: place of the largest stretch, from D or F, sides", far.most, 0.4, figure));
-  out.push_back(at_most("Limberg: direction of the largest stretch there, off D-F, degrees", off.most, 30, "parallel to two sides of the rhombus; half of its 60 degrees"));
-  out.push_back(at_most("Limberg: angle deficits as cut and sewn off +60, +60, -120, degrees", plan.most, 0.5, "closed form; half a degree on 4 mm is 0.03 mm of the cut edges"));
+  out.push_back(at_least(who + ": most that the donor's key stitch D-F has borne at rest over the most of any other", key.least, 1, figure));
+  out.push_back(at_least(who + ": stretch at D-F over the largest elsewhere (beyond 0.4 sides)", share.least, 1, figure));
+  out.push_back(at_most(who + ": place of the largest stretch, from D or F, sides", far.most, 0.4, figure));
+  out.push_back(at_most(who + ": direction of the largest stretch there, off D-F, degrees", off.most, 30, "parallel to two sides of the rhombus; half of its 60 degrees"));
+  out.push_back(at_most(who + ": angle deficits as cut and sewn off +60, +60, -120, degrees", plan.most, 0.5, "closed form; half a degree on 4 mm is 0.03 mm of the cut edges"));
   if (slack) {
-    out.push_back(at_least("Limberg, slack, on fat: smaller angle deficit of the closed skin at C and E, degrees", slack_cones.least, 0, "cones of charge +60; what the fat holds flat is lost"));
-    out.push_back(at_most("Limberg, slack, on fat: angle deficit of the closed skin at D-F within 0.2 sides, degrees", slack_saddle.most, 0, "a saddle of charge -120; the same"));
-    out.push_back(at_least("Limberg, slack, on fat: lower ear (C, E) above the height at D-F, mm", ears.least, 0, "cones stand up, saddles do not"));
+    out.push_back(at_least(who + ", slack, on fat: curvature within 0.3 sides of C and E, the smaller, degrees", slack_cones.least, 0, "cones of charge +60; what the fat holds flat is lost"));
+    out.push_back(at_most(who + ", slack, on fat: curvature within 0.6 sides of D-F, degrees", slack_saddle.most, 0, "a saddle of charge -120; the same"));
+    out.push_back(at_least(who + ", slack, on fat: lower ear (C, E) above the height at D-F, mm", ears.least, 0, "cones stand up, saddles do not"));
   }
   if (alone) {
-    out.push_back(at_least("Limberg, slack skin alone: smaller angle deficit of the closed skin at C and E, degrees", cones.least, 40, "two thirds of +60: within 5 thicknesses of its tip a cone is partly stretched instead of bent (it leaves the plane only beyond 4: Seung and Nelson 1988)"));
-    out.push_back(at_most("Limberg, slack skin alone: angle deficit of the closed skin at D-F within 0.2 sides, degrees", saddle.most, 0, "a saddle, under the greatest tension of all"));
+    out.push_back(at_least(who + ", slack skin alone: curvature within 0.3 sides of C and E, the smaller, degrees", cones.least, 45, "+60 by the theorem of Gauss and Bonnet, less a quarter: 0.3 sides are 4 thicknesses, where a cone begins to leave the plane (Seung and Nelson 1988); farther out skin bends back to where it is held"));
+    out.push_back(at_most(who + ", slack skin alone: curvature within 0.6 sides of D-F, degrees", saddle.most, 0, "a saddle of charge -120, spread by the greatest tension of all"));
   }
+}
+
+std::vector<Bar> bars_rhomboid(const std::vector<Row>& rows) {
+  Range residual, gap;
+  std::map<double, std::vector<const Row*>, std::greater<>> limberg;  // by lattice, coarse to fine
+  for (const Row& r : rows) {
+    residual(r.at("residual")), gap(r.at("gap_max_mm"));
+    if (r.at("flap_angle") == 60 && r.at("defect_angle") == 60) limberg[r.at("cell_mm")].push_back(&r);
+  }
+  std::vector<Bar> out{at_most("largest relative residual", residual.most, 1e-4, "at rest, as in operate"), at_most("largest gap, mm", gap.most, 0.2, "closed")};
+  for (const auto& [cell, of_cell] : limberg) add_limberg(out, of_cell);
   return out;
 }
 
@@ -168,14 +181,14 @@ Family rhomboid() {
           {{"flap_angle", "of the flap's tip, degrees", {30, 45, 60}, 20, 60},
            {"defect_angle", "of the defect, degrees; for Limberg's flap only", {60}, 40, 90},
            {"prestretch", "of the skin, percent, in all directions", {10}, 0, 30},
-           {"cell_mm", "size of the lattice's cells; at most 1.5 without a bed", {4}, 1, 8},
+           {"cell_mm", "size of the lattice's cells; at most 1.5 without a bed", {5, 3.5}, 1, 8},
            {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
            {"side_mm", "of the defect and the flap", {20}, 10, 60},
            {"depth_mm", "of cut and undermining: how thick the flap is", {2}, 1.5, 8},
            {"bed", "1: on fat; 0: 1.5 mm of skin with nothing beneath it, held at three sides' lengths", {1}, 0, 1},
            {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10}},
           run_rhomboid, bars_rhomboid, charts_rhomboid,
-          {{"rhomboid", {"flap_angle=60", "prestretch=0,5,10", "cell_mm=5,4"}}, {"rhomboid", {"flap_angle=60", "prestretch=0", "bed=0", "cell_mm=1.5,1.2"}}}};
+          {{"rhomboid", {"flap_angle=60", "prestretch=0,5,10", "cell_mm=5,3.5"}}, {"rhomboid", {"flap_angle=60", "prestretch=0", "bed=0", "cell_mm=1.5,1.2"}}}};
 }
 
 }  // namespace limberg::study

@@ -177,11 +177,11 @@ Family zplasty() {
   return {"zplasty", "Z-plasties of 20 mm limbs by angle and prestretch: what they gain, and where the skin stands up",
           {{"angle", "of both flaps, degrees", {30, 45, 60, 75, 90}, 20, 100},
            {"prestretch", "of the skin, percent, in all directions", {0, 5, 10, 15}, 0, 30},
-           {"cell_mm", "size of the lattice's cells", {5}, 2, 8},
+           {"cell_mm", "size of the lattice's cells", {3.5}, 2, 8},
            {"contact", "1: wound surfaces keep each other out", {1}, 0, 1},
            {"depth_mm", "of cut and undermining: how thick the flaps are", {2}, 1.5, 8},
            {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10},
-           {"spacing_mm", "of the stitches", {4}, 1, 8},
+           {"spacing_mm", "of the stitches", {3}, 1, 8},
            {"fronts", "1: cells in which a cut ends are divided, 0: they are not", {1}, 0, 1}},
           run_z, bars_z, charts_z,
           {{"zplasty", {"prestretch=0,5,10", "cell_mm=5,3.5"}}, {"planar", {"prestretch=0"}}}};
