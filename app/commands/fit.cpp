@@ -30,7 +30,7 @@ constexpr double kScanEdges = 75;  // edges along a scan's diagonal where --edge
 struct Options {
   std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, series, unit = "mm";
   std::vector<double> from;
-  double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, smooth = 0.6, parts = 1;
+  double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, mouth_mm = -1, smooth = 0.6, parts = 1;
   bool has_iso = false, has_edge = false;
   CommonOptions common;
 };
@@ -177,6 +177,7 @@ int run(const Options& o) {
   q.iso = o.has_iso ? o.iso : (o.tissue == "bone" ? 250 : -300) + o.offset;  // Hounsfield units
   q.sigma_voxels = o.smooth, q.least_part = o.parts;
   q.seal_mm = o.seal_mm >= 0 ? o.seal_mm : o.tissue == "bone" ? 10 : 6;
+  q.mouth_mm = o.mouth_mm >= 0 ? o.mouth_mm : o.tissue == "bone" ? 20 : 0;
   Progress progress("fit");
   progress.note("preparing the volume");
   const double start_ms = bench::cpu_ms();
@@ -196,6 +197,8 @@ int run(const Options& o) {
   progress.clear();
   write_mesh(o, m);
   const simplex::Census c = simplex::census(m);
+  for (const CavityMouth& a : p.mouth)
+    std::printf("cavity      closed at its mouth at (%.0f, %.0f, %.0f) mm, %.0f mm wide; %.0f mm deep\n", a.centre_mm.x(), a.centre_mm.y(), a.centre_mm.z(), a.width_mm, a.depth_mm);
   if (p.parts > 1) std::printf("object      the largest %d of %d parts; the others have %.2f %% of what is above %g\n", p.kept_parts, p.parts, 100. * double(p.dropped_nodes) / double(p.dropped_nodes + p.object_nodes), q.iso);
   std::printf("mesh        %d vertices, %lld faces, %lld end contours, genus %lld, from a %s\n", r.vertices, static_cast<long long>(c.faces - c.end_contours),
               static_cast<long long>(c.end_contours), static_cast<long long>(c.genus), o.start.c_str());
@@ -205,7 +208,7 @@ int run(const Options& o) {
   for (const std::string& f : faults) say(o.volume + ": " + f + "; see --iso, --offset, --seal-mm, --edge-mm");
   Result result("fit", "");
   result.set("/volume", o.volume), result.set("/tissue", o.tissue), result.set("/iso", s.iso), result.set("/mesh", o.mesh_file);
-  result.set("/start", o.start), result.set("/seal_mm", q.seal_mm), result.set("/smooth_voxels", q.sigma_voxels), result.set("/voxel_mm", p.voxel_mm), result.set("/cpu_s", cpu_s);
+  result.set("/start", o.start), result.set("/seal_mm", q.seal_mm), result.set("/mouth_mm", p.mouth_mm), result.set("/smooth_voxels", q.sigma_voxels), result.set("/voxel_mm", p.voxel_mm), result.set("/cpu_s", cpu_s);
   fill(result, r);
   result.set("/end_contours", c.end_contours), result.set("/genus", c.genus);
   for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
@@ -243,6 +246,7 @@ void add_fit(CLI::App& app, Chosen& chosen) {
   c->add_option("--start", o->start, "What the mesh is at first: sphere around the object, plane before it (a volume: the -y side; a scan: the side it is seen from), or cylinder about z through the borders [sphere]")->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
   c->add_option("--from", o->from, "Plane and scan: direction of the side that the scan is seen from, X,Y,Z [across its least extent, where it bulges or its triangles look to]")->expected(3)->delimiter(',')->type_name("X,Y,Z");
   c->add_option("--seal-mm", o->seal_mm, "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")->check(number_from(0., 100.));
+  c->add_option("--mouth-mm", o->mouth_mm, "Radius of a ball that does not enter orbits, nose and foramen: cavities behind such mouths are closed there, and the mesh is opened; 0: none [skin 0, bone 20]")->check(number_from(0., 100.));
   c->add_option("--smooth", o->smooth, "Gaussian smoothing, standard deviation in voxels [0.6]")->check(number_from(0., 10.));
   c->add_option("--parts", o->parts, "Keep other parts too that have this share of the largest one's size (a mandible beside a skull: 0.05) [1]")->check(number_from(1e-4, 1.));
   c->add_option("--sweep", o->sweep_dir, "Also fit again and again with other edges, uniform and adapted to curvature: table and charts of error against vertices and run time in this folder")->type_name("DIR");

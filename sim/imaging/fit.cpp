@@ -20,6 +20,8 @@ using namespace simplex;
 using namespace imaging;
 
 constexpr int kRounds = 4;  // of opening, at most
+constexpr int kFind = 4;   // iterations: the places of rims are found anew after so many
+const Vec3 kNowhere = Vec3::Constant(1e300);
 constexpr double kSmallRim = 12;  // spacings of a scan around
 
 double mean_edge(const Mesh& m) {
@@ -48,7 +50,7 @@ class Fitter {
       framed_ = false;
       for (int round = 0; round < kRounds; ++round) {
         std::vector<std::string> notes;
-        const int opened = open_unseen(m_, seen_, notes);
+        const int opened = open_blind(m_, blind_faces(), notes);
         if (round + 1 == kRounds || opened == 0) r_.notes.insert(r_.notes.end(), notes.begin(), notes.end());
         if (opened == 0) break;
         r_.holes += opened;
@@ -58,6 +60,11 @@ class Fitter {
         refine(s_.edge_mm, 1, 100 + uint64_t(round));
         settle(1, s_.iterations / 2, true);
         look(1, range(1));
+      }
+      if (r_.holes > 0) {
+        split_rims(m_, 1.5 * s_.edge_mm);
+        compact(m_, true);
+        settle(1, 2 * s_.iterations, false);  // the rims come to rest
       }
     }
     measure();
@@ -107,7 +114,7 @@ class Fitter {
             if (still_[v] == 2) pull_[v] = sight_.home(m_.x_mm[v], 0.5 * edge);
             else pull_[v].setZero(), m_.before_mm[v] = m_.x_mm[v];
           }
-      to_border(z.beta);
+      to_border(z.beta, i % kFind == 0);
       move = motion_.step(m_, {pull_, {}}).max_move_mm;
       still = move < s_.still_mm ? still + 1 : 0;
       ++r_.iterations, r_.vertex_iterations += m_.vertices();
@@ -126,6 +133,19 @@ class Fitter {
         if (!f.degenerate) pull_[v] = sight_.pull(m_.x_mm[v], f.N, t, range, seen), seen_[v] = seen;
       }
     });
+  }
+
+  /// Faces that are to be opened: most of their vertices, or their centre, have left the surface.
+  std::vector<uint8_t> blind_faces() const {
+    std::vector<uint8_t> lost(m_.nbr.size(), 0), out(m_.face_edge.size(), 0);
+    for (int32_t v = 0; v < m_.slots(); ++v) lost[size_t(v)] = m_.alive(v) && sight_.lost(m_.x_mm[size_t(v)], seen_[size_t(v)]);
+    for (int32_t f = 0; f < m_.face_slots(); ++f) {
+      if (!m_.alive_face(f) || is_end(m_.kind(f))) continue;
+      int n = 0;
+      m_.around(f, [&](int32_t h) { n += lost[size_t(h / 3)]; });
+      out[size_t(f)] = 2 * n > m_.face_size[size_t(f)] || sight_.lost(face_centre(m_, f), true);
+    }
+    return out;
   }
 
   /// The edge of a plane, which is held above the border of its sheet: as strongly as the rim's own curve draws.
@@ -151,20 +171,44 @@ class Fitter {
       if (const Vec3 way = sight_.to_edge(m_.x_mm[size_t(v)]); way != Vec3::Zero()) pull_[size_t(v)] = way;
   }
 
-  /// Rims at the border of the data are drawn to it.
-  void to_border(double beta) {
+  /// Rims at the border of the data are drawn to it, those of other openings to the crest of the surface there (fit_rims.cpp).
+  /// Where they belong is found anew when `find` is set.
+  void to_border(double beta, bool find) {
+    if (find) rim_to_.assign(m_.nbr.size(), kNowhere);
     for (const EndContour& e : end_contours(m_)) {
       if (!sight_.knows_air()) {
         if (framed_) hold(*sight_.heights(), e, beta);
         else to_scan_edge(e);
         continue;
       }
-      for (int32_t v : e.rim) {
-        Vec3 outward;
-        double way = 0;
-        if (sight_.border(m_.x_mm[size_t(v)], 6 * sight_.voxel(), outward, way) >= 0)
-          pull_[size_t(v)] += (std::min(way, 2 * sight_.voxel()) - outward.dot(pull_[size_t(v)])) * outward;
-      }
+      if (find) find_rim(e);
+      for (int32_t v : e.rim)
+        if (const Vec3& to = rim_to_[size_t(v)]; to.x() != kNowhere.x()) pull_[size_t(v)] = to - m_.x_mm[size_t(v)];
+    }
+  }
+
+  void find_rim(const EndContour& e) {
+    const size_t n = e.rim.size();
+    std::vector<Vec3> outward(n, Vec3::Zero()), move(n, Vec3::Zero());
+    std::vector<uint8_t> known(n, 0);
+    for (size_t i = 0; i < n; ++i) {
+      double way = 0;
+      sight_.border(m_.x_mm[size_t(e.rim[i])], 2 * sight_.voxel(), outward[i], way);
+    }
+    for (size_t i = 0; i < n; ++i) {
+      const int32_t v = e.rim[i];
+      const Vec3 &x = m_.x_mm[size_t(v)], along = m_.x_mm[size_t(e.rim[(i + 1) % n])] - m_.x_mm[size_t(e.rim[(i + n - 1) % n])];
+      Vec3 N = Vec3::Zero(), to;
+      for (const int32_t u : {v, m_.nbr[size_t(v)][0], m_.nbr[size_t(v)][1], m_.nbr[size_t(v)][2]})
+        if (const LocalFrame f = m_.frame(u); !f.degenerate) N += f.N;
+      known[i] = along.norm() > 0 && N.norm() > 0 && sight_.rim(x, along.normalized(), N.normalized(), outward[i], to);
+      if (known[i]) move[i] = to - x;
+    }
+    // Evenly along the rim: one vertex does not know it better than its neighbours.
+    for (size_t i = 0; i < n; ++i) {
+      const size_t a = (i + n - 1) % n, b = (i + 1) % n;
+      const double w = known[a] + 2 * known[i] + known[b];
+      if (known[i] || (known[a] && known[b])) rim_to_[size_t(e.rim[i])] = m_.x_mm[size_t(e.rim[i])] + (known[a] * move[a] + 2 * known[i] * move[i] + known[b] * move[b]) / w;
     }
   }
 
@@ -209,7 +253,7 @@ class Fitter {
   Topology topology_;
   bool framed_;  // a plane's edge is held, until the apron is opened
   FitReport r_;
-  std::vector<Vec3> pull_;
+  std::vector<Vec3> pull_, rim_to_;
   std::vector<uint8_t> seen_, still_;
 };
 

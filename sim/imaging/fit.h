@@ -7,8 +7,10 @@
 // tube between two bodies it is cut by t4. Then every vertex looks along its normal, both ways, for the nearest
 // place where the volume itself falls through the isovalue going outwards, and is pulled there.
 // The mesh begins stiff and ends supple: rigidity 8 to 1, weight of the data 0.05 to 0.5; between the stages its faces
-// are adapted. At the end regions whose vertices have found no isosurface within two voxels are opened as end contours:
-// the borders of the volume, and openings that the ball of the preparation does not enter (orbits, nose, foramen).
+// are adapted. At the end the mesh is opened: beyond the borders of the volume, and at the mouths of the cavities that the preparation has
+// closed (orbits, nose, foramen; where none were looked for, wherever no isosurface lies within two voxels). The rims then
+// come to rest where they belong (fit_rims.cpp): at the border in the last slice, at a mouth on the crest between the outer surface and
+// the cavity's wall. Narrow gaps that the sealing ball spans stay closed.
 //
 // Points. Every vertex is pulled along its normal to the nearest point M, weight G(|PM| / D), G = 1 up to 1 and 1 / x^2
 // beyond; D shrinks from 20 % to 8 % of the cloud's size (Delingette 1994, as remembered). Regions without points are opened.

@@ -1,5 +1,7 @@
 #pragma once
 // The parts of a fit (fit.h): what vertices are drawn to, and what is done to the mesh's topology.
+#include <Eigen/LU>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +33,11 @@ class Sight {
   /// Border of the data that a place lies at: 2 axis + (0 low, 1 high), with the outward normal there and the way to it; -1: none.
   virtual int border(const Vec3& x, double within, Vec3& outward, double& way) const = 0;
   virtual const std::vector<Vec3>& surface() const = 0;
+  /// A vertex that has left the surface and is to be cut off: where the data end, at the mouths of cavities.
+  virtual bool lost(const Vec3&, bool seen) const { return !seen; }
+  /// Where a rim's vertex belongs: at the border of the data in direction `outward` or, when that is zero, on the crest between the surface
+  /// and the wall of the opening. `along`: the rim's direction; N: the surface's outward normal; false: nothing is known there.
+  virtual bool rim(const Vec3&, const Vec3& /*along*/, const Vec3& /*N*/, const Vec3& /*outward*/, Vec3& /*to*/) const { return false; }
   /// What a plane comes down upon; null: it started otherwise, or the target is no scan.
   virtual const ScanHeights* heights() const { return nullptr; }
   /// The way of a rim's vertex to the nearest edge of a scan; none: zero.
@@ -39,7 +46,7 @@ class Sight {
 
 class VolumeSight final : public Sight {
  public:
-  explicit VolumeSight(const Prepared& p) : p_(p), volume_(p.volume), guide_(p.guide), tree_(p.surface_mm), to_voxel_(p.volume.step_mm.inverse()) {}
+  explicit VolumeSight(const Prepared& p) : p_(p), volume_(p.volume), guide_(p.guide), tree_(p.surface_mm), to_voxel_(p.volume.step_mm.inverse()), mean_voxel_(std::cbrt(std::abs(p.volume.step_mm.determinant()))) {}
   Vec3 pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const override;
   double distance(const Vec3& x, const Vec3& way) const override;
   double nearest(const Vec3& x, double within) const override { return tree_.nearest(x, within).distance; }
@@ -49,13 +56,18 @@ class VolumeSight final : public Sight {
   Vec3 home(const Vec3& x, double most) const override;
   int border(const Vec3& x, double within, Vec3& outward, double& way) const override;
   const std::vector<Vec3>& surface() const override { return p_.surface_mm; }
+  bool lost(const Vec3& x, bool seen) const override;
+  bool rim(const Vec3& x, const Vec3& along, const Vec3& N, const Vec3& outward, Vec3& to) const override;
 
  private:
+  bool at_gate(const Vec3& x) const;
+  bool onto(Vec3& x, const Vec3& e1, const Vec3& e2, double within) const;
   bool edge(const Vec3& x, const Vec3& N, double range, double& at) const;
   const Prepared& p_;
   VolumeSampler volume_, guide_;
   PointTree tree_;
   Mat3 to_voxel_;
+  double mean_voxel_;
 };
 
 class PointSight final : public Sight {
@@ -110,8 +122,11 @@ class Topology {
 /// Borders of a region of faces, each with the region on its left; contours of from-vertices.
 std::vector<std::vector<int32_t>> borders_of(const simplex::Mesh& m, const std::vector<uint8_t>& in);
 
-/// Opens the regions whose vertices are not seen. Returns how many; what could not be opened goes to `notes`.
-int open_unseen(simplex::Mesh& m, const std::vector<uint8_t>& seen, std::vector<std::string>& notes);
+/// Opens the regions of blind faces (end faces count as such). Returns how many; what could not be opened goes to `notes`.
+int open_blind(simplex::Mesh& m, std::vector<uint8_t> blind, std::vector<std::string>& notes);
+
+/// Faces beside rims are split until no edge of a rim is longer than `edge_mm`, where that can be done.
+void split_rims(simplex::Mesh& m, double edge_mm);
 
 /// The end contours with their places. LPS (x left, y posterior, z superior) is taken for granted; `low`, `high`: box of the object;
 /// `skull`: openings are named after those of a skull where they lie so.

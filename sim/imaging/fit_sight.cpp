@@ -14,7 +14,7 @@ constexpr size_t kAround = 20;  // neighbours that say whether a point of a scan
 
 /// Signed way along the normal to the nearest place where the volume falls through iso outwards; false: none within range.
 /// Outside the volume nothing is known: no edge there, nor across its border. Edges deep below the sealed surface (the inner
-/// table, the wall of a sinus) belong to another surface.
+/// table, the wall of a sinus) belong to another surface, those far outside it to a part that was left out.
 bool VolumeSight::edge(const Vec3& x, const Vec3& n, double range, double& at) const {
   const double h = 0.5 * p_.voxel_mm, deep = -(2 * p_.voxel_mm + p_.guide_mm);
   const auto known = [&](const Vec3& p, double& f) {
@@ -22,7 +22,10 @@ bool VolumeSight::edge(const Vec3& x, const Vec3& n, double range, double& at) c
     f = volume_.value(p) - p_.iso;
     return true;
   };
-  const auto outer = [&](double t) { return guide_.value(x + t * n) >= deep; };
+  const auto outer = [&](double t) {
+    const double g = guide_.value(x + t * n);
+    return g >= deep && g <= -deep;
+  };
   double out = 0, in = 0, f = 0;
   bool out_known = known(x, out), in_known = out_known;
   in = out;
@@ -56,7 +59,7 @@ Vec3 VolumeSight::pull(const Vec3& x, const Vec3& N, double t, double range, boo
     seen = true;
     return at * N;
   }
-  if (t >= kGuided) {
+  if (t >= kGuided && volume_.inside(x) && !at_gate(x)) {
     // Beside the surface, but not across from it (at a rim, in a fold): to its nearest place, sideways too.
     const PointTree::Nearest place = tree_.nearest(x, 2 * near);
     if (place.index >= 0) {
@@ -90,7 +93,7 @@ int VolumeSight::border(const Vec3& x, double within, Vec3& outward, double& way
       const double step = p_.volume.step_mm.col(k).norm(), inner = (s ? p_.volume.size[size_t(k)] - 1 - q[k] : q[k]) * step;
       if (inner > least) continue;
       // Outward normal of that border: along the reciprocal axis.
-      least = inner, best = 2 * k + s, way = inner - 0.25 * step;
+      least = inner, best = 2 * k + s, way = inner - 0.02 * step;
       outward = (s ? 1. : -1.) * to_voxel_.row(k).transpose().normalized();
     }
   return best;

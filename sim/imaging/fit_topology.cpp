@@ -248,16 +248,10 @@ Outcome open_region(Mesh& m, std::vector<int32_t> region) {
 
 }  // namespace
 
-int open_unseen(Mesh& m, const std::vector<uint8_t>& seen, std::vector<std::string>& notes) {
-  Faces blind(m.face_edge.size(), 0);
+int open_blind(Mesh& m, std::vector<uint8_t> blind, std::vector<std::string>& notes) {
   std::vector<uint8_t> was_alive(m.face_edge.size(), 0);
-  for (int32_t f = 0; f < m.face_slots(); ++f) {
-    if (!m.alive_face(f)) continue;
-    int unseen = 0;
-    m.around(f, [&](int32_t h) { unseen += !seen[size_t(h / 3)]; });
-    was_alive[size_t(f)] = 1;
-    blind[size_t(f)] = is_end(m.kind(f)) || 2 * unseen > m.face_size[size_t(f)];
-  }
+  for (int32_t f = 0; f < m.face_slots(); ++f)
+    if (m.alive_face(f)) was_alive[size_t(f)] = 1, blind[size_t(f)] |= is_end(m.kind(f));
   int opened = 0;
   for (const auto& g : parts_of(m, blind, true)) {
     size_t surface = 0;
@@ -285,22 +279,46 @@ int open_unseen(Mesh& m, const std::vector<uint8_t>& seen, std::vector<std::stri
   return opened;
 }
 
+void split_rims(Mesh& m, double edge_mm) {
+  for (int pass = 0; pass < 3; ++pass) {
+    bool any = false;
+    for (const EndContour& e : end_contours(m))
+      for (size_t i = 0; i < e.rim.size(); ++i) {
+        const int32_t a = e.rim[i], b = e.rim[(i + 1) % e.rim.size()];
+        if (m.slot(a, b) < 0 || (m.x_mm[size_t(a)] - m.x_mm[size_t(b)]).norm() <= edge_mm) continue;
+        const int32_t h = m.face(m.edge(a, b)) == e.face ? m.edge(b, a) : m.edge(a, b), f = m.face(h);
+        if (is_end(m.kind(f)) || m.face_size[size_t(f)] < 5) continue;
+        int32_t across = h;  // the edge opposite
+        for (int32_t k = 0; k < m.face_size[size_t(f)] / 2; ++k) across = m.next(across);
+        Delta d;
+        any |= bool(t2(m, f, m.from(h), m.from(across), d));
+      }
+    if (!any) return;
+  }
+}
+
 namespace {
 
-/// Largest first. The largest opening in front near the midline is the nose; the largest in front on either side, not
-/// below the nose, are the orbits; those far to the side in front the temporal fossae; one below, in the middle and looking down, the base.
+/// Largest first. The largest opening near the midline that looks forwards is the nose; the largest ones beside it that look so, not
+/// below it, are the orbits; those far to the side in front the temporal fossae; those in the middle that look down the base and, before it,
+/// the choanae.
 void name_skull(std::vector<FitHole>& holes, const Vec3& middle, const Vec3& half) {
   const auto u = [&](const FitHole& h) { return Vec3((h.centre_mm - middle).cwiseQuotient(half)); };
   const auto free = [](const FitHole& h) { return !h.place.starts_with("volume") && h.vertices >= 6; };
   double nose_z = -1e300;
-  for (FitHole& h : holes)
-    if (const Vec3 a = u(h); free(h) && a.y() < -0.4 && std::abs(a.x()) < 0.1 && a.z() > -0.4) {
-      h.place = "nose (" + h.place + ")", nose_z = h.centre_mm.z();
-      break;
-    }
+  const auto nose = [&](bool forwards) {
+    for (FitHole& h : holes)
+      if (const Vec3 a = u(h); free(h) && a.y() < -0.4 && std::abs(a.x()) < 0.12 && (forwards ? h.place.ends_with("anterior") : a.z() > -0.4)) {
+        h.place = "nose (" + h.place + ")", nose_z = h.centre_mm.z();
+        return true;
+      }
+    return false;
+  };
+  if (!nose(true)) nose(false);
   for (const double side : {-1., 1.})
     for (FitHole& h : holes)
-      if (const Vec3 a = u(h); free(h) && !h.place.starts_with("nose") && a.y() < -0.35 && side * a.x() > 0.1 && side * a.x() < 0.55 && h.centre_mm.z() > std::max(nose_z, middle.z())) {
+      if (const Vec3 a = u(h); free(h) && !h.place.starts_with("nose") && a.y() < -0.35 && side * a.x() > 0.1 && side * a.x() < 0.6 && h.centre_mm.z() > (nose_z > -1e299 ? nose_z + 0.05 * half.z() : middle.z()) &&
+                                  (h.place.ends_with("anterior") || h.centre_mm.z() > middle.z())) {
         h.place = std::string("orbit, ") + (side < 0 ? "right" : "left") + " (" + h.place + ")";
         break;
       }
@@ -309,6 +327,7 @@ void name_skull(std::vector<FitHole>& holes, const Vec3& middle, const Vec3& hal
     if (!free(h) || h.place.starts_with("nose") || h.place.starts_with("orbit")) continue;
     if (std::abs(a.x()) > 0.5 && a.y() < 0) h.place = std::string("temporal fossa, ") + (a.x() < 0 ? "right" : "left") + " (" + h.place + ")";
     else if (std::abs(a.x()) < 0.25 && a.y() > -0.4 && h.place.ends_with("inferior")) h.place = "base (" + h.place + ")";
+    else if (std::abs(a.x()) < 0.25 && a.y() <= -0.4 && h.place.ends_with("inferior")) h.place = "choanae (" + h.place + ")";
   }
 }
 

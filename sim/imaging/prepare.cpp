@@ -6,14 +6,17 @@
 #include <limits>
 
 #include "sim/error.h"
+#include "sim/imaging/grid_reach.h"
+#include "sim/imaging/mouths.h"
 
 namespace limberg {
 namespace {
 
-using Size = std::array<int32_t, 3>;
+using namespace imaging;
+using Size = GridSize;
+constexpr double kBeyond = 4;  // voxels: how far the object goes on beyond a border that it crosses
+constexpr double kGate = 2.5;  // steps: the sealed surface at a mouth is not farther from its throat
 constexpr float kFar = std::numeric_limits<float>::infinity();
-
-size_t nodes(const Size& n) { return size_t(n[0]) * size_t(n[1]) * size_t(n[2]); }
 
 /// Calls line(first index, stride, length) for every line along `axis`.
 template <class Line>
@@ -52,16 +55,6 @@ void envelope(float* f, size_t stride, size_t n, std::vector<float>& g, std::vec
   }
 }
 
-/// Calls visit(node) for the up to six neighbours of node i.
-template <class Visit>
-void neighbours(const Size& n, size_t i, Visit&& visit) {
-  const int64_t stride[3] = {1, n[0], int64_t(n[0]) * n[1]};
-  const int32_t at[3] = {int32_t(i % size_t(n[0])), int32_t(i / size_t(n[0]) % size_t(n[1])), int32_t(i / size_t(stride[2]))};
-  for (int k = 0; k < 3; ++k)
-    for (int s : {-1, 1})
-      if (at[k] + s >= 0 && at[k] + s < n[size_t(k)]) visit(size_t(int64_t(i) + s * stride[k]));
-}
-
 /// Marks what is reached from `seeds` through nodes that may be entered.
 void flood(const Size& n, const std::vector<uint8_t>& may, std::vector<size_t> seeds, std::vector<uint8_t>& reached) {
   while (!seeds.empty()) {
@@ -71,17 +64,6 @@ void flood(const Size& n, const std::vector<uint8_t>& may, std::vector<size_t> s
       if (may[j] && !reached[j]) reached[j] = 1, seeds.push_back(j);
     });
   }
-}
-
-/// What a ball of `radius` steps does not reach from node 0 without touching what is set.
-std::vector<float> distance_to_outside(const Size& n, const std::vector<uint8_t>& set, double radius, std::vector<uint8_t>& outside, std::vector<float>& to_set, Workers& workers) {
-  to_set = squared_distance(n, set, workers);
-  std::vector<uint8_t> may(set.size());
-  const double least = radius > 0 ? (radius + 0.5) * (radius + 0.5) : 0.5;
-  for (size_t i = 0; i < may.size(); ++i) may[i] = double(to_set[i]) >= least;
-  outside.assign(set.size(), 0);
-  if (!may.empty() && may[0]) outside[0] = 1, flood(n, may, {0}, outside);
-  return squared_distance(n, outside, workers);
 }
 
 /// Keeps the 6-connected parts that have at least `share` of the nodes of the largest. Returns how many there were.
@@ -112,9 +94,9 @@ int largest_parts(const Size& n, std::vector<uint8_t>& set, double share, int64_
   return int(size.size());
 }
 
-/// Closes the object where it leaves the volume: in the layer of nodes just outside each border, what a disc does not reach
-/// in the outermost slice.
-void add_lids(const Size& n, const Size& first, const Size& last, double radius, std::vector<uint8_t>& set, Workers& workers) {
+/// Closes the object where it leaves the volume: what a disc does not reach in the outermost slice goes on outside, for `layers` nodes,
+/// so that the sealed surface leaves the volume as the object does.
+void add_lids(const Size& n, const Size& first, const Size& last, double radius, int32_t layers, std::vector<uint8_t>& set, Workers& workers) {
   const size_t stride[3] = {1, size_t(n[0]), size_t(n[0]) * size_t(n[1])};
   std::vector<size_t> lid;
   for (int k = 0; k < 3; ++k)
@@ -122,23 +104,39 @@ void add_lids(const Size& n, const Size& first, const Size& last, double radius,
       const int a = (k + 1) % 3, b = (k + 2) % 3;
       const int32_t slice = s < 0 ? first[size_t(k)] : last[size_t(k)];
       const Size flat{n[size_t(a)], n[size_t(b)], 1};
-      std::vector<uint8_t> in(nodes(flat), 0), out;
-      std::vector<float> to_set;
+      std::vector<uint8_t> in(nodes(flat), 0);
       bool any = false;
       const auto at = [&](int32_t i, int32_t j) { return size_t(i) * stride[a] + size_t(j) * stride[b]; };
       for (int32_t j = 0; j < flat[1]; ++j)
         for (int32_t i = 0; i < flat[0]; ++i) any |= in[size_t(i) + size_t(flat[0]) * size_t(j)] = set[at(i, j) + size_t(slice) * stride[k]];
       if (!any) continue;
-      const std::vector<float> d = distance_to_outside(flat, in, radius, out, to_set, workers);
-      const double least = radius > 0 ? (radius + 0.5) * (radius + 0.5) : 0.5;
+      const Reach r = reach(flat, in, radius, workers);
       for (int32_t j = first[size_t(b)]; j <= last[size_t(b)]; ++j)
         for (int32_t i = first[size_t(a)]; i <= last[size_t(a)]; ++i)
-          if (double(d[size_t(i) + size_t(flat[0]) * size_t(j)]) > least) lid.push_back(at(i, j) + size_t(slice + s) * stride[k]);
+          if (!r.air(size_t(i) + size_t(flat[0]) * size_t(j)))
+            for (int32_t l = 1; l <= layers; ++l) lid.push_back(at(i, j) + size_t(slice + s * l) * stride[k]);
     }
   for (size_t i : lid) set[i] = 1;  // (after all six: a lid is no ground for another)
 }
 
 }  // namespace
+
+namespace imaging {
+
+Reach reach(const GridSize& n, const std::vector<uint8_t>& set, double radius, Workers& workers) {
+  Reach r;
+  r.radius = radius;
+  r.to_set = squared_distance(n, set, workers);
+  std::vector<uint8_t> may(set.size());
+  const double least = radius > 0 ? (radius + 0.5) * (radius + 0.5) : 0.5;
+  for (size_t i = 0; i < may.size(); ++i) may[i] = double(r.to_set[i]) >= least;
+  r.centre.assign(set.size(), 0);
+  if (!may.empty() && may[0]) r.centre[0] = 1, flood(n, may, {0}, r.centre);
+  r.to_centres = squared_distance(n, r.centre, workers);
+  return r;
+}
+
+}  // namespace imaging
 
 std::vector<float> squared_distance(const Size& n, const std::vector<uint8_t>& set, Workers& workers) {
   std::vector<float> d(set.size());
@@ -180,10 +178,11 @@ Prepared prepare(const Volume& v, const PrepareSettings& s, Workers& workers) {
   if (!std::isfinite(s.iso)) throw InputError("", 0, "the isovalue must be a finite number");
   if (!(s.sigma_voxels >= 0 && s.sigma_voxels <= 10)) throw InputError("", 0, "the standard deviation of the smoothing must be 0 to 10 voxels");
   if (!(s.seal_mm >= 0 && s.seal_mm <= 100)) throw InputError("", 0, "the ball that seals openings must have a radius of 0 to 100 mm");
+  if (!(s.mouth_mm >= 0 && s.mouth_mm <= 100)) throw InputError("", 0, "the ball that finds the mouths of cavities must have a radius of 0 to 100 mm");
   if (!(s.least_part > 0 && s.least_part <= 1)) throw InputError("", 0, "the share of the parts that are kept must be above 0 and at most 1");
   if (v.value.empty()) throw InputError("", 0, "the volume is empty");
   Prepared p;
-  p.iso = s.iso, p.seal_mm = s.seal_mm;
+  p.iso = s.iso, p.seal_mm = s.seal_mm, p.mouth_mm = s.mouth_mm > s.seal_mm ? s.mouth_mm : 0;
   p.volume = smoothed(v, s.sigma_voxels, workers);
   double longest = 0;
   Vec3 side;
@@ -201,15 +200,17 @@ Prepared prepare(const Volume& v, const PrepareSettings& s, Workers& workers) {
     lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
   }
   const Vec3 span = (hi - lo).cwiseMax(p.voxel_mm);
+  const bool mouths = s.mouth_mm > s.seal_mm;
+  const double beyond = kBeyond * side.maxCoeff(), widest = std::max(beyond, mouths ? s.mouth_mm : s.seal_mm);
   const auto count = [&](double h) {
-    const double pad = 2 * std::ceil(s.seal_mm / h) + 8;
+    const double pad = 2 * (std::ceil(widest / h) + 4);
     return (span.x() / h + pad) * (span.y() / h + pad) * (span.z() / h + pad);
   };
   double h = p.voxel_mm;
   while (count(h) > double(s.guide_nodes)) h *= 1.1;
   p.guide_mm = h;
   const double r = s.seal_mm / h;  // in steps
-  const int32_t pad = int32_t(std::ceil(r)) + 4;
+  const int32_t pad = int32_t(std::ceil(widest / h)) + 4;
   Size n, first, last;
   for (size_t k = 0; k < 3; ++k) {
     const int32_t inner = int32_t(std::floor(span[int(k)] / h + 1e-9)) + 1;
@@ -239,14 +240,32 @@ Prepared prepare(const Volume& v, const PrepareSettings& s, Workers& workers) {
           const Vec3 x = p.guide.place(Vec3(i, j, k));
           p.low_mm = p.low_mm.cwiseMin(x), p.high_mm = p.high_mm.cwiseMax(x);
         }
-  add_lids(n, first, last, r, set, workers);
-  std::vector<uint8_t> outside;
-  std::vector<float> to_set;
-  const std::vector<float> to_outside = distance_to_outside(n, set, r, outside, to_set, workers);
+  add_lids(n, first, last, mouths ? s.mouth_mm / h : r, int32_t(std::ceil(beyond / h)), set, workers);
+  Reach narrow = reach(n, set, r, workers);
+  if (mouths) {
+    MouthRule rule;
+    rule.threshold = s.mouth_depth_mm / h, rule.least_width = s.mouth_width_mm / h, rule.most_width = 2.5 * s.mouth_mm / h;
+    std::vector<uint8_t> fill;
+    std::vector<uint8_t> within(set.size(), 0);
+    for (int32_t k = first[2]; k <= last[2]; ++k)
+      for (int32_t j = first[1]; j <= last[1]; ++j) std::fill_n(within.begin() + std::ptrdiff_t(p.guide.index(first[0], j, k)), last[0] - first[0] + 1, uint8_t(1));
+    for (const GridMouth& g : find_mouths(n, set, within, reach(n, set, s.mouth_width_mm / 3 / h, workers), reach(n, set, s.mouth_mm / h, workers), rule, fill, workers))
+      p.mouth.push_back({p.guide.place(g.centre), h * g.width, h * g.depth});
+    bool any = false;
+    for (size_t i = 0; i < set.size(); ++i)
+      if (fill[i]) set[i] = 1, any = true;
+    if (any) {
+      narrow = reach(n, set, r, workers);
+      for (uint8_t& f : fill) f = f == 2;
+      const std::vector<float> to_fill = squared_distance(n, fill, workers);
+      p.gate.resize(set.size());
+      for (size_t i = 0; i < set.size(); ++i) p.gate[i] = double(to_fill[i]) <= kGate * kGate;
+    }
+  }
   p.guide.value.resize(set.size());
   // Nodes lie half a step beside the surface on either side of it, on average.
   for (size_t i = 0; i < set.size(); ++i)
-    p.guide.value[i] = float(h * (outside[i] ? std::sqrt(double(to_set[i])) - 0.5 : r + 0.5 - std::sqrt(double(to_outside[i]))));
+    p.guide.value[i] = float(h * (narrow.centre[i] ? std::sqrt(double(narrow.to_set[i])) - 0.5 : r + 0.5 - std::sqrt(double(narrow.to_centres[i]))));
   // Places of the isosurface on the edges between voxels, where it is the sealed surface.
   const VolumeSampler guide(p.guide);
   for (int32_t k = 0; k < v.size[2]; ++k)
