@@ -166,7 +166,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     if (size_t(f) >= walls_from) store_.last.new_walls.push_back(f);
 
   // The edge map is large and met in no order: what comes next is fetched ahead.
-  constexpr size_t kAhead = 4;
+  constexpr size_t kAhead = 8;
   const auto& removed = store_.last.removed;
   const auto& added = store_.last.added;
   store_.edges.make_room(removed.size() + added.size(), int32_t(store_.face.size()) - 1);
@@ -182,9 +182,17 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   for (int32_t f : removed) store_.account_sums(f, false);
   for (int32_t f : added) store_.account_sums(f, true);
   accounted_ = true;
-  for (const EdgeMap::Change& c : store_.edges.changed())
+  const auto changed = store_.edges.changed();
+  for (size_t i = 0; i < changed.size(); ++i) {
+    if (i + kAhead < changed.size())
+      if (const int32_t h = store_.edges.first(changed[i + kAhead]); h >= 0) {
+        __builtin_prefetch(&store_.face[size_t(h / 3)]);
+        __builtin_prefetch(&store_.mate[size_t(h / 3)], 1);
+      }
+    const EdgeMap::Change& c = changed[i];
     if (const char* why = store_.glue_edge(c.edge.first, c.edge.second, store_.edges.first(c), &delta_))
       return fail(coincidence, why);
+  }
 
   // Local invariants: the divided surface encloses the same volume, every side that faces material is glued all round,
   // junctions are edges of both triangles that they join.

@@ -25,7 +25,6 @@ std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<cons
   }
   for (int k = 0; k < 8; ++k) corner_in_[size_t(k)] = corners_in >> k & 1;
   join_.reset(2 * face_.size() + 8);
-  find_mates();
   join_faces();
   glued_ = join_;
   join_lattice_edges();
@@ -38,15 +37,6 @@ std::shared_ptr<const CellComponents> CellBuilder::build(Int3 at, std::span<cons
   out->walks = walks_;
   out->walks_unresolved = unresolved_;
   return out;
-}
-
-// Two glued half-edges bound the same material along their edge; inside the cell they do so where the edge meets it.
-void CellBuilder::join_faces() {
-  for (size_t l = 0; l < face_.size(); ++l) {
-    const LocalFace& f = face_[l];
-    for (size_t e = 0; e < 6; ++e)  // each pair once
-      if (const int32_t me = member(l, int(e / 3)); f.mate[e] > me) join_.unite(me, f.mate[e]);
-  }
 }
 
 // Each lattice edge is walked upwards: every hit says whether there is material before and after it.

@@ -2,7 +2,8 @@
 // The work room of cells.h: computes the components of one cell after another, reusing its memory.
 //
 //   gather()       which faces meet the cell, exactly                           cell_gather.cpp
-//   join_faces()   sided faces along glued edges, and along the 12 lattice edges  cell_builder.cpp
+//   join_faces()   sided faces along glued edges                                cell_gather.cpp
+//   join_lattice_edges()  what the 12 lattice edges run through                 cell_builder.cpp
 //   join_walks()   closed curves on the squares, closed shells inside            cell_walks.cpp
 //   classify()     classes, corners, old classes                                 cell_builder.cpp
 //   measure()      volumes                                                       cell_volume.cpp
@@ -86,7 +87,10 @@ class CellBuilder {
   using Layers = std::array<std::array<int32_t, 3>, 3>;
   Layers layers(int32_t face) const;
   /// Those of faces first, first + 1, ... when they have been found already. Must outlive what is built then.
-  void know_layers(int32_t first, std::span<const Layers> of_face) { first_layered_ = first, of_face_ = of_face; }
+  void know_layers(int32_t first, std::span<const Layers> of_face) {
+    first_layered_ = first, of_face_ = of_face;
+    fresh_place_.assign(of_face.size(), {0, -1});
+  }
   /// Whether the lattice line along `axis` through `corner` pierces the face's projection (any position along it).
   static bool pierced(const std::array<PointRef, 3>& p, int axis, const SubPoint& corner);
 
@@ -99,7 +103,7 @@ class CellBuilder {
     const Plane* plane;
     FaceInCell in;
     double flux;                  // NaN: not known
-    std::array<int32_t, 6> mate;  // [3 * side + edge], where the edge meets the cell: the glued member; set by find_mates()
+    std::array<int32_t, 6> mate;  // [3 * side + edge], where the edge meets the cell: the glued member; set by join_faces()
     uint8_t mat;
     bool known;  // it was in the cell before
   };
@@ -146,8 +150,6 @@ class CellBuilder {
   }
   bool pierced_by_edge(const LocalFace& f, Shape& s, int axis, int corner);  // by the cell's lattice edge, within its length
   int32_t local_of(int32_t face) const;
-  void find_mates();
-
   void join_faces();
   void join_lattice_edges();
   void join_walks();
@@ -187,6 +189,9 @@ class CellBuilder {
   bool no_walks_before_ = false;              // of the cell: no closed curve on its squares, no closed shell in it
   bool as_before_ = false;                    // the same faces with the same material as in the last version
   std::vector<std::pair<int32_t, int32_t>> place_;  // open addressing: id of a face, its place in face_
+  // The same for the faces of know_layers(), of which most are met again and again: by id, valid in the cell entered last.
+  std::vector<std::pair<uint64_t, int32_t>> fresh_place_;
+  uint64_t entered_ = 0;
   /// Layers of points: a point is met by several faces and cells. One place per few points, taken by the last.
   struct KnownLayers {
     int32_t point = -1;

@@ -18,6 +18,7 @@ void CellBuilder::contradiction(const char* what) const {
 }
 
 void CellBuilder::enter(Int3 at) {
+  ++entered_;
   index_ = {at.x, at.y, at.z};
   for (int a = 0; a < 3; ++a)
     for (int high = 0; high < 2; ++high)
@@ -67,6 +68,8 @@ int CellBuilder::corner_of_edge(int axis, int corner, bool high) {
 }
 
 int32_t CellBuilder::local_of(int32_t face) const {
+  if (const size_t fresh = size_t(face) - size_t(first_layered_); fresh < fresh_place_.size())
+    return fresh_place_[fresh].first == entered_ ? fresh_place_[fresh].second : -1;
   for (size_t i = uint32_t(face) * 0x9e3779b9u;; ++i) {
     const auto& [id, local] = place_[i & (place_.size() - 1)];
     if (id == face) return local;
@@ -74,22 +77,28 @@ int32_t CellBuilder::local_of(int32_t face) const {
   }
 }
 
-// What each side is glued to along the edges that meet the cell.
-void CellBuilder::find_mates() {
+// What each side is glued to along the edges that meet the cell. Two glued half-edges bound the same material along their
+// edge; inside the cell they do so where the edge meets it: they are joined.
+void CellBuilder::join_faces() {
   size_t places = 32;
   while (places < 3 * face_.size()) places *= 2;
   place_.assign(places, {-1, -1});
   for (size_t l = 0; l < face_.size(); ++l) {
+    face_[l].mate.fill(-1);
+    if (const size_t fresh = size_t(face_[l].id) - size_t(first_layered_); fresh < fresh_place_.size()) {
+      fresh_place_[fresh] = {entered_, int32_t(l)};
+      continue;
+    }
     size_t i = uint32_t(face_[l].id) * 0x9e3779b9u;
     while (place_[i & (places - 1)].first >= 0) ++i;
     place_[i & (places - 1)] = {face_[l].id, int32_t(l)};
   }
-  for (LocalFace& f : face_) f.mate.fill(-1);
   for (size_t l = 0; l < face_.size(); ++l) {
     LocalFace& f = face_[l];
     const auto& mate = surface_.mate[size_t(f.id)];
     for (int side = 0; side < 2; ++side) {
       if (!has(f.mat, side)) continue;
+      const int32_t me = member(l, side);
       for (int e = 0; e < 3; ++e) {
         int32_t& m = f.mate[size_t(3 * side + e)];
         if (m >= 0 || !f.in.edge(size_t(e))) continue;
@@ -98,7 +107,8 @@ void CellBuilder::find_mates() {
         const int32_t other = local_of(face_of_half_edge(h));
         if (other < 0) contradiction("a glued face does not meet the cell that their common edge meets");
         m = member(size_t(other), sided_of_half_edge(h) & 1);
-        face_[size_t(other)].mate[size_t(h % 6)] = member(l, side);
+        face_[size_t(other)].mate[size_t(h % 6)] = me;
+        join_.unite(me, m);
       }
     }
   }
@@ -235,7 +245,14 @@ void CellBuilder::gather(std::span<const int32_t> candidates, const CellComponen
   const size_t last_known = before ? before->face.size() : 0;
   as_before_ = true;
   no_walks_before_ = before && before->walks == 0 && before->walks_unresolved == 0;
-  for (int32_t id : candidates) {
+  constexpr size_t kAhead = 6;  // faces lie all over the surface's arrays: fetched ahead
+  for (size_t next = 0; next < candidates.size(); ++next) {
+    const int32_t id = candidates[next];
+    if (next + kAhead < candidates.size()) {
+      const size_t later = size_t(candidates[next + kAhead]);
+      __builtin_prefetch(&surface_.faces[later]);
+      __builtin_prefetch(&surface_.mate[later]);
+    }
     const Face& source = surface_.faces[size_t(id)];
     if (!source.live()) continue;
     const int32_t local = int32_t(face_.size());

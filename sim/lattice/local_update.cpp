@@ -68,6 +68,7 @@ class LocalUpdate {
     uint32_t begin = 0, end = 0;  // into extra_corner_
   };
   std::vector<Corner> corner_;
+  std::vector<int32_t> node_;  // those of before among them
   Partition join_;
   std::vector<std::pair<int32_t, int8_t>> extra_corner_;
   std::vector<Extra> extra_;
@@ -181,13 +182,10 @@ void LocalUpdate::around(int32_t lattice_node) {
     }
   }
   // As many groups as there were nodes: each is one of them, and copies come with the nodes of their parents.
-  size_t nodes = 0;
-  for (size_t i = 0; i < corner_.size(); ++i) {
-    bool seen = false;
-    for (size_t j = 0; j < i && !seen; ++j) seen = corner_[j].node == corner_[i].node;
-    nodes += !seen;
-  }
-  if (groups == nodes) return;
+  node_.clear();
+  for (const Corner& c : corner_)
+    if (std::find(node_.begin(), node_.end(), c.node) == node_.end()) node_.push_back(c.node);
+  if (groups == node_.size()) return;
   // Groups: their lowest corner, and the old node that all their corners must have had.
   struct Group {
     int32_t root, first, parent;

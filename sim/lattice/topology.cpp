@@ -134,6 +134,16 @@ void find_components(LatticeTopology& t, const LatticeTopology& previous, const 
     std::vector<int32_t> candidates;
     for (size_t i = begin; i < end; ++i) {
       const int32_t cell = touched[i];
+      if (i + 2 < end)
+        if (const CellComponents* later = previous.components[size_t(touched[i + 2])].get()) {
+          __builtin_prefetch(later);
+          __builtin_prefetch(reinterpret_cast<const char*>(later) + 64);
+        }
+      if (i + 1 < end)
+        if (const CellComponents* later = previous.components[size_t(touched[i + 1])].get())
+          for (const void* list : {static_cast<const void*>(later->face.data()), static_cast<const void*>(later->relation.data()),
+                                   static_cast<const void*>(later->of_side.data()), static_cast<const void*>(later->flux.data())})
+            __builtin_prefetch(list);
       candidates.clear();
       candidates_of(cell, candidates);
       if (!std::is_sorted(candidates.begin(), candidates.end())) std::sort(candidates.begin(), candidates.end());
@@ -276,8 +286,22 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
       if (is && !was) added.push_back({c, int32_t(f)});
     });
   };
-  for (int32_t f : surface.suspects(previous.operations, before)) look_at(size_t(f));
-  for (size_t f = before; f < now; ++f) look_at(f);
+  {  // faces and their corners lie all over the surface's arrays: fetched ahead
+    constexpr size_t kAhead = 8;
+    const std::vector<int32_t> suspects = surface.suspects(previous.operations, before);
+    const auto corners_of = [&](size_t f) {
+      for (int32_t v : surface.faces[f].v) surface.points->prefetch(v);
+    };
+    for (size_t i = 0; i < suspects.size(); ++i) {
+      if (i + 2 * kAhead < suspects.size()) __builtin_prefetch(&surface.faces[size_t(suspects[i + 2 * kAhead])]);
+      if (i + kAhead < suspects.size()) corners_of(size_t(suspects[i + kAhead]));
+      look_at(size_t(suspects[i]));
+    }
+    for (size_t f = before; f < now; ++f) {
+      if (f + kAhead < now) corners_of(f + kAhead);
+      look_at(f);
+    }
+  }
   t->last_op = surface.orig.empty() ? 0 : surface.orig.back().op;
   t->operations = surface.operations();
   const std::vector<int32_t> touched = touches.ascending();
