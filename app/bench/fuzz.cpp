@@ -71,7 +71,8 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
     fuzz::Counts& total = adversarial ? report.adversarial : report.generic;
     fuzz::Random mix{s.seed * 0x100000001b3ull + history};
     fuzz::Generator generator(mix.next(), adversarial);
-    fuzz::Case c = generator.start(s.front_levels);
+    const bool divided = s.front_levels > 0 && history / 2 % uint64_t(std::max(1, s.divide_every)) == 0;
+    fuzz::Case c = generator.start(divided ? s.front_levels : 0);
     std::string why;
     fuzz::Counts counts;
     {
@@ -93,6 +94,7 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
       while (why.empty() && !runner.made().empty()) why = runner.apply(undo);
     }
     total.add(counts);
+    if (divided) report.divided += counts.operations;
     if (!why.empty()) {
       c.violation = why;
       if (s.progress) s.progress("violation: " + why + " (history " + std::to_string(history) + ")");
@@ -112,7 +114,8 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
       const fuzz::Counts& a = report.adversarial;
       s.progress(std::to_string(reported) + " operations, " + std::to_string(report.violations.size()) +
                  " violations, refused " + std::to_string(g.refused) + " of " + std::to_string(g.cuts) + " generic and " +
-                 std::to_string(a.refused) + " of " + std::to_string(a.cuts) + " adversarial cuts");
+                 std::to_string(a.refused) + " of " + std::to_string(a.cuts) + " adversarial cuts; " + std::to_string(report.divided) +
+                 " with divided fronts; " + std::to_string(int64_t((cpu_ms() - start_ms) * 1e-3)) + " s of CPU");
     }
   }
   report.cpu_s = (cpu_ms() - start_ms) * 1e-3;
@@ -143,6 +146,16 @@ Result FuzzReport::result() const {
     row("faults rolled back", double(c->faults_rolled_back), "");
     row("full checks", double(c->full_checks), "");
   }
+  Row all;
+  all.name = "both";
+  all.method = "operations with divided fronts";
+  all.settings = "seed " + std::to_string(seed);
+  all.error = double(divided);
+  r.rows.push_back(all);
+  all.method = "CPU time of all operations";
+  all.time_ms = cpu_s * 1e3;
+  all.error = 0;
+  r.rows.push_back(all);
   Bar b;
   b.name = "invariants broken";
   b.value = double(violations.size());

@@ -22,6 +22,7 @@ struct FuzzSettings {
   std::function<void(const std::string&)> progress;  // empty: silent
   bool generic = true, adversarial = true;
   int front_levels = 0;                             // of the lattice: how often cells at a front are divided
+  int divide_every = 1;                             // ... in one of so many histories of either kind
   fuzz::Settings runner;
 };
 
@@ -40,6 +41,7 @@ struct FuzzReport {
   };
   std::vector<Refusal> refusals;
   double cpu_s = 0;
+  int64_t divided = 0;  // operations on lattices whose fronts are divided
 
   int64_t operations() const { return generic.operations + adversarial.operations; }
   Result result() const;  // rows and bars

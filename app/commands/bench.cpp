@@ -42,7 +42,7 @@ struct Options {
   std::string suite, scene, only;
   bool quick = false, no_peers = false;
   int front_levels = 0;
-  int check_every = 1;
+  int check_every = 1, divide_every = 1;
   bool world = false;       // fuzz: acts on patients
   bool devices = false;     // fuzz: what devices send
   bool readers = false;     // fuzz: damaged files
@@ -197,6 +197,7 @@ int run(const Options& o) {
     s.operations = o.operations > 0 ? o.operations : o.quick ? 2000 : 20000;
     s.seed = o.seed;
     s.front_levels = o.front_levels;
+    s.divide_every = o.divide_every;
     s.check_every = o.check_every;
     s.out_dir = o.common.out_dir;
     s.progress = note;
@@ -258,6 +259,7 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->add_flag("--readers", o->readers, "fuzz: damaged images, surfaces, meshes and scenes instead of cuts (default 100000 cases)");
   c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)")->type_name("N")->check(whole_from(0, 9'007'199'254'740'992));
   c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(whole_from(0, kLevels));
+  c->add_option("--divide-every", o->divide_every, "fuzz: with --front-levels, divide cells in one of so many histories only (default 1: in all)")->check(whole_from(1, 1000));
   c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")->check(whole_from(1, 1000));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg bench speed --quick --json out/bench.json");

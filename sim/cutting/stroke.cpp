@@ -78,6 +78,10 @@ Vec2 heading_at_start(std::span<const Vec2> path, double over) {
 }
 
 std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a, const Vec2& b) {
+  // What meets has boxes that meet, which needs no rounding. (Of two parts of one line the determinant is rounding alone, and
+  // its quotients may be anything.)
+  for (int k = 0; k < 2; ++k)
+    if (std::max(p[k], q[k]) < std::min(a[k], b[k]) || std::max(a[k], b[k]) < std::min(p[k], q[k])) return std::nullopt;
   const Vec2 d = q - p, e = b - a;
   const double det = cross2(d, e);
   if (det == 0) return std::nullopt;

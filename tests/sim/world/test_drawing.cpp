@@ -278,7 +278,7 @@ TEST(Drawing, LeaningStrokesTurnSharpCornersInShortPieces) {
       }
   EXPECT_GT(deepened, 25);
   EXPECT_GT(made, 25);
-  EXPECT_LE(bridges, 2);  // tissue left across the cut at the corner, of 27: measured on 2026-11-21, none would be better
+  EXPECT_EQ(bridges, 0);  // tissue left across the cut at the corner (many more of them: tests/sim/cutting/test_leaning_strokes.cpp)
 }
 
 TEST(Drawing, AStrokeThatClosesAFlapFreesIt) {

@@ -1,0 +1,139 @@
+// Leaning walls that are deepened while the hand draws: the slit stays a slit. A deeper blade behind a bend that ran into the
+// wall before the bend would leave a bridge of tissue across the cut, which the Euler characteristic counts.
+#include <cstdlib>
+
+#include "sim/cutting/drawn_stroke.h"
+#include "sim/cutting/handles.h"
+#include "tests/sim/cutting/patient.h"
+
+namespace limberg::test {
+namespace {
+
+struct Path {
+  std::string name;
+  std::vector<Vec2> point;
+};
+
+std::vector<Path> paths() {
+  std::vector<Path> out;
+  for (const double turn_deg : {30.0, 60.0, 100.0, 140.0})
+    for (const double side : {1.0, -1.0}) {
+      const double t = turn_deg * M_PI / 180;
+      out.push_back({"corner of " + std::to_string(int(side * turn_deg)),
+                     {{-17, -3 * side}, {2, -3 * side}, {2 + 15 * std::cos(t), side * (-3 + 15 * std::sin(t))}}});
+    }
+  for (const double radius : {5.0, 9.0, 16.0}) {
+    Path p{"arc of " + std::to_string(int(radius)) + " mm", {}};
+    const double span = std::min(4.2, 28 / radius);
+    for (int i = 0; i <= 24; ++i) {
+      const double u = span * (i / 24.0 - 0.5);
+      p.point.push_back({radius * std::sin(u), radius * (1 - std::cos(u)) - 4});
+    }
+    out.push_back(p);
+  }
+  Path s{"S", {}};
+  for (int i = 0; i <= 30; ++i) s.point.push_back({i - 15.0, 5 * std::sin(0.35 * (i - 15.0))});
+  out.push_back(s);
+  return out;
+}
+
+/// As a hand brings it: points that come in pieces of about piece_mm, all corners kept.
+std::vector<std::vector<Vec2>> divided(const std::vector<Vec2>& path, double piece_mm) {
+  std::vector<std::vector<Vec2>> out{{path[0]}};
+  double left = piece_mm;
+  for (size_t i = 1; i < path.size(); ++i) {
+    Vec2 at = path[i - 1];
+    while ((path[i] - at).norm() > left) {
+      at += (path[i] - at).normalized() * left;
+      out.back().push_back(at);
+      out.emplace_back();
+      left = piece_mm;
+    }
+    left -= (path[i] - at).norm();
+    out.back().push_back(path[i]);
+  }
+  return out;
+}
+
+/// Empty, or why the stroke was refused.
+std::string draw(Patient& p, const std::vector<Vec2>& path, double piece_mm, double depth, double angle) {
+  DrawnStroke stroke(depth, angle);
+  const auto parts = divided(path, piece_mm);
+  const BladeContext c = p.context();
+  for (size_t i = 0; i < parts.size(); ++i) {
+    if (std::string why = stroke.draw(c, parts[i]); !why.empty()) return why;
+    for (;;) {
+      const BladeResult b = stroke.next(c, i + 1 == parts.size());
+      if (!b.blade && b.reason.empty()) break;
+      if (!b.blade) return b.reason;
+      const CutResult r = p.a.cut(*b.blade, p.seed++);
+      if (r.ok())
+        stroke.was_cut(r);
+      else if (r.status == CutResult::nothing_to_cut)
+        stroke.was_nothing(c);
+      else if (!stroke.was_refused())
+        return r.reason;
+    }
+  }
+  return {};
+}
+
+// Four corners to either side, three arcs and an S; blades from 30 to 150 degrees; three depths; three lengths of pieces; the wall
+// that is deepened made at once and drawn. LIMBERG_LEANING_ALL=1 runs all 1,944 of them, else every ninth is run.
+TEST(LeaningStrokes, DeepenedInPiecesLeaveNoBridge) {
+  const int step = std::getenv("LIMBERG_LEANING_ALL") ? 1 : 9;
+  int number = 0, made = 0, drawn_first = 0, bridges_of_first = 0, refused_first = 0;
+  for (const Path& path : paths())
+    for (const double angle : {30.0, 45.0, 60.0, 75.0, 105.0, 120.0, 125.0, 135.0, 150.0})
+      for (const double depth : {4.0, 5.0, 7.0})
+        for (const double piece_mm : {5.0, 1.7, 0.8})
+          for (const bool drawn : {false, true}) {
+            if (number++ % step) continue;
+            SCOPED_TRACE(path.name + ", leaning at " + std::to_string(angle) + ", " + std::to_string(depth) + " mm deep, in pieces of " +
+                         std::to_string(piece_mm) + (drawn ? ", the first cut drawn" : ", the first cut at once"));
+            Patient p(2);
+            drawn_first += drawn;
+            if (!drawn) {
+              ASSERT_TRUE(incise(p.a, p.context(), path.point, 2.5, angle, 1).ok());
+              ASSERT_EQ(euler_characteristic(p.a), 2);
+            } else if (draw(p, path.point, piece_mm, 2.5, angle) != "") {
+              ++refused_first;
+              continue;
+            }
+            const int64_t chi = euler_characteristic(p.a);
+            bridges_of_first += chi != 2;
+            const double before = p.wall_area();
+            EXPECT_EQ(draw(p, path.point, piece_mm, depth, angle), "");
+            // (Pieces that come off raise it: round an arc of 5 mm a blade that leans in by 60 degrees meets itself.)
+            EXPECT_GE(euler_characteristic(p.a), chi);
+            EXPECT_GT(p.wall_area(), 1.05 * before);
+            EXPECT_EQ(p.a.check_all(), "");
+            ++made;
+          }
+  EXPECT_GT(made, 0.99 * number / step);
+  // New strokes that are drawn round a corner of 140 degrees while they lean by 35 degrees or more into it: of 972 runs 6 were
+  // refused and 9 left a bridge (2026-11-22). None would be better.
+  EXPECT_LE(refused_first, 6);
+  EXPECT_LE(bridges_of_first, 9);
+  std::printf("%d deepened; of %d first cuts that were drawn %d refused, %d with a bridge\n", made, drawn_first, refused_first, bridges_of_first);
+}
+
+// What had led to such bridges: of two parts of one straight line the lines' intersection is a quotient of rounding errors, and
+// was taken for a place where the path crosses itself, after which its own walls were not kept clear of.
+TEST(LeaningStrokes, AStraightLineInPiecesDoesNotCrossItself) {
+  for (int i = 0; i < 400; ++i) {
+    const double angle = 0.0157 * i, length = 17 + 0.01 * i;
+    const Vec2 way(std::cos(angle), std::sin(angle)), from(-17.3 + 0.013 * i, -3.1);
+    for (const double piece_mm : {1.7, 0.8, 0.55}) {
+      std::vector<Vec2> path;
+      for (const auto& part : divided({from, from + length * way}, piece_mm)) path.insert(path.end(), part.begin(), part.end());
+      EXPECT_TRUE(self_crossings(path).empty()) << i;
+      EXPECT_FALSE(meets_itself(path, false)) << i;
+    }
+  }
+  EXPECT_EQ(self_crossings(std::vector<Vec2>{{0, 0}, {4, 0}, {4, 2}, {2, -2}}).size(), 1u);
+  EXPECT_EQ(self_crossings(std::vector<Vec2>{{0, 0}, {4, 0}, {4, 2}, {2, 0}}).size(), 1u);  // touched is crossed
+}
+
+}  // namespace
+}  // namespace limberg::test
