@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/cutting/blade_angle.h"
 #include "sim/cutting/blade_continue.h"
 #include "sim/cutting/blade_parts.h"
 #include "sim/cutting/pull_back.h"
 #include "sim/cutting/sheet_mesh.h"
 #include "sim/cutting/tri_tests.h"
+#include "sim/geometry/blade_angle.h"
 
 namespace limberg {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/cutting/blade_angle.h"
 #include "sim/cutting/store.h"
 #include "sim/cutting/tri_tests.h"
+#include "sim/geometry/blade_angle.h"
 
 namespace limberg {
 

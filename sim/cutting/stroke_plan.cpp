@@ -5,10 +5,10 @@
 #include <deque>
 #include <numbers>
 
-#include "sim/cutting/blade_angle.h"
 #include "sim/cutting/blade_continue.h"
 #include "sim/cutting/handles.h"
 #include "sim/cutting/stroke_runs.h"
+#include "sim/geometry/blade_angle.h"
 
 namespace limberg {
 

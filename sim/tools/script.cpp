@@ -10,8 +10,8 @@
 #include <sstream>
 #include <type_traits>
 
-#include "sim/cutting/blade_angle.h"
 #include "sim/error.h"
+#include "sim/geometry/blade_angle.h"
 #include "sim/tools/script_reader.h"
 
 namespace limberg {

@@ -100,9 +100,9 @@ TEST(Study, ThePeakOfAParabolaIsFoundBetweenTheAngles) {
   }
   int found = 0;
   for (const Bar& b : find_family("zplasty").bars(rows)) {
-    if (b.name.find("members of the protocol") != std::string::npos) EXPECT_EQ(b.value, 25);  // of 5 x 3 x 2
-    if (b.name.find("no member tells") != std::string::npos) EXPECT_EQ(b.value, 5 * 12);  // all but elongation and height
-    if (b.name.find("none of the three efficiency indices") != std::string::npos) EXPECT_EQ(b.value, 0);
+    if (b.name.find("members of the protocol") != std::string::npos) { EXPECT_EQ(b.value, 25); }  // of 5 x 3 x 2
+    if (b.name.find("no member tells") != std::string::npos) { EXPECT_EQ(b.value, 5 * 12); }  // all but elongation and height
+    if (b.name.find("none of the three efficiency indices") != std::string::npos) { EXPECT_EQ(b.value, 0); }
     const bool work = b.name.find("greatest gain for the work") != std::string::npos, ear = b.name.find("greatest gain for the dog-ear") != std::string::npos;
     if (!work && !ear) continue;
     EXPECT_NEAR(b.value, work ? 56 : 62, 1e-9);
