@@ -233,8 +233,15 @@ void add_tool(PropMesh& mesh, const ToolPose& tool) {
           mesh.tri.push_back({q, q + 3, q + 2});
         }
       }
-      body({{16, 1.3f}, {20, 1.7f}, {34, 2.1f}, {60, 2.7f}, {118, 2.9f}, {126, 2.2f}}, steel);
-      for (int i = 0; i < 9; ++i) body({{36 + 2.4f * float(i), 2.45f + 0.05f * float(i)}, {37 + 2.4f * float(i), 2.45f + 0.05f * float(i)}}, grip);
+      const size_t handle = mesh.vertex.size();
+      body({{16, 1.5f}, {20, 2.1f}, {34, 2.7f}, {40, 3.4f}, {60, 3.7f}, {104, 3.3f}, {116, 3.6f}, {122, 2.4f}}, steel);
+      for (int i = 0; i < 9; ++i) body({{40 + 2.4f * float(i), 3.6f}, {41 + 2.4f * float(i), 3.6f}}, grip);
+      constexpr float kFlat = 0.38f;  // the handle is a flat bar
+      for (size_t i = handle; i < mesh.vertex.size(); ++i) {
+        PropVertex& v = mesh.vertex[i];
+        v.x_mm -= (1 - kFlat) * (v.x_mm - tool.tip_mm).dot(side) * side;
+        v.normal = direction(v.normal + (1 / kFlat - 1) * v.normal.dot(side) * side, side);
+      }
       break;
     }
     case ToolPose::Kind::hook:

@@ -88,7 +88,7 @@ void add_stitch(RenderScene& scene, const Snapshot& snapshot, const SutureState&
   const Vec3f gap = s.b_mm - s.a_mm;
   const Patch patch(scene, 0.5f * (s.a_mm + s.b_mm), 0.5f * gap.norm() + kBite_mm + 2);
   // Beside a wound the nearest vertex may belong to an edge that is rolled in: the skin around says where up is.
-  const Vec3f up = patch.normal.dot(at.normal) > 0 ? patch.normal : at.normal;
+  const Vec3f up = patch.normal.squaredNorm() > 0.5f ? patch.normal : at.normal;
   // An open stitch points from end to end; a closed one has no direction left and takes the wound's.
   Vec3f across = gap.norm() > 1.5f ? Vec3f(gap.normalized()) : across_rim(scene, snapshot, s.a_mm, up);
   across = (across - across.dot(up) * up).normalized();

@@ -12,6 +12,7 @@
 #include "app/output.h"
 #include "app/pictures.h"
 #include "app/progress.h"
+#include "app/session/clock.h"
 #include "app/report/report.h"
 #include "app/report/report_names.h"
 #include "app/session/as_recorded.h"
@@ -25,6 +26,13 @@
 namespace limberg {
 
 namespace {
+
+/// A time as one says it.
+std::string about_s(double s) {
+  char t[40];
+  std::snprintf(t, sizeof t, s < 100 ? "%.0f s" : s < 6000 ? "%.0f min" : "%.1f h", s < 100 ? s : s < 6000 ? s / 60 : s / 3600);
+  return t;
+}
 
 bool is_special(const std::string& file) {
   struct stat st {};
@@ -203,7 +211,13 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   set.end_tick = call.end_tick;
   set.stop_when_recording_fails = call.command == "emulate";
   set.interrupted = interrupted;
-  set.progress = [&](int64_t tick) { progress.show(double(tick) * 1e-3, call.known_length_s, "s"); };
+  const int64_t began_ns = RealClock::monotonic_ns();
+  set.progress = [&](int64_t tick) {
+    const double done_s = double(tick) * 1e-3, took_s = double(RealClock::monotonic_ns() - began_ns) * 1e-9;
+    // A film and a replay take as long as they need: what is left goes by what was needed until now.
+    if (call.real_time || call.known_length_s <= 0 || done_s < 0.02 * call.known_length_s) progress.show(done_s, call.known_length_s, "s");
+    else progress.show(done_s, call.known_length_s, ("s, " + about_s(took_s * std::max(0.0, call.known_length_s / done_s - 1)) + " left").c_str());
+  };
   set.say = [&](const std::string& line) { progress.clear(), say(line); };
   if (window) set.gauges = &window->gauges(), set.pump = [&] { window->pump(); };
   SessionFigures f;

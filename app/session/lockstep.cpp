@@ -46,8 +46,8 @@ SessionFigures run_lockstep(SessionLanes lanes, const SessionSettings& set) {
     if (last || (tick > 0 && tick % set.checkpoint_ticks == 0)) {
       out.checkpoints.push_back({tick, solver.state_hash()});
       if (recorder && !last) recorder->checkpoint(tick, out.checkpoints.back().hash);
-      if (set.progress) set.progress(tick);
     }
+    if (set.progress && tick % 100 == 0) set.progress(tick);
     if (last) break;
     if (end < 0 && device.done()) end = tick + set.tail_ticks;
     if (tick % 64 == 0 && set.interrupted && set.interrupted()) out.interrupted = true;

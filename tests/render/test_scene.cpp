@@ -153,19 +153,34 @@ TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
 }
 
 TEST(SceneBuilder, ThreadLiesOverAFoldOfLargeTriangles) {
-  // A tent of 6 mm triangles: some that lie between the holes have their corners farther off than the stitch is long.
-  Snapshot s = sample_snapshot({.cells = 10, .wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
+  // A fold along a diagonal of 12 mm squares, whose corners are all farther off than the stitch is long: the skin rises from the stitch
+  // to both sides, by 2.5 mm at a distance of 12 (|x| + |y|).
+  Snapshot s = sample_snapshot({.cells = 5, .wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
   for (Vec3f& x : s.x_mm)
-    if (x.norm() < 1e-3f) x.z() = 2.5f;
-  s.sutures[0].a_mm = s.sutures[0].b_mm = Vec3f(0, 0, 2.5f);
+    if ((x - Vec3f(6, -6, 0)).norm() < 1e-3f || (x - Vec3f(-6, 6, 0)).norm() < 1e-3f) x.z() = 2.5f;
+  s.sutures[0].a_mm = s.sutures[0].b_mm = Vec3f(0, 0, 0);
   SceneBuilder builder;
   const RenderScene& scene = builder.build(s);
-  for (float x = -1.6f; x < 1.7f; x += 0.2f) {
+  for (float x = -2.0f; x < 2.1f; x += 0.2f) {
     bool above = false;
     for (const PropVertex& v : scene.props.vertex)
-      above |= std::abs(v.x_mm.x() - x) < 0.25f && v.x_mm.z() > 2.5f * (1 - std::abs(v.x_mm.x()) / 6) + 0.05f;
+      above |= std::abs(v.x_mm.x() - x) < 0.25f && v.x_mm.z() > 2.5f * std::abs(v.x_mm.x() - v.x_mm.y()) / 12 + 0.05f;
     EXPECT_TRUE(above) << x;
   }
+}
+
+TEST(SceneBuilder, ThreadLiesAboveAnEdgeThatIsRolledIn) {
+  // The nearest piece of skin to the stitch looks down, as the lip of a wound that is turned under: up is where the skin around looks.
+  Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
+  for (size_t v = 0; v < s.x_mm.size(); ++v)
+    if (const Vec3& X = s.topology->view.X_mm[v]; X.z() > -1e-6 && X.norm() < 1.2) s.x_mm[v].x() = -s.x_mm[v].x();
+  s.sutures[0].a_mm = s.sutures[0].b_mm = Vec3f(0, 0, 0);
+  SceneBuilder builder;
+  const RenderScene& scene = builder.build(s);
+  ASSERT_FALSE(scene.props.vertex.empty());
+  float sum = 0;
+  for (const PropVertex& v : scene.props.vertex) sum += v.x_mm.z();
+  EXPECT_GT(sum / float(scene.props.vertex.size()), 0.1f);
 }
 
 TEST(Visible, ClosedSurfaceShowsItsFrontAndWhatIsInTheFrame) {
