@@ -48,6 +48,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
   double key_peak = 0, other_peak = 1e-12;
   for (size_t i = 0; i < d.metrics.sutures.size(); ++i) (i ? other_peak : key_peak) = std::max(i ? other_peak : key_peak, d.metrics.sutures[i].peak_N);
   r.figures.insert(r.figures.end(), {{"key_D_F_peak_N", key_peak}, {"other_peak_N", other_peak}});
+  for (size_t i = 1; i < 3 && i < d.metrics.sutures.size(); ++i) r.figures.push_back({i == 1 ? "key_tip_B_peak_N" : "key_tip_A_peak_N", d.metrics.sutures[i].peak_N});
   // The strongest stitch within 8 mm of where D and F have come to lie, and elsewhere.
   double donor = 0, next = 1e-12;
   const auto lies = [&](const Corner& c) { return d.map->now_mm(place(f, c) + 0.3 * tissue_bisector(f, c)).value_or(Vec3::Zero()); };
@@ -106,7 +107,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
                                      {"direction_off_deg", std::acos(std::min(1.0, std::abs(here.direction.head<2>().dot(closing)))) * 180 / std::numbers::pi}});
   add_common(r, d);
   char name[60];
-  std::snprintf(name, sizeof name, "flap %g, defect %g degrees", v[0], v[1]);
+  std::snprintf(name, sizeof name, "%g in %g degrees, %g %%, %g mm", v[0], v[1], v[2], v[3]);
   r.title = name;
   return r;
 }
