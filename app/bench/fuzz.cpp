@@ -66,7 +66,7 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
   runner_settings.check_every = s.check_every;
   if (!s.out_dir.empty()) std::filesystem::create_directories(s.out_dir);
   int64_t reported = 0;
-  for (uint64_t history = s.first_history; report.operations() < s.operations; ++history) {
+  for (uint64_t history = s.first_history; report.operations() < s.operations && !(s.stop && s.stop()); ++history) {
     const bool adversarial = s.adversarial && (!s.generic || history % 2 == 1);
     fuzz::Counts& total = adversarial ? report.adversarial : report.generic;
     fuzz::Random mix{s.seed * 0x100000001b3ull + history};

@@ -20,6 +20,7 @@ struct FuzzSettings {
   int shrink_runs = 400;                            // given to making one small
   std::string out_dir;                              // for repro files, of violations and of refused cuts in general position; empty: none are written
   std::function<void(const std::string&)> progress;  // empty: silent
+  std::function<bool()> stop;                        // asked between histories: true ends the run, what was done is reported
   bool generic = true, adversarial = true;
   int front_levels = 0;                             // of the lattice: how often cells at a front are divided
   int divide_every = 1;                             // ... in one of so many histories of either kind

@@ -198,6 +198,8 @@ int run(const Options& o) {
     s.seed = o.seed;
     s.front_levels = o.front_levels;
     s.divide_every = o.divide_every;
+    catch_interrupts();  // what was done by then is reported
+    s.stop = interrupted;
     s.check_every = o.check_every;
     s.out_dir = o.common.out_dir;
     s.progress = note;

@@ -77,6 +77,21 @@ TEST(Fuzz, DividedFronts) {  // 4 s of CPU (2026-11-21)
   EXPECT_EQ(r.operations(), s.operations);
 }
 
+// Fronts are divided in one history of so many, of either kind; a run that is told to stop reports what it has done.
+TEST(Fuzz, DividesAShareOfHistoriesAndStopsWhenTold) {
+  bench::FuzzSettings s;
+  s.operations = 240;
+  s.check_every = 100;
+  s.front_levels = 3;
+  s.divide_every = 4;
+  const bench::FuzzReport r = bench::fuzz_run(s);  // ten histories of 24, of which 0, 1, 8 and 9 are divided
+  EXPECT_EQ(r.operations(), 240);
+  EXPECT_EQ(r.divided, 4 * 24);
+  int asked = 0;
+  s.stop = [&] { return ++asked > 3; };
+  EXPECT_EQ(bench::fuzz_run(s).operations(), 3 * 24);
+}
+
 TEST(Fuzz, GeneralPosition) { slice(false); }
 TEST(Fuzz, Adversarial) { slice(true); }
 
