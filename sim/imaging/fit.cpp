@@ -47,7 +47,7 @@ class Fitter {
     }
     if (s_.open_ends) {
       look(1, range(1));
-      framed_ = false;
+      framed_ = false, opening_ = true;
       for (int round = 0; round < kRounds; ++round) {
         std::vector<std::string> notes;
         const int opened = open_blind(m_, blind_faces(), notes);
@@ -162,13 +162,21 @@ class Fitter {
     }
   }
 
-  /// Rims of openings are drawn to the edge of the scan; small ones are left alone: a few points of an edge would draw them together.
+  /// Rims of openings are drawn to the edge of the scan; those that the mesh began with go onwards where it does; small ones are left alone: a few points of an edge would draw them together.
   void to_scan_edge(const EndContour& e) {
     double around = 0;
     for (size_t i = 0; i < e.rim.size(); ++i) around += (m_.x_mm[size_t(e.rim[i])] - m_.x_mm[size_t(e.rim[(i + 1) % e.rim.size()])]).norm();
     if (around < kSmallRim * sight_.voxel()) return;
-    for (const int32_t v : e.rim)
-      if (const Vec3 way = sight_.to_edge(m_.x_mm[size_t(v)]); way != Vec3::Zero()) pull_[size_t(v)] = way;
+    const size_t n = e.rim.size();
+    for (size_t i = 0; i < n; ++i) {
+      const int32_t v = e.rim[i];
+      const Vec3& x = m_.x_mm[size_t(v)];
+      Vec3 way = sight_.to_edge(x);
+      if (way == Vec3::Zero() && !opening_)
+        if (const LocalFrame f = m_.frame(v); !f.degenerate)
+          way = sight_.onwards(x, f.N.cross(m_.x_mm[size_t(e.rim[(i + 1) % n])] - m_.x_mm[size_t(e.rim[(i + n - 1) % n])]).normalized());
+      if (way != Vec3::Zero()) pull_[size_t(v)] = way;
+    }
   }
 
   /// Rims at the border of the data are drawn to it, those of other openings to the crest of the surface there (fit_rims.cpp).
@@ -179,6 +187,14 @@ class Fitter {
       if (!sight_.knows_air()) {
         if (framed_) hold(*sight_.heights(), e, beta);
         else to_scan_edge(e);
+        continue;
+      }
+      if (!opening_) {  // what the mesh began with is held at the border, as strongly as the rim's own curve draws
+        for (int32_t v : e.rim) {
+          Vec3 outward, &pull = pull_[size_t(v)];
+          double way = 0;
+          if (sight_.border(m_.x_mm[size_t(v)], 6 * sight_.voxel(), outward, way) >= 0) pull += (0.5 / beta * way - outward.dot(pull)) * outward;
+        }
         continue;
       }
       if (find) find_rim(e);
@@ -251,6 +267,7 @@ class Fitter {
   Workers& workers_;
   Motion motion_;
   Topology topology_;
+  bool opening_ = false;  // rims are made, and go where they belong
   bool framed_;  // a plane's edge is held, until the apron is opened
   FitReport r_;
   std::vector<Vec3> pull_, rim_to_;

@@ -42,6 +42,8 @@ class Sight {
   virtual const ScanHeights* heights() const { return nullptr; }
   /// The way of a rim's vertex to the nearest edge of a scan; none: zero.
   virtual Vec3 to_edge(const Vec3&) const { return Vec3::Zero(); }
+  /// The way to where a scan goes on beyond a rim's vertex, in direction `out`; it does not: zero.
+  virtual Vec3 onwards(const Vec3&, const Vec3& /*out*/) const { return Vec3::Zero(); }
 };
 
 class VolumeSight final : public Sight {
@@ -84,6 +86,7 @@ class PointSight final : public Sight {
   const std::vector<Vec3>& surface() const override { return points_; }
   const ScanHeights* heights() const override { return heights_ ? &*heights_ : nullptr; }
   Vec3 to_edge(const Vec3& x) const override;
+  Vec3 onwards(const Vec3& x, const Vec3& out) const override;
 
  private:
   const std::vector<Vec3>& points_;

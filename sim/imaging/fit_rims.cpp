@@ -17,6 +17,7 @@ constexpr double kStep = 0.3, kWay = 2.5;  // mean voxels: one step, and the way
 constexpr double kOff = 1;                 // voxels from the surface: a vertex in the mouth of a cavity is lost
 constexpr double kBeyond = 0.3;            // voxels beyond the border
 constexpr double kCorner = 0.5;            // radians: a surface that turns less has no crest
+constexpr double kBorder = 3, kAtBorder = 2;  // voxels from the border: a rim goes to it; also one at a mouth
 constexpr double kReach = 3;               // mean voxels: how far a rim may be from the surface
 }  // namespace
 
@@ -54,17 +55,20 @@ bool VolumeSight::onto(Vec3& x, const Vec3& e1, const Vec3& e2, double within) c
 }
 
 bool VolumeSight::rim(const Vec3& x, const Vec3& along, const Vec3& N0, const Vec3& outward, Vec3& to) const {
+  const Vec3 N = (N0 - along.dot(N0) * along).normalized(), c = N.cross(along);  // c: into the opening
+  bool mouth = false;
+  for (int i = 0; i < 3; ++i) mouth |= at_gate(x + i * mean_voxel_ * c);
   if (outward != Vec3::Zero()) {
     Vec3 there;
     double way = 0;
-    if (border(x, 6 * p_.voxel_mm, there, way) < 0) return false;
     const Vec3 e1 = along - outward.dot(along) * outward;
-    if (!(e1.norm() > 0.1)) return false;
-    to = x + way * outward;
-    if (Vec3 q = to; onto(q, e1.normalized(), outward.cross(e1).normalized(), kReach * mean_voxel_)) to = q;
-    return true;
+    if (border(x, kBorder * p_.voxel_mm, there, way) >= 0 && !(mouth && way > kAtBorder * p_.voxel_mm) && e1.norm() > 0.1) {
+      to = x + way * outward;
+      if (Vec3 q = to; onto(q, e1.normalized(), outward.cross(e1).normalized(), kReach * mean_voxel_)) to = q;
+      return true;
+    }
   }
-  const Vec3 N = (N0 - along.dot(N0) * along).normalized(), c = N.cross(along);  // c: into the opening
+  if (!mouth) return false;
   Vec3 start = x;
   if (!onto(start, N, c, kReach * mean_voxel_)) {
     const PointTree::Nearest n = tree_.nearest(x, 2 * kReach * mean_voxel_);

@@ -140,6 +140,12 @@ Vec3 PointSight::to_edge(const Vec3& x) const {
   return n.index < 0 ? Vec3(Vec3::Zero()) : Vec3(edge_.point(n.index) - x);
 }
 
+Vec3 PointSight::onwards(const Vec3& x, const Vec3& out) const {
+  if (heights_) return Vec3::Zero();
+  const PointTree::Nearest n = tree_.nearest(x + 2 * spacing_ * out, 1.5 * spacing_);
+  return n.index < 0 ? Vec3(Vec3::Zero()) : Vec3(tree_.point(n.index) - x);
+}
+
 double PointSight::distance(const Vec3&, const Vec3& way) const { return way.norm(); }
 
 }  // namespace limberg::imaging
