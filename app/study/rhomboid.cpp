@@ -14,7 +14,7 @@ namespace {
 
 // ---- Rhomboid flaps
 
-const std::vector<std::string> kRhomboid{"flap_angle", "defect_angle", "prestretch", "cell_mm", "contact", "side_mm", "depth_mm", "bed"};
+const std::vector<std::string> kRhomboid{"flap_angle", "defect_angle", "prestretch", "cell_mm", "contact", "side_mm", "depth_mm", "bed", "spacing_mm"};
 
 // Corners of rhombic flaps (figures.h): 0 A, 1 and 5 D (outer and flap), 2 and 4 E (outer and flap), 3 F, 6 C, 7 B.
 constexpr Corner kD{0, 1}, kE{0, 2}, kF{0, 3}, kC{0, 6};
@@ -32,12 +32,12 @@ Row run_rhomboid(const Values& v, const Run& with) {
   const Figure f = v[0] == 60 ? find_procedure("rhomboid").figure({L, v[1]}) : find_procedure("webster").figure({L, v[0]});
   Patch patch;
   patch.side_mm = 7 * L, patch.prestretch_percent = v[2], patch.cell_mm = v[3], patch.undermine_mm = 0.7 * L, patch.contact = v[4] > 0;
-  patch.depth_mm = v[6], patch.push_mm = v[8];
+  patch.depth_mm = v[6], patch.push_mm = v[8], patch.spacing_mm = v[9];
   if (v[7] <= 0) patch.support = Support::none, patch.side_mm = 6.4 * L, patch.region_mm = 3 * L;
   for (const Corner& c : {kE, kC}) patch.ears.push_back(place(f, c) + 0.15 * L * tissue_bisector(f, c));
   const Done d = carry_out_on(patch, f, with);
   Row r;
-  r.figures = {{"flap_angle", v[0]}, {"defect_angle", v[1]}, {"prestretch", v[2]}, {"cell_mm", v[3]}, {"contact", v[4]}, {"side_mm", L}, {"depth_mm", v[6]}, {"bed", v[7]}, {"push_mm", v[8]}};
+  r.figures = {{"flap_angle", v[0]}, {"defect_angle", v[1]}, {"prestretch", v[2]}, {"cell_mm", v[3]}, {"contact", v[4]}, {"side_mm", L}, {"depth_mm", v[6]}, {"bed", v[7]}, {"push_mm", v[8]}, {"spacing_mm", v[9]}};
   r.figures.push_back({"ear_donor_mm", d.height_mm(place(f, kE), L / 2)});
   r.figures.push_back({"ear_pivot_mm", d.height_mm(place(f, kC), L / 2)});
   r.figures.push_back({"at_D_F_mm", std::max(d.height_mm(place(f, kD), L / 4), d.height_mm(place(f, kF), L / 4))});
@@ -106,7 +106,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
                                      {"most_from_D_F_mm", std::min((most_at - place(f, kD)).norm(), (most_at - place(f, kF)).norm())},
                                      {"direction_off_deg", std::acos(std::min(1.0, std::abs(here.direction.head<2>().dot(closing)))) * 180 / std::numbers::pi}});
   add_common(r, d);
-  char name[60];
+  char name[120];
   std::snprintf(name, sizeof name, "%g in %g degrees, %g %%, %g mm", v[0], v[1], v[2], v[3]);
   r.title = name;
   return r;
@@ -128,7 +128,7 @@ void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
     far(r.at("most_from_D_F_mm") / r.at("side_mm")), off(r.at("direction_off_deg"));
     plan(std::max({std::abs(r.at("charge_C_deg") - 60), std::abs(r.at("charge_E_deg") - 60), std::abs(r.at("charge_DF_deg") + 120)}));
     if (r.at("prestretch") > 0) continue;  // tension draws cones flat
-    const double least = std::min(r.at("curvature_C_0.3_deg"), r.at("curvature_E_0.3_deg"));
+    const double least = std::min(r.at("curvature_C_0.2_deg"), r.at("curvature_E_0.2_deg"));
     if (r.at("bed") > 0) {
       slack = true;
       ears(std::min(r.at("ear_donor_mm"), r.at("ear_pivot_mm")) - r.at("at_D_F_mm"));
@@ -148,12 +148,12 @@ void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
   out.push_back(at_most(who + ": direction of the largest stretch there, off D-F, degrees", off.most, 30, "parallel to two sides of the rhombus; half of its 60 degrees"));
   out.push_back(at_most(who + ": angle deficits as cut and sewn off +60, +60, -120, degrees", plan.most, 0.5, "closed form; half a degree on 4 mm is 0.03 mm of the cut edges"));
   if (slack) {
-    out.push_back(at_least(who + ", slack, on fat: curvature within 0.3 sides of C and E, the smaller, degrees", slack_cones.least, 0, "cones of charge +60; what the fat holds flat is lost"));
+    out.push_back(at_least(who + ", slack, on fat: curvature within 0.2 sides of C and E, the smaller, degrees", slack_cones.least, 0, "cones of charge +60; what the fat holds flat is lost"));
     out.push_back(at_most(who + ", slack, on fat: curvature within 0.6 sides of D-F, degrees", slack_saddle.most, 0, "a saddle of charge -120; the same"));
     out.push_back(at_least(who + ", slack, on fat: lower ear (C, E) above the height at D-F, mm", ears.least, 0, "cones stand up, saddles do not"));
   }
   if (alone) {
-    out.push_back(at_least(who + ", slack skin alone: curvature within 0.3 sides of C and E, the smaller, degrees", cones.least, 45, "+60 by the theorem of Gauss and Bonnet, less a quarter: 0.3 sides are 4 thicknesses, where a cone begins to leave the plane (Seung and Nelson 1988); farther out skin bends back to where it is held"));
+    out.push_back(at_least(who + ", slack skin alone: curvature within 0.2 sides of C and E, the smaller, degrees", cones.least, 45, "+60 by the theorem of Gauss and Bonnet, less the quarter that the plate's heights are good to; farther out skin bends back to where it is held, and a loop encloses less"));
     out.push_back(at_most(who + ", slack skin alone: curvature within 0.6 sides of D-F, degrees", saddle.most, 0, "a saddle of charge -120, spread by the greatest tension of all"));
   }
 }
@@ -187,7 +187,8 @@ Family rhomboid() {
            {"side_mm", "of the defect and the flap", {20}, 10, 60},
            {"depth_mm", "of cut and undermining: how thick the flap is", {2}, 1.5, 8},
            {"bed", "1: on fat; 0: 1.5 mm of skin with nothing beneath it, held at three sides' lengths", {1}, 0, 1},
-           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10}},
+           {"push_mm", "height of the pushes that look for other equilibria; 0: none", {2}, 0, 10},
+           {"spacing_mm", "of the stitches", {4}, 1, 8}},
           run_rhomboid, bars_rhomboid, charts_rhomboid,
           {{"rhomboid", {"flap_angle=60", "prestretch=0,5,10", "cell_mm=5,3.5"}}, {"rhomboid", {"flap_angle=60", "prestretch=0", "bed=0", "cell_mm=1.5,1.2"}}}};
 }
