@@ -294,7 +294,7 @@ struct Renderer::Impl {
     int unit = 1;
     for (const GLuint texture : {skin_map, grid_map, detail_map, layer_map, colour_map[size_t(o.scale)], slope_map}) {
       bind(unit++, texture);
-      if (texture == skin_map || texture == grid_map || texture == slope_map) set_anisotropy(gl, anisotropic, o.fine_skin && o.still ? 4.0f : 1.0f);
+      if (texture == skin_map || texture == grid_map) set_anisotropy(gl, anisotropic, o.fine_skin && o.still ? 4.0f : 1.0f);
     }
     std::array<size_t, kParts> triangles = s.mesh->triangles_of;
     if (o.wireframe) want_all_triangles(*s.mesh);
