@@ -53,7 +53,7 @@ code{font:.92em ui-monospace,"DejaVu Sans Mono",Consolas,monospace}
 a{color:var(--accent)}
 footer{margin-top:48px;padding-top:12px;border-top:1px solid var(--grid);font-size:.86rem;color:var(--soft);overflow-wrap:anywhere}
 @media (max-width:640px){body{padding:16px 12px 40px}th,td{padding:6px 7px}td.bar,th.bar{display:none}.phone{display:none}
-td:first-child,th{white-space:normal}td:first-child code{overflow-wrap:anywhere}.pairs{gap:14px 8px}svg.chart{min-width:600px}}
+td:first-child,th{white-space:normal}td:first-child code{overflow-wrap:anywhere}.pairs{gap:14px 8px}.bars td:first-child{min-width:7em}svg.chart{min-width:600px}}
 @media print{:root{--paper:#fff;--card:#f3f5f6;--ink:#000;--soft:#444;--grid:#ccc;--good:#1a7f4b;--warn:#b26a00;--bad:#b3261e;--s1:#0072b2;--s2:#d55e00;--s3:#009e73;color-scheme:light}
 body{max-width:none;padding:0;font-size:11pt}h2{margin-top:22pt}figure,tr,.card,svg.chart,.verdict{break-inside:avoid}thead{display:table-header-group}.cards{grid-template-columns:repeat(3,1fr)}.hero img{max-height:9cm;width:auto}.onchart img,.onchart svg{max-height:9cm}h2,h3{break-after:avoid}
 pre{max-height:none;white-space:pre-wrap;overflow-wrap:anywhere;overflow:visible}.wide{overflow:visible;background:none}td:first-child,th{white-space:normal}.story{grid-template-columns:1fr 1fr 1fr;gap:10px}.pairs{grid-template-columns:1fr 1fr}th,td{padding:3px 10px}*{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
