@@ -237,6 +237,10 @@ int run(const Options& o) {
   for (const auto& [title, chart] : charts) add_chart(result, result.entries("/charts"), title, chart);
   bool ok = true;
   for (const bench::Bar& x : b.bars) ok &= x.pass;
+  if (interrupted()) {
+    std::fprintf(stderr, "limberg: interrupted after %lld operations; they are reported\n", static_cast<long long>(fuzzed.operations()));
+    ok = false;
+  }
   result.set_ok(ok);
   if (!o.common.json_file.empty()) result.write(o.common.json_file);
   if (!o.common.out_dir.empty()) result.write(o.common.out_dir + "/result.json");

@@ -61,7 +61,7 @@ class Fitter {
         settle(1, s_.iterations / 2, true);
         look(1, range(1));
       }
-      if (r_.holes > 0) {
+      if (r_.holes > 0 && sight_.knows_air()) {
         split_rims(m_, 1.5 * s_.edge_mm);
         compact(m_, true);
         settle(1, 2 * s_.iterations, false);  // the rims come to rest

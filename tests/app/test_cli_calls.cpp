@@ -81,7 +81,7 @@ TEST_F(Cli, SeveralCallsMayWriteIntoOneFolder) {
 }
 
 TEST_F(Cli, CtrlCEndsWorkThatKeepsNothing) {
-  // A bench of hours: ended by the first signal, with the status of a goal not reached.
+  // A bench of hours: ended by the first signal, with what it has done and the status of a goal not reached.
   const std::string call = "{ " + kProgram + " bench fuzz --operations 100000000 >" + path("out") + " 2>" + path("err") + " & p=$!; sleep 0.3; kill -TERM $p; wait $p; echo $? >" + path("status") + "; }";
   ASSERT_EQ(std::system(call.c_str()), 0);
   EXPECT_EQ(slurp(path("status")), "3\n");
