@@ -32,6 +32,12 @@ void add_chart(Result& r, int number, const std::string& title, const LineChart&
     r.set(q + "/x", std::span<const float>(x));
     r.set(q + "/y", std::span<const float>(y));
   }
+  for (const auto& [key, marks] : {std::pair("/x_marks/", &c.x_marks), std::pair("/y_marks/", &c.y_marks)})
+    for (size_t k = 0; k < marks->size(); ++k) {
+      const std::string q = p + key + std::to_string(k);
+      r.set(q + "/value", (*marks)[k].value);
+      r.set(q + "/label", (*marks)[k].label);
+    }
 }
 
 std::string short_number(double v, int digits) {

@@ -1,6 +1,7 @@
 #include "app/head/report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 #include <optional>
@@ -52,7 +53,7 @@ ResultTable measure_table(Result& r, const std::vector<HeadMeasure>& all, HeadMe
     const std::string p = std::string("/head/") + key + "/" + std::to_string(n++);
     r.set(p + "/name", m.name), r.set(p + "/unit", m.unit), r.set(p + "/before", m.before), r.set(p + "/after", m.now);
     char text[3][32];
-    std::snprintf(text[0], 32, "%.1f", m.before), std::snprintf(text[1], 32, "%.1f", m.now), std::snprintf(text[2], 32, "%+.2f", m.change() + 0.0);
+    std::snprintf(text[0], 32, "%.1f", m.before), std::snprintf(text[1], 32, "%.1f", m.now), std::snprintf(text[2], 32, "%+.2f", std::round(100 * m.change()) / 100 + 0.0);
     t.rows.push_back({m.name, text[0], text[1], text[2], m.unit, m.norm});
   }
   return t;
@@ -72,7 +73,7 @@ void add_forehead(Result& r, const Head& head, ResultTable& t) {
       const std::string p = "/head/cephalometry/" + std::to_string(t.rows.size());
       r.set(p + "/name", words), r.set(p + "/unit", "mm"), r.set(p + "/before", a), r.set(p + "/after", b);
       char text[3][32];
-      std::snprintf(text[0], 32, "%.1f", a), std::snprintf(text[1], 32, "%.1f", b), std::snprintf(text[2], 32, "%+.2f", b - a + 0.0);
+      std::snprintf(text[0], 32, "%.1f", a), std::snprintf(text[1], 32, "%.1f", b), std::snprintf(text[2], 32, "%+.2f", std::round(100 * (b - a)) / 100 + 0.0);
       t.rows.push_back({words, text[0], text[1], text[2], "mm", ""});
     }
 }
@@ -107,7 +108,7 @@ void fill_head(Result& r, const Head& head, int tables) {
   ResultTable t;
   t.title = "Fragments";
   t.about = "How far the middle of each fragment lies from where it was, and by how much it is turned.";
-  t.columns = {"fragment", "volume, cm3", "right, mm", "forward, mm", "up, mm", "distance, mm", "turned, degrees"};
+  t.columns = {"fragment", "volume, cm³", "right, mm", "forward, mm", "up, mm", "distance, mm", "turned, degrees"};
   int n = 0;
   for (const bone::Fragment& f : head.bones().fragments()) {
     const Vec3 way = f.pose * f.centre_mm - f.centre_mm;
@@ -125,7 +126,7 @@ void fill_head(Result& r, const Head& head, int tables) {
   ResultTable g;
   g.title = "Gaps between fragments";
   g.about = "Between the cut surfaces of fragments that were cut from each other, or wherever two fragments overlap.";
-  g.columns = {"fragments", "gap, mean, mm", "gap, largest, mm", "overlap, deepest, mm", "overlap, mm3"};
+  g.columns = {"fragments", "gap, mean, mm", "gap, largest, mm", "overlap, deepest, mm", "overlap, mm³"};
   r.set_empty_list("/head/gaps");
   n = 0;
   for (const bone::Gap& x : head.bones().gaps()) {

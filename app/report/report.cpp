@@ -21,7 +21,7 @@ namespace {
 
 std::string page(const ReportData& d, const std::string& dir) {
   namespace s = sections;
-  return whole_page(s::title(d), s::heading(d, dir) + "<main>\n" + s::study(d) + s::story(d, dir) + s::tension(d, dir) + s::sutures(d) + s::closing(d, dir) + s::exercise(d) +
+  return whole_page(s::title(d), s::heading(d, dir) + "<main>\n" + s::study(d) + s::story(d, dir) + s::gallery(d, dir) + s::tension(d, dir) + s::sutures(d) + s::closing(d, dir) + s::exercise(d) +
                                      s::balance(d) + s::convergence(d) + s::timing(d) + s::residual(d) + s::figures(d) + s::script(d) + "</main>\n" + s::footer(d));
 }
 

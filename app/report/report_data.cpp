@@ -83,12 +83,16 @@ void read_charts(const Json& j, ReportData& d) {
   const auto truth = [](const Json& v) { return v.is_boolean() && v.get<bool>(); };
   if (const Json& charts = member(j, "charts"); charts.is_array())
     for (const Json& c : charts) {
-      ReportChart chart{words(c, "title"), words(c, "description"), words(c, "x"), words(c, "y"), {}, truth(member(c, "x_log")), truth(member(c, "y_log"))};
+      ReportChart chart{words(c, "title"), words(c, "description"), words(c, "x"), words(c, "y"), {}, truth(member(c, "x_log")), truth(member(c, "y_log")), {}, {}};
       if (const Json& series = member(c, "series"); series.is_array())
         for (const Json& s : series) {
           ReportChart::Series one{words(s, "name"), column(member(s, "x")), column(member(s, "y")), truth(member(s, "markers"))};
           if (one.x.size() == one.y.size()) chart.series.push_back(std::move(one));
         }
+      for (const auto& [key, marks] : {std::pair("x_marks", &chart.x_marks), std::pair("y_marks", &chart.y_marks)})
+        if (const Json& list = member(c, key); list.is_array())
+          for (const Json& m : list)
+            if (const Maybe v = number(m, "value")) marks->emplace_back(*v, words(m, "label"));
       d.charts.push_back(std::move(chart));
     }
 }

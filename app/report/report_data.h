@@ -64,6 +64,7 @@ struct ReportChart {
   };
   std::vector<Series> series;
   bool x_log = false, y_log = false;
+  std::vector<std::pair<double, std::string>> x_marks, y_marks;  // lines at values worth comparing with, each with its label
 };
 
 struct ReportData {
@@ -100,6 +101,9 @@ struct ReportData {
   std::vector<std::pair<std::string, std::vector<Maybe>>> landmarks;  // name; displacement, along, across, up
   std::vector<double> series_closure_N, series_suture_max_N;
   std::vector<std::pair<std::string, std::string>> damage;  // of the recording: name, value
+
+  /// Bone alone was operated on, with no lattice of skin.
+  bool of_bones() const { return lattice.empty() && sutures.empty() && metrics.count("fragments") > 0; }
 
   Maybe metric(const std::string& name) const {
     const auto it = metrics.find(name);

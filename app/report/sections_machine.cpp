@@ -165,7 +165,8 @@ std::string figures(const ReportData& d) {
 std::string script(const ReportData& d) {
   std::string s;
   if (!d.script.empty()) {
-    s += "<section>\n<h2>The script of the operation</h2>\n<p class=\"note\">One action a line; points are millimetres on the skin. <code>limberg operate</code> runs it at any resolution.</p>\n<pre>";
+    s += "<section>\n<h2>The script of the operation</h2>\n<p class=\"note\">One action a line; " +
+         std::string(d.of_bones() ? "points are millimetres in the frame of the scan. <code>limberg operate</code> does it again." : "points are millimetres on the skin. <code>limberg operate</code> runs it at any resolution.") + "</p>\n<pre>";
     for (const std::string& line : d.script) s += escape(line) + "\n";
     s += "</pre>\n</section>\n";
   }

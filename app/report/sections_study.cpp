@@ -17,6 +17,8 @@ std::string chart_figure(const ReportChart& c) {
   chart.x.title = c.x, chart.y.title = c.y;
   chart.x.log = c.x_log, chart.y.log = c.y_log;
   for (const auto& s : c.series) chart.series.push_back({s.name, s.x, s.y, s.markers});
+  for (const auto& [value, label] : c.x_marks) chart.x_marks.push_back({value, label});
+  for (const auto& [value, label] : c.y_marks) chart.y_marks.push_back({value, label});
   return "<h3>" + escape(c.title) + "</h3>\n<figure class=\"wide\">" + svg(chart) + "</figure>\n";
 }
 

@@ -56,6 +56,16 @@ Maybe largest_force(const ReportData& d) {
   return m ? m : largest(d, &ReportSuture::force_N);
 }
 
+/// What there is of it: bones alone leave none, and the face after them is solved with each step.
+Maybe residual_of(const ReportData& d) { return d.of_bones() && d.residual && *d.residual == 0 ? Maybe() : d.residual; }
+
+std::string bones_moved(const ReportData& d) {
+  const double pieces = d.metric("fragments").value_or(0), far = d.metric("fragment_moved_max_mm").value_or(0), face = d.metric("face_moved_max_mm").value_or(0);
+  const std::string of = pieces == 1 ? "one piece of bone" : number(pieces) + " pieces of bone";
+  if (far < 0.005) return of + (pieces == 1 ? ", where it was" : ", all where they were");
+  return of + (pieces == 1 ? ", carried " : ", the farthest carried ") + quantity(far, "mm", 2) + (face < 0.005 ? "" : "; the face follows by up to " + quantity(face, "mm", 2));
+}
+
 // The parts of one line: what is closed, how hard it pulls, whether it has come to rest.
 std::string verdict(const ReportData& d, std::string& light) {
   light = "good";
@@ -74,7 +84,8 @@ std::string verdict(const ReportData& d, std::string& light) {
     worse(light_of_force(*force));
     says.push_back("largest suture force " + quantity(force, "N"));
   }
-  if (d.residual) {
+  if (d.of_bones()) says.push_back(bones_moved(d));
+  if (residual_of(d)) {
     const bool rest = *d.residual <= Limits::residual;
     if (!rest) worse("warn");
     says.push_back(std::string(rest ? "in equilibrium" : "not yet in equilibrium") + " (relative residual " + number(*d.residual, 2) + ")");
@@ -121,7 +132,12 @@ std::string key_figures(const ReportData& d) {
     const Maybe most = d.metric("stretch_max");
     c += card(quantity(v, "×"), "stretch, 99th percentile", joined(most ? "largest " + quantity(most, "×") : "", lattice_error(d, "stretch_p99", "")));
   }
-  if (d.residual) c += card(number(*d.residual, 2), "relative residual", "goal " + number(Limits::residual), *d.residual <= Limits::residual ? "good" : "warn");
+  if (d.of_bones()) {
+    c += card(number(d.metric("fragments").value_or(0)), "pieces of bone", "what was cut out counts");
+    if (const Maybe v = d.metric("fragment_moved_max_mm")) c += card(quantity(v, "mm", 3), "farthest piece", "of its middle from where it was");
+    if (const Maybe v = d.metric("face_moved_max_mm")) c += card(quantity(v, "mm", 3), "face moved, at most", "the place of the skin that moved most");
+  }
+  if (residual_of(d)) c += card(number(*d.residual, 2), "relative residual", "goal " + number(Limits::residual), *d.residual <= Limits::residual ? "good" : "warn");
   if (d.distance_mm) c += card(quantity(d.distance_mm, "mm", 2), "from equilibrium", "estimated by the last frame: the node that is farthest off");
   return c.empty() ? c : "<div class=\"cards\">\n" + c + "</div>\n";
 }
@@ -133,7 +149,7 @@ std::string light_of_force(double force_N) {
 }
 
 std::string title(const ReportData& d) {
-  return !d.scene_title.empty() ? capital(d.scene_title) : !d.scene.empty() ? capital(d.scene) : d.study.empty() ? "Operation" : "Study: " + d.study;
+  return !d.scene_title.empty() ? capital(d.scene_title) : !d.scene.empty() ? capital(d.scene) : d.command == "superpose" ? "Superposition" : d.command == "bench" ? "Benchmark" : d.study.empty() ? "Operation" : "Study: " + d.study;
 }
 
 std::string heading(const ReportData& d, const std::string& dir) {
@@ -184,7 +200,7 @@ std::string story(const ReportData& d, const std::string& dir) {
     const auto fact = [&](const std::string& f) { facts += (facts.empty() ? "" : " · ") + f; };
     if (stage.t_s) fact(quantity(stage.t_s, "s"));
     if (stage.sutures && *stage.sutures > 0) fact(number(*stage.sutures) + (*stage.sutures == 1 ? " suture" : " sutures"));
-    if (stage.residual) fact("residual " + number(*stage.residual, 2));
+    if (stage.residual && (!d.of_bones() || *stage.residual > 0)) fact("residual " + number(*stage.residual, 2));
     const std::string caption = "<b>" + std::to_string(k) + ". " + escape(capital(stage.name)) + "</b>" +
                                 (stage.caption.empty() ? "" : "<br/>" + escape(stage.caption)) + (facts.empty() ? "" : "<br/>" + facts);
     const std::string url = picture_url(dir, stage.picture, 960);

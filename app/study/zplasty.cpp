@@ -110,7 +110,7 @@ std::vector<NamedChart> charts_z(const std::vector<Row>& rows) {
       chart("elongation", "Elongation of the central limb", rows, "angle", "angle, degrees", "elongation", "times its length", kKeys),
       chart("dog-ear", "Height of the dog-ears", rows, "angle", "angle, degrees", "ear_mm", "height, mm; dashed: stands up", kKeys),
       chart("dog-ear-by-prestretch", "Height of the dog-ears", rows, "prestretch", "prestretch, percent", "ear_mm", "height, mm; dashed: stands up", kKeys),
-      chart("efficiency", "Gain for the work of closing", rows, "angle", "angle, degrees", "gain_per_root_work", "gain over root of the work, 1/sqrt(uJ)", kKeys),
+      chart("efficiency", "Gain for the work of closing", rows, "angle", "angle, degrees", "gain_per_root_work", "gain over root of the work, 1/√µJ", kKeys),
       chart("strain-efficiency", "Gain for the largest strain", rows, "angle", "angle, degrees", "efficiency", "gain over strain, times sine of the angle", kKeys),
       chart("ear-efficiency", "Gain for the dog-ear", rows, "angle", "angle, degrees", "elongation", "gain over height, 1/mm", kKeys)};
   // The last is of a quotient: the group's rows come in the order of the points.
@@ -118,7 +118,7 @@ std::vector<NamedChart> charts_z(const std::vector<Row>& rows) {
   for (size_t g = 0; g < by_angle.size(); ++g)
     for (size_t i = 0; i < by_angle[g].size(); ++i) out.back().chart.series[g].y[i] = gain_per_ear(*by_angle[g][i]);
   for (NamedChart& c : out)
-    for (ChartSeries& one : c.chart.series) one.name = short_name(one.name);
+    for (ChartSeries& one : c.chart.series) one.name = one.name.empty() ? "model" : short_name(one.name);
   // What geometry alone promises beside it; the height from which skin counts as standing up (half a skin's thickness or 1 mm).
   ChartSeries theory;
   theory.name = "theory", theory.markers = true;

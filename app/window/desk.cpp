@@ -274,8 +274,11 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
     std::snprintf(note, sizeof note, "residual %.1e, about %.2g mm from equilibrium", double(s.residual), double(s.distance_mm));
     lane("patient", ms(g.solver_ns), 16, note);
     const int at = std::snprintf(note, sizeof note, "shows what was %lld ms ago, %.0f pictures/s", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)), r.pictures_per_s);
-    if (const int64_t loss = LaneGauges::get(g.loss_permille); loss >= 0 && at > 0)
-      std::snprintf(note + at, sizeof note - size_t(at), ", the patient loses %.0f %%", 0.1 * double(loss));
+    if (const int64_t loss = LaneGauges::get(g.loss_permille); loss >= 0 && at > 0) {
+      // Beside other programs steps take several times as long: that is no figure of the pictures.
+      if (loss > 1000) std::snprintf(note + at, sizeof note - size_t(at), ", the machine is busy");
+      else std::snprintf(note + at, sizeof note - size_t(at), ", the patient loses %.0f %%", 0.1 * double(loss));
+    }
     if (r.at_leisure) std::snprintf(note, sizeof note, "at rest, drawn finely; shows what was %lld ms ago", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)));
     lane("picture", ms(g.frame_ns), 33, note, r.at_leisure);
   }

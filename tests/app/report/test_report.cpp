@@ -101,6 +101,26 @@ TEST_F(Report, StagesSayWhatTheScriptDid) {
   EXPECT_NE(h.find("2 hooks set. The flap is moved with the hooks. One row of sutures."), std::string::npos);
 }
 
+TEST_F(Report, AHeadHasItsOwnWordsAndItsPictures) {
+  write_png(dir / "face.png", Image(8, 8));
+  const std::string head = R"({"command": "operate", "scene": "craniofacial", "ok": true, "residual": 0, "stages": [{"name": "cut", "residual": 0}],
+    "metrics": {"fragments": 3, "fragment_moved_max_mm": 8, "face_moved_max_mm": 7.5}, "gallery": [{"picture": "face.png", "caption": "The face after"}],
+    "tables": [{"title": "Fragments", "columns": ["fragment"], "rows": [["cranium"]]}], "script": [{"action": "wait"}]})";
+  const std::string html = make(head);
+  EXPECT_NE(html.find("3 pieces of bone, the farthest carried 8\u202fmm; the face follows by up to 7.5\u202fmm."), std::string::npos);
+  EXPECT_NE(html.find("<h2>Bones and face</h2>"), std::string::npos);
+  EXPECT_NE(html.find("The face after"), std::string::npos);
+  for (const char* of_skin : {"residual", "The closure", "on the skin"}) EXPECT_EQ(html.find(of_skin), std::string::npos) << of_skin;
+}
+
+TEST_F(Report, ChartsKeepTheirMarks) {
+  const std::string chart = R"({"command": "bench", "charts": [{"title": "Error", "x": "size", "y": "mm", "y_marks": [{"value": 1, "label": "aim 1 mm"}, {"label": "nowhere"}],
+    "series": [{"name": "", "x": [1, 2], "y": [0.5, 2]}]}]})";
+  const std::string html = make(chart);
+  EXPECT_NE(html.find("aim 1 mm"), std::string::npos);
+  EXPECT_EQ(html.find("nowhere"), std::string::npos);
+}
+
 TEST_F(Report, LightsFollowTheLimits) {
   const auto with_force = [](double n, double gap) {
     return R"({"metrics":{"sutures":[{"id":1,"force_N":)" + std::to_string(n) + R"(,"gap_mm":)" + std::to_string(gap) + "}]}}";
