@@ -94,6 +94,17 @@ void fill(Result& out, const bench::Result& b) {
   for (size_t i = 0; i < b.notes.size(); ++i) out.set("/notes/" + std::to_string(i), b.notes[i]);
 }
 
+/// What was measured, as a table of the report.
+ResultTable measured(const bench::Result& b) {
+  ResultTable t;
+  t.title = "What was measured";
+  for (const std::string& note : b.notes) t.about += (t.about.empty() ? "" : " ") + note + (note.empty() || note.back() == '.' ? "" : ".");
+  t.columns = {"case", "method", "CPU time, ms", "error", "settings"};
+  for (const bench::Row& r : b.rows)
+    t.rows.push_back({r.name, r.method, (r.at_least ? "> " : "") + short_number(r.time_ms), short_number(r.error, 3) + " " + r.error_unit, r.settings});
+  return t;
+}
+
 /// "a, b or c"
 std::string any_of(const std::vector<std::string>& names) {
   std::string s;
@@ -242,8 +253,8 @@ int run(const Options& o) {
     ok = false;
   }
   result.set_ok(ok);
-  if (!o.common.json_file.empty()) result.write(o.common.json_file);
-  if (!o.common.out_dir.empty()) result.write(o.common.out_dir + "/result.json");
+  add_table(result, result.entries("/tables"), measured(b));
+  leave_result(result, o.common);
   return ok ? kDone : kGoalMissed;
 }
 

@@ -8,10 +8,12 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/numbers.h"
+#include "app/commands/session_command.h"
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/result.h"
 #include "app/session/workers_pool.h"
+#include "app/tables.h"
 #include "sim/error.h"
 #include "sim/imaging/registration.h"
 #include "sim/imaging/superposition.h"
@@ -53,6 +55,23 @@ void print(const Similarity& s) {
   std::printf("moved       turned by %.3f degrees, %s%.4f times as large, shifted by (%.3f, %.3f, %.3f) mm\n", s.angle_deg(), s.scale == 1 ? "" : "made ", s.scale, s.t_mm.x(), s.t_mm.y(), s.t_mm.z());
 }
 
+/// How A was moved, and how far it lies from what it was compared with, as tables of the report.
+void tell(Result& r, const Similarity& s) {
+  char t[4][48];
+  std::snprintf(t[0], 48, "%.3f", s.angle_deg()), std::snprintf(t[1], 48, "%.4f", s.scale);
+  std::snprintf(t[2], 48, "(%.3f, %.3f, %.3f)", s.t_mm.x(), s.t_mm.y(), s.t_mm.z());
+  add_table(r, int(r.entries("/tables")), {"How the first was moved", "", {"figure", "value"}, {{"turned, degrees", t[0]}, {"times as large", t[1]}, {"shifted, mm", t[2]}}});
+}
+void tell(Result& r, const char* title, const char* about, const DistanceMap& d) {
+  ResultTable t{title, about, {"figure", "mm"}, {}};
+  for (const auto& [name, v] : {std::pair("mean size", d.mean_abs_mm), std::pair("rms", d.rms_mm), std::pair("95 % within", d.p95_mm), std::pair("at most", d.max_mm)}) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3f", v);
+    t.rows.push_back({name, text});
+  }
+  add_table(r, int(r.entries("/tables")), t);
+}
+
 /// The map as a table and as a PLY with colours: blue inside, red outside, full at the 95th percentile.
 void write_map(const std::string& dir, const Surface& s, const Similarity& map, const DistanceMap& d) {
   std::string csv = "x_mm,y_mm,z_mm,distance_mm\n", ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(s.x_mm.size()) +
@@ -79,8 +98,7 @@ void write_map(const std::string& dir, const Surface& s, const Similarity& map, 
 int finish(const Options& o, Result& result, const std::string& reason) {
   if (!reason.empty()) say(o.a + ": " + reason), result.set("/reason", reason);
   result.set_ok(reason.empty());
-  if (!o.common.json_file.empty()) result.write(o.common.json_file);
-  if (!o.common.out_dir.empty()) result.write(o.common.out_dir + "/result.json");
+  leave_result(result, o.common);
   return reason.empty() ? kDone : kGoalMissed;
 }
 
@@ -102,6 +120,7 @@ int images(const Options& o, Result& result, Workers& workers, Progress& progres
   print(r.map);
   std::printf("information %.4f (1: nothing, 2: everything), %.4f at the start; %.0f %% of the samples in both, %d evaluations\n", r.information, r.at_start, 100 * r.overlap, r.evaluations);
   put(result, "/a_to_b", r.map);
+  tell(result, r.map);
   result.set("/information", r.information), result.set("/information_at_start", r.at_start), result.set("/overlap", r.overlap);
   if (!o.common.out_dir.empty()) {
     float least = a.value.front();
@@ -143,6 +162,7 @@ int run(const Options& o) {
     const DistanceMap d = distance_map(a, {}, SurfaceTarget(other), workers);
     std::printf("asymmetry   mean %.3f mm, rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm\n", d.mean_abs_mm, d.rms_mm, d.p95_mm, d.max_mm);
     result.set("/asymmetry/mean_abs_mm", d.mean_abs_mm), result.set("/asymmetry/rms_mm", d.rms_mm), result.set("/asymmetry/p95_mm", d.p95_mm), result.set("/asymmetry/max_mm", d.max_mm);
+    tell(result, "Left and right", "Distance of the surface from its own mirror image. The plane is the one in which they differ least.", d);
     if (!o.common.out_dir.empty()) write_map(o.common.out_dir, a, {}, d);
     if (o.b.empty()) return finish(o, result, {});
   }
@@ -174,6 +194,8 @@ int run(const Options& o) {
   const DistanceMap d = distance_map(a, map, target, workers);
   std::printf("distance    mean %+.3f mm, mean size %.3f mm, rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm\n", d.mean_mm, d.mean_abs_mm, d.rms_mm, d.p95_mm, d.max_mm);
   result.set("/distance/mean_mm", d.mean_mm), result.set("/distance/mean_abs_mm", d.mean_abs_mm), result.set("/distance/rms_mm", d.rms_mm), result.set("/distance/p95_mm", d.p95_mm), result.set("/distance/max_mm", d.max_mm);
+  tell(result, map);
+  tell(result, "What differs", "Distance of the first surface, as it was laid, from the second; distance.ply shows it in colours.", d);
   if (!o.common.out_dir.empty()) write_map(o.common.out_dir, a, map, d);
   return finish(o, result, {});
 }
@@ -193,7 +215,7 @@ void add_superpose(CLI::App& app, Chosen& chosen) {
   c->add_option("--series-a", o->series_a, "Series of a DICOM folder A: number, UID or part of its description")->type_name("NAME");
   c->add_option("--series-b", o->series_b, "The same of B")->type_name("NAME");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
-  c->footer("With --out: distance.csv and distance.ply (coloured), or registered.nrrd. Exit status 3: they could not be laid upon each other; the reason is said.\n"
+  c->footer("With --out also: distance.csv and distance.ply (coloured), or registered.nrrd. Exit status 3: they could not be laid upon each other; the reason is said.\n"
             "Example: limberg superpose patient.obj normal.obj --landmarks points.txt --out out/superposed");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
 }

@@ -147,7 +147,6 @@ void read_stages(const Json& j, ReportData& d) {
 }
 
 void read_study(const Json& j, ReportData& d) {
-  const auto truth = [](const Json& v) { return v.is_boolean() && v.get<bool>(); };
   d.study = words(j, "study");
   d.about = words(j, "about");
   if (const Json& columns = member(j, "columns"); columns.is_array())
@@ -157,6 +156,11 @@ void read_study(const Json& j, ReportData& d) {
       auto& row = d.study_rows.emplace_back();
       for (const std::string& c : d.study_columns) row.push_back(number(r, c.c_str()));
     }
+}
+
+/// Of a study or a bench.
+void read_bars(const Json& j, ReportData& d) {
+  const auto truth = [](const Json& v) { return v.is_boolean() && v.get<bool>(); };
   if (const Json& bars = member(j, "bars"); bars.is_array())
     for (const Json& b : bars)
       d.bars.push_back({words(b, "name"), words(b, "source"), number(b, "value"), number(b, "bar"), truth(member(b, "larger_is_better")),
@@ -242,6 +246,7 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
                         known.is_boolean() && known.get<bool>(), words(e, "says")};
     }
   if (d.command == "study") read_study(j, d);
+  if (d.command == "study" || d.command == "bench") read_bars(j, d);
   read_charts(j, d);
   read_exercise(j, d);
   d.series_closure_N = column(member(series, "closure_N"));

@@ -31,6 +31,7 @@ std::string closing(const ReportData& d, const std::string& dir);   // force ove
 std::string balance(const ReportData& d);
 std::string convergence(const ReportData& d);
 std::string chart_figure(const ReportChart& chart);  // a chart that a command left, with its title
+std::string bars(const ReportData& d);  // what was asked of a study or a bench, and whether it was met
 std::string study(const ReportData& d);
 std::string timing(const ReportData& d);
 std::string residual(const ReportData& d);

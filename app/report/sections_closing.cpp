@@ -98,6 +98,7 @@ std::string closing(const ReportData& d, const std::string& dir) {
   }
   if (d.command != "study")
     for (const ReportChart& c : d.charts) s += chart_figure(c);
+  if (d.command == "bench") s += bars(d);
   for (const ReportTable& t : d.tables) {
     s += "<h3>" + escape(t.title) + "</h3>\n" + (t.about.empty() ? "" : "<p>" + escape(t.about) + "</p>\n");
     std::vector<std::string> head;

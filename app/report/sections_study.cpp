@@ -22,19 +22,22 @@ std::string chart_figure(const ReportChart& c) {
   return "<h3>" + escape(c.title) + "</h3>\n<figure class=\"wide\">" + svg(chart) + "</figure>\n";
 }
 
+std::string bars(const ReportData& d) {
+  if (d.bars.empty()) return {};
+  std::string out = "<div class=\"wide\"><table class=\"bars\">\n<thead><tr><th>What is asked</th><th>Value</th><th>Bar</th><th></th><th>Where it comes from</th></tr></thead>\n<tbody>\n";
+  for (const ReportBar& b : d.bars)
+    out += "<tr><td>" + escape(b.name) + "</td><td>" + (b.value ? number(*b.value) : "–") + "</td><td>" +
+           (b.larger_is_better ? "≥ " : "≤ ") + (b.bar ? number(*b.bar) : "–") + "</td><td><b class=\"" + (b.pass ? "good" : "bad") + "\">" +
+           (b.pass ? "met" : "missed") + "</b></td><td>" + escape(b.source) + "</td></tr>\n";
+  return out + "</tbody></table></div>\n";
+}
+
 std::string study(const ReportData& d) {
   if (d.study_columns.empty() || d.study_rows.empty()) return {};
   std::string out = "<section>\n<h2>What it came to</h2>\n";
   if (!d.about.empty()) out += "<p>" + escape(d.about) + "</p>\n";
   for (const ReportChart& c : d.charts) out += chart_figure(c);
-  if (!d.bars.empty()) {
-    out += "<div class=\"wide\"><table class=\"bars\">\n<thead><tr><th>What is asked</th><th>Value</th><th>Bar</th><th></th><th>Where it comes from</th></tr></thead>\n<tbody>\n";
-    for (const ReportBar& b : d.bars)
-      out += "<tr><td>" + escape(b.name) + "</td><td>" + (b.value ? number(*b.value) : "–") + "</td><td>" +
-             (b.larger_is_better ? "≥ " : "≤ ") + (b.bar ? number(*b.bar) : "–") + "</td><td><b class=\"" + (b.pass ? "good" : "bad") + "\">" +
-             (b.pass ? "met" : "missed") + "</b></td><td>" + escape(b.source) + "</td></tr>\n";
-    out += "</tbody></table></div>\n";
-  }
+  out += bars(d);
   out += "<div class=\"wide\"><table>\n<thead><tr>";
   for (const std::string& c : d.study_columns) out += "<th>" + escape(c) + "</th>";
   out += "</tr></thead>\n<tbody>\n";

@@ -98,7 +98,7 @@ std::string verdict(const ReportData& d, std::string& light) {
     const auto met = std::count_if(d.bars.begin(), d.bars.end(), [](const ReportBar& b) { return b.pass; });
     const auto all = std::ptrdiff_t(d.bars.size());
     if (met < all) worse("bad");
-    says.insert(says.begin(), met == all ? "All " + std::to_string(all) + " bars are met" : std::to_string(met) + " of " + std::to_string(all) + " bars are met, " + std::to_string(all - met) + " missed");
+    says.insert(says.begin(), met == all && all == 1 ? "The one bar is met" : met == all ? "All " + std::to_string(all) + " bars are met" : std::to_string(met) + " of " + std::to_string(all) + " bars are met, " + std::to_string(all - met) + " missed");
   }
   std::string line;
   for (size_t i = 0; i < says.size(); ++i) line += (i == 0 ? "" : i == 1 && d.bars.empty() && d.ok && !*d.ok ? ": " : "; ") + says[i];

@@ -114,11 +114,14 @@ TEST_F(Report, AHeadHasItsOwnWordsAndItsPictures) {
 }
 
 TEST_F(Report, ChartsKeepTheirMarks) {
-  const std::string chart = R"({"command": "bench", "charts": [{"title": "Error", "x": "size", "y": "mm", "y_marks": [{"value": 1, "label": "aim 1 mm"}, {"label": "nowhere"}],
-    "series": [{"name": "", "x": [1, 2], "y": [0.5, 2]}]}]})";
+  const std::string chart = R"({"command": "bench", "charts": [{"title": "Error", "x": "size", "y": "mm", "x_marks": 7, "y_marks": [{"value": 1, "label": "aim 1 mm"}, {"label": "nowhere"}],
+    "series": [{"name": "", "x": [1, 2], "y": [0.5, 2]}]}],
+    "bars": [{"name": "error of the face", "value": 0.5, "bar": 1, "pass": true, "source": "the aim"}]})";
   const std::string html = make(chart);
   EXPECT_NE(html.find("aim 1 mm"), std::string::npos);
   EXPECT_EQ(html.find("nowhere"), std::string::npos);
+  EXPECT_NE(html.find("error of the face"), std::string::npos);
+  EXPECT_NE(html.find("The one bar is met"), std::string::npos);
 }
 
 TEST_F(Report, LightsFollowTheLimits) {
