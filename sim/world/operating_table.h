@@ -171,9 +171,10 @@ class OperatingTable {
   std::optional<Anchor> bite_at(const SurfacePoint& rim, double depth_mm, std::string& reason) const;
   /// Index into stitches_.
   std::optional<size_t> find_stitch(const StitchPick& pick, std::string& reason) const;
-  void widen(Anchor& bite);
+  const RimWalk& rim() const;
+  void widen(Anchor& bite) const;
   Vec3 held_mm(const Anchor& bite) const;  // where it is held now
-  Stitch between(const Anchor& a, const Anchor& b, double bite_mm);  // without numbers, open as it lies
+  Stitch between(const Anchor& a, const Anchor& b, double bite_mm) const;  // without numbers, open as it lies
   Outcome sew_row(const std::vector<std::pair<Anchor, Anchor>>& bites, const RowKind& kind, bool whole);
   /// One thread through these spans in their order.
   void thread_through(std::vector<Stitch> spans, bool corner, double slack_mm);
@@ -214,8 +215,8 @@ class OperatingTable {
   std::vector<Hook> hooks_;
   std::vector<Stitch> stitches_;  // threads' spans together, in their order
   std::vector<Thread> threads_;
-  std::unique_ptr<RimWalk> rim_;  // of the surface rim_version_; absent until a stitch needs it
-  uint64_t rim_version_ = 0;
+  mutable std::unique_ptr<RimWalk> rim_;  // of the surface rim_version_; absent until a stitch needs it
+  mutable uint64_t rim_version_ = 0;
   // Energy of the open wound: of the last state at rest in which neither hook nor stitch held anything.
   std::optional<double> open_energy_uJ_;
   double energy_uJ_ = 0;

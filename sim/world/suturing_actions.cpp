@@ -40,17 +40,21 @@ std::optional<RimWalk::Spot> spot_on(const RimWalk& rim, const RestIndex& index,
 
 }  // namespace
 
-// Of the same piece of tissue, too: the two edges of a wound that has not opened yet lie in one place.
+const RimWalk& OperatingTable::rim() const {
+  if (!rim_ || rim_version_ != version_.surface->version) rim_ = std::make_unique<RimWalk>(version_.surface->view), rim_version_ = version_.surface->version;
+  return *rim_;
+}
+
+// Of the same piece of tissue, too: the two edges of a wound that has not opened yet lie in one place, but the way from one to the
+// other goes round the wound's end.
 bool OperatingTable::same_place(const Anchor& a, const Anchor& b) const {
-  if ((a.X_mm - b.X_mm).norm() >= kSamePlace_mm || a.embedded.node != b.embedded.node) return false;
-  // One cell may hold both edges of a wound that is shallower than the cell. Edges have no triangle in common, and no corner but the
-  // wound's end.
+  if ((a.X_mm - b.X_mm).norm() >= kSamePlace_mm) return false;
   if (a.at.triangle == b.at.triangle) return true;
-  const SurfaceView& view = version_.surface->view;
-  const Tri &s = view.tri[size_t(a.at.triangle)], &t = view.tri[size_t(b.at.triangle)];
-  return std::any_of(s.begin(), s.end(), [&](int32_t v) {
-    return std::find(t.begin(), t.end(), v) != t.end() && (view.X_mm[size_t(v)] - a.X_mm).norm() < 2 * kSamePlace_mm;
-  });
+  const auto from = spot_on(rim(), *version_.index, a), to = spot_on(rim(), *version_.index, b);
+  if (!from || !to) return !from && !to && a.embedded.node == b.embedded.node;
+  for (const bool forward : {true, false})
+    if (const auto way = rim().way(*from, *to, forward); way && way->length_mm < 2 * kSamePlace_mm) return true;
+  return false;
 }
 
 bool OperatingTable::joins(const Stitch& s, const Anchor& a, const Anchor& b) const {
@@ -103,14 +107,13 @@ std::optional<size_t> OperatingTable::find_stitch(const StitchPick& pick, std::s
 
 // A needle takes a bite, not a point: what it pulls reaches the edge spread over about as much as it is behind it. A point would
 // cut the deeper into its cell the smaller that is. A bite in a wall holds one place.
-void OperatingTable::widen(Anchor& anchor) {
+void OperatingTable::widen(Anchor& anchor) const {
   anchor.wide.clear();
   if (anchor.in_wall() || !(anchor.bite_mm > 0)) return;
-  if (!rim_ || rim_version_ != version_.surface->version) rim_ = std::make_unique<RimWalk>(version_.surface->view), rim_version_ = version_.surface->version;
-  const auto spot = spot_on(*rim_, *version_.index, anchor);
+  const auto spot = spot_on(rim(), *version_.index, anchor);
   if (!spot) return;
   for (int k = -kBitePlaces / 2; k <= kBitePlaces / 2; ++k)
-    if (const auto at = rim_->along(*spot, anchor.bite_mm * 2 * k / kBitePlaces))
+    if (const auto at = rim().along(*spot, anchor.bite_mm * 2 * k / kBitePlaces))
       anchor.wide.push_back(embed_point(*version_.lattice, version_.surface->view, at->triangle, {at->bary.x(), at->bary.y(), at->bary.z()}));
 }
 
@@ -121,7 +124,7 @@ Vec3 OperatingTable::held_mm(const Anchor& a) const {
   return sum / double(a.wide.size());
 }
 
-Stitch OperatingTable::between(const Anchor& a, const Anchor& b, double bite_mm) {
+Stitch OperatingTable::between(const Anchor& a, const Anchor& b, double bite_mm) const {
   Stitch s;
   s.a = a, s.b = b;
   s.a.bite_mm = s.b.bite_mm = bite_mm;
@@ -325,7 +328,7 @@ Outcome OperatingTable::act(const SutureBetween& c) {
   const auto i = find_stitch(c.from, reason), k = i ? find_stitch(c.to, reason) : std::nullopt;
   if (!k) return {false, reason};
   if (i == k) return {false, "the row begins and ends at stitch " + std::to_string(stitches_[*i].id) + "; two different stitches were expected"};
-  const RimWalk rim(version_.surface->view);
+  const RimWalk& rim = this->rim();
   const auto spot = [&](const Anchor& a) { return spot_on(rim, *version_.index, a); };
   // Forward along one bank and backward along the other; which bank of one stitch goes on into which of the other is not said
   // by the order of their bites. The shortest way is meant.

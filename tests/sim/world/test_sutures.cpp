@@ -248,6 +248,23 @@ TEST(Stitch, ABiteDrawsItsEdgeAndAPointCutsIn) {
   EXPECT_LT(bite, 0.5 * point);
 }
 
+// Cells of 6 mm on 60 mm: one begins at x = 0.
+TEST(Stitch, OneIsEnoughWhereTwoCellsMeet) {
+  WorldSpec spec = block();
+  spec.cell_mm = 6;
+  InlineWorkers workers;
+  World world(spec, workers);
+  must(world, Incise{{{-14, 0}, {14, 0}}, 4, 90});
+  settle(world, 1e-3);
+  must(world, Suture{{-0.02, -0.7}, {-0.02, 0.7}});
+  for (const double x : {0.03, -0.1, 0.4}) {
+    const Outcome again = world.apply(Suture{{x, 0.7}, {x, -0.7}});
+    EXPECT_FALSE(again.done) << x;
+    EXPECT_NE(again.reason.find("stitch 1 is there already"), std::string::npos) << again.reason;
+  }
+  must(world, Suture{{0.7, 0.7}, {0.7, -0.7}});
+}
+
 TEST(RimWalk, GoesSoFarAlongTheEdgeAndBack) {
   Slit s;
   const SurfaceView& view = shown(s.world).topology->view;
