@@ -333,7 +333,7 @@ void Head::fill(Snapshot& s) const {
   s.topology_version = s.topology->version;
   view_.places(face_.face(), bones_, face_.tissues(), s.x_mm);
   s.field.clear();
-  if (has_face_) view_.moved(s.x_mm, s.moved_mm);
+  if (has_face_) view_.moved(face_.face(), s.x_mm, s.moved_mm);
   else s.moved_mm.clear();
   s.hooks.clear(), s.sutures.clear();
   s.landmark_mm.clear();

@@ -90,10 +90,16 @@ void HeadView::places(const simplex::Mesh& face, const bone::Bones& bones, const
     for (const Vec3& p : t->x_mm) x[at++] = p.cast<float>();
 }
 
-void HeadView::moved(const std::vector<Vec3f>& x, std::vector<float>& moved_mm) const {
+void HeadView::moved(const simplex::Mesh& face, const std::vector<Vec3f>& x, std::vector<float>& moved_mm) const {
   const SharedArray<Vec3>& X = std::as_const(topology_->view.X_mm);
   moved_mm.assign(x.size(), 0.0f);
-  for (size_t v = 0; v < face_vertices_; ++v) moved_mm[v] = (x[v] - X[v].cast<float>()).norm();
+  for (size_t v = 0; v < face_slots_; ++v)
+    if (face.alive(int32_t(v))) moved_mm[v] = (x[v] - X[v].cast<float>()).norm();
+  for (size_t i = 0; i < face_middle_.size(); ++i) {
+    Vec3f sum = Vec3f::Zero();
+    face.around(face_middle_[i], [&](int32_t h) { sum += x[size_t(face.from(h))] - X[size_t(face.from(h))].cast<float>(); });
+    moved_mm[face_slots_ + i] = (sum / float(face.face_size[size_t(face_middle_[i])])).norm();
+  }
 }
 
 }  // namespace limberg

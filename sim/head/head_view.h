@@ -22,8 +22,10 @@ class HeadView {
 
   /// Where every vertex is now.
   void places(const simplex::Mesh& face, const bone::Bones& bones, const std::vector<const simplex::Tissue*>& tissue, std::vector<Vec3f>& x_mm) const;
-  /// Of the face's vertices, how far they are from where they were at first; 0 for all others.
-  void moved(const std::vector<Vec3f>& x_mm, std::vector<float>& moved_mm) const;
+  /// Of the face's vertices, how far they are from where they were at first; of the middle of a face of its mesh, how far that face's
+  /// vertices have moved in the mean (the middle itself lies where their tangent planes meet, which swings where skin folds). 0 for all
+  /// others.
+  void moved(const simplex::Mesh& face, const std::vector<Vec3f>& x_mm, std::vector<float>& moved_mm) const;
 
  private:
   std::shared_ptr<SurfaceTopology> topology_;

@@ -127,6 +127,12 @@ TEST(Head, TheViewIsTheMeshes) {
   const SurfaceTopology& top = *s.topology;
   ASSERT_EQ(s.x_mm.size(), top.view.X_mm.size());
   ASSERT_EQ(s.moved_mm.size(), s.x_mm.size());
+  // What is shown to have moved is what the mesh's vertices have moved, and the figure in the window is their largest.
+  double most = 0;
+  for (int32_t v = 0; v < h.face().slots(); ++v)
+    if (h.face().alive(v)) most = std::max(most, (h.face().x_mm[size_t(v)] - h.face_model().rest_mm()[size_t(v)]).norm());
+  EXPECT_GT(most, 1);
+  EXPECT_NEAR(*std::max_element(s.moved_mm.begin(), s.moved_mm.end()), most, 1e-4);
   ASSERT_EQ(top.organ.size(), top.view.tri.size());
   EXPECT_FALSE(top.strand.empty());
   EXPECT_EQ(s.landmark_mm.size(), top.landmark.size());
