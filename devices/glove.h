@@ -42,7 +42,6 @@ class GrabDetector {
   void tick(double aperture_mm);
   bool closed() const { return closed_; }
   double close_below_mm() const { return low_; }
-  double open_above_mm() const { return high_; }
 
  private:
   double low_, high_;

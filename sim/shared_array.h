@@ -127,9 +127,6 @@ class SharedArray {
   bool shares(const SharedArray& other, size_t c) const {
     return c < other.chunks() && chunk_[c] == other.chunk_[c] && run_length(c) == other.run_length(c);
   }
-  void copy_to(T* out) const {
-    for (size_t c = 0; c < chunks(); ++c) out = std::copy(run(c), run(c) + run_length(c), out);
-  }
 
  private:
   struct Chunk {
@@ -155,16 +152,6 @@ void for_each_change(const SharedArray<T>& before, const SharedArray<T>& now, Vi
     const size_t first = c * SharedArray<T>::kChunk, end = first + now.run_length(c);
     for (size_t i = first; i < end; ++i)
       if (i >= before.size() || !(before[i] == now[i])) visit(i);
-  }
-}
-
-/// Calls visit(i) for every i in chunks of `now` that `before` does not share: a little more than what has changed.
-template <class T, class Visit>
-void for_each_suspect(const SharedArray<T>& before, const SharedArray<T>& now, Visit&& visit) {
-  for (size_t c = 0; c < now.chunks(); ++c) {
-    if (now.shares(before, c)) continue;
-    const size_t first = c * SharedArray<T>::kChunk, end = first + now.run_length(c);
-    for (size_t i = first; i < end; ++i) visit(i);
   }
 }
 

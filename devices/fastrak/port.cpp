@@ -173,9 +173,5 @@ void EmulatedPort::plug_in() {
   const std::lock_guard lock(impl_->mutex);
   if (impl_->master < 0) impl_->lay_line();
 }
-void EmulatedPort::set_damage(double per_byte) {
-  const std::lock_guard lock(impl_->mutex);
-  impl_->device.settings().damage_per_byte = per_byte;
-}
 
 }  // namespace limberg::fastrak

@@ -46,7 +46,6 @@ class EmulatedPort {
   /// Takes the line away (whoever has it open reads an error) and lays another; path() changes.
   void unplug();
   void plug_in();
-  void set_damage(double per_byte);
   int64_t now_ns() const;  // the emulator's clock, which its motion follows: CLOCK_MONOTONIC since construction
 
  private:

@@ -205,12 +205,10 @@ Vec3 Arrangement::point_mm(int32_t i) const {
 PointRef Arrangement::point(int32_t i) const { return store_->points.ref(i); }
 bool Arrangement::is_explicit(int32_t i) const { return store_->points.is_explicit(i); }
 Int3 Arrangement::explicit_point(int32_t i) const { return store_->points.integer(i); }
-Homogeneous Arrangement::exact_point(int32_t i) const { return store_->points.exact(i); }
 const RestGrid& Arrangement::grid() const { return store_->grid; }
 std::span<const Face> Arrangement::faces() const { return store_->face; }
 std::span<const OrigTri> Arrangement::orig_tris() const { return store_->orig; }
 int32_t Arrangement::mate(int32_t h) const { return store_->mate[h / 6][size_t(h % 6)]; }
-std::span<const int32_t> Arrangement::mates_of_face(int32_t f) const { return store_->mate[f]; }
 FaceKind Arrangement::kind_of_orig(int32_t o) const {
   if (store_->orig[o].op > 0) return FaceKind::wall;
   switch (store_->tag[o]) {

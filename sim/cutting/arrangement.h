@@ -67,16 +67,13 @@ class Arrangement {
   PointRef point(int32_t point) const;
   bool is_explicit(int32_t point) const;
   Int3 explicit_point(int32_t point) const;  // half-units, even
-  Homogeneous exact_point(int32_t point) const;
   const RestGrid& grid() const;
 
   // --- Faces --------------------------------------------------------------------------------------------------------
   std::span<const Face> faces() const;  // all ever made; skip those that are not live()
   std::span<const OrigTri> orig_tris() const;
-  const Plane& plane_of(int32_t face) const { return orig_tris()[faces()[face].orig].plane; }
   /// The sided half-edge glued to this one (-1 where the side has no material). Its end points are the same two.
   int32_t mate(int32_t sided_half_edge) const;
-  std::span<const int32_t> mates_of_face(int32_t face) const;  // six: [3 * side + k]
   FaceKind kind_of_orig(int32_t orig) const;
   /// Junctions on an original triangle (empty when it is undivided).
   std::span<const Constraint> constraints_of(int32_t orig) const;

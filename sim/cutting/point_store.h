@@ -32,7 +32,6 @@ class PointStore {
  public:
   int32_t size() const { return int32_t(approx_.size()); }
   void reserve(size_t n) { approx_.reserve(n), implicit_of_.reserve(n); }
-  void reserve_implicit(size_t n) { implicit_.reserve(n); }
 
   int32_t add_explicit(const Int3& p);
   /// Where the edge a-b of an original triangle meets original triangle `tri`; the same id for the same two things.

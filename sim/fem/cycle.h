@@ -58,7 +58,6 @@ class ScalarCycle {
   double mass_per_s2() const { return mass_per_s2_; }
   const Made& made() const { return made_; }
   int levels() const { return int(level_.size()) + 1; }
-  int32_t bottom_nodes() const { return bottom_.rows(); }
   size_t bytes() const;
   /// True when all matrices and weights have the same bits.
   bool same_matrices(const ScalarCycle& o) const;

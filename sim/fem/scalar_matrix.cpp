@@ -7,6 +7,7 @@
 #include "sim/fem/element_system.h"
 #include "sim/fem/hanging_nodes.h"
 #include "sim/fem/material_points.h"
+#include "sim/fem/spring_end.h"
 
 namespace limberg::fem {
 
@@ -63,21 +64,15 @@ SpringRow spring_row(const FemModel& model, const Spring& s) {
   r.k_mN_per_mm = s.k_N_per_mm * 1000;
   std::map<int32_t, double> w;
   auto add = [&](std::span<const EmbeddedPoint> end, double sign, Vec3& rest) {
-    for (const EmbeddedPoint& p : end) {
-      double sum = 0;
-      for (float x : p.w) sum += double(x);
-      for (size_t i = 0; i < 8; ++i) {
-        if (p.w[i] == 0) continue;
-        const double v = double(p.w[i]) / (sum * double(end.size()));
-        rest += v * model.X_mm[size_t(p.node[i])];
-        if (const HangingNode* h = hanging_at(model, p.node[i])) {
-          for (size_t k = 0; k < size_t(h->count); ++k)
-            if (!model.fixed[size_t(h->master[k])]) w[h->master[k]] += sign * v * double(h->weight[k]);
-        } else if (!model.fixed[size_t(p.node[i])]) {
-          w[p.node[i]] += sign * v;
-        }
+    for_each_weight(end, [&](int32_t node, double v) {
+      rest += v * model.X_mm[size_t(node)];
+      if (const HangingNode* h = hanging_at(model, node)) {
+        for (size_t k = 0; k < size_t(h->count); ++k)
+          if (!model.fixed[size_t(h->master[k])]) w[h->master[k]] += sign * v * double(h->weight[k]);
+      } else if (!model.fixed[size_t(node)]) {
+        w[node] += sign * v;
       }
-    }
+    });
   };
   add(s.held_a(), 1, r.rest_a_mm);
   if (!s.to_world) add(s.held_b(), -1, r.rest_b_mm);

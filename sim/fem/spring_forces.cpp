@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "sim/fem/spring_end.h"
+
 namespace limberg::fem {
 
 SpringForces::SpringForces(const FemModel& model, std::span<const Spring> springs) {
@@ -14,18 +16,13 @@ SpringForces::SpringForces(const FemModel& model, std::span<const Spring> spring
     it.k = s.k_N_per_mm * 1000;
     auto add = [&](std::span<const EmbeddedPoint> end, double sign) {
       const size_t first = it.node.size();
-      for (const EmbeddedPoint& p : end) {
-        double sum = 0;
-        for (float x : p.w) sum += double(x);
-        for (size_t i = 0; i < 8; ++i) {
-          if (p.w[i] == 0) continue;
-          const double w = sign * double(p.w[i]) / (sum * double(end.size()));  // single-precision weights sum to 1 only nearly
-          const auto known = std::find(it.node.begin() + std::ptrdiff_t(first), it.node.end(), p.node[i]);
-          if (known == it.node.end()) it.node.push_back(p.node[i]), it.w.push_back(w);
-          else it.w[size_t(known - it.node.begin())] += w;
-          it.offset += w * model.X_mm[size_t(p.node[i])];
-        }
-      }
+      for_each_weight(end, [&](int32_t node, double share) {
+        const double w = sign * share;
+        const auto known = std::find(it.node.begin() + std::ptrdiff_t(first), it.node.end(), node);
+        if (known == it.node.end()) it.node.push_back(node), it.w.push_back(w);
+        else it.w[size_t(known - it.node.begin())] += w;
+        it.offset += w * model.X_mm[size_t(node)];
+      });
     };
     add(s.held_a(), 1);
     if (!s.to_world) add(s.held_b(), -1);

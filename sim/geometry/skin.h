@@ -44,7 +44,6 @@ class Skin {
   Frame frame(const Vec3& X_mm) const;
 
   const Body& body() const { return *body_; }
-  std::shared_ptr<const Body> shared_body() const { return body_; }
   const Bvh& surface() const { return surface_; }  // of all triangles of the body
   double area_mm2() const { return area_mm2_; }
 

@@ -189,8 +189,4 @@ double HeadShape::sinus(const Vec3& p) const {
 
 double HeadShape::eye(const Vec3& p) const { return kEye(right(p)); }
 
-double skull_distance_mm(const HeadSpec& s, const Vec3& p) { return HeadShape(s).skull(p); }
-double mandible_distance_mm(const HeadSpec& s, const Vec3& p) { return HeadShape(s).mandible(p); }
-double skin_distance_mm(const HeadSpec& s, const Vec3& p) { return HeadShape(s).skin(p); }
-
 }  // namespace limberg

@@ -107,9 +107,4 @@ class HeadShape {
   std::vector<Bump> bump_;
 };
 
-/// The same for single places (a HeadShape is made each time).
-double skull_distance_mm(const HeadSpec& spec, const Vec3& p_mm);
-double mandible_distance_mm(const HeadSpec& spec, const Vec3& p_mm);
-double skin_distance_mm(const HeadSpec& spec, const Vec3& p_mm);
-
 }  // namespace limberg

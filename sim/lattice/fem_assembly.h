@@ -39,12 +39,10 @@ class StencilTable {
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
   int32_t of_place(const CellPlace& place) const;
 
-  /// Where a lattice node may be held. Block: bit 2 axis + (0 low, 1 high) per outermost plane whose side is fixed.
-  /// Other bodies, when the surface triangle nearest to the node is fixed: kNearFixed within 0.1 cell, kFarFixed
-  /// beyond.
+  /// Where a lattice node, or a corner of a part, may be held; in eighths of a cell. Block: bit 2 axis + (0 low, 1 high) per
+  /// outermost plane whose side is fixed. Other bodies, when the surface triangle nearest to it is fixed: kNearFixed within
+  /// 0.1 cell, kFarFixed beyond.
   static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
-  const std::vector<uint8_t>& fixed_candidates() const { return fixed_; }
-  /// The same for a corner of a part, in eighths of a cell.
   uint8_t fixed_candidate(Int3 at) const;
 
  private:

@@ -58,7 +58,6 @@ class Runner {
   const std::vector<Made>& made() const { return made_; }
   size_t can_redo() const { return undone_.size(); }
   const Counts& counts() const { return counts_; }
-  const LatticeGrid& lattice_grid() const { return grid_; }
   CutResult last_cut;
 
  private:

@@ -5,6 +5,7 @@
 #include "sim/cutting/drawn_stroke.h"
 #include "sim/cutting/handles.h"
 #include "tests/sim/cutting/patient.h"
+#include "tests/sim/drawn_pieces.h"
 
 namespace limberg::test {
 namespace {
@@ -37,28 +38,10 @@ std::vector<Path> paths() {
   return out;
 }
 
-/// As a hand brings it: points that come in pieces of about piece_mm, all corners kept.
-std::vector<std::vector<Vec2>> divided(const std::vector<Vec2>& path, double piece_mm) {
-  std::vector<std::vector<Vec2>> out{{path[0]}};
-  double left = piece_mm;
-  for (size_t i = 1; i < path.size(); ++i) {
-    Vec2 at = path[i - 1];
-    while ((path[i] - at).norm() > left) {
-      at += (path[i] - at).normalized() * left;
-      out.back().push_back(at);
-      out.emplace_back();
-      left = piece_mm;
-    }
-    left -= (path[i] - at).norm();
-    out.back().push_back(path[i]);
-  }
-  return out;
-}
-
 /// Empty, or why the stroke was refused.
 std::string draw(Patient& p, const std::vector<Vec2>& path, double piece_mm, double depth, double angle) {
   DrawnStroke stroke(depth, angle);
-  const auto parts = divided(path, piece_mm);
+  const auto parts = drawn_pieces(path, piece_mm);
   const BladeContext c = p.context();
   for (size_t i = 0; i < parts.size(); ++i) {
     if (std::string why = stroke.draw(c, parts[i]); !why.empty()) return why;
@@ -126,7 +109,7 @@ TEST(LeaningStrokes, AStraightLineInPiecesDoesNotCrossItself) {
     const Vec2 way(std::cos(angle), std::sin(angle)), from(-17.3 + 0.013 * i, -3.1);
     for (const double piece_mm : {1.7, 0.8, 0.55}) {
       std::vector<Vec2> path;
-      for (const auto& part : divided({from, from + length * way}, piece_mm)) path.insert(path.end(), part.begin(), part.end());
+      for (const auto& part : drawn_pieces({from, from + length * way}, piece_mm)) path.insert(path.end(), part.begin(), part.end());
       EXPECT_TRUE(self_crossings(path).empty()) << i;
       EXPECT_FALSE(meets_itself(path, false)) << i;
     }

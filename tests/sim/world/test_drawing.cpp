@@ -10,6 +10,7 @@
 #include "sim/geometry/block.h"
 #include "sim/tools/strokes.h"
 #include "sim/world.h"
+#include "tests/sim/drawn_pieces.h"
 
 namespace limberg {
 namespace {
@@ -64,27 +65,8 @@ void expect_same(const Shape& a, const Shape& b, double relative, double wall_re
   for (size_t i = 0; i < a.piece_mm3.size(); ++i) EXPECT_NEAR(a.piece_mm3[i] / b.piece_mm3[i], 1, relative);
 }
 
-/// The path cut into pieces of about `piece_mm`, all corners kept.
-std::vector<std::vector<ChartPoint>> divided(const std::vector<ChartPoint>& path, double piece_mm) {
-  std::vector<std::vector<ChartPoint>> out(1);
-  double left = piece_mm;
-  out[0].push_back(path[0]);
-  for (size_t i = 1; i < path.size(); ++i) {
-    ChartPoint at = path[i - 1];
-    while ((path[i] - at).norm() > left) {
-      at += (path[i] - at).normalized() * left;
-      out.back().push_back(at);
-      out.emplace_back();
-      left = piece_mm;
-    }
-    left -= (path[i] - at).norm();
-    out.back().push_back(path[i]);
-  }
-  return out;
-}
-
 void draw(World& world, const std::vector<ChartPoint>& path, double piece_mm, double depth, double angle, int stroke = 1) {
-  const auto pieces = divided(path, piece_mm);
+  const auto pieces = test::drawn_pieces(path, piece_mm);
   for (size_t i = 0; i < pieces.size(); ++i) {
     const Outcome o = world.apply(InciseMore{stroke, pieces[i], depth, angle, i + 1 == pieces.size()});
     ASSERT_TRUE(o.done) << "piece " << i + 1 << " of " << pieces.size() << ": " << o.reason;
@@ -93,7 +75,7 @@ void draw(World& world, const std::vector<ChartPoint>& path, double piece_mm, do
 /// The same points in one piece.
 void draw_at_once(World& world, const std::vector<ChartPoint>& path, double piece_mm, double depth, double angle) {
   std::vector<ChartPoint> all;
-  for (const auto& p : divided(path, piece_mm)) all.insert(all.end(), p.begin(), p.end());
+  for (const auto& p : test::drawn_pieces(path, piece_mm)) all.insert(all.end(), p.begin(), p.end());
   const Outcome o = world.apply(InciseMore{1, all, depth, angle, true});
   ASSERT_TRUE(o.done) << o.reason;
 }
@@ -255,7 +237,7 @@ TEST(Drawing, LeaningStrokesTurnSharpCornersInShortPieces) {
           }
           int refused = 0;
           std::string why;
-          for (const std::vector<ChartPoint>& p : divided(path, piece_mm)) {
+          for (const std::vector<ChartPoint>& p : test::drawn_pieces(path, piece_mm)) {
             const Outcome o = pieces.apply(InciseMore{1, p, depth, angle, false});
             if (!o.done) ++refused, why = o.reason;
           }
@@ -306,7 +288,7 @@ TEST(Drawing, UndoAndRedoTakeTheWholeStroke) {
   world.step(s);
   uint64_t before = 0;  // the first piece that cuts
   const uint64_t topology = world.topology_hash();
-  for (const auto& p : divided({{-24, 0.4}, {2.4, 1}}, 5)) {
+  for (const auto& p : test::drawn_pieces({{-24, 0.4}, {2.4, 1}}, 5)) {
     if (world.topology_hash() == topology) before = world.full_hash();
     ASSERT_TRUE(world.apply(InciseMore{7, p, 4, 80, false}).done);
     world.step(s);
@@ -328,7 +310,7 @@ TEST(Drawing, OpensWhileItIsDrawn) {
   World world(block(), workers);
   double wall = 0;
   int opened = 0;
-  const auto pieces = divided({{-20, 1.3}, {20, 1.3}}, 5);
+  const auto pieces = test::drawn_pieces({{-20, 1.3}, {20, 1.3}}, 5);
   for (size_t i = 0; i < pieces.size(); ++i) {
     ASSERT_TRUE(world.apply(InciseMore{1, pieces[i], 4, 90, i + 1 == pieces.size()}).done);
     const double now = shape(world).wall_mm2;
