@@ -13,6 +13,7 @@ constexpr float kClose = 1e-5f;     // edges of a cell: an inverse that has come
 constexpr int kChord = 6, kNewton = 12;
 constexpr double kFolded = 1e-3;    // of a cell's volume at rest
 constexpr size_t kGrain = 256;
+constexpr float kRoomy = 1.5f;      // steps of the grid are so much wider than the largest cell at rest
 
 v4 splat(float x) { return v4{x, x, x, x}; }
 float dot3(v4 a, v4 b) {
@@ -65,6 +66,7 @@ MovingCells::MovingCells(const RestTissue& tissue, const FemModel& model) : tiss
   now_ = rest_;
   box_.resize(tissue.size());
   inverse_.resize(tissue.size());
+  for (size_t c = 0; c < tissue.size(); ++c) least_step_ = std::max(least_step_, kRoomy * float(tissue.size_mm(c).maxCoeff()));
 }
 
 void MovingCells::move(std::span<const Vec3f> u) {
@@ -91,29 +93,32 @@ void MovingCells::refit(Workers& workers) {
 }
 
 void MovingCells::sort() {
-  v4 lo = splat(0), hi = splat(1), wide = splat(0);
+  v4 lo = splat(0), hi = splat(1);
   if (!box_.empty()) lo = box_[0].lo, hi = box_[0].hi;
-  for (const Box& b : box_) {
-    lo = b.lo < lo ? b.lo : lo, hi = b.hi > hi ? b.hi : hi;
-    const v4 w = b.hi - b.lo;
-    wide = w > wide ? w : wide;
-  }
-  widest_ = 0.5f * std::max({wide[0], wide[1], wide[2]});
-  step_ = std::max(kStep_mm, std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}) / float(kMostSteps));
+  for (const Box& b : box_) lo = b.lo < lo ? b.lo : lo, hi = b.hi > hi ? b.hi : hi;
+  step_ = std::max(least_step_, std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}) / float(kMostSteps));
   for (size_t a = 0; a < 3; ++a) lo_[a] = lo[a], grid_[a] = int32_t((hi[a] - lo[a]) / step_) + 1;
-  const auto cell = [&](const Box& b) {
-    size_t k = 0;
-    for (size_t a = 3; a-- > 0;) k = k * size_t(grid_[a]) + size_t(std::clamp(int32_t((0.5f * (b.lo[a] + b.hi[a]) - lo_[a]) / step_), 0, grid_[a] - 1));
-    return k;
-  };
-  begin_.assign(size_t(grid_[0]) * size_t(grid_[1]) * size_t(grid_[2]) + 1, 0);
-  fill_.resize(box_.size());
-  for (size_t c = 0; c < box_.size(); ++c) fill_[c] = int32_t(cell(box_[c])), ++begin_[size_t(fill_[c]) + 1];
+  const size_t steps = size_t(grid_[0]) * size_t(grid_[1]) * size_t(grid_[2]);
+  begin_.assign(steps + 2, 0);  // after the last step: what is too wide
+  step_of_.assign(box_.size(), -1);
+  v4 wide = splat(0);
+  for (size_t c = 0; c < box_.size(); ++c) {
+    if (tissue_.says_nothing(c)) continue;
+    const v4 w = box_[c].hi - box_[c].lo, middle = splat(0.5f) * (box_[c].lo + box_[c].hi);
+    size_t k = steps;
+    if (std::max({w[0], w[1], w[2]}) <= step_) {
+      k = 0;
+      for (size_t a = 3; a-- > 0;) k = k * size_t(grid_[a]) + size_t(std::clamp(int32_t((middle[a] - lo_[a]) / step_), 0, grid_[a] - 1));
+      wide = w > wide ? w : wide;
+    }
+    step_of_[c] = int32_t(k), ++begin_[k + 1];
+  }
+  for (size_t a = 0; a < 3; ++a) widest_[a] = 0.5f * wide[a];
   for (size_t k = 0; k + 1 < begin_.size(); ++k) begin_[k + 1] += begin_[k];
-  member_.resize(box_.size());
-  for (size_t c = box_.size(); c-- > 0;) member_[size_t(--begin_[size_t(fill_[c]) + 1])] = int32_t(c);
-  for (size_t k = 0; k + 1 < begin_.size(); ++k) begin_[k] = begin_[k + 1];
-  begin_.back() = int32_t(box_.size());
+  member_.resize(size_t(begin_.back()));
+  for (size_t c = box_.size(); c-- > 0;)
+    if (step_of_[c] >= 0) member_[size_t(--begin_[size_t(step_of_[c]) + 1])] = {box_[c], int32_t(c)};
+  begin_.erase(begin_.begin());  // begin_[k + 1] is where k begins
 }
 
 bool MovingCells::invert(size_t c, const Vec3f& p, float beyond, Vec3& at) const {

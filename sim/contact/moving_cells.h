@@ -24,7 +24,7 @@ class MovingCells {
   void refit(Workers& workers);
   /// For near(): copies by where their boxes are, as of the last refit.
   void sort();
-  /// visit(c) for every kept copy whose box is within `within_mm` of that of `copy` along each axis.
+  /// visit(c) for every copy that can say something whose box is within `within_mm` of that of `copy` along each axis.
   template <class Visit>
   void near(size_t copy, float within_mm, Visit&& visit) const;
 
@@ -50,7 +50,6 @@ class MovingCells {
     fem::v4 along[3];  // `at` - 1/2 = sum_a along[a] (p - middle)[a]
     bool sound = false;
   };
-  static constexpr float kStep_mm = 4;       // of the grid, at least
   static constexpr int32_t kMostSteps = 48;  // along an axis
 
   const RestTissue& tissue_;
@@ -58,29 +57,39 @@ class MovingCells {
   std::vector<Box> box_;
   std::vector<Inverse> inverse_;
   std::array<float, 3> lo_{};
-  float step_ = 1;
+  float step_ = 1, least_step_ = 1;
   std::array<int32_t, 3> grid_{1, 1, 1};
-  std::vector<int32_t> begin_, member_, fill_;
-  float widest_ = 0;  // half a box, at most
+  struct Member {  // with its box, so that looking through a row of the grid goes through memory in order
+    Box box;
+    int32_t copy = 0;
+  };
+  std::vector<Member> member_;
+  std::vector<int32_t> begin_, step_of_;
+  std::array<float, 3> widest_{};  // half a box in the grid, at most
 };
 
-// A copy stands in the grid where the middle of its box is.
+// A copy stands in the grid where the middle of its box is; those whose box is wider than a step stand apart, so that a few
+// stretched ones do not make everybody look farther.
 template <class Visit>
 void MovingCells::near(size_t copy, float within_mm, Visit&& visit) const {
   const fem::v4 lo = box_[copy].lo - within_mm, hi = box_[copy].hi + within_mm;
+  const auto look = [&](int32_t first, int32_t last) {
+    for (int32_t i = first; i < last; ++i) {
+      const Member& m = member_[size_t(i)];
+      const fem::v4i out = (m.box.hi < lo) | (m.box.lo > hi);
+      if ((out[0] | out[1] | out[2]) == 0) visit(size_t(m.copy));
+    }
+  };
   std::array<int32_t, 3> from, to;
   for (size_t a = 0; a < 3; ++a) {
-    from[a] = std::max(0, int32_t((lo[a] - lo_[a] - widest_) / step_)), to[a] = std::min(grid_[a] - 1, int32_t((hi[a] - lo_[a] + widest_) / step_));
+    from[a] = std::max(0, int32_t((lo[a] - lo_[a] - widest_[a]) / step_)), to[a] = std::min(grid_[a] - 1, int32_t((hi[a] - lo_[a] + widest_[a]) / step_));
   }
   for (int32_t z = from[2]; z <= to[2]; ++z)
     for (int32_t y = from[1]; y <= to[1]; ++y) {
       const size_t row = size_t(z * grid_[1] + y) * size_t(grid_[0]);
-      for (int32_t i = begin_[row + size_t(from[0])]; i < begin_[row + size_t(to[0]) + 1]; ++i) {
-        const Box& b = box_[size_t(member_[size_t(i)])];
-        const fem::v4i out = (b.hi < lo) | (b.lo > hi);
-        if ((out[0] | out[1] | out[2]) == 0) visit(size_t(member_[size_t(i)]));
-      }
+      look(begin_[row + size_t(from[0])], begin_[row + size_t(to[0]) + 1]);
     }
+  look(begin_.back(), int32_t(member_.size()));
 }
 
 }  // namespace limberg
