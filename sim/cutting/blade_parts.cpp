@@ -69,12 +69,13 @@ std::vector<Vec2> clean_outline(std::span<const ChartPoint> outline, std::string
     p = drop_close(p, kKnot);
     p.pop_back();
   }
-  if (p.size() < 3 || std::abs(signed_area(p)) < 1) {
-    why = "the outline encloses less than 1 mm2; expected at least three points around an area";
+  // First: the two halves of a bow tie go round in opposite senses, and together they enclose nothing.
+  if (const auto crossing = p.size() > 3 ? meets_itself(p, true) : std::nullopt) {
+    why = "the outline crosses itself at " + text(*crossing) + " mm; expected a simple outline";
     return {};
   }
-  if (meets_itself(p, true)) {
-    why = "the outline crosses itself; expected a simple outline";
+  if (p.size() < 3 || std::abs(signed_area(p)) < 1) {
+    why = "the outline encloses less than 1 mm2; expected at least three points around an area";
     return {};
   }
   if (signed_area(p) < 0) std::reverse(p.begin(), p.end());

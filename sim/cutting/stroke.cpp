@@ -90,21 +90,21 @@ std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a,
   return s;
 }
 
-bool meets_itself(std::span<const Vec2> path, bool closed) {
+std::optional<Vec2> meets_itself(std::span<const Vec2> path, bool closed) {
   const size_t n = path.size(), segments = closed ? n : n - 1;
   for (size_t i = 0; i < segments; ++i) {
     const Vec2 &a = path[i], &b = path[(i + 1) % n];
     if (i + 1 < segments || closed) {  // folding straight back at a joint
       const Vec2& c = path[(i + 2) % n];
       const Vec2 u = b - a, v = c - b;
-      if (u.dot(v) < 0 && std::abs(cross2(u, v)) <= 1e-6 * u.norm() * v.norm()) return true;
+      if (u.dot(v) < 0 && std::abs(cross2(u, v)) <= 1e-6 * u.norm() * v.norm()) return b;
     }
     for (size_t j = i + 2; j < segments; ++j) {
       if (closed && i == 0 && j == segments - 1) continue;
-      if (meet_segments(a, b, path[j], path[(j + 1) % n])) return true;
+      if (const auto s = meet_segments(a, b, path[j], path[(j + 1) % n])) return a + *s * (b - a);
     }
   }
-  return false;
+  return std::nullopt;
 }
 
 std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed) {

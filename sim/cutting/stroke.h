@@ -26,8 +26,8 @@ Vec2 heading_at_start(std::span<const Vec2> path, double over);
 /// which also undoes the small knots of a resting hand. First and last points stay.
 std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance);
 
-/// Does a polyline (or, when closed, a polygon) meet itself other than at joints?
-bool meets_itself(std::span<const Vec2> path, bool closed);
+/// Where a polyline (or, when closed, a polygon) first meets itself other than at joints; nothing when it does not.
+std::optional<Vec2> meets_itself(std::span<const Vec2> path, bool closed);
 
 /// Divides every segment into equal parts of at most `spacing`; a closed path gets no repeated end.
 std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed);

@@ -49,6 +49,8 @@ const RimWalk& OperatingTable::rim() const {
 // other goes round the wound's end.
 bool OperatingTable::same_place(const Anchor& a, const Anchor& b) const {
   if ((a.X_mm - b.X_mm).norm() >= kSamePlace_mm) return false;
+  // Walls that face each other are two, though a shallow wound's lie in one cell.
+  if (a.in_wall() && b.in_wall()) return a.wall_normal.dot(b.wall_normal) > 0;
   if (a.at.triangle == b.at.triangle) return true;
   const auto from = spot_on(rim(), *version_.index, a), to = spot_on(rim(), *version_.index, b);
   if (!from || !to) return !from && !to && a.embedded.node == b.embedded.node;

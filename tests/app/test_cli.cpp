@@ -300,6 +300,9 @@ TEST_F(Cli, BadScriptsNameTheirLine) {
       {"nothing", hole + "{\"action\":\"incise\",\"path\":[[-2,0],[2,0]]}\n", 3, "incise refused"},
       {"twice", slit + stitch + stitch, 4, "already"},
       {"loop", "{\"action\":\"excise\",\"outline\":[[-4,-4],[4,-4],[4,4],[-4,4]],\"depth_mm\":3,\"floor\":false}\n", 2, "attached"},
+      {"bow-tie", "{\"action\":\"excise\",\"outline\":[[-6,-4],[6,4],[6,-4],[-6,4]],\"depth_mm\":3}\n", 2, "crosses itself at (0.00, 0.00) mm"},  // encloses nothing, taken with its sign
+      {"lopsided-bow-tie", "{\"action\":\"undermine\",\"outline\":[[-6,-4],[6,4],[6,-4],[-6,5]],\"depth_mm\":3}\n", 2, "crosses itself at"},
+      {"no-area", "{\"action\":\"excise\",\"outline\":[[-6,-4],[6,4],[-6,-4]],\"depth_mm\":3}\n", 2, "encloses nothing"},
       {"none", slit + stitch + "{\"action\":\"cut_suture\",\"id\":2}\n", 4, "no stitch 2"},
       {"both", slit + "{\"action\":\"cut_suture\",\"id\":2,\"at\":[0,0]}\n", 3, "either"},
   };

@@ -386,6 +386,8 @@ TEST(Stitch, JoinsTheEdgesOfAWoundThatIsShallowerThanACell) {
   EXPECT_FALSE(world.apply(Suture{{0, 3}, {0, 1}}).done);  // it is there
   EXPECT_FALSE(world.apply(Suture{{3, 3}, {3, 3}}).done);  // one edge
   must(world, Suture{{3, 3}, {3, 1}});
+  must(world, Suture{{-3, 3}, {-3, 1}, 1.5});  // and its walls are two
+  EXPECT_FALSE(world.apply(Suture{{-4, 3}, {-4, 3}, 1.5}).done);
 }
 
 }  // namespace
