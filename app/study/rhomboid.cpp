@@ -6,6 +6,8 @@
 
 #include "app/study/flaps.h"
 #include "app/study/patch.h"
+#include "app/study/sewn_metric.h"
+#include "sim/measure/skin_strain.h"
 #include "sim/tools/procedures/catalogue.h"
 
 namespace limberg::study {
@@ -25,6 +27,36 @@ double charge_deg(const SkinMap& map, const Figure& f, const std::vector<Corner>
   for (const Corner& c : corners) q -= map.cut_angle_deg(f, c, 0.2 * side_mm);
   return q;
 }
+
+/// The largest principal stress of the skin, evened out over discs of the chart.
+class Tension {
+ public:
+  explicit Tension(const Snapshot& s) {
+    const SurfaceView& v = s.topology->view;
+    const std::vector<MembraneState> states = skin_states(v, s.x_mm, *s.topology->body);
+    for (size_t t = 0; t < states.size(); ++t) {
+      if (!(states[t].area_mm2 > 0)) continue;
+      Vec3 middle = Vec3::Zero();
+      for (const int32_t i : v.tri[t]) middle += v.X_mm[size_t(i)] / 3;
+      parts_.push_back({s.topology->body->to_chart(middle), states[t].area_mm2, states[t].stress_kPa});
+    }
+    std::sort(parts_.begin(), parts_.end(), [](const Part& a, const Part& b) { return a.at.x() < b.at.x(); });
+  }
+  /// 0 where less than half of the disc is skin.
+  double mean_kPa(const ChartPoint& p, double radius_mm) const {
+    double area = 0, sum = 0;
+    for (auto i = std::lower_bound(parts_.begin(), parts_.end(), p.x() - radius_mm, [](const Part& a, double x) { return a.at.x() < x; }); i != parts_.end() && i->at.x() <= p.x() + radius_mm; ++i)
+      if ((i->at - p).norm() <= radius_mm) area += i->area_mm2, sum += i->area_mm2 * i->stress_kPa;
+    return area < 0.5 * std::numbers::pi * radius_mm * radius_mm ? 0 : sum / area;
+  }
+
+ private:
+  struct Part {
+    ChartPoint at;
+    double area_mm2, stress_kPa;
+  };
+  std::vector<Part> parts_;
+};
 
 Row run_rhomboid(const Values& v, const Run& with) {
   const double L = v[5];
@@ -74,14 +106,17 @@ Row run_rhomboid(const Values& v, const Run& with) {
   }
   r.figures.push_back({"donor_seam_N", donor_seam});
   r.figures.push_back({"donor_seam_over_next", donor_seam / next_seam});
+  const SewnSkin sewn = sewn_skin(*d.shown);
+  r.figures.insert(r.figures.end(), {{"sewn_sum_deg", sewn.sum_deg()}, {"sewn_stray_deg", sewn.stray_deg()}, {"sewn_unpaired", double(sewn.unpaired)}});
   for (const auto& [name, corners] : {std::pair<const char*, std::vector<Corner>>{"C", {kC}}, {"E", {kE}}, {"DF", {kD, kF}}}) {
+    r.figures.push_back({std::string("sewn_") + name + "_deg", sewn.charge_deg(f, corners).value_or(std::nan(""))});
     r.figures.push_back({std::string("charge_") + name + "_deg", charge_deg(*d.map, f, corners, L)});
     for (const double reach : {0.2, 0.4, 0.6}) {
       char t[40];
       std::snprintf(t, sizeof t, "deficit_%s_%g_deg", name, reach);
       r.figures.push_back({t, d.map->deficit_deg(f, corners, reach * L)});
     }
-    for (const double reach : {0.2, 0.3, 0.4, 0.5, 0.6}) {
+    for (const double reach : {0.2, 0.3, 0.4, 0.5, 0.6, 0.75, 0.9}) {  // sides: the next of the three points lies one side away
       char t[40];
       std::snprintf(t, sizeof t, "curvature_%s_%g_deg", name, reach);
       r.figures.push_back({t, d.map->curvature_deg(f, corners, reach * L, 0.15 * L)});
@@ -101,6 +136,15 @@ Row run_rhomboid(const Values& v, const Run& with) {
       if (s.most > most) most = s.most, most_at = p;
       if (std::min((p - place(f, kD)).norm(), (p - place(f, kF)).norm()) > 0.4 * L) elsewhere = std::max(elsewhere, s.most);
     }
+  // The same of the largest principal Cauchy stress in the skin's plane: what pulls at the seams, where stretch alone says nothing of
+  // how the skin is held across.
+  const Tension tension(*d.shown);
+  const double pull = std::max(tension.mean_kPa(at(kD), kDisc_mm), tension.mean_kPa(at(kF), kDisc_mm));
+  double pull_elsewhere = 0;
+  for (double y = -3 * L; y <= 3 * L; y += kStep_mm)
+    for (double x = -3 * L; x <= 3 * L; x += kStep_mm)
+      if (const ChartPoint p{x, y}; std::min((p - place(f, kD)).norm(), (p - place(f, kF)).norm()) > 0.4 * L) pull_elsewhere = std::max(pull_elsewhere, tension.mean_kPa(p, kDisc_mm));
+  r.figures.insert(r.figures.end(), {{"stress_D_F_kPa", pull}, {"stress_elsewhere_kPa", pull_elsewhere}});
   const Vec2 closing = (place(f, kF) - place(f, kD)).normalized();
   r.figures.insert(r.figures.end(), {{"stretch_D_F", here.most}, {"stretch_elsewhere", elsewhere}, {"most_at_x_mm", most_at.x()}, {"most_at_y_mm", most_at.y()},
                                      {"most_from_D_F_mm", std::min((most_at - place(f, kD)).norm(), (most_at - place(f, kF)).norm())},
@@ -118,15 +162,22 @@ struct Range {
   void operator()(double v) { least = std::min(least, v), most = std::max(most, v); }
 };
 
+/// Deficits of the rest metric as measured, and what geometry makes of Limberg's figure.
+constexpr std::pair<const char*, double> kSewn[] = {{"sewn_C_deg", 60}, {"sewn_E_deg", 60}, {"sewn_DF_deg", -120}};
+
 /// What Limberg's own flap must show, of the rows of one lattice.
 void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
-  Range key, share, far, off, plan, ears, cones, saddle, slack_cones, slack_saddle;
+  std::map<std::string, Range> sewn;
+  Range key, share, far, off, plan, sheet, stress, seam, ears, cones, saddle, bends, slack_cones, slack_saddle;
   bool alone = false, slack = false;
   for (const Row* one : rows) {
     const Row& r = *one;
     key(r.at("key_D_F_peak_N") / r.at("other_peak_N")), share(r.at("stretch_D_F") / r.at("stretch_elsewhere"));
     far(r.at("most_from_D_F_mm") / r.at("side_mm")), off(r.at("direction_off_deg"));
     plan(std::max({std::abs(r.at("charge_C_deg") - 60), std::abs(r.at("charge_E_deg") - 60), std::abs(r.at("charge_DF_deg") + 120)}));
+    for (const auto& [name, charge] : kSewn) sewn[name](std::isfinite(r.at(name)) ? std::abs(r.at(name) - charge) : 360);
+    sheet(std::abs(r.at("sewn_sum_deg")) + 360 * r.at("sewn_unpaired"));
+    stress(r.at("stress_D_F_kPa") / r.at("stress_elsewhere_kPa")), seam(r.at("donor_seam_over_next"));
     if (r.at("prestretch") > 0) continue;  // tension draws cones flat
     const double least = std::min(r.at("curvature_C_0.2_deg"), r.at("curvature_E_0.2_deg"));
     if (r.at("bed") > 0) {
@@ -135,7 +186,7 @@ void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
       slack_cones(least), slack_saddle(r.at("curvature_DF_0.6_deg"));
     } else {
       alone = true;
-      cones(least), saddle(r.at("curvature_DF_0.6_deg"));
+      cones(least), saddle(r.at("curvature_DF_0.6_deg")), bends(r.at("curvature_DF_0.9_deg") / r.at("sewn_DF_deg"));
     }
   }
   char with[40];
@@ -147,6 +198,15 @@ void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
   out.push_back(at_most(who + ": place of the largest stretch, from D or F, sides", far.most, 0.4, figure));
   out.push_back(at_most(who + ": direction of the largest stretch there, off D-F, degrees", off.most, 30, "parallel to two sides of the rhombus; half of its 60 degrees"));
   out.push_back(at_most(who + ": angle deficits as cut and sewn off +60, +60, -120, degrees", plan.most, 0.5, "closed form; half a degree on 4 mm is 0.03 mm of the cut edges"));
+  // Where the skin's edge is cut and which places of it each stitch joins, as the model has them.
+  for (const auto& [name, charge] : kSewn) {
+    char line[120];
+    std::snprintf(line, sizeof line, ": rest metric at %.*s as sewn, off %+g, degrees", int(std::string(name).size()) - 9, name + 5, charge);
+    out.push_back(at_most(who + line, sewn[name].most, 2, "closed form; the edges lie on their grid within 8 um, and the piece that gives a direction may be half a mm long"));
+  }
+  out.push_back(at_most(who + ": rest metric, sum of all deficits, degrees", sheet.most, 0.1, "Gauss and Bonnet: one sheet; rounding"));
+  out.push_back(at_least(who + ": largest principal Cauchy stress at D-F over that elsewhere (beyond 0.4 sides)", stress.least, 1, figure));
+  out.push_back(at_least(who + ": what the donor's seam carries over any other seam of its length", seam.least, 1, figure));
   if (slack) {
     out.push_back(at_least(who + ", slack, on fat: curvature within 0.2 sides of C and E, the smaller, degrees", slack_cones.least, 0, "cones of charge +60; what the fat holds flat is lost"));
     out.push_back(at_most(who + ", slack, on fat: curvature within 0.6 sides of D-F, degrees", slack_saddle.most, 0, "a saddle of charge -120; the same"));
@@ -155,6 +215,7 @@ void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
   if (alone) {
     out.push_back(at_least(who + ", slack skin alone: curvature within 0.2 sides of C and E, the smaller, degrees", cones.least, 45, "+60 by the theorem of Gauss and Bonnet, less the quarter that the plate's heights are good to; farther out skin bends back to where it is held, and a loop encloses less"));
     out.push_back(at_most(who + ", slack skin alone: curvature within 0.6 sides of D-F, degrees", saddle.most, 0, "a saddle of charge -120, spread by the greatest tension of all"));
+    out.push_back(at_least(who + ", slack skin alone: share of the -120 at D-F that bends within 0.9 sides", bends.least, 0, "the same; the rest is stretched away"));
   }
 }
 
