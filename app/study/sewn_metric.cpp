@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kDeg = 180 / std::numbers::pi;
 // A stitch's end is a place of an edge, told by where both lie now: in single precision, and between its vertices an edge may
-// bend a little within its cell.
-constexpr double kOnEdge_mm = 0.1;
+// bend within a strained cell.
+constexpr double kOnEdge_mm = 0.3;
 constexpr double kApart_mm = 0.5;    // the two ends of a stitch, along one edge
 constexpr double kStraight_deg = 2;  // the body's grid turns an edge by less
 constexpr double kSamePlace_mm = 0.5;
