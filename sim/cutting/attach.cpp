@@ -6,12 +6,6 @@
 
 namespace limberg {
 
-namespace {
-
-constexpr double kEndClearance = 0.4;  // from the free end of an earlier cut, when joining it
-
-}  // namespace
-
 bool attach_start(const BladeContext& c, const WoundMap& wounds, std::vector<Vec2>& path, double overshoot) {
   if (wounds.empty()) return false;
   const bool live = skin_is_live(c, path[0]);

@@ -90,7 +90,7 @@ std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> p
 }
 
 BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm,
-                           double angle_deg, bool may_join) {
+                           double angle_deg, Joins joins) {
   if (std::string why = check_stroke(stroke, depth_mm); !why.empty()) return refuse(why);
   if (!blade_can_lean(angle_deg)) return refuse(kBladeAngles);
   if (stroke.size() < 2) return refuse("an incision needs at least two points");
@@ -112,13 +112,13 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
   if (!closed && c.arrangement) {
     const WoundMap wounds(c);
     const double level = depth_mm + wall_extra(c);
-    const auto attach = [&](int32_t& join, bool& past) {
+    const auto attach = [&](int32_t& join, bool& past, bool may_join) {
       join = may_join ? join_start(walls, path, level) : -1;
       if (join < 0) past = attach_start(c, wounds, path, overshoot_of(c));
     };
-    attach(join_at_start, past_start);
+    attach(join_at_start, past_start, joins == Joins::any);
     std::reverse(path.begin(), path.end());
-    attach(join_at_end, past_end);
+    attach(join_at_end, past_end, joins != Joins::none);
     std::reverse(path.begin(), path.end());
     if (join_at_end >= 0 && join_at_end == join_at_start) return refuse("both ends of the stroke meet at one place");
     if (path.size() < 2 || meets_itself(path, false))
@@ -182,7 +182,7 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     leans.assign(leans.size(), lean);
     embedded = try_all();
   }
-  if (!embedded && (join_at_start >= 0 || join_at_end >= 0)) return build_incision(c, stroke, depth_mm, angle_deg, false);
+  if (!embedded && (join_at_start >= 0 || join_at_end >= 0)) return build_incision(c, stroke, depth_mm, angle_deg, Joins::none);
   if (!embedded)
     return {.blade = {}, .reason = "the blade would run through itself; expected a straighter path or less depth", .folds = true};
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);

@@ -8,6 +8,10 @@ namespace limberg {
 namespace {
 
 constexpr double kRowHeight = 2.5;  // along the blade's depth
+constexpr double kLegTurn = 0.43;     // radians, 25 degrees: what turns less is a curve,
+constexpr double kLegStraight = 2.0;  // and so is what turns again within so many mm
+constexpr double kLegBend = 0.27;     // by more than 15 degrees in all
+constexpr double kLegFold = 0.3;      // of the spacing: how far an edge may run back
 
 std::string text(const ChartPoint& p) {
   char buffer[80];
@@ -89,6 +93,34 @@ std::vector<Column> stiffened(std::span<const Column> columns, double share) {
   std::vector<Column> out(columns.begin(), columns.end());
   for (Column& k : out) k.normal = ((1 - share) * k.normal + share * mean).normalized();
   return out;
+}
+
+double leg_end(std::span<const Vec2> path, double lean, double depth_mm, double after) {
+  if (std::abs(lean) < 1e-9) return -1;
+  const size_t n = path.size();
+  std::vector<double> arc(n, 0), turn(n, 0);  // to the left: radians
+  for (size_t i = 1; i < n; ++i) arc[i] = arc[i - 1] + (path[i] - path[i - 1]).norm();
+  for (size_t i = 1; i + 1 < n; ++i) {
+    const Vec2 d = path[i] - path[i - 1], e = path[i + 1] - path[i];
+    turn[i] = std::atan2(d.x() * e.y() - d.y() * e.x(), d.dot(e));
+  }
+  for (size_t i = 1; i + 1 < n; ++i) {
+    if (arc[i] - after < kLeastLeg || arc[n - 1] - arc[i] < kLeastLeg) continue;
+    // The mitred edge runs back by so much on the inner side of the turn.
+    const double back = std::tan(std::min(std::abs(turn[i]) / 2, 1.57)) * std::abs(lean) * (depth_mm + 2 * kWallExtra);
+    if (turn[i] * lean > 0 || std::abs(turn[i]) < kLegTurn || back < kLegFold * kSpacing) continue;
+    double beside = 0;  // a curve is no corner
+    for (size_t j = 1; j + 1 < n; ++j)
+      if (j != i && std::abs(arc[j] - arc[i]) < kLegStraight) beside += std::abs(turn[j]);
+    if (beside < kLegBend) return arc[i];
+  }
+  return -1;
+}
+
+std::vector<Vec2> leg_of(std::span<const Vec2> path, double to) {
+  std::vector<Vec2> leg = part_of(path, 0, to);
+  leg.back() += (leg.back() - leg[leg.size() - 2]).normalized() * kEndClearance;
+  return leg;
 }
 
 double wall_extra(const BladeContext& c) {

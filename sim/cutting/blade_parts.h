@@ -40,6 +40,18 @@ inline constexpr std::array<double, 3> kStiffness{0, 0.6, 1};  // tried in turn
 std::vector<double> leans_at_rest(const BladeContext& context, std::span<const Vec2> path, std::span<const Column> columns,
                                   double lean, bool closed);
 
+/// The first corner of a path, behind `after` along it, into which a blade leans so far that it would run through itself there: its
+/// place along the path, or -1. The stroke is made in legs, each with its own lean to its end: one goes kEndClearance past the
+/// corner, the next begins on its wall there and crosses it down to its own foot, kLegStep higher, in one line that begins at the
+/// skin: so no bridge is left between them, and what of it lies beyond that line, the corner's bisector, is not cut. A corner
+/// nearer than kLeastLeg to an end is none.
+double leg_end(std::span<const Vec2> path, double lean, double depth_mm, double after = 0);
+/// The path up to there, and past the corner.
+std::vector<Vec2> leg_of(std::span<const Vec2> path, double to);
+inline constexpr double kEndClearance = 0.4;  // from the free end of an earlier cut, when joining it
+inline constexpr double kLeastLeg = 1.5;
+inline constexpr double kLegStep = 0.02;  // more than the jitter
+
 /// How far an incision reaches below the depth asked, and how far blades stick out. Both vary a little from operation
 /// to operation: two walls of one nominal depth then join with a clean end instead of a coincidence.
 double wall_extra(const BladeContext& context);

@@ -15,6 +15,7 @@ namespace {
 constexpr double kRowHeight = 2.5;  // along the blade's depth
 constexpr double kShortest = 1.0;   // of a stroke
 constexpr double kLeast = 0.3;      // of a quad, in shares of kSpacing
+constexpr double kBeforeLeg = 2.0;  // mm: so much of a leg is left for its last piece
 constexpr double kFold = 0.7;       // of a quad's length: how far its edge may run back
 constexpr int kAsideUnits = 64;     // of the even grid: 8 micrometres
 
@@ -57,21 +58,31 @@ double DrawnIncision::lean() const {
 /// upright, those before the path going in and those of the path coming out.
 std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> path, double arc, std::vector<double>& corner_arc) const {
   std::vector<Place> out{{path[0], arc, 1}};
+  double way = 0, leg = leg_end(path, lean(), depth_), back_before = 0;
   for (size_t i = 1; i < path.size(); ++i) {
     const Vec2 d = path[i] - path[i - 1];
     const double length = d.norm();
     for (int k = 1; length - k * kSpacing >= kLeast * kSpacing; ++k)
       out.push_back({path[i - 1] + d * (k * kSpacing / length), arc + k * kSpacing, 1});
     arc += length;
+    way += length;
     out.push_back({path[i], arc, 1});
     if (i + 1 == path.size()) break;
+    if (way == leg) {
+      leg = leg_end(path, lean(), depth_, way);
+      back_before = 0;
+      continue;
+    }
     // A mitred blade folds at a short quad beside a corner: on the inner side of the turn its edge would run backwards.
     const Vec2 e = path[i + 1] - path[i], a = d / length, b = e.normalized();
     const double sine = a.x() * b.y() - a.y() * b.x(), cosine = a.dot(b);  // sine > 0: to the left
     const double inside = sine * lean() < 0 ? depth_ + 2 * kWallExtra : 1.1 * kMargin;
     const double back = std::abs(sine) / std::max(1 + cosine, 0.1) * std::abs(lean()) * inside;
     const double last = arc - out[out.size() - 2].arc, next = e.norm() < (1 + kLeast) * kSpacing ? e.norm() : kSpacing;
-    if (back > kFold * std::min(last, next)) corner_arc.push_back(arc);
+    // (On a curve it runs back at both ends of the quad.)
+    const bool curve = out.size() > 1 && length < (1 + kLeast) * kSpacing;
+    if (back + (curve ? back_before : 0) > kFold * std::min(last, next)) corner_arc.push_back(arc);
+    back_before = back;
   }
   const double reach = 3 * (depth_ + kMargin) * std::abs(lean()), ahead = std::min(reach, kHold - 0.1);
   for (Place& p : out)
@@ -151,8 +162,14 @@ size_t DrawnIncision::uncrossed(std::span<const Place> place, size_t first, size
 BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
   if (finished_) return {};
   if (!begin(c, last)) return last ? refuse("nothing of the stroke lies on uncut skin, or it is shorter than 1 mm") : BladeResult{};
+  // Where the stroke leans into a sharp corner the leg ends, as soon as that is settled.
+  std::vector<Vec2> path = path_;
+  double leg = leg_end(path_, lean(), depth_);
+  const double before_leg = leg < 0 ? 1e300 : leg - kBeforeLeg;
+  if (leg >= 0 && !last && path_length(path_) < leg + hold_mm()) leg = -1;
+  if (leg >= 0) path = leg_of(path_, leg), last = true;
   std::vector<double> corner;
-  std::vector<Place> place = places(path_, 0, corner);
+  std::vector<Place> place = places(path, 0, corner);
   const size_t first = committed_ > 0 ? committed_ - 1 : 0;
   // The last column that may be final: a hold before the end, and before a hole that the path has not come out of.
   size_t end = place.size() - 1;
@@ -160,6 +177,7 @@ BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
   size_t hold = end;
   while (hold > 0 && place[hold].arc > place[end].arc - hold_mm()) --hold;
   hold = std::max(hold, first);
+  while (!last && hold > first && place[hold].arc > before_leg) --hold;
   size_t count = last ? place.size() : hold + 1;  // columns to be cut by now
   const size_t simple = uncrossed(place, first, count);
   const bool turns_back = simple < count;
@@ -171,9 +189,9 @@ BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
     // The end is settled on the part behind `hold`, the same one however the path was divided.
     std::vector<Vec2> tail{place[hold].at};
     double arc = 0;
-    for (size_t i = 1; i < path_.size(); ++i) {
-      arc += (path_[i] - path_[i - 1]).norm();
-      if (arc > place[hold].arc + 1e-9) tail.push_back(path_[i]);
+    for (size_t i = 1; i < path.size(); ++i) {
+      arc += (path[i] - path[i - 1]).norm();
+      if (arc > place[hold].arc + 1e-9) tail.push_back(path[i]);
     }
     if (tail.size() > 1 && c.arrangement) {
       std::reverse(tail.begin(), tail.end());
@@ -256,6 +274,7 @@ BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
   o.end_at = place[count - 1].at;
   o.end_arc = place[count - 1].arc;
   o.closing = closing;
+  if (closing) o.leg = leg;
   o.joins_start = first == 0 && start_wall_.has_value();
   o.joins_end = closing && end_wall.has_value();
   o.column.resize(count);
@@ -347,9 +366,18 @@ Blade DrawnIncision::strip(const BladeContext& c, std::span<const Column> column
   return blade;
 }
 
+/// The next leg begins on the wall of this one.
+void DrawnIncision::end_leg() {
+  begin_again(part_of(path_, 0, offered_.leg).back(), offered_.leg);
+  later_leg_ = true;
+  may_join_start_ = false;
+  extra_ = std::max(extra_ - kLegStep, 0.0);
+}
+
 void DrawnIncision::was_cut(const CutResult& result) {
+  if (committed_ == 0 && !offered_.joins_start && !past_start_ && !later_leg_) start_point_ = result.blade_point[0];
+  if (offered_.closing && offered_.leg >= 0) return end_leg();
   if (offered_.closing) finished_ = true;
-  if (committed_ == 0 && !offered_.joins_start && !past_start_) start_point_ = result.blade_point[0];
   column_ = std::move(offered_.column);
   arc_mm_ = std::move(offered_.arc_mm);
   committed_ = offered_.end;
@@ -360,6 +388,7 @@ void DrawnIncision::was_cut(const CutResult& result) {
 }
 
 void DrawnIncision::was_nothing(const BladeContext& c) {
+  if (offered_.closing && offered_.leg >= 0) return end_leg();
   if (offered_.closing) {
     finished_ = true;
     return;

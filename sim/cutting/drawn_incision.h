@@ -54,6 +54,7 @@ class DrawnIncision {
     size_t end = 0;         // columns cut with it
     int32_t end_vertex = 0; // of the blade: the top of its last own column
     bool closing = false, joins_start = false, joins_end = false;
+    double leg = -1;  // closing: the corner behind which the next leg begins, along the path
     Vec2 end_at = Vec2::Zero();
     double end_arc = 0;
   };
@@ -61,6 +62,7 @@ class DrawnIncision {
   std::vector<Place> places(std::span<const Vec2> path, double arc, std::vector<double>& corner_arc) const;
   std::vector<Vec3> directions(const BladeContext& context, std::span<const Column> columns, std::span<const Place> place, size_t first) const;
   size_t uncrossed(std::span<const Place> place, size_t first, size_t count) const;
+  void end_leg();
   double lean() const;
   double hold_mm() const { return angle_deg_ == 90 ? kHold : kHold + kHoldLeaning; }
   Blade strip(const BladeContext& context, std::span<const Column> columns, std::span<const Vec3> direction, size_t first, bool closing,
@@ -72,6 +74,7 @@ class DrawnIncision {
   int rows_ = 0;
   bool begun_ = false;           // its start is settled
   bool past_start_ = false;      // ... and lies past a wall
+  bool later_leg_ = false;       // it begins on the leg before
   bool finished_ = false;
   bool may_join_start_ = true, may_join_end_ = true;
   // The path as it was followed, and as it is cut: a settled start (if any) and so many of its last points.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "sim/cutting/blade_continue.h"
+#include "sim/cutting/blade_parts.h"
 #include "sim/cutting/handles.h"
 #include "sim/cutting/stroke_runs.h"
 #include "sim/geometry/blade_angle.h"
@@ -74,6 +75,19 @@ struct Part {
   bool may_fail = false;  // it only deepens what was made
 };
 
+/// A path as its legs.
+void add_legs(StrokePlan& plan, std::vector<Vec2> path, bool along, double lean) {
+  bool on_leg = false;
+  for (;;) {
+    const double end = leg_end(path, lean, plan.depth_mm);
+    if (end < 0) break;
+    plan.piece.push_back({along ? part_of(path, 0, end) : leg_of(path, end), along, on_leg});
+    path = part_of(path, end, path_length(path));
+    on_leg = true;
+  }
+  plan.piece.push_back({std::move(path), along, on_leg});
+}
+
 /// The sharpest corner of a path that leaves parts of a length on both sides; the middle of what deepens a wall, because
 /// walls cross one another anywhere. 0: nowhere.
 double where_to_divide(const StrokePiece& piece) {
@@ -121,26 +135,31 @@ StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke
     std::vector<double> ends = divisions(part, start_touches);
     ends.push_back(path_length(part));
     const size_t first = plan.piece.size();
+    size_t second = first;
     for (double to : ends) {
-      plan.piece.push_back({part_of(part, from, to), false});
+      add_legs(plan, part_of(part, from, to), false, lean);
+      if (from == 0) second = plan.piece.size();
       from = to;
     }
     // What the beginning may end on must be there first.
     if (start_touches)
-      std::rotate(plan.piece.begin() + long(first), plan.piece.begin() + long(first) + 1, plan.piece.end());
+      std::rotate(plan.piece.begin() + long(first), plan.piece.begin() + long(second), plan.piece.end());
   };
   if (!any_along) {
     const bool closed = path.size() > 3 && (path.front() - path.back()).norm() <= 0.1;
     bool start_touches = false;
     if (simple || (closed ? !meets_itself(std::span(path).first(path.size() - 1), true) : divisions(path, start_touches).empty())) {
-      plan.piece.push_back({path == clean ? drawn : path, false});  // as it was drawn
+      if (!closed && leg_end(path, lean, depth_mm) >= 0)
+        add_legs(plan, path, false, lean);
+      else
+        plan.piece.push_back({path == clean ? drawn : path});  // as it was drawn
       return plan;
     }
     add_free(path);
     return plan;
   }
   for (const Run& r : runs)
-    if (r.along) plan.piece.push_back({part_of(path, r.from, r.to), true});
+    if (r.along) add_legs(plan, part_of(path, r.from, r.to), true, lean);
   for (size_t i = 0; i < runs.size(); ++i) {
     if (runs[i].along) continue;
     std::vector<Vec2> part = part_of(path, runs[i].from, runs[i].to);
@@ -162,9 +181,14 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
   all.reason = plan.reason;
   if (plan.piece.empty()) return all;
   int made = 0, faces = 0, patches = 0, kept = 0;
+  double leg_level = 1e300;  // of the foot of what was cut last
   std::string nothing;
   std::deque<Part> parts;
-  for (const StrokePiece& piece : plan.piece) parts.push_back({piece});
+  std::vector<StrokePiece> deepened;
+  for (const StrokePiece& piece : plan.piece) {
+    parts.push_back({piece});
+    if (piece.along) deepened.push_back(piece);
+  }
   // Where a deepening was cut in parts, or had to stay shallower at a corner, what is left may go now that this is there. A
   // leaning one may then be led into its own wall and leave a bridge of tissue: what does is taken back.
   const bool upright = std::abs(plan.angle_deg - 90) < 1;
@@ -173,8 +197,7 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
     if (parts.empty()) {
       unfinished = false;
       if (++rounds == kMostRounds) break;
-      for (const StrokePiece& piece : plan.piece)
-        if (piece.along) parts.push_back({piece, 0, 1, true});
+      for (const StrokePiece& piece : deepened) parts.push_back({piece, 0, 1, true});
     }
     const Part part = std::move(parts.front());
     const StrokePiece& piece = part.piece;
@@ -184,22 +207,27 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       continue;
     CutResult r;
     bool folds = false, shallower = false;
-    const double depth = plan.depth_mm * part.share;
-    for (const bool may_join : {true, false}) {
+    double depth = plan.depth_mm * part.share;
+    if (piece.on_leg && !piece.along) depth = std::min(depth, leg_level - kLegStep - wall_extra(c));
+    const double level = depth + wall_extra(c);
+    for (const Joins joins : {piece.on_leg ? Joins::at_end : Joins::any, Joins::none}) {
       const BladeResult b = piece.along ? build_deepening(c, piece.path, depth + wall_extra(c))
-                                        : build_incision(c, piece.path, depth, plan.angle_deg, may_join);
+                                        : build_incision(c, piece.path, depth, plan.angle_deg, joins);
       r = CutResult{};
       r.reason = b.reason;
       folds = b.folds;
       shallower = b.blade && !b.reason.empty();
       if (b.nothing) r.status = CutResult::nothing_to_cut;
-      const bool may_bridge = b.blade && rounds > 0 && !upright;
+      // A part of a curve may run through the part before it, too: then it is made shallower first.
+      const bool part_of_curve = !piece.along && part.divided > 0 && part.share > kLeastShare;
+      const bool may_bridge = b.blade && !upright && (rounds > 0 || part.may_fail || part_of_curve);
       const int64_t chi = may_bridge ? euler_characteristic(*c.arrangement) : 0;
       if (b.blade) r = cut(*b.blade);
       if (may_bridge && r.ok() && euler_characteristic(*c.arrangement) != chi) {
         take_back();
         r = CutResult{};
         r.reason = "the deeper blade would leave a bridge of tissue at a sharp corner";
+        folds = part_of_curve;
       }
       if (r.status != CutResult::refused || !b.blade || b.blade->shared_point.empty()) break;
     }
@@ -207,7 +235,7 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       if (const double at = where_to_divide(piece); at > 0) {
         const double length = path_length(piece.path);
         parts.push_front({{part_of(piece.path, at, length), piece.along}, part.divided + 1, 1, part.may_fail});
-        parts.push_front({{part_of(piece.path, 0, at), piece.along}, part.divided + 1, 1, part.may_fail});
+        parts.push_front({{part_of(piece.path, 0, at), piece.along, piece.on_leg}, part.divided + 1, 1, part.may_fail});
         continue;
       }
     if (folds && !piece.along && part.share > kLeastShare) {  // first a shallower cut, then deeper along it where that goes
@@ -223,9 +251,13 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
       nothing = r.reason;
       continue;
     }
-    if (part.share < 1 && !piece.along && r.ok()) parts.push_front({{piece.path, true}, kMostDivided, 1, true});
+    if (part.share < 1 && !piece.along && r.ok()) {
+      deepened.push_back({piece.path, true});
+      parts.push_front({deepened.back(), kMostDivided, 1, true});
+    }
     unfinished = unfinished || (piece.along && (shallower || part.divided > 0));
     ++made;
+    leg_level = level;
     faces += r.wall_faces;
     patches += r.patches;
     kept += r.patches_kept;

@@ -5,7 +5,8 @@
 //    does nothing where that is deep enough.
 //  * What crosses itself is divided between the passages: the second part begins where the first ends, shares its end
 //    edge, and crosses it as it would any earlier cut.
-//  * What would run through itself at depth, leaning into a sharp bend, is divided at its corners; what still would is
+//  * What leans into a sharp corner is made in legs (leg_end), each of the depth and the lean asked to its end.
+//  * What still would run through itself at depth, leaning into a bend, is divided at its corners; what still would is
 //    cut shallower, and deepened where that goes.
 //  * An end that comes back to the stroke's own beginning closes the loop; one that comes near the stroke's own middle
 //    ends on it.
@@ -19,6 +20,7 @@ namespace limberg {
 struct StrokePiece {
   std::vector<Vec2> path;
   bool along = false;  // deepens what it runs along
+  bool on_leg = false; // begins on the piece before
 };
 
 struct StrokePlan {
