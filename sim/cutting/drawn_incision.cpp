@@ -79,9 +79,9 @@ std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> pa
     const double inside = sine * lean() < 0 ? depth_ + 2 * kWallExtra : 1.1 * kMargin;
     const double back = std::abs(sine) / std::max(1 + cosine, 0.1) * std::abs(lean()) * inside;
     const double last = arc - out[out.size() - 2].arc, next = e.norm() < (1 + kLeast) * kSpacing ? e.norm() : kSpacing;
-    // (On a curve it runs back at both ends of the quad.)
-    const bool curve = out.size() > 1 && length < (1 + kLeast) * kSpacing;
-    if (back + (curve ? back_before : 0) > kFold * std::min(last, next)) corner_arc.push_back(arc);
+    // On a curve it runs back at both ends of one quad.
+    const bool folds = length < (1 + kLeast) * kSpacing && back + back_before > length;
+    if (folds || back > kFold * std::min(last, next)) corner_arc.push_back(arc);
     back_before = back;
   }
   const double reach = 3 * (depth_ + kMargin) * std::abs(lean()), ahead = std::min(reach, kHold - 0.1);
