@@ -12,7 +12,8 @@
 // number (Blade::shared_point). What lies less than a hold before the path's end is kept back: there an end that is drawn
 // onto an earlier cut is still pushed through its wall or goes on from a wall's end, and a corner still gets its mitre. Skin
 // that has been removed is crossed only when the path comes out of the hole again. No piece crosses itself: a loop ends
-// between its two passages, and the next piece crosses what is there then.
+// between its two passages, and the next piece crosses what is there then. Leaning into a sharp corner the blade ends, and
+// the next leg begins on it (leg_end).
 #include "sim/cutting/blade_continue.h"
 
 namespace limberg {
