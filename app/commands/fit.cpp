@@ -3,18 +3,28 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <tuple>
 
 #include "app/bench/cpu_clock.h"
 #include "app/commands/commands.h"
 #include "app/commands/fit_sweep.h"
 #include "app/commands/numbers.h"
+#include "app/commands/session_command.h"
+#include "app/commands/this_call.h"
+#include "app/head/skull_comparison.h"
+#include "app/interrupt.h"
 #include "app/output.h"
 #include "app/progress.h"
+#include "app/report/report_names.h"
 #include "app/result.h"
 #include "app/session/workers_pool.h"
+#include "app/tables.h"
+#include "render/gl_context.h"
+#include "render/picture.h"
 #include "sim/error.h"
 #include "sim/imaging/fit.h"
 #include "sim/imaging/surface_file.h"
+#include "sim/simplex/dual.h"
 #include "sim/simplex/file.h"
 
 namespace limberg {
@@ -24,13 +34,14 @@ namespace {
 constexpr double kFound = 0.95;    // of the vertices must have the surface within two voxels
 constexpr double kRmsVoxels = 0.5; // and lie so near it, rms (both: issue list of the craniofacial part)
 constexpr double kReached = 0.9;   // of a scan's points must be within two spacings of the mesh; for a plane, of those that are seen from its side
+constexpr double kThin = 100;      // HU: above muscle and brain (45), what .3 mm of cortical bone adds in a voxel of 3.2 mm
 constexpr double kSmallest = 60, kLargest = 1000;  // mm: a scan of a face or head is between them; one that is not was likely written in other units
 constexpr double kScanEdges = 75;  // edges along a scan's diagonal where --edge-mm is not given (4 mm for a face of 300 mm, as for volumes)
 
 struct Options {
-  std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, series, unit = "mm";
+  std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, report_dir, series, unit = "mm";
   std::vector<double> from;
-  double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, mouth_mm = -1, smooth = 0.6, parts = 1;
+  double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, mouth_mm = -1, thin = -1, smooth = 0.6, parts = 1;
   bool has_iso = false, has_edge = false;
   CommonOptions common;
 };
@@ -39,6 +50,7 @@ void print(const FitReport& r, double voxel, const char* unit) {
   std::printf("surface     %.1f %% of the vertices have it within two %ss; %.1f %% of it is within two %ss of the mesh\n", 100 * r.found, unit, 100 * r.reached, unit);
   std::printf("distance    rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm (%s %.3f mm)\n", r.rms_mm, r.p95_mm, r.max_mm, unit, voxel);
   std::printf("            surface to mesh: rms %.3f mm, 95 %% within %.3f mm\n", r.surface_rms_mm, r.surface_p95_mm);
+  if (r.on_walls > 0) std::printf("thin walls  %d vertices lie where bone is thinner than the voxels show: they are closed, and not counted above\n", r.on_walls);
   if (r.joined + r.cut > 0) std::printf("topology    %d sheets joined (t3), %d tubes cut (t4)\n", r.joined, r.cut);
   for (const FitHole& h : r.hole)
     std::printf("opening     %-52s at (%.0f, %.0f, %.0f) mm, %.0f mm around, %d vertices\n", h.place.c_str(), h.centre_mm.x(), h.centre_mm.y(), h.centre_mm.z(), h.around_mm, h.vertices);
@@ -49,7 +61,7 @@ void fill(Result& result, const FitReport& r) {
   result.set("/vertices", r.vertices), result.set("/iterations", r.iterations), result.set("/vertex_iterations", r.vertex_iterations);
   result.set("/found", r.found), result.set("/rms_mm", r.rms_mm), result.set("/p95_mm", r.p95_mm), result.set("/max_mm", r.max_mm);
   result.set("/reached", r.reached), result.set("/surface_rms_mm", r.surface_rms_mm), result.set("/surface_p95_mm", r.surface_p95_mm);
-  result.set("/joined", r.joined), result.set("/cut", r.cut);
+  result.set("/on_walls", r.on_walls), result.set("/joined", r.joined), result.set("/cut", r.cut);
   result.set_empty_list("/openings"), result.set_empty_list("/notes");
   for (size_t i = 0; i < r.hole.size(); ++i) {
     const std::string p = "/openings/" + std::to_string(i);
@@ -57,6 +69,60 @@ void fill(Result& result, const FitReport& r) {
     for (int k = 0; k < 3; ++k) result.set(p + "/centre_mm/" + std::to_string(k), r.hole[i].centre_mm[k]);
   }
   for (size_t i = 0; i < r.notes.size(); ++i) result.set("/notes/" + std::to_string(i), r.notes[i]);
+}
+
+/// What the report says: what was fitted to what, how far they lie apart both ways, what stayed open.
+void tell(Result& result, const Options& o, const FitReport& r, const std::vector<std::string>& faults, const std::string& unit) {
+  const auto mm = [](double v) { return short_number(v, 3); };
+  std::string note = "A simplex mesh that began as a " + o.start + " was drawn to " + (o.tissue.empty() ? o.volume : "the " + o.tissue + " of " + o.volume) + ": " + std::to_string(r.vertices) + " vertices.";
+  for (const std::string& f : faults) note += " " + f + ".";
+  result.set("/scene_note", note), result.set("/reproduce", this_call());
+  add_table(result, result.entries("/tables"), {"Distance", "A vertex counts where it has the surface within two " + unit + "s, a place of the surface where the mesh is as near.", {"from, to", "share", "rms, mm", "95 % within, mm", "at most, mm"},
+            {{"vertices to surface", mm(100 * r.found) + " %", mm(r.rms_mm), mm(r.p95_mm), mm(r.max_mm)}, {"surface to mesh", mm(100 * r.reached) + " %", mm(r.surface_rms_mm), mm(r.surface_p95_mm), ""},
+             {"half a " + unit + ", the bar", "", mm(kRmsVoxels * r.voxel_mm), "", ""}, {"vertices on thin walls, not counted", std::to_string(r.on_walls), "", "", ""}}});
+  ResultTable open{"Openings", "End contours of the mesh.", {"where", "around, mm", "vertices"}, {}};
+  for (const FitHole& h : r.hole) open.rows.push_back({h.place, short_number(h.around_mm, 3), std::to_string(h.vertices)});
+  if (!open.rows.empty()) add_table(result, result.entries("/tables"), open);
+}
+
+/// DIR/overview.png, and the mesh from three sides in the gallery, seen from `front`, z upwards.
+void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Mesh& m, const Vec3& front) {
+  const simplex::FanTriangles fan = simplex::fan_triangles(m);
+  Surface s;
+  s.x_mm = fan.X_mm;
+  for (size_t t = 0; t < fan.tri.size(); ++t)
+    if (m.kind(fan.face[t]) == simplex::FaceKind::surface) s.tri.push_back(fan.tri[t]);
+  DistanceMap none;
+  none.signed_mm.assign(s.x_mm.size(), 0);
+  const Snapshot shown = coloured_skull(s, none, 1);
+  Vec3f low = Vec3f::Constant(1e9f), high = -low;
+  for (const Vec3& x : m.x_mm) low = low.cwiseMin(x.cast<float>()), high = high.cwiseMax(x.cast<float>());
+  try {
+    PictureMaker pictures(1080, 1080);
+    const Vec3f f = front.normalized().cast<float>(), up = std::abs(f.z()) < 0.9f ? Vec3f::UnitZ() : Vec3f::UnitY(), side = up.cross(f).normalized();
+    const auto draw = [&](const std::string& file, const Vec3f& from, const Vec3f& above, const std::string& words) {
+      pictures.set_camera(look_at_ball(0.5f * (low + high), 0.4f * (high - low).norm(), from, above, 24, 1));
+      PictureOptions options;
+      options.title = words;
+      write_png(dir + "/" + file, pictures.skin(shown, options));
+    };
+    draw(report_names::overview, f + 0.6f * side + 0.2f * up, up, "");
+    int n = 0;
+    for (const auto& [file, from, words] : {std::tuple("front.png", f, "From the front"), {"left.png", side, "From one side"}, {"right.png", Vec3f(-side), "From the other"}, {"below.png", Vec3f(-up + 0.05f * f), "From below"}}) {
+      draw(file, from, file == std::string("below.png") ? f : up, words);
+      const std::string p = "/gallery/" + std::to_string(n++);
+      result.set(p + "/picture", file), result.set(p + "/caption", words);
+    }
+  } catch (const RenderUnavailable& e) {
+    say(std::string("no pictures: ") + e.what());
+  }
+}
+
+/// result.json and report.html in `dir`, and the JSON file, as asked.
+void leave(const Result& result, const Options& o, const std::string& dir) {
+  CommonOptions to = o.common;
+  to.out_dir = dir;
+  leave_result(result, to);
 }
 
 /// What kept the fit from its goal, in sentences; nothing: it was reached.
@@ -105,6 +171,7 @@ std::string unlikely(double across_mm) {
 /// A range scan: its points, and which way its triangles look.
 int run_scan(const Options& o) {
   if (!o.sweep_dir.empty()) throw InputError("", 0, "--sweep is for volumes");
+  if (!o.report_dir.empty()) prepare_folder(o.report_dir);
   if (!o.from.empty() && start_of(o.start) != Start::plane) throw InputError("", 0, "--from is for --start plane");
   Surface scan = load_surface(o.volume);
   for (Vec3& x : scan.x_mm) x *= mm_of(o.unit);
@@ -158,7 +225,9 @@ int run_scan(const Options& o) {
   for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
   result.set_hash("/state_hash", simplex::hash(m));
   result.set_ok(faults.empty());
-  if (!o.common.json_file.empty()) result.write(o.common.json_file);
+  tell(result, o, r, faults, "spacing");
+  if (!o.report_dir.empty()) draw_fit_pictures(result, o.report_dir, m, plane ? view.front : Vec3(0, -1, 0));
+  leave(result, o, o.report_dir);
   return faults.empty() ? kDone : kGoalMissed;
 }
 
@@ -169,7 +238,8 @@ int run(const Options& o) {
   if (std::filesystem::equivalent(o.mesh_file, o.volume, none)) throw InputError(o.mesh_file, 0, "is what is to be fitted; expected the name of another file for the mesh");
   if (is_surface_name(o.volume)) return run_scan(o);
   if (!o.from.empty() || o.unit != "mm") throw InputError("", 0, "--from and --unit are for range scans; " + o.volume + " is taken for a volume");
-  if (!o.sweep_dir.empty()) prepare_folder(o.sweep_dir);
+  for (const std::string& dir : {o.sweep_dir, o.report_dir})
+    if (!dir.empty()) prepare_folder(dir);
   if (o.tissue.empty() && !o.has_iso) throw InputError("", 0, "fit " + o.volume + ": what is to be fitted is not said; expected --tissue skin, --tissue bone or --iso");
   const Volume v = load_volume(o.volume, o.series);
   WorkersPool workers(o.common.worker_count());
@@ -178,6 +248,7 @@ int run(const Options& o) {
   q.sigma_voxels = o.smooth, q.least_part = o.parts;
   q.seal_mm = o.seal_mm >= 0 ? o.seal_mm : o.tissue == "bone" ? 10 : 6;
   q.mouth_mm = o.mouth_mm >= 0 ? o.mouth_mm : o.tissue == "bone" ? 20 : 0;
+  if (o.thin > 0 || (o.thin < 0 && o.tissue == "bone" && !o.has_iso && q.mouth_mm > 0)) q.thin = o.thin > 0 ? o.thin + o.offset : kThin + o.offset;
   Progress progress("fit");
   progress.note("preparing the volume");
   const double start_ms = bench::cpu_ms();
@@ -214,19 +285,32 @@ int run(const Options& o) {
   for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
   result.set_hash("/state_hash", simplex::hash(m));
   result.set_ok(faults.empty());
+  tell(result, o, r, faults, "voxel");
+  const std::string& dir = o.report_dir.empty() ? o.sweep_dir : o.report_dir;
+  bool whole = true;
   if (!o.sweep_dir.empty()) {
-    const FitSweep sweep = fit_sweep(p, s, workers, [&](const std::string& line) { progress.note(line); });
+    catch_interrupts();  // the mesh is written, and so is every trial that is finished
+    const FitSweep sweep = fit_sweep(p, s, workers, [&](const std::string& line) { progress.note(line); }, interrupted);
     progress.clear();
+    whole = sweep.trial.size() == FitSweep::kTrials;
     std::printf("\n%-9s %8s %8s %9s %9s %12s %12s %9s\n", "faces", "edge mm", "chord mm", "vertices", "CPU s", "rms mm", "95 % mm", "reached");
     for (const FitTrial& t : sweep.trial)
       std::printf("%-9s %8.2f %8.2f %9d %9.2f %12.3f %12.3f %8.1f%%\n", t.adapted ? "adapted" : "uniform", t.edge_mm, t.chord_mm, t.report.vertices, t.cpu_s, t.report.surface_rms_mm,
                   t.report.surface_p95_mm, 100 * t.report.reached);
     write_whole_file(o.sweep_dir + "/fit-sweep.csv", sweep.csv());
-    write_whole_file(o.sweep_dir + "/fit-error-vertices.svg", sweep.svg(false));
-    write_whole_file(o.sweep_dir + "/fit-error-time.svg", sweep.svg(true));
+    for (const bool time : {false, true}) {
+      const LineChart chart = sweep.chart(time);
+      write_whole_file(o.sweep_dir + (time ? "/fit-error-time.svg" : "/fit-error-vertices.svg"), svg(chart));
+      add_chart(result, time, time ? "Error against run time" : "Error against vertices", chart);
+    }
+    if (!whole) {
+      const std::string kept = "interrupted: " + std::to_string(sweep.trial.size()) + " of " + std::to_string(FitSweep::kTrials) + " trials of the sweep were finished and are kept in " + o.sweep_dir + "; the mesh is in " + o.mesh_file;
+      say(kept), result.set("/interrupted", kept), result.set_ok(false);
+    }
   }
-  if (!o.common.json_file.empty()) result.write(o.common.json_file);
-  return faults.empty() ? kDone : kGoalMissed;
+  if (!dir.empty()) draw_fit_pictures(result, dir, m, Vec3(0, -1, 0));
+  leave(result, o, dir);
+  return faults.empty() && whole ? kDone : kGoalMissed;
 }
 
 }  // namespace
@@ -247,9 +331,12 @@ void add_fit(CLI::App& app, Chosen& chosen) {
   c->add_option("--from", o->from, "Plane and scan: direction of the side that the scan is seen from, X,Y,Z [across its least extent, where it bulges or its triangles look to]")->expected(3)->delimiter(',')->type_name("X,Y,Z");
   c->add_option("--seal-mm", o->seal_mm, "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")->check(number_from(0., 100.));
   c->add_option("--mouth-mm", o->mouth_mm, "Radius of a ball that does not enter orbits, nose and foramen: cavities behind such mouths are closed there, and the mesh is opened; 0: none [skin 0, bone 20]")->check(number_from(0., 100.));
+  c->add_option("--thin-walls", o->thin, "Bone that is thinner than the voxels shows as a crest below the isovalue: a sheet above this value (Hounsfield units, with --iso the volume's own numbers) closes "
+                "temples and sinuses, so that only orbits, nose and foramen are taken for mouths; 0: no [bone 100, unless --iso is given]")->check(number_from(0., 10000.));
   c->add_option("--smooth", o->smooth, "Gaussian smoothing, standard deviation in voxels [0.6]")->check(number_from(0., 10.));
   c->add_option("--parts", o->parts, "Keep other parts too that have this share of the largest one's size (a mandible beside a skull: 0.05) [1]")->check(number_from(1e-4, 1.));
-  c->add_option("--sweep", o->sweep_dir, "Also fit again and again with other edges, uniform and adapted to curvature: table and charts of error against vertices and run time in this folder")->type_name("DIR");
+  c->add_option("--sweep", o->sweep_dir, "Also fit again and again with other edges, uniform and adapted to curvature: table and charts of error against vertices and run time in this folder, with the report")->type_name("DIR");
+  c->add_option("--report", o->report_dir, "A page on the fit in this folder: pictures, distances, openings, and the sweep's charts")->type_name("DIR");
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Exit status 3: fewer than 95 % of the vertices have the surface within two voxels, or they are farther from it than half a voxel, rms;\n"
             "of a scan also: less than 90 % of its points (from a plane: of those that are seen from its side) are within two spacings of the mesh.\n"

@@ -4,15 +4,15 @@
 #include <cstdio>
 
 #include "app/bench/cpu_clock.h"
-#include "app/report/svg_chart.h"
 
 namespace limberg {
 
-FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& workers, const std::function<void(const std::string&)>& progress) {
+FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& workers, const std::function<void(const std::string&)>& progress, const std::function<bool()>& stopped) {
   FitSweep out;
   const double longest = 6 * target.voxel_mm;
   for (const bool adapted : {false, true})
     for (const double x : adapted ? std::vector<double>{0.2, 0.1, 0.05, 0.025, 0.012} : std::vector<double>{6, 4.5, 3.5, 2.5, 1.8}) {  // in voxels
+      if (stopped()) return out;
       FitTrial t;
       t.adapted = adapted, t.edge_mm = adapted ? longest : x * target.voxel_mm, t.chord_mm = adapted ? x * target.voxel_mm : 0;
       FitSettings s = like;
@@ -22,7 +22,7 @@ FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& wor
       t.report = fit(m, target, s, workers);
       t.cpu_s = (bench::cpu_ms() - t0) * 1e-3;
       out.trial.push_back(std::move(t));
-      progress("sweep: " + std::to_string(out.trial.size()) + " of 10");
+      progress("sweep: " + std::to_string(out.trial.size()) + " of " + std::to_string(FitSweep::kTrials));
     }
   return out;
 }
@@ -38,7 +38,7 @@ std::string FitSweep::csv() const {
   return s;
 }
 
-std::string FitSweep::svg(bool time) const {
+LineChart FitSweep::chart(bool time) const {
   LineChart c;
   c.description = std::string("Distance of the isosurface to the fitted mesh against ") + (time ? "run time" : "the number of vertices") + ", uniform faces and faces adapted to curvature";
   c.x = {time ? "CPU time, s" : "vertices", true, {}, {}};
@@ -53,7 +53,7 @@ std::string FitSweep::svg(bool time) const {
     for (const FitTrial* t : in) s.x.push_back(time ? t->cpu_s : t->report.vertices), s.y.push_back(t->report.surface_rms_mm);
     c.series.push_back(std::move(s));
   }
-  return limberg::svg(c);
+  return c;
 }
 
 }  // namespace limberg

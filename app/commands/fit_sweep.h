@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/report/svg_chart.h"
 #include "sim/imaging/fit.h"
 
 namespace limberg {
@@ -17,13 +18,14 @@ struct FitTrial {
 };
 
 struct FitSweep {
+  static constexpr int kTrials = 10;
   std::vector<FitTrial> trial;
   std::string csv() const;
-  /// Distance of the surface to the mesh against run time, or against vertices.
-  std::string svg(bool time) const;
+  /// Distance of the surface to the mesh against run time, or against vertices: both kinds of faces.
+  LineChart chart(bool time) const;
 };
 
-/// `like`: everything but edges, chord and progress.
-FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& workers, const std::function<void(const std::string&)>& progress);
+/// Ends early, with what was finished, when `stopped`. `like`: everything but edges, chord and progress.
+FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& workers, const std::function<void(const std::string&)>& progress, const std::function<bool()>& stopped);
 
 }  // namespace limberg

@@ -130,7 +130,7 @@ std::string closing(const ReportData& d, const std::string& dir) {
   }
   s += map(dir, report_names::ranking, "The best designs as they would lie on the skin, and what each costs");
   s += map(dir, report_names::perfusion, "Map of the perfusion index on the chart") + map(dir, report_names::stress, "Map of the skin's largest principal stress on the chart");
-  return s.empty() ? s : "<section>\n<h2>" + std::string(d.command == "superpose" || d.command == "bench" ? "What it came to" : d.of_bones() ? "Bones and face" : "The closure") + "</h2>\n" + s + "</section>\n";
+  return s.empty() ? s : "<section>\n<h2>" + std::string(d.command == "superpose" || d.command == "bench" || d.command == "fit" ? "What it came to" : d.of_bones() ? "Bones and face" : "The closure") + "</h2>\n" + s + "</section>\n";
 }
 
 }  // namespace limberg::sections

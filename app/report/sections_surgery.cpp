@@ -149,7 +149,7 @@ std::string light_of_force(double force_N) {
 }
 
 std::string title(const ReportData& d) {
-  return !d.scene_title.empty() ? capital(d.scene_title) : !d.scene.empty() ? capital(d.scene) : d.command == "superpose" ? "Superposition" : d.command == "bench" ? "Benchmark" : d.study.empty() ? "Operation" : "Study: " + d.study;
+  return !d.scene_title.empty() ? capital(d.scene_title) : !d.scene.empty() ? capital(d.scene) : d.command == "superpose" ? "Superposition" : d.command == "fit" ? "Fit of a mesh" : d.command == "bench" ? "Benchmark" : d.study.empty() ? "Operation" : "Study: " + d.study;
 }
 
 std::string heading(const ReportData& d, const std::string& dir) {
@@ -214,7 +214,7 @@ std::string gallery(const ReportData& d, const std::string& dir) {
   std::string s;
   for (const auto& [picture, caption] : d.gallery)
     if (const std::string url = picture_url(dir, picture, 720); !url.empty()) s += figure(url, caption, escape(caption));
-  return s.empty() ? s : "<section>\n<h2>Before and after</h2>\n<div class=\"story\">\n" + s + "</div>\n</section>\n";
+  return s.empty() ? s : "<section>\n<h2>" + std::string(d.command == "fit" ? "The mesh from its sides" : "Before and after") + "</h2>\n<div class=\"story\">\n" + s + "</div>\n</section>\n";
 }
 
 std::string tension(const ReportData& d, const std::string& dir) {

@@ -236,8 +236,10 @@ class Fitter {
       const Vec3& x = m_.x_mm[size_t(v)];
       if (seen_[size_t(v)]) d.push_back(sight_.distance(x, pull_[size_t(v)]));
       else if (const double beside = sight_.nearest(x, 2 * sight_.voxel()); std::isfinite(beside)) d.push_back(beside);
+      else if (sight_.on_wall(x)) ++r_.on_walls;
     }
-    r_.found = m_.vertices() > 0 ? double(d.size()) / m_.vertices() : 0;
+    const int32_t elsewhere = m_.vertices() - r_.on_walls;
+    r_.found = elsewhere > 0 ? double(d.size()) / elsewhere : 0;
     std::sort(d.begin(), d.end());
     for (double x : d) r_.rms_mm += x * x / double(d.size());
     r_.rms_mm = std::sqrt(r_.rms_mm);

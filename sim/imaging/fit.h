@@ -54,7 +54,8 @@ struct FitHole {
 struct FitReport {
   int iterations = 0;
   int32_t vertices = 0;
-  double found = 0;               // part of the vertices that have the surface within two voxels
+  double found = 0;               // part of the vertices, less those on thin walls, that have the surface within two voxels
+  int32_t on_walls = 0;           // vertices on thin walls (thin_walls.h) that have not
   double rms_mm = 0, p95_mm = 0, max_mm = 0;  // distance of those to the isosurface, |I - iso| / |grad I| where they see it
   int holes = 0;                  // opened
   std::vector<FitHole> hole;      // by size, largest first

@@ -24,6 +24,8 @@ class Sight {
   virtual double distance(const Vec3& x, const Vec3& way) const = 0;
   /// Distance to the nearest place of the surface, whatever the normal; infinite beyond `within`.
   virtual double nearest(const Vec3& x, double within) const = 0;
+  /// A thin wall lies nearer than any place of the surface.
+  virtual bool on_wall(const Vec3&) const { return false; }
   virtual double voxel() const = 0;
   /// mm outside the object as far as that is known; for points: 0.
   virtual double air(const Vec3& x) const = 0;
@@ -48,10 +50,11 @@ class Sight {
 
 class VolumeSight final : public Sight {
  public:
-  explicit VolumeSight(const Prepared& p) : p_(p), volume_(p.volume), guide_(p.guide), tree_(p.surface_mm), to_voxel_(p.volume.step_mm.inverse()), mean_voxel_(std::cbrt(std::abs(p.volume.step_mm.determinant()))) {}
+  explicit VolumeSight(const Prepared& p) : p_(p), volume_(p.volume), guide_(p.guide), tree_(p.surface_mm), walls_(p.wall_mm), to_voxel_(p.volume.step_mm.inverse()), mean_voxel_(std::cbrt(std::abs(p.volume.step_mm.determinant()))) {}
   Vec3 pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const override;
   double distance(const Vec3& x, const Vec3& way) const override;
   double nearest(const Vec3& x, double within) const override { return tree_.nearest(x, within).distance; }
+  bool on_wall(const Vec3& x) const override;
   double voxel() const override { return p_.voxel_mm; }
   double air(const Vec3& x) const override { return guide_.value(x); }
   bool knows_air() const override { return true; }
@@ -67,7 +70,7 @@ class VolumeSight final : public Sight {
   bool edge(const Vec3& x, const Vec3& N, double range, double& at) const;
   const Prepared& p_;
   VolumeSampler volume_, guide_;
-  PointTree tree_;
+  PointTree tree_, walls_;
   Mat3 to_voxel_;
   double mean_voxel_;
 };

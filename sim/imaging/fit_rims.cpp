@@ -26,7 +26,7 @@ bool VolumeSight::lost(const Vec3& x, bool seen) const {
   for (int k = 0; k < 3; ++k)
     if (q[k] < -kBeyond || q[k] > p_.volume.size[size_t(k)] - 1 + kBeyond) return true;
   if (p_.mouth_mm <= 0) return !seen;
-  return at_gate(x) && !std::isfinite(nearest(x, kOff * mean_voxel_));
+  return at_gate(x) && !on_wall(x) && !std::isfinite(nearest(x, kOff * mean_voxel_));
 }
 
 bool VolumeSight::at_gate(const Vec3& x) const {

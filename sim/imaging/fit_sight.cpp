@@ -61,14 +61,20 @@ Vec3 VolumeSight::pull(const Vec3& x, const Vec3& N, double t, double range, boo
   }
   if (t >= kGuided && volume_.inside(x) && !at_gate(x)) {
     // Beside the surface, but not across from it (at a rim, in a fold): to its nearest place, sideways too.
+    // On a thin wall there is none: its own places are the nearest, and the guide leads.
     const PointTree::Nearest place = tree_.nearest(x, 2 * near);
-    if (place.index >= 0) {
+    if (place.index >= 0 && !on_wall(x)) {
       seen = place.distance <= p_.voxel_mm;
       return tree_.point(place.index) - x;
     }
   }
   const double most = t < kGuided ? range : near;
   return -std::clamp(phi, -most, most) * (across > -kFolded ? std::max(across, kPush) : across) * N;
+}
+
+bool VolumeSight::on_wall(const Vec3& x) const {
+  const double way = walls_.nearest(x, 2 * p_.voxel_mm).distance;
+  return std::isfinite(way) && way < tree_.nearest(x, way).distance;
 }
 
 Vec3 VolumeSight::home(const Vec3& x, double most) const {

@@ -8,14 +8,17 @@
 //               and openings narrower than the ball are not (closing by a ball: dilate, then erode)
 //
 //   cavities    with `mouth_mm`: orbits, nose and foramen are entered by that ball, but not by a wider one, and go on behind their mouths:
-//              they are closed there (mouths.h)
+//              they are closed there (mouths.h). With `thin` bone that voxels have blurred below the isovalue (thin_walls.h) is in the way too: else
+//              temples and sinuses, whose walls an isosurface lacks, are entered and taken for cavities
 //
 // The result is a guide: the signed distance to the sealed surface on an even grid. A mesh led by it goes to the outer surface
-// and nowhere else; where that surface is a lid or spans an opening there is no isosurface, and the mesh is opened there. Places on
+// and nowhere else; where that surface is a lid or spans an opening there is no isosurface, and the mesh is opened there; on a thin wall there is
+// none either, and it stays closed. Places on
 // the isosurface that belong to the sealed surface are kept, to tell afterwards how much of it a mesh has reached.
 //
 // Distances on the grid: exact Euclidean transform by lower envelopes of parabolas (Felzenszwalb and Huttenlocher 2012).
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sim/imaging/volume.h"
@@ -30,6 +33,8 @@ struct PrepareSettings {
   double mouth_mm = 0;             // > seal_mm: cavities that a ball of this radius does not enter, and that are deeper than wide, are closed at their mouths
   double mouth_depth_mm = 6;       // hollows less deep are no cavities
   double mouth_width_mm = 18;      // nor are passages less wide, nor wider than 2.5 mouth_mm
+  std::optional<double> thin;      // below iso, with mouth_mm: crests above this value are thin walls
+  double thin_mm = 12;             // no place of one is farther from the object, and a ball of this radius does not pass through the gap
   double least_part = 1;           // parts are kept that have at least this share of the largest one's nodes
   int64_t guide_nodes = 4'000'000; // at most about so many; the grid is coarser where more would be needed
 };
@@ -53,6 +58,7 @@ struct Prepared {
   int parts = 0, kept_parts = 0;
   std::vector<CavityMouth> mouth;  // widest first
   std::vector<uint8_t> gate;       // of the guide's nodes: 1 about the mouths of cavities that are closed; empty: none is
+  std::vector<Vec3> wall_mm;       // on thin walls where they are the sealed surface: their crests
   std::vector<Vec3> surface_mm;    // on the isosurface where it is the sealed surface, in the order of the voxels
 };
 
