@@ -111,12 +111,21 @@ class CellBuilder {
   struct Shape {
     std::array<PointRef, 3> p;
     Layers layer;                                 // when layered
-    std::array<EdgeSigns, 3> about;               // [edge], where known
-    std::array<bool, 3> known{};
+    std::array<int32_t, 3> edge{-1, -1, -1};      // into edge_, once gather() has asked for them
+    std::array<bool, 3> turned{};                 // the face has the edge from its higher point to its lower one
     bool layered = false;
+  };
+  /// An edge of faces that are new in the cell, from its lower point to its higher one. Two faces meet there, or more: what is
+  /// found for one of them holds for all.
+  struct EdgeInCell {
+    EdgeSigns about;        // when known
+    bool known = false;
+    int8_t meets = -1;      // the cell; -1: not asked yet
+    int8_t crosses = -1;    // bit 2 axis + high: it pierces that square of the cell; -1: not asked yet
   };
   Shape& shape(LocalFace& f);
   Shape& layered_shape(LocalFace& f);
+  int32_t edge_between(int32_t a, int32_t b);
   Layers grid_layers(int32_t face) const {
     const size_t k = size_t(face - first_layered_);
     return face >= first_layered_ && k < of_face_.size() ? of_face_[k] : layers(face);
@@ -135,20 +144,18 @@ class CellBuilder {
   /// `before`: what the cell held in the last version; what is known of its faces is taken over.
   void gather(std::span<const int32_t> candidates, const CellComponents* before = nullptr);
   void take_known(FaceInCell in, int32_t local);
-  bool edge_meets(const LocalFace& f, Shape& s, size_t edge);
-  const EdgeSigns& about(const LocalFace& f, Shape& s, size_t edge) {
-    if (!s.known[edge]) find_about(f, s, edge);
-    return s.about[edge];
+  bool edge_meets(const LocalFace& f, const Shape& s, size_t edge);
+  bool finds_meeting(const LocalFace& f, const Shape& s, size_t edge);
+  const EdgeSigns& about(const LocalFace& f, const Shape& s, size_t edge) {
+    EdgeInCell& e = edge_[size_t(s.edge[edge])];
+    if (!e.known) find_about(f, s, edge, e);
+    return e.about;
   }
-  void find_about(const LocalFace& f, Shape& s, size_t edge);
+  void find_about(const LocalFace& f, const Shape& s, size_t edge, EdgeInCell& out) const;
   int parallel_axis(int32_t p, int32_t q) const;
-  void note_crossings(LocalFace& f, Shape& s, int32_t local);
-  /// The face reaches through both planes of the lattice edge.
-  static bool may_pierce(const LocalFace& f, int axis, int corner) {
-    const int i = (axis + 1) % 3, j = (axis + 2) % 3;
-    return (f.in.squares() >> (2 * i + (corner & 1)) & 1) && (f.in.squares() >> (2 * j + (corner >> 1)) & 1);
-  }
-  bool pierced_by_edge(const LocalFace& f, Shape& s, int axis, int corner);  // by the cell's lattice edge, within its length
+  int8_t crossed_squares(const LocalFace& f, const Shape& s, size_t edge);
+  void note_crossings(LocalFace& f, const Shape& s, int32_t local);
+  bool pierced_by_edge(const LocalFace& f, const Shape& s, int axis, int corner);  // by the cell's lattice edge, within its length
   int32_t local_of(int32_t face) const;
   void join_faces();
   void join_lattice_edges();
@@ -186,6 +193,14 @@ class CellBuilder {
   std::span<const Layers> of_face_;
   std::vector<Shape> shape_;  // the first shapes_ of them
   int32_t shapes_ = 0;
+  std::vector<EdgeInCell> edge_;
+  /// Open addressing by end points; valid in the gathering that entered it.
+  struct EdgePlace {
+    uint64_t ends = 0, round = 0;
+    int32_t edge = -1;
+  };
+  std::vector<EdgePlace> edge_place_;
+  uint64_t round_ = 0;
   bool no_walks_before_ = false;              // of the cell: no closed curve on its squares, no closed shell in it
   bool as_before_ = false;                    // the same faces with the same material as in the last version
   std::vector<std::pair<int32_t, int32_t>> place_;  // open addressing: id of a face, its place in face_

@@ -8,6 +8,23 @@
 #include "sim/lattice/cell_builder.h"
 
 namespace limberg {
+namespace {
+
+/// By the squares that a face reaches through (FaceInCell::squares): the lattice edges, bit 4 axis + corner, that may pierce
+/// it. It reaches through both planes of such an edge.
+constexpr std::array<uint16_t, 64> kMayPierce = [] {
+  std::array<uint16_t, 64> may{};
+  for (unsigned squares = 0; squares < 64; ++squares)
+    for (unsigned axis = 0; axis < 3; ++axis)
+      for (unsigned corner = 0; corner < 4; ++corner) {
+        const unsigned i = (axis + 1) % 3, j = (axis + 2) % 3;
+        if ((squares >> (2 * i + (corner & 1)) & 1) && (squares >> (2 * j + (corner >> 1)) & 1))
+          may[squares] = uint16_t(may[squares] | 1u << (4 * axis + corner));
+      }
+  return may;
+}();
+
+}  // namespace
 
 CellBuilder::CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface)
     : grid_(grid), surface_(surface), known_layers_(1024) {}
@@ -142,7 +159,7 @@ CellBuilder::Shape& CellBuilder::shape(LocalFace& f) {
   Shape& s = shape_[size_t(f.shape)];
   const auto& v = surface_.faces[size_t(f.id)].v;
   for (size_t k = 0; k < 3; ++k) s.p[k] = surface_.points->ref(v[k]);
-  s.known = {false, false, false};
+  s.edge = {-1, -1, -1};
   s.layered = false;
   return s;
 }
@@ -153,20 +170,40 @@ CellBuilder::Shape& CellBuilder::layered_shape(LocalFace& f) {
   return s;
 }
 
-void CellBuilder::find_about(const LocalFace& f, Shape& s, size_t e) {
-  const size_t next = e == 2 ? 0 : e + 1;
+int32_t CellBuilder::edge_between(int32_t a, int32_t b) {
+  const uint64_t ends = uint64_t(uint32_t(a)) << 32 | uint32_t(b);
+  for (size_t i = size_t(ends * 0x9e3779b97f4a7c15ull >> 40);; ++i) {
+    EdgePlace& place = edge_place_[i & (edge_place_.size() - 1)];
+    if (place.round != round_) {
+      place = {ends, round_, int32_t(edge_.size())};
+      edge_.emplace_back();
+      return place.edge;
+    }
+    if (place.ends == ends) return place.edge;
+  }
+}
+
+void CellBuilder::find_about(const LocalFace& f, const Shape& s, size_t e, EdgeInCell& out) const {
+  size_t from = e, to = e == 2 ? 0 : e + 1;
+  if (s.turned[e]) std::swap(from, to);
   // Points that lie this far apart along two axes are on no line along an axis.
-  const Vec3 way = (*s.p[next].approx - *s.p[e].approx).cwiseAbs();
+  const Vec3 way = (*s.p[to].approx - *s.p[from].approx).cwiseAbs();
   constexpr double kNear = 4 * kApproximationError;
   const bool upright = (way[0] <= kNear) + (way[1] <= kNear) + (way[2] <= kNear) >= 2;
   const auto& v = surface_.faces[size_t(f.id)].v;
-  edge_about_corners(s.p[e], s.p[next], upright ? parallel_axis(v[e], v[next]) : -1, bounds_, s.about[e]);
-  s.known[e] = true;
+  out.about = edge_about_corners(s.p[from], s.p[to], upright ? parallel_axis(v[from], v[to]) : -1, bounds_);
+  out.known = true;
+}
+
+bool CellBuilder::edge_meets(const LocalFace& f, const Shape& s, size_t e) {
+  int8_t& known = edge_[size_t(s.edge[e])].meets;
+  if (known < 0) known = finds_meeting(f, s, e);
+  return known;
 }
 
 // Segment against box by separating axes: the three box normals (on exact layers), and the three cross products of the
 // edge with the axes. An edge parallel to an axis gives no third kind of plane for it: that projection says nothing.
-bool CellBuilder::edge_meets(const LocalFace& f, Shape& s, size_t e) {
+bool CellBuilder::finds_meeting(const LocalFace& f, const Shape& s, size_t e) {
   const auto& a = s.layer[e];
   const auto& b = s.layer[e == 2 ? 0 : e + 1];
   bool a_in = true, b_in = true;
@@ -179,50 +216,62 @@ bool CellBuilder::edge_meets(const LocalFace& f, Shape& s, size_t e) {
     beyond += !(ak && bk);
   }
   if (a_in || b_in || beyond == 1) return true;  // an end in it, or right through two opposite squares
-  for (const auto& sign : about(f, s, e))
-    if (sign[0] && sign[1] == sign[0] && sign[2] == sign[0] && sign[3] == sign[0]) return false;
-  return true;
+  return !about(f, s, e).misses_all();
 }
 
-bool CellBuilder::pierced_by_edge(const LocalFace& f, Shape& shape, int axis, int corner) {
-  const size_t a = size_t(axis), k = size_t(corner);
-  const int s = about(f, shape, 0)[a][k];
-  if (!s || about(f, shape, 1)[a][k] != s || about(f, shape, 2)[a][k] != s) return false;
+bool CellBuilder::pierced_by_edge(const LocalFace& f, const Shape& shape, int axis, int corner) {
+  const auto side = [&](size_t e) {
+    const int of_edge = about(f, shape, e).of(axis, corner);
+    return shape.turned[e] ? -of_edge : of_edge;
+  };
+  const int s = side(0);
+  if (!s || side(1) != s || side(2) != s) return false;
   SubPoint c = edge_corner(axis, corner);
   const int low = plane_at_corner(*f.plane, c);
   c[size_t(axis)] = bound_[size_t(axis)][1];
   return low != plane_at_corner(*f.plane, c);
 }
 
-// Which squares the edges of a face pierce.
-void CellBuilder::note_crossings(LocalFace& f, Shape& s, int32_t local) {
+// Which squares an edge that meets the cell pierces.
+int8_t CellBuilder::crossed_squares(const LocalFace& f, const Shape& s, size_t e) {
+  // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and "crossing at
+  // greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are opposite. A bound that both
+  // ends lie within needs no sign.
+  const auto& from = s.layer[e];
+  const auto& to = s.layer[e == 2 ? 0 : e + 1];
+  uint32_t bits = 0;
+  for (size_t k = 0; k < 3; ++k) {
+    if (from[k] == to[k]) continue;
+    // The signs are those of the edge from its lower point to its higher one.
+    const int rising = (from[k] < to[k]) != s.turned[e] ? 1 : -1;
+    const int32_t lo = std::min(from[k], to[k]), hi = std::max(from[k], to[k]), at = index_[k];
+    for (int high = lo < at ? 0 : 1; high < (hi > at ? 2 : 1); ++high) {
+      bool within = true;
+      for (size_t step = 1; step <= 2 && within; ++step) {
+        const size_t u = k + step < 3 ? k + step : k + step - 3, v = 3 - k - u;
+        const bool u_first = step == 2;  // (v + 1) % 3 == u
+        for (int u_high = 0; u_high < 2 && within; ++u_high) {
+          if (u_high ? from[u] <= index_[u] && to[u] <= index_[u] : from[u] >= index_[u] && to[u] >= index_[u]) continue;
+          const int corner = u_first ? u_high | high << 1 : high | u_high << 1;
+          const int past = about(f, s, e).of(int(v), corner) * (u_first ? 1 : -1) * rising;
+          within = u_high ? past < 0 : past > 0;
+        }
+      }
+      if (within) bits |= 1u << (2 * k + size_t(high));
+    }
+  }
+  return int8_t(bits);
+}
+
+void CellBuilder::note_crossings(LocalFace& f, const Shape& s, int32_t local) {
   for (size_t e = 0; e < 3; ++e) {
     if (!f.in.edge(e)) continue;
-    const auto& from = s.layer[e];
-    const auto& to = s.layer[e == 2 ? 0 : e + 1];
-    for (size_t k = 0; k < 3; ++k) {
-      if (from[k] == to[k]) continue;
-      const int rising = from[k] < to[k] ? 1 : -1;
-      const int32_t lo = std::min(from[k], to[k]), hi = std::max(from[k], to[k]), at = index_[k];
-      for (int high = lo < at ? 0 : 1; high < (hi > at ? 2 : 1); ++high) {
-        // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and
-        // "crossing at greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are
-        // opposite. A bound that both ends lie within needs no sign.
-        bool within = true;
-        for (size_t step = 1; step <= 2 && within; ++step) {
-          const size_t u = k + step < 3 ? k + step : k + step - 3, v = 3 - k - u;
-          const bool u_first = (v == 2 ? 0 : v + 1) == u;
-          for (int u_high = 0; u_high < 2 && within; ++u_high) {
-            if (u_high ? from[u] <= index_[u] && to[u] <= index_[u] : from[u] >= index_[u] && to[u] >= index_[u]) continue;
-            const int corner = u_first ? u_high | high << 1 : high | u_high << 1;
-            const int past = about(f, s, e)[v][size_t(corner)] * (u_first ? 1 : -1) * rising;
-            within = u_high ? past < 0 : past > 0;
-          }
-        }
-        if (!within) continue;
-        crossing_[2 * k + size_t(high)].push_back({local, int32_t(e)});
-        f.in.bits |= FaceInCell::crossing(2 * k + size_t(high), e);
-      }
+    int8_t& known = edge_[size_t(s.edge[e])].crosses;
+    if (known < 0) known = crossed_squares(f, s, e);
+    for (uint32_t squares = uint32_t(known); squares; squares &= squares - 1) {
+      const size_t square = size_t(std::countr_zero(squares));
+      crossing_[square].push_back({local, int32_t(e)});
+      f.in.bits |= FaceInCell::crossing(square, e);
     }
   }
 }
@@ -239,6 +288,12 @@ void CellBuilder::gather(std::span<const int32_t> candidates, const CellComponen
   face_.clear();
   face_.reserve(candidates.size());
   shapes_ = 0;
+  edge_.clear();
+  edge_.reserve(3 * candidates.size());
+  size_t places = 64;
+  while (places < 6 * candidates.size()) places *= 2;
+  if (places > edge_place_.size()) edge_place_.assign(places, {});
+  ++round_;
   for (auto& h : hit_) h.clear();
   for (auto& c : crossing_) c.clear();
   size_t known = 0, taken_over = 0;
@@ -286,15 +341,19 @@ void CellBuilder::gather(std::span<const int32_t> candidates, const CellComponen
     s.layered = true;
     f.in.set_squares(squares);
     bool meets = false;
-    for (size_t e = 0; e < 3; ++e)
+    for (size_t e = 0; e < 3; ++e) {
+      const int32_t from = source.v[e], to = source.v[e == 2 ? 0 : e + 1];
+      s.turned[e] = from > to;
+      s.edge[e] = edge_between(std::min(from, to), std::max(from, to));
       if (edge_meets(f, s, e)) f.in.set_edge(e), meets = true;
-    for (int a = 0; a < 3; ++a)
-      for (int c = 0; c < 4; ++c)
-        if (may_pierce(f, a, c) && pierced_by_edge(f, s, a, c)) {
-          hit_[size_t(4 * a + c)].push_back(local);
-          f.in.bits |= FaceInCell::hit(4 * a + c);
-          meets = true;
-        }
+    }
+    for (uint32_t may = kMayPierce[squares]; may; may &= may - 1) {
+      const int lattice_edge = std::countr_zero(may);
+      if (!pierced_by_edge(f, s, lattice_edge / 4, lattice_edge % 4)) continue;
+      hit_[size_t(lattice_edge)].push_back(local);
+      f.in.bits |= FaceInCell::hit(lattice_edge);
+      meets = true;
+    }
     if (!meets)
       face_.pop_back(), --shapes_;
     else

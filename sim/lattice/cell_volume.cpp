@@ -21,24 +21,57 @@ struct Polygon {
   int n = 0;
 };
 
-// Keeps the part with sign * (coordinate - at) >= 0.
-void clip(Polygon& p, int axis, double at, double sign) {
+// The part of p with sign * (coordinate - at) >= 0, into r; false: that is all of p.
+template <int kAxis>
+bool clip(const Polygon& p, double at, double sign, Polygon& r) {
+  double inside[9];
   bool all = true;
-  for (int i = 0; i < p.n; ++i) all = all && sign * (p.v[i][axis] - at) >= 0;
-  if (all) return;
-  Polygon r;
   for (int i = 0; i < p.n; ++i) {
-    const Vec3 &a = p.v[i], &b = p.v[i + 1 < p.n ? i + 1 : 0];
-    const double da = sign * (a[axis] - at), db = sign * (b[axis] - at);
+    inside[i] = sign * (p.v[i][kAxis] - at);
+    all = all && inside[i] >= 0;
+  }
+  if (all) return false;
+  r.n = 0;
+  for (int i = 0; i < p.n; ++i) {
+    const int next = i + 1 < p.n ? i + 1 : 0;
+    const Vec3 &a = p.v[i], &b = p.v[next];
+    const double da = inside[i], db = inside[next];
     if (da >= 0) r.v[r.n++] = a;
     if ((da > 0 && db < 0) || (da < 0 && db > 0)) {
-      Vec3 c = a + (b - a) * (da / (da - db));
-      c[axis] = at;
-      r.v[r.n++] = c;
+      Vec3& c = r.v[r.n++];
+      c = a + (b - a) * (da / (da - db));
+      c[kAxis] = at;
     }
   }
-  p = r;
+  return true;
 }
+
+/// A triangle clipped to the box from 0 to `size`.
+class Clipped {
+ public:
+  explicit Clipped(const std::array<Vec3, 3>& corner)
+      : low_(corner[0].cwiseMin(corner[1]).cwiseMin(corner[2])), high_(corner[0].cwiseMax(corner[1]).cwiseMax(corner[2])) {
+    for (size_t k = 0; k < 3; ++k) now_->v[k] = corner[k];
+    now_->n = 3;
+  }
+  template <int kAxis>
+  void along(double size) {
+    if (now_->n < 3) return;
+    constexpr double kClear = 1e-3;  // half-units, far above what clipping along another axis can move
+    if (low_[kAxis] < kClear) keep<kAxis>(0, 1);
+    if (high_[kAxis] > size - kClear) keep<kAxis>(size, -1);
+  }
+  const Polygon& polygon() const { return *now_; }
+
+ private:
+  template <int kAxis>
+  void keep(double at, double sign) {
+    if (clip<kAxis>(*now_, at, sign, *other_)) std::swap(now_, other_);
+  }
+  Polygon polygon_[2];
+  Polygon *now_ = &polygon_[0], *other_ = &polygon_[1];
+  Vec3 low_, high_;
+};
 
 // Integral of z n_z over the polygon, n along its counter-clockwise side.
 double z_flux(const Polygon& p) {
@@ -74,18 +107,15 @@ double CellBuilder::flux_of(LocalFace& f) {
   for (int a = 0; a < 3; ++a) low[a] = sub_to_half(bound_[size_t(a)][0]);
   const double W = grid_.pitch.x, D = grid_.pitch.y, H = grid_.pitch.z;
   Shape& s = shape(f);
-  Polygon p;
-  p.n = 3;
-  for (int k = 0; k < 3; ++k) p.v[k] = *s.p[size_t(k)].approx - low;
-  const Vec3 corner[3] = {p.v[0], p.v[1], p.v[2]};
-  if (!f.in.inside())
-    for (int a = 0; a < 3 && p.n > 2; ++a) {
-      const double size = a == 0 ? W : a == 1 ? D : H;
-      constexpr double kClear = 1e-3;  // half-units, far above what clipping along another axis can move
-      if (std::min({corner[0][a], corner[1][a], corner[2][a]}) < kClear) clip(p, a, 0, 1);
-      if (std::max({corner[0][a], corner[1][a], corner[2][a]}) > size - kClear) clip(p, a, size, -1);
-    }
-  double flux = z_flux(p);
+  std::array<Vec3, 3> corner;
+  for (size_t k = 0; k < 3; ++k) corner[k] = *s.p[k].approx - low;
+  Clipped clipped(corner);
+  if (!f.in.inside()) {
+    clipped.along<0>(W);
+    clipped.along<1>(D);
+    clipped.along<2>(H);
+  }
+  double flux = z_flux(clipped.polygon());
   if (!(f.in.squares() >> 5 & 1) || f.plane->n[0] == 0) return flux;  // not through the plane z high
   // The lattice edge along y at x and z high: seen along y the coordinates are (z, x), both high: corner 3.
   const SubPoint line = edge_corner(1, 3);
@@ -102,7 +132,8 @@ double CellBuilder::flux_of(LocalFace& f) {
     // Seen along y the coordinates are (z, x): an edge that rises in z has the line to its left when it passes at
     // smaller x. Both ends within the low side of x high need no sign.
     if (s.layer[e][0] > index_[0] || s.layer[next][0] > index_[0]) {
-      const int about = s.known[e] ? s.about[e][1][3] : edge_about_corner(s.p[e], s.p[next], 1, line);
+      const EdgeInCell* known = s.edge[e] >= 0 && edge_[size_t(s.edge[e])].known ? &edge_[size_t(s.edge[e])] : nullptr;
+      const int about = known ? (s.turned[e] ? -1 : 1) * known->about.of(1, 3) : edge_about_corner(s.p[e], s.p[next], 1, line);
       beyond[n] = (about > 0) == !rises;
     }
     end[n] = a + (b - a) * ((H - a.z()) / (b.z() - a.z()));

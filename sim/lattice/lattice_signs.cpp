@@ -1,6 +1,7 @@
 #include "sim/lattice/lattice_signs.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace limberg {
@@ -78,35 +79,52 @@ int edge_about_corner(const PointRef& p, const PointRef& q, int axis, const SubP
   return s ? s : break_tie(p, q, i, j);
 }
 
-void edge_about_corners(const PointRef& p, const PointRef& q, int parallel, const CellBounds& cell, EdgeSigns& out) {
-  std::array<std::array<double, 2>, 3> a, b;  // from the bounds
+EdgeSigns edge_about_corners(const PointRef& p, const PointRef& q, int parallel, const CellBounds& cell) {
+  using Two = double __attribute__((vector_size(16)));  // low and high bound of a coordinate
+  using Bits = int64_t __attribute__((vector_size(16)));
+  Two a[3], b[3];
   double far = 0;
-  for (size_t k = 0; k < 3; ++k)
-    for (size_t high = 0; high < 2; ++high) {
-      a[k][high] = (*p.approx)[int(k)] - cell.half[k][high];
-      b[k][high] = (*q.approx)[int(k)] - cell.half[k][high];
-      far = std::max({far, std::abs(a[k][high]), std::abs(b[k][high])});
-    }
+  for (int k = 0; k < 3; ++k) {
+    const double pk = (*p.approx)[k], qk = (*q.approx)[k], low = cell.half[size_t(k)][0], high = cell.half[size_t(k)][1];
+    a[k] = Two{pk - low, pk - high};
+    b[k] = Two{qk - low, qk - high};
+    far = std::max(far, std::max(std::max(std::abs(a[k][0]), std::abs(a[k][1])), std::max(std::abs(b[k][0]), std::abs(b[k][1]))));
+  }
   // One bound for all of them, as in edge_about_corner. Integers below 2^23 have exact products and differences.
   const bool exact = !p.implicit && !q.implicit;
   constexpr double kDelta = 2 * kApproximationError;
   const double error = exact ? 0 : 4.000001 * kDelta * far + 2 * kDelta * kDelta + 0x1p-50 * far * far;
-  for (size_t axis = 0; axis < 3; ++axis) {
-    if (int(axis) == parallel) {
-      out[axis] = {0, 0, 0, 0};
-      continue;
-    }
-    const size_t i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
-    for (size_t corner = 0; corner < 4; ++corner) {
-      const size_t ci = corner & 1, cj = corner >> 1;
-      const double det = a[i][ci] * b[j][cj] - a[j][cj] * b[i][ci];
-      int8_t& s = out[axis][corner];
-      s = int8_t(int(det > error) - int(det < -error));
-      if (s) continue;
-      if (!exact) s = int8_t(edge_about_corner_exact(p, q, i, j, cell.edge_corner[axis][corner]));
-      if (!s) s = int8_t(break_tie(p, q, int(i), int(j)));
+  const Two above{error, error}, below{-error, -error};
+  Bits left{0, 0}, right{0, 0};  // one part per bound of the first coordinate
+  for (int axis = 0; axis < 3; ++axis) {
+    const int i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
+    for (int second = 0; second < 2; ++second) {
+      const Two aj{a[j][second], a[j][second]}, bj{b[j][second], b[j][second]};
+      const Two det = a[i] * bj - aj * b[i];
+      const int bit = 4 * axis + 2 * second;
+      const Bits here{int64_t(1) << bit, int64_t(2) << bit};
+      left |= (det > above) & here;
+      right |= (det < below) & here;
     }
   }
+  EdgeSigns out;
+  out.left = uint16_t(left[0] | left[1]);
+  out.right = uint16_t(right[0] | right[1]);
+  if (parallel >= 0) {
+    const uint16_t others = uint16_t(0xfff & ~(0xf << 4 * parallel));
+    out.left &= others, out.right &= others;
+  }
+  uint32_t doubt = 0xfffu & ~uint32_t(out.left | out.right);
+  if (parallel >= 0) doubt &= ~(0xfu << 4 * parallel);
+  for (; doubt; doubt &= doubt - 1) {
+    const int bit = std::countr_zero(doubt), axis = bit / 4, corner = bit % 4;
+    const int i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
+    int s = exact ? 0 : edge_about_corner_exact(p, q, size_t(i), size_t(j), cell.edge_corner[size_t(axis)][size_t(corner)]);
+    if (!s) s = break_tie(p, q, i, j);
+    if (s > 0) out.left |= uint16_t(1 << bit);
+    if (s < 0) out.right |= uint16_t(1 << bit);
+  }
+  return out;
 }
 
 int plane_at_corner(const Plane& plane, const SubPoint& c) {
