@@ -34,16 +34,15 @@ struct BoxTree::Builder {
       std::swap(*first, *v);
       const int64_t pivot = key(*first, axis);
       const uint32_t n = uint32_t(last - first);
-      uint32_t ups = 0, downs = 0;
-      for (uint32_t i = 1; i < n; ++i) {
+      uint32_t ups = 0;
+      for (uint32_t i = 1; i < n; ++i) {  // each goes to both lists, and stays in one
         up[ups] = i;
+        down[i - 1 - ups] = i;
         ups += key(first[i], axis) > pivot;
       }
-      for (uint32_t i = n - 1; i > 0; --i) {
-        down[downs] = i;
-        downs += key(first[i], axis) < pivot;
-      }
-      for (uint32_t i = 0; i < std::min(ups, downs) && up[i] < down[i]; ++i) std::swap(first[up[i]], first[down[i]]);
+      const uint32_t downs = n - 1 - ups;
+      for (uint32_t i = 0; i < std::min(ups, downs) && up[i] < down[downs - 1 - i]; ++i)
+        std::swap(first[up[i]], first[down[downs - 1 - i]]);
       Item* const cut = first + 1 + downs;
       if (cut <= nth)
         first = cut;

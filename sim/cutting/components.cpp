@@ -142,17 +142,20 @@ void ArrangementStore::update_components(Delta& delta) {
     return m < 0 ? -1 : m / 3;
   };
   std::vector<int32_t> of_group(fresh.size(), -1);  // by root: the component that the group hangs on
-  for (size_t i = 0; i < fresh.size(); ++i)
-    for (int k = 0; k < 3; ++k)  // (each pair once)
-      if (const int32_t n = neighbour(fresh[i], k); n > fresh[i]) unite(int32_t(i), index[size_t(n - old_sided)]);
+  std::vector<std::pair<int32_t, int32_t>> beside;  // new sided face by its index, component of an old one next to it
   for (size_t i = 0; i < fresh.size(); ++i)
     for (int k = 0; k < 3; ++k) {
       const int32_t n = neighbour(fresh[i], k);
-      if (n < 0 || n >= old_sided) continue;
-      int32_t& c = of_group[size_t(root(int32_t(i)))];
-      if (c >= 0 && c != component_of[n]) return;  // two components have become one
-      c = component_of[n];
+      if (n > fresh[i])  // each pair once
+        unite(int32_t(i), index[size_t(n - old_sided)]);
+      else if (n >= 0 && n < old_sided)
+        beside.push_back({int32_t(i), component_of[n]});
     }
+  for (const auto& [i, its] : beside) {
+    int32_t& c = of_group[size_t(root(i))];
+    if (c >= 0 && c != its) return;  // two components have become one
+    c = its;
+  }
 
   // Searches from every group outwards, in turns, until those of one component have met.
   struct Search {
