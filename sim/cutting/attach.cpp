@@ -3,8 +3,55 @@
 #include <cmath>
 
 #include "sim/cutting/blade_parts.h"
+#include "sim/cutting/stroke.h"
 
 namespace limberg {
+namespace {
+
+constexpr double kCornerClearance = 0.15;  // from the corner of an earlier cut, when joining it there
+constexpr double kBeside = 0.05;           // more than jitter and grid move a blade
+
+/// Where a stroke that comes from `from` is to end, so far past the wall at w that it is through at a flat angle, too.
+Vec2 past_wall(const WoundMap& wounds, const Vec2& from, const Vec2& w, double overshoot) {
+  const Vec2 d = (w - from).normalized(), along = wounds.nearest(w).along;
+  const double sine = std::abs(d.x() * along.y() - d.y() * along.x());
+  return w + d * (overshoot / std::clamp(sine, 0.2, 1.0));
+}
+
+/// Is a stroke that ends there through a wall even when the blade lies a little to either side? At a corner of an outline, or
+/// along a round one, it may pass beside it, and a bridge of skin would be left.
+bool is_through(const BladeContext& c, const WoundMap& wounds, const Vec2& from, const Vec2& end) {
+  const Vec2 d = (end - from).normalized(), beside = kBeside * Vec2(-d.y(), d.x());
+  if (!skin_is_live(c, end) && !skin_is_live(c, end + beside) && !skin_is_live(c, end - beside)) return true;  // in a hole
+  const Vec2 begin = end - std::min((end - from).norm(), 3 * kSnap) * d;
+  return wounds.first_meeting(begin + beside, end + beside) && wounds.first_meeting(begin - beside, end - beside);
+}
+
+/// Past the wall at w; where that does not lead through it for sure, past one of the walls that meet there, the one that is met
+/// least flatly; or, along the edge of a hole, into the hole.
+Vec2 end_past(const BladeContext& c, const WoundMap& wounds, const Vec2& from, const Vec2& w, double overshoot) {
+  const Vec2 straight = past_wall(wounds, from, w, overshoot);
+  if (is_through(c, wounds, from, straight)) return straight;
+  std::optional<Vec2> best;
+  double most = 0;
+  for (const WoundEdge& e : wounds.edges()) {
+    if (distance_to_segment(w, e.a, e.b) > kCornerClearance || (e.a - e.b).norm() == 0) continue;
+    const Vec2 along = (e.b - e.a).normalized();
+    for (const double sign : {-1.0, 1.0}) {
+      const Vec2 p = wounds.nearest(w + sign * kCornerClearance * along).point, d = (p - from).normalized(), end = past_wall(wounds, from, p, overshoot);
+      const double sine = std::abs(d.x() * along.y() - d.y() * along.x());
+      if ((p - w).norm() > 0.5 * kCornerClearance && sine > most && is_through(c, wounds, from, end)) most = sine, best = end;
+    }
+  }
+  if (best) return *best;
+  const Vec2 along = wounds.nearest(w).along, across(-along.y(), along.x());
+  for (const double depth : {2 * overshoot, 4 * overshoot})
+    for (const double sign : {-1.0, 1.0})
+      if (const Vec2 end = w + sign * depth * across; !skin_is_live(c, end) && is_through(c, wounds, from, end)) return end;
+  return straight;
+}
+
+}  // namespace
 
 bool attach_start(const BladeContext& c, const WoundMap& wounds, std::vector<Vec2>& path, double overshoot) {
   if (wounds.empty()) return false;
@@ -34,10 +81,9 @@ bool attach_start(const BladeContext& c, const WoundMap& wounds, std::vector<Vec
   wall = wounds.clear_of_ends(*wall, kEndClearance);
   // A point right beside the wall would turn the blade along it.
   while (next + 1 < path.size() && (path[next] - *wall).norm() < 1.5 * kEndClearance) ++next;
-  const Vec2 d = (*wall - path[next]).normalized(), along = wounds.nearest(*wall).along;
-  const double sine = std::abs(d.x() * along.y() - d.y() * along.x());
+  const Vec2 past = end_past(c, wounds, path[next], *wall, overshoot);
   path.erase(path.begin(), path.begin() + long(next));
-  path.insert(path.begin(), *wall + d * (overshoot / std::clamp(sine, 0.2, 1.0)));
+  path.insert(path.begin(), past);
   return true;
 }
 

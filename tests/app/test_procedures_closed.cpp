@@ -45,11 +45,11 @@ TEST_P(Repertoire, ClosesAndRests) {
   EXPECT_LT(std::abs(m.volume_change), 1e-12);
   EXPECT_LT(m.closure_force_N, 60);  // nobody ties more than 2 N a stitch, 30 stitches at most here
 
-  // One sheet again, with the cones and saddles of the plan. (Not asked where an incision begins at a corner of an excision, or on
-  // another: the cutter may leave a bridge of skin there, some micrometres wide, and what it joins has one edge.)
+  // One sheet again, with the cones and saddles of the plan. (Not asked of three whose sewn sheet has handles, for a
+  // reason that is not known yet: stitches beside the narrow tips of o_to_z may take the other edge.)
   const std::string& name = GetParam().name;
+  if (name == "o_to_z" || name == "bilobed" || name == "four_flap_z") return;
   const bool rhombic = name == "rhomboid" || name == "dufourmentel";
-  if (!rhombic && name != "z_plasty" && name != "multiple_z" && name != "fusiform" && name != "m_plasty") return;
   Snapshot s;
   world.fill(s);
   const study::SewnSkin sewn = study::sewn_skin(s);
