@@ -24,6 +24,11 @@ std::string colour(size_t i) {
   return "var(--s" + std::to_string(k + 1) + "," + kColours[k] + ")";
 }
 
+// Beyond the colours lines are told apart by their dashes.
+const char* dashes(size_t i) {
+  return i < 6 ? "" : i < 12 ? " stroke-dasharray=\"7 4\"" : " stroke-dasharray=\"2 3\"";
+}
+
 double step_for(double range, int most) {
   const double raw = range / most, power = std::pow(10, std::floor(std::log10(raw)));
   for (const double m : {1.0, 2.0, 5.0})
@@ -89,6 +94,24 @@ std::string open(int width, int height, const std::string& description) {
 const std::string kGrid = "stroke=\"var(--grid,#ddd)\" stroke-width=\"1\"";
 const std::string kMark = "stroke=\"var(--ink,#222)\" stroke-width=\"1\" stroke-dasharray=\"5 4\" opacity=\"0.65\"";
 
+constexpr double kLetter = 7.5, kLegendTop = 14, kLegendRow = 20;
+
+struct LegendPlace {
+  double x, y;
+};
+/// Of the names of a legend, in rows that end before `right`.
+std::vector<LegendPlace> places(const std::vector<ChartSeries>& series, double left, double right) {
+  std::vector<LegendPlace> out;
+  LegendPlace at{left, kLegendTop};
+  for (const ChartSeries& s : series) {
+    const double wide = 28 + kLetter * double(s.name.size());
+    if (at.x > left && at.x + wide > right) at = {left, at.y + kLegendRow};
+    out.push_back(at);
+    at.x += wide + 16;
+  }
+  return out;
+}
+
 std::string x_axis(const Scale& x, const ChartAxis& axis, double top, double bottom) {
   std::string s;
   for (const double v : axis_ticks(x.lo, x.hi, x.log)) {
@@ -144,7 +167,12 @@ ChartSeries thinned(const ChartSeries& s, size_t most) {
 }
 
 std::string svg(const LineChart& c) {
-  const double left = 78, right = c.width - 16.0, top = c.series.size() > 1 ? 34 : 14, bottom = c.height - 48.0;
+  const double left = 78, right = c.width - 16.0;
+  const std::vector<LegendPlace> legend = c.series.size() > 1 ? places(c.series, left, right) : std::vector<LegendPlace>{};
+  const double top = legend.empty() ? 14 : 34 + legend.back().y - kLegendTop;
+  // Rows of the legend, and a long title along the y axis, make the chart higher.
+  const double bottom = top + std::max(c.height - (legend.empty() ? 14.0 : 34.0) - 48, kLetter * double(c.y.title.size()));
+  const int height = int(bottom) + 48;
   Range rx, ry;
   for (const ChartSeries& s : c.series)
     for (size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
@@ -152,7 +180,7 @@ std::string svg(const LineChart& c) {
   for (const ChartMark& m : c.y_marks) ry.add(m.value, c.y.log);
   const Scale x = make_scale(c.x, rx, left, right), y = make_scale(c.y, ry, bottom, top);
 
-  std::string s = open(c.width, c.height, c.description);
+  std::string s = open(c.width, height, c.description);
   for (const double v : axis_ticks(y.lo, y.hi, y.log)) {
     s += line(left, y.at(v), right, y.at(v), kGrid);
     s += text(left - 8, y.at(v) + 4.5, "end", html::number(v));
@@ -188,16 +216,13 @@ std::string svg(const LineChart& c) {
       pen = true;
       if (t.markers) dots += "<circle cx=\"" + f1(x.at(t.x[i])) + "\" cy=\"" + f1(y.at(t.y[i])) + "\" r=\"3.5\" fill=\"" + colour(k) + "\"/>";
     }
-    if (!d.empty()) s += "<path d=\"" + d + "\" fill=\"none\" stroke=\"" + colour(k) + "\" stroke-width=\"1.6\" stroke-linejoin=\"round\"/>";
+    if (!d.empty()) s += "<path d=\"" + d + "\" fill=\"none\" stroke=\"" + colour(k) + "\" stroke-width=\"1.6\" stroke-linejoin=\"round\"" + dashes(k) + "/>";
     s += dots;
   }
-  if (c.series.size() > 1) {
-    double at = left;
-    for (size_t k = 0; k < c.series.size(); ++k) {
-      s += line(at, 14, at + 22, 14, "stroke=\"" + colour(k) + "\" stroke-width=\"3\"");
-      s += text(at + 28, 18.5, "start", c.series[k].name);
-      at += 44 + 7.5 * double(c.series[k].name.size());
-    }
+  for (size_t k = 0; k < legend.size(); ++k) {
+    const auto [at, from_top] = legend[k];
+    s += line(at, from_top, at + 22, from_top, "stroke=\"" + colour(k) + "\" stroke-width=\"3\"" + dashes(k));
+    s += text(at + 28, from_top + 4.5, "start", c.series[k].name);
   }
   return s + "</svg>";
 }

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <set>
 
 #include "app/report/html.h"
 #include "app/report/svg_chart.h"
@@ -34,6 +37,34 @@ TEST(Html, EscapesAndRepairsText) {
   EXPECT_EQ(html::escape("\xc0\xbc"), "\ufffd\ufffd");    // an overlong '<'
   EXPECT_EQ(html::escape("\xed\xa0\x80"), "\ufffd\ufffd\ufffd");  // half of a surrogate pair
   EXPECT_EQ(html::escape(std::string("\0\x1b", 2)), "\ufffd\ufffd");
+}
+
+// A letter of 13 px is about 7.5 px wide (Helvetica's digits 7.2, its m 10.8).
+TEST(Chart, LongLegendsAndTitlesFitInto) {
+  LineChart c;
+  c.y.title = "rms distance of the surface from the mesh, in mm";
+  for (int i = 0; i < 14; ++i) c.series.push_back({"prestretch " + std::to_string(i) + " %, cells", {0, 1}, {double(i), 1}, false});
+  const std::string s = svg(c);
+  EXPECT_EQ(xml_fault(s), "");
+  double width = 0, height = 0, lowest = 0;
+  ASSERT_EQ(std::sscanf(s.c_str() + s.find("viewBox=\"0 0 ") + 13, "%lf %lf", &width, &height), 2);
+  std::set<std::string> looks;
+  for (const ChartSeries& series : c.series) {
+    const size_t end = s.find(">" + series.name + "<");
+    ASSERT_NE(end, std::string::npos);
+    const size_t begin = s.rfind("<text", end), sample = s.rfind("<line", begin);
+    double x = 0, y = 0;
+    ASSERT_EQ(std::sscanf(s.c_str() + begin, "<text x=\"%lf\" y=\"%lf\"", &x, &y), 2);
+    EXPECT_LE(x + 7.5 * double(series.name.size()), width) << series.name;
+    lowest = std::max(lowest, y);
+    const size_t look = s.find("stroke=", sample);
+    EXPECT_TRUE(looks.insert(s.substr(look, begin - look)).second) << series.name << " looks like another";
+  }
+  double top = 1e9;  // of the lines of the grid
+  for (size_t at = s.find("y1=\""); at != std::string::npos; at = s.find("y1=\"", at + 1))
+    if (const double y = std::atof(s.c_str() + at + 4); y > lowest) top = std::min(top, y);
+  EXPECT_GT(top, lowest);
+  EXPECT_GE(height - 48 - top, 7.5 * double(c.y.title.size()) - 1);
 }
 
 TEST(Html, Base64) {
