@@ -269,6 +269,31 @@ void RestTissue::learn(std::span<const int32_t> parts, Workers& workers) {
   }
 }
 
+// The copy's triangle that is met first on the straight way from Q to a place within triangle t, both in the cell, has Q's side.
+// Nothing where the way leaves the cell at once.
+std::optional<bool> RestTissue::inside_by_way(size_t c, const Vec3& Q, int32_t t, const Vec3& foot) const {
+  const Vec3 low = low_[c], high = low_[c] + size_[c];
+  for (const double share : {0.2, 0.05, 0.01}) {
+    const Vec3 to = foot + share * (ball_[size_t(t)].middle - foot);
+    if ((to.array() < low.array()).any() || (to.array() > high.array()).any()) continue;
+    double first = 2;
+    bool inside = false;
+    for (int32_t i = own_begin_[c]; i < own_begin_[c + 1]; ++i) {
+      const int32_t o = own_[size_t(i)];
+      const auto& v = corner_[size_t(o)];
+      const double from = normal_[size_t(o)].dot(Q - v[0]), end = o == t ? 0 : normal_[size_t(o)].dot(to - v[0]);
+      if (from == 0 || (o != t && from * end >= 0)) continue;
+      const double s = from / (from - end);
+      const Vec3 meet = Q + s * (to - Q);
+      if (o != t && (closest_on_triangle(meet, v[0], v[1], v[2]).point - meet).norm() > kTie_mm) continue;
+      if (std::abs(s - first) * (to - Q).norm() <= kTie_mm) inside |= from < 0;  // banks that coincide in one copy: a slit
+      else if (s < first) first = s, inside = from < 0;
+    }
+    if (first <= 1) return inside;
+  }
+  return std::nullopt;
+}
+
 void RestTissue::ask(size_t c, const Vec3& at, int32_t part, Answer& answer) const {
   answer.count = 0;
   const bool in = (at.array() >= -1e-6).all() && (at.array() <= 1 + 1e-6).all();
@@ -282,19 +307,22 @@ void RestTissue::ask(size_t c, const Vec3& at, int32_t part, Answer& answer) con
   // Its side of the nearest of the copy's own triangles, as far as they are in the cell: what is nearer beyond the cell's face
   // belongs to a neighbour there. Of two that are as near, at an edge, the one that Q is farthest from edge-on knows; where
   // they disagree, a convex edge is seen from without and a concave one from within. Two banks that coincide in one copy are
-  // a slit: it has material on both sides.
+  // a slit: it has material on both sides. Where more than two disagree, at a point or where walls cross, the way to one of them tells.
   const List& list = list_[size_t(of_part_[size_t(part)])];
   const bool decides = in && !bare_[c] && !whole_[c];
   double deciding = 1e30, side = 0;
-  int32_t by = -1;
+  int32_t by = -1, disagree = 0;
   bool slit = false;
+  Vec3 by_foot = Q;
   const auto decide = [&](int32_t t, Vec3 foot) {
     if (!into_cell(c, t, Q, foot)) return;
     const double d = (Q - foot).norm(), height = normal_[size_t(t)].dot(Q - corner_[size_t(t)][0]);
     if (d > deciding + kTie_mm) return;
     const bool tie = d >= deciding - kTie_mm;
     deciding = std::min(d, deciding);
+    if (!tie) disagree = 0;
     if (tie && height * side < 0) {
+      ++disagree;
       if (std::abs(height + side) <= kTie_mm && normal_[size_t(t)].dot(normal_[size_t(by)]) < kOpposite) {
         slit = true;
         return;
@@ -305,7 +333,7 @@ void RestTissue::ask(size_t c, const Vec3& at, int32_t part, Answer& answer) con
       return;
     }
     slit = false;
-    side = height, by = t;
+    side = height, by = t, by_foot = foot;
   };
   const auto look = [&](int32_t from, int32_t to, double limit) {
     for (int32_t i = from; i < to; ++i) {
@@ -333,6 +361,7 @@ void RestTissue::ask(size_t c, const Vec3& at, int32_t part, Answer& answer) con
   };
   look(list.begin, list.own, 1e3);
   if (decides) answer.inside = deciding < 1e30 && (side < 0 || slit);
+  if (decides && disagree > 1 && !slit) answer.inside = inside_by_way(c, Q, by, by_foot).value_or(answer.inside);
   if (answer.inside) look(list.own, list.end, kDeep_mm);
   if (nearest <= kOn_mm) answer.inside = false;
 }

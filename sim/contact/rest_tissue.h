@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -88,6 +89,7 @@ class RestTissue {
   };
   Vec3 middle(int32_t part, size_t& c) const;  // in edges of the cell of copy c
   bool into_cell(size_t c, int32_t triangle, const Vec3& Q, Vec3& foot_mm) const;
+  std::optional<bool> inside_by_way(size_t c, const Vec3& Q, int32_t t, const Vec3& foot) const;
   void gather(int32_t part, std::vector<Near>& own, std::vector<Near>& others) const;
 
   const ContactSurface* surface_ = nullptr;
