@@ -167,7 +167,7 @@ ChartSeries thinned(const ChartSeries& s, size_t most) {
 }
 
 std::string svg(const LineChart& c) {
-  const double left = 78, right = c.width - 16.0;
+  const double left = 78, right = c.width - 27.0;  // the last number of the axis goes half beyond it
   const std::vector<LegendPlace> legend = c.series.size() > 1 ? places(c.series, left, right) : std::vector<LegendPlace>{};
   const double top = legend.empty() ? 14 : 34 + legend.back().y - kLegendTop;
   // Rows of the legend, and a long title along the y axis, make the chart higher.

@@ -43,7 +43,7 @@ TEST(Html, EscapesAndRepairsText) {
 TEST(Chart, LongLegendsAndTitlesFitInto) {
   LineChart c;
   c.y.title = "rms distance of the surface from the mesh, in mm";
-  for (int i = 0; i < 14; ++i) c.series.push_back({"prestretch " + std::to_string(i) + " %, cells", {0, 1}, {double(i), 1}, false});
+  for (int i = 0; i < 14; ++i) c.series.push_back({"prestretch " + std::to_string(i) + " %, cells", {0, 1e5}, {double(i), 1}, false});
   const std::string s = svg(c);
   EXPECT_EQ(xml_fault(s), "");
   double width = 0, height = 0, lowest = 0;
@@ -60,6 +60,10 @@ TEST(Chart, LongLegendsAndTitlesFitInto) {
     const size_t look = s.find("stroke=", sample);
     EXPECT_TRUE(looks.insert(s.substr(look, begin - look)).second) << series.name << " looks like another";
   }
+  double last = 0;
+  const size_t number = s.find(">" + html::number(1e5) + "<"), begin = s.rfind("<text", number);
+  ASSERT_EQ(std::sscanf(s.c_str() + begin, "<text x=\"%lf\"", &last), 1);
+  EXPECT_LE(last + 0.5 * 7.5 * double(html::number(1e5).size()), width);
   double top = 1e9;  // of the lines of the grid
   for (size_t at = s.find("y1=\""); at != std::string::npos; at = s.find("y1=\"", at + 1))
     if (const double y = std::atof(s.c_str() + at + 4); y > lowest) top = std::min(top, y);
