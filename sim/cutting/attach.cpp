@@ -18,8 +18,8 @@ Vec2 past_wall(const WoundMap& wounds, const Vec2& from, const Vec2& w, double o
   return w + d * (overshoot / std::clamp(sine, 0.2, 1.0));
 }
 
-/// Is a stroke that ends there through a wall even when the blade lies a little to either side? At a corner of an outline, or
-/// along a round one, it may pass beside it, and a bridge of skin would be left.
+/// Is a stroke that ends there through a wall even when the blade lies a little to either side? At a corner of an outline
+/// it may pass beside it, and a bridge of skin would be left.
 bool is_through(const BladeContext& c, const WoundMap& wounds, const Vec2& from, const Vec2& end) {
   const Vec2 d = (end - from).normalized(), beside = kBeside * Vec2(-d.y(), d.x());
   if (!skin_is_live(c, end) && !skin_is_live(c, end + beside) && !skin_is_live(c, end - beside)) return true;  // in a hole
@@ -28,7 +28,7 @@ bool is_through(const BladeContext& c, const WoundMap& wounds, const Vec2& from,
 }
 
 /// Past the wall at w; where that does not lead through it for sure, past one of the walls that meet there, the one that is met
-/// least flatly; or, along the edge of a hole, into the hole.
+/// least flatly.
 Vec2 end_past(const BladeContext& c, const WoundMap& wounds, const Vec2& from, const Vec2& w, double overshoot) {
   const Vec2 straight = past_wall(wounds, from, w, overshoot);
   if (is_through(c, wounds, from, straight)) return straight;
@@ -43,12 +43,7 @@ Vec2 end_past(const BladeContext& c, const WoundMap& wounds, const Vec2& from, c
       if ((p - w).norm() > 0.5 * kCornerClearance && sine > most && is_through(c, wounds, from, end)) most = sine, best = end;
     }
   }
-  if (best) return *best;
-  const Vec2 along = wounds.nearest(w).along, across(-along.y(), along.x());
-  for (const double depth : {2 * overshoot, 4 * overshoot})
-    for (const double sign : {-1.0, 1.0})
-      if (const Vec2 end = w + sign * depth * across; !skin_is_live(c, end) && is_through(c, wounds, from, end)) return end;
-  return straight;
+  return best.value_or(straight);
 }
 
 }  // namespace
