@@ -248,6 +248,7 @@ TEST(Fit, ARealHead) {
   for (const bool bone : {false, true}) {
     PrepareSettings q;
     q.iso = bone ? 1274 : 724, q.seal_mm = bone ? 10 : 6;  // stored = HU + 1024: skin at -300, bone at 250
+    if (bone) q.mouth_mm = 20, q.thin = 1124;              // as `fit --tissue bone` does
     const Prepared p = prepare(v, q, w);
     Mesh m = start_mesh(Start::sphere, p.low_mm, p.high_mm);
     FitSettings s;
@@ -258,7 +259,7 @@ TEST(Fit, ARealHead) {
     EXPECT_EQ(find_fault(m).value_or(""), "");
     EXPECT_GE(r.found, 0.95);
     EXPECT_LE(r.rms_mm, 0.5 * 1.5);
-    EXPECT_GT(r.reached, bone ? 0.8 : 0.97);
+    EXPECT_GT(r.reached, 0.97);  // measured .986 and .992 on 2026-11-22
     const auto has = [&](const char* name) {
       return std::any_of(r.hole.begin(), r.hole.end(), [&](const FitHole& h) { return h.place.starts_with(name); });
     };
