@@ -1,6 +1,7 @@
 // Fragments held by the hand, and the gaps between them.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "sim/bone/bones.h"
 #include "sim/bone/gaps.h"
@@ -87,30 +88,37 @@ Outcome Bones::release(int32_t id, bool snap) {
   if (held_ < 0 || id != held_) return refused("fragment " + std::to_string(id) + " is not held");
   hold_.reset();
   held_ = -1;
+  std::string words;
   if (snap) {
     // The neighbour by a cut that it lies nearest to where it fits: there both have one pose.
     const Fragment& f = *fragment(id);
     const std::vector<int32_t> group = plated(id);
-    double least = kSnap_mm;
+    double least = kSnap_mm, nearest = 1e300, nearest_deg = 0;
     Eigen::Isometry3d to = f.pose;
+    std::string into, beside;
     for (const Fragment& g : now_.fragments) {
-      if (std::find(group.begin(), group.end(), index(g.id)) != group.end()) continue;
+      if (std::find(group.begin(), group.end(), index(g.id)) != group.end() || !(seam_mm2(shape(id), shape(g.id)) > 0)) continue;
       const double far = (g.pose * f.centre_mm - f.pose * f.centre_mm).norm();
-      const double angle = Eigen::AngleAxisd(Mat3(g.pose.linear() * f.pose.linear().transpose())).angle();
-      if (far <= least && angle <= kSnap_deg * M_PI / 180 && seam_mm2(shape(id), shape(g.id)) > 0) least = far, to = g.pose;
+      const double deg = Eigen::AngleAxisd(Mat3(g.pose.linear() * f.pose.linear().transpose())).angle() * 180 / M_PI;
+      if (far < nearest) nearest = far, nearest_deg = deg, beside = g.name;
+      if (far <= least && deg <= kSnap_deg) least = far, to = g.pose, into = g.name;
     }
+    char text[160];
+    if (!into.empty()) std::snprintf(text, sizeof text, " fits into its cut in %s: moved by %.1f mm", into.c_str(), least);
+    else if (!beside.empty()) std::snprintf(text, sizeof text, " stays: %.1f mm and %.0f degrees from fitting %s; at most %.0f mm and %.0f degrees was expected", nearest, nearest_deg, beside.c_str(), kSnap_mm, kSnap_deg);
+    else std::snprintf(text, sizeof text, " stays: it was cut from no other fragment");
+    words = f.name + text;
     const Eigen::Isometry3d by = to * f.pose.inverse();
     for (int32_t i : group) {
       Fragment& g = now_.fragments[size_t(i)];
       g.pose = g.id == id ? to : by * g.pose;
     }
   }
+  // An act even where everything lies as before: who drives the bones counts one for each release.
   Act act;
   act.before = std::move(before_grab_);
-  const bool same = std::equal(now_.fragments.begin(), now_.fragments.end(), act.before.fragments.begin(),
-                               [](const Fragment& f, const Fragment& g) { return f.pose.matrix() == g.pose.matrix(); });
-  if (!same) finish(std::move(act));
-  return {true, ""};
+  finish(std::move(act));
+  return {true, words};
 }
 
 RigidFigures Bones::physics_figures() const { return hold_ ? hold_->world.figures() : RigidFigures{}; }

@@ -177,7 +177,7 @@ DrawnPath lay_path(const BoneSurface& bone, const std::vector<Vec3>& path) {
   for (const Vec3& p : path) {
     if (!p.allFinite()) return refuse("a place of the contour is not finite");
     const Bvh::Closest c = bone.bvh.closest(p);
-    if (c.distance_mm > kFarthest_mm) return refuse("a place of the contour lies " + mm(c.distance_mm) + " from the bone; at most " + mm(kFarthest_mm) + " was expected");
+    if (c.distance_mm > kFarthest_mm) return refuse("place " + std::to_string(at.size() + 1) + " of the contour lies " + mm(c.distance_mm) + " from the bone; at most " + mm(kFarthest_mm) + " was expected");
     at.push_back({c.point_mm, bone.normal(c.triangle)});
   }
   // Drawn or picked: a drawn path has many places and mostly small steps.

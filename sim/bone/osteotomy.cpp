@@ -308,6 +308,7 @@ Cut cut_bone(Mesh& m, int32_t inside, const Osteotomy& o, simplex::Delta& delta)
   if (parts.size() < 2 && o.must_divide) return refuse("the cut does not divide the bone: it hangs together elsewhere");
   for (int32_t c : parts)
     if (bulk[size_t(c)].volume_mm3 < kSmallest_mm3) {
+      if (!(bulk[size_t(c)].volume_mm3 > 0)) return refuse("there is no bone within the cut: is it along one that is there already?");
       char text[120];
       std::snprintf(text, sizeof text, "the piece is too small: %.1f mm^3; at least %.0f mm^3 was expected", bulk[size_t(c)].volume_mm3, kSmallest_mm3);
       return refuse(text);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "sim/error.h"
 #include "sim/hash.h"
@@ -32,6 +33,20 @@ int32_t nearest_vertex(const std::vector<Vec3>& x, const simplex::Mesh& mesh, co
     if (d2 < best2) best2 = d2, best = v;
   }
   return best;
+}
+
+/// How a fragment lies to its neighbours, in words; empty: nothing gapes and nothing overlaps.
+std::string lies(const bone::Bones& bones, int32_t id) {
+  constexpr double kNothing_mm = 0.05;
+  std::string words;
+  for (const bone::Gap& g : bones.gaps()) {
+    if ((g.a != id && g.b != id) || std::max(g.gap_max_mm, g.overlap_max_mm) < kNothing_mm) continue;
+    char text[160];
+    std::snprintf(text, sizeof text, "%s%s: gap %.1f mm, at most %.1f", words.empty() ? "" : "; ", bones.fragment(g.a == id ? g.b : g.a)->name.c_str(), g.gap_mean_mm, g.gap_max_mm);
+    words += text;
+    if (g.overlap_max_mm >= kNothing_mm) std::snprintf(text, sizeof text, ", overlap %.1f mm deep, %.0f mm^3", g.overlap_max_mm, g.overlap_mm3), words += text;
+  }
+  return words;
 }
 
 }  // namespace
@@ -91,8 +106,8 @@ Outcome Head::act(const MoveFragment& m) {
   const int32_t id = find(m.fragment, reason);
   if (id < 0) return refuse(reason);
   Done before = moment(true, false);
-  const Outcome done = bones_.move(id, isometry(m.by, centre_now(id)) * bones_.fragment(id)->pose);
-  if (done.done) remember(std::move(before));
+  Outcome done = bones_.move(id, isometry(m.by, centre_now(id)) * bones_.fragment(id)->pose);
+  if (done.done) remember(std::move(before)), done.reason = lies(bones_, id);
   return done;
 }
 
@@ -117,8 +132,12 @@ Outcome Head::act(const DragFragment& d) {
 Outcome Head::act(const LetGo& l) {
   if (bones_.held() < 0 || held_by_ != l.hand) return refuse("nothing is held by this hand; expected a grab before it");
   Done before = moment(true, false);
-  const Outcome done = bones_.release(bones_.held(), l.snap);
-  if (done.done) held_by_ = -1, remember(std::move(before));
+  const int32_t id = bones_.held();
+  Outcome done = bones_.release(id, l.snap);
+  if (!done.done) return done;
+  held_by_ = -1, remember(std::move(before));
+  const std::string beside = lies(bones_, id);
+  done.reason += (done.reason.empty() || beside.empty() ? "" : "; ") + beside;
   return done;
 }
 

@@ -116,6 +116,46 @@ TEST(Head, UndoAndRedoGoThroughEveryKindOfAct) {
   }
 }
 
+TEST(Head, AMovedFragmentSaysHowItLies) {
+  InlineWorkers w;
+  Head h(ball(), w);
+  ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+  // A plane cut pulled straight apart gapes by as much everywhere; pushed back into itself it overlaps by as much.
+  Outcome o = h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 4})));
+  EXPECT_EQ(o.reason, "ball: gap 4.0 mm, at most 4.0") << o.reason;
+  o = h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, -7})));
+  EXPECT_NE(o.reason.find("overlap 3.0 mm deep"), std::string::npos) << o.reason;
+  o = h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 3})));
+  EXPECT_EQ(o.reason, "");
+}
+
+TEST(Head, ASnapThatChangesNothingIsAnActLikeAnyOther) {
+  InlineWorkers w;
+  Head h(ball(), w);
+  const uint64_t whole = h.bones().hash();
+  ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+  const uint64_t cut = h.bones().hash();
+  const Vec3 top(0, 0, 30);
+  ASSERT_TRUE(h.apply(HeadCommand(GrabFragment{{-1, top}, 0})).done);
+  const Outcome snap = h.apply(HeadCommand(LetGo{true, 0}));
+  ASSERT_TRUE(snap.done);
+  EXPECT_NE(snap.reason.find("fits into its cut"), std::string::npos) << snap.reason;
+  EXPECT_EQ(h.bones().hash(), cut);
+  ASSERT_TRUE(h.apply(Undo{}).done);  // of the snap
+  EXPECT_EQ(h.bones().hash(), cut);
+  ASSERT_TRUE(h.apply(Undo{}).done);  // of the cut
+  EXPECT_EQ(h.bones().hash(), whole);
+  EXPECT_FALSE(h.apply(Undo{}).done);
+  // Too far away for a snap: it stays, and says so.
+  ASSERT_TRUE(h.apply(Redo{}).done);
+  ASSERT_TRUE(h.apply(HeadCommand(lift(top, {0, 0, 6}))).done);
+  const uint64_t lifted = h.bones().hash();
+  ASSERT_TRUE(h.apply(HeadCommand(GrabFragment{{-1, top}, 0})).done);
+  const Outcome far = h.apply(HeadCommand(LetGo{true, 0}));
+  EXPECT_NE(far.reason.find("stays: 6.0 mm and 0 degrees from fitting"), std::string::npos) << far.reason;
+  EXPECT_EQ(h.bones().hash(), lifted);
+}
+
 TEST(Head, TheViewIsTheMeshes) {
   InlineWorkers w;
   Head h(ball(true), w);
