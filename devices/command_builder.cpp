@@ -59,7 +59,7 @@ Command CommandBuilder::finish_drawing(const ToolEvent& e, const std::vector<Cha
 
 std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   const ChartPoint here(e.chart_x, e.chart_y);
-  const Vec3 rest(e.rest_mm[0], e.rest_mm[1], e.rest_mm[2]);
+  const Vec3 rest(e.rest_mm[0], e.rest_mm[1], e.rest_mm[2]), world(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
   const Tool tool = Tool(e.tool);
   // Anything but a second stroke along the other edge gives a begun row up.
   const bool of_a_row = tool == Tool::suture_row && e.kind <= ToolEvent::stroke_cancel;
@@ -72,7 +72,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       bone_stroke_.assign(1, rest);
       stroke_.assign(1, here);
       in_pieces_ = false;
-      stroke_begin_ = Vec3(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
+      stroke_begin_ = world;
       return {};
     case ToolEvent::stroke_point:
       if (tool == Tool::saw) bone_stroke_.push_back(rest);
@@ -85,12 +85,13 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
     case ToolEvent::stroke_end: {
       if (tool == Tool::saw) {
         CutBone cut;
-        cut.contour_mm = bone_contour(bone_stroke_);
+        if (e.text.str() == pick::kPicked) bone_stroke_.push_back(rest), cut.contour_mm = std::move(bone_stroke_);
+        else cut.contour_mm = bone_contour(bone_stroke_);
         stroke_.clear();
         if (cut.contour_mm.empty()) return ++dropped_, std::nullopt;
         return HeadCommand(std::move(cut));
       }
-      const Vec3 end(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
+      const Vec3 end = world;
       const std::vector<ChartPoint> drawn = std::move(stroke_);
       stroke_.clear();
       if (in_pieces_ && drawn.empty()) return {};  // it was stopped
@@ -122,7 +123,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
     case ToolEvent::hook_set:
       return SetHook{e.id, here};
     case ToolEvent::hook_leave:
-      return MoveHook{e.id, Vec3(e.world_mm[0], e.world_mm[1], e.world_mm[2]), 0};
+      return MoveHook{e.id, world, 0};
     case ToolEvent::hook_release:
       return ReleaseHook{e.id};
     case ToolEvent::suture_a:
@@ -150,18 +151,32 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       return HeadCommand(DragFragment{as_move(motion_of(c)), 0, e.hand});
     }
     case ToolEvent::bone_release:
-      return HeadCommand(LetGo{false, e.hand});
+      return HeadCommand(LetGo{e.text.str() == pick::kSnap, e.hand});
     case pick::place:
       return HeadCommand(PlaceLandmark{e.text.str(), rest, e.id == 1});
     case pick::between: {
       ConnectTissue t;
-      t.name = e.text.str(), t.face_mm = rest, t.bone_mm = Vec3(e.world_mm[0], e.world_mm[1], e.world_mm[2]);
+      t.name = e.text.str(), t.face_mm = rest, t.bone_mm = world;
       t.face_radius_mm = e.depth_mm, t.bone_radius_mm = e.spacing_mm, t.layers = e.id % 100, t.young_kPa = e.angle_deg;
       t.mode = TissueKind(std::clamp(e.id / 100, 0, int(TissueKind::finite_elements)));
       return HeadCommand(std::move(t));
     }
     case pick::laid_upon:
       return HeadCommand(Superpose{SkullBeside(std::clamp(e.id, 0, int(SkullBeside::mirror))), e.text.str()});
+    case pick::shifted: {
+      RigidMove by;
+      by.translation_mm = world, by.rotation_deg = Vec3(e.quat[1], e.quat[2], e.quat[3]);
+      return HeadCommand(MoveFragment{{-1, rest}, by, 0});
+    }
+    case pick::sawn: {
+      CutBone cut;
+      cut.point_mm = rest, cut.normal = world, cut.radius_mm = e.depth_mm;
+      return HeadCommand(std::move(cut));
+    }
+    case pick::plated:
+      return HeadCommand(PlateFragments{rest, world});
+    case pick::joined:
+      return HeadCommand(JoinFragments{{-1, rest}, {-1, world}});
     case ToolEvent::undo:
       return Undo{};
     case ToolEvent::redo:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 #include <numbers>
 
@@ -11,6 +12,35 @@
 namespace limberg {
 
 namespace {
+
+// What a panel says of bone by numbers and picked places (pick.h), as an event. False: its text does not hold the numbers.
+bool told(const ControlSample& c, ToolEvent& e) {
+  double number[6]{};
+  int n = 0;
+  const std::string text = c.text.str();
+  for (const char* at = text.c_str(); n < 6; ++n) {
+    char* end = nullptr;
+    number[n] = std::strtod(at, &end);
+    if (end == at || !std::isfinite(number[n])) break;
+    at = end;
+  }
+  const int wanted = c.kind == pick::shift ? 6 : c.kind == pick::snap || c.kind == pick::corner ? 0 : 3;
+  if (n < wanted) return false;
+  std::copy_n(c.value.begin(), 3, e.rest_mm);
+  if (wanted > 0) std::copy_n(number, 3, e.world_mm);
+  switch (c.kind) {
+    case pick::shift: e.kind = pick::shifted, e.quat[0] = 0, std::copy_n(number + 3, 3, e.quat + 1); break;
+    case pick::plane: e.kind = pick::sawn, e.depth_mm = std::max(0.0, c.value[3]); break;
+    case pick::plate: e.kind = pick::plated; break;
+    case pick::join: e.kind = pick::joined; break;
+    case pick::snap: e.kind = ToolEvent::bone_grab; break;
+    default:
+      e.kind = c.value[3] < 1 ? ToolEvent::stroke_begin : c.value[3] < 2 ? ToolEvent::stroke_point : ToolEvent::stroke_end;
+      e.tool = int32_t(Tool::saw), e.text = ShortText(pick::kPicked);
+      break;
+  }
+  return true;
+}
 
 constexpr double kNearMm = 20;         // within this of the skin the closest point is followed on every tick
 constexpr int64_t kSearchNear = 4;     // ticks between searches over all the skin
@@ -166,6 +196,26 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
       }
       e.text = ShortText(names.substr(0, cut) + "-" + names.substr(cut + 1));
       e.depth_mm = c.value[0], e.spacing_mm = c.value[1], e.id = int32_t(std::clamp(c.value[2], 0.0, 99.0)) + 100 * mode, e.angle_deg = c.value[3];
+      emit(e, out);
+      break;
+    }
+    case pick::shift:
+    case pick::plane:
+    case pick::plate:
+    case pick::join:
+    case pick::snap:
+    case pick::corner: {
+      cancel(tick, s, out);
+      ToolEvent e = event(pick::place, tick, s);
+      if (!told(c, e)) {
+        ++missed_;
+        break;
+      }
+      if (e.kind == ToolEvent::bone_grab) {  // a snap: taken and let go in one
+        e.id = ++bone_grabs_;
+        emit(e, out);
+        e.kind = ToolEvent::bone_release, e.text = ShortText(pick::kSnap);
+      }
       emit(e, out);
       break;
     }

@@ -75,7 +75,7 @@ const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_
 
 const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time) {
   if (const char* wrong = check_prefix(m, any_time)) return wrong;
-  static_assert(int(ControlSample::clutch) + 1 == int(pick::last_control));
+  static_assert(int(ControlSample::clutch) + 1 == int(pick::beside));
   if (m.kind < ControlSample::select_tool || m.kind > pick::last_control) return "unknown kind of control";
   if (m.tool < int32_t(Tool::none) || m.tool > int32_t(Tool::grab)) return "unknown tool";
   for (double v : m.value)

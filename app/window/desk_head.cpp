@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 
 #include "devices/pick.h"
@@ -16,20 +17,67 @@ void DeskHead::draw(const std::vector<HeadMeasure>& measures, bool has_face, flo
   ImGui::PopItemWidth();
   ImGui::SameLine();
   if (ImGui::Button("Pick   K")) pick = true;
-  if (on_face_.empty() || on_bone_.empty()) {
-    if (has_face) ImGui::TextDisabled("tissue: pick on face and on bone");
-  } else {
-    ImGui::PushItemWidth(72);
-    ImGui::SliderFloat("on the face, mm", &face_radius_mm, 8, 80, "%.0f");
-    ImGui::SliderFloat("on bone, mm", &bone_radius_mm, 0, 120, bone_radius_mm > 0 ? "%.0f" : "all of it");
-    ImGui::SliderInt("layers", &layers, 1, 6);
-    ImGui::SliderFloat("kPa", &young_kPa, 1, 60, "%.0f");
-    ImGui::PopItemWidth();
-    ImGui::PushItemWidth(-1);
-    ImGui::Combo("##mode", &mode, "Smoothing: the face does not feel it\0Springs\0Shape\0Finite elements\0");
-    ImGui::PopItemWidth();
-    if (ImGui::Button(("Tissue " + on_face_ + " - " + on_bone_).c_str())) tie = true;
+  if (!ImGui::BeginTabBar("head")) return;
+  if (ImGui::BeginTabItem("Figures")) figures(measures, height), ImGui::EndTabItem();
+  if (ImGui::BeginTabItem("Bones")) bones(), ImGui::EndTabItem();
+  if (has_face && ImGui::BeginTabItem("Tissue")) tissue(has_face), ImGui::EndTabItem();
+  ImGui::EndTabBar();
+}
+
+// A button that says why it cannot be pressed yet.
+bool DeskHead::button_for(size_t places, const char* what) {
+  if (on_bone_mm_.size() >= places) return ImGui::Button((what + (" " + named(places))).c_str(), {-1, 0});
+  ImGui::TextDisabled("%s: pick %zu places on bone", what, places);
+  return false;
+}
+
+void DeskHead::bones() {
+  ImGui::TextDisabled("saw through what was picked last");
+  ImGui::PushItemWidth(72);
+  ImGui::InputInt("places of a ring", &ring, 1, 1);
+  ring = std::clamp(ring, 3, 40);
+  ImGui::PopItemWidth();
+  if (button_for(size_t(ring), "Saw round")) ask = Ask::saw_round;
+  if (button_for(3, "Saw plane")) ask = Ask::saw_plane;
+  ImGui::PushItemWidth(100);
+  ImGui::SliderFloat("reach of the plane", &saw_radius_mm, 0, 120, saw_radius_mm > 0 ? "within %.0f mm" : "all");
+  ImGui::PopItemWidth();
+  ImGui::Separator();
+  if (on_bone_mm_.empty()) {
+    ImGui::TextDisabled("pick a place on a fragment to move it");
+    return;
   }
+  ImGui::Text("fragment at %s: right, forward, up", on_bone_mm_.back().name.c_str());
+  ImGui::PushItemWidth(200);
+  ImGui::InputFloat3("mm", shift_mm.data(), "%.2f");
+  ImGui::InputFloat3("\u00b0", turn_deg.data(), "%.2f");
+  ImGui::PopItemWidth();
+  const float half = 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x);
+  if (ImGui::Button("Move it by these", {half, 0})) ask = Ask::shift;
+  ImGui::SameLine();
+  if (ImGui::Button("Snap into its cut", {half, 0})) ask = Ask::snap;
+  if (button_for(2, "Plate")) ask = Ask::plate;
+  if (button_for(2, "Join")) ask = Ask::join;
+}
+
+void DeskHead::tissue(bool has_face) {
+  if (on_face_.empty() || on_bone_.empty()) {
+    if (has_face) ImGui::TextDisabled("pick a place on the face and one on bone");
+    return;
+  }
+  ImGui::PushItemWidth(72);
+  ImGui::SliderFloat("on the face, mm", &face_radius_mm, 8, 80, "%.0f");
+  ImGui::SliderFloat("on bone, mm", &bone_radius_mm, 0, 120, bone_radius_mm > 0 ? "%.0f" : "all of it");
+  ImGui::SliderInt("layers", &layers, 1, 6);
+  ImGui::SliderFloat("kPa", &young_kPa, 1, 60, "%.0f");
+  ImGui::PopItemWidth();
+  ImGui::PushItemWidth(-1);
+  ImGui::Combo("##mode", &mode, "Smoothing: the face does not feel it\0Springs\0Shape\0Finite elements\0");
+  ImGui::PopItemWidth();
+  if (ImGui::Button(("Tissue " + on_face_ + " - " + on_bone_).c_str(), {-1, 0})) tie = true;
+}
+
+void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height) {
   int with = int(beside);
   ImGui::PushItemWidth(-1);
   if (ImGui::Combo("##beside", &with, "The skull alone\0Beside a normal skull\0Beside its mirror image\0")) beside = SkullBeside(with);
@@ -71,6 +119,7 @@ ControlSample DeskHead::picked(const Snapshot& s, int32_t triangle, const Vec3f&
     const bool face = s.topology->organ_of(size_t(triangle)) == Organ::face;
     c.value = {X.x(), X.y(), X.z(), double(face ? pick::face : pick::bone)};
     (face ? on_face_ : on_bone_) = called;
+    if (!face) on_bone_mm_.push_back({called, X});
   } else {
     c.value = {0, 0, 0, double(pick::touched)};
     on_bone_ = called;
@@ -90,6 +139,52 @@ std::optional<ControlSample> DeskHead::tied() const {
   c.text = ShortText(on_face_ + "/" + on_bone_ + "/" + kTissueKinds[size_t(mode)]);
   c.value = {double(face_radius_mm), double(bone_radius_mm), double(layers), double(young_kPa)};
   return c;
+}
+
+std::string DeskHead::named(size_t last) const {
+  const size_t n = on_bone_mm_.size(), from = n - std::min(n, last);
+  std::string s = n == 0 ? std::string() : on_bone_mm_[from].name;
+  if (last > 1 && n > 0) s += (last == 2 ? " - " : " ... ") + on_bone_mm_.back().name;
+  return s;
+}
+
+std::vector<ControlSample> DeskHead::asked() const {
+  const auto at = [&](size_t back) { return on_bone_mm_[on_bone_mm_.size() - 1 - back].X_mm; };
+  const auto control = [](int32_t kind, const Vec3& X, double last = 0) {
+    ControlSample c;
+    c.kind = kind, c.value = {X.x(), X.y(), X.z(), last};
+    return c;
+  };
+  const auto text = [](const char* format, auto... v) {
+    char s[96];
+    std::snprintf(s, sizeof s, format, double(v)...);
+    return ShortText(s);
+  };
+  const size_t places = on_bone_mm_.size(), round = size_t(ring);
+  const size_t wanted = ask == Ask::saw_round ? round : ask == Ask::saw_plane ? 3 : ask == Ask::plate || ask == Ask::join ? 2 : 1;
+  if (ask == Ask::nothing || places < wanted) return {};
+  std::vector<ControlSample> out;
+  switch (ask) {
+    case Ask::saw_round:
+      for (size_t k = 0; k < round; ++k) out.push_back(control(pick::corner, at(round - 1 - k), k == 0 ? 0 : k + 1 < round ? 1 : 2));
+      break;
+    case Ask::saw_plane: {
+      const Vec3 n = (at(1) - at(2)).cross(at(0) - at(2)).normalized();
+      out.push_back(control(pick::plane, (at(0) + at(1) + at(2)) / 3, double(saw_radius_mm)));
+      out.back().text = text("%.9f %.9f %.9f", n.x(), n.y(), n.z());
+      break;
+    }
+    case Ask::shift:
+      out.push_back(control(pick::shift, at(0)));
+      out.back().text = text("%.4g %.4g %.4g %.4g %.4g %.4g", shift_mm[0], shift_mm[1], shift_mm[2], turn_deg[0], turn_deg[1], turn_deg[2]);
+      break;
+    case Ask::snap: out.push_back(control(pick::snap, at(0))); break;
+    default:
+      out.push_back(control(ask == Ask::plate ? pick::plate : pick::join, at(1)));
+      out.back().text = text("%.4f %.4f %.4f", at(0).x(), at(0).y(), at(0).z());
+      break;
+  }
+  return out;
 }
 
 std::optional<ControlSample> DeskHead::laid_upon() {

@@ -1,5 +1,6 @@
 #pragma once
-// What the window's panel asks for and shows of a head: picking places, tissue between two of them, figures, the skull beside another.
+// What the window's panel asks for and shows of a head: picking places, sawing through them, fragments moved by numbers, snapped, plated and
+// joined, tissue between face and bone, figures, the skull beside another.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -9,6 +10,7 @@
 #include "app/head/measures.h"
 #include "app/window/skull_view.h"
 #include "devices/sample.h"
+#include "sim/geometry/vec.h"
 #include "sim/snapshot.h"
 
 namespace limberg {
@@ -20,8 +22,12 @@ struct DeskHead {
   float face_radius_mm = 25, bone_radius_mm = 0, young_kPa = 10;  // bone 0: all of it
   SkullBeside beside = SkullBeside::off;
   std::string skull_word;
+  std::array<float, 3> shift_mm{}, turn_deg{};  // of the fragment that was picked last: right, forward, up
+  int ring = 4;                      // places of a closed line to saw along
+  float saw_radius_mm = 0;           // of a plane; 0: all that it cuts
   // Asked for in this frame:
   bool pick = false, tie = false;
+  enum class Ask : uint8_t { nothing, saw_round, saw_plane, shift, snap, plate, join } ask = Ask::nothing;
 
   /// Builds its part of a panel.
   void draw(const std::vector<HeadMeasure>& measures, bool has_face, float height);
@@ -29,13 +35,26 @@ struct DeskHead {
   ControlSample picked(const Snapshot& snapshot, int32_t triangle, const Vec3f& bary);
   /// The control of tissue between the last places picked on face and bone; nothing until both are there.
   std::optional<ControlSample> tied() const;
+  /// The controls of what the panel asked for of bone, from the places picked there; none where places are missing.
+  std::vector<ControlSample> asked() const;
   /// The control that tells the patient what the skull is to be shown beside, once after each choice: so that it is recorded.
   std::optional<ControlSample> laid_upon();
   /// What was done, in words: the skull laid upon another by a script or a recording is shown so here.
   void hear(const std::string& words);
 
  private:
+  struct Pick {
+    std::string name;
+    Vec3 X_mm = Vec3::Zero();        // at rest
+  };
+  bool button_for(size_t places, const char* what);
+  void bones();
+  void tissue(bool has_face);
+  void figures(const std::vector<HeadMeasure>& measures, float height);
+  std::string named(size_t last) const;  // the last so many places on bone, in words
+
   std::string on_face_, on_bone_;    // last names
+  std::vector<Pick> on_bone_mm_;     // places on bone in the order in which they were picked
   int next_ = 1;
   SkullBeside told_ = SkullBeside::off;
 };

@@ -27,7 +27,7 @@ const std::vector<DeskKey>& desk_keys() {
       {"X", "lattice; cells of which there are several copies in orange"},
       {"B", "before and after: wipe, side by side, off"},
       {"M", "measure: two points a length, three an angle"},
-      {"K", "pick the place under the mouse, on bone or face; beside the patient: where the tool touches"},
+      {"K", "pick the place under the mouse, on bone or face; beside the patient: where the tool touches. \"Bones\" saws, moves, plates and joins by what was picked"},
       {"C", "the skull beside a normal one, beside its mirror image, alone"},
       {"W", "triangles"},
       {"S", "quality: by frame time, half size, fast, fine skin, shadows, occlusion"},

@@ -45,6 +45,7 @@ int imgui_key(int32_t code) {
     case WindowEvent::backspace: return ImGuiKey_Backspace;
     case WindowEvent::enter: return ImGuiKey_Enter;
     case WindowEvent::escape: return ImGuiKey_Escape;
+    case 'A': return ImGuiKey_A;  // Ctrl: all of a text field
     default: return -1;
   }
 }
@@ -61,6 +62,13 @@ void set_style() {
   s.Colors[ImGuiCol_FrameBg] = {0.14f, 0.20f, 0.22f, 1};
   s.Colors[ImGuiCol_TitleBg] = s.Colors[ImGuiCol_TitleBgActive] = {0.11f, 0.24f, 0.28f, 1};
   s.Colors[ImGuiCol_CheckMark] = {0.55f, 0.85f, 0.60f, 1};
+  s.Colors[ImGuiCol_FrameBgHovered] = s.Colors[ImGuiCol_FrameBgActive] = {0.18f, 0.28f, 0.31f, 1};
+  s.Colors[ImGuiCol_ButtonActive] = s.Colors[ImGuiCol_HeaderActive] = {0.26f, 0.52f, 0.58f, 1};
+  s.Colors[ImGuiCol_Tab] = {0.11f, 0.20f, 0.23f, 1};
+  s.Colors[ImGuiCol_TabActive] = {0.16f, 0.42f, 0.48f, 1};
+  s.Colors[ImGuiCol_TabHovered] = {0.20f, 0.48f, 0.55f, 1};
+  s.Colors[ImGuiCol_SliderGrab] = s.Colors[ImGuiCol_SliderGrabActive] = {0.35f, 0.65f, 0.70f, 1};
+  s.Colors[ImGuiCol_TextSelectedBg] = {0.16f, 0.42f, 0.48f, 0.7f};
 }
 
 }  // namespace
@@ -205,6 +213,8 @@ struct WindowFrames::Impl {
     if (d.head.tie)
       if (const auto c = d.head.tied()) feed.choices.push(*c);
     if (const auto c = d.head.laid_upon()) feed.choices.push(*c);
+    for (const ControlSample& c : d.head.asked()) feed.choices.push(c);
+    d.head.ask = DeskHead::Ask::nothing;
     d.tool_changed = d.undo = d.redo = d.next = d.home = d.head.tie = false;
   }
 
@@ -308,22 +318,16 @@ struct WindowFrames::Impl {
     }
     io.DisplaySize = {float(width) / scale, float(height) / scale};
     io.DeltaTime = 1.0f / 30;
-    // One press or release of a button a frame: the panels see each.
+    // One press or release a frame of a button, and of a key that the panels follow: they see each, however slow the frames are.
     for (bool clicked = false; !waiting.empty();) {
       const WindowEvent e = waiting.front();
-      if (e.kind == WindowEvent::button && clicked) break;
-      clicked |= e.kind == WindowEvent::button;
+      const bool counts = e.kind == WindowEvent::button || (e.kind == WindowEvent::key && imgui_key(e.code) >= 0);
+      if (counts && clicked) break;
+      clicked |= counts;
       waiting.pop_front();
       take(e, s, width, height);
     }
     if (!first) first = s;
-    if (desk.state.head.pick) {
-      const View v = look(width, height);
-      constexpr int kHidden = 2;
-      const RayHit hit = io.WantCaptureMouse ? RayHit{} : cast_ray(s, v.eye_mm, v.ray_through(x, y, width, height), desk.state.face == kHidden);
-      feed.choices.push(desk.state.head.picked(s, hit.triangle, hit.bary));
-      desk.state.head.pick = false;
-    }
     // The hand that showed a step took tools of its own: the mouse has again what is chosen here.
     const bool showing = feed.showing;
     desk.state.tool_changed |= was_showing && !showing;
@@ -374,6 +378,13 @@ struct WindowFrames::Impl {
     desk.draw(r, ruler_px, int(std::lround(io.DisplaySize.x)), int(std::lround(io.DisplaySize.y)));
     ImGui::Render();
     feed.panels_have_pointer = io.WantCaptureMouse;
+    if (desk.state.head.pick) {  // now the panels know where the mouse is
+      constexpr int kHidden = 2;
+      const RayHit hit = io.WantCaptureMouse ? RayHit{} : cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height), desk.state.face == kHidden);
+      if (hit.triangle >= 0 || set.facts.own_device) feed.choices.push(desk.state.head.picked(s, hit.triangle, hit.bary));
+      else desk.say("nothing lies under the mouse: point at bone or face and press K");
+      desk.state.head.pick = false;
+    }
 
     const auto began = std::chrono::steady_clock::now();
     if (desk.state.picture) {  // the patient alone, as well as it can be drawn
@@ -413,7 +424,7 @@ void WindowFrames::prepare(const SurfaceTopology&) {
   ImGui::SetCurrentContext(i.panels);
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // nothing is kept between sessions
-  for (int32_t code = WindowEvent::escape; code <= WindowEvent::end; ++code)
+  for (int32_t code = 'A'; code <= WindowEvent::end; ++code)
     if (imgui_key(code) >= 0) io.KeyMap[imgui_key(code)] = code;
   set_style();
   choose_ui_font(kFontPx);

@@ -52,6 +52,57 @@ TEST(Pick, APlaceUnderTheMouseBecomesALandmark) {
   EXPECT_TRUE(std::get<PlaceLandmark>(std::get<HeadCommand>(*on_face)).on_face);
 }
 
+TEST(Pick, APanelMovesPlatesJoinsAndSawsByNumbers) {
+  const Snapshot s = bone_with_landmarks();
+  Gestures g;
+  const auto made = [&](int32_t kind, const std::string& text, std::array<double, 4> value) { return command_of(g, control(kind, text, value), s); };
+  const auto shift = made(pick::shift, "0 -8 1.5 3 0 -5", {1, 2, 3, 0});
+  ASSERT_TRUE(shift);
+  const auto& m = std::get<MoveFragment>(std::get<HeadCommand>(*shift));
+  EXPECT_EQ(m.fragment.id, -1);
+  EXPECT_EQ(m.fragment.at_mm, Vec3(1, 2, 3));
+  EXPECT_EQ(m.by.translation_mm, Vec3(0, -8, 1.5));
+  EXPECT_EQ(m.by.rotation_deg, Vec3(3, 0, -5));
+  const auto plate = made(pick::plate, "4 5 6", {1, 2, 3, 0});
+  ASSERT_TRUE(plate);
+  EXPECT_EQ(std::get<PlateFragments>(std::get<HeadCommand>(*plate)).b_mm, Vec3(4, 5, 6));
+  const auto join = made(pick::join, "4 5 6", {1, 2, 3, 0});
+  ASSERT_TRUE(join);
+  EXPECT_EQ(std::get<JoinFragments>(std::get<HeadCommand>(*join)).a.at_mm, Vec3(1, 2, 3));
+  const auto plane = made(pick::plane, "0 0.6 0.8", {1, 2, 3, 25});
+  ASSERT_TRUE(plane);
+  const auto& cut = std::get<CutBone>(std::get<HeadCommand>(*plane));
+  EXPECT_TRUE(cut.contour_mm.empty());
+  EXPECT_EQ(cut.normal, Vec3(0, 0.6, 0.8));
+  EXPECT_EQ(cut.radius_mm, 25);
+  // Numbers that are not there move nothing.
+  const int64_t missed = g.missed_presses();
+  for (const char* text : {"", "0 8", "0 8 x 0 0 0", "nan 0 0 0 0 0"}) EXPECT_FALSE(made(pick::shift, text, {1, 2, 3, 0})) << text;
+  EXPECT_FALSE(made(pick::plate, "4 5", {1, 2, 3, 0}));
+  EXPECT_EQ(g.missed_presses(), missed + 5);
+}
+
+TEST(Pick, CornersAreTheContourItselfAndASnapIsTakenAndLetGo) {
+  const Snapshot s = bone_with_landmarks();
+  Gestures g;
+  CommandBuilder builder;
+  std::vector<Command> made;
+  const std::vector<Vec3> corner{{0, 0, 0}, {9, 0, 0}, {9, 9, 0}, {0, 9, 0}};
+  const auto feed = [&](const ControlSample& c) {
+    Events out;
+    g.control(c, 5, s, out);
+    for (const ToolEvent& e : out.all)
+      if (auto k = builder.feed(e)) made.push_back(*k);
+  };
+  for (size_t k = 0; k < 4; ++k) feed(control(pick::corner, "", {corner[k].x(), corner[k].y(), corner[k].z(), k == 0 ? 0. : k < 3 ? 1. : 2.}));
+  ASSERT_EQ(made.size(), 1u);
+  EXPECT_EQ(std::get<CutBone>(std::get<HeadCommand>(made[0])).contour_mm, corner);
+  feed(control(pick::snap, "", {3, 3, 0, 0}));
+  ASSERT_EQ(made.size(), 3u);
+  EXPECT_EQ(std::get<GrabFragment>(std::get<HeadCommand>(made[1])).fragment.at_mm, Vec3(3, 3, 0));
+  EXPECT_TRUE(std::get<LetGo>(std::get<HeadCommand>(made[2])).snap);
+}
+
 TEST(Pick, ATrackedToolPicksWhereItTouchesAtRest) {
   const Snapshot s = bone_with_landmarks();
   Gestures g;

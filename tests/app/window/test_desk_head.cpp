@@ -48,6 +48,48 @@ TEST(DeskHead, APickIsThePlaceAtRestOfWhatLiesUnderTheMouse) {
   EXPECT_STREQ(d.name.data(), "M3");
 }
 
+TEST(DeskHead, BonesAreActedOnThroughThePlacesPickedLast) {
+  const Snapshot s = two_sheets();
+  DeskHead d;
+  const auto asked = [&](DeskHead::Ask what) {
+    d.ask = what;
+    return d.asked();
+  };
+  EXPECT_TRUE(asked(DeskHead::Ask::shift).empty());
+  const std::vector<Vec3> at{{30, 0, 0}, {0, 30, 0}, {0, 0, 0}};
+  for (const Vec3f& bary : {Vec3f(0, 1, 0), Vec3f(0, 0, 1), Vec3f(1, 0, 0)}) {
+    d.picked(s, 0, bary);
+    d.picked(s, 1, bary);  // the face does not count
+  }
+  d.shift_mm = {0, 8, -1.5f}, d.turn_deg = {0, 0, 12.25f};
+  auto c = asked(DeskHead::Ask::shift);
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_EQ(c[0].kind, pick::shift);
+  EXPECT_EQ(c[0].text.str(), "0 8 -1.5 0 0 12.25");
+  EXPECT_EQ(c[0].value, (std::array<double, 4>{0, 0, 0, 0}));
+  c = asked(DeskHead::Ask::plate);
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_EQ(c[0].value, (std::array<double, 4>{0, 30, 0, 0}));
+  EXPECT_EQ(c[0].text.str(), "0.0000 0.0000 0.0000");
+  c = asked(DeskHead::Ask::saw_plane);
+  ASSERT_EQ(c.size(), 1u);
+  EXPECT_EQ(c[0].value, (std::array<double, 4>{10, 10, 0, 0}));
+  double n[3]{};
+  ASSERT_EQ(std::sscanf(c[0].text.str().c_str(), "%lf %lf %lf", n, n + 1, n + 2), 3);
+  EXPECT_EQ(Vec3(n[0], n[1], n[2]), Vec3(0, 0, 1));
+  EXPECT_TRUE(asked(DeskHead::Ask::saw_round).empty());  // a ring of four
+  d.ring = 3;
+  c = asked(DeskHead::Ask::saw_round);
+  ASSERT_EQ(c.size(), 3u);
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(c[k].kind, pick::corner);
+    EXPECT_EQ(c[k].value, (std::array<double, 4>{at[k].x(), at[k].y(), at[k].z(), double(k)}));
+  }
+  // The longest numbers still fit into a control's text.
+  d.shift_mm = {-123.456f, -123.456f, -123.456f}, d.turn_deg = d.shift_mm;
+  EXPECT_EQ(asked(DeskHead::Ask::shift)[0].text.str(), "-123.5 -123.5 -123.5 -123.5 -123.5 -123.5");
+}
+
 TEST(DeskHead, WhatTheSkullLiesUponIsToldOnceAndHeardFromOthers) {
   DeskHead d;
   EXPECT_FALSE(d.laid_upon());
