@@ -139,10 +139,31 @@ bool hidden(const Snapshot& s, const Vec3f& eye, const Vec3f& place, bool face_o
   return false;
 }
 
+/// Where names stand that lie close together: each beside its dot, on the first of four sides where it covers no other name.
+class NamePlaces {
+ public:
+  Eigen::Vector2d place(const Vec3f& dot, double width, double em) {
+    const double x = double(dot.x()), y = double(dot.y());
+    for (const Eigen::Vector2d& at : {Eigen::Vector2d(x + 0.45 * em, y - 0.25 * em), Eigen::Vector2d(x - 0.45 * em - width, y - 0.25 * em), Eigen::Vector2d(x + 0.45 * em, y + 0.95 * em),
+                                      Eigen::Vector2d(x - 0.45 * em - width, y + 0.95 * em)})
+      if (std::none_of(taken_.begin(), taken_.end(), [&](const Box& b) { return at.x() < b.right && b.left < at.x() + width && std::abs(at.y() - b.y) < 0.95 * em; })) return take(at, width);
+    return take({x + 0.45 * em, y - 0.25 * em}, width);
+  }
+
+ private:
+  struct Box { double left, right, y; };
+  Eigen::Vector2d take(const Eigen::Vector2d& at, double width) {
+    taken_.push_back({at.x(), at.x() + width, at.y()});
+    return at;
+  }
+  std::vector<Box> taken_;
+};
+
 /// Dots with names; those of the face where it hides the others.
 void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, const View& view, FaceLook face) {
   if (!s.topology) return;
   const double em = std::max(9.0, image.height / 48.0);
+  NamePlaces names;
   for (size_t i = 0; i < std::min(s.landmark_mm.size(), s.topology->landmark.size()); ++i) {
     const std::string& name = s.topology->landmark[i];
     const bool of_face = !name.empty() && name[0] >= 'a' && name[0] <= 'z';
@@ -154,7 +175,9 @@ void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, co
       for (int x = int(p.x() - r) - 1; x <= int(p.x() + r) + 1; ++x)
         if (x >= 0 && y >= 0 && x < image.width && y < image.height)
           image.blend(x, y, {30, 90, 220}, std::clamp(r - std::hypot(x + 0.5 - double(p.x()), y + 0.5 - double(p.y())) + 0.5, 0.0, 1.0));
-    text.draw(image, double(p.x()) + 0.45 * em, double(p.y()) - 0.25 * em, name, {em, {255, 255, 255}, true, 0.7});
+    const TextPainter::Style white{em, {255, 255, 255}, true, 0.7};
+    const Eigen::Vector2d at = names.place(p, text.width(name, white), em);
+    text.draw(image, at.x(), at.y(), name, white);
   }
 }
 

@@ -138,6 +138,7 @@ void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f
   if (over.size() == 2) over.push_back(in_mm + 0.5f * span + (lift + 0.06f) * up);
   over.push_back(out_mm - 0.10f * across + lift * up), over.push_back(out_mm - 0.30f * up);
   smooth_tube(mesh, over, r, thread);
+  if (suture.thread != 0) return;  // one of a thread's: that is tied at its ends
 
   // The knot lies over the entry, beside the wound: two throws, each a turn about the thread, and two tails. No two hands' tails
   // lie alike: they follow the stitch's number.

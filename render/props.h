@@ -37,7 +37,7 @@ void add_tube(PropMesh& mesh, std::span<const Vec3f> path, std::span<const float
 void add_ellipsoid(PropMesh& mesh, const Vec3f& centre, const Vec3f& a, const Vec3f& b, const Vec3f& c,
                    const PropLook& look, int rings = 8);
 
-/// A stitch over the wound: thread, knot with two tails, bite marks. `skin_mm`: the way over the skin from the entry to the exit,
+/// A stitch over the wound: thread, knot with two tails (not where it is one of a thread's), bite marks. `skin_mm`: the way over the skin from the entry to the exit,
 /// at least these two; `up`: the outward unit normal of the skin there.
 void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f> skin_mm, const Vec3f& up);
 /// A sharp skin hook whose point is in the tissue and whose shaft leads to the handle.

@@ -56,7 +56,12 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
   for (const Vec3f& x : scene.x_mm)
     scene.bounds_min = scene.bounds_min.cwiseMin(x), scene.bounds_max = scene.bounds_max.cwiseMax(x);
 
-  for (const SutureState& s : snapshot.sutures) add_stitch(scene, snapshot, s);
+  for (size_t i = 0; i < snapshot.sutures.size(); ++i) {
+    SutureState s = snapshot.sutures[i];
+    const auto same = [&](size_t k) { return k < snapshot.sutures.size() && snapshot.sutures[k].thread == s.thread; };
+    if (!same(i - 1) || !same(i + 1)) s.thread = 0;  // the ends of a thread have a knot each
+    add_stitch(scene, snapshot, s);
+  }
   for (const HookState& h : snapshot.hooks)
     if (h.at_mm.allFinite() && h.handle_mm.allFinite()) {
       const NearestSkin at = nearest_skin(scene, h.at_mm);

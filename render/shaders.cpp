@@ -239,6 +239,9 @@ void main() {
   // Ivory, with the stains of old blood and thin places, and small foramina.
   vec3 albedo = mix(vec3(0.79, 0.69, 0.52), vec3(0.89, 0.82, 0.69), smoothstep(0.15, 0.75, m.b));
   albedo *= 0.92 + 0.10 * m.r;
+  // Where the saw went: a dark line, however close the pieces lie, and blood beside it.
+  albedo *= mix(vec3(1.0), vec3(0.93, 0.66, 0.58), exp(-v_rim * 1.2) * step(v_rim, 2.99));
+  albedo = mix(albedo, vec3(0.20, 0.05, 0.04), 0.85 * (1.0 - smoothstep(0.16, 0.42, v_rim)));
 #endif
   float shade = lit(v_world, n);
   vec3 soft = n;
@@ -247,7 +250,7 @@ void main() {
 #ifdef BONE_CUT
   vec3 g = 0.55 * s3.pores + 0.10 * s4.pores.yzx;
 #else
-  vec3 g = 0.16 * s3.pores + 0.035 * s4.pores.yzx;
+  vec3 g = 0.05 * s3.pores + 0.02 * s4.pores.yzx;  // nearly smooth: deeper pores make leather of it
 #endif
   n = tilt(n, v_world, dot(g, dFdx(v_rest)), dot(g, dFdy(v_rest)));
 #endif
@@ -284,7 +287,7 @@ void main() {
   vec3 soft = n;
 #ifdef FINE
   Solid s3 = slopes_in(v_rest, n, 23.0), s4 = slopes_in(v_rest.zxy, n.zxy, 83.0);
-  vec3 g = 0.040 * s3.pores + 0.14 * s4.pores.yzx;
+  vec3 g = 0.040 * s3.pores + 0.07 * s4.pores.yzx;  // a head is seen from afar: coarser relief reads as leather
   n = tilt(n, v_world, dot(g, dFdx(v_rest)), dot(g, dFdy(v_rest)));
   soft = normalize(soft + 0.8 * n);
 #endif

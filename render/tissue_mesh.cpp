@@ -1,6 +1,6 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 #include <span>
 
 #include "render/render_scene.h"
@@ -67,14 +67,13 @@ void sort_along_curve(const SurfaceView& view, std::span<uint32_t> triangles, st
   for (size_t i = 0; i < room.size(); ++i) triangles[i] = room[i].second;
 }
 
-// Fills rim_mm. Skin vertices are sorted by x, so an edge only looks at those within reach of it.
-void measure_rim(const SurfaceView& view, TissueMesh& mesh) {
-  mesh.rim_mm.assign(mesh.source.size(), kRimReach_mm);
+// Fills rim_mm of one part. Its vertices are sorted by x, so an edge only looks at those within reach of it.
+void measure_rim(const SurfaceView& view, TissueMesh& mesh, Part part, const std::vector<std::array<int32_t, 2>>& rim) {
   std::vector<std::pair<float, uint32_t>> by_x;
   for (size_t v = 0; v < mesh.source.size(); ++v)
-    if (mesh.part[v] == Part::skin) by_x.emplace_back(mesh.X_mm[v].x(), uint32_t(v));
+    if (mesh.part[v] == part) by_x.emplace_back(mesh.X_mm[v].x(), uint32_t(v));
   std::sort(by_x.begin(), by_x.end());
-  for (const auto& [i, j] : mesh.rim) {
+  for (const auto& [i, j] : rim) {
     const Vec3f a = view.X_mm[size_t(i)].cast<float>(), b = view.X_mm[size_t(j)].cast<float>();
     const float low = std::min(a.x(), b.x()) - kRimReach_mm, high = std::max(a.x(), b.x()) + kRimReach_mm;
     for (auto it = std::lower_bound(by_x.begin(), by_x.end(), std::pair(low, uint32_t(0))); it != by_x.end() && it->first <= high; ++it)
@@ -151,18 +150,25 @@ TissueMesh make_tissue_mesh(const SurfaceTopology& topology) {
     mesh.tri_source.push_back(int32_t(t));
   }
 
-  // Rim: directed edges of skin triangles whose twin belongs to a wall.
-  std::map<std::array<int32_t, 2>, bool> wall_edge;
-  for (size_t t = 0; t < n; ++t)
-    if (view.kind[t] == FaceKind::wall)
-      for (size_t k = 0; k < 3; ++k) wall_edge[{view.tri[t][k], view.tri[t][(k + 1) % 3]}] = true;
-  for (size_t t = 0; t < n; ++t)
-    if (view.kind[t] == FaceKind::skin)
-      for (size_t k = 0; k < 3; ++k) {
-        const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
-        if (wall_edge.count({b, a})) mesh.rim.push_back({a, b});
-      }
-  measure_rim(view, mesh);
+  // Rim: directed edges of one part's triangles whose twin belongs to a cut through it.
+  const auto rim_between = [&](Part part, Part cut) {
+    std::set<std::array<int32_t, 2>> of_cut;
+    for (size_t t = 0; t < n; ++t)
+      if (part_of(topology, t) == cut)
+        for (size_t k = 0; k < 3; ++k) of_cut.insert({view.tri[t][k], view.tri[t][(k + 1) % 3]});
+    std::vector<std::array<int32_t, 2>> rim;
+    for (size_t t = 0; t < n && !of_cut.empty(); ++t)
+      if (part_of(topology, t) == part)
+        for (size_t k = 0; k < 3; ++k) {
+          const int32_t a = view.tri[t][k], b = view.tri[t][(k + 1) % 3];
+          if (of_cut.count({b, a})) rim.push_back({a, b});
+        }
+    return rim;
+  };
+  mesh.rim_mm.assign(mesh.source.size(), kRimReach_mm);
+  mesh.rim = rim_between(Part::skin, Part::wall);
+  measure_rim(view, mesh, Part::skin, mesh.rim);
+  measure_rim(view, mesh, Part::bone, rim_between(Part::bone, Part::bone_cut));
   return mesh;
 }
 

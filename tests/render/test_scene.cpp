@@ -1,6 +1,7 @@
 // What the renderer is handed, checked without any graphics driver.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -129,6 +130,25 @@ TEST(SceneBuilder, ClosedStitchLiesAcrossTheWound) {
   for (const PropVertex& v : scene.props.vertex) lo = std::min(lo, v.x_mm.y()), hi = std::max(hi, v.x_mm.y());
   EXPECT_LT(lo, -7.9f);  // two bites of 2.2 mm on either side of the edge at y = -6
   EXPECT_GT(hi, -4.1f);
+}
+
+TEST(SceneBuilder, ARunningThreadHasItsKnotsAtItsEnds) {
+  Snapshot s = sample_snapshot({.wave_mm = 0, .sutures = 5, .hooks = 0});
+  const auto drawn = [&](int32_t thread) {  // vertices per stitch
+    for (SutureState& k : s.sutures) k.thread = thread;
+    SceneBuilder builder;
+    std::vector<int> n;
+    for (const SutureState& k : s.sutures)
+      n.push_back(int(std::count_if(builder.build(s).props.vertex.begin(), builder.build(s).props.vertex.end(), [&](const PropVertex& v) { return v.id == (uint32_t(Part::suture) << 24 | uint32_t(k.id)); })));
+    return n;
+  };
+  const std::vector<int> single = drawn(0), running = drawn(3);
+  ASSERT_EQ(single.size(), 5u);
+  for (size_t i = 0; i < 5; ++i) {
+    if (i == 0 || i == 4) EXPECT_EQ(running[i], single[i]);
+    else EXPECT_LT(running[i], single[i]);
+    EXPECT_GT(running[i], 0);
+  }
 }
 
 TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
@@ -337,6 +357,19 @@ TEST(Overlay, RoundSteps) {
   EXPECT_EQ(round_step(NAN, 5), 1);
   EXPECT_EQ(tick_label(0.15000000001, 0.05), "0.15");
   EXPECT_EQ(tick_label(-0.0, 5), "0");
+}
+
+// Two triangles of bone and one of a cut through it that meets the first of them in an edge.
+TEST(TissueMesh, BoneKnowsHowFarItIsFromTheSaw) {
+  SurfaceTopology top;
+  top.view.X_mm = {Vec3(0, 0, 0), Vec3(10, 0, 0), Vec3(5, 2, 0), Vec3(5, 0, -8), Vec3(5, 9, 0)};
+  const auto add = [&](const Tri& t, Organ o) { top.view.tri.push_back(t), top.view.kind.push_back(FaceKind::free), top.organ.push_back(o), top.object.push_back(0); };
+  add({0, 1, 2}, Organ::bone), add({1, 0, 3}, Organ::bone_cut), add({0, 2, 4}, Organ::bone);
+  const TissueMesh m = make_tissue_mesh(top);
+  EXPECT_TRUE(m.rim.empty());  // that is of skin
+  const float wanted[] = {0, 0, 2, kRimReach_mm, kRimReach_mm};
+  for (size_t v = 0; v < m.source.size(); ++v)
+    EXPECT_NEAR(m.rim_mm[v], m.part[v] == Part::bone ? wanted[m.source[v]] : kRimReach_mm, 1e-5f) << m.source[v];
 }
 
 }  // namespace
