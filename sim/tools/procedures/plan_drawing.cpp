@@ -21,7 +21,8 @@ class Paper {
     px_ = 640 / (hi_.x() - lo_.x());
   }
   double width() const { return 640; }
-  double height() const { return px_ * (hi_.y() - lo_.y()) + 30; }
+  double height() const { return 30 + px_ * (hi_.y() - lo_.y()) + kLegend_px; }
+  static constexpr double kLegend_px = 62;
   double px() const { return px_; }
   Vec2 at(const Vec2& p) const { return {px_ * (p.x() - lo_.x()), 30 + px_ * (hi_.y() - p.y())}; }
 
@@ -49,12 +50,45 @@ std::vector<Vec2> inside(const std::vector<Vec2>& bank, double by) {
   return out;
 }
 
-std::string text(const Paper& paper, const Vec2& at, const char* ink, const std::string& words, int size) {
-  const Vec2 q = paper.at(at);
-  char t[200];
-  std::snprintf(t, sizeof t, "<text x=\"%.1f\" y=\"%.1f\" fill=\"%s\" font-size=\"%d\" text-anchor=\"middle\">", q.x(), q.y() + size / 3.0, ink, size);
+// Letters on their own ground, so that a line beneath does not cross them out.
+std::string text(const Vec2& px, const char* ink, const std::string& words, int size) {
+  char t[240];
+  std::snprintf(t, sizeof t, "<text x=\"%.1f\" y=\"%.1f\" fill=\"%s\" font-size=\"%d\" text-anchor=\"middle\" stroke=\"#fbeee6\" stroke-width=\"4\" paint-order=\"stroke\">", px.x(), px.y() + size / 3.0, ink, size);
   return t + words + "</text>\n";
 }
+
+constexpr const char *kStands = "#b00", *kTight = "#00b";
+
+std::string mark(const Vec2& q, bool stands) {
+  char t[200];
+  if (stands) std::snprintf(t, sizeof t, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"7\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", q.x(), q.y(), kStands);
+  else std::snprintf(t, sizeof t, "<rect x=\"%.1f\" y=\"%.1f\" width=\"12\" height=\"12\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", q.x() - 6, q.y() - 6, kTight);
+  return t;
+}
+
+/// Where a label goes: from its mark outwards, past the labels that are there, within the paper.
+class Labels {
+ public:
+  Labels(const Paper& paper, const Vec2& centre) : width_(paper.width()), centre_(paper.at(centre)) {}
+  Vec2 place(const Vec2& q) {
+    constexpr double kFirst = 24, kStep = 8, kWide = 50, kHigh = 18, kEdge = 30;
+    const Vec2 out = (q - centre_).norm() > 1e-9 ? Vec2((q - centre_).normalized()) : Vec2(0, -1);
+    Vec2 at = q;
+    const auto taken = [&] { return std::any_of(taken_.begin(), taken_.end(), [&](const Vec2& t) { return std::abs(t.x() - at.x()) < kWide && std::abs(t.y() - at.y()) < kHigh; }); };
+    for (int k = 0; k < 12; ++k) {
+      at = q + (kFirst + kStep * k) * out;
+      at.x() = std::clamp(at.x(), kEdge, width_ - kEdge);
+      if (!taken()) break;
+    }
+    taken_.push_back(at);
+    return at;
+  }
+
+ private:
+  double width_;
+  Vec2 centre_;
+  std::vector<Vec2> taken_;
+};
 
 }  // namespace
 
@@ -80,28 +114,29 @@ std::string plan_svg(const Figure& f, const std::string& title) {
       const auto path = inside(edge, side * by);
       if (path.empty()) return;
       s += "<polyline points=\"" + points(paper, path) + "\" fill=\"none\" stroke=\"" + ink + "\" stroke-width=\"3\"/>\n";
-      s += text(paper, beside(edge, length_mm(edge) / 2, side * (by + 11 / paper.px())), ink, letter, 14);  // in the tissue that it names
+      s += text(paper.at(beside(edge, length_mm(edge) / 2, side * (by + 11 / paper.px()))), ink, letter, 14);  // in the tissue that it names
     };
     draw(bank(f, f.seams[i].a_from, f.seams[i].a_to, true), 1);
     draw(bank(f, f.seams[i].b_from, f.seams[i].b_to, false), -1);
   }
   Vec2 centre = Vec2::Zero();
   for (const Vec2& p : f.wounds[0]) centre += p / double(f.wounds[0].size());
+  Labels labels(paper, centre);
   for (const Charge& c : charges(f)) {
     if (std::abs(c.q_deg) < kCorner_deg) continue;  // spread along a curve: no place of its own
+    const bool stands = c.q_deg > 0;
+    for (const Vec2& p : c.meeting) s += mark(paper.at(p), stands);
     std::snprintf(t, sizeof t, "%+.0f&#176;", c.q_deg);
-    for (const Vec2& p : c.meeting) {
-      const Vec2 q = paper.at(p);
-      char mark[200];
-      if (c.q_deg > 0)
-        std::snprintf(mark, sizeof mark, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"7\" fill=\"none\" stroke=\"#b00\" stroke-width=\"2\"/>\n", q.x(), q.y());
-      else
-        std::snprintf(mark, sizeof mark, "<rect x=\"%.1f\" y=\"%.1f\" width=\"12\" height=\"12\" fill=\"none\" stroke=\"#00b\" stroke-width=\"2\"/>\n", q.x() - 6, q.y() - 6);
-      s += mark;
-    }
-    const Vec2 out = c.meeting.front() - centre;  // outside the plan, where no line is
-    s += text(paper, c.meeting.front() + 22 / paper.px() * (out.norm() > 1e-9 ? Vec2(out.normalized()) : Vec2(0, 1)), c.q_deg > 0 ? "#b00" : "#00b", t, 15);
+    s += text(labels.place(paper.at(c.meeting.front())), stands ? kStands : kTight, t, 15);
   }
+  const double y = paper.height() - Paper::kLegend_px + 14;
+  const auto line = [&](double at, const char* words) {
+    std::snprintf(t, sizeof t, "<text x=\"34\" y=\"%.1f\" font-size=\"13\" fill=\"#333\">%s</text>\n", at + 4.5, words);
+    s += t;
+  };
+  s += mark({20, y}, true), line(y, "+ too much skin meets here: it stands up as a dog-ear");
+  s += mark({20, y + 18}, false), line(y + 18, "&#8722; too little: it is drawn tight. Marks without a number come to lie at one that has it");
+  line(y + 36, "Edges of one letter and colour are sewn to each other");
   return s + "</svg>\n";
 }
 

@@ -127,6 +127,22 @@ TEST(Figures, DrawingNamesEveryCharge) {
     const std::string svg = plan_svg(f, "plan");
     EXPECT_EQ(svg.find("nan"), std::string::npos);
     EXPECT_NE(svg.find("</svg>"), std::string::npos);
+    // Every figure can be read: no two on one another, none over the edge.
+    std::vector<Vec2> at;
+    for (size_t k = 0; (k = svg.find("<text x=\"", k)) != std::string::npos; ++k) {
+      const std::string element = svg.substr(k, svg.find("</text>", k) - k);
+      double x = 0, y = 0;
+      ASSERT_EQ(std::sscanf(element.c_str(), "<text x=\"%lf\" y=\"%lf\"", &x, &y), 2);
+      if (element.find("&#176;") != std::string::npos) at.emplace_back(x, y);
+    }
+    size_t wanted = 0;
+    for (const Charge& c : charges(f)) wanted += std::abs(c.q_deg) >= 25;
+    EXPECT_EQ(at.size(), wanted);
+    for (size_t i = 0; i < at.size(); ++i) {
+      EXPECT_GE(at[i].x(), 25);
+      EXPECT_LE(at[i].x(), 615);
+      for (size_t k = 0; k < i; ++k) EXPECT_TRUE(std::abs(at[i].x() - at[k].x()) > 40 || std::abs(at[i].y() - at[k].y()) > 14) << f.seams.size() << " seams";
+    }
   });
 }
 
