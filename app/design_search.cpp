@@ -107,7 +107,7 @@ std::string why_first(const Design& a, const Design* b) {
   std::snprintf(t, sizeof t, "its strongest stitch pulls with %.2f N (cost %.2f), the skin stands up by %.1f mm (%.2f), landmarks move by %.1f mm (%.2f)", a.force_N, a.force_cost,
                 a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
   std::string why = t;
-  if (!b || b->cell_mm != a.cell_mm) return why;
+  if (!b || b->cell_mm != a.cell_mm || b->cost < a.cost) return why;  // a coarser pass, even on the same cells
   const std::pair<double, const char*> parts[] = {{b->force_cost - a.force_cost, "its force"}, {b->ear_cost - a.ear_cost, "its dog-ear"}, {b->landmark_cost - a.landmark_cost, "what it does to landmarks"}};
   const auto most = std::max_element(std::begin(parts), std::end(parts), [](const auto& x, const auto& y) { return x.first < y.first; });
   std::snprintf(t, sizeof t, "; the next costs %.2f more, most of it by %s (%+.2f)", b->cost - a.cost, most->second, most->first);

@@ -120,7 +120,7 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
 std::string find_lesson(const std::string& name_or_path) {
   namespace fs = std::filesystem;
   std::error_code ec;
-  if (fs::exists(name_or_path, ec)) return name_or_path;
+  if (fs::exists(name_or_path, ec) && !fs::is_directory(name_or_path, ec)) return name_or_path;  // an --out folder may have the name
   std::string list;
   for (const std::string& root : shipped_roots()) {
     const std::string folder = root == "." ? "app/lessons" : root + "/app/lessons";

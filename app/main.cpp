@@ -4,9 +4,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "app/commands/commands.h"
 #include "app/interrupt.h"
@@ -32,7 +35,7 @@ constexpr const char* kFirstSteps =
     "  limberg operate zplasty recordings/zplasty.jsonl --out out/z   an operation by script, to equilibrium\n"
     "  limberg study zplasty --out out/study          what a Z-plasty gains, by its angle\n"
     "  limberg bench speed                            how fast it is on this machine\n"
-    "limberg --help lists the commands; limberg COMMAND --help has an example of each.\n";
+    "limberg --help lists the commands; limberg COMMAND --help (or limberg help COMMAND) has an example of each.\n";
 
 int run_main(int argc, char** argv) {
   CLI::App app("Limberg: a trainer for open reconstructive surgery", "limberg");
@@ -59,8 +62,12 @@ int run_main(int argc, char** argv) {
   add_superpose(app, chosen);
   add_measures(app, chosen);
   add_design(app, chosen);
+  // `limberg help run` as `limberg run --help`, for those who are used to it.
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words.front() == "help") std::rotate(words.begin(), words.begin() + 1, words.end()), words.back() = "--help";
+  std::reverse(words.begin(), words.end());  // CLI11 takes them from the end
   try {
-    app.parse(argc, argv);
+    app.parse(words);
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help, --version: on standard output
   } catch (const CLI::ParseError& e) {

@@ -203,7 +203,7 @@ Scene load_scene(const std::string& path) { return parse_scene(slurp(path, "a sc
 
 std::string find_scene(const std::string& name_or_path, const std::vector<std::string>& folders) {
   std::error_code ec;
-  if (fs::exists(name_or_path, ec)) return name_or_path;
+  if (fs::exists(name_or_path, ec) && !fs::is_directory(name_or_path, ec)) return name_or_path;  // an --out folder may have the name
   std::vector<std::string> names;
   for (const auto& f : folders) {
     const fs::path candidate = fs::path(f) / (name_or_path + ".toml");

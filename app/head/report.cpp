@@ -11,6 +11,8 @@
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/tables.h"
+#include "sim/bone/sorting.h"
+#include "sim/tools/script.h"
 
 namespace limberg {
 
@@ -78,6 +80,38 @@ void add_forehead(Result& r, const Head& head, ResultTable& t) {
     }
 }
 
+/// Which fragments fit each other by their cut rings, and the lines of a script that put them together again.
+ResultTable fits(Result& r, const Head& head) {
+  ResultTable t;
+  t.title = "Fragments that fit each other";
+  t.about = "Found by their cut rings, wherever they lie, and verified (sim/bone/sorting.h); how to move the second one so that it fits the first. Those that would have fitted are named with the reason.";
+  t.columns = {"fragments", "rings together, mm", "residual, mm", "right, mm", "forward, mm", "up, mm", "turned, degrees"};
+  if (head.bones().fragments().size() < 2) return t;
+  std::vector<int32_t> ids;
+  const bone::Sorting found = bone::sort_fragments(bone::pieces_of(head.bones(), &ids));
+  int n = 0;
+  for (const bone::Match& m : found.matches) {
+    // A bone that is fixed stays; else the first of the two.
+    const bool first_moves = head.bones().fragment(ids[size_t(m.b)])->fixed;
+    const int32_t stays = ids[size_t(first_moves ? m.b : m.a)], moves = ids[size_t(first_moves ? m.a : m.b)];
+    const Eigen::Isometry3d by = first_moves ? m.b_in_a.inverse() : m.b_in_a;
+    const bone::Fragment& f = *head.bones().fragment(moves);
+    const Vec3 centre = f.pose * f.centre_mm;
+    RigidMove move = as_move(by);
+    // As far as somebody would type it.
+    const auto rounded = [](const Vec3& v) { return Vec3(v.unaryExpr([](double x) { return std::round(1e4 * x) / 1e4 + 0.0; })); };
+    move.rotation_deg = rounded(move.rotation_deg), move.about_mm = rounded(centre), move.translation_mm = rounded(by * centre - centre);
+    const std::string p = "/head/fits/" + std::to_string(n++);
+    r.set(p + "/stays", stays), r.set(p + "/moves", moves), r.set(p + "/length_mm", m.length_mm), r.set(p + "/residual_mm", m.residual_mm);
+    r.set(p + "/line", to_json_line(Command(HeadCommand(MoveFragment{{moves, Vec3::Zero()}, move, 2}))));
+    t.rows.push_back({name_of(head, stays) + " - " + name_of(head, moves), short_number(m.length_mm, 3), short_number(m.residual_mm, 2), short_number(move.translation_mm.x(), 3),
+                      short_number(move.translation_mm.y(), 3), short_number(move.translation_mm.z(), 3), short_number(turned_deg(by), 3)});
+  }
+  for (const bone::Unmatched& u : found.refused)
+    t.rows.push_back({name_of(head, ids[size_t(u.a)]) + " - " + name_of(head, ids[size_t(u.b)]), u.reason, "-", "-", "-", "-", "-"});
+  return t;
+}
+
 void fill_pictures(Result& r, const Head& head) {
   int n = 0;
   const auto picture = [&](const char* file, const char* words) {
@@ -138,6 +172,7 @@ void fill_head(Result& r, const Head& head, int tables) {
                       short_number(x.overlap_mm3, 3)});
   }
   if (!g.rows.empty()) add_table(r, tables++, g);
+  if (const ResultTable f = fits(r, head); !f.rows.empty()) add_table(r, tables++, f);
   ResultTable l;
   l.title = "Landmarks that moved";
   l.about = "By more than 0.05 mm. Names with a small letter lie on the face, the others on bone.";

@@ -48,6 +48,7 @@ std::string mm(double v) { return html::number(v, 3) + " mm"; }
 // What happened since the last stage.
 struct Deeds {
   std::string cuts;
+  int fragments = 0, plates = 0, joined = 0;
   int hooks = 0, moves = 0, released = 0, sutures = 0, rows = 0, threads = 0, undone = 0, redone = 0;
 
   std::string text() const {
@@ -55,6 +56,9 @@ struct Deeds {
     const auto add = [&](int n, const std::string& one, const std::string& many) {
       if (n > 0) s += (s.empty() ? "" : " ") + (n == 1 ? one : std::to_string(n) + many) + ".";
     };
+    add(fragments, "One fragment moved", " fragments moved");
+    add(plates, "One plate", " plates");
+    add(joined, "Two fragments joined", " pairs of fragments joined");
     add(hooks, "One hook set", " hooks set");
     if (moves > 0) s += s.empty() ? "The flap is moved with the hooks." : " The flap is moved with the hooks.";
     add(sutures, "One key suture", " key sutures");
@@ -76,6 +80,11 @@ void note(const Json& j, const std::string& action, Deeds& d) {
     cut("Incision of " + mm(length_mm(points(j, "path"))) + deep +
         (std::isfinite(angle) && std::abs(angle - 90) > 0.5 ? ", blade at " + html::number(angle, 3) + "°" : ""));
   else if (action == "undermine") cut("Undermining of " + html::number(area_mm2(points(j, "outline")) / 100, 2) + " cm²" + deep);
+  else if (action == "osteotomy") cut(j.contains("contour") ? "Osteotomy along a closed line" : "Osteotomy by a plane");
+  else if (action == "connect_tissue") cut("Tissue between face and bone");
+  else if (action == "move_fragment" || action == "let_go") ++d.fragments;
+  else if (action == "plate") ++d.plates;
+  else if (action == "join") ++d.joined;
   else if (action == "hook") ++d.hooks;
   else if (action == "move") ++d.moves;
   else if (action == "release") ++d.released;

@@ -16,7 +16,10 @@ TEST_F(Cli, HelpAndVersion) {
     o = run(std::string(c) + " --help");
     EXPECT_EQ(o.status, 0) << c;
     EXPECT_NE(o.out.find(std::string("Example: limberg ") + c), std::string::npos) << c;
+    EXPECT_EQ(run(std::string("help ") + c).out, o.out) << c;
   }
+  EXPECT_EQ(run("help").out, run("--help").out);
+  EXPECT_EQ(run("help").status, 0);
 }
 
 TEST_F(Cli, WrongCalls) {

@@ -1,5 +1,6 @@
 // Scenes: the shipped ones load and make a body, every mistake is named with its line, any bytes are survived.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -160,6 +161,16 @@ TEST(Scene, FilesThatAreNoScenes) {
   } catch (const InputError& e) {
     EXPECT_NE(std::string(e.what()).find("craniofacial, face, rhomboid, scalp, zplasty"), std::string::npos) << e.what();
   }
+}
+
+TEST(Scene, AFolderOfTheNameIsNotTheScene) {
+  namespace fs = std::filesystem;
+  const fs::path before = fs::current_path(), here = fs::temp_directory_path() / ("limberg-scene-" + std::to_string(getpid()));
+  fs::create_directories(here / "rhomboid");  // as --out rhomboid leaves one
+  fs::current_path(here);
+  EXPECT_EQ(fs::path(find_scene("rhomboid", {kScenes})).filename(), "rhomboid.toml");
+  fs::current_path(before);
+  fs::remove_all(here);
 }
 
 TEST(Scene, AnyBytesAreASceneOrAnInputError) {
