@@ -326,6 +326,7 @@ struct WindowFrames::Impl {
       clicked |= counts;
       waiting.pop_front();
       take(e, s, width, height);
+      if (desk.state.head.pick) break;  // of what lay under the mouse when the key was pressed
     }
     if (!first) first = s;
     // The hand that showed a step took tools of its own: the mouse has again what is chosen here.
