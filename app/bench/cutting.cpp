@@ -190,7 +190,6 @@ void crossing(Result& out, const CuttingSettings& settings, int cells, int repea
   // once first, once second and so on, so that both sides of the ratio are means over the same four blades.
   struct Work {  // what one cut had to look at and to make
     size_t boxes = 0, pairs = 0, faces = 0, triangles = 0, walls = 0, three_planes = 0;
-    int32_t tree = 0;  // blade triangles of the tree that it made: those of like size merge (ArrangementStore::plant)
   };
   std::vector<Times> t(4), alone(4), ratio(4), to_alone(4), in_turns(4), in_turns_work(4);
   std::array<Work, 4> work{};
@@ -215,7 +214,6 @@ void crossing(Result& out, const CuttingSettings& settings, int cells, int repea
       to_alone[k].add(t[k].ms.back() / alone[k].ms.back());
       work[k].boxes = a.store().scratch->hit.size();
       work[k].pairs = a.store().scratch->segment.size();
-      work[k].tree = a.store().forest.back()->count;
       const PointStore& points = a.store().points;
       work[k].three_planes = 0;
       for (int32_t p = a.store().history.back().points; p < points.size(); ++p) work[k].three_planes += points.key(p).kind == PointKey::three_planes;
@@ -244,8 +242,8 @@ void crossing(Result& out, const CuttingSettings& settings, int cells, int repea
     add_row(out, "crossing", text("cut %zu", k + 1),
             text("%zu triangles, 120 mm; near %zu (%.3f of cut 1), meeting %zu (%.3f), divided %zu (%.3f)", body.surface.tri.size(),
                  w.boxes, per(w.boxes, one.boxes), w.pairs, per(w.pairs, one.pairs), w.triangles, per(w.triangles, one.triangles)) +
-                text(", points of three planes %zu, faces made or replaced %zu (%.3f), of them wall %zu; a tree over %d blade triangles; %.0f ns a face",
-                     w.three_planes, w.faces, per(w.faces, one.faces), w.walls, w.tree, 1e6 * t[k].median() / double(w.faces)),
+                text(", points of three planes %zu, faces made or replaced %zu (%.3f), of them wall %zu; %.0f ns a face",
+                     w.three_planes, w.faces, per(w.faces, one.faces), w.walls, 1e6 * t[k].median() / double(w.faces)),
             t[k]);
     add_row(out, "crossing", text("cut %zu's blade alone, into the uncut body", k + 1), text("%.3f of cut 1's", alone[k].median() / alone[0].median()), alone[k]);
   }

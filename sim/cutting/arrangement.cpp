@@ -73,7 +73,7 @@ Arrangement::Arrangement(const TriMesh& surface, const RestGrid& grid) : store_(
     if (!grid.fits(x)) throw InputError("", 0, "a surface vertex lies outside the rest grid's domain");
     s.points.add_explicit(grid.to_grid(x));
   }
-  s.op.push_back({0, surface.uv, false});
+  s.op.push_back({0, surface.uv, false, {}});
   for (size_t i = 0; i < n; ++i) {
     OrigTri o;
     for (size_t k = 0; k < 3; ++k) {
@@ -108,7 +108,7 @@ Arrangement::Arrangement(const TriMesh& surface, const RestGrid& grid) : store_(
         if (const char* why = s.glue_edge(a, b, nullptr))
           throw InputError("", 0, std::string("the body's surface: ") + why + " at triangle " + std::to_string(i));
     }
-  s.plant(0, int32_t(n));
+  s.plant();
 }
 
 Arrangement::~Arrangement() = default;

@@ -114,6 +114,16 @@ struct BoxTree::Builder {
   }
 };
 
+IntBox BoxTree::all() const {
+  const Node& root = node_[0];
+  const auto child = [&](size_t k) {
+    return IntBox{{root.lo[0][k], root.lo[1][k], root.lo[2][k]}, {root.hi[0][k], root.hi[1][k], root.hi[2][k]}};
+  };
+  IntBox b = child(0);
+  for (size_t k = 1; k < 4; ++k) b = box_around(b, child(k));
+  return b;
+}
+
 BoxTree::BoxTree(std::span<const std::array<Int3, 3>> triangle) {
   if (triangle.empty()) return;
   Builder b{triangle, {}, node_, std::vector<uint32_t>(triangle.size() + 1), std::vector<uint32_t>(triangle.size() + 1)};

@@ -32,13 +32,22 @@ inline IntBox box_around(const IntBox& a, const IntBox& b) {
           {std::max(a.hi.x, b.hi.x), std::max(a.hi.y, b.hi.y), std::max(a.hi.z, b.hi.z)}};
 }
 
+/// Of a box of fractions: the half-units within.
+inline IntBox box_within(const Vec3& lo, const Vec3& hi) {
+  static constexpr double far = 1 << 23;
+  const auto up = [](double v) { return int32_t(std::clamp(std::ceil(v), -far, far)); };
+  const auto down = [](double v) { return int32_t(std::clamp(std::floor(v), -far, far)); };
+  return {{up(lo.x()), up(lo.y()), up(lo.z())}, {down(hi.x()), down(hi.y()), down(hi.z())}};
+}
+
 /// Up to eight boxes that follow each other in a list, looked at together: neighbours in the list of a blade's triangles
 /// are mostly neighbours in space, so one walk down a tree serves them all.
 struct BoxGroup {
   static constexpr size_t kMost = 8;
   size_t first = 0, count = 0;
   IntBox all;
-  std::array<std::array<int32_t, kMost>, 3> lo, hi;  // [axis][member]
+  using Four [[gnu::vector_size(16)]] = int32_t;       // in one register
+  std::array<std::array<Four, kMost / 4>, 3> lo, hi;  // [axis][four members]
 
   /// The group that begins at `start`: it ends where it would grow large beside its members.
   BoxGroup(std::span<const IntBox> box, size_t start) : first(start), all(box[start]) {
@@ -53,19 +62,20 @@ struct BoxGroup {
     for (size_t i = 0; i < kMost; ++i)
       for (size_t k = 0; k < 3; ++k) {
         const IntBox& b = box[first + std::min(i, count - 1)];
-        lo[k][i] = b.lo[int(k)], hi[k][i] = b.hi[int(k)];
+        lo[k][i / 4][i % 4] = b.lo[int(k)], hi[k][i / 4][i % 4] = b.hi[int(k)];
       }
   }
   size_t end() const { return first + count; }
   /// Bit i: member i meets the box.
   uint32_t meeting(const IntBox& b) const {
-    std::array<int32_t, kMost> apart;  // negative: they are
-    for (size_t i = 0; i < kMost; ++i)
-      apart[i] = (hi[0][i] - b.lo.x) | (b.hi.x - lo[0][i]) | (hi[1][i] - b.lo.y) | (b.hi.y - lo[1][i]) |
-                 (hi[2][i] - b.lo.z) | (b.hi.z - lo[2][i]);
-    uint32_t bits = 0;
-    for (size_t i = 0; i < kMost; ++i) bits |= uint32_t(apart[i] >= 0) << i;
-    return bits & ((1u << count) - 1);
+    int32_t apart = 0;
+    for (size_t h = 0; h < kMost / 4; ++h) {
+      const Four gap = (hi[0][h] - b.lo.x) | (b.hi.x - lo[0][h]) | (hi[1][h] - b.lo.y) | (b.hi.y - lo[1][h]) |
+                       (hi[2][h] - b.lo.z) | (b.hi.z - lo[2][h]);  // negative: there is one
+      const Four bit = (gap >> 31) & Four{1, 2, 4, 8};
+      apart |= (bit[0] | bit[1] | bit[2] | bit[3]) << 4 * h;
+    }
+    return ~uint32_t(apart) & ((1u << count) - 1);
   }
 };
 
@@ -107,17 +117,10 @@ class BoxTree {
       }
     }
   }
-  /// The same for a box of fractions.
-  template <class Visit>
-  void box(const Vec3& lo, const Vec3& hi, Visit&& visit) const {
-    const auto up = [](double v) { return int32_t(std::clamp(std::ceil(v), -kFar, kFar)); };
-    const auto down = [](double v) { return int32_t(std::clamp(std::floor(v), -kFar, kFar)); };
-    box(IntBox{{up(lo.x()), up(lo.y()), up(lo.z())}, {down(hi.x()), down(hi.y()), down(hi.z())}},
-        std::forward<Visit>(visit));
-  }
+  /// Around all triangles.
+  IntBox all() const;
 
  private:
-  static constexpr double kFar = 1 << 23;
   static constexpr int kStack = 64;  // each level of 4-fold nodes leaves three behind: enough for 2^32 triangles
   struct Node {
     std::array<std::array<int32_t, 4>, 3> lo, hi;  // [axis][child]; of no child: a box that meets none

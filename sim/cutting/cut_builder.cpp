@@ -67,7 +67,7 @@ CutBuilder::Outcome CutBuilder::prepare() {
   if (store_.points.fails()) return fail(coincidence, "made to fail");
   op_ = int32_t(store_.op.size());
   first_orig_ = int32_t(store_.orig.size());
-  store_.op.push_back({first_orig_, blade_.uv_mm, blade_.strip});
+  store_.op.push_back({first_orig_, blade_.uv_mm, blade_.strip, {}});
   blade_point_.resize(vertex_.size());
   for (size_t i = 0; i < vertex_.size(); ++i) {
     const int32_t shared = i < blade_.shared_point.size() ? blade_.shared_point[i] : -1;

@@ -218,7 +218,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     for (const Edge& e : t.needed)
       if (store_.edges.first(e.first, e.second) < 0) return fail(coincidence, "a junction is missing");
 
-  store_.plant(first_orig_, int32_t(blade_.tri.size()));
+  store_.plant();
   std::sort(store_.last.removed.begin(), store_.last.removed.end());  // new faces have ascending names
   result.op = op_;
   result.wall_faces = int(store_.last.new_walls.size());

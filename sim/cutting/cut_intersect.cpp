@@ -1,5 +1,6 @@
 // Where the blade meets what exists: broad phase by groups of blade triangles, exact narrow phase, segments.
 #include <algorithm>
+#include <bit>
 
 #include "sim/cutting/cut_builder.h"
 #include "sim/cutting/radix_sort.h"
@@ -12,16 +13,16 @@ void CutBuilder::find_near() {
   const size_t n = blade_.tri.size();
   for (size_t i = 0; i < n; i = room_.group.back().end()) {
     const BoxGroup& group = room_.group.emplace_back(room_.box, i);
-    for (const auto& tree : store_.forest)
-      tree->boxes.box(group.all, [&](int32_t t, const IntBox& box) {
-        const uint32_t members = group.meeting(box);
-        if (members == 0) return;
-        const int32_t o = tree->first + t;
-        const auto* at = reinterpret_cast<const char*>(&store_.orig[size_t(o)]);
-        __builtin_prefetch(at);
-        __builtin_prefetch(at + sizeof(OrigTri) - 1);
-        room_.hit.push_back({o, uint32_t(room_.group.size() - 1), members});
-      });
+    const auto note = [&](int32_t o, const IntBox& box) {
+      const uint32_t members = group.meeting(box);
+      if (members == 0) return;
+      const auto* at = reinterpret_cast<const char*>(&store_.orig[size_t(o)]);
+      __builtin_prefetch(at);
+      __builtin_prefetch(at + sizeof(OrigTri) - 1);
+      room_.hit.push_back({o, uint32_t(room_.group.size() - 1), members});
+    };
+    store_.body_near(group.all, note);
+    store_.blades_near(group.all, note);
   }
   for (const CutScratch::Hit& h : room_.hit)
     if (const OrigTri& o = store_.orig[size_t(h.orig)]; o.live != 0)
@@ -44,9 +45,9 @@ CutBuilder::Outcome CutBuilder::intersect() {
       near.orig = room_.hit[h].orig;
       near.triangle.id = o.v;
       for (size_t k = 0; k < 3; ++k) near.triangle.p[k] = store_.points.integer(o.v[k]);
-      for (size_t i = 0; i < BoxGroup::kMost; ++i) {
-        chosen[i][count[i]] = at;
-        count[i] += room_.hit[h].members >> i & 1;
+      for (uint32_t members = room_.hit[h].members; members != 0; members &= members - 1) {  // mostly one
+        const size_t i = size_t(std::countr_zero(members));
+        chosen[i][count[i]++] = at;
       }
     }
     const BoxGroup& group = room_.group[g];

@@ -23,26 +23,24 @@ std::optional<double> PocketMap::height(const Vec3& p_mm, const Vec3& n, double 
   const Vec3 p = (p_mm - s.grid.origin_mm) / unit;
   const Vec3 box = Vec3::Constant(reach);
   std::optional<double> best;
-  for (size_t i = 1; i < s.forest.size(); ++i)
-    s.forest[i]->boxes.box(p - box, p + box, [&](int32_t j) {
-      const int32_t o = s.forest[i]->first + j;
-      if (s.orig[o].live == 0) return;
-      for (int32_t f : s.faces_of(o)) {
-        if (!s.face[f].has_side(0) || !s.face[f].has_side(1)) continue;  // a hole is no pocket
-        const Vec3 &a = s.points.approx(s.face[f].v[0]), &b = s.points.approx(s.face[f].v[1]),
-                   &c = s.points.approx(s.face[f].v[2]);
-        const Vec3 m = (b - a).cross(c - a);
-        const double across = m.dot(n);
-        if (std::abs(across) < kParallel * m.norm()) return;  // the whole original triangle stands upright
-        const double h = m.dot(a - p) / across;
-        const Vec3 q = p + h * n;
-        if (std::abs(h) > reach || (best && std::abs(*best) <= std::abs(h) * unit)) continue;
-        const double e = -1e-9 * m.squaredNorm();
-        if ((b - a).cross(q - a).dot(m) < e || (c - b).cross(q - b).dot(m) < e || (a - c).cross(q - c).dot(m) < e)
-          continue;
-        best = h * unit;
-      }
-    });
+  s.blades_near(box_within(p - box, p + box), [&](int32_t o, const IntBox&) {
+    if (s.orig[o].live == 0) return;
+    for (int32_t f : s.faces_of(o)) {
+      if (!s.face[f].has_side(0) || !s.face[f].has_side(1)) continue;  // a hole is no pocket
+      const Vec3 &a = s.points.approx(s.face[f].v[0]), &b = s.points.approx(s.face[f].v[1]),
+                 &c = s.points.approx(s.face[f].v[2]);
+      const Vec3 m = (b - a).cross(c - a);
+      const double across = m.dot(n);
+      if (std::abs(across) < kParallel * m.norm()) return;  // the whole original triangle stands upright
+      const double h = m.dot(a - p) / across;
+      const Vec3 q = p + h * n;
+      if (std::abs(h) > reach || (best && std::abs(*best) <= std::abs(h) * unit)) continue;
+      const double e = -1e-9 * m.squaredNorm();
+      if ((b - a).cross(q - a).dot(m) < e || (c - b).cross(q - b).dot(m) < e || (a - c).cross(q - c).dot(m) < e)
+        continue;
+      best = h * unit;
+    }
+  });
   return best;
 }
 

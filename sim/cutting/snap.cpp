@@ -15,7 +15,7 @@ const double kCosine = std::cos(15 * 3.14159265358979323846 / 180);
 }  // namespace
 
 bool ArrangementStore::is_cut_already(const Blade& blade) const {
-  if (forest.size() < 2) return false;
+  if (forest.empty()) return false;
   const double aside = kAside_mm / grid.half_unit_mm(), beyond = kBeyond_mm / grid.half_unit_mm();
   for (const Tri& t : blade.tri) {
     std::array<Vec3, 4> sample;
@@ -28,15 +28,14 @@ bool ArrangementStore::is_cut_already(const Blade& blade) const {
     for (const Vec3& p : sample) {
       bool covered = false;
       const Vec3 reach = Vec3::Constant(beyond);
-      for (size_t i = 1; i < forest.size() && !covered; ++i)
-        forest[i]->boxes.box(p - reach, p + reach, [&](int32_t j) {
-          const OrigTri& o = orig[forest[i]->first + j];
-          if (covered || o.live == 0) return;
-          const Vec3 &a = points.approx(o.v[0]), &b = points.approx(o.v[1]), &c = points.approx(o.v[2]);
-          const Vec3 m = area_vector2(a, b, c).normalized();
-          covered = std::abs(m.dot(n)) >= kCosine && std::abs(m.dot(p - a)) <= aside &&
-                    (closest_on_triangle(p, a, b, c).point - p).norm() <= beyond;
-        });
+      blades_near(box_within(p - reach, p + reach), [&](int32_t i, const IntBox&) {
+        const OrigTri& o = orig[i];
+        if (covered || o.live == 0) return;
+        const Vec3 &a = points.approx(o.v[0]), &b = points.approx(o.v[1]), &c = points.approx(o.v[2]);
+        const Vec3 m = area_vector2(a, b, c).normalized();
+        covered = std::abs(m.dot(n)) >= kCosine && std::abs(m.dot(p - a)) <= aside &&
+                  (closest_on_triangle(p, a, b, c).point - p).norm() <= beyond;
+      });
       if (!covered) return false;
     }
   }

@@ -10,20 +10,22 @@
 
 namespace limberg {
 
-/// A box tree over original triangles [first, first + count).
-struct OrigTree {
-  int32_t first = 0, count = 0;
-  BoxTree boxes;
-};
 struct CutScratch;
-using Forest = std::vector<std::shared_ptr<const OrigTree>>;
 
 /// One operation that made original triangles: the body (op 0) or a blade.
 struct OpRecord {
   int32_t first_orig = 0;
   std::vector<std::array<Eigen::Vector2f, 3>> uv;  // per original triangle
   bool strip = false;                              // Blade::strip
+  BoxTree boxes;                                   // over its original triangles; never made again
 };
+
+/// Of operations [first, first + count): a box tree over the boxes around each one.
+struct OpTree {
+  int32_t first = 0, count = 0;
+  BoxTree boxes;
+};
+using Forest = std::vector<std::shared_ptr<const OpTree>>;
 
 /// The components of the sided surface; volumes also as exact sums, so that they do not depend on any order.
 struct Components {
@@ -61,7 +63,7 @@ struct ArrangementStore {
   std::vector<Constraint> division_constraint;
   EdgeMap edges;
   std::vector<OpRecord> op;
-  Forest forest;
+  Forest forest;  // of blades
   std::vector<SurfaceTag> tag;  // per body triangle
   std::vector<Delta> history;
   LastOperation last;
@@ -75,6 +77,20 @@ struct ArrangementStore {
   mutable std::vector<int32_t> component_of;  // per sided face; of no meaning without material
 
   bool is_body(int32_t o) const { return orig[o].op == 0; }
+  /// Calls visit(original triangle, its box) for every one of the body whose box meets q, live or not.
+  template <class Visit>
+  void body_near(const IntBox& q, Visit&& visit) const {
+    op[0].boxes.box(q, visit);
+  }
+  /// The same of all blades.
+  template <class Visit>
+  void blades_near(const IntBox& q, Visit&& visit) const {
+    for (const auto& tree : forest)
+      tree->boxes.box(q, [&](int32_t i) {
+        const OpRecord& blade = op[size_t(tree->first + i)];
+        blade.boxes.box(q, [&](int32_t t, const IntBox& box) { visit(blade.first_orig + t, box); });
+      });
+  }
   std::span<const int32_t> faces_of(int32_t o) const {
     const OrigTri& t = orig[o];
     if (t.split < 0) return {&t.whole, size_t(t.whole >= 0)};
@@ -125,8 +141,8 @@ struct ArrangementStore {
 
   // undo.cpp
   void take_back(const Delta& delta);
-  /// Adds a tree over original triangles [first, first + count); neighbours of like size are merged.
-  void plant(int32_t first, int32_t count);
+  /// Makes the box tree of the last operation.
+  void plant();
 };
 
 /// A face as the radial order around an edge a-b sees it.

@@ -46,20 +46,28 @@ void ArrangementStore::take_back(const Delta& d) {
   }
 }
 
-void ArrangementStore::plant(int32_t first, int32_t count) {
-  // Trees of blades merge when the older is not larger than twice the newer: few trees, each triangle moved seldom.
-  auto tree = std::make_shared<OrigTree>();
-  tree->first = first, tree->count = count;
-  while (forest.size() > 1 && forest.back()->count <= 2 * tree->count) {
+void ArrangementStore::plant() {
+  OpRecord& last_op = op.back();
+  std::vector<std::array<Int3, 3>> corner;
+  corner.reserve(orig.size() - size_t(last_op.first_orig));
+  for (size_t o = size_t(last_op.first_orig); o < orig.size(); ++o) {
+    const auto& v = orig[o].v;
+    corner.push_back({points.integer(v[0]), points.integer(v[1]), points.integer(v[2])});
+  }
+  last_op.boxes = BoxTree(corner);
+  if (op.size() == 1) return;  // the body
+  // Trees over blades merge when the older is not larger than twice the newer: few trees, each blade moved seldom.
+  auto tree = std::make_shared<OpTree>();
+  tree->first = int32_t(op.size()) - 1, tree->count = 1;
+  while (!forest.empty() && forest.back()->count <= 2 * tree->count) {
     tree->first = forest.back()->first;
     tree->count += forest.back()->count;
     forest.pop_back();
   }
-  std::vector<std::array<Int3, 3>> corner;
-  corner.reserve(size_t(tree->count));
-  for (int32_t o = tree->first; o < tree->first + tree->count; ++o) {
-    const auto& v = orig[o].v;
-    corner.push_back({points.integer(v[0]), points.integer(v[1]), points.integer(v[2])});
+  corner.clear();
+  for (size_t i = size_t(tree->first); i < op.size(); ++i) {
+    const IntBox all = op[i].boxes.all();
+    corner.push_back({all.lo, all.hi, all.lo});
   }
   tree->boxes = BoxTree(corner);
   forest.push_back(std::move(tree));

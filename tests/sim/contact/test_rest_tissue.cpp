@@ -86,6 +86,54 @@ TEST_F(RestTissueOfAWound, InverseOfEveryCellsMap) {
   EXPECT_EQ(outside, int(5 * tissue->size()));
 }
 
+// Whose boxes are near is what comparing all of them finds, each once: with cells much wider than a step of the grid too.
+TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
+  MovingCells cells(*tissue, model());
+  const auto& node = tissue->nodes();
+  struct Motion {
+    double shake_mm, pull_mm;
+    size_t pulled;  // nodes
+  };
+  // The last makes the body so long that its grid has the most steps that it may have, wider than any cell at rest.
+  for (const Motion& m : {Motion{0, 0, 0}, {1, 0, 0}, {1, 20, 1}, {1, 35, 6}, {1, 600, 1}}) {
+    std::vector<Vec3f> u(model().X_mm.size());
+    for (Vec3f& d : u) d = Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).cast<float>() * float(m.shake_mm);
+    std::vector<size_t> asked;
+    for (size_t i = 0; i < m.pulled; ++i) {
+      const size_t slot = size_t(random()) % node.size();
+      u[size_t(node[slot])] += Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized().cast<float>() * float(m.pull_mm);
+      for (size_t c = 0; c < tissue->size(); ++c)
+        if (std::ranges::find(tissue->slots(c), int32_t(slot)) != tissue->slots(c).end()) asked.push_back(c);
+    }
+    for (int i = 0; i < 60; ++i) asked.push_back(size_t(random()) % tissue->size());
+    cells.move(u);
+    cells.refit(workers);
+    cells.sort();
+    std::vector<std::pair<Vec3, Vec3>> box;
+    size_t wide = 0;
+    for (size_t c = 0; c < tissue->size(); ++c) {
+      Vec3 lo = Vec3::Constant(1e30), hi = -lo;
+      for (int32_t s : tissue->slots(c)) {
+        const Vec3 x = model().X_mm[size_t(node[size_t(s)])] + u[size_t(node[size_t(s)])].cast<double>();
+        lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
+      }
+      box.push_back({lo, hi});
+      wide += (hi - lo).maxCoeff() > 10;  // a step is 1.5 cells of 3.5 mm
+    }
+    EXPECT_GE(wide, m.pulled);
+    for (size_t c : asked)
+      for (float within : {0.f, 0.7f, 4.f}) {
+        std::vector<int> visits(tissue->size());
+        cells.near(c, within, [&](size_t o) { ++visits[o]; });
+        for (size_t o = 0; o < tissue->size(); ++o) {
+          const double gap = (box[o].first - box[c].second).cwiseMax(box[c].first - box[o].second).maxCoeff();
+          if (std::abs(gap - double(within)) < 0.01) continue;  // boxes are larger by .001 on each side
+          ASSERT_EQ(visits[o], !tissue->says_nothing(o) && gap < double(within)) << "copies " << c << ", " << o << ": " << gap << " mm apart";
+        }
+      }
+  }
+}
+
 // At rest nothing overlaps: whatever place of the body is asked about, exactly one of the copies there has material.
 TEST_F(RestTissueOfAWound, OneCopyHasTheMaterialOfEachPlace) {
   std::vector<Vec3f> rest;

@@ -1,6 +1,9 @@
 // The scenes of which the outcome is known by hand: pieces and V - E + F.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <bit>
+
 #include "sim/cutting/store.h"
 #include "tests/sim/cutting/scenes.h"
 
@@ -91,6 +94,55 @@ TEST_F(Slab, PlugComesOutWithItsExactVolume) {
   expect(1, {2});
   EXPECT_NEAR(a.volume_mm3() + e.volume_mm3, before, 1e-9 * before);
   EXPECT_NEAR(e.volume_mm3, 120 * 6, 120 * 0.8);  // the wavy skin
+}
+
+// What is near is what asking every original triangle finds, each once, whatever was cut, taken back and cut again.
+TEST_F(Slab, TrianglesNearABoxWhateverHasHappened) {
+  const ArrangementStore& s = a.store();
+  uint64_t state = 77;
+  const auto random = [&](int32_t from, int32_t to) {
+    state = state * 6364136223846793005ull + 1442695040888963407ull;
+    return from + int32_t((state >> 33) % uint64_t(to - from));
+  };
+  size_t met = 0;
+  const auto compare = [&] {
+    for (int i = 0; i < 60; ++i) {
+      const Int3 m = at(random(-32, 32), random(-32, 32), random(-14, 3));
+      const int32_t r = random(1, 100000);
+      const IntBox q{{m.x - r, m.y - r, m.z - r}, {m.x + r, m.y + r, m.z + r}};
+      std::vector<int32_t> body, blades, found;
+      for (int32_t o = 0; o < int32_t(s.orig.size()); ++o) {
+        const auto& v = s.orig[size_t(o)].v;
+        if (box_around(s.points.integer(v[0]), s.points.integer(v[1]), s.points.integer(v[2])).meets(q)) (s.is_body(o) ? body : blades).push_back(o);
+      }
+      const auto note = [&](int32_t o, const IntBox& box) {
+        found.push_back(o);
+        EXPECT_TRUE(box.meets(q));
+      };
+      s.body_near(q, note);
+      std::sort(found.begin(), found.end());
+      ASSERT_EQ(found, body);
+      found.clear();
+      s.blades_near(q, note);
+      std::sort(found.begin(), found.end());
+      ASSERT_EQ(found, blades);
+      met += blades.size();
+    }
+    EXPECT_LE(s.forest.size(), size_t(std::bit_width(s.op.size())));
+  };
+  compare();
+  for (int round = 0; round < 3; ++round) {
+    for (int i = 0; i < 9; ++i) {
+      const Vec2 p(random(-25, 25) + 0.13, random(-25, 25) + 0.21), d(random(-12, 12) + 0.4, random(-12, 12) + 0.3);
+      a.cut(strip({p, p + d}, 3, -random(3, 9)), seed++);
+      compare();
+    }
+    for (int i = 0; i < 5; ++i) {
+      ASSERT_TRUE(a.undo());
+      compare();
+    }
+  }
+  EXPECT_GT(met, 1000u);
 }
 
 TEST_F(Slab, ThroughDrillLeavesATorus) {

@@ -33,6 +33,9 @@ TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
     for (int32_t size : {1, 60, 900}) {
       const auto t = cloud(draw, n, size);
       const BoxTree tree(t);
+      IntBox around = box_around(t[0][0], t[0][1], t[0][2]);
+      for (const auto& c : t) around = box_around(around, box_around(c[0], c[1], c[2]));
+      ASSERT_TRUE(tree.all().lo == around.lo && tree.all().hi == around.hi);
       for (int q = 0; q < 40; ++q) {
         const Int3 lo = draw.point(-1100, 2200);
         const IntBox box{lo, {lo.x + draw(300), lo.y + draw(300), lo.z + draw(300)}};
@@ -44,7 +47,7 @@ TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
           const IntBox own = box_around(t[size_t(i)][0], t[size_t(i)][1], t[size_t(i)][2]);
           ASSERT_TRUE(b.lo == own.lo && b.hi == own.hi);
         });
-        tree.box(Vec3(box.lo.x - 0.75, box.lo.y - 0.25, box.lo.z - 0.5), Vec3(box.hi.x + 0.75, box.hi.y + 0.25, box.hi.z + 0.5),
+        tree.box(box_within(Vec3(box.lo.x - 0.75, box.lo.y - 0.25, box.lo.z - 0.5), Vec3(box.hi.x + 0.75, box.hi.y + 0.25, box.hi.z + 0.5)),
                  [&](int32_t i) { by_fractions.push_back(i); });
         ASSERT_EQ(found, by_fractions);  // the same order too
         std::sort(found.begin(), found.end());

@@ -5,6 +5,7 @@
 #include "sim/cutting/blade_parts.h"
 #include "sim/cutting/drawn_stroke.h"
 #include "sim/cutting/handles.h"
+#include "sim/cutting/stroke_plan.h"
 #include "tests/sim/cutting/patient.h"
 #include "tests/sim/drawn_pieces.h"
 
@@ -151,6 +152,45 @@ TEST(LeaningStrokes, LegsKeepTheirLeanUpToTheCorner) {
             // Depths vary by 0.04 mm from cut to cut (wall_extra), ends by 0.2.
             EXPECT_NEAR(p.wall_area() * std::sin(angle), area, 0.04 * (first + second) + 0.2 * foot);
           }
+}
+
+// A curve that would fold at its depth is cut shallower and then deepened in rounds: what each round goes over is what was made, for
+// the plan itself has nothing in it that runs along a wall. (Rounds that took it from the plan had nothing to begin with and crashed.)
+TEST(LeaningStrokes, CurvesThatFoldAreCutShallowerAndThenDeepened) {
+  int deepened = 0;
+  for (const double radius : {6.0, 9.0})
+    for (const double side : {1.0, -1.0})
+      for (const double depth : {4.0, 7.0}) {
+        SCOPED_TRACE(testing::Message() << "arc of " << side * radius << " mm, " << depth << " mm deep");
+        std::vector<Vec2> path;
+        for (int i = 0; i <= 24; ++i) {
+          const double u = 1.6 * (i / 24.0 - 0.5);
+          path.push_back({radius * std::sin(u), side * (radius * (1 - std::cos(u)) - 4)});
+        }
+        Patient p(2);
+        BladeContext c = p.context();
+        c.arrangement = &p.a;
+        const StrokePlan plan = plan_stroke(c, path, depth, side > 0 ? 150 : 30);  // leaning inwards
+        for (const StrokePiece& piece : plan.piece) EXPECT_FALSE(piece.along);
+        size_t made = 0;
+        double first = 0;
+        const CutResult r = carry_out(
+            plan, c,
+            [&](const Blade& b) {
+              const CutResult one = p.a.cut(b, p.seed++);
+              if (one.ok() && ++made == 1) first = p.wall_area();
+              return one;
+            },
+            [&] { p.a.undo(), --made; });
+        EXPECT_TRUE(r.ok()) << r.reason;
+        EXPECT_EQ(euler_characteristic(p.a), 2);
+        EXPECT_EQ(p.a.check_all(), "");
+        if (made > plan.piece.size()) {
+          EXPECT_GT(p.wall_area(), first);
+          ++deepened;
+        }
+      }
+  EXPECT_GE(deepened, 4);
 }
 
 // What had led to such bridges: of two parts of one straight line the lines' intersection is a quotient of rounding errors, and
