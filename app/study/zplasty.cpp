@@ -70,13 +70,14 @@ Row run(const Values& v, Patch patch, const Run& with) {
                {"elongation_flat", flat(outside(A), outside(B)) / L},
                {"elongation_4L", flat(d.map->now_mm({0, 2 * L}), d.map->now_mm({0, -2 * L})) / (4 * L)},
                {"open_elongation", d.open_elongation},
-               {"ear_A_mm", up_A}, {"ear_B_mm", up_B}, {"ear_mm", ear}, {"ear_evened_mm", std::max(evened(A), evened(B))}, {"ear_middle_mm", std::max(middle(A), middle(B))}, {"at_C_D_mm", tips},
+               {"ear_A_mm", up_A}, {"ear_B_mm", up_B}, {"ear_mm", ear}, {"ear_limbs", ear / L}, {"ear_evened_mm", std::max(evened(A), evened(B))}, {"ear_middle_mm", std::max(middle(A), middle(B))}, {"at_C_D_mm", tips},
                {"ear_volume_mm3", volume}, {"rms_mm", around.rms_mm},
                // What is sewn together there: A's and B's own edges; the flaps' tips into the ends of the lateral limbs.
                {"deficit_A_deg", d.map->deficit_deg(f, {A}, 0.3 * L)}, {"deficit_B_deg", d.map->deficit_deg(f, {B}, 0.3 * L)},
                {"deficit_C_deg", d.map->deficit_deg(f, {C, B2}, 0.3 * L)}, {"deficit_D_deg", d.map->deficit_deg(f, {D, A1}, 0.3 * L)},
-               {"curvature_A_deg", d.map->curvature_deg(f, {A}, 0.3 * L, 0.15 * L)}, {"curvature_B_deg", d.map->curvature_deg(f, {B}, 0.3 * L, 0.15 * L)},
-               {"curvature_C_deg", d.map->curvature_deg(f, {C, B2}, 0.3 * L, 0.15 * L)}, {"curvature_D_deg", d.map->curvature_deg(f, {D, A1}, 0.3 * L, 0.15 * L)},
+               // Enclosed within 0.4 limbs, where the protocol reads it.
+               {"curvature_A_deg", d.map->curvature_deg(f, {A}, 0.4 * L, 0.15 * L)}, {"curvature_B_deg", d.map->curvature_deg(f, {B}, 0.4 * L, 0.15 * L)},
+               {"curvature_C_deg", d.map->curvature_deg(f, {C, B2}, 0.4 * L, 0.15 * L)}, {"curvature_D_deg", d.map->curvature_deg(f, {D, A1}, 0.4 * L, 0.15 * L)},
                {"charge_off_deg", charge_off}, {"side_limbs", patch.side_mm / L}, {"undermined_least_limbs", undermined_least}, {"undermined_most_limbs", undermined_most},
                {"slack_share", d.map->slack_share(2.2 * L, 1 + p / 100)},
                {"turned_share", d.map->turned_share(2.2 * L)},
