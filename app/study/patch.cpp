@@ -126,7 +126,8 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   World world(spec, with.workers);
 
   const double depth = spec.body->box_max_mm.z() - spec.body->box_min_mm.z() + 2;
-  const std::vector<Command> commands = carry_out(figure, OnSkin(*done.skin, {}), plan_of(patch));
+  done.commands = carry_out(figure, OnSkin(*done.skin, {}), plan_of(patch));
+  const std::vector<Command>& commands = done.commands;
   const auto closing = std::find_if(commands.cbegin(), commands.cend(), [](const Command& c) {
     return std::holds_alternative<SetHook>(c) || std::holds_alternative<Suture>(c) || std::holds_alternative<SutureRow>(c);
   });

@@ -44,6 +44,7 @@ struct Patch {
 
 /// An operation done: the patient's figures and what it looks like.
 struct Done {
+  std::vector<Command> commands;
   Metrics metrics;
   std::shared_ptr<Snapshot> shown = std::make_shared<Snapshot>();
   std::shared_ptr<const SkinMap> map;

@@ -106,7 +106,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
   }
   r.figures.push_back({"donor_seam_N", donor_seam});
   r.figures.push_back({"donor_seam_over_next", donor_seam / next_seam});
-  const SewnSkin sewn = sewn_skin(*d.shown);
+  const SewnSkin sewn = sewn_skin(*d.shown, d.commands);
   r.figures.insert(r.figures.end(), {{"sewn_sum_deg", sewn.sum_deg()}, {"sewn_stray_deg", sewn.stray_deg()}, {"sewn_unpaired", double(sewn.unpaired)}});
   for (const auto& [name, corners] : {std::pair<const char*, std::vector<Corner>>{"C", {kC}}, {"E", {kE}}, {"DF", {kD, kF}}}) {
     r.figures.push_back({std::string("sewn_") + name + "_deg", sewn.charge_deg(f, corners).value_or(std::nan(""))});

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
+
+#include "sim/world/anchors.h"
 
 namespace limberg::study {
 
@@ -13,7 +16,7 @@ namespace {
 constexpr double kDeg = 180 / std::numbers::pi;
 // A stitch's end is a place of an edge, told by where both lie now: in single precision, and between its vertices an edge may
 // bend within a strained cell.
-constexpr double kOnEdge_mm = 0.3;
+constexpr double kOnEdge_mm = 0.6;
 constexpr double kApart_mm = 0.5;    // the two ends of a stitch, along one edge
 constexpr double kStraight_deg = 2;  // the body's grid turns an edge by less
 constexpr double kSamePlace_mm = 0.5;
@@ -27,8 +30,34 @@ struct Edge {
 
 struct Place {
   int32_t loop = -1;
-  double at_mm = 0, off_mm = 0;
+  double at_mm = 0, off_mm = 0;  // along its loop; from where the stitch's end is now
+  ChartPoint at{0, 0};
+  Vec2 along = Vec2::UnitX();    // unit, the tissue on its left
 };
+
+/// Both ends of a stitch as it was asked for: beside the edges that it goes through, in their tissue.
+using Given = std::pair<ChartPoint, ChartPoint>;
+
+std::vector<Given> given(std::span<const Command> commands) {
+  std::vector<Given> out;
+  for (const Command& c : commands) {
+    if (const auto* one = std::get_if<Suture>(&c)) out.push_back({one->a, one->b});
+    if (const auto* row = std::get_if<SutureRow>(&c)) {
+      const double longer = std::max(path_length_mm(row->a), path_length_mm(row->b));
+      const int n = std::max(2, int(std::floor(longer / row->spacing_mm + 0.5)) + 1);  // as the world spaces a row
+      const std::vector<Vec2> a = resample(row->a, n), b = resample(row->b, n);
+      for (size_t i = 0; i < a.size(); ++i) out.push_back({a[i], b[i]});
+    }
+  }
+  return out;
+}
+
+/// How little a place of an edge can be the one that a stitch was given to, mm.
+double unlike(const Place& p, const ChartPoint& given) {
+  constexpr double kOtherBank_mm = 2;  // no stitch is given so far from its edge
+  const Vec2 d = given - p.at;
+  return p.off_mm + d.norm() + (p.along.x() * d.y() - p.along.y() * d.x() < 0 ? kOtherBank_mm : 0);
+}
 
 class Rim {
  public:
@@ -81,7 +110,8 @@ class Rim {
       if ((now - a).norm() > d.norm() + kOnEdge_mm) continue;
       const double t = d.squaredNorm() > 0 ? std::clamp((now - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0, off = (now - a - t * d).norm();
       // At its end it is at the next one's start.
-      if (off <= kOnEdge_mm) all.push_back({e.loop, t == 1 && e.next >= 0 ? edges[size_t(e.next)].start_mm : e.start_mm + t * e.length_mm, off});
+      const ChartPoint from = chart(e.from), to = chart(e.to);
+      if (off <= kOnEdge_mm) all.push_back({e.loop, t == 1 && e.next >= 0 ? edges[size_t(e.next)].start_mm : e.start_mm + t * e.length_mm, off, (1 - t) * from + t * to, (to - from).normalized()});
     }
     std::sort(all.begin(), all.end(), [](const Place& p, const Place& q) { return p.off_mm < q.off_mm; });
     std::vector<Place> out;
@@ -115,23 +145,29 @@ class Rim {
 
 }  // namespace
 
-SewnSkin sewn_skin(const Snapshot& s) {
+SewnSkin sewn_skin(const Snapshot& s, std::span<const Command> commands) {
   SewnSkin out;
+  const std::vector<Given> asked = given(commands);
   const Rim rim(s);
   struct End {
     Place at;
     size_t other = 0;
   };
   std::vector<End> ends;
-  for (const SutureState& t : s.sutures) {
+  if (asked.size() != s.sutures.size()) {
+    out.unpaired = int(s.sutures.size());
+    return out;
+  }
+  for (size_t i = 0; i < s.sutures.size(); ++i) {
+    const SutureState& t = s.sutures[i];
     const std::vector<Place> as = rim.near(s, t.a_mm.cast<double>()), bs = rim.near(s, t.b_mm.cast<double>());
-    const std::pair<Place, Place>* best = nullptr;
-    std::vector<std::pair<Place, Place>> pairs;
+    std::optional<std::pair<Place, Place>> best;
+    double least = std::numeric_limits<double>::infinity();
     for (const Place& a : as)
-      for (const Place& b : bs)
-        if (rim.apart(a, b)) pairs.push_back({a, b});
-    for (const auto& p : pairs)
-      if (!best || p.first.off_mm + p.second.off_mm < best->first.off_mm + best->second.off_mm) best = &p;
+      for (const Place& b : bs) {
+        if (!rim.apart(a, b)) continue;
+        if (const double u = unlike(a, asked[i].first) + unlike(b, asked[i].second); u < least) least = u, best = {a, b};
+      }
     if (!best) {
       ++out.unpaired;
       continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <numeric>
@@ -153,6 +154,21 @@ Vec2 beside(const std::vector<Vec2>& path, double s_mm, double inset_mm) {
     }
     return path[i - 1] + d / l * s_mm + inset_mm * Vec2(-d.y(), d.x()) / l;
   }
+}
+
+double tissue_mm(const Figure& f, const Vec2& at, const Vec2& direction) {
+  constexpr double kHere_mm = 1e-6;  // its own edge, and the other bank of a slit
+  const auto cross = [](const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); };
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& w : f.wounds)
+    for (size_t i = 0; i < w.size(); ++i) {
+      const Vec2 from = w[i] - at, e = w[(i + 1) % w.size()] - w[i];  // at + s direction = w[i] + t e
+      const double det = cross(direction, e);
+      if (det == 0) continue;
+      const double s = cross(from, e) / det, t = cross(from, direction) / det;
+      if (s > kHere_mm && t >= 0 && t <= 1) least = std::min(least, s);
+    }
+  return least;
 }
 
 std::vector<Charge> charges(const Figure& f) { return Meetings(f).charges(); }

@@ -67,6 +67,9 @@ double length_mm(const std::vector<Vec2>& path);
 /// Point at arc length s, moved by `inset_mm` to the left.
 Vec2 beside(const std::vector<Vec2>& path, double s_mm, double inset_mm);
 
+/// How far the tissue reaches from a place of a wound's edge in a direction (unit): to the next edge of any wound. Infinite where there is none.
+double tissue_mm(const Figure& figure, const Vec2& at, const Vec2& direction);
+
 /// The tissue that one corner (or straight bank) brings to a meeting: between two directions, counter-clockwise.
 struct TissueSector {
   double from_deg = 0, sweep_deg = 0;

@@ -147,20 +147,31 @@ class Writer {
   Vec2 in_corner(const Corner& c, const Corner& other) const {
     if (tissue_deg(f_, c) < 330) return place(f_, c) + plan_.corner_mm * tissue_bisector(f_, c);
     for (const Seam& s : f_.seams) {
-      if (s.a_from == c && s.b_from == other) return limberg::beside(bank(f_, s.a_from, s.a_to, true), plan_.corner_mm, plan_.inset_mm);
-      if (s.b_from == c && s.a_from == other) return limberg::beside(bank(f_, s.b_from, s.b_to, false), plan_.corner_mm, -plan_.inset_mm);
-      if (s.a_to == c && s.b_to == other) return from_end(bank(f_, s.a_from, s.a_to, true), plan_.inset_mm);
-      if (s.b_to == c && s.a_to == other) return from_end(bank(f_, s.b_from, s.b_to, false), -plan_.inset_mm);
+      if (s.a_from == c && s.b_from == other) return bite(bank(f_, s.a_from, s.a_to, true), plan_.corner_mm, 1);
+      if (s.b_from == c && s.a_from == other) return bite(bank(f_, s.b_from, s.b_to, false), plan_.corner_mm, -1);
+      if (s.a_to == c && s.b_to == other) return from_end(bank(f_, s.a_from, s.a_to, true), 1);
+      if (s.b_to == c && s.a_to == other) return from_end(bank(f_, s.b_from, s.b_to, false), -1);
     }
     return place(f_, c) + plan_.corner_mm * tissue_bisector(f_, c);
   }
-  Vec2 from_end(const std::vector<Vec2>& p, double inset) const { return limberg::beside(p, length_mm(p) - plan_.corner_mm, inset); }
+  Vec2 from_end(const std::vector<Vec2>& p, int side) const { return bite(p, length_mm(p) - plan_.corner_mm, side); }
+
+  // Where a needle goes in: the inset behind a bank's edge, at a corner along the middle of its tissue; in a tip narrower than twice that
+  // still nearer to its own edge than to the other, or the stitch would take that one, or the skin beyond it. `side`: 1 on the bank's
+  // left, -1 on its right.
+  Vec2 bite(const std::vector<Vec2>& path, double s_mm, int side) const {
+    constexpr double kNearer = 0.45, kAtCorner_mm = 0.05;
+    const auto inward = [&](double s) { return Vec2(limberg::beside(path, s, side) - limberg::beside(path, s, 0)); };
+    const Vec2 edge = limberg::beside(path, s_mm, 0), before = inward(s_mm - kAtCorner_mm), after = inward(s_mm + kAtCorner_mm), into = (before + after).normalized();
+    const double inset = std::min(plan_.inset_mm, kNearer * tissue_mm(f_, edge, into));
+    return before == after ? limberg::beside(path, s_mm, side * inset) : edge + inset * into;
+  }
 
   void sew(const Seam& s) {
     const auto a = bank(f_, s.a_from, s.a_to, true), b = bank(f_, s.b_from, s.b_to, false);
     const double la = length_mm(a), lb = length_mm(b), longer = std::max(la, lb);
     const int n = int(std::floor(longer / plan_.spacing_mm + 0.5)) - 1;  // between the ends
-    const auto at = [&](double t) { return std::pair(limberg::beside(a, t * la, plan_.inset_mm), limberg::beside(b, t * lb, -plan_.inset_mm)); };
+    const auto at = [&](double t) { return std::pair(bite(a, t * la, 1), bite(b, t * lb, -1)); };
     const auto stitch = [&](double t) {
       const auto [pa, pb] = at(t);
       commands.push_back(Suture{chart(pa), chart(pb)});

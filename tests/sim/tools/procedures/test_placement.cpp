@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -148,6 +149,57 @@ TEST(CarryOut, WritesScriptsThatReadBack) {
     const auto commands = carry_out(p.figure(p.defaults()), OnSkin(skin, {}));
     EXPECT_GT(commands.size(), 6u) << p.name;
     for (const Command& c : commands) EXPECT_EQ(to_json_line(parse_command(to_json_line(c), "test", 1)), to_json_line(c));
+  }
+}
+
+// The edge of the figure's wounds that is nearest to a place, as its wound and the corner that it begins at; of two banks in one place
+// that on whose left the place lies. `left`: whether it lies in tissue.
+struct Beside {
+  Corner edge;
+  bool left = false;
+};
+Beside nearest_edge(const Figure& f, const Vec2& p) {
+  Beside best;
+  double least = 1e300;
+  for (int w = 0; w < int(f.wounds.size()); ++w)
+    for (int i = 0; i < int(f.wounds[size_t(w)].size()); ++i) {
+      const auto& at = f.wounds[size_t(w)];
+      const Vec2 a = at[size_t(i)], d = at[(size_t(i) + 1) % at.size()] - a, q = p - a;
+      const double t = std::clamp(q.dot(d) / d.squaredNorm(), 0.0, 1.0), off = (q - t * d).norm();
+      const bool left = d.x() * q.y() - d.y() * q.x() > 0;
+      if (off < least - 1e-9 || (off < least + 1e-9 && left)) least = off, best = {{w, i}, left};
+    }
+  return best;
+}
+
+// A stitch takes the edge that its place is nearest to. Beside a tip of a few degrees the usual distance behind the edge leads beyond the
+// other one: o_to_z's tips have 5 degrees.
+TEST(CarryOut, EveryStitchGoesThroughTheEdgeOfItsSeam) {
+  const Skin skin(flat(2));
+  for (const Procedure& p : procedures()) {
+    const Figure f = p.figure(p.defaults());
+    const OnSkin on(skin, {});
+    std::vector<std::pair<Vec2, Vec2>> tied;  // the seams' stitches, in their order
+    for (const Command& c : carry_out(f, on)) {
+      if (const auto* one = std::get_if<Suture>(&c)) tied.push_back({one->a, one->b});
+      if (const auto* row = std::get_if<SutureRow>(&c))
+        for (size_t i = 0; i < row->a.size(); ++i) tied.push_back({row->a[i], row->b[i]});
+    }
+    ASSERT_GT(tied.size(), f.keys.size());
+    tied.erase(tied.begin(), tied.begin() + std::ptrdiff_t(f.keys.size()));
+    const auto among = [&](const Corner& edge, Corner from, const Corner& to) {  // forward from one corner to the other
+      if (edge.wound != from.wound) return false;
+      for (; from.at != to.at; from.at = (from.at + 1) % int(f.wounds[size_t(from.wound)].size()))
+        if (from.at == edge.at) return true;
+      return false;
+    };
+    size_t s = 0;
+    for (size_t i = 0; i < tied.size(); ++i) {
+      const Beside a = nearest_edge(f, tied[i].first), b = nearest_edge(f, tied[i].second);
+      EXPECT_TRUE(a.left && b.left) << p.name << ": stitch " << i << " lies in no tissue";
+      while (s < f.seams.size() && !(f.seams[s].stitched && among(a.edge, f.seams[s].a_from, f.seams[s].a_to) && among(b.edge, f.seams[s].b_to, f.seams[s].b_from))) ++s;
+      ASSERT_LT(s, f.seams.size()) << p.name << ": stitch " << i << " of " << tied.size() << " joins edges that no seam does";
+    }
   }
 }
 
