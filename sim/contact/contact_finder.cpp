@@ -126,8 +126,14 @@ void ContactFinder::make_contact(Pair& p) const {
 // Pairs of one place: what was held goes to what is found, or stays.
 void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk, std::vector<Pair>& out) {
   Looked& l = looked_[i];
-  const double part = l.turns < kFresh ? 1 : 1.0 / (l.turns - kFresh + 2);
+  double part = l.turns < kFresh ? 1 : 1.0 / (l.turns - kFresh + 2);
   bool turned = false;
+  const auto slide = [&](const Pair& p) {  // before its foot is forgotten; what is stale has been counted
+    if (p.stale) return;
+    const Vec3 slid = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b) - p.held.apart_mm;
+    l.slid_mm += slid - p.held.normal.dot(slid) * p.held.normal;
+    if (l.slid_mm.norm() > settings_.spot_mm) l.slid_mm = Vec3::Zero(), l.turns = 0, part = 1;
+  };
   const auto place = [&](Pair p) {  // its place and its foot are where they are now; s_mm is given
     HeldContact& h = p.held;
     make_contact(p);
@@ -152,6 +158,7 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
         chunk.changed = true;
       } else {
         turned = true;
+        slide(p);
         p.held.weight *= 1 - part;
         p.held.facet = carried_normal(p.held.triangle, p.held.bary, tissue_.smooth_normal(p.held.triangle, p.held.bary));
         if (p.held.weight > kNothing) place(p);
@@ -170,6 +177,7 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
         out.push_back(p);
         continue;
       }
+      slide(p);
       const double weight = p.held.weight;
       const Vec3 normal = p.held.normal;
       const bool pressed = p.held.judged;
