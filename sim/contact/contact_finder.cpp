@@ -209,31 +209,46 @@ void ContactFinder::find_cells(size_t chunk) {
   }
 }
 
+bool ContactFinder::where_it_was(std::span<const Held> now, std::span<const Held> judged) const {
+  return std::equal(now.begin(), now.end(), judged.begin(), judged.end(), [&](const Held& a, const Held& b) {
+    const auto moved_mm = [&] { return (a.at - b.at).cwiseProduct(tissue_.size_mm(size_t(a.copy))).norm(); };
+    return a.copy == b.copy && a.in == b.in && moved_mm() < settings_.slide_mm;
+  });
+}
+
 void ContactFinder::find_pairs(size_t chunk) {
   Chunk& here = chunk_[chunk];
   if (!here.due) return;
   std::vector<Pair> out;
-  out.reserve(here.pair.size() + 16);
+  std::vector<Held> judged;
+  out.reserve(here.pair.size() + 16), judged.reserve(here.judged.size() + 16);
   std::vector<HeldContact> found;
   const size_t first = group_[here.first].first, last = group_[here.last - 1].last;
-  size_t pair = 0, held = 0;
+  size_t pair = 0, held = 0, old = 0;
+  const auto of = [](size_t place, std::vector<Held>& all, size_t& next) {
+    const size_t begin = next;
+    while (next < all.size() && size_t(all[next].place) == place) ++next;
+    return std::span<const Held>(all.data() + begin, next - begin);
+  };
   for (size_t i = first; i < last; ++i) {
     size_t end = pair;
     while (end < here.pair.size() && size_t(here.pair[end].held.place) == i) ++end;
     const std::span<Pair> before(here.pair.data() + pair, end - pair);
     pair = end;
-    if (!looked_[i].due) {
+    const std::span<const Held> now = of(i, here.held, held), was = of(i, here.judged, old);
+    const bool stale = std::any_of(before.begin(), before.end(), [](const Pair& p) { return p.stale; });
+    if (!looked_[i].due || (!stale && where_it_was(now, was))) {
       out.insert(out.end(), before.begin(), before.end());
+      judged.insert(judged.end(), was.begin(), was.end());
       continue;
     }
-    end = held;
-    while (end < here.held.size() && size_t(here.held[end].place) == i) ++end;
+    judged.insert(judged.end(), now.begin(), now.end());
     found.clear();
-    judge(i, {here.held.data() + held, end - held}, found);
-    held = end;
+    judge(i, now, found);
     merge(i, before, found, here, out);
   }
   here.pair.swap(out);
+  here.judged.swap(judged);
 }
 
 bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
@@ -290,7 +305,7 @@ void ContactFinder::resume(const ContactMemory& m) {
     if (h.place < 0 || size_t(h.place) >= looked_.size() || h.triangle < 0 || size_t(h.triangle) >= surface_->tri.size()) wrong();
   for (const ContactMemory::Spot& s : m.spots)
     if (s.place < 0 || size_t(s.place) >= looked_.size()) wrong();
-  for (Chunk& c : chunk_) c.pair.clear(), c.left_mm = 0;
+  for (Chunk& c : chunk_) c.pair.clear(), c.judged.clear(), c.left_mm = 0;
   resumed_ = true;
   for (Looked& l : looked_) l = Looked();
   for (Group& g : group_) g.far_mm = g.near_mm = 1e30;  // all look at the next step: what they then find beside is new

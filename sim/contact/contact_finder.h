@@ -15,7 +15,9 @@
 //
 //   slide     its place has gone slide_mm along the plane from the foot,
 //   turn      the sheet at the foot has turned by turn_deg,
-//   first     or it begins to press and nobody has judged yet whether the place is inside at all.
+//   first     or it begins to press and nobody has judged yet whether the place is inside at all,
+//   elsewhere or, as something near has moved, the place looks around and lies in other cells than when it was last judged,
+//             or farther than slide_mm from there in one of them.
 //
 // The plane is then wrong by turn_deg and by the sagitta of slide_mm on the sheet's curvature, 0.002 mm for a radius of 5 mm.
 // Where the answer itself jumps (a foot from one part of a sheet to another, or to another sheet), a pair might turn for
@@ -126,6 +128,7 @@ class ContactFinder {
     size_t first = 0, last = 0;    // of groups
     std::vector<Pair> pair;
     std::vector<Held> held;        // by place; of this search
+    std::vector<Held> judged;      // by place; by which each was judged last
     std::vector<int32_t> unknown;  // parts
     bool changed = false, due = false, afresh = false;
     double left_mm = 0;      // until any of its pairs can turn
@@ -138,6 +141,7 @@ class ContactFinder {
   void check(size_t chunk);
   void list_around(Group& group, std::span<const Pair> pairs);
   void locate(size_t place, std::span<const Around> around, Chunk& chunk);
+  bool where_it_was(std::span<const Held> now, std::span<const Held> judged) const;
   void judge(size_t place, std::span<const Held> held, std::vector<HeldContact>& found) const;
   void find_cells(size_t chunk);
   void find_pairs(size_t chunk);
