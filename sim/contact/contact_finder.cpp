@@ -78,7 +78,7 @@ void ContactFinder::check(size_t chunk) {
     moved = std::max(moved, m);
     g.due = g.afresh || (g.near_mm > settings_.look_mm && !g.around.empty());
     here.due |= g.due, here.afresh |= g.afresh;
-    for (size_t i = g.first; i < g.last; ++i) looked_[i].due = g.due;
+    for (size_t i = g.first; i < g.last; ++i) looked_[i].due = g.due, looked_[i].stale = false;
   }
   here.left_mm -= moved, here.nearest_mm -= moved;
   if (here.left_mm > 0) return;
@@ -106,7 +106,7 @@ void ContactFinder::check(size_t chunk) {
     if (!p.stale) continue;
     l.slid_mm += slid;
     if (l.slid_mm.norm() > settings_.spot_mm) l.slid_mm = Vec3::Zero(), l.turns = 0;
-    l.due = here.due = true;
+    l.due = l.stale = here.due = true;
   }
 }
 
@@ -193,20 +193,36 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
   if (turned) ++l.turns, ++chunk.turned;
 }
 
+// Where the places are that look, and who of them is to be judged.
 void ContactFinder::find_cells(size_t chunk) {
   Chunk& here = chunk_[chunk];
   here.held.clear(), here.unknown.clear();
   if (!here.due) return;
-  size_t pair = 0;
+  std::vector<Held> judged;
+  judged.reserve(here.judged.size() + 16);
+  size_t pair = 0, old = 0;
   for (size_t k = here.first; k < here.last; ++k) {
     Group& g = group_[k];
     const size_t begin = pair;
     while (pair < here.pair.size() && size_t(here.pair[pair].held.place) < g.last) ++pair;
     if (g.afresh) list_around(g, {here.pair.data() + begin, pair - begin});
     if (g.due) g.near_mm = 0;
-    for (size_t i = g.first; i < g.last; ++i)
-      if (looked_[i].due) locate(i, g.around, here), ++here.looks;
+    for (size_t i = g.first; i < g.last; ++i) {
+      Looked& l = looked_[i];
+      const size_t was = old, now = here.held.size();
+      while (old < here.judged.size() && size_t(here.judged[old].place) == i) ++old;
+      if (l.due) {
+        locate(i, g.around, here.held), ++here.looks;
+        l.due = l.stale || !where_it_was({here.held.begin() + ptrdiff_t(now), here.held.end()}, {here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old)});
+        if (!l.due) here.held.resize(now);
+      }
+      if (l.due) judged.insert(judged.end(), here.held.begin() + ptrdiff_t(now), here.held.end());
+      else judged.insert(judged.end(), here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old));
+      for (size_t h = now; h < here.held.size(); ++h)
+        if (!tissue_.known(here.held[h].part)) here.unknown.push_back(here.held[h].part);
+    }
   }
+  here.judged.swap(judged);
 }
 
 bool ContactFinder::where_it_was(std::span<const Held> now, std::span<const Held> judged) const {
@@ -220,35 +236,27 @@ void ContactFinder::find_pairs(size_t chunk) {
   Chunk& here = chunk_[chunk];
   if (!here.due) return;
   std::vector<Pair> out;
-  std::vector<Held> judged;
-  out.reserve(here.pair.size() + 16), judged.reserve(here.judged.size() + 16);
+  out.reserve(here.pair.size() + 16);
   std::vector<HeldContact> found;
   const size_t first = group_[here.first].first, last = group_[here.last - 1].last;
-  size_t pair = 0, held = 0, old = 0;
-  const auto of = [](size_t place, std::vector<Held>& all, size_t& next) {
-    const size_t begin = next;
-    while (next < all.size() && size_t(all[next].place) == place) ++next;
-    return std::span<const Held>(all.data() + begin, next - begin);
-  };
+  size_t pair = 0, held = 0;
   for (size_t i = first; i < last; ++i) {
     size_t end = pair;
     while (end < here.pair.size() && size_t(here.pair[end].held.place) == i) ++end;
     const std::span<Pair> before(here.pair.data() + pair, end - pair);
     pair = end;
-    const std::span<const Held> now = of(i, here.held, held), was = of(i, here.judged, old);
-    const bool stale = std::any_of(before.begin(), before.end(), [](const Pair& p) { return p.stale; });
-    if (!looked_[i].due || (!stale && where_it_was(now, was))) {
+    if (!looked_[i].due) {
       out.insert(out.end(), before.begin(), before.end());
-      judged.insert(judged.end(), was.begin(), was.end());
       continue;
     }
-    judged.insert(judged.end(), now.begin(), now.end());
+    end = held;
+    while (end < here.held.size() && size_t(here.held[end].place) == i) ++end;
     found.clear();
-    judge(i, now, found);
+    judge(i, {here.held.data() + held, end - held}, found);
+    held = end;
     merge(i, before, found, here, out);
   }
   here.pair.swap(out);
-  here.judged.swap(judged);
 }
 
 bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {

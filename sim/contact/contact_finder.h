@@ -116,7 +116,8 @@ class ContactFinder {
   struct Looked {            // of a place
     Vec3 slid_mm = Vec3::Zero();
     int32_t turns = 0;
-    bool due = false;        // it looks, since its group does or a pair of its own is stale
+    bool due = false;        // it looks, since its group does or a pair of its own is stale; then: it is judged
+    bool stale = false;      // a pair of its own is
   };
   struct Held {  // a place that is in or near a copy
     int32_t place = 0, copy = 0;
@@ -140,7 +141,7 @@ class ContactFinder {
   Vec3 carried_normal(int32_t triangle, const std::array<double, 3>& bary, const Vec3& N) const;
   void check(size_t chunk);
   void list_around(Group& group, std::span<const Pair> pairs);
-  void locate(size_t place, std::span<const Around> around, Chunk& chunk);
+  void locate(size_t place, std::span<const Around> around, std::vector<Held>& held);
   bool where_it_was(std::span<const Held> now, std::span<const Held> judged) const;
   void judge(size_t place, std::span<const Held> held, std::vector<HeldContact>& found) const;
   void find_cells(size_t chunk);

@@ -47,29 +47,27 @@ void ContactFinder::list_around(Group& g, std::span<const Pair> pairs) {
 }
 
 // Which of the copies around hold it, and where. What the neighbours of a copy that holds it say from without, it knows itself.
-void ContactFinder::locate(size_t i, std::span<const Around> around, Chunk& chunk) {
+void ContactFinder::locate(size_t i, std::span<const Around> around, std::vector<Held>& held) {
   const ContactPlace& place = surface_->place[i];
   const int32_t sheet = surface_->sheets.of[size_t(place.triangle)];
   const Vec3f p = (place.X_mm + displacement(place.embedded)).cast<float>();
-  const size_t first = chunk.held.size();
+  const size_t first = held.size();
   for (const Around& a : around) {
     const size_t c = size_t(a.copy);
     if (!cells_.may_hold(c, p, a.kin ? 0 : float(settings_.ahead_mm)) || (a.kin && !tissue_.has_other_wall(c, sheet))) continue;
     Vec3 at;
     if (!cells_.invert(c, p, a.kin ? 0 : float(RestTissue::kBeyond), at)) continue;
     const bool in = (at.array() >= 0).all() && (at.array() <= 1).all();
-    chunk.held.push_back({int32_t(i), a.copy, a.kin, in, tissue_.part(c, at), at});
+    held.push_back({int32_t(i), a.copy, a.kin, in, tissue_.part(c, at), at});
   }
   size_t kept = first;
-  for (size_t k = first; k < chunk.held.size(); ++k) {
-    const Held& h = chunk.held[k];
+  for (size_t k = first; k < held.size(); ++k) {
+    const Held& h = held[k];
     bool told = false;
-    for (size_t j = first; !h.in && !told && j < chunk.held.size(); ++j) told = chunk.held[j].in && tissue_.kin(size_t(chunk.held[j].copy), size_t(h.copy));
-    if (told) continue;
-    if (!tissue_.known(h.part)) chunk.unknown.push_back(h.part);
-    chunk.held[kept++] = h;
+    for (size_t j = first; !h.in && !told && j < held.size(); ++j) told = held[j].in && tissue_.kin(size_t(held[j].copy), size_t(h.copy));
+    if (!told) held[kept++] = h;
   }
-  chunk.held.resize(kept);
+  held.resize(kept);
 }
 
 // What the answers of these copies make of it: at most one pair for each sheet.
