@@ -173,7 +173,7 @@ struct Spring {
   Vec3 target_mm = Vec3::Zero();
   double k_N_per_mm = 1;
   // Springs of one number above 0 are the spans of one thread that slides through its bites: together thread_mm long (the
-  // same in all of them) without tension; target_mm is not used. See spring_forces.h. ReferenceElasticity knows no threads.
+  // same in all of them) without tension, of which a span keeps |target_mm|. See spring_forces.h. ReferenceElasticity knows none.
   int32_t thread = 0;
   double thread_mm = 0;
 };

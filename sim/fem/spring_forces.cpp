@@ -30,6 +30,8 @@ SpringForces::SpringForces(const FemModel& model, std::span<const Spring> spring
       const auto [at, fresh] = number.try_emplace(s.thread, int(threads_.size()));
       if (fresh) threads_.push_back({s.thread_mm, {}});
       it.thread = at->second;
+      it.keep_mm = s.target_mm.norm();
+      threads_[size_t(it.thread)].length_mm -= it.keep_mm;
       threads_[size_t(it.thread)].spans.push_back(items_.size());
     } else {
       it.offset -= s.target_mm;
@@ -60,19 +62,21 @@ double SpringForces::thread_stretch_mm(std::vector<double>& l, double thread_mm)
   return 0;
 }
 
+double SpringForces::length_mm(const Item& it, const Vec3& r) const { return std::max(0.0, r.norm() - it.keep_mm); }
+
 double SpringForces::stretch_mm(const Thread& t, const NodeArray& u) const {
   std::vector<double> length;
   length.reserve(t.spans.size());
-  for (size_t i : t.spans) length.push_back(gap_mm(i, u).norm());
-  return thread_stretch_mm(length, t.length_mm);
+  for (size_t i : t.spans) length.push_back(length_mm(items_[i], gap_mm(i, u)));
+  return thread_stretch_mm(length, std::max(0.0, t.length_mm));
 }
 
 Vec3 SpringForces::force_mN(size_t i, const NodeArray& u) const {
   const Item& it = items_[i];
   const Vec3 r = gap_mm(i, u);
   if (it.thread < 0) return -it.k * r;
-  const double l = r.norm(), m = stretch_mm(threads_[size_t(it.thread)], u);
-  return l > m ? Vec3(-it.k * m / l * r) : Vec3(-it.k * r);
+  const double l = length_mm(it, r), m = stretch_mm(threads_[size_t(it.thread)], u);
+  return l > 0 ? Vec3(-it.k * std::min(l, m) / r.norm() * r) : Vec3(Vec3::Zero());
 }
 
 void SpringForces::pull(const Item& it, const Vec3& force, NodeArray& g, bool measure) const {
@@ -104,9 +108,10 @@ double SpringForces::add(const NodeArray& u, NodeArray& g, bool measure) const {
     const double m = stretch_mm(t, u);
     for (size_t i : t.spans) {
       const Vec3 r = gap_mm(i, u);
-      const double l = r.norm();
-      energy += 0.5 * items_[i].k * std::pow(std::min(l, m), 2);
-      pull(items_[i], l > m ? Vec3(items_[i].k * m / l * r) : Vec3(items_[i].k * r), g, measure);
+      const double l = length_mm(items_[i], r), pulled = std::min(l, m);
+      if (!(pulled > 0)) continue;
+      energy += 0.5 * items_[i].k * pulled * pulled;
+      pull(items_[i], items_[i].k * pulled / r.norm() * r, g, measure);
     }
   }
   return energy;

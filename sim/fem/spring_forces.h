@@ -10,6 +10,11 @@
 // edges have met there) pulls with less, k l_i: what is missing to T is the pressure of edge on edge. A thread that is longer
 // than the way through its bites pulls nothing (m = 0). E is convex in the l_i, and its gradient is continuous, also where
 // l_i = 0.
+//
+// What lies along the wound from one stitch to the next does not slide away: in a hand every bite holds its own by friction,
+// and a thread that could take it would gather the wound like a purse. Such a span keeps |target| of the thread for itself:
+// l_i = max(0, |a - b| - |target|), and L is what the spans leave. It pulls only when it is longer than that; T = 0 there, so
+// E stays convex with a continuous gradient.
 #include <span>
 #include <vector>
 
@@ -31,7 +36,7 @@ class SpringForces {
   static double thread_stretch_mm(std::vector<double>& length_mm, double thread_mm);
   /// Index of an id, or -1.
   int find(int32_t id) const;
-  /// r: a - target, or a - b - target, in mm.
+  /// r: a - target, or a - b - target, in mm; a - b in a thread.
   Vec3 gap_mm(size_t i, const NodeArray& u) const;
   /// Force in mN on point a.
   Vec3 force_mN(size_t i, const NodeArray& u) const;
@@ -42,6 +47,7 @@ class SpringForces {
     double k = 0;  // mN/mm
     Vec3 offset = Vec3::Zero();
     int thread = -1;  // index into threads_
+    double keep_mm = 0;  // of the thread
     std::vector<int32_t> node;
     std::vector<double> w;
   };
@@ -49,6 +55,7 @@ class SpringForces {
     double length_mm = 0;
     std::vector<size_t> spans;  // items
   };
+  double length_mm(const Item& item, const Vec3& r) const;  // l
   double stretch_mm(const Thread& thread, const NodeArray& u) const;
   void pull(const Item& item, const Vec3& force, NodeArray& g, bool measure) const;
   std::vector<Item> items_;

@@ -35,10 +35,13 @@ struct Stitch {
   int32_t id = 0;      // 1, 2, ... in order of placing; 0: a span along the wound
   int32_t spring = 0;
   Anchor a, b;
-  Vec3 slack_mm = Vec3::Zero();  // a - b still left open while the thread is drawn tight; not used in a thread of several spans
+  // a - b still left open while the thread is drawn tight. Of a thread's span along the wound: the way from bite to bite when
+  // it was sewn, which it keeps (spring_forces.h).
+  Vec3 slack_mm = Vec3::Zero();
   int32_t thread = 0;  // its number; 0: this stitch has a thread of its own
   double tied_N = -1, peak_N = 0;  // of states at rest (snapshot.h)
   bool across() const { return id > 0; }
+  bool drawn() const { return thread > 0 || slack_mm.isZero(0); }  // as far as it depends on itself
 };
 
 /// One thread through several bites (spring_forces.h). It is drawn until the wound is closed.

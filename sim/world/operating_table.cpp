@@ -158,7 +158,7 @@ ContactCounts OperatingTable::contact_counts() const {
 }
 
 bool OperatingTable::settled() const {
-  return std::all_of(stitches_.begin(), stitches_.end(), [](const Stitch& s) { return s.slack_mm.isZero(0); }) &&
+  return std::all_of(stitches_.begin(), stitches_.end(), [](const Stitch& s) { return s.drawn(); }) &&
          std::all_of(threads_.begin(), threads_.end(), [](const Thread& t) { return !t.closing; });
 }
 

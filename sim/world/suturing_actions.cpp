@@ -158,8 +158,8 @@ void OperatingTable::publish_springs() { solver_->set_springs(springs()); }
 void OperatingTable::draw_tight() {
   bool drawn = false;
   for (Stitch& s : stitches_) {
+    if (s.drawn()) continue;
     const double slack = s.slack_mm.norm();
-    if (slack == 0) continue;
     s.slack_mm *= slack > spec_.suture_pull_mm_per_step ? 1 - spec_.suture_pull_mm_per_step / slack : 0;
     drawn = true;
   }
@@ -173,7 +173,7 @@ void OperatingTable::draw_tight() {
 
 // A hand draws until the edges meet, or until the thread would tear; then it ties.
 void OperatingTable::draw(Thread& t) const {
-  double open = 0, widest = 0, tension_N = 0;
+  double open = 0, widest = 0, tension_N = 0, kept = 0;
   int stitches = 0;
   std::optional<Vec3> first;
   Vec3 last = Vec3::Zero();
@@ -183,18 +183,19 @@ void OperatingTable::draw(Thread& t) const {
     tension_N = std::max(tension_N, 1e-3 * solver_->spring_force_mN(s.spring).norm());
     if (!first) first = a;
     last = b;
+    kept += s.slack_mm.norm();
     if (!s.across()) continue;
     ++stitches;
     open += (a - b).norm(), widest = std::max(widest, (a - b).norm());
   }
   if (t.corner && first) open -= (*first - last).norm(), widest = open;
-  if (widest <= kMet_mm || tension_N >= kTear_N || t.length_mm <= 0) {
+  if (widest <= kMet_mm || tension_N >= kTear_N || t.length_mm <= kept) {
     t.closing = false;
     t.length_mm += t.slack_mm;
     return;
   }
   // As much for each stitch of it as a single one is drawn; less where little is left.
-  t.length_mm = std::max(0.0, t.length_mm - std::clamp(0.5 * open, kMet_mm / 4, spec_.suture_pull_mm_per_step * stitches));
+  t.length_mm = std::max(kept, t.length_mm - std::clamp(0.5 * open, kMet_mm / 4, spec_.suture_pull_mm_per_step * stitches));
 }
 
 void OperatingTable::note_forces(const StepReport& report) {
@@ -217,8 +218,8 @@ void OperatingTable::thread_through(std::vector<Stitch> spans, bool corner, doub
   Thread t;
   t.id = next_thread_++;
   for (Stitch& s : spans) {
-    t.length_mm += s.slack_mm.norm();
-    s.slack_mm.setZero();
+    t.length_mm += (held_mm(s.a) - held_mm(s.b)).norm();
+    if (s.across()) s.slack_mm.setZero();
     s.thread = t.id;
     s.spring = next_spring_++;
     stitches_.push_back(s);
@@ -295,7 +296,12 @@ Outcome OperatingTable::sew_row(const std::vector<std::pair<Anchor, Anchor>>& bi
   } else {
     std::vector<Stitch> spans;
     for (size_t i = 0; i < row.size(); ++i) {
-      if (i > 0) spans.push_back(between(row[i - 1].second, row[i].first, bite));
+      if (i > 0) {
+        spans.push_back(between(row[i - 1].second, row[i].first, bite));
+        const Vec3 a = position_mm(row[i].first.embedded) - position_mm(row[i - 1].first.embedded);
+        const Vec3 b = position_mm(row[i].second.embedded) - position_mm(row[i - 1].second.embedded);
+        spans.back().slack_mm = a.squaredNorm() < b.squaredNorm() ? a : b;  // a wound's banks close side by side
+      }
       spans.push_back(between(row[i].first, row[i].second, bite));
       spans.back().id = next_stitch_++;
     }
