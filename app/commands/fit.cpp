@@ -189,14 +189,15 @@ int run_scan(const Options& o) {
   FitReport r;
   const bool plane = start_of(o.start) == Start::plane;
   ScanView view;
-  std::vector<Vec3> seen;
+  SeenScan seen;
   try {
-    if (plane) {
-      view = view_of(scan.x_mm, scan.tri, o.from.empty() ? Vec3(Vec3::Zero()) : Vec3(o.from[0], o.from[1], o.from[2]));
-      seen = seen_from_front(scan.x_mm, scan.tri, view);
-    }
-    m = plane ? start_plane(view) : start_mesh(start_of(o.start), low, high);
-    r = fit(m, plane ? seen : scan.x_mm, s, workers, plane ? &view : nullptr);
+    view = view_of(scan.x_mm, scan.tri, o.from.empty() ? Vec3(Vec3::Zero()) : Vec3(o.from[0], o.from[1], o.from[2]));
+    if (plane) seen.x_mm = seen_from_front(scan.x_mm, scan.tri, view);
+    else seen = seen_from_around(scan.x_mm, scan.tri);
+    int longest = 0;
+    (high - low).maxCoeff(&longest);
+    m = plane ? start_plane(view) : start_mesh(start_of(o.start), low, high, longest);
+    r = fit(m, seen.x_mm, s, workers, plane ? &view : nullptr, seen.looks);
   } catch (const InputError& e) {
     throw InputError(o.volume, 0, e.what());
   }
@@ -204,15 +205,17 @@ int run_scan(const Options& o) {
   progress.clear();
   write_mesh(o, m);
   std::printf("scan        %zu points, %.4g x %.4g x %.4g mm\nmesh        %d vertices, edges of %.3g mm, from a %s\n", scan.x_mm.size(), (high - low).x(), (high - low).y(), (high - low).z(), r.vertices, s.edge_mm, o.start.c_str());
-  const double hidden = plane ? 1 - double(seen.size()) / double(scan.x_mm.size()) : 0;
+  const double hidden = 1 - double(seen.x_mm.size()) / double(scan.x_mm.size());
   if (plane)
     std::printf("seen from   (%.2f, %.2f, %.2f); %.1f %% of the points are hidden from there and do not count: a plane reaches one side only\n", view.front.x(), view.front.y(), view.front.z(), 100 * hidden);
+  else if (hidden > 0)
+    std::printf("seen        from around; %.1f %% of the points look at other parts of the scan, as the deep side of a shell does, and do not count\n", 100 * hidden);
   print(r, r.voxel_mm, "spacing");
   std::printf("work        %d iterations, %.2f s of CPU time\n", r.iterations, cpu_s);
   std::vector<std::string> faults = missed(r, r.voxel_mm, "spacing");
   if (r.reached < kReached) {
     char b[160];
-    std::snprintf(b, sizeof b, "%.1f %% of %s is within two spacings of the mesh; %.0f %% was wanted", 100 * r.reached, plane ? "what is seen of the scan" : "the scan", 100 * kReached);
+    std::snprintf(b, sizeof b, "%.1f %% of %s is within two spacings of the mesh; %.0f %% was wanted", 100 * r.reached, hidden > 0 ? "what is seen of the scan" : "the scan", 100 * kReached);
     faults.push_back(b);
   }
   for (const std::string& f : faults)
@@ -226,7 +229,7 @@ int run_scan(const Options& o) {
   result.set_hash("/state_hash", simplex::hash(m));
   result.set_ok(faults.empty());
   tell(result, o, r, faults, "spacing");
-  if (!o.report_dir.empty()) draw_fit_pictures(result, o.report_dir, m, plane ? view.front : Vec3(0, -1, 0));
+  if (!o.report_dir.empty()) draw_fit_pictures(result, o.report_dir, m, view.front);
   leave(result, o, o.report_dir);
   return faults.empty() ? kDone : kGoalMissed;
 }
@@ -327,7 +330,7 @@ void add_fit(CLI::App& app, Chosen& chosen) {
   c->add_option("--unit", o->unit, "Of the numbers in a range scan [mm]")->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
   CLI::Option* edge = c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4; of a scan: 1/75 of its diagonal, at most 4]")->check(number_from(0.1, 100.));
   c->add_option("--chord-mm", o->chord_mm, "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")->check(number_from(0., 10.));
-  c->add_option("--start", o->start, "What the mesh is at first: sphere around the object, plane before it (a volume: the -y side; a scan: the side it is seen from), or cylinder about z through the borders [sphere]")->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
+  c->add_option("--start", o->start, "What the mesh is at first: sphere around the object, plane before it (a volume: the -y side; a scan: the side it is seen from), or cylinder through the borders, about z (a scan: about the longest side of its box) [sphere]")->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
   c->add_option("--from", o->from, "Plane and scan: direction of the side that the scan is seen from, X,Y,Z [across its least extent, where it bulges or its triangles look to]")->expected(3)->delimiter(',')->type_name("X,Y,Z");
   c->add_option("--seal-mm", o->seal_mm, "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")->check(number_from(0., 100.));
   c->add_option("--mouth-mm", o->mouth_mm, "Radius of a ball that does not enter orbits, nose and foramen: cavities behind such mouths are closed there, and the mesh is opened; 0: none [skin 0, bone 20]")->check(number_from(0., 100.));

@@ -19,7 +19,7 @@ namespace {
 using namespace simplex;
 using namespace imaging;
 
-constexpr int kRounds = 4;  // of opening, at most
+constexpr int kRounds = 4, kScanRounds = 12;  // of opening, at most; in a scan rims go on in them
 constexpr int kFind = 4;   // iterations: the places of rims are found anew after so many
 const Vec3 kNowhere = Vec3::Constant(1e300);
 constexpr double kSmallRim = 12;  // spacings of a scan around
@@ -48,11 +48,13 @@ class Fitter {
     if (s_.open_ends) {
       look(1, range(1));
       framed_ = false, opening_ = true;
-      for (int round = 0; round < kRounds; ++round) {
+      const int rounds = sight_.knows_air() ? kRounds : kScanRounds;
+      for (int round = 0, opened = 1; round < rounds && (opened > 0 || onwards_); ++round) {
         std::vector<std::string> notes;
-        const int opened = open_blind(m_, blind_faces(), notes);
-        if (round + 1 == kRounds || opened == 0) r_.notes.insert(r_.notes.end(), notes.begin(), notes.end());
-        if (opened == 0) break;
+        opened = open_blind(m_, blind_faces(), notes);
+        // Rims that find more of a scan go on after the last opening.
+        if (round + 1 == rounds || opened == 0) r_.notes.insert(r_.notes.end(), notes.begin(), notes.end());
+        if (opened == 0 && !onwards_) break;
         r_.holes += opened;
         compact(m_, true);
         // The rims settle, and the faces beside them.
@@ -168,22 +170,44 @@ class Fitter {
     for (size_t i = 0; i < e.rim.size(); ++i) around += (m_.x_mm[size_t(e.rim[i])] - m_.x_mm[size_t(e.rim[(i + 1) % e.rim.size()])]).norm();
     if (around < kSmallRim * sight_.voxel()) return;
     const size_t n = e.rim.size();
+    std::vector<Vec3> move(n);
+    std::vector<uint8_t> known(n, 0);
     for (size_t i = 0; i < n; ++i) {
       const int32_t v = e.rim[i];
       const Vec3& x = m_.x_mm[size_t(v)];
-      Vec3 way = sight_.to_edge(x);
-      if (way == Vec3::Zero() && !opening_)
-        if (const LocalFrame f = m_.frame(v); !f.degenerate)
-          way = sight_.onwards(x, f.N.cross(m_.x_mm[size_t(e.rim[(i + 1) % n])] - m_.x_mm[size_t(e.rim[(i + n - 1) % n])]).normalized());
-      if (way != Vec3::Zero()) pull_[size_t(v)] = way;
+      move[i] = sight_.to_edge(x);
+      if (move[i] == Vec3::Zero())
+        if (const LocalFrame f = m_.frame(v); !f.degenerate) {
+          move[i] = sight_.onwards(x, f.N, f.N.cross(m_.x_mm[size_t(e.rim[(i + 1) % n])] - m_.x_mm[size_t(e.rim[(i + n - 1) % n])]).normalized(), left_);
+          onwards_ |= move[i] != Vec3::Zero();
+        }
+      known[i] = move[i] != Vec3::Zero();
     }
+    even(e, move, known, [&](size_t v, const Vec3& way) { pull_[v] = way; });
+  }
+
+  /// The places of a scan that the mesh does not reach yet.
+  void look_for_more() {
+    const std::vector<Vec3>& places = sight_.surface();
+    const FanTriangles fan = fan_triangles(m_);
+    const Bvh bvh(fan.X_mm, fan.tri);
+    std::vector<uint8_t> reached(places.size());
+    workers_.parallel_for(places.size(), 256, [&](size_t b, size_t e) {
+      for (size_t i = b; i < e; ++i) reached[i] = bvh.closest(places[i], sight_.voxel()).distance_mm < sight_.voxel();
+    });
+    left_.clear();
+    for (size_t i = 0; i < places.size(); ++i)
+      if (!reached[i]) left_.push_back(int32_t(i));
+    onwards_ = false;
   }
 
   /// Rims at the border of the data are drawn to it, those of other openings to the crest of the surface there (fit_rims.cpp).
   /// Where they belong is found anew when `find` is set.
   void to_border(double beta, bool find) {
     if (find) rim_to_.assign(m_.nbr.size(), kNowhere);
-    for (const EndContour& e : end_contours(m_)) {
+    const std::vector<EndContour> ends = end_contours(m_);
+    if (find && !ends.empty() && !sight_.knows_air() && !framed_) look_for_more();
+    for (const EndContour& e : ends) {
       if (!sight_.knows_air()) {
         if (framed_) hold(*sight_.heights(), e, beta);
         else to_scan_edge(e);
@@ -220,11 +244,17 @@ class Fitter {
       known[i] = along.norm() > 0 && N.norm() > 0 && sight_.rim(x, along.normalized(), N.normalized(), outward[i], to);
       if (known[i]) move[i] = to - x;
     }
-    // Evenly along the rim: one vertex does not know it better than its neighbours.
+    even(e, move, known, [&](size_t v, const Vec3& way) { rim_to_[v] = m_.x_mm[v] + way; });
+  }
+
+  /// Evenly along a rim: one vertex does not know its way better than its neighbours.
+  template <class Visit>
+  static void even(const EndContour& e, const std::vector<Vec3>& move, const std::vector<uint8_t>& known, Visit&& visit) {
+    const size_t n = e.rim.size();
     for (size_t i = 0; i < n; ++i) {
       const size_t a = (i + n - 1) % n, b = (i + 1) % n;
       const double w = known[a] + 2 * known[i] + known[b];
-      if (known[i] || (known[a] && known[b])) rim_to_[size_t(e.rim[i])] = m_.x_mm[size_t(e.rim[i])] + (known[a] * move[a] + 2 * known[i] * move[i] + known[b] * move[b]) / w;
+      if (known[i] || (known[a] && known[b])) visit(size_t(e.rim[i]), Vec3((known[a] * move[a] + 2 * known[i] * move[i] + known[b] * move[b]) / w));
     }
   }
 
@@ -270,6 +300,8 @@ class Fitter {
   Motion motion_;
   Topology topology_;
   bool opening_ = false;  // rims are made, and go where they belong
+  bool onwards_ = false;  // some rim has found more of a scan
+  std::vector<int32_t> left_;
   bool framed_;  // a plane's edge is held, until the apron is opened
   FitReport r_;
   std::vector<Vec3> pull_, rim_to_;
@@ -286,7 +318,7 @@ void check_settings(const Mesh& m, const FitSettings& s) {
 
 }  // namespace
 
-Mesh start_mesh(Start kind, const Vec3& low, const Vec3& high) {
+Mesh start_mesh(Start kind, const Vec3& low, const Vec3& high, int axis) {
   if (!low.allFinite() || !high.allFinite() || !((high - low).minCoeff() >= 0) || !((high - low).norm() > 0)) throw InputError("", 0, "the box around the object is empty");
   const Vec3 middle = 0.5 * (low + high), half = (0.5 * (high - low)).cwiseMax(0.02 * (high - low).norm());
   Mesh m;
@@ -294,9 +326,13 @@ Mesh start_mesh(Start kind, const Vec3& low, const Vec3& high) {
     m = make_sphere_of_faces({0, 0, 0}, 1, 1002);
     for (Vec3& x : m.x_mm) x = middle + 1.25 * half.cwiseProduct(x);
   } else if (kind == Start::cylinder) {
-    m = make_cylinder(1, 2 * half.z() / std::sqrt(half.x() * half.y()), 40);
-    const double length = 2 * half.z() / std::sqrt(half.x() * half.y());
-    for (Vec3& x : m.x_mm) x = middle + Vec3(1.2 * half.x() * x.x(), 1.2 * half.y() * x.y(), 2 * half.z() * (x.z() / length - 0.5));
+    const Vec3 side(half[(axis + 1) % 3], half[(axis + 2) % 3], half[axis]);
+    const double length = 2 * side.z() / std::sqrt(side.x() * side.y());
+    m = make_cylinder(1, length, 40);
+    for (Vec3& x : m.x_mm) {
+      const Vec3 q(1.2 * side.x() * x.x(), 1.2 * side.y() * x.y(), 2 * side.z() * (x.z() / length - 0.5));
+      x[(axis + 1) % 3] = middle[(axis + 1) % 3] + q.x(), x[(axis + 2) % 3] = middle[(axis + 2) % 3] + q.y(), x[axis] = middle[axis] + q.z();
+    }
   } else {
     const double edge = std::sqrt(half.x() * half.z() * 4 / 2000 / 1.3);  // about 2000 vertices: 4 / (3 sqrt 3) edge^-2 of them per area
     m = make_plane(2 * half.x(), 2 * half.z(), edge);
@@ -323,7 +359,7 @@ FitReport fit(Mesh& m, const Volume& v, const FitSettings& s, Workers& w) {
   return fit(m, p, s, w);
 }
 
-FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Workers& w, const ScanView* plane) {
+FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Workers& w, const ScanView* plane, const std::vector<Vec3>& looks) {
   check_settings(m, s);
   if (points.size() < 10) throw InputError("", 0, "a range scan of at least 10 points was expected");
   Vec3 low = points.front(), high = low;
@@ -332,7 +368,7 @@ FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Wo
     low = low.cwiseMin(x), high = high.cwiseMax(x);
   }
   if (!((high - low).norm() > 0)) throw InputError("", 0, "all points of the scan are the same");
-  const PointSight sight(points, plane);
+  const PointSight sight(points, plane, looks);
   return Fitter(m, sight, low, high, s, w).run();
 }
 

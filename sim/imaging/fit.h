@@ -14,6 +14,8 @@
 //
 // Points. Every vertex is pulled along its normal to the nearest point M, weight G(|PM| / D), G = 1 up to 1 and 1 / x^2
 // beyond; D shrinks from 20 % to 8 % of the cloud's size (Delingette 1994, as remembered). Regions without points are opened.
+// How far apart points may lie in one is said by their own spacing, so that sparse ones are no holes. Where it is known which way the surface
+// looks, only points that look the way of the mesh draw it. Rims go on along the scan to points that the mesh has not reached.
 // A plane (scan_view.h) first comes down upon the heights of the scan with its edge held beyond the scan's; the apron is
 // opened then. Rims of openings are drawn to the edge of the scan: outwards as long as the points under them are within it.
 #include <functional>
@@ -68,8 +70,8 @@ struct FitReport {
 };
 
 /// A mesh to begin with, around what was found: an ellipsoid of 2000 vertices around the box; a sheet before it (-y side,
-/// normal to -y); a tube about z through the borders of the volume.
-simplex::Mesh start_mesh(Start kind, const Vec3& low_mm, const Vec3& high_mm);
+/// normal to -y); a tube through the borders of the volume, about z or another `axis`.
+simplex::Mesh start_mesh(Start kind, const Vec3& low_mm, const Vec3& high_mm, int axis = 2);
 
 /// Throws InputError on settings that are not finite or positive.
 FitReport fit(simplex::Mesh& mesh, const Prepared& target, const FitSettings& settings, Workers& workers);
@@ -77,6 +79,7 @@ FitReport fit(simplex::Mesh& mesh, const Prepared& target, const FitSettings& se
 FitReport fit(simplex::Mesh& mesh, const Volume& volume, const FitSettings& settings, Workers& workers);
 /// To points. `found`, rms and so on are of distances to the nearest points; a "voxel" is their median spacing. settings.iso is unused.
 /// `plane`: the mesh is start_plane(*plane), and the points are those that are seen from its front (seen_from_front): a plane reaches no others.
-FitReport fit(simplex::Mesh& mesh, const std::vector<Vec3>& points_mm, const FitSettings& settings, Workers& workers, const ScanView* plane = nullptr);
+/// `looks`: which way the surface looks at each point, as seen_from_around says; empty: not known.
+FitReport fit(simplex::Mesh& mesh, const std::vector<Vec3>& points_mm, const FitSettings& settings, Workers& workers, const ScanView* plane = nullptr, const std::vector<Vec3>& looks = {});
 
 }  // namespace limberg

@@ -44,8 +44,8 @@ class Sight {
   virtual const ScanHeights* heights() const { return nullptr; }
   /// The way of a rim's vertex to the nearest edge of a scan; none: zero.
   virtual Vec3 to_edge(const Vec3&) const { return Vec3::Zero(); }
-  /// The way to where a scan goes on beyond a rim's vertex, in direction `out`; it does not: zero.
-  virtual Vec3 onwards(const Vec3&, const Vec3& /*out*/) const { return Vec3::Zero(); }
+  /// The way to where a scan goes on beyond a rim's vertex, in direction `out`, by those of its points that are `left`; it does not: zero.
+  virtual Vec3 onwards(const Vec3&, const Vec3& /*N*/, const Vec3& /*out*/, const std::vector<int32_t>& /*left*/) const { return Vec3::Zero(); }
 };
 
 class VolumeSight final : public Sight {
@@ -77,7 +77,7 @@ class VolumeSight final : public Sight {
 
 class PointSight final : public Sight {
  public:
-  PointSight(const std::vector<Vec3>& points, const ScanView* plane);
+  PointSight(const std::vector<Vec3>& points, const ScanView* plane, const std::vector<Vec3>& looks);
   Vec3 pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const override;
   double distance(const Vec3& x, const Vec3& way) const override;
   double nearest(const Vec3& x, double within) const override { return tree_.nearest(x, within).distance; }
@@ -88,14 +88,16 @@ class PointSight final : public Sight {
   int border(const Vec3&, double, Vec3&, double&) const override { return -1; }
   const std::vector<Vec3>& surface() const override { return points_; }
   const ScanHeights* heights() const override { return heights_ ? &*heights_ : nullptr; }
+  bool lost(const Vec3& x, bool seen) const override;
   Vec3 to_edge(const Vec3& x) const override;
-  Vec3 onwards(const Vec3& x, const Vec3& out) const override;
+  Vec3 onwards(const Vec3& x, const Vec3& N, const Vec3& out, const std::vector<int32_t>& left) const override;
 
  private:
-  const std::vector<Vec3>& points_;
+  const std::vector<Vec3>&points_, &looks_;
   std::optional<ScanHeights> heights_;
   PointTree tree_, edge_;
   double size_ = 0, spacing_ = 0;
+  std::vector<double> around_;  // spacing around each point
 };
 
 /// Joins sheets that have met in air (t3) and cuts thin tubes through air (t4). `still` marks vertices that face another sheet

@@ -9,6 +9,8 @@ namespace limberg::imaging {
 namespace {
 constexpr double kGuided = 0.55;  // of the way: the guide leads, after it the volume itself
 constexpr double kPush = 0.3, kFolded = 0.2;
+constexpr double kFacing = 0.5;  // cosine: a normal that differs more than this says that the nearest point is of another sheet
+constexpr size_t kTried = 32;   // points, until one looks to the side of the mesh
 constexpr size_t kAround = 20;  // neighbours that say whether a point of a scan is at its edge
 }
 
@@ -105,11 +107,12 @@ int VolumeSight::border(const Vec3& x, double within, Vec3& outward, double& way
   return best;
 }
 
-PointSight::PointSight(const std::vector<Vec3>& points, const ScanView* plane) : points_(points), tree_(points) {
+PointSight::PointSight(const std::vector<Vec3>& points, const ScanView* plane, const std::vector<Vec3>& looks) : points_(points), looks_(looks), tree_(points) {
   Vec3 lo = points.front(), hi = lo;
   for (const Vec3& p : points) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
   size_ = (hi - lo).norm();
   spacing_ = std::max(spacing_of(points), 1e-6 * size_);
+  around_ = spacings_of(tree_);
   if (!plane) return;
   heights_.emplace(points, *plane, 1.5 * spacing_);
   std::vector<Vec3> edge, around;
@@ -133,11 +136,21 @@ Vec3 PointSight::pull(const Vec3& x, const Vec3& N, double t, double range, bool
     const double most = std::min(range, tree_.nearest(x).distance);
     return std::clamp((heights_->at(q) - q.z()) * std::max(heights_->view().front.dot(N), kPush), -most, most) * N;
   }
-  const PointTree::Nearest n = tree_.nearest(x);
+  PointTree::Nearest n = tree_.nearest(x);
+  if (!looks_.empty() && looks_[size_t(n.index)].dot(N) < 0) {
+    // The other side of a thin wall is nearer: it belongs to another sheet.
+    std::vector<PointTree::Nearest> near;
+    tree_.nearest(x, kTried, near);
+    for (const PointTree::Nearest& o : near)
+      if (looks_[size_t(o.index)].dot(N) > 0) {
+        n = o;
+        break;
+      }
+  }
   const Vec3 to = tree_.point(n.index) - x;
   const double D = size_ * (0.2 + t * (0.08 - 0.2)), G = n.distance < D ? 1 : (D / n.distance) * (D / n.distance);
   const double along = to.dot(N), beside = (to - along * N).norm();
-  seen = n.distance <= 2 * spacing_ || (beside <= spacing_ && std::abs(along) <= 2 * spacing_);
+  seen = n.distance <= 2 * spacing_ || (beside <= around_[size_t(n.index)] && std::abs(along) <= 2 * spacing_);
   return std::clamp(G * along, -range, range) * N;
 }
 
@@ -146,10 +159,27 @@ Vec3 PointSight::to_edge(const Vec3& x) const {
   return n.index < 0 ? Vec3(Vec3::Zero()) : Vec3(edge_.point(n.index) - x);
 }
 
-Vec3 PointSight::onwards(const Vec3& x, const Vec3& out) const {
+Vec3 PointSight::onwards(const Vec3& x, const Vec3& N, const Vec3& out, const std::vector<int32_t>& left) const {
   if (heights_) return Vec3::Zero();
-  const PointTree::Nearest n = tree_.nearest(x + 2 * spacing_ * out, 1.5 * spacing_);
-  return n.index < 0 ? Vec3(Vec3::Zero()) : Vec3(tree_.point(n.index) - x);
+  const auto here = size_t(tree_.nearest(x).index);
+  const double step = std::max(spacing_, around_[here]);
+  // A rim that has folded in does not look ahead: where the points say which way they look, it goes to the nearest that look as those here do.
+  const bool known = !looks_.empty() && looks_[here].dot(N) > -kFacing;
+  double least = known ? 3 * step : 1.5 * step;
+  Vec3 way = Vec3::Zero();
+  for (const int32_t i : left) {
+    const Vec3 to = points_[size_t(i)] - x;
+    if (!looks_.empty() && looks_[size_t(i)].dot(known ? looks_[here] : N) <= 0) continue;
+    const double away = (known ? to : Vec3(to - 2 * step * out)).norm();
+    if (away < least) least = away, way = to;
+  }
+  return way;
+}
+
+bool PointSight::lost(const Vec3& x, bool seen) const {
+  if (!seen) return true;
+  const PointTree::Nearest n = tree_.nearest(x);
+  return n.distance > std::hypot(2 * spacing_, around_[size_t(n.index)]);
 }
 
 double PointSight::distance(const Vec3&, const Vec3& way) const { return way.norm(); }

@@ -7,7 +7,6 @@
 
 #include "sim/error.h"
 #include "sim/geometry/bvh.h"
-#include "sim/geometry/point_tree.h"
 #include "sim/simplex/generators.h"
 
 namespace limberg {
@@ -15,10 +14,14 @@ namespace limberg {
 namespace {
 constexpr double kMargin = 0.12;    // of the scan's larger half side: how far the sheet reaches beyond it
 constexpr double kLooking = 0.05;   // of the whole area: triangles that look less to one side than this do not say where the front is
+constexpr double kTwisted = 0.01;   // of the edges: with more that both sides run along alike, triangles do not say which side is out
 constexpr double kGap = 2.0943951;  // 120 degrees
 constexpr double kLarger = 1.05;    // times the silhouette along the axis of least spread: then it is seen along another axis
 constexpr int kCells = 512;
+constexpr int kHidden = 10;        // of 13 directions
+constexpr double kOwn = 1e-3;      // of the scan's size: nearer than this a place meets its own triangles
 constexpr double kColumn = 0.6, kLayers = 4;  // spacings: radius of a column of points, and the gap in it that parts two layers
+constexpr size_t kFourth = 5;                 // a point and its four nearest
 constexpr size_t kVoters = 9;                 // a point and its eight nearest
 
 /// Right-handed, least spread last.
@@ -128,11 +131,28 @@ double spacing_of(const std::vector<Vec3>& points) {
   std::vector<PointTree::Nearest> n;
   const size_t every = std::max<size_t>(1, points.size() / 2000);
   for (size_t i = 0; i < points.size(); i += every) {
-    tree.nearest(points[i], 5, n);
+    tree.nearest(points[i], kFourth, n);
     d.push_back(n.back().distance);
   }
   std::nth_element(d.begin(), d.begin() + ptrdiff_t(d.size() / 2), d.end());
   return d[d.size() / 2];
+}
+
+std::vector<double> spacings_of(const PointTree& points) {
+  std::vector<double> own(points.size()), out(points.size()), around;
+  std::vector<PointTree::Nearest> n;
+  for (size_t i = 0; i < own.size(); ++i) {
+    points.nearest(points.point(int32_t(i)), kFourth, n);
+    own[i] = n.back().distance;
+  }
+  for (size_t i = 0; i < own.size(); ++i) {
+    points.nearest(points.point(int32_t(i)), kVoters, n);
+    around.clear();
+    for (const PointTree::Nearest& o : n) around.push_back(own[size_t(o.index)]);
+    std::nth_element(around.begin(), around.begin() + ptrdiff_t(around.size() / 2), around.end());
+    out[i] = around[around.size() / 2];
+  }
+  return out;
 }
 
 std::vector<Vec3> seen_from_front(const std::vector<Vec3>& points, const std::vector<Tri>& tri, const ScanView& view) {
@@ -181,6 +201,57 @@ std::vector<Vec3> seen_from_front(const std::vector<Vec3>& points, const std::ve
     size_t votes = 0;
     for (const PointTree::Nearest& n : near) votes += hidden[size_t(n.index)];
     if (2 * votes <= near.size()) out.push_back(x);
+  }
+  return out;
+}
+
+namespace {
+
+/// Unit normals at the points, outwards; empty: the triangles do not say.
+std::vector<Vec3> looks_of(const std::vector<Vec3>& points, const std::vector<Tri>& tri) {
+  std::vector<std::pair<int32_t, int32_t>> edge;
+  std::vector<Vec3> out(points.size(), Vec3::Zero());
+  Vec3 middle = Vec3::Zero();
+  for (const Vec3& x : points) middle += x / double(points.size());
+  double volume = 0;
+  for (const Tri& t : tri) {
+    const Vec3 a = points[size_t(t[0])] - middle, b = points[size_t(t[1])] - middle, c = points[size_t(t[2])] - middle;
+    volume += a.dot(b.cross(c));
+    for (size_t k = 0; k < 3; ++k) out[size_t(t[k])] += (b - a).cross(c - a), edge.emplace_back(t[k], t[(k + 1) % 3]);
+  }
+  // Neighbours run along their common edge in opposite directions.
+  std::sort(edge.begin(), edge.end());
+  size_t twice = 0;
+  for (size_t i = 1; i < edge.size(); ++i) twice += edge[i] == edge[i - 1];
+  if (tri.empty() || double(twice) > kTwisted * double(edge.size()) || volume == 0) return {};
+  for (Vec3& n : out) n = n.norm() > 0 ? Vec3(std::copysign(1 / n.norm(), volume) * n) : Vec3(Vec3::Zero());
+  return out;
+}
+
+/// A sector that a place looks into: 13 directions within 60 degrees of its normal.
+template <class Visit>
+void sector(const Vec3& normal, Visit&& visit) {
+  const Vec3 u = normal.unitOrthogonal(), w = normal.cross(u);
+  visit(normal);
+  for (const double off : {M_PI / 6, M_PI / 3})
+    for (int k = 0; k < 6; ++k) visit(Vec3(std::cos(off) * normal + std::sin(off) * (std::cos(k * M_PI / 3) * u + std::sin(k * M_PI / 3) * w)));
+}
+
+}  // namespace
+
+SeenScan seen_from_around(const std::vector<Vec3>& points, const std::vector<Tri>& tri) {
+  const std::vector<Vec3> looks = looks_of(points, tri);
+  if (looks.empty()) return {points, {}};
+  Vec3 low = points.front(), high = low;
+  for (const Vec3& x : points) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const double size = (high - low).norm();
+  const Bvh bvh(points, tri);
+  SeenScan out;
+  for (size_t i = 0; i < points.size(); ++i) {
+    int met = 0;
+    Bvh::LineHit hit[1];
+    if (looks[i] != Vec3::Zero()) sector(looks[i], [&](const Vec3& way) { met += bvh.line(points[i], way, kOwn * size, size, hit) > 0; });
+    if (met < kHidden) out.x_mm.push_back(points[i]), out.looks.push_back(looks[i]);
   }
   return out;
 }

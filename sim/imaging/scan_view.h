@@ -4,6 +4,7 @@
 // heights as a cloth would; beyond the scan's edge it goes on as an apron, which is opened at the end.
 #include <vector>
 
+#include "sim/geometry/point_tree.h"
 #include "sim/geometry/vec.h"
 #include "sim/simplex/mesh.h"
 
@@ -28,9 +29,22 @@ ScanView view_of(const std::vector<Vec3>& points_mm, const std::vector<Tri>& tri
 /// Median distance to the fourth nearest: about the spacing of a scan, whatever its pattern. For an empty scan 0.
 double spacing_of(const std::vector<Vec3>& points_mm);
 
+/// The same around each point: the median over it and its eight nearest, so that a stray point far from the scan has no large one of its own.
+std::vector<double> spacings_of(const PointTree& points_mm);
+
 /// The points that are seen from the front, in their order. Hidden are those behind a triangle by more than a spacing; of a cloud those with a
 /// gap of four spacings in the column of points above them; most of the eight neighbours decide for points whose own answer differs from theirs.
 std::vector<Vec3> seen_from_front(const std::vector<Vec3>& points_mm, const std::vector<Tri>& tri, const ScanView& view);
+
+/// Points of a scan, and which way the surface looks at each of them (unit; empty: not known).
+struct SeenScan {
+  std::vector<Vec3> x_mm, looks;
+};
+
+/// The points that are seen from around, in their order. What looks at other parts of the scan, as the deep side of a shell does, is hidden:
+/// three quarters of the directions within 60 degrees of its normal meet a triangle. Neighbouring triangles must agree which side is which; the
+/// volume that they bound says which one is outside. Otherwise, and in a cloud, every point counts and none has a normal.
+SeenScan seen_from_around(const std::vector<Vec3>& points_mm, const std::vector<Tri>& tri);
 
 /// A sheet of about 2000 vertices before the scan, its normal along `front`.
 simplex::Mesh start_plane(const ScanView& view);

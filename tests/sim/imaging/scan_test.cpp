@@ -118,6 +118,135 @@ TEST(Scan, RimsStayAtItsEdge) {
   EXPECT_NEAR(r.hole[0].around_mm, 400, 0.1 * 400);
 }
 
+/// A ball of 60 mm, its points `above` mm apart over z = 0 and `below` under it, without those within `bare_mm` of its lower pole.
+std::vector<Vec3> ball_scan(double above, double below, double bare_mm = 0) {
+  std::vector<Vec3> out;
+  for (const double spacing : {above, below}) {
+    const int n = int(4 * M_PI * 60 * 60 / (spacing * spacing));
+    for (int i = 0; i < n; ++i) {  // Fibonacci's spiral: as dense everywhere
+      const double z = 1 - (2 * i + 1.) / n, r = std::sqrt(1 - z * z), a = i * M_PI * (3 - std::sqrt(5.));
+      const Vec3 x = 60 * Vec3(r * std::cos(a), r * std::sin(a), z);
+      if ((above == below || (z > 0) == (spacing == above)) && (x + Vec3(0, 0, 60)).norm() > bare_mm) out.push_back(x);
+    }
+    if (above == below) break;
+  }
+  return out;
+}
+
+FitReport fit_ball(const std::vector<Vec3>& scan) {
+  InlineWorkers w;
+  FitSettings s;
+  s.edge_mm = 4, s.range_mm = 30;
+  simplex::Mesh m = start_mesh(Start::sphere, {-60, -60, -60}, {60, 60, 60});
+  const FitReport r = fit(m, scan, s, w);
+  EXPECT_EQ(find_fault(m).value_or(""), "");
+  return r;
+}
+
+TEST(Scan, WhereItsPointsAreFourTimesSparserItIsReachedAsWell) {
+  const std::vector<double> around = spacings_of(PointTree(ball_scan(3, 12)));
+  EXPECT_NEAR(around.front(), 3, 0.5);
+  EXPECT_NEAR(around.back(), 12, 2);
+  std::vector<Vec3> stray = ball_scan(3, 12);
+  stray.push_back({0, 0, 500});
+  EXPECT_LT(spacings_of(PointTree(stray)).back(), 4);  // its nearest are dense
+  const FitReport alike = fit_ball(ball_scan(3, 3)), mixed = fit_ball(ball_scan(3, 12));
+  EXPECT_TRUE(alike.hole.empty());
+  EXPECT_TRUE(mixed.hole.empty());  // with one spacing for all its lower half is taken for a hole
+  EXPECT_NEAR(mixed.reached, alike.reached, 0.005);
+  EXPECT_NEAR(mixed.found, alike.found, 0.01);
+  EXPECT_LT(mixed.rms_mm, 0.5 * mixed.voxel_mm);
+}
+
+TEST(Scan, AHoleAmongSparsePointsIsStillOne) {
+  const FitReport r = fit_ball(ball_scan(3, 12, 40));
+  ASSERT_EQ(r.hole.size(), 1u);
+  EXPECT_LT(r.hole[0].centre_mm.z(), -40);
+  // 40 mm from the pole the ball is 37.7 mm wide: 237 mm around, and as much as a spacing within.
+  EXPECT_LT(r.hole[0].around_mm, 1.1 * 237);
+  EXPECT_GT(r.hole[0].around_mm, 237 - 2 * M_PI * 12);
+}
+
+/// A ball of 60 mm on a neck that widens from 45 to 75 mm at its end, 160 mm below, and is open there: a shell 4 mm thick, as a scan of a head
+/// may be. The neck's rings are four times as far apart as the ball's.
+Surface shell() {
+  std::vector<Vec2> outline;  // radius and height, up along the outside
+  for (int i = 0; i < 10; ++i) outline.push_back({75 - 3 * i, -160 + 12 * i});
+  for (int i = 0; i <= 40; ++i) {
+    const double a = -0.73 + i * (0.73 + M_PI / 2) / 40;  // the ball begins 40 mm below its middle
+    outline.push_back({60 * std::cos(a), 60 * std::sin(a)});
+  }
+  Surface s;
+  constexpr int n = 60;
+  const int rows = int(outline.size());
+  for (const double r : {1., 56. / 60})
+    for (const Vec2& q : outline)
+      for (int k = 0; k < n; ++k) s.x_mm.push_back({r * q.x() * std::cos(k * 2 * M_PI / n), r * q.x() * std::sin(k * 2 * M_PI / n), q.y() > -40.1 ? r * q.y() : q.y()});
+  const auto at = [&](int side, int row, int k) { return int32_t((side * rows + row) * n + k % n); };
+  for (int k = 0; k < n; ++k) {
+    for (int row = 0; row + 1 < rows; ++row) {
+      s.tri.push_back({at(0, row, k), at(0, row, k + 1), at(0, row + 1, k)}), s.tri.push_back({at(0, row, k + 1), at(0, row + 1, k + 1), at(0, row + 1, k)});
+      s.tri.push_back({at(1, row, k), at(1, row + 1, k), at(1, row, k + 1)}), s.tri.push_back({at(1, row, k + 1), at(1, row + 1, k), at(1, row + 1, k + 1)});
+    }
+    s.tri.push_back({at(0, 0, k), at(1, 0, k), at(0, 0, k + 1)}), s.tri.push_back({at(0, 0, k + 1), at(1, 0, k), at(1, 0, k + 1)});
+  }
+  return s;
+}
+
+bool on_outside(const Vec3& x) { return x.z() > -40.1 ? x.norm() > 58 : std::hypot(x.x(), x.y()) > 43 - 0.25 * (x.z() + 40); }
+
+TEST(Scan, TheDeepSideOfAShellIsHidden) {
+  Surface s = shell();
+  for (int turned = 0; turned < 2; ++turned) {  // triangles that all look inwards say as much
+    const SeenScan seen = seen_from_around(s.x_mm, s.tri);
+    ASSERT_EQ(seen.looks.size(), seen.x_mm.size());
+    size_t outer = 0, deep = 0, outwards = 0;
+    for (size_t i = 0; i < seen.x_mm.size(); ++i) {
+      const Vec3& x = seen.x_mm[i];
+      const bool out = on_outside(x);
+      outer += out, deep += !out && x.z() > -40;
+      outwards += out && seen.looks[i].dot(Vec3(x.x(), x.y(), std::max(x.z(), 0.))) > 0;
+    }
+    EXPECT_EQ(outer, s.x_mm.size() / 2);
+    EXPECT_EQ(outwards, outer);
+    EXPECT_EQ(deep, 0u);  // the inside of the neck is seen from below, through its wide end
+    for (Tri& t : s.tri) std::swap(t[0], t[1]);
+  }
+  for (size_t i = 0; i < s.tri.size(); i += 10) std::swap(s.tri[i][0], s.tri[i][1]);  // they do not agree
+  EXPECT_EQ(seen_from_around(s.x_mm, s.tri).x_mm.size(), s.x_mm.size());
+  EXPECT_TRUE(seen_from_around(s.x_mm, s.tri).looks.empty());
+}
+
+TEST(Scan, ASphereGoesDownANeckToItsEnd) {
+  const Surface s = shell();
+  SeenScan seen = seen_from_around(s.x_mm, s.tri);
+  for (const bool deep : {false, true}) {
+    if (deep)  // points on both sides, which look away from each other
+      for (const Vec3& x : s.x_mm)
+        if (!on_outside(x) && x.z() > -90) seen.x_mm.push_back(x), seen.looks.push_back(-Vec3(x.x(), x.y(), std::max(x.z(), 0.)).normalized());
+    InlineWorkers w;
+    FitSettings f;
+    f.edge_mm = 5, f.range_mm = 50;
+    simplex::Mesh m = start_mesh(Start::sphere, {-75, -75, -160}, {75, 75, 60});
+    const FitReport r = fit(m, seen.x_mm, f, w, nullptr, seen.looks);
+    EXPECT_EQ(find_fault(m).value_or(""), "");
+    double off = 0, lowest = 0;
+    for (const Vec3& x : m.x_mm) {
+      if (x.z() > 0) off += (x.norm() - 60) * (x.norm() - 60) / double(m.x_mm.size());
+      lowest = std::min(lowest, x.z());
+    }
+    std::printf("%d vertices, found %.3f, reached %.3f, rms %.3f mm, off %.3f mm, lowest %.0f mm, spacing %.2f mm, %zu openings\n", r.vertices, r.found, r.reached, r.rms_mm, std::sqrt(off), lowest, r.voxel_mm,
+                r.hole.size());
+    EXPECT_LT(std::sqrt(off), 1);  // the deep side is 4 mm away
+    if (deep) continue;
+    EXPECT_GT(r.found, 0.95);  // as app/commands/fit.cpp wants them
+    EXPECT_GT(r.reached, 0.95);
+    EXPECT_LT(r.rms_mm, 0.5 * r.voxel_mm);
+    EXPECT_GE(r.hole.size(), 1u);
+    EXPECT_LT(lowest, -160 + 12);
+  }
+}
+
 TEST(Scan, NonsenseIsRefused) {
   EXPECT_THROW(view_of({}), InputError);
   EXPECT_THROW(view_of({{0, 0, 0}, {1, 0, 0}}), InputError);
