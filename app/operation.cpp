@@ -143,7 +143,7 @@ OperationOutcome operate(Patient& patient, const Script& script, const Operation
     if (set.progress) set.progress(done++, script.lines.size());
     const Outcome o = op.apply(l.command, l.line);
     if (!o.done && set.on_refusal) set.on_refusal(l.command, o.reason);
-    if (o.done && set.on_done) set.on_done(l.command);
+    if (o.done && set.on_done) set.on_done(l, o.reason);
     if (o.done) op.note_closure(l.command, l.line);
     if (!o.done) throw InputError(script.name, l.line, std::string(action_name(l.command)) + " refused: " + o.reason);
   }

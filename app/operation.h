@@ -19,7 +19,7 @@ struct OperationSettings {
   int rest_steps = 100;             // at most so many steps towards it
   double final_residual = 1e-5;     // at the end; single precision reaches about 4e-6
   int final_steps = 400;
-  std::function<void(const Command& command)> on_done;
+  std::function<void(const ScriptLine& line, const std::string& note)> on_done;  // note: what is worth knowing, mostly nothing
   std::function<void(const Command& command, const std::string& reason)> on_refusal;  // before the InputError
   std::function<bool()> interrupted;
   std::function<void(size_t done, size_t total)> progress;

@@ -165,6 +165,22 @@ void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f
   tail(1, 0), tail(-1, 3);
 }
 
+void add_plate(PropMesh& mesh, const std::array<Vec3f, 3>& on_bone, const std::array<Vec3f, 3>& up) {
+  const PropLook titanium{{0.50f, 0.52f, 0.56f}, 1, 0}, screw{{0.30f, 0.32f, 0.36f}, 1, 0};
+  constexpr float kHalf_mm = 0.75f, kEye_mm = 2.1f, kScrew_mm = 1.15f, kThin_mm = 0.5f;
+  std::array<Vec3f, 3> p;
+  for (size_t k = 0; k < 3; ++k) p[k] = on_bone[k] + kHalf_mm * up[k];
+  smooth_tube(mesh, p, kHalf_mm, titanium);
+  for (const float t : {0.0f, 0.5f, 1.5f, 2.0f}) {  // along the two halves
+    const size_t k = t < 1 ? 0 : 1;
+    const float s = t - float(k);
+    const Vec3f at = (1 - s) * p[k] + s * p[k + 1], n = ((1 - s) * up[k] + s * up[k + 1]).normalized();
+    const Vec3f along = direction(p[k + 1] - p[k], any_normal(n)), a = direction(along - along.dot(n) * n, any_normal(n)), b = n.cross(a);
+    add_ellipsoid(mesh, at, kEye_mm * a, kEye_mm * b, kThin_mm * n, titanium);
+    add_ellipsoid(mesh, at + 0.35f * n, kScrew_mm * a, kScrew_mm * b, kThin_mm * n, screw);
+  }
+}
+
 void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up) {
   const uint32_t id = id_of(Part::hook, hook.id);
   const PropLook steel{{0.56f, 0.57f, 0.58f}, 1, id};

@@ -67,6 +67,17 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
       const NearestSkin at = nearest_skin(scene, h.at_mm);
       add_hook(scene.props, h, at.found ? at.normal : Vec3f(Vec3f::UnitZ()));
     }
+  for (const auto& [a, b] : snapshot.plate_mm) {
+    std::array<Vec3f, 3> at, up;
+    for (size_t k = 0; k < 3; ++k) {
+      const Vec3f wanted = a + 0.5f * float(k) * (b - a);
+      const NearestSkin bone = nearest_skin(scene, wanted, Part::bone);  // (where there is none: up)
+      up[k] = bone.normal;
+      // In the middle it goes over the gap: as high as the bone beside it.
+      at[k] = k == 1 ? Vec3f(wanted + std::max(0.0f, (bone.x - wanted).dot(bone.normal)) * bone.normal) : wanted;
+    }
+    add_plate(scene.props, at, up);
+  }
   if (strands)
     for (const auto& [a, b] : topology.strand)
       add_tube(scene.props, std::array{snapshot.x_mm[size_t(a)], snapshot.x_mm[size_t(b)]}, std::array{0.22f, 0.22f}, {Vec3f(0.80f, 0.58f, 0.13f), 0, 0}, 3);

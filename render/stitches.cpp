@@ -69,12 +69,12 @@ struct Patch {
 
 }  // namespace
 
-NearestSkin nearest_skin(const RenderScene& scene, const Vec3f& p) {
+NearestSkin nearest_skin(const RenderScene& scene, const Vec3f& p, Part part) {
   NearestSkin best;
   float distance = std::numeric_limits<float>::max();
   const TissueMesh& m = *scene.mesh;
   for (size_t v = 0; v < m.source.size(); ++v) {
-    if (m.part[v] != Part::skin) continue;
+    if (m.part[v] != part) continue;
     const float d = (scene.x_mm[v] - p).squaredNorm();
     if (d < distance && scene.normal[v].squaredNorm() > 0.5f) distance = d, best = {scene.x_mm[v], scene.normal[v], true};
   }

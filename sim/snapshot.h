@@ -74,6 +74,7 @@ struct Snapshot {
   std::vector<float> field;        // per view vertex: skin tension shown (largest principal stretch - 1), may be empty
   std::vector<float> moved_mm;     // per view vertex, of a face: how far it is from where it was at first; empty without a face
   std::vector<Vec3f> landmark_mm;  // one per SurfaceTopology::landmark
+  std::vector<std::array<Vec3f, 2>> plate_mm;  // the ends of the plates between fragments of bone, on bone
   std::vector<LiveFigure> figures;
   std::vector<HookState> hooks;
   std::vector<SutureState> sutures;

@@ -292,7 +292,7 @@ int run(const Options& opt) {
     OperationSettings set;
     set.interrupted = interrupted;
     size_t carried_out = 0;
-    set.on_done = [&](const Command& c) { ++carried_out, refused.done(c); };
+    set.on_done = [&](const ScriptLine& l, const std::string&) { ++carried_out, refused.done(l.command); };
     set.on_refusal = [&](const Command& c, const std::string& reason) {
       progress.clear();
       if (const std::string file = refused.refused(c, reason, world.topology_hash()); !file.empty())

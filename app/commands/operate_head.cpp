@@ -28,6 +28,12 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   OperationSettings set;
   set.interrupted = interrupted;
   set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
+  std::string notes;
+  set.on_done = [&](const ScriptLine& l, const std::string& note) {
+    if (!note.empty()) notes += "  note      line " + std::to_string(l.line) + ", " + action_name(l.command) + ": " + note + "\n";
+  };
+  Snapshot first;
+  patient->fill_with_field(first);
   const OperationOutcome o = operate(*patient, script, set);
   progress.clear();
   if (o.interrupted) {
@@ -35,6 +41,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
     return kGoalMissed;
   }
   std::printf("scene       %s, built in %.1f s\n", scene.name.c_str(), built_s);
+  std::fputs(notes.c_str(), stdout);
   print_head(head);
   std::printf("solve       %.0f ms, residual %.1e\nstate_hash  %s\n", o.solve_ms, o.last.residual, hex(patient->state_hash()).c_str());
   Result r("operate", scene.name);
@@ -61,7 +68,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   if (!common.out_dir.empty()) {
     Snapshot last;
     patient->fill_with_field(last);
-    draw_head_pictures(common.out_dir, o.stages, last, scene_camera(scene), head);
+    draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head);
     leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
   }
   r.set("/reproduce", this_call());

@@ -222,6 +222,8 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (window) set.gauges = &window->gauges(), set.pump = [&] { window->pump(); };
   SessionFigures f;
   std::vector<const Source*> devices;  // as in call.live_names
+  Snapshot first;
+  if (a.head) a.patient->fill_with_field(first);
   if (call.real_time) {
     if (!call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
     f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
@@ -274,7 +276,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     Snapshot last;
     a.patient->fill_with_field(last);  // with the tension
     if (a.world) draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
-    else if (a.head) draw_head_pictures(call.common.out_dir, a.solver.stages(), last, scene_camera(a.scene), *a.head);
+    else if (a.head) draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
     if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
   } catch (const InputError& e) {
     unwritten = e;

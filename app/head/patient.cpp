@@ -124,6 +124,7 @@ void HeadPatient::fill(Snapshot& s, bool with_field) const {
   if (!s.field.empty()) s.field.resize(s.x_mm.size(), 0.0f);
   s.moved_mm.clear();
   if (!bone_.moved_mm.empty()) s.moved_mm.assign(n, 0.0f), s.moved_mm.insert(s.moved_mm.end(), bone_.moved_mm.begin(), bone_.moved_mm.end());
+  s.plate_mm = bone_.plate_mm;
   s.landmark_mm = bone_.landmark_mm;
   s.figures = bone_.figures;
   s.residual = std::max(s.residual, bone_.residual);

@@ -16,6 +16,7 @@ Snapshot at_rest(const Snapshot& s, const Head& head) {
   Snapshot b = s;
   const SharedArray<Vec3>& X = s.topology->view.X_mm;
   for (size_t v = 0; v < b.x_mm.size(); ++v) b.x_mm[v] = X[v].cast<float>();
+  b.plate_mm.clear();
   b.moved_mm.assign(b.moved_mm.size(), 0.0f);
   for (const auto& [name, at] : head.landmarks_at_rest())
     for (size_t i = 0; i < std::min(b.landmark_mm.size(), s.topology->landmark.size()); ++i)
@@ -32,7 +33,7 @@ PictureOptions look(FaceLook face, const std::string& title, bool landmarks = fa
 
 }  // namespace
 
-void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last, const Camera& camera, const Head& head) {
+void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first, const Snapshot& last, const Camera& camera, const Head& head) {
   remove_report_pictures(dir);
   if (!last.topology) return;
   const bool face = !last.moved_mm.empty();
@@ -46,7 +47,7 @@ void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& sta
       if (s.shown.topology) write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, look(FaceLook::clear, s.name)));
     const Snapshot before = at_rest(last, head);
     write_png(dir + "/" + report_names::overview, pictures.skin(last, look(FaceLook::clear, "")));
-    write_png(file("bones-before.png"), pictures.skin(before, look(FaceLook::hidden, "Before")));
+    write_png(file("bones-before.png"), pictures.skin(first, look(FaceLook::hidden, "Before")));
     write_png(file("bones-after.png"), pictures.skin(last, look(FaceLook::hidden, "After")));
     if (!face) return;
     write_png(file("before.png"), pictures.skin(before, look(FaceLook::solid, "Before")));

@@ -48,7 +48,7 @@ std::string mm(double v) { return html::number(v, 3) + " mm"; }
 // What happened since the last stage.
 struct Deeds {
   std::string cuts;
-  int fragments = 0, plates = 0, joined = 0;
+  int fragments = 0, sorted = 0, plates = 0, unplated = 0, joined = 0;
   int hooks = 0, moves = 0, released = 0, sutures = 0, rows = 0, threads = 0, undone = 0, redone = 0;
 
   std::string text() const {
@@ -57,7 +57,9 @@ struct Deeds {
       if (n > 0) s += (s.empty() ? "" : " ") + (n == 1 ? one : std::to_string(n) + many) + ".";
     };
     add(fragments, "One fragment moved", " fragments moved");
+    add(sorted, "Fragments put together by their cut rings", " times fragments put together by their cut rings");
     add(plates, "One plate", " plates");
+    add(unplated, "The plates on one fragment taken off", " times the plates on a fragment taken off");
     add(joined, "Two fragments joined", " pairs of fragments joined");
     add(hooks, "One hook set", " hooks set");
     if (moves > 0) s += s.empty() ? "The flap is moved with the hooks." : " The flap is moved with the hooks.";
@@ -83,6 +85,8 @@ void note(const Json& j, const std::string& action, Deeds& d) {
   else if (action == "osteotomy") cut(j.contains("contour") ? "Osteotomy along a closed line" : "Osteotomy by a plane");
   else if (action == "connect_tissue") cut("Tissue between face and bone");
   else if (action == "move_fragment" || action == "let_go") ++d.fragments;
+  else if (action == "sort") ++d.sorted;
+  else if (action == "unplate") ++d.unplated;
   else if (action == "plate") ++d.plates;
   else if (action == "join") ++d.joined;
   else if (action == "hook") ++d.hooks;

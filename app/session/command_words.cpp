@@ -42,7 +42,9 @@ std::string in_words(const Command& command) {
     if (std::holds_alternative<GrabFragment>(*h)) return "fragment grabbed";
     if (const auto* c = std::get_if<LetGo>(h)) return c->snap ? "fragment let go, into its cut" : "fragment let go";
     if (std::holds_alternative<PlateFragments>(*h)) return "plate across two fragments";
+    if (std::holds_alternative<Unplate>(*h)) return "plates taken off";
     if (std::holds_alternative<JoinFragments>(*h)) return "two fragments joined";
+    if (std::holds_alternative<SortFragments>(*h)) return "fragments sorted by their cut rings";
     if (const auto* c = std::get_if<DragFragment>(h)) return words("fragment taken by %.1f mm in %.1f s", c->to.translation_mm.norm(), c->seconds);
     if (const auto* c = std::get_if<ConnectTissue>(h)) return "tissue: " + c->name;
     if (const auto* c = std::get_if<PlaceLandmark>(h)) return "landmark " + c->name;

@@ -90,12 +90,18 @@ class Bones {
   Outcome move(int32_t id, const Eigen::Isometry3d& pose);
   /// A plate between two fragments (places at rest): from now on they move as one.
   Outcome plate(const Vec3& a_mm, const Vec3& b_mm);
-  Outcome remove_plate(size_t index);
+  /// Takes all plates off a fragment. Refused: there is none on it.
+  Outcome unplate(int32_t id);
+  /// Puts together what fits by its cut rings, wherever it lies (sorting.h; some 0.1 s a pair): of each group that verified pairs
+  /// join, the fixed one stays, or the one with the smallest number. One act; in words what went where, and what fits nothing.
+  /// Refused, with the reasons: nothing fits; all that fits lies so already; two fixed ones fit each other; a plate would be bent.
+  Outcome sort();
 
   Outcome grab(int32_t id);
   void drag(int32_t id, const Eigen::Isometry3d& wanted_pose);
   /// Leaves it where it is. snap: when within kSnap_mm (of its centre) and
-  /// kSnap_deg of fitting a fragment that it was cut from, it is put where it fits; to the nearest of several.
+  /// kSnap_deg of fitting a fragment that it was cut from, it is put where it fits; to the nearest of several. In words which, or
+  /// why not.
   Outcome release(int32_t id, bool snap = false);
   void step(double dt_s);
   bool physics() const { return hold_ != nullptr; }

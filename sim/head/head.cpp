@@ -148,6 +148,23 @@ Outcome Head::act(const PlateFragments& p) {
   return done;
 }
 
+Outcome Head::act(const Unplate& u) {
+  std::string reason;
+  const int32_t id = find(u.fragment, reason);
+  if (id < 0) return refuse(reason);
+  Done before = moment(true, false);
+  const Outcome done = bones_.unplate(id);
+  if (done.done) remember(std::move(before)), topology_changed();
+  return done;
+}
+
+Outcome Head::act(const SortFragments&) {
+  Done before = moment(true, false);
+  const Outcome done = bones_.sort();
+  if (done.done) remember(std::move(before));
+  return done;
+}
+
 Outcome Head::act(const JoinFragments& j) {
   std::string reason;
   const int32_t a = find(j.a, reason), b = a < 0 ? -1 : find(j.b, reason);
@@ -355,6 +372,9 @@ void Head::fill(Snapshot& s) const {
   if (has_face_) view_.moved(face_.face(), s.x_mm, s.moved_mm);
   else s.moved_mm.clear();
   s.hooks.clear(), s.sutures.clear();
+  s.plate_mm.clear();
+  for (const bone::Plate& p : bones_.plates())
+    s.plate_mm.push_back({(bones_.fragment(p.a)->pose * p.a_mm).cast<float>(), (bones_.fragment(p.b)->pose * p.b_mm).cast<float>()});
   s.landmark_mm.clear();
   for (const HeadLandmark& l : landmarks_) s.landmark_mm.push_back(landmark_mm(l).cast<float>());
   s.figures.clear();

@@ -112,6 +112,8 @@ class Head {
   Outcome act(const ConnectTissue&);
   Outcome act(const PlaceLandmark&);
   Outcome act(const Superpose&);
+  Outcome act(const Unplate&);
+  Outcome act(const SortFragments&);
   Outcome undo();
   Outcome redo();
   Outcome connect(const ConnectTissue& tissue);

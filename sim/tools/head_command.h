@@ -16,7 +16,11 @@
 //   {"action":"let_go","snap":true}                                       with "snap": into the nearest of its cuts. The three also with
 //                                                                          "hand":1, for two hands that hold one each
 //   {"action":"plate","a":[x,y,z],"b":[x,y,z]}                            a plate from bone to bone: its two fragments move together
+//   {"action":"unplate","fragment":P}                                     the plates on it are taken off
 //   {"action":"join","a":P,"b":P}                                         two fragments become one
+//   {"action":"sort"}                                                     fragments are put together by their cut rings, wherever they lie:
+//                                                                          what fits and is verified goes to a bone that does not move, or to
+//                                                                          the one with the smallest number (sim/bone/sorting.h)
 //   {"action":"connect_tissue","name":"chin","face":[x,y,z],"face_radius_mm":25,"bone":[x,y,z],"bone_radius_mm":40,
 //    "layers":3,"young_kPa":10,"mode":"finite_elements"}                  tissue between a region of the face and one of the bone, within
 //                                                                          so far of these places; "bone_radius_mm" 0: all bone. Modes:
@@ -67,6 +71,8 @@ struct DragFragment { RigidMove to; double seconds = 2; int hand = 0; };
 struct LetGo { bool snap = false; int hand = 0; };
 struct PlateFragments { Vec3 a_mm{0, 0, 0}, b_mm{0, 0, 0}; };
 struct JoinFragments { FragmentPick a, b; };
+struct Unplate { FragmentPick fragment; };
+struct SortFragments {};
 enum class TissueKind : uint8_t { smoothing, springs, shape, finite_elements };
 struct ConnectTissue {
   std::string name;
@@ -89,7 +95,7 @@ struct Superpose {
   std::string name;
 };
 
-using HeadCommand = std::variant<CutBone, MoveFragment, GrabFragment, DragFragment, LetGo, PlateFragments, JoinFragments, ConnectTissue, PlaceLandmark, Superpose>;
+using HeadCommand = std::variant<CutBone, MoveFragment, GrabFragment, DragFragment, LetGo, PlateFragments, JoinFragments, ConnectTissue, PlaceLandmark, Superpose, Unplate, SortFragments>;
 
 /// The names of TissueKind in scripts and scenes, in its order.
 inline constexpr const char* kTissueKinds[] = {"smoothing", "springs", "shape", "finite_elements"};

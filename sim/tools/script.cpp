@@ -145,7 +145,7 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
   }
   if (is_head_action(a)) return read_head_action(r, a, where);
   r.fail("unknown action \"" + ScriptReader::shown(a) +
-         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, suture_corner, suture_between, cut_suture, undo, redo, stage or wait, or of a head: osteotomy, move_fragment, grab, drag, let_go, plate, join, connect_tissue, landmark or superpose");
+         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, suture_corner, suture_between, cut_suture, undo, redo, stage or wait, or of a head: osteotomy, move_fragment, grab, drag, let_go, plate, unplate, join, sort, connect_tissue, landmark or superpose");
 }
 
 Script parse_script(std::string_view text, const std::string& name) {

@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using L = ScriptLimits;
 
-constexpr const char* kNames[] = {"osteotomy", "move_fragment", "grab", "drag", "let_go", "plate", "join", "connect_tissue", "landmark", "superpose"};
+constexpr const char* kNames[] = {"osteotomy", "move_fragment", "grab", "drag", "let_go", "plate", "join", "connect_tissue", "landmark", "superpose", "unplate", "sort"};
 static_assert(std::variant_size_v<HeadCommand> == std::size(kNames));
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -130,6 +130,14 @@ HeadCommand read_head_action(const ScriptReader& r, const std::string& a, const 
     r.only({"action", "a", "b"}, where);
     return JoinFragments{pick(r, "a"), pick(r, "b")};
   }
+  if (a == "unplate") {
+    r.only({"action", "fragment"}, where);
+    return Unplate{pick(r, "fragment")};
+  }
+  if (a == "sort") {
+    r.only({"action"}, where);
+    return SortFragments{};
+  }
   if (a == "connect_tissue") return read_tissue(r, where);
   if (a == "superpose") {
     r.only({"action", "on", "name"}, where);
@@ -192,6 +200,8 @@ std::string head_json_line(const HeadCommand& command) {
   } else if (const auto* n = std::get_if<PlaceLandmark>(&command)) {
     j["name"] = n->name, j["at"] = json(n->at_mm);
     if (n->on_face) j["on"] = "face";
+  } else if (const auto* u = std::get_if<Unplate>(&command)) {
+    j["fragment"] = json(u->fragment);
   } else if (const auto* s = std::get_if<Superpose>(&command)) {
     j["on"] = kSkullBeside[size_t(s->on)];
     if (!s->name.empty()) j["name"] = s->name;

@@ -11,11 +11,13 @@
 #include "render/textures.h"
 #include "render/view.h"
 #include "render/visible.h"
+#include "tests/render/sample_head.h"
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
 namespace {
 
+using testing::sample_head;
 using testing::sample_snapshot;
 
 TEST(TissueMesh, EveryTriangleIsThereOnceAndGrouped) {
@@ -232,6 +234,33 @@ TEST(Visible, ClosedSurfaceShowsItsFrontAndWhatIsInTheFrame) {
   EXPECT_GT(turned, scene.mesh->tri.size() / 3);
   EXPECT_GT(outside, scene.mesh->tri.size() / 10);
   EXPECT_LT(kept.size(), scene.mesh->tri.size() * 2 / 3);
+}
+
+TEST(SceneBuilder, APlateLiesOnTheBone) {
+  Snapshot s = sample_head();
+  SceneBuilder builder;
+  const size_t without = builder.build(s, {}).props.vertex.size();
+  const Vec3f half(58, 76, 78);  // of the egg of bone
+  const auto on_egg = [&](float x, float z) { return Vec3f(x, -half.y() * std::sqrt(1 - x * x / (half.x() * half.x()) - z * z / (half.z() * half.z())), z); };
+  const Vec3f a = on_egg(-9, -10), b = on_egg(8, -16);
+  s.plate_mm.push_back({a, b});
+  const RenderScene& scene = builder.build(s, {});
+  ASSERT_GT(scene.props.vertex.size(), without);
+  float highest = 0, lowest = 0, first = 1e9f, last = 1e9f;
+  for (size_t v = without; v < scene.props.vertex.size(); ++v) {
+    const Vec3f x = scene.props.vertex[v].x_mm;
+    ASSERT_TRUE(x.allFinite());
+    EXPECT_NEAR(scene.props.vertex[v].normal.norm(), 1, 1e-3);
+    const float above = (x.cwiseQuotient(half).norm() - 1) * half.y();
+    highest = std::max(highest, above), lowest = std::min(lowest, above);
+    first = std::min(first, (x - a).norm()), last = std::min(last, (x - b).norm());
+  }
+  // A plate of 1.5 mm and the heads of its screws, seen; what lies in bone is hidden there, no deeper than the plate is thick.
+  EXPECT_GT(highest, 1.2f);
+  EXPECT_LT(highest, 3);
+  EXPECT_GT(lowest, -1.5f);
+  EXPECT_LT(first, 2);
+  EXPECT_LT(last, 2);
 }
 
 TEST(Props, TubeFacesOutwards) {

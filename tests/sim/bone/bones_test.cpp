@@ -48,7 +48,14 @@ TEST(Bones, PlatesHoldTogether) {
   const Eigen::Isometry3d p = moved({0, 5, 1}, 0.2);
   ASSERT_TRUE(b.move(1, p).done);
   for (int32_t id : {1, 2}) EXPECT_LT((b.fragment(id)->pose.matrix() - p.matrix()).norm(), 1e-12);
-  ASSERT_TRUE(b.remove_plate(0).done);
+  const uint64_t plated = b.hash();
+  EXPECT_FALSE(b.unplate(0).done);  // there is none on the cranium
+  EXPECT_FALSE(b.unplate(9).done);
+  EXPECT_EQ(b.hash(), plated);
+  ASSERT_TRUE(b.unplate(2).done);
+  ASSERT_TRUE(b.undo().done);
+  EXPECT_EQ(b.hash(), plated);
+  ASSERT_TRUE(b.redo().done);
   ASSERT_TRUE(b.move(1, Eigen::Isometry3d::Identity()).done);
   EXPECT_LT((b.fragment(2)->pose.matrix() - p.matrix()).norm(), 1e-12);
 }
@@ -106,7 +113,7 @@ TEST(Bones, RandomActsReturnToEveryState) {
     } else if (what < 7) {
       o = b.move(b.fragments()[size_t(random.below(int(b.fragments().size())))].id, moved(random.vec(3), random.uniform(-.05, .05), random.vec() + Vec3(2, 0, 0)));
     } else if (what == 7) {
-      o = b.plate(random.vec(70), random.vec(70));
+      o = i % 2 ? b.plate(random.vec(70), random.vec(70)) : b.unplate(b.fragments()[size_t(random.below(int(b.fragments().size())))].id);
     } else {
       // Back by some and on again by fewer.
       const int back = random.below(4), again = back > 0 ? random.below(back) : 0;

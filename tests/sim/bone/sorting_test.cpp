@@ -147,6 +147,108 @@ TEST(Sorting, WhatDoesNotBelongTogetherIsRefused) {
   EXPECT_NE(turned.refused[0].reason.find("several"), std::string::npos) << turned.refused[0].reason;
 }
 
+/// How far the fragments lie from where they were cut, which is where the fixed one still is.
+void expect_back(const Bones& b) {
+  for (const Fragment& f : b.fragments()) {
+    EXPECT_LE((f.pose * f.centre_mm - f.centre_mm).norm(), 0.5) << f.name;  // the bars of the noisy rings above
+    EXPECT_LE(Eigen::AngleAxisd(Mat3(f.pose.linear())).angle() * 180 / M_PI, 1) << f.name;
+  }
+}
+
+TEST(SortingAct, BringsEachFragmentBackInOneStep) {
+  Bones b = six_fragments();
+  test::Random random(11);
+  for (const Fragment& f : std::vector<Fragment>(b.fragments()))
+    if (!f.fixed) {
+      ASSERT_TRUE(b.move(f.id, anywhere(random)).done);
+    }
+  const uint64_t apart = b.hash();
+  const Outcome o = b.sort();
+  ASSERT_TRUE(o.done) << o.reason;
+  std::printf("%s\n", o.reason.c_str());
+  EXPECT_EQ(b.fragment(0)->pose.matrix(), Eigen::Matrix4d::Identity());  // it is fixed
+  expect_back(b);
+  const uint64_t together = b.hash();
+  // Again there is nothing to do: no act, so that an undo is not one of nothing.
+  const Outcome again = b.sort();
+  EXPECT_FALSE(again.done);
+  EXPECT_NE(again.reason.find("lie so already"), std::string::npos) << again.reason;
+  EXPECT_EQ(b.hash(), together);
+  ASSERT_TRUE(b.undo().done);
+  EXPECT_EQ(b.hash(), apart);
+  ASSERT_TRUE(b.redo().done);
+  EXPECT_EQ(b.hash(), together);
+}
+
+TEST(SortingAct, TheFixedOneStaysWhateverItsNumber) {
+  const std::vector<simplex::Mesh> piece = pieces_of(six_fragments());
+  std::vector<NamedMesh> two;
+  two.push_back({"vault", piece[1], false}), two.push_back({"skull base", piece[0], true});
+  Bones b(std::move(two), test::inline_workers());
+  test::Random random(13);
+  ASSERT_TRUE(b.move(0, anywhere(random)).done);
+  const Outcome o = b.sort();
+  ASSERT_TRUE(o.done) << o.reason;
+  EXPECT_EQ(b.fragment(1)->pose.matrix(), Eigen::Matrix4d::Identity());
+  expect_back(b);
+}
+
+TEST(SortingAct, APlateThatHoldsFragmentsApartHasToGoFirst) {
+  Bones b = six_fragments();
+  test::Random random(12);
+  ASSERT_TRUE(b.move(1, anywhere(random)).done);
+  Vec3 on1, on2;
+  ASSERT_EQ(b.nearest_fragment(b.fragment(1)->centre_mm, &on1), 1);
+  ASSERT_EQ(b.nearest_fragment(b.fragment(2)->centre_mm, &on2), 2);
+  ASSERT_TRUE(b.plate(on1, on2).done);
+  const uint64_t plated = b.hash();
+  const Outcome held = b.sort();
+  EXPECT_FALSE(held.done);
+  EXPECT_NE(held.reason.find("a plate holds them"), std::string::npos) << held.reason;
+  EXPECT_EQ(b.hash(), plated);
+  ASSERT_TRUE(b.unplate(1).done);
+  const Outcome o = b.sort();
+  ASSERT_TRUE(o.done) << o.reason;
+  expect_back(b);
+  // A plate between fragments that fit goes along.
+  ASSERT_TRUE(b.plate(on1, on2).done);
+  const Eigen::Isometry3d one = b.fragment(1)->pose, away = anywhere(random);
+  ASSERT_TRUE(b.move(1, away * one).done);
+  const Outcome both = b.sort();
+  ASSERT_TRUE(both.done) << both.reason;
+  expect_back(b);
+}
+
+TEST(SortingAct, ARefusalSaysWhyAndChangesNothing) {
+  const auto refused = [](Bones& b, const char* says) {
+    const uint64_t before = b.hash();
+    const bool undo = b.can_undo();
+    const Outcome o = b.sort();
+    EXPECT_FALSE(o.done);
+    EXPECT_NE(o.reason.find(says), std::string::npos) << o.reason;
+    EXPECT_EQ(b.hash(), before);
+    EXPECT_EQ(b.can_undo(), undo);
+  };
+  Bones whole = test::simple_head();
+  refused(whole, "no fragment fits another by its cut rings");
+  std::vector<NamedMesh> ball;
+  ball.push_back({"ball", test::skull_shell(4, {70, 70, 70}), true});
+  Bones round(std::move(ball), test::inline_workers());
+  Osteotomy o;
+  o.path_mm = test::on_ellipsoid(test::circle({0, 60, 0}, {0, 1, 0}, 25, 80), {70, 70, 70});
+  ASSERT_TRUE(round.cut(o).done);
+  ASSERT_TRUE(round.move(1, test::moved({0, 40, 0}, 1)).done);
+  refused(round, "several");
+  ASSERT_TRUE(round.grab(1).done);
+  EXPECT_NE(round.sort().reason.find("held"), std::string::npos);
+  // Two that are fixed cannot be brought together.
+  const std::vector<simplex::Mesh> piece = pieces_of(six_fragments());
+  std::vector<NamedMesh> two;
+  two.push_back({"skull base", piece[0], true}), two.push_back({"vault", piece[1], true});
+  Bones both(std::move(two), test::inline_workers());
+  refused(both, "skull base and vault fit each other and are fixed, both");
+}
+
 TEST(Stl, IsClosedAndHasTheVolume) {
   Bones b = test::simple_head();
   ASSERT_TRUE(b.cut(test::window()).done);

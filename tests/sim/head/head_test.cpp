@@ -5,6 +5,7 @@
 
 #include "sim/error.h"
 #include "sim/simplex/generators.h"
+#include "tests/sim/bone/shapes.h"
 
 namespace limberg {
 namespace {
@@ -74,13 +75,15 @@ TEST(Head, RefusalsSayWhyAndChangeNothing) {
   refused(HeadCommand(lift({500, 0, 0}, {0, 0, 1})), "no bone within 15 mm");
   refused(HeadCommand(DragFragment{}), "nothing is held");
   refused(HeadCommand(LetGo{}), "nothing is held");
+  refused(HeadCommand(Unplate{{0, Vec3::Zero()}}), "no plate on ball");
+  refused(HeadCommand(SortFragments{}), "no fragment fits another");
   refused(HeadCommand(PlaceLandmark{"far", {0, 0, 300}, false}), "more than 20 mm");
   refused(Undo{}, "nothing to undo");
   CutBone beside = halve();
   beside.point_mm = {0, 0, 90};
   EXPECT_FALSE(h.apply(HeadCommand(beside)).done);
   EXPECT_EQ(h.state_hash(), before);
-  EXPECT_EQ(h.refused(), 9);
+  EXPECT_EQ(h.refused(), 11);
 }
 
 TEST(Head, UndoAndRedoGoThroughEveryKindOfAct) {
@@ -89,7 +92,7 @@ TEST(Head, UndoAndRedoGoThroughEveryKindOfAct) {
   ConnectTissue t;
   t.name = "cap", t.face_mm = {0, 0, 38}, t.bone_mm = {0, 0, 30}, t.face_radius_mm = 25, t.mode = TissueKind::springs;
   const std::vector<Command> acts{HeadCommand(t), HeadCommand(PlaceLandmark{"side", {30, 0, 0}, false}), HeadCommand(halve()),
-                                  HeadCommand(lift({0, 0, 30}, {0, 0, 6})), HeadCommand(PlateFragments{{25, 0, 15}, {27, 0, 0}})};
+                                  HeadCommand(lift({0, 0, 30}, {0, 0, 6})), HeadCommand(PlateFragments{{25, 0, 15}, {27, 0, 0}}), HeadCommand(Unplate{{-1, {25, 0, 15}}})};
   std::vector<uint64_t> bones{h.bones().hash()};
   std::vector<size_t> landmarks{h.landmarks().size()}, tissues{0};
   for (const Command& c : acts) {
@@ -114,6 +117,52 @@ TEST(Head, UndoAndRedoGoThroughEveryKindOfAct) {
     }
     EXPECT_FALSE(h.apply(Redo{}).done);
   }
+}
+
+TEST(Head, FragmentsAreSortedWithTheirLandmarks) {
+  HeadParts p;
+  p.bones.push_back({"cranium", test::skull_shell(4, {70, 85, 65}, 6, 3), true});
+  p.landmarks = {{"front", {0, 60, 46}, false}, {"back", {0, -60, 46}, false}};
+  InlineWorkers w;
+  Head h(std::move(p), w);
+  CutBone vault, halves;
+  vault.point_mm = {0, 0, 12}, vault.normal = {0.1, 0.25, 1};
+  halves.point_mm = {5, 10, 0}, halves.normal = {0.15, 1, 0.1}, halves.of = FragmentPick{1, Vec3::Zero()};
+  ASSERT_TRUE(h.apply(HeadCommand(vault)).done);
+  ASSERT_TRUE(h.apply(HeadCommand(halves)).done);
+  ASSERT_EQ(h.bones().fragments().size(), 3u);
+  const Vec3 front = landmark(h, "front"), back = landmark(h, "back");
+  MoveFragment away;
+  away.fragment.id = 1, away.by.translation_mm = {120, 40, -30}, away.by.rotation_deg = {10, 70, -20};
+  ASSERT_TRUE(h.apply(HeadCommand(away)).done);
+  away.fragment.id = 2, away.by.translation_mm = {-90, 20, 60}, away.by.rotation_deg = {-40, 5, 100};
+  ASSERT_TRUE(h.apply(HeadCommand(away)).done);
+  EXPECT_GT((landmark(h, "front") - front).norm(), 50);
+  const uint64_t apart = h.state_hash();
+  const Outcome o = h.apply(HeadCommand(SortFragments{}));
+  ASSERT_TRUE(o.done) << o.reason;
+  EXPECT_LT((landmark(h, "front") - front).norm(), 0.5);
+  EXPECT_LT((landmark(h, "back") - back).norm(), 0.5);
+  ASSERT_TRUE(h.apply(Undo{}).done);
+  EXPECT_EQ(h.state_hash(), apart);
+}
+
+TEST(Head, APlateIsShownWhereItsFragmentsAreNow) {
+  InlineWorkers w;
+  Head h(ball(), w);
+  ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+  ASSERT_TRUE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 6}))).done);
+  Snapshot s;
+  h.fill(s);
+  EXPECT_TRUE(s.plate_mm.empty());
+  ASSERT_TRUE(h.apply(HeadCommand(PlateFragments{{25, 0, 15}, {27, 0, 0}})).done);
+  h.fill(s);
+  ASSERT_EQ(s.plate_mm.size(), 1u);
+  EXPECT_LT((s.plate_mm[0][0] - Vec3f(25, 0, 21)).norm(), 2);  // the surface of a coarse ball, and 6 mm
+  EXPECT_LT((s.plate_mm[0][1] - Vec3f(27, 0, 0)).norm(), 3.5);
+  ASSERT_TRUE(h.apply(HeadCommand(Unplate{{-1, {0, 0, 30}}})).done);
+  h.fill(s);
+  EXPECT_TRUE(s.plate_mm.empty());
 }
 
 TEST(Head, AMovedFragmentSaysHowItLies) {

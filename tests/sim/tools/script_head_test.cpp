@@ -33,6 +33,8 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
                                       PlateFragments{{1, 2, 3}, {4, 5, 6}},
                                       JoinFragments{{0, Vec3::Zero()}, {-1, {9, 8, 7}}},
                                       tissue,
+                                      Unplate{{2, Vec3::Zero()}},
+                                      SortFragments{},
                                       PlaceLandmark{"Pog'", {0, 95, -80}, true},
                                       Superpose{SkullBeside::mirror, "advanced"},
                                       Superpose{SkullBeside::off, ""}};
@@ -48,6 +50,8 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
 
 TEST(ScriptHead, BadLinesSayLineAndReason) {
   EXPECT_NE(why(R"({"action":"superpose","on":"moon"})").find("expected normal, mirror or off"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"unplate"})").find("\"fragment\" is missing"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"sort","fragment":1})").find("unknown key \"fragment\""), std::string::npos);
   EXPECT_NE(why(R"({"action":"superpose"})").find("\"on\""), std::string::npos);
   EXPECT_NE(why(R"({"action":"superpose","on":"normal","at":[0,0,0]})").find("\"at\""), std::string::npos);
   EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6]]})").find("s.jsonl:7: \"contour\" has 2 points; expected 3"), std::string::npos);
