@@ -2,27 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/bone/held.h"
 #include "sim/bone/join.h"
 #include "sim/bone/shape.h"
-#include "sim/bone/sorting.h"
+#include "sim/bone/words.h"
 #include "sim/error.h"
 #include "sim/hash.h"
 
 namespace limberg::bone {
 namespace {
 
-Outcome refused(std::string why) { return {false, std::move(why)}; }
-
 bool rigid(const Eigen::Isometry3d& p) {
   const Mat3 R = p.linear();
   return p.matrix().allFinite() && (R * R.transpose() - Mat3::Identity()).norm() < 1e-6 && R.determinant() > 0 && p.translation().norm() < 1e5;
 }
-
-std::string no_fragment(int32_t id) { return "there is no fragment " + std::to_string(id); }
-constexpr const char* kHeld = "a fragment is held; it has to be released first";
 
 }  // namespace
 
@@ -259,75 +253,6 @@ Outcome Bones::unplate(int32_t id) {
   if (std::erase_if(now_.plates, [&](const Plate& p) { return p.a == id || p.b == id; }) == 0) return refused("there is no plate on " + fragment(id)->name);
   finish(std::move(act));
   return {true, ""};
-}
-
-Outcome Bones::sort() {
-  if (held_ >= 0) return refused(kHeld);
-  constexpr double kThere_mm = 0.01, kThere_deg = 0.01;  // lies there already: a fifth of the nearest that a fit of rings looks (sorting.cpp)
-  std::vector<int32_t> ids;
-  const Sorting found = sort_fragments(pieces_of(*this, &ids));
-  // Joined by verified pairs only: a group of the sorting may hold a pair that lies together and does not stand.
-  std::vector<size_t> group(ids.size());
-  for (size_t i = 0; i < ids.size(); ++i) group[i] = i;
-  for (const Match& m : found.matches) {
-    const size_t from = group[size_t(m.b)], to = group[size_t(m.a)];
-    std::replace(group.begin(), group.end(), from, to);
-  }
-  const auto far = [](const Eigen::Isometry3d& was, const Eigen::Isometry3d& is, const Vec3& at) {
-    return std::pair((is * at - was * at).norm(), Eigen::AngleAxisd(Mat3(is.linear() * was.linear().transpose())).angle() * 180 / M_PI);
-  };
-  State to = now_;  // (its fragments in the order of ids)
-  std::string words;
-  char text[160];
-  const auto say = [&](const std::string& s) { words += (words.empty() ? "" : "; ") + s; };
-  bool moves = false;
-  for (size_t g = 0; g < ids.size(); ++g) {
-    std::vector<size_t> member;
-    for (size_t i = 0; i < ids.size(); ++i)
-      if (group[i] == g) member.push_back(i);
-    if (member.size() < 2) continue;
-    const auto fixed = [&](size_t i) { return now_.fragments[i].fixed; };
-    if (std::count_if(member.begin(), member.end(), fixed) > 1) {
-      const auto one = std::find_if(member.begin(), member.end(), fixed);
-      return refused(now_.fragments[*one].name + " and " + now_.fragments[*std::find_if(one + 1, member.end(), fixed)].name + " fit each other and are fixed, both; expected one of them at most");
-    }
-    const auto held = std::find_if(member.begin(), member.end(), fixed);
-    const size_t stays = held != member.end() ? *held : member.front();
-    for (size_t i : member) {
-      Fragment& f = to.fragments[i];
-      if (i == stays) continue;
-      const Eigen::Isometry3d pose = found.pose[stays].inverse() * found.pose[i] * f.pose;
-      const auto [mm, deg] = far(f.pose, pose, f.centre_mm);
-      if (mm <= kThere_mm && deg <= kThere_deg) continue;
-      f.pose = pose, moves = true;
-      double length = 0, residual = 0;  // of its best pair
-      for (const Match& m : found.matches)
-        if ((size_t(m.a) == i || size_t(m.b) == i) && m.length_mm > length) length = m.length_mm, residual = m.residual_mm;
-      std::snprintf(text, sizeof text, " put where it fits: by %.1f mm and %.1f degrees (rings together for %.0f mm, %.2f mm apart)", mm, deg, length, residual);
-      say(f.name + text);
-    }
-  }
-  for (size_t i = 0; i < ids.size(); ++i) {
-    if (std::any_of(found.matches.begin(), found.matches.end(), [&](const Match& m) { return size_t(m.a) == i || size_t(m.b) == i; })) continue;
-    std::string why;
-    for (const Unmatched& u : found.refused)  // pairs that fitted by themselves come first
-      if (why.empty() && (size_t(u.a) == i || size_t(u.b) == i)) why = ": with " + now_.fragments[size_t(u.a) == i ? size_t(u.b) : size_t(u.a)].name + ", " + u.reason;
-    say(now_.fragments[i].name + " fits nothing" + why);
-  }
-  if (found.matches.empty()) return refused("no fragment fits another by its cut rings (" + words + "); expected fragments that were cut from each other");
-  if (!moves) return refused("the fragments that fit each other lie so already" + (words.empty() ? "" : " (" + words + ")"));
-  for (const Plate& p : now_.plates) {
-    const auto between = [&](const State& s) { return Eigen::Isometry3d(s.fragments[size_t(index(p.a))].pose.inverse() * s.fragments[size_t(index(p.b))].pose); };
-    const auto [mm, deg] = far(between(now_), between(to), p.b_mm);
-    if (mm <= kThere_mm && deg <= kThere_deg) continue;
-    std::snprintf(text, sizeof text, " would go %.2f mm and %.2f degrees from each other, and a plate holds them; expected it taken off", mm, deg);
-    return refused(fragment(p.a)->name + " and " + fragment(p.b)->name + text);
-  }
-  Act act;
-  act.before = std::move(now_);
-  now_ = std::move(to);
-  finish(std::move(act));
-  return {true, words};
 }
 
 Outcome Bones::undo() {

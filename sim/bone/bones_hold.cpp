@@ -1,17 +1,16 @@
 // Fragments held by the hand, and the gaps between them.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/bone/bones.h"
 #include "sim/bone/gaps.h"
 #include "sim/bone/held.h"
 #include "sim/bone/shape.h"
+#include "sim/bone/words.h"
 
 namespace limberg::bone {
 namespace {
 
-Outcome refused(std::string why) { return {false, std::move(why)}; }
 constexpr double kBone_g_per_mm3 = 1.9e-3;  // cortical bone
 
 }  // namespace
@@ -31,7 +30,7 @@ const FragmentShape& Bones::shape(int32_t id) const {
 Outcome Bones::grab(int32_t id) {
   if (held_ >= 0) return refused("fragment " + std::to_string(held_) + " is held already");
   const Fragment* f = fragment(id);
-  if (!f) return refused("there is no fragment " + std::to_string(id));
+  if (!f) return refused(no_fragment(id));
   for (int32_t i : plated(id))
     if (const Fragment& g = now_.fragments[size_t(i)]; g.fixed) return refused(g.id == id ? g.name + " is fixed" : "it is plated to " + g.name + ", which is fixed");
   std::vector<std::vector<int32_t>> ids;
@@ -95,19 +94,17 @@ Outcome Bones::release(int32_t id, bool snap) {
     const std::vector<int32_t> group = plated(id);
     double least = kSnap_mm, nearest = 1e300, nearest_deg = 0;
     Eigen::Isometry3d to = f.pose;
-    std::string into, beside;
+    const Fragment *into = nullptr, *beside = nullptr;
     for (const Fragment& g : now_.fragments) {
       if (std::find(group.begin(), group.end(), index(g.id)) != group.end() || !(seam_mm2(shape(id), shape(g.id)) > 0)) continue;
       const double far = (g.pose * f.centre_mm - f.pose * f.centre_mm).norm();
       const double deg = Eigen::AngleAxisd(Mat3(g.pose.linear() * f.pose.linear().transpose())).angle() * 180 / M_PI;
-      if (far < nearest) nearest = far, nearest_deg = deg, beside = g.name;
-      if (far <= least && deg <= kSnap_deg) least = far, to = g.pose, into = g.name;
+      if (far < nearest) nearest = far, nearest_deg = deg, beside = &g;
+      if (far <= least && deg <= kSnap_deg) least = far, to = g.pose, into = &g;
     }
-    char text[160];
-    if (!into.empty()) std::snprintf(text, sizeof text, " fits into its cut in %s: moved by %.1f mm", into.c_str(), least);
-    else if (!beside.empty()) std::snprintf(text, sizeof text, " stays: %.1f mm and %.0f degrees from fitting %s; at most %.0f mm and %.0f degrees was expected", nearest, nearest_deg, beside.c_str(), kSnap_mm, kSnap_deg);
-    else std::snprintf(text, sizeof text, " stays: it was cut from no other fragment");
-    words = f.name + text;
+    if (into) words = f.name + " fits into its cut in " + into->name + text(": moved by %.1f mm", least);
+    else if (beside) words = f.name + text(" stays: %.1f mm and %.0f degrees from fitting ", nearest, nearest_deg) + beside->name + text("; at most %.0f mm and %.0f degrees was expected", kSnap_mm, kSnap_deg);
+    else words = f.name + " stays: it was cut from no other fragment";
     const Eigen::Isometry3d by = to * f.pose.inverse();
     for (int32_t i : group) {
       Fragment& g = now_.fragments[size_t(i)];

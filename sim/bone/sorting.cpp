@@ -4,11 +4,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/bone/bones.h"
 #include "sim/bone/ring_ways.h"
 #include "sim/bone/shape.h"
+#include "sim/bone/words.h"
 #include "sim/simplex/dual.h"
 
 namespace limberg::bone {
@@ -25,12 +25,6 @@ constexpr size_t kTried = 24, kFitted = 8;  // ways that are fitted a little, an
 constexpr double kOne_mm = 3, kOne_deg = 4;  // with noise, fits that end so near to each other are one
 constexpr double kSettle_mm = 3;       // places so far apart are one at first
 constexpr int kRounds = 15;           // in which a group of pieces settles
-
-std::string text(const char* format, double a, double b) {
-  char s[160];
-  std::snprintf(s, sizeof s, format, a, b);
-  return s;
-}
 
 struct Piece {
   std::vector<Ring> rings;

@@ -37,7 +37,7 @@ struct Unmatched {
 };
 
 struct Sorting {
-  std::vector<Match> matches;                 // verified, best first
+  std::vector<Match> matches;                 // verified, the longest first
   std::vector<Unmatched> refused;             // pairs that came near, with the reason
   std::vector<Eigen::Isometry3d> pose;        // per piece: into the frame of the first of its group
   std::vector<int32_t> group;                 // the smallest piece that it was put together with (itself, when alone)

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "sim/bone/words.h"
 #include "sim/error.h"
 #include "sim/hash.h"
 
@@ -41,10 +41,8 @@ std::string lies(const bone::Bones& bones, int32_t id) {
   std::string words;
   for (const bone::Gap& g : bones.gaps()) {
     if ((g.a != id && g.b != id) || std::max(g.gap_max_mm, g.overlap_max_mm) < kNothing_mm) continue;
-    char text[160];
-    std::snprintf(text, sizeof text, "%s%s: gap %.1f mm, at most %.1f", words.empty() ? "" : "; ", bones.fragment(g.a == id ? g.b : g.a)->name.c_str(), g.gap_mean_mm, g.gap_max_mm);
-    words += text;
-    if (g.overlap_max_mm >= kNothing_mm) std::snprintf(text, sizeof text, ", overlap %.1f mm deep, %.0f mm^3", g.overlap_max_mm, g.overlap_mm3), words += text;
+    words += (words.empty() ? "" : "; ") + bones.fragment(g.a == id ? g.b : g.a)->name + bone::text(": gap %.1f mm, at most %.1f", g.gap_mean_mm, g.gap_max_mm);
+    if (g.overlap_max_mm >= kNothing_mm) words += bone::text(", overlap %.1f mm deep, %.0f mm^3", g.overlap_max_mm, g.overlap_mm3);
   }
   return words;
 }
@@ -212,7 +210,7 @@ Outcome Head::connect(const ConnectTissue& t) {
 }
 
 Outcome Head::act(const ConnectTissue& t) {
-  if (bones_.held() >= 0) return refuse("a fragment is held; it has to be released first");
+  if (bones_.held() >= 0) return refuse(bone::kHeld);
   Done before = moment(false, true);
   const Outcome o = connect(t);
   if (!o.done) return o;

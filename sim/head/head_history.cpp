@@ -1,11 +1,8 @@
 // Undo and redo of a head: acts on bone are taken back by Bones, what they changed beside the bones comes from copies.
+#include "sim/bone/words.h"
 #include "sim/head/head.h"
 
 namespace limberg {
-
-namespace {
-constexpr const char* kHeld = "a fragment is held; it has to be released first";
-}
 
 Head::Done Head::moment(bool bones, bool with_face) const {
   Done d;
@@ -42,13 +39,13 @@ Outcome Head::go(std::vector<Done>& from, std::vector<Done>& to, const std::func
 }
 
 Outcome Head::undo() {
-  if (bones_.held() >= 0) return {false, kHeld};
+  if (bones_.held() >= 0) return {false, bone::kHeld};
   if (done_.empty()) return {false, "there is nothing to undo"};
   return go(done_, undone_, [this] { return bones_.undo(); });
 }
 
 Outcome Head::redo() {
-  if (bones_.held() >= 0) return {false, kHeld};
+  if (bones_.held() >= 0) return {false, bone::kHeld};
   if (undone_.empty()) return {false, "there is nothing to do again"};
   return go(undone_, done_, [this] { return bones_.redo(); });
 }

@@ -178,6 +178,17 @@ TEST(Head, AMovedFragmentSaysHowItLies) {
   EXPECT_EQ(o.reason, "");
 }
 
+TEST(Head, HoweverLongANameIsTheNumbersBehindItAreSaid) {
+  InlineWorkers w;
+  HeadParts p = ball();
+  p.bones[0].name = std::string(300, 'b');
+  Head h(std::move(p), w);
+  ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
+  EXPECT_NE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 6}))).reason.find("gap 6.0 mm, at most 6.0"), std::string::npos);
+  ASSERT_TRUE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, 30}}, 0})).done);
+  EXPECT_NE(h.apply(HeadCommand(LetGo{true, 0})).reason.find("at most 3 mm and 10 degrees was expected"), std::string::npos);
+}
+
 TEST(Head, ASnapThatChangesNothingIsAnActLikeAnyOther) {
   InlineWorkers w;
   Head h(ball(), w);
