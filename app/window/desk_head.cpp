@@ -160,6 +160,8 @@ std::vector<ControlSample> DeskHead::asked() const {
     std::snprintf(s, sizeof s, format, double(v)...);
     return ShortText(s);
   };
+  // As the panel shows it, to a hundredth: six of them fit into a text.
+  const auto shown = [](float v) { return std::round(100 * std::clamp(double(v), -999.99, 999.99)) / 100 + 0.0; };
   const size_t places = on_bone_mm_.size(), round = size_t(ring);
   const size_t wanted = ask == Ask::saw_round ? round : ask == Ask::saw_plane ? 3 : ask == Ask::plate || ask == Ask::join ? 2 : 1;
   if (ask == Ask::nothing || places < wanted) return {};
@@ -176,7 +178,7 @@ std::vector<ControlSample> DeskHead::asked() const {
     }
     case Ask::shift:
       out.push_back(control(pick::shift, at(0)));
-      out.back().text = text("%.4g %.4g %.4g %.4g %.4g %.4g", shift_mm[0], shift_mm[1], shift_mm[2], turn_deg[0], turn_deg[1], turn_deg[2]);
+      out.back().text = text("%.5g %.5g %.5g %.5g %.5g %.5g", shown(shift_mm[0]), shown(shift_mm[1]), shown(shift_mm[2]), shown(turn_deg[0]), shown(turn_deg[1]), shown(turn_deg[2]));
       break;
     case Ask::snap: out.push_back(control(pick::snap, at(0))); break;
     default:

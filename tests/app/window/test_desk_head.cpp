@@ -85,9 +85,11 @@ TEST(DeskHead, BonesAreActedOnThroughThePlacesPickedLast) {
     EXPECT_EQ(c[k].kind, pick::corner);
     EXPECT_EQ(c[k].value, (std::array<double, 4>{at[k].x(), at[k].y(), at[k].z(), double(k)}));
   }
-  // The longest numbers still fit into a control's text.
+  // The longest numbers still fit into a control's text: as the panel shows them, to a hundredth.
   d.shift_mm = {-123.456f, -123.456f, -123.456f}, d.turn_deg = d.shift_mm;
-  EXPECT_EQ(asked(DeskHead::Ask::shift)[0].text.str(), "-123.5 -123.5 -123.5 -123.5 -123.5 -123.5");
+  EXPECT_EQ(asked(DeskHead::Ask::shift)[0].text.str(), "-123.46 -123.46 -123.46 -123.46 -123.46 -123.46");
+  d.shift_mm = {-0.00012345f, -1.2345e-7f, 0.014999f}, d.turn_deg = {-1e6f, 1e6f, -123.456f};
+  EXPECT_EQ(asked(DeskHead::Ask::shift)[0].text.str(), "0 0 0.01 -999.99 999.99 -123.46");
 }
 
 TEST(DeskHead, WhatTheSkullLiesUponIsToldOnceAndHeardFromOthers) {
