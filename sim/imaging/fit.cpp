@@ -49,12 +49,11 @@ class Fitter {
       look(1, range(1));
       framed_ = false, opening_ = true;
       const int rounds = sight_.knows_air() ? kRounds : kScanRounds;
+      std::vector<std::string> notes;  // of what is still shut in the last round
       for (int round = 0, opened = 1; round < rounds && (opened > 0 || onwards_); ++round) {
-        std::vector<std::string> notes;
+        notes.clear();
         opened = open_blind(m_, blind_faces(), notes);
-        // Rims that find more of a scan go on after the last opening.
-        if (round + 1 == rounds || opened == 0) r_.notes.insert(r_.notes.end(), notes.begin(), notes.end());
-        if (opened == 0 && !onwards_) break;
+        if (opened == 0 && !onwards_) break;  // (rims that find more of a scan go on after the last opening)
         r_.holes += opened;
         compact(m_, true);
         // The rims settle, and the faces beside them.
@@ -63,6 +62,7 @@ class Fitter {
         settle(1, s_.iterations / 2, true);
         look(1, range(1));
       }
+      r_.notes = std::move(notes);
       if (r_.holes > 0 && sight_.knows_air()) {
         split_rims(m_, 1.5 * s_.edge_mm);
         compact(m_, true);
@@ -164,7 +164,7 @@ class Fitter {
     }
   }
 
-  /// Rims of openings are drawn to the edge of the scan; those that the mesh began with go onwards where it does; small ones are left alone: a few points of an edge would draw them together.
+  /// Rims of a plane are drawn to the edge of the scan, others go on to points that the mesh has not reached; small ones are left alone: a few points would draw them together.
   void to_scan_edge(const EndContour& e) {
     double around = 0;
     for (size_t i = 0; i < e.rim.size(); ++i) around += (m_.x_mm[size_t(e.rim[i])] - m_.x_mm[size_t(e.rim[(i + 1) % e.rim.size()])]).norm();
@@ -362,6 +362,7 @@ FitReport fit(Mesh& m, const Volume& v, const FitSettings& s, Workers& w) {
 FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Workers& w, const ScanView* plane, const std::vector<Vec3>& looks) {
   check_settings(m, s);
   if (points.size() < 10) throw InputError("", 0, "a range scan of at least 10 points was expected");
+  if (!looks.empty() && looks.size() != points.size()) throw InputError("", 0, "a scan of " + std::to_string(points.size()) + " points with " + std::to_string(looks.size()) + " directions; one for each, or none, was expected");
   Vec3 low = points.front(), high = low;
   for (const Vec3& x : points) {
     if (!x.allFinite()) throw InputError("", 0, "a point of the scan is not at a finite place");
