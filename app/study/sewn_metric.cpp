@@ -43,8 +43,7 @@ std::vector<Given> given(std::span<const Command> commands) {
   for (const Command& c : commands) {
     if (const auto* one = std::get_if<Suture>(&c)) out.push_back({one->a, one->b});
     if (const auto* row = std::get_if<SutureRow>(&c)) {
-      const double longer = std::max(path_length_mm(row->a), path_length_mm(row->b));
-      const int n = std::max(2, int(std::floor(longer / row->spacing_mm + 0.5)) + 1);  // as the world spaces a row
+      const int n = int(row_stitches(row->a, row->b, row->spacing_mm));
       const std::vector<Vec2> a = resample(row->a, n), b = resample(row->b, n);
       for (size_t i = 0; i < a.size(); ++i) out.push_back({a[i], b[i]});
     }

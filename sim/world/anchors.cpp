@@ -114,6 +114,11 @@ double path_length_mm(const std::vector<Vec2>& path) {
   return length;
 }
 
+double row_stitches(const std::vector<Vec2>& a, const std::vector<Vec2>& b, double spacing_mm) {
+  const double n = std::floor(std::max(path_length_mm(a), path_length_mm(b)) / spacing_mm + 0.5) + 1;
+  return n < 2 ? 2 : n;
+}
+
 std::vector<Vec2> resample(const std::vector<Vec2>& path, int n) {
   const double total = path_length_mm(path);
   std::vector<Vec2> out;

@@ -314,10 +314,9 @@ Outcome OperatingTable::sew_row(const std::vector<std::pair<Anchor, Anchor>>& bi
 Outcome OperatingTable::act(const SutureRow& c) {
   if (c.a.size() < 2 || c.b.size() < 2) return {false, "a row of stitches needs two paths of at least two points"};
   if (!(c.spacing_mm > 0)) return {false, "the spacing of a row must be more than 0 mm"};
-  const double length = std::max(path_length_mm(c.a), path_length_mm(c.b));
-  const double stitches = std::floor(length / c.spacing_mm + 0.5) + 1;
+  const double stitches = row_stitches(c.a, c.b, c.spacing_mm);
   if (!(stitches <= kMostStitches)) return {false, "a row of more than " + std::to_string(kMostStitches) + " stitches; a wider spacing or a shorter path was expected"};
-  const int n = std::max(2, int(stitches));
+  const int n = int(stitches);
   const std::vector<Vec2> pa = resample(c.a, n), pb = resample(c.b, n);
   std::vector<std::pair<Anchor, Anchor>> bites;
   for (int i = 0; i < n; ++i) {
