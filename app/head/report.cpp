@@ -80,11 +80,11 @@ void add_forehead(Result& r, const Head& head, ResultTable& t) {
     }
 }
 
-/// Which fragments fit each other by their cut rings, and the lines of a script that put them together again.
+/// Which fragments fit each other by their cut rings, and for each pair the line of a script that puts it together.
 ResultTable fits(Result& r, const Head& head) {
   ResultTable t;
   t.title = "Fragments that fit each other";
-  t.about = "Found by their cut rings, wherever they lie, and verified (sim/bone/sorting.h); how to move the second one so that it fits the first. Those that would have fitted are named with the reason.";
+  t.about = "Found by their cut rings, wherever they lie, and verified (sim/bone/sorting.h); how to move the second one so that it fits the first where that is now (one of them at a time: \"sort\" in a script puts all of them together). Those that would have fitted are named with the reason.";
   t.columns = {"fragments", "rings together, mm", "residual, mm", "right, mm", "forward, mm", "up, mm", "turned, degrees"};
   if (head.bones().fragments().size() < 2) return t;
   std::vector<int32_t> ids;

@@ -4,12 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "app/head/measures.h"
+#include "app/head/report.h"
 #include "app/head/skull_comparison.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/generators.h"
+#include "sim/tools/script.h"
+#include "tests/sim/bone/shapes.h"
 
 namespace limberg {
 namespace {
@@ -45,6 +49,34 @@ TEST(HeadMeasures, LengthsAnglesAndAsymmetryBeforeAndNow) {
   }
   EXPECT_EQ(lines, all.size());
   EXPECT_TRUE(found);
+}
+
+TEST(HeadReport, TheLineOfAPairPutsItTogether) {
+  HeadParts p;
+  p.bones.push_back({"cranium", test::skull_shell(4, {70, 85, 65}, 6, 3), true});
+  p.landmarks = {{"front", {0, 60, 46}, false}, {"back", {0, -60, 46}, false}};
+  InlineWorkers w;
+  Head h(std::move(p), w);
+  const auto report = [&] {
+    Result r("operate", "");
+    fill_head(r, h);
+    return nlohmann::json::parse(r.text()).at("head");
+  };
+  EXPECT_FALSE(report().contains("fits"));
+  CutBone vault;
+  vault.point_mm = {0, 0, 12}, vault.normal = {0.1, 0.25, 1};
+  ASSERT_TRUE(h.apply(HeadCommand(vault)).done);
+  MoveFragment away;
+  away.fragment.id = 1, away.by.translation_mm = {120, 40, -30}, away.by.rotation_deg = {10, 70, -20};
+  ASSERT_TRUE(h.apply(HeadCommand(away)).done);
+  const nlohmann::json fits = report().at("fits");
+  ASSERT_EQ(fits.size(), 1u);
+  EXPECT_EQ(fits[0].at("stays"), 0);  // it is fixed
+  EXPECT_EQ(fits[0].at("moves"), 1);
+  ASSERT_TRUE(h.apply(parse_command(fits[0].at("line").get<std::string>(), "", 1)).done);
+  for (const auto& [name, at] : h.landmarks_at_rest())
+    for (const auto& [other, now] : h.landmarks_now())
+      if (other == name) EXPECT_LT((now - at).norm(), 0.5) << name;  // the bar of noisy rings (sorting_test.cpp)
 }
 
 /// A potato: no rotation takes it to itself.
