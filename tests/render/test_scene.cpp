@@ -140,8 +140,9 @@ TEST(SceneBuilder, ARunningThreadHasItsKnotsAtItsEnds) {
     for (SutureState& k : s.sutures) k.thread = thread;
     SceneBuilder builder;
     std::vector<int> n;
+    const std::vector<PropVertex>& vertex = builder.build(s).props.vertex;
     for (const SutureState& k : s.sutures)
-      n.push_back(int(std::count_if(builder.build(s).props.vertex.begin(), builder.build(s).props.vertex.end(), [&](const PropVertex& v) { return v.id == (uint32_t(Part::suture) << 24 | uint32_t(k.id)); })));
+      n.push_back(int(std::count_if(vertex.begin(), vertex.end(), [&](const PropVertex& v) { return v.id == (uint32_t(Part::suture) << 24 | uint32_t(k.id)); })));
     return n;
   };
   const std::vector<int> single = drawn(0), running = drawn(3);
