@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/commands/commands.h"
@@ -64,7 +65,11 @@ int run_main(int argc, char** argv) {
   add_design(app, chosen);
   // `limberg help run` as `limberg run --help`, for those who are used to it.
   std::vector<std::string> words(argv + 1, argv + argc);
-  if (!words.empty() && words.front() == "help") std::rotate(words.begin(), words.begin() + 1, words.end()), words.back() = "--help";
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    const std::vector<const CLI::App*> commands = std::as_const(app).get_subcommands({});
+    if (words.empty() || std::any_of(commands.begin(), commands.end(), [&](const CLI::App* c) { return c->get_name() == words.front(); })) words.emplace_back("--help");
+  }
   std::reverse(words.begin(), words.end());  // CLI11 takes them from the end
   try {
     app.parse(words);

@@ -10,7 +10,7 @@
 
 namespace limberg {
 
-/// `head` {fragments, gaps, landmarks, face_moved_max_mm, tissues}, tables for the report, and `gallery`: the pictures that
+/// `head` {fragments, gaps, fits, landmarks, face_moved_max_mm, tissues}, tables for the report, and `gallery`: the pictures that
 /// draw_head_pictures leaves. first_table: how many tables stand there already.
 void fill_head(Result& result, const Head& head, int first_table = 0);
 void print_head(const Head& head);

@@ -99,6 +99,7 @@ void Bones::finish(Act&& act) {
 std::string Bones::cut_mesh(const Osteotomy& what, simplex::Delta& delta) {
   const int32_t at = index(what.fragment);
   const Fragment parent = now_.fragments[size_t(at)];
+  const int32_t first_new = now_.next_id;
   const Cut cut = cut_bone(mesh_, parent.vertex, what, delta);
   if (!cut) return cut.reason;
   ++version_;
@@ -131,7 +132,7 @@ std::string Bones::cut_mesh(const Osteotomy& what, simplex::Delta& delta) {
       if (*id != parent.id) continue;
       double near = 1e300;
       for (const Fragment& f : now_.fragments) {
-        if (f.id != parent.id && f.id < now_.next_id - (count - 1)) continue;
+        if (f.id != parent.id && f.id < first_new) continue;
         const Bvh::Closest c = shape(f.id).surface.bvh.closest(*x, near);
         if (c.triangle >= 0 && c.distance_mm < near) near = c.distance_mm, *id = f.id;
       }

@@ -24,6 +24,7 @@ TEST_F(Cli, HelpAndVersion) {
 
 TEST_F(Cli, WrongCalls) {
   expect_refused("dance", {"expected"});
+  expect_refused("help dance", {"dance", "expected"});
   expect_refused("replay", {"RECORDING"});
   expect_refused("replay a.lcm --lockstep --realtime", {"expected"});
   expect_refused("bench nothing", {"nothing", "expected accuracy"});
