@@ -26,12 +26,20 @@ constexpr double kOne_mm = 3, kOne_deg = 4;  // with noise, fits that end so nea
 constexpr double kSettle_mm = 3;       // places so far apart are one at first
 constexpr int kRounds = 15;           // in which a group of pieces settles
 
+/// A run of edges of a ring, and the box around them: most are too far from a place to be looked at one by one.
+struct Stretch {
+  size_t begin = 0, end = 0;  // corners
+  Vec3 lo_mm = Vec3::Constant(1e300), hi_mm = Vec3::Constant(-1e300);
+};
+constexpr size_t kStretch = 16;  // edges at most
+
 struct Piece {
   std::vector<Ring> rings;
   FragmentShape shape;
   std::vector<Vec3> corner, edge;     // of all rings: places, and edge vectors to the next
   std::vector<Vec3> tangent;
   std::vector<double> share_mm;       // of the ring's length that a corner stands for
+  std::vector<Stretch> stretch;       // of all corners, in their order
   double noise_mm = 0;                // of all rings
   Vec3 middle() const { return 0.5 * (shape.lo_mm + shape.hi_mm); }
   Vec3 middle_at(const Isometry3d& T) const { return T * middle(); }
@@ -85,12 +93,15 @@ Together together(const Piece& a, const Piece& b, const Isometry3d& T, double ne
     if ((y.array() < a.shape.lo_mm.array() - near).any() || (y.array() > a.shape.hi_mm.array() + near).any()) continue;
     double best = near * near;
     Vec3 at, along;
-    for (size_t i = 0; i < a.corner.size(); ++i) {
-      const double longest = a.edge[i].norm();
-      if ((a.corner[i] - y).squaredNorm() > (near + longest) * (near + longest) || a.tangent[i].dot(t) > -0.5) continue;
-      const double s = std::clamp(a.edge[i].dot(y - a.corner[i]) / std::max(longest * longest, 1e-12), 0., 1.);
-      const Vec3 x = a.corner[i] + s * a.edge[i];
-      if (const double d = (x - y).squaredNorm(); d < best) best = d, at = x, along = a.edge[i] / std::max(longest, 1e-12);
+    for (const Stretch& r : a.stretch) {
+      if ((y - y.cwiseMax(r.lo_mm).cwiseMin(r.hi_mm)).squaredNorm() >= best) continue;
+      for (size_t i = r.begin; i < r.end; ++i) {
+        const double longest = a.edge[i].norm();
+        if ((a.corner[i] - y).squaredNorm() > (near + longest) * (near + longest) || a.tangent[i].dot(t) > -0.5) continue;
+        const double s = std::clamp(a.edge[i].dot(y - a.corner[i]) / std::max(longest * longest, 1e-12), 0., 1.);
+        const Vec3 x = a.corner[i] + s * a.edge[i];
+        if (const double d = (x - y).squaredNorm(); d < best) best = d, at = x, along = a.edge[i] / std::max(longest, 1e-12);
+      }
     }
     if (best >= near * near) continue;
     out.from.push_back(y), out.to.push_back(at), out.along.push_back(along), out.apart.push_back(std::sqrt(best));
@@ -164,6 +175,9 @@ Piece describe(const simplex::Mesh& m) {
       p.corner.push_back(x), p.edge.push_back(after - x);
       p.tangent.push_back((after - before).normalized());
       p.share_mm.push_back(0.5 * ((after - x).norm() + (x - before).norm()));
+      if (i % kStretch == 0) p.stretch.push_back({p.corner.size() - 1, 0});
+      Stretch& last = p.stretch.back();
+      last.end = p.corner.size(), last.lo_mm = last.lo_mm.cwiseMin(x.cwiseMin(after)), last.hi_mm = last.hi_mm.cwiseMax(x.cwiseMax(after));
     }
     p.noise_mm = std::max(p.noise_mm, r.noise_mm);
   }
