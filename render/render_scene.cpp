@@ -4,6 +4,7 @@
 #include "render/stitches.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -25,6 +26,38 @@ const RenderScene& SceneBuilder::show_field(std::span<const float> per_vertex) {
   for (size_t v = 0; v < mesh.source.size(); ++v) scene_.field[v] = per_vertex[size_t(mesh.source[v])];
   return scene_;
 }
+
+namespace {
+
+/// Where a plate is bent between its ends: at the place on its way over which bone stands highest, so that it lies on the edge of a step and
+/// bridges a gap; half way where none stands over it.
+Vec3f bend_of_plate(const RenderScene& scene, const Vec3f& a, const Vec3f& b, const Vec3f& up) {
+  constexpr int kPlaces = 15;
+  constexpr float kBeside_mm = 4, kHighest_mm = 20;  // bone's vertices are no farther apart; what is higher is other bone
+  struct Place {
+    float beside2 = kBeside_mm * kBeside_mm, height = 0;
+  };
+  std::array<Place, kPlaces> place;
+  const auto way = [&](int k) { return Vec3f(a + float(k + 1) / (kPlaces + 1) * (b - a)); };
+  const TissueMesh& m = *scene.mesh;
+  const Vec3f lo = a.cwiseMin(b).array() - kHighest_mm, hi = a.cwiseMax(b).array() + kHighest_mm;
+  for (size_t v = 0; v < m.source.size(); ++v) {
+    const Vec3f& x = scene.x_mm[v];
+    const float slope = scene.normal[v].dot(up);
+    if (m.part[v] != Part::bone || slope < 0.3f || (x.array() < lo.array()).any() || (x.array() > hi.array()).any()) continue;
+    for (int k = 0; k < kPlaces; ++k) {
+      const Vec3f d = x - way(k);
+      const float above = d.dot(up), beside2 = d.squaredNorm() - above * above;
+      if (beside2 < place[size_t(k)].beside2 && std::abs(above) < kHighest_mm) place[size_t(k)] = {beside2, d.dot(scene.normal[v]) / slope};
+    }
+  }
+  int highest = kPlaces / 2;
+  for (int k = 0; k < kPlaces; ++k)
+    if (place[size_t(k)].height > std::max(0.0f, place[size_t(highest)].height)) highest = k;
+  return way(highest) + std::max(0.0f, place[size_t(highest)].height) * up;
+}
+
+}  // namespace
 
 const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose& tool, bool strands) {
   RenderScene& scene = scene_;
@@ -68,15 +101,9 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
       add_hook(scene.props, h, at.found ? at.normal : Vec3f(Vec3f::UnitZ()));
     }
   for (const auto& [a, b] : snapshot.plate_mm) {
-    std::array<Vec3f, 3> at, up;
-    for (size_t k = 0; k < 3; ++k) {
-      const Vec3f wanted = a + 0.5f * float(k) * (b - a);
-      const NearestSkin bone = nearest_skin(scene, wanted, Part::bone);  // (where there is none: up)
-      up[k] = bone.normal;
-      // In the middle it goes over the gap: as high as the bone beside it.
-      at[k] = k == 1 ? Vec3f(wanted + std::max(0.0f, (bone.x - wanted).dot(bone.normal)) * bone.normal) : wanted;
-    }
-    add_plate(scene.props, at, up);
+    const Vec3f at_a = nearest_skin(scene, a, Part::bone).normal, at_b = nearest_skin(scene, b, Part::bone).normal;  // (where there is none: up)
+    const Vec3f both = at_a + at_b, between = both.norm() > 0.1f ? Vec3f(both.normalized()) : at_a;
+    add_plate(scene.props, {a, bend_of_plate(scene, a, b, between), b}, {at_a, between, at_b});
   }
   if (strands)
     for (const auto& [a, b] : topology.strand)

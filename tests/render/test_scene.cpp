@@ -264,6 +264,43 @@ TEST(SceneBuilder, APlateLiesOnTheBone) {
   EXPECT_LT(last, 2);
 }
 
+TEST(SceneBuilder, APlateIsBentOverAStepOfBone) {
+  // Two sheets of bone, one 6 mm higher, 2 mm apart; the plate begins 4 mm before the step and ends 18 mm behind it, or the other way round.
+  auto t = std::make_shared<SurfaceTopology>();
+  t->version = 1, t->hash = 1;
+  Snapshot s;
+  for (const auto& [from, z] : {std::pair{-30, 0.}, {2, 6.}}) {
+    const auto base = int32_t(s.x_mm.size());
+    constexpr int32_t kColumns = 15, kRows = 11;
+    for (int32_t i = 0; i < kColumns * kRows; ++i) {
+      const Vec3 X(from + 2 * (i % kColumns) + (z == 0 ? 2 : 0), 2 * (i / kColumns) - 10, z);
+      t->view.X_mm.push_back(X), s.x_mm.push_back(X.cast<float>());
+    }
+    for (int32_t r = 0; r + 1 < kRows; ++r)
+      for (int32_t c = 0; c + 1 < kColumns; ++c) {
+        const int32_t a = base + r * kColumns + c, d = a + kColumns;
+        for (const Tri& k : {Tri{a, a + 1, d + 1}, Tri{a, d + 1, d}}) t->view.tri.push_back(k), t->view.kind.push_back(FaceKind::free), t->organ.push_back(Organ::bone), t->object.push_back(0);
+      }
+  }
+  s.topology = t, s.topology_version = 1;
+  SceneBuilder builder;
+  const size_t without = builder.build(s, {}).props.vertex.size();
+  for (const bool turned : {false, true}) {
+    const Vec3f low(-4, 1, 0), high(20, 1, 6);
+    s.plate_mm = {turned ? std::array{high, low} : std::array{low, high}};
+    const RenderScene& scene = builder.build(s, {});
+    ASSERT_GT(scene.props.vertex.size(), without + 100);
+    float deepest = 1e9f, highest = -1e9f;
+    for (size_t v = without; v < scene.props.vertex.size(); ++v) {
+      const Vec3f& x = scene.props.vertex[v].x_mm;
+      deepest = std::min(deepest, x.z() - (x.x() < 2 ? 0 : 6));
+      highest = std::max(highest, x.z() - 6);
+    }
+    EXPECT_GT(deepest, -1) << "it is drawn within bone";  // plate and screws are flush with it, or nearly
+    EXPECT_LT(highest, 3);
+  }
+}
+
 TEST(Props, TubeFacesOutwards) {
   PropMesh m;
   const std::array<Vec3f, 4> path{Vec3f(0, 0, 0), Vec3f(5, 0, 0), Vec3f(5, 0, 0), Vec3f(5, 5, 2)};
