@@ -128,6 +128,17 @@ GlTarget::~GlTarget() {
   gl_->DeleteTextures(1, &depth_);
 }
 
+Image image_of(const GlFunctions& gl, const GlTarget& target) {
+  target.bind();
+  Image image(target.width(), target.height());
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  std::vector<uint8_t> rows(image.rgb.size());
+  gl.ReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, rows.data());
+  const size_t stride = 3 * size_t(image.width);
+  for (int y = 0; y < image.height; ++y) std::memcpy(&image.rgb[stride * size_t(y)], &rows[stride * size_t(image.height - 1 - y)], stride);
+  return image;
+}
+
 GlLayer::GlLayer(const GlFunctions& gl, int w, int h) : functions(gl), width(w), height(h) {
   texture = make_frame_texture(gl);
   gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, w, h, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);

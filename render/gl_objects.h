@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/gl_functions.h"
+#include "render/image.h"
 #include "render/textures.h"
 #include "render/view.h"
 
@@ -66,6 +67,9 @@ class GlTarget {
   GLuint frame_ = 0, flat_ = 0, colour_ = 0, depth_ = 0;
   int width_, height_;
 };
+
+/// What was drawn into an RGBA8 target, the top row first.
+Image image_of(const GlFunctions& gl, const GlTarget& target);
 
 /// A framebuffer whose only attachment is an RGBA8 texture, to be read without a filter.
 struct GlLayer {

@@ -392,15 +392,7 @@ struct Renderer::Impl {
   Image read() {
     context->make_current();
     if (!shown) return {};
-    shown->bind();
-    const int w = shown->width(), h = shown->height();
-    Image image(w, h);
-    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-    std::vector<uint8_t> rows(image.rgb.size());
-    gl.ReadPixels(0, 0, w, h, GL_RGB, GL_UNSIGNED_BYTE, rows.data());
-    const size_t stride = 3 * size_t(w);
-    for (int y = 0; y < h; ++y) std::memcpy(&image.rgb[stride * size_t(y)], &rows[stride * size_t(h - 1 - y)], stride);
-    return image;
+    return image_of(gl, *shown);
   }
 
   void present(int w, int h) {

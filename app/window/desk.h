@@ -1,6 +1,7 @@
 #pragma once
 // The panels around the patient: what can be chosen and what is read off. State and drawing with Dear ImGui, nothing of
 // GL, threads or devices: WindowFrames (window_frames.h) feeds it and carries out what it asks for.
+#include <array>
 #include <deque>
 #include <string>
 #include <vector>
@@ -18,6 +19,9 @@ namespace limberg {
 
 enum class Compare { off, wipe, side_by_side };
 enum class Stereo { off, side_by_side, anaglyph };
+
+/// Of the panels, and of the window until there is a picture.
+inline constexpr std::array<float, 4> kPaper{0.07f, 0.10f, 0.115f, 1};
 
 /// What the session is, said once.
 struct DeskFacts {

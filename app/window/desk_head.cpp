@@ -26,7 +26,7 @@ void DeskHead::draw(const std::vector<HeadMeasure>& measures, bool has_face, flo
 
 // A button that says why it cannot be pressed yet.
 bool DeskHead::button_for(size_t places, const char* what) {
-  if (on_bone_mm_.size() >= places) return ImGui::Button((what + (" " + named(places))).c_str(), {-1, 0});
+  if (placed_.size() >= places) return ImGui::Button((what + (" " + named(places))).c_str(), {-1, 0});
   ImGui::TextDisabled("%s: pick %zu places on bone", what, places);
   return false;
 }
@@ -43,11 +43,11 @@ void DeskHead::bones() {
   ImGui::SliderFloat("reach of the plane", &saw_radius_mm, 0, 120, saw_radius_mm > 0 ? "within %.0f mm" : "all");
   ImGui::PopItemWidth();
   ImGui::Separator();
-  if (on_bone_mm_.empty()) {
+  if (placed_.empty()) {
     ImGui::TextDisabled("pick a place on a fragment to move it");
     return;
   }
-  ImGui::Text("fragment at %s: right, forward, up", on_bone_mm_.back().name.c_str());
+  ImGui::Text("fragment at %s: right, forward, up", placed_.back().name.c_str());
   ImGui::PushItemWidth(200);
   ImGui::InputFloat3("mm", shift_mm.data(), "%.2f");
   ImGui::InputFloat3("\u00b0", turn_deg.data(), "%.2f");
@@ -74,7 +74,7 @@ void DeskHead::tissue(bool has_face) {
   ImGui::PushItemWidth(-1);
   ImGui::Combo("##mode", &mode, "Smoothing: the face does not feel it\0Springs\0Shape\0Finite elements\0");
   ImGui::PopItemWidth();
-  if (ImGui::Button(("Tissue " + on_face_ + " - " + on_bone_).c_str(), {-1, 0})) tie = true;
+  if (ImGui::Button(("Tissue " + on_face_.back().name + " - " + on_bone_.back().name).c_str(), {-1, 0})) tie = true;
 }
 
 void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height) {
@@ -107,23 +107,35 @@ void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height) {
   }
 }
 
+void DeskHead::see(const std::vector<std::string>& landmarks) {
+  on_face_.clear(), on_bone_.clear(), placed_.clear();
+  for (const Pick& p : picked_) {
+    if (std::find(landmarks.begin(), landmarks.end(), p.name) == landmarks.end()) continue;
+    (p.on == Pick::On::face ? on_face_ : on_bone_).push_back(p);
+    if (p.on == Pick::On::bone) placed_.push_back(p);
+  }
+}
+
 ControlSample DeskHead::picked(const Snapshot& s, int32_t triangle, const Vec3f& bary) {
   ControlSample c;
   c.kind = pick::landmark;
   const std::string called(name.data());
   c.text = ShortText(called);
+  Pick made;
   if (triangle >= 0 && s.topology) {
     const Tri& t = s.topology->view.tri[size_t(triangle)];
     Vec3 X = Vec3::Zero();
     for (size_t k = 0; k < 3; ++k) X += double(bary[Eigen::Index(k)]) * s.topology->view.X_mm[size_t(t[k])];
     const bool face = s.topology->organ_of(size_t(triangle)) == Organ::face;
     c.value = {X.x(), X.y(), X.z(), double(face ? pick::face : pick::bone)};
-    (face ? on_face_ : on_bone_) = called;
-    if (!face) on_bone_mm_.push_back({called, X});
+    made = {called, X, face ? Pick::On::face : Pick::On::bone};
   } else {
     c.value = {0, 0, 0, double(pick::touched)};
-    on_bone_ = called;
+    made = {called, Vec3::Zero(), Pick::On::touched};
   }
+  // A name has one place.
+  std::erase_if(picked_, [&](const Pick& p) { return p.name == called; });
+  picked_.push_back(made);
   // M1, M2, ...; after a name of another kind the next number that was not given.
   if (const int number = picked_number(called)) next_ = std::max(next_, number + 1);
   const std::string next = "M" + std::to_string(next_);
@@ -136,20 +148,20 @@ std::optional<ControlSample> DeskHead::tied() const {
   if (on_face_.empty() || on_bone_.empty()) return std::nullopt;
   ControlSample c;
   c.kind = pick::tissue;
-  c.text = ShortText(on_face_ + "/" + on_bone_ + "/" + kTissueKinds[size_t(mode)]);
+  c.text = ShortText(on_face_.back().name + "/" + on_bone_.back().name + "/" + kTissueKinds[size_t(mode)]);
   c.value = {double(face_radius_mm), double(bone_radius_mm), double(layers), double(young_kPa)};
   return c;
 }
 
 std::string DeskHead::named(size_t last) const {
-  const size_t n = on_bone_mm_.size(), from = n - std::min(n, last);
-  std::string s = n == 0 ? std::string() : on_bone_mm_[from].name;
-  if (last > 1 && n > 0) s += (last == 2 ? " - " : " ... ") + on_bone_mm_.back().name;
+  const size_t n = placed_.size(), from = n - std::min(n, last);
+  std::string s = n == 0 ? std::string() : placed_[from].name;
+  if (last > 1 && n > 0) s += (last == 2 ? " - " : " ... ") + placed_.back().name;
   return s;
 }
 
 std::vector<ControlSample> DeskHead::asked() const {
-  const auto at = [&](size_t back) { return on_bone_mm_[on_bone_mm_.size() - 1 - back].X_mm; };
+  const auto at = [&](size_t back) { return placed_[placed_.size() - 1 - back].X_mm; };
   const auto control = [](int32_t kind, const Vec3& X, double last = 0) {
     ControlSample c;
     c.kind = kind, c.value = {X.x(), X.y(), X.z(), last};
@@ -162,7 +174,7 @@ std::vector<ControlSample> DeskHead::asked() const {
   };
   // As the panel shows it, to a hundredth: six of them fit into a text.
   const auto shown = [](float v) { return std::round(100 * std::clamp(double(v), -999.99, 999.99)) / 100 + 0.0; };
-  const size_t places = on_bone_mm_.size(), round = size_t(ring);
+  const size_t places = placed_.size(), round = size_t(ring);
   const size_t wanted = ask == Ask::saw_round ? round : ask == Ask::saw_plane ? 3 : ask == Ask::plate || ask == Ask::join ? 2 : 1;
   if (ask == Ask::nothing || places < wanted) return {};
   std::vector<ControlSample> out;

@@ -31,6 +31,8 @@ struct DeskHead {
 
   /// Builds its part of a panel.
   void draw(const std::vector<HeadMeasure>& measures, bool has_face, float height);
+  /// The names of the landmarks that the patient has now: a place that was picked counts as long as it is among them.
+  void see(const std::vector<std::string>& landmarks);
   /// The control of a place picked at a triangle of the snapshot (-1: where the tool touches); its name is counted on.
   ControlSample picked(const Snapshot& snapshot, int32_t triangle, const Vec3f& bary);
   /// The control of tissue between the last places picked on face and bone; nothing until both are there.
@@ -43,18 +45,19 @@ struct DeskHead {
   void hear(const std::string& words);
 
  private:
-  struct Pick {
-    std::string name;
-    Vec3 X_mm = Vec3::Zero();        // at rest
-  };
   bool button_for(size_t places, const char* what);
   void bones();
   void tissue(bool has_face);
   void figures(const std::vector<HeadMeasure>& measures, float height);
   std::string named(size_t last) const;  // the last so many places on bone, in words
 
-  std::string on_face_, on_bone_;    // last names
-  std::vector<Pick> on_bone_mm_;     // places on bone in the order in which they were picked
+  struct Pick {
+    std::string name;
+    Vec3 X_mm = Vec3::Zero();        // at rest; on bone, where the tool touched it, not known
+    enum class On : uint8_t { face, bone, touched } on = On::bone;
+  };
+  std::vector<Pick> picked_;         // in their order, what was undone too: it may be done again
+  std::vector<Pick> on_face_, on_bone_, placed_;  // of those that the patient has: on the face, on bone, of these those whose place is known
   int next_ = 1;
   SkullBeside told_ = SkullBeside::off;
 };

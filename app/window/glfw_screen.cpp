@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "app/window/desk.h"
+
 namespace limberg {
 
 namespace {
@@ -66,7 +68,7 @@ void paint_plain(GLFWwindow* w) {
   const auto clear = reinterpret_cast<void (*)(unsigned)>(glfwGetProcAddress("glClear"));
   if (colour && clear) {
     constexpr unsigned kColourBuffer = 0x4000;  // GL_COLOR_BUFFER_BIT
-    colour(0.07f, 0.10f, 0.115f, 1);
+    colour(kPaper[0], kPaper[1], kPaper[2], kPaper[3]);
     clear(kColourBuffer);
     glfwSwapBuffers(w);
   }

@@ -3,6 +3,7 @@
 #include "app/pictures.h"
 #include "app/session/command_words.h"
 #include "app/window/glfw_screen.h"
+#include "app/window/waiting.h"
 #include "app/window/window_frames.h"
 
 namespace limberg {
@@ -30,6 +31,7 @@ class MouseWindow final : public SessionWindow {
         screen_("Limberg: " + scene.name, 1280, 720),
         reader_(feed_),
         frames_(screen_, feed_, &gauges_, {facts(scene, call), scene_camera(scene), call.picture_dir}) {
+    show_words(screen_, scene.head ? "Making the head ..." : "Making the patient ...");
     if (!call.mouse) return;
     screen_.on_event = [this](const WindowEvent& e) {
       if (e.kind == WindowEvent::pointer) reader_.pointer(e.x, e.y);

@@ -54,7 +54,7 @@ void set_style() {
   ImGui::StyleColorsDark();
   ImGuiStyle& s = ImGui::GetStyle();
   s.FrameRounding = 3, s.ItemSpacing = {6, 4}, s.WindowPadding = {9, 8};
-  s.Colors[ImGuiCol_WindowBg] = {0.07f, 0.10f, 0.115f, 1};
+  s.Colors[ImGuiCol_WindowBg] = {kPaper[0], kPaper[1], kPaper[2], kPaper[3]};
   s.Colors[ImGuiCol_Header] = {0.16f, 0.42f, 0.48f, 1};
   s.Colors[ImGuiCol_HeaderHovered] = {0.20f, 0.48f, 0.55f, 1};
   s.Colors[ImGuiCol_Button] = {0.16f, 0.30f, 0.34f, 1};
@@ -333,6 +333,7 @@ struct WindowFrames::Impl {
     const bool showing = feed.showing;
     desk.state.tool_changed |= was_showing && !showing;
     was_showing = showing;
+    if (s.topology) desk.state.head.see(s.topology->landmark);
     carry_out();
 
     const View view = look(width, height);

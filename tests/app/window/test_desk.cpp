@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
+#include "app/window/waiting.h"
 #include "app/window/window_frames.h"
 #include "render/gl_context.h"
 #include "tests/render/sample_snapshot.h"
@@ -337,6 +339,32 @@ TEST_F(DeskTest, AnaglyphIsOfThePatientAlone) {
   const Image stereo = w.frames->picture();
   EXPECT_GT(different(plain, stereo, 200, 100, 1000, 600), 50000);
   EXPECT_EQ(different(plain, stereo, 2, 560, 160, 600), 0);  // panels are not doubled
+}
+
+// Rows and columns of a picture that are not all of one colour; the corner's is the paper's.
+std::array<int, 4> written(const Image& a) {
+  std::array<int, 4> box{a.width, a.height, -1, -1};
+  for (int y = 0; y < a.height; ++y)
+    for (int x = 0; x < a.width; ++x)
+      if (!(a.at(x, y) == a.at(0, 0))) box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
+  return box;
+}
+
+TEST_F(DeskTest, UntilThereIsAPatientTheWindowSaysWhatIsMade) {
+  MemoryScreen screen;
+  for (const auto& [width, height] : {std::pair{1280, 720}, {640, 480}, {3840, 2160}}) {
+    screen.width = width, screen.height = height;
+    const Image head = show_words(screen, "Making the head ..."), nothing = show_words(screen, "");
+    ASSERT_EQ(head.width, width);
+    ASSERT_EQ(head.height, height);
+    const auto [left, top, right, bottom] = written(head);
+    ASSERT_GT(right, left);
+    EXPECT_NEAR(0.5 * (left + right), 0.5 * width, 4);
+    EXPECT_NEAR(0.5 * (top + bottom), 0.5 * height, 8);
+    EXPECT_GT(bottom - top, height / 80);
+    EXPECT_LT(right - left, width / 2);
+    EXPECT_LT(written(nothing)[2], 0);
+  }
 }
 
 }  // namespace

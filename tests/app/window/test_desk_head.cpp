@@ -24,18 +24,25 @@ Snapshot two_sheets() {
   return s;
 }
 
+using Names = std::vector<std::string>;  // of the landmarks that the patient has
+
 TEST(DeskHead, APickIsThePlaceAtRestOfWhatLiesUnderTheMouse) {
   const Snapshot s = two_sheets();
   DeskHead d;
+  d.see({"al_R", "Pog"});  // it came with these: they were not picked
+  EXPECT_FALSE(d.tied());
   const Vec3f bary(0.5f, 0.25f, 0.25f);
   ControlSample c = d.picked(s, 0, bary);
   EXPECT_EQ(c.kind, pick::landmark);
   EXPECT_EQ(c.text.str(), "M1");
   EXPECT_EQ(c.value, (std::array<double, 4>{7.5, 7.5, 0, double(pick::bone)}));
+  d.see({"al_R", "Pog", "M1"});
   EXPECT_FALSE(d.tied());
   c = d.picked(s, 1, bary);
   EXPECT_EQ(c.text.str(), "M2");
   EXPECT_EQ(c.value, (std::array<double, 4>{7.5, 7.5, 20, double(pick::face)}));
+  EXPECT_FALSE(d.tied());  // the patient has not got it yet
+  d.see({"al_R", "Pog", "M1", "M2"});
   const auto tie = d.tied();
   ASSERT_TRUE(tie);
   EXPECT_EQ(tie->text.str(), "M2/M1/finite_elements");
@@ -46,6 +53,8 @@ TEST(DeskHead, APickIsThePlaceAtRestOfWhatLiesUnderTheMouse) {
   d.name[3] = 0;
   EXPECT_EQ(d.picked(s, -1, bary).value[3], double(pick::touched));
   EXPECT_STREQ(d.name.data(), "M3");
+  d.see({"al_R", "Pog", "M1", "M2"});
+  EXPECT_EQ(d.tied()->text.str(), "M2/Pog/springs");
 }
 
 TEST(DeskHead, BonesAreActedOnThroughThePlacesPickedLast) {
@@ -59,8 +68,9 @@ TEST(DeskHead, BonesAreActedOnThroughThePlacesPickedLast) {
   const std::vector<Vec3> at{{30, 0, 0}, {0, 30, 0}, {0, 0, 0}};
   for (const Vec3f& bary : {Vec3f(0, 1, 0), Vec3f(0, 0, 1), Vec3f(1, 0, 0)}) {
     d.picked(s, 0, bary);
-    d.picked(s, 1, bary);  // the face does not count
+    d.picked(s, 1, bary);  // the face does not count, though it is called M as well
   }
+  d.see({"M1", "M2", "M3", "M4", "M5", "M6"});
   d.shift_mm = {0, 8, -1.5f}, d.turn_deg = {0, 0, 12.25f};
   auto c = asked(DeskHead::Ask::shift);
   ASSERT_EQ(c.size(), 1u);
@@ -90,6 +100,36 @@ TEST(DeskHead, BonesAreActedOnThroughThePlacesPickedLast) {
   EXPECT_EQ(asked(DeskHead::Ask::shift)[0].text.str(), "-123.46 -123.46 -123.46 -123.46 -123.46 -123.46");
   d.shift_mm = {-0.00012345f, -1.2345e-7f, 0.014999f}, d.turn_deg = {-1e6f, 1e6f, -123.456f};
   EXPECT_EQ(asked(DeskHead::Ask::shift)[0].text.str(), "0 0 0.01 -999.99 999.99 -123.46");
+}
+
+TEST(DeskHead, APickThatWasUndoneDoesNotCountUntilItIsDoneAgain) {
+  const Snapshot s = two_sheets();
+  DeskHead d;
+  const auto pick = [&](const char* called, const Vec3f& bary) {
+    d.name.fill(0);
+    std::string(called).copy(d.name.data(), d.name.size() - 1);
+    d.picked(s, 0, bary);
+  };
+  const auto plate = [&](const Names& patient) -> std::vector<double> {  // where it would begin and end
+    d.see(patient);
+    d.ask = DeskHead::Ask::plate;
+    const auto c = d.asked();
+    if (c.empty()) return {};
+    double end[3]{};
+    std::sscanf(c[0].text.str().c_str(), "%lf %lf %lf", end, end + 1, end + 2);
+    return {c[0].value[0], c[0].value[1], end[0], end[1]};
+  };
+  const std::vector<double> of_12{30, 0, 0, 0}, of_23{0, 0, 0, 30};
+  pick("M1", {0, 1, 0}), pick("M2", {1, 0, 0});
+  EXPECT_EQ(plate({"M1", "M2"}), of_12);
+  pick("M3", {0, 0, 1});
+  EXPECT_EQ(plate({"M1", "M2"}), of_12);  // the patient has not got it yet, or refused it
+  EXPECT_EQ(plate({"M1", "M2", "M3"}), of_23);
+  EXPECT_EQ(plate({"M1", "M2"}), of_12);        // undone
+  EXPECT_EQ(plate({"M1", "M2", "M3"}), of_23);  // and done again
+  EXPECT_TRUE(plate({"M1"}).empty());
+  pick("M1", {0, 1, 0});  // once more: it is one place, and the last now
+  EXPECT_EQ(plate({"M1", "M2", "M3"}), (std::vector<double>{0, 30, 30, 0}));
 }
 
 TEST(DeskHead, WhatTheSkullLiesUponIsToldOnceAndHeardFromOthers) {
