@@ -23,6 +23,7 @@
 #include "render/picture.h"
 #include "sim/error.h"
 #include "sim/imaging/fit.h"
+#include "sim/imaging/superposition.h"
 #include "sim/imaging/surface_file.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/file.h"
@@ -72,10 +73,10 @@ void fill(Result& result, const FitReport& r) {
 }
 
 /// What the report says: what was fitted to what, how far they lie apart both ways, what stayed open.
-void tell(Result& result, const Options& o, const FitReport& r, const std::vector<std::string>& faults, const std::string& unit) {
+void tell(Result& result, const Options& o, const FitReport& r, const std::vector<std::string>& notes, const std::string& unit) {
   const auto mm = [](double v) { return short_number(v, 3); };
   std::string note = "A simplex mesh that began as a " + o.start + " was drawn to " + (o.tissue.empty() ? o.volume : "the " + o.tissue + " of " + o.volume) + ": " + std::to_string(r.vertices) + " vertices.";
-  for (const std::string& f : faults) note += " " + f + ".";
+  for (const std::string& f : notes) note += " " + f + ".";
   result.set("/scene_note", note), result.set("/reproduce", this_call());
   add_table(result, result.entries("/tables"), {"Distance", "A vertex counts where it has the surface within two " + unit + "s, a place of the surface where the mesh is as near.", {"from, to", "share", "rms, mm", "95 % within, mm", "at most, mm"},
             {{"vertices to surface", mm(100 * r.found) + " %", mm(r.rms_mm), mm(r.p95_mm), mm(r.max_mm)}, {"surface to mesh", mm(100 * r.reached) + " %", mm(r.surface_rms_mm), mm(r.surface_p95_mm), ""},
@@ -85,31 +86,33 @@ void tell(Result& result, const Options& o, const FitReport& r, const std::vecto
   if (!open.rows.empty()) add_table(result, result.entries("/tables"), open);
 }
 
-/// DIR/overview.png, and the mesh from three sides in the gallery, seen from `front`, z upwards.
-void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Mesh& m, const Vec3& front) {
+/// DIR/overview.png, and the mesh from four sides in the gallery, seen from `front`, z upwards: turned into the frame of a head (y forwards), where
+/// the lamp lights the front.
+void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Mesh& m, const Vec3& front, Organ organ) {
   const simplex::FanTriangles fan = simplex::fan_triangles(m);
+  const Vec3 up = std::abs(front.normalized().z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitY();
+  Mat3 to_head;
+  to_head.row(0) = front.cross(up).normalized().transpose();
+  to_head.row(2) = up.transpose();
+  to_head.row(1) = up.cross(to_head.row(0).transpose()).transpose();
   Surface s;
-  s.x_mm = fan.X_mm;
+  Vec3f low = Vec3f::Constant(1e9f), high = -low;
+  for (const Vec3& x : fan.X_mm) s.x_mm.push_back(to_head * x);
+  for (const Vec3& x : m.x_mm) low = low.cwiseMin((to_head * x).cast<float>()), high = high.cwiseMax((to_head * x).cast<float>());
   for (size_t t = 0; t < fan.tri.size(); ++t)
     if (m.kind(fan.face[t]) == simplex::FaceKind::surface) s.tri.push_back(fan.tri[t]);
-  DistanceMap none;
-  none.signed_mm.assign(s.x_mm.size(), 0);
-  const Snapshot shown = coloured_skull(s, none, 1);
-  Vec3f low = Vec3f::Constant(1e9f), high = -low;
-  for (const Vec3& x : m.x_mm) low = low.cwiseMin(x.cast<float>()), high = high.cwiseMax(x.cast<float>());
+  const Snapshot shown = snapshot_of(s, organ, 1);
   try {
     PictureMaker pictures(1080, 1080);
-    const Vec3f f = front.normalized().cast<float>(), up = std::abs(f.z()) < 0.9f ? Vec3f::UnitZ() : Vec3f::UnitY(), side = up.cross(f).normalized();
-    const auto draw = [&](const std::string& file, const Vec3f& from, const Vec3f& above, const std::string& words) {
+    const auto draw = [&](const std::string& file, const Vec3f& from, const Vec3f& above) {
       pictures.set_camera(look_at_ball(0.5f * (low + high), 0.4f * (high - low).norm(), from, above, 24, 1));
-      PictureOptions options;
-      options.title = words;
-      write_png(dir + "/" + file, pictures.skin(shown, options));
+      write_png(dir + "/" + file, pictures.skin(shown));
     };
-    draw(report_names::overview, f + 0.6f * side + 0.2f * up, up, "");
+    const Vec3f x = Vec3f::UnitX(), y = Vec3f::UnitY(), z = Vec3f::UnitZ();
+    draw(report_names::overview, y - 0.6f * x + 0.2f * z, z);  // from the lamp's side
     int n = 0;
-    for (const auto& [file, from, words] : {std::tuple("front.png", f, "From the front"), {"left.png", side, "From one side"}, {"right.png", Vec3f(-side), "From the other"}, {"below.png", Vec3f(-up + 0.05f * f), "From below"}}) {
-      draw(file, from, file == std::string("below.png") ? f : up, words);
+    for (const auto& [file, from, above, words] : {std::tuple("front.png", y, z, "From the front"), {"left.png", Vec3f(-x), z, "From one side"}, {"right.png", x, z, "From the other"}, {"below.png", Vec3f(0.05f * y - z), y, "From below"}}) {
+      draw(file, from, above);
       const std::string p = "/gallery/" + std::to_string(n++);
       result.set(p + "/picture", file), result.set(p + "/caption", words);
     }
@@ -174,6 +177,7 @@ int run_scan(const Options& o) {
   if (!o.report_dir.empty()) prepare_folder(o.report_dir);
   if (!o.from.empty() && start_of(o.start) != Start::plane) throw InputError("", 0, "--from is for --start plane");
   Surface scan = load_surface(o.volume);
+  if (const std::string lacks = lacks_shape(scan); !lacks.empty()) throw InputError(o.volume, 0, lacks);
   for (Vec3& x : scan.x_mm) x *= mm_of(o.unit);
   Vec3 low = scan.x_mm.front(), high = low;
   for (const Vec3& x : scan.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
@@ -203,6 +207,7 @@ int run_scan(const Options& o) {
   }
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
+  catch_interrupts();  // the mesh is written, and the rest takes seconds
   write_mesh(o, m);
   std::printf("scan        %zu points, %.4g x %.4g x %.4g mm\nmesh        %d vertices, edges of %.3g mm, from a %s\n", scan.x_mm.size(), (high - low).x(), (high - low).y(), (high - low).z(), r.vertices, s.edge_mm, o.start.c_str());
   const double hidden = 1 - double(seen.x_mm.size()) / double(scan.x_mm.size());
@@ -229,7 +234,7 @@ int run_scan(const Options& o) {
   result.set_hash("/state_hash", simplex::hash(m));
   result.set_ok(faults.empty());
   tell(result, o, r, faults, "spacing");
-  if (!o.report_dir.empty()) draw_fit_pictures(result, o.report_dir, m, view.front);
+  if (!o.report_dir.empty()) draw_fit_pictures(result, o.report_dir, m, view.front, Organ::face);
   leave(result, o, o.report_dir);
   return faults.empty() ? kDone : kGoalMissed;
 }
@@ -269,6 +274,7 @@ int run(const Options& o) {
   const FitReport r = fit(m, p, s, workers);
   const double cpu_s = (bench::cpu_ms() - start_ms) * 1e-3;
   progress.clear();
+  catch_interrupts();  // the mesh is written, and every trial of a sweep that is finished is kept
   write_mesh(o, m);
   const simplex::Census c = simplex::census(m);
   for (const CavityMouth& a : p.mouth)
@@ -288,11 +294,10 @@ int run(const Options& o) {
   for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
   result.set_hash("/state_hash", simplex::hash(m));
   result.set_ok(faults.empty());
-  tell(result, o, r, faults, "voxel");
   const std::string& dir = o.report_dir.empty() ? o.sweep_dir : o.report_dir;
+  std::vector<std::string> notes = faults;
   bool whole = true;
   if (!o.sweep_dir.empty()) {
-    catch_interrupts();  // the mesh is written, and so is every trial that is finished
     const FitSweep sweep = fit_sweep(p, s, workers, [&](const std::string& line) { progress.note(line); }, interrupted);
     progress.clear();
     whole = sweep.trial.size() == FitSweep::kTrials;
@@ -307,11 +312,13 @@ int run(const Options& o) {
       add_chart(result, time, time ? "Error against run time" : "Error against vertices", chart);
     }
     if (!whole) {
-      const std::string kept = "interrupted: " + std::to_string(sweep.trial.size()) + " of " + std::to_string(FitSweep::kTrials) + " trials of the sweep were finished and are kept in " + o.sweep_dir + "; the mesh is in " + o.mesh_file;
-      say(kept), result.set("/interrupted", kept), result.set_ok(false);
+      const std::string after = "after " + std::to_string(sweep.trial.size()) + " of " + std::to_string(FitSweep::kTrials) + " trials of the sweep, which are kept";
+      say("interrupted " + after + " in " + o.sweep_dir + "; the mesh is whole, in " + o.mesh_file);
+      notes.push_back("Interrupted " + after + "; the mesh is whole"), result.set("/interrupted", notes.back()), result.set_ok(false);
     }
   }
-  if (!dir.empty()) draw_fit_pictures(result, dir, m, Vec3(0, -1, 0));
+  tell(result, o, r, notes, "voxel");
+  if (!dir.empty()) draw_fit_pictures(result, dir, m, Vec3(0, -1, 0), s.skull ? Organ::bone : Organ::face);
   leave(result, o, dir);
   return faults.empty() && whole ? kDone : kGoalMissed;
 }

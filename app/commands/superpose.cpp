@@ -102,6 +102,13 @@ int finish(const Options& o, Result& result, const std::string& reason) {
   return reason.empty() ? kDone : kGoalMissed;
 }
 
+/// A surface that is to be laid upon another by its shape, and that has one.
+Surface shape_from(const std::string& file) {
+  Surface s = load_surface(file);
+  if (const std::string lacks = lacks_shape(s); !lacks.empty()) throw InputError(file, 0, lacks);
+  return s;
+}
+
 /// A second image upon the first.
 int images(const Options& o, Result& result, Workers& workers, Progress& progress) {
   if (o.mirror) throw InputError("", 0, "--mirror is for surfaces");
@@ -142,7 +149,8 @@ int run(const Options& o) {
     if (o.b.empty()) throw InputError("", 0, "superpose: two images, or surfaces (.obj, .ply, .stl, .xyz, .simplex), were expected");
     return images(o, result, workers, progress);
   }
-  const Surface a = load_surface(o.a);
+  const auto read = o.landmarks_only && !o.mirror ? load_surface : shape_from;
+  const Surface a = read(o.a);
   IcpSettings s;
   s.keep = o.keep, s.with_scale = o.scale;
   if (o.mirror) {
@@ -167,7 +175,7 @@ int run(const Options& o) {
     if (o.b.empty()) return finish(o, result, {});
   }
   if (o.b.empty()) throw InputError("", 0, "superpose " + o.a + ": a second surface, or --mirror, was expected");
-  const Surface b = load_surface(o.b);
+  const Surface b = read(o.b);
   const SurfaceTarget target(b);
   Similarity start;
   if (!o.landmarks.empty()) {

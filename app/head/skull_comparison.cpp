@@ -75,12 +75,17 @@ std::string map_csv(const SkullComparison& c) {
 }  // namespace
 
 Snapshot coloured_skull(const Surface& skull, const DistanceMap& distance, uint64_t version) {
+  Snapshot s = snapshot_of(skull, Organ::face, version);
+  for (const double d : distance.signed_mm) s.moved_mm.push_back(float(std::abs(d)));
+  return s;
+}
+
+Snapshot snapshot_of(const Surface& surface, Organ organ, uint64_t version) {
   auto top = std::make_shared<SurfaceTopology>();
   top->version = version;
   Snapshot s;
-  for (size_t v = 0; v < skull.x_mm.size(); ++v)
-    top->view.X_mm.push_back(skull.x_mm[v]), s.x_mm.push_back(skull.x_mm[v].cast<float>()), s.moved_mm.push_back(float(std::abs(distance.signed_mm[v])));
-  for (const Tri& t : skull.tri) top->view.tri.push_back(t), top->view.kind.push_back(FaceKind::free), top->organ.push_back(Organ::face), top->object.push_back(-1);
+  for (const Vec3& x : surface.x_mm) top->view.X_mm.push_back(x), s.x_mm.push_back(x.cast<float>());
+  for (const Tri& t : surface.tri) top->view.tri.push_back(t), top->view.kind.push_back(FaceKind::free), top->organ.push_back(organ), top->object.push_back(-1);
   s.topology = std::move(top), s.topology_version = version;
   return s;
 }

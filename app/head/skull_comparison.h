@@ -52,7 +52,9 @@ Surface normal_skull(Workers& workers);
 Surface mirror_image(const Surface& skull, std::string& reason, Workers& workers);
 /// How closely a skull is laid upon another.
 IcpSettings skull_fit();
-/// A snapshot of the skull alone, whose colour is the distance: drawn as a face is, since bone takes no colours.
+/// A snapshot of a surface alone, shown as this organ.
+Snapshot snapshot_of(const Surface& surface, Organ organ, uint64_t version);
+/// The same of a skull whose colour is the distance: drawn as a face is, since bone takes no colours.
 Snapshot coloured_skull(const Surface& skull, const DistanceMap& distance, uint64_t version);
 
 /// Both comparisons as `skull` {with, fit_rms_mm, before, after} and a table; maps as DIR/skull-normal.csv and DIR/skull-mirror.csv and, where

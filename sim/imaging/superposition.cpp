@@ -12,6 +12,8 @@ namespace limberg {
 namespace {
 
 constexpr size_t kNeighbours = 12;  // of a point, for its plane
+constexpr size_t kFewest = 10;      // points that say something of a shape: six unknowns, and some to spare
+constexpr double kLine = 0.02;      // of the longest spread: less across it is a line
 constexpr double kPolish_mm = 0.02; // a motion below it: the trimmed pairs have brought the surfaces together
 
 Vec3 middle_of(const std::vector<Vec3>& x) {
@@ -50,7 +52,7 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
     const Eigen::SelfAdjointEigenSolver<Mat3> e(spread_of(*side, side == &from ? a : b));
     const double largest = std::sqrt(std::max(0., e.eigenvalues()[2])), second = std::sqrt(std::max(0., e.eigenvalues()[1]));
     if (!(largest > 1e-9)) out.reason = "the landmarks lie at one place";
-    else if (second < 0.02 * largest) out.reason = "the landmarks lie on a line: the turn about it is not known; expected one well beside it";
+    else if (second < kLine * largest) out.reason = "the landmarks lie on a line: the turn about it is not known; expected one well beside it";
     if (!out) return out;
   }
   const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -64,6 +66,20 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
   }
   out.rms_mm = std::sqrt(out.rms_mm);
   return out;
+}
+
+std::string lacks_shape(const Surface& s) {
+  if (s.x_mm.size() < kFewest) return "has " + std::to_string(s.x_mm.size()) + " points; at least " + std::to_string(kFewest) + " were expected";
+  const Eigen::SelfAdjointEigenSolver<Mat3> e(spread_of(s.x_mm, middle_of(s.x_mm)));
+  const double largest = std::sqrt(std::max(0., e.eigenvalues()[2])), second = std::sqrt(std::max(0., e.eigenvalues()[1]));
+  if (!(largest > 1e-9)) return "has all its points at one place; a surface was expected";
+  if (second < kLine * largest) return "has all its points on a line, or nearly; a surface was expected";
+  const auto has_area = [&](const Tri& t) {
+    const Vec3 &a = s.x_mm[size_t(t[0])], &b = s.x_mm[size_t(t[1])], &c = s.x_mm[size_t(t[2])];
+    return (b - a).cross(c - a).norm() > 1e-12 * largest * largest;
+  };
+  if (!s.tri.empty() && std::none_of(s.tri.begin(), s.tri.end(), has_area)) return "has no triangle with an area; at least one, or points alone, were expected";
+  return {};
 }
 
 SurfaceTarget::SurfaceTarget(const Surface& s) : tri_(s.tri), normal_(s.x_mm.size(), Vec3::Zero()), rim_(s.x_mm.size(), 0) {
@@ -134,8 +150,8 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
   const size_t every = std::max<size_t>(1, (moved.x_mm.size() + size_t(s.samples) - 1) / size_t(s.samples));
   std::vector<Vec3> x;
   for (size_t i = 0; i < moved.x_mm.size(); i += every) x.push_back(moved.x_mm[i]);
-  if (x.size() < 10) {
-    r.reason = "the surface has " + std::to_string(x.size()) + " points; at least 10 were expected";
+  if (x.size() < kFewest) {
+    r.reason = "the surface has " + std::to_string(x.size()) + " points; at least " + std::to_string(kFewest) + " were expected";
     return r;
   }
   struct Pair {
@@ -153,7 +169,7 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
     for (size_t i = 0; i < x.size(); ++i)
       if (!pair[i].to.border) order.push_back(i);
     const size_t keep = std::min(order.size(), std::max<size_t>(6, size_t(s.keep * double(x.size()))));
-    if (keep < 10) {
+    if (keep < kFewest) {
       r.reason = "hardly any place of the surface faces the other one; expected them to overlap (landmarks bring them near)";
       return r;
     }

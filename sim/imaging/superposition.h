@@ -44,6 +44,10 @@ struct LandmarkFit {
 /// Refused with the reason: fewer than three pairs, places (nearly) on a line or at one point, numbers that are not finite.
 LandmarkFit fit_landmarks(const std::vector<Vec3>& from_mm, const std::vector<Vec3>& to_mm, bool with_scale);
 
+/// What a surface lacks to be laid upon another by its shape, or another upon it; empty: nothing. At least 10 points, not all (nearly) on a line,
+/// and where there are triangles one with an area.
+std::string lacks_shape(const Surface& surface);
+
 /// What is laid upon: searchable.
 class SurfaceTarget {
  public:

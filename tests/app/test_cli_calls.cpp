@@ -31,6 +31,27 @@ TEST_F(Cli, DevicesAreRefusedBeforeThePatientIsBuilt) {
   expect_refused("superpose " + path("absent.obj") + " --mirror", {"absent.obj", "expected"});
 }
 
+TEST_F(Cli, SurfacesThatAreNoneAreRefused) {
+  std::string tetrahedron = "v 0 0 0\nv 90 0 0\nv 0 90 0\nv 0 0 90\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", line, place, flat, sheet;
+  for (int i = 0; i < 30; ++i) {
+    const std::string n = std::to_string(i);
+    line += "v " + n + "0 " + n + " 5\n", place += "v 1 2 3\n";
+    flat += "v " + std::to_string(i % 6 * 20) + " " + std::to_string(i / 6 * 20) + " " + std::to_string(i * i % 7) + "\n";
+  }
+  sheet = flat + "f 1 2 7\nf 2 8 7\nf 8 9 14\n";
+  for (int i = 1; i < 20; ++i) flat += "f 1 1 " + std::to_string(i) + "\n";
+  const std::string good = file("sheet.obj", sheet);
+  for (const auto& [name, text, word] : {std::tuple{"few.obj", tetrahedron, "has 4 points; at least 10 were expected"}, {"line.obj", line, "on a line"},
+                                         {"place.obj", place, "at one place"}, {"flat.obj", flat, "no triangle with an area"}}) {
+    const std::string bad = file(name, text);
+    expect_refused("superpose " + bad + " --mirror", {name, word});
+    expect_refused("superpose " + bad + " " + good, {name, word});
+    expect_refused("superpose " + good + " " + bad, {name, word});
+    for (const std::string start : {"sphere", "plane"}) expect_refused("fit " + bad + " --start " + start + " --out " + path("o.simplex"), {name, word});
+  }
+  EXPECT_FALSE(fs::exists(path("o.simplex")));
+}
+
 TEST_F(Cli, ADeviceThatNeverCameIsNamed) {
   const std::string scene = file("small.toml", small_scene());
   const Outcome o = run("run " + scene + " --headless --seconds 0.1 --device fastrak:" + path("no-port") + " --json " + path("r.json"));

@@ -129,6 +129,32 @@ TEST(Icp, WhatSlipsIsRefused) {
   EXPECT_THROW(SurfaceTarget(Surface{}), InputError);
 }
 
+TEST(Surfaces, WhatHasNoShapeSaysWhatItLacks) {
+  const simplex::FanTriangles f = simplex::fan_triangles(simplex::make_sphere({1, 2, 3}, 60, 1));
+  Surface s{f.X_mm, f.tri};
+  EXPECT_EQ(lacks_shape(s), "");
+  EXPECT_EQ(lacks_shape({s.x_mm, {}}), "");  // a cloud
+  const Surface nine{{s.x_mm.begin(), s.x_mm.begin() + 9}, {}}, ten{{s.x_mm.begin(), s.x_mm.begin() + 10}, {}};
+  EXPECT_EQ(lacks_shape(nine), "has 9 points; at least 10 were expected");
+  EXPECT_EQ(lacks_shape(ten), "");
+  // A plate has a shape (though it slips), a rod 2 % as wide as long has none; whatever their size.
+  for (const double size : {1e-2, 1., 1e4}) {
+    Surface plate = s, rod = s, place = s;
+    for (Vec3& x : plate.x_mm) x = size * Vec3(x.x(), x.y(), 7);
+    for (Vec3& x : rod.x_mm) x = size * Vec3(x.x(), 0.019 * (x.y() - 2), 0.001 * (x.z() - 3));
+    for (Vec3& x : place.x_mm) x = size * Vec3(1, 2, 3);
+    EXPECT_EQ(lacks_shape(plate), "");
+    EXPECT_NE(lacks_shape(rod).find("on a line"), std::string::npos);
+    EXPECT_NE(lacks_shape(place).find("at one place"), std::string::npos) << size << lacks_shape(place);
+    // One triangle with an area is enough, none is not.
+    Surface thin = plate;
+    for (Tri& t : thin.tri) t = {t[0], t[1], t[0]};
+    EXPECT_NE(lacks_shape(thin).find("no triangle with an area"), std::string::npos);
+    thin.tri[5] = plate.tri[5];
+    EXPECT_EQ(lacks_shape(thin), "");
+  }
+}
+
 TEST(Mirror, ThePlaneOfASymmetricHeadAndItsAsymmetry) {
   InlineWorkers w;
   Surface s = head(symmetric, 4);
