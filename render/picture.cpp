@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "render/overlay.h"
@@ -159,6 +160,19 @@ class NamePlaces {
   std::vector<Box> taken_;
 };
 
+/// Whether a landmark is one of the face: it lies nearer to it than to bone.
+bool on_face(const Snapshot& s, const Vec3f& place) {
+  const SurfaceTopology& top = *s.topology;
+  float face = std::numeric_limits<float>::max(), bone = face;
+  for (size_t t = 0; t < top.view.tri.size(); ++t)
+    if (const Organ o = top.organ_of(t); o != Organ::flesh)
+      for (const int32_t v : top.view.tri[t]) {
+        float& nearest = o == Organ::face ? face : bone;
+        nearest = std::min(nearest, (s.x_mm[size_t(v)] - place).squaredNorm());
+      }
+  return face < bone;
+}
+
 /// Dots with names; those of the face where it hides the others.
 void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, const View& view, FaceLook face) {
   if (!s.topology) return;
@@ -166,7 +180,7 @@ void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, co
   NamePlaces names;
   for (size_t i = 0; i < std::min(s.landmark_mm.size(), s.topology->landmark.size()); ++i) {
     const std::string& name = s.topology->landmark[i];
-    const bool of_face = !name.empty() && name[0] >= 'a' && name[0] <= 'z';
+    const bool of_face = on_face(s, s.landmark_mm[i]);
     if (of_face != (face == FaceLook::solid) || hidden(s, view.eye_mm, s.landmark_mm[i], of_face)) continue;
     const Vec3f p = view.to_pixel(s.landmark_mm[i], image.width, image.height);
     if (!p.allFinite() || p.x() < 0 || p.y() < 0 || p.x() >= float(image.width) || p.y() >= float(image.height)) continue;

@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "render/image_compare.h"
+#include "render/picture.h"
 #include "render/renderer.h"
 #include "tests/render/sample_head.h"
 #include "tests/render/sample_snapshot.h"
@@ -162,6 +163,35 @@ TEST_F(Pictures, TheFaceHidesTheBoneUntilItIsClear) {
   EXPECT_GT(differing(solid, hidden), face / 2);
   EXPECT_GT(differing(clear, solid), face / 4);
   EXPECT_GT(differing(clear, hidden), face / 4);
+}
+
+TEST_F(Pictures, ALandmarkIsNamedOnWhatItLiesOnWhateverItIsCalled) {
+  PictureMaker pictures(kWidth, kHeight);
+  pictures.set_camera(of_head());
+  // Where the face and the bone under it are seen: above the middle.
+  const auto front = [](bool face) {
+    const Snapshot s = sample_head(8);
+    Vec3f at(0, 0, 0);
+    for (size_t t = 0; t < s.topology->view.tri.size(); ++t)
+      for (const int32_t v : s.topology->view.tri[t])
+        if (const Vec3f& x = s.x_mm[size_t(v)]; (s.topology->organ_of(t) == Organ::face) == face && std::abs(x.x()) < 10 && std::abs(x.z() - 28) < 10 && x.y() < at.y()) at = x;
+    return at;
+  };
+  const auto drawn = [&](FaceLook look, bool on_face, const char* name) {
+    Snapshot s = sample_head(8);
+    auto t = std::make_shared<SurfaceTopology>(*s.topology);
+    t->landmark = {name};
+    s.topology = t;
+    s.landmark_mm = {front(on_face)};
+    PictureOptions p;
+    p.face = look, p.landmarks = *name != 0;
+    return pictures.skin(s, p);
+  };
+  for (const FaceLook look : {FaceLook::solid, FaceLook::hidden}) {
+    const Image none = drawn(look, false, "");
+    for (const bool on_face : {false, true})
+      for (const char* name : {"M1", "m1"}) EXPECT_EQ(drawn(look, on_face, name) == none, on_face != (look == FaceLook::solid)) << int(look) << on_face << name;
+  }
 }
 
 TEST_F(Pictures, AnAnaglyphGivesEachEyeItsPicture) {
