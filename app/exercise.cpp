@@ -28,7 +28,8 @@ Exercise exercise(std::span<const Command> script, const Metrics& m, const std::
 }
 
 std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics& m, const Lesson* lesson) {
-  std::map<std::string, double> values = lesson_values(m, e.design);
+  LessonValues measured = lesson_values(m, e.design);
+  std::map<std::string, double>& values = measured.value;
   values["undos"] = e.undos;
   const auto set = [&](const char* name, auto v) { r.set(std::string("/exercise/") + name, v); };
   if (e.time_s) set("time_s", *e.time_s), values["time_s"] = *e.time_s;
@@ -51,14 +52,14 @@ std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics
     set("design/angle_max_deg", e.design->angle_max_deg);
     set("design/limb_max_percent", e.design->limb_max_percent);
     set("design/corners", e.design->corners);
-    set("design/missing", e.design->missing);
+    set("design/missing", int(e.design->missing.size()));
   }
   if (!lesson) return {};
   r.set("/lesson/title", lesson->title);
   r.set("/lesson/goal", lesson->goal);
   r.set("/lesson/file", lesson->file);
   bool all = true;
-  auto judged = judge(*lesson, values);
+  auto judged = judge(*lesson, measured);
   if (!e.hand)
     std::erase_if(judged, [](const Judgement& j) { return !j.value && (j.name == "time_s" || j.name == "path_mm" || j.name == "movements"); });
   for (size_t i = 0; i < judged.size(); ++i) {
@@ -67,6 +68,7 @@ std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics
     r.set(p + "/unit", judged[i].unit);
     r.set(p + "/limit", judged[i].limit);
     if (judged[i].value) r.set(p + "/value", *judged[i].value);
+    else r.set(p + "/why", judged[i].why);
     r.set(p + "/met", judged[i].met);
     all &= judged[i].met;
   }
@@ -79,7 +81,7 @@ void print_judgements(const std::vector<Judgement>& judged) {
   for (const Judgement& j : judged) {
     char value[32] = "-";
     if (j.value) std::snprintf(value, sizeof value, "%.3g", std::abs(*j.value) < 1e-6 ? 0 : *j.value);
-    std::printf("lesson      %-14s %8s of at most %6.3g %-8s %s\n", j.name.c_str(), value, j.limit, j.unit.c_str(), j.met ? "met" : j.value ? "missed" : "not measured");
+    std::printf("lesson      %-14s %8s of at most %6.3g %-8s %s\n", j.name.c_str(), value, j.limit, j.unit.c_str(), j.met ? "met" : j.value ? "missed" : ("not measured: " + j.why).c_str());
   }
 }
 

@@ -29,7 +29,7 @@ Exercise exercise(std::span<const Command> script, const Metrics& metrics, const
 /// `exercise`, and with a lesson `lesson`: goal, tolerances with value and whether each is met, hints. Returns the judgements. Tolerances of
 /// the hand (time, path, movements) are left out where a script was carried out without one.
 std::vector<Judgement> fill_exercise(Result& result, const Exercise& e, const Metrics& metrics, const Lesson* lesson);
-/// On the terminal: one line for each, "met", "missed" or "not measured".
+/// On the terminal: one line for each, "met", "missed" or "not measured" and why.
 void print_judgements(const std::vector<Judgement>& judged);
 
 }  // namespace limberg

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <numbers>
@@ -35,6 +36,25 @@ struct Drawn {
   std::vector<ChartPoint> corners;
   bool closed = false;
 };
+
+std::string at_text(const ChartPoint& p) {
+  char t[60];
+  std::snprintf(t, sizeof t, "(%.1f, %.1f) mm", p.x(), p.y());
+  return t;
+}
+
+/// Of the corner that is farthest from anything drawn, or that nothing was drawn for.
+std::string why_missing(const DesignError& e) {
+  const auto off = [](const MissingCorner& c) { return c.nearest ? (*c.nearest - c.planned).norm() : std::numeric_limits<double>::infinity(); };
+  const MissingCorner& c = *std::max_element(e.missing.begin(), e.missing.end(), [&](const auto& a, const auto& b) { return off(a) < off(b); });
+  const std::string kind = c.outline ? "excision" : "incision";
+  char t[120];
+  std::snprintf(t, sizeof t, "%zu of the plan's %d corners were looked for within %g mm and not found: that of an ", e.missing.size(), e.corners, kMissing_mm);
+  std::string s = t + kind + " at " + at_text(c.planned) + "; ";
+  if (!c.nearest) return s + "no " + kind + " was drawn";
+  std::snprintf(t, sizeof t, " is %.1f mm away", off(c));
+  return s + "the nearest drawn corner of one, at " + at_text(*c.nearest) + "," + t;
+}
 
 ChartPoint point_of(const toml::node& n, const std::string& file, const std::string& what) {
   const toml::array* a = n.as_array();
@@ -172,7 +192,7 @@ std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const 
       }
       ++out.corners;
       if (!(best < kMissing_mm)) {
-        ++out.missing;
+        out.missing.push_back({closed, want[i], match[i].first ? std::optional(match[i].first->corners[match[i].second]) : std::nullopt});
         match[i].first = nullptr;
         continue;
       }
@@ -199,26 +219,47 @@ std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const 
   return out;
 }
 
-std::vector<Judgement> judge(const Lesson& lesson, const std::map<std::string, double>& values) {
+std::vector<Judgement> judge(const Lesson& lesson, const LessonValues& values) {
   std::vector<Judgement> out;
   for (const auto& [name, limit] : lesson.tolerances) {
     Judgement j;
     j.name = name, j.limit = limit;
     for (const Known& k : kKnown)
       if (name == k.name) j.unit = k.unit;
-    if (const auto at = values.find(name); at != values.end() && std::isfinite(at->second)) j.value = at->second, j.met = at->second <= limit;
+    if (const auto at = values.value.find(name); at == values.value.end()) {
+      const auto why = values.why_not.find(name);
+      j.why = why == values.why_not.end() ? "there is no such figure of this session" : why->second;
+    } else if (!std::isfinite(at->second)) {
+      j.why = "what was measured is no number";
+    } else {
+      j.value = at->second, j.met = at->second <= limit;
+    }
     out.push_back(std::move(j));
   }
   return out;
 }
 
-std::map<std::string, double> lesson_values(const Metrics& m, const std::optional<DesignError>& e) {
-  std::map<std::string, double> v{{"dog_ear_mm", m.dog_ear_mm}, {"step_off_mm", m.step_off_mm}};
+LessonValues lesson_values(const Metrics& m, const std::optional<DesignError>& e) {
+  LessonValues v;
+  v.value = {{"dog_ear_mm", m.dog_ear_mm}, {"step_off_mm", m.step_off_mm}};
+  const auto without = [&](std::initializer_list<const char*> names, const std::string& why) {
+    for (const char* name : names) v.why_not[name] = why;
+  };
   if (!m.sutures.empty())
-    v.insert({{"gap_mm", m.suture_gap_max_mm}, {"suture_N", m.suture_force_max_N}, {"suture_peak_N", m.suture_force_peak_N}, {"closure_N", m.closure_force_N}});
-  if (m.waste_mm2) v["waste_mm2"] = *m.waste_mm2;
-  if (!m.landmarks.empty()) v["landmark_mm"] = m.landmark_max_mm;
-  if (e && e->missing == 0) v.insert({{"corner_mm", e->corner_max_mm}, {"angle_deg", e->angle_max_deg}, {"limb_percent", e->limb_max_percent}});
+    v.value.insert({{"gap_mm", m.suture_gap_max_mm}, {"suture_N", m.suture_force_max_N}, {"suture_peak_N", m.suture_force_peak_N}, {"closure_N", m.closure_force_N}});
+  else
+    without({"gap_mm", "suture_N", "suture_peak_N", "closure_N"}, "stitches were looked for at the end; there is none");
+  if (m.waste_mm2) v.value["waste_mm2"] = *m.waste_mm2;
+  else without({"waste_mm2"}, "an excision was looked for; nothing was excised");
+  const auto gone = std::find_if(m.landmarks.begin(), m.landmarks.end(), [](const NamedLandmark& l) { return !l.figure; });
+  if (m.landmarks.empty()) without({"landmark_mm"}, "landmarks were looked for; neither scene nor lesson names one");
+  else if (gone != m.landmarks.end()) without({"landmark_mm"}, "the skin of " + gone->name + " was looked for at " + at_text(gone->at) + "; there is none");
+  else v.value["landmark_mm"] = m.landmark_max_mm;
+  if (!e) without({"corner_mm", "angle_deg", "limb_percent"}, "cuts were looked for where the plan has them; nothing was excised or incised");
+  else if (!e->missing.empty()) without({"corner_mm", "angle_deg", "limb_percent"}, why_missing(*e));
+  else v.value.insert({{"corner_mm", e->corner_max_mm}, {"angle_deg", e->angle_max_deg}, {"limb_percent", e->limb_max_percent}});
+  without({"time_s"}, "the session's time was looked for; there is none");
+  without({"path_mm", "movements"}, "a hand's movements were looked for; none are recorded");
   return v;
 }
 

@@ -43,12 +43,19 @@ Lesson open_lesson(const std::string& name_or_path);
 /// A line that says so when a lesson judges what was done in another scene than its own, by the scene's name and file; empty where it fits.
 std::string made_for_another(const Lesson& lesson, const std::string& scene_name, const std::string& scene_path);
 
+/// A planned corner without a drawn one near enough.
+struct MissingCorner {
+  bool outline = false;  // of an excision; otherwise of an incision
+  ChartPoint planned{0, 0};
+  std::optional<ChartPoint> nearest;  // drawn, of the same kind of cut; nothing: there is no such cut
+};
 /// How far the cuts lie from the plan. Corners of what was drawn are those that matter by more than 1.5 mm (plan.h).
 struct DesignError {
   double corner_mean_mm = 0, corner_max_mm = 0;  // planned corner to the nearest drawn one of the same kind of cut
   double angle_max_deg = 0;                      // at planned inner corners of cuts, against the drawn corner nearest to them
   double limb_max_percent = 0;                   // length between neighbouring planned corners, against that between theirs
-  int corners = 0, missing = 0;                  // planned; without a drawn one within 10 mm
+  int corners = 0;                               // planned
+  std::vector<MissingCorner> missing;            // of them, without a drawn one within 10 mm
 };
 /// Nothing when nothing was cut.
 std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const Command> script);
@@ -57,11 +64,16 @@ std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const 
 struct Judgement {
   std::string name, unit;
   double limit = 0;
-  std::optional<double> value;  // nothing: it could not be measured (no hand, no Z, ...)
+  std::optional<double> value;  // nothing: it could not be measured
+  std::string why;              // not: what was looked for, and what was found; empty where there is a value
   bool met = false;
 };
-std::vector<Judgement> judge(const Lesson& lesson, const std::map<std::string, double>& values);
-/// The values by the names of tolerances.
-std::map<std::string, double> lesson_values(const Metrics& metrics, const std::optional<DesignError>& error);
+/// What was measured, and why the rest was not, by the names of tolerances.
+struct LessonValues {
+  std::map<std::string, double> value;
+  std::map<std::string, std::string> why_not;
+};
+std::vector<Judgement> judge(const Lesson& lesson, const LessonValues& values);
+LessonValues lesson_values(const Metrics& metrics, const std::optional<DesignError>& error);
 
 }  // namespace limberg

@@ -112,7 +112,7 @@ void read_exercise(const Json& j, ReportData& d) {
   if (const Json& t = member(l, "tolerances"); t.is_array())
     for (const Json& x : t) {
       const Json& met = member(x, "met");
-      d.tolerances.push_back({words(x, "name"), words(x, "unit"), number(x, "limit"), number(x, "value"), met.is_boolean() && met.get<bool>()});
+      d.tolerances.push_back({words(x, "name"), words(x, "unit"), number(x, "limit"), number(x, "value"), met.is_boolean() && met.get<bool>(), words(x, "why")});
     }
   if (const Json& h = member(l, "hints"); h.is_array())
     for (const Json& x : h) d.hints.push_back(words(x));

@@ -31,6 +31,7 @@ struct ReportTolerance {
   std::string name, unit;
   Maybe limit, value;
   bool met = false;
+  std::string why;  // there is no value
 };
 
 struct ReportStage {

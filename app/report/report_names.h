@@ -31,7 +31,7 @@
 //   "charts" and "tables": [{"title", "about", "columns": [name], "rows": [[text]]}] of other commands too
 //   "series": also "closure_N", "suture_max_N" of a session, over t_s
 //   "exercise":    {name: number, "design": {name: number}}; "lesson": {"title", "goal", "tolerances": [{"name", "unit", "limit",
-//                  "value" (absent: not measured), "met"}], "hints": [...]}
+//                  "value" (absent: not measured, "why"), "met"}], "hints": [...]}
 //   "script":      ["{...}", ...] the operation, one JSON line each (strings or objects)
 //   "reproduce":   "limberg replay ..."  the command that makes this result again
 //   "damage":      {...}  what was lost of a damaged recording: shown as a notice, as it stands

@@ -62,7 +62,7 @@ std::string exercise(const ReportData& d) {
     std::vector<std::vector<std::string>> rows;
     for (const ReportTolerance& t : d.tolerances)
       rows.push_back({spoken(t.name), quantity(t.value, t.unit), "≤ " + quantity(t.limit, t.unit),
-                      t.value ? std::string("<b class=\"") + (t.met ? "good\">met" : "bad\">missed") + "</b>" : "not measured"});
+                      t.value ? std::string("<b class=\"") + (t.met ? "good\">met" : "bad\">missed") + "</b>" : t.why.empty() ? "not measured" : "not measured: " + escape(t.why)});
     s += table({"Tolerance", "Value", "Limit", ""}, rows);
     if (!d.hints.empty() && std::any_of(d.tolerances.begin(), d.tolerances.end(), [](const auto& t) { return !t.met; })) {
       s += "<p>Hints:</p>\n<ul>\n";

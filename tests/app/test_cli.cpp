@@ -373,15 +373,20 @@ TEST_F(Cli, SessionsAreJudgedByALesson) {
 {"action":"incise","path":[[-6,0],[6,0]],"depth_mm":3}
 {"action":"suture","a":[0,1],"b":[0,-1]}
 )");
-  const std::string lesson = file("slit.toml", "lesson = \"A slit\"\ngoal = \"Close it\"\nscene = \"small\"\n[procedure]\nname = \"fusiform\"\n[procedure.values]\nwidth_mm = 4\n[tolerance]\ngap_mm = 0.2\ntime_s = 0.001\n");
+  const std::string lesson = file("slit.toml", "lesson = \"A slit\"\ngoal = \"Close it\"\nscene = \"small\"\n[procedure]\nname = \"fusiform\"\n[procedure.values]\nwidth_mm = 4\n[tolerance]\ncorner_mm = 2\ngap_mm = 0.2\ntime_s = 0.001\n");
   const auto judged = [&](const std::string& command) {
     const Outcome o = run(command + " --judge " + lesson + " --json " + path("result.json"));
     EXPECT_EQ(o.status, 0) << command << "\n" << o.err;
     EXPECT_NE(o.out.find("lesson      gap_mm"), std::string::npos) << o.out;
     std::map<std::string, bool> met;
     const auto j = nlohmann::json::parse(slurp(dir_ / "result.json"));
-    for (const auto& t : j.at("lesson").at("tolerances")) met[t.at("name").get<std::string>()] = t.at("met").get<bool>();
-    EXPECT_EQ(met.size(), 2u);
+    for (const auto& t : j.at("lesson").at("tolerances")) {
+      met[t.at("name").get<std::string>()] = t.at("met").get<bool>();
+      if (t.at("name") == "corner_mm") EXPECT_NE(t.value("why", "").find("no excision was drawn"), std::string::npos) << t;  // the plan is one
+      EXPECT_EQ(t.contains("why"), !t.contains("value")) << t;
+    }
+    EXPECT_NE(o.out.find("not measured: "), std::string::npos) << o.out;
+    EXPECT_EQ(met.size(), 3u);
     return met;
   };
   ASSERT_EQ(run("emulate " + scene + " " + script + " --out " + path("slit.lcm")).status, 0);
@@ -403,6 +408,12 @@ TEST_F(Cli, DesignsAreRanked) {
   const auto j = nlohmann::json::parse(slurp(dir_ / "out/result.json"));
   ASSERT_GE(j["rows"].size(), 1u);
   EXPECT_GT(j["rows"][0]["excised_mm2"].get<double>(), 50.3);  // it holds the circle
+  EXPECT_EQ(j["rows"][0]["pass"], "fine");
+  ASSERT_GE(j["rows"].size(), 2u);
+  EXPECT_EQ(j["rows"][1]["pass"], "first");
+  EXPECT_EQ(j["rows"][1]["cost"], j["rows"][1]["first_pass_cost"]);
+  EXPECT_NE(o.out.find("  (2) fusiform"), std::string::npos) << o.out;  // ranked by the first pass
+  EXPECT_NE(slurp(dir_ / "out/report.html").find("(2)"), std::string::npos);
   EXPECT_TRUE(fs::exists(dir_ / "out/design-1.svg"));
   EXPECT_EQ(run("operate " + scene + " " + path("out/design-1.jsonl")).status, 0);
 }

@@ -80,7 +80,7 @@ TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
     for (const ScriptLine& s : shipped_script(name).lines) script.push_back(s.command);
     const auto e = design_error(plan, script);
     ASSERT_TRUE(e) << name;
-    EXPECT_EQ(e->missing, 0) << name;
+    EXPECT_TRUE(e->missing.empty()) << name;
     EXPECT_LT(e->corner_max_mm, 0.01) << name;  // coordinates of scripts are rounded to 1/1000 mm
     EXPECT_LT(e->angle_max_deg, 0.05) << name;
     EXPECT_LT(e->limb_max_percent, 0.05) << name;
@@ -99,12 +99,67 @@ TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
 
 TEST(Lesson, TellsWhatIsMet) {
   const Lesson l = parse_lesson(kLesson, "l.toml");
-  const auto j = judge(l, {{"corner_mm", 1.9}, {"gap_mm", 0.3}});
+  const auto j = judge(l, {{{"corner_mm", 1.9}, {"gap_mm", 0.3}}, {{"undos", "nobody counted them"}}});
   ASSERT_EQ(j.size(), 3u);
   EXPECT_TRUE(j[0].met);
   EXPECT_FALSE(j[1].met);
   EXPECT_FALSE(j[2].met);
   EXPECT_FALSE(j[2].value);  // not measured is not met
+  EXPECT_EQ(j[0].why, "");
+  EXPECT_EQ(j[1].why, "");
+  EXPECT_EQ(j[2].why, "nobody counted them");
+  const auto broken = judge(l, {{{"corner_mm", std::nan("")}}, {}});
+  for (const Judgement& b : broken) {
+    EXPECT_FALSE(b.value) << b.name;
+    EXPECT_NE(b.why, "") << b.name;  // whatever is not measured says why
+  }
+}
+
+// What could not be measured says what was looked for, where, and what was found.
+TEST(Lesson, SaysWhyAFigureIsNotMeasured) {
+  const Lesson l = open_lesson(LIMBERG_SOURCE_DIR "/app/lessons/rhomboid.toml");
+  const Skin skin(build_body(load_scene(LIMBERG_SOURCE_DIR "/app/scenes/" + l.scene + ".toml")));
+  const PlanOnSkin plan = plan_on(skin, l.plan);
+  std::vector<Command> drawn;
+  for (const ScriptLine& s : shipped_script("rhomboid").lines) drawn.push_back(s.command);
+  const auto why = [&](const std::vector<Command>& script, const Metrics& m, const char* name) {
+    const LessonValues v = lesson_values(m, design_error(plan, script));
+    EXPECT_FALSE(v.value.contains(name)) << name;
+    return v.why_not.contains(name) ? v.why_not.at(name) : std::string();
+  };
+  const auto holds = [](const std::string& text, const std::vector<std::string>& words) {
+    for (const std::string& w : words) EXPECT_NE(text.find(w), std::string::npos) << w << " in: " << text;
+  };
+  // The flap cut elsewhere: moved by 31 mm, so that the end of its second side lies farthest from its place.
+  std::vector<Command> elsewhere = drawn;
+  for (Command& c : elsewhere)
+    if (auto* i = std::get_if<Incise>(&c))
+      for (ChartPoint& p : i->path) p += Vec2(31, 0);
+  const auto e = design_error(plan, elsewhere);
+  ASSERT_FALSE(e->missing.empty());
+  const auto planned = std::find_if(drawn.begin(), drawn.end(), [](const Command& c) { return std::holds_alternative<Incise>(c); });
+  for (const MissingCorner& c : e->missing) {
+    EXPECT_FALSE(c.outline);
+    const auto& path = std::get<Incise>(*planned).path;
+    EXPECT_TRUE(std::any_of(path.begin(), path.end(), [&](const ChartPoint& p) { return (p - c.planned).norm() < 0.01; })) << c.planned.transpose();
+    ASSERT_TRUE(c.nearest);
+    for (const ChartPoint& p : path) EXPECT_GE((p + Vec2(31, 0) - c.planned).norm(), (*c.nearest - c.planned).norm() - 1e-9);  // none is nearer
+  }
+  for (const char* name : {"corner_mm", "angle_deg", "limb_percent"})
+    holds(why(elsewhere, {}, name), {std::to_string(e->missing.size()) + " of the plan's " + std::to_string(e->corners) + " corners", "within 10 mm", "incision at (", "mm away"});
+  // No flap at all; nothing at all.
+  std::vector<Command> none = drawn;
+  std::erase_if(none, [](const Command& c) { return std::holds_alternative<Incise>(c); });
+  holds(why(none, {}, "corner_mm"), {"no incision was drawn"});
+  holds(why({}, {}, "corner_mm"), {"nothing was excised or incised"});
+  holds(why({}, {}, "gap_mm"), {"stitches", "none"});
+  // A landmark whose skin is gone has not stayed where it was.
+  Metrics m;
+  m.landmarks.push_back({"lid", {3, 40}, LandmarkFigure{}});
+  m.landmarks.push_back({"ala", {3, 4}, std::nullopt});
+  holds(why({}, m, "landmark_mm"), {"skin of ala", "(3.0, 4.0) mm"});
+  m.landmarks.pop_back();
+  EXPECT_TRUE(lesson_values(m, {}).value.contains("landmark_mm"));
 }
 
 // What only a hand can miss is not held against a script that was carried out without one.
