@@ -111,8 +111,8 @@ std::string ranking_svg(const std::vector<Design>& found, const DesignTask& task
     }
     const std::string size = d.plan.values.empty() ? "" : format("%.3g mm, ", d.plan.values[0].second);
     s += format("<text x=\"%.1f\" y=\"%.1f\" font-size=\"14\">%zu. %s</text>\n", corner.x() + 2, corner.y() + kPlan + 17, i + 1, d.plan.procedure.c_str());
-    s += format("<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%sturned %g&#176;%s, cells %.3g mm</text>\n", corner.x() + 2, corner.y() + kPlan + 33, size.c_str(), d.plan.turn_deg,
-                d.plan.mirrored ? ", mirrored" : "", d.cell_mm);
+    s += format("<text x=\"%.1f\" y=\"%.1f\" fill=\"#555\">%sturned %g&#176;%s, %.3g mm cells%s</text>\n", corner.x() + 2, corner.y() + kPlan + 33, size.c_str(), d.plan.turn_deg,
+                d.plan.mirrored ? ", mirrored" : "", d.cell_mm, d.fine ? "" : ", first pass");
     const std::array<std::pair<double, const char*>, 3> parts{{{d.force_cost, kForce}, {d.ear_cost, kEar}, {d.landmark_cost, kLandmark}}};
     double from = corner.x() + 2;
     for (const auto& [cost, ink] : parts) {

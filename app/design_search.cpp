@@ -87,6 +87,7 @@ void set_cost(Design& d, const Metrics& m, const DesignTask& task) {
   d.force_cost = task.weight_force * d.force_N / kForce_N, d.ear_cost = task.weight_ear * d.dog_ear_mm / kEar_mm;
   d.landmark_cost = task.weight_landmark * d.landmark_mm / kLandmark_mm;
   d.cost = d.force_cost + d.ear_cost + d.landmark_cost;
+  if (!d.fine) d.first_cost = d.cost;
 }
 
 }  // namespace
@@ -107,7 +108,7 @@ std::string why_first(const Design& a, const Design* b) {
   std::snprintf(t, sizeof t, "its strongest stitch pulls with %.2f N (cost %.2f), the skin stands up by %.1f mm (%.2f), landmarks move by %.1f mm (%.2f)", a.force_N, a.force_cost,
                 a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
   std::string why = t;
-  if (!b || b->cell_mm != a.cell_mm || b->cost < a.cost) return why;  // a coarser pass, even on the same cells
+  if (!b || b->fine != a.fine) return why;
   const std::pair<double, const char*> parts[] = {{b->force_cost - a.force_cost, "its force"}, {b->ear_cost - a.ear_cost, "its dog-ear"}, {b->landmark_cost - a.landmark_cost, "what it does to landmarks"}};
   const auto most = std::max_element(std::begin(parts), std::end(parts), [](const auto& x, const auto& y) { return x.first < y.first; });
   std::snprintf(t, sizeof t, "; the next costs %.2f more, most of it by %s (%+.2f)", b->cost - a.cost, most->second, most->first);
@@ -232,7 +233,16 @@ void carry_out(Design& d, const Scene& scene, const std::shared_ptr<const Body>&
   World world(spec, workers);
   Script script;
   script.name = d.name();
-  for (const Command& c : d.commands) script.lines.push_back({int(script.lines.size()) + 1, c});
+  std::vector<Command> commands = d.commands;
+  if (!fine && task.plan.spacing_mm < cell_mm) {
+    // Stitches that stand nearer than cells are large pull against each other where edges bend (study/fusiform.cpp), and what bends
+    // would seem dearer than what is straight.
+    OperationPlan wider = task.plan;
+    wider.spacing_mm = cell_mm;
+    const Skin skin(body);
+    commands = carry_out(d.figure, OnSkin(skin, {d.plan.at, d.plan.turn_deg, d.plan.mirrored}), wider);
+  }
+  for (const Command& c : commands) script.lines.push_back({int(script.lines.size()) + 1, c});
   OperationSettings set;
   set.interrupted = interrupted;
   set.rest_residual = 1e-4, set.rest_steps = 40, set.hook_step_mm = 3;
@@ -240,7 +250,7 @@ void carry_out(Design& d, const Scene& scene, const std::shared_ptr<const Body>&
   if (!fine) set.rest_residual = 1e-3, set.rest_steps = 10, set.final_residual = 1e-4, set.final_steps = 100, set.hook_step_mm = 5;
   try {
     const OperationOutcome o = operate(world, scene.tools.max_depth_mm, script, set);
-    d.residual = o.last.residual, d.cell_mm = cell_mm;
+    d.residual = o.last.residual, d.cell_mm = cell_mm, d.fine = fine;
     if (o.interrupted) d.dropped = "interrupted";
   } catch (const InputError& e) {
     d.dropped = e.what();
@@ -248,7 +258,15 @@ void carry_out(Design& d, const Scene& scene, const std::shared_ptr<const Body>&
   }
   MeasureAlso also;
   also.landmarks = task.spare;
-  set_cost(d, measure_world(world, d.commands, also), task);
+  set_cost(d, measure_world(world, commands, also), task);
+}
+
+void rank(std::vector<Design>& designs) {
+  std::stable_sort(designs.begin(), designs.end(), [](const Design& a, const Design& b) {
+    if (a.dropped.empty() != b.dropped.empty()) return a.dropped.empty();
+    if (!a.dropped.empty()) return a.name() < b.name();
+    return a.fine != b.fine ? a.fine : a.cost < b.cost;
+  });
 }
 
 std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, Workers& workers, const std::function<bool()>& interrupted,
@@ -269,16 +287,12 @@ std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, W
     if (progress) progress({done, coarse + best, refining, work / (coarse + best * weight)});
     ++done, work += refining ? weight : 1;
   };
-  const auto rank = [](const Design& a, const Design& b) {
-    if (a.dropped.empty() != b.dropped.empty()) return a.dropped.empty();
-    return a.dropped.empty() ? a.cost < b.cost : a.name() < b.name();
-  };
   for (Design& d : all) {
     if (!d.dropped.empty() || (interrupted && interrupted())) continue;
     tell(false);
     carry_out(d, scene, body, task, task.coarse_mm, false, workers, interrupted);
   }
-  std::stable_sort(all.begin(), all.end(), rank);
+  rank(all);
   int refined = 0;
   for (Design& d : all) {
     if (refined == refine || !d.dropped.empty() || (interrupted && interrupted())) break;
@@ -286,7 +300,7 @@ std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, W
     carry_out(d, scene, body, task, fine, true, workers, interrupted);
     ++refined;
   }
-  std::stable_sort(all.begin(), all.begin() + refined, rank);
+  rank(all);
   return all;
 }
 

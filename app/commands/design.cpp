@@ -75,12 +75,12 @@ int design(Options o) {
   r.set("/defect", o.defect);
   ResultTable table;
   table.title = "Designs, best first";
-  table.about = "Cost: largest force of a stitch over 2.45 N, plus dog-ear over 4 mm, plus displacement of landmarks over 2 mm. The first were carried out again on finer cells; "
-                "costs of different cell sizes are not compared with each other.";
-  table.columns = {"", "design", "cells, mm", "cost", "largest stitch, N", "closure, N", "dog-ear, mm", "landmark, mm", "skin taken, mm2", "scar, mm"};
-  std::printf("%3s %-58s %6s %7s %8s %9s %8s %9s %8s %7s\n", "", "design", "cells", "cost", "stitch N", "closure N", "ear mm", "landm. mm", "skin mm2", "scar mm");
+  table.about = "Cost: largest force of a stitch over 2.45 N, plus dog-ear over 4 mm, plus displacement of landmarks over 2 mm. The best of the first pass were carried out "
+                "again on fine cells and are ranked among themselves by what they cost there; those in brackets, without a cost, are ranked by the first pass, and their figures are of its cells.";
+  table.columns = {"", "design", "cells, mm", "cost", "first pass", "largest stitch, N", "closure, N", "dog-ear, mm", "landmark, mm", "skin taken, mm2", "scar, mm"};
+  std::printf("%5s %-58s %6s %7s %7s %8s %9s %8s %9s %8s %7s\n", "", "design", "cells", "cost", "1st", "stitch N", "closure N", "ear mm", "landm. mm", "skin mm2", "scar mm");
   int rank = 0, dropped = 0;
-  bool any = false;
+  bool any = false, coarse = false;
   for (const Design& d : found) {
     if (!d.dropped.empty()) {
       const std::string p = "/dropped/" + std::to_string(dropped++);
@@ -88,14 +88,16 @@ int design(Options o) {
       r.set(p + "/reason", d.dropped);
       continue;
     }
-    any = true;
+    any = true, coarse |= !d.fine;
     const std::string p = "/rows/" + std::to_string(rank++);
     r.set(p + "/design", d.name());
     r.set(p + "/procedure", d.plan.procedure);
     r.set(p + "/turn_deg", d.plan.turn_deg);
     r.set(p + "/mirrored", d.plan.mirrored);
+    r.set(p + "/pass", d.fine ? "fine" : "first");
     r.set(p + "/cell_mm", d.cell_mm);
     r.set(p + "/cost", d.cost);
+    r.set(p + "/first_pass_cost", d.first_cost);
     r.set(p + "/force_cost", d.force_cost);
     r.set(p + "/dog_ear_cost", d.ear_cost);
     r.set(p + "/landmark_cost", d.landmark_cost);
@@ -106,10 +108,11 @@ int design(Options o) {
     r.set(p + "/excised_mm2", d.waste_mm2);
     r.set(p + "/scar_length_mm", d.scar_mm);
     r.set(p + "/residual", d.residual);
-    table.rows.push_back({std::to_string(rank), d.name(), short_number(d.cell_mm), short_number(d.cost, 3), short_number(d.force_N, 3), short_number(d.closure_N, 3),
+    const std::string place = d.fine ? std::to_string(rank) : "(" + std::to_string(rank) + ")", cost = d.fine ? short_number(d.cost, 3) : "-";
+    table.rows.push_back({place, d.name(), short_number(d.cell_mm), cost, short_number(d.first_cost, 3), short_number(d.force_N, 3), short_number(d.closure_N, 3),
                           short_number(d.dog_ear_mm, 3), short_number(d.landmark_mm, 3), short_number(d.waste_mm2, 3), short_number(d.scar_mm, 3)});
     if (rank <= o.show)
-      std::printf("%3d %-58s %6.3g %7.3f %8.3f %9.3f %8.2f %9.2f %8.0f %7.1f\n", rank, d.name().c_str(), d.cell_mm, d.cost, d.force_N, d.closure_N, d.dog_ear_mm, d.landmark_mm,
+      std::printf("%5s %-58s %6.3g %7s %7.3f %8.3f %9.3f %8.2f %9.2f %8.0f %7.1f\n", place.c_str(), d.name().c_str(), d.cell_mm, cost.c_str(), d.first_cost, d.force_N, d.closure_N, d.dog_ear_mm, d.landmark_mm,
                   d.waste_mm2, d.scar_mm);
     if (o.common.out_dir.empty() || rank > o.task.refine) continue;
     write_whole_file(o.common.out_dir + "/design-" + std::to_string(rank) + ".svg", plan_svg(d.figure, std::to_string(rank) + ". " + d.name()));
@@ -118,7 +121,8 @@ int design(Options o) {
     for (const Command& c : d.commands) text += to_json_line(c) + "\n";
     write_whole_file(o.common.out_dir + "/design-" + std::to_string(rank) + ".jsonl", text);
   }
-  if (rank > o.show) std::printf("    and %d more\n", rank - o.show);
+  if (rank > o.show) std::printf("      and %d more\n", rank - o.show);
+  if (coarse) std::printf("in brackets: ranked by the first pass alone (1st), whose costs do not compare with those of fine cells\n");
   if (any) {
     const std::string why = why_first(found[0], found.size() > 1 && found[1].dropped.empty() ? &found[1] : nullptr);
     r.set("/why", why);

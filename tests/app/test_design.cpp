@@ -84,11 +84,26 @@ TEST(Design, SaysWhyTheFirstIsFirstAndWhyOthersWereDropped) {
   const std::string why = why_first(a, &b);
   EXPECT_NE(why.find("1.23 N (cost 0.50)"), std::string::npos) << why;
   EXPECT_NE(why.find("0.25 more, most of it by its dog-ear (+0.25)"), std::string::npos) << why;
-  b.cell_mm = 3.5;  // other cells: not compared
+  b.fine = true;  // another pass: not compared, though on the same cells
   EXPECT_EQ(why_first(a, &b), why_first(a, nullptr));
   const std::vector<Design> all{a, e, c, b, d};
   const std::vector<std::pair<std::string, int>> expected{{"takes lid away", 2}, {"passes within 2 mm of lid", 1}};
   EXPECT_EQ(dropped_by_reason(all), expected);
+}
+
+// A cost on fine cells and one of the first pass say nothing of each other, whichever is the larger.
+TEST(Design, RefinedOnesAreRankedAmongThemselvesAndComeFirst) {
+  std::vector<Design> all(6);
+  const auto is = [&](size_t i, const char* name, bool fine, double first, double cost, const char* dropped = "") {
+    all[i].plan.procedure = name, all[i].fine = fine, all[i].first_cost = first, all[i].cost = cost, all[i].dropped = dropped;
+  };
+  is(0, "coarse cheap", false, 0.6, 0.6), is(1, "fine dear", true, 0.3, 0.9), is(2, "refused on fine cells", false, 0.2, 0.2, "refused");
+  is(3, "coarse", false, 0.8, 0.8), is(4, "fine cheap", true, 0.5, 0.7), is(5, "never", false, 0, 0, "takes lid away");
+  rank(all);
+  std::vector<std::string> order;
+  for (const Design& d : all) order.push_back(d.plan.procedure);
+  EXPECT_EQ(order, (std::vector<std::string>{"fine cheap", "fine dear", "coarse cheap", "coarse", "never", "refused on fine cells"}));
+  EXPECT_EQ(why_first(all[1], &all[2]), why_first(all[1], nullptr));  // "costs -0.30 more" would be nonsense
 }
 
 TEST(Design, TheSearchRanksTellsHowFarItIsAndDraws) {
@@ -100,6 +115,11 @@ TEST(Design, TheSearchRanksTellsHowFarItIsAndDraws) {
   ASSERT_EQ(found.size(), 2u);
   EXPECT_EQ(found[0].cell_mm, 6);  // the best, carried out again
   EXPECT_EQ(found[1].cell_mm, 8);
+  EXPECT_TRUE(found[0].fine);
+  EXPECT_FALSE(found[1].fine);
+  EXPECT_LE(found[0].first_cost, found[1].first_cost);  // the best of the first pass was taken
+  EXPECT_NE(found[0].first_cost, found[0].cost);
+  EXPECT_EQ(found[1].first_cost, found[1].cost);
   for (const Design& d : found) {
     EXPECT_TRUE(d.dropped.empty()) << d.dropped;
     EXPECT_GT(d.force_N, 0);
