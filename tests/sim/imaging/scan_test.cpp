@@ -8,6 +8,7 @@
 
 #include "sim/error.h"
 #include "sim/imaging/fit.h"
+#include "sim/imaging/fit_parts.h"
 #include "sim/imaging/surface_file.h"
 #include "sim/simplex/dual.h"
 
@@ -215,6 +216,26 @@ TEST(Scan, TheDeepSideOfAShellIsHidden) {
   for (size_t i = 0; i < s.tri.size(); i += 10) std::swap(s.tri[i][0], s.tri[i][1]);  // they do not agree
   EXPECT_EQ(seen_from_around(s.x_mm, s.tri).x_mm.size(), s.x_mm.size());
   EXPECT_TRUE(seen_from_around(s.x_mm, s.tri).looks.empty());
+}
+
+TEST(Scan, OnlyPointsThatLookTheWayOfTheMeshDrawIt) {
+  // Two sheets 4 mm apart that look away from each other; places between them, nearer to either.
+  std::vector<Vec3> points, looks;
+  for (const double z : {0., -4.})
+    for (int i = -10; i <= 10; ++i)
+      for (int j = -10; j <= 10; ++j) points.push_back({2. * i, 2. * j, z}), looks.push_back({0, 0, z + 2});
+  for (Vec3& n : looks) n.normalize();
+  const std::vector<Vec3> unknown;
+  const imaging::PointSight knows(points, nullptr, looks), blind(points, nullptr, unknown);
+  for (const double z : {-1., -3.})
+    for (const double N : {1., -1.}) {
+      bool seen = false;
+      const Vec3 x(0.3, 0.2, z), to = N > 0 ? Vec3(0, 0, 0 - z) : Vec3(0, 0, -4 - z);
+      EXPECT_LT((knows.pull(x, {0, 0, N}, 1, 30, seen) - to).norm(), 1e-9) << z << " " << N;
+      EXPECT_TRUE(seen);
+      // Where it is not known which way they look the nearest draws, whatever its side.
+      EXPECT_LT((blind.pull(x, {0, 0, N}, 1, 30, seen) - Vec3(0, 0, z > -2 ? 0 - z : -4 - z)).norm(), 1e-9) << z << " " << N;
+    }
 }
 
 TEST(Scan, ASphereGoesDownANeckToItsEnd) {
