@@ -125,6 +125,7 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   if (s.flesh && s.source == Scene::Source::block && s.block.size_mm.prod() / (s.cell_mm * s.cell_mm * s.cell_mm) > 2e6)
     lattice.fail("cell_mm", "makes more than 2 million cells; expected larger cells");
   lattice.boolean("refine_fronts", s.refine_fronts);
+  lattice.boolean("refine_pockets", s.refine_pockets);
   lattice.real("region_mm", s.region_mm, 0, 1e5);
   lattice.finish();
 
@@ -243,6 +244,7 @@ WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
   w.hook_k_N_per_mm = scene.hook_N_per_mm;
   w.can_cut = scene.can_cut;
   w.refine_fronts = scene.refine_fronts;
+  w.refine_pockets = scene.refine_pockets;
   w.region_mm = scene.region_mm;
   w.dynamic = scene.dynamic;
   w.contact = scene.contact;

@@ -12,8 +12,9 @@
 //   [[layer]]    name, thickness_mm, young_kPa, poisson, density_kg_m3, prestretch_along, prestretch_across; from the skin
 //                down, one at least. Instead of young_kPa a law with its constants, or a tissue of the library, and a Prony
 //                series: scene_layers.h
-//   [lattice]    cell_mm, refine_fronts, region_mm (> 0: tissue farther than this from the chart's origin holds still and costs
-//                the solver nothing; 0, the default: all of it moves)
+//   [lattice]    cell_mm, refine_fronts (cells in which a cut ends are divided; false), refine_pockets (then also at the rim of what is
+//                undermined; true), region_mm (> 0: tissue farther than this from the chart's origin holds still and costs the solver
+//                nothing; 0, the default: all of it moves)
 //   [build]      can_cut, dynamic, contact = "auto" | true | false (do wound surfaces keep each other out? auto: as soon as
 //                something has been cut, the default)
 //   [springs]    suture_N_per_mm, suture_bite_mm (a stitch holds its edge over so much to either side; 1), hook_N_per_mm
@@ -55,7 +56,7 @@ struct Scene {
   ObjSpec obj;         // when source is obj; obj.path is resolved against the scene file's folder
 
   double cell_mm = 3.5;
-  bool refine_fronts = false;
+  bool refine_fronts = false, refine_pockets = true;
   double region_mm = 0;
   bool can_cut = true, dynamic = false;
   ContactChoice contact = ContactChoice::automatic;

@@ -43,6 +43,7 @@ struct WorldSpec {
   double region_mm = 0;     // > 0: tissue farther than this from the chart's origin holds still (lattice/region.h)
   bool can_cut = true;      // false: no cutter is built
   bool refine_fronts = false;  // cells in which a cut ends are divided twice, three times where it runs askew, so that it opens to within a quarter cell of its end
+  bool refine_pockets = true;  // with refine_fronts: at the rim of what is undermined too
   bool dynamic = false;     // false: quasi-static
   ContactChoice contact = ContactChoice::off;  // do wound surfaces keep each other out? (contact/contact_finder.h)
   uint64_t seed = 1;

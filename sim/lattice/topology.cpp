@@ -248,12 +248,12 @@ std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology
 }
 
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
-                                                       Workers* workers) {
-  return update_topology(previous, surface, true, workers);
+                                                       Workers* workers, Divide divide) {
+  return update_topology(previous, surface, true, workers, divide);
 }
 
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
-                                                       bool locally, Workers* workers) {
+                                                       bool locally, Workers* workers, Divide divide) {
   const auto t = std::make_shared<LatticeTopology>(previous);
   t->hanging.clear();
   t->born.clear();
@@ -354,6 +354,7 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   if (taken_away) {  // what is left names its parents first, and is divided then
     std::vector<int32_t> changed = touched;
     finish_topology(*t, builders, &previous, marks_with(changed), {previous.tree.ids(), {}});
+    if (divide == Divide::nothing) return t;
     std::sort(changed.begin(), changed.end());
     return with_divided_fronts(t, builders, std::move(changed), locally);
   }
@@ -365,7 +366,7 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   }
   NewParts parts;
   parts.known = previous.tree.ids();
-  {
+  if (divide == Divide::fronts) {
     std::vector<uint8_t> named(previous.components.size(), 0);
     for (int32_t c : touched) named[size_t(c)] = 1;
     divide_fronts(*t, builders, touched, named, parts);

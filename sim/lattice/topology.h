@@ -26,7 +26,8 @@
 // the neighbour's copy. When it hangs on several copies, these share their nodes there (a cut may stay closed there for
 // the length of a part, never is there a gap in tissue). Division never moves anything: every node of a part has its
 // parents in the copy that was divided, with trilinear weights. Cells stay divided for the rest of the history (undo goes
-// back to the version of that time).
+// back to the version of that time). An update may divide nothing (Divide): where a pocket ends deep inside, nobody looks,
+// and its long rim would cost most of the cells.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -98,12 +99,15 @@ std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, c
 /// The same with the cells divided that are divided in `like`, in the same order, and no others.
 std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like, const MaterialSurface& surface);
 
+/// What an update divides of the cells that it touches: those in which a front lies, or none.
+enum class Divide : uint8_t { fronts, nothing };
+
 /// The version after the arrangement has changed. cell_parent and node_parent index `previous`.
 /// Face ids must mean the same as in `previous` (an arrangement never renumbers; after its undo, go on from the version
 /// of that time). Nothing changes on an exception.
 /// Cells are found in parallel when there are workers; the result does not depend on them.
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
-                                                       Workers* workers = nullptr);
+                                                       Workers* workers = nullptr, Divide divide = Divide::fronts);
 
 /// `last` with the parents of the version before `middle`, which `last` was updated from. A cut that takes something
 /// away at once is followed in two steps, the cut and the taking away: each names its parents exactly.

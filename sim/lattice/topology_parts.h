@@ -131,6 +131,7 @@ bool finish_fronts_locally(LatticeTopology& topology, LevelBuilders& builders, c
 
 /// update_topology; `locally` false: by finish_topology whatever has changed, for tests.
 std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& previous, const MaterialSurface& surface,
-                                                       bool locally, Workers* workers = nullptr);
+                                                       bool locally, Workers* workers = nullptr,
+                                                       Divide divide = Divide::fronts);
 
 }  // namespace limberg

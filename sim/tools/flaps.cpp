@@ -141,29 +141,39 @@ std::vector<Command> operation(const ZPlasty& plan, const FlapSettings& settings
   w.undermine_disc();
   w.stage("undermined", 1);
 
-  const double grip = 3 / plan.frame.side_mm;
-  const Vec2 at_A = A + grip * (flap1 - A).normalized(), at_B = B + grip * (flap2 - B).normalized();
-  w.hook(1, at_A);
-  w.hook(2, at_B);
-  w.move(1, 0.5 * (at_A + D), settings.lift_mm, 1.5);
-  w.move(2, 0.5 * (at_B + C), settings.lift_mm, 1.5);
-  w.stage("flaps raised", 0.5);
-  // Short of D and C: the flaps come to lie inside these corners.
-  w.move(1, D + grip * (B - D).normalized(), 2, 1.5);
-  w.move(2, C + grip * (A - C).normalized(), 2, 1.5);
-  w.stage("flaps transposed", 0.5);
-
+  // As procedures/operation.h has it: flaps that change places meet edge to edge when they are brought over together, and one comes
+  // to lie on its side. So both are folded back on their bases first; then one after the other is laid over and stitched.
+  struct Flap {
+    int id;
+    Vec2 tip, base, grip, to;
+  };
   const Writer::Edge outer_BD{D, B, under}, outer_AC{C, A, above};
-  w.suture(w.in_corner(A, B, C), w.beside(outer_BD, w.corner()));
-  w.suture(w.in_corner(B, A, D), w.beside(outer_AC, w.corner()));
-  w.wait(1);
-  w.release(1);
-  w.release(2);
+  const double hold = 3 / plan.frame.side_mm;
+  const auto flap = [&](int id, const Vec2& tip, const Vec2& middle, const Vec2& base, const Vec2& end) {
+    return Flap{id, tip, base, tip + hold * (middle - tip).normalized(), end - hold * (end - base).normalized()};
+  };
+  const Flap flaps[] = {flap(1, A, flap1, 0.5 * (B + C), D), flap(2, B, flap2, 0.5 * (A + D), C)};
+  for (const Flap& f : flaps) w.hook(f.id, f.grip);
+  for (const Flap& f : flaps) {
+    const Vec2 way = f.grip - f.base;
+    const double reach_mm = way.norm() * plan.frame.side_mm;
+    w.move(f.id, f.base + 0.6 * way, 0.7 * reach_mm, 1.5);
+    w.move(f.id, f.base - 0.15 * way, 0.8 * reach_mm, 1.5);
+  }
+  w.stage("flaps raised", 0.5);
+  for (const Flap& f : {flaps[1], flaps[0]}) {
+    w.move(f.id, f.to, 6, 1.5);
+    w.move(f.id, f.to, -1, 1.5);  // a little too deep, or the tip would come to lie on the skin
+    if (f.id == 1) w.suture(w.in_corner(A, B, C), w.beside(outer_BD, w.corner()));
+    else w.suture(w.in_corner(B, A, D), w.beside(outer_AC, w.corner()));
+    w.release(f.id);
+    if (f.id == 2) w.stage("first flap set", 0.5);
+  }
   w.stage("flaps set", 1);
 
   w.row({A, B, flap1}, outer_BD);
   w.row({B, A, flap2}, outer_AC);
-  w.row({A, C, flap1}, {D, B, flap2}, 1.5, 1.5);  // both its ends are corners held already
+  w.row({A, C, flap1}, {D, B, flap2});
   w.stage("closed", 4);
   return w.commands;
 }

@@ -78,6 +78,11 @@ CutResult OperatingTable::cut_stroke(const std::vector<ChartPoint>& path, double
 
 Outcome OperatingTable::act(const Undermine& c) {
   if (!arrangement_) return {false, "this scene cannot be cut; can_cut = true was expected in the scene"};
+  const struct Ends {
+    Divide& divide;
+    ~Ends() { divide = Divide::fronts; }
+  } ends{divide_};
+  if (!spec_.refine_pockets) divide_ = Divide::nothing;
   return cut(build_undermining(blade_context(), c.outline, c.depth_mm), false, {});
 }
 
@@ -189,7 +194,7 @@ Outcome OperatingTable::finish(Done done) {
 Outcome OperatingTable::follow() {
   if (followed_ && followed_hash_ == arrangement_->hash()) return {true, {}};
   try {
-    const auto next = update_topology(followed_ ? *followed_ : *version_.lattice, material_surface(*arrangement_), &workers_);
+    const auto next = update_topology(followed_ ? *followed_ : *version_.lattice, material_surface(*arrangement_), &workers_, divide_);
     followed_ = followed_ ? skip_version(*followed_, *next) : next;
     followed_hash_ = arrangement_->hash();
   } catch (const InputError& e) {

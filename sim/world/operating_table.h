@@ -223,6 +223,7 @@ class OperatingTable {
   // During an act: the lattice after a part of its cuts, its parents in version_.lattice. Null: nothing was followed yet.
   std::shared_ptr<const LatticeTopology> followed_;
   uint64_t followed_hash_ = 0;  // of the arrangement then
+  Divide divide_ = Divide::fronts;  // of the lattice's cells by the act at hand
   std::vector<Done> done_;
   std::vector<Undone> undone_;
   std::optional<Stroke> stroke_;

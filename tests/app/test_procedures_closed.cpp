@@ -1,13 +1,17 @@
 // Every procedure of the repertoire, carried out with its own settings on a patch of skin: it closes and comes to rest.
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <ostream>
 
 #include "app/metrics.h"
 #include "app/operation.h"
+#include "app/scene.h"
 #include "app/study/sewn_metric.h"
+#include "app/study/skin_map.h"
 #include "sim/tools/procedures/catalogue.h"
 #include "sim/tools/procedures/operation.h"
+#include "sim/tools/script.h"
 
 namespace limberg {
 
@@ -66,6 +70,26 @@ TEST_P(Repertoire, ClosesAndRests) {
   // A stitch that joins the wrong places makes a handle of the sheet.
   std::swap(s.sutures[1].b_mm, s.sutures[2].b_mm);  // the flap's two tips
   EXPECT_LT(study::sewn_skin(s, commands).sum_deg(), -700);
+}
+
+// The shipped Z-plasty: each flap lies in its corner, its skin up, which takes limbs that open to their ends.
+// Where they do not, a tip lies folded on the skin beside its corner, and every other figure of the closing is as good.
+TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
+  const Scene scene = load_scene(LIMBERG_SOURCE_DIR "/app/scenes/zplasty.toml");
+  const Script script = load_script(LIMBERG_SOURCE_DIR "/recordings/zplasty.jsonl");
+  for (const bool fronts : {true, false}) {
+    WorldSpec spec = world_spec(scene, build_body(scene));
+    spec.refine_fronts = fronts;
+    InlineWorkers workers;
+    World world(spec, workers);
+    operate(world, scene.tools.max_depth_mm, script, {});
+    Snapshot s;
+    world.fill(s);
+    constexpr double kAround_mm = 20, kTriangle_mm2 = 0.32;  // of the skin, half of (0.8 mm)^2
+    const double turned_mm2 = study::SkinMap(s).turned_share(kAround_mm) * std::numbers::pi * kAround_mm * kAround_mm;
+    // Without, one tip lies on its face: 13.7 mm^2 (2026-11-22).
+    EXPECT_EQ(turned_mm2 < kTriangle_mm2, fronts) << turned_mm2 << " mm^2 lie on their side";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Repertoire, testing::ValuesIn(procedures()), [](const auto& i) { return i.param.name; });

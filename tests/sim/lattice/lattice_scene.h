@@ -31,6 +31,7 @@ struct LatticeScene {
   std::shared_ptr<const LatticeTopology> t;
   uint64_t seed = 1;
   bool only_cut = false;  // the last step took nothing away
+  Divide divide = Divide::fronts;
 
   LatticeScene(const TriMesh& mesh, const LatticeGrid& lattice, int front_levels = 0)
       : a(mesh, grid()), g(lattice), t(build_topology(g, material_surface(a), front_levels)) {
@@ -60,7 +61,7 @@ struct LatticeScene {
 
   void update() {
     const auto before = t;
-    t = update_topology(*before, material_surface(a));
+    t = update_topology(*before, material_surface(a), nullptr, divide);
     check();
     check_parents(*before);
     same_as_rebuilt();

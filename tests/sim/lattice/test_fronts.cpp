@@ -79,6 +79,28 @@ TEST_F(Fronts, WithoutTheOptionNothingIsDivided) {
   EXPECT_THROW(build_topology(odd, material_surface(plain.a), kLevels), InputError);
 }
 
+// A pocket whose rim nobody looks at: it goes through divided cells, divides none, and a later cut divides as ever.
+TEST_F(Fronts, AnUpdateMayDivideNothing) {
+  const Blade slit = strip({{-14.3, 0.3}, {11.2, 1.1}}, 3, -6), across = strip({{16, -9}, {17, 12}}, 3, -4);
+  const Blade pocket = sheet({-2, 0.1, -5}, {18, 0.1, 0}, {0.1, 13, 0.1}, 9, 7);
+  ASSERT_TRUE(s.cut(slit));
+  const size_t of_slit = s.t->tree.division.size();
+  EXPECT_GT(of_slit, 0u);
+  s.divide = Divide::nothing;
+  ASSERT_TRUE(s.cut(pocket));
+  EXPECT_EQ(s.t->tree.division.size(), of_slit);
+  s.divide = Divide::fronts;
+  ASSERT_TRUE(s.cut(across));
+  const size_t with_across = s.t->tree.division.size();
+  EXPECT_GT(with_across, of_slit);
+
+  LatticeScene all(wavy_slab(60, 12, 24, 0.8), grid_over(60, 12, 4.0), kLevels);
+  for (const Blade& b : {slit, pocket, across}) ASSERT_TRUE(all.cut(b));
+  EXPECT_GT(all.t->tree.division.size(), with_across);
+  EXPECT_EQ(s.a.hash(), all.a.hash());
+  EXPECT_EQ(s.t->pieces, all.t->pieces);
+}
+
 TEST_F(Fronts, UndoGoesOnFromTheOldVersion) {
   const auto first = s.t;
   ASSERT_TRUE(s.cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6)));

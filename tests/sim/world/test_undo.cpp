@@ -68,7 +68,7 @@ TEST_P(UndoHistories, EveryHashComesBackInBothDirections) {
   InlineWorkers workers;
   const bool dynamic = GetParam() % 3 == 2;
   WorldSpec spec = block(dynamic);
-  spec.refine_fronts = GetParam() % 2;
+  spec.refine_fronts = GetParam() % 2, spec.refine_pockets = GetParam() % 4 == 1;
   World world(spec, workers);
   Surgeon surgeon{uint64_t(GetParam())};
   steps(world, 3, dynamic);

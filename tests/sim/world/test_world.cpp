@@ -8,6 +8,7 @@
 #include <map>
 
 #include "sim/geometry/block.h"
+#include "sim/lattice/topology.h"
 
 namespace limberg {
 namespace {
@@ -312,6 +313,34 @@ TEST(World, RefinedFronts) {
     EXPECT_EQ(world.state_hash(), before);
   }
   EXPECT_GT(opening[true], opening[false] + 0.05);
+}
+
+// The rim of a pocket is divided, or not as the scene wishes; that of an incision is either way.
+TEST(World, PocketsNeedNotBeDivided) {
+  size_t more[2] = {0, 0};
+  for (const bool pockets : {false, true}) {
+    InlineWorkers workers;
+    WorldSpec spec = small_block(1.1);
+    spec.refine_fronts = true, spec.refine_pockets = pockets;
+    World world(spec, workers);
+    const auto divided = [&] { return world.lattice()->tree.division.size(); };
+    ASSERT_TRUE(world.apply(Incise{{{-9, 0.3}, {9, 0.3}}, 4, 90}).done);
+    const size_t slit = divided();
+    EXPECT_GT(slit, 0u);
+    const Outcome o = world.apply(Undermine{{{-9, -7}, {9, -7}, {9, 7}, {-9, 7}}, 4});
+    ASSERT_TRUE(o.done) << o.reason;
+    more[pockets] = divided() - slit;
+    const uint64_t hash = world.full_hash();
+    ASSERT_TRUE(world.apply(Undo{}).done);
+    EXPECT_EQ(divided(), slit);
+    ASSERT_TRUE(world.apply(Redo{}).done);
+    EXPECT_EQ(world.full_hash(), hash);
+    const size_t pocket = divided();
+    ASSERT_TRUE(world.apply(Incise{{{0.2, 8}, {0.4, 12}}, 3, 90}).done);
+    EXPECT_GT(divided(), pocket);
+  }
+  EXPECT_EQ(more[false], 0u);
+  EXPECT_GT(more[true], 0u);
 }
 
 }  // namespace
