@@ -228,7 +228,15 @@ void expect_same(const std::vector<Command>& want, const std::vector<Command>& g
       EXPECT_EQ(q->id, std::get<ReleaseHook>(g).id);
     }
   }
-  EXPECT_GE(moves + 1, size_t(std::count_if(want.begin(), want.end(), [](auto& c) { return std::holds_alternative<MoveHook>(c); })));
+  // The end of each row of moves of one hook; one of them may have been told before.
+  size_t rows = 0;
+  const MoveHook* last = nullptr;
+  for (size_t i = want.size(); i-- > 0;) {
+    const auto* m = std::get_if<MoveHook>(&want[i]);
+    rows += m && !(last && last->id == m->id);
+    last = m;
+  }
+  EXPECT_GE(moves + 1, rows);
   for (; k < got.size(); ++k) ADD_FAILURE() << "one too many, of kind " << got[k].index();
 }
 

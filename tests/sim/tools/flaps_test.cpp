@@ -134,12 +134,12 @@ TEST(ZPlasty, StitchesPairTheEdgesOfTheTransposedFlaps) {
     }
     EXPECT_EQ(one, 5);
     EXPECT_EQ(two, 5);
-    EXPECT_EQ(both, 3);
-    // Corner A to D, corner B to C.
-    EXPECT_LT((all[0].first - A).norm(), 1);
-    EXPECT_LT((all[0].second - D).norm(), 1.2);
-    EXPECT_LT((all[1].first - B).norm(), 1);
-    EXPECT_LT((all[1].second - C).norm(), 1.2);
+    EXPECT_EQ(both, 4);
+    // Corner B to C, then corner A to D.
+    EXPECT_LT((all[0].first - B).norm(), 1);
+    EXPECT_LT((all[0].second - C).norm(), 1.2);
+    EXPECT_LT((all[1].first - A).norm(), 1);
+    EXPECT_LT((all[1].second - D).norm(), 1.2);
   }
 }
 
