@@ -1,6 +1,7 @@
 // Studies: their settings, and what must come out of small members.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -174,10 +175,22 @@ TEST(Study, APlanarZPlastyGainsHalfOfTheTheory) {
 }
 
 TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
-  const Row r = run("fusiform", {"ratio=3", "cell_mm=6", "width_mm=14", "push_mm=0", "contact=0"});
+  const Row r = run("fusiform", {"ratio=3", "cell_mm=6", "width_mm=14", "push_mm=0", "contact=0", "spacing_mm=6"});
   EXPECT_NEAR(r.at("vertex_form_deg"), 73.7, 0.05);  // tabulated
   EXPECT_NEAR(r.at("scar_mm"), 1.073 * 42, 0.05);    // tabulated
   EXPECT_LT(r.at("gap_max_mm"), 0.2);
+  // What it takes to close a wound does not depend on how many stitches share it, as long as none pulls against its neighbours.
+  const Row wider = run("fusiform", {"ratio=3", "cell_mm=6", "width_mm=14", "push_mm=0", "contact=0", "spacing_mm=9"});
+  EXPECT_NEAR(wider.at("closure_force_N"), r.at("closure_force_N"), 0.1 * r.at("closure_force_N"));
+  // The bar sees stitches nearer than cells are large.
+  const Row nearer = run("fusiform", {"ratio=3", "cell_mm=6", "width_mm=14", "push_mm=0", "contact=0", "spacing_mm=3"});
+  EXPECT_GT(nearer.at("closure_force_N"), 1.25 * r.at("closure_force_N"));
+  for (const Row* row : {&r, &nearer}) {
+    const std::vector<Bar> bars = find_family("fusiform").bars({*row});
+    const auto bar = std::find_if(bars.begin(), bars.end(), [](const Bar& b) { return b.name.starts_with("stitches' spacing"); });
+    ASSERT_NE(bar, bars.end());
+    EXPECT_EQ(bar->pass, row == &r);
+  }
 }
 
 // What rhomboid flaps are known for: the cut has the angles of the plan, and the donor's closure is pulled tight, across it. (That
