@@ -1,6 +1,5 @@
 #include "app/operation.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -10,9 +9,6 @@
 namespace limberg {
 
 namespace {
-
-constexpr double kFollowed = 1e-3;    // relative residual of tissue that has followed a thread: what counts as rest for its force
-constexpr int kMostToFollow = 400;    // iterations
 
 class Operation {
  public:
@@ -66,9 +62,6 @@ class Operation {
     StepSettings s;
     s.max_iterations = set_.iterations;
     s.tolerance = tolerance;
-    // Every step draws a thread on. Where the tissue lags behind, it is let follow first: else cells turn inside out, and the thread is
-    // drawn against them.
-    if (out.last.residual > kFollowed && !patient_.settled()) s.max_iterations = kMostToFollow, s.tolerance = std::max(tolerance, kFollowed);
     const int64_t before = RealClock::monotonic_ns();
     out.last = patient_.step(s);
     out.iterations += out.last.iterations;

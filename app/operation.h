@@ -14,7 +14,7 @@ namespace limberg {
 
 struct OperationSettings {
   double hook_step_mm = 2;          // a hook moves by so much between solver steps
-  int iterations = 20;              // of one solver step; more while tissue lags behind a thread that is drawn
+  int iterations = 20;              // of one solver step
   double rest_residual = 2e-5;      // at rest after an action
   int rest_steps = 100;             // at most so many steps towards it
   double final_residual = 1e-5;     // at the end; single precision reaches about 4e-6
