@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "sim/contact/contact_finder.h"
-#include "sim/geometry/block.h"
-#include "sim/tools/flaps.h"
 #include "sim/world.h"
+#include "tests/sim/contact/plain_block.h"
 
 namespace limberg {
 namespace {
@@ -15,17 +14,8 @@ namespace {
 // that their pairs turn is no answer that jumps to and fro in one spot, and none may tire. (Here pairs are found anew since
 // their weights have changed, not since they are stale: what they slid counts both times.)
 TEST(ContactFinder, APlaceThatSlidesOnDoesNotTire) {
-  BlockSpec b;
-  b.size_mm = {60, 60, 10};
-  b.skin_cell_mm = 1.5;
-  Material m;
-  m.young_kPa = 30;
-  b.layers = {{"skin", 10, m}};
-  WorldSpec spec;
-  spec.body = std::make_shared<Body>(make_block(b));
-  spec.cell_mm = 3.5;
   InlineWorkers workers;
-  World world(spec, workers);
+  World world(test::plain_block(60), workers);
   ASSERT_TRUE(world.apply(Incise{{{-16, 0}, {16, 0}}, 5, 90}).done);
   std::vector<ChartPoint> outline;
   for (int k = 0; k < 24; ++k) outline.push_back({18 * std::cos(k * M_PI / 12), 18 * std::sin(k * M_PI / 12)});

@@ -8,11 +8,10 @@
 #include "sim/contact/contact_surface.h"
 #include "sim/contact/moving_cells.h"
 #include "sim/contact/rest_tissue.h"
-#include "sim/geometry/block.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/penetration.h"
-#include "sim/tools/flaps.h"
 #include "sim/world.h"
+#include "tests/sim/contact/plain_block.h"
 
 namespace limberg {
 namespace {
@@ -21,15 +20,7 @@ namespace {
 class RestTissueOfAWound : public ::testing::Test {
  protected:
   void SetUp() override {
-    BlockSpec b;
-    b.size_mm = {50, 50, 10};
-    b.skin_cell_mm = 1.5;
-    Material m;
-    m.young_kPa = 30;
-    b.layers = {{"skin", 10, m}};
-    WorldSpec spec;
-    spec.body = std::make_shared<Body>(make_block(b));
-    spec.cell_mm = 3.5;
+    WorldSpec spec = test::plain_block(50);
     spec.contact = ContactChoice::automatic;
     world = std::make_unique<World>(spec, workers);
     ASSERT_TRUE(world->apply(Incise{{{-10, 0}, {0, 6}, {0, -6}, {10, 0}}, 4, 80}).done);
