@@ -13,11 +13,11 @@ for compiler in ${COMPILERS:-g++ clang++}; do
     dir=$out/$compiler$level
     mkdir -p "$dir"
     objects=
-    # What blades are built from strokes with, and elements, is not needed.
+    # What blades are built from strokes with, elements and the fuzz of readers are not needed.
     for source in "$root"/sim/geometry/bvh.cpp "$root"/sim/geometry/exact/*.cpp "$root"/sim/cutting/*.cpp "$root"/sim/lattice/*.cpp \
         "$root"/app/bench/fuzz/*.cpp "$root"/tests/sim/cutting/compilers/main.cpp; do
       case ${source##*/} in
-        blade_*|drawn_*|pull_back*|snap_*|world_*|stroke*|wall_map*|wound*|attach*|sheet_*|stencil*|fem_*|embedding*|grid_fit*) continue ;;
+        blade_*|drawn_*|pull_back*|snap_*|world_*|stroke*|wall_map*|wound*|attach*|sheet_*|stencil*|fem_*|embedding*|grid_fit*|readers*) continue ;;
       esac
       object=$dir/$(echo "${source#"$root"/}" | tr '/' '_').o
       $cache "$compiler" -std=c++20 $level -ffp-contract=off -I"$root" -isystem /usr/include/eigen3 -c "$source" -o "$object" || exit 1
