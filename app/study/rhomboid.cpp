@@ -8,6 +8,7 @@
 #include "app/study/patch.h"
 #include "app/study/sewn_metric.h"
 #include "sim/measure/skin_strain.h"
+#include "sim/tools/plan_numbers.h"
 #include "sim/tools/procedures/catalogue.h"
 
 namespace limberg::study {
@@ -100,7 +101,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
     const Seam& s = f.seams[i];
     const double longer = std::max(length_mm(bank(f, s.a_from, s.a_to, true)), length_mm(bank(f, s.b_from, s.b_to, false)));
     double sum = i == 0 && !sutures.empty() ? sutures[0].force_N : 0;
-    for (int n = int(std::floor(longer / patch.spacing_mm + 0.5)) - 1; n > 0 && at_stitch < sutures.size(); --n) sum += sutures[at_stitch++].force_N;
+    for (int n = int(parts_of_row(longer, patch.spacing_mm)) - 1; n > 0 && at_stitch < sutures.size(); --n) sum += sutures[at_stitch++].force_N;
     if (i == 0) donor_seam = sum;
     else next_seam = std::max(next_seam, sum);
   }

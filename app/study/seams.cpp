@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/tools/plan_numbers.h"
+
 namespace limberg::study {
 
 namespace {
@@ -55,7 +57,7 @@ SeamsLie seams_lie(const SkinMap& skin, const Figure& f, double spacing) {
     if (!s.stitched) continue;
     const auto a = bank(f, s.a_from, s.a_to, true), b = bank(f, s.b_from, s.b_to, false);
     const double la = length_mm(a), lb = length_mm(b);
-    const int n = int(std::floor(std::max(la, lb) / spacing + 0.5)) - 1;
+    const int n = int(parts_of_row(std::max(la, lb), spacing)) - 1;
     for (int i = 1; i <= n; ++i) {
       const double t = double(i) / (n + 1);
       judge(out, side_of(skin, a, t * la, 1), side_of(skin, b, t * lb, -1));

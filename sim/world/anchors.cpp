@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/tools/plan_numbers.h"
+
 namespace limberg {
 namespace {
 
@@ -115,7 +117,7 @@ double path_length_mm(const std::vector<Vec2>& path) {
 }
 
 double row_stitches(const std::vector<Vec2>& a, const std::vector<Vec2>& b, double spacing_mm) {
-  const double n = std::floor(std::max(path_length_mm(a), path_length_mm(b)) / spacing_mm + 0.5) + 1;
+  const double n = parts_of_row(std::max(path_length_mm(a), path_length_mm(b)), spacing_mm) + 1;
   return n < 2 ? 2 : n;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "sim/lattice/embedding.h"
+#include "sim/tools/plan_numbers.h"
 #include "sim/world/operating_table.h"
 
 namespace limberg {
@@ -353,7 +354,7 @@ Outcome OperatingTable::act(const SutureBetween& c) {
   }
   if (!best) return {false, "the two stitches lie on different wounds; two stitches of one wound were expected"};
   const double length = std::max(best->a.length_mm, best->b.length_mm);
-  const int n = int(std::min(1e6, std::floor(length / c.row.spacing_mm + 0.5))) - 1;
+  const int n = int(std::min(1e6, parts_of_row(length, c.row.spacing_mm))) - 1;
   if (n < 1) return {false, "the two stitches are " + mm(length) + " apart; more than one and a half times the spacing was expected"};
   if (n > kMostStitches) return {false, "a row of more than " + std::to_string(kMostStitches) + " stitches; a wider spacing was expected"};
   std::vector<std::pair<Anchor, Anchor>> bites;
