@@ -1,8 +1,10 @@
 #include "sim/tools/flaps.h"
 
+#include <array>
 #include <cmath>
 
 #include "sim/error.h"
+#include "sim/tools/flap_exchange.h"
 #include "sim/tools/plan_numbers.h"
 
 namespace limberg {
@@ -141,33 +143,23 @@ std::vector<Command> operation(const ZPlasty& plan, const FlapSettings& settings
   w.undermine_disc();
   w.stage("undermined", 1);
 
-  // As procedures/operation.h has it: flaps that change places meet edge to edge when they are brought over together, and one comes
-  // to lie on its side. So both are folded back on their bases first; then one after the other is laid over and stitched.
-  struct Flap {
-    int id;
-    Vec2 tip, base, grip, to;
-  };
   const Writer::Edge outer_BD{D, B, under}, outer_AC{C, A, above};
   const double hold = 3 / plan.frame.side_mm;
-  const auto flap = [&](int id, const Vec2& tip, const Vec2& middle, const Vec2& base, const Vec2& end) {
-    return Flap{id, tip, base, tip + hold * (middle - tip).normalized(), end - hold * (end - base).normalized()};
+  const auto flap = [&](const Vec2& tip, const Vec2& middle, const Vec2& base, const Vec2& end) {
+    return exchanged_flap(base, tip + hold * (middle - tip).normalized(), end, hold);
   };
-  const Flap flaps[] = {flap(1, A, flap1, 0.5 * (B + C), D), flap(2, B, flap2, 0.5 * (A + D), C)};
-  for (const Flap& f : flaps) w.hook(f.id, f.grip);
-  for (const Flap& f : flaps) {
-    const Vec2 way = f.grip - f.base;
-    const double reach_mm = way.norm() * plan.frame.side_mm;
-    w.move(f.id, f.base + 0.6 * way, 0.7 * reach_mm, 1.5);
-    w.move(f.id, f.base - 0.15 * way, 0.8 * reach_mm, 1.5);
-  }
+  const std::array<ExchangedFlap, 2> flaps{flap(A, flap1, 0.5 * (B + C), D), flap(B, flap2, 0.5 * (A + D), C)};
+  for (int id : {1, 2}) w.hook(id, flaps[size_t(id - 1)].grip);
+  for (int id : {1, 2})
+    for (const HookPlace& p : folded_back(flaps[size_t(id - 1)], plan.frame.side_mm)) w.move(id, p.at, p.height_mm, 1.5);
   w.stage("flaps raised", 0.5);
-  for (const Flap& f : {flaps[1], flaps[0]}) {
-    w.move(f.id, f.to, 6, 1.5);
-    w.move(f.id, f.to, -1, 1.5);  // a little too deep, or the tip would come to lie on the skin
-    if (f.id == 1) w.suture(w.in_corner(A, B, C), w.beside(outer_BD, w.corner()));
+  for (int id : {2, 1}) {
+    w.move(id, flaps[size_t(id - 1)].to, kLaidFrom_mm, 1.5);
+    w.move(id, flaps[size_t(id - 1)].to, kLaidAt_mm, 1.5);
+    if (id == 1) w.suture(w.in_corner(A, B, C), w.beside(outer_BD, w.corner()));
     else w.suture(w.in_corner(B, A, D), w.beside(outer_AC, w.corner()));
-    w.release(f.id);
-    if (f.id == 2) w.stage("first flap set", 0.5);
+    w.release(id);
+    if (id == 2) w.stage("first flap set", 0.5);
   }
   w.stage("flaps set", 1);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/error.h"
+#include "sim/tools/flap_exchange.h"
 #include "sim/tools/procedures/shapes.h"
 
 namespace limberg {
@@ -72,28 +73,20 @@ class Writer {
   }
 
   void exchange() {
-    struct Flap {
-      Vec2 base, grip, to;
-      double reach_mm;  // from the base's middle to the hook
-    };
-    std::vector<Flap> flaps;
+    std::vector<ExchangedFlap> flaps;
     for (const Carry& c : f_.carries) {
       const int n = int(f_.wounds[size_t(c.tip.wound)].size());
       const Vec2 base = 0.5 * (place(f_, {c.tip.wound, (c.tip.at + n - 1) % n}) + place(f_, {c.tip.wound, (c.tip.at + 1) % n}));
-      const Vec2 grip = place(f_, c.tip) + kGrip_mm * tissue_bisector(f_, c.tip), end = place(f_, c.to);
-      flaps.push_back({base, grip, end - kGrip_mm * (end - base).normalized(), (grip - base).norm()});
+      flaps.push_back(exchanged_flap(base, place(f_, c.tip) + kGrip_mm * tissue_bisector(f_, c.tip), place(f_, c.to), kGrip_mm));
     }
-    const auto at = [](const Flap& f, double share) { return Vec2(f.base + share * (f.grip - f.base)); };
     for (size_t i = 0; i < flaps.size(); ++i) commands.push_back(SetHook{int(i) + 1, chart(flaps[i].grip)});
-    for (size_t i = 0; i < flaps.size(); ++i) {
-      move(int(i) + 1, at(flaps[i], 0.6), 0.7 * flaps[i].reach_mm);
-      move(int(i) + 1, at(flaps[i], kBack), kUp * flaps[i].reach_mm);
-    }
+    for (size_t i = 0; i < flaps.size(); ++i)
+      for (const HookPlace& p : folded_back(flaps[i], 1)) move(int(i) + 1, p.at, p.height_mm);
     stage("raised", 0.5);
     for (size_t i = flaps.size(); i-- > 0;) {
       const int id = int(i) + 1;
-      move(id, flaps[i].to, kOver_mm);
-      move(id, flaps[i].to, kBelow_mm);
+      move(id, flaps[i].to, kLaidFrom_mm);
+      move(id, flaps[i].to, kLaidAt_mm);
       for (const KeyStitch& k : f_.keys)
         if (k.a == f_.carries[i].tip) commands.push_back(Suture{chart(in_corner(k.a, k.b)), chart(in_corner(k.b, k.a))});
       commands.push_back(ReleaseHook{id});
@@ -110,8 +103,6 @@ class Writer {
 
  private:
   static constexpr double kGrip_mm = 3;
-  static constexpr double kBack = -0.15, kUp = 0.8;      // a flap folded back: its hook over the base, in lengths of the flap
-  static constexpr double kOver_mm = 6, kBelow_mm = -1;  // a tip comes from above and is set down a little too deep
 
   ChartPoint chart(const Vec2& p) const {
     const ChartPoint c = on_.chart(p);
@@ -170,7 +161,7 @@ class Writer {
   void sew(const Seam& s) {
     const auto a = bank(f_, s.a_from, s.a_to, true), b = bank(f_, s.b_from, s.b_to, false);
     const double la = length_mm(a), lb = length_mm(b), longer = std::max(la, lb);
-    const int n = int(std::floor(longer / plan_.spacing_mm + 0.5)) - 1;  // between the ends
+    const int n = int(parts_of_row(longer, plan_.spacing_mm)) - 1;  // between the ends
     const auto at = [&](double t) { return std::pair(bite(a, t * la, 1), bite(b, t * lb, -1)); };
     const auto stitch = [&](double t) {
       const auto [pa, pb] = at(t);

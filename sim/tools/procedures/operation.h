@@ -1,9 +1,7 @@
 #pragma once
 // A figure carried out: excision, incision, undermining, hooks, key stitches, rows, with a stage after each, as a script.
 //
-// Flaps that change places (Figure::exchanged) lie in each other's way: brought over together they meet edge to edge, and one comes
-// to lie on its side. So all are folded back on their bases first. Then one after the other is laid over, with its tip 1 mm below
-// the skin that it comes to, and stitched there before the next comes down beside it.
+// Flaps that change places (Figure::exchanged) are carried as flap_exchange.h says, one after the other.
 #include <vector>
 
 #include "sim/tools/procedures/figure.h"
