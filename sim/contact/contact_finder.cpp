@@ -104,8 +104,7 @@ void ContactFinder::check(size_t chunk) {
     here.left_mm = std::min(here.left_mm, std::max(left, kLeast_mm));
     if (h.weight > kNothing) here.nearest_mm = std::min(here.nearest_mm, p.s_mm);
     if (!p.stale) continue;
-    l.slid_mm += slid;
-    if (l.slid_mm.norm() > settings_.spot_mm) l.slid_mm = Vec3::Zero(), l.turns = 0;
+    slide(l, slid);
     l.due = l.stale = here.due = true;
   }
 }
@@ -123,16 +122,23 @@ void ContactFinder::make_contact(Pair& p) const {
   c.k_N_per_mm = float(1e-3 * f.weight * settings_.stiffness * place.stiffness_kPa * place.area_mm2 / cell_mm_);
 }
 
+// True when the place has slid on so far that it is fresh again.
+bool ContactFinder::slide(Looked& l, const Vec3& slid_mm) const {
+  l.slid_mm += slid_mm;
+  if (!(l.slid_mm.norm() > settings_.spot_mm)) return false;
+  l.slid_mm = Vec3::Zero(), l.turns = 0;
+  return true;
+}
+
 // Pairs of one place: what was held goes to what is found, or stays.
 void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk, std::vector<Pair>& out) {
   Looked& l = looked_[i];
   double part = l.turns < kFresh ? 1 : 1.0 / (l.turns - kFresh + 2);
   bool turned = false;
-  const auto slide = [&](const Pair& p) {  // before its foot is forgotten; what is stale has been counted
+  const auto leave_foot = [&](const Pair& p) {  // before it is forgotten; what is stale has been counted
     if (p.stale) return;
     const Vec3 slid = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b) - p.held.apart_mm;
-    l.slid_mm += slid - p.held.normal.dot(slid) * p.held.normal;
-    if (l.slid_mm.norm() > settings_.spot_mm) l.slid_mm = Vec3::Zero(), l.turns = 0, part = 1;
+    if (slide(l, slid - p.held.normal.dot(slid) * p.held.normal)) part = 1;
   };
   const auto place = [&](Pair p) {  // its place and its foot are where they are now; s_mm is given
     HeldContact& h = p.held;
@@ -158,7 +164,7 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
         chunk.changed = true;
       } else {
         turned = true;
-        slide(p);
+        leave_foot(p);
         p.held.weight *= 1 - part;
         p.held.facet = carried_normal(p.held.triangle, p.held.bary, tissue_.smooth_normal(p.held.triangle, p.held.bary));
         if (p.held.weight > kNothing) place(p);
@@ -177,7 +183,7 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
         out.push_back(p);
         continue;
       }
-      slide(p);
+      leave_foot(p);
       const double weight = p.held.weight;
       const Vec3 normal = p.held.normal;
       const bool pressed = p.held.judged;

@@ -143,6 +143,7 @@ class ContactFinder {
   void list_around(Group& group, std::span<const Pair> pairs);
   void locate(size_t place, std::span<const Around> around, std::vector<Held>& held);
   bool where_it_was(std::span<const Held> now, std::span<const Held> judged) const;
+  bool slide(Looked& looked, const Vec3& slid_mm) const;
   void judge(size_t place, std::span<const Held> held, std::vector<HeldContact>& found) const;
   void find_cells(size_t chunk);
   void find_pairs(size_t chunk);
