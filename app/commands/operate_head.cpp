@@ -33,7 +33,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
     if (!note.empty()) notes += "  note      line " + std::to_string(l.line) + ", " + action_name(l.command) + ": " + note + "\n";
   };
   Snapshot first;
-  patient->fill_with_field(first);
+  if (!common.out_dir.empty()) patient->fill_with_field(first);  // for the pictures
   const OperationOutcome o = operate(*patient, script, set);
   progress.clear();
   if (o.interrupted) {

@@ -223,7 +223,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   SessionFigures f;
   std::vector<const Source*> devices;  // as in call.live_names
   Snapshot first;
-  if (a.head) a.patient->fill_with_field(first);
+  if (a.head && !call.common.out_dir.empty()) a.patient->fill_with_field(first);  // for the pictures
   if (call.real_time) {
     if (!call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
     f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
