@@ -28,6 +28,16 @@ Mat3 spread_of(const std::vector<Vec3>& x, const Vec3& m) {
   return S;
 }
 
+/// How far points spread about their middle, root of the mean square, along the two directions in which they do so most.
+struct Spreads {
+  double largest = 0, second = 0;
+};
+
+Spreads spreads_of(const std::vector<Vec3>& x, const Vec3& middle) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> e(spread_of(x, middle));
+  return {std::sqrt(std::max(0., e.eigenvalues()[2])), std::sqrt(std::max(0., e.eigenvalues()[1]))};
+}
+
 Mat3 rotation_of(const Vec3& w) {
   const double a = w.norm();
   return a > 1e-12 ? Mat3(Eigen::AngleAxisd(a, w / a)) : Mat3::Identity();
@@ -49,10 +59,9 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
   Mat3 H = Mat3::Zero();
   for (size_t i = 0; i < from.size(); ++i) H += (to[i] - b) * (from[i] - a).transpose() / n;
   for (const auto* side : {&from, &to}) {
-    const Eigen::SelfAdjointEigenSolver<Mat3> e(spread_of(*side, side == &from ? a : b));
-    const double largest = std::sqrt(std::max(0., e.eigenvalues()[2])), second = std::sqrt(std::max(0., e.eigenvalues()[1]));
-    if (!(largest > 1e-9)) out.reason = "the landmarks lie at one place";
-    else if (second < kLine * largest) out.reason = "the landmarks lie on a line: the turn about it is not known; expected one well beside it";
+    const Spreads e = spreads_of(*side, side == &from ? a : b);
+    if (!(e.largest > 1e-9)) out.reason = "the landmarks lie at one place";
+    else if (e.second < kLine * e.largest) out.reason = "the landmarks lie on a line: the turn about it is not known; expected one well beside it";
     if (!out) return out;
   }
   const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -70,13 +79,12 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
 
 std::string lacks_shape(const Surface& s) {
   if (s.x_mm.size() < kFewest) return "has " + std::to_string(s.x_mm.size()) + " points; at least " + std::to_string(kFewest) + " were expected";
-  const Eigen::SelfAdjointEigenSolver<Mat3> e(spread_of(s.x_mm, middle_of(s.x_mm)));
-  const double largest = std::sqrt(std::max(0., e.eigenvalues()[2])), second = std::sqrt(std::max(0., e.eigenvalues()[1]));
-  if (!(largest > 1e-9)) return "has all its points at one place; a surface was expected";
-  if (second < kLine * largest) return "has all its points on a line, or nearly; a surface was expected";
+  const Spreads e = spreads_of(s.x_mm, middle_of(s.x_mm));
+  if (!(e.largest > 1e-9)) return "has all its points at one place; a surface was expected";
+  if (e.second < kLine * e.largest) return "has all its points on a line, or nearly; a surface was expected";
   const auto has_area = [&](const Tri& t) {
     const Vec3 &a = s.x_mm[size_t(t[0])], &b = s.x_mm[size_t(t[1])], &c = s.x_mm[size_t(t[2])];
-    return (b - a).cross(c - a).norm() > 1e-12 * largest * largest;
+    return (b - a).cross(c - a).norm() > 1e-12 * e.largest * e.largest;
   };
   if (!s.tri.empty() && std::none_of(s.tri.begin(), s.tri.end(), has_area)) return "has no triangle with an area; at least one, or points alone, were expected";
   return {};
