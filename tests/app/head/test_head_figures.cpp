@@ -13,7 +13,7 @@
 #include "sim/simplex/dual.h"
 #include "sim/simplex/generators.h"
 #include "sim/tools/script.h"
-#include "tests/sim/bone/shapes.h"
+#include "tests/sim/head/shell_head.h"
 
 namespace limberg {
 namespace {
@@ -52,11 +52,8 @@ TEST(HeadMeasures, LengthsAnglesAndAsymmetryBeforeAndNow) {
 }
 
 TEST(HeadReport, TheLineOfAPairPutsItTogether) {
-  HeadParts p;
-  p.bones.push_back({"cranium", test::skull_shell(4, {70, 85, 65}, 6, 3), true});
-  p.landmarks = {{"front", {0, 60, 46}, false}, {"back", {0, -60, 46}, false}};
   InlineWorkers w;
-  Head h(std::move(p), w);
+  Head h(test::shell_head(), w);
   const auto report = [&] {
     Result r("operate", "");
     fill_head(r, h);

@@ -6,6 +6,7 @@
 #include "sim/error.h"
 #include "sim/simplex/generators.h"
 #include "tests/sim/bone/shapes.h"
+#include "tests/sim/head/shell_head.h"
 
 namespace limberg {
 namespace {
@@ -120,11 +121,8 @@ TEST(Head, UndoAndRedoGoThroughEveryKindOfAct) {
 }
 
 TEST(Head, FragmentsAreSortedWithTheirLandmarks) {
-  HeadParts p;
-  p.bones.push_back({"cranium", test::skull_shell(4, {70, 85, 65}, 6, 3), true});
-  p.landmarks = {{"front", {0, 60, 46}, false}, {"back", {0, -60, 46}, false}};
   InlineWorkers w;
-  Head h(std::move(p), w);
+  Head h(test::shell_head(), w);
   CutBone vault, halves;
   vault.point_mm = {0, 0, 12}, vault.normal = {0.1, 0.25, 1};
   halves.point_mm = {5, 10, 0}, halves.normal = {0.15, 1, 0.1}, halves.of = FragmentPick{1, Vec3::Zero()};
