@@ -69,6 +69,7 @@ struct CellHistory {
 class CellBuilder {
  public:
   CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface);
+  CellBuilder(const LatticeGrid& grid, MaterialSurface&& surface) = delete;  // it is not kept
 
   /// Components of the cell at `at` of the grid, from candidate faces (ascending, may hold dead ones and faces that miss
   /// the cell). `corners_in`: bit per corner that lies in the material. Null when no live face meets the cell.

@@ -52,7 +52,8 @@ TEST_F(Fronts, LieInTheSmallestCells) {
       EXPECT_GE(s.t->tree.level(cell_of(*s.t, X)), 2) << X.transpose();
     }
   int askew = 0, straight = 0;
-  CellBuilder small(s.g.at_level(2), material_surface(s.a));
+  const MaterialSurface surface = material_surface(s.a);  // a builder looks at it
+  CellBuilder small(s.g.at_level(2), surface);
   for (int32_t cell = s.g.count.x * s.g.count.y * s.g.count.z; cell < s.t->tree.ids(); ++cell) {
     const auto& held = s.t->components[size_t(cell)];
     const CellPlace place = s.t->tree.place(s.g, cell);
