@@ -11,8 +11,10 @@ namespace {
 
 constexpr size_t kGrain = 32, kChunks = 4;  // places of a chunk, at least; chunks of a worker's share
 constexpr double kNear_mm = 0.3;    // clearance of pairs that may press within a few iterations
+constexpr double kSorted_mm = 2;    // cells may go so far until their tree is sorted again
 constexpr double kTurn_mm = 0.08;   // less motion turns no surface by the angle that counts
 constexpr double kLeast_mm = 0.005; // pairs are looked at again after so much motion at least
+constexpr double kNever_mm = 1e30;  // until pairs turn that are not there
 constexpr int kFresh = 2;           // turns in one spot that go all the way
 constexpr int kTired = 8;           // the last one
 
@@ -60,29 +62,42 @@ Vec3 ContactFinder::shown_mm(int32_t t, const std::array<double, 3>& bary) const
   return x;
 }
 
+// A bound of how far it and the copies of its list have moved against each other.
+double ContactFinder::moved_mm(const Group& g) const {
+  float most2 = 0;
+  for (int32_t c : g.around) most2 = std::max(most2, motion_.apart2(g.own, size_t(c)));
+  return double(std::sqrt(most2));
+}
+
 // Which places must look, and which pairs have had their time.
 void ContactFinder::check(size_t chunk) {
   Chunk& here = chunk_[chunk];
-  here.changed = here.due = here.afresh = false;
+  here.changed = here.due = false;
   double moved = 0;
   const double bound = 2 * motion_.most_mm();  // of any two
   const bool still = bound < kLeast_mm;
+  bool listed = true;
+  std::vector<uint8_t> kinship(tissue_.size(), 0);
   for (size_t k = here.first; k < here.last; ++k) {
     Group& g = group_[k];
     g.far_mm += still ? bound : motion_.apart(g.own);
     g.afresh = g.far_mm > settings_.margin_mm;
-    double m = still && !g.around.empty() ? bound : 0;
-    if (!still)
-      for (const Around& a : g.around) m = std::max(m, motion_.apart(g.own, size_t(a.copy)));
+    if (!g.listed && !g.afresh) complete_list(g, kinship);
+    listed &= g.listed;
+    const double m = !still ? moved_mm(g) : g.around.empty() ? 0 : bound;
     g.near_mm += m;
     moved = std::max(moved, m);
     g.due = g.afresh || (g.near_mm > settings_.look_mm && !g.around.empty());
-    here.due |= g.due, here.afresh |= g.afresh;
+    here.due |= g.due;
     for (size_t i = g.first; i < g.last; ++i) looked_[i].due = g.due, looked_[i].stale = false;
   }
+  // Lists that nobody will use again tell one thing still: how near pairs may have come that do not turn for sure.
+  if (!listed && here.left_mm < kNever_mm)
+    for (size_t k = here.first; k < here.last && moved < here.left_mm; ++k)
+      if (Group& g = group_[k]; !g.listed) complete_list(g, kinship), moved = std::max(moved, moved_mm(g));
   here.left_mm -= moved, here.nearest_mm -= moved;
   if (here.left_mm > 0) return;
-  here.left_mm = here.nearest_mm = 1e30;
+  here.left_mm = here.nearest_mm = kNever_mm;
   for (Pair& p : here.pair) {
     const HeldContact& h = p.held;
     const size_t i = size_t(h.place);
@@ -206,19 +221,27 @@ void ContactFinder::find_cells(size_t chunk) {
   if (!here.due) return;
   std::vector<Held> judged;
   judged.reserve(here.judged.size() + 16);
+  std::vector<Point> point;
+  std::vector<Around> around;
+  std::vector<uint8_t> kinship(tissue_.size(), 0);
   size_t pair = 0, old = 0;
   for (size_t k = here.first; k < here.last; ++k) {
     Group& g = group_[k];
     const size_t begin = pair;
     while (pair < here.pair.size() && size_t(here.pair[pair].held.place) < g.last) ++pair;
-    if (g.afresh) list_around(g, {here.pair.data() + begin, pair - begin});
+    if (g.afresh) begin_list(g, {here.pair.data() + begin, pair - begin});
     if (g.due) g.near_mm = 0;
+    point.clear();
+    for (size_t i = g.first; i < g.last; ++i)
+      if (looked_[i].due) point.push_back({i, (surface_->place[i].X_mm + displacement(surface_->place[i].embedded)).cast<float>()});
+    if (!point.empty()) who_may_hold(g, point, around, kinship);
+    size_t looks = 0;
     for (size_t i = g.first; i < g.last; ++i) {
       Looked& l = looked_[i];
       const size_t was = old, now = here.held.size();
       while (old < here.judged.size() && size_t(here.judged[old].place) == i) ++old;
       if (l.due) {
-        locate(i, g.around, here.held), ++here.looks;
+        locate(point[looks++], around, here.held), ++here.looks;
         l.due = l.stale || !where_it_was({here.held.begin() + ptrdiff_t(now), here.held.end()}, {here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old)});
         if (!l.due) here.held.resize(now);
       }
@@ -277,10 +300,11 @@ bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
     });
   };
   each([&](size_t c) { check(c); });
+  since_sorted_mm_ += motion_.most_mm();
   if (std::any_of(chunk_.begin(), chunk_.end(), [](const Chunk& c) { return c.due; })) {
     ++counts_.searches;
     cells_.refit(workers);
-    if (std::any_of(chunk_.begin(), chunk_.end(), [](const Chunk& c) { return c.afresh; })) cells_.sort();
+    if (since_sorted_mm_ > kSorted_mm) cells_.sort(), since_sorted_mm_ = 0;
     each([&](size_t c) { find_cells(c); });
     std::vector<int32_t> unknown;
     for (const Chunk& c : chunk_) unknown.insert(unknown.end(), c.unknown.begin(), c.unknown.end());
@@ -322,7 +346,7 @@ void ContactFinder::resume(const ContactMemory& m) {
   for (Chunk& c : chunk_) c.pair.clear(), c.judged.clear(), c.left_mm = 0;
   resumed_ = true;
   for (Looked& l : looked_) l = Looked();
-  for (Group& g : group_) g.far_mm = g.near_mm = 1e30;  // all look at the next step: what they then find beside is new
+  for (Group& g : group_) g.far_mm = g.near_mm = kNever_mm;  // all look at the next step: what they then find beside is new
   for (const HeldContact& h : m.pairs) {
     Pair p;
     p.held = h;

@@ -36,7 +36,8 @@
 //
 // Who looks. Each cell copy that carries places has a list of the copies around it. While it and what is near have moved by
 // less than margin_mm against each other, nothing else can hold its places. While it and the copies of the list have moved by
-// less than look_mm, they do not look again either; so what has nothing moving near it never does.
+// less than look_mm, they do not look again either; so what has nothing moving near it never does. A place that looks asks
+// the tree of all copies' boxes; so a list is made only when it is wanted, at the next check: not where all moves on fast.
 //
 // Stiffness. A place that stands for area A has k = c E A / h: c times that of a column of tissue of one cell's height h. It
 // is in scale with the solver's metric, which knows nothing of contacts. Under a pressure p both banks' places together
@@ -62,7 +63,6 @@ struct ContactSettings {
   double slack_mm = 0.01;     // overlap that does not push
   double soft_mm = 0.04;      // overlap beyond it over which the stiffness sets in
   double guard_mm = 0.5;      // sheets so near to a place are its pairs
-  double ahead_mm = 0.6;      // a cell's box is so much larger than the cell and what is known around it
   double margin_mm = 1, look_mm = 0.4;
   double most_mm = 0.4;       // deeper overlaps push no harder than this one
   double slide_mm = 0.15, turn_deg = 5, spot_mm = 1;
@@ -110,8 +110,9 @@ class ContactFinder {
     int32_t sheet = -1;      // that all its places lie on, or -1
     double far_mm = 1e30;    // it and what is near it against each other, since its list was made
     double near_mm = 1e30;   // it and the list's copies against each other, since its places last looked
-    bool due = false, afresh = false;  // its places look around; with a new list
-    std::vector<Around> around;
+    bool due = false, afresh = false;  // its places look around; its list has had its time
+    bool listed = true;                // false: of its list only who carries what it has pairs with is there yet
+    std::vector<int32_t> around;
   };
   struct Looked {            // of a place
     Vec3 slid_mm = Vec3::Zero();
@@ -131,7 +132,7 @@ class ContactFinder {
     std::vector<Held> held;        // by place; of this search
     std::vector<Held> judged;      // by place; by which each was judged last
     std::vector<int32_t> unknown;  // parts
-    bool changed = false, due = false, afresh = false;
+    bool changed = false, due = false;
     double left_mm = 0;      // until any of its pairs can turn
     double nearest_mm = 0;   // clearance of its nearest pair, at least
     uint64_t looks = 0, turned = 0;
@@ -140,8 +141,16 @@ class ContactFinder {
   Vec3 shown_mm(int32_t triangle, const std::array<double, 3>& bary) const;
   Vec3 carried_normal(int32_t triangle, const std::array<double, 3>& bary, const Vec3& N) const;
   void check(size_t chunk);
-  void list_around(Group& group, std::span<const Pair> pairs);
-  void locate(size_t place, std::span<const Around> around, std::vector<Held>& held);
+  void begin_list(Group& group, std::span<const Pair> pairs) const;
+  void complete_list(Group& group, std::vector<uint8_t>& kinship) const;
+  void mark_kin(const Group& group, bool marked, std::vector<uint8_t>& kinship) const;
+  double moved_mm(const Group& group) const;
+  struct Point {  // where a place is that looks
+    size_t place = 0;
+    Vec3f p = Vec3f::Zero();
+  };
+  void who_may_hold(const Group& group, std::span<const Point> points, std::vector<Around>& around, std::vector<uint8_t>& kinship) const;
+  void locate(const Point& point, std::span<const Around> around, std::vector<Held>& held) const;
   bool where_it_was(std::span<const Held> now, std::span<const Held> judged) const;
   bool slide(Looked& looked, const Vec3& slid_mm) const;
   void judge(size_t place, std::span<const Held> held, std::vector<HeldContact>& found) const;
@@ -165,6 +174,7 @@ class ContactFinder {
   std::vector<size_t> chunk_of_;  // per place
   std::vector<Contact> contacts_;
   bool near_ = false, resumed_ = false;
+  double since_sorted_mm_ = 1e30;  // cells_
   ContactCounts counts_;
 };
 

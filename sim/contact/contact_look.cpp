@@ -25,40 +25,59 @@ Vec3 ContactFinder::carried_normal(int32_t t, const std::array<double, 3>& bary,
   return cells_.carried_normal(c, (surface_->rest_mm(t, bary) - tissue_.low_mm(c)).cwiseQuotient(tissue_.size_mm(c)), N);
 }
 
-// The copies around a copy's places, and the carriers of what they have pairs with.
-void ContactFinder::list_around(Group& g, std::span<const Pair> pairs) {
+// What copies are to those of a group, in a list with a zero for each.
+enum : uint8_t { kStranger = 0, kKin = 1, kSilent = 2 };  // kin tell nothing but what walls of other sheets they carry
+
+void ContactFinder::mark_kin(const Group& g, bool marked, std::vector<uint8_t>& kinship) const {
+  for (int32_t c : tissue_.kin(g.own)) kinship[size_t(c)] = !marked ? kStranger : tissue_.has_other_wall(size_t(c), g.sheet) ? kKin : kSilent;
+  kinship[g.own] = marked ? kSilent : kStranger;
+}
+
+// Who carries what a copy's places have pairs with: the beginning of its list.
+void ContactFinder::begin_list(Group& g, std::span<const Pair> pairs) const {
   g.around.clear();
-  const auto add = [&](size_t c) {
-    if (c != g.own && !tissue_.says_nothing(c)) g.around.push_back({int32_t(c), false});
-  };
-  cells_.near(g.own, float(settings_.ahead_mm + settings_.margin_mm), add);
-  for (const Pair& pair : pairs) add(size_t(carrier_[size_t(pair.held.triangle)]));
-  std::sort(g.around.begin(), g.around.end());
-  g.around.erase(std::unique(g.around.begin(), g.around.end()), g.around.end());
-  const std::span<const int32_t> kin = tissue_.kin(g.own);
-  size_t kept = 0, k = 0;
-  for (Around a : g.around) {
-    while (k < kin.size() && kin[k] < a.copy) ++k;
-    a.kin = k < kin.size() && kin[k] == a.copy;
-    if (!a.kin || tissue_.has_other_wall(size_t(a.copy), g.sheet)) g.around[kept++] = a;
+  for (const Pair& pair : pairs) {
+    const size_t c = size_t(carrier_[size_t(pair.held.triangle)]);
+    if (c != g.own && !tissue_.says_nothing(c) && (!tissue_.kin(g.own, c) || tissue_.has_other_wall(c, g.sheet))) g.around.push_back(int32_t(c));
   }
-  g.around.resize(kept);
-  g.far_mm = 0;
+  g.far_mm = 0, g.listed = false;
+}
+
+// And the copies that were around it at the last search, whose boxes are still there. Some may be named twice.
+void ContactFinder::complete_list(Group& g, std::vector<uint8_t>& kinship) const {
+  mark_kin(g, true, kinship);
+  cells_.near(g.own, MovingCells::kAhead_mm + float(settings_.margin_mm), [&](size_t c) {
+    if (kinship[c] != kSilent) g.around.push_back(int32_t(c));
+  });
+  mark_kin(g, false, kinship);
+  g.listed = true;
+}
+
+// The copies that may hold one of these places of a group.
+void ContactFinder::who_may_hold(const Group& g, std::span<const Point> points, std::vector<Around>& around, std::vector<uint8_t>& kinship) const {
+  Vec3f lo = points[0].p, hi = lo;
+  for (const Point& p : points) lo = lo.cwiseMin(p.p), hi = hi.cwiseMax(p.p);
+  around.clear();
+  mark_kin(g, true, kinship);
+  cells_.around(lo, hi, [&](size_t c) {
+    if (kinship[c] != kSilent) around.push_back({int32_t(c), kinship[c] == kKin});
+  });
+  mark_kin(g, false, kinship);
+  std::sort(around.begin(), around.end());
 }
 
 // Which of the copies around hold it, and where. What the neighbours of a copy that holds it say from without, it knows itself.
-void ContactFinder::locate(size_t i, std::span<const Around> around, std::vector<Held>& held) {
-  const ContactPlace& place = surface_->place[i];
-  const int32_t sheet = surface_->sheets.of[size_t(place.triangle)];
-  const Vec3f p = (place.X_mm + displacement(place.embedded)).cast<float>();
+void ContactFinder::locate(const Point& point, std::span<const Around> around, std::vector<Held>& held) const {
+  const Vec3f& p = point.p;
+  const int32_t sheet = surface_->sheets.of[size_t(surface_->place[point.place].triangle)];
   const size_t first = held.size();
   for (const Around& a : around) {
     const size_t c = size_t(a.copy);
-    if (!cells_.may_hold(c, p, a.kin ? 0 : float(settings_.ahead_mm)) || (a.kin && !tissue_.has_other_wall(c, sheet))) continue;
+    if (!cells_.may_hold(c, p, !a.kin) || (a.kin && !tissue_.has_other_wall(c, sheet))) continue;
     Vec3 at;
     if (!cells_.invert(c, p, a.kin ? 0 : float(RestTissue::kBeyond), at)) continue;
     const bool in = (at.array() >= 0).all() && (at.array() <= 1).all();
-    held.push_back({int32_t(i), a.copy, a.kin, in, tissue_.part(c, at), at});
+    held.push_back({int32_t(point.place), a.copy, a.kin, in, tissue_.part(c, at), at});
   }
   size_t kept = first;
   for (size_t k = first; k < held.size(); ++k) {

@@ -13,9 +13,9 @@ constexpr float kClose = 1e-5f;     // edges of a cell: an inverse that has come
 constexpr int kChord = 6, kNewton = 12;
 constexpr double kFolded = 1e-3;    // of a cell's volume at rest
 constexpr size_t kGrain = 256;
-constexpr float kRoomy = 1.5f;      // steps of the grid are so much wider than the largest cell at rest
 
 v4 splat(float x) { return v4{x, x, x, x}; }
+v4 abs4(v4 a) { return a < 0 ? -a : a; }
 float dot3(v4 a, v4 b) {
   const v4 p = a * b;
   return p[0] + p[1] + p[2];
@@ -39,6 +39,10 @@ struct Map {
   v4 at(v4 b) const {
     const v4 bx = splat(b[0]), by = splat(b[1]), bz = splat(b[2]);
     return c0 + bx * (x + by * (xy + bz * xyz) + bz * xz) + by * (y + bz * yz) + bz * z;
+  }
+  /// Bounds how far from the middle anything within b edges of it is, along each axis.
+  v4 most(float b) const {
+    return b * (abs4(x) + abs4(y) + abs4(z) + b * (abs4(xy) + abs4(xz) + abs4(yz) + b * abs4(xyz)));
   }
   std::array<v4, 3> slope(v4 b) const {
     const v4 bx = splat(b[0]), by = splat(b[1]), bz = splat(b[2]);
@@ -64,9 +68,12 @@ MovingCells::MovingCells(const RestTissue& tissue, const FemModel& model) : tiss
     rest_.push_back(v4{X[0], X[1], X[2], 0});
   }
   now_ = rest_;
-  box_.resize(tissue.size());
+  box_.resize(tissue.size()), reach_.resize(tissue.size());
   inverse_.resize(tissue.size());
-  for (size_t c = 0; c < tissue.size(); ++c) least_step_ = std::max(least_step_, kRoomy * float(tissue.size_mm(c).maxCoeff()));
+  std::vector<int32_t> members;
+  for (size_t c = 0; c < tissue.size(); ++c)
+    if (!tissue.says_nothing(c)) members.push_back(int32_t(c));
+  tree_ = MovingBoxes(std::move(members));
 }
 
 void MovingCells::move(std::span<const Vec3f> u) {
@@ -85,40 +92,16 @@ void MovingCells::refit(Workers& workers) {
       for (size_t k = 1; k < 8; ++k) lo = n[k] < lo ? n[k] : lo, hi = n[k] > hi ? n[k] : hi;
       box_[c] = {lo - kRound_mm, hi + kRound_mm};
       const Map map(n);
+      const v4 r = map.most(0.5f + float(RestTissue::kBeyond)) + kRound_mm;
+      lo = box_[c].lo - kAhead_mm, hi = box_[c].hi + kAhead_mm;
+      lo = map.c0 - r > lo ? map.c0 - r : lo, hi = map.c0 + r < hi ? map.c0 + r : hi;
+      reach_[c] = {box_[c].lo < lo ? box_[c].lo : lo, box_[c].hi > hi ? box_[c].hi : hi};
       Inverse& inv = inverse_[c];
       inv.middle = map.c0;
       inv.sound = invert3({map.x, map.y, map.z}, float(kFolded * tissue_.size_mm(c).prod()), inv.along);
     }
   });
-}
-
-void MovingCells::sort() {
-  v4 lo = splat(0), hi = splat(1);
-  if (!box_.empty()) lo = box_[0].lo, hi = box_[0].hi;
-  for (const Box& b : box_) lo = b.lo < lo ? b.lo : lo, hi = b.hi > hi ? b.hi : hi;
-  step_ = std::max(least_step_, std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}) / float(kMostSteps));
-  for (size_t a = 0; a < 3; ++a) lo_[a] = lo[a], grid_[a] = int32_t((hi[a] - lo[a]) / step_) + 1;
-  const size_t steps = size_t(grid_[0]) * size_t(grid_[1]) * size_t(grid_[2]);
-  begin_.assign(steps + 2, 0);  // after the last step: what is too wide
-  step_of_.assign(box_.size(), -1);
-  v4 wide = splat(0);
-  for (size_t c = 0; c < box_.size(); ++c) {
-    if (tissue_.says_nothing(c)) continue;
-    const v4 w = box_[c].hi - box_[c].lo, middle = splat(0.5f) * (box_[c].lo + box_[c].hi);
-    size_t k = steps;
-    if (std::max({w[0], w[1], w[2]}) <= step_) {
-      k = 0;
-      for (size_t a = 3; a-- > 0;) k = k * size_t(grid_[a]) + size_t(std::clamp(int32_t((middle[a] - lo_[a]) / step_), 0, grid_[a] - 1));
-      wide = w > wide ? w : wide;
-    }
-    step_of_[c] = int32_t(k), ++begin_[k + 1];
-  }
-  for (size_t a = 0; a < 3; ++a) widest_[a] = 0.5f * wide[a];
-  for (size_t k = 0; k + 1 < begin_.size(); ++k) begin_[k + 1] += begin_[k];
-  member_.resize(size_t(begin_.back()));
-  for (size_t c = box_.size(); c-- > 0;)
-    if (step_of_[c] >= 0) member_[size_t(--begin_[size_t(step_of_[c]) + 1])] = {box_[c], int32_t(c)};
-  begin_.erase(begin_.begin());  // begin_[k + 1] is where k begins
+  tree_.refit(reach_);
 }
 
 bool MovingCells::invert(size_t c, const Vec3f& p, float beyond, Vec3& at) const {

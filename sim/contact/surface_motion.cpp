@@ -11,14 +11,16 @@ constexpr int32_t kAround = 2;      // blocks on each side
 constexpr double kMostBlocks = 64;  // along an axis; beyond, blocks are larger
 constexpr float kFar_mm = 1e6f;
 
+fem::v4 all(float x) { return fem::v4{x, x, x, 0}; }
+
 }  // namespace
 
 SurfaceMotion::SurfaceMotion(const RestTissue& tissue, const FemModel& model) : tissue_(tissue) {
   for (int32_t n : tissue.nodes()) rest_.push_back(model.X_mm[size_t(n)]);
-  then_.assign(rest_.size(), Vec3f::Zero());
-  move_.assign(rest_.size(), Vec3f::Zero());
+  then_.assign(rest_.size(), fem::v4{});
+  move_.assign(rest_.size(), fem::v4{});
   block_.assign(tissue.size(), 0);
-  move_of_.assign(tissue.size(), {Vec3f::Constant(-kFar_mm), Vec3f::Constant(kFar_mm)});
+  move_of_.assign(tissue.size(), {all(-kFar_mm), all(kFar_mm)});
 }
 
 // A block is as wide as half of what can lie between the middles of two cells that count, so that two blocks around
@@ -50,9 +52,11 @@ void SurfaceMotion::sort_into_blocks(std::span<const Vec3f> u) {
 bool SurfaceMotion::measure(std::span<const Vec3f> u) {
   float most2 = 0;
   for (size_t i = 0; i < rest_.size(); ++i) {
-    const Vec3f now = u[size_t(tissue_.nodes()[i])];
+    const Vec3f& d = u[size_t(tissue_.nodes()[i])];
+    const fem::v4 now = {d[0], d[1], d[2], 0};
     move_[i] = now - then_[i];
-    most2 = std::max(most2, move_[i].squaredNorm());
+    const fem::v4 square = move_[i] * move_[i];
+    most2 = std::max(most2, square[0] + (square[1] + square[2]));
     then_[i] = now;
   }
   const bool first = since_sorted_mm_ == 1e30;
@@ -62,12 +66,12 @@ bool SurfaceMotion::measure(std::span<const Vec3f> u) {
   if (since_sorted_mm_ > kSorted_mm) {
     sort_into_blocks(u);
     if (first || std::sqrt(double(most2)) > kReach_mm) {  // it may have jumped over what is near
-      near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), {Vec3f::Constant(-kFar_mm), Vec3f::Constant(kFar_mm)});
-      move_of_.assign(move_of_.size(), {Vec3f::Constant(-kFar_mm), Vec3f::Constant(kFar_mm)});
+      near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), {all(-kFar_mm), all(kFar_mm)});
+      move_of_.assign(move_of_.size(), {all(-kFar_mm), all(kFar_mm)});
       return true;
     }
   }
-  const Box none{Vec3f::Constant(kFar_mm), Vec3f::Constant(-kFar_mm)};
+  const Box none{all(kFar_mm), all(-kFar_mm)};
   near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), none);
   for (size_t c = 0; c < block_.size(); ++c) {
     Box& b = move_of_[c];

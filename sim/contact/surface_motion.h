@@ -7,11 +7,13 @@
 // that moves together does not come nearer. Cells are sorted into blocks anew before they have gone far. Against single copies,
 // known to be near, the bound is much closer.
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "sim/contact/rest_tissue.h"
+#include "sim/fem/node4.h"
 
 namespace limberg {
 
@@ -26,21 +28,25 @@ class SurfaceMotion {
   /// How far the node that has moved most went in that time.
   double most_mm() const { return most_mm_; }
   /// A bound of how much nearer to a kept copy anything that is near it has come in that time.
-  double apart(size_t copy) const { return move_of_[copy].farthest(near_[size_t(block_[copy])]); }
-  /// The same of one other copy alone.
-  double apart(size_t copy, size_t other) const { return move_of_[copy].farthest(move_of_[other]); }
+  double apart(size_t copy) const { return double(std::sqrt(move_of_[copy].farthest2(near_[size_t(block_[copy])]))); }
+  /// The same of one other copy alone, squared.
+  float apart2(size_t copy, size_t other) const { return move_of_[copy].farthest2(move_of_[other]); }
 
  private:
   struct Box {
-    Vec3f lo, hi;
-    void add(const Box& b) { lo = lo.cwiseMin(b.lo), hi = hi.cwiseMax(b.hi); }
-    double farthest(const Box& b) const { return double((b.hi - lo).cwiseAbs().cwiseMax((hi - b.lo).cwiseAbs()).norm()); }
+    fem::v4 lo, hi;
+    void add(const Box& b) { lo = b.lo < lo ? b.lo : lo, hi = b.hi > hi ? b.hi : hi; }
+    float farthest2(const Box& b) const {
+      const fem::v4 up = b.hi - lo, down = hi - b.lo, d = up > down ? up : down;  // one of them is not negative
+      const fem::v4 d2 = d * d;
+      return d2[0] + (d2[1] + d2[2]);
+    }
   };
   void sort_into_blocks(std::span<const Vec3f> u);
 
   const RestTissue& tissue_;
-  std::vector<Vec3f> then_;     // displacement of each at the last measure()
-  std::vector<Vec3f> move_;     // of each since
+  std::vector<fem::v4> then_;   // displacement of each at the last measure()
+  std::vector<fem::v4> move_;   // of each since
   std::vector<Vec3> rest_;      // each at rest
   std::array<int32_t, 3> blocks_{1, 1, 1};
   std::vector<int32_t> block_;  // per kept copy

@@ -77,7 +77,8 @@ TEST_F(RestTissueOfAWound, InverseOfEveryCellsMap) {
   EXPECT_EQ(outside, int(5 * tissue->size()));
 }
 
-// Whose boxes are near is what comparing all of them finds, each once: with cells much wider than a step of the grid too.
+// Whose boxes are near is what comparing all of them finds, each once: with cells that are much wider than others, and where
+// cells have gone far since they were sorted.
 TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
   MovingCells cells(*tissue, model());
   const auto& node = tissue->nodes();
@@ -85,8 +86,8 @@ TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
     double shake_mm, pull_mm;
     size_t pulled;  // nodes
   };
-  // The last makes the body so long that its grid has the most steps that it may have, wider than any cell at rest.
   for (const Motion& m : {Motion{0, 0, 0}, {1, 0, 0}, {1, 20, 1}, {1, 35, 6}, {1, 600, 1}}) {
+    const bool sorted = m.pulled < 6;
     std::vector<Vec3f> u(model().X_mm.size());
     for (Vec3f& d : u) d = Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).cast<float>() * float(m.shake_mm);
     std::vector<size_t> asked;
@@ -99,7 +100,7 @@ TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
     for (int i = 0; i < 60; ++i) asked.push_back(size_t(random()) % tissue->size());
     cells.move(u);
     cells.refit(workers);
-    cells.sort();
+    if (sorted) cells.sort();
     std::vector<std::pair<Vec3, Vec3>> box;
     size_t wide = 0;
     for (size_t c = 0; c < tissue->size(); ++c) {
@@ -109,7 +110,7 @@ TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
         lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
       }
       box.push_back({lo, hi});
-      wide += (hi - lo).maxCoeff() > 10;  // a step is 1.5 cells of 3.5 mm
+      wide += (hi - lo).maxCoeff() > 10;  // of cells of 3.5 mm
     }
     EXPECT_GE(wide, m.pulled);
     for (size_t c : asked)
@@ -123,6 +124,42 @@ TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
         }
       }
   }
+}
+
+// Nobody is missed who holds a place or has it beside: neither alone nor among others that are asked about at once.
+TEST_F(RestTissueOfAWound, WhoeverHoldsAPlaceIsAroundIt) {
+  MovingCells cells(*tissue, model());
+  std::vector<Vec3f> u(model().X_mm.size());
+  for (size_t i = 0; i < u.size(); ++i) {  // bent, sheared and shaken: cells are neither boxes nor of one size
+    const Vec3& X = model().X_mm[i];
+    u[i] = Vec3(0.3 * X.y() + uniform(-0.4, 0.4), 2 * std::sin(0.12 * X.x()) + uniform(-0.4, 0.4), 0.02 * X.x() * X.x() + uniform(-0.4, 0.4)).cast<float>();
+  }
+  cells.move(u);
+  cells.refit(workers);
+  cells.sort();
+  int beside = 0;
+  for (size_t c = 0; c < tissue->size(); ++c) {
+    if (tissue->says_nothing(c)) continue;
+    const auto& node = surface->lattice->cells[size_t(tissue->copy(c))].node;
+    for (int i = 0; i < 8; ++i) {
+      Vec3 at(uniform(-0.15, 1.15), uniform(-0.15, 1.15), uniform(-0.15, 1.15)), p = Vec3::Zero(), lo = Vec3::Constant(1e30), hi = -lo;
+      for (size_t k = 0; k < 8; ++k) {
+        const Vec3 x = model().X_mm[size_t(node[k])] + u[size_t(node[k])].cast<double>();
+        const double w = (k & 1 ? at[0] : 1 - at[0]) * (k & 2 ? at[1] : 1 - at[1]) * (k & 4 ? at[2] : 1 - at[2]);
+        p += w * x, lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
+      }
+      if ((p.array() < lo.array() - 0.59).any() || (p.array() > hi.array() + 0.59).any()) continue;  // kAhead_mm
+      beside += (p.array() < lo.array() - 0.01).any() || (p.array() > hi.array() + 0.01).any();
+      EXPECT_TRUE(cells.may_hold(c, p.cast<float>(), true));
+      const Vec3f other = p.cast<float>() + Vec3f(float(uniform(-2, 2)), float(uniform(-2, 2)), float(uniform(-2, 2)));
+      for (const Vec3f& q : {p.cast<float>().eval(), other}) {
+        int visits = 0;
+        cells.around(q.cwiseMin(p.cast<float>()), q.cwiseMax(p.cast<float>()), [&](size_t o) { visits += o == c; });
+        EXPECT_EQ(visits, 1) << "copy " << c;
+      }
+    }
+  }
+  EXPECT_GT(beside, 100);
 }
 
 // At rest nothing overlaps: whatever place of the body is asked about, exactly one of the copies there has material.
