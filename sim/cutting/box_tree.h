@@ -5,6 +5,7 @@
 // four of them and a triangle is told apart without being read. Coordinates are half-units; nothing is rounded.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <span>
@@ -39,6 +40,15 @@ inline IntBox box_within(const Vec3& lo, const Vec3& hi) {
   const auto down = [](double v) { return int32_t(std::clamp(std::floor(v), -far, far)); };
   return {{up(lo.x()), up(lo.y()), up(lo.z())}, {down(hi.x()), down(hi.y()), down(hi.z())}};
 }
+
+/// Around something flat that lies at a slant: of a box, what is between two parallel planes.
+struct SlantBox {
+  IntBox box;
+  std::array<float, 3> normal{};
+  float lo = 0, hi = 0;  // twice normal . x of the planes, with room for rounding (kRoom)
+  /// Of the sums of three products of numbers below 2^22 (two corners of a box) with parts of a unit vector, all in `float`.
+  static constexpr float kRoom = 4;
+};
 
 /// Up to eight boxes that follow each other in a list, looked at together: neighbours in the list of a blade's triangles
 /// are mostly neighbours in space, so one walk down a tree serves them all.
@@ -87,10 +97,17 @@ class BoxTree {
 
   bool empty() const { return node_.empty(); }
 
-  /// Calls visit(triangle) or visit(triangle, its box) for every triangle whose box meets the given one, in an order of the
-  /// tree's own.
-  template <class Visit>
-  void box(const IntBox& q, Visit&& visit) const {
+  /// Calls visit(triangle) or visit(triangle, its box) for every triangle whose box meets the given one (of a SlantBox: and comes
+  /// between its planes, or nearly so), in an order of the tree's own.
+  template <class Query, class Visit>
+  void box(const Query& query, Visit&& visit) const {
+    constexpr bool slants = std::is_same_v<Query, SlantBox>;
+    const IntBox* whole;
+    if constexpr (slants)
+      whole = &query.box;
+    else
+      whole = &query;
+    const IntBox& q = *whole;
     if (node_.empty()) return;
     int32_t stack[kStack];
     int n = 0;
@@ -101,6 +118,7 @@ class BoxTree {
       for (size_t k = 0; k < 4; ++k)
         apart[k] = (q.hi.x - node.lo[0][k]) | (node.hi[0][k] - q.lo.x) | (q.hi.y - node.lo[1][k]) |
                    (node.hi[1][k] - q.lo.y) | (q.hi.z - node.lo[2][k]) | (node.hi[2][k] - q.lo.z);
+      if constexpr (slants) node.leave_what_is_aside(query, apart);
       if (node.child[0] < 0) {
         for (size_t k = 0; k < 4; ++k) {
           if (apart[k] < 0) continue;
@@ -125,6 +143,18 @@ class BoxTree {
   struct Node {
     std::array<std::array<int32_t, 4>, 3> lo, hi;  // [axis][child]; of no child: a box that meets none
     std::array<int32_t, 4> child;                  // nodes, or ~triangles
+
+    void leave_what_is_aside(const SlantBox& q, std::array<int32_t, 4>& apart) const {
+      using Ints [[gnu::vector_size(16)]] = int32_t;
+      using Floats [[gnu::vector_size(16)]] = float;
+      Floats middle{}, reach{};  // both twice
+      for (size_t i = 0; i < 3; ++i) {
+        const Ints from = std::bit_cast<Ints>(lo[i]), to = std::bit_cast<Ints>(hi[i]);
+        middle += q.normal[i] * __builtin_convertvector(from + to, Floats);
+        reach += std::abs(q.normal[i]) * __builtin_convertvector(to - from, Floats);
+      }
+      apart = std::bit_cast<std::array<int32_t, 4>>(std::bit_cast<Ints>(apart) | (middle - reach > q.hi) | (middle + reach < q.lo));
+    }
   };
   struct Item {
     Int3 sum;  // of the corners: three times the centre

@@ -21,8 +21,9 @@ void CutBuilder::find_near() {
       __builtin_prefetch(at + sizeof(OrigTri) - 1);
       room_.hit.push_back({o, uint32_t(room_.group.size() - 1), members});
     };
-    store_.body_near(group.all, note);
-    store_.blades_near(group.all, note);
+    const SlantBox around = slant_box(group.all, std::span(room_.triangle).subspan(i, group.count), std::span(room_.plane).subspan(i, group.count));
+    store_.body_near(around, note);
+    store_.blades_near(around, note);
   }
   for (const CutScratch::Hit& h : room_.hit)
     if (const OrigTri& o = store_.orig[size_t(h.orig)]; o.live != 0)

@@ -78,13 +78,13 @@ struct ArrangementStore {
 
   bool is_body(int32_t o) const { return orig[o].op == 0; }
   /// Calls visit(original triangle, its box) for every one of the body whose box meets q, live or not.
-  template <class Visit>
-  void body_near(const IntBox& q, Visit&& visit) const {
+  template <class Query, class Visit>
+  void body_near(const Query& q, Visit&& visit) const {
     op[0].boxes.box(q, visit);
   }
   /// The same of all blades.
-  template <class Visit>
-  void blades_near(const IntBox& q, Visit&& visit) const {
+  template <class Query, class Visit>
+  void blades_near(const Query& q, Visit&& visit) const {
     for (const auto& tree : forest)
       tree->boxes.box(q, [&](int32_t i) {
         const OpRecord& blade = op[size_t(tree->first + i)];

@@ -1,6 +1,7 @@
 #include "sim/cutting/tri_tests.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 namespace limberg {
@@ -151,6 +152,19 @@ std::array<size_t, 2> straddling_edges(const std::array<int, 3>& side) {
 }
 
 }  // namespace
+
+SlantBox slant_box(const IntBox& box, std::span<const IntTriangle> triangle, std::span<const Plane> plane) {
+  Vec3 sum = Vec3::Zero();
+  for (const Plane& p : plane) sum += Vec3(double(p.n[0]), double(p.n[1]), double(p.n[2]));
+  const Eigen::Vector3f n = sum.normalized().cast<float>();
+  double lo = HUGE_VAL, hi = -HUGE_VAL;
+  for (const IntTriangle& t : triangle)
+    for (const Int3& p : t.p) {
+      const double at = 2 * (double(n.x()) * p.x + double(n.y()) * p.y + double(n.z()) * p.z);
+      lo = std::min(lo, at), hi = std::max(hi, at);
+    }
+  return {box, {n.x(), n.y(), n.z()}, float(lo) - SlantBox::kRoom, float(hi) + SlantBox::kRoom};
+}
 
 Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t) {
   Crossing result;

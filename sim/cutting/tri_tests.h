@@ -38,6 +38,8 @@ Crossing cross_triangles_exactly(const IntTriangle& s, const Plane& plane_s, con
 
 /// Triangles by their vertices' indices and places.
 std::vector<IntTriangle> int_triangles(std::span<const Int3> vertex, std::span<const Tri> tri);
+/// Around triangles that lie in nearly one plane; around any others it is a box and little else.
+SlantBox slant_box(const IntBox& box, std::span<const IntTriangle> triangle, std::span<const Plane> plane);
 BoxTree tree_over(std::span<const IntTriangle> triangle);
 
 /// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices, with their planes

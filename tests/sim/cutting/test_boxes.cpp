@@ -57,6 +57,50 @@ TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
   BoxTree().box(IntBox{}, [](int32_t) { FAIL(); });
 }
 
+// The query of a strip that lies at a slant leaves nothing out that touches one of its triangles, and leaves out most of what
+// meets only the box around them.
+TEST(SlantBox, LeavesOutOnlyWhatNoTriangleTouches) {
+  Draw draw;
+  size_t in_boxes = 0, in_slants = 0, touching = 0;
+  for (int32_t far : {0, (1 << 20), (1 << 21) - 1300})  // where `float` is finest, and where it is coarsest
+    for (int turn = 0; turn < 60; ++turn) {
+      const auto place = [&](int32_t x, int32_t y, int32_t z) { return Int3{far + x, far + y, z - far}; };
+      std::vector<std::array<Int3, 3>> cells;
+      for (int i = 0; i < 400; ++i) {
+        const int32_t x = draw(1000), y = draw(1000), z = draw(200);
+        cells.push_back({place(x, y, z), place(x + 40, y + draw(20), z), place(x + draw(20), y + 40, z + draw(20))});
+      }
+      const BoxTree tree(cells);
+      std::vector<IntTriangle> strip;
+      std::vector<Plane> plane;
+      const int32_t dx = 50 + draw(80), dy = draw(130);
+      IntBox all;
+      for (int32_t i = 0; i < 8; ++i) {
+        IntTriangle t;
+        t.p = {place(i * dx, i * dy, 220), place((i + 1) * dx, (i + 1) * dy + draw(3), i % 2 ? 220 : -20), place(i * dx, i * dy, -20)};
+        t.id = {-3 * i - 1, -3 * i - 2, -3 * i - 3};
+        const IntBox own = box_around(t.p[0], t.p[1], t.p[2]);
+        all = i == 0 ? own : box_around(all, own);
+        strip.push_back(t);
+        plane.push_back(plane_through(t.p[0], t.p[1], t.p[2]));
+      }
+      std::vector<uint8_t> seen(cells.size(), 0);
+      tree.box(slant_box(all, strip, plane), [&](int32_t i) { seen[size_t(i)] = 1, ++in_slants; });
+      tree.box(all, [&](int32_t) { ++in_boxes; });
+      for (size_t i = 0; i < cells.size(); ++i) {
+        IntTriangle t;
+        t.p = cells[i], t.id = {1, 2, 3};
+        for (const IntTriangle& s : strip)
+          if (meet_beyond_shared(s, t)) {
+            ++touching;
+            ASSERT_TRUE(seen[i]) << "triangle " << i << " at " << far;
+          }
+      }
+    }
+  EXPECT_GT(touching, 1000u);
+  EXPECT_LT(3 * in_slants, 2 * in_boxes);  // strips along an axis are among them
+}
+
 TEST(BoxGroup, HoldsEveryBoxOnceAndTellsWhichMeet) {
   Draw draw;
   std::vector<IntBox> box;
