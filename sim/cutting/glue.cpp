@@ -45,28 +45,30 @@ bool sort_radially(const PointStore& points, int32_t a, int32_t b, std::vector<R
 }
 
 const char* ArrangementStore::glue_edge(int32_t a, int32_t b, int32_t h0, Delta* delta) {
-  const auto set = [&](int32_t half_edge, int side, int32_t value) {
-    int32_t& m = mate[half_edge / 3][size_t(3 * side + half_edge % 3)];
+  const auto set = [&](int32_t f, int side, int k, int32_t value) {
+    int32_t& m = mate[size_t(f)][size_t(3 * side + k)];
     if (m == value) return;
-    if (delta && half_edge < 3 * delta->faces) delta->mate.push_back({(half_edge / 3) * 6 + 3 * side + half_edge % 3, m});
+    if (delta && f < delta->faces) delta->mate.push_back({sided_half_edge(sided_face(f, side), k), m});
     m = value;
   };
-  // Faces i and i + 1 bound a sector. As data: half-edge, its counter-clockwise side, material bits.
+  // Faces i and i + 1 bound a sector. As data: the half-edge's face and place in it, its counter-clockwise side, material bits.
   struct Around {
-    int32_t half_edge;
-    uint8_t ccw_side, mat;
+    int32_t face;
+    int k, ccw_side;
+    uint8_t mat;
   };
   const auto join = [&](const Around& g, const Around& h) {
-    const int hs = 1 - h.ccw_side;
-    const bool glued = g.mat >> g.ccw_side & 1;
+    const int gs = g.ccw_side, hs = 1 - h.ccw_side;
+    const bool glued = g.mat >> gs & 1;
     if (glued != bool(h.mat >> hs & 1)) return false;
-    set(g.half_edge, g.ccw_side, glued ? (h.half_edge / 3) * 6 + 3 * hs + h.half_edge % 3 : -1);
-    set(h.half_edge, hs, glued ? (g.half_edge / 3) * 6 + 3 * g.ccw_side + g.half_edge % 3 : -1);
+    set(g.face, gs, g.k, glued ? sided_half_edge(sided_face(h.face, hs), h.k) : -1);
+    set(h.face, hs, h.k, glued ? sided_half_edge(sided_face(g.face, gs), g.k) : -1);
     return true;
   };
   const auto here = [&](int32_t h) {
-    const Face& f = face[h / 3];
-    return Around{h, uint8_t(f.v[size_t(h % 3)] == a ? 0 : 1), f.mat};
+    const int32_t f = h / 3;
+    const int k = h % 3;
+    return Around{f, k, face[size_t(f)].v[size_t(k)] == a ? 0 : 1, face[size_t(f)].mat};
   };
   constexpr const char* kDisagree = "the two faces of a sector disagree about material";
   constexpr const char* kCoincide = "two faces coincide at an edge";
@@ -79,7 +81,7 @@ const char* ArrangementStore::glue_edge(int32_t a, int32_t b, int32_t h0, Delta*
   const int32_t h2 = edges.next(h1);
   if (h2 < 0) {  // nearly always
     const Around g = here(std::min(h0, h1)), h = here(std::max(h0, h1));
-    if (face[h0 / 3].orig == face[h1 / 3].orig && g.ccw_side == h.ccw_side) return kCoincide;
+    if (g.ccw_side == h.ccw_side && face[size_t(g.face)].orig == face[size_t(h.face)].orig) return kCoincide;
     return join(g, h) && join(h, g) ? nullptr : kDisagree;
   }
   thread_local std::vector<RadialFace> around;
@@ -100,8 +102,8 @@ const char* ArrangementStore::glue_edge(int32_t a, int32_t b, int32_t h0, Delta*
   }
   if (!sort_radially(points, a, b, around)) return kCoincide;
   for (size_t i = 0; i < around.size(); ++i) {
-    const RadialFace &g = around[i], &h = around[(i + 1) % around.size()];
-    if (!join({g.half_edge, g.ccw_side(), g.mat}, {h.half_edge, h.ccw_side(), h.mat})) return kDisagree;
+    const int32_t g = around[i].half_edge, h = around[i + 1 < around.size() ? i + 1 : 0].half_edge;
+    if (!join(here(g), here(h))) return kDisagree;
   }
   return nullptr;
 }
