@@ -115,9 +115,15 @@ double apart(const LatticeTopology& t, const EmbeddedPoint& a, const EmbeddedPoi
 template <class Open>
 void find_closed(const SlitSpec& s, SlitOpening& out, Open&& open) {
   auto closed = [&](auto&& at, double limit) {
-    double d = 0;
-    while (d < limit && !at(d)) d += 0.01;
-    return d;
+    constexpr double kStep_mm = 0.01;
+    double open_from = 0;
+    while (open_from < limit && !at(open_from)) open_from += kStep_mm;
+    double shut_to = open_from - kStep_mm;
+    for (int i = 0; i < 12 && open_from > 0; ++i) {  // to micrometres
+      const double middle = 0.5 * (shut_to + open_from);
+      (at(middle) ? open_from : shut_to) = middle;
+    }
+    return open_from;
   };
   constexpr double kJustBelow = -0.01;
   const double middle = 0.5 * (s.from_mm + s.to_mm) + 0.013;
