@@ -1,9 +1,45 @@
 // Every invariant, everywhere: for tests and for finding defects.
 #include <algorithm>
 
-#include "sim/cutting/store.h"
+#include "sim/cutting/planar_split.h"
 
 namespace limberg {
+
+const char* ArrangementStore::wrong_links(int32_t o) const {
+  if (orig[size_t(o)].split < 0) return nullptr;
+  const auto faces = faces_of(o);
+  const auto links = links_of(o);
+  const auto junctions = constraints_of(o);
+  for (size_t i = 0; i < faces.size(); ++i)
+    for (size_t k = 0; k < 3; ++k) {
+      const auto& v = face[size_t(faces[i])].v;
+      const int32_t a = v[k], b = v[(k + 1) % 3], n = links[i].neighbour[k];
+      const int label = links[i].label[k];
+      if (n < 0) {
+        const auto on_edge = [&](int32_t p) {
+          const auto* ends = points.edge_of(p);
+          const auto& c = orig[size_t(o)].v;
+          return ends ? edge_of_orig(o, (*ends)[0], (*ends)[1]) == label : p == c[size_t(label)] || p == c[size_t(label + 1) % 3];
+        };
+        if (label < 0 || label >= PlanarSplit::kJunction || !on_edge(a) || !on_edge(b)) return "a piece at no edge of its triangle has no neighbour";
+        continue;
+      }
+      const auto& w = face[size_t(faces[size_t(n)])].v;
+      size_t m = 0;
+      while (m < 3 && !(w[m] == b && w[(m + 1) % 3] == a)) ++m;
+      if (m == 3) return "a piece's neighbour has not their edge";
+      if (links[size_t(n)].neighbour[m] != int32_t(i) || links[size_t(n)].label[m] != label) return "two pieces disagree about their edge";
+      if (label >= 0 && label < PlanarSplit::kJunction) return "an edge of the triangle between two of its pieces";
+      if (label < 0) {
+        if (face[size_t(faces[i])].mat != face[size_t(faces[size_t(n)])].mat) return "material ends at an edge that is no junction";
+        continue;
+      }
+      if (size_t(label - PlanarSplit::kJunction) >= junctions.size()) return "a junction that is not listed";
+      const Constraint& c = junctions[size_t(label - PlanarSplit::kJunction)];
+      if (std::minmax(a, b) != std::minmax(c.a, c.b)) return "a junction elsewhere than listed";
+    }
+  return nullptr;
+}
 
 std::string Arrangement::check_all() const {
   const ArrangementStore& s = *store_;
@@ -82,6 +118,7 @@ std::string Arrangement::check_all() const {
       shape.v = face.v;
       parts = mod_add(parts, s.face_volume_residue(shape));
     }
+    if (const char* why = s.wrong_links(o)) return at((std::string(why) + ", original triangle").c_str(), o);
     if (parts != whole) return at("the division does not cover original triangle", o);
     if (live != t.live) return at("the live count is wrong on original triangle", o);
     // I11: a junction is an edge of both triangles that it joins.

@@ -62,7 +62,7 @@ class CutBuilder {
     bool has(int32_t p) const;
   };
   Outcome divide_finally(const Touched& t, PlanarSplit& out, const NeededPoints& needed_points) const;
-  void write_division(int32_t orig, const PlanarSplit& split);
+  void write_division(int32_t orig, PlanarSplit& split);
 
   ArrangementStore& store_;
   const Blade& blade_;

@@ -44,12 +44,15 @@ CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& ou
   return ok;
 }
 
-void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
+void CutBuilder::write_division(int32_t o, PlanarSplit& split) {
   OrigTri& orig = store_.orig[size_t(o)];
+  split.number_junctions(room_.junction);
   const auto pieces = split.pieces();
+  const auto junctions = split.junctions();
   Division d;
   d.first_constraint = uint32_t(store_.division_constraint.size());
-  d.constraints = split.append_constraints(store_.division_constraint);
+  d.constraints = uint32_t(junctions.size());
+  store_.division_constraint.insert(store_.division_constraint.end(), junctions.begin(), junctions.end());
   if (o < first_orig_) {
     std::vector<int32_t>& kept = room_.kept;
     kept.clear();
@@ -68,8 +71,11 @@ void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
   }
   d.first_face = uint32_t(store_.division_face.size());
   d.faces = uint32_t(pieces.size());
+  store_.division_face.resize(d.first_face + pieces.size());
+  store_.division_link.resize(d.first_face + pieces.size());
   orig.live = 0;
-  for (const auto& p : pieces) {
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    const PlanarSplit::Piece& p = pieces[i];
     int32_t f = p.face;
     if (f < 0) {
       f = int32_t(store_.face.size());
@@ -77,13 +83,15 @@ void CutBuilder::write_division(int32_t o, const PlanarSplit& split) {
       store_.mate.push_back({-1, -1, -1, -1, -1, -1});
       if (p.mat != 0) store_.last.added.push_back(f);
     }
-    store_.division_face.push_back(f);
+    store_.division_face[d.first_face + i] = f;
+    store_.division_link[d.first_face + i] = {p.neighbour, p.label};
     orig.live += store_.face[size_t(f)].live();
   }
   if (d.faces == 1 && d.constraints == 0) {
     orig.whole = store_.division_face.back();
     orig.split = -1;
     store_.division_face.pop_back();
+    store_.division_link.pop_back();
     return;
   }
   orig.whole = -1;

@@ -99,6 +99,7 @@ struct CutScratch {
   std::vector<int32_t> table;
   // commit
   std::vector<int32_t> kept;
+  std::vector<Constraint> junction;
 
   void clear() {
     hit.clear(), group.clear(), near.clear(), segment.clear(), mark.clear(), touched.clear(), barrier.clear();

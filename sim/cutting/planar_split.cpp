@@ -1,7 +1,6 @@
 #include "sim/cutting/planar_split.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace limberg {
 
@@ -14,7 +13,7 @@ int prev3(int k) { return k == 0 ? 2 : k - 1; }
 
 void PlanarSplit::open(const PointStore& points, const Plane& plane, const std::array<int32_t, 3>& v) {
   points_ = &points;
-  plane_ = plane;
+  plane_ = &plane;
   view_ = Projection(plane);
   junction_.clear();
   Piece p;
@@ -38,78 +37,14 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
     return;
   }
   const auto faces = store.faces_of(o);
+  const auto links = store.links_of(o);
   const auto junctions = store.constraints_of(o);
   junction_.assign(junctions.begin(), junctions.end());
   piece_.clear();
   piece_.reserve(faces.size() * 2 + 8);
-  struct HalfEdge {
-    int32_t lo, hi, piece;
-    int k;
-    bool operator<(const HalfEdge& b) const { return std::tie(lo, hi, piece) < std::tie(b.lo, b.hi, b.piece); }
-    bool along(const HalfEdge& b) const { return lo == b.lo && hi == b.hi; }
-  };
-  thread_local std::vector<HalfEdge> edges, border;
-  edges.clear();
-  border.clear();
-  for (int32_t f : faces) {
-    Piece p;
-    p.v = store.face[f].v;
-    p.mat = store.face[f].mat;
-    p.face = f;
-    p.neighbour = {-1, -1, -1};
-    for (int k = 0; k < 3; ++k) {
-      const int32_t a = p.v[size_t(k)], b = p.v[size_t(next3(k))];
-      edges.push_back({std::min(a, b), std::max(a, b), int32_t(piece_.size()), k});
-    }
-    piece_.push_back(p);
-  }
-  const auto join = [&](const HalfEdge& a, const HalfEdge& b) {
-    neighbour(a.piece, a.k) = b.piece;
-    neighbour(b.piece, b.k) = a.piece;
-  };
-  constexpr size_t kFew = 48;
-  if (edges.size() <= kFew) {  // sorting costs more than looking at all that wait for their partner
-    for (const HalfEdge& e : edges) {
-      size_t i = 0;
-      while (i < border.size() && !border[i].along(e)) ++i;
-      if (i == border.size()) {
-        border.push_back(e);
-      } else {
-        join(border[i], e);
-        border[i] = border.back();
-        border.pop_back();
-      }
-    }
-  } else {
-    std::sort(edges.begin(), edges.end());
-    for (size_t i = 0; i < edges.size(); ++i) {
-      if (i + 1 < edges.size() && edges[i].along(edges[i + 1])) {
-        join(edges[i], edges[i + 1]);
-        ++i;
-      } else {
-        border.push_back(edges[i]);
-      }
-    }
-  }
-  const auto on_edge = [&](int32_t point, int k) {  // of the original triangle
-    const auto& v = store.orig[o].v;
-    if (point == v[size_t(k)] || point == v[size_t(next3(k))]) return true;
-    const auto* ends = store.points.edge_of(point);
-    return ends && store.edge_of_orig(o, (*ends)[0], (*ends)[1]) == k;
-  };
-  for (const HalfEdge& e : border)
-    for (int k = 0; k < 3; ++k)
-      if (on_edge(e.lo, k) && on_edge(e.hi, k)) piece_[e.piece].label[size_t(e.k)] = int16_t(k);
-  for (size_t j = 0; j < junction_.size(); ++j) {
-    const HalfEdge wanted{std::min(junction_[j].a, junction_[j].b), std::max(junction_[j].a, junction_[j].b), -1, 0};
-    const int16_t label = int16_t(kJunction + int(j));
-    if (edges.size() <= kFew) {
-      for (const HalfEdge& e : edges)
-        if (e.along(wanted)) piece_[e.piece].label[size_t(e.k)] = label;
-    } else {
-      for (auto it = std::lower_bound(edges.begin(), edges.end(), wanted); it != edges.end() && it->along(wanted); ++it)
-        piece_[it->piece].label[size_t(it->k)] = label;
-    }
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const Face& f = store.face[size_t(faces[i])];
+    piece_.push_back({f.v, links[i].neighbour, links[i].label, f.mat, faces[i]});
   }
 }
 
@@ -378,16 +313,17 @@ void PlanarSplit::forget_dead_junctions() {
       if (p.label[k] >= kJunction && p.mat == 0 && piece_[p.neighbour[k]].mat == 0) p.label[k] = kFree;
 }
 
-uint32_t PlanarSplit::append_constraints(std::vector<Constraint>& out) const {
-  const size_t before = out.size();
-  if (junction_.empty()) return 0;
-  for (size_t t = 0; t < piece_.size(); ++t)
-    for (size_t k = 0; k < 3; ++k) {
+void PlanarSplit::number_junctions(std::vector<Constraint>& room) {
+  room.clear();
+  for (size_t t = 0; t < piece_.size() && !junction_.empty(); ++t)
+    for (int k = 0; k < 3; ++k) {
       const Piece& p = piece_[t];
-      if (p.label[k] < kJunction || p.neighbour[k] < int32_t(t)) continue;  // each once, from its lower side
-      out.push_back({p.v[k], p.v[size_t(next3(int(k)))], partner(p.label[k])});
+      const int16_t label = p.label[size_t(k)];
+      if (label < kJunction || p.neighbour[size_t(k)] < int32_t(t)) continue;  // each once, from its lower side
+      set_label(int32_t(t), k, int16_t(kJunction + int(room.size())));
+      room.push_back({p.v[size_t(k)], p.v[size_t(next3(k))], partner(label)});
     }
-  return uint32_t(out.size() - before);
+  junction_.assign(room.begin(), room.end());
 }
 
 }  // namespace limberg

@@ -26,8 +26,9 @@ class PlanarSplit {
 
   /// Opens the current division of an existing original triangle.
   void open(const ArrangementStore& store, int32_t orig);
-  /// Opens a new, undivided triangle.
+  /// Opens a new, undivided triangle. Its plane is not copied.
   void open(const PointStore& points, const Plane& plane, const std::array<int32_t, 3>& v);
+  void open(const PointStore& points, Plane&& plane, const std::array<int32_t, 3>& v) = delete;
 
   /// Inserts a point that lies on the chain of edges with this label (kFree: strictly inside). No effect when it is
   /// there already. False: it is not where it was said to be, a coincidence.
@@ -47,8 +48,9 @@ class PlanarSplit {
   int32_t partner(int16_t label) const { return junction_[label - kJunction].partner; }
   /// The edge that the last successful enforce() made: a piece and its edge k.
   std::pair<int32_t, int> enforced() const { return enforced_; }
-  /// Appends the junctions as they are now: sub-edges, each once. Returns how many.
-  uint32_t append_constraints(std::vector<Constraint>& out) const;
+  /// Numbers the junctions anew: one per sub-edge, in the order of the pieces, as the store keeps them. `room` to work in.
+  void number_junctions(std::vector<Constraint>& room);
+  std::span<const Constraint> junctions() const { return junction_; }
 
  private:
   /// A piece with the edge between a and b, in either sense; -1 if there is none.
@@ -57,7 +59,7 @@ class PlanarSplit {
   bool insert_into(int32_t t, const std::array<int, 3>& side, int32_t point);
   int orient(int32_t a, int32_t b, int32_t c) const {
     if (a == b || b == c || c == a) return 0;  // the filter cannot see this zero, and wide integers are slow
-    return points_->turn(plane_, view_, a, b, c);
+    return points_->turn(*plane_, view_, a, b, c);
   }
   bool strictly_between(int32_t a, int32_t p, int32_t b) const;
   void split_piece(int32_t t, int32_t point);
@@ -68,7 +70,7 @@ class PlanarSplit {
   int32_t& neighbour(int32_t t, int k) { return piece_[t].neighbour[size_t(k)]; }
 
   const PointStore* points_ = nullptr;
-  Plane plane_;
+  const Plane* plane_ = nullptr;
   Projection view_;
   std::vector<Piece> piece_;
   std::vector<Constraint> junction_;

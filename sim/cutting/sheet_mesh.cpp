@@ -33,8 +33,9 @@ std::optional<PlaneMesh> mesh_polygon(std::span<const Vec2> polygon, double spac
   constexpr int32_t big = 1 << 20;
   const std::array<int32_t, 3> frame{points.add_explicit({-big, -big, 0}), points.add_explicit({big, -big, 0}),
                                      points.add_explicit({0, big, 0})};
+  const Plane plane = plane_through(points.integer(0), points.integer(1), points.integer(2));
   PlanarSplit split;
-  split.open(points, plane_through(points.integer(0), points.integer(1), points.integer(2)), frame);
+  split.open(points, plane, frame);
   for (const Vec2& p : mesh.vertex) {
     const Vec2 q = (p - centre) * scale;
     points.add_explicit({int32_t(std::lround(q.x())), int32_t(std::lround(q.y())), 0});

@@ -33,6 +33,12 @@ struct Components {
   std::vector<int128> volume;         // 6 V in half-units^3, times 2^20
 };
 
+/// How a face lies among the others of its original triangle (PlanarSplit::Piece).
+struct PieceLinks {
+  std::array<int32_t, 3> neighbour{};  // by place in the division, -1 outside
+  std::array<int16_t, 3> label{};
+};
+
 /// Everything needed to take one operation back, and nothing else.
 struct Delta {
   LastOperation::Kind kind = LastOperation::none;
@@ -60,6 +66,7 @@ struct ArrangementStore {
   std::vector<OrigTri> orig;
   std::vector<Division> division;
   std::vector<int32_t> division_face;            // of all divisions, earlier ones included: undo goes back to them
+  std::vector<PieceLinks> division_link;         // of each of them
   std::vector<Constraint> division_constraint;
   EdgeMap edges;
   std::vector<OpRecord> op;
@@ -96,6 +103,11 @@ struct ArrangementStore {
     if (t.split < 0) return {&t.whole, size_t(t.whole >= 0)};
     const Division& d = division[size_t(t.split)];
     return {division_face.data() + d.first_face, size_t(d.faces)};
+  }
+  /// Of faces_of(o), when o is divided.
+  std::span<const PieceLinks> links_of(int32_t o) const {
+    const Division& d = division[size_t(orig[o].split)];
+    return {division_link.data() + d.first_face, size_t(d.faces)};
   }
   std::span<const Constraint> constraints_of(int32_t o) const {
     if (orig[o].split < 0) return {};
@@ -138,6 +150,9 @@ struct ArrangementStore {
 
   /// snap.cpp: does every triangle of the blade lie on walls of earlier cuts, within 50 micrometres and 15 degrees?
   bool is_cut_already(const Blade& blade) const;
+
+  /// check.cpp: what is wrong with the links of a divided triangle; null if nothing. For tests.
+  const char* wrong_links(int32_t o) const;
 
   // undo.cpp
   void take_back(const Delta& delta);

@@ -31,6 +31,7 @@ void ArrangementStore::take_back(const Delta& d) {
   }
   division.resize(size_t(d.divisions));
   division_face.resize(d.division_faces);
+  division_link.resize(d.division_faces);
   division_constraint.resize(d.division_constraints);
   orig.resize(size_t(d.origs));
   op.resize(size_t(d.ops));
