@@ -32,6 +32,16 @@ namespace limberg::fem {
 /// Whether two models have one list of stencils and laws in common, not only equal ones.
 bool same_stencils(const FemModel& a, const FemModel& b);
 
+/// F = I + sum u_a B_a^T of a cell, in double.
+inline Mat3 gradient_at(const Eigen::Matrix<double, 8, 3>& B, const HexCell& c, const NodeArray& u) {
+  Mat3 F = Mat3::Identity();
+  for (int a = 0; a < 8; ++a) {
+    const Node4& v = u[size_t(c.node[size_t(a)])];
+    F += Vec3(double(v.x), double(v.y), double(v.z)) * B.row(a);
+  }
+  return F;
+}
+
 /// Everything the kernels read of the cells.
 struct KernelData {
   std::shared_ptr<const AlignedArray<KernelStencil>> stencils;

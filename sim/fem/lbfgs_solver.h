@@ -8,6 +8,7 @@
 //         In both the new velocity is (u - U)/h. (BDF2: Hairer & Wanner, Solving Ordinary Differential Equations II, V.1.)
 //   d     = -H g, H: L-BFGS over a scalar matrix, factored or by a multilevel cycle (Preconditioner); Armijo line search; when the change of energy
 //         is below the noise of single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
+//         where cells are drawn out many times H gets what it lacks there (stretched_cells.h)
 //   P     hanging nodes, if any, follow their masters: u is spread to them after every move, evaluate() hands their forces
 //         on, so g is zero there and they take no part in any product (hanging_nodes.h)
 //   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers)
@@ -32,6 +33,7 @@
 #include "sim/fem/material_points.h"
 #include "sim/fem/preconditioner.h"
 #include "sim/fem/spring_forces.h"
+#include "sim/fem/stretched_cells.h"
 #include "sim/fem/viscous_points.h"
 
 namespace limberg::fem {
@@ -82,6 +84,7 @@ class LbfgsSolver final : public ElasticSolver {
   double relative_residual() const;
   void begin_or_end_untangling(Value& value, bool dynamic);
   bool every_piece_is_held() const;
+  void give_metric_springs();
   void publish();
   int pairs() const;  // of the history
 
@@ -94,6 +97,9 @@ class LbfgsSolver final : public ElasticSolver {
   std::vector<int32_t> fixed_;
   std::vector<Spring> springs_;
   SpringForces forces_;
+  std::vector<Preconditioner::SpringEntry> spring_rows_;  // of springs_
+  StretchedCells stretched_;
+  double last_residual_ = 0;           // of the step before
   ContactForces contacts_;
   MaterialPoints points_;
   ViscousPoints viscous_;

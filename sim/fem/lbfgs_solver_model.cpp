@@ -79,7 +79,8 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   force_floor_ = std::sqrt(force_floor_);
   for (NodeArray* a : {&g_, &d_, &u_try_, &g_try_}) a->resize(n);
   history_.resize(n, pairs());
-  springs_.clear();
+  springs_.clear(), spring_rows_.clear();
+  stretched_.clear(), last_residual_ = 0;
   forces_ = SpringForces();
   contacts_ = ContactForces();
   metric_.set_model(model_, cell_parent);
@@ -119,8 +120,14 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   forces_ = SpringForces(*model_, springs_);
   if (same) return;
   history_.clear();
-  std::vector<Preconditioner::SpringEntry> rows;
-  for (const Spring& s : springs_) rows.push_back({spring_row(*model_, s), !s.to_world});
+  spring_rows_.clear();
+  for (const Spring& s : springs_) spring_rows_.push_back({spring_row(*model_, s), !s.to_world});
+  give_metric_springs();
+}
+
+void LbfgsSolver::give_metric_springs() {
+  std::vector<Preconditioner::SpringEntry> rows = spring_rows_;
+  for (const SpringRow& r : stretched_.rows()) rows.push_back({r});
   metric_.set_springs(std::move(rows));
 }
 

@@ -109,17 +109,6 @@ Vec3 LbfgsSolver::support_force_mN() const {
   return f;
 }
 
-namespace {
-Mat3 gradient_at(const Eigen::Matrix<double, 8, 3>& B, const HexCell& c, const NodeArray& u) {
-  Mat3 F = Mat3::Identity();
-  for (int a = 0; a < 8; ++a) {
-    const Node4& v = u[size_t(c.node[size_t(a)])];
-    F += Vec3(double(v.x), double(v.y), double(v.z)) * B.row(a);
-  }
-  return F;
-}
-}  // namespace
-
 void LbfgsSolver::cell_J(std::vector<float>& J) const {
   J.resize(model_->cells.size());
   const SharedArray<HexCell>& cells = model_->cells;
