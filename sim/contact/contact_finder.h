@@ -15,7 +15,8 @@
 //
 //   slide     its place has gone slide_mm along the plane from the foot,
 //   turn      the sheet at the foot has turned by turn_deg,
-//   first     or it begins to press and nobody has judged yet whether the place is inside at all,
+//   first     or it begins to press and nobody has judged yet whether the place is inside at all (once: it then stays, judged,
+//             or goes),
 //   elsewhere or, as something near has moved, the place looks around and lies in other cells than when it was last judged,
 //             or farther than slide_mm from there in one of them.
 //
