@@ -19,7 +19,11 @@ constexpr int update_every = 3;      // accepted iterates between multiplier upd
 constexpr int max_halvings = 40;     // a scrambled start needs many
 constexpr double armijo = 1e-4;
 constexpr double float_noise = 5e-8; // of a sum of single-precision terms, relative to the sum of their sizes
-constexpr double lags = 1e-3;        // relative residual after a step from which drawn-out cells are looked for
+// Drawn-out cells are looked for when so many iterations have not brought the relative residual down to `lags`. Not while a hook is
+// carried: a look takes about as long as two iterations, and what lags then is the hand's doing (60 Hz drag of `bench speed`, 30k
+// nodes, nu .499, 2026-11-22: looks at every step left 2.6 iterations a frame of 6.2).
+constexpr double lags = 1e-3;
+constexpr int lags_for = 10;
 // A tangle: so many cells inverted, and so little balance, for so long. Measured (2026-11-21): scrambled blocks of one tissue
 // are out of it after some 30 iterations; thin skin on fat in shared cells, 60 and 400 : 1, comes back in 100 of 100 scrambles with 40 and with
 // 70 (at 100 it leaves eight by itself, folded, at rest in another equilibrium); no shipped operation ever has two inverted cells in a hundred.
@@ -183,7 +187,10 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   // BDF2's first step has the metric of its others.
   const double h = s.integrator == Integrator::bdf2 ? 2 * s.dt_s / 3 : s.dt_s;
   const double mass_per_s2 = s.dt_s > 0 ? 1 / (h * h) + s.damping_per_s / h : 0;
-  if (last_residual_ > lags && stretched_.follow(*model_, u_, augmented_, engine_)) give_metric_springs();
+  if (lagging_iterations_ >= lags_for) {
+    lagging_iterations_ = 0;
+    if (stretched_.follow(*model_, u_, augmented_, engine_)) give_metric_springs();
+  }
   metric_.begin_step(mass_per_s2, s.adopt_after_steps, s.adopt_when_ready, s.adopt_now);
   const auto metric = [this](const NodeArray& r, NodeArray& z) { metric_.apply(r, z); };
 
@@ -243,7 +250,8 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
 
   if (untangling_) untangling_iterations_ += std::max(1, report.iterations), elements_->shape_only(false);
   if (own_.estimate_error || !looked || untangling_) value = evaluate(u_, g_, true);
-  report.residual = last_residual_ = relative_residual();
+  report.residual = relative_residual();
+  lagging_iterations_ = report.residual > lags ? lagging_iterations_ + std::max(1, report.iterations) : 0;
   const bool tangled = report.residual > tangled_residual && elements_->inverted() > tangled_cells * double(elements_->cells());
   tangled_iterations_ = tangled && !untangling_ ? tangled_iterations_ + report.iterations : 0;
   if (own_.estimate_error) {

@@ -99,7 +99,7 @@ class LbfgsSolver final : public ElasticSolver {
   SpringForces forces_;
   std::vector<Preconditioner::SpringEntry> spring_rows_;  // of springs_
   StretchedCells stretched_;
-  double last_residual_ = 0;           // of the step before
+  int lagging_iterations_ = 0;         // with a large residual, since a hook moved or cells were looked at
   ContactForces contacts_;
   MaterialPoints points_;
   ViscousPoints viscous_;

@@ -80,7 +80,7 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   for (NodeArray* a : {&g_, &d_, &u_try_, &g_try_}) a->resize(n);
   history_.resize(n, pairs());
   springs_.clear(), spring_rows_.clear();
-  stretched_.clear(), last_residual_ = 0;
+  stretched_.clear(), lagging_iterations_ = 0;
   forces_ = SpringForces();
   contacts_ = ContactForces();
   metric_.set_model(model_, cell_parent);
@@ -116,6 +116,8 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
     if (sorted[i].id == sorted[i - 1].id)
       throw InputError("", 0, "two springs have the id " + std::to_string(sorted[i].id));
   const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), moved_only);
+  const auto stands = [](const Spring& a, const Spring& b) { return !a.to_world || a.target_mm == b.target_mm; };
+  if (same && !std::equal(sorted.begin(), sorted.end(), springs_.begin(), stands)) lagging_iterations_ = 0;
   springs_ = std::move(sorted);
   forces_ = SpringForces(*model_, springs_);
   if (same) return;

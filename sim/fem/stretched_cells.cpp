@@ -14,6 +14,7 @@ namespace {
 // with 6 1197, without any not at rest after 2000.
 constexpr double kTooSoft = 16;
 constexpr double kOff = 4;     // rows are made again where the stiffness is so many times what they have
+constexpr size_t kFew = 2;     // one, as a hook makes, is left to the history: a row costs in every iteration
 constexpr size_t kMost = 64;   // where more is drawn out it is a tangle, not a stitch
 constexpr size_t kGrain = 2048;
 
@@ -40,7 +41,9 @@ bool StretchedCells::follow(const FemModel& m, const NodeArray& u, bool augmente
   });
   std::vector<Direction> now;
   for (const auto& part : of_chunk) now.insert(now.end(), part.begin(), part.end());
-  if (now.size() > kMost || enough(now)) return false;
+  if (now.size() > kMost) return false;
+  if (now.size() < kFew) now.clear();
+  if (now.empty() ? found_.empty() : enough(now)) return false;
   found_ = std::move(now);
   rows_.clear();
   const Masters masters(m);

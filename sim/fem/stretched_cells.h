@@ -11,7 +11,8 @@
 // the minimiser goes astray (shipped rhomboid with divided fronts: residual 1e-2 after 2000 iterations, cells inside out).
 //
 // So each such direction enters the metric as a spring does: weights B_a . N on the cell's corners, stiffness what is lacking. The
-// metric folds them in or adds them by the Woodbury identity (preconditioner.h). They are found anew when they are too far off.
+// metric folds them in or adds them by the Woodbury identity (preconditioner.h). They are found anew when they are too far off, and
+// leave when none is left. A single one is the history's business.
 #include <span>
 #include <vector>
 

@@ -11,10 +11,10 @@
 namespace limberg {
 namespace {
 
-FemModel box(int cells) {
+FemModel box(int x, int y, int z) {
   BoxSpec b;
-  b.cells = {cells, cells, cells};
-  b.size_mm = 2.0 * cells * Vec3::Ones();
+  b.cells = {x, y, z};
+  b.size_mm = 2.0 * Vec3(x, y, z);
   b.poisson = 0.45;
   return box_model(b);
 }
@@ -48,20 +48,20 @@ Mat8 volumetric(const FemModel& m, const Mat3& F) {
 }
 
 TEST(StretchedCells, RowsAreWhatTheMetricLacks) {
-  const FemModel m = box(1);
+  const FemModel m = box(2, 1, 1);
   const Mat3 R = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()).toRotationMatrix();
   const Mat3 Q = Eigen::AngleAxisd(1.1, Vec3(-1, 1, 2).normalized()).toRotationMatrix();
   const Mat3 F = R * Vec3(6, 1.5, 1 / 9.0).asDiagonal() * Q.transpose();  // J = 1; thin along Q's third axis
   fem::StretchedCells stretched;
   ASSERT_TRUE(stretched.follow(m, moved_by(m, F), true, test::engine()));
-  ASSERT_EQ(stretched.rows().size(), 1u);
-  Mat8 rows = Mat8::Zero();
-  for (const fem::SpringRow& r : stretched.rows())
-    for (size_t a = 0; a < r.node.size(); ++a)
-      for (size_t b = 0; b < r.node.size(); ++b) {
-        const auto corner = [&](int32_t node) { return std::find(m.cells[0].node.begin(), m.cells[0].node.end(), node) - m.cells[0].node.begin(); };
-        rows(corner(r.node[a]), corner(r.node[b])) += r.k_mN_per_mm * r.w[a] * r.w[b];
-      }
+  ASSERT_EQ(stretched.rows().size(), 2u);  // a direction of each cell
+  Mat8 rows = Mat8::Zero();                // the first one's
+  const fem::SpringRow& r = stretched.rows()[0];
+  for (size_t a = 0; a < r.node.size(); ++a)
+    for (size_t b = 0; b < r.node.size(); ++b) {
+      const auto corner = [&](int32_t node) { return std::find(m.cells[0].node.begin(), m.cells[0].node.end(), node) - m.cells[0].node.begin(); };
+      rows(corner(r.node[a]), corner(r.node[b])) += r.k_mN_per_mm * r.w[a] * r.w[b];
+    }
   // Along N = Q e3 all of it, along the others nothing: squares of .17 and .67 there.
   const Mat8 H = volumetric(m, F), rest = volumetric(m, Mat3::Identity());
   const Eigen::Matrix<double, 8, 3> B = volume_gradients(m.stencils[size_t(m.cells[0].stencil)], m.cell_mm);
@@ -75,8 +75,8 @@ TEST(StretchedCells, RowsAreWhatTheMetricLacks) {
   }
 }
 
-TEST(StretchedCells, NothingAtRestNorForALittleMoreNorInATangle) {
-  const FemModel m = box(1);
+TEST(StretchedCells, NothingAtRestNorForALittleMoreNorForOneNorInATangle) {
+  const FemModel m = box(2, 1, 1);
   fem::StretchedCells stretched;
   EXPECT_FALSE(stretched.follow(m, moved_by(m, Mat3::Identity()), true, test::engine()));
   const Mat3 R = Eigen::AngleAxisd(2, Vec3::UnitX()).toRotationMatrix();
@@ -88,10 +88,11 @@ TEST(StretchedCells, NothingAtRestNorForALittleMoreNorInATangle) {
   EXPECT_FALSE(stretched.follow(m, moved_by(m, Vec3(10, 1, 0.1).asDiagonal()), true, test::engine()));  // near enough
   ASSERT_TRUE(stretched.follow(m, moved_by(m, Vec3(25, 1, 0.04).asDiagonal()), true, test::engine()));
   EXPECT_NE(stretched.rows()[0].id, id);
-  stretched.clear();
+  EXPECT_TRUE(stretched.follow(m, moved_by(m, Mat3::Identity()), true, test::engine()));  // they are there no more
   EXPECT_TRUE(stretched.rows().empty());
 
-  const FemModel many = box(5);
+  const FemModel one = box(1, 1, 1), many = box(5, 5, 5);
+  EXPECT_FALSE(stretched.follow(one, moved_by(one, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
   EXPECT_FALSE(stretched.follow(many, moved_by(many, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
 }
 
