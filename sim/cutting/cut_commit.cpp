@@ -197,8 +197,8 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
         __builtin_prefetch(&store_.face[size_t(h / 3)]);
         __builtin_prefetch(&store_.mate[size_t(h / 3)], 1);
       }
-    const EdgeMap::Change& c = changed[i];
-    if (const char* why = store_.glue_edge(c.edge.first, c.edge.second, store_.edges.first(c), &delta_))
+    const auto [a, b] = store_.edges.edge(changed[i]);
+    if (const char* why = store_.glue_edge(a, b, store_.edges.first(changed[i]), &delta_))
       return fail(coincidence, why);
   }
 

@@ -69,16 +69,11 @@ class EdgeMap {
     ++round_;
   }
   void end_changes() { noting_ = false; }
-  /// Edges touched since begin_changes(), in the order of their first change, with their first half-edge or -1.
-  struct Change {
-    Edge edge;
-    uint32_t slot;
-  };
-  std::span<const Change> changed() const { return changed_; }
-  int32_t first(const Change& c) const {
-    const Slot& s = slot_[c.slot];
-    return s.key == key(c.edge.first, c.edge.second) ? s.head : -1;  // another's: it lost its faces, and came again elsewhere if at all
-  }
+  /// Edges touched since begin_changes() that have a face, or had one: by the places where they are, in the order in which these
+  /// were touched first. What a place holds now counts: an edge that has lost its faces may have left it to another.
+  std::span<const uint32_t> changed() const { return changed_; }
+  Edge edge(uint32_t slot) const { return {int32_t(slot_[slot].key >> 32), int32_t(uint32_t(slot_[slot].key))}; }
+  int32_t first(uint32_t slot) const { return slot_[slot].head; }
 
  private:
   static constexpr uint64_t kEmpty = ~uint64_t(0);
@@ -120,13 +115,13 @@ class EdgeMap {
       if (slot_[s.at].head < 0 && free == slot_.size()) free = s.at;
     }
     if (free == slot_.size()) free = s.at, ++used_;
-    slot_[free] = {k, -1, 0};
+    slot_[free].key = k, slot_[free].head = -1;  // noted already, if its last edge was
     return free;
   }
   void note(Slot& s) {
     if (!noting_ || s.round == round_) return;
     s.round = round_;
-    changed_.push_back({{int32_t(s.key >> 32), int32_t(uint32_t(s.key))}, uint32_t(&s - slot_.data())});
+    changed_.push_back(uint32_t(&s - slot_.data()));
   }
   void grow(size_t more = 3) {  // edges without faces are dropped on the way
     size_t live = more;
@@ -144,7 +139,8 @@ class EdgeMap {
       slot_[find(s.key)] = s;
       ++used_;
     }
-    for (Change& c : changed_) c.slot = uint32_t(find(key(c.edge.first, c.edge.second)));
+    std::erase_if(changed_, [&](uint32_t slot) { return old[slot].head < 0; });  // nothing is left to be done there
+    for (uint32_t& slot : changed_) slot = uint32_t(find(old[slot].key));
   }
 
   std::vector<Slot> slot_;
@@ -152,7 +148,7 @@ class EdgeMap {
   size_t used_ = 0;  // slots that are not empty
   bool noting_ = false;
   uint32_t round_ = 0;
-  std::vector<Change> changed_;
+  std::vector<uint32_t> changed_;
 };
 
 }  // namespace limberg
