@@ -77,7 +77,7 @@ void ContactFinder::check(size_t chunk) {
   const double bound = 2 * motion_.most_mm();  // of any two
   const bool still = bound < kLeast_mm;
   bool listed = true;
-  std::vector<uint8_t> kinship(tissue_.size(), 0);
+  std::vector<uint8_t> kinship;
   for (size_t k = here.first; k < here.last; ++k) {
     Group& g = group_[k];
     g.far_mm += still ? bound : motion_.apart(g.own);
@@ -225,7 +225,7 @@ void ContactFinder::find_cells(size_t chunk) {
   judged.reserve(here.judged.size() + 16);
   std::vector<Point> point;
   std::vector<Around> around;
-  std::vector<uint8_t> kinship(tissue_.size(), 0);
+  std::vector<uint8_t> kinship;
   size_t pair = 0, old = 0;
   for (size_t k = here.first; k < here.last; ++k) {
     Group& g = group_[k];

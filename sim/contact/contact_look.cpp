@@ -25,10 +25,11 @@ Vec3 ContactFinder::carried_normal(int32_t t, const std::array<double, 3>& bary,
   return cells_.carried_normal(c, (surface_->rest_mm(t, bary) - tissue_.low_mm(c)).cwiseQuotient(tissue_.size_mm(c)), N);
 }
 
-// What copies are to those of a group, in a list with a zero for each.
+// What copies are to those of a group, in a list with a zero for each: made when it is first wanted, mostly never.
 enum : uint8_t { kStranger = 0, kKin = 1, kSilent = 2 };  // kin tell nothing but what walls of other sheets they carry
 
 void ContactFinder::mark_kin(const Group& g, bool marked, std::vector<uint8_t>& kinship) const {
+  kinship.resize(tissue_.size(), kStranger);
   for (int32_t c : tissue_.kin(g.own)) kinship[size_t(c)] = !marked ? kStranger : tissue_.has_other_wall(size_t(c), g.sheet) ? kKin : kSilent;
   kinship[g.own] = marked ? kSilent : kStranger;
 }
