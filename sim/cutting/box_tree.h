@@ -2,7 +2,8 @@
 // A box tree over integer triangles that never change: what a blade may meet.
 //
 // Four boxes stand in a node, of further nodes or of single triangles, so that one look at two cache lines serves
-// four of them and a triangle is told apart without being read. Coordinates are half-units; nothing is rounded.
+// four of them and a triangle is told apart without being read. Coordinates are half-units; nothing is
+// rounded but the planes of a SlantBox, which have room for it.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -101,13 +102,7 @@ class BoxTree {
   /// between its planes, or nearly so), in an order of the tree's own.
   template <class Query, class Visit>
   void box(const Query& query, Visit&& visit) const {
-    constexpr bool slants = std::is_same_v<Query, SlantBox>;
-    const IntBox* whole;
-    if constexpr (slants)
-      whole = &query.box;
-    else
-      whole = &query;
-    const IntBox& q = *whole;
+    const IntBox& q = box_of(query);
     if (node_.empty()) return;
     int32_t stack[kStack];
     int n = 0;
@@ -118,7 +113,7 @@ class BoxTree {
       for (size_t k = 0; k < 4; ++k)
         apart[k] = (q.hi.x - node.lo[0][k]) | (node.hi[0][k] - q.lo.x) | (q.hi.y - node.lo[1][k]) |
                    (node.hi[1][k] - q.lo.y) | (q.hi.z - node.lo[2][k]) | (node.hi[2][k] - q.lo.z);
-      if constexpr (slants) node.leave_what_is_aside(query, apart);
+      if constexpr (std::is_same_v<Query, SlantBox>) node.leave_what_is_aside(query, apart);
       if (node.child[0] < 0) {
         for (size_t k = 0; k < 4; ++k) {
           if (apart[k] < 0) continue;
@@ -145,7 +140,7 @@ class BoxTree {
     std::array<int32_t, 4> child;                  // nodes, or ~triangles
 
     void leave_what_is_aside(const SlantBox& q, std::array<int32_t, 4>& apart) const {
-      using Ints [[gnu::vector_size(16)]] = int32_t;
+      using Ints = BoxGroup::Four;
       using Floats [[gnu::vector_size(16)]] = float;
       Floats middle{}, reach{};  // both twice
       for (size_t i = 0; i < 3; ++i) {
@@ -156,6 +151,8 @@ class BoxTree {
       apart = std::bit_cast<std::array<int32_t, 4>>(std::bit_cast<Ints>(apart) | (middle - reach > q.hi) | (middle + reach < q.lo));
     }
   };
+  static const IntBox& box_of(const IntBox& q) { return q; }
+  static const IntBox& box_of(const SlantBox& q) { return q.box; }
   struct Item {
     Int3 sum;  // of the corners: three times the centre
     int32_t triangle;
