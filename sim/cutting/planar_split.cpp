@@ -207,12 +207,6 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   };
   if (const auto [t, k] = find_edge(a, b); t >= 0) return finish(t, k);
 
-  // Where the last junctions have the same partner, their ends lie on the line of a-b: exactly, so that no filter could tell.
-  const auto turn_to = [&](int32_t c) {
-    for (size_t j = junction_.size(); j-- > 0 && junction_[j].partner == partner;)
-      if (junction_[j].a == c || junction_[j].b == c) return 0;
-    return orient(a, b, c);
-  };
   // The pieces that a-b passes through, from the one at a whose opposite edge it crosses.
   thread_local std::vector<int32_t> corridor;
   thread_local std::vector<std::pair<int32_t, int32_t>> crossing;  // a queue: entries before `done` are through
@@ -223,7 +217,7 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   for (size_t i = 0; i < piece_.size() && t < 0; ++i)
     for (int c = 0; c < 3; ++c) {
       if (piece_[i].v[size_t(c)] != a) continue;
-      const int right = turn_to(piece_[i].v[size_t(next3(c))]), left = turn_to(piece_[i].v[size_t(prev3(c))]);
+      const int right = orient(a, b, piece_[i].v[size_t(next3(c))]), left = orient(a, b, piece_[i].v[size_t(prev3(c))]);
       if (right < 0 && left > 0) t = int32_t(i), k = next3(c);
       // A point exactly ahead on the line is a coincidence.
       if ((right == 0 && strictly_between(a, piece_[i].v[size_t(next3(c))], b)) ||

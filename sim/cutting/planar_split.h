@@ -33,8 +33,8 @@ class PlanarSplit {
   /// Inserts a point that lies on the chain of edges with this label (kFree: strictly inside). No effect when it is
   /// there already. False: it is not where it was said to be, a coincidence.
   bool insert(int32_t point, int16_t label);
-  /// Makes a-b an edge and labels it as a new junction with `partner`, a plane: junctions with one partner lie on one line.
-  /// False: it would cross a junction or meet a point.
+  /// Makes a-b an edge and labels it as a new junction with `partner`. False: it would cross a junction or meet a
+  /// point.
   bool enforce(int32_t a, int32_t b, int32_t partner);
 
   void set_material(size_t piece, uint8_t mat) { piece_[piece].mat = mat; }
