@@ -22,6 +22,9 @@
 // The history outlives the step: moving a target or updating q only shifts the gradient, so old pairs stay true as long as
 // no pair is taken across such a shift. A new model or another set of springs clears it. Other contacts do not: the metric
 // knows nothing of them, the pairs learn them, and a pair that is out of date still makes a positive definite operator.
+// A stitch that is drawn clears it: its pull is 10 N where 1 mN is out of balance, the metric knows its direction exactly, and the
+// little that pairs from contacts that come and go say of it throws the tissue about by centimetres (shipped Z-plasty, 2026-11-22:
+// first directions of up to 82 m, and 1263 checks of what touches what where there are 838 now).
 #include <memory>
 #include <vector>
 

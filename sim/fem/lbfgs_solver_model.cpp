@@ -118,6 +118,10 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   const bool same = std::equal(sorted.begin(), sorted.end(), springs_.begin(), springs_.end(), moved_only);
   const auto stands = [](const Spring& a, const Spring& b) { return !a.to_world || a.target_mm == b.target_mm; };
   if (same && !std::equal(sorted.begin(), sorted.end(), springs_.begin(), stands)) lagging_iterations_ = 0;
+  bool drawn = false;
+  for (size_t i = 0; same && i < sorted.size(); ++i)
+    drawn |= !sorted[i].to_world && (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm);
+  if (drawn) history_.clear();
   springs_ = std::move(sorted);
   forces_ = SpringForces(*model_, springs_);
   if (same) return;
