@@ -22,7 +22,7 @@ struct StepSettings {
   double dt_s = 0;              // 0 = quasi-static; otherwise one step of `integrator`
   Integrator integrator = Integrator::backward_euler;
   double damping_per_s = 0;     // mass-proportional, dynamic steps only
-  double most_move_mm = 0;      // > 0: stop after the iterate that has gone farther than this from the start, anywhere
+  double most_move_mm = 0;      // > 0: stop after the iterate that has gone farther than this from the start, slivers' nodes aside
   double budget_ms = 0;         // 0 = none. Not used by the solver itself (it reads no clock): see should_stop
   std::function<bool()> should_stop;  // asked after each iteration; empty = never
   int adopt_after_steps = 3;    // a pending preconditioner is waited for after so many steps (deterministic)...

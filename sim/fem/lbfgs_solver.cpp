@@ -244,6 +244,7 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
     if (s.should_stop && s.should_stop()) break;
     if (s.most_move_mm > 0) {
       engine_.subtract(d_, u_, u_first);
+      for (int32_t i : of_slivers_) d_[size_t(i)] = {};
       if (engine_.max_node(d_) > s.most_move_mm) break;
     }
   }

@@ -98,6 +98,7 @@ class LbfgsSolver final : public ElasticSolver {
   std::shared_ptr<const FemModel> model_;
   std::unique_ptr<ElementSystem> elements_;
   std::vector<int32_t> fixed_;
+  std::vector<int32_t> of_slivers_;    // nodes of nearly empty cells only
   std::vector<Spring> springs_;
   SpringForces forces_;
   std::vector<Preconditioner::SpringEntry> spring_rows_;  // of springs_

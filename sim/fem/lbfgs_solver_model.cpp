@@ -10,6 +10,7 @@ namespace limberg::fem {
 namespace {
 
 constexpr double floor_strain = 1e-3;  // what the force scale of a block at rest is taken from
+constexpr float sliver = 0.2f;         // a cell's material, as a fraction; nodes of fuller ones do not fly about (shipped Z-plasty)
 constexpr size_t small_model = 3000;   // nodes: a shorter history pays there
 
 }  // namespace
@@ -65,18 +66,22 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
       if (before_s_ > 0) u_before_[i] = u_[i], velocity_before_[i] = {};
     }
   std::vector<double> floor(n, 0);
+  std::vector<float> fullest(n, 0);
   const SharedArray<HexCell>& present = model_->cells;
   for (size_t chunk = 0; chunk < present.chunks(); ++chunk)
     for (size_t k = 0; k < present.run_length(chunk); ++k) {
       const HexCell& c = present.run(chunk)[k];
       const auto [mu_kPa, area_mm2] = floor_weight_[size_t(c.stencil)];
       const double share = floor_strain * double(c.scale) * mu_kPa * area_mm2;
-      for (int32_t v : c.node) floor[size_t(v)] += share;
+      for (int32_t v : c.node) floor[size_t(v)] += share, fullest[size_t(v)] = std::max(fullest[size_t(v)], c.scale);
     }
   force_floor_ = 0;
   for (size_t i = 0; i < n; ++i)
     if (!model_->fixed[i]) force_floor_ += floor[i] * floor[i];
   force_floor_ = std::sqrt(force_floor_);
+  of_slivers_.clear();
+  for (size_t i = 0; i < n; ++i)
+    if (fullest[i] < sliver) of_slivers_.push_back(int32_t(i));
   for (NodeArray* a : {&g_, &d_, &u_try_, &g_try_}) a->resize(n);
   history_.resize(n, pairs());
   springs_.clear(), spring_rows_.clear();

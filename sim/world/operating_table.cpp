@@ -14,8 +14,9 @@
 namespace limberg {
 namespace {
 
-// Until contacts follow: iterations of the minimiser, and how far it may go.
-constexpr int kIterationsOfContacts = 10;
+// Until contacts follow: iterations of the minimiser, and how far it may go. (10 instead of 20: as much overlap in both shipped
+// operations, and 69 and 44 % more searches, 2026-11-22.)
+constexpr int kIterationsOfContacts = 20;
 constexpr double kMoveOfContacts_mm = 1.5;
 
 }  // namespace

@@ -237,6 +237,30 @@ TEST(ElasticSolver, ADrawnStitchBeginsAnew) {
   }
 }
 
+// A step that may only go so far stops at the node that has, but not for one that only a sliver of material hangs on.
+TEST(ElasticSolver, AStepsLengthIsThatOfWhatCarriesSomething) {
+  for (const float fraction : {1.0f, 0.25f, 0.15f, 0.01f}) {
+    BoxSpec b;
+    b.cells = {3, 3, 3}, b.size_mm = {9, 9, 9}, b.fix_bottom = true;
+    FemModel m = box_model(b);
+    Spring pull;
+    pull.id = 1, pull.to_world = true, pull.a = embed(m, {4.5, 4.5, 9}), pull.target_mm = {14.5, 4.5, 9};
+    for (HexCell& c : m.cells)
+      if ((m.X_mm[size_t(c.node[7])] - Vec3(4.5, 4.5, 9)).norm() < 1e-9) c.scale = fraction, pull.k_N_per_mm = 0.02 * double(fraction);
+    InlineWorkers w;
+    auto solver = make_solver(w);
+    solver->set_model(std::make_shared<FemModel>(m), {});
+    solver->set_springs(std::span(&pull, 1));
+    StepSettings st;
+    st.max_iterations = 12, st.most_move_mm = 0.5;
+    const StepReport r = solver->step(st);
+    const double went = double((solver->position_mm(pull.a) - Vec3(4.5, 4.5, 9)).norm());
+    EXPECT_GT(went, 0.5) << fraction;
+    if (fraction >= 0.2f) EXPECT_LT(r.iterations, 12) << fraction;
+    else EXPECT_EQ(r.iterations, 12) << fraction;
+  }
+}
+
 struct Recorded {
   std::vector<Vec3f> u;
   std::vector<double> residual;
