@@ -87,9 +87,9 @@ Arrangement::Arrangement(const TriMesh& surface, const RestGrid& grid) : store_(
     o.live = 1;
     o.whole = int32_t(i);
     s.orig.push_back(o);
-    s.face.push_back({o.v, int32_t(i), kMaterialMinus, false});
+    s.face.push_back({o.v, int32_t(i), kMaterialMinus, false, 0});
     s.mate.push_back({-1, -1, -1, -1, -1, -1});
-    s.edges.add(int32_t(i), o.v);
+    s.edges.add(int32_t(i), o.v, s.face.back().outer());
     s.tag.push_back(i < surface.tag.size() ? surface.tag[i] : SurfaceTag::skin);
     s.hash_sum += s.face_hash(s.face.back());
     s.volume_residue = mod_add(s.volume_residue, s.face_volume_residue(s.face.back()));

@@ -6,7 +6,7 @@
 namespace limberg {
 
 const char* ArrangementStore::wrong_links(int32_t o) const {
-  if (orig[size_t(o)].split < 0) return nullptr;
+  if (orig[size_t(o)].split < 0) return orig[size_t(o)].whole >= 0 && face[size_t(orig[size_t(o)].whole)].inner != 0 ? "a whole triangle has an inner edge" : nullptr;
   const auto faces = faces_of(o);
   const auto links = links_of(o);
   const auto junctions = constraints_of(o);
@@ -15,6 +15,7 @@ const char* ArrangementStore::wrong_links(int32_t o) const {
       const auto& v = face[size_t(faces[i])].v;
       const int32_t a = v[k], b = v[(k + 1) % 3], n = links[i].neighbour[k];
       const int label = links[i].label[k];
+      if ((face[size_t(faces[i])].inner >> k & 1) != (label == PlanarSplit::kFree)) return "an inner edge is not known as such";
       if (n < 0) {
         const auto on_edge = [&](int32_t p) {
           const auto* ends = points.edge_of(p);
@@ -32,6 +33,9 @@ const char* ArrangementStore::wrong_links(int32_t o) const {
       if (label >= 0 && label < PlanarSplit::kJunction) return "an edge of the triangle between two of its pieces";
       if (label < 0) {
         if (face[size_t(faces[i])].mat != face[size_t(faces[size_t(n)])].mat) return "material ends at an edge that is no junction";
+        for (int side = 0; side < 2; ++side)
+          if (face[size_t(faces[i])].has_side(side) && mate[size_t(faces[i])][size_t(3 * side) + k] != sided_half_edge(sided_face(faces[size_t(n)], side), int(m)))
+            return "two pieces are not glued at their edge";
         continue;
       }
       if (size_t(label - PlanarSplit::kJunction) >= junctions.size()) return "a junction that is not listed";
@@ -68,11 +72,11 @@ std::string Arrangement::check_all() const {
         // Seen from outside, side 0 runs backwards; mates must run in opposite senses.
         if (same_sense != (side != gside)) return at("I1: mates run the same way, face", f);
       }
-    int found = 0;
+    uint8_t found = 0;
     for (int k = 0; k < 3; ++k)
       for (int32_t h = s.edges.first(face.v[size_t(k)], face.v[size_t(k + 1) % 3]); h >= 0; h = s.edges.next(h))
-        found += h == 3 * f + k;
-    if (found != 3) return at("the edge map misses face", f);
+        if (h == 3 * f + k) found |= uint8_t(1 << k);
+    if (found != face.outer()) return at("the edge map has not the outer edges of face", f);
     std::array<int32_t, 3> v = face.v;
     std::rotate(v.begin(), std::min_element(v.begin(), v.end()), v.end());
     for (int side = 0; side < 2; ++side)

@@ -44,6 +44,7 @@ void CutBuilder::abandon() {
   if (committing_ && !accounted_) {  // taking back starts from a whole edge map
     for (int32_t f : store_.last.removed) store_.account(f, false);
     for (int32_t f : store_.last.added) store_.account(f, true);
+    enter_new_junctions();
   }
   if (store_.components_known) delta_.component = store_.component;  // a try does not touch them before it succeeds
   store_.take_back(delta_);
@@ -109,24 +110,24 @@ bool CutBuilder::crosses(const Constraint& c, const Plane& plane_s, const Plane&
 CutBuilder::Outcome CutBuilder::divide() {
   static_assert(PlanarSplit::kFree == -1);
   for (size_t i = 0; i < segment_.size();) {
-    Touched& t = touched_.next();
+    Touched& t = touched_.emplace_back();
     t.orig = segment_[i].f;
-    t.first = i;
-    t.changes = false;
-    t.needed.clear();
+    t.first = uint32_t(i);
+    t.division = uint32_t(touched_.size() - 1);
     while (i < segment_.size() && segment_[i].f == t.orig) ++i;
-    t.count = i - t.first;
+    t.count = uint32_t(i) - t.first;
   }
   constexpr size_t kAhead = 4;
   std::vector<Mark>& between = room_.between;
+  PlanarSplit& split = room_.split;
   for (size_t at = 0; at < touched_.size(); ++at) {
-    Touched& t = touched_[at];
+    const Touched& t = touched_[at];
     if (at + kAhead < touched_.size()) {  // met in no order: fetched ahead
       const int32_t whole = store_.orig[touched_[at + kAhead].orig].whole;
       if (whole >= 0) __builtin_prefetch(&store_.face[whole]);
     }
     const OrigTri f = store_.orig[t.orig];
-    t.scratch.open(store_, t.orig);
+    split.open(store_, t.orig);
     const std::span<const Constraint> junctions = store_.constraints_of(t.orig);
     for (size_t i = t.first; i < t.first + t.count; ++i) {
       Segment& seg = segment_[i];
@@ -162,24 +163,25 @@ CutBuilder::Outcome CutBuilder::divide() {
     }
     for (size_t i = t.first; i < t.first + t.count; ++i)
       for (const Mark& m : marks(segment_[i]))
-        if (!t.scratch.insert(m.point, m.label))
+        if (!split.insert(m.point, m.label))
           return fail(coincidence, "a point of the cut falls on a junction of earlier cuts");
     for (size_t i = t.first; i < t.first + t.count; ++i) {
       const Segment& seg = segment_[i];
       const auto along = marks(seg);
       for (size_t j = 0; j + 1 < along.size(); ++j) {
         const int32_t a = along[j].point, b = along[j + 1].point;
-        if (!t.scratch.enforce(a, b, seg.s))
+        if (!split.enforce(a, b, seg.s))
           return fail(coincidence, "a cut line runs along a junction of earlier cuts");
-        const auto [piece, k] = t.scratch.enforced();
-        const auto& here = t.scratch.pieces()[size_t(piece)];
+        const auto [piece, k] = split.enforced();
+        const auto& here = split.pieces()[size_t(piece)];
         const int32_t n = here.neighbour[size_t(k)];
-        if (n < 0 || t.scratch.pieces()[size_t(n)].mat != here.mat)
+        if (n < 0 || split.pieces()[size_t(n)].mat != here.mat)
           return fail(coincidence, "a cut line runs along a border");
         if (here.mat != 0)
           barrier_.push_back({seg.s, seg.f, a, b, label_of(a, seg.s), label_of(b, seg.s), uint32_t(at), here.mat});
       }
     }
+    room_.divided.keep(split);
   }
   // By blade triangle, then by existing one (they come so), then by ends.
   radix_sort(barrier_, room_.barrier_room, bits_of(blade_.tri.size()),
@@ -203,13 +205,12 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
   std::sort(edge_point_.begin(), edge_point_.end());
   edge_point_.erase(std::unique(edge_point_.begin(), edge_point_.end()), edge_point_.end());
 
-  blade_split_.take(blade_.tri.size());
+  PlanarSplit& split = room_.split;
   barrier_first_.reserve(blade_.tri.size());
   size_t next = 0;
   for (size_t i = 0; i < blade_.tri.size(); ++i) {
     const int32_t s = first_orig_ + int32_t(i);
     const OrigTri& o = store_.orig[s];
-    PlanarSplit& split = blade_split_[i];
     split.open(store_.points, o.plane, o.v);
     for (size_t k = 0; k < 3; ++k) {
       const int32_t lo = std::min(o.v[k], o.v[(k + 1) % 3]), hi = std::max(o.v[k], o.v[(k + 1) % 3]);
@@ -227,6 +228,7 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
     for (size_t j = begin; j < next; ++j)
       if (!split.enforce(barrier_[j].a, barrier_[j].b, barrier_[j].f))
         return fail(coincidence, "cut lines cross on the blade");
+    blade_divided_.keep(split);
   }
   return ok;
 }

@@ -61,8 +61,15 @@ class CutBuilder {
     std::vector<int32_t> old;     // ascending
     bool has(int32_t p) const;
   };
-  Outcome divide_finally(const Touched& t, PlanarSplit& out, const NeededPoints& needed_points) const;
-  void write_division(int32_t orig, PlanarSplit& split);
+  /// A triangle of which not all sub-edges are needed: divides it again, by those that are.
+  Outcome divide_finally(uint32_t touched, const NeededPoints& needed_points);
+  /// Division i of `from` becomes that of this original triangle.
+  void write_division(int32_t orig, Divisions& from, size_t i);
+  void retire_replaced(const OrigTri& orig, std::span<const PlanarSplit::Piece> pieces);
+  /// Sets the mates at the inner edges of a division whose faces are these.
+  void glue_inside(std::span<const int32_t> face, std::span<const PlanarSplit::Piece> pieces);
+  /// Enters edges of faces that stay into the edge map: they were inner edges.
+  void enter_new_junctions();
 
   ArrangementStore& store_;
   const Blade& blade_;
@@ -78,13 +85,12 @@ class CutBuilder {
   CutScratch& room_;
   std::vector<Segment>& segment_ = room_.segment;
   std::vector<Mark>& mark_ = room_.mark;
-  Recycled<Touched>& touched_ = room_.touched;
+  std::vector<Touched>& touched_ = room_.touched;
   std::vector<Barrier>& barrier_ = room_.barrier;
-  Recycled<PlanarSplit>& blade_split_ = room_.blade_split;
+  Divisions& blade_divided_ = room_.blade_divided;
   std::vector<std::pair<int32_t, int32_t>>& shared_edge_ = room_.shared_edge;
   std::vector<std::array<int32_t, 3>>& edge_point_ = room_.edge_point;
   std::vector<size_t>& barrier_first_ = room_.barrier_first;
-  std::vector<size_t>& piece_first_ = room_.piece_first;
   std::vector<uint8_t>& keep_ = room_.keep;
 };
 

@@ -5,25 +5,19 @@
 
 namespace limberg {
 
-namespace {
-
-using Edge = std::pair<int32_t, int32_t>;
-Edge edge(int32_t a, int32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
-}  // namespace
-
 bool CutBuilder::NeededPoints::has(int32_t p) const {
   return p >= first_new ? is_new[size_t(p - first_new)] != 0 : std::binary_search(old.begin(), old.end(), p);
 }
 
-CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& out,
-                                               const NeededPoints& needed_points) const {
+CutBuilder::Outcome CutBuilder::divide_finally(uint32_t touched, const NeededPoints& needed_points) {
   // From the state before the cut, with the needed sub-edges only: tissue that is not cut keeps no scar. Points on
   // borders and junctions that others need go in too, so that all faces around such an edge are divided alike.
   const auto needed = [&](int32_t a, int32_t b) {
-    return std::binary_search(t.needed.begin(), t.needed.end(), edge(a, b));
+    return std::binary_search(room_.needed.begin(), room_.needed.end(), CutScratch::NeededEdge{touched, std::min(a, b), std::max(a, b)});
   };
-  out.open(store_, t.orig);
+  Touched& t = touched_[touched];
+  PlanarSplit& split = room_.split;
+  split.open(store_, t.orig);
   for (size_t i = t.first; i < t.first + t.count; ++i) {
     const Segment& seg = segment_[i];
     const auto along = marks(seg);
@@ -31,41 +25,78 @@ CutBuilder::Outcome CutBuilder::divide_finally(const Touched& t, PlanarSplit& ou
       const bool own = (j > 0 && needed(along[j - 1].point, along[j].point)) ||
                        (j + 1 < along.size() && needed(along[j].point, along[j + 1].point));
       const bool forced = along[j].label != PlanarSplit::kFree && needed_points.has(along[j].point);
-      if ((own || forced) && !out.insert(along[j].point, along[j].label)) return coincidence;
+      if ((own || forced) && !split.insert(along[j].point, along[j].label)) return coincidence;
     }
   }
   for (size_t i = t.first; i < t.first + t.count; ++i) {
     const Segment& seg = segment_[i];
     const auto along = marks(seg);
     for (size_t j = 0; j + 1 < along.size(); ++j)
-      if (needed(along[j].point, along[j + 1].point) && !out.enforce(along[j].point, along[j + 1].point, seg.s))
+      if (needed(along[j].point, along[j + 1].point) && !split.enforce(along[j].point, along[j + 1].point, seg.s))
         return coincidence;
   }
+  t.division = uint32_t(room_.divided.size());
+  room_.divided.keep(split);
   return ok;
 }
 
-void CutBuilder::write_division(int32_t o, PlanarSplit& split) {
+void CutBuilder::enter_new_junctions() {
+  for (const auto& [f, inner_before] : delta_.inner)
+    if (const Face& face = store_.face[size_t(f)]; face.live()) store_.edges.add(f, face.v, uint8_t(inner_before & ~face.inner));
+}
+
+void CutBuilder::glue_inside(std::span<const int32_t> face, std::span<const PlanarSplit::Piece> pieces) {
+  // At an inner edge two pieces with the same material meet, and nothing else: each side goes on as the same side.
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    const PlanarSplit::Piece& p = pieces[i];
+    if (p.mat == 0) continue;
+    std::array<int32_t, 3> across{-1, -1, -1};  // 6 * face + edge
+    for (size_t k = 0; k < 3; ++k) {            // without branches: a processor cannot foretell which edges are inner ones
+      const size_t n = size_t(std::max(p.neighbour[k], 0));
+      const auto& back = pieces[n].neighbour;
+      const int32_t h = 6 * face[n] + (back[1] == int32_t(i)) + 2 * (back[2] == int32_t(i));
+      across[k] = p.label[k] == PlanarSplit::kFree ? h : -1;
+    }
+    auto& mate = store_.mate[size_t(face[i])];
+    for (size_t side = 0; side < 2; ++side) {
+      if (!(p.mat >> side & 1)) continue;
+      for (size_t k = 0; k < 3; ++k) {
+        const int32_t m = across[k] < 0 ? -1 : across[k] + 3 * int32_t(side);
+        if (!p.old) {
+          mate[3 * side + k] = m;
+        } else if (m >= 0 && !pieces[size_t(p.neighbour[k])].old) {  // an old face beside a new one
+          delta_.mate.push_back({sided_half_edge(sided_face(face[i], int(side)), int(k)), mate[3 * side + k]});
+          mate[3 * side + k] = m;
+        }
+      }
+    }
+  }
+}
+
+void CutBuilder::retire_replaced(const OrigTri& orig, std::span<const PlanarSplit::Piece> pieces) {
+  const auto faces = store_.faces_of(int32_t(&orig - store_.orig.data()));
+  for (size_t i = 0; i < faces.size(); ++i) {
+    if (pieces[i].old) continue;
+    Face& face = store_.face[size_t(faces[i])];
+    if (face.live()) store_.last.removed.push_back(faces[i]);
+    face.retired = true;
+    delta_.retired.push_back(faces[i]);
+  }
+}
+
+void CutBuilder::write_division(int32_t o, Divisions& from, size_t which) {
   OrigTri& orig = store_.orig[size_t(o)];
-  split.number_junctions(room_.junction);
-  const auto pieces = split.pieces();
-  const auto junctions = split.junctions();
+  std::vector<Constraint>& junctions = room_.junction;
+  from.number_junctions(which, junctions);
+  const std::span<const PlanarSplit::Piece> pieces = from.pieces(which);
   Division d;
   d.first_constraint = uint32_t(store_.division_constraint.size());
   d.constraints = uint32_t(junctions.size());
   store_.division_constraint.insert(store_.division_constraint.end(), junctions.begin(), junctions.end());
+  const int32_t whole_before = orig.whole;
+  const size_t before = orig.split < 0 ? 0 : store_.division[size_t(orig.split)].first_face;  // the faces that it had
   if (o < first_orig_) {
-    std::vector<int32_t>& kept = room_.kept;
-    kept.clear();
-    for (const auto& p : pieces)
-      if (p.face >= 0) kept.push_back(p.face);
-    std::sort(kept.begin(), kept.end());
-    for (int32_t f : store_.faces_of(o)) {
-      if (std::binary_search(kept.begin(), kept.end(), f)) continue;
-      Face& face = store_.face[size_t(f)];
-      if (face.live()) store_.last.removed.push_back(f);
-      face.retired = true;
-      delta_.retired.push_back(f);
-    }
+    retire_replaced(orig, pieces);
     delta_.orig.push_back({o, orig.live, orig.whole, orig.split, std::nullopt});
     if (orig.split >= 0) delta_.orig.back().division = store_.division[size_t(orig.split)];  // gets a new one below
   }
@@ -76,17 +107,26 @@ void CutBuilder::write_division(int32_t o, PlanarSplit& split) {
   orig.live = 0;
   for (size_t i = 0; i < pieces.size(); ++i) {
     const PlanarSplit::Piece& p = pieces[i];
-    int32_t f = p.face;
-    if (f < 0) {
+    const uint8_t inner = uint8_t((p.label[0] == PlanarSplit::kFree) | (p.label[1] == PlanarSplit::kFree) << 1 |
+                                  (p.label[2] == PlanarSplit::kFree) << 2);
+    int32_t f;
+    if (!p.old) {
       f = int32_t(store_.face.size());
-      store_.face.push_back({p.v, o, p.mat, false});
+      store_.face.push_back({p.v, o, p.mat, false, inner});
       store_.mate.push_back({-1, -1, -1, -1, -1, -1});
       if (p.mat != 0) store_.last.added.push_back(f);
+    } else {
+      f = whole_before >= 0 ? whole_before : store_.division_face[before + i];
+      if (Face& face = store_.face[size_t(f)]; face.inner != inner) {
+        delta_.inner.push_back({f, face.inner});
+        face.inner = inner;
+      }
     }
     store_.division_face[d.first_face + i] = f;
     store_.division_link[d.first_face + i] = {p.neighbour, p.label};
     orig.live += store_.face[size_t(f)].live();
   }
+  glue_inside(std::span(store_.division_face).subspan(d.first_face), pieces);
   if (d.faces == 1 && d.constraints == 0) {
     orig.whole = store_.division_face.back();
     orig.split = -1;
@@ -113,27 +153,23 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     else
       needed_points.old.push_back(p);
   };
-  for (size_t i = 0; i < blade_split_.size(); ++i) {
-    const auto pieces = blade_split_[i].pieces();
+  for (size_t i = 0; i < blade_divided_.size(); ++i) {
+    const auto pieces = blade_divided_.pieces(i);
     for (size_t t = 0; t < pieces.size(); ++t) {
-      if (!keep_[piece_first_[i] + t]) continue;
+      if (!keep_[blade_divided_.first_piece(i) + t]) continue;
       for (size_t k = 0; k < 3; ++k) {
         if (pieces[t].label[k] < PlanarSplit::kJunction) continue;
-        const Edge e = edge(pieces[t].v[k], pieces[t].v[(k + 1) % 3]);
-        touched_[barrier_[barrier_first_[i] + size_t(pieces[t].label[k] - PlanarSplit::kJunction)].touched].needed.push_back(e);
-        need(e.first);
-        need(e.second);
+        Barrier& b = barrier_[barrier_first_[i] + size_t(pieces[t].label[k] - PlanarSplit::kJunction)];
+        touched_[b.touched].needed += !b.needed;
+        b.needed = true;
+        need(b.a);
+        need(b.b);
       }
     }
   }
-  const auto tidy = [](auto& v) {
-    std::sort(v.begin(), v.end());
-    v.erase(std::unique(v.begin(), v.end()), v.end());
-  };
-  tidy(needed_points.old);
+  std::sort(needed_points.old.begin(), needed_points.old.end());
   for (size_t i = 0; i < touched_.size(); ++i) {
     Touched& t = touched_[i];
-    tidy(t.needed);
     size_t sub_edges = 0;
     bool forced = false;
     for (size_t j = t.first; j < t.first + t.count; ++j) {
@@ -141,14 +177,16 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
       for (const Mark& m : marks(segment_[j]))
         forced = forced || (m.label != PlanarSplit::kFree && needed_points.has(m.point));
     }
-    if (t.needed.empty() && !forced) continue;
+    if (t.needed == 0 && !forced) continue;
     t.changes = true;
-    if (t.needed.size() == sub_edges) continue;  // the scratch division is the final one
-    PlanarSplit final_split;
-    if (divide_finally(t, final_split, needed_points) != ok)
-      return fail(coincidence, "a needed junction could not be kept");
-    t.scratch = std::move(final_split);
+    t.in_part = t.needed < sub_edges;  // else the division that there is is the final one
   }
+  for (const Barrier& b : barrier_)
+    if (b.needed && touched_[b.touched].in_part) room_.needed.push_back({b.touched, std::min(b.a, b.b), std::max(b.a, b.b)});
+  std::sort(room_.needed.begin(), room_.needed.end());
+  for (size_t i = 0; i < touched_.size(); ++i)
+    if (touched_[i].in_part && divide_finally(uint32_t(i), needed_points) != ok)
+      return fail(coincidence, "a needed junction could not be kept");
 
   // Commit. From here on a failure is taken back through delta_.
   store_.points.settle();
@@ -159,16 +197,17 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   store_.last.kind = LastOperation::cut;
   for (size_t i = 0; i < touched_.size(); ++i)
     if (touched_[i].changes) {
-      write_division(touched_[i].orig, touched_[i].scratch);
+      write_division(touched_[i].orig, room_.divided, touched_[i].division);
       if (store_.points.fails()) return fail(coincidence, "made to fail");
     }
   const size_t walls_from = store_.face.size();
-  for (size_t i = 0; i < blade_split_.size(); ++i) {
-    for (size_t t = 0; t < blade_split_[i].pieces().size(); ++t)
-      blade_split_[i].set_material(t, keep_[piece_first_[i] + t] ? kMaterialPlus | kMaterialMinus : 0);
+  for (size_t i = 0; i < blade_divided_.size(); ++i) {
+    const auto pieces = blade_divided_.pieces(i);
+    for (size_t t = 0; t < pieces.size(); ++t)
+      pieces[t].mat = keep_[blade_divided_.first_piece(i) + t] ? kMaterialPlus | kMaterialMinus : 0;
     // Junctions between two pieces that were not kept are none: nothing ends there.
-    blade_split_[i].forget_dead_junctions();
-    write_division(first_orig_ + int32_t(i), blade_split_[i]);
+    blade_divided_.forget_dead_junctions(i);
+    write_division(first_orig_ + int32_t(i), blade_divided_, i);
   }
   for (int32_t f : store_.last.added)
     if (size_t(f) >= walls_from) store_.last.new_walls.push_back(f);
@@ -177,15 +216,19 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   constexpr size_t kAhead = 8;
   const auto& removed = store_.last.removed;
   const auto& added = store_.last.added;
-  store_.edges.make_room(removed.size() + added.size(), int32_t(store_.face.size()) - 1);
+  store_.edges.make_room(removed.size() + added.size() + delta_.inner.size(), int32_t(store_.face.size()) - 1);
+  const auto prefetch = [&](const Face& f) { store_.edges.prefetch(f.v, f.outer()); };
   for (size_t i = 0; i < removed.size(); ++i) {
-    if (i + kAhead < removed.size()) store_.edges.prefetch(store_.face[size_t(removed[i + kAhead])].v);
-    store_.edges.remove(removed[i], store_.face[size_t(removed[i])].v);
+    if (i + kAhead < removed.size()) prefetch(store_.face[size_t(removed[i + kAhead])]);
+    const Face& f = store_.face[size_t(removed[i])];
+    store_.edges.remove(removed[i], f.v, f.outer());
   }
   for (size_t i = 0; i < added.size(); ++i) {
-    if (i + kAhead < added.size()) store_.edges.prefetch(store_.face[size_t(added[i + kAhead])].v);
-    store_.edges.add(added[i], store_.face[size_t(added[i])].v);
+    if (i + kAhead < added.size()) prefetch(store_.face[size_t(added[i + kAhead])]);
+    const Face& f = store_.face[size_t(added[i])];
+    store_.edges.add(added[i], f.v, f.outer());
   }
+  enter_new_junctions();
   store_.edges.end_changes();
   for (int32_t f : removed) store_.account_sums(f, false);
   for (int32_t f : added) store_.account_sums(f, true);
@@ -222,9 +265,8 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
         if ((m >= 0) != store_.face[f].has_side(side) || (m >= 0 && store_.mate[m / 6][size_t(m % 6)] != h))
           return fail(coincidence, "the surface does not close");
       }
-  for (const Touched& t : touched_)
-    for (const Edge& e : t.needed)
-      if (store_.edges.first(e.first, e.second) < 0) return fail(coincidence, "a junction is missing");
+  for (const Barrier& b : barrier_)
+    if (b.needed && store_.edges.first(b.a, b.b) < 0) return fail(coincidence, "a junction is missing");
 
   store_.plant();
   std::sort(store_.last.removed.begin(), store_.last.removed.end());  // new faces have ascending names

@@ -7,12 +7,10 @@
 namespace limberg {
 
 CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
-  // One number per piece of the divided blade.
-  std::vector<size_t>& first = piece_first_;
-  first.assign(blade_split_.size() + 1, 0);
-  for (size_t i = 0; i < blade_split_.size(); ++i) first[i + 1] = first[i] + blade_split_[i].pieces().size();
+  // Pieces go by their numbers among those of the whole blade.
+  const size_t pieces_in_all = blade_divided_.all_pieces();
   std::vector<int32_t>& parent = room_.parent;
-  parent.resize(first.back());
+  parent.resize(pieces_in_all);
   std::iota(parent.begin(), parent.end(), 0);
   const auto root = [&](size_t at) {
     int32_t x = int32_t(at);
@@ -27,26 +25,27 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   std::vector<CutScratch::BorderEdge>& border = room_.border;
   std::vector<CutScratch::Vote>& votes = room_.vote;
   std::vector<uint8_t>& seeded = room_.seeded;
-  seeded.assign(first.back(), 0);
-  for (size_t i = 0; i < blade_split_.size(); ++i) {
-    const auto pieces = blade_split_[i].pieces();
+  seeded.assign(pieces_in_all, 0);
+  for (size_t i = 0; i < blade_divided_.size(); ++i) {
+    const auto pieces = blade_divided_.pieces(i);
+    const size_t first = blade_divided_.first_piece(i);
     const uint8_t seed = i < blade_.seed.size() ? blade_.seed[i] : uint8_t(1);
     for (size_t t = 0; t < pieces.size(); ++t) {
-      const size_t me = first[i] + t;
+      const size_t me = first + t;
       if (seed == 2) seeded[me] = 1;
       for (size_t k = 0; k < 3; ++k) {
         const int16_t label = pieces[t].label[k];
         const int32_t a = pieces[t].v[k], b = pieces[t].v[(k + 1) % 3];
         if (label == PlanarSplit::kFree) {
-          unite(me, first[i] + size_t(pieces[t].neighbour[k]));
+          unite(me, first + size_t(pieces[t].neighbour[k]));
         } else if (label < PlanarSplit::kJunction) {
           border.push_back({std::min(a, b), std::max(a, b), int32_t(me)});
         } else {
-          const int32_t f = blade_split_[i].partner(label);
+          const Barrier& barrier = barrier_[barrier_first_[i] + size_t(label - PlanarSplit::kJunction)];
+          const int32_t f = barrier.f;
           // Next to its junction with f the piece lies on the side of f where its third corner is.
           const int side = store_.points.side(store_.orig[f].plane, pieces[t].v[(k + 2) % 3]);
           if (side == 0) return fail(coincidence, "a piece of the blade lies on the surface");
-          const Barrier& barrier = barrier_[barrier_first_[i] + size_t(label - PlanarSplit::kJunction)];
           votes.push_back({int32_t(me), bool(barrier.mat >> (side > 0 ? 0 : 1) & 1)});
           if (seed == 1 && store_.is_body(f)) seeded[me] = 1;
         }
@@ -76,8 +75,8 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
     while (j < border.size() && border[j].a == border[i].a && border[j].b == border[i].b) ++j;
     if (std::binary_search(shared_edge_.begin(), shared_edge_.end(), std::pair(border[i].a, border[i].b))) {
       for (size_t m = i; m < j; ++m) {
-        const size_t tri = size_t(std::upper_bound(first.begin(), first.end(), size_t(border[m].piece)) - first.begin()) - 1;
-        const auto& v = blade_split_[tri].pieces()[size_t(border[m].piece) - first[tri]].v;
+        const size_t tri = blade_divided_.of_piece(size_t(border[m].piece));
+        const auto& v = blade_divided_.pieces(tri)[size_t(border[m].piece) - blade_divided_.first_piece(tri)].v;
         int32_t third = v[0];
         for (int32_t p : v)
           if (p != border[m].a && p != border[m].b) third = p;
@@ -93,8 +92,8 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
     i = j;
   }
 
-  std::vector<int8_t> inside(first.back(), -1);
-  std::vector<uint8_t> seed_of(first.back(), 0);
+  std::vector<int8_t> inside(pieces_in_all, -1);
+  std::vector<uint8_t> seed_of(pieces_in_all, 0);
   for (const CutScratch::Vote& v : votes) {
     int8_t& known = inside[root(size_t(v.piece))];
     if (known >= 0 && known != int8_t(v.inside))
@@ -103,12 +102,12 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   }
   int patches = 0, kept = 0;
   bool any_inside = false, seed_without_border = false, seed_inside = false;
-  for (size_t i = 0; i < first.back(); ++i) {
+  for (size_t i = 0; i < pieces_in_all; ++i) {
     if (root(i) == i) ++patches;
     if (seeded[i]) seed_of[root(i)] = 1;
     any_inside = any_inside || inside[root(i)] == 1;
   }
-  for (size_t i = 0; i < first.back(); ++i) {
+  for (size_t i = 0; i < pieces_in_all; ++i) {
     if (root(i) != i) continue;
     if (seed_of[i] && inside[i] < 0) seed_without_border = true;
     if (seed_of[i] && inside[i] == 1) seed_inside = true, ++kept;
@@ -121,7 +120,7 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
     return any_inside ? fail(nothing, "nothing that was drawn is in material")
                       : fail(nothing, "the blade meets no material");
   }
-  keep_.resize(first.back());
+  keep_.resize(pieces_in_all);
   for (size_t i = 0; i < keep_.size(); ++i) {
     const size_t r = root(i);
     keep_[i] = inside[r] == 1 && seed_of[r];

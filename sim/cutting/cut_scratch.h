@@ -1,37 +1,12 @@
 #pragma once
 // Working space of a cut. It stays with the arrangement from cut to cut, so that a cut asks the heap for little more than
 // what it leaves behind. Nothing in it means anything between two tries.
-#include <utility>
 #include <vector>
 
-#include "sim/cutting/planar_split.h"
+#include "sim/cutting/divisions.h"
 #include "sim/cutting/tri_tests.h"
 
 namespace limberg {
-
-/// A list whose elements keep their memory when it is cleared: they are handed out again as they were left.
-template <class T>
-class Recycled {
- public:
-  void clear() { size_ = 0; }
-  T& next() {
-    if (size_ == all_.size()) all_.emplace_back();
-    return all_[size_++];
-  }
-  void take(size_t n) {
-    if (all_.size() < n) all_.resize(n);
-    size_ = n;
-  }
-  size_t size() const { return size_; }
-  T& operator[](size_t i) { return all_[i]; }
-  const T& operator[](size_t i) const { return all_[i]; }
-  T* begin() { return all_.data(); }
-  T* end() { return all_.data() + size_; }
-
- private:
-  std::vector<T> all_;
-  size_t size_ = 0;
-};
 
 struct CutScratch {
   struct Mark {
@@ -44,16 +19,23 @@ struct CutScratch {
   };
   struct Touched {
     int32_t orig = 0;
-    size_t first = 0, count = 0;  // its segments
-    bool changes = false;         // the kept patches need something of it
-    PlanarSplit scratch;
-    std::vector<std::pair<int32_t, int32_t>> needed;  // sub-edges, ascending ends
+    uint32_t first = 0, count = 0;  // its segments
+    uint32_t division = 0;          // of `divided`
+    uint32_t needed = 0;            // how many of its sub-edges the kept patches need
+    bool changes = false;           // they need something of it
+    bool in_part = false;           // but not all sub-edges
   };
   struct Barrier {  // a sub-edge of a segment next to live material
     int32_t s = 0, f = 0, a = 0, b = 0;
     int16_t label_a = 0, label_b = 0;  // where its ends lie on s
     uint32_t touched = 0;
     uint8_t mat = 0;
+    bool needed = false;  // by a kept patch
+  };
+  struct NeededEdge {  // of a touched triangle, ascending ends
+    uint32_t touched = 0;
+    int32_t a = 0, b = 0;
+    auto operator<=>(const NeededEdge&) const = default;
   };
   struct Hit {  // an existing triangle whose box meets that of a blade triangle
     int32_t orig = 0;
@@ -83,29 +65,30 @@ struct CutScratch {
   std::vector<Segment> segment, segment_room;
   std::vector<Mark> mark, between;
   // divide
-  Recycled<Touched> touched;
+  PlanarSplit split;  // the one that is being made
+  std::vector<Touched> touched;
+  Divisions divided;  // of those, in their order; then those that have become others in the end
   std::vector<Barrier> barrier, barrier_room;
-  Recycled<PlanarSplit> blade_split;                     // per blade triangle
+  Divisions blade_divided;                               // per blade triangle
   std::vector<std::pair<int32_t, int32_t>> shared_edge;  // sub-edges shared with older walls, ascending ends
   std::vector<std::array<int32_t, 3>> edge_point;        // blade edge (ascending ends), point on it
   // Enforced in the order of `barrier`, so junction j of blade triangle i is barrier barrier_first[i] + j.
   std::vector<size_t> barrier_first;
   // patches
-  std::vector<size_t> piece_first;  // per blade triangle: its first piece among all
-  std::vector<int32_t> parent;      // per piece
+  std::vector<int32_t> parent;  // per piece of the blade
   std::vector<uint8_t> keep, seeded;
   std::vector<BorderEdge> border;
   std::vector<Vote> vote;
   std::vector<int32_t> table;
   // commit
-  std::vector<int32_t> kept;
+  std::vector<NeededEdge> needed;  // of the triangles that need some of their sub-edges, not all
   std::vector<Constraint> junction;
 
   void clear() {
     hit.clear(), group.clear(), near.clear(), segment.clear(), mark.clear(), touched.clear(), barrier.clear();
-    shared_edge.clear(), edge_point.clear(), barrier_first.clear(), piece_first.clear(), keep.clear();
+    shared_edge.clear(), edge_point.clear(), barrier_first.clear(), keep.clear(), needed.clear();
     border.clear(), vote.clear();
-    blade_split.clear();
+    divided.clear(), blade_divided.clear();
   }
 };
 

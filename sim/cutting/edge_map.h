@@ -1,6 +1,7 @@
 #pragma once
 // Which live faces meet at an edge (pair of points): 2 normally, 3 where a wall meets the skin, 4 where walls cross, 1
-// at a crack front. Open addressing; faces at one edge are chained through their half-edges (3 * face + k).
+// at a crack front. Open addressing; faces at one edge are chained through their half-edges (3 * face + k). Inner edges
+// (Face::inner) are left out: what meets there is known from the division.
 //
 // A cut asks in the end which edges it has touched: between begin_changes() and end_changes() every edge that gains or
 // loses a face is noted once, with the place where it is found again without a search.
@@ -23,19 +24,21 @@ class EdgeMap {
   }
   void reserve_faces(size_t faces) { next_.reserve(faces * 3); }
 
-  /// Enters or removes the three edges of a face.
-  void add(int32_t face, const std::array<int32_t, 3>& v) {
+  /// Enters or removes those edges of a face whose bits are set.
+  void add(int32_t face, const std::array<int32_t, 3>& v, uint8_t edges) {
     if (next_.size() < size_t(face) * 3 + 3) next_.resize(size_t(face) * 3 + 3, -1);
     if ((used_ + 3) * 2 > slot_.size()) grow();
     for (int k = 0; k < 3; ++k) {
+      if (!(edges >> k & 1)) continue;
       Slot& s = slot_[find_or_enter(key(v[size_t(k)], v[k == 2 ? 0 : size_t(k + 1)]))];
       next_[size_t(face) * 3 + size_t(k)] = s.head;
       s.head = face * 3 + k;
       note(s);
     }
   }
-  void remove(int32_t face, const std::array<int32_t, 3>& v) {
+  void remove(int32_t face, const std::array<int32_t, 3>& v, uint8_t edges) {
     for (int k = 0; k < 3; ++k) {
+      if (!(edges >> k & 1)) continue;
       Slot& s = slot_[find(key(v[size_t(k)], v[k == 2 ? 0 : size_t(k + 1)]))];
       int32_t* at = &s.head;
       while (*at != face * 3 + k) at = &next_[size_t(*at)];
@@ -59,8 +62,9 @@ class EdgeMap {
   }
 
   /// Soon to be added or removed.
-  void prefetch(const std::array<int32_t, 3>& v) const {
-    for (size_t k = 0; k < 3; ++k) __builtin_prefetch(&slot_[Search(key(v[k], v[(k + 1) % 3]), slot_.size()).at], 1);
+  void prefetch(const std::array<int32_t, 3>& v, uint8_t edges) const {
+    for (size_t k = 0; k < 3; ++k)
+      if (edges >> k & 1) __builtin_prefetch(&slot_[Search(key(v[k], v[(k + 1) % 3]), slot_.size()).at], 1);
   }
 
   void begin_changes() {

@@ -48,7 +48,7 @@ int32_t ArrangementStore::clear_components(const std::vector<uint8_t>& marked, D
       volume_residue = mod_add(volume_residue, face_volume_residue(t));
       changed.push_back(f);
     } else {
-      edges.remove(f, t.v);
+      edges.remove(f, t.v, t.outer());
       gone.push_back(f);
       origs.push_back(t.orig);
     }

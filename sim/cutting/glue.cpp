@@ -146,9 +146,9 @@ uint64_t ArrangementStore::face_volume_residue(const Face& f) const { return vol
 
 void ArrangementStore::account(int32_t id, bool in) {
   if (in)
-    edges.add(id, face[id].v);
+    edges.add(id, face[id].v, face[id].outer());
   else
-    edges.remove(id, face[id].v);
+    edges.remove(id, face[id].v, face[id].outer());
   account_sums(id, in);
 }
 

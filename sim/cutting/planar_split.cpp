@@ -29,7 +29,7 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
   open(store.points, store.orig[o].plane, store.orig[o].v);
   if (store.orig[o].split < 0) {
     piece_[0].mat = store.face[store.orig[o].whole].mat;
-    piece_[0].face = store.orig[o].whole;
+    piece_[0].old = true;
     // The face may start at another corner than the original triangle.
     piece_[0].v = store.face[store.orig[o].whole].v;
     for (size_t k = 0; k < 3 && piece_[0].v != store.orig[o].v; ++k)
@@ -44,7 +44,7 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
   piece_.reserve(faces.size() * 2 + 8);
   for (size_t i = 0; i < faces.size(); ++i) {
     const Face& f = store.face[size_t(faces[i])];
-    piece_.push_back({f.v, links[i].neighbour, links[i].label, f.mat, faces[i]});
+    piece_.push_back({f.v, links[i].neighbour, links[i].label, f.mat, true});
   }
 }
 
@@ -132,7 +132,7 @@ void PlanarSplit::split_piece(int32_t t, int32_t point) {
     p.neighbour = {old.neighbour[k], id[(k + 1) % 3], id[(k + 2) % 3]};
     p.label = {old.label[k], kFree, kFree};
     p.mat = old.mat;
-    p.face = -1;
+    p.old = false;
     if (k > 0) relink(old.neighbour[k], t, id[k]);
   }
 }
@@ -145,8 +145,8 @@ void PlanarSplit::split_edge(int32_t t, int k, int32_t point) {
   const int32_t t2 = int32_t(piece_.size()), n2 = t2 + 1;
   piece_.resize(piece_.size() + (n >= 0 ? 2 : 1));
   const int16_t l = old.label[k0];
-  piece_[t] = {{a, point, c}, {n, t2, old.neighbour[k2]}, {l, kFree, old.label[k2]}, old.mat, -1};
-  piece_[t2] = {{point, b, c}, {n >= 0 ? n2 : -1, old.neighbour[k1], t}, {l, old.label[k1], kFree}, old.mat, -1};
+  piece_[t] = {{a, point, c}, {n, t2, old.neighbour[k2]}, {l, kFree, old.label[k2]}, old.mat, false};
+  piece_[t2] = {{point, b, c}, {n >= 0 ? n2 : -1, old.neighbour[k1], t}, {l, old.label[k1], kFree}, old.mat, false};
   relink(old.neighbour[k1], t, t2);
   if (n < 0) return;
   const Piece other = piece_[n];
@@ -154,8 +154,8 @@ void PlanarSplit::split_edge(int32_t t, int k, int32_t point) {
   while (other.neighbour[m0] != t || other.v[m0] != b) ++m0;
   const size_t m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
   const int32_t d = other.v[m2];
-  piece_[n] = {{point, a, d}, {t, other.neighbour[m1], n2}, {l, other.label[m1], kFree}, other.mat, -1};
-  piece_[n2] = {{b, point, d}, {t2, n, other.neighbour[m2]}, {l, kFree, other.label[m2]}, other.mat, -1};
+  piece_[n] = {{point, a, d}, {t, other.neighbour[m1], n2}, {l, other.label[m1], kFree}, other.mat, false};
+  piece_[n2] = {{b, point, d}, {t2, n, other.neighbour[m2]}, {l, kFree, other.label[m2]}, other.mat, false};
   relink(other.neighbour[m2], n, n2);
 }
 
@@ -170,9 +170,9 @@ void PlanarSplit::flip(int32_t t, int k) {
   const size_t m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
   const int32_t u = old.v[k0], v = old.v[k1], p = old.v[k2], q = other.v[m2];
   piece_[t] = {
-      {u, q, p}, {other.neighbour[m1], n, old.neighbour[k2]}, {other.label[m1], kFree, old.label[k2]}, old.mat, -1};
+      {u, q, p}, {other.neighbour[m1], n, old.neighbour[k2]}, {other.label[m1], kFree, old.label[k2]}, old.mat, false};
   piece_[n] = {
-      {q, v, p}, {other.neighbour[m2], old.neighbour[k1], t}, {other.label[m2], old.label[k1], kFree}, old.mat, -1};
+      {q, v, p}, {other.neighbour[m2], old.neighbour[k1], t}, {other.label[m2], old.label[k1], kFree}, old.mat, false};
   relink(other.neighbour[m1], n, t);
   relink(old.neighbour[k1], t, n);
 }
@@ -305,25 +305,6 @@ void PlanarSplit::make_delaunay() {
         changed = true;
       }
   }
-}
-
-void PlanarSplit::forget_dead_junctions() {
-  for (Piece& p : piece_)
-    for (size_t k = 0; k < 3; ++k)
-      if (p.label[k] >= kJunction && p.mat == 0 && piece_[p.neighbour[k]].mat == 0) p.label[k] = kFree;
-}
-
-void PlanarSplit::number_junctions(std::vector<Constraint>& room) {
-  room.clear();
-  for (size_t t = 0; t < piece_.size() && !junction_.empty(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const Piece& p = piece_[t];
-      const int16_t label = p.label[size_t(k)];
-      if (label < kJunction || p.neighbour[size_t(k)] < int32_t(t)) continue;  // each once, from its lower side
-      set_label(int32_t(t), k, int16_t(kJunction + int(room.size())));
-      room.push_back({p.v[size_t(k)], p.v[size_t(next3(k))], partner(label)});
-    }
-  junction_.assign(room.begin(), room.end());
 }
 
 }  // namespace limberg

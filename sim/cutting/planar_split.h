@@ -21,7 +21,7 @@ class PlanarSplit {
     std::array<int32_t, 3> neighbour{};  // piece across edge k, -1 outside
     std::array<int16_t, 3> label{kFree, kFree, kFree};
     uint8_t mat = 0;
-    int32_t face = -1;  // the existing face that it still is, or -1
+    bool old = false;  // still the face that stood in its place when the division was opened
   };
 
   /// Opens the current division of an existing original triangle.
@@ -37,20 +37,13 @@ class PlanarSplit {
   /// point.
   bool enforce(int32_t a, int32_t b, int32_t partner);
 
-  void set_material(size_t piece, uint8_t mat) { piece_[piece].mat = mat; }
   /// Flips free edges until every one is locally Delaunay. For explicit points in a plane z = const only.
   void make_delaunay();
-  /// A junction with no material on either side is an ordinary edge again.
-  void forget_dead_junctions();
 
   std::span<const Piece> pieces() const { return piece_; }
-  /// Partner of a junction label.
-  int32_t partner(int16_t label) const { return junction_[label - kJunction].partner; }
+  std::span<const Constraint> junctions() const { return junction_; }  // by label, from kJunction on
   /// The edge that the last successful enforce() made: a piece and its edge k.
   std::pair<int32_t, int> enforced() const { return enforced_; }
-  /// Numbers the junctions anew: one per sub-edge, in the order of the pieces, as the store keeps them. `room` to work in.
-  void number_junctions(std::vector<Constraint>& room);
-  std::span<const Constraint> junctions() const { return junction_; }
 
  private:
   /// A piece with the edge between a and b, in either sense; -1 if there is none.

@@ -10,13 +10,17 @@ void ArrangementStore::take_back(const Delta& d) {
     const auto& [f, bits] = d.mat[i];
     const bool was_in = face[f].live();
     face[f].mat = bits;
-    if (!was_in) edges.add(f, face[f].v);
+    if (!was_in) edges.add(f, face[f].v, face[f].outer());
   }
   for (size_t f = size_t(d.faces); f < face.size(); ++f)
-    if (face[f].live()) edges.remove(int32_t(f), face[f].v);
+    if (face[f].live()) edges.remove(int32_t(f), face[f].v, face[f].outer());
   for (int32_t f : d.retired) {
     face[f].retired = false;
-    if (face[f].live()) edges.add(f, face[f].v);
+    if (face[f].live()) edges.add(f, face[f].v, face[f].outer());
+  }
+  for (const auto& [f, bits] : d.inner) {
+    if (face[f].live()) edges.remove(f, face[f].v, uint8_t(bits & ~face[f].inner));
+    face[f].inner = bits;
   }
   for (size_t i = d.mate.size(); i-- > 0;) mate[d.mate[i].first / 6][size_t(d.mate[i].first % 6)] = d.mate[i].second;
   face.resize(size_t(d.faces));
