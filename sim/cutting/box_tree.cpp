@@ -8,6 +8,7 @@ struct BoxTree::Builder {
   std::span<const std::array<Int3, 3>> triangle;
   std::vector<Item> item;
   std::vector<Node>& node;
+  const Steps& steps;
   std::vector<uint32_t> up, down;  // room: what stands too far left, too far right
 
   struct Range {
@@ -90,48 +91,39 @@ struct BoxTree::Builder {
       }
     }
     IntBox all{};
-    for (size_t k = 0; k < 4; ++k) {
-      constexpr int32_t far = 1 << 29;
-      IntBox b{{far, far, far}, {-far, -far, -far}};
-      int32_t child = 0;
-      if (k < parts) {
-        if (leaf) {
-          const int32_t t = item[size_t(part[k].first)].triangle;
-          b = box_around(triangle[size_t(t)][0], triangle[size_t(t)][1], triangle[size_t(t)][2]);
-          child = ~t;
-        } else {
-          child = int32_t(node.size());
-          node.emplace_back();
-          b = build(child, part[k]);
-        }
-        all = k == 0 ? b : box_around(all, b);
+    for (size_t k = 0; k < parts; ++k) {
+      IntBox b;
+      int32_t child;
+      if (leaf) {
+        const int32_t t = item[size_t(part[k].first)].triangle;
+        b = box_around(triangle[size_t(t)][0], triangle[size_t(t)][1], triangle[size_t(t)][2]);
+        child = ~t;
+      } else {
+        child = int32_t(node.size());
+        node.emplace_back();
+        b = build(child, part[k]);
       }
+      all = k == 0 ? b : box_around(all, b);
       Node& n = node[size_t(at)];
-      for (size_t i = 0; i < 3; ++i) n.lo[i][k] = b.lo[int(i)], n.hi[i][k] = b.hi[int(i)];
+      for (size_t i = 0; i < 3; ++i) n.lo[i][k] = steps.rounded(b.lo[int(i)], i), n.hi[i][k] = steps.rounded(b.hi[int(i)], i);
       n.child[k] = child;
     }
     return all;
   }
 };
 
-IntBox BoxTree::all() const {
-  const Node& root = node_[0];
-  const auto child = [&](size_t k) {
-    return IntBox{{root.lo[0][k], root.lo[1][k], root.lo[2][k]}, {root.hi[0][k], root.hi[1][k], root.hi[2][k]}};
-  };
-  IntBox b = child(0);
-  for (size_t k = 1; k < 4; ++k) b = box_around(b, child(k));
-  return b;
-}
-
 BoxTree::BoxTree(std::span<const std::array<Int3, 3>> triangle) {
   if (triangle.empty()) return;
-  Builder b{triangle, {}, node_, std::vector<uint32_t>(triangle.size() + 1), std::vector<uint32_t>(triangle.size() + 1)};
+  Builder b{triangle, {}, node_, steps_, std::vector<uint32_t>(triangle.size() + 1), std::vector<uint32_t>(triangle.size() + 1)};
   b.item.reserve(triangle.size());
+  IntBox& all = steps_.all;
   for (size_t t = 0; t < triangle.size(); ++t) {
     const auto& [p, q, r] = triangle[t];
     b.item.push_back({{p.x + q.x + r.x, p.y + q.y + r.y, p.z + q.z + r.z}, int32_t(t)});
+    all = t == 0 ? box_around(p, q, r) : box_around(all, box_around(p, q, r));
   }
+  const int32_t longest = std::max({all.hi.x - all.lo.x, all.hi.y - all.lo.y, all.hi.z - all.lo.z});
+  while (longest >> steps_.shift > UINT16_MAX) ++steps_.shift;
   node_.reserve(triangle.size() * 3 / 4 + 1);
   node_.emplace_back();
   b.build(0, {0, int32_t(triangle.size())});

@@ -1,9 +1,10 @@
 #pragma once
 // A box tree over integer triangles that never change: what a blade may meet.
 //
-// Four boxes stand in a node, of further nodes or of single triangles, so that one look at two cache lines serves
-// four of them and a triangle is told apart without being read. Coordinates are half-units; nothing is
-// rounded but the planes of a SlantBox, which have room for it.
+// Four boxes stand in a node, of further nodes or of single triangles, so that one look at one cache line serves
+// four of them and a triangle is told apart without being read. Coordinates are half-units. A node keeps its boxes in steps
+// of a power of two, 2^16 of them for the whole tree, rounded outwards: a query may find a triangle that lies beside it by
+// less than a step, and misses none. The planes of a SlantBox have room for their rounding.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -98,8 +99,8 @@ class BoxTree {
 
   bool empty() const { return node_.empty(); }
 
-  /// Calls visit(triangle) or visit(triangle, its box) for every triangle whose box meets the given one (of a SlantBox: and comes
-  /// between its planes, or nearly so), in an order of the tree's own.
+  /// Calls visit(triangle) or visit(triangle, its box, rounded outwards) for every triangle whose box, so rounded, meets the given
+  /// one (of a SlantBox: and comes between its planes, or nearly so), in an order of the tree's own.
   template <class Query, class Visit>
   void box(const Query& query, Visit&& visit) const {
     const IntBox& q = box_of(query);
@@ -109,16 +110,14 @@ class BoxTree {
     stack[n++] = 0;
     while (n > 0) {
       const Node& node = node_[size_t(stack[--n])];
-      std::array<int32_t, 4> apart;  // negative: somewhere apart
-      for (size_t k = 0; k < 4; ++k)
-        apart[k] = (q.hi.x - node.lo[0][k]) | (node.hi[0][k] - q.lo.x) | (q.hi.y - node.lo[1][k]) |
-                   (node.hi[1][k] - q.lo.y) | (q.hi.z - node.lo[2][k]) | (node.hi[2][k] - q.lo.z);
-      if constexpr (std::is_same_v<Query, SlantBox>) node.leave_what_is_aside(query, apart);
+      const FourBoxes of = steps_.boxes(node);
+      const Four apart = of.none | (q.hi.x - of.lo[0]) | (of.hi[0] - q.lo.x) | (q.hi.y - of.lo[1]) | (of.hi[1] - q.lo.y) |
+                         (q.hi.z - of.lo[2]) | (of.hi[2] - q.lo.z) | aside(query, of);  // negative: somewhere apart
       if (node.child[0] < 0) {
         for (size_t k = 0; k < 4; ++k) {
           if (apart[k] < 0) continue;
           if constexpr (std::is_invocable_v<Visit, int32_t, const IntBox&>)
-            visit(~node.child[k], IntBox{{node.lo[0][k], node.lo[1][k], node.lo[2][k]}, {node.hi[0][k], node.hi[1][k], node.hi[2][k]}});
+            visit(~node.child[k], IntBox{{of.lo[0][k], of.lo[1][k], of.lo[2][k]}, {of.hi[0][k], of.hi[1][k], of.hi[2][k]}});
           else
             visit(~node.child[k]);
         }
@@ -131,26 +130,49 @@ class BoxTree {
     }
   }
   /// Around all triangles.
-  IntBox all() const;
+  const IntBox& all() const { return steps_.all; }
+  /// By how much a box may be rounded, half-units.
+  int32_t step() const { return 1 << steps_.shift; }
 
  private:
   static constexpr int kStack = 64;  // each level of 4-fold nodes leaves three behind: enough for 2^32 triangles
-  struct Node {
-    std::array<std::array<int32_t, 4>, 3> lo, hi;  // [axis][child]; of no child: a box that meets none
-    std::array<int32_t, 4> child;                  // nodes, or ~triangles
+  using Four = BoxGroup::Four;
+  struct alignas(64) Node {
+    std::array<std::array<uint16_t, 4>, 3> lo{}, hi{};  // [axis][child], in steps
+    std::array<int32_t, 4> child{};                     // nodes, or ~triangles; 0: none
+  };
+  struct FourBoxes {
+    std::array<Four, 3> lo, hi;  // [axis], half-units
+    Four none;                   // -1: no child
+  };
+  struct Steps {
+    IntBox all{};
+    int shift = 0;
 
-    void leave_what_is_aside(const SlantBox& q, std::array<int32_t, 4>& apart) const {
-      using Ints = BoxGroup::Four;
-      using Floats [[gnu::vector_size(16)]] = float;
-      Floats middle{}, reach{};  // both twice
+    uint16_t rounded(int32_t x, size_t axis) const { return uint16_t((x - all.lo[int(axis)]) >> shift); }
+    FourBoxes boxes(const Node& node) const {
+      using Shorts [[gnu::vector_size(8)]] = uint16_t;
+      FourBoxes b;
       for (size_t i = 0; i < 3; ++i) {
-        const Ints from = std::bit_cast<Ints>(lo[i]), to = std::bit_cast<Ints>(hi[i]);
-        middle += q.normal[i] * __builtin_convertvector(from + to, Floats);
-        reach += std::abs(q.normal[i]) * __builtin_convertvector(to - from, Floats);
+        const Four from = __builtin_convertvector(std::bit_cast<Shorts>(node.lo[i]), Four);
+        const Four to = __builtin_convertvector(std::bit_cast<Shorts>(node.hi[i]), Four);
+        b.lo[i] = (from << shift) + all.lo[int(i)];
+        b.hi[i] = ((to + 1) << shift) + (all.lo[int(i)] - 1);
       }
-      apart = std::bit_cast<std::array<int32_t, 4>>(std::bit_cast<Ints>(apart) | (middle - reach > q.hi) | (middle + reach < q.lo));
+      b.none = std::bit_cast<Four>(node.child) == 0;
+      return b;
     }
   };
+  static Four aside(const IntBox&, const FourBoxes&) { return Four{}; }
+  static Four aside(const SlantBox& q, const FourBoxes& of) {
+    using Floats [[gnu::vector_size(16)]] = float;
+    Floats middle{}, reach{};  // both twice
+    for (size_t i = 0; i < 3; ++i) {
+      middle += q.normal[i] * __builtin_convertvector(of.lo[i] + of.hi[i], Floats);
+      reach += std::abs(q.normal[i]) * __builtin_convertvector(of.hi[i] - of.lo[i], Floats);
+    }
+    return (middle - reach > q.hi) | (middle + reach < q.lo);
+  }
   static const IntBox& box_of(const IntBox& q) { return q; }
   static const IntBox& box_of(const SlantBox& q) { return q.box; }
   struct Item {
@@ -159,6 +181,7 @@ class BoxTree {
   };
   struct Builder;
   std::vector<Node> node_;
+  Steps steps_;
 };
 
 }  // namespace limberg
