@@ -8,8 +8,10 @@ namespace limberg {
 const char* ArrangementStore::wrong_links(int32_t o) const {
   if (orig[size_t(o)].split < 0) return orig[size_t(o)].whole >= 0 && face[size_t(orig[size_t(o)].whole)].inner != 0 ? "a whole triangle has an inner edge" : nullptr;
   const auto faces = faces_of(o);
-  const auto links = links_of(o);
   const auto junctions = constraints_of(o);
+  PlanarSplit split;
+  split.open(*this, o);
+  const auto links = split.pieces();
   for (size_t i = 0; i < faces.size(); ++i)
     for (size_t k = 0; k < 3; ++k) {
       const auto& v = face[size_t(faces[i])].v;

@@ -123,7 +123,8 @@ void CutBuilder::write_division(int32_t o, Divisions& from, size_t which) {
       }
     }
     store_.division_face[d.first_face + i] = f;
-    store_.division_link[d.first_face + i] = {p.neighbour, p.label};
+    PieceLinks& link = store_.division_link[d.first_face + i];
+    for (size_t k = 0; k < 3; ++k) link[k] = p.neighbour[k] - (p.label[k] & p.neighbour[k] >> 31);  // ~label where that is -1
     orig.live += store_.face[size_t(f)].live();
   }
   glue_inside(std::span(store_.division_face).subspan(d.first_face), pieces);

@@ -9,6 +9,9 @@ namespace {
 int next3(int k) { return k == 2 ? 0 : k + 1; }
 int prev3(int k) { return k == 0 ? 2 : k - 1; }
 
+/// The edge of a piece that begins at this corner.
+size_t edge_from(const PlanarSplit::Piece& p, int32_t corner) { return p.v[0] == corner ? 0 : p.v[1] == corner ? 1 : 2; }
+
 }  // namespace
 
 void PlanarSplit::open(const PointStore& points, const Plane& plane, const std::array<int32_t, 3>& v) {
@@ -42,9 +45,22 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
   junction_.assign(junctions.begin(), junctions.end());
   piece_.clear();
   piece_.reserve(faces.size() * 2 + 8);
+  int16_t junction = kJunction;
   for (size_t i = 0; i < faces.size(); ++i) {
     const Face& f = store.face[size_t(faces[i])];
-    piece_.push_back({f.v, links[i].neighbour, links[i].label, f.mat, true});
+    Piece p{f.v, links[i], {kFree, kFree, kFree}, f.mat, true};
+    for (size_t k = 0; k < 3; ++k) {
+      const int32_t n = links[i][k];
+      if (n < 0)
+        p.label[k] = int16_t(~n), p.neighbour[k] = -1;
+      else if (f.inner >> k & 1)
+        continue;
+      else if (n > int32_t(i))
+        p.label[k] = junction++;
+      else
+        p.label[k] = piece_[size_t(n)].label[edge_from(piece_[size_t(n)], f.v[(k + 1) % 3])];
+    }
+    piece_.push_back(p);
   }
 }
 
