@@ -50,26 +50,26 @@ void CutBuilder::glue_inside(std::span<const int32_t> face, std::span<const Plan
   for (size_t i = 0; i < pieces.size(); ++i) {
     const PlanarSplit::Piece& p = pieces[i];
     if (p.mat == 0) continue;
-    std::array<int32_t, 3> across{-1, -1, -1};  // 6 * face + edge
-    for (size_t k = 0; k < 3; ++k) {            // without branches: a processor cannot foretell which edges are inner ones
+    // Without branches: which edges are inner ones cannot be foreseen.
+    auto& mate = store_.mate[size_t(face[i])];
+    std::array<int32_t, 6> glued;
+    for (size_t k = 0; k < 3; ++k) {
       const size_t n = size_t(std::max(p.neighbour[k], 0));
       const auto& back = pieces[n].neighbour;
-      const int32_t h = 6 * face[n] + (back[1] == int32_t(i)) + 2 * (back[2] == int32_t(i));
-      across[k] = p.label[k] == PlanarSplit::kFree ? h : -1;
+      const int32_t across = 6 * face[n] + (back[1] == int32_t(i)) + 2 * (back[2] == int32_t(i));
+      const bool inner = p.label[k] == PlanarSplit::kFree;
+      glued[k] = inner && (p.mat & kMaterialPlus) ? across : -1;
+      glued[3 + k] = inner && (p.mat & kMaterialMinus) ? across + 3 : -1;
     }
-    auto& mate = store_.mate[size_t(face[i])];
-    for (size_t side = 0; side < 2; ++side) {
-      if (!(p.mat >> side & 1)) continue;
-      for (size_t k = 0; k < 3; ++k) {
-        const int32_t m = across[k] < 0 ? -1 : across[k] + 3 * int32_t(side);
-        if (!p.old) {
-          mate[3 * side + k] = m;
-        } else if (m >= 0 && !pieces[size_t(p.neighbour[k])].old) {  // an old face beside a new one
-          delta_.mate.push_back({sided_half_edge(sided_face(face[i], int(side)), int(k)), mate[3 * side + k]});
-          mate[3 * side + k] = m;
-        }
+    if (!p.old) {
+      mate = glued;
+      continue;
+    }
+    for (size_t h = 0; h < 6; ++h)
+      if (glued[h] >= 0 && !pieces[size_t(p.neighbour[h % 3])].old) {  // an old face beside a new one
+        delta_.mate.push_back({6 * face[i] + int32_t(h), mate[h]});
+        mate[h] = glued[h];
       }
-    }
   }
 }
 

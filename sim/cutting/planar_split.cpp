@@ -193,15 +193,6 @@ void PlanarSplit::flip(int32_t t, int k) {
   relink(old.neighbour[k1], t, n);
 }
 
-std::pair<int32_t, int> PlanarSplit::find_edge(int32_t a, int32_t b) const {
-  for (size_t t = 0; t < piece_.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const int32_t u = piece_[t].v[size_t(k)], v = piece_[t].v[size_t(next3(k))];
-      if ((u == a && v == b) || (u == b && v == a)) return {int32_t(t), k};
-    }
-  return {-1, 0};
-}
-
 void PlanarSplit::set_label(int32_t t, int k, int16_t label) {
   Piece& p = piece_[t];
   p.label[size_t(k)] = label;
@@ -221,8 +212,19 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     enforced_ = {t, k};
     return true;
   };
-  if (const auto [t, k] = find_edge(a, b); t >= 0) return finish(t, k);
-
+  thread_local std::vector<std::pair<int32_t, int>> around;  // pieces with the corner a, and which it is of each
+  around.clear();
+  for (size_t i = 0; i < piece_.size(); ++i) {
+    const auto& v = piece_[i].v;
+    const int c = (v[1] == a) + 2 * (v[2] == a);
+    if (v[size_t(c)] != a) continue;
+    if (v[size_t(next3(c))] == b) return finish(int32_t(i), c);
+    if (v[size_t(prev3(c))] == b) return finish(int32_t(i), prev3(c));
+    around.push_back({int32_t(i), c});
+  }
+  // Where a junction with the same partner ends at a, it comes from exactly behind: no filter could tell.
+  const bool goes_on = !junction_.empty() && junction_.back().partner == partner && junction_.back().b == a;
+  const int32_t behind = goes_on ? junction_.back().a : -1;
   // The pieces that a-b passes through, from the one at a whose opposite edge it crosses.
   thread_local std::vector<int32_t> corridor;
   thread_local std::vector<std::pair<int32_t, int32_t>> crossing;  // a queue: entries before `done` are through
@@ -230,16 +232,15 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   crossing.clear();
   int32_t t = -1;
   int k = 0;
-  for (size_t i = 0; i < piece_.size() && t < 0; ++i)
-    for (int c = 0; c < 3; ++c) {
-      if (piece_[i].v[size_t(c)] != a) continue;
-      const int right = orient(a, b, piece_[i].v[size_t(next3(c))]), left = orient(a, b, piece_[i].v[size_t(prev3(c))]);
-      if (right < 0 && left > 0) t = int32_t(i), k = next3(c);
-      // A point exactly ahead on the line is a coincidence.
-      if ((right == 0 && strictly_between(a, piece_[i].v[size_t(next3(c))], b)) ||
-          (left == 0 && strictly_between(a, piece_[i].v[size_t(prev3(c))], b)))
-        return false;
-    }
+  for (size_t i = 0; i < around.size() && t < 0; ++i) {
+    const auto [at, c] = around[i];
+    const int32_t p = piece_[at].v[size_t(next3(c))], q = piece_[at].v[size_t(prev3(c))];
+    if (p == behind || q == behind) continue;
+    const int right = orient(a, b, p), left = orient(a, b, q);
+    if (right < 0 && left > 0) t = at, k = next3(c);
+    // A point exactly ahead on the line is a coincidence.
+    if ((right == 0 && strictly_between(a, p, b)) || (left == 0 && strictly_between(a, q, b))) return false;
+  }
   if (t < 0) return false;
   corridor.push_back(t);
   for (;;) {
@@ -280,11 +281,11 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
       continue;
     }
     if (piece_[t].mat != piece_[n].mat) return false;
-    flip(t, k);
+    flip(t, k);  // now t = (u, q, p)
+    if ((p == a && q == b) || (p == b && q == a)) return finish(t, 1);
     if (p == a || p == b || q == a || q == b) continue;
     if (orient(a, b, p) * orient(a, b, q) < 0) crossing.push_back({p, q});
   }
-  if (const auto [e, ek] = find_edge(a, b); e >= 0) return finish(e, ek);
   return false;
 }
 

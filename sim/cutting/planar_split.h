@@ -33,8 +33,8 @@ class PlanarSplit {
   /// Inserts a point that lies on the chain of edges with this label (kFree: strictly inside). No effect when it is
   /// there already. False: it is not where it was said to be, a coincidence.
   bool insert(int32_t point, int16_t label);
-  /// Makes a-b an edge and labels it as a new junction with `partner`. False: it would cross a junction or meet a
-  /// point.
+  /// Makes a-b an edge and labels it as a new junction with `partner`. All with one partner lie on one line; those that follow
+  /// each other are enforced one after the other along it. False: it would cross a junction or meet a point.
   bool enforce(int32_t a, int32_t b, int32_t partner);
 
   /// Flips free edges until every one is locally Delaunay. For explicit points in a plane z = const only.
@@ -46,8 +46,6 @@ class PlanarSplit {
   std::pair<int32_t, int> enforced() const { return enforced_; }
 
  private:
-  /// A piece with the edge between a and b, in either sense; -1 if there is none.
-  std::pair<int32_t, int> find_edge(int32_t a, int32_t b) const;
   /// Puts a point that lies in the closed piece t into it, given its sides of the three edges.
   bool insert_into(int32_t t, const std::array<int, 3>& side, int32_t point);
   int orient(int32_t a, int32_t b, int32_t c) const {

@@ -44,7 +44,7 @@ std::optional<PlaneMesh> mesh_polygon(std::span<const Vec2> polygon, double spac
     if (!split.insert(i + 3, PlanarSplit::kFree)) return std::nullopt;
   const int32_t n = int32_t(polygon.size());
   for (int32_t i = 0; i < n; ++i)
-    if (!split.enforce(i + 3, (i + 1) % n + 3, 0)) return std::nullopt;
+    if (!split.enforce(i + 3, (i + 1) % n + 3, i)) return std::nullopt;
   split.make_delaunay();
 
   // Inside = reached from the left of the polygon's edges without crossing one.
