@@ -54,7 +54,7 @@ CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   }
   if (shared_edge_.empty()) {  // nothing but pairs to find: no need to sort
     size_t slots = 64;
-    while (slots < border.size() * 2) slots *= 2;
+    while (slots < border.size()) slots *= 2;  // most are one of two
     std::vector<int32_t>& seen = room_.table;
     seen.assign(slots, -1);
     for (size_t i = 0; i < border.size(); ++i) {

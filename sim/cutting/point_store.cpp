@@ -27,6 +27,12 @@ uint64_t mod_prime(const Int256& value) {
   }
   return negative && r != 0 ? kPrime - r : r;
 }
+uint64_t mod_prime(const int128& value) {  // below 2^122
+  const uint128 m = value < 0 ? -uint128(value) : uint128(value);
+  uint64_t r = uint64_t(m & kPrime) + uint64_t(m >> 61);
+  if (r >= kPrime) r -= kPrime;
+  return value < 0 && r != 0 ? kPrime - r : r;
+}
 
 }  // namespace
 
@@ -40,16 +46,18 @@ int32_t PointStore::line_plane(int32_t a, int32_t b, int32_t tri, const Plane& p
   if (a > b) std::swap(a, b);
   const PointKey key{PointKey::line_plane, {a, b, tri}};
   const size_t at = place_for(key);
-  const int32_t i = table_[at].index;
-  return i >= 0 ? implicit_[size_t(i)].point : add_implicit(at, key, limberg::line_plane(integer(a), integer(b), plane));
+  if (const int32_t i = table_[at].index; i >= 0) return implicit_[size_t(i)].point;
+  line_plane_.push_back(limberg::line_plane(integer(a), integer(b), plane));
+  return add_implicit(at, key, approximate(line_plane_.back()), int32_t(line_plane_.size()) - 1);
 }
 
 int32_t PointStore::three_planes(std::array<int32_t, 3> tri, const Plane& p0, const Plane& p1, const Plane& p2) {
   std::sort(tri.begin(), tri.end());
   const PointKey key{PointKey::three_planes, tri};
   const size_t at = place_for(key);
-  const int32_t i = table_[at].index;
-  return i >= 0 ? implicit_[size_t(i)].point : add_implicit(at, key, limberg::three_planes(p0, p1, p2));
+  if (const int32_t i = table_[at].index; i >= 0) return implicit_[size_t(i)].point;
+  three_planes_.push_back(limberg::three_planes(p0, p1, p2));
+  return add_implicit(at, key, approximate(three_planes_.back()), int32_t(three_planes_.size()) - 1);
 }
 
 size_t PointStore::place_for(const PointKey& key) {
@@ -63,11 +71,11 @@ size_t PointStore::place_for(const PointKey& key) {
   return place(key, hash(key));
 }
 
-int32_t PointStore::add_implicit(size_t at, const PointKey& key, const Homogeneous& h) {
+int32_t PointStore::add_implicit(size_t at, const PointKey& key, const Vec3& approx, int32_t form) {
   const int32_t id = size();
-  approx_.push_back(approximate(h));
+  approx_.push_back(approx);
   implicit_of_.push_back(int32_t(implicit_.size()));
-  implicit_.push_back({h, key, id});
+  implicit_.push_back({key, id, form});
   table_[at] = {uint32_t(hash(key) >> 32), int32_t(implicit_.size()) - 1};
   return id;
 }
@@ -75,7 +83,12 @@ int32_t PointStore::add_implicit(size_t at, const PointKey& key, const Homogeneo
 void PointStore::truncate(int32_t n) {
   while (size() > n) {
     if (implicit_of_.back() >= 0) {
-      table_[place(implicit_.back().key, hash(implicit_.back().key))].index = -1;
+      const PointKey& key = implicit_.back().key;
+      table_[place(key, hash(key))].index = -1;
+      if (key.kind == PointKey::line_plane)
+        line_plane_.pop_back();
+      else
+        three_planes_.pop_back();
       implicit_.pop_back();
     }
     implicit_of_.pop_back();
@@ -90,9 +103,13 @@ void PointStore::settle() {
   const size_t from = residue_.size();
   if (from == implicit_.size()) return;
   residue_.resize(implicit_.size());
+  const auto narrow = [&](size_t i) {  // its form if it is an LPI
+    return implicit_[i].key.kind == PointKey::line_plane ? &line_plane_[size_t(implicit_[i].form)] : nullptr;
+  };
   uint64_t product = 1;
   for (size_t i = from; i < implicit_.size(); ++i) {
-    const uint64_t w = mod_prime(implicit_[i].h.w);
+    const auto* form = narrow(i);
+    const uint64_t w = form ? mod_prime(form->w) : mod_prime(three_planes_[size_t(implicit_[i].form)].w);
     residue_[i] = {product, w, 0};
     if (w != 0) product = mod_mul(product, w);
   }
@@ -101,7 +118,9 @@ void PointStore::settle() {
     const uint64_t before = residue_[i][0], w = residue_[i][1];
     const uint64_t own = w != 0 ? mod_mul(inverse, before) : 0;
     if (w != 0) inverse = mod_mul(inverse, w);
-    for (size_t k = 0; k < 3; ++k) residue_[i][k] = mod_mul(mod_prime(implicit_[i].h.x[k]), own);
+    const auto* form = narrow(i);
+    for (size_t k = 0; k < 3; ++k)
+      residue_[i][k] = mod_mul(form ? mod_prime(form->x[k]) : mod_prime(three_planes_[size_t(implicit_[i].form)].x[k]), own);
   }
 }
 

@@ -48,7 +48,16 @@ class PointStore {
   /// Soon to be asked for.
   void prefetch(int32_t i) const { __builtin_prefetch(&approx_[size_t(i)]); }
   const Vec3& approx(int32_t i) const { return approx_[i]; }
-  PointRef ref(int32_t i) const { return {&approx_[i], implicit_of_[i] < 0 ? nullptr : &implicit_[implicit_of_[i]].h}; }
+  PointRef ref(int32_t i) const {
+    PointRef r{&approx_[size_t(i)]};
+    if (implicit_of_[size_t(i)] < 0) return r;
+    const Implicit& p = implicit_[size_t(implicit_of_[size_t(i)])];
+    if (p.key.kind == PointKey::line_plane)
+      r.line_plane = &line_plane_[size_t(p.form)];
+    else
+      r.three_planes = &three_planes_[size_t(p.form)];
+    return r;
+  }
   PointKey key(int32_t i) const { return implicit_of_[i] < 0 ? PointKey{} : implicit_[implicit_of_[i]].key; }
   /// For an intersection of an edge: the ends of that edge, ascending; else null.
   const std::array<int32_t, 3>* edge_of(int32_t i) const {
@@ -56,7 +65,7 @@ class PointStore {
     const PointKey& k = implicit_[size_t(implicit_of_[size_t(i)])].key;
     return k.kind == PointKey::line_plane ? &k.id : nullptr;
   }
-  Homogeneous exact(int32_t i) const { return is_explicit(i) ? homogeneous(integer(i)) : implicit_[implicit_of_[i]].h; }
+  Homogeneous exact(int32_t i) const { return ref(i).exact(); }
   /// Residues of all points so far, in one go: needs one division for all. residues() asks for it.
   void settle();
   Residues residues(int32_t i) const {
@@ -106,9 +115,9 @@ class PointStore {
 
  private:
   struct Implicit {
-    Homogeneous h;
     PointKey key;
     int32_t point = 0;
+    int32_t form = 0;  // of line_plane_ or three_planes_
   };
   static uint64_t hash(const PointKey& k) {
     uint64_t h = uint64_t(k.kind);
@@ -127,11 +136,13 @@ class PointStore {
   }
   /// Room for one more, then place().
   size_t place_for(const PointKey& key);
-  int32_t add_implicit(size_t place, const PointKey& key, const Homogeneous& h);
+  int32_t add_implicit(size_t place, const PointKey& key, const Vec3& approx, int32_t form);
 
   std::vector<Vec3> approx_;          // explicit points: exact
   std::vector<int32_t> implicit_of_;  // -1: explicit
   std::vector<Implicit> implicit_;
+  std::vector<NarrowHomogeneous> line_plane_;
+  std::vector<Homogeneous> three_planes_;
   std::vector<Residues> residue_;     // of the implicit points that settle() has seen
   struct Entry {
     uint32_t tag = 0;

@@ -21,11 +21,7 @@ int compare_with(const Homogeneous& p, int axis, int64_t c) {
 
 // Exact edge_about_corner, before ties are broken. Everything times w_p w_q 2^48 > 0.
 int edge_about_corner_exact(const PointRef& p, const PointRef& q, size_t i, size_t j, const SubPoint& corner) {
-  auto exact = [](const PointRef& r) {
-    return r.implicit ? *r.implicit
-                      : homogeneous({int32_t((*r.approx)[0]), int32_t((*r.approx)[1]), int32_t((*r.approx)[2])});
-  };
-  const Homogeneous P = exact(p), Q = exact(q);
+  const Homogeneous P = p.exact(), Q = q.exact();
   const Int256 scale(int64_t(1) << kSubUnitBits);
   // a = 2^24 (P - c) w_p, b = 2^24 (Q - c) w_q; sign of (P - c) x (Q - c).
   auto from_corner = [&](const Homogeneous& H, size_t k) {
@@ -52,12 +48,12 @@ int128 line_numerator(const Plane& p, int axis, const SubPoint& c) {
 int32_t layer_of(const PointRef& p, int axis, int32_t origin, int32_t pitch) {
   const double x = (*p.approx)[axis];
   // Integers below 2^23: the quotient cannot round up to a whole number that it does not reach.
-  if (!p.implicit) return floor_of((x - origin) / pitch);
+  if (!p.implicit()) return floor_of((x - origin) / pitch);
   const int64_t near = floor_of((x - origin) / pitch + 0.5);  // the nearest plane is the only one that x can be unsure of
   const double plane = double(origin) + double(near) * pitch;
   const int64_t c = int64_t(origin) + near * pitch;
   if (std::abs(x - plane) > kApproximationError) return int32_t(x >= plane ? near : near - 1);
-  return int32_t(compare_with(*p.implicit, axis, c) >= 0 ? near : near - 1);
+  return int32_t(compare_with(p.exact(), axis, c) >= 0 ? near : near - 1);
 }
 
 int edge_about_corner(const PointRef& p, const PointRef& q, int axis, const SubPoint& corner) {
@@ -91,7 +87,7 @@ EdgeSigns edge_about_corners(const PointRef& p, const PointRef& q, int parallel,
     far = std::max(far, std::max(std::max(std::abs(a[k][0]), std::abs(a[k][1])), std::max(std::abs(b[k][0]), std::abs(b[k][1]))));
   }
   // One bound for all of them, as in edge_about_corner. Integers below 2^23 have exact products and differences.
-  const bool exact = !p.implicit && !q.implicit;
+  const bool exact = !p.implicit() && !q.implicit();
   constexpr double kDelta = 2 * kApproximationError;
   const double error = exact ? 0 : 4.000001 * kDelta * far + 2 * kDelta * kDelta + 0x1p-50 * far * far;
   const Two above{error, error}, below{-error, -error};

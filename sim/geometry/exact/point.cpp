@@ -24,7 +24,7 @@ Plane plane_through(const Int3& a, const Int3& b, const Int3& c) {
   return p;
 }
 
-Homogeneous line_plane(const Int3& p, const Int3& q, const Plane& plane) {
+NarrowHomogeneous line_plane(const Int3& p, const Int3& q, const Plane& plane) {
   const auto u = difference(q, p);
   int128 w = 0, t = plane.d;  // the point is p + (t/w) (q - p)
   const std::array<int64_t, 3> from{p.x, p.y, p.z};
@@ -33,9 +33,9 @@ Homogeneous line_plane(const Int3& p, const Int3& q, const Plane& plane) {
     t -= int128(plane.n[i]) * from[i];
   }
   if (w < 0) w = -w, t = -t;
-  Homogeneous h;
-  for (int i = 0; i < 3; ++i) h.x[i] = Int256(w * from[i] + t * u[i]);
-  h.w = Int256(w);
+  NarrowHomogeneous h;
+  for (size_t i = 0; i < 3; ++i) h.x[i] = w * from[i] + t * u[i];
+  h.w = w;
   return h;
 }
 
@@ -65,6 +65,11 @@ Homogeneous homogeneous(const Int3& p) {
 Vec3 approximate(const Homogeneous& p) {
   const double w = p.w.to_double();
   return {p.x[0].to_double() / w, p.x[1].to_double() / w, p.x[2].to_double() / w};
+}
+
+Vec3 approximate(const NarrowHomogeneous& p) {
+  const double w = WideInt<2>(p.w).to_double();
+  return {WideInt<2>(p.x[0]).to_double() / w, WideInt<2>(p.x[1]).to_double() / w, WideInt<2>(p.x[2]).to_double() / w};
 }
 
 }  // namespace limberg

@@ -27,10 +27,17 @@ struct Homogeneous {
   Int256 w{int64_t(1)};
 };
 
+/// The same of an LPI, for which 128 bits are enough: most implicit points are of this kind.
+struct NarrowHomogeneous {
+  std::array<int128, 3> x{};
+  int128 w = 1;
+};
+inline Homogeneous widened(const NarrowHomogeneous& p) { return {{Int256(p.x[0]), Int256(p.x[1]), Int256(p.x[2])}, Int256(p.w)}; }
+
 Plane plane_through(const Int3& a, const Int3& b, const Int3& c);
 
 /// Where the line through p and q meets the plane. The line must not be parallel to it.
-Homogeneous line_plane(const Int3& p, const Int3& q, const Plane& plane);
+NarrowHomogeneous line_plane(const Int3& p, const Int3& q, const Plane& plane);
 
 /// Where three planes meet. Their normals must be independent.
 Homogeneous three_planes(const Plane& a, const Plane& b, const Plane& c);
@@ -39,6 +46,7 @@ Homogeneous homogeneous(const Int3& p);
 
 /// Coordinates as doubles; absolute error at most kApproximationError.
 Vec3 approximate(const Homogeneous& p);
+Vec3 approximate(const NarrowHomogeneous& p);
 
 /// Each of x and w is rounded with relative error 2^-52, then divided: 2^21 * 2.5 * 2^-52 < 2^-29.
 inline constexpr double kApproximationError = 1.0 / (1 << 29);

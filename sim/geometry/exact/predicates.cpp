@@ -7,21 +7,12 @@ PredicateCounts& predicate_counts() {
   return counts;
 }
 
-namespace {
-
-Homogeneous exact_form(const PointRef& p) {
-  if (p.implicit) return *p.implicit;
-  return homogeneous({int32_t((*p.approx)[0]), int32_t((*p.approx)[1]), int32_t((*p.approx)[2])});
-}
-
-}  // namespace
-
 int side_of_plane(const Plane& plane, const PointRef& p) {
   const Vec3& x = *p.approx;
-  if (!p.implicit) return side_of_plane(plane, Int3{int32_t(x[0]), int32_t(x[1]), int32_t(x[2])});
+  if (!p.implicit()) return side_of_plane(plane, Int3{int32_t(x[0]), int32_t(x[1]), int32_t(x[2])});
   if (const int s = filtered_side(plane, x); s != 0) return s;
   ++predicate_counts().side_exact;
-  const Homogeneous& h = *p.implicit;
+  const Homogeneous h = p.exact();
   Int256 s = -multiply<4>(WideInt<2>(plane.d), h.w);
   for (int i = 0; i < 3; ++i) s += multiply<4>(WideInt<1>(plane.n[i]), h.x[i]);
   return s.sign();
@@ -41,13 +32,13 @@ int orient2d(const Plane& plane, const PointRef& a, const PointRef& b, const Poi
 int orient2d(const Projection& view, const PointRef& a, const PointRef& b, const PointRef& c) {
   if (const int s = filtered_orient2d(view, *a.approx, *b.approx, *c.approx); s != 0) return s;
   const int i = view.i, j = view.j;
-  if (!a.implicit && !b.implicit && !c.implicit) {  // integers below 2^23: products exact in doubles
+  if (!a.implicit() && !b.implicit() && !c.implicit()) {  // integers below 2^23: products exact in doubles
     const Vec3 &pa = *a.approx, &pb = *b.approx, &pc = *c.approx;
     const double value = (pb[i] - pa[i]) * (pc[j] - pa[j]) - (pb[j] - pa[j]) * (pc[i] - pa[i]);
     return view.facing * (value > 0 ? 1 : value < 0 ? -1 : 0);
   }
   ++predicate_counts().orient2d_exact;
-  const Homogeneous ha = exact_form(a), hb = exact_form(b), hc = exact_form(c);
+  const Homogeneous ha = a.exact(), hb = b.exact(), hc = c.exact();
   const auto minor = [&](const Homogeneous& p, const Homogeneous& q) {  // x_p y_q - y_p x_q, < 2^326
     return multiply<8>(p.x[i], q.x[j]) - multiply<8>(p.x[j], q.x[i]);
   };
@@ -57,13 +48,13 @@ int orient2d(const Projection& view, const PointRef& a, const PointRef& b, const
 }
 
 int compare_coordinate(int axis, const PointRef& a, const PointRef& b) {
-  if (!a.implicit && !b.implicit) {
+  if (!a.implicit() && !b.implicit()) {
     const double difference = (*a.approx)[axis] - (*b.approx)[axis];
     return difference > 0 ? 1 : difference < 0 ? -1 : 0;
   }
   if (const int s = filtered_order(axis, *a.approx, *b.approx); s != 0) return s;
   ++predicate_counts().order_exact;
-  const Homogeneous ha = exact_form(a), hb = exact_form(b);
+  const Homogeneous ha = a.exact(), hb = b.exact();
   return (multiply<8>(ha.x[axis], hb.w) - multiply<8>(hb.x[axis], ha.w)).sign();
 }
 

@@ -14,11 +14,17 @@
 
 namespace limberg {
 
-/// A point as predicates see it: its double approximation, and its exact form. `implicit` is null for explicit points,
-/// whose doubles are exact.
+/// A point as predicates see it: its double approximation, and its exact form. Explicit points have no other: their doubles
+/// are exact.
 struct PointRef {
   const Vec3* approx = nullptr;
-  const Homogeneous* implicit = nullptr;
+  const NarrowHomogeneous* line_plane = nullptr;  // of an LPI
+  const Homogeneous* three_planes = nullptr;      // of a TPI
+  bool implicit() const { return line_plane || three_planes; }
+  Homogeneous exact() const {
+    if (line_plane) return widened(*line_plane);
+    return three_planes ? *three_planes : homogeneous({int32_t((*approx)[0]), int32_t((*approx)[1]), int32_t((*approx)[2])});
+  }
 };
 
 /// Sign of (b - a) x (c - a) . (d - a): +1 when d is on the positive side of the plane a, b, c.

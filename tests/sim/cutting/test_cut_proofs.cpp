@@ -48,7 +48,7 @@ Integer big(const Int256& v) {
 std::array<Rational, 3> place(const PointRef& p) {
   std::array<Rational, 3> x;
   for (size_t k = 0; k < 3; ++k)
-    x[k] = p.implicit ? Rational(big(p.implicit->x[k]), big(p.implicit->w)) : Rational(Integer(int64_t((*p.approx)[int(k)])));
+    x[k] = p.implicit() ? Rational(big(p.exact().x[k]), big(p.exact().w)) : Rational(Integer(int64_t((*p.approx)[int(k)])));
   return x;
 }
 int sign(const Rational& r) { return r > 0 ? 1 : r < 0 ? -1 : 0; }

@@ -70,7 +70,7 @@ struct Sample {
   Vec3 approx;
   Homogeneous h;
   bool implicit = false;
-  PointRef ref() const { return {&approx, implicit ? &h : nullptr}; }
+  PointRef ref() const { return {&approx, nullptr, implicit ? &h : nullptr}; }
   BigPoint exact() const { return {big(h.x[0]), big(h.x[1]), big(h.x[2]), big(h.w)}; }
 };
 
@@ -119,9 +119,12 @@ TEST(Predicates, PlaneSideAndOrderAndBudgets) {
       const Plane e = random_plane(random, limit);
       const int su = side_of_plane(e, u), sv = side_of_plane(e, v);
       if (su * sv >= 0) continue;
-      q.h = line_plane(u, v, e);
+      const NarrowHomogeneous narrow = line_plane(u, v, e);
+      q.h = widened(narrow);
       q.implicit = true;
-      q.approx = approximate(q.h);
+      q.approx = approximate(narrow);
+      ASSERT_EQ(q.approx, approximate(q.h));
+      ASSERT_EQ(side_of_plane(d, PointRef{&q.approx, &narrow}), side_of_plane(d, q.ref()));
       ASSERT_LE(q.h.w.bit_length(), 69);
       ASSERT_EQ(side_of_plane(e, q.ref()), 0);
       ASSERT_EQ(side_of_plane(d, q.ref()), big_side(d, q.exact()));

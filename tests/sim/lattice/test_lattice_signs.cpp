@@ -80,7 +80,7 @@ TEST(LatticeSigns, OfIntersectionsAreThoseFoundOneByOne) {
   const auto point = [&] { return Int3{100 * place(random), 100 * place(random), 100 * place(random)}; };
   int seen = 0;
   for (int n = 0; n < 4000; ++n) {
-    std::array<Homogeneous, 2> h;
+    std::array<NarrowHomogeneous, 2> h;
     std::array<Vec3, 2> x;
     bool sound = true;
     for (size_t k = 0; k < 2; ++k) {  // where an edge meets a plane, be it on the planes of the cell
