@@ -44,7 +44,6 @@ void CutBuilder::abandon() {
   if (committing_ && !accounted_) {  // taking back starts from a whole edge map
     for (int32_t f : store_.last.removed) store_.account(f, false);
     for (int32_t f : store_.last.added) store_.account(f, true);
-    enter_new_junctions();
   }
   if (store_.components_known) delta_.component = store_.component;  // a try does not touch them before it succeeds
   store_.take_back(delta_);

@@ -68,8 +68,6 @@ class CutBuilder {
   void retire_replaced(const OrigTri& orig, std::span<const PlanarSplit::Piece> pieces);
   /// Sets the mates at the inner edges of a division whose faces are these.
   void glue_inside(std::span<const int32_t> face, std::span<const PlanarSplit::Piece> pieces);
-  /// Enters edges of faces that stay into the edge map: they were inner edges.
-  void enter_new_junctions();
 
   ArrangementStore& store_;
   const Blade& blade_;

@@ -40,11 +40,6 @@ CutBuilder::Outcome CutBuilder::divide_finally(uint32_t touched, const NeededPoi
   return ok;
 }
 
-void CutBuilder::enter_new_junctions() {
-  for (const auto& [f, inner_before] : delta_.inner)
-    if (const Face& face = store_.face[size_t(f)]; face.live()) store_.edges.add(f, face.v, uint8_t(inner_before & ~face.inner));
-}
-
 void CutBuilder::glue_inside(std::span<const int32_t> face, std::span<const PlanarSplit::Piece> pieces) {
   // At an inner edge two pieces with the same material meet, and nothing else: each side goes on as the same side.
   for (size_t i = 0; i < pieces.size(); ++i) {
@@ -102,28 +97,22 @@ void CutBuilder::write_division(int32_t o, Divisions& from, size_t which) {
   }
   d.first_face = uint32_t(store_.division_face.size());
   d.faces = uint32_t(pieces.size());
-  store_.division_face.resize(d.first_face + pieces.size());
-  store_.division_link.resize(d.first_face + pieces.size());
   orig.live = 0;
   for (size_t i = 0; i < pieces.size(); ++i) {
     const PlanarSplit::Piece& p = pieces[i];
-    const uint8_t inner = uint8_t((p.label[0] == PlanarSplit::kFree) | (p.label[1] == PlanarSplit::kFree) << 1 |
-                                  (p.label[2] == PlanarSplit::kFree) << 2);
     int32_t f;
-    if (!p.old) {
+    if (p.old) {
+      f = whole_before >= 0 ? whole_before : store_.division_face[before + i];
+    } else {
+      const auto inner = uint8_t((p.label[0] == PlanarSplit::kFree) | (p.label[1] == PlanarSplit::kFree) << 1 |
+                                 (p.label[2] == PlanarSplit::kFree) << 2);
       f = int32_t(store_.face.size());
       store_.face.push_back({p.v, o, p.mat, false, inner});
       store_.mate.push_back({-1, -1, -1, -1, -1, -1});
       if (p.mat != 0) store_.last.added.push_back(f);
-    } else {
-      f = whole_before >= 0 ? whole_before : store_.division_face[before + i];
-      if (Face& face = store_.face[size_t(f)]; face.inner != inner) {
-        delta_.inner.push_back({f, face.inner});
-        face.inner = inner;
-      }
     }
-    store_.division_face[d.first_face + i] = f;
-    PieceLinks& link = store_.division_link[d.first_face + i];
+    store_.division_face.push_back(f);
+    PieceLinks& link = store_.division_link.emplace_back();
     for (size_t k = 0; k < 3; ++k) link[k] = p.neighbour[k] - (p.label[k] & p.neighbour[k] >> 31);  // ~label where that is -1
     orig.live += store_.face[size_t(f)].live();
   }
@@ -217,7 +206,7 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   constexpr size_t kAhead = 8;
   const auto& removed = store_.last.removed;
   const auto& added = store_.last.added;
-  store_.edges.make_room(removed.size() + added.size() + delta_.inner.size(), int32_t(store_.face.size()) - 1);
+  store_.edges.make_room(removed.size() + added.size(), int32_t(store_.face.size()) - 1);
   const auto prefetch = [&](const Face& f) { store_.edges.prefetch(f.v, f.outer()); };
   for (size_t i = 0; i < removed.size(); ++i) {
     if (i + kAhead < removed.size()) prefetch(store_.face[size_t(removed[i + kAhead])]);
@@ -229,7 +218,6 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     const Face& f = store_.face[size_t(added[i])];
     store_.edges.add(added[i], f.v, f.outer());
   }
-  enter_new_junctions();
   store_.edges.end_changes();
   for (int32_t f : removed) store_.account_sums(f, false);
   for (int32_t f : added) store_.account_sums(f, true);

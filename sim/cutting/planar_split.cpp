@@ -196,11 +196,11 @@ void PlanarSplit::flip(int32_t t, int k) {
 void PlanarSplit::set_label(int32_t t, int k, int16_t label) {
   Piece& p = piece_[t];
   p.label[size_t(k)] = label;
-  const int32_t n = p.neighbour[size_t(k)];
-  if (n < 0) return;
-  const int32_t a = p.v[size_t(k)], b = p.v[size_t(next3(k))];
-  for (int m = 0; m < 3; ++m)
-    if (piece_[n].v[size_t(m)] == b && piece_[n].v[size_t(next3(m))] == a) piece_[n].label[size_t(m)] = label;
+  p.old = false;
+  if (p.neighbour[size_t(k)] < 0) return;
+  Piece& q = piece_[size_t(p.neighbour[size_t(k)])];
+  q.label[size_t((q.neighbour[1] == t) + 2 * (q.neighbour[2] == t))] = label;
+  q.old = false;
 }
 
 bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {

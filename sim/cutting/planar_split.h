@@ -57,6 +57,7 @@ class PlanarSplit {
   void split_edge(int32_t t, int k, int32_t point);
   void flip(int32_t t, int k);
   void relink(int32_t piece, int32_t from, int32_t to);
+  /// On both sides. A face whose edge is another one now is a new face.
   void set_label(int32_t t, int k, int16_t label);
   int32_t& neighbour(int32_t t, int k) { return piece_[t].neighbour[size_t(k)]; }
 

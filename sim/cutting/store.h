@@ -46,7 +46,6 @@ struct Delta {
   Forest forest;                                                     // before
   std::vector<int32_t> retired;                                      // faces retired
   std::vector<std::pair<int32_t, uint8_t>> mat;                      // face, bits before (excision)
-  std::vector<std::pair<int32_t, uint8_t>> inner;                    // face, bits before: inner edges have become junctions
   std::vector<std::pair<int32_t, int32_t>> mate;                     // sided half-edge, mate before; in order of change
   struct OrigBefore {
     int32_t orig = 0, live = 0, whole = 0, split = 0;

@@ -18,10 +18,6 @@ void ArrangementStore::take_back(const Delta& d) {
     face[f].retired = false;
     if (face[f].live()) edges.add(f, face[f].v, face[f].outer());
   }
-  for (const auto& [f, bits] : d.inner) {
-    if (face[f].live()) edges.remove(f, face[f].v, uint8_t(bits & ~face[f].inner));
-    face[f].inner = bits;
-  }
   for (size_t i = d.mate.size(); i-- > 0;) mate[d.mate[i].first / 6][size_t(d.mate[i].first % 6)] = d.mate[i].second;
   face.resize(size_t(d.faces));
   mate.resize(size_t(d.faces));
