@@ -50,8 +50,7 @@ void CutBuilder::glue_inside(std::span<const int32_t> face, std::span<const Plan
     std::array<int32_t, 6> glued;
     for (size_t k = 0; k < 3; ++k) {
       const size_t n = size_t(std::max(p.neighbour[k], 0));
-      const auto& back = pieces[n].neighbour;
-      const int32_t across = 6 * face[n] + (back[1] == int32_t(i)) + 2 * (back[2] == int32_t(i));
+      const int32_t across = 6 * face[n] + int32_t(pieces[n].edge_towards(int32_t(i)));
       const bool inner = p.label[k] == PlanarSplit::kFree;
       glued[k] = inner && (p.mat & kMaterialPlus) ? across : -1;
       glued[3 + k] = inner && (p.mat & kMaterialMinus) ? across + 3 : -1;

@@ -40,7 +40,7 @@ void Divisions::number_junctions(size_t i, std::vector<Constraint>& numbered) {
     const size_t k = size_t(numbered[j].b);
     PlanarSplit::Piece& p = piece[size_t(t)];
     PlanarSplit::Piece& q = piece[size_t(p.neighbour[k])];
-    const size_t m = size_t((q.neighbour[1] == t) + 2 * (q.neighbour[2] == t));
+    const size_t m = q.edge_towards(t);
     const Constraint& from = old[size_t(p.label[k] - PlanarSplit::kJunction)];
     p.label[k] = q.label[m] = int16_t(PlanarSplit::kJunction + int(j));
     numbered[j] = {p.v[k], p.v[(k + 1) % 3], from.partner};

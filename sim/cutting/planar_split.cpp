@@ -9,9 +9,6 @@ namespace {
 int next3(int k) { return k == 2 ? 0 : k + 1; }
 int prev3(int k) { return k == 0 ? 2 : k - 1; }
 
-/// The edge of a piece that begins at this corner.
-size_t edge_from(const PlanarSplit::Piece& p, int32_t corner) { return p.v[0] == corner ? 0 : p.v[1] == corner ? 1 : 2; }
-
 }  // namespace
 
 void PlanarSplit::open(const PointStore& points, const Plane& plane, const std::array<int32_t, 3>& v) {
@@ -58,7 +55,7 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
       else if (n > int32_t(i))
         p.label[k] = junction++;
       else
-        p.label[k] = piece_[size_t(n)].label[edge_from(piece_[size_t(n)], f.v[(k + 1) % 3])];
+        p.label[k] = piece_[size_t(n)].label[piece_[size_t(n)].edge_towards(int32_t(i))];
     }
     piece_.push_back(p);
   }
@@ -199,7 +196,7 @@ void PlanarSplit::set_label(int32_t t, int k, int16_t label) {
   p.old = false;
   if (p.neighbour[size_t(k)] < 0) return;
   Piece& q = piece_[size_t(p.neighbour[size_t(k)])];
-  q.label[size_t((q.neighbour[1] == t) + 2 * (q.neighbour[2] == t))] = label;
+  q.label[q.edge_towards(t)] = label;
   q.old = false;
 }
 

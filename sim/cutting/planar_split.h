@@ -22,6 +22,8 @@ class PlanarSplit {
     std::array<int16_t, 3> label{kFree, kFree, kFree};
     uint8_t mat = 0;
     bool old = false;  // still the face that stood in its place when the division was opened
+    /// The edge across which that neighbour lies.
+    size_t edge_towards(int32_t piece) const { return size_t((neighbour[1] == piece) + 2 * (neighbour[2] == piece)); }
   };
 
   /// Opens the current division of an existing original triangle.
