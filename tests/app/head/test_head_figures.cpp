@@ -73,7 +73,9 @@ TEST(HeadReport, TheLineOfAPairPutsItTogether) {
   ASSERT_TRUE(h.apply(parse_command(fits[0].at("line").get<std::string>(), "", 1)).done);
   for (const auto& [name, at] : h.landmarks_at_rest())
     for (const auto& [other, now] : h.landmarks_now())
-      if (other == name) EXPECT_LT((now - at).norm(), 0.5) << name;  // the bar of noisy rings (sorting_test.cpp)
+      if (other == name) {
+        EXPECT_LT((now - at).norm(), 0.5) << name;  // the bar of noisy rings (sorting_test.cpp)
+      }
 }
 
 /// A potato: no rotation takes it to itself.

@@ -64,7 +64,6 @@ TEST(StretchedCells, RowsAreWhatTheMetricLacks) {
     }
   // Along N = Q e3 all of it, along the others nothing: squares of .17 and .67 there.
   const Mat8 H = volumetric(m, F), rest = volumetric(m, Mat3::Identity());
-  const Eigen::Matrix<double, 8, 3> B = volume_gradients(m.stencils[size_t(m.cells[0].stencil)], m.cell_mm);
   for (int k = 0; k < 3; ++k) {
     // Corners moved as a gradient Q e_k asks for.
     Eigen::Matrix<double, 8, 1> x;
