@@ -256,8 +256,11 @@ TEST(ElasticSolver, AStepsLengthIsThatOfWhatCarriesSomething) {
     const StepReport r = solver->step(st);
     const double went = double((solver->position_mm(pull.a) - Vec3(4.5, 4.5, 9)).norm());
     EXPECT_GT(went, 0.5) << fraction;
-    if (fraction >= 0.2f) EXPECT_LT(r.iterations, 12) << fraction;
-    else EXPECT_EQ(r.iterations, 12) << fraction;
+    if (fraction >= 0.2f) {
+      EXPECT_LT(r.iterations, 12) << fraction;
+    } else {
+      EXPECT_EQ(r.iterations, 12) << fraction;
+    }
   }
 }
 
