@@ -42,22 +42,27 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
   junction_.assign(junctions.begin(), junctions.end());
   piece_.clear();
   piece_.reserve(faces.size() * 2 + 8);
-  int16_t junction = kJunction;
+  // Junctions, each from its lower side, are listed first, without a branch: which edges are some cannot be foreseen.
+  thread_local std::vector<std::pair<int32_t, int32_t>> junction_at;  // piece, edge
+  junction_at.resize(3 * faces.size() + 1);
+  size_t n = 0;
   for (size_t i = 0; i < faces.size(); ++i) {
     const Face& f = store.face[size_t(faces[i])];
-    Piece p{f.v, links[i], {kFree, kFree, kFree}, f.mat, true};
+    Piece& p = piece_.emplace_back();
+    p.v = f.v, p.mat = f.mat, p.old = true;
     for (size_t k = 0; k < 3; ++k) {
-      const int32_t n = links[i][k];
-      if (n < 0)
-        p.label[k] = int16_t(~n), p.neighbour[k] = -1;
-      else if (f.inner >> k & 1)
-        continue;
-      else if (n > int32_t(i))
-        p.label[k] = junction++;
-      else
-        p.label[k] = piece_[size_t(n)].label[piece_[size_t(n)].edge_towards(int32_t(i))];
+      const int32_t link = links[i][k];
+      p.neighbour[k] = std::max(link, -1);
+      p.label[k] = int16_t(std::max(~link, -1));  // kFree inside
+      junction_at[n] = {int32_t(i), int32_t(k)};
+      n += size_t(link > int32_t(i)) & ~size_t(f.inner >> k) & 1;
     }
-    piece_.push_back(p);
+  }
+  for (size_t j = 0; j < n; ++j) {
+    const auto [i, k] = junction_at[j];
+    Piece& p = piece_[size_t(i)];
+    Piece& q = piece_[size_t(p.neighbour[size_t(k)])];
+    p.label[size_t(k)] = q.label[q.edge_towards(i)] = int16_t(kJunction + int(j));
   }
 }
 
@@ -219,9 +224,16 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     if (v[size_t(prev3(c))] == b) return finish(int32_t(i), prev3(c));
     around.push_back({int32_t(i), c});
   }
-  // Where a junction with the same partner ends at a, it comes from exactly behind: no filter could tell.
-  const bool goes_on = !junction_.empty() && junction_.back().partner == partner && junction_.back().b == a;
-  const int32_t behind = goes_on ? junction_.back().a : -1;
+  // Turns that are zero by construction, which no filter could tell: what was just enforced with the same partner lies on the
+  // line of a-b, and so do edges of one label or of one partner with each other.
+  const auto turn_to = [&](int32_t c) {
+    for (size_t j = junction_.size(); j-- > 0 && junction_[j].partner == partner;)
+      if (junction_[j].a == c || junction_[j].b == c) return 0;
+    return orient(a, b, c);
+  };
+  const auto on_one_line = [&](int16_t l, int16_t m) {
+    return l != kFree && (l == m || (l >= kJunction && m >= kJunction && junction_[size_t(l - kJunction)].partner == junction_[size_t(m - kJunction)].partner));
+  };
   // The pieces that a-b passes through, from the one at a whose opposite edge it crosses.
   thread_local std::vector<int32_t> corridor;
   thread_local std::vector<std::pair<int32_t, int32_t>> crossing;  // a queue: entries before `done` are through
@@ -232,8 +244,7 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   for (size_t i = 0; i < around.size() && t < 0; ++i) {
     const auto [at, c] = around[i];
     const int32_t p = piece_[at].v[size_t(next3(c))], q = piece_[at].v[size_t(prev3(c))];
-    if (p == behind || q == behind) continue;
-    const int right = orient(a, b, p), left = orient(a, b, q);
+    const int right = turn_to(p), left = turn_to(q);
     if (right < 0 && left > 0) t = at, k = next3(c);
     // A point exactly ahead on the line is a coincidence.
     if ((right == 0 && strictly_between(a, p, b)) || (left == 0 && strictly_between(a, q, b))) return false;
@@ -262,9 +273,12 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     if (guard-- == 0) return false;
     const auto [u, v] = crossing[done++];
     t = -1;
-    for (int32_t c : corridor)
+    const auto look_at = [&](int32_t c) {
       for (int e = 0; e < 3 && t < 0; ++e)
         if (piece_[c].v[size_t(e)] == u && piece_[c].v[size_t(next3(e))] == v) t = c, k = e;
+    };
+    for (size_t i = done - 1; i < std::min(done + 1, corridor.size()) && t < 0; ++i) look_at(corridor[i]);  // where it mostly still is
+    for (size_t i = 0; i < corridor.size() && t < 0; ++i) look_at(corridor[i]);
     if (t < 0) {
       crossing.push_back({v, u});  // the same edge, named from its other side after a flip
       continue;
@@ -273,7 +287,9 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     int m = 0;
     while (piece_[n].v[size_t(m)] != v || piece_[n].v[size_t(next3(m))] != u) ++m;
     const int32_t p = piece_[t].v[size_t(prev3(k))], q = piece_[n].v[size_t(prev3(m))];
-    if (orient(u, q, p) <= 0 || orient(q, v, p) <= 0) {
+    const auto &its = piece_[t].label, &across = piece_[n].label;
+    const bool flat = on_one_line(its[size_t(prev3(k))], across[size_t(next3(m))]) || on_one_line(its[size_t(next3(k))], across[size_t(prev3(m))]);
+    if (flat || orient(u, q, p) <= 0 || orient(q, v, p) <= 0) {
       crossing.push_back({u, v});
       continue;
     }
