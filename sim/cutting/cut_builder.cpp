@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/cutting/radix_sort.h"
+#include "sim/cutting/sign_sort.h"
 
 namespace limberg {
 
@@ -147,7 +148,7 @@ CutBuilder::Outcome CutBuilder::divide() {
       const int axis = store_.points.longest_axis(p, q);
       const int forward = store_.points.order(axis, q, p);
       if (forward == 0) return fail(coincidence, "a cut line without length");
-      std::sort(between.begin(), between.end(), [&](const Mark& a, const Mark& b) {
+      sort_by_signs(between.begin(), between.end(), [&](const Mark& a, const Mark& b) {
         return store_.points.order(axis, b.point, a.point) == forward;
       });
       const Mark ends[2] = {marks(seg)[0], marks(seg)[1]};

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "sim/cutting/cut_builder.h"
+#include "sim/cutting/sign_sort.h"
 
 namespace limberg {
 
@@ -31,7 +32,7 @@ CutBuilder::Outcome CutBuilder::take_shared_edges() {
     chain.erase(std::unique(chain.begin(), chain.end()), chain.end());
     int axis = 0;
     (store_.points.approx(hi) - store_.points.approx(lo)).cwiseAbs().maxCoeff(&axis);
-    std::sort(chain.begin(), chain.end(), [&](int32_t a, int32_t b) {
+    sort_by_signs(chain.begin(), chain.end(), [&](int32_t a, int32_t b) {
       return store_.points.order(axis, a, b) < 0;
     });
     for (int32_t p : chain)

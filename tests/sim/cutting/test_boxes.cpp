@@ -1,9 +1,10 @@
-// The box tree, groups of boxes, sorting by digits, and the four signs that tell how two triangles cross.
+// The box tree, groups of boxes, sorting by digits and by signs, and the four signs that tell how two triangles cross.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "sim/cutting/radix_sort.h"
+#include "sim/cutting/sign_sort.h"
 #include "sim/cutting/tri_tests.h"
 
 namespace limberg {
@@ -200,6 +201,29 @@ TEST(Crossing, FourSignsTellWhatTwelveTell) {
   EXPECT_GT(crossing, 10000);
   EXPECT_GT(apart, 10000);
   EXPECT_GT(coincidence, 10000);
+}
+
+// One comparison that fails, whichever it is, leaves what lies before and behind the range as it was, and in it the same elements.
+TEST(SortBySigns, StaysWithinBoundsWhateverTheSignsSay) {
+  Draw draw;
+  for (size_t n : {0u, 1u, 2u, 3u, 7u, 40u})
+    for (int round = 0; round < 20; ++round) {
+      std::vector<int32_t> all(n + 8);
+      for (int32_t& v : all) v = draw(1000);
+      const auto sorted_with = [&](int strike) {  // the comparison that is to fail
+        std::vector<int32_t> v = all;
+        sort_by_signs(v.begin() + 4, v.end() - 4, [&](int32_t a, int32_t b) { return strike-- != 0 && a < b; });
+        return v;
+      };
+      std::vector<int32_t> right = all;
+      std::stable_sort(right.begin() + 4, right.end() - 4);
+      ASSERT_EQ(sorted_with(-1), right);
+      for (int strike = 0; strike < 60; ++strike) {
+        std::vector<int32_t> v = sorted_with(strike);
+        std::sort(v.begin() + 4, v.end() - 4);
+        ASSERT_EQ(v, right) << strike;
+      }
+    }
 }
 
 }  // namespace
