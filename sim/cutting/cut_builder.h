@@ -65,7 +65,7 @@ class CutBuilder {
   Outcome divide_finally(uint32_t touched, const NeededPoints& needed_points);
   /// Division i of `from` becomes that of this original triangle.
   void write_division(int32_t orig, Divisions& from, size_t i);
-  void retire_replaced(const OrigTri& orig, std::span<const PlanarSplit::Piece> pieces);
+  void retire_replaced(int32_t orig, std::span<const PlanarSplit::Piece> pieces);
   /// Sets the mates at the inner edges of a division whose faces are these.
   void glue_inside(std::span<const int32_t> face, std::span<const PlanarSplit::Piece> pieces);
 

@@ -67,8 +67,8 @@ void CutBuilder::glue_inside(std::span<const int32_t> face, std::span<const Plan
   }
 }
 
-void CutBuilder::retire_replaced(const OrigTri& orig, std::span<const PlanarSplit::Piece> pieces) {
-  const auto faces = store_.faces_of(int32_t(&orig - store_.orig.data()));
+void CutBuilder::retire_replaced(int32_t orig, std::span<const PlanarSplit::Piece> pieces) {
+  const auto faces = store_.faces_of(orig);
   for (size_t i = 0; i < faces.size(); ++i) {
     if (pieces[i].old) continue;
     Face& face = store_.face[size_t(faces[i])];
@@ -90,7 +90,7 @@ void CutBuilder::write_division(int32_t o, Divisions& from, size_t which) {
   const int32_t whole_before = orig.whole;
   const size_t before = orig.split < 0 ? 0 : store_.division[size_t(orig.split)].first_face;  // the faces that it had
   if (o < first_orig_) {
-    retire_replaced(orig, pieces);
+    retire_replaced(o, pieces);
     delta_.orig.push_back({o, orig.live, orig.whole, orig.split, std::nullopt});
     if (orig.split >= 0) delta_.orig.back().division = store_.division[size_t(orig.split)];  // gets a new one below
   }

@@ -26,24 +26,12 @@ void Divisions::number_junctions(size_t i, std::vector<Constraint>& numbered) {
   const auto old = junctions(i);
   if (old.empty()) return;
   const auto piece = pieces(i);
-  // Each from its lower side. They are listed first, without a branch, for which edges are junctions cannot be foreseen.
-  numbered.resize(3 * piece.size() + 1);
-  size_t n = 0;
-  for (size_t t = 0; t < piece.size(); ++t)
-    for (size_t k = 0; k < 3; ++k) {
-      numbered[n] = {int32_t(t), int32_t(k), -1};
-      n += piece[t].label[k] >= PlanarSplit::kJunction && piece[t].neighbour[k] > int32_t(t);
-    }
-  numbered.resize(n);
-  for (size_t j = 0; j < n; ++j) {
-    const int32_t t = numbered[j].a;
-    const size_t k = size_t(numbered[j].b);
+  for (const auto& [t, k] : PlanarSplit::list_junctions(piece, junction_at_)) {
     PlanarSplit::Piece& p = piece[size_t(t)];
-    PlanarSplit::Piece& q = piece[size_t(p.neighbour[k])];
-    const size_t m = q.edge_towards(t);
-    const Constraint& from = old[size_t(p.label[k] - PlanarSplit::kJunction)];
-    p.label[k] = q.label[m] = int16_t(PlanarSplit::kJunction + int(j));
-    numbered[j] = {p.v[k], p.v[(k + 1) % 3], from.partner};
+    PlanarSplit::Piece& q = piece[size_t(p.neighbour[size_t(k)])];
+    const Constraint& from = old[size_t(p.label[size_t(k)] - PlanarSplit::kJunction)];
+    p.label[size_t(k)] = q.label[q.edge_towards(t)] = int16_t(PlanarSplit::kJunction + int(numbered.size()));
+    numbered.push_back({p.v[size_t(k)], p.v[size_t(k + 1) % 3], from.partner});
   }
 }
 

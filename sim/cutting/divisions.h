@@ -34,7 +34,8 @@ class Divisions {
   };
   std::vector<PlanarSplit::Piece> piece_;
   std::vector<Constraint> junction_;
-  std::vector<End> end_;  // of each
+  std::vector<End> end_;                          // of each
+  std::vector<PlanarSplit::EdgeOf> junction_at_;  // room
 };
 
 }  // namespace limberg

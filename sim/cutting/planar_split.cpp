@@ -42,28 +42,33 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
   junction_.assign(junctions.begin(), junctions.end());
   piece_.clear();
   piece_.reserve(faces.size() * 2 + 8);
-  // Junctions, each from its lower side, are listed first, without a branch: which edges are some cannot be foreseen.
-  thread_local std::vector<std::pair<int32_t, int32_t>> junction_at;  // piece, edge
-  junction_at.resize(3 * faces.size() + 1);
-  size_t n = 0;
   for (size_t i = 0; i < faces.size(); ++i) {
     const Face& f = store.face[size_t(faces[i])];
     Piece& p = piece_.emplace_back();
     p.v = f.v, p.mat = f.mat, p.old = true;
     for (size_t k = 0; k < 3; ++k) {
-      const int32_t link = links[i][k];
-      p.neighbour[k] = std::max(link, -1);
-      p.label[k] = int16_t(std::max(~link, -1));  // kFree inside
-      junction_at[n] = {int32_t(i), int32_t(k)};
-      n += size_t(link > int32_t(i)) & ~size_t(f.inner >> k) & 1;
+      p.neighbour[k] = std::max(links[i][k], -1);
+      p.label[k] = links[i][k] < 0 ? int16_t(~links[i][k]) : f.inner >> k & 1 ? kFree : kJunction;  // which one comes next
     }
   }
-  for (size_t j = 0; j < n; ++j) {
-    const auto [i, k] = junction_at[j];
+  thread_local std::vector<EdgeOf> room;
+  int16_t label = kJunction;
+  for (const auto& [i, k] : list_junctions(piece_, room)) {
     Piece& p = piece_[size_t(i)];
     Piece& q = piece_[size_t(p.neighbour[size_t(k)])];
-    p.label[size_t(k)] = q.label[q.edge_towards(i)] = int16_t(kJunction + int(j));
+    p.label[size_t(k)] = q.label[q.edge_towards(i)] = label++;
   }
+}
+
+std::span<const PlanarSplit::EdgeOf> PlanarSplit::list_junctions(std::span<const Piece> piece, std::vector<EdgeOf>& room) {
+  if (room.size() < 3 * piece.size() + 1) room.resize(3 * piece.size() + 1);
+  size_t n = 0;
+  for (size_t i = 0; i < piece.size(); ++i)
+    for (size_t k = 0; k < 3; ++k) {  // without a branch: which edges are junctions cannot be foreseen
+      room[n] = {int32_t(i), int32_t(k)};
+      n += piece[i].label[k] >= kJunction && piece[i].neighbour[k] > int32_t(i);
+    }
+  return std::span(room).first(n);
 }
 
 bool PlanarSplit::strictly_between(int32_t a, int32_t p, int32_t b) const {

@@ -26,6 +26,13 @@ class PlanarSplit {
     size_t edge_towards(int32_t piece) const { return size_t((neighbour[1] == piece) + 2 * (neighbour[2] == piece)); }
   };
 
+  /// An edge k of a piece.
+  struct EdgeOf {
+    int32_t piece = 0, k = 0;
+  };
+  /// Edges labelled as junctions, each from its lower side, in the order in which the store keeps them. They stand in `room`.
+  static std::span<const EdgeOf> list_junctions(std::span<const Piece> piece, std::vector<EdgeOf>& room);
+
   /// Opens the current division of an existing original triangle.
   void open(const ArrangementStore& store, int32_t orig);
   /// Opens a new, undivided triangle. Its plane is not copied.

@@ -83,12 +83,12 @@ int32_t PointStore::add_implicit(size_t at, const PointKey& key, const Vec3& app
 void PointStore::truncate(int32_t n) {
   while (size() > n) {
     if (implicit_of_.back() >= 0) {
-      const PointKey& key = implicit_.back().key;
-      table_[place(key, hash(key))].index = -1;
-      if (key.kind == PointKey::line_plane)
-        line_plane_.pop_back();
+      const Implicit& last = implicit_.back();
+      table_[place(last.key, hash(last.key))].index = -1;
+      if (last.is_line_plane())
+        line_plane_.resize(size_t(last.form));  // one more may stand behind it: its point found no memory
       else
-        three_planes_.pop_back();
+        three_planes_.resize(size_t(last.form));
       implicit_.pop_back();
     }
     implicit_of_.pop_back();
@@ -103,13 +103,13 @@ void PointStore::settle() {
   const size_t from = residue_.size();
   if (from == implicit_.size()) return;
   residue_.resize(implicit_.size());
-  const auto narrow = [&](size_t i) {  // its form if it is an LPI
-    return implicit_[i].key.kind == PointKey::line_plane ? &line_plane_[size_t(implicit_[i].form)] : nullptr;
+  const auto residues_of = [&](const auto& form, uint64_t own) {  // of x / w, when 1 / w is known
+    return Residues{mod_mul(mod_prime(form.x[0]), own), mod_mul(mod_prime(form.x[1]), own), mod_mul(mod_prime(form.x[2]), own)};
   };
   uint64_t product = 1;
   for (size_t i = from; i < implicit_.size(); ++i) {
-    const auto* form = narrow(i);
-    const uint64_t w = form ? mod_prime(form->w) : mod_prime(three_planes_[size_t(implicit_[i].form)].w);
+    const auto form = size_t(implicit_[i].form);
+    const uint64_t w = implicit_[i].is_line_plane() ? mod_prime(line_plane_[form].w) : mod_prime(three_planes_[form].w);
     residue_[i] = {product, w, 0};
     if (w != 0) product = mod_mul(product, w);
   }
@@ -118,9 +118,8 @@ void PointStore::settle() {
     const uint64_t before = residue_[i][0], w = residue_[i][1];
     const uint64_t own = w != 0 ? mod_mul(inverse, before) : 0;
     if (w != 0) inverse = mod_mul(inverse, w);
-    const auto* form = narrow(i);
-    for (size_t k = 0; k < 3; ++k)
-      residue_[i][k] = mod_mul(form ? mod_prime(form->x[k]) : mod_prime(three_planes_[size_t(implicit_[i].form)].x[k]), own);
+    const auto form = size_t(implicit_[i].form);
+    residue_[i] = implicit_[i].is_line_plane() ? residues_of(line_plane_[form], own) : residues_of(three_planes_[form], own);
   }
 }
 

@@ -49,14 +49,10 @@ class PointStore {
   void prefetch(int32_t i) const { __builtin_prefetch(&approx_[size_t(i)]); }
   const Vec3& approx(int32_t i) const { return approx_[i]; }
   PointRef ref(int32_t i) const {
-    PointRef r{&approx_[size_t(i)]};
-    if (implicit_of_[size_t(i)] < 0) return r;
+    const Vec3* approx = &approx_[size_t(i)];
+    if (implicit_of_[size_t(i)] < 0) return {approx};
     const Implicit& p = implicit_[size_t(implicit_of_[size_t(i)])];
-    if (p.key.kind == PointKey::line_plane)
-      r.line_plane = &line_plane_[size_t(p.form)];
-    else
-      r.three_planes = &three_planes_[size_t(p.form)];
-    return r;
+    return p.is_line_plane() ? PointRef{approx, &line_plane_[size_t(p.form)]} : PointRef{approx, nullptr, &three_planes_[size_t(p.form)]};
   }
   PointKey key(int32_t i) const { return implicit_of_[i] < 0 ? PointKey{} : implicit_[implicit_of_[i]].key; }
   /// For an intersection of an edge: the ends of that edge, ascending; else null.
@@ -118,6 +114,7 @@ class PointStore {
     PointKey key;
     int32_t point = 0;
     int32_t form = 0;  // of line_plane_ or three_planes_
+    bool is_line_plane() const { return key.kind == PointKey::line_plane; }
   };
   static uint64_t hash(const PointKey& k) {
     uint64_t h = uint64_t(k.kind);
