@@ -45,6 +45,9 @@
 // yield by p h / (2 c E): 0.03 mm for 5 kPa, 3.5 mm and 30 kPa.
 // A place begins to press slack_mm inside other tissue: cuts that just coincide, at rest or after rounding, never push.
 // There is no friction.
+//
+// What it cannot part. In the cell in which a cut ends both banks are one copy, unless it is divided (lattice/topology.h,
+// Fronts): what a stitch draws in between there has no way out and ends up to 1 mm deep.
 #include <memory>
 #include <span>
 #include <vector>
