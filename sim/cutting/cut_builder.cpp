@@ -121,7 +121,7 @@ CutBuilder::Outcome CutBuilder::divide() {
   std::vector<Mark>& between = room_.between;
   PlanarSplit& split = room_.split;
   for (size_t at = 0; at < touched_.size(); ++at) {
-    const Touched& t = touched_[at];
+    Touched& t = touched_[at];
     if (at + kAhead < touched_.size()) {  // met in no order: fetched ahead
       const int32_t whole = store_.orig[touched_[at + kAhead].orig].whole;
       if (whole >= 0) __builtin_prefetch(&store_.face[whole]);
@@ -173,12 +173,13 @@ CutBuilder::Outcome CutBuilder::divide() {
         if (!split.enforce(a, b, seg.s))
           return fail(coincidence, "a cut line runs along a junction of earlier cuts");
         const auto [piece, k] = split.enforced();
+        if (piece < 0) continue;
         const auto& here = split.pieces()[size_t(piece)];
         const int32_t n = here.neighbour[size_t(k)];
         if (n < 0 || split.pieces()[size_t(n)].mat != here.mat)
           return fail(coincidence, "a cut line runs along a border");
-        if (here.mat != 0)
-          barrier_.push_back({seg.s, seg.f, a, b, label_of(a, seg.s), label_of(b, seg.s), uint32_t(at), here.mat});
+        barrier_.push_back({seg.s, seg.f, a, b, label_of(a, seg.s), label_of(b, seg.s), uint32_t(at), here.mat});
+        ++t.sub_edges;
       }
     }
     room_.divided.keep(split);

@@ -48,18 +48,20 @@ void CutBuilder::glue_inside(std::span<const int32_t> face, std::span<const Plan
     // Without branches: which edges are inner ones cannot be foreseen.
     auto& mate = store_.mate[size_t(face[i])];
     std::array<int32_t, 6> glued;
+    int beside_new = 0;
     for (size_t k = 0; k < 3; ++k) {
       const size_t n = size_t(std::max(p.neighbour[k], 0));
       const int32_t across = 6 * face[n] + int32_t(pieces[n].edge_towards(int32_t(i)));
-      const bool inner = p.label[k] == PlanarSplit::kFree;
-      glued[k] = inner && (p.mat & kMaterialPlus) ? across : -1;
-      glued[3 + k] = inner && (p.mat & kMaterialMinus) ? across + 3 : -1;
+      const int inner = p.label[k] == PlanarSplit::kFree;
+      glued[k] = across | ((inner & p.mat / kMaterialPlus) - 1);  // or -1
+      glued[3 + k] = (across + 3) | ((inner & p.mat / kMaterialMinus) - 1);
+      beside_new |= inner & !pieces[n].old;
     }
     if (!p.old) {
       mate = glued;
       continue;
     }
-    for (size_t h = 0; h < 6; ++h)
+    for (size_t h = 0; h < 6 && beside_new; ++h)
       if (glued[h] >= 0 && !pieces[size_t(p.neighbour[h % 3])].old) {  // an old face beside a new one
         delta_.mate.push_back({6 * face[i] + int32_t(h), mate[h]});
         mate[h] = glued[h];
@@ -159,16 +161,13 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   std::sort(needed_points.old.begin(), needed_points.old.end());
   for (size_t i = 0; i < touched_.size(); ++i) {
     Touched& t = touched_[i];
-    size_t sub_edges = 0;
     bool forced = false;
-    for (size_t j = t.first; j < t.first + t.count; ++j) {
-      sub_edges += segment_[j].count - 1;
+    for (size_t j = t.first; j < t.first + t.count && t.needed == 0 && !forced; ++j)
       for (const Mark& m : marks(segment_[j]))
         forced = forced || (m.label != PlanarSplit::kFree && needed_points.has(m.point));
-    }
     if (t.needed == 0 && !forced) continue;
     t.changes = true;
-    t.in_part = t.needed < sub_edges;  // else the division that there is is the final one
+    t.in_part = t.needed < t.sub_edges;  // else the division that there is is the final one
   }
   for (const Barrier& b : barrier_)
     if (b.needed && touched_[b.touched].in_part) room_.needed.push_back({b.touched, std::min(b.a, b.b), std::max(b.a, b.b)});

@@ -21,7 +21,8 @@ struct CutScratch {
     int32_t orig = 0;
     uint32_t first = 0, count = 0;  // its segments
     uint32_t division = 0;          // of `divided`
-    uint32_t needed = 0;            // how many of its sub-edges the kept patches need
+    uint32_t sub_edges = 0;         // of its segments, next to live material
+    uint32_t needed = 0;            // by the kept patches, of those
     bool changes = false;           // they need something of it
     bool in_part = false;           // but not all sub-edges
   };

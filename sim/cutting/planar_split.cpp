@@ -23,10 +23,12 @@ void PlanarSplit::open(const PointStore& points, const Plane& plane, const std::
   piece_.reserve(8);
   piece_.assign(1, p);
   last_ = 0;
+  spares_ = false;
 }
 
 void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
   open(store.points, store.orig[o].plane, store.orig[o].v);
+  spares_ = true;
   if (store.orig[o].split < 0) {
     piece_[0].mat = store.face[store.orig[o].whole].mat;
     piece_[0].old = true;
@@ -66,7 +68,7 @@ std::span<const PlanarSplit::EdgeOf> PlanarSplit::list_junctions(std::span<const
   for (size_t i = 0; i < piece.size(); ++i)
     for (size_t k = 0; k < 3; ++k) {  // without a branch: which edges are junctions cannot be foreseen
       room[n] = {int32_t(i), int32_t(k)};
-      n += piece[i].label[k] >= kJunction && piece[i].neighbour[k] > int32_t(i);
+      n += size_t(piece[i].label[k] >= kJunction) & size_t(piece[i].neighbour[k] > int32_t(i));
     }
   return std::span(room).first(n);
 }
@@ -88,7 +90,7 @@ bool PlanarSplit::insert(int32_t point, int16_t label) {
       for (int k = 0; k < 3; ++k) {
         const Piece& p = piece_[t];
         if (p.label[size_t(k)] != label || !strictly_between(p.v[size_t(k)], point, p.v[size_t(next3(k))])) continue;
-        split_edge(int32_t(t), k, point);
+        if (!spared(int32_t(t)) || !spared(p.neighbour[size_t(k)])) split_edge(int32_t(t), k, point);
         return true;
       }
     return false;
@@ -126,6 +128,7 @@ bool PlanarSplit::insert_into(int32_t t, const std::array<int, 3>& side, int32_t
     if (side[size_t(k)] == 0) edge = k, ++zeros;
   if (zeros > 1) return false;
   last_ = t;
+  if (spared(t)) return true;
   if (zeros == 1) {
     if (piece_[size_t(t)].label[size_t(edge)] != kFree) return false;
     split_edge(t, edge, point);
@@ -136,12 +139,7 @@ bool PlanarSplit::insert_into(int32_t t, const std::array<int, 3>& side, int32_t
 }
 
 void PlanarSplit::relink(int32_t piece, int32_t from, int32_t to) {
-  if (piece < 0) return;
-  for (int32_t& n : piece_[piece].neighbour)
-    if (n == from) {
-      n = to;
-      return;
-    }
+  if (piece >= 0) piece_[piece].neighbour[piece_[piece].edge_towards(from)] = to;
 }
 
 void PlanarSplit::split_piece(int32_t t, int32_t point) {
@@ -173,9 +171,7 @@ void PlanarSplit::split_edge(int32_t t, int k, int32_t point) {
   relink(old.neighbour[k1], t, t2);
   if (n < 0) return;
   const Piece other = piece_[n];
-  size_t m0 = 0;
-  while (other.neighbour[m0] != t || other.v[m0] != b) ++m0;
-  const size_t m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
+  const size_t m0 = other.edge_towards(t), m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
   const int32_t d = other.v[m2];
   piece_[n] = {{point, a, d}, {t, other.neighbour[m1], n2}, {l, other.label[m1], kFree}, other.mat, false};
   piece_[n2] = {{b, point, d}, {t2, n, other.neighbour[m2]}, {l, kFree, other.label[m2]}, other.mat, false};
@@ -188,9 +184,7 @@ void PlanarSplit::flip(int32_t t, int k) {
   const size_t k0 = size_t(k), k1 = size_t(next3(k)), k2 = size_t(prev3(k));
   const int32_t n = old.neighbour[k0];
   const Piece other = piece_[n];
-  size_t m0 = 0;
-  while (other.neighbour[m0] != t || other.v[m0] != old.v[k1]) ++m0;
-  const size_t m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
+  const size_t m0 = other.edge_towards(t), m1 = (m0 + 1) % 3, m2 = (m0 + 2) % 3;
   const int32_t u = old.v[k0], v = old.v[k1], p = old.v[k2], q = other.v[m2];
   piece_[t] = {
       {u, q, p}, {other.neighbour[m1], n, old.neighbour[k2]}, {other.label[m1], kFree, old.label[k2]}, old.mat, false};
@@ -212,8 +206,10 @@ void PlanarSplit::set_label(int32_t t, int k, int16_t label) {
 
 bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   const int16_t label = int16_t(kJunction + int(junction_.size()));
+  enforced_ = {-1, 0};
   const auto finish = [&](int32_t t, int k) {
     if (piece_[t].label[size_t(k)] != kFree) return false;  // it lies on something that is there already
+    if (spared(t)) return true;
     junction_.push_back({a, b, partner});
     set_label(t, k, label);
     enforced_ = {t, k};
@@ -229,6 +225,7 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     if (v[size_t(prev3(c))] == b) return finish(int32_t(i), prev3(c));
     around.push_back({int32_t(i), c});
   }
+  if (around.empty()) return spares_;
   // Turns that are zero by construction, which no filter could tell: what was just enforced with the same partner lies on the
   // line of a-b, and so do edges of one label or of one partner with each other.
   const auto turn_to = [&](int32_t c) {
@@ -248,13 +245,10 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   int k = 0;
   for (size_t i = 0; i < around.size() && t < 0; ++i) {
     const auto [at, c] = around[i];
-    const int32_t p = piece_[at].v[size_t(next3(c))], q = piece_[at].v[size_t(prev3(c))];
-    const int right = turn_to(p), left = turn_to(q);
-    if (right < 0 && left > 0) t = at, k = next3(c);
-    // A point exactly ahead on the line is a coincidence.
-    if ((right == 0 && strictly_between(a, p, b)) || (left == 0 && strictly_between(a, q, b))) return false;
+    if (turn_to(piece_[at].v[size_t(next3(c))]) < 0 && turn_to(piece_[at].v[size_t(prev3(c))]) > 0) t = at, k = next3(c);
   }
-  if (t < 0) return false;
+  if (t < 0) return false;  // a point exactly ahead on the line: a coincidence
+  if (spared(t)) return true;
   corridor.push_back(t);
   for (;;) {
     if (piece_[t].label[size_t(k)] != kFree || piece_[t].neighbour[size_t(k)] < 0) return false;
@@ -262,8 +256,7 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     crossing.push_back({u, v});
     const int32_t n = piece_[t].neighbour[size_t(k)];
     corridor.push_back(n);
-    int m = 0;
-    while (piece_[n].v[size_t(m)] != v || piece_[n].v[size_t(next3(m))] != u) ++m;
+    const int m = int(piece_[n].edge_towards(t));
     const int32_t w = piece_[n].v[size_t(prev3(m))];
     if (w == b) break;
     const int s = orient(a, b, w);
@@ -279,8 +272,9 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     const auto [u, v] = crossing[done++];
     t = -1;
     const auto look_at = [&](int32_t c) {
-      for (int e = 0; e < 3 && t < 0; ++e)
-        if (piece_[c].v[size_t(e)] == u && piece_[c].v[size_t(next3(e))] == v) t = c, k = e;
+      const auto& at = piece_[c].v;
+      const int e = (at[1] == u) + 2 * (at[2] == u);
+      if (at[size_t(e)] == u && at[size_t(next3(e))] == v) t = c, k = e;
     };
     for (size_t i = done - 1; i < std::min(done + 1, corridor.size()) && t < 0; ++i) look_at(corridor[i]);  // where it mostly still is
     for (size_t i = 0; i < corridor.size() && t < 0; ++i) look_at(corridor[i]);
@@ -289,18 +283,20 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
       continue;
     }
     const int32_t n = piece_[t].neighbour[size_t(k)];
-    int m = 0;
-    while (piece_[n].v[size_t(m)] != v || piece_[n].v[size_t(next3(m))] != u) ++m;
+    const int m = int(piece_[n].edge_towards(t));
     const int32_t p = piece_[t].v[size_t(prev3(k))], q = piece_[n].v[size_t(prev3(m))];
+    if (piece_[t].mat != piece_[n].mat) return false;
+    if ((p == a && q == b) || (p == b && q == a)) {  // nothing else crosses any more
+      flip(t, k);
+      return finish(t, 1);
+    }
     const auto &its = piece_[t].label, &across = piece_[n].label;
     const bool flat = on_one_line(its[size_t(prev3(k))], across[size_t(next3(m))]) || on_one_line(its[size_t(next3(k))], across[size_t(prev3(m))]);
     if (flat || orient(u, q, p) <= 0 || orient(q, v, p) <= 0) {
       crossing.push_back({u, v});
       continue;
     }
-    if (piece_[t].mat != piece_[n].mat) return false;
     flip(t, k);  // now t = (u, q, p)
-    if ((p == a && q == b) || (p == b && q == a)) return finish(t, 1);
     if (p == a || p == b || q == a || q == b) continue;
     if (orient(a, b, p) * orient(a, b, q) < 0) crossing.push_back({p, q});
   }
@@ -331,8 +327,7 @@ void PlanarSplit::make_delaunay() {
         const Piece p = piece_[t];
         const int32_t n = p.neighbour[size_t(k)];
         if (n < 0 || p.label[size_t(k)] != kFree) continue;
-        int m = 0;
-        while (piece_[n].v[size_t(m)] != p.v[size_t(next3(k))] || piece_[n].v[size_t(next3(m))] != p.v[size_t(k)]) ++m;
+        const int m = int(piece_[n].edge_towards(t));
         const int32_t q = piece_[n].v[size_t(prev3(m))], u = p.v[size_t(k)], v = p.v[size_t(next3(k))],
                       w = p.v[size_t(prev3(k))];
         if (!in_circle(u, v, w, q) || orient(u, q, w) <= 0 || orient(q, v, w) <= 0) continue;

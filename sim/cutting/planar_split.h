@@ -3,7 +3,8 @@
 //
 // Every point that goes in is known to lie inside, on an edge of the original triangle, or on a junction, from what it
 // is made of; nothing is ever decided "nearly". Edges carry labels: kFree may be flipped (both sides then hold the same
-// material), 0..2 lies on that edge of the original triangle, kJunction + i is junction i.
+// material), 0..2 lies on that edge of the original triangle, kJunction + i is junction i. Pieces of an existing triangle
+// that hold no material stay as they are: nothing can be cut there.
 #include <span>
 #include <string>
 #include <vector>
@@ -40,10 +41,11 @@ class PlanarSplit {
   void open(const PointStore& points, Plane&& plane, const std::array<int32_t, 3>& v) = delete;
 
   /// Inserts a point that lies on the chain of edges with this label (kFree: strictly inside). No effect when it is
-  /// there already. False: it is not where it was said to be, a coincidence.
+  /// there already, or where there is no material. False: it is not where it was said to be, a coincidence.
   bool insert(int32_t point, int16_t label);
   /// Makes a-b an edge and labels it as a new junction with `partner`. All with one partner lie on one line; those that follow
-  /// each other are enforced one after the other along it. False: it would cross a junction or meet a point.
+  /// each other are enforced one after the other along it. No effect where there is no material. False: it would cross a
+  /// junction or meet a point.
   bool enforce(int32_t a, int32_t b, int32_t partner);
 
   /// Flips free edges until every one is locally Delaunay. For explicit points in a plane z = const only.
@@ -51,8 +53,8 @@ class PlanarSplit {
 
   std::span<const Piece> pieces() const { return piece_; }
   std::span<const Constraint> junctions() const { return junction_; }  // by label, from kJunction on
-  /// The edge that the last successful enforce() made: a piece and its edge k.
-  std::pair<int32_t, int> enforced() const { return enforced_; }
+  /// The edge that the last successful enforce() made; piece -1: none, there was no material.
+  EdgeOf enforced() const { return enforced_; }
 
  private:
   /// Puts a point that lies in the closed piece t into it, given its sides of the three edges.
@@ -69,6 +71,7 @@ class PlanarSplit {
   /// On both sides. A face whose edge is another one now is a new face.
   void set_label(int32_t t, int k, int16_t label);
   int32_t& neighbour(int32_t t, int k) { return piece_[t].neighbour[size_t(k)]; }
+  bool spared(int32_t t) const { return spares_ && (t < 0 || piece_[size_t(t)].mat == 0); }
 
   const PointStore* points_ = nullptr;
   const Plane* plane_ = nullptr;
@@ -76,7 +79,8 @@ class PlanarSplit {
   std::vector<Piece> piece_;
   std::vector<Constraint> junction_;
   int32_t last_ = 0;  // where the last point went in: the next is often near
-  std::pair<int32_t, int> enforced_{-1, 0};
+  EdgeOf enforced_{-1, 0};
+  bool spares_ = false;  // pieces without material; a new triangle's are yet to get theirs
 };
 
 }  // namespace limberg

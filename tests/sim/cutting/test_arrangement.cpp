@@ -52,6 +52,18 @@ TEST_F(Slab, CrossOfPartialIncisions) {
   expect(1, {2});
 }
 
+TEST_F(Slab, WhatOfABladeStandsAboveTheSkinIsNotDivided) {
+  const auto without_material = [&](int32_t below) {  // of original triangles with smaller names
+    return std::count_if(a.faces().begin(), a.faces().end(), [&](const Face& f) { return !f.retired && f.mat == 0 && f.orig < below; });
+  };
+  cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6));
+  const int32_t triangles = int32_t(a.store().orig.size());
+  const auto before = without_material(triangles);
+  EXPECT_GT(before, 40);  // the blade's upper half
+  cut(strip({{1, -20}, {2, 20}}, 3, -4));
+  EXPECT_EQ(without_material(triangles), before + 1);  // only where the two leave the skin together: a point on its border
+}
+
 TEST_F(Slab, CrossThrough) {
   cut(strip({{-40, 0.3}, {40, 1.1}}, 3, -20));
   expect(2, {2, 2});
