@@ -9,11 +9,11 @@
 
 #include "app/bench/cgal_child.h"
 #include "app/bench/cpu_clock.h"
+#include "app/bench/cutting_parts.h"
 #include "app/bench/cutting_scene.h"
 #include "app/bench/fronts.h"
 #include "sim/cutting/arrangement.h"
-#include "sim/cutting/cut_scratch.h"
-#include "sim/cutting/store.h"
+#include "sim/text.h"
 
 namespace limberg::bench {
 namespace {
@@ -28,43 +28,10 @@ constexpr Size full_sizes[] = {
     {"26 k", 112, 15, true, 0}, {"103 k", 224, 15, true, 50}, {"407 k", 448, 9, true, 150}, {"1.6 M", 896, 7, false, 0}};
 constexpr Size quick_sizes[] = {{"2 k", 28, 3, true, 0}, {"7 k", 56, 3, true, 0}};
 
-void say(const CuttingSettings& s, const std::string& text) {
-  if (s.progress) s.progress(text);
-}
-
 size_t heap_bytes() {
   const struct mallinfo2 m = mallinfo2();
   return m.uordblks + m.hblkhd;
 }
-
-std::string text(const char* format, auto... value) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, value...);
-  return buffer;
-}
-
-CutResult cut(Arrangement& a, const Blade& blade, uint64_t seed, Times& times) {
-  const double start = cpu_ms();
-  CutResult r = a.cut(blade, seed);
-  times.add(cpu_ms() - start);
-  if (!r.ok()) throw std::runtime_error("bench cutting: a cut was refused: " + r.reason);
-  return r;
-}
-
-void add_row(Result& out, const std::string& name, const std::string& method, const std::string& settings, const Times& t) {
-  Row r;
-  r.name = name;
-  r.method = method;
-  r.settings = settings + text("; median of %zu, best %.3f ms", t.ms.size(), t.best());
-  r.time_ms = t.median();
-  out.rows.push_back(r);
-}
-
-void add_bar(Result& out, const std::string& name, double value, double bar, bool larger, const char* source) {
-  out.bars.push_back({name, value, false, bar, larger, larger ? value >= bar : value <= bar, source});
-}
-
-constexpr const char* kTargets = "issue 3, from the prototype's figures";
 
 /// Returns the median time of ours.
 double arrangement(Result& out, const CuttingSettings& settings, const Size& size, CgalChild& cgal) {
@@ -173,93 +140,6 @@ void history(Result& out, const CuttingSettings& settings, int cells, int cuts) 
   add_bar(out, "history: last 20 cuts over first 20", late.median() / early.median(), 1.5, false, kTargets);
 }
 
-void crossing(Result& out, const CuttingSettings& settings, int cells, int repeats) {
-  say(settings, "crossing");
-  const Body body = wavy_slab(cells);
-  Arrangement a(body.surface, body.grid);
-  std::vector<Blade> blade;  // 2: X; 3 and 4: star
-  for (double angle : {0.0, 90.0, 45.0, 135.0}) {
-    BladePlace p;
-    p.angle_deg = angle, p.depth_mm = 9 - angle / 90;  // shallower or deeper than what they cross
-    p.middle += Vec2(angle / 90, angle / 60);
-    blade.push_back(curved_blade(body, p));
-  }
-  // Each cut is made, taken back and made again, and the second time counts: so each finds in the caches what it needs,
-  // as the first one does, whose undo was the last act of the round before. "Alone": the same blade into the uncut body, which
-  // tells what its own direction and depth cost from what crossing costs. "In turns": the four orders in which every blade is
-  // once first, once second and so on, so that both sides of the ratio are means over the same four blades.
-  struct Work {  // what one cut had to look at and to make
-    size_t boxes = 0, pairs = 0, faces = 0, triangles = 0, walls = 0, three_planes = 0;
-  };
-  std::vector<Times> t(4), alone(4), ratio(4), to_alone(4), in_turns(4), in_turns_work(4);
-  std::array<Work, 4> work{};
-  std::array<size_t, 4> alone_faces{};
-  const auto per = [](size_t x, size_t y) { return double(x) / double(y); };
-  const auto faces_of_last = [&a] { return a.last_operation().added.size() + a.last_operation().removed.size(); };
-  const auto timed = [&](size_t k, Times& times) {
-    Times untimed;
-    cut(a, blade[k], k, untimed);
-    a.undo();
-    return cut(a, blade[k], k, times);
-  };
-  for (int i = 0; i < repeats; ++i) {
-    for (size_t k = 0; k < 4; ++k) {
-      timed(k, alone[k]);
-      alone_faces[k] = faces_of_last();
-      a.undo();
-    }
-    for (size_t k = 0; k < 4; ++k) {
-      work[k].walls = size_t(timed(k, t[k]).wall_faces);
-      ratio[k].add(t[k].ms.back() / t[0].ms.back());
-      to_alone[k].add(t[k].ms.back() / alone[k].ms.back());
-      work[k].boxes = a.store().scratch->hit.size();
-      work[k].pairs = a.store().scratch->segment.size();
-      const PointStore& points = a.store().points;
-      work[k].three_planes = 0;
-      for (int32_t p = a.store().history.back().points; p < points.size(); ++p) work[k].three_planes += points.key(p).kind == PointKey::three_planes;
-      const LastOperation& last = a.last_operation();
-      work[k].faces = faces_of_last();
-      std::vector<int32_t> divided;
-      for (int32_t f : last.removed) divided.push_back(a.faces()[size_t(f)].orig);
-      std::sort(divided.begin(), divided.end());
-      work[k].triangles = size_t(std::unique(divided.begin(), divided.end()) - divided.begin());
-    }
-    for (int k = 0; k < 4; ++k) a.undo();
-    std::array<double, 4> by_place{}, faces_by_place{};
-    for (size_t turn = 0; turn < 4; ++turn) {
-      for (size_t place = 0; place < 4; ++place) {
-        Times one;
-        timed((turn + place) % 4, one);
-        by_place[place] += one.ms.back();
-        faces_by_place[place] += double(faces_of_last());
-      }
-      for (int k = 0; k < 4; ++k) a.undo();
-    }
-    for (size_t k = 0; k < 4; ++k) in_turns[k].add(by_place[k] / by_place[0]), in_turns_work[k].add(faces_by_place[k] / faces_by_place[0]);
-  }
-  for (size_t k = 0; k < 4; ++k) {
-    const Work &w = work[k], &one = work[0];
-    add_row(out, "crossing", text("cut %zu", k + 1),
-            text("%zu triangles, 120 mm; near %zu (%.3f of cut 1), meeting %zu (%.3f), divided %zu (%.3f)", body.surface.tri.size(),
-                 w.boxes, per(w.boxes, one.boxes), w.pairs, per(w.pairs, one.pairs), w.triangles, per(w.triangles, one.triangles)) +
-                text(", points of three planes %zu, faces made or replaced %zu (%.3f), of them wall %zu; %.0f ns a face",
-                     w.three_planes, w.faces, per(w.faces, one.faces), w.walls, 1e6 * t[k].median() / double(w.faces)),
-            t[k]);
-    add_row(out, "crossing", text("cut %zu's blade alone, into the uncut body", k + 1), text("%.3f of cut 1's", alone[k].median() / alone[0].median()), alone[k]);
-  }
-  if (settings.quick) return;
-  for (size_t k = 1; k < 4; ++k)
-    add_bar(out, text("crossing: cut %zu over cut 1 (other blades: direction and depth count too); faces made or replaced %.2f", k + 1, per(work[k].faces, work[0].faces)),
-            ratio[k].median(), 1.1, false, kTargets);
-  for (size_t k = 1; k < 4; ++k)
-    add_bar(out, text("crossing: cut %zu over the same blade alone in the uncut body; faces made or replaced %.2f", k + 1, per(work[k].faces, alone_faces[k])),
-            to_alone[k].median(), 1.1, false,
-            "beside the bar of issue 3: what crossing itself costs");
-  for (size_t k = 1; k < 4; ++k)
-    add_bar(out, text("crossing: cut %zu over cut 1, each of the four blades in each place once; faces made or replaced %.2f", k + 1, in_turns_work[k].median()),
-            in_turns[k].median(), 1.1, false, "beside the bar of issue 3: the same blades on both sides");
-}
-
 }  // namespace
 
 Result cutting(const CuttingSettings& settings) {
@@ -280,7 +160,7 @@ Result cutting(const CuttingSettings& settings) {
     if (!cgal.available()) out.notes.push_back("No comparison with CGAL: " + cgal.why() + ".");
   }
   if (wanted("history")) history(out, settings, settings.quick ? 56 : 224, settings.quick ? 30 : 200);
-  if (wanted("crossing")) crossing(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
+  if (wanted("crossing")) crossing_cuts(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
   if (wanted("whole cut")) whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, settings.quick ? 2 : 9);
   if (wanted("fronts")) fronts(out, settings);
   return out;

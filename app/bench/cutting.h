@@ -5,7 +5,7 @@
 //                against CGAL's corefinement of the same two meshes, taking turns in the same run (cgal_child.h)
 //   growth       our time at 1.6 M triangles over that at 103 k
 //   history      one cut in the fresh slab and again after 199 others; and the last 20 of 200 cuts against the first 20
-//   crossing     the second, third and fourth cut across the first one
+//   crossing     the second, third and fourth cut, across earlier ones, against the first (cutting_crossing.cpp)
 //   whole cut    from the blade to the new topology at 103 k triangles and cells of 3 mm: arrangement, lattice, finite elements,
 //                surface that is drawn; and what the solver then does with the model, which has bars of its own
 //   fronts       where a slit that ends inside lattice cells really opens, with and without divided cells (fronts.h)
@@ -30,7 +30,8 @@ struct CuttingSettings {
 
 Result cutting(const CuttingSettings& settings);
 
-/// The part "whole cut" (cutting_whole.cpp).
+/// The parts "crossing" (cutting_crossing.cpp) and "whole cut" (cutting_whole.cpp).
+void crossing_cuts(Result& out, const CuttingSettings& settings, int slab_cells, int repeats);
 void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, double cell_mm, int repeats);
 
 }  // namespace limberg::bench

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
 #include <stdexcept>
@@ -16,6 +15,7 @@
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/grid_fit.h"
 #include "sim/lattice/topology.h"
+#include "sim/text.h"
 
 namespace limberg::bench {
 namespace {
@@ -130,12 +130,6 @@ void find_closed(const SlitSpec& s, SlitOpening& out, Open&& open) {
   out.closed_low_mm = closed([&](double d) { return open(s.from_mm + d, kJustBelow); }, s.to_mm - s.from_mm);
   out.closed_high_mm = closed([&](double d) { return open(s.to_mm - d, kJustBelow); }, s.to_mm - s.from_mm);
   out.closed_deep_mm = closed([&](double d) { return open(middle, -s.depth_mm + d); }, s.depth_mm);
-}
-
-std::string text(const char* format, auto... value) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, value...);
-  return buffer;
 }
 
 void add_bar(Result& out, const std::string& name, double closed_cells) {

@@ -2,23 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "app/bench/cpu_clock.h"
 #include "app/bench/head_cases.h"
 #include "app/report/svg_chart.h"
 #include "sim/error.h"
+#include "sim/text.h"
 
 namespace limberg::bench {
 namespace {
 
 using namespace simplex;
-
-std::string text(const char* format, auto... value) {
-  char buffer[300];
-  std::snprintf(buffer, sizeof buffer, format, value...);
-  return buffer;
-}
 
 /// Distances of the face's vertices from where they should be, over the vertices measured.
 HeadTrial against(const Mesh& face, const std::vector<Vec3>& truth, const std::vector<int32_t>& measured) {

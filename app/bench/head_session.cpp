@@ -1,23 +1,17 @@
 #include <algorithm>
-#include <cstdio>
 
 #include "app/bench/cpu_clock.h"
 #include "app/bench/head_cases.h"
 #include "app/bench/head_face.h"
 #include "sim/error.h"
 #include "sim/head/head.h"
+#include "sim/text.h"
 
 namespace limberg::bench {
 namespace {
 
 constexpr double kFrame_ms = 1000. / 30;  // 30 updates a second
 constexpr double kAtOnce_ms = 100;        // what an act may take and still seem immediate (Miller 1968)
-
-std::string text(const char* format, auto... value) {
-  char buffer[300];
-  std::snprintf(buffer, sizeof buffer, format, value...);
-  return buffer;
-}
 
 }  // namespace
 

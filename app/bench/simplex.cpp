@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "app/bench/cpu_clock.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/generators.h"
 #include "sim/simplex/motion.h"
 #include "sim/simplex/random_operators.h"
+#include "sim/text.h"
 
 namespace limberg::bench {
 namespace {
@@ -16,12 +16,6 @@ namespace {
 using namespace simplex;
 
 constexpr double kPrototypeNs = 207;  // measured on this kind of machine for a scalar prototype, one core
-
-std::string text(const char* format, auto... value) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, value...);
-  return buffer;
-}
 
 /// The same iteration as a plain loop: what a first program would do.
 class PlainLoop {

@@ -1,10 +1,10 @@
 #pragma once
 // How the acts of Bones say what they did, or that they do not go.
 #include <cstdint>
-#include <cstdio>
 #include <string>
 #include <utility>
 
+#include "sim/text.h"
 #include "sim/tools/command.h"
 
 namespace limberg::bone {
@@ -12,12 +12,5 @@ namespace limberg::bone {
 inline Outcome refused(std::string why) { return {false, std::move(why)}; }
 inline std::string no_fragment(int32_t id) { return "there is no fragment " + std::to_string(id); }
 inline constexpr const char* kHeld = "a fragment is held; it has to be released first";
-
-/// Numbers in words. Names are not for it: they have any length.
-std::string text(const char* format, auto... value) {
-  char s[160];
-  std::snprintf(s, sizeof s, format, value...);
-  return s;
-}
 
 }  // namespace limberg::bone

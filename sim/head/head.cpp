@@ -41,8 +41,8 @@ std::string lies(const bone::Bones& bones, int32_t id) {
   std::string words;
   for (const bone::Gap& g : bones.gaps()) {
     if ((g.a != id && g.b != id) || std::max(g.gap_max_mm, g.overlap_max_mm) < kNothing_mm) continue;
-    words += (words.empty() ? "" : "; ") + bones.fragment(g.a == id ? g.b : g.a)->name + bone::text(": gap %.1f mm, at most %.1f", g.gap_mean_mm, g.gap_max_mm);
-    if (g.overlap_max_mm >= kNothing_mm) words += bone::text(", overlap %.1f mm deep, %.0f mm^3", g.overlap_max_mm, g.overlap_mm3);
+    words += (words.empty() ? "" : "; ") + bones.fragment(g.a == id ? g.b : g.a)->name + text(": gap %.1f mm, at most %.1f", g.gap_mean_mm, g.gap_max_mm);
+    if (g.overlap_max_mm >= kNothing_mm) words += text(", overlap %.1f mm deep, %.0f mm^3", g.overlap_max_mm, g.overlap_mm3);
   }
   return words;
 }

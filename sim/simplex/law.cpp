@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "sim/text.h"
 
 namespace limberg::simplex {
 namespace {
 
 constexpr double kMargin = 0.99;  // of the bound: at the bound itself oscillations do not die
-
-std::string text(const char* format, auto... value) {
-  char b[256];
-  std::snprintf(b, sizeof b, format, value...);
-  return b;
-}
 
 }  // namespace
 

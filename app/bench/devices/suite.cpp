@@ -1,7 +1,6 @@
 #include "app/bench/devices/suite.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "app/bench/cpu_clock.h"
 #include "app/bench/devices/force.h"
@@ -10,17 +9,11 @@
 #include "calibration/pivot.h"
 #include "calibration/registration.h"
 #include "devices/rehearsal.h"
+#include "sim/text.h"
 
 namespace limberg::bench {
 
 namespace {
-
-template <class... V>
-std::string text(const char* format, V... v) {
-  char t[256];
-  std::snprintf(t, sizeof t, format, v...);
-  return t;
-}
 
 double us(int64_t ns) { return double(ns) * 1e-3; }
 
