@@ -16,6 +16,7 @@ namespace limberg {
 class PlanarSplit {
  public:
   static constexpr int16_t kFree = -1, kJunction = 3;
+  static constexpr size_t kMostJunctions = 32767 - kJunction + 1;  // that have a label; no more may be enforced
 
   struct Piece {
     std::array<int32_t, 3> v{};          // point ids
