@@ -76,7 +76,7 @@ class EdgeMap {
   /// Edges touched since begin_changes() that have a face, or had one: by the places where they are, in the order in which these
   /// were touched first. What a place holds now counts: an edge that has lost its faces may have left it to another.
   std::span<const uint32_t> changed() const { return changed_; }
-  Edge edge(uint32_t slot) const { return {int32_t(slot_[slot].key >> 32), int32_t(uint32_t(slot_[slot].key))}; }
+  Edge edge(uint32_t slot) const { return {int32_t(uint32_t(slot_[slot].key)), int32_t(slot_[slot].key >> 32)}; }
   int32_t first(uint32_t slot) const { return slot_[slot].head; }
 
  private:
@@ -87,11 +87,12 @@ class EdgeMap {
     uint32_t round = 0;    // of changes, in which it was noted last
   };
   static uint64_t key(int32_t a, int32_t b) {
-    if (a > b) std::swap(a, b);
+    if (a < b) std::swap(a, b);
     return uint64_t(uint32_t(a)) << 32 | uint32_t(b);
   }
   /// The places to look at, in order. The first ones lie in a window of 64 slots that belongs to 8 points with
-  /// successive names: what a cut makes lies together, and neighbours in a mesh mostly do. A point with very many edges would
+  /// successive names, and to the edges of which one of these is the later end: what a cut makes lies together, neighbours in
+  /// a mesh mostly do, and what cuts add to the edges of an old point does not crowd its window. A point with very many edges would
   /// fill its window and its neighbours' too, so after kNear steps the search goes on at a place that is spread over all.
   struct Search {
     size_t at, mask;
