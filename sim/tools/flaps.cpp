@@ -125,7 +125,7 @@ std::vector<Command> operation(const Rhomboid& plan, const FlapSettings& setting
   const Vec2 left = Vec2(-2, 0.5), below = Vec2(-1.5, -1.5);
   w.row(donor_D, donor_F);
   w.row({D, E, flap}, {B, A, left});
-  w.row({E, F, flap}, {A, D, out});  // its last stitch keeps the flap's base from gaping beside the donor stitch
+  w.row({E, F, flap}, {A, D, out}, 1, 0.4);  // its last stitch keeps the flap's base from gaping beside the donor stitch
   w.row({C, D, flap}, {C, B, below});  // up to one spacing from the pivot, whose skin is whole
   w.stage("closed", 4);
   return w.commands;
