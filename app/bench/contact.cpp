@@ -69,6 +69,7 @@ std::vector<Patient> procedures_on_a_patch() {
   WorldSpec spec;
   spec.body = std::make_shared<Body>(make_block(b));
   spec.cell_mm = 3.5;
+  spec.refine_fronts = true, spec.refine_pockets = false;  // as the shipped scenes of flaps
   std::vector<Patient> out;
   for (const Procedure& p : procedures()) {
     Patient one{p.name, spec, {}, 10};
