@@ -176,7 +176,7 @@ CutBuilder::Outcome CutBuilder::divide() {
         if (!split.enforce(a, b, seg.s))
           return fail(coincidence, "a cut line runs along a junction of earlier cuts");
         const auto [piece, k] = split.enforced();
-        if (piece < 0) continue;
+        if (piece < 0) continue;  // no material
         const auto& here = split.pieces()[size_t(piece)];
         const int32_t n = here.neighbour[size_t(k)];
         if (n < 0 || split.pieces()[size_t(n)].mat != here.mat)

@@ -53,8 +53,7 @@ void CutBuilder::glue_inside(std::span<const int32_t> face, std::span<const Plan
       const size_t n = size_t(std::max(p.neighbour[k], 0));
       const int32_t across = 6 * face[n] + int32_t(pieces[n].edge_towards(int32_t(i)));
       const int inner = p.label[k] == PlanarSplit::kFree;
-      glued[k] = across | ((inner & p.mat / kMaterialPlus) - 1);  // or -1
-      glued[3 + k] = (across + 3) | ((inner & p.mat / kMaterialMinus) - 1);
+      for (size_t side = 0; side < 2; ++side) glued[3 * side + k] = (across + 3 * int32_t(side)) | ((inner & p.mat >> side) - 1);  // or -1
       beside_new |= inner & !pieces[n].old;
     }
     if (!p.old) {

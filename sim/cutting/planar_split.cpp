@@ -225,7 +225,7 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     if (v[size_t(prev3(c))] == b) return finish(int32_t(i), prev3(c));
     around.push_back({int32_t(i), c});
   }
-  if (around.empty()) return spares_;
+  if (around.empty()) return spares_;  // a lies where nothing can be cut
   // Turns that are zero by construction, which no filter could tell: what was just enforced with the same partner lies on the
   // line of a-b, and so do edges of one label or of one partner with each other.
   const auto turn_to = [&](int32_t c) {
