@@ -269,7 +269,8 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   size_t guard = 64 + crossing.size() * crossing.size() * 4;
   for (size_t done = 0; done < crossing.size();) {
     if (guard-- == 0) return false;
-    const auto [u, v] = crossing[done++];
+    const int32_t u = crossing[done].first, v = crossing[done].second;
+    ++done;
     t = -1;
     const auto look_at = [&](int32_t c) {
       const auto& at = piece_[c].v;
