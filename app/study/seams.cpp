@@ -54,7 +54,6 @@ Side corner_of(const SkinMap& skin, const Figure& f, const Corner& c) {
 SeamsLie seams_lie(const SkinMap& skin, const Figure& f, double spacing) {
   SeamsLie out;
   for (const Seam& s : f.seams) {
-    if (!s.stitched) continue;
     const auto a = bank(f, s.a_from, s.a_to, true), b = bank(f, s.b_from, s.b_to, false);
     const double la = length_mm(a), lb = length_mm(b);
     const int n = int(parts_of_row(std::max(la, lb), spacing)) - 1;

@@ -29,10 +29,10 @@ Figure v_y(double W, double H, double advance) {
   f.undermined = false;  // it lives on the fat below
   f.deeper = 2;
   f.keys = {{{1, il}, {0, tl}}, {{1, ir}, {0, tr}}, {{0, ul}, {0, ur}}, {{1, ia}, {0, ul}}};
-  f.seams = {{{0, ur}, {0, ap}, {0, ul}, {0, ap}, false, true},   // the stem of the Y
-             {{1, ir}, {1, il}, {0, tr}, {0, tl}, false, true},   // the island's base to the defect's far edge
-             {{1, il}, {1, ia}, {0, tl}, {0, ul}, false, true},
-             {{1, ia}, {1, ir}, {0, ur}, {0, tr}, false, true}};
+  f.seams = {{{0, ur}, {0, ap}, {0, ul}, {0, ap}},   // the stem of the Y
+             {{1, ir}, {1, il}, {0, tr}, {0, tl}},   // the island's base to the defect's far edge
+             {{1, il}, {1, ia}, {0, tl}, {0, ul}},
+             {{1, ia}, {1, ir}, {0, ur}, {0, tr}}};
   return f;
 }
 
@@ -95,9 +95,8 @@ Figure bilobed(double diameter, double turn) {
   f.incisions[0].insert(f.incisions[0].end(), {X, t3, end});
   const int flap_x = q2 + 1;
   f.carries = {{{0, q1}, {0, o0}}, {{0, flap_x}, {0, (o1 + o2) / 2}}};
-  f.keys = {{{0, o3}, {0, o2}, true}, {{0, q1}, {0, o0}}, {{0, q2}, {0, o1}}};
+  f.keys = {{{0, o3}, {0, o2}, true}, {{0, q1}, {0, o0}}, {{0, q2}, {0, o1}}, {{0, q3}, {0, o2}}};
   f.seams = {seam(o3, ox, o2, ox), seam(p, q1, p, o0), seam(q1, q2, o0, o1), seam(q2, q3, o1, o2), seam(q3, e, o3, e)};
-  f.seams.back().stitched = false;
   return f;
 }
 

@@ -29,7 +29,6 @@ struct Corner {
 struct Seam {
   Corner a_from, a_to, b_from, b_to;
   bool from_middle = false;  // the middle first, then the middles of what is left; otherwise from end to end
-  bool stitched = true;      // false: a slit that lies closed by itself
 };
 
 /// One stitch that joins two corners.

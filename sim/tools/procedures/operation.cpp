@@ -96,8 +96,7 @@ class Writer {
   }
 
   void close() {
-    for (const Seam& s : f_.seams)
-      if (s.stitched) sew(s);
+    for (const Seam& s : f_.seams) sew(s);
     stage("closed", 4);
   }
 
