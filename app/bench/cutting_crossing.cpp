@@ -38,6 +38,19 @@ Work work_of_last(Arrangement& a, int wall_faces) {
   return w;
 }
 
+/// The cuts one after the other, each timed, over the first one's time, and what it did.
+struct InOrder {
+  std::array<Times, 4> t, ratio;
+  std::array<Work, 4> work;
+  void cut_all(Arrangement& a, const std::vector<Blade>& blade) {
+    for (size_t k = 0; k < 4; ++k) {
+      const CutResult made = timed(a, blade[k], k, t[k]);
+      work[k] = work_of_last(a, made.wall_faces);
+      ratio[k].add(t[k].ms.back() / t[0].ms.back());
+    }
+  }
+};
+
 std::string over_first(const char* format, size_t value, size_t first) { return text(format, value, double(value) / double(first)); }
 
 void add_cut_row(Result& out, const char* name, const std::string& method, size_t triangles, const Work& w, const Work& one, const Times& t) {
@@ -60,14 +73,10 @@ void cuts_of_the_prototype(Result& out, const CuttingSettings& settings, const B
     p.angle_deg = angle_deg, p.middle.y() += beside_mm;
     blade.push_back(curved_blade(body, p));
   }
-  std::array<Times, 4> t, ratio;
-  std::array<Work, 4> work;
+  InOrder cuts;
+  const auto& [t, ratio, work] = cuts;
   for (int i = 0; i < repeats; ++i) {
-    for (size_t k = 0; k < 4; ++k) {
-      const CutResult made = timed(a, blade[k], k, t[k]);
-      work[k] = work_of_last(a, made.wall_faces);
-      ratio[k].add(t[k].ms.back() / t[0].ms.back());
-    }
+    cuts.cut_all(a, blade);
     for (int k = 0; k < 4; ++k) a.undo();
   }
   for (size_t k = 0; k < 4; ++k) add_cut_row(out, "crossing", names[k], body.surface.tri.size(), work[k], work[0], t[k]);
@@ -89,8 +98,9 @@ void star_of_four(Result& out, const CuttingSettings& settings, const Body& body
     p.middle += Vec2(angle / 90, angle / 60);
     blade.push_back(curved_blade(body, p));
   }
-  std::array<Times, 4> t, alone, ratio, to_alone, in_turns, in_turns_work;
-  std::array<Work, 4> work;
+  InOrder cuts;
+  const auto& [t, ratio, work] = cuts;
+  std::array<Times, 4> alone, to_alone, in_turns, in_turns_work;
   std::array<size_t, 4> alone_faces{};
   for (int i = 0; i < repeats; ++i) {
     for (size_t k = 0; k < 4; ++k) {
@@ -98,12 +108,8 @@ void star_of_four(Result& out, const CuttingSettings& settings, const Body& body
       alone_faces[k] = faces_of_last(a);
       a.undo();
     }
-    for (size_t k = 0; k < 4; ++k) {
-      const CutResult made = timed(a, blade[k], k, t[k]);
-      work[k] = work_of_last(a, made.wall_faces);
-      ratio[k].add(t[k].ms.back() / t[0].ms.back());
-      to_alone[k].add(t[k].ms.back() / alone[k].ms.back());
-    }
+    cuts.cut_all(a, blade);
+    for (size_t k = 0; k < 4; ++k) to_alone[k].add(t[k].ms.back() / alone[k].ms.back());
     for (int k = 0; k < 4; ++k) a.undo();
     std::array<double, 4> by_place{}, faces_by_place{};
     for (size_t turn = 0; turn < 4; ++turn) {

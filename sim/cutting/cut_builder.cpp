@@ -4,6 +4,7 @@
 
 #include "sim/cutting/radix_sort.h"
 #include "sim/cutting/sign_sort.h"
+#include "sim/text.h"
 
 namespace limberg {
 
@@ -163,7 +164,7 @@ CutBuilder::Outcome CutBuilder::divide() {
     }
     size_t in_the_end = junctions.size();
     for (size_t i = t.first; i < t.first + t.count; ++i) in_the_end += segment_[i].count - 1;
-    if (in_the_end > PlanarSplit::kMostJunctions) return fail(refused, "more than 32765 cut lines would cross in one triangle of the body");
+    if (in_the_end > PlanarSplit::kMostJunctions) return fail(refused, text("more than %zu cut lines would cross in one triangle of the body", PlanarSplit::kMostJunctions));
     for (size_t i = t.first; i < t.first + t.count; ++i)
       for (const Mark& m : marks(segment_[i]))
         if (!split.insert(m.point, m.label))
@@ -225,7 +226,7 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
     const size_t begin = next;
     barrier_first_.push_back(begin);
     while (next < barrier_.size() && barrier_[next].s == s) ++next;
-    if (next - begin > PlanarSplit::kMostJunctions) return fail(refused, "one triangle of the blade would be crossed by more than 32765 lines");
+    if (next - begin > PlanarSplit::kMostJunctions) return fail(refused, text("one triangle of the blade would be crossed by more than %zu lines", PlanarSplit::kMostJunctions));
     for (size_t j = begin; j < next; ++j)
       for (const auto& [p, k] : {std::pair(barrier_[j].a, barrier_[j].label_a), std::pair(barrier_[j].b, barrier_[j].label_b)})
         if (k == PlanarSplit::kFree && !split.insert(p, PlanarSplit::kFree))

@@ -32,8 +32,8 @@ class CutBuilder {
   using Touched = CutScratch::Touched;
   using Barrier = CutScratch::Barrier;
 
-  Outcome fail(Outcome o, const char* why) {
-    reason_ = why;
+  Outcome fail(Outcome o, std::string why) {
+    reason_ = std::move(why);
     return o;
   }
   Outcome prepare();

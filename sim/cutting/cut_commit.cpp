@@ -160,13 +160,11 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
   std::sort(needed_points.old.begin(), needed_points.old.end());
   for (size_t i = 0; i < touched_.size(); ++i) {
     Touched& t = touched_[i];
-    bool forced = false;
-    for (size_t j = t.first; j < t.first + t.count && t.needed == 0 && !forced; ++j)
+    t.changes = t.needed > 0;
+    for (size_t j = t.first; j < t.first + t.count && !t.changes; ++j)
       for (const Mark& m : marks(segment_[j]))
-        forced = forced || (m.label != PlanarSplit::kFree && needed_points.has(m.point));
-    if (t.needed == 0 && !forced) continue;
-    t.changes = true;
-    t.in_part = t.needed < t.sub_edges;  // else the division that there is is the final one
+        t.changes = t.changes || (m.label != PlanarSplit::kFree && needed_points.has(m.point));
+    t.in_part = t.changes && t.needed < t.sub_edges;  // else the division that there is is the final one
   }
   for (const Barrier& b : barrier_)
     if (b.needed && touched_[b.touched].in_part) room_.needed.push_back({b.touched, std::min(b.a, b.b), std::max(b.a, b.b)});
