@@ -28,7 +28,8 @@ std::unique_ptr<ScriptWriter> open_script(const std::string& file, const Scene& 
 
 std::unique_ptr<Patient> make_patient(const Scene& scene, World* world, Head* head) {
   if (!head) return std::make_unique<WorldPatient>(*world, scene.tools.max_depth_mm);
-  return std::make_unique<HeadPatient>(*head, world, scene.tools.max_depth_mm, 1e-3 * ticks_per_solver_step(scene), scene.head->carries_skin_mm);
+  return std::make_unique<HeadPatient>(*head, world, scene.tools.max_depth_mm, 1e-3 * ticks_per_solver_step(scene),
+                                       scene.head->carries_skin_mm);
 }
 
 Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed) {
@@ -64,18 +65,20 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
       device(front, channels, o.record, o.record && o.real_time),
       script(open_script(o.script_file, scene)),
       repro(o.repro_dir, blank_repro(scene, scene.cell_mm, scene.seed)),
-      solver(*patient, channels, SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut, o.record && o.real_time},
-             [this](const Command& c) {
-               done.push_back(c);
-               repro.done(c);
-               if (!script || !script_error.empty()) return;
-               try {
-                 script->append(c);
-               } catch (const InputError& e) {
-                 script_error = e.what();
-               }
-             },
-             [this](const Command& c, const std::string& reason) { repro.refused(c, reason, patient->topology_hash()); }),
+      solver(
+          *patient, channels,
+          SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut, o.record && o.real_time},
+          [this](const Command& c) {
+            done.push_back(c);
+            repro.done(c);
+            if (!script || !script_error.empty()) return;
+            try {
+              script->append(c);
+            } catch (const InputError& e) {
+              script_error = e.what();
+            }
+          },
+          [this](const Command& c, const std::string& reason) { repro.refused(c, reason, patient->topology_hash()); }),
       render(channels, o.sink, o.draw_frames) {}
 
 SessionSettings Assembly::session_settings() const {

@@ -17,13 +17,13 @@ namespace limberg {
 
 struct AssemblyOptions {
   int workers = 1;
-  bool record = false;         // pass samples on to a recorder
-  bool real_time = false;      // take a new preconditioner as soon as it is there
+  bool record = false;           // pass samples on to a recorder
+  bool real_time = false;        // take a new preconditioner as soon as it is there
   bool progressive_cut = false;  // incisions open while they are drawn
-  bool draw_frames = false;    // frames for the sink, not only stages
+  bool draw_frames = false;      // frames for the sink, not only stages
   PictureSink* sink = nullptr;
-  std::string repro_dir;       // where refused cuts leave a file to try them again; empty: nowhere
-  std::string script_file;     // the session's own script; empty: none
+  std::string repro_dir;    // where refused cuts leave a file to try them again; empty: nowhere
+  std::string script_file;  // the session's own script; empty: none
 };
 
 class Assembly {
@@ -37,15 +37,15 @@ class Assembly {
   const Scene scene;
   const Calibration calibration;
   WorkersPool workers;
-  const std::unique_ptr<World> world;   // null: no skin with flap tools
-  const std::unique_ptr<Head> head;     // null: no bone
+  const std::unique_ptr<World> world;  // null: no skin with flap tools
+  const std::unique_ptr<Head> head;    // null: no bone
   const std::unique_ptr<Patient> patient;
   Channels channels;
   DeviceFrontEnd front;
   DeviceLane device;
   std::unique_ptr<ScriptWriter> script;
   std::vector<Command> done;  // every command that was carried out
-  std::string script_error;  // the session goes on without its script when the disk is full
+  std::string script_error;   // the session goes on without its script when the disk is full
   ReproWriter repro;
   SolverLane solver;
   RenderLane render;

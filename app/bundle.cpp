@@ -1,6 +1,5 @@
 #include "app/bundle.h"
 
-
 #include <cstdlib>
 #include <filesystem>
 
@@ -14,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kLevels = 8;  // a mesh may lie so many folders above its scene
+constexpr int kLevels = 8;                        // a mesh may lie so many folders above its scene
 constexpr const char* kTissues = "tissues.toml";  // beside the scene, where it is looked for first
 constexpr size_t kMaxMesh = size_t(512) << 20;
 
@@ -34,7 +33,9 @@ std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
     const fs::path folder = fs::path(scene.path).parent_path();
     const std::string name = fs::path(scene.obj.path).lexically_relative(folder.empty() ? "." : folder).string();
     if (name.empty() || fs::path(name).is_absolute() || name.size() > 63)
-      throw InputError(scene.path, 0, "mesh path \"" + scene.obj.path + "\" cannot go into a recording; expected a path of at most 63 bytes relative to the scene");
+      throw InputError(scene.path, 0,
+                       "mesh path \"" + scene.obj.path +
+                           "\" cannot go into a recording; expected a path of at most 63 bytes relative to the scene");
     out.push_back({BlobKind::mesh, name, read_whole_file(scene.obj.path, kMaxMesh)});
   }
   return out;
@@ -49,7 +50,8 @@ Unbundled unbundle_scene(const Recording& rec, const std::string& file) {
   if (!has_files) {
     out.scene = parse_scene(scene->data, file);
   } else {
-    // The scene reads its mesh and tissues from paths relative to itself: lay all out below a folder of our own. A path that would
+    // The scene reads its mesh and tissues from paths relative to itself: lay all out below a folder of our own. A path
+    // that would
     // lead out of it is refused.
     const auto tmp = std::make_shared<TemporaryFolder>();
     fs::path folder = tmp->path();

@@ -10,18 +10,21 @@
 
 namespace limberg {
 
-/// The scene's text, its mesh and its library of tissues if it has them, and the calibration, as blobs. InputError when the mesh lies at a path that
+/// The scene's text, its mesh and its library of tissues if it has them, and the calibration, as blobs. InputError when
+/// the mesh lies at a path that
 /// cannot be put beside the scene elsewhere (absolute, or more than eight folders up).
 std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration);
 
-/// A scene taken out of a recording. Its mesh lies in a temporary folder that goes away with `files`: keep that until the
+/// A scene taken out of a recording. Its mesh lies in a temporary folder that goes away with `files`: keep that until
+/// the
 /// body is built.
 struct Unbundled {
   Scene scene;
   std::shared_ptr<void> files;
 };
 
-/// The scene of a recording. `recording_file` names the file in messages. InputError when it holds no whole scene, or one
+/// The scene of a recording. `recording_file` names the file in messages. InputError when it holds no whole scene, or
+/// one
 /// that cannot be read.
 Unbundled unbundle_scene(const Recording& recording, const std::string& recording_file);
 /// The calibration of a recording; the identity when it holds none.

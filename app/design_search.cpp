@@ -23,9 +23,11 @@ struct Type {
   bool turns_half;  // the same after half a turn
   bool mirrors;
 };
-constexpr Type kTypes[] = {{"fusiform", "width_mm", true, false},      {"rhomboid", "side_mm", false, true},  {"dufourmentel", "side_mm", false, true},
-                           {"webster", "side_mm", false, true},        {"bilobed", "diameter_mm", false, true}, {"o_to_z", "diameter_mm", true, true},
-                           {"rotation", "radius_mm", false, true},     {"advancement", "width_mm", false, false}, {"v_y", "width_mm", false, false}};
+constexpr Type kTypes[] = {{"fusiform", "width_mm", true, false},    {"rhomboid", "side_mm", false, true},
+                           {"dufourmentel", "side_mm", false, true}, {"webster", "side_mm", false, true},
+                           {"bilobed", "diameter_mm", false, true},  {"o_to_z", "diameter_mm", true, true},
+                           {"rotation", "radius_mm", false, true},   {"advancement", "width_mm", false, false},
+                           {"v_y", "width_mm", false, false}};
 
 Vec2 to_chart(const Vec2& figure, const PlannedProcedure& p) {
   return Vec2(p.at) + turned(p.mirrored ? Vec2(figure.x(), -figure.y()) : figure, p.turn_deg);
@@ -82,7 +84,8 @@ bool place_figure(Design& d, const Type& type, double size, const Vec2& centre) 
 }
 
 void set_cost(Design& d, const Metrics& m, const DesignTask& task) {
-  d.force_N = m.suture_force_max_N, d.closure_N = m.closure_force_N, d.dog_ear_mm = m.dog_ear_mm, d.landmark_mm = m.landmark_max_mm;
+  d.force_N = m.suture_force_max_N, d.closure_N = m.closure_force_N, d.dog_ear_mm = m.dog_ear_mm,
+  d.landmark_mm = m.landmark_max_mm;
   d.waste_mm2 = m.excised_mm2, d.scar_mm = m.scar_length_mm;
   d.force_cost = task.weight_force * d.force_N / kForce_N, d.ear_cost = task.weight_ear * d.dog_ear_mm / kEar_mm;
   d.landmark_cost = task.weight_landmark * d.landmark_mm / kLandmark_mm;
@@ -105,13 +108,19 @@ std::string Design::name() const {
 
 std::string why_first(const Design& a, const Design* b) {
   char t[400];
-  std::snprintf(t, sizeof t, "its strongest stitch pulls with %.2f N (cost %.2f), the skin stands up by %.1f mm (%.2f), landmarks move by %.1f mm (%.2f)", a.force_N, a.force_cost,
-                a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
+  std::snprintf(t, sizeof t,
+                "its strongest stitch pulls with %.2f N (cost %.2f), the skin stands up by %.1f mm (%.2f), landmarks "
+                "move by %.1f mm (%.2f)",
+                a.force_N, a.force_cost, a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
   std::string why = t;
   if (!b || b->fine != a.fine) return why;
-  const std::pair<double, const char*> parts[] = {{b->force_cost - a.force_cost, "its force"}, {b->ear_cost - a.ear_cost, "its dog-ear"}, {b->landmark_cost - a.landmark_cost, "what it does to landmarks"}};
-  const auto most = std::max_element(std::begin(parts), std::end(parts), [](const auto& x, const auto& y) { return x.first < y.first; });
-  std::snprintf(t, sizeof t, "; the next costs %.2f more, most of it by %s (%+.2f)", b->cost - a.cost, most->second, most->first);
+  const std::pair<double, const char*> parts[] = {{b->force_cost - a.force_cost, "its force"},
+                                                  {b->ear_cost - a.ear_cost, "its dog-ear"},
+                                                  {b->landmark_cost - a.landmark_cost, "what it does to landmarks"}};
+  const auto most = std::max_element(std::begin(parts), std::end(parts),
+                                     [](const auto& x, const auto& y) { return x.first < y.first; });
+  std::snprintf(t, sizeof t, "; the next costs %.2f more, most of it by %s (%+.2f)", b->cost - a.cost, most->second,
+                most->first);
   return why + t;
 }
 
@@ -120,8 +129,10 @@ std::vector<std::pair<std::string, int>> dropped_by_reason(std::span<const Desig
   for (const Design& d : all) {
     if (d.dropped.empty()) continue;
     const auto it = std::find_if(out.begin(), out.end(), [&](const auto& o) { return o.first == d.dropped; });
-    if (it == out.end()) out.emplace_back(d.dropped, 1);
-    else ++it->second;
+    if (it == out.end())
+      out.emplace_back(d.dropped, 1);
+    else
+      ++it->second;
   }
   std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   return out;
@@ -136,20 +147,24 @@ std::vector<ChartPoint> parse_defect(const std::string& text) {
     const auto r = std::from_chars(p, end, v);
     const char wanted = circle || n.size() % 2 == 0 ? ',' : ';';
     if (r.ec != std::errc() || !std::isfinite(v) || std::abs(v) > 1000 || (r.ptr != end && *r.ptr != wanted))
-      throw InputError("--defect", 0, text.substr(0, 60) + " is no outline; expected circle:X,Y,DIAMETER or X,Y;X,Y;X,Y;... in mm");
+      throw InputError("--defect", 0,
+                       text.substr(0, 60) + " is no outline; expected circle:X,Y,DIAMETER or X,Y;X,Y;X,Y;... in mm");
     n.push_back(v);
     p = r.ptr == end ? end : r.ptr + 1;
   }
   std::vector<ChartPoint> out;
   if (circle) {
-    if (n.size() != 3 || !(n[2] >= 2 && n[2] <= 100)) throw InputError("--defect", 0, text.substr(0, 60) + "; expected circle:X,Y,DIAMETER with 2 to 100 mm");
+    if (n.size() != 3 || !(n[2] >= 2 && n[2] <= 100))
+      throw InputError("--defect", 0, text.substr(0, 60) + "; expected circle:X,Y,DIAMETER with 2 to 100 mm");
     for (int i = 0; i < 48; ++i) out.push_back(Vec2(n[0], n[1]) + 0.5 * n[2] * direction(7.5 * i));
   } else {
-    if (n.size() < 6 || n.size() % 2) throw InputError("--defect", 0, text.substr(0, 60) + " has fewer than three points; expected X,Y;X,Y;X,Y;...");
+    if (n.size() < 6 || n.size() % 2)
+      throw InputError("--defect", 0, text.substr(0, 60) + " has fewer than three points; expected X,Y;X,Y;X,Y;...");
     for (size_t i = 0; i < n.size(); i += 2) out.emplace_back(n[i], n[i + 1]);
     if (std::abs([&] {
           double a = 0;
-          for (size_t i = 0; i < out.size(); ++i) a += out[i].x() * out[(i + 1) % out.size()].y() - out[i].y() * out[(i + 1) % out.size()].x();
+          for (size_t i = 0; i < out.size(); ++i)
+            a += out[i].x() * out[(i + 1) % out.size()].y() - out[i].y() * out[(i + 1) % out.size()].x();
           return 0.5 * a;
         }()) < 1)
       throw InputError("--defect", 0, "the outline encloses less than 1 mm2; expected the outline of a defect");
@@ -214,7 +229,8 @@ std::vector<Design> candidates(const Scene& scene, const Skin& skin, const Desig
             }
             for (const auto& w : d.figure.wounds)
               for (size_t i = 0; i < w.size() && d.dropped.empty(); ++i)
-                if (to_segment(l.at, where.chart(w[i]), where.chart(w[(i + 1) % w.size()])) < kNear_mm) d.dropped = "passes within 2 mm of " + l.name;
+                if (to_segment(l.at, where.chart(w[i]), where.chart(w[(i + 1) % w.size()])) < kNear_mm)
+                  d.dropped = "passes within 2 mm of " + l.name;
           }
         } catch (const InputError& e) {
           d.dropped = e.what();
@@ -225,8 +241,8 @@ std::vector<Design> candidates(const Scene& scene, const Skin& skin, const Desig
   return out;
 }
 
-void carry_out(Design& d, const Scene& scene, const std::shared_ptr<const Body>& body, const DesignTask& task, double cell_mm, bool fine, Workers& workers,
-               const std::function<bool()>& interrupted) {
+void carry_out(Design& d, const Scene& scene, const std::shared_ptr<const Body>& body, const DesignTask& task,
+               double cell_mm, bool fine, Workers& workers, const std::function<bool()>& interrupted) {
   WorldSpec spec = world_spec(scene, body);
   spec.cell_mm = cell_mm;
   if (!fine) spec.contact = ContactChoice::off, spec.refine_fronts = false;
@@ -235,7 +251,8 @@ void carry_out(Design& d, const Scene& scene, const std::shared_ptr<const Body>&
   script.name = d.name();
   std::vector<Command> commands = d.commands;
   if (!fine && task.plan.spacing_mm < cell_mm) {
-    // Stitches that stand nearer than cells are large pull against each other where edges bend (study/fusiform.cpp), and what bends
+    // Stitches that stand nearer than cells are large pull against each other where edges bend (study/fusiform.cpp),
+    // and what bends
     // would seem dearer than what is straight.
     OperationPlan wider = task.plan;
     wider.spacing_mm = cell_mm;
@@ -247,7 +264,9 @@ void carry_out(Design& d, const Scene& scene, const std::shared_ptr<const Body>&
   set.interrupted = interrupted;
   set.rest_residual = 1e-4, set.rest_steps = 40, set.hook_step_mm = 3;
   // A path is followed as roughly as its end allows: the end is what is judged, to the third digit of a force at 1e-4.
-  if (!fine) set.rest_residual = 1e-3, set.rest_steps = 10, set.final_residual = 1e-4, set.final_steps = 100, set.hook_step_mm = 5;
+  if (!fine)
+    set.rest_residual = 1e-3, set.rest_steps = 10, set.final_residual = 1e-4, set.final_steps = 100,
+    set.hook_step_mm = 5;
   try {
     const OperationOutcome o = operate(world, scene.tools.max_depth_mm, script, set);
     d.residual = o.last.residual, d.cell_mm = cell_mm, d.fine = fine;
@@ -269,18 +288,21 @@ void rank(std::vector<Design>& designs) {
   });
 }
 
-std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, Workers& workers, const std::function<bool()>& interrupted,
-                           const std::function<void(const SearchProgress&)>& progress) {
+std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, Workers& workers,
+                                   const std::function<bool()>& interrupted,
+                                   const std::function<void(const SearchProgress&)>& progress) {
   const std::shared_ptr<const Body> body = build_body(scene);
   const Skin skin(body);
   for (const ChartPoint& p : task.defect)
-    if (!skin.at(p)) throw InputError("--defect", 0, "its outline leaves the skin; expected a defect on the skin of " + scene.name);
+    if (!skin.at(p))
+      throw InputError("--defect", 0, "its outline leaves the skin; expected a defect on the skin of " + scene.name);
   std::vector<Design> all = candidates(scene, skin, task);
   const int refine = std::max(0, task.refine);
   int coarse = 0, done = 0;
   for (const Design& d : all) coarse += d.dropped.empty();
   const int best = std::min(refine, coarse);
-  // In coarse designs: work goes with the number of cells to 4/3, contact makes it five times as much (measured, 2026-11-21).
+  // In coarse designs: work goes with the number of cells to 4/3, contact makes it five times as much (measured,
+  // 2026-11-21).
   const double fine = task.fine_mm > 0 ? task.fine_mm : scene.cell_mm, weight = 5 * std::pow(task.coarse_mm / fine, 4);
   double work = 0;
   const auto tell = [&](bool refining) {

@@ -4,7 +4,8 @@
 //   emulated:SCRIPT                       the emulated surgeon (needs the patient that it operates on)
 //   log:FILE                              a recording
 //   lcm, lcm:URL                          LCM on this machine; lcm-from-anywhere:URL also what comes from others
-//   fastrak:PORT[,ROLES][,ascii][,RATE]   a FASTRAK on a serial port; roles a letter a station: f forefinger, t thumb, s stylus
+//   fastrak:PORT[,ROLES][,ascii][,RATE]   a FASTRAK on a serial port; roles a letter a station: f forefinger, t thumb,
+//   s stylus
 //   fastrak-emulator[:ROLES]              the same with the emulator on a pseudo-terminal, a hand at work
 //   spacemouse[:SOCKET]                   a SpaceMouse through spacenavd
 //   mouse[:FILE]                          a mouse (/dev/input/mice); made for run --cursor
@@ -25,7 +26,9 @@ struct LiveStart {
 };
 using LiveSource = std::function<std::unique_ptr<Source>(const LiveStart&)>;
 
-inline constexpr const char* kDeviceSpecs = "emulated:SCRIPT, log:FILE, lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], spacemouse, mouse or force-simulated";
+inline constexpr const char* kDeviceSpecs =
+    "emulated:SCRIPT, log:FILE, lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], "
+    "fastrak-emulator[:ROLES], spacemouse, mouse or force-simulated";
 
 /// "fastrak" of "fastrak:/dev/ttyS0", and the rest.
 struct DeviceSpec {
@@ -33,7 +36,8 @@ struct DeviceSpec {
   explicit DeviceSpec(const std::string& text);
 };
 
-/// The live source that a spec names, or nothing when it names one of the others. InputError: a known kind that is badly
+/// The live source that a spec names, or nothing when it names one of the others. InputError: a known kind that is
+/// badly
 /// put. `number` tells devices of one kind apart.
 LiveSource live_source(const DeviceSpec& spec, int number);
 

@@ -32,7 +32,9 @@ std::vector<FigureError> discretisation_errors(std::span<const SizedFigures> run
   std::vector<SizedFigures> sorted(runs.begin(), runs.end());
   std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.cell_mm < b.cell_mm; });
   // Sizes that were fitted to the same lattice say nothing twice.
-  sorted.erase(std::unique(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.cell_mm == b.cell_mm; }), sorted.end());
+  sorted.erase(
+      std::unique(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.cell_mm == b.cell_mm; }),
+      sorted.end());
   std::vector<FigureError> out;
   if (sorted.size() < 2) return out;
   for (const Named& f : figures) {

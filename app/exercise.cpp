@@ -10,7 +10,8 @@ namespace limberg {
 Exercise exercise(std::span<const Command> script, const Metrics& m, const std::optional<PlanOnSkin>& plan) {
   Exercise e;
   for (const Command& c : join_strokes(script)) {
-    e.cuts += std::holds_alternative<Incise>(c) || std::holds_alternative<Excise>(c) || std::holds_alternative<Undermine>(c);
+    e.cuts +=
+        std::holds_alternative<Incise>(c) || std::holds_alternative<Excise>(c) || std::holds_alternative<Undermine>(c);
     e.hooks += std::holds_alternative<SetHook>(c);
     e.hook_moves += std::holds_alternative<MoveHook>(c);
     e.threads_cut += std::holds_alternative<CutSuture>(c);
@@ -61,14 +62,18 @@ std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics
   bool all = true;
   auto judged = judge(*lesson, measured);
   if (!e.hand)
-    std::erase_if(judged, [](const Judgement& j) { return !j.value && (j.name == "time_s" || j.name == "path_mm" || j.name == "movements"); });
+    std::erase_if(judged, [](const Judgement& j) {
+      return !j.value && (j.name == "time_s" || j.name == "path_mm" || j.name == "movements");
+    });
   for (size_t i = 0; i < judged.size(); ++i) {
     const std::string p = "/lesson/tolerances/" + std::to_string(i);
     r.set(p + "/name", judged[i].name);
     r.set(p + "/unit", judged[i].unit);
     r.set(p + "/limit", judged[i].limit);
-    if (judged[i].value) r.set(p + "/value", *judged[i].value);
-    else r.set(p + "/why", judged[i].why);
+    if (judged[i].value)
+      r.set(p + "/value", *judged[i].value);
+    else
+      r.set(p + "/why", judged[i].why);
     r.set(p + "/met", judged[i].met);
     all &= judged[i].met;
   }
@@ -81,7 +86,10 @@ void print_judgements(const std::vector<Judgement>& judged) {
   for (const Judgement& j : judged) {
     char value[32] = "-";
     if (j.value) std::snprintf(value, sizeof value, "%.3g", std::abs(*j.value) < 1e-6 ? 0 : *j.value);
-    std::printf("lesson      %-14s %8s of at most %6.3g %-8s %s\n", j.name.c_str(), value, j.limit, j.unit.c_str(), j.met ? "met" : j.value ? "missed" : ("not measured: " + j.why).c_str());
+    std::printf("lesson      %-14s %8s of at most %6.3g %-8s %s\n", j.name.c_str(), value, j.limit, j.unit.c_str(),
+                j.met     ? "met"
+                : j.value ? "missed"
+                          : ("not measured: " + j.why).c_str());
   }
 }
 

@@ -52,7 +52,8 @@ SimulatedHand hand() {
 
 }  // namespace
 
-void add_felt_patient(Result& out, const Scene& scene, bool quick, const std::function<void(const std::string&)>& progress) {
+void add_felt_patient(Result& out, const Scene& scene, bool quick,
+                      const std::function<void(const std::string&)>& progress) {
   for (const bool asks : {true, false}) {
     if (progress) progress(std::string("felt, ") + (asks ? "asking the solver" : "half space"));
     AssemblyOptions o;
@@ -69,15 +70,20 @@ void add_felt_patient(Result& out, const Scene& scene, bool quick, const std::fu
     }
     const double least = felt.least_mJ, step = felt.largest_step_N;
     char text[256];
-    std::snprintf(text, sizeof text, "%.3f to %.3f N/mm, %.2f N at most, least energy %.2f mJ; %lld answers, a question %.1f ms of CPU at the median, %.1f at p95 (a step %.1f)", felt.softest_N_mm, felt.hardest_N_mm, felt.largest_N, least,
-                  (long long)felt.force().answers(), patient.questions.percentile(0.5), patient.questions.percentile(0.95), patient.steps.percentile(0.5));
+    std::snprintf(text, sizeof text,
+                  "%.3f to %.3f N/mm, %.2f N at most, least energy %.2f mJ; %lld answers, a question %.1f ms of CPU at "
+                  "the median, %.1f at p95 (a step %.1f)",
+                  felt.softest_N_mm, felt.hardest_N_mm, felt.largest_N, least, (long long)felt.force().answers(),
+                  patient.questions.percentile(0.5), patient.questions.percentile(0.95), patient.steps.percentile(0.5));
     Row r;
     r.name = "felt patient, " + a.scene.name, r.method = asks ? "stiffness from the solver" : "half space of skin";
     r.settings = text, r.error = step, r.error_unit = "N/ms", r.reference = "from tick to tick";
     out.rows.push_back(r);
     if (!asks) continue;
-    out.bars.push_back({"felt patient: least energy, mJ", least, false, -0.15, true, least >= -0.15, "the observer's spare of 0.1 mJ and a tick of the damper"});
-    out.bars.push_back({"felt patient: largest step, N/ms", step, false, 0.2 + 1e-9, false, step <= 0.2 + 1e-9, "no felt step"});
+    out.bars.push_back({"felt patient: least energy, mJ", least, false, -0.15, true, least >= -0.15,
+                        "the observer's spare of 0.1 mJ and a tick of the damper"});
+    out.bars.push_back(
+        {"felt patient: largest step, N/ms", step, false, 0.2 + 1e-9, false, step <= 0.2 + 1e-9, "no felt step"});
   }
 }
 

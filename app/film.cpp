@@ -27,8 +27,12 @@ namespace {
 
 // The codec's options by the film's ending; empty: unknown.
 std::vector<std::string> codec(const std::string& ending) {
-  if (ending == ".mp4") return {"-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f", "mp4"};
-  if (ending == ".webm") return {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "8", "-crf", "32", "-b:v", "0", "-pix_fmt", "yuv420p", "-f", "webm"};
+  if (ending == ".mp4")
+    return {"-c:v",     "libx264", "-preset",   "veryfast",   "-crf", "20",
+            "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f",   "mp4"};
+  if (ending == ".webm")
+    return {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "8",  "-crf",
+            "32",   "-b:v",       "0",         "-pix_fmt", "yuv420p",   "-f", "webm"};
   return {};
 }
 
@@ -39,7 +43,8 @@ struct Encoder {
 
   void start(const std::vector<std::string>& words) {
     int pipe_ends[2];
-    if (pipe2(pipe_ends, O_CLOEXEC) != 0) throw InputError("ffmpeg", 0, std::string("no pipe: ") + std::strerror(errno) + "; expected one");
+    if (pipe2(pipe_ends, O_CLOEXEC) != 0)
+      throw InputError("ffmpeg", 0, std::string("no pipe: ") + std::strerror(errno) + "; expected one");
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, pipe_ends[0], 0);
@@ -47,7 +52,8 @@ struct Encoder {
     std::vector<char*> arguments;
     for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
-    posix_spawnattr_t alone;  // in a process group of its own: Ctrl-C on a terminal must not reach it before the last frame
+    posix_spawnattr_t
+        alone;  // in a process group of its own: Ctrl-C on a terminal must not reach it before the last frame
     posix_spawnattr_init(&alone);
     posix_spawnattr_setflags(&alone, POSIX_SPAWN_SETPGROUP);
     const int failed = posix_spawnp(&child, "ffmpeg", &files, &alone, arguments.data(), environ);
@@ -57,7 +63,9 @@ struct Encoder {
     if (failed) {
       ::close(pipe_ends[1]);
       child = -1;
-      throw InputError("ffmpeg", 0, std::string("cannot be run: ") + std::strerror(failed) + "; expected it to be installed (Debian: apt-get install ffmpeg)");
+      throw InputError("ffmpeg", 0,
+                       std::string("cannot be run: ") + std::strerror(failed) +
+                           "; expected it to be installed (Debian: apt-get install ffmpeg)");
     }
     to = pipe_ends[1];
   }
@@ -101,12 +109,26 @@ Film::Film(const Scene& scene, const FilmSettings& settings) : impl_(new Impl) {
   i.set = settings;
   i.camera = scene_camera(scene);
   const std::vector<std::string> coded = codec(fs::path(settings.file).extension().string());
-  if (coded.empty()) throw InputError(settings.file, 0, "not a kind of film that is known; expected a name that ends in .mp4 or .webm");
+  if (coded.empty())
+    throw InputError(settings.file, 0, "not a kind of film that is known; expected a name that ends in .mp4 or .webm");
   check_writable(settings.file);
   i.part = settings.file + "." + std::to_string(getpid()) + ".part";  // two processes may write into one folder
   signal(SIGPIPE, SIG_IGN);  // an encoder that ends early is seen by the failed write
-  std::vector<std::string> words{"ffmpeg", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size",
-                                 std::to_string(settings.width) + "x" + std::to_string(settings.height), "-framerate", std::to_string(settings.frames_per_s), "-i", "pipe:0"};
+  std::vector<std::string> words{"ffmpeg",
+                                 "-loglevel",
+                                 "error",
+                                 "-nostdin",
+                                 "-y",
+                                 "-f",
+                                 "rawvideo",
+                                 "-pix_fmt",
+                                 "rgb24",
+                                 "-video_size",
+                                 std::to_string(settings.width) + "x" + std::to_string(settings.height),
+                                 "-framerate",
+                                 std::to_string(settings.frames_per_s),
+                                 "-i",
+                                 "pipe:0"};
   words.insert(words.end(), coded.begin(), coded.end());
   words.push_back(i.part);
   i.encoder.start(words);
@@ -133,8 +155,10 @@ void Film::frame(const Snapshot& snapshot, const ToolState& tool) {
   o.tool = tool_pose(tool, i.glove);
   o.title = i.title;
   const Image image = i.maker->skin(snapshot, o);
-  if (!i.encoder.write(image.rgb.data(), image.rgb.size())) i.broken = true;
-  else ++i.frames;
+  if (!i.encoder.write(image.rgb.data(), image.rgb.size()))
+    i.broken = true;
+  else
+    ++i.frames;
 }
 
 void Film::stage(const std::string& name, const Snapshot&) {
@@ -153,8 +177,10 @@ void Film::close() {
     std::error_code ec;
     fs::remove(i.part, ec);
     i.closed = true;
-    throw InputError(i.set.file, 0, "the film was not made: ffmpeg ended with status " + std::to_string(status) + " after " + std::to_string(i.frames) +
-                                        " frames; expected a disk with room and an ffmpeg with the codec for this ending");
+    throw InputError(i.set.file, 0,
+                     "the film was not made: ffmpeg ended with status " + std::to_string(status) + " after " +
+                         std::to_string(i.frames) +
+                         " frames; expected a disk with room and an ffmpeg with the codec for this ending");
   }
   fs::rename(i.part, i.set.file);
   i.closed = true;

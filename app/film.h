@@ -1,5 +1,6 @@
 #pragma once
-// A film of a session: every frame of a replay on a virtual clock, through ffmpeg as a child process. What takes long to
+// A film of a session: every frame of a replay on a virtual clock, through ffmpeg as a child process. What takes long
+// to
 // draw only makes the film later, never worse.
 #include <memory>
 #include <string>
@@ -10,7 +11,7 @@
 namespace limberg {
 
 struct FilmSettings {
-  std::string file;          // .mp4 (H.264) or .webm (VP9)
+  std::string file;  // .mp4 (H.264) or .webm (VP9)
   int frames_per_s = 25;
   int width = 1280, height = 720;  // even
 };

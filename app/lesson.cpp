@@ -21,10 +21,11 @@ struct Known {
   const char *name, *unit;
   double hi;
 };
-constexpr Known kKnown[] = {{"corner_mm", "mm", 100},   {"angle_deg", "degrees", 180}, {"limb_percent", "%", 100}, {"gap_mm", "mm", 50},
-                            {"suture_N", "N", 100},     {"suture_peak_N", "N", 100},  {"closure_N", "N", 1000},   {"dog_ear_mm", "mm", 100},
-                            {"step_off_mm", "mm", 50},  {"landmark_mm", "mm", 100},   {"waste_mm2", "mm2", 1e5},  {"time_s", "s", 1e5},
-                            {"path_mm", "mm", 1e7},     {"movements", "", 1e6},       {"undos", "", 1e5}};
+constexpr Known kKnown[] = {{"corner_mm", "mm", 100},   {"angle_deg", "degrees", 180}, {"limb_percent", "%", 100},
+                            {"gap_mm", "mm", 50},       {"suture_N", "N", 100},        {"suture_peak_N", "N", 100},
+                            {"closure_N", "N", 1000},   {"dog_ear_mm", "mm", 100},     {"step_off_mm", "mm", 50},
+                            {"landmark_mm", "mm", 100}, {"waste_mm2", "mm2", 1e5},     {"time_s", "s", 1e5},
+                            {"path_mm", "mm", 1e7},     {"movements", "", 1e6},        {"undos", "", 1e5}};
 constexpr double kMissing_mm = 10;
 
 double angle_deg(const Vec2& a, const Vec2& b, const Vec2& c) {
@@ -45,11 +46,15 @@ std::string at_text(const ChartPoint& p) {
 
 /// Of the corner that is farthest from anything drawn, or that nothing was drawn for.
 std::string why_missing(const DesignError& e) {
-  const auto off = [](const MissingCorner& c) { return c.nearest ? (*c.nearest - c.planned).norm() : std::numeric_limits<double>::infinity(); };
-  const MissingCorner& c = *std::max_element(e.missing.begin(), e.missing.end(), [&](const auto& a, const auto& b) { return off(a) < off(b); });
+  const auto off = [](const MissingCorner& c) {
+    return c.nearest ? (*c.nearest - c.planned).norm() : std::numeric_limits<double>::infinity();
+  };
+  const MissingCorner& c = *std::max_element(e.missing.begin(), e.missing.end(),
+                                             [&](const auto& a, const auto& b) { return off(a) < off(b); });
   const std::string kind = c.outline ? "excision" : "incision";
   char t[120];
-  std::snprintf(t, sizeof t, "%zu of the plan's %d corners were looked for within %g mm and not found: that of an ", e.missing.size(), e.corners, kMissing_mm);
+  std::snprintf(t, sizeof t, "%zu of the plan's %d corners were looked for within %g mm and not found: that of an ",
+                e.missing.size(), e.corners, kMissing_mm);
   std::string s = t + kind + " at " + at_text(c.planned) + "; ";
   if (!c.nearest) return s + "no " + kind + " was drawn";
   std::snprintf(t, sizeof t, " is %.1f mm away", off(c));
@@ -58,14 +63,18 @@ std::string why_missing(const DesignError& e) {
 
 ChartPoint point_of(const toml::node& n, const std::string& file, const std::string& what) {
   const toml::array* a = n.as_array();
-  const auto x = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt, y = x ? a->get(1)->value<double>() : std::nullopt;
-  if (!y || !std::isfinite(*x) || !std::isfinite(*y)) throw InputError(file, int(n.source().begin.line), what + " is no place; expected [x, y] in mm");
+  const auto x = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt,
+             y = x ? a->get(1)->value<double>() : std::nullopt;
+  if (!y || !std::isfinite(*x) || !std::isfinite(*y))
+    throw InputError(file, int(n.source().begin.line), what + " is no place; expected [x, y] in mm");
   return {*x, *y};
 }
 
 }  // namespace
 
-bool looks_like_lesson(std::string_view text) { return text.starts_with("lesson") || text.find("\nlesson") != std::string_view::npos; }
+bool looks_like_lesson(std::string_view text) {
+  return text.starts_with("lesson") || text.find("\nlesson") != std::string_view::npos;
+}
 
 Lesson parse_lesson(const std::string& text, const std::string& file) {
   const toml::table root = parse_toml(text, file, "a lesson");
@@ -79,10 +88,14 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
   top.text("scene", l.scene);
   if (const toml::node* n = root.get("hints")) {
     const toml::array* a = n->as_array();
-    if (!a || a->size() > 50) throw InputError(file, int(n->source().begin.line), "hints is no list of at most 50 texts; expected [\"...\", ...]");
+    if (!a || a->size() > 50)
+      throw InputError(file, int(n->source().begin.line),
+                       "hints is no list of at most 50 texts; expected [\"...\", ...]");
     for (const toml::node& e : *a) {
       const auto hint = e.value<std::string>();
-      if (!hint || hint->empty() || hint->size() > 2000) throw InputError(file, int(e.source().begin.line), "hints holds something that is no text; expected [\"...\", ...]");
+      if (!hint || hint->empty() || hint->size() > 2000)
+        throw InputError(file, int(e.source().begin.line),
+                         "hints holds something that is no text; expected [\"...\", ...]");
       l.hints.push_back(*hint);
     }
   }
@@ -99,7 +112,8 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
   }
   p.real("turn_deg", l.plan.turn_deg, -360, 360);
   p.boolean("mirror", l.plan.mirrored);
-  if (const toml::node* n = root.get("procedure")->as_table()->get("at_mm")) l.plan.at = point_of(*n, file, "procedure.at_mm");
+  if (const toml::node* n = root.get("procedure")->as_table()->get("at_mm"))
+    l.plan.at = point_of(*n, file, "procedure.at_mm");
   const toml::table* values = p.table("values");
   p.finish({"at_mm"});
   Table v(values, "procedure.values", file);
@@ -113,8 +127,11 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
     std::string list;
     for (const ProcedureParameter& q : known->parameters) list += (list.empty() ? "" : ", ") + q.name;
     for (const auto& [k, n] : *values)
-      if (std::none_of(known->parameters.begin(), known->parameters.end(), [&, key = std::string(k.str())](const auto& q) { return q.name == key; }))
-        throw InputError(file, int(n.source().begin.line), "unknown parameter \"" + std::string(k.str()).substr(0, 40) + "\" of " + known->name + "; expected " + list);
+      if (std::none_of(known->parameters.begin(), known->parameters.end(),
+                       [&, key = std::string(k.str())](const auto& q) { return q.name == key; }))
+        throw InputError(file, int(n.source().begin.line),
+                         "unknown parameter \"" + std::string(k.str()).substr(0, 40) + "\" of " + known->name +
+                             "; expected " + list);
   }
 
   Table t = section(root, "tolerance", file);
@@ -131,8 +148,11 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
   t.finish();
   if (l.tolerances.empty()) throw InputError(file, 0, "[tolerance] holds nothing; expected at least one limit");
   if (const toml::node* n = root.get("landmarks")) {
-    if (!n->is_table()) throw InputError(file, int(n->source().begin.line), "landmarks is not a table; expected [landmarks]");
-    for (const auto& [k, e] : *n->as_table()) l.landmarks.push_back({std::string(k.str()), point_of(e, file, "landmarks." + std::string(k.str()).substr(0, 40))});
+    if (!n->is_table())
+      throw InputError(file, int(n->source().begin.line), "landmarks is not a table; expected [landmarks]");
+    for (const auto& [k, e] : *n->as_table())
+      l.landmarks.push_back(
+          {std::string(k.str()), point_of(e, file, "landmarks." + std::string(k.str()).substr(0, 40))});
   }
   return l;
 }
@@ -140,7 +160,8 @@ Lesson parse_lesson(const std::string& text, const std::string& file) {
 std::string find_lesson(const std::string& name_or_path) {
   namespace fs = std::filesystem;
   std::error_code ec;
-  if (fs::exists(name_or_path, ec) && !fs::is_directory(name_or_path, ec)) return name_or_path;  // an --out folder may have the name
+  if (fs::exists(name_or_path, ec) && !fs::is_directory(name_or_path, ec))
+    return name_or_path;  // an --out folder may have the name
   std::string list;
   for (const std::string& root : shipped_roots()) {
     const std::string folder = root == "." ? "app/lessons" : root + "/app/lessons";
@@ -153,13 +174,16 @@ std::string find_lesson(const std::string& name_or_path) {
     if (!names.empty()) list.clear();
     for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n;
   }
-  throw InputError(name_or_path, 0, "no such lesson; expected a lesson file" + (list.empty() ? "" : " or one of: " + list));
+  throw InputError(name_or_path, 0,
+                   "no such lesson; expected a lesson file" + (list.empty() ? "" : " or one of: " + list));
 }
 
 std::string made_for_another(const Lesson& l, const std::string& scene_name, const std::string& scene_path) {
   const auto stem = [](const std::string& file) { return std::filesystem::path(file).stem().string(); };
-  if (l.scene.empty() || l.scene == scene_name || stem(l.scene) == scene_name || stem(l.scene) == stem(scene_path)) return {};
-  return "the lesson \"" + l.title + "\" is for the scene " + l.scene + ", not for " + scene_name + "; it is judged by it all the same";
+  if (l.scene.empty() || l.scene == scene_name || stem(l.scene) == scene_name || stem(l.scene) == stem(scene_path))
+    return {};
+  return "the lesson \"" + l.title + "\" is for the scene " + l.scene + ", not for " + scene_name +
+         "; it is judged by it all the same";
 }
 
 Lesson open_lesson(const std::string& name_or_path) {
@@ -192,7 +216,8 @@ std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const 
       }
       ++out.corners;
       if (!(best < kMissing_mm)) {
-        out.missing.push_back({closed, want[i], match[i].first ? std::optional(match[i].first->corners[match[i].second]) : std::nullopt});
+        out.missing.push_back(
+            {closed, want[i], match[i].first ? std::optional(match[i].first->corners[match[i].second]) : std::nullopt});
         match[i].first = nullptr;
         continue;
       }
@@ -205,12 +230,17 @@ std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const 
       if (!d) continue;
       const size_t m = d->corners.size();
       if ((closed && n >= 3 && m >= 3) || (!closed && i > 0 && i + 1 < n && k > 0 && k + 1 < m))
-        out.angle_max_deg = std::max(out.angle_max_deg, std::abs(angle_deg(want[(i + n - 1) % n], want[i], want[(i + 1) % n]) -
-                                                                 angle_deg(d->corners[(k + m - 1) % m], d->corners[k], d->corners[(k + 1) % m])));
+        out.angle_max_deg =
+            std::max(out.angle_max_deg,
+                     std::abs(angle_deg(want[(i + n - 1) % n], want[i], want[(i + 1) % n]) -
+                              angle_deg(d->corners[(k + m - 1) % m], d->corners[k], d->corners[(k + 1) % m])));
       const size_t j = i + 1 == n ? 0 : i + 1;
       if ((j == 0 && !closed) || !match[j].first) continue;
       const double length = (want[j] - want[i]).norm();
-      if (length > 0) out.limb_max_percent = std::max(out.limb_max_percent, 100 * std::abs((match[j].first->corners[match[j].second] - d->corners[k]).norm() - length) / length);
+      if (length > 0)
+        out.limb_max_percent = std::max(
+            out.limb_max_percent,
+            100 * std::abs((match[j].first->corners[match[j].second] - d->corners[k]).norm() - length) / length);
     }
   };
   for (const auto& e : plan.figure.excisions) compare(e, true);
@@ -246,18 +276,33 @@ LessonValues lesson_values(const Metrics& m, const std::optional<DesignError>& e
     for (const char* name : names) v.why_not[name] = why;
   };
   if (!m.sutures.empty())
-    v.value.insert({{"gap_mm", m.suture_gap_max_mm}, {"suture_N", m.suture_force_max_N}, {"suture_peak_N", m.suture_force_peak_N}, {"closure_N", m.closure_force_N}});
+    v.value.insert({{"gap_mm", m.suture_gap_max_mm},
+                    {"suture_N", m.suture_force_max_N},
+                    {"suture_peak_N", m.suture_force_peak_N},
+                    {"closure_N", m.closure_force_N}});
   else
     without({"gap_mm", "suture_N", "suture_peak_N", "closure_N"}, "stitches were looked for at the end; there is none");
-  if (m.waste_mm2) v.value["waste_mm2"] = *m.waste_mm2;
-  else without({"waste_mm2"}, "an excision was looked for; nothing was excised");
-  const auto gone = std::find_if(m.landmarks.begin(), m.landmarks.end(), [](const NamedLandmark& l) { return !l.figure; });
-  if (m.landmarks.empty()) without({"landmark_mm"}, "landmarks were looked for; neither scene nor lesson names one");
-  else if (gone != m.landmarks.end()) without({"landmark_mm"}, "the skin of " + gone->name + " was looked for at " + at_text(gone->at) + "; there is none");
-  else v.value["landmark_mm"] = m.landmark_max_mm;
-  if (!e) without({"corner_mm", "angle_deg", "limb_percent"}, "cuts were looked for where the plan has them; nothing was excised or incised");
-  else if (!e->missing.empty()) without({"corner_mm", "angle_deg", "limb_percent"}, why_missing(*e));
-  else v.value.insert({{"corner_mm", e->corner_max_mm}, {"angle_deg", e->angle_max_deg}, {"limb_percent", e->limb_max_percent}});
+  if (m.waste_mm2)
+    v.value["waste_mm2"] = *m.waste_mm2;
+  else
+    without({"waste_mm2"}, "an excision was looked for; nothing was excised");
+  const auto gone =
+      std::find_if(m.landmarks.begin(), m.landmarks.end(), [](const NamedLandmark& l) { return !l.figure; });
+  if (m.landmarks.empty())
+    without({"landmark_mm"}, "landmarks were looked for; neither scene nor lesson names one");
+  else if (gone != m.landmarks.end())
+    without({"landmark_mm"},
+            "the skin of " + gone->name + " was looked for at " + at_text(gone->at) + "; there is none");
+  else
+    v.value["landmark_mm"] = m.landmark_max_mm;
+  if (!e)
+    without({"corner_mm", "angle_deg", "limb_percent"},
+            "cuts were looked for where the plan has them; nothing was excised or incised");
+  else if (!e->missing.empty())
+    without({"corner_mm", "angle_deg", "limb_percent"}, why_missing(*e));
+  else
+    v.value.insert(
+        {{"corner_mm", e->corner_max_mm}, {"angle_deg", e->angle_max_deg}, {"limb_percent", e->limb_max_percent}});
   without({"time_s"}, "the session's time was looked for; there is none");
   without({"path_mm", "movements"}, "a hand's movements were looked for; none are recorded");
   return v;

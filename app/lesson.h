@@ -11,7 +11,8 @@
 //   [procedure.values]  side_mm = 20        parameters that differ from the procedure's own
 //   [tolerance]                             at most; only those that are given are judged
 //   corner_mm, angle_deg, limb_percent      of the cuts against the plan (design_error)
-//   gap_mm, suture_N, suture_peak_N, closure_N, dog_ear_mm, step_off_mm, landmark_mm, waste_mm2   of result.json's metrics
+//   gap_mm, suture_N, suture_peak_N, closure_N, dog_ear_mm, step_off_mm, landmark_mm, waste_mm2   of result.json's
+//   metrics
 //   time_s, path_mm, movements, undos       of the hand; judged where there was one
 //   [landmarks]  ala = [x, y]               places that must not be drawn away
 //
@@ -40,7 +41,8 @@ std::string find_lesson(const std::string& name_or_path);
 /// A path, or NAME for app/lessons/NAME.toml. InputError that lists the names to be had.
 Lesson open_lesson(const std::string& name_or_path);
 
-/// A line that says so when a lesson judges what was done in another scene than its own, by the scene's name and file; empty where it fits.
+/// A line that says so when a lesson judges what was done in another scene than its own, by the scene's name and file;
+/// empty where it fits.
 std::string made_for_another(const Lesson& lesson, const std::string& scene_name, const std::string& scene_path);
 
 /// A planned corner without a drawn one near enough.
@@ -52,10 +54,10 @@ struct MissingCorner {
 /// How far the cuts lie from the plan. Corners of what was drawn are those that matter by more than 1.5 mm (plan.h).
 struct DesignError {
   double corner_mean_mm = 0, corner_max_mm = 0;  // planned corner to the nearest drawn one of the same kind of cut
-  double angle_max_deg = 0;                      // at planned inner corners of cuts, against the drawn corner nearest to them
-  double limb_max_percent = 0;                   // length between neighbouring planned corners, against that between theirs
-  int corners = 0;                               // planned
-  std::vector<MissingCorner> missing;            // of them, without a drawn one within 10 mm
+  double angle_max_deg = 0;            // at planned inner corners of cuts, against the drawn corner nearest to them
+  double limb_max_percent = 0;         // length between neighbouring planned corners, against that between theirs
+  int corners = 0;                     // planned
+  std::vector<MissingCorner> missing;  // of them, without a drawn one within 10 mm
 };
 /// Nothing when nothing was cut.
 std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const Command> script);

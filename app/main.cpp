@@ -1,4 +1,5 @@
-// limberg: the command line. Each command is a file in commands/; here are only the frame, the exit status and the errors.
+// limberg: the command line. Each command is a file in commands/; here are only the frame, the exit status and the
+// errors.
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
@@ -31,7 +32,8 @@ int defect(const char* what) {
 // What a call without a command says.
 constexpr const char* kFirstSteps =
     "Limberg: a trainer for open reconstructive surgery. Try:\n"
-    "  limberg run                                    a window: operate on a rhomboid defect with the mouse; N shows each step\n"
+    "  limberg run                                    a window: operate on a rhomboid defect with the mouse; N shows "
+    "each step\n"
     "  limberg replay recordings/rhomboid.lcm --out out/demo   a recorded operation, its pictures and its report\n"
     "  limberg operate zplasty recordings/zplasty.jsonl --out out/z   an operation by script, to equilibrium\n"
     "  limberg study zplasty --out out/study          what a Z-plasty gains, by its angle\n"
@@ -42,8 +44,9 @@ int run_main(int argc, char** argv) {
   CLI::App app("Limberg: a trainer for open reconstructive surgery", "limberg");
   app.require_subcommand(0, 1);
   app.set_version_flag("--version", program_name());
-  app.footer("Exit status: 0 done; 1 the program failed; 2 the input or the call is wrong; 3 the goal was not reached.\n"
-             "Example: limberg replay recordings/rhomboid.lcm --out out/demo");
+  app.footer(
+      "Exit status: 0 done; 1 the program failed; 2 the input or the call is wrong; 3 the goal was not reached.\n"
+      "Example: limberg replay recordings/rhomboid.lcm --out out/demo");
   bool man = false, completion = false;
   app.add_flag("--man", man, "Print the manual page (limberg --man | man -l -)");
   app.add_flag("--completion", completion, "Print the completion for bash");
@@ -68,7 +71,9 @@ int run_main(int argc, char** argv) {
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
     const std::vector<const CLI::App*> commands = std::as_const(app).get_subcommands({});
-    if (words.empty() || std::any_of(commands.begin(), commands.end(), [&](const CLI::App* c) { return c->get_name() == words.front(); })) words.emplace_back("--help");
+    if (words.empty() || std::any_of(commands.begin(), commands.end(),
+                                     [&](const CLI::App* c) { return c->get_name() == words.front(); }))
+      words.emplace_back("--help");
   }
   std::reverse(words.begin(), words.end());  // CLI11 takes them from the end
   try {
@@ -105,7 +110,8 @@ int flushed(int status) {
   return status == kDone ? int(kBadInput) : status;
 }
 
-/// A caller may have closed standard input, output or error. The next file that is opened would take that number, and what is
+/// A caller may have closed standard input, output or error. The next file that is opened would take that number, and
+/// what is
 /// printed would go into a recording.
 void keep_standard_files() {
   for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})

@@ -14,9 +14,12 @@ namespace {
 std::string roff(const std::string& text) {
   std::string out;
   for (const char c : text) {
-    if (c == '\\') out += "\\e";
-    else if (c == '-') out += "\\-";
-    else out += c;
+    if (c == '\\')
+      out += "\\e";
+    else if (c == '-')
+      out += "\\-";
+    else
+      out += c;
   }
   if (!out.empty() && (out[0] == '.' || out[0] == '\'')) out = "\\&" + out;
   return out;
@@ -49,7 +52,8 @@ std::string joined(const std::vector<std::string>& words) {
 
 std::string manual_page(const CLI::App& app, const std::string& version) {
   std::ostringstream out;
-  out << ".TH LIMBERG 1 \"\" \"" << roff(version) << "\" \"User Commands\"\n.SH NAME\nlimberg \\- a trainer for open reconstructive surgery\n";
+  out << ".TH LIMBERG 1 \"\" \"" << roff(version)
+      << "\" \"User Commands\"\n.SH NAME\nlimberg \\- a trainer for open reconstructive surgery\n";
   out << ".SH SYNOPSIS\n.B limberg\nCOMMAND [OPTIONS]\n.SH DESCRIPTION\n" << roff(app.get_description()) << ".\n";
   out << ".SH COMMANDS\n";
   for (const CLI::App* c : app.get_subcommands({})) {
@@ -60,7 +64,8 @@ std::string manual_page(const CLI::App& app, const std::string& version) {
   }
   out << ".SH OPTIONS\n";
   options(out, app);
-  out << ".SH EXIT STATUS\n0 done; 1 the program failed; 2 the input or the call is wrong; 3 the goal was not reached.\n";
+  out << ".SH EXIT STATUS\n0 done; 1 the program failed; 2 the input or the call is wrong; 3 the goal was not "
+         "reached.\n";
   return out.str();
 }
 
@@ -94,10 +99,15 @@ std::string bash_completion(const CLI::App& app) {
   }
   std::ostringstream out;
   out << "# bash completion for limberg, made by limberg --completion\n_limberg() {\n"
-         "  local here=${COMP_WORDS[COMP_CWORD]} words= scenes=\n  case \"${COMP_WORDS[1]}\" in\n" << cases.str() << "  esac\n"
-         "  if [ \"$COMP_CWORD\" = 1 ]; then COMPREPLY=($(compgen -W \"" << joined(commands) << " --help --version\" -- \"$here\"))\n"
+         "  local here=${COMP_WORDS[COMP_CWORD]} words= scenes=\n  case \"${COMP_WORDS[1]}\" in\n"
+      << cases.str()
+      << "  esac\n"
+         "  if [ \"$COMP_CWORD\" = 1 ]; then COMPREPLY=($(compgen -W \""
+      << joined(commands)
+      << " --help --version\" -- \"$here\"))\n"
          "  elif [[ $here == -* ]]; then COMPREPLY=($(compgen -W \"$words\" -- \"$here\"))\n"
-         "  else COMPREPLY=($(compgen -W \"$scenes\" -- \"$here\") $(compgen -f -- \"$here\")); fi\n}\ncomplete -o filenames -F _limberg limberg\n";
+         "  else COMPREPLY=($(compgen -W \"$scenes\" -- \"$here\") $(compgen -f -- \"$here\")); fi\n}\ncomplete -o "
+         "filenames -F _limberg limberg\n";
   return out.str();
 }
 

@@ -97,7 +97,8 @@ class Operation {
   /// In steps of 0.5 mm and half a degree: what lies in the way has to be met.
   Outcome drag(const DragFragment& d) {
     const RigidMove from = dragged_;
-    const double way = std::max((d.to.translation_mm - from.translation_mm).norm(), (d.to.rotation_deg - from.rotation_deg).norm());
+    const double way =
+        std::max((d.to.translation_mm - from.translation_mm).norm(), (d.to.rotation_deg - from.rotation_deg).norm());
     const int n = std::max(1, int(std::ceil(way / 0.5)));
     for (int i = 1; i <= n; ++i) {
       DragFragment part = d;

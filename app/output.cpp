@@ -40,10 +40,12 @@ void prepare_folder(const std::string& dir) {
   std::error_code ec;
   fs::create_directories(dir, ec);
   if (!fs::is_directory(dir))
-    throw InputError(dir, 0, "cannot be used as output folder (" + (ec ? ec.message() : "it is not a folder") +
-                                 "); expected a folder that can be written");
+    throw InputError(dir, 0,
+                     "cannot be used as output folder (" + (ec ? ec.message() : "it is not a folder") +
+                         "); expected a folder that can be written");
   if (const int e = try_create_in(dir))
-    throw InputError(dir, 0, "output folder is not writable (" + reason(e) + "); expected a folder that can be written");
+    throw InputError(dir, 0,
+                     "output folder is not writable (" + reason(e) + "); expected a folder that can be written");
 }
 
 void check_writable(const std::string& file) {
@@ -55,7 +57,8 @@ void check_writable(const std::string& file) {
       throw InputError(file, 0, "cannot be written (" + reason(errno) + "); expected a file that can be written");
   }
   const std::string dir = folder_of(file);
-  if (!fs::is_directory(dir)) throw InputError(file, 0, "cannot be written: there is no folder " + dir + "; expected an existing folder");
+  if (!fs::is_directory(dir))
+    throw InputError(file, 0, "cannot be written: there is no folder " + dir + "; expected an existing folder");
   if (const int e = try_create_in(dir))
     throw InputError(file, 0, "cannot be written (" + reason(e) + "); expected a folder that takes files");
 }
@@ -67,17 +70,22 @@ void check_replaces(const std::string& file, const std::string& begins, const st
   std::string start;
   for (char c; start.size() < begins.size() && in.get(c);)
     if (c != ' ' && c != '\n' && c != '\r' && c != '\t') start += c;
-  if (start != begins) throw InputError(file, 0, "exists and is not " + kind + ", which would replace it; expected the name of a new file, or of " + kind);
+  if (start != begins)
+    throw InputError(
+        file, 0,
+        "exists and is not " + kind + ", which would replace it; expected the name of a new file, or of " + kind);
 }
 
 std::string read_whole_file(const std::string& file, size_t limit) {
   struct stat st {};
-  if (stat(file.c_str(), &st) != 0) throw InputError(file, 0, "cannot be read (" + reason(errno) + "); expected an existing file");
+  if (stat(file.c_str(), &st) != 0)
+    throw InputError(file, 0, "cannot be read (" + reason(errno) + "); expected an existing file");
   if (S_ISDIR(st.st_mode)) throw InputError(file, 0, "is a folder; expected a file");
   if (!S_ISREG(st.st_mode)) throw InputError(file, 0, "is not a regular file; expected a file");
   if (size_t(st.st_size) > limit)
-    throw InputError(file, 0, "is too large (" + std::to_string(st.st_size >> 20) + " MB); expected at most " +
-                                  std::to_string(limit >> 20) + " MB");
+    throw InputError(file, 0,
+                     "is too large (" + std::to_string(st.st_size >> 20) + " MB); expected at most " +
+                         std::to_string(limit >> 20) + " MB");
   const int fd = open(file.c_str(), O_RDONLY);
   if (fd < 0) throw InputError(file, 0, "cannot be read (" + reason(errno) + "); expected a readable file");
   std::string text(size_t(st.st_size), '\0');

@@ -38,11 +38,19 @@ ToolPose tool_pose(const ToolState& t, const SecondHand& g) {
   ToolPose p;
   p.visible = t.valid != 0;
   switch (Tool(t.tool)) {
-    case Tool::hook: p.kind = ToolPose::Kind::hook; break;
+    case Tool::hook:
+      p.kind = ToolPose::Kind::hook;
+      break;
     case Tool::suture:
-    case Tool::suture_row: p.kind = ToolPose::Kind::needle_holder; break;
-    case Tool::none: p.kind = ToolPose::Kind::stylus; break;
-    default: p.kind = ToolPose::Kind::scalpel; break;
+    case Tool::suture_row:
+      p.kind = ToolPose::Kind::needle_holder;
+      break;
+    case Tool::none:
+      p.kind = ToolPose::Kind::stylus;
+      break;
+    default:
+      p.kind = ToolPose::Kind::scalpel;
+      break;
   }
   for (int i = 0; i < 3; ++i) p.tip_mm[i] = float(t.tip_mm[i]), p.shaft[i] = float(t.shaft[i]);
   GlovePose& hand = p.glove;
@@ -62,7 +70,8 @@ struct OffscreenFrames::Impl {
   SecondHand glove;
 };
 
-OffscreenFrames::OffscreenFrames(const Scene& scene, int width, int height) : impl_(new Impl{scene_camera(scene), width, height, nullptr, {}}) {}
+OffscreenFrames::OffscreenFrames(const Scene& scene, int width, int height)
+    : impl_(new Impl{scene_camera(scene), width, height, nullptr, {}}) {}
 OffscreenFrames::~OffscreenFrames() = default;
 
 void OffscreenFrames::prepare(const SurfaceTopology&) {
@@ -102,21 +111,27 @@ namespace {
 void draw_maps(const std::string& dir, const Snapshot& last) {
   const Skin skin(last.topology->body);
   const SurfaceView& view = last.topology->view;
-  write_whole_file(dir + "/" + report_names::perfusion, field_map_svg(view, skin.body(), perfusion(view, skin).index, {"Perfusion index (dark: little)", "", 0, 1, true}));
+  write_whole_file(dir + "/" + report_names::perfusion,
+                   field_map_svg(view, skin.body(), perfusion(view, skin).index,
+                                 {"Perfusion index (dark: little)", "", 0, 1, true}));
   const std::vector<MembraneState> states = skin_states(view, last.x_mm, skin.body());
   std::vector<float> stress(states.size(), -1);
   std::vector<std::pair<double, double>> all;
   for (size_t t = 0; t < states.size(); ++t)
-    if (states[t].area_mm2 > 0) stress[t] = float(std::max(0.0, states[t].stress_kPa)), all.emplace_back(double(stress[t]), states[t].area_mm2);
-  write_whole_file(dir + "/" + report_names::stress, field_map_svg(view, skin.body(), stress, {"Largest principal stress of the skin", "kPa", 0, std::max(1.0, weighted_percentile(all, 0.99)), false}));
+    if (states[t].area_mm2 > 0)
+      stress[t] = float(std::max(0.0, states[t].stress_kPa)), all.emplace_back(double(stress[t]), states[t].area_mm2);
+  write_whole_file(dir + "/" + report_names::stress,
+                   field_map_svg(view, skin.body(), stress,
+                                 {"Largest principal stress of the skin", "kPa", 0,
+                                  std::max(1.0, weighted_percentile(all, 0.99)), false}));
 }
 
 }  // namespace
 
 void remove_report_pictures(const std::string& dir) {
   std::error_code none;
-  for (const char* name : {report_names::overview, report_names::tension, report_names::perfusion, report_names::stress, report_names::height, report_names::moved,
-                           report_names::risk})
+  for (const char* name : {report_names::overview, report_names::tension, report_names::perfusion, report_names::stress,
+                           report_names::height, report_names::moved, report_names::risk})
     std::filesystem::remove(std::filesystem::path(dir) / name, none);
 }
 
@@ -135,10 +150,16 @@ void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& s
     if (!last.field.empty())
       write_png(dir + "/" + report_names::tension, pictures.tension(last, titled("Tension of the skin")));
     SkinFields fields;
-    for (const auto& [field, file] : {std::pair(SkinField::height, report_names::height), std::pair(SkinField::moved, report_names::moved), std::pair(SkinField::perfusion, report_names::risk)}) {
+    for (const auto& [field, file] :
+         {std::pair(SkinField::height, report_names::height), std::pair(SkinField::moved, report_names::moved),
+          std::pair(SkinField::perfusion, report_names::risk)}) {
       const FieldShown& shown = fields.show(field, last);
       const SkinFieldLook& look = look_of(field);
-      if (!shown.value.empty()) write_png(dir + "/" + file, pictures.field(last, shown.value, {look.title, look.unit, shown.lo, shown.hi, look.scale, shown.above, shown.below}, titled(look.name)));
+      if (!shown.value.empty())
+        write_png(dir + "/" + file,
+                  pictures.field(last, shown.value,
+                                 {look.title, look.unit, shown.lo, shown.hi, look.scale, shown.above, shown.below},
+                                 titled(look.name)));
     }
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());

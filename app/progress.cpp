@@ -16,8 +16,11 @@ void Progress::show(double done, double total, const char* unit) {
   if (shown_ && now - last_ns_ < 100 * kNsPerMs) return;
   last_ns_ = now;
   shown_ = true;
-  if (total > 0) std::fprintf(stderr, "\r%s  %.1f of %.1f %s  %3.0f %%\033[K", label_.c_str(), done, total, unit, 100 * done / total);
-  else std::fprintf(stderr, "\r%s  %.1f %s\033[K", label_.c_str(), done, unit);
+  if (total > 0)
+    std::fprintf(stderr, "\r%s  %.1f of %.1f %s  %3.0f %%\033[K", label_.c_str(), done, total, unit,
+                 100 * done / total);
+  else
+    std::fprintf(stderr, "\r%s  %.1f %s\033[K", label_.c_str(), done, unit);
   std::fflush(stderr);
 }
 

@@ -32,15 +32,16 @@ uint64_t hash(const Json& j, const char* key, const std::string& file) {
 }
 
 Command command(const Json& j, const std::string& file, int number) {
-  if (!j.is_object()) fail(file, "command " + std::to_string(number) + " is no object; expected an action as in a script");
+  if (!j.is_object())
+    fail(file, "command " + std::to_string(number) + " is no object; expected an action as in a script");
   return parse_command(j.dump(-1, ' ', false, Json::error_handler_t::replace), file, number);
 }
 
 }  // namespace
 
 bool is_cut(const Command& c) {
-  return std::holds_alternative<Incise>(c) || std::holds_alternative<InciseMore>(c) || std::holds_alternative<Undermine>(c) ||
-         std::holds_alternative<Excise>(c) || std::holds_alternative<Redo>(c);
+  return std::holds_alternative<Incise>(c) || std::holds_alternative<InciseMore>(c) ||
+         std::holds_alternative<Undermine>(c) || std::holds_alternative<Excise>(c) || std::holds_alternative<Redo>(c);
 }
 
 std::string to_text(const Repro& r) {
@@ -66,7 +67,8 @@ std::string to_text(const Repro& r) {
       continue;
     }
     text += "[";
-    for (size_t i = 0; i < value.size(); ++i) text += (i ? ",\n  " : "\n  ") + value[i].dump(-1, ' ', false, Json::error_handler_t::replace);
+    for (size_t i = 0; i < value.size(); ++i)
+      text += (i ? ",\n  " : "\n  ") + value[i].dump(-1, ' ', false, Json::error_handler_t::replace);
     text += "]";
   }
   return text + "\n}\n";
@@ -74,17 +76,20 @@ std::string to_text(const Repro& r) {
 
 bool looks_like_repro(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
-  return first != std::string_view::npos && text[first] == '{' && text.substr(first, 64).find("\"limberg_repro\"") != std::string_view::npos;
+  return first != std::string_view::npos && text[first] == '{' &&
+         text.substr(first, 64).find("\"limberg_repro\"") != std::string_view::npos;
 }
 
 Repro parse_repro(const std::string& text, const std::string& file) {
-  if (text.size() > ScriptLimits::file_bytes) fail(file, "is larger than " + std::to_string(ScriptLimits::file_bytes >> 20) + " MB");
+  if (text.size() > ScriptLimits::file_bytes)
+    fail(file, "is larger than " + std::to_string(ScriptLimits::file_bytes >> 20) + " MB");
   if (json_nesting(text) > 16) fail(file, "brackets are nested too deeply; expected a repro file");
   const Json j = Json::parse(text, nullptr, false);
   if (!j.is_object()) fail(file, "is broken JSON; expected a repro file");
   for (const auto& [key, value] : j.items()) {
     bool known = false;
-    for (const char* k : {"limberg_repro", "program", "scene", "scene_hash", "cell_mm", "seed", "topology_hash", "reason", "commands", "refused"})
+    for (const char* k : {"limberg_repro", "program", "scene", "scene_hash", "cell_mm", "seed", "topology_hash",
+                          "reason", "commands", "refused"})
       known = known || key == k;
     if (!known) fail(file, "unknown key \"" + key.substr(0, 40) + "\"; expected a repro file as limberg writes it");
   }

@@ -1,5 +1,6 @@
 #pragma once
-// A cut that was refused leaves a small file from which it can be tried again: the scene by name and hash, cell size and
+// A cut that was refused leaves a small file from which it can be tried again: the scene by name and hash, cell size
+// and
 // seed, every command that was carried out before, and the one that was refused.
 //
 //   {"limberg_repro":1,"program":"...","scene":"rhomboid","scene_hash":"...","cell_mm":3.5,"seed":1,"topology_hash":"...",
@@ -8,7 +9,8 @@
 //   limberg check repro-1.json                 says what it holds
 //   limberg operate rhomboid repro-1.json      does it all again, with its cell size and seed
 //
-// topology_hash is that of the state in which the command was refused. Cuts are decided at rest, so the same commands lead
+// topology_hash is that of the state in which the command was refused. Cuts are decided at rest, so the same commands
+// lead
 // to it whatever the tissue did in between.
 #include <string>
 #include <string_view>

@@ -89,9 +89,7 @@ void Result::set_times(std::string_view path, const Histogram& h, double unit, c
   if (which.max) put("max", h.max_ns());
 }
 
-std::string Result::text() const {
-  return impl_->json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string Result::text() const { return impl_->json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 void Result::write(const std::string& file) const { write_whole_file(file, text()); }
 

@@ -7,7 +7,8 @@
 //   r.set_times("/device/wake_us", histogram, 1e-3, {.p999 = true});
 //   r.write("out/result.json");
 //
-// Paths are JSON pointers. Numbers that are not finite become null. The file is written beside its place and renamed, so
+// Paths are JSON pointers. Numbers that are not finite become null. The file is written beside its place and renamed,
+// so
 // an older one is replaced whole or not at all.
 #include <cstdint>
 #include <memory>
@@ -42,7 +43,9 @@ class Result {
   /// Copies what another result.json holds at `path`, if anything. InputError when that file is no JSON object.
   void take(std::string_view path, const std::string& other_file);
 
-  struct Which { bool p95 = false, p99 = true, p999 = false, max = true; };
+  struct Which {
+    bool p95 = false, p99 = true, p999 = false, max = true;
+  };
   /// {p50, p95?, p99?, p999?, max?}; `unit` in the name's unit per ns (us: 1e-3, ms: 1e-6).
   void set_times(std::string_view path, const Histogram& h, double unit, const Which& which);
   void set_ok(bool ok) { set("/ok", ok); }

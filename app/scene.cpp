@@ -30,12 +30,14 @@ std::string slurp(const std::string& path, const char* expected, size_t max_byte
   if (!fs::exists(path, ec)) throw InputError(path, 0, std::string("no such file; expected ") + expected);
   if (fs::is_directory(path, ec)) throw InputError(path, 0, std::string("is a folder; expected ") + expected);
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected " + expected);
+  if (!in)
+    throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected " + expected);
   std::string text;
   std::vector<char> part(1 << 16);
   while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
     text.append(part.data(), size_t(in.gcount()));
-    if (text.size() > max_bytes) throw InputError(path, 0, "the file is too large; expected at most " + std::to_string(max_bytes) + " bytes");
+    if (text.size() > max_bytes)
+      throw InputError(path, 0, "the file is too large; expected at most " + std::to_string(max_bytes) + " bytes");
   }
   if (in.bad()) throw InputError(path, 0, "cannot be read to its end; expected a readable file");
   return text;
@@ -53,8 +55,10 @@ void read_body(Table t, Scene& s, const std::string& file) {
     s.block.name = s.name;
     s.block.tension_direction = tension;
     t.vector("size_mm", s.block.size_mm, 1000);
-    if (s.block.size_mm.minCoeff() < 1) t.fail("size_mm", "has a side of " + number(s.block.size_mm.minCoeff()) + " mm; expected 1 to 1000 mm");
-    if (tension.head<2>().norm() < 1e-3 * tension.norm()) t.fail("tension_direction", "stands upright on the skin; expected a direction in its plane");
+    if (s.block.size_mm.minCoeff() < 1)
+      t.fail("size_mm", "has a side of " + number(s.block.size_mm.minCoeff()) + " mm; expected 1 to 1000 mm");
+    if (tension.head<2>().norm() < 1e-3 * tension.norm())
+      t.fail("tension_direction", "stands upright on the skin; expected a direction in its plane");
     t.real("skin_cell_mm", s.block.skin_cell_mm, 0.1, 100);
     if (s.block.size_mm.x() * s.block.size_mm.y() / (s.block.skin_cell_mm * s.block.skin_cell_mm) > 2e6)
       t.fail("skin_cell_mm", "makes more than 4 million triangles; expected larger skin cells");
@@ -64,7 +68,8 @@ void read_body(Table t, Scene& s, const std::string& file) {
     std::string mesh;
     if (!t.has("mesh")) t.fail("mesh", "is missing; expected the path of an OBJ file");
     t.text("mesh", mesh, 4000);
-    s.obj.path = fs::path(mesh).is_absolute() ? mesh : (fs::path(file).parent_path() / mesh).lexically_normal().string();
+    s.obj.path =
+        fs::path(mesh).is_absolute() ? mesh : (fs::path(file).parent_path() / mesh).lexically_normal().string();
     t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
     t.direction("deep_direction", s.obj.deep_direction);
     t.real("deep_angle_deg", s.obj.deep_angle_deg, 0, 180);
@@ -83,12 +88,11 @@ void read_body(Table t, Scene& s, const std::string& file) {
 
 }  // namespace
 
-Vec3 Scene::Camera::eye_mm() const {
-  return target_mm + distance_mm * from.normalized();
-}
+Vec3 Scene::Camera::eye_mm() const { return target_mm + distance_mm * from.normalized(); }
 
 Scene parse_scene(const std::string& text, const std::string& path, std::shared_ptr<const LawCatalogue> laws) {
-  if (text.find_first_not_of(" \t\r\n") == std::string::npos) throw InputError(path, 0, "the file is empty; expected a scene");
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(path, 0, "the file is empty; expected a scene");
   if (text.size() > kMaxBytes) throw InputError(path, 0, "the scene is larger than 1 MB; expected less");
   const toml::table root = parse_toml(text, path, "a scene");
 
@@ -105,23 +109,30 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   s.flesh = !s.head || root.contains("body");
   if (!s.flesh)
     for (const char* key : {"layer", "lattice", "springs", "build"})
-      if (const toml::node* n = root.get(key)) throw InputError(path, int(n->source().begin.line), std::string(key) + " belongs to a [body], and there is none; expected a [body] or no " + key);
+      if (const toml::node* n = root.get(key))
+        throw InputError(path, int(n->source().begin.line),
+                         std::string(key) + " belongs to a [body], and there is none; expected a [body] or no " + key);
   if (s.flesh) read_body(section(root, "body", path), s, path);
   s.laws = laws ? laws : shipped_laws();
   std::optional<TissueLibrary> library;
-  if (s.flesh) (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) = read_layers(root, path, *s.laws, [&](Table& layer) -> const TissueLibrary& {
-    if (library) return *library;
-    const std::string file = find_tissues(path);
-    if (file.empty()) layer.fail("tissue", "cannot be looked up: there is no tissues.toml beside the scene or in the folder above; expected one");
-    s.tissues = slurp(file, "a library of tissues", kMaxBytes);
-    return library.emplace(parse_tissues(s.tissues, file, *s.laws));
-  });
+  if (s.flesh)
+    (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) =
+        read_layers(root, path, *s.laws, [&](Table& layer) -> const TissueLibrary& {
+          if (library) return *library;
+          const std::string file = find_tissues(path);
+          if (file.empty())
+            layer.fail(
+                "tissue",
+                "cannot be looked up: there is no tissues.toml beside the scene or in the folder above; expected one");
+          s.tissues = slurp(file, "a library of tissues", kMaxBytes);
+          return library.emplace(parse_tissues(s.tissues, file, *s.laws));
+        });
 
   Table lattice = section(root, "lattice", path);
   lattice.real("cell_mm", s.cell_mm, 0.2, 100);
   if (s.flesh && s.source == Scene::Source::block && s.cell_mm > s.block.size_mm.minCoeff())
-    lattice.fail("cell_mm", "is " + number(s.cell_mm) + ", larger than the block's side of " + number(s.block.size_mm.minCoeff()) +
-                                " mm; expected cells that fit into it");
+    lattice.fail("cell_mm", "is " + number(s.cell_mm) + ", larger than the block's side of " +
+                                number(s.block.size_mm.minCoeff()) + " mm; expected cells that fit into it");
   if (s.flesh && s.source == Scene::Source::block && s.block.size_mm.prod() / (s.cell_mm * s.cell_mm * s.cell_mm) > 2e6)
     lattice.fail("cell_mm", "makes more than 2 million cells; expected larger cells");
   lattice.boolean("refine_fronts", s.refine_fronts);
@@ -132,7 +143,9 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Table build = section(root, "build", path);
   build.boolean("can_cut", s.can_cut);
   build.boolean("dynamic", s.dynamic);
-  build.choice("contact", [&](int v) { s.contact = v < 0 ? ContactChoice::automatic : v ? ContactChoice::on : ContactChoice::off; });
+  build.choice("contact", [&](int v) {
+    s.contact = v < 0 ? ContactChoice::automatic : v ? ContactChoice::on : ContactChoice::off;
+  });
   build.finish();
 
   Table springs = section(root, "springs", path);
@@ -147,7 +160,8 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   solver.real("damping_per_s", s.damping_per_s, 0, 1e4);
   if (std::string name = "backward_euler"; solver.has("integrator")) {
     solver.text("integrator", name);
-    if (name != "backward_euler" && name != "bdf2") solver.fail("integrator", "is \"" + name + "\"; expected \"backward_euler\" or \"bdf2\"");
+    if (name != "backward_euler" && name != "bdf2")
+      solver.fail("integrator", "is \"" + name + "\"; expected \"backward_euler\" or \"bdf2\"");
     s.integrator = name == "bdf2" ? Integrator::bdf2 : Integrator::backward_euler;
   } else {
     solver.text("integrator", name);
@@ -160,20 +174,25 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   tools.real("default_depth_mm", s.tools.default_depth_mm, 0, 200, true);
   tools.real("default_spacing_mm", s.tools.default_spacing_mm, 0.5, 100);
   tools.real("reach_mm", s.tools.reach_mm, 0.1, 50);
-  if (bool on = false; tools.has("progressive_cut")) tools.boolean("progressive_cut", on), s.tools.progressive_cut = on;
-  else tools.boolean("progressive_cut", on);
+  if (bool on = false; tools.has("progressive_cut"))
+    tools.boolean("progressive_cut", on), s.tools.progressive_cut = on;
+  else
+    tools.boolean("progressive_cut", on);
   if (s.tools.default_depth_mm > s.tools.max_depth_mm)
     tools.fail("default_depth_mm", "is larger than max_depth_mm; expected at most " + number(s.tools.max_depth_mm));
   tools.finish();
 
   if (const toml::node* n = root.get("landmarks")) {
     if (!n->is_table() || n->as_table()->size() > 50)
-      throw InputError(path, int(n->source().begin.line), "landmarks is no table of at most 50 places; expected [landmarks] with NAME = [x, y]");
+      throw InputError(path, int(n->source().begin.line),
+                       "landmarks is no table of at most 50 places; expected [landmarks] with NAME = [x, y]");
     for (const auto& [name, at] : *n->as_table()) {
       const toml::array* a = at.as_array();
-      const auto x = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt, y = x ? a->get(1)->value<double>() : std::nullopt;
+      const auto x = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt,
+                 y = x ? a->get(1)->value<double>() : std::nullopt;
       if (!y || !(std::abs(*x) <= 1e4) || !(std::abs(*y) <= 1e4))
-        throw InputError(path, int(at.source().begin.line), "landmarks." + std::string(name.str()).substr(0, 40) + " is no place; expected [x, y] in mm");
+        throw InputError(path, int(at.source().begin.line),
+                         "landmarks." + std::string(name.str()).substr(0, 40) + " is no place; expected [x, y] in mm");
       s.landmarks.push_back({std::string(name.str()), {*x, *y}});
     }
   }
@@ -191,10 +210,13 @@ Scene parse_scene(const std::string& text, const std::string& path, std::shared_
   Hash64 h;
   h.add(text);
   if (!s.tissues.empty()) h.add(s.tissues);
-  if (s.source == Scene::Source::obj) h.add(slurp(s.obj.path, "the OBJ surface that the scene names", ObjLimits::file_bytes));
+  if (s.source == Scene::Source::obj)
+    h.add(slurp(s.obj.path, "the OBJ surface that the scene names", ObjLimits::file_bytes));
   if (s.head) {
-    for (const std::string& f : s.head->bone_files) h.add(slurp(f, "a simplex mesh that the scene names", ObjLimits::file_bytes));
-    if (!s.head->face_file.empty()) h.add(slurp(s.head->face_file, "a simplex mesh that the scene names", ObjLimits::file_bytes));
+    for (const std::string& f : s.head->bone_files)
+      h.add(slurp(f, "a simplex mesh that the scene names", ObjLimits::file_bytes));
+    if (!s.head->face_file.empty())
+      h.add(slurp(s.head->face_file, "a simplex mesh that the scene names", ObjLimits::file_bytes));
   }
   s.hash = h.value();
   return s;
@@ -204,7 +226,8 @@ Scene load_scene(const std::string& path) { return parse_scene(slurp(path, "a sc
 
 std::string find_scene(const std::string& name_or_path, const std::vector<std::string>& folders) {
   std::error_code ec;
-  if (fs::exists(name_or_path, ec) && !fs::is_directory(name_or_path, ec)) return name_or_path;  // an --out folder may have the name
+  if (fs::exists(name_or_path, ec) && !fs::is_directory(name_or_path, ec))
+    return name_or_path;  // an --out folder may have the name
   std::vector<std::string> names;
   for (const auto& f : folders) {
     const fs::path candidate = fs::path(f) / (name_or_path + ".toml");
@@ -216,7 +239,8 @@ std::string find_scene(const std::string& name_or_path, const std::vector<std::s
   names.erase(std::unique(names.begin(), names.end()), names.end());
   std::string list;
   for (const auto& n : names) list += (list.empty() ? "" : ", ") + n;
-  throw InputError(name_or_path, 0, "no such scene; expected a scene file" + (list.empty() ? "" : " or one of: " + list));
+  throw InputError(name_or_path, 0,
+                   "no such scene; expected a scene file" + (list.empty() ? "" : " or one of: " + list));
 }
 
 std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report) {
@@ -225,8 +249,9 @@ std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report
     body->name = scene.name;
     body->laws = scene.laws;
     if (const double side = (body->box_max_mm - body->box_min_mm).minCoeff(); scene.cell_mm > side)
-      throw InputError(scene.path, 0, "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
-                                          number(side) + " mm; expected cells that fit into it");
+      throw InputError(scene.path, 0,
+                       "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
+                           number(side) + " mm; expected cells that fit into it");
     return body;
   }
   auto body = std::make_shared<Body>(make_block(scene.block));

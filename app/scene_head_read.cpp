@@ -14,11 +14,13 @@ std::vector<std::string> texts(Table& t, const toml::table& head, const char* ke
   std::vector<std::string> out;
   const toml::node* n = head.get(key);
   const toml::array* a = n ? n->as_array() : nullptr;
-  if (n && (!a || a->size() > kMostBones)) t.fail(key, std::string("is no list of at most 20 names; expected ") + expected);
+  if (n && (!a || a->size() > kMostBones))
+    t.fail(key, std::string("is no list of at most 20 names; expected ") + expected);
   if (a)
     for (const toml::node& e : *a) {
       const std::optional<std::string> s = e.value<std::string>();
-      if (!s || s->empty() || s->size() > 4000) t.fail(key, std::string("holds something that is no name; expected ") + expected);
+      if (!s || s->empty() || s->size() > 4000)
+        t.fail(key, std::string("holds something that is no name; expected ") + expected);
       out.push_back(*s);
     }
   return out;
@@ -28,20 +30,26 @@ std::vector<std::string> texts(Table& t, const toml::table& head, const char* ke
 void place(Table& t, const toml::table& table, const char* key, Vec3& at, std::string& name) {
   const toml::node* n = table.get(key);
   if (!n) t.fail(key, "is missing; expected a place [x, y, z] or the name of a landmark");
-  if (n->is_string()) t.text(key, name, 60);
-  else t.vector(key, at, 1e4);
+  if (n->is_string())
+    t.text(key, name, 60);
+  else
+    t.vector(key, at, 1e4);
 }
 
-void read_landmarks(const toml::table& head, const char* key, const std::string& file, std::vector<std::pair<std::string, Vec3>>& out) {
+void read_landmarks(const toml::table& head, const char* key, const std::string& file,
+                    std::vector<std::pair<std::string, Vec3>>& out) {
   const toml::node* n = head.get(key);
   if (!n) return;
   const toml::table* t = n->as_table();
   if (!t || t->size() > kMostLandmarks)
-    throw InputError(file, int(n->source().begin.line), std::string("head.") + key + " is no table of at most 200 places; expected NAME = [x, y, z]");
+    throw InputError(file, int(n->source().begin.line),
+                     std::string("head.") + key + " is no table of at most 200 places; expected NAME = [x, y, z]");
   Table each(t, std::string("head.") + key, file);
   for (const auto& [name, at] : *t) {
     const std::string k(name.str());
-    if (k.size() > 40) throw InputError(file, int(at.source().begin.line), "a landmark's name is longer than 40 bytes; expected a short one");
+    if (k.size() > 40)
+      throw InputError(file, int(at.source().begin.line),
+                       "a landmark's name is longer than 40 bytes; expected a short one");
     each.vector(k.c_str(), out.emplace_back(k, Vec3::Zero()).second, 1e4);
   }
 }
@@ -53,8 +61,10 @@ HeadScene::TissueAt read_tissue(const toml::table& table, const std::string& fil
   if (!t.has("name")) t.fail("name", "is missing; expected a name");
   t.text("name", c.name, 60);
   place(t, table, "face", c.face_mm, out.face_name);
-  if (t.has("bone")) place(t, table, "bone", c.bone_mm, out.bone_name);
-  else c.bone_mm = c.face_mm, out.bone_name = out.face_name;
+  if (t.has("bone"))
+    place(t, table, "bone", c.bone_mm, out.bone_name);
+  else
+    c.bone_mm = c.face_mm, out.bone_name = out.face_name;
   t.real("face_radius_mm", c.face_radius_mm, 0, 500, true);
   t.real("bone_radius_mm", c.bone_radius_mm, 0, 500);
   t.integer("layers", 1, 16, [&](int64_t v) { c.layers = int(v); });
@@ -97,19 +107,23 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
     if (h.bone_files.empty()) t.fail("bones", "is missing or empty; expected bones = [\"cranium.txt\", ...]");
     h.fixed = {fs::path(h.bone_files.front()).stem().string()};
     for (std::string& f : h.bone_files) f = beside(file, f);
-    if (t.has("face") && table.get("face")->is_string()) t.text("face", h.face_file, 4000), h.face_file = beside(file, h.face_file);
-    else h.face = false;
+    if (t.has("face") && table.get("face")->is_string())
+      t.text("face", h.face_file, 4000), h.face_file = beside(file, h.face_file);
+    else
+      h.face = false;
   } else {
     t.fail("source", "is of no known kind; expected \"synthetic\" or \"files\"");
   }
   if (t.has("face") && !table.get("face")->is_string()) t.boolean("face", h.face);
-  if (h.source == HeadScene::Source::files && h.face && h.face_file.empty()) t.fail("face", "is true without a file; expected face = \"face.txt\"");
+  if (h.source == HeadScene::Source::files && h.face && h.face_file.empty())
+    t.fail("face", "is true without a file; expected face = \"face.txt\"");
   if (t.has("fixed")) h.fixed = texts(t, table, "fixed", "fixed = [\"cranium\"]");
   t.integer("iterations_per_step", 1, 1000, [&](int64_t v) { h.iterations_per_step = int(v); });
   if (t.has("show_face")) {
     std::string shown;
     t.text("show_face", shown);
-    if (shown != "solid" && shown != "clear" && shown != "hidden") t.fail("show_face", "is of no known kind; expected \"solid\", \"clear\" or \"hidden\"");
+    if (shown != "solid" && shown != "clear" && shown != "hidden")
+      t.fail("show_face", "is of no known kind; expected \"solid\", \"clear\" or \"hidden\"");
     h.shown = shown == "solid" ? FaceShown::solid : shown == "clear" ? FaceShown::clear : FaceShown::hidden;
   }
   t.vector("offset_mm", h.offset_mm, 1e4);
@@ -117,16 +131,22 @@ std::optional<HeadScene> read_head(const toml::table& root, const std::string& f
   t.finish({"source", "bones", "face", "fixed", "show_face", "tissue", "landmarks", "face_landmarks"});
   if (const toml::node* n = table.get("tissue")) {
     const toml::array* a = n->as_array();
-    if (!a || a->size() > kMostTissues) throw InputError(file, int(n->source().begin.line), "head.tissue is no list of at most 50 tables; expected [[head.tissue]]");
+    if (!a || a->size() > kMostTissues)
+      throw InputError(file, int(n->source().begin.line),
+                       "head.tissue is no list of at most 50 tables; expected [[head.tissue]]");
     for (const toml::node& e : *a) {
-      if (!e.is_table()) throw InputError(file, int(e.source().begin.line), "head.tissue holds something that is no table; expected [[head.tissue]]");
-      if (!h.face) throw InputError(file, int(e.source().begin.line), "head.tissue without a face; expected a head with one");
+      if (!e.is_table())
+        throw InputError(file, int(e.source().begin.line),
+                         "head.tissue holds something that is no table; expected [[head.tissue]]");
+      if (!h.face)
+        throw InputError(file, int(e.source().begin.line), "head.tissue without a face; expected a head with one");
       h.tissues.push_back(read_tissue(*e.as_table(), file));
     }
   }
   read_landmarks(table, "landmarks", file, h.landmarks);
   read_landmarks(table, "face_landmarks", file, h.face_landmarks);
-  if (!h.face && !h.face_landmarks.empty()) throw InputError(file, 0, "head.face_landmarks without a face; expected a head with one");
+  if (!h.face && !h.face_landmarks.empty())
+    throw InputError(file, 0, "head.face_landmarks without a face; expected a head with one");
   return h;
 }
 

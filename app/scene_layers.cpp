@@ -17,14 +17,18 @@ void read_constants(Table& t, Material& m, const LawCatalogue::Entry& law) {
   std::string all;
   for (const auto& c : law.constants) all += (all.empty() ? "" : ", ") + c.key + (c.required ? "" : " (optional)");
   for (const auto& c : law.constants) {
-    const auto at = std::find_if(m.law.constants.begin(), m.law.constants.end(), [&](const auto& k) { return k.key == c.key; });
+    const auto at =
+        std::find_if(m.law.constants.begin(), m.law.constants.end(), [&](const auto& k) { return k.key == c.key; });
     const bool known = at != m.law.constants.end();
-    if (c.required && !known && !t.has(c.key.c_str())) t.fail(c.key.c_str(), "is missing; law " + law.name + " expected " + all);
+    if (c.required && !known && !t.has(c.key.c_str()))
+      t.fail(c.key.c_str(), "is missing; law " + law.name + " expected " + all);
     std::vector<double> value;
     t.numbers(c.key.c_str(), value, c.least, c.most, c.above, c.most_values);
     if (value.empty()) continue;
-    if (known) at->value = std::move(value);
-    else m.law.constants.push_back({c.key, std::move(value)});
+    if (known)
+      at->value = std::move(value);
+    else
+      m.law.constants.push_back({c.key, std::move(value)});
   }
 }
 
@@ -45,7 +49,8 @@ void read_material(Table& t, Material& m, const LawCatalogue& laws) {
     if (!same) m.law = {law, {}}, m.young_kPa = kUnknown;
   }
   const bool plain = m.law.name.empty() || m.law.name == kDefaultLaw;
-  const char* all = plain ? "name, thickness_mm, young_kPa and poisson (or a tissue that gives them)" : "name, thickness_mm, poisson and the constants of the law";
+  const char* all = plain ? "name, thickness_mm, young_kPa and poisson (or a tissue that gives them)"
+                          : "name, thickness_mm, poisson and the constants of the law";
   if (plain) {
     need(t, "young_kPa", m.young_kPa, all);
     t.real("young_kPa", m.young_kPa, 0, kStiffest_kPa, true);
@@ -54,8 +59,10 @@ void read_material(Table& t, Material& m, const LawCatalogue& laws) {
   need(t, "poisson", m.poisson, all);
   t.real("poisson", m.poisson, 0, 0.499);
   double density = m.density_kg_mm3 * 1e9;
-  if (t.has("density_kg_m3")) t.real("density_kg_m3", density, 1, 1e5), m.density_kg_mm3 = density * 1e-9;
-  else t.real("density_kg_m3", density, 1, 1e5);
+  if (t.has("density_kg_m3"))
+    t.real("density_kg_m3", density, 1, 1e5), m.density_kg_mm3 = density * 1e-9;
+  else
+    t.real("density_kg_m3", density, 1, 1e5);
   t.real("prestretch_along", m.prestretch_along, 0.8, 1.5);
   t.real("prestretch_across", m.prestretch_across, 0.8, 1.5);
   constexpr const char* prony = "[[share, time_s], ...], shares above 0 that sum to less than 1, times above 0";
@@ -65,7 +72,8 @@ void read_material(Table& t, Material& m, const LawCatalogue& laws) {
   m.prony.clear();
   double shares = 0;
   for (auto [share, time] : terms) {
-    if (!(share > 0) || !(time > 0)) t.fail("prony", std::string("holds a share or a time that is not above 0; expected ") + prony);
+    if (!(share > 0) || !(time > 0))
+      t.fail("prony", std::string("holds a share or a time that is not above 0; expected ") + prony);
     shares += share;
     m.prony.push_back({share, time});
   }
@@ -83,7 +91,8 @@ std::vector<Layer> read_layers(const toml::table& root, const std::string& file,
                                const std::function<const TissueLibrary&(Table&)>& library) {
   const toml::node* n = root.get("layer");
   const toml::array* a = n ? n->as_array() : nullptr;
-  if (!a || a->empty()) throw InputError(file, n ? int(n->source().begin.line) : 0, "no layers; expected at least one [[layer]]");
+  if (!a || a->empty())
+    throw InputError(file, n ? int(n->source().begin.line) : 0, "no layers; expected at least one [[layer]]");
   if (a->size() > 16) throw InputError(file, int(n->source().begin.line), "more than 16 layers; expected at most 16");
   std::vector<Layer> layers;
   for (const toml::node& e : *a) {
@@ -97,13 +106,16 @@ std::vector<Layer> read_layers(const toml::table& root, const std::string& file,
     if (!tissue.empty()) {
       const TissueLibrary& from = library(t);
       const Tissue* found = from.find(tissue);
-      if (!found) t.fail("tissue", "is \"" + tissue + "\", which " + from.path + " does not hold; expected one of " + from.names());
+      if (!found)
+        t.fail("tissue",
+               "is \"" + tissue + "\", which " + from.path + " does not hold; expected one of " + from.names());
       l.material = found->material;
       if (found->thickness_mm > 0) l.thickness_mm = found->thickness_mm;
       l.name = tissue;
       l.material.tissue = tissue;
     }
-    if (!t.has("name") && l.name.empty()) t.fail("name", "is missing; expected name, thickness_mm, young_kPa and poisson in every layer");
+    if (!t.has("name") && l.name.empty())
+      t.fail("name", "is missing; expected name, thickness_mm, young_kPa and poisson in every layer");
     t.text("name", l.name, 40);
     need(t, "thickness_mm", l.thickness_mm, "name, thickness_mm, young_kPa and poisson in every layer");
     t.real("thickness_mm", l.thickness_mm, 0, 1000, true);

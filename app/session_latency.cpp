@@ -10,7 +10,8 @@
 
 namespace limberg::bench {
 
-void add_session_latency(Result& out, const Scene& scene, const std::vector<Sample>& samples, bool quick, const std::function<void(const std::string&)>& progress) {
+void add_session_latency(Result& out, const Scene& scene, const std::vector<Sample>& samples, bool quick,
+                         const std::function<void(const std::string&)>& progress) {
   const auto ms = [](const Histogram& h, double p) { return double(h.percentile_ns(p)) * 1e-6; };
   for (const bool fifo : {true, false})
     for (const int hogs : {0, 2}) {
@@ -31,10 +32,12 @@ void add_session_latency(Result& out, const Scene& scene, const std::vector<Samp
       const SessionFigures f = run_realtime(a.lanes(nullptr), set, rt);
       char text[256];
       const auto row = [&](const char* what, const Histogram& h) {
-        std::snprintf(text, sizeof text, "p50 %.2f, p99 %.2f, p99.9 %.2f, max %.1f ms", ms(h, 0.5), ms(h, 0.99), ms(h, 0.999), double(h.max_ns()) * 1e-6);
+        std::snprintf(text, sizeof text, "p50 %.2f, p99 %.2f, p99.9 %.2f, max %.1f ms", ms(h, 0.5), ms(h, 0.99),
+                      ms(h, 0.999), double(h.max_ns()) * 1e-6);
         Row r;
         r.name = what;
-        r.method = std::string(f.scheduling.find("SCHED_FIFO") != std::string::npos ? "SCHED_FIFO" : "SCHED_OTHER") + (hogs ? ", two hogs" : ", no hogs of ours");
+        r.method = std::string(f.scheduling.find("SCHED_FIFO") != std::string::npos ? "SCHED_FIFO" : "SCHED_OTHER") +
+                   (hogs ? ", two hogs" : ", no hogs of ours");
         r.settings = text;
         r.error = ms(h, 0.99);
         r.error_unit = "ms";

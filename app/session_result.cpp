@@ -3,9 +3,8 @@
 #include "app/exercise.h"
 #include "app/head/report.h"
 #include "app/metrics.h"
-#include "sim/tools/strokes.h"
-
 #include "app/report/report_names.h"
+#include "sim/tools/strokes.h"
 
 namespace limberg {
 
@@ -110,7 +109,9 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
   }
   MeasureAlso also;
   also.landmarks = a.scene.landmarks;
-  if (lesson) also.plan = lesson->plan, also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
+  if (lesson)
+    also.plan = lesson->plan,
+    also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
   const Metrics metrics = measure_world(*a.world, a.done, also);
   fill_metrics(r, metrics);
   const Skin skin(a.world->spec().body);

@@ -9,13 +9,14 @@
 
 namespace limberg {
 
-/// Everything but `damage`: mode, duration, hashes, parts, memory, the three lanes, latencies, stages, series, refusals,
+/// Everything but `damage`: mode, duration, hashes, parts, memory, the three lanes, latencies, stages, series,
+/// refusals,
 /// force balance, metrics and the exercise's figures.
 /// With a lesson: its tolerances, and its plan instead of the one that the cuts show.
-void fill_session(Result& result, Assembly& session, const SessionFigures& figures, bool real_time, const Lesson* lesson = nullptr);
+void fill_session(Result& result, Assembly& session, const SessionFigures& figures, bool real_time,
+                  const Lesson* lesson = nullptr);
 
 /// The counts of a damaged recording under `damage`; nothing when there is none.
 void fill_damage(Result& result, const LogDamage& damage);
-
 
 }  // namespace limberg

@@ -53,7 +53,9 @@ void choose_scale(FieldShown& shown, const SkinFieldLook& look, const std::vecto
   std::vector<float> size;
   float low = 0, high = 0;
   for (size_t v = 0; v < shown.value.size(); ++v)
-    if (counts[v]) size.push_back(std::abs(shown.value[v])), low = std::min(low, shown.value[v]), high = std::max(high, shown.value[v]);
+    if (counts[v])
+      size.push_back(std::abs(shown.value[v])), low = std::min(low, shown.value[v]),
+                                                high = std::max(high, shown.value[v]);
   double end = look.least_end;
   if (!size.empty()) {
     const auto at = size.begin() + std::ptrdiff_t(0.99 * double(size.size() - 1));
@@ -96,15 +98,21 @@ const FieldShown& SkinFields::show(SkinField field, const Snapshot& s) {
       const std::vector<MembraneState> states = skin_states(view, s.x_mm, body);
       to_vertices(view, shown_.value, [&](size_t t) {
         const MembraneState& m = states[t];
-        return std::pair(field == SkinField::stress ? m.stress_kPa : 100 * ((field == SkinField::stretch ? m.stretch : m.least_stretch) - 1), m.area_mm2);
+        return std::pair(field == SkinField::stress
+                             ? m.stress_kPa
+                             : 100 * ((field == SkinField::stretch ? m.stretch : m.least_stretch) - 1),
+                         m.area_mm2);
       });
       break;
     }
     case SkinField::area:
       to_vertices(view, shown_.value, [&](size_t t) {
         const auto& [a, b, c] = view.tri[t];
-        const double rest = 0.5 * (view.X_mm[size_t(b)] - view.X_mm[size_t(a)]).cross(view.X_mm[size_t(c)] - view.X_mm[size_t(a)]).norm();
-        const double now = 0.5 * double((s.x_mm[size_t(b)] - s.x_mm[size_t(a)]).cross(s.x_mm[size_t(c)] - s.x_mm[size_t(a)]).norm());
+        const double rest =
+            0.5 *
+            (view.X_mm[size_t(b)] - view.X_mm[size_t(a)]).cross(view.X_mm[size_t(c)] - view.X_mm[size_t(a)]).norm();
+        const double now =
+            0.5 * double((s.x_mm[size_t(b)] - s.x_mm[size_t(a)]).cross(s.x_mm[size_t(c)] - s.x_mm[size_t(a)]).norm());
         return std::pair(rest > 1e-4 ? 100 * (now / rest - 1) : 0.0, rest > 1e-4 ? rest : 0.0);
       });
       break;
@@ -135,10 +143,12 @@ const FieldShown& SkinFields::show(SkinField field, const Snapshot& s) {
       }
       shown_.value = perfusion_;
       break;
-    default: break;
+    default:
+      break;
   }
   if (!shown_.value.empty()) choose_scale(shown_, look_of(field), counts);
-  if (field == SkinField::perfusion) shown_.lo = 0, shown_.hi = 1, shown_.intervals = 5, shown_.above = shown_.below = false;
+  if (field == SkinField::perfusion)
+    shown_.lo = 0, shown_.hi = 1, shown_.intervals = 5, shown_.above = shown_.below = false;
   return shown_;
 }
 

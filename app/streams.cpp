@@ -24,7 +24,8 @@ std::string csv_of(const fastrak::Motion& motion, std::initializer_list<int> sta
   for (double t = 0; t < seconds; t += 0.05)
     for (const int station : stations) {
       const fastrak::StationPose p = motion(station, t);
-      std::snprintf(line, sizeof line, "%.3f,%d,%.3f,%.3f,%.3f,%d\n", t, station, p.pos_mm.x(), p.pos_mm.y(), p.pos_mm.z(), int(p.pressed));
+      std::snprintf(line, sizeof line, "%.3f,%d,%.3f,%.3f,%.3f,%d\n", t, station, p.pos_mm.x(), p.pos_mm.y(),
+                    p.pos_mm.z(), int(p.pressed));
       s += line;
     }
   return s;
@@ -50,12 +51,17 @@ fastrak::LinkSettings line_for(const char* roles) {
 KnownStream glove(uint64_t seed) {
   auto tremor = Tremor(seed, 0.15, 8, 12);
   const fastrak::Motion motion = [tremor](int station, double t) {
-    const auto shut_at = [&](double from, double to) { return minimum_jerk((t - from) / 0.3) - minimum_jerk((t - to) / 0.3); };
+    const auto shut_at = [&](double from, double to) {
+      return minimum_jerk((t - from) / 0.3) - minimum_jerk((t - to) / 0.3);
+    };
     const double aperture = 70 - 60 * (shut_at(2.0, 4.2) + shut_at(6.4, 8.6));
-    const Vec3 way = minimum_jerk((t - 2.6) / 1.4) * Vec3(0, 20, 15) - minimum_jerk((t - 4.6) / 1.4) * Vec3(20, 20, 15) + minimum_jerk((t - 7.0) / 1.4) * Vec3(-15, 0, 20);
+    const Vec3 way = minimum_jerk((t - 2.6) / 1.4) * Vec3(0, 20, 15) -
+                     minimum_jerk((t - 4.6) / 1.4) * Vec3(20, 20, 15) +
+                     minimum_jerk((t - 7.0) / 1.4) * Vec3(-15, 0, 20);
     fastrak::StationPose p;
     p.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2 + 0.1 * std::sin(t), Vec3::UnitY()));
-    p.pos_mm = Vec3(15, -10, 40) + way + tremor.at(t + station) + (station == 1 ? Vec3(Vec3::Zero()) : Vec3(0, -aperture, 0));
+    p.pos_mm =
+        Vec3(15, -10, 40) + way + tremor.at(t + station) + (station == 1 ? Vec3(Vec3::Zero()) : Vec3(0, -aperture, 0));
     return p;
   };
   KnownStream k;
@@ -73,7 +79,9 @@ KnownStream cursor(uint64_t seed) {
   const fastrak::Motion motion = [tremor](int, double t) {
     // Three sides of a square of 24 mm on the skin: of 96 mm in the hand.
     constexpr double side = 24 / gain;
-    const Vec3 at = Vec3(0, 0, 30) + side * (minimum_jerk((t - 1.5) / 2.0) * Vec3(0, 1, 0) + minimum_jerk((t - 3.8) / 2.0) * Vec3(1, 0, 0) - minimum_jerk((t - 6.1) / 2.0) * Vec3(0, 1, 0));
+    const Vec3 at = Vec3(0, 0, 30) + side * (minimum_jerk((t - 1.5) / 2.0) * Vec3(0, 1, 0) +
+                                             minimum_jerk((t - 3.8) / 2.0) * Vec3(1, 0, 0) -
+                                             minimum_jerk((t - 6.1) / 2.0) * Vec3(0, 1, 0));
     fastrak::StationPose p;
     p.pos_mm = at + tremor.at(t);
     p.pressed = t > 1.3 && t < 8.3;
@@ -83,7 +91,8 @@ KnownStream cursor(uint64_t seed) {
   fastrak::EmulatorSettings device;
   device.seed = seed;
   k.samples = fastrak::readings_of(motion, 9, line_for("s"), device);
-  k.samples.insert(k.samples.begin(), {control(ControlSample::select_tool, Tool::scalpel, {3, 90, 0, 0}, 0), control(ControlSample::cursor, Tool::none, {gain, 0, 0, 0}, 1)});
+  k.samples.insert(k.samples.begin(), {control(ControlSample::select_tool, Tool::scalpel, {3, 90, 0, 0}, 0),
+                                       control(ControlSample::cursor, Tool::none, {gain, 0, 0, 0}, 1)});
   k.truth_csv = csv_of(motion, {1}, 9);
   k.truth = "gain 0.25: three sides of 24 mm on flat skin, from where the stylus first is above it";
   return k;
@@ -107,13 +116,18 @@ KnownStream tremor(uint64_t seed) {
     if (!gaps.lost(double(std::get<TrackerSample>(s).t_ns) * 1e-9)) k.samples.push_back(s);
   k.samples.insert(k.samples.begin(), control(ControlSample::select_tool, Tool::scalpel, {3, 90, 0, 0}, 0));
   k.truth_csv = csv_of(motion, {1}, 5.5);
-  k.truth = "a line from (-30, 5) to (30, 5) mm, tremor of 0.35 mm, one byte in 3000 damaged, one gap a second of up to 80 ms";
+  k.truth =
+      "a line from (-30, 5) to (30, 5) mm, tremor of 0.35 mm, one byte in 3000 damaged, one gap a second of up to 80 "
+      "ms";
   return k;
 }
 
 KnownStream force(uint64_t) {
   SimulatedHand hand;
-  hand.target = [](double t) { return Vec3(8 * std::sin(kFullTurn * 0.4 * t), 0, 4 - 7 * minimum_jerk((t - 0.3) / 0.6) + 7 * minimum_jerk((t - 2.0) / 0.4)); };
+  hand.target = [](double t) {
+    return Vec3(8 * std::sin(kFullTurn * 0.4 * t), 0,
+                4 - 7 * minimum_jerk((t - 0.3) / 0.6) + 7 * minimum_jerk((t - 2.0) / 0.4));
+  };
   SimulatedForceDevice device(hand);
   ForceLoop loop;
   ForceModel m;
@@ -135,7 +149,8 @@ KnownStream force(uint64_t) {
     s.tip_mm = r.tip_mm;
     k.samples.push_back(s);
     char line[128];
-    std::snprintf(line, sizeof line, "%.3f,%.2f,%.2f,%.2f,%.4f,%.4f,%.4f\n", double(tick) * 1e-3, r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z(), f.x(), f.y(), f.z());
+    std::snprintf(line, sizeof line, "%.3f,%.2f,%.2f,%.2f,%.4f,%.4f,%.4f\n", double(tick) * 1e-3, r.tip_mm.x(),
+                  r.tip_mm.y(), r.tip_mm.z(), f.x(), f.y(), f.z());
     if (tick % 20 == 0) k.truth_csv += line;
   }
   k.truth = "tissue of 0.2 N/mm with its skin at z = 0, friction 0.2; the force that was given is in the table";
@@ -168,17 +183,20 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
     r.seed = seed, r.slips_per_s = 0.3;
     k.samples = fastrak::readings_of(stylus_in_dimple(r), 12, stylus, device);
     k.truth_csv = csv_of(stylus_in_dimple(r), {1}, 12);
-    std::snprintf(text, sizeof text, "tip (%g, %g, %g) mm in the sensor's frame", r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z());
+    std::snprintf(text, sizeof text, "tip (%g, %g, %g) mm in the sensor's frame", r.tip_mm.x(), r.tip_mm.y(),
+                  r.tip_mm.z());
     k.truth = text;
     return k;
   }
   if (name == "touch") {
     TouchRehearsal r;
     r.seed = seed;
-    r.points_mm = k.points_mm = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}, {0, 0, 30}, {0, -40, 10}, {20, 20, 5}};
+    r.points_mm =
+        k.points_mm = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}, {0, 0, 30}, {0, -40, 10}, {20, 20, 5}};
     k.samples = fastrak::readings_of(stylus_touching(r), seconds_for(r), stylus, device);
     k.truth_csv = csv_of(stylus_touching(r), {1}, seconds_for(r));
-    std::snprintf(text, sizeof text, "tracker at (%g, %g, %g) mm, tip (%g, %g, %g) mm", r.world_from_tracker_mm.x(), r.world_from_tracker_mm.y(), r.world_from_tracker_mm.z(), r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z());
+    std::snprintf(text, sizeof text, "tracker at (%g, %g, %g) mm, tip (%g, %g, %g) mm", r.world_from_tracker_mm.x(),
+                  r.world_from_tracker_mm.y(), r.world_from_tracker_mm.z(), r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z());
     k.truth = text;
     return k;
   }
@@ -202,7 +220,8 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
     k.truth = "as touch; readings are drawn by up to 12 mm towards a piece of metal";
     return k;
   }
-  throw InputError("", 0, "stream " + name + ": unknown; expected glove, cursor, tremor, force, pivot, touch, metal or open");
+  throw InputError("", 0,
+                   "stream " + name + ": unknown; expected glove, cursor, tremor, force, pivot, touch, metal or open");
 }
 
 void write_stream(const std::string& path, const std::vector<Sample>& samples, bool replace) {

@@ -18,15 +18,16 @@ namespace limberg {
 
 struct KnownStream {
   std::vector<Sample> samples;
-  std::string truth_csv;   // t_s, then what is known of that moment; the first line names the columns
-  std::string truth;       // in words, a line
+  std::string truth_csv;        // t_s, then what is known of that moment; the first line names the columns
+  std::string truth;            // in words, a line
   std::vector<Vec3> points_mm;  // touch: what was touched
 };
 
 /// InputError: an unknown name.
 KnownStream known_stream(const std::string& name, uint64_t seed);
 
-/// A plain stream on its way into a file, sample by sample: what `limberg calibrate` reads. InputError as LogWriter::open.
+/// A plain stream on its way into a file, sample by sample: what `limberg calibrate` reads. InputError as
+/// LogWriter::open.
 class StreamWriter {
  public:
   StreamWriter(const std::string& path, bool replace);

@@ -12,7 +12,8 @@ void add_table(Result& r, int number, const ResultTable& t) {
   for (size_t i = 0; i < t.columns.size(); ++i) r.set(p + "/columns/" + std::to_string(i), t.columns[i]);
   r.set_empty_list(p + "/rows");
   for (size_t i = 0; i < t.rows.size(); ++i)
-    for (size_t k = 0; k < t.rows[i].size(); ++k) r.set(p + "/rows/" + std::to_string(i) + "/" + std::to_string(k), t.rows[i][k]);
+    for (size_t k = 0; k < t.rows[i].size(); ++k)
+      r.set(p + "/rows/" + std::to_string(i) + "/" + std::to_string(k), t.rows[i][k]);
 }
 
 void add_chart(Result& r, int number, const std::string& title, const LineChart& c) {

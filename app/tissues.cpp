@@ -25,12 +25,15 @@ TissueLibrary parse_tissues(const std::string& text, const std::string& path, co
   const toml::table root = parse_toml(text, path, "a library of tissues");
   for (const auto& [k, n] : root)
     if (k.str() != "tissue" && k.str() != "note")
-      throw InputError(path, int(n.source().begin.line), "unknown key in a library of tissues; expected note and [[tissue]]");
+      throw InputError(path, int(n.source().begin.line),
+                       "unknown key in a library of tissues; expected note and [[tissue]]");
   const toml::node* n = root.get("tissue");
   const toml::array* a = n ? n->as_array() : nullptr;
-  if (!a || a->empty()) throw InputError(path, n ? int(n->source().begin.line) : 0, "no tissue; expected at least one [[tissue]]");
+  if (!a || a->empty())
+    throw InputError(path, n ? int(n->source().begin.line) : 0, "no tissue; expected at least one [[tissue]]");
   for (const toml::node& e : *a) {
-    if (!e.is_table()) throw InputError(path, int(e.source().begin.line), "a tissue is not a table; expected [[tissue]]");
+    if (!e.is_table())
+      throw InputError(path, int(e.source().begin.line), "a tissue is not a table; expected [[tissue]]");
     const toml::table& table = *e.as_table();
     Table t(&table, "tissue", path);
     Tissue x;
@@ -49,7 +52,10 @@ TissueLibrary parse_tissues(const std::string& text, const std::string& path, co
     for (const auto& [key, value] : table) {
       const std::string k(key.str());
       if (k == "name" || k == "note" || k == "source" || k == "law") continue;
-      if (!s.has(k.c_str())) throw InputError(path, int(value.source().begin.line), "tissue " + x.name + ": " + k + " has no source; expected " + k + " = \"...\" in [tissue.source]");
+      if (!s.has(k.c_str()))
+        throw InputError(
+            path, int(value.source().begin.line),
+            "tissue " + x.name + ": " + k + " has no source; expected " + k + " = \"...\" in [tissue.source]");
       s.text(k.c_str(), x.source.emplace_back(k, "").second, 1000);
     }
     s.finish();
@@ -61,7 +67,8 @@ TissueLibrary parse_tissues(const std::string& text, const std::string& path, co
 std::string find_tissues(const std::string& scene_path) {
   const fs::path folder = fs::path(scene_path).parent_path();
   std::error_code ec;
-  for (const fs::path& p : {folder / "tissues.toml", folder / ".." / "tissues.toml", fs::path("app/tissues.toml"), fs::path(LIMBERG_SOURCE_DIR "/app/tissues.toml")})
+  for (const fs::path& p : {folder / "tissues.toml", folder / ".." / "tissues.toml", fs::path("app/tissues.toml"),
+                            fs::path(LIMBERG_SOURCE_DIR "/app/tissues.toml")})
     if (fs::is_regular_file(p, ec)) return p.lexically_normal().string();
   return {};
 }

@@ -1,13 +1,16 @@
 #pragma once
-// A library of tissues: app/tissues.toml is the shipped one. A scene's layer names one with tissue = "skin/cheek" and may
+// A library of tissues: app/tissues.toml is the shipped one. A scene's layer names one with tissue = "skin/cheek" and
+// may
 // change any of its values.
 //
-//   [[tissue]]        name, note, thickness_mm (optional), and the material as in a layer of a scene: law and its constants (or
+//   [[tissue]]        name, note, thickness_mm (optional), and the material as in a layer of a scene: law and its
+//   constants (or
 //                     young_kPa), poisson, density_kg_m3, prestretch_along, prestretch_across, prony
 //   [tissue.source]   per key of the above: where its value comes from. Every value needs one; one that was chosen says
 //                     "engineering choice"
 //
-// A scene takes the first of: tissues.toml beside it, in the folder above it, app/tissues.toml, the one of the source tree.
+// A scene takes the first of: tissues.toml beside it, in the folder above it, app/tissues.toml, the one of the source
+// tree.
 #include <string>
 #include <utility>
 #include <vector>

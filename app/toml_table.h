@@ -22,11 +22,13 @@ inline std::string number(double v) {
   return s.str();
 }
 
-/// Every key that is asked for is ticked off; finish() complains about the others. All complaints are InputErrors with the
+/// Every key that is asked for is ticked off; finish() complains about the others. All complaints are InputErrors with
+/// the
 /// line, what is wrong and what was expected.
 class Table {
  public:
-  Table(const toml::table* table, std::string name, const std::string& file) : t_(table), name_(std::move(name)), file_(file) {}
+  Table(const toml::table* table, std::string name, const std::string& file)
+      : t_(table), name_(std::move(name)), file_(file) {}
 
   bool present() const { return t_ != nullptr; }
   bool has(const char* key) const { return t_ && t_->contains(key); }
@@ -40,7 +42,8 @@ class Table {
   void real(const char* key, double& value, double lo, double hi, bool open = false) {
     const toml::node* n = take(key);
     if (!n) return;
-    const std::string range = "; expected a number " + std::string(open ? "above " : "from ") + number(lo) + " to " + number(hi);
+    const std::string range =
+        "; expected a number " + std::string(open ? "above " : "from ") + number(lo) + " to " + number(hi);
     const std::optional<double> v = n->is_number() ? n->value<double>() : std::nullopt;
     if (!v) fail(key, "is not a number" + range);
     if (!std::isfinite(*v) || *v < lo || *v > hi || (open && *v == lo)) fail(key, "is " + number(*v) + range);
@@ -78,8 +81,11 @@ class Table {
     if (!n) return;
     const toml::array* a = n->as_array();
     const std::string range = std::string(open ? "above " : "from ") + number(lo) + " to " + number(hi);
-    const std::string expected = most_count > 1 ? "; expected a list of 1 to " + std::to_string(most_count) + " numbers " + range : "; expected a number " + range;
-    if (a && (most_count == 1 || a->empty() || a->size() > size_t(most_count))) fail(key, "is a list of " + std::to_string(a->size()) + expected);
+    const std::string expected = most_count > 1
+                                     ? "; expected a list of 1 to " + std::to_string(most_count) + " numbers " + range
+                                     : "; expected a number " + range;
+    if (a && (most_count == 1 || a->empty() || a->size() > size_t(most_count)))
+      fail(key, "is a list of " + std::to_string(a->size()) + expected);
     std::vector<double> out;
     const auto take_one = [&](const toml::node& e) {
       const std::optional<double> v = e.is_number() ? e.value<double>() : std::nullopt;
@@ -87,7 +93,8 @@ class Table {
       if (!std::isfinite(*v) || *v < lo || *v > hi || (open && *v == lo)) fail(key, "is " + number(*v) + expected);
       out.push_back(*v);
     };
-    if (!a) take_one(*n);
+    if (!a)
+      take_one(*n);
     else
       for (const toml::node& e : *a) take_one(e);
     value = std::move(out);
@@ -104,7 +111,8 @@ class Table {
       std::optional<double> v[2];
       for (size_t i = 0; i < 2; ++i)
         if (p && p->size() == 2 && p->get(i)->is_number()) v[i] = p->get(i)->value<double>();
-      if (!v[0] || !v[1] || !std::isfinite(*v[0]) || !std::isfinite(*v[1])) fail(key, std::string("holds something else than pairs of numbers; expected ") + expected);
+      if (!v[0] || !v[1] || !std::isfinite(*v[0]) || !std::isfinite(*v[1]))
+        fail(key, std::string("holds something else than pairs of numbers; expected ") + expected);
       value.push_back({*v[0], *v[1]});
     }
   }
@@ -120,7 +128,8 @@ class Table {
     if (!n) return;
     if (!n->is_string()) fail(key, "is not a text; expected \"...\"");
     value = *n->value<std::string>();
-    if (value.empty() || value.size() > max_bytes) fail(key, "is empty or too long; expected 1 to " + std::to_string(max_bytes) + " bytes");
+    if (value.empty() || value.size() > max_bytes)
+      fail(key, "is empty or too long; expected 1 to " + std::to_string(max_bytes) + " bytes");
     if (value.find('\0') != std::string::npos) fail(key, "holds a zero byte; expected plain text");
   }
   void vector(const char* key, Vec3& value, double limit) {
@@ -130,7 +139,8 @@ class Table {
     if (!a || a->size() != 3) fail(key, "is not [x, y, z]; expected three numbers");
     for (size_t i = 0; i < 3; ++i) {
       const std::optional<double> v = a->get(i)->is_number() ? a->get(i)->value<double>() : std::nullopt;
-      if (!v || !std::isfinite(*v) || std::abs(*v) > limit) fail(key, "holds a value that cannot be used; expected finite numbers of at most " + number(limit));
+      if (!v || !std::isfinite(*v) || std::abs(*v) > limit)
+        fail(key, "holds a value that cannot be used; expected finite numbers of at most " + number(limit));
       value[Eigen::Index(i)] = *v;
     }
   }
@@ -147,7 +157,8 @@ class Table {
       if (std::find(asked_.begin(), asked_.end(), k.str()) != asked_.end()) continue;
       std::string list;
       for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
-      throw InputError(file_, int(n.source().begin.line), "unknown key \"" + shown(k.str()) + "\" in " + where() + "; expected " + list);
+      throw InputError(file_, int(n.source().begin.line),
+                       "unknown key \"" + shown(k.str()) + "\" in " + where() + "; expected " + list);
     }
   }
 
@@ -172,7 +183,8 @@ class Table {
 
 inline Table section(const toml::table& root, const char* key, const std::string& file) {
   const toml::node* n = root.get(key);
-  if (n && !n->is_table()) throw InputError(file, int(n->source().begin.line), std::string(key) + " is not a table; expected [" + key + "]");
+  if (n && !n->is_table())
+    throw InputError(file, int(n->source().begin.line), std::string(key) + " is not a table; expected [" + key + "]");
   return Table(n ? n->as_table() : nullptr, key, file);
 }
 
@@ -182,7 +194,8 @@ inline toml::table parse_toml(const std::string& text, const std::string& path, 
     return toml::parse(std::string_view(text), std::string_view(path));
   } catch (const toml::parse_error& e) {
     std::string what(e.description());
-    std::replace_if(what.begin(), what.end(), [](char c) { return c < ' ' || c == 127; }, ' ');
+    std::replace_if(
+        what.begin(), what.end(), [](char c) { return c < ' ' || c == 127; }, ' ');
     throw InputError(path, int(e.source().begin.line), "broken TOML: " + what + "; expected " + expected);
   } catch (const BrokenToml&) {
     throw InputError(path, 0, "broken TOML; expected " + expected);

@@ -37,8 +37,12 @@ void WorldPatient::fill_lattice(LatticeShown& out) const {
             edges->push_back({a, b, copied});
           }
     }
-    std::sort(edges->begin(), edges->end(), [](const auto& x, const auto& y) { return std::tuple(x.a, x.b, !x.copied) < std::tuple(y.a, y.b, !y.copied); });
-    edges->erase(std::unique(edges->begin(), edges->end(), [](const auto& x, const auto& y) { return x.a == y.a && x.b == y.b; }), edges->end());
+    std::sort(edges->begin(), edges->end(), [](const auto& x, const auto& y) {
+      return std::tuple(x.a, x.b, !x.copied) < std::tuple(y.a, y.b, !y.copied);
+    });
+    edges->erase(std::unique(edges->begin(), edges->end(),
+                             [](const auto& x, const auto& y) { return x.a == y.a && x.b == y.b; }),
+                 edges->end());
     lattice_.version = version, lattice_.edges = std::move(edges);
   }
   out.version = version, out.edges = lattice_.edges;

@@ -69,7 +69,8 @@ bool same(const GloveParameters& a, const GloveParameters& b) {
 
 int line_of(const toml::node& n) { return int(n.source().begin.line); }
 
-void only_keys(const toml::table& t, std::initializer_list<const char*> known, const char* where, const std::string& file) {
+void only_keys(const toml::table& t, std::initializer_list<const char*> known, const char* where,
+               const std::string& file) {
   for (const auto& [key, node] : t) {
     bool found = false;
     std::string list;
@@ -78,7 +79,9 @@ void only_keys(const toml::table& t, std::initializer_list<const char*> known, c
       list += (list.empty() ? "" : ", ") + std::string(k);
     }
     if (!found)
-      throw InputError(file, line_of(node), std::string("unknown key \"") + std::string(key.str()) + "\" in " + where + "; expected " + list);
+      throw InputError(
+          file, line_of(node),
+          std::string("unknown key \"") + std::string(key.str()) + "\" in " + where + "; expected " + list);
   }
 }
 
@@ -96,7 +99,8 @@ template <size_t N>
 std::array<double, N> numbers(const toml::node& n, const std::string& key, double limit, const std::string& file) {
   const auto* a = n.as_array();
   if (!a || a->size() != N)
-    throw InputError(file, line_of(n), "\"" + key + "\" is not usable; expected a list of " + std::to_string(N) + " numbers");
+    throw InputError(file, line_of(n),
+                     "\"" + key + "\" is not usable; expected a list of " + std::to_string(N) + " numbers");
   std::array<double, N> out{};
   for (size_t i = 0; i < N; ++i) out[i] = number(*a->get(i), key, -limit, limit, file);
   return out;
@@ -105,7 +109,8 @@ std::array<double, N> numbers(const toml::node& n, const std::string& key, doubl
 const toml::table* table(const toml::table& t, const char* key, const std::string& file) {
   const toml::node* n = t.get(key);
   if (!n) return nullptr;
-  if (!n->is_table()) throw InputError(file, line_of(*n), "\"" + std::string(key) + "\" is not usable; expected a table");
+  if (!n->is_table())
+    throw InputError(file, line_of(*n), "\"" + std::string(key) + "\" is not usable; expected a table");
   return n->as_table();
 }
 
@@ -113,7 +118,8 @@ const toml::table* table(const toml::table& t, const char* key, const std::strin
 std::string shortest(double v) {
   char text[64];
   const bool plain = v == 0 || (std::abs(v) >= 1e-4 && std::abs(v) < 1e9);
-  const auto end = std::to_chars(text, text + sizeof text, v, plain ? std::chars_format::fixed : std::chars_format::scientific);
+  const auto end =
+      std::to_chars(text, text + sizeof text, v, plain ? std::chars_format::fixed : std::chars_format::scientific);
   std::string s(text, end.ptr);
   if (s.find_first_of(".e") == std::string::npos) s += ".0";
   return s;
@@ -130,27 +136,38 @@ void read_glove(const toml::table& t, GloveParameters& g, const std::string& fil
         const auto v = numbers<3>(node, f.name, 1000, file);
         g.*f.value = Vec3(v[0], v[1], v[2]);
       }
-    if (!known) throw InputError(file, line_of(node), "unknown key \"" + std::string(key.str()) + "\" in [glove]; see calibration/identity.toml");
+    if (!known)
+      throw InputError(file, line_of(node),
+                       "unknown key \"" + std::string(key.str()) + "\" in [glove]; see calibration/identity.toml");
   }
   if (g.open_mm < g.closed_mm + 5 || g.release_share <= g.grab_share)
-    throw InputError(file, 0, "[glove] is not usable: expected open_mm at least 5 above closed_mm, and release_share above grab_share");
-  if (std::abs(g.pointing.norm() - 1) > 0.01) throw InputError(file, 0, "\"pointing\" is no direction; expected three numbers of unit length");
+    throw InputError(
+        file, 0,
+        "[glove] is not usable: expected open_mm at least 5 above closed_mm, and release_share above grab_share");
+  if (std::abs(g.pointing.norm() - 1) > 0.01)
+    throw InputError(file, 0, "\"pointing\" is no direction; expected three numbers of unit length");
 }
 
 void read_distortion(const toml::table& t, DistortionGrid& d, const std::string& file) {
   only_keys(t, {"nodes", "low_mm", "high_mm", "add_mm"}, "[distortion]", file);
   const toml::node *nodes = t.get("nodes"), *low = t.get("low_mm"), *high = t.get("high_mm"), *add = t.get("add_mm");
-  if (!nodes || !low || !high || !add) throw InputError(file, 0, "[distortion] is not whole; expected nodes, low_mm, high_mm and add_mm");
-  const auto n = numbers<3>(*nodes, "nodes", kMostNodes, file), lo = numbers<3>(*low, "low_mm", 10'000, file), hi = numbers<3>(*high, "high_mm", 10'000, file);
+  if (!nodes || !low || !high || !add)
+    throw InputError(file, 0, "[distortion] is not whole; expected nodes, low_mm, high_mm and add_mm");
+  const auto n = numbers<3>(*nodes, "nodes", kMostNodes, file), lo = numbers<3>(*low, "low_mm", 10'000, file),
+             hi = numbers<3>(*high, "high_mm", 10'000, file);
   size_t count = 1;
   for (size_t i = 0; i < 3; ++i) {
     d.nodes[i] = int(n[i]);
-    if (d.nodes[i] < 2 || n[i] != d.nodes[i] || !(hi[i] > lo[i])) throw InputError(file, line_of(*nodes), "[distortion] is not usable; expected 2 to 12 nodes each way, and high_mm above low_mm");
+    if (d.nodes[i] < 2 || n[i] != d.nodes[i] || !(hi[i] > lo[i]))
+      throw InputError(file, line_of(*nodes),
+                       "[distortion] is not usable; expected 2 to 12 nodes each way, and high_mm above low_mm");
     count *= size_t(d.nodes[i]);
   }
   d.low_mm = Vec3(lo[0], lo[1], lo[2]), d.high_mm = Vec3(hi[0], hi[1], hi[2]);
   const auto* a = add->as_array();
-  if (!a || a->size() != 3 * count) throw InputError(file, line_of(*add), "\"add_mm\" is not usable; expected a list of " + std::to_string(3 * count) + " numbers");
+  if (!a || a->size() != 3 * count)
+    throw InputError(file, line_of(*add),
+                     "\"add_mm\" is not usable; expected a list of " + std::to_string(3 * count) + " numbers");
   d.add_mm.resize(count);
   for (size_t i = 0; i < count; ++i)
     for (int k = 0; k < 3; ++k) d.add_mm[i][k] = number(*a->get(3 * i + size_t(k)), "add_mm", -1000, 1000, file);
@@ -187,11 +204,13 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
   try {
     t = toml::parse(text, name);
   } catch (const toml::parse_error& e) {
-    throw InputError(name, int(e.source().begin.line), std::string("is not TOML (") + std::string(e.description()) + "); expected a calibration file");
+    throw InputError(name, int(e.source().begin.line),
+                     std::string("is not TOML (") + std::string(e.description()) + "); expected a calibration file");
   } catch (const BrokenToml&) {
     throw InputError(name, 0, "is not TOML; expected a calibration file");
   }
-  only_keys(t, {"limberg_calibration", "name", "device", "date", "stylus", "world", "filter", "glove", "distortion"}, "a calibration", name);
+  only_keys(t, {"limberg_calibration", "name", "device", "date", "stylus", "world", "filter", "glove", "distortion"},
+            "a calibration", name);
   const auto version = t["limberg_calibration"].value<int64_t>();
   if (!version || *version != Calibration::kVersion)
     throw InputError(name, 0, "is not a calibration of a known version; expected limberg_calibration = 1");
@@ -205,7 +224,8 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
   for (const auto& [key, words] : {std::pair{"device", &c.device}, std::pair{"date", &c.date}})
     if (const toml::node* n = t.get(key)) {
       const auto s = n->value<std::string>();
-      if (!s || s->size() > 200) throw InputError(name, line_of(*n), "\"" + std::string(key) + "\" is not usable; expected a short text");
+      if (!s || s->size() > 200)
+        throw InputError(name, line_of(*n), "\"" + std::string(key) + "\" is not usable; expected a short text");
       *words = *s;
     }
   constexpr double kFarMm = 10'000;
@@ -229,7 +249,8 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
       double qq = 0;
       for (double v : c.world_from_tracker_quat) qq += v * v;
       if (std::abs(std::sqrt(qq) - 1) > 0.01)
-        throw InputError(name, line_of(*n), "\"from_tracker_quat\" is not a rotation; expected w, x, y, z of unit length");
+        throw InputError(name, line_of(*n),
+                         "\"from_tracker_quat\" is not a rotation; expected w, x, y, z of unit length");
     }
   }
   if (const auto* f = table(t, "filter", name)) {
@@ -237,7 +258,9 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
       const Field* field = nullptr;
       for (const Field& candidate : kFilter)
         if (key.str() == candidate.name) field = &candidate;
-      if (!field) throw InputError(name, line_of(node), "unknown key \"" + std::string(key.str()) + "\" in [filter]; see calibration/identity.toml");
+      if (!field)
+        throw InputError(name, line_of(node),
+                         "unknown key \"" + std::string(key.str()) + "\" in [filter]; see calibration/identity.toml");
       c.filter.*field->value = number(node, field->name, field->low, field->high, name);
     }
   }
@@ -246,12 +269,15 @@ Calibration parse_calibration(const std::string& text, const std::string& name) 
 
 Calibration load_calibration(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected a calibration file");
+  if (!in)
+    throw InputError(path, 0,
+                     std::string("cannot be opened (") + std::strerror(errno) + "); expected a calibration file");
   std::string text;
   char part[4096];
   while (in.read(part, sizeof part), in.gcount() > 0) {
     text.append(part, size_t(in.gcount()));
-    if (text.size() > 1'000'000) throw InputError(path, 0, "is too large for a calibration; expected some lines of TOML");
+    if (text.size() > 1'000'000)
+      throw InputError(path, 0, "is too large for a calibration; expected some lines of TOML");
   }
   if (in.bad()) throw InputError(path, 0, "cannot be read; expected a calibration file");
   return parse_calibration(text, path);
@@ -271,25 +297,29 @@ std::string to_toml(const Calibration& c) {
     for (int i = 0; i < n; ++i) s += (i ? ", " : "") + shortest(v[i]);
     return s + "]";
   };
-  std::string s = "limberg_calibration = " + std::to_string(Calibration::kVersion) + "\nname = \"" + quoted(c.name) + "\"\n";
+  std::string s =
+      "limberg_calibration = " + std::to_string(Calibration::kVersion) + "\nname = \"" + quoted(c.name) + "\"\n";
   if (!c.device.empty()) s += "device = \"" + quoted(c.device) + "\"\n";
   if (!c.date.empty()) s += "date = \"" + quoted(c.date) + "\"\n";
   s += "\n[stylus]  # the tip in the frame of the sensor\ntip_offset_mm = " + list(c.tip_offset_mm.data(), 3) + "\n";
   s += "\n[world]  # pose of the tracker in the world; quaternion w, x, y, z\nfrom_tracker_mm = " +
-       list(c.world_from_tracker_mm.data(), 3) + "\nfrom_tracker_quat = " + list(c.world_from_tracker_quat.data(), 4) + "\n";
+       list(c.world_from_tracker_mm.data(), 3) + "\nfrom_tracker_quat = " + list(c.world_from_tracker_quat.data(), 4) +
+       "\n";
   s += "\n[filter]  # see calibration.h\n";
   for (const Field& f : kFilter) s += std::string(f.name) + " = " + shortest(c.filter.*f.value) + "\n";
   if (!same(c.glove, GloveParameters{})) {
     s += "\n[glove]  # see calibration.h\n";
     for (const GloveField& f : kGlove) s += std::string(f.name) + " = " + shortest(c.glove.*f.value) + "\n";
-    for (const GloveVector& f : kGloveVector) s += std::string(f.name) + " = " + list((c.glove.*f.value).data(), 3) + "\n";
+    for (const GloveVector& f : kGloveVector)
+      s += std::string(f.name) + " = " + list((c.glove.*f.value).data(), 3) + "\n";
   }
   if (!c.distortion.empty()) {
     const DistortionGrid& d = c.distortion;
-    s += "\n[distortion]  # added to positions in the tracker's frame; x fastest\nnodes = [" + std::to_string(d.nodes[0]) + ", " +
-         std::to_string(d.nodes[1]) + ", " + std::to_string(d.nodes[2]) + "]\nlow_mm = " + list(d.low_mm.data(), 3) +
-         "\nhigh_mm = " + list(d.high_mm.data(), 3) + "\nadd_mm = [\n";
-    for (const Vec3& v : d.add_mm) s += "  " + shortest(v.x()) + ", " + shortest(v.y()) + ", " + shortest(v.z()) + ",\n";
+    s += "\n[distortion]  # added to positions in the tracker's frame; x fastest\nnodes = [" +
+         std::to_string(d.nodes[0]) + ", " + std::to_string(d.nodes[1]) + ", " + std::to_string(d.nodes[2]) +
+         "]\nlow_mm = " + list(d.low_mm.data(), 3) + "\nhigh_mm = " + list(d.high_mm.data(), 3) + "\nadd_mm = [\n";
+    for (const Vec3& v : d.add_mm)
+      s += "  " + shortest(v.x()) + ", " + shortest(v.y()) + ", " + shortest(v.z()) + ",\n";
     s += "]\n";
   }
   return s;
@@ -298,13 +328,16 @@ std::string to_toml(const Calibration& c) {
 void save_calibration(const Calibration& c, const std::string& path) {
   const std::string part = path + ".part", text = to_toml(c);
   std::FILE* f = std::fopen(part.c_str(), "wb");
-  if (!f) throw InputError(path, 0, std::string("cannot be written (") + std::strerror(errno) + "); expected a writable place");
+  if (!f)
+    throw InputError(path, 0,
+                     std::string("cannot be written (") + std::strerror(errno) + "); expected a writable place");
   bool ok = std::fwrite(text.data(), 1, text.size(), f) == text.size();
   ok = std::fclose(f) == 0 && ok;
   if (!ok || std::rename(part.c_str(), path.c_str()) != 0) {
     const int why = errno;
     std::remove(part.c_str());
-    throw InputError(path, 0, std::string("cannot be written (") + std::strerror(why) + "); what was there before is unchanged");
+    throw InputError(path, 0,
+                     std::string("cannot be written (") + std::strerror(why) + "); what was there before is unchanged");
   }
 }
 

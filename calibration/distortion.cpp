@@ -7,11 +7,15 @@
 
 namespace limberg {
 
-DistortionResult calibrate_distortion(const std::vector<Vec3>& measured, const std::vector<Vec3>& known, const DistortionSettings& set) {
+DistortionResult calibrate_distortion(const std::vector<Vec3>& measured, const std::vector<Vec3>& known,
+                                      const DistortionSettings& set) {
   DistortionResult r;
   char text[256];
   if (measured.size() != known.size() || measured.size() < size_t(set.points)) {
-    std::snprintf(text, sizeof text, "%zu measured and %zu known points where %d pairs are needed: touch a grid of known points all over the working space", measured.size(), known.size(), set.points);
+    std::snprintf(text, sizeof text,
+                  "%zu measured and %zu known points where %d pairs are needed: touch a grid of known points all over "
+                  "the working space",
+                  measured.size(), known.size(), set.points);
     r.advice = text;
     return r;
   }
@@ -26,7 +30,7 @@ DistortionResult calibrate_distortion(const std::vector<Vec3>& measured, const s
   g.add_mm.assign(size_t(count), Vec3::Zero());
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(count, count), b = Eigen::MatrixXd::Zero(count, 3);
   // The weights of a point's eight nodes, read off the grid's own interpolation.
-  const auto weights = [&](const Vec3& p, int (&node)[8], double (&w)[8]) {
+  const auto weights = [&](const Vec3& p, int(&node)[8], double(&w)[8]) {
     int at[3];
     double f[3];
     for (int i = 0; i < 3; ++i) {
@@ -71,13 +75,18 @@ DistortionResult calibrate_distortion(const std::vector<Vec3>& measured, const s
   int outs = 0, ins = 0;
   for (size_t i = 0; i < measured.size(); ++i) {
     const double left2 = (measured[i] + g.at(measured[i]) - known[i]).squaredNorm();
-    if (held_out(i)) before += (measured[i] - known[i]).squaredNorm(), after += left2, ++outs;
-    else fitted += left2, ++ins;
+    if (held_out(i))
+      before += (measured[i] - known[i]).squaredNorm(), after += left2, ++outs;
+    else
+      fitted += left2, ++ins;
   }
   r.before_mm = std::sqrt(before / outs), r.after_mm = std::sqrt(after / outs), r.fitted_mm = std::sqrt(fitted / ins);
   r.accepted = r.after_mm * set.gain <= r.before_mm;
   if (!r.accepted) {
-    std::snprintf(text, sizeof text, "the error at points held out falls only from %.2f to %.2f mm where a factor of %.1f is needed: leave the correction out, or touch more points", r.before_mm, r.after_mm, set.gain);
+    std::snprintf(text, sizeof text,
+                  "the error at points held out falls only from %.2f to %.2f mm where a factor of %.1f is needed: "
+                  "leave the correction out, or touch more points",
+                  r.before_mm, r.after_mm, set.gain);
     r.advice = text;
   }
   return r;

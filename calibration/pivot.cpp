@@ -12,8 +12,8 @@ namespace limberg {
 
 namespace {
 
-constexpr double kInlierMm = 3;   // four standard deviations of the static accuracy of a FASTRAK, 0.76 mm
-constexpr int kRounds = 300;      // sets of four, all good with 99.9 % even if 60 % of the poses were bad
+constexpr double kInlierMm = 3;  // four standard deviations of the static accuracy of a FASTRAK, 0.76 mm
+constexpr int kRounds = 300;     // sets of four, all good with 99.9 % even if 60 % of the poses were bad
 constexpr int kEnough = 4;
 
 using Vec6 = Eigen::Matrix<double, 6, 1>;
@@ -42,7 +42,9 @@ Solution solve(const std::vector<SensorPose>& poses, const std::vector<Mat3>& R,
   return {x.head<3>(), x.tail<3>(), A};
 }
 
-double misfit(const SensorPose& p, const Mat3& R, const Solution& s) { return (R * s.tip + p.pos_mm - s.dimple).norm(); }
+double misfit(const SensorPose& p, const Mat3& R, const Solution& s) {
+  return (R * s.tip + p.pos_mm - s.dimple).norm();
+}
 
 }  // namespace
 
@@ -56,7 +58,8 @@ PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed,
     r.advice += text;
   };
   if (r.poses < std::max(kEnough, limits.poses)) {
-    refuse("%d poses where %d are needed: keep the tip in the dimple and turn the stylus for longer", r.poses, limits.poses);
+    refuse("%d poses where %d are needed: keep the tip in the dimple and turn the stylus for longer", r.poses,
+           limits.poses);
     return r;
   }
   std::vector<Mat3> R;
@@ -68,7 +71,8 @@ PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed,
   for (int round = 0; round < kRounds; ++round) {
     std::array<size_t, kEnough> four;
     for (size_t& i : four) i = random.below(poses.size());
-    const Solution s = solve(poses, R, [&](size_t k) { return four[k]; }, kEnough);
+    const Solution s = solve(
+        poses, R, [&](size_t k) { return four[k]; }, kEnough);
     // A set that does not determine the tip says nothing.
     const Eigen::SelfAdjointEigenSolver<Mat6> eigen(s.normal, Eigen::EigenvaluesOnly);
     if (eigen.eigenvalues()[0] < 1e-3) continue;
@@ -82,13 +86,15 @@ PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed,
   }
   Solution s{};
   for (int pass = 0; pass < 2; ++pass) {
-    s = solve(poses, R, [&](size_t k) { return best[k]; }, best.size());
+    s = solve(
+        poses, R, [&](size_t k) { return best[k]; }, best.size());
     std::vector<size_t> agree;
     for (size_t i = 0; i < poses.size(); ++i)
       if (misfit(poses[i], R[i], s) <= kInlierMm) agree.push_back(i);
     if (agree.size() >= size_t(kEnough)) best.swap(agree);
   }
-  s = solve(poses, R, [&](size_t k) { return best[k]; }, best.size());
+  s = solve(
+      poses, R, [&](size_t k) { return best[k]; }, best.size());
   r.tip_mm = s.tip, r.dimple_mm = s.dimple;
   r.agreeing = int(best.size());
   double sum2 = 0;
@@ -106,16 +112,35 @@ PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed,
   r.uncertainty_mm = r.residual_mm / std::sqrt(3.0) * std::sqrt(std::max(0.0, inverse.topLeftCorner<3, 3>().trace()));
   const size_t half = best.size() / 2;
   if (half >= size_t(kEnough)) {
-    const Solution a = solve(poses, R, [&](size_t k) { return best[k]; }, half), b = solve(poses, R, [&](size_t k) { return best[half + k]; }, best.size() - half);
+    const Solution a = solve(
+                       poses, R, [&](size_t k) { return best[k]; }, half),
+                   b = solve(
+                       poses, R, [&](size_t k) { return best[half + k]; }, best.size() - half);
     r.repeat_mm = (a.tip - b.tip).norm();
   }
 
   const double share = double(r.agreeing) / double(r.poses);
-  if (share < limits.inliers) refuse("only %.0f %% of the poses agree where %.0f %% are needed: the tip slipped or the field is disturbed; press it into the dimple, take metal away, begin again", 100 * share, 100 * limits.inliers);
-  if (r.cone_deg < limits.cone_deg) refuse("a cone of %.0f degrees where %.0f are needed: tilt the stylus further to all sides", r.cone_deg, limits.cone_deg);
-  else if (r.weakest < limits.weakest) refuse("the tip is not determined along one direction (%.3f where %.3f is needed): tilt the stylus to all sides, do not only spin or rock it", r.weakest, limits.weakest);
-  if (r.residual_mm > limits.residual_mm) refuse("a residual of %.2f mm where %.2f is allowed: the tip moved or the field is disturbed; a deeper dimple, nearer to the transmitter", r.residual_mm, limits.residual_mm);
-  if (r.repeat_mm > limits.repeat_mm) refuse("the two halves differ by %.2f mm where %.2f is allowed: turn more evenly, for longer, or more to all sides", r.repeat_mm, limits.repeat_mm);
+  if (share < limits.inliers)
+    refuse(
+        "only %.0f %% of the poses agree where %.0f %% are needed: the tip slipped or the field is disturbed; press it "
+        "into the dimple, take metal away, begin again",
+        100 * share, 100 * limits.inliers);
+  if (r.cone_deg < limits.cone_deg)
+    refuse("a cone of %.0f degrees where %.0f are needed: tilt the stylus further to all sides", r.cone_deg,
+           limits.cone_deg);
+  else if (r.weakest < limits.weakest)
+    refuse(
+        "the tip is not determined along one direction (%.3f where %.3f is needed): tilt the stylus to all sides, do "
+        "not only spin or rock it",
+        r.weakest, limits.weakest);
+  if (r.residual_mm > limits.residual_mm)
+    refuse(
+        "a residual of %.2f mm where %.2f is allowed: the tip moved or the field is disturbed; a deeper dimple, nearer "
+        "to the transmitter",
+        r.residual_mm, limits.residual_mm);
+  if (r.repeat_mm > limits.repeat_mm)
+    refuse("the two halves differ by %.2f mm where %.2f is allowed: turn more evenly, for longer, or more to all sides",
+           r.repeat_mm, limits.repeat_mm);
   r.accepted = r.advice.empty();
   return r;
 }

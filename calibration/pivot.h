@@ -1,10 +1,12 @@
 #pragma once
 // Where the tip of a stylus is: the tip stands in a dimple, the stylus is turned about it, and the sensor's poses tell.
 //
-// Each pose (R_i, p_i) says R_i t + p_i = c with the same tip t, in the sensor's frame, and the same dimple c: 3 N linear
+// Each pose (R_i, p_i) says R_i t + p_i = c with the same tip t, in the sensor's frame, and the same dimple c: 3 N
+// linear
 // equations for six unknowns, solved by least squares over the poses that agree (random sample consensus: sets of four
 // poses, the solution with the most poses within kInlierMm wins, then least squares over those, twice).
-// What it may not accept is as important as what it finds: few poses, a narrow cone, a stylus that was only spun or only
+// What it may not accept is as important as what it finds: few poses, a narrow cone, a stylus that was only spun or
+// only
 // tilted in one plane, a tip that slipped. Limits: see PivotLimits.
 #include <array>
 #include <cstdint>
@@ -24,21 +26,21 @@ struct SensorPose {
 /// within 0.2 mm in 95 of 100, residual 0.8 mm RMS; with 20 degrees 0.31 mm (2026-11-21).
 struct PivotLimits {
   int poses = 200;
-  double cone_deg = 40;          // full opening
-  double weakest = 0.10;         // smallest singular value of the equations, per square root of the poses
-  double residual_mm = 1.0;      // RMS of |R t + p - c| over the poses that agree
-  double inliers = 0.9;          // share of poses that agree
-  double repeat_mm = 0.5;        // tips of the first and of the second half apart
+  double cone_deg = 40;      // full opening
+  double weakest = 0.10;     // smallest singular value of the equations, per square root of the poses
+  double residual_mm = 1.0;  // RMS of |R t + p - c| over the poses that agree
+  double inliers = 0.9;      // share of poses that agree
+  double repeat_mm = 0.5;    // tips of the first and of the second half apart
 };
 
 struct PivotResult {
-  Vec3 tip_mm = Vec3::Zero();    // in the sensor's frame
-  Vec3 dimple_mm = Vec3::Zero(); // in the tracker's
+  Vec3 tip_mm = Vec3::Zero();     // in the sensor's frame
+  Vec3 dimple_mm = Vec3::Zero();  // in the tracker's
   int poses = 0, agreeing = 0;
   double cone_deg = 0, weakest = 0, residual_mm = 0, repeat_mm = 0;
-  double uncertainty_mm = 0;     // of the tip, one standard deviation, if errors were independent
+  double uncertainty_mm = 0;  // of the tip, one standard deviation, if errors were independent
   bool accepted = false;
-  std::string advice;            // when refused: what is wrong and what to do
+  std::string advice;  // when refused: what is wrong and what to do
 };
 
 PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed = 1, const PivotLimits& limits = {});

@@ -6,7 +6,8 @@
 
 namespace limberg {
 
-RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::vector<Vec3>& known, const RegistrationLimits& limits) {
+RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::vector<Vec3>& known,
+                                   const RegistrationLimits& limits) {
   RegistrationResult r;
   char text[256];
   const auto refuse = [&](const char* format, auto... values) {
@@ -15,7 +16,8 @@ RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::
     r.advice += text;
   };
   if (touched.size() != known.size()) {
-    refuse("%zu points were touched and %zu are listed: touch each once, in the order of the list", touched.size(), known.size());
+    refuse("%zu points were touched and %zu are listed: touch each once, in the order of the list", touched.size(),
+           known.size());
     return r;
   }
   if (touched.size() < size_t(limits.points) + 1) {
@@ -35,7 +37,10 @@ RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::
   const Eigen::SelfAdjointEigenSolver<Mat3> shape(B);
   r.spread_mm = std::sqrt(std::max(0.0, shape.eigenvalues()[1]) / double(n));
   if (r.spread_mm < limits.spread_mm) {
-    refuse("the points lie nearly on a line (%.1f mm beside it where %.1f are needed): choose points further apart to both sides", r.spread_mm, limits.spread_mm);
+    refuse(
+        "the points lie nearly on a line (%.1f mm beside it where %.1f are needed): choose points further apart to "
+        "both sides",
+        r.spread_mm, limits.spread_mm);
     return r;
   }
   const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -50,9 +55,19 @@ RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::
   for (size_t i = 0; i < n; ++i) sum2 += (R * touched[i] + r.translation_mm - known[i]).squaredNorm();
   r.residual_mm = std::sqrt(sum2 / double(n));
   r.held_out_mm = (R * touched[n] + r.translation_mm - known[n]).norm();
-  if (std::abs(r.scale - 1) > 0.05) refuse("the touched points are %.2f times as far apart as the listed ones: check the list's units and order", 1 / r.scale);
-  if (r.residual_mm > limits.residual_mm) refuse("a residual of %.2f mm where %.2f is allowed: a point was touched in the wrong order, or metal disturbs the field", r.residual_mm, limits.residual_mm);
-  if (r.held_out_mm > limits.held_out_mm) refuse("%.2f mm off at the point that was held out where %.2f is allowed: touch more points, spread around where you work", r.held_out_mm, limits.held_out_mm);
+  if (std::abs(r.scale - 1) > 0.05)
+    refuse("the touched points are %.2f times as far apart as the listed ones: check the list's units and order",
+           1 / r.scale);
+  if (r.residual_mm > limits.residual_mm)
+    refuse(
+        "a residual of %.2f mm where %.2f is allowed: a point was touched in the wrong order, or metal disturbs the "
+        "field",
+        r.residual_mm, limits.residual_mm);
+  if (r.held_out_mm > limits.held_out_mm)
+    refuse(
+        "%.2f mm off at the point that was held out where %.2f is allowed: touch more points, spread around where you "
+        "work",
+        r.held_out_mm, limits.held_out_mm);
   r.accepted = r.advice.empty();
   return r;
 }

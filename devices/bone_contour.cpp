@@ -35,7 +35,8 @@ std::vector<Vec3> bone_contour(const std::vector<Vec3>& drawn, const BoneContour
   size_t end = drawn.size() - 1;
   for (size_t i = drawn.size(); i-- > 0 && at[i] > at.back() * 2 / 3;)
     if ((drawn[i] - drawn[0]).norm() < (drawn[end] - drawn[0]).norm()) end = i;
-  const std::vector<Vec3> fine = evenly(std::vector<Vec3>(drawn.begin(), drawn.begin() + long(end) + 1), set.smooth_mm / 5);
+  const std::vector<Vec3> fine =
+      evenly(std::vector<Vec3>(drawn.begin(), drawn.begin() + long(end) + 1), set.smooth_mm / 5);
   const auto n = long(fine.size());
   std::vector<Vec3> smooth(fine.size());
   for (long i = 0; i < n; ++i) {

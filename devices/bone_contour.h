@@ -12,7 +12,8 @@ struct BoneContourSettings {
   double least_mm = 15;    // a shorter line means nothing
 };
 
-/// `drawn`: places on the bone at rest, in order. A hand that comes back to where it began ends the line there, what it drew
+/// `drawn`: places on the bone at rest, in order. A hand that comes back to where it began ends the line there, what it
+/// drew
 /// beyond is left out; else the ends are joined. Smoothed as a closed line and evenly spaced. Empty: too short.
 std::vector<Vec3> bone_contour(const std::vector<Vec3>& drawn, const BoneContourSettings& settings = {});
 

@@ -10,8 +10,8 @@ namespace limberg {
 
 namespace {
 
-constexpr double kPiece_mm = 5;    // of a stroke, told at once
-constexpr double kBehind_mm = 2.5; // what lies this near to the hand may still turn out to be a corner
+constexpr double kPiece_mm = 5;     // of a stroke, told at once
+constexpr double kBehind_mm = 2.5;  // what lies this near to the hand may still turn out to be a corner
 
 double length_of(const std::vector<ChartPoint>& path) {
   double sum = 0;
@@ -63,7 +63,8 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
   const Tool tool = Tool(e.tool);
   // Anything but a second stroke along the other edge gives a begun row up.
   const bool of_a_row = tool == Tool::suture_row && e.kind <= ToolEvent::stroke_cancel;
-  if (have_row_a_ && !of_a_row && (e.kind == ToolEvent::stroke_begin || e.kind == ToolEvent::undo || e.kind == ToolEvent::redo)) {
+  if (have_row_a_ && !of_a_row &&
+      (e.kind == ToolEvent::stroke_begin || e.kind == ToolEvent::undo || e.kind == ToolEvent::redo)) {
     have_row_a_ = false;
     ++dropped_;
   }
@@ -85,8 +86,10 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
     case ToolEvent::stroke_end: {
       if (tool == Tool::saw) {
         CutBone cut;
-        if (e.text.str() == pick::kPicked) bone_stroke_.push_back(rest), cut.contour_mm = std::move(bone_stroke_);
-        else cut.contour_mm = bone_contour(bone_stroke_);
+        if (e.text.str() == pick::kPicked)
+          bone_stroke_.push_back(rest), cut.contour_mm = std::move(bone_stroke_);
+        else
+          cut.contour_mm = bone_contour(bone_stroke_);
         stroke_.clear();
         if (cut.contour_mm.empty()) return ++dropped_, std::nullopt;
         return HeadCommand(std::move(cut));

@@ -14,15 +14,19 @@ namespace limberg {
 class CommandBuilder {
  public:
   /// `progressive`: a stroke of the scalpel is told in pieces while it is drawn (InciseMore).
-  explicit CommandBuilder(const PathSettings& settings = {}, bool progressive = false) : path_(settings), progressive_(progressive) {}
+  explicit CommandBuilder(const PathSettings& settings = {}, bool progressive = false)
+      : path_(settings), progressive_(progressive) {}
 
   /// The command that this event completes, if any:
   ///   stroke_end -> Incise, Undermine or Excise; the second stroke of a pair -> SutureRow (turned when it was
-  ///   plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0; hook_release ->
+  ///   plainly drawn the other way); hook_set -> SetHook; hook_leave -> MoveHook to where it was left, seconds 0;
+  ///   hook_release ->
   ///   ReleaseHook; suture_b -> Suture; suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
-  ///   Of the saw stroke_end -> CutBone (bone_contour.h); bone_grab -> GrabFragment; bone_drag -> DragFragment to where it was taken,
+  ///   Of the saw stroke_end -> CutBone (bone_contour.h); bone_grab -> GrabFragment; bone_drag -> DragFragment to where
+  ///   it was taken,
   ///   seconds 0; bone_release -> LetGo.
-  /// Progressive: a stroke_point of the scalpel completes a piece of some 5 mm that lies a little behind the hand, smoothed
+  /// Progressive: a stroke_point of the scalpel completes a piece of some 5 mm that lies a little behind the hand,
+  /// smoothed
   /// over what is known by then, and stroke_end the last one; a stroke that ends before its first piece is an Incise.
   /// Between hook_set or hook_take and hook_leave the hook follows ToolState::tip_mm.
   std::optional<Command> feed(const ToolEvent& event);
@@ -37,11 +41,11 @@ class CommandBuilder {
 
   PathSettings path_;
   bool progressive_ = false;
-  int stroke_number_ = 0;  // of the newest stroke that was told in pieces
-  bool in_pieces_ = false; // the present stroke is; its stroke_ then begins where the last piece ended
+  int stroke_number_ = 0;   // of the newest stroke that was told in pieces
+  bool in_pieces_ = false;  // the present stroke is; its stroke_ then begins where the last piece ended
   std::vector<Vec3> bone_stroke_;
   std::vector<ChartPoint> stroke_, row_a_;
-  Vec3 stroke_begin_ = Vec3::Zero();          // in the world, as are the ends of row a
+  Vec3 stroke_begin_ = Vec3::Zero();  // in the world, as are the ends of row a
   std::array<Vec3, 2> row_a_ends_{Vec3::Zero(), Vec3::Zero()};
   bool have_row_a_ = false, have_suture_a_ = false;
   ChartPoint suture_a_{0, 0};

@@ -48,7 +48,9 @@ void DesktopDecoder::feed(const uint8_t* bytes, size_t n) {
 }
 
 void DesktopDecoder::packet() {
-  const auto set_button = [&](uint32_t bit, bool down) { pose_.buttons = down ? pose_.buttons | bit : pose_.buttons & ~bit; };
+  const auto set_button = [&](uint32_t bit, bool down) {
+    pose_.buttons = down ? pose_.buttons | bit : pose_.buttons & ~bit;
+  };
   if (set_.kind == DesktopSettings::mouse) {
     const int dx = int(byte_[1]) - (byte_[0] & 0x10 ? 256 : 0), dy = int(byte_[2]) - (byte_[0] & 0x20 ? 256 : 0);
     if (!(byte_[0] & 0xC0)) {  // no overflow
@@ -77,7 +79,9 @@ void DesktopDecoder::advance(double dt) {
     pose_.tip_mm[i] = std::clamp(pose_.tip_mm[i] + curve(push_[i]) * set_.full_mm_s * dt, -set_.box_mm, set_.box_mm);
   const Vec3 w = Vec3(curve(twist_.x()), curve(twist_.y()), curve(twist_.z())) * (set_.full_rad_s * dt);
   if (const double a = w.norm(); a > 0) {
-    const Eigen::Quaterniond q = (Eigen::Quaterniond(Eigen::AngleAxisd(a, w / a)) * Eigen::Quaterniond(pose_.quat[0], pose_.quat[1], pose_.quat[2], pose_.quat[3])).normalized();
+    const Eigen::Quaterniond q = (Eigen::Quaterniond(Eigen::AngleAxisd(a, w / a)) *
+                                  Eigen::Quaterniond(pose_.quat[0], pose_.quat[1], pose_.quat[2], pose_.quat[3]))
+                                     .normalized();
     pose_.quat = {q.w(), q.x(), q.y(), q.z()};
   }
 }
@@ -170,7 +174,8 @@ struct DesktopSource::Impl {
   std::thread thread;
 };
 
-DesktopSource::DesktopSource(const DesktopSettings& settings, int64_t start_ns) : impl_(std::make_unique<Impl>(settings, start_ns)) {
+DesktopSource::DesktopSource(const DesktopSettings& settings, int64_t start_ns)
+    : impl_(std::make_unique<Impl>(settings, start_ns)) {
   impl_->thread = std::thread([this] { impl_->run(); });
 }
 DesktopSource::~DesktopSource() {
@@ -178,7 +183,10 @@ DesktopSource::~DesktopSource() {
   impl_->thread.join();
 }
 void DesktopSource::poll(int64_t now_ns, SampleSink& sink) { impl_->queue.poll(now_ns, sink); }
-SourceCounts DesktopSource::counts() const { return {impl_->queue.handed_over(), impl_->malformed.load(std::memory_order_relaxed), impl_->lost.load(std::memory_order_relaxed)}; }
+SourceCounts DesktopSource::counts() const {
+  return {impl_->queue.handed_over(), impl_->malformed.load(std::memory_order_relaxed),
+          impl_->lost.load(std::memory_order_relaxed)};
+}
 std::string DesktopSource::health() const {
   const std::lock_guard lock(impl_->mutex);
   return impl_->said;

@@ -1,12 +1,15 @@
 #pragma once
 // Pointing devices of a desk as a stylus: a SpaceMouse through the socket of its daemon (spacenavd), and a mouse.
 //
-//   SpaceMouse  pushed, it moves the tip; twisted, it turns the shaft; speed grows with the square of the push, so that a
+//   SpaceMouse  pushed, it moves the tip; twisted, it turns the shaft; speed grows with the square of the push, so that
+//   a
 //               light touch is precise. Button 0 presses, button 1 is the clutch.
-//   mouse       moves the tip in the plane z = const; left button presses, right button is the clutch; made for the surface
+//   mouse       moves the tip in the plane z = const; left button presses, right button is the clutch; made for the
+//   surface
 //               cursor, which takes motions and not places.
 //
-// A thread of its own reads and reconnects; readings come at 125 Hz while the device is there. No library is needed: the
+// A thread of its own reads and reconnects; readings come at 125 Hz while the device is there. No library is needed:
+// the
 // daemon's first protocol is packets of eight 32-bit numbers in the machine's byte order, type (0 motion, 1 press,
 // 2 release), x, y, z, rx, ry, rz, period, or type and button number; a mouse is three bytes of /dev/input/mice.
 #include <memory>
@@ -18,11 +21,11 @@ namespace limberg {
 
 struct DesktopSettings {
   enum Kind { space_mouse, mouse } kind = space_mouse;
-  std::string path;                // empty: SPNAV_SOCKET or /var/run/spnav.sock; /dev/input/mice
-  double full_mm_s = 120;          // SpaceMouse: speed at a full push (350 counts)
+  std::string path;        // empty: SPNAV_SOCKET or /var/run/spnav.sock; /dev/input/mice
+  double full_mm_s = 120;  // SpaceMouse: speed at a full push (350 counts)
   double full_rad_s = 2;
-  double mm_per_count = 0.1;       // mouse: 10 counts a mm are some 250 dots an inch
-  double box_mm = 150;             // the tip stays within this of the origin, each way
+  double mm_per_count = 0.1;  // mouse: 10 counts a mm are some 250 dots an inch
+  double box_mm = 150;        // the tip stays within this of the origin, each way
   int32_t device_id = 400;
 };
 

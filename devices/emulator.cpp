@@ -1,4 +1,5 @@
-// The plan (surgeon_plan.h) says what to do next; here is how: where the tip should be now, against the newest snapshot,
+// The plan (surgeon_plan.h) says what to do next; here is how: where the tip should be now, against the newest
+// snapshot,
 // what the hand's tremor adds to that, and what of it the tracker sees.
 #include "devices/emulator.h"
 
@@ -15,9 +16,9 @@ namespace limberg {
 namespace {
 
 constexpr double kMinTravelS = 0.15;
-constexpr double kDragDeg = 20;        // the handle of a drawing tool leans back along the path
-constexpr double kRestLeanDeg = 30;    // otherwise it leans towards the surgeon
-constexpr double kWristS = 0.08;       // time constant of turning the handle
+constexpr double kDragDeg = 20;      // the handle of a drawing tool leans back along the path
+constexpr double kRestLeanDeg = 30;  // otherwise it leans towards the surgeon
+constexpr double kWristS = 0.08;     // time constant of turning the handle
 
 }  // namespace
 
@@ -97,7 +98,8 @@ struct EmulatedSurgeon::Impl {
     constexpr double kLookMm = 0.5;
     double before = l, after = l;
     SkinTouch a, b;
-    while (before > 0 && a.triangle < 0) a = sight.skin_at(along(s, before = std::max(0.0, before - kLookMm)), Sight::kRimMm);
+    while (before > 0 && a.triangle < 0)
+      a = sight.skin_at(along(s, before = std::max(0.0, before - kLookMm)), Sight::kRimMm);
     while (after < s.length.back() && b.triangle < 0)
       b = sight.skin_at(along(s, after = std::min(s.length.back(), after + kLookMm)), Sight::kRimMm);
     if (a.triangle < 0 && b.triangle < 0) return tip;
@@ -199,7 +201,8 @@ struct EmulatedSurgeon::Impl {
       near -= near.dot(up) * up;
       want = std::cos(lean) * up + (near.norm() > 1e-6 ? Vec3(std::sin(lean) * near.normalized()) : Vec3::Zero());
     }
-    if (want.norm() > 0.5) shaft = (shaft + (1 - std::exp(-1 / (set.rate_hz * kWristS))) * (want.normalized() - shaft)).normalized();
+    if (want.norm() > 0.5)
+      shaft = (shaft + (1 - std::exp(-1 / (set.rate_hz * kWristS))) * (want.normalized() - shaft)).normalized();
 
     StylusSample s;
     s.device_id = set.device_id;

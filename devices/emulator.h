@@ -18,14 +18,14 @@ namespace limberg {
 struct SurgeonSettings {
   uint64_t seed = 1;
   double rate_hz = 120;
-  double draw_mm_s = 40;        // mean speed of a stroke
-  double carry_mm_s = 150;      // mean speed through the air
-  double corner_pause_s = 0.15; // rest at corners, and before and after a press
-  double settle_s = 0.25;       // look at the result after each command
-  double hover_mm = 8;          // height above the skin between commands
-  double tremor_mm = 0.12;      // amplitude, per axis
+  double draw_mm_s = 40;         // mean speed of a stroke
+  double carry_mm_s = 150;       // mean speed through the air
+  double corner_pause_s = 0.15;  // rest at corners, and before and after a press
+  double settle_s = 0.25;        // look at the result after each command
+  double hover_mm = 8;           // height above the skin between commands
+  double tremor_mm = 0.12;       // amplitude, per axis
   double tremor_low_hz = 8, tremor_high_hz = 12;
-  double noise_mm = 0.05;       // tracker, standard deviation per axis
+  double noise_mm = 0.05;  // tracker, standard deviation per axis
   double noise_rad = 0.003;
   double dropouts_per_s = 0.1;  // mean rate of gaps
   double dropout_max_s = 0.06;  // their longest
@@ -44,7 +44,8 @@ class EmulatedSurgeon final : public Source {
 
   size_t command() const;  // the index of the script line being carried out; the script's length when done
   size_t commands() const;
-  /// Aims that found no skin at their chart point, "command 3: point (x, y) is not on skin"; the command is passed over.
+  /// Aims that found no skin at their chart point, "command 3: point (x, y) is not on skin"; the command is passed
+  /// over.
   const std::vector<std::string>& problems() const;
 
  private:

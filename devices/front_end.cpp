@@ -11,7 +11,8 @@ DeviceFrontEnd::DeviceFrontEnd(const Calibration& calibration, const GestureSett
 
 void DeviceFrontEnd::add(std::unique_ptr<Source> source) { sources_.push_back(std::move(source)); }
 
-void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& events, SampleSink& recorder, ToolState& state) {
+void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& events, SampleSink& recorder,
+                          ToolState& state) {
   tick_ = tick;
   snapshot_ = &snapshot;
   events_ = &events;
@@ -24,7 +25,9 @@ void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& eve
     source->poll(now_ns, *this);
   }
   Pose pose = tracker_.at(now_ns);
-  const Ground ground = acts_on_bone(Tool(gestures_.state().tool)) ? Ground::bone : cursor_on_flesh_ ? Ground::flesh : Ground::skin;
+  const Ground ground = acts_on_bone(Tool(gestures_.state().tool)) ? Ground::bone
+                        : cursor_on_flesh_                         ? Ground::flesh
+                                                                   : Ground::skin;
   if (cursor_on_) {
     cursor_.set_ground(ground);
     if (!cursor_.placed() && pose.valid) cursor_.put(snapshot, pose.tip_mm);
@@ -33,7 +36,9 @@ void DeviceFrontEnd::tick(int64_t tick, const Snapshot& snapshot, EventSink& eve
   }
   gestures_.tick(tick, pose, pressed_, edges_, snapshot, *this, clutch_);
   state = gestures_.state();
-  if (have_glove_) hand_.tick(tick, glove_.at(now_ns), clutch_ || clutch_button_, snapshot, *this, ground == Ground::bone ? Ground::bone : Ground::skin);
+  if (have_glove_)
+    hand_.tick(tick, glove_.at(now_ns), clutch_ || clutch_button_, snapshot, *this,
+               ground == Ground::bone ? Ground::bone : Ground::skin);
   snapshot_ = nullptr;
   events_ = nullptr;
   recorder_ = nullptr;
@@ -48,8 +53,10 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
     if (c->kind == ControlSample::cursor) {
       cursor_on_ = c->value[0] > 0;
       cursor_on_flesh_ = c->value[1] == 1;
-      if (cursor_on_) cursor_.set_gain(c->value[0]);
-      else cursor_.remove();
+      if (cursor_on_)
+        cursor_.set_gain(c->value[0]);
+      else
+        cursor_.remove();
     }
   } else if (const auto* s = std::get_if<StylusSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, s->t_ns);

@@ -1,9 +1,12 @@
 #pragma once
-// The device side, one object, driven tick by tick: read sources -> filter -> gestures on the newest snapshot. A stylus in
-// one hand and a glove on the other work at the same time (virtual_hand.h); while a glove is closed, a second button of the
+// The device side, one object, driven tick by tick: read sources -> filter -> gestures on the newest snapshot. A stylus
+// in
+// one hand and a glove on the other work at the same time (virtual_hand.h); while a glove is closed, a second button of
+// the
 // stylus (bit 1) is its clutch.
 //
-// ControlSample::clutch (a key, a pedal) is the clutch of both hands: while it is down they move and what they hold does not;
+// ControlSample::clutch (a key, a pedal) is the clutch of both hands: while it is down they move and what they hold
+// does not;
 // afterwards it follows from where it is. Whatever device has sent the last one counts.
 //
 // With the surface cursor on (ControlSample::cursor) the stylus pushes a place of the skin about instead of being there
@@ -14,8 +17,10 @@
 //   for (int64_t tick = 0;; ++tick)                       // 1 ms each; a real-time thread or a virtual clock
 //     front.tick(tick, newest_snapshot, events, recorder, tool_state);
 //
-// It knows no thread and no clock. The same ticks with the same samples and snapshots give the same events, bit for bit.
-// Between changes of topology a tick allocates nothing; at a change it rebuilds its index of the skin (surface_index.h).
+// It knows no thread and no clock. The same ticks with the same samples and snapshots give the same events, bit for
+// bit.
+// Between changes of topology a tick allocates nothing; at a change it rebuilds its index of the skin
+// (surface_index.h).
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -31,10 +36,10 @@
 namespace limberg {
 
 struct FrontEndCounts {
-  SourceCounts sources;      // summed
+  SourceCounts sources;  // summed
   TrackingCounts tracking;
   int64_t events = 0, events_lost = 0, missed_presses = 0;
-  int64_t other_devices = 0; // stylus samples of a second device, recorded but not followed
+  int64_t other_devices = 0;  // stylus samples of a second device, recorded but not followed
   GloveCounts glove;
   int64_t grabs = 0, empty_grabs = 0;
 };
@@ -51,7 +56,7 @@ class DeviceFrontEnd final : private SampleSink, private EventSink {
   /// (nothing to touch yet) is allowed.
   void tick(int64_t tick, const Snapshot& snapshot, EventSink& events, SampleSink& recorder, ToolState& state);
 
-  bool done() const;  // every source has ended, and there is at least one
+  bool done() const;                                          // every source has ended, and there is at least one
   int64_t last_sample_ns() const { return last_sample_ns_; }  // time stamp of the newest sample handled; -1 before any
   FrontEndCounts counts() const;
   const SkinTouch& touched() const { return gestures_.touched(); }

@@ -13,7 +13,8 @@ namespace limberg {
 
 namespace {
 
-// What a panel says of bone by numbers and picked places (pick.h), as an event. False: its text does not hold the numbers.
+// What a panel says of bone by numbers and picked places (pick.h), as an event. False: its text does not hold the
+// numbers.
 bool told(const ControlSample& c, ToolEvent& e) {
   double number[6]{};
   int n = 0;
@@ -29,27 +30,41 @@ bool told(const ControlSample& c, ToolEvent& e) {
   std::copy_n(c.value.begin(), 3, e.rest_mm);
   if (wanted > 0) std::copy_n(number, 3, e.world_mm);
   switch (c.kind) {
-    case pick::shift: e.kind = pick::shifted, e.quat[0] = 0, std::copy_n(number + 3, 3, e.quat + 1); break;
-    case pick::plane: e.kind = pick::sawn, e.depth_mm = std::max(0.0, c.value[3]); break;
-    case pick::plate: e.kind = pick::plated; break;
-    case pick::join: e.kind = pick::joined; break;
-    case pick::snap: e.kind = ToolEvent::bone_grab; break;
+    case pick::shift:
+      e.kind = pick::shifted, e.quat[0] = 0, std::copy_n(number + 3, 3, e.quat + 1);
+      break;
+    case pick::plane:
+      e.kind = pick::sawn, e.depth_mm = std::max(0.0, c.value[3]);
+      break;
+    case pick::plate:
+      e.kind = pick::plated;
+      break;
+    case pick::join:
+      e.kind = pick::joined;
+      break;
+    case pick::snap:
+      e.kind = ToolEvent::bone_grab;
+      break;
     default:
-      e.kind = c.value[3] < 1 ? ToolEvent::stroke_begin : c.value[3] < 2 ? ToolEvent::stroke_point : ToolEvent::stroke_end;
+      e.kind = c.value[3] < 1   ? ToolEvent::stroke_begin
+               : c.value[3] < 2 ? ToolEvent::stroke_point
+                                : ToolEvent::stroke_end;
       e.tool = int32_t(Tool::saw), e.text = ShortText(pick::kPicked);
       break;
   }
   return true;
 }
 
-constexpr double kNearMm = 20;         // within this of the skin the closest point is followed on every tick
-constexpr int64_t kSearchNear = 4;     // ticks between searches over all the skin
+constexpr double kNearMm = 20;      // within this of the skin the closest point is followed on every tick
+constexpr int64_t kSearchNear = 4;  // ticks between searches over all the skin
 constexpr int64_t kSearchFar = 16;
-constexpr double kJumpMm = 3;          // along a stroke the touched point may run ahead of the hand by so much ...
-constexpr double kJumpPerMm = 3;       // ... and by this factor; further is another sheet of skin
+constexpr double kJumpMm = 3;     // along a stroke the touched point may run ahead of the hand by so much ...
+constexpr double kJumpPerMm = 3;  // ... and by this factor; further is another sheet of skin
 constexpr double kTicksPerMs = 1;
 
-bool draws(Tool t) { return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || t == Tool::suture_row || t == Tool::saw; }
+bool draws(Tool t) {
+  return t == Tool::scalpel || t == Tool::undermine || t == Tool::excise || t == Tool::suture_row || t == Tool::saw;
+}
 
 }  // namespace
 
@@ -164,7 +179,8 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
         ++missed_;
         break;
       }
-      for (int i = 0; i < 3 && on != pick::touched; ++i) e.rest_mm[i] = on == pick::above ? last_pose_.tip_mm[i] : c.value[size_t(i)];
+      for (int i = 0; i < 3 && on != pick::touched; ++i)
+        e.rest_mm[i] = on == pick::above ? last_pose_.tip_mm[i] : c.value[size_t(i)];
       e.id = on == pick::face || on == pick::above;
       e.text = c.text;
       emit(e, out);
@@ -182,7 +198,7 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
         }
         mode = int(known - std::begin(kTissueKinds)), names.resize(second);
       }
-      const auto place = [&](const std::string& name, double (&to)[3]) {
+      const auto place = [&](const std::string& name, double(&to)[3]) {
         if (!s.topology) return false;
         const auto& all = s.topology->landmark;
         const size_t k = size_t(std::find(all.begin(), all.end(), name) - all.begin());
@@ -195,7 +211,8 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
         break;
       }
       e.text = ShortText(names.substr(0, cut) + "-" + names.substr(cut + 1));
-      e.depth_mm = c.value[0], e.spacing_mm = c.value[1], e.id = int32_t(std::clamp(c.value[2], 0.0, 99.0)) + 100 * mode, e.angle_deg = c.value[3];
+      e.depth_mm = c.value[0], e.spacing_mm = c.value[1],
+      e.id = int32_t(std::clamp(c.value[2], 0.0, 99.0)) + 100 * mode, e.angle_deg = c.value[3];
       emit(e, out);
       break;
     }
@@ -352,7 +369,8 @@ void Gestures::release(int64_t tick, const Pose& pose, const Snapshot& s, EventS
     }
     case Doing::suture:
       if (on_skin)
-        if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), suture_a_, g_.apart_mm); apart.triangle >= 0) touch_ = apart;
+        if (const SkinTouch apart = index_.closest_apart(s, meant_tip(), suture_a_, g_.apart_mm); apart.triangle >= 0)
+          touch_ = apart;
       emit(event(on_skin ? ToolEvent::suture_b : ToolEvent::suture_cancel, tick, s), out);
       break;
     case Doing::carry: {
@@ -404,7 +422,8 @@ Vec3 Gestures::tool_tip(const Vec3& hand_mm, bool clutch) {
   return shifted_ ? Vec3(hand_mm + shift_mm_) : hand_mm;
 }
 
-void Gestures::tick(int64_t tick, const Pose& hand, bool pressed, int edges, const Snapshot& s, EventSink& out, bool clutch) {
+void Gestures::tick(int64_t tick, const Pose& hand, bool pressed, int edges, const Snapshot& s, EventSink& out,
+                    bool clutch) {
   Pose pose = hand;
   if (hand.valid) pose.tip_mm = tool_tip(hand.tip_mm, clutch);
   state_.tick = tick;
@@ -431,7 +450,8 @@ void Gestures::tick(int64_t tick, const Pose& hand, bool pressed, int edges, con
   }
   last_pose_ = pose;
   recent_tip_[recent_++ % kRestTicks] = pose.tip_mm;
-  for (int i = 0; i < 3; ++i) state_.tip_mm[i] = pose.tip_mm[i], state_.shaft[i] = pose.shaft[i], state_.shift_mm[i] = shift_mm_[i];
+  for (int i = 0; i < 3; ++i)
+    state_.tip_mm[i] = pose.tip_mm[i], state_.shaft[i] = pose.shaft[i], state_.shift_mm[i] = shift_mm_[i];
   state_.pressed = pressed;
 
   // Two changes within one tick while pressed are a release and a new press.

@@ -11,7 +11,8 @@
 //   saw                press on bone, draw once round, let go: the closed line of an osteotomy
 //   grab               press on bone: its fragment is carried, and turned about the tip, until the button is let go
 //
-// Where a hand rests before it presses or lets go, the mean of its last tenth of a second is meant: one period of tremor.
+// Where a hand rests before it presses or lets go, the mean of its last tenth of a second is meant: one period of
+// tremor.
 //
 // A stroke that loses its tracking waits; when tracking does not come back soon and near, the stroke is cancelled.
 #include <array>
@@ -27,14 +28,14 @@
 namespace limberg {
 
 struct GestureSettings {
-  double reach_mm = 3;          // the tip touches skin that is nearer than this
-  double lift_mm = 8;           // a stroke ends when the tip is further away than this
-  double step_mm = 0.4;         // stroke points are at least this far apart on the skin (rest chart)
-  double handle_reach_mm = 5;   // a press this near to a hook's handle takes it
-  double resume_ms = 1000;      // a stroke outlives a gap in tracking of at most this
-  double resume_mm = 8;         // ... if the hand comes back within this distance
-  double apart_mm = 1.5;        // a stitch's second place is sought so far from the tip on other skin than the first
-  double rest_mm = 0.8;         // a hand that stayed within this for a tenth of a second rests
+  double reach_mm = 3;         // the tip touches skin that is nearer than this
+  double lift_mm = 8;          // a stroke ends when the tip is further away than this
+  double step_mm = 0.4;        // stroke points are at least this far apart on the skin (rest chart)
+  double handle_reach_mm = 5;  // a press this near to a hook's handle takes it
+  double resume_ms = 1000;     // a stroke outlives a gap in tracking of at most this
+  double resume_mm = 8;        // ... if the hand comes back within this distance
+  double apart_mm = 1.5;       // a stitch's second place is sought so far from the tip on other skin than the first
+  double rest_mm = 0.8;        // a hand that stayed within this for a tenth of a second rests
   double default_depth_mm = 4, default_spacing_mm = 4;
 };
 
@@ -44,15 +45,17 @@ class Gestures {
 
   /// A control, in the order of its arrival among the tick's samples.
   void control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
-  /// One tick. `pressed` is the button now, `edges` how often it changed since the last tick. While `clutch` the hand moves and
+  /// One tick. `pressed` is the button now, `edges` how often it changed since the last tick. While `clutch` the hand
+  /// moves and
   /// the hook or fragment that it holds stays; afterwards it follows from where it is, until it is let go.
-  void tick(int64_t tick, const Pose& hand, bool pressed, int edges, const Snapshot& s, EventSink& out, bool clutch = false);
+  void tick(int64_t tick, const Pose& hand, bool pressed, int edges, const Snapshot& s, EventSink& out,
+            bool clutch = false);
 
   ToolState state() const { return state_; }
   const SkinTouch& touched() const { return touch_; }  // the nearest skin at the last tick
   int64_t events() const { return seq_; }
   int64_t events_lost() const { return lost_; }
-  int64_t missed_presses() const { return missed_; }   // pressed with a tool, but not on skin
+  int64_t missed_presses() const { return missed_; }  // pressed with a tool, but not on skin
 
  private:
   enum class Doing { nothing, stroke, hold_hook, suture, carry };
@@ -82,17 +85,17 @@ class Gestures {
   int32_t next_hook_ = 1, asked_hook_ = 0;  // asked_hook_: the number that the control gave, 0 = none
   Doing doing_ = Doing::nothing;
   bool pressed_ = false;
-  Pose last_pose_;                          // of the tool: where the hand is, but for what the clutch has left behind
+  Pose last_pose_;  // of the tool: where the hand is, but for what the clutch has left behind
   Vec3 shift_mm_ = Vec3::Zero();
   bool clutched_ = false, shifted_ = false;
   static constexpr size_t kRestTicks = 100;
   std::array<Vec3, kRestTicks> recent_tip_;  // a ring; recent_ ticks of it since tracking began
   size_t recent_ = 0;
-  EdgeStroke edge_;                         // of a suture row
+  EdgeStroke edge_;  // of a suture row
   SkinTouch suture_a_;
-  SkinTouch last_stroke_;                   // the stroke's newest point
-  Vec3 last_drawn_tip_ = Vec3::Zero();      // where the hand was then
-  int64_t lost_tick_ = -1;  // tracking was lost at this tick, during a gesture
+  SkinTouch last_stroke_;               // the stroke's newest point
+  Vec3 last_drawn_tip_ = Vec3::Zero();  // where the hand was then
+  int64_t lost_tick_ = -1;              // tracking was lost at this tick, during a gesture
   double angle_sum_deg_ = 0, angle_weight_mm_ = 0;
   RigidGrip grip_;
   int32_t bone_grabs_ = 0;

@@ -48,7 +48,8 @@ void GrabDetector::reading(double aperture_mm, int finger) {
 
 GloveTracker::GloveTracker(const Calibration& c)
     : g_(c.glove),
-      finger_{StylusTracker(finger_calibration(c, c.glove.forefinger_tip_mm)), StylusTracker(finger_calibration(c, c.glove.thumb_tip_mm))},
+      finger_{StylusTracker(finger_calibration(c, c.glove.forefinger_tip_mm)),
+              StylusTracker(finger_calibration(c, c.glove.thumb_tip_mm))},
       grab_(c.glove) {}
 
 void GloveTracker::add(const TrackerSample& s) {

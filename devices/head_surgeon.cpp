@@ -19,16 +19,16 @@ constexpr double kOpen_mm = 62, kClosed_mm = 12;  // between the finger tips
 constexpr double kPoint_mm = 45;                  // from the forefinger's tip to the bone that it points at
 constexpr double kClose_s = 0.45;                 // a hand closes or opens
 constexpr int32_t kGloveDevice = 101;
-const Vec3 kRest_mm{-150, 190, 40};               // where the hands wait
+const Vec3 kRest_mm{-150, 190, 40};  // where the hands wait
 
 /// One thing that the hands do.
 struct Act {
   enum Kind { hold, saw_to, saw_along, press, let_go, carry_tip, reach, close, carry, open, control, next } kind = hold;
   double seconds = 0;
-  Vec3 to_mm = Vec3::Zero();       // saw_to: on the bone at rest; reach: the pointed place, at rest
-  double height_mm = 0;            // saw_to: above the bone
-  std::vector<Vec3> path;          // saw_along: at rest
-  RigidMove move;                  // carry, carry_tip
+  Vec3 to_mm = Vec3::Zero();  // saw_to: on the bone at rest; reach: the pointed place, at rest
+  double height_mm = 0;       // saw_to: above the bone
+  std::vector<Vec3> path;     // saw_along: at rest
+  RigidMove move;             // carry, carry_tip
   ControlSample sample;
 };
 
@@ -43,9 +43,13 @@ struct OnBone {
 
 struct EmulatedHeadSurgeon::Impl {
   Impl(std::vector<Command> commands, const SurgeonSettings& s, HeadHands which)
-      : script(std::move(commands)), set(s), glove(which == HeadHands::stylus_and_glove),
-        tremor{Tremor(s.seed * 8 + 1, s.tremor_mm, s.tremor_low_hz, s.tremor_high_hz), Tremor(s.seed * 8 + 2, s.tremor_mm, s.tremor_low_hz, s.tremor_high_hz)},
-        noise(s.seed * 8 + 3), dropouts(s.seed * 8 + 4, s.dropouts_per_s, s.dropout_max_s) {}
+      : script(std::move(commands)),
+        set(s),
+        glove(which == HeadHands::stylus_and_glove),
+        tremor{Tremor(s.seed * 8 + 1, s.tremor_mm, s.tremor_low_hz, s.tremor_high_hz),
+               Tremor(s.seed * 8 + 2, s.tremor_mm, s.tremor_low_hz, s.tremor_high_hz)},
+        noise(s.seed * 8 + 3),
+        dropouts(s.seed * 8 + 4, s.dropouts_per_s, s.dropout_max_s) {}
 
   std::vector<Command> script;
   SurgeonSettings set;
@@ -216,20 +220,29 @@ struct EmulatedHeadSurgeon::Impl {
     acts.push_back(to);
     add(Act::hold, set.settle_s);
   }
-  void plan(const Stage& s) { choose(ControlSample::stage, Tool::none, {double(++stages), 0, 0, 0}, s.name), add(Act::hold, set.corner_pause_s); }
+  void plan(const Stage& s) {
+    choose(ControlSample::stage, Tool::none, {double(++stages), 0, 0, 0}, s.name), add(Act::hold, set.corner_pause_s);
+  }
   void plan(const Wait& w) { add(Act::hold, w.seconds); }
   void plan(const Undo&) { choose(ControlSample::undo), add(Act::hold, set.settle_s); }
   void plan(const Redo&) { choose(ControlSample::redo), add(Act::hold, set.settle_s); }
   void plan(const HeadCommand& h) {
     if (const auto* c = std::get_if<CutBone>(&h)) return plan(*c);
     if (const auto* m = std::get_if<MoveFragment>(&h)) return plan(*m);
-    if (const auto* s = std::get_if<Superpose>(&h)) return choose(pick::beside, Tool::none, {double(s->on), 0, 0, 0}, s->name), add(Act::hold, set.settle_s);
+    if (const auto* s = std::get_if<Superpose>(&h))
+      return choose(pick::beside, Tool::none, {double(s->on), 0, 0, 0}, s->name), add(Act::hold, set.settle_s);
     if (const auto* l = std::get_if<PlaceLandmark>(&h))
-      return choose(pick::landmark, Tool::none, {l->at_mm.x(), l->at_mm.y(), l->at_mm.z(), double(l->on_face ? pick::face : pick::bone)}, l->name), add(Act::hold, set.settle_s);
-    problem("no gesture of saw and glove; expected osteotomies by contours, moves of fragments, landmarks and superpositions");
+      return choose(pick::landmark, Tool::none,
+                    {l->at_mm.x(), l->at_mm.y(), l->at_mm.z(), double(l->on_face ? pick::face : pick::bone)}, l->name),
+             add(Act::hold, set.settle_s);
+    problem(
+        "no gesture of saw and glove; expected osteotomies by contours, moves of fragments, landmarks and "
+        "superpositions");
   }
   template <class Other>
-  void plan(const Other&) { problem("an act on skin; expected acts on bone"); }
+  void plan(const Other&) {
+    problem("an act on skin; expected acts on bone");
+  }
 
   // ---- moving ----
 
@@ -247,17 +260,25 @@ struct EmulatedHeadSurgeon::Impl {
   double begin(Act& a) {
     tip_from = tip, centre_from = centre, turn_from = turn;
     switch (a.kind) {
-      case Act::hold: return a.seconds;
-      case Act::close: case Act::open: return a.seconds;
-      case Act::saw_to: return std::max(0.25, (on_bone(a.to_mm).x_mm - tip).norm() / set.carry_mm_s);
+      case Act::hold:
+        return a.seconds;
+      case Act::close:
+      case Act::open:
+        return a.seconds;
+      case Act::saw_to:
+        return std::max(0.25, (on_bone(a.to_mm).x_mm - tip).norm() / set.carry_mm_s);
       case Act::saw_along: {
         double l = 0;
         for (size_t i = 1; i < a.path.size(); ++i) l += (a.path[i] - a.path[i - 1]).norm();
         return std::max(0.5, l / set.draw_mm_s);
       }
-      case Act::reach: return 1.2;
-      case Act::carry: case Act::carry_tip: return a.seconds;
-      default: return 0;
+      case Act::reach:
+        return 1.2;
+      case Act::carry:
+      case Act::carry_tip:
+        return a.seconds;
+      default:
+        return 0;
     }
   }
 
@@ -267,7 +288,8 @@ struct EmulatedHeadSurgeon::Impl {
     double left = share * length;
     for (size_t i = 1; i < path.size(); ++i) {
       const double edge = (path[i] - path[i - 1]).norm();
-      if (left <= edge || i + 1 == path.size()) return path[i - 1] + (edge > 0 ? std::min(1.0, left / edge) : 0) * (path[i] - path[i - 1]);
+      if (left <= edge || i + 1 == path.size())
+        return path[i - 1] + (edge > 0 ? std::min(1.0, left / edge) : 0) * (path[i] - path[i - 1]);
       left -= edge;
     }
     return path.front();
@@ -302,7 +324,8 @@ struct EmulatedHeadSurgeon::Impl {
       centre = centre_from + s * (to - centre_from);
       turn = turn_from.slerp(s, wanted);
     } else if (a.kind == Act::close || a.kind == Act::open) {
-      aperture = a.kind == Act::close ? kOpen_mm + s * (kClosed_mm - kOpen_mm) : kClosed_mm + s * (kOpen_mm - kClosed_mm);
+      aperture =
+          a.kind == Act::close ? kOpen_mm + s * (kClosed_mm - kOpen_mm) : kClosed_mm + s * (kOpen_mm - kClosed_mm);
     } else if (a.kind == Act::carry) {
       RigidMove part = a.move;
       part.translation_mm *= s, part.rotation_deg *= s;
@@ -392,7 +415,8 @@ struct EmulatedHeadSurgeon::Impl {
   }
 };
 
-EmulatedHeadSurgeon::EmulatedHeadSurgeon(std::vector<Command> script, const SurgeonSettings& settings, HeadHands hands) : impl_(new Impl(std::move(script), settings, hands)) {}
+EmulatedHeadSurgeon::EmulatedHeadSurgeon(std::vector<Command> script, const SurgeonSettings& settings, HeadHands hands)
+    : impl_(new Impl(std::move(script), settings, hands)) {}
 EmulatedHeadSurgeon::~EmulatedHeadSurgeon() = default;
 void EmulatedHeadSurgeon::look(const Snapshot& snapshot) { impl_->seen = &snapshot; }
 void EmulatedHeadSurgeon::poll(int64_t now_ns, SampleSink& sink) { impl_->poll(now_ns, sink); }

@@ -24,23 +24,30 @@ constexpr uint32_t kSmall = 0x4c433032;  // "LC02"
 constexpr size_t kHeader = 8, kLongestChannel = 63, kLargestPacket = 65'536;
 constexpr int kAtOnce = 64;  // packets per call
 
-[[noreturn]] void refuse(const std::string& url, const std::string& why) { throw InputError("", 0, "LCM address \"" + url + "\" cannot be opened" + why); }
+[[noreturn]] void refuse(const std::string& url, const std::string& why) {
+  throw InputError("", 0, "LCM address \"" + url + "\" cannot be opened" + why);
+}
 
 }  // namespace
 
 LcmLocalLink::LcmLocalLink(const std::string& url) : packet_(kLargestPacket) {
   constexpr std::string_view kScheme = "udpm://";
-  const std::string where = url.substr(std::min(url.size(), kScheme.size()), url.find('?') - std::min(url.size(), kScheme.size()));
+  const std::string where =
+      url.substr(std::min(url.size(), kScheme.size()), url.find('?') - std::min(url.size(), kScheme.size()));
   const size_t colon = where.find(':');
   sockaddr_in group{};
   group.sin_family = AF_INET;
   int port = 7667;
   if (colon != std::string::npos) {
     const char* end = where.data() + where.size();
-    if (const auto r = std::from_chars(where.data() + colon + 1, end, port); r.ec != std::errc() || r.ptr != end || port < 1 || port > 65'535) refuse(url, ": its port is none; expected 1 to 65535");
+    if (const auto r = std::from_chars(where.data() + colon + 1, end, port);
+        r.ec != std::errc() || r.ptr != end || port < 1 || port > 65'535)
+      refuse(url, ": its port is none; expected 1 to 65535");
   }
   group.sin_port = htons(uint16_t(port));
-  if (inet_pton(AF_INET, where.substr(0, colon).c_str(), &group.sin_addr) != 1 || !IN_MULTICAST(ntohl(group.sin_addr.s_addr))) refuse(url, ": it is no multicast address; expected one as 239.255.76.67");
+  if (inet_pton(AF_INET, where.substr(0, colon).c_str(), &group.sin_addr) != 1 ||
+      !IN_MULTICAST(ntohl(group.sin_addr.s_addr)))
+    refuse(url, ": it is no multicast address; expected one as 239.255.76.67");
   fd_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const int yes = 1, no = 0, room = 1 << 21;
   ip_mreq join{};
@@ -49,7 +56,8 @@ LcmLocalLink::LcmLocalLink(const std::string& url) : packet_(kLargestPacket) {
   setsockopt(fd_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
   setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
   setsockopt(fd_, IPPROTO_IP, IP_MULTICAST_ALL, &no, sizeof no);
-  if (fd_ < 0 || ::bind(fd_, reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0 || setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &join, sizeof join) != 0) {
+  if (fd_ < 0 || ::bind(fd_, reinterpret_cast<const sockaddr*>(&group), sizeof group) != 0 ||
+      setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &join, sizeof join) != 0) {
     const std::string why = std::strerror(errno);
     if (fd_ >= 0) ::close(fd_);
     refuse(url, " (" + why + "); expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
@@ -86,7 +94,8 @@ bool LcmLocalLink::is_own(in_addr address) {
   return known();
 }
 
-bool LcmLocalLink::parse(const uint8_t* packet, size_t n, std::string_view& channel, const uint8_t*& data, size_t& size) {
+bool LcmLocalLink::parse(const uint8_t* packet, size_t n, std::string_view& channel, const uint8_t*& data,
+                         size_t& size) {
   if (n < kHeader + 1 || get_big_endian<uint32_t>(packet) != kSmall) return false;
   const auto* name = packet + kHeader;
   const auto* zero = static_cast<const uint8_t*>(std::memchr(name, 0, std::min(n - kHeader, kLongestChannel + 1)));

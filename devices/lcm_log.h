@@ -3,7 +3,8 @@
 //
 // Format (all integers big-endian), event after event, no file header, no index, no checksum:
 //   u32 sync 0xEDA1DA01 | i64 event number | i64 time in us | u32 channel length | u32 data length | channel | data
-// A log written here plays in lcm-logplayer, and a log of lcm-logger reads here. What is not an event is skipped up to the
+// A log written here plays in lcm-logplayer, and a log of lcm-logger reads here. What is not an event is skipped up to
+// the
 // next sync word that begins a plausible one, and counted.
 #include <cstdint>
 #include <string>
@@ -23,7 +24,7 @@ struct LogDamage {
   int64_t missing = 0;          // events that the event numbers promise and the file does not hold
   int64_t stream_gaps = 0;      // samples that the device sent and the recorder never got: a property of the recording
   int64_t skipped_bytes = 0;
-  std::string first_message;    // the first finding, with its byte offset
+  std::string first_message;  // the first finding, with its byte offset
 
   /// Everything that means that something was lost.
   int64_t total() const { return truncated + bad_sync + bad_length + bad_payload + out_of_order + missing; }

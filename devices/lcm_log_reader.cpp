@@ -15,7 +15,9 @@ namespace limberg {
 
 LogReader::LogReader(const std::string& path) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected an LCM event log");
+  if (fd < 0)
+    throw InputError(path, 0,
+                     std::string("cannot be opened (") + std::strerror(errno) + "); expected an LCM event log");
   struct stat st {};
   std::string wrong;
   if (::fstat(fd, &st) != 0)

@@ -25,7 +25,9 @@ void LogWriter::open(const std::string& path, bool replace) {
   fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | (replace ? O_TRUNC : O_EXCL), 0666);
   if (fd_ < 0 && errno == EEXIST)
     throw InputError(path, 0, "exists already; expected a new file name (an existing recording is never overwritten)");
-  if (fd_ < 0) throw InputError(path, 0, std::string("cannot be created (") + std::strerror(errno) + "); expected a writable place");
+  if (fd_ < 0)
+    throw InputError(path, 0,
+                     std::string("cannot be created (") + std::strerror(errno) + "); expected a writable place");
 }
 
 bool LogWriter::write(int64_t time_us, std::string_view channel, const uint8_t* data, size_t size) {

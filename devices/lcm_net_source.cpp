@@ -30,8 +30,10 @@ struct Stream : StreamOrder {
 
 struct LcmNetSource::Impl {
   Impl(const LcmNetSettings& settings, int64_t start) : start_ns(start), queue(settings.ring) {
-    if (!settings.allow_other_networks && settings.url.starts_with("udpm://")) local = std::make_unique<LcmLocalLink>(settings.url);
-    else library = std::make_unique<lcm::LCM>(settings.url);
+    if (!settings.allow_other_networks && settings.url.starts_with("udpm://"))
+      local = std::make_unique<LcmLocalLink>(settings.url);
+    else
+      library = std::make_unique<lcm::LCM>(settings.url);
   }
 
   // ---- the receiving thread ----
@@ -46,9 +48,12 @@ struct LcmNetSource::Impl {
     self->take<limberg_msg::tracker_t, TrackerSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
   }
   void on_packet(std::string_view channel, const uint8_t* data, size_t n) {
-    if (channel == kStylusChannel) take<limberg_msg::stylus_t, StylusSample>(data, n);
-    else if (channel == kControlChannel) take<limberg_msg::control_t, ControlSample>(data, n);
-    else if (channel == kTrackerChannel) take<limberg_msg::tracker_t, TrackerSample>(data, n);
+    if (channel == kStylusChannel)
+      take<limberg_msg::stylus_t, StylusSample>(data, n);
+    else if (channel == kControlChannel)
+      take<limberg_msg::control_t, ControlSample>(data, n);
+    else if (channel == kTrackerChannel)
+      take<limberg_msg::tracker_t, TrackerSample>(data, n);
   }
 
   template <class M, class S>
@@ -63,11 +68,13 @@ struct LcmNetSource::Impl {
     [[maybe_unused]] const int64_t sent_ns = s.t_ns;
     s.t_ns = monotonic_ns() - start_ns;
     // The sender's clock is not ours, but how old the reading was when it was sent is known by it alone.
-    if constexpr (std::is_same_v<S, TrackerSample>) s.true_ns = s.t_ns - std::clamp<int64_t>(sent_ns - s.true_ns, 0, 1'000'000'000);
+    if constexpr (std::is_same_v<S, TrackerSample>)
+      s.true_ns = s.t_ns - std::clamp<int64_t>(sent_ns - s.true_ns, 0, 1'000'000'000);
     const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
     int64_t gap = 0;
     const bool known = order.contains(stream);
-    // A sender that was silent and counts from a lower number has begun anew (restarted, plugged in again): its numbers go on
+    // A sender that was silent and counts from a lower number has begun anew (restarted, plugged in again): its numbers
+    // go on
     // from where they were. Without the silence it is an old packet, or one that came twice.
     if (known) {
       Stream& o = order[stream];
@@ -88,7 +95,9 @@ struct LcmNetSource::Impl {
 
   void listen() {
     while (!stop.load(std::memory_order_acquire)) {
-      const bool whole = local ? local->receive(50, [this](std::string_view c, const uint8_t* d, size_t n) { on_packet(c, d, n); }) : library->handleTimeout(50) >= 0;
+      const bool whole =
+          local ? local->receive(50, [this](std::string_view c, const uint8_t* d, size_t n) { on_packet(c, d, n); })
+                : library->handleTimeout(50) >= 0;
       if (local) foreign.store(local->foreign(), std::memory_order_relaxed);
       if (!whole) {
         // The socket is broken. Say so through the counts and do not spin.
@@ -111,12 +120,16 @@ struct LcmNetSource::Impl {
 
 LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
   if (!settings.allow_other_networks && !stays_here(settings.url))
-    throw InputError("", 0, "LCM address \"" + settings.url +
-                                "\" may reach other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to listen there");
+    throw InputError(
+        "", 0,
+        "LCM address \"" + settings.url +
+            "\" may reach other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to listen there");
   impl_ = std::make_unique<Impl>(settings, start_ns);
   if (impl_->library && !impl_->library->good())
-    throw InputError("", 0, "LCM address \"" + settings.url +
-                                "\" cannot be opened; expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
+    throw InputError(
+        "", 0,
+        "LCM address \"" + settings.url +
+            "\" cannot be opened; expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
   if (impl_->library) {
     impl_->library->subscribeFunction(std::string(kStylusChannel), &Impl::on_stylus, impl_.get());
     impl_->library->subscribeFunction(std::string(kControlChannel), &Impl::on_control, impl_.get());
@@ -136,11 +149,13 @@ void LcmNetSource::poll(int64_t now_ns, SampleSink& sink) { impl_->queue.poll(no
 std::string LcmNetSource::health() const {
   const int64_t n = impl_->foreign.load(std::memory_order_relaxed);
   if (!impl_->local) return impl_->library ? "also from other machines, if its address lets them" : "";
-  return "this machine only" + (n > 0 ? ", " + std::to_string(n) + " packets of other machines refused" : std::string());
+  return "this machine only" +
+         (n > 0 ? ", " + std::to_string(n) + " packets of other machines refused" : std::string());
 }
 
 SourceCounts LcmNetSource::counts() const {
-  return {impl_->queue.handed_over(), impl_->malformed.load(std::memory_order_relaxed), impl_->lost.load(std::memory_order_relaxed)};
+  return {impl_->queue.handed_over(), impl_->malformed.load(std::memory_order_relaxed),
+          impl_->lost.load(std::memory_order_relaxed)};
 }
 
 }  // namespace limberg

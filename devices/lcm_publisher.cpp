@@ -23,9 +23,16 @@ struct LcmPublisher::Impl {
 
 LcmPublisher::LcmPublisher(const std::string& url, bool allow_other_networks) {
   if (!allow_other_networks && !stays_here(url))
-    throw InputError("", 0, "LCM address \"" + url + "\" reaches other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to send there");
+    throw InputError(
+        "", 0,
+        "LCM address \"" + url +
+            "\" reaches other machines; expected udpm://239.255.76.67:7667?ttl=0 or explicit leave to send there");
   impl_ = std::make_unique<Impl>(url);
-  if (!impl_->lcm.good()) throw InputError("", 0, "LCM address \"" + url + "\" cannot be opened; expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
+  if (!impl_->lcm.good())
+    throw InputError(
+        "", 0,
+        "LCM address \"" + url +
+            "\" cannot be opened; expected a multicast route, for instance after: ip route add 224.0.0.0/4 dev lo");
 }
 
 LcmPublisher::~LcmPublisher() = default;

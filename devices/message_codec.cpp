@@ -116,7 +116,8 @@ const char* to_sample(const limberg_msg::tracker_t& m, TrackerSample& s, bool an
   if (m.role < int32_t(StationRole::none) || m.role > int32_t(StationRole::thumb)) return "unknown role of a station";
   if (m.status < 0x20 || m.status > 0x7E) return "status is not a character";
   constexpr int64_t second = 1'000'000'000;
-  if (!any_time && (m.t_device_ns > m.t_host_ns || m.t_device_ns < m.t_host_ns - second)) return "reading not from the last second";
+  if (!any_time && (m.t_device_ns > m.t_host_ns || m.t_device_ns < m.t_host_ns - second))
+    return "reading not from the last second";
   copy_prefix(m, s);
   s.true_ns = m.t_device_ns;
   s.station = m.station;
@@ -159,7 +160,8 @@ limberg_msg::raw_t to_message(const RawSample& s) {
 }
 
 std::string_view channel_of(const Sample& s) {
-  constexpr std::array<std::string_view, std::variant_size_v<Sample>> channel{kStylusChannel, kControlChannel, kTrackerChannel, kRawChannel};
+  constexpr std::array<std::string_view, std::variant_size_v<Sample>> channel{kStylusChannel, kControlChannel,
+                                                                              kTrackerChannel, kRawChannel};
   return channel[s.index()];
 }
 

@@ -47,7 +47,8 @@ size_t encode_message(M message, MessageBytes& bytes) {
   return size_t(n);
 }
 
-/// What is wrong with the bytes as a message of type M, or nullptr, and then `message` holds it. `has_checksum`: whether a
+/// What is wrong with the bytes as a message of type M, or nullptr, and then `message` holds it. `has_checksum`:
+/// whether a
 /// checksum was given, and then it was right. A stream that has given one gives them always (StreamOrder).
 template <class M>
 const char* decode_message(const uint8_t* data, size_t n, M& message, bool* has_checksum = nullptr) {

@@ -26,7 +26,8 @@ Vec3 Tremor::at(double t_s) const {
   return p;
 }
 
-Dropouts::Dropouts(uint64_t seed, double per_s, double longest_s) : random_(seed), per_s_(per_s), longest_s_(longest_s) {
+Dropouts::Dropouts(uint64_t seed, double per_s, double longest_s)
+    : random_(seed), per_s_(per_s), longest_s_(longest_s) {
   draw_next(0);
 }
 

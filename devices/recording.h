@@ -24,16 +24,16 @@ namespace limberg {
 struct SessionInfo {
   static constexpr int kFormat = 1;
   int32_t format_version = kFormat;
-  std::string program;              // "limberg 0.1.0 (commit)"; at most 95 bytes
-  std::string scene_name;           // at most 63 bytes
+  std::string program;     // "limberg 0.1.0 (commit)"; at most 95 bytes
+  std::string scene_name;  // at most 63 bytes
   uint64_t scene_hash = 0, calibration_hash = 0;
-  std::array<uint64_t, 4> seeds{};  // world, emulated surgeon, options (bits below), spare
+  std::array<uint64_t, 4> seeds{};                // world, emulated surgeon, options (bits below), spare
   static constexpr uint64_t kProgressiveCut = 1;  // option: incisions opened while they were drawn
   int64_t tick_ns = 1'000'000;
   int32_t ticks_per_solver_step = 8;
   int32_t ticks_per_frame = 16;
   int32_t solver_delay_ticks = 0;
-  int64_t utc_start_ns = 0;         // of tick 0; 0: unknown
+  int64_t utc_start_ns = 0;  // of tick 0; 0: unknown
 };
 
 enum class BlobKind : int32_t { scene = 1, calibration = 2, mesh = 3, script = 4, texture = 5, tissues = 6 };
@@ -57,13 +57,13 @@ struct RecordingEnd {
 
 struct Recording {
   std::optional<SessionInfo> session;
-  std::vector<Blob> blobs;         // whole ones only
-  std::vector<Sample> samples;     // in file order; times never decrease within a device
+  std::vector<Blob> blobs;      // whole ones only
+  std::vector<Sample> samples;  // in file order; times never decrease within a device
   std::vector<Checkpoint> checkpoints;
-  LiveSchedule schedule;           // of a live session; empty otherwise
+  LiveSchedule schedule;  // of a live session; empty otherwise
   std::optional<RecordingEnd> end;
   LogDamage damage;
-  int64_t events = 0;              // events of ours that were taken
+  int64_t events = 0;  // events of ours that were taken
   const Blob* blob(BlobKind kind, const std::string& name = {}) const;
 };
 

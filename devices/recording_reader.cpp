@@ -95,7 +95,8 @@ class Reader {
         const int64_t offset = unchecked_[next++].second;
         if (checksums_[r_.samples[i].index()]) {
           ++log_.damage().bad_payload, --r_.events;
-          if (log_.damage().first_message.empty()) log_.damage().first_message = std::string(kNoChecksum) + " in the event at byte " + std::to_string(offset);
+          if (log_.damage().first_message.empty())
+            log_.damage().first_message = std::string(kNoChecksum) + " in the event at byte " + std::to_string(offset);
           continue;
         }
       }
@@ -121,7 +122,8 @@ class Reader {
     const std::pair<int, int32_t> stream{stream_of(s), s.device_id};
     if (!order_.contains(stream) && order_.size() >= kMaxStreams) return "too many devices";
     int64_t gap = 0;
-    // Damage that moves bytes can leave a message that says that it has no checksum, and can change whose it is: where one
+    // Damage that moves bytes can leave a message that says that it has no checksum, and can change whose it is: where
+    // one
     // message of a channel has a checksum, all must have.
     if (checksums_[Sample(S{}).index()] && !has_checksum) return kNoChecksum;
     if (!order_[stream].accept(s.seq, s.t_ns, gap)) return kOutOfOrder;
@@ -139,7 +141,8 @@ class Reader {
     if (m.format_version != SessionInfo::kFormat) return "unknown recording format";
     constexpr int64_t kSecond = 1'000'000'000;
     if (m.tick_ns <= 0 || m.tick_ns > kSecond || m.ticks_per_solver_step <= 0 || m.ticks_per_solver_step > 1000 ||
-        m.ticks_per_frame <= 0 || m.ticks_per_frame > 100'000 || m.solver_delay_ticks < 0 || m.solver_delay_ticks > 1000)
+        m.ticks_per_frame <= 0 || m.ticks_per_frame > 100'000 || m.solver_delay_ticks < 0 ||
+        m.solver_delay_ticks > 1000)
       return "rates that cannot be";
     SessionInfo s;
     s.program = get_text(m.program);
@@ -192,36 +195,44 @@ class Reader {
     return nullptr;
   }
 
-  /// Of a session that was cut short: as much as is known for certain. Ticks whose samples are in the file, and steps before
+  /// Of a session that was cut short: as much as is known for certain. Ticks whose samples are in the file, and steps
+  /// before
   /// which all ticks are known.
   void trim_schedule() {
     std::vector<DeviceRun>& ticks = r_.schedule.device;
     std::vector<SolverTake>& steps = r_.schedule.solver;
     size_t samples = 0, n = 0;
-    for (; n < ticks.size() && samples + size_t(ticks[n].samples) <= r_.samples.size(); ++n) samples += size_t(ticks[n].samples);
+    for (; n < ticks.size() && samples + size_t(ticks[n].samples) <= r_.samples.size(); ++n)
+      samples += size_t(ticks[n].samples);
     ticks.resize(n);
     const int64_t known = ticks.empty() ? 0 : ticks.back().snapshot;
     while (!steps.empty() && steps.back().step > known) steps.pop_back();
   }
 
-  /// A schedule from which a row is missing is of no use, and says so; the rest of the recording is not the worse for it.
+  /// A schedule from which a row is missing is of no use, and says so; the rest of the recording is not the worse for
+  /// it.
   const char* schedule(const LogEvent& e) {
     limberg_msg::schedule_t m;
     const char* wrong = decode_message(e.data, e.size, m);
-    if (!wrong && (m.kind < 1 || m.kind > 3 || m.n < 0 || m.n > int32_t(std::size(m.row)))) wrong = "rows that cannot be";
+    if (!wrong && (m.kind < 1 || m.kind > 3 || m.n < 0 || m.n > int32_t(std::size(m.row))))
+      wrong = "rows that cannot be";
     if (!wrong && m.kind == 3) return r_.schedule.broken = true, nullptr;
     if (!wrong && m.seq != schedule_seq_[m.kind - 1]) wrong = kOutOfOrder;
     for (int32_t i = 0; !wrong && i < m.n; ++i)
       if (!(m.kind == 1 ? device_row(m.row[i]) : solver_row(m.row[i]))) wrong = "rows that cannot be";
-    if (wrong) r_.schedule.broken = true;
-    else ++schedule_seq_[m.kind - 1];
+    if (wrong)
+      r_.schedule.broken = true;
+    else
+      ++schedule_seq_[m.kind - 1];
     return wrong;
   }
 
   bool device_row(const int64_t* row) {
     const DeviceRun r{row[0], row[1], int32_t(row[2]), int32_t(row[3])};
     std::vector<DeviceRun>& all = r_.schedule.device;
-    const bool follows = all.empty() ? r.tick >= 0 && r.snapshot >= 0 : r.tick >= all.back().tick + all.back().count && r.snapshot >= all.back().snapshot;
+    const bool follows = all.empty()
+                             ? r.tick >= 0 && r.snapshot >= 0
+                             : r.tick >= all.back().tick + all.back().count && r.snapshot >= all.back().snapshot;
     if (!follows || row[2] < 1 || row[2] > kMaxRun || row[3] < 0 || row[3] > kMaxRun || r.tick > kMaxTick) return false;
     all.push_back(r);
     return true;
@@ -231,8 +242,8 @@ class Reader {
     const SolverTake t{row[0], row[1], row[2], row[3], row[4], uint64_t(row[5]), uint64_t(row[6])};
     std::vector<SolverTake>& all = r_.schedule.solver;
     const SolverTake before = all.empty() ? SolverTake{} : all.back();
-    if (t.step != before.step + 1 || t.tick < before.tick || t.tick > kMaxTick || t.hand_tick < before.hand_tick || t.hand_tick > kMaxTick ||
-        t.events < before.events || t.stop_at < 0)
+    if (t.step != before.step + 1 || t.tick < before.tick || t.tick > kMaxTick || t.hand_tick < before.hand_tick ||
+        t.hand_tick > kMaxTick || t.events < before.events || t.stop_at < 0)
       return false;
     all.push_back(t);
     return true;

@@ -23,13 +23,15 @@ M own_message(int64_t seq, int64_t t_ns) {
 
 void check_name(const std::string& path, const std::string& name, size_t limit) {
   if (name.size() >= limit)
-    throw InputError(path, 0, "cannot be recorded: the name \"" + name.substr(0, 40) + "...\" is too long; expected at most " +
-                                  std::to_string(limit - 1) + " bytes");
+    throw InputError(path, 0,
+                     "cannot be recorded: the name \"" + name.substr(0, 40) + "...\" is too long; expected at most " +
+                         std::to_string(limit - 1) + " bytes");
 }
 
 }  // namespace
 
-void RecordingWriter::open(const std::string& path, const SessionInfo& info, const std::vector<Blob>& blobs, bool replace) {
+void RecordingWriter::open(const std::string& path, const SessionInfo& info, const std::vector<Blob>& blobs,
+                           bool replace) {
   check_name(path, info.scene_name, sizeof(limberg_msg::session_t::scene_name));
   check_name(path, info.program, sizeof(limberg_msg::session_t::program));
   for (const Blob& b : blobs) {
@@ -97,7 +99,9 @@ void RecordingWriter::checkpoint(int64_t tick, uint64_t hash) {
   log_.write(last_us_, kCheckpointChannel, bytes.data(), encode_message(m, bytes));
 }
 
-void RecordingWriter::schedule(const DeviceRun& r) { add_row(1, r.tick, {r.tick, r.snapshot, r.count, r.samples, 0, 0, 0}); }
+void RecordingWriter::schedule(const DeviceRun& r) {
+  add_row(1, r.tick, {r.tick, r.snapshot, r.count, r.samples, 0, 0, 0});
+}
 
 void RecordingWriter::schedule(const SolverTake& t) {
   add_row(2, t.tick, {t.step, t.tick, t.hand_tick, t.events, t.stop_at, int64_t(t.adopted), int64_t(t.hash)});

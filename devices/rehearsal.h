@@ -9,12 +9,12 @@ namespace limberg {
 
 struct PivotRehearsal {
   uint64_t seed = 1;
-  Vec3 tip_mm{2, -3, 130};          // in the sensor's frame
-  Vec3 dimple_mm{380, 40, -90};     // in the tracker's
-  double cone_deg = 50;             // full opening
-  double slips_per_s = 0;           // the tip leaves the dimple by up to slip_mm for a moment
+  Vec3 tip_mm{2, -3, 130};       // in the sensor's frame
+  Vec3 dimple_mm{380, 40, -90};  // in the tracker's
+  double cone_deg = 50;          // full opening
+  double slips_per_s = 0;        // the tip leaves the dimple by up to slip_mm for a moment
   double slip_mm = 20;
-  bool one_plane = false;           // rocked, not turned to all sides
+  bool one_plane = false;  // rocked, not turned to all sides
 };
 /// A stylus on station 1 whose tip stands in a dimple.
 fastrak::Motion stylus_in_dimple(const PivotRehearsal& r);
@@ -24,8 +24,8 @@ struct TouchRehearsal {
   Vec3 tip_mm{2, -3, 130};
   Eigen::Quaterniond world_from_tracker = Eigen::Quaterniond(0.9, 0.1, -0.3, 0.2).normalized();
   Vec3 world_from_tracker_mm{-320, 60, 140};
-  std::vector<Vec3> points_mm;      // in the world, touched in this order, a second each
-  Vec3 slip_mm = Vec3::Zero();      // of the first point: touched so far beside it
+  std::vector<Vec3> points_mm;  // in the world, touched in this order, a second each
+  Vec3 slip_mm = Vec3::Zero();  // of the first point: touched so far beside it
 };
 /// A stylus on station 1 that touches points, its switch pressed while it rests on each.
 fastrak::Motion stylus_touching(const TouchRehearsal& r);

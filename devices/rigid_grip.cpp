@@ -20,7 +20,8 @@ const Eigen::Isometry3d& RigidGrip::follow(const Vec3& centre_mm, const Eigen::Q
   }
   // A place x of base goes to c + R (x - c0), where the virtual centre goes from c0 to c = c0 + scale (centre - from).
   now_at_ = held_at_ + scale_ * (centre_mm - from_);
-  const Eigen::Isometry3d turn = Eigen::Translation3d(now_at_) * (orientation * turned_from_.conjugate()).normalized() * Eigen::Translation3d(-held_at_);
+  const Eigen::Isometry3d turn = Eigen::Translation3d(now_at_) * (orientation * turned_from_.conjugate()).normalized() *
+                                 Eigen::Translation3d(-held_at_);
   return motion_ = turn * base_;
 }
 

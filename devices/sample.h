@@ -20,7 +20,18 @@ struct ShortText {
   bool operator==(const ShortText&) const = default;
 };
 
-enum class Tool : int32_t { none = 0, scalpel = 1, undermine = 2, excise = 3, hook = 4, suture = 5, suture_row = 6, scissors = 7, saw = 8, grab = 9 };
+enum class Tool : int32_t {
+  none = 0,
+  scalpel = 1,
+  undermine = 2,
+  excise = 3,
+  hook = 4,
+  suture = 5,
+  suture_row = 6,
+  scissors = 7,
+  saw = 8,
+  grab = 9
+};
 /// Those that act on bone instead of skin: the saw draws a closed line on it, grab carries a fragment.
 inline bool acts_on_bone(Tool t) { return t == Tool::saw || t == Tool::grab; }
 
@@ -35,15 +46,24 @@ struct StylusSample {
 
 /// A choice made away from the hand: pedal, palette or keyboard (LCM control_t).
 struct ControlSample {
-  enum Kind : int32_t { select_tool = 1, undo = 2, stage = 3, release_hook = 4, redo = 5, cursor = 6, clutch = 9 };  // 7, 8: pick.h
+  enum Kind : int32_t {
+    select_tool = 1,
+    undo = 2,
+    stage = 3,
+    release_hook = 4,
+    redo = 5,
+    cursor = 6,
+    clutch = 9
+  };  // 7, 8: pick.h
   int32_t device_id = 0;
   int64_t seq = 0, t_ns = 0;
   int32_t kind = select_tool;
   Tool tool = Tool::none;
-  ShortText text;                 // stage: its name
-  std::array<double, 4> value{};  // select_tool: depth_mm, angle_deg, spacing_mm, hook id; stage: its number; release_hook: id
-                                  // cursor: gain (0: off), 1 to walk on walls and bed too; clutch: 1 down, 0 up
-                                  // angle_deg 0: the blade's angle is read from the shaft during the stroke
+  ShortText text;  // stage: its name
+  std::array<double, 4>
+      value{};  // select_tool: depth_mm, angle_deg, spacing_mm, hook id; stage: its number; release_hook: id
+                // cursor: gain (0: off), 1 to walk on walls and bed too; clutch: 1 down, 0 up
+                // angle_deg 0: the blade's angle is read from the shaft during the stroke
 };
 
 enum ControlValue : int { kDepth = 0, kAngle = 1, kSpacing = 2, kHookId = 3 };  // select_tool's value[]
@@ -54,9 +74,9 @@ enum class StationRole : int32_t { none = 0, stylus = 1, forefinger = 2, thumb =
 /// One reading of one station of a tracker (LCM tracker_t), in the tracker's own frame: the sensor, not the tip.
 struct TrackerSample {
   int32_t device_id = 0;
-  int64_t seq = 0, t_ns = 0;               // seq counts the readings of this station; t_ns: when it was consumed
-  int64_t true_ns = 0;                     // when the station was where it says, as well as is known
-  int32_t station = 1;                     // 1 to 4
+  int64_t seq = 0, t_ns = 0;  // seq counts the readings of this station; t_ns: when it was consumed
+  int64_t true_ns = 0;        // when the station was where it says, as well as is known
+  int32_t station = 1;        // 1 to 4
   StationRole role = StationRole::none;
   Vec3 pos_mm = Vec3::Zero();
   std::array<double, 4> quat{1, 0, 0, 0};  // w, x, y, z

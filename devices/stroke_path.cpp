@@ -76,7 +76,8 @@ Vec2 corner(const Line& a, const Line& b, const Vec2& knot, const PathSettings& 
   return (feet - knot).norm() <= s.tolerance_mm ? feet : knot;
 }
 
-/// The chord between two jittering points is a poor edge: knots without which the points still lie along the line fitted
+/// The chord between two jittering points is a poor edge: knots without which the points still lie along the line
+/// fitted
 /// through them go, the least needed first. Along: half the tolerance in the mean square, and no point off by more than
 /// one and a half, so that a single jerk is not a corner.
 void merge_edges(const std::vector<Vec2>& p, std::vector<size_t>& knot, double tolerance) {

@@ -7,18 +7,20 @@
 namespace limberg {
 
 struct PathSettings {
-  double tolerance_mm = 0.4;      // tremor is below this, a meant bend above
-  double corner_deg = 20;         // a turn of at least this between two fitted edges is a corner
-  double corner_move_mm = 1.0;    // a corner is moved to where its edges' lines meet, at most this far
-  double min_edge_mm = 2.0;       // shorter edges are joined to their neighbours
+  double tolerance_mm = 0.4;    // tremor is below this, a meant bend above
+  double corner_deg = 20;       // a turn of at least this between two fitted edges is a corner
+  double corner_move_mm = 1.0;  // a corner is moved to where its edges' lines meet, at most this far
+  double min_edge_mm = 2.0;     // shorter edges are joined to their neighbours
 };
 
-/// Open path: Douglas-Peucker at the tolerance, then each edge is fitted by a line (total least squares over its points,
+/// Open path: Douglas-Peucker at the tolerance, then each edge is fitted by a line (total least squares over its
+/// points,
 /// ends left out) and each corner put where the lines of its edges meet. End points: the end's foot on its edge's line.
 /// Fewer than two points after joining: returned as they are.
 std::vector<Vec2> simplify_path(const std::vector<Vec2>& points, const PathSettings& settings = {});
 
-/// The same for a closed outline; the first point is not repeated at the end. The stroke's overlap, where the hand passes
+/// The same for a closed outline; the first point is not repeated at the end. The stroke's overlap, where the hand
+/// passes
 /// its own start, is cut off.
 std::vector<Vec2> simplify_outline(const std::vector<Vec2>& points, const PathSettings& settings = {});
 

@@ -5,10 +5,15 @@
 namespace limberg {
 
 namespace {
-bool has_surface(const Snapshot& s) { return s.topology && !s.topology->view.tri.empty() && s.x_mm.size() == s.topology->view.X_mm.size(); }
+bool has_surface(const Snapshot& s) {
+  return s.topology && !s.topology->view.tri.empty() && s.x_mm.size() == s.topology->view.X_mm.size();
+}
 }  // namespace
 
-SurfaceCursor::SurfaceCursor(const CursorSettings& settings) : set_(settings), path_(kPathPoints), step_(settings.step_mm) { set_gain(settings.gain); }
+SurfaceCursor::SurfaceCursor(const CursorSettings& settings)
+    : set_(settings), path_(kPathPoints), step_(settings.step_mm) {
+  set_gain(settings.gain);
+}
 
 void SurfaceCursor::set_gain(double gain) { set_.gain = std::clamp(gain, 0.05, 2.0); }
 
@@ -70,8 +75,10 @@ void SurfaceCursor::tick(const Snapshot& s, const Pose& hand, bool clutch, bool 
     hand_known_ = false;  // where it comes back is a new start
   } else {
     const Vec3 way = hand.tip_mm - hand_;
-    if (hand_known_ && !clutch && way.norm() <= kMostPerTick_mm) left_ = walk_.walk(s, place_, left_ + set_.gain * way);
-    else left_ = Vec3::Zero();
+    if (hand_known_ && !clutch && way.norm() <= kMostPerTick_mm)
+      left_ = walk_.walk(s, place_, left_ + set_.gain * way);
+    else
+      left_ = Vec3::Zero();
     hand_ = hand.tip_mm;
     hand_known_ = true;
   }

@@ -1,9 +1,12 @@
 #pragma once
 // The surface cursor: a place of the surface that the hand pushes about.
 //
-// What the hand travels from tick to tick, times the gain, moves the cursor along the surface (surface_walk.h). So it goes
-// wherever the surface goes: over edges, into folds, round to the hidden side with a gesture round the object; and it is as
-// precise as the gain is small, whatever the tracker's absolute error. With the clutch down the hand moves and the cursor
+// What the hand travels from tick to tick, times the gain, moves the cursor along the surface (surface_walk.h). So it
+// goes
+// wherever the surface goes: over edges, into folds, round to the hidden side with a gesture round the object; and it
+// is as
+// precise as the gain is small, whatever the tracker's absolute error. With the clutch down the hand moves and the
+// cursor
 // stays, bit for bit; tracking that is lost and comes back does not move it either.
 //
 // The cursor is a material place: it moves with the skin between two ticks. When a cut changes the topology it is found
@@ -20,9 +23,9 @@
 namespace limberg {
 
 struct CursorSettings {
-  double gain = 0.25;       // of the hand's way; 0.05 to 2
+  double gain = 0.25;  // of the hand's way; 0.05 to 2
   Ground ground = Ground::skin;
-  double step_mm = 0.4;     // of the path, at rest
+  double step_mm = 0.4;  // of the path, at rest
 };
 
 struct CursorPoint {
@@ -59,7 +62,9 @@ class SurfaceCursor {
 
   size_t path_size() const { return path_n_; }
   const CursorPoint& path(size_t i) const { return path_[i]; }
-  int64_t moved_by_cuts() const { return relocated_; }  // how often it had to be found anew, further than a micrometre off
+  int64_t moved_by_cuts() const {
+    return relocated_;
+  }  // how often it had to be found anew, further than a micrometre off
 
  private:
   bool follow_topology(const Snapshot& s);

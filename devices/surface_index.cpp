@@ -18,8 +18,12 @@ double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x
 
 }  // namespace
 
-int SurfaceIndex::cell_x(double x) const { return std::clamp(int(std::floor((x - grid_min_.x()) / cell_mm_)), 0, nx_ - 1); }
-int SurfaceIndex::cell_y(double y) const { return std::clamp(int(std::floor((y - grid_min_.y()) / cell_mm_)), 0, ny_ - 1); }
+int SurfaceIndex::cell_x(double x) const {
+  return std::clamp(int(std::floor((x - grid_min_.x()) / cell_mm_)), 0, nx_ - 1);
+}
+int SurfaceIndex::cell_y(double y) const {
+  return std::clamp(int(std::floor((y - grid_min_.y()) / cell_mm_)), 0, ny_ - 1);
+}
 
 void SurfaceIndex::build(const SurfaceTopology& topology, Ground ground) {
   const SurfaceView& view = topology.view;
@@ -185,7 +189,8 @@ SkinTouch SurfaceIndex::closest(const Snapshot& s, const Vec3& p_mm, int32_t hin
   return touch(s, walk(s, p_mm, star_[size_t(star_start_[size_t(v)])]));
 }
 
-int SurfaceIndex::facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm, std::span<std::array<Vec3, 3>> out) const {
+int SurfaceIndex::facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm,
+                                std::span<std::array<Vec3, 3>> out) const {
   constexpr size_t kMost = 128;
   std::array<int32_t, kMost> found;
   size_t n = 0;
@@ -197,7 +202,8 @@ int SurfaceIndex::facets_around(const Snapshot& s, const SkinTouch& place, doubl
     for (const int32_t v : tri[size_t(found[next])]) {
       if ((at(s, v).cast<double>() - place.x_mm).norm() > reach_mm) continue;
       for (int32_t i = star_start_[size_t(v)]; i < star_start_[size_t(v) + 1] && n < most; ++i)
-        if (std::find(found.begin(), found.begin() + long(n), star_[size_t(i)]) == found.begin() + long(n)) found[n++] = star_[size_t(i)];
+        if (std::find(found.begin(), found.begin() + long(n), star_[size_t(i)]) == found.begin() + long(n))
+          found[n++] = star_[size_t(i)];
     }
   for (size_t i = 0; i < n; ++i)
     for (size_t k = 0; k < 3; ++k) out[i][k] = at(s, tri[size_t(found[i])][k]).cast<double>();
@@ -211,7 +217,8 @@ SkinTouch SurfaceIndex::at_chart(const Snapshot& s, const ChartPoint& c, double 
   const Vec3 up = body.chart_normal();
   Place best;
   double best_height = -1e30;
-  const int x0 = cell_x(c.x() - slack_mm), x1 = cell_x(c.x() + slack_mm), y0 = cell_y(c.y() - slack_mm), y1 = cell_y(c.y() + slack_mm);
+  const int x0 = cell_x(c.x() - slack_mm), x1 = cell_x(c.x() + slack_mm), y0 = cell_y(c.y() - slack_mm),
+            y1 = cell_y(c.y() + slack_mm);
   for (int y = y0; y <= y1; ++y) {
     for (int x = x0; x <= x1; ++x) {
       const size_t cell = size_t(y * nx_ + x);
@@ -230,8 +237,9 @@ SkinTouch SurfaceIndex::at_chart(const Snapshot& s, const ChartPoint& c, double 
         double height = 0;
         for (size_t j = 0; j < 3; ++j) height += p.bary[j] * view.X_mm[size_t(k[j])].dot(up);
         const bool best_on = best.distance2 <= kOn2;
-        const bool better = on ? !best_on || height > best_height + 1e-9 || (height > best_height - 1e-9 && t < best.triangle)
-                               : !best_on && (d2 < best.distance2 || (d2 == best.distance2 && t < best.triangle));
+        const bool better =
+            on ? !best_on || height > best_height + 1e-9 || (height > best_height - 1e-9 && t < best.triangle)
+               : !best_on && (d2 < best.distance2 || (d2 == best.distance2 && t < best.triangle));
         if (better) best = {t, p.bary, d2}, best_height = height;
       }
     }

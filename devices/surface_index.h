@@ -1,8 +1,10 @@
 #pragma once
 // Finding skin: the nearest skin to a point in the deformed world, and the skin under a chart point at rest.
 //
-// Built once per topology version. The closest point is found by walking: from the triangle touched last, over triangles
-// that share a vertex, for as long as that brings the surface nearer. A walk cannot leave its bank of a wound, so now and
+// Built once per topology version. The closest point is found by walking: from the triangle touched last, over
+// triangles
+// that share a vertex, for as long as that brings the surface nearer. A walk cannot leave its bank of a wound, so now
+// and
 // then (and at first) it starts from the nearest of all skin vertices, found by one pass over them.
 #include <array>
 #include <cstdint>
@@ -17,11 +19,11 @@ namespace limberg {
 struct SkinTouch {
   int32_t triangle = -1;  // of the view; -1: none
   std::array<double, 3> bary{1, 0, 0};
-  Vec3 x_mm = Vec3::Zero();       // deformed
-  Vec3 normal = Vec3::UnitZ();    // deformed, unit, outward
-  Vec3 X_mm = Vec3::Zero();       // at rest
+  Vec3 x_mm = Vec3::Zero();     // deformed
+  Vec3 normal = Vec3::UnitZ();  // deformed, unit, outward
+  Vec3 X_mm = Vec3::Zero();     // at rest
   ChartPoint chart{0, 0};
-  double distance_mm = 1e30;      // from the query point
+  double distance_mm = 1e30;  // from the query point
 };
 
 class SurfaceIndex {
@@ -41,9 +43,11 @@ class SurfaceIndex {
   /// under a flap), if it is within `reach_mm`; else triangle -1.
   SkinTouch closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm);
 
-  /// Corners of the skin triangles around a touched place, those first that are fewest triangles away, none further than
+  /// Corners of the skin triangles around a touched place, those first that are fewest triangles away, none further
+  /// than
   /// reach_mm; as many as fit. How many. Allocates nothing.
-  int facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm, std::span<std::array<Vec3, 3>> out) const;
+  int facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm,
+                    std::span<std::array<Vec3, 3>> out) const;
 
   static constexpr double kSheetRadius_mm = 4;  // at rest
 
@@ -69,10 +73,10 @@ class SurfaceIndex {
 
   bool built_ = false;
   uint64_t version_ = 0;
-  std::vector<int32_t> skin_tri_;     // triangles of the view that are skin
-  std::vector<int32_t> skin_vertex_;  // their vertices, each once
+  std::vector<int32_t> skin_tri_;           // triangles of the view that are skin
+  std::vector<int32_t> skin_vertex_;        // their vertices, each once
   std::vector<int32_t> star_start_, star_;  // per view vertex: its skin triangles
-  std::vector<uint8_t> mark_;     // per view vertex: on a sheet that was found already
+  std::vector<uint8_t> mark_;               // per view vertex: on a sheet that was found already
   std::vector<int32_t> marked_;
   // Uniform grid over the chart: skin triangles whose chart box meets a cell.
   double cell_mm_ = 2;

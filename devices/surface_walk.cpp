@@ -52,7 +52,8 @@ int32_t SurfaceWalk::beyond(const Snapshot& s, int32_t t, int k) const {
     if (u == t) continue;
     const int at_b = corner_of(tri[size_t(u)], b);
     if (at_b < 0) continue;
-    if (tri[size_t(u)][size_t((at_b + 1) % 3)] == a) return u;  // runs the edge the other way: the same side of the surface
+    if (tri[size_t(u)][size_t((at_b + 1) % 3)] == a)
+      return u;  // runs the edge the other way: the same side of the surface
     any = u;
   }
   return any;
@@ -96,7 +97,8 @@ bool SurfaceWalk::cross_slivers(const Snapshot& s, const Vec3& x, int32_t& t, st
 }
 
 /// Whether d leads onward within triangle t from the place with these coordinates; keeps the way that is longest.
-bool SurfaceWalk::try_triangle(const Snapshot& s, const Vec3& x, int32_t t, const std::array<double, 3>& bary, const Vec3& d, Way& best) const {
+bool SurfaceWalk::try_triangle(const Snapshot& s, const Vec3& x, int32_t t, const std::array<double, 3>& bary,
+                               const Vec3& d, Way& best) const {
   int32_t u = t;
   std::array<double, 3> w = bary;
   if (sliver(s, u) && !cross_slivers(s, x, u, w)) return false;
@@ -132,8 +134,10 @@ Vec3 SurfaceWalk::walk(const Snapshot& s, SurfacePlace& p, const Vec3& d_mm) con
     const Vec3 x = position(s, p);
     int zeros = 0, zero = -1, whole = -1;
     for (int i = 0; i < 3; ++i) {
-      if (p.bary[size_t(i)] == 0) ++zeros, zero = i;
-      else whole = i;
+      if (p.bary[size_t(i)] == 0)
+        ++zeros, zero = i;
+      else
+        whole = i;
     }
     Way way;
     if (zeros == 2) {  // at a corner: every triangle around it
@@ -260,7 +264,8 @@ Vec3 SurfaceWalk::position(const Snapshot& s, const SurfacePlace& p) const {
 Vec3 SurfaceWalk::rest_position(const Snapshot& s, const SurfacePlace& p) const {
   const SurfaceView& view = s.topology->view;
   const Tri& k = view.tri[size_t(p.triangle)];
-  return p.bary[0] * view.X_mm[size_t(k[0])] + p.bary[1] * view.X_mm[size_t(k[1])] + p.bary[2] * view.X_mm[size_t(k[2])];
+  return p.bary[0] * view.X_mm[size_t(k[0])] + p.bary[1] * view.X_mm[size_t(k[1])] +
+         p.bary[2] * view.X_mm[size_t(k[2])];
 }
 
 Vec3 SurfaceWalk::normal(const Snapshot& s, const SurfacePlace& p) const {

@@ -3,12 +3,18 @@
 //
 //   dx = P(x) dd        P: projection onto the surface's tangent plane at x
 //
-// Walked exactly from triangle to triangle: within one the path is straight; at an edge what is left of the displacement is
-// projected anew onto the triangle in which it leads onward. So the path depends on the surface and not on how it is cut
-// into triangles. Where both sides of an edge send the path back onto it (a ridge, the rim of the surface), it goes along
-// the edge; where every way from a point leads back, the point is the furthest in that direction and the walk rests there
-// until the displacement turns. Nothing is added beyond the displacement: a step is never longer than it, so that a walk
-// never jumps. Triangles lower than kSliver of their longest edge have no tangent plane worth following: they are crossed.
+// Walked exactly from triangle to triangle: within one the path is straight; at an edge what is left of the
+// displacement is
+// projected anew onto the triangle in which it leads onward. So the path depends on the surface and not on how it is
+// cut
+// into triangles. Where both sides of an edge send the path back onto it (a ridge, the rim of the surface), it goes
+// along
+// the edge; where every way from a point leads back, the point is the furthest in that direction and the walk rests
+// there
+// until the displacement turns. Nothing is added beyond the displacement: a step is never longer than it, so that a
+// walk
+// never jumps. Triangles lower than kSliver of their longest edge have no tangent plane worth following: they are
+// crossed.
 //
 // A walk allocates nothing. Positions are those of the snapshot; the topology is read once per version.
 #include <array>
@@ -38,7 +44,8 @@ class SurfaceWalk {
   /// Moves `place` by d_mm. Returns what is left of d_mm when the crossings were used up, else zero.
   Vec3 walk(const Snapshot& s, SurfacePlace& place, const Vec3& d_mm) const;
 
-  /// The place nearest to X_mm at rest; among places equally near (the two banks of a cut) the one whose deformed position
+  /// The place nearest to X_mm at rest; among places equally near (the two banks of a cut) the one whose deformed
+  /// position
   /// is nearest to x_mm. One pass over the triangles.
   SurfacePlace nearest_at_rest(const Snapshot& s, const Vec3& X_mm, const Vec3& x_mm) const;
   /// The place nearest to x_mm as it is now. One pass over the triangles.
@@ -53,7 +60,8 @@ class SurfaceWalk {
 
  private:
   struct Way;
-  bool try_triangle(const Snapshot& s, const Vec3& at, int32_t t, const std::array<double, 3>& bary, const Vec3& d, Way& best) const;
+  bool try_triangle(const Snapshot& s, const Vec3& at, int32_t t, const std::array<double, 3>& bary, const Vec3& d,
+                    Way& best) const;
   bool cross_slivers(const Snapshot& s, const Vec3& at, int32_t& t, std::array<double, 3>& bary) const;
   bool sliver(const Snapshot& s, int32_t t) const;
 

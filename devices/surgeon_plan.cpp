@@ -135,7 +135,8 @@ void SurgeonPlan::stroke(const std::vector<ChartPoint>& points, bool closed, dou
   rise(on_skin(path.back()));
 }
 
-void SurgeonPlan::stroke_command(Tool tool, const std::vector<ChartPoint>& path, bool closed, double depth_mm, double angle_deg) {
+void SurgeonPlan::stroke_command(Tool tool, const std::vector<ChartPoint>& path, bool closed, double depth_mm,
+                                 double angle_deg) {
   if (path.empty() || !reachable(path.front()) || !reachable(path.back())) return;
   control(ControlSample::select_tool, tool, {depth_mm, angle_deg, 0, 0});
   stroke(path, closed, angle_deg);
@@ -222,10 +223,12 @@ void SurgeonPlan::plan(const SutureRow& c) {
 }
 
 void SurgeonPlan::plan(const SutureCorner&) {
-  problems_.push_back("command " + std::to_string(number_) + ": a half-buried stitch is no gesture; single stitches were expected");
+  problems_.push_back("command " + std::to_string(number_) +
+                      ": a half-buried stitch is no gesture; single stitches were expected");
 }
 void SurgeonPlan::plan(const SutureBetween&) {
-  problems_.push_back("command " + std::to_string(number_) + ": a row between two stitches is no gesture; a row along two edges was expected");
+  problems_.push_back("command " + std::to_string(number_) +
+                      ": a row between two stitches is no gesture; a row along two edges was expected");
 }
 
 void SurgeonPlan::plan(const CutSuture& c) {
@@ -264,7 +267,8 @@ void SurgeonPlan::plan(const Stage& c) {
 void SurgeonPlan::plan(const Wait& c) { hold(Aim{}, c.seconds); }
 
 void SurgeonPlan::plan(const HeadCommand&) {
-  problems_.push_back("command " + std::to_string(number_) + ": an act on bone is no gesture of the stylus on skin; a scene with a [head] was expected");
+  problems_.push_back("command " + std::to_string(number_) +
+                      ": an act on bone is no gesture of the stylus on skin; a scene with a [head] was expected");
 }
 
 }  // namespace limberg

@@ -8,30 +8,39 @@ namespace limberg {
 
 struct ToolEvent {
   enum Kind : int32_t {
-    stroke_begin, stroke_point, stroke_end, stroke_cancel,  // scalpel, undermine, excise, suture_row (two strokes make a row)
-    hook_set, hook_release, suture_a, suture_b, undo, stage,
+    stroke_begin,
+    stroke_point,
+    stroke_end,
+    stroke_cancel,  // scalpel, undermine, excise, suture_row (two strokes make a row)
+    hook_set,
+    hook_release,
+    suture_a,
+    suture_b,
+    undo,
+    stage,
     hook_take,   // an existing hook is gripped again at its handle; it follows the hand from now on
     hook_leave,  // the hand lets go; the hook's handle stays at world_mm
     suture_cancel,
     redo,
     suture_cut,  // the scissors close at the touched point
-    bone_grab,   // the hand closes on a fragment at rest_mm; it follows ToolState::carried or SecondHand::carried from now on
-    bone_drag,   // where the fragment was taken in the end: world_mm and quat, the map of places since it was grabbed
+    // the hand closes on a fragment at rest_mm; it follows ToolState::carried or SecondHand::carried from now on
+    bone_grab,
+    bone_drag,  // where the fragment was taken in the end: world_mm and quat, the map of places since it was grabbed
     bone_release
   };
-  int64_t seq = 0;         // counts events, gaps are losses
-  int64_t tick = 0;        // device tick, 1 ms
-  uint64_t snapshot = 0;   // the snapshot step it was made on
+  int64_t seq = 0;        // counts events, gaps are losses
+  int64_t tick = 0;       // device tick, 1 ms
+  uint64_t snapshot = 0;  // the snapshot step it was made on
   int32_t kind = stroke_point;
-  int32_t tool = 0;        // Tool
+  int32_t tool = 0;                 // Tool
   double chart_x = 0, chart_y = 0;  // the touched skin point, rest chart mm
   double world_mm[3]{};
-  double rest_mm[3]{};     // the touched place at rest
+  double rest_mm[3]{};  // the touched place at rest
   double quat[4]{1, 0, 0, 0};
   double depth_mm = 0, angle_deg = 90, spacing_mm = 0;
-  int32_t id = 0;          // hook id, or stage number
-  int32_t hand = 0;        // 0 stylus, 1 glove
-  ShortText text;          // stage: its name
+  int32_t id = 0;    // hook id, or stage number
+  int32_t hand = 0;  // 0 stylus, 1 glove
+  ShortText text;    // stage: its name
 };
 
 /// Where tool events go. False: the sink is full and the event is lost (the caller counts it).
@@ -41,9 +50,10 @@ class EventSink {
   virtual bool push(const ToolEvent& event) = 0;
 };
 
-/// A fragment of bone in a hand: a map of places, from where they were when it was grabbed to where the hand takes them.
+/// A fragment of bone in a hand: a map of places, from where they were when it was grabbed to where the hand takes
+/// them.
 struct Carried {
-  int32_t holds = 0;       // counts grabs of this hand; 0: nothing is held
+  int32_t holds = 0;  // counts grabs of this hand; 0: nothing is held
   double quat[4]{1, 0, 0, 0};
   double shift_mm[3]{};
 };
@@ -54,10 +64,11 @@ struct ToolState {
   double tip_mm[3]{};
   double shaft[3]{0, 0, 1};
   int32_t tool = 0;
-  int32_t held_hook = 0;   // 0 = none
+  int32_t held_hook = 0;  // 0 = none
   int32_t pressed = 0;
-  int32_t valid = 0;       // 0 before the first sample or when stale
-  double shift_mm[3]{};    // of what is held and of the tip with it, from where the hand is: what the clutch has left behind
+  int32_t valid = 0;  // 0 before the first sample or when stale
+  double
+      shift_mm[3]{};  // of what is held and of the tip with it, from where the hand is: what the clutch has left behind
   Carried carried;
 };
 

@@ -17,7 +17,7 @@ struct Pose {
   Vec3 tip_mm = Vec3::Zero();
   Vec3 shaft = Vec3::UnitZ();  // unit, from the tip to the hand
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
-  bool valid = false;          // false before the first reading and when readings have stopped
+  bool valid = false;  // false before the first reading and when readings have stopped
 };
 
 struct TrackingCounts {
@@ -66,7 +66,7 @@ class StylusTracker {
   int64_t last_seq_ = -1, t_ns_ = 0, last_tick_ns_ = -1;
   Vec3 last_p_ = Vec3::Zero();
   Eigen::Quaterniond last_q_ = Eigen::Quaterniond::Identity();
-  std::array<KalmanAxis, 3> p_, w_;       // w_: rotation vector about the body axes of q_
+  std::array<KalmanAxis, 3> p_, w_;  // w_: rotation vector about the body axes of q_
   Eigen::Quaterniond q_ = Eigen::Quaterniond::Identity();
   std::array<OneEuro, 3> smooth_p_;
   Eigen::Quaterniond smooth_q_ = Eigen::Quaterniond::Identity();

@@ -19,7 +19,8 @@ bool better(const PointedPlace& a, const PointedPlace& b) {
 
 }  // namespace
 
-void PointingSearch::slice(const Snapshot& s, size_t from, size_t to, const Vec3& origin, const Vec3& direction, PointedPlace& best) const {
+void PointingSearch::slice(const Snapshot& s, size_t from, size_t to, const Vec3& origin, const Vec3& direction,
+                           PointedPlace& best) const {
   const SurfaceView& view = s.topology->view;
   const double least_cos = std::cos(cone_rad);
   for (size_t t = from; t < to; ++t) {
@@ -100,7 +101,8 @@ void VirtualHand::emit(ToolEvent e, EventSink& out) {
   if (!out.push(e)) ++lost_;
 }
 
-void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out, Ground ground) {
+void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out,
+                       Ground ground) {
   search_.ground = s.topology && !s.topology->body ? Ground::bone : ground;
   state_.valid = hand.valid;
   state_.closed = hand.closed;
@@ -110,7 +112,8 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
     const double rate = aperture_known_ ? (hand.aperture_mm - aperture_mm_) * 1000 : 0;  // a tick is a millisecond
     opening_mm_s_ += 0.05 * (rate - opening_mm_s_);
     aperture_mm_ = hand.aperture_mm, aperture_known_ = true;
-    if (!hand.closed && state_.held_hook == 0 && state_.carried.holds == 0 && open >= kFrozenBelow && opening_mm_s_ > -kClosing_mm_s) {
+    if (!hand.closed && state_.held_hook == 0 && state_.carried.holds == 0 && open >= kFrozenBelow &&
+        opening_mm_s_ > -kClosing_mm_s) {
       search_.step(s, hand.forefinger.tip_mm, hand.pointing);
       pointed_ = search_.place();
     }
@@ -122,7 +125,8 @@ void VirtualHand::tick(int64_t tick, const HandPose& hand, bool clutch, const Sn
   e.tool = int32_t(Tool::hook);
   if (hand.valid && hand.closed && !was_closed_) {
     grip_.begin(hand.centre_mm, hand.orientation, glove_.motion_scale);
-    const bool there = pointed_.triangle >= 0 && has_surface(s) && size_t(pointed_.triangle) < s.topology->view.tri.size();
+    const bool there =
+        pointed_.triangle >= 0 && has_surface(s) && size_t(pointed_.triangle) < s.topology->view.tri.size();
     for (int i = 0; i < 3; ++i) e.rest_mm[i] = pointed_.X_mm[i];
     if (there && s.topology->is_ground(size_t(pointed_.triangle), Ground::bone)) {
       e.kind = ToolEvent::bone_grab;

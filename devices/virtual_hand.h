@@ -1,11 +1,15 @@
 #pragma once
 // The hand of the glove in the scene: it points, grabs, carries and lets go.
 //
-//   pointing   the closest place of the skin that the line of the forefinger meets; where it meets none, the place least
-//              beside it within a cone. A hand that closes bends its forefinger: once it closes faster than kClosing_mm_s,
+//   pointing   the closest place of the skin that the line of the forefinger meets; where it meets none, the place
+//   least
+//              beside it within a cone. A hand that closes bends its forefinger: once it closes faster than
+//              kClosing_mm_s,
 //              or is less than 60 % open, the place that was pointed at last is kept.
-//   grab       what is pointed at is held from the tick on which the hand closes, where it is: nothing jumps. Skin is held by
-//              a hook that follows the hand (ToolEvent::hook_set, hand 1), bone is carried as it is (ToolEvent::bone_grab). Where
+//   grab       what is pointed at is held from the tick on which the hand closes, where it is: nothing jumps. Skin is
+//   held by
+//              a hook that follows the hand (ToolEvent::hook_set, hand 1), bone is carried as it is
+//              (ToolEvent::bone_grab). Where
 //              both lie in its way, bone is meant while the other hand has a tool for bone.
 //   carry      it turns with the hand about the hand's centre, and moves with it times the motion scale
 //   clutch     while it is down the hand moves and what it holds does not
@@ -26,11 +30,12 @@ struct PointedPlace {
   int32_t triangle = -1;  // of the view; -1: nothing
   std::array<double, 3> bary{1, 0, 0};
   Vec3 x_mm = Vec3::Zero(), X_mm = Vec3::Zero();  // deformed, at rest
-  double along_mm = 0;    // from the finger tip
+  double along_mm = 0;                            // from the finger tip
   double beside_rad = 0;  // between the forefinger's direction and the place; 0: the line meets it
 };
 
-/// The place of the skin (or of the bone) in a direction. Call step() once per tick; place() is that of the last sweep that was finished.
+/// The place of the skin (or of the bone) in a direction. Call step() once per tick; place() is that of the last sweep
+/// that was finished.
 class PointingSearch {
  public:
   static constexpr int kSlices = 32;
@@ -42,7 +47,8 @@ class PointingSearch {
   PointedPlace find(const Snapshot& s, const Vec3& origin_mm, const Vec3& direction) const;
 
  private:
-  void slice(const Snapshot& s, size_t from, size_t to, const Vec3& origin, const Vec3& direction, PointedPlace& best) const;
+  void slice(const Snapshot& s, size_t from, size_t to, const Vec3& origin, const Vec3& direction,
+             PointedPlace& best) const;
   static void finish(const Snapshot& s, PointedPlace& p);
   uint64_t version_ = 0;
   size_t next_ = 0;
@@ -53,14 +59,14 @@ class PointingSearch {
 /// Where the glove's hand is, and what it holds: beside ToolState on its way to the solver.
 struct SecondHand {
   int32_t valid = 0, closed = 0, held_hook = 0;
-  double hook_mm[3]{};    // where the hook that it holds is pulled to
+  double hook_mm[3]{};  // where the hook that it holds is pulled to
   double centre_mm[3]{};
-  Carried carried;        // the fragment that it holds
+  Carried carried;  // the fragment that it holds
   // For pictures:
   double forefinger_mm[3]{}, thumb_mm[3]{};  // the finger tips
   double pointing[3]{1, 0, 0};               // the forefinger's direction, unit
-  int32_t points = 0;                        // 1: at pointed_mm, the place that would be selected; of a hand that holds something,
-  double pointed_mm[3]{};                    // where it holds it
+  int32_t points = 0;      // 1: at pointed_mm, the place that would be selected; of a hand that holds something,
+  double pointed_mm[3]{};  // where it holds it
 };
 
 class VirtualHand {
@@ -71,7 +77,8 @@ class VirtualHand {
   explicit VirtualHand(const GloveParameters& glove) : glove_(glove) {}
 
   /// `ground`: what it points at; bone where there is nothing else.
-  void tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out, Ground ground = Ground::skin);
+  void tick(int64_t tick, const HandPose& hand, bool clutch, const Snapshot& s, EventSink& out,
+            Ground ground = Ground::skin);
   const PointedPlace& pointed() const { return pointed_; }
   const RigidGrip& grip() const { return grip_; }
   const SecondHand& state() const { return state_; }

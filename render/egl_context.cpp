@@ -38,7 +38,8 @@ class EglContext final : public GlContext {
     void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);  // never closed, as with OSMesa
     if (!library) {
       const char* why = dlerror();
-      throw RenderUnavailable("no pictures: " + file + " cannot be loaded (" + (why ? why : "unknown") + "); install libegl1");
+      throw RenderUnavailable("no pictures: " + file + " cannot be loaded (" + (why ? why : "unknown") +
+                              "); install libegl1");
     }
     const auto display = symbol<PlatformDisplayFn>(library, "eglGetPlatformDisplay", file);
     const auto initialize = symbol<InitializeFn>(library, "eglInitialize", file);
@@ -49,10 +50,12 @@ class EglContext final : public GlContext {
     address_ = symbol<AddressFn>(library, "eglGetProcAddress", file);
     display_ = display(kSurfacelessMesa, nullptr, nullptr);
     if (!display_ || !initialize(display_, nullptr, nullptr))
-      throw RenderUnavailable("no pictures: EGL has no display without a surface; expected Mesa's (Debian: libegl-mesa0)");
+      throw RenderUnavailable(
+          "no pictures: EGL has no display without a surface; expected Mesa's (Debian: libegl-mesa0)");
     bind_api_(kOpenGlApi);
     const std::array<int, 7> attributes{kMajor, 3, kMinor, 3, kProfileMask, kCoreProfile, kNone};
-    context_ = create(display_, nullptr, nullptr, attributes.data());  // no config: nothing but framebuffer objects is drawn to
+    context_ = create(display_, nullptr, nullptr,
+                      attributes.data());  // no config: nothing but framebuffer objects is drawn to
     if (!context_) throw RenderUnavailable("no pictures: EGL refused a core context of OpenGL 3.3");
   }
   ~EglContext() override {
@@ -78,7 +81,9 @@ class EglContext final : public GlContext {
 
 }  // namespace
 
-std::unique_ptr<GlContext> make_egl_context(const std::string& library) { return std::make_unique<EglContext>(library); }
+std::unique_ptr<GlContext> make_egl_context(const std::string& library) {
+  return std::make_unique<EglContext>(library);
+}
 
 }  // namespace limberg
 

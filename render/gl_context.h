@@ -19,7 +19,7 @@ class RenderUnavailable : public std::runtime_error {
 class GlContext {
  public:
   virtual ~GlContext() = default;
-  virtual void make_current() = 0;                     // RenderUnavailable when refused
+  virtual void make_current() = 0;                        // RenderUnavailable when refused
   virtual void* address(const char* function) const = 0;  // null when unknown
   virtual std::string describe() const = 0;
   /// Shows what was drawn into the context's own frame; nothing where there is no window.
@@ -42,7 +42,8 @@ std::unique_ptr<GlContext> make_osmesa_context(const OsMesaSettings& settings = 
 /// RenderUnavailable when the library is absent or refuses OpenGL 3.3 core.
 std::unique_ptr<GlContext> make_egl_context(const std::string& library = "libEGL.so.1");
 
-/// How many threads of their own software drivers may use: 0 = the thread that draws does all of it, so that its priority and its
+/// How many threads of their own software drivers may use: 0 = the thread that draws does all of it, so that its
+/// priority and its
 /// share of time (app/session/drawing_share.h) are the picture's. Before the first context of the process; a user's own
 /// LP_NUM_THREADS in the environment stands. Graphics cards do not care.
 void software_drawing_threads(int n);

@@ -95,7 +95,8 @@ void GlMesh::triangles(const std::vector<std::array<uint32_t, 3>>& tri) {
 void GlMesh::draw(size_t first, size_t count) const {
   if (count == 0) return;
   gl_->BindVertexArray(array_);
-  gl_->DrawElements(GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT, reinterpret_cast<void*>(first * 3 * sizeof(uint32_t)));
+  gl_->DrawElements(GL_TRIANGLES, GLsizei(3 * count), GL_UNSIGNED_INT,
+                    reinterpret_cast<void*>(first * 3 * sizeof(uint32_t)));
 }
 
 void GlMesh::draw_lines(size_t ends) const {
@@ -135,7 +136,8 @@ Image image_of(const GlFunctions& gl, const GlTarget& target) {
   std::vector<uint8_t> rows(image.rgb.size());
   gl.ReadPixels(0, 0, image.width, image.height, GL_RGB, GL_UNSIGNED_BYTE, rows.data());
   const size_t stride = 3 * size_t(image.width);
-  for (int y = 0; y < image.height; ++y) std::memcpy(&image.rgb[stride * size_t(y)], &rows[stride * size_t(image.height - 1 - y)], stride);
+  for (int y = 0; y < image.height; ++y)
+    std::memcpy(&image.rgb[stride * size_t(y)], &rows[stride * size_t(image.height - 1 - y)], stride);
   return image;
 }
 
@@ -197,7 +199,8 @@ GLuint make_texture(const GlFunctions& gl, const Texels& texels, bool srgb, bool
   gl.GenTextures(1, &id);
   gl.BindTexture(GL_TEXTURE_2D, id);
   gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
-  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, texels.width, texels.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, srgb ? roots.data() : texels.rgba.data());
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, texels.width, texels.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                srgb ? roots.data() : texels.rgba.data());
   const GLint wrap = repeat ? GL_REPEAT : GL_CLAMP_TO_EDGE;
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap);

@@ -17,7 +17,8 @@ bool gradient(const Snapshot& s, const Tri& t, Mat32& F) {
   const auto& X = s.topology->view.X_mm;
   const Body& body = *s.topology->body;
   const Vec3 normal = (X[size_t(t[1])] - X[size_t(t[0])]).cross(X[size_t(t[2])] - X[size_t(t[0])]).normalized();
-  const Vec3 along = (body.tension_direction - body.tension_direction.dot(normal) * normal).normalized(), across = normal.cross(along);
+  const Vec3 along = (body.tension_direction - body.tension_direction.dot(normal) * normal).normalized(),
+             across = normal.cross(along);
   Mat2 E;
   Mat32 e;
   for (int k = 0; k < 2; ++k) {
@@ -36,7 +37,9 @@ bool gradient(const Snapshot& s, const Tri& t, Mat32& F) {
 
 std::vector<StretchGlyph> stretch_glyphs(const Snapshot& s, double spacing) {
   std::vector<StretchGlyph> out;
-  if (!s.topology || !s.topology->body || s.x_mm.size() != s.topology->view.X_mm.size() || s.topology->body->layers.empty()) return out;
+  if (!s.topology || !s.topology->body || s.x_mm.size() != s.topology->view.X_mm.size() ||
+      s.topology->body->layers.empty())
+    return out;
   const SurfaceView& view = s.topology->view;
   struct Best {
     size_t triangle;
@@ -45,7 +48,8 @@ std::vector<StretchGlyph> stretch_glyphs(const Snapshot& s, double spacing) {
   std::map<std::array<int, 2>, Best> square;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
-    const Vec3 middle = (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) / 3;
+    const Vec3 middle =
+        (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) / 3;
     const Eigen::Vector2d at = s.topology->body->to_chart(middle) / spacing;
     if (!at.allFinite()) continue;
     const std::array<int, 2> key{int(std::floor(at.y())), int(std::floor(at.x()))};
@@ -63,7 +67,8 @@ std::vector<StretchGlyph> stretch_glyphs(const Snapshot& s, double spacing) {
     const Vec3f &a = s.x_mm[size_t(t[0])], &b = s.x_mm[size_t(t[1])], &c = s.x_mm[size_t(t[2])];
     g.at_mm = (a + b + c) / 3;
     g.normal = (b - a).cross(c - a).normalized();
-    g.largest = float(std::sqrt(std::max(0.0, eigen.eigenvalues()[1]))), g.least = float(std::sqrt(std::max(0.0, eigen.eigenvalues()[0])));
+    g.largest = float(std::sqrt(std::max(0.0, eigen.eigenvalues()[1]))),
+    g.least = float(std::sqrt(std::max(0.0, eigen.eigenvalues()[0])));
     g.first = (F * eigen.eigenvectors().col(1)).cast<float>().normalized();
     g.second = g.normal.cross(g.first);
     if (g.normal.allFinite() && g.first.allFinite()) out.push_back(g);

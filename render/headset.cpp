@@ -47,7 +47,8 @@ T of_type(XrStructureType type) {
 }
 
 void check(XrResult result, const char* what) {
-  if (XR_FAILED(result)) throw RenderUnavailable(std::string("no headset: ") + what + " (OpenXR error " + std::to_string(int(result)) + ")");
+  if (XR_FAILED(result))
+    throw RenderUnavailable(std::string("no headset: ") + what + " (OpenXR error " + std::to_string(int(result)) + ")");
 }
 
 }  // namespace
@@ -69,9 +70,11 @@ Headset find_headset() {
   check(xrGetSystemProperties(instance.handle, system, &properties), "the headset does not say what it is");
   uint32_t count = 0;
   const XrViewConfigurationType stereo = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
-  check(xrEnumerateViewConfigurationViews(instance.handle, system, stereo, 0, &count, nullptr), "the headset has no stereo views");
+  check(xrEnumerateViewConfigurationViews(instance.handle, system, stereo, 0, &count, nullptr),
+        "the headset has no stereo views");
   std::vector<XrViewConfigurationView> views(count, of_type<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW));
-  check(xrEnumerateViewConfigurationViews(instance.handle, system, stereo, count, &count, views.data()), "the headset does not describe its views");
+  check(xrEnumerateViewConfigurationViews(instance.handle, system, stereo, count, &count, views.data()),
+        "the headset does not describe its views");
   Headset h;
   h.runtime = runtime.runtimeName, h.system = properties.systemName, h.views = int(count);
   if (count > 0) h.width = int(views[0].recommendedImageRectWidth), h.height = int(views[0].recommendedImageRectHeight);
@@ -80,7 +83,9 @@ Headset find_headset() {
 
 #else
 
-Headset find_headset() { throw RenderUnavailable("no headset: this program was built without OpenXR (LIMBERG_OPENXR=OFF)"); }
+Headset find_headset() {
+  throw RenderUnavailable("no headset: this program was built without OpenXR (LIMBERG_OPENXR=OFF)");
+}
 
 #endif
 

@@ -78,19 +78,24 @@ void main() {
     sum += w * h.r, weight += w;
   }
   float open = 1.0 - sum / weight;
-  factor = vec4(mix(vec3(0.50, 0.40, 0.38), vec3(1.0), open), 1.0);  // light that has gone through tissue is what is left
+  // light that has gone through tissue is what is left
+  factor = vec4(mix(vec3(0.50, 0.40, 0.38), vec3(1.0), open), 1.0);
 }
 )";
 
 }  // namespace
 
-Occlusion::Occlusion(const GlFunctions& gl) : gl_(gl), look_(gl, shaders::background_vertex, look_fragment), darken_(gl, shaders::background_vertex, darken_fragment) {}
+Occlusion::Occlusion(const GlFunctions& gl)
+    : gl_(gl),
+      look_(gl, shaders::background_vertex, look_fragment),
+      darken_(gl, shaders::background_vertex, darken_fragment) {}
 
 void Occlusion::darken(const GlTarget& target, const View& view, const GlMesh& one_triangle) {
   const int w = target.width(), h = target.height(), hw = (w + 1) / 2, hh = (h + 1) / 2;
   if (!half_ || half_->width != hw || half_->height != hh) half_ = std::make_unique<GlLayer>(gl_, hw, hh);
   const int x0 = int(std::lround(view.x0 * float(w))), x1 = int(std::lround(view.x1 * float(w)));
-  const int y0 = int(std::lround((1 - view.y1) * float(h))), y1 = int(std::lround((1 - view.y0) * float(h)));  // from below
+  const int y0 = int(std::lround((1 - view.y1) * float(h))),
+            y1 = int(std::lround((1 - view.y0) * float(h)));  // from below
   const Mat4f& P = view.projection;
   gl_.Disable(GL_DEPTH_TEST);
   gl_.ActiveTexture(GL_TEXTURE0);

@@ -50,8 +50,9 @@ class OsMesaContext final : public GlContext {
     destroy_ = symbol<DestroyFn>(library, "OSMesaDestroyContext", s.library);
     make_current_ = symbol<MakeCurrentFn>(library, "OSMesaMakeCurrent", s.library);
     address_ = symbol<AddressFn>(library, "OSMesaGetProcAddress", s.library);
-    const std::array<int, 16> attributes{kFormat,  kRgba,        kDepthBits, 24,      kStencilBits, 0,       kAccumBits, 0,
-                                         kProfile, kCoreProfile, kMajor,     s.major, kMinor,       s.minor, 0,          0};
+    const std::array<int, 16> attributes{kFormat, kRgba,    kDepthBits,   24,     kStencilBits, 0,      kAccumBits,
+                                         0,       kProfile, kCoreProfile, kMajor, s.major,      kMinor, s.minor,
+                                         0,       0};
     context_ = create(attributes.data(), nullptr);
     if (!context_)
       throw RenderUnavailable("no pictures: OSMesa refused a core context of OpenGL " + std::to_string(s.major) + "." +

@@ -55,21 +55,26 @@ struct PictureMaker::Impl {
   Impl(int w, int h, PictureQuality q, int threads)
       : width(w), height(h), quality(q), renderer(make_offscreen_context(threads)) {}
 
-  // Where the eye stands. Over a block: on the surgeon's side, 52 degrees above the skin, so that depth shows and shapes
-  // on the skin are hardly foreshortened. Over any other surface: in front of the skin that is looked at, a little below.
+  // Where the eye stands. Over a block: on the surgeon's side, 52 degrees above the skin, so that depth shows and
+  // shapes
+  // on the skin are hardly foreshortened. Over any other surface: in front of the skin that is looked at, a little
+  // below.
   struct Stand {
     Vec3f from{0.10f, -0.60f, 0.79f}, up = Vec3f::UnitZ();
   };
   static Stand stand(const Body* body, const Vec3f& low, const Vec3f& high) {
     if (!body) return {};
-    const Vec3f e1 = body->chart_e1.cast<float>(), e2 = body->chart_e2.cast<float>(), n = body->chart_normal().cast<float>();
+    const Vec3f e1 = body->chart_e1.cast<float>(), e2 = body->chart_e2.cast<float>(),
+                n = body->chart_normal().cast<float>();
     if (body->is_box) return {0.10f * e1 - 0.60f * e2 + 0.79f * n, n};
     Vec3 sum = Vec3::Zero();
-    const Vec3 middle = (0.5f * (low + high)).cast<double>(), reach = (0.5f * (high - low)).cast<double>() + Vec3::Constant(8);
+    const Vec3 middle = (0.5f * (low + high)).cast<double>(),
+               reach = (0.5f * (high - low)).cast<double>() + Vec3::Constant(8);
     for (size_t t = 0; t < body->surface.tri.size(); ++t) {
       if (!body->surface.tag.empty() && body->surface.tag[t] != SurfaceTag::skin) continue;
       const auto& [a, b, c] = body->surface.tri[t];
-      const Vec3 &A = body->surface.X_mm[size_t(a)], &B = body->surface.X_mm[size_t(b)], &C = body->surface.X_mm[size_t(c)];
+      const Vec3 &A = body->surface.X_mm[size_t(a)], &B = body->surface.X_mm[size_t(b)],
+                 &C = body->surface.X_mm[size_t(c)];
       if (((A - middle).cwiseAbs() - reach).maxCoeff() < 0) sum += (B - A).cross(C - A);
     }
     const Vec3f front = sum.norm() > 0 ? Vec3f(sum.normalized().cast<float>()) : n;
@@ -101,7 +106,8 @@ struct PictureMaker::Impl {
   }
 
   DrawOptions options() const {
-    return draw_options(quality == PictureQuality::still ? kQualityLevels.back() : kQualityLevels[kFastLevel], width, height);
+    return draw_options(quality == PictureQuality::still ? kQualityLevels.back() : kQualityLevels[kFastLevel], width,
+                        height);
   }
 };
 
@@ -110,7 +116,9 @@ PictureMaker::PictureMaker(int width, int height, PictureQuality quality, int so
 PictureMaker::~PictureMaker() = default;
 PictureMaker::PictureMaker(PictureMaker&&) noexcept = default;
 
-void PictureMaker::focus(const Vec3f& centre_mm, float radius_mm) { impl_->look_at_ball_of(centre_mm, radius_mm, nullptr); }
+void PictureMaker::focus(const Vec3f& centre_mm, float radius_mm) {
+  impl_->look_at_ball_of(centre_mm, radius_mm, nullptr);
+}
 void PictureMaker::focus_from(const Snapshot& snapshot) { impl_->look_at_snapshot(snapshot); }
 void PictureMaker::set_camera(const Camera& camera) { impl_->camera = camera; }
 const Camera& PictureMaker::camera() const {
@@ -128,7 +136,8 @@ bool hidden(const Snapshot& s, const Vec3f& eye, const Vec3f& place, bool face_o
   for (size_t t = 0; t < top.view.tri.size(); ++t) {
     if ((top.organ_of(t) == Organ::face) != face_only) continue;
     const Tri& k = top.view.tri[t];
-    const Vec3f &a = s.x_mm[size_t(k[0])], e1 = s.x_mm[size_t(k[1])] - a, e2 = s.x_mm[size_t(k[2])] - a, p = d.cross(e2), from = eye - a;
+    const Vec3f &a = s.x_mm[size_t(k[0])], e1 = s.x_mm[size_t(k[1])] - a, e2 = s.x_mm[size_t(k[2])] - a,
+                p = d.cross(e2), from = eye - a;
     const float det = e1.dot(p);
     if (det == 0) continue;
     const float u = from.dot(p) / det;
@@ -140,19 +149,26 @@ bool hidden(const Snapshot& s, const Vec3f& eye, const Vec3f& place, bool face_o
   return false;
 }
 
-/// Where names stand that lie close together: each beside its dot, on the first of four sides where it covers no other name.
+/// Where names stand that lie close together: each beside its dot, on the first of four sides where it covers no other
+/// name.
 class NamePlaces {
  public:
   Eigen::Vector2d place(const Vec3f& dot, double width, double em) {
     const double x = double(dot.x()), y = double(dot.y());
-    for (const Eigen::Vector2d& at : {Eigen::Vector2d(x + 0.45 * em, y - 0.25 * em), Eigen::Vector2d(x - 0.45 * em - width, y - 0.25 * em), Eigen::Vector2d(x + 0.45 * em, y + 0.95 * em),
-                                      Eigen::Vector2d(x - 0.45 * em - width, y + 0.95 * em)})
-      if (std::none_of(taken_.begin(), taken_.end(), [&](const Box& b) { return at.x() < b.right && b.left < at.x() + width && std::abs(at.y() - b.y) < 0.95 * em; })) return take(at, width);
+    for (const Eigen::Vector2d& at :
+         {Eigen::Vector2d(x + 0.45 * em, y - 0.25 * em), Eigen::Vector2d(x - 0.45 * em - width, y - 0.25 * em),
+          Eigen::Vector2d(x + 0.45 * em, y + 0.95 * em), Eigen::Vector2d(x - 0.45 * em - width, y + 0.95 * em)})
+      if (std::none_of(taken_.begin(), taken_.end(), [&](const Box& b) {
+            return at.x() < b.right && b.left < at.x() + width && std::abs(at.y() - b.y) < 0.95 * em;
+          }))
+        return take(at, width);
     return take({x + 0.45 * em, y - 0.25 * em}, width);
   }
 
  private:
-  struct Box { double left, right, y; };
+  struct Box {
+    double left, right, y;
+  };
   Eigen::Vector2d take(const Eigen::Vector2d& at, double width) {
     taken_.push_back({at.x(), at.x() + width, at.y()});
     return at;
@@ -183,12 +199,14 @@ void draw_landmarks(Image& image, const TextPainter& text, const Snapshot& s, co
     const bool of_face = on_face(s, s.landmark_mm[i]);
     if (of_face != (face == FaceLook::solid) || hidden(s, view.eye_mm, s.landmark_mm[i], of_face)) continue;
     const Vec3f p = view.to_pixel(s.landmark_mm[i], image.width, image.height);
-    if (!p.allFinite() || p.x() < 0 || p.y() < 0 || p.x() >= float(image.width) || p.y() >= float(image.height)) continue;
+    if (!p.allFinite() || p.x() < 0 || p.y() < 0 || p.x() >= float(image.width) || p.y() >= float(image.height))
+      continue;
     const double r = 0.28 * em;
     for (int y = int(p.y() - r) - 1; y <= int(p.y() + r) + 1; ++y)
       for (int x = int(p.x() - r) - 1; x <= int(p.x() + r) + 1; ++x)
         if (x >= 0 && y >= 0 && x < image.width && y < image.height)
-          image.blend(x, y, {30, 90, 220}, std::clamp(r - std::hypot(x + 0.5 - double(p.x()), y + 0.5 - double(p.y())) + 0.5, 0.0, 1.0));
+          image.blend(x, y, {30, 90, 220},
+                      std::clamp(r - std::hypot(x + 0.5 - double(p.x()), y + 0.5 - double(p.y())) + 0.5, 0.0, 1.0));
     const TextPainter::Style white{em, {255, 255, 255}, true, 0.7};
     const Eigen::Vector2d at = names.place(p, text.width(name, white), em);
     text.draw(image, at.x(), at.y(), name, white);
@@ -204,7 +222,8 @@ Image PictureMaker::skin(const Snapshot& snapshot, const PictureOptions& options
   const View view = impl_->view(snapshot);
   Image image;
   if (options.anaglyph) {
-    const auto eyes = impl_->camera->stereo_pair(impl_->aspect(), kEyes * double((impl_->camera->eye_mm - impl_->camera->target_mm).norm()));
+    const auto eyes = impl_->camera->stereo_pair(
+        impl_->aspect(), kEyes * double((impl_->camera->eye_mm - impl_->camera->target_mm).norm()));
     impl_->renderer.paint_anaglyph(scene, eyes[0], eyes[1], draw);
     impl_->renderer.compose(impl_->width, impl_->height);
     image = impl_->renderer.read();
@@ -231,7 +250,8 @@ Image PictureMaker::tension(const Snapshot& snapshot, const PictureOptions& opti
   return image;
 }
 
-Image PictureMaker::field(const Snapshot& snapshot, std::span<const float> per_vertex, const Legend& legend, const PictureOptions& options) {
+Image PictureMaker::field(const Snapshot& snapshot, std::span<const float> per_vertex, const Legend& legend,
+                          const PictureOptions& options) {
   impl_->builder.build(snapshot, options.tool);
   const RenderScene& scene = impl_->builder.show_field(per_vertex);
   DrawOptions draw = impl_->options();

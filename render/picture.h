@@ -6,7 +6,8 @@
 //   write_png(file, pictures.skin(snapshot, {.title = "flap cut"}));
 //
 // The camera of a PictureMaker does not move from picture to picture, so that stages can be laid side by side. It is
-// fixed by focus / focus_from / set_camera, or else from the first picture's snapshot. Use one maker per thread: it owns a GL
+// fixed by focus / focus_from / set_camera, or else from the first picture's snapshot. Use one maker per thread: it
+// owns a GL
 // context and belongs to the thread that made it.
 #include <memory>
 #include <span>
@@ -22,14 +23,14 @@
 namespace limberg {
 
 struct PictureOptions {
-  std::string title;     // top left, bold; empty = none
-  std::string caption;   // below the title
+  std::string title;    // top left, bold; empty = none
+  std::string caption;  // below the title
   ToolPose tool{};
   FaceLook face = FaceLook::solid;
-  bool strands = false;    // the tissue between face and bone as a net
-  bool wireframe = false;  // triangles as lines
-  bool anaglyph = false;   // for red-cyan glasses; without landmarks. skin() only
-  bool landmarks = false;  // named dots: of the bone, or of the face where it is solid
+  bool strands = false;                       // the tissue between face and bone as a net
+  bool wireframe = false;                     // triangles as lines
+  bool anaglyph = false;                      // for red-cyan glasses; without landmarks. skin() only
+  bool landmarks = false;                     // named dots: of the bone, or of the face where it is solid
   std::string legend = "The face has moved";  // over the colour scale of moved()
   double field_max = 0;  // end of the tension scale; 0 = a round number above the 99th percentile of this snapshot
 };
@@ -59,11 +60,14 @@ class PictureMaker {
   const Camera& camera() const;
 
   Image skin(const Snapshot& snapshot, const PictureOptions& options = {});
-  /// Colour map of Snapshot::field (largest principal stretch - 1, prestretch included, shown in per cent) with a legend.
+  /// Colour map of Snapshot::field (largest principal stretch - 1, prestretch included, shown in per cent) with a
+  /// legend.
   Image tension(const Snapshot& snapshot, const PictureOptions& options = {});
 
-  /// A value per vertex of the view in colours, with its legend: title, unit, range, map. Iso-lines at the legend's ticks.
-  Image field(const Snapshot& snapshot, std::span<const float> per_vertex, const Legend& legend, const PictureOptions& options = {});
+  /// A value per vertex of the view in colours, with its legend: title, unit, range, map. Iso-lines at the legend's
+  /// ticks.
+  Image field(const Snapshot& snapshot, std::span<const float> per_vertex, const Legend& legend,
+              const PictureOptions& options = {});
 
   /// How far every place of a face is from where it was at first, with a legend in mm.
   Image moved(const Snapshot& snapshot, const PictureOptions& options = {});

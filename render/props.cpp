@@ -66,7 +66,8 @@ void add_tube(PropMesh& mesh, std::span<const Vec3f> path, std::span<const float
   std::vector<Vec3f> p;
   std::vector<float> r;
   for (size_t i = 0; i < path.size(); ++i)
-    if (path[i].allFinite() && (p.empty() || (path[i] - p.back()).norm() > 1e-4f)) p.push_back(path[i]), r.push_back(radius[i]);
+    if (path[i].allFinite() && (p.empty() || (path[i] - p.back()).norm() > 1e-4f))
+      p.push_back(path[i]), r.push_back(radius[i]);
   if (p.size() < 2) return;
 
   // The frame is carried along by the smallest rotation, so the tube does not twist.
@@ -140,13 +141,17 @@ void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f
   smooth_tube(mesh, over, r, thread);
   if (suture.thread != 0) return;  // one of a thread's: that is tied at its ends
 
-  // The knot lies over the entry, beside the wound: two throws, each a turn about the thread, and two tails. No two hands' tails
+  // The knot lies over the entry, beside the wound: two throws, each a turn about the thread, and two tails. No two
+  // hands' tails
   // lie alike: they follow the stitch's number.
-  const auto wish = [&](uint32_t k) { return float(((uint32_t(suture.id) + 1) * 2654435761u >> (4 * k)) & 255u) / 255.0f - 0.5f; };
+  const auto wish = [&](uint32_t k) {
+    return float(((uint32_t(suture.id) + 1) * 2654435761u >> (4 * k)) & 255u) / 255.0f - 0.5f;
+  };
   const Vec3f k = in_mm + 0.42f * across + (lift + 0.04f) * up;
   for (const float throw_at : {-0.15f, 0.15f}) {
     std::vector<Vec3f> turn;
-    const Vec3f lean = direction(across + (throw_at > 0 ? 0.45f : -0.45f) * along, across), side = direction(up.cross(lean), along);
+    const Vec3f lean = direction(across + (throw_at > 0 ? 0.45f : -0.45f) * along, across),
+                side = direction(up.cross(lean), along);
     for (int i = 0; i <= 10; ++i) {
       const float w = 2 * kPi * float(i) / 10;
       turn.push_back(k + throw_at * across + 0.27f * std::cos(w) * side + 0.22f * std::sin(w) * up);
@@ -157,9 +162,11 @@ void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f
   const auto tail = [&](float sign, uint32_t seed) {
     const Vec3f out = direction(sign * along + (-0.35f + 0.7f * wish(seed)) * across, along), bend = up.cross(out);
     const float length = 2.0f + 0.8f * wish(seed + 1), curl = 1.4f * wish(seed + 2);
-    const std::array<Vec3f, 5> path{k, k + 0.28f * length * out + 0.18f * up, k + 0.55f * length * out + (0.36f + 0.2f * wish(seed + 3)) * up + 0.10f * curl * bend,
-                                    k + 0.80f * length * out + (0.46f + 0.4f * wish(seed + 3)) * up + 0.32f * curl * bend,
-                                    k + length * out + (0.50f + 0.7f * wish(seed + 3)) * up + 0.62f * curl * bend};
+    const std::array<Vec3f, 5> path{
+        k, k + 0.28f * length * out + 0.18f * up,
+        k + 0.55f * length * out + (0.36f + 0.2f * wish(seed + 3)) * up + 0.10f * curl * bend,
+        k + 0.80f * length * out + (0.46f + 0.4f * wish(seed + 3)) * up + 0.32f * curl * bend,
+        k + length * out + (0.50f + 0.7f * wish(seed + 3)) * up + 0.62f * curl * bend};
     smooth_tube(mesh, path, 0.92f * r, thread, 6);
   };
   tail(1, 0), tail(-1, 3);
@@ -175,7 +182,8 @@ void add_plate(PropMesh& mesh, const std::array<Vec3f, 3>& on_bone, const std::a
     const size_t k = t < 1 ? 0 : 1;
     const float s = t - float(k);
     const Vec3f at = (1 - s) * p[k] + s * p[k + 1], n = ((1 - s) * up[k] + s * up[k + 1]).normalized();
-    const Vec3f along = direction(p[k + 1] - p[k], any_normal(n)), a = direction(along - along.dot(n) * n, any_normal(n)), b = n.cross(a);
+    const Vec3f along = direction(p[k + 1] - p[k], any_normal(n)),
+                a = direction(along - along.dot(n) * n, any_normal(n)), b = n.cross(a);
     add_ellipsoid(mesh, at, kEye_mm * a, kEye_mm * b, kThin_mm * n, titanium);
     add_ellipsoid(mesh, at + 0.35f * n, kScrew_mm * a, kScrew_mm * b, kThin_mm * n, screw);
   }
@@ -197,7 +205,8 @@ void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up) {
   std::vector<float> radius;
   for (int i = 0; i <= 10; ++i) {
     const float w = kPi * float(i) / 10;
-    path.push_back(p + 0.5f * shaft + c * (1 - std::cos(w)) * (bend.dot(up) > 0 ? bend : Vec3f(-bend)) - c * std::sin(w) * shaft);
+    path.push_back(p + 0.5f * shaft + c * (1 - std::cos(w)) * (bend.dot(up) > 0 ? bend : Vec3f(-bend)) -
+                   c * std::sin(w) * shaft);
     radius.push_back(0.10f + 0.02f * float(i));
   }
   const Vec3f neck = path.back();
@@ -236,7 +245,8 @@ void add_tool(PropMesh& mesh, const ToolPose& tool) {
   switch (tool.kind) {
     case ToolPose::Kind::scalpel: {
       // A No. 15 blade: thin, bellied edge; then the flat handle.
-      const std::array<std::array<float, 2>, 7> edge{{{0, 0}, {2, 1.1f}, {5, 1.7f}, {9, 1.9f}, {13, 1.5f}, {16, 1.4f}, {18, 1.4f}}};
+      const std::array<std::array<float, 2>, 7> edge{
+          {{0, 0}, {2, 1.1f}, {5, 1.7f}, {9, 1.9f}, {13, 1.5f}, {16, 1.4f}, {18, 1.4f}}};
       for (const float t : {-0.18f, 0.18f}) {
         const uint32_t begin = uint32_t(mesh.vertex.size());
         const Vec3f n = t > 0 ? side : Vec3f(-side);
@@ -284,9 +294,11 @@ void add_glove(PropMesh& mesh, const GlovePose& g) {
   const auto ball = [&](const Vec3f& at, float r, const PropLook& look, int rings) {
     add_ellipsoid(mesh, at, r * Vec3f::UnitX(), r * Vec3f::UnitY(), r * Vec3f::UnitZ(), look, rings);
   };
-  // The last joints of each finger, thinner than they are so that they hide little. The thumb's station says where its tip is; it comes from where the hand is.
+  // The last joints of each finger, thinner than they are so that they hide little. The thumb's station says where its
+  // tip is; it comes from where the hand is.
   const Vec3f palm = 0.5f * (g.forefinger_mm + g.thumb_mm) - 30 * d;
-  for (const auto& [tip, back, thick] : {std::tuple{g.forefinger_mm, Vec3f(-d), 2.0f}, {g.thumb_mm, direction(palm - g.thumb_mm, -d), 2.3f}}) {
+  for (const auto& [tip, back, thick] :
+       {std::tuple{g.forefinger_mm, Vec3f(-d), 2.0f}, {g.thumb_mm, direction(palm - g.thumb_mm, -d), 2.3f}}) {
     const std::array<Vec3f, 3> path{tip + thick * back, tip + 8 * back, tip + 18 * back};
     const std::array<float, 3> radius{thick, 1.15f * thick, 1.25f * thick};
     add_tube(mesh, path, radius, finger, 12);
@@ -295,7 +307,8 @@ void add_glove(PropMesh& mesh, const GlovePose& g) {
 
   const bool there = g.points && g.pointed_mm.allFinite();
   if (g.closed && !g.holds) return;
-  const Vec3f from = g.holds ? Vec3f(0.5f * (g.forefinger_mm + g.thumb_mm)) : g.forefinger_mm, to = there ? g.pointed_mm : Vec3f(from + 60 * d);
+  const Vec3f from = g.holds ? Vec3f(0.5f * (g.forefinger_mm + g.thumb_mm)) : g.forefinger_mm,
+              to = there ? g.pointed_mm : Vec3f(from + 60 * d);
   const Vec3f way = to - from;
   const int dots = std::clamp(int(way.norm() / 5), 1, 40);
   for (int i = 1; i <= dots; ++i) ball(from + float(i) / float(dots + 1) * way, 0.6f, sign, 4);
@@ -303,7 +316,8 @@ void add_glove(PropMesh& mesh, const GlovePose& g) {
   ball(to, 1.1f, sign, 5);
   const Vec3f n = direction(way, d), a = any_normal(n), b = n.cross(a);
   std::array<Vec3f, 25> ring;
-  for (size_t i = 0; i < ring.size(); ++i) ring[i] = to - 0.8f * n + 3.2f * (std::cos(kPi * float(i) / 12) * a + std::sin(kPi * float(i) / 12) * b);
+  for (size_t i = 0; i < ring.size(); ++i)
+    ring[i] = to - 0.8f * n + 3.2f * (std::cos(kPi * float(i) / 12) * a + std::sin(kPi * float(i) / 12) * b);
   std::array<float, 25> thin;
   thin.fill(0.4f);
   add_tube(mesh, ring, thin, sign, 6);

@@ -13,9 +13,9 @@ namespace limberg {
 
 struct PropVertex {
   Vec3f x_mm, normal;
-  Vec3f colour;       // linear RGB
-  float metal = 0;    // 0 plastic or thread, 1 steel
-  uint32_t id = 0;    // Part << 24 | number
+  Vec3f colour;     // linear RGB
+  float metal = 0;  // 0 plastic or thread, 1 steel
+  uint32_t id = 0;  // Part << 24 | number
 };
 
 struct PropMesh {
@@ -37,16 +37,19 @@ void add_tube(PropMesh& mesh, std::span<const Vec3f> path, std::span<const float
 void add_ellipsoid(PropMesh& mesh, const Vec3f& centre, const Vec3f& a, const Vec3f& b, const Vec3f& c,
                    const PropLook& look, int rings = 8);
 
-/// A stitch over the wound: thread, knot with two tails (not where it is one of a thread's), bite marks. `skin_mm`: the way over the skin from the entry to the exit,
+/// A stitch over the wound: thread, knot with two tails (not where it is one of a thread's), bite marks. `skin_mm`: the
+/// way over the skin from the entry to the exit,
 /// at least these two; `up`: the outward unit normal of the skin there.
 void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f> skin_mm, const Vec3f& up);
 /// A sharp skin hook whose point is in the tissue and whose shaft leads to the handle.
 void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up);
-/// A plate of titanium on bone, bent over the three places, with a screw at each end and one between them and the middle.
+/// A plate of titanium on bone, bent over the three places, with a screw at each end and one between them and the
+/// middle.
 /// `up`: outward unit normals there.
 void add_plate(PropMesh& mesh, const std::array<Vec3f, 3>& on_bone_mm, const std::array<Vec3f, 3>& up);
 void add_tool(PropMesh& mesh, const ToolPose& tool);
-/// Forefinger and thumb of a glove and the line between their tips, blue while open and orange while closed; dots from the
+/// Forefinger and thumb of a glove and the line between their tips, blue while open and orange while closed; dots from
+/// the
 /// forefinger to the place that it points at, with a ring there. Nothing where it is not visible.
 void add_glove(PropMesh& mesh, const GlovePose& glove);
 

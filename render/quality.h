@@ -2,8 +2,10 @@
 // How finely frames are drawn, chosen from how long they took: finer while there is time, plainer when there is not.
 //
 // A level is left downwards when the median of the last frames is above the budget, and upwards when the next level is
-// expected to need at most 0.7 of it: what it took when it was tried last, else twice what this one takes. A level that has just
-// failed is not tried again for a while, which doubles each time, so that the picture does not flicker between two levels.
+// expected to need at most 0.7 of it: what it took when it was tried last, else twice what this one takes. A level that
+// has just
+// failed is not tried again for a while, which doubles each time, so that the picture does not flicker between two
+// levels.
 #include <algorithm>
 #include <array>
 
@@ -29,7 +31,8 @@ inline constexpr int kFastLevel = 1;   // the first at full size
 class QualityLadder {
  public:
   /// budget_ms: what a frame may take. levels: how many of kQualityLevels may be chosen; start: the first of them.
-  explicit QualityLadder(double budget_ms, int levels = kLiveLevels, int start = kFastLevel) : budget_ms_(budget_ms), levels_(levels), level_(start) {}
+  explicit QualityLadder(double budget_ms, int levels = kLiveLevels, int start = kFastLevel)
+      : budget_ms_(budget_ms), levels_(levels), level_(start) {}
 
   int level() const { return level_; }
   /// After a frame that was drawn at level().

@@ -1,12 +1,12 @@
 #include "render/render_scene.h"
 
-#include "render/glyphs.h"
-#include "render/stitches.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+
+#include "render/glyphs.h"
+#include "render/stitches.h"
 
 namespace limberg {
 
@@ -29,11 +29,13 @@ const RenderScene& SceneBuilder::show_field(std::span<const float> per_vertex) {
 
 namespace {
 
-/// Where a plate is bent between its ends: at the place on its way over which bone stands highest, so that it lies on the edge of a step and
+/// Where a plate is bent between its ends: at the place on its way over which bone stands highest, so that it lies on
+/// the edge of a step and
 /// bridges a gap; half way where none stands over it.
 Vec3f bend_of_plate(const RenderScene& scene, const Vec3f& a, const Vec3f& b, const Vec3f& up) {
   constexpr int kPlaces = 15;
-  constexpr float kBeside_mm = 4, kHighest_mm = 20;  // bone's vertices are no farther apart; what is higher is other bone
+  constexpr float kBeside_mm = 4,
+                  kHighest_mm = 20;  // bone's vertices are no farther apart; what is higher is other bone
   struct Place {
     float beside2 = kBeside_mm * kBeside_mm, height = 0;
   };
@@ -44,11 +46,13 @@ Vec3f bend_of_plate(const RenderScene& scene, const Vec3f& a, const Vec3f& b, co
   for (size_t v = 0; v < m.source.size(); ++v) {
     const Vec3f& x = scene.x_mm[v];
     const float slope = scene.normal[v].dot(up);
-    if (m.part[v] != Part::bone || slope < 0.3f || (x.array() < lo.array()).any() || (x.array() > hi.array()).any()) continue;
+    if (m.part[v] != Part::bone || slope < 0.3f || (x.array() < lo.array()).any() || (x.array() > hi.array()).any())
+      continue;
     for (int k = 0; k < kPlaces; ++k) {
       const Vec3f d = x - way(k);
       const float above = d.dot(up), beside2 = d.squaredNorm() - above * above;
-      if (beside2 < place[size_t(k)].beside2 && std::abs(above) < kHighest_mm) place[size_t(k)] = {beside2, d.dot(scene.normal[v]) / slope};
+      if (beside2 < place[size_t(k)].beside2 && std::abs(above) < kHighest_mm)
+        place[size_t(k)] = {beside2, d.dot(scene.normal[v]) / slope};
     }
   }
   int highest = kPlaces / 2;
@@ -101,13 +105,15 @@ const RenderScene& SceneBuilder::build(const Snapshot& snapshot, const ToolPose&
       add_hook(scene.props, h, at.found ? at.normal : Vec3f(Vec3f::UnitZ()));
     }
   for (const auto& [a, b] : snapshot.plate_mm) {
-    const Vec3f at_a = nearest_skin(scene, a, Part::bone).normal, at_b = nearest_skin(scene, b, Part::bone).normal;  // (where there is none: up)
+    const Vec3f at_a = nearest_skin(scene, a, Part::bone).normal,
+                at_b = nearest_skin(scene, b, Part::bone).normal;  // (where there is none: up)
     const Vec3f both = at_a + at_b, between = both.norm() > 0.1f ? Vec3f(both.normalized()) : at_a;
     add_plate(scene.props, {a, bend_of_plate(scene, a, b, between), b}, {at_a, between, at_b});
   }
   if (strands)
     for (const auto& [a, b] : topology.strand)
-      add_tube(scene.props, std::array{snapshot.x_mm[size_t(a)], snapshot.x_mm[size_t(b)]}, std::array{0.22f, 0.22f}, {Vec3f(0.80f, 0.58f, 0.13f), 0, 0}, 3);
+      add_tube(scene.props, std::array{snapshot.x_mm[size_t(a)], snapshot.x_mm[size_t(b)]}, std::array{0.22f, 0.22f},
+               {Vec3f(0.80f, 0.58f, 0.13f), 0, 0}, 3);
   add_tool(scene.props, tool), add_glove(scene.props, tool.glove);
   return scene;
 }

@@ -15,27 +15,39 @@
 namespace limberg {
 
 /// What kind of surface a pixel shows; also the part of an id (see Renderer::draw_ids).
-enum class Part : uint8_t { none = 0, skin = 1, wall = 2, side = 3, suture = 4, hook = 5, tool = 6, bone = 7, bone_cut = 8, face = 9 };
+enum class Part : uint8_t {
+  none = 0,
+  skin = 1,
+  wall = 2,
+  side = 3,
+  suture = 4,
+  hook = 5,
+  tool = 6,
+  bone = 7,
+  bone_cut = 8,
+  face = 9
+};
 inline constexpr size_t kParts = 10;
 
 /// The constant half of the tissue's surface. A surface vertex is doubled where shading must not be smooth: between
 /// skin, walls and sides, and over sharp edges at rest.
 struct TissueMesh {
-  uint64_t version = 0, hash = 0;     // of the topology that it was made from
+  uint64_t version = 0, hash = 0;  // of the topology that it was made from
   size_t vertices_of_view = 0;
-  std::vector<int32_t> source;        // per render vertex: vertex of SurfaceView
-  std::vector<Vec3f> X_mm;            // rest position
-  std::vector<Eigen::Vector2f> chart_mm;  // texture coordinate: rest position in the skin's chart
-  std::vector<float> depth_mm;        // below the skin at rest
-  std::vector<float> rim_mm;          // of skin: distance at rest to the nearest cut edge, at most kRimReach_mm
-  std::vector<Part> part;             // skin, wall, side, bone, bone_cut or face
+  std::vector<int32_t> source;               // per render vertex: vertex of SurfaceView
+  std::vector<Vec3f> X_mm;                   // rest position
+  std::vector<Eigen::Vector2f> chart_mm;     // texture coordinate: rest position in the skin's chart
+  std::vector<float> depth_mm;               // below the skin at rest
+  std::vector<float> rim_mm;                 // of skin: distance at rest to the nearest cut edge, at most kRimReach_mm
+  std::vector<Part> part;                    // skin, wall, side, bone, bone_cut or face
   std::vector<std::array<uint32_t, 3>> tri;  // render vertices; in the order of kTissueParts
-  std::vector<int32_t> tri_source;    // triangle of SurfaceView
+  std::vector<int32_t> tri_source;           // triangle of SurfaceView
   size_t skin_triangles = 0, wall_triangles = 0;
   std::array<size_t, kParts> triangles_of{};  // per part
-  std::vector<std::array<int32_t, 2>> rim;  // edges between skin and wall (SurfaceView vertices), skin on the left
+  std::vector<std::array<int32_t, 2>> rim;    // edges between skin and wall (SurfaceView vertices), skin on the left
   std::vector<Layer> layers;
-  Eigen::Vector2f tension_chart = Eigen::Vector2f::Zero();  // unit: how the tension lines run on the chart; zero: unknown
+  Eigen::Vector2f tension_chart =
+      Eigen::Vector2f::Zero();  // unit: how the tension lines run on the chart; zero: unknown
 };
 
 /// The parts of a TissueMesh in the order in which they are drawn: the face last, because it may be translucent.
@@ -47,7 +59,9 @@ inline constexpr float kRimReach_mm = 3;  // so far the skin beside a cut is red
 struct SceneLines {
   std::vector<Vec3f> x_mm, colour;  // per end; colour: linear RGB
   void clear() { x_mm.clear(), colour.clear(); }
-  void add(const Vec3f& a, const Vec3f& b, const Vec3f& rgb) { x_mm.insert(x_mm.end(), {a, b}), colour.insert(colour.end(), {rgb, rgb}); }
+  void add(const Vec3f& a, const Vec3f& b, const Vec3f& rgb) {
+    x_mm.insert(x_mm.end(), {a, b}), colour.insert(colour.end(), {rgb, rgb});
+  }
 };
 
 struct RenderScene {

@@ -47,10 +47,11 @@ struct Renderer::Impl {
   GlMesh tissue_mesh, prop_mesh, line_mesh, empty;
   std::array<std::unique_ptr<ShadowMap>, 2> shadows;  // of pictures that are kept, of live ones
   GLuint skin_map, grid_map, detail_map, slope_map, layer_map = 0;
-  std::array<GLuint, 2> colour_map;            // by ColourScale
+  std::array<GLuint, 2> colour_map;  // by ColourScale
   // What the buffers hold, so that only what has changed is sent, and the shadow of what has not moved is kept.
   std::shared_ptr<const TissueMesh> uploaded;
-  bool all_triangles = false;  // the tissue's triangles are those of the mesh, in their order; else those that a view may show
+  bool all_triangles =
+      false;  // the tissue's triangles are those of the mesh, in their order; else those that a view may show
   VisibleTriangles visible;
   std::vector<std::array<uint32_t, 3>> shown_triangles;
   struct {
@@ -67,7 +68,7 @@ struct Renderer::Impl {
   } cast;
   std::unique_ptr<Occlusion> occlusion;
   std::unique_ptr<GlTarget> picture, composed, ids;
-  GlTarget* shown = nullptr;                   // what read() and present() take
+  GlTarget* shown = nullptr;                      // what read() and present() take
   std::array<std::unique_ptr<GlTarget>, 2> eyes;  // of an anaglyph
   std::array<GLuint, 2> eye_map{};
   std::unique_ptr<GlProgram> anaglyph;
@@ -86,7 +87,10 @@ struct Renderer::Impl {
         depth(gl, shaders::depth_vertex, shaders::depth_fragment),
         id(gl, shaders::id_vertex, shaders::id_fragment),
         line(gl, shaders::line_vertex, shaders::line_fragment),
-        tissue_mesh(gl), prop_mesh(gl), line_mesh(gl), empty(gl),
+        tissue_mesh(gl),
+        prop_mesh(gl),
+        line_mesh(gl),
+        empty(gl),
         skin_map(make_texture(gl, skin_texture(512), true, true, true)),
         grid_map(make_texture(gl, grid_texture(), false, true, true)),
         detail_map(make_texture(gl, detail_texture(), false, true, true)),
@@ -164,7 +168,8 @@ struct Renderer::Impl {
     all_triangles = true;
   }
 
-  // Skin, walls and sides close around the tissue: what of them is turned away is never seen. Of a face or bones from a scan that
+  // Skin, walls and sides close around the tissue: what of them is turned away is never seen. Of a face or bones from a
+  // scan that
   // is not sure.
   static bool closed(Part part) { return part == Part::skin || part == Part::wall || part == Part::side; }
 
@@ -177,8 +182,10 @@ struct Renderer::Impl {
     for (const Part part : kTissueParts) {
       const auto all = rest.first(s.mesh->triangles_of[size_t(part)]);
       rest = rest.subspan(all.size());
-      if (closed(part)) count[size_t(part)] = visible.append(all, shown_triangles);
-      else shown_triangles.insert(shown_triangles.end(), all.begin(), all.end()), count[size_t(part)] = all.size();
+      if (closed(part))
+        count[size_t(part)] = visible.append(all, shown_triangles);
+      else
+        shown_triangles.insert(shown_triangles.end(), all.begin(), all.end()), count[size_t(part)] = all.size();
     }
     tissue_mesh.triangles(shown_triangles);
     all_triangles = false;
@@ -207,7 +214,8 @@ struct Renderer::Impl {
     const auto count = want_triangles_of(s, light, shadow.size, shadow.size);
     const size_t flesh = count[size_t(Part::skin)] + count[size_t(Part::wall)] + count[size_t(Part::side)];
     draw_tissue(0, flesh, true);
-    draw_tissue(flesh, shown_triangles.size() - flesh - (face == FaceLook::solid ? 0 : count[size_t(Part::face)]), false);
+    draw_tissue(flesh, shown_triangles.size() - flesh - (face == FaceLook::solid ? 0 : count[size_t(Part::face)]),
+                false);
     prop_mesh.draw();
     gl.Disable(GL_POLYGON_OFFSET_FILL);
     Mat4f half = Mat4f::Identity();
@@ -218,7 +226,8 @@ struct Renderer::Impl {
   }
 
   // The program for one part of the scene (tool: every prop) with the view's and the lamp's uniforms set.
-  const GlProgram& shaded(Part part, const View& view, const DrawOptions& o, const Mat4f& to_light, const Eigen::Vector2f& tension) {
+  const GlProgram& shaded(Part part, const View& view, const DrawOptions& o, const Mat4f& to_light,
+                          const Eigen::Vector2f& tension) {
     const bool field = o.colour_field && (part == Part::skin || part == Part::wall || part == Part::face);
     const bool clear = part == Part::face && o.face == FaceLook::clear;
     const bool lines = o.tension_lines && part == Part::skin && tension != Eigen::Vector2f::Zero();
@@ -234,14 +243,19 @@ struct Renderer::Impl {
       if (part == Part::face) text += "#define PART_FACE\n";
       if (clear) text += "#define CLEAR\n";
       text += shaders::lighting;
-      if (part == Part::tool) text += shaders::prop_fragment;
-      else text += std::string(shaders::tissue_common) + (field               ? shaders::field_fragment
-                                                          : part == Part::skin ? shaders::skin_fragment
-                                                          : part == Part::wall ? shaders::wall_fragment
-                                                          : part == Part::face ? shaders::face_fragment
-                                                          : part == Part::bone || part == Part::bone_cut ? shaders::bone_fragment
-                                                                               : shaders::side_fragment);
-      it = programs.emplace(key, GlProgram(gl, part == Part::tool ? shaders::prop_vertex : shaders::tissue_vertex, text)).first;
+      if (part == Part::tool)
+        text += shaders::prop_fragment;
+      else
+        text += std::string(shaders::tissue_common) + (field                ? shaders::field_fragment
+                                                       : part == Part::skin ? shaders::skin_fragment
+                                                       : part == Part::wall ? shaders::wall_fragment
+                                                       : part == Part::face ? shaders::face_fragment
+                                                       : part == Part::bone || part == Part::bone_cut
+                                                           ? shaders::bone_fragment
+                                                           : shaders::side_fragment);
+      it =
+          programs.emplace(key, GlProgram(gl, part == Part::tool ? shaders::prop_vertex : shaders::tissue_vertex, text))
+              .first;
     }
     const GlProgram& p = it->second;
     p.use();
@@ -253,7 +267,8 @@ struct Renderer::Impl {
     p.set("shadow_texel", 1.0f / float(o.still ? kShadowSize : kLiveShadowSize));
     if (part == Part::tool) return p;
     int unit = 1;
-    for (const char* name : {"skin_map", "grid_map", "detail_map", "layer_map", "colour_map", "slope_map"}) p.set(name, unit++);
+    for (const char* name : {"skin_map", "grid_map", "detail_map", "layer_map", "colour_map", "slope_map"})
+      p.set(name, unit++);
     p.set("layer_range", kLayerRange_mm);
     p.set("tension", tension.x(), tension.y());
     p.set("field_min", float(o.field_min));
@@ -282,7 +297,8 @@ struct Renderer::Impl {
     gl.Disable(GL_BLEND);
   }
 
-  void paint(const GlTarget& target, const RenderScene& s, const View& view, const DrawOptions& o, const Mat4f& to_light) {
+  void paint(const GlTarget& target, const RenderScene& s, const View& view, const DrawOptions& o,
+             const Mat4f& to_light) {
     const int w = target.width(), h = target.height();
     const int x0 = int(std::lround(view.x0 * float(w))), x1 = int(std::lround(view.x1 * float(w)));
     const int y0 = int(std::lround(view.y0 * float(h))), y1 = int(std::lround(view.y1 * float(h)));
@@ -294,15 +310,19 @@ struct Renderer::Impl {
     int unit = 1;
     for (const GLuint texture : {skin_map, grid_map, detail_map, layer_map, colour_map[size_t(o.scale)], slope_map}) {
       bind(unit++, texture);
-      if (texture == skin_map || texture == grid_map) set_anisotropy(gl, anisotropic, o.fine_skin && o.still ? 4.0f : 1.0f);
+      if (texture == skin_map || texture == grid_map)
+        set_anisotropy(gl, anisotropic, o.fine_skin && o.still ? 4.0f : 1.0f);
     }
     std::array<size_t, kParts> triangles = s.mesh->triangles_of;
-    if (o.wireframe) want_all_triangles(*s.mesh);
-    else triangles = want_triangles_of(s, view.projection * view.to_eye, x1 - x0, y1 - y0);
+    if (o.wireframe)
+      want_all_triangles(*s.mesh);
+    else
+      triangles = want_triangles_of(s, view.projection * view.to_eye, x1 - x0, y1 - y0);
     size_t first = 0;
     for (const Part part : kTissueParts) {
       const size_t count = triangles[size_t(part)];
-      if (count > 0 && (part != Part::face || o.face == FaceLook::solid)) shaded(part, view, o, to_light, tension), draw_tissue(first, count, !o.wireframe && closed(part));
+      if (count > 0 && (part != Part::face || o.face == FaceLook::solid))
+        shaded(part, view, o, to_light, tension), draw_tissue(first, count, !o.wireframe && closed(part));
       first += count;
     }
     const size_t all = first;
@@ -335,7 +355,8 @@ struct Renderer::Impl {
   }
 
   // Paints into `target`, made anew when it has another size.
-  void paint_to(std::unique_ptr<GlTarget>& target, const RenderScene& s, std::span<const View> views, const DrawOptions& o, int w, int h) {
+  void paint_to(std::unique_ptr<GlTarget>& target, const RenderScene& s, std::span<const View> views,
+                const DrawOptions& o, int w, int h) {
     context->make_current();
     if (o.width < 1 || o.height < 1 || w > largest || h > largest)
       throw RenderUnavailable("a picture of " + std::to_string(w) + " x " + std::to_string(h) +
@@ -356,10 +377,12 @@ struct Renderer::Impl {
     const int w = shrunk(o.width, o), h = shrunk(o.height, o);
     paint_to(eyes[0], s, std::span(&left, 1), o, w, h);
     paint_to(eyes[1], s, std::span(&right, 1), o, w, h);
-    if (!picture || picture->width() != w || picture->height() != h) picture = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
+    if (!picture || picture->width() != w || picture->height() != h)
+      picture = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
     shown = picture.get();
     if (!anaglyph) {
-      anaglyph = std::make_unique<GlProgram>(gl, shaders::background_vertex, std::string("#version 330 core\n") + shaders::anaglyph_fragment);
+      anaglyph = std::make_unique<GlProgram>(gl, shaders::background_vertex,
+                                             std::string("#version 330 core\n") + shaders::anaglyph_fragment);
       for (GLuint& t : eye_map) t = make_frame_texture(gl);
     }
     for (size_t eye = 0; eye < 2; ++eye) {
@@ -376,15 +399,19 @@ struct Renderer::Impl {
     empty.draw();
   }
 
-  static int shrunk(int size, const DrawOptions& o) { return std::max(1, (size + o.shrink - 1) / std::max(1, o.shrink)); }
+  static int shrunk(int size, const DrawOptions& o) {
+    return std::max(1, (size + o.shrink - 1) / std::max(1, o.shrink));
+  }
 
   void compose(int w, int h) {
     context->make_current();
     if (!picture) return;
-    if (!composed || composed->width() != w || composed->height() != h) composed = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
+    if (!composed || composed->width() != w || composed->height() != h)
+      composed = std::make_unique<GlTarget>(gl, GL_RGBA8, w, h);
     composed->bind();
     gl.BindFramebuffer(GL_READ_FRAMEBUFFER, picture->frame());
-    gl.BlitFramebuffer(0, 0, picture->width(), picture->height(), 0, 0, w, h, GL_COLOR_BUFFER_BIT, picture->width() == w && picture->height() == h ? GL_NEAREST : GL_LINEAR);
+    gl.BlitFramebuffer(0, 0, picture->width(), picture->height(), 0, 0, w, h, GL_COLOR_BUFFER_BIT,
+                       picture->width() == w && picture->height() == h ? GL_NEAREST : GL_LINEAR);
     composed->bind();
     shown = composed.get();
   }
@@ -412,7 +439,8 @@ struct Renderer::Impl {
 
   IdImage draw_ids(const RenderScene& s, const View& view, int w, int h) {
     context->make_current();
-    if (w < 1 || h < 1 || w > largest || h > largest) throw RenderUnavailable("an id picture of this size cannot be drawn");
+    if (w < 1 || h < 1 || w > largest || h > largest)
+      throw RenderUnavailable("an id picture of this size cannot be drawn");
     if (!ids || ids->width() != w || ids->height() != h) ids = std::make_unique<GlTarget>(gl, GL_R32UI, w, h);
     upload(s);
     want_all_triangles(*s.mesh);
@@ -467,9 +495,11 @@ Image Renderer::draw(const RenderScene& scene, std::span<const View> views, cons
   return impl_->draw(scene, views, options);
 }
 void Renderer::paint(const RenderScene& scene, std::span<const View> views, const DrawOptions& options) {
-  impl_->paint_to(impl_->picture, scene, views, options, Impl::shrunk(options.width, options), Impl::shrunk(options.height, options));
+  impl_->paint_to(impl_->picture, scene, views, options, Impl::shrunk(options.width, options),
+                  Impl::shrunk(options.height, options));
 }
-void Renderer::paint_anaglyph(const RenderScene& scene, const View& left, const View& right, const DrawOptions& options) {
+void Renderer::paint_anaglyph(const RenderScene& scene, const View& left, const View& right,
+                              const DrawOptions& options) {
   impl_->paint_anaglyph(scene, left, right, options);
 }
 void Renderer::compose(int width, int height) { impl_->compose(width, height); }

@@ -2,14 +2,16 @@
 // Draws a RenderScene with OpenGL 3.3 core into an image. No picture depends on anything but the scene, the views and
 // the options: the same input gives the same bytes.
 //
-// Passes: shadow map (optional; kept while nothing moves), tissue, props, background, occlusion (optional, occlusion.h), lines, a
+// Passes: shadow map (optional; kept while nothing moves), tissue, props, background, occlusion (optional,
+// occlusion.h), lines, a
 // translucent face; then the image is read back. Text and legends are drawn on
 // the image afterwards (overlay.h), so they never depend on the driver.
 //
 // draw() does all of it. A window takes the steps one by one, so that its panels are drawn in the same frame:
 //
 //   renderer.paint(scene, views, options);   // once, or again over a part of the frame with options.keep
-//   renderer.compose(width, height);         // into the window's frame, enlarged when it was drawn smaller; the picture stays as it is
+//   renderer.compose(width, height);         // into the window's frame, enlarged when it was drawn smaller; the
+//   picture stays as it is
 //   ui.paint(...);                           // ui_painter.h
 //   renderer.present(width, height);         // to the window; or renderer.read()
 //
@@ -31,20 +33,20 @@ enum class FaceLook : uint8_t { solid, clear, hidden };
 
 struct DrawOptions {
   int width = 1280, height = 720;
-  int supersample = 1;      // 1..4: draws this many times wider and higher, then averages
-  int shrink = 1;           // paint(): draws this many times smaller; compose() enlarges
+  int supersample = 1;  // 1..4: draws this many times wider and higher, then averages
+  int shrink = 1;       // paint(): draws this many times smaller; compose() enlarges
   bool shadow = true;
-  bool fine_skin = true;    // bump and second specular lobe
+  bool fine_skin = true;  // bump and second specular lobe
   bool occlusion = false;
-  bool still = true;        // QualityLevel::still
+  bool still = true;           // QualityLevel::still
   bool tension_lines = false;  // on the skin: dashes along the lines of tension
-  bool wireframe = false;   // the tissue's triangles as lines
-  bool keep = false;        // paint(): leave what is there; only the views' parts of the frame are drawn anew
-  bool colour_field = false;  // show RenderScene::field instead of the skin's (the face's) colour
+  bool wireframe = false;      // the tissue's triangles as lines
+  bool keep = false;           // paint(): leave what is there; only the views' parts of the frame are drawn anew
+  bool colour_field = false;   // show RenderScene::field instead of the skin's (the face's) colour
   FaceLook face = FaceLook::solid;
   ColourScale scale = ColourScale::magnitude;
   double field_min = 0, field_max = 1;
-  int iso_lines = 10;       // intervals of the colour map that are parted by thin lines; 0 = none
+  int iso_lines = 10;  // intervals of the colour map that are parted by thin lines; 0 = none
   Rgb8 background_top{108, 142, 148}, background_bottom{44, 66, 74};
   bool operator==(const DrawOptions&) const = default;
 };

@@ -103,7 +103,8 @@ vec3 facing(vec3 v) {
   return normalize(n - 1.02 * away * v);
 }
 
-// Tilts n by a height field on the surface, of which is known how it changes (mm) from pixel to pixel. Smooth over a triangle,
+// Tilts n by a height field on the surface, of which is known how it changes (mm) from pixel to pixel. Smooth over a
+// triangle,
 // where a difference of two pixels' heights would be one for four of them.
 vec3 tilt(vec3 n, vec3 p, float hx, float hy) {
   vec3 px = dFdx(p), py = dFdy(p);
@@ -401,7 +402,8 @@ void main() {
 }
 )";
 
-// Red-cyan by least squares (Dubois 2001): each eye's picture, in linear light, through the matrix fitted to its filter.
+// Red-cyan by least squares (Dubois 2001): each eye's picture, in linear light, through the matrix fitted to its
+// filter.
 const char* const anaglyph_fragment = R"(
 in vec2 v_at;
 uniform sampler2D left_eye, right_eye;

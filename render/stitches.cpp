@@ -10,9 +10,10 @@ namespace limberg {
 namespace {
 
 constexpr float kBite_mm = 2.2f;  // how far from the wound's edge a stitch enters the skin, for the picture
-constexpr float kReach_mm = 4;    // a point of the thread is looked for so far above and below the straight line between its ends
-constexpr float kFlat_mm = 0.05f; // what stands up less does not bend the thread
-constexpr int kSamples = 12;      // places between the ends at which the skin's height is taken
+constexpr float kReach_mm =
+    4;  // a point of the thread is looked for so far above and below the straight line between its ends
+constexpr float kFlat_mm = 0.05f;  // what stands up less does not bend the thread
+constexpr int kSamples = 12;       // places between the ends at which the skin's height is taken
 
 // The direction over the wound at a stitch: across the cut's rim nearest to its end a, away from the skin of a.
 Vec3f across_rim(const RenderScene& scene, const Snapshot& snapshot, const Vec3f& a, const Vec3f& up) {
@@ -42,7 +43,8 @@ struct Patch {
       const auto& [a, b, c] = m.tri[t];
       // The ball about the triangle: large ones lie near a place that their corners are far from.
       const Vec3f centre = (scene.x_mm[a] + scene.x_mm[b] + scene.x_mm[c]) / 3;
-      const float around = std::max({(scene.x_mm[a] - centre).norm(), (scene.x_mm[b] - centre).norm(), (scene.x_mm[c] - centre).norm()});
+      const float around =
+          std::max({(scene.x_mm[a] - centre).norm(), (scene.x_mm[b] - centre).norm(), (scene.x_mm[c] - centre).norm()});
       if ((centre - middle).norm() > radius + around) continue;
       triangle.push_back(uint32_t(t));
       normal += (scene.x_mm[b] - scene.x_mm[a]).cross(scene.x_mm[c] - scene.x_mm[a]);
@@ -76,7 +78,8 @@ NearestSkin nearest_skin(const RenderScene& scene, const Vec3f& p, Part part) {
   for (size_t v = 0; v < m.source.size(); ++v) {
     if (m.part[v] != part) continue;
     const float d = (scene.x_mm[v] - p).squaredNorm();
-    if (d < distance && scene.normal[v].squaredNorm() > 0.5f) distance = d, best = {scene.x_mm[v], scene.normal[v], true};
+    if (d < distance && scene.normal[v].squaredNorm() > 0.5f)
+      distance = d, best = {scene.x_mm[v], scene.normal[v], true};
   }
   return best;
 }

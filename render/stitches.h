@@ -1,5 +1,6 @@
 #pragma once
-// Where a stitch's thread lies: out of the skin beside the wound, straight over it and over whatever stands up in between, and in again.
+// Where a stitch's thread lies: out of the skin beside the wound, straight over it and over whatever stands up in
+// between, and in again.
 #include "render/render_scene.h"
 
 namespace limberg {
@@ -9,7 +10,8 @@ struct NearestSkin {
   bool found = false;
 };
 
-/// The vertex of skin, or of another part, nearest to p. Skin triangles are under a millimetre, so its height is the skin's height
+/// The vertex of skin, or of another part, nearest to p. Skin triangles are under a millimetre, so its height is the
+/// skin's height
 /// there; those of bone are some millimetres wide.
 NearestSkin nearest_skin(const RenderScene& scene, const Vec3f& p, Part part = Part::skin);
 

@@ -10,7 +10,8 @@ namespace limberg {
 
 namespace {
 
-constexpr const char* kFolders[] = {"/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/TTF/", "/usr/share/fonts/dejavu/"};
+constexpr const char* kFolders[] = {"/usr/share/fonts/truetype/dejavu/", "/usr/share/fonts/TTF/",
+                                    "/usr/share/fonts/dejavu/"};
 
 // The next character of UTF-8 text; U+FFFD for anything broken.
 uint32_t next_character(const std::string& s, size_t& i) {
@@ -42,7 +43,8 @@ struct TextPainter::Impl {
     }
     for (const char* folder : kFolders) {
       if (!plain && FT_New_Face(library, (std::string(folder) + "DejaVuSans.ttf").c_str(), 0, &plain)) plain = nullptr;
-      if (!bold && FT_New_Face(library, (std::string(folder) + "DejaVuSans-Bold.ttf").c_str(), 0, &bold)) bold = nullptr;
+      if (!bold && FT_New_Face(library, (std::string(folder) + "DejaVuSans-Bold.ttf").c_str(), 0, &bold))
+        bold = nullptr;
     }
     if (!bold) bold = plain;
   }

@@ -47,10 +47,13 @@ std::array<float, 2> worley(float u, float v, int period, uint32_t seed) {
   float first = 9, second = 9;
   for (int b = j - 1; b <= j + 1; ++b)
     for (int a = i - 1; a <= i + 1; ++a) {
-      const float dx = float(a) + cell_value(a, b, period, seed) - x, dy = float(b) + cell_value(a, b, period, seed + 77) - y;
+      const float dx = float(a) + cell_value(a, b, period, seed) - x,
+                  dy = float(b) + cell_value(a, b, period, seed + 77) - y;
       const float d = std::sqrt(dx * dx + dy * dy);
-      if (d < first) second = first, first = d;
-      else if (d < second) second = d;
+      if (d < first)
+        second = first, first = d;
+      else if (d < second)
+        second = d;
     }
   return {first, second};
 }
@@ -100,7 +103,8 @@ Texels grid_texture(int size) {
 
 namespace {
 
-// Fat lies in lobules of several sizes that press against each other: the upper hull of round domes, one about a point of each
+// Fat lies in lobules of several sizes that press against each other: the upper hull of round domes, one about a point
+// of each
 // cell, softened where two meet. Height in [0, 1], and a number of the lobule.
 std::array<float, 2> lobules(float u, float v, int period, uint32_t seed) {
   const float x = u * float(period), y = v * float(period);
@@ -108,7 +112,8 @@ std::array<float, 2> lobules(float u, float v, int period, uint32_t seed) {
   float highest = -9, sum = 0, number = 0;
   for (int b = j - 1; b <= j + 1; ++b)
     for (int a = i - 1; a <= i + 1; ++a) {
-      const float dx = float(a) + 0.15f + 0.7f * cell_value(a, b, period, seed) - x, dy = float(b) + 0.15f + 0.7f * cell_value(a, b, period, seed + 77) - y;
+      const float dx = float(a) + 0.15f + 0.7f * cell_value(a, b, period, seed) - x,
+                  dy = float(b) + 0.15f + 0.7f * cell_value(a, b, period, seed + 77) - y;
       const float size = 0.75f + 0.45f * cell_value(a, b, period, seed + 154);
       const float dome = 1 - (dx * dx + dy * dy) / (size * size);
       if (dome > highest) highest = dome, number = cell_value(a, b, period, seed + 231);
@@ -125,14 +130,17 @@ Texels detail_texture(int size) {
     const float pores = 0.55f * std::min(1.0f, 2.2f * (pore[1] - pore[0])) + 0.45f * fractal(u, v, 24, 4, 5);
     const float bent = 0.03f * fractal(u, v, 12, 2, 61), askew = 0.03f * fractal(u, v, 12, 2, 71);
     const auto large = lobules(u + bent, v + askew, 9, 9), small = lobules(u + askew, v + bent, 23, 19);
-    return {byte(255 * pores), byte(255 * (0.76f * large[0] + 0.24f * small[0])), byte(255 * fractal(u, v, 8, 4, 17)), byte(255 * large[1])};
+    return {byte(255 * pores), byte(255 * (0.76f * large[0] + 0.24f * small[0])), byte(255 * fractal(u, v, 8, 4, 17)),
+            byte(255 * large[1])};
   });
 }
 
 Texels slope_texture(const Texels& detail) {
   Texels t{detail.width, detail.height, std::vector<uint8_t>(detail.rgba.size())};
   const int w = t.width, h = t.height;
-  const auto height = [&](int x, int y, size_t c) { return float(detail.rgba[4 * (size_t((y + h) % h) * size_t(w) + size_t((x + w) % w)) + c]); };
+  const auto height = [&](int x, int y, size_t c) {
+    return float(detail.rgba[4 * (size_t((y + h) % h) * size_t(w) + size_t((x + w) % w)) + c]);
+  };
   for (int y = 0; y < h; ++y)
     for (int x = 0; x < w; ++x)
       for (size_t c = 0; c < 2; ++c) {
@@ -169,9 +177,15 @@ Texels layer_texture(const std::vector<Layer>& layers, double range_mm, int size
       if (depth <= bottom) {
         const float t = std::clamp((depth - top) / std::max(thick, 0.1f), 0.0f, 1.0f);
         switch (kind(i)) {
-          case 0: c = mix(dermis, dermis_low, t); break;
-          case 1: c = mix(fat, fat_low, t); break;
-          default: c = mix(muscle, deep, 0.3f * t); break;
+          case 0:
+            c = mix(dermis, dermis_low, t);
+            break;
+          case 1:
+            c = mix(fat, fat_low, t);
+            break;
+          default:
+            c = mix(muscle, deep, 0.3f * t);
+            break;
         }
         if (kind(i) == 1 && t > 0.85f) c = mix(c, deep, (t - 0.85f) / 0.15f * 0.6f);
         break;

@@ -25,7 +25,8 @@ Texels grid_texture(int size = 1024);
 Texels detail_texture(int size = 512);
 
 /// Slopes of a detail texture's heights, along u and v: r and g of the pores, b and a of the lobules. A texel is 1/2 +
-/// kSlopeGain x (change of the height from one texel to the next), so that smaller copies of it are the mean slope: from afar
+/// kSlopeGain x (change of the height from one texel to the next), so that smaller copies of it are the mean slope:
+/// from afar
 /// the surface is smooth, and nothing flickers.
 Texels slope_texture(const Texels& detail);
 inline constexpr float kSlopeGain = 4;

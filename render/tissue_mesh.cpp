@@ -14,15 +14,22 @@ constexpr float kCreaseCos = 0.77f;  // 40 degrees
 
 Part part_of(const SurfaceTopology& topology, size_t t) {
   switch (topology.organ_of(t)) {
-    case Organ::face: return Part::face;
-    case Organ::bone: return Part::bone;
-    case Organ::bone_cut: return Part::bone_cut;
-    default: break;
+    case Organ::face:
+      return Part::face;
+    case Organ::bone:
+      return Part::bone;
+    case Organ::bone_cut:
+      return Part::bone_cut;
+    default:
+      break;
   }
   switch (topology.view.kind[t]) {
-    case FaceKind::skin: return Part::skin;
-    case FaceKind::wall: return Part::wall;
-    default: return Part::side;
+    case FaceKind::skin:
+      return Part::skin;
+    case FaceKind::wall:
+      return Part::wall;
+    default:
+      return Part::side;
   }
 }
 
@@ -46,13 +53,15 @@ uint64_t along_curve(const Vec3& X, const Vec3& low, double per_mm) {
   uint64_t key = 0;
   for (int axis = 0; axis < 3; ++axis) {
     uint64_t k = uint64_t(std::clamp((X[axis] - low[axis]) * per_mm, 0.0, 1023.0));  // ten bits, spread to every third
-    k = (k | k << 16) & 0x30000ff, k = (k | k << 8) & 0x300f00f, k = (k | k << 4) & 0x30c30c3, k = (k | k << 2) & 0x9249249;
+    k = (k | k << 16) & 0x30000ff, k = (k | k << 8) & 0x300f00f, k = (k | k << 4) & 0x30c30c3,
+    k = (k | k << 2) & 0x9249249;
     key |= k << axis;
   }
   return key;
 }
 
-void sort_along_curve(const SurfaceView& view, std::span<uint32_t> triangles, std::vector<std::pair<uint64_t, uint32_t>>& room) {
+void sort_along_curve(const SurfaceView& view, std::span<uint32_t> triangles,
+                      std::vector<std::pair<uint64_t, uint32_t>>& room) {
   if (triangles.empty()) return;
   Vec3 low = Vec3::Constant(1e30), high = -low;
   const auto middle = [&](uint32_t t) -> Vec3 {
@@ -76,7 +85,8 @@ void measure_rim(const SurfaceView& view, TissueMesh& mesh, Part part, const std
   for (const auto& [i, j] : rim) {
     const Vec3f a = view.X_mm[size_t(i)].cast<float>(), b = view.X_mm[size_t(j)].cast<float>();
     const float low = std::min(a.x(), b.x()) - kRimReach_mm, high = std::max(a.x(), b.x()) + kRimReach_mm;
-    for (auto it = std::lower_bound(by_x.begin(), by_x.end(), std::pair(low, uint32_t(0))); it != by_x.end() && it->first <= high; ++it)
+    for (auto it = std::lower_bound(by_x.begin(), by_x.end(), std::pair(low, uint32_t(0)));
+         it != by_x.end() && it->first <= high; ++it)
       mesh.rim_mm[it->second] = std::min(mesh.rim_mm[it->second], distance_to_segment(mesh.X_mm[it->second], a, b));
   }
 }

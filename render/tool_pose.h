@@ -8,9 +8,9 @@ namespace limberg {
 struct GlovePose {
   bool visible = false;
   bool closed = false, holds = false;
-  bool points = false;                 // at pointed_mm; of a hand that holds something: where it holds it
+  bool points = false;  // at pointed_mm; of a hand that holds something: where it holds it
   Vec3f forefinger_mm = Vec3f::Zero(), thumb_mm = Vec3f::Zero();  // the finger tips
-  Vec3f pointing = Vec3f::UnitX();     // the forefinger's direction, unit
+  Vec3f pointing = Vec3f::UnitX();                                // the forefinger's direction, unit
   Vec3f pointed_mm = Vec3f::Zero();
 };
 

@@ -41,9 +41,11 @@ constexpr const char* kFontFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.t
 void choose_ui_font(float pixels) {
   ImGuiIO& io = ImGui::GetIO();
   // Latin, Greek, general punctuation, superscripts, arrows, mathematical signs, triangles and ticks.
-  static const ImWchar ranges[] = {0x20, 0xff, 0x370, 0x3ff, 0x2010, 0x2040, 0x2070, 0x209f, 0x2190, 0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff, 0x2713, 0x2717, 0};
+  static const ImWchar ranges[] = {0x20,   0xff,   0x370,  0x3ff,  0x2010, 0x2040, 0x2070, 0x209f, 0x2190,
+                                   0x21ff, 0x2200, 0x22ff, 0x25a0, 0x25ff, 0x2713, 0x2717, 0};
   std::error_code ec;
-  if (!std::filesystem::exists(kFontFile, ec) || !io.Fonts->AddFontFromFileTTF(kFontFile, pixels, nullptr, ranges)) io.Fonts->AddFontDefault();
+  if (!std::filesystem::exists(kFontFile, ec) || !io.Fonts->AddFontFromFileTTF(kFontFile, pixels, nullptr, ranges))
+    io.Fonts->AddFontDefault();
 }
 
 UiPainter::UiPainter(const GlFunctions& gl) : gl_(gl) {
@@ -53,7 +55,8 @@ UiPainter::UiPainter(const GlFunctions& gl) : gl_(gl) {
   unsigned char* texels = nullptr;
   int w = 0, h = 0;
   ImGui::GetIO().Fonts->GetTexDataAsRGBA32(&texels, &w, &h);
-  font_ = make_texture(gl, {w, h, std::vector<uint8_t>(texels, texels + size_t(4) * size_t(w) * size_t(h))}, false, false, false);
+  font_ = make_texture(gl, {w, h, std::vector<uint8_t>(texels, texels + size_t(4) * size_t(w) * size_t(h))}, false,
+                       false, false);
   gl.GenVertexArrays(1, &array_);
   gl.GenBuffers(1, &vertices_);
   gl.GenBuffers(1, &indices_);
@@ -84,7 +87,8 @@ void UiPainter::paint(const ImDrawData& data, int width, int height) {
   gl_.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
   gl_.Enable(GL_SCISSOR_TEST);
   gl_.UseProgram(program_);
-  const float sx = data.DisplaySize.x > 0 ? float(width) / data.DisplaySize.x : 1, sy = data.DisplaySize.y > 0 ? float(height) / data.DisplaySize.y : 1;
+  const float sx = data.DisplaySize.x > 0 ? float(width) / data.DisplaySize.x : 1,
+              sy = data.DisplaySize.y > 0 ? float(height) / data.DisplaySize.y : 1;
   gl_.Uniform2f(size_at_, float(width) / sx, float(height) / sy);
   gl_.Uniform1i(font_at_, 0);
   gl_.ActiveTexture(GL_TEXTURE0);
@@ -95,10 +99,12 @@ void UiPainter::paint(const ImDrawData& data, int width, int height) {
     gl_.BindBuffer(GL_ARRAY_BUFFER, vertices_);
     gl_.BufferData(GL_ARRAY_BUFFER, GLsizeiptr(list.VtxBuffer.size_in_bytes()), list.VtxBuffer.Data, GL_STREAM_DRAW);
     gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices_);
-    gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(list.IdxBuffer.size_in_bytes()), list.IdxBuffer.Data, GL_STREAM_DRAW);
+    gl_.BufferData(GL_ELEMENT_ARRAY_BUFFER, GLsizeiptr(list.IdxBuffer.size_in_bytes()), list.IdxBuffer.Data,
+                   GL_STREAM_DRAW);
     for (const ImDrawCmd& c : list.CmdBuffer) {
       const int x0 = std::max(0, int(sx * c.ClipRect.x)), y0 = std::max(0, int(sy * c.ClipRect.y));
-      const int x1 = std::min(width, int(std::ceil(sx * c.ClipRect.z))), y1 = std::min(height, int(std::ceil(sy * c.ClipRect.w)));
+      const int x1 = std::min(width, int(std::ceil(sx * c.ClipRect.z))),
+                y1 = std::min(height, int(std::ceil(sy * c.ClipRect.w)));
       if (x1 <= x0 || y1 <= y0) continue;
       gl_.Scissor(x0, height - y1, x1 - x0, y1 - y0);
       gl_.DrawElements(GL_TRIANGLES, GLsizei(c.ElemCount), sizeof(ImDrawIdx) == 2 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_INT,

@@ -34,7 +34,8 @@ Axes axes_of(const Camera& c) {
   Vec3f back = c.eye_mm - c.target_mm;
   back = back.norm() > 0 ? Vec3f(back.normalized()) : Vec3f(Vec3f::UnitZ());
   Vec3f right = c.up.cross(back);
-  if (right.norm() < 1e-4f * c.up.norm()) right = Vec3f::UnitY().cross(back).norm() > 0.1f ? Vec3f(Vec3f::UnitY().cross(back)) : Vec3f(Vec3f::UnitX());
+  if (right.norm() < 1e-4f * c.up.norm())
+    right = Vec3f::UnitY().cross(back).norm() > 0.1f ? Vec3f(Vec3f::UnitY().cross(back)) : Vec3f(Vec3f::UnitX());
   right.normalize();
   return {right, back.cross(right), back};
 }
@@ -117,8 +118,8 @@ Camera look_at_ball(const Vec3f& centre_mm, float radius_mm, const Vec3f& from, 
   return c;
 }
 
-Camera look_at_box(const Vec3f& low_mm, const Vec3f& high_mm, float margin, const Vec3f& from, const Vec3f& up, float fov_deg,
-                   double aspect) {
+Camera look_at_box(const Vec3f& low_mm, const Vec3f& high_mm, float margin, const Vec3f& from, const Vec3f& up,
+                   float fov_deg, double aspect) {
   const Vec3f centre = 0.5f * (low_mm + high_mm);
   const Vec3f half = (0.5f * margin * (high_mm - low_mm)).cwiseMax(0.5f);
   // A corner c is inside the picture when |across| <= (distance - toward) * slope, in both directions.
@@ -128,7 +129,8 @@ Camera look_at_box(const Vec3f& low_mm, const Vec3f& high_mm, float margin, cons
   for (int k = 0; k < 8; ++k) {
     const Vec3f c((k & 1 ? 1 : -1) * half.x(), (k & 2 ? 1 : -1) * half.y(), (k & 4 ? 1 : -1) * half.z());
     const float toward = c.dot(back);
-    distance = std::max({distance, toward + std::abs(c.dot(right)) / slope_x, toward + std::abs(c.dot(above)) / slope_y});
+    distance =
+        std::max({distance, toward + std::abs(c.dot(right)) / slope_x, toward + std::abs(c.dot(above)) / slope_y});
     reach = std::max(reach, c.norm());
   }
   Camera camera = look_at_ball(centre, reach, from, up, fov_deg, aspect);

@@ -37,7 +37,8 @@ struct Camera {
   float near_mm = 5, far_mm = 2000;
 
   View view(double aspect) const;
-  /// Left and right eye, off-axis frusta meeting in the plane of the target; each fills half of the image, side by side.
+  /// Left and right eye, off-axis frusta meeting in the plane of the target; each fills half of the image, side by
+  /// side.
   std::vector<View> stereo_side_by_side(double aspect, double eye_distance_mm = 6) const;
   /// The same, but each fills the whole image: for an anaglyph.
   std::vector<View> stereo_pair(double aspect, double eye_distance_mm = 6) const;
@@ -48,7 +49,7 @@ Camera look_at_ball(const Vec3f& centre_mm, float radius_mm, const Vec3f& from, 
                     double aspect);
 
 /// A camera that sees the box from the direction `from`, as near as it can with `margin` (1 = the box just fits).
-Camera look_at_box(const Vec3f& low_mm, const Vec3f& high_mm, float margin, const Vec3f& from, const Vec3f& up, float fov_deg,
-                   double aspect);
+Camera look_at_box(const Vec3f& low_mm, const Vec3f& high_mm, float margin, const Vec3f& from, const Vec3f& up,
+                   float fov_deg, double aspect);
 
 }  // namespace limberg

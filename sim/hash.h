@@ -15,7 +15,7 @@ class Hash64 {
     for (size_t i = 0; i < n; ++i) h_ = (h_ ^ p[i]) * 0x100000001b3ull;
   }
   template <class T>
-    requires std::is_arithmetic_v<T> || std::is_enum_v<T>
+  requires std::is_arithmetic_v<T> || std::is_enum_v<T>
   void add(T v) {
     if constexpr (std::is_integral_v<T> && sizeof v == 4 && std::endian::native == std::endian::little) {
       // Two high bytes of zero only multiply: taken together, small numbers cost half.

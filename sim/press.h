@@ -11,9 +11,9 @@ struct PressQuestion {
   uint64_t topology_version = 0;  // of the surface that the place is on
   int32_t triangle = -1;          // of its view
   std::array<double, 3> bary{1, 0, 0};
-  Vec3 normal = Vec3::UnitZ();    // of the skin there, deformed, unit, outward: the tool presses against it
-  double radius_mm = 1;           // of the tool's flat end
-  double depth_mm = 1;            // how deep it is, or would be
+  Vec3 normal = Vec3::UnitZ();  // of the skin there, deformed, unit, outward: the tool presses against it
+  double radius_mm = 1;         // of the tool's flat end
+  double depth_mm = 1;          // how deep it is, or would be
 };
 
 struct PressAnswer {

@@ -1,5 +1,6 @@
 #pragma once
-// A word out of a file, as it may stand in a message: short, and without the zero bytes that would end the message before its
+// A word out of a file, as it may stand in a message: short, and without the zero bytes that would end the message
+// before its
 // reason, or what a terminal would take for a command.
 #include <string>
 #include <string_view>

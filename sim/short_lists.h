@@ -1,5 +1,6 @@
 #pragma once
-// A short list of numbers per key, shared between versions (shared_array.h): the copies of a lattice cell, the triangles
+// A short list of numbers per key, shared between versions (shared_array.h): the copies of a lattice cell, the
+// triangles
 // that descend from a triangle. Most keys have at most one number, which needs no list.
 #include <cstdint>
 #include <span>

@@ -24,7 +24,7 @@ namespace limberg {
 
 struct ContactCounts;  // contact/contact_counts.h
 struct FaultPlan;
-struct PressAnswer;    // press.h
+struct PressAnswer;  // press.h
 struct PressQuestion;
 struct LatticeTopology;
 class Arrangement;
@@ -37,14 +37,18 @@ struct WorldSpec {
   std::shared_ptr<const Body> body;
   double cell_mm = 3.5;
   double suture_k_N_per_mm = 20;
-  double suture_bite_mm = 1;  // a stitch holds the mean of its wound's edge over so much to either side; 0: one point of it
+  double suture_bite_mm =
+      1;  // a stitch holds the mean of its wound's edge over so much to either side; 0: one point of it
   double hook_k_N_per_mm = 0.5;
   double suture_pull_mm_per_step = 0.5;  // how fast a stitch is drawn tight
-  double region_mm = 0;     // > 0: tissue farther than this from the chart's origin holds still (lattice/region.h)
-  bool can_cut = true;      // false: no cutter is built
-  bool refine_fronts = false;  // cells in which a cut ends are divided twice, three times where it runs askew, so that it opens to within a quarter cell of its end
-  bool refine_pockets = true;  // with refine_fronts: at the rim of what is undermined too
-  bool dynamic = false;     // false: quasi-static
+  double region_mm = 0;  // > 0: tissue farther than this from the chart's origin holds still (lattice/region.h)
+  bool can_cut = true;   // false: no cutter is built
+  bool refine_fronts =
+      // cells in which a cut ends are divided twice, three times where it runs askew, so that it opens to within a
+      // quarter cell of its end
+      false;
+  bool refine_pockets = true;                  // with refine_fronts: at the rim of what is undermined too
+  bool dynamic = false;                        // false: quasi-static
   ContactChoice contact = ContactChoice::off;  // do wound surfaces keep each other out? (contact/contact_finder.h)
   uint64_t seed = 1;
   FaultPlan* fault = nullptr;  // tests only: lets steps of a cut fail (cutting/fault.h)
@@ -58,13 +62,15 @@ class World {
 
   Outcome apply(const Command& command);
   StepReport step(const StepSettings& settings);
-  /// Takes what holds the tissue elsewhere: every fixed node to where(its place at rest), in mm. Free nodes stay where they are
+  /// Takes what holds the tissue elsewhere: every fixed node to where(its place at rest), in mm. Free nodes stay where
+  /// they are
   /// until the next step. Cuts keep it; undo goes back to how the tissue was held then.
   void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
   /// Reuses the snapshot's memory. The tension field costs a few ms and is filled only when asked for.
   void fill(Snapshot& snapshot, bool with_field = false) const;
   std::shared_ptr<const SurfaceTopology> topology() const;
-  /// How stiff the patient is against a tool that presses here (world/press_probe.h). Asking changes no bit of the patient.
+  /// How stiff the patient is against a tool that presses here (world/press_probe.h). Asking changes no bit of the
+  /// patient.
   PressAnswer press(const PressQuestion& question, int iterations = 8);
 
   uint64_t topology_hash() const;  // same on every machine
@@ -78,15 +84,17 @@ class World {
   const ElasticSolver& solver() const;
   const Arrangement* arrangement() const;  // null when the scene cannot be cut
   std::shared_ptr<const LatticeTopology> lattice() const;
-  double volume_mm3() const;           // exact, of all remaining pieces at rest
-  double removed_volume_mm3() const;   // exact, of what was excised
+  double volume_mm3() const;          // exact, of all remaining pieces at rest
+  double removed_volume_mm3() const;  // exact, of what was excised
   double initial_volume_mm3() const;
-  int pieces() const;                  // connected pieces of the lattice
-  int refused() const;                 // commands refused so far
-  bool settled() const;                // every stitch is drawn tight
+  int pieces() const;                    // connected pieces of the lattice
+  int refused() const;                   // commands refused so far
+  bool settled() const;                  // every stitch is drawn tight
   ContactCounts contact_counts() const;  // what contact has cost so far, counted
-  /// Elastic energy, threads included, above that of the open wound: of the last state at rest (residual 1e-3) that neither
-  /// hook nor stitch held. Nothing as long as there was none, or a hook still pulls. Cutting after it goes into the difference.
+  /// Elastic energy, threads included, above that of the open wound: of the last state at rest (residual 1e-3) that
+  /// neither
+  /// hook nor stitch held. Nothing as long as there was none, or a hook still pulls. Cutting after it goes into the
+  /// difference.
   std::optional<double> closure_energy_uJ() const;
 
  private:

@@ -20,7 +20,9 @@ namespace {
 constexpr double converged = 3e-6;
 constexpr int iterations_to_rest = 1500;
 
-std::array<int64_t, 3> key(const Vec3& X) { return {std::llround(X[0] * 1e6), std::llround(X[1] * 1e6), std::llround(X[2] * 1e6)}; }
+std::array<int64_t, 3> key(const Vec3& X) {
+  return {std::llround(X[0] * 1e6), std::llround(X[1] * 1e6), std::llround(X[2] * 1e6)};
+}
 
 /// Places with a value each, found by rest position.
 struct Field {
@@ -52,7 +54,8 @@ struct Subject {
 
   Subject(Probe p, Workers& workers, bool direct) : probe(std::move(p)) {
     // Tetrahedra have no lattice that a multilevel cycle could use.
-    solver = std::make_unique<fem::LbfgsSolver>(workers, true, direct ? fem::MetricPolicy{1 << 30} : fem::MetricPolicy{});
+    solver =
+        std::make_unique<fem::LbfgsSolver>(workers, true, direct ? fem::MetricPolicy{1 << 30} : fem::MetricPolicy{});
     solver->set_model(probe.model, {});
     pull(0);
     rest();
@@ -119,8 +122,10 @@ class Kept {
       try {
         AccuracyTrial t;
         t.cell_mm = std::stod(w[0]), t.element = w[1], t.material = w[2], t.step = w[3], t.iterations = std::stoi(w[4]);
-        t.own_kind = w[5] == "1", t.nodes = size_t(std::stoul(w[6])), t.frame_ms = std::stod(w[7]), t.frame_p95_ms = std::stod(w[8]);
-        t.error_mm = std::stod(w[9]), t.error_max_mm = std::stod(w[10]), t.lattice_mm = std::stod(w[11]), t.behind_mm = std::stod(w[12]);
+        t.own_kind = w[5] == "1", t.nodes = size_t(std::stoul(w[6])), t.frame_ms = std::stod(w[7]),
+        t.frame_p95_ms = std::stod(w[8]);
+        t.error_mm = std::stod(w[9]), t.error_max_mm = std::stod(w[10]), t.lattice_mm = std::stod(w[11]),
+        t.behind_mm = std::stod(w[12]);
         trials_[name(t)] = t;
       } catch (const std::exception&) {
         continue;  // as a line that was cut off
@@ -139,8 +144,9 @@ class Kept {
     if (file_.empty()) return;
     std::ofstream out(file_, std::ios::app);
     char number[320];
-    std::snprintf(number, sizeof number, "%d\t%d\t%zu\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t.", t.iterations, int(t.own_kind), t.nodes, t.frame_ms, t.frame_p95_ms, t.error_mm,
-                  t.error_max_mm, t.lattice_mm, t.behind_mm);
+    std::snprintf(number, sizeof number, "%d\t%d\t%zu\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t.", t.iterations,
+                  int(t.own_kind), t.nodes, t.frame_ms, t.frame_p95_ms, t.error_mm, t.error_max_mm, t.lattice_mm,
+                  t.behind_mm);
     out << cell(t) << '\t' << t.element << '\t' << t.material << '\t' << t.step << '\t' << number << '\n';
   }
 
@@ -150,7 +156,9 @@ class Kept {
     std::snprintf(c, sizeof c, "%.9g", t.cell_mm);
     return c;
   }
-  static std::string name(const AccuracyTrial& t) { return cell(t) + "|" + t.element + "|" + t.material + "|" + t.step + "|" + std::to_string(t.iterations); }
+  static std::string name(const AccuracyTrial& t) {
+    return cell(t) + "|" + t.element + "|" + t.material + "|" + t.step + "|" + std::to_string(t.iterations);
+  }
   std::string file_;
   std::map<std::string, AccuracyTrial> trials_;
 };
@@ -159,8 +167,8 @@ void mark(AccuracyReport& r) {
   for (AccuracyTrial& t : r.trials) {
     t.pareto = t.material == "scene" && t.step == "quasi-static" &&
                std::none_of(r.trials.begin(), r.trials.end(), [&](const AccuracyTrial& o) {
-                 return o.material == t.material && o.step == t.step && o.frame_ms <= t.frame_ms && o.error_mm <= t.error_mm &&
-                        (o.frame_ms < t.frame_ms || o.error_mm < t.error_mm);
+                 return o.material == t.material && o.step == t.step && o.frame_ms <= t.frame_ms &&
+                        o.error_mm <= t.error_mm && (o.frame_ms < t.frame_ms || o.error_mm < t.error_mm);
                });
   }
   AccuracyTrial* best = nullptr;
@@ -171,11 +179,13 @@ void mark(AccuracyReport& r) {
   for (AccuracyTrial& t : r.trials)
     if (t.own_kind && (!best || better(t, *best))) best = &t;
   if (!best) return;
-  // Iterations beyond what this slow pull needs cost nothing at rest and are there when the hand is quick: of the settings
+  // Iterations beyond what this slow pull needs cost nothing at rest and are there when the hand is quick: of the
+  // settings
   // within a twentieth of the least error, the one with the most that fits.
   const double least = best->error_mm;
   for (AccuracyTrial& t : r.trials)
-    if (t.own_kind && t.frame_p95_ms <= r.budget_ms && t.error_mm <= 1.05 * least && t.iterations > best->iterations) best = &t;
+    if (t.own_kind && t.frame_p95_ms <= r.budget_ms && t.error_mm <= 1.05 * least && t.iterations > best->iterations)
+      best = &t;
   best->chosen = true;
   r.point.cell_mm = best->cell_mm, r.point.iterations = best->iterations, r.point.frame_ms = best->frame_p95_ms;
   r.point.error_mm = best->error_mm, r.point.fits = best->frame_p95_ms <= r.budget_ms;
@@ -183,8 +193,9 @@ void mark(AccuracyReport& r) {
 
 std::string settings_of(const AccuracyTrial& t) {
   char s[160];
-  std::snprintf(s, sizeof s, "%s%s%s, %d iterations, p95 %.2f ms, lattice %.3f + behind %.3f mm, worst %.2f mm", t.pareto ? "[Pareto] " : "", t.chosen ? "[chosen] " : "",
-                (std::to_string(t.nodes) + " nodes").c_str(), t.iterations, t.frame_p95_ms, t.lattice_mm, t.behind_mm, t.error_max_mm);
+  std::snprintf(s, sizeof s, "%s%s%s, %d iterations, p95 %.2f ms, lattice %.3f + behind %.3f mm, worst %.2f mm",
+                t.pareto ? "[Pareto] " : "", t.chosen ? "[chosen] " : "", (std::to_string(t.nodes) + " nodes").c_str(),
+                t.iterations, t.frame_p95_ms, t.lattice_mm, t.behind_mm, t.error_max_mm);
   return s;
 }
 
@@ -203,7 +214,8 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
   const auto stopped = [&] { return spent() > set.limit_s || (set.interrupted && set.interrupted()); };
   InlineWorkers workers;
   const std::shared_ptr<const Body> body = build_body(scene);
-  std::vector<double> factors = set.quick ? std::vector<double>{1.6, 1.25, 1, 0.8} : std::vector<double>{2, 1.6, 1.25, 1, 0.8, 0.65};
+  std::vector<double> factors =
+      set.quick ? std::vector<double>{1.6, 1.25, 1, 0.8} : std::vector<double>{2, 1.6, 1.25, 1, 0.8, 0.65};
   const std::vector<int> iterations = set.quick ? std::vector<int>{4, 10, 20} : std::vector<int>{2, 5, 10, 20, 40};
   r.reference_cell_mm = scene.cell_mm * (set.quick ? 0.65 : 0.5);
 
@@ -213,7 +225,8 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
     return std::string(s);
   };
   char title[128];
-  std::snprintf(title, sizeof title, "limberg bench accuracy%s, scene %016llx, finest %.9g mm", set.quick ? " --quick" : "", static_cast<unsigned long long>(scene.hash), r.reference_cell_mm);
+  std::snprintf(title, sizeof title, "limberg bench accuracy%s, scene %016llx, finest %.9g mm",
+                set.quick ? " --quick" : "", static_cast<unsigned long long>(scene.hash), r.reference_cell_mm);
   const Kept kept(set.keep_file, title);
   std::optional<Field> fine_field;  // made when the first trial needs it
   const auto fine = [&]() -> const Field& {
@@ -224,7 +237,8 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
     return *fine_field;
   };
   // `subject` gives null when there is no such thing.
-  const auto add = [&](AccuracyTrial t, const std::function<Subject*()>& subject, const std::function<const Field&()>& truth, int steps_a_frame) {
+  const auto add = [&](AccuracyTrial t, const std::function<Subject*()>& subject,
+                       const std::function<const Field&()>& truth, int steps_a_frame) {
     if (const AccuracyTrial* done = kept.find(t)) {
       r.trials.push_back(*done);
       ++r.kept;
@@ -251,7 +265,8 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
       }
       return made.get();
     };
-    for (int steps : set.quick ? (scene.dynamic ? std::vector<int>{1} : std::vector<int>{0}) : std::vector<int>{0, 1, 2}) {
+    for (int steps :
+         set.quick ? (scene.dynamic ? std::vector<int>{1} : std::vector<int>{0}) : std::vector<int>{0, 1, 2}) {
       t.step = steps == 0 ? "quasi-static" : steps == 1 ? "backward Euler" : "backward Euler, 2 a frame";
       t.own_kind = scene.dynamic ? steps == 1 : steps == 0;
       for (int its : iterations) {
@@ -313,26 +328,38 @@ Result AccuracyReport::result() const {
   for (const AccuracyTrial& t : trials) {
     char label[48];
     std::snprintf(label, sizeof label, "%.3g mm cells", t.cell_mm);
-    out.rows.push_back({label, t.element + "; " + t.material + "; " + t.step, settings_of(t), t.frame_ms, false, t.error_mm, "mm", reference, true});
+    out.rows.push_back({label, t.element + "; " + t.material + "; " + t.step, settings_of(t), t.frame_ms, false,
+                        t.error_mm, "mm", reference, true});
   }
   char text[320];
-  out.bars.push_back({"frame of the chosen setting, 95th percentile (ms)", point.frame_ms, false, budget_ms, false, point.fits, "the budget asked for"});
-  std::snprintf(text, sizeof text, "operating point for %.2f ms a frame: cells of %.3g mm, %d iterations: error %.3f mm (root mean square), %.2f ms at the 95th percentile%s", budget_ms,
-                point.cell_mm, point.iterations, point.error_mm, point.frame_ms, point.fits ? "" : "; nothing fits the budget, this is the fastest");
+  out.bars.push_back({"frame of the chosen setting, 95th percentile (ms)", point.frame_ms, false, budget_ms, false,
+                      point.fits, "the budget asked for"});
+  std::snprintf(text, sizeof text,
+                "operating point for %.2f ms a frame: cells of %.3g mm, %d iterations: error %.3f mm (root mean "
+                "square), %.2f ms at the 95th percentile%s",
+                budget_ms, point.cell_mm, point.iterations, point.error_mm, point.frame_ms,
+                point.fits ? "" : "; nothing fits the budget, this is the fastest");
   out.notes.push_back(text);
-  std::snprintf(text, sizeof text, "%zu trials in %.0f s of CPU time%s. Times are those of tetrahedra and other laws on the general path in double precision, of the scenes' element on the vectorised one.",
-                trials.size() - kept, cpu_s, left_out ? (", " + std::to_string(left_out) + " left out for want of time").c_str() : "");
+  std::snprintf(text, sizeof text,
+                "%zu trials in %.0f s of CPU time%s. Times are those of tetrahedra and other laws on the general path "
+                "in double precision, of the scenes' element on the vectorised one.",
+                trials.size() - kept, cpu_s,
+                left_out ? (", " + std::to_string(left_out) + " left out for want of time").c_str() : "");
   out.notes.push_back(text);
-  if (kept) out.notes.push_back(std::to_string(kept) + " more trials were taken from an earlier run into the same folder.");
+  if (kept)
+    out.notes.push_back(std::to_string(kept) + " more trials were taken from an earlier run into the same folder.");
   return out;
 }
 
 std::string AccuracyReport::csv() const {
-  std::string s = "cell_mm,nodes,element,material,step,iterations,frame_ms,frame_p95_ms,error_rms_mm,error_max_mm,lattice_rms_mm,behind_rms_mm,pareto,chosen\n";
+  std::string s =
+      "cell_mm,nodes,element,material,step,iterations,frame_ms,frame_p95_ms,error_rms_mm,error_max_mm,lattice_rms_mm,"
+      "behind_rms_mm,pareto,chosen\n";
   for (const AccuracyTrial& t : trials) {
     char line[512];
-    std::snprintf(line, sizeof line, "%.4g,%zu,\"%s\",\"%s\",\"%s\",%d,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%d,%d\n", t.cell_mm, t.nodes, t.element.c_str(), t.material.c_str(), t.step.c_str(),
-                  t.iterations, t.frame_ms, t.frame_p95_ms, t.error_mm, t.error_max_mm, t.lattice_mm, t.behind_mm, t.pareto, t.chosen);
+    std::snprintf(line, sizeof line, "%.4g,%zu,\"%s\",\"%s\",\"%s\",%d,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%d,%d\n",
+                  t.cell_mm, t.nodes, t.element.c_str(), t.material.c_str(), t.step.c_str(), t.iterations, t.frame_ms,
+                  t.frame_p95_ms, t.error_mm, t.error_max_mm, t.lattice_mm, t.behind_mm, t.pareto, t.chosen);
     s += line;
   }
   return s;
@@ -343,7 +370,8 @@ std::string AccuracyReport::svg() const {
   c.description = "Error against run time of " + scene + ", with the Pareto front";
   c.x = {"CPU time of a frame, ms (median)", true, {}, {}}, c.y = {"error, mm (root mean square)", true, {}, {}};
   c.height = 460;
-  ChartSeries front{"Pareto front", {}, {}, true}, chosen{"chosen for the budget", {}, {}, true}, others{"other elements", {}, {}, true};
+  ChartSeries front{"Pareto front", {}, {}, true}, chosen{"chosen for the budget", {}, {}, true},
+      others{"other elements", {}, {}, true};
   std::map<double, ChartSeries, std::greater<>> by_cell;
   for (const AccuracyTrial& t : trials) {
     if (t.material != "scene") continue;

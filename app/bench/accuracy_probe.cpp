@@ -30,7 +30,8 @@ struct MeanShape {
 };
 
 bool plain(const FemModel& m) {
-  return m.hanging.empty() && std::all_of(m.stencils.begin(), m.stencils.end(), [](const Stencil& s) { return s.points.empty() && s.level == 0; });
+  return m.hanging.empty() && std::all_of(m.stencils.begin(), m.stencils.end(),
+                                          [](const Stencil& s) { return s.points.empty() && s.level == 0; });
 }
 
 }  // namespace
@@ -39,16 +40,19 @@ Probe make_probe(const Scene& scene, std::shared_ptr<const Body> body, double ce
   WorldSpec spec = world_spec(scene, body);
   spec.cell_mm = cell_mm;
   World world(spec, workers);
-  const double reach = 0.5 * (body->box_max_mm - body->box_min_mm).norm() / std::sqrt(3.0), half = std::min(20.0, 0.4 * reach);
+  const double reach = 0.5 * (body->box_max_mm - body->box_min_mm).norm() / std::sqrt(3.0),
+               half = std::min(20.0, 0.4 * reach);
   if (scene.can_cut)
-    world.apply(Incise{{{-half, 0}, {half, 0}}, std::min(scene.tools.default_depth_mm, scene.tools.max_depth_mm), 90, false});
+    world.apply(
+        Incise{{{-half, 0}, {half, 0}}, std::min(scene.tools.default_depth_mm, scene.tools.max_depth_mm), 90, false});
   Probe p;
   p.model = std::make_shared<const FemModel>(world.solver().model());
   const SurfaceTopology& t = *world.topology();
   const Outcome hooked = world.apply(SetHook{1, {0, 4}});
   Snapshot shown;
   world.fill(shown);
-  const Vec3 at = hooked.done && !shown.hooks.empty() ? Vec3(shown.hooks[0].at_mm.cast<double>()) : body->chart_origin_mm;
+  const Vec3 at =
+      hooked.done && !shown.hooks.empty() ? Vec3(shown.hooks[0].at_mm.cast<double>()) : body->chart_origin_mm;
 
   std::vector<uint8_t> skin(t.view.X_mm.size(), 0);
   for (size_t f = 0; f < t.view.tri.size(); ++f)
@@ -65,7 +69,8 @@ Probe make_probe(const Scene& scene, std::shared_ptr<const Body> body, double ce
   for (size_t v = 0; v < skin.size(); ++v) {
     if (!skin[v]) continue;
     const double d = (t.view.X_mm[v] - at).norm();
-    if (count[size_t(t.view.point[v])] == 1 && d < near_mm && d > hook_mm) p.X_mm.push_back(t.view.X_mm[v]), p.place.push_back(t.embedding[v]);
+    if (count[size_t(t.view.point[v])] == 1 && d < near_mm && d > hook_mm)
+      p.X_mm.push_back(t.view.X_mm[v]), p.place.push_back(t.embedding[v]);
     if (d < best) best = d, p.hook.a = t.embedding[v], p.hook.target_mm = t.view.X_mm[v];
   }
   p.hook.id = 1, p.hook.to_world = true, p.hook.k_N_per_mm = scene.hook_N_per_mm;
@@ -134,7 +139,8 @@ std::shared_ptr<const FemModel> with_tetrahedra(const FemModel& from) {
       const size_t u = (axis + 1) % 3, v = (axis + 2) % 3, base = high << axis;
       faces[f] = {base, base | size_t(1) << u, base | size_t(1) << u | size_t(1) << v, base | size_t(1) << v};
     }
-  // Twelve tetrahedra of the cell's centre and half a square. A square's diagonal runs through its corners of even lattice
+  // Twelve tetrahedra of the cell's centre and half a square. A square's diagonal runs through its corners of even
+  // lattice
   // coordinates, so both cells at it agree.
   const auto halves = [&](int parity) {
     std::vector<std::array<size_t, 3>> out;
@@ -173,7 +179,8 @@ std::shared_ptr<const FemModel> with_tetrahedra(const FemModel& from) {
     Vec3 X = Vec3::Zero();
     double mass = 0;
     bool fixed = true;
-    for (int32_t v : c.node) X += from.X_mm[size_t(v)] / 8, fixed = fixed && from.fixed[size_t(v)], mass += 0.25 * from.mass_kg[size_t(v)] / 8;
+    for (int32_t v : c.node)
+      X += from.X_mm[size_t(v)] / 8, fixed = fixed && from.fixed[size_t(v)], mass += 0.25 * from.mass_kg[size_t(v)] / 8;
     m->X_mm.push_back(X), m->fixed.push_back(fixed), m->parent.push_back(-1), m->mass_kg.push_back(mass);
     const size_t parity = size_t((c.at[0] / 2 + c.at[1] / 2 + c.at[2] / 2) & 1);
     for (size_t k = 0; k < 12; ++k) {

@@ -14,9 +14,9 @@ namespace limberg::bench {
 /// A scene on one lattice, cut and at rest.
 struct Probe {
   std::shared_ptr<const FemModel> model;
-  Spring hook;                          // at rest
-  Vec3 pull_mm = Vec3::Zero();          // of its handle, all in all
-  std::vector<Vec3> X_mm;               // places of the skin: rest position
+  Spring hook;                  // at rest
+  Vec3 pull_mm = Vec3::Zero();  // of its handle, all in all
+  std::vector<Vec3> X_mm;       // places of the skin: rest position
   std::vector<EmbeddedPoint> place;
 };
 
@@ -25,7 +25,8 @@ inline constexpr int probe_frames = 24;
 /// `cut`: try the incision; a scene that refuses it is pulled uncut.
 Probe make_probe(const Scene& scene, std::shared_ptr<const Body> body, double cell_mm, Workers& workers);
 
-/// The same with another element or material; null when the model cannot have it (cells that already carry laws, divided
+/// The same with another element or material; null when the model cannot have it (cells that already carry laws,
+/// divided
 /// cells).
 std::shared_ptr<const FemModel> with_full_integration(const FemModel& model);
 std::shared_ptr<const FemModel> with_tetrahedra(const FemModel& model);

@@ -6,7 +6,7 @@
 namespace limberg::bench {
 
 struct Row {
-  std::string name;       // the case: what was solved
+  std::string name;  // the case: what was solved
   std::string method;
   std::string settings;
   double time_ms = 0;     // process CPU time
@@ -24,7 +24,7 @@ struct Bar {
   double bar = 0;
   bool larger_is_better = true;
   bool pass = false;
-  std::string source;     // where the bar comes from
+  std::string source;  // where the bar comes from
 };
 
 struct Result {

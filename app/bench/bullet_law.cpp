@@ -37,7 +37,8 @@ class BulletLaw final : public MaterialLaw {
     const Mat3 C = cofactor(F);
     const double J = F.col(0).dot(C.col(0)), p = lambda_ * (J - 1) - 0.75 * mu_;
     const Eigen::Map<const Eigen::Matrix<double, 9, 1>> f(F.data()), c(C.data());
-    Mat9 H = mu_ * (1 - 1 / (I + 1)) * Mat9::Identity() + 2 * mu_ / square(I + 1) * f * f.transpose() + lambda_ * c * c.transpose();
+    Mat9 H = mu_ * (1 - 1 / (I + 1)) * Mat9::Identity() + 2 * mu_ / square(I + 1) * f * f.transpose() +
+             lambda_ * c * c.transpose();
     for (int i = 0; i < 3; ++i) {  // d cof F: blocks of the columns
       const int j = (i + 1) % 3, k = (i + 2) % 3;
       H.block<3, 3>(3 * i, 3 * j) -= p * cross_matrix(F.col(k));

@@ -91,10 +91,14 @@ struct BulletBody::Impl {
     world.getWorldInfo().m_sparsesdf.Initialize();
     std::vector<btVector3> x;
     std::vector<btScalar> mass;
-    for (size_t i = 0; i < X.size(); ++i) x.push_back(to_bullet(X[i])), mass.push_back(fixed[i] ? 0 : btScalar(m.mass_kg[i]));
+    for (size_t i = 0; i < X.size(); ++i)
+      x.push_back(to_bullet(X[i])), mass.push_back(fixed[i] ? 0 : btScalar(m.mass_kg[i]));
     body = std::make_unique<btSoftBody>(&world.getWorldInfo(), int(x.size()), x.data(), mass.data());
     for (auto t : five_tets(m)) {
-      if ((X[size_t(t[1])] - X[size_t(t[0])]).cross(X[size_t(t[2])] - X[size_t(t[0])]).dot(X[size_t(t[3])] - X[size_t(t[0])]) < 0) std::swap(t[2], t[3]);
+      if ((X[size_t(t[1])] - X[size_t(t[0])])
+              .cross(X[size_t(t[2])] - X[size_t(t[0])])
+              .dot(X[size_t(t[3])] - X[size_t(t[0])]) < 0)
+        std::swap(t[2], t[3]);
       body->appendTetra(t[0], t[1], t[2], t[3]);
     }
     btSoftBodyHelpers::generateBoundaryFaces(body.get());
@@ -117,7 +121,8 @@ struct BulletBody::Impl {
   ~Impl() { world.removeSoftBody(body.get()); }
 };
 
-BulletBody::BulletBody(const FemModel& m, double mu, double lambda, double damping) : impl_(std::make_unique<Impl>(m, mu, lambda, damping)) {}
+BulletBody::BulletBody(const FemModel& m, double mu, double lambda, double damping)
+    : impl_(std::make_unique<Impl>(m, mu, lambda, damping)) {}
 BulletBody::~BulletBody() = default;
 
 void BulletBody::set_springs(std::span<const Spring> springs) {

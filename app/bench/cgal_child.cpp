@@ -28,7 +28,8 @@ void write_mesh(const std::string& file, const std::vector<Int3>& x, std::span<c
     out.write(reinterpret_cast<const char*>(c), sizeof c);
   }
   out.write(reinterpret_cast<const char*>(tri.data()), std::streamsize(tri.size() * sizeof(Tri)));
-  if (!out.flush()) throw InputError(file, 0, "cannot be written; a file for the comparison with CGAL was to be written");
+  if (!out.flush())
+    throw InputError(file, 0, "cannot be written; a file for the comparison with CGAL was to be written");
 }
 
 }  // namespace
@@ -41,7 +42,8 @@ std::string cgal_program() {
 
 CgalChild::CgalChild(std::string program) : program_(std::move(program)) {
   if (::access(program_.c_str(), X_OK) != 0) {
-    why_ = "CGAL was not there at build (no " + program_ + "); install libcgal-dev and build the target limberg_bench_cgal, or call ./do bench cutting";
+    why_ = "CGAL was not there at build (no " + program_ +
+           "); install libcgal-dev and build the target limberg_bench_cgal, or call ./do bench cutting";
     return;
   }
   std::string name = (fs::temp_directory_path() / "limberg-cgal-XXXXXX").string();

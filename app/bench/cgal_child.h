@@ -2,7 +2,8 @@
 // CGAL's corefinement on the same input, timed in a program of its own.
 //
 // CGAL's Polygon Mesh Processing is under the GPL; Limberg's own program does not link it. `limberg_bench_cgal` is a
-// separate program beside it, built when CGAL was found (CMake option LIMBERG_CGAL_BENCH). It reads two meshes from files,
+// separate program beside it, built when CGAL was found (CMake option LIMBERG_CGAL_BENCH). It reads two meshes from
+// files,
 // measures the CPU time of one corefinement after the other, and prints it.
 #include <optional>
 #include <span>

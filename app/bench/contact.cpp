@@ -16,7 +16,8 @@
 namespace limberg::bench {
 namespace {
 
-// Issue 3: no visible interpenetration; 0.1 mm and 0.3 mm are what a picture of 1280 pixels over 240 mm shows as half a pixel
+// Issue 3: no visible interpenetration; 0.1 mm and 0.3 mm are what a picture of 1280 pixels over 240 mm shows as half a
+// pixel
 // and as one and a half.
 constexpr double kP99_mm = 0.1, kMax_mm = 0.3, kCost = 2, kSearch_ms = 1.5;
 
@@ -46,7 +47,8 @@ Closed close(const Patient& p, ContactChoice contact) {
   c.iterations = o.iterations, c.residual = o.last.residual;
   Snapshot shown;
   world.fill(shown);
-  for (const SutureState& s : shown.sutures) c.closure_N += double(s.force_N), c.gap_mm = std::max(c.gap_mm, double(s.gap_mm));
+  for (const SutureState& s : shown.sutures)
+    c.closure_N += double(s.force_N), c.gap_mm = std::max(c.gap_mm, double(s.gap_mm));
   c.overlap = penetration(shown.topology->view, shown.x_mm);
   c.counts = world.contact_counts();
   return c;
@@ -73,7 +75,8 @@ std::vector<Patient> procedures_on_a_patch() {
   std::vector<Patient> out;
   for (const Procedure& p : procedures()) {
     Patient one{p.name, spec, {}, 10};
-    for (const Command& c : carry_out(p.figure(p.defaults()), OnSkin(Skin(spec.body), {}))) one.script.lines.push_back({int(one.script.lines.size()) + 1, c});
+    for (const Command& c : carry_out(p.figure(p.defaults()), OnSkin(Skin(spec.body), {})))
+      one.script.lines.push_back({int(one.script.lines.size()) + 1, c});
     out.push_back(std::move(one));
   }
   return out;
@@ -82,23 +85,36 @@ std::vector<Patient> procedures_on_a_patch() {
 void add(Result& out, const Patient& p) {
   const Closed off = close(p, ContactChoice::off), on = close(p, ContactChoice::automatic);
   char text[320];
-  std::snprintf(text, sizeof text, "p99 %.3f at (%.1f, %.1f, %.1f), %.0f mm2; residual %.1e, %lld iterations, closure %.2f N, gap %.2f mm; %llu checks, %llu searches, %llu looks, %llu turned, %llu tired; %llu places",
-                on.overlap.p99_mm, on.overlap.at_mm[0], on.overlap.at_mm[1], on.overlap.at_mm[2], on.overlap.overlapping_mm2, on.residual, static_cast<long long>(on.iterations), on.closure_N, on.gap_mm,
-                static_cast<unsigned long long>(on.counts.checks), static_cast<unsigned long long>(on.counts.searches), static_cast<unsigned long long>(on.counts.looks),
-                static_cast<unsigned long long>(on.counts.turned), static_cast<unsigned long long>(on.counts.tired), static_cast<unsigned long long>(on.counts.places));
-  out.rows.push_back({p.name, "with contact", text, on.cpu_ms, false, on.overlap.max_mm, "mm", "the surfaces' overlap, at most", on.residual <= 1e-5});
-  std::snprintf(text, sizeof text, "p99 %.3f, %.0f mm2; residual %.1e, %lld iterations, closure %.2f N", off.overlap.p99_mm, off.overlap.overlapping_mm2, off.residual, static_cast<long long>(off.iterations), off.closure_N);
-  out.rows.push_back({p.name, "without", text, off.cpu_ms, false, off.overlap.max_mm, "mm", "the surfaces' overlap, at most", true});
+  std::snprintf(text, sizeof text,
+                "p99 %.3f at (%.1f, %.1f, %.1f), %.0f mm2; residual %.1e, %lld iterations, closure %.2f N, gap %.2f "
+                "mm; %llu checks, %llu searches, %llu looks, %llu turned, %llu tired; %llu places",
+                on.overlap.p99_mm, on.overlap.at_mm[0], on.overlap.at_mm[1], on.overlap.at_mm[2],
+                on.overlap.overlapping_mm2, on.residual, static_cast<long long>(on.iterations), on.closure_N, on.gap_mm,
+                static_cast<unsigned long long>(on.counts.checks), static_cast<unsigned long long>(on.counts.searches),
+                static_cast<unsigned long long>(on.counts.looks), static_cast<unsigned long long>(on.counts.turned),
+                static_cast<unsigned long long>(on.counts.tired), static_cast<unsigned long long>(on.counts.places));
+  out.rows.push_back({p.name, "with contact", text, on.cpu_ms, false, on.overlap.max_mm, "mm",
+                      "the surfaces' overlap, at most", on.residual <= 1e-5});
+  std::snprintf(text, sizeof text, "p99 %.3f, %.0f mm2; residual %.1e, %lld iterations, closure %.2f N",
+                off.overlap.p99_mm, off.overlap.overlapping_mm2, off.residual, static_cast<long long>(off.iterations),
+                off.closure_N);
+  out.rows.push_back(
+      {p.name, "without", text, off.cpu_ms, false, off.overlap.max_mm, "mm", "the surfaces' overlap, at most", true});
   const char* issue = "issue 3: no visible interpenetration after closure";
-  out.bars.push_back({p.name + ": overlap on 99 % of the wound, mm", on.overlap.p99_mm, false, kP99_mm, false, on.overlap.p99_mm <= kP99_mm, issue});
-  out.bars.push_back({p.name + ": deepest overlap, mm", on.overlap.max_mm, false, kMax_mm, false, on.overlap.max_mm <= kMax_mm, issue});
+  out.bars.push_back({p.name + ": overlap on 99 % of the wound, mm", on.overlap.p99_mm, false, kP99_mm, false,
+                      on.overlap.p99_mm <= kP99_mm, issue});
+  out.bars.push_back({p.name + ": deepest overlap, mm", on.overlap.max_mm, false, kMax_mm, false,
+                      on.overlap.max_mm <= kMax_mm, issue});
   const double cost = on.cpu_ms / off.cpu_ms;
-  out.bars.push_back({p.name + ": CPU time with contact over without", cost, false, kCost, false, cost <= kCost, "target: contact costs no more than the rest"});
-  std::snprintf(text, sizeof text, "%s: iterations with contact over without: %.2f", p.name.c_str(), double(on.iterations) / double(std::max<int64_t>(1, off.iterations)));
+  out.bars.push_back({p.name + ": CPU time with contact over without", cost, false, kCost, false, cost <= kCost,
+                      "target: contact costs no more than the rest"});
+  std::snprintf(text, sizeof text, "%s: iterations with contact over without: %.2f", p.name.c_str(),
+                double(on.iterations) / double(std::max<int64_t>(1, off.iterations)));
   out.notes.push_back(text);
 }
 
-/// The hooks' way in frames: 10 iterations each, contacts found a second time beside, which gives the same and is timed.
+/// The hooks' way in frames: 10 iterations each, contacts found a second time beside, which gives the same and is
+/// timed.
 void add_live(Result& out) {
   const Patient p = shipped("rhomboid");
   double step_ms[2];
@@ -146,7 +162,8 @@ void add_live(Result& out) {
         for (const HookState& k : shown.hooks)
           if (k.id == h->id) handle[size_t(k.id)] = k.handle_mm.cast<double>();
         if (!finder) {  // everything that is cut has been cut
-          const auto surface = contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding, world.lattice(), world.solver().model());
+          const auto surface = contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding,
+                                               world.lattice(), world.solver().model());
           finder = std::make_unique<ContactFinder>(surface, world.solver().model());
         }
       }
@@ -158,9 +175,13 @@ void add_live(Result& out) {
   std::sort(sorted.begin(), sorted.end());
   const double p95 = sorted.empty() ? 0 : sorted[sorted.size() * 95 / 100];
   char text[160];
-  std::snprintf(text, sizeof text, "finding contacts: median %.2f, p95 %.2f ms a step; the step without contact %.2f ms", search.median(), p95, step_ms[0]);
-  out.rows.push_back({"live: the flap is carried over", "with contact", text, step_ms[1], false, step_ms[1] / step_ms[0], "", "steps without contact", true});
-  out.bars.push_back({"live: finding contacts, ms a step", search.median(), false, kSearch_ms, false, search.median() <= kSearch_ms, "a tenth of a frame at 60 Hz"});
+  std::snprintf(text, sizeof text,
+                "finding contacts: median %.2f, p95 %.2f ms a step; the step without contact %.2f ms", search.median(),
+                p95, step_ms[0]);
+  out.rows.push_back({"live: the flap is carried over", "with contact", text, step_ms[1], false,
+                      step_ms[1] / step_ms[0], "", "steps without contact", true});
+  out.bars.push_back({"live: finding contacts, ms a step", search.median(), false, kSearch_ms, false,
+                      search.median() <= kSearch_ms, "a tenth of a frame at 60 Hz"});
 }
 
 }  // namespace

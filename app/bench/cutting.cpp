@@ -24,8 +24,10 @@ struct Size {
   bool exact;         // CGAL with exact points too
   double times_cgal;  // the bar; 0: none
 };
-constexpr Size full_sizes[] = {
-    {"26 k", 112, 15, true, 0}, {"103 k", 224, 15, true, 50}, {"407 k", 448, 9, true, 150}, {"1.6 M", 896, 7, false, 0}};
+constexpr Size full_sizes[] = {{"26 k", 112, 15, true, 0},
+                               {"103 k", 224, 15, true, 50},
+                               {"407 k", 448, 9, true, 150},
+                               {"1.6 M", 896, 7, false, 0}};
 constexpr Size quick_sizes[] = {{"2 k", 28, 3, true, 0}, {"7 k", 56, 3, true, 0}};
 
 size_t heap_bytes() {
@@ -71,11 +73,15 @@ double arrangement(Result& out, const CuttingSettings& settings, const Size& siz
       (exact ? epeck : epick).add(answer->ms);
       version = answer->version;
       if (answer->new_vertices != points)  // both know the same intersection
-        throw std::runtime_error(text("bench cutting: CGAL finds %ld intersection points, ours %d", answer->new_vertices, points));
+        throw std::runtime_error(
+            text("bench cutting: CGAL finds %ld intersection points, ours %d", answer->new_vertices, points));
     }
   }
   const std::string count = text("%zu triangles", triangles);
-  add_row(out, label, "ours", count + text(", %d intersection points, %d wall faces", points, made.wall_faces) + (made.tries > 1 ? text(", %d tries", made.tries) : ""), ours);
+  add_row(out, label, "ours",
+          count + text(", %d intersection points, %d wall faces", points, made.wall_faces) +
+              (made.tries > 1 ? text(", %d tries", made.tries) : ""),
+          ours);
   add_row(out, label, "ours: undo", count, undo);
   add_row(out, label, "ours: made once (tree, gluing)", count, built);
   if (!epick.empty()) add_row(out, label, "CGAL " + version + " corefine, EPICK", count, epick);
@@ -154,14 +160,19 @@ Result cutting(const CuttingSettings& settings) {
       if (size.cells == 224) at_103k = ms;
       if (size.cells == 896) at_1600k = ms;
     }
-    if (at_103k > 0 && at_1600k > 0) add_bar(out, "growth: 1.6 M over 103 k triangles", at_1600k / at_103k, 4.5, false, kTargets);
-    out.notes.push_back("Ours keeps a tree over the body's triangles (row 'made once'); CGAL makes its own in every call.");
-    out.notes.push_back("Ours also glues the banks, keeps what undo needs and checks volume and closure; CGAL adds the curve to both meshes.");
+    if (at_103k > 0 && at_1600k > 0)
+      add_bar(out, "growth: 1.6 M over 103 k triangles", at_1600k / at_103k, 4.5, false, kTargets);
+    out.notes.push_back(
+        "Ours keeps a tree over the body's triangles (row 'made once'); CGAL makes its own in every call.");
+    out.notes.push_back(
+        "Ours also glues the banks, keeps what undo needs and checks volume and closure; CGAL adds the curve to both "
+        "meshes.");
     if (!cgal.available()) out.notes.push_back("No comparison with CGAL: " + cgal.why() + ".");
   }
   if (wanted("history")) history(out, settings, settings.quick ? 56 : 224, settings.quick ? 30 : 200);
   if (wanted("crossing")) crossing_cuts(out, settings, settings.quick ? 56 : 224, settings.quick ? 3 : 11);
-  if (wanted("whole cut")) whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, settings.quick ? 2 : 9);
+  if (wanted("whole cut"))
+    whole_cut(out, settings, settings.quick ? 56 : 224, settings.quick ? 6 : 3, settings.quick ? 2 : 9);
   if (wanted("fronts")) fronts(out, settings);
   return out;
 }

@@ -21,7 +21,8 @@ inline CutResult cut(Arrangement& a, const Blade& blade, uint64_t seed, Times& t
   return r;
 }
 
-inline void add_row(Result& out, const std::string& name, const std::string& method, const std::string& settings, const Times& t) {
+inline void add_row(Result& out, const std::string& name, const std::string& method, const std::string& settings,
+                    const Times& t) {
   Row r;
   r.name = name;
   r.method = method;

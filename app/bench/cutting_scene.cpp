@@ -72,7 +72,8 @@ Blade curved_blade(const Body& body, const BladePlace& place) {
   const Vec2 along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
   for (int i = 0; i <= place.columns; ++i) {
     const double t = double(i) / place.columns - 0.5;
-    const Vec2 p = place.middle + along * (t * place.length_mm) + across * (place.bend_mm * std::sin(2 * kPi * t + 0.4));
+    const Vec2 p =
+        place.middle + along * (t * place.length_mm) + across * (place.bend_mm * std::sin(2 * kPi * t + 0.4));
     const double skin = skin_height(p.x(), p.y());
     blade.vertex.push_back(body.grid.to_grid({p.x(), p.y(), skin + 1}));
     blade.vertex.push_back(body.grid.to_grid({p.x(), p.y(), skin - place.depth_mm}));

@@ -42,8 +42,8 @@ std::string nodes_of(const FemModel& m) {
 struct Patient {
   WorldSpec spec;
   StepSettings step;
-  std::vector<Command> acts;      // before the pull
-  bool with_field = false;        // every frame
+  std::vector<Command> acts;  // before the pull
+  bool with_field = false;    // every frame
 };
 
 class WorldRun final : public Run {
@@ -83,9 +83,15 @@ class WorldRun final : public Run {
 /// The elasticity solver on a model, with nothing around it.
 class SolverRun final : public Run {
  public:
-  SolverRun(std::shared_ptr<const FemModel> model, const Spring& hook, const Vec3& pull_mm, const StepSettings& step, int frames, Workers* workers = nullptr,
-            bool estimate_error = true)
-      : hook_(hook), from_mm_(hook.target_mm), pull_mm_(pull_mm), step_(step), count_(frames), solver_(std::make_unique<fem::LbfgsSolver>(workers ? *workers : inline_, true, fem::MetricPolicy{}, fem::MinimiserPolicy{0, estimate_error})) {
+  SolverRun(std::shared_ptr<const FemModel> model, const Spring& hook, const Vec3& pull_mm, const StepSettings& step,
+            int frames, Workers* workers = nullptr, bool estimate_error = true)
+      : hook_(hook),
+        from_mm_(hook.target_mm),
+        pull_mm_(pull_mm),
+        step_(step),
+        count_(frames),
+        solver_(std::make_unique<fem::LbfgsSolver>(workers ? *workers : inline_, true, fem::MetricPolicy{},
+                                                   fem::MinimiserPolicy{0, estimate_error})) {
     solver_->set_model(std::move(model), {});
     for (int k = 0; k < 5; ++k) frame(0);
   }
@@ -150,15 +156,20 @@ class Trials {
       const Run& r = *runs[k];
       const double x = ratio(r);
       char text[240];
-      std::snprintf(text, sizeof text, "step x %.3f of off, memory %+.1f MB of off; %s; off against off: x %.3f%s", x, r.memory_mb - runs[0]->memory_mb, r.size().c_str(), 1 + noise,
+      std::snprintf(text, sizeof text, "step x %.3f of off, memory %+.1f MB of off; %s; off against off: x %.3f%s", x,
+                    r.memory_mb - runs[0]->memory_mb, r.size().c_str(), 1 + noise,
                     r.refused.empty() ? "" : (", refused: " + r.refused.substr(0, 60)).c_str());
-      out_.rows.push_back({part, variants[k].how, text, r.taken.median(), false, r.memory_mb, "MB", "the allocator's count; time: one step of 10 iterations", true});
+      out_.rows.push_back({part, variants[k].how, text, r.taken.median(), false, r.memory_mb, "MB",
+                           "the allocator's count; time: one step of 10 iterations", true});
       if (!variants[k].idle) continue;
-      // Three standard deviations of a median of n frames are about 3.8 / sqrt(n) of their scatter; the run's own twin says how much that is.
+      // Three standard deviations of a median of n frames are about 3.8 / sqrt(n) of their scatter; the run's own twin
+      // says how much that is.
       const double cost = 100 * (x - 1), bound = 2 + 100 * std::fabs(noise);
       char source[128];
-      std::snprintf(source, sizeof source, "off must cost nothing: 2 %% and the noise of this run (off against off %+.1f %%)", 100 * noise);
-      out_.bars.push_back({part + ", " + variants[k].how + ": more than off (%)", cost, false, bound, false, cost <= bound, source});
+      std::snprintf(source, sizeof source,
+                    "off must cost nothing: 2 %% and the noise of this run (off against off %+.1f %%)", 100 * noise);
+      out_.bars.push_back(
+          {part + ", " + variants[k].how + ": more than off (%)", cost, false, bound, false, cost <= bound, source});
     }
   }
 
@@ -215,14 +226,17 @@ Result features(const Scene& scene, const FeatureSettings& set) {
   };
   Patient base;
   base.spec = world_spec(scene, nullptr);
-  base.spec.can_cut = true, base.spec.contact = ContactChoice::off, base.spec.refine_fronts = false, base.spec.dynamic = false, base.spec.region_mm = 0;
+  base.spec.can_cut = true, base.spec.contact = ContactChoice::off, base.spec.refine_fronts = false,
+  base.spec.dynamic = false, base.spec.region_mm = 0;
   if (set.quick) base.spec.cell_mm = 2 * scene.cell_mm;
   base.step.max_iterations = 10;  // all of them: the same work in every frame
   const double depth = std::min(scene.tools.default_depth_mm, scene.tools.max_depth_mm);
   const Incise incision{{{-20, 0}, {20, 0}}, depth, 90, false};
   Patient cut = base;
   cut.acts = {incision};
-  const auto patient = [&](const Patient& p) { return [&scene, p, frames] { return std::make_unique<WorldRun>(p, scene, frames); }; };
+  const auto patient = [&](const Patient& p) {
+    return [&scene, p, frames] { return std::make_unique<WorldRun>(p, scene, frames); };
+  };
   const auto changed = [](Patient p, const auto& change) {
     change(p);
     return p;
@@ -231,96 +245,131 @@ Result features(const Scene& scene, const FeatureSettings& set) {
   if (wanted("everything off")) {
     // The bare solver on the patient's own model, with the patient's hook.
     const Patient plain = changed(base, [](Patient& p) { p.spec.can_cut = false; });
-    trials.add("everything off", {{"the elasticity solver alone", [&scene, plain, frames]() -> std::unique_ptr<Run> {
-                                     WorldRun w(plain, scene, frames);
-                                     Spring h;
-                                     h.id = 1, h.to_world = true, h.k_N_per_mm = plain.spec.hook_k_N_per_mm, h.target_mm = w.handle_mm();
-                                     const FemModel& m = w.world().solver().model();
-                                     size_t nearest = 0;
-                                     for (size_t i = 0; i < m.X_mm.size(); ++i)
-                                       if ((m.X_mm[i] - h.target_mm).squaredNorm() < (m.X_mm[nearest] - h.target_mm).squaredNorm()) nearest = i;
-                                     h.a.node[0] = int32_t(nearest), h.a.w[0] = 1;
-                                     return std::make_unique<SolverRun>(std::make_shared<FemModel>(m), h, Vec3(0, 6, 6), plain.step, frames);
-                                   }},
-                                  {"a patient that can be pulled only", patient(plain), true},
-                                  {"a patient that can be cut", patient(base), true}});
+    trials.add("everything off",
+               {{"the elasticity solver alone",
+                 [&scene, plain, frames]() -> std::unique_ptr<Run> {
+                   WorldRun w(plain, scene, frames);
+                   Spring h;
+                   h.id = 1, h.to_world = true, h.k_N_per_mm = plain.spec.hook_k_N_per_mm, h.target_mm = w.handle_mm();
+                   const FemModel& m = w.world().solver().model();
+                   size_t nearest = 0;
+                   for (size_t i = 0; i < m.X_mm.size(); ++i)
+                     if ((m.X_mm[i] - h.target_mm).squaredNorm() < (m.X_mm[nearest] - h.target_mm).squaredNorm())
+                       nearest = i;
+                   h.a.node[0] = int32_t(nearest), h.a.w[0] = 1;
+                   return std::make_unique<SolverRun>(std::make_shared<FemModel>(m), h, Vec3(0, 6, 6), plain.step,
+                                                      frames);
+                 }},
+                {"a patient that can be pulled only", patient(plain), true},
+                {"a patient that can be cut", patient(base), true}});
   }
   if (wanted("cutting"))
-    trials.add("cutting", {{"off: can_cut = false", patient(changed(base, [](Patient& p) { p.spec.can_cut = false; }))}, {"on, nothing cut", patient(base), true}, {"on, one incision of 40 mm", patient(cut)}});
+    trials.add("cutting", {{"off: can_cut = false", patient(changed(base, [](Patient& p) { p.spec.can_cut = false; }))},
+                           {"on, nothing cut", patient(base), true},
+                           {"on, one incision of 40 mm", patient(cut)}});
   if (wanted("contact")) {
     const auto touch = [](Patient& p) { p.spec.contact = ContactChoice::automatic; };
-    trials.add("contact", {{"off, nothing cut", patient(base)}, {"auto, nothing cut", patient(changed(base, touch)), true}});
-    trials.add("contact in a wound", {{"off, one incision", patient(cut)}, {"auto, one incision", patient(changed(cut, touch))}});
+    trials.add("contact",
+               {{"off, nothing cut", patient(base)}, {"auto, nothing cut", patient(changed(base, touch)), true}});
+    trials.add("contact in a wound",
+               {{"off, one incision", patient(cut)}, {"auto, one incision", patient(changed(cut, touch))}});
   }
   if (wanted("divided fronts")) {
     const auto divide = [](Patient& p) { p.spec.refine_fronts = true; };
-    trials.add("divided fronts", {{"off, one incision", patient(cut)}, {"on, one incision", patient(changed(cut, divide))}});
+    trials.add("divided fronts",
+               {{"off, one incision", patient(cut)}, {"on, one incision", patient(changed(cut, divide))}});
   }
   if (wanted("progressive incision")) {
     Patient drawn = base;
-    for (int k = 0; k < 4; ++k) drawn.acts.push_back(InciseMore{1, {{-20.0 + 10 * k, 0}, {-10.0 + 10 * k, 0}}, depth, 90, k == 3});
-    trials.add("progressive incision", {{"off: the whole stroke at once", patient(cut)}, {"on: in four pieces", patient(drawn)}});
+    for (int k = 0; k < 4; ++k)
+      drawn.acts.push_back(InciseMore{1, {{-20.0 + 10 * k, 0}, {-10.0 + 10 * k, 0}}, depth, 90, k == 3});
+    trials.add("progressive incision",
+               {{"off: the whole stroke at once", patient(cut)}, {"on: in four pieces", patient(drawn)}});
   }
   if (wanted("undo depth")) {
     Patient many = cut;
     for (int k = 1; k <= 8; ++k) many.acts.push_back(Incise{{{-15, 5.0 * k + 3}, {15, 5.0 * k + 3}}, depth, 90, false});
     trials.add("undo depth", {{"1 incision to undo", patient(cut)}, {"9 incisions to undo", patient(many)}});
     char note[128];
-    std::snprintf(note, sizeof note, "undo: %.2f MB for each incision of 30 mm, its wound included",
-                  (trials.memory_of("undo depth", "9 incisions to undo") - trials.memory_of("undo depth", "1 incision to undo")) / 8);
+    std::snprintf(
+        note, sizeof note, "undo: %.2f MB for each incision of 30 mm, its wound included",
+        (trials.memory_of("undo depth", "9 incisions to undo") - trials.memory_of("undo depth", "1 incision to undo")) /
+            8);
     out.notes.push_back(note);
   }
   if (wanted("sutures")) {
     const auto sew = [](Patient& p) { p.acts.push_back(SutureRow{{{-18, 1}, {18, 1}}, {{-18, -1}, {18, -1}}, 2}); };
-    trials.add("sutures", {{"none, one incision", patient(cut)}, {"19 across the incision", patient(changed(cut, sew))}});
+    trials.add("sutures",
+               {{"none, one incision", patient(cut)}, {"19 across the incision", patient(changed(cut, sew))}});
   }
   if (wanted("dynamics")) {
     const auto move = [&](Patient& p) { p.spec.dynamic = true, p.step.dt_s = 1 / scene.steps_per_s; };
-    trials.add("dynamics", {{"off: quasi-static", patient(cut)}, {"on: one implicit step a frame", patient(changed(cut, move))}});
+    trials.add("dynamics",
+               {{"off: quasi-static", patient(cut)}, {"on: one implicit step a frame", patient(changed(cut, move))}});
   }
-  if (wanted("tension field")) trials.add("tension field", {{"off", patient(cut)}, {"on: every frame", patient(changed(cut, [](Patient& p) { p.with_field = true; }))}});
+  if (wanted("tension field"))
+    trials.add("tension field", {{"off", patient(cut)},
+                                 {"on: every frame", patient(changed(cut, [](Patient& p) { p.with_field = true; }))}});
   if (wanted("region") && scene.source == Scene::Source::block) {
     trials.add("region of interest", {{"off: the whole block", patient(cut)},
-                                      {"on, all of the block inside", patient(changed(cut, [](Patient& p) { p.spec.region_mm = 1e4; })), true},
-                                      {"on: 40 mm about the middle, the rest absent", patient(changed(cut, [](Patient& p) { p.spec.region_mm = 40; }))}});
+                                      {"on, all of the block inside",
+                                       patient(changed(cut, [](Patient& p) { p.spec.region_mm = 1e4; })), true},
+                                      {"on: 40 mm about the middle, the rest absent",
+                                       patient(changed(cut, [](Patient& p) { p.spec.region_mm = 40; }))}});
   }
 
   // On plain finite elements: the same cells with and without.
   InlineWorkers workers;
-  const bool solvers = wanted("fibres") || wanted("viscoelasticity") || wanted("thin layers") || wanted("second worker") || wanted("error estimate");
+  const bool solvers = wanted("fibres") || wanted("viscoelasticity") || wanted("thin layers") ||
+                       wanted("second worker") || wanted("error estimate");
   if (!solvers) return out;
   const Probe probe = make_probe(scene, build_body(scene), base.spec.cell_mm, workers);
   const auto alone = [&](std::shared_ptr<const FemModel> model, const StepSettings& step, Workers* w = nullptr) {
     return [&probe, model, step, frames, w]() -> std::unique_ptr<Run> {
-      return std::make_unique<SolverRun>(std::make_shared<FemModel>(*model), probe.hook, probe.pull_mm, step, frames, w);
+      return std::make_unique<SolverRun>(std::make_shared<FemModel>(*model), probe.hook, probe.pull_mm, step, frames,
+                                         w);
     };
   };
   if (wanted("fibres")) {
-    const auto fibrous = with_upper_points(*probe.model, dispersed_fibres({50, 1.5, 0.15}, {{{1, 1, 0}}, {{1, -1, 0}}}), false);
-    trials.add("fibres (solver alone)", {{"off", alone(probe.model, base.step)}, {"on: two families in the uppermost cells", alone(fibrous, base.step)}});
+    const auto fibrous =
+        with_upper_points(*probe.model, dispersed_fibres({50, 1.5, 0.15}, {{{1, 1, 0}}, {{1, -1, 0}}}), false);
+    trials.add("fibres (solver alone)", {{"off", alone(probe.model, base.step)},
+                                         {"on: two families in the uppermost cells", alone(fibrous, base.step)}});
   }
   if (wanted("viscoelasticity")) {
     const auto viscous = with_upper_points(*probe.model, neo_hookean(20), true);
     StepSettings moving = base.step;
     moving.dt_s = 1 / scene.steps_per_s;
-    trials.add("viscoelasticity (solver alone)", {{"off, quasi-static", alone(probe.model, base.step)}, {"layers that relax, quasi-static steps", alone(viscous, base.step), true}});
-    trials.add("viscoelasticity, dynamic", {{"off", alone(probe.model, moving)}, {"on: one Prony term in the uppermost cells", alone(viscous, moving)}});
+    trials.add("viscoelasticity (solver alone)",
+               {{"off, quasi-static", alone(probe.model, base.step)},
+                {"layers that relax, quasi-static steps", alone(viscous, base.step), true}});
+    trials.add("viscoelasticity, dynamic", {{"off", alone(probe.model, moving)},
+                                            {"on: one Prony term in the uppermost cells", alone(viscous, moving)}});
   }
   if (wanted("thin layers")) {
     size_t shared = 0;
     const auto averaged = without_sliding(*probe.model, shared);
     char how[96];
     std::snprintf(how, sizeof how, "on: sliding in %zu of %zu cells", shared, probe.model->cells.size());
-    trials.add("thin layers (solver alone)", {{"off: layers of a cell averaged", alone(averaged, base.step)}, {how, alone(probe.model, base.step)}});
+    trials.add("thin layers (solver alone)",
+               {{"off: layers of a cell averaged", alone(averaged, base.step)}, {how, alone(probe.model, base.step)}});
   }
   if (wanted("error estimate"))
-    trials.add("error estimate (solver alone)", {{"off", [&]() -> std::unique_ptr<Run> { return std::make_unique<SolverRun>(std::make_shared<FemModel>(*probe.model), probe.hook, probe.pull_mm, base.step, frames, nullptr, false); }},
+    trials.add("error estimate (solver alone)", {{"off",
+                                                  [&]() -> std::unique_ptr<Run> {
+                                                    return std::make_unique<SolverRun>(
+                                                        std::make_shared<FemModel>(*probe.model), probe.hook,
+                                                        probe.pull_mm, base.step, frames, nullptr, false);
+                                                  }},
                                                  {"on", alone(probe.model, base.step)}});
   if (wanted("second worker")) {
     WorkersPool two(2);
-    trials.add("second worker (CPU time of both)", {{"off", alone(probe.model, base.step)}, {"on", alone(probe.model, base.step, &two)}});
+    trials.add("second worker (CPU time of both)",
+               {{"off", alone(probe.model, base.step)}, {"on", alone(probe.model, base.step, &two)}});
   }
-  out.notes.push_back("memory: of body, patient and solver together, in rows of the solver alone of that; each row's ratio is the median over the frames of on / off of the same frame, all run in turn");
+  out.notes.push_back(
+      "memory: of body, patient and solver together, in rows of the solver alone of that; each row's ratio is the "
+      "median over the frames of on / off of the same frame, all run in turn");
   return out;
 }
 

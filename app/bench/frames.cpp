@@ -22,7 +22,11 @@ namespace limberg::bench {
 
 namespace {
 
-double wall_ms() { return 1e-6 * double(std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()); }
+double wall_ms() {
+  return 1e-6 * double(std::chrono::duration_cast<std::chrono::nanoseconds>(
+                           std::chrono::steady_clock::now().time_since_epoch())
+                           .count());
+}
 
 /// The script up to its first stitch.
 Script opened(const Script& script) {
@@ -41,7 +45,9 @@ class ChosenWorkers final : public Workers {
   explicit ChosenWorkers(int most) : alone_(1), all_(most), now_(&alone_) {}
   void use(int n) { now_ = n > 1 ? &all_ : &alone_; }
   int count() const override { return now_->count(); }
-  void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) override { now_->parallel_for(n, grain, body); }
+  void parallel_for(size_t n, size_t grain, const std::function<void(size_t, size_t)>& body) override {
+    now_->parallel_for(n, grain, body);
+  }
   std::shared_ptr<Job> submit(std::function<void()> job) override { return now_->submit(std::move(job)); }
 
  private:
@@ -101,7 +107,8 @@ struct Loss {
 };
 
 /// Steps of a drag with and without pictures, in turns.
-Loss solver_beside(World& world, const Scene& scene, Snapshot& snapshot, int level, int blocks, const std::string& who, Result& out) {
+Loss solver_beside(World& world, const Scene& scene, Snapshot& snapshot, int level, int blocks, const std::string& who,
+                   Result& out) {
   DrawingShare share;
   Painter painter(scene, snapshot, share);
   painter.level(level);
@@ -126,7 +133,8 @@ Loss solver_beside(World& world, const Scene& scene, Snapshot& snapshot, int lev
       share.step_ended(RealClock::monotonic_ns(), report.iterations);
       if (block >= 0) (drawn ? beside : alone).add(wall_ms() - began);
       if (drawn) world.fill(snapshot), painter.show(snapshot);
-      std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(std::max(0.0, 1000 / scene.steps_per_s - (wall_ms() - began))));
+      std::this_thread::sleep_for(
+          std::chrono::duration<double, std::milli>(std::max(0.0, 1000 / scene.steps_per_s - (wall_ms() - began))));
     }
     if (drawn && block >= 0) painted_ms += wall_ms() - block_began;
   }
@@ -138,7 +146,8 @@ Loss solver_beside(World& world, const Scene& scene, Snapshot& snapshot, int lev
     Row r;
     r.name = "solver step, " + who;
     r.method = name;
-    r.time_ms = sum / double(std::max<size_t>(1, t.ms.size())), r.error_unit = "ms", r.reference = "wall time, mean", r.settings = std::to_string(t.ms.size()) + " steps";
+    r.time_ms = sum / double(std::max<size_t>(1, t.ms.size())), r.error_unit = "ms", r.reference = "wall time, mean",
+    r.settings = std::to_string(t.ms.size()) + " steps";
     out.rows.push_back(r);
   }
   Loss loss;
@@ -154,8 +163,11 @@ Loss solver_beside(World& world, const Scene& scene, Snapshot& snapshot, int lev
   loss.pictures = painter.frames() - pictures_before;
   loss.pictures_per_s = 1000.0 * loss.pictures / std::max(1.0, painted_ms);
   char note[200];
-  std::snprintf(note, sizeof note, "%s: %.1f pictures a second beside it (%d); drawing may take %.0f %% of the time, at a measured loss of %.0f %% while it draws", who.c_str(),
-                loss.pictures_per_s, loss.pictures, 100 * share.share(), 100 * std::max(0.0, share.loss()));
+  std::snprintf(note, sizeof note,
+                "%s: %.1f pictures a second beside it (%d); drawing may take %.0f %% of the time, at a measured loss "
+                "of %.0f %% while it draws",
+                who.c_str(), loss.pictures_per_s, loss.pictures, 100 * share.share(),
+                100 * std::max(0.0, share.loss()));
   out.notes.push_back(note);
   return loss;
 }
@@ -184,7 +196,9 @@ Result frames(const Scene& scene, const Script* script, const FramesSettings& se
   Renderer renderer(make_offscreen_context());
   SceneBuilder builder;
   const Camera camera = scene_camera(scene);
-  const std::vector<std::array<int, 2>> sizes = set.quick ? std::vector<std::array<int, 2>>{{64, 48}, {640, 480}} : std::vector<std::array<int, 2>>{{64, 48}, {640, 480}, {1280, 720}, {1920, 1080}};
+  const std::vector<std::array<int, 2>> sizes =
+      set.quick ? std::vector<std::array<int, 2>>{{64, 48}, {640, 480}}
+                : std::vector<std::array<int, 2>>{{64, 48}, {640, 480}, {1280, 720}, {1920, 1080}};
   for (const auto& [width, height] : sizes)
     for (const QualityLevel& q : kQualityLevels) {
       say(std::to_string(width) + " x " + std::to_string(height) + ", " + q.name);
@@ -194,8 +208,10 @@ Result frames(const Scene& scene, const Script* script, const FramesSettings& se
         const double c = cpu_ms(), w = wall_ms();
         const RenderScene& shown = builder.build(snapshot);
         const DrawOptions o = draw_options(q, width, height);
-        if (q.supersample > 1) renderer.draw(shown, view, o);
-        else renderer.paint(shown, std::span(&view, 1), o), renderer.compose(width, height), renderer.read();
+        if (q.supersample > 1)
+          renderer.draw(shown, view, o);
+        else
+          renderer.paint(shown, std::span(&view, 1), o), renderer.compose(width, height), renderer.read();
         if (i > 0) wall.add(wall_ms() - w), cpu.add(cpu_ms() - c);  // the first one warms up
       }
       Row r;
@@ -218,7 +234,8 @@ Result frames(const Scene& scene, const Script* script, const FramesSettings& se
     Bar b;
     b.name = "solver's loss beside pictures of 640 x 480, share of its step, " + who;
     b.value = loss.share;
-    b.bar = 0.2, b.larger_is_better = false, b.pass = b.value <= b.bar && loss.pictures >= blocks;  // without pictures it says nothing
+    b.bar = 0.2, b.larger_is_better = false,
+    b.pass = b.value <= b.bar && loss.pictures >= blocks;  // without pictures it says nothing
     b.source = "rendering must not take more than its share from the solver: 20 %";
     out.bars.push_back(b);
     Bar p;

@@ -47,7 +47,8 @@ Blade blade(const SlitSpec& s, const RestGrid& grid) {
   for (int i = 0; i < columns; ++i) {
     const double x = s.from_mm + (s.to_mm - s.from_mm) * i / (columns - 1);
     const Vec3 at = x * along(s) + s.y_mm * across(s);
-    b.vertex.push_back(grid.to_grid(at + Vec3::UnitZ())), b.vertex.push_back(grid.to_grid(at - s.depth_mm * Vec3::UnitZ()));
+    b.vertex.push_back(grid.to_grid(at + Vec3::UnitZ())),
+        b.vertex.push_back(grid.to_grid(at - s.depth_mm * Vec3::UnitZ()));
   }
   for (int32_t i = 0; i + 1 < columns; ++i) {
     b.tri.push_back({2 * i, 2 * i + 1, 2 * i + 3});
@@ -60,7 +61,8 @@ Blade blade(const SlitSpec& s, const RestGrid& grid) {
 /// The two banks as maps from (x, z), x along the slit, to what carries them.
 class Banks {
  public:
-  Banks(const LatticeTopology& lattice, const SurfaceView& view, const Vec3& along) : lattice_(lattice), view_(view), along_(along) {
+  Banks(const LatticeTopology& lattice, const SurfaceView& view, const Vec3& along)
+      : lattice_(lattice), view_(view), along_(along) {
     for (size_t t = 0; t < view.tri.size(); ++t)
       if (view.kind[t] == FaceKind::wall) wall_.push_back(int32_t(t));
   }
@@ -102,7 +104,8 @@ std::map<int32_t, double> carriers(const LatticeTopology& t, const EmbeddedPoint
   return sum;
 }
 
-/// Half the sum of what two points' carriers differ by: 0 for banks that cannot part, 1 for banks with no node in common.
+/// Half the sum of what two points' carriers differ by: 0 for banks that cannot part, 1 for banks with no node in
+/// common.
 double apart(const LatticeTopology& t, const EmbeddedPoint& a, const EmbeddedPoint& b) {
   std::map<int32_t, double> d = carriers(t, a);
   for (auto [n, w] : carriers(t, b)) d[n] -= w;
@@ -133,7 +136,8 @@ void find_closed(const SlitSpec& s, SlitOpening& out, Open&& open) {
 }
 
 void add_bar(Result& out, const std::string& name, double closed_cells) {
-  out.bars.push_back({name, closed_cells, false, 0.25, false, closed_cells <= 0.25, "issue 3: a cut's end within 1/4 of the coarse cell"});
+  out.bars.push_back({name, closed_cells, false, 0.25, false, closed_cells <= 0.25,
+                      "issue 3: a cut's end within 1/4 of the coarse cell"});
 }
 
 }  // namespace
@@ -182,7 +186,8 @@ SlitOpening open_slit(const SlitSpec& s, Workers& workers) {
   const auto width = [&](double x, double z) {
     double far = 0;
     const auto bank = banks.at(x, z);
-    for (size_t i = 1; i < bank.size(); ++i) far = std::max(far, (solver->position_mm(bank[i]) - solver->position_mm(bank[0])).norm());
+    for (size_t i = 1; i < bank.size(); ++i)
+      far = std::max(far, (solver->position_mm(bank[i]) - solver->position_mm(bank[0])).norm());
     return far;
   };
   for (double x = s.from_mm; x <= s.to_mm + 1e-9; x += 0.25) {
@@ -229,7 +234,8 @@ static void all_angles(Result& out, const CuttingSettings& settings) {
       for (int place = 0; place < (settings.quick ? 1 : 3); ++place) {
         SlitSpec s;
         s.block_mm = {44, 44, 10}, s.angle_deg = angle, s.cell_mm = cell;
-        s.from_mm = -9.2 - 0.31 * cell * place, s.to_mm = 8.1 + 0.37 * cell * place, s.depth_mm = 6.1 - 0.2 * cell * place, s.y_mm = 0.37 - 0.23 * cell * place;
+        s.from_mm = -9.2 - 0.31 * cell * place, s.to_mm = 8.1 + 0.37 * cell * place,
+        s.depth_mm = 6.1 - 0.2 * cell * place, s.y_mm = 0.37 - 0.23 * cell * place;
         s.front_levels = 2;
         nodes[0] += slit_in_lattice(s).nodes;
         s.front_levels = kLevels;
@@ -240,8 +246,10 @@ static void all_angles(Result& out, const CuttingSettings& settings) {
       }
     Row r;
     r.name = label, r.method = "fronts divided, lattice alone";
-    r.settings = text("%zu slits at 0 to 90 degrees; worst closed end %.3f of a cell, at %g degrees; %zu nodes in the mean, %zu with two divisions only",
-                      slits, worst, worst_at, nodes[1] / slits, nodes[0] / slits);
+    r.settings = text(
+        "%zu slits at 0 to 90 degrees; worst closed end %.3f of a cell, at %g degrees; %zu nodes in the mean, %zu with "
+        "two divisions only",
+        slits, worst, worst_at, nodes[1] / slits, nodes[0] / slits);
     out.rows.push_back(r);
     add_bar(out, text("closed end of a slit at any angle, cells of %g mm (cells)", cell), worst);
   }
@@ -279,22 +287,23 @@ void fronts(Result& out, const CuttingSettings& settings) {
       r.time_ms = o.lattice_ms + o.assembly_ms;
       r.error = std::sqrt(sum / double(o.width_mm.size())) / reference.widest_mm;
       r.error_unit = "", r.reference = text("width on the uniform lattice of %g mm", cell / 4);
-      r.settings = text("%zu nodes (%zu hang), closed %.2f and %.2f mm at the ends, %.2f at the bottom; widest %.2f mm", o.nodes, o.hanging,
-                        o.closed_low_mm, o.closed_high_mm, o.closed_deep_mm, o.widest_mm) +
+      r.settings = text("%zu nodes (%zu hang), closed %.2f and %.2f mm at the ends, %.2f at the bottom; widest %.2f mm",
+                        o.nodes, o.hanging, o.closed_low_mm, o.closed_high_mm, o.closed_deep_mm, o.widest_mm) +
                    text("; solved in %d iterations, %.0f ms, residual %.1e", o.iterations, o.solve_ms, o.reached);
       out.rows.push_back(r);
       if (c.levels == kLevels) bar(text("closed end of a slit in cells of %g mm, fronts divided (cells)", cell), o);
     }
     if (settings.quick) continue;
-    for (const auto& [name, levels] : {std::pair{"at 45 degrees to the cells", 0}, std::pair{"at 45 degrees, fronts divided", int(kLevels)}}) {
+    for (const auto& [name, levels] :
+         {std::pair{"at 45 degrees to the cells", 0}, std::pair{"at 45 degrees, fronts divided", int(kLevels)}}) {
       if (settings.progress) settings.progress(label + ": " + name);
       SlitSpec spec = base;
       spec.angle_deg = 45, spec.front_levels = levels;
       const SlitOpening o = open_slit(spec, workers);
       Row r;
       r.name = label, r.method = name, r.time_ms = o.lattice_ms + o.assembly_ms;
-      r.settings = text("%zu nodes (%zu hang), closed %.2f and %.2f mm at the ends, %.2f at the bottom; widest %.2f mm", o.nodes, o.hanging,
-                        o.closed_low_mm, o.closed_high_mm, o.closed_deep_mm, o.widest_mm);
+      r.settings = text("%zu nodes (%zu hang), closed %.2f and %.2f mm at the ends, %.2f at the bottom; widest %.2f mm",
+                        o.nodes, o.hanging, o.closed_low_mm, o.closed_high_mm, o.closed_deep_mm, o.widest_mm);
       out.rows.push_back(r);
       if (levels > 0) bar(text("the same at 45 degrees to the cells, cells of %g mm (cells)", cell), o);
     }

@@ -85,7 +85,8 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
         if (adversarial || runner.counts().refused == refused) continue;
         FuzzReport::Refusal r{history, i, c.ops.back().name, runner.last_cut.reason, {}};
         if (!s.out_dir.empty()) {
-          r.file = s.out_dir + "/refused_" + std::to_string(s.seed) + "_" + std::to_string(history) + "_" + std::to_string(i) + ".json";
+          r.file = s.out_dir + "/refused_" + std::to_string(s.seed) + "_" + std::to_string(history) + "_" +
+                   std::to_string(i) + ".json";
           fuzz::write_case(c, r.file);
         }
         report.refusals.push_back(std::move(r));
@@ -113,9 +114,10 @@ FuzzReport fuzz_run(const FuzzSettings& s) {
       const fuzz::Counts& g = report.generic;
       const fuzz::Counts& a = report.adversarial;
       s.progress(std::to_string(reported) + " operations, " + std::to_string(report.violations.size()) +
-                 " violations, refused " + std::to_string(g.refused) + " of " + std::to_string(g.cuts) + " generic and " +
-                 std::to_string(a.refused) + " of " + std::to_string(a.cuts) + " adversarial cuts; " + std::to_string(report.divided) +
-                 " with divided fronts; " + std::to_string(int64_t((cpu_ms() - start_ms) * 1e-3)) + " s of CPU");
+                 " violations, refused " + std::to_string(g.refused) + " of " + std::to_string(g.cuts) +
+                 " generic and " + std::to_string(a.refused) + " of " + std::to_string(a.cuts) + " adversarial cuts; " +
+                 std::to_string(report.divided) + " with divided fronts; " +
+                 std::to_string(int64_t((cpu_ms() - start_ms) * 1e-3)) + " s of CPU");
     }
   }
   report.cpu_s = (cpu_ms() - start_ms) * 1e-3;
@@ -171,8 +173,8 @@ Result FuzzReport::result() const {
   b.source = "one in ten thousand";
   r.bars.push_back(b);
   for (const Refusal& x : refusals)
-    r.notes.push_back("refused: " + x.name + ", history " + std::to_string(x.history) + ", operation " + std::to_string(x.op) +
-                      ": " + x.reason + (x.file.empty() ? "" : "; written to " + x.file));
+    r.notes.push_back("refused: " + x.name + ", history " + std::to_string(x.history) + ", operation " +
+                      std::to_string(x.op) + ": " + x.reason + (x.file.empty() ? "" : "; written to " + x.file));
   for (const Violation& v : violations)
     r.notes.push_back("violation: " + v.what + (v.file.empty() ? "" : "; written to " + v.file));
   return r;

@@ -15,15 +15,16 @@ struct FuzzSettings {
   int64_t operations = 10000;
   uint64_t seed = 1;
   uint64_t first_history = 0;  // to begin in the middle of a longer run
-  int check_every = 1;                              // operations between full checks
-  int max_violations = 20;                          // then it stops
-  int shrink_runs = 400;                            // given to making one small
-  std::string out_dir;                              // for repro files, of violations and of refused cuts in general position; empty: none are written
+  int check_every = 1;         // operations between full checks
+  int max_violations = 20;     // then it stops
+  int shrink_runs = 400;       // given to making one small
+  std::string
+      out_dir;  // for repro files, of violations and of refused cuts in general position; empty: none are written
   std::function<void(const std::string&)> progress;  // empty: silent
-  std::function<bool()> stop;                        // asked between histories: true ends the run, what was done is reported
+  std::function<bool()> stop;  // asked between histories: true ends the run, what was done is reported
   bool generic = true, adversarial = true;
-  int front_levels = 0;                             // of the lattice: how often cells at a front are divided
-  int divide_every = 1;                             // ... in one of so many histories of either kind
+  int front_levels = 0;  // of the lattice: how often cells at a front are divided
+  int divide_every = 1;  // ... in one of so many histories of either kind
   fuzz::Settings runner;
 };
 

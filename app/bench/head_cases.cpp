@@ -36,7 +36,8 @@ std::vector<Vec3> drawn_in_front(const Mesh& bone, double z, double wide, double
     const double a = 2 * std::numbers::pi * i / kPlaces;
     const Vec3 from(wide * std::cos(a), kFront_mm, z + high * std::sin(a));
     Bvh::LineHit hit;
-    if (bvh.line(from, -Vec3::UnitY(), 0, 2 * kFront_mm, std::span(&hit, 1)) > 0) out.push_back(from - hit.t * Vec3::UnitY());
+    if (bvh.line(from, -Vec3::UnitY(), 0, 2 * kFront_mm, std::span(&hit, 1)) > 0)
+      out.push_back(from - hit.t * Vec3::UnitY());
   }
   return out;
 }
@@ -88,29 +89,37 @@ std::vector<HeadCase> head_cases(const HeadModel& head, std::vector<std::string>
   const int32_t first = append(bones, head.mandible);
   std::vector<uint8_t> mandible(bones.nbr.size(), 0);
   std::fill(mandible.begin() + first, mandible.end(), uint8_t(1));
-  const auto region = [&](const Vec3& at, double radius) { return region_around(head.face, nearest_vertex(head.face, at), radius); };
-  const auto add = [&](std::string name, const Mesh& rest, const std::vector<uint8_t>& piece, const Eigen::Isometry3d& by, HeadCase::Tie tie, bool fitted = false) {
+  const auto region = [&](const Vec3& at, double radius) {
+    return region_around(head.face, nearest_vertex(head.face, at), radius);
+  };
+  const auto add = [&](std::string name, const Mesh& rest, const std::vector<uint8_t>& piece,
+                       const Eigen::Isometry3d& by, HeadCase::Tie tie, bool fitted = false) {
     HeadCase c;
-    c.name = std::move(name), c.fitted = fitted, c.bones = rest, c.moved = carried(rest, piece, by), c.measured = tie.face_region;
+    c.name = std::move(name), c.fitted = fitted, c.bones = rest, c.moved = carried(rest, piece, by),
+    c.measured = tie.face_region;
     c.ties.push_back(std::move(tie));
     out.push_back(std::move(c));
   };
   const HeadCase::Tie front{"front", region(landmark_of(head, "sto"), 80), 3, 10};
   add("mandible 8 mm forwards", bones, mandible, motion(Vec3::Zero(), Vec3::UnitX(), 0, {0, 8, 0}), front, true);
-  add("mandible turned 6 degrees", bones, mandible, motion(landmark_of(head, "Co_L"), Vec3::UnitZ(), 6, Vec3::Zero()), front);
+  add("mandible turned 6 degrees", bones, mandible, motion(landmark_of(head, "Co_L"), Vec3::UnitZ(), 6, Vec3::Zero()),
+      front);
   bone::Osteotomy cut;
   cut.kind = bone::Osteotomy::Kind::contour, cut.path_mm = drawn_in_front(head.cranium, 62, 33, 19);
   if (const Freed f = free_piece(head, cut, w); f.refused.empty()) {
     const HeadCase::Tie forehead{"forehead", region({0, 100, 58}, 62), 2, 15};
     add("forehead 8 mm forwards", f.bones, f.piece, motion(f.centre, Vec3::UnitX(), 0, {0, 8, 0}), forehead);
-    add("forehead tilted 10 degrees, 4 mm forwards", f.bones, f.piece, motion(f.centre, Vec3::UnitX(), -10, {0, 4, 0}), forehead);
+    add("forehead tilted 10 degrees, 4 mm forwards", f.bones, f.piece, motion(f.centre, Vec3::UnitX(), -10, {0, 4, 0}),
+        forehead);
   } else {
     notes.push_back("The forehead could not be cut out: " + f.refused);
   }
   cut = {};
-  cut.kind = bone::Osteotomy::Kind::plane, cut.point_mm = landmark_of(head, "Pog") + Vec3(0, -6, 4), cut.normal = Vec3(0, -0.25, 1).normalized(), cut.radius_mm = 45;
+  cut.kind = bone::Osteotomy::Kind::plane, cut.point_mm = landmark_of(head, "Pog") + Vec3(0, -6, 4),
+  cut.normal = Vec3(0, -0.25, 1).normalized(), cut.radius_mm = 45;
   if (const Freed f = free_piece(head, cut, w); f.refused.empty())
-    add("chin 6 mm forwards, 2 down", f.bones, f.piece, motion(f.centre, Vec3::UnitX(), 0, {0, 6, -2}), {"chin", region(landmark_of(head, "pog'"), 55), 3, 10});
+    add("chin 6 mm forwards, 2 down", f.bones, f.piece, motion(f.centre, Vec3::UnitX(), 0, {0, 6, -2}),
+        {"chin", region(landmark_of(head, "pog'"), 55), 3, 10});
   else
     notes.push_back("The chin could not be cut off: " + f.refused);
   return out;

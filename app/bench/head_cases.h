@@ -1,5 +1,6 @@
 #pragma once
-// The synthetic head's operations whose outcome the modes of the tissue are compared on: what is cut, what moves, what is tied.
+// The synthetic head's operations whose outcome the modes of the tissue are compared on: what is cut, what moves, what
+// is tied.
 #include <string>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace limberg::bench {
 /// An operation: bones before and after, and regions of the face that hang on them.
 struct HeadCase {
   std::string name;
-  bool fitted = false;          // the constants of the spring and shape modes were chosen on this one
+  bool fitted = false;  // the constants of the spring and shape modes were chosen on this one
   simplex::Mesh bones, moved;
   struct Tie {
     std::string name;
@@ -29,8 +30,10 @@ Vec3 landmark_of(const HeadModel& head, const std::string& name);
 /// An ellipse about (0, z) as wide and high as said, drawn on the outer surface of the bone as seen from in front.
 std::vector<Vec3> drawn_in_front(const simplex::Mesh& bone, double z_mm, double half_wide_mm, double half_high_mm);
 
-/// Mandible 8 mm forwards (fitted); forehead 8 mm forwards; mandible turned by 6 degrees about its left condyle; forehead tilted by 10 degrees
-/// and 4 mm forwards; chin cut off and carried 6 mm forwards and 2 down. What cannot be cut is left out and said in `notes`.
+/// Mandible 8 mm forwards (fitted); forehead 8 mm forwards; mandible turned by 6 degrees about its left condyle;
+/// forehead tilted by 10 degrees
+/// and 4 mm forwards; chin cut off and carried 6 mm forwards and 2 down. What cannot be cut is left out and said in
+/// `notes`.
 std::vector<HeadCase> head_cases(const HeadModel& head, std::vector<std::string>& notes, Workers& workers);
 
 }  // namespace limberg::bench

@@ -28,8 +28,8 @@ HeadTrial against(const Mesh& face, const std::vector<Vec3>& truth, const std::v
 struct Mode {
   const char* name;
   FaceMode mode;
-  double hold;   // springs: share of the shape force; below 0: as FaceModelSettings has it
-  bool aim;      // the bar applies
+  double hold;  // springs: share of the shape force; below 0: as FaceModelSettings has it
+  bool aim;     // the bar applies
 };
 constexpr Mode kModes[] = {{"finite elements", FaceMode::finite_elements, -1, true},
                            {"shape", FaceMode::shape, -1, true},
@@ -41,7 +41,9 @@ FaceModel tied(const HeadModel& head, const HeadCase& c, const Mode& mode, Worke
   if (mode.hold >= 0) s.hold = mode.hold;
   FaceModel f(head.face, w, s);
   for (const HeadCase::Tie& t : c.ties)
-    if (const limberg::Outcome o = f.connect(c.bones, {t.name, t.face_region, {}, t.layers, t.young_kPa, mode.mode}); !o.done) throw InputError("", 0, c.name + ", " + t.name + ": " + o.reason);
+    if (const limberg::Outcome o = f.connect(c.bones, {t.name, t.face_region, {}, t.layers, t.young_kPa, mode.mode});
+        !o.done)
+      throw InputError("", 0, c.name + ", " + t.name + ": " + o.reason);
   return f;
 }
 
@@ -51,8 +53,10 @@ void compare(HeadReport& out, const HeadModel& head, const HeadCase& c, const He
   for (int i = 0; i < 100 && !truth.at_rest(); ++i) truth.step(80);
   const std::vector<Vec3> X = truth.face().x_mm;
   const HeadTrial still = against(head.face, X, c.measured);
-  out.result.notes.push_back(text("%s: moves a region of %zu vertices by %.2f mm rms, %.2f mm at most.%s", c.name.c_str(), c.measured.size(), still.rms_mm, still.max_mm,
-                                  c.fitted ? " The constants of the modes were chosen on this case." : " Unseen when constants were chosen."));
+  out.result.notes.push_back(
+      text("%s: moves a region of %zu vertices by %.2f mm rms, %.2f mm at most.%s", c.name.c_str(), c.measured.size(),
+           still.rms_mm, still.max_mm,
+           c.fitted ? " The constants of the modes were chosen on this case." : " Unseen when constants were chosen."));
   for (const Mode& mode : kModes) {
     if (settings.progress) settings.progress(c.name + ", " + mode.name);
     FaceModel f = tied(head, c, mode, w);
@@ -72,11 +76,14 @@ void compare(HeadReport& out, const HeadModel& head, const HeadCase& c, const He
       if (f.at_rest()) break;
     }
     Row r;
-    r.name = c.name, r.method = mode.name, r.time_ms = ms, r.error = e.rms_mm, r.error_unit = "mm rms", r.reference = "finite elements at equilibrium";
-    r.settings = text("%d iterations; p95 %.2f, max %.2f mm%s", e.iterations, e.p95_mm, e.max_mm, e.at_rest ? "; at rest" : "");
+    r.name = c.name, r.method = mode.name, r.time_ms = ms, r.error = e.rms_mm, r.error_unit = "mm rms",
+    r.reference = "finite elements at equilibrium";
+    r.settings =
+        text("%d iterations; p95 %.2f, max %.2f mm%s", e.iterations, e.p95_mm, e.max_mm, e.at_rest ? "; at rest" : "");
     out.result.rows.push_back(r);
     if (mode.aim && mode.mode != FaceMode::finite_elements)
-      out.result.bars.push_back({text("%s, %s: distance from the finite elements (mm rms)", c.name.c_str(), mode.name), e.rms_mm, false, 1, false, e.rms_mm <= 1, "issue 7: the aim is 1 mm"});
+      out.result.bars.push_back({text("%s, %s: distance from the finite elements (mm rms)", c.name.c_str(), mode.name),
+                                 e.rms_mm, false, 1, false, e.rms_mm <= 1, "issue 7: the aim is 1 mm"});
   }
 }
 
@@ -92,13 +99,16 @@ std::vector<std::string> HeadReport::situations() const {
 std::string HeadReport::csv() const {
   std::string s = "situation,mode,iterations,cpu_ms,rms_mm,p95_mm,max_mm,at_rest\n";
   for (const HeadTrial& t : trials)
-    s += text("\"%s\",\"%s\",%d,%.3f,%.5f,%.5f,%.5f,%d\n", t.situation.c_str(), t.mode.c_str(), t.iterations, t.cpu_ms, t.rms_mm, t.p95_mm, t.max_mm, int(t.at_rest));
+    s += text("\"%s\",\"%s\",%d,%.3f,%.5f,%.5f,%.5f,%d\n", t.situation.c_str(), t.mode.c_str(), t.iterations, t.cpu_ms,
+              t.rms_mm, t.p95_mm, t.max_mm, int(t.at_rest));
   return s;
 }
 
 LineChart HeadReport::chart(const std::string& situation) const {
   LineChart c;
-  c.description = situation + ": distance of the face from the finite elements at equilibrium against run time, for each mode of the tissue";
+  c.description =
+      situation +
+      ": distance of the face from the finite elements at equilibrium against run time, for each mode of the tissue";
   c.x = {"CPU time of one core, ms", true, {}, {}};
   c.y = {"error of the face, mm rms", true, 0.005, {}};
   c.y_marks.push_back({1, "aim 1 mm"});
@@ -119,8 +129,10 @@ HeadReport head_suite(const HeadSettings& settings) {
   const double t0 = cpu_ms();
   const HeadModel head = make_head({}, w);
   Row r;
-  r.name = "synthetic head", r.method = "limberg", r.time_ms = cpu_ms() - t0, r.error = head.cranium_report.face_rms_mm, r.error_unit = "mm rms";
-  r.settings = text("cranium %d, mandible %d, face %d vertices; distance of face centres", head.cranium.vertices(), head.mandible.vertices(), head.face.vertices());
+  r.name = "synthetic head", r.method = "limberg", r.time_ms = cpu_ms() - t0, r.error = head.cranium_report.face_rms_mm,
+  r.error_unit = "mm rms";
+  r.settings = text("cranium %d, mandible %d, face %d vertices; distance of face centres", head.cranium.vertices(),
+                    head.mandible.vertices(), head.face.vertices());
   out.result.rows.push_back(r);
   const auto wanted = [&](const char* part) { return std::string(part).find(settings.only) != std::string::npos; };
   if (wanted("modes")) {

@@ -28,7 +28,8 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
       t.name = what, t.face_mm = at, t.face_radius_mm = radius, t.layers = layers, t.mode = kind;
       parts.tissues.push_back(t);
     };
-    tie("forehead", {0, 100, 58}, 78, 8), tie("jaw", landmark_of(model, "pog'"), 48, 8);  // more layers than any tissue needs: for its size
+    tie("forehead", {0, 100, 58}, 78, 8),
+        tie("jaw", landmark_of(model, "pog'"), 48, 8);  // more layers than any tissue needs: for its size
     Head head(std::move(parts), w);
     size_t tissue = 0;
     for (const simplex::Tissue* t : head.face_model().tissues()) tissue += size_t(t->vertices());
@@ -66,7 +67,8 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
     const double undo_t0 = cpu_ms();
     head.apply(Undo{}), head.apply(Undo{});
     const double undo_ms = cpu_ms() - undo_t0;
-    const std::string size = text("face %d, tissue %zu, bones %d vertices; one core", head.face().vertices(), tissue, head.bones_now().vertices());
+    const std::string size = text("face %d, tissue %zu, bones %d vertices; one core", head.face().vertices(), tissue,
+                                  head.bones_now().vertices());
     const auto row = [&](const char* what, double ms, double worst, const char* unit) {
       Row r;
       r.name = what, r.method = name, r.time_ms = ms, r.error = worst, r.error_unit = unit, r.settings = size;
@@ -76,9 +78,12 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
     row("a step while a fragment is carried, median", drag.percentile(0.5), drag.percentile(0.95), "ms, p95");
     if (!rest.empty()) row("a step while the face comes to rest, median", rest.percentile(0.5), double(until), "steps");
     row("taking both back", undo_ms, let_go_ms, "ms, letting go");
-    out.bars.push_back({text("%s: a step while a fragment is carried, p95 of %d at %zu vertices of tissue (ms, one core)", name, frames, tissue), drag.percentile(0.95), false, kFrame_ms, false, drag.percentile(0.95) <= kFrame_ms,
-                        "30 updates a second"});
-    out.bars.push_back({text("%s: a cut and the step after it (ms, one core)", name), cut_ms, false, kAtOnce_ms, false, cut_ms <= kAtOnce_ms, "0.1 s seems immediate (Miller 1968)"});
+    out.bars.push_back(
+        {text("%s: a step while a fragment is carried, p95 of %d at %zu vertices of tissue (ms, one core)", name,
+              frames, tissue),
+         drag.percentile(0.95), false, kFrame_ms, false, drag.percentile(0.95) <= kFrame_ms, "30 updates a second"});
+    out.bars.push_back({text("%s: a cut and the step after it (ms, one core)", name), cut_ms, false, kAtOnce_ms, false,
+                        cut_ms <= kAtOnce_ms, "0.1 s seems immediate (Miller 1968)"});
   }
 }
 

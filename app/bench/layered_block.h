@@ -1,5 +1,6 @@
 #pragma once
-// A flat block of skin on fat in cells that the skin does not fill: every row of cells is the exact sum of the layers in it, and
+// A flat block of skin on fat in cells that the skin does not fill: every row of cells is the exact sum of the layers
+// in it, and
 // a row that both share lets them slide, as lattices have it (lattice/shared_cells.h).
 #include "sim/fem/fem_model.h"
 

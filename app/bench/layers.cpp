@@ -26,18 +26,21 @@ constexpr double kPatch_mm = 6;
 /// Cells of h mm, held by its end or by its bottom and sides.
 FemModel block(const Case& c, double h, double skin_kPa, double nu) {
   LayeredBlock b;
-  b.cells = {int(std::lround(c.size_mm[0] / h)), int(std::lround(c.size_mm[1] / h)), int(std::lround(c.size_mm[2] / h))};
+  b.cells = {int(std::lround(c.size_mm[0] / h)), int(std::lround(c.size_mm[1] / h)),
+             int(std::lround(c.size_mm[2] / h))};
   b.size_mm = c.size_mm, b.skin_mm = kSkin_mm, b.skin_kPa = skin_kPa, b.poisson = nu;
   FemModel m = layered_block(b);
   for (size_t i = 0; i < m.X_mm.size(); ++i) {
     const Vec3& X = std::as_const(m.X_mm)[i];
     m.fixed.set(i, c.load == Load::beam ? X[0] < -0.5 * c.size_mm[0] + 1e-9
-                                        : X[2] < 1e-9 || std::fabs(X[0]) > 0.5 * c.size_mm[0] - 1e-9 || std::fabs(X[1]) > 0.5 * c.size_mm[1] - 1e-9);
+                                        : X[2] < 1e-9 || std::fabs(X[0]) > 0.5 * c.size_mm[0] - 1e-9 ||
+                                              std::fabs(X[1]) > 0.5 * c.size_mm[1] - 1e-9);
   }
   return m;
 }
 
-/// The mean displacement of where the load is, under a load of the given force spread evenly (springs so long that it stays).
+/// The mean displacement of where the load is, under a load of the given force spread evenly (springs so long that it
+/// stays).
 /// Hook: up, on a square of the skin. Beam: down, on the whole end.
 struct Answer {
   double moved_mm = 0, ms = 0, residual = 0;
@@ -84,7 +87,9 @@ Answer answer(const Case& c, double h, double skin_kPa, double nu) {
 
 Result layers(const LawsSettings& settings) {
   Result out;
-  const Case cases[] = {{"hook on skin over fat", Load::hook, {36, 36, 9}, 300}, {"beam of 9 mm bent", Load::beam, {36, 12, 9}, 20}, {"flap of 3 mm bent", Load::beam, {24, 12, 3}, 2}};
+  const Case cases[] = {{"hook on skin over fat", Load::hook, {36, 36, 9}, 300},
+                        {"beam of 9 mm bent", Load::beam, {36, 12, 9}, 20},
+                        {"flap of 3 mm bent", Load::beam, {24, 12, 3}, 2}};
   for (const Case& c : cases)
     for (const double skin : {60.0, 600.0}) {
       if (settings.quick && skin > 100) continue;
@@ -97,13 +102,18 @@ Result layers(const LawsSettings& settings) {
         const Answer a = answer(c, h, skin, nu);
         const double error = 100 * (a.moved_mm / fine.moved_mm - 1);
         char how[128];
-        std::snprintf(how, sizeof how, "cells of %.2g mm: %.4f mm, 0.75 mm: %.4f mm; %zu and %zu nodes; residual %.1e, %.1e", h, a.moved_mm, fine.moved_mm, a.nodes, fine.nodes, a.residual, fine.residual);
+        std::snprintf(how, sizeof how,
+                      "cells of %.2g mm: %.4f mm, 0.75 mm: %.4f mm; %zu and %zu nodes; residual %.1e, %.1e", h,
+                      a.moved_mm, fine.moved_mm, a.nodes, fine.nodes, a.residual, fine.residual);
         out.rows.push_back({c.name, what, how, a.ms, false, error, "%", "cells of 0.75 mm", true});
         if (h == 3)
-          out.bars.push_back({std::string(c.name) + ", " + what + ": error at 3 mm (%)", std::fabs(error), false, 5, false, std::fabs(error) <= 5, "issue: within 5 % of a mesh that resolves the skin"});
+          out.bars.push_back({std::string(c.name) + ", " + what + ": error at 3 mm (%)", std::fabs(error), false, 5,
+                              false, std::fabs(error) <= 5, "issue: within 5 % of a mesh that resolves the skin"});
       }
     }
-  out.notes.push_back("Layers: error of the displacement under the load; each load spread over the same points on every mesh. nu 0.49.");
+  out.notes.push_back(
+      "Layers: error of the displacement under the load; each load spread over the same points on every mesh. nu "
+      "0.49.");
   return out;
 }
 

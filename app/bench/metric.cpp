@@ -15,7 +15,8 @@ struct Size {
   int side, layers;
   double times_metis, full_ms, local_ms;  // bars; 0: none
 };
-// Times METIS: the issue's. Times in ms: full rebuild 25 and 100, local 10 and 30 as the stretch (targets after the prototype).
+// Times METIS: the issue's. Times in ms: full rebuild 25 and 100, local 10 and 30 as the stretch (targets after the
+// prototype).
 constexpr Size sizes[] = {{"2k", 24, 2, 0, 0, 0}, {"8k", 44, 3, 3, 25, 10}, {"30k", 66, 6, 5, 100, 30}};
 
 enum class Wound { slit, slit_and_flap };
@@ -27,12 +28,14 @@ struct Scene {
 
 /// Cells stay in their order, so that a cell's parent is its own index.
 Scene wounded(const FemModel& before, Wound wound) {
-  Scene s{std::make_shared<FemModel>(wounded_block(before, wound == Wound::slit ? 0 : 20)), std::vector<int32_t>(before.cells.size())};
+  Scene s{std::make_shared<FemModel>(wounded_block(before, wound == Wound::slit ? 0 : 20)),
+          std::vector<int32_t>(before.cells.size())};
   std::iota(s.cell_parent.begin(), s.cell_parent.end(), 0);
   return s;
 }
 
-void rebuilds(Result& out, const Size& size, const char* what, const Scene& before, const Scene& after, bool with_bars) {
+void rebuilds(Result& out, const Size& size, const char* what, const Scene& before, const Scene& after,
+              bool with_bars) {
   const auto old_cycle = fem::ScalarCycle::build(before.model, {}, 0);
   const fem::ScalarMatrix A0 = fem::assemble_scalar(*before.model, {}, 0);
   const fem::ScalarFactor F0 = fem::factorize(A0, {});
@@ -56,13 +59,14 @@ void rebuilds(Result& out, const Size& size, const char* what, const Scene& befo
   }
   char name[96], how[128];
   std::snprintf(name, sizeof name, "cut to metric, %s, %s", size.name, what);
-  std::snprintf(how, sizeof how, "%d of %d rows, %d of %d coarse rows made again", made.rows, made.of_rows, made.coarse_rows, made.of_coarse_rows);
+  std::snprintf(how, sizeof how, "%d of %d rows, %d of %d coarse rows made again", made.rows, made.of_rows,
+                made.coarse_rows, made.of_coarse_rows);
   const std::string nodes = std::to_string(after.model->X_mm.size()) + " nodes";
   char fill_text[48];
   std::snprintf(fill_text, sizeof fill_text, "fill %.2f of METIS's", fill);
   const auto row = [&](const char* method, const std::string& settings, const Times& t) {
-    out.rows.push_back({name, method, nodes + (settings.empty() ? "" : ", " + settings) + ", median of 7", t.median(), false,
-                        metis.median() / t.median(), "x", "METIS again in the same run", true});
+    out.rows.push_back({name, method, nodes + (settings.empty() ? "" : ", " + settings) + ", median of 7", t.median(),
+                        false, metis.median() / t.median(), "x", "METIS again in the same run", true});
   };
   row("assembly, METIS, factor, panels", "", metis);
   row("the same in the order of before", fill_text, inherited);
@@ -70,14 +74,18 @@ void rebuilds(Result& out, const Size& size, const char* what, const Scene& befo
   row("cycle, carried over", how, local);
   if (!with_bars) return;
   const auto bar = [&](const std::string& text, double value, double wanted, bool larger, const char* source) {
-    out.bars.push_back({std::string(name) + ": " + text, value, false, wanted, larger, larger ? value >= wanted : value <= wanted, source});
+    out.bars.push_back({std::string(name) + ": " + text, value, false, wanted, larger,
+                        larger ? value >= wanted : value <= wanted, source});
   };
-  bar("METIS again / carried over", metis.median() / local.median(), size.times_metis, true, "issue: 3 times at 8k, 5 times at 30k");
+  bar("METIS again / carried over", metis.median() / local.median(), size.times_metis, true,
+      "issue: 3 times at 8k, 5 times at 30k");
   bar("cycle afresh (ms)", full.median(), size.full_ms, false, "prototype: 25 at 8k, 97 at 30k");
-  bar("cycle carried over (ms)", local.median(), size.local_ms, false, "stretch after the prototype: 10 at 8k, 30 at 30k");
+  bar("cycle carried over (ms)", local.median(), size.local_ms, false,
+      "stretch after the prototype: 10 at 8k, 30 at 30k");
 }
 
-double largest(std::span<const Vec3f> u, const std::vector<Vec3f>& v, const std::vector<int32_t>& of, const std::vector<uint8_t>& shown) {
+double largest(std::span<const Vec3f> u, const std::vector<Vec3f>& v, const std::vector<int32_t>& of,
+               const std::vector<uint8_t>& shown) {
   double m = 0;
   for (size_t i = 0; i < u.size(); ++i)
     if (shown[i]) m = std::max(m, double((u[i] - v[of.empty() ? i : size_t(of[i])]).norm()));
@@ -127,7 +135,8 @@ void frames(Result& out, const Size& size, const Scene& before, const Scene& aft
   for (int k = 0; k < 40 && to_01 < 0; ++k) {
     const StepReport r = solver.step(frame);
     ++frame_count;
-    const double move = largest(solver.displacement_mm(), last, {}, top), lag = largest(solver.displacement_mm(), open, {}, top);
+    const double move = largest(solver.displacement_mm(), last, {}, top),
+                 lag = largest(solver.displacement_mm(), open, {}, top);
     const double out_of_rest = largest(solver.displacement_mm(), shut, after.model->parent.flat(), top);
     last.assign(solver.displacement_mm().begin(), solver.displacement_mm().end());
     if (k == 0) first_move = move, lag_first = lag, residual = r.residual;
@@ -137,11 +146,15 @@ void frames(Result& out, const Size& size, const Scene& before, const Scene& aft
   }
   char how[200];
   std::snprintf(how, sizeof how,
-                "10 steps a frame: %d frames on the cycle before the factor%s; first frame moves %.2f of %.2f mm, lag %.2f mm, residual %.1e; most a frame %.2f mm",
+                "10 steps a frame: %d frames on the cycle before the factor%s; first frame moves %.2f of %.2f mm, lag "
+                "%.2f mm, residual %.1e; most a frame %.2f mm",
                 meanwhile, meanwhile ? "" : " (none is made)", first_move, opening, lag_first, residual, most_move);
-  out.rows.push_back({name, solver.describe(), how, 0, false, meanwhile ? lag_adopted : lag_first, "mm", "equilibrium of the cut block, residual 4e-6", true});
-  out.rows.push_back({name, "frames to 0.1 mm", std::to_string(frame_count) + " frames", 0, to_01 < 0, double(to_01), "", "the same", to_01 > 0});
-  out.bars.push_back({std::string(name) + ": largest surface move / that of the opening", overshoot, false, 1.1, false, overshoot <= 1.1,
+  out.rows.push_back({name, solver.describe(), how, 0, false, meanwhile ? lag_adopted : lag_first, "mm",
+                      "equilibrium of the cut block, residual 4e-6", true});
+  out.rows.push_back({name, "frames to 0.1 mm", std::to_string(frame_count) + " frames", 0,
+                      to_01<0, double(to_01), "", "the same", to_01> 0});
+  out.bars.push_back({std::string(name) + ": largest surface move / that of the opening", overshoot, false, 1.1, false,
+                      overshoot <= 1.1,
                       "no unconverged jump: the wound opens, it does not fly open (a tenth for the path)"});
 }
 
@@ -181,12 +194,12 @@ void steps_after_cut(Result& out, const Size& size, const char* what, const Scen
   std::snprintf(name, sizeof name, "steps after a cut, %s, %s", size.name, what);
   for (int how = 0; how < 2; ++how) {
     std::snprintf(text, sizeof text, "%d steps to 1 mm, %d to 0.1 mm", steps[how][0], steps[how][1]);
-    out.rows.push_back({name, how ? "exact factor of the new model" : "cycle, carried over", text, 0, steps[how][1] < 0, double(steps[how][1]), "steps",
-                        "L-BFGS to residual 3e-6", true});
+    out.rows.push_back({name, how ? "exact factor of the new model" : "cycle, carried over", text, 0, steps[how][1] < 0,
+                        double(steps[how][1]), "steps", "L-BFGS to residual 3e-6", true});
   }
   const double ratio = double(steps[0][1]) / double(steps[1][1]);
-  out.bars.push_back({std::string(name) + ": cycle / exact factor", ratio, false, 1.5, false, steps[0][1] > 0 && ratio <= 1.5,
-                      "prototype: 0.97 to 1.2 times as many"});
+  out.bars.push_back({std::string(name) + ": cycle / exact factor", ratio, false, 1.5, false,
+                      steps[0][1] > 0 && ratio <= 1.5, "prototype: 0.97 to 1.2 times as many"});
 }
 
 }  // namespace

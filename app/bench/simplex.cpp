@@ -93,23 +93,26 @@ void cost(Result& out, const SimplexSettings& settings) {
       Constraint c;
       int rigidity;
     };
-    for (const Kind& k : {Kind{"tangent", Constraint::tangent, 1}, {"curvature", Constraint::curvature, 1}, {"shape", Constraint::shape, 1},
+    for (const Kind& k : {Kind{"tangent", Constraint::tangent, 1},
+                          {"curvature", Constraint::curvature, 1},
+                          {"shape", Constraint::shape, 1},
                           {"angle, rigidity 4", Constraint::angle, 4}}) {
       Mesh q = make_sphere({0, 0, 0}, 100, level);
       motion.set_law(law_of(k.c, k.rigidity));
-      out.rows.push_back(cost_row(std::string("iteration, ") + k.name, "limberg", vertices, ns_per_vertex([&] { motion.step(q); }, vertices, settings.quick)));
+      out.rows.push_back(cost_row(std::string("iteration, ") + k.name, "limberg", vertices,
+                                  ns_per_vertex([&] { motion.step(q); }, vertices, settings.quick)));
     }
   }
-  out.bars.push_back({"vertex-iteration at 20,480 vertices, one core (ns)", at_20k, false, kPrototypeNs / 2, false, at_20k <= kPrototypeNs / 2,
-                      "issue 7: twice as fast as the prototype's 207 ns"});
-  out.bars.push_back({"times faster than the plain loop in the same run", plain_20k / at_20k, false, 2, true, plain_20k >= 2 * at_20k,
-                      "the same, free of the machine's load"});
+  out.bars.push_back({"vertex-iteration at 20,480 vertices, one core (ns)", at_20k, false, kPrototypeNs / 2, false,
+                      at_20k <= kPrototypeNs / 2, "issue 7: twice as fast as the prototype's 207 ns"});
+  out.bars.push_back({"times faster than the plain loop in the same run", plain_20k / at_20k, false, 2, true,
+                      plain_20k >= 2 * at_20k, "the same, free of the machine's load"});
   // Least squares slope of log time over log vertices.
   double mn = 0, mt = 0, a = 0, b = 0;
   for (size_t i = 0; i < n.size(); ++i) mn += n[i] / double(n.size()), mt += t[i] / double(n.size());
   for (size_t i = 0; i < n.size(); ++i) a += (n[i] - mn) * (t[i] - mt), b += (n[i] - mn) * (n[i] - mn);
-  out.bars.push_back({text("growth: time ~ vertices^p, up to %.0f vertices", std::exp(n.back())), a / b, false, 1.1, false, a / b <= 1.1,
-                      "issue 7: linear; a tenth for caches that are left behind"});
+  out.bars.push_back({text("growth: time ~ vertices^p, up to %.0f vertices", std::exp(n.back())), a / b, false, 1.1,
+                      false, a / b <= 1.1, "issue 7: linear; a tenth for caches that are left behind"});
 }
 
 void session(Result& out, const SimplexSettings& settings) {
@@ -120,7 +123,8 @@ void session(Result& out, const SimplexSettings& settings) {
   const double v = face.vertices() + skull.vertices();
   const double ns = ns_per_vertex([&] { f.step(face), s.step(skull); }, v, settings.quick);
   out.rows.push_back(cost_row("face (shape) and skull (angle, rigidity 2)", "limberg", v, ns));
-  out.notes.push_back(text("Face and skull of %.0f vertices together: %.2f ms an iteration on one core.", v, ns * v * 1e-6));
+  out.notes.push_back(
+      text("Face and skull of %.0f vertices together: %.2f ms an iteration on one core.", v, ns * v * 1e-6));
 }
 
 void operators(Result& out, const SimplexSettings& settings) {
@@ -130,7 +134,9 @@ void operators(Result& out, const SimplexSettings& settings) {
   };
   const int64_t each = settings.quick ? 1000 : 33400;
   int64_t tried = 0, faults = 0, sequences = 0;
-  for (Start& s : std::vector<Start>{{"sphere", make_sphere({0, 0, 0}, 10, 2)}, {"torus", make_torus(30, 10, 16, 9)}, {"plane", make_plane(30, 30, 2)}}) {
+  for (Start& s : std::vector<Start>{{"sphere", make_sphere({0, 0, 0}, 10, 2)},
+                                     {"torus", make_torus(30, 10, 16, 9)},
+                                     {"plane", make_plane(30, 30, 2)}}) {
     if (settings.progress) settings.progress(std::string("random operators on a ") + s.name);
     const double t0 = cpu_ms();
     const RandomOperators r = random_operators(s.mesh, each, 7);
@@ -141,14 +147,16 @@ void operators(Result& out, const SimplexSettings& settings) {
     row.error = double(!r.fault.empty()), row.reference = "every invariant after every operator";
     row.pass = r.fault.empty();
     for (int k = 0; k < RandomOperators::kinds; ++k)
-      row.settings += text("%s %lld+%lld ", RandomOperators::name[k], static_cast<long long>(r.done[size_t(k)]), static_cast<long long>(r.refused[size_t(k)]));
+      row.settings += text("%s %lld+%lld ", RandomOperators::name[k], static_cast<long long>(r.done[size_t(k)]),
+                           static_cast<long long>(r.refused[size_t(k)]));
     row.settings += text("(done+refused); %lld stretches undone", static_cast<long long>(r.undone));
     if (!r.fault.empty()) row.settings += "; " + r.fault;
     tried += r.operations, faults += !r.fault.empty();
     out.rows.push_back(row);
   }
-  out.bars.push_back({text("invariants broken in %lld random operators (%lld sequences)", static_cast<long long>(tried), static_cast<long long>(sequences)), double(faults), false, 0, false, faults == 0,
-                      "issue 7: 100,000 keep every invariant"});
+  out.bars.push_back({text("invariants broken in %lld random operators (%lld sequences)", static_cast<long long>(tried),
+                           static_cast<long long>(sequences)),
+                      double(faults), false, 0, false, faults == 0, "issue 7: 100,000 keep every invariant"});
 }
 
 }  // namespace
@@ -158,7 +166,8 @@ Result simplex_suite(const SimplexSettings& settings) {
   cost(out, settings);
   session(out, settings);
   operators(out, settings);
-  out.notes.push_back("The plain loop computes the same positions with one vertex at a time and the C library's functions.");
+  out.notes.push_back(
+      "The plain loop computes the same positions with one vertex at a time and the C library's functions.");
   return out;
 }
 

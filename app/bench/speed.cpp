@@ -1,9 +1,8 @@
-#include "app/bench/speed_parts.h"
-
 #include <algorithm>
 #include <cmath>
 
 #include "app/bench/cpu_clock.h"
+#include "app/bench/speed_parts.h"
 #include "sim/fem/lbfgs_solver.h"
 #include "sim/fem/reference_newton.h"
 
@@ -15,13 +14,15 @@ const Vec3 pull(-10, -10, 26);  // mm, 29.6 in length
 struct Size {
   const char* name;
   int side, layers;
-  // Times faster than Newton. 8k to 1 mm: the issue's. 2k, and 8k to 0.1 mm: the targets set after the prototype (35-98 times to
+  // Times faster than Newton. 8k to 1 mm: the issue's. 2k, and 8k to 0.1 mm: the targets set after the prototype (35-98
+  // times to
   // 1 mm, 22-70 to 0.1 mm). 30k, where
   // Newton is stopped at its limit and the ratio is a lower bound: the prototype's lowest.
   double bar_1mm, bar_01mm;
   double lag_median, lag_worst;  // mm, drag; 0: not dragged. The issue's
 };
-constexpr Size sizes[] = {{"2k", 24, 2, 30, 20, 0, 0}, {"8k", 44, 3, 150, 50, 0.05, 0.05}, {"30k", 66, 6, 35, 22, 0.06, 0.3}};
+constexpr Size sizes[] = {
+    {"2k", 24, 2, 30, 20, 0, 0}, {"8k", 44, 3, 150, 50, 0.05, 0.05}, {"30k", 66, 6, 35, 22, 0.06, 0.3}};
 constexpr Size large = {"100k", 100, 9, 0, 0, 0, 0};  // the stretch: how far it gets, no bar
 
 const char* method(bool cycle) {
@@ -65,15 +66,17 @@ void cold_pull(const SpeedRun& run, const Size& size, double poisson) {
   const auto model = std::make_shared<FemModel>(scene.model);
   char label[64];
   std::snprintf(label, sizeof label, "pull 30 mm, %s nodes, nu %.2f", size.name, poisson);
-  const std::string nodes = std::to_string(model->X_mm.size()) + " nodes, " + std::to_string(model->cells.size()) + " cells";
+  const std::string nodes =
+      std::to_string(model->X_mm.size()) + " nodes, " + std::to_string(model->cells.size()) + " cells";
   run.say(std::string(label) + ": reference");
   const std::vector<Vec3> exact = equilibrium(model, scene.springs);
   const PullTimes ours = our_pull(model, scene.springs, exact);
   for (int i = 0; i < 2; ++i) {
     char how[128];
-    std::snprintf(how, sizeof how, ", %d iterations, to %s mm, median of 3; %.2f ms with the estimate of the error", ours.iterations[i], i ? "0.1" : "1", ours.with_estimate_ms[i]);
-    out.rows.push_back({label, method(ours.cycle), nodes + how,
-                        ours.ms[i], false, ours.error[i], "mm", "Newton to residual 1e-10", ours.iterations[i] >= 0 && ours.error[i] <= (i ? 0.1 : 1)});
+    std::snprintf(how, sizeof how, ", %d iterations, to %s mm, median of 3; %.2f ms with the estimate of the error",
+                  ours.iterations[i], i ? "0.1" : "1", ours.with_estimate_ms[i]);
+    out.rows.push_back({label, method(ours.cycle), nodes + how, ours.ms[i], false, ours.error[i], "mm",
+                        "Newton to residual 1e-10", ours.iterations[i] >= 0 && ours.error[i] <= (i ? 0.1 : 1)});
   }
   ReferenceElasticity reference(scene.model, scene.springs);
   reference.prepare();
@@ -82,23 +85,27 @@ void cold_pull(const SpeedRun& run, const Size& size, double poisson) {
   for (bool adaptive : {false, true}) {
     run.say(std::string(label) + (adaptive ? ": adaptive Newton" : ": projected Newton"));
     const NewtonTimes t = newton(reference, exact, adaptive, run.settings.newton_limit_ms);
-    const std::string how = nodes + ", " + std::to_string(t.iterations) + " iterations, " + std::to_string(t.failed) + " failed factors";
+    const std::string how =
+        nodes + ", " + std::to_string(t.iterations) + " iterations, " + std::to_string(t.failed) + " failed factors";
     const std::string method = adaptive ? "adaptive Newton, CHOLMOD" : "projected Newton, CHOLMOD";
     out.rows.push_back({label, method, how + ", to 1 mm", t.to_1mm, !t.has_1mm, t.has_1mm ? 1.0 : t.error, "mm",
                         "Newton to residual 1e-10", true});
     out.rows.push_back({label, method, how + ", to 0.1 mm", t.to_01mm, !t.has_01mm, t.has_01mm ? 0.1 : t.error, "mm",
                         "Newton to residual 1e-10", true});
     const auto better = [](bool has, double time, bool best_has, double best_time) {
-      return has != best_has ? has : has ? time < best_time : time > best_time;  // both stopped: the longer one says more
+      return has != best_has ? has
+             : has           ? time < best_time
+                             : time > best_time;  // both stopped: the longer one says more
     };
-    if (!adaptive || better(t.has_1mm, t.to_1mm, best.has_1mm, best.to_1mm)) best.has_1mm = t.has_1mm, best.to_1mm = t.to_1mm;
+    if (!adaptive || better(t.has_1mm, t.to_1mm, best.has_1mm, best.to_1mm))
+      best.has_1mm = t.has_1mm, best.to_1mm = t.to_1mm;
     if (!adaptive || better(t.has_01mm, t.to_01mm, best.has_01mm, best.to_01mm))
       best.has_01mm = t.has_01mm, best.to_01mm = t.to_01mm;
   }
   const auto bar = [&](const char* what, double newton_ms, bool has, double own_ms, double wanted) {
     const double ratio = own_ms > 0 ? newton_ms / own_ms : 0;
-    out.bars.push_back({std::string(label) + ": times faster than Newton to " + what, ratio, !has, wanted, true, ratio >= wanted,
-                        "issue: 150 times to 1 mm at 8k; prototype: 35-98 to 1 mm, 22-70 to 0.1 mm"});
+    out.bars.push_back({std::string(label) + ": times faster than Newton to " + what, ratio, !has, wanted, true,
+                        ratio >= wanted, "issue: 150 times to 1 mm at 8k; prototype: 35-98 to 1 mm, 22-70 to 0.1 mm"});
   };
   bar("1 mm", best.to_1mm, best.has_1mm, ours.ms[0], size.bar_1mm);
   bar("0.1 mm", best.to_01mm, best.has_01mm, ours.ms[1], size.bar_01mm);
@@ -147,23 +154,28 @@ void drag(const SpeedRun& run, const Size& size, double poisson, int every) {
   std::sort(lag.begin(), lag.end());
   char label[96], how[128];
   std::snprintf(label, sizeof label, "drag 60 mm/s at 60 Hz, %s nodes, nu %.3g", size.name, poisson);
-  std::snprintf(how, sizeof how, "%zu nodes, %.1f iterations a frame, longest frame %.1f ms", model->X_mm.size(), iterations, longest);
+  std::snprintf(how, sizeof how, "%zu nodes, %.1f iterations a frame, longest frame %.1f ms", model->X_mm.size(),
+                iterations, longest);
   const std::string truth = "equilibrium of the current target, residual 3e-6";
   const struct {
     const char* name;
     double value, bar;
     const char* source;
-  } figures[] = {{"lag median", lag[lag.size() / 2], size.lag_median, "prototype 0.000-0.001 at 8k, 0.011-0.026 at 30k"},
-                 {"lag worst", lag.back(), size.lag_worst, "prototype 0.001-0.004 at 8k, 0.155-0.284 at 30k"},
-                 {"3 frames after the stop", after, size.lag_worst > 0 ? 0.03 : 0, "prototype 0.001-0.013"}};
+  } figures[] = {
+      {"lag median", lag[lag.size() / 2], size.lag_median, "prototype 0.000-0.001 at 8k, 0.011-0.026 at 30k"},
+      {"lag worst", lag.back(), size.lag_worst, "prototype 0.001-0.004 at 8k, 0.155-0.284 at 30k"},
+      {"3 frames after the stop", after, size.lag_worst > 0 ? 0.03 : 0, "prototype 0.001-0.013"}};
   for (const auto& g : figures) {
     const bool pass = g.bar == 0 || g.value <= g.bar;
-    out.rows.push_back({label, method(cycle), std::string(g.name) + ", " + how, budget_ms, false, g.value, "mm", truth, pass});
-    if (g.bar > 0) out.bars.push_back({std::string(label) + ": " + g.name + " (mm)", g.value, false, g.bar, false, pass, g.source});
+    out.rows.push_back(
+        {label, method(cycle), std::string(g.name) + ", " + how, budget_ms, false, g.value, "mm", truth, pass});
+    if (g.bar > 0)
+      out.bars.push_back({std::string(label) + ": " + g.name + " (mm)", g.value, false, g.bar, false, pass, g.source});
   }
 }
 
-/// Iterations after which the error stays below `limit` (from the errors after 0, 1, ... iterations); -1 if it does not.
+/// Iterations after which the error stays below `limit` (from the errors after 0, 1, ... iterations); -1 if it does
+/// not.
 int settled_at(const std::vector<double>& error, double limit) {
   int at = -1;
   for (int k = int(error.size()); k-- > 0 && error[size_t(k)] <= limit;) at = k;
@@ -189,8 +201,10 @@ BenchScene pulled_scene(int side, int layers, double poisson) {
   return scene;
 }
 
-std::unique_ptr<ElasticSolver> ready(Workers& w, std::span<const Spring> springs, const std::shared_ptr<const FemModel>& model, bool estimate_error) {
-  std::unique_ptr<ElasticSolver> solver = std::make_unique<fem::LbfgsSolver>(w, true, fem::MetricPolicy{}, fem::MinimiserPolicy{0, estimate_error});
+std::unique_ptr<ElasticSolver> ready(Workers& w, std::span<const Spring> springs,
+                                     const std::shared_ptr<const FemModel>& model, bool estimate_error) {
+  std::unique_ptr<ElasticSolver> solver =
+      std::make_unique<fem::LbfgsSolver>(w, true, fem::MetricPolicy{}, fem::MinimiserPolicy{0, estimate_error});
   solver->set_model(model, {});
   solver->set_springs(springs);
   StepSettings none;
@@ -213,7 +227,8 @@ std::vector<Vec3> equilibrium(const std::shared_ptr<const FemModel>& model, std:
 }
 
 // First the error after every iteration, then timed calls of exactly as many as are needed.
-PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs, std::span<const Vec3> exact) {
+PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs,
+                   std::span<const Vec3> exact) {
   InlineWorkers workers;
   std::vector<double> error;
   {
@@ -249,7 +264,9 @@ PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const
 Result speed(const SpeedSettings& settings) {
   Result out;
   const SpeedRun run{out, settings};
-  const auto wanted = [&](const std::string& part) { return settings.only.empty() || part.find(settings.only) != std::string::npos; };
+  const auto wanted = [&](const std::string& part) {
+    return settings.only.empty() || part.find(settings.only) != std::string::npos;
+  };
   for (const Size& size : sizes) {
     if (settings.quick && size.side != 24) continue;
     for (double poisson : {0.45, 0.49})

@@ -1,10 +1,14 @@
 // The undermined flap, and why it takes twice the steps of a slit.
 //
-// The metric is scalar: it takes a sheet for a membrane, whose stiffness against a wave of number k is mu t k^2, and not for
-// a plate, which gives way by bending as E t^3 k^4 / 12. The quotient (t k)^2 / 4 is how far too stiff the metric is in the
+// The metric is scalar: it takes a sheet for a membrane, whose stiffness against a wave of number k is mu t k^2, and
+// not for
+// a plate, which gives way by bending as E t^3 k^4 / 12. The quotient (t k)^2 / 4 is how far too stiff the metric is in
+// the
 // sheet's slow waves. Measured here: the extreme eigenvalues of metric^-1 times stiffness (Lanczos with full
-// orthogonalisation; the stiffness by differences of the gradient in double, with the bulk modulus that the minimiser meets).
-// Steps go with the root of their quotient, as for conjugate gradients, whatever the pull, and however long the history.
+// orthogonalisation; the stiffness by differences of the gradient in double, with the bulk modulus that the minimiser
+// meets).
+// Steps go with the root of their quotient, as for conjugate gradients, whatever the pull, and however long the
+// history.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -29,7 +33,7 @@ double dot(const Field& a, const Field& b) {
 }
 
 struct Spectrum {
-  std::vector<double> value;     // of metric^-1 stiffness, as far as 100 Lanczos steps know it, ascending
+  std::vector<double> value;      // of metric^-1 stiffness, as far as 100 Lanczos steps know it, ascending
   std::vector<KnownMode> lowest;  // what belongs to the first of them
 };
 
@@ -58,11 +62,13 @@ Spectrum spectrum(const FemModel& m, const Field& u) {
     }
     F.panels.solve(y.data(), engine);
     Field z(n, Vec3::Zero());
-    for (size_t k = 0; k < y.size(); ++k) z[size_t(F.node_order[k])] = Vec3(double(y[k].x), double(y[k].y), double(y[k].z));
+    for (size_t k = 0; k < y.size(); ++k)
+      z[size_t(F.node_order[k])] = Vec3(double(y[k].x), double(y[k].y), double(y[k].z));
     return z;
   };
   Field r(n, Vec3::Zero());
-  for (const int32_t i : F.node_order) r[size_t(i)] = Vec3(std::sin(3.0 * i + 1), std::sin(5.0 * i + 2), std::sin(7.0 * i + 3));
+  for (const int32_t i : F.node_order)
+    r[size_t(i)] = Vec3(std::sin(3.0 * i + 1), std::sin(5.0 * i + 2), std::sin(7.0 * i + 3));
   Field z = metric(r);
   const auto scale = [&](double by) {
     for (Vec3& x : r) x *= by;
@@ -152,18 +158,24 @@ void speed_flap(const SpeedRun& run) {
     const std::string name = std::string(flap_mm > 0 ? "slit and flap of 20 mm, " : "slit, ") + size + " nodes";
     char how[320];
     const Steps full = steps(model, 1, 0), small = steps(model, 0.1, 0), longer = steps(model, 1, 40);
-    std::snprintf(how, sizeof how, "%d to 1 mm; a tenth of the pull, same accuracy in parts of it: %d; with a history of 40 pairs: %d", full.to_1, small.to_01, longer.to_01);
-    run.out.rows.push_back({name, "exact factor of the shape at rest", how, 0, full.to_01 < 0, double(full.to_01), "steps", "L-BFGS to residual 2.5e-6", true});
+    std::snprintf(how, sizeof how,
+                  "%d to 1 mm; a tenth of the pull, same accuracy in parts of it: %d; with a history of 40 pairs: %d",
+                  full.to_1, small.to_01, longer.to_01);
+    run.out.rows.push_back({name, "exact factor of the shape at rest", how, 0, full.to_01 < 0, double(full.to_01),
+                            "steps", "L-BFGS to residual 2.5e-6", true});
     const FemModel met = as_met(*model);
     std::vector<std::vector<KnownMode>> modes;  // at rest, pulled
     const auto shape = [&](const char* what, const Field& u) {
       const double start = cpu_ms();
       Spectrum found = spectrum(met, u);
       const double low = found.value.front(), high = found.value.back();
-      std::snprintf(how, sizeof how, "metric^-1 stiffness from %.4f to %.2f, %s; the 2nd, 6th, 11th and 21st from below %.4f, %.4f, %.4f, %.4f", low, high, what, found.value[1], found.value[5], found.value[10],
-                    found.value[20]);
+      std::snprintf(
+          how, sizeof how,
+          "metric^-1 stiffness from %.4f to %.2f, %s; the 2nd, 6th, 11th and 21st from below %.4f, %.4f, %.4f, %.4f",
+          low, high, what, found.value[1], found.value[5], found.value[10], found.value[20]);
       modes.push_back(std::move(found.lowest));
-      run.out.rows.push_back({name, "condition number", how, cpu_ms() - start, false, high / low, "", "Lanczos, 100 steps", true});
+      run.out.rows.push_back(
+          {name, "condition number", how, cpu_ms() - start, false, high / low, "", "Lanczos, 100 steps", true});
       return high / low;
     };
     const double at_rest = shape("at rest", Field(model->X_mm.size(), Vec3::Zero()));
@@ -182,18 +194,26 @@ void speed_flap(const SpeedRun& run) {
       continue;
     }
     const double more = double(full.to_01) / slit_steps, expected = std::sqrt(bent / slit_condition);
-    std::snprintf(how, sizeof how, "steps x %.2f of the slit's; root of the condition numbers' quotient, pulled: x %.2f (at rest, of the pulled slit's: x %.2f)", more, expected, std::sqrt(at_rest / slit_condition));
-    run.out.rows.push_back({name, "why", how, 0, false, more / expected, "x", "steps over what the condition says", true});
-    // Would it pay to tell the metric its softest modes? Plain L-BFGS in double on the energy as it is met. A hundredth of the pull
+    std::snprintf(how, sizeof how,
+                  "steps x %.2f of the slit's; root of the condition numbers' quotient, pulled: x %.2f (at rest, of "
+                  "the pulled slit's: x %.2f)",
+                  more, expected, std::sqrt(at_rest / slit_condition));
+    run.out.rows.push_back(
+        {name, "why", how, 0, false, more / expected, "x", "steps over what the condition says", true});
+    // Would it pay to tell the metric its softest modes? Plain L-BFGS in double on the energy as it is met. A hundredth
+    // of the pull
     // turns nothing: there the modes at rest are the right ones, and show what they are worth.
     const std::vector<Spring> slight{lip_hook(met, 0.01)};
     const std::vector<Vec3> nearly = equilibrium(std::make_shared<FemModel>(met), slight);
     int slight_plain = 0, slight_best = 1 << 20, best = 1 << 20;
     for (const int known : {0, 5, modes_known}) {
-      std::snprintf(how, sizeof how, "a hundredth of the pull, steps to 0.1 mm of it at full size, %d softest modes known", known);
+      std::snprintf(how, sizeof how,
+                    "a hundredth of the pull, steps to 0.1 mm of it at full size, %d softest modes known", known);
       const int taken = scalar_double_steps(met, slight, nearly, 0.001, std::span(modes[0]).first(size_t(known)));
-      if (known == 0) slight_plain = taken;
-      else if (taken > 0) slight_best = std::min(slight_best, taken);
+      if (known == 0)
+        slight_plain = taken;
+      else if (taken > 0)
+        slight_best = std::min(slight_best, taken);
       run.out.rows.push_back({name, "deflation", how, 0, taken < 0, double(taken), "steps", "", true});
     }
     const std::vector<Spring> hook{lip_hook(met, 1)};
@@ -203,13 +223,22 @@ void speed_flap(const SpeedRun& run) {
       for (const bool at_pulled : {false, true}) {
         if (known == 0 && at_pulled) continue;
         const int taken = scalar_double_steps(met, hook, exact, 0.1, std::span(modes[at_pulled]).first(size_t(known)));
-        if (known == 0) plain = taken;
-        else if (taken > 0 && !at_pulled) best = std::min(best, taken);
-        std::snprintf(how, sizeof how, known == 0 ? "steps to 0.1 mm, scalar double, no mode known" : "steps to 0.1 mm, scalar double, metric told the %d softest modes of the shape %s", known, at_pulled ? "as pulled, which nobody knows before" : "at rest");
-        run.out.rows.push_back({name, "deflation", how, 0, taken < 0, double(taken), "steps", "x " + std::to_string(double(taken) / plain).substr(0, 4) + " of without", true});
+        if (known == 0)
+          plain = taken;
+        else if (taken > 0 && !at_pulled)
+          best = std::min(best, taken);
+        std::snprintf(how, sizeof how,
+                      known == 0 ? "steps to 0.1 mm, scalar double, no mode known"
+                                 : "steps to 0.1 mm, scalar double, metric told the %d softest modes of the shape %s",
+                      known, at_pulled ? "as pulled, which nobody knows before" : "at rest");
+        run.out.rows.push_back({name, "deflation", how, 0, taken < 0, double(taken), "steps",
+                                "x " + std::to_string(double(taken) / plain).substr(0, 4) + " of without", true});
       }
-    std::snprintf(how, sizeof how, "%s: told the softest modes at rest, the metric takes %d instead of %d steps for a hundredth of the pull, but %d instead of %d for all of it: the flap turns on the way, and its soft modes with it. Not built.", name.c_str(), slight_best,
-                  slight_plain, best, plain);
+    std::snprintf(
+        how, sizeof how,
+        "%s: told the softest modes at rest, the metric takes %d instead of %d steps for a hundredth of the pull, but "
+        "%d instead of %d for all of it: the flap turns on the way, and its soft modes with it. Not built.",
+        name.c_str(), slight_best, slight_plain, best, plain);
     run.out.notes.push_back(how);
     run.bar(name + ": steps to 0.1 mm", full.to_01, 120, false, "prototype: 120 to 147, not understood");
   }

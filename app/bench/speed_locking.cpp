@@ -1,4 +1,5 @@
-// Energy of a strip bent into an S, two cells thick, against a mesh of six: what near incompressibility does to elements.
+// Energy of a strip bent into an S, two cells thick, against a mesh of six: what near incompressibility does to
+// elements.
 #include <cmath>
 
 #include "app/bench/cpu_clock.h"
@@ -66,16 +67,19 @@ void speed_locking(const SpeedRun& run) {
     const double start = cpu_ms();
     const double error = bent_energy(m, residual) / exact - 1;
     char how[128];
-    std::snprintf(how, sizeof how, "strip of 60 x 20 x 10 mm, one end 20 mm up, %zu nodes, residual %.0e", m.X_mm.size(), residual);
+    std::snprintf(how, sizeof how, "strip of 60 x 20 x 10 mm, one end 20 mm up, %zu nodes, residual %.0e",
+                  m.X_mm.size(), residual);
     run.out.rows.push_back({"two cells thick, nu .49", method, how, cpu_ms() - start, false, 100 * error, "%",
-                            run.settings.quick ? "ours, four cells thick" : "ours, six cells thick", !judged || std::fabs(error) <= 0.03});
+                            run.settings.quick ? "ours, four cells thick" : "ours, six cells thick",
+                            !judged || std::fabs(error) <= 0.03});
     return error;
   };
   const double own = row("limberg's hexahedra", box_model(strip(2, nu)), true);
   row("linear tetrahedra, body-centred", bcc_box_model(strip(2, nu)), false);
   row("full hexahedra", full_hexahedra(strip(2, nu)), false);
   if (!run.settings.quick)
-    run.bar("two cells thick, nu .49: energy error (%)", 100 * std::fabs(own), 3, false, "issue: 3 % (prototype 2.7; linear tet 22, full hex 103)");
+    run.bar("two cells thick, nu .49: energy error (%)", 100 * std::fabs(own), 3, false,
+            "issue: 3 % (prototype 2.7; linear tet 22, full hex 103)");
 }
 
 }  // namespace limberg::bench

@@ -16,7 +16,8 @@ struct SpeedRun {
   void say(const std::string& text) const {
     if (settings.progress) settings.progress(text);
   }
-  void bar(const std::string& name, double value, double wanted, bool larger, const char* source, bool at_least = false) const {
+  void bar(const std::string& name, double value, double wanted, bool larger, const char* source,
+           bool at_least = false) const {
     out.bars.push_back({name, value, at_least, wanted, larger, larger ? value >= wanted : value <= wanted, source});
   }
 };
@@ -27,30 +28,35 @@ double largest_error(std::span<const Vec3> u, std::span<const Vec3> exact);
 /// The scene with the hook pulled by 29.6 mm.
 BenchScene pulled_scene(int side, int layers, double poisson);
 /// A solver at rest with its factor or cycle made.
-std::unique_ptr<ElasticSolver> ready(Workers& w, std::span<const Spring> springs, const std::shared_ptr<const FemModel>& model, bool estimate_error = true);
+std::unique_ptr<ElasticSolver> ready(Workers& w, std::span<const Spring> springs,
+                                     const std::shared_ptr<const FemModel>& model, bool estimate_error = true);
 /// The equilibrium from rest: this solver to its floor, polished by Newton in double.
 std::vector<Vec3> equilibrium(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs);
 
 /// CPU time from rest until the largest error stays below 1 mm and 0.1 mm.
 struct PullTimes {
   double ms[2] = {0, 0}, error[2] = {0, 0};
-  int iterations[2] = {-1, -1};  // -1: not reached
+  int iterations[2] = {-1, -1};         // -1: not reached
   double with_estimate_ms[2] = {0, 0};  // the same and the error that frames carry (MinimiserPolicy::estimate_error)
   bool cycle = false;
 };
-PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs, std::span<const Vec3> exact);
+PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const Spring> springs,
+                   std::span<const Vec3> exact);
 
 /// What reading so many bytes, the half of them twice, takes at least.
 double solve_floor_ms(size_t bytes);
 
-/// A displacement that the metric is told the stiffness of: w with w . metric w = 1, and the stiffness over the metric there.
+/// A displacement that the metric is told the stiffness of: w with w . metric w = 1, and the stiffness over the metric
+/// there.
 struct KnownMode {
   std::vector<Vec3> w;
   double quotient = 1;
 };
-/// Iterations of L-BFGS(8) in scalar double from rest until the largest error stays below to_mm, -1: not within 400. The metric
+/// Iterations of L-BFGS(8) in scalar double from rest until the largest error stays below to_mm, -1: not within 400.
+/// The metric
 /// is M^-1 + sum (1 / quotient - 1) w w^T.
-int scalar_double_steps(const FemModel& model, std::span<const Spring> springs, std::span<const Vec3> exact, double to_mm, std::span<const KnownMode> known);
+int scalar_double_steps(const FemModel& model, std::span<const Spring> springs, std::span<const Vec3> exact,
+                        double to_mm, std::span<const KnownMode> known);
 
 void speed_kernels(const SpeedRun& run);        // instruction sets; three right-hand sides against CHOLMOD
 void speed_profile(const SpeedRun& run);        // where an iteration's time goes, beside the machine's floor

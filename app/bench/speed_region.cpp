@@ -1,8 +1,11 @@
 // Tissue far from the operation: kept whole, left out (fem/region_solver.h), or condensed.
 //
-// Condensed: far tissue that answers linearly can be eliminated exactly; what is left of it is a full matrix between the nodes
-// of its border (its Schur complement). So the model below, whose far cells have the small-strain law of their tissue, gives the very answer
-// that a condensed one would give, and what a condensed one takes is an absent one's time and the product with that matrix.
+// Condensed: far tissue that answers linearly can be eliminated exactly; what is left of it is a full matrix between
+// the nodes
+// of its border (its Schur complement). So the model below, whose far cells have the small-strain law of their tissue,
+// gives the very answer
+// that a condensed one would give, and what a condensed one takes is an absent one's time and the product with that
+// matrix.
 #include <cmath>
 
 #include "app/bench/cpu_clock.h"
@@ -21,7 +24,8 @@ class SmallStrain final : public MaterialLaw {
   SmallStrain(double mu, double lambda) : mu_(mu), lambda_(lambda) {}
   Response at(const Mat3& F) const override {
     const Mat3 G = F - Mat3::Identity(), e = 0.5 * (G + G.transpose());
-    return {mu_ * e.squaredNorm() + 0.5 * lambda_ * e.trace() * e.trace(), 2 * mu_ * e + lambda_ * e.trace() * Mat3::Identity()};
+    return {mu_ * e.squaredNorm() + 0.5 * lambda_ * e.trace() * e.trace(),
+            2 * mu_ * e + lambda_ * e.trace() * Mat3::Identity()};
   }
   Mat9 tangent_kPa(const Mat3&, bool) const override {
     Mat9 C = Mat9::Zero();
@@ -130,7 +134,8 @@ double product_ms(int n) {
   Times t;
   for (int repeat = 0; repeat < 7; ++repeat) {
     const double start = cpu_ms();
-    Eigen::Map<Eigen::VectorXf>(y.data(), n).noalias() = Eigen::Map<const Eigen::MatrixXf>(S.data(), n, n) * Eigen::Map<const Eigen::VectorXf>(x.data(), n);
+    Eigen::Map<Eigen::VectorXf>(y.data(), n).noalias() =
+        Eigen::Map<const Eigen::MatrixXf>(S.data(), n, n) * Eigen::Map<const Eigen::VectorXf>(x.data(), n);
     t.add(cpu_ms() - start);
     x[size_t(repeat)] += y[0] * 1e-9f;
   }
@@ -148,7 +153,8 @@ void speed_region(const SpeedRun& run) {
   double largest = 0;
   for (const Vec3f& v : exact.u) largest = std::max(largest, double(v.norm()));
   char how[240];
-  std::snprintf(how, sizeof how, "%s; hook %.4f N, moved by %.2f mm at most", exact.size.c_str(), exact.force_N, largest);
+  std::snprintf(how, sizeof how, "%s; hook %.4f N, moved by %.2f mm at most", exact.size.c_str(), exact.force_N,
+                largest);
   run.out.rows.push_back({name, "the whole block", how, exact.iteration_ms, false, 0, "mm", "itself", true});
   for (const double half_mm : {32.0, 40.0, 48.0}) {
     int border = 0;
@@ -162,15 +168,26 @@ void speed_region(const SpeedRun& run) {
       return e;
     };
     const double product = product_ms(3 * border), evaluations = 4.0 / 3;
-    std::snprintf(how, sizeof how, "beyond %.0f mm; %s, hook %+.2f %%; x %.2f of the whole block's iteration", half_mm, absent.size.c_str(), 100 * (absent.force_N / exact.force_N - 1), absent.iteration_ms / exact.iteration_ms);
-    run.out.rows.push_back({name, "absent", how, absent.iteration_ms, false, error(absent), "mm", "the whole block, inside", true});
+    std::snprintf(how, sizeof how, "beyond %.0f mm; %s, hook %+.2f %%; x %.2f of the whole block's iteration", half_mm,
+                  absent.size.c_str(), 100 * (absent.force_N / exact.force_N - 1),
+                  absent.iteration_ms / exact.iteration_ms);
+    run.out.rows.push_back(
+        {name, "absent", how, absent.iteration_ms, false, error(absent), "mm", "the whole block, inside", true});
     const double time = absent.iteration_ms + evaluations * product;
-    std::snprintf(how, sizeof how, "beyond %.0f mm; border of %d nodes: %.1f MB, %.3f ms a product; hook %+.2f %%; x %.2f of the whole block's iteration", half_mm, border, 36e-6 * border * border, product,
-                  100 * (condensed.force_N / exact.force_N - 1), time / exact.iteration_ms);
-    run.out.rows.push_back({name, "condensed, linear (time: absent + product)", how, time, false, error(condensed), "mm", "the whole block, inside", true});
+    std::snprintf(how, sizeof how,
+                  "beyond %.0f mm; border of %d nodes: %.1f MB, %.3f ms a product; hook %+.2f %%; x %.2f of the whole "
+                  "block's iteration",
+                  half_mm, border, 36e-6 * border * border, product, 100 * (condensed.force_N / exact.force_N - 1),
+                  time / exact.iteration_ms);
+    run.out.rows.push_back({name, "condensed, linear (time: absent + product)", how, time, false, error(condensed),
+                            "mm", "the whole block, inside", true});
   }
-  run.out.notes.push_back("far tissue: absent is what the program has (a scene's region_mm): cheapest, and wrong by what held sides are wrong, so the region must reach well beyond the operation. Condensed and linear it would be far more exact at the same region, "
-                          "but its full matrix takes more than the cells it replaces as soon as the region is large, every cut near the border would change it, and the multilevel metric would need its own share of it: measured, not built");
+  run.out.notes.push_back(
+      "far tissue: absent is what the program has (a scene's region_mm): cheapest, and wrong by what held sides are "
+      "wrong, so the region must reach well beyond the operation. Condensed and linear it would be far more exact at "
+      "the same region, "
+      "but its full matrix takes more than the cells it replaces as soon as the region is large, every cut near the "
+      "border would change it, and the multilevel metric would need its own share of it: measured, not built");
 }
 
 }  // namespace limberg::bench

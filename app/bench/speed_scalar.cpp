@@ -21,7 +21,8 @@ double dot(const Vector& a, const Vector& b) {
 
 class ScalarDouble {
  public:
-  ScalarDouble(const FemModel& m, std::span<const Spring> springs) : m_(m), matrix_(matrix(m, springs)), factor_(matrix_), columns_(3 * size_t(matrix_.n())) {
+  ScalarDouble(const FemModel& m, std::span<const Spring> springs)
+      : m_(m), matrix_(matrix(m, springs)), factor_(matrix_), columns_(3 * size_t(matrix_.n())) {
     for (const Stencil& s : m.stencils) {
       Cell c;
       const auto B = sample_gradients(s, m.cell_mm);
@@ -67,11 +68,14 @@ class ScalarDouble {
       const double C[9] = {F[4] * F[8] - F[5] * F[7], F[5] * F[6] - F[3] * F[8], F[3] * F[7] - F[4] * F[6],
                            F[2] * F[7] - F[1] * F[8], F[0] * F[8] - F[2] * F[6], F[1] * F[6] - F[0] * F[7],
                            F[1] * F[5] - F[2] * F[4], F[2] * F[3] - F[0] * F[5], F[0] * F[4] - F[1] * F[3]};
-      const double theta = F[0] * C[0] + F[1] * C[1] + F[2] * C[2] - 1, p = c.V * (c.lambda * theta - c.p0), w = double(cell.scale);
+      const double theta = F[0] * C[0] + F[1] * C[1] + F[2] * C[2] - 1, p = c.V * (c.lambda * theta - c.p0),
+                   w = double(cell.scale);
       e += w * (0.5 * quadratic + c.V * (0.5 * c.lambda * theta * theta - c.p0 * theta));
       for (size_t a = 0; a < 8; ++a)
         for (size_t i = 0; i < 3; ++i)
-          g[3 * size_t(cell.node[a]) + i] += w * (f[3 * a + i] + p * (C[3 * i] * c.B[3 * a] + C[3 * i + 1] * c.B[3 * a + 1] + C[3 * i + 2] * c.B[3 * a + 2]));
+          g[3 * size_t(cell.node[a]) + i] +=
+              w * (f[3 * a + i] +
+                   p * (C[3 * i] * c.B[3 * a] + C[3 * i + 1] * c.B[3 * a + 1] + C[3 * i + 2] * c.B[3 * a + 2]));
     }
     for (const Pull& s : pulls_) {
       double r[3];
@@ -109,7 +113,8 @@ class ScalarDouble {
         for (size_t c = 0; c < 3; ++c) v[3 * i + c] += share[j] * known[j].w[i][Eigen::Index(c)];
   }
 
-  /// Minimises; `seen` gets the displacements after each iteration and says when it is enough. Returns CPU time without `seen`.
+  /// Minimises; `seen` gets the displacements after each iteration and says when it is enough. Returns CPU time without
+  /// `seen`.
   template <class Seen>
   double minimise(const Seen& seen) {
     Vector x = X_, g(x.size()), d, x_try(x.size()), g_try(x.size());
@@ -150,7 +155,8 @@ class ScalarDouble {
       x.swap(x_try), g.swap(g_try), e = e_try;
       spent += cpu_ms() - start;
       std::vector<Vec3> u(X_.size() / 3);
-      for (size_t i = 0; i < u.size(); ++i) u[i] = Vec3(x[3 * i] - X_[3 * i], x[3 * i + 1] - X_[3 * i + 1], x[3 * i + 2] - X_[3 * i + 2]);
+      for (size_t i = 0; i < u.size(); ++i)
+        u[i] = Vec3(x[3 * i] - X_[3 * i], x[3 * i + 1] - X_[3 * i + 1], x[3 * i + 2] - X_[3 * i + 2]);
       if (seen(u, spent, it + 1)) break;
       start = cpu_ms();
     }
@@ -184,14 +190,17 @@ class ScalarDouble {
 
 }  // namespace
 
-int scalar_double_steps(const FemModel& model, std::span<const Spring> springs, std::span<const Vec3> exact, double to_mm, std::span<const KnownMode> known) {
+int scalar_double_steps(const FemModel& model, std::span<const Spring> springs, std::span<const Vec3> exact,
+                        double to_mm, std::span<const KnownMode> known) {
   ScalarDouble solver(model, springs);
   solver.known = known;
   int within = -1;
   solver.minimise([&](const std::vector<Vec3>& u, double, int k) {
     const double e = largest_error(u, exact);
-    if (e > to_mm) within = -1;
-    else if (within < 0) within = k;
+    if (e > to_mm)
+      within = -1;
+    else if (within < 0)
+      within = k;
     return e < 0.3 * to_mm || k == 400;
   });
   return within;
@@ -221,13 +230,15 @@ void speed_scalar_double(const SpeedRun& run) {
   const char* name = "pull 30 mm, 30k nodes, nu 0.49";
   for (int i = 0; i < 2; ++i) {
     const char* to_text = i ? "0.1 mm" : "1 mm";
-    run.out.rows.push_back({name, "limberg", nodes + ", " + std::to_string(ours.iterations[i]) + " iterations, to " + to_text, ours.ms[i], false,
-                            ours.error[i], "mm", "Newton to residual 1e-10", ours.iterations[i] >= 0});
-    run.out.rows.push_back({name, "L-BFGS(8), scalar double, CHOLMOD", nodes + ", " + std::to_string(its) + " iterations, to " + to_text,
-                            has[i] ? to[i] : spent, !has[i], has[i] ? (i ? 0.1 : 1) : last, "mm", "Newton to residual 1e-10", true});
+    run.out.rows.push_back(
+        {name, "limberg", nodes + ", " + std::to_string(ours.iterations[i]) + " iterations, to " + to_text, ours.ms[i],
+         false, ours.error[i], "mm", "Newton to residual 1e-10", ours.iterations[i] >= 0});
+    run.out.rows.push_back({name, "L-BFGS(8), scalar double, CHOLMOD",
+                            nodes + ", " + std::to_string(its) + " iterations, to " + to_text, has[i] ? to[i] : spent,
+                            !has[i], has[i] ? (i ? 0.1 : 1) : last, "mm", "Newton to residual 1e-10", true});
   }
-  run.bar(std::string(name) + ": times faster than scalar double to 0.1 mm", (has[1] ? to[1] : spent) / ours.ms[1], 15, true,
-          "issue: 15 [23: 1884 ms against 82]", !has[1]);
+  run.bar(std::string(name) + ": times faster than scalar double to 0.1 mm", (has[1] ? to[1] : spent) / ours.ms[1], 15,
+          true, "issue: 15 [23: 1884 ms against 82]", !has[1]);
 }
 
 }  // namespace limberg::bench

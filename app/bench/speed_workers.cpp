@@ -13,14 +13,17 @@
 namespace limberg::bench {
 namespace {
 
-double wall_ms() { return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double wall_ms() {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 struct Measured {
   Times ms;  // per iteration
   std::vector<Vec3f> u;
 };
 
-void measure(Workers& w, const std::shared_ptr<const FemModel>& model, const BenchScene& scene, int iterations, Measured& m) {
+void measure(Workers& w, const std::shared_ptr<const FemModel>& model, const BenchScene& scene, int iterations,
+             Measured& m) {
   auto solver = ready(w, scene.springs, model);
   StepSettings s;
   s.max_iterations = iterations;
@@ -34,10 +37,11 @@ void measure(Workers& w, const std::shared_ptr<const FemModel>& model, const Ben
 class OtherJob {
  public:
   explicit OtherJob(int threads) {
-    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] {
-      volatile double x = 1;
-      while (!stop_.load(std::memory_order_relaxed)) x = x * 1.0000001;
-    });
+    for (int i = 0; i < threads; ++i)
+      threads_.emplace_back([this] {
+        volatile double x = 1;
+        while (!stop_.load(std::memory_order_relaxed)) x = x * 1.0000001;
+      });
   }
   ~OtherJob() {
     stop_ = true;
@@ -49,7 +53,8 @@ class OtherJob {
   std::vector<std::thread> threads_;
 };
 
-/// How much more two threads of this machine get done than one, at this moment, with nothing shared: arithmetic alone, and
+/// How much more two threads of this machine get done than one, at this moment, with nothing shared: arithmetic alone,
+/// and
 /// streaming 64 MB each. No program can gain more.
 double own_gain(bool streaming) {
   const auto job = [streaming] {
@@ -90,13 +95,17 @@ void speed_workers(const SpeedRun& run) {
   double load = 0;
   getloadavg(&load, 1);
   char note[160];
-  std::snprintf(note, sizeof note, "Second core: wall time; the machine's load was %.1f for %u cores. Beside other work the speed-up says nothing; the fall-back does.",
+  std::snprintf(note, sizeof note,
+                "Second core: wall time; the machine's load was %.1f for %u cores. Beside other work the speed-up says "
+                "nothing; the fall-back does.",
                 load, std::thread::hardware_concurrency());
   run.out.notes.push_back(note);
   for (bool streaming : {false, true}) {
     const double gain = own_gain(streaming);
-    std::snprintf(note, sizeof note, "%s, wall time, best of 3, load %.1f", streaming ? "64 MB streamed by each" : "arithmetic alone", load);
-    run.out.rows.push_back({"second core, the machine itself", "two threads that share nothing", note, 0, false, gain, "x", "one thread twice", true});
+    std::snprintf(note, sizeof note, "%s, wall time, best of 3, load %.1f",
+                  streaming ? "64 MB streamed by each" : "arithmetic alone", load);
+    run.out.rows.push_back({"second core, the machine itself", "two threads that share nothing", note, 0, false, gain,
+                            "x", "one thread twice", true});
   }
   for (const auto& size : sizes) {
     run.say(std::string("one and two workers, ") + size.name + " nodes");
@@ -116,18 +125,24 @@ void speed_workers(const SpeedRun& run) {
         }
       }
       const auto after = two.pace();
-      const bool same = one_m.u.size() == two_m.u.size() && std::memcmp(one_m.u.data(), two_m.u.data(), one_m.u.size() * sizeof(Vec3f)) == 0;
+      const bool same = one_m.u.size() == two_m.u.size() &&
+                        std::memcmp(one_m.u.data(), two_m.u.data(), one_m.u.size() * sizeof(Vec3f)) == 0;
       const double speed_up = one_m.ms.best() / two_m.ms.best();
       char name[96], how[160];
       std::snprintf(name, sizeof name, "second core%s, %s nodes", taken ? " taken" : "", size.name);
-      std::snprintf(how, sizeof how, "%zu nodes, best of 3 runs of %d iterations, load %.1f", model->X_mm.size(), size.iterations, load);
-      run.out.rows.push_back({name, "one worker, wall time an iteration", how, one_m.ms.best(), false, 1, "x", "one worker", true});
-      std::snprintf(how, sizeof how, "%llu loops shared, %llu alone after %llu long waits; %s", (unsigned long long)(after.shared - before.shared),
-                    (unsigned long long)(after.alone - before.alone), (unsigned long long)(after.long_waits - before.long_waits),
-                    same ? "the same bits" : "OTHER BITS");
-      run.out.rows.push_back({name, "two workers", how, two_m.ms.best(), false, speed_up, "x", "one worker in the same run", same});
-      if (taken) run.bar(std::string(name) + ": median time with two workers / one", two_m.ms.median() / one_m.ms.median(), 1.25, false,
-                         "the fall-back: hardly slower than alone (prototype without it: up to 100 times)");
+      std::snprintf(how, sizeof how, "%zu nodes, best of 3 runs of %d iterations, load %.1f", model->X_mm.size(),
+                    size.iterations, load);
+      run.out.rows.push_back(
+          {name, "one worker, wall time an iteration", how, one_m.ms.best(), false, 1, "x", "one worker", true});
+      std::snprintf(how, sizeof how, "%llu loops shared, %llu alone after %llu long waits; %s",
+                    (unsigned long long)(after.shared - before.shared),
+                    (unsigned long long)(after.alone - before.alone),
+                    (unsigned long long)(after.long_waits - before.long_waits), same ? "the same bits" : "OTHER BITS");
+      run.out.rows.push_back(
+          {name, "two workers", how, two_m.ms.best(), false, speed_up, "x", "one worker in the same run", same});
+      if (taken)
+        run.bar(std::string(name) + ": median time with two workers / one", two_m.ms.median() / one_m.ms.median(), 1.25,
+                false, "the fall-back: hardly slower than alone (prototype without it: up to 100 times)");
     }
   }
 }

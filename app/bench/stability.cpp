@@ -46,10 +46,10 @@ std::vector<Vec3> to_double(std::span<const Vec3f> u) {
 
 struct Outcome {
   bool pass = false;
-  int steps = 0;      // after the release, until at rest
+  int steps = 0;  // after the release, until at rest
   double distance_mm = 0;
   double ms = 0;
-  std::string why;    // of a failure
+  std::string why;  // of a failure
 };
 
 /// The load after so many steps of its ramp.
@@ -110,7 +110,8 @@ Outcome ours(const StabilityCase& c) {
       const std::vector<Vec3> after = to_double(solver->displacement_mm());
       Vec3 p = Vec3::Zero();
       double mass = 0;
-      for (size_t i = 0; i < after.size(); ++i) p += c.model->mass_kg[i] * (after[i] - before[i]) / c.dt_s, mass += c.model->mass_kg[i];
+      for (size_t i = 0; i < after.size(); ++i)
+        p += c.model->mass_kg[i] * (after[i] - before[i]) / c.dt_s, mass += c.model->mass_kg[i];
       moved = std::max(moved, (p / mass - c.throw_mm_per_s).norm() / c.throw_mm_per_s.norm());
     }
     // Displacements are floats: a place of d mm carries 6e-8 d, and the velocity is a difference over dt.
@@ -157,7 +158,9 @@ Outcome newton(const StabilityCase& c, const FemModel& model) {
   o.steps = r.iterations, o.ms = cpu_ms() - t0;
   o.distance_mm = distance_from_rest(model, r.u, c.floating);
   o.pass = o.why.empty() && o.distance_mm < 1e-3 * c.length_mm;
-  if (!o.pass && o.why.empty()) o.why = "not at rest after " + std::to_string(r.iterations) + " iterations" + (o.ms > kPeerLimit_ms ? ", its time was up" : "");
+  if (!o.pass && o.why.empty())
+    o.why = "not at rest after " + std::to_string(r.iterations) + " iterations" +
+            (o.ms > kPeerLimit_ms ? ", its time was up" : "");
   return o;
 }
 
@@ -266,14 +269,16 @@ Result stability(const StabilitySettings& settings) {
     out.rows.push_back(row(c, "full Newton, linear corotated", k, false));
   }
   const double n = double(run_cases);
-  out.bars.push_back({"cases recovered, of " + std::to_string(run_cases), double(passed), false, n, true, passed == int(n),
-                      "every case has a rest state to return to"});
+  out.bars.push_back({"cases recovered, of " + std::to_string(run_cases), double(passed), false, n, true,
+                      passed == int(n), "every case has a rest state to return to"});
   if (!settings.quick && settings.peers) {
     out.notes.push_back(by_newton.line("Full Newton on the same energy"));
     out.notes.push_back(by_corotated.line("Full Newton on the linear corotated law"));
     if (by_bullet.cases) out.notes.push_back(by_bullet.line("Bullet's deformable body"));
     char text[200];
-    std::snprintf(text, sizeof text, "Budget of a peer, per case: %.0f s of CPU time, %d Newton iterations, %d steps of Bullet after the release. Newton: quasi-static cases; Bullet: those of one tissue.",
+    std::snprintf(text, sizeof text,
+                  "Budget of a peer, per case: %.0f s of CPU time, %d Newton iterations, %d steps of Bullet after the "
+                  "release. Newton: quasi-static cases; Bullet: those of one tissue.",
                   kPeerLimit_ms / 1000, kPeerIterations, kPeerSteps);
     out.notes.push_back(text);
   }

@@ -30,7 +30,8 @@ BoxSpec block(double poisson = 0.45) {
 }
 
 enum class Start { scramble, point, plane, mirror, half_inverted };
-constexpr const char* start_name[] = {"random scramble", "all at one point", "all on a plane", "mirrored", "half inverted"};
+constexpr const char* start_name[] = {"random scramble", "all at one point", "all on a plane", "mirrored",
+                                      "half inverted"};
 
 std::vector<Vec3f> displaced(const FemModel& m, Start start, uint64_t seed = 17) {
   Random r{seed};
@@ -39,10 +40,18 @@ std::vector<Vec3f> displaced(const FemModel& m, Start start, uint64_t seed = 17)
     const Vec3 X = m.X_mm[i];
     Vec3 x = X;
     switch (start) {
-      case Start::scramble: x = Vec3(30 * r.uniform(), 30 * r.uniform(), 5 + 5 * r.uniform()); break;
-      case Start::point: x = Vec3(0, 0, 5); break;
-      case Start::plane: x[2] = 5; break;
-      case Start::mirror: x[2] = 10 - X[2]; break;
+      case Start::scramble:
+        x = Vec3(30 * r.uniform(), 30 * r.uniform(), 5 + 5 * r.uniform());
+        break;
+      case Start::point:
+        x = Vec3(0, 0, 5);
+        break;
+      case Start::plane:
+        x[2] = 5;
+        break;
+      case Start::mirror:
+        x[2] = 10 - X[2];
+        break;
       case Start::half_inverted:
         if (X[0] > 0) x[2] = 10 - X[2];
         break;
@@ -90,7 +99,11 @@ struct List {
 void bad_starts(List& l) {
   for (double nu : {0.47, 0.499, 0.4999})
     for (int s = 0; s < 5; ++s) {
-      auto& c = l.add("start", std::string(start_name[s]) + ", nu " + (nu == 0.47 ? ".47" : nu == 0.499 ? ".499" : ".4999"),
+      auto& c = l.add("start",
+                      std::string(start_name[s]) + ", nu " +
+                          (nu == 0.47    ? ".47"
+                           : nu == 0.499 ? ".499"
+                                         : ".4999"),
                       box_model(block(nu)));
       c.start = displaced(*c.model, Start(s));
       c.poisson = nu;
@@ -120,7 +133,8 @@ void contrast(List& l) {
       FemModel m = box_model(b);
       if (checkered)
         for (HexCell& c : m.cells) c.stencil = (c.at[0] / 2 + c.at[1] / 2 + c.at[2] / 2) % 2;
-      auto& c = l.add("stiffness contrast 1e6", std::string(checkered ? "checkered" : "layers") + (scramble ? ", scramble" : ", hook"), m);
+      auto& c = l.add("stiffness contrast 1e6",
+                      std::string(checkered ? "checkered" : "layers") + (scramble ? ", scramble" : ", hook"), m);
       c.one_material = false;
       if (scramble)
         c.start = displaced(m, Start::scramble);
@@ -133,7 +147,10 @@ void contrast(List& l) {
 void shared_cells(List& l) {
   for (const double contrast : {60.0, 400.0})
     for (Start s : {Start::scramble, Start::mirror, Start::half_inverted}) {
-      auto& c = l.add("shared cells", std::string("skin in a cell of fat, ") + (contrast == 60 ? "60" : "400") + " : 1, " + start_name[int(s)], shared_cell_block(contrast));
+      auto& c = l.add(
+          "shared cells",
+          std::string("skin in a cell of fat, ") + (contrast == 60 ? "60" : "400") + " : 1, " + start_name[int(s)],
+          shared_cell_block(contrast));
       c.start = displaced(*c.model, s);
       c.one_material = false;
     }
@@ -146,8 +163,10 @@ void slivers(List& l) {
       Random r;
       for (HexCell& c : m.cells)
         if (r.uniform() > 0.7) c.scale = float(fraction);
-      auto& c = l.add("slivers", "a sixth of the cells 1e" + std::to_string(int(std::lround(std::log10(fraction)))) +
-                                     (scramble ? ", scramble" : ", hook"), m);
+      auto& c = l.add("slivers",
+                      "a sixth of the cells 1e" + std::to_string(int(std::lround(std::log10(fraction)))) +
+                          (scramble ? ", scramble" : ", hook"),
+                      m);
       c.one_material = false;
       if (scramble)
         c.start = displaced(m, Start::scramble);
@@ -158,7 +177,11 @@ void slivers(List& l) {
 
 void steps(List& l) {
   for (double dt : {1e-3, 1e-2, 0.1, 1.0}) {
-    auto& c = l.add("time step", "let go from a 25 mm pull, dt " + std::string(dt == 1e-3 ? "1 ms" : dt == 1e-2 ? "10 ms" : dt == 0.1 ? "0.1 s" : "1 s"),
+    auto& c = l.add("time step",
+                    "let go from a 25 mm pull, dt " + std::string(dt == 1e-3   ? "1 ms"
+                                                                  : dt == 1e-2 ? "10 ms"
+                                                                  : dt == 0.1  ? "0.1 s"
+                                                                               : "1 s"),
                     box_model(block()));
     c.load = {hook(*c.model, {5, 3, 10}, {-10, 0, 25}, 0.5)}, c.hold_steps = 20;
     c.dt_s = dt, c.damping_per_s = 10;
@@ -189,7 +212,8 @@ void stitches(List& l) {
 }
 
 void floating(List& l) {
-  // Not the scramble: a free plate may come to rest folded through itself, in a true equilibrium of its own. Not the point:
+  // Not the scramble: a free plate may come to rest folded through itself, in a true equilibrium of its own. Not the
+  // point:
   // with nothing held, no direction is better than another.
   for (Start s : {Start::plane, Start::mirror, Start::half_inverted}) {
     BoxSpec b = block();
@@ -220,7 +244,8 @@ void everything(List& l) {
   c.one_material = false;
 }
 
-// The slab of speed_slab.cpp and the inversion tests that its peers were put to: 150 steps of 10 ms. Most of them lose their
+// The slab of speed_slab.cpp and the inversion tests that its peers were put to: 150 steps of 10 ms. Most of them lose
+// their
 // neo-Hookean body in the first steps of scramble, flat and mirror.
 void slab(List& l) {
   const auto model = [](bool whole_bottom) {
@@ -228,7 +253,8 @@ void slab(List& l) {
     b.cells = {24, 24, 2}, b.size_mm = {120, 120, 10}, b.young_bottom_kPa = b.young_top_kPa = 100, b.poisson = 0.45;
     FemModel m = box_model(b);
     for (size_t i = 0; i < m.X_mm.size(); ++i)
-      m.fixed[i] = m.X_mm[i][2] < 1e-9 && (whole_bottom || std::fabs(m.X_mm[i][0]) > 60 - 1e-9 || std::fabs(m.X_mm[i][1]) > 60 - 1e-9);
+      m.fixed[i] = m.X_mm[i][2] < 1e-9 &&
+                   (whole_bottom || std::fabs(m.X_mm[i][0]) > 60 - 1e-9 || std::fabs(m.X_mm[i][1]) > 60 - 1e-9);
     return m;
   };
   const auto add = [&](const std::string& name, bool whole_bottom) -> StabilityCase& {
@@ -240,7 +266,8 @@ void slab(List& l) {
   press.load = {hook(*press.model, {0, 0, 10}, {0, 0, -20}, 100)}, press.hold_steps = 150, press.ramp_steps = 100;
   for (double speed : {20.0, 200.0}) {
     auto& pull = add("pull of 20 mm at " + std::to_string(int(speed)) + " mm/s", false);
-    pull.load = {hook(*pull.model, {0, 0, 10}, {0, 0, 20}, 100)}, pull.ramp_steps = int(std::lround(2000 / speed)), pull.hold_steps = pull.ramp_steps + 50;
+    pull.load = {hook(*pull.model, {0, 0, 10}, {0, 0, 20}, 100)}, pull.ramp_steps = int(std::lround(2000 / speed)),
+    pull.hold_steps = pull.ramp_steps + 50;
   }
   const char* names[] = {"scramble", "flat", "mirror"};
   const Start starts[] = {Start::scramble, Start::plane, Start::mirror};
@@ -267,7 +294,8 @@ FemModel shared_cell_block(double contrast) {
 
 std::vector<StabilityCase> stability_cases(bool one_per_family) {
   List l;
-  bad_starts(l), laws(l), contrast(l), shared_cells(l), slivers(l), steps(l), pulls(l), stitches(l), floating(l), everything(l), slab(l);
+  bad_starts(l), laws(l), contrast(l), shared_cells(l), slivers(l), steps(l), pulls(l), stitches(l), floating(l),
+      everything(l), slab(l);
   if (!one_per_family) return std::move(l.all);
   std::vector<StabilityCase> few;
   for (StabilityCase& c : l.all)
@@ -279,7 +307,8 @@ std::shared_ptr<const FemModel> corotated_twin(const FemModel& model) {
   auto m = std::make_shared<FemModel>(model);
   m->laws.clear();
   for (Stencil& s : m->stencils) {
-    const LawPtr law = corotated_full(s.mu_kPa, s.lambda_kPa - s.mu_kPa);  // Lame's lambda (fem_model.h: reparametrised)
+    const LawPtr law =
+        corotated_full(s.mu_kPa, s.lambda_kPa - s.mu_kPa);  // Lame's lambda (fem_model.h: reparametrised)
     m->laws.push_back(law);
     s = fem::law_stencil(m->cell_mm, int32_t(m->laws.size()) - 1, *law, 0, s.density_kg_mm3);
   }

@@ -14,7 +14,9 @@ Spring dead_load(const FemModel& m, int32_t id, int32_t node, const Vec3& F, dou
   return s;
 }
 
-double observed_order(double coarse, double fine, double ratio) { return std::log(std::fabs(coarse / fine)) / std::log(ratio); }
+double observed_order(double coarse, double fine, double ratio) {
+  return std::log(std::fabs(coarse / fine)) / std::log(ratio);
+}
 
 void at_most(Result& out, const std::string& name, double value, double bar, const std::string& source) {
   out.bars.push_back({name, value, false, bar, false, value <= bar, source});
@@ -37,7 +39,9 @@ Result verification(const VerificationSettings& s) {
   part("bent strip", bent_strip);
   part("CalculiX", calculix_block);
   part("live error", live_error);
-  out.notes.push_back("Errors in % of the reference unless the unit says otherwise. Times are CPU time of the Newton reference, not of the program's minimiser.");
+  out.notes.push_back(
+      "Errors in % of the reference unless the unit says otherwise. Times are CPU time of the Newton reference, not of "
+      "the program's minimiser.");
   return out;
 }
 

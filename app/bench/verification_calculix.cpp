@@ -1,8 +1,12 @@
-// The skin block by an independent program: CalculiX (ccx), quadratic hexahedra, the same energy and the same dead load.
+// The skin block by an independent program: CalculiX (ccx), quadratic hexahedra, the same energy and the same dead
+// load.
 //
-// Block 24 x 24 x 8 mm, held below; 2 mm of skin (60 kPa) on 6 mm of fat (15 kPa), nu 0.45; a patch of 8 x 8 mm in the middle of
-// the skin carries 4 kPa along x and 5 kPa upwards, fixed in direction and size. Energy of both: mu/2 (I1 J^-2/3 - 3) + K/2 (J - 1)^2,
-// which CalculiX calls *HYPERELASTIC, NEO HOOKE with C10 = mu/2 and D1 = 2/K. At a hundredth of the load the scenes' own
+// Block 24 x 24 x 8 mm, held below; 2 mm of skin (60 kPa) on 6 mm of fat (15 kPa), nu 0.45; a patch of 8 x 8 mm in the
+// middle of
+// the skin carries 4 kPa along x and 5 kPa upwards, fixed in direction and size. Energy of both: mu/2 (I1 J^-2/3 - 3) +
+// K/2 (J - 1)^2,
+// which CalculiX calls *HYPERELASTIC, NEO HOOKE with C10 = mu/2 and D1 = 2/K. At a hundredth of the load the scenes'
+// own
 // energy must agree too: all of these are the same to first order (lambda = lambda_Lame + mu, fem_model.h).
 #include <fcntl.h>
 #include <spawn.h>
@@ -55,8 +59,9 @@ std::string deck(double load, std::map<int, size_t>& probe_of) {
         number[{i, j, k}] = id;
         o << id << ", " << i << ", " << j << ", " << k << "\n";  // half elements are 1 mm
       }
-  static const int corner[20][3] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2}, {2, 0, 2}, {2, 2, 2}, {0, 2, 2}, {1, 0, 0}, {2, 1, 0},
-                                    {1, 2, 0}, {0, 1, 0}, {1, 0, 2}, {2, 1, 2}, {1, 2, 2}, {0, 1, 2}, {0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1}};
+  static const int corner[20][3] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2}, {2, 0, 2}, {2, 2, 2},
+                                    {0, 2, 2}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}, {0, 1, 0}, {1, 0, 2}, {2, 1, 2},
+                                    {1, 2, 2}, {0, 1, 2}, {0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1}};
   int element = 0;
   for (const bool top : {false, true}) {
     o << "*ELEMENT, TYPE=C3D20R, ELSET=" << (top ? "SKIN" : "FAT") << "\n";
@@ -64,7 +69,8 @@ std::string deck(double load, std::map<int, size_t>& probe_of) {
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
           o << ++element;
-          for (int a = 0; a < 20; ++a) o << (a == 10 ? ",\n" : ", ") << number[{2 * i + corner[a][0], 2 * j + corner[a][1], 2 * k + corner[a][2]}];
+          for (int a = 0; a < 20; ++a)
+            o << (a == 10 ? ",\n" : ", ") << number[{2 * i + corner[a][0], 2 * j + corner[a][1], 2 * k + corner[a][2]}];
           o << "\n";
         }
   }
@@ -72,7 +78,9 @@ std::string deck(double load, std::map<int, size_t>& probe_of) {
     const Constants c = constants(top ? skin_kPa : fat_kPa);
     char line[96];
     std::snprintf(line, sizeof line, "%.12g, %.12g", c.mu / 2, 2 / c.bulk);
-    o << "*MATERIAL, NAME=" << (top ? "MSKIN" : "MFAT") << "\n*HYPERELASTIC, NEO HOOKE\n" << line << "\n*SOLID SECTION, ELSET=" << (top ? "SKIN" : "FAT") << ", MATERIAL=" << (top ? "MSKIN" : "MFAT") << "\n";
+    o << "*MATERIAL, NAME=" << (top ? "MSKIN" : "MFAT") << "\n*HYPERELASTIC, NEO HOOKE\n"
+      << line << "\n*SOLID SECTION, ELSET=" << (top ? "SKIN" : "FAT") << ", MATERIAL=" << (top ? "MSKIN" : "MFAT")
+      << "\n";
   }
   o << "*NSET, NSET=HELD\n";
   for (const auto& [at, id] : number)
@@ -84,14 +92,16 @@ std::string deck(double load, std::map<int, size_t>& probe_of) {
     o << id << ",\n";
   }
   o << "*BOUNDARY\nHELD, 1, 3, 0.\n*STEP, NLGEOM, INC=200\n*STATIC\n0.25, 1.\n*CLOAD\n";
-  // Consistent with the eight nodes of a square: a third of its load on each side's middle, less a twelfth on each corner.
+  // Consistent with the eight nodes of a square: a third of its load on each side's middle, less a twelfth on each
+  // corner.
   std::map<int, double> share;
   const int first = int((side - patch) / 4), last = int((side + patch) / 4);
   for (int j = first; j < last; ++j)
     for (int i = first; i < last; ++i)
       for (int b = 0; b <= 2; ++b)
         for (int a = 0; a <= 2; ++a)
-          if (a != 1 || b != 1) share[number[{2 * i + a, 2 * j + b, 2 * layers}]] += 4.0 * (a == 1 || b == 1 ? 1.0 / 3 : -1.0 / 12);
+          if (a != 1 || b != 1)
+            share[number[{2 * i + a, 2 * j + b, 2 * layers}]] += 4.0 * (a == 1 || b == 1 ? 1.0 / 3 : -1.0 / 12);
   for (const auto& [id, area] : share)
     for (int d = 0; d < 3; ++d)
       if (traction_kPa[d] != 0) o << id << ", " << d + 1 << ", " << load * area * traction_kPa[d] << "\n";
@@ -131,8 +141,10 @@ std::vector<Vec3> calculix(double load, std::string& why) {
       Vec3 v;
       if (words >> id >> v[0] >> v[1] >> v[2] && probe_of.count(id)) rows[probe_of[id]] = v, ++read;
     }
-    if (!WIFEXITED(status) || read < rows.size()) why = "ccx found no solution";
-    else u = rows;
+    if (!WIFEXITED(status) || read < rows.size())
+      why = "ccx found no solution";
+    else
+      u = rows;
   }
   std::error_code none;
   fs::remove_all(folder, none);
@@ -142,7 +154,8 @@ std::vector<Vec3> calculix(double load, std::string& why) {
 /// Ours at cells of h; `own`: the scenes' energy instead of the common one.
 std::vector<Vec3> ours(double h, double load, bool own, size_t& nodes, bool& converged) {
   BoxSpec b;
-  b.cells = {int(std::lround(side / h)), int(std::lround(side / h)), int(std::lround(height / h))}, b.size_mm = {side, side, height};
+  b.cells = {int(std::lround(side / h)), int(std::lround(side / h)), int(std::lround(height / h))},
+  b.size_mm = {side, side, height};
   b.poisson = poisson, b.fix_bottom = true;
   FemModel m = box_model(b);
   for (Vec3& X : m.X_mm) X += Vec3(side / 2, side / 2, 0);
@@ -153,7 +166,8 @@ std::vector<Vec3> ours(double h, double load, bool own, size_t& nodes, bool& con
       m.stencils.push_back(box_stencil(m.cell_mm, elastic_from_young(young, poisson)));
       continue;
     }
-    // Shape at the Gauss points, volume once: the scenes' integration rule. The law is complete; its own volume part is made negligible.
+    // Shape at the Gauss points, volume once: the scenes' integration rule. The law is complete; its own volume part is
+    // made negligible.
     m.laws.push_back(neo_hookean_isochoric_full(c.mu, 1e-9 * c.mu));
     Stencil law = fem::law_stencil(m.cell_mm, int32_t(m.laws.size()) - 1, *m.laws.back(), c.bulk);
     law.p0_kPa = 0;
@@ -169,7 +183,8 @@ std::vector<Vec3> ours(double h, double load, bool own, size_t& nodes, bool& con
   }
   std::vector<Spring> springs;
   for (size_t i = 0; i < area.size(); ++i)
-    if (area[i] > 0) springs.push_back(dead_load(m, int32_t(i), int32_t(i), load * area[i] * traction_kPa, 1e-5 * load, Vec3::Zero()));
+    if (area[i] > 0)
+      springs.push_back(dead_load(m, int32_t(i), int32_t(i), load * area[i] * traction_kPa, 1e-5 * load, Vec3::Zero()));
   const ReferenceElasticity energy(m, springs);
   ReferenceElasticity::Settings s;
   s.max_iterations = 60, s.tolerance = 1e-8;
@@ -194,7 +209,8 @@ void calculix_block(Result& out, const VerificationSettings& set) {
     double load;
     bool own;
   };
-  for (const Case& c : {Case{"skin block, full load, common energy", 1, false}, Case{"skin block, 1/100 of the load, scenes' energy", 0.01, true}}) {
+  for (const Case& c : {Case{"skin block, full load, common energy", 1, false},
+                        Case{"skin block, 1/100 of the load, scenes' energy", 0.01, true}}) {
     std::string why;
     const std::vector<Vec3> found = calculix(c.load, why);
     if (found.empty()) {
@@ -212,8 +228,11 @@ void calculix_block(Result& out, const VerificationSettings& set) {
       for (size_t k = 0; k < found.size(); ++k) error = std::max(error, 100 * (u[k] - found[k]).norm() / size);
       char how[128];
       std::snprintf(how, sizeof how, "cells of %.3g mm, %zu nodes, largest displacement %.4f mm", h, nodes, size);
-      out.rows.push_back({c.name, "hexahedra, selective reduced", how, cpu_ms() - before, false, error, "%", "CalculiX, C3D20R of 2 mm, five places", converged});
-      if (h < 1) at_most(out, std::string("CalculiX, ") + c.name + ": displacement at the finest mesh (%)", error, 1, "issue 4: within 1 %");
+      out.rows.push_back({c.name, "hexahedra, selective reduced", how, cpu_ms() - before, false, error, "%",
+                          "CalculiX, C3D20R of 2 mm, five places", converged});
+      if (h < 1)
+        at_most(out, std::string("CalculiX, ") + c.name + ": displacement at the finest mesh (%)", error, 1,
+                "issue 4: within 1 %");
     }
   }
 }

@@ -45,11 +45,12 @@ void report(Result& out, const std::string& name, const std::vector<double>& rat
   Times r, off;  // of logarithms, not of times
   for (const double x : ratios) r.add(std::log(std::max(x, 1e-9))), off.add(std::fabs(r.ms.back()));
   char how[128];
-  std::snprintf(how, sizeof how, "%zu frames; stated / true: median %.2f, 5 %% below %.2f, 5 %% above %.2f", ratios.size(), std::exp(r.percentile(0.5)), std::exp(r.percentile(0.05)),
-                std::exp(r.percentile(0.95)));
+  std::snprintf(how, sizeof how, "%zu frames; stated / true: median %.2f, 5 %% below %.2f, 5 %% above %.2f",
+                ratios.size(), std::exp(r.percentile(0.5)), std::exp(r.percentile(0.05)), std::exp(r.percentile(0.95)));
   const double factor = std::exp(off.percentile(0.9));
   out.rows.push_back({"live error", name, how, ms, false, factor, "x", "the state that the frames lead to", true});
-  at_most(out, "live error, " + name + ": nine frames of ten within a factor of", factor, 4, "stated in distance_estimate.h: 3 on the set that it was made from");
+  at_most(out, "live error, " + name + ": nine frames of ten within a factor of", factor, 4,
+          "stated in distance_estimate.h: 3 on the set that it was made from");
 }
 
 }  // namespace
@@ -57,7 +58,9 @@ void report(Result& out, const std::string& name, const std::vector<double>& rat
 void live_error(Result& out, const VerificationSettings& set) {
   InlineWorkers workers;
   uint32_t seed = 77;
-  const auto random = [&] { return (seed = seed * 1664525u + 1013904223u), 2 * double(seed >> 8) / double(1 << 24) - 1; };
+  const auto random = [&] {
+    return (seed = seed * 1664525u + 1013904223u), 2 * double(seed >> 8) / double(1 << 24) - 1;
+  };
   std::vector<double> ratios;
   double before = cpu_ms();
   for (double nu : {0.45, 0.49})

@@ -17,9 +17,11 @@ void bent_strip(Result& out, const VerificationSettings& settings);
 void calculix_block(Result& out, const VerificationSettings& settings);
 void live_error(Result& out, const VerificationSettings& settings);
 
-/// A force that does not follow: a spring so soft and so far away that its force is F wherever the node goes. It is exactly F
+/// A force that does not follow: a spring so soft and so far away that its force is F wherever the node goes. It is
+/// exactly F
 /// at X + `expected` and changes by k a mm.
-Spring dead_load(const FemModel& model, int32_t id, int32_t node, const Vec3& force_mN, double k_mN_per_mm, const Vec3& expected_mm = Vec3::Zero());
+Spring dead_load(const FemModel& model, int32_t id, int32_t node, const Vec3& force_mN, double k_mN_per_mm,
+                 const Vec3& expected_mm = Vec3::Zero());
 
 /// log(e_coarse / e_fine) / log(h_coarse / h_fine)
 double observed_order(double error_coarse, double error_fine, double ratio_of_sizes);

@@ -25,7 +25,8 @@ FemModel wounded_block(const FemModel& before, double flap_mm) {
     const bool across_y = std::fabs(p[1] - q[1]) > 0.5 * h[1];
     const bool across_z = std::fabs(p[2] - q[2]) > 0.5 * h[2];
     if (across_y && std::fabs(m[1]) < 0.3 * h[1] && std::fabs(m[0]) < slit_half_mm) return true;
-    return flap_mm > 0 && across_z && std::fabs(m[2] - under) < 0.3 * h[2] && m[1] > 0 && m[1] < flap_mm && std::fabs(m[0]) < slit_half_mm;
+    return flap_mm > 0 && across_z && std::fabs(m[2] - under) < 0.3 * h[2] && m[1] > 0 && m[1] < flap_mm &&
+           std::fabs(m[0]) < slit_half_mm;
   });
 }
 

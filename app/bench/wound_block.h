@@ -1,5 +1,6 @@
 #pragma once
-// A held block with a slit through it, undermined on one side or not: what a cut does to the minimiser, without cutting.
+// A held block with a slit through it, undermined on one side or not: what a cut does to the minimiser, without
+// cutting.
 #include "sim/fem/fem_model.h"
 
 namespace limberg::bench {
@@ -7,7 +8,8 @@ namespace limberg::bench {
 /// 120 x 120 x 10 mm, sides held, 18 kPa below and 60 kPa above, nu .49.
 FemModel sided_block(int cells_per_side, int layers);
 
-/// A slit of 50 mm along x through the middle; flap_mm > 0: undermined so far beside it, half of the layers above. Cells stay in
+/// A slit of 50 mm along x through the middle; flap_mm > 0: undermined so far beside it, half of the layers above.
+/// Cells stay in
 /// their order, so that a cell's parent is its own index.
 FemModel wounded_block(const FemModel& before, double flap_mm);
 

@@ -1,5 +1,6 @@
 #pragma once
-// --auto of run and replay: the session works with the cell size and the iterations that fit a frame (app/operating_point.h).
+// --auto of run and replay: the session works with the cell size and the iterations that fit a frame
+// (app/operating_point.h).
 #include <optional>
 #include <string>
 

@@ -2,12 +2,11 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "app/commands/numbers.h"
 #include "app/bench/accuracy.h"
+#include "app/bench/contact.h"
 #include "app/bench/cutting.h"
 #include "app/bench/devices/fuzz.h"
 #include "app/bench/devices/suite.h"
-#include "app/bench/contact.h"
 #include "app/bench/features.h"
 #include "app/bench/frames.h"
 #include "app/bench/fuzz.h"
@@ -20,13 +19,14 @@
 #include "app/bench/speed.h"
 #include "app/bench/stability.h"
 #include "app/bench/verification.h"
+#include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
+#include "app/felt_patient.h"
 #include "app/interrupt.h"
 #include "app/operating_point.h"
 #include "app/output.h"
 #include "app/progress.h"
 #include "app/result.h"
-#include "app/felt_patient.h"
 #include "app/session_latency.h"
 #include "app/shipped.h"
 #include "app/streams.h"
@@ -43,9 +43,9 @@ struct Options {
   bool quick = false, no_peers = false;
   int front_levels = 0;
   int check_every = 1, divide_every = 1;
-  bool world = false;       // fuzz: acts on patients
-  bool devices = false;     // fuzz: what devices send
-  bool readers = false;     // fuzz: damaged files
+  bool world = false;      // fuzz: acts on patients
+  bool devices = false;    // fuzz: what devices send
+  bool readers = false;    // fuzz: damaged files
   int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
   uint64_t seed = 1;
   double budget_ms = 0, limit_s = 150;  // accuracy
@@ -55,12 +55,12 @@ struct Options {
 void print(const bench::Result& b) {
   std::printf("%-26s %-38s %12s %14s  %s\n", "case", "method", "time ms", "error", "settings");
   for (const bench::Row& r : b.rows)
-    std::printf("%-26s %-38s %1s%11.2f %9.3g %-4s  %s%s\n", r.name.c_str(), r.method.c_str(), r.at_least ? ">" : "", r.time_ms, r.error,
-                r.error_unit.c_str(), r.settings.c_str(), r.pass ? "" : " FAIL");
+    std::printf("%-26s %-38s %1s%11.2f %9.3g %-4s  %s%s\n", r.name.c_str(), r.method.c_str(), r.at_least ? ">" : "",
+                r.time_ms, r.error, r.error_unit.c_str(), r.settings.c_str(), r.pass ? "" : " FAIL");
   std::printf("\n%-62s %10s %10s\n", "bar", "value", "bar");
   for (const bench::Bar& x : b.bars)
-    std::printf("%-62s %1s%9.3g %1s%9.3g  %s\n", x.name.c_str(), x.at_least ? ">" : "", x.value, x.larger_is_better ? ">" : "<", x.bar,
-                x.pass ? "pass" : "FAIL");
+    std::printf("%-62s %1s%9.3g %1s%9.3g  %s\n", x.name.c_str(), x.at_least ? ">" : "", x.value,
+                x.larger_is_better ? ">" : "<", x.bar, x.pass ? "pass" : "FAIL");
   for (const std::string& n : b.notes) std::printf("%s\n", n.c_str());
 }
 
@@ -98,10 +98,12 @@ void fill(Result& out, const bench::Result& b) {
 ResultTable measured(const bench::Result& b) {
   ResultTable t;
   t.title = "What was measured";
-  for (const std::string& note : b.notes) t.about += (t.about.empty() ? "" : " ") + note + (note.empty() || note.back() == '.' ? "" : ".");
+  for (const std::string& note : b.notes)
+    t.about += (t.about.empty() ? "" : " ") + note + (note.empty() || note.back() == '.' ? "" : ".");
   t.columns = {"case", "method", "CPU time, ms", "error", "settings"};
   for (const bench::Row& r : b.rows)
-    t.rows.push_back({r.name, r.method, (r.at_least ? "> " : "") + short_number(r.time_ms), short_number(r.error, 3) + " " + r.error_unit, r.settings});
+    t.rows.push_back({r.name, r.method, (r.at_least ? "> " : "") + short_number(r.time_ms),
+                      short_number(r.error, 3) + " " + r.error_unit, r.settings});
   return t;
 }
 
@@ -114,11 +116,14 @@ std::string any_of(const std::vector<std::string>& names) {
 
 int run(const Options& o) {
   o.common.prepare();
-  const std::vector<std::string> suites = {"accuracy", "contact", "cutting", "devices", "features", "frames", "fuzz", "head", "laws", "simplex", "speed", "stability", "verification"};
+  const std::vector<std::string> suites = {"accuracy", "contact",   "cutting",     "devices", "features",
+                                           "frames",   "fuzz",      "head",        "laws",    "simplex",
+                                           "speed",    "stability", "verification"};
   if (std::find(suites.begin(), suites.end(), o.suite) == suites.end())
     throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected " + any_of(suites));
   if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
-  if (!o.scene.empty() && o.suite != "accuracy" && o.suite != "features" && o.suite != "frames") throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
+  if (!o.scene.empty() && o.suite != "accuracy" && o.suite != "features" && o.suite != "frames")
+    throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
   Progress progress("bench " + o.suite);
   const auto note = [&](const std::string& line) { progress.note(line); };
   bench::Result b;
@@ -147,7 +152,8 @@ int run(const Options& o) {
     b = bench::contact({o.quick, o.only, note});
   } else if (o.suite == "devices") {
     b = bench::devices_suite({o.quick, o.only, note});
-    if (std::string("felt").find(o.only) != std::string::npos) bench::add_felt_patient(b, open_scene("rhomboid"), o.quick, note);
+    if (std::string("felt").find(o.only) != std::string::npos)
+      bench::add_felt_patient(b, open_scene("rhomboid"), o.quick, note);
     if (std::string("latency").find(o.only) != std::string::npos)
       bench::add_session_latency(b, open_scene("rhomboid"), known_stream("tremor", 5).samples, o.quick, note);
   } else if (o.suite == "verification") {
@@ -174,7 +180,9 @@ int run(const Options& o) {
     }
     for (const std::string& situation : heads.situations()) {
       charts.emplace_back(situation + ": error against run time", heads.chart(situation));
-      if (!o.common.out_dir.empty()) write_whole_file(o.common.out_dir + "/head-modes-" + std::to_string(charts.size()) + ".svg", svg(charts.back().second));
+      if (!o.common.out_dir.empty())
+        write_whole_file(o.common.out_dir + "/head-modes-" + std::to_string(charts.size()) + ".svg",
+                         svg(charts.back().second));
     }
   } else if (o.suite == "simplex") {
     bench::SimplexSettings s;
@@ -229,7 +237,9 @@ int run(const Options& o) {
     }
   }
   progress.clear();
-  if (!o.only.empty() && b.rows.empty()) throw InputError("", 0, "bench " + o.suite + ": --only " + o.only + " names no part; expected one of those that --help lists");
+  if (!o.only.empty() && b.rows.empty())
+    throw InputError(
+        "", 0, "bench " + o.suite + ": --only " + o.only + " names no part; expected one of those that --help lists");
   print(b);
   Result result("bench", accuracy.scene);
   result.set("/suite", o.suite);
@@ -242,14 +252,17 @@ int run(const Options& o) {
   }
   if (o.suite == "accuracy") {
     fill_operating_point(result, accuracy.point);
-    if (!o.common.out_dir.empty()) write_whole_file(o.common.out_dir + "/accuracy.csv", accuracy.csv()), write_whole_file(o.common.out_dir + "/accuracy.svg", accuracy.svg());
+    if (!o.common.out_dir.empty())
+      write_whole_file(o.common.out_dir + "/accuracy.csv", accuracy.csv()),
+          write_whole_file(o.common.out_dir + "/accuracy.svg", accuracy.svg());
   }
   fill(result, b);
   for (const auto& [title, chart] : charts) add_chart(result, result.entries("/charts"), title, chart);
   bool ok = true;
   for (const bench::Bar& x : b.bars) ok &= x.pass;
   if (interrupted()) {
-    std::fprintf(stderr, "limberg: interrupted after %lld operations; they are reported\n", static_cast<long long>(fuzzed.operations()));
+    std::fprintf(stderr, "limberg: interrupted after %lld operations; they are reported\n",
+                 static_cast<long long>(fuzzed.operations()));
     ok = false;
   }
   result.set_ok(ok);
@@ -263,21 +276,53 @@ int run(const Options& o) {
 void add_bench(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite, "accuracy: error against run time on a scene, and the setting that fits a frame; contact: overlap and cost of operations with wound surfaces that keep each other out; features: memory and time of each part of a scene, off and on; frames: what a picture costs at each quality and size, and what the solver loses beside it; verification: closed forms, published values, CalculiX; speed: the elasticity solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the 1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a cell; head: the face that follows, each mode against the finite elements; simplex: what simplex meshes cost, and random operators on them; fuzz: random cuts, every invariant")->required();
+  c->add_option("SUITE", o->suite,
+                "accuracy: error against run time on a scene, and the setting that fits a frame; contact: overlap and "
+                "cost of operations with wound surfaces that keep each other out; features: memory and time of each "
+                "part of a scene, off and on; frames: what a picture costs at each quality and size, and what the "
+                "solver loses beside it; verification: closed forms, published values, CalculiX; speed: the elasticity "
+                "solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the "
+                "1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, "
+                "beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a "
+                "cell; head: the face that follows, each mode against the finite elements; simplex: what simplex "
+                "meshes cost, and random operators on them; fuzz: random cuts, every invariant")
+      ->required();
   c->add_option("SCENE", o->scene, "Scene, for suites that take one");
   c->add_flag("--quick", o->quick, "The smallest size only");
   c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
-  c->add_option("--only", o->only, "speed, stability, contact, cutting, devices, features, head: the parts or families whose name contains this (head: modes, session; contact: rhomboid, zplasty, live, or a procedure; cutting: arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, profile, scalar, workers, locking, slab, flap, region, bullet, drag 8k, drag 30k, drag 100k)")->type_name("TEXT");
-  c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")->type_name("MS")->check(number_from(0.001, 1e5));
-  c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")->type_name("S")->check(number_from(0.1, 1e6));
-  c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)")->type_name("N")->check(whole_from(1, 1'000'000'000'000));
-  c->add_flag("--world", o->world, "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
+  c->add_option("--only", o->only,
+                "speed, stability, contact, cutting, devices, features, head: the parts or families whose name "
+                "contains this (head: modes, session; contact: rhomboid, zplasty, live, or a procedure; cutting: "
+                "arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, "
+                "calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, profile, scalar, "
+                "workers, locking, slab, flap, region, bullet, drag 8k, drag 30k, drag 100k)")
+      ->type_name("TEXT");
+  c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")
+      ->type_name("MS")
+      ->check(number_from(0.001, 1e5));
+  c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")
+      ->type_name("S")
+      ->check(number_from(0.1, 1e6));
+  c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)")
+      ->type_name("N")
+      ->check(whole_from(1, 1'000'000'000'000));
+  c->add_flag(
+      "--world", o->world,
+      "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
   c->add_flag("--devices", o->devices, "fuzz: damaged serial bytes, packets and logs instead of cuts");
-  c->add_flag("--readers", o->readers, "fuzz: damaged images, surfaces, meshes and scenes instead of cuts (default 100000 cases)");
-  c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)")->type_name("N")->check(whole_from(0, 9'007'199'254'740'992));
-  c->add_option("--front-levels", o->front_levels, "fuzz: how often lattice cells at the end of a cut are divided (default 0)")->check(whole_from(0, kLevels));
-  c->add_option("--divide-every", o->divide_every, "fuzz: with --front-levels, divide cells in one of so many histories only (default 1: in all)")->check(whole_from(1, 1000));
-  c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")->check(whole_from(1, 1000));
+  c->add_flag("--readers", o->readers,
+              "fuzz: damaged images, surfaces, meshes and scenes instead of cuts (default 100000 cases)");
+  c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)")
+      ->type_name("N")
+      ->check(whole_from(0, 9'007'199'254'740'992));
+  c->add_option("--front-levels", o->front_levels,
+                "fuzz: how often lattice cells at the end of a cut are divided (default 0)")
+      ->check(whole_from(0, kLevels));
+  c->add_option("--divide-every", o->divide_every,
+                "fuzz: with --front-levels, divide cells in one of so many histories only (default 1: in all)")
+      ->check(whole_from(1, 1000));
+  c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")
+      ->check(whole_from(1, 1000));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg bench speed --quick --json out/bench.json");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

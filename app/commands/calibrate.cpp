@@ -39,14 +39,21 @@ std::string today() {
 std::vector<StylusSample> stylus_readings(const Recording& rec, const std::string& log) {
   std::vector<StylusSample> r;
   for (const Sample& s : rec.samples) {
-    if (const auto* t = std::get_if<TrackerSample>(&s); t && t->role == StationRole::stylus) r.push_back(as_stylus(*t));
-    else if (const auto* p = std::get_if<StylusSample>(&s)) r.push_back(*p);
+    if (const auto* t = std::get_if<TrackerSample>(&s); t && t->role == StationRole::stylus)
+      r.push_back(as_stylus(*t));
+    else if (const auto* p = std::get_if<StylusSample>(&s))
+      r.push_back(*p);
   }
-  if (r.empty()) throw InputError(log, 0, "holds no reading of a stylus; expected one recorded with a station of role s, or LIMBERG_STYLUS messages");
+  if (r.empty())
+    throw InputError(
+        log, 0,
+        "holds no reading of a stylus; expected one recorded with a station of role s, or LIMBERG_STYLUS messages");
   return r;
 }
 
-Eigen::Quaterniond rotation(const StylusSample& s) { return Eigen::Quaterniond(s.quat[0], s.quat[1], s.quat[2], s.quat[3]).normalized(); }
+Eigen::Quaterniond rotation(const StylusSample& s) {
+  return Eigen::Quaterniond(s.quat[0], s.quat[1], s.quat[2], s.quat[3]).normalized();
+}
 
 void line(const char* what, double value, const char* unit, double limit, bool at_most) {
   std::printf("  %-34s %8.3f %-4s  %s %.3g\n", what, value, unit, at_most ? "at most" : "at least", limit);
@@ -69,7 +76,8 @@ int finish(const Options& o, Calibration c) {
 
 int stylus(const Options& o, const Recording& rec, Calibration c) {
   std::vector<SensorPose> poses;
-  for (const StylusSample& s : stylus_readings(rec, o.log)) poses.push_back({s.tip_mm + c.distortion.at(s.tip_mm), rotation(s)});
+  for (const StylusSample& s : stylus_readings(rec, o.log))
+    poses.push_back({s.tip_mm + c.distortion.at(s.tip_mm), rotation(s)});
   const PivotLimits limit;
   const PivotResult r = calibrate_pivot(poses, 1, limit);
   std::printf("stylus      %d poses, %d agree\n", r.poses, r.agreeing);
@@ -78,7 +86,8 @@ int stylus(const Options& o, const Recording& rec, Calibration c) {
   line("cone, full opening", r.cone_deg, "deg", limit.cone_deg, false);
   line("weakest direction", r.weakest, "", limit.weakest, false);
   line("first half against second", r.repeat_mm, "mm", limit.repeat_mm, true);
-  std::printf("  tip (%.3f, %.3f, %.3f) mm in the sensor's frame, +- %.3f mm\n", r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z(), r.uncertainty_mm);
+  std::printf("  tip (%.3f, %.3f, %.3f) mm in the sensor's frame, +- %.3f mm\n", r.tip_mm.x(), r.tip_mm.y(),
+              r.tip_mm.z(), r.uncertainty_mm);
   if (!r.accepted) return refused(o, r.advice);
   c.tip_offset_mm = r.tip_mm;
   return finish(o, c);
@@ -115,8 +124,10 @@ std::vector<Touch> touches(const std::vector<StylusSample>& readings, const Cali
     press.clear();
   };
   for (const StylusSample& s : readings) {
-    if (s.buttons & 1) press.push_back(&s);
-    else end();
+    if (s.buttons & 1)
+      press.push_back(&s);
+    else
+      end();
   }
   end();
   return all;
@@ -143,12 +154,16 @@ std::vector<Vec3> read_points(const std::string& file) {
 }
 
 int world(const Options& o, const Recording& rec, Calibration c) {
-  if (o.points.empty()) throw InputError("", 0, "calibrate world without --points; expected a file with a line x y z in mm for each touched point");
+  if (o.points.empty())
+    throw InputError(
+        "", 0, "calibrate world without --points; expected a file with a line x y z in mm for each touched point");
   const std::vector<Vec3> known = read_points(o.points);
   const std::vector<Touch> touch = touches(stylus_readings(rec, o.log), c);
   constexpr double kStill = 1.5;  // mm RMS: twice the static accuracy of the device
   for (size_t i = 0; i < touch.size(); ++i)
-    if (touch[i].spread_mm > kStill) return refused(o, "the tip moved by " + std::to_string(touch[i].spread_mm).substr(0, 4) + " mm during touch " + std::to_string(i + 1) + ": rest it on the point, then press and hold for half a second");
+    if (touch[i].spread_mm > kStill)
+      return refused(o, "the tip moved by " + std::to_string(touch[i].spread_mm).substr(0, 4) + " mm during touch " +
+                            std::to_string(i + 1) + ": rest it on the point, then press and hold for half a second");
   std::vector<Vec3> tips;
   for (const Touch& t : touch) tips.push_back(t.tip_mm);
   RegistrationLimits limit;
@@ -195,7 +210,8 @@ int glove(const Options& o, const Recording& rec, Calibration c) {
       if (const HandPose h = tracker.at(next); h.valid) aperture.push_back(h.aperture_mm);
     tracker.add(*t);
   }
-  if (readings == 0) throw InputError(o.log, 0, "holds no reading of a glove; expected one recorded with stations of the roles f and t");
+  if (readings == 0)
+    throw InputError(o.log, 0, "holds no reading of a glove; expected one recorded with stations of the roles f and t");
   const GloveLimits limit;
   const GloveResult r = calibrate_glove(aperture, 1e9 / double(kStepNs), limit);
   std::printf("glove       closed %.1f mm, open %.1f mm\n", r.closed_mm, r.open_mm);
@@ -203,7 +219,9 @@ int glove(const Options& o, const Recording& rec, Calibration c) {
   line("closings", r.cycles, "", limit.cycles, false);
   const double band = (limit.release_share - limit.grab_share) * (r.open_mm - r.closed_mm);
   line("spread of the closed hand", r.spread_mm, "mm", band / limit.band_sigma, true);
-  std::printf("  grabs below %.1f mm, releases above %.1f mm\n", r.closed_mm + limit.grab_share * (r.open_mm - r.closed_mm), r.closed_mm + limit.release_share * (r.open_mm - r.closed_mm));
+  std::printf("  grabs below %.1f mm, releases above %.1f mm\n",
+              r.closed_mm + limit.grab_share * (r.open_mm - r.closed_mm),
+              r.closed_mm + limit.release_share * (r.open_mm - r.closed_mm));
   if (!r.accepted) return refused(o, r.advice);
   c.glove.closed_mm = r.closed_mm, c.glove.open_mm = r.open_mm;
   c.glove.grab_share = limit.grab_share, c.glove.release_share = limit.release_share;
@@ -211,14 +229,17 @@ int glove(const Options& o, const Recording& rec, Calibration c) {
 }
 
 int calibrate(const Options& o) {
-  const std::map<std::string, int (*)(const Options&, const Recording&, Calibration)> procedures{{"stylus", stylus}, {"glove", glove}, {"world", world}};
+  const std::map<std::string, int (*)(const Options&, const Recording&, Calibration)> procedures{
+      {"stylus", stylus}, {"glove", glove}, {"world", world}};
   const auto procedure = procedures.find(o.what);
-  if (procedure == procedures.end()) throw InputError("", 0, "calibrate " + o.what + ": unknown; expected stylus, glove or world");
+  if (procedure == procedures.end())
+    throw InputError("", 0, "calibrate " + o.what + ": unknown; expected stylus, glove or world");
   if (std::filesystem::exists(o.out) && !o.replace && o.out != o.from)
     throw InputError(o.out, 0, "exists already; expected the name of a new file, or --replace");
   const Calibration from = o.from.empty() ? Calibration{} : load_calibration(o.from);
   const Recording rec = read_recording(o.log);
-  if (rec.damage.total() > 0) say(o.log + ": damaged: " + std::to_string(rec.damage.total()) + " events lost; what is whole is used");
+  if (rec.damage.total() > 0)
+    say(o.log + ": damaged: " + std::to_string(rec.damage.total()) + " events lost; what is whole is used");
   return procedure->second(o, rec, from);
 }
 
@@ -226,16 +247,26 @@ int calibrate(const Options& o) {
 
 void add_calibrate(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand("calibrate", "From a recorded stream to a calibration file, or to what was wrong with it");
-  c->add_option("WHAT", o->what, "stylus: its tip, turned about in a dimple; world: where the tracker stands, from touched points; glove: how far apart the fingers of the open and closed hand are")->required();
+  CLI::App* c =
+      app.add_subcommand("calibrate", "From a recorded stream to a calibration file, or to what was wrong with it");
+  c->add_option("WHAT", o->what,
+                "stylus: its tip, turned about in a dimple; world: where the tracker stands, from touched points; "
+                "glove: how far apart the fingers of the open and closed hand are")
+      ->required();
   c->add_option("LOG", o->log, "The recorded stream")->required();
   c->add_option("--out", o->out, "The calibration file to write")->type_name("FILE")->required();
-  c->add_option("--from", o->from, "A calibration to begin with: only the part that is calibrated now changes")->type_name("FILE");
-  c->add_option("--points", o->points, "world: the points that were touched, a line x y z in mm each, in their order; the last one checks the others")->type_name("FILE");
+  c->add_option("--from", o->from, "A calibration to begin with: only the part that is calibrated now changes")
+      ->type_name("FILE");
+  c->add_option(
+       "--points", o->points,
+       "world: the points that were touched, a line x y z in mm each, in their order; the last one checks the others")
+      ->type_name("FILE");
   c->add_flag("--distortion", o->distortion, "world: also correct a field that metal bends (40 points or more)");
   c->add_option("--device", o->device, "A word on the device, kept in the file")->type_name("TEXT");
   c->add_flag("--replace", o->replace, "Replace FILE if it exists");
-  c->footer("Example: limberg calibrate stylus pivot.lcm --out stylus.toml && limberg calibrate world touched.lcm --points board.txt --from stylus.toml --out room.toml");
+  c->footer(
+      "Example: limberg calibrate stylus pivot.lcm --out stylus.toml && limberg calibrate world touched.lcm --points "
+      "board.txt --from stylus.toml --out room.toml");
   c->callback([o, &chosen] { chosen = [o] { return calibrate(*o); }; });
 }
 

@@ -6,23 +6,23 @@
 #include <string_view>
 
 #include "app/bundle.h"
+#include "app/commands/session_command.h"
 #include "app/head/build.h"
 #include "app/lesson.h"
-#include "app/commands/session_command.h"
 #include "app/output.h"
-#include "app/tables.h"
 #include "app/progress.h"
 #include "app/repro.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
 #include "app/shipped.h"
+#include "app/tables.h"
 #include "app/tissues.h"
 #include "sim/error.h"
 #include "sim/geometry/obj.h"
 #include "sim/imaging/surface_file.h"
 #include "sim/imaging/volume.h"
-#include "sim/simplex/file.h"
 #include "sim/measure/predicted.h"
+#include "sim/simplex/file.h"
 #include "sim/tools/procedures/plan_drawing.h"
 #include "sim/tools/script.h"
 #include "sim/tools/strokes.h"
@@ -39,28 +39,36 @@ Kind recognise(const std::string& file, std::string_view text) {
   if (text.substr(0, 4096).find("\xED\xA1\xDA\x01") != std::string_view::npos) return Kind::recording;
   const size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string_view::npos)
-    throw InputError(file, 0, "is empty; expected a scene, a lesson, a library of tissues, a script, a recording, a calibration or an OBJ surface");
+    throw InputError(file, 0,
+                     "is empty; expected a scene, a lesson, a library of tissues, a script, a recording, a calibration "
+                     "or an OBJ surface");
   if (looks_like_repro(text)) return Kind::repro;
   if (text.substr(first).starts_with("limberg-simplex")) return Kind::simplex_mesh;
   if (text[first] == '{' || ends(".jsonl")) return Kind::script;
   if (text.find('\0') != std::string_view::npos) {
     if (ends(".lcm")) return Kind::recording;
-    throw InputError(file, 0, "is of no kind that is known here; expected a scene, a lesson, a library of tissues, a script, a recording, a calibration or an OBJ surface");
+    throw InputError(file, 0,
+                     "is of no kind that is known here; expected a scene, a lesson, a library of tissues, a script, a "
+                     "recording, a calibration or an OBJ surface");
   }
   if (text.find("limberg_calibration") != std::string_view::npos) return Kind::calibration;
   if (ends(".lcm")) return Kind::recording;
-  if (text.find("[[tissue]]") != std::string_view::npos && text.find("[body]") == std::string_view::npos) return Kind::tissues;
+  if (text.find("[[tissue]]") != std::string_view::npos && text.find("[body]") == std::string_view::npos)
+    return Kind::tissues;
   if (looks_like_lesson(text) && text.find("[procedure]") != std::string_view::npos) return Kind::lesson;
   if (ends(".toml")) return Kind::scene;
   if (ends(".obj")) return Kind::surface;
   if (text.find("\nv ") != std::string_view::npos || text.starts_with("v ")) return Kind::surface;
   if (text.find("[body]") != std::string_view::npos) return Kind::scene;
-  throw InputError(file, 0, "is of no kind that is known here; expected a scene, a lesson, a library of tissues, a script, a recording, a calibration or an OBJ surface");
+  throw InputError(file, 0,
+                   "is of no kind that is known here; expected a scene, a lesson, a library of tissues, a script, a "
+                   "recording, a calibration or an OBJ surface");
 }
 
 void print_surface(const SurfaceReport& s) {
-  std::printf("surface     closed, %lld triangles, %lld vertices, genus %d, %.1f cm3, %.1f cm2\n", static_cast<long long>(s.triangles),
-              static_cast<long long>(s.vertices), s.genus, s.volume_mm3 * 1e-3, s.area_mm2 * 1e-2);
+  std::printf("surface     closed, %lld triangles, %lld vertices, genus %d, %.1f cm3, %.1f cm2\n",
+              static_cast<long long>(s.triangles), static_cast<long long>(s.vertices), s.genus, s.volume_mm3 * 1e-3,
+              s.area_mm2 * 1e-2);
 }
 
 std::string constants_of(const Material& m) {
@@ -68,7 +76,8 @@ std::string constants_of(const Material& m) {
   char part[64];
   for (const auto& c : m.law.constants) {
     s += (s.empty() ? "" : ", ") + c.key + " ";
-    for (size_t i = 0; i < c.value.size(); ++i) std::snprintf(part, sizeof part, "%s%.6g", i ? " " : "", c.value[i]), s += part;
+    for (size_t i = 0; i < c.value.size(); ++i)
+      std::snprintf(part, sizeof part, "%s%.6g", i ? " " : "", c.value[i]), s += part;
   }
   return s;
 }
@@ -86,7 +95,8 @@ void check_tissues(const TissueLibrary& library) {
     const Material& m = t.material;
     std::printf("\n%s\n", t.name.c_str());
     if (!t.note.empty()) std::printf("  %s\n", t.note.c_str());
-    std::printf("  %.4g kPa at small strain, Poisson %.3g, prestretch %.3g along, %.3g across", m.young_kPa, m.poisson, m.prestretch_along, m.prestretch_across);
+    std::printf("  %.4g kPa at small strain, Poisson %.3g, prestretch %.3g along, %.3g across", m.young_kPa, m.poisson,
+                m.prestretch_along, m.prestretch_across);
     std::printf(t.thickness_mm > 0 ? ", %.3g mm thick\n" : "\n", t.thickness_mm);
     print_law(m);
     for (const auto& [key, from] : t.source) std::printf("    %-18s %s\n", key.c_str(), from.c_str());
@@ -95,7 +105,8 @@ void check_tissues(const TissueLibrary& library) {
   for (const auto& e : shipped_laws()->entries()) {
     std::printf("  %s: %s\n", e.name.c_str(), e.about.c_str());
     for (const auto& c : e.constants)
-      std::printf("    %-18s %s%s %g to %g%s\n", c.key.c_str(), c.most_values > 1 ? "list of " : "", c.above ? "above" : "from", c.least, c.most, c.required ? "" : ", optional");
+      std::printf("    %-18s %s%s %g to %g%s\n", c.key.c_str(), c.most_values > 1 ? "list of " : "",
+                  c.above ? "above" : "from", c.least, c.most, c.required ? "" : ", optional");
   }
 }
 
@@ -122,24 +133,29 @@ void plan_laws(const Scene& scene, const FemModel& m) {
       const int64_t t0 = RealClock::monotonic_ns();
       for (int i = 0; i < visits; ++i) sum += law.at(Mat3(Vec3(1.1 + 1e-6 * i, 1.05, 0.87).asDiagonal())).energy_kPa;
       const double ns = double(RealClock::monotonic_ns() - t0) / visits;
-      std::printf("%s, %zu points of %.0f ns: %.2f ms an iteration on one core%s\n", r.matrix_mu_kPa > 0 ? ", matrix in the constants of its cells" : "",
-                  points[&law], ns, ns * 1e-6 * double(points[&law]), sum < 0 ? " " : "");
+      std::printf("%s, %zu points of %.0f ns: %.2f ms an iteration on one core%s\n",
+                  r.matrix_mu_kPa > 0 ? ", matrix in the constants of its cells" : "", points[&law], ns,
+                  ns * 1e-6 * double(points[&law]), sum < 0 ? " " : "");
     }
-    if (!l.material.prony.empty() && !scene.dynamic) std::printf("            its relaxation is not used: the scene is quasi-static ([build] dynamic = true uses it)\n");
+    if (!l.material.prony.empty() && !scene.dynamic)
+      std::printf(
+          "            its relaxation is not used: the scene is quasi-static ([build] dynamic = true uses it)\n");
   }
   if (viscous > 0) std::printf("  relaxes   %zu points%s\n", viscous, scene.dynamic ? "" : ", unused");
 }
 
 void print_head_scene(const HeadScene& h) {
   if (h.source == HeadScene::Source::synthetic)
-    std::printf("head        synthetic: mandible %.3g, left ramus %.3g, vault %.3g wide and %.3g long, forehead set back %.3g; edges %.3g and %.3g mm\n", h.mandible_scale, h.ramus_left,
-                h.vault_wide, h.vault_long, h.forehead_flat, h.edge_mm, h.face_edge_mm);
+    std::printf(
+        "head        synthetic: mandible %.3g, left ramus %.3g, vault %.3g wide and %.3g long, forehead set back %.3g; "
+        "edges %.3g and %.3g mm\n",
+        h.mandible_scale, h.ramus_left, h.vault_wide, h.vault_long, h.forehead_flat, h.edge_mm, h.face_edge_mm);
   for (const std::string& f : h.bone_files) std::printf("head        bone %s\n", f.c_str());
   if (!h.face_file.empty()) std::printf("head        face %s\n", h.face_file.c_str());
   if (!h.face) std::printf("head        no face\n");
   for (const HeadScene::TissueAt& t : h.tissues)
-    std::printf("tissue      %s, %d layers of %.4g kPa, %s, %.3g mm around on the face\n", t.tissue.name.c_str(), t.tissue.layers, t.tissue.young_kPa,
-                kTissueKinds[size_t(t.tissue.mode)], t.tissue.face_radius_mm);
+    std::printf("tissue      %s, %d layers of %.4g kPa, %s, %.3g mm around on the face\n", t.tissue.name.c_str(),
+                t.tissue.layers, t.tissue.young_kPa, kTissueKinds[size_t(t.tissue.mode)], t.tissue.face_radius_mm);
 }
 
 void check_scene(const Scene& scene) {
@@ -154,14 +170,19 @@ void check_scene(const Scene& scene) {
   const auto body = build_body(scene, &surface);
   std::printf("scene       %s\n", scene.name.c_str());
   if (!scene.note.empty()) std::printf("            %s\n", scene.note.c_str());
-  if (surface.triangles == 0) surface.triangles = int64_t(body->surface.tri.size()), surface.vertices = int64_t(body->surface.X_mm.size());
-  if (surface.volume_mm3 > 0) print_surface(surface);
-  else std::printf("surface     %lld triangles, %lld vertices\n", static_cast<long long>(surface.triangles), static_cast<long long>(surface.vertices));
+  if (surface.triangles == 0)
+    surface.triangles = int64_t(body->surface.tri.size()), surface.vertices = int64_t(body->surface.X_mm.size());
+  if (surface.volume_mm3 > 0)
+    print_surface(surface);
+  else
+    std::printf("surface     %lld triangles, %lld vertices\n", static_cast<long long>(surface.triangles),
+                static_cast<long long>(surface.vertices));
   const Vec3 size = body->box_max_mm - body->box_min_mm;
   std::printf("size        %.1f x %.1f x %.1f mm\n", size.x(), size.y(), size.z());
   for (const Layer& l : body->layers) {
-    std::printf("layer       %s, %.3g mm, %.3g kPa, Poisson %.3g, prestretch %.3g along, %.3g across\n", l.name.c_str(), l.thickness_mm,
-                l.material.young_kPa, l.material.poisson, l.material.prestretch_along, l.material.prestretch_across);
+    std::printf("layer       %s, %.3g mm, %.3g kPa, Poisson %.3g, prestretch %.3g along, %.3g across\n", l.name.c_str(),
+                l.thickness_mm, l.material.young_kPa, l.material.poisson, l.material.prestretch_along,
+                l.material.prestretch_across);
     print_law(l.material);
   }
   if (scene.head) print_head_scene(*scene.head);
@@ -187,10 +208,13 @@ void plan_head(const Scene& scene, Workers& workers) {
   for (const simplex::Tissue* t : head.face_model().tissues()) tissue += size_t(t->vertices());
   std::printf("  tissue    %zu regions, %zu vertices\n", head.tissues().size(), tissue);
   std::printf("  landmarks %zu\n", head.landmarks().size());
-  std::printf("  not built %sBullet world (until a fragment is held)\n", scene.flesh ? "" : "lattice, cutter, elastic solver, ");
+  std::printf("  not built %sBullet world (until a fragment is held)\n",
+              scene.flesh ? "" : "lattice, cutter, elastic solver, ");
   std::printf("  memory    %.0f MB, of which the head %.0f MB\n", peak_memory_mb(), peak_memory_mb() - before_mb);
-  std::printf("  step      %.2f ms median at rest; %d iterations while something moves (%.0f steps a second wanted; limberg bench head measures them)\n",
-              double(step.percentile_ns(0.5)) * 1e-6, scene.head->iterations_per_step, scene.steps_per_s);
+  std::printf(
+      "  step      %.2f ms median at rest; %d iterations while something moves (%.0f steps a second wanted; limberg "
+      "bench head measures them)\n",
+      double(step.percentile_ns(0.5)) * 1e-6, scene.head->iterations_per_step, scene.steps_per_s);
 }
 
 /// Builds what the scene asks for and says what came of it: the only plan that cannot be wrong.
@@ -213,20 +237,25 @@ void plan(const Scene& scene, int workers_n) {
     step.add(RealClock::monotonic_ns() - a);
   }
   std::printf("plan        built in %.2f s with %d workers\n", double(t1 - t0) * 1e-9, workers_n);
-  std::printf("  lattice   %zu nodes, %zu cells of %.2f x %.2f x %.2f mm\n", m.X_mm.size(), m.cells.size(), m.cell_mm.x(), m.cell_mm.y(), m.cell_mm.z());
+  std::printf("  lattice   %zu nodes, %zu cells of %.2f x %.2f x %.2f mm\n", m.X_mm.size(), m.cells.size(),
+              m.cell_mm.x(), m.cell_mm.y(), m.cell_mm.z());
   plan_laws(scene, m);
   std::printf("  solver    %s\n", world.solver().describe().c_str());
-  std::printf("  parts     %s%s\n", scene.can_cut ? "cutter" : "no cutter", scene.dynamic ? ", dynamics" : ", quasi-static");
+  std::printf("  parts     %s%s\n", scene.can_cut ? "cutter" : "no cutter",
+              scene.dynamic ? ", dynamics" : ", quasi-static");
   std::printf("  not built %shaptic contact model (not asked for)\n", scene.head ? "" : "bone, simplex meshes, ");
   std::printf("  memory    %.0f MB, of which the patient %.0f MB\n", peak_memory_mb(), peak_memory_mb() - before_mb);
-  std::printf("  step      %.2f ms median of %d iterations (%.0f steps a second wanted)\n", double(step.percentile_ns(0.5)) * 1e-6,
-              scene.iterations_per_step, scene.steps_per_s);
+  std::printf("  step      %.2f ms median of %d iterations (%.0f steps a second wanted)\n",
+              double(step.percentile_ns(0.5)) * 1e-6, scene.iterations_per_step, scene.steps_per_s);
 }
 
 /// What the plan foretells: the angles that do not add up, and a drawing when one is asked for.
-void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std::string& title, const std::string& svg) {
+void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std::string& title,
+              const std::string& svg) {
   if (!plan) {
-    if (!svg.empty()) throw InputError(title, 0, "shows no plan that is known; expected \"plan\" in its header, a Z-plasty or a rhombic flap");
+    if (!svg.empty())
+      throw InputError(title, 0,
+                       "shows no plan that is known; expected \"plan\" in its header, a Z-plasty or a rhombic flap");
     std::printf("plan        none that is known: no \"plan\" in the header, no Z-plasty, no rhombic flap\n");
     return;
   }
@@ -236,9 +265,11 @@ void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std
     if (std::abs(c.q_deg) < 20) continue;  // spread along a curve
     const ChartPoint at = plan->chart(c.meeting.front());
     if (!skin.at(at)) throw InputError(title, 0, "its plan leaves the skin; expected a place with more skin around it");
-    std::printf("plan        %s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, unsigned_zero(at.x()), unsigned_zero(at.y()));
+    std::printf("plan        %s of %+.0f degrees where (%.1f, %.1f) comes to lie\n",
+                c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, unsigned_zero(at.x()), unsigned_zero(at.y()));
   }
-  std::printf("plan        all charges together %.3g degrees (0: it closes to one sheet)\n", std::abs(sum) < 1e-6 ? 0 : sum);
+  std::printf("plan        all charges together %.3g degrees (0: it closes to one sheet)\n",
+              std::abs(sum) < 1e-6 ? 0 : sum);
   if (svg.empty()) return;
   check_replaces_drawing(svg);
   write_whole_file(svg, plan_svg(plan->figure, title));
@@ -248,7 +279,9 @@ void foretell(const Skin& skin, const std::optional<PlanOnSkin>& plan, const std
 Scene scene_of(const std::string& file, const std::string& name) {
   std::error_code ec;
   if (!std::filesystem::exists(name, ec) && shipped_file("app/scenes/" + name + ".toml").empty())
-    throw InputError(file, 1, "names the scene \"" + name.substr(0, 100) + "\", which is not there; expected a scene file or the name of a shipped scene");
+    throw InputError(file, 1,
+                     "names the scene \"" + name.substr(0, 100) +
+                         "\", which is not there; expected a scene file or the name of a shipped scene");
   return open_scene(name);
 }
 
@@ -260,37 +293,48 @@ void check_script(const Script& script, const std::string& file, bool with_plan,
   std::vector<Command> commands;
   for (const ScriptLine& l : script.lines) {
     const bool of_head = std::holds_alternative<HeadCommand>(l.command);
-    const bool neither = std::holds_alternative<Undo>(l.command) || std::holds_alternative<Redo>(l.command) || std::holds_alternative<Stage>(l.command) || std::holds_alternative<Wait>(l.command);
-    if (of_head && !scene.head) throw InputError(file, l.line, std::string(action_name(l.command)) + " asks for a head, and the scene \"" + scene.name + "\" has none; expected a scene with a [head]");
-    if (!of_head && !neither && !scene.flesh) throw InputError(file, l.line, std::string(action_name(l.command)) + " asks for skin, and the scene \"" + scene.name + "\" has none; expected a scene with a [body]");
+    const bool neither = std::holds_alternative<Undo>(l.command) || std::holds_alternative<Redo>(l.command) ||
+                         std::holds_alternative<Stage>(l.command) || std::holds_alternative<Wait>(l.command);
+    if (of_head && !scene.head)
+      throw InputError(file, l.line,
+                       std::string(action_name(l.command)) + " asks for a head, and the scene \"" + scene.name +
+                           "\" has none; expected a scene with a [head]");
+    if (!of_head && !neither && !scene.flesh)
+      throw InputError(file, l.line,
+                       std::string(action_name(l.command)) + " asks for skin, and the scene \"" + scene.name +
+                           "\" has none; expected a scene with a [body]");
   }
   for (const ScriptLine& l : script.lines) ++count[action_name(l.command)], commands.push_back(l.command);
   for (const auto& [name, n] : count) std::printf("  %-14s %d\n", name.c_str(), n);
   if ((!with_plan && svg.empty()) || !scene.flesh) return;
   const Skin skin(build_body(scene));
-  foretell(skin, plan_of(skin, script.header.plan, join_strokes(commands)), script.header.note.empty() ? file : script.header.note, svg);
+  foretell(skin, plan_of(skin, script.header.plan, join_strokes(commands)),
+           script.header.note.empty() ? file : script.header.note, svg);
 }
 
 void check_lesson(const Lesson& l, bool with_plan, const std::string& svg) {
   const Skin skin(build_body(scene_of(l.file, l.scene)));
   const PlanOnSkin plan = plan_on(skin, l.plan);
   std::printf("lesson      %s\n            %s\n", l.title.c_str(), l.goal.c_str());
-  std::printf("scene       %s\nprocedure   %s at (%g, %g) mm, turned by %g degrees%s\n", l.scene.c_str(), l.plan.procedure.c_str(), l.plan.at.x(), l.plan.at.y(),
-              l.plan.turn_deg, l.plan.mirrored ? ", mirrored" : "");
+  std::printf("scene       %s\nprocedure   %s at (%g, %g) mm, turned by %g degrees%s\n", l.scene.c_str(),
+              l.plan.procedure.c_str(), l.plan.at.x(), l.plan.at.y(), l.plan.turn_deg,
+              l.plan.mirrored ? ", mirrored" : "");
   for (const auto& [name, limit] : l.tolerances) std::printf("  at most   %s %g\n", name.c_str(), limit);
   std::printf("hints       %zu\n", l.hints.size());
   // Every corner of the plan lies on the skin, or the lesson cannot be done.
   for (const auto* lines : {&plan.figure.excisions, &plan.figure.incisions})
     for (const auto& line : *lines)
       for (const Vec2& p : line)
-        if (!skin.at(plan.chart(p))) throw InputError(l.file, 0, "its plan leaves the skin; expected a place with more skin around it");
+        if (!skin.at(plan.chart(p)))
+          throw InputError(l.file, 0, "its plan leaves the skin; expected a place with more skin around it");
   if (with_plan || !svg.empty()) foretell(skin, plan, l.title, svg);
 }
 
 void check_repro(const Repro& r) {
-  std::printf("repro       a refused cut of scene \"%s\" (hash %s), written by %s\n", r.scene.c_str(), hex(r.scene_hash).c_str(), r.program.c_str());
-  std::printf("state       %zu commands before it, cells of %g mm, seed %llu, topology %s\n", r.commands.size(), r.cell_mm,
-              static_cast<unsigned long long>(r.seed), hex(r.topology_hash).c_str());
+  std::printf("repro       a refused cut of scene \"%s\" (hash %s), written by %s\n", r.scene.c_str(),
+              hex(r.scene_hash).c_str(), r.program.c_str());
+  std::printf("state       %zu commands before it, cells of %g mm, seed %llu, topology %s\n", r.commands.size(),
+              r.cell_mm, static_cast<unsigned long long>(r.seed), hex(r.topology_hash).c_str());
   std::printf("refused     %s\n", to_json_line(r.refused).c_str());
   std::printf("reason      %s\n", r.reason.c_str());
 }
@@ -309,30 +353,41 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
   }
   std::printf("recording   %lld events\n", static_cast<long long>(rec.events));
   if (rec.session)
-    std::printf("session     scene %s (hash %s), by %s\n", rec.session->scene_name.c_str(), hex(rec.session->scene_hash).c_str(), rec.session->program.c_str());
-  else std::printf("session     none: a plain stream, not a recording that replays by itself\n");
+    std::printf("session     scene %s (hash %s), by %s\n", rec.session->scene_name.c_str(),
+                hex(rec.session->scene_hash).c_str(), rec.session->program.c_str());
+  else
+    std::printf("session     none: a plain stream, not a recording that replays by itself\n");
   const double seconds = double(last - first) * 1e-9;
-  std::printf("samples     %lld stylus, %lld controls, %.2f s%s\n", static_cast<long long>(stylus), static_cast<long long>(controls),
-              seconds, seconds > 0 ? (", " + std::to_string(int(double(stylus) / seconds + 0.5)) + " Hz").c_str() : "");
+  std::printf("samples     %lld stylus, %lld controls, %.2f s%s\n", static_cast<long long>(stylus),
+              static_cast<long long>(controls), seconds,
+              seconds > 0 ? (", " + std::to_string(int(double(stylus) / seconds + 0.5)) + " Hz").c_str() : "");
   if (stations > 0 || raw_bytes > 0)
-    std::printf("tracker     %lld readings of stations, %lld bytes as they came\n", static_cast<long long>(stations), static_cast<long long>(raw_bytes));
+    std::printf("tracker     %lld readings of stations, %lld bytes as they came\n", static_cast<long long>(stations),
+                static_cast<long long>(raw_bytes));
   for (const Blob& b : rec.blobs) std::printf("holds       %s, %zu bytes\n", b.name.c_str(), b.data.size());
   std::printf("checkpoints %zu\n", rec.checkpoints.size());
-  if (rec.schedule.broken) std::printf("schedule    not whole: replays, but not exactly as it was\n");
+  if (rec.schedule.broken)
+    std::printf("schedule    not whole: replays, but not exactly as it was\n");
   else if (rec.schedule.usable())
-    std::printf("schedule    %zu solver steps of a live session: replays exactly as it was\n", rec.schedule.solver.size());
+    std::printf("schedule    %zu solver steps of a live session: replays exactly as it was\n",
+                rec.schedule.solver.size());
   if (rec.session || rec.end) std::printf("end         %s\n", rec.end ? "whole" : "missing: the session was cut short");
   if (rec.session && rec.blob(BlobKind::scene)) {
     const Unbundled u = unbundle_scene(rec, file);
-    if (u.scene.hash != rec.session->scene_hash) throw InputError(file, 0, "its scene is not the one that it was recorded with");
+    if (u.scene.hash != rec.session->scene_hash)
+      throw InputError(file, 0, "its scene is not the one that it was recorded with");
     check_scene(u.scene);
     if (with_plan) plan(u.scene, workers);
   }
   if (rec.damage.total() == 0) return kDone;
   const LogDamage& d = rec.damage;
-  std::printf("damage      %lld events lost: truncated %lld, bad sync %lld, bad length %lld, bad payload %lld, out of order %lld, missing %lld; %lld bytes skipped\n",
-              static_cast<long long>(d.total()), static_cast<long long>(d.truncated), static_cast<long long>(d.bad_sync), static_cast<long long>(d.bad_length),
-              static_cast<long long>(d.bad_payload), static_cast<long long>(d.out_of_order), static_cast<long long>(d.missing), static_cast<long long>(d.skipped_bytes));
+  std::printf(
+      "damage      %lld events lost: truncated %lld, bad sync %lld, bad length %lld, bad payload %lld, out of order "
+      "%lld, missing %lld; %lld bytes skipped\n",
+      static_cast<long long>(d.total()), static_cast<long long>(d.truncated), static_cast<long long>(d.bad_sync),
+      static_cast<long long>(d.bad_length), static_cast<long long>(d.bad_payload),
+      static_cast<long long>(d.out_of_order), static_cast<long long>(d.missing),
+      static_cast<long long>(d.skipped_bytes));
   say(file + ": damaged: " + d.first_message);
   return kGoalMissed;
 }
@@ -348,14 +403,20 @@ bool check_image(const std::string& file, const std::string& series) {
     const Surface s = load_surface(file);
     Vec3 low = s.x_mm.front(), high = low;
     for (const Vec3& x : s.x_mm) low = low.cwiseMin(x), high = high.cwiseMax(x);
-    std::printf("%s %zu points, %zu triangles\nsize        %.1f x %.1f x %.1f mm\n", s.tri.empty() ? "scan       " : "surface    ", s.x_mm.size(), s.tri.size(), high.x() - low.x(), high.y() - low.y(), high.z() - low.z());
+    std::printf("%s %zu points, %zu triangles\nsize        %.1f x %.1f x %.1f mm\n",
+                s.tri.empty() ? "scan       " : "surface    ", s.x_mm.size(), s.tri.size(), high.x() - low.x(),
+                high.y() - low.y(), high.z() - low.z());
     return true;
   }
-  if (!folder && !ends({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".dcm", ".DCM", ".IMA"})) return false;
+  if (!folder && !ends({".nrrd", ".nhdr", ".mha", ".mhd", ".nii", ".nii.gz", ".hdr", ".dcm", ".DCM", ".IMA"}))
+    return false;
   const Volume v = load_volume(file, series);
   const auto [low, high] = std::minmax_element(v.value.begin(), v.value.end());
-  std::printf("volume      %d x %d x %d voxels of %.4g x %.4g x %.4g mm\nvalues      %g to %g\norigin      (%.2f, %.2f, %.2f) mm, left, posterior, superior\n", v.size[0], v.size[1], v.size[2],
-              v.step_mm.col(0).norm(), v.step_mm.col(1).norm(), v.step_mm.col(2).norm(), double(*low), double(*high), v.origin_mm.x(), v.origin_mm.y(), v.origin_mm.z());
+  std::printf(
+      "volume      %d x %d x %d voxels of %.4g x %.4g x %.4g mm\nvalues      %g to %g\norigin      (%.2f, %.2f, %.2f) "
+      "mm, left, posterior, superior\n",
+      v.size[0], v.size[1], v.size[2], v.step_mm.col(0).norm(), v.step_mm.col(1).norm(), v.step_mm.col(2).norm(),
+      double(*low), double(*high), v.origin_mm.x(), v.origin_mm.y(), v.origin_mm.z());
   return true;
 }
 
@@ -373,17 +434,31 @@ int check(const std::string& given, const std::string& series, bool with_plan, c
   if (check_image(file, series)) return kDone;
   const std::string text = read_whole_file(file, size_t(4) << 30);
   switch (recognise(file, text)) {
-    case Kind::recording: return check_recording(file, with_plan, workers);
-    case Kind::repro: check_repro(parse_repro(text, file)); break;
-    case Kind::script: check_script(parse_script(text, file), file, with_plan, svg); break;
-    case Kind::lesson: check_lesson(parse_lesson(text, file), with_plan, svg); break;
+    case Kind::recording:
+      return check_recording(file, with_plan, workers);
+    case Kind::repro:
+      check_repro(parse_repro(text, file));
+      break;
+    case Kind::script:
+      check_script(parse_script(text, file), file, with_plan, svg);
+      break;
+    case Kind::lesson:
+      check_lesson(parse_lesson(text, file), with_plan, svg);
+      break;
     case Kind::calibration: {
       const Calibration c = parse_calibration(text, file);
       std::printf("calibration %s, hash %s\n", c.name.c_str(), hex(calibration_hash(c)).c_str());
-      if (!c.device.empty() || !c.date.empty()) std::printf("device      %s, %s\n", c.device.empty() ? "not named" : c.device.c_str(), c.date.empty() ? "no date" : c.date.c_str());
-      std::printf("stylus      tip (%.3f, %.3f, %.3f) mm\nworld       tracker at (%.2f, %.2f, %.2f) mm\nglove       closed %.1f mm, open %.1f mm\n", c.tip_offset_mm.x(),
-                  c.tip_offset_mm.y(), c.tip_offset_mm.z(), c.world_from_tracker_mm.x(), c.world_from_tracker_mm.y(), c.world_from_tracker_mm.z(), c.glove.closed_mm, c.glove.open_mm);
-      if (!c.distortion.empty()) std::printf("distortion  corrected on %d x %d x %d nodes\n", c.distortion.nodes[0], c.distortion.nodes[1], c.distortion.nodes[2]);
+      if (!c.device.empty() || !c.date.empty())
+        std::printf("device      %s, %s\n", c.device.empty() ? "not named" : c.device.c_str(),
+                    c.date.empty() ? "no date" : c.date.c_str());
+      std::printf(
+          "stylus      tip (%.3f, %.3f, %.3f) mm\nworld       tracker at (%.2f, %.2f, %.2f) mm\nglove       closed "
+          "%.1f mm, open %.1f mm\n",
+          c.tip_offset_mm.x(), c.tip_offset_mm.y(), c.tip_offset_mm.z(), c.world_from_tracker_mm.x(),
+          c.world_from_tracker_mm.y(), c.world_from_tracker_mm.z(), c.glove.closed_mm, c.glove.open_mm);
+      if (!c.distortion.empty())
+        std::printf("distortion  corrected on %d x %d x %d nodes\n", c.distortion.nodes[0], c.distortion.nodes[1],
+                    c.distortion.nodes[2]);
       break;
     }
     case Kind::surface: {
@@ -397,11 +472,15 @@ int check(const std::string& given, const std::string& series, bool with_plan, c
     }
     case Kind::simplex_mesh: {
       const simplex::Census c = simplex::census(simplex::parse_mesh(text, file));
-      std::printf("simplex     %lld vertices, %lld faces, %lld parts, genus %lld, %lld end contours\n", static_cast<long long>(c.vertices),
-                  static_cast<long long>(c.faces - c.end_contours), static_cast<long long>(c.components), static_cast<long long>(c.genus), static_cast<long long>(c.end_contours));
+      std::printf("simplex     %lld vertices, %lld faces, %lld parts, genus %lld, %lld end contours\n",
+                  static_cast<long long>(c.vertices), static_cast<long long>(c.faces - c.end_contours),
+                  static_cast<long long>(c.components), static_cast<long long>(c.genus),
+                  static_cast<long long>(c.end_contours));
       break;
     }
-    case Kind::tissues: check_tissues(parse_tissues(text, file, *shipped_laws())); break;
+    case Kind::tissues:
+      check_tissues(parse_tissues(text, file, *shipped_laws()));
+      break;
     case Kind::scene: {
       const Scene scene = load_scene(file);
       check_scene(scene);
@@ -422,14 +501,22 @@ void add_check(CLI::App& app, Chosen& chosen) {
   };
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("check", "Say what a file holds and whether it is sound");
-  c->add_option("FILE", o->file, "Scene, lesson, library of tissues, script, repro, recording, calibration, OBJ surface or simplex mesh, known by its content; a volume, a folder of DICOM slices, a PLY, STL or xyz scan")->required();
-  c->add_option("--series", o->series, "Of a DICOM folder with several: number, UID or part of its description")->type_name("NAME");
-  c->add_flag("--plan", o->plan, "Of a scene: build it and say parts, nodes, memory, time of a step. Of a script or lesson: where its angles do not add up, so that the skin will stand up or be drawn tight");
+  c->add_option("FILE", o->file,
+                "Scene, lesson, library of tissues, script, repro, recording, calibration, OBJ surface or simplex "
+                "mesh, known by its content; a volume, a folder of DICOM slices, a PLY, STL or xyz scan")
+      ->required();
+  c->add_option("--series", o->series, "Of a DICOM folder with several: number, UID or part of its description")
+      ->type_name("NAME");
+  c->add_flag("--plan", o->plan,
+              "Of a scene: build it and say parts, nodes, memory, time of a step. Of a script or lesson: where its "
+              "angles do not add up, so that the skin will stand up or be drawn tight");
   c->add_option("--draw", o->draw, "Draw the plan of a script or lesson, with what it foretells")->type_name("SVG");
   o->common.add_workers(*c);
-  c->footer("Exit status 3: a recording is damaged, but what is whole can be replayed.\n"
-            "Example: limberg check app/scenes/rhomboid.toml --plan");
-  c->callback([o, &chosen] { chosen = [o] { return check(o->file, o->series, o->plan, o->draw, o->common.worker_count()); }; });
+  c->footer(
+      "Exit status 3: a recording is damaged, but what is whole can be replayed.\n"
+      "Example: limberg check app/scenes/rhomboid.toml --plan");
+  c->callback(
+      [o, &chosen] { chosen = [o] { return check(o->file, o->series, o->plan, o->draw, o->common.worker_count()); }; });
 }
 
 }  // namespace limberg

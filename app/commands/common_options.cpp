@@ -9,19 +9,27 @@
 
 namespace limberg {
 
-void CommonOptions::add_out(CLI::App& c) { c.add_option("--out", out_dir, "Folder for pictures, result.json and report.html")->type_name("DIR"); }
-void CommonOptions::add_json(CLI::App& c) { c.add_option("--json", json_file, "Write the result as JSON to this file")->type_name("FILE"); }
+void CommonOptions::add_out(CLI::App& c) {
+  c.add_option("--out", out_dir, "Folder for pictures, result.json and report.html")->type_name("DIR");
+}
+void CommonOptions::add_json(CLI::App& c) {
+  c.add_option("--json", json_file, "Write the result as JSON to this file")->type_name("FILE");
+}
 void CommonOptions::add_workers(CLI::App& c) {
   c.add_option("--workers", workers, "Worker threads; results do not depend on it (default: one per core)")
       ->type_name("N")
       ->check(whole_from(1, 256));
-  c.add_option("--simd", simd, "Instructions of the elasticity kernels (default: the widest of this machine); results differ by single-precision rounding")
+  c.add_option("--simd", simd,
+               "Instructions of the elasticity kernels (default: the widest of this machine); results differ by "
+               "single-precision rounding")
       ->type_name("SET")
       ->check(CLI::IsMember({"plain", "avx2", "avx512"}));
 }
 
 void CommonOptions::add_repro(CLI::App& c) {
-  c.add_option("--repro", repro_dir, "Folder for repro-N.json, one for each cut that is refused (default: that of --out)")->type_name("DIR");
+  c.add_option("--repro", repro_dir,
+               "Folder for repro-N.json, one for each cut that is refused (default: that of --out)")
+      ->type_name("DIR");
 }
 
 void CommonOptions::prepare() const {

@@ -35,7 +35,9 @@ Landmark parse_landmark(const std::string& text) {
   Landmark l;
   double x = 0, y = 0;
   char more = 0;
-  if (equals == std::string::npos || equals == 0 || std::sscanf(text.c_str() + equals + 1, "%lf,%lf%c", &x, &y, &more) != 2 || !(std::abs(x) <= 1e4) || !(std::abs(y) <= 1e4))
+  if (equals == std::string::npos || equals == 0 ||
+      std::sscanf(text.c_str() + equals + 1, "%lf,%lf%c", &x, &y, &more) != 2 || !(std::abs(x) <= 1e4) ||
+      !(std::abs(y) <= 1e4))
     throw InputError("--spare", 0, text.substr(0, 60) + " is no named place; expected NAME=X,Y in mm");
   l.name = text.substr(0, equals), l.at = {x, y};
   return l;
@@ -61,7 +63,8 @@ int design(Options o) {
     int n = std::snprintf(t, sizeof t, "%d of %d designs%s", p.done, p.total, p.fine ? ", the best on fine cells" : "");
     if (p.share > 0.02) {  // what the first ones took says how long the rest will
       const double left_s = double(RealClock::monotonic_ns() - start) * 1e-9 * (1 / p.share - 1);
-      std::snprintf(t + n, sizeof t - size_t(n), left_s < 90 ? ", about %.0f s left" : ", about %.1f min left", left_s < 90 ? left_s : left_s / 60);
+      std::snprintf(t + n, sizeof t - size_t(n), left_s < 90 ? ", about %.0f s left" : ", about %.1f min left",
+                    left_s < 90 ? left_s : left_s / 60);
     }
     progress.note(t);
   };
@@ -75,10 +78,24 @@ int design(Options o) {
   r.set("/defect", o.defect);
   ResultTable table;
   table.title = "Designs, best first";
-  table.about = "Cost: largest force of a stitch over 2.45 N, plus dog-ear over 4 mm, plus displacement of landmarks over 2 mm. The best of the first pass were carried out "
-                "again on fine cells and are ranked among themselves by what they cost there; those in brackets, without a cost, are ranked by the first pass, and their figures are of its cells.";
-  table.columns = {"", "design", "cells, mm", "cost", "first pass", "largest stitch, N", "closure, N", "dog-ear, mm", "landmark, mm", "skin taken, mm2", "scar, mm"};
-  std::printf("%5s %-58s %6s %7s %7s %8s %9s %8s %9s %8s %7s\n", "", "design", "cells", "cost", "1st", "stitch N", "closure N", "ear mm", "landm. mm", "skin mm2", "scar mm");
+  table.about =
+      "Cost: largest force of a stitch over 2.45 N, plus dog-ear over 4 mm, plus displacement of landmarks over 2 mm. "
+      "The best of the first pass were carried out "
+      "again on fine cells and are ranked among themselves by what they cost there; those in brackets, without a cost, "
+      "are ranked by the first pass, and their figures are of its cells.";
+  table.columns = {"",
+                   "design",
+                   "cells, mm",
+                   "cost",
+                   "first pass",
+                   "largest stitch, N",
+                   "closure, N",
+                   "dog-ear, mm",
+                   "landmark, mm",
+                   "skin taken, mm2",
+                   "scar, mm"};
+  std::printf("%5s %-58s %6s %7s %7s %8s %9s %8s %9s %8s %7s\n", "", "design", "cells", "cost", "1st", "stitch N",
+              "closure N", "ear mm", "landm. mm", "skin mm2", "scar mm");
   int rank = 0, dropped = 0;
   bool any = false, coarse = false;
   for (const Design& d : found) {
@@ -108,21 +125,27 @@ int design(Options o) {
     r.set(p + "/excised_mm2", d.waste_mm2);
     r.set(p + "/scar_length_mm", d.scar_mm);
     r.set(p + "/residual", d.residual);
-    const std::string place = d.fine ? std::to_string(rank) : "(" + std::to_string(rank) + ")", cost = d.fine ? short_number(d.cost, 3) : "-";
-    table.rows.push_back({place, d.name(), short_number(d.cell_mm), cost, short_number(d.first_cost, 3), short_number(d.force_N, 3), short_number(d.closure_N, 3),
-                          short_number(d.dog_ear_mm, 3), short_number(d.landmark_mm, 3), short_number(d.waste_mm2, 3), short_number(d.scar_mm, 3)});
+    const std::string place = d.fine ? std::to_string(rank) : "(" + std::to_string(rank) + ")",
+                      cost = d.fine ? short_number(d.cost, 3) : "-";
+    table.rows.push_back({place, d.name(), short_number(d.cell_mm), cost, short_number(d.first_cost, 3),
+                          short_number(d.force_N, 3), short_number(d.closure_N, 3), short_number(d.dog_ear_mm, 3),
+                          short_number(d.landmark_mm, 3), short_number(d.waste_mm2, 3), short_number(d.scar_mm, 3)});
     if (rank <= o.show)
-      std::printf("%5s %-58s %6.3g %7s %7.3f %8.3f %9.3f %8.2f %9.2f %8.0f %7.1f\n", place.c_str(), d.name().c_str(), d.cell_mm, cost.c_str(), d.first_cost, d.force_N, d.closure_N, d.dog_ear_mm, d.landmark_mm,
+      std::printf("%5s %-58s %6.3g %7s %7.3f %8.3f %9.3f %8.2f %9.2f %8.0f %7.1f\n", place.c_str(), d.name().c_str(),
+                  d.cell_mm, cost.c_str(), d.first_cost, d.force_N, d.closure_N, d.dog_ear_mm, d.landmark_mm,
                   d.waste_mm2, d.scar_mm);
     if (o.common.out_dir.empty() || rank > o.task.refine) continue;
-    write_whole_file(o.common.out_dir + "/design-" + std::to_string(rank) + ".svg", plan_svg(d.figure, std::to_string(rank) + ". " + d.name()));
+    write_whole_file(o.common.out_dir + "/design-" + std::to_string(rank) + ".svg",
+                     plan_svg(d.figure, std::to_string(rank) + ". " + d.name()));
     ScriptHeader header{o.scene, d.name(), o.task.spare, d.plan};
     std::string text = to_json_line(header) + "\n";
     for (const Command& c : d.commands) text += to_json_line(c) + "\n";
     write_whole_file(o.common.out_dir + "/design-" + std::to_string(rank) + ".jsonl", text);
   }
   if (rank > o.show) std::printf("      and %d more\n", rank - o.show);
-  if (coarse) std::printf("in brackets: ranked by the first pass alone (1st), whose costs do not compare with those of fine cells\n");
+  if (coarse)
+    std::printf(
+        "in brackets: ranked by the first pass alone (1st), whose costs do not compare with those of fine cells\n");
   if (any) {
     const std::string why = why_first(found[0], found.size() > 1 && found[1].dropped.empty() ? &found[1] : nullptr);
     r.set("/why", why);
@@ -133,10 +156,13 @@ int design(Options o) {
     for (const auto& [reason, count] : dropped_by_reason(found)) std::printf("  %3d  %s\n", count, reason.c_str());
   }
   if (!o.common.out_dir.empty() && any) {
-    const Vec3 along = scene.source == Scene::Source::block ? scene.block.tension_direction : scene.obj.tension_direction;
+    const Vec3 along =
+        scene.source == Scene::Source::block ? scene.block.tension_direction : scene.obj.tension_direction;
     const std::shared_ptr<const Body> body = build_body(scene);
-    write_whole_file(o.common.out_dir + "/" + report_names::ranking,
-                     ranking_svg(found, o.task, std::atan2(along.dot(body->chart_e2), along.dot(body->chart_e1)) * 180 / std::numbers::pi));
+    write_whole_file(
+        o.common.out_dir + "/" + report_names::ranking,
+        ranking_svg(found, o.task,
+                    std::atan2(along.dot(body->chart_e2), along.dot(body->chart_e1)) * 180 / std::numbers::pi));
   }
   add_table(r, 0, table);
   r.set_ok(any);
@@ -149,23 +175,38 @@ int design(Options o) {
 
 void add_design(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand("design", "Rank flaps for a defect by closure force, dog-ear and displacement of landmarks");
+  CLI::App* c =
+      app.add_subcommand("design", "Rank flaps for a defect by closure force, dog-ear and displacement of landmarks");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
-  c->add_option("--defect", o->defect, "Its outline on the chart, mm: circle:X,Y,DIAMETER or X,Y;X,Y;X,Y;...")->required();
-  c->add_option("--spare", o->spare, "A landmark, once each")->type_name("NAME=X,Y")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_option("--lines", o->lines_deg, "Direction of the tension lines on the chart, degrees (default: the scene's)")->check(number_from(-360, 360));
-  c->add_option("--types", o->task.types, "Only these procedures (default: all that can cover a defect)")->delimiter(',');
-  c->add_option("--turn-step", o->task.turn_step_deg, "Degrees between orientations (default 60)")->check(number_from(5.0, 180.0));
+  c->add_option("--defect", o->defect, "Its outline on the chart, mm: circle:X,Y,DIAMETER or X,Y;X,Y;X,Y;...")
+      ->required();
+  c->add_option("--spare", o->spare, "A landmark, once each")
+      ->type_name("NAME=X,Y")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_option("--lines", o->lines_deg, "Direction of the tension lines on the chart, degrees (default: the scene's)")
+      ->check(number_from(-360, 360));
+  c->add_option("--types", o->task.types, "Only these procedures (default: all that can cover a defect)")
+      ->delimiter(',');
+  c->add_option("--turn-step", o->task.turn_step_deg, "Degrees between orientations (default 60)")
+      ->check(number_from(5.0, 180.0));
   c->add_option("--coarse-mm", o->task.coarse_mm, "Cells of the first pass (default 5)")->check(number_from(0.5, 50.0));
-  c->add_option("--fine-mm", o->task.fine_mm, "Cells of the second (default: the scene's)")->check(number_from(0.5, 50.0));
-  c->add_option("--refine", o->task.refine, "How many are carried out again on fine cells and drawn (default 3)")->check(whole_from(0, 100));
-  c->add_option("--weight-force", o->task.weight_force, "Of the largest stitch over 2.45 N (default 1)")->check(number_from(0.0, 100.0));
-  c->add_option("--weight-ear", o->task.weight_ear, "Of the dog-ear over 4 mm (default 1)")->check(number_from(0.0, 100.0));
-  c->add_option("--weight-landmark", o->task.weight_landmark, "Of the landmarks' displacement over 2 mm (default 1)")->check(number_from(0.0, 100.0));
-  c->add_option("--undermine-mm", o->task.plan.undermine_margin_mm, "Undermined so far around each figure (default 12)")->check(number_from(0, 1000));
+  c->add_option("--fine-mm", o->task.fine_mm, "Cells of the second (default: the scene's)")
+      ->check(number_from(0.5, 50.0));
+  c->add_option("--refine", o->task.refine, "How many are carried out again on fine cells and drawn (default 3)")
+      ->check(whole_from(0, 100));
+  c->add_option("--weight-force", o->task.weight_force, "Of the largest stitch over 2.45 N (default 1)")
+      ->check(number_from(0.0, 100.0));
+  c->add_option("--weight-ear", o->task.weight_ear, "Of the dog-ear over 4 mm (default 1)")
+      ->check(number_from(0.0, 100.0));
+  c->add_option("--weight-landmark", o->task.weight_landmark, "Of the landmarks' displacement over 2 mm (default 1)")
+      ->check(number_from(0.0, 100.0));
+  c->add_option("--undermine-mm", o->task.plan.undermine_margin_mm, "Undermined so far around each figure (default 12)")
+      ->check(number_from(0, 1000));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
-  c->footer("Leaves ranking.svg, and design-N.svg and design-N.jsonl of the best, in DIR.\n"
-            "Example: limberg design rhomboid --defect circle:0,0,14 --spare lid=0,22 --out out/design");
+  c->footer(
+      "Leaves ranking.svg, and design-N.svg and design-N.jsonl of the best, in DIR.\n"
+      "Example: limberg design rhomboid --defect circle:0,0,14 --spare lid=0,22 --out out/design");
   c->callback([o, &chosen] { chosen = [o] { return design(*o); }; });
 }
 

@@ -101,7 +101,8 @@ std::vector<std::string> serial_ports() {
     while (const dirent* e = readdir(d)) {
       const std::string name = e->d_name;
       const bool serial = name.starts_with("ttyUSB") || name.starts_with("ttyACM") || name.starts_with("ttyS");
-      if ((std::strcmp(dir, "/dev") == 0 ? serial : name[0] != '.') && found.size() < 64) found.push_back(std::string(dir) + "/" + name);
+      if ((std::strcmp(dir, "/dev") == 0 ? serial : name[0] != '.') && found.size() < 64)
+        found.push_back(std::string(dir) + "/" + name);
     }
     closedir(d);
   }
@@ -110,26 +111,34 @@ std::vector<std::string> serial_ports() {
 }
 
 /// How many lines were printed.
-int show(const std::vector<std::string>& names, const std::vector<std::unique_ptr<Source>>& sources, Desk& desk, int64_t now_ns, double since_s) {
+int show(const std::vector<std::string>& names, const std::vector<std::unique_ptr<Source>>& sources, Desk& desk,
+         int64_t now_ns, double since_s) {
   int lines = 0;
   for (size_t i = 0; i < sources.size(); ++i) {
     const SourceCounts c = sources[i]->counts();
-    std::printf("%-34.34s %8lld taken %6lld damaged %6lld lost  %s\n", names[i].c_str(), (long long)c.samples, (long long)c.malformed, (long long)c.lost, sources[i]->health().c_str());
+    std::printf("%-34.34s %8lld taken %6lld damaged %6lld lost  %s\n", names[i].c_str(), (long long)c.samples,
+                (long long)c.malformed, (long long)c.lost, sources[i]->health().c_str());
     ++lines;
   }
   for (auto& [key, s] : desk.streams) {
     s.rate_hz = double(s.count - s.counted) / std::max(1e-3, since_s);
     s.counted = s.count;
     const double age_ms = double(now_ns - s.last_ns) * 1e-6;
-    std::printf("  %-10s %d.%d %6.1f Hz  age %6.1f ms  longest gap %6.1f ms  %4lld missing  (%8.2f %8.2f %8.2f) mm  q (%6.3f %6.3f %6.3f %6.3f)  button %s, %lld changes%s\n",
-                s.name.c_str(), key.first, key.second, s.rate_hz, age_ms, s.longest_gap_ms, (long long)s.gaps, s.pos_mm.x(), s.pos_mm.y(), s.pos_mm.z(), s.quat[0], s.quat[1],
-                s.quat[2], s.quat[3], s.buttons & 1 ? "down" : "up", (long long)s.edges, s.status == ' ' ? "" : (std::string("  device says ") + s.status).c_str());
+    std::printf(
+        "  %-10s %d.%d %6.1f Hz  age %6.1f ms  longest gap %6.1f ms  %4lld missing  (%8.2f %8.2f %8.2f) mm  q (%6.3f "
+        "%6.3f %6.3f %6.3f)  button %s, %lld changes%s\n",
+        s.name.c_str(), key.first, key.second, s.rate_hz, age_ms, s.longest_gap_ms, (long long)s.gaps, s.pos_mm.x(),
+        s.pos_mm.y(), s.pos_mm.z(), s.quat[0], s.quat[1], s.quat[2], s.quat[3], s.buttons & 1 ? "down" : "up",
+        (long long)s.edges, s.status == ' ' ? "" : (std::string("  device says ") + s.status).c_str());
     ++lines;
   }
   if (desk.has_glove) {
     const HandPose h = desk.glove.at(now_ns);
-    std::printf("  hand       %s, tips %.1f mm apart, centre (%.1f %.1f %.1f) mm, %lld grabs\n", !h.valid ? "not tracked" : h.closed ? "closed" : "open", h.aperture_mm, h.centre_mm.x(),
-                h.centre_mm.y(), h.centre_mm.z(), (long long)desk.glove.counts().grabs);
+    std::printf("  hand       %s, tips %.1f mm apart, centre (%.1f %.1f %.1f) mm, %lld grabs\n",
+                !h.valid   ? "not tracked"
+                : h.closed ? "closed"
+                           : "open",
+                h.aperture_mm, h.centre_mm.x(), h.centre_mm.y(), h.centre_mm.z(), (long long)desk.glove.counts().grabs);
     ++lines;
   }
   if (desk.controls > 0) std::printf("  controls   %lld\n", (long long)desk.controls), ++lines;
@@ -147,7 +156,11 @@ int devices(const Options& o) {
   std::vector<std::unique_ptr<Source>> sources;
   for (size_t i = 0; i < names.size();) {
     const LiveSource live = live_source(DeviceSpec(names[i]), int(i));
-    if (!live) throw InputError("", 0, "--device " + names[i] + ": no live device; expected lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT, fastrak-emulator, spacemouse, mouse or force-simulated");
+    if (!live)
+      throw InputError("", 0,
+                       "--device " + names[i] +
+                           ": no live device; expected lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT, "
+                           "fastrak-emulator, spacemouse, mouse or force-simulated");
     try {
       sources.push_back(live({start, nullptr}));
       ++i;
@@ -162,14 +175,18 @@ int devices(const Options& o) {
   for (const std::string& p : ports) std::printf("%s ", p.c_str());
   const char* socket = std::getenv("SPNAV_SOCKET");
   if (!socket) socket = "/var/run/spnav.sock";
-  std::printf("\nSpaceMouse   %s\nmouse        %s\n", exists(socket) ? (std::string("its daemon at ") + socket).c_str() : "no daemon", exists("/dev/input/mice") ? "/dev/input/mice" : "none");
+  std::printf("\nSpaceMouse   %s\nmouse        %s\n",
+              exists(socket) ? (std::string("its daemon at ") + socket).c_str() : "no daemon",
+              exists("/dev/input/mice") ? "/dev/input/mice" : "none");
   Desk desk(calibration);
   std::unique_ptr<StreamWriter> record;
   if (!o.record.empty()) record = std::make_unique<StreamWriter>(o.record, o.replace), desk.record = record.get();
   std::unique_ptr<LcmPublisher> publish;
   if (!o.publish.empty()) {
     for (const std::string& n : names)
-      if (n.starts_with("lcm")) throw InputError("", 0, "--publish beside --device " + n + ": what is sent would come back; expected other devices");
+      if (n.starts_with("lcm"))
+        throw InputError("", 0,
+                         "--publish beside --device " + n + ": what is sent would come back; expected other devices");
     publish = std::make_unique<LcmPublisher>(o.publish, o.publish_anywhere), desk.publish = publish.get();
   }
   const double seconds = o.seconds > 0 ? o.seconds : o.watch ? 1e9 : 2;
@@ -189,7 +206,8 @@ int devices(const Options& o) {
     }
   }
   if (publish) std::printf("published    %lld messages on %s\n", (long long)publish->sent(), o.publish.c_str());
-  if (record) record->close(), std::printf("recording    %s, %lld samples\n", o.record.c_str(), (long long)record->samples());
+  if (record)
+    record->close(), std::printf("recording    %s, %lld samples\n", o.record.c_str(), (long long)record->samples());
   if (!o.watch) show(names, sources, desk, clock.now_ns(), double(clock.now_ns()) * 1e-9);
   return kDone;
 }
@@ -199,15 +217,25 @@ int devices(const Options& o) {
 void add_devices(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("devices", "What is connected: live poses, rates, gaps, buttons");
-  c->add_option("--device", o->devices, "lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], spacemouse[:SOCKET], mouse[:FILE] or force-simulated (default lcm); may be repeated")->type_name("SPEC");
+  c->add_option("--device", o->devices,
+                "lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], "
+                "spacemouse[:SOCKET], mouse[:FILE] or force-simulated (default lcm); may be repeated")
+      ->type_name("SPEC");
   c->add_flag("--watch", o->watch, "Go on until Ctrl-C; devices may come and go");
-  c->add_option("--seconds", o->seconds, "End after so long (default 2; --watch: never)")->type_name("S")->check(number_from(0.01, 86400.0));
+  c->add_option("--seconds", o->seconds, "End after so long (default 2; --watch: never)")
+      ->type_name("S")
+      ->check(number_from(0.01, 86400.0));
   c->add_option("--calibration", o->calibration, "Of the glove, for its open and closed hand")->type_name("FILE");
   c->add_option("--record", o->record, "Keep what came as a stream: what limberg calibrate reads")->type_name("LOG");
-  c->add_option("--publish", o->publish, "Send what comes over LCM, for limberg run --device lcm and other programs: udpm://239.255.76.67:7667?ttl=0 stays on this machine")->type_name("URL");
+  c->add_option("--publish", o->publish,
+                "Send what comes over LCM, for limberg run --device lcm and other programs: "
+                "udpm://239.255.76.67:7667?ttl=0 stays on this machine")
+      ->type_name("URL");
   c->add_flag("--publish-anywhere", o->publish_anywhere, "Allow addresses that reach other machines");
   c->add_flag("--replace", o->replace, "Replace LOG if it exists");
-  c->footer("Example: limberg devices --seconds 20 --device fastrak:/dev/ttyUSB0,s --record pivot.lcm && limberg calibrate stylus pivot.lcm --out stylus.toml\n         limberg devices --watch --device fastrak:/dev/ttyUSB0,fts");
+  c->footer(
+      "Example: limberg devices --seconds 20 --device fastrak:/dev/ttyUSB0,s --record pivot.lcm && limberg calibrate "
+      "stylus pivot.lcm --out stylus.toml\n         limberg devices --watch --device fastrak:/dev/ttyUSB0,fts");
   c->callback([o, &chosen] { chosen = [o] { return devices(*o); }; });
 }
 

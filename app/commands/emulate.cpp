@@ -39,7 +39,9 @@ int serve_fastrak(const Options& o) {
   const fastrak::EmulatedPort port(fastrak::hand_at_work(o.seed), settings);
   std::printf("%s\n", port.path().c_str());
   std::fflush(stdout);
-  say("an emulated FASTRAK: glove on stations 1 and 2, stylus on 3; until Ctrl-C. Elsewhere: limberg devices --watch --device fastrak:" + port.path() + ",fts");
+  say("an emulated FASTRAK: glove on stations 1 and 2, stylus on 3; until Ctrl-C. Elsewhere: limberg devices --watch "
+      "--device fastrak:" +
+      port.path() + ",fts");
   while (!interrupted() && (o.seconds <= 0 || double(port.now_ns()) * 1e-9 < o.seconds)) {
     const timespec pause{0, 20'000'000};
     nanosleep(&pause, nullptr);
@@ -55,12 +57,13 @@ int write_known(const Options& o) {
   write_whole_file(o.out_log + ".truth.csv", k.truth_csv);
   if (!k.points_mm.empty()) {
     std::string list;
-    for (const Vec3& p : k.points_mm) list += std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
+    for (const Vec3& p : k.points_mm)
+      list += std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
     write_whole_file(o.out_log + ".points.txt", list);
     std::printf("points      %s.points.txt\n", o.out_log.c_str());
   }
-  std::printf("recording   %s, %zu samples, seed %llu\ntruth       %s\n            %s.truth.csv\n", o.out_log.c_str(), k.samples.size(), static_cast<unsigned long long>(o.seed), k.truth.c_str(),
-              o.out_log.c_str());
+  std::printf("recording   %s, %zu samples, seed %llu\ntruth       %s\n            %s.truth.csv\n", o.out_log.c_str(),
+              k.samples.size(), static_cast<unsigned long long>(o.seed), k.truth.c_str(), o.out_log.c_str());
   return kDone;
 }
 
@@ -68,7 +71,9 @@ int emulate(const Options& o) {
   if (!o.stream.empty()) return write_known(o);
   if (o.fastrak) return serve_fastrak(o);
   if (o.scene.empty() || o.script.empty() || o.out_log.empty())
-    throw InputError("", 0, "emulate without scene, script or --out; expected limberg emulate SCENE SCRIPT --out LOG, limberg emulate --fastrak, or limberg emulate --stream pivot --out LOG");
+    throw InputError("", 0,
+                     "emulate without scene, script or --out; expected limberg emulate SCENE SCRIPT --out LOG, limberg "
+                     "emulate --fastrak, or limberg emulate --stream pivot --out LOG");
   if (!o.common.json_file.empty()) o.common.prepare();
   SessionCall call;
   call.command = "emulate";
@@ -119,12 +124,22 @@ void add_emulate(CLI::App& app, Chosen& chosen) {
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene");
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines)");
   c->add_option("--out", o->out_log, "The LCM log to write")->type_name("LOG");
-  c->add_option("--seed", o->seed, "Of tremor, noise and dropouts (default 1)")->type_name("N")->check(whole_from(0, 9'007'199'254'740'992));
+  c->add_option("--seed", o->seed, "Of tremor, noise and dropouts (default 1)")
+      ->type_name("N")
+      ->check(whole_from(0, 9'007'199'254'740'992));
   c->add_flag("--replace", o->replace, "Replace LOG if it exists");
-  c->add_option("--stream", o->stream, "Instead: a stream of a hand whose truth is known: glove, cursor, tremor, force; or pivot, touch, open for limberg calibrate")->type_name("NAME");
-  c->add_flag("--fastrak", o->fastrak, "Instead: be a FASTRAK on a pseudo-terminal, whose path is printed, moved by a hand at work");
-  c->add_option("--seconds", o->seconds, "--fastrak: end after so long (default: Ctrl-C)")->type_name("S")->check(number_from(0.01, 86400));
-  c->add_option("--damage", o->damage, "--fastrak: share of bytes lost, changed or put in")->type_name("P")->check(number_from(0.0, 1.0));
+  c->add_option("--stream", o->stream,
+                "Instead: a stream of a hand whose truth is known: glove, cursor, tremor, force; or pivot, touch, open "
+                "for limberg calibrate")
+      ->type_name("NAME");
+  c->add_flag("--fastrak", o->fastrak,
+              "Instead: be a FASTRAK on a pseudo-terminal, whose path is printed, moved by a hand at work");
+  c->add_option("--seconds", o->seconds, "--fastrak: end after so long (default: Ctrl-C)")
+      ->type_name("S")
+      ->check(number_from(0.01, 86400));
+  c->add_option("--damage", o->damage, "--fastrak: share of bytes lost, changed or put in")
+      ->type_name("P")
+      ->check(number_from(0.0, 1.0));
   c->add_flag("--progressive-cut", o->progressive, "Incisions open while they are drawn, as run does it");
   o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg emulate rhomboid recordings/rhomboid.jsonl --out rhomboid.lcm --seed 7");

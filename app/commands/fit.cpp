@@ -1,3 +1,5 @@
+#include "sim/imaging/fit.h"
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -22,7 +24,6 @@
 #include "render/gl_context.h"
 #include "render/picture.h"
 #include "sim/error.h"
-#include "sim/imaging/fit.h"
 #include "sim/imaging/superposition.h"
 #include "sim/imaging/surface_file.h"
 #include "sim/simplex/dual.h"
@@ -32,61 +33,90 @@ namespace limberg {
 
 namespace {
 
-constexpr double kFound = 0.95;    // of the vertices must have the surface within two voxels
-constexpr double kRmsVoxels = 0.5; // and lie so near it, rms (both: issue list of the craniofacial part)
-constexpr double kReached = 0.9;   // of a scan's points must be within two spacings of the mesh; for a plane, of those that are seen from its side
-constexpr double kThin = 100;      // HU: above muscle and brain (45), what .3 mm of cortical bone adds in a voxel of 3.2 mm
-constexpr double kSmallest = 60, kLargest = 1000;  // mm: a scan of a face or head is between them; one that is not was likely written in other units
-constexpr double kScanEdges = 75;  // edges along a scan's diagonal where --edge-mm is not given (4 mm for a face of 300 mm, as for volumes)
+constexpr double kFound = 0.95;     // of the vertices must have the surface within two voxels
+constexpr double kRmsVoxels = 0.5;  // and lie so near it, rms (both: issue list of the craniofacial part)
+constexpr double kReached =
+    // of a scan's points must be within two spacings of the mesh; for a plane, of those that are seen from its side
+    0.9;
+constexpr double kThin = 100;  // HU: above muscle and brain (45), what .3 mm of cortical bone adds in a voxel of 3.2 mm
+constexpr double
+    kSmallest = 60,
+    kLargest = 1000;  // mm: a scan of a face or head is between them; one that is not was likely written in other units
+constexpr double kScanEdges =
+    75;  // edges along a scan's diagonal where --edge-mm is not given (4 mm for a face of 300 mm, as for volumes)
 
 struct Options {
   std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, report_dir, series, unit = "mm";
   std::vector<double> from;
-  double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, mouth_mm = -1, thin = -1, smooth = 0.6, parts = 1;
+  double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, mouth_mm = -1, thin = -1, smooth = 0.6,
+         parts = 1;
   bool has_iso = false, has_edge = false;
   CommonOptions common;
 };
 
 void print(const FitReport& r, double voxel, const char* unit) {
-  std::printf("surface     %.1f %% of the vertices have it within two %ss; %.1f %% of it is within two %ss of the mesh\n", 100 * r.found, unit, 100 * r.reached, unit);
-  std::printf("distance    rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm (%s %.3f mm)\n", r.rms_mm, r.p95_mm, r.max_mm, unit, voxel);
+  std::printf(
+      "surface     %.1f %% of the vertices have it within two %ss; %.1f %% of it is within two %ss of the mesh\n",
+      100 * r.found, unit, 100 * r.reached, unit);
+  std::printf("distance    rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm (%s %.3f mm)\n", r.rms_mm, r.p95_mm,
+              r.max_mm, unit, voxel);
   std::printf("            surface to mesh: rms %.3f mm, 95 %% within %.3f mm\n", r.surface_rms_mm, r.surface_p95_mm);
-  if (r.on_walls > 0) std::printf("thin walls  %d vertices lie where bone is thinner than the voxels show: they are closed, and not counted above\n", r.on_walls);
+  if (r.on_walls > 0)
+    std::printf(
+        "thin walls  %d vertices lie where bone is thinner than the voxels show: they are closed, and not counted "
+        "above\n",
+        r.on_walls);
   if (r.joined + r.cut > 0) std::printf("topology    %d sheets joined (t3), %d tubes cut (t4)\n", r.joined, r.cut);
   for (const FitHole& h : r.hole)
-    std::printf("opening     %-52s at (%.0f, %.0f, %.0f) mm, %.0f mm around, %d vertices\n", h.place.c_str(), h.centre_mm.x(), h.centre_mm.y(), h.centre_mm.z(), h.around_mm, h.vertices);
+    std::printf("opening     %-52s at (%.0f, %.0f, %.0f) mm, %.0f mm around, %d vertices\n", h.place.c_str(),
+                h.centre_mm.x(), h.centre_mm.y(), h.centre_mm.z(), h.around_mm, h.vertices);
   for (const std::string& n : r.notes) std::printf("note        %s\n", n.c_str());
 }
 
 void fill(Result& result, const FitReport& r) {
-  result.set("/vertices", r.vertices), result.set("/iterations", r.iterations), result.set("/vertex_iterations", r.vertex_iterations);
-  result.set("/found", r.found), result.set("/rms_mm", r.rms_mm), result.set("/p95_mm", r.p95_mm), result.set("/max_mm", r.max_mm);
-  result.set("/reached", r.reached), result.set("/surface_rms_mm", r.surface_rms_mm), result.set("/surface_p95_mm", r.surface_p95_mm);
+  result.set("/vertices", r.vertices), result.set("/iterations", r.iterations),
+      result.set("/vertex_iterations", r.vertex_iterations);
+  result.set("/found", r.found), result.set("/rms_mm", r.rms_mm), result.set("/p95_mm", r.p95_mm),
+      result.set("/max_mm", r.max_mm);
+  result.set("/reached", r.reached), result.set("/surface_rms_mm", r.surface_rms_mm),
+      result.set("/surface_p95_mm", r.surface_p95_mm);
   result.set("/on_walls", r.on_walls), result.set("/joined", r.joined), result.set("/cut", r.cut);
   result.set_empty_list("/openings"), result.set_empty_list("/notes");
   for (size_t i = 0; i < r.hole.size(); ++i) {
     const std::string p = "/openings/" + std::to_string(i);
-    result.set(p + "/place", r.hole[i].place), result.set(p + "/around_mm", r.hole[i].around_mm), result.set(p + "/vertices", r.hole[i].vertices);
+    result.set(p + "/place", r.hole[i].place), result.set(p + "/around_mm", r.hole[i].around_mm),
+        result.set(p + "/vertices", r.hole[i].vertices);
     for (int k = 0; k < 3; ++k) result.set(p + "/centre_mm/" + std::to_string(k), r.hole[i].centre_mm[k]);
   }
   for (size_t i = 0; i < r.notes.size(); ++i) result.set("/notes/" + std::to_string(i), r.notes[i]);
 }
 
 /// What the report says: what was fitted to what, how far they lie apart both ways, what stayed open.
-void tell(Result& result, const Options& o, const FitReport& r, const std::vector<std::string>& notes, const std::string& unit) {
+void tell(Result& result, const Options& o, const FitReport& r, const std::vector<std::string>& notes,
+          const std::string& unit) {
   const auto mm = [](double v) { return short_number(v, 3); };
-  std::string note = "A simplex mesh that began as a " + o.start + " was drawn to " + (o.tissue.empty() ? o.volume : "the " + o.tissue + " of " + o.volume) + ": " + std::to_string(r.vertices) + " vertices.";
+  std::string note = "A simplex mesh that began as a " + o.start + " was drawn to " +
+                     (o.tissue.empty() ? o.volume : "the " + o.tissue + " of " + o.volume) + ": " +
+                     std::to_string(r.vertices) + " vertices.";
   for (const std::string& f : notes) note += " " + f + ".";
   result.set("/scene_note", note), result.set("/reproduce", this_call());
-  add_table(result, result.entries("/tables"), {"Distance", "A vertex counts where it has the surface within two " + unit + "s, a place of the surface where the mesh is as near.", {"from, to", "share", "rms, mm", "95 % within, mm", "at most, mm"},
-            {{"vertices to surface", mm(100 * r.found) + " %", mm(r.rms_mm), mm(r.p95_mm), mm(r.max_mm)}, {"surface to mesh", mm(100 * r.reached) + " %", mm(r.surface_rms_mm), mm(r.surface_p95_mm), ""},
-             {"half a " + unit + ", the bar", "", mm(kRmsVoxels * r.voxel_mm), "", ""}, {"vertices on thin walls, not counted", std::to_string(r.on_walls), "", "", ""}}});
+  add_table(result, result.entries("/tables"),
+            {"Distance",
+             "A vertex counts where it has the surface within two " + unit +
+                 "s, a place of the surface where the mesh is as near.",
+             {"from, to", "share", "rms, mm", "95 % within, mm", "at most, mm"},
+             {{"vertices to surface", mm(100 * r.found) + " %", mm(r.rms_mm), mm(r.p95_mm), mm(r.max_mm)},
+              {"surface to mesh", mm(100 * r.reached) + " %", mm(r.surface_rms_mm), mm(r.surface_p95_mm), ""},
+              {"half a " + unit + ", the bar", "", mm(kRmsVoxels * r.voxel_mm), "", ""},
+              {"vertices on thin walls, not counted", std::to_string(r.on_walls), "", "", ""}}});
   ResultTable open{"Openings", "End contours of the mesh.", {"where", "around, mm", "vertices"}, {}};
-  for (const FitHole& h : r.hole) open.rows.push_back({h.place, short_number(h.around_mm, 3), std::to_string(h.vertices)});
+  for (const FitHole& h : r.hole)
+    open.rows.push_back({h.place, short_number(h.around_mm, 3), std::to_string(h.vertices)});
   if (!open.rows.empty()) add_table(result, result.entries("/tables"), open);
 }
 
-/// DIR/overview.png, and the mesh from four sides in the gallery, seen from `front`, z upwards: turned into the frame of a head (y forwards), where
+/// DIR/overview.png, and the mesh from four sides in the gallery, seen from `front`, z upwards: turned into the frame
+/// of a head (y forwards), where
 /// the lamp lights the front.
 void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Mesh& m, const Vec3& front, Organ organ) {
   const simplex::FanTriangles fan = simplex::fan_triangles(m);
@@ -98,7 +128,8 @@ void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Me
   Surface s;
   Vec3f low = Vec3f::Constant(1e9f), high = -low;
   for (const Vec3& x : fan.X_mm) s.x_mm.push_back(to_head * x);
-  for (const Vec3& x : m.x_mm) low = low.cwiseMin((to_head * x).cast<float>()), high = high.cwiseMax((to_head * x).cast<float>());
+  for (const Vec3& x : m.x_mm)
+    low = low.cwiseMin((to_head * x).cast<float>()), high = high.cwiseMax((to_head * x).cast<float>());
   for (size_t t = 0; t < fan.tri.size(); ++t)
     if (m.kind(fan.face[t]) == simplex::FaceKind::surface) s.tri.push_back(fan.tri[t]);
   const Snapshot shown = snapshot_of(s, organ, 1);
@@ -111,7 +142,10 @@ void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Me
     const Vec3f x = Vec3f::UnitX(), y = Vec3f::UnitY(), z = Vec3f::UnitZ();
     draw(report_names::overview, y - 0.6f * x + 0.2f * z, z);  // from the lamp's side
     int n = 0;
-    for (const auto& [file, from, above, words] : {std::tuple("front.png", y, z, "From the front"), {"left.png", Vec3f(-x), z, "From one side"}, {"right.png", x, z, "From the other"}, {"below.png", Vec3f(0.05f * y - z), y, "From below"}}) {
+    for (const auto& [file, from, above, words] : {std::tuple("front.png", y, z, "From the front"),
+                                                   {"left.png", Vec3f(-x), z, "From one side"},
+                                                   {"right.png", x, z, "From the other"},
+                                                   {"below.png", Vec3f(0.05f * y - z), y, "From below"}}) {
       draw(file, from, above);
       const std::string p = "/gallery/" + std::to_string(n++);
       result.set(p + "/picture", file), result.set(p + "/caption", words);
@@ -133,27 +167,34 @@ std::vector<std::string> missed(const FitReport& r, double voxel, const char* un
   std::vector<std::string> out;
   char b[160];
   if (r.found < kFound) {
-    std::snprintf(b, sizeof b, "%.1f %% of the vertices have the surface within two %ss; %.0f %% were wanted", 100 * r.found, unit, 100 * kFound);
+    std::snprintf(b, sizeof b, "%.1f %% of the vertices have the surface within two %ss; %.0f %% were wanted",
+                  100 * r.found, unit, 100 * kFound);
     out.push_back(b);
   }
   if (!(r.rms_mm <= kRmsVoxels * voxel) || r.vertices == 0) {
-    std::snprintf(b, sizeof b, "the rms distance is %.3f mm; %.3f mm (half a %s) was wanted", r.rms_mm, kRmsVoxels * voxel, unit);
+    std::snprintf(b, sizeof b, "the rms distance is %.3f mm; %.3f mm (half a %s) was wanted", r.rms_mm,
+                  kRmsVoxels * voxel, unit);
     out.push_back(b);
   }
   return out;
 }
 
-Start start_of(const std::string& s) { return s == "plane" ? Start::plane : s == "cylinder" ? Start::cylinder : Start::sphere; }
+Start start_of(const std::string& s) {
+  return s == "plane" ? Start::plane : s == "cylinder" ? Start::cylinder : Start::sphere;
+}
 
 std::function<void(int, int32_t, double)> shown(Progress& progress, int stages) {
   return [&progress, stages](int stage, int32_t vertices, double move_mm) {
     char line[128];
-    std::snprintf(line, sizeof line, "stage %d of %d, %d vertices, last move %.3f mm", stage + 1, stages, vertices, move_mm);
+    std::snprintf(line, sizeof line, "stage %d of %d, %d vertices, last move %.3f mm", stage + 1, stages, vertices,
+                  move_mm);
     progress.note(line);
   };
 }
 
-void write_mesh(const Options& o, const simplex::Mesh& m) { write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m)); }
+void write_mesh(const Options& o, const simplex::Mesh& m) {
+  write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m));
+}
 
 double mm_of(const std::string& unit) { return unit == "cm" ? 10 : unit == "m" ? 1000 : unit == "inch" ? 25.4 : 1; }
 
@@ -167,7 +208,8 @@ std::string unlikely(double across_mm) {
       std::snprintf(b, sizeof b, "%s --unit %s (%.0f mm)", as.empty() ? "" : " or", unit, mm);
       as += b;
     }
-  std::snprintf(b, sizeof b, "the scan is %.3g mm across; a face is 100 to 300 mm: perhaps its lengths are not in mm", across_mm);
+  std::snprintf(b, sizeof b, "the scan is %.3g mm across; a face is 100 to 300 mm: perhaps its lengths are not in mm",
+                across_mm);
   return std::string(b) + (as.empty() ? "" : "; try" + as);
 }
 
@@ -187,7 +229,8 @@ int run_scan(const Options& o) {
   Progress progress("fit");
   FitSettings s;
   s.edge_mm = o.has_edge ? o.edge_mm : std::max(1e-3, std::min(o.edge_mm, (high - low).norm() / kScanEdges));
-  s.chord_mm = o.chord_mm, s.range_mm = std::max(1e-3, 0.25 * (high - low).maxCoeff()), s.progress = shown(progress, s.stages);
+  s.chord_mm = o.chord_mm, s.range_mm = std::max(1e-3, 0.25 * (high - low).maxCoeff()),
+  s.progress = shown(progress, s.stages);
   const double start_ms = bench::cpu_ms();
   simplex::Mesh m;
   FitReport r;
@@ -196,8 +239,10 @@ int run_scan(const Options& o) {
   SeenScan seen;
   try {
     view = view_of(scan.x_mm, scan.tri, o.from.empty() ? Vec3(Vec3::Zero()) : Vec3(o.from[0], o.from[1], o.from[2]));
-    if (plane) seen.x_mm = seen_from_front(scan.x_mm, scan.tri, view);
-    else seen = seen_from_around(scan.x_mm, scan.tri);
+    if (plane)
+      seen.x_mm = seen_from_front(scan.x_mm, scan.tri, view);
+    else
+      seen = seen_from_around(scan.x_mm, scan.tri);
     int longest = 0;
     (high - low).maxCoeff(&longest);
     m = plane ? start_plane(view) : start_mesh(start_of(o.start), low, high, longest);
@@ -209,26 +254,41 @@ int run_scan(const Options& o) {
   progress.clear();
   catch_interrupts();  // the mesh is written, and the rest takes seconds
   write_mesh(o, m);
-  std::printf("scan        %zu points, %.4g x %.4g x %.4g mm\nmesh        %d vertices, edges of %.3g mm, from a %s\n", scan.x_mm.size(), (high - low).x(), (high - low).y(), (high - low).z(), r.vertices, s.edge_mm, o.start.c_str());
+  std::printf("scan        %zu points, %.4g x %.4g x %.4g mm\nmesh        %d vertices, edges of %.3g mm, from a %s\n",
+              scan.x_mm.size(), (high - low).x(), (high - low).y(), (high - low).z(), r.vertices, s.edge_mm,
+              o.start.c_str());
   const double hidden = 1 - double(seen.x_mm.size()) / double(scan.x_mm.size());
   if (plane)
-    std::printf("seen from   (%.2f, %.2f, %.2f); %.1f %% of the points are hidden from there and do not count: a plane reaches one side only\n", view.front.x(), view.front.y(), view.front.z(), 100 * hidden);
+    std::printf(
+        "seen from   (%.2f, %.2f, %.2f); %.1f %% of the points are hidden from there and do not count: a plane reaches "
+        "one side only\n",
+        view.front.x(), view.front.y(), view.front.z(), 100 * hidden);
   else if (hidden > 0)
-    std::printf("seen        from around; %.1f %% of the points look at other parts of the scan, as the deep side of a shell does, and do not count\n", 100 * hidden);
+    std::printf(
+        "seen        from around; %.1f %% of the points look at other parts of the scan, as the deep side of a shell "
+        "does, and do not count\n",
+        100 * hidden);
   print(r, r.voxel_mm, "spacing");
   std::printf("work        %d iterations, %.2f s of CPU time\n", r.iterations, cpu_s);
   std::vector<std::string> faults = missed(r, r.voxel_mm, "spacing");
   if (r.reached < kReached) {
     char b[160];
-    std::snprintf(b, sizeof b, "%.1f %% of %s is within two spacings of the mesh; %.0f %% was wanted", 100 * r.reached, hidden > 0 ? "what is seen of the scan" : "the scan", 100 * kReached);
+    std::snprintf(b, sizeof b, "%.1f %% of %s is within two spacings of the mesh; %.0f %% was wanted", 100 * r.reached,
+                  hidden > 0 ? "what is seen of the scan" : "the scan", 100 * kReached);
     faults.push_back(b);
   }
   for (const std::string& f : faults)
-    say(o.volume + ": " + f + "; try " + (s.edge_mm > 2 * r.voxel_mm ? "a smaller --edge-mm (it is " + std::to_string(s.edge_mm).substr(0, 5) + "), or " : "") +
-        (o.start == "sphere" ? "--start plane for a scan that is seen from one side" : "--start sphere for a scan that goes round") + ", or a scan without noise and layers behind one another");
+    say(o.volume + ": " + f + "; try " +
+        (s.edge_mm > 2 * r.voxel_mm ? "a smaller --edge-mm (it is " + std::to_string(s.edge_mm).substr(0, 5) + "), or "
+                                    : "") +
+        (o.start == "sphere" ? "--start plane for a scan that is seen from one side"
+                             : "--start sphere for a scan that goes round") +
+        ", or a scan without noise and layers behind one another");
   Result result("fit", "");
-  result.set("/scan", o.volume), result.set("/points", int64_t(scan.x_mm.size())), result.set("/mesh", o.mesh_file), result.set("/start", o.start), result.set("/cpu_s", cpu_s);
-  result.set("/edge_mm", s.edge_mm), result.set("/voxel_mm", r.voxel_mm), result.set("/unit", o.unit), result.set("/warning", doubt), result.set("/hidden", hidden);
+  result.set("/scan", o.volume), result.set("/points", int64_t(scan.x_mm.size())), result.set("/mesh", o.mesh_file),
+      result.set("/start", o.start), result.set("/cpu_s", cpu_s);
+  result.set("/edge_mm", s.edge_mm), result.set("/voxel_mm", r.voxel_mm), result.set("/unit", o.unit),
+      result.set("/warning", doubt), result.set("/hidden", hidden);
   fill(result, r);
   for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
   result.set_hash("/state_hash", simplex::hash(m));
@@ -243,12 +303,17 @@ int run(const Options& o) {
   o.common.prepare();
   check_writable(o.mesh_file);
   std::error_code none;
-  if (std::filesystem::equivalent(o.mesh_file, o.volume, none)) throw InputError(o.mesh_file, 0, "is what is to be fitted; expected the name of another file for the mesh");
+  if (std::filesystem::equivalent(o.mesh_file, o.volume, none))
+    throw InputError(o.mesh_file, 0, "is what is to be fitted; expected the name of another file for the mesh");
   if (is_surface_name(o.volume)) return run_scan(o);
-  if (!o.from.empty() || o.unit != "mm") throw InputError("", 0, "--from and --unit are for range scans; " + o.volume + " is taken for a volume");
+  if (!o.from.empty() || o.unit != "mm")
+    throw InputError("", 0, "--from and --unit are for range scans; " + o.volume + " is taken for a volume");
   for (const std::string& dir : {o.sweep_dir, o.report_dir})
     if (!dir.empty()) prepare_folder(dir);
-  if (o.tissue.empty() && !o.has_iso) throw InputError("", 0, "fit " + o.volume + ": what is to be fitted is not said; expected --tissue skin, --tissue bone or --iso");
+  if (o.tissue.empty() && !o.has_iso)
+    throw InputError(
+        "", 0,
+        "fit " + o.volume + ": what is to be fitted is not said; expected --tissue skin, --tissue bone or --iso");
   const Volume v = load_volume(o.volume, o.series);
   WorkersPool workers(o.common.worker_count());
   PrepareSettings q;
@@ -256,7 +321,8 @@ int run(const Options& o) {
   q.sigma_voxels = o.smooth, q.least_part = o.parts;
   q.seal_mm = o.seal_mm >= 0 ? o.seal_mm : o.tissue == "bone" ? 10 : 6;
   q.mouth_mm = o.mouth_mm >= 0 ? o.mouth_mm : o.tissue == "bone" ? 20 : 0;
-  if (o.thin > 0 || (o.thin < 0 && o.tissue == "bone" && !o.has_iso && q.mouth_mm > 0)) q.thin = o.thin > 0 ? o.thin + o.offset : kThin + o.offset;
+  if (o.thin > 0 || (o.thin < 0 && o.tissue == "bone" && !o.has_iso && q.mouth_mm > 0))
+    q.thin = o.thin > 0 ? o.thin + o.offset : kThin + o.offset;
   Progress progress("fit");
   progress.note("preparing the volume");
   const double start_ms = bench::cpu_ms();
@@ -278,17 +344,23 @@ int run(const Options& o) {
   write_mesh(o, m);
   const simplex::Census c = simplex::census(m);
   for (const CavityMouth& a : p.mouth)
-    std::printf("cavity      closed at its mouth at (%.0f, %.0f, %.0f) mm, %.0f mm wide; %.0f mm deep\n", a.centre_mm.x(), a.centre_mm.y(), a.centre_mm.z(), a.width_mm, a.depth_mm);
-  if (p.parts > 1) std::printf("object      the largest %d of %d parts; the others have %.2f %% of what is above %g\n", p.kept_parts, p.parts, 100. * double(p.dropped_nodes) / double(p.dropped_nodes + p.object_nodes), q.iso);
-  std::printf("mesh        %d vertices, %lld faces, %lld end contours, genus %lld, from a %s\n", r.vertices, static_cast<long long>(c.faces - c.end_contours),
-              static_cast<long long>(c.end_contours), static_cast<long long>(c.genus), o.start.c_str());
+    std::printf("cavity      closed at its mouth at (%.0f, %.0f, %.0f) mm, %.0f mm wide; %.0f mm deep\n",
+                a.centre_mm.x(), a.centre_mm.y(), a.centre_mm.z(), a.width_mm, a.depth_mm);
+  if (p.parts > 1)
+    std::printf("object      the largest %d of %d parts; the others have %.2f %% of what is above %g\n", p.kept_parts,
+                p.parts, 100. * double(p.dropped_nodes) / double(p.dropped_nodes + p.object_nodes), q.iso);
+  std::printf("mesh        %d vertices, %lld faces, %lld end contours, genus %lld, from a %s\n", r.vertices,
+              static_cast<long long>(c.faces - c.end_contours), static_cast<long long>(c.end_contours),
+              static_cast<long long>(c.genus), o.start.c_str());
   print(r, p.voxel_mm, "voxel");
   std::printf("work        %d iterations, %.2f s of CPU time\n", r.iterations, cpu_s);
   const std::vector<std::string> faults = missed(r, p.voxel_mm, "voxel");
   for (const std::string& f : faults) say(o.volume + ": " + f + "; see --iso, --offset, --seal-mm, --edge-mm");
   Result result("fit", "");
-  result.set("/volume", o.volume), result.set("/tissue", o.tissue), result.set("/iso", s.iso), result.set("/mesh", o.mesh_file);
-  result.set("/start", o.start), result.set("/seal_mm", q.seal_mm), result.set("/mouth_mm", p.mouth_mm), result.set("/smooth_voxels", q.sigma_voxels), result.set("/voxel_mm", p.voxel_mm), result.set("/cpu_s", cpu_s);
+  result.set("/volume", o.volume), result.set("/tissue", o.tissue), result.set("/iso", s.iso),
+      result.set("/mesh", o.mesh_file);
+  result.set("/start", o.start), result.set("/seal_mm", q.seal_mm), result.set("/mouth_mm", p.mouth_mm),
+      result.set("/smooth_voxels", q.sigma_voxels), result.set("/voxel_mm", p.voxel_mm), result.set("/cpu_s", cpu_s);
   fill(result, r);
   result.set("/end_contours", c.end_contours), result.set("/genus", c.genus);
   for (size_t i = 0; i < faults.size(); ++i) result.set("/missed/" + std::to_string(i), faults[i]);
@@ -298,13 +370,16 @@ int run(const Options& o) {
   std::vector<std::string> notes = faults;
   bool whole = true;
   if (!o.sweep_dir.empty()) {
-    const FitSweep sweep = fit_sweep(p, s, workers, [&](const std::string& line) { progress.note(line); }, interrupted);
+    const FitSweep sweep = fit_sweep(
+        p, s, workers, [&](const std::string& line) { progress.note(line); }, interrupted);
     progress.clear();
     whole = sweep.trial.size() == FitSweep::kTrials;
-    std::printf("\n%-9s %8s %8s %9s %9s %12s %12s %9s\n", "faces", "edge mm", "chord mm", "vertices", "CPU s", "rms mm", "95 % mm", "reached");
+    std::printf("\n%-9s %8s %8s %9s %9s %12s %12s %9s\n", "faces", "edge mm", "chord mm", "vertices", "CPU s", "rms mm",
+                "95 % mm", "reached");
     for (const FitTrial& t : sweep.trial)
-      std::printf("%-9s %8.2f %8.2f %9d %9.2f %12.3f %12.3f %8.1f%%\n", t.adapted ? "adapted" : "uniform", t.edge_mm, t.chord_mm, t.report.vertices, t.cpu_s, t.report.surface_rms_mm,
-                  t.report.surface_p95_mm, 100 * t.report.reached);
+      std::printf("%-9s %8.2f %8.2f %9d %9.2f %12.3f %12.3f %8.1f%%\n", t.adapted ? "adapted" : "uniform", t.edge_mm,
+                  t.chord_mm, t.report.vertices, t.cpu_s, t.report.surface_rms_mm, t.report.surface_p95_mm,
+                  100 * t.report.reached);
     write_whole_file(o.sweep_dir + "/fit-sweep.csv", sweep.csv());
     for (const bool time : {false, true}) {
       const LineChart chart = sweep.chart(time);
@@ -312,9 +387,11 @@ int run(const Options& o) {
       add_chart(result, time, time ? "Error against run time" : "Error against vertices", chart);
     }
     if (!whole) {
-      const std::string after = "after " + std::to_string(sweep.trial.size()) + " of " + std::to_string(FitSweep::kTrials) + " trials of the sweep, which are kept";
+      const std::string after = "after " + std::to_string(sweep.trial.size()) + " of " +
+                                std::to_string(FitSweep::kTrials) + " trials of the sweep, which are kept";
       say("interrupted " + after + " in " + o.sweep_dir + "; the mesh is whole, in " + o.mesh_file);
-      notes.push_back("Interrupted " + after + "; the mesh is whole"), result.set("/interrupted", notes.back()), result.set_ok(false);
+      notes.push_back("Interrupted " + after + "; the mesh is whole"), result.set("/interrupted", notes.back()),
+          result.set_ok(false);
     }
   }
   tell(result, o, r, notes, "voxel");
@@ -328,29 +405,73 @@ int run(const Options& o) {
 void add_fit(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("fit", "Fit a simplex mesh to skin or bone in a CT volume");
-  c->add_option("VOLUME", o->volume, "NRRD, MetaImage, NIfTI-1, a folder of DICOM slices; or a range scan (.ply, .xyz, .obj)")->required();
+  c->add_option("VOLUME", o->volume,
+                "NRRD, MetaImage, NIfTI-1, a folder of DICOM slices; or a range scan (.ply, .xyz, .obj)")
+      ->required();
   c->add_option("--tissue", o->tissue, "skin (-300 HU) or bone (250 HU)")->check(CLI::IsMember({"skin", "bone"}));
-  c->add_option("--out", o->mesh_file, "The mesh: a simplex mesh, or triangles when the name ends in .obj")->required()->type_name("MESH");
-  c->add_option("--series", o->series, "Of a DICOM folder with several: number, UID or part of its description (left out: they are listed)")->type_name("NAME");
-  CLI::Option* iso = c->add_option("--iso", o->iso, "Isovalue in the volume's own numbers, instead of the tissue's")->check(any_number());
-  c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]")->check(any_number());
-  c->add_option("--unit", o->unit, "Of the numbers in a range scan [mm]")->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
-  CLI::Option* edge = c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4; of a scan: 1/75 of its diagonal, at most 4]")->check(number_from(0.1, 100.));
-  c->add_option("--chord-mm", o->chord_mm, "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")->check(number_from(0., 10.));
-  c->add_option("--start", o->start, "What the mesh is at first: sphere around the object, plane before it (a volume: the -y side; a scan: the side it is seen from), or cylinder through the borders, about z (a scan: about the longest side of its box) [sphere]")->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
-  c->add_option("--from", o->from, "Plane and scan: direction of the side that the scan is seen from, X,Y,Z [across its least extent, where it bulges or its triangles look to]")->expected(3)->delimiter(',')->type_name("X,Y,Z");
-  c->add_option("--seal-mm", o->seal_mm, "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")->check(number_from(0., 100.));
-  c->add_option("--mouth-mm", o->mouth_mm, "Radius of a ball that does not enter orbits, nose and foramen: cavities behind such mouths are closed there, and the mesh is opened; 0: none [skin 0, bone 20]")->check(number_from(0., 100.));
-  c->add_option("--thin-walls", o->thin, "Bone that is thinner than the voxels shows as a crest below the isovalue: a sheet above this value (Hounsfield units, with --iso the volume's own numbers) closes "
-                "temples and sinuses, so that only orbits, nose and foramen are taken for mouths; 0: no [bone 100, unless --iso is given]")->check(number_from(0., 10000.));
-  c->add_option("--smooth", o->smooth, "Gaussian smoothing, standard deviation in voxels [0.6]")->check(number_from(0., 10.));
-  c->add_option("--parts", o->parts, "Keep other parts too that have this share of the largest one's size (a mandible beside a skull: 0.05) [1]")->check(number_from(1e-4, 1.));
-  c->add_option("--sweep", o->sweep_dir, "Also fit again and again with other edges, uniform and adapted to curvature: table and charts of error against vertices and run time in this folder, with the report")->type_name("DIR");
-  c->add_option("--report", o->report_dir, "A page on the fit in this folder: pictures, distances, openings, and the sweep's charts")->type_name("DIR");
+  c->add_option("--out", o->mesh_file, "The mesh: a simplex mesh, or triangles when the name ends in .obj")
+      ->required()
+      ->type_name("MESH");
+  c->add_option("--series", o->series,
+                "Of a DICOM folder with several: number, UID or part of its description (left out: they are listed)")
+      ->type_name("NAME");
+  CLI::Option* iso = c->add_option("--iso", o->iso, "Isovalue in the volume's own numbers, instead of the tissue's")
+                         ->check(any_number());
+  c->add_option("--offset", o->offset, "What the volume's numbers are above Hounsfield units (1024 for many) [0]")
+      ->check(any_number());
+  c->add_option("--unit", o->unit, "Of the numbers in a range scan [mm]")
+      ->check(CLI::IsMember({"mm", "cm", "m", "inch"}));
+  CLI::Option* edge =
+      c->add_option("--edge-mm", o->edge_mm, "Wanted edges of the mesh [4; of a scan: 1/75 of its diagonal, at most 4]")
+          ->check(number_from(0.1, 100.));
+  c->add_option("--chord-mm", o->chord_mm,
+                "Shorter edges where it is curved: allowed distance of an edge from the surface [0: even]")
+      ->check(number_from(0., 10.));
+  c->add_option("--start", o->start,
+                "What the mesh is at first: sphere around the object, plane before it (a volume: the -y side; a scan: "
+                "the side it is seen from), or cylinder through the borders, about z (a scan: about the longest side "
+                "of its box) [sphere]")
+      ->check(CLI::IsMember({"sphere", "plane", "cylinder"}));
+  c->add_option("--from", o->from,
+                "Plane and scan: direction of the side that the scan is seen from, X,Y,Z [across its least extent, "
+                "where it bulges or its triangles look to]")
+      ->expected(3)
+      ->delimiter(',')
+      ->type_name("X,Y,Z");
+  c->add_option(
+       "--seal-mm", o->seal_mm,
+       "Radius of the ball that seals openings: airway, sinuses and inner tables are behind them [skin 6, bone 10]")
+      ->check(number_from(0., 100.));
+  c->add_option("--mouth-mm", o->mouth_mm,
+                "Radius of a ball that does not enter orbits, nose and foramen: cavities behind such mouths are closed "
+                "there, and the mesh is opened; 0: none [skin 0, bone 20]")
+      ->check(number_from(0., 100.));
+  c->add_option("--thin-walls", o->thin,
+                "Bone that is thinner than the voxels shows as a crest below the isovalue: a sheet above this value "
+                "(Hounsfield units, with --iso the volume's own numbers) closes "
+                "temples and sinuses, so that only orbits, nose and foramen are taken for mouths; 0: no [bone 100, "
+                "unless --iso is given]")
+      ->check(number_from(0., 10000.));
+  c->add_option("--smooth", o->smooth, "Gaussian smoothing, standard deviation in voxels [0.6]")
+      ->check(number_from(0., 10.));
+  c->add_option(
+       "--parts", o->parts,
+       "Keep other parts too that have this share of the largest one's size (a mandible beside a skull: 0.05) [1]")
+      ->check(number_from(1e-4, 1.));
+  c->add_option("--sweep", o->sweep_dir,
+                "Also fit again and again with other edges, uniform and adapted to curvature: table and charts of "
+                "error against vertices and run time in this folder, with the report")
+      ->type_name("DIR");
+  c->add_option("--report", o->report_dir,
+                "A page on the fit in this folder: pictures, distances, openings, and the sweep's charts")
+      ->type_name("DIR");
   o->common.add_json(*c), o->common.add_workers(*c);
-  c->footer("Exit status 3: fewer than 95 % of the vertices have the surface within two voxels, or they are farther from it than half a voxel, rms;\n"
-            "of a scan also: less than 90 % of its points (from a plane: of those that are seen from its side) are within two spacings of the mesh.\n"
-            "Example: limberg fit head.nhdr --tissue skin --offset 1024 --out out/skin.simplex");
+  c->footer(
+      "Exit status 3: fewer than 95 % of the vertices have the surface within two voxels, or they are farther from it "
+      "than half a voxel, rms;\n"
+      "of a scan also: less than 90 % of its points (from a plane: of those that are seen from its side) are within "
+      "two spacings of the mesh.\n"
+      "Example: limberg fit head.nhdr --tissue skin --offset 1024 --out out/skin.simplex");
   c->callback([o, iso, edge, &chosen] {
     o->has_iso = iso->count() > 0, o->has_edge = edge->count() > 0;
     chosen = [o] { return run(*o); };

@@ -1,5 +1,6 @@
 #pragma once
-// `limberg fit --sweep`: the same surface fitted with faces of several sizes, uniform and adapted to curvature, to see what
+// `limberg fit --sweep`: the same surface fitted with faces of several sizes, uniform and adapted to curvature, to see
+// what
 // vertices and run time buy.
 #include <functional>
 #include <string>
@@ -26,6 +27,7 @@ struct FitSweep {
 };
 
 /// Ends early, with what was finished, when `stopped`. `like`: everything but edges, chord and progress.
-FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& workers, const std::function<void(const std::string&)>& progress, const std::function<bool()>& stopped);
+FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& workers,
+                   const std::function<void(const std::string&)>& progress, const std::function<bool()>& stopped);
 
 }  // namespace limberg

@@ -1,5 +1,6 @@
 #pragma once
-// What a number on the command line may be. CLI11's own ranges let nan through (no comparison with it is true), take -1 for a
+// What a number on the command line may be. CLI11's own ranges let nan through (no comparison with it is true), take -1
+// for a
 // large unsigned number and print the limits of a double with 309 digits.
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -22,7 +23,7 @@ inline std::string refusal(const std::string& value, const char* kind, double le
   return "\"" + value + "\" cannot be used; expected " + words(kind, " to ", least, most);
 }
 
-}  // namespace numbers
+}  // namespace number_words
 
 /// A finite number from `least` to `most`, both included.
 inline CLI::Validator number_from(double least, double most) {

@@ -14,13 +14,13 @@
 #include "app/metrics.h"
 #include "app/operation.h"
 #include "app/orders.h"
-#include "app/pictures.h"
 #include "app/output.h"
+#include "app/pictures.h"
 #include "app/progress.h"
-#include "app/shipped.h"
-#include "app/tables.h"
 #include "app/report/report_names.h"
 #include "app/session/workers_pool.h"
+#include "app/shipped.h"
+#include "app/tables.h"
 #include "sim/error.h"
 #include "sim/tools/strokes.h"
 
@@ -76,7 +76,8 @@ void fill_convergence(Result& r, const std::vector<Row>& rows) {
   }
 }
 
-void fill_operation(Result& r, const World& world, const Scene& scene, const OperationOutcome& o, const Metrics& metrics) {
+void fill_operation(Result& r, const World& world, const Scene& scene, const OperationOutcome& o,
+                    const Metrics& metrics) {
   const FemModel& m = world.solver().model();
   size_t free_nodes = 0;
   for (const uint8_t f : m.fixed) free_nodes += f == 0;
@@ -112,7 +113,8 @@ LineChart closure_chart(const std::vector<std::pair<std::string, const std::vect
   c.x.title = "line of the script", c.y.title = "N";
   for (const auto& [name, closure] : runs) {
     ChartSeries sum, most;
-    sum.name = name.empty() ? "sum of all stitches" : name + ": sum", most.name = name.empty() ? "largest stitch" : name + ": largest";
+    sum.name = name.empty() ? "sum of all stitches" : name + ": sum",
+    most.name = name.empty() ? "largest stitch" : name + ": largest";
     sum.markers = most.markers = true;
     for (const ClosureForce& f : *closure) {
       sum.x.push_back(f.line), sum.y.push_back(f.sum_N);
@@ -144,7 +146,8 @@ struct OrderRow {
 };
 
 /// The same wound closed in several orders.
-int compare_orders(const Options& opt, const Scene& scene, const Script& script, const std::shared_ptr<const Body>& body, WorkersPool& workers) {
+int compare_orders(const Options& opt, const Scene& scene, const Script& script,
+                   const std::shared_ptr<const Body>& body, WorkersPool& workers) {
   std::vector<OrderRow> rows;
   std::vector<Vec3f> first;
   bool at_rest = true;
@@ -175,21 +178,33 @@ int compare_orders(const Options& opt, const Scene& scene, const Script& script,
     for (const ClosureForce& f : o.closure) r.peak_sum_N = std::max(r.peak_sum_N, f.sum_N);
     if (first.empty()) first = end.x_mm;
     if (first.size() == end.x_mm.size())
-      for (size_t v = 0; v < first.size(); ++v) r.apart_mm = std::max(r.apart_mm, double((first[v] - end.x_mm[v]).norm()));
+      for (size_t v = 0; v < first.size(); ++v)
+        r.apart_mm = std::max(r.apart_mm, double((first[v] - end.x_mm[v]).norm()));
     rows.push_back(std::move(r));
   }
   Result result("operate", scene.name);
   result.set("/scene_title", scene.name);
   ResultTable table;
   table.title = "Orders of closure";
-  table.about = "The same stitches, tied in another order. Forces are those of states at rest; 'apart' is how far the skin lies at the end, at most, from where the first order left it.";
-  table.columns = {"order", "largest force of a stitch ever, N", "largest sum ever, N", "largest at the end, N", "sum at the end, N", "energy, mJ", "apart, mm"};
-  std::printf("%-20s %12s %12s %12s %12s %12s %9s\n", "order", "peak N", "peak sum N", "end max N", "end sum N", "energy mJ", "apart mm");
+  table.about =
+      "The same stitches, tied in another order. Forces are those of states at rest; 'apart' is how far the skin lies "
+      "at the end, at most, from where the first order left it.";
+  table.columns = {"order",
+                   "largest force of a stitch ever, N",
+                   "largest sum ever, N",
+                   "largest at the end, N",
+                   "sum at the end, N",
+                   "energy, mJ",
+                   "apart, mm"};
+  std::printf("%-20s %12s %12s %12s %12s %12s %9s\n", "order", "peak N", "peak sum N", "end max N", "end sum N",
+              "energy mJ", "apart mm");
   std::vector<std::pair<std::string, const std::vector<ClosureForce>*>> runs;
   for (size_t i = 0; i < rows.size(); ++i) {
     const OrderRow& r = rows[i];
-    std::printf("%-20s %12.4f %12.4f %12.4f %12.4f %12.4f %9.3f\n", r.name.c_str(), r.peak_N, r.peak_sum_N, r.end_max_N, r.end_N, 1e-3 * r.energy_uJ, r.apart_mm);
-    table.rows.push_back({r.name, short_number(r.peak_N), short_number(r.peak_sum_N), short_number(r.end_max_N), short_number(r.end_N), short_number(1e-3 * r.energy_uJ), short_number(r.apart_mm, 3)});
+    std::printf("%-20s %12.4f %12.4f %12.4f %12.4f %12.4f %9.3f\n", r.name.c_str(), r.peak_N, r.peak_sum_N, r.end_max_N,
+                r.end_N, 1e-3 * r.energy_uJ, r.apart_mm);
+    table.rows.push_back({r.name, short_number(r.peak_N), short_number(r.peak_sum_N), short_number(r.end_max_N),
+                          short_number(r.end_N), short_number(1e-3 * r.energy_uJ), short_number(r.apart_mm, 3)});
     const std::string p = "/orders/" + std::to_string(i);
     result.set(p + "/order", r.name);
     result.set(p + "/suture_force_peak_N", r.peak_N);
@@ -209,7 +224,9 @@ int compare_orders(const Options& opt, const Scene& scene, const Script& script,
   return at_rest ? kDone : kGoalMissed;
 }
 
-constexpr const char* kFieldsHeader = "chart_x_mm,chart_y_mm,area_mm2,stretch,least_stretch,stress_kPa,least_stress_kPa,angle_to_fibres_deg,perfusion_index";
+constexpr const char* kFieldsHeader =
+    "chart_x_mm,chart_y_mm,area_mm2,stretch,least_stretch,stress_kPa,least_stress_kPa,angle_to_fibres_deg,perfusion_"
+    "index";
 
 /// Every skin triangle at rest: where, how it is stretched and pulled, which way, and what reaches it.
 void write_fields(const std::string& file, const World& world) {
@@ -225,9 +242,11 @@ void write_fields(const std::string& file, const World& world) {
   for (size_t t = 0; t < states.size(); ++t) {
     const MembraneState& m = states[t];
     if (!(m.area_mm2 > 0)) continue;
-    const ChartPoint c = body.to_chart((view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) / 3);
-    std::snprintf(line, sizeof line, "%.4f,%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3f\n", c.x(), c.y(), m.area_mm2, m.stretch, m.least_stretch, m.stress_kPa,
-                  m.least_stress_kPa, m.angle_deg, double(p.index[t]));
+    const ChartPoint c = body.to_chart(
+        (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) /
+        3);
+    std::snprintf(line, sizeof line, "%.4f,%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3f\n", c.x(), c.y(), m.area_mm2,
+                  m.stretch, m.least_stretch, m.stress_kPa, m.least_stress_kPa, m.angle_deg, double(p.index[t]));
     text += line;
   }
   write_whole_file(file, text);
@@ -241,21 +260,26 @@ int run(const Options& opt) {
   const std::string script_file = given_or_shipped(opt.script);
   std::optional<Repro> repro;
   if (std::error_code ec; std::filesystem::is_regular_file(script_file, ec))
-    if (const std::string text = read_whole_file(script_file); looks_like_repro(text)) repro = parse_repro(text, opt.script);
+    if (const std::string text = read_whole_file(script_file); looks_like_repro(text))
+      repro = parse_repro(text, opt.script);
   if (repro && repro->scene_hash != scene.hash)
-    throw InputError(opt.script, 0, "was written with another scene (" + repro->scene + ", hash " + hex(repro->scene_hash) + "); expected that of " +
-                                        scene.name + ", hash " + hex(scene.hash));
+    throw InputError(opt.script, 0,
+                     "was written with another scene (" + repro->scene + ", hash " + hex(repro->scene_hash) +
+                         "); expected that of " + scene.name + ", hash " + hex(scene.hash));
   const Script script = repro ? script_of(*repro, opt.script) : load_script(script_file);
   if (scene.head) {
     if (!opt.cells.empty() || !opt.orders.empty() || !opt.lesson.empty() || !opt.fields.empty())
-      throw InputError(opt.scene, 0, "has a head: --cells, --orders, --judge and --fields are for scenes of skin; expected none of them");
+      throw InputError(
+          opt.scene, 0,
+          "has a head: --cells, --orders, --judge and --fields are for scenes of skin; expected none of them");
     return operate_head(scene, script, opt.common);
   }
   std::vector<double> cells = opt.cells;
   for (size_t i = 1; i < cells.size(); ++i)
     if (!(cells[i] < cells[i - 1])) {
       char t[120];
-      std::snprintf(t, sizeof t, "--cells: %g mm after %g mm; expected different sizes, coarse to fine", cells[i], cells[i - 1]);
+      std::snprintf(t, sizeof t, "--cells: %g mm after %g mm; expected different sizes, coarse to fine", cells[i],
+                    cells[i - 1]);
       throw InputError("", 0, t);
     }
   if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : repro ? repro->cell_mm : scene.cell_mm);
@@ -274,7 +298,8 @@ int run(const Options& opt) {
   also.landmarks.insert(also.landmarks.end(), script.header.landmarks.begin(), script.header.landmarks.end());
   if (lesson) also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
   const Skin skin(body);
-  const std::optional<PlanOnSkin> planned = plan_of(skin, also.plan, join_strokes(actions));  // a bad plan is refused before the work
+  const std::optional<PlanOnSkin> planned =
+      plan_of(skin, also.plan, join_strokes(actions));  // a bad plan is refused before the work
 
   Result result("operate", scene.name);
   std::vector<Row> rows;
@@ -302,7 +327,8 @@ int run(const Options& opt) {
       again = true;
       std::printf("repro       %zu commands, then refused again: %s\n", carried_out, reason.c_str());
       std::printf("topology    %s, %s\n", hex(world.topology_hash()).c_str(),
-                  world.topology_hash() == repro->topology_hash ? "as recorded" : ("recorded " + hex(repro->topology_hash)).c_str());
+                  world.topology_hash() == repro->topology_hash ? "as recorded"
+                                                                : ("recorded " + hex(repro->topology_hash)).c_str());
     };
     set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
     OperationOutcome o;
@@ -319,15 +345,19 @@ int run(const Options& opt) {
       return kGoalMissed;
     }
     at_rest &= o.last.residual <= 1e-4;
-    rows.push_back({cells[i], o.solve_ms, o.last.residual, o.last.distance_mm, std::cbrt(world.solver().model().cell_mm.prod()),
-                    world.solver().model().X_mm.size(), measure_world(world, actions, also)});
-    std::printf("%-12s %7zu nodes  %8.0f ms  residual %.1e  off by about %.1e mm  closure %.3f N  gap %.3f mm  dog-ear %.2f mm  state_hash %s\n", label,
-                rows.back().nodes, o.solve_ms, o.last.residual, o.last.distance_mm, rows.back().key.closure_force_N,
-                rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm, hex(world.state_hash()).c_str());
+    rows.push_back({cells[i], o.solve_ms, o.last.residual, o.last.distance_mm,
+                    std::cbrt(world.solver().model().cell_mm.prod()), world.solver().model().X_mm.size(),
+                    measure_world(world, actions, also)});
+    std::printf(
+        "%-12s %7zu nodes  %8.0f ms  residual %.1e  off by about %.1e mm  closure %.3f N  gap %.3f mm  dog-ear %.2f mm "
+        " state_hash %s\n",
+        label, rows.back().nodes, o.solve_ms, o.last.residual, o.last.distance_mm, rows.back().key.closure_force_N,
+        rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm, hex(world.state_hash()).c_str());
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
     fill_closure(result, o.closure);
-    print_judgements(fill_exercise(result, exercise(actions, rows.back().key, planned), rows.back().key, lesson ? &*lesson : nullptr));
+    print_judgements(fill_exercise(result, exercise(actions, rows.back().key, planned), rows.back().key,
+                                   lesson ? &*lesson : nullptr));
     if (!opt.fields.empty()) write_fields(opt.fields, world);
     if (!opt.common.out_dir.empty()) {
       Snapshot last;
@@ -352,13 +382,29 @@ void add_operate(CLI::App& app, Chosen& chosen) {
   CLI::App* c = app.add_subcommand("operate", "Carry out an operation script to equilibrium, at any resolution");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut")->required();
-  CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")->type_name("H")->check(number_from(0.05, 100.0));
-  CLI::Option* several = c->add_option("--cells", o->cells, "Several cell sizes, coarse to fine: a table of what changes, and the error of every figure by extrapolation")
-      ->type_name("H,H,...")->delimiter(',')->check(number_from(0.05, 100.0))->excludes(one);
-  CLI::Option* orders = c->add_option("--orders", o->orders, "Close in several orders and compare: as-written, reversed, alternating, or numbers of the suture lines as 2-1-3")
-      ->type_name("ORDER,...")->delimiter(',')->excludes(several);
-  c->add_option("--judge", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")->type_name("LESSON")->excludes(orders);
-  c->add_option("--fields", o->fields, "Write stretch, stress, their direction and the perfusion index of every skin triangle")->type_name("CSV")->excludes(orders);
+  CLI::Option* one = c->add_option("--cell-mm", o->cell_mm, "Cell size instead of the scene's")
+                         ->type_name("H")
+                         ->check(number_from(0.05, 100.0));
+  CLI::Option* several = c->add_option("--cells", o->cells,
+                                       "Several cell sizes, coarse to fine: a table of what changes, and the error of "
+                                       "every figure by extrapolation")
+                             ->type_name("H,H,...")
+                             ->delimiter(',')
+                             ->check(number_from(0.05, 100.0))
+                             ->excludes(one);
+  CLI::Option* orders = c->add_option("--orders", o->orders,
+                                      "Close in several orders and compare: as-written, reversed, alternating, or "
+                                      "numbers of the suture lines as 2-1-3")
+                            ->type_name("ORDER,...")
+                            ->delimiter(',')
+                            ->excludes(several);
+  c->add_option("--judge", o->lesson, "Judge the result by this lesson: its file, or the name of a shipped one")
+      ->type_name("LESSON")
+      ->excludes(orders);
+  c->add_option("--fields", o->fields,
+                "Write stretch, stress, their direction and the perfusion index of every skin triangle")
+      ->type_name("CSV")
+      ->excludes(orders);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });

@@ -20,7 +20,8 @@ namespace limberg {
 int operate_head(const Scene& scene, const Script& script, const CommonOptions& common) {
   WorkersPool workers(common.worker_count());
   const int64_t t0 = RealClock::monotonic_ns();
-  const std::unique_ptr<World> world = scene.flesh ? std::make_unique<World>(world_spec(scene, build_body(scene)), workers) : nullptr;
+  const std::unique_ptr<World> world =
+      scene.flesh ? std::make_unique<World>(world_spec(scene, build_body(scene)), workers) : nullptr;
   Head head(head_parts(scene, workers), workers);
   const double built_s = double(RealClock::monotonic_ns() - t0) * 1e-9;
   const std::unique_ptr<Patient> patient = make_patient(scene, world.get(), &head);
@@ -30,7 +31,8 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   set.progress = [&](size_t done, size_t total) { progress.show(double(done), double(total), "actions"); };
   std::string notes;
   set.on_done = [&](const ScriptLine& l, const std::string& note) {
-    if (!note.empty()) notes += "  note      line " + std::to_string(l.line) + ", " + action_name(l.command) + ": " + note + "\n";
+    if (!note.empty())
+      notes += "  note      line " + std::to_string(l.line) + ", " + action_name(l.command) + ": " + note + "\n";
   };
   Snapshot first;
   if (!common.out_dir.empty()) patient->fill_with_field(first);  // for the pictures
@@ -43,7 +45,8 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   std::printf("scene       %s, built in %.1f s\n", scene.name.c_str(), built_s);
   std::fputs(notes.c_str(), stdout);
   print_head(head);
-  std::printf("solve       %.0f ms, residual %.1e\nstate_hash  %s\n", o.solve_ms, o.last.residual, hex(patient->state_hash()).c_str());
+  std::printf("solve       %.0f ms, residual %.1e\nstate_hash  %s\n", o.solve_ms, o.last.residual,
+              hex(patient->state_hash()).c_str());
   Result r("operate", scene.name);
   r.set("/scene_title", scene.name);
   r.set("/scene_note", scene.note);
@@ -54,7 +57,8 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   r.set("/memory_mb", peak_memory_mb());
   std::vector<Command> actions;
   int n = 0;
-  for (const ScriptLine& l : script.lines) actions.push_back(l.command), r.set("/script/" + std::to_string(n++), to_json_line(l.command));
+  for (const ScriptLine& l : script.lines)
+    actions.push_back(l.command), r.set("/script/" + std::to_string(n++), to_json_line(l.command));
   fill_head(r, head);
   if (world) fill_metrics(r, measure_world(*world, actions));
   for (const StageRow& s : o.stages) {

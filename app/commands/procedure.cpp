@@ -4,8 +4,8 @@
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/output.h"
-#include "app/tables.h"
 #include "app/progress.h"
+#include "app/tables.h"
 #include "sim/error.h"
 #include "sim/geometry/skin.h"
 #include "sim/tools/procedures/catalogue.h"
@@ -63,13 +63,16 @@ int procedure(Options o) {
   for (const Charge& c : charges(figure)) {
     if (std::abs(c.q_deg) < 25) continue;  // spread along a curve
     const ChartPoint at = where.chart(c.meeting.front());
-    std::printf("%s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg, unsigned_zero(at.x()), unsigned_zero(at.y()));
+    std::printf("%s of %+.0f degrees where (%.1f, %.1f) comes to lie\n", c.q_deg > 0 ? "dog-ear" : "saddle ", c.q_deg,
+                unsigned_zero(at.x()), unsigned_zero(at.y()));
   }
   if (!o.svg.empty()) write_whole_file(o.svg, plan_svg(figure, title));
   if (!o.out.empty()) {
-    ScriptWriter writer(o.out, script.header, o.replace ? ScriptWriter::Existing::replace : ScriptWriter::Existing::refuse);
+    ScriptWriter writer(o.out, script.header,
+                        o.replace ? ScriptWriter::Existing::replace : ScriptWriter::Existing::refuse);
     for (const ScriptLine& l : script.lines) writer.append(l.command);
-    std::printf("%zu actions in %s; limberg operate %s %s carries them out\n", script.lines.size(), o.out.c_str(), o.scene.c_str(), o.out.c_str());
+    std::printf("%zu actions in %s; limberg operate %s %s carries them out\n", script.lines.size(), o.out.c_str(),
+                o.scene.c_str(), o.out.c_str());
   }
   return kDone;
 }
@@ -78,20 +81,33 @@ int procedure(Options o) {
 
 void add_procedure(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand("procedure", "A classical operation laid on any skin: its script, its plan, where it will stand up");
+  CLI::App* c = app.add_subcommand(
+      "procedure", "A classical operation laid on any skin: its script, its plan, where it will stand up");
   c->add_option("NAME", o->name, "Which; none: a list with all parameters");
   c->add_option("--scene", o->scene, "Scene file, or the name of a shipped scene (default rhomboid)");
-  c->add_option("--set", o->settings, "A parameter")->type_name("NAME=VALUE")->expected(1)->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_option("--at", o->at, "Where the figure's origin lies on the chart, mm")->type_name("X,Y")->delimiter(',')->expected(2)->check(number_from(-10000, 10000));
-  c->add_option("--turn", o->placement.turn_deg, "Turns the figure counter-clockwise, degrees")->check(number_from(-360, 360));
+  c->add_option("--set", o->settings, "A parameter")
+      ->type_name("NAME=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  c->add_option("--at", o->at, "Where the figure's origin lies on the chart, mm")
+      ->type_name("X,Y")
+      ->delimiter(',')
+      ->expected(2)
+      ->check(number_from(-10000, 10000));
+  c->add_option("--turn", o->placement.turn_deg, "Turns the figure counter-clockwise, degrees")
+      ->check(number_from(-360, 360));
   c->add_flag("--mirror", o->placement.mirrored, "Mirrors it first");
   c->add_option("--depth-mm", o->plan.depth_mm, "Of all cuts (default 4)")->check(number_from(0.01, 200));
   c->add_option("--spacing-mm", o->plan.spacing_mm, "Of stitches (default 4)")->check(number_from(0.1, 1000));
-  c->add_option("--undermine-mm", o->plan.undermine_margin_mm, "Undermined so far around the figure (default 12; 0: not)")->check(number_from(0, 1000));
+  c->add_option("--undermine-mm", o->plan.undermine_margin_mm,
+                "Undermined so far around the figure (default 12; 0: not)")
+      ->check(number_from(0, 1000));
   c->add_option("--out", o->out, "The script to write")->type_name("SCRIPT");
   c->add_option("--plan", o->svg, "The plan as a picture")->type_name("SVG");
   c->add_flag("--replace", o->replace, "Replace SCRIPT if it exists");
-  c->footer("Example: limberg procedure bilobed --set diameter_mm=12 --at 0,5 --turn 30 --out bilobed.jsonl --plan bilobed.svg");
+  c->footer(
+      "Example: limberg procedure bilobed --set diameter_mm=12 --at 0,5 --turn 30 --out bilobed.jsonl --plan "
+      "bilobed.svg");
   c->callback([o, &chosen] { chosen = [o] { return procedure(*o); }; });
 }
 

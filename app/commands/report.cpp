@@ -1,3 +1,5 @@
+#include "app/report/report.h"
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -5,7 +7,6 @@
 
 #include "app/commands/commands.h"
 #include "app/report/compare.h"
-#include "app/report/report.h"
 
 namespace limberg {
 
@@ -25,17 +26,26 @@ void add_report(CLI::App& app, Chosen& chosen) {
     std::vector<std::string> compare;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand("report", "Make report.html again from a folder's result.json and pictures, or compare two folders");
+  CLI::App* c = app.add_subcommand(
+      "report", "Make report.html again from a folder's result.json and pictures, or compare two folders");
   CLI::Option* dir = c->add_option("DIR", o->dir, "Folder that holds result.json");
-  CLI::Option* compare = c->add_option("--compare", o->compare, "Two folders on one page: figures, stitches, pictures, timing, script")->type_name("A B")->expected(2)->excludes(dir);
-  c->add_option("--out", o->out, "The page of the comparison (default: compare.html in B)")->type_name("FILE|DIR")->needs(compare);
-  c->footer("Example: limberg report out/demo\n"
-            "         limberg report --compare out/mine out/demo --out compare.html");
+  CLI::Option* compare =
+      c->add_option("--compare", o->compare, "Two folders on one page: figures, stitches, pictures, timing, script")
+          ->type_name("A B")
+          ->expected(2)
+          ->excludes(dir);
+  c->add_option("--out", o->out, "The page of the comparison (default: compare.html in B)")
+      ->type_name("FILE|DIR")
+      ->needs(compare);
+  c->footer(
+      "Example: limberg report out/demo\n"
+      "         limberg report --compare out/mine out/demo --out compare.html");
   c->callback([o, &chosen] {
     if (o->dir.empty() && o->compare.empty()) throw CLI::RequiredError("DIR, or --compare A B,");
     chosen = [o] {
       const std::string page = o->compare.empty() ? write_report(o->dir)
-                                                  : write_comparison(o->compare[0], o->compare[1], page_of(o->out.empty() ? o->compare[1] : o->out));
+                                                  : write_comparison(o->compare[0], o->compare[1],
+                                                                     page_of(o->out.empty() ? o->compare[1] : o->out));
       std::printf("%s\n", page.c_str());
       return int(kDone);
     };

@@ -1,6 +1,6 @@
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <cstdlib>
+#include <filesystem>
 
 #include "app/commands/auto_option.h"
 #include "app/commands/numbers.h"
@@ -36,15 +36,20 @@ void add_device(SessionCall& call, const std::string& text) {
     std::vector<Command> commands;
     for (const ScriptLine& l : load_script(spec.rest).lines) commands.push_back(l.command);
     call.surgeon_seed = SurgeonSettings{}.seed;
-    if (call.scene.head && !call.scene.flesh) call.sources.push_back(std::make_unique<EmulatedHeadSurgeon>(commands));
-    else call.sources.push_back(std::make_unique<EmulatedSurgeon>(join_strokes(commands)));
+    if (call.scene.head && !call.scene.flesh)
+      call.sources.push_back(std::make_unique<EmulatedHeadSurgeon>(commands));
+    else
+      call.sources.push_back(std::make_unique<EmulatedSurgeon>(join_strokes(commands)));
   } else if (spec.kind == "log" && !spec.rest.empty()) {
     Recording rec = read_recording(spec.rest);
     const uint64_t named = call.point ? call.point->scene_hash : call.scene.hash;
     if (rec.session && rec.session->scene_hash != named)
-      throw InputError(spec.rest, 0, "log of another scene (" + rec.session->scene_name + "); expected one of " + call.scene.name);
-    if (rec.samples.empty()) throw InputError(spec.rest, 0, "no valid record of a sample in it; expected a stream of stylus samples");
-    if (rec.damage.total() > 0) say(spec.rest + ": damaged: " + std::to_string(rec.damage.total()) + " events lost; what is whole is used");
+      throw InputError(spec.rest, 0,
+                       "log of another scene (" + rec.session->scene_name + "); expected one of " + call.scene.name);
+    if (rec.samples.empty())
+      throw InputError(spec.rest, 0, "no valid record of a sample in it; expected a stream of stylus samples");
+    if (rec.damage.total() > 0)
+      say(spec.rest + ": damaged: " + std::to_string(rec.damage.total()) + " events lost; what is whole is used");
     call.damage = rec.damage;
     call.sources.push_back(std::make_unique<LogSource>(std::move(rec.samples), rec.damage.total()));
   } else if (LiveSource live = live_source(spec, int(call.live_sources.size()))) {
@@ -94,7 +99,10 @@ int run(const Options& o) {
       const bool from_file = d.rfind("emulated:", 0) == 0 || d.rfind("log:", 0) == 0;
       tracked |= d.rfind("fastrak", 0) == 0 || d.rfind("lcm", 0) == 0;
       w.own_device |= !from_file && d != "mouse";
-      w.device += (w.device.empty() ? "" : ", ") + (from_file ? d.substr(0, d.find(':')) + ": " + std::filesystem::path(d.substr(d.find(':') + 1)).filename().string() : d);
+      w.device += (w.device.empty() ? "" : ", ") +
+                  (from_file ? d.substr(0, d.find(':')) + ": " +
+                                   std::filesystem::path(d.substr(d.find(':') + 1)).filename().string()
+                             : d);
     }
     w.calibrated |= !tracked;  // what else there is says where it is in the patient's own measure
     w.mouse = o.devices.empty();
@@ -111,8 +119,10 @@ int run(const Options& o) {
     on.value[0] = o.cursor;
     call.sources.push_back(std::make_unique<LogSource>(std::vector<Sample>{on}));
   }
-  if (window) say("opening a window; ? in it lists keys and mouse, closing it ends the session");
-  else if (!call.live_sources.empty() && o.seconds <= 0) say("listening until Ctrl-C");
+  if (window)
+    say("opening a window; ? in it lists keys and mouse, closing it ends the session");
+  else if (!call.live_sources.empty() && o.seconds <= 0)
+    say("listening until Ctrl-C");
   if (o.seconds > 0) call.end_tick = int64_t(o.seconds * 1000);
   call.known_length_s = o.seconds;
   call.record_file = o.record;
@@ -128,19 +138,31 @@ void add_run(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("run", "Operate in real time");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene (default: rhomboid)");
-  c->add_option("--device", o->devices, std::string(kDeviceSpecs) + "; may be repeated (default: the mouse; without a window lcm)")->type_name("SPEC");
-  c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")->type_name("FILE");
+  c->add_option("--device", o->devices,
+                std::string(kDeviceSpecs) + "; may be repeated (default: the mouse; without a window lcm)")
+      ->type_name("SPEC");
+  c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")
+      ->type_name("FILE");
   c->add_option("--record", o->record, "Record the session to this LCM log")->type_name("FILE");
   c->add_flag("--replace", o->replace, "Replace the recording if it exists");
-  c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")->type_name("S")->check(number_from(0.001, 86400.0));
-  c->add_option("--cursor", o->cursor, "The stylus pushes a surface cursor, by this share of its own way")->type_name("GAIN")->check(number_from(0.05, 2.0));
+  c->add_option("--seconds", o->seconds, "End after so long (default: when the devices end)")
+      ->type_name("S")
+      ->check(number_from(0.001, 86400.0));
+  c->add_option("--cursor", o->cursor, "The stylus pushes a surface cursor, by this share of its own way")
+      ->type_name("GAIN")
+      ->check(number_from(0.05, 2.0));
   c->add_flag("--cut-at-end", o->cut_at_end, "Cut a stroke when it ends, not while it is drawn");
   c->add_flag("--headless", o->headless, "No window");
-  c->add_option("--lesson", o->lesson, "Script whose steps the window's Next shows (default: the shipped one of the scene)")->type_name("SCRIPT");
-  c->add_option("--judge", o->judge, "Judge the session by this lesson: its file, or the name of a shipped one")->type_name("LESSON");
+  c->add_option("--lesson", o->lesson,
+                "Script whose steps the window's Next shows (default: the shipped one of the scene)")
+      ->type_name("SCRIPT");
+  c->add_option("--judge", o->judge, "Judge the session by this lesson: its file, or the name of a shipped one")
+      ->type_name("LESSON");
   o->automatic.add(*c);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
-  c->footer("Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out out/my");
+  c->footer(
+      "Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out "
+      "out/my");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
 }
 

@@ -12,10 +12,10 @@
 #include "app/output.h"
 #include "app/pictures.h"
 #include "app/progress.h"
-#include "app/session/clock.h"
 #include "app/report/report.h"
 #include "app/report/report_names.h"
 #include "app/session/as_recorded.h"
+#include "app/session/clock.h"
 #include "app/session/lockstep.h"
 #include "app/session/realtime.h"
 #include "app/shipped.h"
@@ -30,7 +30,13 @@ namespace {
 /// A time as one says it.
 std::string about_s(double s) {
   char t[40];
-  std::snprintf(t, sizeof t, s < 100 ? "%.0f s" : s < 6000 ? "%.0f min" : "%.1f h", s < 100 ? s : s < 6000 ? s / 60 : s / 3600);
+  std::snprintf(t, sizeof t,
+                s < 100    ? "%.0f s"
+                : s < 6000 ? "%.0f min"
+                           : "%.1f h",
+                s < 100    ? s
+                : s < 6000 ? s / 60
+                           : s / 3600);
   return t;
 }
 
@@ -50,9 +56,11 @@ std::unique_ptr<Recorder> open_recorder(const SessionCall& call, Assembly& a) {
   info.ticks_per_solver_step = a.session_settings().ticks_per_solver_step;
   info.ticks_per_frame = a.session_settings().ticks_per_frame;
   info.solver_delay_ticks = 0;
-  info.utc_start_ns = call.real_time
-      ? std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count()
-      : 0;  // a virtual clock began at no time: the same call writes the same bytes
+  info.utc_start_ns =
+      call.real_time
+          ? std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+                .count()
+          : 0;  // a virtual clock began at no time: the same call writes the same bytes
   return std::make_unique<Recorder>(a.channels, call.record_file, info, bundle(a.scene, a.calibration),
                                     call.replace_record || is_special(call.record_file));
 }
@@ -63,8 +71,10 @@ void compare_checkpoints(Result& r, const SessionCall& call, const SessionFigure
     for (const Checkpoint& got : f.checkpoints)
       if (want.tick == got.tick && want.hash != 0) {
         ++compared;
-        if (want.hash == got.hash) ++equal;
-        else if (first_difference < 0) first_difference = want.tick;
+        if (want.hash == got.hash)
+          ++equal;
+        else if (first_difference < 0)
+          first_difference = want.tick;
         break;
       }
   if (compared == 0) return;
@@ -94,14 +104,17 @@ void tell_devices(Result& r, const std::vector<std::string>& names, const std::v
 void print_summary(const SessionCall& call, const Assembly& a, const SessionFigures& f) {
   std::printf("scene       %s\n", a.scene.name.c_str());
   std::printf("mode        %s, %.2f s\n", call.real_time ? "real time" : "lockstep", f.duration_s);
-  std::printf("commands    %llu done, %zu refused\n", static_cast<unsigned long long>(a.solver.commands()), a.solver.refused().size());
-  std::printf("solver      %llu steps, %.2f ms median, residual %.2e, about %.2g mm from equilibrium\n", static_cast<unsigned long long>(a.solver.steps()),
-              double(f.solver.work.percentile_ns(0.5)) * 1e-6, a.solver.last().residual, a.solver.last().distance_mm);
+  std::printf("commands    %llu done, %zu refused\n", static_cast<unsigned long long>(a.solver.commands()),
+              a.solver.refused().size());
+  std::printf("solver      %llu steps, %.2f ms median, residual %.2e, about %.2g mm from equilibrium\n",
+              static_cast<unsigned long long>(a.solver.steps()), double(f.solver.work.percentile_ns(0.5)) * 1e-6,
+              a.solver.last().residual, a.solver.last().distance_mm);
   if (a.world) std::printf("pieces      %d\n", a.world->pieces());
   if (a.head) print_head(*a.head);
   std::printf("state_hash  %s\n", hex(f.state_hash).c_str());
   const HandFigures& h = a.solver.hand();
-  if (h.path_mm > 0) std::printf("hand        %.0f mm in %d movements, %d gaps in tracking\n", h.path_mm, h.movements, h.gaps);
+  if (h.path_mm > 0)
+    std::printf("hand        %.0f mm in %d movements, %d gaps in tracking\n", h.path_mm, h.movements, h.gaps);
 }
 
 }  // namespace
@@ -121,12 +134,15 @@ void leave_result(const Result& result, const CommonOptions& common) {
   std::printf("report      %s\n", write_report(common.out_dir).c_str());
 }
 
-/// A recording that is made in case it is wanted: beside the machine's temporary files, kept or removed at the end. A session
+/// A recording that is made in case it is wanted: beside the machine's temporary files, kept or removed at the end. A
+/// session
 /// that is killed leaves it there, and it can be replayed.
 class AsideRecording {
  public:
   explicit AsideRecording(const std::string& keep_dir)
-      : dir_(keep_dir), file_((std::filesystem::temp_directory_path() / ("limberg-session-" + std::to_string(getpid()) + ".lcm")).string()) {}
+      : dir_(keep_dir),
+        file_((std::filesystem::temp_directory_path() / ("limberg-session-" + std::to_string(getpid()) + ".lcm"))
+                  .string()) {}
   ~AsideRecording() {
     std::error_code ec;
     std::filesystem::remove(file_, ec);
@@ -140,7 +156,10 @@ class AsideRecording {
     while (std::filesystem::exists(name));
     std::error_code ec;
     std::filesystem::copy_file(file_, name, ec);
-    if (ec) throw InputError(name, 0, "the recording cannot be kept there (" + ec.message() + "); expected a folder with room and the right to write");
+    if (ec)
+      throw InputError(name, 0,
+                       "the recording cannot be kept there (" + ec.message() +
+                           "); expected a folder with room and the right to write");
     return name;
   }
 
@@ -150,8 +169,10 @@ class AsideRecording {
 
 int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
   if (call.lesson) {
-    if (!call.scene.flesh) throw InputError(call.scene.name, 0, "has no skin: --judge is for scenes of skin; expected none");
-    if (const std::string other = made_for_another(*call.lesson, call.scene.name, call.scene.path); !other.empty()) say(other);
+    if (!call.scene.flesh)
+      throw InputError(call.scene.name, 0, "has no skin: --judge is for scenes of skin; expected none");
+    if (const std::string other = made_for_another(*call.lesson, call.scene.name, call.scene.path); !other.empty())
+      say(other);
   }
   catch_interrupts();
   call.common.prepare();
@@ -184,7 +205,9 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
       o.sink = &window->sink();
     } catch (const RenderUnavailable& e) {
       say(e.what());
-      if (call.sources.empty() && call.live_sources.empty()) throw InputError("", 0, "no window and no device: nothing can be done to the patient; expected a display, or --device");
+      if (call.sources.empty() && call.live_sources.empty())
+        throw InputError(
+            "", 0, "no window and no device: nothing can be done to the patient; expected a display, or --device");
       say("going on without a window");
     }
   }
@@ -215,8 +238,11 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   set.progress = [&](int64_t tick) {
     const double done_s = double(tick) * 1e-3, took_s = double(RealClock::monotonic_ns() - began_ns) * 1e-9;
     // A film and a replay take as long as they need: what is left goes by what was needed until now.
-    if (call.real_time || call.known_length_s <= 0 || done_s < 0.02 * call.known_length_s) progress.show(done_s, call.known_length_s, "s");
-    else progress.show(done_s, call.known_length_s, ("s, " + about_s(took_s * std::max(0.0, call.known_length_s / done_s - 1)) + " left").c_str());
+    if (call.real_time || call.known_length_s <= 0 || done_s < 0.02 * call.known_length_s)
+      progress.show(done_s, call.known_length_s, "s");
+    else
+      progress.show(done_s, call.known_length_s,
+                    ("s, " + about_s(took_s * std::max(0.0, call.known_length_s / done_s - 1)) + " left").c_str());
   };
   set.say = [&](const std::string& line) { progress.clear(), say(line); };
   if (window) set.gauges = &window->gauges(), set.pump = [&] { window->pump(); };
@@ -234,9 +260,11 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
       }
     });
   } else {
-    set.ticks_per_frame = film ? 1000 / call.film->frames_per_s : 1000;  // on a virtual clock frames are samples of the picture, one a second
+    set.ticks_per_frame = film ? 1000 / call.film->frames_per_s
+                               : 1000;  // on a virtual clock frames are samples of the picture, one a second
     if (taken && call.end_tick >= 0) set.settle_steps = 0;  // whole: it says itself how it came to rest
-    f = taken ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken) : run_lockstep(a.lanes(recorder.get()), set);
+    f = taken ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken)
+              : run_lockstep(a.lanes(recorder.get()), set);
   }
   progress.clear();
   const bool keep = window && window->keep_recording();
@@ -273,17 +301,23 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
 
   std::optional<InputError> unwritten;  // of a picture; the figures of the session are left even so
   if (!call.common.out_dir.empty()) try {
-    Snapshot last;
-    a.patient->fill_with_field(last);  // with the tension
-    if (a.world) draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
-    else if (a.head) draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
-    if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
-  } catch (const InputError& e) {
-    unwritten = e;
-  }
+      Snapshot last;
+      a.patient->fill_with_field(last);  // with the tension
+      if (a.world)
+        draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
+      else if (a.head)
+        draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);
+      if (a.head) leave_head_figures(result, *a.head, call.common.out_dir, last, scene_camera(a.scene), a.workers);
+    } catch (const InputError& e) {
+      unwritten = e;
+    }
   print_summary(call, a, f);
-  const std::string recorded_in = !recorder || recording_failed ? "" : !aside ? call.record_file : keep ? aside->keep() : "";
-  if (!recorded_in.empty()) std::printf("recording   %s, %lld samples\n", recorded_in.c_str(), static_cast<long long>(recorder->samples()));
+  const std::string recorded_in = !recorder || recording_failed ? ""
+                                  : !aside                      ? call.record_file
+                                  : keep                        ? aside->keep()
+                                                                : "";
+  if (!recorded_in.empty())
+    std::printf("recording   %s, %lld samples\n", recorded_in.c_str(), static_cast<long long>(recorder->samples()));
   leave_result(result, call.common);
   if (unwritten) throw *unwritten;
   if (recording_failed) {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/commands/commands.h"
 #include "app/bundle.h"
+#include "app/commands/commands.h"
 #include "app/device_specs.h"
 #include "app/film.h"
 #include "app/lesson.h"
@@ -17,31 +17,33 @@
 namespace limberg {
 
 struct SessionCall {
-  std::string command;             // for result.json
+  std::string command;  // for result.json
   Scene scene;
   std::shared_ptr<void> scene_files;
   Calibration calibration;
   bool real_time = false;
-  bool progressive_cut = false;    // incisions open while they are drawn; recordings say whether they did
+  bool progressive_cut = false;  // incisions open while they are drawn; recordings say whether they did
   std::vector<std::unique_ptr<Source>> sources;
   std::vector<LiveSource> live_sources;  // made when the clock starts
   std::vector<std::string> live_names;   // as they were asked for
-  std::string record_file;         // empty: none
+  std::string record_file;               // empty: none
   bool replace_record = false;
-  std::string keep_dir;            // with a window and no record_file: recorded aside all the same; kept here when the operator says so
+  std::string
+      keep_dir;  // with a window and no record_file: recorded aside all the same; kept here when the operator says so
   uint64_t surgeon_seed = 0;
-  int64_t end_tick = -1;           // -1: when the sources have ended
-  int ticks_per_solver_step = 0;   // 0: as the scene asks
-  double known_length_s = 0;       // for the progress line
-  LiveSchedule schedule;           // of a live recording: it is done again as it was
-  std::vector<Sample> taken;       // its samples, in the order in which they were recorded
+  int64_t end_tick = -1;             // -1: when the sources have ended
+  int ticks_per_solver_step = 0;     // 0: as the scene asks
+  double known_length_s = 0;         // for the progress line
+  LiveSchedule schedule;             // of a live recording: it is done again as it was
+  std::vector<Sample> taken;         // its samples, in the order in which they were recorded
   std::vector<Checkpoint> expected;  // of a recording: compared in lockstep
   LogDamage damage;
-  std::string reproduce;           // the command that makes the result again
+  std::string reproduce;                       // the command that makes the result again
   std::optional<bench::OperatingPoint> point;  // that the scene was set to (--auto)
-  std::optional<FilmSettings> film;  // in lockstep: every frame goes into it
-  std::function<std::unique_ptr<SessionWindow>(const Scene&)> window;  // empty: none; RenderUnavailable: goes on without
-  std::optional<Lesson> lesson;    // by which the session is judged
+  std::optional<FilmSettings> film;            // in lockstep: every frame goes into it
+  std::function<std::unique_ptr<SessionWindow>(const Scene&)>
+      window;                    // empty: none; RenderUnavailable: goes on without
+  std::optional<Lesson> lesson;  // by which the session is judged
   CommonOptions common;
 };
 

@@ -63,7 +63,8 @@ std::vector<Gathered> wanted(const Options& o) {
     if (&f == &own)
       for (const std::string& s : o.settings) {  // a user's values stand for the check's
         const std::string key = study::parameter_named(f, s.substr(0, s.find('=')));
-        std::erase_if(settings, [&](const std::string& t) { return study::parameter_named(f, t.substr(0, t.find('='))) == key; });
+        std::erase_if(settings,
+                      [&](const std::string& t) { return study::parameter_named(f, t.substr(0, t.find('='))) == key; });
         settings.push_back(s);
       }
     parts.push_back({&f, study::members(f, settings), {}, {}, {}});
@@ -88,7 +89,9 @@ std::vector<std::string> member_call(const Family& f, const Values& v, int worke
 }
 
 std::string quoted(const std::string& word) {
-  if (word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:") == std::string::npos) return word;
+  if (word.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:") ==
+      std::string::npos)
+    return word;
   std::string out = "'";
   for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return out + "'";
@@ -99,7 +102,10 @@ int run_member(const Options& o) {
   catch_interrupts();
   const Family& f = study::find_family(o.name);
   const std::vector<Values> members = study::members(f, o.settings);
-  if (members.size() != 1) throw InputError("", 0, "--member: the settings name " + std::to_string(members.size()) + " members of study " + f.name + "; expected one value for each key");
+  if (members.size() != 1)
+    throw InputError("", 0,
+                     "--member: the settings name " + std::to_string(members.size()) + " members of study " + f.name +
+                         "; expected one value for each key");
   if (o.common.out_dir.empty()) throw InputError("", 0, "--member needs --out DIR, where its file is left");
   const Values& v = members[0];
   prepare_folder(o.common.out_dir + "/members");
@@ -116,7 +122,8 @@ int run_member(const Options& o) {
   }
   if (interrupted()) return kGoalMissed;
   m.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (m.failure.empty() && m.row.shown && !m.row.title.empty()) draw_member_picture(study::member_file(o.common.out_dir, f, v, ".png"), m.row.title, *m.row.shown);
+  if (m.failure.empty() && m.row.shown && !m.row.title.empty())
+    draw_member_picture(study::member_file(o.common.out_dir, f, v, ".png"), m.row.title, *m.row.shown);
   write_whole_file(study::member_file(o.common.out_dir, f, v, ".json"), study::member_text(f, v, m));
   if (m.failure.empty()) return kDone;
   say(study::member_name(f, v) + ": " + m.failure);
@@ -173,7 +180,7 @@ class Gathering {
     }
   }
   using Key = std::pair<size_t, size_t>;
-  std::set<Key> missing_;    // still to be made
+  std::set<Key> missing_;  // still to be made
   std::set<Key> given_up_;
   std::map<Key, std::string> reason_;
   const std::vector<std::string>& pictures() const { return pictures_; }
@@ -194,11 +201,13 @@ std::string first_line(const std::string& file) {
 }
 
 int list_jobs(const Options& o, const std::vector<Gathered>& parts) {
-  if (o.common.out_dir.empty()) throw InputError("", 0, "--list-jobs needs --out DIR, where the jobs leave their files");
+  if (o.common.out_dir.empty())
+    throw InputError("", 0, "--list-jobs needs --out DIR, where the jobs leave their files");
   for (const Gathered& g : parts)
     for (const Values& v : g.members) {
       std::string line;
-      for (const std::string& w : member_call(*g.family, v, 1, o.common.out_dir)) line += (line.empty() ? "" : " ") + quoted(w);
+      for (const std::string& w : member_call(*g.family, v, 1, o.common.out_dir))
+        line += (line.empty() ? "" : " ") + quoted(w);
       std::printf("%s\n", line.c_str());
     }
   return kDone;
@@ -214,20 +223,23 @@ int finish(const Options& o, const std::vector<Gathered>& parts, const std::vect
     return kGoalMissed;
   }
   const auto bars = study::bars_of(parts);
-  if (!o.common.out_dir.empty()) study::leave_files(parts, o.common.out_dir), study::leave_pictures(parts[0], pictures, o.common.out_dir);
+  if (!o.common.out_dir.empty())
+    study::leave_files(parts, o.common.out_dir), study::leave_pictures(parts[0], pictures, o.common.out_dir);
   Result result = study::result_of(parts, bars);
   result.set("/reproduce", this_call());
   leave_result(result, o.common);
   bool ok = true;
   std::printf("\n%-76s %10s %10s\n", o.check ? "check" : "bar", "value", "bar");
   for (const study::Bar& b : bars) {
-    std::printf("%-76s %10.4g %s%9.4g  %s\n", b.name.c_str(), b.value, b.larger_is_better ? ">" : "<", b.bar, b.pass ? "pass" : "FAIL");
+    std::printf("%-76s %10.4g %s%9.4g  %s\n", b.name.c_str(), b.value, b.larger_is_better ? ">" : "<", b.bar,
+                b.pass ? "pass" : "FAIL");
     ok &= b.pass;
   }
   for (const Gathered& g : parts)
     for (const auto& [name, why] : g.failed) say(name + " failed: " + why);
   if (done < members) {
-    say(std::string(interrupted() ? "interrupted after " : "only ") + std::to_string(done) + " of " + std::to_string(members) + " members are there" +
+    say(std::string(interrupted() ? "interrupted after " : "only ") + std::to_string(done) + " of " +
+        std::to_string(members) + " members are there" +
         (o.common.out_dir.empty() ? "" : "; the same call goes on from them"));
     return kGoalMissed;
   }
@@ -255,7 +267,9 @@ int collect(const Options& o, std::vector<Gathered> parts) {
         const auto m = study::read_member(file, *g.family, v);
         if (!m) continue;
         if (!program) program = {m->program, file};
-        if (m->program != program->first) throw InputError(file, 0, "was made by another program than " + program->second + "; expected members of one program");
+        if (m->program != program->first)
+          throw InputError(file, 0,
+                           "was made by another program than " + program->second + "; expected members of one program");
       }
   const Places at{o.collect, o.common.out_dir};
   Gathering gathering(parts, at);
@@ -303,7 +317,8 @@ int run(const Options& o) {
       gathering.missing_.insert({p, i});
       key.push_back({p, i});
       processes.push_back({member_call(f, v, workers, dir), study::member_file(dir, f, v, ".log")});
-      if (!o.common.simd.empty()) processes.back().arguments.insert(processes.back().arguments.end(), {"--simd", o.common.simd});
+      if (!o.common.simd.empty())
+        processes.back().arguments.insert(processes.back().arguments.end(), {"--simd", o.common.simd});
     }
   if (kept) say(std::to_string(kept) + " members are there already");
   gathering.look(false);
@@ -311,7 +326,8 @@ int run(const Options& o) {
     Progress progress("study " + o.name);
     size_t done = 0;
     const auto show = [&](size_t running) {
-      progress.show(double(done), double(processes.size()), ("members, " + std::to_string(running) + " running").c_str());
+      progress.show(double(done), double(processes.size()),
+                    ("members, " + std::to_string(running) + " running").c_str());
     };
     study::run_processes(processes, at_once, interrupted, show, [&](size_t i, int status) {
       ++done;
@@ -321,7 +337,9 @@ int run(const Options& o) {
       else
         gathering.given_up_.insert(key[i]);
       if (status != kDone && status != -1 && !interrupted())
-        gathering.reason_[key[i]] = !said.empty() ? said : status >= 1000 ? "ended by signal " + std::to_string(status - 1000) : "exit status " + std::to_string(status);
+        gathering.reason_[key[i]] = !said.empty()    ? said
+                                    : status >= 1000 ? "ended by signal " + std::to_string(status - 1000)
+                                                     : "exit status " + std::to_string(status);
       if (status == -1 && !interrupted()) gathering.reason_[key[i]] = "could not be started";
       if (status == kDone && said.empty()) {
         std::error_code ignored;
@@ -343,14 +361,17 @@ std::string footer() {
       std::string values;
       for (const double v : p.values) values += (values.empty() ? "" : ",") + plain(v);
       char line[200];
-      std::snprintf(line, sizeof line, "  %-20s %s, %g to %g (by itself %s)\n", p.name.c_str(), p.help.c_str(), p.lo, p.hi, values.c_str());
+      std::snprintf(line, sizeof line, "  %-20s %s, %g to %g (by itself %s)\n", p.name.c_str(), p.help.c_str(), p.lo,
+                    p.hi, values.c_str());
       text += line;
     }
   }
   return text +
-         "Leaves rows.csv, charts as SVG, result.json and report.html in DIR, and members/, from which the same call goes on where it\n"
+         "Leaves rows.csv, charts as SVG, result.json and report.html in DIR, and members/, from which the same call "
+         "goes on where it\n"
          "was stopped: a member is run again only when the program, its files or its settings have changed.\n"
-         "On other machines: limberg study NAME --list-jobs --out DIR | parallel     (or one line for each task of a Slurm array),\n"
+         "On other machines: limberg study NAME --list-jobs --out DIR | parallel     (or one line for each task of a "
+         "Slurm array),\n"
          "then limberg study NAME --collect DIR --out DIR.\n"
          "Exit status 3: a bar is missed, or a member failed.\n"
          "Example: limberg study gape --set angle_deg=90,45 --set prestretch_percent=5,10,20 --out out/gape";
@@ -362,12 +383,21 @@ void add_study(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("study", "A family of operations, each brought to rest: table, charts and bars");
   c->add_option("NAME", o->name, "Which (see below)")->required();
-  c->add_option("--set", o->settings, "Values of a setting instead of its own; once per setting")->type_name("KEY=V1,V2,...")->expected(1)
+  c->add_option("--set", o->settings, "Values of a setting instead of its own; once per setting")
+      ->type_name("KEY=V1,V2,...")
+      ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  c->add_flag("--check", o->check, "The members that all checks of the study need, its controls too; each check with its figure");
-  c->add_option("--jobs", o->jobs, "Members at a time, each a process (default: as many as cores)")->type_name("N")->check(whole_from(1, 1024));
-  c->add_flag("--list-jobs", o->list_jobs, "Print one command a line for each member, to be run elsewhere, and do nothing");
-  c->add_option("--collect", o->collect, "Gather members that were made elsewhere from DIR/members; may be given several times")->type_name("DIR")->expected(1)
+  c->add_flag("--check", o->check,
+              "The members that all checks of the study need, its controls too; each check with its figure");
+  c->add_option("--jobs", o->jobs, "Members at a time, each a process (default: as many as cores)")
+      ->type_name("N")
+      ->check(whole_from(1, 1024));
+  c->add_flag("--list-jobs", o->list_jobs,
+              "Print one command a line for each member, to be run elsewhere, and do nothing");
+  c->add_option("--collect", o->collect,
+                "Gather members that were made elsewhere from DIR/members; may be given several times")
+      ->type_name("DIR")
+      ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   c->add_flag("--member", o->member, "Run one member and leave its file in DIR/members (what --list-jobs prints)");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);

@@ -41,18 +41,21 @@ void read_landmarks(const std::string& file, std::vector<Vec3>& a, std::vector<V
     if (!(words >> name)) continue;
     double v[6];
     for (double& x : v)
-      if (!(words >> x) || !std::isfinite(x)) throw InputError(file, n, "expected a name and six numbers: x y z of it in A, then in B, in mm");
+      if (!(words >> x) || !std::isfinite(x))
+        throw InputError(file, n, "expected a name and six numbers: x y z of it in A, then in B, in mm");
     a.emplace_back(v[0], v[1], v[2]), b.emplace_back(v[3], v[4], v[5]);
   }
 }
 
 void put(Result& r, const std::string& at, const Similarity& s) {
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j) r.set(at + "/" + std::to_string(i) + "/" + std::to_string(j), j < 3 ? s.scale * s.R(i, j) : s.t_mm[i]);
+    for (int j = 0; j < 4; ++j)
+      r.set(at + "/" + std::to_string(i) + "/" + std::to_string(j), j < 3 ? s.scale * s.R(i, j) : s.t_mm[i]);
 }
 
 void print(const Similarity& s) {
-  std::printf("moved       turned by %.3f degrees, %s%.4f times as large, shifted by (%.3f, %.3f, %.3f) mm\n", s.angle_deg(), s.scale == 1 ? "" : "made ", s.scale, s.t_mm.x(), s.t_mm.y(), s.t_mm.z());
+  std::printf("moved       turned by %.3f degrees, %s%.4f times as large, shifted by (%.3f, %.3f, %.3f) mm\n",
+              s.angle_deg(), s.scale == 1 ? "" : "made ", s.scale, s.t_mm.x(), s.t_mm.y(), s.t_mm.z());
 }
 
 /// How A was moved, and how far it lies from what it was compared with, as tables of the report.
@@ -60,11 +63,16 @@ void tell(Result& r, const Similarity& s) {
   char t[4][48];
   std::snprintf(t[0], 48, "%.3f", s.angle_deg()), std::snprintf(t[1], 48, "%.4f", s.scale);
   std::snprintf(t[2], 48, "(%.3f, %.3f, %.3f)", s.t_mm.x(), s.t_mm.y(), s.t_mm.z());
-  add_table(r, int(r.entries("/tables")), {"How the first was moved", "", {"figure", "value"}, {{"turned, degrees", t[0]}, {"times as large", t[1]}, {"shifted, mm", t[2]}}});
+  add_table(r, int(r.entries("/tables")),
+            {"How the first was moved",
+             "",
+             {"figure", "value"},
+             {{"turned, degrees", t[0]}, {"times as large", t[1]}, {"shifted, mm", t[2]}}});
 }
 void tell(Result& r, const char* title, const char* about, const DistanceMap& d) {
   ResultTable t{title, about, {"figure", "mm"}, {}};
-  for (const auto& [name, v] : {std::pair("mean size", d.mean_abs_mm), std::pair("rms", d.rms_mm), std::pair("95 % within", d.p95_mm), std::pair("at most", d.max_mm)}) {
+  for (const auto& [name, v] : {std::pair("mean size", d.mean_abs_mm), std::pair("rms", d.rms_mm),
+                                std::pair("95 % within", d.p95_mm), std::pair("at most", d.max_mm)}) {
     char text[32];
     std::snprintf(text, sizeof text, "%.3f", v);
     t.rows.push_back({name, text});
@@ -74,8 +82,10 @@ void tell(Result& r, const char* title, const char* about, const DistanceMap& d)
 
 /// The map as a table and as a PLY with colours: blue inside, red outside, full at the 95th percentile.
 void write_map(const std::string& dir, const Surface& s, const Similarity& map, const DistanceMap& d) {
-  std::string csv = "x_mm,y_mm,z_mm,distance_mm\n", ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(s.x_mm.size()) +
-                    "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty float distance_mm\nelement face " +
+  std::string csv = "x_mm,y_mm,z_mm,distance_mm\n",
+              ply = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(s.x_mm.size()) +
+                    "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar "
+                    "green\nproperty uchar blue\nproperty float distance_mm\nelement face " +
                     std::to_string(s.tri.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
   char b[200];
   const double full = d.p95_mm > 0 ? d.p95_mm : 1;
@@ -84,7 +94,8 @@ void write_map(const std::string& dir, const Surface& s, const Similarity& map, 
     const double t = std::clamp(d.signed_mm[i] / full, -1., 1.);
     std::snprintf(b, sizeof b, "%.4f,%.4f,%.4f,%.5f\n", x.x(), x.y(), x.z(), d.signed_mm[i]);
     csv += b;
-    std::snprintf(b, sizeof b, "%.4f %.4f %.4f %d %d %d %.5f\n", x.x(), x.y(), x.z(), int(230 * (t < 0 ? 1 + t : 1)), int(230 * (1 - std::abs(t))), int(230 * (t > 0 ? 1 - t : 1)), d.signed_mm[i]);
+    std::snprintf(b, sizeof b, "%.4f %.4f %.4f %d %d %d %.5f\n", x.x(), x.y(), x.z(), int(230 * (t < 0 ? 1 + t : 1)),
+                  int(230 * (1 - std::abs(t))), int(230 * (t > 0 ? 1 - t : 1)), d.signed_mm[i]);
     ply += b;
   }
   for (const Tri& t : s.tri) {
@@ -125,10 +136,14 @@ int images(const Options& o, Result& result, Workers& workers, Progress& progres
   const RegistrationResult r = register_volumes(b, a, s, workers);
   progress.clear();
   print(r.map);
-  std::printf("information %.4f (1: nothing, 2: everything), %.4f at the start; %.0f %% of the samples in both, %d evaluations\n", r.information, r.at_start, 100 * r.overlap, r.evaluations);
+  std::printf(
+      "information %.4f (1: nothing, 2: everything), %.4f at the start; %.0f %% of the samples in both, %d "
+      "evaluations\n",
+      r.information, r.at_start, 100 * r.overlap, r.evaluations);
   put(result, "/a_to_b", r.map);
   tell(result, r.map);
-  result.set("/information", r.information), result.set("/information_at_start", r.at_start), result.set("/overlap", r.overlap);
+  result.set("/information", r.information), result.set("/information_at_start", r.at_start),
+      result.set("/overlap", r.overlap);
   if (!o.common.out_dir.empty()) {
     float least = a.value.front();
     for (const float x : a.value) least = std::min(least, x);
@@ -139,14 +154,16 @@ int images(const Options& o, Result& result, Workers& workers, Progress& progres
 
 int run(const Options& o) {
   for (const std::string& given : {o.a, o.b})
-    if (!given.empty() && !std::filesystem::exists(given)) throw InputError(given, 0, "cannot be read (No such file or directory); expected a surface or an image");
+    if (!given.empty() && !std::filesystem::exists(given))
+      throw InputError(given, 0, "cannot be read (No such file or directory); expected a surface or an image");
   o.common.prepare();
   WorkersPool workers(o.common.worker_count());
   Progress progress("superpose");
   Result result("superpose", "");
   result.set("/a", o.a), result.set("/b", o.b);
   if (!is_surface_name(o.a) && (o.b.empty() || !is_surface_name(o.b))) {
-    if (o.b.empty()) throw InputError("", 0, "superpose: two images, or surfaces (.obj, .ply, .stl, .xyz, .simplex), were expected");
+    if (o.b.empty())
+      throw InputError("", 0, "superpose: two images, or surfaces (.obj, .ply, .stl, .xyz, .simplex), were expected");
     return images(o, result, workers, progress);
   }
   const auto read = o.landmarks_only && !o.mirror ? load_surface : shape_from;
@@ -158,19 +175,25 @@ int run(const Options& o) {
     const MirrorPlane m = mirror_plane(a, Vec3::UnitX(), s, workers);
     progress.clear();
     if (!m) return finish(o, result, m.reason);
-    std::printf("mirror      normal (%.4f, %.4f, %.4f) through (%.2f, %.2f, %.2f) mm, rms of the kept pairs %.3f mm\n", m.normal.x(), m.normal.y(), m.normal.z(), m.point_mm.x(), m.point_mm.y(),
-                m.point_mm.z(), m.rms_mm);
-    for (int k = 0; k < 3; ++k) result.set("/mirror/normal/" + std::to_string(k), m.normal[k]), result.set("/mirror/point_mm/" + std::to_string(k), m.point_mm[k]);
+    std::printf("mirror      normal (%.4f, %.4f, %.4f) through (%.2f, %.2f, %.2f) mm, rms of the kept pairs %.3f mm\n",
+                m.normal.x(), m.normal.y(), m.normal.z(), m.point_mm.x(), m.point_mm.y(), m.point_mm.z(), m.rms_mm);
+    for (int k = 0; k < 3; ++k)
+      result.set("/mirror/normal/" + std::to_string(k), m.normal[k]),
+          result.set("/mirror/point_mm/" + std::to_string(k), m.point_mm[k]);
     // Asymmetry: the surface against its own reflection in the plane.
     Similarity flip;
-    flip.R = Mat3::Identity() - 2 * m.normal * m.normal.transpose(), flip.t_mm = 2 * m.normal.dot(m.point_mm) * m.normal;
+    flip.R = Mat3::Identity() - 2 * m.normal * m.normal.transpose(),
+    flip.t_mm = 2 * m.normal.dot(m.point_mm) * m.normal;
     Surface other = a;
     for (Vec3& x : other.x_mm) x = flip(x);
     for (Tri& t : other.tri) std::swap(t[1], t[2]);
     const DistanceMap d = distance_map(a, {}, SurfaceTarget(other), workers);
-    std::printf("asymmetry   mean %.3f mm, rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm\n", d.mean_abs_mm, d.rms_mm, d.p95_mm, d.max_mm);
-    result.set("/asymmetry/mean_abs_mm", d.mean_abs_mm), result.set("/asymmetry/rms_mm", d.rms_mm), result.set("/asymmetry/p95_mm", d.p95_mm), result.set("/asymmetry/max_mm", d.max_mm);
-    tell(result, "Left and right", "Distance of the surface from its own mirror image. The plane is the one in which they differ least.", d);
+    std::printf("asymmetry   mean %.3f mm, rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm\n", d.mean_abs_mm,
+                d.rms_mm, d.p95_mm, d.max_mm);
+    result.set("/asymmetry/mean_abs_mm", d.mean_abs_mm), result.set("/asymmetry/rms_mm", d.rms_mm),
+        result.set("/asymmetry/p95_mm", d.p95_mm), result.set("/asymmetry/max_mm", d.max_mm);
+    tell(result, "Left and right",
+         "Distance of the surface from its own mirror image. The plane is the one in which they differ least.", d);
     if (!o.common.out_dir.empty()) write_map(o.common.out_dir, a, {}, d);
     if (o.b.empty()) return finish(o, result, {});
   }
@@ -184,26 +207,33 @@ int run(const Options& o) {
     const LandmarkFit f = fit_landmarks(from, to, o.scale);
     if (!f) throw InputError(o.landmarks, 0, f.reason);
     std::printf("landmarks   %zu pairs, rms %.3f mm, at most %.3f mm\n", from.size(), f.rms_mm, f.max_mm);
-    result.set("/landmarks/pairs", int64_t(from.size())), result.set("/landmarks/rms_mm", f.rms_mm), result.set("/landmarks/max_mm", f.max_mm);
+    result.set("/landmarks/pairs", int64_t(from.size())), result.set("/landmarks/rms_mm", f.rms_mm),
+        result.set("/landmarks/max_mm", f.max_mm);
     start = f.map;
   }
   Similarity map = start;
   if (!o.landmarks_only) {
     progress.note("iterating");
-    const IcpResult r = o.landmarks.empty() ? icp_from_anywhere(a, target, b, s, workers) : icp(a, target, start, s, workers);
+    const IcpResult r =
+        o.landmarks.empty() ? icp_from_anywhere(a, target, b, s, workers) : icp(a, target, start, s, workers);
     progress.clear();
     if (!r) return finish(o, result, r.reason);
-    std::printf("pairs       %.0f %% kept, rms %.4f mm along the normals, %d iterations%s\n", 100 * s.keep, r.rms_mm, r.iterations, r.still ? "" : ", not at rest");
+    std::printf("pairs       %.0f %% kept, rms %.4f mm along the normals, %d iterations%s\n", 100 * s.keep, r.rms_mm,
+                r.iterations, r.still ? "" : ", not at rest");
     result.set("/icp/rms_mm", r.rms_mm), result.set("/icp/iterations", r.iterations), result.set("/icp/still", r.still);
     map = r.map;
   }
   print(map);
   put(result, "/a_to_b", map);
   const DistanceMap d = distance_map(a, map, target, workers);
-  std::printf("distance    mean %+.3f mm, mean size %.3f mm, rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm\n", d.mean_mm, d.mean_abs_mm, d.rms_mm, d.p95_mm, d.max_mm);
-  result.set("/distance/mean_mm", d.mean_mm), result.set("/distance/mean_abs_mm", d.mean_abs_mm), result.set("/distance/rms_mm", d.rms_mm), result.set("/distance/p95_mm", d.p95_mm), result.set("/distance/max_mm", d.max_mm);
+  std::printf("distance    mean %+.3f mm, mean size %.3f mm, rms %.3f mm, 95 %% within %.3f mm, at most %.3f mm\n",
+              d.mean_mm, d.mean_abs_mm, d.rms_mm, d.p95_mm, d.max_mm);
+  result.set("/distance/mean_mm", d.mean_mm), result.set("/distance/mean_abs_mm", d.mean_abs_mm),
+      result.set("/distance/rms_mm", d.rms_mm), result.set("/distance/p95_mm", d.p95_mm),
+      result.set("/distance/max_mm", d.max_mm);
   tell(result, map);
-  tell(result, "What differs", "Distance of the first surface, as it was laid, from the second; distance.ply shows it in colours.", d);
+  tell(result, "What differs",
+       "Distance of the first surface, as it was laid, from the second; distance.ply shows it in colours.", d);
   if (!o.common.out_dir.empty()) write_map(o.common.out_dir, a, map, d);
   return finish(o, result, {});
 }
@@ -215,16 +245,22 @@ void add_superpose(CLI::App& app, Chosen& chosen) {
   CLI::App* c = app.add_subcommand("superpose", "Lay a surface, or an image, upon another and measure what differs");
   c->add_option("A", o->a, "What is moved: OBJ, PLY, STL, xyz or simplex mesh; or a volume")->required();
   c->add_option("B", o->b, "What it is laid upon, of the same kind; not needed with --mirror");
-  c->add_option("--landmarks", o->landmarks, "Where to begin: lines of a name, x y z in A, x y z in B (mm)")->type_name("FILE");
+  c->add_option("--landmarks", o->landmarks, "Where to begin: lines of a name, x y z in A, x y z in B (mm)")
+      ->type_name("FILE");
   c->add_flag("--landmarks-only", o->landmarks_only, "Landmarks alone, without looking for nearest places");
   c->add_flag("--scale", o->scale, "Let A grow or shrink");
   c->add_flag("--mirror", o->mirror, "Also the mirror plane of A (first guess: x = middle) and its asymmetry");
-  c->add_option("--keep", o->keep, "Share of the pairs that count: the others are where the two differ or one is missing [0.7]")->check(number_from(0.05, 1.));
-  c->add_option("--series-a", o->series_a, "Series of a DICOM folder A: number, UID or part of its description")->type_name("NAME");
+  c->add_option("--keep", o->keep,
+                "Share of the pairs that count: the others are where the two differ or one is missing [0.7]")
+      ->check(number_from(0.05, 1.));
+  c->add_option("--series-a", o->series_a, "Series of a DICOM folder A: number, UID or part of its description")
+      ->type_name("NAME");
   c->add_option("--series-b", o->series_b, "The same of B")->type_name("NAME");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
-  c->footer("With --out also: distance.csv and distance.ply (coloured), or registered.nrrd. Exit status 3: they could not be laid upon each other; the reason is said.\n"
-            "Example: limberg superpose patient.obj normal.obj --landmarks points.txt --out out/superposed");
+  c->footer(
+      "With --out also: distance.csv and distance.ply (coloured), or registered.nrrd. Exit status 3: they could not be "
+      "laid upon each other; the reason is said.\n"
+      "Example: limberg superpose patient.obj normal.obj --landmarks points.txt --out out/superposed");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
 }
 

@@ -37,7 +37,8 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
   if (h.source == HeadScene::Source::synthetic) {
     add_synthetic(h, parts, workers);
   } else {
-    for (const std::string& f : h.bone_files) parts.bones.push_back({std::filesystem::path(f).stem().string(), simplex::load_mesh(f), false});
+    for (const std::string& f : h.bone_files)
+      parts.bones.push_back({std::filesystem::path(f).stem().string(), simplex::load_mesh(f), false});
     if (h.face) parts.face = simplex::load_mesh(h.face_file);
   }
   if (h.offset_mm != Vec3::Zero()) {
@@ -51,14 +52,19 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
   }
   for (const std::string& name : h.fixed) {
     const auto b = std::find_if(parts.bones.begin(), parts.bones.end(), [&](const auto& x) { return x.name == name; });
-    if (b == parts.bones.end()) throw InputError(scene.path, 0, "head.fixed names the bone \"" + name + "\", which is not there; expected one of the bones");
+    if (b == parts.bones.end())
+      throw InputError(scene.path, 0,
+                       "head.fixed names the bone \"" + name + "\", which is not there; expected one of the bones");
     b->fixed = true;
   }
   const auto put = [&](const auto& places, bool face) {
     for (const auto& [name, at] : places) {
-      const auto same = std::find_if(parts.landmarks.begin(), parts.landmarks.end(), [&, n = name](const HeadLandmark& l) { return l.name == n; });
-      if (same != parts.landmarks.end()) same->X_mm = at, same->on_face = face;
-      else parts.landmarks.push_back({name, at, face});
+      const auto same = std::find_if(parts.landmarks.begin(), parts.landmarks.end(),
+                                     [&, n = name](const HeadLandmark& l) { return l.name == n; });
+      if (same != parts.landmarks.end())
+        same->X_mm = at, same->on_face = face;
+      else
+        parts.landmarks.push_back({name, at, face});
     }
   };
   put(h.landmarks, false);
@@ -66,7 +72,9 @@ HeadParts head_parts(const Scene& scene, Workers& workers) {
   const auto place_of = [&](const std::string& name) {
     for (const HeadLandmark& l : parts.landmarks)
       if (l.name == name) return l.X_mm;
-    throw InputError(scene.path, 0, "head.tissue names the landmark \"" + name + "\", which is not there; expected a place [x, y, z] or one of the landmarks");
+    throw InputError(scene.path, 0,
+                     "head.tissue names the landmark \"" + name +
+                         "\", which is not there; expected a place [x, y, z] or one of the landmarks");
   };
   for (const HeadScene::TissueAt& t : h.tissues) {
     ConnectTissue c = t.tissue;

@@ -6,7 +6,8 @@
 
 namespace limberg {
 
-/// Makes the synthetic head (a second or two) or reads the meshes. Throws InputError: a file that cannot be read, a bone's name or a
+/// Makes the synthetic head (a second or two) or reads the meshes. Throws InputError: a file that cannot be read, a
+/// bone's name or a
 /// landmark's that is not there.
 HeadParts head_parts(const Scene& scene, Workers& workers);
 

@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Where heads are kept; empty: nowhere. A program that differs from its commit keeps none: nobody could tell its heads apart.
+/// Where heads are kept; empty: nowhere. A program that differs from its commit keeps none: nobody could tell its heads
+/// apart.
 fs::path cache_folder() {
   if (std::string(commit()).find("dirty") != std::string::npos || std::string(commit()) == "unknown") return {};
   if (const char* own = std::getenv("LIMBERG_CACHE")) return own;
@@ -34,7 +35,9 @@ std::string name_of(const HeadSpec& s) {
   Hash64 h;
   const std::string program = program_name();
   h.bytes(program.data(), program.size());
-  for (const double v : {s.mandible_scale, s.ramus_left, s.vault_wide, s.vault_long, s.forehead_flat, s.edge_mm, s.face_edge_mm}) h.add(v);
+  for (const double v :
+       {s.mandible_scale, s.ramus_left, s.vault_wide, s.vault_long, s.forehead_flat, s.edge_mm, s.face_edge_mm})
+    h.add(v);
   char text[32];
   std::snprintf(text, sizeof text, "head-%016llx", static_cast<unsigned long long>(h.value()));
   return text;
@@ -48,7 +51,8 @@ std::optional<HeadModel> read(const fs::path& folder) {
   if (folder.empty() || !fs::is_directory(folder, none)) return {};
   try {
     HeadModel m;
-    for (int k = 0; k < 3; ++k) part(m, k) = simplex::load_mesh((folder / (std::string(kParts[k]) + ".simplex")).string());
+    for (int k = 0; k < 3; ++k)
+      part(m, k) = simplex::load_mesh((folder / (std::string(kParts[k]) + ".simplex")).string());
     std::ifstream in(folder / "landmarks.txt");
     std::string name, x[3];
     while (in >> name >> x[0] >> x[1] >> x[2]) {
@@ -71,7 +75,8 @@ void keep(const fs::path& folder, HeadModel& m) {
   fs::create_directories(aside, ec);
   if (ec) return;
   try {
-    for (int k = 0; k < 3; ++k) simplex::save_mesh(part(m, k), (aside / (std::string(kParts[k]) + ".simplex")).string());
+    for (int k = 0; k < 3; ++k)
+      simplex::save_mesh(part(m, k), (aside / (std::string(kParts[k]) + ".simplex")).string());
     std::ofstream out(aside / "landmarks.txt");
     for (const auto& [name, at] : m.landmarks) {
       out << name;

@@ -43,7 +43,8 @@ std::vector<HeadMeasure> head_measures(const NamedPlaces& before, const NamedPla
     out.push_back({Group::cephalometry, m.name, m.unit, *a[i].value, *b[i].value, norm});
   }
   const Asymmetry x = asymmetry(was), y = asymmetry(is);
-  if (!x.rows.empty() && !y.rows.empty()) out.push_back({Group::asymmetry, "rms of all pairs", "mm", x.rms_mm, y.rms_mm, "0"});
+  if (!x.rows.empty() && !y.rows.empty())
+    out.push_back({Group::asymmetry, "rms of all pairs", "mm", x.rms_mm, y.rms_mm, "0"});
   for (const AsymmetryRow& r : x.rows)
     for (const AsymmetryRow& s : y.rows)
       if (r.name == s.name) out.push_back({Group::asymmetry, r.name, "mm", r.distance_mm, s.distance_mm, "0"});
@@ -59,9 +60,11 @@ std::vector<HeadMeasure> head_measures(const NamedPlaces& before, const NamedPla
   std::stable_sort(place.begin(), place.end(), [](const Place& p, const Place& q) { return p.number < q.number; });
   const auto called = [&](size_t i) { return "M" + std::to_string(place[i].number); };
   for (size_t i = 0; i + 1 < place.size(); ++i)
-    out.push_back({Group::picked, called(i) + "-" + called(i + 1), "mm", (place[i + 1].was - place[i].was).norm(), (place[i + 1].is - place[i].is).norm(), ""});
+    out.push_back({Group::picked, called(i) + "-" + called(i + 1), "mm", (place[i + 1].was - place[i].was).norm(),
+                   (place[i + 1].is - place[i].is).norm(), ""});
   for (size_t i = 0; i + 2 < place.size(); ++i)
-    out.push_back({Group::picked, called(i) + "-" + called(i + 1) + "-" + called(i + 2), "deg", angle_deg(place[i].was, place[i + 1].was, place[i + 2].was),
+    out.push_back({Group::picked, called(i) + "-" + called(i + 1) + "-" + called(i + 2), "deg",
+                   angle_deg(place[i].was, place[i + 1].was, place[i + 2].was),
                    angle_deg(place[i].is, place[i + 1].is, place[i + 2].is), ""});
   return out;
 }

@@ -9,7 +9,8 @@ namespace limberg {
 namespace {
 
 /// Skin first, then face and bones; lists that only the skin has are as long as the skin.
-std::shared_ptr<const SurfaceTopology> joined(const SurfaceTopology& skin, const SurfaceTopology& head, uint64_t version) {
+std::shared_ptr<const SurfaceTopology> joined(const SurfaceTopology& skin, const SurfaceTopology& head,
+                                              uint64_t version) {
   auto both = std::make_shared<SurfaceTopology>(skin);
   both->version = version;
   Hash64 h;
@@ -42,22 +43,30 @@ std::shared_ptr<const SurfaceTopology> joined(const SurfaceTopology& skin, const
 }  // namespace
 
 HeadPatient::HeadPatient(Head& head, World* world, double max_depth_mm, double dt_s, double carries_skin_mm)
-    : head_(head), world_(world), skin_(world ? std::make_unique<WorldPatient>(*world, max_depth_mm) : nullptr), dt_s_(dt_s), carries_skin_mm_(carries_skin_mm) {}
+    : head_(head),
+      world_(world),
+      skin_(world ? std::make_unique<WorldPatient>(*world, max_depth_mm) : nullptr),
+      dt_s_(dt_s),
+      carries_skin_mm_(carries_skin_mm) {}
 
 Outcome HeadPatient::apply(const Command& c) {
   if (std::holds_alternative<Undo>(c)) return go_back(c, done_, undone_);
   if (std::holds_alternative<Redo>(c)) return go_back(c, undone_, done_);
-  if (std::holds_alternative<Stage>(c) || std::holds_alternative<Wait>(c)) return skin_ ? skin_->apply(c) : head_.apply(c);
+  if (std::holds_alternative<Stage>(c) || std::holds_alternative<Wait>(c))
+    return skin_ ? skin_->apply(c) : head_.apply(c);
   if (const auto* h = std::get_if<HeadCommand>(&c)) {
     const Outcome o = head_.apply(c);
-    if (o.done && !std::holds_alternative<GrabFragment>(*h) && !std::holds_alternative<DragFragment>(*h) && !std::holds_alternative<Superpose>(*h)) done_.push_back(By::head), undone_.clear(), stroke_ = 0;
+    if (o.done && !std::holds_alternative<GrabFragment>(*h) && !std::holds_alternative<DragFragment>(*h) &&
+        !std::holds_alternative<Superpose>(*h))
+      done_.push_back(By::head), undone_.clear(), stroke_ = 0;
     return o;
   }
   if (!skin_) return head_.apply(c);  // says what is wrong
   const Outcome o = skin_->apply(c);
   if (!o.done) return o;
   stale_ = true;
-  const bool hook = std::holds_alternative<SetHook>(c) || std::holds_alternative<MoveHook>(c) || std::holds_alternative<ReleaseHook>(c);
+  const bool hook = std::holds_alternative<SetHook>(c) || std::holds_alternative<MoveHook>(c) ||
+                    std::holds_alternative<ReleaseHook>(c);
   const auto* more = std::get_if<InciseMore>(&c);
   if (hook || (more && more->stroke == stroke_)) return o;
   stroke_ = more ? more->stroke : 0;
@@ -66,7 +75,8 @@ Outcome HeadPatient::apply(const Command& c) {
 }
 
 Outcome HeadPatient::go_back(const Command& c, std::vector<By>& from, std::vector<By>& to) {
-  if (from.empty()) return {false, std::holds_alternative<Undo>(c) ? "there is nothing to undo" : "there is nothing to do again"};
+  if (from.empty())
+    return {false, std::holds_alternative<Undo>(c) ? "there is nothing to undo" : "there is nothing to do again"};
   const By by = from.back();
   const Outcome o = by == By::head ? head_.apply(c) : skin_->apply(c);
   if (!o.done) return o;
@@ -79,7 +89,9 @@ void HeadPatient::carry_skin() {
   const auto& fragments = head_.bones().fragments();
   std::vector<Eigen::Isometry3d> poses;
   for (const bone::Fragment& f : fragments) poses.push_back(f.pose);
-  const bool moved = poses.size() != poses_.size() || !std::equal(poses.begin(), poses.end(), poses_.begin(), [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
+  const bool moved = poses.size() != poses_.size() ||
+                     !std::equal(poses.begin(), poses.end(), poses_.begin(),
+                                 [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
   const bool other = carried_world_ != world_->topology()->version || carried_bones_ != head_.bones().version();
   if (!moved && !other && !stale_) return;
   poses_ = std::move(poses);
@@ -104,7 +116,9 @@ StepReport HeadPatient::step(const StepSettings& settings) {
     carry_skin();
     r = skin_->step(settings);
   }
-  if (!h.at_rest) r.residual = std::max({double(r.residual), h.max_move_mm, kMoving}), r.distance_mm = std::max(double(r.distance_mm), h.max_move_mm);
+  if (!h.at_rest)
+    r.residual = std::max({double(r.residual), h.max_move_mm, kMoving}),
+    r.distance_mm = std::max(double(r.distance_mm), h.max_move_mm);
   return r;
 }
 
@@ -123,7 +137,8 @@ void HeadPatient::fill(Snapshot& s, bool with_field) const {
   s.x_mm.insert(s.x_mm.end(), bone_.x_mm.begin(), bone_.x_mm.end());
   if (!s.field.empty()) s.field.resize(s.x_mm.size(), 0.0f);
   s.moved_mm.clear();
-  if (!bone_.moved_mm.empty()) s.moved_mm.assign(n, 0.0f), s.moved_mm.insert(s.moved_mm.end(), bone_.moved_mm.begin(), bone_.moved_mm.end());
+  if (!bone_.moved_mm.empty())
+    s.moved_mm.assign(n, 0.0f), s.moved_mm.insert(s.moved_mm.end(), bone_.moved_mm.begin(), bone_.moved_mm.end());
   s.plate_mm = bone_.plate_mm;
   s.landmark_mm = bone_.landmark_mm;
   s.figures = bone_.figures;

@@ -1,8 +1,11 @@
 #pragma once
-// A head as the session drives it; where the scene has a body too, one patient: skin with flap tools over bone that moves.
+// A head as the session drives it; where the scene has a body too, one patient: skin with flap tools over bone that
+// moves.
 //
-// The skin's fixed nodes that lie at most `carries_skin_mm` from a bone at rest go where their bone goes, as Dirichlet values of the
-// finite elements; so a fragment that is moved pulls the skin that is attached to it. Undo and redo go to whichever of the two
+// The skin's fixed nodes that lie at most `carries_skin_mm` from a bone at rest go where their bone goes, as Dirichlet
+// values of the
+// finite elements; so a fragment that is moved pulls the skin that is attached to it. Undo and redo go to whichever of
+// the two
 // acted last.
 #include <memory>
 #include <vector>
@@ -19,14 +22,17 @@ class HeadPatient final : public Patient {
   HeadPatient(Head& head, World* world, double max_depth_mm, double dt_s, double carries_skin_mm);
 
   Outcome apply(const Command& command) override;
-  /// residual: of the skin; of a face that is not at rest, how far it moved in the last iteration in mm, at least kMoving.
+  /// residual: of the skin; of a face that is not at rest, how far it moved in the last iteration in mm, at least
+  /// kMoving.
   StepReport step(const StepSettings& settings) override;
   bool settled() const override { return !skin_ || skin_->settled(); }
   void fill(Snapshot& snapshot) const override { fill(snapshot, false); }
   void fill_with_field(Snapshot& snapshot) const override { fill(snapshot, true); }
   void fill_lattice(LatticeShown& out) const override {
-    if (skin_) skin_->fill_lattice(out);
-    else out = {};
+    if (skin_)
+      skin_->fill_lattice(out);
+    else
+      out = {};
   }
   /// Of the skin. Bone and face are not asked for: false.
   bool press(const PressQuestion& question, PressAnswer& answer) override;
@@ -47,7 +53,7 @@ class HeadPatient final : public Patient {
   std::unique_ptr<WorldPatient> skin_;
   double dt_s_, carries_skin_mm_;
   std::vector<By> done_, undone_;
-  int stroke_ = 0;                               // the incision in pieces that is the last entry
+  int stroke_ = 0;  // the incision in pieces that is the last entry
   // Of the skin's fixed nodes, by their number: the fragment that carries them, -1 none.
   uint64_t carried_world_ = 0, carried_bones_ = 0;
   std::vector<std::pair<Vec3, int32_t>> carrier_;  // place at rest, fragment; in the order in which World asks

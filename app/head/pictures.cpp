@@ -1,7 +1,8 @@
 // The pictures of a report on a head.
+#include "app/pictures.h"
+
 #include "app/head/report.h"
 #include "app/output.h"
-#include "app/pictures.h"
 #include "app/progress.h"
 #include "app/report/report_names.h"
 #include "render/gl_context.h"
@@ -33,7 +34,8 @@ PictureOptions look(FaceLook face, const std::string& title, bool landmarks = fa
 
 }  // namespace
 
-void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first, const Snapshot& last, const Camera& camera, const Head& head) {
+void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first,
+                        const Snapshot& last, const Camera& camera, const Head& head) {
   remove_report_pictures(dir);
   if (!last.topology) return;
   const bool face = !last.moved_mm.empty();
@@ -44,7 +46,9 @@ void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& sta
     prepare_folder(dir + "/head");
     if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
     for (const StageRow& s : stages)
-      if (s.shown.topology) write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, look(FaceLook::clear, s.name)));
+      if (s.shown.topology)
+        write_png(dir + "/" + report_names::stage_picture(s.number, s.name),
+                  pictures.skin(s.shown, look(FaceLook::clear, s.name)));
     const Snapshot before = at_rest(last, head);
     write_png(dir + "/" + report_names::overview, pictures.skin(last, look(FaceLook::clear, "")));
     write_png(file("bones-before.png"), pictures.skin(first, look(FaceLook::hidden, "Before")));

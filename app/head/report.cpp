@@ -18,7 +18,9 @@ namespace limberg {
 
 namespace {
 
-double turned_deg(const Eigen::Isometry3d& pose) { return Eigen::AngleAxisd(pose.linear()).angle() * 180 / std::numbers::pi; }
+double turned_deg(const Eigen::Isometry3d& pose) {
+  return Eigen::AngleAxisd(pose.linear()).angle() * 180 / std::numbers::pi;
+}
 
 struct Moved {
   double most_mm = 0, mean_mm = 0;  // mean: of the places that moved by more than 0.1 mm
@@ -45,7 +47,8 @@ std::string name_of(const Head& head, int32_t id) {
 }
 
 /// What head_measures finds, as rows of the report; one group in each table.
-ResultTable measure_table(Result& r, const std::vector<HeadMeasure>& all, HeadMeasure::Group group, const char* key, const char* title, const char* about) {
+ResultTable measure_table(Result& r, const std::vector<HeadMeasure>& all, HeadMeasure::Group group, const char* key,
+                          const char* title, const char* about) {
   ResultTable t;
   t.title = title, t.about = about;
   t.columns = {"figure", "before", "after", "change", "unit", "norm"};
@@ -55,7 +58,8 @@ ResultTable measure_table(Result& r, const std::vector<HeadMeasure>& all, HeadMe
     const std::string p = std::string("/head/") + key + "/" + std::to_string(n++);
     r.set(p + "/name", m.name), r.set(p + "/unit", m.unit), r.set(p + "/before", m.before), r.set(p + "/after", m.now);
     char text[3][32];
-    std::snprintf(text[0], 32, "%.1f", m.before), std::snprintf(text[1], 32, "%.1f", m.now), std::snprintf(text[2], 32, "%+.2f", std::round(100 * m.change()) / 100 + 0.0);
+    std::snprintf(text[0], 32, "%.1f", m.before), std::snprintf(text[1], 32, "%.1f", m.now),
+        std::snprintf(text[2], 32, "%+.2f", std::round(100 * m.change()) / 100 + 0.0);
     t.rows.push_back({m.name, text[0], text[1], text[2], m.unit, m.norm});
   }
   return t;
@@ -75,7 +79,8 @@ void add_forehead(Result& r, const Head& head, ResultTable& t) {
       const std::string p = "/head/cephalometry/" + std::to_string(t.rows.size());
       r.set(p + "/name", words), r.set(p + "/unit", "mm"), r.set(p + "/before", a), r.set(p + "/after", b);
       char text[3][32];
-      std::snprintf(text[0], 32, "%.1f", a), std::snprintf(text[1], 32, "%.1f", b), std::snprintf(text[2], 32, "%+.2f", std::round(100 * (b - a)) / 100 + 0.0);
+      std::snprintf(text[0], 32, "%.1f", a), std::snprintf(text[1], 32, "%.1f", b),
+          std::snprintf(text[2], 32, "%+.2f", std::round(100 * (b - a)) / 100 + 0.0);
       t.rows.push_back({words, text[0], text[1], text[2], "mm", ""});
     }
 }
@@ -84,8 +89,12 @@ void add_forehead(Result& r, const Head& head, ResultTable& t) {
 ResultTable fits(Result& r, const Head& head) {
   ResultTable t;
   t.title = "Fragments that fit each other";
-  t.about = "Found by their cut rings, wherever they lie, and verified (sim/bone/sorting.h); how to move the second one so that it fits the first where that is now (one of them at a time: \"sort\" in a script puts all of them together). Those that would have fitted are named with the reason.";
-  t.columns = {"fragments", "rings together, mm", "residual, mm", "right, mm", "forward, mm", "up, mm", "turned, degrees"};
+  t.about =
+      "Found by their cut rings, wherever they lie, and verified (sim/bone/sorting.h); how to move the second one so "
+      "that it fits the first where that is now (one of them at a time: \"sort\" in a script puts all of them "
+      "together). Those that would have fitted are named with the reason.";
+  t.columns = {"fragments", "rings together, mm", "residual, mm", "right, mm", "forward, mm",
+               "up, mm",    "turned, degrees"};
   if (head.bones().fragments().size() < 2) return t;
   std::vector<int32_t> ids;
   const bone::Sorting found = bone::sort_fragments(bone::pieces_of(head.bones(), &ids));
@@ -99,16 +108,23 @@ ResultTable fits(Result& r, const Head& head) {
     const Vec3 centre = f.pose * f.centre_mm;
     RigidMove move = as_move(by);
     // As far as somebody would type it.
-    const auto rounded = [](const Vec3& v) { return Vec3(v.unaryExpr([](double x) { return std::round(1e4 * x) / 1e4 + 0.0; })); };
-    move.rotation_deg = rounded(move.rotation_deg), move.about_mm = rounded(centre), move.translation_mm = rounded(by * centre - centre);
+    const auto rounded = [](const Vec3& v) {
+      return Vec3(v.unaryExpr([](double x) { return std::round(1e4 * x) / 1e4 + 0.0; }));
+    };
+    move.rotation_deg = rounded(move.rotation_deg), move.about_mm = rounded(centre),
+    move.translation_mm = rounded(by * centre - centre);
     const std::string p = "/head/fits/" + std::to_string(n++);
-    r.set(p + "/stays", stays), r.set(p + "/moves", moves), r.set(p + "/length_mm", m.length_mm), r.set(p + "/residual_mm", m.residual_mm);
+    r.set(p + "/stays", stays), r.set(p + "/moves", moves), r.set(p + "/length_mm", m.length_mm),
+        r.set(p + "/residual_mm", m.residual_mm);
     r.set(p + "/line", to_json_line(Command(HeadCommand(MoveFragment{{moves, Vec3::Zero()}, move, 2}))));
-    t.rows.push_back({name_of(head, stays) + " - " + name_of(head, moves), short_number(m.length_mm, 3), short_number(m.residual_mm, 2), short_number(move.translation_mm.x(), 3),
-                      short_number(move.translation_mm.y(), 3), short_number(move.translation_mm.z(), 3), short_number(turned_deg(by), 3)});
+    t.rows.push_back({name_of(head, stays) + " - " + name_of(head, moves), short_number(m.length_mm, 3),
+                      short_number(m.residual_mm, 2), short_number(move.translation_mm.x(), 3),
+                      short_number(move.translation_mm.y(), 3), short_number(move.translation_mm.z(), 3),
+                      short_number(turned_deg(by), 3)});
   }
   for (const bone::Unmatched& u : found.refused)
-    t.rows.push_back({name_of(head, ids[size_t(u.a)]) + " - " + name_of(head, ids[size_t(u.b)]), u.reason, "-", "-", "-", "-", "-"});
+    t.rows.push_back(
+        {name_of(head, ids[size_t(u.a)]) + " - " + name_of(head, ids[size_t(u.b)]), u.reason, "-", "-", "-", "-", "-"});
   return t;
 }
 
@@ -153,8 +169,9 @@ void fill_head(Result& r, const Head& head, int tables) {
     r.set(p + "/volume_mm3", f.volume_mm3);
     for (int i = 0; i < 3; ++i) r.set(p + "/translation_mm/" + std::to_string(i), way[i]);
     r.set(p + "/rotation_deg", turned_deg(f.pose));
-    t.rows.push_back({f.name + (f.fixed ? " (fixed)" : ""), short_number(f.volume_mm3 * 1e-3), short_number(way.x(), 3), short_number(way.y(), 3), short_number(way.z(), 3),
-                      short_number(way.norm(), 3), short_number(turned_deg(f.pose), 3)});
+    t.rows.push_back({f.name + (f.fixed ? " (fixed)" : ""), short_number(f.volume_mm3 * 1e-3), short_number(way.x(), 3),
+                      short_number(way.y(), 3), short_number(way.z(), 3), short_number(way.norm(), 3),
+                      short_number(turned_deg(f.pose), 3)});
   }
   add_table(r, tables++, t);
   ResultTable g;
@@ -168,7 +185,8 @@ void fill_head(Result& r, const Head& head, int tables) {
     r.set(p + "/a", x.a), r.set(p + "/b", x.b);
     r.set(p + "/gap_mean_mm", x.gap_mean_mm), r.set(p + "/gap_max_mm", x.gap_max_mm);
     r.set(p + "/overlap_max_mm", x.overlap_max_mm), r.set(p + "/overlap_mm3", x.overlap_mm3);
-    g.rows.push_back({name_of(head, x.a) + " - " + name_of(head, x.b), short_number(x.gap_mean_mm, 3), short_number(x.gap_max_mm, 3), short_number(x.overlap_max_mm, 3),
+    g.rows.push_back({name_of(head, x.a) + " - " + name_of(head, x.b), short_number(x.gap_mean_mm, 3),
+                      short_number(x.gap_max_mm, 3), short_number(x.overlap_max_mm, 3),
                       short_number(x.overlap_mm3, 3)});
   }
   if (!g.rows.empty()) add_table(r, tables++, g);
@@ -183,15 +201,23 @@ void fill_head(Result& r, const Head& head, int tables) {
     const std::string p = "/head/landmarks/" + std::to_string(n++);
     r.set(p + "/name", k.name);
     for (int i = 0; i < 3; ++i) r.set(p + "/moved_mm/" + std::to_string(i), way[i]);
-    if (way.norm() > 0.05) l.rows.push_back({k.name, short_number(way.x(), 3), short_number(way.y(), 3), short_number(way.z(), 3), short_number(way.norm(), 3)});
+    if (way.norm() > 0.05)
+      l.rows.push_back({k.name, short_number(way.x(), 3), short_number(way.y(), 3), short_number(way.z(), 3),
+                        short_number(way.norm(), 3)});
   }
   if (!l.rows.empty()) add_table(r, tables++, l);
   const std::vector<HeadMeasure> measures = head_measures(head.landmarks_at_rest(), head.landmarks_now());
   using Group = HeadMeasure::Group;
-  ResultTable lengths = measure_table(r, measures, Group::cephalometry, "cephalometry", "Cephalometry", "Lengths in mm and angles in degrees between landmarks, in space. Names with a small letter lie on the face.");
+  ResultTable lengths = measure_table(
+      r, measures, Group::cephalometry, "cephalometry", "Cephalometry",
+      "Lengths in mm and angles in degrees between landmarks, in space. Names with a small letter lie on the face.");
   add_forehead(r, head, lengths);
-  const ResultTable y = measure_table(r, measures, Group::asymmetry, "asymmetry", "Left and right", "How far each landmark on the left is from mirroring its fellow on the right, in mm.");
-  const ResultTable q = measure_table(r, measures, Group::picked, "picked", "Picked places", "Lengths from each picked place to the next, and angles at the middle one of three.");
+  const ResultTable y =
+      measure_table(r, measures, Group::asymmetry, "asymmetry", "Left and right",
+                    "How far each landmark on the left is from mirroring its fellow on the right, in mm.");
+  const ResultTable q =
+      measure_table(r, measures, Group::picked, "picked", "Picked places",
+                    "Lengths from each picked place to the next, and angles at the middle one of three.");
   for (const ResultTable& m : {lengths, y, q})
     if (!m.rows.empty()) add_table(r, tables++, m);
   if (head.has_face()) {
@@ -201,24 +227,30 @@ void fill_head(Result& r, const Head& head, int tables) {
     r.set("/metrics/face_moved_max_mm", m.most_mm);
   }
   double most = 0;
-  for (const bone::Fragment& f : head.bones().fragments()) most = std::max(most, (f.pose * f.centre_mm - f.centre_mm).norm());
+  for (const bone::Fragment& f : head.bones().fragments())
+    most = std::max(most, (f.pose * f.centre_mm - f.centre_mm).norm());
   r.set("/metrics/fragments", uint64_t(head.bones().fragments().size()));
   r.set("/metrics/fragment_moved_max_mm", most);
   n = 0;
   ResultTable net;
   net.title = "Tissue between face and bone";
-  net.about = "What hangs between the opposite regions. Springs alone hold no shape: how many motions they leave free is counted, and what holds these is said.";
-  net.columns = {"tissue", "mode", "layers", "stiffness, kPa", "vertices", "of the face", "what its springs leave free"};
+  net.about =
+      "What hangs between the opposite regions. Springs alone hold no shape: how many motions they leave free is "
+      "counted, and what holds these is said.";
+  net.columns = {
+      "tissue", "mode", "layers", "stiffness, kPa", "vertices", "of the face", "what its springs leave free"};
   for (const ConnectTissue& c : head.tissues()) {
     const std::string p = "/head/tissues/" + std::to_string(n);
-    r.set(p + "/name", c.name), r.set(p + "/layers", c.layers), r.set(p + "/young_kPa", c.young_kPa), r.set(p + "/mode", kTissueKinds[size_t(c.mode)]);
+    r.set(p + "/name", c.name), r.set(p + "/layers", c.layers), r.set(p + "/young_kPa", c.young_kPa),
+        r.set(p + "/mode", kTissueKinds[size_t(c.mode)]);
     const simplex::Tissue& tissue = *head.face_model().tissues()[size_t(n)];
     const bool springs = c.mode == TissueKind::springs || c.mode == TissueKind::shape;
     const std::string free = springs ? head.face_model().free_motions(size_t(n)) : std::string();
     if (springs) r.set(p + "/free_motions", free);
     std::string mode = kTissueKinds[size_t(c.mode)];
     std::replace(mode.begin(), mode.end(), '_', ' ');
-    net.rows.push_back({c.name, mode, std::to_string(c.layers), short_number(c.young_kPa, 3), std::to_string(tissue.vertices()), std::to_string(tissue.link.size()), springs ? free : "-"});
+    net.rows.push_back({c.name, mode, std::to_string(c.layers), short_number(c.young_kPa, 3),
+                        std::to_string(tissue.vertices()), std::to_string(tissue.link.size()), springs ? free : "-"});
     ++n;
   }
   if (!net.rows.empty()) add_table(r, tables++, net);
@@ -228,11 +260,13 @@ void fill_head(Result& r, const Head& head, int tables) {
 }
 
 void print_head(const Head& head) {
-  std::printf("bones       %zu fragments, %d vertices\n", head.bones().fragments().size(), head.bones().mesh().vertices());
+  std::printf("bones       %zu fragments, %d vertices\n", head.bones().fragments().size(),
+              head.bones().mesh().vertices());
   for (const bone::Fragment& f : head.bones().fragments()) {
     const Vec3 way = f.pose * f.centre_mm - f.centre_mm;
     if (way.norm() > 0 || f.pose.linear() != Mat3::Identity())
-      std::printf("  moved     %d, %s: %.2f mm right, %.2f forward, %.2f up, turned by %.2f degrees\n", f.id, f.name.c_str(), way.x(), way.y(), way.z(), turned_deg(f.pose));
+      std::printf("  moved     %d, %s: %.2f mm right, %.2f forward, %.2f up, turned by %.2f degrees\n", f.id,
+                  f.name.c_str(), way.x(), way.y(), way.z(), turned_deg(f.pose));
   }
   if (!head.has_face()) return;
   for (const std::string& line : head.face_model().describe()) std::printf("tissue      %s\n", line.c_str());
@@ -241,7 +275,8 @@ void print_head(const Head& head) {
   std::printf("face        moved by at most %.2f mm\n", m.most_mm);
 }
 
-void leave_head_figures(Result& r, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers) {
+void leave_head_figures(Result& r, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera,
+                        Workers& workers) {
   write_whole_file(dir + "/measures.csv", to_csv(head_measures(head.landmarks_at_rest(), head.landmarks_now())));
   prepare_folder(dir + "/head");
   for (const std::string& why : report_skull(r, head, dir, last, camera, workers)) say(why);

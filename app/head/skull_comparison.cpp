@@ -23,7 +23,8 @@ void add_surface(Surface& s, const simplex::Mesh& mesh, const simplex::FanTriang
   const auto base = int32_t(s.x_mm.size());
   s.x_mm.insert(s.x_mm.end(), fan.X_mm.begin(), fan.X_mm.end());
   for (size_t t = 0; t < fan.tri.size(); ++t)
-    if (mesh.kind(fan.face[t]) == simplex::FaceKind::surface) s.tri.push_back({fan.tri[t][0] + base, fan.tri[t][1] + base, fan.tri[t][2] + base});
+    if (mesh.kind(fan.face[t]) == simplex::FaceKind::surface)
+      s.tri.push_back({fan.tri[t][0] + base, fan.tri[t][1] + base, fan.tri[t][2] + base});
 }
 
 /// Only the vertices that a triangle has.
@@ -53,7 +54,8 @@ Spread spread(const std::vector<double>& all, const std::vector<int32_t>& fragme
   Spread s;
   std::vector<double> size;
   for (size_t v = 0; v < all.size(); ++v)
-    if ((id < 0 || fragment[v] == id) && std::isfinite(all[v])) s.mean += all[v], s.rms += all[v] * all[v], size.push_back(std::abs(all[v]));
+    if ((id < 0 || fragment[v] == id) && std::isfinite(all[v]))
+      s.mean += all[v], s.rms += all[v] * all[v], size.push_back(std::abs(all[v]));
   if (size.empty()) return s;
   s.mean /= double(size.size()), s.rms = std::sqrt(s.rms / double(size.size()));
   std::sort(size.begin(), size.end());
@@ -66,7 +68,8 @@ std::string map_csv(const SkullComparison& c) {
   char line[160];
   for (size_t v = 0; v < c.now_mm.size(); ++v) {
     const Vec3& x = c.at_rest_mm[v];
-    std::snprintf(line, sizeof line, "%.3f,%.3f,%.3f,%d,%.4f,%.4f\n", x.x(), x.y(), x.z(), c.fragment[v], c.before.signed_mm[v], c.after.signed_mm[v]);
+    std::snprintf(line, sizeof line, "%.3f,%.3f,%.3f,%d,%.4f,%.4f\n", x.x(), x.y(), x.z(), c.fragment[v],
+                  c.before.signed_mm[v], c.after.signed_mm[v]);
     out += line;
   }
   return out;
@@ -85,7 +88,9 @@ Snapshot snapshot_of(const Surface& surface, Organ organ, uint64_t version) {
   top->version = version;
   Snapshot s;
   for (const Vec3& x : surface.x_mm) top->view.X_mm.push_back(x), s.x_mm.push_back(x.cast<float>());
-  for (const Tri& t : surface.tri) top->view.tri.push_back(t), top->view.kind.push_back(FaceKind::free), top->organ.push_back(organ), top->object.push_back(-1);
+  for (const Tri& t : surface.tri)
+    top->view.tri.push_back(t), top->view.kind.push_back(FaceKind::free), top->organ.push_back(organ),
+        top->object.push_back(-1);
   s.topology = std::move(top), s.topology_version = version;
   return s;
 }
@@ -154,10 +159,12 @@ SkullComparison measure_on(const SkullFit& fit, Surface rest, Surface now, std::
   return c;
 }
 
-SkullComparison compare_with(const Head& head, const Surface& other, const std::string& words, bool with_scale, Workers& w) {
+SkullComparison compare_with(const Head& head, const Surface& other, const std::string& words, bool with_scale,
+                             Workers& w) {
   std::vector<int32_t> fragment;
   const Surface rest = bone_surface(head, true, &fragment);
-  return measure_on(lay_upon(rest, other, words, with_scale, w), rest, bone_surface(head, false), std::move(fragment), w);
+  return measure_on(lay_upon(rest, other, words, with_scale, w), rest, bone_surface(head, false), std::move(fragment),
+                    w);
 }
 
 namespace {
@@ -200,7 +207,8 @@ class SkullPictures {
       // said once already, where the other pictures were to be made
     }
   }
-  void draw(const std::string& file, const std::string& title, const Surface& skull, const DistanceMap& d, double most_mm) {
+  void draw(const std::string& file, const std::string& title, const Surface& skull, const DistanceMap& d,
+            double most_mm) {
     if (!maker_) return;
     PictureOptions o;
     o.legend = "Distance", o.field_max = std::ceil(std::max(1.0, most_mm)), o.title = title;
@@ -219,16 +227,21 @@ class SkullPictures {
 /// The largest 95th percentile of any fragment: what stands out is on some fragment.
 double largest_p95(const std::vector<double>& d, const std::vector<int32_t>& fragment) {
   double most = 0;
-  for (const int32_t id : std::set<int32_t>(fragment.begin(), fragment.end())) most = std::max(most, spread(d, fragment, id).p95);
+  for (const int32_t id : std::set<int32_t>(fragment.begin(), fragment.end()))
+    most = std::max(most, spread(d, fragment, id).p95);
   return most;
 }
 
 /// At the end, before the operation and after it.
-void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const std::string& dir, SkullPictures* pictures, Workers& w) {
+void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const std::string& dir, SkullPictures* pictures,
+                Workers& w) {
   ResultTable t;
   t.title = "The skull beside another";
-  t.about = "Distance of the skull's surface from the one that it was laid upon, in mm, outside of it positive. It was laid upon it as it was before the operation, by the places that differ least.";
-  t.columns = {"laid upon", "part", "mean before", "mean after", "rms before", "rms after", "95 % within, before", "after"};
+  t.about =
+      "Distance of the skull's surface from the one that it was laid upon, in mm, outside of it positive. It was laid "
+      "upon it as it was before the operation, by the places that differ least.";
+  t.columns = {"laid upon",  "part",      "mean before",         "mean after",
+               "rms before", "rms after", "95 % within, before", "after"};
   const char* const files[] = {"skull-normal", "skull-mirror"};
   std::vector<int32_t> fragment;
   const Surface rest = bone_surface(head, true, &fragment), now = bone_surface(head, false);
@@ -240,26 +253,34 @@ void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const st
     r.set(p + "/with", c.with), r.set(p + "/fit_rms_mm", c.fit_rms_mm);
     const auto row = [&](const std::string& part, int32_t id) {
       const Spread a = spread(c.before.signed_mm, c.fragment, id), b = spread(c.after.signed_mm, c.fragment, id);
-      t.rows.push_back({c.with, part, short_number(a.mean, 3), short_number(b.mean, 3), short_number(a.rms, 3), short_number(b.rms, 3), short_number(a.p95, 3), short_number(b.p95, 3)});
+      t.rows.push_back({c.with, part, short_number(a.mean, 3), short_number(b.mean, 3), short_number(a.rms, 3),
+                        short_number(b.rms, 3), short_number(a.p95, 3), short_number(b.p95, 3)});
       if (id >= 0) return;
-      r.set(p + "/before_rms_mm", a.rms), r.set(p + "/after_rms_mm", b.rms), r.set(p + "/before_mean_mm", a.mean), r.set(p + "/after_mean_mm", b.mean);
+      r.set(p + "/before_rms_mm", a.rms), r.set(p + "/after_rms_mm", b.rms), r.set(p + "/before_mean_mm", a.mean),
+          r.set(p + "/after_mean_mm", b.mean);
     };
     row("all", -1);
     for (const bone::Fragment& f : head.bones().fragments()) row(f.name, f.id);
     write_whole_file(dir + "/" + file + ".csv", map_csv(c));
     if (!pictures) continue;
-    const double most = std::max(largest_p95(c.before.signed_mm, c.fragment), largest_p95(c.after.signed_mm, c.fragment));
+    const double most =
+        std::max(largest_p95(c.before.signed_mm, c.fragment), largest_p95(c.after.signed_mm, c.fragment));
     for (const bool after : {false, true})
-      pictures->draw(file + (after ? "-after.png" : "-before.png"), "Distance from " + c.with + (after ? ", after" : ", before"), {after ? c.now_mm : c.at_rest_mm, c.tri}, after ? c.after : c.before, most);
+      pictures->draw(file + (after ? "-after.png" : "-before.png"),
+                     "Distance from " + c.with + (after ? ", after" : ", before"),
+                     {after ? c.now_mm : c.at_rest_mm, c.tri}, after ? c.after : c.before, most);
   }
   if (!t.rows.empty()) add_table(r, r.entries("/tables"), t);
 }
 
 /// When it was asked for.
-void report_moments(Result& r, const Head& head, const SkullFit (&fits)[2], const std::string& dir, SkullPictures* pictures, Workers& w) {
+void report_moments(Result& r, const Head& head, const SkullFit (&fits)[2], const std::string& dir,
+                    SkullPictures* pictures, Workers& w) {
   ResultTable t;
   t.title = "The skull beside another, when it was asked for";
-  t.about = "Distance of the skull's surface at that moment, in mm, outside positive; laid upon the other as in the table of the whole operation.";
+  t.about =
+      "Distance of the skull's surface at that moment, in mm, outside positive; laid upon the other as in the table of "
+      "the whole operation.";
   t.columns = {"moment", "laid upon", "part", "mean", "rms", "95 % within"};
   int n = 0;
   for (const SkullMoment& m : head.skull_moments()) {
@@ -267,25 +288,31 @@ void report_moments(Result& r, const Head& head, const SkullFit (&fits)[2], cons
     const Surface rest = surface_of(*m.rest, &fragment);
     simplex::Mesh placed = *m.rest;
     placed.x_mm = m.now_mm;
-    const SkullComparison c = measure_on(fits[m.on == SkullBeside::mirror], rest, surface_of(placed, nullptr), std::move(fragment), w);
+    const SkullComparison c =
+        measure_on(fits[m.on == SkullBeside::mirror], rest, surface_of(placed, nullptr), std::move(fragment), w);
     if (!c) continue;
     const std::string p = "/skull_moments/" + std::to_string(n), file = "skull-moment-" + std::to_string(++n);
     const auto row = [&](const std::string& part, int32_t id) {
       const Spread a = spread(c.after.signed_mm, c.fragment, id);
       t.rows.push_back({m.name, c.with, part, short_number(a.mean, 3), short_number(a.rms, 3), short_number(a.p95, 3)});
-      if (id < 0) r.set(p + "/name", m.name), r.set(p + "/with", c.with), r.set(p + "/mean_mm", a.mean), r.set(p + "/rms_mm", a.rms), r.set(p + "/p95_mm", a.p95);
+      if (id < 0)
+        r.set(p + "/name", m.name), r.set(p + "/with", c.with), r.set(p + "/mean_mm", a.mean),
+            r.set(p + "/rms_mm", a.rms), r.set(p + "/p95_mm", a.p95);
     };
     row("all", -1);
     for (const auto& [id, name] : m.names) row(name, id);
     write_whole_file(dir + "/" + file + ".csv", map_csv(c));
-    if (pictures) pictures->draw(file + ".png", m.name + ": distance from " + c.with, {c.now_mm, c.tri}, c.after, largest_p95(c.after.signed_mm, c.fragment));
+    if (pictures)
+      pictures->draw(file + ".png", m.name + ": distance from " + c.with, {c.now_mm, c.tri}, c.after,
+                     largest_p95(c.after.signed_mm, c.fragment));
   }
   if (!t.rows.empty()) add_table(r, r.entries("/tables"), t);
 }
 
 }  // namespace
 
-std::vector<std::string> report_skull(Result& r, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& w) {
+std::vector<std::string> report_skull(Result& r, const Head& head, const std::string& dir, const Snapshot& last,
+                                      const Camera& camera, Workers& w) {
   // A skull worth laying upon another unasked has more than a few hundred places.
   constexpr int kLeastVertices = 2000;
   const bool whole = head.bones().mesh().vertices() >= kLeastVertices, moments = !head.skull_moments().empty();

@@ -1,8 +1,10 @@
 #pragma once
-// A skull laid upon another: upon a normal one, or upon its own mirror image. What the operation has changed is read off the distance
+// A skull laid upon another: upon a normal one, or upon its own mirror image. What the operation has changed is read
+// off the distance
 // from there, before and after.
 //
-// The normal skull is the synthetic head of normal proportions (cache.h), or any surface. The fit is trimmed ICP of the skull as it was at
+// The normal skull is the synthetic head of normal proportions (cache.h), or any surface. The fit is trimmed ICP of the
+// skull as it was at
 // first (sim/imaging/superposition.h): the places that differ most do not draw it, and the operation does not move it.
 #include <optional>
 #include <string>
@@ -17,15 +19,15 @@
 namespace limberg {
 
 struct SkullComparison {
-  std::string with;                  // in words
-  Similarity map;                    // of the skull onto the other
-  double fit_rms_mm = 0;             // of the pairs that count
-  std::vector<Vec3> at_rest_mm;      // vertices of the skull's surface at first...
-  std::vector<Vec3> now_mm;          // ...and now
-  std::vector<int32_t> fragment;     // of each
+  std::string with;               // in words
+  Similarity map;                 // of the skull onto the other
+  double fit_rms_mm = 0;          // of the pairs that count
+  std::vector<Vec3> at_rest_mm;   // vertices of the skull's surface at first...
+  std::vector<Vec3> now_mm;       // ...and now
+  std::vector<int32_t> fragment;  // of each
   std::vector<Tri> tri;
-  DistanceMap before, after;         // > 0: outside of the other
-  std::string reason;                // why there is none
+  DistanceMap before, after;  // > 0: outside of the other
+  std::string reason;         // why there is none
   explicit operator bool() const { return reason.empty(); }
 };
 
@@ -34,17 +36,20 @@ Surface bone_surface(const Head& head, bool at_rest, std::vector<int32_t>* fragm
 
 /// A skull laid upon another, once; it can be measured there at several moments.
 struct SkullFit {
-  std::string with;                     // in words
+  std::string with;  // in words
   std::optional<SurfaceTarget> target;
   Similarity map;
-  double rms_mm = 0;                    // of the pairs that count
-  std::string reason;                   // why there is none
+  double rms_mm = 0;   // of the pairs that count
+  std::string reason;  // why there is none
 };
-SkullFit lay_upon(const Surface& skull, const Surface& other, const std::string& in_words, bool with_scale, Workers& workers);
+SkullFit lay_upon(const Surface& skull, const Surface& other, const std::string& in_words, bool with_scale,
+                  Workers& workers);
 /// `rest` and `now` have the same vertices and triangles; `fragment`: of each vertex.
-SkullComparison measure_on(const SkullFit& fit, Surface rest, Surface now, std::vector<int32_t> fragment, Workers& workers);
+SkullComparison measure_on(const SkullFit& fit, Surface rest, Surface now, std::vector<int32_t> fragment,
+                           Workers& workers);
 
-SkullComparison compare_with(const Head& head, const Surface& other, const std::string& in_words, bool with_scale, Workers& workers);
+SkullComparison compare_with(const Head& head, const Surface& other, const std::string& in_words, bool with_scale,
+                             Workers& workers);
 SkullComparison compare_with_mirror(const Head& head, Workers& workers);
 /// The skull of normal proportions, cranium and mandible.
 Surface normal_skull(Workers& workers);
@@ -57,10 +62,14 @@ Snapshot snapshot_of(const Surface& surface, Organ organ, uint64_t version);
 /// The same of a skull whose colour is the distance: drawn as a face is, since bone takes no colours.
 Snapshot coloured_skull(const Surface& skull, const DistanceMap& distance, uint64_t version);
 
-/// Both comparisons as `skull` {with, fit_rms_mm, before, after} and a table; maps as DIR/skull-normal.csv and DIR/skull-mirror.csv and, where
-/// pictures can be made, in `gallery`. The moments that were asked for (Superpose) as `skull_moments` {name, with, mean_mm, rms_mm, p95_mm}, a
-/// table, a map DIR/skull-moment-1.csv and a picture each. A skull of fewer than 2000 vertices is only measured where it was asked
+/// Both comparisons as `skull` {with, fit_rms_mm, before, after} and a table; maps as DIR/skull-normal.csv and
+/// DIR/skull-mirror.csv and, where
+/// pictures can be made, in `gallery`. The moments that were asked for (Superpose) as `skull_moments` {name, with,
+/// mean_mm, rms_mm, p95_mm}, a
+/// table, a map DIR/skull-moment-1.csv and a picture each. A skull of fewer than 2000 vertices is only measured where
+/// it was asked
 /// for. Returns what could not be compared, a sentence each.
-std::vector<std::string> report_skull(Result& result, const Head& head, const std::string& dir, const Snapshot& last, const Camera& camera, Workers& workers);
+std::vector<std::string> report_skull(Result& result, const Head& head, const std::string& dir, const Snapshot& last,
+                                      const Camera& camera, Workers& workers);
 
 }  // namespace limberg

@@ -1,8 +1,10 @@
 #pragma once
-// Two results beside each other on one page: what differs in figures, stitches, pictures and script. Self-contained like
+// Two results beside each other on one page: what differs in figures, stitches, pictures and script. Self-contained
+// like
 // report.html.
 //
-// A figure whose difference is larger than what both lattices' errors together explain is marked; where no error is known
+// A figure whose difference is larger than what both lattices' errors together explain is marked; where no error is
+// known
 // for either, nothing is claimed.
 #include <string>
 #include <vector>
@@ -13,14 +15,16 @@ namespace limberg {
 std::string write_comparison(const std::string& dir_a, const std::string& dir_b, const std::string& file);
 
 /// The same as text; the texts are those of result.json.
-std::string comparison_html(const std::string& json_a, const std::string& dir_a, const std::string& json_b, const std::string& dir_b);
+std::string comparison_html(const std::string& json_a, const std::string& dir_a, const std::string& json_b,
+                            const std::string& dir_b);
 
 /// One line of a difference of two texts: ' ' in both, '-' only in the first, '+' only in the second.
 struct LineChange {
   char kind = ' ';
   std::string line;
 };
-/// A shortest way from a to b by whole lines (longest common subsequence; O(|a| |b|), at most 4000 lines each: beyond that
+/// A shortest way from a to b by whole lines (longest common subsequence; O(|a| |b|), at most 4000 lines each: beyond
+/// that
 /// everything counts as changed).
 std::vector<LineChange> line_changes(const std::vector<std::string>& a, const std::vector<std::string>& b);
 

@@ -5,9 +5,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "app/json_nesting.h"
 #include "app/report/report_names.h"
 #include "app/report/script_words.h"
-#include "app/json_nesting.h"
 #include "sim/error.h"
 
 namespace limberg {
@@ -24,7 +24,9 @@ const Json& member(const Json& j, const char* name) {
   return it == j.end() ? nothing : *it;
 }
 
-Maybe number(const Json& j) { return j.is_number() && std::isfinite(j.get<double>()) ? Maybe(j.get<double>()) : Maybe(); }
+Maybe number(const Json& j) {
+  return j.is_number() && std::isfinite(j.get<double>()) ? Maybe(j.get<double>()) : Maybe();
+}
 Maybe number(const Json& j, const char* name) { return number(member(j, name)); }
 
 // Words or a number as words; never a structure.
@@ -70,23 +72,37 @@ void read_metrics(const Json& m, ReportData& d) {
   const Json& sutures = member(m, "sutures");
   if (sutures.is_array())
     for (const Json& s : sutures)
-      if (s.is_object()) d.sutures.push_back({words(s, "id"), number(s, "force_N"), number(s, "gap_mm"), number(s, "tied_N"), number(s, "peak_N")});
+      if (s.is_object())
+        d.sutures.push_back(
+            {words(s, "id"), number(s, "force_N"), number(s, "gap_mm"), number(s, "tied_N"), number(s, "peak_N")});
   if (const Json& points = member(m, "predicted"); points.is_array())
     for (const Json& p : points)
-      d.predicted.push_back({number(p, "charge_deg"), number(p, "x_mm"), number(p, "y_mm"), number(p, "height_mm"), number(p, "volume_mm3"), number(p, "deficit_deg")});
+      d.predicted.push_back({number(p, "charge_deg"), number(p, "x_mm"), number(p, "y_mm"), number(p, "height_mm"),
+                             number(p, "volume_mm3"), number(p, "deficit_deg")});
   if (const Json& marks = member(m, "landmarks"); marks.is_array())
     for (const Json& l : marks)
-      d.landmarks.push_back({words(l, "name"), {number(l, "displacement_mm"), number(l, "along_mm"), number(l, "across_mm"), number(l, "up_mm")}});
+      d.landmarks.push_back(
+          {words(l, "name"),
+           {number(l, "displacement_mm"), number(l, "along_mm"), number(l, "across_mm"), number(l, "up_mm")}});
 }
 
 void read_charts(const Json& j, ReportData& d) {
   const auto truth = [](const Json& v) { return v.is_boolean() && v.get<bool>(); };
   if (const Json& charts = member(j, "charts"); charts.is_array())
     for (const Json& c : charts) {
-      ReportChart chart{words(c, "title"), words(c, "description"), words(c, "x"), words(c, "y"), {}, truth(member(c, "x_log")), truth(member(c, "y_log")), {}, {}};
+      ReportChart chart{words(c, "title"),
+                        words(c, "description"),
+                        words(c, "x"),
+                        words(c, "y"),
+                        {},
+                        truth(member(c, "x_log")),
+                        truth(member(c, "y_log")),
+                        {},
+                        {}};
       if (const Json& series = member(c, "series"); series.is_array())
         for (const Json& s : series) {
-          ReportChart::Series one{words(s, "name"), column(member(s, "x")), column(member(s, "y")), truth(member(s, "markers"))};
+          ReportChart::Series one{words(s, "name"), column(member(s, "x")), column(member(s, "y")),
+                                  truth(member(s, "markers"))};
           if (one.x.size() == one.y.size()) chart.series.push_back(std::move(one));
         }
       for (const auto& [key, marks] : {std::pair("x_marks", &chart.x_marks), std::pair("y_marks", &chart.y_marks)})
@@ -112,7 +128,8 @@ void read_exercise(const Json& j, ReportData& d) {
   if (const Json& t = member(l, "tolerances"); t.is_array())
     for (const Json& x : t) {
       const Json& met = member(x, "met");
-      d.tolerances.push_back({words(x, "name"), words(x, "unit"), number(x, "limit"), number(x, "value"), met.is_boolean() && met.get<bool>(), words(x, "why")});
+      d.tolerances.push_back({words(x, "name"), words(x, "unit"), number(x, "limit"), number(x, "value"),
+                              met.is_boolean() && met.get<bool>(), words(x, "why")});
     }
   if (const Json& h = member(l, "hints"); h.is_array())
     for (const Json& x : h) d.hints.push_back(words(x));
@@ -163,8 +180,8 @@ void read_bars(const Json& j, ReportData& d) {
   const auto truth = [](const Json& v) { return v.is_boolean() && v.get<bool>(); };
   if (const Json& bars = member(j, "bars"); bars.is_array())
     for (const Json& b : bars)
-      d.bars.push_back({words(b, "name"), words(b, "source"), number(b, "value"), number(b, "bar"), truth(member(b, "larger_is_better")),
-                        truth(member(b, "pass"))});
+      d.bars.push_back({words(b, "name"), words(b, "source"), number(b, "value"), number(b, "bar"),
+                        truth(member(b, "larger_is_better")), truth(member(b, "pass"))});
 }
 
 }  // namespace
@@ -232,18 +249,25 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
 
   if (const Json& balance = member(j, "balance"); balance.is_object())
     for (const auto& [name, value] : balance.items()) {
-      if (name == "relative") d.balance_relative = number(value);
-      else if (value.is_array() && value.size() == 3) d.balance.emplace_back(name, column(value));
+      if (name == "relative")
+        d.balance_relative = number(value);
+      else if (value.is_array() && value.size() == 3)
+        d.balance.emplace_back(name, column(value));
     }
   if (const Json& rows = member(j, "convergence"); rows.is_array())
     for (const Json& r : rows)
-      d.convergence.push_back({number(r, "cell_mm"), number(r, "nodes"), number(r, "closure_force_N"), number(r, "suture_gap_max_mm"),
-                               number(r, "suture_force_max_N"), number(r, "dog_ear_mm"), number(r, "residual"), number(r, "solve_ms")});
+      d.convergence.push_back({number(r, "cell_mm"), number(r, "nodes"), number(r, "closure_force_N"),
+                               number(r, "suture_gap_max_mm"), number(r, "suture_force_max_N"), number(r, "dog_ear_mm"),
+                               number(r, "residual"), number(r, "solve_ms")});
   if (const Json& errors = member(j, "discretisation"); errors.is_object())
     for (const auto& [name, e] : errors.items()) {
       const Json& known = member(e, "asymptotic");
-      d.errors[name] = {number(e, "value"), number(e, "error"), number(e, "order"), number(e, "extrapolated"),
-                        known.is_boolean() && known.get<bool>(), words(e, "says")};
+      d.errors[name] = {number(e, "value"),
+                        number(e, "error"),
+                        number(e, "order"),
+                        number(e, "extrapolated"),
+                        known.is_boolean() && known.get<bool>(),
+                        words(e, "says")};
     }
   if (d.command == "study") read_study(j, d);
   if (d.command == "study" || d.command == "bench") read_bars(j, d);
@@ -258,7 +282,8 @@ ReportData read_report_data(const std::string& text, const std::string& file) {
   for (size_t i = 0; i < std::min(d.stages.size(), words_of.size()); ++i)
     if (d.stages[i].caption.empty() && d.stages[i].name == words_of[i].first) d.stages[i].caption = words_of[i].second;
   if (const Json& damage = member(j, "damage"); damage.is_object())
-    for (const auto& [name, value] : damage.items()) d.damage.emplace_back(name, value.is_structured() ? value.dump() : words(value));
+    for (const auto& [name, value] : damage.items())
+      d.damage.emplace_back(name, value.is_structured() ? value.dump() : words(value));
   return d;
 }
 

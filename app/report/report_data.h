@@ -65,7 +65,8 @@ struct ReportChart {
   };
   std::vector<Series> series;
   bool x_log = false, y_log = false;
-  std::vector<std::pair<double, std::string>> x_marks, y_marks;  // lines at values worth comparing with, each with its label
+  std::vector<std::pair<double, std::string>> x_marks,
+      y_marks;  // lines at values worth comparing with, each with its label
 };
 
 struct ReportData {
@@ -80,8 +81,8 @@ struct ReportData {
   std::map<std::string, double> metrics;  // every number in `metrics`
   std::vector<ReportSuture> sutures;
   std::vector<ReportStage> stages;
-  std::string overview, tension;  // picture files, relative
-  std::vector<std::pair<std::string, std::string>> gallery;  // picture, caption
+  std::string overview, tension;                                        // picture files, relative
+  std::vector<std::pair<std::string, std::string>> gallery;             // picture, caption
   std::vector<double> series_t_s, series_residual, series_distance_mm;  // NaN where a value is missing
   std::vector<std::pair<std::string, std::vector<double>>> balance;     // name, N; "sum_N" and others
   Maybe balance_relative;
@@ -98,7 +99,7 @@ struct ReportData {
   std::string lesson_title, lesson_goal;
   std::vector<ReportTolerance> tolerances;
   std::vector<std::string> hints;
-  std::vector<std::vector<Maybe>> predicted;  // charge, x, y, height, volume, deficit
+  std::vector<std::vector<Maybe>> predicted;                          // charge, x, y, height, volume, deficit
   std::vector<std::pair<std::string, std::vector<Maybe>>> landmarks;  // name; displacement, along, across, up
   std::vector<double> series_closure_N, series_suture_max_N;
   std::vector<std::pair<std::string, std::string>> damage;  // of the recording: name, value

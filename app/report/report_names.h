@@ -1,11 +1,13 @@
 #pragma once
 // What a run leaves in its folder, and the names in result.json that the report reads beside those of the contract
-// (`limberg`, `command`, `scene`, `machine`, `ok`, `metrics`, `device`, `solver`, `render`, ...). Every one is optional.
+// (`limberg`, `command`, `scene`, `machine`, `ok`, `metrics`, `device`, `solver`, `render`, ...). Every one is
+// optional.
 //
 //   DIR/result.json
 //   DIR/stages/NN-name.png     one picture per stage, NN = 00, 01, ... in order
 //   DIR/tension.png            tension map at the end
-//   DIR/height.png, DIR/moved.png, DIR/risk.png   what stands up, how far skin was moved, perfusion risk: on the skin at the end
+//   DIR/height.png, DIR/moved.png, DIR/risk.png   what stands up, how far skin was moved, perfusion risk: on the skin
+//   at the end
 //   DIR/perfusion.svg, DIR/stress.svg   maps on the chart at rest
 //   DIR/ranking.svg            designs that were compared
 //   DIR/overview.png           picture at the end, shown first
@@ -22,15 +24,19 @@
 //                  forces on the tissue at the end; relative = |sum| / sum of magnitudes
 //   "metrics":     also "removed_volume_mm3", "initial_volume_mm3"
 //   "convergence": [{"cell_mm", "nodes", "closure_force_N", "suture_gap_max_mm", "dog_ear_mm", "residual", "solve_ms"}]
-//   "discretisation": {NAME: {"value", "error", "order", "extrapolated", "asymptotic", "says"}}   NAME: one of "metrics"; of the
+//   "discretisation": {NAME: {"value", "error", "order", "extrapolated", "asymptotic", "says"}}   NAME: one of
+//   "metrics"; of the
 //                  finest lattice of "convergence"
 //   "distance_mm" (or "solver": {"distance_mm"}): estimated distance to equilibrium at the end
-//   "study", "about", "columns": [name], "rows": [{name: value}], "bars": [{"name", "value", "bar", "larger_is_better", "pass",
-//                  "source"}], "charts": [{"title", "description", "x", "y", "x_log", "y_log" (absent: even), "series": [{"name", "markers", "x": [...], "y": [...]}]}]
+//   "study", "about", "columns": [name], "rows": [{name: value}], "bars": [{"name", "value", "bar", "larger_is_better",
+//   "pass",
+//                  "source"}], "charts": [{"title", "description", "x", "y", "x_log", "y_log" (absent: even), "series":
+//                  [{"name", "markers", "x": [...], "y": [...]}]}]
 //                  of a study; rows are shown in the order of the columns
 //   "charts" and "tables": [{"title", "about", "columns": [name], "rows": [[text]]}] of other commands too
 //   "series": also "closure_N", "suture_max_N" of a session, over t_s
-//   "exercise":    {name: number, "design": {name: number}}; "lesson": {"title", "goal", "tolerances": [{"name", "unit", "limit",
+//   "exercise":    {name: number, "design": {name: number}}; "lesson": {"title", "goal", "tolerances": [{"name",
+//   "unit", "limit",
 //                  "value" (absent: not measured, "why"), "met"}], "hints": [...]}
 //   "script":      ["{...}", ...] the operation, one JSON line each (strings or objects)
 //   "reproduce":   "limberg replay ..."  the command that makes this result again
@@ -58,8 +64,10 @@ inline std::string stage_picture(int number, const std::string& name) {
   std::string slug;
   for (const char c : name) {
     const bool upper = c >= 'A' && c <= 'Z', plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
-    if (upper || plain) slug += upper ? char(c - 'A' + 'a') : c;
-    else if (!slug.empty() && slug.back() != '-') slug += '-';
+    if (upper || plain)
+      slug += upper ? char(c - 'A' + 'a') : c;
+    else if (!slug.empty() && slug.back() != '-')
+      slug += '-';
     if (slug.size() >= 48) break;
   }
   while (!slug.empty() && slug.back() == '-') slug.pop_back();

@@ -77,27 +77,45 @@ void note(const Json& j, const std::string& action, Deeds& d) {
   const auto cut = [&](const std::string& words) { d.cuts += (d.cuts.empty() ? "" : " ") + words + "."; };
   const double depth = number(j, "depth_mm"), angle = number(j, "angle_deg");
   const std::string deep = std::isfinite(depth) ? ", " + mm(depth) + " deep" : "";
-  if (action == "excise") cut("Excision of " + html::number(area_mm2(points(j, "outline")), 3) + " mm²" + deep);
+  if (action == "excise")
+    cut("Excision of " + html::number(area_mm2(points(j, "outline")), 3) + " mm²" + deep);
   else if (action == "incise")
     cut("Incision of " + mm(length_mm(points(j, "path"))) + deep +
         (std::isfinite(angle) && std::abs(angle - 90) > 0.5 ? ", blade at " + html::number(angle, 3) + "°" : ""));
-  else if (action == "undermine") cut("Undermining of " + html::number(area_mm2(points(j, "outline")) / 100, 2) + " cm²" + deep);
-  else if (action == "osteotomy") cut(j.contains("contour") ? "Osteotomy along a closed line" : "Osteotomy by a plane");
-  else if (action == "connect_tissue") cut("Tissue between face and bone");
-  else if (action == "move_fragment" || action == "let_go") ++d.fragments;
-  else if (action == "sort") ++d.sorted;
-  else if (action == "unplate") ++d.unplated;
-  else if (action == "plate") ++d.plates;
-  else if (action == "join") ++d.joined;
-  else if (action == "hook") ++d.hooks;
-  else if (action == "move") ++d.moves;
-  else if (action == "release") ++d.released;
-  else if (action == "suture") ++d.sutures;
-  else if (action == "suture_corner") ++d.sutures;
-  else if (action == "suture_row" || action == "suture_between") ++d.rows;
-  else if (action == "cut_suture") ++d.threads;
-  else if (action == "undo") ++d.undone;
-  else if (action == "redo") ++d.redone;
+  else if (action == "undermine")
+    cut("Undermining of " + html::number(area_mm2(points(j, "outline")) / 100, 2) + " cm²" + deep);
+  else if (action == "osteotomy")
+    cut(j.contains("contour") ? "Osteotomy along a closed line" : "Osteotomy by a plane");
+  else if (action == "connect_tissue")
+    cut("Tissue between face and bone");
+  else if (action == "move_fragment" || action == "let_go")
+    ++d.fragments;
+  else if (action == "sort")
+    ++d.sorted;
+  else if (action == "unplate")
+    ++d.unplated;
+  else if (action == "plate")
+    ++d.plates;
+  else if (action == "join")
+    ++d.joined;
+  else if (action == "hook")
+    ++d.hooks;
+  else if (action == "move")
+    ++d.moves;
+  else if (action == "release")
+    ++d.released;
+  else if (action == "suture")
+    ++d.sutures;
+  else if (action == "suture_corner")
+    ++d.sutures;
+  else if (action == "suture_row" || action == "suture_between")
+    ++d.rows;
+  else if (action == "cut_suture")
+    ++d.threads;
+  else if (action == "undo")
+    ++d.undone;
+  else if (action == "redo")
+    ++d.redone;
 }
 
 }  // namespace

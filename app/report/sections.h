@@ -15,7 +15,8 @@ struct Limits {
   static constexpr double residual = 1e-4;       // the tissue counts as at rest
 };
 
-/// A picture of a result as a data URL, made smaller to so many pixels; a name that leads out of the folder gives nothing.
+/// A picture of a result as a data URL, made smaller to so many pixels; a name that leads out of the folder gives
+/// nothing.
 std::string picture_url(const std::string& dir, const std::string& name, int widest = 1600);
 
 /// "good", "warn" or "bad".
@@ -27,11 +28,14 @@ std::string tension(const ReportData& d, const std::string& dir);
 std::string gallery(const ReportData& d, const std::string& dir);
 std::string sutures(const ReportData& d);
 std::string exercise(const ReportData& d);  // lesson, tolerances, figures of the hand
-std::string closing(const ReportData& d, const std::string& dir);   // force over time or actions, charts and tables that the command left, predicted points, landmarks
+std::string closing(
+    const ReportData& d,
+    const std::string&
+        dir);  // force over time or actions, charts and tables that the command left, predicted points, landmarks
 std::string balance(const ReportData& d);
 std::string convergence(const ReportData& d);
 std::string chart_figure(const ReportChart& chart);  // a chart that a command left, with its title
-std::string bars(const ReportData& d);  // what was asked of a study or a bench, and whether it was met
+std::string bars(const ReportData& d);               // what was asked of a study or a bench, and whether it was met
 std::string study(const ReportData& d);
 std::string timing(const ReportData& d);
 std::string residual(const ReportData& d);

@@ -35,19 +35,28 @@ std::string map(const std::string& dir, const char* name, const std::string& wor
   std::ifstream in(std::filesystem::path(dir) / name, std::ios::binary);
   const std::string svg((std::istreambuf_iterator<char>(in)), {});
   if (!svg.starts_with("<svg") || svg.size() > (4u << 20)) return {};
-  return "<figure class=\"onchart\"><img src=\"data:image/svg+xml;base64," + html::base64(svg) + "\" alt=\"" + words + "\"/></figure>\n";
+  return "<figure class=\"onchart\"><img src=\"data:image/svg+xml;base64," + html::base64(svg) + "\" alt=\"" + words +
+         "\"/></figure>\n";
 }
 
 /// A name of a figure in words: its unit in brackets, a point between digits.
 std::string spoken(std::string name) {
-  for (const auto& [ending, unit] : {std::pair<std::string, const char*>{"_deg", "°"}, {"_mm", "mm"}, {"_percent", "%"}, {"_mm2", "mm²"}, {"_s", "s"}, {"_N", "N"}, {"_mN", "mN"}, {"_kPa", "kPa"}})
+  for (const auto& [ending, unit] : {std::pair<std::string, const char*>{"_deg", "°"},
+                                     {"_mm", "mm"},
+                                     {"_percent", "%"},
+                                     {"_mm2", "mm²"},
+                                     {"_s", "s"},
+                                     {"_N", "N"},
+                                     {"_mN", "mN"},
+                                     {"_kPa", "kPa"}})
     if (name.ends_with(ending)) {
       name.resize(name.size() - ending.size());
       name += "_(" + std::string(unit) + ")";
       break;
     }
   for (size_t i = 1; i + 1 < name.size(); ++i)
-    if (name[i] == '_' && name[i - 1] >= '0' && name[i - 1] <= '9' && name[i + 1] >= '0' && name[i + 1] <= '9') name[i] = '.';
+    if (name[i] == '_' && name[i - 1] >= '0' && name[i - 1] <= '9' && name[i + 1] >= '0' && name[i + 1] <= '9')
+      name[i] = '.';
   std::replace(name.begin(), name.end(), '_', ' ');
   std::replace(name.begin(), name.end(), '/', ' ');
   return escape(name);
@@ -62,9 +71,12 @@ std::string exercise(const ReportData& d) {
     std::vector<std::vector<std::string>> rows;
     for (const ReportTolerance& t : d.tolerances)
       rows.push_back({spoken(t.name), quantity(t.value, t.unit), "≤ " + quantity(t.limit, t.unit),
-                      t.value ? std::string("<b class=\"") + (t.met ? "good\">met" : "bad\">missed") + "</b>" : t.why.empty() ? "not measured" : "not measured: " + escape(t.why)});
+                      t.value         ? std::string("<b class=\"") + (t.met ? "good\">met" : "bad\">missed") + "</b>"
+                      : t.why.empty() ? "not measured"
+                                      : "not measured: " + escape(t.why)});
     s += table({"Tolerance", "Value", "Limit", ""}, rows);
-    if (!d.hints.empty() && std::any_of(d.tolerances.begin(), d.tolerances.end(), [](const auto& t) { return !t.met; })) {
+    if (!d.hints.empty() &&
+        std::any_of(d.tolerances.begin(), d.tolerances.end(), [](const auto& t) { return !t.met; })) {
       s += "<p>Hints:</p>\n<ul>\n";
       for (const std::string& h : d.hints) s += "<li>" + escape(h) + "</li>\n";
       s += "</ul>\n";
@@ -75,7 +87,8 @@ std::string exercise(const ReportData& d) {
     std::vector<std::vector<std::string>> rows;
     for (const auto& [name, value] : d.exercise) rows.push_back({spoken(name), number(value, 4)});
     s += table({"Figure", "Value"}, rows) +
-         "<p class=\"note\">No grade: no published scale turns these figures into one. The script below is the evidence.</p>\n";
+         "<p class=\"note\">No grade: no published scale turns these figures into one. The script below is the "
+         "evidence.</p>\n";
   }
   return s.empty() ? s : "<section>\n" + s + "</section>\n";
 }
@@ -83,7 +96,8 @@ std::string exercise(const ReportData& d) {
 std::string closing(const ReportData& d, const std::string& dir) {
   std::string s;
   if (d.series_closure_N.size() > 1 && d.series_t_s.size() >= d.series_closure_N.size() &&
-      *std::max_element(d.series_closure_N.begin(), d.series_closure_N.end(), [](double a, double b) { return !(a >= b); }) > 0) {
+      *std::max_element(d.series_closure_N.begin(), d.series_closure_N.end(),
+                        [](double a, double b) { return !(a >= b); }) > 0) {
     LineChart chart;
     chart.description = "Sum of the stitches' forces and the largest of them over time";
     chart.x = {"time of the recording, s", false, {}, {}};
@@ -91,7 +105,8 @@ std::string closing(const ReportData& d, const std::string& dir) {
     std::vector<double> t = d.series_t_s;
     t.resize(d.series_closure_N.size());
     chart.series.push_back(thinned({"sum of all stitches", t, d.series_closure_N, false}, 600));
-    if (d.series_suture_max_N.size() == t.size()) chart.series.push_back(thinned({"largest stitch", t, d.series_suture_max_N, false}, 600));
+    if (d.series_suture_max_N.size() == t.size())
+      chart.series.push_back(thinned({"largest stitch", t, d.series_suture_max_N, false}, 600));
     for (const ReportStage& stage : d.stages)
       if (stage.t_s) chart.x_marks.push_back({*stage.t_s, stage.name.substr(0, 24)});
     s += "<h3>Closure force over the operation</h3>\n<figure class=\"wide\">" + svg(chart) + "</figure>\n";
@@ -111,26 +126,45 @@ std::string closing(const ReportData& d, const std::string& dir) {
   if (!d.predicted.empty()) {
     std::vector<std::vector<std::string>> rows;
     for (const auto& p : d.predicted)
-      rows.push_back({"(" + (p[1] ? number(*p[1]) : "–") + ", " + (p[2] ? number(*p[2]) : "–") + ")", quantity(p[0], "°"), quantity(p[5], "°"), quantity(p[3], "mm"), quantity(p[4], "mm³")});
-    s += "<h3>What the plan foretold</h3>\n<p>At each point where tissue angles of sum S are sewn together, 360° − S is foretold: above nothing a cone that stands "
-         "up, below it a saddle and tension. Beside it the deficit that is there now, stretch included, and what stands up.</p>\n" +
+      rows.push_back({"(" + (p[1] ? number(*p[1]) : "–") + ", " + (p[2] ? number(*p[2]) : "–") + ")",
+                      quantity(p[0], "°"), quantity(p[5], "°"), quantity(p[3], "mm"), quantity(p[4], "mm³")});
+    s += "<h3>What the plan foretold</h3>\n<p>At each point where tissue angles of sum S are sewn together, 360° − S "
+         "is foretold: above nothing a cone that stands "
+         "up, below it a saddle and tension. Beside it the deficit that is there now, stretch included, and what "
+         "stands up.</p>\n" +
          table({"Place on the chart, mm", "foretold", "deficit now", "height", "volume"}, rows);
   }
   if (!d.landmarks.empty()) {
     std::vector<std::vector<std::string>> rows;
-    for (const auto& [name, v] : d.landmarks) rows.push_back({escape(name), quantity(v[0], "mm", 2), quantity(v[1], "mm", 2), quantity(v[2], "mm", 2), quantity(v[3], "mm", 2)});
+    for (const auto& [name, v] : d.landmarks)
+      rows.push_back({escape(name), quantity(v[0], "mm", 2), quantity(v[1], "mm", 2), quantity(v[2], "mm", 2),
+                      quantity(v[3], "mm", 2)});
     s += "<h3>Landmarks</h3>\n" + table({"Landmark", "displaced by", "along the tension lines", "across", "up"}, rows);
   }
   if (const Maybe v = d.metric("undermined_mm2"); v && *v > 0) {
-    s += "<h3>Perfusion risk</h3>\n<p>" + quantity(v, "mm²") + " of skin are undermined; " + quantity(d.metric("perfusion_below_40_mm2"), "mm²") +
-         " of it lie more than 20\u202fmm of skin away from skin that is still attached, where perfusion of random flaps in pigs was 40\u202f% and less "
-         "(Memarzadeh 2016: 40, 20 and about 0\u202f% at 20, 25 and 30\u202fmm). Lowest index " + quantity(d.metric("perfusion_least"), "", 2) + ", farthest " +
-         quantity(d.metric("perfusion_farthest_mm"), "mm") + (d.metric("perfusion_severed_mm2").value_or(0) > 0.5 ? ", without any pedicle " + quantity(d.metric("perfusion_severed_mm2"), "mm²") : "") +
-         ". It orders places and designs; it foretells no necrosis: the source gives no spread, and facial skin is perfused better than a pig's flank.</p>\n";
+    s += "<h3>Perfusion risk</h3>\n<p>" + quantity(v, "mm²") + " of skin are undermined; " +
+         quantity(d.metric("perfusion_below_40_mm2"), "mm²") +
+         " of it lie more than 20\u202fmm of skin away from skin that is still attached, where perfusion of random "
+         "flaps in pigs was 40\u202f% and less "
+         "(Memarzadeh 2016: 40, 20 and about 0\u202f% at 20, 25 and 30\u202fmm). Lowest index " +
+         quantity(d.metric("perfusion_least"), "", 2) + ", farthest " +
+         quantity(d.metric("perfusion_farthest_mm"), "mm") +
+         (d.metric("perfusion_severed_mm2").value_or(0) > 0.5
+              ? ", without any pedicle " + quantity(d.metric("perfusion_severed_mm2"), "mm²")
+              : "") +
+         ". It orders places and designs; it foretells no necrosis: the source gives no spread, and facial skin is "
+         "perfused better than a pig's flank.</p>\n";
   }
   s += map(dir, report_names::ranking, "The best designs as they would lie on the skin, and what each costs");
-  s += map(dir, report_names::perfusion, "Map of the perfusion index on the chart") + map(dir, report_names::stress, "Map of the skin's largest principal stress on the chart");
-  return s.empty() ? s : "<section>\n<h2>" + std::string(d.command == "superpose" || d.command == "bench" || d.command == "fit" ? "What it came to" : d.of_bones() ? "Bones and face" : "The closure") + "</h2>\n" + s + "</section>\n";
+  s += map(dir, report_names::perfusion, "Map of the perfusion index on the chart") +
+       map(dir, report_names::stress, "Map of the skin's largest principal stress on the chart");
+  return s.empty() ? s
+                   : "<section>\n<h2>" +
+                         std::string(d.command == "superpose" || d.command == "bench" || d.command == "fit"
+                                         ? "What it came to"
+                                     : d.of_bones() ? "Bones and face"
+                                                    : "The closure") +
+                         "</h2>\n" + s + "</section>\n";
 }
 
 }  // namespace limberg::sections

@@ -29,7 +29,8 @@ std::string convergence(const ReportData& d) {
                             {"Solve", "ms", &ReportConvergence::solve_ms, false}};
   std::string head, body;
   const auto present = [&](const Column& c) {
-    return std::any_of(d.convergence.begin(), d.convergence.end(), [&](const ReportConvergence& r) { return bool(r.*c.value); });
+    return std::any_of(d.convergence.begin(), d.convergence.end(),
+                       [&](const ReportConvergence& r) { return bool(r.*c.value); });
   };
   for (const Column& c : columns)
     if (present(c)) head += "<th>" + std::string(c.name) + "</th>";
@@ -49,14 +50,21 @@ std::string convergence(const ReportData& d) {
   }
   std::string errors;
   for (const auto& [name, e] : d.errors)
-    errors += "<tr><td><code>" + escape(name) + "</code></td><td>" + quantity(e.value, "") + "</td><td>" + quantity(e.error, "", 2) + "</td><td>" +
-              quantity(e.extrapolated, "") + "</td><td>" + quantity(e.order, "", 2) + "</td><td class=\"soft\">" + escape(e.says) + "</td></tr>\n";
+    errors += "<tr><td><code>" + escape(name) + "</code></td><td>" + quantity(e.value, "") + "</td><td>" +
+              quantity(e.error, "", 2) + "</td><td>" + quantity(e.extrapolated, "") + "</td><td>" +
+              quantity(e.order, "", 2) + "</td><td class=\"soft\">" + escape(e.says) + "</td></tr>\n";
   if (!errors.empty())
-    errors = "<p>What the lattice does to each figure: the finest value, its estimated error (grid convergence index), and what it tends to as the cells "
-             "shrink. Where the sizes are not in the asymptotic range nothing is extrapolated, and the error is three times the largest change.</p>\n"
-             "<div class=\"wide\"><table>\n<thead><tr><th>Figure</th><th>finest</th><th>±</th><th>limit</th><th>order</th><th></th></tr></thead>\n<tbody>\n" +
-             errors + "</tbody></table></div>\n";
-  return "<section>\n<h2>Finer cells, same answer?</h2>\n<p>The same script at several lattice sizes. In brackets: change against the row above; "
+    errors =
+        "<p>What the lattice does to each figure: the finest value, its estimated error (grid convergence index), and "
+        "what it tends to as the cells "
+        "shrink. Where the sizes are not in the asymptotic range nothing is extrapolated, and the error is three times "
+        "the largest change.</p>\n"
+        "<div "
+        "class=\"wide\"><table>\n<thead><tr><th>Figure</th><th>finest</th><th>±</th><th>limit</th><th>order</th><th></"
+        "th></tr></thead>\n<tbody>\n" +
+        errors + "</tbody></table></div>\n";
+  return "<section>\n<h2>Finer cells, same answer?</h2>\n<p>The same script at several lattice sizes. In brackets: "
+         "change against the row above; "
          "it should shrink.</p>\n<div class=\"wide\"><table>\n<thead><tr>" +
          head + "</tr></thead>\n<tbody>\n" + body + "</tbody></table></div>\n" + errors + "</section>\n";
 }
@@ -69,9 +77,10 @@ std::string timing(const ReportData& d) {
     Maybe budget_ms;
     int colour;
   };
-  const Lane lanes[] = {{"Device: wake-up late by", &d.wake_us, 1e-3, 1.0, 1},     {"Device: work per tick", &d.work_us, 1e-3, 1.0, 1},
-                        {"Solver: one step", &d.step_ms, 1, 1000.0 / 60, 2},      {"Render: one frame", &d.frame_ms, 1, 1000.0 / 30, 3},
-                        {"Sample to snapshot", &d.to_snapshot_ms, 1, {}, 4},       {"Sample to picture", &d.to_frame_ms, 1, {}, 4}};
+  const Lane lanes[] = {
+      {"Device: wake-up late by", &d.wake_us, 1e-3, 1.0, 1}, {"Device: work per tick", &d.work_us, 1e-3, 1.0, 1},
+      {"Solver: one step", &d.step_ms, 1, 1000.0 / 60, 2},   {"Render: one frame", &d.frame_ms, 1, 1000.0 / 30, 3},
+      {"Sample to snapshot", &d.to_snapshot_ms, 1, {}, 4},   {"Sample to picture", &d.to_frame_ms, 1, {}, 4}};
   RangeChart chart;
   chart.description = "Times of the device, solver and render lanes";
   chart.x = {"ms (logarithmic)", true, {}, {}};
@@ -80,11 +89,12 @@ std::string timing(const ReportData& d) {
     if (!lane.t->any()) continue;
     const auto ms = [&](const Maybe& v) { return v ? Maybe(*v * lane.to_ms) : v; };
     const auto cell = [&](const Maybe& v) { return "<td>" + quantity(ms(v), "ms") + "</td>"; };
-    rows += "<tr><td>" + std::string(lane.name) + "</td>" + cell(lane.t->p50) + cell(lane.t->p95) + cell(lane.t->p99) + cell(lane.t->p999) + cell(lane.t->max) +
-            "<td>" + quantity(lane.budget_ms, "ms") + "</td></tr>\n";
+    rows += "<tr><td>" + std::string(lane.name) + "</td>" + cell(lane.t->p50) + cell(lane.t->p95) + cell(lane.t->p99) +
+            cell(lane.t->p999) + cell(lane.t->max) + "<td>" + quantity(lane.budget_ms, "ms") + "</td></tr>\n";
     RangeRow row;
     row.name = lane.name;
-    row.median = row.low = ms(lane.t->p50), row.high = ms(lane.t->p99 ? lane.t->p99 : lane.t->p95), row.extreme = ms(lane.t->max);
+    row.median = row.low = ms(lane.t->p50), row.high = ms(lane.t->p99 ? lane.t->p99 : lane.t->p95),
+    row.extreme = ms(lane.t->max);
     row.budget = lane.budget_ms;
     row.colour = lane.colour;
     chart.rows.push_back(row);
@@ -92,13 +102,15 @@ std::string timing(const ReportData& d) {
   if (rows.empty()) return {};
   std::string s = "<section>\n<h2>Three lanes in time</h2>\n";
   if (d.mode == "lockstep")
-    s += "<p>This run was driven in lockstep, on a virtual clock: steps and frames could take as long as they liked, and the times say what the work cost.</p>\n";
+    s += "<p>This run was driven in lockstep, on a virtual clock: steps and frames could take as long as they liked, "
+         "and the times say what the work cost.</p>\n";
   std::string facts;
   const auto fact = [&](const std::string& f) { facts += (facts.empty() ? "" : " · ") + f; };
   if (d.device_ticks) fact(number(*d.device_ticks, 9) + " device ticks");
   if (d.late_ticks) {
     std::string share;
-    if (d.device_ticks && *d.device_ticks > 0) share = " (" + number(100 * *d.late_ticks / *d.device_ticks, 2) + "\u202f%)";
+    if (d.device_ticks && *d.device_ticks > 0)
+      share = " (" + number(100 * *d.late_ticks / *d.device_ticks, 2) + "\u202f%)";
     fact(number(*d.late_ticks, 9) + " late by more than 1\u202fms" + share);
   }
   if (d.events_lost) fact(number(*d.events_lost, 9) + " events lost");
@@ -106,8 +118,12 @@ std::string timing(const ReportData& d) {
   if (d.render_frames) fact(number(*d.render_frames, 9) + " frames");
   if (d.memory_mb) fact("peak memory " + quantity(d.memory_mb, "MB"));
   if (!facts.empty()) s += "<p>" + facts + "</p>\n";
-  s += "<div class=\"wide\">" + svg(chart) + "</div>\n<p class=\"note\">Bar: median (dot) to 99th percentile. Ring: worst. Upright line: the lane's budget (device 1\u202fkHz, solver 60\u202fHz, "
-                    "render 30\u202fHz).</p>\n<div class=\"wide\"><table>\n<thead><tr><th>Lane</th><th>p50</th><th>p95</th><th>p99</th><th>p99.9</th><th>max</th><th>budget</th></tr></thead>\n<tbody>\n" +
+  s += "<div class=\"wide\">" + svg(chart) +
+       "</div>\n<p class=\"note\">Bar: median (dot) to 99th percentile. Ring: worst. Upright line: the lane's budget "
+       "(device 1\u202fkHz, solver 60\u202fHz, "
+       "render 30\u202fHz).</p>\n<div "
+       "class=\"wide\"><table>\n<thead><tr><th>Lane</th><th>p50</th><th>p95</th><th>p99</th><th>p99.9</th><th>max</"
+       "th><th>budget</th></tr></thead>\n<tbody>\n" +
        rows + "</tbody></table></div>\n</section>\n";
   return s;
 }
@@ -123,8 +139,10 @@ std::string residual(const ReportData& d) {
   }
   LineChart chart;
   chart.x = {timed ? "time of the recording, s" : "solver step", false, {}, {}};
-  std::string s = "<section>\n<h2>How close to equilibrium</h2>\n<p>The relative residual is the size of the unbalanced forces over that of all internal "
-                  "forces. Each action throws it up; the solver brings it down.</p>\n";
+  std::string s =
+      "<section>\n<h2>How close to equilibrium</h2>\n<p>The relative residual is the size of the unbalanced forces "
+      "over that of all internal "
+      "forces. Each action throws it up; the solver brings it down.</p>\n";
   if (d.series_residual.size() > 1) {
     chart.description = "Relative residual over time";
     chart.y = {"relative residual", true, {}, {}};
@@ -136,7 +154,8 @@ std::string residual(const ReportData& d) {
   }
   if (d.series_distance_mm.size() > 1) {
     chart.description = "Estimated distance to equilibrium over time";
-    s += "<p>The largest distance of any node from where it will come to rest, as every frame estimates it while it works.</p>\n";
+    s += "<p>The largest distance of any node from where it will come to rest, as every frame estimates it while it "
+         "works.</p>\n";
     chart.y = {"estimated distance, mm", true, {}, {}};
     chart.series = {{"distance", t, d.series_distance_mm, false}};
     chart.y_marks.clear();
@@ -151,35 +170,44 @@ std::string figures(const ReportData& d) {
   for (const auto& [name, v] : d.metrics) {
     const auto e = d.errors.find(name);
     rows += "<tr><td><code>" + escape(name) + "</code></td><td>" + number(v, 6) + "</td>";
-    if (!d.errors.empty()) rows += "<td>" + (e == d.errors.end() ? std::string() : quantity(e->second.error, "", 2)) + "</td>";
+    if (!d.errors.empty())
+      rows += "<td>" + (e == d.errors.end() ? std::string() : quantity(e->second.error, "", 2)) + "</td>";
     rows += "</tr>\n";
   }
-  for (const auto& [name, v] : d.lattice) rows += "<tr><td><code>lattice." + escape(name) + "</code></td><td>" + number(v, 6) + "</td></tr>\n";
+  for (const auto& [name, v] : d.lattice)
+    rows += "<tr><td><code>lattice." + escape(name) + "</code></td><td>" + number(v, 6) + "</td></tr>\n";
   if (d.solve_ms) rows += "<tr><td><code>solve_ms</code></td><td>" + number(*d.solve_ms, 6) + "</td></tr>\n";
   if (rows.empty()) return {};
-  return "<section>\n<h2>All figures</h2>\n<p class=\"note\">Units stand in the names; a name without a unit is a ratio or a count." +
-         std::string(d.errors.empty() ? "" : " Third column: the lattice's share of the error, where it is known.") + "</p>\n<div class=\"wide\"><table>\n<tbody>\n" +
-         rows + "</tbody></table></div>\n</section>\n";
+  return "<section>\n<h2>All figures</h2>\n<p class=\"note\">Units stand in the names; a name without a unit is a "
+         "ratio or a count." +
+         std::string(d.errors.empty() ? "" : " Third column: the lattice's share of the error, where it is known.") +
+         "</p>\n<div class=\"wide\"><table>\n<tbody>\n" + rows + "</tbody></table></div>\n</section>\n";
 }
 
 std::string script(const ReportData& d) {
   std::string s;
   if (!d.script.empty()) {
     s += "<section>\n<h2>The script of the operation</h2>\n<p class=\"note\">One action a line; " +
-         std::string(d.of_bones() ? "points are millimetres in the frame of the scan. <code>limberg operate</code> does it again." : "points are millimetres on the skin. <code>limberg operate</code> runs it at any resolution.") + "</p>\n<pre>";
+         std::string(
+             d.of_bones()
+                 ? "points are millimetres in the frame of the scan. <code>limberg operate</code> does it again."
+                 : "points are millimetres on the skin. <code>limberg operate</code> runs it at any resolution.") +
+         "</p>\n<pre>";
     for (const std::string& line : d.script) s += escape(line) + "\n";
     s += "</pre>\n</section>\n";
   }
   if (!d.reproduce.empty())
     s += "<section>\n<h2>Make it again</h2>\n<pre>" + escape(d.reproduce) + "</pre>\n" +
-         (d.state_hash.empty() ? "" : "<p class=\"note\">State hash: <code>" + escape(d.state_hash) + "</code></p>\n") + "</section>\n";
+         (d.state_hash.empty() ? "" : "<p class=\"note\">State hash: <code>" + escape(d.state_hash) + "</code></p>\n") +
+         "</section>\n";
   return s;
 }
 
 std::string footer(const ReportData& d) {
   std::string s;
   const auto part = [&](const std::string& p) { s += (s.empty() ? "" : " · ") + p; };
-  if (!d.version.empty()) part("limberg " + escape(d.version) + (d.commit.empty() ? "" : " (" + escape(d.commit) + ")"));
+  if (!d.version.empty())
+    part("limberg " + escape(d.version) + (d.commit.empty() ? "" : " (" + escape(d.commit) + ")"));
   if (!d.cpu.empty()) part(escape(d.cpu) + (d.cores ? ", " + number(*d.cores) + " cores" : ""));
   if (!d.parts.empty()) {
     std::string list;

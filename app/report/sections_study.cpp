@@ -24,11 +24,14 @@ std::string chart_figure(const ReportChart& c) {
 
 std::string bars(const ReportData& d) {
   if (d.bars.empty()) return {};
-  std::string out = "<div class=\"wide\"><table class=\"bars\">\n<thead><tr><th>What is asked</th><th>Value</th><th>Bar</th><th></th><th>Where it comes from</th></tr></thead>\n<tbody>\n";
+  std::string out =
+      "<div class=\"wide\"><table class=\"bars\">\n<thead><tr><th>What is "
+      "asked</th><th>Value</th><th>Bar</th><th></th><th>Where it comes from</th></tr></thead>\n<tbody>\n";
   for (const ReportBar& b : d.bars)
     out += "<tr><td>" + escape(b.name) + "</td><td>" + (b.value ? number(*b.value) : "–") + "</td><td>" +
-           (b.larger_is_better ? "≥ " : "≤ ") + (b.bar ? number(*b.bar) : "–") + "</td><td><b class=\"" + (b.pass ? "good" : "bad") + "\">" +
-           (b.pass ? "met" : "missed") + "</b></td><td>" + escape(b.source) + "</td></tr>\n";
+           (b.larger_is_better ? "≥ " : "≤ ") + (b.bar ? number(*b.bar) : "–") + "</td><td><b class=\"" +
+           (b.pass ? "good" : "bad") + "\">" + (b.pass ? "met" : "missed") + "</b></td><td>" + escape(b.source) +
+           "</td></tr>\n";
   return out + "</tbody></table></div>\n";
 }
 

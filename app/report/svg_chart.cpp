@@ -25,9 +25,7 @@ std::string colour(size_t i) {
 }
 
 // Beyond the colours lines are told apart by their dashes.
-const char* dashes(size_t i) {
-  return i < 6 ? "" : i < 12 ? " stroke-dasharray=\"7 4\"" : " stroke-dasharray=\"2 3\"";
-}
+const char* dashes(size_t i) { return i < 6 ? "" : i < 12 ? " stroke-dasharray=\"7 4\"" : " stroke-dasharray=\"2 3\""; }
 
 double step_for(double range, int most) {
   const double raw = range / most, power = std::pow(10, std::floor(std::log10(raw)));
@@ -65,10 +63,13 @@ Scale make_scale(const ChartAxis& axis, Range r, double from, double to) {
     if (!axis.max) r.hi = std::pow(10, std::ceil(std::log10(r.hi) - 1e-9));
     if (r.hi <= r.lo) r.hi = 10 * r.lo;
   } else {
-    if (!(r.hi - r.lo > 1e-12 * (std::abs(r.hi) + std::abs(r.lo)) && r.hi - r.lo > 1e-300 && std::isfinite(r.hi - r.lo))) {
+    if (!(r.hi - r.lo > 1e-12 * (std::abs(r.hi) + std::abs(r.lo)) && r.hi - r.lo > 1e-300 &&
+          std::isfinite(r.hi - r.lo))) {
       const double pad = std::max(1e-3, std::min(0.5 * std::abs(r.lo), 1e300));
-      if (!std::isfinite(r.hi - r.lo)) r.lo = -1, r.hi = 1;
-      else r.hi = r.lo + pad;
+      if (!std::isfinite(r.hi - r.lo))
+        r.lo = -1, r.hi = 1;
+      else
+        r.hi = r.lo + pad;
     }
     const double step = step_for(r.hi - r.lo, 6);
     if (!axis.min) r.lo = step * std::floor(r.lo / step + 1e-9);
@@ -78,16 +79,18 @@ Scale make_scale(const ChartAxis& axis, Range r, double from, double to) {
 }
 
 std::string text(double x, double y, const std::string& anchor, const std::string& body, const std::string& more = "") {
-  return "<text x=\"" + f1(x) + "\" y=\"" + f1(y) + "\" text-anchor=\"" + anchor + "\"" + more + ">" + html::escape(body) + "</text>";
+  return "<text x=\"" + f1(x) + "\" y=\"" + f1(y) + "\" text-anchor=\"" + anchor + "\"" + more + ">" +
+         html::escape(body) + "</text>";
 }
 
 std::string line(double x1, double y1, double x2, double y2, const std::string& style) {
-  return "<line x1=\"" + f1(x1) + "\" y1=\"" + f1(y1) + "\" x2=\"" + f1(x2) + "\" y2=\"" + f1(y2) + "\" " + style + "/>";
+  return "<line x1=\"" + f1(x1) + "\" y1=\"" + f1(y1) + "\" x2=\"" + f1(x2) + "\" y2=\"" + f1(y2) + "\" " + style +
+         "/>";
 }
 
 std::string open(int width, int height, const std::string& description) {
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 " + std::to_string(width) + " " + std::to_string(height) +
-         "\" role=\"img\" aria-label=\"" + html::escape(description) +
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"chart\" viewBox=\"0 0 " + std::to_string(width) + " " +
+         std::to_string(height) + "\" role=\"img\" aria-label=\"" + html::escape(description) +
          "\" font-family=\"system-ui,sans-serif\" font-size=\"13\" fill=\"var(--ink,#222)\">";
 }
 
@@ -168,15 +171,18 @@ ChartSeries thinned(const ChartSeries& s, size_t most) {
 
 std::string svg(const LineChart& c) {
   const double left = 78, right = c.width - 27.0;  // the last number of the axis goes half beyond it
-  const std::vector<LegendPlace> legend = c.series.size() > 1 ? places(c.series, left, right) : std::vector<LegendPlace>{};
+  const std::vector<LegendPlace> legend =
+      c.series.size() > 1 ? places(c.series, left, right) : std::vector<LegendPlace>{};
   const double top = legend.empty() ? 14 : 34 + legend.back().y - kLegendTop;
   // Rows of the legend, and a long title along the y axis, make the chart higher.
-  const double bottom = top + std::max(c.height - (legend.empty() ? 14.0 : 34.0) - 48, kLetter * double(c.y.title.size()));
+  const double bottom =
+      top + std::max(c.height - (legend.empty() ? 14.0 : 34.0) - 48, kLetter * double(c.y.title.size()));
   const int height = int(bottom) + 48;
   Range rx, ry;
   for (const ChartSeries& s : c.series)
     for (size_t i = 0; i < std::min(s.x.size(), s.y.size()); ++i)
-      if (std::isfinite(s.x[i]) && std::isfinite(s.y[i]) && (!c.y.log || s.y[i] > 0)) rx.add(s.x[i], c.x.log), ry.add(s.y[i], c.y.log);
+      if (std::isfinite(s.x[i]) && std::isfinite(s.y[i]) && (!c.y.log || s.y[i] > 0))
+        rx.add(s.x[i], c.x.log), ry.add(s.y[i], c.y.log);
   for (const ChartMark& m : c.y_marks) ry.add(m.value, c.y.log);
   const Scale x = make_scale(c.x, rx, left, right), y = make_scale(c.y, ry, bottom, top);
 
@@ -214,9 +220,13 @@ std::string svg(const LineChart& c) {
       }
       d += (pen ? "L" : "M") + f1(x.at(t.x[i])) + " " + f1(y.at(t.y[i]));
       pen = true;
-      if (t.markers) dots += "<circle cx=\"" + f1(x.at(t.x[i])) + "\" cy=\"" + f1(y.at(t.y[i])) + "\" r=\"3.5\" fill=\"" + colour(k) + "\"/>";
+      if (t.markers)
+        dots += "<circle cx=\"" + f1(x.at(t.x[i])) + "\" cy=\"" + f1(y.at(t.y[i])) + "\" r=\"3.5\" fill=\"" +
+                colour(k) + "\"/>";
     }
-    if (!d.empty()) s += "<path d=\"" + d + "\" fill=\"none\" stroke=\"" + colour(k) + "\" stroke-width=\"1.6\" stroke-linejoin=\"round\"" + dashes(k) + "/>";
+    if (!d.empty())
+      s += "<path d=\"" + d + "\" fill=\"none\" stroke=\"" + colour(k) +
+           "\" stroke-width=\"1.6\" stroke-linejoin=\"round\"" + dashes(k) + "/>";
     s += dots;
   }
   for (size_t k = 0; k < legend.size(); ++k) {
@@ -242,12 +252,19 @@ std::string svg(const RangeChart& c) {
     const std::string paint = colour(size_t(std::max(row.colour - 1, 0)));
     s += text(left - 10, y + 4.5, "end", row.name);
     const auto has = [&](const std::optional<double>& v) { return v && x.can(*v); };
-    if (has(row.high) && has(row.extreme)) s += line(x.at(*row.high), y, x.at(*row.extreme), y, "stroke=\"" + paint + "\" stroke-width=\"2\" opacity=\"0.5\"");
+    if (has(row.high) && has(row.extreme))
+      s += line(x.at(*row.high), y, x.at(*row.extreme), y,
+                "stroke=\"" + paint + "\" stroke-width=\"2\" opacity=\"0.5\"");
     if (has(row.low) && has(row.high))
-      s += line(x.at(*row.low), y, std::max(x.at(*row.high), x.at(*row.low) + 1), y, "stroke=\"" + paint + "\" stroke-width=\"11\" stroke-linecap=\"round\"");
-    if (has(row.extreme)) s += "<circle cx=\"" + f1(x.at(*row.extreme)) + "\" cy=\"" + f1(y) + "\" r=\"4.5\" fill=\"var(--paper,#fff)\" stroke=\"" + paint + "\" stroke-width=\"2\"/>";
-    if (has(row.median)) s += "<circle cx=\"" + f1(x.at(*row.median)) + "\" cy=\"" + f1(y) + "\" r=\"4\" fill=\"var(--paper,#fff)\"/>";
-    if (has(row.budget)) s += line(x.at(*row.budget), y - 14, x.at(*row.budget), y + 14, "stroke=\"var(--ink,#222)\" stroke-width=\"2\"");
+      s += line(x.at(*row.low), y, std::max(x.at(*row.high), x.at(*row.low) + 1), y,
+                "stroke=\"" + paint + "\" stroke-width=\"11\" stroke-linecap=\"round\"");
+    if (has(row.extreme))
+      s += "<circle cx=\"" + f1(x.at(*row.extreme)) + "\" cy=\"" + f1(y) +
+           "\" r=\"4.5\" fill=\"var(--paper,#fff)\" stroke=\"" + paint + "\" stroke-width=\"2\"/>";
+    if (has(row.median))
+      s += "<circle cx=\"" + f1(x.at(*row.median)) + "\" cy=\"" + f1(y) + "\" r=\"4\" fill=\"var(--paper,#fff)\"/>";
+    if (has(row.budget))
+      s += line(x.at(*row.budget), y - 14, x.at(*row.budget), y + 14, "stroke=\"var(--ink,#222)\" stroke-width=\"2\"");
   }
   return s + "</svg>";
 }

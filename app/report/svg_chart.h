@@ -10,7 +10,7 @@ namespace limberg {
 
 struct ChartAxis {
   std::string title;
-  bool log = false;              // values <= 0 are left out
+  bool log = false;                // values <= 0 are left out
   std::optional<double> min, max;  // otherwise from the data, rounded outwards
 };
 
@@ -37,9 +37,9 @@ struct LineChart {
 /// A row: a bar from low to high with ticks at the given values.
 struct RangeRow {
   std::string name;
-  std::optional<double> low, high;      // the bar
+  std::optional<double> low, high;        // the bar
   std::optional<double> median, extreme;  // a dot and a ring
-  std::optional<double> budget;         // a line of its own
+  std::optional<double> budget;           // a line of its own
   int colour = 1;
 };
 

@@ -53,7 +53,8 @@ class Ticks {
 
 }  // namespace
 
-SessionFigures run_as_recorded(SessionLanes lanes, const SessionSettings& set, const LiveSchedule& schedule, TakenSource& samples) {
+SessionFigures run_as_recorded(SessionLanes lanes, const SessionSettings& set, const LiveSchedule& schedule,
+                               TakenSource& samples) {
   SessionFigures out;
   lanes.solver.start();
   lanes.render.prepare();
@@ -74,8 +75,10 @@ SessionFigures run_as_recorded(SessionLanes lanes, const SessionSettings& set, c
     ++out.solver.ticks;
     if (take.hash != 0) {
       ++out.hashes_compared;
-      if (lanes.solver.state_hash() == take.hash) ++out.hashes_equal;
-      else if (out.first_difference_tick < 0) out.first_difference_tick = take.tick;
+      if (lanes.solver.state_hash() == take.hash)
+        ++out.hashes_equal;
+      else if (out.first_difference_tick < 0)
+        out.first_difference_tick = take.tick;
     }
     if (set.progress && out.solver.ticks % 8 == 0) set.progress(take.tick);
     if (set.interrupted && set.interrupted()) out.interrupted = true;

@@ -51,15 +51,15 @@ enum TopologyReader : int { kDeviceReader = 0, kRenderReader = 1, kTopologyReade
 struct Channels {
   SpscRing<ToolEvent> events{1 << 14};  // 16 s of a gesture that makes an event on every tick
   SpscRing<Sample> samples{1 << 14};
-  SpscRing<DeviceRun> device_runs{1 << 12};   // at most one a tick: 4 s
+  SpscRing<DeviceRun> device_runs{1 << 12};  // at most one a tick: 4 s
   SpscRing<SolverTake> solver_takes{1 << 10};
   SpscRing<StageMark> stages{1 << 10};
-  SpscRing<Notice> notices{1 << 8};  // for a screen: where nobody empties it, later ones are dropped
+  SpscRing<Notice> notices{1 << 8};     // for a screen: where nobody empties it, later ones are dropped
   std::atomic<bool> want_field{false};  // render asks the solver for the tension
   std::atomic<bool> want_lattice{false};
   TripleBuffer<HandState> hand_to_solver, hand_to_render;
   TripleBuffer<PatientState> patient_to_device, patient_to_render;
-  std::shared_ptr<PressLine> press;  // null: no device feels anything
+  std::shared_ptr<PressLine> press;                        // null: no device feels anything
   Versions<SurfaceTopology, kTopologyReaders> topologies;  // owned by the solver lane
 };
 

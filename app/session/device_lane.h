@@ -1,5 +1,6 @@
 #pragma once
-// The device thread's work on one tick, without the thread: newest patient in, samples through the front end, events and
+// The device thread's work on one tick, without the thread: newest patient in, samples through the front end, events
+// and
 // hand state out. Between changes of topology it allocates nothing, locks nothing and calls nothing but its sources.
 #include "app/session/channels.h"
 #include "devices/front_end.h"
@@ -8,7 +9,8 @@ namespace limberg {
 
 class DeviceLane final : private EventSink, private SampleSink {
  public:
-  /// `record`: pass every sample on to Channels::samples; `schedule`: and what each tick found to Channels::device_runs.
+  /// `record`: pass every sample on to Channels::samples; `schedule`: and what each tick found to
+  /// Channels::device_runs.
   DeviceLane(DeviceFrontEnd& front, Channels& channels, bool record, bool schedule = false)
       : front_(front), ch_(channels), record_(record), schedule_(schedule) {}
 
@@ -47,7 +49,8 @@ class DeviceLane final : private EventSink, private SampleSink {
   }
   void note(int64_t tick, int64_t samples) {
     static constexpr int32_t kLongest = 250;  // a quarter of a second: that much a killed session may lose
-    if (run_.count > 0 && samples == 0 && tick == run_.tick + run_.count && snapshot_step_ == run_.snapshot && run_.count < kLongest) {
+    if (run_.count > 0 && samples == 0 && tick == run_.tick + run_.count && snapshot_step_ == run_.snapshot &&
+        run_.count < kLongest) {
       ++run_.count;
       return;
     }

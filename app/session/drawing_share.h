@@ -1,16 +1,23 @@
 #pragma once
-// How much of the time pictures may be drawn while the patient's solver works, so that it loses at most a given share of its speed.
+// How much of the time pictures may be drawn while the patient's solver works, so that it loses at most a given share
+// of its speed.
 //
-// What drawing takes from a solver is a matter of the machine: nothing where a graphics card draws, a few percent where a core is
-// spare, much where a software driver shares the cores. So it is measured while the session runs: the time of an iteration in
-// steps that a picture was drawn beside, against those without, medians of the last kKept of each. With a loss L (0.3: an iteration
-// takes 30 % longer) pictures may take allowed / L of the time, and after each there is a pause of that length. Counted is the
-// processor time of the drawing thread, which with a graphics card is next to nothing and with a software driver everything, when
+// What drawing takes from a solver is a matter of the machine: nothing where a graphics card draws, a few percent where
+// a core is
+// spare, much where a software driver shares the cores. So it is measured while the session runs: the time of an
+// iteration in
+// steps that a picture was drawn beside, against those without, medians of the last kKept of each. With a loss L (0.3:
+// an iteration
+// takes 30 % longer) pictures may take allowed / L of the time, and after each there is a pause of that length. Counted
+// is the
+// processor time of the drawing thread, which with a graphics card is next to nothing and with a software driver
+// everything, when
 // the driver is kept to that thread (software_drawing_threads, render/gl_context.h).
 //
 // While the patient rests there is nothing to lose, and pictures are drawn as fast as they are asked for.
 //
-// step_begins() and step_ended() are for the solver's thread, picture_begins() and picture_ended() for the drawing one; the others for any.
+// step_begins() and step_ended() are for the solver's thread, picture_begins() and picture_ended() for the drawing one;
+// the others for any.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -32,8 +39,10 @@ class DrawingShare {
     if (!works || took_ns <= 0) return publish();
     const double each = double(took_ns) / iterations;
     const double share = double(beside_ns) / double(took_ns);
-    if (share < 0.05) alone_.add(each);
-    else if (share > 0.6) beside_.add(each);
+    if (share < 0.05)
+      alone_.add(each);
+    else if (share > 0.6)
+      beside_.add(each);
     publish();
   }
 
@@ -52,8 +61,8 @@ class DrawingShare {
 
  private:
   static constexpr size_t kKept = 24;
-  static constexpr int kWorking = 4;         // iterations of a step that is more than looking whether anything is to be done
-  static constexpr double kUnknown = 0.4;    // share until both kinds of steps have been seen
+  static constexpr int kWorking = 4;  // iterations of a step that is more than looking whether anything is to be done
+  static constexpr double kUnknown = 0.4;              // share until both kinds of steps have been seen
   static constexpr double kLeast = 0.1, kMost = 0.85;  // at most: some steps must be seen without a picture
   static constexpr int64_t kLongestPause_ns = 400'000'000;
 

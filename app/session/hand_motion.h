@@ -1,9 +1,11 @@
 #pragma once
 // How the hand moved, from its place at every solver step: the same figures live, in lockstep and in a replay.
 //
-// Path: the sum of the distances from step to step while the hand is tracked. A movement begins when its speed, averaged over 0.1 s,
+// Path: the sum of the distances from step to step while the hand is tracked. A movement begins when its speed,
+// averaged over 0.1 s,
 // rises above 30 mm/s and ends when it falls below 10 mm/s: counting movements and path is what motion analysis of
-// surgical skill does (Datta et al. 2001); the two speeds are ours, chosen between tremor (about 2 mm/s) and a carried tool (80 mm/s
+// surgical skill does (Datta et al. 2001); the two speeds are ours, chosen between tremor (about 2 mm/s) and a carried
+// tool (80 mm/s
 // and more).
 #include <cstdint>
 #include <deque>
@@ -15,9 +17,9 @@ namespace limberg {
 struct HandFigures {
   double tracked_s = 0, path_mm = 0;
   int movements = 0;
-  int gaps = 0;            // times that tracking was lost after it had been there
+  int gaps = 0;  // times that tracking was lost after it had been there
   double lost_s = 0;
-  double pressed_s = 0;    // with the tool engaged
+  double pressed_s = 0;  // with the tool engaged
 };
 
 class HandMotion {

@@ -50,9 +50,9 @@ class Histogram {
 
 /// The watchdog figures of one thread.
 struct LaneTimes {
-  Histogram wake;   // how late the tick began
-  Histogram work;   // how long it took
-  Histogram age;    // age of the newest thing it read, at the end of its work
+  Histogram wake;  // how late the tick began
+  Histogram work;  // how long it took
+  Histogram age;   // age of the newest thing it read, at the end of its work
   uint64_t ticks = 0;
   uint64_t late = 0;     // ticks that began more than 1 ms (device) or one period (others) late
   uint64_t skipped = 0;  // whole periods given up, never made up for

@@ -10,10 +10,10 @@ namespace limberg {
 
 struct LatticeShown {
   struct Edge {
-    int32_t a = 0, b = 0;   // node copies
-    bool copied = false;    // of a cell of which there are several copies
+    int32_t a = 0, b = 0;  // node copies
+    bool copied = false;   // of a cell of which there are several copies
   };
-  uint64_t version = 0;     // of the topology
+  uint64_t version = 0;                            // of the topology
   std::shared_ptr<const std::vector<Edge>> edges;  // each once; shared by version
   std::vector<Vec3f> node_mm;
 };

@@ -11,7 +11,8 @@ struct Notice {
   int32_t kind = done;
   double t_s = 0;                 // session time
   std::array<char, 24> action{};  // as in a script: "incise"
-  std::array<char, 168> text{};   // done: the act in a few words; refused: why. Ends with a zero, cut short where it is longer
+  std::array<char, 168>
+      text{};  // done: the act in a few words; refused: why. Ends with a zero, cut short where it is longer
 
   template <size_t n>
   static void put(std::array<char, n>& to, const std::string& from) {

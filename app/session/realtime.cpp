@@ -15,8 +15,8 @@ namespace limberg {
 
 namespace {
 
-constexpr int64_t kMostTickNs = 50 * kNsPerMs;    // of a device tick; longer, it is no real-time thread any more
-constexpr int64_t kSilentNs = 500 * kNsPerMs;     // a device tick that has not ended: seen from outside
+constexpr int64_t kMostTickNs = 50 * kNsPerMs;  // of a device tick; longer, it is no real-time thread any more
+constexpr int64_t kSilentNs = 500 * kNsPerMs;   // a device tick that has not ended: seen from outside
 
 /// What the threads share beside the channels: when to start, when to end, and why.
 struct Control {
@@ -28,7 +28,7 @@ struct Control {
   std::mutex mutex;  // for `error` and `scheduling`, at start and end only
   std::exception_ptr error;
   std::string scheduling;
-  pthread_t device_id{};             // set before the device thread is ready
+  pthread_t device_id{};  // set before the device thread is ready
   std::atomic<bool> device_gave_up{false};
   DrawingShare drawing;
 
@@ -71,7 +71,8 @@ void give_up_real_time(Control& c, pthread_t thread) {
   c.device_gave_up.store(true, std::memory_order_relaxed);
 }
 
-void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick, int64_t tail_ticks, int priority, LaneGauges* gauges) {
+void device_thread(Control& c, DeviceLane& lane, LaneTimes& t, int64_t end_tick, int64_t tail_ticks, int priority,
+                   LaneGauges* gauges) {
   request_exact_timers();
   {
     const std::string got = request_real_time(priority);
@@ -186,7 +187,9 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
         LaneGauges::set(set.gauges->frame_ns, done - woke);
         LaneGauges::set(set.gauges->frames, int64_t(t.ticks));
         const double loss = c.drawing.loss();
-        LaneGauges::set(set.gauges->loss_permille, loss < 0 ? -1 : int64_t(1000 * loss * double(drawn_ns - drawn_before) / double(std::max<int64_t>(1, done - since))));
+        LaneGauges::set(set.gauges->loss_permille, loss < 0 ? -1
+                                                            : int64_t(1000 * loss * double(drawn_ns - drawn_before) /
+                                                                      double(std::max<int64_t>(1, done - since))));
         if (done - since > 1'000'000'000) since = done, drawn_before = drawn_ns;
       }
       if (lane.sample_ns() != shown_sample) out.sample_to_frame.add(done - lane.sample_ns());
@@ -210,9 +213,8 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
     for (int r = c.ready.load(); r < 1; r = c.ready.load()) c.ready.wait(r);
     Thread render_t(guarded(c, [&] { render_thread(c, render, out, set, rt.render_nice); }));
     for (int r = c.ready.load(); r < 2; r = c.ready.load()) c.ready.wait(r);
-    Thread device_t(guarded(c, [&] {
-      device_thread(c, device, out.device, set.end_tick, set.tail_ticks, rt.fifo_priority, set.gauges);
-    }));
+    Thread device_t(guarded(
+        c, [&] { device_thread(c, device, out.device, set.end_tick, set.tail_ticks, rt.fifo_priority, set.gauges); }));
     for (int r = c.ready.load(); r < 3; r = c.ready.load()) c.ready.wait(r);
     const int64_t start = RealClock::monotonic_ns() + 20 * kNsPerMs;
     try {
@@ -226,14 +228,17 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
 
     const RealClock clock(start);
     bool warned = false, told = rt.fifo_priority <= 0;
-    int64_t last_tick = -1, silent_ns = 0;  // as often as it was looked at: a machine that stood still is no silent thread
+    int64_t last_tick = -1,
+            silent_ns = 0;  // as often as it was looked at: a machine that stood still is no silent thread
     const int64_t look_ns = (set.pump ? 4 : 10) * kNsPerMs;
     for (int64_t t = 0; !c.at_rest && !c.failed(); t += look_ns) {
       clock.sleep_until_ns(t);
       t = std::max(t, clock.now_ns());
       if (set.pump) set.pump();
-      if (const int64_t tick = c.tick.load(); tick != last_tick || told) last_tick = tick, silent_ns = 0;
-      else if ((silent_ns += look_ns) > kSilentNs && !c.device_ended) give_up_real_time(c, c.device_id);
+      if (const int64_t tick = c.tick.load(); tick != last_tick || told)
+        last_tick = tick, silent_ns = 0;
+      else if ((silent_ns += look_ns) > kSilentNs && !c.device_ended)
+        give_up_real_time(c, c.device_id);
       if (c.device_gave_up && !told) {
         told = true;
         if (set.say) set.say("device thread: a tick took more than 50 ms; it goes on with ordinary scheduling");

@@ -23,7 +23,8 @@ class Recorder {
     for (Sample s; ch_.samples.pop(s); ++samples_) writer_.on_sample(s);
     for (DeviceRun r; ch_.device_runs.pop(r);) writer_.schedule(r);
     for (SolverTake t; ch_.solver_takes.pop(t);) writer_.schedule(t);
-    if (ch_.samples.lost() + ch_.events.lost() + ch_.device_runs.lost() + ch_.solver_takes.lost() > 0) writer_.schedule_lost();
+    if (ch_.samples.lost() + ch_.events.lost() + ch_.device_runs.lost() + ch_.solver_takes.lost() > 0)
+      writer_.schedule_lost();
   }
   void checkpoint(int64_t tick, uint64_t hash) { writer_.checkpoint(tick, hash); }
   void finish(int64_t tick, uint64_t hash) {

@@ -76,11 +76,13 @@ class RenderLane {
     const SecondHand &g = ch_.hand_to_render.reading().glove, &old = shown_glove_;
     if (g.valid != old.valid) return true;
     if (!g.valid) return false;
-    if (g.closed != old.closed || g.points != old.points || g.held_hook != old.held_hook || g.carried.holds != old.carried.holds) return true;
+    if (g.closed != old.closed || g.points != old.points || g.held_hook != old.held_hook ||
+        g.carried.holds != old.carried.holds)
+      return true;
     constexpr double kRay_mm = 60;  // as long is a ray that meets nothing
     double fore = 0, thumb = 0, at = 0, turned = 0;
     for (int i = 0; i < 3; ++i) {
-      const auto d2 = [i](const double (&a)[3], const double (&b)[3]) { return (a[i] - b[i]) * (a[i] - b[i]); };
+      const auto d2 = [i](const double(&a)[3], const double(&b)[3]) { return (a[i] - b[i]) * (a[i] - b[i]); };
       fore += d2(g.forefinger_mm, old.forefinger_mm), thumb += d2(g.thumb_mm, old.thumb_mm);
       at += d2(g.pointed_mm, old.pointed_mm), turned += kRay_mm * kRay_mm * d2(g.pointing, old.pointing);
     }

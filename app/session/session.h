@@ -34,27 +34,27 @@ struct SessionSettings {
   double settle_residual = 1e-5;
   int settle_steps = 600;
   bool stop_when_recording_fails = false;
-  LaneGauges* gauges = nullptr;      // real time: filled while it runs
-  std::function<void()> pump;        // real time: called every few ms from the calling thread (a window's events)
-  std::function<bool()> interrupted;             // asked now and then, from the driver's thread
-  std::function<void(int64_t tick)> progress;    // the same
-  std::function<void(const std::string&)> say;   // one line for the user, from the driver's thread
+  LaneGauges* gauges = nullptr;       // real time: filled while it runs
+  std::function<void()> pump;         // real time: called every few ms from the calling thread (a window's events)
+  std::function<bool()> interrupted;  // asked now and then, from the driver's thread
+  std::function<void(int64_t tick)> progress;   // the same
+  std::function<void(const std::string&)> say;  // one line for the user, from the driver's thread
 };
 
 /// What a run came to; the lanes keep the rest (refusals, stages, series).
 struct SessionFigures {
   LaneTimes device, solver, render;
   Histogram sample_to_snapshot, sample_to_frame;
-  int64_t ticks = 0;         // device ticks done
+  int64_t ticks = 0;  // device ticks done
   int64_t last_tick = 0;
-  double duration_s = 0;     // of the session's clock, without the rest afterwards
+  double duration_s = 0;  // of the session's clock, without the rest afterwards
   int settle_steps = 0;
-  uint64_t state_hash = 0;   // at the end, at rest
+  uint64_t state_hash = 0;              // at the end, at rest
   std::vector<Checkpoint> checkpoints;  // lockstep: the last one is at the last tick, before the rest afterwards
   // A live session done again: hashes that its steps carry, compared; the first tick that differs, -1: none.
   int64_t hashes_compared = 0, hashes_equal = 0, first_difference_tick = -1;
   bool interrupted = false;
-  std::string scheduling;    // real time: what the device thread got
+  std::string scheduling;  // real time: what the device thread got
 };
 
 }  // namespace limberg

@@ -18,7 +18,11 @@ Vec3 vec(const double (&p)[3]) { return {p[0], p[1], p[2]}; }
 
 SolverLane::SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command,
                        OnRefusal on_refusal)
-    : patient_(patient), ch_(channels), settings_(settings), on_command_(std::move(on_command)), on_refusal_(std::move(on_refusal)),
+    : patient_(patient),
+      ch_(channels),
+      settings_(settings),
+      on_command_(std::move(on_command)),
+      on_refusal_(std::move(on_refusal)),
       builder_(PathSettings{}, settings.progressive_cut) {
   series_.reserve(1 << 16);
 }
@@ -69,7 +73,8 @@ void SolverLane::step_as(const SolverTake& as, const HandState* hand) {
   advance(as.tick, s);
 }
 
-// On every other step: an answer costs about as much as a step, and is faded in over longer than one. A question that came before
+// On every other step: an answer costs about as much as a step, and is faded in over longer than one. A question that
+// came before
 // the patient's newest cut is about a surface that is no longer there: no answer.
 void SolverLane::answer_press() {
   if (!ch_.press || steps_ % 2 != 0) return;
@@ -94,7 +99,8 @@ void SolverLane::advance(int64_t tick, const StepSettings& s) {
 void SolverLane::note_closure(const Snapshot& s) {
   float sum = 0, most = 0;
   for (const SutureState& k : s.sutures) sum += k.force_N, most = std::max(most, k.force_N);
-  while (series_.closure_N.size() < series_.t_s.size()) series_.closure_N.push_back(sum), series_.suture_max_N.push_back(most);
+  while (series_.closure_N.size() < series_.t_s.size())
+    series_.closure_N.push_back(sum), series_.suture_max_N.push_back(most);
 }
 
 void SolverLane::take(const ToolEvent& e, int64_t tick) {
@@ -103,7 +109,8 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   next_event_ = e.seq + 1;
   std::optional<Command> c = builder_.feed(e);
   const size_t hand = e.hand == 1 ? 1 : 0;
-  if (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take || e.kind == ToolEvent::bone_grab) held_since_[hand] = e.tick;
+  if (e.kind == ToolEvent::hook_set || e.kind == ToolEvent::hook_take || e.kind == ToolEvent::bone_grab)
+    held_since_[hand] = e.tick;
   // What was not taken up (the grab was refused) is neither carried nor let go.
   if ((e.kind == ToolEvent::bone_drag || e.kind == ToolEvent::bone_release) && carried_[hand] == 0) return;
   bool done = false;
@@ -117,12 +124,21 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
   }
   switch (e.kind) {
     case ToolEvent::hook_set:
-    case ToolEvent::hook_take: (e.hand == 1 ? glove_hook_ : held_hook_) = e.id; break;
+    case ToolEvent::hook_take:
+      (e.hand == 1 ? glove_hook_ : held_hook_) = e.id;
+      break;
     case ToolEvent::hook_leave:
-    case ToolEvent::hook_release: (e.hand == 1 ? glove_hook_ : held_hook_) = 0; break;
-    case ToolEvent::bone_grab: carried_[hand] = done ? e.id : 0; break;
-    case ToolEvent::bone_release: carried_[hand] = 0; break;
-    default: break;
+    case ToolEvent::hook_release:
+      (e.hand == 1 ? glove_hook_ : held_hook_) = 0;
+      break;
+    case ToolEvent::bone_grab:
+      carried_[hand] = done ? e.id : 0;
+      break;
+    case ToolEvent::bone_release:
+      carried_[hand] = 0;
+      break;
+    default:
+      break;
   }
 }
 
@@ -145,7 +161,10 @@ bool SolverLane::apply(const Command& c, int64_t tick) {
     ch_.stages.push({row.number, ShortText(s->name)});
   }
   const bool undo = std::holds_alternative<Undo>(c), redo = std::holds_alternative<Redo>(c);
-  notify(undo ? Notice::undone : redo ? Notice::redone : Notice::done, c, undo || redo ? "" : in_words(c) + (o.reason.empty() ? "" : ": " + o.reason), tick);
+  notify(undo   ? Notice::undone
+         : redo ? Notice::redone
+                : Notice::done,
+         c, undo || redo ? "" : in_words(c) + (o.reason.empty() ? "" : ": " + o.reason), tick);
   if (on_command_) on_command_(c);
   return true;
 }
@@ -161,10 +180,13 @@ void SolverLane::notify(int32_t kind, const Command& c, const std::string& text,
 
 void SolverLane::follow_hand() {
   // The hand state may be a moment older or newer than the events: a hook follows only when both say that it is held.
-  if (held_hook_ != 0 && hand_.tool.held_hook == held_hook_ && hand_.tool.valid) patient_.apply(MoveHook{held_hook_, vec(hand_.tool.tip_mm), 0});
-  if (glove_hook_ != 0 && hand_.glove.held_hook == glove_hook_ && hand_.glove.valid) patient_.apply(MoveHook{glove_hook_, vec(hand_.glove.hook_mm), 0});
+  if (held_hook_ != 0 && hand_.tool.held_hook == held_hook_ && hand_.tool.valid)
+    patient_.apply(MoveHook{held_hook_, vec(hand_.tool.tip_mm), 0});
+  if (glove_hook_ != 0 && hand_.glove.held_hook == glove_hook_ && hand_.glove.valid)
+    patient_.apply(MoveHook{glove_hook_, vec(hand_.glove.hook_mm), 0});
   const auto carry = [&](int hand, bool valid, const Carried& c) {
-    if (carried_[hand] != 0 && c.holds == carried_[hand] && valid) patient_.apply(HeadCommand(DragFragment{as_move(motion_of(c)), 0, hand}));
+    if (carried_[hand] != 0 && c.holds == carried_[hand] && valid)
+      patient_.apply(HeadCommand(DragFragment{as_move(motion_of(c)), 0, hand}));
   };
   carry(0, hand_.tool.valid, hand_.tool.carried);
   carry(1, hand_.glove.valid, hand_.glove.carried);
@@ -176,8 +198,10 @@ void SolverLane::publish(int64_t tick) {
   new_sample_ = hand_.sample_ns != shown_sample_ns_;
   shown_sample_ns_ = hand_.sample_ns;
   PatientState& out = ch_.patient_to_device.writing();
-  if (ch_.want_field.load(std::memory_order_relaxed)) patient_.fill_with_field(out.snapshot);
-  else patient_.fill(out.snapshot);
+  if (ch_.want_field.load(std::memory_order_relaxed))
+    patient_.fill_with_field(out.snapshot);
+  else
+    patient_.fill(out.snapshot);
   note_closure(out.snapshot);
   out.snapshot.device_tick = tick;
   out.snapshot.stage = int32_t(stages_.size());
@@ -185,8 +209,10 @@ void SolverLane::publish(int64_t tick) {
   for (; shown_stages_ < stages_.size(); ++shown_stages_) stages_[shown_stages_].shown = out.snapshot;
   PatientState& shown = ch_.patient_to_render.writing();
   shown.snapshot = out.snapshot, shown.sample_ns = out.sample_ns;
-  if (ch_.want_lattice.load(std::memory_order_relaxed)) patient_.fill_lattice(shown.lattice);
-  else if (shown.lattice.edges) shown.lattice = {};
+  if (ch_.want_lattice.load(std::memory_order_relaxed))
+    patient_.fill_lattice(shown.lattice);
+  else if (shown.lattice.edges)
+    shown.lattice = {};
   ch_.patient_to_device.publish();
   ch_.patient_to_render.publish();
   ch_.topologies.collect();

@@ -16,8 +16,8 @@
 namespace limberg {
 
 struct SolverSettings {
-  StepSettings step;           // of one step of the session
-  int64_t series_every = 1;    // keep every n-th step's figures
+  StepSettings step;             // of one step of the session
+  int64_t series_every = 1;      // keep every n-th step's figures
   bool progressive_cut = false;  // an incision opens while it is drawn
   bool schedule = false;         // pass what each step found on to Channels::solver_takes
   int64_t hash_every = 60;       // with `schedule`: the state's hash goes with every n-th step, about once a second
@@ -40,7 +40,9 @@ struct StageRow {
 struct SolverSeries {
   std::vector<float> t_s, residual, distance_mm;
   std::vector<float> closure_N, suture_max_N;  // all stitches together, and the largest
-  void reserve(size_t n) { t_s.reserve(n), residual.reserve(n), distance_mm.reserve(n), closure_N.reserve(n), suture_max_N.reserve(n); }
+  void reserve(size_t n) {
+    t_s.reserve(n), residual.reserve(n), distance_mm.reserve(n), closure_N.reserve(n), suture_max_N.reserve(n);
+  }
 };
 
 class SolverLane {
@@ -50,7 +52,8 @@ class SolverLane {
   /// ... and about one that was refused: whoever keeps a record of it.
   using OnRefusal = std::function<void(const Command& command, const std::string& reason)>;
 
-  SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command = {}, OnRefusal on_refusal = {});
+  SolverLane(Patient& patient, Channels& channels, const SolverSettings& settings, OnCommand on_command = {},
+             OnRefusal on_refusal = {});
 
   /// Publishes the patient before anything has happened; call before the first device tick.
   void start();

@@ -1,7 +1,8 @@
 #pragma once
 // Every value of something, in order, from one producer thread to one consumer thread, without waiting.
 //
-// The memory is taken once, at construction. A full ring refuses the value and counts it: an overflow is reported, never
+// The memory is taken once, at construction. A full ring refuses the value and counts it: an overflow is reported,
+// never
 // silent. Each side caches the other's index and looks at the shared one only when the cache says full or empty.
 #include <atomic>
 #include <bit>
@@ -17,7 +18,8 @@ class SpscRing {
 
  public:
   /// Holds at least `capacity` values (rounded up to a power of two).
-  explicit SpscRing(size_t capacity) : slot_(std::bit_ceil(capacity < 2 ? size_t(2) : capacity)), mask_(slot_.size() - 1) {}
+  explicit SpscRing(size_t capacity)
+      : slot_(std::bit_ceil(capacity < 2 ? size_t(2) : capacity)), mask_(slot_.size() - 1) {}
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
 

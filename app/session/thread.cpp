@@ -55,10 +55,13 @@ std::string request_real_time(int priority) {
   const int err = pthread_setschedparam(pthread_self(), SCHED_FIFO, &p);
   const bool locked = memory_lock_allowed() && mlockall(MCL_CURRENT) == 0;
   std::string line = "device thread: ";
-  line += err == 0 ? "SCHED_FIFO " + std::to_string(priority) : std::string("ordinary scheduling (") + std::strerror(err) + ")";
+  line += err == 0 ? "SCHED_FIFO " + std::to_string(priority)
+                   : std::string("ordinary scheduling (") + std::strerror(err) + ")";
   line += locked ? ", memory locked" : ", memory not locked";
-  if (err != 0) line += "; expect late ticks when the machine is busy (grant CAP_SYS_NICE or an rtprio limit)";
-  else if (!locked) line += "; a page fault may delay a tick (raise the memlock limit)";
+  if (err != 0)
+    line += "; expect late ticks when the machine is busy (grant CAP_SYS_NICE or an rtprio limit)";
+  else if (!locked)
+    line += "; a page fault may delay a tick (raise the memlock limit)";
   return line;
 }
 

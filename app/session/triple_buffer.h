@@ -24,9 +24,7 @@ class TripleBuffer {
 
   // Writer's side. The slot keeps what was written into it three values ago: vectors in it can be reused.
   T& writing() { return slot_[write_].value; }
-  void publish() noexcept {
-    write_ = between_.exchange(uint8_t(write_ | kFresh), std::memory_order_acq_rel) & kIndex;
-  }
+  void publish() noexcept { write_ = between_.exchange(uint8_t(write_ | kFresh), std::memory_order_acq_rel) & kIndex; }
 
   // Reader's side. reading() stays the same object until update() says that there is a newer one.
   bool update() noexcept {

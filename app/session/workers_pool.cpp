@@ -132,8 +132,7 @@ struct WorkersPool::Impl {
 
 WorkersPool::WorkersPool(int n) : impl_(std::make_unique<Impl>()), n_(n) {
   if (n < 1) throw std::invalid_argument("a pool needs at least one worker");
-  for (int i = 1; i < n; ++i)
-    impl_->helpers.push_back(std::make_unique<Thread>([p = impl_.get()] { p->help(); }));
+  for (int i = 1; i < n; ++i) impl_->helpers.push_back(std::make_unique<Thread>([p = impl_.get()] { p->help(); }));
 }
 
 WorkersPool::~WorkersPool() {
@@ -165,8 +164,10 @@ void WorkersPool::parallel_for(size_t n, size_t grain, const std::function<void(
   p.open.store(false);
   const Clock::time_point done = Clock::now();
   for (int spins = 0; p.inside.load() != 0; ++spins)
-    if (spins < 1000) pause_cpu();
-    else std::this_thread::yield();
+    if (spins < 1000)
+      pause_cpu();
+    else
+      std::this_thread::yield();
   const Clock::time_point end = Clock::now();
   ++p.pace.shared;
   if (end - done > patience + 3 * (done - start) / std::max<int64_t>(1, int64_t(taken))) {

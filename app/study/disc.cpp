@@ -1,12 +1,14 @@
 // A disc of skin, cut round and undermined, is free: it goes back to what it was before it was stretched.
 //
-// One material throughout, stretched by l1 along and l2 across with its volume kept. Tissue that cannot change its volume
+// One material throughout, stretched by l1 along and l2 across with its volume kept. Tissue that cannot change its
+// volume
 // and has no hold takes the deformation F that undoes the prestretch, F F0 = I: its area shrinks by 1 - 1/(l1 l2)
 // everywhere, whatever the lattice. The hole that it leaves opens, more along the greater tension.
 //
 // The tissue of fem_model.h gives way a little in volume as well. Its stress-free state is F F0 = t I with
 //   mu = p0 t - lambda t (t^3 - 1),   p0 = mu / (l1 l2)^2,   lambda = lambda_Lame + mu,
-// so its area shrinks by 1 - t^2/(l1 l2): by 11 % more at Poisson's ratio 0.45 and l1 l2 = 1.155, by 1 % more at 0.495. The first
+// so its area shrinks by 1 - t^2/(l1 l2): by 11 % more at Poisson's ratio 0.45 and l1 l2 = 1.155, by 1 % more at 0.495.
+// The first
 // bar is the law of constant volume, at a ratio where it is meant to hold; the second is this one, at any.
 #include <cmath>
 #include <numbers>
@@ -69,12 +71,25 @@ Row run(const Values& v, const Run& with) {
   const double t = free_stretch(skin), law = 1 - t * t / (v[kAlong] * v[kAcross]);
   const double expected = 1 - 1 / (v[kAlong] * v[kAcross]), shrink = 1 - area.now_mm2 / area.rest_mm2;
   Row row;
-  row.figures = {{"along", v[kAlong]}, {"across", v[kAcross]}, {"cell_mm", v[kCell]}, {"radius_mm", v[kRadius]}, {"depth_mm", v[kDepth]}, {"poisson", v[kPoisson]},
-                 {"pieces", double(world.pieces())}, {"area_mm2", area.now_mm2}, {"area_before_mm2", area.rest_mm2},
-                 {"shrink", shrink}, {"expected", expected}, {"error", std::abs(shrink - expected) / std::max(1e-12, expected)},
-                 {"expected_of_law", law}, {"error_of_law", std::abs(shrink - law) / std::max(1e-12, law)},
-                 {"hole_growth", hole.now_mm2 / hole.rest_mm2 - 1}, {"hole_along_over_across", hole.extent_mm.x() / hole.extent_mm.y()},
-                 {"residual", o.last.residual}, {"nodes", double(world.solver().model().X_mm.size())}, {"solve_ms", o.solve_ms}};
+  row.figures = {{"along", v[kAlong]},
+                 {"across", v[kAcross]},
+                 {"cell_mm", v[kCell]},
+                 {"radius_mm", v[kRadius]},
+                 {"depth_mm", v[kDepth]},
+                 {"poisson", v[kPoisson]},
+                 {"pieces", double(world.pieces())},
+                 {"area_mm2", area.now_mm2},
+                 {"area_before_mm2", area.rest_mm2},
+                 {"shrink", shrink},
+                 {"expected", expected},
+                 {"error", std::abs(shrink - expected) / std::max(1e-12, expected)},
+                 {"expected_of_law", law},
+                 {"error_of_law", std::abs(shrink - law) / std::max(1e-12, law)},
+                 {"hole_growth", hole.now_mm2 / hole.rest_mm2 - 1},
+                 {"hole_along_over_across", hole.extent_mm.x() / hole.extent_mm.y()},
+                 {"residual", o.last.residual},
+                 {"nodes", double(world.solver().model().X_mm.size())},
+                 {"solve_ms", o.solve_ms}};
   return row;
 }
 
@@ -87,12 +102,16 @@ std::vector<Bar> bars(const std::vector<Row>& rows) {
     if (r.at("pieces") != 2) pieces = r.at("pieces");
     if (r.at("along") > r.at("across")) elongation = std::min(elongation, r.at("hole_along_over_across"));
   }
-  std::vector<Bar> out{at_most("largest relative residual", residual, 1e-4, "the tissue counts as at rest, as in operate"),
-                       at_most("pieces beyond disc and bed", pieces - 2, 0, "the disc is free, and nothing else is"),
-                       at_most("largest error of the shrinking, relative", error, 0.03, "area shrinks by 1 - 1/(l1 l2): a piece without hold undoes its prestretch"),
-                       at_most("the same against the material's own law", law, 2e-3, "uniform, so every lattice holds it; 2e-3: single precision, and 0.01 mm of the solver's rest on 10 mm")};
+  std::vector<Bar> out{
+      at_most("largest relative residual", residual, 1e-4, "the tissue counts as at rest, as in operate"),
+      at_most("pieces beyond disc and bed", pieces - 2, 0, "the disc is free, and nothing else is"),
+      at_most("largest error of the shrinking, relative", error, 0.03,
+              "area shrinks by 1 - 1/(l1 l2): a piece without hold undoes its prestretch"),
+      at_most("the same against the material's own law", law, 2e-3,
+              "uniform, so every lattice holds it; 2e-3: single precision, and 0.01 mm of the solver's rest on 10 mm")};
   if (elongation < 1e300)
-    out.push_back(at_least("least elongation of the hole along the greater stretch", elongation, 1, "a round wound becomes an ellipse along the tension lines"));
+    out.push_back(at_least("least elongation of the hole along the greater stretch", elongation, 1,
+                           "a round wound becomes an ellipse along the tension lines"));
   return out;
 }
 
@@ -122,14 +141,17 @@ std::vector<NamedChart> charts(const std::vector<Row>& rows) {
 }  // namespace
 
 Family disc() {
-  return {"disc", "A disc of stretched skin, cut round and undermined: how far it shrinks against 1 - 1/(l1 l2)",
+  return {"disc",
+          "A disc of stretched skin, cut round and undermined: how far it shrinks against 1 - 1/(l1 l2)",
           {{"along", "stretch l1 that the skin carries along x", {1.05, 1.1, 1.2}, 1.005, 1.5},
            {"across", "stretch l2 across", {1.05, 1.1}, 1.005, 1.5},
            {"cell_mm", "size of the lattice's cells", {3.5, 2.5}, 1.5, 8},
            {"radius_mm", "of the disc", {10}, 4, 30},
            {"depth_mm", "of cut and undermining", {3}, 1, 8},
            {"poisson", "ratio; the first bar asks for constant volume, 0.5", {0.495}, 0.3, 0.499}},
-          run, bars, charts};
+          run,
+          bars,
+          charts};
 }
 
 }  // namespace limberg::study

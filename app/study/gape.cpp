@@ -1,6 +1,7 @@
 // How far a straight incision gapes, by the blade's angle and the skin's prestretch.
 //
-// A block of skin on fat, stretched alike in both directions, cut along y = 0. Everything in it is the mirror image of itself
+// A block of skin on fat, stretched alike in both directions, cut along y = 0. Everything in it is the mirror image of
+// itself
 // at that plane: the block has an odd number of cells across, so the cut halves a row of cells. So an upright blade
 // must open it evenly, and a leaning one, which undercuts one bank, must not.
 #include <cmath>
@@ -47,7 +48,9 @@ Row run(const Values& v, const Run& with) {
   world.fill(s);
   const StraightWound wound(s);
   Row row;
-  row.figures = {{"angle_deg", v[kAngle]}, {"prestretch_percent", v[kPrestretch]}, {"cell_mm", v[kCell]}, {"length_mm", v[kLength]}, {"depth_mm", v[kDepth]}, {"refine_fronts", v[kRefine]}};
+  row.figures = {{"angle_deg", v[kAngle]}, {"prestretch_percent", v[kPrestretch]},
+                 {"cell_mm", v[kCell]},    {"length_mm", v[kLength]},
+                 {"depth_mm", v[kDepth]},  {"refine_fronts", v[kRefine]}};
   char name[60];
   std::snprintf(name, sizeof name, "%g°, %g %%", v[kAngle], v[kPrestretch]);
   row.profile.name = name;
@@ -61,11 +64,16 @@ Row run(const Values& v, const Run& with) {
   const auto l = wound.left(0), r = wound.right(0);
   const double left = l ? l->moved_mm().y() : nan, right = r ? -r->moved_mm().y() : nan;
   row.figures.insert(row.figures.end(),
-                     {{"gape_mid_mm", wound.gape_mm(0)}, {"gape_max_mm", most}, {"gape_quarter_mm", (wound.gape_mm(q) + wound.gape_mm(-q)) / 2},
-                      {"left_mm", left}, {"right_mm", right},
+                     {{"gape_mid_mm", wound.gape_mm(0)},
+                      {"gape_max_mm", most},
+                      {"gape_quarter_mm", (wound.gape_mm(q) + wound.gape_mm(-q)) / 2},
+                      {"left_mm", left},
+                      {"right_mm", right},
                       {"step_mm", l && r ? l->x_mm.z() - r->x_mm.z() : nan},
                       {"asymmetry", std::abs(left - right) / std::max(1e-12, std::abs(left) + std::abs(right))},
-                      {"residual", o.last.residual}, {"nodes", double(world.solver().model().X_mm.size())}, {"solve_ms", o.solve_ms}});
+                      {"residual", o.last.residual},
+                      {"nodes", double(world.solver().model().X_mm.size())},
+                      {"solve_ms", o.solve_ms}});
   return row;
 }
 
@@ -79,19 +87,23 @@ std::vector<Bar> bars(const std::vector<Row>& rows) {
     if (std::abs(a.at("angle_deg") - 90) >= 40 && opens) leaning = std::min(leaning, a.at("asymmetry"));
     for (const Row& b : rows) {
       bool same = true;
-      for (const char* k : {"angle_deg", "cell_mm", "length_mm", "depth_mm", "refine_fronts"}) same &= a.at(k) == b.at(k);
-      if (same && b.at("prestretch_percent") > a.at("prestretch_percent")) rise = std::min(rise, b.at("gape_mid_mm") - a.at("gape_mid_mm"));
+      for (const char* k : {"angle_deg", "cell_mm", "length_mm", "depth_mm", "refine_fronts"})
+        same &= a.at(k) == b.at(k);
+      if (same && b.at("prestretch_percent") > a.at("prestretch_percent"))
+        rise = std::min(rise, b.at("gape_mid_mm") - a.at("gape_mid_mm"));
     }
   }
   out.push_back(at_most("largest relative residual", residual, 1e-4, "the tissue counts as at rest, as in operate"));
   if (upright >= 0)
     out.push_back(at_most("90 degrees: difference of the banks over the gape", upright, 0.01,
-                          "the patient is its own mirror image; a redrawn blade lies up to 0.008 mm aside, which moves 0.6 % of a half cell of 1.25 mm from one bank to the other"));
+                          "the patient is its own mirror image; a redrawn blade lies up to 0.008 mm aside, which moves "
+                          "0.6 % of a half cell of 1.25 mm from one bank to the other"));
   if (leaning < 1e300)
     out.push_back(at_least("40 degrees and more from upright: difference of the banks over the gape", leaning, 0.01,
                            "the undercut bank is thinner: more than the upright blade's tolerance"));
   if (rise < 1e300)
-    out.push_back(at_least("least rise of the gape with prestretch, mm", rise, 1e-3, "more tension parts the same wound further; 0.001 mm is the solver's noise"));
+    out.push_back(at_least("least rise of the gape with prestretch, mm", rise, 1e-3,
+                           "more tension parts the same wound further; 0.001 mm is the solver's noise"));
   return out;
 }
 
@@ -127,14 +139,17 @@ std::vector<NamedChart> charts(const std::vector<Row>& rows) {
 }  // namespace
 
 Family gape() {
-  return {"gape", "A straight incision in stretched skin: how far it gapes, by the blade's angle and the prestretch",
+  return {"gape",
+          "A straight incision in stretched skin: how far it gapes, by the blade's angle and the prestretch",
           {{"angle_deg", "between blade and skin, 90 = upright", {90, 60, 45}, 30, 150},
            {"prestretch_percent", "of the skin, alike along and across the wound", {5, 10, 20}, 0, 40},
            {"cell_mm", "size of the lattice's cells", {2.5}, 1.5, 8},
            {"length_mm", "of the incision", {40}, 10, 60},
            {"depth_mm", "of the incision; the skin is 1.5 mm thick", {3}, 1, 8},
            {"refine_fronts", "1: cells in which the cut ends are divided, 0: they are not", {1}, 0, 1}},
-          run, bars, charts};
+          run,
+          bars,
+          charts};
 }
 
 }  // namespace limberg::study

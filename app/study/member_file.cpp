@@ -44,7 +44,9 @@ Json parse(const std::string& file) {
   return Json::parse(whole, nullptr, false);
 }
 
-[[noreturn]] void broken(const std::string& file) { throw InputError(file, 0, "is no member of a study; expected what `limberg study NAME --member` writes"); }
+[[noreturn]] void broken(const std::string& file) {
+  throw InputError(file, 0, "is no member of a study; expected what `limberg study NAME --member` writes");
+}
 
 }  // namespace
 
@@ -79,9 +81,11 @@ std::string member_text(const Family& f, const Values& v, const MemberResult& r)
     return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
   }
   j["figures"] = Json::array();
-  for (const auto& [name, x] : r.row.figures) j["figures"].push_back({name, std::isfinite(x) ? Json(x) : Json(nullptr)});
+  for (const auto& [name, x] : r.row.figures)
+    j["figures"].push_back({name, std::isfinite(x) ? Json(x) : Json(nullptr)});
   j["title"] = r.row.title;
-  if (const ChartSeries& p = r.row.profile; !p.x.empty()) j["profile"] = {{"name", p.name}, {"markers", p.markers}, {"x", numbers(p.x)}, {"y", numbers(p.y)}};
+  if (const ChartSeries& p = r.row.profile; !p.x.empty())
+    j["profile"] = {{"name", p.name}, {"markers", p.markers}, {"x", numbers(p.x)}, {"y", numbers(p.y)}};
   return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -92,8 +96,10 @@ std::optional<MemberResult> read_member(const std::string& file, const Family& f
   try {
     if (j.at("study").get<std::string>() != f.name) broken(file);
     for (size_t i = 0; i < v.size(); ++i)
-      if (j.at("values").at(f.parameters[i].name).get<double>() != v[i]) throw InputError(file, 0, "holds another member; expected " + member_name(f, v));
-    r.program = std::stoull(j.at("program").get<std::string>(), nullptr, 16), r.inputs = std::stoull(j.at("inputs").get<std::string>(), nullptr, 16);
+      if (j.at("values").at(f.parameters[i].name).get<double>() != v[i])
+        throw InputError(file, 0, "holds another member; expected " + member_name(f, v));
+    r.program = std::stoull(j.at("program").get<std::string>(), nullptr, 16),
+    r.inputs = std::stoull(j.at("inputs").get<std::string>(), nullptr, 16);
     r.seconds = j.at("seconds").get<double>();
     if (j.contains("failure")) {
       r.failure = j["failure"].get<std::string>();
@@ -103,7 +109,8 @@ std::optional<MemberResult> read_member(const std::string& file, const Family& f
     r.row.title = j.at("title").get<std::string>();
     if (j.contains("profile")) {
       const Json& p = j["profile"];
-      r.row.profile = {p.at("name").get<std::string>(), numbers(p.at("x")), numbers(p.at("y")), p.at("markers").get<bool>()};
+      r.row.profile = {p.at("name").get<std::string>(), numbers(p.at("x")), numbers(p.at("y")),
+                       p.at("markers").get<bool>()};
     }
   } catch (const InputError&) {
     throw;
@@ -117,7 +124,9 @@ std::vector<Values> members_in(const std::string& dir, const Family& f) {
   std::vector<Values> out;
   std::error_code ec;
   fs::directory_iterator files(dir + "/members", ec);
-  if (ec) throw InputError(dir + "/members", 0, "cannot be read; expected the folder that the members of a study were left in");
+  if (ec)
+    throw InputError(dir + "/members", 0,
+                     "cannot be read; expected the folder that the members of a study were left in");
   for (const fs::directory_entry& e : files) {
     const std::string name = e.path().filename().string();
     if (e.path().extension() != ".json" || name.rfind(f.name + ",", 0) != 0) continue;

@@ -36,7 +36,8 @@ std::shared_ptr<Body> body_of(const Patch& p) {
   for (size_t t = 0; t < body->surface.tri.size(); ++t) {  // no bed
     double top = -1e300;
     for (const int32_t v : body->surface.tri[t]) top = std::max(top, body->surface.X_mm[size_t(v)].z());
-    if (body->surface.tag[t] == SurfaceTag::fixed && top < -b.size_mm.z() + 1e-6) body->surface.tag[t] = SurfaceTag::free;
+    if (body->surface.tag[t] == SurfaceTag::fixed && top < -b.size_mm.z() + 1e-6)
+      body->surface.tag[t] = SurfaceTag::free;
   }
   return body;
 }
@@ -69,7 +70,8 @@ std::vector<Command> pushes(const std::vector<Vec2>& at, const std::vector<doubl
   return out;
 }
 
-/// All that is held goes outward from the chart's origin, in steps of at most step_mm, until it is `stretch` times as far away; the
+/// All that is held goes outward from the chart's origin, in steps of at most step_mm, until it is `stretch` times as
+/// far away; the
 /// tissue comes to rest; and back again.
 void draw_taut_and_let_go(World& world, double stretch, double step_mm, const OperationSettings& set) {
   const Body& body = *world.spec().body;
@@ -129,7 +131,8 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   done.commands = carry_out(figure, OnSkin(*done.skin, {}), plan_of(patch));
   const std::vector<Command>& commands = done.commands;
   const auto closing = std::find_if(commands.cbegin(), commands.cend(), [](const Command& c) {
-    return std::holds_alternative<SetHook>(c) || std::holds_alternative<Suture>(c) || std::holds_alternative<SutureRow>(c);
+    return std::holds_alternative<SetHook>(c) || std::holds_alternative<Suture>(c) ||
+           std::holds_alternative<SutureRow>(c);
   });
   OperationSettings set;
   set.interrupted = with.interrupted;
@@ -138,7 +141,8 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   {
     Snapshot s;
     world.fill(s);
-    if (const auto limb = find_central_limb(commands)) done.open_elongation = elongation(s.topology->view, s.x_mm, *done.skin, *limb).value_or(0);
+    if (const auto limb = find_central_limb(commands))
+      done.open_elongation = elongation(s.topology->view, s.x_mm, *done.skin, *limb).value_or(0);
   }
   OperationOutcome o = operate(world, depth, script_of({closing, commands.cend()}, "study"), set);
   done.solve_ms = open.solve_ms + o.solve_ms;
@@ -151,18 +155,22 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   take();
   done.energy_as_closed_uJ = done.energy_uJ;
 
-  // Other equilibria. Each search starts where the last one ended: what is bistable stays where it was put. The heights differ
+  // Other equilibria. Each search starts where the last one ended: what is bistable stays where it was put. The heights
+  // differ
   // a little from place to place, so that symmetric saddles are left.
   std::vector<double> energies{done.energy_uJ};
   const auto judge = [&](int how) {
     const double e = o.last.energy_uJ;
     // Two states are different when their energies differ by more than what a residual of 1e-5 leaves open.
-    if (std::all_of(energies.begin(), energies.end(), [&](double x) { return std::abs(x - e) > 1e-3 * std::abs(x - open.last.energy_uJ); })) energies.push_back(e);
+    if (std::all_of(energies.begin(), energies.end(),
+                    [&](double x) { return std::abs(x - e) > 1e-3 * std::abs(x - open.last.energy_uJ); }))
+      energies.push_back(e);
     if (e < done.energy_uJ) take(), done.found_by = how;
   };
   const auto stopped = [&] { return with.interrupted && with.interrupted(); };
   if (patch.push_mm > 0 && patch.taut_percent > patch.prestretch_percent && !stopped()) {
-    draw_taut_and_let_go(world, (1 + patch.taut_percent / 100) / (1 + patch.prestretch_percent / 100), 0.5 * patch.cell_mm, set);
+    draw_taut_and_let_go(world, (1 + patch.taut_percent / 100) / (1 + patch.prestretch_percent / 100),
+                         0.5 * patch.cell_mm, set);
     o = operate(world, depth, script_of({}, "study's rest"), set);
     done.solve_ms += o.solve_ms;
     judge(1);
@@ -171,7 +179,8 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
     for (const int how : {2, 3}) {
       if (stopped()) break;
       std::vector<double> height;
-      for (size_t i = 0; i < patch.ears.size(); ++i) height.push_back((how == 2 ? 1 : -1) * patch.push_mm * (1 + 0.1 * double(i)));
+      for (size_t i = 0; i < patch.ears.size(); ++i)
+        height.push_back((how == 2 ? 1 : -1) * patch.push_mm * (1 + 0.1 * double(i)));
       o = operate(world, depth, script_of(pushes(patch.ears, height), "study's push"), set);
       done.solve_ms += o.solve_ms;
       judge(how);
@@ -186,29 +195,38 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
 }
 
 void add_common(Row& r, const Done& d) {
-  r.figures.insert(r.figures.end(), {{"closure_force_N", d.metrics.closure_force_N}, {"suture_force_max_N", d.metrics.suture_force_max_N},
-                                     {"gap_max_mm", d.metrics.suture_gap_max_mm}, {"stretch_p99", d.metrics.stretch_p99},
+  r.figures.insert(r.figures.end(), {{"closure_force_N", d.metrics.closure_force_N},
+                                     {"suture_force_max_N", d.metrics.suture_force_max_N},
+                                     {"gap_max_mm", d.metrics.suture_gap_max_mm},
+                                     {"stretch_p99", d.metrics.stretch_p99},
                                      {"overlap_p99_mm", d.metrics.penetration.p99_mm},
-                                     {"residual", d.residual}, {"nodes", double(d.nodes)}, {"solve_ms", d.solve_ms}});
+                                     {"residual", d.residual},
+                                     {"nodes", double(d.nodes)},
+                                     {"solve_ms", d.solve_ms}});
   r.shown = d.shown;
 }
 
-std::vector<std::vector<const Row*>> groups(const std::vector<Row>& rows, const std::string& key, const std::vector<std::string>& parameters) {
+std::vector<std::vector<const Row*>> groups(const std::vector<Row>& rows, const std::string& key,
+                                            const std::vector<std::string>& parameters) {
   std::vector<std::vector<const Row*>> out;
   for (const Row& r : rows) {
     auto same = [&](const std::vector<const Row*>& g) {
-      return std::all_of(parameters.begin(), parameters.end(), [&](const std::string& p) { return p == key || g[0]->at(p) == r.at(p) || (std::isnan(g[0]->at(p)) && std::isnan(r.at(p))); });
+      return std::all_of(parameters.begin(), parameters.end(), [&](const std::string& p) {
+        return p == key || g[0]->at(p) == r.at(p) || (std::isnan(g[0]->at(p)) && std::isnan(r.at(p)));
+      });
     };
     auto it = std::find_if(out.begin(), out.end(), same);
     if (it == out.end()) it = out.emplace(it);
     it->push_back(&r);
   }
-  for (auto& g : out) std::sort(g.begin(), g.end(), [&](const Row* a, const Row* b) { return a->at(key) < b->at(key); });
+  for (auto& g : out)
+    std::sort(g.begin(), g.end(), [&](const Row* a, const Row* b) { return a->at(key) < b->at(key); });
   return out;
 }
 
-NamedChart chart(const std::string& name, const std::string& title, const std::vector<Row>& rows, const std::string& x, const std::string& x_title,
-                 const std::string& y, const std::string& y_title, const std::vector<std::string>& parameters) {
+NamedChart chart(const std::string& name, const std::string& title, const std::vector<Row>& rows, const std::string& x,
+                 const std::string& x_title, const std::string& y, const std::string& y_title,
+                 const std::vector<std::string>& parameters) {
   NamedChart c;
   c.name = name, c.title = title;
   c.chart.description = title + ", one line for each setting";
@@ -217,7 +235,8 @@ NamedChart chart(const std::string& name, const std::string& title, const std::v
     ChartSeries s;
     s.markers = true;
     for (const std::string& p : parameters) {
-      if (p == x || std::all_of(rows.begin(), rows.end(), [&](const Row& r) { return r.at(p) == rows[0].at(p); })) continue;
+      if (p == x || std::all_of(rows.begin(), rows.end(), [&](const Row& r) { return r.at(p) == rows[0].at(p); }))
+        continue;
       char t[60];
       std::snprintf(t, sizeof t, "%s%s %g", s.name.empty() ? "" : ", ", p.c_str(), g[0]->at(p));
       s.name += t;

@@ -1,12 +1,16 @@
 // The same script on other meshes, lattices and skins: does it cut and stitch where it was meant to?
 //
-// Every procedure of the repertoire is laid on a finely meshed skin once and written down as a script, in chart points. That script is
-// carried out (cuts and stitches; nothing is moved) on the same skin with another mesh and another lattice. What was meant is known
-// without any mesh: on a plane, a cylinder and a sphere the figure's points lie where walking straight ahead from its origin leads
+// Every procedure of the repertoire is laid on a finely meshed skin once and written down as a script, in chart points.
+// That script is
+// carried out (cuts and stitches; nothing is moved) on the same skin with another mesh and another lattice. What was
+// meant is known
+// without any mesh: on a plane, a cylinder and a sphere the figure's points lie where walking straight ahead from its
+// origin leads
 // in closed form. Measured are the distances, at rest,
 //   from every corner and every millimetre of the drawn lines to the nearest edge between skin and cut wall,
 //   from every stitch's two ends, which sit on the edges of the cut, to the lines that were meant.
-// On the face (a surface in the folder that LIMBERG_DATA names) the walk on its own triangles stands for the closed form.
+// On the face (a surface in the folder that LIMBERG_DATA names) the walk on its own triangles stands for the closed
+// form.
 #include "app/study/place.h"
 
 #include <algorithm>
@@ -46,7 +50,9 @@ Vec3 bent(Form form, const Vec3& p) {
 
 std::string data_folder() {
   const char* d = std::getenv("LIMBERG_DATA");
-  if (!d || !*d) throw InputError("", 0, "study place: the face needs its surface; expected LIMBERG_DATA to name the folder that holds face/");
+  if (!d || !*d)
+    throw InputError(
+        "", 0, "study place: the face needs its surface; expected LIMBERG_DATA to name the folder that holds face/");
   return d;
 }
 
@@ -174,7 +180,11 @@ Row run(const Values& v, const Run& with) {
       }
     for (; acts > 0; --acts) world.apply(Undo{});
   }
-  r.figures.insert(r.figures.end(), {{"corner_mm", corner}, {"line_mm", line}, {"stitch_mm", stitch}, {"refused", refused}, {"procedures", double(each.size())}});
+  r.figures.insert(r.figures.end(), {{"corner_mm", corner},
+                                     {"line_mm", line},
+                                     {"stitch_mm", stitch},
+                                     {"refused", refused},
+                                     {"procedures", double(each.size())}});
   r.figures.insert(r.figures.end(), each.begin(), each.end());
   return r;
 }
@@ -182,10 +192,13 @@ Row run(const Values& v, const Run& with) {
 std::vector<Bar> bars(const std::vector<Row>& rows) {
   double corner = 0, line = 0, stitch = 0, refused = 0;
   for (const Row& r : rows)
-    corner = std::max(corner, r.at("corner_mm")), line = std::max(line, r.at("line_mm")), stitch = std::max(stitch, r.at("stitch_mm")), refused += r.at("refused");
+    corner = std::max(corner, r.at("corner_mm")), line = std::max(line, r.at("line_mm")),
+    stitch = std::max(stitch, r.at("stitch_mm")), refused += r.at("refused");
   const char* source = "the repertoire's own: within 0.5 mm on any skin";
-  return {at_most("farthest corner from where it was meant, mm", corner, 0.5, source), at_most("farthest place of a drawn line, mm", line, 0.5, source),
-          at_most("farthest end of a stitch, mm", stitch, 0.5, source), at_most("acts refused", refused, 0, "the same script can be carried out everywhere")};
+  return {at_most("farthest corner from where it was meant, mm", corner, 0.5, source),
+          at_most("farthest place of a drawn line, mm", line, 0.5, source),
+          at_most("farthest end of a stitch, mm", stitch, 0.5, source),
+          at_most("acts refused", refused, 0, "the same script can be carried out everywhere")};
 }
 
 std::vector<NamedChart> charts(const std::vector<Row>& rows) {
@@ -217,13 +230,23 @@ uint64_t inputs(const Values& v) {
 }  // namespace
 
 Family place_scripts() {
-  return {"place", "The same scripts on other meshes, lattices and skins: how far from where they were meant they cut and stitch",
-          {{"form", "0 plane, 1 cylinder and 2 sphere of 60 mm radius, 3 the face in the folder that LIMBERG_DATA names", {0, 1, 2}, 0, 3},
-           {"skin_mm", "size of the skin's triangles (the script was laid on 0.8 mm); not of the face's", {1, 1.7}, 0.6, 3},
-           {"cell_mm", "size of the lattice's cells", {5, 4, 3.5}, 2.5, 8},
-           {"at_x_mm", "where on the face, in its chart", {40}, -60, 60},
-           {"at_y_mm", "where on the face, in its chart", {-50}, -120, 60}},
-          run, bars, charts, {}, inputs};
+  return {
+      "place",
+      "The same scripts on other meshes, lattices and skins: how far from where they were meant they cut and stitch",
+      {{"form",
+        "0 plane, 1 cylinder and 2 sphere of 60 mm radius, 3 the face in the folder that LIMBERG_DATA names",
+        {0, 1, 2},
+        0,
+        3},
+       {"skin_mm", "size of the skin's triangles (the script was laid on 0.8 mm); not of the face's", {1, 1.7}, 0.6, 3},
+       {"cell_mm", "size of the lattice's cells", {5, 4, 3.5}, 2.5, 8},
+       {"at_x_mm", "where on the face, in its chart", {40}, -60, 60},
+       {"at_y_mm", "where on the face, in its chart", {-50}, -120, 60}},
+      run,
+      bars,
+      charts,
+      {},
+      inputs};
 }
 
 }  // namespace limberg::study

@@ -71,23 +71,29 @@ LawPtr plane_membrane(double mu, double faces, double t) { return std::make_shar
 
 std::shared_ptr<const LawCatalogue> laws_with_membrane() {
   auto laws = std::make_shared<LawCatalogue>(*shipped_laws());
-  laws->add({"plane-membrane", "a membrane that cannot leave its plane (app/study/planar_law.h)",
-             {{"mu_kPa", 0, 1e6, true}, {"faces_kPa", 0, 1e8, true}, {"rest_thickness", 0.01, 1}},
-             [](const LawCatalogue::Values& v) {
-               return LayerLaw{0, plane_membrane(v.number("mu_kPa"), v.number("faces_kPa"), v.number("rest_thickness")), 8};
-             }});
+  laws->add(
+      {"plane-membrane",
+       "a membrane that cannot leave its plane (app/study/planar_law.h)",
+       {{"mu_kPa", 0, 1e6, true}, {"faces_kPa", 0, 1e8, true}, {"rest_thickness", 0.01, 1}},
+       [](const LawCatalogue::Values& v) {
+         return LayerLaw{0, plane_membrane(v.number("mu_kPa"), v.number("faces_kPa"), v.number("rest_thickness")), 8};
+       }});
   return laws;
 }
 
 Material membrane_material(double mu, double prestretch) {
   Material m;
   m.prestretch_along = m.prestretch_across = prestretch;
-  m.law = {"plane-membrane", {{"mu_kPa", {mu}}, {"faces_kPa", {kFacesOverMu * mu}}, {"rest_thickness", {1 / (prestretch * prestretch)}}}};
+  m.law = {"plane-membrane",
+           {{"mu_kPa", {mu}}, {"faces_kPa", {kFacesOverMu * mu}}, {"rest_thickness", {1 / (prestretch * prestretch)}}}};
   // layer_response() completes lambda with Poisson's ratio, as if the law were alike in all directions: solved here for
   // lambda = mu / 1000.
-  const Mat9 C = plane_membrane(mu, kFacesOverMu * mu, m.law.constants[2].value[0])->tangent_kPa(Mat3::Identity(), false);
-  const double s = plane_membrane(mu, kFacesOverMu * mu, m.law.constants[2].value[0])->at(Mat3::Identity()).P_kPa.trace() / 3;
-  const double W11 = (C(0, 0) + C(4, 4) + C(8, 8)) / 3, W12 = (C(0, 4) + C(4, 8) + C(0, 8)) / 3, shear = 0.5 * (W11 - W12 + s);
+  const Mat9 C =
+      plane_membrane(mu, kFacesOverMu * mu, m.law.constants[2].value[0])->tangent_kPa(Mat3::Identity(), false);
+  const double s =
+      plane_membrane(mu, kFacesOverMu * mu, m.law.constants[2].value[0])->at(Mat3::Identity()).P_kPa.trace() / 3;
+  const double W11 = (C(0, 0) + C(4, 4) + C(8, 8)) / 3, W12 = (C(0, 4) + C(4, 8) + C(0, 8)) / 3,
+               shear = 0.5 * (W11 - W12 + s);
   const double share = (1e-3 * mu - s + W12) / (2 * shear);  // nu / (1 - 2 nu)
   m.poisson = share / (1 + 2 * share);
   m.young_kPa = 2 * mu * 1.5;

@@ -40,7 +40,8 @@ pid_t start(const Process& p) {
 
 }  // namespace
 
-void run_processes(const std::vector<Process>& all, int at_once, const std::function<bool()>& interrupted, const std::function<void(size_t)>& idle, const Ended& ended) {
+void run_processes(const std::vector<Process>& all, int at_once, const std::function<bool()>& interrupted,
+                   const std::function<void(size_t)>& idle, const Ended& ended) {
   std::map<pid_t, size_t> running;
   size_t next = 0;
   bool asked = false;

@@ -37,7 +37,8 @@ void judge(SeamsLie& out, const Side& a, const Side& b) {
 Side side_of(const SkinMap& skin, const std::vector<Vec2>& path, double s, int side) {
   const Vec2 on = beside(path, s, 0), in = beside(path, s, side) - on;
   const double inside = std::min(kInside_mm, kWithin * skin.free_mm(on + kEdge_mm * in, in));
-  return {skin.now_mm(on + kEdge_mm * in), skin.now_mm(on + inside * in), skin.now_mm(beside(path, s + kAlong_mm, side * 0.5 * inside)),
+  return {skin.now_mm(on + kEdge_mm * in), skin.now_mm(on + inside * in),
+          skin.now_mm(beside(path, s + kAlong_mm, side * 0.5 * inside)),
           skin.now_mm(beside(path, s - kAlong_mm, side * 0.5 * inside))};
 }
 
@@ -45,8 +46,8 @@ Side corner_of(const SkinMap& skin, const Figure& f, const Corner& c) {
   const Vec2 in = tissue_bisector(f, c), at = place(f, c), across(-in.y(), in.x());
   const double narrow = std::min(0.5, 0.5 * std::tan(std::min(80.0, tissue_deg(f, c) / 2) / kDeg));
   // Seen from the edge's end inwards, "ahead" lies to the right, as with tissue to the left of a path.
-  return {skin.now_mm(at + kEdge_mm * in), skin.now_mm(at + kInside_mm * in), skin.now_mm(at + kInside_mm * (in - narrow * across)),
-          skin.now_mm(at + kInside_mm * (in + narrow * across))};
+  return {skin.now_mm(at + kEdge_mm * in), skin.now_mm(at + kInside_mm * in),
+          skin.now_mm(at + kInside_mm * (in - narrow * across)), skin.now_mm(at + kInside_mm * (in + narrow * across))};
 }
 
 }  // namespace

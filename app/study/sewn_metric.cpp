@@ -14,7 +14,8 @@ namespace limberg::study {
 namespace {
 
 constexpr double kDeg = 180 / std::numbers::pi;
-// A stitch's end is a place of an edge, told by where both lie now: in single precision, and between its vertices an edge may
+// A stitch's end is a place of an edge, told by where both lie now: in single precision, and between its vertices an
+// edge may
 // bend within a strained cell.
 constexpr double kOnEdge_mm = 0.6;
 constexpr double kApart_mm = 0.5;    // the two ends of a stitch, along one edge
@@ -32,7 +33,7 @@ struct Place {
   int32_t loop = -1;
   double at_mm = 0, off_mm = 0;  // along its loop; from where the stitch's end is now
   ChartPoint at{0, 0};
-  Vec2 along = Vec2::UnitX();    // unit, the tissue on its left
+  Vec2 along = Vec2::UnitX();  // unit, the tissue on its left
 };
 
 /// Both ends of a stitch as it was asked for: beside the edges that it goes through, in their tissue.
@@ -61,7 +62,8 @@ double unlike(const Place& p, const ChartPoint& given) {
 class Rim {
  public:
   explicit Rim(const Snapshot& s) : body_(*s.topology->body), v_(s.topology->view) {
-    std::map<std::pair<int32_t, int32_t>, std::pair<int32_t, int>> skin;  // an edge's two ends: its triangle and corner there
+    std::map<std::pair<int32_t, int32_t>, std::pair<int32_t, int>>
+        skin;  // an edge's two ends: its triangle and corner there
     std::map<std::pair<int32_t, int>, int32_t> number;
     for (size_t t = 0; t < v_.tri.size(); ++t) {
       if (v_.kind[t] != FaceKind::skin) continue;
@@ -107,10 +109,13 @@ class Rim {
     for (const Edge& e : edges) {
       const Vec3 a = s.x_mm[size_t(e.from)].cast<double>(), d = s.x_mm[size_t(e.to)].cast<double>() - a;
       if ((now - a).norm() > d.norm() + kOnEdge_mm) continue;
-      const double t = d.squaredNorm() > 0 ? std::clamp((now - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0, off = (now - a - t * d).norm();
+      const double t = d.squaredNorm() > 0 ? std::clamp((now - a).dot(d) / d.squaredNorm(), 0.0, 1.0) : 0,
+                   off = (now - a - t * d).norm();
       // At its end it is at the next one's start.
       const ChartPoint from = chart(e.from), to = chart(e.to);
-      if (off <= kOnEdge_mm) all.push_back({e.loop, t == 1 && e.next >= 0 ? edges[size_t(e.next)].start_mm : e.start_mm + t * e.length_mm, off, (1 - t) * from + t * to, (to - from).normalized()});
+      if (off <= kOnEdge_mm)
+        all.push_back({e.loop, t == 1 && e.next >= 0 ? edges[size_t(e.next)].start_mm : e.start_mm + t * e.length_mm,
+                       off, (1 - t) * from + t * to, (to - from).normalized()});
     }
     std::sort(all.begin(), all.end(), [](const Place& p, const Place& q) { return p.off_mm < q.off_mm; });
     std::vector<Place> out;
@@ -128,7 +133,9 @@ class Rim {
     const ChartPoint at = chart(e.to);
     const Vec2 out = (chart(edges[size_t(e.next)].to) - at).normalized();
     const double half = e.tissue / 2;
-    return {at, e.tissue * kDeg, Vec2(std::cos(half) * out.x() - std::sin(half) * out.y(), std::sin(half) * out.x() + std::cos(half) * out.y())};
+    return {
+        at, e.tissue * kDeg,
+        Vec2(std::cos(half) * out.x() - std::sin(half) * out.y(), std::sin(half) * out.x() + std::cos(half) * out.y())};
   }
 
   std::vector<Edge> edges;
@@ -165,7 +172,8 @@ SewnSkin sewn_skin(const Snapshot& s, std::span<const Command> commands) {
     for (const Place& a : as)
       for (const Place& b : bs) {
         if (!rim.apart(a, b)) continue;
-        if (const double u = unlike(a, asked[i].first) + unlike(b, asked[i].second); u < least) least = u, best = {a, b};
+        if (const double u = unlike(a, asked[i].first) + unlike(b, asked[i].second); u < least)
+          least = u, best = {a, b};
       }
     if (!best) {
       ++out.unpaired;
@@ -185,7 +193,9 @@ SewnSkin sewn_skin(const Snapshot& s, std::span<const Command> commands) {
       const Place &at = ends[i].at, &to = ends[ends[i].other].at;
       return to.loop == at.loop && to.at_mm < at.at_mm ? to.at_mm + rim.length_mm[size_t(at.loop)] : to.at_mm;
     };
-    std::sort(of.begin(), of.end(), [&](size_t a, size_t b) { return ends[a].at.at_mm != ends[b].at.at_mm ? ends[a].at.at_mm < ends[b].at.at_mm : reach(a) > reach(b); });
+    std::sort(of.begin(), of.end(), [&](size_t a, size_t b) {
+      return ends[a].at.at_mm != ends[b].at.at_mm ? ends[a].at.at_mm < ends[b].at.at_mm : reach(a) > reach(b);
+    });
     for (size_t k = 0; k < of.size(); ++k) next[of[k]] = of[(k + 1) % of.size()];
   }
   std::vector<uint8_t> walked(ends.size(), 0);
@@ -238,7 +248,8 @@ std::optional<double> SewnSkin::charge_deg(const Figure& f, const std::vector<Co
     double most = 0;
     for (size_t g = 0; g < gaps.size(); ++g)
       for (const SewnGap::Turn& t : gaps[g].turns)
-        if ((t.at - place(f, c)).norm() < kSamePlace_mm && t.inward.dot(tissue_bisector(f, c)) > 0.7 && std::abs(180 - t.tissue_deg) > most)
+        if ((t.at - place(f, c)).norm() < kSamePlace_mm && t.inward.dot(tissue_bisector(f, c)) > 0.7 &&
+            std::abs(180 - t.tissue_deg) > most)
           best = g, most = std::abs(180 - t.tissue_deg);
     if (!best) return std::nullopt;
     holding.insert(*best);

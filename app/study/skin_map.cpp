@@ -29,7 +29,8 @@ SkinMap::SkinMap(const Snapshot& s, Side side) {
       if (v.kind[t] != FaceKind::skin) continue;
     } else {
       if (v.kind[t] != FaceKind::wall && v.kind[t] != FaceKind::free) continue;
-      const Vec3 a = v.X_mm[size_t(corner[0])], n = (v.X_mm[size_t(corner[1])] - a).cross(v.X_mm[size_t(corner[2])] - a);
+      const Vec3 a = v.X_mm[size_t(corner[0])],
+                 n = (v.X_mm[size_t(corner[1])] - a).cross(v.X_mm[size_t(corner[2])] - a);
       if (n.dot(up_) > -0.9 * n.norm()) continue;
       std::swap(corner[1], corner[2]);  // seen from above, as the skin
     }
@@ -89,7 +90,8 @@ SkinMap::Gradient SkinMap::gradient(const Patch& t) {
   Gradient g;
   Eigen::Matrix2d D;
   D << t.at[1] - t.at[0], t.at[2] - t.at[0];
-  const double twice = D.determinant(), longest = std::max({(t.at[1] - t.at[0]).norm(), (t.at[2] - t.at[1]).norm(), (t.at[0] - t.at[2]).norm()});
+  const double twice = D.determinant(),
+               longest = std::max({(t.at[1] - t.at[0]).norm(), (t.at[2] - t.at[1]).norm(), (t.at[0] - t.at[2]).norm()});
   if (!(twice > kSliver_mm * longest)) return g;
   Eigen::Matrix<double, 3, 2> d;
   d << t.x[1] - t.x[0], t.x[2] - t.x[0];
@@ -115,7 +117,9 @@ void SkinMap::near(const ChartPoint& p, double radius, Visit visit) const {
 std::optional<Vec3> SkinMap::mean_now_mm(const ChartPoint& p, double radius) const {
   Vec3 sum = Vec3::Zero();
   double area = 0;
-  near(p, radius, [&](const Patch& t, const Gradient& g) { sum += g.area_mm2 * (t.x[0] + t.x[1] + t.x[2]) / 3, area += g.area_mm2; });
+  near(p, radius, [&](const Patch& t, const Gradient& g) {
+    sum += g.area_mm2 * (t.x[0] + t.x[1] + t.x[2]) / 3, area += g.area_mm2;
+  });
   if (area < 0.5 * std::numbers::pi * radius * radius) return std::nullopt;
   return sum / area;
 }
@@ -131,7 +135,7 @@ std::optional<double> SkinMap::mean_height_mm(const ChartPoint& p, double radius
 
 SkinMap::Stretch SkinMap::stretch(const ChartPoint& p, double radius) const {
   Stretch out;
-  Mat3 left = Mat3::Zero();            // F F^T
+  Mat3 left = Mat3::Zero();                         // F F^T
   Eigen::Matrix2d right = Eigen::Matrix2d::Zero();  // F^T F
   near(p, radius, [&](const Patch&, const Gradient& g) {
     left += g.area_mm2 * g.F * g.F.transpose(), right += g.area_mm2 * g.F.transpose() * g.F;
@@ -160,9 +164,11 @@ double SkinMap::slack_share(double radius, double prestretch) const {
   double all = 0, slack = 0;
   near({0, 0}, radius, [&](const Patch&, const Gradient& g) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> e(g.F.transpose() * g.F);
-    const double most = prestretch * std::sqrt(e.eigenvalues()[1]), least = prestretch * std::sqrt(std::max(0.0, e.eigenvalues()[0]));
+    const double most = prestretch * std::sqrt(e.eigenvalues()[1]),
+                 least = prestretch * std::sqrt(std::max(0.0, e.eigenvalues()[0]));
     all += g.area_mm2;
-    if (least * std::sqrt(most) < 1 - 1e-3) slack += g.area_mm2;  // a thousandth is the rounding of positions over a triangle
+    if (least * std::sqrt(most) < 1 - 1e-3)
+      slack += g.area_mm2;  // a thousandth is the rounding of positions over a triangle
   });
   return all > 0 ? slack / all : 0;
 }
@@ -211,7 +217,8 @@ double SkinMap::deficit_deg(const Figure& f, const std::vector<Corner>& corners,
     std::optional<Vec3> before;
     for (int i = 0; i <= n; ++i) {
       const double a = (-half + 2 * half * i / n) / kDeg;
-      const Vec2 d(std::cos(a) * middle.x() - std::sin(a) * middle.y(), std::sin(a) * middle.x() + std::cos(a) * middle.y());
+      const Vec2 d(std::cos(a) * middle.x() - std::sin(a) * middle.y(),
+                   std::sin(a) * middle.x() + std::cos(a) * middle.y());
       const auto x = now_mm(apex + radius * d);
       if (!x) return std::nan("");
       const Vec3 ray = *x - *apex_now;
@@ -233,9 +240,11 @@ double SkinMap::curvature_deg(const Figure& f, const std::vector<Corner>& corner
     near(apex, radius + 0.5 * width, [&](const Patch& t, const Gradient&) {
       const Vec2 d = t.centre() - apex;
       if (d.norm() < radius - 0.5 * width) return;
-      const double turn = std::atan2(cross(middle, d), middle.dot(d)) * kDeg + 0.5 * angle;  // from the sector's first edge
+      const double turn =
+          std::atan2(cross(middle, d), middle.dot(d)) * kDeg + 0.5 * angle;  // from the sector's first edge
       if (turn < 0 || turn >= angle) return;
-      cell[std::min(cell.size() - 1, size_t(turn / angle * double(cell.size())))] += (t.x[1] - t.x[0]).cross(t.x[2] - t.x[0]);
+      cell[std::min(cell.size() - 1, size_t(turn / angle * double(cell.size())))] +=
+          (t.x[1] - t.x[0]).cross(t.x[2] - t.x[0]);
     });
     const size_t before = round.size();
     for (const Vec3& n : cell)

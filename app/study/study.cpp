@@ -48,8 +48,10 @@ std::vector<double> numbers(const std::string& list, const Parameter& p) {
     double v = 0;
     const auto r = std::from_chars(list.data() + at, list.data() + end, v);
     if (r.ec != std::errc() || r.ptr != list.data() + end)
-      throw InputError("", 0, "--set " + p.name + ": \"" + shown(list.substr(at, end - at)) + "\" is not a number" + want);
-    if (!std::isfinite(v) || v < p.lo || v > p.hi) throw InputError("", 0, "--set " + p.name + ": " + text(v) + " is out of range" + want);
+      throw InputError("", 0,
+                       "--set " + p.name + ": \"" + shown(list.substr(at, end - at)) + "\" is not a number" + want);
+    if (!std::isfinite(v) || v < p.lo || v > p.hi)
+      throw InputError("", 0, "--set " + p.name + ": " + text(v) + " is out of range" + want);
     out.push_back(v);
     at = end + 1;
   }
@@ -65,7 +67,8 @@ double Row::at(const std::string& name) const {
 }
 
 const std::vector<Family>& families() {
-  static const std::vector<Family> all{gape(), disc(), zplasty(), plate(), planar(), rhomboid(), fusiform(), place_scripts()};
+  static const std::vector<Family> all{gape(),   disc(),     zplasty(),  plate(),
+                                       planar(), rhomboid(), fusiform(), place_scripts()};
   return all;
 }
 
@@ -94,8 +97,9 @@ std::vector<Values> members(const Family& family, const std::vector<std::string>
     size_t i = 0;
     while (i < values.size() && !names_it(key, family.parameters[i].name)) ++i;
     if (equals == std::string::npos || i == values.size())
-      throw InputError("", 0, "--set " + shown(s) + ": no such setting of study " + family.name + "; expected KEY=V1,V2,... with one of: " +
-                                  names(family.parameters));
+      throw InputError("", 0,
+                       "--set " + shown(s) + ": no such setting of study " + family.name +
+                           "; expected KEY=V1,V2,... with one of: " + names(family.parameters));
     if (given[i]) throw InputError("", 0, "--set " + key + " is given twice; expected each key once");
     given[i] = 1;
     values[i] = numbers(s.substr(equals + 1), family.parameters[i]);
@@ -103,7 +107,8 @@ std::vector<Values> members(const Family& family, const std::vector<std::string>
   size_t count = 1;
   for (const auto& v : values) {
     count *= v.size();
-    if (count > 1000) throw InputError("", 0, "study " + family.name + ": more than 1000 members; expected fewer values");
+    if (count > 1000)
+      throw InputError("", 0, "study " + family.name + ": more than 1000 members; expected fewer values");
   }
   std::vector<Values> out;
   for (size_t m = 0; m < count; ++m) {

@@ -5,7 +5,8 @@
 //   limberg study gape --set angle_deg=90,45 --set prestretch_percent=5,10,20
 //
 // A family names its parameters, each with the values it takes by itself and the range that makes sense; --set gives
-// others. Its members are all combinations, the first parameter changing slowest. Each is a process of its own (processes.h) that
+// others. Its members are all combinations, the first parameter changing slowest. Each is a process of its own
+// (processes.h) that
 // leaves a file (member_file.h); the rows, charts and bars are made of those files, wherever they were made.
 #include <functional>
 #include <memory>
@@ -30,10 +31,10 @@ using Values = std::vector<double>;
 
 struct Row {
   std::vector<std::pair<std::string, double>> figures;  // the set values first
-  ChartSeries profile;  // a curve of this member for the family's charts; may be empty
-  std::string title;    // of its picture; empty: none is made
-  std::shared_ptr<const Snapshot> shown;  // what is pictured
-  double at(const std::string& name) const;  // not a number when there is none
+  ChartSeries profile;                                  // a curve of this member for the family's charts; may be empty
+  std::string title;                                    // of its picture; empty: none is made
+  std::shared_ptr<const Snapshot> shown;                // what is pictured
+  double at(const std::string& name) const;             // not a number when there is none
 };
 
 struct Bar {
@@ -66,7 +67,8 @@ struct Family {
   std::function<Row(const Values&, const Run&)> run;
   std::function<std::vector<Bar>(const std::vector<Row>&)> bars;
   std::function<std::vector<NamedChart>(const std::vector<Row>&)> charts;
-  std::vector<CheckPart> check = {};  // the members that all its checks need, its own first; empty: its members by themselves
+  std::vector<CheckPart> check =
+      {};  // the members that all its checks need, its own first; empty: its members by themselves
   std::function<uint64_t(const Values&)> inputs = {};  // hash of the files that a member reads; empty: it reads none
 };
 
@@ -79,7 +81,8 @@ const Family& find_family(const std::string& name);
 /// The parameter that a key of --set means, empty when there is none.
 std::string parameter_named(const Family& family, const std::string& key);
 
-/// Applies "key=v1,v2,..." settings and lists the members; a key may leave its unit off (cell for cell_mm). InputError on an unknown or repeated key, no or broken numbers, values
+/// Applies "key=v1,v2,..." settings and lists the members; a key may leave its unit off (cell for cell_mm). InputError
+/// on an unknown or repeated key, no or broken numbers, values
 /// out of range, or more than 1000 members.
 std::vector<Values> members(const Family& family, const std::vector<std::string>& settings);
 

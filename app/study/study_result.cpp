@@ -75,7 +75,8 @@ void leave_files(const std::vector<Gathered>& parts, const std::string& dir) {
     if (p.rows.empty()) continue;
     const std::string prefix = &p == &parts[0] ? "" : p.family->name;
     write_whole_file(dir + "/" + (prefix.empty() ? "rows" : prefix) + ".csv", csv(p.rows));
-    for (const NamedChart& c : p.family->charts(p.rows)) write_whole_file(dir + "/" + (prefix.empty() ? "" : prefix + "-") + c.name + ".svg", svg(c.chart));
+    for (const NamedChart& c : p.family->charts(p.rows))
+      write_whole_file(dir + "/" + (prefix.empty() ? "" : prefix + "-") + c.name + ".svg", svg(c.chart));
   }
 }
 
@@ -86,7 +87,8 @@ void leave_pictures(const Gathered& part, const std::vector<std::string>& pictur
   for (size_t i = 0; i < part.rows.size(); ++i) {
     if (part.rows[i].title.empty() || !fs::is_regular_file(picture_of_row[i], ec)) continue;
     prepare_folder(dir + "/" + report_names::stages_dir);
-    write_whole_file(dir + "/" + report_names::stage_picture(int(i) + 1, part.rows[i].title), read_whole_file(picture_of_row[i]));
+    write_whole_file(dir + "/" + report_names::stage_picture(int(i) + 1, part.rows[i].title),
+                     read_whole_file(picture_of_row[i]));
   }
 }
 

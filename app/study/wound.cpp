@@ -16,9 +16,7 @@ std::vector<Layer> skin_on_fat(double thickness_mm, double prestretch_percent) {
   return {{"skin", kSkin_mm, skin}, {"fat", thickness_mm - kSkin_mm, fat}};
 }
 
-
 namespace {
-
 
 /// Calls visit(t, a, b) for every edge a -> b of a skin triangle t whose other side is a wall.
 template <class Visit>
@@ -41,7 +39,8 @@ double area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).
 StraightWound::StraightWound(const Snapshot& s) {
   const SurfaceView& v = s.topology->view;
   for_rim(v, [&](size_t, int32_t a, int32_t b) {
-    Edge e{{v.X_mm[size_t(a)], s.x_mm[size_t(a)].cast<double>()}, {v.X_mm[size_t(b)], s.x_mm[size_t(b)].cast<double>()}};
+    Edge e{{v.X_mm[size_t(a)], s.x_mm[size_t(a)].cast<double>()},
+           {v.X_mm[size_t(b)], s.x_mm[size_t(b)].cast<double>()}};
     // The skin lies to the left of its edges: what runs towards +x is the edge of the bank at y > 0.
     const bool left = e.a.X_mm.x() < e.b.X_mm.x();
     if (!left) std::swap(e.a, e.b);
@@ -72,7 +71,8 @@ SkinArea central_skin(const Snapshot& s) {
     if (v.kind[t] != FaceKind::skin) continue;
     Vec3 c = Vec3::Zero();
     for (const int32_t i : v.tri[t]) c += v.X_mm[size_t(i)] / 3;
-    if (const double d = (c - s.topology->body->chart_origin_mm).norm(); d < best) best = d, component = component_of[t];
+    if (const double d = (c - s.topology->body->chart_origin_mm).norm(); d < best)
+      best = d, component = component_of[t];
   }
   SkinArea out;
   for (size_t t = 0; t < v.tri.size(); ++t) {
@@ -95,7 +95,9 @@ Hole central_hole(const Snapshot& s) {
     if (n > size[largest]) largest = c;
   Hole out;
   Vec2 lo = Vec2::Constant(1e300), hi = -lo;
-  const auto cross = [](const auto& a, const auto& b) { return double(a.x()) * double(b.y()) - double(a.y()) * double(b.x()); };
+  const auto cross = [](const auto& a, const auto& b) {
+    return double(a.x()) * double(b.y()) - double(a.y()) * double(b.x());
+  };
   for_rim(v, [&](size_t t, int32_t a, int32_t b) {
     if (component_of[t] != largest) return;
     // The skin lies to the left of its edges: around a hole they run clockwise.

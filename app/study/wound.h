@@ -7,7 +7,8 @@
 
 namespace limberg::study {
 
-/// The layers of the flaps' and gape studies, as in the shipped scenes: 1.5 mm of skin at 60 kPa, and fat at 15 kPa down to
+/// The layers of the flaps' and gape studies, as in the shipped scenes: 1.5 mm of skin at 60 kPa, and fat at 15 kPa
+/// down to
 /// thickness_mm that is stretched 0.8 times as much (septa tie it to the skin); alike in all directions.
 std::vector<Layer> skin_on_fat(double thickness_mm, double prestretch_percent);
 
@@ -17,7 +18,8 @@ struct Bank {
   Vec3 moved_mm() const { return x_mm - X_mm; }
 };
 
-/// The skin's edges along an incision that was drawn along y = 0, both ways: left is y > 0. Linear between the vertices of
+/// The skin's edges along an incision that was drawn along y = 0, both ways: left is y > 0. Linear between the vertices
+/// of
 /// the edge. Nothing where the wound does not reach.
 class StraightWound {
  public:
@@ -41,7 +43,8 @@ struct SkinArea {
 /// Of the skin in the component of the surface that holds the skin nearest to the chart's origin.
 SkinArea central_skin(const Snapshot& s);
 
-/// The rim of the hole around the chart's origin in the largest component, at rest and now: enclosed area in the plane, and
+/// The rim of the hole around the chart's origin in the largest component, at rest and now: enclosed area in the plane,
+/// and
 /// its extent along x and y.
 struct Hole {
   double rest_mm2 = 0, now_mm2 = 0;

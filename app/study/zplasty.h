@@ -1,15 +1,18 @@
 #pragma once
-// Z-plasties of 20 mm limbs in three settings, after the same protocol; what is compared with what stands in zplasty_bars.cpp.
+// Z-plasties of 20 mm limbs in three settings, after the same protocol; what is compared with what stands in
+// zplasty_bars.cpp.
 //   zplasty  skin on fat, undermined: the patient
 //   plate    the skin alone, on a bed that it can rise from or with nothing beneath it: how far thin skin stands up
-//   planar   a membrane that cannot leave its plane, clamped at six limbs: how much of the theory a flat surrounding allows
+//   planar   a membrane that cannot leave its plane, clamped at six limbs: how much of the theory a flat surrounding
+//   allows
 #include "app/study/study.h"
 
 namespace limberg::study {
 
 inline constexpr double kLimb_mm = 20;
 
-Row run_z(const Values& values, const Run& with);       // angle, prestretch, cell_mm, contact, depth_mm, push_mm, spacing_mm, fronts
+Row run_z(const Values& values,
+          const Run& with);  // angle, prestretch, cell_mm, contact, depth_mm, push_mm, spacing_mm, fronts
 Row run_plate(const Values& values, const Run& with);   // angle, prestretch, cell_mm, bed
 Row run_planar(const Values& values, const Run& with);  // angle, prestretch, cell_mm
 

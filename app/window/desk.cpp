@@ -14,7 +14,8 @@ namespace {
 
 constexpr float kToolsWidth = 168, kPatientWidth = 268, kLanesHeight = 84;
 constexpr size_t kNotices = 200;
-const ImVec4 kQuiet{0.66f, 0.72f, 0.74f, 1}, kGood{0.55f, 0.85f, 0.60f, 1}, kWarn{0.97f, 0.72f, 0.35f, 1}, kBad{0.98f, 0.45f, 0.40f, 1};
+const ImVec4 kQuiet{0.66f, 0.72f, 0.74f, 1}, kGood{0.55f, 0.85f, 0.60f, 1}, kWarn{0.97f, 0.72f, 0.35f, 1},
+    kBad{0.98f, 0.45f, 0.40f, 1};
 
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoTitleBar;
@@ -51,7 +52,8 @@ void lane(const char* name, double ms, double period_ms, std::string note, bool 
   ImGui::SameLine(64);
   char text[48];
   std::snprintf(text, sizeof text, ms < 1 ? "%.2f of %.3g ms" : "%.1f of %.3g ms", ms, period_ms);
-  ImGui::PushStyleColor(ImGuiCol_PlotHistogram, share < 0.85f || may_last ? ImVec4(0.25f, 0.52f, 0.58f, 1) : ImVec4(0.75f, 0.45f, 0.20f, 1));
+  ImGui::PushStyleColor(ImGuiCol_PlotHistogram,
+                        share < 0.85f || may_last ? ImVec4(0.25f, 0.52f, 0.58f, 1) : ImVec4(0.75f, 0.45f, 0.20f, 1));
   ImGui::ProgressBar(share, {narrow ? 112.0f : 170.0f, 0}, text);
   ImGui::PopStyleColor();
   ImGui::SameLine();
@@ -71,14 +73,16 @@ float desk_scale(int width, int height) {
 DeskStage desk_stage(int width, int height) {
   const float scale = desk_scale(width, height), w = float(width) / scale, h = float(height) / scale;
   DeskStage s;
-  s.u0 = kToolsWidth / w, s.u1 = std::max(s.u0 + 0.05f, 1 - kPatientWidth / w), s.v1 = std::max(0.05f, 1 - kLanesHeight / h);
+  s.u0 = kToolsWidth / w, s.u1 = std::max(s.u0 + 0.05f, 1 - kPatientWidth / w),
+  s.v1 = std::max(0.05f, 1 - kLanesHeight / h);
   s.aspect = double(s.u1 - s.u0) * double(width) / (double(s.v1) * double(height));
   return s;
 }
 
 void Desk::notice(const Notice& n) {
   if (n.kind == Notice::done) state.head.hear(n.text.data());
-  const bool again = !notices_.empty() && n.kind == Notice::done && notices_.back().kind == n.kind && notices_.back().text == n.text;
+  const bool again =
+      !notices_.empty() && n.kind == Notice::done && notices_.back().kind == n.kind && notices_.back().text == n.text;
   if (again) return;  // a further piece of the same stroke
   notices_.push_back(n);
   if (notices_.size() > kNotices) notices_.pop_front();
@@ -95,8 +99,10 @@ void Desk::device(const DeskReading& r) {
     ImGui::PopStyleColor();
   };
   const bool begun = r.gauges && LaneGauges::get(r.gauges->tick) > 2500;
-  if (begun && r.samples_per_s < 1) warn("silent: no sample for a second. Is it connected and switched on? limberg devices --watch shows what comes");
-  else if (begun) ImGui::TextColored(kGood, "%.0f samples/s", r.samples_per_s);
+  if (begun && r.samples_per_s < 1)
+    warn("silent: no sample for a second. Is it connected and switched on? limberg devices --watch shows what comes");
+  else if (begun)
+    ImGui::TextColored(kGood, "%.0f samples/s", r.samples_per_s);
   if (!facts_.calibrated) warn("not calibrated: limberg calibrate stylus, then --calibration FILE");
 }
 
@@ -114,11 +120,22 @@ void Desk::tools(const DeskReading& r, int height) {
   panel("tools", 0, 0, kToolsWidth, float(height));
   ImGui::TextUnformatted(facts_.scene.c_str());
   heading("TOOLS");
-  static constexpr struct { Tool tool; const char* name; } kTools[] = {{Tool::none, "1  Look around"}, {Tool::scalpel, "2  Scalpel"},
-      {Tool::undermine, "3  Undermine"}, {Tool::excise, "4  Excise"}, {Tool::hook, "5  Hook"}, {Tool::suture, "6  Stitch"}, {Tool::suture_row, "7  Row of stitches"},
-      {Tool::saw, "8  Saw"}, {Tool::grab, "9  Grab"}};
+  static constexpr struct {
+    Tool tool;
+    const char* name;
+  } kTools[] = {{Tool::none, "1  Look around"},
+                {Tool::scalpel, "2  Scalpel"},
+                {Tool::undermine, "3  Undermine"},
+                {Tool::excise, "4  Excise"},
+                {Tool::hook, "5  Hook"},
+                {Tool::suture, "6  Stitch"},
+                {Tool::suture_row, "7  Row of stitches"},
+                {Tool::saw, "8  Saw"},
+                {Tool::grab, "9  Grab"}};
   for (const auto& t : kTools)
-    if ((t.tool == Tool::none || (acts_on_bone(t.tool) ? facts_.head : facts_.skin)) && ImGui::Selectable(t.name, state.tool == t.tool && !state.ruler)) choose(t.tool);
+    if ((t.tool == Tool::none || (acts_on_bone(t.tool) ? facts_.head : facts_.skin)) &&
+        ImGui::Selectable(t.name, state.tool == t.tool && !state.ruler))
+      choose(t.tool);
   const bool cuts = state.tool == Tool::scalpel || state.tool == Tool::undermine || state.tool == Tool::excise;
   if (cuts || state.tool == Tool::suture_row) {
     ImGui::PushItemWidth(-1);
@@ -147,7 +164,8 @@ void Desk::tools(const DeskReading& r, int height) {
   if (ImGui::BeginCombo("##field", state.field == SkinField::none ? "No colours" : look_of(state.field).name)) {
     for (int k = 0; k < kSkinFields; ++k)
       if (k == 0 || facts_.skin || SkinField(k) == SkinField::moved)
-        if (ImGui::Selectable(k == 0 ? "No colours" : look_of(SkinField(k)).name, int(state.field) == k)) choose_field(SkinField(k));
+        if (ImGui::Selectable(k == 0 ? "No colours" : look_of(SkinField(k)).name, int(state.field) == k))
+          choose_field(SkinField(k));
     ImGui::EndCombo();
   }
   ImGui::PopItemWidth();
@@ -157,16 +175,20 @@ void Desk::tools(const DeskReading& r, int height) {
     ImGui::Checkbox("Tension lines", &state.tension_lines);
     ImGui::Checkbox("Lattice", &state.lattice);
   }
-  if (facts_.head) ImGui::PushItemWidth(-1), ImGui::Combo("##face", &state.face, "Face\0Clear face\0No face\0"), ImGui::PopItemWidth();
+  if (facts_.head)
+    ImGui::PushItemWidth(-1), ImGui::Combo("##face", &state.face, "Face\0Clear face\0No face\0"), ImGui::PopItemWidth();
   if (facts_.head) ImGui::Checkbox("Landmarks", &state.landmarks);
   ImGui::Checkbox("Triangles", &state.wireframe);
   if (ImGui::Checkbox("Measure", &state.ruler) && state.ruler) choose(Tool::none);
   ImGui::PushItemWidth(-1);
   int compare = int(state.compare), stereo = int(state.stereo);
-  if (ImGui::Combo("##compare", &compare, "No comparison\0Before | after: wipe\0Before, after\0")) state.compare = Compare(compare);
+  if (ImGui::Combo("##compare", &compare, "No comparison\0Before | after: wipe\0Before, after\0"))
+    state.compare = Compare(compare);
   if (state.compare == Compare::wipe) ImGui::SliderFloat("##wipe", &state.wipe, 0, 1, "");
-  if (ImGui::Combo("##stereo", &stereo, "One eye\0Stereo side by side\0Stereo red-cyan\0")) state.stereo = Stereo(stereo);
-  ImGui::Combo("##quality", &state.quality, "Quality: automatic\0Half size\0Fast\0Fine skin\0Shadows\0Shadows, occlusion\0");
+  if (ImGui::Combo("##stereo", &stereo, "One eye\0Stereo side by side\0Stereo red-cyan\0"))
+    state.stereo = Stereo(stereo);
+  ImGui::Combo("##quality", &state.quality,
+               "Quality: automatic\0Half size\0Fast\0Fine skin\0Shadows\0Shadows, occlusion\0");
   ImGui::PopItemWidth();
   if (ImGui::Button("Picture", {half, 0})) state.picture = true;
   ImGui::SameLine();
@@ -202,7 +224,12 @@ void Desk::patient(const DeskReading& r, int width, int height) {
     }
     ImGui::EndChild();
     const bool more = r.lesson_begun < int(facts_.lesson.size());
-    if (ImGui::Button(r.showing ? "being shown ..." : more ? "Next: show me   N" : "the lesson is done", {-1, 0}) && more && !r.showing) state.next = true;
+    if (ImGui::Button(r.showing ? "being shown ..."
+                      : more    ? "Next: show me   N"
+                                : "the lesson is done",
+                      {-1, 0}) &&
+        more && !r.showing)
+      state.next = true;
   }
 
   if (!s.figures.empty()) {
@@ -214,13 +241,16 @@ void Desk::patient(const DeskReading& r, int width, int height) {
     state.head.draw(*r.measures, !s.moved_mm.empty(), float(height));
   }
   if (facts_.skin) heading("SUTURES");
-  if (!facts_.skin) ImGui::Spacing();
-  else if (s.sutures.empty()) ImGui::TextColored(kQuiet, "none yet");
+  if (!facts_.skin)
+    ImGui::Spacing();
+  else if (s.sutures.empty())
+    ImGui::TextColored(kQuiet, "none yet");
   else {
     double sum = 0;
     for (const SutureState& x : s.sutures) sum += double(x.force_N);
     ImGui::Text("%d stitches, %.2f N together", int(s.sutures.size()), sum);
-    if (ImGui::BeginTable("sutures", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY, {0, std::min(0.25f * float(height), 26.0f + 21.0f * float(s.sutures.size()))})) {
+    if (ImGui::BeginTable("sutures", 3, ImGuiTableFlags_RowBg | ImGuiTableFlags_ScrollY,
+                          {0, std::min(0.25f * float(height), 26.0f + 21.0f * float(s.sutures.size()))})) {
       ImGui::TableSetupScrollFreeze(0, 1);
       ImGui::TableSetupColumn("no.");
       ImGui::TableSetupColumn("force N");
@@ -232,7 +262,10 @@ void Desk::patient(const DeskReading& r, int width, int height) {
         ImGui::Text("%d", x.id);
         ImGui::TableNextColumn();
         const double force = double(x.force_N);
-        ImGui::TextColored(force < facts_.suture_warn_N ? kGood : force < facts_.suture_limit_N ? kWarn : kBad, "%.2f", double(x.force_N));
+        ImGui::TextColored(force < facts_.suture_warn_N    ? kGood
+                           : force < facts_.suture_limit_N ? kWarn
+                                                           : kBad,
+                           "%.2f", double(x.force_N));
         ImGui::TableNextColumn();
         ImGui::Text("%.2f", double(x.gap_mm));
       }
@@ -248,11 +281,14 @@ void Desk::patient(const DeskReading& r, int width, int height) {
   heading("DONE");
   ImGui::BeginChild("done", {0, -2});
   for (const Notice& n : notices_) {
-    const char* mark = n.kind == Notice::undone ? "taken back" : n.kind == Notice::redone ? "done again" : n.text.data();
+    const char* mark = n.kind == Notice::undone   ? "taken back"
+                       : n.kind == Notice::redone ? "done again"
+                                                  : n.text.data();
     char when[24];
     std::snprintf(when, sizeof when, "%.1f s", n.t_s);
     const bool refused = n.kind == Notice::refused;
-    listed(refused ? kBad : ImGui::GetStyleColorVec4(ImGuiCol_Text), 58, when, refused ? (std::string(n.action.data()) + " refused: " + n.text.data()).c_str() : mark);
+    listed(refused ? kBad : ImGui::GetStyleColorVec4(ImGuiCol_Text), 58, when,
+           refused ? (std::string(n.action.data()) + " refused: " + n.text.data()).c_str() : mark);
   }
   if (ImGui::GetScrollY() >= ImGui::GetScrollMaxY() - 4) ImGui::SetScrollHereY(1);
   ImGui::EndChild();
@@ -268,18 +304,26 @@ void Desk::lanes(const DeskReading& r, int width, int height) {
     const LaneGauges& g = *r.gauges;
     const auto ms = [](const std::atomic<int64_t>& v) { return double(LaneGauges::get(v)) * 1e-6; };
     char note[112];
-    std::snprintf(note, sizeof note, "%lld late of %lld, %.0f samples/s", static_cast<long long>(LaneGauges::get(g.device_late)),
+    std::snprintf(note, sizeof note, "%lld late of %lld, %.0f samples/s",
+                  static_cast<long long>(LaneGauges::get(g.device_late)),
                   static_cast<long long>(LaneGauges::get(g.tick)), r.samples_per_s);
     lane("hand", ms(g.device_ns), 1, note);
-    std::snprintf(note, sizeof note, "residual %.1e, about %.2g mm from equilibrium", double(s.residual), double(s.distance_mm));
+    std::snprintf(note, sizeof note, "residual %.1e, about %.2g mm from equilibrium", double(s.residual),
+                  double(s.distance_mm));
     lane("patient", ms(g.solver_ns), 16, note);
-    const int at = std::snprintf(note, sizeof note, "shows what was %lld ms ago, %.0f pictures/s", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)), r.pictures_per_s);
+    const int at = std::snprintf(note, sizeof note, "shows what was %lld ms ago, %.0f pictures/s",
+                                 static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)),
+                                 r.pictures_per_s);
     if (const int64_t loss = LaneGauges::get(g.loss_permille); loss >= 0 && at > 0) {
       // Beside other programs steps take several times as long: that is no figure of the pictures.
-      if (loss > 1000) std::snprintf(note + at, sizeof note - size_t(at), ", the machine is busy");
-      else std::snprintf(note + at, sizeof note - size_t(at), ", the patient loses %.0f %%", 0.1 * double(loss));
+      if (loss > 1000)
+        std::snprintf(note + at, sizeof note - size_t(at), ", the machine is busy");
+      else
+        std::snprintf(note + at, sizeof note - size_t(at), ", the patient loses %.0f %%", 0.1 * double(loss));
     }
-    if (r.at_leisure) std::snprintf(note, sizeof note, "at rest, drawn finely; shows what was %lld ms ago", static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)));
+    if (r.at_leisure)
+      std::snprintf(note, sizeof note, "at rest, drawn finely; shows what was %lld ms ago",
+                    static_cast<long long>(std::max<int64_t>(0, LaneGauges::get(g.tick) - s.device_tick)));
     lane("picture", ms(g.frame_ns), 33, note, r.at_leisure);
   }
   ImGui::End();
@@ -313,11 +357,13 @@ void Desk::legend(const DeskReading& r, int width, int height) {
   };
   constexpr int kSteps = 64;
   for (int i = 0; i < kSteps; ++i)
-    d.AddRectFilled({x0, y0 + bar * float(i) / kSteps}, {x1, y0 + bar * float(i + 1) / kSteps + 1}, at(1 - (i + 0.5) / kSteps));
+    d.AddRectFilled({x0, y0 + bar * float(i) / kSteps}, {x1, y0 + bar * float(i + 1) / kSteps + 1},
+                    at(1 - (i + 0.5) / kSteps));
   const double range = r.field->hi - r.field->lo, step = range / std::max(1, r.field->intervals);
   // Values lie beyond the scale: a triangle says so.
   if (r.field->above) d.AddTriangleFilled({x0, y0 - 3}, {x1, y0 - 3}, {0.5f * (x0 + x1), y0 - 12}, at(1));
-  if (r.field->below) d.AddTriangleFilled({x0, y0 + bar + 4}, {x1, y0 + bar + 4}, {0.5f * (x0 + x1), y0 + bar + 13}, at(0));
+  if (r.field->below)
+    d.AddTriangleFilled({x0, y0 + bar + 4}, {x1, y0 + bar + 4}, {0.5f * (x0 + x1), y0 + bar + 13}, at(0));
   for (int k = 0; k <= r.field->intervals; ++k) {
     const double v = r.field->lo + k * step;
     const float y = y0 + bar * float(1 - (v - r.field->lo) / range);
@@ -331,7 +377,8 @@ void Desk::help(int width, int height) {
   if (!state.help) return;
   ImGui::SetNextWindowPos({0.5f * float(width), 0.5f * float(height)}, ImGuiCond_Always, {0.5f, 0.5f});
   ImGui::SetNextWindowBgAlpha(0.95f);
-  ImGui::Begin("Keys and mouse", &state.help, ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
+  ImGui::Begin("Keys and mouse", &state.help,
+               ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_RowBg)) {
     for (const DeskKey& k : desk_keys()) {
       ImGui::TableNextRow();
@@ -358,11 +405,13 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   if (state.compare != Compare::off) {
     const DeskStage g = desk_stage(width, height);
     const bool wipe = state.compare == Compare::wipe;
-    const float left = g.u0 * float(width), right = g.u1 * float(width), border = wipe ? left + state.wipe * (right - left) : 0.5f * (left + right);
+    const float left = g.u0 * float(width), right = g.u1 * float(width),
+                border = wipe ? left + state.wipe * (right - left) : 0.5f * (left + right);
     ImDrawList& d = *ImGui::GetBackgroundDrawList();
     const ImU32 ink = IM_COL32(240, 245, 245, 230);
     d.AddLine({border, 0}, {border, g.v1 * float(height)}, ink, 1.5f);
-    for (const auto& [word, x] : {std::pair("before", border - 10 - ImGui::CalcTextSize("before").x), std::pair("after", border + 10)}) {
+    for (const auto& [word, x] :
+         {std::pair("before", border - 10 - ImGui::CalcTextSize("before").x), std::pair("after", border + 10)}) {
       const ImVec2 size = ImGui::CalcTextSize(word);
       if (x < left || x + size.x > right) continue;
       d.AddRectFilled({x - 5, 7}, {x + size.x + 5, 13 + size.y}, IM_COL32(15, 22, 26, 170), 3);
@@ -372,10 +421,13 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   for (const DeskMark& m : r.marks) {
     ImDrawList& d = *ImGui::GetBackgroundDrawList();
     const ImU32 ink = m.hidden ? IM_COL32(140, 225, 255, 110) : IM_COL32(140, 225, 255, 255);
-    if (m.hidden) d.AddCircle({m.x, m.y}, 4, ink, 12, 1.5f);
-    else d.AddCircleFilled({m.x, m.y}, 4, IM_COL32(10, 30, 40, 255)), d.AddCircleFilled({m.x, m.y}, 3, ink);
+    if (m.hidden)
+      d.AddCircle({m.x, m.y}, 4, ink, 12, 1.5f);
+    else
+      d.AddCircleFilled({m.x, m.y}, 4, IM_COL32(10, 30, 40, 255)), d.AddCircleFilled({m.x, m.y}, 3, ink);
     const ImVec2 size = ImGui::CalcTextSize(m.name.c_str());
-    d.AddRectFilled({m.x + 6, m.y - 8}, {m.x + 12 + size.x, m.y - 4 + size.y}, IM_COL32(15, 22, 26, m.hidden ? 70 : 150), 3);
+    d.AddRectFilled({m.x + 6, m.y - 8}, {m.x + 12 + size.x, m.y - 4 + size.y},
+                    IM_COL32(15, 22, 26, m.hidden ? 70 : 150), 3);
     d.AddText({m.x + 9, m.y - 6}, ink, m.name.c_str());
   }
   if (!ruler_px.empty()) {
@@ -386,9 +438,13 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
       d.AddCircleFilled({ruler_px[i].x(), ruler_px[i].y()}, 4, ink);
     }
     char text[96];
-    if (ruler_px.size() == 3) std::snprintf(text, sizeof text, "%.1f mm (%.1f at rest), %.1f\u00b0", r.ruler.length_mm, r.ruler.rest_mm, r.ruler.angle_deg);
-    else if (ruler_px.size() == 2) std::snprintf(text, sizeof text, "%.1f mm (%.1f at rest)", r.ruler.length_mm, r.ruler.rest_mm);
-    else std::snprintf(text, sizeof text, "second point?");
+    if (ruler_px.size() == 3)
+      std::snprintf(text, sizeof text, "%.1f mm (%.1f at rest), %.1f\u00b0", r.ruler.length_mm, r.ruler.rest_mm,
+                    r.ruler.angle_deg);
+    else if (ruler_px.size() == 2)
+      std::snprintf(text, sizeof text, "%.1f mm (%.1f at rest)", r.ruler.length_mm, r.ruler.rest_mm);
+    else
+      std::snprintf(text, sizeof text, "second point?");
     const Vec3f& p = ruler_px.back();
     const ImVec2 size = ImGui::CalcTextSize(text);
     d.AddRectFilled({p.x() + 8, p.y() + 4}, {p.x() + 16 + size.x, p.y() + 10 + size.y}, IM_COL32(15, 22, 26, 200), 3);

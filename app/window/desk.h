@@ -30,21 +30,24 @@ struct DeskFacts {
   std::vector<std::string> lesson;       // its steps, in words
   bool head = false, skin = true;        // what the scene holds
   double max_depth_mm = 9;
-  double suture_warn_N = 2.5, suture_limit_N = 5;  // beyond them a stitch is shown in amber and in red: the limits of the report, with their sources there
-  bool own_device = false;               // another than the mouse
-  bool calibrated = false;               // a calibration of it was given
+  double
+      suture_warn_N = 2.5,
+      suture_limit_N =
+          5;  // beyond them a stitch is shown in amber and in red: the limits of the report, with their sources there
+  bool own_device = false;  // another than the mouse
+  bool calibrated = false;  // a calibration of it was given
 };
 
 /// What is chosen, and what is asked for once.
 struct DeskState {
-  Tool tool = Tool::none;        // none: look around
+  Tool tool = Tool::none;  // none: look around
   float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
   SkinField field = SkinField::none;
   bool iso_lines = true, tension_lines = false, lattice = false;
-  bool landmarks = false;        // of a head: all of them, not only those that were picked
+  bool landmarks = false;  // of a head: all of them, not only those that were picked
   bool directions = false, wireframe = false, help = false, ruler = false, keep_recording = false;
-  int quality = 0;               // 0: chosen from the time of a frame (quality.h), else a level, from 1
-  int face = 0;                  // of a head: solid, clear, hidden
+  int quality = 0;  // 0: chosen from the time of a frame (quality.h), else a level, from 1
+  int face = 0;     // of a head: solid, clear, hidden
   Compare compare = Compare::off;
   float wipe = 0.5f;
   Stereo stereo = Stereo::off;
@@ -57,7 +60,7 @@ struct DeskState {
 struct DeskMark {
   float x = 0, y = 0;
   std::string name;
-  bool hidden = false;   // something lies before it
+  bool hidden = false;  // something lies before it
 };
 
 /// What is read off in this frame.
@@ -67,12 +70,12 @@ struct DeskReading {
   Ruler::Reading ruler;
   int lesson_begun = 0;
   bool showing = false;
-  bool at_leisure = false;            // nothing moves: the picture was drawn as finely as a window can, and may take its time
-  const FieldShown* field = nullptr;  // what is shown in colours; null or empty: nothing
+  bool at_leisure = false;  // nothing moves: the picture was drawn as finely as a window can, and may take its time
+  const FieldShown* field = nullptr;    // what is shown in colours; null or empty: nothing
   const SkinFieldLook* look = nullptr;  // of what is shown, where it is none of the fields of skin
   double samples_per_s = 0, pictures_per_s = 0;
   const std::vector<HeadMeasure>* measures = nullptr;  // of a head
-  std::vector<DeskMark> marks;         // its landmarks
+  std::vector<DeskMark> marks;                         // its landmarks
 };
 
 class Desk {
@@ -83,7 +86,8 @@ class Desk {
   void notice(const Notice& n);
   /// A key that no text field took. What it does is in the table of keys (desk_keys.cpp), which the help shows as well.
   void key(int32_t code, uint32_t mods);
-  /// Builds the panels: between ImGui::NewFrame and ImGui::Render. width, height: of the frame in the panels' units, pixels
+  /// Builds the panels: between ImGui::NewFrame and ImGui::Render. width, height: of the frame in the panels' units,
+  /// pixels
   /// over desk_scale(); so are the places of marks and of the ruler's points.
   void draw(const DeskReading& reading, const std::vector<Vec3f>& ruler_px, int width, int height);
   void say(const std::string& line) { last_word_ = line; }
@@ -104,10 +108,12 @@ class Desk {
   std::string last_word_;
 };
 
-/// How much larger than by default the panels are in a frame of so many pixels, in quarters: on a screen of 2160 lines twice.
+/// How much larger than by default the panels are in a frame of so many pixels, in quarters: on a screen of 2160 lines
+/// twice.
 float desk_scale(int width, int height);
 
-/// The part of the frame that the panels leave to the patient, as shares of its width and height from the top left corner.
+/// The part of the frame that the panels leave to the patient, as shares of its width and height from the top left
+/// corner.
 struct DeskStage {
   float u0 = 0, v0 = 0, u1 = 1, v1 = 1;
   double aspect = 1;  // width over height, in pixels

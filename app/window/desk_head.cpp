@@ -80,7 +80,8 @@ void DeskHead::tissue(bool has_face) {
 void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height) {
   int with = int(beside);
   ImGui::PushItemWidth(-1);
-  if (ImGui::Combo("##beside", &with, "The skull alone\0Beside a normal skull\0Beside its mirror image\0")) beside = SkullBeside(with);
+  if (ImGui::Combo("##beside", &with, "The skull alone\0Beside a normal skull\0Beside its mirror image\0"))
+    beside = SkullBeside(with);
   ImGui::PopItemWidth();
   if (beside != SkullBeside::off && !skull_word.empty()) ImGui::TextWrapped("%s", skull_word.c_str());
   if (measures.empty()) return;
@@ -175,12 +176,16 @@ std::vector<ControlSample> DeskHead::asked() const {
   // As the panel shows it, to a hundredth: six of them fit into a text.
   const auto shown = [](float v) { return std::round(100 * std::clamp(double(v), -999.99, 999.99)) / 100 + 0.0; };
   const size_t places = placed_.size(), round = size_t(ring);
-  const size_t wanted = ask == Ask::saw_round ? round : ask == Ask::saw_plane ? 3 : ask == Ask::plate || ask == Ask::join ? 2 : 1;
+  const size_t wanted = ask == Ask::saw_round                   ? round
+                        : ask == Ask::saw_plane                 ? 3
+                        : ask == Ask::plate || ask == Ask::join ? 2
+                                                                : 1;
   if (ask == Ask::nothing || places < wanted) return {};
   std::vector<ControlSample> out;
   switch (ask) {
     case Ask::saw_round:
-      for (size_t k = 0; k < round; ++k) out.push_back(control(pick::corner, at(round - 1 - k), k == 0 ? 0 : k + 1 < round ? 1 : 2));
+      for (size_t k = 0; k < round; ++k)
+        out.push_back(control(pick::corner, at(round - 1 - k), k == 0 ? 0 : k + 1 < round ? 1 : 2));
       break;
     case Ask::saw_plane: {
       const Vec3 n = (at(1) - at(2)).cross(at(0) - at(2)).normalized();
@@ -190,9 +195,12 @@ std::vector<ControlSample> DeskHead::asked() const {
     }
     case Ask::shift:
       out.push_back(control(pick::shift, at(0)));
-      out.back().text = text("%.5g %.5g %.5g %.5g %.5g %.5g", shown(shift_mm[0]), shown(shift_mm[1]), shown(shift_mm[2]), shown(turn_deg[0]), shown(turn_deg[1]), shown(turn_deg[2]));
+      out.back().text = text("%.5g %.5g %.5g %.5g %.5g %.5g", shown(shift_mm[0]), shown(shift_mm[1]),
+                             shown(shift_mm[2]), shown(turn_deg[0]), shown(turn_deg[1]), shown(turn_deg[2]));
       break;
-    case Ask::snap: out.push_back(control(pick::snap, at(0))); break;
+    case Ask::snap:
+      out.push_back(control(pick::snap, at(0)));
+      break;
     default:
       out.push_back(control(ask == Ask::plate ? pick::plate : pick::join, at(1)));
       out.back().text = text("%.4f %.4f %.4f", at(0).x(), at(0).y(), at(0).z());

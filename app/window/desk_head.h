@@ -1,5 +1,6 @@
 #pragma once
-// What the window's panel asks for and shows of a head: picking places, sawing through them, fragments moved by numbers, snapped, plated and
+// What the window's panel asks for and shows of a head: picking places, sawing through them, fragments moved by
+// numbers, snapped, plated and
 // joined, tissue between face and bone, figures, the skull beside another.
 #include <array>
 #include <cstdint>
@@ -16,15 +17,15 @@
 namespace limberg {
 
 struct DeskHead {
-  std::array<char, 16> name{"M1"};   // of the next place picked
+  std::array<char, 16> name{"M1"};  // of the next place picked
   int layers = 2;
   int mode = int(TissueKind::finite_elements);
   float face_radius_mm = 25, bone_radius_mm = 0, young_kPa = 10;  // bone 0: all of it
   SkullBeside beside = SkullBeside::off;
   std::string skull_word;
   std::array<float, 3> shift_mm{}, turn_deg{};  // of the fragment that was picked last: right, forward, up
-  int ring = 4;                      // places of a closed line to saw along
-  float saw_radius_mm = 0;           // of a plane; 0: all that it cuts
+  int ring = 4;                                 // places of a closed line to saw along
+  float saw_radius_mm = 0;                      // of a plane; 0: all that it cuts
   // Asked for in this frame:
   bool pick = false, tie = false;
   enum class Ask : uint8_t { nothing, saw_round, saw_plane, shift, snap, plate, join } ask = Ask::nothing;
@@ -39,7 +40,8 @@ struct DeskHead {
   std::optional<ControlSample> tied() const;
   /// The controls of what the panel asked for of bone, from the places picked there; none where places are missing.
   std::vector<ControlSample> asked() const;
-  /// The control that tells the patient what the skull is to be shown beside, once after each choice: so that it is recorded.
+  /// The control that tells the patient what the skull is to be shown beside, once after each choice: so that it is
+  /// recorded.
   std::optional<ControlSample> laid_upon();
   /// What was done, in words: the skull laid upon another by a script or a recording is shown so here.
   void hear(const std::string& words);
@@ -53,11 +55,12 @@ struct DeskHead {
 
   struct Pick {
     std::string name;
-    Vec3 X_mm = Vec3::Zero();        // at rest; on bone, where the tool touched it, not known
+    Vec3 X_mm = Vec3::Zero();  // at rest; on bone, where the tool touched it, not known
     enum class On : uint8_t { face, bone, touched } on = On::bone;
   };
-  std::vector<Pick> picked_;         // in their order, what was undone too: it may be done again
-  std::vector<Pick> on_face_, on_bone_, placed_;  // of those that the patient has: on the face, on bone, of these those whose place is known
+  std::vector<Pick> picked_;  // in their order, what was undone too: it may be done again
+  std::vector<Pick> on_face_, on_bone_,
+      placed_;  // of those that the patient has: on the face, on bone, of these those whose place is known
   int next_ = 1;
   SkullBeside told_ = SkullBeside::off;
 };

@@ -26,20 +26,34 @@ uint32_t mods_of(int glfw) {
 int32_t key_of(int glfw) {
   if ((glfw >= GLFW_KEY_A && glfw <= GLFW_KEY_Z) || (glfw >= GLFW_KEY_0 && glfw <= GLFW_KEY_9)) return glfw;
   switch (glfw) {
-    case GLFW_KEY_SPACE: return WindowEvent::space;
-    case GLFW_KEY_ESCAPE: return WindowEvent::escape;
-    case GLFW_KEY_ENTER: return WindowEvent::enter;
-    case GLFW_KEY_TAB: return WindowEvent::tab;
-    case GLFW_KEY_BACKSPACE: return WindowEvent::backspace;
-    case GLFW_KEY_DELETE: return WindowEvent::remove;
-    case GLFW_KEY_LEFT: return WindowEvent::arrow_left;
-    case GLFW_KEY_RIGHT: return WindowEvent::arrow_right;
-    case GLFW_KEY_UP: return WindowEvent::arrow_up;
-    case GLFW_KEY_DOWN: return WindowEvent::arrow_down;
-    case GLFW_KEY_HOME: return WindowEvent::home;
-    case GLFW_KEY_END: return WindowEvent::end;
-    case GLFW_KEY_F1: return WindowEvent::f1;
-    default: return 0;
+    case GLFW_KEY_SPACE:
+      return WindowEvent::space;
+    case GLFW_KEY_ESCAPE:
+      return WindowEvent::escape;
+    case GLFW_KEY_ENTER:
+      return WindowEvent::enter;
+    case GLFW_KEY_TAB:
+      return WindowEvent::tab;
+    case GLFW_KEY_BACKSPACE:
+      return WindowEvent::backspace;
+    case GLFW_KEY_DELETE:
+      return WindowEvent::remove;
+    case GLFW_KEY_LEFT:
+      return WindowEvent::arrow_left;
+    case GLFW_KEY_RIGHT:
+      return WindowEvent::arrow_right;
+    case GLFW_KEY_UP:
+      return WindowEvent::arrow_up;
+    case GLFW_KEY_DOWN:
+      return WindowEvent::arrow_down;
+    case GLFW_KEY_HOME:
+      return WindowEvent::home;
+    case GLFW_KEY_END:
+      return WindowEvent::end;
+    case GLFW_KEY_F1:
+      return WindowEvent::f1;
+    default:
+      return 0;
   }
 }
 
@@ -50,7 +64,8 @@ class WindowContext final : public GlContext {
   void make_current() override {
     if (glfwGetCurrentContext() == window_) return;
     glfwMakeContextCurrent(window_);
-    if (glfwGetCurrentContext() != window_) throw RenderUnavailable("no window: its context could not be made current: " + last_error());
+    if (glfwGetCurrentContext() != window_)
+      throw RenderUnavailable("no window: its context could not be made current: " + last_error());
     glfwSwapInterval(0);  // frames are paced by the session
   }
   void* address(const char* function) const override { return reinterpret_cast<void*>(glfwGetProcAddress(function)); }

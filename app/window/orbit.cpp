@@ -17,8 +17,10 @@ void turn(Camera& c, float dx, float dy) {
 }
 
 void shift(Camera& c, float dx_px, float dy_px, int height_px) {
-  const Vec3f back = (c.eye_mm - c.target_mm).normalized(), right = c.up.cross(back).normalized(), above = back.cross(right);
-  const float mm_per_px = 2 * (c.eye_mm - c.target_mm).norm() * std::tan(0.5f * c.fov_deg * float(M_PI) / 180) / float(std::max(height_px, 1));
+  const Vec3f back = (c.eye_mm - c.target_mm).normalized(), right = c.up.cross(back).normalized(),
+              above = back.cross(right);
+  const float mm_per_px = 2 * (c.eye_mm - c.target_mm).norm() * std::tan(0.5f * c.fov_deg * float(M_PI) / 180) /
+                          float(std::max(height_px, 1));
   const Vec3f move = mm_per_px * (dy_px * above - dx_px * right);
   c.eye_mm += move, c.target_mm += move;
 }

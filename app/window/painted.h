@@ -19,18 +19,20 @@ struct PictureWish {
   int quality = 0;
 
   bool operator==(const PictureWish& b) const {
-    return view.to_eye == b.view.to_eye && view.projection == b.view.projection && view.x0 == b.view.x0 && view.x1 == b.view.x1 && view.y0 == b.view.y0 &&
-           view.y1 == b.view.y1 && options == b.options && compare == b.compare && stereo == b.stereo && wipe == b.wipe && quality == b.quality;
+    return view.to_eye == b.view.to_eye && view.projection == b.view.projection && view.x0 == b.view.x0 &&
+           view.x1 == b.view.x1 && view.y0 == b.view.y0 && view.y1 == b.view.y1 && options == b.options &&
+           compare == b.compare && stereo == b.stereo && wipe == b.wipe && quality == b.quality;
   }
 };
 
 class Painted {
  public:
-  /// Whether a picture of this scene would differ from the one that was noted: tissue that has moved by less than kVisible_mm does
+  /// Whether a picture of this scene would differ from the one that was noted: tissue that has moved by less than
+  /// kVisible_mm does
   /// not count.
   bool shows(const RenderScene& s, const PictureWish& wish) const {
-    if (!valid_ || !(wish == wish_) || s.mesh != mesh_ || s.x_mm.size() != x_mm_.size() || !same(s.field, field_) || !same(s.lines.x_mm, lines_) ||
-        s.props.vertex.size() != props_.size())
+    if (!valid_ || !(wish == wish_) || s.mesh != mesh_ || s.x_mm.size() != x_mm_.size() || !same(s.field, field_) ||
+        !same(s.lines.x_mm, lines_) || s.props.vertex.size() != props_.size())
       return false;
     for (size_t v = 0; v < props_.size(); ++v) {
       const PropVertex &a = s.props.vertex[v], &b = props_[v];

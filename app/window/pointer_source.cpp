@@ -62,7 +62,8 @@ std::vector<std::vector<Command>> lesson_steps(const std::vector<Command>& scrip
   return steps;
 }
 
-PointerSource::PointerSource(PointerFeed& feed, const std::vector<std::vector<Command>>& lesson, bool stays) : feed_(feed), lesson_(lesson), stays_(stays) {}
+PointerSource::PointerSource(PointerFeed& feed, const std::vector<std::vector<Command>>& lesson, bool stays)
+    : feed_(feed), lesson_(lesson), stays_(stays) {}
 
 // Samples of the hand that shows, renumbered and on the session's clock.
 class PointerSource::Forward final : public SampleSink {
@@ -90,12 +91,18 @@ class PointerSource::Forward final : public SampleSink {
 };
 
 bool PointerSource::show(int64_t now_ns, SampleSink& sink) {
-  if (began_ns_ < 0 && shown_ < lesson_.size() && feed_.next_wanted.load() > int(shown_) && !pressed_ && seen_ && seen_->topology) {
-    // What acts on bone, and everything where there is no skin, is shown by the hand for bone: with the stylus, as the mouse is one.
+  if (began_ns_ < 0 && shown_ < lesson_.size() && feed_.next_wanted.load() > int(shown_) && !pressed_ && seen_ &&
+      seen_->topology) {
+    // What acts on bone, and everything where there is no skin, is shown by the hand for bone: with the stylus, as the
+    // mouse is one.
     const std::vector<Command>& step = lesson_[shown_];
-    const bool bone = !seen_->topology->body || std::any_of(step.begin(), step.end(), [](const Command& c) { return std::holds_alternative<HeadCommand>(c); });
-    if (bone) hand_ = std::make_unique<EmulatedHeadSurgeon>(step, steady_hand(), HeadHands::stylus);
-    else hand_ = std::make_unique<EmulatedSurgeon>(step, steady_hand());
+    const bool bone = !seen_->topology->body || std::any_of(step.begin(), step.end(), [](const Command& c) {
+      return std::holds_alternative<HeadCommand>(c);
+    });
+    if (bone)
+      hand_ = std::make_unique<EmulatedHeadSurgeon>(step, steady_hand(), HeadHands::stylus);
+    else
+      hand_ = std::make_unique<EmulatedSurgeon>(step, steady_hand());
     began_ns_ = now_ns + 1;
     ++shown_;
     feed_.next_shown.store(int(shown_));
@@ -141,7 +148,8 @@ void PointerSource::point(const PointerReading& r, int64_t now_ns, SampleSink& s
   const bool carries = tool_ == Tool::hook || tool_ == Tool::grab;
   if (pressed_ && r.pressed && carries) {
     const float slope = r.towards.dot(grip_normal_);
-    if (std::abs(slope) > 1e-3f) tip_mm_ = r.eye_mm + (grip_mm_ - r.eye_mm).dot(grip_normal_) / slope * r.towards + r.lift_mm * grip_normal_;
+    if (std::abs(slope) > 1e-3f)
+      tip_mm_ = r.eye_mm + (grip_mm_ - r.eye_mm).dot(grip_normal_) / slope * r.towards + r.lift_mm * grip_normal_;
     send(tip_mm_, shaft_, true, now_ns, sink);
     return;
   }

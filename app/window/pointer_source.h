@@ -1,11 +1,14 @@
 #pragma once
-// The mouse as a device: like a stylus whose tip is the point of the patient under the pointer, so that gestures, recording
+// The mouse as a device: like a stylus whose tip is the point of the patient under the pointer, so that gestures,
+// recording
 // and replay need to know nothing of a mouse.
 //
 //   main thread    pointer readings (where the ray starts and goes, left button) ──ring──┐
-//   render thread  choices of the palette, "show me the next step" ──────────────ring──┤──► PointerSource (device thread)
+//   render thread  choices of the palette, "show me the next step" ──────────────ring──┤──► PointerSource (device
+//   thread)
 //
-// The left button engages the chosen tool. A hook that is held moves in the plane of the screen through the place where it
+// The left button engages the chosen tool. A hook that is held moves in the plane of the screen through the place where
+// it
 // was set; the wheel lifts it towards the eye. "Next" has the lesson's next step shown by an emulated hand.
 #include <atomic>
 #include <memory>
@@ -21,9 +24,9 @@ namespace limberg {
 
 struct PointerReading {
   Vec3f eye_mm = Vec3f::Zero(), towards = -Vec3f::UnitZ();
-  float lift_mm = 0;     // of a held hook, towards the eye
+  float lift_mm = 0;  // of a held hook, towards the eye
   int32_t pressed = 0;
-  int32_t inside = 1;    // 0: the pointer is over a panel or outside
+  int32_t inside = 1;  // 0: the pointer is over a panel or outside
 };
 
 /// What main and render thread have to say to the device thread, and to one another.
@@ -38,7 +41,7 @@ struct PointerFeed {
     View view;
     int width = 1, height = 1;
   };
-  TripleBuffer<Sight> sight;                   // render -> main
+  TripleBuffer<Sight> sight;                     // render -> main
   std::atomic<bool> panels_have_pointer{false};  // render -> main
 };
 
@@ -57,14 +60,16 @@ class PointerReader {
   float x_ = 0, y_ = 0;
 };
 
-/// The steps of a lesson as they are shown one at a time: an act, and the rests and stages that follow it. Pieces of one
+/// The steps of a lesson as they are shown one at a time: an act, and the rests and stages that follow it. Pieces of
+/// one
 /// stroke are one act.
 std::vector<std::vector<Command>> lesson_steps(const std::vector<Command>& script);
 
 class PointerSource final : public Source {
  public:
   static constexpr int32_t kDevice = 50;
-  /// `lesson`: the steps that "next" shows, one after another; may be empty. `stays`: the session goes on until the window
+  /// `lesson`: the steps that "next" shows, one after another; may be empty. `stays`: the session goes on until the
+  /// window
   /// is closed; else it may end with the other devices.
   PointerSource(PointerFeed& feed, const std::vector<std::vector<Command>>& lesson, bool stays = true);
   void look(const Snapshot& snapshot) override { seen_ = &snapshot; }
@@ -80,7 +85,7 @@ class PointerSource final : public Source {
 
   PointerFeed& feed_;
   std::vector<std::vector<Command>> lesson_;
-  std::unique_ptr<Source> hand_;   // that shows the step being shown
+  std::unique_ptr<Source> hand_;  // that shows the step being shown
   bool stays_;
   size_t shown_ = 0;
   int64_t began_ns_ = -1;  // of the step being shown

@@ -25,9 +25,11 @@ void Ruler::find_again(Point& p, const Snapshot& s) {
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != p.kind) continue;
     const Tri k = view.tri[t];
-    const TrianglePoint c = closest_on_triangle(p.X_mm, view.X_mm[size_t(k[0])], view.X_mm[size_t(k[1])], view.X_mm[size_t(k[2])]);
+    const TrianglePoint c =
+        closest_on_triangle(p.X_mm, view.X_mm[size_t(k[0])], view.X_mm[size_t(k[1])], view.X_mm[size_t(k[2])]);
     const double d2 = (c.point - p.X_mm).squaredNorm();
-    if (d2 < nearest2) nearest2 = d2, p.triangle = int32_t(t), p.bary = Vec3f(float(c.bary[0]), float(c.bary[1]), float(c.bary[2]));
+    if (d2 < nearest2)
+      nearest2 = d2, p.triangle = int32_t(t), p.bary = Vec3f(float(c.bary[0]), float(c.bary[1]), float(c.bary[2]));
   }
   p.version = s.topology->version;
 }

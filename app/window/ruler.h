@@ -14,9 +14,9 @@ class Ruler {
   void clear() { points_.clear(); }
 
   struct Reading {
-    std::vector<Vec3f> at_mm;      // of each point, now
+    std::vector<Vec3f> at_mm;           // of each point, now
     double length_mm = 0, rest_mm = 0;  // straight, between the last two points; at rest
-    double angle_deg = 0;          // at the second of three points
+    double angle_deg = 0;               // at the second of three points
   };
   Reading read(const Snapshot& snapshot);
 

@@ -57,6 +57,8 @@ class MouseWindow final : public SessionWindow {
 
 }  // namespace
 
-std::unique_ptr<SessionWindow> open_window(const Scene& scene, const WindowCall& call) { return std::make_unique<MouseWindow>(scene, call); }
+std::unique_ptr<SessionWindow> open_window(const Scene& scene, const WindowCall& call) {
+  return std::make_unique<MouseWindow>(scene, call);
+}
 
 }  // namespace limberg

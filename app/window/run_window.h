@@ -10,14 +10,14 @@
 namespace limberg {
 
 struct WindowCall {
-  std::string device;     // in words; empty: the mouse alone
+  std::string device;       // in words; empty: the mouse alone
   bool own_device = false;  // another device than the mouse, and not a file
   bool calibrated = false;  // a calibration of it was given, or it needs none
-  std::string recording;  // the file, or empty
+  std::string recording;    // the file, or empty
   std::string picture_dir = ".";
   std::string goal;
   std::vector<Command> lesson;  // what "next" shows, step by step; may be empty
-  bool mouse = true;      // the mouse uses tools (else it only chooses and looks)
+  bool mouse = true;            // the mouse uses tools (else it only chooses and looks)
 };
 
 /// The window, its picture sink and its device. Belongs to the main thread, outlives the session.

@@ -14,12 +14,25 @@ namespace limberg {
 struct WindowEvent {
   enum Kind : int32_t { pointer, button, wheel, key, text };
   enum Key : int32_t {  // besides the capital letters and digits of ASCII
-    space = ' ', escape = 256, enter, tab, backspace, remove, arrow_left, arrow_right, arrow_up, arrow_down, home, end, f1, question
+    space = ' ',
+    escape = 256,
+    enter,
+    tab,
+    backspace,
+    remove,
+    arrow_left,
+    arrow_right,
+    arrow_up,
+    arrow_down,
+    home,
+    end,
+    f1,
+    question
   };
   enum Mods : uint32_t { shift = 1, control = 2, alt = 4 };
   int32_t kind = pointer;
-  float x = 0, y = 0;   // pointer: pixels of the frame; wheel: notches
-  int32_t code = 0;     // button: 0 left, 1 right, 2 middle; key: Key; text: code point
+  float x = 0, y = 0;  // pointer: pixels of the frame; wheel: notches
+  int32_t code = 0;    // button: 0 left, 1 right, 2 middle; key: Key; text: code point
   int32_t down = 0;
   uint32_t mods = 0;
 };

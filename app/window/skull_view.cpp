@@ -21,7 +21,9 @@ Surface bones_of(const Snapshot& s, bool at_rest, std::vector<int32_t>& of) {
     Tri k{};
     for (size_t c = 0; c < 3; ++c) {
       const size_t v = size_t(tri[t][c]);
-      if (number[v] < 0) number[v] = int32_t(of.size()), of.push_back(int32_t(v)), out.x_mm.push_back(at_rest ? s.topology->view.X_mm[v] : Vec3(s.x_mm[v].cast<double>()));
+      if (number[v] < 0)
+        number[v] = int32_t(of.size()), of.push_back(int32_t(v)),
+        out.x_mm.push_back(at_rest ? s.topology->view.X_mm[v] : Vec3(s.x_mm[v].cast<double>()));
       k[c] = number[v];
     }
     out.tri.push_back(k);
@@ -43,7 +45,8 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
       word_ = other_->reason;
     } else {
       char text[64];
-      std::snprintf(text, sizeof text, "%.2f mm rms from %s", f.rms_mm, with == SkullBeside::normal ? "a normal skull" : "its mirror image");
+      std::snprintf(text, sizeof text, "%.2f mm rms from %s", f.rms_mm,
+                    with == SkullBeside::normal ? "a normal skull" : "its mirror image");
       word_ = text, shown_ = std::move(f.shown);
     }
   }
@@ -51,25 +54,26 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
   if (!other_) word_ = "laying the skull upon the other ...";
   if (!work_.valid() && !failed && now.x_mm != measured_) {
     measured_ = now.x_mm;
-    work_ = std::async(std::launch::async, [with, before = first, s = now, other = other_, version = ++version_]() mutable {
-      InlineWorkers w;
-      std::vector<int32_t> of;
-      if (!other) {
-        const Surface rest = bones_of(before, true, of);
-        std::string reason;
-        const Surface to = with == SkullBeside::normal ? normal_skull(w) : mirror_image(rest, reason, w);
-        SurfaceTarget target(reason.empty() ? to : rest);
-        const IcpResult r = reason.empty() ? icp(rest, target, {}, skull_fit(), w) : IcpResult{};
-        other = std::make_shared<const Other>(Other{std::move(target), r.map, reason.empty() ? r.reason : reason});
-      }
-      Found f;
-      f.with = with, f.other = other;
-      if (!other->reason.empty()) return f;
-      const Surface bones = bones_of(s, false, of);
-      const DistanceMap d = distance_map(bones, other->map, other->target, w);
-      f.shown = coloured_skull(bones, d, version), f.rms_mm = d.rms_mm;
-      return f;
-    });
+    work_ =
+        std::async(std::launch::async, [with, before = first, s = now, other = other_, version = ++version_]() mutable {
+          InlineWorkers w;
+          std::vector<int32_t> of;
+          if (!other) {
+            const Surface rest = bones_of(before, true, of);
+            std::string reason;
+            const Surface to = with == SkullBeside::normal ? normal_skull(w) : mirror_image(rest, reason, w);
+            SurfaceTarget target(reason.empty() ? to : rest);
+            const IcpResult r = reason.empty() ? icp(rest, target, {}, skull_fit(), w) : IcpResult{};
+            other = std::make_shared<const Other>(Other{std::move(target), r.map, reason.empty() ? r.reason : reason});
+          }
+          Found f;
+          f.with = with, f.other = other;
+          if (!other->reason.empty()) return f;
+          const Surface bones = bones_of(s, false, of);
+          const DistanceMap d = distance_map(bones, other->map, other->target, w);
+          f.shown = coloured_skull(bones, d, version), f.rms_mm = d.rms_mm;
+          return f;
+        });
   }
   return shown_ ? &*shown_ : nullptr;
 }

@@ -1,7 +1,9 @@
 #pragma once
-// The skull beside a normal one or its mirror image, in the window: bones coloured by their distance from it, followed while they move.
+// The skull beside a normal one or its mirror image, in the window: bones coloured by their distance from it, followed
+// while they move.
 //
-// Fitting takes seconds and measuring a tenth of one, so both are done on a thread of their own; the picture shows what was found last.
+// Fitting takes seconds and measuring a tenth of one, so both are done on a thread of their own; the picture shows what
+// was found last.
 #include <future>
 #include <memory>
 #include <optional>
@@ -15,14 +17,15 @@ namespace limberg {
 
 class SkullView {
  public:
-  /// What is to be shown instead of the snapshot: the bones alone, `moved_mm` their distance; null until there is one. `first`: the patient
+  /// What is to be shown instead of the snapshot: the bones alone, `moved_mm` their distance; null until there is one.
+  /// `first`: the patient
   /// before anything was done.
   const Snapshot* show(SkullBeside with, const Snapshot& first, const Snapshot& now);
   /// What it is at, in a few words; empty: it is done.
   std::string word() const { return word_; }
 
  private:
-  struct Other {               // what it lies upon
+  struct Other {  // what it lies upon
     SurfaceTarget target;
     Similarity map;
     std::string reason;

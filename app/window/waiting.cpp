@@ -33,7 +33,8 @@ Image show_words(Screen& screen, const std::string& words) {
   UiPainter ui(gl);
   ImGui::NewFrame();
   const ImVec2 size = ImGui::CalcTextSize(words.c_str());
-  ImGui::GetForegroundDrawList()->AddText({0.5f * (float(width) - size.x), 0.5f * (float(height) - size.y)}, IM_COL32(225, 235, 238, 255), words.c_str());
+  ImGui::GetForegroundDrawList()->AddText({0.5f * (float(width) - size.x), 0.5f * (float(height) - size.y)},
+                                          IM_COL32(225, 235, 238, 255), words.c_str());
   ImGui::Render();
   const GlTarget target(gl, GL_RGBA8, width, height);
   target.bind();

@@ -12,9 +12,9 @@
 #include "app/progress.h"
 #include "app/window/live_measures.h"
 #include "app/window/orbit.h"
-#include "app/window/skull_view.h"
 #include "app/window/painted.h"
 #include "app/window/ray_cast.h"
+#include "app/window/skull_view.h"
 #include "render/picture.h"
 #include "render/renderer.h"
 #include "render/ui_painter.h"
@@ -28,25 +28,38 @@ constexpr float kFontPx = 14;
 constexpr double kSkullScale_mm = 5;  // of the distance from another skull
 constexpr float kRadiansPerPixel = 0.008f;
 constexpr double kFrameBudget_ms = 22;  // two thirds of the frame's period: the rest is for the desktop and for jitter
-constexpr int kStillCalls = 10;     // a third of a second without a change: the picture may be drawn at leisure
+constexpr int kStillCalls = 10;         // a third of a second without a change: the picture may be drawn at leisure
 constexpr int kStillLevel = kLiveLevels - 1;
 constexpr int kRefreshFrames = 15;  // the figures on the panels move twice a second even when nothing else does
 
 int imgui_key(int32_t code) {
   switch (code) {
-    case WindowEvent::tab: return ImGuiKey_Tab;
-    case WindowEvent::arrow_left: return ImGuiKey_LeftArrow;
-    case WindowEvent::arrow_right: return ImGuiKey_RightArrow;
-    case WindowEvent::arrow_up: return ImGuiKey_UpArrow;
-    case WindowEvent::arrow_down: return ImGuiKey_DownArrow;
-    case WindowEvent::home: return ImGuiKey_Home;
-    case WindowEvent::end: return ImGuiKey_End;
-    case WindowEvent::remove: return ImGuiKey_Delete;
-    case WindowEvent::backspace: return ImGuiKey_Backspace;
-    case WindowEvent::enter: return ImGuiKey_Enter;
-    case WindowEvent::escape: return ImGuiKey_Escape;
-    case 'A': return ImGuiKey_A;  // Ctrl: all of a text field
-    default: return -1;
+    case WindowEvent::tab:
+      return ImGuiKey_Tab;
+    case WindowEvent::arrow_left:
+      return ImGuiKey_LeftArrow;
+    case WindowEvent::arrow_right:
+      return ImGuiKey_RightArrow;
+    case WindowEvent::arrow_up:
+      return ImGuiKey_UpArrow;
+    case WindowEvent::arrow_down:
+      return ImGuiKey_DownArrow;
+    case WindowEvent::home:
+      return ImGuiKey_Home;
+    case WindowEvent::end:
+      return ImGuiKey_End;
+    case WindowEvent::remove:
+      return ImGuiKey_Delete;
+    case WindowEvent::backspace:
+      return ImGuiKey_Backspace;
+    case WindowEvent::enter:
+      return ImGuiKey_Enter;
+    case WindowEvent::escape:
+      return ImGuiKey_Escape;
+    case 'A':
+      return ImGuiKey_A;  // Ctrl: all of a text field
+    default:
+      return -1;
   }
 }
 
@@ -91,35 +104,37 @@ struct WindowFrames::Impl {
   std::unique_ptr<UiPainter> ui;
   ImGuiContext* panels = nullptr;
   std::deque<WindowEvent> waiting;
-  float x = 0, y = 0;   // the mouse, pixels
-  float scale = 1;      // pixels for one unit of the panels
+  float x = 0, y = 0;  // the mouse, pixels
+  float scale = 1;     // pixels for one unit of the panels
   bool buttons[3]{};
   bool turning = false, shifting = false;
-  bool clutch = false;  // the key is down
+  bool clutch = false;       // the key is down
   bool was_showing = false;  // a step of the lesson, in the last frame
   SecondHand glove;
-  int unseen = 2;       // frames still to be drawn after the last event: panels need two to settle
+  int unseen = 2;  // frames still to be drawn after the last event: panels need two to settle
   int since_frame = 0;
   SkinFields fields;
   const FieldShown* field = nullptr;
-  FieldShown distance;     // of the skull from another: what its legend needs
+  FieldShown distance;  // of the skull from another: what its legend needs
   LatticeShown lattice;
   Painted painted;
-  int level = kFastLevel;  // of the picture as it stands
-  int quiet = 0;           // calls of wants_frame since the patient was drawn last
-  bool at_leisure = false; // nothing moves: the picture is drawn at kStillLevel
+  int level = kFastLevel;   // of the picture as it stands
+  int quiet = 0;            // calls of wants_frame since the patient was drawn last
+  bool at_leisure = false;  // nothing moves: the picture is drawn at kStillLevel
   int64_t drawn = 0;
   int64_t rate_tick = 0, rate_samples = 0, rate_frames = 0;
   double samples_per_s = 0, pictures_per_s = 0;
   int pictures = 0;
 
-  Impl(PointerFeed& f, const LaneGauges* g, WindowSettings s) : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {}
+  Impl(PointerFeed& f, const LaneGauges* g, WindowSettings s)
+      : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {}
 
   /// The camera for a frame of this shape: a narrow one sees as much from left to right as one of 5 by 4.
   Camera seen(double aspect) const {
     constexpr double kWide = 1.25, kDegree = 3.14159265358979 / 180;
     Camera c = camera;
-    if (aspect < kWide) c.fov_deg = float(2 / kDegree * std::atan(std::tan(0.5 * kDegree * double(camera.fov_deg)) * kWide / aspect));
+    if (aspect < kWide)
+      c.fov_deg = float(2 / kDegree * std::atan(std::tan(0.5 * kDegree * double(camera.fov_deg)) * kWide / aspect));
     return c;
   }
 
@@ -128,11 +143,13 @@ struct WindowFrames::Impl {
     return seen(g.aspect).view(g.aspect).placed(g.u0, g.v0, g.u1, g.v1);
   }
 
-  /// A 30th of the distance to what is looked at, the rule of stereo photography: a head wants more than a patch of skin.
+  /// A 30th of the distance to what is looked at, the rule of stereo photography: a head wants more than a patch of
+  /// skin.
   double eyes_apart_mm() const { return double((camera.eye_mm - camera.target_mm).norm()) / 30; }
 
   bool drag_turns(const WindowEvent& e) const {
-    return (e.code == 1 && !(e.mods & WindowEvent::shift)) || (e.code == 0 && desk.state.tool == Tool::none && !desk.state.ruler && !feed.showing);
+    return (e.code == 1 && !(e.mods & WindowEvent::shift)) ||
+           (e.code == 0 && desk.state.tool == Tool::none && !desk.state.ruler && !feed.showing);
   }
 
   void take(const WindowEvent& e, const Snapshot& s, int width, int height) {
@@ -152,8 +169,10 @@ struct WindowFrames::Impl {
         io.MouseDown[e.code] = e.down;
         if (!e.down) turning = shifting = false;
         if (!e.down || over_panel) break;
-        if (drag_turns(e)) turning = true;
-        else if (e.code == 2 || e.code == 1) shifting = true;
+        if (drag_turns(e))
+          turning = true;
+        else if (e.code == 2 || e.code == 1)
+          shifting = true;
         else if (desk.state.ruler) {
           const View v = look(width, height);
           ruler.add(s, cast_ray(s, v.eye_mm, v.ray_through(x, y, width, height)));
@@ -165,16 +184,20 @@ struct WindowFrames::Impl {
         if (!io.WantCaptureMouse && !buttons[0]) approach(camera, std::pow(0.9f, e.y));
         break;
       case WindowEvent::key:
-        io.KeyCtrl = e.mods & WindowEvent::control, io.KeyShift = e.mods & WindowEvent::shift, io.KeyAlt = e.mods & WindowEvent::alt;
+        io.KeyCtrl = e.mods & WindowEvent::control, io.KeyShift = e.mods & WindowEvent::shift,
+        io.KeyAlt = e.mods & WindowEvent::alt;
         if (imgui_key(e.code) >= 0) io.KeysDown[e.code] = e.down;
-        if (e.code == WindowEvent::space) hold_clutch(e.down && (clutch || !io.WantTextInput));
-        else if (e.down && !io.WantTextInput) desk.key(e.code, e.mods);
+        if (e.code == WindowEvent::space)
+          hold_clutch(e.down && (clutch || !io.WantTextInput));
+        else if (e.down && !io.WantTextInput)
+          desk.key(e.code, e.mods);
         break;
       case WindowEvent::text:
         io.AddInputCharacter(unsigned(e.code));
         if (e.code == '?' && !io.WantTextInput) desk.key(WindowEvent::question, 0);
         break;
-      default: break;
+      default:
+        break;
     }
   }
 
@@ -242,7 +265,8 @@ struct WindowFrames::Impl {
     }
     o.face = FaceLook(desk.state.face);
     if (skull_shown) {  // drawn as a face: 0 to 5 mm
-      o.colour_field = true, o.scale = ColourScale::magnitude, o.field_min = 0, o.field_max = kSkullScale_mm, o.iso_lines = 5;
+      o.colour_field = true, o.scale = ColourScale::magnitude, o.field_min = 0, o.field_max = kSkullScale_mm,
+      o.iso_lines = 5;
       o.face = FaceLook::solid;
     }
     return o;
@@ -253,7 +277,8 @@ struct WindowFrames::Impl {
     if (!desk.state.lattice || !lattice.edges) return lines;
     for (const LatticeShown::Edge& e : *lattice.edges)
       if (size_t(std::max(e.a, e.b)) < lattice.node_mm.size())
-        lines.add(lattice.node_mm[size_t(e.a)], lattice.node_mm[size_t(e.b)], e.copied ? Vec3f(1.0f, 0.32f, 0.02f) : Vec3f(0.02f, 0.16f, 0.28f));
+        lines.add(lattice.node_mm[size_t(e.a)], lattice.node_mm[size_t(e.b)],
+                  e.copied ? Vec3f(1.0f, 0.32f, 0.02f) : Vec3f(0.02f, 0.16f, 0.28f));
     return lines;
   }
 
@@ -270,7 +295,8 @@ struct WindowFrames::Impl {
       const float far = (at - view.eye_mm).norm();
       if (!px.allFinite() || !(far > 0)) continue;
       const RayHit hit = cast_ray(s, view.eye_mm, (at - view.eye_mm) / far, desk.state.face == 2);
-      out.push_back({px.x() / scale, px.y() / scale, names[i], hit.triangle >= 0 && hit.distance_mm < far - kBefore_mm});
+      out.push_back(
+          {px.x() / scale, px.y() / scale, names[i], hit.triangle >= 0 && hit.distance_mm < far - kBefore_mm});
     }
     return out;
   }
@@ -283,7 +309,8 @@ struct WindowFrames::Impl {
     if (desk.state.compare != Compare::off && first) {
       const RenderScene& then = before_builder.build(*first);
       const bool wipe = desk.state.compare == Compare::wipe;
-      View left = wipe ? whole.part(0, std::max(0.001f, desk.state.wipe)) : seen(0.5 * g.aspect).view(0.5 * g.aspect), right = wipe ? whole.part(std::min(0.999f, desk.state.wipe), 1) : left;
+      View left = wipe ? whole.part(0, std::max(0.001f, desk.state.wipe)) : seen(0.5 * g.aspect).view(0.5 * g.aspect),
+           right = wipe ? whole.part(std::min(0.999f, desk.state.wipe), 1) : left;
       if (!wipe) {
         left.x1 = right.x0 = 0.5f;
         left = placed(left), right = placed(right);
@@ -309,7 +336,8 @@ struct WindowFrames::Impl {
     const int width = screen.width, height = screen.height;
     ImGui::SetCurrentContext(panels);
     ImGuiIO& io = ImGui::GetIO();
-    if (const float wanted = desk_scale(width, height); wanted != scale) {  // letters as large as they are drawn, so that they are sharp
+    if (const float wanted = desk_scale(width, height);
+        wanted != scale) {  // letters as large as they are drawn, so that they are sharp
       scale = wanted;
       io.Fonts->Clear();
       choose_ui_font(kFontPx * scale);
@@ -318,7 +346,8 @@ struct WindowFrames::Impl {
     }
     io.DisplaySize = {float(width) / scale, float(height) / scale};
     io.DeltaTime = 1.0f / 30;
-    // One press or release a frame of a button, and of a key that the panels follow: they see each, however slow the frames are.
+    // One press or release a frame of a button, and of a key that the panels follow: they see each, however slow the
+    // frames are.
     for (bool clicked = false; !waiting.empty();) {
       const WindowEvent e = waiting.front();
       const bool counts = e.kind == WindowEvent::button || (e.kind == WindowEvent::key && imgui_key(e.code) >= 0);
@@ -341,13 +370,15 @@ struct WindowFrames::Impl {
     feed.sight.publish();
 
     ToolPose held = tool_pose(tool, glove);
-    if (!set.facts.own_device && desk.state.tool == Tool::none && !showing) held.visible = false;  // a mouse that looks around holds nothing
+    if (!set.facts.own_device && desk.state.tool == Tool::none && !showing)
+      held.visible = false;  // a mouse that looks around holds nothing
     const RenderScene& patient = builder.build(s, held);
     if (desk.state.directions) builder.add_stretch_glyphs(s);
     if (desk.state.lattice) builder.add_lines(lattice_lines());
     field = desk.state.field == SkinField::none ? nullptr : &fields.show(desk.state.field, s);
     builder.show_field(field ? field->value : std::vector<float>());
-    const Snapshot* beside = desk.state.head.beside == SkullBeside::off ? skull.show(SkullBeside::off, s, s) : skull.show(desk.state.head.beside, *first, s);
+    const Snapshot* beside = desk.state.head.beside == SkullBeside::off ? skull.show(SkullBeside::off, s, s)
+                                                                        : skull.show(desk.state.head.beside, *first, s);
     desk.state.head.skull_word = skull.word();
     skull_shown = beside != nullptr;
     const RenderScene& scene = beside ? skull_builder.build(*beside) : patient;
@@ -367,9 +398,11 @@ struct WindowFrames::Impl {
     r.lesson_begun = feed.next_shown, r.showing = feed.showing, r.at_leisure = at_leisure && desk.state.quality == 0;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
     if (beside) {
-      static constexpr SkinFieldLook kDistance{"Distance", "Distance from the other skull", "mm", ColourScale::magnitude, 1};
+      static constexpr SkinFieldLook kDistance{"Distance", "Distance from the other skull", "mm",
+                                               ColourScale::magnitude, 1};
       distance.value = beside->moved_mm, distance.lo = 0, distance.hi = kSkullScale_mm;
-      distance.above = std::any_of(distance.value.begin(), distance.value.end(), [](float d) { return double(d) > kSkullScale_mm; });
+      distance.above =
+          std::any_of(distance.value.begin(), distance.value.end(), [](float d) { return double(d) > kSkullScale_mm; });
       r.field = &distance, r.look = &kDistance;
     }
     if (set.facts.head) r.measures = &measures.read(s);
@@ -382,9 +415,13 @@ struct WindowFrames::Impl {
     feed.panels_have_pointer = io.WantCaptureMouse;
     if (desk.state.head.pick) {  // now the panels know where the mouse is
       constexpr int kHidden = 2;
-      const RayHit hit = io.WantCaptureMouse ? RayHit{} : cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height), desk.state.face == kHidden);
-      if (hit.triangle >= 0 || set.facts.own_device) feed.choices.push(desk.state.head.picked(s, hit.triangle, hit.bary));
-      else desk.say("nothing lies under the mouse: point at bone or face and press K");
+      const RayHit hit = io.WantCaptureMouse ? RayHit{}
+                                             : cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height),
+                                                        desk.state.face == kHidden);
+      if (hit.triangle >= 0 || set.facts.own_device)
+        feed.choices.push(desk.state.head.picked(s, hit.triangle, hit.bary));
+      else
+        desk.say("nothing lies under the mouse: point at bone or face and press K");
       desk.state.head.pick = false;
     }
 
@@ -395,7 +432,12 @@ struct WindowFrames::Impl {
       desk.state.picture = false;
       painted.forget();
     }
-    const PictureWish wish{view, options(kFastLevel, width, height), desk.state.compare, desk.state.stereo, desk.state.wipe, desk.state.quality};
+    const PictureWish wish{view,
+                           options(kFastLevel, width, height),
+                           desk.state.compare,
+                           desk.state.stereo,
+                           desk.state.wipe,
+                           desk.state.quality};
     const bool same = painted.shows(scene, wish), finer = same && at_leisure && level < kStillLevel;
     if (!same) at_leisure = false;
     if (!same || finer) {
@@ -408,7 +450,8 @@ struct WindowFrames::Impl {
     renderer->compose(width, height);
     ui->paint(*ImGui::GetDrawData(), width, height);
     renderer->present(width, height);
-    if (!same && desk.state.quality == 0) ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+    if (!same && desk.state.quality == 0)
+      ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     feed.keep_recording.store(desk.state.keep_recording, std::memory_order_relaxed);
     since_frame = 0;
     if (unseen > 0) --unseen;

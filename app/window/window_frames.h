@@ -1,8 +1,10 @@
 #pragma once
 // The window as the session's picture sink: the patient, the panels over it, and what the operator does with both.
 //
-// The patient is drawn when it would look different from before (painted.h), else only the panels are. While things move the
-// quality is what the time of a frame allows (quality.h); when nothing has moved for a while the picture is drawn once more with
+// The patient is drawn when it would look different from before (painted.h), else only the panels are. While things
+// move the
+// quality is what the time of a frame allows (quality.h); when nothing has moved for a while the picture is drawn once
+// more with
 // shadows and occlusion.
 //
 // Lives on the render thread. What the mouse does to the patient does not pass through here but through PointerReader
@@ -20,7 +22,7 @@ namespace limberg {
 
 struct WindowSettings {
   DeskFacts facts;
-  Camera camera;              // the first view
+  Camera camera;                  // the first view
   std::string picture_dir = ".";  // where pictures asked for are put: limberg-1.png, never replacing a file
 };
 

@@ -40,7 +40,10 @@ void put_text(std::vector<uint8_t>& out, const char* format, double v) {
 
 }  // namespace
 
-Emulator::Emulator(Motion motion, const EmulatorSettings& settings) : motion_(std::move(motion)), set_(settings), random_(settings.seed) { power_on(); }
+Emulator::Emulator(Motion motion, const EmulatorSettings& settings)
+    : motion_(std::move(motion)), set_(settings), random_(settings.seed) {
+  power_on();
+}
 
 void Emulator::power_on() {
   layout_.binary = false;
@@ -97,11 +100,21 @@ void Emulator::command(const std::string& text, int64_t now_ns) {
       continuous_ = true;
       next_sample_ns_ = now_ns;
       break;
-    case 'c': continuous_ = false; break;
-    case 'F': layout_.binary = false; break;
-    case 'f': layout_.binary = true; break;
-    case 'U': centimetres_ = false; break;
-    case 'u': centimetres_ = true; break;
+    case 'c':
+      continuous_ = false;
+      break;
+    case 'F':
+      layout_.binary = false;
+      break;
+    case 'f':
+      layout_.binary = true;
+      break;
+    case 'U':
+      centimetres_ = false;
+      break;
+    case 'u':
+      centimetres_ = true;
+      break;
     case 'P':
       for (int s = 1; s <= kStations; ++s)
         if (layout_.active[size_t(s - 1)]) record(s, now_ns);
@@ -125,7 +138,8 @@ void Emulator::command(const std::string& text, int64_t now_ns) {
     case 'H':
       if (station != 0 && a.size() >= 4) hemisphere_[i] = Vec3(a[1], a[2], a[3]);
       break;
-    default: break;  // filters, alignment, increments, the switch's function: taken and without effect here
+    default:
+      break;  // filters, alignment, increments, the switch's function: taken and without effect here
   }
 }
 
@@ -139,7 +153,10 @@ void Emulator::record(int station, int64_t sample_ns) {
   const Vec3 noise = random_.normal3(), turn = random_.normal3();
   r.pos_mm = truth.pos_mm + set_.noise_mm * noise;
   if (hemisphere_[i].squaredNorm() > 0 && hemisphere_[i].dot(r.pos_mm) < 0) r.pos_mm = -r.pos_mm;
-  const Eigen::Quaterniond q = (truth.orientation * Eigen::Quaterniond(1, 0.5 * set_.noise_rad * turn.x(), 0.5 * set_.noise_rad * turn.y(), 0.5 * set_.noise_rad * turn.z())).normalized();
+  const Eigen::Quaterniond q =
+      (truth.orientation * Eigen::Quaterniond(1, 0.5 * set_.noise_rad * turn.x(), 0.5 * set_.noise_rad * turn.y(),
+                                              0.5 * set_.noise_rad * turn.z()))
+          .normalized();
   r.quat = {q.w(), q.x(), q.y(), q.z()};
   r.pressed = truth.pressed;
   r.t_ns = sample_ns;
@@ -153,13 +170,26 @@ void Emulator::record(int station, int64_t sample_ns) {
   };
   for (const int item : items_[i]) {
     switch (item) {
-      case 0: b.push_back(' '); break;
-      case 1: b.push_back('\r'), b.push_back('\n'); break;
-      case 2: numbers({r.pos_mm.x() / unit, r.pos_mm.y() / unit, r.pos_mm.z() / unit}, "%7.2f"); break;
-      case 4: numbers({angles.x(), angles.y(), angles.z()}, "%7.2f"); break;
-      case 11: numbers({r.quat[0], r.quat[1], r.quat[2], r.quat[3]}, "%7.4f"); break;
-      case 16: b.push_back(' '), b.push_back(r.pressed ? '1' : '0'); break;
-      default: break;
+      case 0:
+        b.push_back(' ');
+        break;
+      case 1:
+        b.push_back('\r'), b.push_back('\n');
+        break;
+      case 2:
+        numbers({r.pos_mm.x() / unit, r.pos_mm.y() / unit, r.pos_mm.z() / unit}, "%7.2f");
+        break;
+      case 4:
+        numbers({angles.x(), angles.y(), angles.z()}, "%7.2f");
+        break;
+      case 11:
+        numbers({r.quat[0], r.quat[1], r.quat[2], r.quat[3]}, "%7.4f");
+        break;
+      case 16:
+        b.push_back(' '), b.push_back(r.pressed ? '1' : '0');
+        break;
+      default:
+        break;
     }
   }
   for (const uint8_t byte : b) {
@@ -194,23 +224,30 @@ Motion hand_at_work(uint64_t seed) {
     std::array<std::array<double, 3>, 9> wave;  // amplitude mm, Hz, phase
   };
   RandomStream random(seed);
-  auto parts = std::make_shared<Parts>(Parts{Tremor(random.next(), 0.12, 8, 12), Tremor(random.next(), 0.12, 8, 12), Tremor(random.next(), 0.12, 8, 12), {}});
-  for (auto& w : parts->wave) w = {20 + 30 * random.uniform(), 0.15 + 0.35 * random.uniform(), 2 * std::numbers::pi * random.uniform()};
+  auto parts = std::make_shared<Parts>(Parts{
+      Tremor(random.next(), 0.12, 8, 12), Tremor(random.next(), 0.12, 8, 12), Tremor(random.next(), 0.12, 8, 12), {}});
+  for (auto& w : parts->wave)
+    w = {20 + 30 * random.uniform(), 0.15 + 0.35 * random.uniform(), 2 * std::numbers::pi * random.uniform()};
   return [parts](int station, double t) {
-    const auto wave = [&](size_t k) { return parts->wave[k][0] * std::sin(2 * std::numbers::pi * parts->wave[k][1] * t + parts->wave[k][2]); };
+    const auto wave = [&](size_t k) {
+      return parts->wave[k][0] * std::sin(2 * std::numbers::pi * parts->wave[k][1] * t + parts->wave[k][2]);
+    };
     StationPose p;
     if (station >= 3) {
       p.pos_mm = Vec3(350 + wave(0), 120 + wave(1), -120 + wave(2)) + parts->stylus.at(t);
-      p.orientation = Eigen::AngleAxisd(0.01 * wave(3), Vec3::UnitX()) * Eigen::AngleAxisd(0.01 * wave(4), Vec3::UnitY());
+      p.orientation =
+          Eigen::AngleAxisd(0.01 * wave(3), Vec3::UnitX()) * Eigen::AngleAxisd(0.01 * wave(4), Vec3::UnitY());
       p.pressed = std::fmod(t, 2.0) > 1.2;
       return p;
     }
-    const Eigen::Quaterniond hand = Eigen::AngleAxisd(0.012 * wave(3), Vec3::UnitZ()) * Eigen::AngleAxisd(0.008 * wave(4), Vec3::UnitY()) * Eigen::Quaterniond::Identity();
+    const Eigen::Quaterniond hand = Eigen::AngleAxisd(0.012 * wave(3), Vec3::UnitZ()) *
+                                    Eigen::AngleAxisd(0.008 * wave(4), Vec3::UnitY()) * Eigen::Quaterniond::Identity();
     const double cycle = std::fmod(t, 2.0);  // open, close in 0.25 s, hold, open in 0.25 s
     const double closed = minimum_jerk((cycle - 0.8) / 0.25) - minimum_jerk((cycle - 1.6) / 0.25);
     const double aperture = 80 - 62 * closed;
     const Vec3 centre(350 + wave(5), -100 + wave(6), -120 + wave(7));
-    p.pos_mm = centre + hand * Vec3(0, station == 1 ? aperture / 2 : -aperture / 2, 0) + (station == 1 ? parts->fore : parts->thumb).at(t);
+    p.pos_mm = centre + hand * Vec3(0, station == 1 ? aperture / 2 : -aperture / 2, 0) +
+               (station == 1 ? parts->fore : parts->thumb).at(t);
     p.orientation = hand;
     return p;
   };

@@ -29,7 +29,7 @@ struct EmulatorSettings {
   double noise_mm = 0.05, noise_rad = 0.0005;  // standard deviation per axis of a reading
   double damage_per_byte = 0;                  // share of bytes that are lost, changed or followed by a stray one
   std::array<bool, kStations> plugged{true, true, true, true};
-  int64_t output_delay_ns = 4'200'000;         // from the sample to the first byte
+  int64_t output_delay_ns = 4'200'000;  // from the sample to the first byte
 };
 
 class Emulator {
@@ -55,7 +55,7 @@ class Emulator {
     int64_t sample_ns = 0;
     Vec3 true_mm = Vec3::Zero();
   };
-  std::vector<Sent> sent;   // grows while keep_sent is set
+  std::vector<Sent> sent;  // grows while keep_sent is set
   bool keep_sent = false;
 
  private:
@@ -67,18 +67,19 @@ class Emulator {
   Motion motion_;
   EmulatorSettings set_;
   RandomStream random_;
-  Layout layout_;                              // of the present output; item lists per station
+  Layout layout_;  // of the present output; item lists per station
   std::array<std::vector<int>, kStations> items_;
   std::array<Vec3, kStations> hemisphere_;
   bool continuous_ = false, centimetres_ = false, stopped_ = false;
   char error_ = ' ';
-  std::string line_;        // a command that waits for its CR
+  std::string line_;  // a command that waits for its CR
   int64_t next_sample_ns_ = 0, busy_until_ns_ = -1;
   int next_station_ = 0;
   std::vector<uint8_t> out_;
 };
 
-/// A hand in a glove: stations 1 and 2 on forefinger and thumb, station 3 a stylus in the other hand. It wanders about the
+/// A hand in a glove: stations 1 and 2 on forefinger and thumb, station 3 a stylus in the other hand. It wanders about
+/// the
 /// middle of the working space with the speed of a hand at work, closes and opens every two seconds, and trembles.
 Motion hand_at_work(uint64_t seed);
 

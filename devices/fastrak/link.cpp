@@ -20,22 +20,33 @@ std::array<StationRole, kStations> parse_roles(const std::string& letters) {
   int seen[4] = {};
   for (size_t i = 0; i < letters.size() && i < role.size(); ++i) {
     switch (letters[i]) {
-      case 'f': role[i] = StationRole::forefinger; break;
-      case 't': role[i] = StationRole::thumb; break;
-      case 's': role[i] = StationRole::stylus; break;
-      case '-': break;
-      default: any = false;
+      case 'f':
+        role[i] = StationRole::forefinger;
+        break;
+      case 't':
+        role[i] = StationRole::thumb;
+        break;
+      case 's':
+        role[i] = StationRole::stylus;
+        break;
+      case '-':
+        break;
+      default:
+        any = false;
     }
     if (role[i] != StationRole::none && ++seen[int(role[i])] > 1) any = false;
   }
   if (!any || seen[1] + seen[2] + seen[3] == 0 || seen[2] != seen[3])
-    throw InputError("", 0, "stations \"" + letters + "\" are not usable; expected one letter a station: f forefinger and t thumb (both or neither), s stylus, - none, as in ft, s or fts");
+    throw InputError("", 0,
+                     "stations \"" + letters +
+                         "\" are not usable; expected one letter a station: f forefinger and t thumb (both or "
+                         "neither), s stylus, - none, as in ft, s or fts");
   return role;
 }
 
 int64_t Stamps::stamp(int64_t arrival_ns) {
-  constexpr double kLumpNs = 50e6;   // further off than this it is another stream
-  constexpr double kDrift = 0.01;    // a device whose clock is slower than it says is followed at this rate
+  constexpr double kLumpNs = 50e6;  // further off than this it is another stream
+  constexpr double kDrift = 0.01;   // a device whose clock is slower than it says is followed at this rate
   const double arrival = double(arrival_ns);
   if (!started_ || period_ <= 0) return started_ = true, last_ = arrival, arrival_ns;
   // Readings may be missing: as many periods as fit. A reading may come late by most of a period, but hardly early.
@@ -70,13 +81,20 @@ Link::Link(const LinkSettings& settings) : set_(settings) {
 
 const char* Link::phase_name() const {
   switch (phase_) {
-    case Phase::closed: return "not connected";
-    case Phase::hush: return "waiting for silence";
-    case Phase::ask: return "asked for its status";
-    case Phase::reinitialise: return "reinitialising";
-    case Phase::configure: return "being configured";
-    case Phase::confirm: return "confirming its stations";
-    case Phase::run: return "running";
+    case Phase::closed:
+      return "not connected";
+    case Phase::hush:
+      return "waiting for silence";
+    case Phase::ask:
+      return "asked for its status";
+    case Phase::reinitialise:
+      return "reinitialising";
+    case Phase::configure:
+      return "being configured";
+    case Phase::confirm:
+      return "confirming its stations";
+    case Phase::run:
+      return "running";
   }
   return "";
 }
@@ -90,9 +108,15 @@ void Link::enter(Phase phase, int64_t now_ns) {
       last_byte_ns_ = now_ns;
       say("\rc");  // ends whatever command was begun, then continuous output off
       break;
-    case Phase::ask: say("S"); break;
-    case Phase::reinitialise: out_.push_back(uint8_t(kReinitialise)); break;
-    case Phase::configure: configure(); break;
+    case Phase::ask:
+      say("S");
+      break;
+    case Phase::reinitialise:
+      out_.push_back(uint8_t(kReinitialise));
+      break;
+    case Phase::configure:
+      configure();
+      break;
     case Phase::confirm:
       confirmed_ = 0;
       to_confirm_ = 1;
@@ -104,7 +128,8 @@ void Link::enter(Phase phase, int64_t now_ns) {
       say("C");
       break;
     }
-    case Phase::closed: break;
+    case Phase::closed:
+      break;
   }
 }
 
@@ -151,7 +176,8 @@ void Link::receive(const uint8_t* bytes, size_t n, int64_t now_ns, Receiver& rec
   // The bytes were read at once but came one after the other; the last came just now.
   const double byte_ns = 1e10 / double(std::max(1, set_.baud));
   const Phase before = phase_;
-  for (size_t i = 0; i < n && phase_ == before; ++i) parser_.feed(bytes[i], now_ns - int64_t(double(n - 1 - i) * byte_ns), *this);
+  for (size_t i = 0; i < n && phase_ == before; ++i)
+    parser_.feed(bytes[i], now_ns - int64_t(double(n - 1 - i) * byte_ns), *this);
   receiver_ = nullptr;
 }
 
@@ -215,7 +241,8 @@ void Link::tick(int64_t now_ns) {
     case Phase::run:
       if ((now_ns - last_record_ns_) / kMs >= set_.watchdog_ms) ++restarts_, enter(Phase::hush, now_ns);
       break;
-    case Phase::closed: break;
+    case Phase::closed:
+      break;
   }
 }
 

@@ -3,11 +3,13 @@
 //
 //   hush       continuous output off; what still comes is thrown away until the line is quiet
 //   ask        'S': the status record must come; every second failure asks for a reinitialisation (^Y, ten seconds)
-//   configure  centimetres, output list, switch and hemisphere per station, filters of the device off (they lag by up to
+//   configure  centimetres, output list, switch and hemisphere per station, filters of the device off (they lag by up
+//   to
 //              162 ms; manual, appendix E), then which stations are active is read back
 //   run        'C': records; when none has come for watchdog_ms, it starts again at hush
 //
-// A reading's time: the first byte of its record left the device kOutputDelayNs after the station was sampled. Operating
+// A reading's time: the first byte of its record left the device kOutputDelayNs after the station was sampled.
+// Operating
 // systems hand bytes over late and in lumps, never early; so each station's arrivals are held against its steady period
 // and an arrival later than that counts as late, not as a slower device (Stamps).
 //
@@ -26,10 +28,11 @@ namespace limberg::fastrak {
 inline constexpr int64_t kOutputDelayNs = 4'200'000;  // apparent latency with light filters (manual, appendix E)
 
 struct LinkSettings {
-  std::array<StationRole, kStations> role{StationRole::forefinger, StationRole::thumb, StationRole::none, StationRole::none};
+  std::array<StationRole, kStations> role{StationRole::forefinger, StationRole::thumb, StationRole::none,
+                                          StationRole::none};
   bool binary = true;
   std::array<Vec3, kStations> hemisphere{Vec3::UnitX(), Vec3::UnitX(), Vec3::UnitX(), Vec3::UnitX()};
-  int baud = 115200;          // of the port; here it says how long a record takes
+  int baud = 115200;  // of the port; here it says how long a record takes
   int32_t device_id = 200;
   int64_t quiet_ms = 150, answer_ms = 1000, reinitialise_ms = 10'500, watchdog_ms = 1500, tell_ms = 40;
 };

@@ -26,7 +26,8 @@ struct Rate {
   int baud;
   speed_t code;
 };
-constexpr Rate kRates[] = {{2400, B2400}, {4800, B4800}, {9600, B9600}, {19200, B19200}, {38400, B38400}, {57600, B57600}, {115200, B115200}};
+constexpr Rate kRates[] = {{2400, B2400},   {4800, B4800},   {9600, B9600},    {19200, B19200},
+                           {38400, B38400}, {57600, B57600}, {115200, B115200}};
 
 }  // namespace
 
@@ -101,13 +102,16 @@ bool SerialPort::write(const uint8_t* bytes, size_t n) {
 }
 
 struct EmulatedPort::Impl {
-  Impl(Motion motion, const EmulatorSettings& settings) : device(std::move(motion), settings), start_ns(monotonic_ns()) {}
+  Impl(Motion motion, const EmulatorSettings& settings)
+      : device(std::move(motion), settings), start_ns(monotonic_ns()) {}
 
   void lay_line() {
     int slave = -1;
     char name[128];
     if (openpty(&master, &slave, name, nullptr, nullptr) != 0)
-      throw InputError("", 0, std::string("no pseudo-terminal to be had (") + std::strerror(errno) + "); expected a mounted /dev/pts");
+      throw InputError(
+          "", 0,
+          std::string("no pseudo-terminal to be had (") + std::strerror(errno) + "); expected a mounted /dev/pts");
     termios t{};
     tcgetattr(slave, &t);
     cfmakeraw(&t);
@@ -151,7 +155,8 @@ struct EmulatedPort::Impl {
   std::thread thread;
 };
 
-EmulatedPort::EmulatedPort(Motion motion, const EmulatorSettings& settings) : impl_(std::make_unique<Impl>(std::move(motion), settings)) {
+EmulatedPort::EmulatedPort(Motion motion, const EmulatorSettings& settings)
+    : impl_(std::make_unique<Impl>(std::move(motion), settings)) {
   impl_->lay_line();
   impl_->thread = std::thread([this] { impl_->serve(); });
 }

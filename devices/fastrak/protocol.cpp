@@ -62,12 +62,16 @@ size_t encode(const Record& r, const Layout& layout, std::span<uint8_t, kLongest
   *p++ = uint8_t('0' + r.station);
   *p++ = uint8_t(r.error);
   for (int i = 0; i < 3; ++i) {
-    if (layout.binary) put_float(p, r.pos_mm[i] / kMmPerCm), p += 4;
-    else put_fixed(p, 2, r.pos_mm[i] / kMmPerCm), p += 7;
+    if (layout.binary)
+      put_float(p, r.pos_mm[i] / kMmPerCm), p += 4;
+    else
+      put_fixed(p, 2, r.pos_mm[i] / kMmPerCm), p += 7;
   }
   for (const double q : r.quat) {
-    if (layout.binary) put_float(p, q), p += 4;
-    else put_fixed(p, 4, q), p += 7;
+    if (layout.binary)
+      put_float(p, q), p += 4;
+    else
+      put_fixed(p, 4, q), p += 7;
   }
   if (layout.has_switch[size_t(r.station - 1)]) *p++ = ' ', *p++ = r.pressed ? '1' : '0';
   *p++ = '\r', *p++ = '\n';
@@ -102,7 +106,8 @@ double accepted_share(const Record& r, const Layout& layout, double far_mm, doub
       const auto &a = take.got, &b = whole.got;
       double dot = 0;
       for (size_t k = 0; k < 4; ++k) dot += a.quat[k] * b.quat[k];
-      const double moved = (a.pos_mm - b.pos_mm).norm(), turned = 2 * std::acos(std::min(1.0, std::abs(dot))) * 180 / std::numbers::pi;
+      const double moved = (a.pos_mm - b.pos_mm).norm(),
+                   turned = 2 * std::acos(std::min(1.0, std::abs(dot))) * 180 / std::numbers::pi;
       const bool any = a.pos_mm != b.pos_mm || a.quat != b.quat || a.station != b.station || a.pressed != b.pressed;
       passed += far_mm > 0 || far_deg > 0 ? moved > far_mm || turned > far_deg : any;
     }
@@ -129,7 +134,8 @@ void Parser::drop(size_t n) {
 
 Parser::Look Parser::look_at_record(Record& r, size_t& length) const {
   if (n_ < 3) {
-    if (n_ >= 2 && (byte_[1] < '1' || byte_[1] > '0' + kStations || !layout_.active[size_t(byte_[1] - '1')])) return Look::no;
+    if (n_ >= 2 && (byte_[1] < '1' || byte_[1] > '0' + kStations || !layout_.active[size_t(byte_[1] - '1')]))
+      return Look::no;
     return Look::more;
   }
   if (byte_[1] < '1' || byte_[1] > '0' + kStations || !layout_.active[size_t(byte_[1] - '1')]) return Look::no;
@@ -140,22 +146,27 @@ Parser::Look Parser::look_at_record(Record& r, size_t& length) const {
   if (n_ < length) return Look::more;
   if (byte_[length - 2] != '\r' || byte_[length - 1] != '\n') return Look::no;
   const bool has_switch = layout_.has_switch[size_t(r.station - 1)];
-  if (has_switch && (byte_[length - 4] != ' ' || (byte_[length - 3] != '0' && byte_[length - 3] != '1'))) return Look::no;
+  if (has_switch && (byte_[length - 4] != ' ' || (byte_[length - 3] != '0' && byte_[length - 3] != '1')))
+    return Look::no;
   r.pressed = has_switch && byte_[length - 3] == '1';
   const uint8_t* p = byte_.data() + 3;
   const size_t width = layout_.binary ? 4 : 7;
   for (int i = 0; i < 3; ++i, p += width) {
     double v = 0;
-    if (layout_.binary) v = get_float(p);
-    else if (!get_fixed(p, 2, v)) return Look::no;
+    if (layout_.binary)
+      v = get_float(p);
+    else if (!get_fixed(p, 2, v))
+      return Look::no;
     r.pos_mm[i] = v * kMmPerCm;
     if (!(std::abs(r.pos_mm[i]) <= kReachMm)) return Look::no;
   }
   double qq = 0;
   for (size_t i = 0; i < 4; ++i, p += width) {
     double v = 0;
-    if (layout_.binary) v = get_float(p);
-    else if (!get_fixed(p, 4, v)) return Look::no;
+    if (layout_.binary)
+      v = get_float(p);
+    else if (!get_fixed(p, 4, v))
+      return Look::no;
     if (!(std::abs(v) <= 1.01)) return Look::no;
     r.quat[i] = v;
     qq += v * v;

@@ -6,9 +6,12 @@
 //   ASCII   '0' station error | 3 Sxxx.xx | 4 Sx.xxxx | [blank '0'/'1'] | CR LF     54 or 56 bytes
 // Replies to commands begin with '2' and end with CR LF. The device is told to speak in centimetres.
 //
-// The line has no checksum. A record is taken only when it stands directly behind a CR LF (the one of the record or reply
-// before it), its station is one that was asked for, its error character is a blank or a letter, it ends with CR LF, its
-// switch is a switch, its numbers are finite, its position lies within kReachMm and its quaternion has unit length to 1 %.
+// The line has no checksum. A record is taken only when it stands directly behind a CR LF (the one of the record or
+// reply
+// before it), its station is one that was asked for, its error character is a blank or a letter, it ends with CR LF,
+// its
+// switch is a switch, its numbers are finite, its position lies within kReachMm and its quaternion has unit length to 1
+// %.
 // accepted_share() says what damage still passes; the jump gate of the tracking stands behind it.
 //
 // Parser is a state machine fed byte by byte: no clock, no allocation, at most 2 * kLongest bytes looked at again.
@@ -23,8 +26,8 @@
 namespace limberg::fastrak {
 
 inline constexpr int kStations = 4;
-inline constexpr double kReachMm = 5000;  // the long-range transmitter reaches 4.6 m
-inline constexpr size_t kLongest = 64;    // of a record or reply
+inline constexpr double kReachMm = 5000;            // the long-range transmitter reaches 4.6 m
+inline constexpr size_t kLongest = 64;              // of a record or reply
 inline constexpr double kStationsTogetherHz = 120;  // readings a second, shared by the active stations
 
 /// What the stations were told to send.
@@ -51,7 +54,8 @@ struct Record {
 size_t encode(const Record& r, const Layout& layout, std::span<uint8_t, kLongest> out);
 
 /// Share of damaged records that pass every check with a pose that differs, when one byte of `r` is replaced by another
-/// value, all bytes and values equally likely: by trying them all. `far_mm`, `far_deg`: only those whose pose differs by
+/// value, all bytes and values equally likely: by trying them all. `far_mm`, `far_deg`: only those whose pose differs
+/// by
 /// more than this (0, 0: any difference). Of those that pass nearly all sit in the mantissas of the position.
 double accepted_share(const Record& r, const Layout& layout, double far_mm, double far_deg);
 

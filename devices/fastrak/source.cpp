@@ -31,7 +31,9 @@ SourceSettings parse_source(const std::string& text) {
     } else if (!word.empty() && word[0] >= '0' && word[0] <= '9') {
       const auto end = std::from_chars(word.data(), word.data() + word.size(), baud);
       if (end.ptr != word.data() + word.size() || !known_baud(baud))
-        throw InputError("", 0, "\"" + word + "\" is no rate of a fastrak; expected 2400, 4800, 9600, 19200, 38400, 57600 or 115200");
+        throw InputError(
+            "", 0,
+            "\"" + word + "\" is no rate of a fastrak; expected 2400, 4800, 9600, 19200, 38400, 57600 or 115200");
       s.link.baud = baud;
     } else {
       s.link.role = parse_roles(word);
@@ -41,7 +43,8 @@ SourceSettings parse_source(const std::string& text) {
 }
 
 struct FastrakSource::Impl final : Link::Receiver {
-  Impl(const SourceSettings& s, int64_t start) : settings(s), start_ns(start), link(s.link), queue(s.queue), path(s.path) {}
+  Impl(const SourceSettings& s, int64_t start)
+      : settings(s), start_ns(start), link(s.link), queue(s.queue), path(s.path) {}
 
   int64_t now() const { return monotonic_ns() - start_ns; }
 
@@ -104,8 +107,9 @@ struct FastrakSource::Impl final : Link::Receiver {
       if (read_ns >= next_words_ns) {
         next_words_ns = read_ns + 200'000'000;
         const Link::Counts c = link.counts();
-        tell(std::string(link.phase_name()) + (link.status().empty() ? "" : ", \"" + link.status() + "\"") + ", " + std::to_string(c.readings) + " readings, " +
-             std::to_string(c.parser.damaged) + " damaged, " + std::to_string(c.restarts) + " restarts, " + std::to_string(unplugged.load()) + " times unplugged");
+        tell(std::string(link.phase_name()) + (link.status().empty() ? "" : ", \"" + link.status() + "\"") + ", " +
+             std::to_string(c.readings) + " readings, " + std::to_string(c.parser.damaged) + " damaged, " +
+             std::to_string(c.restarts) + " restarts, " + std::to_string(unplugged.load()) + " times unplugged");
       }
     }
   }
@@ -122,7 +126,8 @@ struct FastrakSource::Impl final : Link::Receiver {
   std::thread thread;
 };
 
-FastrakSource::FastrakSource(const SourceSettings& settings, int64_t start_ns) : impl_(std::make_unique<Impl>(settings, start_ns)) {
+FastrakSource::FastrakSource(const SourceSettings& settings, int64_t start_ns)
+    : impl_(std::make_unique<Impl>(settings, start_ns)) {
   impl_->thread = std::thread([this] { impl_->run(); });
 }
 
@@ -134,7 +139,8 @@ FastrakSource::~FastrakSource() {
 void FastrakSource::poll(int64_t now_ns, SampleSink& sink) { impl_->queue.poll(now_ns, sink); }
 
 SourceCounts FastrakSource::counts() const {
-  return {impl_->queue.handed_over(), impl_->malformed.load(std::memory_order_relaxed), impl_->lost.load(std::memory_order_relaxed)};
+  return {impl_->queue.handed_over(), impl_->malformed.load(std::memory_order_relaxed),
+          impl_->lost.load(std::memory_order_relaxed)};
 }
 
 std::string FastrakSource::health() const {

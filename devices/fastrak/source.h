@@ -12,11 +12,12 @@ namespace limberg::fastrak {
 struct SourceSettings {
   std::string path = "/dev/ttyS0";
   LinkSettings link;
-  bool raw = true;        // bytes are passed on too, so that a recording holds them
+  bool raw = true;  // bytes are passed on too, so that a recording holds them
   size_t queue = 4096;
 };
 
-/// "PATH", "PATH,ft", "PATH,fts,ascii,9600": the stations' roles, the format and the rate of the line in any order after
+/// "PATH", "PATH,ft", "PATH,fts,ascii,9600": the stations' roles, the format and the rate of the line in any order
+/// after
 /// the path. InputError on what cannot be read.
 SourceSettings parse_source(const std::string& text);
 

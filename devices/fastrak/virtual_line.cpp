@@ -25,7 +25,8 @@ const std::vector<TrackerSample>& VirtualLine::tick(int64_t tick) {
   return got_;
 }
 
-std::vector<Sample> readings_of(Motion motion, double seconds, const LinkSettings& link, const EmulatorSettings& device) {
+std::vector<Sample> readings_of(Motion motion, double seconds, const LinkSettings& link,
+                                const EmulatorSettings& device) {
   VirtualLine line(std::move(motion), link, device);
   std::vector<Sample> all;
   int64_t last = -1;

@@ -25,6 +25,7 @@ class VirtualLine final : private Link::Receiver {
 };
 
 /// Everything that comes of a motion in so many seconds, as a recording would hold it.
-std::vector<Sample> readings_of(Motion motion, double seconds, const LinkSettings& link, const EmulatorSettings& device = {});
+std::vector<Sample> readings_of(Motion motion, double seconds, const LinkSettings& link,
+                                const EmulatorSettings& device = {});
 
 }  // namespace limberg::fastrak

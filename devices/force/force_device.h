@@ -1,5 +1,6 @@
 #pragma once
-// A device that is held, says where it is and pushes back. Makers' libraries stand behind this door; here is one made of
+// A device that is held, says where it is and pushes back. Makers' libraries stand behind this door; here is one made
+// of
 // equations: a mass in a hand, for tests and for work without a device.
 #include <cstdint>
 #include <functional>
@@ -25,14 +26,15 @@ class ForceDevice {
   virtual const char* name() const = 0;
 };
 
-/// m x'' = F + k_hand (target - x) + b_hand (target' - x'), semi-implicit steps of 0.1 ms; places are read in steps of the
+/// m x'' = F + k_hand (target - x) + b_hand (target' - x'), semi-implicit steps of 0.1 ms; places are read in steps of
+/// the
 /// encoder. The force holds between pushes, as a device's does: through a stall too, unless its own watchdog ends it.
 struct SimulatedHand {
-  double mass_kg = 0.15;              // of the device's end and of the hand that moves with it
-  double stiffness_N_mm = 0.3;        // of the hand that wants to be at its target
-  double damping_N_s_mm = 0.005;      // a relaxed grip; 0.0134 would be critical
+  double mass_kg = 0.15;          // of the device's end and of the hand that moves with it
+  double stiffness_N_mm = 0.3;    // of the hand that wants to be at its target
+  double damping_N_s_mm = 0.005;  // a relaxed grip; 0.0134 would be critical
   double encoder_mm = 0.01;
-  double force_N = 3.3;               // what its motors give
+  double force_N = 3.3;  // what its motors give
   std::function<Vec3(double t_s)> target = [](double) { return Vec3(0, 0, 20); };
   std::function<bool(double t_s)> pressed = [](double) { return false; };
 };

@@ -8,8 +8,8 @@
 namespace limberg {
 
 namespace {
-constexpr double kDeepest_mm = 25;    // further in, the tip came from elsewhere
-constexpr double kLeave_mm = 1.0;     // out of a cut so far: the skin closes for the next one
+constexpr double kDeepest_mm = 25;  // further in, the tip came from elsewhere
+constexpr double kLeave_mm = 1.0;   // out of a cut so far: the skin closes for the next one
 }  // namespace
 
 void ForceLoop::take(const ForceModel& m) {
@@ -113,7 +113,8 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   }
   const double step_s = std::min(dt, limit_.stall_s);  // what fades does not jump over a stall
 
-  const double w = std::clamp(double(now_ns - model_came_ns_) / double(std::max<int64_t>(1, model_.period_ns)), 0.0, 1.0);
+  const double w =
+      std::clamp(double(now_ns - model_came_ns_) / double(std::max<int64_t>(1, model_.period_ns)), 0.0, 1.0);
   now_N_mm_ = from_N_mm_ + w * (model_.stiffness_N_mm - from_N_mm_);
   now_hook_N_mm_ = from_hook_N_mm_ + w * (model_.hook_stiffness_N_mm - from_hook_N_mm_);
   now_home_ = from_home_ + w * (model_.hook_home_mm - from_home_);
@@ -125,13 +126,16 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   slow_v_ += 0.2 * (v - slow_v_);
   if (state_.touching || model_.hooked) f -= limit_.damping_N_s_mm * slow_v_;
 
-  const bool stale = double(now_ns - model_.t_ns) > limit_.stale_periods * double(model_.period_ns) + double(model_.period_ns);
+  const bool stale =
+      double(now_ns - model_.t_ns) > limit_.stale_periods * double(model_.period_ns) + double(model_.period_ns);
   counts_.stale += stale;
   fade_ = std::clamp(fade_ + (stale ? -step_s / limit_.decay_s : step_s / limit_.decay_s), 0.0, 1.0);
   ramp_ = std::min(1.0, ramp_ + step_s / limit_.ramp_s);
   f *= fade_ * ramp_;
-  if (stalled) held_over_ = before - f;
-  else held_over_ *= std::exp(-step_s / limit_.catch_up_s);
+  if (stalled)
+    held_over_ = before - f;
+  else
+    held_over_ *= std::exp(-step_s / limit_.catch_up_s);
   if (!state_.touching && !model_.hooked) held_over_.setZero();
   f += fade_ * held_over_;
 
@@ -147,7 +151,8 @@ const ForceState& ForceLoop::tick(int64_t now_ns, const Vec3& tip, bool valid) {
   state_.energy_mJ = std::min(state_.energy_mJ, kMost_mJ);
 
   if (const double size = f.norm(); size > limit_.force_N) f *= limit_.force_N / size, ++counts_.saturated;
-  if (const double step = (f - before).norm(); step > limit_.slew_N) f = before + (f - before) * (limit_.slew_N / step), ++counts_.slewed;
+  if (const double step = (f - before).norm(); step > limit_.slew_N)
+    f = before + (f - before) * (limit_.slew_N / step), ++counts_.slewed;
   counts_.largest_step_N = std::max(counts_.largest_step_N, (f - before).norm());
   state_.force_N = f;
   return state_;

@@ -1,14 +1,19 @@
 #pragma once
 // Forces for a hand that holds a force device, a thousand times a second.
 //
-// The solver is too slow for a hand: at 60 Hz a held force drives the device (it gives energy back that it never got). So
-// it only says what changes slowly, in a ForceModel: the surface near the tool as it would be without the tool, how stiff
-// the tissue is, where a hook's tissue would rest. Everything that decides whether there is a force, and how large, is done
+// The solver is too slow for a hand: at 60 Hz a held force drives the device (it gives energy back that it never got).
+// So
+// it only says what changes slowly, in a ForceModel: the surface near the tool as it would be without the tool, how
+// stiff
+// the tissue is, where a hook's tissue would rest. Everything that decides whether there is a force, and how large, is
+// done
 // here on every tick:
 //
-//   contact    the tip against that surface; a place of the surface, the proxy, follows the tip along it within the friction
+//   contact    the tip against that surface; a place of the surface, the proxy, follows the tip along it within the
+//   friction
 //              cone (Zilles and Salisbury 1995; Ruspini 1997), force = secant stiffness times (proxy - tip)
-//   stiffness  goes from the model's last value to its new one over a period of the solver: the force never steps; a secant
+//   stiffness  goes from the model's last value to its new one over a period of the solver: the force never steps; a
+//   secant
 //              and not a tangent, so that a stiffening tissue does not push harder on the way out than on the way in
 //   coupling   the device sees the tissue through a spring of the largest stiffness that it holds stably, and a damper
 //              (Colgate 1995; Adams and Hannaford 1999)
@@ -17,10 +22,14 @@
 //              (Hannaford and Ryu 2002)
 //   limits     of force and of change per tick; a ramp at the start; none when the model is old (decays) or the device
 //              is not read
-//   stalls     whoever stops this loop (a virtual machine's host does, for tens of ms) leaves the last force on the hand
-//              meanwhile, and the hand moves. Where it is then, another force is due. Both a jump there and a new start from
-//              nothing would throw it: what is due and what was held differ by so much, and that fades. A hand that has left
-//              the surface is let go of at once, as fast as the force may change. After a stall in which the model would have
+//   stalls     whoever stops this loop (a virtual machine's host does, for tens of ms) leaves the last force on the
+//   hand
+//              meanwhile, and the hand moves. Where it is then, another force is due. Both a jump there and a new start
+//              from
+//              nothing would throw it: what is due and what was held differ by so much, and that fades. A hand that has
+//              left
+//              the surface is let go of at once, as fast as the force may change. After a stall in which the model
+//              would have
 //              faded, the force begins anew from nothing
 //
 // Nothing allocates. No clock: times are handed in.
@@ -36,11 +45,11 @@ struct ForceModel {
   static constexpr int kFacets = 64;
   int64_t seq = 0, t_ns = -1;  // counts models; when its positions were true
   int64_t period_ns = 16'000'000;
-  int facets = 0;              // outward, of the surface near the tool
+  int facets = 0;  // outward, of the surface near the tool
   std::array<std::array<Vec3, 3>, kFacets> facet;
-  double stiffness_N_mm = 0;   // secant: force over depth, at the depth that the tool has
+  double stiffness_N_mm = 0;  // secant: force over depth, at the depth that the tool has
   double friction = 0.2;
-  double puncture_N = 0;       // 0: the tool does not cut
+  double puncture_N = 0;  // 0: the tool does not cut
   double cutting_N = 0;
   bool hooked = false;
   Vec3 hook_home_mm = Vec3::Zero();  // where the hooked tissue would pull the hook to, so that there was no force
@@ -49,15 +58,15 @@ struct ForceModel {
 
 /// What a device can do.
 struct ForceLimits {
-  double force_N = 3.3;         // peak
-  double slew_N = 0.2;          // per tick
-  double stiffness_N_mm = 2.0;  // that it holds stably in a hand
+  double force_N = 3.3;            // peak
+  double slew_N = 0.2;             // per tick
+  double stiffness_N_mm = 2.0;     // that it holds stably in a hand
   double damping_N_s_mm = 0.0015;  // of the coupling; on the speed below some 40 Hz
   double ramp_s = 0.5;
   double stale_periods = 2, decay_s = 0.05;
-  double stall_s = 0.004;       // a longer tick is a stall
-  double catch_up_s = 0.1;      // a force that was held over a stall fades so; slow beside a hand's swing, 20 ms
-  double spare_mJ = 0.1;        // energy that may be missing before the damper acts
+  double stall_s = 0.004;             // a longer tick is a stall
+  double catch_up_s = 0.1;            // a force that was held over a stall fades so; slow beside a hand's swing, 20 ms
+  double spare_mJ = 0.1;              // energy that may be missing before the damper acts
   double most_damping_N_s_mm = 0.02;  // of the passivity damper: below 2 m / T for the lightest device, 50 g
 };
 
@@ -66,7 +75,7 @@ struct ForceState {
   Vec3 proxy_mm = Vec3::Zero();
   bool touching = false, cut = false;
   double depth_mm = 0;
-  double energy_mJ = 0;         // that the hand has put in, net; never far below zero
+  double energy_mJ = 0;  // that the hand has put in, net; never far below zero
 };
 
 struct ForceCounts {
@@ -104,7 +113,7 @@ class ForceLoop {
   bool model_fresh_ = false;
   double ramp_ = 0, fade_ = 1;
   Vec3 held_over_ = Vec3::Zero();  // of the force that a stall left on the hand: what differs from the one that is due
-  double plastic_mm_ = 0;  // how deep the blade has cut
+  double plastic_mm_ = 0;          // how deep the blade has cut
   Vec3 last_tip_ = Vec3::Zero(), slow_v_ = Vec3::Zero();
   double now_N_mm_ = 0, now_hook_N_mm_ = 0;
   Vec3 now_home_ = Vec3::Zero();

@@ -6,12 +6,16 @@
 
 namespace limberg {
 
-ForceSource::ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceSettings& settings, std::shared_ptr<StiffnessLine> line)
+ForceSource::ForceSource(std::unique_ptr<ForceDevice> device, const ForceSourceSettings& settings,
+                         std::shared_ptr<StiffnessLine> line)
     : device_(std::move(device)), set_(settings), line_(std::move(line)), loop_(device_->limits()) {}
 
 void ForceSource::look(const Snapshot& s) { seen_ = &s; }
 
-void ForceSource::hold(const ToolState& state) { tool_ = Tool(state.tool), held_hook_ = state.held_hook, shift_ = Vec3(state.shift_mm[0], state.shift_mm[1], state.shift_mm[2]); }
+void ForceSource::hold(const ToolState& state) {
+  tool_ = Tool(state.tool), held_hook_ = state.held_hook,
+  shift_ = Vec3(state.shift_mm[0], state.shift_mm[1], state.shift_mm[2]);
+}
 
 double ForceSource::half_space(double young_kPa, double poisson) const {
   return 2 * set_.tip_radius_mm * young_kPa / (1 - poisson * poisson) * 1e-3;  // kPa mm = mN / mm
@@ -24,8 +28,10 @@ SkinTouch ForceSource::closest(Sheet& sheet, const Snapshot& s) {
   return touch;
 }
 
-// Over skin the skin holds a blunt tip up, closed wounds included; beside it (an open wound, a bed, the block's side) the whole
-// surface of the flesh counts. A blade that is in the skin stays with it. Bone only where the tip is in no flesh: what lies under
+// Over skin the skin holds a blunt tip up, closed wounds included; beside it (an open wound, a bed, the block's side)
+// the whole
+// surface of the flesh counts. A blade that is in the skin stays with it. Bone only where the tip is in no flesh: what
+// lies under
 // flesh is felt through it.
 ForceSource::Sheet& ForceSource::met(const Snapshot& s, SkinTouch& touch) {
   const auto depth = [&](const SkinTouch& t) { return t.triangle < 0 ? -1e30 : -(tip_ - t.x_mm).dot(t.normal); };
@@ -33,7 +39,8 @@ ForceSource::Sheet& ForceSource::met(const Snapshot& s, SkinTouch& touch) {
   touch = closest(skin_, s);
   double in = depth(touch);
   const double aside = touch.triangle < 0 ? 1e30 : (tip_ - touch.x_mm + in * touch.normal).norm();
-  if (aside > set_.tip_radius_mm && !(cuts() && loop_.state().cut)) touch = closest(*(sheet = &flesh_), s), in = depth(touch);
+  if (aside > set_.tip_radius_mm && !(cuts() && loop_.state().cut))
+    touch = closest(*(sheet = &flesh_), s), in = depth(touch);
   if (in > 0 || s.topology->organ.empty()) return *sheet;
   const SkinTouch hard = closest(bone_, s);
   if (hard.triangle < 0 || (touch.triangle >= 0 && touch.distance_mm <= hard.distance_mm)) return *sheet;
@@ -45,10 +52,13 @@ double ForceSource::contact_stiffness(const Snapshot& s, const SkinTouch& touch)
   const double alone = half_space(set_.young_kPa, set_.poisson);
   if (!line_) return alone;
   // How deep the tip is below the surface as it would be without it, or lies ready to be.
-  line_->ask({s.topology_version, touch.triangle, touch.bary, touch.normal, set_.tip_radius_mm, loop_.state().touching ? loop_.state().depth_mm : 0});
+  line_->ask({s.topology_version, touch.triangle, touch.bary, touch.normal, set_.tip_radius_mm,
+              loop_.state().touching ? loop_.state().depth_mm : 0});
   const PressAnswer& told = line_->newest();
   const SurfaceView& view = s.topology->view;
-  if (told.stiffness_N_mm <= 0 || told.topology_version != s.topology_version || told.triangle < 0 || size_t(told.triangle) >= view.tri.size()) return alone;
+  if (told.stiffness_N_mm <= 0 || told.topology_version != s.topology_version || told.triangle < 0 ||
+      size_t(told.triangle) >= view.tri.size())
+    return alone;
   Vec3 there = Vec3::Zero();
   for (int32_t v : view.tri[size_t(told.triangle)]) there += s.x_mm[size_t(v)].cast<double>() / 3;
   if ((there - touch.x_mm).norm() > set_.answer_reach_mm) return alone;
@@ -67,7 +77,8 @@ void ForceSource::make_model(const Snapshot& s) {
     SkinTouch touch;
     const Sheet& sheet = met(s, touch);
     const bool bone = sheet.ground == Ground::bone;
-    if (touch.triangle >= 0 && touch.distance_mm < (touch.normal.dot(tip_ - touch.x_mm) < 0 ? set_.deepest_mm : set_.patch_mm)) {
+    if (touch.triangle >= 0 &&
+        touch.distance_mm < (touch.normal.dot(tip_ - touch.x_mm) < 0 ? set_.deepest_mm : set_.patch_mm)) {
       m.facets = sheet.index.facets_around(s, touch, set_.patch_mm, m.facet);
       m.stiffness_N_mm = bone ? half_space(set_.bone_kPa, set_.bone_poisson) : contact_stiffness(s, touch);
     }
@@ -78,7 +89,8 @@ void ForceSource::make_model(const Snapshot& s) {
     if (held_hook_ != 0 && h.id == held_hook_) held = &h;
   if (held) {
     if (held->id != hook_) hook_ = held->id, hook_home_ = held->at_mm.cast<double>();
-    const double pulled = (held->handle_mm.cast<double>() - hook_home_).norm(), force = held->force_N.cast<double>().norm();
+    const double pulled = (held->handle_mm.cast<double>() - hook_home_).norm(),
+                 force = held->force_N.cast<double>().norm();
     m.hooked = true;
     m.hook_home_mm = hook_home_ - shift_;  // behind the clutch the hand is elsewhere, and feels the same
     // Too little pull says nothing about stiffness: what was known stays.
@@ -116,8 +128,12 @@ void ForceSource::poll(int64_t now_ns, SampleSink& sink) {
 std::string ForceSource::health() const {
   const ForceCounts& c = loop_.counts();
   char text[320];
-  std::snprintf(text, sizeof text, "%s, force %.2f N, %lld ticks, stiffness %.3f N/mm (%lld models from the solver), %lld saturated, %lld slewed, %lld with an old model, %lld stalls, least energy %.2f mJ", device_->name(),
-                loop_.state().force_N.norm(), (long long)c.ticks, model_.stiffness_N_mm, (long long)answers_, (long long)c.saturated, (long long)c.slewed, (long long)c.stale, (long long)c.stalls, c.least_energy_mJ);
+  std::snprintf(text, sizeof text,
+                "%s, force %.2f N, %lld ticks, stiffness %.3f N/mm (%lld models from the solver), %lld saturated, %lld "
+                "slewed, %lld with an old model, %lld stalls, least energy %.2f mJ",
+                device_->name(), loop_.state().force_N.norm(), (long long)c.ticks, model_.stiffness_N_mm,
+                (long long)answers_, (long long)c.saturated, (long long)c.slewed, (long long)c.stale,
+                (long long)c.stalls, c.least_energy_mJ);
   return text;
 }
 

@@ -31,7 +31,8 @@ std::vector<double> ways_from(const simplex::Mesh& m, const BoneSurface& bone, c
     open.pop();
     if (d > way[size_t(v)]) continue;
     for (int32_t w : m.nbr[size_t(v)])
-      if (const double far = d + (m.x_mm[size_t(w)] - m.x_mm[size_t(v)]).norm(); far < way[size_t(w)]) way[size_t(w)] = far, open.push({far, w});
+      if (const double far = d + (m.x_mm[size_t(w)] - m.x_mm[size_t(v)]).norm(); far < way[size_t(w)])
+        way[size_t(w)] = far, open.push({far, w});
   }
   return way;
 }
@@ -117,7 +118,8 @@ Aim aim_blade(const simplex::Mesh& m, const BoneSurface& bone, const DrawnPath& 
     from[k].assign(here.size(), -1);
     for (size_t j = 0; j < here.size(); ++j)
       for (size_t i = 0; i < before.size(); ++i)
-        if (const double c = best[i] + cost(x, y, before[i], here[j]); c < next[j]) next[j] = c, from[k][j] = int32_t(i);
+        if (const double c = best[i] + cost(x, y, before[i], here[j]); c < next[j])
+          next[j] = c, from[k][j] = int32_t(i);
     best = std::move(next);
   }
   std::vector<Ray> chosen(n);
@@ -145,8 +147,10 @@ Aim aim_blade(const simplex::Mesh& m, const BoneSurface& bone, const DrawnPath& 
       const size_t i = (a + s) % path.x_mm.size();
       const double w = double(s) / double(std::max<size_t>(gap, 1));
       const Vec3 e = (1 - w) * chosen[k].exit + w * chosen[(k + 1) % n].exit - path.x_mm[i];
-      if (s == 0) out.inward[i] = chosen[k].u, out.depth_mm[i] = chosen[k].depth;
-      else out.inward[i] = e.normalized(), out.depth_mm[i] = e.norm();
+      if (s == 0)
+        out.inward[i] = chosen[k].u, out.depth_mm[i] = chosen[k].depth;
+      else
+        out.inward[i] = e.normalized(), out.depth_mm[i] = e.norm();
     }
   }
   return out;

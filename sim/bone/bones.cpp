@@ -15,7 +15,8 @@ namespace {
 
 bool rigid(const Eigen::Isometry3d& p) {
   const Mat3 R = p.linear();
-  return p.matrix().allFinite() && (R * R.transpose() - Mat3::Identity()).norm() < 1e-6 && R.determinant() > 0 && p.translation().norm() < 1e5;
+  return p.matrix().allFinite() && (R * R.transpose() - Mat3::Identity()).norm() < 1e-6 && R.determinant() > 0 &&
+         p.translation().norm() < 1e5;
 }
 
 }  // namespace
@@ -32,7 +33,11 @@ Bones::Bones(std::vector<NamedMesh> bones, Workers& workers) : workers_(&workers
       if (!(bulk[size_t(c)].volume_mm3 > 0))
         simplex::remove_component(b.mesh, int32_t(std::find(of.begin(), of.end(), c) - of.begin()), gone);
     simplex::compact(b.mesh);
-    if (b.mesh.vertices() == 0) throw InputError("", 0, "bone " + b.name + " is turned inside out; a surface with its faces counter-clockwise from outside was expected");
+    if (b.mesh.vertices() == 0)
+      throw InputError(
+          "", 0,
+          "bone " + b.name +
+              " is turned inside out; a surface with its faces counter-clockwise from outside was expected");
     const int32_t base = simplex::append(mesh_, b.mesh);
     const int32_t parts = simplex::components(b.mesh, of);
     for (int32_t c = 0; c < parts; ++c) {
@@ -70,7 +75,9 @@ const Fragment* Bones::fragment(int32_t id) const {
   return i < 0 ? nullptr : &now_.fragments[size_t(i)];
 }
 
-int32_t Bones::fragment_of(int32_t v) const { return mesh_.alive(v) ? id_of_component_[size_t(component_[size_t(v)])] : -1; }
+int32_t Bones::fragment_of(int32_t v) const {
+  return mesh_.alive(v) ? id_of_component_[size_t(component_[size_t(v)])] : -1;
+}
 
 Vec3 Bones::now_mm(int32_t v) const {
   const Fragment* f = fragment(fragment_of(v));
@@ -115,7 +122,8 @@ std::string Bones::cut_mesh(const Osteotomy& what, simplex::Delta& delta) {
     if (f.id != parent.id) other[size_t(of[size_t(f.vertex)])] = 1;
   int32_t largest = -1;
   for (int32_t c = 0; c < count; ++c)
-    if (!other[size_t(c)] && (largest < 0 || bulk[size_t(c)].volume_mm3 > bulk[size_t(largest)].volume_mm3)) largest = c;
+    if (!other[size_t(c)] && (largest < 0 || bulk[size_t(c)].volume_mm3 > bulk[size_t(largest)].volume_mm3))
+      largest = c;
   now_.fragments[size_t(at)].vertex = first[size_t(largest)];
   const std::string root = parent.name.substr(0, parent.name.find(" piece"));
   for (int32_t c = 0; c < count; ++c) {
@@ -147,7 +155,8 @@ Outcome Bones::cut(const Osteotomy& asked) {
   act.kind = Act::Kind::cut, act.what = asked, act.before = now_;
   if (asked.fragment >= 0 && index(asked.fragment) < 0) return refused(no_fragment(asked.fragment));
   if (asked.fragment < 0) {
-    if (asked.kind == Osteotomy::Kind::contour && asked.path_mm.empty()) return refused("a contour has at least three places");
+    if (asked.kind == Osteotomy::Kind::contour && asked.path_mm.empty())
+      return refused("a contour has at least three places");
     const Vec3 at = asked.kind == Osteotomy::Kind::contour ? asked.path_mm[0] : asked.point_mm;
     if (!at.allFinite()) return refused("a place of the cut is not finite");
     act.what.fragment = nearest_fragment(at);
@@ -160,7 +169,8 @@ Outcome Bones::cut(const Osteotomy& asked) {
 std::string Bones::join_mesh(int32_t a, int32_t b, simplex::Delta& delta) {
   const int32_t ia = index(a), ib = index(b);
   const Fragment fa = now_.fragments[size_t(ia)], fb = now_.fragments[size_t(ib)];
-  if (std::string bad = join_bones(mesh_, fa.vertex, fb.vertex, fa.pose.inverse() * fb.pose, delta); !bad.empty()) return bad;
+  if (std::string bad = join_bones(mesh_, fa.vertex, fb.vertex, fa.pose.inverse() * fb.pose, delta); !bad.empty())
+    return bad;
   ++version_;
   now_.fragments[size_t(ia)].vertex = std::min(fa.vertex, fb.vertex);
   now_.fragments.erase(now_.fragments.begin() + ib);
@@ -219,7 +229,8 @@ Outcome Bones::move(int32_t id, const Eigen::Isometry3d& pose) {
   if (!rigid(pose)) return refused("a pose is a rotation and a finite translation");
   const std::vector<int32_t> group = plated(id);
   for (int32_t i : group)
-    if (const Fragment& f = now_.fragments[size_t(i)]; f.fixed) return refused(f.id == id ? f.name + " is fixed" : "it is plated to " + f.name + ", which is fixed");
+    if (const Fragment& f = now_.fragments[size_t(i)]; f.fixed)
+      return refused(f.id == id ? f.name + " is fixed" : "it is plated to " + f.name + ", which is fixed");
   Act act;
   act.before = now_;
   const Eigen::Isometry3d by = pose * fragment(id)->pose.inverse();
@@ -237,8 +248,10 @@ Outcome Bones::plate(const Vec3& a, const Vec3& b) {
   Plate p;
   p.a = nearest_fragment(a, &p.a_mm), p.b = nearest_fragment(b, &p.b_mm);
   constexpr double kFarthest_mm = 10;
-  if ((p.a_mm - a).norm() > kFarthest_mm || (p.b_mm - b).norm() > kFarthest_mm) return refused("an end of the plate lies more than 10 mm from any bone");
-  if (p.a == p.b) return refused("both ends of the plate lie on " + fragment(p.a)->name + "; two fragments were expected");
+  if ((p.a_mm - a).norm() > kFarthest_mm || (p.b_mm - b).norm() > kFarthest_mm)
+    return refused("an end of the plate lies more than 10 mm from any bone");
+  if (p.a == p.b)
+    return refused("both ends of the plate lie on " + fragment(p.a)->name + "; two fragments were expected");
   Act act;
   act.before = now_;
   now_.plates.push_back(p);
@@ -251,7 +264,8 @@ Outcome Bones::unplate(int32_t id) {
   if (index(id) < 0) return refused(no_fragment(id));
   Act act;
   act.before = now_;
-  if (std::erase_if(now_.plates, [&](const Plate& p) { return p.a == id || p.b == id; }) == 0) return refused("there is no plate on " + fragment(id)->name);
+  if (std::erase_if(now_.plates, [&](const Plate& p) { return p.a == id || p.b == id; }) == 0)
+    return refused("there is no plate on " + fragment(id)->name);
   finish(std::move(act));
   return {true, ""};
 }

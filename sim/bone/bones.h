@@ -1,12 +1,16 @@
 #pragma once
 // All bones of a head, and what the surgeon does to them: osteotomies, fragments moved by hand or by numbers, plates.
 //
-// All bones lie in one simplex mesh, at rest; each component of it is a fragment with a pose, which takes it from rest to
-// where it is now. Cut: the largest piece keeps number, name and whether it is fixed; the others get new numbers and the
+// All bones lie in one simplex mesh, at rest; each component of it is a fragment with a pose, which takes it from rest
+// to
+// where it is now. Cut: the largest piece keeps number, name and whether it is fixed; the others get new numbers and
+// the
 // same pose. Pieces keep zones, flags and kept contours.
 //
-// Physics: from grab to release the fragments are rigid bodies of a Bullet world (rigid_world.h), which is built at the grab
-// from the poses and thrown away at the release. So what happens depends on the poses and the drags alone, never on what
+// Physics: from grab to release the fragments are rigid bodies of a Bullet world (rigid_world.h), which is built at the
+// grab
+// from the poses and thrown away at the release. So what happens depends on the poses and the drags alone, never on
+// what
 // was done before; and where nothing is held there is no Bullet world.
 //
 // Every act can be undone, to any depth, and done again: the mesh to the bit (simplex::Delta; again by doing it again),
@@ -32,7 +36,8 @@ struct RigidFigures {
   double deepest_mm = 0;  // overlap of the bodies' convex pieces at its end
 };
 
-/// `mesh` may have several parts: each becomes a bone of that name. Closed cavities (parts turned inside out) are filled.
+/// `mesh` may have several parts: each becomes a bone of that name. Closed cavities (parts turned inside out) are
+/// filled.
 struct NamedMesh {
   std::string name;
   simplex::Mesh mesh;
@@ -40,9 +45,9 @@ struct NamedMesh {
 };
 
 struct Fragment {
-  int32_t id = -1;            // never given twice
+  int32_t id = -1;  // never given twice
   std::string name;
-  int32_t vertex = -1;        // the smallest of its vertices
+  int32_t vertex = -1;  // the smallest of its vertices
   bool fixed = false;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // from rest to now
   double volume_mm3 = 0;
@@ -51,14 +56,14 @@ struct Fragment {
 
 /// Between the cut surfaces of two fragments that were cut from each other, or wherever two fragments overlap.
 struct Gap {
-  int32_t a = -1, b = -1;     // fragments, a < b
-  double gap_mean_mm = 0, gap_max_mm = 0;   // from a's cut surface to b's; where one lies within the other it is 0
-  double overlap_max_mm = 0;  // how deep a place of one surface lies within the other
+  int32_t a = -1, b = -1;                  // fragments, a < b
+  double gap_mean_mm = 0, gap_max_mm = 0;  // from a's cut surface to b's; where one lies within the other it is 0
+  double overlap_max_mm = 0;               // how deep a place of one surface lies within the other
   double overlap_mm3 = 0;
 };
 
 struct Plate {
-  int32_t a = -1, b = -1;     // fragments
+  int32_t a = -1, b = -1;                         // fragments
   Vec3 a_mm = Vec3::Zero(), b_mm = Vec3::Zero();  // its ends, at rest
 };
 
@@ -70,11 +75,11 @@ class Bones {
   Bones(Bones&&) noexcept;
   Bones& operator=(Bones&&) noexcept;
 
-  const simplex::Mesh& mesh() const { return mesh_; }         // at rest
-  uint64_t version() const { return version_; }               // grows when the mesh changes
+  const simplex::Mesh& mesh() const { return mesh_; }                        // at rest
+  uint64_t version() const { return version_; }                              // grows when the mesh changes
   const std::vector<Fragment>& fragments() const { return now_.fragments; }  // by number
-  const Fragment* fragment(int32_t id) const;                 // null: there is none
-  int32_t fragment_of(int32_t vertex) const;                  // -1: no such vertex
+  const Fragment* fragment(int32_t id) const;                                // null: there is none
+  int32_t fragment_of(int32_t vertex) const;                                 // -1: no such vertex
   const std::vector<Plate>& plates() const { return now_.plates; }
   /// Where a vertex is now.
   Vec3 now_mm(int32_t vertex) const;
@@ -92,21 +97,25 @@ class Bones {
   Outcome plate(const Vec3& a_mm, const Vec3& b_mm);
   /// Takes all plates off a fragment. Refused: there is none on it.
   Outcome unplate(int32_t id);
-  /// Puts together what fits by its cut rings, wherever it lies (sorting.h; some 0.1 s a pair): of each group that verified pairs
-  /// join, the fixed one stays, or the one with the smallest number. One act; in words what went where, and what fits nothing.
-  /// Refused, with the reasons: nothing fits; all that fits lies so already; two fixed ones fit each other; a plate would be bent.
+  /// Puts together what fits by its cut rings, wherever it lies (sorting.h; some 0.1 s a pair): of each group that
+  /// verified pairs
+  /// join, the fixed one stays, or the one with the smallest number. One act; in words what went where, and what fits
+  /// nothing.
+  /// Refused, with the reasons: nothing fits; all that fits lies so already; two fixed ones fit each other; a plate
+  /// would be bent.
   Outcome sort();
 
   Outcome grab(int32_t id);
   void drag(int32_t id, const Eigen::Isometry3d& wanted_pose);
   /// Leaves it where it is. snap: when within kSnap_mm (of its centre) and
-  /// kSnap_deg of fitting a fragment that it was cut from, it is put where it fits; to the nearest of several. In words which, or
+  /// kSnap_deg of fitting a fragment that it was cut from, it is put where it fits; to the nearest of several. In words
+  /// which, or
   /// why not.
   Outcome release(int32_t id, bool snap = false);
   void step(double dt_s);
   bool physics() const { return hold_ != nullptr; }
   RigidFigures physics_figures() const;
-  int32_t held() const { return held_; }                      // -1: nothing
+  int32_t held() const { return held_; }  // -1: nothing
   static constexpr double kSnap_mm = 3, kSnap_deg = 10;
 
   bool can_undo() const { return !done_.empty() && held_ < 0; }
@@ -126,8 +135,8 @@ class Bones {
   };
   struct Act {
     enum class Kind { cut, join, state } kind = Kind::state;
-    Osteotomy what;                // cut: the fragment is named
-    int32_t a = -1, b = -1;        // join
+    Osteotomy what;          // cut: the fragment is named
+    int32_t a = -1, b = -1;  // join
     simplex::Delta delta;
     State before, after;
   };
@@ -135,20 +144,20 @@ class Bones {
   int32_t index(int32_t id) const;
   std::string cut_mesh(const Osteotomy& what, simplex::Delta& delta);
   std::string join_mesh(int32_t a, int32_t b, simplex::Delta& delta);
-  void recount();                                             // components after the mesh changed
+  void recount();  // components after the mesh changed
   void finish(Act&& act);
-  std::vector<int32_t> plated(int32_t id) const;              // indices, itself included
-  const FragmentShape& shape(int32_t id) const;               // at rest, kept until the mesh changes
+  std::vector<int32_t> plated(int32_t id) const;  // indices, itself included
+  const FragmentShape& shape(int32_t id) const;   // at rest, kept until the mesh changes
 
   simplex::Mesh mesh_;
   State now_;
   uint64_t version_ = 1;
-  std::vector<int32_t> component_;          // per vertex slot
+  std::vector<int32_t> component_;  // per vertex slot
   std::vector<int32_t> id_of_component_;
   std::vector<Act> done_, undone_;
   mutable std::vector<std::unique_ptr<FragmentShape>> shapes_;
   struct Held;
-  std::unique_ptr<Held> hold_;              // while something is held
+  std::unique_ptr<Held> hold_;  // while something is held
   State before_grab_;
   int32_t held_ = -1;
   Workers* workers_ = nullptr;

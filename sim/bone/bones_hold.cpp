@@ -32,7 +32,8 @@ Outcome Bones::grab(int32_t id) {
   const Fragment* f = fragment(id);
   if (!f) return refused(no_fragment(id));
   for (int32_t i : plated(id))
-    if (const Fragment& g = now_.fragments[size_t(i)]; g.fixed) return refused(g.id == id ? g.name + " is fixed" : "it is plated to " + g.name + ", which is fixed");
+    if (const Fragment& g = now_.fragments[size_t(i)]; g.fixed)
+      return refused(g.id == id ? g.name + " is fixed" : "it is plated to " + g.name + ", which is fixed");
   std::vector<std::vector<int32_t>> ids;
   std::vector<std::vector<Eigen::Isometry3d>> offset;
   std::vector<RigidPart> parts;
@@ -52,7 +53,8 @@ Outcome Bones::grab(int32_t id) {
       FragmentShape& s = const_cast<FragmentShape&>(shape(g.id));
       if (s.prisms.empty()) s.prisms = prisms_of(mesh_, s);
       ids.back().push_back(g.id);
-      offset.back().push_back(first.id == g.id ? Eigen::Isometry3d::Identity() : Eigen::Isometry3d(first.pose.inverse() * g.pose));
+      offset.back().push_back(first.id == g.id ? Eigen::Isometry3d::Identity()
+                                               : Eigen::Isometry3d(first.pose.inverse() * g.pose));
       p.prisms.push_back(&s.prisms), p.offset.push_back(offset.back().back());
       p.centre_mm += g.volume_mm3 * (offset.back().back() * g.centre_mm), volume += g.volume_mm3;
       p.mass_g += kBone_g_per_mm3 * g.volume_mm3, p.fixed |= g.fixed;
@@ -96,15 +98,20 @@ Outcome Bones::release(int32_t id, bool snap) {
     Eigen::Isometry3d to = f.pose;
     const Fragment *into = nullptr, *beside = nullptr;
     for (const Fragment& g : now_.fragments) {
-      if (std::find(group.begin(), group.end(), index(g.id)) != group.end() || !(seam_mm2(shape(id), shape(g.id)) > 0)) continue;
+      if (std::find(group.begin(), group.end(), index(g.id)) != group.end() || !(seam_mm2(shape(id), shape(g.id)) > 0))
+        continue;
       const double far = (g.pose * f.centre_mm - f.pose * f.centre_mm).norm();
       const double deg = Eigen::AngleAxisd(Mat3(g.pose.linear() * f.pose.linear().transpose())).angle() * 180 / M_PI;
       if (far < nearest) nearest = far, nearest_deg = deg, beside = &g;
       if (far <= least && deg <= kSnap_deg) least = far, to = g.pose, into = &g;
     }
-    if (into) words = f.name + " fits into its cut in " + into->name + text(": moved by %.1f mm", least);
-    else if (beside) words = f.name + text(" stays: %.1f mm and %.0f degrees from fitting ", nearest, nearest_deg) + beside->name + text("; at most %.0f mm and %.0f degrees was expected", kSnap_mm, kSnap_deg);
-    else words = f.name + " stays: it was cut from no other fragment";
+    if (into)
+      words = f.name + " fits into its cut in " + into->name + text(": moved by %.1f mm", least);
+    else if (beside)
+      words = f.name + text(" stays: %.1f mm and %.0f degrees from fitting ", nearest, nearest_deg) + beside->name +
+              text("; at most %.0f mm and %.0f degrees was expected", kSnap_mm, kSnap_deg);
+    else
+      words = f.name + " stays: it was cut from no other fragment";
     const Eigen::Isometry3d by = to * f.pose.inverse();
     for (int32_t i : group) {
       Fragment& g = now_.fragments[size_t(i)];

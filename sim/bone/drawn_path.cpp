@@ -50,7 +50,8 @@ bool straight_on(const BoneSurface& bone, const OnBone& a, const OnBone& b, std:
       OnBone at;
       for (const Bvh::LineHit& h : bone.bvh.line(foot, up, -chord.norm() - 20, chord.norm() + 20)) {
         const Vec3 x = foot + h.t * up;
-        if (const double far = (x - last).norm(); !h.from_outside == (up.dot(bone.normal(h.triangle)) >= 0) && far < near)
+        if (const double far = (x - last).norm();
+            !h.from_outside == (up.dot(bone.normal(h.triangle)) >= 0) && far < near)
           near = far, at = {x, bone.normal(h.triangle)};
       }
       if (near > kSteep_mm) continue;
@@ -70,7 +71,8 @@ bool straight_on(const BoneSurface& bone, const OnBone& a, const OnBone& b, std:
   return true;
 }
 
-/// Shortest ways over the surface, for two places between which it turns too much to go straight on (over the rim of an orbit).
+/// Shortest ways over the surface, for two places between which it turns too much to go straight on (over the rim of an
+/// orbit).
 class Over {
  public:
   explicit Over(const BoneSurface& bone) : bone_(bone) {
@@ -102,7 +104,8 @@ class Over {
       open.pop();
       if (d >= whole) break;
       if (d > best[v].first) continue;
-      if (std::find(goal.begin(), goal.end(), v) != goal.end() && d + (b.x - X(v)).norm() < whole) end = v, whole = d + (b.x - X(v)).norm();
+      if (std::find(goal.begin(), goal.end(), v) != goal.end() && d + (b.x - X(v)).norm() < whole)
+        end = v, whole = d + (b.x - X(v)).norm();
       for (int32_t i = first_[size_t(v)]; i < first_[size_t(v) + 1]; ++i) {
         const int32_t w = next_[size_t(i)];
         const double far = d + (X(w) - X(v)).norm();
@@ -123,14 +126,17 @@ class Over {
     double s = 0;
     for (size_t i = 0, k = 0; i + 1 < x.size(); ++i) {
       const double l = (x[i + 1] - x[i]).norm();
-      for (; k <= size_t(n) && double(k) * length / n <= s + l; ++k) even.push_back(l > 0 ? Vec3(x[i] + (double(k) * length / n - s) / l * (x[i + 1] - x[i])) : x[i]);
+      for (; k <= size_t(n) && double(k) * length / n <= s + l; ++k)
+        even.push_back(l > 0 ? Vec3(x[i] + (double(k) * length / n - s) / l * (x[i + 1] - x[i])) : x[i]);
       s += l;
     }
     if (even.size() < size_t(n) + 1) even.push_back(b.x);
     even.back() = b.x;
     for (int pass = 0; pass < 30; ++pass)
-      for (size_t i = 1; i + 1 < even.size(); ++i) even[i] = bone_.bvh.closest(0.5 * (even[i - 1] + even[i + 1])).point_mm;
-    for (size_t i = 1; i + 1 < even.size(); ++i) out.push_back({even[i], bone_.normal(bone_.bvh.closest(even[i]).triangle)});
+      for (size_t i = 1; i + 1 < even.size(); ++i)
+        even[i] = bone_.bvh.closest(0.5 * (even[i - 1] + even[i + 1])).point_mm;
+    for (size_t i = 1; i + 1 < even.size(); ++i)
+      out.push_back({even[i], bone_.normal(bone_.bvh.closest(even[i]).triangle)});
     out.push_back(b);
     return true;
   }
@@ -177,7 +183,9 @@ DrawnPath lay_path(const BoneSurface& bone, const std::vector<Vec3>& path) {
   for (const Vec3& p : path) {
     if (!p.allFinite()) return refuse("a place of the contour is not finite");
     const Bvh::Closest c = bone.bvh.closest(p);
-    if (c.distance_mm > kFarthest_mm) return refuse("place " + std::to_string(at.size() + 1) + " of the contour lies " + mm(c.distance_mm) + " from the bone; at most " + mm(kFarthest_mm) + " was expected");
+    if (c.distance_mm > kFarthest_mm)
+      return refuse("place " + std::to_string(at.size() + 1) + " of the contour lies " + mm(c.distance_mm) +
+                    " from the bone; at most " + mm(kFarthest_mm) + " was expected");
     at.push_back({c.point_mm, bone.normal(c.triangle)});
   }
   // Drawn or picked: a drawn path has many places and mostly small steps.
@@ -202,7 +210,8 @@ DrawnPath lay_path(const BoneSurface& bone, const std::vector<Vec3>& path) {
     if (straight_on(bone, at[i], b, way)) continue;
     if (!over) over.emplace(bone);
     if (!over->way(at[i], b, way))
-      return refuse("the bone turns too much between two places of the contour, " + mm(d) + " apart; a place between them was expected");
+      return refuse("the bone turns too much between two places of the contour, " + mm(d) +
+                    " apart; a place between them was expected");
   }
   // Closed, from the first place on; no two places nearer than the tightest spacing.
   std::vector<OnBone> kept;
@@ -278,7 +287,8 @@ Ribbon sweep(const DrawnPath& p, double above, const std::vector<double>& depth)
   return between_rows({along(p, p.inward, std::vector<double>(depth.size(), -above)), along(p, p.inward, depth)});
 }
 
-Ribbon sweep_tilted(const DrawnPath& p, const std::vector<Vec3>& inward, double above, const std::vector<double>& depth) {
+Ribbon sweep_tilted(const DrawnPath& p, const std::vector<Vec3>& inward, double above,
+                    const std::vector<double>& depth) {
   return between_rows({along(p, p.inward, std::vector<double>(depth.size(), -above)), p.x_mm, along(p, inward, depth)});
 }
 

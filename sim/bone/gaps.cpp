@@ -15,7 +15,8 @@ bool on_wall(const WallPoint& p, const FragmentShape& b) {
 }
 
 /// Deepest of b's places (vertices and face centres) within a, and the box of all that lie within (frame of a).
-double deepest(const FragmentShape& a, const FragmentShape& b, const Eigen::Isometry3d& b_in_a, const Eigen::Isometry3d& to_box, Vec3& lo, Vec3& hi) {
+double deepest(const FragmentShape& a, const FragmentShape& b, const Eigen::Isometry3d& b_in_a,
+               const Eigen::Isometry3d& to_box, Vec3& lo, Vec3& hi) {
   double most = 0;
   std::vector<uint8_t> seen(b.surface.X_mm.size(), 0);
   for (const Tri& t : b.surface.tri)
@@ -43,8 +44,10 @@ std::vector<double> inside(const BoneSurface& s, const Vec3& origin, const Vec3&
       if (depth++ == 0) at.push_back(h.t);
     } else {
       if (depth == 0) {
-        if (at.empty()) at.push_back(0), depth = 1;  // it began inside
-        else continue;
+        if (at.empty())
+          at.push_back(0), depth = 1;  // it began inside
+        else
+          continue;
       }
       if (--depth == 0) at.push_back(h.t);
     }
@@ -53,7 +56,8 @@ std::vector<double> inside(const BoneSurface& s, const Vec3& origin, const Vec3&
   return at;
 }
 
-double overlap(const FragmentShape& a, const FragmentShape& b, const Eigen::Isometry3d& b_in_a, const Vec3& lo, const Vec3& hi) {
+double overlap(const FragmentShape& a, const FragmentShape& b, const Eigen::Isometry3d& b_in_a, const Vec3& lo,
+               const Vec3& hi) {
   const Eigen::Isometry3d a_in_b = b_in_a.inverse();
   constexpr int n = 64;
   const Vec3 size = hi - lo;
@@ -67,7 +71,8 @@ double overlap(const FragmentShape& a, const FragmentShape& b, const Eigen::Isom
       if (p.empty()) continue;
       const std::vector<double> q = inside(b.surface, a_in_b * o, a_in_b.linear() * Vec3::UnitZ(), size.z());
       for (size_t k = 0; k + 1 < p.size(); k += 2)
-        for (size_t l = 0; l + 1 < q.size(); l += 2) sum += std::max(0., std::min(p[k + 1], q[l + 1]) - std::max(p[k], q[l]));
+        for (size_t l = 0; l + 1 < q.size(); l += 2)
+          sum += std::max(0., std::min(p[k + 1], q[l + 1]) - std::max(p[k], q[l]));
     }
   return sum * hx * hy;
 }
@@ -96,7 +101,8 @@ Gap measure_gap(const FragmentShape& a, const FragmentShape& b, const Eigen::Iso
   }
   if (area > 0) g.gap_mean_mm /= area;
   Vec3 lo = Vec3::Constant(1e300), hi = -lo;
-  g.overlap_max_mm = std::max(deepest(a, b, b_in_a, Eigen::Isometry3d::Identity(), lo, hi), deepest(b, a, a_in_b, b_in_a, lo, hi));
+  g.overlap_max_mm =
+      std::max(deepest(a, b, b_in_a, Eigen::Isometry3d::Identity(), lo, hi), deepest(b, a, a_in_b, b_in_a, lo, hi));
   if (g.overlap_max_mm > kNothing_mm) {
     // The places are some mm apart: the overlap may reach so far beyond them.
     lo -= Vec3::Constant(4), hi += Vec3::Constant(4);

@@ -32,7 +32,9 @@ std::vector<WallFace> walls_of(const Mesh& m, const std::vector<uint8_t>& in) {
 std::vector<int32_t> facing(const std::vector<WallFace>& a, const std::vector<WallFace>& b, double far) {
   std::vector<int32_t> out;
   for (const WallFace& f : a)
-    if (std::any_of(b.begin(), b.end(), [&](const WallFace& g) { return (f.centre - g.centre).norm() <= far && f.normal.dot(g.normal) < -0.3; }))
+    if (std::any_of(b.begin(), b.end(), [&](const WallFace& g) {
+          return (f.centre - g.centre).norm() <= far && f.normal.dot(g.normal) < -0.3;
+        }))
       out.push_back(f.face);
   return out;
 }
@@ -47,10 +49,13 @@ std::vector<int32_t> open(Mesh& m, const std::vector<int32_t>& walls, simplex::D
     m.around(f, [&](int32_t h) {
       const int32_t u = m.from(h), v = m.to(h), g = m.face(m.twin(h));
       rim.push_back(u);
-      if (!in[size_t(g)]) behind.push_back(g);
-      else if (u < v) rungs.emplace_back(u, v);
+      if (!in[size_t(g)])
+        behind.push_back(g);
+      else if (u < v)
+        rungs.emplace_back(u, v);
     });
-  for (auto* list : {&rim, &behind}) std::sort(list->begin(), list->end()), list->erase(std::unique(list->begin(), list->end()), list->end());
+  for (auto* list : {&rim, &behind})
+    std::sort(list->begin(), list->end()), list->erase(std::unique(list->begin(), list->end()), list->end());
   std::sort(rungs.begin(), rungs.end());
   Edit e(m, delta);
   for (const auto& [p, q] : rungs) {
@@ -88,7 +93,8 @@ std::vector<int32_t> open(Mesh& m, const std::vector<int32_t>& walls, simplex::D
     const int32_t mark = -2 - int32_t(i);
     for (int32_t v : rim)
       for (int32_t k = 0; k < 3 && mouths[i] < 0; ++k)
-        if (m.left[size_t(v)][size_t(k)] == mark) mouths[i] = e.add_face(FaceKind::cut), e.mark_face(mouths[i], 3 * v + k);
+        if (m.left[size_t(v)][size_t(k)] == mark)
+          mouths[i] = e.add_face(FaceKind::cut), e.mark_face(mouths[i], 3 * v + k);
   }
   for (int32_t g : behind)
     for (int32_t v : rim) {
@@ -144,12 +150,16 @@ std::string join_bones(Mesh& m, int32_t a, int32_t b, const Eigen::Isometry3d& b
   for (const WallFace& f : wa)
     for (const WallFace& g : wb)
       if (f.normal.dot(g.normal) < -0.3) nearest = std::min(nearest, (f.centre - g.centre).norm());
-  if (!(nearest <= kReach_mm)) return refuse("no cut surfaces of the two face each other within " + std::to_string(int(kReach_mm)) + " mm");
+  if (!(nearest <= kReach_mm))
+    return refuse("no cut surfaces of the two face each other within " + std::to_string(int(kReach_mm)) + " mm");
   // Walls are up to a face wide and may have slid along each other.
   const double far = 1.5 * nearest + 4;
   const std::vector<int32_t> x = open(m, facing(wa, wb, far), d), y = open(m, facing(wb, wa, far), d);
-  if (x.empty() || y.empty()) return refuse("the cut surfaces cannot be opened to be joined: a later cut runs through them");
-  if (x.size() != y.size()) return refuse("the cut surfaces that face each other have " + std::to_string(x.size()) + " and " + std::to_string(y.size()) + " rings");
+  if (x.empty() || y.empty())
+    return refuse("the cut surfaces cannot be opened to be joined: a later cut runs through them");
+  if (x.size() != y.size())
+    return refuse("the cut surfaces that face each other have " + std::to_string(x.size()) + " and " +
+                  std::to_string(y.size()) + " rings");
   std::vector<uint8_t> taken(y.size(), 0);
   for (int32_t f : x) {
     size_t best = y.size();

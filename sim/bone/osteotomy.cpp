@@ -17,7 +17,8 @@ namespace {
 using simplex::Crossing;
 using simplex::Mesh;
 
-/// The curves that bound one piece of cut surface: an outer one, and what lies within it. Indices into the list of curves.
+/// The curves that bound one piece of cut surface: an outer one, and what lies within it. Indices into the list of
+/// curves.
 struct Piece {
   std::vector<size_t> curve;
 };
@@ -54,7 +55,8 @@ bool within(const std::vector<Vec2>& p, const Vec2& x) {
   bool in = false;
   for (size_t i = 0; i < p.size(); ++i) {
     const Vec2 &a = p[i], &b = p[(i + 1) % p.size()];
-    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (b.x() - a.x()) * (x.y() - a.y()) / (b.y() - a.y())) in = !in;
+    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (b.x() - a.x()) * (x.y() - a.y()) / (b.y() - a.y()))
+      in = !in;
   }
   return in;
 }
@@ -80,7 +82,8 @@ Plan plan_plane(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) 
   for (const auto& c : found.closed) {
     polygon.emplace_back();
     double near = 1e300;
-    for (const Vec3& x : places(m, c)) polygon.back().push_back(flat(x)), near = std::min(near, (x - o.point_mm).norm());
+    for (const Vec3& x : places(m, c))
+      polygon.back().push_back(flat(x)), near = std::min(near, (x - o.point_mm).norm());
     twice.push_back(area2(polygon.back()));
     wanted.push_back(o.radius_mm <= 0 || near <= o.radius_mm);
   }
@@ -89,7 +92,9 @@ Plan plan_plane(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) 
   for (size_t i = 0; i < polygon.size(); ++i) {
     if (twice[i] >= 0) continue;
     for (size_t j = 0; j < polygon.size(); ++j)
-      if (twice[j] > 0 && within(polygon[j], polygon[i][0]) && (outer_of[i] < 0 || twice[j] < twice[size_t(outer_of[i])])) outer_of[i] = int32_t(j);
+      if (twice[j] > 0 && within(polygon[j], polygon[i][0]) &&
+          (outer_of[i] < 0 || twice[j] < twice[size_t(outer_of[i])]))
+        outer_of[i] = int32_t(j);
   }
   std::vector<Piece> pieces;
   bool over_ends = o.radius_mm <= 0 && found.over_ends > 0;
@@ -104,9 +109,12 @@ Plan plan_plane(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) 
       if (outer_of[j] == int32_t(i)) p.curve.push_back(j), any |= bool(wanted[j]);
     if (any) pieces.push_back(std::move(p));
   }
-  if (over_ends) plan.reason = "the plane runs over the ring of a hole";
-  else if (o.radius_mm <= 0 && found.open > 0) plan.reason = "the plane meets the bone in an open curve";
-  else if (pieces.empty()) plan.reason = "the plane does not meet the bone within " + std::to_string(int(o.radius_mm)) + " mm of its point";
+  if (over_ends)
+    plan.reason = "the plane runs over the ring of a hole";
+  else if (o.radius_mm <= 0 && found.open > 0)
+    plan.reason = "the plane meets the bone in an open curve";
+  else if (pieces.empty())
+    plan.reason = "the plane does not meet the bone within " + std::to_string(int(o.radius_mm)) + " mm of its point";
   plan.curve = std::move(found.closed), plan.piece = std::move(pieces), plan.normal = n;
   return plan;
 }
@@ -119,7 +127,8 @@ Plan plan_contour(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o
   if (!plan.reason.empty()) return plan;
   constexpr double kAbove_mm = 1;  // the blade starts so far over the surface
   const bool solid = is_solid(path, o.deepest_mm);
-  // As deep as the bone is nearby along the path, and some more; where the other table falls away steeply, more of both.
+  // As deep as the bone is nearby along the path, and some more; where the other table falls away steeply, more of
+  // both.
   struct Try {
     int reach;  // places to either side
     double factor;
@@ -156,12 +165,18 @@ Plan plan_contour(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o
       }
     if (!good()) found = straight;
   }
-  if (found.over_ends > 0) plan.reason = "the contour runs over the ring of a hole";
-  else if (found.closed.empty() && found.open == 0) plan.reason = "the contour is too small: it crosses no edge of the bone's mesh";
-  else if (found.open > 0) plan.reason = solid ? "the contour meets the bone in open curves" : "the swept surface meets the other table in open curves";
-  else if (solid && found.closed.size() > 1) plan.reason = "the contour meets the bone in " + std::to_string(found.closed.size()) + " curves; one was expected";
+  if (found.over_ends > 0)
+    plan.reason = "the contour runs over the ring of a hole";
+  else if (found.closed.empty() && found.open == 0)
+    plan.reason = "the contour is too small: it crosses no edge of the bone's mesh";
+  else if (found.open > 0)
+    plan.reason =
+        solid ? "the contour meets the bone in open curves" : "the swept surface meets the other table in open curves";
+  else if (solid && found.closed.size() > 1)
+    plan.reason = "the contour meets the bone in " + std::to_string(found.closed.size()) + " curves; one was expected";
   else if (!solid && found.closed.size() != 2)
-    plan.reason = found.closed.size() < 2 ? "the swept surface does not reach the other table" : "the swept surface meets the other table in several curves";
+    plan.reason = found.closed.size() < 2 ? "the swept surface does not reach the other table"
+                                          : "the swept surface meets the other table in several curves";
   if (!plan.reason.empty()) return plan;
   plan.curve = std::move(found.closed);
   Piece p{{0}};
@@ -188,19 +203,26 @@ std::string cut_curve(Mesh& m, const std::vector<Crossing>& curve, simplex::Delt
   const simplex::Outcome o = simplex::t4_edges(m, curve, simplex::CutPolicy::any, delta);
   if (!o) {
     switch (o.answer) {
-      case simplex::Answer::on_contour: return "the cut crosses a kept contour";
-      case simplex::Answer::locked: return "the cut crosses locked bone";
-      case simplex::Answer::end_face: return "the cut runs over the ring of a hole";
-      case simplex::Answer::too_short: return "the cut is too small: it crosses fewer than three edges";
+      case simplex::Answer::on_contour:
+        return "the cut crosses a kept contour";
+      case simplex::Answer::locked:
+        return "the cut crosses locked bone";
+      case simplex::Answer::end_face:
+        return "the cut runs over the ring of a hole";
+      case simplex::Answer::too_short:
+        return "the cut is too small: it crosses fewer than three edges";
       case simplex::Answer::repeated_vertex:
-      case simplex::Answer::touches_face_twice: return "the cut turns too sharply for the bone's mesh: it leaves a face and comes back to it";
-      default: return simplex::sentence(o.answer);
+      case simplex::Answer::touches_face_twice:
+        return "the cut turns too sharply for the bone's mesh: it leaves a face and comes back to it";
+      default:
+        return simplex::sentence(o.answer);
     }
   }
   mouth.face_left = o.face[0], mouth.face_right = o.face[1];
   mouth.right = m.ring(o.face[1]), mouth.left = m.ring(o.face[0]);
   std::reverse(mouth.left.begin(), mouth.left.end());
-  const auto at = std::find_if(mouth.left.begin(), mouth.left.end(), [&](int32_t v) { return m.x_mm[size_t(v)] == m.x_mm[size_t(mouth.right[0])]; });
+  const auto at = std::find_if(mouth.left.begin(), mouth.left.end(),
+                               [&](int32_t v) { return m.x_mm[size_t(v)] == m.x_mm[size_t(mouth.right[0])]; });
   std::rotate(mouth.left.begin(), at, mouth.left.end());
   return "";
 }
@@ -212,25 +234,34 @@ std::vector<Vec3> ring_places(const Mesh& m, const Facing& f) {
 }
 
 bool cross(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  const auto side = [](const Vec2& p, const Vec2& q, const Vec2& r) { return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x() > 0; };
+  const auto side = [](const Vec2& p, const Vec2& q, const Vec2& r) {
+    return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x() > 0;
+  };
   return side(a, b, c) != side(a, b, d) && side(c, d, a) != side(c, d, b);
 }
 
 /// Walls for one piece of cut surface: the outer mouth and the mouths within it.
-std::string wall_piece(Mesh& m, std::vector<Facing> mouth, const std::optional<Vec3>& normal, simplex::Delta& delta, Cut& out) {
+std::string wall_piece(Mesh& m, std::vector<Facing> mouth, const std::optional<Vec3>& normal, simplex::Delta& delta,
+                       Cut& out) {
   std::vector<Facing> walls;
-  const auto keep = [&](const Facing& w) { out.wall_left.push_back(w.face_left), out.wall_right.push_back(w.face_right); };
+  const auto keep = [&](const Facing& w) {
+    out.wall_left.push_back(w.face_left), out.wall_right.push_back(w.face_right);
+  };
   if (mouth.size() == 1) {
     close_by_walls(m, mouth[0], delta);
     keep(mouth[0]);
     return "";
   }
   if (!normal || mouth.size() == 2) {
-    if (std::string bad = join_by_walls(m, mouth[0], mouth[1], plan_rungs(ring_places(m, mouth[0]), ring_places(m, mouth[1])), delta, walls); !bad.empty()) return bad;
+    if (std::string bad = join_by_walls(m, mouth[0], mouth[1],
+                                        plan_rungs(ring_places(m, mouth[0]), ring_places(m, mouth[1])), delta, walls);
+        !bad.empty())
+      return bad;
     for (const Facing& w : walls) keep(w);
     return "";
   }
-  // Several cavities in one plane: each in turn, in the face that holds it. Lines that would cross another ring are left out.
+  // Several cavities in one plane: each in turn, in the face that holds it. Lines that would cross another ring are
+  // left out.
   const Axes flat(*normal);
   std::vector<std::vector<Vec2>> ring(mouth.size());
   for (size_t i = 0; i < mouth.size(); ++i)
@@ -308,9 +339,11 @@ Cut cut_bone(Mesh& m, int32_t inside, const Osteotomy& o, simplex::Delta& delta)
   if (parts.size() < 2 && o.must_divide) return refuse("the cut does not divide the bone: it hangs together elsewhere");
   for (int32_t c : parts)
     if (bulk[size_t(c)].volume_mm3 < kSmallest_mm3) {
-      if (!(bulk[size_t(c)].volume_mm3 > 0)) return refuse("there is no bone within the cut: is it along one that is there already?");
+      if (!(bulk[size_t(c)].volume_mm3 > 0))
+        return refuse("there is no bone within the cut: is it along one that is there already?");
       char text[120];
-      std::snprintf(text, sizeof text, "the piece is too small: %.1f mm^3; at least %.0f mm^3 was expected", bulk[size_t(c)].volume_mm3, kSmallest_mm3);
+      std::snprintf(text, sizeof text, "the piece is too small: %.1f mm^3; at least %.0f mm^3 was expected",
+                    bulk[size_t(c)].volume_mm3, kSmallest_mm3);
       return refuse(text);
     }
   delta.append(std::move(d));

@@ -10,7 +10,9 @@ namespace {
 
 constexpr double kCm = 0.1;  // per mm
 
-btVector3 to_bullet(const Vec3& x_mm) { return {btScalar(kCm * x_mm.x()), btScalar(kCm * x_mm.y()), btScalar(kCm * x_mm.z())}; }
+btVector3 to_bullet(const Vec3& x_mm) {
+  return {btScalar(kCm * x_mm.x()), btScalar(kCm * x_mm.y()), btScalar(kCm * x_mm.z())};
+}
 Vec3 from_bullet(const btVector3& x) { return Vec3(x.x(), x.y(), x.z()) / kCm; }
 btQuaternion to_bullet(const Mat3& R) {
   const Eigen::Quaterniond q(R);
@@ -29,7 +31,7 @@ struct RigidWorld::Inside {
   std::vector<std::unique_ptr<btRigidBody>> bodies;
   std::vector<RigidPart> parts;
   size_t held = 0;
-  double radius_mm = 0;                     // of the held part about its centre
+  double radius_mm = 0;  // of the held part about its centre
   Eigen::Isometry3d wanted;
   RigidFigures figures;
 
@@ -53,7 +55,8 @@ struct RigidWorld::Inside {
     for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
       const btPersistentManifold* m = dispatcher.getManifoldByIndexInternal(i);
       n += m->getNumContacts();
-      for (int k = 0; k < m->getNumContacts(); ++k) figures.deepest_mm = std::max(figures.deepest_mm, -double(m->getContactPoint(k).getDistance()) / kCm);
+      for (int k = 0; k < m->getNumContacts(); ++k)
+        figures.deepest_mm = std::max(figures.deepest_mm, -double(m->getContactPoint(k).getDistance()) / kCm);
     }
     return n;
   }
@@ -74,7 +77,8 @@ RigidWorld::RigidWorld(const std::vector<RigidPart>& parts, size_t held) : in_(s
       for (const Prism& prism : *p.prisms[k]) {
         Vec3 middle = Vec3::Zero();
         std::vector<Vec3> x;
-        for (const Vec3& y : prism) x.push_back(p.offset[k] * y - p.centre_mm), middle += x.back() / double(prism.size());
+        for (const Vec3& y : prism)
+          x.push_back(p.offset[k] * y - p.centre_mm), middle += x.back() / double(prism.size());
         auto hull = std::make_unique<btConvexHullShape>();
         for (const Vec3& y : x) {
           hull->addPoint(to_bullet(Vec3(y - middle)), false);
@@ -125,7 +129,8 @@ void RigidWorld::step(double dt) {
     // What is left of this step's way, in the substeps that are left.
     const double part_of = share < 1 ? share / (n - i * share) : 1. / (n - i);
     const btScalar rate = btScalar(part_of / h);
-    for (auto& b : w.bodies) b->setLinearVelocity(btVector3(0, 0, 0)), b->setAngularVelocity(btVector3(0, 0, 0)), b->clearForces();
+    for (auto& b : w.bodies)
+      b->setLinearVelocity(btVector3(0, 0, 0)), b->setAngularVelocity(btVector3(0, 0, 0)), b->clearForces();
     body.setLinearVelocity((target.getOrigin() - body.getWorldTransform().getOrigin()) * rate);
     body.setAngularVelocity(turn() * rate);
     w.world.stepSimulation(btScalar(h), 0);
@@ -138,8 +143,10 @@ void RigidWorld::step(double dt) {
   for (size_t k = 0; k < w.bodies.size(); ++k) {
     if (k == w.held) {
       // Free all the way: where the hand wants it, in doubles.
-      if (touched == 0 && share == 1) w.parts[k].pose = w.wanted, w.bodies[k]->setWorldTransform(target);
-      else w.parts[k].pose = w.read(k);
+      if (touched == 0 && share == 1)
+        w.parts[k].pose = w.wanted, w.bodies[k]->setWorldTransform(target);
+      else
+        w.parts[k].pose = w.read(k);
     } else if (pushed[k]) {
       w.parts[k].pose = w.read(k);
     }

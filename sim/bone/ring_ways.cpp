@@ -10,12 +10,12 @@ namespace {
 
 using Eigen::Isometry3d;
 
-constexpr int kPlaces = 9;            // of a run
-constexpr double kNormals = 0.3;      // weight of a normal against a place
-constexpr double kNear_mm = 1.2;      // rings run together while they are no further apart
-constexpr double kFan = 0.06;         // and per mm of arc from where they were laid on each other
-constexpr double kLongest_mm = 45;    // of the run to either side that is followed
-constexpr size_t kShifts = 4;          // of one place of p, kShift_mm apart on q
+constexpr int kPlaces = 9;          // of a run
+constexpr double kNormals = 0.3;    // weight of a normal against a place
+constexpr double kNear_mm = 1.2;    // rings run together while they are no further apart
+constexpr double kFan = 0.06;       // and per mm of arc from where they were laid on each other
+constexpr double kLongest_mm = 45;  // of the run to either side that is followed
+constexpr size_t kShifts = 4;       // of one place of p, kShift_mm apart on q
 constexpr double kShift_mm = 8;
 constexpr double kChord_mm = 0.5, kRun_mm = 0.4;  // runs that differ by less may be one; and 4, 3 times the noise
 
@@ -42,7 +42,8 @@ std::vector<Run> runs(const Ring& r, bool backwards) {
       run.middle += run.x[size_t(k)] / kPlaces;
     }
     constexpr size_t mid = kPlaces / 2, end = kPlaces - 1;
-    run.chord[0] = (run.x[end] - run.x[0]).norm(), run.chord[1] = (run.x[mid] - run.x[0]).norm(), run.chord[2] = (run.x[end] - run.x[mid]).norm();
+    run.chord[0] = (run.x[end] - run.x[0]).norm(), run.chord[1] = (run.x[mid] - run.x[0]).norm(),
+    run.chord[2] = (run.x[end] - run.x[mid]).norm();
     for (Vec3& x : run.x) x -= run.middle;
   }
   return out;
@@ -53,12 +54,14 @@ bool lay(const Run& p, const Run& q, double chord_mm, double run_mm, Isometry3d&
   for (size_t k = 0; k < 3; ++k)
     if (std::abs(p.chord[k] - q.chord[k]) > chord_mm) return false;
   Mat3 H = Mat3::Zero();
-  for (size_t k = 0; k < kPlaces; ++k) H += q.x[k] * p.x[k].transpose() + kNormals * kArm_mm * kArm_mm * q.n[k] * p.n[k].transpose();
+  for (size_t k = 0; k < kPlaces; ++k)
+    H += q.x[k] * p.x[k].transpose() + kNormals * kArm_mm * kArm_mm * q.n[k] * p.n[k].transpose();
   const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 R = svd.matrixV() * svd.matrixU().transpose();
   if (R.determinant() < 0) R = svd.matrixV() * Vec3(1, 1, -1).asDiagonal() * svd.matrixU().transpose();
   double sum = 0, along = 0;
-  for (size_t k = 0; k < kPlaces; ++k) sum += (R * q.x[k] - p.x[k]).squaredNorm() / kPlaces, along += (R * q.n[k]).dot(p.n[k]) / kPlaces;
+  for (size_t k = 0; k < kPlaces; ++k)
+    sum += (R * q.x[k] - p.x[k]).squaredNorm() / kPlaces, along += (R * q.n[k]).dot(p.n[k]) / kPlaces;
   if (sum > run_mm * run_mm || along < 0.9) return false;
   T = Isometry3d::Identity();
   T.linear() = R, T.translation() = p.middle - R * q.middle;
@@ -90,7 +93,8 @@ std::vector<RingWay> ring_ways(const Ring& p, const Ring& q, const Vec3& about, 
   std::vector<RingWay> all, out;
   if (p.length_mm() < 2.2 * kHalf_mm || q.length_mm() < 2.2 * kHalf_mm) return out;
   const std::vector<Run> on_p = runs(p, false), on_q = runs(q, true);
-  const double noise = std::hypot(p.noise_mm, q.noise_mm), chord = kChord_mm + 4 * noise, run = kRun_mm + 3 * noise, near = kNear_mm + 3 * noise;
+  const double noise = std::hypot(p.noise_mm, q.noise_mm), chord = kChord_mm + 4 * noise, run = kRun_mm + 3 * noise,
+               near = kNear_mm + 3 * noise;
   Isometry3d T;
   for (size_t i = 0; i < on_p.size(); i += 2) {
     // Several for each place: where a ring fits at every angle, all but the best would go unseen.
@@ -105,14 +109,18 @@ std::vector<RingWay> ring_ways(const Ring& p, const Ring& q, const Vec3& about, 
       if (taken.size() >= kShifts) break;
       const size_t n = on_q.size(), apart = size_t(kShift_mm / q.step_mm);
       const size_t at = j;
-      if (std::any_of(taken.begin(), taken.end(), [&](size_t k) { return std::min((at + n - k) % n, (k + n - at) % n) < apart; })) continue;
+      if (std::any_of(taken.begin(), taken.end(),
+                      [&](size_t k) { return std::min((at + n - k) % n, (k + n - at) % n) < apart; }))
+        continue;
       taken.push_back(j), all.push_back({s, motion[j]});
     }
   }
   std::stable_sort(all.begin(), all.end(), [](const RingWay& s, const RingWay& t) { return s.score > t.score; });
   for (const RingWay& w : all) {
     if (out.size() >= most) break;
-    const auto same = [&](const RingWay& d) { return (w.T * about - d.T * about).norm() <= 4 && degrees(w.T.inverse() * d.T) <= 8; };
+    const auto same = [&](const RingWay& d) {
+      return (w.T * about - d.T * about).norm() <= 4 && degrees(w.T.inverse() * d.T) <= 8;
+    };
     if (std::none_of(out.begin(), out.end(), same)) out.push_back(w);
   }
   return out;

@@ -11,7 +11,8 @@ using simplex::FaceKind;
 
 namespace {
 
-/// From how far each corner lies off the line between its neighbours, across the ring. Of independent errors of standard
+/// From how far each corner lies off the line between its neighbours, across the ring. Of independent errors of
+/// standard
 /// deviation s in all corners that distance has s sqrt(1 + w^2 + (1 - w)^2) in each of two directions, w and 1 - w the
 /// neighbours' shares; its median is 1.18 times that (Rayleigh). The median does not see the few true kinks of a ring.
 double jumps(const std::vector<Vec3>& x) {
@@ -37,7 +38,9 @@ std::vector<Ring> cut_rings(const simplex::Mesh& m) {
   constexpr int kReach = 2;  // steps to either side
   std::vector<Ring> out;
   std::vector<uint8_t> done(3 * m.nbr.size(), 0);
-  const auto border = [&](int32_t h) { return m.kind(m.face(h)) == FaceKind::surface && m.kind(m.face(m.twin(h))) == FaceKind::wall; };
+  const auto border = [&](int32_t h) {
+    return m.kind(m.face(h)) == FaceKind::surface && m.kind(m.face(m.twin(h))) == FaceKind::wall;
+  };
   for (int32_t h0 = 0; h0 < int32_t(done.size()); ++h0) {
     if (done[size_t(h0)] || !m.alive(h0 / 3) || !border(h0)) continue;
     Ring r;

@@ -8,11 +8,11 @@ namespace limberg::bone {
 
 /// A closed curve, surface on its left.
 struct Ring {
-  std::vector<Vec3> corner_mm;             // as in the mesh
+  std::vector<Vec3> corner_mm;  // as in the mesh
   // At equal steps along it:
   std::vector<Vec3> x_mm, tangent, normal;  // normal of the surface beside it, across the tangent; both over about 6 mm
   double step_mm = 0;
-  double noise_mm = 0;                      // standard deviation of its corners, each way, as they jump about
+  double noise_mm = 0;  // standard deviation of its corners, each way, as they jump about
   double length_mm() const { return step_mm * double(x_mm.size()); }
 };
 

@@ -25,9 +25,12 @@ void Section::turn(int32_t v) {
   constexpr double kBeside = 0.02;
   for (int32_t k = 0; k < 3; ++k) {
     const int32_t h = 3 * v + k, g = m_.twin(h);
-    if (crossed(h)) share_[size_t(h)] = share_[size_t(g)] = -1;
-    else if (was_left) share_[size_t(g)] = 1 - kBeside;  // v lies on the right now
-    else share_[size_t(h)] = kBeside;
+    if (crossed(h))
+      share_[size_t(h)] = share_[size_t(g)] = -1;
+    else if (was_left)
+      share_[size_t(g)] = 1 - kBeside;  // v lies on the right now
+    else
+      share_[size_t(h)] = kBeside;
   }
 }
 
@@ -111,9 +114,12 @@ Section::Curves Section::curves() const {
       h = ahead;
       if (done[size_t(h)] && h != h0) open = true;
     }
-    if (open) ++out.open;
-    else if (end) ++out.over_ends;
-    else out.closed.push_back(std::move(curve));
+    if (open)
+      ++out.open;
+    else if (end)
+      ++out.over_ends;
+    else
+      out.closed.push_back(std::move(curve));
   }
   return out;
 }
@@ -126,12 +132,14 @@ Section section_of_plane(const Mesh& m, std::span<const uint8_t> in, const Vec3&
   for (int32_t v = 0; v < m.slots(); ++v) {
     if (!m.alive(v) || !in[size_t(v)] || !(s[size_t(v)] >= 0)) continue;
     for (int32_t k = 0; k < 3; ++k)
-      if (const double t = s[size_t(m.nbr[size_t(v)][size_t(k)])]; t < 0) out.cross(3 * v + k, s[size_t(v)] / (s[size_t(v)] - t));
+      if (const double t = s[size_t(m.nbr[size_t(v)][size_t(k)])]; t < 0)
+        out.cross(3 * v + k, s[size_t(v)] / (s[size_t(v)] - t));
   }
   return out;
 }
 
-Section section_of_ribbon(const Mesh& m, std::span<const uint8_t> in, const std::vector<Vec3>& X, const std::vector<Tri>& tri) {
+Section section_of_ribbon(const Mesh& m, std::span<const uint8_t> in, const std::vector<Vec3>& X,
+                          const std::vector<Tri>& tri) {
   Section out(m);
   const Bvh bvh(X, tri);
   struct Hit {
@@ -147,7 +155,8 @@ Section section_of_ribbon(const Mesh& m, std::span<const uint8_t> in, const std:
       const Vec3 &p = m.x_mm[size_t(u)], &q = m.x_mm[size_t(v)];
       hits.clear();
       bvh.box(p.cwiseMin(q), p.cwiseMax(q), [&](int32_t t) {
-        const Vec3 &a = X[size_t(tri[size_t(t)][0])], &b = X[size_t(tri[size_t(t)][1])], &c = X[size_t(tri[size_t(t)][2])];
+        const Vec3 &a = X[size_t(tri[size_t(t)][0])], &b = X[size_t(tri[size_t(t)][1])],
+                   &c = X[size_t(tri[size_t(t)][2])];
         const double dp = volume6(a, b, c, p), dq = volume6(a, b, c, q);
         if ((dp >= 0) == (dq >= 0)) return;
         const Tri& i = tri[size_t(t)];
@@ -159,8 +168,10 @@ Section section_of_ribbon(const Mesh& m, std::span<const uint8_t> in, const std:
       std::sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
       const double t = std::clamp(hits[hits.size() / 2].t, 0., 1.);
       const int32_t h = 3 * u + k;
-      if (hits[0].from_left) out.cross(h, t);
-      else out.cross(m.twin(h), 1 - t);
+      if (hits[0].from_left)
+        out.cross(h, t);
+      else
+        out.cross(m.twin(h), 1 - t);
     }
   }
   return out;

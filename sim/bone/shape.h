@@ -16,10 +16,10 @@ struct WallPoint {
 struct FragmentShape {
   int32_t id = -1;
   BoneSurface surface;
-  Bvh walls;                        // over surface.X_mm and surface.tri: the triangles of walls only
-  std::vector<WallPoint> wall;      // the middle of each wall triangle
+  Bvh walls;                    // over surface.X_mm and surface.tri: the triangles of walls only
+  std::vector<WallPoint> wall;  // the middle of each wall triangle
   Vec3 lo_mm = Vec3::Zero(), hi_mm = Vec3::Zero();
-  std::vector<Prism> prisms;        // empty until they are asked for
+  std::vector<Prism> prisms;  // empty until they are asked for
 };
 
 FragmentShape fragment_shape(const simplex::Mesh& mesh, int32_t vertex);

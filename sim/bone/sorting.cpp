@@ -17,14 +17,14 @@ namespace {
 using Eigen::Isometry3d;
 
 constexpr double kTogether_mm = 0.6;  // rings that are counted as running together, and 4 times their noise
-constexpr double kTouch_mm = 0.3;      // cut surfaces touch that lie no further apart, and so many times the noise
+constexpr double kTouch_mm = 0.3;     // cut surfaces touch that lie no further apart, and so many times the noise
 constexpr double kExact_mm = 0.05;    // a fit looks at least so far
-constexpr double kExplained = 1.5;    // a residual may be so much greater than what the noise of the rings explains, and
+constexpr double kExplained = 1.5;  // a residual may be so much greater than what the noise of the rings explains, and
 constexpr double kUnexplained_mm = 0.12;
-constexpr size_t kTried = 24, kFitted = 8;  // ways that are fitted a little, and to the end
+constexpr size_t kTried = 24, kFitted = 8;   // ways that are fitted a little, and to the end
 constexpr double kOne_mm = 3, kOne_deg = 4;  // with noise, fits that end so near to each other are one
-constexpr double kSettle_mm = 3;       // places so far apart are one at first
-constexpr int kRounds = 15;           // in which a group of pieces settles
+constexpr double kSettle_mm = 3;             // places so far apart are one at first
+constexpr int kRounds = 15;                  // in which a group of pieces settles
 
 /// A run of edges of a ring, and the box around them: most are too far from a place to be looked at one by one.
 struct Stretch {
@@ -36,16 +36,17 @@ constexpr size_t kStretch = 16;  // edges at most
 struct Piece {
   std::vector<Ring> rings;
   FragmentShape shape;
-  std::vector<Vec3> corner, edge;     // of all rings: places, and edge vectors to the next
+  std::vector<Vec3> corner, edge;  // of all rings: places, and edge vectors to the next
   std::vector<Vec3> tangent;
-  std::vector<double> share_mm;       // of the ring's length that a corner stands for
-  std::vector<Stretch> stretch;       // of all corners, in their order
-  double noise_mm = 0;                // of all rings
+  std::vector<double> share_mm;  // of the ring's length that a corner stands for
+  std::vector<Stretch> stretch;  // of all corners, in their order
+  double noise_mm = 0;           // of all rings
   Vec3 middle() const { return 0.5 * (shape.lo_mm + shape.hi_mm); }
   Vec3 middle_at(const Isometry3d& T) const { return T * middle(); }
 };
 
-/// The small motion that brings the places nearest to the lines (least squares of the distances across them: a curve may
+/// The small motion that brings the places nearest to the lines (least squares of the distances across them: a curve
+/// may
 /// slide along itself, where nearest places would hold it back). Gauss-Newton; rotation about `about`.
 Isometry3d towards_lines(const std::vector<Vec3>& from, const std::vector<Vec3>& to, const std::vector<Vec3>& along) {
   Vec3 about = Vec3::Zero();
@@ -75,7 +76,8 @@ Isometry3d towards_lines(const std::vector<Vec3>& from, const std::vector<Vec3>&
 
 double degrees(const Isometry3d& T) { return Eigen::AngleAxisd(Mat3(T.linear())).angle() * 180 / M_PI; }
 
-/// What noise of both alone would leave as the distance of a corner from a line, which is the mean of two corners or nearly.
+/// What noise of both alone would leave as the distance of a corner from a line, which is the mean of two corners or
+/// nearly.
 double explained(const Piece& a, const Piece& b) { return std::sqrt(2.) * std::hypot(b.noise_mm, 0.82 * a.noise_mm); }
 double together_mm(const Piece& a, const Piece& b) { return kTogether_mm + 2.5 * explained(a, b); }
 
@@ -97,10 +99,12 @@ Together together(const Piece& a, const Piece& b, const Isometry3d& T, double ne
       if ((y - y.cwiseMax(r.lo_mm).cwiseMin(r.hi_mm)).squaredNorm() >= best) continue;
       for (size_t i = r.begin; i < r.end; ++i) {
         const double longest = a.edge[i].norm();
-        if ((a.corner[i] - y).squaredNorm() > (near + longest) * (near + longest) || a.tangent[i].dot(t) > -0.5) continue;
+        if ((a.corner[i] - y).squaredNorm() > (near + longest) * (near + longest) || a.tangent[i].dot(t) > -0.5)
+          continue;
         const double s = std::clamp(a.edge[i].dot(y - a.corner[i]) / std::max(longest * longest, 1e-12), 0., 1.);
         const Vec3 x = a.corner[i] + s * a.edge[i];
-        if (const double d = (x - y).squaredNorm(); d < best) best = d, at = x, along = a.edge[i] / std::max(longest, 1e-12);
+        if (const double d = (x - y).squaredNorm(); d < best)
+          best = d, at = x, along = a.edge[i] / std::max(longest, 1e-12);
       }
     }
     if (best >= near * near) continue;
@@ -111,7 +115,8 @@ Together together(const Piece& a, const Piece& b, const Isometry3d& T, double ne
   return out;
 }
 
-/// The same within three times the usual distance, no more than `widest`: without what only comes near where the common curve ends.
+/// The same within three times the usual distance, no more than `widest`: without what only comes near where the common
+/// curve ends.
 Together together_closely(const Piece& a, const Piece& b, const Isometry3d& T, double widest) {
   Together t = together(a, b, T, widest);
   if (t.from.empty()) return t;
@@ -153,7 +158,9 @@ double depth(const Piece& a, const Piece& b, const Isometry3d& b_in_a) {
     const Isometry3d T = side ? Isometry3d(b_in_a.inverse()) : b_in_a;
     for (const Vec3& y : q.shape.surface.X_mm) {
       const Vec3 x = T * y;
-      if ((x.array() < p.shape.lo_mm.array()).any() || (x.array() > p.shape.hi_mm.array()).any() || !p.shape.surface.contains(x)) continue;
+      if ((x.array() < p.shape.lo_mm.array()).any() || (x.array() > p.shape.hi_mm.array()).any() ||
+          !p.shape.surface.contains(x))
+        continue;
       most = std::max(most, p.shape.surface.bvh.closest(x).distance_mm);
     }
   }
@@ -177,7 +184,8 @@ Piece describe(const simplex::Mesh& m) {
       p.share_mm.push_back(0.5 * ((after - x).norm() + (x - before).norm()));
       if (i % kStretch == 0) p.stretch.push_back({p.corner.size() - 1, 0});
       Stretch& last = p.stretch.back();
-      last.end = p.corner.size(), last.lo_mm = last.lo_mm.cwiseMin(x.cwiseMin(after)), last.hi_mm = last.hi_mm.cwiseMax(x.cwiseMax(after));
+      last.end = p.corner.size(), last.lo_mm = last.lo_mm.cwiseMin(x.cwiseMin(after)),
+      last.hi_mm = last.hi_mm.cwiseMax(x.cwiseMax(after));
     }
     p.noise_mm = std::max(p.noise_mm, r.noise_mm);
   }
@@ -205,17 +213,23 @@ Contact contact(const Piece& a, const Piece& b, const Isometry3d& T, double near
 /// Empty when a fit stands; else why not.
 std::string doubt(const Piece& a, const Piece& b, const Fit& f, const SortingRules& rules) {
   if (!(f.length > 0)) return "their cut rings do not run together";
-  if (f.length < rules.least_length_mm || f.residual > rules.most_residual_mm) return text("their cut rings run together for %.0f mm, %.2f mm apart", f.length, f.residual);
+  if (f.length < rules.least_length_mm || f.residual > rules.most_residual_mm)
+    return text("their cut rings run together for %.0f mm, %.2f mm apart", f.length, f.residual);
   const double most = kExplained * explained(a, b) + kUnexplained_mm;
-  if (f.residual > most) return text("their cut rings lie %.2f mm apart; their noise explains %.2f mm", f.residual, most);
+  if (f.residual > most)
+    return text("their cut rings lie %.2f mm apart; their noise explains %.2f mm", f.residual, most);
   // Two tables of a bone that is kThinnest_mm thick, at least, have so much wall between them.
   constexpr double kThinnest_mm = 1;
   const double wall = 0.5 * f.length * kThinnest_mm;
   const double touch = kTouch_mm + 2.5 * explained(a, b);
-  const Contact there = contact(a, b, f.T, touch), back = contact(b, a, f.T.inverse(), touch), &c = there.area_mm2 > back.area_mm2 ? there : back;
-  if (c.area_mm2 < wall) return text("their cut surfaces touch on %.0f mm^2; at least %.0f mm^2 was expected", c.area_mm2, wall);
-  if (const double apart = rules.most_residual_mm + explained(a, b); c.residual_mm > apart) return text("their cut surfaces lie %.2f mm apart; at most %.2f mm was expected", c.residual_mm, apart);
-  if (const double d = depth(a, b, f.T) - 4 * explained(a, b); d > rules.most_depth_mm) return text("bone would lie %.1f mm within bone (rings together for %.0f mm)", d, f.length);
+  const Contact there = contact(a, b, f.T, touch), back = contact(b, a, f.T.inverse(), touch),
+                &c = there.area_mm2 > back.area_mm2 ? there : back;
+  if (c.area_mm2 < wall)
+    return text("their cut surfaces touch on %.0f mm^2; at least %.0f mm^2 was expected", c.area_mm2, wall);
+  if (const double apart = rules.most_residual_mm + explained(a, b); c.residual_mm > apart)
+    return text("their cut surfaces lie %.2f mm apart; at most %.2f mm was expected", c.residual_mm, apart);
+  if (const double d = depth(a, b, f.T) - 4 * explained(a, b); d > rules.most_depth_mm)
+    return text("bone would lie %.1f mm within bone (rings together for %.0f mm)", d, f.length);
   return "";
 }
 
@@ -241,7 +255,8 @@ std::vector<Fit> ways_of(const Piece& a, const Piece& b, const SortingRules& rul
   const auto by_worth = [](const Fit& f, const Fit& g) { return f.worth() > g.worth(); };
   std::vector<Fit> rough, fits;
   for (size_t k = 0; k < ways.size() && rough.size() < kTried; ++k) {
-    if (std::any_of(rough.begin(), rough.end(), [&](const Fit& g) { return same(ways[k].T, g.T, middle, 1, 2); })) continue;
+    if (std::any_of(rough.begin(), rough.end(), [&](const Fit& g) { return same(ways[k].T, g.T, middle, 1, 2); }))
+      continue;
     keep(rough, fit(a, b, ways[k].T, 8), 1, 2);
   }
   std::stable_sort(rough.begin(), rough.end(), by_worth);
@@ -250,8 +265,10 @@ std::vector<Fit> ways_of(const Piece& a, const Piece& b, const SortingRules& rul
   std::stable_sort(fits.begin(), fits.end(), by_worth);
   std::vector<Fit> stand;
   for (const Fit& f : fits)
-    if (const std::string bad = doubt(a, b, f, rules); bad.empty()) stand.push_back(f);
-    else if (&f == &fits[0]) why = bad;
+    if (const std::string bad = doubt(a, b, f, rules); bad.empty())
+      stand.push_back(f);
+    else if (&f == &fits[0])
+      why = bad;
   return stand;
 }
 
@@ -259,20 +276,24 @@ std::vector<Fit> ways_of(const Piece& a, const Piece& b, const SortingRules& rul
 bool ambiguous(const std::vector<Fit>& f) {
   constexpr double kWorse_mm = 0.15;
   return std::any_of(f.begin() + (f.empty() ? 0 : 1), f.end(), [&](const Fit& g) {
-    return g.length > 0.8 * f[0].length && g.residual * g.residual < f[0].residual * f[0].residual + kWorse_mm * kWorse_mm;
+    return g.length > 0.8 * f[0].length &&
+           g.residual * g.residual < f[0].residual * f[0].residual + kWorse_mm * kWorse_mm;
   });
 }
 
 /// Puts groups together.
 class Assembly {
  public:
-  Assembly(const std::vector<Piece>& pieces, const SortingRules& rules, Sorting& out) : p_(pieces), rules_(rules), o_(out) {
+  Assembly(const std::vector<Piece>& pieces, const SortingRules& rules, Sorting& out)
+      : p_(pieces), rules_(rules), o_(out) {
     o_.pose.assign(p_.size(), Isometry3d::Identity());
     for (size_t i = 0; i < p_.size(); ++i) o_.group.push_back(int32_t(i));
   }
   bool one(size_t a, size_t b) const { return o_.group[a] == o_.group[b]; }
   /// From the frame of b's group to that of a's, when b lies at b_in_a.
-  Isometry3d carry(size_t a, size_t b, const Isometry3d& b_in_a) const { return o_.pose[a] * b_in_a * o_.pose[b].inverse(); }
+  Isometry3d carry(size_t a, size_t b, const Isometry3d& b_in_a) const {
+    return o_.pose[a] * b_in_a * o_.pose[b].inverse();
+  }
   template <class Visit>
   void between(size_t a, size_t b, const Isometry3d& by, Visit&& visit) const {
     for (size_t i = 0; i < p_.size(); ++i)
@@ -281,26 +302,32 @@ class Assembly {
   }
   double deepest(size_t a, size_t b, const Isometry3d& by) const {
     double most = 0;
-    between(a, b, by, [&](const Piece& p, const Piece& q, const Isometry3d& T) { most = std::max(most, depth(p, q, T)); });
+    between(a, b, by,
+            [&](const Piece& p, const Piece& q, const Isometry3d& T) { most = std::max(most, depth(p, q, T)); });
     return most;
   }
   /// Length of all rings of the two groups that would run together.
   double length(size_t a, size_t b, const Isometry3d& by) const {
     double sum = 0;
-    between(a, b, by, [&](const Piece& p, const Piece& q, const Isometry3d& T) { sum += together(p, q, T, together_mm(p, q)).length; });
+    between(a, b, by, [&](const Piece& p, const Piece& q, const Isometry3d& T) {
+      sum += together(p, q, T, together_mm(p, q)).length;
+    });
     return sum;
   }
   void put(size_t a, size_t b, const Isometry3d& by) {
     const int32_t from = o_.group[b], to = o_.group[a], low = std::min(from, to);
     for (size_t i = 0; i < p_.size(); ++i) {
-      if (o_.group[i] == from) o_.pose[i] = by * o_.pose[i], o_.group[i] = low;
-      else if (o_.group[i] == to) o_.group[i] = low;
+      if (o_.group[i] == from)
+        o_.pose[i] = by * o_.pose[i], o_.group[i] = low;
+      else if (o_.group[i] == to)
+        o_.group[i] = low;
     }
     const Isometry3d back = o_.pose[size_t(low)].inverse();
     for (size_t i = 0; i < p_.size(); ++i)
       if (o_.group[i] == low) o_.pose[i] = i == size_t(low) ? Isometry3d::Identity() : Isometry3d(back * o_.pose[i]);
   }
-  /// Puts the groups together if that goes: they settle, and then no bone may lie deep within bone. Else nothing has changed; the
+  /// Puts the groups together if that goes: they settle, and then no bone may lie deep within bone. Else nothing has
+  /// changed; the
   /// answer is how deep.
   double try_to_put(size_t a, size_t b, const Isometry3d& by, double most) {
     const std::vector<Isometry3d> pose = o_.pose;
@@ -325,8 +352,11 @@ class Assembly {
         Together all;
         for (size_t i = 0; i < p_.size(); ++i) {
           if (i == j || !one(i, j)) continue;
-          const Together t = together_closely(p_[i], p_[j], o_.pose[i].inverse() * o_.pose[j], std::max(widest, together_mm(p_[i], p_[j])));
-          for (size_t k = 0; k < t.from.size(); ++k) all.from.push_back(o_.pose[i] * t.from[k]), all.to.push_back(o_.pose[i] * t.to[k]), all.along.push_back(o_.pose[i].linear() * t.along[k]);
+          const Together t = together_closely(p_[i], p_[j], o_.pose[i].inverse() * o_.pose[j],
+                                              std::max(widest, together_mm(p_[i], p_[j])));
+          for (size_t k = 0; k < t.from.size(); ++k)
+            all.from.push_back(o_.pose[i] * t.from[k]), all.to.push_back(o_.pose[i] * t.to[k]),
+                all.along.push_back(o_.pose[i].linear() * t.along[k]);
         }
         if (all.from.size() >= 8) o_.pose[j] = towards_lines(all.from, all.to, all.along) * o_.pose[j];
       }
@@ -375,7 +405,8 @@ Sorting sort_fragments(const std::vector<simplex::Mesh>& meshes, const SortingRu
     }
     if (assembly.one(p.a, p.b)) continue;
     const Isometry3d by = assembly.carry(p.a, p.b, p.ways[0].T);
-    if (const double d = assembly.try_to_put(p.a, p.b, by, rules.most_depth_mm); d > 0) p.why = text("with it, bone would lie %.1f mm within bone (rings together for %.0f mm)", d, p.ways[0].length);
+    if (const double d = assembly.try_to_put(p.a, p.b, by, rules.most_depth_mm); d > 0)
+      p.why = text("with it, bone would lie %.1f mm within bone (rings together for %.0f mm)", d, p.ways[0].length);
   }
   // What fits in several: where all neighbours fit too, if that is clearly one way.
   for (bool any = true; any;) {
@@ -388,8 +419,10 @@ Sorting sort_fragments(const std::vector<simplex::Mesh>& meshes, const SortingRu
         const Isometry3d way = assembly.carry(p.a, p.b, f.T);
         const double length = assembly.length(p.a, p.b, way);
         if (length <= second || assembly.deepest(p.a, p.b, way) > rules.most_depth_mm + kSettle_mm) continue;
-        if (length > best) second = best, best = length, by = way;
-        else second = length;
+        if (length > best)
+          second = best, best = length, by = way;
+        else
+          second = length;
       }
       if (best < 1.25 * second || best == 0) continue;
       any |= assembly.try_to_put(p.a, p.b, by, rules.most_depth_mm) == 0;
@@ -400,10 +433,16 @@ Sorting sort_fragments(const std::vector<simplex::Mesh>& meshes, const SortingRu
     Match m;
     m.a = int32_t(p.a), m.b = int32_t(p.b);
     const std::string bad = assembly.one(p.a, p.b) ? assembly.stands(p.a, p.b, m) : "";
-    if (assembly.one(p.a, p.b) && bad.empty()) out.matches.push_back(m);
-    else out.refused.push_back({m.a, m.b, !bad.empty() ? bad : !p.why.empty() ? p.why : "it contradicts pairs that fit better"});
+    if (assembly.one(p.a, p.b) && bad.empty())
+      out.matches.push_back(m);
+    else
+      out.refused.push_back({m.a, m.b,
+                             !bad.empty()     ? bad
+                             : !p.why.empty() ? p.why
+                                              : "it contradicts pairs that fit better"});
   }
-  std::stable_sort(out.matches.begin(), out.matches.end(), [](const Match& s, const Match& t) { return s.length_mm > t.length_mm; });
+  std::stable_sort(out.matches.begin(), out.matches.end(),
+                   [](const Match& s, const Match& t) { return s.length_mm > t.length_mm; });
   return out;
 }
 

@@ -15,10 +15,13 @@ Vec3 BoneSurface::normal(int32_t t) const {
 }
 
 bool BoneSurface::contains(const Vec3& x) const {
-  // Directions that no plane of an axis contains. A line through a shared edge meets both triangles there: the same sense at
+  // Directions that no plane of an axis contains. A line through a shared edge meets both triangles there: the same
+  // sense at
   // the same place counts once.
-  static const Vec3 direction[] = {Vec3(0.2718281828, 0.3141592654, 0.9097).normalized(), Vec3(-0.8123, 0.2511, 0.5267).normalized(), Vec3(0.4409, -0.8731, 0.2117).normalized(),
-                                   Vec3(-0.3313, -0.5279, -0.7822).normalized(), Vec3(0.6731, 0.7013, -0.2351).normalized()};
+  static const Vec3 direction[] = {
+      Vec3(0.2718281828, 0.3141592654, 0.9097).normalized(), Vec3(-0.8123, 0.2511, 0.5267).normalized(),
+      Vec3(0.4409, -0.8731, 0.2117).normalized(), Vec3(-0.3313, -0.5279, -0.7822).normalized(),
+      Vec3(0.6731, 0.7013, -0.2351).normalized()};
   int votes = 0;
   for (const Vec3& d : direction) {
     int net = 0;

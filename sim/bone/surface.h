@@ -1,5 +1,6 @@
 #pragma once
-// One bone as a closed surface of triangles, for picking, rays and volumes: the fans of its faces; holes and open mouths are
+// One bone as a closed surface of triangles, for picking, rays and volumes: the fans of its faces; holes and open
+// mouths are
 // closed by flat fans, which are marked.
 #include <span>
 #include <vector>
@@ -10,14 +11,16 @@
 namespace limberg::bone {
 
 struct BoneSurface {
-  std::vector<Vec3> X_mm;      // the vertex slots of the mesh, then the face centres
+  std::vector<Vec3> X_mm;  // the vertex slots of the mesh, then the face centres
   std::vector<Tri> tri;
-  std::vector<int32_t> face;   // per triangle
+  std::vector<int32_t> face;  // per triangle
   Bvh bvh;
 
   Vec3 normal(int32_t triangle) const;  // unit, outwards
-  /// Inside the closed surface: a line in a fixed direction leaves it once more than it enters it, beyond the place. Small folds of
-  /// the surface do not matter; where the numbers make no sense (a line along an edge) other directions are asked, up to five.
+  /// Inside the closed surface: a line in a fixed direction leaves it once more than it enters it, beyond the place.
+  /// Small folds of
+  /// the surface do not matter; where the numbers make no sense (a line along an edge) other directions are asked, up
+  /// to five.
   bool contains(const Vec3& x_mm) const;
 };
 

@@ -26,7 +26,8 @@ OnEdge nearest_on(const Vec3& a, const Vec3& b, const Vec3& p) {
   return {(at - p).squaredNorm(), at};
 }
 
-/// For every place p of `from` an edge of `ring`, all different and in order, with the least sum of squares. The first goes
+/// For every place p of `from` an edge of `ring`, all different and in order, with the least sum of squares. The first
+/// goes
 /// to its nearest edge. from.size() <= ring.size().
 std::vector<int32_t> assign(const std::vector<Vec3>& from, const std::vector<Vec3>& ring) {
   const size_t n = from.size(), m = ring.size();
@@ -70,7 +71,8 @@ std::string join(Mesh& m, const Side& s, simplex::Delta& delta, std::vector<int3
   // Everything that lies behind the rings: each face once, else a wall would share two edges with it.
   Ring behind;
   for (const Ring* ring : {&s.ring_x, &s.ring_y})
-    for (size_t i = 0; i < ring->size(); ++i) behind.push_back(m.face(m.edge((*ring)[(i + 1) % ring->size()], (*ring)[i])));
+    for (size_t i = 0; i < ring->size(); ++i)
+      behind.push_back(m.face(m.edge((*ring)[(i + 1) % ring->size()], (*ring)[i])));
   {
     // Of one wall only: the same face may lie behind two walls.
     for (size_t r = 0; r < k; ++r) {
@@ -85,7 +87,8 @@ std::string join(Mesh& m, const Side& s, simplex::Delta& delta, std::vector<int3
         if (j == size_t(a.b)) break;
       }
       std::sort(beside.begin(), beside.end());
-      if (std::adjacent_find(beside.begin(), beside.end()) != beside.end()) return "the bone is too thin for its mesh there: one face reaches both tables";
+      if (std::adjacent_find(beside.begin(), beside.end()) != beside.end())
+        return "the bone is too thin for its mesh there: one face reaches both tables";
     }
   }
   Edit e(m, delta);
@@ -147,17 +150,24 @@ std::vector<Rung> plan_rungs(const std::vector<Vec3>& x, const std::vector<Vec3>
   return rungs;
 }
 
-std::string join_by_walls(Mesh& m, const Facing& x, const Facing& y, const std::vector<Rung>& rungs, simplex::Delta& delta, std::vector<Facing>& walls) {
+std::string join_by_walls(Mesh& m, const Facing& x, const Facing& y, const std::vector<Rung>& rungs,
+                          simplex::Delta& delta, std::vector<Facing>& walls) {
   walls.clear();
-  if (rungs.size() < 3) return "the tables of the bone cannot be joined there: fewer than three lines between them are free";
+  if (rungs.size() < 3)
+    return "the tables of the bone cannot be joined there: fewer than three lines between them are free";
   const int32_t nx = int32_t(x.right.size()), ny = int32_t(y.right.size());
   std::vector<int32_t> right, left;
-  if (std::string bad = join(m, {x.face_right, y.face_right, x.right, y.right, rungs}, delta, right); !bad.empty()) return bad;
+  if (std::string bad = join(m, {x.face_right, y.face_right, x.right, y.right, rungs}, delta, right); !bad.empty())
+    return bad;
   // The other side runs backwards: edge a of `right` is edge n - 2 - a there.
   std::vector<Rung> back(rungs.rbegin(), rungs.rend());
   for (Rung& r : back) r.a = (2 * nx - 2 - r.a) % nx, r.b = (2 * ny - 2 - r.b) % ny;
-  std::rotate(back.begin(), std::min_element(back.begin(), back.end(), [](const Rung& r, const Rung& s) { return r.a < s.a; }), back.end());
-  if (std::string bad = join(m, {x.face_left, y.face_left, reversed(x.left), reversed(y.left), back}, delta, left); !bad.empty()) return bad;
+  std::rotate(back.begin(),
+              std::min_element(back.begin(), back.end(), [](const Rung& r, const Rung& s) { return r.a < s.a; }),
+              back.end());
+  if (std::string bad = join(m, {x.face_left, y.face_left, reversed(x.left), reversed(y.left), back}, delta, left);
+      !bad.empty())
+    return bad;
   for (int32_t f : right) {
     Facing w;
     w.face_right = f, w.right = m.ring(f);

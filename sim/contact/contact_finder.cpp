@@ -10,20 +10,27 @@ namespace limberg {
 namespace {
 
 constexpr size_t kGrain = 32, kChunks = 4;  // places of a chunk, at least; chunks of a worker's share
-constexpr double kNear_mm = 0.3;    // clearance of pairs that may press within a few iterations
-constexpr double kSorted_mm = 2;    // cells may go so far until their tree is sorted again
-constexpr double kTurn_mm = 0.08;   // less motion turns no surface by the angle that counts
-constexpr double kLeast_mm = 0.005; // pairs are looked at again after so much motion at least
-constexpr double kNever_mm = 1e30;  // until pairs turn that are not there
-constexpr int kFresh = 2;           // turns in one spot that go all the way
-constexpr int kTired = 8;           // the last one
+constexpr double kNear_mm = 0.3;            // clearance of pairs that may press within a few iterations
+constexpr double kSorted_mm = 2;            // cells may go so far until their tree is sorted again
+constexpr double kTurn_mm = 0.08;           // less motion turns no surface by the angle that counts
+constexpr double kLeast_mm = 0.005;         // pairs are looked at again after so much motion at least
+constexpr double kNever_mm = 1e30;          // until pairs turn that are not there
+constexpr int kFresh = 2;                   // turns in one spot that go all the way
+constexpr int kTired = 8;                   // the last one
 
 }  // namespace
 
-ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model, const ContactSettings& settings)
-    : surface_(std::move(surface)), settings_(settings), cell_mm_(std::cbrt(model.cell_mm.prod())),
-      turn_cos_(std::cos(settings.turn_deg * std::numbers::pi / 180)), tissue_(*surface_, model), cells_(tissue_, model),
-      motion_(tissue_, model), u_(model.X_mm.size()), looked_(surface_->place.size()) {
+ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model,
+                             const ContactSettings& settings)
+    : surface_(std::move(surface)),
+      settings_(settings),
+      cell_mm_(std::cbrt(model.cell_mm.prod())),
+      turn_cos_(std::cos(settings.turn_deg * std::numbers::pi / 180)),
+      tissue_(*surface_, model),
+      cells_(tissue_, model),
+      motion_(tissue_, model),
+      u_(model.X_mm.size()),
+      looked_(surface_->place.size()) {
   for (int32_t c : surface_->carrier) carrier_.push_back(tissue_.find(c));
   for (size_t i = 0; i < surface_->place.size(); ++i) {
     const ContactPlace& p = surface_->place[i];
@@ -39,7 +46,8 @@ ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, cons
   }
   chunk_of_.resize(surface_->place.size());
   for (size_t g = 0; g < group_.size(); ++g) {
-    if (chunk_.empty() || group_[g].first - group_[chunk_.back().first].first >= kGrain) chunk_.emplace_back().first = g;
+    if (chunk_.empty() || group_[g].first - group_[chunk_.back().first].first >= kGrain)
+      chunk_.emplace_back().first = g;
     chunk_.back().last = g + 1;
     for (size_t i = group_[g].first; i < group_[g].last; ++i) chunk_of_[i] = chunk_.size() - 1;
   }
@@ -112,7 +120,10 @@ void ContactFinder::check(size_t chunk) {
       const bool tired = l.turns > kTired && (l.slid_mm + slid).norm() < settings_.spot_mm;
       if (!tired) {
         const double more = settings_.slide_mm + std::max(0.0, p.s_mm) - slid.norm();
-        p.stale = more < 0 || (p.s_mm < 0 && carried_normal(h.triangle, h.bary, tissue_.smooth_normal(h.triangle, h.bary)).dot(h.facet) < turn_cos_);
+        p.stale =
+            more < 0 ||
+            (p.s_mm < 0 &&
+             carried_normal(h.triangle, h.bary, tissue_.smooth_normal(h.triangle, h.bary)).dot(h.facet) < turn_cos_);
         left = std::min(left, more);
       }
     }
@@ -146,7 +157,8 @@ bool ContactFinder::slide(Looked& l, const Vec3& slid_mm) const {
 }
 
 // Pairs of one place: what was held goes to what is found, or stays.
-void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk, std::vector<Pair>& out) {
+void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk,
+                          std::vector<Pair>& out) {
   Looked& l = looked_[i];
   double part = l.turns < kFresh ? 1 : 1.0 / (l.turns - kFresh + 2);
   bool turned = false;
@@ -159,7 +171,8 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
     HeldContact& h = p.held;
     make_contact(p);
     h.apart_mm = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b);
-    // What the surfaces show is linear in their triangles, what the springs feel is trilinear in the cells: the gap makes up
+    // What the surfaces show is linear in their triangles, what the springs feel is trilinear in the cells: the gap
+    // makes up
     // the difference, so that a contact begins where it is seen to begin.
     h.gap_mm = h.normal.dot(h.apart_mm) - p.s_mm;
     p.contact.gap_mm = float(h.gap_mm - settings_.slack_mm);
@@ -180,12 +193,16 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
       } else {
         turned = true;
         leave_foot(p);
-        // What nobody had judged when it was found, in front of the place, does not press: it goes, as long as the place is not tired.
+        // What nobody had judged when it was found, in front of the place, does not press: it goes, as long as the
+        // place is not tired.
         p.held.weight *= p.held.judged || l.turns > kTired ? 1 - part : 0;
         p.held.judged = true;  // just now: else it would be asked about again at every look, and never stand still
-        p.held.facet = carried_normal(p.held.triangle, p.held.bary, tissue_.smooth_normal(p.held.triangle, p.held.bary));
-        if (p.held.weight > kNothing) place(p);
-        else chunk.changed = true;
+        p.held.facet =
+            carried_normal(p.held.triangle, p.held.bary, tissue_.smooth_normal(p.held.triangle, p.held.bary));
+        if (p.held.weight > kNothing)
+          place(p);
+        else
+          chunk.changed = true;
       }
     } else if (b == before.size() || found[f].sheet < before[b].held.sheet) {  // new
       Pair p;
@@ -235,7 +252,8 @@ void ContactFinder::find_cells(size_t chunk) {
     if (g.due) g.near_mm = 0;
     point.clear();
     for (size_t i = g.first; i < g.last; ++i)
-      if (looked_[i].due) point.push_back({i, (surface_->place[i].X_mm + displacement(surface_->place[i].embedded)).cast<float>()});
+      if (looked_[i].due)
+        point.push_back({i, (surface_->place[i].X_mm + displacement(surface_->place[i].embedded)).cast<float>()});
     if (!point.empty()) who_may_hold(g, point, around, kinship);
     size_t looks = 0;
     for (size_t i = g.first; i < g.last; ++i) {
@@ -244,11 +262,14 @@ void ContactFinder::find_cells(size_t chunk) {
       while (old < here.judged.size() && size_t(here.judged[old].place) == i) ++old;
       if (l.due) {
         locate(point[looks++], around, here.held), ++here.looks;
-        l.due = l.stale || !where_it_was({here.held.begin() + ptrdiff_t(now), here.held.end()}, {here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old)});
+        l.due = l.stale || !where_it_was({here.held.begin() + ptrdiff_t(now), here.held.end()},
+                                         {here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old)});
         if (!l.due) here.held.resize(now);
       }
-      if (l.due) judged.insert(judged.end(), here.held.begin() + ptrdiff_t(now), here.held.end());
-      else judged.insert(judged.end(), here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old));
+      if (l.due)
+        judged.insert(judged.end(), here.held.begin() + ptrdiff_t(now), here.held.end());
+      else
+        judged.insert(judged.end(), here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old));
       for (size_t h = now; h < here.held.size(); ++h)
         if (!tissue_.known(here.held[h].part)) here.unknown.push_back(here.held[h].part);
     }
@@ -335,27 +356,34 @@ ContactMemory ContactFinder::memory() const {
   for (const Chunk& c : chunk_)
     for (const Pair& p : c.pair) m.pairs.push_back(p.held);
   for (size_t i = 0; i < looked_.size(); ++i)
-    if (looked_[i].turns > 0 || !looked_[i].slid_mm.isZero(0)) m.spots.push_back({int32_t(i), looked_[i].turns, looked_[i].slid_mm});
+    if (looked_[i].turns > 0 || !looked_[i].slid_mm.isZero(0))
+      m.spots.push_back({int32_t(i), looked_[i].turns, looked_[i].slid_mm});
   return m;
 }
 
 void ContactFinder::resume(const ContactMemory& m) {
-  const auto wrong = [] { throw InputError("", 0, "a held contact is of another surface; expected pairs of this one"); };
+  const auto wrong = [] {
+    throw InputError("", 0, "a held contact is of another surface; expected pairs of this one");
+  };
   for (const HeldContact& h : m.pairs)
-    if (h.place < 0 || size_t(h.place) >= looked_.size() || h.triangle < 0 || size_t(h.triangle) >= surface_->tri.size()) wrong();
+    if (h.place < 0 || size_t(h.place) >= looked_.size() || h.triangle < 0 ||
+        size_t(h.triangle) >= surface_->tri.size())
+      wrong();
   for (const ContactMemory::Spot& s : m.spots)
     if (s.place < 0 || size_t(s.place) >= looked_.size()) wrong();
   for (Chunk& c : chunk_) c.pair.clear(), c.judged.clear(), c.left_mm = 0;
   resumed_ = true;
   for (Looked& l : looked_) l = Looked();
-  for (Group& g : group_) g.far_mm = g.near_mm = kNever_mm;  // all look at the next step: what they then find beside is new
+  for (Group& g : group_)
+    g.far_mm = g.near_mm = kNever_mm;  // all look at the next step: what they then find beside is new
   for (const HeldContact& h : m.pairs) {
     Pair p;
     p.held = h;
     make_contact(p);
     chunk_[chunk_of_[size_t(h.place)]].pair.push_back(p);
   }
-  for (const ContactMemory::Spot& s : m.spots) looked_[size_t(s.place)].turns = s.turns, looked_[size_t(s.place)].slid_mm = s.slid_mm;
+  for (const ContactMemory::Spot& s : m.spots)
+    looked_[size_t(s.place)].turns = s.turns, looked_[size_t(s.place)].slid_mm = s.slid_mm;
 }
 
 }  // namespace limberg

@@ -22,7 +22,8 @@ double smooth_step(double x, double from, double to) {
 
 Vec3 ContactFinder::carried_normal(int32_t t, const std::array<double, 3>& bary, const Vec3& N) const {
   const size_t c = size_t(carrier_[size_t(t)]);
-  return cells_.carried_normal(c, (surface_->rest_mm(t, bary) - tissue_.low_mm(c)).cwiseQuotient(tissue_.size_mm(c)), N);
+  return cells_.carried_normal(c, (surface_->rest_mm(t, bary) - tissue_.low_mm(c)).cwiseQuotient(tissue_.size_mm(c)),
+                               N);
 }
 
 // What copies are to those of a group, in a list with a zero for each: made when it is first wanted, mostly never.
@@ -30,7 +31,8 @@ enum : uint8_t { kStranger = 0, kKin = 1, kSilent = 2 };  // kin tell nothing bu
 
 void ContactFinder::mark_kin(const Group& g, bool marked, std::vector<uint8_t>& kinship) const {
   kinship.resize(tissue_.size(), kStranger);
-  for (int32_t c : tissue_.kin(g.own)) kinship[size_t(c)] = !marked ? kStranger : tissue_.has_other_wall(size_t(c), g.sheet) ? kKin : kSilent;
+  for (int32_t c : tissue_.kin(g.own))
+    kinship[size_t(c)] = !marked ? kStranger : tissue_.has_other_wall(size_t(c), g.sheet) ? kKin : kSilent;
   kinship[g.own] = marked ? kSilent : kStranger;
 }
 
@@ -39,7 +41,8 @@ void ContactFinder::begin_list(Group& g, std::span<const Pair> pairs) const {
   g.around.clear();
   for (const Pair& pair : pairs) {
     const size_t c = size_t(carrier_[size_t(pair.held.triangle)]);
-    if (c != g.own && !tissue_.says_nothing(c) && (!tissue_.kin(g.own, c) || tissue_.has_other_wall(c, g.sheet))) g.around.push_back(int32_t(c));
+    if (c != g.own && !tissue_.says_nothing(c) && (!tissue_.kin(g.own, c) || tissue_.has_other_wall(c, g.sheet)))
+      g.around.push_back(int32_t(c));
   }
   g.far_mm = 0, g.listed = false;
 }
@@ -55,7 +58,8 @@ void ContactFinder::complete_list(Group& g, std::vector<uint8_t>& kinship) const
 }
 
 // The copies that may hold one of these places of a group.
-void ContactFinder::who_may_hold(const Group& g, std::span<const Point> points, std::vector<Around>& around, std::vector<uint8_t>& kinship) const {
+void ContactFinder::who_may_hold(const Group& g, std::span<const Point> points, std::vector<Around>& around,
+                                 std::vector<uint8_t>& kinship) const {
   Vec3f lo = points[0].p, hi = lo;
   for (const Point& p : points) lo = lo.cwiseMin(p.p), hi = hi.cwiseMax(p.p);
   around.clear();
@@ -67,7 +71,8 @@ void ContactFinder::who_may_hold(const Group& g, std::span<const Point> points, 
   std::sort(around.begin(), around.end());
 }
 
-// Which of the copies around hold it, and where. What the neighbours of a copy that holds it say from without, it knows itself.
+// Which of the copies around hold it, and where. What the neighbours of a copy that holds it say from without, it knows
+// itself.
 void ContactFinder::locate(const Point& point, std::span<const Around> around, std::vector<Held>& held) const {
   const Vec3f& p = point.p;
   const int32_t sheet = surface_->sheets.of[size_t(surface_->place[point.place].triangle)];
@@ -84,7 +89,8 @@ void ContactFinder::locate(const Point& point, std::span<const Around> around, s
   for (size_t k = first; k < held.size(); ++k) {
     const Held& h = held[k];
     bool told = false;
-    for (size_t j = first; !h.in && !told && j < held.size(); ++j) told = held[j].in && tissue_.kin(size_t(held[j].copy), size_t(h.copy));
+    for (size_t j = first; !h.in && !told && j < held.size(); ++j)
+      told = held[j].in && tissue_.kin(size_t(held[j].copy), size_t(h.copy));
     if (!told) held[kept++] = h;
   }
   held.resize(kept);
@@ -111,7 +117,8 @@ void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<Held
       return f.sheet == own_sheet && (s.rest_mm(f.triangle, f.bary) - place.X_mm).squaredNorm() < kSelf_mm * kSelf_mm;
     };
     if (itself(a.foot[first])) continue;
-    // Inside, only what the place is behind leads out; outside, only what it is in front of can be entered. The way out is
+    // Inside, only what the place is behind leads out; outside, only what it is in front of can be entered. The way out
+    // is
     // through a sheet that faces the place: its depth is taken along the place's own normal.
     std::array<double, RestTissue::kFeet> depth{}, facing{};
     std::array<Vec3, RestTissue::kFeet> normal;
@@ -119,9 +126,11 @@ void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<Held
     for (size_t k = 0; k < a.count; ++k) {
       const RestTissue::Foot& f = a.foot[k];
       depth[k] = -1;
-      if (a.inside ? f.height_mm >= 0 : f.distance_mm > settings_.guard_mm || f.height_mm < -RestTissue::kOn_mm) continue;
+      if (a.inside ? f.height_mm >= 0 : f.distance_mm > settings_.guard_mm || f.height_mm < -RestTissue::kOn_mm)
+        continue;
       if (itself(f)) continue;
-      if (own.isZero(0)) own = carried_normal(place.triangle, place.bary, normal_[i]), shown = shown_mm(place.triangle, place.bary);
+      if (own.isZero(0))
+        own = carried_normal(place.triangle, place.bary, normal_[i]), shown = shown_mm(place.triangle, place.bary);
       normal[k] = carried_normal(f.triangle, f.bary, tissue_.smooth_normal(f.triangle, f.bary));
       facing[k] = -own.dot(normal[k]);
       if (normal[k].isZero(0) || facing[k] <= settings_.facing_none) continue;
@@ -139,7 +148,8 @@ void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<Held
       h.judged = a.inside || f.distance_mm < kSurface_mm;
       h.weight = 1;
       if (h.judged) {
-        h.weight = (1 - smooth_step(depth[k] / least, settings_.other_full, settings_.other_none)) * smooth_step(facing[k], settings_.facing_none, settings_.facing_full);
+        h.weight = (1 - smooth_step(depth[k] / least, settings_.other_full, settings_.other_none)) *
+                   smooth_step(facing[k], settings_.facing_none, settings_.facing_full);
         h.weight *= 1 - smooth_step(f.distance_mm, settings_.deep_full_mm, settings_.deep_none_mm);
         if (-s_mm > settings_.most_mm) h.weight *= settings_.most_mm / -s_mm;
       } else if (s_mm < 0 || facing[k] < settings_.facing_full) {
@@ -147,12 +157,16 @@ void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<Held
       }
       if (h.weight < kNothing) continue;
       // Several copies may tell of one sheet: one that the place is inside of knows best, then the nearest.
-      const auto same = std::find_if(found.begin(), found.end(), [&](const HeldContact& other) { return other.sheet == h.sheet; });
-      if (same == found.end()) found.push_back(h);
-      else if (std::pair(h.judged, -std::abs(h.gap_mm)) > std::pair(same->judged, -std::abs(same->gap_mm))) *same = h;
+      const auto same =
+          std::find_if(found.begin(), found.end(), [&](const HeldContact& other) { return other.sheet == h.sheet; });
+      if (same == found.end())
+        found.push_back(h);
+      else if (std::pair(h.judged, -std::abs(h.gap_mm)) > std::pair(same->judged, -std::abs(same->gap_mm)))
+        *same = h;
     }
   }
-  std::sort(found.begin(), found.end(), [](const HeldContact& one, const HeldContact& two) { return one.sheet < two.sheet; });
+  std::sort(found.begin(), found.end(),
+            [](const HeldContact& one, const HeldContact& two) { return one.sheet < two.sheet; });
 }
 
 }  // namespace limberg

@@ -12,12 +12,12 @@ namespace limberg {
 struct HeldContact {
   int32_t place = 0, sheet = -1, triangle = -1;
   std::array<double, 3> bary{};
-  Vec3 normal = Vec3::UnitZ();    // of the plane
-  Vec3 facet = Vec3::UnitZ();     // the sheet's normal at the foot when the pair was found
-  Vec3 apart_mm = Vec3::Zero();   // of place and foot as the cells carry them, when it was found
-  double gap_mm = 0;              // s = normal . apart - gap: clearance of the surfaces as they are shown; negative inside
-  double weight = 0;              // 0 to 1
-  bool judged = false;            // is the weight that of a place that presses?
+  Vec3 normal = Vec3::UnitZ();   // of the plane
+  Vec3 facet = Vec3::UnitZ();    // the sheet's normal at the foot when the pair was found
+  Vec3 apart_mm = Vec3::Zero();  // of place and foot as the cells carry them, when it was found
+  double gap_mm = 0;    // s = normal . apart - gap: clearance of the surfaces as they are shown; negative inside
+  double weight = 0;    // 0 to 1
+  bool judged = false;  // is the weight that of a place that presses?
 };
 
 /// What a finder must get back to go on as it would have. A place that is not named is fresh.

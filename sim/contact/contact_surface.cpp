@@ -11,11 +11,12 @@
 namespace limberg {
 namespace {
 
-constexpr double kSkinReach_mm = 8;    // skin so near to a rim can be touched
-// In usual shares of a place: a piece of wall that holds nothing apart, and a bin that leaves its share to its neighbours.
+constexpr double kSkinReach_mm = 8;  // skin so near to a rim can be touched
+// In usual shares of a place: a piece of wall that holds nothing apart, and a bin that leaves its share to its
+// neighbours.
 constexpr double kSliver = 0.02, kSmall = 0.35;
-constexpr double kSpacing_mm = 1.75;   // places are never farther apart than about this
-constexpr double kTurned = 0.34;       // sine of the least turn of a sharp edge, 20 degrees
+constexpr double kSpacing_mm = 1.75;  // places are never farther apart than about this
+constexpr double kTurned = 0.34;      // sine of the least turn of a sharp edge, 20 degrees
 
 /// Marks of a coarse grid: is a point within reach of any of the points marked before (to a grid cell)?
 class NearMarks {
@@ -96,15 +97,19 @@ int32_t bin_in_cell(const Vec3& at, int parts, int except) {
   return bin;
 }
 
-/// Where a wall runs on evenly, a cell's piece of it is one bin; within a cell of its borders, `parts` in each direction.
-void put_into_bins(std::vector<Binned>& wall, const ContactSurface& s, const FemModel& model, const Vec3& cell, int parts) {
+/// Where a wall runs on evenly, a cell's piece of it is one bin; within a cell of its borders, `parts` in each
+/// direction.
+void put_into_bins(std::vector<Binned>& wall, const ContactSurface& s, const FemModel& model, const Vec3& cell,
+                   int parts) {
   if (wall.empty()) return;
   Vec3 lo = s.X_mm[0], hi = lo;
   for (const Vec3& x : s.X_mm) lo = lo.cwiseMin(x), hi = hi.cwiseMax(x);
   NearMarks borders(lo, hi, cell.maxCoeff());
   for (size_t v = 0; v < s.X_mm.size(); ++v) {
     const std::span<const int32_t> around = s.triangles_around(int32_t(v));
-    if (std::any_of(around.begin(), around.end(), [&](int32_t t) { return s.sheets.of[size_t(t)] != s.sheets.of[size_t(around[0])]; })) borders.mark(s.X_mm[v]);
+    if (std::any_of(around.begin(), around.end(),
+                    [&](int32_t t) { return s.sheets.of[size_t(t)] != s.sheets.of[size_t(around[0])]; }))
+      borders.mark(s.X_mm[v]);
   }
   for (Binned& b : wall) {
     const Vec3& low = model.X_mm[size_t(s.lattice->cells[size_t(b.copy)].node[0])];
@@ -116,12 +121,13 @@ void put_into_bins(std::vector<Binned>& wall, const ContactSurface& s, const Fem
 struct EdgePoint {
   int32_t copy = 0, bin = 0, sheet = 0, vertex = 0;
   int32_t triangle = 0, corner = 0;
-  double length = 0;      // half of the sharp edges of that triangle that end here
+  double length = 0;  // half of the sharp edges of that triangle that end here
   auto key() const { return std::tuple(copy, bin, sheet, vertex); }
 };
 
 /// Walls end in edges that can go into other tissue: where the sheet beside turns away, backwards.
-std::vector<EdgePoint> edge_points(const ContactSurface& s, const FemModel& model, std::span<const uint8_t> kind, const Vec3& cell, int parts) {
+std::vector<EdgePoint> edge_points(const ContactSurface& s, const FemModel& model, std::span<const uint8_t> kind,
+                                   const Vec3& cell, int parts) {
   std::vector<EdgePoint> out;
   for (size_t t = 0; t < s.tri.size(); ++t) {
     if (FaceKind(kind[t]) != FaceKind::wall) continue;
@@ -155,26 +161,35 @@ std::vector<EdgePoint> edge_points(const ContactSurface& s, const FemModel& mode
   return out;
 }
 
-double young_kPa(const FemModel& model, int32_t copy) { return 3 * model.stencils[size_t(model.cells[size_t(copy)].stencil)].mu_kPa; }
+double young_kPa(const FemModel& model, int32_t copy) {
+  return 3 * model.stencils[size_t(model.cells[size_t(copy)].stencil)].mu_kPa;
+}
 
-/// One place for each bin of edge: the corner of most sheets, or else the point that is nearest to the bin's own middle.
+/// One place for each bin of edge: the corner of most sheets, or else the point that is nearest to the bin's own
+/// middle.
 void add_edge_places(ContactSurface& s, const FemModel& model, std::span<const EdgePoint> points, double spacing) {
   std::vector<int32_t> sheets;
   const auto sheets_at = [&](int32_t v) {
     sheets.clear();
     for (int32_t t : s.triangles_around(v))
-      if (std::find(sheets.begin(), sheets.end(), s.sheets.of[size_t(t)]) == sheets.end()) sheets.push_back(s.sheets.of[size_t(t)]);
+      if (std::find(sheets.begin(), sheets.end(), s.sheets.of[size_t(t)]) == sheets.end())
+        sheets.push_back(s.sheets.of[size_t(t)]);
     return int(sheets.size());
   };
-  const auto same = [](const EdgePoint& a, const EdgePoint& b) { return a.copy == b.copy && a.bin == b.bin && a.sheet == b.sheet; };
+  const auto same = [](const EdgePoint& a, const EdgePoint& b) {
+    return a.copy == b.copy && a.bin == b.bin && a.sheet == b.sheet;
+  };
   for (size_t from = 0, to; from < points.size(); from = to) {
     Vec3 middle = Vec3::Zero();
     double length = 0;
-    for (to = from; to < points.size() && same(points[to], points[from]); ++to) middle += points[to].length * s.X_mm[size_t(points[to].vertex)], length += points[to].length;
+    for (to = from; to < points.size() && same(points[to], points[from]); ++to)
+      middle += points[to].length * s.X_mm[size_t(points[to].vertex)], length += points[to].length;
     if (length < kSmall * spacing) continue;
     middle /= length;
     size_t best = from;
-    auto rank = [&](size_t i) { return std::pair(-sheets_at(points[i].vertex), (s.X_mm[size_t(points[i].vertex)] - middle).squaredNorm()); };
+    auto rank = [&](size_t i) {
+      return std::pair(-sheets_at(points[i].vertex), (s.X_mm[size_t(points[i].vertex)] - middle).squaredNorm());
+    };
     for (size_t i = from + 1; i < to; ++i)
       if (rank(i) < rank(best)) best = i;
     ContactPlace p;
@@ -195,12 +210,15 @@ void add_edge_places(ContactSurface& s, const FemModel& model, std::span<const E
 EmbeddedPoint ContactSurface::embedded(int32_t t, const std::array<double, 3>& bary) const {
   const Vec3 X = rest_mm(t, bary);
   int32_t copy = carrier[size_t(t)];
-  if (cell_of(*lattice, X) != lattice->cells[size_t(copy)].cell) copy = copy_of_point(*lattice, *view, in_view[size_t(t)], bary);
+  if (cell_of(*lattice, X) != lattice->cells[size_t(copy)].cell)
+    copy = copy_of_point(*lattice, *view, in_view[size_t(t)], bary);
   return embed_in_copy(*lattice, copy, X);
 }
 
-std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view_ptr, const SharedArray<EmbeddedPoint>& embedding,
-                                                      std::shared_ptr<const LatticeTopology> lattice_ptr, const FemModel& model) {
+std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view_ptr,
+                                                      const SharedArray<EmbeddedPoint>& embedding,
+                                                      std::shared_ptr<const LatticeTopology> lattice_ptr,
+                                                      const FemModel& model) {
   const SurfaceView& view = *view_ptr;
   const LatticeTopology& lattice = *lattice_ptr;
   if (std::none_of(view.kind.begin(), view.kind.end(), [](FaceKind k) { return k == FaceKind::wall; })) return nullptr;
@@ -258,7 +276,8 @@ std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const Surf
   const double whole = std::pow(cell.mean() / parts, 2);
   for (size_t first = 0, last; first < wall.size(); first = last) {  // a wall's piece in one cell copy
     double total = 0, kept = 0;
-    for (last = first; last < wall.size() && wall[last].copy == wall[first].copy && wall[last].facing == wall[first].facing; ++last)
+    for (last = first;
+         last < wall.size() && wall[last].copy == wall[first].copy && wall[last].facing == wall[first].facing; ++last)
       total += wall[last].area;
     if (total < kSliver * whole) continue;
     const size_t before = s->place.size();
@@ -267,7 +286,8 @@ std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const Surf
       for (size_t from = first, to; from < last; from = to) {
         Vec3 middle = Vec3::Zero();
         double area = 0;
-        for (to = from; to < last && wall[to].bin == wall[from].bin; ++to) middle += wall[to].area * wall[to].middle, area += wall[to].area;
+        for (to = from; to < last && wall[to].bin == wall[from].bin; ++to)
+          middle += wall[to].area * wall[to].middle, area += wall[to].area;
         if (pass == 0) largest = std::max(largest, area);
         if (area < (pass == 0 ? kSmall * whole : largest)) continue;
         middle /= area;
@@ -286,7 +306,8 @@ std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const Surf
     for (size_t i = before; i < s->place.size(); ++i) s->place[i].area_mm2 *= total / kept;
   }
   add_edge_places(*s, model, edge_points(*s, model, kind, cell, parts), cell.mean() / parts);
-  std::stable_sort(s->place.begin(), s->place.end(), [](const ContactPlace& a, const ContactPlace& b) { return a.copy < b.copy; });
+  std::stable_sort(s->place.begin(), s->place.end(),
+                   [](const ContactPlace& a, const ContactPlace& b) { return a.copy < b.copy; });
   return s;
 }
 

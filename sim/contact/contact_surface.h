@@ -2,12 +2,16 @@
 // What may touch what in one version of the topology: made at a cut, never changed after it.
 //
 //   triangles   all wound walls, and the skin within a few mm of a wound's rim: what can be touched
-//   places      points of the walls that must not enter other tissue, each standing for its share of the wall, whatever the
-//               triangles: one in each cell copy where the wall runs on evenly, one for every half cell in each direction (at
-//               most 1.75 mm) within a cell of its borders, and one for every such length of its sharp edges and corners,
+//   places      points of the walls that must not enter other tissue, each standing for its share of the wall, whatever
+//   the
+//               triangles: one in each cell copy where the wall runs on evenly, one for every half cell in each
+//               direction (at
+//               most 1.75 mm) within a cell of its borders, and one for every such length of its sharp edges and
+//               corners,
 //               which go deepest; finer ones could not move apart from each other
 //
-// A point of a triangle hangs on the eight nodes of the cell copy that holds it, so what carries it changes smoothly when it
+// A point of a triangle hangs on the eight nodes of the cell copy that holds it, so what carries it changes smoothly
+// when it
 // slides on from one triangle to the next.
 #include <memory>
 #include <span>
@@ -21,13 +25,13 @@
 namespace limberg {
 
 struct ContactPlace {
-  int32_t triangle = 0;     // it lies on
+  int32_t triangle = 0;  // it lies on
   std::array<double, 3> bary{1.0 / 3, 1.0 / 3, 1.0 / 3};
-  int32_t copy = 0;         // the cell copy that carries it
+  int32_t copy = 0;  // the cell copy that carries it
   EmbeddedPoint embedded;
   Vec3 X_mm = Vec3::Zero();
-  double area_mm2 = 0;      // of the wall that it stands for, at rest
-  double stiffness_kPa = 0; // of the tissue there: 3 mu, Young's modulus of what is nearly incompressible
+  double area_mm2 = 0;       // of the wall that it stands for, at rest
+  double stiffness_kPa = 0;  // of the tissue there: 3 mu, Young's modulus of what is nearly incompressible
 };
 
 struct ContactSurface {
@@ -35,7 +39,8 @@ struct ContactSurface {
   std::vector<Vec3> X_mm;                // at rest
   std::vector<EmbeddedPoint> embedding;  // as it is shown
   std::vector<Tri> tri;
-  std::vector<int32_t> around_begin, around;  // triangles around vertex v: around[around_begin[v]] ... [around_begin[v + 1]]
+  std::vector<int32_t> around_begin,
+      around;                    // triangles around vertex v: around[around_begin[v]] ... [around_begin[v + 1]]
   std::vector<int32_t> in_view;  // triangle of the view, per triangle here
   std::vector<int32_t> carrier;  // the cell copy that holds its middle
   Sheets sheets;
@@ -56,7 +61,9 @@ struct ContactSurface {
 };
 
 /// Nothing (null) where there is no wall. `embedding`: per vertex of the view.
-std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view, const SharedArray<EmbeddedPoint>& embedding,
-                                                      std::shared_ptr<const LatticeTopology> lattice, const FemModel& model);
+std::shared_ptr<const ContactSurface> contact_surface(std::shared_ptr<const SurfaceView> view,
+                                                      const SharedArray<EmbeddedPoint>& embedding,
+                                                      std::shared_ptr<const LatticeTopology> lattice,
+                                                      const FemModel& model);
 
 }  // namespace limberg

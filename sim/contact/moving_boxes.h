@@ -1,7 +1,8 @@
 #pragma once
 // Boxes that move: which of them meet a box that is asked about.
 //
-// A tree with four children to a node, whose boxes lie side by side so that all are compared at once. Members follow each
+// A tree with four children to a node, whose boxes lie side by side so that all are compared at once. Members follow
+// each
 // other along a curve through space (Morton's), made anew by sort(); any order gives the same answers, only slower.
 #include <array>
 #include <bit>
@@ -58,8 +59,10 @@ void MovingBoxes::meet(const Box& where, Visit&& visit) const {
     const fem::v4i bit = ~out & fem::v4i{1, 2, 4, 8};
     for (uint32_t meets = uint32_t(bit[0] | bit[1] | bit[2] | bit[3]); meets != 0; meets &= meets - 1) {
       const int32_t child = 4 * at.index + std::countr_zero(meets);
-      if (at.level == 0) visit(order_[size_t(child)]);
-      else stack[n++] = {at.level - 1, child};
+      if (at.level == 0)
+        visit(order_[size_t(child)]);
+      else
+        stack[n++] = {at.level - 1, child};
     }
   }
 }

@@ -11,7 +11,7 @@ using fem::v4;
 constexpr float kRound_mm = 1e-3f;  // boxes are larger by this than single precision can miss
 constexpr float kClose = 1e-5f;     // edges of a cell: an inverse that has come so near is found
 constexpr int kChord = 6, kNewton = 12;
-constexpr double kFolded = 1e-3;    // of a cell's volume at rest
+constexpr double kFolded = 1e-3;  // of a cell's volume at rest
 constexpr size_t kGrain = 256;
 
 v4 splat(float x) { return v4{x, x, x, x}; }
@@ -20,9 +20,7 @@ float dot3(v4 a, v4 b) {
   const v4 p = a * b;
   return p[0] + p[1] + p[2];
 }
-v4 cross(v4 a, v4 b) {
-  return v4{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0};
-}
+v4 cross(v4 a, v4 b) { return v4{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0], 0}; }
 
 /// A trilinear map as a polynomial of what `at` is beyond the middle of the cell.
 struct Map {
@@ -30,7 +28,8 @@ struct Map {
   explicit Map(const std::array<v4, 8>& n) {
     const v4 a0 = n[0] + n[1], d0 = n[1] - n[0], a1 = n[2] + n[3], d1 = n[3] - n[2];
     const v4 a2 = n[4] + n[5], d2 = n[5] - n[4], a3 = n[6] + n[7], d3 = n[7] - n[6];
-    const v4 e0 = a0 + a1, e1 = a2 + a3, f0 = a1 - a0, f1 = a3 - a2, g0 = d0 + d1, g1 = d2 + d3, h0 = d1 - d0, h1 = d3 - d2;
+    const v4 e0 = a0 + a1, e1 = a2 + a3, f0 = a1 - a0, f1 = a3 - a2, g0 = d0 + d1, g1 = d2 + d3, h0 = d1 - d0,
+             h1 = d3 - d2;
     c0 = 0.125f * (e0 + e1), z = 0.25f * (e1 - e0);
     y = 0.25f * (f0 + f1), yz = 0.5f * (f1 - f0);
     x = 0.25f * (g0 + g1), xz = 0.5f * (g1 - g0);
@@ -108,8 +107,12 @@ bool MovingCells::invert(size_t c, const Vec3f& p, float beyond, Vec3& at) const
   const Inverse& inv = inverse_[c];
   if (!inv.sound) return false;
   const v4 q = {p[0], p[1], p[2], 0};
-  const auto apply = [](const v4* along, v4 r) { return splat(r[0]) * along[0] + splat(r[1]) * along[1] + splat(r[2]) * along[2]; };
-  const auto within = [](v4 b, float reach) { return std::fabs(b[0]) <= reach && std::fabs(b[1]) <= reach && std::fabs(b[2]) <= reach; };
+  const auto apply = [](const v4* along, v4 r) {
+    return splat(r[0]) * along[0] + splat(r[1]) * along[1] + splat(r[2]) * along[2];
+  };
+  const auto within = [](v4 b, float reach) {
+    return std::fabs(b[0]) <= reach && std::fabs(b[1]) <= reach && std::fabs(b[2]) <= reach;
+  };
   v4 b = apply(inv.along, q - inv.middle);
   if (!within(b, 1.2f + beyond)) return false;
   std::array<v4, 8> n;
@@ -136,7 +139,8 @@ Vec3 MovingCells::carried_normal(size_t c, const Vec3& at, const Vec3& N) const 
   const std::array<v4, 3> J = Map(n).slope(v4{float(at[0]) - 0.5f, float(at[1]) - 0.5f, float(at[2]) - 0.5f, 0});
   // The cofactor of F = J / size: columns over the other two edges.
   const Vec3& s = tissue_.size_mm(c);
-  const v4 sum = splat(float(N[0] * s[0])) * cross(J[1], J[2]) + splat(float(N[1] * s[1])) * cross(J[2], J[0]) + splat(float(N[2] * s[2])) * cross(J[0], J[1]);
+  const v4 sum = splat(float(N[0] * s[0])) * cross(J[1], J[2]) + splat(float(N[1] * s[1])) * cross(J[2], J[0]) +
+                 splat(float(N[2] * s[2])) * cross(J[0], J[1]);
   const Vec3 v{double(sum[0]), double(sum[1]), double(sum[2])};
   const double l = v.norm();
   return l > 1e-9 ? Vec3(v / l) : Vec3(0, 0, 0);

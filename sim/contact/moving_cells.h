@@ -1,8 +1,10 @@
 #pragma once
 // Where the cells of touchable tissue are now: which of them hold a place, and where in them it lies.
 //
-// Per copy its box, that of what lies beside it too, the middle of its eight nodes and the inverse of its map's slope there. The trilinear map is inverted by
-// Newton's method with that slope (with fresh slopes where a cell is so skew that this does not suffice); the first estimate
+// Per copy its box, that of what lies beside it too, the middle of its eight nodes and the inverse of its map's slope
+// there. The trilinear map is inverted by
+// Newton's method with that slope (with fresh slopes where a cell is so skew that this does not suffice); the first
+// estimate
 // sends most copies away at once. A tree of the boxes finds the copies around a place.
 #include <array>
 #include <cstdint>
@@ -32,10 +34,12 @@ class MovingCells {
   /// The same of every copy that a point between lo and hi may lie in or beside.
   template <class Visit>
   void around(const Vec3f& lo, const Vec3f& hi, Visit&& visit) const {
-    tree_.meet({fem::v4{lo[0], lo[1], lo[2], 0}, fem::v4{hi[0], hi[1], hi[2], 0}}, [&](int32_t c) { visit(size_t(c)); });
+    tree_.meet({fem::v4{lo[0], lo[1], lo[2], 0}, fem::v4{hi[0], hi[1], hi[2], 0}},
+               [&](int32_t c) { visit(size_t(c)); });
   }
 
-  /// Is p within `beyond` edges of copy c? Then `at` is its place there: 0 to 1 along each edge in the cell itself. False in
+  /// Is p within `beyond` edges of copy c? Then `at` is its place there: 0 to 1 along each edge in the cell itself.
+  /// False in
   /// cells that are folded.
   bool invert(size_t c, const Vec3f& p, float beyond, Vec3& at) const;
   /// May it be? By boxes alone, which are a little larger than what they hold. `beside`: within kBeyond and kAhead_mm.
@@ -50,12 +54,12 @@ class MovingCells {
 
  private:
   struct Inverse {
-    fem::v4 middle;  // of the cell
+    fem::v4 middle;    // of the cell
     fem::v4 along[3];  // `at` - 1/2 = sum_a along[a] (p - middle)[a]
     bool sound = false;
   };
   const RestTissue& tissue_;
-  std::vector<fem::v4> rest_, now_;  // of the tissue's nodes
+  std::vector<fem::v4> rest_, now_;            // of the tissue's nodes
   std::vector<MovingBoxes::Box> box_, reach_;  // of the cell; of what is beside it too
   std::vector<Inverse> inverse_;
   MovingBoxes tree_;  // of reach_, of those that can say something

@@ -9,9 +9,9 @@
 namespace limberg {
 namespace {
 
-constexpr double kTie_mm = 1e-7;   // banks of one cut, the two sides of an edge
-constexpr double kWhole = 0.999;   // a cell's fraction
-constexpr double kWay_mm = 0.7;    // pieces of a cell that are smaller than this may be missed
+constexpr double kTie_mm = 1e-7;      // banks of one cut, the two sides of an edge
+constexpr double kWhole = 0.999;      // a cell's fraction
+constexpr double kWay_mm = 0.7;       // pieces of a cell that are smaller than this may be missed
 constexpr double kOpposite = -0.999;  // cosine between two banks of one cut
 constexpr float kRound_mm = 1e-4f;
 constexpr size_t kGrain = 4;
@@ -23,7 +23,8 @@ void unique_sorted(std::vector<T>& v) {
 }
 
 /// Lists of lists from pairs (owner, member), in one go.
-void pack(std::vector<std::pair<int32_t, int32_t>>& pairs, size_t owners, std::vector<int32_t>& begin, std::vector<int32_t>& member) {
+void pack(std::vector<std::pair<int32_t, int32_t>>& pairs, size_t owners, std::vector<int32_t>& begin,
+          std::vector<int32_t>& member) {
   unique_sorted(pairs);
   begin.assign(owners + 1, 0);
   for (const auto& [o, m] : pairs) ++begin[size_t(o) + 1], member.push_back(m);
@@ -62,13 +63,15 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
     const auto& v = corner_[t];
     if (cell >= 0 && !lattice.hanging.empty()) {  // parts of a divided cell have one number
       const auto& node = lattice.cells[size_t(s.carrier[t])].node;
-      const Vec3 low = model.X_mm[size_t(node[0])].array() - kTie_mm, high = model.X_mm[size_t(node[7])].array() + kTie_mm;
+      const Vec3 low = model.X_mm[size_t(node[0])].array() - kTie_mm,
+                 high = model.X_mm[size_t(node[7])].array() + kTie_mm;
       for (const Vec3& x : v)
         if ((x.array() < low.array()).any() || (x.array() > high.array()).any()) cell = -1;
     }
     if (cell >= 0) continue;
     // It goes through several cells: whose it is along its way.
-    const double longest = std::sqrt(std::max({(v[1] - v[0]).squaredNorm(), (v[2] - v[1]).squaredNorm(), (v[0] - v[2]).squaredNorm()}));
+    const double longest =
+        std::sqrt(std::max({(v[1] - v[0]).squaredNorm(), (v[2] - v[1]).squaredNorm(), (v[0] - v[2]).squaredNorm()}));
     const int parts = std::clamp(int(std::ceil(longest / kWay_mm)), 2, 64);
     for (int i = 0; i <= parts; ++i)
       for (int j = 0; i + j <= parts; ++j) {
@@ -141,7 +144,8 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
   std::vector<int32_t> here;
   for (size_t c = 0; c < copy_.size(); ++c) {
     here.clear();
-    for (int32_t k : slot_[c]) here.insert(here.end(), carriers.begin() + begin[size_t(k)], carriers.begin() + begin[size_t(k) + 1]);
+    for (int32_t k : slot_[c])
+      here.insert(here.end(), carriers.begin() + begin[size_t(k)], carriers.begin() + begin[size_t(k) + 1]);
     unique_sorted(here);
     for (int32_t o : here)
       if (o != int32_t(c)) around.push_back({int32_t(c), o});
@@ -157,7 +161,8 @@ int32_t RestTissue::find(int32_t copy) const {
 
 int32_t RestTissue::part(size_t c, const Vec3& at) const {
   int32_t part = int32_t(c);
-  for (int a = 0; a < 3; ++a) part = part * kParts + std::clamp(int32_t((at[a] + kBeyond) / (1 + 2 * kBeyond) * kParts), 0, kParts - 1);
+  for (int a = 0; a < 3; ++a)
+    part = part * kParts + std::clamp(int32_t((at[a] + kBeyond) / (1 + 2 * kBeyond) * kParts), 0, kParts - 1);
   return part;
 }
 
@@ -168,7 +173,8 @@ Vec3 RestTissue::middle(int32_t part, size_t& c) const {
   return at;
 }
 
-// The point of triangle t in the cell of copy c that is nearest to Q; false when it has none. `foot` comes as the nearest of all.
+// The point of triangle t in the cell of copy c that is nearest to Q; false when it has none. `foot` comes as the
+// nearest of all.
 bool RestTissue::into_cell(size_t c, int32_t t, const Vec3& Q, Vec3& foot) const {
   const Vec3 low = low_[c], high = low_[c] + size_[c];
   if ((foot.array() >= low.array()).all() && (foot.array() <= high.array()).all()) return true;
@@ -190,13 +196,15 @@ bool RestTissue::into_cell(size_t c, int32_t t, const Vec3& Q, Vec3& foot) const
   if (n == 0) return false;
   double least = 1e30;
   for (size_t k = 0; k + 2 < std::max<size_t>(n, 3); ++k) {
-    const Vec3 p = closest_on_triangle(Q, polygon[0], polygon[std::min(k + 1, n - 1)], polygon[std::min(k + 2, n - 1)]).point;
+    const Vec3 p =
+        closest_on_triangle(Q, polygon[0], polygon[std::min(k + 1, n - 1)], polygon[std::min(k + 2, n - 1)]).point;
     if ((Q - p).squaredNorm() < least) least = (Q - p).squaredNorm(), foot = p;
   }
   return true;
 }
 
-// All triangles that can be the nearest of their sheet for a point of the part, and all own ones that can decide its side.
+// All triangles that can be the nearest of their sheet for a point of the part, and all own ones that can decide its
+// side.
 void RestTissue::gather(int32_t part, std::vector<Near>& own, std::vector<Near>& others) const {
   const ContactSurface& s = *surface_;
   size_t c = 0;
@@ -225,17 +233,21 @@ void RestTissue::gather(int32_t part, std::vector<Near>& own, std::vector<Near>&
       const double in_cell = own_ones && into_cell(c, t, Q, foot) ? (Q - foot).norm() : 1e30;
       least_in_cell = std::min(least_in_cell, in_cell);
       seen.push_back({t, sheet, d, in_cell});
-      if (k == nearest.end()) nearest.push_back({sheet, d});
-      else k->second = std::min(k->second, d);
+      if (k == nearest.end())
+        nearest.push_back({sheet, d});
+      else
+        k->second = std::min(k->second, d);
     }
   };
   const auto keep = [&](std::vector<Near>& out) {
-    std::sort(seen.begin(), seen.end(), [](const Seen& a, const Seen& b) { return std::pair(a.d, a.triangle) < std::pair(b.d, b.triangle); });
+    std::sort(seen.begin(), seen.end(),
+              [](const Seen& a, const Seen& b) { return std::pair(a.d, a.triangle) < std::pair(b.d, b.triangle); });
     for (const Seen& k : seen) {
       const auto n = std::find_if(nearest.begin(), nearest.end(), [&](const auto& o) { return o.first == k.sheet; });
       if (k.d > n->second + 2 * radius + kTie_mm && k.in_cell > least_in_cell + 2 * radius + kTie_mm) continue;
       const auto same = [&](const Near& o) { return o.triangle == k.triangle; };
-      if ((out.empty() || !same(out.back())) && std::none_of(own.begin(), own.end(), same)) out.push_back({float(k.d) - kRound_mm, k.triangle, k.sheet});
+      if ((out.empty() || !same(out.back())) && std::none_of(own.begin(), own.end(), same))
+        out.push_back({float(k.d) - kRound_mm, k.triangle, k.sheet});
     }
     seen.clear();
   };
@@ -269,7 +281,8 @@ void RestTissue::learn(std::span<const int32_t> parts, Workers& workers) {
   }
 }
 
-// The copy's triangle that is met first on the straight way from Q to a place within triangle t, both in the cell, has Q's side.
+// The copy's triangle that is met first on the straight way from Q to a place within triangle t, both in the cell, has
+// Q's side.
 // Nothing where the way leaves the cell at once.
 std::optional<bool> RestTissue::inside_by_way(size_t c, const Vec3& Q, int32_t t, const Vec3& foot) const {
   const Vec3 low = low_[c], high = low_[c] + size_[c];
@@ -286,8 +299,10 @@ std::optional<bool> RestTissue::inside_by_way(size_t c, const Vec3& Q, int32_t t
       const double s = from / (from - end);
       const Vec3 meet = Q + s * (to - Q);
       if (o != t && (closest_on_triangle(meet, v[0], v[1], v[2]).point - meet).norm() > kTie_mm) continue;
-      if (std::abs(s - first) * (to - Q).norm() <= kTie_mm) inside |= from < 0;  // banks that coincide in one copy: a slit
-      else if (s < first) first = s, inside = from < 0;
+      if (std::abs(s - first) * (to - Q).norm() <= kTie_mm)
+        inside |= from < 0;  // banks that coincide in one copy: a slit
+      else if (s < first)
+        first = s, inside = from < 0;
     }
     if (first <= 1) return inside;
   }
@@ -302,12 +317,17 @@ void RestTissue::ask(size_t c, const Vec3& at, int32_t part, Answer& answer) con
   if (bare_[c] && !answer.inside) return;
   const Vec3 Q = rest_mm(c, at);
   size_t same = 0;
-  const double off = (at - middle(part, same)).cwiseProduct(size_[c]).norm();  // nothing can be nearer by more than this
+  const double off =
+      (at - middle(part, same)).cwiseProduct(size_[c]).norm();  // nothing can be nearer by more than this
   double nearest = 1e30;
-  // Its side of the nearest of the copy's own triangles, as far as they are in the cell: what is nearer beyond the cell's face
-  // belongs to a neighbour there. Of two that are as near, at an edge, the one that Q is farthest from edge-on knows; where
-  // they disagree, a convex edge is seen from without and a concave one from within. Two banks that coincide in one copy are
-  // a slit: it has material on both sides. Where more than two disagree, at a point or where walls cross, the way to one of them tells.
+  // Its side of the nearest of the copy's own triangles, as far as they are in the cell: what is nearer beyond the
+  // cell's face
+  // belongs to a neighbour there. Of two that are as near, at an edge, the one that Q is farthest from edge-on knows;
+  // where
+  // they disagree, a convex edge is seen from without and a concave one from within. Two banks that coincide in one
+  // copy are
+  // a slit: it has material on both sides. Where more than two disagree, at a point or where walls cross, the way to
+  // one of them tells.
   const List& list = list_[size_t(of_part_[size_t(part)])];
   const bool decides = in && !bare_[c] && !whole_[c];
   double deciding = 1e30, side = 0;
@@ -343,7 +363,8 @@ void RestTissue::ask(size_t c, const Vec3& at, int32_t part, Answer& answer) con
       const double most = f < answer.count ? answer.foot[f].distance_mm + kTie_mm : limit;
       if (double(least) - off > (decides && i < list.own ? std::max(most, deciding + kTie_mm) : most)) continue;
       const auto& v = corner_[size_t(t)];
-      if (std::abs(normal_[size_t(t)].dot(Q - v[0])) > std::max(most, (decides ? deciding : nearest) + kTie_mm)) continue;
+      if (std::abs(normal_[size_t(t)].dot(Q - v[0])) > std::max(most, (decides ? deciding : nearest) + kTie_mm))
+        continue;
       const TrianglePoint foot = closest_on_triangle(Q, v[0], v[1], v[2]);
       const Vec3 r = Q - foot.point;
       const double d = r.norm(), height = normal_[size_t(t)].dot(r);
@@ -354,7 +375,9 @@ void RestTissue::ask(size_t c, const Vec3& at, int32_t part, Answer& answer) con
         ++answer.count;
       } else {
         const Foot& was = answer.foot[f];
-        if (d > was.distance_mm + kTie_mm || (d >= was.distance_mm - kTie_mm && std::abs(height) <= std::abs(was.height_mm) + kTie_mm)) continue;
+        if (d > was.distance_mm + kTie_mm ||
+            (d >= was.distance_mm - kTie_mm && std::abs(height) <= std::abs(was.height_mm) + kTie_mm))
+          continue;
       }
       answer.foot[f] = {t, sheet, foot.bary, d, height};
     }

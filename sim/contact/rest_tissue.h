@@ -1,16 +1,21 @@
 #pragma once
 // Whose tissue is at a point of the rest body, and which way leads out of it.
 //
-// A place lies in other tissue exactly when a cell copy that is not its own holds it and has material there. Where in the
-// copy it lies follows from inverting the copy's trilinear map (moving_cells.h): a point Q of the rest body. At rest nothing
+// A place lies in other tissue exactly when a cell copy that is not its own holds it and has material there. Where in
+// the
+// copy it lies follows from inverting the copy's trilinear map (moving_cells.h): a point Q of the rest body. At rest
+// nothing
 // overlaps and no surface is folded, so the shortest way from Q to the surface of the copy's tissue is the way out, at
-// corners and in thin flaps too, whatever the place's own tissue looks like. (Distance in material space: Fisher and Lin
-// 2001; for embedding lattices McAdams et al. 2011.) Rest never changes between cuts, so what may be nearest is noted once
+// corners and in thin flaps too, whatever the place's own tissue looks like. (Distance in material space: Fisher and
+// Lin
+// 2001; for embedding lattices McAdams et al. 2011.) Rest never changes between cuts, so what may be nearest is noted
+// once
 // for each small part of a copy's space, when something first comes to lie there.
 //
 //   kept    copies that carry touchable surface, and those that share a node with one; what is deeper is not believed
 //   own     a copy's own triangles: those of which it carries a part. Where several copies share a cell, the nearest of
-//           them, as far as it lies in the cell, tells whether Q is in the copy's material: the cell is convex, so nothing of
+//           them, as far as it lies in the cell, tells whether Q is in the copy's material: the cell is convex, so
+//           nothing of
 //           the copy lies between. Banks coincide at rest; only its own bank counts for a copy
 //   around  triangles of copies that share a node with it: ways out for what is deep
 #include <algorithm>
@@ -47,8 +52,8 @@ class RestTissue {
 
   // Copies kept, by their numbers here.
   size_t size() const { return copy_.size(); }
-  int32_t copy(size_t c) const { return copy_[c]; }          // ascending
-  int32_t find(int32_t copy) const;                          // -1: not kept
+  int32_t copy(size_t c) const { return copy_[c]; }                         // ascending
+  int32_t find(int32_t copy) const;                                         // -1: not kept
   const std::array<int32_t, 8>& slots(size_t c) const { return slot_[c]; }  // its nodes, as places in nodes()
   const std::vector<int32_t>& nodes() const { return node_; }               // of the model, ascending
   const Vec3& low_mm(size_t c) const { return low_[c]; }
@@ -57,11 +62,15 @@ class RestTissue {
 
   /// Do two kept copies hang together, be it over a node that hangs on the other's?
   bool kin(size_t a, size_t b) const { return std::ranges::binary_search(kin(a), int32_t(b)); }
-  std::span<const int32_t> kin(size_t c) const { return {kin_.data() + kin_begin_[c], size_t(kin_begin_[c + 1] - kin_begin_[c])}; }
+  std::span<const int32_t> kin(size_t c) const {
+    return {kin_.data() + kin_begin_[c], size_t(kin_begin_[c + 1] - kin_begin_[c])};
+  }
   /// A copy without triangles in a parted cell: nobody knows where its material is.
   bool says_nothing(size_t c) const { return bare_[c] && !whole_[c]; }
   /// Does copy c carry a wall of another sheet than this (-1: any wall)? Kin that do not are the tissue around a place.
-  bool has_other_wall(size_t c, int32_t sheet) const { return wall_least_[c] <= wall_most_[c] && (wall_least_[c] != sheet || wall_most_[c] != sheet); }
+  bool has_other_wall(size_t c, int32_t sheet) const {
+    return wall_least_[c] <= wall_most_[c] && (wall_least_[c] != sheet || wall_most_[c] != sheet);
+  }
 
   /// The part of copy c's space around `at` (edges of the cell, from its low corner).
   int32_t part(size_t c, const Vec3& at) const;
@@ -95,17 +104,17 @@ class RestTissue {
   const ContactSurface* surface_ = nullptr;
   std::vector<int32_t> copy_, node_;
   std::vector<std::array<int32_t, 8>> slot_;
-  std::vector<int32_t> kin_begin_, kin_;       // kept copies that hang together with it
+  std::vector<int32_t> kin_begin_, kin_;  // kept copies that hang together with it
   std::vector<Vec3> low_, size_;
-  std::vector<uint8_t> bare_;                  // no triangles of its own
-  std::vector<uint8_t> whole_;                 // full of material
+  std::vector<uint8_t> bare_;                    // no triangles of its own
+  std::vector<uint8_t> whole_;                   // full of material
   std::vector<int32_t> wall_least_, wall_most_;  // sheets of walls that it carries
-  std::vector<int32_t> own_begin_, own_;       // triangles of each copy
-  std::vector<int32_t> around_begin_, around_; // kept copies that share a node with it and carry something
-  std::vector<Ball> ball_;                     // around each triangle
-  std::vector<std::array<Vec3, 3>> corner_;    // of each triangle
+  std::vector<int32_t> own_begin_, own_;         // triangles of each copy
+  std::vector<int32_t> around_begin_, around_;   // kept copies that share a node with it and carry something
+  std::vector<Ball> ball_;                       // around each triangle
+  std::vector<std::array<Vec3, 3>> corner_;      // of each triangle
   std::vector<Vec3> normal_, fan_normal_;
-  std::vector<int32_t> of_part_;               // per part: its list, or -1
+  std::vector<int32_t> of_part_;  // per part: its list, or -1
   std::vector<List> list_;
   std::vector<Near> near_;
 };

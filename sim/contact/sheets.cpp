@@ -21,8 +21,8 @@ bool Sheets::adjacent(int32_t a, int32_t b) const {
   return std::binary_search(meet.begin(), meet.end(), std::minmax({a, b}));
 }
 
-Sheets find_sheets(std::span<const Vec3> X, std::span<const Tri> tri, std::span<const uint8_t> kind, std::span<const int32_t> around_begin,
-                   std::span<const int32_t> around) {
+Sheets find_sheets(std::span<const Vec3> X, std::span<const Tri> tri, std::span<const uint8_t> kind,
+                   std::span<const int32_t> around_begin, std::span<const int32_t> around) {
   Sheets s;
   std::vector<Vec3> n(tri.size());
   for (size_t t = 0; t < tri.size(); ++t) {
@@ -31,7 +31,8 @@ Sheets find_sheets(std::span<const Vec3> X, std::span<const Tri> tri, std::span<
   }
   std::vector<int32_t> parent(tri.size());
   std::iota(parent.begin(), parent.end(), 0);
-  const auto beside = [&](size_t t, int32_t a, int32_t b, auto&& visit) {  // the triangles with lower numbers over edge ab
+  const auto beside = [&](size_t t, int32_t a, int32_t b,
+                          auto&& visit) {  // the triangles with lower numbers over edge ab
     for (int32_t i = around_begin[size_t(a)]; i < around_begin[size_t(a) + 1]; ++i) {
       const int32_t u = around[size_t(i)];
       if (u >= int32_t(t)) break;
@@ -65,7 +66,8 @@ Sheets find_sheets(std::span<const Vec3> X, std::span<const Tri> tri, std::span<
   std::vector<std::pair<int32_t, int32_t>> here;  // sheet, triangle
   for (size_t v = 0; v + 1 < around_begin.size(); ++v) {
     here.clear();
-    for (int32_t i = around_begin[v]; i < around_begin[v + 1]; ++i) here.push_back({s.of[size_t(around[size_t(i)])], around[size_t(i)]});
+    for (int32_t i = around_begin[v]; i < around_begin[v + 1]; ++i)
+      here.push_back({s.of[size_t(around[size_t(i)])], around[size_t(i)]});
     std::sort(here.begin(), here.end());
     for (size_t i = 0; i < here.size(); ++i) {
       if (i > 0 && here[i].first != here[i - 1].first) s.fan_begin.push_back(int32_t(s.fan_triangle.size()));

@@ -1,9 +1,12 @@
 #pragma once
 // The smooth parts of a wounded surface, found once, at rest.
 //
-// A sheet is what hangs together over edges that turn by less than 40 degrees, wall with wall and skin with skin: one bank
-// of an incision, the roof of a pocket, the skin beside a rim. What presses on a place presses sheet by sheet, so a place in
-// a corner can be held by two. Within a sheet the normal is made to turn smoothly: a corner's normal is the sum of the area
+// A sheet is what hangs together over edges that turn by less than 40 degrees, wall with wall and skin with skin: one
+// bank
+// of an incision, the roof of a pocket, the skin beside a rim. What presses on a place presses sheet by sheet, so a
+// place in
+// a corner can be held by two. Within a sheet the normal is made to turn smoothly: a corner's normal is the sum of the
+// area
 // vectors of its triangles in that sheet (its fan), and between corners it goes linearly.
 #include <cstdint>
 #include <span>
@@ -15,10 +18,11 @@
 namespace limberg {
 
 struct Sheets {
-  std::vector<int32_t> of;                       // sheet per triangle, numbered by their first triangles
-  std::vector<Tri> fan;                          // fan per triangle and corner
-  std::vector<int32_t> fan_begin, fan_triangle;  // triangles of fan f: fan_triangle[fan_begin[f]] ... [fan_begin[f + 1]]
-  std::vector<std::pair<int32_t, int32_t>> meet; // sheets that share an edge, lower number first; sorted
+  std::vector<int32_t> of;  // sheet per triangle, numbered by their first triangles
+  std::vector<Tri> fan;     // fan per triangle and corner
+  std::vector<int32_t> fan_begin,
+      fan_triangle;  // triangles of fan f: fan_triangle[fan_begin[f]] ... [fan_begin[f + 1]]
+  std::vector<std::pair<int32_t, int32_t>> meet;  // sheets that share an edge, lower number first; sorted
   int32_t count = 0;
 
   bool adjacent(int32_t a, int32_t b) const;

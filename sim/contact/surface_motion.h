@@ -1,10 +1,13 @@
 #pragma once
 // How far the surface moves, at most, against each cell copy of it: so that nobody searches where nothing moves.
 //
-// What is carried by a cell copy moves as its eight nodes do: its motion lies in the box that theirs span. Space is parted
+// What is carried by a cell copy moves as its eight nodes do: its motion lies in the box that theirs span. Space is
+// parted
 // into blocks; each block and those around it together have one box that holds the motions of all that is there. The
-// farthest corner of that box from the box of a copy's own motion bounds how much nearer anything there can have come. Tissue
-// that moves together does not come nearer. Cells are sorted into blocks anew before they have gone far. Against single copies,
+// farthest corner of that box from the box of a copy's own motion bounds how much nearer anything there can have come.
+// Tissue
+// that moves together does not come nearer. Cells are sorted into blocks anew before they have gone far. Against single
+// copies,
 // known to be near, the bound is much closer.
 #include <array>
 #include <cmath>
@@ -45,12 +48,12 @@ class SurfaceMotion {
   void sort_into_blocks(std::span<const Vec3f> u);
 
   const RestTissue& tissue_;
-  std::vector<fem::v4> then_;   // displacement of each at the last measure()
-  std::vector<fem::v4> move_;   // of each since
-  std::vector<Vec3> rest_;      // each at rest
+  std::vector<fem::v4> then_;  // displacement of each at the last measure()
+  std::vector<fem::v4> move_;  // of each since
+  std::vector<Vec3> rest_;     // each at rest
   std::array<int32_t, 3> blocks_{1, 1, 1};
-  std::vector<int32_t> block_;  // per kept copy
-  std::vector<Box> move_of_;    // each one's
+  std::vector<int32_t> block_;      // per kept copy
+  std::vector<Box> move_of_;        // each one's
   std::vector<Box> near_, spread_;  // per block
   double since_sorted_mm_ = 1e30, most_mm_ = 0;
 };

@@ -127,7 +127,8 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed, int first_try) {
   std::optional<Blade> redrawn;
   for (int k = first_try; k < kTries; ++k) {
     result.tries = k + 1;
-    // The first try takes the blade as it is; each further one redraws every vertex that is not shared, or shared in vain.
+    // The first try takes the blade as it is; each further one redraws every vertex that is not shared, or shared in
+    // vain.
     if (k > 0 && !redrawn && !blade.shared_point.empty()) {
       redrawn = blade;
       redrawn->shared_point = live_shared_points(*store_, blade);
@@ -220,9 +221,7 @@ FaceKind Arrangement::kind_of_orig(int32_t o) const {
       return FaceKind::skin;
   }
 }
-std::span<const Constraint> Arrangement::constraints_of(int32_t o) const {
-  return store_->constraints_of(o);
-}
+std::span<const Constraint> Arrangement::constraints_of(int32_t o) const { return store_->constraints_of(o); }
 std::span<const int32_t> Arrangement::faces_of_orig(int32_t o) const { return store_->faces_of(o); }
 const LastOperation& Arrangement::last_operation() const { return store_->last; }
 

@@ -41,7 +41,8 @@ class Arrangement {
   Arrangement(Arrangement&&) noexcept;
   Arrangement& operator=(Arrangement&&) noexcept;
 
-  /// `first_try`: redraws of the jitter to pass over. With CutResult::tries - 1 of a cut that was made and taken back, on
+  /// `first_try`: redraws of the jitter to pass over. With CutResult::tries - 1 of a cut that was made and taken back,
+  /// on
   /// the same state, it is made again bit for bit.
   CutResult cut(const Blade& blade, uint64_t seed, int first_try = 0);
   /// Takes one component of the sided surface away: its material bits are cleared. Index into components().
@@ -92,7 +93,8 @@ class Arrangement {
 
   /// The boundary of the material as a closed oriented mesh; cell_copy is left empty for the lattice to fill.
   SurfaceView surface_view() const;
-  /// The same mesh from `before`: the view when there had been `operations_then` operations, of a state that the present
+  /// The same mesh from `before`: the view when there had been `operations_then` operations, of a state that the
+  /// present
   /// one has come from by cuts and excisions alone. Costs what has changed, unless something was taken away.
   SurfaceView surface_view(const SurfaceView& before, int32_t operations_then, ViewChange& change) const;
 

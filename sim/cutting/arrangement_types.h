@@ -32,7 +32,7 @@ struct Face {
   int32_t orig = -1;           // its original triangle
   uint8_t mat = 0;             // kMaterialPlus | kMaterialMinus
   bool retired = false;        // replaced by others (and in no list any more)
-  uint8_t inner = 0;           // bit k: across edge k lies a piece of the same triangle, and nothing else can ever meet there
+  uint8_t inner = 0;  // bit k: across edge k lies a piece of the same triangle, and nothing else can ever meet there
 
   bool live() const { return !retired && mat != 0; }
   bool has_side(int side) const { return !retired && (mat >> side & 1); }

@@ -11,7 +11,9 @@ namespace {
 constexpr double kCornerClearance = 0.15;  // from the corner of an earlier cut, when joining it there
 constexpr double kBeside = 0.05;           // more than jitter and grid move a blade
 
-double sine_between(const Vec2& d, const Vec2& e) { return std::abs(d.x() * e.y() - d.y() * e.x()); }  // of unit vectors
+double sine_between(const Vec2& d, const Vec2& e) {
+  return std::abs(d.x() * e.y() - d.y() * e.x());
+}  // of unit vectors
 
 /// Where a stroke that comes from `from` is to end, so far past the wall at w that it is through at a flat angle, too.
 Vec2 past_wall(const WoundMap& wounds, const Vec2& from, const Vec2& w, double overshoot) {
@@ -19,16 +21,19 @@ Vec2 past_wall(const WoundMap& wounds, const Vec2& from, const Vec2& w, double o
   return w + d * (overshoot / std::clamp(sine_between(d, wounds.nearest(w).along), 0.2, 1.0));
 }
 
-/// Is a stroke that ends there through a wall even when the blade lies a little to either side? At a corner of an outline
+/// Is a stroke that ends there through a wall even when the blade lies a little to either side? At a corner of an
+/// outline
 /// it may pass beside it, and a bridge of skin would be left.
 bool is_through(const BladeContext& c, const WoundMap& wounds, const Vec2& from, const Vec2& end) {
   const Vec2 d = (end - from).normalized(), beside = kBeside * Vec2(-d.y(), d.x());
-  if (!skin_is_live(c, end) && !skin_is_live(c, end + beside) && !skin_is_live(c, end - beside)) return true;  // in a hole
+  if (!skin_is_live(c, end) && !skin_is_live(c, end + beside) && !skin_is_live(c, end - beside))
+    return true;  // in a hole
   const Vec2 begin = end - std::min((end - from).norm(), 3 * kSnap) * d;
   return wounds.first_meeting(begin + beside, end + beside) && wounds.first_meeting(begin - beside, end - beside);
 }
 
-/// Past the wall at w; where that does not lead through it for sure, past one of the walls that meet there, the one that is met
+/// Past the wall at w; where that does not lead through it for sure, past one of the walls that meet there, the one
+/// that is met
 /// least flatly.
 Vec2 end_past(const BladeContext& c, const WoundMap& wounds, const Vec2& from, const Vec2& w, double overshoot) {
   const Vec2 straight = past_wall(wounds, from, w, overshoot);
@@ -39,9 +44,11 @@ Vec2 end_past(const BladeContext& c, const WoundMap& wounds, const Vec2& from, c
     if (distance_to_segment(w, e.a, e.b) > kCornerClearance || (e.a - e.b).norm() == 0) continue;
     const Vec2 along = (e.b - e.a).normalized();
     for (const double sign : {-1.0, 1.0}) {
-      const Vec2 p = wounds.nearest(w + sign * kCornerClearance * along).point, end = past_wall(wounds, from, p, overshoot);
+      const Vec2 p = wounds.nearest(w + sign * kCornerClearance * along).point,
+                 end = past_wall(wounds, from, p, overshoot);
       const double sine = sine_between((p - from).normalized(), along);
-      if ((p - w).norm() > 0.5 * kCornerClearance && sine > most && is_through(c, wounds, from, end)) most = sine, best = end;
+      if ((p - w).norm() > 0.5 * kCornerClearance && sine > most && is_through(c, wounds, from, end))
+        most = sine, best = end;
     }
   }
   return best.value_or(straight);

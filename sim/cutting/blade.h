@@ -20,7 +20,8 @@ struct Blade {
   // 3: goes on where an earlier wall ends; a seed for the patch that touches that end (a shared edge).
   std::vector<uint8_t> seed;
   std::vector<std::array<Eigen::Vector2f, 3>> uv_mm;  // per corner: (arc length, depth), for the wall's texture
-  bool strip = false;  // columns from the skin down; uv_mm are (place along the stroke, level). Later strokes can go on.
+  bool strip =
+      false;  // columns from the skin down; uv_mm are (place along the stroke, level). Later strokes can go on.
 };
 
 }  // namespace limberg

@@ -17,11 +17,13 @@ namespace {
 
 constexpr double kShortest = 1.0;  // of a stroke
 
-/// Which way a blade runs into the tissue at every column: to the right of the path by its segments' leans per mm of depth;
-/// at a corner mitred, so that both sides keep theirs. With upright_corners the blade turns upright towards sharp corners:
+/// Which way a blade runs into the tissue at every column: to the right of the path by its segments' leans per mm of
+/// depth;
+/// at a corner mitred, so that both sides keep theirs. With upright_corners the blade turns upright towards sharp
+/// corners:
 /// leaning into a sharp bend it would run through itself.
-std::vector<Vec3> lean_directions(std::span<const Column> columns, std::span<const double> lean, double depth, bool closed,
-                                  bool upright_corners) {
+std::vector<Vec3> lean_directions(std::span<const Column> columns, std::span<const double> lean, double depth,
+                                  bool closed, bool upright_corners) {
   const size_t n = columns.size();
   std::vector<Vec3> before(n), after(n), direction(n);
   std::vector<double> arc(n + 1, 0), sharp;
@@ -45,7 +47,8 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, std::span<con
       if (closed) d = std::min(d, arc[n] - d);
       if (upright_corners) share = std::min(share, d / reach);
     }
-    // The vector with these two components to the right of either segment: their mean along the bisector, their difference
+    // The vector with these two components to the right of either segment: their mean along the bisector, their
+    // difference
     // across it.
     const size_t last = lean.size() - 1;
     const double lb = lean[closed ? (i + last) % (last + 1) : i == 0 ? 0 : i - 1], la = lean[std::min(i, last)];
@@ -58,8 +61,8 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, std::span<con
 
 }  // namespace
 
-std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> path, std::span<const Column> columns, double lean,
-                                  bool closed) {
+std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> path, std::span<const Column> columns,
+                                  double lean, bool closed) {
   const size_t n = columns.size(), segments = closed ? n : n - 1;
   std::vector<double> out(segments, lean);
   if (!c.gradient) return out;
@@ -89,8 +92,8 @@ std::vector<double> leans_at_rest(const BladeContext& c, std::span<const Vec2> p
   return out;
 }
 
-BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm,
-                           double angle_deg, Joins joins) {
+BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm, double angle_deg,
+                           Joins joins) {
   if (std::string why = check_stroke(stroke, depth_mm); !why.empty()) return refuse(why);
   if (!blade_can_lean(angle_deg)) return refuse(kBladeAngles);
   if (stroke.size() < 2) return refuse("an incision needs at least two points");
@@ -140,7 +143,8 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     const double depth = depth_mm + wall_extra(c);
     blade = Blade{};
     blade.strip = true;
-    const int rows = add_strip(blade, c, std::span(held).subspan(first, own), std::span(direction).subspan(first, own), depth, closed);
+    const int rows = add_strip(blade, c, std::span(held).subspan(first, own), std::span(direction).subspan(first, own),
+                               depth, closed);
     const size_t per_column = std::min(size_t(rows) * 2, blade.seed.size());
     if (past_start) std::fill_n(blade.seed.begin(), per_column, uint8_t(0));
     if (past_end) std::fill_n(blade.seed.rbegin(), per_column, uint8_t(0));
@@ -165,7 +169,8 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     }
     if (join_at_end >= 0) {
       const StripSide side = own_side(own - 1);
-      add_between(blade, side, wall_side(join_at_end, side.arc + (held[first + own].X - held[first + own - 1].X).norm()), 0, 0);
+      add_between(blade, side,
+                  wall_side(join_at_end, side.arc + (held[first + own].X - held[first + own - 1].X).norm()), 0, 0);
     }
     if (!known.empty()) blade.shared_point.resize(blade.vertex.size(), -1);
     return check_embedded(blade.vertex, blade.tri).empty();
@@ -182,9 +187,12 @@ BladeResult build_incision(const BladeContext& c, std::span<const ChartPoint> st
     leans.assign(leans.size(), lean);
     embedded = try_all();
   }
-  if (!embedded && (join_at_start >= 0 || join_at_end >= 0)) return build_incision(c, stroke, depth_mm, angle_deg, Joins::none);
+  if (!embedded && (join_at_start >= 0 || join_at_end >= 0))
+    return build_incision(c, stroke, depth_mm, angle_deg, Joins::none);
   if (!embedded)
-    return {.blade = {}, .reason = "the blade would run through itself; expected a straighter path or less depth", .folds = true};
+    return {.blade = {},
+            .reason = "the blade would run through itself; expected a straighter path or less depth",
+            .folds = true};
   if (why = fits_grid(c, blade); !why.empty()) return refuse(why);
   return {std::move(blade), {}};
 }

@@ -26,7 +26,8 @@ inline constexpr double kSheetSpacing = 2.0;
 /// Where on the rest skin is this chart point? (Body::chart; sim/geometry answers it.) Empty when it is off the skin.
 using SkinQuery = std::function<std::optional<SkinHit>(const ChartPoint&)>;
 
-/// The deformation gradient of the tissue under a point of the rest skin, as it lies now. The angle between blade and skin is
+/// The deformation gradient of the tissue under a point of the rest skin, as it lies now. The angle between blade and
+/// skin is
 /// held in that state and pulled back (pull_back.h); depths always count layers of tissue at rest.
 using GradientQuery = std::function<Mat3(const SkinHit&)>;
 
@@ -47,7 +48,8 @@ struct BladeContext {
 
 /// A strip under a polyline. angle_deg is measured between blade and skin in the plane across the path; below 90 the
 /// blade leans so that its edge lies to the right of the path (seen from outside, walking along it).
-/// A path whose last point equals its first (within 0.1 mm) is a closed loop without floor. An end that lies within kSnap
+/// A path whose last point equals its first (within 0.1 mm) is a closed loop without floor. An end that lies within
+/// kSnap
 /// of the open end of an earlier stroke's wall goes on from there and shares its edge, where `joins` lets it.
 /// One blade for a path that does not cross itself; for any stroke see stroke_plan.h.
 enum class Joins : uint8_t { any, at_end, none };

@@ -10,8 +10,8 @@ namespace limberg {
 
 namespace {
 
-constexpr double kRow = 2.5;          // new rows are not higher
-constexpr double kAlong = 0.9;  // cosine between a stroke and the wall that it runs along
+constexpr double kRow = 2.5;            // new rows are not higher
+constexpr double kAlong = 0.9;          // cosine between a stroke and the wall that it runs along
 constexpr double kDoublesBack = -0.96;  // cosine: a stroke that leaves an end by turning back along its wall
 
 }  // namespace
@@ -30,7 +30,8 @@ StripSide side_of_wall(Blade& blade, const BladeContext& c, const WallColumn& co
   for (const WallPoint& p : column.point) {
     if (p.level < from - 1e-3) continue;
     // Of two known points around the depth asked the nearer one is the foot: no point may lie between known ones.
-    if (!side.level.empty() && (last >= to - kSameDepth || (p.level > to + kSameDepth && p.level - to > to - last))) break;
+    if (!side.level.empty() && (last >= to - kSameDepth || (p.level > to + kSameDepth && p.level - to > to - last)))
+      break;
     last = p.level;
     const auto it = std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.first == p.point; });
     if (it != known.end()) {
@@ -48,7 +49,8 @@ StripSide side_of_wall(Blade& blade, const BladeContext& c, const WallColumn& co
   const int rows = std::max(1, int(std::ceil((to - last) / kRow)));
   for (int r = 1; r <= rows; ++r) {
     const double level = last + (to - last) * r / rows;
-    const auto it = r == 1 ? std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.first == name; }) : known.end();
+    const auto it =
+        r == 1 ? std::find_if(known.begin(), known.end(), [&](const auto& k) { return k.first == name; }) : known.end();
     if (it != known.end()) {
       for (int q = 0; q < rows; ++q) {
         side.vertex.push_back(it->second + q);
@@ -169,7 +171,8 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
       std::array<StripSide, 2> side;
       for (size_t k = 0; k < 2; ++k) {
         const int32_t column = t.column[k];
-        side[k] = side_of_wall(blade, c, walls.columns()[size_t(column)], level_at(column, t.front[k]), foot[size_t(column)], known);
+        side[k] = side_of_wall(blade, c, walls.columns()[size_t(column)], level_at(column, t.front[k]),
+                               foot[size_t(column)], known);
         side[k].arc = kSpacing * column;  // the same for the strips on both sides of a column
       }
       add_between(blade, side[0], side[1], 0, 3);
@@ -183,7 +186,8 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
   const OwnWalls own(c, clear_of);
   const auto is_sound = [&](const Blade& b) { return check_embedded(b.vertex, b.tri).empty() && !own.met_by(b); };
   if (!is_sound(blade)) {
-    // Columns that lean towards each other meet at some depth: there it stays shallower. Strip by strip, as deep as goes.
+    // Columns that lean towards each other meet at some depth: there it stays shallower. Strip by strip, as deep as
+    // goes.
     std::vector<int32_t> fitting;
     std::vector<uint8_t> placed(walls.columns().size(), 0);
     const auto fits = [&] {
@@ -213,7 +217,9 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
     blade = assemble(fitting);
     shallower = "at a sharp corner it stays shallower: there it would run through itself";
     if (blade.tri.empty())
-      return {.blade = {}, .reason = "the deeper blade would run through itself; expected less depth or a straighter path", .folds = true};
+      return {.blade = {},
+              .reason = "the deeper blade would run through itself; expected less depth or a straighter path",
+              .folds = true};
   }
   if (std::string why = fits_grid(c, blade); !why.empty()) return refuse(why);
   return {std::move(blade), std::move(shallower)};

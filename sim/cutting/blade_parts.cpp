@@ -7,7 +7,7 @@ namespace limberg {
 
 namespace {
 
-constexpr double kRowHeight = 2.5;  // along the blade's depth
+constexpr double kRowHeight = 2.5;    // along the blade's depth
 constexpr double kLegTurn = 0.43;     // radians, 25 degrees: what turns less is a curve,
 constexpr double kLegStraight = 2.0;  // and so is what turns again within so many mm
 constexpr double kLegBend = 0.27;     // by more than 15 degrees in all

@@ -34,16 +34,22 @@ std::string columns_at(const BladeContext& context, std::span<const Vec2> path, 
 std::vector<Column> stiffened(std::span<const Column> columns, double share);
 inline constexpr std::array<double, 3> kStiffness{0, 0.6, 1};  // tried in turn
 
-/// Per segment of the path (from column i to i + 1): how far the blade leans to the right, per mm of depth. `lean` itself where
-/// the tissue lies as at rest; else what comes of it there, evened out over 3 mm of nearly straight path, because cells are
+/// Per segment of the path (from column i to i + 1): how far the blade leans to the right, per mm of depth. `lean`
+/// itself where
+/// the tissue lies as at rest; else what comes of it there, evened out over 3 mm of nearly straight path, because cells
+/// are
 /// as large.
-std::vector<double> leans_at_rest(const BladeContext& context, std::span<const Vec2> path, std::span<const Column> columns,
-                                  double lean, bool closed);
+std::vector<double> leans_at_rest(const BladeContext& context, std::span<const Vec2> path,
+                                  std::span<const Column> columns, double lean, bool closed);
 
-/// The first corner of a path, behind `after` along it, into which a blade leans so far that it would run through itself there: its
-/// place along the path, or -1. The stroke is made in legs, each with its own lean to its end: one goes kEndClearance past the
-/// corner, the next begins on its wall there and crosses it down to its own foot, kLegStep higher, in one line that begins at the
-/// skin: so no bridge is left between them, and what of it lies beyond that line, the corner's bisector, is not cut. A corner
+/// The first corner of a path, behind `after` along it, into which a blade leans so far that it would run through
+/// itself there: its
+/// place along the path, or -1. The stroke is made in legs, each with its own lean to its end: one goes kEndClearance
+/// past the
+/// corner, the next begins on its wall there and crosses it down to its own foot, kLegStep higher, in one line that
+/// begins at the
+/// skin: so no bridge is left between them, and what of it lies beyond that line, the corner's bisector, is not cut. A
+/// corner
 /// nearer than kLeastLeg to an end is none.
 double leg_end(std::span<const Vec2> path, double lean, double depth_mm, double after = 0);
 /// The path up to there, and past the corner.

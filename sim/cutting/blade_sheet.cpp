@@ -22,13 +22,14 @@ constexpr double kBeforeEnd = 0.5;    // from the free end of a wall, where a sh
 constexpr double kSheetBeyond =
     1.0;  // and is then widened so far past its wall (walls reach deeper, so nothing else is cut)
 
-constexpr double kOnWound = 0.6;        // a hand that follows a cut stays this near to it
-constexpr double kLeastOnWound = 5.0;   // ... for at least so long; what crosses it at 15 degrees or more stays for less
+constexpr double kOnWound = 0.6;       // a hand that follows a cut stays this near to it
+constexpr double kLeastOnWound = 5.0;  // ... for at least so long; what crosses it at 15 degrees or more stays for less
 constexpr double kStep = 0.5;
 
 using Covered = std::function<bool(const Vec2&)>;  // is there an earlier pocket at the sheet's depth?
 
-/// How far an edge a-b must move along `out` to reach well into a pocket whose rim lies beside it: 0 when there is none.
+/// How far an edge a-b must move along `out` to reach well into a pocket whose rim lies beside it: 0 when there is
+/// none.
 double shift_into_pocket(const Covered& covered, const Vec2& a, const Vec2& b, const Vec2& out) {
   const int samples = std::max(3, int((b - a).norm()));
   int near = 0;
@@ -51,7 +52,8 @@ double shift_into_pocket(const Covered& covered, const Vec2& a, const Vec2& b, c
   return near * 5 < samples * 3 ? 0 : shift;
 }
 
-/// An outline whose edges that run along a cut for a part of their length only have corners where that part begins and ends: a
+/// An outline whose edges that run along a cut for a part of their length only have corners where that part begins and
+/// ends: a
 /// border in the plane of a wall would meet it here and miss it there, and leave bridges.
 std::vector<Vec2> divided_at_wounds(const WoundMap& wounds, std::span<const Vec2> p) {
   std::vector<Vec2> out;
@@ -79,7 +81,8 @@ std::vector<Vec2> divided_at_wounds(const WoundMap& wounds, std::span<const Vec2
   return out;
 }
 
-/// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls, and those
+/// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls, and
+/// those
 /// that run along the rim of an earlier pocket into it. Tells for every edge of the result whether it lies past a wall.
 std::vector<Vec2> widen(const WoundMap& wounds, const Covered& covered, std::span<const Vec2> p, double beyond,
                         std::vector<uint8_t>& along) {
@@ -122,7 +125,8 @@ std::vector<Vec2> widen(const WoundMap& wounds, const Covered& covered, std::spa
       edge_along.push_back(along[i]);
       continue;
     }
-    // A border that leaves a wall where walls meet (a flap's tip) passes that place on the outside: exactly through it, the
+    // A border that leaves a wall where walls meet (a flap's tip) passes that place on the outside: exactly through it,
+    // the
     // sheet would part the tip at some places and leave bridges at others.
     const bool at_tip = along[h] != along[i] && wounds.nearest(p[i]).distance <= kSnap;
     const double before = at_tip && !along[h] ? std::max(shift[h], kCornerPast) : shift[h];
@@ -158,7 +162,8 @@ BladeResult build_undermining(const BladeContext& c, std::span<const ChartPoint>
   if (c.arrangement) {
     const WoundMap wounds(c);
     path = divided_at_wounds(wounds, path);
-    std::vector<Vec2> wider = widen(wounds, [&](const Vec2& p) { return pocket_height(p).has_value(); }, path, kSheetBeyond, along);
+    std::vector<Vec2> wider = widen(
+        wounds, [&](const Vec2& p) { return pocket_height(p).has_value(); }, path, kSheetBeyond, along);
     if (meets_itself(wider, true))
       along.assign(path.size(), 0);
     else

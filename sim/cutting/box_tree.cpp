@@ -105,7 +105,8 @@ struct BoxTree::Builder {
       }
       all = k == 0 ? b : box_around(all, b);
       Node& n = node[size_t(at)];
-      for (size_t i = 0; i < 3; ++i) n.lo[i][k] = steps.rounded(b.lo[int(i)], i), n.hi[i][k] = steps.rounded(b.hi[int(i)], i);
+      for (size_t i = 0; i < 3; ++i)
+        n.lo[i][k] = steps.rounded(b.lo[int(i)], i), n.hi[i][k] = steps.rounded(b.hi[int(i)], i);
       n.child[k] = child;
     }
     return all;
@@ -114,7 +115,12 @@ struct BoxTree::Builder {
 
 BoxTree::BoxTree(std::span<const std::array<Int3, 3>> triangle) {
   if (triangle.empty()) return;
-  Builder b{triangle, {}, node_, steps_, std::vector<uint32_t>(triangle.size() + 1), std::vector<uint32_t>(triangle.size() + 1)};
+  Builder b{triangle,
+            {},
+            node_,
+            steps_,
+            std::vector<uint32_t>(triangle.size() + 1),
+            std::vector<uint32_t>(triangle.size() + 1)};
   b.item.reserve(triangle.size());
   IntBox& all = steps_.all;
   for (size_t t = 0; t < triangle.size(); ++t) {

@@ -2,8 +2,10 @@
 // A box tree over integer triangles that never change: what a blade may meet.
 //
 // Four boxes stand in a node, of further nodes or of single triangles, so that one look at one cache line serves
-// four of them and a triangle is told apart without being read. Coordinates are half-units. A node keeps its boxes in steps
-// of a power of two, 2^16 of them for the whole tree, rounded outwards: a query may find a triangle that lies beside it by
+// four of them and a triangle is told apart without being read. Coordinates are half-units. A node keeps its boxes in
+// steps
+// of a power of two, 2^16 of them for the whole tree, rounded outwards: a query may find a triangle that lies beside it
+// by
 // less than a step, and misses none. The planes of a SlantBox have room for their rounding.
 #include <algorithm>
 #include <array>
@@ -48,17 +50,19 @@ struct SlantBox {
   IntBox box;
   std::array<float, 3> normal{};
   float lo = 0, hi = 0;  // twice normal . x of the planes, with room for rounding (kRoom)
-  /// Of the sums of three products of numbers below 2^22 (two corners of a box) with parts of a unit vector, all in `float`.
+  /// Of the sums of three products of numbers below 2^22 (two corners of a box) with parts of a unit vector, all in
+  /// `float`.
   static constexpr float kRoom = 4;
 };
 
-/// Up to eight boxes that follow each other in a list, looked at together: neighbours in the list of a blade's triangles
+/// Up to eight boxes that follow each other in a list, looked at together: neighbours in the list of a blade's
+/// triangles
 /// are mostly neighbours in space, so one walk down a tree serves them all.
 struct BoxGroup {
   static constexpr size_t kMost = 8;
   size_t first = 0, count = 0;
   IntBox all;
-  using Four [[gnu::vector_size(16)]] = int32_t;       // in one register
+  using Four [[gnu::vector_size(16)]] = int32_t;      // in one register
   std::array<std::array<Four, kMost / 4>, 3> lo, hi;  // [axis][four members]
 
   /// The group that begins at `start`: it ends where it would grow large beside its members.
@@ -99,7 +103,8 @@ class BoxTree {
 
   bool empty() const { return node_.empty(); }
 
-  /// Calls visit(triangle) or visit(triangle, its box, rounded outwards) for every triangle whose box, so rounded, meets the given
+  /// Calls visit(triangle) or visit(triangle, its box, rounded outwards) for every triangle whose box, so rounded,
+  /// meets the given
   /// one (of a SlantBox: and comes between its planes, or nearly so), in an order of the tree's own.
   template <class Query, class Visit>
   void box(const Query& query, Visit&& visit) const {
@@ -111,13 +116,15 @@ class BoxTree {
     while (n > 0) {
       const Node& node = node_[size_t(stack[--n])];
       const FourBoxes of = steps_.boxes(node);
-      const Four apart = of.none | (q.hi.x - of.lo[0]) | (of.hi[0] - q.lo.x) | (q.hi.y - of.lo[1]) | (of.hi[1] - q.lo.y) |
-                         (q.hi.z - of.lo[2]) | (of.hi[2] - q.lo.z) | aside(query, of);  // negative: somewhere apart
+      const Four apart = of.none | (q.hi.x - of.lo[0]) | (of.hi[0] - q.lo.x) | (q.hi.y - of.lo[1]) |
+                         (of.hi[1] - q.lo.y) | (q.hi.z - of.lo[2]) | (of.hi[2] - q.lo.z) |
+                         aside(query, of);  // negative: somewhere apart
       if (node.child[0] < 0) {
         for (size_t k = 0; k < 4; ++k) {
           if (apart[k] < 0) continue;
           if constexpr (std::is_invocable_v<Visit, int32_t, const IntBox&>)
-            visit(~node.child[k], IntBox{{of.lo[0][k], of.lo[1][k], of.lo[2][k]}, {of.hi[0][k], of.hi[1][k], of.hi[2][k]}});
+            visit(~node.child[k],
+                  IntBox{{of.lo[0][k], of.lo[1][k], of.lo[2][k]}, {of.hi[0][k], of.hi[1][k], of.hi[2][k]}});
           else
             visit(~node.child[k]);
         }

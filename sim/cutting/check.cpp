@@ -6,7 +6,10 @@
 namespace limberg {
 
 const char* ArrangementStore::wrong_links(int32_t o) const {
-  if (orig[size_t(o)].split < 0) return orig[size_t(o)].whole >= 0 && face[size_t(orig[size_t(o)].whole)].inner != 0 ? "a whole triangle has an inner edge" : nullptr;
+  if (orig[size_t(o)].split < 0)
+    return orig[size_t(o)].whole >= 0 && face[size_t(orig[size_t(o)].whole)].inner != 0
+               ? "a whole triangle has an inner edge"
+               : nullptr;
   const auto faces = faces_of(o);
   const auto junctions = constraints_of(o);
   PlanarSplit split;
@@ -17,26 +20,32 @@ const char* ArrangementStore::wrong_links(int32_t o) const {
       const auto& v = face[size_t(faces[i])].v;
       const int32_t a = v[k], b = v[(k + 1) % 3], n = links[i].neighbour[k];
       const int label = links[i].label[k];
-      if ((face[size_t(faces[i])].inner >> k & 1) != (label == PlanarSplit::kFree)) return "an inner edge is not known as such";
+      if ((face[size_t(faces[i])].inner >> k & 1) != (label == PlanarSplit::kFree))
+        return "an inner edge is not known as such";
       if (n < 0) {
         const auto on_edge = [&](int32_t p) {
           const auto* ends = points.edge_of(p);
           const auto& c = orig[size_t(o)].v;
-          return ends ? edge_of_orig(o, (*ends)[0], (*ends)[1]) == label : p == c[size_t(label)] || p == c[size_t(label + 1) % 3];
+          return ends ? edge_of_orig(o, (*ends)[0], (*ends)[1]) == label
+                      : p == c[size_t(label)] || p == c[size_t(label + 1) % 3];
         };
-        if (label < 0 || label >= PlanarSplit::kJunction || !on_edge(a) || !on_edge(b)) return "a piece at no edge of its triangle has no neighbour";
+        if (label < 0 || label >= PlanarSplit::kJunction || !on_edge(a) || !on_edge(b))
+          return "a piece at no edge of its triangle has no neighbour";
         continue;
       }
       const auto& w = face[size_t(faces[size_t(n)])].v;
       size_t m = 0;
       while (m < 3 && !(w[m] == b && w[(m + 1) % 3] == a)) ++m;
       if (m == 3) return "a piece's neighbour has not their edge";
-      if (links[size_t(n)].neighbour[m] != int32_t(i) || links[size_t(n)].label[m] != label) return "two pieces disagree about their edge";
+      if (links[size_t(n)].neighbour[m] != int32_t(i) || links[size_t(n)].label[m] != label)
+        return "two pieces disagree about their edge";
       if (label >= 0 && label < PlanarSplit::kJunction) return "an edge of the triangle between two of its pieces";
       if (label < 0) {
-        if (face[size_t(faces[i])].mat != face[size_t(faces[size_t(n)])].mat) return "material ends at an edge that is no junction";
+        if (face[size_t(faces[i])].mat != face[size_t(faces[size_t(n)])].mat)
+          return "material ends at an edge that is no junction";
         for (int side = 0; side < 2; ++side)
-          if (face[size_t(faces[i])].has_side(side) && mate[size_t(faces[i])][size_t(3 * side) + k] != sided_half_edge(sided_face(faces[size_t(n)], side), int(m)))
+          if (face[size_t(faces[i])].has_side(side) && mate[size_t(faces[i])][size_t(3 * side) + k] !=
+                                                           sided_half_edge(sided_face(faces[size_t(n)], side), int(m)))
             return "two pieces are not glued at their edge";
         continue;
       }

@@ -1,6 +1,7 @@
 // Components of the sided surface.
 //
-// A cut divides faces and adds walls; almost always the surface stays in one piece. That is seen from what is new alone:
+// A cut divides faces and adds walls; almost always the surface stays in one piece. That is seen from what is new
+// alone:
 // whatever of the old surface a path led through, the path can be led through the new sided faces instead, for every
 // broken link now ends at one of them. So if the new sided faces hang together, or are found to by searches that start
 // from all their groups at once and go outwards in turns, the component is what it was, with other faces. When a search

@@ -164,7 +164,9 @@ CutBuilder::Outcome CutBuilder::divide() {
     }
     size_t in_the_end = junctions.size();
     for (size_t i = t.first; i < t.first + t.count; ++i) in_the_end += segment_[i].count - 1;
-    if (in_the_end > PlanarSplit::kMostJunctions) return fail(refused, text("more than %zu cut lines would cross in one triangle of the body", PlanarSplit::kMostJunctions));
+    if (in_the_end > PlanarSplit::kMostJunctions)
+      return fail(refused,
+                  text("more than %zu cut lines would cross in one triangle of the body", PlanarSplit::kMostJunctions));
     for (size_t i = t.first; i < t.first + t.count; ++i)
       for (const Mark& m : marks(segment_[i]))
         if (!split.insert(m.point, m.label))
@@ -174,8 +176,7 @@ CutBuilder::Outcome CutBuilder::divide() {
       const auto along = marks(seg);
       for (size_t j = 0; j + 1 < along.size(); ++j) {
         const int32_t a = along[j].point, b = along[j + 1].point;
-        if (!split.enforce(a, b, seg.s))
-          return fail(coincidence, "a cut line runs along a junction of earlier cuts");
+        if (!split.enforce(a, b, seg.s)) return fail(coincidence, "a cut line runs along a junction of earlier cuts");
         const auto [piece, k] = split.enforced();
         if (piece < 0) continue;  // no material
         const auto& here = split.pieces()[size_t(piece)];
@@ -226,9 +227,12 @@ CutBuilder::Outcome CutBuilder::divide_blade() {
     const size_t begin = next;
     barrier_first_.push_back(begin);
     while (next < barrier_.size() && barrier_[next].s == s) ++next;
-    if (next - begin > PlanarSplit::kMostJunctions) return fail(refused, text("one triangle of the blade would be crossed by more than %zu lines", PlanarSplit::kMostJunctions));
+    if (next - begin > PlanarSplit::kMostJunctions)
+      return fail(refused, text("one triangle of the blade would be crossed by more than %zu lines",
+                                PlanarSplit::kMostJunctions));
     for (size_t j = begin; j < next; ++j)
-      for (const auto& [p, k] : {std::pair(barrier_[j].a, barrier_[j].label_a), std::pair(barrier_[j].b, barrier_[j].label_b)})
+      for (const auto& [p, k] :
+           {std::pair(barrier_[j].a, barrier_[j].label_a), std::pair(barrier_[j].b, barrier_[j].label_b)})
         if (k == PlanarSplit::kFree && !split.insert(p, PlanarSplit::kFree))
           return fail(coincidence, "two cut lines meet on the blade");
     for (size_t j = begin; j < next; ++j)

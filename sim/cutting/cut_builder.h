@@ -14,7 +14,8 @@
 
 namespace limberg {
 
-/// Blade::shared_point without the points at which no wall is left to continue: where an earlier blade ran out of the body,
+/// Blade::shared_point without the points at which no wall is left to continue: where an earlier blade ran out of the
+/// body,
 /// say. Such a point may be redrawn like any other.
 std::vector<int32_t> live_shared_points(const ArrangementStore& store, const Blade& blade);
 

@@ -13,7 +13,8 @@ CutBuilder::Outcome CutBuilder::divide_finally(uint32_t touched, const NeededPoi
   // From the state before the cut, with the needed sub-edges only: tissue that is not cut keeps no scar. Points on
   // borders and junctions that others need go in too, so that all faces around such an edge are divided alike.
   const auto needed = [&](int32_t a, int32_t b) {
-    return std::binary_search(room_.needed.begin(), room_.needed.end(), CutScratch::NeededEdge{touched, std::min(a, b), std::max(a, b)});
+    return std::binary_search(room_.needed.begin(), room_.needed.end(),
+                              CutScratch::NeededEdge{touched, std::min(a, b), std::max(a, b)});
   };
   Touched& t = touched_[touched];
   PlanarSplit& split = room_.split;
@@ -53,7 +54,8 @@ void CutBuilder::glue_inside(std::span<const int32_t> face, std::span<const Plan
       const size_t n = size_t(std::max(p.neighbour[k], 0));
       const int32_t across = 6 * face[n] + int32_t(pieces[n].edge_towards(int32_t(i)));
       const int inner = p.label[k] == PlanarSplit::kFree;
-      for (size_t side = 0; side < 2; ++side) glued[3 * side + k] = (across + 3 * int32_t(side)) | ((inner & p.mat >> side) - 1);  // or -1
+      for (size_t side = 0; side < 2; ++side)
+        glued[3 * side + k] = (across + 3 * int32_t(side)) | ((inner & p.mat >> side) - 1);  // or -1
       beside_new |= inner & !pieces[n].old;
     }
     if (!p.old) {
@@ -113,7 +115,8 @@ void CutBuilder::write_division(int32_t o, Divisions& from, size_t which) {
     }
     store_.division_face.push_back(f);
     PieceLinks& link = store_.division_link.emplace_back();
-    for (size_t k = 0; k < 3; ++k) link[k] = p.neighbour[k] - (p.label[k] & p.neighbour[k] >> 31);  // ~label where that is -1
+    for (size_t k = 0; k < 3; ++k)
+      link[k] = p.neighbour[k] - (p.label[k] & p.neighbour[k] >> 31);  // ~label where that is -1
     orig.live += store_.face[size_t(f)].live();
   }
   glue_inside(std::span(store_.division_face).subspan(d.first_face), pieces);
@@ -167,7 +170,8 @@ CutBuilder::Outcome CutBuilder::commit(CutResult& result) {
     t.in_part = t.changes && t.needed < t.sub_edges;  // else the division that there is is the final one
   }
   for (const Barrier& b : barrier_)
-    if (b.needed && touched_[b.touched].in_part) room_.needed.push_back({b.touched, std::min(b.a, b.b), std::max(b.a, b.b)});
+    if (b.needed && touched_[b.touched].in_part)
+      room_.needed.push_back({b.touched, std::min(b.a, b.b), std::max(b.a, b.b)});
   std::sort(room_.needed.begin(), room_.needed.end());
   for (size_t i = 0; i < touched_.size(); ++i)
     if (touched_[i].in_part && divide_finally(uint32_t(i), needed_points) != ok)

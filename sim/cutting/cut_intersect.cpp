@@ -21,7 +21,8 @@ void CutBuilder::find_near() {
       __builtin_prefetch(at + sizeof(OrigTri) - 1);
       room_.hit.push_back({o, uint32_t(room_.group.size() - 1), members});
     };
-    const SlantBox around = slant_box(group.all, std::span(room_.triangle).subspan(i, group.count), std::span(room_.plane).subspan(i, group.count));
+    const SlantBox around = slant_box(group.all, std::span(room_.triangle).subspan(i, group.count),
+                                      std::span(room_.plane).subspan(i, group.count));
     store_.body_near(around, note);
     store_.blades_near(around, note);
   }
@@ -61,7 +62,8 @@ CutBuilder::Outcome CutBuilder::intersect() {
       }
   }
   // By existing triangle, then by blade triangle: they come by blade triangle.
-  radix_sort(segment_, room_.segment_room, bits_of(uint64_t(first_orig_)), [](const Segment& s) { return uint64_t(s.f); });
+  radix_sort(segment_, room_.segment_room, bits_of(uint64_t(first_orig_)),
+             [](const Segment& s) { return uint64_t(s.f); });
   return ok;
 }
 
@@ -86,7 +88,8 @@ CutBuilder::Outcome CutBuilder::intersect_with(int32_t s, const IntTriangle& ts,
   for (const CrossingEnd& e : c.end) {
     const auto& v = (e.edge_of_s ? ts : tf).id;
     const int32_t a = v[size_t(e.edge)], b = v[size_t(e.edge + 1) % 3];
-    const int32_t point = e.edge_of_s ? store_.points.line_plane(a, b, f, plane_f) : store_.points.line_plane(a, b, s, plane_s);
+    const int32_t point =
+        e.edge_of_s ? store_.points.line_plane(a, b, f, plane_f) : store_.points.line_plane(a, b, s, plane_s);
     mark_.push_back({point, e.edge_of_s ? PlanarSplit::kFree : int16_t(e.edge)});
   }
   return ok;

@@ -1,5 +1,6 @@
 #pragma once
-// Working space of a cut. It stays with the arrangement from cut to cut, so that a cut asks the heap for little more than
+// Working space of a cut. It stays with the arrangement from cut to cut, so that a cut asks the heap for little more
+// than
 // what it leaves behind. Nothing in it means anything between two tries.
 #include <vector>
 
@@ -60,9 +61,9 @@ struct CutScratch {
   std::vector<Plane> plane;
   std::vector<IntBox> box;
   std::vector<Hit> hit;
-  std::vector<BoxGroup> group;  // of blade triangles
-  std::vector<Near> near;                            // of one group
-  std::array<std::vector<uint32_t>, BoxGroup::kMost> chosen;       // of those, by each blade triangle of the group
+  std::vector<BoxGroup> group;                                // of blade triangles
+  std::vector<Near> near;                                     // of one group
+  std::array<std::vector<uint32_t>, BoxGroup::kMost> chosen;  // of those, by each blade triangle of the group
   std::vector<Segment> segment, segment_room;
   std::vector<Mark> mark, between;
   // divide

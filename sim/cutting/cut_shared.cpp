@@ -32,9 +32,8 @@ CutBuilder::Outcome CutBuilder::take_shared_edges() {
     chain.erase(std::unique(chain.begin(), chain.end()), chain.end());
     int axis = 0;
     (store_.points.approx(hi) - store_.points.approx(lo)).cwiseAbs().maxCoeff(&axis);
-    sort_by_signs(chain.begin(), chain.end(), [&](int32_t a, int32_t b) {
-      return store_.points.order(axis, a, b) < 0;
-    });
+    sort_by_signs(chain.begin(), chain.end(),
+                  [&](int32_t a, int32_t b) { return store_.points.order(axis, a, b) < 0; });
     for (int32_t p : chain)
       if (p != lo && p != hi) edge_point_.push_back({lo, hi, p});
     for (size_t i = 0; i + 1 < chain.size(); ++i)
@@ -58,7 +57,8 @@ std::vector<int32_t> live_shared_points(const ArrangementStore& store, const Bla
       for (int32_t p : store.face[size_t(f)].v) {
         const auto* ends = store.points.edge_of(p);
         if (!ends && is_shared(p)) live.push_back(p);
-        if (ends && is_shared((*ends)[0]) && is_shared((*ends)[1])) live.push_back((*ends)[0]), live.push_back((*ends)[1]);
+        if (ends && is_shared((*ends)[0]) && is_shared((*ends)[1]))
+          live.push_back((*ends)[0]), live.push_back((*ends)[1]);
       }
     }
   }

@@ -11,14 +11,16 @@ void Divisions::keep(const PlanarSplit& split) {
 }
 
 size_t Divisions::of_piece(size_t piece) const {
-  return size_t(std::upper_bound(end_.begin(), end_.end(), piece, [](size_t p, const End& e) { return p < e.piece; }) - end_.begin());
+  return size_t(std::upper_bound(end_.begin(), end_.end(), piece, [](size_t p, const End& e) { return p < e.piece; }) -
+                end_.begin());
 }
 
 void Divisions::forget_dead_junctions(size_t i) {
   const auto piece = pieces(i);
   for (PlanarSplit::Piece& p : piece)
     for (size_t k = 0; k < 3; ++k)
-      if (p.label[k] >= PlanarSplit::kJunction && p.mat == 0 && piece[size_t(p.neighbour[k])].mat == 0) p.label[k] = PlanarSplit::kFree;
+      if (p.label[k] >= PlanarSplit::kJunction && p.mat == 0 && piece[size_t(p.neighbour[k])].mat == 0)
+        p.label[k] = PlanarSplit::kFree;
 }
 
 void Divisions::number_junctions(size_t i, std::vector<Constraint>& numbered) {

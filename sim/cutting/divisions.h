@@ -1,5 +1,6 @@
 #pragma once
-// Finished divisions of triangles, one behind the other in memory: a cut makes hundreds, and reads each again once or twice.
+// Finished divisions of triangles, one behind the other in memory: a cut makes hundreds, and reads each again once or
+// twice.
 #include "sim/cutting/planar_split.h"
 
 namespace limberg {
@@ -16,7 +17,9 @@ class Divisions {
   size_t first_piece(size_t i) const { return i == 0 ? 0 : end_[i - 1].piece; }
   /// Whose piece that is.
   size_t of_piece(size_t piece) const;
-  std::span<PlanarSplit::Piece> pieces(size_t i) { return std::span(piece_).subspan(first_piece(i), end_[i].piece - first_piece(i)); }
+  std::span<PlanarSplit::Piece> pieces(size_t i) {
+    return std::span(piece_).subspan(first_piece(i), end_[i].piece - first_piece(i));
+  }
   /// By label, from PlanarSplit::kJunction on.
   std::span<const Constraint> junctions(size_t i) const {
     const size_t first = i == 0 ? 0 : end_[i - 1].junction;
@@ -25,7 +28,8 @@ class Divisions {
 
   /// A junction with no material on either side is an ordinary edge again.
   void forget_dead_junctions(size_t i);
-  /// The junctions as the store keeps them: one per sub-edge, in the order of the pieces, which are labelled anew to match.
+  /// The junctions as the store keeps them: one per sub-edge, in the order of the pieces, which are labelled anew to
+  /// match.
   void number_junctions(size_t i, std::vector<Constraint>& numbered);
 
  private:

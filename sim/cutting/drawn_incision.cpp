@@ -19,13 +19,16 @@ constexpr double kBeforeLeg = 2.0;  // mm: so much of a leg is left for its last
 constexpr double kFold = 0.7;       // of a quad's length: how far its edge may run back
 constexpr int kAsideUnits = 64;     // of the even grid: 8 micrometres
 
-/// A vertex is moved a little, by its place alone: so a stroke hits the body's own vertices and edges hardly ever, and the
+/// A vertex is moved a little, by its place alone: so a stroke hits the body's own vertices and edges hardly ever, and
+/// the
 /// redrawing of a piece that does, which another division of the path would not see, is rare.
 Int3 aside(Int3 p) {
   Hash64 h;
   h.add(p.x), h.add(p.y), h.add(p.z);
   const uint64_t r = h.value();
-  const auto shift = [&](int bits) { return 2 * (int32_t((r >> bits & 0xfffff) % (2 * kAsideUnits + 1)) - kAsideUnits); };
+  const auto shift = [&](int bits) {
+    return 2 * (int32_t((r >> bits & 0xfffff) % (2 * kAsideUnits + 1)) - kAsideUnits);
+  };
   return {p.x + shift(0), p.y + shift(21), p.z + shift(42)};
 }
 
@@ -54,9 +57,11 @@ double DrawnIncision::lean() const {
 }
 
 /// Columns on every corner of the path and every kSpacing between; no quad is shorter than kLeast unless an edge is.
-/// A column depends on what lies before it and less than a hold after it. `corner_arc`: corners at which the blade turns
+/// A column depends on what lies before it and less than a hold after it. `corner_arc`: corners at which the blade
+/// turns
 /// upright, those before the path going in and those of the path coming out.
-std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> path, double arc, std::vector<double>& corner_arc) const {
+std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> path, double arc,
+                                                        std::vector<double>& corner_arc) const {
   std::vector<Place> out{{path[0], arc, 1}};
   double way = 0, leg = leg_end(path, lean(), depth_), back_before = 0;
   for (size_t i = 1; i < path.size(); ++i) {
@@ -86,7 +91,8 @@ std::vector<DrawnIncision::Place> DrawnIncision::places(std::span<const Vec2> pa
   }
   const double reach = 3 * (depth_ + kMargin) * std::abs(lean()), ahead = std::min(reach, kHold - 0.1);
   for (Place& p : out)
-    for (const double c : corner_arc) p.share = std::min(p.share, p.arc < c ? (c - p.arc) / ahead : (p.arc - c) / reach);
+    for (const double c : corner_arc)
+      p.share = std::min(p.share, p.arc < c ? (c - p.arc) / ahead : (p.arc - c) / reach);
   return out;
 }
 
@@ -161,7 +167,8 @@ size_t DrawnIncision::uncrossed(std::span<const Place> place, size_t first, size
 
 BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
   if (finished_) return {};
-  if (!begin(c, last)) return last ? refuse("nothing of the stroke lies on uncut skin, or it is shorter than 1 mm") : BladeResult{};
+  if (!begin(c, last))
+    return last ? refuse("nothing of the stroke lies on uncut skin, or it is shorter than 1 mm") : BladeResult{};
   // Where the stroke leans into a sharp corner the leg ends, as soon as that is settled.
   std::vector<Vec2> path = path_;
   double leg = leg_end(path_, lean(), depth_);
@@ -210,10 +217,11 @@ BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
       place.resize(hold);
       place.insert(place.end(), rest.begin(), rest.end());
     }
-    // A quad that is pushed through a wall is no seed, and one between two walls' ends has no column of its own: at least
+    // A quad that is pushed through a wall is no seed, and one between two walls' ends has no column of its own: at
+    // least
     // one other is needed.
-    const size_t free_ends = (committed_ == 0 && past_start_) + size_t(past_end) +
-                             (end_wall && committed_ == 0 && start_wall_);
+    const size_t free_ends =
+        (committed_ == 0 && past_start_) + size_t(past_end) + (end_wall && committed_ == 0 && start_wall_);
     while (place.size() >= 2 && place.size() - 1 - first < 1 + free_ends) {
       Place middle;
       middle.at = (place[place.size() - 2].at + place.back().at) / 2;
@@ -249,7 +257,8 @@ BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
         std::vector<Column> held = o.column;
         const std::vector<Column> stiff = stiffened(std::span(o.column).subspan(first), stiffness);
         std::copy(stiff.begin(), stiff.end(), held.begin() + long(first));
-        blade = strip(c, std::span(held).first(count), directions(c, held, upright, first), first, closing, closing && end_wall ? &*end_wall : nullptr);
+        blade = strip(c, std::span(held).first(count), directions(c, held, upright, first), first, closing,
+                      closing && end_wall ? &*end_wall : nullptr);
         embedded = check_embedded(blade.vertex, blade.tri).empty();
       }
     }
@@ -283,8 +292,8 @@ BladeResult DrawnIncision::next(const BladeContext& c, bool last) {
 }
 
 /// Into the tissue, per column from `first` on: leaning to the right of the path, mitred at corners.
-std::vector<Vec3> DrawnIncision::directions(const BladeContext& c, std::span<const Column> column, std::span<const Place> place,
-                                            size_t first) const {
+std::vector<Vec3> DrawnIncision::directions(const BladeContext& c, std::span<const Column> column,
+                                            std::span<const Place> place, size_t first) const {
   const size_t n = column.size();
   // The tissue's state is looked at 4.5 mm around: that of the whole path would cost more with every piece.
   size_t from = first;
@@ -304,16 +313,19 @@ std::vector<Vec3> DrawnIncision::directions(const BladeContext& c, std::span<con
     const Vec3 before = i > 0 ? right_of(i - 1, i, i) : right_of(0, 1, 0);
     const Vec3 after = i + 1 < n ? right_of(i, i + 1, i) : before;
     const double lb = leans[i == 0 ? 0 : i - 1], la = leans[std::min(i, n - 2)];
-    out.push_back(-column[i].normal + (before + after) / std::max(1 + before.dot(after), 0.25) * ((la + lb) / 2 * place[i].share));
+    out.push_back(-column[i].normal +
+                  (before + after) / std::max(1 + before.dot(after), 0.25) * ((la + lb) / 2 * place[i].share));
   }
   return out;
 }
 
-/// Columns x rows of quads, as in add_strip; the first column is that of the committed blade if there is one, the first and
-/// the last may be those of earlier walls. `closing`: the diagonals of the last quads rise towards the blade's end, so that no
+/// Columns x rows of quads, as in add_strip; the first column is that of the committed blade if there is one, the first
+/// and
+/// the last may be those of earlier walls. `closing`: the diagonals of the last quads rise towards the blade's end, so
+/// that no
 /// triangle lies wholly on its free border.
-Blade DrawnIncision::strip(const BladeContext& c, std::span<const Column> column, std::span<const Vec3> direction, size_t first,
-                           bool closing, const WallColumn* end) {
+Blade DrawnIncision::strip(const BladeContext& c, std::span<const Column> column, std::span<const Vec3> direction,
+                           size_t first, bool closing, const WallColumn* end) {
   Blade blade;
   blade.strip = true;
   const double total = depth_ + extra_ + margin_;
@@ -401,7 +413,8 @@ void DrawnIncision::was_nothing(const BladeContext& c) {
     end_point_.clear();
     return;
   }
-  begin_again(offered_.end_at, offered_.end_arc);  // along an earlier cut: what comes next begins on whatever lies before it
+  begin_again(offered_.end_at,
+              offered_.end_arc);  // along an earlier cut: what comes next begins on whatever lies before it
 }
 
 bool DrawnIncision::was_refused() {

@@ -13,9 +13,9 @@ namespace limberg {
 namespace {
 
 constexpr double kSettled = kCorner + double(kWindow) * kStep;  // behind this much more path a sample's kind is final
-constexpr double kLeastWay = 1.0;                            // shorter free ways beside a run are none
-constexpr double kPastStart = 4 * kSnap;                     // an end goes so far past the beginning that it closes on
-constexpr double kStub = 0.05;                               // a crossing so near to an end may miss it at depth
+constexpr double kLeastWay = 1.0;                               // shorter free ways beside a run are none
+constexpr double kPastStart = 4 * kSnap;  // an end goes so far past the beginning that it closes on
+constexpr double kStub = 0.05;            // a crossing so near to an end may miss it at depth
 constexpr double kShortestLoop = 10 * kSnap;
 
 Vec2 point_at(std::span<const Vec2> path, double arc) {
@@ -45,7 +45,8 @@ std::string DrawnStroke::draw(const BladeContext& c, std::span<const ChartPoint>
   return {};
 }
 
-/// A way along a wall begins where kLeastAlong of it are seen, and ends where the wall or the likeness does; until that is
+/// A way along a wall begins where kLeastAlong of it are seen, and ends where the wall or the likeness does; until that
+/// is
 /// clear the free way waits before it.
 DrawnStroke::Stretch DrawnStroke::stretch(const BladeContext& c, const WallMap& walls, bool last) const {
   const double length = length_mm();
@@ -93,7 +94,8 @@ void DrawnStroke::begin_way(const BladeContext& c, double from, bool is_along) {
   if (end >= 0) start_ = walls.columns()[size_t(end)].chart;
 }
 
-/// After a part of a way along a wall could not be cut: half of it is tried next; what is too short for that stays as it is.
+/// After a part of a way along a wall could not be cut: half of it is tried next; what is too short for that stays as
+/// it is.
 /// False: it was all that there is to try now.
 bool DrawnStroke::narrow() {
   const double to = std::min(offered_to_, along_limit_);
@@ -108,7 +110,8 @@ bool DrawnStroke::narrow() {
 
 BladeResult DrawnStroke::deepen(const BladeContext& c, const Stretch& s) {
   offered_to_ = s.to;
-  // Behind a sharp corner a leaning blade runs into what it has cut before the corner, and stays shallower there; an upright one
+  // Behind a sharp corner a leaning blade runs into what it has cut before the corner, and stays shallower there; an
+  // upright one
   // only crosses where the path does.
   const int32_t clear_of = angle_deg_ == 90 || !self_crossings(path_).empty() ? INT32_MAX : operations_before_;
   while (along_from_ < s.to - 1e-9) {
@@ -201,20 +204,23 @@ std::optional<Blade> DrawnStroke::lead_start_through(const BladeContext& c) {
     const Vec2 d = path_[i + 1] - path_[i];
     const double l = d.norm(), t = l > 0 ? std::clamp((start_ - path_[i]).dot(d) / (l * l), 0.0, 1.0) : 0;
     const Vec2 p = path_[i] + t * d;
-    if (arc + t * l > kFarAlong && arc + t * l < reached && (p - start_).norm() <= best) best = (p - start_).norm(), where = arc + t * l, foot = p;
+    if (arc + t * l > kFarAlong && arc + t * l < reached && (p - start_).norm() <= best)
+      best = (p - start_).norm(), where = arc + t * l, foot = p;
     arc += l;
   }
   if (where < 0) return std::nullopt;
   start_is_led_ = true;
   for (const SelfCrossing& x : self_crossings(path_))
-    if (x.first > kStub && x.first < kPastStart && std::abs(x.second - where) < kPastStart) return std::nullopt;  // it crosses there
+    if (x.first > kStub && x.first < kPastStart && std::abs(x.second - where) < kPastStart)
+      return std::nullopt;  // it crosses there
   const WallMap walls(c);
   const WallColumn* column = nullptr;
   for (const WallColumn& k : walls.columns())
     for (const WallPoint& p : k.point)
       if (p.point == free_.start_point() && k.is_end()) column = &k;
   if (!column) return std::nullopt;
-  const Vec2 way = best > kStub ? Vec2((foot - start_).normalized()) : walls.outward(int32_t(column - walls.columns().data()));
+  const Vec2 way =
+      best > kStub ? Vec2((foot - start_).normalized()) : walls.outward(int32_t(column - walls.columns().data()));
   const Vec2 beyond = foot + way * overshoot_of(c);
   Blade blade;
   blade.strip = true;

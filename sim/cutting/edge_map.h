@@ -73,7 +73,8 @@ class EdgeMap {
     ++round_;
   }
   void end_changes() { noting_ = false; }
-  /// Edges touched since begin_changes() that have a face, or had one: by the places where they are, in the order in which these
+  /// Edges touched since begin_changes() that have a face, or had one: by the places where they are, in the order in
+  /// which these
   /// were touched first. What a place holds now counts: an edge that has lost its faces may have left it to another.
   std::span<const uint32_t> changed() const { return changed_; }
   Edge edge(uint32_t slot) const { return {int32_t(uint32_t(slot_[slot].key)), int32_t(slot_[slot].key >> 32)}; }
@@ -83,17 +84,20 @@ class EdgeMap {
   static constexpr uint64_t kEmpty = ~uint64_t(0);
   struct Slot {
     uint64_t key = kEmpty;
-    int32_t head = -1;     // -1: an edge that has no face any more; its place may be taken by another
-    uint32_t round = 0;    // of changes, in which it was noted last
+    int32_t head = -1;   // -1: an edge that has no face any more; its place may be taken by another
+    uint32_t round = 0;  // of changes, in which it was noted last
   };
   static uint64_t key(int32_t a, int32_t b) {
     if (a < b) std::swap(a, b);
     return uint64_t(uint32_t(a)) << 32 | uint32_t(b);
   }
   /// The places to look at, in order. The first ones lie in a window of 64 slots that belongs to 8 points with
-  /// successive names, and to the edges of which one of these is the later end: what a cut makes lies together, neighbours in
-  /// a mesh mostly do, and what cuts add to the edges of an old point does not crowd its window. A point with very many edges would
-  /// fill its window and its neighbours' too, so after kNear steps the search goes on at a place that is spread over all.
+  /// successive names, and to the edges of which one of these is the later end: what a cut makes lies together,
+  /// neighbours in
+  /// a mesh mostly do, and what cuts add to the edges of an old point does not crowd its window. A point with very many
+  /// edges would
+  /// fill its window and its neighbours' too, so after kNear steps the search goes on at a place that is spread over
+  /// all.
   struct Search {
     size_t at, mask;
     uint64_t mixed;

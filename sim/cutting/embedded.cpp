@@ -32,10 +32,13 @@ std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tr
   return check_embedded(triangle, plane, box);
 }
 
-std::string check_embedded(std::span<const IntTriangle> triangle, std::span<const Plane> plane, std::span<const IntBox> box) {
+std::string check_embedded(std::span<const IntTriangle> triangle, std::span<const Plane> plane,
+                           std::span<const IntBox> box) {
   for (const Plane& p : plane)
     if (p.n[0] == 0 && p.n[1] == 0 && p.n[2] == 0) return "the blade has a triangle without area";
-  const auto meet = [&](size_t i, size_t j) { return meet_beyond_shared(triangle[i], plane[i], triangle[j], plane[j]); };
+  const auto meet = [&](size_t i, size_t j) {
+    return meet_beyond_shared(triangle[i], plane[i], triangle[j], plane[j]);
+  };
   constexpr const char* kThroughItself = "the blade runs through itself";
   std::vector<BoxGroup> group;
   for (size_t i = 0; i < triangle.size(); i = group.back().end()) group.emplace_back(box, i);

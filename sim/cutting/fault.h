@@ -24,10 +24,10 @@ struct SignWatcher {
 struct FaultPlan {
   enum Kind : uint8_t { count, zero, thrown };
   Kind kind = count;
-  int64_t at = -1;           // number of the call that goes wrong, from 0
-  int64_t until = -1;        // zero: the first call that is right again
-  int64_t calls = 0;         // so far
-  int64_t struck = 0;        // calls that were made to go wrong
+  int64_t at = -1;              // number of the call that goes wrong, from 0
+  int64_t until = -1;           // zero: the first call that is right again
+  int64_t calls = 0;            // so far
+  int64_t struck = 0;           // calls that were made to go wrong
   bool skip_embedding = false;  // takes blades that run through themselves
   SignWatcher* watch = nullptr;
 

@@ -51,7 +51,8 @@ const char* ArrangementStore::glue_edge(int32_t a, int32_t b, int32_t h0, Delta*
     if (delta && f < delta->faces) delta->mate.push_back({sided_half_edge(sided_face(f, side), k), m});
     m = value;
   };
-  // Faces i and i + 1 bound a sector. As data: the half-edge's face and place in it, its counter-clockwise side, material bits.
+  // Faces i and i + 1 bound a sector. As data: the half-edge's face and place in it, its counter-clockwise side,
+  // material bits.
   struct Around {
     int32_t face;
     int k, ccw_side;

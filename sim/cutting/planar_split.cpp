@@ -50,7 +50,9 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
     p.v = f.v, p.mat = f.mat, p.old = true;
     for (size_t k = 0; k < 3; ++k) {
       p.neighbour[k] = std::max(links[i][k], -1);
-      p.label[k] = links[i][k] < 0 ? int16_t(~links[i][k]) : f.inner >> k & 1 ? kFree : kJunction;  // which one comes next
+      p.label[k] = links[i][k] < 0    ? int16_t(~links[i][k])
+                   : f.inner >> k & 1 ? kFree
+                                      : kJunction;  // which one comes next
     }
   }
   thread_local std::vector<EdgeOf> room;
@@ -62,7 +64,8 @@ void PlanarSplit::open(const ArrangementStore& store, int32_t o) {
   }
 }
 
-std::span<const PlanarSplit::EdgeOf> PlanarSplit::list_junctions(std::span<const Piece> piece, std::vector<EdgeOf>& room) {
+std::span<const PlanarSplit::EdgeOf> PlanarSplit::list_junctions(std::span<const Piece> piece,
+                                                                 std::vector<EdgeOf>& room) {
   if (room.size() < 3 * piece.size() + 1) room.resize(3 * piece.size() + 1);
   size_t n = 0;
   for (size_t i = 0; i < piece.size(); ++i)
@@ -77,8 +80,7 @@ bool PlanarSplit::strictly_between(int32_t a, int32_t p, int32_t b) const {
   // The three are collinear: compare along the axis in which a and b differ most.
   const int axis = points_->longest_axis(a, b);
   const int ab = points_->order(axis, a, b);
-  return ab != 0 && points_->order(axis, a, p) == ab &&
-         points_->order(axis, p, b) == ab;
+  return ab != 0 && points_->order(axis, a, p) == ab && points_->order(axis, p, b) == ab;
 }
 
 bool PlanarSplit::insert(int32_t point, int16_t label) {
@@ -95,14 +97,16 @@ bool PlanarSplit::insert(int32_t point, int16_t label) {
       }
     return false;
   }
-  // Walk across edges that have the point on their other side; bounded, because among implicit points a walk may circle.
+  // Walk across edges that have the point on their other side; bounded, because among implicit points a walk may
+  // circle.
   std::array<int, 3> side{};
   int32_t t = std::min(last_, int32_t(piece_.size()) - 1), from = -1;
   for (size_t steps = 0; steps < piece_.size(); ++steps) {
     const Piece& p = piece_[size_t(t)];
     int out = -1;
     for (int k = 0; k < 3 && out < 0; ++k) {
-      side[size_t(k)] = from >= 0 && p.neighbour[size_t(k)] == from ? 1 : orient(p.v[size_t(k)], p.v[size_t(next3(k))], point);
+      side[size_t(k)] =
+          from >= 0 && p.neighbour[size_t(k)] == from ? 1 : orient(p.v[size_t(k)], p.v[size_t(next3(k))], point);
       if (side[size_t(k)] < 0) out = k;
     }
     if (out < 0) return insert_into(t, side, point);
@@ -226,7 +230,8 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     around.push_back({int32_t(i), c});
   }
   if (around.empty()) return spares_;  // a lies where nothing can be cut
-  // Turns that are zero by construction, which no filter could tell: what was just enforced with the same partner lies on the
+  // Turns that are zero by construction, which no filter could tell: what was just enforced with the same partner lies
+  // on the
   // line of a-b, and so do edges of one label or of one partner with each other.
   const auto turn_to = [&](int32_t c) {
     for (size_t j = junction_.size(); j-- > 0 && junction_[j].partner == partner;)
@@ -234,7 +239,9 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
     return orient(a, b, c);
   };
   const auto on_one_line = [&](int16_t l, int16_t m) {
-    return l != kFree && (l == m || (l >= kJunction && m >= kJunction && junction_[size_t(l - kJunction)].partner == junction_[size_t(m - kJunction)].partner));
+    return l != kFree &&
+           (l == m || (l >= kJunction && m >= kJunction &&
+                       junction_[size_t(l - kJunction)].partner == junction_[size_t(m - kJunction)].partner));
   };
   // The pieces that a-b passes through, from the one at a whose opposite edge it crosses.
   thread_local std::vector<int32_t> corridor;
@@ -245,7 +252,8 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
   int k = 0;
   for (size_t i = 0; i < around.size() && t < 0; ++i) {
     const auto [at, c] = around[i];
-    if (turn_to(piece_[at].v[size_t(next3(c))]) < 0 && turn_to(piece_[at].v[size_t(prev3(c))]) > 0) t = at, k = next3(c);
+    if (turn_to(piece_[at].v[size_t(next3(c))]) < 0 && turn_to(piece_[at].v[size_t(prev3(c))]) > 0)
+      t = at, k = next3(c);
   }
   if (t < 0) return false;  // a point exactly ahead on the line: a coincidence
   if (spared(t)) return true;
@@ -277,7 +285,8 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
       const int e = (at[1] == u) + 2 * (at[2] == u);
       if (at[size_t(e)] == u && at[size_t(next3(e))] == v) t = c, k = e;
     };
-    for (size_t i = done - 1; i < std::min(done + 1, corridor.size()) && t < 0; ++i) look_at(corridor[i]);  // where it mostly still is
+    for (size_t i = done - 1; i < std::min(done + 1, corridor.size()) && t < 0; ++i)
+      look_at(corridor[i]);  // where it mostly still is
     for (size_t i = 0; i < corridor.size() && t < 0; ++i) look_at(corridor[i]);
     if (t < 0) {
       crossing.push_back({v, u});  // the same edge, named from its other side after a flip
@@ -292,7 +301,8 @@ bool PlanarSplit::enforce(int32_t a, int32_t b, int32_t partner) {
       return finish(t, 1);
     }
     const auto &its = piece_[t].label, &across = piece_[n].label;
-    const bool flat = on_one_line(its[size_t(prev3(k))], across[size_t(next3(m))]) || on_one_line(its[size_t(next3(k))], across[size_t(prev3(m))]);
+    const bool flat = on_one_line(its[size_t(prev3(k))], across[size_t(next3(m))]) ||
+                      on_one_line(its[size_t(next3(k))], across[size_t(prev3(m))]);
     if (flat || orient(u, q, p) <= 0 || orient(q, v, p) <= 0) {
       crossing.push_back({u, v});
       continue;

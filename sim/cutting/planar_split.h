@@ -3,7 +3,8 @@
 //
 // Every point that goes in is known to lie inside, on an edge of the original triangle, or on a junction, from what it
 // is made of; nothing is ever decided "nearly". Edges carry labels: kFree may be flipped (both sides then hold the same
-// material), 0..2 lies on that edge of the original triangle, kJunction + i is junction i. Pieces of an existing triangle
+// material), 0..2 lies on that edge of the original triangle, kJunction + i is junction i. Pieces of an existing
+// triangle
 // that hold no material stay as they are: nothing can be cut there.
 #include <span>
 #include <string>
@@ -32,7 +33,8 @@ class PlanarSplit {
   struct EdgeOf {
     int32_t piece = 0, k = 0;
   };
-  /// Edges labelled as junctions, each from its lower side, in the order in which the store keeps them. They stand in `room`.
+  /// Edges labelled as junctions, each from its lower side, in the order in which the store keeps them. They stand in
+  /// `room`.
   static std::span<const EdgeOf> list_junctions(std::span<const Piece> piece, std::vector<EdgeOf>& room);
 
   /// Opens the current division of an existing original triangle.
@@ -44,8 +46,10 @@ class PlanarSplit {
   /// Inserts a point that lies on the chain of edges with this label (kFree: strictly inside). No effect when it is
   /// there already, or where there is no material. False: it is not where it was said to be, a coincidence.
   bool insert(int32_t point, int16_t label);
-  /// Makes a-b an edge and labels it as a new junction with `partner`. All with one partner lie on one line; those that follow
-  /// each other are enforced one after the other along it. No effect where there is no material. False: it would cross a
+  /// Makes a-b an edge and labels it as a new junction with `partner`. All with one partner lie on one line; those that
+  /// follow
+  /// each other are enforced one after the other along it. No effect where there is no material. False: it would cross
+  /// a
   /// junction or meet a point.
   bool enforce(int32_t a, int32_t b, int32_t partner);
 

@@ -104,7 +104,8 @@ void PointStore::settle() {
   if (from == implicit_.size()) return;
   residue_.resize(implicit_.size());
   const auto residues_of = [&](const auto& form, uint64_t own) {  // of x / w, when 1 / w is known
-    return Residues{mod_mul(mod_prime(form.x[0]), own), mod_mul(mod_prime(form.x[1]), own), mod_mul(mod_prime(form.x[2]), own)};
+    return Residues{mod_mul(mod_prime(form.x[0]), own), mod_mul(mod_prime(form.x[1]), own),
+                    mod_mul(mod_prime(form.x[2]), own)};
   };
   uint64_t product = 1;
   for (size_t i = from; i < implicit_.size(); ++i) {
@@ -119,7 +120,8 @@ void PointStore::settle() {
     const uint64_t own = w != 0 ? mod_mul(inverse, before) : 0;
     if (w != 0) inverse = mod_mul(inverse, w);
     const auto form = size_t(implicit_[i].form);
-    residue_[i] = implicit_[i].is_line_plane() ? residues_of(line_plane_[form], own) : residues_of(three_planes_[form], own);
+    residue_[i] =
+        implicit_[i].is_line_plane() ? residues_of(line_plane_[form], own) : residues_of(three_planes_[form], own);
   }
 }
 

@@ -52,7 +52,8 @@ class PointStore {
     const Vec3* approx = &approx_[size_t(i)];
     if (implicit_of_[size_t(i)] < 0) return {approx};
     const Implicit& p = implicit_[size_t(implicit_of_[size_t(i)])];
-    return p.is_line_plane() ? PointRef{approx, &line_plane_[size_t(p.form)]} : PointRef{approx, nullptr, &three_planes_[size_t(p.form)]};
+    return p.is_line_plane() ? PointRef{approx, &line_plane_[size_t(p.form)]}
+                             : PointRef{approx, nullptr, &three_planes_[size_t(p.form)]};
   }
   PointKey key(int32_t i) const { return implicit_of_[i] < 0 ? PointKey{} : implicit_[implicit_of_[i]].key; }
   /// For an intersection of an edge: the ends of that edge, ascending; else null.
@@ -83,7 +84,9 @@ class PointStore {
     if (fault->watch) fault->watch->side(plane, ref(p), s);
     return fault->strikes() ? 0 : s;
   }
-  int turn(const Plane& plane, int32_t a, int32_t b, int32_t c) const { return turn(plane, Projection(plane), a, b, c); }
+  int turn(const Plane& plane, int32_t a, int32_t b, int32_t c) const {
+    return turn(plane, Projection(plane), a, b, c);
+  }
   /// For those who ask often about one plane: `view` is its projection.
   int turn(const Plane& plane, const Projection& view, int32_t a, int32_t b, int32_t c) const {
     int s = filtered_orient2d(view, approx_[size_t(a)], approx_[size_t(b)], approx_[size_t(c)]);
@@ -140,13 +143,14 @@ class PointStore {
   std::vector<Implicit> implicit_;
   std::vector<NarrowHomogeneous> line_plane_;
   std::vector<Homogeneous> three_planes_;
-  std::vector<Residues> residue_;     // of the implicit points that settle() has seen
+  std::vector<Residues> residue_;  // of the implicit points that settle() has seen
   struct Entry {
     uint32_t tag = 0;
     int32_t index = -1;  // of implicit_; -1: empty
   };
-  std::vector<Entry> table_;  // open addressing by key. Points leave in reverse order of coming, so a place that is emptied
-                              // never lies inside another's search
+  std::vector<Entry>
+      table_;  // open addressing by key. Points leave in reverse order of coming, so a place that is emptied
+               // never lies inside another's search
 };
 
 }  // namespace limberg

@@ -9,10 +9,11 @@ namespace limberg {
 
 namespace {
 
-// Both well beyond the jitter of 0.008. The sheet crosses the old one at kBelow / (kAbove + kBelow) of a mesh width from
+// Both well beyond the jitter of 0.008. The sheet crosses the old one at kBelow / (kAbove + kBelow) of a mesh width
+// from
 // where it is below: near there.
 constexpr double kAbove = 0.2, kBelow = 0.05;
-constexpr double kParallel = 0.85;              // cosine between wall and sheet
+constexpr double kParallel = 0.85;  // cosine between wall and sheet
 
 }  // namespace
 

@@ -4,7 +4,8 @@
 
 namespace limberg {
 
-/// Sorts by `before`. A test may make a predicate fail, so that the signs contradict each other: then the order is any, but all stays
+/// Sorts by `before`. A test may make a predicate fail, so that the signs contradict each other: then the order is any,
+/// but all stays
 /// within bounds (std::sort reads beyond the ends of its range if a comparison changes its mind).
 template <class It, class Before>
 void sort_by_signs(It first, It last, Before&& before) {

@@ -33,8 +33,10 @@ struct Components {
   std::vector<int128> volume;         // 6 V in half-units^3, times 2^20
 };
 
-/// How a face lies among the others of its original triangle: across each edge the face there, by its place in the division, or
-/// ~e where it lies on edge e of the triangle. Edges between two faces are inner ones (Face::inner) or junctions: these come
+/// How a face lies among the others of its original triangle: across each edge the face there, by its place in the
+/// division, or
+/// ~e where it lies on edge e of the triangle. Edges between two faces are inner ones (Face::inner) or junctions: these
+/// come
 /// in the order of the division's constraints when faces and their edges are gone through and each is counted once.
 using PieceLinks = std::array<int32_t, 3>;
 
@@ -43,10 +45,10 @@ struct Delta {
   LastOperation::Kind kind = LastOperation::none;
   int32_t points = 0, faces = 0, origs = 0, divisions = 0, ops = 0;  // array lengths before
   size_t division_faces = 0, division_constraints = 0;
-  Forest forest;                                                     // before
-  std::vector<int32_t> retired;                                      // faces retired
-  std::vector<std::pair<int32_t, uint8_t>> mat;                      // face, bits before (excision)
-  std::vector<std::pair<int32_t, int32_t>> mate;                     // sided half-edge, mate before; in order of change
+  Forest forest;                                  // before
+  std::vector<int32_t> retired;                   // faces retired
+  std::vector<std::pair<int32_t, uint8_t>> mat;   // face, bits before (excision)
+  std::vector<std::pair<int32_t, int32_t>> mate;  // sided half-edge, mate before; in order of change
   struct OrigBefore {
     int32_t orig = 0, live = 0, whole = 0, split = 0;
     std::optional<Division> division;  // of a triangle that was divided before
@@ -64,18 +66,18 @@ struct ArrangementStore {
   std::vector<std::array<int32_t, 6>> mate;  // per face: [3 * side + k]
   std::vector<OrigTri> orig;
   std::vector<Division> division;
-  std::vector<int32_t> division_face;            // of all divisions, earlier ones included: undo goes back to them
-  std::vector<PieceLinks> division_link;         // of each of them
+  std::vector<int32_t> division_face;     // of all divisions, earlier ones included: undo goes back to them
+  std::vector<PieceLinks> division_link;  // of each of them
   std::vector<Constraint> division_constraint;
   EdgeMap edges;
   std::vector<OpRecord> op;
-  Forest forest;  // of blades
+  Forest forest;                // of blades
   std::vector<SurfaceTag> tag;  // per body triangle
   std::vector<Delta> history;
   LastOperation last;
   std::shared_ptr<CutScratch> scratch;  // working space of cuts (cut_scratch.h), of no meaning between them
-  uint64_t hash_sum = 0;        // sum of face_hash over live faces
-  uint64_t volume_residue = 0;  // 6 V modulo kPrime
+  uint64_t hash_sum = 0;                // sum of face_hash over live faces
+  uint64_t volume_residue = 0;          // 6 V modulo kPrime
 
   // Found when asked for, then kept up to date from cut to cut where that is possible (components.cpp).
   mutable bool components_known = false;
@@ -130,7 +132,8 @@ struct ArrangementStore {
   void account(int32_t f, bool in);
   /// Its part in the running sums alone.
   void account_sums(int32_t f, bool in);
-  /// Sets the mates of every live face at the edge a-b by the radial rule; old ones of faces older than `delta` go to it. Returns a
+  /// Sets the mates of every live face at the edge a-b by the radial rule; old ones of faces older than `delta` go to
+  /// it. Returns a
   /// description of the contradiction if there is one, else null.
   const char* glue_edge(int32_t a, int32_t b, Delta* delta) { return glue_edge(a, b, edges.first(a, b), delta); }
   /// The same where the first half-edge at a-b is known.
@@ -138,7 +141,8 @@ struct ArrangementStore {
 
   // components.cpp
   void find_components() const;
-  /// After a cut: when every component that it went through is still one piece, brings them up to date at the cost of what
+  /// After a cut: when every component that it went through is still one piece, brings them up to date at the cost of
+  /// what
   /// has changed. Else they are found afresh when next asked for.
   void update_components(Delta& delta);
 

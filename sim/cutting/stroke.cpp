@@ -78,7 +78,8 @@ Vec2 heading_at_start(std::span<const Vec2> path, double over) {
 }
 
 std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a, const Vec2& b) {
-  // What meets has boxes that meet, which needs no rounding. (Of two parts of one line the determinant is rounding alone, and
+  // What meets has boxes that meet, which needs no rounding. (Of two parts of one line the determinant is rounding
+  // alone, and
   // its quotients may be anything.)
   for (int k = 0; k < 2; ++k)
     if (std::max(p[k], q[k]) < std::min(a[k], b[k]) || std::max(a[k], b[k]) < std::min(p[k], q[k])) return std::nullopt;
@@ -137,7 +138,8 @@ std::vector<SelfCrossing> self_crossings(std::span<const Vec2> path) {
 std::vector<Vec2> without_curls(std::vector<Vec2> path) {
   for (;;) {
     const auto crossings = self_crossings(path);
-    const auto curl = std::find_if(crossings.begin(), crossings.end(), [](const SelfCrossing& x) { return x.second - x.first < kCurl; });
+    const auto curl = std::find_if(crossings.begin(), crossings.end(),
+                                   [](const SelfCrossing& x) { return x.second - x.first < kCurl; });
     if (curl == crossings.end()) return path;
     std::vector<Vec2> rest = part_of(path, 0, curl->first);
     const std::vector<Vec2> after = part_of(path, curl->second, path_length(path));
@@ -156,7 +158,8 @@ std::vector<Vec2> clear_of_start(std::vector<Vec2> path) {
   Vec2 way = Vec2::Zero();
   for (size_t i = 0; i + 1 < path.size(); ++i) {
     const Vec2 d = path[i + 1] - path[i];
-    const double l = d.norm(), t = l > 0 ? std::clamp((start - path[i]).dot(d) / (l * l), 0.0, 1.0) : 0, at = arc + t * l;
+    const double l = d.norm(), t = l > 0 ? std::clamp((start - path[i]).dot(d) / (l * l), 0.0, 1.0) : 0,
+                 at = arc + t * l;
     const double distance = (path[i] + t * d - start).norm();
     if (at > kFarAlong && at + kBend <= length && distance <= best) best = distance, where = at, way = d / l;
     arc += l;

@@ -32,7 +32,8 @@ std::optional<Vec2> meets_itself(std::span<const Vec2> path, bool closed);
 /// Divides every segment into equal parts of at most `spacing`; a closed path gets no repeated end.
 std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed);
 
-/// Where a polyline crosses itself: arc lengths of the two passages, by the later one. Neighbouring segments do not count.
+/// Where a polyline crosses itself: arc lengths of the two passages, by the later one. Neighbouring segments do not
+/// count.
 struct SelfCrossing {
   double first = 0, second = 0;
 };
@@ -41,7 +42,8 @@ std::vector<SelfCrossing> self_crossings(std::span<const Vec2> path);
 /// Without the small loops of an unquiet hand.
 std::vector<Vec2> without_curls(std::vector<Vec2> path);
 
-/// Where a path passes its own beginning within 0.25 mm, it is led across its first part, 0.5 mm from there: blades a few
+/// Where a path passes its own beginning within 0.25 mm, it is led across its first part, 0.5 mm from there: blades a
+/// few
 /// micrometres apart would part the tissue at some depths and not at others.
 std::vector<Vec2> clear_of_start(std::vector<Vec2> path);
 

@@ -15,11 +15,11 @@ namespace limberg {
 
 namespace {
 
-constexpr double kLeastPart = 2.0;     // of a stroke that is divided where its blade would fold
-constexpr double kLeastFree = 1.2;     // what is left over between other parts is not a cut of its own
+constexpr double kLeastPart = 2.0;  // of a stroke that is divided where its blade would fold
+constexpr double kLeastFree = 1.2;  // what is left over between other parts is not a cut of its own
 constexpr int kMostDivided = 5;
-constexpr double kLeastShare = 0.2;    // of the depth, where the whole of it would fold
-constexpr int kMostRounds = 4;         // of deepening through sharp corners
+constexpr double kLeastShare = 0.2;  // of the depth, where the whole of it would fold
+constexpr int kMostRounds = 4;       // of deepening through sharp corners
 
 /// A stroke that comes back to its own beginning, as a closed path; else as it was.
 std::vector<Vec2> closed_when_meant(std::vector<Vec2> path) {
@@ -88,7 +88,8 @@ void add_legs(StrokePlan& plan, std::vector<Vec2> path, bool along, double lean)
   plan.piece.push_back({std::move(path), along, on_leg});
 }
 
-/// The sharpest corner of a path that leaves parts of a length on both sides; the middle of what deepens a wall, because
+/// The sharpest corner of a path that leaves parts of a length on both sides; the middle of what deepens a wall,
+/// because
 /// walls cross one another anywhere. 0: nowhere.
 double where_to_divide(const StrokePiece& piece) {
   const double length = path_length(piece.path);
@@ -113,7 +114,8 @@ double where_to_divide(const StrokePiece& piece) {
 
 }  // namespace
 
-StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm, double angle_deg, bool spline) {
+StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke, double depth_mm, double angle_deg,
+                       bool spline) {
   StrokePlan plan;
   plan.depth_mm = depth_mm;
   plan.angle_deg = angle_deg;
@@ -148,7 +150,8 @@ StrokePlan plan_stroke(const BladeContext& c, std::span<const ChartPoint> stroke
   if (!any_along) {
     const bool closed = path.size() > 3 && (path.front() - path.back()).norm() <= 0.1;
     bool start_touches = false;
-    if (simple || (closed ? !meets_itself(std::span(path).first(path.size() - 1), true) : divisions(path, start_touches).empty())) {
+    if (simple || (closed ? !meets_itself(std::span(path).first(path.size() - 1), true)
+                          : divisions(path, start_touches).empty())) {
       if (!closed && leg_end(path, lean, depth_mm) >= 0)
         add_legs(plan, path, false, lean);
       else
@@ -189,7 +192,8 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
     parts.push_back({piece});
     if (piece.along) deepened.push_back(piece);
   }
-  // Where a deepening was cut in parts, or had to stay shallower at a corner, what is left may go now that this is there. A
+  // Where a deepening was cut in parts, or had to stay shallower at a corner, what is left may go now that this is
+  // there. A
   // leaning one may then be led into its own wall and leave a bridge of tissue: what does is taken back.
   const bool upright = std::abs(plan.angle_deg - 90) < 1;
   bool unfinished = false;
@@ -238,7 +242,8 @@ CutResult carry_out(const StrokePlan& plan, const BladeContext& c, const std::fu
         parts.push_front({{part_of(piece.path, 0, at), piece.along, piece.on_leg}, part.divided + 1, 1, part.may_fail});
         continue;
       }
-    if (folds && !piece.along && part.share > kLeastShare) {  // first a shallower cut, then deeper along it where that goes
+    if (folds && !piece.along &&
+        part.share > kLeastShare) {  // first a shallower cut, then deeper along it where that goes
       parts.push_front({piece, part.divided, part.share / 2});
       continue;
     }

@@ -19,8 +19,8 @@ namespace limberg {
 
 struct StrokePiece {
   std::vector<Vec2> path;
-  bool along = false;  // deepens what it runs along
-  bool on_leg = false; // begins on the piece before
+  bool along = false;   // deepens what it runs along
+  bool on_leg = false;  // begins on the piece before
 };
 
 struct StrokePlan {
@@ -33,10 +33,11 @@ struct StrokePlan {
 StrokePlan plan_stroke(const BladeContext& context, std::span<const ChartPoint> path, double depth_mm, double angle_deg,
                        bool spline = false);
 
-/// Makes the cuts of a stroke, all or none. `cut` makes one, `take_back` takes the last that was made back. The status is
+/// Makes the cuts of a stroke, all or none. `cut` makes one, `take_back` takes the last that was made back. The status
+/// is
 /// done if any cut was made; wall_faces and patches are sums, the rest is the last cut's.
-CutResult carry_out(const StrokePlan& plan, const BladeContext& context, const std::function<CutResult(const Blade&)>& cut,
-                    const std::function<void()>& take_back);
+CutResult carry_out(const StrokePlan& plan, const BladeContext& context,
+                    const std::function<CutResult(const Blade&)>& cut, const std::function<void()>& take_back);
 
 /// Both, on an arrangement (context.arrangement is set to it). `cuts` gets how many operations it took: undo that many.
 CutResult incise(Arrangement& arrangement, BladeContext context, std::span<const ChartPoint> path, double depth_mm,

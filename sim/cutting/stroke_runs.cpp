@@ -14,7 +14,8 @@ constexpr double kCosine = 0.9659;  // 15 degrees: still along a wall
 constexpr double kSharp = 0.94;     // cosine: a corner at which a leaning blade may turn upright
 
 /// Would a blade held at this angle lie on that wall, within 15 degrees?
-bool blades_alike(const BladeContext& c, const WallMap& walls, const WallMap::Along& at, const Vec2& p, const Vec2& way, double lean) {
+bool blades_alike(const BladeContext& c, const WallMap& walls, const WallMap::Along& at, const Vec2& p, const Vec2& way,
+                  double lean) {
   const auto k = column_at(c, p);
   if (!k) return false;
   const Vec3 along = (c.body->chart_e1 * way.x() + c.body->chart_e2 * way.y());
@@ -44,7 +45,8 @@ bool AlongSamples::drifts(size_t first, size_t last) const {
   return std::abs(offset[last] - offset[first]) > std::max(0.7 * kSnap, 0.06 * (arc(last) - arc(first)));
 }
 
-AlongSamples samples_along(const BladeContext& c, const WallMap& walls, std::span<const Vec2> path, double lean, double depth_mm) {
+AlongSamples samples_along(const BladeContext& c, const WallMap& walls, std::span<const Vec2> path, double lean,
+                           double depth_mm) {
   AlongSamples s;
   s.length = path_length(path);
   const size_t n = size_t(std::ceil(s.length / kStep)) + 1;
@@ -70,7 +72,8 @@ AlongSamples samples_along(const BladeContext& c, const WallMap& walls, std::spa
     near[i] = 1;
     const Vec2 way = (p[std::min(i + kWindow, n - 1)] - p[i < kWindow ? 0 : i - kWindow]).normalized();
     if (std::abs(way.dot(w.direction)) < kCosine) continue;
-    const bool at_corner = lean != 0 && std::any_of(sharp.begin(), sharp.end(), [&](double a) { return std::abs(a - s.arc(i)) < reach; });
+    const bool at_corner =
+        lean != 0 && std::any_of(sharp.begin(), sharp.end(), [&](double a) { return std::abs(a - s.arc(i)) < reach; });
     for (const double share : {1.0, 0.67, 0.33, 0.0})
       if (!s.along[i] && (share == 1 || at_corner)) s.along[i] = blades_alike(c, walls, w, p[i], way, share * lean);
     s.offset[i] = way.dot(w.direction) > 0 ? w.offset : -w.offset;
@@ -78,7 +81,8 @@ AlongSamples samples_along(const BladeContext& c, const WallMap& walls, std::spa
   for (size_t i = 0, j = 0; i < n; i = j) {
     j = s.block_end(i);
     const double l = double(j - i) * kStep;
-    const bool corner = l <= kCorner && std::all_of(near.begin() + long(i), near.begin() + long(j), [](uint8_t x) { return x != 0; });
+    const bool corner =
+        l <= kCorner && std::all_of(near.begin() + long(i), near.begin() + long(j), [](uint8_t x) { return x != 0; });
     if (!s.along[i] && i > 0 && j < n && (l <= kGap || corner)) {
       std::fill(s.along.begin() + long(i), s.along.begin() + long(j), 1);
       j = s.block_end(i);

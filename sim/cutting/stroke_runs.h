@@ -2,7 +2,8 @@
 // Which parts of a stroke run along earlier walls (and deepen them), and which are free.
 //
 // The path is looked at every kStep. A sample runs along a wall when it lies within kSnap of its line on the skin, the
-// path's direction over 3 mm is within 15 degrees of that line's, and so is the blade of the wall's. Short gaps count as
+// path's direction over 3 mm is within 15 degrees of that line's, and so is the blade of the wall's. Short gaps count
+// as
 // along, and longer ones in which it stays beside walls (corners); short ways along are chance.
 #include <span>
 #include <vector>
@@ -34,8 +35,10 @@ struct AlongSamples {
   /// Did the path pass from one side of the wall to the other between two samples? Then it crosses it at a small angle.
   bool drifts(size_t first, size_t last) const;
 };
-/// Near sharp corners a leaning blade of this depth may have been turned upright (build_incision): there the wall may lean less.
-AlongSamples samples_along(const BladeContext& context, const WallMap& walls, std::span<const Vec2> path, double lean, double depth_mm);
+/// Near sharp corners a leaning blade of this depth may have been turned upright (build_incision): there the wall may
+/// lean less.
+AlongSamples samples_along(const BladeContext& context, const WallMap& walls, std::span<const Vec2> path, double lean,
+                           double depth_mm);
 
 /// All of the path in order; free ways shorter than 1 mm beside a run are left out.
 std::vector<Run> runs_along(const AlongSamples& samples);

@@ -1,6 +1,7 @@
 // The mesh that is read off the gluing: a vertex is an orbit of corners.
 //
-// From nothing, or when something was taken away: triangles stand in the order of their sided faces, vertices in the order
+// From nothing, or when something was taken away: triangles stand in the order of their sided faces, vertices in the
+// order
 // in which the triangles first name them; those of the view before come first, in its order.
 #include "sim/cutting/surface_view.h"
 
@@ -32,7 +33,8 @@ std::array<Eigen::Vector2f, 3> ViewReader::uv(const Face& face) const {
     }
     const Vec3 w = s_.points.approx(p) - a;
     const double beta = w.cross(v).dot(n) / nn, gamma = u.cross(w).dot(n) / nn;
-    out[i] = (t[0].cast<double>() * (1 - beta - gamma) + t[1].cast<double>() * beta + t[2].cast<double>() * gamma).cast<float>();
+    out[i] = (t[0].cast<double>() * (1 - beta - gamma) + t[1].cast<double>() * beta + t[2].cast<double>() * gamma)
+                 .cast<float>();
   }
   return out;
 }
@@ -156,7 +158,8 @@ SurfaceView view_of_all(const ArrangementStore& s, const Arrangement& a, const S
       if (!face.has_side(side)) continue;
       const int32_t sided = sided_face(f, side);
       Tri t{};
-      for (int i = 0; i < 3; ++i) t[size_t(ViewReader::corner_in_view(sided, i))] = by_corner(3 * sided + i, face.v[size_t(i)]);
+      for (int i = 0; i < 3; ++i)
+        t[size_t(ViewReader::corner_in_view(sided, i))] = by_corner(3 * sided + i, face.v[size_t(i)]);
       triangle(t, sided);
       view.uv.push_back(ViewReader::in_view(sided, uv));
       view.kind.push_back(read.kind(face.orig));

@@ -1,12 +1,15 @@
 // The view after a cut, from the view before.
 //
 //   triangles  those of sided faces that are gone leave their numbers to the new ones
-//   vertices   every orbit that has changed has a corner of a new face, so the orbits of these are walked. An orbit keeps a
-//              number when it has all corners that are left to it; else its corners get a new one: first the numbers that
+//   vertices   every orbit that has changed has a corner of a new face, so the orbits of these are walked. An orbit
+//   keeps a
+//              number when it has all corners that are left to it; else its corners get a new one: first the numbers
+//              that
 //              no corner has any more, then further ones
+#include "sim/cutting/surface_view_update.h"
+
 #include <algorithm>
 
-#include "sim/cutting/surface_view_update.h"
 #include "sim/number_set.h"
 
 namespace limberg {
@@ -14,8 +17,15 @@ namespace {
 
 class Follow {
  public:
-  Follow(const ArrangementStore& s, const Arrangement& a, const SurfaceView& before, SurfaceView& view, ViewChange& change)
-      : s_(s), a_(a), read_(s, a), before_(before), view_(view), now_(view), change_(change),
+  Follow(const ArrangementStore& s, const Arrangement& a, const SurfaceView& before, SurfaceView& view,
+         ViewChange& change)
+      : s_(s),
+        a_(a),
+        read_(s, a),
+        before_(before),
+        view_(view),
+        now_(view),
+        change_(change),
         faces_then_(int32_t(before.triangle_of.size() / 2)) {}
 
   bool run(int32_t operations_then) {
@@ -148,7 +158,8 @@ void Follow::find_orbit(int32_t corner) {
 }
 
 bool Follow::number_vertices() {
-  // Who has lost all corners that were there may have been kept by an orbit of new ones only at its own place: no such one.
+  // Who has lost all corners that were there may have been kept by an orbit of new ones only at its own place: no such
+  // one.
   std::sort(freed_.begin(), freed_.end());
   size_t reused = 0, wanted = 0;
   for (const Orbit& o : orbit_) wanted += o.vertex < 0;
@@ -191,7 +202,8 @@ void Follow::rims() {
   for (int32_t sided : fresh_) {
     again(sided);
     for (int k = 0; k < 3; ++k)
-      if (const int32_t m = s_.mate[sided / 2][size_t(3 * (sided % 2) + k)]; m >= 0 && m / 3 < 2 * faces_then_) again(m / 3);
+      if (const int32_t m = s_.mate[sided / 2][size_t(3 * (sided % 2) + k)]; m >= 0 && m / 3 < 2 * faces_then_)
+        again(m / 3);
   }
 }
 

@@ -6,7 +6,8 @@
 
 namespace limberg {
 
-/// How sided faces stand in the view: those on the positive side in the order 0, 2, 1 of their corners (seen from outside
+/// How sided faces stand in the view: those on the positive side in the order 0, 2, 1 of their corners (seen from
+/// outside
 /// the material the stored order runs clockwise).
 class ViewReader {
  public:
@@ -50,7 +51,8 @@ class ViewReader {
   const Arrangement& a_;
 };
 
-/// The view that follows `before` after cuts, at the cost of what they have changed (surface_view_update.cpp). False when
+/// The view that follows `before` after cuts, at the cost of what they have changed (surface_view_update.cpp). False
+/// when
 /// more has gone than come: then numbers would be left without an owner.
 bool follow_view(const ArrangementStore& s, const Arrangement& a, const SurfaceView& before, int32_t operations_then,
                  SurfaceView& view, ViewChange& change);

@@ -169,7 +169,8 @@ SlantBox slant_box(const IntBox& box, std::span<const IntTriangle> triangle, std
 Crossing cross_triangles(const IntTriangle& s, const Plane& plane_s, const IntTriangle& t, const Plane& plane_t) {
   Crossing result;
   std::array<int, 3> ss, st;
-  for (size_t i = 0; i < 3; ++i) st[i] = side_of_plane(plane_s, t.p[i]);  // mostly tells them apart: blades stand upright
+  for (size_t i = 0; i < 3; ++i)
+    st[i] = side_of_plane(plane_s, t.p[i]);  // mostly tells them apart: blades stand upright
   const int ct = classify(st);
   if (ct < 0) return result;
   for (size_t i = 0; i < 3; ++i) ss[i] = side_of_plane(plane_t, s.p[i]);
@@ -226,7 +227,8 @@ Crossing cross_triangles_exactly(const IntTriangle& s, const Plane& plane_s, con
       return result;
     }
     // They meet. If every vertex in the other's plane lies off the other triangle, what is left is in general position.
-    const auto touches = [](const IntTriangle& x, const std::array<int, 3>& side, const IntTriangle& y, const Plane& p) {
+    const auto touches = [](const IntTriangle& x, const std::array<int, 3>& side, const IntTriangle& y,
+                            const Plane& p) {
       int zeros = 0;
       for (size_t i = 0; i < 3; ++i)
         if (side[i] == 0 && (++zeros > 1 || in_closed(projection_axis(p), x.p[i], y.p))) return true;

@@ -12,11 +12,12 @@ WallMap::WallMap(const BladeContext& context, int32_t end) : context_(context) {
   if (!context.arrangement) return;
   const Arrangement& a = *context.arrangement;
   const ArrangementStore& s = a.store();
-  std::map<int32_t, int32_t> column_of;                  // explicit point -> column
-  std::map<std::array<int32_t, 2>, int32_t> strip_of;    // columns ascending -> strip
+  std::map<int32_t, int32_t> column_of;                // explicit point -> column
+  std::map<std::array<int32_t, 2>, int32_t> strip_of;  // columns ascending -> strip
   for (size_t op = 1; op < s.op.size() && int32_t(op) < end; ++op) {
     if (!s.op[op].strip || s.op[op].uv.empty()) continue;
-    const int32_t first = s.op[op].first_orig, last = op + 1 < s.op.size() ? s.op[op + 1].first_orig : int32_t(s.orig.size());
+    const int32_t first = s.op[op].first_orig,
+                  last = op + 1 < s.op.size() ? s.op[op + 1].first_orig : int32_t(s.orig.size());
     // New points by their place along the stroke; a column that holds a known point is the known column.
     std::map<float, std::vector<WallPoint>> by_arc;
     for (int32_t o = first; o < last; ++o)
@@ -104,7 +105,8 @@ int32_t WallMap::open_end_near(const Vec2& p, double reach, double level, int32_
   for (int32_t i = 0; i < int32_t(column_.size()); ++i) {
     const WallColumn& c = column_[size_t(i)];
     const double distance = (c.chart - p).norm();
-    if (!c.is_end() || distance > reach || (best >= 0 && distance >= (column_[size_t(best)].chart - p).norm())) continue;
+    if (!c.is_end() || distance > reach || (best >= 0 && distance >= (column_[size_t(best)].chart - p).norm()))
+      continue;
     bool open = c.point.size() > 1 &&
                 std::none_of(c.point.begin(), c.point.end(), [&](const WallPoint& w) { return w.point == not_point; });
     for (size_t k = 0; k + 1 < c.point.size() && open; ++k) {

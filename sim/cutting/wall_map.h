@@ -21,10 +21,10 @@ struct WallPoint {
 };
 
 struct WallColumn {
-  std::vector<WallPoint> point;                        // by level
-  Vec3 X_mm = Vec3::Zero(), down = -Vec3::UnitZ();     // where it meets the skin; how it goes on, per mm of depth
+  std::vector<WallPoint> point;                     // by level
+  Vec3 X_mm = Vec3::Zero(), down = -Vec3::UnitZ();  // where it meets the skin; how it goes on, per mm of depth
   Vec2 chart = Vec2::Zero();
-  std::array<int32_t, 2> strip{-1, -1};                // one: it is an end
+  std::array<int32_t, 2> strip{-1, -1};  // one: it is an end
   bool is_end() const { return strip[1] < 0; }
 };
 
@@ -37,7 +37,8 @@ struct WallStrip {
 
 class WallMap {
  public:
-  /// Reads the blades of all operations whose blade was a stroke's strip, or of those before number `end` alone. Cost: their
+  /// Reads the blades of all operations whose blade was a stroke's strip, or of those before number `end` alone. Cost:
+  /// their
   /// triangles.
   explicit WallMap(const BladeContext& context, int32_t end = INT32_MAX);
 
@@ -54,8 +55,8 @@ class WallMap {
 
   struct Along {
     int32_t strip = -1;
-    double t = 0;         // 0 at its first column, 1 at its second
-    double offset = 0;    // signed distance, positive to the left of column 0 -> 1
+    double t = 0;       // 0 at its first column, 1 at its second
+    double offset = 0;  // signed distance, positive to the left of column 0 -> 1
     Vec2 direction = Vec2::UnitX();
   };
   /// The strip whose line on the skin is nearest to p; strip -1 when none is within reach.

@@ -52,7 +52,9 @@ FemModel box_model(const BoxSpec& b) {
     return std::fabs(t) < 1 && std::fabs(y) < 0.5 * b.hole_width_mm * (1 - t * t);
   };
   std::vector<int32_t> node(size_t(n.x + 1) * size_t(n.y + 1) * size_t(n.z + 1), -1);
-  auto at = [&](int i, int j, int k) { return (size_t(k) * size_t(n.y + 1) + size_t(j)) * size_t(n.x + 1) + size_t(i); };
+  auto at = [&](int i, int j, int k) {
+    return (size_t(k) * size_t(n.y + 1) + size_t(j)) * size_t(n.x + 1) + size_t(i);
+  };
   std::vector<std::array<int, 3>> kept;
   for (int k = 0; k < n.z; ++k)
     for (int j = 0; j < n.y; ++j)
@@ -127,7 +129,8 @@ FemModel part_cells(const FemModel& before, const std::function<bool(const Vec3&
         n = old, taken[size_t(old)] = 1;
       } else if (n < 0) {
         n = int32_t(m.X_mm.size());
-        m.X_mm.push_back(before.X_mm[size_t(old)]), m.fixed.push_back(before.fixed[size_t(old)]), m.parent.push_back(old);
+        m.X_mm.push_back(before.X_mm[size_t(old)]), m.fixed.push_back(before.fixed[size_t(old)]),
+            m.parent.push_back(old);
       }
       m.cells[c].node[size_t(a)] = n;
     }

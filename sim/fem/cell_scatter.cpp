@@ -2,7 +2,8 @@
 
 namespace limberg::fem {
 
-CellScatter::CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_t node_count, const std::vector<uint8_t>& corners) {
+CellScatter::CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_t node_count,
+                         const std::vector<uint8_t>& corners) {
   const auto used = [&](size_t c) { return corners.empty() ? size_t(8) : size_t(corners[c]); };
   std::vector<int32_t> count(node_count, 0), place(node_count, -1);
   for (size_t c = 0; c < cells.size(); ++c)

@@ -1,5 +1,6 @@
 #pragma once
-// Sums forces of some cells into nodes: each node adds its own, in cell order, so any number of workers gives the same bits.
+// Sums forces of some cells into nodes: each node adds its own, in cell order, so any number of workers gives the same
+// bits.
 #include <array>
 #include <vector>
 
@@ -34,7 +35,8 @@ class CellScatter {
   CellScatter() = default;
   /// Nodes of every cell, corner order of fem_model.h; node_count of the model.
   /// `corners`: how many of a cell's are used, the first ones; empty: all eight.
-  CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_t node_count, const std::vector<uint8_t>& corners = {});
+  CellScatter(const std::vector<std::array<int32_t, 8>>& cells, size_t node_count,
+              const std::vector<uint8_t>& corners = {});
   /// g += the cells' forces; `measure`: the norms to w.
   void add(const std::vector<CellForce>& force, NodeArray& g, bool measure, Workers& workers) const;
 

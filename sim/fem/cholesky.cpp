@@ -48,8 +48,8 @@ ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order) {
 
   cholmod_sparse S = view_of(A);
   std::vector<int32_t> given(order.begin(), order.end());
-  cholmod_factor* L = order.empty() ? cholmod_analyze(&S, &common)
-                                    : cholmod_analyze_p(&S, given.data(), nullptr, 0, &common);
+  cholmod_factor* L =
+      order.empty() ? cholmod_analyze(&S, &common) : cholmod_analyze_p(&S, given.data(), nullptr, 0, &common);
   bool ok = L && cholmod_factorize(&S, L, &common) && common.status == CHOLMOD_OK && L->is_super;
   if (ok) {
     SupernodalView view;
@@ -87,7 +87,8 @@ struct DirectFactor::Impl {
 DirectFactor::DirectFactor(const ScalarMatrix& A, bool supernodal) : impl_(std::make_unique<Impl>()) {
   keep_single_threaded();
   cholmod_common& c = impl_->common;
-  c.supernodal = supernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL, c.final_ll = 1, c.nmethods = 1, c.method[0].ordering = CHOLMOD_METIS, c.postorder = 1;
+  c.supernodal = supernodal ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL, c.final_ll = 1, c.nmethods = 1,
+  c.method[0].ordering = CHOLMOD_METIS, c.postorder = 1;
   cholmod_sparse S = view_of(A);
   impl_->n = A.n();
   impl_->L = cholmod_analyze(&S, &c);
@@ -100,7 +101,8 @@ size_t DirectFactor::numbers() const { return impl_->L->is_super ? impl_->L->xsi
 void DirectFactor::solve(std::span<double> columns) {
   Impl& m = *impl_;
   cholmod_dense b{};
-  b.nrow = b.d = size_t(m.n), b.ncol = 3, b.nzmax = columns.size(), b.x = columns.data(), b.xtype = CHOLMOD_REAL, b.dtype = CHOLMOD_DOUBLE;
+  b.nrow = b.d = size_t(m.n), b.ncol = 3, b.nzmax = columns.size(), b.x = columns.data(), b.xtype = CHOLMOD_REAL,
+  b.dtype = CHOLMOD_DOUBLE;
   cholmod_solve2(CHOLMOD_A, m.L, &b, nullptr, &m.x, nullptr, &m.y, &m.e, &m.common);
   const double* x = static_cast<const double*>(m.x->x);
   std::copy(x, x + columns.size(), columns.begin());

@@ -7,7 +7,8 @@
 namespace limberg::fem {
 namespace {
 
-constexpr int few_layers = 7;  // up to so many, an odd number is not halved: a half-empty layer of blocks would be a large part
+constexpr int few_layers =
+    7;  // up to so many, an odd number is not halved: a half-empty layer of blocks would be a large part
 
 constexpr int32_t floor_div(int32_t a, int32_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
@@ -26,8 +27,8 @@ struct Forest {
 
 /// The coarse corners with a weight at a place: per axis the low one, and the high one unless the place is on the low.
 struct Stance {
-  std::array<int32_t, 3> low;    // block coordinate of the low corner
-  std::array<float, 3> t;        // 0 <= t < 1
+  std::array<int32_t, 3> low;  // block coordinate of the low corner
+  std::array<float, 3> t;      // 0 <= t < 1
   Stance(const std::array<int32_t, 3>& at, const BlockRule& r) {
     for (size_t i = 0; i < 3; ++i) {
       low[i] = floor_div(at[i] - r.origin[i], r.size[i]);
@@ -90,7 +91,8 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
   for (size_t c = 0; c < cells; ++c)
     for (size_t i = 0; i < 3; ++i) {
       block[c][i] = floor_div(fine.cells[c].at[i] - rule.origin[i], rule.size[i]);
-      low[i] = c ? std::min(low[i], block[c][i]) : block[c][i], high[i] = c ? std::max(high[i], block[c][i]) : block[c][i];
+      low[i] = c ? std::min(low[i], block[c][i]) : block[c][i],
+      high[i] = c ? std::max(high[i], block[c][i]) : block[c][i];
     }
   std::array<int64_t, 3> count;
   for (size_t i = 0; i < 3; ++i) count[i] = high[i] - low[i] + 1;
@@ -123,7 +125,8 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
       }
       for (int32_t k = begin[b]; k < begin[b + 1]; ++k) {  // the root is the component's first cell
         const int32_t c = order[size_t(k)], root = forest.root(c);
-        if (root == c) component[size_t(c)] = int32_t(component_block.size()), component_block.push_back(block[size_t(c)]);
+        if (root == c)
+          component[size_t(c)] = int32_t(component_block.size()), component_block.push_back(block[size_t(c)]);
         component[size_t(c)] = component[size_t(root)];
       }
     }
@@ -174,7 +177,8 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
   }
   std::sort(keys.begin(), keys.end());
   out.place.reserve(keys.size());
-  for (size_t k = 0; k < keys.size(); ++k) number[size_t(keys[k].corner)] = int32_t(k), out.place.push_back(keys[k].place);
+  for (size_t k = 0; k < keys.size(); ++k)
+    number[size_t(keys[k].corner)] = int32_t(k), out.place.push_back(keys[k].place);
 
   // The coarse lattice.
   GridLevel& g = out.level;
@@ -231,7 +235,8 @@ void dissect(std::span<const std::array<int32_t, 3>> at, std::span<int32_t> node
   if (nodes.size() <= leaf_nodes) return;
   std::array<int32_t, 3> low = at[size_t(nodes[0])], high = low;
   for (int32_t v : nodes)
-    for (size_t i = 0; i < 3; ++i) low[i] = std::min(low[i], at[size_t(v)][i]), high[i] = std::max(high[i], at[size_t(v)][i]);
+    for (size_t i = 0; i < 3; ++i)
+      low[i] = std::min(low[i], at[size_t(v)][i]), high[i] = std::max(high[i], at[size_t(v)][i]);
   size_t axis = 0;
   for (size_t i = 1; i < 3; ++i)
     if (high[i] - low[i] > high[axis] - low[axis]) axis = i;
@@ -246,7 +251,8 @@ void dissect(std::span<const std::array<int32_t, 3>> at, std::span<int32_t> node
     int32_t inner = middle;
     for (int32_t v : nodes) {
       const int32_t p = at[size_t(v)][axis];
-      if (p != low[axis] && p != high[axis] && (inner == middle || std::abs(p - middle) < std::abs(inner - middle))) inner = p;
+      if (p != low[axis] && p != high[axis] && (inner == middle || std::abs(p - middle) < std::abs(inner - middle)))
+        inner = p;
     }
     if (inner == middle) return;  // two planes only
     middle = inner;

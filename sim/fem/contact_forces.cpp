@@ -24,7 +24,8 @@ const char* ContactForces::fault_of(const FemModel& model, const Contact& c, Ite
   it.k = double(c.k_N_per_mm) * 1000;
   it.soft = double(c.soft_mm);
   it.offset = -double(c.gap_mm);
-  if (!(std::fabs(it.normal.norm() - 1) < 1e-3) || !(it.k > 0) || !std::isfinite(it.k) || !(it.soft >= 0) || !std::isfinite(it.offset))
+  if (!(std::fabs(it.normal.norm() - 1) < 1e-3) || !(it.k > 0) || !std::isfinite(it.k) || !(it.soft >= 0) ||
+      !std::isfinite(it.offset))
     return "a contact has no unit normal, no positive stiffness or no finite gap";
   for (size_t side = 0; side < 2; ++side) {
     const EmbeddedPoint& p = side == 0 ? c.a : c.b;
@@ -32,7 +33,8 @@ const char* ContactForces::fault_of(const FemModel& model, const Contact& c, Ite
     for (float w : p.w) sum += double(w);
     for (size_t i = 0; i < 8; ++i) {
       if (p.w[i] == 0) continue;
-      if (p.node[i] < 0 || size_t(p.node[i]) >= model.X_mm.size()) return "a contact names a node that the model does not have";
+      if (p.node[i] < 0 || size_t(p.node[i]) >= model.X_mm.size())
+        return "a contact names a node that the model does not have";
       const double w = (side == 0 ? 1 : -1) * double(p.w[i]) / sum;
       it.node[8 * side + i] = p.node[i], it.w[8 * side + i] = float(w);
       it.offset += w * it.normal.dot(model.X_mm[size_t(p.node[i])]);
@@ -48,7 +50,8 @@ void ContactForces::set(const FemModel& model, std::span<const Contact> contacts
   std::vector<const char*> fault(energy_.size(), nullptr);  // the first of each chunk
   workers.parallel_for(contacts.size(), kGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i)
-      if (const char* wrong = fault_of(model, contacts[i], item_[i]); wrong && !fault[begin / kGrain]) fault[begin / kGrain] = wrong;
+      if (const char* wrong = fault_of(model, contacts[i], item_[i]); wrong && !fault[begin / kGrain])
+        fault[begin / kGrain] = wrong;
   });
   for (const char* wrong : fault)
     if (wrong) {

@@ -1,9 +1,11 @@
 #pragma once
 // One-sided springs between places of the tissue, s = n.(x_a - x_b) - gap, with the law of contact_law.h.
 //
-// There is no friction: nothing acts across n. Normals and gaps stand still while the minimiser works; whoever finds contacts
+// There is no friction: nothing acts across n. Normals and gaps stand still while the minimiser works; whoever finds
+// contacts
 // turns them between steps. Sums over nodes run in single precision, four numbers at a time; what is summed are
-// displacements, a rounding of some 1e-6 mm. The rest is in double. How far each pair is apart is found in parallel; forces
+// displacements, a rounding of some 1e-6 mm. The rest is in double. How far each pair is apart is found in parallel;
+// forces
 // are handed out in the order of the list, so that no bit depends on the number of workers.
 #include <span>
 #include <vector>
@@ -20,11 +22,13 @@ class ContactForces {
   ContactForces() = default;
   ContactForces(const FemModel& model, std::span<const Contact> contacts);  // on the calling thread
 
-  /// Throws InputError for a node outside the model, a normal that is not of unit length, a stiffness that is not positive
+  /// Throws InputError for a node outside the model, a normal that is not of unit length, a stiffness that is not
+  /// positive
   /// or a negative softness; then there are no contacts.
   void set(const FemModel& model, std::span<const Contact> contacts, Workers& workers);
 
-  /// Adds the forces to g (as a gradient; fixed nodes included) and returns the energy. `measure`: also adds the norm of
+  /// Adds the forces to g (as a gradient; fixed nodes included) and returns the energy. `measure`: also adds the norm
+  /// of
   /// each nodal share to w.
   double add(const NodeArray& u, NodeArray& g, bool measure, Workers& workers);
   double add(const NodeArray& u, NodeArray& g, bool measure);  // on the calling thread
@@ -46,8 +50,8 @@ class ContactForces {
   };
   static const char* fault_of(const FemModel& model, const Contact& c, Item& item);
   std::vector<Item> item_;
-  std::vector<float> force_;     // of the last add, per contact
-  std::vector<double> energy_;   // of it, per chunk
+  std::vector<float> force_;    // of the last add, per contact
+  std::vector<double> energy_;  // of it, per chunk
 };
 
 }  // namespace limberg::fem

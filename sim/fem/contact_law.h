@@ -1,5 +1,6 @@
 #pragma once
-// How hard a contact pushes (fem_model.h, Contact): zero with zero force and zero slope where it begins, so that neither the
+// How hard a contact pushes (fem_model.h, Contact): zero with zero force and zero slope where it begins, so that
+// neither the
 // minimiser nor a pair that comes or goes ever meets a jump.
 
 namespace limberg::fem {

@@ -10,8 +10,10 @@ namespace {
 // Of the bound 2. Measured on the 30 mm pull at 2k, 8k and 30k nodes (2026-11-21), steps to 0.1 mm: 1.5: 26, 29, 40;
 // 1.8: 26, 30, 45; 1.95: 26, 30, 49.
 constexpr float relaxation = 1.5f;
-// Nodes of a coarse level below which its exact factor is the better answer. Measured (2026-11-21), steps to 0.1 mm: at 30k
-// nodes 2 levels 40 and 22 ms to carry over, 3 levels 40 and 15 ms, 4 levels 42; at 8k, 3 levels save 1 ms of 5, but a flap of
+// Nodes of a coarse level below which its exact factor is the better answer. Measured (2026-11-21), steps to 0.1 mm: at
+// 30k
+// nodes 2 levels 40 and 22 ms to carry over, 3 levels 40 and 15 ms, 4 levels 42; at 8k, 3 levels save 1 ms of 5, but a
+// flap of
 // two coarsest cells takes 101 steps instead of 76.
 constexpr int32_t bottom_limit = 3000;
 constexpr size_t most_levels = 4;
@@ -41,8 +43,8 @@ Vec3 lattice_zero(const FemModel& m) {
 
 }  // namespace
 
-std::shared_ptr<const ScalarCycle> ScalarCycle::build(std::shared_ptr<const FemModel> model, std::vector<SpringRow> springs,
-                                                      double mass_per_s2) {
+std::shared_ptr<const ScalarCycle> ScalarCycle::build(std::shared_ptr<const FemModel> model,
+                                                      std::vector<SpringRow> springs, double mass_per_s2) {
   auto c = std::make_shared<ScalarCycle>();
   c->model_ = std::move(model), c->springs_ = std::move(springs), c->mass_per_s2_ = mass_per_s2;
   c->zero_mm_ = lattice_zero(*c->model_);
@@ -50,7 +52,8 @@ std::shared_ptr<const ScalarCycle> ScalarCycle::build(std::shared_ptr<const FemM
   return c;
 }
 
-std::shared_ptr<const ScalarCycle> ScalarCycle::rebuild(const ScalarCycle& before, std::shared_ptr<const FemModel> model,
+std::shared_ptr<const ScalarCycle> ScalarCycle::rebuild(const ScalarCycle& before,
+                                                        std::shared_ptr<const FemModel> model,
                                                         const ParentList& cell_parent, std::vector<SpringRow> springs,
                                                         double mass_per_s2) {
   auto c = std::make_shared<ScalarCycle>();
@@ -83,7 +86,9 @@ void ScalarCycle::make(const ScalarCycle* before, const ParentList& cell_parent)
     level.coarse = coarsen(grid, old ? old->coarse.rule : block_rule(grid));
     NodeChange coarse;
     carried = carried && old && compare_coarse(old->coarse, level.coarse, A, change, coarse);
-    const NodeMatrix* old_coarse = !carried ? nullptr : k + 1 < before->level_.size() ? &before->level_[k + 1].A : &before->bottom_;
+    const NodeMatrix* old_coarse = !carried                        ? nullptr
+                                   : k + 1 < before->level_.size() ? &before->level_[k + 1].A
+                                                                   : &before->bottom_;
     NodeMatrix next = carried ? galerkin(A, level.coarse, *old_coarse, coarse) : galerkin(A, level.coarse);
     if (k == 0) {
       made_.of_coarse_rows = next.rows();
@@ -105,7 +110,8 @@ void ScalarCycle::make(const ScalarCycle* before, const ParentList& cell_parent)
 
 void ScalarCycle::factorize_bottom(std::span<const std::array<int32_t, 3>> at) {
   const std::vector<int32_t> nodes = dissection_order(at);
-  for (double shift = floating_shift; shift < 1; shift *= 30) {  // weights that nothing tells apart: more of the diagonal
+  for (double shift = floating_shift; shift < 1;
+       shift *= 30) {  // weights that nothing tells apart: more of the diagonal
     const ScalarMatrix L = lower_columns(bottom_, shift);
     std::vector<int32_t> order;
     for (int32_t v : nodes)
@@ -170,7 +176,8 @@ bool ScalarCycle::same_matrices(const ScalarCycle& o) const {
   bool same = level_.size() == o.level_.size() && bottom_ == o.bottom_;
   for (size_t k = 0; k < level_.size() && same; ++k)
     same = level_[k].A == o.level_[k].A && level_[k].coarse.rule == o.level_[k].coarse.rule &&
-           level_[k].coarse.prolong == o.level_[k].coarse.prolong && level_[k].coarse.restrict_ == o.level_[k].coarse.restrict_;
+           level_[k].coarse.prolong == o.level_[k].coarse.prolong &&
+           level_[k].coarse.restrict_ == o.level_[k].coarse.restrict_;
   return same;
 }
 

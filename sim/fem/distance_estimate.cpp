@@ -6,8 +6,8 @@
 namespace limberg::fem {
 namespace {
 
-constexpr double scale = 0.9;   // of sqrt(d m)
-constexpr double alone = 4.4;   // of d, when nothing else is known: the median of truth / d was 4.4
+constexpr double scale = 0.9;  // of sqrt(d m)
+constexpr double alone = 4.4;  // of d, when nothing else is known: the median of truth / d was 4.4
 
 double largest_move(const NodeArray& a, const NodeArray& b) {
   float most = 0;

@@ -24,14 +24,16 @@ KernelStencil kernel_stencil(const Stencil& s, const Vec3& cell_mm, bool augment
     f0 += s.slide_kPa * s.volume_mm3 * (Bv * N) * N.transpose();
     f0 -= s.p0_kPa * s.volume_mm3 * (B - Bv) * (Mat3::Identity() - N * N.transpose());
     k.slide = float(s.slide_kPa), k.rest = float(s.p0_kPa), k.rest_lambda = float(effective_bulk_kPa(s, true));
-    for (int i = 0; i < 3; ++i) k.along[i] = float(s.slide_axes(i, 0)), k.across[i] = float(s.slide_axes(i, 1)), k.normal[i] = float(N[i]);
+    for (int i = 0; i < 3; ++i)
+      k.along[i] = float(s.slide_axes(i, 0)), k.across[i] = float(s.slide_axes(i, 1)), k.normal[i] = float(N[i]);
   }
   for (int b = 0; b < 8; ++b)
     for (int a = 0; a < 8; ++a) k.K[8 * b + a] = float(s.K(a, b));
   for (int a = 0; a < 8; ++a)
     for (int i = 0; i < 3; ++i) k.f0[4 * a + i] = float(f0(a, i));
   k.centred = s.sample == Vec3::Constant(0.5) || s.slide_kPa != 0;
-  for (int e = 0; e < 4; ++e) k.bx[e] = float(B(2 * e + 1, 0)), k.by[e] = float(B(2 * (e & 2) + 2 + (e & 1), 1)), k.bz[e] = float(B(4 + e, 2));
+  for (int e = 0; e < 4; ++e)
+    k.bx[e] = float(B(2 * e + 1, 0)), k.by[e] = float(B(2 * (e & 2) + 2 + (e & 1), 1)), k.bz[e] = float(B(4 + e, 2));
   for (int i = 0; i < 3; ++i) k.inv4h[i] = float(1 / (4 * h[i]));
   if (!s.points.empty() && s.points[0].gradients) {  // no box: all its energy is in its points; theta stays 0 here
     k.centred = false;
@@ -122,7 +124,8 @@ void ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier, s
       tile.first_cell = tile.last_cell, tile.first_slot = tile.last_slot;
       numbered = true;
     }
-    if (earlier && int32_t(k) == tile.first_cell && size_t(c) < changed.size()) {  // one of the earlier tiles, as it was?
+    if (earlier && int32_t(k) == tile.first_cell &&
+        size_t(c) < changed.size()) {  // one of the earlier tiles, as it was?
       const int32_t place = earlier->slot_of_cell_[size_t(c)];
       while (next_before < tiles_before.size() && tiles_before[next_before].first_cell < place) ++next_before;
       if (next_before < tiles_before.size() && tiles_before[next_before].first_cell == place && whole[next_before]) {
@@ -140,7 +143,8 @@ void ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier, s
       }
     }
     if (!numbered)
-      for (size_t s = size_t(tile.first_slot); s < data_.slot_node.size(); ++s) local[size_t(data_.slot_node[s])] = int32_t(s);
+      for (size_t s = size_t(tile.first_slot); s < data_.slot_node.size(); ++s)
+        local[size_t(data_.slot_node[s])] = int32_t(s);
     numbered = true;
     const HexCell& from = m.cells[size_t(c)];
     slot_of_cell_[size_t(c)] = int32_t(k);
@@ -148,7 +152,8 @@ void ElementSystem::lay_tiles(const FemModel& m, const ElementSystem* earlier, s
     to.stencil = from.stencil, to.scale = from.scale;
     for (int a = 0; a < 8; ++a) {
       const size_t node = size_t(from.node[size_t(a)]);
-      if (local[node] < tile.first_slot) local[node] = int32_t(data_.slot_node.size()), data_.slot_node.push_back(int32_t(node));
+      if (local[node] < tile.first_slot)
+        local[node] = int32_t(data_.slot_node.size()), data_.slot_node.push_back(int32_t(node));
       to.node[a] = uint16_t(local[node] - tile.first_slot);
     }
     ++k;

@@ -22,8 +22,8 @@ extern const Kernels kernels;
 
 namespace {
 
-constexpr size_t nodes_per_block = 128;   // as in kernels/vectors.cpp
-constexpr size_t blocks_per_chunk = 32;   // 4096 nodes
+constexpr size_t nodes_per_block = 128;  // as in kernels/vectors.cpp
+constexpr size_t blocks_per_chunk = 32;  // 4096 nodes
 
 size_t blocks(size_t nodes) { return (nodes + nodes_per_block - 1) / nodes_per_block; }
 
@@ -55,7 +55,10 @@ const Kernels& default_kernels() {
     const std::string name = wanted;
     if (!k && name != "plain" && name != "avx2" && name != "avx512")
       throw InputError("", 0, "LIMBERG_SIMD or --simd is '" + name + "'; expected plain, avx2 or avx512");
-    if (!k) throw InputError("", 0, "this machine does not have the instructions of '" + name + "'; it has " + available_kernels().back()->name);
+    if (!k)
+      throw InputError(
+          "", 0,
+          "this machine does not have the instructions of '" + name + "'; it has " + available_kernels().back()->name);
     return *k;
   }();
   return chosen;
@@ -72,7 +75,9 @@ double Engine::sum_blocks(size_t nodes, const Body& body) const {
 }
 
 double Engine::dot(const NodeArray& a, const NodeArray& b) const {
-  return sum_blocks(a.size(), [&](size_t first, size_t last, double* s) { kernels_.dot(a.data(), b.data(), a.size(), first, last, s); });
+  return sum_blocks(a.size(), [&](size_t first, size_t last, double* s) {
+    kernels_.dot(a.data(), b.data(), a.size(), first, last, s);
+  });
 }
 
 void Engine::add_scaled(NodeArray& y, double s, const NodeArray& x) const {
@@ -87,8 +92,9 @@ double Engine::add_scaled_dot(NodeArray& y, double s, const NodeArray& x, const 
 }
 
 void Engine::combine(NodeArray& out, const NodeArray& a, double s, const NodeArray& b) const {
-  run(blocks(out.size()), blocks_per_chunk,
-      [&](size_t first, size_t last) { kernels_.combine(out.data(), a.data(), float(s), b.data(), out.size(), first, last); });
+  run(blocks(out.size()), blocks_per_chunk, [&](size_t first, size_t last) {
+    kernels_.combine(out.data(), a.data(), float(s), b.data(), out.size(), first, last);
+  });
 }
 
 void Engine::subtract(NodeArray& out, const NodeArray& a, const NodeArray& b) const {
@@ -104,7 +110,8 @@ void Engine::subtract_outer(NodeArray& y, const float* const* columns, const Nod
 double Engine::max_node(const NodeArray& a) const {
   const size_t n = blocks(a.size());
   if (sums_.size() < n) sums_.resize(n);
-  run(n, blocks_per_chunk, [&](size_t first, size_t last) { kernels_.max_square(a.data(), a.size(), first, last, sums_.data()); });
+  run(n, blocks_per_chunk,
+      [&](size_t first, size_t last) { kernels_.max_square(a.data(), a.size(), first, last, sums_.data()); });
   double m = 0;
   for (size_t i = 0; i < n; ++i) {
     if (sums_[i] != sums_[i]) return sums_[i];

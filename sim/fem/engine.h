@@ -1,7 +1,8 @@
 #pragma once
 // What the float arithmetic runs on: which instructions (kernels/kernels.h) and whose threads (sim/workers.h).
 //
-// Loops are cut into the same chunks and sums are added in the same order whatever the number of workers, so that results
+// Loops are cut into the same chunks and sums are added in the same order whatever the number of workers, so that
+// results
 // have the same bits. Small vectors stay on the calling thread: waking another costs more than they do.
 #include <string>
 #include <vector>
@@ -12,7 +13,8 @@
 
 namespace limberg::fem {
 
-/// The widest set that this machine has, or the one that the environment names: LIMBERG_SIMD=plain|avx2|avx512. Chosen once.
+/// The widest set that this machine has, or the one that the environment names: LIMBERG_SIMD=plain|avx2|avx512. Chosen
+/// once.
 /// Throws InputError for a name that is none of these, or a set that this machine has not.
 const Kernels& default_kernels();
 /// By name; nullptr when this machine, or this build, does not have it.
@@ -22,7 +24,8 @@ std::vector<const Kernels*> available_kernels();
 
 class Engine {
  public:
-  explicit Engine(Workers& workers, const Kernels& kernels = default_kernels()) : workers_(workers), kernels_(kernels) {}
+  explicit Engine(Workers& workers, const Kernels& kernels = default_kernels())
+      : workers_(workers), kernels_(kernels) {}
   const Kernels& kernels() const { return kernels_; }
   Workers& workers() const { return workers_; }
 

@@ -8,23 +8,30 @@
 //   E = scale * [ 1/2 sum_ab K_ab (x_a . x_b)  +  V ( lambda/2 (J_c - 1)^2 - p0 (J_c - 1) ) ]
 //
 //   K_ab = integral over the full cell of mu(X) grad N_a . A(X) grad N_b,  A = F0 F0^T,  F0 the prestretch, det F0 = 1
-//   J_c  = det F at the stencil's sample point, p0 = mean of mu n.A n (n the skin normal). The sample point is the centroid
-//          of mu n.A n: then the pressure balances the layers through the cell, not only on average, a flat prestretched
+//   J_c  = det F at the stencil's sample point, p0 = mean of mu n.A n (n the skin normal). The sample point is the
+//   centroid
+//          of mu n.A n: then the pressure balances the layers through the cell, not only on average, a flat
+//          prestretched
 //          layer rests under a free surface, and a cut through tissue without prestretch stays shut.
 //
 // mu/2 |F F0|^2 is quadratic in x, so K carries layers thinner than a cell, prestretch and full integration
 // (hourglass control included) at no run-time cost; sub-cell quadrature fills it.
-// A cell that layers share (slide > 0) takes J_c at its centre, where it is the cell's mean: what flows out of one layer must
-// flow somewhere. layer_slide.h has what is added there, so that its layers give way to each other along their planes and
+// A cell that layers share (slide > 0) takes J_c at its centre, where it is the cell's mean: what flows out of one
+// layer must
+// flow somewhere. layer_slide.h has what is added there, so that its layers give way to each other along their planes
+// and
 // that their stretch is still that at the sample point.
 // Corner order: bit 0 = +x, bit 1 = +y, bit 2 = +z.
 //
-// Cells of a lattice that is finer in places have a level: their edges are FemModel::cell_mm / 2^level, and so are those of
+// Cells of a lattice that is finer in places have a level: their edges are FemModel::cell_mm / 2^level, and so are
+// those of
 // the stencils they name. Where levels meet (never by more than one, over squares, edges and corners) the nodes of the
 // finer cells that are no corner of the coarser one hang: they are not unknowns but lie where the coarser cell's nodes,
-// their masters, put them. With P from unknowns to all nodes, the minimiser works on E(P x): displacements are spread to
+// their masters, put them. With P from unknowns to all nodes, the minimiser works on E(P x): displacements are spread
+// to
 // the hanging nodes before the cells are visited, forces are gathered from them afterwards (hanging_nodes.h), and the
-// scalar matrix is P^T A P (scalar_matrix.h), so that the metric never meets a hanging node. Displacements, velocities and
+// scalar matrix is P^T A P (scalar_matrix.h), so that the metric never meets a hanging node. Displacements, velocities
+// and
 // reports still have one entry per node, and points may be embedded in hanging ones.
 #include <memory>
 #include <span>
@@ -40,19 +47,23 @@ namespace limberg {
 
 using Mat8 = Eigen::Matrix<double, 8, 8>;
 
-/// A quadrature point of a cell at which a law of its own adds volume_mm3 * W(F M). Laws come beside the quadratic part K
-/// (matrix in K, fibres here) or instead of it (K = 0). M holds prestretch and axes: the law sees F M, so its first axis
+/// A quadrature point of a cell at which a law of its own adds volume_mm3 * W(F M). Laws come beside the quadratic part
+/// K
+/// (matrix in K, fibres here) or instead of it (K = 0). M holds prestretch and axes: the law sees F M, so its first
+/// axis
 /// lies along M e1.
 struct MaterialPoint {
   Vec3 at = Vec3::Constant(0.5);  // in cell units
   double volume_mm3 = 0;
-  int32_t law = 0;                // of FemModel::laws
+  int32_t law = 0;  // of FemModel::laws
   Mat3 M = Mat3::Identity();
-  // Not null: grad N_a (1/mm) at this point, of a cell that is no box of the lattice (shaped_cells.h); `at` is unused then.
+  // Not null: grad N_a (1/mm) at this point, of a cell that is no box of the lattice (shaped_cells.h); `at` is unused
+  // then.
   std::shared_ptr<const Eigen::Matrix<double, 8, 3>> gradients;
 };
 
-/// A place of a cell where resistance to change of shape fades after a strain (dynamic steps; viscous_points.h). The law is
+/// A place of a cell where resistance to change of shape fades after a strain (dynamic steps; viscous_points.h). The
+/// law is
 /// the whole of the layer there, matrix included, as it is once relaxed.
 struct ViscousPoint {
   struct Term {
@@ -67,18 +78,19 @@ struct ViscousPoint {
 
 /// The constants of one kind of full cell; many cells share one.
 struct Stencil {
-  Mat8 K = Mat8::Zero();     // mN/mm, symmetric, rows sum to 0
-  double volume_mm3 = 0;     // of the full cell
-  double mu_kPa = 0;         // volume mean, for the preconditioner weight and for reports
-  double lambda_kPa = 0;     // reparametrised, volume mean
+  Mat8 K = Mat8::Zero();  // mN/mm, symmetric, rows sum to 0
+  double volume_mm3 = 0;  // of the full cell
+  double mu_kPa = 0;      // volume mean, for the preconditioner weight and for reports
+  double lambda_kPa = 0;  // reparametrised, volume mean
   double p0_kPa = 0;
-  Vec3 sample = Vec3::Constant(0.5);  // where J is evaluated, in cell units (0..1 per axis); the centre when homogeneous
+  Vec3 sample =
+      Vec3::Constant(0.5);  // where J is evaluated, in cell units (0..1 per axis); the centre when homogeneous
   double density_kg_mm3 = 0;
-  double slide_kPa = 0;               // 0: one layer, or none thinner than the cell
+  double slide_kPa = 0;                // 0: one layer, or none thinner than the cell
   Mat3 slide_axes = Mat3::Identity();  // columns: two along the layers, their normal
-  uint8_t level = 0;                  // of the cells that it is for; all lengths here are theirs
-  std::vector<MaterialPoint> points;  // empty for cells whose whole shape energy is in K, and then costs nothing
-  std::vector<ViscousPoint> viscous;  // empty where nothing relaxes, and then costs nothing
+  uint8_t level = 0;                   // of the cells that it is for; all lengths here are theirs
+  std::vector<MaterialPoint> points;   // empty for cells whose whole shape energy is in K, and then costs nothing
+  std::vector<ViscousPoint> viscous;   // empty where nothing relaxes, and then costs nothing
 };
 
 /// Edges of a cell of that level.
@@ -116,9 +128,11 @@ inline Eigen::Matrix<double, 8, 3> volume_gradients(const Stencil& s, const Vec3
 struct HexCell {
   std::array<int32_t, 8> node{};
   int32_t stencil = 0;
-  float scale = 1;  // volume fraction of this copy of the cell, floored for conditioning; 0: absent (all its nodes are held)
-  std::array<int16_t, 3> at{};  // its low corner on the lattice, in halves of an undivided cell (rounded down from level 2)
-  uint8_t level = 0;            // 0: undivided; 1: one of the eight parts of a divided cell; 2, 3: one of eight of such
+  float scale =
+      1;  // volume fraction of this copy of the cell, floored for conditioning; 0: absent (all its nodes are held)
+  std::array<int16_t, 3>
+      at{};           // its low corner on the lattice, in halves of an undivided cell (rounded down from level 2)
+  uint8_t level = 0;  // 0: undivided; 1: one of the eight parts of a divided cell; 2, 3: one of eight of such
   bool operator==(const HexCell&) const = default;
 };
 
@@ -130,7 +144,8 @@ struct HangingNode {
   std::array<float, 4> weight{};  // sum 1
 };
 
-/// A node that was not there before: its state is an average of that of nodes of the previous model, so that a point in a
+/// A node that was not there before: its state is an average of that of nodes of the previous model, so that a point in
+/// a
 /// cell that has been divided moves with the parts exactly as it did with the whole.
 struct BornNode {
   int32_t node = -1;
@@ -139,18 +154,19 @@ struct BornNode {
 
 /// Versions of a model share what a cut has not changed.
 struct FemModel {
-  Vec3 cell_mm = Vec3::Ones();       // of an undivided cell (level 0)
-  SharedArray<Vec3> X_mm;            // rest positions of node copies
-  SharedArray<uint8_t> fixed;        // per node, 1 = Dirichlet (stays at X)
-  SharedArray<double> mass_kg;       // per node, lumped, exact fractions (no floor)
+  Vec3 cell_mm = Vec3::Ones();  // of an undivided cell (level 0)
+  SharedArray<Vec3> X_mm;       // rest positions of node copies
+  SharedArray<uint8_t> fixed;   // per node, 1 = Dirichlet (stays at X)
+  SharedArray<double> mass_kg;  // per node, lumped, exact fractions (no floor)
   SharedArray<HexCell> cells;
   SharedArray<Stencil> stencils;
-  std::vector<LawPtr> laws;          // named by the material and viscous points of stencils
+  std::vector<LawPtr> laws;  // named by the material and viscous points of stencils
   // Per node: its index in the previous model (state is carried from it); -1 only at start. For a node in `born`: the
   // first of the previous nodes with the largest weight.
   ParentList parent;
-  std::vector<BornNode> born;        // ascending by node
-  std::vector<HangingNode> hanging;  // ascending by node; empty on a lattice without divided cells, and then costs nothing
+  std::vector<BornNode> born;  // ascending by node
+  std::vector<HangingNode>
+      hanging;  // ascending by node; empty on a lattice without divided cells, and then costs nothing
 };
 
 /// A material point carried by one cell copy: position = sum w_i x[node_i]; weights are rest-only and sum to 1.
@@ -172,20 +188,23 @@ struct Spring {
   // to_world: the place that pulls a. Otherwise the gap still allowed, a - b at rest: zero once a stitch is tight.
   Vec3 target_mm = Vec3::Zero();
   double k_N_per_mm = 1;
-  // Springs of one number above 0 are the spans of one thread that slides through its bites: together thread_mm long (the
-  // same in all of them) without tension, of which a span keeps |target_mm|. See spring_forces.h. ReferenceElasticity knows none.
+  // Springs of one number above 0 are the spans of one thread that slides through its bites: together thread_mm long
+  // (the
+  // same in all of them) without tension, of which a span keeps |target_mm|. See spring_forces.h. ReferenceElasticity
+  // knows none.
   int32_t thread = 0;
   double thread_mm = 0;
 };
 
 /// A one-sided spring between two places of the tissue that must not pass through each other. With the overlap
-/// p = gap - n.(x_a - x_b): no energy for p <= 0, k p^3 / (6 soft) up to p = soft, from there a parabola of curvature k that
+/// p = gap - n.(x_a - x_b): no energy for p <= 0, k p^3 / (6 soft) up to p = soft, from there a parabola of curvature k
+/// that
 /// continues it with force and slope: k ((p - soft/2)^2 / 2 + soft^2 / 24). It pushes, never pulls.
 struct Contact {
   EmbeddedPoint a, b;
   Vec3f normal = Vec3f::UnitZ();  // unit, from b's surface towards a
   float gap_mm = 0;
-  float soft_mm = 0;              // overlap over which the stiffness sets in; 0: at once
+  float soft_mm = 0;  // overlap over which the stiffness sets in; 0: at once
   float k_N_per_mm = 1;
 };
 

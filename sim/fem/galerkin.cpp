@@ -83,7 +83,8 @@ NodeMatrix galerkin(const NodeMatrix& A, const Coarsening& c, const NodeMatrix& 
   return out;
 }
 
-bool compare_coarse(const Coarsening& before, const Coarsening& now, const NodeMatrix& A, const NodeChange& fine, NodeChange& coarse) {
+bool compare_coarse(const Coarsening& before, const Coarsening& now, const NodeMatrix& A, const NodeChange& fine,
+                    NodeChange& coarse) {
   if (!(before.rule == now.rule)) return false;
   const Interpolation &P = now.prolong, &P0 = before.prolong, &R = now.restrict_;
   const size_t n = now.place.size();

@@ -95,8 +95,9 @@ Mat9 layer_slide_tangent(const Mat3& F, const Mat3& axes) {
   const double J = f.determinant();
   const OfArea g = fade(f.col(0).cross(f.col(1)).squaredNorm());
   const Vec9 dJ = Eigen::Map<const Vec9>(cof.data()), ds = 2 * Eigen::Map<const Vec9>(area.data());
-  const Mat9 H = g.value * dJ * dJ.transpose() + J * g.slope * (dJ * ds.transpose() + ds * dJ.transpose()) + 0.5 * J * J * g.bend * ds * ds.transpose() +
-                 J * g.value * determinant_tangent(f) + 0.5 * J * J * g.slope * area_tangent(f);
+  const Mat9 H = g.value * dJ * dJ.transpose() + J * g.slope * (dJ * ds.transpose() + ds * dJ.transpose()) +
+                 0.5 * J * J * g.bend * ds * ds.transpose() + J * g.value * determinant_tangent(f) +
+                 0.5 * J * J * g.slope * area_tangent(f);
   const OfArea end = slip_end(f.col(2).squaredNorm() - J * J * g.value);
   Vec9 dx = -2 * (J * g.value * dJ + 0.5 * J * J * g.slope * ds);
   dx.tail<3>() += 2 * f.col(2);

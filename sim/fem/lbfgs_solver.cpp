@@ -15,18 +15,23 @@ std::unique_ptr<ElasticSolver> make_solver(Workers& workers) { return std::make_
 namespace limberg::fem {
 namespace {
 
-constexpr int update_every = 3;      // accepted iterates between multiplier updates
-constexpr int max_halvings = 40;     // a scrambled start needs many
+constexpr int update_every = 3;   // accepted iterates between multiplier updates
+constexpr int max_halvings = 40;  // a scrambled start needs many
 constexpr double armijo = 1e-4;
-constexpr double float_noise = 5e-8; // of a sum of single-precision terms, relative to the sum of their sizes
-// Drawn-out cells are looked for when so many iterations have not brought the relative residual down to `lags`. Not while a hook is
-// carried: a look takes about as long as two iterations, and what lags then is the hand's doing (60 Hz drag of `bench speed`, 30k
+constexpr double float_noise = 5e-8;  // of a sum of single-precision terms, relative to the sum of their sizes
+// Drawn-out cells are looked for when so many iterations have not brought the relative residual down to `lags`. Not
+// while a hook is
+// carried: a look takes about as long as two iterations, and what lags then is the hand's doing (60 Hz drag of `bench
+// speed`, 30k
 // nodes, nu .499, 2026-11-22: looks at every step left 2.6 iterations a frame of 6.2).
 constexpr double lags = 1e-3;
 constexpr int lags_for = 10;
-// A tangle: so many cells inverted, and so little balance, for so long. Measured (2026-11-21): scrambled blocks of one tissue
-// are out of it after some 30 iterations; thin skin on fat in shared cells, 60 and 400 : 1, comes back in 100 of 100 scrambles with 40 and with
-// 70 (at 100 it leaves eight by itself, folded, at rest in another equilibrium); no shipped operation ever has two inverted cells in a hundred.
+// A tangle: so many cells inverted, and so little balance, for so long. Measured (2026-11-21): scrambled blocks of one
+// tissue
+// are out of it after some 30 iterations; thin skin on fat in shared cells, 60 and 400 : 1, comes back in 100 of 100
+// scrambles with 40 and with
+// 70 (at 100 it leaves eight by itself, folded, at rest in another equilibrium); no shipped operation ever has two
+// inverted cells in a hundred.
 constexpr double tangled_cells = 0.02, tangled_residual = 0.3;
 constexpr int tangled_for = 40, untangle_for = 80;
 constexpr double untangled_residual = 0.01;
@@ -104,7 +109,8 @@ void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
   }
 }
 
-// Free flight is then exact before the first iteration; where the tissue resists, the old place may be the better start.
+// Free flight is then exact before the first iteration; where the tissue resists, the old place may be the better
+// start.
 void LbfgsSolver::start_where_inertia_leads(Value& value) {
   u_try_ = inertia_target_;
   for (int32_t i : fixed_) u_try_[size_t(i)] = u_[size_t(i)];
@@ -130,7 +136,8 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
     if (t.finite()) {
       const double change = t.energy - value.energy;
       accept = change <= armijo * alpha * slope;
-      if (!accept && std::fabs(change) <= value.noise + t.noise) accept = engine_.dot(g_try_, d_) <= (2 * armijo - 1) * slope;
+      if (!accept && std::fabs(change) <= value.noise + t.noise)
+        accept = engine_.dot(g_try_, d_) <= (2 * armijo - 1) * slope;
       const double bend = change - alpha * slope;
       if (bend > 0) next = std::clamp(-0.5 * alpha * slope / bend, 0.1, 0.5);
     }
@@ -159,7 +166,8 @@ bool LbfgsSolver::every_piece_is_held() const {
     for (int32_t v : c.node) up[size_t(root(v))] = root(c.node[0]);
   std::vector<uint8_t> held(up.size(), 0);
   for (int32_t v : fixed_) held[size_t(root(v))] = 1;
-  return std::all_of(model_->cells.begin(), model_->cells.end(), [&](const HexCell& c) { return held[size_t(root(c.node[0]))]; });
+  return std::all_of(model_->cells.begin(), model_->cells.end(),
+                     [&](const HexCell& c) { return held[size_t(root(c.node[0]))]; });
 }
 
 void LbfgsSolver::begin_or_end_untangling(Value& value, bool dynamic) {
@@ -253,7 +261,8 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   if (own_.estimate_error || !looked || untangling_) value = evaluate(u_, g_, true);
   report.residual = relative_residual();
   lagging_iterations_ = report.residual > lags ? lagging_iterations_ + std::max(1, report.iterations) : 0;
-  const bool tangled = report.residual > tangled_residual && elements_->inverted() > tangled_cells * double(elements_->cells());
+  const bool tangled =
+      report.residual > tangled_residual && elements_->inverted() > tangled_cells * double(elements_->cells());
   tangled_iterations_ = tangled && !untangling_ ? tangled_iterations_ + report.iterations : 0;
   if (own_.estimate_error) {
     history_.direction(g_, d_, metric, engine_);
@@ -273,8 +282,10 @@ StepReport LbfgsSolver::step(const StepSettings& s) {
   }
   before_s_ = remember ? s.dt_s : 0;
   if (remember) u_before_.swap(u_start), velocity_before_.swap(velocity_start);
-  if (s.dt_s > 0) viscous_.end_step(u_);
-  else viscous_.relax(u_);
+  if (s.dt_s > 0)
+    viscous_.end_step(u_);
+  else
+    viscous_.relax(u_);
   publish();
   return report;
 }

@@ -10,12 +10,15 @@ namespace limberg::fem {
 namespace {
 
 constexpr double floor_strain = 1e-3;  // what the force scale of a block at rest is taken from
-constexpr float sliver = 0.2f;         // a cell's material, as a fraction; nodes of fuller ones do not fly about (shipped Z-plasty)
-constexpr size_t small_model = 3000;   // nodes: a shorter history pays there
+constexpr float sliver =
+    0.2f;  // a cell's material, as a fraction; nodes of fuller ones do not fly about (shipped Z-plasty)
+constexpr size_t small_model = 3000;  // nodes: a shorter history pays there
 
 }  // namespace
 
-int LbfgsSolver::pairs() const { return own_.pairs > 0 ? own_.pairs : model_ && model_->X_mm.size() < small_model ? 5 : 8; }
+int LbfgsSolver::pairs() const {
+  return own_.pairs > 0 ? own_.pairs : model_ && model_->X_mm.size() < small_model ? 5 : 8;
+}
 
 void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) {
   const size_t n = model->X_mm.size(), cells = model->cells.size();
@@ -45,7 +48,8 @@ void LbfgsSolver::set_model(std::shared_ptr<const FemModel> model, const ParentL
   if (before_s_ > 0) u_before_ = carried(u_before_), velocity_before_ = carried(velocity_before_);
   if (elements_)
     for (size_t c = 0; c < cells && c < cell_parent.size(); ++c)
-      if (cell_parent[c] >= 0 && size_t(cell_parent[c]) < elements_->cells()) elements->set_q(c, elements_->q(size_t(cell_parent[c])));
+      if (cell_parent[c] >= 0 && size_t(cell_parent[c]) < elements_->cells())
+        elements->set_q(c, elements_->q(size_t(cell_parent[c])));
   elements_ = std::move(elements);
   const bool same_matter = model_ && same_stencils(*model, *model_);
   if (!same_matter || !points_.in_no_stencil()) points_ = MaterialPoints(*model);
@@ -109,7 +113,8 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
     if (!(s.k_N_per_mm > 0) || !s.target_mm.allFinite())
       throw InputError("", 0, "spring " + std::to_string(s.id) + " has no positive stiffness or no finite target");
     if (s.thread > 0 && (s.to_world || !(s.thread_mm >= 0)))
-      throw InputError("", 0, "spring " + std::to_string(s.id) + " is a span of a thread without two bites and a length");
+      throw InputError("", 0,
+                       "spring " + std::to_string(s.id) + " is a span of a thread without two bites and a length");
   }
   auto moved_only = [](const Spring& a, const Spring& b) {
     return a.id == b.id && a.thread == b.thread && a.to_world == b.to_world && a.k_N_per_mm == b.k_N_per_mm &&
@@ -125,7 +130,8 @@ void LbfgsSolver::set_springs(std::span<const Spring> springs) {
   if (same && !std::equal(sorted.begin(), sorted.end(), springs_.begin(), stands)) lagging_iterations_ = 0;
   bool drawn = false;
   for (size_t i = 0; same && i < sorted.size(); ++i)
-    drawn |= !sorted[i].to_world && (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm);
+    drawn |= !sorted[i].to_world &&
+             (sorted[i].target_mm != springs_[i].target_mm || sorted[i].thread_mm != springs_[i].thread_mm);
   if (drawn) history_.clear();
   springs_ = std::move(sorted);
   forces_ = SpringForces(*model_, springs_);

@@ -67,8 +67,9 @@ SolverState LbfgsSolver::save() const {
 
 void LbfgsSolver::restore(const SolverState& s) {
   const auto fits = [](const std::vector<float>& v, size_t n) { return v.empty() || v.size() == n; };
-  if (!model_ || !fits(s.displacement_mm, 3 * u_.size()) || !fits(s.velocity_mm_s, 3 * u_.size()) || !fits(s.displacement_before_mm, 3 * u_.size()) ||
-      !fits(s.velocity_before_mm_s, 3 * u_.size()) || !fits(s.pressure, elements_->cells()) || !viscous_.fits(s.memory))
+  if (!model_ || !fits(s.displacement_mm, 3 * u_.size()) || !fits(s.velocity_mm_s, 3 * u_.size()) ||
+      !fits(s.displacement_before_mm, 3 * u_.size()) || !fits(s.velocity_before_mm_s, 3 * u_.size()) ||
+      !fits(s.pressure, elements_->cells()) || !viscous_.fits(s.memory))
     throw InputError("", 0, "a solver's state is of another model; expected one that was saved with this model");
   const auto fill = [](NodeArray& to, const std::vector<float>& from) {
     for (size_t i = 0; i < to.size(); ++i)
@@ -113,7 +114,9 @@ void LbfgsSolver::cell_J(std::vector<float>& J) const {
   J.resize(model_->cells.size());
   const SharedArray<HexCell>& cells = model_->cells;
   for (size_t c = 0; c < J.size(); ++c)
-    J[c] = float(gradient_at(volume_gradients(model_->stencils[size_t(cells[c].stencil)], model_->cell_mm), cells[c], u_).determinant());
+    J[c] =
+        float(gradient_at(volume_gradients(model_->stencils[size_t(cells[c].stencil)], model_->cell_mm), cells[c], u_)
+                  .determinant());
 }
 
 Mat3 LbfgsSolver::cell_F(int32_t cell) const {

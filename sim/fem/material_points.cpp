@@ -13,7 +13,8 @@ using Mat24 = Eigen::Matrix<double, 24, 24>;
 
 const MaterialLaw& law_of(const FemModel& m, const MaterialPoint& p) {
   if (p.law < 0 || size_t(p.law) >= m.laws.size() || !m.laws[size_t(p.law)])
-    throw InputError("", 0, "a material point names law " + std::to_string(p.law) + "; one of the model's laws was expected");
+    throw InputError("", 0,
+                     "a material point names law " + std::to_string(p.law) + "; one of the model's laws was expected");
   return *m.laws[size_t(p.law)];
 }
 
@@ -137,7 +138,8 @@ Mat8 points_scalar(const FemModel& m, const Stencil& s, const Vec3& cell_mm) {
   return K;
 }
 
-Stencil law_stencil(const Vec3& cell_mm, int32_t law, const MaterialLaw& response, double lambda_kPa, double density, const Mat3& M) {
+Stencil law_stencil(const Vec3& cell_mm, int32_t law, const MaterialLaw& response, double lambda_kPa, double density,
+                    const Mat3& M) {
   Stencil s;
   s.volume_mm3 = cell_mm.prod();
   s.density_kg_mm3 = density;

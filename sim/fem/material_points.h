@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "sim/fem/cell_scatter.h"
+#include "sim/fem/fem_model.h"
 #include "sim/fem/kernels/kernels.h"
 #include "sim/fem/simd.h"
-#include "sim/fem/fem_model.h"
 #include "sim/workers.h"
 
 namespace limberg::fem {
@@ -35,12 +35,12 @@ class MaterialPoints {
     std::array<int32_t, 8> node{};
     int32_t first = 0, last = 0;  // points
     double scale = 1;
-    uint8_t corners = 8;          // 4: a tetrahedron
+    uint8_t corners = 8;  // 4: a tetrahedron
   };
   template <int corners>
   CellSums force(const Cell& cell, const NodeArray& u, bool measure, CellForce& out) const;
   std::vector<LawPtr> laws_;
-  std::vector<Point> points_;       // per stencil, in order
+  std::vector<Point> points_;  // per stencil, in order
   std::vector<Cell> cells_;
   CellScatter scatter_;
   mutable std::vector<CellForce> force_;  // scratch, per cell
@@ -53,11 +53,13 @@ Eigen::Matrix<double, 24, 24> points_tangent(const FemModel& model, const Stenci
 /// Energy and 8 x 3 forces of one cell's points at u. Scale not applied.
 double points_force(const FemModel& model, const Stencil& stencil, const Vec3& cell_mm,
                     const Eigen::Matrix<double, 8, 3>& u, Eigen::Matrix<double, 8, 3>& force);
-/// What the points add to the scalar matrix of the preconditioner: sum V (grad N M) D (grad N M)^T, D_jl = the mean over i of
+/// What the points add to the scalar matrix of the preconditioner: sum V (grad N M) D (grad N M)^T, D_jl = the mean
+/// over i of
 /// dP_ij/dF_il of the law at F = M (projected): how stiff it is against gradients along each axis. Neo-Hookean: mu I.
 Mat8 points_scalar(const FemModel& model, const Stencil& stencil, const Vec3& cell_mm);
 
-/// A full cell of one law: 2 x 2 x 2 Gauss points, no K; lambda (reparametrised) at the centre; p0 such that a flat piece
+/// A full cell of one law: 2 x 2 x 2 Gauss points, no K; lambda (reparametrised) at the centre; p0 such that a flat
+/// piece
 /// with the skin normal z rests under a free surface: n . sigma n of the law at M.
 Stencil law_stencil(const Vec3& cell_mm, int32_t law, const MaterialLaw& response, double lambda_kPa,
                     double density_kg_mm3 = 1e-6, const Mat3& M = Mat3::Identity());

@@ -10,15 +10,17 @@ namespace {
 bool same_stencil(const FemModel& m, const Stencil& a, const FemModel& n, const Stencil& b) {
   const auto law = [](const FemModel& model, const MaterialPoint& p) { return model.laws[size_t(p.law)].get(); };
   return a.volume_mm3 == b.volume_mm3 && a.mu_kPa == b.mu_kPa && a.lambda_kPa == b.lambda_kPa && a.level == b.level &&
-         a.sample == b.sample && a.K == b.K && a.slide_kPa == b.slide_kPa && std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end(), [&](auto& p, auto& q) {
-           return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.M == q.M && p.gradients == q.gradients && law(m, p) == law(n, q);
+         a.sample == b.sample && a.K == b.K && a.slide_kPa == b.slide_kPa &&
+         std::equal(a.points.begin(), a.points.end(), b.points.begin(), b.points.end(), [&](auto& p, auto& q) {
+           return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.M == q.M && p.gradients == q.gradients &&
+                  law(m, p) == law(n, q);
          });
 }
 
 }  // namespace
 
 void keep_rising(std::vector<int32_t>& a) {
-  std::vector<int32_t> tail;                    // place of the smallest last number of a rising sequence of each length
+  std::vector<int32_t> tail;  // place of the smallest last number of a rising sequence of each length
   std::vector<int32_t> before(a.size(), -1);
   bool rising = true;
   for (size_t i = 0, last = a.size(); i < a.size(); ++i) {
@@ -29,7 +31,8 @@ void keep_rising(std::vector<int32_t>& a) {
   if (rising) return;
   for (size_t i = 0; i < a.size(); ++i) {
     if (a[i] < 0) continue;
-    const auto at = std::lower_bound(tail.begin(), tail.end(), a[i], [&](int32_t t, int32_t v) { return a[size_t(t)] < v; });
+    const auto at =
+        std::lower_bound(tail.begin(), tail.end(), a[i], [&](int32_t t, int32_t v) { return a[size_t(t)] < v; });
     if (at != tail.begin()) before[i] = *(at - 1);
     if (at == tail.end())
       tail.push_back(int32_t(i));
@@ -43,7 +46,9 @@ void keep_rising(std::vector<int32_t>& a) {
 }
 
 bool same_model(const FemModel& a, const FemModel& b) {
-  const auto same_cell = [](const HexCell& c, const HexCell& d) { return c.node == d.node && c.stencil == d.stencil && c.scale == d.scale; };
+  const auto same_cell = [](const HexCell& c, const HexCell& d) {
+    return c.node == d.node && c.stencil == d.stencil && c.scale == d.scale;
+  };
   const auto same_hanging = [](const HangingNode& c, const HangingNode& d) {
     return c.node == d.node && c.count == d.count && c.master == d.master && c.weight == d.weight;
   };
@@ -85,11 +90,13 @@ bool compare_models(const FemModel& before, std::span<const SpringRow> springs_b
       continue;
     }
     other[v] = free[v] != free_before[size_t(p)] || masters.hangs(int32_t(v)) != masters_before.hangs(p);
-    if (now.mass_kg[v] != before.mass_kg[size_t(p)]) masters.each(int32_t(v), [&](int32_t master, double) { change.dirty[size_t(master)] = 1; });
+    if (now.mass_kg[v] != before.mass_kg[size_t(p)])
+      masters.each(int32_t(v), [&](int32_t master, double) { change.dirty[size_t(master)] = 1; });
     if (other[v] || !masters.hangs(int32_t(v))) continue;
     const HangingNode &a = masters.of(int32_t(v)), &b = masters_before.of(p);
     other[v] = a.count != b.count || a.weight != b.weight;
-    for (size_t k = 0; k < size_t(a.count) && !other[v]; ++k) other[v] = change.child[size_t(b.master[k])] != a.master[k];
+    for (size_t k = 0; k < size_t(a.count) && !other[v]; ++k)
+      other[v] = change.child[size_t(b.master[k])] != a.master[k];
   }
 
   // Cells that are what they were; whatever any other cell touches is dirty.
@@ -116,13 +123,15 @@ bool compare_models(const FemModel& before, std::span<const SpringRow> springs_b
     if (c >= 0) kept[size_t(c)] = 1;
   for (size_t c = 0; c < now.cells.size(); ++c)
     if (!kept[c])
-      for (int32_t v : now.cells[c].node) masters.each(v, [&](int32_t master, double) { change.dirty[size_t(master)] = 1; });
+      for (int32_t v : now.cells[c].node)
+        masters.each(v, [&](int32_t master, double) { change.dirty[size_t(master)] = 1; });
   const auto touch_before = [&](int32_t p) {
     if (change.child[size_t(p)] >= 0) change.dirty[size_t(change.child[size_t(p)])] = 1;
   };
   for (size_t q = 0; q < before.cells.size(); ++q)
     if (now_of[q] < 0)
-      for (int32_t v : before.cells[q].node) masters_before.each(v, [&](int32_t master, double) { touch_before(master); });
+      for (int32_t v : before.cells[q].node)
+        masters_before.each(v, [&](int32_t master, double) { touch_before(master); });
   for (size_t v = 0; v < n; ++v)
     if (other[v]) change.dirty[v] = 1;
 

@@ -18,8 +18,14 @@ class RowMaker {
  public:
   RowMaker(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2, std::span<const uint8_t> free,
            std::span<const uint8_t> wanted)
-      : m_(m), springs_(springs), mass_(mass_per_s2), free_(free), masters_(m), matrix_(m.stencils.size()),
-        place_(m.X_mm.size(), -1), hung_mass_(m.hanging.empty() || mass_per_s2 == 0 ? 0 : m.X_mm.size()) {
+      : m_(m),
+        springs_(springs),
+        mass_(mass_per_s2),
+        free_(free),
+        masters_(m),
+        matrix_(m.stencils.size()),
+        place_(m.X_mm.size(), -1),
+        hung_mass_(m.hanging.empty() || mass_per_s2 == 0 ? 0 : m.X_mm.size()) {
     // The shares of every wanted row, in the order of cells, then springs.
     const auto want = [&](int32_t v) { return free[size_t(v)] && (wanted.empty() || wanted[size_t(v)]); };
     begin_.assign(m.X_mm.size() + 1, 0);
@@ -125,7 +131,8 @@ std::vector<uint8_t> free_nodes(const FemModel& m) {
   return free;
 }
 
-NodeMatrix assemble_rows(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2, std::span<const uint8_t> free) {
+NodeMatrix assemble_rows(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2,
+                         std::span<const uint8_t> free) {
   RowMaker rows(m, springs, mass_per_s2, free, {});
   NodeMatrix A;
   A.begin.reserve(m.X_mm.size() + 1);
@@ -137,8 +144,8 @@ NodeMatrix assemble_rows(const FemModel& m, std::span<const SpringRow> springs, 
   return A;
 }
 
-NodeMatrix assemble_rows(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2, std::span<const uint8_t> free,
-                         const NodeMatrix& before, const NodeChange& change) {
+NodeMatrix assemble_rows(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2,
+                         std::span<const uint8_t> free, const NodeMatrix& before, const NodeChange& change) {
   RowMaker rows(m, springs, mass_per_s2, free, change.dirty);
   NodeMatrix A;
   A.begin.reserve(m.X_mm.size() + 1);
@@ -154,7 +161,8 @@ NodeMatrix assemble_rows(const FemModel& m, std::span<const SpringRow> springs, 
 }
 
 void copy_row(const NodeMatrix& before, int32_t row, std::span<const int32_t> child, NodeMatrix& out) {
-  const size_t from = size_t(before.begin[size_t(row)]), to = size_t(before.begin[size_t(row) + 1]), at = out.column.size();
+  const size_t from = size_t(before.begin[size_t(row)]), to = size_t(before.begin[size_t(row) + 1]),
+               at = out.column.size();
   out.column.resize(at + to - from);
   for (size_t e = from; e < to; ++e) out.column[at + e - from] = child[size_t(before.column[e])];
   out.value.insert(out.value.end(), before.value.begin() + long(from), before.value.begin() + long(to));

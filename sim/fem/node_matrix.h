@@ -28,8 +28,10 @@ struct NodeChange {
   std::vector<uint8_t> dirty;   // per node now: its row is not the parent's row
 };
 
-/// Compares two versions of a model through FemModel::parent and `cell_parent` (per cell of `now`: its index in `before`), or a
-/// model with itself under other springs. Rows are carried over as far as nodes and cells keep their order. False: not at all.
+/// Compares two versions of a model through FemModel::parent and `cell_parent` (per cell of `now`: its index in
+/// `before`), or a
+/// model with itself under other springs. Rows are carried over as far as nodes and cells keep their order. False: not
+/// at all.
 bool compare_models(const FemModel& before, std::span<const SpringRow> springs_before, const FemModel& now,
                     std::span<const SpringRow> springs_now, const ParentList& cell_parent, NodeChange& change);
 
@@ -51,7 +53,8 @@ NodeMatrix assemble_rows(const FemModel& model, std::span<const SpringRow> sprin
 /// Appends row `row` of `before` to `out`, its columns renamed.
 void copy_row(const NodeMatrix& before, int32_t row, std::span<const int32_t> child, NodeMatrix& out);
 
-/// The same matrix as lower columns in double for the direct factor; each diagonal number d becomes d (1 + relative_shift).
+/// The same matrix as lower columns in double for the direct factor; each diagonal number d becomes d (1 +
+/// relative_shift).
 ScalarMatrix lower_columns(const NodeMatrix& A, double relative_shift);
 
 }  // namespace limberg::fem

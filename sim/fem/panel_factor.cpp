@@ -7,7 +7,8 @@ namespace {
 
 // Numbers in the panels below which one thread is done before another is awake.
 constexpr size_t least_to_share = 100000;
-// A subtree with more than this part of the work is not left whole. A dissection's tree halves at every level, so a quarter
+// A subtree with more than this part of the work is not left whole. A dissection's tree halves at every level, so a
+// quarter
 // leaves four subtrees and three separators on top.
 constexpr size_t pieces = 4;
 
@@ -86,7 +87,8 @@ void PanelFactor::find_subtrees() {
     work[up] += work[k];
     first[up] = std::min(first[up], first[k]);
   }
-  // From the last panel down: what is small enough is a subtree, what is not is top. Small neighbours are taken together.
+  // From the last panel down: what is small enough is a subtree, what is not is top. Small neighbours are taken
+  // together.
   std::vector<Stretch> found;
   size_t taken = 0;  // work of the latest stretch of subtrees
   for (int32_t k = int32_t(n) - 1; k >= 0;) {
@@ -116,7 +118,8 @@ void PanelFactor::find_subtrees() {
     t.log = log_length_;
     for (int32_t k = t.first; k < t.last; ++k) {
       Panel& p = panels_[size_t(k)];
-      while (p.inside > p.columns && rows_[size_t(p.rows_begin + p.inside - p.columns) - 1] >= top.first + top.columns) --p.inside;
+      while (p.inside > p.columns && rows_[size_t(p.rows_begin + p.inside - p.columns) - 1] >= top.first + top.columns)
+        --p.inside;
       t.log_length += size_t(p.rows - p.inside);
     }
     log_length_ += t.log_length;

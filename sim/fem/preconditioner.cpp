@@ -21,7 +21,7 @@ struct Preconditioner::Pending {
   // Written by the job, read after it is done.
   struct Result {
     std::shared_ptr<const ScalarFactor> factor;
-    size_t ordered_bytes = 0;  // of the factor whose order was last found afresh
+    size_t ordered_bytes = 0;            // of the factor whose order was last found afresh
     std::atomic<bool> unwanted = false;  // set by the owner when nobody will ask any more
     std::atomic<bool> begun = false;     // set by the job before it looks at `unwanted`
   };
@@ -32,7 +32,8 @@ struct Preconditioner::Pending {
   int steps = 0;
 };
 
-Preconditioner::Preconditioner(Workers& workers, MetricPolicy policy) : engine_(workers, policy.kernels ? *policy.kernels : default_kernels()), policy_(policy) {}
+Preconditioner::Preconditioner(Workers& workers, MetricPolicy policy)
+    : engine_(workers, policy.kernels ? *policy.kernels : default_kernels()), policy_(policy) {}
 Preconditioner::~Preconditioner() {
   drop_pending();
   for (const auto& p : dropped_) p->job->wait();
@@ -129,7 +130,8 @@ void Preconditioner::submit(double mass_per_s2) {
       const ScalarMatrix A = assemble_scalar(*model, springs, mass_per_s2);
       std::shared_ptr<const ScalarFactor> factor;
       result->ordered_bytes = ordered_bytes;
-      if (before) factor = std::make_shared<ScalarFactor>(factorize(A, inherited_order(A, before->node_order, ancestor)));
+      if (before)
+        factor = std::make_shared<ScalarFactor>(factorize(A, inherited_order(A, before->node_order, ancestor)));
       if (!factor || double(factor->panels.bytes()) > most_fill * double(ordered_bytes)) {
         factor = std::make_shared<ScalarFactor>(factorize(A, {}));
         result->ordered_bytes = factor->panels.bytes();
@@ -169,7 +171,8 @@ void Preconditioner::make_cycle(double mass_per_s2) {
   operator_changed();
 }
 
-void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_ready, const std::function<bool(bool)>& adopt_now) {
+void Preconditioner::begin_step(double mass_per_s2, int adopt_after, bool when_ready,
+                                const std::function<bool(bool)>& adopt_now) {
   if (pending_) {
     ++pending_->steps;
     const auto now = [&] {
@@ -290,10 +293,12 @@ void Preconditioner::apply(const NodeArray& r, NodeArray& z) {
 
 std::string Preconditioner::describe() const {
   if (!now_.factor && !now_.cycle) return "no operator yet";
-  const std::string what = factor_is_current_ ? "panel Cholesky of " + std::to_string(now_.factor->node_order.size()) + " nodes, " +
-                                                    std::to_string(now_.factor->panels.bytes() >> 10) + " KiB"
-                                              : now_.cycle->describe() + (pending_ ? " (while a factor is made)" : "");
-  return what + ", " + std::to_string(folded().size()) + " springs inside, " + std::to_string(columns_.size()) + " beside";
+  const std::string what = factor_is_current_
+                               ? "panel Cholesky of " + std::to_string(now_.factor->node_order.size()) + " nodes, " +
+                                     std::to_string(now_.factor->panels.bytes() >> 10) + " KiB"
+                               : now_.cycle->describe() + (pending_ ? " (while a factor is made)" : "");
+  return what + ", " + std::to_string(folded().size()) + " springs inside, " + std::to_string(columns_.size()) +
+         " beside";
 }
 
 }  // namespace limberg::fem

@@ -1,13 +1,16 @@
 #pragma once
 // The minimiser's metric: z = M^-1 r, the same scalar operator for x, y and z.
 //
-//   factor   up to `factor_up_to_nodes`: the scalar matrix of this very model factored once (panels); made in the background
-//   cycle    above, and for as long as the factor is not there: a multilevel cycle (cycle.h), made at once for the model as it
+//   factor   up to `factor_up_to_nodes`: the scalar matrix of this very model factored once (panels); made in the
+//   background
+//   cycle    above, and for as long as the factor is not there: a multilevel cycle (cycle.h), made at once for the
+//   model as it
 //            is, from the cycle of the model before where there was one
 //   springs  those that are not in the operator are added by the Woodbury identity: one application each, once
 //
 // Every state is symmetric positive definite and belongs to the topology that is shown; there is no stale operator.
-// Sutures are folded into the next factor or cycle; hooks come and go and never are. The operators of the last few models
+// Sutures are folded into the next factor or cycle; hooks come and go and never are. The operators of the last few
+// models
 // are kept, so that an undo finds its own again.
 #include <deque>
 #include <functional>
@@ -33,7 +36,8 @@ class Preconditioner {
   explicit Preconditioner(Workers& workers, MetricPolicy policy = {});
   ~Preconditioner();
 
-  /// FemModel::parent and `cell_parent` (per cell) name places in the model given last; without `cell_parent` the cycle is made
+  /// FemModel::parent and `cell_parent` (per cell) name places in the model given last; without `cell_parent` the cycle
+  /// is made
   /// afresh.
   void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent);
   struct SpringEntry {
@@ -42,9 +46,12 @@ class Preconditioner {
   };
   void set_springs(std::vector<SpringEntry> springs);
 
-  /// Once per solver step, before apply. Takes a finished factor (after `adopt_after` steps it is waited for; as soon as
-  /// it is there when `when_ready`; StepSettings::adopt_now), asks for a new one if the old is out of date, makes the cycle if one is needed.
-  void begin_step(double mass_per_s2, int adopt_after, bool when_ready, const std::function<bool(bool)>& adopt_now = {});
+  /// Once per solver step, before apply. Takes a finished factor (after `adopt_after` steps it is waited for; as soon
+  /// as
+  /// it is there when `when_ready`; StepSettings::adopt_now), asks for a new one if the old is out of date, makes the
+  /// cycle if one is needed.
+  void begin_step(double mass_per_s2, int adopt_after, bool when_ready,
+                  const std::function<bool(bool)>& adopt_now = {});
   void apply(const NodeArray& r, NodeArray& z);
 
   bool pending() const { return pending_ != nullptr; }
@@ -60,7 +67,7 @@ class Preconditioner {
     std::shared_ptr<const ScalarFactor> factor;
     std::vector<SpringRow> folded;  // into the factor
     double factor_mass = 0;
-    size_t ordered_bytes = 0;       // of the last factor in its line whose order was found afresh
+    size_t ordered_bytes = 0;    // of the last factor in its line whose order was found afresh
     bool has_no_factor = false;  // it was tried
     std::shared_ptr<const ScalarCycle> cycle;
   };

@@ -75,7 +75,7 @@ double ReferenceCells::energy(const HexCell& c, std::span<const Vec3> u, Gradien
   const Gradients KU = s.K * U;
   const bool shared = s.slide_kPa != 0;
   double energy = double(c.scale) * (U.cwiseProduct(0.5 * KU + kx).sum() +
-                               s.volume_mm3 * (0.5 * s.lambda_kPa * theta * theta - s.p0_kPa * theta));
+                                     s.volume_mm3 * (0.5 * s.lambda_kPa * theta * theta - s.p0_kPa * theta));
   LayerEnergy slide, here, there;
   if (shared) {
     const double lambda = effective_bulk_kPa(s, true);
@@ -110,14 +110,16 @@ ReferenceCells::Mat24 ReferenceCells::layers_hessian(const HexCell& c, std::span
   const Stencil& s = m_.stencils[size_t(c.stencil)];
   const double lambda = effective_bulk_kPa(s, true);
   const Mat3 f = F(c, u), there = F_at(B_sample_[size_t(c.stencil)], c, u);
-  Mat9 centre = s.slide_kPa * layer_slide_tangent(f, s.slide_axes) - layer_stretch_tangent(f, s.slide_axes, s.p0_kPa, lambda);
+  Mat9 centre =
+      s.slide_kPa * layer_slide_tangent(f, s.slide_axes) - layer_stretch_tangent(f, s.slide_axes, s.p0_kPa, lambda);
   Mat9 sample = layer_stretch_tangent(there, s.slide_axes, s.p0_kPa, lambda);
   for (Mat9* H : {&centre, &sample}) {
     if (!project) break;
     const Eigen::SelfAdjointEigenSolver<Mat9> eig(*H);
     *H = eig.eigenvectors() * eig.eigenvalues().cwiseMax(0).asDiagonal() * eig.eigenvectors().transpose();
   }
-  return double(c.scale) * s.volume_mm3 * (at_nodes(centre, B_[size_t(c.stencil)]) + at_nodes(sample, B_sample_[size_t(c.stencil)]));
+  return double(c.scale) * s.volume_mm3 *
+         (at_nodes(centre, B_[size_t(c.stencil)]) + at_nodes(sample, B_sample_[size_t(c.stencil)]));
 }
 
 ReferenceCells::Mat24 ReferenceCells::stencil_hessian(const HexCell& c, std::span<const Vec3> u, bool project) const {
@@ -131,8 +133,9 @@ ReferenceCells::Mat24 ReferenceCells::stencil_hessian(const HexCell& c, std::spa
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b) {
         const Vec3 cross = grad_N.row(a).transpose().cross(Vec3(grad_N.row(b).transpose()));
-        H.block<3, 3>(3 * a, 3 * b) = s.K(a, b) * Mat3::Identity() +
-                                      V * (s.lambda_kPa * cb.row(a).transpose() * cb.row(b) + pressure * skew(f * cross));
+        H.block<3, 3>(3 * a, 3 * b) =
+            s.K(a, b) * Mat3::Identity() +
+            V * (s.lambda_kPa * cb.row(a).transpose() * cb.row(b) + pressure * skew(f * cross));
       }
     return double(c.scale) * H;
   }

@@ -1,6 +1,8 @@
 #pragma once
-// A cell of the reference solver: energy, forces and Hessian of fem_model.h in double, a cell at a time, nothing left out and
-// nothing in common with the minimiser's kernels. Laws at material points and what layers add are asked where they live.
+// A cell of the reference solver: energy, forces and Hessian of fem_model.h in double, a cell at a time, nothing left
+// out and
+// nothing in common with the minimiser's kernels. Laws at material points and what layers add are asked where they
+// live.
 #include <span>
 #include <vector>
 
@@ -14,7 +16,8 @@ class ReferenceCells {
   using Mat24 = Eigen::Matrix<double, 24, 24>;
 
   explicit ReferenceCells(const FemModel& model);  // which must outlive it
-  /// Energy (uJ) relative to rest at displacements u of all nodes, scale applied; `force`, if any: dE/du of the corners.
+  /// Energy (uJ) relative to rest at displacements u of all nodes, scale applied; `force`, if any: dE/du of the
+  /// corners.
   double energy(const HexCell& c, std::span<const Vec3> u, Gradients* force) const;
   /// Corner-major (3 a + i), scale applied. `project`: its parts without their negative eigenvalues.
   Mat24 hessian(const HexCell& c, std::span<const Vec3> u, bool project) const;
@@ -30,8 +33,8 @@ class ReferenceCells {
   std::vector<Gradients> B_;         // where its volume is sampled
   std::vector<Gradients> B_sample_;  // at its sample point: another place only where layers share the cell
   std::vector<Gradients> KX_;
-  std::vector<double> mu_sample_;    // share of K that is certainly a stiffness at the sample point
-  std::vector<Mat8> K_rest_;         // K without that share
+  std::vector<double> mu_sample_;  // share of K that is certainly a stiffness at the sample point
+  std::vector<Mat8> K_rest_;       // K without that share
 };
 
 }  // namespace limberg::fem

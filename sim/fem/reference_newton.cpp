@@ -25,12 +25,17 @@ struct ContactRow {
   double k = 0, gap = 0, soft = 0;
   std::vector<std::pair<int32_t, double>> share;  // node, signed weight; each node once
 
-  ContactRow(const Contact& c) : normal(c.normal.cast<double>()), k(double(c.k_N_per_mm) * 1000), gap(double(c.gap_mm)), soft(double(c.soft_mm)) {
+  ContactRow(const Contact& c)
+      : normal(c.normal.cast<double>()),
+        k(double(c.k_N_per_mm) * 1000),
+        gap(double(c.gap_mm)),
+        soft(double(c.soft_mm)) {
     for (const EmbeddedPoint* p : {&c.a, &c.b}) {
       const double sum = std::accumulate(p->w.begin(), p->w.end(), 0.0), sign = p == &c.a ? 1 : -1;
       for (size_t i = 0; i < 8; ++i) {
         if (p->w[i] == 0) continue;
-        const auto same = std::find_if(share.begin(), share.end(), [&](const auto& s) { return s.first == p->node[i]; });
+        const auto same =
+            std::find_if(share.begin(), share.end(), [&](const auto& s) { return s.first == p->node[i]; });
         const double w = sign * double(p->w[i]) / sum;
         same == share.end() ? void(share.push_back({p->node[i], w})) : void(same->second += w);
       }
@@ -64,7 +69,8 @@ struct ReferenceElasticity::Impl {
   // Pattern of the 3n matrix: lower triangle, free nodes, scalar rows expanded.
   fem::ScalarMatrix graph;
   std::vector<int32_t> begin, row;
-  struct Term {  // of a cell: `weight` times its block (a, b) goes to the block of unknowns (row, column), row >= column
+  struct
+      Term {  // of a cell: `weight` times its block (a, b) goes to the block of unknowns (row, column), row >= column
     int8_t a = 0, b = 0;
     double weight = 1;
     int32_t row = 0, column = 0, entry = 0;
@@ -126,7 +132,8 @@ struct ReferenceElasticity::Impl {
       };
       visit([&](size_t n, double w) { r += w * (m.X_mm[n] + u[n]); });
       energy += 0.5 * k * r.squaredNorm();
-      if (g) visit([&](size_t n, double w) {
+      if (g)
+        visit([&](size_t n, double w) {
           (*g)[n] += k * w * r;
           if (scale) size[n] += k * std::fabs(w) * r.norm();
         });
@@ -134,7 +141,8 @@ struct ReferenceElasticity::Impl {
     for (const ContactRow& c : contacts) {
       const fem::Push push = fem::contact_push(c.clearance(m, u), c.k, c.soft);
       energy += push.energy;
-      if (g) for (const auto& [n, w] : c.share) {
+      if (g)
+        for (const auto& [n, w] : c.share) {
           (*g)[size_t(n)] -= push.force * w * c.normal;
           if (scale) size[size_t(n)] += push.force * std::fabs(w);
         }
@@ -151,7 +159,8 @@ struct ReferenceElasticity::Impl {
   void build_pattern() {
     if (!begin.empty()) return;
     for (const Spring& s : springs) spring_rows.push_back(fem::spring_row(m, s));
-    // A contact couples its nodes as a spring does: it enters the pattern as one, and its values are added where it presses.
+    // A contact couples its nodes as a spring does: it enters the pattern as one, and its values are added where it
+    // presses.
     std::vector<fem::SpringRow> coupled = spring_rows;
     for (const ContactRow& c : contacts) {
       fem::SpringRow r;
@@ -162,7 +171,8 @@ struct ReferenceElasticity::Impl {
     }
     graph = fem::assemble_scalar(m, coupled, 0, false);
     auto entry = [&](int32_t i, int32_t j) {
-      const auto first = graph.row.begin() + graph.begin[size_t(j)], last = graph.row.begin() + graph.begin[size_t(j) + 1];
+      const auto first = graph.row.begin() + graph.begin[size_t(j)],
+                 last = graph.row.begin() + graph.begin[size_t(j) + 1];
       return int32_t(std::lower_bound(first, last, i) - graph.row.begin());
     };
     const std::vector<int32_t> hangs = fem::hanging_index(m);
@@ -189,7 +199,8 @@ struct ReferenceElasticity::Impl {
       contact_entry.emplace_back();
       for (size_t a = 0; a < c.share.size(); ++a)
         for (size_t b = 0; b < c.share.size(); ++b) {
-          const int32_t i = graph.row_of_node[size_t(c.share[a].first)], j = graph.row_of_node[size_t(c.share[b].first)];
+          const int32_t i = graph.row_of_node[size_t(c.share[a].first)],
+                        j = graph.row_of_node[size_t(c.share[b].first)];
           if (i >= j && j >= 0) contact_entry.back().push_back({int32_t(a), int32_t(b), entry(i, j)});
         }
     }
@@ -265,7 +276,8 @@ struct ReferenceElasticity::Impl {
         const int32_t j = graph.row_of_node[size_t(pressed.share[size_t(b)].first)];
         const double kw = slope * pressed.share[size_t(a)].second * pressed.share[size_t(b)].second;
         for (int k = 0; k < 3; ++k)
-          for (int r = a == b ? k : 0; r < 3; ++r) value[place(j, e, r, k)] += kw * pressed.normal[r] * pressed.normal[k];
+          for (int r = a == b ? k : 0; r < 3; ++r)
+            value[place(j, e, r, k)] += kw * pressed.normal[r] * pressed.normal[k];
       }
     }
     cholmod_sparse S = matrix(value.data());
@@ -329,7 +341,8 @@ Eigen::MatrixXd ReferenceElasticity::dense_hessian(std::span<const Vec3> u, bool
     const double slope = fem::contact_push(c.clearance(p.m, u), c.k, c.soft).slope;
     if (!(slope > 0)) continue;
     for (const auto& [i, wi] : c.share)
-      for (const auto& [j, wj] : c.share) H.block<3, 3>(3 * i, 3 * j) += slope * wi * wj * c.normal * c.normal.transpose();
+      for (const auto& [j, wj] : c.share)
+        H.block<3, 3>(3 * i, 3 * j) += slope * wi * wj * c.normal * c.normal.transpose();
   }
   return H;
 }

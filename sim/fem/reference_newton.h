@@ -2,8 +2,10 @@
 // Full Newton in double on the same model: the oracle of the tests and the baseline of the speed bench.
 //
 // Hessian with 3 unknowns per free node, CHOLMOD supernodal (order: METIS on the graph of nodes, expanded), Armijo line
-// search. `projected` makes every cell's Hessian positive semi-definite through the eigenvalues of the volumetric part in
-// the frame of its singular values (Smith, de Goes, Kim 2018); `adaptive` tries the true Hessian first and projects only
+// search. `projected` makes every cell's Hessian positive semi-definite through the eigenvalues of the volumetric part
+// in
+// the frame of its singular values (Smith, de Goes, Kim 2018); `adaptive` tries the true Hessian first and projects
+// only
 // when it is not positive definite.
 #include <functional>
 #include <memory>

@@ -6,7 +6,9 @@
 
 namespace limberg {
 
-std::unique_ptr<ElasticSolver> make_region_solver(Workers& workers) { return std::make_unique<fem::RegionSolver>(make_solver(workers)); }
+std::unique_ptr<ElasticSolver> make_region_solver(Workers& workers) {
+  return std::make_unique<fem::RegionSolver>(make_solver(workers));
+}
 
 }  // namespace limberg
 
@@ -24,11 +26,14 @@ ParentList parent_list(const std::vector<int32_t>& parent) {
   return out;
 }
 
-Vec3 anchor(const Vec3& low, const Vec3& high, int32_t k) { return {(k & 1 ? high : low)[0], (k & 2 ? high : low)[1], (k & 4 ? high : low)[2]}; }
+Vec3 anchor(const Vec3& low, const Vec3& high, int32_t k) {
+  return {(k & 1 ? high : low)[0], (k & 2 ? high : low)[1], (k & 4 ? high : low)[2]};
+}
 
 void check_point(const EmbeddedPoint& p, size_t nodes, const std::string& of) {
   for (size_t i = 0; i < 8; ++i)
-    if (p.w[i] != 0 && (p.node[i] < 0 || size_t(p.node[i]) >= nodes)) throw InputError("", 0, of + " names a node that the model does not have");
+    if (p.w[i] != 0 && (p.node[i] < 0 || size_t(p.node[i]) >= nodes))
+      throw InputError("", 0, of + " names a node that the model does not have");
 }
 
 }  // namespace
@@ -61,15 +66,19 @@ void RegionSolver::set_model(std::shared_ptr<const FemModel> model, const Parent
 
   // Written over a copy of what was present before, so that chunks in which nothing has changed stay shared.
   auto p = std::make_shared<FemModel>();
-  if (!first) p->X_mm = present().X_mm, p->fixed = present().fixed, p->mass_kg = present().mass_kg, p->cells = present().cells;
+  if (!first)
+    p->X_mm = present().X_mm, p->fixed = present().fixed, p->mass_kg = present().mass_kg, p->cells = present().cells;
   p->cell_mm = m.cell_mm, p->stencils = m.stencils, p->laws = m.laws;
-  p->X_mm.resize(node_at.size(), Vec3::Zero()), p->fixed.resize(node_at.size()), p->mass_kg.resize(node_at.size()), p->cells.resize(cell_at.size());
+  p->X_mm.resize(node_at.size(), Vec3::Zero()), p->fixed.resize(node_at.size()), p->mass_kg.resize(node_at.size()),
+      p->cells.resize(cell_at.size());
   std::vector<int32_t> parent(node_at.size(), -1);
   for (int32_t k = 0; k < kAnchors; ++k) {
     p->X_mm.set(size_t(k), anchor(low_mm_, high_mm_, k)), p->fixed.set(size_t(k), 1), p->mass_kg.set(size_t(k), 0);
     parent[size_t(k)] = first ? -1 : k;
   }
-  const auto before = [&](int32_t v) { return v < 0 || size_t(v) >= place_.size() ? -1 : place_[size_t(v)] >= 0 ? place_[size_t(v)] : 0; };  // absent: at rest, as anchor 0
+  const auto before = [&](int32_t v) {
+    return v < 0 || size_t(v) >= place_.size() ? -1 : place_[size_t(v)] >= 0 ? place_[size_t(v)] : 0;
+  };  // absent: at rest, as anchor 0
   for (size_t i = kAnchors; i < node_at.size(); ++i) {
     const size_t v = size_t(node_at[i]);
     p->X_mm.set(i, m.X_mm[v]), p->fixed.set(i, m.fixed[v]), p->mass_kg.set(i, m.mass_kg[v]);
@@ -193,7 +202,8 @@ Mat3 RegionSolver::cell_F(int32_t cell) const {
 }
 
 std::string RegionSolver::describe() const {
-  return "region of " + std::to_string(cell_at_.size()) + " of " + std::to_string(cell_place_.size()) + " cells: " + inner_->describe();
+  return "region of " + std::to_string(cell_at_.size()) + " of " + std::to_string(cell_place_.size()) +
+         " cells: " + inner_->describe();
 }
 
 }  // namespace limberg::fem

@@ -14,7 +14,8 @@ namespace limberg::fem {
 namespace {
 
 const HangingNode* hanging_at(const FemModel& m, int32_t node) {
-  const auto it = std::lower_bound(m.hanging.begin(), m.hanging.end(), node, [](const HangingNode& h, int32_t n) { return h.node < n; });
+  const auto it = std::lower_bound(m.hanging.begin(), m.hanging.end(), node,
+                                   [](const HangingNode& h, int32_t n) { return h.node < n; });
   return it != m.hanging.end() && it->node == node ? &*it : nullptr;
 }
 
@@ -86,7 +87,8 @@ bool same_spring(const SpringRow& a, const SpringRow& b) {
          (a.rest_b_mm - b.rest_b_mm).norm() < place_mm;
 }
 
-ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2, bool augmented) {
+ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> springs, double mass_per_s2,
+                             bool augmented) {
   const size_t n = m.X_mm.size();
   std::vector<Mat8> cell_matrix(m.stencils.size());
   for (size_t s = 0; s < m.stencils.size(); ++s) cell_matrix[s] = scalar_cell_matrix(m, m.stencils[s], augmented);
@@ -96,7 +98,8 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
   std::vector<WideCell> wide;
   std::vector<std::vector<std::pair<int32_t, int32_t>>> node_wide(hangs.size());  // (wide cell, place in it)
   auto is_wide = [&](const HexCell& c) {
-    return !hangs.empty() && std::any_of(c.node.begin(), c.node.end(), [&](int32_t v) { return hangs[size_t(v)] >= 0; });
+    return !hangs.empty() &&
+           std::any_of(c.node.begin(), c.node.end(), [&](int32_t v) { return hangs[size_t(v)] >= 0; });
   };
   std::vector<int32_t> begin(n + 1, 0);
   for (const HexCell& c : m.cells) {
@@ -129,12 +132,14 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
   };
   std::vector<std::vector<std::pair<int32_t, int32_t>>> node_springs(n);  // (spring, place in its row)
   for (int32_t s = 0; s < int32_t(springs.size() + masses.size()); ++s)
-    for (size_t i = 0; i < row_of(s).node.size(); ++i) node_springs[size_t(row_of(s).node[i])].push_back({s, int32_t(i)});
+    for (size_t i = 0; i < row_of(s).node.size(); ++i)
+      node_springs[size_t(row_of(s).node[i])].push_back({s, int32_t(i)});
 
   ScalarMatrix A;
   A.row_of_node.assign(n, -1);
   for (size_t v = 0; v < n; ++v)
-    if (!m.fixed[v] && (begin[v] < begin[v + 1] || (!hangs.empty() && !node_wide[v].empty()))) A.row_of_node[v] = A.n(), A.node_of_row.push_back(int32_t(v));
+    if (!m.fixed[v] && (begin[v] < begin[v + 1] || (!hangs.empty() && !node_wide[v].empty())))
+      A.row_of_node[v] = A.n(), A.node_of_row.push_back(int32_t(v));
 
   std::vector<int32_t> place(size_t(A.n()), -1);
   std::vector<std::pair<int32_t, double>> column;
@@ -157,7 +162,8 @@ ScalarMatrix assemble_scalar(const FemModel& m, std::span<const SpringRow> sprin
     }
     if (!hangs.empty())
       for (auto [w, i] : node_wide[v])
-        for (size_t b = 0; b < wide[size_t(w)].node.size(); ++b) add(wide[size_t(w)].node[b], wide[size_t(w)].K(Eigen::Index(b), i));
+        for (size_t b = 0; b < wide[size_t(w)].node.size(); ++b)
+          add(wide[size_t(w)].node[b], wide[size_t(w)].K(Eigen::Index(b), i));
     for (auto [s, i] : node_springs[v]) {
       const SpringRow& r = row_of(s);
       for (size_t b = 0; b < r.node.size(); ++b) add(r.node[b], r.k_mN_per_mm * r.w[size_t(i)] * r.w[b]);

@@ -42,9 +42,13 @@ int32_t ShapedModel::add_law(LawPtr law) {
 void ShapedModel::check(std::span<const int32_t> nodes, int32_t law) const {
   for (int32_t n : nodes)
     if (n < 0 || size_t(n) >= m_.X_mm.size())
-      throw InputError("", 0, number_of(m_.cells.size()) + " names node " + std::to_string(n) + "; there are " + std::to_string(m_.X_mm.size()));
+      throw InputError("", 0,
+                       number_of(m_.cells.size()) + " names node " + std::to_string(n) + "; there are " +
+                           std::to_string(m_.X_mm.size()));
   if (law < 0 || size_t(law) >= m_.laws.size())
-    throw InputError("", 0, number_of(m_.cells.size()) + " names law " + std::to_string(law) + "; there are " + std::to_string(m_.laws.size()));
+    throw InputError("", 0,
+                     number_of(m_.cells.size()) + " names law " + std::to_string(law) + "; there are " +
+                         std::to_string(m_.laws.size()));
 }
 
 void ShapedModel::add_cell(const std::array<int32_t, 8>& nodes, const std::vector<Point>& points, double volume) {
@@ -76,7 +80,9 @@ void ShapedModel::add_hex(const std::array<int32_t, 8>& nodes, int32_t shape, in
     const Gradients D = local_gradients(Vec3(gauss[q & 1], gauss[q >> 1 & 1], gauss[q >> 2]));
     const Mat3 J = X.transpose() * D;
     const double det = J.determinant();
-    if (!(det > 0)) throw InputError("", 0, number_of(m_.cells.size()) + " is folded over at a Gauss point; a positive Jacobian was expected");
+    if (!(det > 0))
+      throw InputError(
+          "", 0, number_of(m_.cells.size()) + " is folded over at a Gauss point; a positive Jacobian was expected");
     points.push_back({D * J.inverse(), det / 8, shape});
     mean += points.back().gradients * det / 8;
     V += det / 8;
@@ -99,7 +105,9 @@ void ShapedModel::add_quad(const std::array<int32_t, 4>& n, double thickness, in
     D << y - 1, x - 1, 1 - y, -x, -y, 1 - x, y, x;
     const Eigen::Matrix2d J = X.transpose() * D;
     const double det = J.determinant();
-    if (!(det > 0)) throw InputError("", 0, number_of(m_.cells.size()) + " is folded over at a Gauss point; a positive Jacobian was expected");
+    if (!(det > 0))
+      throw InputError(
+          "", 0, number_of(m_.cells.size()) + " is folded over at a Gauss point; a positive Jacobian was expected");
     Gradients G = Gradients::Zero();
     G.topLeftCorner<4, 2>() = D * J.inverse();
     const double v = det * thickness / 4;
@@ -121,7 +129,8 @@ void ShapedModel::add_tet(std::array<int32_t, 4> n, int32_t law) {
   Mat3 D = edges();
   if (D.determinant() < 0) std::swap(n[2], n[3]), D = edges();
   const double V = D.determinant() / 6, longest = D.colwise().norm().maxCoeff();
-  if (!(V > 1e-12 * longest * longest * longest)) throw InputError("", 0, number_of(m_.cells.size()) + " is a flat tetrahedron; one with a volume was expected");
+  if (!(V > 1e-12 * longest * longest * longest))
+    throw InputError("", 0, number_of(m_.cells.size()) + " is a flat tetrahedron; one with a volume was expected");
   const Mat3 inverse = D.inverse();  // row i: the gradient of corner i + 1
   Gradients G = Gradients::Zero();
   G.middleRows<3>(1) = inverse;
@@ -139,7 +148,8 @@ FemModel ShapedModel::finish(double density) const {
     mean += s.volume_mm3 / double(m.cells.size());
     std::array<double, 8> used{};
     double sum = 0;
-    for (size_t a = 0; a < 8; ++a) used[a] = s.points[0].gradients->row(Eigen::Index(a)).squaredNorm() > 0, sum += used[a];
+    for (size_t a = 0; a < 8; ++a)
+      used[a] = s.points[0].gradients->row(Eigen::Index(a)).squaredNorm() > 0, sum += used[a];
     for (size_t a = 0; a < 8; ++a) m.mass_kg[size_t(c.node[a])] += density * s.volume_mm3 * used[a] / sum;
   }
   m.cell_mm = Vec3::Constant(std::cbrt(std::max(mean, 1e-300)));

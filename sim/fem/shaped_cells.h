@@ -1,18 +1,22 @@
 #pragma once
 // Models of cells that are no boxes: hexahedra with eight free corners, plane-strain quadrilaterals, linear tetrahedra.
 //
-// For comparison with other codes, curved bodies whose mesh follows their shape, and imported meshes; a patient's lattice
+// For comparison with other codes, curved bodies whose mesh follows their shape, and imported meshes; a patient's
+// lattice
 // has none of them. Such a cell is a HexCell whose stencil has neither K nor lambda: all of its energy is in material
 // points that carry their own gradients (MaterialPoint::gradients), so the same minimiser, metric and reference solver
-// work on it, in double, without the lattice's fast kernel. Unused corners of a tetrahedron or a quadrilateral repeat the
+// work on it, in double, without the lattice's fast kernel. Unused corners of a tetrahedron or a quadrilateral repeat
+// the
 // first node with a gradient of zero. The multilevel cycle reads places on a lattice: give such models to a solver that
 // always factors (MetricPolicy::factor_up_to_nodes).
 //
 // Integration:
 //   hex   shape law at 2 x 2 x 2 Gauss points; volume law once, with the gradients' mean over the cell (Flanagan and
-//         Belytschko 1981), so that a patch of distorted cells stretches evenly. Without a volume law: everything at the
+//         Belytschko 1981), so that a patch of distorted cells stretches evenly. Without a volume law: everything at
+//         the
 //         Gauss points (full integration)
-//   quad  the same in the plane; every particle moves in it only: F e3 = e3 (out-of-plane nodal motion has its own, decoupled
+//   quad  the same in the plane; every particle moves in it only: F e3 = e3 (out-of-plane nodal motion has its own,
+//   decoupled
 //         stiffness and stays zero)
 //   tet   one point
 #include <array>
@@ -30,7 +34,8 @@ class ShapedModel {
   /// Returns the law's index, for the cells.
   int32_t add_law(LawPtr law);
 
-  /// Corner order of fem_model.h. `volume` < 0: full integration of `shape`. InputError when the Jacobian is not positive
+  /// Corner order of fem_model.h. `volume` < 0: full integration of `shape`. InputError when the Jacobian is not
+  /// positive
   /// at a Gauss point, or for an index that does not exist. The same holds for the others.
   void add_hex(const std::array<int32_t, 8>& nodes, int32_t shape, int32_t volume = -1);
   /// Corners in the order (0,0), (1,0), (0,1), (1,1); z is not used.

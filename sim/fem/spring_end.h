@@ -6,7 +6,8 @@
 
 namespace limberg::fem {
 
-/// Calls visit(node, weight) for the nodes of every place; a node that carries two places comes twice. The weights sum to 1
+/// Calls visit(node, weight) for the nodes of every place; a node that carries two places comes twice. The weights sum
+/// to 1
 /// in double precision (those of a place, in single precision, only nearly do).
 template <class Visit>
 void for_each_weight(std::span<const EmbeddedPoint> end, Visit&& visit) {

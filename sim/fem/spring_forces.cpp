@@ -19,8 +19,10 @@ SpringForces::SpringForces(const FemModel& model, std::span<const Spring> spring
       for_each_weight(end, [&](int32_t node, double share) {
         const double w = sign * share;
         const auto known = std::find(it.node.begin() + std::ptrdiff_t(first), it.node.end(), node);
-        if (known == it.node.end()) it.node.push_back(node), it.w.push_back(w);
-        else it.w[size_t(known - it.node.begin())] += w;
+        if (known == it.node.end())
+          it.node.push_back(node), it.w.push_back(w);
+        else
+          it.w[size_t(known - it.node.begin())] += w;
         it.offset += w * model.X_mm[size_t(node)];
       });
     };

@@ -10,12 +10,13 @@
 namespace limberg::fem {
 namespace {
 
-// Measured on the shipped rhomboid with divided fronts (2026-11-22), iterations from drawing the donor stitch to rest: with 16 958,
+// Measured on the shipped rhomboid with divided fronts (2026-11-22), iterations from drawing the donor stitch to rest:
+// with 16 958,
 // with 6 1197, without any not at rest after 2000.
 constexpr double kTooSoft = 16;
-constexpr double kOff = 4;     // rows are made again where the stiffness is so many times what they have
-constexpr size_t kFew = 2;     // one, as a hook makes, is left to the history: a row costs in every iteration
-constexpr size_t kMost = 64;   // where more is drawn out it is a tangle, not a stitch
+constexpr double kOff = 4;    // rows are made again where the stiffness is so many times what they have
+constexpr size_t kFew = 2;    // one, as a hook makes, is left to the history: a row costs in every iteration
+constexpr size_t kMost = 64;  // where more is drawn out it is a tangle, not a stitch
 constexpr size_t kGrain = 2048;
 
 }  // namespace
@@ -36,7 +37,8 @@ bool StretchedCells::follow(const FemModel& m, const NodeArray& u, bool augmente
       const Eigen::SelfAdjointEigenSolver<Mat3> eigen(cof.transpose() * cof);
       for (int k = 0; k < 3; ++k)
         if (const double e = eigen.eigenvalues()[k]; e > bar)
-          of_chunk[begin / kGrain].push_back({int32_t(c), double(cell.scale) * ke * s.volume_mm3 * (e - 1), ke * (e - 1) / rest, eigen.eigenvectors().col(k)});
+          of_chunk[begin / kGrain].push_back({int32_t(c), double(cell.scale) * ke * s.volume_mm3 * (e - 1),
+                                              ke * (e - 1) / rest, eigen.eigenvectors().col(k)});
     }
   });
   std::vector<Direction> now;

@@ -20,7 +20,9 @@ FemModel bcc_box_model(const BoxSpec& b) {
       for (int i = 0; i <= n.x; ++i)
         s.add_node(origin + h.cwiseProduct(Vec3(i, j, k)),
                    (b.fix_sides && (i == 0 || j == 0 || i == n.x || j == n.y)) || (b.fix_bottom && k == 0));
-  const auto corner = [&](const std::array<int, 3>& c) { return int32_t((c[2] * (n.y + 1) + c[1]) * (n.x + 1) + c[0]); };
+  const auto corner = [&](const std::array<int, 3>& c) {
+    return int32_t((c[2] * (n.y + 1) + c[1]) * (n.x + 1) + c[0]);
+  };
   const int32_t centres = (n.x + 1) * (n.y + 1) * (n.z + 1);
   for (int k = 0; k < n.z; ++k)
     for (int j = 0; j < n.y; ++j)
@@ -51,14 +53,16 @@ FemModel bcc_box_model(const BoxSpec& b) {
             }
             std::array<int, 3> next = c;
             ++next[axis];
-            // Between two layers of different tissue each half of a tetrahedron belongs to one: the mean stands for both.
+            // Between two layers of different tissue each half of a tetrahedron belongs to one: the mean stands for
+            // both.
             const int32_t la = law_at(c[2]), lb = law_at(next[2]);
             for (size_t e = 0; e < 4; ++e) s.add_tet({centre(c), centre(next), q[e], q[(e + 1) % 4]}, e % 2 ? la : lb);
           }
   return s.finish(b.density_kg_mm3);
 }
 
-FemModel tet_mesh_model(std::span<const Vec3> vertices, std::span<const std::array<int32_t, 4>> tets, double young, double poisson, double density) {
+FemModel tet_mesh_model(std::span<const Vec3> vertices, std::span<const std::array<int32_t, 4>> tets, double young,
+                        double poisson, double density) {
   ShapedModel s;
   const Elastic e = elastic_from_young(young, poisson);
   const int32_t law = s.add_law(stable_neo_hookean_full(e.mu_kPa, e.lambda_kPa, e.mu_kPa));

@@ -39,7 +39,8 @@ TileOrder order_cells(const FemModel& m) {
   o.key.resize(m.cells.size());
   for (size_t c = 0; c < o.key.size(); ++c) o.key[c] = key_of(m, o.low_mm, c);
   std::sort(o.key.begin(), o.key.end());
-  const auto absent = std::stable_partition(o.key.begin(), o.key.end(), [here = Present(m)](const TileKey& k) { return here(size_t(k.index)); });
+  const auto absent = std::stable_partition(o.key.begin(), o.key.end(),
+                                            [here = Present(m)](const TileKey& k) { return here(size_t(k.index)); });
   o.present = size_t(absent - o.key.begin());
   return o;
 }

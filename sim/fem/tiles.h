@@ -1,6 +1,8 @@
 #pragma once
-// In which order the kernels take the cells, and in which tiles: square tiles of the xy plane, full height, neither too small
-// nor too large. A tile numbers its nodes by itself, so most tiles of a model are those of the model before a cut, moved.
+// In which order the kernels take the cells, and in which tiles: square tiles of the xy plane, full height, neither too
+// small
+// nor too large. A tile numbers its nodes by itself, so most tiles of a model are those of the model before a cut,
+// moved.
 #include <compare>
 #include <cstdint>
 #include <optional>
@@ -25,7 +27,8 @@ struct TileOrder {
 
 TileOrder order_cells(const FemModel& model);
 
-/// The same, from the order of an earlier model whose nodes and cells the model begins with; nothing when it has moved any,
+/// The same, from the order of an earlier model whose nodes and cells the model begins with; nothing when it has moved
+/// any,
 /// or made one absent. `changed`: per earlier cell, 1 when it is not what it was.
 std::optional<TileOrder> order_cells(const FemModel& model, const FemModel& before, const TileOrder& order_before,
                                      std::vector<uint8_t>& changed);

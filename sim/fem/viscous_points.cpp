@@ -17,7 +17,8 @@ void put(float* to, const Mat3& S) {
 }
 Mat3 get(const float* v) {
   Mat3 S;
-  S << double(v[0]), double(v[3]), double(v[5]), double(v[3]), double(v[1]), double(v[4]), double(v[5]), double(v[4]), double(v[2]);
+  S << double(v[0]), double(v[3]), double(v[5]), double(v[3]), double(v[1]), double(v[4]), double(v[5]), double(v[4]),
+      double(v[2]);
   return S;
 }
 Mat3 cofactor(const Mat3& F) {
@@ -47,7 +48,8 @@ ViscousPoints::ViscousPoints(const FemModel& m) : laws_(m.laws) {
     r.first = int32_t(points_.size()), r.group = groups;
     for (const ViscousPoint& p : s.viscous) {
       if (p.law < 0 || size_t(p.law) >= laws_.size() || !laws_[size_t(p.law)])
-        throw InputError("", 0, "a viscous point names law " + std::to_string(p.law) + "; one of the model's laws was expected");
+        throw InputError(
+            "", 0, "a viscous point names law " + std::to_string(p.law) + "; one of the model's laws was expected");
       Point q;
       q.law = laws_[size_t(p.law)].get(), q.law_index = p.law;
       q.mu_kPa = neo_hookean_modulus_kPa(*q.law);
@@ -132,7 +134,9 @@ void ViscousPoints::carry(const ViscousPoints& before, const ParentList& parent,
   if (before.empty()) return;
   settle(), before.settle();
   for (const Cell& c : cells_) {
-    if (size_t(c.cell) >= parent.size() || parent[size_t(c.cell)] < 0 || size_t(parent[size_t(c.cell)]) >= before.place_.size()) continue;
+    if (size_t(c.cell) >= parent.size() || parent[size_t(c.cell)] < 0 ||
+        size_t(parent[size_t(c.cell)]) >= before.place_.size())
+      continue;
     const int32_t old = before.place_[size_t(parent[size_t(c.cell)])];
     if (old < 0) continue;
     const Cell& b = before.cells_[size_t(old)];
@@ -192,12 +196,14 @@ CellSums ViscousPoints::force(const Cell& cell, const NodeArray& u, CellForce& o
   for (int32_t i = cell.first; i < cell.last; state += state_size(points_[size_t(i)]), ++i) {
     const Point& p = points_[size_t(i)];
     const double s = double(state[6]);
-    const Mat3 B = remembered(p, state), D = U.transpose() * p.B, grad = Mat3::Identity() + D, dF = D * p.M, F = p.M + dF;
+    const Mat3 B = remembered(p, state), D = U.transpose() * p.B, grad = Mat3::Identity() + D, dF = D * p.M,
+               F = p.M + dF;
     const MaterialLaw::Response r = p.law->at(F);
     const auto [L, L1] = log_volume(grad.determinant(), s);
     // B : C relative to rest, from the change of F: no large numbers are subtracted.
     const Mat3 dC = p.M.transpose() * dF + dF.transpose() * F;
-    const double shape = p.G * (r.energy_kPa - p.rest_kPa), memory = 0.5 * B.cwiseProduct(dC).sum(), volume = p.G * s * L;
+    const double shape = p.G * (r.energy_kPa - p.rest_kPa), memory = 0.5 * B.cwiseProduct(dC).sum(),
+                 volume = p.G * s * L;
     sums.energy += p.volume_mm3 * (shape + memory - volume);
     sums.magnitude += p.volume_mm3 * (std::fabs(shape) + std::fabs(memory) + std::fabs(volume));
     const Mat3 P = (p.G * r.P_kPa + F * B) * p.M.transpose() - p.G * s * L1 * cofactor(grad);

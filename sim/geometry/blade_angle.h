@@ -7,6 +7,8 @@ namespace limberg {
 inline constexpr double kLeastBlade_deg = 20, kMostBlade_deg = 160;
 inline constexpr const char* kBladeAngles = "the angle between blade and skin must be 20 to 160 degrees";
 
-inline constexpr bool blade_can_lean(double angle_deg) { return angle_deg >= kLeastBlade_deg && angle_deg <= kMostBlade_deg; }
+inline constexpr bool blade_can_lean(double angle_deg) {
+  return angle_deg >= kLeastBlade_deg && angle_deg <= kMostBlade_deg;
+}
 
 }  // namespace limberg

@@ -63,8 +63,7 @@ class Builder {
 
 void check(const BlockSpec& s) {
   auto fail = [&](const std::string& what) { throw InputError(s.name, 0, what); };
-  if (!s.size_mm.allFinite() || s.size_mm.minCoeff() <= 0)
-    fail("block size must be three finite lengths above 0 mm");
+  if (!s.size_mm.allFinite() || s.size_mm.minCoeff() <= 0) fail("block size must be three finite lengths above 0 mm");
   if (s.size_mm.maxCoeff() > 1000) fail("block size is above 1000 mm; expected at most 1000");
   if (!std::isfinite(s.skin_cell_mm) || s.skin_cell_mm <= 0) fail("skin cell size must be above 0 mm");
   if (s.size_mm.x() * s.size_mm.y() / (s.skin_cell_mm * s.skin_cell_mm) > 2e6)

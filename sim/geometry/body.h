@@ -21,17 +21,19 @@ struct LawSpec {
     std::string key;            // as in the scene, with its unit: "k1_kPa"
     std::vector<double> value;  // one number, or a list where the law takes one
   };
-  std::string name;             // empty: stable neo-Hookean of young_kPa and poisson
+  std::string name;  // empty: stable neo-Hookean of young_kPa and poisson
   std::vector<Constant> constants;
 };
 
-/// Resistance to change of shape that fades: `share` of what a sudden strain meets at first, gone with exp(-t / time_s).
+/// Resistance to change of shape that fades: `share` of what a sudden strain meets at first, gone with exp(-t /
+/// time_s).
 struct PronyTerm {
   double share = 0, time_s = 1;
 };
 
 /// Elastic constants of a layer. nu is the Lame Poisson ratio (lambda = 2 mu nu / (1 - 2 nu)). With a law of its own
-/// young_kPa is what that law has at small strain (of its matrix, where fibres lie in one), for figures that need one number.
+/// young_kPa is what that law has at small strain (of its matrix, where fibres lie in one), for figures that need one
+/// number.
 struct Material {
   double young_kPa = 60;
   double poisson = 0.45;
@@ -59,15 +61,16 @@ using ChartPoint = Vec2;
 
 /// The result of asking "where on the skin?" in rest space.
 struct SkinHit {
-  Vec3 X_mm = Vec3::Zero();   // on the rest surface
+  Vec3 X_mm = Vec3::Zero();     // on the rest surface
   Vec3 normal = Vec3::UnitZ();  // outward, unit
-  int32_t triangle = -1;      // of Body::surface
+  int32_t triangle = -1;        // of Body::surface
 };
 
 struct Body {
   std::string name;
   RestGrid grid;
-  TriMesh surface;  // vertices already on the even grid: X_mm == grid.to_mm(grid.to_grid(X_mm)); validated closed, embedded
+  TriMesh
+      surface;  // vertices already on the even grid: X_mm == grid.to_mm(grid.to_grid(X_mm)); validated closed, embedded
   std::vector<Layer> layers;
   std::shared_ptr<const LawCatalogue> laws;  // what layers may name; null: the shipped laws
   Vec3 tension_direction = Vec3::UnitX();

@@ -167,7 +167,8 @@ void Bvh::walk_line(const Vec3& o, const Vec3& d, double t0, double t1, Visit&& 
   const double sx = d[kx] / d[kz], sy = d[ky] / d[kz], sz = 1 / d[kz];
   // A sheared coordinate errs by a few ulps of the coordinates; boxes grow by that much so that none is missed.
   const Vec3f &root_lo = node_[0].lo, &root_hi = node_[0].hi;
-  const double slack = 1e-12 * (o.cwiseAbs().maxCoeff() + double(root_lo.cwiseAbs().maxCoeff()) + double(root_hi.cwiseAbs().maxCoeff()));
+  const double slack =
+      1e-12 * (o.cwiseAbs().maxCoeff() + double(root_lo.cwiseAbs().maxCoeff()) + double(root_hi.cwiseAbs().maxCoeff()));
   int32_t stack[kStack];
   int n = 0;
   stack[n++] = 0;
@@ -213,7 +214,9 @@ void Bvh::walk_line(const Vec3& o, const Vec3& d, double t0, double t1, Visit&& 
 }
 
 namespace {
-bool earlier(const Bvh::LineHit& a, const Bvh::LineHit& b) { return std::pair(a.t, a.triangle) < std::pair(b.t, b.triangle); }
+bool earlier(const Bvh::LineHit& a, const Bvh::LineHit& b) {
+  return std::pair(a.t, a.triangle) < std::pair(b.t, b.triangle);
+}
 }  // namespace
 
 int Bvh::line(const Vec3& o, const Vec3& d, double t0, double t1, std::span<LineHit> out) const {

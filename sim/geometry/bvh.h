@@ -86,7 +86,8 @@ class Bvh {
     int32_t first = 0;   // leaf: into order_
     int32_t second = 0;  // inner: the second child (the first is the next node)
     bool meets(const Vec3& a, const Vec3& b) const {
-      return lo.x() <= b.x() && hi.x() >= a.x() && lo.y() <= b.y() && hi.y() >= a.y() && lo.z() <= b.z() && hi.z() >= a.z();
+      return lo.x() <= b.x() && hi.x() >= a.x() && lo.y() <= b.y() && hi.y() >= a.y() && lo.z() <= b.z() &&
+             hi.z() >= a.z();
     }
   };
   int32_t build(int32_t first, int32_t count, std::span<const Vec3> centre);

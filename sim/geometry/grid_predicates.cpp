@@ -16,7 +16,8 @@ int orient2d(const P2& a, const P2& b, const P2& c) {  // 44-bit products: exact
   return (d > 0) - (d < 0);
 }
 bool on_segment(const P2& a, const P2& b, const P2& p) {  // p on line ab assumed
-  return std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y && p.y <= std::max(a.y, b.y);
+  return std::min(a.x, b.x) <= p.x && p.x <= std::max(a.x, b.x) && std::min(a.y, b.y) <= p.y &&
+         p.y <= std::max(a.y, b.y);
 }
 bool segments_meet(const P2& a, const P2& b, const P2& c, const P2& d) {
   const int s = orient2d(a, b, c), t = orient2d(a, b, d), u = orient2d(c, d, a), v = orient2d(c, d, b);
@@ -89,7 +90,8 @@ bool grid_triangles_offend(const GridTriangle& a, const GridTriangle& b) {
            grid_segment_meets_triangle(b[(j + 1) % 3], b[(j + 2) % 3], a);
   }
   for (size_t k = 0; k < 3; ++k)
-    if (grid_segment_meets_triangle(a[k], a[(k + 1) % 3], b) || grid_segment_meets_triangle(b[k], b[(k + 1) % 3], a)) return true;
+    if (grid_segment_meets_triangle(a[k], a[(k + 1) % 3], b) || grid_segment_meets_triangle(b[k], b[(k + 1) % 3], a))
+      return true;
   return false;
 }
 

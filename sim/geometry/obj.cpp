@@ -147,9 +147,11 @@ class Parser {
   int32_t index(std::string_view w, size_t count, const char* of) const {
     int64_t i = 0;
     const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), i);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size()) fail("a face has a broken index; expected v, v/vt, v//vn or v/vt/vn");
+    if (w.empty() || ec != std::errc() || end != w.data() + w.size())
+      fail("a face has a broken index; expected v, v/vt, v//vn or v/vt/vn");
     if (i == 0 || i > int64_t(count) || -i > int64_t(count))
-      fail("a face names " + std::string(of) + " " + std::to_string(i) + "; there are " + std::to_string(count) + " so far");
+      fail("a face names " + std::string(of) + " " + std::to_string(i) + "; there are " + std::to_string(count) +
+           " so far");
     return int32_t(i > 0 ? i - 1 : int64_t(count) + i);
   }
 
@@ -173,10 +175,13 @@ class Parser {
     } else {
       points_.clear();
       for (const Corner& c : polygon_) points_.push_back(mesh_.v[size_t(c.v)]);
-      if (!clip_(points_, ears_)) fail("a face with " + std::to_string(polygon_.size()) + " corners cannot be cut into triangles; expected a simple polygon with an area");
+      if (!clip_(points_, ears_))
+        fail("a face with " + std::to_string(polygon_.size()) +
+             " corners cannot be cut into triangles; expected a simple polygon with an area");
     }
     for (const auto& e : ears_) {
-      if (mesh_.tri.size() == ObjLimits::triangles) fail("more than " + std::to_string(ObjLimits::triangles) + " triangles");
+      if (mesh_.tri.size() == ObjLimits::triangles)
+        fail("more than " + std::to_string(ObjLimits::triangles) + " triangles");
       mesh_.tri.push_back({polygon_[size_t(e[0])], polygon_[size_t(e[1])], polygon_[size_t(e[2])]});
       mesh_.line.push_back(line_);
     }
@@ -219,9 +224,13 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
   }
   const double extent = (hi - lo).maxCoeff();
   if (!(extent <= ObjLimits::extent_mm))
-    throw InputError(spec.path, 0, "the surface is " + std::to_string(extent) + " mm long; expected at most 1000 (is the scale right?)");
+    throw InputError(
+        spec.path, 0,
+        "the surface is " + std::to_string(extent) + " mm long; expected at most 1000 (is the scale right?)");
   if (extent < ObjLimits::min_extent_mm)
-    throw InputError(spec.path, 0, "the surface is only " + std::to_string(extent) + " mm long; expected at least 1 (is the scale right?)");
+    throw InputError(
+        spec.path, 0,
+        "the surface is only " + std::to_string(extent) + " mm long; expected at least 1 (is the scale right?)");
   body.grid.unit_mm = rest_unit_mm(0.5 * extent);
   // A whole number of mm as origin keeps coordinates readable and every snapped vertex exact in double.
   for (int k = 0; k < 3; ++k) body.grid.origin_mm[k] = std::round(0.5 * (lo[k] + hi[k]));
@@ -234,10 +243,12 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
   std::vector<Snapped> snapped;
   for (size_t i = 0; i < raw.v.size(); ++i)
     if (used[i]) snapped.push_back({body.grid.to_grid(raw.v[i]), int32_t(i)});
-  std::sort(snapped.begin(), snapped.end(), [](const Snapped& a, const Snapped& b) { return a.p != b.p ? a.p < b.p : a.v < b.v; });
+  std::sort(snapped.begin(), snapped.end(),
+            [](const Snapped& a, const Snapped& b) { return a.p != b.p ? a.p < b.p : a.v < b.v; });
   std::vector<int32_t> twin(raw.v.size(), -1), first(raw.v.size(), -1);
   for (size_t i = 0; i < snapped.size(); ++i)
-    twin[size_t(snapped[i].v)] = i > 0 && snapped[i].p == snapped[i - 1].p ? twin[size_t(snapped[i - 1].v)] : snapped[i].v;
+    twin[size_t(snapped[i].v)] =
+        i > 0 && snapped[i].p == snapped[i - 1].p ? twin[size_t(snapped[i - 1].v)] : snapped[i].v;
   TriMesh& m = body.surface;
   for (size_t i = 0; i < raw.v.size(); ++i)
     if (used[i] && twin[i] == int32_t(i)) {  // in the order of the file
@@ -257,7 +268,8 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
     m.uv.push_back(uv);
     lines.push_back(raw.line[t]);
   }
-  if (m.tri.empty()) throw InputError(spec.path, 0, "every face collapses on the rest grid; expected a surface (is the scale right?)");
+  if (m.tri.empty())
+    throw InputError(spec.path, 0, "every face collapses on the rest grid; expected a surface (is the scale right?)");
 }
 
 }  // namespace
@@ -284,7 +296,9 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
     m.tag.push_back(held ? SurfaceTag::fixed : SurfaceTag::skin);
     any_skin = any_skin || !held;
   }
-  if (!any_skin) throw InputError(spec.path, 0, "the deep side covers the whole surface; expected some skin (see deep_direction, deep_angle_deg)");
+  if (!any_skin)
+    throw InputError(spec.path, 0,
+                     "the deep side covers the whole surface; expected some skin (see deep_direction, deep_angle_deg)");
 
   body.name = std::filesystem::path(spec.path).stem().string();
   body.layers = spec.layers;
@@ -304,9 +318,12 @@ Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report
 Body load_obj(const ObjSpec& spec, SurfaceReport* report) {
   std::error_code ec;
   if (!std::filesystem::exists(spec.path, ec)) throw InputError(spec.path, 0, "no such file; expected an OBJ surface");
-  if (std::filesystem::is_directory(spec.path, ec)) throw InputError(spec.path, 0, "is a folder; expected an OBJ surface");
+  if (std::filesystem::is_directory(spec.path, ec))
+    throw InputError(spec.path, 0, "is a folder; expected an OBJ surface");
   std::ifstream in(spec.path, std::ios::binary);
-  if (!in) throw InputError(spec.path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected an OBJ surface");
+  if (!in)
+    throw InputError(spec.path, 0,
+                     std::string("cannot be opened (") + std::strerror(errno) + "); expected an OBJ surface");
   std::string text;
   std::vector<char> part(1 << 20);
   while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {

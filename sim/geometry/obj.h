@@ -2,7 +2,8 @@
 // A patient from a closed surface in a Wavefront OBJ file.
 //
 // Read: v, vt, f (triangles and polygons, v, v/vt, v//vn and v/vt/vn, negative indices), \r\n line ends, # comments and
-// line continuation by a backslash. Other statements (vn, s, g, o, usemtl, mtllib ...) are skipped. Polygons are cut into
+// line continuation by a backslash. Other statements (vn, s, g, o, usemtl, mtllib ...) are skipped. Polygons are cut
+// into
 // triangles in their own plane. Vertices are scaled to mm, snapped to the even rest grid (the finest unit that the size
 // allows), equal ones are welded, triangles that collapse by that are dropped, and the result is validated exactly.
 #include <limits>
@@ -22,7 +23,8 @@ struct ObjSpec {
   std::vector<Layer> layers;
   Vec3 tension_direction = Vec3::UnitX();
 
-  // What is held in place: triangles whose outward normal is within deep_angle_deg of deep_direction (or, when a centre is
+  // What is held in place: triangles whose outward normal is within deep_angle_deg of deep_direction (or, when a centre
+  // is
   // given, of the direction to that centre: the inner side of a shell around the skull), and triangles with all corners
   // beyond the plane { X : X . deep_direction = deep_plane_mm }. Everything else is skin.
   Vec3 deep_direction = -Vec3::UnitZ();
@@ -37,7 +39,7 @@ struct ObjLimits {
   static constexpr size_t file_bytes = size_t(512) << 20;
   static constexpr size_t vertices = 2'000'000, triangles = 4'000'000;
   static constexpr size_t polygon_corners = 256;
-  static constexpr double extent_mm = 1000;     // longest side after scaling
+  static constexpr double extent_mm = 1000;  // longest side after scaling
   static constexpr double min_extent_mm = 1;
 };
 

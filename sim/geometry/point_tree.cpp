@@ -5,7 +5,8 @@
 
 namespace limberg {
 
-PointTree::PointTree(std::span<const Vec3> points) : x_(points.begin(), points.end()), order_(points.size()), axis_(points.size(), 0) {
+PointTree::PointTree(std::span<const Vec3> points)
+    : x_(points.begin(), points.end()), order_(points.size()), axis_(points.size(), 0) {
   for (size_t i = 0; i < order_.size(); ++i) order_[i] = int32_t(i);
   build(0, order_.size());
 }
@@ -17,10 +18,11 @@ void PointTree::build(size_t begin, size_t end) {
   int axis = 0;
   (hi - lo).maxCoeff(&axis);
   const size_t middle = (begin + end) / 2;
-  std::nth_element(order_.begin() + ptrdiff_t(begin), order_.begin() + ptrdiff_t(middle), order_.begin() + ptrdiff_t(end), [&](int32_t a, int32_t b) {
-    const double p = x_[size_t(a)][axis], q = x_[size_t(b)][axis];
-    return p != q ? p < q : a < b;
-  });
+  std::nth_element(order_.begin() + ptrdiff_t(begin), order_.begin() + ptrdiff_t(middle),
+                   order_.begin() + ptrdiff_t(end), [&](int32_t a, int32_t b) {
+                     const double p = x_[size_t(a)][axis], q = x_[size_t(b)][axis];
+                     return p != q ? p < q : a < b;
+                   });
   axis_[middle] = uint8_t(axis);
   build(begin, middle);
   build(middle + 1, end);
@@ -52,7 +54,9 @@ void PointTree::nearest(const Vec3& p, size_t count, std::vector<Nearest>& out) 
   out.clear();
   if (count == 0) return;
   double r2 = std::numeric_limits<double>::infinity();
-  const auto before = [](const Nearest& a, const Nearest& b) { return a.distance != b.distance ? a.distance < b.distance : a.index < b.index; };
+  const auto before = [](const Nearest& a, const Nearest& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.index < b.index;
+  };
   walk(p, 0, order_.size(), r2, [&](int32_t i, double d2) {
     const Nearest n{i, d2};
     if (out.size() == count && !before(n, out.back())) return;

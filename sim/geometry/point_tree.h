@@ -1,5 +1,6 @@
 #pragma once
-// Nearest neighbours among points: a k-d tree over a copy of them. Build O(n log n); queries are const and allocate nothing.
+// Nearest neighbours among points: a k-d tree over a copy of them. Build O(n log n); queries are const and allocate
+// nothing.
 // The same points give the same answers everywhere (ties go to the lower index).
 #include <cstdint>
 #include <limits>
@@ -30,8 +31,8 @@ class PointTree {
   template <class Visit>
   void walk(const Vec3& p, size_t begin, size_t end, double& radius2, Visit&& visit) const;
   std::vector<Vec3> x_;
-  std::vector<int32_t> order_;   // a range's middle is its splitting point
-  std::vector<uint8_t> axis_;    // of that point
+  std::vector<int32_t> order_;  // a range's middle is its splitting point
+  std::vector<uint8_t> axis_;   // of that point
 };
 
 }  // namespace limberg

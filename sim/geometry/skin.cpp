@@ -18,7 +18,8 @@ Vec3 face_normal(const TriMesh& m, int32_t t) {
 
 }  // namespace
 
-Skin::Skin(std::shared_ptr<const Body> body) : body_(std::move(body)), surface_(body_->surface.X_mm, body_->surface.tri) {
+Skin::Skin(std::shared_ptr<const Body> body)
+    : body_(std::move(body)), surface_(body_->surface.X_mm, body_->surface.tri) {
   const TriMesh& m = body_->surface;
   std::vector<int32_t> skin;
   for (size_t t = 0; t < m.tri.size(); ++t)
@@ -53,7 +54,8 @@ Skin::Skin(std::shared_ptr<const Body> body) : body_(std::move(body)), surface_(
   for (size_t i = 0; i < sides.size();) {
     size_t j = i;
     Vec3 sum = Vec3::Zero();
-    for (; j < sides.size() && sides[j].a == sides[i].a && sides[j].b == sides[i].b; ++j) sum += face_normal(m, sides[j].triangle);
+    for (; j < sides.size() && sides[j].a == sides[i].a && sides[j].b == sides[i].b; ++j)
+      sum += face_normal(m, sides[j].triangle);
     for (; i < j; ++i) edge_normal_[size_t(sides[i].triangle)][size_t(sides[i].k)] = sum;
   }
   for (const Vec3& X : m.X_mm) reach_mm_ = std::max(reach_mm_, (X - body_->chart_origin_mm).norm());
@@ -106,7 +108,8 @@ double Skin::depth_mm(const Vec3& X) const {
 double Skin::depth_mm(const Vec3& X, Bvh::Closest& near) const {
   if (!any_) return std::numeric_limits<double>::infinity();
   // The last answer's point is skin too: nothing farther away can be nearest.
-  const double bound = near.triangle >= 0 ? (X - near.point_mm).norm() * (1 + 1e-12) + 1e-12 : std::numeric_limits<double>::infinity();
+  const double bound =
+      near.triangle >= 0 ? (X - near.point_mm).norm() * (1 + 1e-12) + 1e-12 : std::numeric_limits<double>::infinity();
   near = skin_.closest(X, bound);
   return (X - near.point_mm).dot(side_normal(near)) > 0 ? -near.distance_mm : near.distance_mm;
 }

@@ -25,7 +25,8 @@ std::vector<Vec2> spline_through(std::span<const Vec2> control, double spacing) 
     // At a free end or a corner the neighbour is mirrored in the segment's middle: the curve leaves it straight.
     const Vec2 a = smooth(i) ? (i == 0 ? p[n - 2] : p[i - 1]) : Vec2(2 * b - c);
     const Vec2 d = smooth(i + 1) ? (i + 2 == n ? p[1] : p[i + 2]) : Vec2(2 * c - b);
-    const double t1 = std::sqrt((b - a).norm()), t2 = t1 + std::sqrt((c - b).norm()), t3 = t2 + std::sqrt((d - c).norm());
+    const double t1 = std::sqrt((b - a).norm()), t2 = t1 + std::sqrt((c - b).norm()),
+                 t3 = t2 + std::sqrt((d - c).norm());
     const int parts = std::max(1, int(std::ceil((c - b).norm() / spacing)));
     for (int k = 1; k < parts; ++k) {  // Barry and Goldman's pyramid
       const double t = t1 + (t2 - t1) * k / parts;

@@ -66,11 +66,14 @@ class Validator {
       for (int32_t v : m_.tri[t])
         if (v < 0 || size_t(v) >= p_.size())
           throw InputError(file_, t < lines_.size() ? lines_[t] : 0,
-                           "triangle " + std::to_string(t + 1) + " names vertex " + std::to_string(v + 1) + " of " + std::to_string(p_.size()));
+                           "triangle " + std::to_string(t + 1) + " names vertex " + std::to_string(v + 1) + " of " +
+                               std::to_string(p_.size()));
       const GridTriangle g = grid_triangle(int32_t(t));
       const auto n = grid_normal(g[0], g[1], g[2]);
-      if (n[0] == 0 && n[1] == 0 && n[2] == 0) fail(int32_t(t), centre(int32_t(t)), "a triangle has no area; expected none degenerate");
-      report_.area_mm2 += 0.5 * area_vector2(corner(int32_t(t), 0), corner(int32_t(t), 1), corner(int32_t(t), 2)).norm();
+      if (n[0] == 0 && n[1] == 0 && n[2] == 0)
+        fail(int32_t(t), centre(int32_t(t)), "a triangle has no area; expected none degenerate");
+      report_.area_mm2 +=
+          0.5 * area_vector2(corner(int32_t(t), 0), corner(int32_t(t), 1), corner(int32_t(t), 2)).norm();
     }
     report_.triangles = int64_t(m_.tri.size());
   }
@@ -79,11 +82,14 @@ class Validator {
     edge_.reserve(3 * m_.tri.size());
     for (size_t t = 0; t < m_.tri.size(); ++t)
       for (size_t k = 0; k < 3; ++k) edge_.push_back({m_.tri[t][k], m_.tri[t][(k + 1) % 3], int32_t(t)});
-    std::sort(edge_.begin(), edge_.end(), [](const Edge& p, const Edge& q) { return std::tie(p.a, p.b, p.triangle) < std::tie(q.a, q.b, q.triangle); });
+    std::sort(edge_.begin(), edge_.end(), [](const Edge& p, const Edge& q) {
+      return std::tie(p.a, p.b, p.triangle) < std::tie(q.a, q.b, q.triangle);
+    });
     for (size_t i = 1; i < edge_.size(); ++i)
       if (edge_[i].a == edge_[i - 1].a && edge_[i].b == edge_[i - 1].b)
         fail(edge_[i].triangle, middle(edge_[i]),
-             "two triangles run along an edge in the same direction; expected each edge between two triangles of one orientation");
+             "two triangles run along an edge in the same direction; expected each edge between two triangles of one "
+             "orientation");
     for (const Edge& e : edge_)
       if (find(e.b, e.a) < 0) fail(e.triangle, middle(e), "the surface is open at an edge; expected a closed surface");
     report_.edges = int64_t(edge_.size() / 2);
@@ -93,8 +99,9 @@ class Validator {
 
   // The triangle on the left of a -> b.
   int32_t find(int32_t a, int32_t b) const {
-    const auto it = std::lower_bound(edge_.begin(), edge_.end(), std::pair(a, b),
-                                     [](const Edge& e, const std::pair<int32_t, int32_t>& k) { return std::pair(e.a, e.b) < k; });
+    const auto it =
+        std::lower_bound(edge_.begin(), edge_.end(), std::pair(a, b),
+                         [](const Edge& e, const std::pair<int32_t, int32_t>& k) { return std::pair(e.a, e.b) < k; });
     return it != edge_.end() && it->a == a && it->b == b ? it->triangle : -1;
   }
 
@@ -116,7 +123,8 @@ class Validator {
         ++turned;
       } while (b != edge_[i].b && turned <= degree[size_t(v)]);
       if (turned != degree[size_t(v)])
-        fail(edge_[i].triangle, m_.X_mm[size_t(v)], "the surface touches itself in a vertex; expected one fan of triangles around each");
+        fail(edge_[i].triangle, m_.X_mm[size_t(v)],
+             "the surface touches itself in a vertex; expected one fan of triangles around each");
     }
   }
 
@@ -130,7 +138,8 @@ class Validator {
     for (const Edge& e : edge_) root[size_t(top(e.a))] = top(e.b);
     const int32_t first = top(m_.tri[0][0]);
     for (size_t t = 0; t < m_.tri.size(); ++t)
-      if (top(m_.tri[t][0]) != first) fail(int32_t(t), centre(int32_t(t)), "the surface has separate parts; expected one connected surface");
+      if (top(m_.tri[t][0]) != first)
+        fail(int32_t(t), centre(int32_t(t)), "the surface has separate parts; expected one connected surface");
   }
 
   void volume() {
@@ -138,7 +147,9 @@ class Validator {
     for (const Tri& t : m_.tri) six += grid_orient3d(p_[size_t(t[0])], p_[size_t(t[1])], p_[size_t(t[2])], {0, 0, 0});
     report_.volume_mm3 = -double(six) / 6 * std::pow(g_.half_unit_mm(), 3);
     if (six >= 0)
-      throw InputError(file_, 0, "the surface is inside out (its volume is not positive); expected triangles counter-clockwise seen from outside");
+      throw InputError(file_, 0,
+                       "the surface is inside out (its volume is not positive); expected triangles counter-clockwise "
+                       "seen from outside");
   }
 
   void crossings() {
@@ -151,8 +162,9 @@ class Validator {
         if (u > t && (worst < 0 || u < worst) && grid_triangles_offend(grid_triangle(t), grid_triangle(u))) worst = u;
       });
       if (worst >= 0)
-        fail(t, centre(t), "the surface crosses or touches itself: triangle " + std::to_string(t + 1) + " meets triangle " +
-                               std::to_string(worst + 1) + "; expected a surface free of self-intersection");
+        fail(t, centre(t),
+             "the surface crosses or touches itself: triangle " + std::to_string(t + 1) + " meets triangle " +
+                 std::to_string(worst + 1) + "; expected a surface free of self-intersection");
     }
   }
 
@@ -167,7 +179,8 @@ class Validator {
 
 }  // namespace
 
-SurfaceReport validate_surface(const TriMesh& mesh, const RestGrid& grid, const std::string& file, std::span<const int32_t> line_of_triangle) {
+SurfaceReport validate_surface(const TriMesh& mesh, const RestGrid& grid, const std::string& file,
+                               std::span<const int32_t> line_of_triangle) {
   return Validator(mesh, grid, file, line_of_triangle).run();
 }
 

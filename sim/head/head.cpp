@@ -11,16 +11,21 @@ namespace limberg {
 
 namespace {
 
-constexpr int64_t kCountedAtOnce = 300;  // degrees of freedom whose free motions are counted exactly while somebody waits
+constexpr int64_t kCountedAtOnce =
+    300;  // degrees of freedom whose free motions are counted exactly while somebody waits
 
 Outcome refuse(std::string why) { return {false, std::move(why)}; }
 
 simplex::FaceMode mode_of(TissueKind k) {
   switch (k) {
-    case TissueKind::smoothing: return simplex::FaceMode::smoothing;
-    case TissueKind::springs: return simplex::FaceMode::springs;
-    case TissueKind::shape: return simplex::FaceMode::shape;
-    default: return simplex::FaceMode::finite_elements;
+    case TissueKind::smoothing:
+      return simplex::FaceMode::smoothing;
+    case TissueKind::springs:
+      return simplex::FaceMode::springs;
+    case TissueKind::shape:
+      return simplex::FaceMode::shape;
+    default:
+      return simplex::FaceMode::finite_elements;
   }
 }
 
@@ -41,8 +46,10 @@ std::string lies(const bone::Bones& bones, int32_t id) {
   std::string words;
   for (const bone::Gap& g : bones.gaps()) {
     if ((g.a != id && g.b != id) || std::max(g.gap_max_mm, g.overlap_max_mm) < kNothing_mm) continue;
-    words += (words.empty() ? "" : "; ") + bones.fragment(g.a == id ? g.b : g.a)->name + text(": gap %.1f mm, at most %.1f", g.gap_mean_mm, g.gap_max_mm);
-    if (g.overlap_max_mm >= kNothing_mm) words += text(", overlap %.1f mm deep, %.0f mm^3", g.overlap_max_mm, g.overlap_mm3);
+    words += (words.empty() ? "" : "; ") + bones.fragment(g.a == id ? g.b : g.a)->name +
+             text(": gap %.1f mm, at most %.1f", g.gap_mean_mm, g.gap_max_mm);
+    if (g.overlap_max_mm >= kNothing_mm)
+      words += text(", overlap %.1f mm deep, %.0f mm^3", g.overlap_max_mm, g.overlap_mm3);
   }
   return words;
 }
@@ -50,16 +57,21 @@ std::string lies(const bone::Bones& bones, int32_t id) {
 }  // namespace
 
 Head::Head(HeadParts parts, Workers& workers)
-    : workers_(workers), bones_(std::move(parts.bones), workers), face_(std::move(parts.face), workers), face_iterations_(parts.face_iterations),
+    : workers_(workers),
+      bones_(std::move(parts.bones), workers),
+      face_(std::move(parts.face), workers),
+      face_iterations_(parts.face_iterations),
       landmarks_(std::move(parts.landmarks)) {
   has_face_ = face_.face().vertices() > 0;
   for (HeadLandmark& l : landmarks_) {
-    if (l.on_face && !has_face_) throw InputError("", 0, "landmark " + l.name + " lies on a face, and there is none; expected a face");
+    if (l.on_face && !has_face_)
+      throw InputError("", 0, "landmark " + l.name + " lies on a face, and there is none; expected a face");
     tie(l);
   }
   place_bones();
   for (const ConnectTissue& t : parts.tissues)
-    if (const Outcome o = connect(t); !o.done) throw InputError("", 0, "tissue " + t.name + " cannot be connected: " + o.reason);
+    if (const Outcome o = connect(t); !o.done)
+      throw InputError("", 0, "tissue " + t.name + " cannot be connected: " + o.reason);
   topology_changed();
 }
 
@@ -67,11 +79,16 @@ Head::~Head() = default;
 
 Outcome Head::apply(const Command& command) {
   Outcome o;
-  if (const auto* h = std::get_if<HeadCommand>(&command)) o = act(*h);
-  else if (std::holds_alternative<Undo>(command)) o = undo();
-  else if (std::holds_alternative<Redo>(command)) o = redo();
-  else if (std::holds_alternative<Stage>(command) || std::holds_alternative<Wait>(command)) o = {true, {}};
-  else o = refuse("there is no skin with flap tools here; expected a scene with a [body]");
+  if (const auto* h = std::get_if<HeadCommand>(&command))
+    o = act(*h);
+  else if (std::holds_alternative<Undo>(command))
+    o = undo();
+  else if (std::holds_alternative<Redo>(command))
+    o = redo();
+  else if (std::holds_alternative<Stage>(command) || std::holds_alternative<Wait>(command))
+    o = {true, {}};
+  else
+    o = refuse("there is no skin with flap tools here; expected a scene with a [body]");
   if (!o.done) ++refused_;
   return o;
 }
@@ -201,7 +218,8 @@ Outcome Head::connect(const ConnectTissue& t) {
   plan.face_region = simplex::region_around(face, nearest_vertex(face.x_mm, face, t.face_mm), t.face_radius_mm);
   if (t.bone_radius_mm > 0) {
     for (int32_t v = 0; v < placed_.slots(); ++v)
-      if (placed_.alive(v) && (placed_.x_mm[size_t(v)] - t.bone_mm).norm() <= t.bone_radius_mm) plan.skull_region.push_back(v);
+      if (placed_.alive(v) && (placed_.x_mm[size_t(v)] - t.bone_mm).norm() <= t.bone_radius_mm)
+        plan.skull_region.push_back(v);
     if (plan.skull_region.empty()) return refuse("there is no bone within bone_radius_mm of that place; expected some");
   }
   const Outcome o = face_.connect(placed_, std::move(plan), &bones_.mesh());
@@ -224,15 +242,19 @@ Outcome Head::act(const Superpose& s) {
   constexpr size_t kMostMoments = 20;
   if (s.on != SkullBeside::off) {
     if (bones_.fragments().empty()) return refuse("there is no bone; expected a head with some");
-    if (moments_.size() >= kMostMoments) return refuse("the skull was laid upon another 20 times already; expected fewer");
+    if (moments_.size() >= kMostMoments)
+      return refuse("the skull was laid upon another 20 times already; expected fewer");
     place_bones();
     SkullMoment m;
     m.name = s.name.empty() ? std::to_string(moments_.size() + 1) : s.name;
     m.on = s.on;
-    m.rest = !moments_.empty() && moment_version_ == bones_.version() ? moments_.back().rest : std::make_shared<const simplex::Mesh>(bones_.mesh());
+    m.rest = !moments_.empty() && moment_version_ == bones_.version()
+                 ? moments_.back().rest
+                 : std::make_shared<const simplex::Mesh>(bones_.mesh());
     m.now_mm = placed_.x_mm;
     m.fragment.resize(placed_.x_mm.size());
-    for (size_t v = 0; v < m.fragment.size(); ++v) m.fragment[v] = placed_.alive(int32_t(v)) ? bones_.fragment_of(int32_t(v)) : -1;
+    for (size_t v = 0; v < m.fragment.size(); ++v)
+      m.fragment[v] = placed_.alive(int32_t(v)) ? bones_.fragment_of(int32_t(v)) : -1;
     for (const bone::Fragment& f : bones_.fragments()) m.names.emplace_back(f.id, f.name);
     moment_version_ = bones_.version();
     moments_.push_back(std::move(m));
@@ -253,23 +275,32 @@ Outcome Head::act(const PlaceLandmark& p) {
   } else if (bones_.nearest_fragment(p.at_mm, &l.X_mm) < 0) {
     return refuse("there is no bone; expected a place on bone");
   }
-  if ((l.X_mm - p.at_mm).norm() > kFarthest_mm) return refuse("lies more than 20 mm from the " + std::string(p.on_face ? "face" : "bone") + "; expected a place on it");
+  if ((l.X_mm - p.at_mm).norm() > kFarthest_mm)
+    return refuse("lies more than 20 mm from the " + std::string(p.on_face ? "face" : "bone") +
+                  "; expected a place on it");
   tie(l);
-  const auto same = std::find_if(landmarks_.begin(), landmarks_.end(), [&](const HeadLandmark& k) { return k.name == l.name; });
-  if (same != landmarks_.end()) *same = l;
-  else landmarks_.push_back(l);
+  const auto same =
+      std::find_if(landmarks_.begin(), landmarks_.end(), [&](const HeadLandmark& k) { return k.name == l.name; });
+  if (same != landmarks_.end())
+    *same = l;
+  else
+    landmarks_.push_back(l);
   remember(std::move(before));
   topology_changed();
   return {true, {}};
 }
 
 void Head::tie(HeadLandmark& l) const {
-  if (l.on_face) l.vertex = nearest_vertex(face_.rest_mm(), face_.face(), l.X_mm);
-  else l.fragment = bones_.nearest_fragment(l.X_mm);
+  if (l.on_face)
+    l.vertex = nearest_vertex(face_.rest_mm(), face_.face(), l.X_mm);
+  else
+    l.fragment = bones_.nearest_fragment(l.X_mm);
 }
 
 Vec3 Head::landmark_mm(const HeadLandmark& l) const {
-  if (l.on_face) return l.vertex < 0 ? l.X_mm : Vec3(l.X_mm + face_.face().x_mm[size_t(l.vertex)] - face_.rest_mm()[size_t(l.vertex)]);
+  if (l.on_face)
+    return l.vertex < 0 ? l.X_mm
+                        : Vec3(l.X_mm + face_.face().x_mm[size_t(l.vertex)] - face_.rest_mm()[size_t(l.vertex)]);
   const bone::Fragment* f = bones_.fragment(l.fragment);
   return f ? Vec3(f->pose * l.X_mm) : l.X_mm;
 }
@@ -314,7 +345,8 @@ void Head::place_bones() {
   for (const bone::Fragment& f : bones_.fragments()) poses.push_back(f.pose);
   const bool mesh_changed = placed_version_ != bones_.version();
   const bool same = !mesh_changed && poses.size() == poses_.size() &&
-                    std::equal(poses.begin(), poses.end(), poses_.begin(), [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
+                    std::equal(poses.begin(), poses.end(), poses_.begin(),
+                               [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
   if (same) return;
   if (mesh_changed) placed_ = mesh, placed_version_ = bones_.version();
   std::vector<int32_t> at;  // per fragment number, its place in the list
@@ -324,7 +356,8 @@ void Head::place_bones() {
     at[id] = int32_t(i);
   }
   for (int32_t v = 0; v < mesh.slots(); ++v)
-    if (mesh.alive(v)) placed_.x_mm[size_t(v)] = poses[size_t(at[size_t(bones_.fragment_of(v))])] * mesh.x_mm[size_t(v)];
+    if (mesh.alive(v))
+      placed_.x_mm[size_t(v)] = poses[size_t(at[size_t(bones_.fragment_of(v))])] * mesh.x_mm[size_t(v)];
   poses_ = std::move(poses);
   if (has_face_) face_.follow(placed_);
 }
@@ -367,16 +400,21 @@ void Head::fill(Snapshot& s) const {
   s.topology_version = s.topology->version;
   view_.places(face_.face(), bones_, face_.tissues(), s.x_mm);
   s.field.clear();
-  if (has_face_) view_.moved(face_.face(), s.x_mm, s.moved_mm);
-  else s.moved_mm.clear();
+  if (has_face_)
+    view_.moved(face_.face(), s.x_mm, s.moved_mm);
+  else
+    s.moved_mm.clear();
   s.hooks.clear(), s.sutures.clear();
   s.plate_mm.clear();
   for (const bone::Plate& p : bones_.plates())
-    s.plate_mm.push_back({(bones_.fragment(p.a)->pose * p.a_mm).cast<float>(), (bones_.fragment(p.b)->pose * p.b_mm).cast<float>()});
+    s.plate_mm.push_back(
+        {(bones_.fragment(p.a)->pose * p.a_mm).cast<float>(), (bones_.fragment(p.b)->pose * p.b_mm).cast<float>()});
   s.landmark_mm.clear();
   for (const HeadLandmark& l : landmarks_) s.landmark_mm.push_back(landmark_mm(l).cast<float>());
   s.figures.clear();
-  if (has_face_) s.figures.push_back({"face moved, at most", "mm", s.moved_mm.empty() ? 0 : *std::max_element(s.moved_mm.begin(), s.moved_mm.end())});
+  if (has_face_)
+    s.figures.push_back({"face moved, at most", "mm",
+                         s.moved_mm.empty() ? 0 : *std::max_element(s.moved_mm.begin(), s.moved_mm.end())});
   for (const bone::Fragment& f : bones_.fragments()) {
     const double way = (f.pose * f.centre_mm - f.centre_mm).norm();
     if (way > 0) s.figures.push_back({f.name, "mm", float(way)});

@@ -6,10 +6,12 @@
 //   head.step(dt_s);                   // fragments that are held (Bullet), then the face a little nearer to rest
 //   head.fill(snapshot);
 //
-// Frame: mm, x to the right, y forwards, z upwards, origin midway between the ears, z = 0 the Frankfurt plane. Places of commands
+// Frame: mm, x to the right, y forwards, z upwards, origin midway between the ears, z = 0 the Frankfurt plane. Places
+// of commands
 // are on the bones at rest, where they were at first; a fragment's pose takes them to where they are now.
 //
-// Undo and redo go through osteotomies, moves, plates, joins, tissue and landmarks in the order in which they were done. The
+// Undo and redo go through osteotomies, moves, plates, joins, tissue and landmarks in the order in which they were
+// done. The
 // face is never set back by a move: it follows the bones to where they are.
 #include <functional>
 #include <memory>
@@ -31,32 +33,32 @@ struct HeadLandmark {
   std::string name;
   Vec3 X_mm = Vec3::Zero();
   bool on_face = false;
-  int32_t vertex = -1;       // face: the nearest one; it carries the place
-  int32_t fragment = -1;     // bone
+  int32_t vertex = -1;    // face: the nearest one; it carries the place
+  int32_t fragment = -1;  // bone
 };
 
 /// What a head is made of; from the synthetic head or from files.
 struct HeadParts {
   std::vector<bone::NamedMesh> bones;
-  simplex::Mesh face;                  // no vertices: there is none
-  std::vector<HeadLandmark> landmarks; // name, X_mm, on_face
-  std::vector<ConnectTissue> tissues;  // connected in this order; one that cannot be is an InputError
-  int face_iterations = 12;            // of one step
+  simplex::Mesh face;                   // no vertices: there is none
+  std::vector<HeadLandmark> landmarks;  // name, X_mm, on_face
+  std::vector<ConnectTissue> tissues;   // connected in this order; one that cannot be is an InputError
+  int face_iterations = 12;             // of one step
 };
 
 /// The bones when the skull was laid upon another (Superpose).
 struct SkullMoment {
-  std::string name;                          // "1", "2", ... where none was given
+  std::string name;  // "1", "2", ... where none was given
   SkullBeside on = SkullBeside::normal;
-  std::shared_ptr<const simplex::Mesh> rest; // shared with other moments of the same mesh
-  std::vector<Vec3> now_mm;                  // per vertex slot
-  std::vector<int32_t> fragment;             // per vertex slot; -1 none
+  std::shared_ptr<const simplex::Mesh> rest;           // shared with other moments of the same mesh
+  std::vector<Vec3> now_mm;                            // per vertex slot
+  std::vector<int32_t> fragment;                       // per vertex slot; -1 none
   std::vector<std::pair<int32_t, std::string>> names;  // of fragments, by number
 };
 
 struct HeadStep {
-  double max_move_mm = 0;    // of the face, in the last iteration
-  bool at_rest = true;       // nothing is held, and the face has come to rest
+  double max_move_mm = 0;  // of the face, in the last iteration
+  bool at_rest = true;     // nothing is held, and the face has come to rest
 };
 
 class Head {
@@ -95,10 +97,10 @@ class Head {
 
  private:
   struct Done {
-    bool bones = false;                       // an act of Bones
-    std::vector<HeadLandmark> landmarks;      // before it
+    bool bones = false;                   // an act of Bones
+    std::vector<HeadLandmark> landmarks;  // before it
     std::vector<ConnectTissue> tissues;
-    std::unique_ptr<simplex::FaceModel> face; // before it, where it changed what the tissue is tied to
+    std::unique_ptr<simplex::FaceModel> face;  // before it, where it changed what the tissue is tied to
   };
 
   Outcome act(const HeadCommand& command);
@@ -119,7 +121,7 @@ class Head {
   Outcome connect(const ConnectTissue& tissue);
   Done moment(bool bones, bool with_face) const;
   void remember(Done before);
-  void swap_with(Done& other);                // of undo and redo
+  void swap_with(Done& other);  // of undo and redo
   Outcome go(std::vector<Done>& from, std::vector<Done>& to, const std::function<Outcome()>& bones);
   int32_t find(const FragmentPick& pick, std::string& reason) const;
   Vec3 centre_now(int32_t fragment) const;
@@ -133,18 +135,18 @@ class Head {
   simplex::FaceModel face_;
   bool has_face_ = false;
   int face_iterations_ = 12;
-  simplex::Mesh placed_;                      // the bones' mesh with x_mm where they are now
-  std::vector<Eigen::Isometry3d> poses_;      // that placed_ and the face have been told
+  simplex::Mesh placed_;                  // the bones' mesh with x_mm where they are now
+  std::vector<Eigen::Isometry3d> poses_;  // that placed_ and the face have been told
   uint64_t placed_version_ = 0;
   std::vector<HeadLandmark> landmarks_;
   std::vector<ConnectTissue> tissues_;
   std::vector<SkullMoment> moments_;
-  uint64_t moment_version_ = 0;               // of the bones, in the last of them
+  uint64_t moment_version_ = 0;  // of the bones, in the last of them
   SkullBeside beside_ = SkullBeside::off;
   HeadView view_;
   Eigen::Isometry3d grabbed_at_ = Eigen::Isometry3d::Identity();
   Vec3 grabbed_centre_ = Vec3::Zero();
-  int held_by_ = -1;                          // which hand
+  int held_by_ = -1;  // which hand
   std::vector<Done> done_, undone_;
   HeadStep last_;
   uint64_t steps_ = 0;

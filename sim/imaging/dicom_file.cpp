@@ -26,8 +26,10 @@ class Parser {
   DicomFile run() {
     DicomFile d;
     d.file = file_;
-    if (s_.size() >= 132 && s_.substr(128, 4) == "DICM") at_ = 132;
-    else if (!(s_.size() >= 8 && (u16(0) == 2 || u16(0) == 8) && u16(2) < 0x100)) throw InputError(file_, 0, "is no DICOM file; expected DICM behind 128 bytes");
+    if (s_.size() >= 132 && s_.substr(128, 4) == "DICM")
+      at_ = 132;
+    else if (!(s_.size() >= 8 && (u16(0) == 2 || u16(0) == 8) && u16(2) < 0x100))
+      throw InputError(file_, 0, "is no DICOM file; expected DICM behind 128 bytes");
     d.syntax = "1.2.840.10008.1.2";
     bool chosen = false;
     while (at_ + 8 <= s_.size()) {
@@ -58,18 +60,28 @@ class Parser {
 
   [[noreturn]] void cut(const Element& e) const {
     char b[160];
-    std::snprintf(b, sizeof b, "the file is cut short or damaged: element (%04x,%04x) has %u bytes, but only %zu are left", e.tag >> 16, e.tag & 0xffff, e.length, s_.size() - at_);
+    std::snprintf(b, sizeof b,
+                  "the file is cut short or damaged: element (%04x,%04x) has %u bytes, but only %zu are left",
+                  e.tag >> 16, e.tag & 0xffff, e.length, s_.size() - at_);
     throw InputError(file_, 0, b);
   }
 
   void choose(const DicomFile& d) {
     const std::string& t = d.syntax;
-    if (t == "1.2.840.10008.1.2") explicit_ = false;
-    else if (t == "1.2.840.10008.1.2.1") explicit_ = true;
+    if (t == "1.2.840.10008.1.2")
+      explicit_ = false;
+    else if (t == "1.2.840.10008.1.2.1")
+      explicit_ = true;
     else if (t == "1.2.840.10008.1.2.2" || t == "1.2.840.10008.1.2.1.99")
-      throw InputError(file_, 0, std::string("its transfer syntax is ") + (t.ends_with("99") ? "deflated" : "big endian") + " (" + t + "), which is not read; expected Explicit or Implicit VR little endian");
-    else if (t.starts_with("1.2.840.10008.1.2.4") || t == "1.2.840.10008.1.2.5") explicit_ = true, compressed_ = true;
-    else throw InputError(file_, 0, "its transfer syntax " + t.substr(0, 64) + " is not known; expected Explicit or Implicit VR little endian");
+      throw InputError(file_, 0,
+                       std::string("its transfer syntax is ") + (t.ends_with("99") ? "deflated" : "big endian") + " (" +
+                           t + "), which is not read; expected Explicit or Implicit VR little endian");
+    else if (t.starts_with("1.2.840.10008.1.2.4") || t == "1.2.840.10008.1.2.5")
+      explicit_ = true, compressed_ = true;
+    else
+      throw InputError(
+          file_, 0,
+          "its transfer syntax " + t.substr(0, 64) + " is not known; expected Explicit or Implicit VR little endian");
   }
 
   Element element(bool with_vr) {
@@ -82,7 +94,8 @@ class Parser {
     }
     e.vr[0] = s_[at_ + 4], e.vr[1] = s_[at_ + 5];
     bool is_long = false;
-    for (const char* l : {"OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"}) is_long |= is(e, l);
+    for (const char* l : {"OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"})
+      is_long |= is(e, l);
     if (is_long) {
       if (at_ + 12 > s_.size()) throw InputError(file_, 0, "the file is cut short within an element");
       e.length = u32(at_ + 8), at_ += 12;
@@ -107,9 +120,12 @@ class Parser {
       for (;;) {
         const Element e = element(with_vr);
         if (e.tag == 0xfffee00d) break;
-        if (e.length == kUndefined) skip_items(is(e, "UN") ? false : with_vr, depth + 1);
-        else if (e.length > s_.size() - at_) cut(e);
-        else at_ += e.length;
+        if (e.length == kUndefined)
+          skip_items(is(e, "UN") ? false : with_vr, depth + 1);
+        else if (e.length > s_.size() - at_)
+          cut(e);
+        else
+          at_ += e.length;
       }
     }
   }
@@ -125,7 +141,8 @@ class Parser {
       const std::string t = text(v.substr(0, end));
       const char* b = t.data() + (t.starts_with("+") ? 1 : 0);
       const auto [p, ec] = std::from_chars(b, t.data() + t.size(), out[i]);
-      if (ec != std::errc() || p != t.data() + t.size() || !std::isfinite(out[i])) throw InputError(file_, 0, std::string(what) + " is not " + std::to_string(count) + " finite numbers");
+      if (ec != std::errc() || p != t.data() + t.size() || !std::isfinite(out[i]))
+        throw InputError(file_, 0, std::string(what) + " is not " + std::to_string(count) + " finite numbers");
       v.remove_prefix(std::min(v.size(), end + 1));
     }
   }
@@ -137,29 +154,66 @@ class Parser {
   void take(DicomFile& d, const Element& e, std::string_view v) const {
     double n[6];
     switch (e.tag) {
-      case 0x00020010: d.syntax = text(v); break;
-      case 0x00080060: d.modality = text(v); break;
-      case 0x0008103e: d.description = text(v); break;
-      case 0x0020000e: d.series = text(v); break;
-      case 0x00200032: numbers(v, 3, "the position of the slice", n), d.position_mm = {n[0], n[1], n[2]}, d.has_position = true; break;
+      case 0x00020010:
+        d.syntax = text(v);
+        break;
+      case 0x00080060:
+        d.modality = text(v);
+        break;
+      case 0x0008103e:
+        d.description = text(v);
+        break;
+      case 0x0020000e:
+        d.series = text(v);
+        break;
+      case 0x00200032:
+        numbers(v, 3, "the position of the slice", n), d.position_mm = {n[0], n[1], n[2]}, d.has_position = true;
+        break;
       case 0x00200037:
         numbers(v, 6, "the direction of the slice", n);
         d.across = {n[0], n[1], n[2]}, d.down = {n[3], n[4], n[5]}, d.has_direction = true;
         break;
-      case 0x00280002: d.samples = whole(v, "samples per pixel"); break;
-      case 0x00280008: numbers(v, 1, "the number of frames", n), d.frames = n[0] >= 1 && n[0] < 1e6 ? int32_t(n[0]) : -1; break;
-      case 0x00280010: d.rows = whole(v, "the number of rows"); break;
-      case 0x00280011: d.columns = whole(v, "the number of columns"); break;
-      case 0x00280030: numbers(v, 2, "the pixel spacing", n), d.row_step_mm = n[0], d.column_step_mm = n[1], d.has_spacing = true; break;
-      case 0x00280100: d.allocated = whole(v, "bits allocated"); break;
-      case 0x00280101: d.stored = whole(v, "bits stored"); break;
-      case 0x00280102: d.high_bit = whole(v, "high bit"); break;
-      case 0x00280103: d.is_signed = whole(v, "pixel representation") == 1; break;
-      case 0x00280120: d.padding = d.padding_limit = whole(v, "the padding value"), d.has_padding = true; break;
-      case 0x00280121: d.padding_limit = whole(v, "the limit of the padding"); break;
-      case 0x00281052: numbers(v, 1, "the rescale intercept", n), d.intercept = n[0]; break;
-      case 0x00281053: numbers(v, 1, "the rescale slope", n), d.slope = n[0]; break;
-      default: break;
+      case 0x00280002:
+        d.samples = whole(v, "samples per pixel");
+        break;
+      case 0x00280008:
+        numbers(v, 1, "the number of frames", n), d.frames = n[0] >= 1 && n[0] < 1e6 ? int32_t(n[0]) : -1;
+        break;
+      case 0x00280010:
+        d.rows = whole(v, "the number of rows");
+        break;
+      case 0x00280011:
+        d.columns = whole(v, "the number of columns");
+        break;
+      case 0x00280030:
+        numbers(v, 2, "the pixel spacing", n), d.row_step_mm = n[0], d.column_step_mm = n[1], d.has_spacing = true;
+        break;
+      case 0x00280100:
+        d.allocated = whole(v, "bits allocated");
+        break;
+      case 0x00280101:
+        d.stored = whole(v, "bits stored");
+        break;
+      case 0x00280102:
+        d.high_bit = whole(v, "high bit");
+        break;
+      case 0x00280103:
+        d.is_signed = whole(v, "pixel representation") == 1;
+        break;
+      case 0x00280120:
+        d.padding = d.padding_limit = whole(v, "the padding value"), d.has_padding = true;
+        break;
+      case 0x00280121:
+        d.padding_limit = whole(v, "the limit of the padding");
+        break;
+      case 0x00281052:
+        numbers(v, 1, "the rescale intercept", n), d.intercept = n[0];
+        break;
+      case 0x00281053:
+        numbers(v, 1, "the rescale slope", n), d.slope = n[0];
+        break;
+      default:
+        break;
     }
   }
 

@@ -17,7 +17,8 @@ struct DicomFile {
   bool has_padding = false;
   int32_t padding = 0, padding_limit = 0;
   bool has_position = false, has_direction = false, has_spacing = false;
-  Vec3 position_mm = Vec3::Zero(), across = Vec3::UnitX(), down = Vec3::UnitY();  // unit vectors along a row, along a column
+  Vec3 position_mm = Vec3::Zero(), across = Vec3::UnitX(),
+       down = Vec3::UnitY();                   // unit vectors along a row, along a column
   double row_step_mm = 1, column_step_mm = 1;  // between rows, between columns
   bool has_pixels = false, compressed = false;
   size_t pixels_at = 0, pixel_bytes = 0;
@@ -25,7 +26,8 @@ struct DicomFile {
 
 constexpr size_t kDicomBytes = size_t(1) << 30;  // largest file
 
-/// Whole file as text; throws InputError: no DICOM, cut short, an element that does not fit, a transfer syntax that is not read.
+/// Whole file as text; throws InputError: no DICOM, cut short, an element that does not fit, a transfer syntax that is
+/// not read.
 DicomFile parse_dicom(std::string_view bytes, const std::string& file);
 
 }  // namespace limberg::imaging

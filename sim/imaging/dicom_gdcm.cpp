@@ -13,11 +13,16 @@ namespace limberg::imaging {
 bool gdcm_pixels(const std::string& file, size_t bytes, std::string& out) {
   gdcm::ImageReader reader;
   reader.SetFileName(file.c_str());
-  if (!reader.Read()) throw InputError(file, 0, "its compressed pixels cannot be read by GDCM; the file may be damaged");
+  if (!reader.Read())
+    throw InputError(file, 0, "its compressed pixels cannot be read by GDCM; the file may be damaged");
   const gdcm::Image& image = reader.GetImage();
-  if (image.GetBufferLength() != bytes) throw InputError(file, 0, "its compressed pixels come to " + std::to_string(image.GetBufferLength()) + " bytes; " + std::to_string(bytes) + " were expected");
+  if (image.GetBufferLength() != bytes)
+    throw InputError(file, 0,
+                     "its compressed pixels come to " + std::to_string(image.GetBufferLength()) + " bytes; " +
+                         std::to_string(bytes) + " were expected");
   out.resize(bytes);
-  if (!image.GetBuffer(out.data())) throw InputError(file, 0, "its compressed pixels cannot be unpacked by GDCM; the file may be damaged");
+  if (!image.GetBuffer(out.data()))
+    throw InputError(file, 0, "its compressed pixels cannot be unpacked by GDCM; the file may be damaged");
   return true;
 }
 #else

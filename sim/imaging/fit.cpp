@@ -20,7 +20,7 @@ using namespace simplex;
 using namespace imaging;
 
 constexpr int kRounds = 4, kScanRounds = 12;  // of opening, at most; in a scan rims go on in them
-constexpr int kFind = 4;   // iterations: the places of rims are found anew after so many
+constexpr int kFind = 4;                      // iterations: the places of rims are found anew after so many
 const Vec3 kNowhere = Vec3::Constant(1e300);
 constexpr double kSmallRim = 12;  // spacings of a scan around
 
@@ -34,7 +34,15 @@ double mean_edge(const Mesh& m) {
 class Fitter {
  public:
   Fitter(Mesh& m, const Sight& sight, const Vec3& low, const Vec3& high, const FitSettings& s, Workers& w)
-      : m_(m), sight_(sight), low_(low), high_(high), s_(s), workers_(w), motion_(w), topology_(m, sight), framed_(sight.heights() != nullptr) {}
+      : m_(m),
+        sight_(sight),
+        low_(low),
+        high_(high),
+        s_(s),
+        workers_(w),
+        motion_(w),
+        topology_(m, sight),
+        framed_(sight.heights() != nullptr) {}
 
   FitReport run() {
     const double longest = mean_edge(m_);
@@ -43,7 +51,9 @@ class Fitter {
       const double move = settle(t, s_.iterations, true);
       if (s_.progress) s_.progress(stage, m_.vertices(), move);
       if (stage + 1 < s_.stages)
-        refine(std::max(s_.edge_mm, longest * std::pow(s_.edge_mm / longest, double(stage + 1) / std::max(1, s_.stages - 2))), 2, uint64_t(stage) + 1);
+        refine(std::max(s_.edge_mm,
+                        longest * std::pow(s_.edge_mm / longest, double(stage + 1) / std::max(1, s_.stages - 2))),
+               2, uint64_t(stage) + 1);
     }
     if (s_.open_ends) {
       look(1, range(1));
@@ -78,7 +88,9 @@ class Fitter {
   }
 
  private:
-  double range(double t) const { return std::max(2 * sight_.voxel(), s_.range_mm * std::pow(2 * sight_.voxel() / s_.range_mm, t)); }
+  double range(double t) const {
+    return std::max(2 * sight_.voxel(), s_.range_mm * std::pow(2 * sight_.voxel() / s_.range_mm, t));
+  }
 
   void refine(double edge, int passes, uint64_t seed) {
     AdaptSettings a;
@@ -113,8 +125,10 @@ class Fitter {
       if (check)
         for (size_t v = 0; v < pull_.size(); ++v)
           if (still_[v] && m_.alive(int32_t(v))) {
-            if (still_[v] == 2) pull_[v] = sight_.home(m_.x_mm[v], 0.5 * edge);
-            else pull_[v].setZero(), m_.before_mm[v] = m_.x_mm[v];
+            if (still_[v] == 2)
+              pull_[v] = sight_.home(m_.x_mm[v], 0.5 * edge);
+            else
+              pull_[v].setZero(), m_.before_mm[v] = m_.x_mm[v];
           }
       to_border(z.beta, i % kFind == 0);
       move = motion_.step(m_, {pull_, {}}).max_move_mm;
@@ -140,7 +154,8 @@ class Fitter {
   /// Faces that are to be opened: most of their vertices, or their centre, have left the surface.
   std::vector<uint8_t> blind_faces() const {
     std::vector<uint8_t> lost(m_.nbr.size(), 0), out(m_.face_edge.size(), 0);
-    for (int32_t v = 0; v < m_.slots(); ++v) lost[size_t(v)] = m_.alive(v) && sight_.lost(m_.x_mm[size_t(v)], seen_[size_t(v)]);
+    for (int32_t v = 0; v < m_.slots(); ++v)
+      lost[size_t(v)] = m_.alive(v) && sight_.lost(m_.x_mm[size_t(v)], seen_[size_t(v)]);
     for (int32_t f = 0; f < m_.face_slots(); ++f) {
       if (!m_.alive_face(f) || is_end(m_.kind(f))) continue;
       int n = 0;
@@ -164,10 +179,12 @@ class Fitter {
     }
   }
 
-  /// Rims of a plane are drawn to the edge of the scan, others go on to points that the mesh has not reached; small ones are left alone: a few points would draw them together.
+  /// Rims of a plane are drawn to the edge of the scan, others go on to points that the mesh has not reached; small
+  /// ones are left alone: a few points would draw them together.
   void to_scan_edge(const EndContour& e) {
     double around = 0;
-    for (size_t i = 0; i < e.rim.size(); ++i) around += (m_.x_mm[size_t(e.rim[i])] - m_.x_mm[size_t(e.rim[(i + 1) % e.rim.size()])]).norm();
+    for (size_t i = 0; i < e.rim.size(); ++i)
+      around += (m_.x_mm[size_t(e.rim[i])] - m_.x_mm[size_t(e.rim[(i + 1) % e.rim.size()])]).norm();
     if (around < kSmallRim * sight_.voxel()) return;
     const size_t n = e.rim.size();
     std::vector<Vec3> move(n);
@@ -178,7 +195,10 @@ class Fitter {
       move[i] = sight_.to_edge(x);
       if (move[i] == Vec3::Zero())
         if (const LocalFrame f = m_.frame(v); !f.degenerate) {
-          move[i] = sight_.onwards(x, f.N, f.N.cross(m_.x_mm[size_t(e.rim[(i + 1) % n])] - m_.x_mm[size_t(e.rim[(i + n - 1) % n])]).normalized(), left_);
+          move[i] = sight_.onwards(
+              x, f.N,
+              f.N.cross(m_.x_mm[size_t(e.rim[(i + 1) % n])] - m_.x_mm[size_t(e.rim[(i + n - 1) % n])]).normalized(),
+              left_);
           onwards_ |= move[i] != Vec3::Zero();
         }
       known[i] = move[i] != Vec3::Zero();
@@ -201,7 +221,8 @@ class Fitter {
     onwards_ = false;
   }
 
-  /// Rims at the border of the data are drawn to it, those of other openings to the crest of the surface there (fit_rims.cpp).
+  /// Rims at the border of the data are drawn to it, those of other openings to the crest of the surface there
+  /// (fit_rims.cpp).
   /// Where they belong is found anew when `find` is set.
   void to_border(double beta, bool find) {
     if (find) rim_to_.assign(m_.nbr.size(), kNowhere);
@@ -209,15 +230,18 @@ class Fitter {
     if (find && !ends.empty() && !sight_.knows_air() && !framed_) look_for_more();
     for (const EndContour& e : ends) {
       if (!sight_.knows_air()) {
-        if (framed_) hold(*sight_.heights(), e, beta);
-        else to_scan_edge(e);
+        if (framed_)
+          hold(*sight_.heights(), e, beta);
+        else
+          to_scan_edge(e);
         continue;
       }
       if (!opening_) {  // what the mesh began with is held at the border, as strongly as the rim's own curve draws
         for (int32_t v : e.rim) {
           Vec3 outward, &pull = pull_[size_t(v)];
           double way = 0;
-          if (sight_.border(m_.x_mm[size_t(v)], 6 * sight_.voxel(), outward, way) >= 0) pull += (0.5 / beta * way - outward.dot(pull)) * outward;
+          if (sight_.border(m_.x_mm[size_t(v)], 6 * sight_.voxel(), outward, way) >= 0)
+            pull += (0.5 / beta * way - outward.dot(pull)) * outward;
         }
         continue;
       }
@@ -237,7 +261,8 @@ class Fitter {
     }
     for (size_t i = 0; i < n; ++i) {
       const int32_t v = e.rim[i];
-      const Vec3 &x = m_.x_mm[size_t(v)], along = m_.x_mm[size_t(e.rim[(i + 1) % n])] - m_.x_mm[size_t(e.rim[(i + n - 1) % n])];
+      const Vec3 &x = m_.x_mm[size_t(v)],
+                 along = m_.x_mm[size_t(e.rim[(i + 1) % n])] - m_.x_mm[size_t(e.rim[(i + n - 1) % n])];
       Vec3 N = Vec3::Zero(), to;
       for (const int32_t u : {v, m_.nbr[size_t(v)][0], m_.nbr[size_t(v)][1], m_.nbr[size_t(v)][2]})
         if (const LocalFrame f = m_.frame(u); !f.degenerate) N += f.N;
@@ -249,12 +274,14 @@ class Fitter {
 
   /// Evenly along a rim: one vertex does not know its way better than its neighbours.
   template <class Visit>
-  static void even(const EndContour& e, const std::vector<Vec3>& move, const std::vector<uint8_t>& known, Visit&& visit) {
+  static void even(const EndContour& e, const std::vector<Vec3>& move, const std::vector<uint8_t>& known,
+                   Visit&& visit) {
     const size_t n = e.rim.size();
     for (size_t i = 0; i < n; ++i) {
       const size_t a = (i + n - 1) % n, b = (i + 1) % n;
       const double w = known[a] + 2 * known[i] + known[b];
-      if (known[i] || (known[a] && known[b])) visit(size_t(e.rim[i]), Vec3((known[a] * move[a] + 2 * known[i] * move[i] + known[b] * move[b]) / w));
+      if (known[i] || (known[a] && known[b]))
+        visit(size_t(e.rim[i]), Vec3((known[a] * move[a] + 2 * known[i] * move[i] + known[b] * move[b]) / w));
     }
   }
 
@@ -264,9 +291,12 @@ class Fitter {
     for (int32_t v = 0; v < m_.slots(); ++v) {
       if (!m_.alive(v)) continue;
       const Vec3& x = m_.x_mm[size_t(v)];
-      if (seen_[size_t(v)]) d.push_back(sight_.distance(x, pull_[size_t(v)]));
-      else if (const double beside = sight_.nearest(x, 2 * sight_.voxel()); std::isfinite(beside)) d.push_back(beside);
-      else if (sight_.on_wall(x)) ++r_.on_walls;
+      if (seen_[size_t(v)])
+        d.push_back(sight_.distance(x, pull_[size_t(v)]));
+      else if (const double beside = sight_.nearest(x, 2 * sight_.voxel()); std::isfinite(beside))
+        d.push_back(beside);
+      else if (sight_.on_wall(x))
+        ++r_.on_walls;
     }
     const int32_t elsewhere = m_.vertices() - r_.on_walls;
     r_.found = elsewhere > 0 ? double(d.size()) / elsewhere : 0;
@@ -311,15 +341,18 @@ class Fitter {
 void check_settings(const Mesh& m, const FitSettings& s) {
   if (!std::isfinite(s.iso)) throw InputError("", 0, "the isovalue must be a finite number");
   for (double l : {s.range_mm, s.edge_mm, s.still_mm})
-    if (!std::isfinite(l) || l <= 0) throw InputError("", 0, "range, edge and stillness of a fit must be finite lengths above 0 mm");
-  if (s.stages < 1 || s.stages > 100 || s.iterations < 1 || s.iterations > 100000) throw InputError("", 0, "a fit has 1 to 100 stages of 1 to 100000 iterations");
+    if (!std::isfinite(l) || l <= 0)
+      throw InputError("", 0, "range, edge and stillness of a fit must be finite lengths above 0 mm");
+  if (s.stages < 1 || s.stages > 100 || s.iterations < 1 || s.iterations > 100000)
+    throw InputError("", 0, "a fit has 1 to 100 stages of 1 to 100000 iterations");
   if (m.vertices() == 0) throw InputError("", 0, "a fit needs a mesh and a volume");
 }
 
 }  // namespace
 
 Mesh start_mesh(Start kind, const Vec3& low, const Vec3& high, int axis) {
-  if (!low.allFinite() || !high.allFinite() || !((high - low).minCoeff() >= 0) || !((high - low).norm() > 0)) throw InputError("", 0, "the box around the object is empty");
+  if (!low.allFinite() || !high.allFinite() || !((high - low).minCoeff() >= 0) || !((high - low).norm() > 0))
+    throw InputError("", 0, "the box around the object is empty");
   const Vec3 middle = 0.5 * (low + high), half = (0.5 * (high - low)).cwiseMax(0.02 * (high - low).norm());
   Mesh m;
   if (kind == Start::sphere) {
@@ -331,12 +364,15 @@ Mesh start_mesh(Start kind, const Vec3& low, const Vec3& high, int axis) {
     m = make_cylinder(1, length, 40);
     for (Vec3& x : m.x_mm) {
       const Vec3 q(1.2 * side.x() * x.x(), 1.2 * side.y() * x.y(), 2 * side.z() * (x.z() / length - 0.5));
-      x[(axis + 1) % 3] = middle[(axis + 1) % 3] + q.x(), x[(axis + 2) % 3] = middle[(axis + 2) % 3] + q.y(), x[axis] = middle[axis] + q.z();
+      x[(axis + 1) % 3] = middle[(axis + 1) % 3] + q.x(), x[(axis + 2) % 3] = middle[(axis + 2) % 3] + q.y(),
+                     x[axis] = middle[axis] + q.z();
     }
   } else {
-    const double edge = std::sqrt(half.x() * half.z() * 4 / 2000 / 1.3);  // about 2000 vertices: 4 / (3 sqrt 3) edge^-2 of them per area
+    const double edge = std::sqrt(half.x() * half.z() * 4 / 2000 /
+                                  1.3);  // about 2000 vertices: 4 / (3 sqrt 3) edge^-2 of them per area
     m = make_plane(2 * half.x(), 2 * half.z(), edge);
-    for (Vec3& x : m.x_mm) x = Vec3(low.x() + x.x(), low.y() - 0.1 * half.y(), low.z() + x.y());  // (x, y) -> (x, z): the normal looks to -y
+    for (Vec3& x : m.x_mm)
+      x = Vec3(low.x() + x.x(), low.y() - 0.1 * half.y(), low.z() + x.y());  // (x, y) -> (x, z): the normal looks to -y
   }
   m.before_mm = m.x_mm;
   return m;
@@ -359,10 +395,14 @@ FitReport fit(Mesh& m, const Volume& v, const FitSettings& s, Workers& w) {
   return fit(m, p, s, w);
 }
 
-FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Workers& w, const ScanView* plane, const std::vector<Vec3>& looks) {
+FitReport fit(Mesh& m, const std::vector<Vec3>& points, const FitSettings& s, Workers& w, const ScanView* plane,
+              const std::vector<Vec3>& looks) {
   check_settings(m, s);
   if (points.size() < 10) throw InputError("", 0, "a range scan of at least 10 points was expected");
-  if (!looks.empty() && looks.size() != points.size()) throw InputError("", 0, "a scan of " + std::to_string(points.size()) + " points with " + std::to_string(looks.size()) + " directions; one for each, or none, was expected");
+  if (!looks.empty() && looks.size() != points.size())
+    throw InputError("", 0,
+                     "a scan of " + std::to_string(points.size()) + " points with " + std::to_string(looks.size()) +
+                         " directions; one for each, or none, was expected");
   Vec3 low = points.front(), high = low;
   for (const Vec3& x : points) {
     if (!x.allFinite()) throw InputError("", 0, "a point of the scan is not at a finite place");

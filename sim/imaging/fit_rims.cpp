@@ -1,7 +1,9 @@
 // Where the rims of openings belong (fit_parts.h, Sight::rim).
 //
-// At the border of the data: on the isosurface in the border's own plane. Elsewhere on the crest between the outer surface and the wall of
-// the cavity: the isosurface is followed in the plane across the rim, a little way outwards and a little way into the cavity; on the
+// At the border of the data: on the isosurface in the border's own plane. Elsewhere on the crest between the outer
+// surface and the wall of
+// the cavity: the isosurface is followed in the plane across the rim, a little way outwards and a little way into the
+// cavity; on the
 // way its normal turns from that of the surface to that of the wall, and where it has turned half of that is the crest.
 // (Of a corner that is rounded evenly this is its middle, whatever the radius; turning adds up, so that noise cancels.)
 #include <algorithm>
@@ -13,12 +15,12 @@
 namespace limberg::imaging {
 
 namespace {
-constexpr double kStep = 0.3, kWay = 2.5;  // mean voxels: one step, and the way that is followed to either side
-constexpr double kOff = 1;                 // voxels from the surface: a vertex in the mouth of a cavity is lost
-constexpr double kBeyond = 0.3;            // voxels beyond the border
-constexpr double kCorner = 0.5;            // radians: a surface that turns less has no crest
+constexpr double kStep = 0.3, kWay = 2.5;     // mean voxels: one step, and the way that is followed to either side
+constexpr double kOff = 1;                    // voxels from the surface: a vertex in the mouth of a cavity is lost
+constexpr double kBeyond = 0.3;               // voxels beyond the border
+constexpr double kCorner = 0.5;               // radians: a surface that turns less has no crest
 constexpr double kBorder = 3, kAtBorder = 2;  // voxels from the border: a rim goes to it; also one at a mouth
-constexpr double kReach = 3;               // mean voxels: how far a rim may be from the surface
+constexpr double kReach = 3;                  // mean voxels: how far a rim may be from the surface
 }  // namespace
 
 bool VolumeSight::lost(const Vec3& x, bool seen) const {
@@ -62,7 +64,8 @@ bool VolumeSight::rim(const Vec3& x, const Vec3& along, const Vec3& N0, const Ve
     Vec3 there;
     double way = 0;
     const Vec3 e1 = along - outward.dot(along) * outward;
-    if (border(x, kBorder * p_.voxel_mm, there, way) >= 0 && !(mouth && way > kAtBorder * p_.voxel_mm) && e1.norm() > 0.1) {
+    if (border(x, kBorder * p_.voxel_mm, there, way) >= 0 && !(mouth && way > kAtBorder * p_.voxel_mm) &&
+        e1.norm() > 0.1) {
       to = x + way * outward;
       if (Vec3 q = to; onto(q, e1.normalized(), outward.cross(e1).normalized(), kReach * mean_voxel_)) to = q;
       return true;
@@ -118,7 +121,8 @@ bool VolumeSight::rim(const Vec3& x, const Vec3& along, const Vec3& N0, const Ve
     const double a = angle[size_t(i)], b = angle[size_t(i) + 1];
     if (a < half || b > half) continue;
     const double w = a > b ? (a - half) / (a - b) : 0, at = i + w;
-    if (std::abs(at - n) < nearest_step) nearest_step = std::abs(at - n), to = place[size_t(i)] + w * (place[size_t(i) + 1] - place[size_t(i)]);
+    if (std::abs(at - n) < nearest_step)
+      nearest_step = std::abs(at - n), to = place[size_t(i)] + w * (place[size_t(i) + 1] - place[size_t(i)]);
   }
   return true;
 }

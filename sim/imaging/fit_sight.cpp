@@ -9,13 +9,16 @@ namespace limberg::imaging {
 namespace {
 constexpr double kGuided = 0.55;  // of the way: the guide leads, after it the volume itself
 constexpr double kPush = 0.3, kFolded = 0.2;
-constexpr double kFacing = 0.5;  // cosine: a normal that differs more than this says that the nearest point is of another sheet
+constexpr double kFacing =
+    0.5;  // cosine: a normal that differs more than this says that the nearest point is of another sheet
 constexpr size_t kTried = 32;   // points, until one looks to the side of the mesh
 constexpr size_t kAround = 20;  // neighbours that say whether a point of a scan is at its edge
-}
+}  // namespace
 
-/// Signed way along the normal to the nearest place where the volume falls through iso outwards; false: none within range.
-/// Outside the volume nothing is known: no edge there, nor across its border. Edges deep below the sealed surface (the inner
+/// Signed way along the normal to the nearest place where the volume falls through iso outwards; false: none within
+/// range.
+/// Outside the volume nothing is known: no edge there, nor across its border. Edges deep below the sealed surface (the
+/// inner
 /// table, the wall of a sinus) belong to another surface, those far outside it to a part that was left out.
 bool VolumeSight::edge(const Vec3& x, const Vec3& n, double range, double& at) const {
   const double h = 0.5 * p_.voxel_mm, deep = -(2 * p_.voxel_mm + p_.guide_mm);
@@ -48,8 +51,10 @@ bool VolumeSight::edge(const Vec3& x, const Vec3& n, double range, double& at) c
   return false;
 }
 
-/// By the guide: phi is the distance to the sealed surface and g its direction. What lies along the normal is (g . N) phi, which
-/// never leads away from the surface, not even where the mesh is folded over. In the mouth of a cavity g lies across the
+/// By the guide: phi is the distance to the sealed surface and g its direction. What lies along the normal is (g . N)
+/// phi, which
+/// never leads away from the surface, not even where the mesh is folded over. In the mouth of a cavity g lies across
+/// the
 /// normal, or nowhere: there the mesh is pushed in (kPush) as long as it looks outwards.
 Vec3 VolumeSight::pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const {
   const double near = 2 * p_.voxel_mm, phi = guide_.value(x);
@@ -98,7 +103,8 @@ int VolumeSight::border(const Vec3& x, double within, Vec3& outward, double& way
   double least = within;
   for (int k = 0; k < 3; ++k)
     for (int s = 0; s < 2; ++s) {
-      const double step = p_.volume.step_mm.col(k).norm(), inner = (s ? p_.volume.size[size_t(k)] - 1 - q[k] : q[k]) * step;
+      const double step = p_.volume.step_mm.col(k).norm(),
+                   inner = (s ? p_.volume.size[size_t(k)] - 1 - q[k] : q[k]) * step;
       if (inner > least) continue;
       // Outward normal of that border: along the reciprocal axis.
       least = inner, best = 2 * k + s, way = inner - 0.02 * step;
@@ -107,7 +113,8 @@ int VolumeSight::border(const Vec3& x, double within, Vec3& outward, double& way
   return best;
 }
 
-PointSight::PointSight(const std::vector<Vec3>& points, const ScanView* plane, const std::vector<Vec3>& looks) : points_(points), looks_(looks), tree_(points) {
+PointSight::PointSight(const std::vector<Vec3>& points, const ScanView* plane, const std::vector<Vec3>& looks)
+    : points_(points), looks_(looks), tree_(points) {
   Vec3 lo = points.front(), hi = lo;
   for (const Vec3& p : points) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
   size_ = (hi - lo).norm();
@@ -130,7 +137,8 @@ PointSight::PointSight(const std::vector<Vec3>& points, const ScanView* plane, c
 Vec3 PointSight::pull(const Vec3& x, const Vec3& N, double t, double range, bool& seen) const {
   seen = false;
   if (heights_ && t < kGuided) {
-    // As by the guide of a volume: the way along the normal, and down while it is folded over. Before a steep wall the heights say too
+    // As by the guide of a volume: the way along the normal, and down while it is folded over. Before a steep wall the
+    // heights say too
     // much: it is never farther than to the nearest point.
     const Vec3 q = heights_->view().local(x);
     const double most = std::min(range, tree_.nearest(x).distance);
@@ -163,7 +171,8 @@ Vec3 PointSight::onwards(const Vec3& x, const Vec3& N, const Vec3& out, const st
   if (heights_) return Vec3::Zero();
   const auto here = size_t(tree_.nearest(x).index);
   const double step = std::max(spacing_, around_[here]);
-  // A rim that has folded in does not look ahead: where the points say which way they look, it goes to the nearest that look as those here do.
+  // A rim that has folded in does not look ahead: where the points say which way they look, it goes to the nearest that
+  // look as those here do.
   const bool known = !looks_.empty() && looks_[here].dot(N) > -kFacing;
   double least = known ? 3 * step : 1.5 * step;
   Vec3 way = Vec3::Zero();

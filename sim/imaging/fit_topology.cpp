@@ -14,7 +14,8 @@ using namespace simplex;
 namespace {
 
 constexpr double kMeeting = 1.5;  // edges: sheets nearer than this face each other
-constexpr int kWayRound = 6;      // edges: a part of the mesh that can be reached so soon belongs to the same tube, not to another sheet
+constexpr int kWayRound =
+    6;  // edges: a part of the mesh that can be reached so soon belongs to the same tube, not to another sheet
 
 std::string place_text(const Vec3& x) {
   char b[96];
@@ -91,13 +92,16 @@ void Topology::check(double edge_mm, std::vector<uint8_t>& still) {
       for (int32_t q : m_.left[size_t(v)]) own |= q == face;
       if (own) continue;
       still[size_t(v)] = 1;
-      if (near(v, face, kWayRound)) still[size_t(v)] = 2, neck.push_back({v, x - 0.5 * hit[i].t * f.N, air[size_t(v)]});
-      else meeting.push_back({v, face, air[size_t(v)]});
+      if (near(v, face, kWayRound))
+        still[size_t(v)] = 2, neck.push_back({v, x - 0.5 * hit[i].t * f.N, air[size_t(v)]});
+      else
+        meeting.push_back({v, face, air[size_t(v)]});
       break;
     }
   }
   // The middle of a tunnel first: there the walls are farthest away.
-  std::sort(meeting.begin(), meeting.end(), [](const Meeting& a, const Meeting& b) { return a.air != b.air ? a.air > b.air : a.v < b.v; });
+  std::sort(meeting.begin(), meeting.end(),
+            [](const Meeting& a, const Meeting& b) { return a.air != b.air ? a.air > b.air : a.v < b.v; });
   bool any = false;
   for (const Meeting& c : meeting) {
     const Vec3 at = m_.x_mm[size_t(c.v)];
@@ -113,15 +117,19 @@ void Topology::check(double edge_mm, std::vector<uint8_t>& still) {
     if (best < 0) continue;
     Delta d;
     const Outcome o = t3(m_, best, c.face, d);
-    if (o) ++joined, any = true;
-    else notes.push_back("sheets that meet at " + place_text(at) + " were not joined: " + sentence(o.answer));
+    if (o)
+      ++joined, any = true;
+    else
+      notes.push_back("sheets that meet at " + place_text(at) + " were not joined: " + sentence(o.answer));
     done_.push_back({at, 3 * c.air + 3 * edge_mm});  // (a refusal is said once)
   }
-  std::sort(neck.begin(), neck.end(), [](const Neck& a, const Neck& b) { return a.air != b.air ? a.air > b.air : a.v < b.v; });
+  std::sort(neck.begin(), neck.end(),
+            [](const Neck& a, const Neck& b) { return a.air != b.air ? a.air > b.air : a.v < b.v; });
   if (!any) cut_necks(neck, edge_mm);
 }
 
-/// A tube through air is cut across: by the plane through its middle that gives the shortest closed curve wholly in air.
+/// A tube through air is cut across: by the plane through its middle that gives the shortest closed curve wholly in
+/// air.
 void Topology::cut_necks(const std::vector<Neck>& neck, double edge_mm) {
   int tries = 0;
   for (const Neck& c : neck) {
@@ -153,21 +161,25 @@ void Topology::cut_necks(const std::vector<Neck>& neck, double edge_mm) {
     const Outcome o = t4_edges(m_, best, CutPolicy::any, d);
     if (!o) continue;
     if (o.divided) {
-      // A tip that has come loose, or a piece of the tube, is no body: on either side some of the surface must have been reached.
+      // A tip that has come loose, or a piece of the tube, is no body: on either side some of the surface must have
+      // been reached.
       std::vector<int32_t> of;
       components(m_, of);
       int64_t left = 0;
-      const int32_t part = of[size_t(m_.from(m_.face_edge[size_t(o.face[0])]))], other = of[size_t(m_.from(m_.face_edge[size_t(o.face[1])]))];
+      const int32_t part = of[size_t(m_.from(m_.face_edge[size_t(o.face[0])]))],
+                    other = of[size_t(m_.from(m_.face_edge[size_t(o.face[1])]))];
       int64_t right = 0;
       for (size_t q = 0; q < of.size(); ++q)
-        if (of[q] >= 0 && std::abs(sight_.air(m_.x_mm[q])) < sight_.voxel()) left += of[q] == part, right += of[q] == other;
+        if (of[q] >= 0 && std::abs(sight_.air(m_.x_mm[q])) < sight_.voxel())
+          left += of[q] == part, right += of[q] == other;
       if (std::min(left, right) < 12) {
         undo(m_, d);
         continue;
       }
     }
     Edit e(m_, d);
-    for (int32_t mouth : o.face) e.save_face(mouth), m_.face_kind[size_t(mouth)] = FaceKind::surface;  // grown over, not open
+    for (int32_t mouth : o.face)
+      e.save_face(mouth), m_.face_kind[size_t(mouth)] = FaceKind::surface;  // grown over, not open
     ++m_.version, ++cut;
     return;  // the mesh has changed: the others at the next check
   }
@@ -207,7 +219,8 @@ std::vector<std::vector<int32_t>> parts_of(const Mesh& m, const Faces& in, bool 
   return out;
 }
 
-/// Opens a region: small islands of surface in it go with it; where larger parts of the surface remain on several sides of it,
+/// Opens a region: small islands of surface in it go with it; where larger parts of the surface remain on several sides
+/// of it,
 /// each is cut off along its own border and gets a hole of its own.
 Outcome open_region(Mesh& m, std::vector<int32_t> region) {
   Faces in(m.face_edge.size(), 0);
@@ -219,8 +232,10 @@ Outcome open_region(Mesh& m, std::vector<int32_t> region) {
     bool touches = false;  // other parts of the mesh are no islands
     for (int32_t f : part) m.around(f, [&](int32_t h) { touches |= in[size_t(m.face(m.twin(h)))] != 0; });
     if (!touches) continue;
-    if (!largest && part.size() * 5 > size && part.size() > 12) side.push_back(part);
-    else if (!largest) region.insert(region.end(), part.begin(), part.end());
+    if (!largest && part.size() * 5 > size && part.size() > 12)
+      side.push_back(part);
+    else if (!largest)
+      region.insert(region.end(), part.begin(), part.end());
     largest = false;
   }
   Delta all;
@@ -273,8 +288,11 @@ int open_blind(Mesh& m, std::vector<uint8_t> blind, std::vector<std::string>& no
       o = open_region(m, parts.front());
       if (o) break;
     }
-    if (o) ++opened;
-    else notes.push_back("a region of " + std::to_string(surface) + " faces without surface at " + place_text(at) + " was not opened: " + sentence(o.answer));
+    if (o)
+      ++opened;
+    else
+      notes.push_back("a region of " + std::to_string(surface) + " faces without surface at " + place_text(at) +
+                      " was not opened: " + sentence(o.answer));
   }
   return opened;
 }
@@ -299,8 +317,10 @@ void split_rims(Mesh& m, double edge_mm) {
 
 namespace {
 
-/// Largest first. The largest opening near the midline that looks forwards is the nose; the largest ones beside it that look so, not
-/// below it, are the orbits; those far to the side in front the temporal fossae; those in the middle that look down the base and, before it,
+/// Largest first. The largest opening near the midline that looks forwards is the nose; the largest ones beside it that
+/// look so, not
+/// below it, are the orbits; those far to the side in front the temporal fossae; those in the middle that look down the
+/// base and, before it,
 /// the choanae.
 void name_skull(std::vector<FitHole>& holes, const Vec3& middle, const Vec3& half) {
   const auto u = [&](const FitHole& h) { return Vec3((h.centre_mm - middle).cwiseQuotient(half)); };
@@ -308,7 +328,8 @@ void name_skull(std::vector<FitHole>& holes, const Vec3& middle, const Vec3& hal
   double nose_z = -1e300;
   const auto nose = [&](bool forwards) {
     for (FitHole& h : holes)
-      if (const Vec3 a = u(h); free(h) && a.y() < -0.4 && std::abs(a.x()) < 0.12 && (forwards ? h.place.ends_with("anterior") : a.z() > -0.4)) {
+      if (const Vec3 a = u(h); free(h) && a.y() < -0.4 && std::abs(a.x()) < 0.12 &&
+                               (forwards ? h.place.ends_with("anterior") : a.z() > -0.4)) {
         h.place = "nose (" + h.place + ")", nose_z = h.centre_mm.z();
         return true;
       }
@@ -317,17 +338,22 @@ void name_skull(std::vector<FitHole>& holes, const Vec3& middle, const Vec3& hal
   if (!nose(true)) nose(false);
   for (const double side : {-1., 1.})
     for (FitHole& h : holes)
-      if (const Vec3 a = u(h); free(h) && !h.place.starts_with("nose") && a.y() < -0.35 && side * a.x() > 0.1 && side * a.x() < 0.6 && h.centre_mm.z() > (nose_z > -1e299 ? nose_z + 0.05 * half.z() : middle.z()) &&
-                                  (h.place.ends_with("anterior") || h.centre_mm.z() > middle.z())) {
+      if (const Vec3 a = u(h); free(h) && !h.place.starts_with("nose") && a.y() < -0.35 && side * a.x() > 0.1 &&
+                               side * a.x() < 0.6 &&
+                               h.centre_mm.z() > (nose_z > -1e299 ? nose_z + 0.05 * half.z() : middle.z()) &&
+                               (h.place.ends_with("anterior") || h.centre_mm.z() > middle.z())) {
         h.place = std::string("orbit, ") + (side < 0 ? "right" : "left") + " (" + h.place + ")";
         break;
       }
   for (FitHole& h : holes) {
     const Vec3 a = u(h);
     if (!free(h) || h.place.starts_with("nose") || h.place.starts_with("orbit")) continue;
-    if (std::abs(a.x()) > 0.5 && a.y() < 0) h.place = std::string("temporal fossa, ") + (a.x() < 0 ? "right" : "left") + " (" + h.place + ")";
-    else if (std::abs(a.x()) < 0.25 && a.y() > -0.4 && h.place.ends_with("inferior")) h.place = "base (" + h.place + ")";
-    else if (std::abs(a.x()) < 0.25 && a.y() <= -0.4 && h.place.ends_with("inferior")) h.place = "choanae (" + h.place + ")";
+    if (std::abs(a.x()) > 0.5 && a.y() < 0)
+      h.place = std::string("temporal fossa, ") + (a.x() < 0 ? "right" : "left") + " (" + h.place + ")";
+    else if (std::abs(a.x()) < 0.25 && a.y() > -0.4 && h.place.ends_with("inferior"))
+      h.place = "base (" + h.place + ")";
+    else if (std::abs(a.x()) < 0.25 && a.y() <= -0.4 && h.place.ends_with("inferior"))
+      h.place = "choanae (" + h.place + ")";
   }
 }
 
@@ -368,7 +394,8 @@ std::vector<FitHole> places(const Mesh& m, const Sight& s, const Vec3& low, cons
     }
     out.push_back(std::move(h));
   }
-  std::stable_sort(out.begin(), out.end(), [](const FitHole& a, const FitHole& b) { return a.around_mm > b.around_mm; });
+  std::stable_sort(out.begin(), out.end(),
+                   [](const FitHole& a, const FitHole& b) { return a.around_mm > b.around_mm; });
   if (skull) name_skull(out, middle, half);
   return out;
 }

@@ -8,7 +8,8 @@
 namespace limberg {
 namespace {
 
-constexpr double kAir = -1000, kFat = -90, kMuscle = 45, kBrain = 35, kOrbitFat = -60, kEyeHU = 20, kCortical = 1100, kDiploe = 450;
+constexpr double kAir = -1000, kFat = -90, kMuscle = 45, kBrain = 35, kOrbitFat = -60, kEyeHU = 20, kCortical = 1100,
+                 kDiploe = 450;
 constexpr double kCortex_mm = 2.2, kSkin_mm = 2.5, kFat_mm = 5;
 
 /// Part of a voxel that lies inside, from the distance of its centre.
@@ -56,7 +57,8 @@ void blur(Volume& v, double sigma_voxels, Workers& workers) {
         for (size_t i = 0; i < n; ++i) line[i] = p[i * stride[axis]];
         for (size_t i = 0; i < n; ++i) {
           double s = 0;
-          for (int k = -r; k <= r; ++k) s += w[size_t(k + r)] * double(line[size_t(std::clamp<int64_t>(int64_t(i) + k, 0, int64_t(n) - 1))]);
+          for (int k = -r; k <= r; ++k)
+            s += w[size_t(k + r)] * double(line[size_t(std::clamp<int64_t>(int64_t(i) + k, 0, int64_t(n) - 1))]);
           p[i * stride[axis]] = float(s);
         }
       }
@@ -68,7 +70,8 @@ void blur(Volume& v, double sigma_voxels, Workers& workers) {
 
 Volume head_ct(const HeadSpec& spec, double voxel, Workers& workers, const HeadCt& c) {
   if (!(voxel >= 0.3 && voxel <= 10)) throw InputError("", 0, "a voxel of a synthetic CT has 0.3 to 10 mm");
-  if (!(c.blur_mm >= 0 && c.blur_mm <= 10) || !(c.noise_HU >= 0 && c.noise_HU <= 1000)) throw InputError("", 0, "a blur of 0 to 10 mm and a noise of 0 to 1000 HU were expected");
+  if (!(c.blur_mm >= 0 && c.blur_mm <= 10) || !(c.noise_HU >= 0 && c.noise_HU <= 1000))
+    throw InputError("", 0, "a blur of 0 to 10 mm and a noise of 0 to 1000 HU were expected");
   const HeadShape h(spec);
   const Vec3 lo = HeadShape::low_mm(), hi = HeadShape::high_mm();
   Volume v;
@@ -78,11 +81,13 @@ Volume head_ct(const HeadSpec& spec, double voxel, Workers& workers, const HeadC
   v.value.assign(size_t(v.size[0]) * size_t(v.size[1]) * size_t(v.size[2]), float(kAir));
   // Blocks whose centre says that all of them is air, or is far inside the brain, are filled at once.
   constexpr int32_t kSide = 6;
-  const std::array<int32_t, 3> blocks = {(v.size[0] + kSide - 1) / kSide, (v.size[1] + kSide - 1) / kSide, (v.size[2] + kSide - 1) / kSide};
+  const std::array<int32_t, 3> blocks = {(v.size[0] + kSide - 1) / kSide, (v.size[1] + kSide - 1) / kSide,
+                                         (v.size[2] + kSide - 1) / kSide};
   const double radius = 0.5 * std::sqrt(3.) * kSide * voxel * HeadShape::kLipschitz;
   workers.parallel_for(size_t(blocks[0]) * size_t(blocks[1]) * size_t(blocks[2]), 16, [&](size_t first, size_t last) {
     for (size_t b = first; b < last; ++b) {
-      const int32_t i0 = int32_t(b % size_t(blocks[0])) * kSide, j0 = int32_t(b / size_t(blocks[0]) % size_t(blocks[1])) * kSide,
+      const int32_t i0 = int32_t(b % size_t(blocks[0])) * kSide,
+                    j0 = int32_t(b / size_t(blocks[0]) % size_t(blocks[1])) * kSide,
                     k0 = int32_t(b / (size_t(blocks[0]) * size_t(blocks[1]))) * kSide;
       const auto place = [&](double i, double j, double k) {
         const Vec3 q = v.place({i, j, k});
@@ -94,7 +99,8 @@ Volume head_ct(const HeadSpec& spec, double voxel, Workers& workers, const HeadC
       const bool brain = h.brain(middle) < -radius - voxel;
       for (int32_t k = k0; k < std::min(k0 + kSide, v.size[2]); ++k)
         for (int32_t j = j0; j < std::min(j0 + kSide, v.size[1]); ++j)
-          for (int32_t i = i0; i < std::min(i0 + kSide, v.size[0]); ++i) v.value[v.index(i, j, k)] = float(brain ? kBrain : density(h, place(i, j, k), voxel, c.sinuses));
+          for (int32_t i = i0; i < std::min(i0 + kSide, v.size[0]); ++i)
+            v.value[v.index(i, j, k)] = float(brain ? kBrain : density(h, place(i, j, k), voxel, c.sinuses));
     }
   });
   if (c.blur_mm / voxel > 0.15) blur(v, c.blur_mm / voxel, workers);

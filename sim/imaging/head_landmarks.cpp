@@ -49,7 +49,8 @@ std::optional<Vec3> find(const HeadShape& h, const LandmarkRule& r, double side)
     const int na = ra > 0 ? 4 : 0, nb = rb > 0 ? 6 : 0;
     for (int i = -na; i <= na; ++i)
       for (int j = -nb; j <= nb; ++j) {
-        const double a = na ? std::clamp(a0 + ra * i / na, -r.reach_mm[0], r.reach_mm[0]) : 0, b = nb ? std::clamp(b0 + rb * j / nb, -r.reach_mm[1], r.reach_mm[1]) : 0;
+        const double a = na ? std::clamp(a0 + ra * i / na, -r.reach_mm[0], r.reach_mm[0]) : 0,
+                     b = nb ? std::clamp(b0 + rb * j / nb, -r.reach_mm[1], r.reach_mm[1]) : 0;
         const auto p = meet(h, r.surface, place + a * u + b * v - r.back_mm * look, look, r.back_mm + kPast_mm);
         if (p && (!best || p->dot(score) > best->dot(score))) best = p, best_a = a, best_b = b;
       }
@@ -115,7 +116,8 @@ std::vector<std::pair<std::string, Vec3>> head_landmarks(const HeadShape& h) {
   for (const LandmarkRule& r : landmark_rules()) {
     for (double side : {1., -1.}) {
       if (!r.pair && side < 0) continue;
-      if (const auto p = find(h, r, side)) out.emplace_back(r.pair ? std::string(r.name) + (side > 0 ? "_R" : "_L") : r.name, *p);
+      if (const auto p = find(h, r, side))
+        out.emplace_back(r.pair ? std::string(r.name) + (side > 0 ? "_R" : "_L") : r.name, *p);
     }
   }
   return out;

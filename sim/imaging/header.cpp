@@ -20,14 +20,16 @@ int64_t whole(std::string_view s, const std::string& file, int line, const char*
   const std::string_view t = trimmed(s);
   int64_t v = 0;
   const auto [end, ec] = std::from_chars(t.data(), t.data() + t.size(), v);
-  if (t.empty() || ec != std::errc() || end != t.data() + t.size()) throw InputError(file, line, std::string(what) + " is no whole number");
+  if (t.empty() || ec != std::errc() || end != t.data() + t.size())
+    throw InputError(file, line, std::string(what) + " is no whole number");
   return v;
 }
 
 void sizes(Header& h, std::string_view s, const std::string& file, int line) {
   const std::vector<double> n = numbers(s, 3, file, line, "the sizes");
   for (size_t k = 0; k < 3; ++k) {
-    if (n[k] != std::floor(n[k]) || n[k] < 1 || n[k] > 1e6) throw InputError(file, line, "a size is not a whole number from 1 to a million");
+    if (n[k] != std::floor(n[k]) || n[k] < 1 || n[k] > 1e6)
+      throw InputError(file, line, "a size is not a whole number from 1 to a million");
     h.size[k] = int64_t(n[k]);
   }
 }
@@ -35,7 +37,9 @@ void sizes(Header& h, std::string_view s, const std::string& file, int line) {
 /// Of the file with the data.
 std::string name_of(std::string_view s, const std::string& file, int line) {
   for (const char c : s)
-    if (static_cast<unsigned char>(c) < ' ' || c == 127) throw InputError(file, line, "the name of the file with the data has a character that no name has; the header is damaged");
+    if (static_cast<unsigned char>(c) < ' ' || c == 127)
+      throw InputError(file, line,
+                       "the name of the file with the data has a character that no name has; the header is damaged");
   return std::string(s);
 }
 
@@ -43,10 +47,18 @@ std::string name_of(std::string_view s, const std::string& file, int line) {
 
 size_t bytes_of(Number n) {
   switch (n) {
-    case Number::i8: case Number::u8: return 1;
-    case Number::i16: case Number::u16: return 2;
-    case Number::i32: case Number::u32: case Number::f32: return 4;
-    case Number::f64: return 8;
+    case Number::i8:
+    case Number::u8:
+      return 1;
+    case Number::i16:
+    case Number::u16:
+      return 2;
+    case Number::i32:
+    case Number::u32:
+    case Number::f32:
+      return 4;
+    case Number::f64:
+      return 8;
   }
   return 1;
 }
@@ -69,17 +81,21 @@ std::string_view trimmed(std::string_view s) {
 std::vector<double> numbers(std::string_view s, size_t count, const std::string& file, int line, const char* what) {
   std::vector<double> out;
   for (;;) {
-    while (!s.empty() && (s.front() == ' ' || s.front() == '\t' || s.front() == ',' || s.front() == '(' || s.front() == ')')) s.remove_prefix(1);
+    while (!s.empty() &&
+           (s.front() == ' ' || s.front() == '\t' || s.front() == ',' || s.front() == '(' || s.front() == ')'))
+      s.remove_prefix(1);
     if (s.empty()) break;
     if (s.front() == '+') s.remove_prefix(1);
     double v = 0;
     const auto [end, ec] = std::from_chars(s.data(), s.data() + s.size(), v);
-    if (ec != std::errc() || end == s.data() || !std::isfinite(v)) throw InputError(file, line, std::string(what) + " must be finite numbers");
+    if (ec != std::errc() || end == s.data() || !std::isfinite(v))
+      throw InputError(file, line, std::string(what) + " must be finite numbers");
     out.push_back(v);
     s.remove_prefix(size_t(end - s.data()));
     if (out.size() > count) break;
   }
-  if (out.size() != count) throw InputError(file, line, std::string(what) + ": " + std::to_string(count) + " numbers were expected");
+  if (out.size() != count)
+    throw InputError(file, line, std::string(what) + ": " + std::to_string(count) + " numbers were expected");
   return out;
 }
 
@@ -105,32 +121,54 @@ Header nrrd_header(std::string_view text, const std::string& file) {
     const std::string_view raw = trimmed(l.substr(colon + 1));
     const std::string v = lower(raw);
     if (key == "dimension") {
-      if (whole(raw, file, line, "the dimension") != 3) throw InputError(file, line, "the volume has " + v + " dimensions; 3 were expected");
+      if (whole(raw, file, line, "the dimension") != 3)
+        throw InputError(file, line, "the volume has " + v + " dimensions; 3 were expected");
       dimension = true;
     } else if (key == "type") {
-      const auto is = [&](std::initializer_list<const char*> names) { return std::find(names.begin(), names.end(), v) != names.end(); };
-      if (is({"signed char", "int8", "int8_t"})) h.number = Number::i8;
-      else if (is({"uchar", "unsigned char", "uint8", "uint8_t"})) h.number = Number::u8;
-      else if (is({"short", "short int", "signed short", "signed short int", "int16", "int16_t"})) h.number = Number::i16;
-      else if (is({"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"})) h.number = Number::u16;
-      else if (is({"int", "signed int", "int32", "int32_t"})) h.number = Number::i32;
-      else if (is({"uint", "unsigned int", "uint32", "uint32_t"})) h.number = Number::u32;
-      else if (v == "float") h.number = Number::f32;
-      else if (v == "double") h.number = Number::f64;
-      else throw InputError(file, line, "numbers of type " + quoted(v) + " are not read; expected integers of 8 to 32 bits, float or double");
+      const auto is = [&](std::initializer_list<const char*> names) {
+        return std::find(names.begin(), names.end(), v) != names.end();
+      };
+      if (is({"signed char", "int8", "int8_t"}))
+        h.number = Number::i8;
+      else if (is({"uchar", "unsigned char", "uint8", "uint8_t"}))
+        h.number = Number::u8;
+      else if (is({"short", "short int", "signed short", "signed short int", "int16", "int16_t"}))
+        h.number = Number::i16;
+      else if (is({"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"}))
+        h.number = Number::u16;
+      else if (is({"int", "signed int", "int32", "int32_t"}))
+        h.number = Number::i32;
+      else if (is({"uint", "unsigned int", "uint32", "uint32_t"}))
+        h.number = Number::u32;
+      else if (v == "float")
+        h.number = Number::f32;
+      else if (v == "double")
+        h.number = Number::f64;
+      else
+        throw InputError(
+            file, line,
+            "numbers of type " + quoted(v) + " are not read; expected integers of 8 to 32 bits, float or double");
     } else if (key == "sizes") {
       sizes(h, raw, file, line);
     } else if (key == "encoding") {
-      if (v == "gzip" || v == "gz") h.compressed = true;
-      else if (v != "raw") throw InputError(file, line, "the encoding " + quoted(v) + " is not read; expected raw or gzip");
+      if (v == "gzip" || v == "gz")
+        h.compressed = true;
+      else if (v != "raw")
+        throw InputError(file, line, "the encoding " + quoted(v) + " is not read; expected raw or gzip");
       encoding = true;
     } else if (key == "endian") {
       if (v != "little" && v != "big") throw InputError(file, line, "endian is little or big");
       h.big_endian = v == "big", endian = true;
     } else if (key == "space") {
-      if (v == "right-anterior-superior" || v == "ras") flip = {-1, -1, 1};
-      else if (v == "left-anterior-superior" || v == "las") flip = {1, -1, 1};
-      else if (v != "left-posterior-superior" && v != "lps") throw InputError(file, line, "the space " + quoted(v) + " is not known; expected left-posterior-superior, right-anterior-superior or left-anterior-superior");
+      if (v == "right-anterior-superior" || v == "ras")
+        flip = {-1, -1, 1};
+      else if (v == "left-anterior-superior" || v == "las")
+        flip = {1, -1, 1};
+      else if (v != "left-posterior-superior" && v != "lps")
+        throw InputError(
+            file, line,
+            "the space " + quoted(v) +
+                " is not known; expected left-posterior-superior, right-anterior-superior or left-anterior-superior");
     } else if (key == "space directions") {
       const std::vector<double> n = numbers(raw, 9, file, line, "the space directions");
       Mat3 m;
@@ -143,13 +181,15 @@ Header nrrd_header(std::string_view text, const std::string& file) {
       const std::vector<double> n = numbers(raw, 3, file, line, "the space origin");
       h.origin_mm = {n[0], n[1], n[2]};
     } else if (key == "data file" || key == "datafile") {
-      if (raw.empty() || v.starts_with("list") || raw.find('%') != std::string_view::npos) throw InputError(file, line, "one data file was expected, not a list of them");
+      if (raw.empty() || v.starts_with("list") || raw.find('%') != std::string_view::npos)
+        throw InputError(file, line, "one data file was expected, not a list of them");
       h.data_file = name_of(raw, file, line);
     } else if (key == "byte skip" || key == "byteskip") {
       h.skip = whole(raw, file, line, "the byte skip");
       if (h.skip < -1) throw InputError(file, line, "the byte skip is below -1");
     } else if (key == "line skip" || key == "lineskip") {
-      if (whole(raw, file, line, "the line skip") != 0) throw InputError(file, line, "lines before the data are not skipped here; expected line skip 0");
+      if (whole(raw, file, line, "the line skip") != 0)
+        throw InputError(file, line, "lines before the data are not skipped here; expected line skip 0");
     }
   }
   if (directions) h.step_mm = *directions;
@@ -160,8 +200,10 @@ Header nrrd_header(std::string_view text, const std::string& file) {
   if (h.size[0] == 0) throw InputError(file, 0, "the NRRD header has no sizes");
   if (!h.number) throw InputError(file, 0, "the NRRD header has no type");
   if (!encoding) throw InputError(file, 0, "the NRRD header has no encoding");
-  if (!endian && bytes_of(*h.number) > 1) throw InputError(file, 0, "the NRRD header does not say the endian of its numbers");
-  if (!ended && h.data_file.empty()) throw InputError(file, 0, "the NRRD header does not end: no empty line before the data");
+  if (!endian && bytes_of(*h.number) > 1)
+    throw InputError(file, 0, "the NRRD header does not say the endian of its numbers");
+  if (!ended && h.data_file.empty())
+    throw InputError(file, 0, "the NRRD header does not end: no empty line before the data");
   return h;
 }
 
@@ -184,7 +226,8 @@ Header meta_header(std::string_view text, const std::string& file) {
     if (key == "objecttype") {
       if (v != "image") throw InputError(file, line, "the object is no image");
     } else if (key == "ndims") {
-      if (whole(raw, file, line, "the number of dimensions") != 3) throw InputError(file, line, "the volume has " + v + " dimensions; 3 were expected");
+      if (whole(raw, file, line, "the number of dimensions") != 3)
+        throw InputError(file, line, "the volume has " + v + " dimensions; 3 were expected");
       dimension = true;
     } else if (key == "dimsize") {
       sizes(h, raw, file, line);
@@ -204,22 +247,35 @@ Header meta_header(std::string_view text, const std::string& file) {
     } else if (key == "binarydata") {
       if (v != "true") throw InputError(file, line, "data written as text are not read; expected BinaryData = True");
     } else if (key == "elementnumberofchannels") {
-      if (whole(raw, file, line, "the number of channels") != 1) throw InputError(file, line, "one number per voxel was expected");
+      if (whole(raw, file, line, "the number of channels") != 1)
+        throw InputError(file, line, "one number per voxel was expected");
     } else if (key == "headersize") {
       h.skip = whole(raw, file, line, "the header size");
       if (h.skip < -1) throw InputError(file, line, "the header size is below -1");
     } else if (key == "elementtype") {
-      if (v == "met_char") h.number = Number::i8;
-      else if (v == "met_uchar") h.number = Number::u8;
-      else if (v == "met_short") h.number = Number::i16;
-      else if (v == "met_ushort") h.number = Number::u16;
-      else if (v == "met_int" || v == "met_long") h.number = Number::i32;  // (a long of this format has 4 bytes)
-      else if (v == "met_uint" || v == "met_ulong") h.number = Number::u32;
-      else if (v == "met_float") h.number = Number::f32;
-      else if (v == "met_double") h.number = Number::f64;
-      else throw InputError(file, line, "numbers of type " + quoted(v) + " are not read; expected MET_CHAR to MET_UINT, MET_FLOAT or MET_DOUBLE");
+      if (v == "met_char")
+        h.number = Number::i8;
+      else if (v == "met_uchar")
+        h.number = Number::u8;
+      else if (v == "met_short")
+        h.number = Number::i16;
+      else if (v == "met_ushort")
+        h.number = Number::u16;
+      else if (v == "met_int" || v == "met_long")
+        h.number = Number::i32;  // (a long of this format has 4 bytes)
+      else if (v == "met_uint" || v == "met_ulong")
+        h.number = Number::u32;
+      else if (v == "met_float")
+        h.number = Number::f32;
+      else if (v == "met_double")
+        h.number = Number::f64;
+      else
+        throw InputError(
+            file, line,
+            "numbers of type " + quoted(v) + " are not read; expected MET_CHAR to MET_UINT, MET_FLOAT or MET_DOUBLE");
     } else if (key == "elementdatafile") {
-      if (raw.empty() || v == "list" || raw.find('%') != std::string_view::npos) throw InputError(file, line, "one data file or LOCAL was expected, not a list");
+      if (raw.empty() || v == "list" || raw.find('%') != std::string_view::npos)
+        throw InputError(file, line, "one data file or LOCAL was expected, not a list");
       if (v != "local") h.data_file = name_of(raw, file, line);
       data = true;
     }

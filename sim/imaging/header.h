@@ -19,9 +19,9 @@ struct Header {
   Vec3 origin_mm = Vec3::Zero();
   bool big_endian = false;
   bool compressed = false;
-  std::string data_file;        // empty: after the header, in the same file
-  int64_t skip = 0;             // bytes before the data; -1: the data are the last bytes of the file
-  size_t data_at = 0;           // where the data begin in the header's own file
+  std::string data_file;  // empty: after the header, in the same file
+  int64_t skip = 0;       // bytes before the data; -1: the data are the last bytes of the file
+  size_t data_at = 0;     // where the data begin in the header's own file
 };
 
 /// The line that begins at `at`, without its end; moves `at` behind it. False at the end.
@@ -33,10 +33,12 @@ std::vector<double> numbers(std::string_view s, size_t count, const std::string&
 Header nrrd_header(std::string_view text, const std::string& file);
 Header meta_header(std::string_view text, const std::string& file);
 
-/// Inflates gzip or zlib data until `wanted` bytes are there; memory grows with what really comes out. InputError: damaged, cut short.
+/// Inflates gzip or zlib data until `wanted` bytes are there; memory grows with what really comes out. InputError:
+/// damaged, cut short.
 std::string inflated(std::string_view in, size_t wanted, const std::string& file);
 /// The first `count` numbers of `data`, which holds as many; InputError: one is not finite.
-std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count, const std::string& file);
+std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count,
+                             const std::string& file);
 /// InputError unless size and axes of a voxel are sensible (VolumeLimits); returns the number of voxels.
 int64_t check_extent(const std::array<int64_t, 3>& size, const Mat3& step_mm, const std::string& file);
 

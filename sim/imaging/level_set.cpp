@@ -27,7 +27,8 @@ struct Grid {
 
 Grid make_grid(const LevelSet& s, double step) {
   const Vec3 size = s.high_mm - s.low_mm;
-  if (!size.allFinite() || !(size.minCoeff() > 0) || !std::isfinite(step) || !(step > 0)) throw InputError("", 0, "a box with extent and a grid above 0 mm were expected");
+  if (!size.allFinite() || !(size.minCoeff() > 0) || !std::isfinite(step) || !(step > 0))
+    throw InputError("", 0, "a box with extent and a grid above 0 mm were expected");
   Grid g{s.low_mm, step, {}};
   double all = 1;
   for (size_t a = 0; a < 3; ++a) {
@@ -42,7 +43,7 @@ Grid make_grid(const LevelSet& s, double step) {
 /// The six tetrahedra about the diagonal 0 - 7 of a cube; corner bits: 1 = +x, 2 = +y, 4 = +z. All of positive volume.
 constexpr int kTet[6][4] = {{0, 1, 3, 7}, {0, 3, 2, 7}, {0, 2, 6, 7}, {0, 6, 4, 7}, {0, 4, 5, 7}, {0, 5, 1, 7}};
 
-struct Patch {  // of one block
+struct Patch {                              // of one block
   std::vector<std::array<int64_t, 6>> tri;  // three edges, each by its two nodes, lower first
 };
 
@@ -55,9 +56,12 @@ void march_tet(const std::array<int64_t, 4>& node, const std::array<double, 4>& 
     const int64_t u = node[size_t(i)], v = node[size_t(o)];
     return std::array<int64_t, 2>{std::min(u, v), std::max(u, v)};
   };
-  const auto add = [&](const std::array<int64_t, 2>& p, const std::array<int64_t, 2>& q, const std::array<int64_t, 2>& r, bool turn) {
-    if (turn) out.tri.push_back({p[0], p[1], r[0], r[1], q[0], q[1]});
-    else out.tri.push_back({p[0], p[1], q[0], q[1], r[0], r[1]});
+  const auto add = [&](const std::array<int64_t, 2>& p, const std::array<int64_t, 2>& q,
+                       const std::array<int64_t, 2>& r, bool turn) {
+    if (turn)
+      out.tri.push_back({p[0], p[1], r[0], r[1], q[0], q[1]});
+    else
+      out.tri.push_back({p[0], p[1], q[0], q[1], r[0], r[1]});
   };
   // Parity of (in..., ex...) as an order of the corners says which way round the outside is.
   std::array<int, 4> order{};
@@ -67,8 +71,10 @@ void march_tet(const std::array<int64_t, 4>& node, const std::array<double, 4>& 
   for (size_t i = 0; i < 4; ++i)
     for (size_t j = i + 1; j < 4; ++j) odd ^= order[i] > order[j];
   // In a tetrahedron of positive volume the corners 1, 2, 3 turn clockwise as seen from corner 0.
-  if (a == 1) add(edge(in[0], ex[0]), edge(in[0], ex[1]), edge(in[0], ex[2]), odd);
-  else if (b == 1) add(edge(in[0], ex[0]), edge(in[1], ex[0]), edge(in[2], ex[0]), odd);
+  if (a == 1)
+    add(edge(in[0], ex[0]), edge(in[0], ex[1]), edge(in[0], ex[2]), odd);
+  else if (b == 1)
+    add(edge(in[0], ex[0]), edge(in[1], ex[0]), edge(in[2], ex[0]), odd);
   else {
     add(edge(in[0], ex[0]), edge(in[0], ex[1]), edge(in[1], ex[1]), odd);
     add(edge(in[0], ex[0]), edge(in[1], ex[1]), edge(in[1], ex[0]), odd);
@@ -76,7 +82,9 @@ void march_tet(const std::array<int64_t, 4>& node, const std::array<double, 4>& 
 }
 
 struct EdgeHash {
-  size_t operator()(const std::array<int64_t, 2>& e) const { return size_t(e[0]) * 0x9e3779b97f4a7c15ull ^ (size_t(e[1]) * 0xc2b2ae3d27d4eb4full >> 7); }
+  size_t operator()(const std::array<int64_t, 2>& e) const {
+    return size_t(e[0]) * 0x9e3779b97f4a7c15ull ^ (size_t(e[1]) * 0xc2b2ae3d27d4eb4full >> 7);
+  }
 };
 
 /// Only the triangles of the largest component; returns how many others there were.
@@ -102,7 +110,8 @@ int keep_largest(std::vector<Tri>& tri, size_t vertices) {
 
 class Mesher {
  public:
-  Mesher(const LevelSet& s, const LevelSetSettings& settings, Workers& w) : s_(s), set_(settings), workers_(w), motion_(w) {}
+  Mesher(const LevelSet& s, const LevelSetSettings& settings, Workers& w)
+      : s_(s), set_(settings), workers_(w), motion_(w) {}
 
   Mesh run(LevelSetReport& r) {
     std::vector<Vec3> X;
@@ -228,7 +237,9 @@ class Mesher {
         if (!f.degenerate && !on_rim(m, int32_t(v))) turn[v] = f.N.dot(l.gradient.normalized());
       }
     });
-    for (size_t v = 0; v < far.size(); ++v) r.rms_mm += far[v] * far[v] / double(far.size()), r.max_mm = std::max(r.max_mm, far[v]), r.folded += turn[v] < kFolded;
+    for (size_t v = 0; v < far.size(); ++v)
+      r.rms_mm += far[v] * far[v] / double(far.size()), r.max_mm = std::max(r.max_mm, far[v]),
+                                                        r.folded += turn[v] < kFolded;
     r.rms_mm = std::sqrt(r.rms_mm);
     int64_t n = 0;
     for (int32_t f = 0; f < m.face_slots(); ++f) {
@@ -277,9 +288,11 @@ bool put_on_surface(const LevelSet& s, Vec3& p, double reach) {
   return good;
 }
 
-void march(const LevelSet& s, double step, Workers& workers, std::vector<Vec3>& X, std::vector<Tri>& tri, int64_t* evaluations) {
+void march(const LevelSet& s, double step, Workers& workers, std::vector<Vec3>& X, std::vector<Tri>& tri,
+           int64_t* evaluations) {
   const Grid g = make_grid(s, step);
-  const std::array<int64_t, 3> blocks = {(g.n[0] + kBlock - 2) / kBlock, (g.n[1] + kBlock - 2) / kBlock, (g.n[2] + kBlock - 2) / kBlock};
+  const std::array<int64_t, 3> blocks = {(g.n[0] + kBlock - 2) / kBlock, (g.n[1] + kBlock - 2) / kBlock,
+                                         (g.n[2] + kBlock - 2) / kBlock};
   const size_t all = size_t(blocks[0] * blocks[1] * blocks[2]);
   const double radius = 0.5 * kBlock * step * std::sqrt(3.);
   std::vector<Patch> patch(all);
@@ -287,12 +300,16 @@ void march(const LevelSet& s, double step, Workers& workers, std::vector<Vec3>& 
   workers.parallel_for(all, 4, [&](size_t first, size_t last) {
     std::array<double, (kBlock + 1) * (kBlock + 1) * (kBlock + 1)> f{};
     for (size_t b = first; b < last; ++b) {
-      const int64_t i0 = int64_t(b) % blocks[0] * kBlock, j0 = int64_t(b) / blocks[0] % blocks[1] * kBlock, k0 = int64_t(b) / (blocks[0] * blocks[1]) * kBlock;
+      const int64_t i0 = int64_t(b) % blocks[0] * kBlock, j0 = int64_t(b) / blocks[0] % blocks[1] * kBlock,
+                    k0 = int64_t(b) / (blocks[0] * blocks[1]) * kBlock;
       const double middle = s.distance_mm(g.place(i0, j0, k0) + Vec3::Constant(0.5 * kBlock * step));
       ++asked[b];
       if (std::abs(middle) > s.lipschitz * radius) continue;
-      const int64_t ni = std::min<int64_t>(kBlock, g.n[0] - 1 - i0), nj = std::min<int64_t>(kBlock, g.n[1] - 1 - j0), nk = std::min<int64_t>(kBlock, g.n[2] - 1 - k0);
-      const auto at = [&](int64_t i, int64_t j, int64_t k) { return size_t((k * (kBlock + 1) + j) * (kBlock + 1) + i); };
+      const int64_t ni = std::min<int64_t>(kBlock, g.n[0] - 1 - i0), nj = std::min<int64_t>(kBlock, g.n[1] - 1 - j0),
+                    nk = std::min<int64_t>(kBlock, g.n[2] - 1 - k0);
+      const auto at = [&](int64_t i, int64_t j, int64_t k) {
+        return size_t((k * (kBlock + 1) + j) * (kBlock + 1) + i);
+      };
       for (int64_t k = 0; k <= nk; ++k)
         for (int64_t j = 0; j <= nj; ++j)
           for (int64_t i = 0; i <= ni; ++i) f[at(i, j, k)] = s.distance_mm(g.place(i0 + i, j0 + j, k0 + k));

@@ -44,8 +44,8 @@ Ways ways(const GridSize& n, const std::vector<uint8_t>& may, const std::vector<
 struct Throat {
   std::vector<size_t> node;
   GridMouth mouth;
-  double score = 0;             // depth over width; 0: too narrow
-  int32_t outer = -1;           // the throat before it
+  double score = 0;    // depth over width; 0: too narrow
+  int32_t outer = -1;  // the throat before it
   std::vector<int32_t> inner;
 };
 
@@ -78,11 +78,14 @@ std::vector<Throat> throats_of(const GridSize& n, const Ways& w, const MouthRule
     if (out.size() == first) break;
     for (const size_t i : w.order) {
       if (w.length[i] >= to && mark[w.parent[i]] >= 0) mark[i] = mark[w.parent[i]];
-      if (mark[i] >= 0) out[size_t(mark[i])].mouth.depth = std::max(out[size_t(mark[i])].mouth.depth, (w.length[i] - from) / 3. + rule.threshold);
+      if (mark[i] >= 0)
+        out[size_t(mark[i])].mouth.depth =
+            std::max(out[size_t(mark[i])].mouth.depth, (w.length[i] - from) / 3. + rule.threshold);
     }
   }
   for (size_t i = 0; i < out.size(); ++i) {
-    if (out[i].mouth.width >= rule.least_width && out[i].mouth.width <= rule.most_width) out[i].score = out[i].mouth.depth / out[i].mouth.width;
+    if (out[i].mouth.width >= rule.least_width && out[i].mouth.width <= rule.most_width)
+      out[i].score = out[i].mouth.depth / out[i].mouth.width;
     if (out[i].outer >= 0) out[size_t(out[i].outer)].inner.push_back(int32_t(i));
   }
   return out;
@@ -90,10 +93,12 @@ std::vector<Throat> throats_of(const GridSize& n, const Ways& w, const MouthRule
 
 }  // namespace
 
-std::vector<GridMouth> find_mouths(const GridSize& n, const std::vector<uint8_t>& set, const std::vector<uint8_t>& within, const Reach& narrow, const Reach& wide, const MouthRule& rule,
-                                   std::vector<uint8_t>& fill, Workers& workers) {
+std::vector<GridMouth> find_mouths(const GridSize& n, const std::vector<uint8_t>& set,
+                                   const std::vector<uint8_t>& within, const Reach& narrow, const Reach& wide,
+                                   const MouthRule& rule, std::vector<uint8_t>& fill, Workers& workers) {
   std::vector<uint8_t> pocket(set.size()), wide_air(set.size());
-  for (size_t i = 0; i < set.size(); ++i) wide_air[i] = wide.air(i), pocket[i] = within[i] && !set[i] && narrow.air(i) && !wide_air[i];
+  for (size_t i = 0; i < set.size(); ++i)
+    wide_air[i] = wide.air(i), pocket[i] = within[i] && !set[i] && narrow.air(i) && !wide_air[i];
   const std::vector<uint8_t> whole = pocket;
   std::vector<size_t> seeds;
   for (size_t i = 0; i < set.size(); ++i) {
@@ -136,7 +141,8 @@ std::vector<GridMouth> find_mouths(const GridSize& n, const std::vector<uint8_t>
   fill.assign(set.size(), 0);
   if (!mouth.empty())
     for (size_t i = 0; i < set.size(); ++i) fill[i] = whole[i] ? (plug[i] ? 2 : w.length[i] < 0) : 0;
-  std::stable_sort(mouth.begin(), mouth.end(), [](const GridMouth& a, const GridMouth& b) { return a.width > b.width; });
+  std::stable_sort(mouth.begin(), mouth.end(),
+                   [](const GridMouth& a, const GridMouth& b) { return a.width > b.width; });
   return mouth;
 }
 

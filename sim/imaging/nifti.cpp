@@ -23,7 +23,8 @@ std::string beginning(std::string_view in, size_t most) {
   z_stream z{};
   if (inflateInit2(&z, 15 + 32) != Z_OK) return {};
   std::string out(most, 0);
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(in.data())), z.avail_in = uInt(std::min<size_t>(in.size(), size_t(1) << 30));
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(in.data())),
+  z.avail_in = uInt(std::min<size_t>(in.size(), size_t(1) << 30));
   z.next_out = reinterpret_cast<Bytef*>(out.data()), z.avail_out = uInt(most);
   inflate(&z, Z_NO_FLUSH);
   out.resize(most - z.avail_out);
@@ -85,32 +86,60 @@ Volume load_nifti(const std::string& path) {
   const bool packed = is_gzip(start);
   const std::string head = packed ? beginning(start, kHeader) : start.substr(0, kHeader);
   bool swap = false;
-  if (!is_header(head, swap)) throw InputError(path, 0, "is no NIfTI-1 file; expected a header of 348 bytes that ends in n+1 or ni1");
+  if (!is_header(head, swap))
+    throw InputError(path, 0, "is no NIfTI-1 file; expected a header of 348 bytes that ends in n+1 or ni1");
   const Fields f(head, swap);
   const int dims = f.at<int16_t>(40);
-  if (dims < 3 || dims > 7) throw InputError(path, 0, "the volume has " + std::to_string(dims) + " dimensions; 3 were expected");
+  if (dims < 3 || dims > 7)
+    throw InputError(path, 0, "the volume has " + std::to_string(dims) + " dimensions; 3 were expected");
   std::array<int64_t, 3> size;
   for (size_t k = 0; k < 3; ++k) size[k] = f.at<int16_t>(42 + 2 * k);
   for (int k = 3; k < dims; ++k)
-    if (f.at<int16_t>(42 + 2 * size_t(k)) > 1) throw InputError(path, 0, "the file holds a series of volumes; one volume was expected");
+    if (f.at<int16_t>(42 + 2 * size_t(k)) > 1)
+      throw InputError(path, 0, "the file holds a series of volumes; one volume was expected");
   Number number = Number::u8;
   switch (const int type = f.at<int16_t>(70)) {
-    case 2: number = Number::u8; break;
-    case 4: number = Number::i16; break;
-    case 8: number = Number::i32; break;
-    case 16: number = Number::f32; break;
-    case 64: number = Number::f64; break;
-    case 256: number = Number::i8; break;
-    case 512: number = Number::u16; break;
-    case 768: number = Number::u32; break;
-    default: throw InputError(path, 0, "numbers of NIfTI type " + std::to_string(type) + " are not read; expected integers of 8 to 32 bits, float or double");
+    case 2:
+      number = Number::u8;
+      break;
+    case 4:
+      number = Number::i16;
+      break;
+    case 8:
+      number = Number::i32;
+      break;
+    case 16:
+      number = Number::f32;
+      break;
+    case 64:
+      number = Number::f64;
+      break;
+    case 256:
+      number = Number::i8;
+      break;
+    case 512:
+      number = Number::u16;
+      break;
+    case 768:
+      number = Number::u32;
+      break;
+    default:
+      throw InputError(path, 0,
+                       "numbers of NIfTI type " + std::to_string(type) +
+                           " are not read; expected integers of 8 to 32 bits, float or double");
   }
-  if (f.at<int16_t>(72) != int16_t(8 * bytes_of(number))) throw InputError(path, 0, "the bits of a voxel do not go with its type");
+  if (f.at<int16_t>(72) != int16_t(8 * bytes_of(number)))
+    throw InputError(path, 0, "the bits of a voxel do not go with its type");
   double unit = 1;
   switch (head[123] & 7) {
-    case 1: unit = 1000; break;
-    case 3: unit = 1e-3; break;
-    default: break;
+    case 1:
+      unit = 1000;
+      break;
+    case 3:
+      unit = 1e-3;
+      break;
+    default:
+      break;
   }
   double spacing[3];
   for (size_t k = 0; k < 3; ++k) spacing[k] = double(f.at<float>(80 + 4 * k));
@@ -123,10 +152,12 @@ Volume load_nifti(const std::string& path) {
     }
   } else if (f.at<int16_t>(252) > 0) {
     const double handed = f.at<float>(76) < 0 ? -1 : 1;
-    step = rotation(double(f.at<float>(256)), double(f.at<float>(260)), double(f.at<float>(264))) * Vec3(spacing[0], spacing[1], handed * spacing[2]).asDiagonal();
+    step = rotation(double(f.at<float>(256)), double(f.at<float>(260)), double(f.at<float>(264))) *
+           Vec3(spacing[0], spacing[1], handed * spacing[2]).asDiagonal();
     for (int r = 0; r < 3; ++r) origin[r] = double(f.at<float>(268 + size_t(4 * r)));
   }
-  if (!step.allFinite() || !origin.allFinite()) throw InputError(path, 0, "the place of the volume must be given by finite numbers");
+  if (!step.allFinite() || !origin.allFinite())
+    throw InputError(path, 0, "the place of the volume must be given by finite numbers");
   Volume v;
   const Vec3 turn(-unit, -unit, unit);
   v.step_mm = turn.asDiagonal() * step, v.origin_mm = turn.cwiseProduct(origin);
@@ -134,19 +165,26 @@ Volume load_nifti(const std::string& path) {
   for (size_t k = 0; k < 3; ++k) v.size[k] = int32_t(size[k]);
   const float offset = f.at<float>(108);
   const bool pair = head[345] == 'i';
-  if (!(offset >= 0 && offset <= 1e9f) || (!pair && offset < 352)) throw InputError(path, 0, "the data do not begin behind the header: vox_offset is " + std::to_string(offset));
+  if (!(offset >= 0 && offset <= 1e9f) || (!pair && offset < 352))
+    throw InputError(path, 0, "the data do not begin behind the header: vox_offset is " + std::to_string(offset));
   std::string data_file = path;
   if (pair) {
     const std::filesystem::path p(path);
-    data_file = (p.extension() == ".gz" ? p.parent_path() / p.stem().replace_extension(".img.gz") : std::filesystem::path(p).replace_extension(".img")).string();
+    data_file = (p.extension() == ".gz" ? p.parent_path() / p.stem().replace_extension(".img.gz")
+                                        : std::filesystem::path(p).replace_extension(".img"))
+                    .string();
   }
   std::string raw = read_bytes(data_file, packed ? size_t(1) << 32 : size_t(offset) + bytes);
   if (is_gzip(raw)) raw = inflated(raw, size_t(offset) + bytes, data_file);
   if (raw.size() < size_t(offset) + bytes)
-    throw InputError(data_file, 0, "the data are cut short: " + std::to_string(raw.size()) + " bytes; " + std::to_string(size_t(offset) + bytes) + " were expected");
-  v.value = as_floats(std::string_view(raw).substr(size_t(offset)), number, swap == (std::endian::native == std::endian::little), voxels, data_file);
+    throw InputError(data_file, 0,
+                     "the data are cut short: " + std::to_string(raw.size()) + " bytes; " +
+                         std::to_string(size_t(offset) + bytes) + " were expected");
+  v.value = as_floats(std::string_view(raw).substr(size_t(offset)), number,
+                      swap == (std::endian::native == std::endian::little), voxels, data_file);
   const float slope = f.at<float>(112), inter = f.at<float>(116);
-  if (!std::isfinite(slope) || !std::isfinite(inter)) throw InputError(path, 0, "the scale of the numbers is not finite");
+  if (!std::isfinite(slope) || !std::isfinite(inter))
+    throw InputError(path, 0, "the scale of the numbers is not finite");
   if (slope != 0)
     for (float& x : v.value) {
       x = slope * x + inter;

@@ -33,7 +33,8 @@ uint64_t mixed(uint64_t x) {  // splitmix64
 
 class Level {
  public:
-  Level(const Volume& fixed, const Volume& moved, const Range& a, const Range& b, int samples, int bins, Workers& workers)
+  Level(const Volume& fixed, const Volume& moved, const Range& a, const Range& b, int samples, int bins,
+        Workers& workers)
       : moved_(moved), sampler_(moved_), b_(b), bins_(bins), workers_(workers) {
     const VolumeSampler from(fixed);
     const double n = double(fixed.value.size()), cell = std::max(1., std::cbrt(n / samples));
@@ -43,7 +44,8 @@ class Level {
         for (double i = 0; i < fixed.size[0]; i += cell) {
           Vec3 p;
           const double at[3] = {i, j, k};
-          for (int q = 0; q < 3; ++q) p[q] = std::min(at[q] + cell * double(mixed(++seed) >> 11) * 0x1p-53, double(fixed.size[size_t(q)] - 1));
+          for (int q = 0; q < 3; ++q)
+            p[q] = std::min(at[q] + cell * double(mixed(++seed) >> 11) * 0x1p-53, double(fixed.size[size_t(q)] - 1));
           const Vec3 x = fixed.place(p);
           const double t = (from.value(x) - double(a.low)) / double(a.high - a.low);
           x_.push_back(x), bin_.push_back(std::clamp(int(t * bins), 0, bins - 1));
@@ -60,7 +62,8 @@ class Level {
       for (size_t i = begin; i < end; ++i) {
         const Vec3 y = back(x_[i]);
         if (!sampler_.inside(y)) continue;
-        const double t = std::clamp((sampler_.value(y) - double(b_.low)) / double(b_.high - b_.low), 0., 1.) * (bins_ - 1);
+        const double t =
+            std::clamp((sampler_.value(y) - double(b_.low)) / double(b_.high - b_.low), 0., 1.) * (bins_ - 1);
         const int lower = std::min(int(t), bins_ - 2);
         double* row = h + size_t(bin_[i]) * size_t(bins_);
         row[lower] += 1 - (t - lower), row[lower + 1] += t - lower;
@@ -70,7 +73,8 @@ class Level {
       for (size_t i = 0; i < cells; ++i) joint[i] += joint[c * cells + i];
     double all = 0;
     std::vector<double> row(size_t(bins_), 0), column(size_t(bins_), 0);
-    for (size_t i = 0; i < cells; ++i) all += joint[i], row[i / size_t(bins_)] += joint[i], column[i % size_t(bins_)] += joint[i];
+    for (size_t i = 0; i < cells; ++i)
+      all += joint[i], row[i / size_t(bins_)] += joint[i], column[i % size_t(bins_)] += joint[i];
     if (overlap) *overlap = all / double(x_.size());
     if (all < 0.2 * double(x_.size())) return 0;  // sliding apart is no way
     const auto entropy = [&](const double* h, size_t n) {
@@ -96,16 +100,21 @@ class Level {
 /// Turn by angles (rad) about the axes one after the other around c, then shift.
 Similarity motion(const double* u, const Vec3& c) {
   Similarity s;
-  s.R = (Eigen::AngleAxisd(u[5], Vec3::UnitZ()) * Eigen::AngleAxisd(u[4], Vec3::UnitY()) * Eigen::AngleAxisd(u[3], Vec3::UnitX())).toRotationMatrix();
+  s.R = (Eigen::AngleAxisd(u[5], Vec3::UnitZ()) * Eigen::AngleAxisd(u[4], Vec3::UnitY()) *
+         Eigen::AngleAxisd(u[3], Vec3::UnitX()))
+            .toRotationMatrix();
   s.t_mm = c - s.R * c + Vec3(u[0], u[1], u[2]);
   return s;
 }
 
 }  // namespace
 
-RegistrationResult register_volumes(const Volume& fixed, const Volume& moved, const RegistrationSettings& s, Workers& workers) {
-  if (s.levels < 1 || s.levels > 8 || s.bins < 4 || s.bins > 256 || s.samples < 100 || s.samples > 10'000'000 || !(s.shift_mm > 0) || !(s.turn_deg > 0))
-    throw InputError("", 0, "a registration has 1 to 8 levels, 4 to 256 bins, 100 samples or more, and first steps above 0");
+RegistrationResult register_volumes(const Volume& fixed, const Volume& moved, const RegistrationSettings& s,
+                                    Workers& workers) {
+  if (s.levels < 1 || s.levels > 8 || s.bins < 4 || s.bins > 256 || s.samples < 100 || s.samples > 10'000'000 ||
+      !(s.shift_mm > 0) || !(s.turn_deg > 0))
+    throw InputError("", 0,
+                     "a registration has 1 to 8 levels, 4 to 256 bins, 100 samples or more, and first steps above 0");
   if (fixed.value.empty() || moved.value.empty()) throw InputError("", 0, "a registration needs two volumes");
   RegistrationResult r;
   const Range a = range_of(fixed), b = range_of(moved);
@@ -117,7 +126,8 @@ RegistrationResult register_volumes(const Volume& fixed, const Volume& moved, co
   double voxel = 1e300;
   for (const Volume* v : {&fixed, &moved})
     for (int k = 0; k < 3; ++k) voxel = std::min(voxel, v->step_mm.col(k).norm());
-  const double reach = 0.5 * (fixed.place(Vec3(fixed.size[0] - 1, fixed.size[1] - 1, fixed.size[2] - 1)) - fixed.origin_mm).norm();
+  const double reach =
+      0.5 * (fixed.place(Vec3(fixed.size[0] - 1, fixed.size[1] - 1, fixed.size[2] - 1)) - fixed.origin_mm).norm();
   const Similarity from_start = s.start.inverse();
   double u[6] = {}, shift = s.shift_mm, turn = s.turn_deg * 3.14159265358979 / 180;
   for (int level = s.levels - 1; level >= 0; --level) {
@@ -168,7 +178,8 @@ RegistrationResult register_volumes(const Volume& fixed, const Volume& moved, co
     if (level > 0) shift = voxel * (1 << level), turn = 2 * shift / reach;
   }
   r.map = (from_start * motion(u, c)).inverse();
-  if (!(r.information > r.at_start) && r.information < 1.005) r.reason = "neither image says anything about the other; expected two images of the same head";
+  if (!(r.information > r.at_start) && r.information < 1.005)
+    r.reason = "neither image says anything about the other; expected two images of the same head";
   return r;
 }
 
@@ -191,9 +202,11 @@ std::string to_nrrd(const Volume& v) {
   char head[1024];
   const Mat3& m = v.step_mm;
   std::snprintf(head, sizeof head,
-                "NRRD0004\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: %d %d %d\nspace directions: (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g)\n"
+                "NRRD0004\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: %d %d %d\nspace "
+                "directions: (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g)\n"
                 "space origin: (%.17g,%.17g,%.17g)\nendian: %s\nencoding: raw\n\n",
-                v.size[0], v.size[1], v.size[2], m(0, 0), m(1, 0), m(2, 0), m(0, 1), m(1, 1), m(2, 1), m(0, 2), m(1, 2), m(2, 2), v.origin_mm.x(), v.origin_mm.y(), v.origin_mm.z(),
+                v.size[0], v.size[1], v.size[2], m(0, 0), m(1, 0), m(2, 0), m(0, 1), m(1, 1), m(2, 1), m(0, 2), m(1, 2),
+                m(2, 2), v.origin_mm.x(), v.origin_mm.y(), v.origin_mm.z(),
                 std::endian::native == std::endian::little ? "little" : "big");
   std::string out = head;
   const size_t at = out.size();

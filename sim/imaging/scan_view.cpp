@@ -12,17 +12,21 @@
 namespace limberg {
 
 namespace {
-constexpr double kMargin = 0.12;    // of the scan's larger half side: how far the sheet reaches beyond it
-constexpr double kLooking = 0.05;   // of the whole area: triangles that look less to one side than this do not say where the front is
-constexpr double kTwisted = 0.01;   // of the edges: with more that both sides run along alike, triangles do not say which side is out
+constexpr double kMargin = 0.12;  // of the scan's larger half side: how far the sheet reaches beyond it
+constexpr double kLooking =
+    0.05;  // of the whole area: triangles that look less to one side than this do not say where the front is
+constexpr double kTwisted =
+    0.01;  // of the edges: with more that both sides run along alike, triangles do not say which side is out
 constexpr double kGap = 2.0943951;  // 120 degrees
-constexpr double kLarger = 1.05;    // times the silhouette along the axis of least spread: then it is seen along another axis
+constexpr double kLarger =
+    1.05;  // times the silhouette along the axis of least spread: then it is seen along another axis
 constexpr int kCells = 512;
-constexpr int kHidden = 10;        // of 13 directions
-constexpr double kOwn = 1e-3;      // of the scan's size: nearer than this a place meets its own triangles
-constexpr double kColumn = 0.6, kLayers = 4;  // spacings: radius of a column of points, and the gap in it that parts two layers
-constexpr size_t kFourth = 5;                 // a point and its four nearest
-constexpr size_t kVoters = 9;                 // a point and its eight nearest
+constexpr int kHidden = 10;    // of 13 directions
+constexpr double kOwn = 1e-3;  // of the scan's size: nearer than this a place meets its own triangles
+constexpr double kColumn = 0.6,
+                 kLayers = 4;  // spacings: radius of a column of points, and the gap in it that parts two layers
+constexpr size_t kFourth = 5;  // a point and its four nearest
+constexpr size_t kVoters = 9;  // a point and its eight nearest
 
 /// Right-handed, least spread last.
 void principal_axes(const Mat3& spread, Vec3& across, Vec3& up, Vec3& front) {
@@ -54,8 +58,10 @@ Spread spread_of(const std::vector<Vec3>& points, const std::vector<Tri>& tri) {
     s.at.push_back((a + b + c) / 3), s.much.push_back(area.norm());
     s.looks += area, weight += area.norm();
   }
-  if (weight > 0) s.looks /= weight;
-  else s.at = points, s.much.assign(points.size(), 1), weight = double(points.size());
+  if (weight > 0)
+    s.looks /= weight;
+  else
+    s.at = points, s.much.assign(points.size(), 1), weight = double(points.size());
   Mat3 spread = Mat3::Zero();
   for (double& w : s.much) w /= weight;
   for (size_t i = 0; i < s.at.size(); ++i) s.mean += s.much[i] * s.at[i];
@@ -66,11 +72,13 @@ Spread spread_of(const std::vector<Vec3>& points, const std::vector<Tri>& tri) {
   return s;
 }
 
-/// On which side of an axis the front is: where the triangles look to, else where it bulges: what is in the middle is higher than what is at the edge.
+/// On which side of an axis the front is: where the triangles look to, else where it bulges: what is in the middle is
+/// higher than what is at the edge.
 double side_of(const Spread& s, const Vec3& front) {
   if (std::abs(s.looks.dot(front)) > kLooking) return s.looks.dot(front);
   double r_mean = 0, side = 0;
-  for (size_t i = 0; i < s.at.size(); ++i) r_mean += s.much[i] * ((s.at[i] - s.mean).squaredNorm() - std::pow(front.dot(s.at[i] - s.mean), 2));
+  for (size_t i = 0; i < s.at.size(); ++i)
+    r_mean += s.much[i] * ((s.at[i] - s.mean).squaredNorm() - std::pow(front.dot(s.at[i] - s.mean), 2));
   for (size_t i = 0; i < s.at.size(); ++i) {
     const double h = front.dot(s.at[i] - s.mean);
     side += s.much[i] * h * (r_mean + h * h - (s.at[i] - s.mean).squaredNorm());
@@ -110,9 +118,12 @@ ScanView view_of(const std::vector<Vec3>& points, const std::vector<Tri>& tri, c
   for (const Vec3& x : points)
     if (!x.allFinite()) throw InputError("", 0, "a point of the scan is not at a finite place");
   const Spread s = spread_of(points, tri);
-  const auto up_of = [&](const Vec3& front) { return std::abs(s.axis[2].dot(front)) < 0.9 * front.norm() ? s.axis[2] : s.axis[1]; };
+  const auto up_of = [&](const Vec3& front) {
+    return std::abs(s.axis[2].dot(front)) < 0.9 * front.norm() ? s.axis[2] : s.axis[1];
+  };
   if (from != Vec3::Zero()) return view_along(points, s, from, up_of(from));
-  // Where its silhouette is largest: across the least spread, but for a face from ear to ear, which is deeper than wide.
+  // Where its silhouette is largest: across the least spread, but for a face from ear to ear, which is deeper than
+  // wide.
   const double cell = 1.5 * spacing_of(points);
   ScanView best;
   double most = 0;
@@ -162,9 +173,11 @@ std::vector<Vec3> seen_from_front(const std::vector<Vec3>& points, const std::ve
   if (!tri.empty()) {
     const Bvh bvh(points, tri);
     Bvh::LineHit hit[1];
-    for (size_t i = 0; i < points.size(); ++i) hidden[i] = bvh.line(points[i], view.front, spacing, 4 * view.half_mm.norm(), hit) > 0;
+    for (size_t i = 0; i < points.size(); ++i)
+      hidden[i] = bvh.line(points[i], view.front, spacing, 4 * view.half_mm.norm(), hit) > 0;
   } else {
-    // By columns: the points of a square cell and of those around it are sorted by height once, and looked through for each of its points.
+    // By columns: the points of a square cell and of those around it are sorted by height once, and looked through for
+    // each of its points.
     const double r = kColumn * spacing;
     struct Placed {
       int64_t i, j;
@@ -176,7 +189,9 @@ std::vector<Vec3> seen_from_front(const std::vector<Vec3>& points, const std::ve
       const Vec3 q = view.local(points[p]);
       at[p] = {int64_t(std::floor(q.x() / r)), int64_t(std::floor(q.y() / r)), q.z(), p};
     }
-    const auto before = [](const Placed& a, const Placed& b) { return a.i != b.i ? a.i < b.i : a.j != b.j ? a.j < b.j : a.h != b.h ? a.h < b.h : a.point < b.point; };
+    const auto before = [](const Placed& a, const Placed& b) {
+      return a.i != b.i ? a.i < b.i : a.j != b.j ? a.j < b.j : a.h != b.h ? a.h < b.h : a.point < b.point;
+    };
     std::sort(at.begin(), at.end(), before);
     std::vector<double> height;
     for (size_t p = 0; p < at.size(); ++p) {
@@ -184,13 +199,15 @@ std::vector<Vec3> seen_from_front(const std::vector<Vec3>& points, const std::ve
       const Vec3& x = points[at[p].point];
       for (int64_t i = at[p].i - 1; i <= at[p].i + 1; ++i) {
         const Placed least{i, at[p].j - 1, -std::numeric_limits<double>::infinity(), 0};
-        for (auto o = std::lower_bound(at.begin(), at.end(), least, before); o != at.end() && o->i == i && o->j <= at[p].j + 1; ++o) {
+        for (auto o = std::lower_bound(at.begin(), at.end(), least, before);
+             o != at.end() && o->i == i && o->j <= at[p].j + 1; ++o) {
           const Vec3 d = points[o->point] - x;
           if (o->h >= at[p].h && (d - d.dot(view.front) * view.front).norm() <= r) height.push_back(o->h);
         }
       }
       std::sort(height.begin(), height.end());
-      for (size_t k = 0; k + 1 < height.size(); ++k) hidden[at[p].point] |= height[k + 1] - height[k] > kLayers * spacing;
+      for (size_t k = 0; k + 1 < height.size(); ++k)
+        hidden[at[p].point] |= height[k + 1] - height[k] > kLayers * spacing;
     }
   }
   const PointTree tree(points);
@@ -234,7 +251,8 @@ void sector(const Vec3& normal, Visit&& visit) {
   const Vec3 u = normal.unitOrthogonal(), w = normal.cross(u);
   visit(normal);
   for (const double off : {M_PI / 6, M_PI / 3})
-    for (int k = 0; k < 6; ++k) visit(Vec3(std::cos(off) * normal + std::sin(off) * (std::cos(k * M_PI / 3) * u + std::sin(k * M_PI / 3) * w)));
+    for (int k = 0; k < 6; ++k)
+      visit(Vec3(std::cos(off) * normal + std::sin(off) * (std::cos(k * M_PI / 3) * u + std::sin(k * M_PI / 3) * w)));
 }
 
 }  // namespace
@@ -250,7 +268,8 @@ SeenScan seen_from_around(const std::vector<Vec3>& points, const std::vector<Tri
   for (size_t i = 0; i < points.size(); ++i) {
     int met = 0;
     Bvh::LineHit hit[1];
-    if (looks[i] != Vec3::Zero()) sector(looks[i], [&](const Vec3& way) { met += bvh.line(points[i], way, kOwn * size, size, hit) > 0; });
+    if (looks[i] != Vec3::Zero())
+      sector(looks[i], [&](const Vec3& way) { met += bvh.line(points[i], way, kOwn * size, size, hit) > 0; });
     if (met < kHidden) out.x_mm.push_back(points[i]), out.looks.push_back(looks[i]);
   }
   return out;
@@ -258,20 +277,24 @@ SeenScan seen_from_around(const std::vector<Vec3>& points, const std::vector<Tri
 
 simplex::Mesh start_plane(const ScanView& view) {
   const Vec2 half = view.sheet_mm().cwiseMax(0.02 * view.half_mm.norm());
-  simplex::Mesh m = simplex::make_plane(2 * half.x(), 2 * half.y(), std::sqrt(4 * half.prod() / 2000 / 1.3));  // 4 / (3 sqrt 3) edge^-2 vertices per area
-  for (Vec3& x : m.x_mm) x = view.place({x.x() - half.x(), x.y() - half.y(), 1.1 * view.half_mm.z() + 0.01 * half.norm()});
+  simplex::Mesh m = simplex::make_plane(
+      2 * half.x(), 2 * half.y(), std::sqrt(4 * half.prod() / 2000 / 1.3));  // 4 / (3 sqrt 3) edge^-2 vertices per area
+  for (Vec3& x : m.x_mm)
+    x = view.place({x.x() - half.x(), x.y() - half.y(), 1.1 * view.half_mm.z() + 0.01 * half.norm()});
   m.before_mm = m.x_mm;
   return m;
 }
 
-ScanHeights::ScanHeights(const std::vector<Vec3>& points, const ScanView& view, double cell) : view_(view), low_(-view.sheet_mm()) {
+ScanHeights::ScanHeights(const std::vector<Vec3>& points, const ScanView& view, double cell)
+    : view_(view), low_(-view.sheet_mm()) {
   cell_ = std::max(cell, 2 * view.sheet_mm().maxCoeff() / (kCells - 1));
   nx_ = int(std::ceil(-2 * low_.x() / cell_)) + 1, ny_ = int(std::ceil(-2 * low_.y() / cell_)) + 1;
   const double none = -std::numeric_limits<double>::infinity();
   height_.assign(size_t(nx_) * size_t(ny_), none);
   for (const Vec3& x : points) {
     const Vec3 q = view_.local(x);
-    const int i = std::clamp(int(std::lround((q.x() - low_.x()) / cell_)), 0, nx_ - 1), j = std::clamp(int(std::lround((q.y() - low_.y()) / cell_)), 0, ny_ - 1);
+    const int i = std::clamp(int(std::lround((q.x() - low_.x()) / cell_)), 0, nx_ - 1),
+              j = std::clamp(int(std::lround((q.y() - low_.y()) / cell_)), 0, ny_ - 1);
     double& h = height_[size_t(j) * size_t(nx_) + size_t(i)];
     h = std::max(h, q.z());
   }
@@ -293,8 +316,10 @@ ScanHeights::ScanHeights(const std::vector<Vec3>& points, const ScanView& view, 
 }
 
 double ScanHeights::at(const Vec3& q) const {
-  const double x = std::clamp((q.x() - low_.x()) / cell_, 0., double(nx_ - 1)), y = std::clamp((q.y() - low_.y()) / cell_, 0., double(ny_ - 1));
-  const int i = std::min(int(x), nx_ - 1), j = std::min(int(y), ny_ - 1), i1 = std::min(i + 1, nx_ - 1), j1 = std::min(j + 1, ny_ - 1);
+  const double x = std::clamp((q.x() - low_.x()) / cell_, 0., double(nx_ - 1)),
+               y = std::clamp((q.y() - low_.y()) / cell_, 0., double(ny_ - 1));
+  const int i = std::min(int(x), nx_ - 1), j = std::min(int(y), ny_ - 1), i1 = std::min(i + 1, nx_ - 1),
+            j1 = std::min(j + 1, ny_ - 1);
   const auto h = [&](int a, int b) { return height_[size_t(b) * size_t(nx_) + size_t(a)]; };
   const double s = x - i, t = y - j;
   return (1 - t) * ((1 - s) * h(i, j) + s * h(i1, j)) + t * ((1 - s) * h(i, j1) + s * h(i1, j1));
@@ -308,7 +333,8 @@ bool at_edge(const Vec3& x, const std::vector<Vec3>& around, Vec3& outward) {
   principal_axes(spread, a, b, n);
   std::vector<double> angle;
   for (const Vec3& p : around)
-    if (const double u = a.dot(p - x), w = b.dot(p - x); std::hypot(u, w) > 1e-9 * std::sqrt(spread.trace())) angle.push_back(std::atan2(w, u));
+    if (const double u = a.dot(p - x), w = b.dot(p - x); std::hypot(u, w) > 1e-9 * std::sqrt(spread.trace()))
+      angle.push_back(std::atan2(w, u));
   if (angle.size() < 3) return false;
   std::sort(angle.begin(), angle.end());
   double widest = 0, middle = 0;

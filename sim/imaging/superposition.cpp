@@ -11,10 +11,10 @@
 namespace limberg {
 namespace {
 
-constexpr size_t kNeighbours = 12;  // of a point, for its plane
-constexpr size_t kFewest = 10;      // points that say something of a shape: six unknowns, and some to spare
-constexpr double kLine = 0.02;      // of the longest spread: less across it is a line
-constexpr double kPolish_mm = 0.02; // a motion below it: the trimmed pairs have brought the surfaces together
+constexpr size_t kNeighbours = 12;   // of a point, for its plane
+constexpr size_t kFewest = 10;       // points that say something of a shape: six unknowns, and some to spare
+constexpr double kLine = 0.02;       // of the longest spread: less across it is a line
+constexpr double kPolish_mm = 0.02;  // a motion below it: the trimmed pairs have brought the surfaces together
 
 Vec3 middle_of(const std::vector<Vec3>& x) {
   Vec3 m = Vec3::Zero();
@@ -28,7 +28,8 @@ Mat3 spread_of(const std::vector<Vec3>& x, const Vec3& m) {
   return S;
 }
 
-/// How far points spread about their middle, root of the mean square, along the two directions in which they do so most.
+/// How far points spread about their middle, root of the mean square, along the two directions in which they do so
+/// most.
 struct Spreads {
   double largest = 0, second = 0;
 };
@@ -45,14 +46,22 @@ Mat3 rotation_of(const Vec3& w) {
 
 }  // namespace
 
-double Similarity::angle_deg() const { return std::acos(std::clamp(0.5 * ((R.determinant() < 0 ? -R : R).trace() - 1), -1., 1.)) * 180 / 3.14159265358979323846; }
+double Similarity::angle_deg() const {
+  return std::acos(std::clamp(0.5 * ((R.determinant() < 0 ? -R : R).trace() - 1), -1., 1.)) * 180 /
+         3.14159265358979323846;
+}
 
 LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>& to, bool with_scale) {
   LandmarkFit out;
-  if (from.size() != to.size()) out.reason = "the two sides have " + std::to_string(from.size()) + " and " + std::to_string(to.size()) + " landmarks; pairs were expected";
-  else if (from.size() < 3) out.reason = "there are " + std::to_string(from.size()) + " pairs of landmarks; at least 3, not on a line, were expected";
+  if (from.size() != to.size())
+    out.reason = "the two sides have " + std::to_string(from.size()) + " and " + std::to_string(to.size()) +
+                 " landmarks; pairs were expected";
+  else if (from.size() < 3)
+    out.reason =
+        "there are " + std::to_string(from.size()) + " pairs of landmarks; at least 3, not on a line, were expected";
   for (size_t i = 0; out && i < from.size(); ++i)
-    if (!from[i].allFinite() || !to[i].allFinite()) out.reason = "landmark " + std::to_string(i + 1) + " is not at a finite place";
+    if (!from[i].allFinite() || !to[i].allFinite())
+      out.reason = "landmark " + std::to_string(i + 1) + " is not at a finite place";
   if (!out) return out;
   const Vec3 a = middle_of(from), b = middle_of(to);
   const double n = double(from.size());
@@ -60,8 +69,10 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
   for (size_t i = 0; i < from.size(); ++i) H += (to[i] - b) * (from[i] - a).transpose() / n;
   for (const auto* side : {&from, &to}) {
     const Spreads e = spreads_of(*side, side == &from ? a : b);
-    if (!(e.largest > 1e-9)) out.reason = "the landmarks lie at one place";
-    else if (e.second < kLine * e.largest) out.reason = "the landmarks lie on a line: the turn about it is not known; expected one well beside it";
+    if (!(e.largest > 1e-9))
+      out.reason = "the landmarks lie at one place";
+    else if (e.second < kLine * e.largest)
+      out.reason = "the landmarks lie on a line: the turn about it is not known; expected one well beside it";
     if (!out) return out;
   }
   const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -78,7 +89,8 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
 }
 
 std::string lacks_shape(const Surface& s) {
-  if (s.x_mm.size() < kFewest) return "has " + std::to_string(s.x_mm.size()) + " points; at least " + std::to_string(kFewest) + " were expected";
+  if (s.x_mm.size() < kFewest)
+    return "has " + std::to_string(s.x_mm.size()) + " points; at least " + std::to_string(kFewest) + " were expected";
   const Spreads e = spreads_of(s.x_mm, middle_of(s.x_mm));
   if (!(e.largest > 1e-9)) return "has all its points at one place; a surface was expected";
   if (e.second < kLine * e.largest) return "has all its points on a line, or nearly; a surface was expected";
@@ -86,11 +98,13 @@ std::string lacks_shape(const Surface& s) {
     const Vec3 &a = s.x_mm[size_t(t[0])], &b = s.x_mm[size_t(t[1])], &c = s.x_mm[size_t(t[2])];
     return (b - a).cross(c - a).norm() > 1e-12 * e.largest * e.largest;
   };
-  if (!s.tri.empty() && std::none_of(s.tri.begin(), s.tri.end(), has_area)) return "has no triangle with an area; at least one, or points alone, were expected";
+  if (!s.tri.empty() && std::none_of(s.tri.begin(), s.tri.end(), has_area))
+    return "has no triangle with an area; at least one, or points alone, were expected";
   return {};
 }
 
-SurfaceTarget::SurfaceTarget(const Surface& s) : tri_(s.tri), normal_(s.x_mm.size(), Vec3::Zero()), rim_(s.x_mm.size(), 0) {
+SurfaceTarget::SurfaceTarget(const Surface& s)
+    : tri_(s.tri), normal_(s.x_mm.size(), Vec3::Zero()), rim_(s.x_mm.size(), 0) {
   if (s.x_mm.empty()) throw InputError("", 0, "a surface without points cannot be laid upon");
   if (tri_.empty()) {
     tree_ = PointTree(s.x_mm);
@@ -112,7 +126,8 @@ SurfaceTarget::SurfaceTarget(const Surface& s) : tri_(s.tri), normal_(s.x_mm.siz
     const Vec3 u = l > 0 ? Vec3(n / l) : Vec3(Vec3::Zero());
     face_normal_.push_back(u);
     for (size_t k = 0; k < 3; ++k) {
-      const Vec3 p = (s.x_mm[size_t(t[(k + 1) % 3])] - s.x_mm[size_t(t[k])]).normalized(), q = (s.x_mm[size_t(t[(k + 2) % 3])] - s.x_mm[size_t(t[k])]).normalized();
+      const Vec3 p = (s.x_mm[size_t(t[(k + 1) % 3])] - s.x_mm[size_t(t[k])]).normalized(),
+                 q = (s.x_mm[size_t(t[(k + 2) % 3])] - s.x_mm[size_t(t[k])]).normalized();
       if (l > 0) normal_[size_t(t[k])] += std::acos(std::clamp(p.dot(q), -1., 1.)) * u;
       edge.emplace_back(std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3]));
     }
@@ -151,15 +166,18 @@ SurfaceTarget::Place SurfaceTarget::closest(const Vec3& x) const {
   return p;
 }
 
-IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarity& start, const IcpSettings& s, Workers& workers) {
+IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarity& start, const IcpSettings& s,
+              Workers& workers) {
   IcpResult r;
   r.map = start;
-  if (!(s.keep > 0 && s.keep <= 1) || s.iterations < 1 || s.samples < 1) throw InputError("", 0, "a superposition keeps a share above 0 and at most 1 of the pairs");
+  if (!(s.keep > 0 && s.keep <= 1) || s.iterations < 1 || s.samples < 1)
+    throw InputError("", 0, "a superposition keeps a share above 0 and at most 1 of the pairs");
   const size_t every = std::max<size_t>(1, (moved.x_mm.size() + size_t(s.samples) - 1) / size_t(s.samples));
   std::vector<Vec3> x;
   for (size_t i = 0; i < moved.x_mm.size(); i += every) x.push_back(moved.x_mm[i]);
   if (x.size() < kFewest) {
-    r.reason = "the surface has " + std::to_string(x.size()) + " points; at least " + std::to_string(kFewest) + " were expected";
+    r.reason = "the surface has " + std::to_string(x.size()) + " points; at least " + std::to_string(kFewest) +
+               " were expected";
     return r;
   }
   struct Pair {
@@ -178,10 +196,13 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
       if (!pair[i].to.border) order.push_back(i);
     const size_t keep = std::min(order.size(), std::max<size_t>(6, size_t(s.keep * double(x.size()))));
     if (keep < kFewest) {
-      r.reason = "hardly any place of the surface faces the other one; expected them to overlap (landmarks bring them near)";
+      r.reason =
+          "hardly any place of the surface faces the other one; expected them to overlap (landmarks bring them near)";
       return r;
     }
-    std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return pair[a].to.distance_mm != pair[b].to.distance_mm ? pair[a].to.distance_mm < pair[b].to.distance_mm : a < b; });
+    std::sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+      return pair[a].to.distance_mm != pair[b].to.distance_mm ? pair[a].to.distance_mm < pair[b].to.distance_mm : a < b;
+    });
     size_t count = keep;
     if (polish && s.keep < 1) {
       // Robust standard deviation: 1.4826 medians of the sizes, along the normals.
@@ -213,7 +234,9 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eig(A.topLeftCorner(unknowns, unknowns));
     const Eigen::VectorXd& l = eig.eigenvalues();
     if (!(l[0] > 1e-7 * l[unknowns - 1])) {
-      r.reason = "the surfaces let each other slip (a plane, a ball or a cylinder); expected shapes that hold, or landmarks alone";
+      r.reason =
+          "the surfaces let each other slip (a plane, a ball or a cylinder); expected shapes that hold, or landmarks "
+          "alone";
       return r;
     }
     const Eigen::VectorXd u = eig.eigenvectors() * (eig.eigenvectors().transpose() * g.head(unknowns)).cwiseQuotient(l);
@@ -233,12 +256,14 @@ IcpResult icp(const Surface& moved, const SurfaceTarget& target, const Similarit
   return r;
 }
 
-IcpResult icp_from_anywhere(const Surface& moved, const SurfaceTarget& target, const Surface& onto, const IcpSettings& s, Workers& workers) {
+IcpResult icp_from_anywhere(const Surface& moved, const SurfaceTarget& target, const Surface& onto,
+                            const IcpSettings& s, Workers& workers) {
   if (moved.x_mm.empty() || onto.x_mm.empty()) return {{}, 0, 0, false, "a surface has no points"};
   const Vec3 a = middle_of(moved.x_mm), b = middle_of(onto.x_mm);
   std::vector<Similarity> start(2);
   start[1].t_mm = b - a;
-  Mat3 A = Eigen::SelfAdjointEigenSolver<Mat3>(spread_of(moved.x_mm, a)).eigenvectors(), B = Eigen::SelfAdjointEigenSolver<Mat3>(spread_of(onto.x_mm, b)).eigenvectors();
+  Mat3 A = Eigen::SelfAdjointEigenSolver<Mat3>(spread_of(moved.x_mm, a)).eigenvectors(),
+       B = Eigen::SelfAdjointEigenSolver<Mat3>(spread_of(onto.x_mm, b)).eigenvectors();
   if (A.determinant() < 0) A.col(2) = -A.col(2);
   if (B.determinant() < 0) B.col(2) = -B.col(2);
   for (const Vec3& flip : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)}) {
@@ -252,15 +277,18 @@ IcpResult icp_from_anywhere(const Surface& moved, const SurfaceTarget& target, c
   best.reason = "nothing was tried";
   for (const Similarity& q : start) {
     const IcpResult r = icp(moved, target, q, quick, workers);
-    if (r && (!best || r.rms_mm < best.rms_mm)) best = r;
-    else if (!best) best.reason = r.reason;
+    if (r && (!best || r.rms_mm < best.rms_mm))
+      best = r;
+    else if (!best)
+      best.reason = r.reason;
   }
   return best ? icp(moved, target, best.map, s, workers) : best;
 }
 
 MirrorPlane mirror_plane(const Surface& surface, const Vec3& guess, const IcpSettings& s, Workers& workers) {
   MirrorPlane out;
-  if (!guess.allFinite() || !(guess.norm() > 0)) throw InputError("", 0, "the first guess of a mirror plane needs a normal");
+  if (!guess.allFinite() || !(guess.norm() > 0))
+    throw InputError("", 0, "the first guess of a mirror plane needs a normal");
   const Vec3 m = middle_of(surface.x_mm), n = guess.normalized();
   Similarity flip;
   flip.R = Mat3::Identity() - 2 * n * n.transpose(), flip.t_mm = m - flip.R * m;
@@ -274,7 +302,8 @@ MirrorPlane mirror_plane(const Surface& surface, const Vec3& guess, const IcpSet
     return out;
   }
   out.map = r.map * flip, out.rms_mm = r.rms_mm;
-  // A reflection with a glide and a small turn about the normal: the plane's normal is what is most nearly turned round.
+  // A reflection with a glide and a small turn about the normal: the plane's normal is what is most nearly turned
+  // round.
   const Eigen::SelfAdjointEigenSolver<Mat3> e(0.5 * (out.map.R + out.map.R.transpose()));
   out.normal = e.eigenvectors().col(0);
   if (out.normal.dot(n) < 0) out.normal = -out.normal;
@@ -294,7 +323,8 @@ DistanceMap distance_map(const Surface& surface, const Similarity& map, const Su
   });
   std::vector<double> size;
   const double n = double(std::max<size_t>(1, out.signed_mm.size()));
-  for (const double d : out.signed_mm) out.mean_mm += d / n, out.mean_abs_mm += std::abs(d) / n, out.rms_mm += d * d / n, size.push_back(std::abs(d));
+  for (const double d : out.signed_mm)
+    out.mean_mm += d / n, out.mean_abs_mm += std::abs(d) / n, out.rms_mm += d * d / n, size.push_back(std::abs(d));
   out.rms_mm = std::sqrt(out.rms_mm);
   std::sort(size.begin(), size.end());
   if (!size.empty()) out.p95_mm = size[std::min(size.size() - 1, size.size() * 95 / 100)], out.max_mm = size.back();

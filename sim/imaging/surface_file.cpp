@@ -7,8 +7,8 @@
 #include <cstring>
 
 #include "sim/error.h"
-#include "sim/quoted.h"
 #include "sim/imaging/header.h"
+#include "sim/quoted.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/file.h"
 
@@ -19,7 +19,8 @@ using imaging::next_line;
 
 /// Words of a line.
 bool word(std::string_view& s, std::string_view& w) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t' || s.front() == ',' || s.front() == ';')) s.remove_prefix(1);
+  while (!s.empty() && (s.front() == ' ' || s.front() == '\t' || s.front() == ',' || s.front() == ';'))
+    s.remove_prefix(1);
   size_t n = 0;
   while (n < s.size() && s[n] != ' ' && s[n] != '\t' && s[n] != ',' && s[n] != ';') ++n;
   w = s.substr(0, n), s.remove_prefix(n);
@@ -36,13 +37,18 @@ class Reader {
       return {f.X_mm, f.tri};
     }
     const auto ends = [&](const char* e) { return std::string_view(name_).ends_with(e); };
-    if (s_.starts_with("ply\n") || s_.starts_with("ply\r\n")) ply();
-    else if (ends(".stl") || ends(".STL")) stl();
-    else if (ends(".xyz") || ends(".XYZ")) xyz();
-    else obj();
+    if (s_.starts_with("ply\n") || s_.starts_with("ply\r\n"))
+      ply();
+    else if (ends(".stl") || ends(".STL"))
+      stl();
+    else if (ends(".xyz") || ends(".XYZ"))
+      xyz();
+    else
+      obj();
     if (out_.x_mm.empty()) fail(0, "holds no points");
     for (const Vec3& x : out_.x_mm)
-      if (!(x.cwiseAbs().maxCoeff() <= SurfaceFileLimits::extent_mm)) fail(0, "a point is not at a finite place within " + std::to_string(int(SurfaceFileLimits::extent_mm)) + " mm");
+      if (!(x.cwiseAbs().maxCoeff() <= SurfaceFileLimits::extent_mm))
+        fail(0, "a point is not at a finite place within " + std::to_string(int(SurfaceFileLimits::extent_mm)) + " mm");
     return std::move(out_);
   }
 
@@ -53,7 +59,8 @@ class Reader {
     if (w.starts_with('+')) w.remove_prefix(1);
     double v = 0;
     const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v)) fail(line, quoted(w) + " is no finite number");
+    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v))
+      fail(line, quoted(w) + " is no finite number");
     return v;
   }
   Vec3 point(std::string_view rest, int line) const {
@@ -68,11 +75,14 @@ class Reader {
   void polygon(const std::vector<int64_t>& corner, int line) {
     if (corner.size() < 3) fail(line, "a face has fewer than three corners");
     for (const int64_t c : corner)
-      if (c < 0 || c >= int64_t(out_.x_mm.size())) fail(line, "a face names point " + std::to_string(c) + "; there are " + std::to_string(out_.x_mm.size()));
-    for (size_t i = 1; i + 1 < corner.size(); ++i) out_.tri.push_back({int32_t(corner[0]), int32_t(corner[i]), int32_t(corner[i + 1])});
+      if (c < 0 || c >= int64_t(out_.x_mm.size()))
+        fail(line, "a face names point " + std::to_string(c) + "; there are " + std::to_string(out_.x_mm.size()));
+    for (size_t i = 1; i + 1 < corner.size(); ++i)
+      out_.tri.push_back({int32_t(corner[0]), int32_t(corner[i]), int32_t(corner[i + 1])});
   }
   void limits(int line) const {
-    if (out_.x_mm.size() > SurfaceFileLimits::points || out_.tri.size() > SurfaceFileLimits::triangles) fail(line, "has more points or triangles than are read");
+    if (out_.x_mm.size() > SurfaceFileLimits::points || out_.tri.size() > SurfaceFileLimits::triangles)
+      fail(line, "has more points or triangles than are read");
   }
 
   void xyz() {
@@ -121,7 +131,9 @@ class Reader {
       uint32_t n = 0;
       std::memcpy(&n, s_.data() + 80, 4);
       if (84 + size_t(n) * 50 == s_.size() || !s_.starts_with("solid")) {
-        if (84 + size_t(n) * 50 > s_.size()) fail(0, "is cut short: " + std::to_string(n) + " triangles are said, " + std::to_string((s_.size() - 84) / 50) + " are there");
+        if (84 + size_t(n) * 50 > s_.size())
+          fail(0, "is cut short: " + std::to_string(n) + " triangles are said, " +
+                      std::to_string((s_.size() - 84) / 50) + " are there");
         for (size_t t = 0; t < n; ++t)
           for (size_t c = 0; c < 3; ++c) {
             float x[3];
@@ -154,7 +166,8 @@ class Reader {
     std::sort(order.begin(), order.end(), less);
     std::vector<int32_t> first(corner.size());
     for (size_t i = 0; i < order.size(); ++i)
-      first[size_t(order[i])] = i > 0 && corner[size_t(order[i])] == corner[size_t(order[i - 1])] ? first[size_t(order[i - 1])] : order[i];
+      first[size_t(order[i])] =
+          i > 0 && corner[size_t(order[i])] == corner[size_t(order[i - 1])] ? first[size_t(order[i - 1])] : order[i];
     for (size_t i = 0; i < corner.size(); ++i)
       if (first[i] == int32_t(i)) number[i] = int32_t(out_.x_mm.size()), out_.x_mm.push_back(corner[i]);
     for (size_t t = 0; t + 2 < corner.size(); t += 3) {
@@ -166,7 +179,7 @@ class Reader {
   struct Property {
     std::string name;
     int bytes = 4;
-    char kind = 'f';       // f float, i signed, u unsigned
+    char kind = 'f';  // f float, i signed, u unsigned
     bool list = false;
     int count_bytes = 1;
     char count_kind = 'u';
@@ -178,9 +191,19 @@ class Reader {
   };
 
   bool type(std::string_view w, int& bytes, char& kind) const {
-    struct T { const char *a, *b; int n; char k; };
-    for (const T& t : {T{"char", "int8", 1, 'i'}, {"uchar", "uint8", 1, 'u'}, {"short", "int16", 2, 'i'}, {"ushort", "uint16", 2, 'u'}, {"int", "int32", 4, 'i'}, {"uint", "uint32", 4, 'u'},
-                       {"float", "float32", 4, 'f'}, {"double", "float64", 8, 'f'}})
+    struct T {
+      const char *a, *b;
+      int n;
+      char k;
+    };
+    for (const T& t : {T{"char", "int8", 1, 'i'},
+                       {"uchar", "uint8", 1, 'u'},
+                       {"short", "int16", 2, 'i'},
+                       {"ushort", "uint16", 2, 'u'},
+                       {"int", "int32", 4, 'i'},
+                       {"uint", "uint32", 4, 'u'},
+                       {"float", "float32", 4, 'f'},
+                       {"double", "float64", 8, 'f'}})
       if (w == t.a || w == t.b) return bytes = t.n, kind = t.k, true;
     return false;
   }
@@ -196,9 +219,12 @@ class Reader {
       return double(v);
     };
     switch (kind) {
-      case 'f': return bytes == 4 ? as(float{}) : as(double{});
-      case 'u': return bytes == 1 ? as(uint8_t{}) : bytes == 2 ? as(uint16_t{}) : as(uint32_t{});
-      default: return bytes == 1 ? as(int8_t{}) : bytes == 2 ? as(int16_t{}) : as(int32_t{});
+      case 'f':
+        return bytes == 4 ? as(float{}) : as(double{});
+      case 'u':
+        return bytes == 1 ? as(uint8_t{}) : bytes == 2 ? as(uint16_t{}) : as(uint32_t{});
+      default:
+        return bytes == 1 ? as(int8_t{}) : bytes == 2 ? as(int16_t{}) : as(int32_t{});
     }
   }
 
@@ -217,14 +243,16 @@ class Reader {
       } else if (w == "format") {
         word(rest, w);
         format = w == "ascii" ? 0 : w == "binary_little_endian" ? 1 : w == "binary_big_endian" ? 2 : -1;
-        if (format < 0) fail(line, "the format is not known; expected ascii, binary_little_endian or binary_big_endian");
+        if (format < 0)
+          fail(line, "the format is not known; expected ascii, binary_little_endian or binary_big_endian");
       } else if (w == "element") {
         Kind k;
         word(rest, w), k.name = w, word(rest, w);
         const double n = number(w, line);
         if (!(n >= 0 && n == std::floor(n))) fail(line, "the number of elements is no whole number");
         // An element has at least a byte.
-        if (n > double(s_.size())) fail(line, "says " + std::string(w.substr(0, 30)) + " elements, more than the file has bytes");
+        if (n > double(s_.size()))
+          fail(line, "says " + std::string(w.substr(0, 30)) + " elements, more than the file has bytes");
         k.count = size_t(n);
         if (kinds.size() >= 32) fail(line, "has more than 32 kinds of elements");
         kinds.push_back(std::move(k));
@@ -235,7 +263,8 @@ class Reader {
         if (w == "list") {
           p.list = true;
           word(rest, w);
-          if (!type(w, p.count_bytes, p.count_kind) || p.count_kind == 'f') fail(line, "the count of a list has no whole type");
+          if (!type(w, p.count_bytes, p.count_kind) || p.count_kind == 'f')
+            fail(line, "the count of a list has no whole type");
           word(rest, w);
         }
         if (!type(w, p.bytes, p.kind)) fail(line, "the type " + quoted(w) + " is not known");
@@ -255,7 +284,9 @@ class Reader {
         std::string_view rest;
         if (format == 0) {
           do {
-            if (!next_line(s_, at, rest)) fail(0, "the data are cut short: " + std::to_string(i) + " of " + std::to_string(k.count) + " of element " + k.name.substr(0, 30));
+            if (!next_line(s_, at, rest))
+              fail(0, "the data are cut short: " + std::to_string(i) + " of " + std::to_string(k.count) +
+                          " of element " + k.name.substr(0, 30));
             ++line;
           } while (imaging::trimmed(rest).empty());
         }

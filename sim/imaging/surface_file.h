@@ -1,7 +1,9 @@
 #pragma once
-// Surfaces and point clouds from files: OBJ (v, f), PLY (ascii or binary, either byte order), STL (ascii or binary, equal corners
+// Surfaces and point clouds from files: OBJ (v, f), PLY (ascii or binary, either byte order), STL (ascii or binary,
+// equal corners
 // welded), simplex meshes as text (sim/simplex/file.h: their fans) and .xyz (three numbers a line, more are ignored).
-// Polygons become fans. Lengths are taken for mm. Nothing is asked of the surface but that its numbers make sense: it may
+// Polygons become fans. Lengths are taken for mm. Nothing is asked of the surface but that its numbers make sense: it
+// may
 // be open, in parts, not manifold, or only points.
 #include <string>
 #include <string_view>
@@ -24,7 +26,8 @@ struct SurfaceFileLimits {
 
 /// Whether its name is that of a surface or cloud (.obj, .ply, .stl, .xyz, .simplex).
 bool is_surface_name(std::string_view path);
-/// Throws InputError(file, line, ...): cut short, a number that is none or not finite, an index out of range, counts that the file cannot hold.
+/// Throws InputError(file, line, ...): cut short, a number that is none or not finite, an index out of range, counts
+/// that the file cannot hold.
 Surface load_surface(const std::string& path);
 Surface parse_surface(std::string_view bytes, const std::string& name);
 

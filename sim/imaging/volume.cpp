@@ -42,7 +42,9 @@ std::string inflated(std::string_view in, size_t wanted, const std::string& file
   inflateEnd(&z);
   if (out.size() < wanted) {
     const char* why = r == Z_DATA_ERROR ? "are damaged" : "are cut short";
-    throw InputError(file, 0, "the compressed data " + std::string(why) + ": " + std::to_string(out.size()) + " of " + std::to_string(wanted) + " bytes came out");
+    throw InputError(file, 0,
+                     "the compressed data " + std::string(why) + ": " + std::to_string(out.size()) + " of " +
+                         std::to_string(wanted) + " bytes came out");
   }
   return out;
 }
@@ -76,18 +78,35 @@ std::string read_bytes(const std::string& path, size_t most) {
   return text;
 }
 
-std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count, const std::string& file) {
+std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count,
+                             const std::string& file) {
   std::vector<float> out(count);
   const bool swap = big_endian != (std::endian::native == std::endian::big);
   switch (number) {
-    case Number::i8: convert<int8_t>(data, swap, out); break;
-    case Number::u8: convert<uint8_t>(data, swap, out); break;
-    case Number::i16: convert<int16_t>(data, swap, out); break;
-    case Number::u16: convert<uint16_t>(data, swap, out); break;
-    case Number::i32: convert<int32_t>(data, swap, out); break;
-    case Number::u32: convert<uint32_t>(data, swap, out); break;
-    case Number::f32: convert<float>(data, swap, out); break;
-    case Number::f64: convert<double>(data, swap, out); break;
+    case Number::i8:
+      convert<int8_t>(data, swap, out);
+      break;
+    case Number::u8:
+      convert<uint8_t>(data, swap, out);
+      break;
+    case Number::i16:
+      convert<int16_t>(data, swap, out);
+      break;
+    case Number::u16:
+      convert<uint16_t>(data, swap, out);
+      break;
+    case Number::i32:
+      convert<int32_t>(data, swap, out);
+      break;
+    case Number::u32:
+      convert<uint32_t>(data, swap, out);
+      break;
+    case Number::f32:
+      convert<float>(data, swap, out);
+      break;
+    case Number::f64:
+      convert<double>(data, swap, out);
+      break;
   }
   for (const float f : out)
     if (!std::isfinite(f)) throw InputError(file, 0, "a voxel holds no finite number");
@@ -99,12 +118,16 @@ int64_t check_extent(const std::array<int64_t, 3>& size, const Mat3& step_mm, co
   for (const int64_t n : size) sensible &= n >= 1 && n <= 1'000'000;
   const int64_t voxels = sensible ? size[0] * size[1] * size[2] : 0;
   if (voxels > VolumeLimits::voxels || voxels < 1)
-    throw InputError(file, 0, "the volume has " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " + std::to_string(size[2]) +
-                                  " voxels; at most " + std::to_string(VolumeLimits::voxels) + " are read");
+    throw InputError(file, 0,
+                     "the volume has " + std::to_string(size[0]) + " x " + std::to_string(size[1]) + " x " +
+                         std::to_string(size[2]) + " voxels; at most " + std::to_string(VolumeLimits::voxels) +
+                         " are read");
   for (int k = 0; k < 3; ++k) {
     const double l = step_mm.col(k).norm();
     if (!(l >= VolumeLimits::min_step_mm && l <= VolumeLimits::max_step_mm))
-      throw InputError(file, 0, "a voxel is " + std::to_string(l) + " mm long along axis " + std::to_string(k) + "; expected 0.001 to 100 mm");
+      throw InputError(file, 0,
+                       "a voxel is " + std::to_string(l) + " mm long along axis " + std::to_string(k) +
+                           "; expected 0.001 to 100 mm");
   }
   const double det = step_mm.determinant(), box = step_mm.col(0).norm() * step_mm.col(1).norm() * step_mm.col(2).norm();
   if (!(std::abs(det) > 1e-3 * box)) throw InputError(file, 0, "the axes of the volume lie in a plane");
@@ -114,9 +137,12 @@ int64_t check_extent(const std::array<int64_t, 3>& size, const Mat3& step_mm, co
 Volume read_data(const Header& h, const std::string& file) {
   const int64_t voxels = check_extent(h.size, h.step_mm, file);
   const size_t bytes = size_t(voxels) * bytes_of(*h.number);
-  const std::string path = h.data_file.empty() ? file : (std::filesystem::path(file).parent_path() / h.data_file).string();
+  const std::string path =
+      h.data_file.empty() ? file : (std::filesystem::path(file).parent_path() / h.data_file).string();
   // What a sound file can need: the data, what is skipped, and the header.
-  const size_t most = h.compressed ? size_t(1) << 32 : bytes + size_t(std::max<int64_t>(0, std::min<int64_t>(h.skip, int64_t(1) << 30))) + VolumeLimits::header_bytes;
+  const size_t most = h.compressed ? size_t(1) << 32
+                                   : bytes + size_t(std::max<int64_t>(0, std::min<int64_t>(h.skip, int64_t(1) << 30))) +
+                                         VolumeLimits::header_bytes;
   const std::string all = read_bytes(path, h.skip == -1 ? size_t(1) << 32 : most);
   std::string_view data(all);
   if (h.data_file.empty()) data.remove_prefix(std::min(h.data_at, data.size()));
@@ -129,7 +155,9 @@ Volume read_data(const Header& h, const std::string& file) {
   std::string plain;
   if (h.compressed) plain = inflated(data, bytes, path), data = plain;
   if (data.size() < bytes)
-    throw InputError(path, 0, "the data are cut short: " + std::to_string(data.size()) + " bytes; " + std::to_string(bytes) + " were expected");
+    throw InputError(path, 0,
+                     "the data are cut short: " + std::to_string(data.size()) + " bytes; " + std::to_string(bytes) +
+                         " were expected");
   Volume v;
   for (size_t k = 0; k < 3; ++k) v.size[k] = int32_t(h.size[k]);
   v.step_mm = h.step_mm, v.origin_mm = h.origin_mm;
@@ -151,8 +179,11 @@ Volume load_volume(const std::string& path, const std::string& series) {
   imaging::next_line(head, at, first);
   const size_t equals = first.find('=');
   const std::string_view key = imaging::trimmed(first.substr(0, equals));
-  if (equals != std::string_view::npos && (key == "ObjectType" || key == "NDims" || key == "Comment")) return imaging::read_data(imaging::meta_header(head, path), path);
-  throw InputError(path, 1, "is of no kind that is known here; expected an NRRD (NRRD0001...), a MetaImage (ObjectType = Image), a NIfTI-1 or a DICOM file or folder");
+  if (equals != std::string_view::npos && (key == "ObjectType" || key == "NDims" || key == "Comment"))
+    return imaging::read_data(imaging::meta_header(head, path), path);
+  throw InputError(path, 1,
+                   "is of no kind that is known here; expected an NRRD (NRRD0001...), a MetaImage (ObjectType = "
+                   "Image), a NIfTI-1 or a DICOM file or folder");
 }
 
 double VolumeSampler::value(const Vec3& x_mm) const {

@@ -1,8 +1,10 @@
 #pragma once
 // A volume of numbers (a CT in Hounsfield units, say) and where it lies.
 //
-// Read from NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI-1 (nifti.h) and DICOM series (dicom.h): three dimensions, one
-// number per voxel, raw or compressed with gzip or zlib, in the file itself or beside it, either byte order. Places are in mm in the frame left, posterior, superior
+// Read from NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI-1 (nifti.h) and DICOM series (dicom.h): three
+// dimensions, one
+// number per voxel, raw or compressed with gzip or zlib, in the file itself or beside it, either byte order. Places are
+// in mm in the frame left, posterior, superior
 // (files in right-anterior-superior are turned), with the whole affine: origin, spacing, direction.
 #include <array>
 #include <string>
@@ -15,9 +17,9 @@ namespace limberg {
 
 struct Volume {
   std::array<int32_t, 3> size{0, 0, 0};
-  Mat3 step_mm = Mat3::Identity();   // column k: from a voxel to the next along axis k
-  Vec3 origin_mm = Vec3::Zero();     // centre of voxel (0, 0, 0)
-  std::vector<float> value;          // axis 0 runs fastest
+  Mat3 step_mm = Mat3::Identity();  // column k: from a voxel to the next along axis k
+  Vec3 origin_mm = Vec3::Zero();    // centre of voxel (0, 0, 0)
+  std::vector<float> value;         // axis 0 runs fastest
 
   size_t index(int32_t i, int32_t j, int32_t k) const {
     return size_t(i) + size_t(size[0]) * (size_t(j) + size_t(size[1]) * size_t(k));
@@ -45,7 +47,8 @@ struct VolumeLimits {
   static constexpr size_t header_bytes = size_t(1) << 20;
 };
 
-/// By its first bytes: NRRD, MetaImage, NIfTI-1, DICOM; a folder is one of DICOM slices. `series`: which one, where a folder holds
+/// By its first bytes: NRRD, MetaImage, NIfTI-1, DICOM; a folder is one of DICOM slices. `series`: which one, where a
+/// folder holds
 /// several (dicom.h). Throws InputError(file, line, ...): a field missing or not understood, a size that is
 /// absurd or does not match the data, a voxel without extent, data that are cut short or damaged.
 Volume load_volume(const std::string& path, const std::string& series = {});

@@ -44,14 +44,18 @@ class Partition {
 /// How a face lies in a cell, as bits. A face never moves, so what was found once holds in every later version.
 struct FaceInCell {
   uint64_t bits = 0;
-  static constexpr uint64_t kWhole = 15;                                    // all edges meet the cell, all corners lie in it
-  bool edge(size_t e) const { return bits >> e & 1; }                       // edge e meets the cell
+  static constexpr uint64_t kWhole = 15;               // all edges meet the cell, all corners lie in it
+  bool edge(size_t e) const { return bits >> e & 1; }  // edge e meets the cell
   void set_edge(size_t e) { bits |= uint64_t(1) << e; }
-  bool inside() const { return bits >> 3 & 1; }                             // all corners lie in it
-  uint8_t squares() const { return uint8_t(bits >> 4 & 63); }               // bit 2 axis + high: it reaches through that plane
+  bool inside() const { return bits >> 3 & 1; }                // all corners lie in it
+  uint8_t squares() const { return uint8_t(bits >> 4 & 63); }  // bit 2 axis + high: it reaches through that plane
   void set_squares(uint8_t s) { bits |= uint64_t(s) << 4; }
-  static uint64_t hit(int lattice_edge) { return uint64_t(1) << (10 + lattice_edge); }  // 4 axis + corner: that edge pierces it
-  static uint64_t crossing(size_t square, size_t e) { return uint64_t(1) << (22 + 3 * square + e); }  // its edge e pierces the square
+  static uint64_t hit(int lattice_edge) {
+    return uint64_t(1) << (10 + lattice_edge);
+  }  // 4 axis + corner: that edge pierces it
+  static uint64_t crossing(size_t square, size_t e) {
+    return uint64_t(1) << (22 + 3 * square + e);
+  }  // its edge e pierces the square
   uint64_t hits() const { return bits >> 10 & 0xfff; }
   uint64_t crossings() const { return bits >> 22; }
 };
@@ -62,8 +66,9 @@ struct CellHistory {
   const CellComponents* before = nullptr;  // null: no face met the cell (one class if it was material)
   int32_t last_op = 0;                     // walls of later operations are new
   bool only_cuts = true;                   // false: material was taken away, so old classes may have vanished
-  const CellComponents* whole = nullptr;   // what the cell is a part of was this: old_class is its class; nothing else counts
-  bool whole_is_named = false;             // ... or what that class was before
+  const CellComponents* whole =
+      nullptr;                  // what the cell is a part of was this: old_class is its class; nothing else counts
+  bool whole_is_named = false;  // ... or what that class was before
 };
 
 class CellBuilder {
@@ -71,7 +76,8 @@ class CellBuilder {
   CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface);
   CellBuilder(const LatticeGrid& grid, MaterialSurface&& surface) = delete;  // it is not kept
 
-  /// Components of the cell at `at` of the grid, from candidate faces (ascending, may hold dead ones and faces that miss
+  /// Components of the cell at `at` of the grid, from candidate faces (ascending, may hold dead ones and faces that
+  /// miss
   /// the cell). `corners_in`: bit per corner that lies in the material. Null when no live face meets the cell.
   std::shared_ptr<const CellComponents> build(Int3 at, std::span<const int32_t> candidates, uint8_t corners_in,
                                               const CellHistory& history);
@@ -80,8 +86,10 @@ class CellBuilder {
   bool meets(Int3 at, int32_t face);
   /// Whether one of the faces has a crack front in the cell: an edge where its two sides are glued to each other.
   bool holds_front(Int3 at, std::span<const int32_t> faces);
-  /// How far from its front, square to it and along the crack, the cell reaches at most: in edges of the cell (up to 6 %
-  /// more where the crack runs askew), 0 without a front. This is what stays closed of the crack in a cell that is not divided.
+  /// How far from its front, square to it and along the crack, the cell reaches at most: in edges of the cell (up to 6
+  /// %
+  /// more where the crack runs askew), 0 without a front. This is what stays closed of the crack in a cell that is not
+  /// divided.
   double front_reach(Int3 at, std::span<const int32_t> faces);
 
   /// Layers of the corners of a face: [corner][axis].
@@ -103,26 +111,28 @@ class CellBuilder {
     int32_t shape = -1;  // into shape_, once its corners have been asked for
     const Plane* plane;
     FaceInCell in;
-    double flux;                  // NaN: not known
-    std::array<int32_t, 6> mate;  // [3 * side + edge], where the edge meets the cell: the glued member; set by join_faces()
+    double flux;  // NaN: not known
+    std::array<int32_t, 6>
+        mate;  // [3 * side + edge], where the edge meets the cell: the glued member; set by join_faces()
     uint8_t mat;
     bool known;  // it was in the cell before
   };
   /// Where the corners of a face lie. Most faces are known from the version before and never need it.
   struct Shape {
     std::array<PointRef, 3> p;
-    Layers layer;                                 // when layered
-    std::array<int32_t, 3> edge{-1, -1, -1};      // into edge_, once gather() has asked for them
-    std::array<bool, 3> turned{};                 // the face has the edge from its higher point to its lower one
+    Layers layer;                             // when layered
+    std::array<int32_t, 3> edge{-1, -1, -1};  // into edge_, once gather() has asked for them
+    std::array<bool, 3> turned{};             // the face has the edge from its higher point to its lower one
     bool layered = false;
   };
-  /// An edge of faces that are new in the cell, from its lower point to its higher one. Two faces meet there, or more: what is
+  /// An edge of faces that are new in the cell, from its lower point to its higher one. Two faces meet there, or more:
+  /// what is
   /// found for one of them holds for all.
   struct EdgeInCell {
-    EdgeSigns about;        // when known
+    EdgeSigns about;  // when known
     bool known = false;
-    int8_t meets = -1;      // the cell; -1: not asked yet
-    int8_t crosses = -1;    // bit 2 axis + high: it pierces that square of the cell; -1: not asked yet
+    int8_t meets = -1;    // the cell; -1: not asked yet
+    int8_t crosses = -1;  // bit 2 axis + high: it pierces that square of the cell; -1: not asked yet
   };
   Shape& shape(LocalFace& f);
   Shape& layered_shape(LocalFace& f);
@@ -156,7 +166,8 @@ class CellBuilder {
   int parallel_axis(int32_t p, int32_t q) const;
   int8_t crossed_squares(const LocalFace& f, const Shape& s, size_t edge);
   void note_crossings(LocalFace& f, const Shape& s, int32_t local);
-  bool pierced_by_edge(const LocalFace& f, const Shape& s, int axis, int corner);  // by the cell's lattice edge, within its length
+  bool pierced_by_edge(const LocalFace& f, const Shape& s, int axis,
+                       int corner);  // by the cell's lattice edge, within its length
   int32_t local_of(int32_t face) const;
   void join_faces();
   void join_lattice_edges();
@@ -189,7 +200,7 @@ class CellBuilder {
   const SubPoint& edge_corner(int axis, int corner) const { return bounds_.edge_corner[size_t(axis)][size_t(corner)]; }
   static int corner_of_edge(int axis, int corner, bool high);
 
-  std::vector<LocalFace> face_;               // ascending by id
+  std::vector<LocalFace> face_;  // ascending by id
   int32_t first_layered_ = 0;
   std::span<const Layers> of_face_;
   std::vector<Shape> shape_;  // the first shapes_ of them
@@ -202,10 +213,11 @@ class CellBuilder {
   };
   std::vector<EdgePlace> edge_place_;
   uint64_t round_ = 0;
-  bool no_walks_before_ = false;              // of the cell: no closed curve on its squares, no closed shell in it
-  bool as_before_ = false;                    // the same faces with the same material as in the last version
+  bool no_walks_before_ = false;  // of the cell: no closed curve on its squares, no closed shell in it
+  bool as_before_ = false;        // the same faces with the same material as in the last version
   std::vector<std::pair<int32_t, int32_t>> place_;  // open addressing: id of a face, its place in face_
-  // The same for the faces of know_layers(), of which most are met again and again: by id, valid in the cell entered last.
+  // The same for the faces of know_layers(), of which most are met again and again: by id, valid in the cell entered
+  // last.
   std::vector<std::pair<uint64_t, int32_t>> fresh_place_;
   uint64_t entered_ = 0;
   /// Layers of points: a point is met by several faces and cells. One place per few points, taken by the last.
@@ -218,7 +230,8 @@ class CellBuilder {
   struct Crossing {
     int32_t local, edge;
   };
-  std::array<std::vector<Crossing>, 6> crossing_;  // edges that pierce each square of the cell (2 axis + high), ascending
+  std::array<std::vector<Crossing>, 6>
+      crossing_;  // edges that pierce each square of the cell (2 axis + high), ascending
   std::array<uint8_t, 12> edge_state_{};
   Partition join_, square_, old_;
   Partition glued_;  // sided faces joined along glued edges only

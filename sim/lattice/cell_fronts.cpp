@@ -60,7 +60,8 @@ double CellBuilder::reach_from(int32_t face, size_t edge) const {
     s0 = std::max(s0, std::min(low, high)), s1 = std::min(s1, std::max(low, high));
   }
   if (s1 < s0) s0 = s1 = 0.5 * (s0 + s1);  // it touches the cell, but for rounding
-  std::array<double, 3> at0{}, slope{};  // way to the square that the ray is heading for: at0 + s * slope, in lengths of d
+  std::array<double, 3> at0{},
+      slope{};  // way to the square that the ray is heading for: at0 + s * slope, in lengths of d
   std::array<bool, 3> heads{};
   for (size_t a = 0; a < 3; ++a) {
     if (d[a] * d[a] <= 1e-24 * dd) continue;
@@ -79,7 +80,8 @@ double CellBuilder::reach_from(int32_t face, size_t edge) const {
     for (size_t b = 0; b < a; ++b)
       if (heads[a] && heads[b] && slope[a] != slope[b])
         look(std::clamp((at0[b] - at0[a]) / (slope[a] - slope[b]), s0, s1));
-  // Askew, the next cell opens slowly at first: there a little more counts as closed (measured 2026-11-21: 3 % at most).
+  // Askew, the next cell opens slowly at first: there a little more counts as closed (measured 2026-11-21: 3 % at
+  // most).
   double straight = 0;  // cosine to the nearest axis
   for (size_t a = 0; a < 3; ++a) straight = std::max(straight, std::sqrt(d[a] * d[a] / dd));
   return most * std::sqrt(dd) * (1 + std::min(0.06, 4 * (1 - straight)));

@@ -10,7 +10,8 @@
 namespace limberg {
 namespace {
 
-/// By the squares that a face reaches through (FaceInCell::squares): the lattice edges, bit 4 axis + corner, that may pierce
+/// By the squares that a face reaches through (FaceInCell::squares): the lattice edges, bit 4 axis + corner, that may
+/// pierce
 /// it. It reaches through both planes of such an edge.
 constexpr std::array<uint16_t, 64> kMayPierce = [] {
   std::array<uint16_t, 64> may{};
@@ -94,7 +95,8 @@ int32_t CellBuilder::local_of(int32_t face) const {
   }
 }
 
-// What each side is glued to along the edges that meet the cell. Two glued half-edges bound the same material along their
+// What each side is glued to along the edges that meet the cell. Two glued half-edges bound the same material along
+// their
 // edge; inside the cell they do so where the edge meets it: they are joined.
 void CellBuilder::join_faces() {
   size_t places = 32;
@@ -234,8 +236,10 @@ bool CellBuilder::pierced_by_edge(const LocalFace& f, const Shape& shape, int ax
 
 // Which squares an edge that meets the cell pierces.
 int8_t CellBuilder::crossed_squares(const LocalFace& f, const Shape& s, size_t e) {
-  // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and "crossing at
-  // greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are opposite. A bound that both
+  // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and
+  // "crossing at
+  // greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are opposite. A bound that
+  // both
   // ends lie within needs no sign.
   const auto& from = s.layer[e];
   const auto& to = s.layer[e == 2 ? 0 : e + 1];
@@ -251,7 +255,8 @@ int8_t CellBuilder::crossed_squares(const LocalFace& f, const Shape& s, size_t e
         const size_t u = k + step < 3 ? k + step : k + step - 3, v = 3 - k - u;
         const bool u_first = step == 2;  // (v + 1) % 3 == u
         for (int u_high = 0; u_high < 2 && within; ++u_high) {
-          if (u_high ? from[u] <= index_[u] && to[u] <= index_[u] : from[u] >= index_[u] && to[u] >= index_[u]) continue;
+          if (u_high ? from[u] <= index_[u] && to[u] <= index_[u] : from[u] >= index_[u] && to[u] >= index_[u])
+            continue;
           const int corner = u_first ? u_high | high << 1 : high | u_high << 1;
           const int past = about(f, s, e).of(int(v), corner) * (u_first ? 1 : -1) * rising;
           within = u_high ? past < 0 : past > 0;
@@ -331,7 +336,8 @@ void CellBuilder::gather(std::span<const int32_t> candidates, const CellComponen
       squares |= uint8_t(int(lo < at) << (2 * a) | int(hi > at) << (2 * a + 1));
     }
     if (apart) continue;
-    LocalFace& f = face_.emplace_back(id, &surface_.orig[size_t(source.orig)].plane, source.mat, FaceInCell{}, std::nan(""), false);
+    LocalFace& f = face_.emplace_back(id, &surface_.orig[size_t(source.orig)].plane, source.mat, FaceInCell{},
+                                      std::nan(""), false);
     if (squares == 0) {
       f.in.bits = FaceInCell::kWhole;
       continue;

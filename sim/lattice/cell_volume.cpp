@@ -50,7 +50,8 @@ bool clip(const Polygon& p, double at, double sign, Polygon& r) {
 class Clipped {
  public:
   explicit Clipped(const std::array<Vec3, 3>& corner)
-      : low_(corner[0].cwiseMin(corner[1]).cwiseMin(corner[2])), high_(corner[0].cwiseMax(corner[1]).cwiseMax(corner[2])) {
+      : low_(corner[0].cwiseMin(corner[1]).cwiseMin(corner[2])),
+        high_(corner[0].cwiseMax(corner[1]).cwiseMax(corner[2])) {
     for (size_t k = 0; k < 3; ++k) now_->v[k] = corner[k];
     now_->n = 3;
   }
@@ -133,7 +134,8 @@ double CellBuilder::flux_of(LocalFace& f) {
     // smaller x. Both ends within the low side of x high need no sign.
     if (s.layer[e][0] > index_[0] || s.layer[next][0] > index_[0]) {
       const EdgeInCell* known = s.edge[e] >= 0 && edge_[size_t(s.edge[e])].known ? &edge_[size_t(s.edge[e])] : nullptr;
-      const int about = known ? (s.turned[e] ? -1 : 1) * known->about.of(1, 3) : edge_about_corner(s.p[e], s.p[next], 1, line);
+      const int about =
+          known ? (s.turned[e] ? -1 : 1) * known->about.of(1, 3) : edge_about_corner(s.p[e], s.p[next], 1, line);
       beyond[n] = (about > 0) == !rises;
     }
     end[n] = a + (b - a) * ((H - a.z()) / (b.z() - a.z()));
@@ -142,7 +144,8 @@ double CellBuilder::flux_of(LocalFace& f) {
   }
   if (n == 2 && beyond[0] != beyond[1] && f.plane->n[1] != 0) {
     const double y = hit_on_line(*f.plane, 1, line) - low.y();
-    end[beyond[0] ? 0 : 1] = Vec3(W, std::clamp(y, std::min(end[0].y(), end[1].y()), std::max(end[0].y(), end[1].y())), H);
+    end[beyond[0] ? 0 : 1] =
+        Vec3(W, std::clamp(y, std::min(end[0].y(), end[1].y()), std::max(end[0].y(), end[1].y())), H);
     beyond[0] = beyond[1] = false;
   }
   if (n == 2 && !beyond[0]) flux += (f.plane->n[0] > 0 ? H : -H) * x_sweep(end[0], end[1], W, D);

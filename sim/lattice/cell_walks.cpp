@@ -97,7 +97,8 @@ bool CellBuilder::has_loop(int normal, bool high) {
   // Per sided face: the two members that its curve goes on with (-1: it ends there).
   if (curve_.size() < 4 * face_.size()) curve_.resize(4 * face_.size());
   for (const Crossing& c : crossing)
-    for (int side = 0; side < 2; ++side) curve_[size_t(2 * member(size_t(c.local), side))] = curve_[size_t(2 * member(size_t(c.local), side) + 1)] = -1;
+    for (int side = 0; side < 2; ++side)
+      curve_[size_t(2 * member(size_t(c.local), side))] = curve_[size_t(2 * member(size_t(c.local), side) + 1)] = -1;
   int32_t count = 0;
   for (const Crossing& c : crossing)
     for (int side = 0; side < 2; ++side) {
@@ -209,7 +210,8 @@ bool CellBuilder::walk_from_loop(int normal, bool high, int run, int32_t root) {
   return false;
 }
 
-// A curve so small that no line meets it: the surface's edges through a point exactly on the square's plane, say. Next to
+// A curve so small that no line meets it: the surface's edges through a point exactly on the square's plane, say. Next
+// to
 // that plane it grows in the directions of its edges, which tell whether it bounds material on its inside; then nothing
 // follows. If not, its material is that around it: what lies to the left of its place belongs to it.
 bool CellBuilder::walk_from_speck(int normal, bool high, int32_t root) {
@@ -296,8 +298,7 @@ bool CellBuilder::walk_from_shell(int axis, int32_t root) {
   std::vector<Start> starts;
   for (size_t l = 0; l < face_.size(); ++l) {
     LocalFace& f = face_[l];
-    if (!((has(f.mat, 0) && glued_.find(member(l, 0)) == root) ||
-          (has(f.mat, 1) && glued_.find(member(l, 1)) == root)))
+    if (!((has(f.mat, 0) && glued_.find(member(l, 0)) == root) || (has(f.mat, 1) && glued_.find(member(l, 1)) == root)))
       continue;
     const Shape& s = shape(f);
     const Vec3 u = *s.p[1].approx - *s.p[0].approx, v = *s.p[2].approx - *s.p[0].approx;

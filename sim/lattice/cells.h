@@ -28,9 +28,10 @@ struct CellClass {
 struct CellComponents {
   std::vector<int32_t> face;                    // faces that meet the cell, ascending
   std::vector<std::array<int16_t, 2>> of_side;  // per face and side: its class, -1 without material
-  std::vector<uint64_t> relation;               // per face: how it lies in the cell, all of it exact (FaceInCell); never changes
-  std::vector<double> flux;                     // per face: its share of a volume (cell_volume.cpp), which never changes; NaN: not asked for yet
-  std::array<int16_t, 8> of_corner{};           // class of each corner, -1 outside
+  std::vector<uint64_t> relation;  // per face: how it lies in the cell, all of it exact (FaceInCell); never changes
+  std::vector<double>
+      flux;  // per face: its share of a volume (cell_volume.cpp), which never changes; NaN: not asked for yet
+  std::array<int16_t, 8> of_corner{};  // class of each corner, -1 outside
   std::vector<CellClass> classes;
   // Per lattice edge of the cell (4 * axis + 2 * [third axis high] + [second axis high], the axes in cyclic order after
   // `axis`): 0 = nothing crosses it; else 4 | material at the low end | 2 * material at the high end.

@@ -41,7 +41,8 @@ int Descent::class_before(int32_t part, int cls) const {
   }
 }
 
-void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::span<const uint8_t> touched, const NewParts& parts) {
+void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::span<const uint8_t> touched,
+                   const NewParts& parts) {
   const int32_t cells = int32_t(t.components.size());
   const auto& components = std::as_const(t.components);
   const Descent descent(t, parts);
@@ -79,7 +80,8 @@ void number_copies(LatticeTopology& t, const LatticeTopology* previous, std::spa
     if (!parts.empty()) first_part.assign(previous->cells.size(), {-1, 0});
     for (int32_t c = known; c < cells; ++c)
       for (int k = 0; k < classes(c); ++k)
-        if (const int32_t p = parent_of_part(c, k); p >= 0 && first_part[size_t(p)].first < 0) first_part[size_t(p)] = {c, k};
+        if (const int32_t p = parent_of_part(c, k); p >= 0 && first_part[size_t(p)].first < 0)
+          first_part[size_t(p)] = {c, k};
     // Class of a previous copy: its place among the copies of its cell.
     std::vector<int32_t> class_of_copy(previous->cells.size());
     for (int32_t c = 0; c < known; ++c)
@@ -144,7 +146,8 @@ void find_links(const LatticeTopology& t, LevelBuilders& builders, int32_t cell,
     out.push_back(l);
   };
   const bool parts = t.tree.is_part(cell) || t.tree.is_part(next);
-  const CellPlace low = parts ? t.tree.place(t.grid, cell) : CellPlace{}, high = parts ? t.tree.place(t.grid, next) : low;
+  const CellPlace low = parts ? t.tree.place(t.grid, cell) : CellPlace{},
+                  high = parts ? t.tree.place(t.grid, next) : low;
   for (int k = 0; k < 8; ++k) {
     if (k & kLowToHigh[axis]) continue;
     if (low.level != high.level) {  // of the smaller square's corners one is a corner of the coarser cell
@@ -158,7 +161,8 @@ void find_links(const LatticeTopology& t, LevelBuilders& builders, int32_t cell,
   const CellComponents *a = t.components[size_t(cell)].get(), *b = t.components[size_t(next)].get();
   if (!a || !b) return;
   if (seen && a->classes.size() == 1 && b->classes.size() == 1) return;  // there is no other pair
-  // Every sided face in both: it crosses the common square, with its material on the same side of it in both cells. That
+  // Every sided face in both: it crosses the common square, with its material on the same side of it in both cells.
+  // That
   // needs two boxes whose union is a box: of a coarser cell only the part next to the finer one counts.
   CellPlace beside{};
   if (low.level != high.level) {
@@ -196,7 +200,8 @@ void name_parents_by_neighbours(LatticeTopology& t, const LatticeTopology& previ
         const int32_t other_parent = t.cell_parent[size_t(low ? high_copy : low_copy)];
         if ((low ? low_copy : high_copy) != me || other_parent < 0) continue;
         for (const Link& p : previous.links.of(l.cell_axis)) {
-          if (p.next != l.next || previous.copy(low ? l.next : low_cell, low ? p.high : p.low) != other_parent) continue;
+          if (p.next != l.next || previous.copy(low ? l.next : low_cell, low ? p.high : p.low) != other_parent)
+            continue;
           const int32_t candidate = previous.copy(cell, low ? p.low : p.high);
           one = one && (found < 0 || found == candidate);
           found = candidate;

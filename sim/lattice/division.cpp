@@ -50,7 +50,8 @@ bool walk(const LatticeGrid& grid, const MaterialSurface& surface, std::span<con
 }  // namespace
 
 const LatticeTopology::Hanging* LatticeTopology::hanging_at(int32_t node) const {
-  const auto h = std::lower_bound(hanging.begin(), hanging.end(), node, [](const Hanging& a, int32_t n) { return a.node < n; });
+  const auto h =
+      std::lower_bound(hanging.begin(), hanging.end(), node, [](const Hanging& a, int32_t n) { return a.node < n; });
   return h != hanging.end() && h->node == node ? &*h : nullptr;
 }
 
@@ -136,8 +137,8 @@ std::vector<int32_t> cells_to_divide(const LatticeTopology& t, LevelBuilders& bu
   return {};
 }
 
-void divide_cells(LatticeTopology& t, LevelBuilders& builders, std::span<const int32_t> cells, std::span<const uint8_t> named,
-                  NewParts& parts) {
+void divide_cells(LatticeTopology& t, LevelBuilders& builders, std::span<const int32_t> cells,
+                  std::span<const uint8_t> named, NewParts& parts) {
   for (int32_t cell : cells) {
     const CellPlace place = t.tree.place(t.grid, cell);
     const uint8_t corners = t.corners_in_material(cell);

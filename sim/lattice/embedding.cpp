@@ -46,7 +46,11 @@ namespace {
 class Embedder {
  public:
   Embedder(const LatticeTopology& t, const MaterialSurface& surface, SurfaceView& view, SharedArray<EmbeddedPoint>& out)
-      : t_(t), surface_(surface), view_(view), now_(view), out_(out),
+      : t_(t),
+        surface_(surface),
+        view_(view),
+        now_(view),
+        out_(out),
         finest_(t.tree.division.empty() ? t.grid : t.grid.at_level(kLevels)) {}
   void triangle(size_t f) {
     for (int32_t v : now_.tri[f])
@@ -76,11 +80,13 @@ class Embedder {
   LatticeGrid finest_;
 };
 
-/// Vertices in cells of which a copy has come apart or has got other nodes: found through the faces of the cell. A part that
-/// keeps number and nodes of its copy has the vertices that it had. Vertices in cells that have been divided lose their copy;
+/// Vertices in cells of which a copy has come apart or has got other nodes: found through the faces of the cell. A part
+/// that
+/// keeps number and nodes of its copy has the vertices that it had. Vertices in cells that have been divided lose their
+/// copy;
 /// triangles at them are added to `again`.
-void follow_copies(const LatticeTopology& t, const LatticeTopology& before, SurfaceView& view, SharedArray<EmbeddedPoint>& out,
-                   std::vector<int32_t>& again) {
+void follow_copies(const LatticeTopology& t, const LatticeTopology& before, SurfaceView& view,
+                   SharedArray<EmbeddedPoint>& out, std::vector<int32_t>& again) {
   std::vector<int32_t> cells;
   for_each_change(before.cells, t.cells, [&](size_t c) { cells.push_back(t.cells[c].cell); });
   std::sort(cells.begin(), cells.end());
@@ -100,7 +106,8 @@ void follow_copies(const LatticeTopology& t, const LatticeTopology& before, Surf
           if (f < 0) throw std::logic_error("a face of a lattice cell is not on the surface");
           again.push_back(f);
           for (int32_t v : now.tri[size_t(f)])
-            if (const int32_t was = now.cell_copy[size_t(v)]; was >= 0 && size_t(was) < before.cells.size() && t.tree.is_divided(before.cells[size_t(was)].cell))
+            if (const int32_t was = now.cell_copy[size_t(v)];
+                was >= 0 && size_t(was) < before.cells.size() && t.tree.is_divided(before.cells[size_t(was)].cell))
               view.cell_copy[size_t(v)] = -1;
         }
       continue;
@@ -111,7 +118,8 @@ void follow_copies(const LatticeTopology& t, const LatticeTopology& before, Surf
     for (int k = 0; k < t.copies_of(cell); ++k) {
       const int32_t copy = t.copy(cell, k);
       copies.push_back(copy);
-      other.push_back(size_t(copy) >= before.cells.size() || before.cells[size_t(copy)].node != t.cells[size_t(copy)].node);
+      other.push_back(size_t(copy) >= before.cells.size() ||
+                      before.cells[size_t(copy)].node != t.cells[size_t(copy)].node);
       any = any || other.back();
     }
     if (!any) continue;
@@ -126,7 +134,8 @@ void follow_copies(const LatticeTopology& t, const LatticeTopology& before, Surf
         const auto& node = t.cells[size_t(copy)].node;
         for (int32_t v : now.tri[size_t(f)]) {
           const int32_t was = now.cell_copy[size_t(v)];
-          if (was < 0 || (was != copy && std::find(copies.begin(), copies.end(), was) == copies.end())) continue;  // elsewhere
+          if (was < 0 || (was != copy && std::find(copies.begin(), copies.end(), was) == copies.end()))
+            continue;  // elsewhere
           if (was != copy) view.cell_copy[size_t(v)] = copy;
           if (embedding[size_t(v)].node != node) out[size_t(v)].node = node;
         }
@@ -181,14 +190,16 @@ SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& t, const Materia
     const int32_t u = earlier[v];
     const int32_t copy = u < 0 ? -1 : std::max(-1, part[size_t(before.view.cell_copy[size_t(u)])]);
     view.cell_copy.push_back(copy);
-    out.push_back(copy < 0 ? EmbeddedPoint{} : EmbeddedPoint{t.cells[size_t(copy)].node, before.embedding[size_t(u)].w});
+    out.push_back(copy < 0 ? EmbeddedPoint{}
+                           : EmbeddedPoint{t.cells[size_t(copy)].node, before.embedding[size_t(u)].w});
   }
   Embedder rest(t, surface, view, out);
   for (size_t f = 0; f < view.tri.size(); ++f) rest.triangle(f);
   return out;
 }
 
-int32_t copy_of_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary, Vec3* X_mm) {
+int32_t copy_of_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary,
+                      Vec3* X_mm) {
   const Tri& corner = view.tri[size_t(tri)];
   Vec3 X = Vec3::Zero();
   size_t nearest = 0;
@@ -203,7 +214,8 @@ int32_t copy_of_point(const LatticeTopology& t, const SurfaceView& view, int32_t
   return copy;
 }
 
-EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary, Vec3* X_mm) {
+EmbeddedPoint embed_point(const LatticeTopology& t, const SurfaceView& view, int32_t tri,
+                          const std::array<double, 3>& bary, Vec3* X_mm) {
   Vec3 X;
   const int32_t copy = copy_of_point(t, view, tri, bary, &X);
   if (X_mm) *X_mm = X;

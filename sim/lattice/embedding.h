@@ -16,8 +16,10 @@ namespace limberg {
 SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const MaterialSurface& surface,
                                          SurfaceView& view);
 
-/// The same from an earlier version of both: vertices that were there, in a cell copy that has not come apart, keep their
-/// weights. `change` as Arrangement::surface_view gives it; topology.cell_parent must index the earlier topology. Costs what
+/// The same from an earlier version of both: vertices that were there, in a cell copy that has not come apart, keep
+/// their
+/// weights. `change` as Arrangement::surface_view gives it; topology.cell_parent must index the earlier topology. Costs
+/// what
 /// has changed, unless that is everything.
 struct EarlierEmbedding {
   const LatticeTopology& topology;
@@ -33,8 +35,8 @@ EmbeddedPoint embed_point(const LatticeTopology& topology, const SurfaceView& vi
                           const std::array<double, 3>& bary, Vec3* X_mm = nullptr);
 
 /// The cell copy that carries a point of view triangle `tri`.
-int32_t copy_of_point(const LatticeTopology& topology, const SurfaceView& view, int32_t tri, const std::array<double, 3>& bary,
-                      Vec3* X_mm = nullptr);
+int32_t copy_of_point(const LatticeTopology& topology, const SurfaceView& view, int32_t tri,
+                      const std::array<double, 3>& bary, Vec3* X_mm = nullptr);
 
 /// The point X (on or next to the surface) as carried by cell copy `copy`, whatever its cell: weights extrapolate when
 /// X lies outside.

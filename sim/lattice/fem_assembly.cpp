@@ -11,13 +11,15 @@ namespace {
 
 constexpr double kFloor = 1e-2;  // of the fraction, for conditioning: a sliver's nodes stay solvable in float
 
-// A block's outermost cells miss this little at most (grid_fit.h): half of `count` half-units of thousands per cell, eight
+// A block's outermost cells miss this little at most (grid_fit.h): half of `count` half-units of thousands per cell,
+// eight
 // times that when cells can be divided, and in a part it is more of the whole.
 double counts_as_full(bool divisible, int level) { return 1 - (divisible ? 0.006 : 0.002) * double(1 << level); }
 
 class Assembly {
  public:
-  Assembly(const StencilTable& table, const LatticeTopology& t) : table_(table), t_(t), whole_mm3_(t.grid.cell_mm().prod()) {}
+  Assembly(const StencilTable& table, const LatticeTopology& t)
+      : table_(table), t_(t), whole_mm3_(t.grid.cell_mm().prod()) {}
 
   HexCell cell(const CellCopy& copy) const {
     HexCell out;
@@ -121,12 +123,14 @@ void Assembly::changed(FemModel& model, const EarlierModel& before) const {
   });
   // A held face may be in another part now.
   const auto holds_any = [](const std::shared_ptr<const CellComponents>& c) {
-    return c && std::any_of(c->classes.begin(), c->classes.end(), [](const CellClass& k) { return k.fixed_sides != 0; });
+    return c &&
+           std::any_of(c->classes.begin(), c->classes.end(), [](const CellClass& k) { return k.fixed_sides != 0; });
   };
   for_each_change(before.topology.components, t_.components, [&](size_t cell) {
     if (cell >= before.topology.components.size()) return;  // a part: all its nodes are looked at already
     if (!holds_any(t_.components[cell]) && !holds_any(before.topology.components[cell])) return;
-    for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k) nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
+    for (int k = 0; k < t_.copies_of(int32_t(cell)); ++k)
+      nodes.add_all(t_.cells[size_t(t_.copy(int32_t(cell), k))].node);
   });
   nodes_again(model, nodes.ascending());
   for (const auto& h : t_.hanging) model.fixed.set(size_t(h.node), 0);
@@ -140,7 +144,8 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
     const Int3 at = t_.nodes[size_t(n)].at;
     for (int b = 0; b < 8; ++b) {
       const Int3 c{at.x - 1 + (b & 1), at.y - 1 + (b >> 1 & 1), at.z - 1 + (b >> 2 & 1)};
-      if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= finest.count.x || c.y >= finest.count.y || c.z >= finest.count.z) continue;
+      if (c.x < 0 || c.y < 0 || c.z < 0 || c.x >= finest.count.x || c.y >= finest.count.y || c.z >= finest.count.z)
+        continue;
       cells.add(t_.tree.find(t_.grid, kLevels, c));
     }
   }
@@ -173,7 +178,8 @@ void Assembly::nodes_again(FemModel& model, std::span<const int32_t> nodes) cons
 
 }  // namespace
 
-std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& t, const EarlierModel* before) {
+std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const LatticeTopology& t,
+                                             const EarlierModel* before) {
   auto model = std::make_shared<FemModel>();
   model->cell_mm = t.grid.cell_mm();
   model->parent = t.node_parent;
@@ -188,7 +194,8 @@ std::shared_ptr<const FemModel> assemble_fem(const StencilTable& table, const La
     model->hanging.push_back(out);
   }
   const Assembly assembly(table, t);
-  const bool grows = before && t.cell_parent.same() >= before->topology.cells.size() && t.nodes.size() >= before->topology.nodes.size() &&
+  const bool grows = before && t.cell_parent.same() >= before->topology.cells.size() &&
+                     t.nodes.size() >= before->topology.nodes.size() &&
                      t.node_in_material == before->topology.node_in_material;
   if (grows)
     assembly.changed(*model, *before);

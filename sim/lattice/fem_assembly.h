@@ -10,8 +10,10 @@
 //   lie wholly in one layer without prestretch share its stencil.
 //
 // A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1, so that the micrometres
-// by which lattice planes lie outside a block do not load it. Masses take the exact fraction. Parts of divided cells have
-// stencils of their own size (Stencil::level), made in the same way when they are first asked for; where planes must lie
+// by which lattice planes lie outside a block do not load it. Masses take the exact fraction. Parts of divided cells
+// have
+// stencils of their own size (Stencil::level), made in the same way when they are first asked for; where planes must
+// lie
 // further out so that cells can be divided (grid_fit.h), a little less than full counts as full. FemModel::cells[i] is
 // LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
 #include <array>
@@ -34,13 +36,15 @@ class StencilTable {
   StencilTable(const Skin& skin, const LatticeGrid& grid);
   ~StencilTable();
   const SharedArray<Stencil>& stencils() const { return stencils_; }
-  const std::vector<LawPtr>& laws() const { return laws_; }  // that points of the stencils name
+  const std::vector<LawPtr>& laws() const { return laws_; }               // that points of the stencils name
   int32_t of_cell(int32_t cell) const { return of_cell_[size_t(cell)]; }  // -1: the body is nowhere in the cell
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
   int32_t of_place(const CellPlace& place) const;
 
-  /// Where a lattice node, or a corner of a part, may be held; in eighths of a cell. Block: bit 2 axis + (0 low, 1 high) per
-  /// outermost plane whose side is fixed. Other bodies, when the surface triangle nearest to it is fixed: kNearFixed within
+  /// Where a lattice node, or a corner of a part, may be held; in eighths of a cell. Block: bit 2 axis + (0 low, 1
+  /// high) per
+  /// outermost plane whose side is fixed. Other bodies, when the surface triangle nearest to it is fixed: kNearFixed
+  /// within
   /// 0.1 cell, kFarFixed beyond.
   static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
   uint8_t fixed_candidate(Int3 at) const;
@@ -60,14 +64,15 @@ class StencilTable {
   const Skin* skin_;
   LatticeGrid grid_;
   bool is_block_ = false;
-  uint8_t fixed_sides_ = 0;  // of a block
+  uint8_t fixed_sides_ = 0;                                    // of a block
   mutable std::map<std::array<int32_t, 4>, int32_t> of_part_;  // level and place (of a block: z alone)
   mutable std::map<std::array<int32_t, 3>, uint8_t> fixed_part_;
 };
 
 /// A node copy is fixed where its lattice node is a candidate (kFarFixed: outside the material) and one of its cell
 /// copies holds a fixed face of that side: a flap raised from its bed does not stay pinned to the bed's nodes.
-/// `before`: the previous version of the topology and its model; copies that were there keep what depends on their place.
+/// `before`: the previous version of the topology and its model; copies that were there keep what depends on their
+/// place.
 struct EarlierModel {
   const LatticeTopology& topology;
   const FemModel& model;

@@ -1,7 +1,8 @@
 #pragma once
 // The embedding lattice and its copies.
 //
-// A LatticeGrid is a box of equal cells on odd coordinates of the rest grid. Cells at the end of a cut may be divided in
+// A LatticeGrid is a box of equal cells on odd coordinates of the rest grid. Cells at the end of a cut may be divided
+// in
 // eight, and the parts again (cell_tree.h); the parts are cells of a finer grid over the same box, so all that is said
 // of cells holds for them. A LatticeTopology says which copies of
 // which cells exist: one copy per connected piece of material in a cell (the virtual node algorithm), found exactly by
@@ -33,7 +34,8 @@ struct LatticeGrid {
   }
   /// Place given in eighths of a cell (whole cells when the pitch is not divisible).
   Vec3 eighth_mm(Int3 q) const {
-    return rest.to_mm({origin.x + q.x * (pitch.x / 2) / 4, origin.y + q.y * (pitch.y / 2) / 4, origin.z + q.z * (pitch.z / 2) / 4});
+    return rest.to_mm(
+        {origin.x + q.x * (pitch.x / 2) / 4, origin.y + q.y * (pitch.y / 2) / 4, origin.z + q.z * (pitch.z / 2) / 4});
   }
   Vec3 cell_mm() const { return rest.half_unit_mm() * Vec3(pitch.x, pitch.y, pitch.z); }
   /// The grid of the parts of cells divided `level` times. Its pitch must stay even: see divisible().
@@ -55,9 +57,9 @@ inline constexpr int kLevels = 3;
 inline constexpr int kEighths = 1 << kLevels;
 
 struct CellCopy {
-  int32_t cell = 0;               // cell id: the lattice cell's index; from the number of cells on, parts of divided ones
-  int32_t piece = 0;              // connected piece of the whole lattice (0..pieces-1)
-  double fraction = 1;            // exact volume of its material / volume of the cell
+  int32_t cell = 0;     // cell id: the lattice cell's index; from the number of cells on, parts of divided ones
+  int32_t piece = 0;    // connected piece of the whole lattice (0..pieces-1)
+  double fraction = 1;  // exact volume of its material / volume of the cell
   std::array<int32_t, 8> node{};  // node copies, corner order of fem_model.h
   bool operator==(const CellCopy&) const = default;
 };

@@ -49,7 +49,8 @@ int32_t layer_of(const PointRef& p, int axis, int32_t origin, int32_t pitch) {
   const double x = (*p.approx)[axis];
   // Integers below 2^23: the quotient cannot round up to a whole number that it does not reach.
   if (!p.implicit()) return floor_of((x - origin) / pitch);
-  const int64_t near = floor_of((x - origin) / pitch + 0.5);  // the nearest plane is the only one that x can be unsure of
+  const int64_t near =
+      floor_of((x - origin) / pitch + 0.5);  // the nearest plane is the only one that x can be unsure of
   const double plane = double(origin) + double(near) * pitch;
   const int64_t c = int64_t(origin) + near * pitch;
   if (std::abs(x - plane) > kApproximationError) return int32_t(x >= plane ? near : near - 1);
@@ -81,10 +82,12 @@ EdgeSigns edge_about_corners(const PointRef& p, const PointRef& q, int parallel,
   Two a[3], b[3];
   double far = 0;
   for (int k = 0; k < 3; ++k) {
-    const double pk = (*p.approx)[k], qk = (*q.approx)[k], low = cell.half[size_t(k)][0], high = cell.half[size_t(k)][1];
+    const double pk = (*p.approx)[k], qk = (*q.approx)[k], low = cell.half[size_t(k)][0],
+                 high = cell.half[size_t(k)][1];
     a[k] = Two{pk - low, pk - high};
     b[k] = Two{qk - low, qk - high};
-    far = std::max(far, std::max(std::max(std::abs(a[k][0]), std::abs(a[k][1])), std::max(std::abs(b[k][0]), std::abs(b[k][1]))));
+    far = std::max(
+        far, std::max(std::max(std::abs(a[k][0]), std::abs(a[k][1])), std::max(std::abs(b[k][0]), std::abs(b[k][1]))));
   }
   // One bound for all of them, as in edge_about_corner. Integers below 2^23 have exact products and differences.
   const bool exact = !p.implicit() && !q.implicit();
@@ -115,7 +118,8 @@ EdgeSigns edge_about_corners(const PointRef& p, const PointRef& q, int parallel,
   for (; doubt; doubt &= doubt - 1) {
     const int bit = std::countr_zero(doubt), axis = bit / 4, corner = bit % 4;
     const int i = axis == 2 ? 0 : axis + 1, j = axis == 0 ? 2 : axis - 1;
-    int s = exact ? 0 : edge_about_corner_exact(p, q, size_t(i), size_t(j), cell.edge_corner[size_t(axis)][size_t(corner)]);
+    int s =
+        exact ? 0 : edge_about_corner_exact(p, q, size_t(i), size_t(j), cell.edge_corner[size_t(axis)][size_t(corner)]);
     if (!s) s = break_tie(p, q, i, j);
     if (s > 0) out.left |= uint16_t(1 << bit);
     if (s < 0) out.right |= uint16_t(1 << bit);

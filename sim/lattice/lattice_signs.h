@@ -22,11 +22,14 @@ int32_t layer_of(const PointRef& p, int axis, int32_t origin, int32_t pitch);
 /// (axis + 2) % 3): +1 when the corner is to its left. 0 only when the edge is parallel to the axis.
 int edge_about_corner(const PointRef& p, const PointRef& q, int axis, const SubPoint& corner);
 
-/// The same for the twelve lattice edges of a cell: bit 0 of the corner the high bound of the first coordinate, bit 1 that of
+/// The same for the twelve lattice edges of a cell: bit 0 of the corner the high bound of the first coordinate, bit 1
+/// that of
 /// the second. Of the edge in the other sense they are the opposite.
 struct EdgeSigns {
   uint16_t left = 0, right = 0;  // bit 4 axis + corner: the corner lies there
-  int of(int axis, int corner) const { return int(left >> (4 * axis + corner) & 1) - int(right >> (4 * axis + corner) & 1); }
+  int of(int axis, int corner) const {
+    return int(left >> (4 * axis + corner) & 1) - int(right >> (4 * axis + corner) & 1);
+  }
   /// Do all four lattice edges along some axis lie on one side of it?
   bool misses_all() const {
     const auto four = [](uint32_t b) { return (b & b >> 1 & b >> 2 & b >> 3 & 0x111) != 0; };
@@ -37,7 +40,8 @@ struct CellBounds {
   std::array<std::array<double, 2>, 3> half;             // half-units, [axis][high]; whole numbers
   std::array<std::array<SubPoint, 4>, 3> edge_corner{};  // low ends of the lattice edges, [axis][corner]
 };
-/// `parallel`: the axis that the edge is known to be parallel to, or -1. (That is found without it, too, but costs more.)
+/// `parallel`: the axis that the edge is known to be parallel to, or -1. (That is found without it, too, but costs
+/// more.)
 EdgeSigns edge_about_corners(const PointRef& p, const PointRef& q, int parallel, const CellBounds& cell);
 
 /// Sign of n . corner - d.

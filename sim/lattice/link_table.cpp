@@ -9,9 +9,9 @@ void LinkTable::replace(std::span<const int32_t> squares, std::span<const Link> 
   auto square = squares.begin();
   auto link = fresh.begin();
   while (square != squares.end() || link != fresh.end()) {
-    const int32_t first = square == squares.end()   ? link->cell_axis
-                          : link == fresh.end()     ? *square
-                                                    : std::min(*square, link->cell_axis);
+    const int32_t first = square == squares.end() ? link->cell_axis
+                          : link == fresh.end()   ? *square
+                                                  : std::min(*square, link->cell_axis);
     const size_t b = size_t(first) / kBlock;
     const int32_t end = int32_t((b + 1) * kBlock);
     if (b >= block_.size()) block_.resize(b + 1);

@@ -66,7 +66,8 @@ class LinkTable {
 
    private:
     void skip() {
-      while (block_ < t_->block_.size() && (!t_->block_[block_] || i_ >= t_->block_[block_]->link.size())) ++block_, i_ = 0;
+      while (block_ < t_->block_.size() && (!t_->block_[block_] || i_ >= t_->block_[block_]->link.size()))
+        ++block_, i_ = 0;
     }
     const LinkTable* t_ = nullptr;
     size_t block_ = 0, i_ = 0;

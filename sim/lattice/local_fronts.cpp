@@ -3,10 +3,14 @@
 //
 //   copies  every old copy has a part, the first of which keeps its number; others come after
 //   links   only through squares of cells that have changed
-//   nodes   number_nodes() for the corners of undivided cells in which a cell has come apart, has been divided or has other
-//           links. A node that hangs lies on a square of an undivided cell together with what it hangs on, so such cells
-//           close over what hangs; and all that can say who is one node with whom lies within two undivided cells of them
-//   pieces  none has come apart when the changed copies of each are still linked among themselves; else they are found again
+//   nodes   number_nodes() for the corners of undivided cells in which a cell has come apart, has been divided or has
+//   other
+//           links. A node that hangs lies on a square of an undivided cell together with what it hangs on, so such
+//           cells
+//           close over what hangs; and all that can say who is one node with whom lies within two undivided cells of
+//           them
+//   pieces  none has come apart when the changed copies of each are still linked among themselves; else they are found
+//   again
 #include <algorithm>
 #include <utility>
 
@@ -17,10 +21,16 @@ namespace {
 
 class LocalFronts {
  public:
-  LocalFronts(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& before, std::span<const int32_t> touched,
-              const NewParts& parts)
-      : t_(t), builders_(builders), before_(before), parts_(parts), descent_(t, parts), cells_(t.cells),
-        changed_set_(size_t(t.tree.ids())), region_{{}, {}, NumberSet(size_t(t.tree.grid_cells))} {
+  LocalFronts(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& before,
+              std::span<const int32_t> touched, const NewParts& parts)
+      : t_(t),
+        builders_(builders),
+        before_(before),
+        parts_(parts),
+        descent_(t, parts),
+        cells_(t.cells),
+        changed_set_(size_t(t.tree.ids())),
+        region_{{}, {}, NumberSet(size_t(t.tree.grid_cells))} {
     for (int32_t c : touched)
       if (!t.tree.is_divided(c)) changed_.push_back(c);
     for (int32_t c = parts.known; c < t.tree.ids(); ++c)
@@ -116,11 +126,13 @@ void LocalFronts::number_copies() {
     t_.copies.set(size_t(c), list);
   }
   for (int32_t c = 0; c < int32_t(parts_.whole.size()); ++c)
-    t_.copies.set(size_t(std::as_const(t_.tree.division)[size_t((parts_.known - t_.tree.grid_cells) / 8 + c)].cell), {});
+    t_.copies.set(size_t(std::as_const(t_.tree.division)[size_t((parts_.known - t_.tree.grid_cells) / 8 + c)].cell),
+                  {});
 }
 
 void LocalFronts::relink() {
-  // Squares between a changed cell and another, by the cell on their low side; and all those of cells that are divided now.
+  // Squares between a changed cell and another, by the cell on their low side; and all those of cells that are divided
+  // now.
   std::vector<int32_t> squares, beyond;
   for (int32_t c : changed_)
     for (int axis = 0; axis < 3 && t_.copies_of(c) > 0; ++axis) {
@@ -166,7 +178,9 @@ void LocalFronts::find_region() {
       for (int dy = -2; dy <= 2; ++dy)
         for (int dx = -2; dx <= 2; ++dx) {
           const Int3 n{at.x + dx, at.y + dy, at.z + dz};
-          if (n.x < 0 || n.y < 0 || n.z < 0 || n.x >= t_.grid.count.x || n.y >= t_.grid.count.y || n.z >= t_.grid.count.z) continue;
+          if (n.x < 0 || n.y < 0 || n.z < 0 || n.x >= t_.grid.count.x || n.y >= t_.grid.count.y ||
+              n.z >= t_.grid.count.z)
+            continue;
           near.add(t_.grid.cell_index(n));
         }
   }

@@ -1,10 +1,12 @@
-// What follows from the components after a cut that takes nothing away, in a lattice whose cells are not divided: copies, links,
+// What follows from the components after a cut that takes nothing away, in a lattice whose cells are not divided:
+// copies, links,
 // nodes and sums of the version before with the changes around the touched cells put in. The result is that of
 // finish_topology to the last bit; only what cannot have changed is copied instead of found again.
 //
 //   copies  every old copy has a part, the first of which keeps its number; others come after
 //   links   only through squares of touched cells, and not where both are whole still
-//   nodes   only at corners of cells that have come apart and of squares with other links: the cells around such a corner
+//   nodes   only at corners of cells that have come apart and of squares with other links: the cells around such a
+//   corner
 //           say which copies share it. Of the parts of a node the one with the lowest corner keeps its number
 //   pieces  none has come apart when the touched copies of each are still linked among themselves; else they are
 //           found again
@@ -18,12 +20,19 @@
 namespace limberg {
 namespace {
 
-/// `t` comes as a copy of the version before with the components of the touched cells found; only what differs is written.
+/// `t` comes as a copy of the version before with the components of the touched cells found; only what differs is
+/// written.
 class LocalUpdate {
  public:
   LocalUpdate(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& previous,
               std::span<const int32_t> touched, std::span<const int32_t> place)
-      : t_(t), builders_(builders), before_(previous), touched_(touched), place_(place), cells_(t.cells), components_(t.components) {
+      : t_(t),
+        builders_(builders),
+        before_(previous),
+        touched_(touched),
+        place_(place),
+        cells_(t.cells),
+        components_(t.components) {
     const Int3 n = t.grid.count;
     stride_ = {1, n.x, n.x * n.y};
   }
@@ -48,8 +57,8 @@ class LocalUpdate {
   LatticeTopology& t_;
   LevelBuilders& builders_;
   const LatticeTopology& before_;
-  std::span<const int32_t> touched_;  // cells, ascending
-  std::span<const int32_t> place_;    // per cell: where in touched_, -1
+  std::span<const int32_t> touched_;    // cells, ascending
+  std::span<const int32_t> place_;      // per cell: where in touched_, -1
   const SharedArray<CellCopy>& cells_;  // t_'s, for reading
   const SharedArray<std::shared_ptr<const CellComponents>>& components_;
   std::array<int32_t, 3> stride_{};
@@ -155,8 +164,8 @@ void LocalUpdate::around(int32_t lattice_node) {
   for (int b = 0; b < 8; ++b) {
     first[size_t(b)] = int32_t(corner_.size());
     const Int3 c{at.x - 1 + (b & 1), at.y - 1 + (b >> 1 & 1), at.z - 1 + (b >> 2 & 1)};
-    const bool inside = c.x >= 0 && c.y >= 0 && c.z >= 0 && c.x < t_.grid.count.x && c.y < t_.grid.count.y &&
-                        c.z < t_.grid.count.z;
+    const bool inside =
+        c.x >= 0 && c.y >= 0 && c.z >= 0 && c.x < t_.grid.count.x && c.y < t_.grid.count.y && c.z < t_.grid.count.z;
     cell[size_t(b)] = inside ? t_.grid.cell_index(c) : -1;
     if (!inside) continue;
     const int8_t k = int8_t(7 ^ b);
@@ -259,8 +268,7 @@ void LocalUpdate::summarise() {
     }
     if (const auto& was = before_.components[size_t(c)])
       t_.walks -= was->walks, t_.walks_unresolved -= was->walks_unresolved;
-    if (const auto& now = components_[size_t(c)])
-      t_.walks += now->walks, t_.walks_unresolved += now->walks_unresolved;
+    if (const auto& now = components_[size_t(c)]) t_.walks += now->walks, t_.walks_unresolved += now->walks_unresolved;
   }
   volumes_from_sums(t_);
 }

@@ -26,7 +26,8 @@ struct MaterialSurface {
   const std::vector<Delta>* history = nullptr;  // what each operation has changed; null: not recorded
   int32_t operations() const;                   // so far
 
-  /// Those of the first `faces_then` faces that may have changed since there were so many operations, ascending: a few, when
+  /// Those of the first `faces_then` faces that may have changed since there were so many operations, ascending: a few,
+  /// when
   /// there is a history, else all.
   std::vector<int32_t> suspects(int32_t operations_then, size_t faces_then) const;
 

@@ -101,7 +101,11 @@ bool touches(const LatticeGrid& grid, const NumberSet& cells, Int3 at) {
 class Numbering {
  public:
   Numbering(LatticeTopology& t, const LatticeTopology* previous, const NewParts& parts, const NodeRegion* region)
-      : t_(t), previous_(previous), parts_(parts), region_(region), n_(region ? region->copies.size() : t.cells.size()) {
+      : t_(t),
+        previous_(previous),
+        parts_(parts),
+        region_(region),
+        n_(region ? region->copies.size() : t.cells.size()) {
     if (!region) return;
     slot_.assign(t.cells.size(), -1);
     for (size_t i = 0; i < n_; ++i) slot_[size_t(region->copies[i])] = int32_t(i);
@@ -224,11 +228,13 @@ void Numbering::find_groups() {
     if (is_new_part) whole_at = previous_->tree.place(previous_->grid, whole->cell);
     bool all_again = !region_;
     if (region_) {
-      const int32_t grid_cell = t_.grid.cell_index({place.at.x >> place.level, place.at.y >> place.level, place.at.z >> place.level});
+      const int32_t grid_cell =
+          t_.grid.cell_index({place.at.x >> place.level, place.at.y >> place.level, place.at.z >> place.level});
       all_again = region_->changed.has(grid_cell);
     }
     for (int k = 0; k < 8; ++k) {
-      const Int3 at{size * (place.at.x + (k & 1)), size * (place.at.y + (k >> 1 & 1)), size * (place.at.z + (k >> 2 & 1))};
+      const Int3 at{size * (place.at.x + (k & 1)), size * (place.at.y + (k >> 1 & 1)),
+                    size * (place.at.z + (k >> 2 & 1))};
       if (!all_again && !again(at)) continue;
       int32_t& g = group_of_[size_t(corners_.find(int32_t(8 * i) + k))];
       int32_t parent = -1;
@@ -271,7 +277,8 @@ bool Numbering::find_numbers() {
   if (previous_) {
     first_child_.assign(previous_->nodes.size(), -1);
     for (size_t g = 0; g < group_.size(); ++g)
-      if (group_[g].born < 0 && first_child_[size_t(group_[g].parent)] < 0) first_child_[size_t(group_[g].parent)] = int32_t(g);
+      if (group_[g].born < 0 && first_child_[size_t(group_[g].parent)] < 0)
+        first_child_[size_t(group_[g].parent)] = int32_t(g);
     if (region_) {
       NumberSet seen(previous_->nodes.size());
       for (size_t i = 0; i < n_; ++i)
@@ -380,7 +387,8 @@ void Numbering::write() {
 
 }  // namespace
 
-bool number_nodes(LatticeTopology& t, const LatticeTopology* previous, const NewParts& parts, const NodeRegion* region) {
+bool number_nodes(LatticeTopology& t, const LatticeTopology* previous, const NewParts& parts,
+                  const NodeRegion* region) {
   return Numbering(t, previous, parts, region).run();
 }
 
@@ -411,9 +419,11 @@ uint64_t LatticeTopology::hash() const {
   return sum.value();
 }
 
-// Whoever left a changed copy for an unchanged one before comes back to a part of it, so it is enough that the changed ones
+// Whoever left a changed copy for an unchanged one before comes back to a part of it, so it is enough that the changed
+// ones
 // of a piece are linked among themselves.
-bool pieces_stay(const LatticeTopology& t, int32_t pieces_before, std::span<const int32_t> changed, std::span<const int32_t> place) {
+bool pieces_stay(const LatticeTopology& t, int32_t pieces_before, std::span<const int32_t> changed,
+                 std::span<const int32_t> place) {
   std::vector<int32_t> first(changed.size() + 1, 0);  // of the copies of each changed cell
   for (size_t i = 0; i < changed.size(); ++i) first[i + 1] = first[i] + t.copies_of(changed[i]);
   Partition join;
@@ -421,7 +431,8 @@ bool pieces_stay(const LatticeTopology& t, int32_t pieces_before, std::span<cons
   for (size_t i = 0; i < changed.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)
       for (const Link& l : t.links.of(3 * changed[i] + axis))
-        if (const int32_t next = place[size_t(l.next)]; next >= 0) join.unite(first[i] + l.low, first[size_t(next)] + l.high);
+        if (const int32_t next = place[size_t(l.next)]; next >= 0)
+          join.unite(first[i] + l.low, first[size_t(next)] + l.high);
   std::vector<int32_t> root_of_piece(size_t(pieces_before), -1);
   for (size_t i = 0; i < changed.size(); ++i)
     for (int32_t k = first[i]; k < first[i + 1]; ++k) {
@@ -435,8 +446,7 @@ bool pieces_stay(const LatticeTopology& t, int32_t pieces_before, std::span<cons
 void summarise(LatticeTopology& t) {
   Partition join;
   join.reset(t.cells.size());
-  for (const auto& l : t.links)
-    join.unite(t.copy(l.cell_axis / 3, l.low), t.copy(l.next, l.high));
+  for (const auto& l : t.links) join.unite(t.copy(l.cell_axis / 3, l.low), t.copy(l.next, l.high));
   const SharedArray<CellCopy>& cells = t.cells;
   std::vector<int32_t> piece_of(cells.size(), -1);
   t.pieces = 0;

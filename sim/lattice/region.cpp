@@ -5,7 +5,8 @@
 
 namespace limberg {
 
-std::shared_ptr<const FemModel> hold_outside(std::shared_ptr<const FemModel> model, const Body& body, double radius_mm) {
+std::shared_ptr<const FemModel> hold_outside(std::shared_ptr<const FemModel> model, const Body& body,
+                                             double radius_mm) {
   if (!(radius_mm > 0)) return model;
   auto m = std::make_shared<FemModel>(*model);
   const Vec3 axis = body.chart_normal().normalized();
@@ -15,7 +16,8 @@ std::shared_ptr<const FemModel> hold_outside(std::shared_ptr<const FemModel> mod
     out[i] = (d - d.dot(axis) * axis).squaredNorm() > radius_mm * radius_mm;
   }
   for (const HangingNode& h : m->hanging)  // held where its masters are
-    out[size_t(h.node)] = std::all_of(h.master.begin(), h.master.begin() + h.count, [&](int32_t n) { return out[size_t(n)] != 0; });
+    out[size_t(h.node)] =
+        std::all_of(h.master.begin(), h.master.begin() + h.count, [&](int32_t n) { return out[size_t(n)] != 0; });
   for (size_t i = 0; i < out.size(); ++i)
     if (out[i]) m->fixed.set(i, 1);
   for (const HangingNode& h : m->hanging) m->fixed.set(size_t(h.node), 0);

@@ -16,7 +16,7 @@ struct Weighted {
   double M = 0;
   Vec3 x = Vec3::Zero();
   Mat3 xx = Mat3::Zero();
-  Vec8 g = Vec8::Zero();                                             // of the gradient along the direction
+  Vec8 g = Vec8::Zero();  // of the gradient along the direction
   Eigen::Matrix<double, 8, 3> gx = Eigen::Matrix<double, 8, 3>::Zero();
 };
 
@@ -55,7 +55,8 @@ LayerMoments box_moments(const Vec3& h, const Vec3& lo, const Vec3& hi) {
   LayerMoments m;
   const double v = h.prod() * (hi - lo).prod() / 8;
   for (int q = 0; q < 8; ++q) {
-    const Vec3 at = 0.5 * (lo + hi) + (hi - lo).cwiseProduct(Vec3(q & 1 ? gauss : -gauss, q & 2 ? gauss : -gauss, q & 4 ? gauss : -gauss));
+    const Vec3 at = 0.5 * (lo + hi) + (hi - lo).cwiseProduct(
+                                          Vec3(q & 1 ? gauss : -gauss, q & 2 ? gauss : -gauss, q & 4 ? gauss : -gauss));
     const Vec3 x = (at - Vec3::Constant(0.5)).cwiseProduct(h);
     const auto B = trilinear_gradients(unit, at, h);
     m.volume_mm3 += v, m.x += v * x, m.xx += v * x * x.transpose(), m.B += v * B;
@@ -70,7 +71,8 @@ void share_cell(Stencil& s, const Vec3& cell_mm, const std::vector<LayerPart>& p
   double mean = 0, compliance = 0, plate = 0, shape = 0;
   for (const LayerPart& p : parts) {
     const Material& m = p.matter->material;
-    const double n = 1 / (m.prestretch_along * m.prestretch_across), mu = p.matter->response.matrix_mu_kPa, share = p.moments.volume_mm3 / s.volume_mm3;
+    const double n = 1 / (m.prestretch_along * m.prestretch_across), mu = p.matter->response.matrix_mu_kPa,
+                 share = p.moments.volume_mm3 / s.volume_mm3;
     if (!(mu > 0)) return;
     mean += share * mu * n * n, compliance += share / (mu * n * n);
     plate += share * mu * bending_over_mu(m.poisson), shape += share * mu;

@@ -1,7 +1,8 @@
 #pragma once
 // Integrals over boxes inside a cell: what stencils are summed from.
 //
-// A layer's part of a cell gives its matrix to K, exactly, and its law to material points: one at the centroid, or eight
+// A layer's part of a cell gives its matrix to K, exactly, and its law to material points: one at the centroid, or
+// eight
 // that have the volume, the centroid and the second moments of the part (of a box: its 2 x 2 x 2 Gauss points).
 #include <vector>
 
@@ -15,7 +16,9 @@ struct LayerMatter {
   Material material;
   LayerResponse response;
   int32_t points_law = -1, whole_law = -1;  // -1: none
-  bool directed() const { return response.directed || material.prestretch_along != 1 || material.prestretch_across != 1; }
+  bool directed() const {
+    return response.directed || material.prestretch_along != 1 || material.prestretch_across != 1;
+  }
 };
 
 /// Per layer; `laws` gets what they name. InputError as layer_response, with the layer's name.
@@ -35,7 +38,8 @@ using GradientTable = std::array<Mat8, 6>;
 std::vector<GradientTable> gradient_tables(const Vec3& cell_mm);
 
 /// The unfinished stencil of a cell whose box b (x fastest) is of layer layer_of_box[b].
-Stencil layered_stencil(const Vec3& cell_mm, const std::vector<GradientTable>& tables, const std::vector<LayerMatter>& layers,
+Stencil layered_stencil(const Vec3& cell_mm, const std::vector<GradientTable>& tables,
+                        const std::vector<LayerMatter>& layers,
                         const std::array<int, kSplit * kSplit * kSplit>& layer_of_box, const StretchFrame& frame);
 
 }  // namespace limberg

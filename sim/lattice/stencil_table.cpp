@@ -96,7 +96,8 @@ std::vector<LayerMoments> moments_of_boxes(const Vec3& cell_mm) {
   return out;
 }
 
-std::vector<LayerPart> parts_of(const std::vector<LayerMoments>& boxes, const BoxLayers& layer, const std::vector<LayerMatter>& matter) {
+std::vector<LayerPart> parts_of(const std::vector<LayerMoments>& boxes, const BoxLayers& layer,
+                                const std::vector<LayerMatter>& matter) {
   std::vector<LayerPart> parts;
   for (size_t l = 0; l < matter.size(); ++l) {
     LayerPart part{&matter[l], {}};
@@ -128,13 +129,16 @@ int32_t StencilTable::intern(const Stencil& s) const {
   for (size_t i = 0; i < stencils_.size(); ++i) {
     const Stencil& o = stencils_[i];
     if (o.K == s.K && o.volume_mm3 == s.volume_mm3 && o.mu_kPa == s.mu_kPa && o.lambda_kPa == s.lambda_kPa &&
-        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level && o.slide_kPa == s.slide_kPa && o.slide_axes == s.slide_axes &&
-        std::equal(o.points.begin(), o.points.end(), s.points.begin(), s.points.end(), [](const MaterialPoint& p, const MaterialPoint& q) {
-          return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
-        }) &&
-        std::equal(o.viscous.begin(), o.viscous.end(), s.viscous.begin(), s.viscous.end(), [](const ViscousPoint& p, const ViscousPoint& q) {
-          return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
-        }))
+        o.p0_kPa == s.p0_kPa && o.sample == s.sample && o.density_kg_mm3 == s.density_kg_mm3 && o.level == s.level &&
+        o.slide_kPa == s.slide_kPa && o.slide_axes == s.slide_axes &&
+        std::equal(o.points.begin(), o.points.end(), s.points.begin(), s.points.end(),
+                   [](const MaterialPoint& p, const MaterialPoint& q) {
+                     return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
+                   }) &&
+        std::equal(o.viscous.begin(), o.viscous.end(), s.viscous.begin(), s.viscous.end(),
+                   [](const ViscousPoint& p, const ViscousPoint& q) {
+                     return p.at == q.at && p.volume_mm3 == q.volume_mm3 && p.law == q.law && p.M == q.M;
+                   }))
       return int32_t(i);
   }
   stencils_.push_back(s);

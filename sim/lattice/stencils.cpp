@@ -43,9 +43,11 @@ ViscousPoint viscous_point(double volume, const Vec3& centre, const LayerMatter&
   return v;
 }
 
-// Everything of a stencil but K, for a part of the cell around `centre` (cell units). `second`: its second moments about
+// Everything of a stencil but K, for a part of the cell around `centre` (cell units). `second`: its second moments
+// about
 // the centre, per volume. p0 is the pressure at rest.
-void add_part(Stencil& s, double volume, const Vec3& centre, const Mat3& second, const LayerMatter& l, const StretchFrame& frame) {
+void add_part(Stencil& s, double volume, const Vec3& centre, const Mat3& second, const LayerMatter& l,
+              const StretchFrame& frame) {
   const LayerResponse& r = l.response;
   double p0, stiffness = r.matrix_mu_kPa;
   if (!r.points) {
@@ -54,7 +56,8 @@ void add_part(Stencil& s, double volume, const Vec3& centre, const Mat3& second,
     Mat3 axes;
     axes << frame.along, frame.across, frame.normal;
     const double a = l.material.prestretch_along, c = l.material.prestretch_across;
-    const Mat3 M = axes * Vec3(a, c, 1 / (a * c)).asDiagonal();  // F0 and the law's axes: it sees F F0 along, across, normal
+    const Mat3 M =
+        axes * Vec3(a, c, 1 / (a * c)).asDiagonal();  // F0 and the law's axes: it sees F F0 along, across, normal
     p0 = rest_pressure_kPa(r, M, frame.normal);
     stiffness += r.points->typical_stiffness_kPa(M);
     MaterialPoint p;
@@ -136,7 +139,8 @@ std::vector<GradientTable> gradient_tables(const Vec3& cell_mm) {
   return tables;
 }
 
-Stencil layered_stencil(const Vec3& cell_mm, const std::vector<GradientTable>& tables, const std::vector<LayerMatter>& layers,
+Stencil layered_stencil(const Vec3& cell_mm, const std::vector<GradientTable>& tables,
+                        const std::vector<LayerMatter>& layers,
                         const std::array<int, kSplit * kSplit * kSplit>& layer_of_box, const StretchFrame& frame) {
   Stencil s;
   for (size_t l = 0; l < layers.size(); ++l) {

@@ -26,7 +26,8 @@ void fill_face_bits(LatticeTopology& t, const MaterialSurface& surface) {
 
 /// Calls visit(cell) for the undivided cells of the box of a face's corners.
 template <class Visit>
-void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, const CellBuilder::Layers& layers, Visit&& visit) {
+void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, const CellBuilder::Layers& layers,
+                  Visit&& visit) {
   struct Box {
     int32_t lo[3], hi[3];
   };
@@ -55,8 +56,7 @@ void cells_around(const CellTree& tree, LevelBuilders& builders, int32_t face, c
   };
   for (int32_t z = whole.lo[2]; z <= whole.hi[2]; ++z)
     for (int32_t y = whole.lo[1]; y <= whole.hi[1]; ++y)
-      for (int32_t x = whole.lo[0]; x <= whole.hi[0]; ++x)
-        descend(descend, grid.cell_index({x, y, z}), 0, {x, y, z});
+      for (int32_t x = whole.lo[0]; x <= whole.hi[0]; ++x) descend(descend, grid.cell_index({x, y, z}), 0, {x, y, z});
 }
 
 void relink(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* previous,
@@ -85,8 +85,8 @@ void relink(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology* 
 }
 
 /// Divides what holds a front, until nothing is left to divide: tree and components. `named` as for divide_cells.
-void divide_fronts(LatticeTopology& t, LevelBuilders& builders, std::vector<int32_t> candidates, std::span<const uint8_t> named,
-                   NewParts& parts) {
+void divide_fronts(LatticeTopology& t, LevelBuilders& builders, std::vector<int32_t> candidates,
+                   std::span<const uint8_t> named, NewParts& parts) {
   for (;;) {
     const std::vector<int32_t> cells = cells_to_divide(t, builders, candidates);
     if (cells.empty()) return;
@@ -105,8 +105,9 @@ std::vector<uint8_t> marks_of(const LatticeTopology& t, std::span<const int32_t>
 }
 
 /// The version in which the fronts in these cells are divided; `before` is finished and has the same surface.
-std::shared_ptr<const LatticeTopology> with_divided_fronts(std::shared_ptr<const LatticeTopology> before, LevelBuilders& builders,
-                                                           std::vector<int32_t> candidates, bool locally) {
+std::shared_ptr<const LatticeTopology> with_divided_fronts(std::shared_ptr<const LatticeTopology> before,
+                                                           LevelBuilders& builders, std::vector<int32_t> candidates,
+                                                           bool locally) {
   if (before->front_levels == 0) return before;
   auto t = std::make_shared<LatticeTopology>(*before);
   t->touched_cells = 0;
@@ -120,7 +121,8 @@ std::shared_ptr<const LatticeTopology> with_divided_fronts(std::shared_ptr<const
   return t;
 }
 
-/// The components of the touched cells. Each cell is found by itself, in groups that one worker takes one after another.
+/// The components of the touched cells. Each cell is found by itself, in groups that one worker takes one after
+/// another.
 template <class Candidates>
 void find_components(LatticeTopology& t, const LatticeTopology& previous, const MaterialSurface& surface,
                      std::span<const int32_t> touched, const Candidates& candidates_of,
@@ -141,15 +143,17 @@ void find_components(LatticeTopology& t, const LatticeTopology& previous, const 
         }
       if (i + 1 < end)
         if (const CellComponents* later = previous.components[size_t(touched[i + 1])].get())
-          for (const void* list : {static_cast<const void*>(later->face.data()), static_cast<const void*>(later->relation.data()),
-                                   static_cast<const void*>(later->of_side.data()), static_cast<const void*>(later->flux.data())})
+          for (const void* list :
+               {static_cast<const void*>(later->face.data()), static_cast<const void*>(later->relation.data()),
+                static_cast<const void*>(later->of_side.data()), static_cast<const void*>(later->flux.data())})
             __builtin_prefetch(list);
       candidates.clear();
       candidates_of(cell, candidates);
       if (!std::is_sorted(candidates.begin(), candidates.end())) std::sort(candidates.begin(), candidates.end());
       const CellPlace place = now.tree.place(now.grid, cell);
-      found[i] = builders[place.level].build(place.at, candidates, now.corners_in_material(cell),
-                                             {true, previous.components[size_t(cell)].get(), previous.last_op, only_cuts, nullptr});
+      found[i] = builders[place.level].build(
+          place.at, candidates, now.corners_in_material(cell),
+          {true, previous.components[size_t(cell)].get(), previous.last_op, only_cuts, nullptr});
     }
   };
   // A step that a test lets fail is counted in the order of the cells.
@@ -233,7 +237,8 @@ std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, c
   return with_divided_fronts(t, builders, std::move(all), false);
 }
 
-std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like, const MaterialSurface& surface) {
+std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology& like,
+                                                           const MaterialSurface& surface) {
   LevelBuilders builders(like.grid, surface);
   auto whole = build_whole(like.grid, surface, builders);
   whole->front_levels = like.front_levels;
@@ -241,7 +246,8 @@ std::shared_ptr<const LatticeTopology> build_topology_like(const LatticeTopology
   auto t = std::make_shared<LatticeTopology>(*whole);
   NewParts parts;
   parts.known = t->tree.ids();
-  for (const CellTree::Division& d : std::as_const(like.tree.division)) divide_cells(*t, builders, {&d.cell, 1}, {}, parts);
+  for (const CellTree::Division& d : std::as_const(like.tree.division))
+    divide_cells(*t, builders, {&d.cell, 1}, {}, parts);
   finish_topology(*t, builders, whole.get(), marks_of(*t, {}, parts), parts);
   skip_parents(*whole, *t);
   return t;
@@ -265,7 +271,7 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   const size_t before = previous.face_bits.size(), now = surface.faces.size();
   if (now < before) throw std::logic_error("the surface has lost faces since the lattice's last version");
   NumberSet touches(previous.components.size());
-  std::vector<std::pair<int32_t, int32_t>> added;  // cell, face; faces ascend
+  std::vector<std::pair<int32_t, int32_t>> added;                // cell, face; faces ascend
   std::vector<CellBuilder::Layers> layers_of_new(now - before);  // of those that are in the material
   bool taken_away = false;
   const auto look_at = [&](size_t f) {
@@ -306,7 +312,8 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
   t->operations = surface.operations();
   const std::vector<int32_t> touched = touches.ascending();
   // Faces added in each touched cell.
-  std::vector<int32_t> place(previous.components.size(), -1), added_begin(touched.size() + 1, 0), added_face(added.size());
+  std::vector<int32_t> place(previous.components.size(), -1), added_begin(touched.size() + 1, 0),
+      added_face(added.size());
   for (size_t i = 0; i < touched.size(); ++i) place[size_t(touched[i])] = int32_t(i);
   for (const auto& [cell, face] : added) ++added_begin[size_t(place[size_t(cell)]) + 1];
   for (size_t i = 0; i < touched.size(); ++i) added_begin[i + 1] += added_begin[i];
@@ -320,7 +327,8 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
       out.insert(out.end(), old->face.begin(), old->face.end());
     const int32_t at = place[size_t(cell)];
     if (at >= 0)
-      out.insert(out.end(), added_face.begin() + added_begin[size_t(at)], added_face.begin() + added_begin[size_t(at) + 1]);
+      out.insert(out.end(), added_face.begin() + added_begin[size_t(at)],
+                 added_face.begin() + added_begin[size_t(at) + 1]);
   };
   auto candidates_within = [&](auto&& self, int32_t cell, std::vector<int32_t>& out) -> void {
     if (!tree.is_divided(cell)) return candidates_of(cell, out);
@@ -347,7 +355,8 @@ std::shared_ptr<const LatticeTopology> update_topology(const LatticeTopology& pr
     for (int32_t c : touched) marks[size_t(c)] = 1;
     for (size_t c = 0; taken_away && c < marks.size(); ++c) {  // full cells that are empty now
       if (previous.components[c] || marks[c] || tree.is_divided(int32_t(c))) continue;
-      if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c))) marks[c] = 1, changed.push_back(int32_t(c));
+      if (previous.corners_in_material(int32_t(c)) != t->corners_in_material(int32_t(c)))
+        marks[c] = 1, changed.push_back(int32_t(c));
     }
     return marks;
   };

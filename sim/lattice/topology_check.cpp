@@ -103,8 +103,7 @@ std::string check_nodes(const LatticeTopology& t) {
       for (int a = 0; a < 3; ++a)
         if (n.at[a] != size * (p.at[a] + (k >> a & 1))) return "a node copy is not at its cell's corner";
       const bool off = n.at.x % kEighths || n.at.y % kEighths || n.at.z % kEighths;
-      if (n.lattice_node !=
-          (off ? -1 : t.grid.node_index({n.at.x / kEighths, n.at.y / kEighths, n.at.z / kEighths})))
+      if (n.lattice_node != (off ? -1 : t.grid.node_index({n.at.x / kEighths, n.at.y / kEighths, n.at.z / kEighths})))
         return "a node copy has a wrong place";
       used[size_t(c.node[size_t(k)])] = 1;
     }

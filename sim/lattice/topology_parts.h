@@ -64,7 +64,8 @@ class LevelBuilders {
   std::array<std::unique_ptr<CellBuilder>, kLevels + 1> builder_;
 };
 
-/// Undivided cells that share (a part of) the + square of undivided `cell` along `axis`; none at the end of the lattice.
+/// Undivided cells that share (a part of) the + square of undivided `cell` along `axis`; none at the end of the
+/// lattice.
 /// `high` false: the - square.
 void cells_beyond(const LatticeTopology& topology, int32_t cell, int axis, std::vector<int32_t>& out, bool high = true);
 
@@ -72,13 +73,16 @@ void cells_beyond(const LatticeTopology& topology, int32_t cell, int axis, std::
 void find_links(const LatticeTopology& topology, LevelBuilders& builders, int32_t cell, int axis, int32_t next,
                 std::vector<Link>& out);
 
-/// Which cells must be divided next, ascending: those of `candidates` that hold a front, coarsest first, and before them
-/// what the grading needs. Empty when all is well. Candidates that need no division are dropped. Asks for components only,
+/// Which cells must be divided next, ascending: those of `candidates` that hold a front, coarsest first, and before
+/// them
+/// what the grading needs. Empty when all is well. Candidates that need no division are dropped. Asks for components
+/// only,
 /// not for copies.
 std::vector<int32_t> cells_to_divide(const LatticeTopology& topology, LevelBuilders& builders,
                                      std::vector<int32_t>& candidates);
 
-/// Divides these cells: tree and components. Copies and all that follows from them are made afterwards. `named`: per id of
+/// Divides these cells: tree and components. Copies and all that follows from them are made afterwards. `named`: per id
+/// of
 /// the version before, whether the cell's classes name those of that version.
 void divide_cells(LatticeTopology& topology, LevelBuilders& builders, std::span<const int32_t> cells,
                   std::span<const uint8_t> named, NewParts& parts);
@@ -104,27 +108,33 @@ struct NodeRegion {
   NumberSet changed;            // undivided cells (or what they were divided into) at whose corners nodes may be others
 };
 
-/// Node copies from links: ids of kept ones follow their parents' order; when cells have been divided, ids of nodes that
+/// Node copies from links: ids of kept ones follow their parents' order; when cells have been divided, ids of nodes
+/// that
 /// are gone pass to new ones. Throws std::logic_error when corners that are one node now were several before. Fills
-/// `hanging` and `born`. With a region only what lies at the corners of its changed cells is done again, all else must be as
+/// `hanging` and `born`. With a region only what lies at the corners of its changed cells is done again, all else must
+/// be as
 /// in `previous`; false, and nothing done, when more nodes are gone than are new.
 bool number_nodes(LatticeTopology& topology, const LatticeTopology* previous, const NewParts& parts,
                   const NodeRegion* region = nullptr);
 
 /// Pieces, volumes and the hash.
 void summarise(LatticeTopology& topology);
-/// Are the pieces those of before, of which there were `pieces_before`, now that `changed` cells are parted anew? `place`: per cell,
+/// Are the pieces those of before, of which there were `pieces_before`, now that `changed` cells are parted anew?
+/// `place`: per cell,
 /// where among the changed ones (-1: it is not).
-bool pieces_stay(const LatticeTopology& topology, int32_t pieces_before, std::span<const int32_t> changed, std::span<const int32_t> place);
+bool pieces_stay(const LatticeTopology& topology, int32_t pieces_before, std::span<const int32_t> changed,
+                 std::span<const int32_t> place);
 int128 exact_share(double fraction, int level);     // of an undivided cell, times 2^60
 void volumes_from_sums(LatticeTopology& topology);  // of the pieces, from piece_sum
 
 /// finish_topology at the cost of what the cut has changed (local_update.cpp). False, and nothing done, when it took
-/// something away, or when cells can be divided. `touched`: cells, ascending; `place`: per cell, where among them (-1: it is not).
+/// something away, or when cells can be divided. `touched`: cells, ascending; `place`: per cell, where among them (-1:
+/// it is not).
 bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
                     std::span<const int32_t> touched, std::span<const int32_t> place);
 
-/// The same where cells can be divided (local_fronts.cpp): after a cut, and after a division. `topology` comes as a copy of
+/// The same where cells can be divided (local_fronts.cpp): after a cut, and after a division. `topology` comes as a
+/// copy of
 /// `previous` with tree and components of now; on false it is to be finished as a whole.
 bool finish_fronts_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
                            std::span<const int32_t> touched, const NewParts& parts);

@@ -25,10 +25,13 @@ Vec3 sagittal(const Vec3& v) { return {0, v.y(), v.z()}; }
 double on_film(const Vec3& a, const Vec3& b) { return (std::atan2(a.z(), a.y()) - std::atan2(b.z(), b.y())) * kDeg; }
 double lines(const Places& p) { return on_film(p[1] - p[0], p[3] - p[2]); }
 /// Go of both sides as one point.
-double mandibular(const Places& p, const Vec3& from, const Vec3& to) { return on_film(to - from, p.back() - 0.5 * (p[p.size() - 3] + p[p.size() - 2])); }
+double mandibular(const Places& p, const Vec3& from, const Vec3& to) {
+  return on_film(to - from, p.back() - 0.5 * (p[p.size() - 3] + p[p.size() - 2]));
+}
 /// How far p lies before the line from a to b, on the film.
 double before_line(const Vec3& p, const Vec3& a, const Vec3& b) {
-  const Vec3 d = sagittal(b - a).normalized(), n(0, -d.z(), d.y());  // turned so that it points forwards for a line that goes down
+  const Vec3 d = sagittal(b - a).normalized(),
+             n(0, -d.z(), d.y());  // turned so that it points forwards for a line that goes down
   return n.dot(sagittal(p - a));
 }
 
@@ -40,37 +43,72 @@ struct Entry {
 const std::vector<Entry>& table() {
   static const std::vector<Entry> entries = [] {
     std::vector<Entry> t;
-    const std::string usual = "usual textbook norm for adults (Steiner, Downs, Ricketts, Legan)", table_of_widths = "published adult means of facial widths";
-    const auto add = [&](std::string name, std::string unit, std::string definition, std::vector<std::string> points, Figure f, std::optional<double> norm = {}, std::optional<double> sd = {},
+    const std::string usual = "usual textbook norm for adults (Steiner, Downs, Ricketts, Legan)",
+                      table_of_widths = "published adult means of facial widths";
+    const auto add = [&](std::string name, std::string unit, std::string definition, std::vector<std::string> points,
+                         Figure f, std::optional<double> norm = {}, std::optional<double> sd = {},
                          std::string source = "") {
-      t.push_back({{std::move(name), std::move(unit), std::move(definition), norm, sd, std::move(source), std::move(points)}, std::move(f)});
+      t.push_back(
+          {{std::move(name), std::move(unit), std::move(definition), norm, sd, std::move(source), std::move(points)},
+           std::move(f)});
     };
-    for (const auto& [name, a, b] : {std::array<const char*, 3>{"S-N", "S", "N"}, {"N-Me", "N", "Me"}, {"N-ANS", "N", "ANS"}, {"ANS-Me", "ANS", "Me"}, {"PNS-A", "PNS", "A"},
-                                     {"Go-Me left", "Go_L", "Me"}, {"Go-Me right", "Go_R", "Me"}, {"Go-S left", "Go_L", "S"}, {"Go-S right", "Go_R", "S"},
-                                     {"Co-Go left", "Co_L", "Go_L"}, {"Co-Go right", "Co_R", "Go_R"}})
+    for (const auto& [name, a, b] : {std::array<const char*, 3>{"S-N", "S", "N"},
+                                     {"N-Me", "N", "Me"},
+                                     {"N-ANS", "N", "ANS"},
+                                     {"ANS-Me", "ANS", "Me"},
+                                     {"PNS-A", "PNS", "A"},
+                                     {"Go-Me left", "Go_L", "Me"},
+                                     {"Go-Me right", "Go_R", "Me"},
+                                     {"Go-S left", "Go_L", "S"},
+                                     {"Go-S right", "Go_R", "S"},
+                                     {"Co-Go left", "Co_L", "Go_L"},
+                                     {"Co-Go right", "Co_R", "Go_R"}})
       add(name, "mm", std::string("distance of ") + a + " and " + b, {a, b}, length);
     add("SNA", "deg", "angle S-N-A", {"S", "N", "A"}, at_corner, 82, 2, usual);
     add("SNB", "deg", "angle S-N-B", {"S", "N", "B"}, at_corner, 80, 2, usual);
-    add("ANB", "deg", "angle A-N-B in space, positive when SNA is larger than SNB", {"A", "N", "B", "S"},
-        [](const Places& p) { return std::copysign(angle(p[0] - p[1], p[2] - p[1]), angle(p[3] - p[1], p[0] - p[1]) - angle(p[3] - p[1], p[2] - p[1])); }, 2, 2, usual);
+    add(
+        "ANB", "deg", "angle A-N-B in space, positive when SNA is larger than SNB", {"A", "N", "B", "S"},
+        [](const Places& p) {
+          return std::copysign(angle(p[0] - p[1], p[2] - p[1]),
+                               angle(p[3] - p[1], p[0] - p[1]) - angle(p[3] - p[1], p[2] - p[1]));
+        },
+        2, 2, usual);
     add("Ba-S-N", "deg", "angle Ba-S-N, the base of the skull", {"Ba", "S", "N"}, at_corner, 130, 5, usual);
     add("SN-palatal", "deg", "line S-N to line PNS-ANS on the film", {"S", "N", "PNS", "ANS"}, lines, 8, 3, usual);
-    add("palatal-mandibular", "deg", "line PNS-ANS to line Go-Me on the film (Go: middle of both sides)", {"PNS", "ANS", "Go_L", "Go_R", "Me"},
-        [](const Places& p) { return mandibular(p, p[0], p[1]); }, 25, 5, usual);
-    add("SN-mandibular", "deg", "line S-N to line Go-Me on the film (Go: middle of both sides)", {"S", "N", "Go_L", "Go_R", "Me"}, [](const Places& p) { return mandibular(p, p[0], p[1]); }, 32, 5, usual);
-    add("FMA", "deg", "Frankfurt plane (Po-Or, middle of both sides) to line Go-Me on the film", {"Po_L", "Po_R", "Or_L", "Or_R", "Go_L", "Go_R", "Me"},
+    add(
+        "palatal-mandibular", "deg", "line PNS-ANS to line Go-Me on the film (Go: middle of both sides)",
+        {"PNS", "ANS", "Go_L", "Go_R", "Me"}, [](const Places& p) { return mandibular(p, p[0], p[1]); }, 25, 5, usual);
+    add(
+        "SN-mandibular", "deg", "line S-N to line Go-Me on the film (Go: middle of both sides)",
+        {"S", "N", "Go_L", "Go_R", "Me"}, [](const Places& p) { return mandibular(p, p[0], p[1]); }, 32, 5, usual);
+    add(
+        "FMA", "deg", "Frankfurt plane (Po-Or, middle of both sides) to line Go-Me on the film",
+        {"Po_L", "Po_R", "Or_L", "Or_R", "Go_L", "Go_R", "Me"},
         [](const Places& p) { return mandibular(p, 0.5 * (p[0] + p[1]), 0.5 * (p[2] + p[3])); }, 25, 5, usual);
-    add("overjet", "mm", "Is before Ii along the Frankfurt plane's front, y", {"Is", "Ii"}, [](const Places& p) { return (p[0] - p[1]).y(); }, 2.5, 1, usual);
-    add("overbite", "mm", "Is below Ii, along z; negative: open", {"Is", "Ii"}, [](const Places& p) { return (p[1] - p[0]).z(); }, 2.5, 1, usual);
-    add("nasolabial", "deg", "angle prn-sn-ls", {"prn", "sn", "ls"}, at_corner, 100, 8, "usual range 90 to 110 (of the columella's tangent; here of prn)");
-    add("facial convexity", "deg", "180 less the angle g'-sn-pog'", {"g'", "sn", "pog'"}, [](const Places& p) { return 180 - at_corner(p); }, 12, 4, usual);
-    add("upper lip to E-line", "mm", "ls before the line prn-pog' on the film", {"ls", "prn", "pog'"}, [](const Places& p) { return before_line(p[0], p[1], p[2]); }, -4, 2, usual);
-    add("lower lip to E-line", "mm", "li before the line prn-pog' on the film", {"li", "prn", "pog'"}, [](const Places& p) { return before_line(p[0], p[1], p[2]); }, -2, 2, usual);
+    add(
+        "overjet", "mm", "Is before Ii along the Frankfurt plane's front, y", {"Is", "Ii"},
+        [](const Places& p) { return (p[0] - p[1]).y(); }, 2.5, 1, usual);
+    add(
+        "overbite", "mm", "Is below Ii, along z; negative: open", {"Is", "Ii"},
+        [](const Places& p) { return (p[1] - p[0]).z(); }, 2.5, 1, usual);
+    add("nasolabial", "deg", "angle prn-sn-ls", {"prn", "sn", "ls"}, at_corner, 100, 8,
+        "usual range 90 to 110 (of the columella's tangent; here of prn)");
+    add(
+        "facial convexity", "deg", "180 less the angle g'-sn-pog'", {"g'", "sn", "pog'"},
+        [](const Places& p) { return 180 - at_corner(p); }, 12, 4, usual);
+    add(
+        "upper lip to E-line", "mm", "ls before the line prn-pog' on the film", {"ls", "prn", "pog'"},
+        [](const Places& p) { return before_line(p[0], p[1], p[2]); }, -4, 2, usual);
+    add(
+        "lower lip to E-line", "mm", "li before the line prn-pog' on the film", {"li", "prn", "pog'"},
+        [](const Places& p) { return before_line(p[0], p[1], p[2]); }, -2, 2, usual);
     add("intercanthal", "mm", "distance of en_L and en_R", {"en_L", "en_R"}, length, 32, 3, usual);
     add("nose width", "mm", "distance of al_L and al_R", {"al_L", "al_R"}, length);
     add("mouth width", "mm", "distance of ch_L and ch_R", {"ch_L", "ch_R"}, length, 54, 4, "usual range 52 to 56");
-    add("bizygomatic", "mm", "distance of Zy_L and Zy_R", {"Zy_L", "Zy_R"}, length, 132, 5, table_of_widths + ", 130 to 134");
-    add("bigonial", "mm", "distance of Go_L and Go_R", {"Go_L", "Go_R"}, length, 102, 6, table_of_widths + ", 97 to 107");
+    add("bizygomatic", "mm", "distance of Zy_L and Zy_R", {"Zy_L", "Zy_R"}, length, 132, 5,
+        table_of_widths + ", 130 to 134");
+    add("bigonial", "mm", "distance of Go_L and Go_R", {"Go_L", "Go_R"}, length, 102, 6,
+        table_of_widths + ", 97 to 107");
     add("face height", "mm", "distance of n' and me'", {"n'", "me'"}, length);
     return t;
   }();
@@ -105,8 +143,10 @@ std::vector<CephalometricRow> cephalometry(std::span<const NamedPoint> points) {
     std::vector<double> sd;
     for (const std::string& name : r.measure->landmarks) {
       const auto it = by_name.find(name);
-      if (it == by_name.end() || !it->second->at_mm.allFinite()) r.missing.push_back(name);
-      else at.push_back(it->second->at_mm), sd.push_back(it->second->sd_mm);
+      if (it == by_name.end() || !it->second->at_mm.allFinite())
+        r.missing.push_back(name);
+      else
+        at.push_back(it->second->at_mm), sd.push_back(it->second->sd_mm);
     }
     if (r.missing.empty()) {
       const Figure& f = table()[i].figure;
@@ -186,7 +226,8 @@ std::optional<Snapped> snap(const simplex::Mesh& mesh, const Vec3& picked, doubl
   s.face = fan.face[size_t(c.triangle)], s.at_mm = c.point_mm;
   double best = vertex_mm;
   for (int32_t v : mesh.ring(s.face))
-    if (const double d = (mesh.x_mm[size_t(v)] - c.point_mm).norm(); d <= best) best = d, s.vertex = v, s.at_mm = mesh.x_mm[size_t(v)];
+    if (const double d = (mesh.x_mm[size_t(v)] - c.point_mm).norm(); d <= best)
+      best = d, s.vertex = v, s.at_mm = mesh.x_mm[size_t(v)];
   s.moved_mm = (s.at_mm - picked).norm();
   return s;
 }
@@ -202,8 +243,9 @@ std::string to_csv(std::span<const CephalometricRow> rows) {
     std::string missing;
     for (const std::string& m : r.missing) missing += (missing.empty() ? "" : " ") + m;
     const CephalometricMeasure& m = *r.measure;
-    out += quoted(m.name) + "," + number(r.value) + "," + m.unit + "," + (r.value ? number(r.sd) : "") + "," + number(m.norm) + "," + number(m.norm_sd) + "," + quoted(m.source) + "," +
-           quoted(m.definition) + "," + quoted(missing) + "\n";
+    out += quoted(m.name) + "," + number(r.value) + "," + m.unit + "," + (r.value ? number(r.sd) : "") + "," +
+           number(m.norm) + "," + number(m.norm_sd) + "," + quoted(m.source) + "," + quoted(m.definition) + "," +
+           quoted(missing) + "\n";
   }
   return out;
 }

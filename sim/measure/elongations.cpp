@@ -5,7 +5,8 @@
 
 namespace limberg {
 
-std::optional<Elongations> elongations(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb) {
+std::optional<Elongations> elongations(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+                                       const CentralLimb& limb) {
   const auto ends = limb_ends(view, x_mm, skin, limb);
   if (!ends) return std::nullopt;
   const auto& [a, b, before] = *ends;
@@ -17,7 +18,9 @@ std::optional<Elongations> elongations(const SurfaceView& view, std::span<const 
   if (!(length > 0)) return e;
   const Vec3 along = flat / length, side = n.cross(along);
   // Every skin triangle's line in the plane through a, along and n.
-  struct Piece { double s0, h0, s1, h1; };
+  struct Piece {
+    double s0, h0, s1, h1;
+  };
   std::vector<Piece> pieces;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;

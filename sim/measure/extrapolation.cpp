@@ -36,13 +36,15 @@ std::string text(const char* format, double v) {
 }  // namespace
 
 Extrapolation extrapolate(std::span<const double> cell_mm, std::span<const double> value, double noise) {
-  if (cell_mm.empty() || cell_mm.size() != value.size()) throw InputError("", 0, "cell sizes and values of the same number, at least one, were expected");
+  if (cell_mm.empty() || cell_mm.size() != value.size())
+    throw InputError("", 0, "cell sizes and values of the same number, at least one, were expected");
   std::vector<size_t> order(cell_mm.size());
   std::iota(order.begin(), order.end(), size_t(0));
   std::sort(order.begin(), order.end(), [&](size_t a, size_t b) { return cell_mm[a] < cell_mm[b]; });
   std::vector<double> h, f;
   for (size_t i : order) {
-    if (!(cell_mm[i] > 0) || !std::isfinite(cell_mm[i]) || !std::isfinite(value[i]) || (!h.empty() && cell_mm[i] == h.back()))
+    if (!(cell_mm[i] > 0) || !std::isfinite(cell_mm[i]) || !std::isfinite(value[i]) ||
+        (!h.empty() && cell_mm[i] == h.back()))
       throw InputError("", 0, "positive, different cell sizes and finite values were expected");
     h.push_back(cell_mm[i]), f.push_back(value[i]);
   }

@@ -12,11 +12,14 @@ double skin_at_rest_mm2(const SurfaceView& view) {
   double sum = 0;
   for (size_t t = 0; t < view.tri.size(); ++t)
     if (view.kind[t] == FaceKind::skin)
-      sum += 0.5 * area_vector2(view.X_mm[size_t(view.tri[t][0])], view.X_mm[size_t(view.tri[t][1])], view.X_mm[size_t(view.tri[t][2])]).norm();
+      sum += 0.5 * area_vector2(view.X_mm[size_t(view.tri[t][0])], view.X_mm[size_t(view.tri[t][1])],
+                                view.X_mm[size_t(view.tri[t][2])])
+                       .norm();
   return sum;
 }
 
-// Of the skin at rest inside a chart polygon: the polygon, weighted with how far the skin leans from the chart, at points half a
+// Of the skin at rest inside a chart polygon: the polygon, weighted with how far the skin leans from the chart, at
+// points half a
 // mm apart.
 double rest_area_mm2(const Skin& skin, std::span<const ChartPoint> polygon) {
   constexpr double kStep_mm = 0.5;
@@ -45,7 +48,8 @@ constexpr double kField_mm = 20;  // the operated skin reaches so far from the c
 
 }  // namespace
 
-ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures, const Vec3& support_force_mN) {
+ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures,
+                           const Vec3& support_force_mN) {
   ForceBalance b;
   constexpr double kLeast_N = 0.01;
   double all = 0;
@@ -68,11 +72,18 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   m.volume_mm3 = volumes.volume_mm3;
   m.removed_volume_mm3 = volumes.removed_mm3;
   m.initial_volume_mm3 = volumes.initial_mm3;
-  if (volumes.initial_mm3 > 0) m.volume_change = (volumes.volume_mm3 + volumes.removed_mm3 - volumes.initial_mm3) / volumes.initial_mm3;
+  if (volumes.initial_mm3 > 0)
+    m.volume_change = (volumes.volume_mm3 + volumes.removed_mm3 - volumes.initial_mm3) / volumes.initial_mm3;
 
   for (const SutureState& s : snapshot.sutures) {
     const Vec3f at = 0.5f * (s.a_mm + s.b_mm);
-    SutureFigure f{s.id, double(s.force_N), double(s.gap_mm), {at.x(), at.y(), at.z()}, s.thread, std::nullopt, std::max(double(s.peak_N), double(s.force_N))};
+    SutureFigure f{s.id,
+                   double(s.force_N),
+                   double(s.gap_mm),
+                   {at.x(), at.y(), at.z()},
+                   s.thread,
+                   std::nullopt,
+                   std::max(double(s.peak_N), double(s.force_N))};
     if (s.tied_N >= 0) f.tied_N = double(s.tied_N);
     m.sutures.push_back(f);
     m.suture_force_peak_N = std::max(m.suture_force_peak_N, f.peak_N);
@@ -132,10 +143,12 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
   if (const auto plan = plan_of(skin, also.plan, script)) m.predicted = predicted_points(view, x, skin, points, *plan);
   for (const Landmark& l : also.landmarks) {
     m.landmarks.push_back({l.name, l.at, landmark(points, x, skin, l.at)});
-    if (m.landmarks.back().figure) m.landmark_max_mm = std::max(m.landmark_max_mm, m.landmarks.back().figure->displacement_mm);
+    if (m.landmarks.back().figure)
+      m.landmark_max_mm = std::max(m.landmark_max_mm, m.landmarks.back().figure->displacement_mm);
   }
   m.perfused = perfusion(view, skin);
-  if (const auto f = find_transposition_flap(script)) m.flap_area_mm2 = skin_area_mm2(view, x, skin.body(), std::array{f->C, f->D, f->E, f->F});
+  if (const auto f = find_transposition_flap(script))
+    m.flap_area_mm2 = skin_area_mm2(view, x, skin.body(), std::array{f->C, f->D, f->E, f->F});
   return m;
 }
 

@@ -23,7 +23,8 @@ namespace limberg {
 /// Forces on the tissue from outside. At equilibrium they add up to nothing, whatever the stitches do within.
 struct ForceBalance {
   Vec3 hooks_N = Vec3::Zero(), supports_N = Vec3::Zero(), sum_N = Vec3::Zero();
-  // |sum| / (|force| of each hook, of the supports' resultant and of both ends of each stitch, added up; at least 10 mN, so
+  // |sum| / (|force| of each hook, of the supports' resultant and of both ends of each stitch, added up; at least 10
+  // mN, so
   // that rounding is not called an imbalance where nothing pulls).
   double relative = 0;
 };
@@ -46,13 +47,13 @@ struct NamedLandmark {
 struct Metrics {
   int pieces = 0;
   double volume_mm3 = 0, removed_volume_mm3 = 0, initial_volume_mm3 = 0;  // exact, at rest
-  double volume_change = 0;      // (volume + removed - initial) / initial: 0 but for rounding, or the cutter is wrong
-  double compression = 0;        // present volume of the material over its rest volume, minus 1
+  double volume_change = 0;  // (volume + removed - initial) / initial: 0 but for rounding, or the cutter is wrong
+  double compression = 0;    // present volume of the material over its rest volume, minus 1
 
   std::vector<SutureFigure> sutures;
-  double closure_force_N = 0;    // sum over the stitches
+  double closure_force_N = 0;  // sum over the stitches
   double suture_force_max_N = 0, suture_gap_max_mm = 0;
-  int suture_force_max_id = 0;   // 0: no stitch
+  int suture_force_max_id = 0;  // 0: no stitch
 
   double stretch_max = 1, stretch_p99 = 1;        // of the skin, prestretch included
   double stress_max_kPa = 0, stress_p95_kPa = 0;  // largest principal Cauchy stress in the skin's plane
@@ -60,29 +61,30 @@ struct Metrics {
   Vec3 dog_ear_at_mm = Vec3::Zero();
   double wound_gape_mm = 0, wound_gape_mean_mm = 0;
 
-  Penetration penetration;       // tissue in tissue, at wounds
-  double contact_force_N = 0;    // sum of the forces with which wound surfaces press on each other, each pair once
+  Penetration penetration;     // tissue in tissue, at wounds
+  double contact_force_N = 0;  // sum of the forces with which wound surfaces press on each other, each pair once
 
-  double min_J = 1;              // det F at the centres of the cells
+  double min_J = 1;  // det F at the centres of the cells
   int inverted_cells = 0;
   ForceBalance balance;
 
-  double suture_force_peak_N = 0;    // the largest at any time the tissue was at rest
+  double suture_force_peak_N = 0;                    // the largest at any time the tissue was at rest
   int sutures_over_2_5_N = 0, sutures_over_5_N = 0;  // now; limits as in the report
-  std::optional<double> closure_energy_mJ;  // World::closure_energy_uJ
-  double scar_length_mm = 0;         // half of the rim as it lies now: the scar, once closed
-  double closure_line_N_per_m = 0;   // sum of the stitches' forces over the scar's length
-  double step_off_mm = 0, step_off_mean_mm = 0;  // WoundGape::step_mm
-  std::optional<double> stress_fibre_angle_deg;  // SkinStrain::angle_deg
-  double compressed_mm2 = 0;         // SkinStrain
-  double excised_mm2 = 0;            // skin taken away, at rest
-  std::optional<double> waste_mm2;   // of it, outside the first excision's outline: healthy skin given up for the closure
+  std::optional<double> closure_energy_mJ;           // World::closure_energy_uJ
+  double scar_length_mm = 0;                         // half of the rim as it lies now: the scar, once closed
+  double closure_line_N_per_m = 0;                   // sum of the stitches' forces over the scar's length
+  double step_off_mm = 0, step_off_mean_mm = 0;      // WoundGape::step_mm
+  std::optional<double> stress_fibre_angle_deg;      // SkinStrain::angle_deg
+  double compressed_mm2 = 0;                         // SkinStrain
+  double excised_mm2 = 0;                            // skin taken away, at rest
+  std::optional<double>
+      waste_mm2;  // of it, outside the first excision's outline: healthy skin given up for the closure
   std::vector<PredictedPoint> predicted;
   std::vector<NamedLandmark> landmarks;
   double landmark_max_mm = 0;
   Perfusion perfused;
 
-  std::optional<double> elongation;     // Z-plasty
+  std::optional<double> elongation;  // Z-plasty
   std::optional<Elongations> elongations;
   std::optional<double> flap_area_mm2;  // present area of the skin of the flap (find_flap)
 };
@@ -93,7 +95,8 @@ struct RestVolumes {
 };
 
 /// `support_force_mN` as ElasticSolver gives it: what the fixed nodes receive from the material.
-ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures, const Vec3& support_force_mN);
+ForceBalance force_balance(std::span<const HookState> hooks, std::span<const SutureState> sutures,
+                           const Vec3& support_force_mN);
 
 /// What is measured beside the tissue itself.
 struct MeasureAlso {
@@ -102,15 +105,18 @@ struct MeasureAlso {
   std::optional<double> closure_energy_uJ = {};
 };
 
-/// `script`: what was done, for figures that belong to a kind of flap; may be empty. The snapshot's topology must be set.
+/// `script`: what was done, for figures that belong to a kind of flap; may be empty. The snapshot's topology must be
+/// set.
 /// About 0.3 s on a block of 60,000 triangles.
 Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver& solver, const RestVolumes& volumes,
                 std::span<const Command> script = {}, const MeasureAlso& also = {});
 
-inline Metrics measure(const World& world, const Snapshot& snapshot, const Skin& skin, std::span<const Command> script = {}, MeasureAlso also = {}) {
+inline Metrics measure(const World& world, const Snapshot& snapshot, const Skin& skin,
+                       std::span<const Command> script = {}, MeasureAlso also = {}) {
   also.closure_energy_uJ = world.closure_energy_uJ();
   return measure(snapshot, skin, world.solver(),
-                 {world.pieces(), world.volume_mm3(), world.removed_volume_mm3(), world.initial_volume_mm3()}, script, also);
+                 {world.pieces(), world.volume_mm3(), world.removed_volume_mm3(), world.initial_volume_mm3()}, script,
+                 also);
 }
 
 }  // namespace limberg

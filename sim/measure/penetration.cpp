@@ -11,9 +11,9 @@ namespace limberg {
 namespace {
 
 constexpr double kSpacing_mm = 1;
-constexpr double kInside_mm = 1e-3;   // a place is moved so far into its own tissue; rounding of float positions is 1e-5
-constexpr double kReach_mm = 30;      // overlaps are not followed farther
-constexpr double kSeen_mm = 0.02;     // an overlap that counts as area
+constexpr double kInside_mm = 1e-3;  // a place is moved so far into its own tissue; rounding of float positions is 1e-5
+constexpr double kReach_mm = 30;     // overlaps are not followed farther
+constexpr double kSeen_mm = 0.02;    // an overlap that counts as area
 
 struct Ways {
   std::array<Vec3, 17> along;  // around +z: the axis, then 8 at 30 and 8 at 60 degrees
@@ -21,7 +21,8 @@ struct Ways {
     along[0] = Vec3::UnitZ();
     for (size_t k = 0; k < 8; ++k)
       for (size_t ring = 0; ring < 2; ++ring) {
-        const double tilt = (ring + 1.0) * std::numbers::pi / 6, turn = (double(k) + 0.5 * double(ring)) * std::numbers::pi / 4;
+        const double tilt = (ring + 1.0) * std::numbers::pi / 6,
+                     turn = (double(k) + 0.5 * double(ring)) * std::numbers::pi / 4;
         along[1 + 2 * k + ring] = {std::sin(tilt) * std::cos(turn), std::sin(tilt) * std::sin(turn), std::cos(tilt)};
       }
   }
@@ -59,7 +60,8 @@ std::vector<uint8_t> wounded(const SurfaceView& view) {
       for (int32_t v : view.tri[t]) corner[size_t(v)] = 1;
   for (size_t t = 0; t < view.tri.size(); ++t) {
     const Tri& c = view.tri[t];
-    out[t] = view.kind[t] == FaceKind::wall || (view.kind[t] == FaceKind::skin && (corner[size_t(c[0])] || corner[size_t(c[1])] || corner[size_t(c[2])]));
+    out[t] = view.kind[t] == FaceKind::wall ||
+             (view.kind[t] == FaceKind::skin && (corner[size_t(c[0])] || corner[size_t(c[1])] || corner[size_t(c[2])]));
   }
   return out;
 }
@@ -86,7 +88,8 @@ Penetration penetration(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     const double area = 0.5 * area_vector2(A, B, C).norm();
     if (!(n2.norm() > 0) || !(area > 0)) continue;
     const Vec3 n = n2.normalized();
-    const int parts = std::clamp(int(std::ceil(std::max({(B - A).norm(), (C - B).norm(), (A - C).norm()}) / kSpacing_mm)), 1, 1000);
+    const int parts =
+        std::clamp(int(std::ceil(std::max({(B - A).norm(), (C - B).norm(), (A - C).norm()}) / kSpacing_mm)), 1, 1000);
     Vec3 across = n.cross(std::abs(n.x()) < 0.7 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
     const Vec3 along = n.cross(across);
     const auto at = [&](double i, double j) {  // the middle of a part
@@ -129,7 +132,8 @@ Penetration penetration(const SurfaceView& view, std::span<const Vec3f> x_mm) {
 double winding_number(const SurfaceView& view, std::span<const Vec3f> x_mm, const Vec3& p) {
   double sum = 0;  // solid angle of a triangle: van Oosterom and Strackee 1983
   for (const Tri& c : view.tri) {
-    const Vec3 a = x_mm[size_t(c[0])].cast<double>() - p, b = x_mm[size_t(c[1])].cast<double>() - p, d = x_mm[size_t(c[2])].cast<double>() - p;
+    const Vec3 a = x_mm[size_t(c[0])].cast<double>() - p, b = x_mm[size_t(c[1])].cast<double>() - p,
+               d = x_mm[size_t(c[2])].cast<double>() - p;
     const double la = a.norm(), lb = b.norm(), ld = d.norm();
     sum += 2 * std::atan2(a.dot(b.cross(d)), la * lb * ld + a.dot(b) * ld + b.dot(d) * la + d.dot(a) * lb);
   }

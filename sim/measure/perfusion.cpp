@@ -18,7 +18,9 @@ std::array<Vec3, 3> corners(const SurfaceView& v, size_t t) {
   return {v.X_mm[size_t(v.tri[t][0])], v.X_mm[size_t(v.tri[t][1])], v.X_mm[size_t(v.tri[t][2])]};
 }
 
-std::pair<int, int> square(const Vec2& p) { return {int(std::floor(p.x() / kGrid_mm)), int(std::floor(p.y() / kGrid_mm))}; }
+std::pair<int, int> square(const Vec2& p) {
+  return {int(std::floor(p.x() / kGrid_mm)), int(std::floor(p.y() / kGrid_mm))};
+}
 
 // Squares of the chart that have a flat wall below them.
 std::set<std::pair<int, int>> floors(const SurfaceView& view, const Skin& skin) {
@@ -32,7 +34,9 @@ std::set<std::pair<int, int>> floors(const SurfaceView& view, const Skin& skin) 
     for (size_t k = 0; k < 3; ++k) c[k] = skin.body().to_chart(X[k]), lo = lo.cwiseMin(c[k]), hi = hi.cwiseMax(c[k]);
     out.insert(square(skin.body().to_chart(m)));
     const auto a = square(lo), b = square(hi);
-    const auto left = [](const Vec2& p, const Vec2& q, const Vec2& r) { return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x()); };
+    const auto left = [](const Vec2& p, const Vec2& q, const Vec2& r) {
+      return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
+    };
     for (int i = a.first; i <= b.first; ++i)
       for (int k = a.second; k <= b.second; ++k) {
         const Vec2 p((i + 0.5) * kGrid_mm, (k + 0.5) * kGrid_mm);
@@ -98,8 +102,10 @@ Perfusion perfusion(const SurfaceView& view, const Skin& skin) {
     p.index[t] = float(f);
     p.least = std::min(p.least, f);
     if (undermined[t]) p.undermined_mm2 += area;
-    if (!std::isfinite(way[t])) p.severed_mm2 += area;
-    else p.farthest_mm = std::max(p.farthest_mm, way[t]);
+    if (!std::isfinite(way[t]))
+      p.severed_mm2 += area;
+    else
+      p.farthest_mm = std::max(p.farthest_mm, way[t]);
     if (f < 0.4) p.below_40_mm2 += area;
   }
   return p;

@@ -36,7 +36,8 @@ bool inside_polygon(const Vec2& p, std::span<const ChartPoint> polygon) {
   bool in = false;
   for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
     const Vec2 &a = polygon[i], &b = polygon[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) in = !in;
+    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
+      in = !in;
   }
   return in;
 }
@@ -57,8 +58,9 @@ std::vector<ChartPoint> corners_of_outline(std::span<const ChartPoint> outline, 
   // The point farthest from the centre is a corner whatever the shape: start and end there.
   Vec2 centre = Vec2::Zero();
   for (const auto& p : outline) centre += p / double(outline.size());
-  const auto start = std::max_element(outline.begin(), outline.end(),
-                                      [&](const auto& a, const auto& b) { return (a - centre).squaredNorm() < (b - centre).squaredNorm(); });
+  const auto start = std::max_element(outline.begin(), outline.end(), [&](const auto& a, const auto& b) {
+    return (a - centre).squaredNorm() < (b - centre).squaredNorm();
+  });
   std::vector<ChartPoint> ring(start, outline.end());
   ring.insert(ring.end(), outline.begin(), start);
   ring.push_back(*start);

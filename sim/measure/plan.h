@@ -22,7 +22,8 @@ struct CentralLimb {
 };
 std::optional<CentralLimb> find_central_limb(std::span<const Command> script);
 
-/// A transposition flap beside a quadrangular defect: the first incision of two strokes D-E-F that starts within 2 mm of a
+/// A transposition flap beside a quadrangular defect: the first incision of two strokes D-E-F that starts within 2 mm
+/// of a
 /// corner D of a four-cornered excision before it. C is the neighbour of D in the outline that lies nearer to F; the
 /// flap is CDEF with its base CF.
 struct TranspositionFlap {

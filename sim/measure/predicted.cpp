@@ -39,11 +39,13 @@ PlanOnSkin plan_on(const Skin& skin, const PlannedProcedure& named) {
   return {p.figure(procedure_values(p, settings)), [where](const Vec2& c) { return where->chart(c); }};
 }
 
-std::optional<PlanOnSkin> plan_of(const Skin& skin, const std::optional<PlannedProcedure>& named, std::span<const Command> script) {
+std::optional<PlanOnSkin> plan_of(const Skin& skin, const std::optional<PlannedProcedure>& named,
+                                  std::span<const Command> script) {
   if (named) return plan_on(skin, *named);
   if (const auto z = find_central_limb(script)) {
     const auto& [C, A, B, D] = *z;
-    // The figure has the tissue on its left when it walks C A B D B A: C on the right of AB. A mirrored Z is walked from its other end.
+    // The figure has the tissue on its left when it walks C A B D B A: C on the right of AB. A mirrored Z is walked
+    // from its other end.
     if (cross2(B - A, C - A) < 0) return drawn("z_plasty", {C, A, B, D, B, A});
     return std::nullopt;
   }
@@ -71,8 +73,8 @@ std::optional<PlanOnSkin> plan_of(const Skin& skin, const std::optional<PlannedP
   return std::nullopt;
 }
 
-std::vector<PredictedPoint> predicted_points(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const SkinPoints& points,
-                                             const PlanOnSkin& plan) {
+std::vector<PredictedPoint> predicted_points(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+                                             const SkinPoints& points, const PlanOnSkin& plan) {
   std::vector<Charge> all = charges(plan.figure);
   std::erase_if(all, [](const Charge& c) { return std::abs(c.q_deg) < kLeast_deg; });
   std::vector<PredictedPoint> out;

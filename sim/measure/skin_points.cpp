@@ -9,7 +9,9 @@ namespace {
 
 constexpr double kBucket_mm = 3, kFound_mm = 0.05;
 
-std::pair<int, int> bucket_of(const Vec2& p) { return {int(std::floor(p.x() / kBucket_mm)), int(std::floor(p.y() / kBucket_mm))}; }
+std::pair<int, int> bucket_of(const Vec2& p) {
+  return {int(std::floor(p.x() / kBucket_mm)), int(std::floor(p.y() / kBucket_mm))};
+}
 
 }  // namespace
 
@@ -35,7 +37,8 @@ std::optional<SkinPoints::Place> SkinPoints::find(const ChartPoint& p) const {
   double nearest = kFound_mm;
   for (const int32_t t : at->second) {
     const Tri& c = view_.tri[size_t(t)];
-    const TrianglePoint q = closest_on_triangle(hit->X_mm, view_.X_mm[size_t(c[0])], view_.X_mm[size_t(c[1])], view_.X_mm[size_t(c[2])]);
+    const TrianglePoint q =
+        closest_on_triangle(hit->X_mm, view_.X_mm[size_t(c[0])], view_.X_mm[size_t(c[1])], view_.X_mm[size_t(c[2])]);
     const double d = (q.point - hit->X_mm).norm();
     if (d < nearest) nearest = d, best = Place{t, q.bary};
   }
@@ -54,7 +57,8 @@ Vec3 SkinPoints::now_mm(const Place& p, std::span<const Vec3f> x_mm) const {
   return x;
 }
 
-std::optional<LandmarkFigure> landmark(const SkinPoints& points, std::span<const Vec3f> x_mm, const Skin& skin, const ChartPoint& p) {
+std::optional<LandmarkFigure> landmark(const SkinPoints& points, std::span<const Vec3f> x_mm, const Skin& skin,
+                                       const ChartPoint& p) {
   const auto at = points.find(p);
   if (!at) return std::nullopt;
   const Vec3 X = points.rest_mm(*at), d = points.now_mm(*at, x_mm) - X;

@@ -32,9 +32,10 @@ class SkinPoints {
 
 /// What has become of a landmark.
 struct LandmarkFigure {
-  double displacement_mm = 0;  // from its place at rest
+  double displacement_mm = 0;                     // from its place at rest
   double along_mm = 0, across_mm = 0, up_mm = 0;  // in the skin's tension axes there, up: outward
 };
-std::optional<LandmarkFigure> landmark(const SkinPoints& points, std::span<const Vec3f> x_mm, const Skin& skin, const ChartPoint& p);
+std::optional<LandmarkFigure> landmark(const SkinPoints& points, std::span<const Vec3f> x_mm, const Skin& skin,
+                                       const ChartPoint& p);
 
 }  // namespace limberg

@@ -14,7 +14,8 @@ std::array<Vec3, 3> rest(const SurfaceView& v, size_t t) {
   return {v.X_mm[size_t(v.tri[t][0])], v.X_mm[size_t(v.tri[t][1])], v.X_mm[size_t(v.tri[t][2])]};
 }
 std::array<Vec3, 3> now(const SurfaceView& v, std::span<const Vec3f> x, size_t t) {
-  return {x[size_t(v.tri[t][0])].cast<double>(), x[size_t(v.tri[t][1])].cast<double>(), x[size_t(v.tri[t][2])].cast<double>()};
+  return {x[size_t(v.tri[t][0])].cast<double>(), x[size_t(v.tri[t][1])].cast<double>(),
+          x[size_t(v.tri[t][2])].cast<double>()};
 }
 
 // Skin triangles' edges (triangle, first corner) that a wall triangle has across.
@@ -28,7 +29,8 @@ std::vector<std::pair<size_t, size_t>> rim_edges(const SurfaceView& view) {
   for (size_t t = 0; t < view.tri.size(); ++t)
     if (view.kind[t] == FaceKind::skin)
       for (size_t k = 0; k < 3; ++k)
-        if (std::binary_search(wall.begin(), wall.end(), std::pair(view.tri[t][(k + 1) % 3], view.tri[t][k]))) rim.push_back({t, k});
+        if (std::binary_search(wall.begin(), wall.end(), std::pair(view.tri[t][(k + 1) % 3], view.tri[t][k])))
+          rim.push_back({t, k});
   return rim;
 }
 
@@ -43,11 +45,12 @@ std::vector<Vec3> rim_mm(const SurfaceView& view) {
   return places;
 }
 
-DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, std::span<const Vec3> centres_mm, double radius_mm) {
+DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, std::span<const Vec3> centres_mm,
+               double radius_mm) {
   DogEar d;
   const auto near = [&](const Vec3& X) {
-    return centres_mm.empty() ||
-           std::any_of(centres_mm.begin(), centres_mm.end(), [&](const Vec3& c) { return (X - c).norm() <= radius_mm; });
+    return centres_mm.empty() || std::any_of(centres_mm.begin(), centres_mm.end(),
+                                             [&](const Vec3& c) { return (X - c).norm() <= radius_mm; });
   };
   std::vector<float> height(view.X_mm.size(), std::numeric_limits<float>::quiet_NaN());  // asked for once per vertex
   const auto height_at = [&](int32_t v) {
@@ -88,11 +91,11 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   constexpr double kOwn_mm = 3, kTouch_mm = 2, kCos = 0.5, kFar_mm = 100;
   struct Rim {
     int32_t a, b;
-    Vec3 p, q, out;     // now
+    Vec3 p, q, out;  // now
     Vec3 up = Vec3::Zero();
     double length = 0;  // at rest
     int32_t loop = -1;
-    double s = 0;       // arc length at rest of its middle along the loop
+    double s = 0;  // arc length at rest of its middle along the loop
   };
   std::vector<Rim> rim;
   for (const auto& [t, k] : rim_edges(view)) {
@@ -105,7 +108,8 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
     rim.push_back(r);
   }
   // Loops: each rim edge is followed by one that starts where it ends.
-  std::sort(rim.begin(), rim.end(), [](const Rim& p, const Rim& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
+  std::sort(rim.begin(), rim.end(),
+            [](const Rim& p, const Rim& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
   std::vector<int32_t> ends;
   for (const Rim& r : rim) ends.push_back(r.b);
   std::sort(ends.begin(), ends.end());
@@ -145,7 +149,8 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm) {
       const double ee = e.squaredNorm(), t = ee > 0 ? std::clamp((m - o.p).dot(e) / ee, 0.0, 1.0) : 0;
       const Vec3 d = o.p + t * e - m;
       const double distance = d.norm();
-      if (distance < best && (distance < kTouch_mm || d.dot(r.out) >= kCos * distance)) best = distance, step = std::abs(d.dot(r.up));
+      if (distance < best && (distance < kTouch_mm || d.dot(r.out) >= kCos * distance))
+        best = distance, step = std::abs(d.dot(r.up));
     }
     const double gape = best < kFar_mm ? best : 0;
     gapes.push_back({gape, r.length});
@@ -176,7 +181,8 @@ double compression(const SurfaceView& view, std::span<const Vec3f> x_mm) {
   return before != 0 ? after / before - 1 : 0;
 }
 
-double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body, std::span<const ChartPoint> polygon) {
+double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body,
+                     std::span<const ChartPoint> polygon) {
   if (polygon.size() < 3) return 0;
   double area = 0;
   for (size_t t = 0; t < view.tri.size(); ++t) {
@@ -189,8 +195,8 @@ double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const
   return area;
 }
 
-std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const ChartPoint& p,
-                                       const ChartPoint& towards) {
+std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+                                       const ChartPoint& p, const ChartPoint& towards) {
   constexpr double kReach_mm = 1, kSame_mm = 0.05;
   const auto hit = skin.at(p);
   if (!hit) return std::nullopt;
@@ -219,17 +225,20 @@ std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const 
   return x;
 }
 
-std::optional<LimbEnds> limb_ends(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb) {
+std::optional<LimbEnds> limb_ends(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+                                  const CentralLimb& limb) {
   const auto& [C, A, B, D] = limb;
   const auto a0 = skin.at(A), b0 = skin.at(B);
   // The outer skin at A lies opposite the bisector of the flap's corner CAB; at B opposite that of ABD.
   const Vec2 at_A = (C - A).normalized() + (B - A).normalized(), at_B = (A - B).normalized() + (D - B).normalized();
-  const auto a = corner_position_mm(view, x_mm, skin, A, A - at_A), b = corner_position_mm(view, x_mm, skin, B, B - at_B);
+  const auto a = corner_position_mm(view, x_mm, skin, A, A - at_A),
+             b = corner_position_mm(view, x_mm, skin, B, B - at_B);
   if (!a0 || !b0 || !a || !b || !((a0->X_mm - b0->X_mm).norm() > 0)) return std::nullopt;
   return LimbEnds{*a, *b, (a0->X_mm - b0->X_mm).norm()};
 }
 
-std::optional<double> elongation(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb) {
+std::optional<double> elongation(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+                                 const CentralLimb& limb) {
   const auto ends = limb_ends(view, x_mm, skin, limb);
   return ends ? std::optional((ends->a - ends->b).norm() / ends->before_mm) : std::nullopt;
 }

@@ -12,32 +12,37 @@
 namespace limberg {
 
 /// Dog-ears: skin that stands above where the skin was before the operation. Height is the distance of a skin vertex
-/// outside the original rest surface (Skin::depth_mm, sign changed); the body is held at its sides and its base, so that
+/// outside the original rest surface (Skin::depth_mm, sign changed); the body is held at its sides and its base, so
+/// that
 /// surface is the reference that a ring of untouched skin around the wound would give. Volume is the integral of the
-/// positive height over the original surface: the skin's area projected along the reference normal. Only skin whose rest
-/// place lies within `radius_mm` of one of `centres_mm` counts; no centres: all skin. A cone is a dog-ear where the tissue
+/// positive height over the original surface: the skin's area projected along the reference normal. Only skin whose
+/// rest
+/// place lies within `radius_mm` of one of `centres_mm` counts; no centres: all skin. A cone is a dog-ear where the
+/// tissue
 /// angles sewn together add up to less than 360 degrees (Limberg; Kang and Kang 2020).
 struct DogEar {
-  double height_mm = 0;   // highest
-  double volume_mm3 = 0;  // above the original surface
-  double rms_mm = 0;      // of the height, up or down, weighted by area
+  double height_mm = 0;       // highest
+  double volume_mm3 = 0;      // above the original surface
+  double rms_mm = 0;          // of the height, up or down, weighted by area
   Vec3 at_mm = Vec3::Zero();  // rest place of the highest vertex
 };
-DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, std::span<const Vec3> centres_mm = {},
-               double radius_mm = 0);
+DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+               std::span<const Vec3> centres_mm = {}, double radius_mm = 0);
 
 /// Middles, at rest, of all edges between skin and cut wall: where the skin has been cut, open or sewn.
 std::vector<Vec3> rim_mm(const SurfaceView& view);
 
 /// The open wound. A rim is an edge between skin and cut wall. From each rim point one looks away from its own skin,
-/// within 60 degrees of the direction across the edge: the gape there is the distance to the nearest other rim seen, or to
+/// within 60 degrees of the direction across the edge: the gape there is the distance to the nearest other rim seen, or
+/// to
 /// any other rim nearer than 2 mm (banks that lie over one another). Own rim within 3 mm along the edge does not count.
 struct WoundGape {
   double gape_mm = 0;        // which 95 % of the rim do not exceed
   double mean_mm = 0;        // over the length of the rim
   double rim_length_mm = 0;  // at rest, both banks
   double rim_now_mm = 0;     // the same as it lies now; a closed wound's scar is half of it
-  // Edges that lie at different heights: the part of the way to the rim over there that runs along the skin's normal. 95 % of the rim do
+  // Edges that lie at different heights: the part of the way to the rim over there that runs along the skin's normal.
+  // 95 % of the rim do
   // not exceed step_mm.
   double step_mm = 0, step_mean_mm = 0;
 };
@@ -47,21 +52,24 @@ WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm);
 double compression(const SurfaceView& view, std::span<const Vec3f> x_mm);
 
 /// Present area in mm2 of the skin whose rest place lies inside a chart polygon.
-double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body, std::span<const ChartPoint> polygon);
+double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const Body& body,
+                     std::span<const ChartPoint> polygon);
 
 /// Where the skin corner at chart point p is now. Several banks can meet in p; meant is the one whose skin lies most in
 /// the direction of `towards` (chart). Nothing when there is no skin within 1 mm.
-std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const ChartPoint& p,
-                                       const ChartPoint& towards);
+std::optional<Vec3> corner_position_mm(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+                                       const ChartPoint& p, const ChartPoint& towards);
 
 /// The ends A and B of the limb now, and their distance at rest, taken in the skin outside the flaps.
 struct LimbEnds {
   Vec3 a, b;
   double before_mm;
 };
-std::optional<LimbEnds> limb_ends(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb);
+std::optional<LimbEnds> limb_ends(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+                                  const CentralLimb& limb);
 
 /// Distance of the limb's ends now over their distance at rest, both taken in the skin outside the flaps.
-std::optional<double> elongation(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin, const CentralLimb& limb);
+std::optional<double> elongation(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
+                                 const CentralLimb& limb);
 
 }  // namespace limberg

@@ -15,19 +15,21 @@ constexpr double kSliver_mm = 0.02;
 
 // Eigenvalues of a symmetric 2 x 2 matrix, largest first.
 std::array<double, 2> eigenvalues(const Mat2& S) {
-  const double m = 0.5 * (S(0, 0) + S(1, 1)), d = 0.5 * (S(0, 0) - S(1, 1)), r = std::hypot(d, 0.5 * (S(0, 1) + S(1, 0)));
+  const double m = 0.5 * (S(0, 0) + S(1, 1)), d = 0.5 * (S(0, 0) - S(1, 1)),
+               r = std::hypot(d, 0.5 * (S(0, 1) + S(1, 0)));
   return {m + r, m - r};
 }
 
 // What of a triangle both need.
 struct InPlane {
   MembraneState s;
-  Mat2 C;           // F^T F in the axes along and across
-  Mat2 B;           // the same with prestretch, sqrt(A) C sqrt(A)
-  double det = 0;   // sqrt(det C); 0: nothing but s is known
+  Mat2 C;          // F^T F in the axes along and across
+  Mat2 B;          // the same with prestretch, sqrt(A) C sqrt(A)
+  double det = 0;  // sqrt(det C); 0: nothing but s is known
 };
 
-InPlane in_plane(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material, const Vec3& along) {
+InPlane in_plane(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material,
+                 const Vec3& along) {
   InPlane r;
   const Vec3 n2 = area_vector2(X[0], X[1], X[2]);
   r.s.area_mm2 = 0.5 * n2.norm();
@@ -74,7 +76,8 @@ void set_stress(MembraneState& s, double s1, double s2) {
 
 }  // namespace
 
-MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material, const Vec3& along) {
+MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material,
+                             const Vec3& along) {
   InPlane r = in_plane(X, x, material, along);
   if (r.det == 0) return r.s;
   const auto b = eigenvalues(r.B);
@@ -83,12 +86,13 @@ MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3
   const double thick = (mu * a_nn + lambda) / (mu * a_nn / r.det + lambda * r.det), J = r.det * thick;
   set_stress(r.s, mu / J * (b[0] - a_nn * thick * thick), mu / J * (b[1] - a_nn * thick * thick));
   const Mat2 U = stretch_of(r);
-  r.s.angle_deg = angle_to_fibres_deg(U * Eigen::Vector2d(p * p, q * q).asDiagonal() * U, U, r.s.stress_kPa, r.s.least_stress_kPa);
+  r.s.angle_deg =
+      angle_to_fibres_deg(U * Eigen::Vector2d(p * p, q * q).asDiagonal() * U, U, r.s.stress_kPa, r.s.least_stress_kPa);
   return r.s;
 }
 
-MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material, const Vec3& along,
-                             const LayerResponse& law) {
+MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3, 3>& x, const Material& material,
+                             const Vec3& along, const LayerResponse& law) {
   InPlane r = in_plane(X, x, material, along);
   if (r.det == 0) return r.s;
   const double p = material.prestretch_along, q = material.prestretch_across;
@@ -99,7 +103,8 @@ MembraneState membrane_state(const std::array<Vec3, 3>& X, const std::array<Vec3
     Mat3 F = Mat3::Zero();
     F.topLeftCorner<2, 2>() = U, F(2, 2) = thick;
     const double J = r.det * thick;
-    return Mat3(law.whole->at(F * M).P_kPa * (F * M).transpose() / J + (law.lambda_kPa * (J - 1) - p0) * Mat3::Identity());
+    return Mat3(law.whole->at(F * M).P_kPa * (F * M).transpose() / J +
+                (law.lambda_kPa * (J - 1) - p0) * Mat3::Identity());
   };
   double lo = 0.2 / r.det, hi = 3 / r.det;  // J between 0.2 and 3; the stress across rises with the thickness
   for (int k = 0; k < 40; ++k) {
@@ -139,7 +144,8 @@ std::vector<MembraneState> skin_states(const SurfaceView& view, std::span<const 
     }
     const double longest = std::max({(X[1] - X[0]).norm(), (X[2] - X[1]).norm(), (X[0] - X[2]).norm()});
     if (area_vector2(X[0], X[1], X[2]).norm() < kSliver_mm * longest) continue;
-    out[t] = law.points ? membrane_state(X, x, material, body.tension_direction, law) : membrane_state(X, x, material, body.tension_direction);
+    out[t] = law.points ? membrane_state(X, x, material, body.tension_direction, law)
+                        : membrane_state(X, x, material, body.tension_direction);
   }
   return out;
 }
@@ -155,7 +161,9 @@ SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, con
     stress.push_back({m.stress_kPa, m.area_mm2});
     if (m.stress_kPa > s.stress_max_kPa || s.area_mm2 == 0) {
       s.stress_max_kPa = m.stress_kPa;
-      s.most_stressed_mm = (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) / 3;
+      s.most_stressed_mm =
+          (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) /
+          3;
     }
     s.stretch_max = s.area_mm2 == 0 ? m.stretch : std::max(s.stretch_max, m.stretch);
     s.area_mm2 += m.area_mm2;
@@ -166,7 +174,8 @@ SkinStrain skin_strain(const SurfaceView& view, std::span<const Vec3f> x_mm, con
   s.stress_p95_kPa = weighted_percentile(stress, 0.95);
   double sum = 0, area = 0;
   for (const MembraneState& m : states)
-    if (m.area_mm2 > 0 && m.stress_kPa >= s.stress_p95_kPa && m.angle_deg >= 0) sum += m.angle_deg * m.area_mm2, area += m.area_mm2;
+    if (m.area_mm2 > 0 && m.stress_kPa >= s.stress_p95_kPa && m.angle_deg >= 0)
+      sum += m.angle_deg * m.area_mm2, area += m.area_mm2;
   if (area > 0) s.angle_deg = sum / area;
   return s;
 }

@@ -15,7 +15,8 @@ struct Measure {
 
 class Adapter {
  public:
-  Adapter(Mesh& m, const AdaptSettings& s, Delta& d) : m_(m), s_(s), d_(d), least_(s.min_edge_mm > 0 ? s.min_edge_mm : s.edge_mm / 8) {}
+  Adapter(Mesh& m, const AdaptSettings& s, Delta& d)
+      : m_(m), s_(s), d_(d), least_(s.min_edge_mm > 0 ? s.min_edge_mm : s.edge_mm / 8) {}
 
   bool pass(int number, AdaptReport& r) {
     const int64_t before = r.splits + r.merges + r.exchanges;
@@ -24,7 +25,8 @@ class Adapter {
       if (room <= 0 || m_.vertices() + 2 > s_.max_vertices) break;
       if (!m_.alive_face(f) || is_end(m_.kind(f))) continue;
       const Measure a = measure(f);
-      const bool large = a.area > std::sqrt(2.) * a.wanted, many = m_.face_size[size_t(f)] > kMostVertices, thin = a.elongation > 2 && a.area > a.wanted;
+      const bool large = a.area > std::sqrt(2.) * a.wanted, many = m_.face_size[size_t(f)] > kMostVertices,
+                 thin = a.elongation > 2 && a.area > a.wanted;
       if ((large || many || thin) && t2_across(m_, f, d_)) ++r.splits, --room;
     }
     for (int32_t v : order(m_.slots(), uint64_t(2 * number + 1)))
@@ -35,7 +37,8 @@ class Adapter {
         const int32_t C = m_.left[size_t(v)][(k + 1) % 3], D = m_.left[size_t(u)][size_t(m_.slot(u, v) + 1) % 3];
         if (is_end(m_.kind(A)) || is_end(m_.kind(B))) continue;
         const int32_t a = size(A), b = size(B), c = size(C), d = size(D);
-        if (room > 0 && a + b - 4 <= kMostVertices && (c > kFewest || is_end(m_.kind(C))) && (d > kFewest || is_end(m_.kind(D)))) {
+        if (room > 0 && a + b - 4 <= kMostVertices && (c > kFewest || is_end(m_.kind(C))) &&
+            (d > kFewest || is_end(m_.kind(D)))) {
           const Measure x = measure(A), y = measure(B);
           if (x.area * y.area <= 0.25 * x.wanted * y.wanted && t1(m_, v, u, d_)) {
             ++r.merges, --room;
@@ -43,7 +46,8 @@ class Adapter {
           }
         }
         const auto bad = [](int32_t n) { return (n - 6) * (n - 6); };
-        if (a > kFewest && b > kFewest && bad(a - 1) + bad(b - 1) + bad(c + 1) + bad(d + 1) < bad(a) + bad(b) + bad(c) + bad(d) &&
+        if (a > kFewest && b > kFewest &&
+            bad(a - 1) + bad(b - 1) + bad(c + 1) + bad(d + 1) < bad(a) + bad(b) + bad(c) + bad(d) &&
             exchange(m_, v, u, Turn::clockwise, d_))
           ++r.exchanges;
       }
@@ -87,7 +91,8 @@ class Adapter {
       out.elongation = small > 0 ? std::sqrt((tr / 2 + root) / small) : 1e9;
     }
     double h = s_.edge_mm;
-    if (s_.chord_mm > 0 && H > 0) h = std::clamp(std::sqrt(8 * s_.chord_mm / H), std::min(least_, s_.edge_mm), s_.edge_mm);
+    if (s_.chord_mm > 0 && H > 0)
+      h = std::clamp(std::sqrt(8 * s_.chord_mm / H), std::min(least_, s_.edge_mm), s_.edge_mm);
     out.wanted = 1.5 * std::sqrt(3.) * h * h;
     return out;
   }
@@ -101,7 +106,8 @@ class Adapter {
 }  // namespace
 
 AdaptReport adapt(Mesh& m, const AdaptSettings& s, Delta& delta) {
-  if (!std::isfinite(s.edge_mm) || s.edge_mm <= 0) throw InputError("", 0, "the wanted edge must be a finite number above 0 mm");
+  if (!std::isfinite(s.edge_mm) || s.edge_mm <= 0)
+    throw InputError("", 0, "the wanted edge must be a finite number above 0 mm");
   if (!std::isfinite(s.chord_mm) || s.chord_mm < 0 || !std::isfinite(s.min_edge_mm) || s.min_edge_mm < 0)
     throw InputError("", 0, "the chord error and the smallest edge must be finite numbers, 0 mm or more");
   AdaptReport r;

@@ -72,8 +72,10 @@ ContourResult contour_through(const Mesh& m, std::span<const int32_t> picks) {
       return out;
     }
     for (int32_t v : part) {
-      if (c.size() > 1 && c[c.size() - 2] == v) c.pop_back();  // there and back again
-      else c.push_back(v);
+      if (c.size() > 1 && c[c.size() - 2] == v)
+        c.pop_back();  // there and back again
+      else
+        c.push_back(v);
     }
   }
   while (c.size() > 2 && c[1] == c.back()) c.erase(c.begin()), c.pop_back();
@@ -106,7 +108,8 @@ ContourResult contour_of_faces(const Mesh& m, std::span<const int32_t> faces) {
     out.reason = "the region is a whole part or nothing; it has no border";
     return out;
   }
-  // Region on the left: at the end of a border edge, the next border edge is the first, from the region's face on, whose
+  // Region on the left: at the end of a border edge, the next border edge is the first, from the region's face on,
+  // whose
   // other side lies outside.
   int32_t h = first;
   do {
@@ -114,14 +117,17 @@ ContourResult contour_of_faces(const Mesh& m, std::span<const int32_t> faces) {
     h = m.next(h);
     while (in[size_t(m.face(m.twin(h)))]) h = m.next(m.twin(h));
   } while (h != first && out.contour.size() <= edges);
-  if (out.contour.size() != edges) out.reason = "the region has more than one border";
-  else out.reason = fault_of_cycle(m, out.contour);
+  if (out.contour.size() != edges)
+    out.reason = "the region has more than one border";
+  else
+    out.reason = fault_of_cycle(m, out.contour);
   if (!out) out.contour.clear();
   return out;
 }
 
 PlaneCurves curves_of_plane(const Mesh& m, const Vec3& point, const Vec3& normal) {
-  if (!point.allFinite() || !normal.allFinite() || !(normal.norm() > 0)) throw InputError("", 0, "a plane needs a finite point and a finite normal that is not zero");
+  if (!point.allFinite() || !normal.allFinite() || !(normal.norm() > 0))
+    throw InputError("", 0, "a plane needs a finite point and a finite normal that is not zero");
   PlaneCurves out;
   std::vector<double> s(m.nbr.size());
   const Vec3 n = normal.normalized();
@@ -145,8 +151,10 @@ PlaneCurves curves_of_plane(const Mesh& m, const Vec3& point, const Vec3& normal
         while (!above(m.to(e))) e = m.next(e);  // the first edge of that face that comes up again
         h = m.twin(e);
       } while (!done[size_t(h)]);
-      if (open) ++out.open;
-      else out.curve.push_back(std::move(curve));
+      if (open)
+        ++out.open;
+      else
+        out.curve.push_back(std::move(curve));
     }
   }
   return out;

@@ -1,5 +1,6 @@
 #pragma once
-// Contours: closed cycles of neighbouring vertices, and closed curves across edges. Where they come from (picks, planes,
+// Contours: closed cycles of neighbouring vertices, and closed curves across edges. Where they come from (picks,
+// planes,
 // regions of faces, rims of holes) and how holes are made from them.
 #include <span>
 #include <string>
@@ -16,16 +17,20 @@ struct ContourResult {
   explicit operator bool() const { return reason.empty(); }
 };
 
-/// Through picked vertices in order and back to the first: shortest paths along edges (ties go to the smaller vertex), with
-/// spurs taken out. Refused when fewer than two different vertices are picked, a pick does not exist, two lie on different
+/// Through picked vertices in order and back to the first: shortest paths along edges (ties go to the smaller vertex),
+/// with
+/// spurs taken out. Refused when fewer than two different vertices are picked, a pick does not exist, two lie on
+/// different
 /// parts, or the way crosses itself.
 ContourResult contour_through(const Mesh& mesh, std::span<const int32_t> picks);
 
 /// The border of a region of faces, with the region on its left. Refused when the border is not one simple cycle.
 ContourResult contour_of_faces(const Mesh& mesh, std::span<const int32_t> faces);
 
-/// Closed curves in which a plane crosses the surface, for t4_edges: each with the side of the normal on its left. A vertex
-/// on the plane counts as on the side of the normal. Curves that reach an end face are left out and counted. All curves may
+/// Closed curves in which a plane crosses the surface, for t4_edges: each with the side of the normal on its left. A
+/// vertex
+/// on the plane counts as on the side of the normal. Curves that reach an end face are left out and counted. All curves
+/// may
 /// be cut one after the other: no edge is in two of them.
 struct PlaneCurves {
   std::vector<std::vector<Crossing>> curve;  // in order of their smallest vertex
@@ -38,7 +43,8 @@ PlaneCurves curves_of_plane(const Mesh& mesh, const Vec3& point_mm, const Vec3& 
 std::string keep_contour(Mesh& mesh, std::span<const int32_t> contour);
 void release_contour(Mesh& mesh, size_t index);
 
-/// Sets the zone of all vertices that can be reached from v without crossing the vertices of kept contours (which stay as
+/// Sets the zone of all vertices that can be reached from v without crossing the vertices of kept contours (which stay
+/// as
 /// they are). Returns how many.
 int32_t fill_zone(Mesh& mesh, int32_t v, uint16_t zone);
 

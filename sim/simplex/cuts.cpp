@@ -42,7 +42,8 @@ bool connected(const Mesh& m, int32_t a, int32_t b) {
 }
 
 /// Ends a cut that `d` holds: obeys the policy or takes the cut back.
-Outcome conclude(Mesh& m, int32_t left, int32_t right, int32_t mouth_left, int32_t mouth_right, CutPolicy policy, Delta& d, Delta& delta) {
+Outcome conclude(Mesh& m, int32_t left, int32_t right, int32_t mouth_left, int32_t mouth_right, CutPolicy policy,
+                 Delta& d, Delta& delta) {
   Outcome o;
   o.divided = !connected(m, left, right);
   if (policy == CutPolicy::must_divide && !o.divided) o.answer = Answer::does_not_divide;
@@ -57,10 +58,11 @@ Outcome conclude(Mesh& m, int32_t left, int32_t right, int32_t mouth_left, int32
   return o;
 }
 
-/// Two faces that are about to be joined, each with the faces around it. Rings run along the contour: x reversed, y as it is.
+/// Two faces that are about to be joined, each with the faces around it. Rings run along the contour: x reversed, y as
+/// it is.
 struct Mouths {
-  Ring l, r;    // ring vertices
-  Ring G, H;    // face behind l[i] - l[i + 1], and behind r[i] - r[i + 1]
+  Ring l, r;  // ring vertices
+  Ring G, H;  // face behind l[i] - l[i + 1], and behind r[i] - r[i + 1]
 };
 
 Answer open_mouths(const Mesh& m, int32_t x, int32_t y, Mouths& o) {
@@ -104,7 +106,9 @@ bool runs_through(const Ring& ring, const Ring& order) {
 std::vector<double> shares(const Mesh& m, const Ring& ring, size_t start) {
   std::vector<double> s{0};
   for (size_t i = 0; i < ring.size(); ++i)
-    s.push_back(s.back() + (m.x_mm[size_t(ring[(start + i + 1) % ring.size()])] - m.x_mm[size_t(ring[(start + i) % ring.size()])]).norm());
+    s.push_back(
+        s.back() +
+        (m.x_mm[size_t(ring[(start + i + 1) % ring.size()])] - m.x_mm[size_t(ring[(start + i) % ring.size()])]).norm());
   const double all = s.back();
   s.pop_back();
   for (size_t i = 0; i < s.size(); ++i) s[i] = all > 0 ? s[i] / all : double(i) / double(s.size());
@@ -116,7 +120,8 @@ Ring interleave(const Mesh& m, const Mouths& o) {
   double best = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < o.l.size(); ++i)
     for (size_t j = 0; j < o.r.size(); ++j)
-      if (const double d = (m.x_mm[size_t(o.l[i])] - m.x_mm[size_t(o.r[j])]).squaredNorm(); d < best) best = d, bi = i, bj = j;
+      if (const double d = (m.x_mm[size_t(o.l[i])] - m.x_mm[size_t(o.r[j])]).squaredNorm(); d < best)
+        best = d, bi = i, bj = j;
   Ring c;
   size_t i = 0, j = 0;
   if (o.l.size() == o.r.size()) {  // in turns
@@ -125,8 +130,10 @@ Ring interleave(const Mesh& m, const Mouths& o) {
   }
   const std::vector<double> s = shares(m, o.l, bi), t = shares(m, o.r, bj);
   while (i < s.size() || j < t.size()) {
-    if (j == t.size() || (i < s.size() && s[i] <= t[j])) c.push_back(o.l[(bi + i++) % o.l.size()]);
-    else c.push_back(o.r[(bj + j++) % o.r.size()]);
+    if (j == t.size() || (i < s.size() && s[i] <= t[j]))
+      c.push_back(o.l[(bi + i++) % o.l.size()]);
+    else
+      c.push_back(o.r[(bj + j++) % o.r.size()]);
   }
   return c;
 }
@@ -151,8 +158,10 @@ Outcome t4(Mesh& m, std::span<const int32_t> c, CutPolicy policy, Delta& delta) 
   for (size_t j = 0; j < k; ++j) {
     const int32_t before = c[(j + k - 1) % k], v = c[j], after = c[(j + 1) % k];
     const bool left = m.nbr[size_t(v)][size_t(m.slot(v, before) + 2) % 3] != after;
-    if (left) l.push_back(v), at_l.push_back(j), G.push_back(m.face(m.edge(v, after)));
-    else r.push_back(v), at_r.push_back(j), H.push_back(m.face(m.edge(after, v)));
+    if (left)
+      l.push_back(v), at_l.push_back(j), G.push_back(m.face(m.edge(v, after)));
+    else
+      r.push_back(v), at_r.push_back(j), H.push_back(m.face(m.edge(after, v)));
   }
   if (l.size() < 3) return no(Answer::too_few_left);
   if (r.size() < 3) return no(Answer::too_few_right);
@@ -207,16 +216,20 @@ Outcome t3(Mesh& m, int32_t x, int32_t y, std::span<const int32_t> c, Delta& del
     if (!m.alive(c[j])) return no(Answer::no_such_vertex, c[j]);
     const auto at_l = std::find(o.l.begin(), o.l.end(), c[j]), at_r = std::find(o.r.begin(), o.r.end(), c[j]);
     left[j] = at_l != o.l.end();
-    if (left[j]) l.push_back(c[j]), face[j] = o.G[size_t(at_l - o.l.begin())];
-    else if (at_r != o.r.end()) r.push_back(c[j]), face[j] = o.H[size_t(at_r - o.r.begin())];
-    else return no(Answer::not_interleaved, c[j]);
+    if (left[j])
+      l.push_back(c[j]), face[j] = o.G[size_t(at_l - o.l.begin())];
+    else if (at_r != o.r.end())
+      r.push_back(c[j]), face[j] = o.H[size_t(at_r - o.r.begin())];
+    else
+      return no(Answer::not_interleaved, c[j]);
   }
   if (!runs_through(o.l, l) || !runs_through(o.r, r)) return no(Answer::not_interleaved);
   // Along the contour the faces of one side meet those of the other; they may not have met before.
   int32_t now[2] = {-1, -1};
   for (size_t j = 0; j < 2 * k; ++j) {
     now[left[j % k]] = face[j % k];
-    if (now[0] >= 0 && now[1] >= 0 && j >= k && share_edge(m, now[0], now[1])) return no(Answer::faces_meet_twice, c[j % k]);
+    if (now[0] >= 0 && now[1] >= 0 && j >= k && share_edge(m, now[0], now[1]))
+      return no(Answer::faces_meet_twice, c[j % k]);
   }
   Edit e(m, delta);
   std::vector<Row> fresh;
@@ -231,7 +244,8 @@ Outcome t3(Mesh& m, int32_t x, int32_t y, std::span<const int32_t> c, Delta& del
   }
   for (size_t j = 0; j < k; ++j) e.save_vertex(c[j]), m.nbr[size_t(c[j])] = fresh[j];
   e.free_face(y), e.free_face(x);
-  for (size_t j = 0; j < k; ++j) e.mark_face(face[j], left[j] ? m.edge(c[j], c[(j + 1) % k]) : m.edge(c[(j + 1) % k], c[j]));
+  for (size_t j = 0; j < k; ++j)
+    e.mark_face(face[j], left[j] ? m.edge(c[j], c[(j + 1) % k]) : m.edge(c[(j + 1) % k], c[j]));
   for (int32_t v : c) e.reshape(v);
   ++m.version;
   return {};
@@ -305,8 +319,10 @@ Outcome t3_spokes(Mesh& m, int32_t x, int32_t y, Delta& delta, int32_t start_x, 
       if (sum < best) best = sum, j0 = j;
     }
   }
-  std::rotate(o.l.begin(), o.l.begin() + std::ptrdiff_t(i0), o.l.end()), std::rotate(o.G.begin(), o.G.begin() + std::ptrdiff_t(i0), o.G.end());
-  std::rotate(o.r.begin(), o.r.begin() + std::ptrdiff_t(j0), o.r.end()), std::rotate(o.H.begin(), o.H.begin() + std::ptrdiff_t(j0), o.H.end());
+  std::rotate(o.l.begin(), o.l.begin() + std::ptrdiff_t(i0), o.l.end()),
+      std::rotate(o.G.begin(), o.G.begin() + std::ptrdiff_t(i0), o.G.end());
+  std::rotate(o.r.begin(), o.r.begin() + std::ptrdiff_t(j0), o.r.end()),
+      std::rotate(o.H.begin(), o.H.begin() + std::ptrdiff_t(j0), o.H.end());
   auto spoke = [&](int32_t v, const Ring& ring, size_t i) {
     for (int32_t u : m.nbr[size_t(v)])
       if (u != ring[(i + 1) % k] && u != ring[(i + k - 1) % k]) return u;

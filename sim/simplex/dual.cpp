@@ -52,7 +52,8 @@ Mesh from_triangles(const std::vector<Vec3>& X, const std::vector<Tri>& tri, Dua
   std::vector<Vec3> normal(X.size(), Vec3::Zero());
   for (size_t t = 0; t < tri.size(); ++t) {
     for (int32_t v : tri[t])
-      if (v < 0 || size_t(v) >= X.size()) refuse("triangle " + text(t) + " names vertex " + text(v) + ", which does not exist");
+      if (v < 0 || size_t(v) >= X.size())
+        refuse("triangle " + text(t) + " names vertex " + text(v) + ", which does not exist");
     for (size_t k = 0; k < 3; ++k) {
       const int32_t a = tri[t][k], b = tri[t][(k + 1) % 3];
       if (a == b) refuse("triangle " + text(t) + " has the corner " + text(a) + " twice");
@@ -98,14 +99,16 @@ Mesh from_triangles(const std::vector<Vec3>& X, const std::vector<Tri>& tri, Dua
     for (int32_t e = first; cone[size_t(e)] < 0; e = leaving[size_t(border[size_t(e)].to)]) {
       cone[size_t(e)] = next++;
       loop.push_back(e);
-      if (leaving[size_t(border[size_t(e)].to)] < 0) refuse("the border is not closed at vertex " + text(border[size_t(e)].to));
+      if (leaving[size_t(border[size_t(e)].to)] < 0)
+        refuse("the border is not closed at vertex " + text(border[size_t(e)].to));
     }
     const size_t n = loop.size();
     if (n < 3) refuse("a border has only " + text(n) + " edges");
     hole_start.push_back(cone[size_t(first)]);
     for (size_t i = 0; i < n; ++i) {
       const Border& b = border[size_t(loop[i])];
-      // Cone triangle (to, from, tip): across to->from is the triangle, across from->tip the cone before, across tip->to the next.
+      // Cone triangle (to, from, tip): across to->from is the triangle, across from->tip the cone before, across
+      // tip->to the next.
       nbr.push_back({b.tri, cone[size_t(loop[(i + n - 1) % n])], cone[size_t(loop[(i + 1) % n])]});
       nbr[size_t(b.tri)][size_t(b.k)] = cone[size_t(loop[i])];
     }
@@ -144,7 +147,8 @@ Vec3 face_centre(const Mesh& m, int32_t f) {
       near.plane(m.x_mm[size_t(h / 3)], unit(area_vector2(m.x_mm[size_t(h / 3)], m.x_mm[size_t(m.to(h))], before)));
       return;
     }
-    near.plane(m.x_mm[size_t(h / 3)], unit(area_vector2(m.x_mm[size_t(r[0])], m.x_mm[size_t(r[1])], m.x_mm[size_t(r[2])])));
+    near.plane(m.x_mm[size_t(h / 3)],
+               unit(area_vector2(m.x_mm[size_t(r[0])], m.x_mm[size_t(r[1])], m.x_mm[size_t(r[2])])));
   });
   return near.solve();
 }

@@ -44,11 +44,21 @@ void undo(Mesh& m, Delta& d) {
         m.nbr.pop_back(), m.left.pop_back(), m.x_mm.pop_back(), m.before_mm.pop_back();
         m.shape.pop_back(), m.metric.pop_back(), m.zone.pop_back(), m.flags.pop_back();
         break;
-      case What::new_face: m.face_edge.pop_back(), m.face_size.pop_back(), m.face_kind.pop_back(); break;
-      case What::reused_vertex: m.free_vertex.push_back(i); break;
-      case What::reused_face: m.free_face.push_back(i); break;
-      case What::freed_vertex: m.free_vertex.pop_back(); break;
-      case What::freed_face: m.free_face.pop_back(); break;
+      case What::new_face:
+        m.face_edge.pop_back(), m.face_size.pop_back(), m.face_kind.pop_back();
+        break;
+      case What::reused_vertex:
+        m.free_vertex.push_back(i);
+        break;
+      case What::reused_face:
+        m.free_face.push_back(i);
+        break;
+      case What::freed_vertex:
+        m.free_vertex.pop_back();
+        break;
+      case What::freed_face:
+        m.free_face.pop_back();
+        break;
       case What::contours:
         m.contour = std::move(d.contours_.back());
         d.contours_.pop_back();
@@ -60,7 +70,8 @@ void undo(Mesh& m, Delta& d) {
 
 void Edit::save_vertex(int32_t v) {
   const size_t i = size_t(v);
-  d_.vertex_.push_back({m.nbr[i], m.left[i], m.x_mm[i], m.before_mm[i], m.shape[i], m.metric[i], m.zone[i], m.flags[i]});
+  d_.vertex_.push_back(
+      {m.nbr[i], m.left[i], m.x_mm[i], m.before_mm[i], m.shape[i], m.metric[i], m.zone[i], m.flags[i]});
   d_.step_.push_back({Delta::What::vertex, v});
 }
 

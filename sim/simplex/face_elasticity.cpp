@@ -30,15 +30,19 @@ struct FaceElasticity::Impl {
   std::vector<Vec3> last;  // what the solver gave back: given again unchanged, it goes on where it stands
 };
 
-FaceElasticity::FaceElasticity(std::span<const Body> bodies, const ElasticitySettings& s, Workers& workers) : impl_(std::make_unique<Impl>(workers)) {
-  if (!(s.poisson >= 0 && s.poisson <= 0.49)) throw InputError("", 0, "a Poisson ratio of 0 to 0.49 was expected for the tissue under a face");
-  if (!(s.skin_mm >= 0) || !(s.skin_kPa >= 0) || !std::isfinite(s.skin_mm + s.skin_kPa)) throw InputError("", 0, "the skin's thickness and stiffness must be finite numbers, 0 or more");
+FaceElasticity::FaceElasticity(std::span<const Body> bodies, const ElasticitySettings& s, Workers& workers)
+    : impl_(std::make_unique<Impl>(workers)) {
+  if (!(s.poisson >= 0 && s.poisson <= 0.49))
+    throw InputError("", 0, "a Poisson ratio of 0 to 0.49 was expected for the tissue under a face");
+  if (!(s.skin_mm >= 0) || !(s.skin_kPa >= 0) || !std::isfinite(s.skin_mm + s.skin_kPa))
+    throw InputError("", 0, "the skin's thickness and stiffness must be finite numbers, 0 or more");
   ShapedModel shaped;
   std::map<std::array<double, 3>, int32_t> weld;  // nodes on the skin by their place, the same bits where regions meet
   for (const Body& b : bodies) {
     const Tissue& t = *b.tissue;
     if (t.tet.empty() || t.layers < 1) throw InputError("", 0, "a tissue with tetrahedra was expected");
-    if (!(b.young_kPa > 0) || !std::isfinite(b.young_kPa)) throw InputError("", 0, "finite elements need a stiffness above 0 kPa");
+    if (!(b.young_kPa > 0) || !std::isfinite(b.young_kPa))
+      throw InputError("", 0, "finite elements need a stiffness above 0 kPa");
     const size_t n = t.node_mm.size() / size_t(t.layers + 1), top = n * size_t(t.layers);
     std::vector<int32_t>& number = node_.emplace_back();
     for (size_t i = 0; i < t.node_mm.size(); ++i) {

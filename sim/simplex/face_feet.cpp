@@ -65,7 +65,8 @@ double Standing::stand(const Vec3& p, Anchor& a) const {
   const std::vector<int32_t> ring = bones_.ring(fan_.face[size_t(c.triangle)]);
   const size_t at = size_t(std::find(ring.begin(), ring.end(), t[1]) - ring.begin());
   a.skull[0] = t[1], a.skull[1] = t[2], a.skull[2] = ring[(at + 1 + ring.size() / 2) % ring.size()];
-  const LocalFrame f = local_frame(p, bones_.x_mm[size_t(a.skull[0])], bones_.x_mm[size_t(a.skull[1])], bones_.x_mm[size_t(a.skull[2])]);
+  const LocalFrame f =
+      local_frame(p, bones_.x_mm[size_t(a.skull[0])], bones_.x_mm[size_t(a.skull[1])], bones_.x_mm[size_t(a.skull[2])]);
   for (size_t k = 0; k < 3; ++k) a.weight[k] = f.e[k];
   a.height_mm = f.L_mm;
   a.axes = axes_of(a, bones_);

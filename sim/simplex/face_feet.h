@@ -1,5 +1,6 @@
 #pragma once
-// Where the tissue under a face stands on bone: three vertices of the bone carry a place and a turn, which is how both follow the
+// Where the tissue under a face stands on bone: three vertices of the bone carry a place and a turn, which is how both
+// follow the
 // fragment that owns these vertices, and how they are found again after a cut.
 #include <cstdint>
 #include <span>
@@ -14,16 +15,17 @@ namespace limberg::simplex {
 
 struct Foot {
   Anchor at;
-  Vec3 rest_mm = Vec3::Zero();       // where it stands on the bones at rest
-  Mat3 turn = Mat3::Identity();      // of its bone from rest to when it was connected
-  Vec3 now_mm = Vec3::Zero();        // place and turn (since connected) of the last carry
+  Vec3 rest_mm = Vec3::Zero();   // where it stands on the bones at rest
+  Mat3 turn = Mat3::Identity();  // of its bone from rest to when it was connected
+  Vec3 now_mm = Vec3::Zero();    // place and turn (since connected) of the last carry
   Mat3 now_turn = Mat3::Identity();
 };
 
 Vec3 place_of(const Anchor& anchor, const Mesh& bones);
 Foot make_foot(const Anchor& anchor, const Mesh& bones_now, const Mesh& bones_at_rest);
 
-/// The map x -> Q x + c of what stands over a foot, since the last carry; how far the foot itself went, mm. The foot is then there.
+/// The map x -> Q x + c of what stands over a foot, since the last carry; how far the foot itself went, mm. The foot is
+/// then there.
 struct Carry {
   Mat3 Q = Mat3::Identity();
   Vec3 c = Vec3::Zero();
@@ -41,7 +43,8 @@ class Standing {
   /// Only the faces that reach into a box.
   Standing(const Mesh& bones, const Vec3& lo_mm, const Vec3& hi_mm);
   bool empty() const { return bvh_.empty(); }
-  /// The place of the ground nearest to p: three vertices of the face it lies in carry p. How far it is, mm; less than 0: there is no
+  /// The place of the ground nearest to p: three vertices of the face it lies in carry p. How far it is, mm; less than
+  /// 0: there is no
   /// ground.
   double stand(const Vec3& p_mm, Anchor& anchor) const;
 

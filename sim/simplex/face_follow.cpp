@@ -9,10 +9,13 @@ namespace limberg::simplex {
 void FaceModel::turn_as_one(const Mesh& bones, const Eigen::Isometry3d& by) {
   const Mat3 Q = by.linear();
   for (int32_t v = 0; v < face_.slots(); ++v)
-    if (face_.alive(v)) face_.x_mm[size_t(v)] = by * face_.x_mm[size_t(v)], face_.before_mm[size_t(v)] = by * face_.before_mm[size_t(v)];
+    if (face_.alive(v))
+      face_.x_mm[size_t(v)] = by * face_.x_mm[size_t(v)], face_.before_mm[size_t(v)] = by * face_.before_mm[size_t(v)];
   for (Region& r : region_) {
     Tissue& t = r.tissue;
-    for (size_t v = 0; v < t.nbr.size(); ++v) t.x_mm[v] = by * t.x_mm[v], t.before_mm[v] = by * t.before_mm[v], t.turn[v] = Q * t.turn[v], t.bent_mm[v] = Q * t.bent_mm[v];
+    for (size_t v = 0; v < t.nbr.size(); ++v)
+      t.x_mm[v] = by * t.x_mm[v], t.before_mm[v] = by * t.before_mm[v], t.turn[v] = Q * t.turn[v],
+      t.bent_mm[v] = Q * t.bent_mm[v];
     for (std::vector<Foot>* feet : {&r.anchor, &r.under})
       for (Foot& f : *feet) carry(f, bones);
   }
@@ -24,7 +27,10 @@ void FaceModel::follow(const Mesh& bones) {
     for (const std::vector<Foot>* feet : {&r.anchor, &r.under})
       for (const Foot& f : *feet)
         for (int32_t v : f.at.skull)
-          if (!bones.alive(v)) throw InputError("", 0, "tissue " + r.plan.name + " stands on vertex " + std::to_string(v) + " of the bones, which has gone; rebind was expected");
+          if (!bones.alive(v))
+            throw InputError("", 0,
+                             "tissue " + r.plan.name + " stands on vertex " + std::to_string(v) +
+                                 " of the bones, which has gone; rebind was expected");
   Eigen::Isometry3d whole;
   const bool as_one = !bones_mm_.empty() && moved_as_one(bones_mm_, bones, whole);
   bones_mm_ = bones.x_mm;
@@ -94,8 +100,10 @@ void FaceModel::rebind(const Mesh& rest) {
   components(rest, component);
   const auto holds = [&](const Foot& f) {
     const Anchor& a = f.at;
-    return rest.alive(a.skull[0]) && rest.alive(a.skull[1]) && rest.alive(a.skull[2]) && component[size_t(a.skull[0])] == component[size_t(a.skull[1])] &&
-           component[size_t(a.skull[1])] == component[size_t(a.skull[2])] && (place_of(a, rest) - f.rest_mm).norm() < 1e-9;
+    return rest.alive(a.skull[0]) && rest.alive(a.skull[1]) && rest.alive(a.skull[2]) &&
+           component[size_t(a.skull[0])] == component[size_t(a.skull[1])] &&
+           component[size_t(a.skull[1])] == component[size_t(a.skull[2])] &&
+           (place_of(a, rest) - f.rest_mm).norm() < 1e-9;
   };
   std::vector<Foot*> lost;
   for (Region& r : region_)
@@ -123,7 +131,8 @@ void FaceModel::rebind(const Mesh& rest) {
     for (size_t i = 0; i < r.anchor.size(); ++i) r.tissue.anchor[i] = r.anchor[i].at;
     const int now = fragments_under(component, r.anchor);
     if (now > r.fragments)
-      warnings_.push_back("tissue " + r.plan.name + " hangs on " + std::to_string(now) + " fragments now (" + std::to_string(r.fragments) + " when it was made): a cut goes through its region");
+      warnings_.push_back("tissue " + r.plan.name + " hangs on " + std::to_string(now) + " fragments now (" +
+                          std::to_string(r.fragments) + " when it was made): a cut goes through its region");
   }
 }
 

@@ -19,21 +19,38 @@ limberg::Outcome refuse(std::string why) { return {false, std::move(why)}; }
 
 const char* name_of(FaceMode m) {
   switch (m) {
-    case FaceMode::smoothing: return "smoothing";
-    case FaceMode::springs: return "springs";
-    case FaceMode::shape: return "shape";
-    case FaceMode::finite_elements: return "finite elements";
+    case FaceMode::smoothing:
+      return "smoothing";
+    case FaceMode::springs:
+      return "springs";
+    case FaceMode::shape:
+      return "shape";
+    case FaceMode::finite_elements:
+      return "finite elements";
   }
   return "";
 }
 
-FaceModel::FaceModel(Mesh face, Workers& workers, const FaceModelSettings& settings) : workers_(&workers), settings_(settings), face_(std::move(face)), rest_mm_(face_.x_mm) {
+FaceModel::FaceModel(Mesh face, Workers& workers, const FaceModelSettings& settings)
+    : workers_(&workers), settings_(settings), face_(std::move(face)), rest_mm_(face_.x_mm) {
   face_.before_mm = face_.x_mm;
   record_shape(face_);
 }
 FaceModel::FaceModel(const FaceModel& o)
-    : workers_(o.workers_), settings_(o.settings_), face_(o.face_), rest_mm_(o.rest_mm_), region_(o.region_), warnings_(o.warnings_), u_mm_(o.u_mm_), frame_(o.frame_), bones_mm_(o.bones_mm_), elastic_(o.elastic_),
-      at_rest_(o.at_rest_), elastic_rest_(o.elastic_rest_), simplex_rest_(o.simplex_rest_), still_(o.still_) {}
+    : workers_(o.workers_),
+      settings_(o.settings_),
+      face_(o.face_),
+      rest_mm_(o.rest_mm_),
+      region_(o.region_),
+      warnings_(o.warnings_),
+      u_mm_(o.u_mm_),
+      frame_(o.frame_),
+      bones_mm_(o.bones_mm_),
+      elastic_(o.elastic_),
+      at_rest_(o.at_rest_),
+      elastic_rest_(o.elastic_rest_),
+      simplex_rest_(o.simplex_rest_),
+      still_(o.still_) {}
 FaceModel& FaceModel::operator=(const FaceModel& o) {
   if (this != &o) *this = FaceModel(o);
   return *this;
@@ -43,20 +60,25 @@ FaceModel& FaceModel::operator=(FaceModel&&) noexcept = default;
 FaceModel::~FaceModel() = default;
 
 bool FaceModel::any(bool elastic) const {
-  return std::any_of(region_.begin(), region_.end(), [&](const Region& r) { return (r.plan.mode == FaceMode::finite_elements) == elastic; });
+  return std::any_of(region_.begin(), region_.end(),
+                     [&](const Region& r) { return (r.plan.mode == FaceMode::finite_elements) == elastic; });
 }
 
 limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, const Mesh* at_rest) {
   for (const Region& r : region_) {
-    if (r.plan.name == plan.name) return refuse("there is a tissue " + plan.name + " already; another name was expected");
+    if (r.plan.name == plan.name)
+      return refuse("there is a tissue " + plan.name + " already; another name was expected");
     std::vector<uint8_t> has(face_.nbr.size(), 0);
     for (int32_t v : r.face_vertex) has[size_t(v)] = 1;
-    const auto both = std::count_if(plan.face_region.begin(), plan.face_region.end(), [&](int32_t v) { return face_.alive(v) && has[size_t(v)]; });
+    const auto both = std::count_if(plan.face_region.begin(), plan.face_region.end(),
+                                    [&](int32_t v) { return face_.alive(v) && has[size_t(v)]; });
     if (both > 0)
-      return refuse("its region of the face overlaps that of tissue " + r.plan.name + " (" + std::to_string(both) + " of " + std::to_string(plan.face_region.size()) +
+      return refuse("its region of the face overlaps that of tissue " + r.plan.name + " (" + std::to_string(both) +
+                    " of " + std::to_string(plan.face_region.size()) +
                     " vertices); expected a place farther from it or a smaller radius");
   }
-  if (plan.mode == FaceMode::finite_elements && !(plan.young_kPa > 0)) return refuse("finite elements need a stiffness above 0 kPa");
+  if (plan.mode == FaceMode::finite_elements && !(plan.young_kPa > 0))
+    return refuse("finite elements need a stiffness above 0 kPa");
   TissueSettings s;
   s.layers = plan.layers, s.young_kPa = plan.young_kPa, s.max_thickness_mm = settings_.max_thickness_mm;
   TissueResult built = build_tissue(face_, plan.face_region, bones, plan.skull_region, s, *workers_);
@@ -97,7 +119,8 @@ limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, cons
       r.under.push_back(make_foot(a, bones, rest));
     }
     for (size_t c = 0; c < columns; ++c)
-      r.over.push_back(local_frame(face_.x_mm[size_t(r.face_vertex[c])], t.node_mm[size_t(r.top[c][0])], t.node_mm[size_t(r.top[c][1])], t.node_mm[size_t(r.top[c][2])]));
+      r.over.push_back(local_frame(face_.x_mm[size_t(r.face_vertex[c])], t.node_mm[size_t(r.top[c][0])],
+                                   t.node_mm[size_t(r.top[c][1])], t.node_mm[size_t(r.top[c][2])]));
     const Eigen::Isometry3d back = frame_.inverse();
     for (Vec3& X : t.node_mm) X = back * X;
   }
@@ -124,7 +147,8 @@ void FaceModel::make_elasticity() {
     for (const Region& r : region_) {
       if (r.plan.mode != FaceMode::finite_elements) continue;
       if (body + 1 < bodies.size())  // the last one is new
-        for (size_t i = 0; i < r.tissue.node_mm.size(); ++i) u[size_t(next->node(body, i))] = u_mm_[size_t(elastic_->node(body, i))];
+        for (size_t i = 0; i < r.tissue.node_mm.size(); ++i)
+          u[size_t(next->node(body, i))] = u_mm_[size_t(elastic_->node(body, i))];
       ++body;
     }
   }
@@ -144,7 +168,9 @@ void FaceModel::zones() {
     open.pop();
     if (d > far[size_t(v)]) continue;
     for (int32_t w : face_.nbr[size_t(v)])
-      if (const double e = d + (rest_mm_[size_t(w)] - rest_mm_[size_t(v)]).norm(); e <= settings_.transition_mm && e < far[size_t(w)]) far[size_t(w)] = e, open.push({e, w});
+      if (const double e = d + (rest_mm_[size_t(w)] - rest_mm_[size_t(v)]).norm();
+          e <= settings_.transition_mm && e < far[size_t(w)])
+        far[size_t(w)] = e, open.push({e, w});
   }
   for (size_t v = 0; v < far.size(); ++v) face_.zone[v] = std::isfinite(far[v]) ? kFree : kFar;
   for (const Region& r : region_)
@@ -163,10 +189,13 @@ std::vector<std::string> FaceModel::describe() const {
   std::vector<std::string> out;
   for (const Region& r : region_) {
     char line[300];
-    std::snprintf(line, sizeof line, "%s: %s, %d layers, %zu vertices of the face over %d of tissue (%zu tetrahedra), %.1f kPa", r.plan.name.c_str(), name_of(r.plan.mode), r.tissue.layers,
-                  r.face_vertex.size(), r.tissue.vertices(), r.tissue.tet.size(), r.plan.young_kPa);
+    std::snprintf(line, sizeof line,
+                  "%s: %s, %d layers, %zu vertices of the face over %d of tissue (%zu tetrahedra), %.1f kPa",
+                  r.plan.name.c_str(), name_of(r.plan.mode), r.tissue.layers, r.face_vertex.size(), r.tissue.vertices(),
+                  r.tissue.tet.size(), r.plan.young_kPa);
     out.push_back(line);
-    if (r.plan.mode == FaceMode::springs || r.plan.mode == FaceMode::shape) out.back() += "; " + free_motions(size_t(&r - region_.data()));
+    if (r.plan.mode == FaceMode::springs || r.plan.mode == FaceMode::shape)
+      out.back() += "; " + free_motions(size_t(&r - region_.data()));
   }
   return out;
 }
@@ -175,8 +204,10 @@ std::string FaceModel::free_motions(size_t region, int64_t dense_up_to) const {
   const Region& r = region_[region];
   const ZeroModes z = zero_energy_modes(r.tissue, dense_up_to);
   char line[200];
-  std::snprintf(line, sizeof line, "its springs leave %s%lld of %lld motions free (%.2f per free vertex)%s", z.estimate ? "about " : "", static_cast<long long>(z.modes), static_cast<long long>(z.dofs),
-                z.dofs > 0 ? 3 * double(z.modes) / double(z.dofs) : 0., r.plan.mode == FaceMode::shape || settings_.hold > 0 ? ", held by the shape force" : "");
+  std::snprintf(line, sizeof line, "its springs leave %s%lld of %lld motions free (%.2f per free vertex)%s",
+                z.estimate ? "about " : "", static_cast<long long>(z.modes), static_cast<long long>(z.dofs),
+                z.dofs > 0 ? 3 * double(z.modes) / double(z.dofs) : 0.,
+                r.plan.mode == FaceMode::shape || settings_.hold > 0 ? ", held by the shape force" : "");
   return line;
 }
 

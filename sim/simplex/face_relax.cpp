@@ -65,7 +65,8 @@ FaceModel::Report FaceModel::step_simplex(int iterations) {
   if (const Admission a = scratch_->motion.set_law(law); !a) throw InputError("", 0, a.refused);
   std::vector<Vec3>& force = scratch_->force;
   // Rest is the face's: springs leave motions inside the tissue that nothing brings to an end.
-  const bool influence = std::any_of(region_.begin(), region_.end(), [](const Region& r) { return r.plan.mode != FaceMode::smoothing; });
+  const bool influence =
+      std::any_of(region_.begin(), region_.end(), [](const Region& r) { return r.plan.mode != FaceMode::smoothing; });
   for (; out.iterations < iterations; ++out.iterations) {
     force.assign(face_.nbr.size(), Vec3::Zero());
     out.max_move_mm = 0;
@@ -74,7 +75,9 @@ FaceModel::Report FaceModel::step_simplex(int iterations) {
       for (const Foot& f : r.anchor) r.tissue.x_mm[size_t(f.at.vertex)] = f.now_mm;
       for (const auto& [v, f] : r.tissue.link) r.tissue.x_mm[size_t(v)] = face_.x_mm[size_t(f)];
       TissueLaw l;
-      l.mode = r.plan.mode == FaceMode::smoothing ? TissueMode::smoothing : r.plan.mode == FaceMode::shape ? TissueMode::shape : TissueMode::springs;
+      l.mode = r.plan.mode == FaceMode::smoothing ? TissueMode::smoothing
+               : r.plan.mode == FaceMode::shape   ? TissueMode::shape
+                                                  : TissueMode::springs;
       if (l.mode == TissueMode::springs) l.shape = settings_.hold;
       if (l.mode != TissueMode::smoothing && out.iterations % kTurnEvery == 0) turn_shape(r.tissue, *workers_);
       l.spring = settings_.spring, l.gamma = settings_.gamma;

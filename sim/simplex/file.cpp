@@ -44,11 +44,14 @@ class Parser {
       if (const size_t hash = rest_.find('#'); hash != std::string_view::npos) rest_ = rest_.substr(0, hash);
       const std::string_view key = word();
       if (key.empty()) continue;
-      if (!begun_) begin(key);
-      else statement(key);
+      if (!begun_)
+        begin(key);
+      else
+        statement(key);
       if (!word().empty()) fail("there is more on the line than the statement has");
     }
-    if (!begun_) throw InputError(name_, 0, "the file is empty; expected a simplex mesh that begins with limberg-simplex 1");
+    if (!begun_)
+      throw InputError(name_, 0, "the file is empty; expected a simplex mesh that begins with limberg-simplex 1");
     if (nbr_.empty()) throw InputError(name_, 0, "there are no vertices");
     return finish();
   }
@@ -79,7 +82,8 @@ class Parser {
     const std::string_view w = word();
     double v = 0;
     const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v)) fail("a finite number was expected instead of " + quoted(w));
+    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v))
+      fail("a finite number was expected instead of " + quoted(w));
     return v;
   }
   int32_t whole(int32_t most) {
@@ -105,12 +109,14 @@ class Parser {
 
   void statement(std::string_view key) {
     if (key == "v") {
-      if (int32_t(nbr_.size()) == FileLimits::vertices) fail("there are more than " + std::to_string(FileLimits::vertices) + " vertices");
+      if (int32_t(nbr_.size()) == FileLimits::vertices)
+        fail("there are more than " + std::to_string(FileLimits::vertices) + " vertices");
       x_.push_back(place()), before_.push_back(x_.back());
       Row r;
       for (int32_t& n : r) n = whole(FileLimits::vertices - 1);
       nbr_.push_back(r);
-      zone_.push_back(0), flags_.push_back(0), metric_.push_back({1. / 3, 1. / 3}), shape_.emplace_back(), shaped_.push_back(0);
+      zone_.push_back(0), flags_.push_back(0), metric_.push_back({1. / 3, 1. / 3}), shape_.emplace_back(),
+          shaped_.push_back(0);
       return;
     }
     if (key == "e") {
@@ -131,7 +137,8 @@ class Parser {
       rings_.push_back(std::move(ring));
       return;
     }
-    if (key != "b" && key != "z" && key != "l" && key != "m" && key != "s") fail(quoted(key) + " is no statement; expected v, b, z, l, m, s, e or c");
+    if (key != "b" && key != "z" && key != "l" && key != "m" && key != "s")
+      fail(quoted(key) + " is no statement; expected v, b, z, l, m, s, e or c");
     if (nbr_.empty()) fail(quoted(key) + " belongs to a vertex; a v was expected before it");
     if (key == "b") {
       before_.back() = place();
@@ -159,12 +166,14 @@ class Parser {
     } catch (const InputError& e) {
       throw InputError(name_, 0, e.what());
     }
-    m.before_mm = std::move(before_), m.zone = std::move(zone_), m.flags = std::move(flags_), m.metric = std::move(metric_);
+    m.before_mm = std::move(before_), m.zone = std::move(zone_), m.flags = std::move(flags_),
+    m.metric = std::move(metric_);
     for (size_t v = 0; v < shaped_.size(); ++v)
       if (shaped_[v]) m.shape[v] = shape_[v];
     for (const End& e : ends_) {
       if (!m.alive(e.a) || !m.alive(e.b) || m.slot(e.a, e.b) < 0)
-        throw InputError(name_, e.line, "vertices " + std::to_string(e.a) + " and " + std::to_string(e.b) + " are not neighbours");
+        throw InputError(name_, e.line,
+                         "vertices " + std::to_string(e.a) + " and " + std::to_string(e.b) + " are not neighbours");
       m.face_kind[size_t(m.face(m.edge(e.a, e.b)))] = e.kind;
     }
     for (const Ring& r : rings_)
@@ -202,14 +211,19 @@ std::string to_text(const Mesh& given) {
     if (m.before_mm[i] != m.x_mm[i]) s += 'b', put(s, m.before_mm[i]), s += '\n';
     if (m.zone[i] != 0) s += 'z', put(s, m.zone[i]), s += '\n';
     if (m.flags[i] & kLocked) s += "l\n";
-    if (m.metric[i] != std::array<double, 2>{1. / 3, 1. / 3}) s += 'm', put(s, m.metric[i][0]), put(s, m.metric[i][1]), s += '\n';
+    if (m.metric[i] != std::array<double, 2>{1. / 3, 1. / 3})
+      s += 'm', put(s, m.metric[i][0]), put(s, m.metric[i][1]), s += '\n';
     const Row& r = m.nbr[i];
-    if (const VertexShape& q = m.shape[i]; !(q == encode(m.x_mm[i], m.x_mm[size_t(r[0])], m.x_mm[size_t(r[1])], m.x_mm[size_t(r[2])])))
-      s += 's', put(s, q.e1), put(s, q.e2), put(s, q.phi), put(s, q.height), s += ' ', s += kBranch[int(q.branch)], s += '\n';
+    if (const VertexShape& q = m.shape[i];
+        !(q == encode(m.x_mm[i], m.x_mm[size_t(r[0])], m.x_mm[size_t(r[1])], m.x_mm[size_t(r[2])])))
+      s += 's', put(s, q.e1), put(s, q.e2), put(s, q.phi), put(s, q.height), s += ' ', s += kBranch[int(q.branch)],
+          s += '\n';
   }
-  for (const EndContour& e : end_contours(m)) s += 'e', put(s, e.rim[0]), put(s, e.rim[1]), s += e.kind == FaceKind::hole ? " hole\n" : " cut\n";
+  for (const EndContour& e : end_contours(m))
+    s += 'e', put(s, e.rim[0]), put(s, e.rim[1]), s += e.kind == FaceKind::hole ? " hole\n" : " cut\n";
   for (int32_t f = 0; f < m.face_slots(); ++f)
-    if (m.alive_face(f) && m.kind(f) == FaceKind::wall) s += 'e', put(s, m.from(m.face_edge[size_t(f)])), put(s, m.to(m.face_edge[size_t(f)])), s += " wall\n";
+    if (m.alive_face(f) && m.kind(f) == FaceKind::wall)
+      s += 'e', put(s, m.from(m.face_edge[size_t(f)])), put(s, m.to(m.face_edge[size_t(f)])), s += " wall\n";
   for (const auto& c : m.contour) {
     s += 'c';
     for (int32_t v : c) put(s, v);
@@ -226,7 +240,8 @@ Mesh load_mesh(const std::string& path) {
   std::error_code ec;
   if (std::filesystem::is_directory(path, ec)) throw InputError(path, 0, "is a folder; expected a simplex mesh");
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected a simplex mesh");
+  if (!in)
+    throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected a simplex mesh");
   std::string text;
   std::vector<char> part(1 << 20);
   while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {

@@ -18,7 +18,8 @@ std::optional<std::string> fault_of_rows(const std::vector<Row>& nbr) {
     const Row& r = nbr[size_t(v)];
     if (r == Row{-1, -1, -1}) continue;
     for (size_t k = 0; k < 3; ++k) {
-      if (r[k] < 0 || r[k] >= n) return "vertex " + name(v) + " names the neighbour " + name(r[k]) + ", which does not exist";
+      if (r[k] < 0 || r[k] >= n)
+        return "vertex " + name(v) + " names the neighbour " + name(r[k]) + ", which does not exist";
       if (r[k] == v) return "vertex " + name(v) + " is its own neighbour";
       if (r[k] == r[(k + 1) % 3]) return "vertex " + name(v) + " has the neighbour " + name(r[k]) + " twice";
     }
@@ -70,7 +71,8 @@ std::vector<int32_t> Mesh::ring(int32_t f) const {
 }
 
 Mesh make_mesh(std::vector<Row> nbr, std::vector<Vec3> x_mm) {
-  if (nbr.size() != x_mm.size()) throw InputError("", 0, "a simplex mesh needs one position for every row of neighbours");
+  if (nbr.size() != x_mm.size())
+    throw InputError("", 0, "a simplex mesh needs one position for every row of neighbours");
   if (nbr.size() > size_t(INT32_MAX / 3)) throw InputError("", 0, "a simplex mesh holds at most 715 million vertices");
   if (const auto bad = fault_of_rows(nbr)) throw InputError("", 0, *bad);
   Mesh m;
@@ -87,8 +89,8 @@ Mesh make_mesh(std::vector<Row> nbr, std::vector<Vec3> x_mm) {
 
 std::optional<std::string> find_fault(const Mesh& m) {
   const size_t n = m.nbr.size();
-  if (m.left.size() != n || m.x_mm.size() != n || m.before_mm.size() != n || m.shape.size() != n || m.metric.size() != n ||
-      m.zone.size() != n || m.flags.size() != n)
+  if (m.left.size() != n || m.x_mm.size() != n || m.before_mm.size() != n || m.shape.size() != n ||
+      m.metric.size() != n || m.zone.size() != n || m.flags.size() != n)
     return "the arrays of the vertices differ in length";
   if (m.face_size.size() != m.face_edge.size() || m.face_kind.size() != m.face_edge.size())
     return "the arrays of the faces differ in length";
@@ -96,11 +98,13 @@ std::optional<std::string> find_fault(const Mesh& m) {
   size_t dead = 0;
   for (int32_t v = 0; v < m.slots(); ++v) {
     dead += !m.alive(v);
-    if (!m.x_mm[size_t(v)].allFinite() || !m.before_mm[size_t(v)].allFinite()) return "vertex " + name(v) + " is not at a finite place";
+    if (!m.x_mm[size_t(v)].allFinite() || !m.before_mm[size_t(v)].allFinite())
+      return "vertex " + name(v) + " is not at a finite place";
   }
   if (dead != m.free_vertex.size()) return "the list of free vertices does not match the rows";
   for (int32_t v : m.free_vertex)
-    if (v < 0 || v >= m.slots() || m.alive(v)) return "the list of free vertices names " + name(v) + ", which is in use";
+    if (v < 0 || v >= m.slots() || m.alive(v))
+      return "the list of free vertices names " + name(v) + ", which is in use";
   std::vector<int32_t> beside(m.face_edge.size(), -1);
   int64_t walked = 0;
   dead = 0;
@@ -113,32 +117,42 @@ std::optional<std::string> find_fault(const Mesh& m) {
     if (h0 >= 3 * m.slots() || !m.alive(h0 / 3)) return "face " + name(f) + " begins at a vertex that does not exist";
     int32_t h = h0, size = 0;
     do {
-      if (m.face(h) != f) return "face " + name(f) + " passes from vertex " + name(m.from(h)) + " to " + name(m.to(h)) + ", which is marked as face " + name(m.face(h));
+      if (m.face(h) != f)
+        return "face " + name(f) + " passes from vertex " + name(m.from(h)) + " to " + name(m.to(h)) +
+               ", which is marked as face " + name(m.face(h));
       const int32_t g = m.face(m.twin(h));
-      if (g < 0 || g >= m.face_slots()) return "the half-edge from " + name(m.to(h)) + " to " + name(m.from(h)) + " has no face";
-      if (g == f) return "face " + name(f) + " lies on both sides of the edge " + name(m.from(h)) + " - " + name(m.to(h));
+      if (g < 0 || g >= m.face_slots())
+        return "the half-edge from " + name(m.to(h)) + " to " + name(m.from(h)) + " has no face";
+      if (g == f)
+        return "face " + name(f) + " lies on both sides of the edge " + name(m.from(h)) + " - " + name(m.to(h));
       if (beside[size_t(g)] == f) return "faces " + name(f) + " and " + name(g) + " share more than one edge";
       beside[size_t(g)] = f;
-      if (++size > m.face_size[size_t(f)]) return "face " + name(f) + " is longer than the " + name(m.face_size[size_t(f)]) + " vertices it is said to have";
+      if (++size > m.face_size[size_t(f)])
+        return "face " + name(f) + " is longer than the " + name(m.face_size[size_t(f)]) +
+               " vertices it is said to have";
       h = m.next(h);
     } while (h != h0);
-    if (size != m.face_size[size_t(f)]) return "face " + name(f) + " has " + name(size) + " vertices; it is said to have " + name(m.face_size[size_t(f)]);
+    if (size != m.face_size[size_t(f)])
+      return "face " + name(f) + " has " + name(size) + " vertices; it is said to have " + name(m.face_size[size_t(f)]);
     if (size < 3) return "face " + name(f) + " has only " + name(size) + " vertices";
     walked += size;
   }
   if (dead != m.free_face.size()) return "the list of free faces does not match the faces";
   for (int32_t f : m.free_face)
-    if (f < 0 || f >= m.face_slots() || m.alive_face(f)) return "the list of free faces names " + name(f) + ", which is in use";
+    if (f < 0 || f >= m.face_slots() || m.alive_face(f))
+      return "the list of free faces names " + name(f) + ", which is in use";
   if (walked != 3 * int64_t(m.vertices())) return "some edges belong to no face";
   std::vector<uint8_t> on(n, 0);
   for (const auto& c : m.contour)
     for (size_t i = 0; i < c.size(); ++i) {
       if (!m.alive(c[i])) return "a contour names vertex " + name(c[i]) + ", which does not exist";
       if (on[size_t(c[i])]++) return "vertex " + name(c[i]) + " is on two contours, or twice on one";
-      if (m.slot(c[i], c[(i + 1) % c.size()]) < 0) return "a contour goes from vertex " + name(c[i]) + " to one that is not its neighbour";
+      if (m.slot(c[i], c[(i + 1) % c.size()]) < 0)
+        return "a contour goes from vertex " + name(c[i]) + " to one that is not its neighbour";
     }
   for (int32_t v = 0; v < m.slots(); ++v)
-    if (m.alive(v) && bool(m.flags[size_t(v)] & kOnContour) != bool(on[size_t(v)])) return "the contour mark of vertex " + name(v) + " is wrong";
+    if (m.alive(v) && bool(m.flags[size_t(v)] & kOnContour) != bool(on[size_t(v)]))
+      return "the contour mark of vertex " + name(v) + " is wrong";
   return std::nullopt;
 }
 
@@ -232,9 +246,11 @@ Mesh extract_component(const Mesh& m, int32_t v, std::vector<int32_t>* old_verte
 }
 
 int32_t append(Mesh& m, const Mesh& other) {
-  if (!other.free_vertex.empty() || !other.free_face.empty()) throw InputError("", 0, "only a mesh without free slots can be appended");
+  if (!other.free_vertex.empty() || !other.free_face.empty())
+    throw InputError("", 0, "only a mesh without free slots can be appended");
   const int32_t base = m.slots(), base_face = m.face_slots();
-  if (size_t(base) + other.nbr.size() > size_t(INT32_MAX / 3)) throw InputError("", 0, "a simplex mesh holds at most 715 million vertices");
+  if (size_t(base) + other.nbr.size() > size_t(INT32_MAX / 3))
+    throw InputError("", 0, "a simplex mesh holds at most 715 million vertices");
   auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
   add(m.nbr, other.nbr), add(m.left, other.left), add(m.x_mm, other.x_mm), add(m.before_mm, other.before_mm);
   add(m.shape, other.shape), add(m.metric, other.metric), add(m.zone, other.zone), add(m.flags, other.flags);
@@ -255,7 +271,8 @@ void record_shape(Mesh& m, ShapeCode code) {
   for (int32_t v = 0; v < m.slots(); ++v)
     if (m.alive(v)) {
       const Row& r = m.nbr[size_t(v)];
-      m.shape[size_t(v)] = encode(m.x_mm[size_t(v)], m.x_mm[size_t(r[0])], m.x_mm[size_t(r[1])], m.x_mm[size_t(r[2])], code);
+      m.shape[size_t(v)] =
+          encode(m.x_mm[size_t(v)], m.x_mm[size_t(r[0])], m.x_mm[size_t(r[1])], m.x_mm[size_t(r[2])], code);
     }
 }
 

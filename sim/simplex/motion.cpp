@@ -42,7 +42,14 @@ void Motion::prepare(const Mesh& m) {
     shape_of_.resize(n);
     for (size_t v = 0; v < n; ++v) {
       const VertexShape& s = m.shape[v];
-      shape_of_[v] = {s.e1, s.e2, std::sin(s.phi), std::cos(s.phi), s.height, s.branch == ShapeBranch::near ? 1. : s.branch == ShapeBranch::far ? -1. : 0.};
+      shape_of_[v] = {s.e1,
+                      s.e2,
+                      std::sin(s.phi),
+                      std::cos(s.phi),
+                      s.height,
+                      s.branch == ShapeBranch::near  ? 1.
+                      : s.branch == ShapeBranch::far ? -1.
+                                                     : 0.};
     }
   }
   near_first_.clear(), near_.clear();
@@ -69,7 +76,8 @@ void Motion::neighbourhoods(const Mesh& m) {
   for (int32_t v = 0; v < n; ++v) {
     if (m.alive(v)) {
       const KernelZone& z = zone_of(m, v);
-      const bool needed = z.rigidity > 1 && (z.constraint == int32_t(Constraint::angle) || z.constraint == int32_t(Constraint::curvature));
+      const bool needed = z.rigidity > 1 && (z.constraint == int32_t(Constraint::angle) ||
+                                             z.constraint == int32_t(Constraint::curvature));
       size_t at = near_.size();
       seen[size_t(v)] = v;
       near_.push_back(v);
@@ -150,7 +158,8 @@ Vec3 Motion::rim_force(const Mesh& m, size_t i) const {
 double Motion::push(const Mesh& m, std::span<const Repulsor> repulsor) {
   double all = 0;
   for (const Repulsor& r : repulsor) {
-    if (!r.from_mm.allFinite() || !r.to_mm.allFinite() || !std::isfinite(r.radius_mm) || !std::isfinite(r.beta) || r.radius_mm < 0 || r.beta < 0)
+    if (!r.from_mm.allFinite() || !r.to_mm.allFinite() || !std::isfinite(r.radius_mm) || !std::isfinite(r.beta) ||
+        r.radius_mm < 0 || r.beta < 0)
       throw InputError("", 0, "a repulsor needs a finite place, and a radius and a strength of 0 or more");
     all += r.beta;
   }
@@ -179,7 +188,9 @@ StepReport Motion::step(Mesh& m, const External& external) {
   prepare(m);
   const size_t n = m.nbr.size();
   if (!external.force_mm.empty() && external.force_mm.size() != n)
-    throw InputError("", 0, "there are " + std::to_string(external.force_mm.size()) + " external forces for " + std::to_string(n) + " vertices");
+    throw InputError("", 0,
+                     "there are " + std::to_string(external.force_mm.size()) + " external forces for " +
+                         std::to_string(n) + " vertices");
   if (law_.metric_gain > 0 && iteration_ % law_.metric_every == 0) adapt_metric(m, law_.metric_gain);
   ++iteration_;
   StepReport report;
@@ -245,7 +256,8 @@ double Motion::measure_lambda(const Mesh& mesh, int iterations) {
   std::vector<Vec3> w(n), f, g;
   uint64_t s = 1;
   for (Vec3& a : w)
-    for (int k = 0; k < 3; ++k) s = s * 6364136223846793005ull + 1442695040888963407ull, a[k] = double(s >> 11) * 0x1p-53 - 0.5;
+    for (int k = 0; k < 3; ++k)
+      s = s * 6364136223846793005ull + 1442695040888963407ull, a[k] = double(s >> 11) * 0x1p-53 - 0.5;
   double lambda = 0;
   for (int it = 0; it < iterations; ++it) {
     double norm = 0;
@@ -271,7 +283,8 @@ void Motion::mean_curvature(const Mesh& m, std::vector<double>& H) {
   prepare(m);
   H.resize(m.nbr.size());
   const KernelView v = view(m);
-  workers_.parallel_for(m.nbr.size(), kGrain, [&](size_t b, size_t e) { kernel_curvature(v, b, e, nullptr, H.data()); });
+  workers_.parallel_for(m.nbr.size(), kGrain,
+                        [&](size_t b, size_t e) { kernel_curvature(v, b, e, nullptr, H.data()); });
 }
 
 void Motion::adapt_metric(Mesh& m, double gain) {

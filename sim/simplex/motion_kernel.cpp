@@ -29,17 +29,21 @@ struct V3 {
   v8 x, y, z;
 };
 inline V3 operator-(const V3& a, const V3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline V3 cross(const V3& a, const V3& b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+inline V3 cross(const V3& a, const V3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 inline v8 dot(const V3& a, const V3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// atan2: the angle is halved three times, tan(a/2) = tan a / (1 + sqrt(1 + tan^2 a)), then the series of atan at |t| < 0.2.
+/// atan2: the angle is halved three times, tan(a/2) = tan a / (1 + sqrt(1 + tan^2 a)), then the series of atan at |t| <
+/// 0.2.
 inline v8 angle(v8 y, v8 x) {
   v8 t = y / (root(x * x + y * y) + absolute(x) + 1e-300);
   t = t / (1 + root(1 + t * t));
   t = t / (1 + root(1 + t * t));
   const v8 u = t * t;
   v8 s = all(-1. / 23);
-  s = 1. / 21 + u * s, s = -1. / 19 + u * s, s = 1. / 17 + u * s, s = -1. / 15 + u * s, s = 1. / 13 + u * s, s = -1. / 11 + u * s;
+  s = 1. / 21 + u * s, s = -1. / 19 + u * s, s = 1. / 17 + u * s, s = -1. / 15 + u * s, s = 1. / 13 + u * s,
+  s = -1. / 11 + u * s;
   s = 1. / 9 + u * s, s = -1. / 7 + u * s, s = 1. / 5 + u * s, s = -1. / 3 + u * s, s = 1 + u * s;
   const v8 half_turn = y < 0 ? all(-3.14159265358979323846) : all(3.14159265358979323846);
   const v8 a = 8 * (t * s);
@@ -68,7 +72,7 @@ inline void sine_cosine(v8 a, v8& s, v8& c) {
 
 struct Group {  // eight vertices and their geometry (vertex_shape.h)
   size_t v[kLanes];
-  V3 b, c, p, N;               // B - A, C - A, P - A; N unit, zero when degenerate
+  V3 b, c, p, N;  // B - A, C - A, P - A; N unit, zero when degenerate
   v8 area2, r, L, l1, l2, l3, e2, e3, k;
   m8 bad;
 };
@@ -79,7 +83,8 @@ inline V3 load(const double* x, const size_t* v) {
   return o;
 }
 
-/// Neighbours that will be needed a few groups later are fetched into the cache: meshes of 10^5 vertices and more do not fit.
+/// Neighbours that will be needed a few groups later are fetched into the cache: meshes of 10^5 vertices and more do
+/// not fit.
 inline void fetch(const KernelView& k, size_t first, size_t end) {
   constexpr size_t kAhead = 6 * kLanes;
   if (first + kAhead + kLanes > end) return;
@@ -133,8 +138,10 @@ inline V3 target(const KernelView& k, const Group& g, const KernelZone* const la
     if (kind == by_shape) {
       const KernelShape& f = k.shape[v];
       e1[l] = f.e1, e2[l] = f.e2, s[l] = f.sin_phi, c[l] = f.cos_phi, height[l] = f.height;
-      if (f.branch == 0) scaled[l] = -1;
-      else sigma[l] = f.branch;
+      if (f.branch == 0)
+        scaled[l] = -1;
+      else
+        sigma[l] = f.branch;
       continue;
     }
     e1[l] = k.metric[2 * v], e2[l] = k.metric[2 * v + 1];
@@ -154,8 +161,10 @@ inline V3 target(const KernelView& k, const Group& g, const KernelZone* const la
         sum /= double(b > a ? b - a : 1);
       }
       mean[l] = sum;
-      if (kind == by_angle) angles[l] = -1, any_angle = true;
-      else curves[l] = -1, any_curve = true;
+      if (kind == by_angle)
+        angles[l] = -1, any_angle = true;
+      else
+        curves[l] = -1, any_curve = true;
     }
   }
   if (any_angle) {
@@ -180,7 +189,8 @@ inline V3 target(const KernelView& k, const Group& g, const KernelZone* const la
   L = scaled ? height * root(g.area2) : L;
   L = keeps ? g.L : L;
   L = g.bad ? all(0) : L;
-  return {e2 * g.b.x + e3 * g.c.x + L * g.N.x, e2 * g.b.y + e3 * g.c.y + L * g.N.y, e2 * g.b.z + e3 * g.c.z + L * g.N.z};
+  return {e2 * g.b.x + e3 * g.c.x + L * g.N.x, e2 * g.b.y + e3 * g.c.y + L * g.N.y,
+          e2 * g.b.z + e3 * g.c.z + L * g.N.z};
 }
 
 inline void laws(const KernelView& k, const Group& g, const KernelZone* law[kLanes]) {
@@ -226,12 +236,14 @@ KernelSums kernel_step(const KernelView& k, size_t begin, size_t end, double* be
     v8 alpha, keep = all(k.keep);
     for (int l = 0; l < kLanes; ++l) {
       const size_t v = g.v[l];
-      const bool moves = (k.flags[v] & 1) == 0 && law[l]->alpha >= 0 && k.nbr[3 * v] >= 0;  // kLocked; alpha < 0: fixed zone
+      const bool moves =
+          (k.flags[v] & 1) == 0 && law[l]->alpha >= 0 && k.nbr[3 * v] >= 0;  // kLocked; alpha < 0: fixed zone
       alpha[l] = moves ? law[l]->alpha : 0;
       if (!moves) keep[l] = 0;
     }
     const V3 P = load(k.x, g.v), old = load(before, g.v);
-    V3 d{keep * (P.x - old.x) + alpha * (t.x - g.p.x), keep * (P.y - old.y) + alpha * (t.y - g.p.y), keep * (P.z - old.z) + alpha * (t.z - g.p.z)};
+    V3 d{keep * (P.x - old.x) + alpha * (t.x - g.p.x), keep * (P.y - old.y) + alpha * (t.y - g.p.y),
+         keep * (P.z - old.z) + alpha * (t.z - g.p.z)};
     if (k.ext || k.push) {
       for (int l = 0; l < kLanes; ++l) {
         const size_t v = g.v[l];

@@ -1,8 +1,10 @@
 #pragma once
 // The hot loops of the motion: geometry, target, update, for eight vertices at a time.
 //
-// Plain arrays in, plain arrays out. A vertex goes through the same operations wherever it stands in its group of eight, so
-// results do not depend on how the range is cut. All pointers may be unaligned; x, before, ext and push hold three doubles
+// Plain arrays in, plain arrays out. A vertex goes through the same operations wherever it stands in its group of
+// eight, so
+// results do not depend on how the range is cut. All pointers may be unaligned; x, before, ext and push hold three
+// doubles
 // per vertex, nbr three numbers (-1: the slot is free), metric two.
 #include <cstddef>
 #include <cstdint>
@@ -26,18 +28,18 @@ struct KernelView {
   const uint16_t* zone = nullptr;
   const uint8_t* flags = nullptr;
   const double* metric = nullptr;
-  const KernelShape* shape = nullptr;       // needed when a zone has the constraint shape
+  const KernelShape* shape = nullptr;  // needed when a zone has the constraint shape
   const KernelZone* law = nullptr;
   int32_t zones = 1;
-  const double* phi = nullptr;              // of every vertex; needed by angle
-  const double* H = nullptr;                // needed by curvature
-  const size_t* near_first = nullptr;       // rigidity >= 2: neighbourhood of v is near[near_first[v] .. near_first[v + 1])
+  const double* phi = nullptr;         // of every vertex; needed by angle
+  const double* H = nullptr;           // needed by curvature
+  const size_t* near_first = nullptr;  // rigidity >= 2: neighbourhood of v is near[near_first[v] .. near_first[v + 1])
   const int32_t* near = nullptr;
-  const double* ext = nullptr;              // may be null: external force
-  const double* push = nullptr;             // may be null: added as it is
-  double keep = 0;                          // 1 - gamma
+  const double* ext = nullptr;   // may be null: external force
+  const double* push = nullptr;  // may be null: added as it is
+  double keep = 0;               // 1 - gamma
   double max_step_mm = 0;
-  bool large = false;                       // the positions do not fit the near caches
+  bool large = false;  // the positions do not fit the near caches
 };
 
 /// Simplex angle (pi less it on the far branch) and mean curvature of vertices [begin, end); phi or H may be null.

@@ -17,7 +17,8 @@ struct Around {
 Around around(const Mesh& m, int32_t p, int32_t q) {
   const size_t i = size_t(m.slot(p, q)), j = size_t(m.slot(q, p));
   const Row &rp = m.nbr[size_t(p)], &rq = m.nbr[size_t(q)], &lp = m.left[size_t(p)], &lq = m.left[size_t(q)];
-  return {rp[(i + 1) % 3], rp[(i + 2) % 3], rq[(j + 1) % 3], rq[(j + 2) % 3], lp[i], lq[j], lp[(i + 1) % 3], lq[(j + 1) % 3]};
+  return {rp[(i + 1) % 3], rp[(i + 2) % 3], rq[(j + 1) % 3], rq[(j + 2) % 3],
+          lp[i],           lq[j],           lp[(i + 1) % 3], lq[(j + 1) % 3]};
 }
 
 /// Some face other than `not1`, `not2` has an edge in common with both A and B. (Walks the shorter ring.)
@@ -53,30 +54,54 @@ Outcome no(Answer a, int32_t v = -1, int32_t w = -1) {
 
 const char* sentence(Answer a) {
   switch (a) {
-    case Answer::done: return "done";
-    case Answer::no_such_vertex: return "there is no such vertex";
-    case Answer::no_such_edge: return "the two vertices are not neighbours";
-    case Answer::no_such_face: return "there is no such face, or the face does not have that edge";
-    case Answer::same_edge: return "two different edges of the face are needed";
-    case Answer::end_face: return "it would touch the rim of a hole or of a cut";
-    case Answer::locked: return "a vertex there is locked";
-    case Answer::on_contour: return "a vertex there belongs to a contour that is kept";
-    case Answer::face_too_small: return "a face would be left with fewer than three vertices";
-    case Answer::already_neighbours: return "two vertices would be neighbours twice";
-    case Answer::faces_meet_twice: return "two faces would share more than one edge";
-    case Answer::same_face: return "two different faces are needed";
-    case Answer::shared_vertex: return "the two faces have a vertex in common";
-    case Answer::common_face: return "a face between them touches both";
-    case Answer::sizes_differ: return "the two faces do not have equally many vertices";
-    case Answer::not_interleaved: return "the contour does not run through the rims of both faces in their order";
-    case Answer::too_short: return "a contour has at least three vertices";
-    case Answer::not_a_cycle: return "the contour is not closed: two vertices that follow each other are not neighbours";
-    case Answer::repeated_vertex: return "the contour crosses or touches itself";
-    case Answer::too_few_left: return "fewer than three edges leave the contour on its left";
-    case Answer::too_few_right: return "fewer than three edges leave the contour on its right";
-    case Answer::touches_face_twice: return "the contour leaves a face and comes back to it";
-    case Answer::does_not_divide: return "the cut would not divide the part in two";
-    case Answer::divides: return "the cut would divide the part in two";
+    case Answer::done:
+      return "done";
+    case Answer::no_such_vertex:
+      return "there is no such vertex";
+    case Answer::no_such_edge:
+      return "the two vertices are not neighbours";
+    case Answer::no_such_face:
+      return "there is no such face, or the face does not have that edge";
+    case Answer::same_edge:
+      return "two different edges of the face are needed";
+    case Answer::end_face:
+      return "it would touch the rim of a hole or of a cut";
+    case Answer::locked:
+      return "a vertex there is locked";
+    case Answer::on_contour:
+      return "a vertex there belongs to a contour that is kept";
+    case Answer::face_too_small:
+      return "a face would be left with fewer than three vertices";
+    case Answer::already_neighbours:
+      return "two vertices would be neighbours twice";
+    case Answer::faces_meet_twice:
+      return "two faces would share more than one edge";
+    case Answer::same_face:
+      return "two different faces are needed";
+    case Answer::shared_vertex:
+      return "the two faces have a vertex in common";
+    case Answer::common_face:
+      return "a face between them touches both";
+    case Answer::sizes_differ:
+      return "the two faces do not have equally many vertices";
+    case Answer::not_interleaved:
+      return "the contour does not run through the rims of both faces in their order";
+    case Answer::too_short:
+      return "a contour has at least three vertices";
+    case Answer::not_a_cycle:
+      return "the contour is not closed: two vertices that follow each other are not neighbours";
+    case Answer::repeated_vertex:
+      return "the contour crosses or touches itself";
+    case Answer::too_few_left:
+      return "fewer than three edges leave the contour on its left";
+    case Answer::too_few_right:
+      return "fewer than three edges leave the contour on its right";
+    case Answer::touches_face_twice:
+      return "the contour leaves a face and comes back to it";
+    case Answer::does_not_divide:
+      return "the cut would not divide the part in two";
+    case Answer::divides:
+      return "the cut would divide the part in two";
   }
   return "";
 }
@@ -149,7 +174,8 @@ Outcome t2(Mesh& m, int32_t f, int32_t u1, int32_t u2, Delta& delta) {
   place(m.x_mm);
   for (int32_t n : {a, b}) {
     const int32_t u = n == a ? u1 : u2, v = n == a ? v1 : v2;
-    m.before_mm[at(n)] = m.x_mm[at(n)] - 0.5 * (m.x_mm[at(u)] - m.before_mm[at(u)] + m.x_mm[at(v)] - m.before_mm[at(v)]);
+    m.before_mm[at(n)] =
+        m.x_mm[at(n)] - 0.5 * (m.x_mm[at(u)] - m.before_mm[at(u)] + m.x_mm[at(v)] - m.before_mm[at(v)]);
   }
   // (Replacing one after the other also serves when the two edges meet: v1 = u2 then gets both.)
   e.replace_neighbour(u1, v1, a), e.replace_neighbour(v1, u1, a);
@@ -174,7 +200,8 @@ Outcome t2_across(Mesh& m, int32_t f, Delta& delta) {
   const Vec3 axis = Eigen::SelfAdjointEigenSolver<Mat3>(S).eigenvectors().col(2);
   std::vector<int32_t> crossed;
   for (size_t i = 0; i < ring.size(); ++i) {
-    const double s = axis.dot(m.x_mm[size_t(ring[i])] - c), t = axis.dot(m.x_mm[size_t(ring[(i + 1) % ring.size()])] - c);
+    const double s = axis.dot(m.x_mm[size_t(ring[i])] - c),
+                 t = axis.dot(m.x_mm[size_t(ring[(i + 1) % ring.size()])] - c);
     if ((s < 0) != (t < 0)) crossed.push_back(ring[i]);
   }
   if (crossed.size() < 2) crossed = {ring[0], ring[ring.size() / 2]};  // a face without extent

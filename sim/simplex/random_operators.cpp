@@ -88,7 +88,9 @@ RandomOperators random_operators(const Mesh& start, int64_t operations, uint64_t
     } else if (kind == 1) {
       const int32_t f = any_face(m, d);
       const std::vector<int32_t> ring = m.ring(f);
-      o = d.below(2) ? t2_across(m, f, delta) : t2(m, f, ring[size_t(d.below(int32_t(ring.size())))], ring[size_t(d.below(int32_t(ring.size())))], delta);
+      o = d.below(2) ? t2_across(m, f, delta)
+                     : t2(m, f, ring[size_t(d.below(int32_t(ring.size())))],
+                          ring[size_t(d.below(int32_t(ring.size())))], delta);
       V = 2, E = 3, F = 1;
     } else if (kind == 2) {
       o = exchange(m, p, q, d.below(2) ? Turn::clockwise : Turn::counter_clockwise, delta);
@@ -125,9 +127,11 @@ RandomOperators random_operators(const Mesh& start, int64_t operations, uint64_t
       continue;
     }
     const Census after = census(m);
-    if (after.vertices != before.vertices + V || after.edges != before.edges + E || after.faces != before.faces + F || after.chi != before.chi + chi)
+    if (after.vertices != before.vertices + V || after.edges != before.edges + E || after.faces != before.faces + F ||
+        after.chi != before.chi + chi)
       return broke(std::string(RandomOperators::name[kind]) + ": the bookkeeping does not add up");
-    if ((kind == 4 || kind == 6) && after.components != before.components + o.divided) return broke("a cut said wrongly whether it divides");
+    if ((kind == 4 || kind == 6) && after.components != before.components + o.divided)
+      return broke("a cut said wrongly whether it divides");
     if (after.genus < 0) return broke("the genus is negative");
     before = after, now = hash(m), ++since;
     // A stretch ends: half of them are taken back.

@@ -20,14 +20,15 @@ double volume6(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { ret
 
 /// The dual triangulation of the region.
 struct Patch {
-  std::vector<Vec3> top, normal;          // per node
-  std::vector<Tri> tri;                   // per vertex of the region, counter-clockwise from outside
-  std::vector<std::vector<int32_t>> near; // nodes next to a node
+  std::vector<Vec3> top, normal;           // per node
+  std::vector<Tri> tri;                    // per vertex of the region, counter-clockwise from outside
+  std::vector<std::vector<int32_t>> near;  // nodes next to a node
   std::vector<std::array<int32_t, 2>> border;
 };
 
 std::string make_patch(const Mesh& face, std::span<const int32_t> region, Patch& p) {
-  std::map<int32_t, int32_t> node;  // face of the mesh -> node; ordered, so that numbers do not depend on the region's order
+  std::map<int32_t, int32_t>
+      node;  // face of the mesh -> node; ordered, so that numbers do not depend on the region's order
   std::vector<uint8_t> in(face.nbr.size(), 0);
   for (int32_t v : region) {
     if (!face.alive(v)) return "the region of the face names vertex " + std::to_string(v) + ", which does not exist";
@@ -57,7 +58,8 @@ std::string make_patch(const Mesh& face, std::span<const int32_t> region, Patch&
     if (!inner || e[0] < e[1]) p.near[size_t(e[0])].push_back(e[1]), p.near[size_t(e[1])].push_back(e[0]);
   }
   if (p.border.empty()) return "the region of the face is the whole surface; a patch was expected";
-  if (*std::max_element(leaves.begin(), leaves.end()) > 1) return "the region of the face is pinched: two of its borders touch";
+  if (*std::max_element(leaves.begin(), leaves.end()) > 1)
+    return "the region of the face is pinched: two of its borders touch";
   std::vector<int32_t> stack{region[0]};
   size_t reached = 1;
   in[size_t(region[0])] = 2;
@@ -81,11 +83,15 @@ bool upright(const Patch& p, const Tri& t, const std::vector<Vec3>& bottom) {
   return up;
 }
 
-/// Opposite places on the skull, all prisms upright. Where no evening out of places on the bone achieves that (over the mouth,
+/// Opposite places on the skull, all prisms upright. Where no evening out of places on the bone achieves that (over the
+/// mouth,
 /// the nose, an orbit's rim), the nodes of what folds stay above the bone, on their ways to it: `hovers`.
-std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Vec3>& bottom, std::vector<uint8_t>& hovers) {
+std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Vec3>& bottom,
+                 std::vector<uint8_t>& hovers) {
   constexpr int kRounds = 30, kMore = 80;
-  constexpr double kDetour = 1.6, kDetour_mm = 5;  // a normal that misses what is near is not followed (through the mouth to the palate)
+  constexpr double kDetour = 1.6,
+                   kDetour_mm =
+                       5;  // a normal that misses what is near is not followed (through the mouth to the palate)
   constexpr double kShorter = 0.85, kLeast = 0.05;
   const size_t n = p.top.size();
   std::vector<Vec3> d(n);
@@ -94,7 +100,8 @@ std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Ve
     if (c.triangle < 0) return "the skull is farther from the face than " + std::to_string(farthest) + " mm";
     d[i] = c.point_mm - p.top[i];
     Bvh::LineHit hit;
-    if (bvh.line(p.top[i], -p.normal[i], 1e-9, kDetour * c.distance_mm + kDetour_mm, std::span(&hit, 1)) > 0) d[i] = -hit.t * p.normal[i];
+    if (bvh.line(p.top[i], -p.normal[i], 1e-9, kDetour * c.distance_mm + kDetour_mm, std::span(&hit, 1)) > 0)
+      d[i] = -hit.t * p.normal[i];
   }
   hovers.assign(n, 0);
   std::vector<double> share(n, 1);
@@ -110,7 +117,8 @@ std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Ve
   };
   for (int round = 0; round < kRounds + kMore; ++round) {
     bottom.resize(n);
-    for (size_t i = 0; i < n; ++i) bottom[i] = hovers[i] ? p.top[i] + share[i] * d[i] : bvh.closest(p.top[i] + d[i]).point_mm;
+    for (size_t i = 0; i < n; ++i)
+      bottom[i] = hovers[i] ? p.top[i] + share[i] * d[i] : bvh.closest(p.top[i] + d[i]).point_mm;
     std::vector<uint8_t> bad(n, 0);
     bool good = true;
     for (const Tri& t : p.tri)
@@ -127,7 +135,8 @@ std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Ve
       if (!bad[i]) continue;
       if (!hovers[i]) d[i] = bottom[i] - p.top[i];
       hovers[i] = 1, share[i] *= kShorter;
-      if (share[i] < kLeast) return "the two regions do not lie opposite to one another: layers between them would fold";
+      if (share[i] < kLeast)
+        return "the two regions do not lie opposite to one another: layers between them would fold";
     }
     even(&bad);
   }
@@ -155,20 +164,22 @@ std::vector<int32_t> region_around(const Mesh& m, int32_t v, double radius) {
     if (d > far[size_t(u)]) continue;
     region.push_back(u);
     for (int32_t t : m.nbr[size_t(u)])
-      if (const double w = d + (m.x_mm[size_t(t)] - m.x_mm[size_t(u)]).norm(); w <= radius && w < far[size_t(t)]) far[size_t(t)] = w, open.push({w, t});
+      if (const double w = d + (m.x_mm[size_t(t)] - m.x_mm[size_t(u)]).norm(); w <= radius && w < far[size_t(t)])
+        far[size_t(t)] = w, open.push({w, t});
   }
   return region;
 }
 
-TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, const Mesh& skull, std::span<const int32_t> skull_region,
-                          const TissueSettings& s, Workers& workers) {
+TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, const Mesh& skull,
+                          std::span<const int32_t> skull_region, const TissueSettings& s, Workers& workers) {
   TissueResult out;
   const auto refuse = [&](std::string why) {
     out.reason = std::move(why);
     return out;
   };
   if (s.layers < 1 || s.layers > 16) return refuse("a tissue has 1 to 16 layers");
-  if (!std::isfinite(s.young_kPa) || s.young_kPa < 0) return refuse("the stiffness must be a finite number of kPa, 0 or more");
+  if (!std::isfinite(s.young_kPa) || s.young_kPa < 0)
+    return refuse("the stiffness must be a finite number of kPa, 0 or more");
   if (!(s.max_thickness_mm > 0)) return refuse("the largest thickness must be above 0 mm");
   Patch p;
   if (std::string why = make_patch(face, region, p); !why.empty()) return refuse(why);
@@ -177,13 +188,15 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   if (!skull_region.empty()) {
     std::vector<uint8_t> in(skull.face_edge.size(), 0);
     for (int32_t v : skull_region) {
-      if (!skull.alive(v)) return refuse("the region of the skull names vertex " + std::to_string(v) + ", which does not exist");
+      if (!skull.alive(v))
+        return refuse("the region of the skull names vertex " + std::to_string(v) + ", which does not exist");
       for (int32_t f : skull.left[size_t(v)]) in[size_t(f)] = 1;
     }
     for (size_t t = 0; t < fan.face.size(); ++t)
       if (in[size_t(fan.face[t])]) subset.push_back(int32_t(t));
   }
-  if (fan.tri.empty() || (!skull_region.empty() && subset.empty())) return refuse("the region of the skull has no surface");
+  if (fan.tri.empty() || (!skull_region.empty() && subset.empty()))
+    return refuse("the region of the skull has no surface");
   const Bvh bvh(fan.X_mm, fan.tri, subset);
   std::vector<Vec3> bottom;
   std::vector<uint8_t> hovers;
@@ -201,10 +214,13 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
     for (Tri v : p.tri) {
       std::sort(v.begin(), v.end());
       const int32_t a = l * n, b = (l + 1) * n;
-      for (Tet q : {Tet{a + v[0], a + v[1], a + v[2], b + v[2]}, Tet{a + v[0], a + v[1], b + v[1], b + v[2]}, Tet{a + v[0], b + v[0], b + v[1], b + v[2]}}) {
+      for (Tet q : {Tet{a + v[0], a + v[1], a + v[2], b + v[2]}, Tet{a + v[0], a + v[1], b + v[1], b + v[2]},
+                    Tet{a + v[0], b + v[0], b + v[1], b + v[2]}}) {
         const auto at = [&](size_t k) -> const Vec3& { return t.node_mm[size_t(q[k])]; };
         if (volume6(at(0), at(1), at(2), at(3)) < 0) std::swap(q[0], q[1]);
-        if (!(volume6(at(0), at(1), at(2), at(3)) > 0)) return refuse("the two regions do not lie opposite to one another: a layer between them would have no thickness");
+        if (!(volume6(at(0), at(1), at(2), at(3)) > 0))
+          return refuse(
+              "the two regions do not lie opposite to one another: a layer between them would have no thickness");
         t.tet.push_back(q);
       }
     }
@@ -218,7 +234,8 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
       std::sort(key.begin(), key.end());
       facet.push_back({key, i, k});
     }
-  std::sort(facet.begin(), facet.end(), [](const Facet& a, const Facet& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
+  std::sort(facet.begin(), facet.end(),
+            [](const Facet& a, const Facet& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
   const auto add = [&](const Vec3& x, TissueRole r) {
     t.nbr.push_back({-1, -1, -1, -1});
     t.x_mm.push_back(x), t.role.push_back(r);
@@ -229,7 +246,8 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
     for (int32_t v : q) c += 0.25 * t.node_mm[size_t(v)];
     add(c, TissueRole::inside);
   }
-  std::vector<std::array<int32_t, 3>> crossed;  // nodes of the triangle that an edge tet - tet or tet - boundary crosses
+  std::vector<std::array<int32_t, 3>>
+      crossed;  // nodes of the triangle that an edge tet - tet or tet - boundary crosses
   std::map<std::array<int32_t, 3>, int32_t> top;
   for (size_t i = 0; i < region.size(); ++i) {
     std::array<int32_t, 3> key{p.tri[i][0] + s.layers * n, p.tri[i][1] + s.layers * n, p.tri[i][2] + s.layers * n};
@@ -237,7 +255,9 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
     top[key] = region[i];
   }
   const auto area = [&](const std::array<int32_t, 3>& f) {
-    return 0.5 * (t.node_mm[size_t(f[1])] - t.node_mm[size_t(f[0])]).cross(t.node_mm[size_t(f[2])] - t.node_mm[size_t(f[0])]).norm();
+    return 0.5 * (t.node_mm[size_t(f[1])] - t.node_mm[size_t(f[0])])
+                     .cross(t.node_mm[size_t(f[2])] - t.node_mm[size_t(f[0])])
+                     .norm();
   };
   std::map<std::array<int32_t, 2>, std::vector<int32_t>> rim;  // boundary edge -> boundary vertices
   std::vector<std::array<int32_t, 3>> boundary;                // nodes of boundary vertex i + tets
@@ -271,20 +291,23 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
       t.x_mm.back() = foot;
       Anchor a;
       a.vertex = b;
-      // The fan's centre is not a vertex of the skull: carried by the triangle of a face's vertices that is nearest to it.
+      // The fan's centre is not a vertex of the skull: carried by the triangle of a face's vertices that is nearest to
+      // it.
       const int32_t f0 = fan.face[size_t(q.triangle)];
       const std::vector<int32_t> ring = skull.ring(f0);
       const Tri& ft = fan.tri[size_t(q.triangle)];
       const size_t at = size_t(std::find(ring.begin(), ring.end(), ft[1]) - ring.begin());
       a.skull[0] = ft[1], a.skull[1] = ft[2], a.skull[2] = ring[(at + 1 + ring.size() / 2) % ring.size()];
-      const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])], &C = skull.x_mm[size_t(a.skull[2])];
+      const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])],
+                 &C = skull.x_mm[size_t(a.skull[2])];
       const LocalFrame g = local_frame(foot, A, B, C);
       for (size_t k = 0; k < 3; ++k) a.weight[k] = g.e[k];
       a.height_mm = g.L_mm;
       a.axes = axes_of(a, skull);
       t.anchor.push_back(a);
     }
-    for (const auto& [u, v] : {std::pair{0, 1}, {1, 2}, {0, 2}}) rim[{f.key[size_t(u)], f.key[size_t(v)]}].push_back(b);  // keys are sorted
+    for (const auto& [u, v] : {std::pair{0, 1}, {1, 2}, {0, 2}})
+      rim[{f.key[size_t(u)], f.key[size_t(v)]}].push_back(b);  // keys are sorted
     ++i;
   }
   std::vector<size_t> used(t.nbr.size(), 1);
@@ -307,18 +330,22 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
   // Young's modulus over an edge: the mean of its two ends'. A boundary vertex has that of its tetrahedron.
   const double skin = s.skin_kPa > 0 ? s.skin_kPa : s.young_kPa;
   const size_t under_skin = t.tet.size() / size_t(s.layers) * size_t(s.layers - 1);
-  const auto young = [&](int32_t v) { return size_t(v < tets ? v : t.nbr[size_t(v)][0]) >= under_skin ? skin : s.young_kPa; };
+  const auto young = [&](int32_t v) {
+    return size_t(v < tets ? v : t.nbr[size_t(v)][0]) >= under_skin ? skin : s.young_kPa;
+  };
   for (size_t v = 0; v < t.nbr.size(); ++v)
     for (size_t k = 0; k < 4; ++k) {
       const double l = t.rest_mm[v][k];
-      t.k_mN_per_mm[v][k] = s.young_kPa > 0 && l > 0 ? 0.5 * (young(int32_t(v)) + young(t.nbr[v][k])) * t.k_mN_per_mm[v][k] / l : 1;
+      t.k_mN_per_mm[v][k] =
+          s.young_kPa > 0 && l > 0 ? 0.5 * (young(int32_t(v)) + young(t.nbr[v][k])) * t.k_mN_per_mm[v][k] / l : 1;
     }
   if (const auto bad = find_fault(t)) return refuse(*bad);
   return out;
 }
 
 Mat3 axes_of(const Anchor& a, const Mesh& skull) {
-  const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])], &C = skull.x_mm[size_t(a.skull[2])];
+  const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])],
+             &C = skull.x_mm[size_t(a.skull[2])];
   const Vec3 N = (B - A).cross(C - A), e = B - A;
   if (!(N.norm() > 1e-9 * e.squaredNorm()) || !(e.norm() > 0)) return Mat3::Identity();
   Mat3 Q;
@@ -328,16 +355,20 @@ Mat3 axes_of(const Anchor& a, const Mesh& skull) {
 
 void follow(Tissue& t, const Mesh& face, const Mesh& skull) {
   for (const auto& [v, f] : t.link) {
-    if (!face.alive(f)) throw InputError("", 0, "the tissue hangs on vertex " + std::to_string(f) + " of the face, which has gone");
+    if (!face.alive(f))
+      throw InputError("", 0, "the tissue hangs on vertex " + std::to_string(f) + " of the face, which has gone");
     t.x_mm[size_t(v)] = face.x_mm[size_t(f)];
   }
   for (const Anchor& a : t.anchor) {
     Vec3 x = Vec3::Zero();
     for (size_t k = 0; k < 3; ++k) {
-      if (!skull.alive(a.skull[k])) throw InputError("", 0, "the tissue is anchored on vertex " + std::to_string(a.skull[k]) + " of the skull, which has gone");
+      if (!skull.alive(a.skull[k]))
+        throw InputError(
+            "", 0, "the tissue is anchored on vertex " + std::to_string(a.skull[k]) + " of the skull, which has gone");
       x += a.weight[k] * skull.x_mm[size_t(a.skull[k])];
     }
-    const Vec3 N = (skull.x_mm[size_t(a.skull[1])] - skull.x_mm[size_t(a.skull[0])]).cross(skull.x_mm[size_t(a.skull[2])] - skull.x_mm[size_t(a.skull[0])]);
+    const Vec3 N = (skull.x_mm[size_t(a.skull[1])] - skull.x_mm[size_t(a.skull[0])])
+                       .cross(skull.x_mm[size_t(a.skull[2])] - skull.x_mm[size_t(a.skull[0])]);
     if (const double l = N.norm(); l > 0) x += a.height_mm / l * N;
     t.x_mm[size_t(a.vertex)] = x;
   }
@@ -345,7 +376,8 @@ void follow(Tissue& t, const Mesh& face, const Mesh& skull) {
 
 std::optional<std::string> find_fault(const Tissue& t) {
   const size_t n = t.nbr.size();
-  if (t.x_mm.size() != n || t.before_mm.size() != n || t.role.size() != n || t.rest_mm.size() != n || t.k_mN_per_mm.size() != n || t.x0_mm.size() != n || t.turn.size() != n || t.bent_mm.size() != n)
+  if (t.x_mm.size() != n || t.before_mm.size() != n || t.role.size() != n || t.rest_mm.size() != n ||
+      t.k_mN_per_mm.size() != n || t.x0_mm.size() != n || t.turn.size() != n || t.bent_mm.size() != n)
     return "the arrays of the tissue differ in length";
   for (size_t v = 0; v < n; ++v) {
     const auto name = "vertex " + std::to_string(v) + " of the tissue ";
@@ -355,7 +387,8 @@ std::optional<std::string> find_fault(const Tissue& t) {
       if (u < 0 || size_t(u) >= n || size_t(u) == v) return name + "does not have four neighbours";
       for (size_t j = k + 1; j < 4; ++j)
         if (t.nbr[v][j] == u) return name + "has a neighbour twice";
-      if (std::count(t.nbr[size_t(u)].begin(), t.nbr[size_t(u)].end(), int32_t(v)) != 1) return name + "has a neighbour that does not have it in turn";
+      if (std::count(t.nbr[size_t(u)].begin(), t.nbr[size_t(u)].end(), int32_t(v)) != 1)
+        return name + "has a neighbour that does not have it in turn";
     }
   }
   return std::nullopt;

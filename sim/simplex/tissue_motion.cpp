@@ -18,7 +18,8 @@ typedef double v4 __attribute__((vector_size(32)));  // one lane per edge
 inline v4 all(double a) { return v4{a, a, a, a}; }
 inline double total(const v4& a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
-/// What its four edges do to a vertex, in one pass over them and without branches: they are most of the cost of an iteration.
+/// What its four edges do to a vertex, in one pass over them and without branches: they are most of the cost of an
+/// iteration.
 struct Edges {
   Vec3 force_mN = Vec3::Zero();  // of the springs
   double tangent = 0;            // sum of their tangent stiffnesses, mN/mm
@@ -44,7 +45,8 @@ inline Edges edges(const Tissue& t, size_t v, const SpringLaw& law, double& long
   for (size_t j = 0; j < 4; ++j) l[j] = std::sqrt(l2[j]);
   if (law.kind == Stiffening::none || law.kind == Stiffening::biphasic) {
     // Two straight pieces: the second adds (ratio - 1) times what is beyond the knee.
-    const double more = law.kind == Stiffening::none ? 0 : law.ratio - 1, knee = law.kind == Stiffening::none ? 1 : 1 + law.knee;
+    const double more = law.kind == Stiffening::none ? 0 : law.ratio - 1,
+                 knee = law.kind == Stiffening::none ? 1 : 1 + law.knee;
     const v4 over = l - knee * l0;
     const auto beyond = (over > 0) & (l0 > 0);
     slope = beyond ? all(1 + more) : all(1);
@@ -67,7 +69,8 @@ Vec3 to_mean(const Tissue& t, size_t v) {
   return p - t.x_mm[v];
 }
 
-/// The rotation nearest to A (in the sense of polar decomposition), from a guess. A guess that is nearly right is corrected once: the
+/// The rotation nearest to A (in the sense of polar decomposition), from a guess. A guess that is nearly right is
+/// corrected once: the
 /// next call goes on from there.
 Mat3 nearest_rotation(const Mat3& A, Mat3 R) {
   constexpr int kTurns = 4;
@@ -94,10 +97,14 @@ double SpringLaw::force_over_k0(double l, double l0) const {
   if (!(l0 > 0)) return 0;
   const double e = (l - l0) / l0;
   switch (kind) {
-    case Stiffening::none: return l - l0;
-    case Stiffening::biphasic: return e <= knee ? l - l0 : l0 * (knee + ratio * (e - knee));
-    case Stiffening::quadratic: return (1 + c * e * e) * (l - l0);
-    case Stiffening::exponential: return l0 / c * std::expm1(std::min(c * e, 30.));  // (beyond that the bound has long stopped it)
+    case Stiffening::none:
+      return l - l0;
+    case Stiffening::biphasic:
+      return e <= knee ? l - l0 : l0 * (knee + ratio * (e - knee));
+    case Stiffening::quadratic:
+      return (1 + c * e * e) * (l - l0);
+    case Stiffening::exponential:
+      return l0 / c * std::expm1(std::min(c * e, 30.));  // (beyond that the bound has long stopped it)
   }
   return 0;
 }
@@ -106,10 +113,14 @@ double SpringLaw::tangent_over_k0(double l, double l0) const {
   if (!(l0 > 0)) return 1;
   const double e = (l - l0) / l0;
   switch (kind) {
-    case Stiffening::none: return 1;
-    case Stiffening::biphasic: return e <= knee ? 1 : std::max(1., ratio);
-    case Stiffening::quadratic: return 1 + 3 * c * e * e;
-    case Stiffening::exponential: return std::max(1., std::exp(std::min(c * e, 30.)));
+    case Stiffening::none:
+      return 1;
+    case Stiffening::biphasic:
+      return e <= knee ? 1 : std::max(1., ratio);
+    case Stiffening::quadratic:
+      return 1 + 3 * c * e * e;
+    case Stiffening::exponential:
+      return std::max(1., std::exp(std::min(c * e, 30.)));
   }
   return 1;
 }
@@ -140,7 +151,8 @@ void turn_shape(Tissue& t, Workers& workers) {
       double sum = 0;
       for (size_t k = 0; k < 4; ++k) {
         const size_t u = size_t(t.nbr[v][k]);
-        bent += 0.5 * t.k_mN_per_mm[v][k] * ((t.turn[v] + t.turn[u]) * (t.x0_mm[v] - t.x0_mm[u])), sum += t.k_mN_per_mm[v][k];
+        bent += 0.5 * t.k_mN_per_mm[v][k] * ((t.turn[v] + t.turn[u]) * (t.x0_mm[v] - t.x0_mm[u])),
+            sum += t.k_mN_per_mm[v][k];
       }
       t.bent_mm[v] = sum > 0 ? Vec3(bent / sum) : Vec3(Vec3::Zero());
     }
@@ -149,14 +161,18 @@ void turn_shape(Tissue& t, Workers& workers) {
 
 TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
   if (!(law.gamma > 0 && law.gamma < 2)) throw InputError("", 0, "gamma of a tissue must lie between 0 and 2");
-  if (!std::isfinite(law.alpha) || law.alpha < 0) throw InputError("", 0, "alpha of a tissue must be a finite number, 0 or more");
-  if (!(law.shape >= 0 && law.shape <= 1)) throw InputError("", 0, "the share of the shape force must lie between 0 and 1");
+  if (!std::isfinite(law.alpha) || law.alpha < 0)
+    throw InputError("", 0, "alpha of a tissue must be a finite number, 0 or more");
+  if (!(law.shape >= 0 && law.shape <= 1))
+    throw InputError("", 0, "the share of the shape force must lie between 0 and 1");
   const SpringLaw& s = law.spring;
   if (!(s.knee >= 0) || !(s.ratio >= 1) || !(s.c > 0) || !std::isfinite(s.ratio) || !std::isfinite(s.c))
     throw InputError("", 0, "a spring stiffens: knee 0 or more, ratio 1 or more and c above 0 were expected");
   TissueStep out;
-  // Eigenvalues: at most 2 of means, weighted or not, and of springs over the stiffness of their vertex (D^-1 K, Gershgorin).
-  const bool springs = law.mode == TissueMode::springs, shaped = law.mode == TissueMode::shape || (springs && law.shape > 0);
+  // Eigenvalues: at most 2 of means, weighted or not, and of springs over the stiffness of their vertex (D^-1 K,
+  // Gershgorin).
+  const bool springs = law.mode == TissueMode::springs,
+             shaped = law.mode == TissueMode::shape || (springs && law.shape > 0);
   constexpr double lambda = 2;
   // (springs that stiffen on the way do it within an iteration, too: a fifth is kept for that)
   out.alpha = std::min(law.alpha, (springs && s.kind != Stiffening::none ? 0.8 : 0.99) * 2 * (2 - law.gamma) / lambda);
@@ -173,14 +189,19 @@ TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
       if (law.mode == TissueMode::smoothing) {
         F = to_mean(t, v);
       } else {
-        const Edges of = !springs ? edges<false, true>(t, v, s, most) : shaped ? edges<true, true>(t, v, s, most) : edges<true, false>(t, v, s, most);
+        const Edges of = !springs ? edges<false, true>(t, v, s, most)
+                         : shaped ? edges<true, true>(t, v, s, most)
+                                  : edges<true, false>(t, v, s, most);
         if (of.tangent > 0) {
           // The stiffness is that of where the vertex is: it goes no farther at once than this holds.
           const Vec3 f = (1 - law.shape) / of.tangent * of.force_mN;
-          const double reach = kReach * (t.rest_mm[v][0] + t.rest_mm[v][1] + t.rest_mm[v][2] + t.rest_mm[v][3]) / 4, far_mm2 = f.squaredNorm();
+          const double reach = kReach * (t.rest_mm[v][0] + t.rest_mm[v][1] + t.rest_mm[v][2] + t.rest_mm[v][3]) / 4,
+                       far_mm2 = f.squaredNorm();
           F += far_mm2 > reach * reach ? Vec3(reach / std::sqrt(far_mm2) * f) : f;
         }
-        if (shaped) F += (springs ? law.shape : 1) * (of.mean_mm + t.bent_mm[v]);  // to where the turned rest shape wants the vertex
+        if (shaped)
+          F += (springs ? law.shape : 1) *
+               (of.mean_mm + t.bent_mm[v]);  // to where the turned rest shape wants the vertex
       }
       const Vec3 d = (1 - law.gamma) * (t.x_mm[v] - t.before_mm[v]) + out.alpha * F;
       t.before_mm[v] = t.x_mm[v] + d;
@@ -201,7 +222,8 @@ void pull_face(const Tissue& t, const TissueLaw& law, std::vector<Vec3>& force_m
   for (size_t i = 0; i < t.link.size(); ++i) {
     const auto [tv, f] = t.link[i];
     const size_t v = size_t(tv);
-    if (size_t(f) >= force_mm.size() || (force_mN && size_t(f) >= force_mN->size())) throw InputError("", 0, "one force per vertex of the face was expected");
+    if (size_t(f) >= force_mm.size() || (force_mN && size_t(f) >= force_mN->size()))
+      throw InputError("", 0, "one force per vertex of the face was expected");
     const Edges of = edges<true, true>(t, v, law.spring, longest);
     if (share < 1) {
       if (of.tangent > 0) force_mm[size_t(f)] += (1 - share) / of.tangent * of.force_mN;

@@ -24,7 +24,8 @@ ZeroModes zero_energy_modes(const Tissue& t, int64_t dense_up_to) {
       if (int32_t(v) < u && (at[v] >= 0 || at[size_t(u)] >= 0)) spring.push_back({int32_t(v), u});
   z.springs = int64_t(spring.size());
   if (z.dofs > dense_up_to) {
-    // Modes = dofs - rank, and the rank is that of R R^T, a row per spring: the pivots of L D L^T that are not zero. What is added
+    // Modes = dofs - rank, and the rank is that of R R^T, a row per spring: the pivots of L D L^T that are not zero.
+    // What is added
     // to the diagonal keeps those of dependent springs from being exactly 0; they stay near it.
     constexpr double shift = 1e-9;
     std::vector<Eigen::Triplet<double>> entry;
@@ -53,7 +54,8 @@ ZeroModes zero_energy_modes(const Tissue& t, int64_t dense_up_to) {
     if (at[size_t(b)] >= 0) R.block<1, 3>(Eigen::Index(i), at[size_t(b)]) = u.transpose();
   }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(R);
-  // A motion whose stiffness is 1e-8 of the largest is free: symmetric patches have such, which are exact but for the smoothing's remainder.
+  // A motion whose stiffness is 1e-8 of the largest is free: symmetric patches have such, which are exact but for the
+  // smoothing's remainder.
   qr.setThreshold(1e-4);
   z.modes = z.dofs - qr.rank();
   return z;

@@ -1,8 +1,10 @@
 #pragma once
 // How flaps that change places are carried: where their hooks go.
 //
-// Such flaps lie in each other's way: brought over together they meet edge to edge, and one comes to lie on its side. So all are
-// folded back on their bases first. Then one after the other is laid over from above and set down a little too deep, or its tip
+// Such flaps lie in each other's way: brought over together they meet edge to edge, and one comes to lie on its side.
+// So all are
+// folded back on their bases first. Then one after the other is laid over from above and set down a little too deep, or
+// its tip
 // would come to lie on the skin there; it is stitched before the next comes down beside it.
 #include <array>
 

@@ -13,7 +13,8 @@ namespace {
 // Writes the commands of one operation; points come in local units.
 class Writer {
  public:
-  Writer(const FlapFrame& f, const FlapSettings& s) : f_(f), s_(s), inset_(s.inset_mm / f.side_mm), corner_(s.corner_mm / f.side_mm) {}
+  Writer(const FlapFrame& f, const FlapSettings& s)
+      : f_(f), s_(s), inset_(s.inset_mm / f.side_mm), corner_(s.corner_mm / f.side_mm) {}
   std::vector<Command> commands;
 
   void excise(std::initializer_list<Vec2> outline) { commands.push_back(Excise{path(outline), s_.depth_mm}); }
@@ -59,7 +60,8 @@ class Writer {
   void row(const Edge& a, const Edge& b, double first = 1, double last = 1) {
     const double from = first * pitch(), to = (a.q - a.p).norm() - last * pitch();
     if (to <= from) return;
-    commands.push_back(SutureRow{path({beside(a, from), beside(a, to)}), path({beside(b, from), beside(b, to)}), s_.spacing_mm});
+    commands.push_back(
+        SutureRow{path({beside(a, from), beside(a, to)}), path({beside(b, from), beside(b, to)}), s_.spacing_mm});
   }
 
  private:
@@ -89,8 +91,9 @@ Vec2 ZPlasty::D() const { return B() + turned({0, 1}, -angle_deg); }
 std::vector<Command> operation(const Rhomboid& plan, const FlapSettings& settings) {
   const auto& [frame, A, B, C, D, E, F] = plan;
   Writer w(frame, settings);
-  const Vec2 flap = 0.25 * (C + D + E + F), out = Vec2(0.5, 1), beyond = Vec2(2, -0.5);  // tissue on either side of the cuts
-  const auto over = [&](const Vec2& p) -> Vec2 { return C + turned(p - C, 60); };         // where the flap's p comes to
+  const Vec2 flap = 0.25 * (C + D + E + F), out = Vec2(0.5, 1),
+             beyond = Vec2(2, -0.5);                                               // tissue on either side of the cuts
+  const auto over = [&](const Vec2& p) -> Vec2 { return C + turned(p - C, 60); };  // where the flap's p comes to
 
   w.excise({A, B, C, D});
   w.stage("defect", 1);
@@ -125,14 +128,16 @@ std::vector<Command> operation(const Rhomboid& plan, const FlapSettings& setting
   const Vec2 left = Vec2(-2, 0.5), below = Vec2(-1.5, -1.5);
   w.row(donor_D, donor_F);
   w.row({D, E, flap}, {B, A, left});
-  w.row({E, F, flap}, {A, D, out}, 1, 0.4);  // its last stitch keeps the flap's base from gaping beside the donor stitch
+  w.row({E, F, flap}, {A, D, out}, 1,
+        0.4);                          // its last stitch keeps the flap's base from gaping beside the donor stitch
   w.row({C, D, flap}, {C, B, below});  // up to one spacing from the pivot, whose skin is whole
   w.stage("closed", 4);
   return w.commands;
 }
 
 std::vector<Command> operation(const ZPlasty& plan, const FlapSettings& settings) {
-  if (!(plan.angle_deg >= 15 && plan.angle_deg <= 120)) throw InputError("Z-plasty", 0, "the angle must lie between 15 and 120 degrees");
+  if (!(plan.angle_deg >= 15 && plan.angle_deg <= 120))
+    throw InputError("Z-plasty", 0, "the angle must lie between 15 and 120 degrees");
   Writer w(plan.frame, settings);
   const Vec2 A = plan.A(), B = plan.B(), C = plan.C(), D = plan.D();
   const Vec2 flap1 = (A + B + C) / 3, flap2 = (A + B + D) / 3;
@@ -151,13 +156,16 @@ std::vector<Command> operation(const ZPlasty& plan, const FlapSettings& settings
   const std::array<ExchangedFlap, 2> flaps{flap(A, flap1, 0.5 * (B + C), D), flap(B, flap2, 0.5 * (A + D), C)};
   for (int id : {1, 2}) w.hook(id, flaps[size_t(id - 1)].grip);
   for (int id : {1, 2})
-    for (const HookPlace& p : folded_back(flaps[size_t(id - 1)], plan.frame.side_mm)) w.move(id, p.at, p.height_mm, 1.5);
+    for (const HookPlace& p : folded_back(flaps[size_t(id - 1)], plan.frame.side_mm))
+      w.move(id, p.at, p.height_mm, 1.5);
   w.stage("flaps raised", 0.5);
   for (int id : {2, 1}) {
     w.move(id, flaps[size_t(id - 1)].to, kLaidFrom_mm, 1.5);
     w.move(id, flaps[size_t(id - 1)].to, kLaidAt_mm, 1.5);
-    if (id == 1) w.suture(w.in_corner(A, B, C), w.beside(outer_BD, w.corner()));
-    else w.suture(w.in_corner(B, A, D), w.beside(outer_AC, w.corner()));
+    if (id == 1)
+      w.suture(w.in_corner(A, B, C), w.beside(outer_BD, w.corner()));
+    else
+      w.suture(w.in_corner(B, A, D), w.beside(outer_AC, w.corner()));
     w.release(id);
     if (id == 2) w.stage("first flap set", 0.5);
   }

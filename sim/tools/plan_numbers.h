@@ -8,7 +8,9 @@
 namespace limberg {
 
 /// Unit vector at an angle, counter-clockwise from +x.
-inline Vec2 direction(double deg) { return {std::cos(deg * std::numbers::pi / 180), std::sin(deg * std::numbers::pi / 180)}; }
+inline Vec2 direction(double deg) {
+  return {std::cos(deg * std::numbers::pi / 180), std::sin(deg * std::numbers::pi / 180)};
+}
 
 /// Turned counter-clockwise about the origin.
 inline Vec2 turned(const Vec2& p, double deg) {
@@ -22,7 +24,8 @@ inline double rounded(double v) {
   return r == 0 ? 0 : r;
 }
 
-/// Equal parts of an edge between stitches, about so far apart: a row has a stitch more with those at both ends, one less without.
+/// Equal parts of an edge between stitches, about so far apart: a row has a stitch more with those at both ends, one
+/// less without.
 inline double parts_of_row(double length_mm, double spacing_mm) { return std::floor(length_mm / spacing_mm + 0.5); }
 
 }  // namespace limberg

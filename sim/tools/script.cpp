@@ -20,7 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using L = ScriptLimits;
 // Of what a script may hold, what a blade can do.
-constexpr double kLeast_deg = std::max(L::min_angle_deg, kLeastBlade_deg), kMost_deg = std::min(L::max_angle_deg, kMostBlade_deg);
+constexpr double kLeast_deg = std::max(L::min_angle_deg, kLeastBlade_deg),
+                 kMost_deg = std::min(L::max_angle_deg, kMostBlade_deg);
 
 double length_mm(const std::vector<ChartPoint>& p) {
   double l = 0;
@@ -69,8 +70,8 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
   if (a == "incise") {
     r.only({"action", "path", "depth_mm", "angle_deg", "spline"}, where);
     const Incise d;
-    return Incise{r.path("path", 2), depth(r, d.depth_mm), r.real("angle_deg", d.angle_deg, kLeast_deg, kMost_deg, false),
-                  r.boolean("spline", false)};
+    return Incise{r.path("path", 2), depth(r, d.depth_mm),
+                  r.real("angle_deg", d.angle_deg, kLeast_deg, kMost_deg, false), r.boolean("spline", false)};
   }
   if (a == "undermine") {
     r.only({"action", "outline", "depth_mm"}, where);
@@ -86,7 +87,8 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
   }
   if (a == "move") {
     r.only({"action", "id", "to", "seconds"}, where);
-    return MoveHook{int(r.integer("id", 1, L::max_id)), r.place("to"), r.real("seconds", MoveHook{}.seconds, 0, L::seconds, false)};
+    return MoveHook{int(r.integer("id", 1, L::max_id)), r.place("to"),
+                    r.real("seconds", MoveHook{}.seconds, 0, L::seconds, false)};
   }
   if (a == "release") {
     r.only({"action", "id"}, where);
@@ -107,19 +109,22 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     SutureRow row{r.path("a", 2), r.path("b", 2), k.spacing_mm, k.depth_mm, k.running, k.slack_mm};
     const double longer = std::max(length_mm(row.a), length_mm(row.b));
     if (longer / row.spacing_mm > double(L::row_sutures))
-      r.fail("\"spacing_mm\" " + ScriptReader::number(row.spacing_mm) + " on a path of " + ScriptReader::number(longer) + " mm makes too many sutures; expected at most " +
+      r.fail("\"spacing_mm\" " + ScriptReader::number(row.spacing_mm) + " on a path of " +
+             ScriptReader::number(longer) + " mm makes too many sutures; expected at most " +
              std::to_string(L::row_sutures));
     if (row.slack_mm > 0 && !row.running) r.fail("\"slack_mm\" without \"running\":true; expected a running suture");
     return row;
   }
   if (a == "suture_corner") {
     r.only({"action", "tip", "a", "b", "depth_mm"}, where);
-    return SutureCorner{r.point("tip"), r.point("a"), r.point("b"), r.real("depth_mm", SutureCorner{}.depth_mm, 0, L::depth_mm, true)};
+    return SutureCorner{r.point("tip"), r.point("a"), r.point("b"),
+                        r.real("depth_mm", SutureCorner{}.depth_mm, 0, L::depth_mm, true)};
   }
   if (a == "suture_between") {
     r.only({"action", "from", "to", "spacing_mm", "depth_mm", "running", "slack_mm"}, where);
     const SutureBetween between{r.stitch("from"), r.stitch("to"), kind()};
-    if (between.row.slack_mm > 0 && !between.row.running) r.fail("\"slack_mm\" without \"running\":true; expected a running suture");
+    if (between.row.slack_mm > 0 && !between.row.running)
+      r.fail("\"slack_mm\" without \"running\":true; expected a running suture");
     return between;
   }
   if (a == "cut_suture") {
@@ -145,7 +150,9 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
   }
   if (is_head_action(a)) return read_head_action(r, a, where);
   r.fail("unknown action \"" + ScriptReader::shown(a) +
-         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, suture_corner, suture_between, cut_suture, undo, redo, stage or wait, or of a head: osteotomy, move_fragment, grab, drag, let_go, plate, unplate, join, sort, connect_tissue, landmark or superpose");
+         "\"; expected excise, incise, undermine, hook, move, release, suture, suture_row, suture_corner, "
+         "suture_between, cut_suture, undo, redo, stage or wait, or of a head: osteotomy, move_fragment, grab, drag, "
+         "let_go, plate, unplate, join, sort, connect_tissue, landmark or superpose");
 }
 
 Script parse_script(std::string_view text, const std::string& name) {
@@ -180,7 +187,9 @@ Script load_script(const std::string& path) {
   if (!std::filesystem::exists(path, ec)) throw InputError(path, 0, "no such file; expected an operation script");
   if (std::filesystem::is_directory(path, ec)) throw InputError(path, 0, "is a folder; expected an operation script");
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected an operation script");
+  if (!in)
+    throw InputError(path, 0,
+                     std::string("cannot be opened (") + std::strerror(errno) + "); expected an operation script");
   std::string text;
   std::vector<char> part(1 << 16);
   while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
@@ -192,8 +201,9 @@ Script load_script(const std::string& path) {
 }
 
 const char* action_name(const Command& command) {
-  static constexpr const char* names[] = {"incise", "incise", "undermine",  "excise", "hook",  "move", "release",
-                                          "suture", "suture_row", "undo",   "redo",  "stage", "wait", "suture_corner", "suture_between", "cut_suture", ""};
+  static constexpr const char* names[] = {"incise",  "incise",        "undermine",      "excise",     "hook", "move",
+                                          "release", "suture",        "suture_row",     "undo",       "redo", "stage",
+                                          "wait",    "suture_corner", "suture_between", "cut_suture", ""};
   static_assert(std::variant_size_v<Command> == std::size(names));
   if (const auto* head = std::get_if<HeadCommand>(&command)) return head_action_name(*head);
   return names[command.index()];
@@ -287,7 +297,8 @@ ScriptWriter::ScriptWriter(const std::string& path, const ScriptHeader& header, 
   file_ = std::fopen(path.c_str(), existing == Existing::replace ? "wb" : "wbx");
   if (!file_) {
     if (errno == EEXIST) throw InputError(path, 0, "exists already; expected the name of a new file");
-    throw InputError(path, 0, std::string("cannot be written (") + std::strerror(errno) + "); expected a writable place");
+    throw InputError(path, 0,
+                     std::string("cannot be written (") + std::strerror(errno) + "); expected a writable place");
   }
   try {
     write(to_json_line(header));
@@ -304,7 +315,8 @@ void ScriptWriter::append(const Command& command) { write(to_json_line(command))
 void ScriptWriter::write(const std::string& line) {
   const std::string l = line + "\n";
   if (std::fwrite(l.data(), 1, l.size(), file_) != l.size() || std::fflush(file_) != 0)
-    throw InputError(path_, 0, std::string("cannot be written to (") + std::strerror(errno) + "); expected room on the disk");
+    throw InputError(path_, 0,
+                     std::string("cannot be written to (") + std::strerror(errno) + "); expected room on the disk");
 }
 
 }  // namespace limberg

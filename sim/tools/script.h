@@ -9,7 +9,8 @@
 // Reading is strict: an unknown action or key, a key given twice, a wrong type, a number out of its range or a broken
 // line is an InputError with the file, the line, what is wrong and what was expected. Nothing is guessed. depth_mm,
 // angle_deg, spacing_mm and seconds may be left out and then take the value of command.h; blank lines are skipped.
-// Writing gives the shortest decimals that read back to the same numbers, so a script survives any number of round trips.
+// Writing gives the shortest decimals that read back to the same numbers, so a script survives any number of round
+// trips.
 #include <cstdio>
 #include <optional>
 #include <string>
@@ -27,13 +28,13 @@ struct ScriptLimits {
   static constexpr size_t line_bytes = 1u << 20;
   static constexpr size_t commands = 100'000;
   static constexpr size_t path_points = 2000;
-  static constexpr size_t row_sutures = 1000;    // longer of the two paths / spacing_mm
+  static constexpr size_t row_sutures = 1000;  // longer of the two paths / spacing_mm
   static constexpr size_t name_bytes = 200;
   static constexpr double coordinate_mm = 10'000;  // |x| of any point
   static constexpr double depth_mm = 200;          // 0 < depth <= this
   static constexpr double min_angle_deg = 10, max_angle_deg = 170;
-  static constexpr double seconds = 3600;          // 0 <= seconds <= this
-  static constexpr int max_id = 1'000'000;         // 1 <= id <= this
+  static constexpr double seconds = 3600;   // 0 <= seconds <= this
+  static constexpr int max_id = 1'000'000;  // 1 <= id <= this
   static constexpr size_t landmarks = 50;
 };
 
@@ -43,7 +44,8 @@ struct Landmark {
   ChartPoint at{0, 0};
 };
 
-/// A procedure of the repertoire (procedures/catalogue.h) with the values that differ from its own, and where it is laid:
+/// A procedure of the repertoire (procedures/catalogue.h) with the values that differ from its own, and where it is
+/// laid:
 ///   "plan":{"procedure":"bilobed","values":{"diameter_mm":12},"at":[0,5],"turn_deg":30,"mirror":true}
 struct PlannedProcedure {
   std::string procedure;
@@ -57,7 +59,7 @@ struct ScriptHeader {
   static constexpr int version = 1;
   std::string scene;  // name of a shipped scene or path of a scene file, as the reader of the script resolves it
   std::string note;
-  std::vector<Landmark> landmarks{};      // places whose displacement is measured
+  std::vector<Landmark> landmarks{};       // places whose displacement is measured
   std::optional<PlannedProcedure> plan{};  // the procedure that the script was made from
 };
 

@@ -14,7 +14,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using L = ScriptLimits;
 
-constexpr const char* kNames[] = {"osteotomy", "move_fragment", "grab", "drag", "let_go", "plate", "join", "connect_tissue", "landmark", "superpose", "unplate", "sort"};
+constexpr const char* kNames[] = {"osteotomy", "move_fragment",  "grab",     "drag",      "let_go",  "plate",
+                                  "join",      "connect_tissue", "landmark", "superpose", "unplate", "sort"};
 static_assert(std::variant_size_v<HeadCommand> == std::size(kNames));
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -24,7 +25,8 @@ Json json(const FragmentPick& p) { return p.id >= 0 ? Json(p.id) : json(p.at_mm)
 
 FragmentPick pick(const ScriptReader& r, const char* key) {
   if (r.is_list(key)) return {-1, r.place(key)};
-  if (!r.has(key)) r.fail(ScriptReader::quoted(key) + " is missing; expected the number of a fragment or a place [x, y, z] on it");
+  if (!r.has(key))
+    r.fail(ScriptReader::quoted(key) + " is missing; expected the number of a fragment or a place [x, y, z] on it");
   return {int32_t(r.integer(key, 0, L::max_id)), Vec3::Zero()};
 }
 
@@ -73,7 +75,8 @@ ConnectTissue read_tissue(const ScriptReader& r, const std::string& where) {
   if (!r.has("mode")) return t;
   const std::string mode = r.text("mode", true, 40);
   const auto* at = std::find(std::begin(kTissueKinds), std::end(kTissueKinds), mode);
-  if (at == std::end(kTissueKinds)) r.fail("\"mode\" is \"" + ScriptReader::shown(mode) + "\"; expected " + kTissueKindList);
+  if (at == std::end(kTissueKinds))
+    r.fail("\"mode\" is \"" + ScriptReader::shown(mode) + "\"; expected " + kTissueKindList);
   t.mode = TissueKind(at - std::begin(kTissueKinds));
   return t;
 }
@@ -98,7 +101,9 @@ RigidMove as_move(const Eigen::Isometry3d& map) {
   return m;
 }
 
-bool is_head_action(std::string_view action) { return std::find(std::begin(kNames), std::end(kNames), action) != std::end(kNames); }
+bool is_head_action(std::string_view action) {
+  return std::find(std::begin(kNames), std::end(kNames), action) != std::end(kNames);
+}
 
 const char* head_action_name(const HeadCommand& command) { return kNames[command.index()]; }
 
@@ -144,7 +149,8 @@ HeadCommand read_head_action(const ScriptReader& r, const std::string& a, const 
     Superpose s;
     const std::string on = r.text("on", true, 40);
     const auto* at = std::find(std::begin(kSkullBeside), std::end(kSkullBeside), on);
-    if (at == std::end(kSkullBeside)) r.fail("\"on\" is \"" + ScriptReader::shown(on) + "\"; expected normal, mirror or off");
+    if (at == std::end(kSkullBeside))
+      r.fail("\"on\" is \"" + ScriptReader::shown(on) + "\"; expected normal, mirror or off");
     s.on = SkullBeside(at - std::begin(kSkullBeside));
     if (r.has("name")) s.name = r.text("name", true, 40);
     return s;

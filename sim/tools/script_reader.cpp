@@ -100,7 +100,8 @@ bool ScriptReader::boolean(const char* key, bool otherwise) const {
 double ScriptReader::real(const char* key, double otherwise, double lo, double hi, bool open) const {
   if (!has(key)) return otherwise;
   const Json& v = data_->json[key];
-  const std::string range = std::string("; expected a number ") + (open ? "above " : "from ") + number(lo) + " to " + number(hi);
+  const std::string range =
+      std::string("; expected a number ") + (open ? "above " : "from ") + number(lo) + " to " + number(hi);
   if (!v.is_number()) fail(quoted(key) + " is not a number" + range);
   const double d = v.get<double>();
   if (!std::isfinite(d) || d < lo || d > hi || (open && d == lo)) fail(quoted(key) + " is " + number(d) + range);
@@ -111,7 +112,8 @@ std::vector<Landmark> ScriptReader::landmarks(const char* key) const {
   std::vector<Landmark> out;
   if (!has(key)) return out;
   if (!data_->json[key].is_object() || data_->json[key].size() > L::landmarks)
-    fail(quoted(key) + " is no list of at most " + std::to_string(L::landmarks) + " named points; expected {\"name\":[x, y], ...}");
+    fail(quoted(key) + " is no list of at most " + std::to_string(L::landmarks) +
+         " named points; expected {\"name\":[x, y], ...}");
   for (const auto& [name, at] : data_->json[key].items()) {
     if (name.empty() || name.size() > L::name_bytes) fail(quoted(key) + " holds a name that is empty or too long");
     double c[2];
@@ -123,16 +125,19 @@ std::vector<Landmark> ScriptReader::landmarks(const char* key) const {
 
 std::optional<PlannedProcedure> ScriptReader::plan(const char* key) const {
   if (!has(key)) return std::nullopt;
-  const std::string expected = "; expected {\"procedure\":\"NAME\",\"values\":{...},\"at\":[x, y],\"turn_deg\":0,\"mirror\":false}";
+  const std::string expected =
+      "; expected {\"procedure\":\"NAME\",\"values\":{...},\"at\":[x, y],\"turn_deg\":0,\"mirror\":false}";
   const Json& p = data_->json[key];
-  if (!p.is_object() || !p.contains("procedure") || !p["procedure"].is_string()) fail(quoted(key) + " names no procedure" + expected);
+  if (!p.is_object() || !p.contains("procedure") || !p["procedure"].is_string())
+    fail(quoted(key) + " names no procedure" + expected);
   PlannedProcedure out;
   out.procedure = p["procedure"].get<std::string>();
   for (const auto& [k, v] : p.items()) {
     if (k == "procedure") continue;
     if (k == "values" && v.is_object() && v.size() <= 32) {
       for (const auto& [name, value] : v.items()) {
-        if (!value.is_number() || !std::isfinite(value.get<double>())) fail("\"values\" holds something that is not a number" + expected);
+        if (!value.is_number() || !std::isfinite(value.get<double>()))
+          fail("\"values\" holds something that is not a number" + expected);
         out.values.emplace_back(name, value.get<double>());
       }
     } else if (k == "at") {
@@ -216,12 +221,14 @@ void ScriptReader::missing(const char* key, const std::string& what) const {
 void ScriptReader::coordinates(const void* value, double* out, size_t n, const char* key) const {
   const Json& v = *static_cast<const Json*>(value);
   const std::string want = n == 2 ? "; expected points [x, y]" : "; expected [x, y, z]";
-  if (!v.is_array() || v.size() != n) fail(quoted(key) + " holds something that is not " + std::to_string(n) + " numbers" + want);
+  if (!v.is_array() || v.size() != n)
+    fail(quoted(key) + " holds something that is not " + std::to_string(n) + " numbers" + want);
   for (size_t i = 0; i < n; ++i) {
     if (!v[i].is_number()) fail(quoted(key) + " holds a coordinate that is not a number" + want);
     out[i] = v[i].get<double>();
     if (!std::isfinite(out[i]) || std::abs(out[i]) > L::coordinate_mm)
-      fail(quoted(key) + " holds the coordinate " + number(out[i]) + "; expected at most " + number(L::coordinate_mm) + " mm");
+      fail(quoted(key) + " holds the coordinate " + number(out[i]) + "; expected at most " + number(L::coordinate_mm) +
+           " mm");
   }
 }
 
@@ -231,8 +238,10 @@ void ScriptReader::check_depth(std::string_view text) const {
   for (size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
     if (in_text) {
-      if (c == '\\') ++i;
-      else if (c == '"') in_text = false;
+      if (c == '\\')
+        ++i;
+      else if (c == '"')
+        in_text = false;
     } else if (c == '"') {
       in_text = true;
     } else if (c == '[' || c == '{') {

@@ -1,5 +1,6 @@
 #pragma once
-// One line of a script being read: gives each key by its type and complains in the words of the house, with file and line.
+// One line of a script being read: gives each key by its type and complains in the words of the house, with file and
+// line.
 #include <initializer_list>
 #include <memory>
 #include <optional>
@@ -29,10 +30,10 @@ class ScriptReader {
   /// lo <= value <= hi; with `open`, lo < value.
   double real(const char* key, double otherwise, double lo, double hi, bool open) const;
 
-  ChartPoint point(const char* key) const;                             // [x, y]
-  std::vector<ChartPoint> path(const char* key, size_t least) const;   // [[x, y], ...]
-  Vec3 place(const char* key) const;                                   // [x, y, z]
-  std::vector<Vec3> places(const char* key, size_t least) const;       // [[x, y, z], ...]
+  ChartPoint point(const char* key) const;                            // [x, y]
+  std::vector<ChartPoint> path(const char* key, size_t least) const;  // [[x, y], ...]
+  Vec3 place(const char* key) const;                                  // [x, y, z]
+  std::vector<Vec3> places(const char* key, size_t least) const;      // [[x, y, z], ...]
 
   /// Named points: {"name":[x, y], ...}.
   std::vector<Landmark> landmarks(const char* key) const;

@@ -7,7 +7,8 @@
 
 namespace limberg {
 
-/// The same commands with every run of pieces of one stroke (InciseMore) joined into one Incise, at the place of its first
+/// The same commands with every run of pieces of one stroke (InciseMore) joined into one Incise, at the place of its
+/// first
 /// piece: for a hand that is to draw it, and for whoever looks for flaps in a script.
 std::vector<Command> join_strokes(std::span<const Command> commands);
 

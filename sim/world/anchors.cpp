@@ -33,7 +33,8 @@ Anchor make_anchor(const SurfaceView& view, const RestIndex& index, const Surfac
   return a;
 }
 
-std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const RestIndex& index, const SurfacePoint& rim, double depth_mm) {
+std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const RestIndex& index,
+                                         const SurfacePoint& rim, double depth_mm) {
   const SurfaceView& v = surface.view;
   const Vec3 R = index.rest_mm(rim);
   const size_t own = size_t(rim.triangle);
@@ -41,7 +42,8 @@ std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const R
   // From the rim into its own skin: square to the rim edges that the point lies on.
   Vec3 into = Vec3::Zero();
   for (size_t k = 0; k < 3; ++k)
-    if ((v.rim[own] >> k & 1) && rim.bary[Eigen::Index((k + 2) % 3)] < 1e-6) into += n.cross(corner(v, own, (k + 1) % 3) - corner(v, own, k)).normalized();
+    if ((v.rim[own] >> k & 1) && rim.bary[Eigen::Index((k + 2) % 3)] < 1e-6)
+      into += n.cross(corner(v, own, (k + 1) % 3) - corner(v, own, k)).normalized();
   if (into.norm() < 1e-6) into = (corner(v, own, 0) + corner(v, own, 1) + corner(v, own, 2)) / 3 - R;
   into = (into - into.dot(n) * n).normalized();
   const double reach = kBuriedReach * depth_mm + 0.5;
@@ -50,7 +52,8 @@ std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const R
   const SharedArray<float>& depth = surface.depth_mm.all();
   for (size_t t = 0; t < v.tri.size(); ++t) {
     if (v.kind[t] != FaceKind::wall) continue;
-    const double d[3] = {double(depth[size_t(v.tri[t][0])]), double(depth[size_t(v.tri[t][1])]), double(depth[size_t(v.tri[t][2])])};
+    const double d[3] = {double(depth[size_t(v.tri[t][0])]), double(depth[size_t(v.tri[t][1])]),
+                         double(depth[size_t(v.tri[t][2])])};
     if (std::min({d[0], d[1], d[2]}) > depth_mm || std::max({d[0], d[1], d[2]}) < depth_mm) continue;
     Vec3 out = normal_of(v, t);
     if (!(out.norm() > 0)) continue;
@@ -67,7 +70,9 @@ std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const R
       ends.push_back(w);
     }
     if (ends.size() < 2) continue;
-    const auto at = [&](const Vec3& w) { return Vec3(w[0] * corner(v, t, 0) + w[1] * corner(v, t, 1) + w[2] * corner(v, t, 2)); };
+    const auto at = [&](const Vec3& w) {
+      return Vec3(w[0] * corner(v, t, 0) + w[1] * corner(v, t, 1) + w[2] * corner(v, t, 2));
+    };
     const Vec3 p = at(ends[0]), e = at(ends[1]) - p;
     const double s = e.squaredNorm() > 0 ? std::clamp((R - p).dot(e) / e.squaredNorm(), 0.0, 1.0) : 0;
     const Vec3 w = (1 - s) * ends[0] + s * ends[1];
@@ -129,7 +134,8 @@ std::vector<Vec2> resample(const std::vector<Vec2>& path, int n) {
   double before = 0;  // arc length at path[i - 1]
   for (int k = 0; k < n; ++k) {
     const double s = total * k / (n - 1);
-    while (i + 1 < path.size() && before + (path[i] - path[i - 1]).norm() < s) before += (path[i] - path[i - 1]).norm(), ++i;
+    while (i + 1 < path.size() && before + (path[i] - path[i - 1]).norm() < s)
+      before += (path[i] - path[i - 1]).norm(), ++i;
     const double length = (path[i] - path[i - 1]).norm();
     const double t = length > 0 ? std::min(1.0, (s - before) / length) : 0;
     out.push_back(path[i - 1] + t * (path[i] - path[i - 1]));

@@ -19,7 +19,8 @@ struct Anchor {
   EmbeddedPoint embedded;
   double bite_mm = 0;               // of a stitch: how far along the edge to either side it holds
   std::vector<EmbeddedPoint> wide;  // places along the edge whose mean it holds; empty: one place
-  Vec3 wall_normal = Vec3::Zero();  // of a wall at rest, out of the tissue: tells the two walls of a cut apart. Zero: on the skin
+  Vec3 wall_normal =
+      Vec3::Zero();  // of a wall at rest, out of the tissue: tells the two walls of a cut apart. Zero: on the skin
   bool in_wall() const { return !wall_normal.isZero(0); }
 };
 
@@ -32,13 +33,14 @@ struct Hook {
 
 /// A stitch, or a span of a thread: across the wound, where it counts as a stitch, or along its edges.
 struct Stitch {
-  int32_t id = 0;      // 1, 2, ... in order of placing; 0: a span along the wound
+  int32_t id = 0;  // 1, 2, ... in order of placing; 0: a span along the wound
   int32_t spring = 0;
   Anchor a, b;
-  // a - b still left open while the thread is drawn tight. Of a thread's span along the wound: the way from bite to bite when
+  // a - b still left open while the thread is drawn tight. Of a thread's span along the wound: the way from bite to
+  // bite when
   // it was sewn, which it keeps (spring_forces.h).
   Vec3 slack_mm = Vec3::Zero();
-  int32_t thread = 0;  // its number; 0: this stitch has a thread of its own
+  int32_t thread = 0;              // its number; 0: this stitch has a thread of its own
   double tied_N = -1, peak_N = 0;  // of states at rest (snapshot.h)
   bool across() const { return id > 0; }
   bool drawn() const { return thread > 0 || slack_mm.isZero(0); }  // as far as it depends on itself
@@ -56,9 +58,11 @@ struct Thread {
 /// Finds the anchor of a surface point; `point` comes from the RestIndex of the same view.
 Anchor make_anchor(const SurfaceView& view, const RestIndex& index, const SurfacePoint& point);
 
-/// The bite `depth_mm` below a point of a wound's rim, in the wall of its own bank: of the places of that depth the one nearest to
+/// The bite `depth_mm` below a point of a wound's rim, in the wall of its own bank: of the places of that depth the one
+/// nearest to
 /// the rim point. Nothing when the wound is not so deep there. O(triangles)
-std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const RestIndex& index, const SurfacePoint& rim, double depth_mm);
+std::optional<Anchor> make_buried_anchor(const SurfaceTopology& surface, const RestIndex& index,
+                                         const SurfacePoint& rim, double depth_mm);
 
 /// The same material point on a newer view; nothing when its tissue was removed. O(triangles) for one in a wall.
 std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view, const RestIndex& index);
@@ -66,7 +70,8 @@ std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view
 /// n points of a polyline, equally spaced by arc length, ends included (n >= 2; path.size() >= 2).
 std::vector<Vec2> resample(const std::vector<Vec2>& path, int n);
 double path_length_mm(const std::vector<Vec2>& path);
-/// How many stitches a row along two edges has, its ends included: as many as that spacing wants along the longer one, two at least.
+/// How many stitches a row along two edges has, its ends included: as many as that spacing wants along the longer one,
+/// two at least.
 double row_stitches(const std::vector<Vec2>& a, const std::vector<Vec2>& b, double spacing_mm);
 
 }  // namespace limberg

@@ -1,11 +1,11 @@
 // Cuts and excision: one change of topology, from the blade to the surface that is shown.
 #include <cmath>
 
+#include "sim/cutting/stroke_plan.h"
 #include "sim/error.h"
 #include "sim/hash.h"
-#include "sim/lattice/region.h"
 #include "sim/lattice/embedding.h"
-#include "sim/cutting/stroke_plan.h"
+#include "sim/lattice/region.h"
 #include "sim/world/operating_table.h"
 
 namespace limberg {
@@ -19,7 +19,8 @@ std::optional<ChartPoint> interior_point(const std::vector<ChartPoint>& outline)
     bool in = false;
     for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
       const ChartPoint &a = outline[i], &b = outline[j];
-      if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x()) in = !in;
+      if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
+        in = !in;
     }
     return in;
   };
@@ -55,12 +56,13 @@ Outcome OperatingTable::act(const Incise& c) {
   done.before = moment();
   const CutResult made = cut_stroke(c.path, c.depth_mm, c.angle_deg, c.spline, done.steps);
   if (!made.ok())
-    return {false, made.reason.empty() ? "the blade met no tissue that is not cut already; a new cut was expected" : made.reason};
+    return {false, made.reason.empty() ? "the blade met no tissue that is not cut already; a new cut was expected"
+                                       : made.reason};
   return finish(std::move(done));
 }
 
-CutResult OperatingTable::cut_stroke(const std::vector<ChartPoint>& path, double depth_mm, double angle_deg, bool spline,
-                                     std::vector<CutStep>& steps) {
+CutResult OperatingTable::cut_stroke(const std::vector<ChartPoint>& path, double depth_mm, double angle_deg,
+                                     bool spline, std::vector<CutStep>& steps) {
   const BladeContext context = blade_context();
   return carry_out(
       plan_stroke(context, path, depth_mm, angle_deg, spline), context,
@@ -89,7 +91,8 @@ Outcome OperatingTable::act(const Undermine& c) {
 Outcome OperatingTable::act(const Excise& c) {
   if (!arrangement_) return {false, "this scene cannot be cut; can_cut = true was expected in the scene"};
   const auto inside = interior_point(c.outline);
-  if (!inside) return {false, "the outline encloses nothing; a closed outline around the tissue to remove was expected"};
+  if (!inside)
+    return {false, "the outline encloses nothing; a closed outline around the tissue to remove was expected"};
   std::string reason;
   const auto at = find_skin(*inside, reason);
   if (!at) return {false, reason};
@@ -112,7 +115,9 @@ Outcome OperatingTable::act(const Excise& c) {
   const ExciseResult taken = taking.excised < 0 ? ExciseResult{} : arrangement_->excise(taking.excised);
   if (!taken.done) {
     take_back(done.steps);
-    return {false, "the tissue inside the outline is still attached; walls that reach through, or undermining below it, were expected"};
+    return {false,
+            "the tissue inside the outline is still attached; walls that reach through, or undermining below it, were "
+            "expected"};
   }
   taking.debris = arrangement_->sweep_debris(kDebris_mm3);
   taking.taken_mm3 = taken.volume_mm3;
@@ -122,7 +127,7 @@ Outcome OperatingTable::act(const Excise& c) {
 }
 
 Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step,
-                                         CutResult& made) {
+                                        CutResult& made) {
   Hash64 seed;
   seed.add(spec_.seed);
   seed.add(cuts_ + 1);
@@ -130,7 +135,8 @@ Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const
   step.seed = seed.value();
   made = arrangement_->cut(blade, step.seed);
   if (!made.ok())
-    return {false, made.reason.empty() ? "the blade met no tissue that is not cut already; a new cut was expected" : made.reason};
+    return {false, made.reason.empty() ? "the blade met no tissue that is not cut already; a new cut was expected"
+                                       : made.reason};
   step.first_try = made.tries - 1;
   const auto refuse = [&](const std::string& why) {
     arrangement_->undo();
@@ -143,9 +149,11 @@ Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const
     if (const Outcome o = follow(); !o.done) return refuse(o.reason);
   if (take_out) {
     step.excised = arrangement_->loose_component_near(inside_mm, 0.01);
-    const ExciseResult taken = step.excised < 0
-                                   ? ExciseResult{false, "the tissue inside the outline is still attached; a plug free of its bed was expected", 0, 0}
-                                   : arrangement_->excise(step.excised);
+    const ExciseResult taken =
+        step.excised < 0
+            ? ExciseResult{false,
+                           "the tissue inside the outline is still attached; a plug free of its bed was expected", 0, 0}
+            : arrangement_->excise(step.excised);
     if (!taken.done) {
       followed_.reset();
       return refuse(taken.reason);
@@ -153,7 +161,8 @@ Outcome OperatingTable::cut_arrangement(const Blade& blade, bool take_out, const
     step.operations = 2;
     step.taken_mm3 = taken.volume_mm3;
   }
-  // Blades that nearly coincide leave slivers that no lattice can hold; they go with the cut, and their volume is booked.
+  // Blades that nearly coincide leave slivers that no lattice can hold; they go with the cut, and their volume is
+  // booked.
   step.debris = arrangement_->sweep_debris(kDebris_mm3);
   if (takes)
     if (const Outcome o = follow(); !o.done) {
@@ -194,18 +203,22 @@ Outcome OperatingTable::finish(Done done) {
 Outcome OperatingTable::follow() {
   if (followed_ && followed_hash_ == arrangement_->hash()) return {true, {}};
   try {
-    const auto next = update_topology(followed_ ? *followed_ : *version_.lattice, material_surface(*arrangement_), &workers_, divide_);
+    const auto next = update_topology(followed_ ? *followed_ : *version_.lattice, material_surface(*arrangement_),
+                                      &workers_, divide_);
     followed_ = followed_ ? skip_version(*followed_, *next) : next;
     followed_hash_ = arrangement_->hash();
   } catch (const InputError& e) {
     return {false, e.what()};
-  } catch (const std::logic_error& e) {  // the lattice found a contradiction: nothing has changed yet, the cut is taken back
-    return {false, std::string("the lattice cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
+  } catch (
+      const std::logic_error& e) {  // the lattice found a contradiction: nothing has changed yet, the cut is taken back
+    return {false, std::string("the lattice cannot follow this cut (") + e.what() +
+                       "); a slightly different stroke was expected"};
   }
   return {true, {}};
 }
 
-// Three parts hang together only at their ends: the surface that is drawn, the lattice with its model, and the embedding of
+// Three parts hang together only at their ends: the surface that is drawn, the lattice with its model, and the
+// embedding of
 // the one in the other. So the first is made beside the lattice, and the model beside the embedding.
 Outcome OperatingTable::rebuild() {
   Version next;
@@ -226,14 +239,16 @@ Outcome OperatingTable::rebuild() {
   if (const Outcome o = follow(); !o.done) return o;
   try {
     next.lattice = followed_;
-    assembling = workers_.submit([&] { next.model = hold_outside(assemble_fem(*stencils_, *next.lattice, &before), *body_, spec_.region_mm); });
+    assembling = workers_.submit(
+        [&] { next.model = hold_outside(assemble_fem(*stencils_, *next.lattice, &before), *body_, spec_.region_mm); });
     drawing->wait();
     make_surface(next, std::move(drawn));
     assembling->wait();
   } catch (const InputError& e) {
     return {false, e.what()};
   } catch (const std::logic_error& e) {
-    return {false, std::string("the model cannot follow this cut (") + e.what() + "); a slightly different stroke was expected"};
+    return {false, std::string("the model cannot follow this cut (") + e.what() +
+                       "); a slightly different stroke was expected"};
   }
   followed_.reset();
   version_ = next;
@@ -268,7 +283,8 @@ void OperatingTable::make_surface(Version& next, Drawn drawn) {
   SurfaceView& view = surface->view;
   if (version_.surface) {
     const SurfaceTopology& before = *version_.surface;
-    surface->embedding = embed_surface(*next.lattice, material, view, {*version_.lattice, before.view, before.embedding, drawn.change});
+    surface->embedding =
+        embed_surface(*next.lattice, material, view, {*version_.lattice, before.view, before.embedding, drawn.change});
   } else {
     surface->embedding = embed_surface(*next.lattice, material, view);
   }

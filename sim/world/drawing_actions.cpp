@@ -56,7 +56,8 @@ Outcome OperatingTable::cut_on(bool last) {
     } else if (!stroke_->drawn.was_refused()) {
       return refuse(o);
     }
-    if (steps.size() > kMostCuts) return refuse({false, "one piece of a stroke makes too many cuts; shorter pieces were expected"});
+    if (steps.size() > kMostCuts)
+      return refuse({false, "one piece of a stroke makes too many cuts; shorter pieces were expected"});
   }
   if (steps.empty()) return {true, {}};
   Moment before;

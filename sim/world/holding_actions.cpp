@@ -9,8 +9,8 @@
 namespace limberg {
 namespace {
 
-constexpr double kMissing_mm = 1.5;    // a point this near to living skin still means that skin (tracker noise at a rim)
-constexpr double kRimReach_mm = 2.0;   // a stitch placed this near to a wound's edge goes through the edge
+constexpr double kMissing_mm = 1.5;   // a point this near to living skin still means that skin (tracker noise at a rim)
+constexpr double kRimReach_mm = 2.0;  // a stitch placed this near to a wound's edge goes through the edge
 
 std::string at_text(const ChartPoint& p) {
   char text[64];
@@ -21,9 +21,11 @@ std::string at_text(const ChartPoint& p) {
 }  // namespace
 
 std::optional<SurfacePoint> OperatingTable::find_skin(const ChartPoint& p, std::string& reason) const {
-  if (!p.allFinite()) return reason = "the point is not a number; two finite coordinates in mm were expected", std::nullopt;
+  if (!p.allFinite())
+    return reason = "the point is not a number; two finite coordinates in mm were expected", std::nullopt;
   const auto hit = skin_.at(p);
-  if (!hit) return reason = "point " + at_text(p) + " lies off the skin; a point on the skin was expected", std::nullopt;
+  if (!hit)
+    return reason = "point " + at_text(p) + " lies off the skin; a point on the skin was expected", std::nullopt;
   auto point = version_.index->locate(hit->X_mm, hit->triangle, 1e-2);
   if (!point) point = version_.index->nearest_skin(hit->X_mm, kMissing_mm);
   if (!point) reason = "the skin at " + at_text(p) + " has been removed; a point on remaining skin was expected";
@@ -83,7 +85,8 @@ Outcome OperatingTable::act(const SetHook& c) {
 }
 
 Outcome OperatingTable::act(const MoveHook& c) {
-  if (!c.to_mm.allFinite()) return {false, "the hook's target is not a number; three finite coordinates in mm were expected"};
+  if (!c.to_mm.allFinite())
+    return {false, "the hook's target is not a number; three finite coordinates in mm were expected"};
   for (Hook& h : hooks_)
     if (h.id == c.id) {
       h.handle_mm = c.to_mm;

@@ -14,7 +14,8 @@
 namespace limberg {
 namespace {
 
-// Until contacts follow: iterations of the minimiser, and how far it may go. (10 instead of 20: as much overlap in both shipped
+// Until contacts follow: iterations of the minimiser, and how far it may go. (10 instead of 20: as much overlap in both
+// shipped
 // operations, and 69 and 44 % more searches, 2026-11-22.)
 constexpr int kIterationsOfContacts = 20;
 constexpr double kMoveOfContacts_mm = 1.5;
@@ -22,7 +23,11 @@ constexpr double kMoveOfContacts_mm = 1.5;
 }  // namespace
 
 OperatingTable::OperatingTable(WorldSpec spec, Workers& workers)
-    : spec_(std::move(spec)), body_(spec_.body), shared_skin_(std::make_shared<const Skin>(spec_.body)), skin_(*shared_skin_), arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)),
+    : spec_(std::move(spec)),
+      body_(spec_.body),
+      shared_skin_(std::make_shared<const Skin>(spec_.body)),
+      skin_(*shared_skin_),
+      arrangement_(std::make_unique<Arrangement>(body_->surface, body_->grid)),
       workers_(workers) {
   const int front_levels = spec_.can_cut && spec_.refine_fronts ? kLevels : 0;
   const LatticeGrid grid = fit_lattice(*body_, spec_.cell_mm, front_levels);
@@ -47,7 +52,8 @@ Outcome OperatingTable::apply(const Command& command) {
   try {
     outcome = std::visit([this](const auto& c) { return act(c); }, command);
   } catch (const std::exception& e) {
-    // Memory at its end, or a check that has found a contradiction, in the middle of a cut: the arrangement goes back to
+    // Memory at its end, or a check that has found a contradiction, in the middle of a cut: the arrangement goes back
+    // to
     // where it was, and nothing else has changed yet.
     if (!arrangement_ || arrangement_->operations() < operations || version_.lattice != lattice) throw;
     while (arrangement_->operations() > operations) arrangement_->undo();
@@ -60,7 +66,9 @@ Outcome OperatingTable::apply(const Command& command) {
 
 Outcome OperatingTable::act(const Stage&) { return ++stage_, Outcome{true, {}}; }
 Outcome OperatingTable::act(const Wait&) { return {true, {}}; }
-Outcome OperatingTable::act(const HeadCommand&) { return {false, "there is no bone here; expected a scene with a [head]"}; }
+Outcome OperatingTable::act(const HeadCommand&) {
+  return {false, "there is no bone here; expected a scene with a [head]"};
+}
 
 void OperatingTable::hold_at(const std::function<Vec3(const Vec3&)>& where) {
   const FemModel& m = *version_.model;
@@ -86,8 +94,10 @@ StepReport OperatingTable::step(const StepSettings& settings) {
   return report;
 }
 
-// Where something may press, a step's iterations are taken some at a time, and after each contacts follow. At rest is only
-// what is at rest with the contacts of its own place. A dynamic step cannot be parted; its length bounds how far things go.
+// Where something may press, a step's iterations are taken some at a time, and after each contacts follow. At rest is
+// only
+// what is at rest with the contacts of its own place. A dynamic step cannot be parted; its length bounds how far things
+// go.
 StepReport OperatingTable::solve(const StepSettings& settings) {
   follow_contacts();
   if (!contacts_ || settings.dt_s > 0) {
@@ -100,14 +110,17 @@ StepReport OperatingTable::solve(const StepSettings& settings) {
   int done = 0;
   for (bool more = true; more;) {
     const bool near = contacts_->any_near();
-    part.max_iterations = near ? std::min(settings.max_iterations - done, kIterationsOfContacts) : settings.max_iterations - done;
+    part.max_iterations =
+        near ? std::min(settings.max_iterations - done, kIterationsOfContacts) : settings.max_iterations - done;
     part.most_move_mm = near ? kMoveOfContacts_mm : 0;
     report = solver_->step(part);
     done += report.iterations;
     const bool moved = report.iterations > 0, stopped = settings.should_stop && settings.should_stop();
     const bool others = moved && contacts_->any_near() && follow_contacts();
-    if (done >= settings.max_iterations || stopped || !moved) more = false;
-    else more = others || !report.converged;
+    if (done >= settings.max_iterations || stopped || !moved)
+      more = false;
+    else
+      more = others || !report.converged;
     if (!more && others && report.converged) {  // is it at rest with these, too?
       part.max_iterations = 0;
       report = solver_->step(part);
@@ -124,7 +137,8 @@ bool OperatingTable::follow_contacts() {
   if (contacts_version_ != version_.surface->version) {
     contacts_version_ = version_.surface->version;
     contact_counts_ = contact_counts();
-    const auto surface = contact_surface({version_.surface, &version_.surface->view}, version_.surface->embedding, version_.lattice, *version_.model);
+    const auto surface = contact_surface({version_.surface, &version_.surface->view}, version_.surface->embedding,
+                                         version_.lattice, *version_.model);
     contacts_ = surface ? std::make_unique<ContactFinder>(surface, *version_.model) : nullptr;
     if (contacts_) ++contact_counts_.surfaces;
     contacts_lattice_ = version_.lattice;
@@ -145,7 +159,9 @@ PressAnswer OperatingTable::press(const PressQuestion& question, int iterations)
   if (!press_) press_ = std::make_unique<PressProbe>(workers_);
   const std::vector<Spring> held = springs();
   const bool touching = contacts_ && contacts_version_ == version_.surface->version;
-  return press_->ask({*version_.surface, version_.model, *solver_, held, touching ? contacts_->contacts() : std::span<const Contact>{}, *body_}, question, iterations);
+  return press_->ask({*version_.surface, version_.model, *solver_, held,
+                      touching ? contacts_->contacts() : std::span<const Contact>{}, *body_},
+                     question, iterations);
 }
 
 ContactCounts OperatingTable::contact_counts() const {
@@ -180,16 +196,16 @@ void OperatingTable::fill(Snapshot& snapshot, bool with_field) const {
   snapshot.hooks.clear();
   for (const Hook& h : hooks_) {
     const Vec3 at = position_mm(h.anchor.embedded);
-    snapshot.hooks.push_back({h.id, at.cast<float>(), h.handle_mm.cast<float>(),
-                              (solver_->spring_force_mN(h.spring) * 1e-3).cast<float>()});
+    snapshot.hooks.push_back(
+        {h.id, at.cast<float>(), h.handle_mm.cast<float>(), (solver_->spring_force_mN(h.spring) * 1e-3).cast<float>()});
   }
   snapshot.sutures.clear();
   for (const Stitch& s : stitches_) {
     if (!s.across()) continue;
     const Vec3 a = position_mm(s.a.embedded), b = position_mm(s.b.embedded);
-    snapshot.sutures.push_back({s.id, a.cast<float>(), b.cast<float>(),
-                                float(solver_->spring_force_mN(s.spring).norm() * 1e-3), float((held_mm(s.a) - held_mm(s.b)).norm()), s.thread,
-                                float(s.tied_N), float(s.peak_N)});
+    snapshot.sutures.push_back(
+        {s.id, a.cast<float>(), b.cast<float>(), float(solver_->spring_force_mN(s.spring).norm() * 1e-3),
+         float((held_mm(s.a) - held_mm(s.b)).norm()), s.thread, float(s.tied_N), float(s.peak_N)});
   }
   snapshot.residual = residual_;
   snapshot.distance_mm = distance_mm_;

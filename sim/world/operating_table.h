@@ -1,7 +1,8 @@
 #pragma once
 // Everything of one patient, in the order of dependence, and the surgical actions on it.
 //
-// An action is atomic. A cut goes blade -> arrangement -> lattice -> finite elements -> surface; whatever refuses on the
+// An action is atomic. A cut goes blade -> arrangement -> lattice -> finite elements -> surface; whatever refuses on
+// the
 // way, all before it is taken back.
 //
 // Undo and redo go between moments. A moment is everything of the patient but the arrangement: the version of the
@@ -10,7 +11,8 @@
 // blade, seed and try give the same bits, which is checked.
 //
 // An incision may come in pieces while it is drawn (drawn_stroke.h); they are cut one by one and undone as one.
-// Hooks and stitches are springs; a stitch is drawn tight over some steps (its slack shrinks), as a hand does it. A running
+// Hooks and stitches are springs; a stitch is drawn tight over some steps (its slack shrinks), as a hand does it. A
+// running
 // suture is one thread through many bites, which slides until its tension is the same everywhere (fem/spring_forces.h).
 #include <memory>
 #include <optional>
@@ -93,20 +95,20 @@ class OperatingTable {
   };
   /// One cut of the arrangement with what went with it: enough to make it again.
   struct CutStep {
-    Blade blade;              // empty: it only takes something out
+    Blade blade;  // empty: it only takes something out
     uint64_t seed = 0;
     int first_try = 0;
-    int32_t excised = -1;     // the component that was taken out afterwards
-    int operations = 1;       // of the arrangement
+    int32_t excised = -1;  // the component that was taken out afterwards
+    int operations = 1;    // of the arrangement
     uint64_t hash_after = 0;
-    DebrisResult debris;      // what the cut left loose and was swept with it
-    double taken_mm3 = 0;     // volume of the excised component
+    DebrisResult debris;   // what the cut left loose and was swept with it
+    double taken_mm3 = 0;  // volume of the excised component
   };
   /// What undo takes back: a cut, an excision, or stitches (no steps).
   struct Done {
     Moment before;
     std::vector<CutStep> steps;
-    ParentList ancestor;            // per node after it: the node before; empty when the lattice is the same
+    ParentList ancestor;  // per node after it: the node before; empty when the lattice is the same
   };
   struct Undone {
     Done done;
@@ -141,7 +143,8 @@ class OperatingTable {
   /// The cuts of one stroke on the arrangement alone; refused: nothing has changed.
   CutResult cut_stroke(const std::vector<ChartPoint>& path, double depth_mm, double angle_deg, bool spline,
                        std::vector<CutStep>& steps);
-  /// What follows the cuts of one act: lattice, model and surface anew, and an entry in the history; or all is taken back.
+  /// What follows the cuts of one act: lattice, model and surface anew, and an entry in the history; or all is taken
+  /// back.
   Outcome finish(Done done);
   /// Blade, excision and sweeping on the arrangement alone; refused: nothing has changed.
   Outcome cut_arrangement(const Blade& blade, bool take_out, const Vec3& inside_mm, CutStep& step, CutResult& made);
@@ -152,9 +155,11 @@ class OperatingTable {
   void take_back(std::span<const CutStep> steps);
   Outcome rebuild();  // lattice, model, surface, anchors after the arrangement has changed
   /// Lets followed_ catch up with the arrangement. Called between a cut and what is taken away after it, and before the
-  /// next cut: an update that sees only one of the two names every parent exactly, one that sees both may not (topology.h).
+  /// next cut: an update that sees only one of the two names every parent exactly, one that sees both may not
+  /// (topology.h).
   Outcome follow();
-  /// What is drawn of the arrangement, and the index for picking; from those of version_ when there are some. Reads only
+  /// What is drawn of the arrangement, and the index for picking; from those of version_ when there are some. Reads
+  /// only
   /// what the lattice's update reads, too, so both may run at once.
   struct Drawn {
     std::shared_ptr<SurfaceTopology> surface;
@@ -173,7 +178,7 @@ class OperatingTable {
   std::optional<size_t> find_stitch(const StitchPick& pick, std::string& reason) const;
   const RimWalk& rim() const;
   void widen(Anchor& bite) const;
-  Vec3 held_mm(const Anchor& bite) const;  // where it is held now
+  Vec3 held_mm(const Anchor& bite) const;                                  // where it is held now
   Stitch between(const Anchor& a, const Anchor& b, double bite_mm) const;  // without numbers, open as it lies
   Outcome sew_row(const std::vector<std::pair<Anchor, Anchor>>& bites, const RowKind& kind, bool whole);
   /// One thread through these spans in their order.
@@ -207,11 +212,11 @@ class OperatingTable {
   Version version_;
   std::unique_ptr<ElasticSolver> solver_;
   Workers& workers_;
-  std::unique_ptr<ContactFinder> contacts_;  // absent as long as there is no wall
-  uint64_t contacts_version_ = 0;            // of the surface that it was made for
+  std::unique_ptr<ContactFinder> contacts_;                  // absent as long as there is no wall
+  uint64_t contacts_version_ = 0;                            // of the surface that it was made for
   std::shared_ptr<const LatticeTopology> contacts_lattice_;  // that the finder is for
   std::optional<ContactMemory> contacts_to_resume_;  // brought back by undo or redo, for the next step to take up
-  ContactCounts contact_counts_;             // of finders that are gone
+  ContactCounts contact_counts_;                     // of finders that are gone
   std::vector<Hook> hooks_;
   std::vector<Stitch> stitches_;  // threads' spans together, in their order
   std::vector<Thread> threads_;
@@ -220,9 +225,10 @@ class OperatingTable {
   // Energy of the open wound: of the last state at rest in which neither hook nor stitch held anything.
   std::optional<double> open_energy_uJ_;
   double energy_uJ_ = 0;
-  // During an act: the lattice after a part of its cuts, its parents in version_.lattice. Null: nothing was followed yet.
+  // During an act: the lattice after a part of its cuts, its parents in version_.lattice. Null: nothing was followed
+  // yet.
   std::shared_ptr<const LatticeTopology> followed_;
-  uint64_t followed_hash_ = 0;  // of the arrangement then
+  uint64_t followed_hash_ = 0;      // of the arrangement then
   Divide divide_ = Divide::fronts;  // of the lattice's cells by the act at hand
   std::vector<Done> done_;
   std::vector<Undone> undone_;

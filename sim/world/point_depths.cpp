@@ -13,7 +13,8 @@ struct PointDepths::Asked {
   std::shared_ptr<Last> last;
 };
 
-LazyArray<float> PointDepths::follow(const SurfaceView& view, const ViewChange& change, std::shared_ptr<const Skin> skin, SharedArray<uint8_t>& on_skin) {
+LazyArray<float> PointDepths::follow(const SurfaceView& view, const ViewChange& change,
+                                     std::shared_ptr<const Skin> skin, SharedArray<uint8_t>& on_skin) {
   const auto lies_on_skin = [&](size_t t) {
     if (view.kind[t] != FaceKind::skin) return;
     for (int32_t v : view.tri[t]) {
@@ -26,7 +27,8 @@ LazyArray<float> PointDepths::follow(const SurfaceView& view, const ViewChange& 
     for (size_t t = 0; t < view.tri.size(); ++t) lies_on_skin(t);
   else
     for (int32_t t : change.triangles) lies_on_skin(size_t(t));
-  return LazyArray<float>([asked = Asked{view.X_mm, view.point, on_skin, std::move(skin), last_}] { return find(asked); });
+  return LazyArray<float>(
+      [asked = Asked{view.X_mm, view.point, on_skin, std::move(skin), last_}] { return find(asked); });
 }
 
 SharedArray<float> PointDepths::find(const Asked& asked) {

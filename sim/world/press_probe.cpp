@@ -9,10 +9,13 @@
 namespace limberg {
 namespace {
 
-// The lattice under the patch against a half space, 2026-11-21: radii of .95 to 1.5 h, by where the place lies in its cell.
+// The lattice under the patch against a half space, 2026-11-21: radii of .95 to 1.5 h, by where the place lies in its
+// cell.
 constexpr double kPatch = 0.75, kFelt = 1.2;
-// A layer between depths a and b has the share exp(-k a / r) - exp(-k b / r) in what a flat end of radius r meets: the form is King's,
-// k of his curves for layers near as thick as the end is wide; three layered blocks came within 16 % of a lattice that resolves the
+// A layer between depths a and b has the share exp(-k a / r) - exp(-k b / r) in what a flat end of radius r meets: the
+// form is King's,
+// k of his curves for layers near as thick as the end is wide; three layered blocks came within 16 % of a lattice that
+// resolves the
 // end, 2026-11-21.
 constexpr double kReach = 1.2;
 constexpr double kStiffest_N_mm = 20;    // of the springs: what lies between a tip and skin is not harder
@@ -25,7 +28,8 @@ double compliance_mm_N(std::span<const Layer> layers, double radius_mm) {
   double sum = 0, top = 0;
   for (size_t l = 0; l < layers.size(); ++l) {
     const double bottom = top + layers[l].thickness_mm;
-    const double share = std::exp(-kReach * top / radius_mm) - (l + 1 < layers.size() ? std::exp(-kReach * bottom / radius_mm) : 0);
+    const double share =
+        std::exp(-kReach * top / radius_mm) - (l + 1 < layers.size() ? std::exp(-kReach * bottom / radius_mm) : 0);
     const Material& m = layers[l].material;
     sum += share * 1e3 * (1 - m.poisson * m.poisson) / (2 * radius_mm * m.young_kPa);  // kPa = mN / mm^2; 1e3 mN = 1 N
     top = bottom;
@@ -52,10 +56,13 @@ void PressProbe::meet(const Pressed& p) {
   seen_.assign(view.tri.size(), 0);
 }
 
-// Vertices of the same kind of surface within the radius at rest that hang together with the place, by the area they stand for.
+// Vertices of the same kind of surface within the radius at rest that hang together with the place, by the area they
+// stand for.
 void PressProbe::find_patch(const Pressed& p, const PressQuestion& q, double radius_mm) {
   const SurfaceView& view = p.surface.view;
-  const auto corner = [&](int32_t t, int k) -> const Vec3& { return view.X_mm[size_t(view.tri[size_t(t)][size_t(k)])]; };
+  const auto corner = [&](int32_t t, int k) -> const Vec3& {
+    return view.X_mm[size_t(view.tri[size_t(t)][size_t(k)])];
+  };
   Vec3 middle = Vec3::Zero();
   for (int k = 0; k < 3; ++k) middle += q.bary[size_t(k)] * corner(q.triangle, k);
   patch_.clear();
@@ -74,7 +81,8 @@ void PressProbe::find_patch(const Pressed& p, const PressQuestion& q, double rad
       const int32_t v = view.tri[size_t(t)][size_t(k)];
       add(v, share);
       for (int32_t other : around_[size_t(v)])
-        if (!seen_[size_t(other)] && view.kind[size_t(other)] == view.kind[size_t(q.triangle)]) seen_[size_t(other)] = 1, queue_.push_back(other);
+        if (!seen_[size_t(other)] && view.kind[size_t(other)] == view.kind[size_t(q.triangle)])
+          seen_[size_t(other)] = 1, queue_.push_back(other);
     }
   }
   for (int32_t t : queue_) seen_[size_t(t)] = 0;
@@ -89,14 +97,17 @@ PressAnswer PressProbe::ask(const Pressed& p, const PressQuestion& q, int iterat
   answer.topology_version = q.topology_version, answer.triangle = q.triangle;
   if (q.topology_version != p.surface.version) return answer;
   if (q.triangle < 0 || size_t(q.triangle) >= p.surface.view.tri.size())
-    throw InputError("", 0, "triangle " + std::to_string(q.triangle) + " is pressed on; the surface has " + std::to_string(p.surface.view.tri.size()));
+    throw InputError("", 0,
+                     "triangle " + std::to_string(q.triangle) + " is pressed on; the surface has " +
+                         std::to_string(p.surface.view.tri.size()));
   if (!q.normal.allFinite() || !std::isfinite(q.depth_mm) || !(q.radius_mm > 0))
     throw InputError("", 0, "a tool presses with a finite direction and depth and a radius above 0");
   meet(p);
   const double h = p.model->cell_mm.maxCoeff(), felt = std::max(kFelt * h, q.radius_mm);
   find_patch(p, q, std::max(kPatch * h, q.radius_mm));
   const double depth = std::max(q.depth_mm, kShallowest_mm);
-  const double stiffness = 1 / std::max(1 / kStiffest_N_mm, compliance_mm_N(p.body.layers, q.radius_mm) - compliance_mm_N(p.body.layers, felt));
+  const double stiffness = 1 / std::max(1 / kStiffest_N_mm, compliance_mm_N(p.body.layers, q.radius_mm) -
+                                                                compliance_mm_N(p.body.layers, felt));
 
   double weights = 0;
   for (const Touched& t : patch_) weights += t.weight;

@@ -1,14 +1,20 @@
 #pragma once
-// How stiff is the patient here, against a tool that presses? Asked of the finite elements themselves, of this very patient:
+// How stiff is the patient here, against a tool that presses? Asked of the finite elements themselves, of this very
+// patient:
 // layers, prestretch, an undermined pocket below, a wound's edge beside, hooks, stitches and contacts all count.
 //
-// A second solver over the same model takes the patient's positions, presses a patch of the surface in by the depth asked
-// for, and tells force over depth. The patient knows nothing of it: no bit of its state changes, so recordings and replays
+// A second solver over the same model takes the patient's positions, presses a patch of the surface in by the depth
+// asked
+// for, and tells force over depth. The patient knows nothing of it: no bit of its state changes, so recordings and
+// replays
 // do not depend on it. It goes on from its last answer, so a few iterations per question follow a tool that moves.
 //
-// A lattice of cells h cannot see a tip much smaller than h. So the patch is a disc of .75 h, which the lattice feels as a flat
-// end of 1.2 h, and the closer neighbourhood of the tip is added as springs in series: what a half space of the same layers
-// yields more under the tip than under an end of 1.2 h (Boussinesq 1885; layers as in King 1987). Tips that the lattice can
+// A lattice of cells h cannot see a tip much smaller than h. So the patch is a disc of .75 h, which the lattice feels
+// as a flat
+// end of 1.2 h, and the closer neighbourhood of the tip is added as springs in series: what a half space of the same
+// layers
+// yields more under the tip than under an end of 1.2 h (Boussinesq 1885; layers as in King 1987). Tips that the lattice
+// can
 // see get no springs.
 #include <memory>
 #include <span>
@@ -36,7 +42,8 @@ class PressProbe {
  public:
   explicit PressProbe(Workers& workers) : workers_(workers) {}
   ~PressProbe();
-  /// InputError: a triangle that is not there. A question about another version of the surface is not answered: stiffness 0.
+  /// InputError: a triangle that is not there. A question about another version of the surface is not answered:
+  /// stiffness 0.
   PressAnswer ask(const Pressed& patient, const PressQuestion& question, int iterations = 8);
 
  private:
@@ -55,10 +62,11 @@ class PressProbe {
   std::vector<Touched> patch_;
   std::vector<uint8_t> seen_;
   std::vector<int32_t> queue_;
-  std::vector<Vec3f> pressed_by_;             // per node: what the last answer moved it by
+  std::vector<Vec3f> pressed_by_;  // per node: what the last answer moved it by
 };
 
-/// Compliance in mm/N of a half space of these layers under a flat round end: each layer by the share that it has in a tool of
+/// Compliance in mm/N of a half space of these layers under a flat round end: each layer by the share that it has in a
+/// tool of
 /// that radius (King 1987).
 double compliance_mm_N(std::span<const Layer> layers, double radius_mm);
 

@@ -67,7 +67,8 @@ RestIndex::RestIndex(const SurfaceView& view, const RestIndex& before, const Vie
     return;
   }
   by_origin_ = before.by_origin_;
-  NumberSet changed(std::max(view_.tri.size(), before.view_.tri.size())), origins(by_origin_.keys());  // whose triangles are others
+  NumberSet changed(std::max(view_.tri.size(), before.view_.tri.size())),
+      origins(by_origin_.keys());  // whose triangles are others
   struct OfOrigin {
     int32_t origin, triangle;
   };
@@ -160,7 +161,8 @@ std::optional<SurfacePoint> RestIndex::snap_to_rim(const SurfacePoint& p, double
   std::optional<SurfacePoint> best;
   double best2 = reach_mm * reach_mm;
   for (const RimEdge& e : rim_) {
-    const Vec3 a = corner(e.triangle, e.corner), b = corner(e.triangle, e.corner + 1), c = corner(e.triangle, e.corner + 2);
+    const Vec3 a = corner(e.triangle, e.corner), b = corner(e.triangle, e.corner + 1),
+               c = corner(e.triangle, e.corner + 2);
     const Vec3 ab = b - a;
     const double s = ab.squaredNorm() > 0 ? std::clamp((X - a).dot(ab) / ab.squaredNorm(), 0.0, 1.0) : 0.0;
     const Vec3 q = a + s * ab;

@@ -29,7 +29,8 @@ class RestIndex {
   /// slack_mm otherwise); nothing when the place has been cut away.
   std::optional<SurfacePoint> locate(const Vec3& X_mm, int32_t origin, double slack_mm) const;
 
-  /// The nearest live skin triangle within reach_mm of X_mm, whatever its origin. Linear in the number of skin triangles.
+  /// The nearest live skin triangle within reach_mm of X_mm, whatever its origin. Linear in the number of skin
+  /// triangles.
   std::optional<SurfacePoint> nearest_skin(const Vec3& X_mm, double reach_mm) const;
 
   /// The nearest point of a wound's rim within reach_mm, on the bank that `p` belongs to. Nothing if no rim is near.
@@ -65,7 +66,7 @@ class RestIndex {
     SharedArray<uint8_t> rim;
   };
   const Mesh view_;
-  ShortLists by_origin_;  // triangles of each original triangle, by name
+  ShortLists by_origin_;      // triangles of each original triangle, by name
   std::vector<RimEdge> rim_;  // by name
 };
 

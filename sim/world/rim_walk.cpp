@@ -89,7 +89,8 @@ std::optional<SurfacePoint> RimWalk::along(const Spot& from, double by_mm) const
   for (size_t steps = 0; steps <= edge_.size(); ++steps) {
     const Edge& e = edge_[size_t(here.edge)];
     const double rest = (forward ? 1 - here.at : here.at) * e.length_mm;
-    if (left <= rest && e.length_mm > 0) return point(Spot{here.edge, here.at + (forward ? left : -left) / e.length_mm});
+    if (left <= rest && e.length_mm > 0)
+      return point(Spot{here.edge, here.at + (forward ? left : -left) / e.length_mm});
     left -= rest;
     const int32_t next = forward ? e.next : e.before;
     if (next < 0) return std::nullopt;

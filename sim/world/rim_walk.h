@@ -1,7 +1,8 @@
 #pragma once
 // The edge of a wound as a line that can be walked: rim edges in their order around the skin.
 //
-// Walked forward the skin lies on the left. The rim of a slit is one loop along both its banks, so a row of stitches between
+// Walked forward the skin lies on the left. The rim of a slit is one loop along both its banks, so a row of stitches
+// between
 // two key stitches walks forward on one bank and backward on the other. Everything is at rest.
 #include <optional>
 #include <utility>
@@ -21,10 +22,12 @@ class RimWalk {
     int32_t edge = -1;
     double at = 0;
   };
-  /// The rim edge that the point lies on; nothing when it is farther than a micrometre from every rim edge of its triangle.
+  /// The rim edge that the point lies on; nothing when it is farther than a micrometre from every rim edge of its
+  /// triangle.
   std::optional<Spot> spot(const SurfacePoint& p) const;
 
-  /// The way from one spot to another: its length, and the point at any share of it. Nothing when they lie on different rims.
+  /// The way from one spot to another: its length, and the point at any share of it. Nothing when they lie on different
+  /// rims.
   struct Way {
     bool forward = true;
     double length_mm = 0;

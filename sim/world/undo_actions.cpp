@@ -119,14 +119,16 @@ uint64_t OperatingTable::full_hash() const {
   }
   h.add(s.since_update);
   if (s.before_s > 0)
-    for (const std::vector<float>* v : {&s.displacement_before_mm, &s.velocity_before_mm_s}) h.bytes(v->data(), v->size() * sizeof(float));
+    for (const std::vector<float>* v : {&s.displacement_before_mm, &s.velocity_before_mm_s})
+      h.bytes(v->data(), v->size() * sizeof(float));
   const ContactMemory contacts = contact_memory();
   for (const HeldContact& c : contacts.pairs) {
     for (const int32_t v : {c.place, c.sheet, c.triangle, int32_t(c.judged)}) h.add(v);
     for (const double v : {c.bary[0], c.bary[1], c.bary[2], c.weight, c.gap_mm}) h.add(v);
     for (const Vec3* v : {&c.normal, &c.facet, &c.apart_mm}) h.bytes(v->data(), 3 * sizeof(double));
   }
-  for (const ContactMemory::Spot& k : contacts.spots) h.add(k.place), h.add(k.turns), h.bytes(k.slid_mm.data(), 3 * sizeof(double));
+  for (const ContactMemory::Spot& k : contacts.spots)
+    h.add(k.place), h.add(k.turns), h.bytes(k.slid_mm.data(), 3 * sizeof(double));
   for (const Hook& k : hooks_) h.add(k.spring), h.add(k.anchor.at.triangle);
   for (const Stitch& k : stitches_) h.add(k.spring), h.add(k.a.at.triangle), h.add(k.b.at.triangle);
   for (const Thread& t : threads_) h.add(t.id), h.add(t.length_mm), h.add(uint64_t(t.closing));

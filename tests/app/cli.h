@@ -46,7 +46,9 @@ class Cli : public ::testing::Test {
 
   Outcome run(const std::string& arguments) const {
     const std::string out = path(".out"), err = path(".err");
-    const int s = std::system(("env -u DISPLAY -u WAYLAND_DISPLAY " + kProgram + " " + arguments + " >" + out + " 2>" + err + " </dev/null").c_str());
+    const int s = std::system(
+        ("env -u DISPLAY -u WAYLAND_DISPLAY " + kProgram + " " + arguments + " >" + out + " 2>" + err + " </dev/null")
+            .c_str());
     Outcome o;
     o.status = WIFEXITED(s) ? WEXITSTATUS(s) : 1000 + WTERMSIG(s);
     o.out = slurp(out), o.err = slurp(err);
@@ -59,7 +61,8 @@ class Cli : public ::testing::Test {
     EXPECT_EQ(o.status, 2) << arguments << "\n" << o.err;
     EXPECT_EQ(o.lines(), 1) << arguments << "\n" << o.err;
     EXPECT_EQ(o.err.rfind("limberg: ", 0), 0u) << o.err;
-    for (const std::string& w : words) EXPECT_NE(o.err.find(w), std::string::npos) << arguments << "\nno \"" << w << "\" in: " << o.err;
+    for (const std::string& w : words)
+      EXPECT_NE(o.err.find(w), std::string::npos) << arguments << "\nno \"" << w << "\" in: " << o.err;
   }
 
   static std::string small_scene(const std::string& change = "", const std::string& to = "") {

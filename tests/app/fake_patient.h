@@ -1,5 +1,6 @@
 #pragma once
-// A patient of a few lines: a flat square of skin whose hooks pull their surroundings along, and which comes to rest at a
+// A patient of a few lines: a flat square of skin whose hooks pull their surroundings along, and which comes to rest at
+// a
 // rate of its own. Enough for every lane; its hash is over all it does, so that a difference of order shows.
 #include <cmath>
 #include <map>
@@ -18,7 +19,8 @@ class FakePatient final : public Patient {
     body->name = "flat";
     auto t = std::make_shared<SurfaceTopology>();
     for (int j = 0; j <= n; ++j)
-      for (int i = 0; i <= n; ++i) body->surface.X_mm.push_back(Vec3((i - n / 2) * spacing_mm, (j - n / 2) * spacing_mm, 0));
+      for (int i = 0; i <= n; ++i)
+        body->surface.X_mm.push_back(Vec3((i - n / 2) * spacing_mm, (j - n / 2) * spacing_mm, 0));
     for (int j = 0; j < n; ++j)
       for (int i = 0; i < n; ++i) {
         const int a = j * (n + 1) + i, b = a + 1, c = a + n + 1, d = c + 1;
@@ -66,8 +68,10 @@ class FakePatient final : public Patient {
         }
         part[b / kGrain] = move;
       };
-      if (workers_) workers_->parallel_for(x_.size(), kGrain, chunk);
-      else for (size_t b = 0; b < x_.size(); b += kGrain) chunk(b, std::min(x_.size(), b + kGrain));
+      if (workers_)
+        workers_->parallel_for(x_.size(), kGrain, chunk);
+      else
+        for (size_t b = 0; b < x_.size(); b += kGrain) chunk(b, std::min(x_.size(), b + kGrain));
       double move = 0;
       for (const double p : part) move += p;  // in order: the same bits with any number of workers
       out.residual = std::sqrt(move);
@@ -90,7 +94,8 @@ class FakePatient final : public Patient {
     s.x_mm.resize(x_.size());
     for (size_t i = 0; i < x_.size(); ++i) s.x_mm[i] = x_[i].cast<float>();
     s.hooks.clear();
-    for (const auto& [id, h] : hooks_) s.hooks.push_back({id, h.first.cast<float>(), h.second.cast<float>(), Vec3f::Zero()});
+    for (const auto& [id, h] : hooks_)
+      s.hooks.push_back({id, h.first.cast<float>(), h.second.cast<float>(), Vec3f::Zero()});
     s.residual = float(residual_);
   }
   std::shared_ptr<const SurfaceTopology> topology() const override { return t_; }

@@ -38,16 +38,20 @@ TEST_F(Cli, FirstStepsManualAndCompletionComeFromTheCommandLine) {
   EXPECT_EQ(first.status, 0);
   EXPECT_NE(first.out.find("limberg run "), std::string::npos) << first.out;
   const Outcome man = run("--man"), completion = run("--completion");
-  for (const std::string command : {"run", "replay", "operate", "study", "bench", "emulate", "calibrate", "devices", "fit", "check", "report"}) {
+  for (const std::string command :
+       {"run", "replay", "operate", "study", "bench", "emulate", "calibrate", "devices", "fit", "check", "report"}) {
     EXPECT_NE(man.out.find(".SS limberg " + command + "\n"), std::string::npos) << command;
     EXPECT_NE(completion.out.find("    " + command + ") words="), std::string::npos) << command;
   }
   EXPECT_NE(man.out.find("\\-\\-headless"), std::string::npos);
-  const std::string script = file("completion", completion.out + "\nCOMP_WORDS=(limberg replay --lo) COMP_CWORD=2; _limberg; echo ${COMPREPLY[@]}\n");
+  const std::string script =
+      file("completion",
+           completion.out + "\nCOMP_WORDS=(limberg replay --lo) COMP_CWORD=2; _limberg; echo ${COMPREPLY[@]}\n");
   const std::string said = path("said");
   ASSERT_EQ(std::system(("bash " + script + " >" + said).c_str()), 0);
   EXPECT_EQ(slurp(said), "--lockstep\n");
-  const std::string scenes = file("completion", completion.out + "\nCOMP_WORDS=(limberg run rhom) COMP_CWORD=2; _limberg; echo ${COMPREPLY[@]}\n");
+  const std::string scenes = file(
+      "completion", completion.out + "\nCOMP_WORDS=(limberg run rhom) COMP_CWORD=2; _limberg; echo ${COMPREPLY[@]}\n");
   ASSERT_EQ(std::system(("bash " + scenes + " >" + said).c_str()), 0);
   EXPECT_EQ(slurp(said), "rhomboid\n");
 }
@@ -57,10 +61,12 @@ TEST_F(Cli, MissingEmptyFolder) {
   for (const std::string& c : {std::string("replay "), std::string("check "), std::string("report ")}) {
     expect_refused(c + path("absent"), {"absent"});
     if (c == "replay ") expect_refused(c + dir_.string(), {dir_.string(), "is a "});
-    if (c == "check ") expect_refused(c + dir_.string(), {dir_.string(), "no DICOM slices"});  // a folder is a series of images
+    if (c == "check ")
+      expect_refused(c + dir_.string(), {dir_.string(), "no DICOM slices"});  // a folder is a series of images
     if (c != "report ") expect_refused(c + empty, {"empty"});
   }
-  const std::string scene = file("small.toml", small_scene()), ok = file("ok.jsonl", script("{\"action\":\"wait\",\"seconds\":0}\n"));
+  const std::string scene = file("small.toml", small_scene()),
+                    ok = file("ok.jsonl", script("{\"action\":\"wait\",\"seconds\":0}\n"));
   for (const std::string& bad : {path("absent.toml"), dir_.string(), empty}) {
     expect_refused("operate " + bad + " " + ok, {});
     expect_refused("operate " + scene + " " + bad, {});
@@ -117,7 +123,8 @@ TEST_F(Cli, FitsSayHowMuchTheyReachAndInWhichUnit) {
   std::string dome;
   for (int j = -20; j <= 20; ++j)
     for (int i = -20; i <= 20; ++i)
-      if (const double q = 1 - (i * i + j * j) / 450.; q > 0.05) dome += std::to_string(0.4 * i) + " " + std::to_string(0.4 * j) + " " + std::to_string(6 * std::sqrt(q)) + "\n";
+      if (const double q = 1 - (i * i + j * j) / 450.; q > 0.05)
+        dome += std::to_string(0.4 * i) + " " + std::to_string(0.4 * j) + " " + std::to_string(6 * std::sqrt(q)) + "\n";
   const std::string scan = file("dome.xyz", dome), out = " --out " + path("m.simplex") + " --json " + path("r.json");
   Outcome o = run("fit " + scan + " --start plane --unit cm" + out);
   EXPECT_EQ(o.status, 0) << o.err;
@@ -134,7 +141,8 @@ TEST_F(Cli, FitsSayHowMuchTheyReachAndInWhichUnit) {
   for (const double radius : {50., 35.})
     for (int i = 0; i < int(radius * radius); ++i) {
       const double z = 2 * (i + 0.5) / (radius * radius) - 1, turn = 2.399963 * i, ring = std::sqrt(1 - z * z);
-      balls += std::to_string(radius * ring * std::cos(turn)) + " " + std::to_string(radius * ring * std::sin(turn)) + " " + std::to_string(radius * z) + "\n";
+      balls += std::to_string(radius * ring * std::cos(turn)) + " " + std::to_string(radius * ring * std::sin(turn)) +
+               " " + std::to_string(radius * z) + "\n";
     }
   o = run("fit " + file("balls.xyz", balls) + out);
   EXPECT_EQ(o.status, 3) << o.err << o.out;
@@ -158,7 +166,8 @@ TEST_F(Cli, RecordingsThatAreNone) {
 }
 
 TEST_F(Cli, OutputThatCannotBeWritten) {
-  const std::string scene = file("small.toml", small_scene()), s = file("s.jsonl", script("{\"action\":\"stage\",\"name\":\"a\"}\n"));
+  const std::string scene = file("small.toml", small_scene()),
+                    s = file("s.jsonl", script("{\"action\":\"stage\",\"name\":\"a\"}\n"));
   const std::string kept = file("kept", "precious");
   expect_refused("operate " + scene + " " + s + " --out /proc/limberg", {"/proc/limberg", "expected"});
   expect_refused("operate " + scene + " " + s + " --out " + kept, {"kept", "expected"});
@@ -178,7 +187,8 @@ class Recorded : public Cli {
     script_ = file("s.jsonl", script("{\"action\":\"incise\",\"path\":[[-8,0],[8,0]],\"depth_mm\":3}\n"
                                      "{\"action\":\"stage\",\"name\":\"cut\"}\n"));
     log_ = path("s.lcm");
-    const Outcome o = run("emulate " + scene_ + " " + script_ + " --out " + log_ + " --seed 5 --json " + path("e.json"));
+    const Outcome o =
+        run("emulate " + scene_ + " " + script_ + " --out " + log_ + " --seed 5 --json " + path("e.json"));
     ASSERT_EQ(o.status, 0) << o.err;
   }
   nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(slurp(path(name))); }
@@ -199,7 +209,8 @@ TEST_F(Recorded, ReplaysToTheSameHashWithAnyWorkers) {
     EXPECT_EQ(j["metrics"]["pieces"], 1);
     EXPECT_LE(std::abs(j["metrics"]["volume_change"].get<double>()), 1e-9);
     EXPECT_FALSE(j.contains("damage"));
-    for (const char* key : {"limberg", "machine", "duration_s", "parts", "memory_mb", "device", "solver", "render", "latency_ms"})
+    for (const char* key :
+         {"limberg", "machine", "duration_s", "parts", "memory_mb", "device", "solver", "render", "latency_ms"})
       EXPECT_TRUE(j.contains(key)) << key;
   }
 }
@@ -264,19 +275,23 @@ TEST_F(Cli, StudiesSayWhatTheyTake) {
   expect_refused("study disc --set foo=1", {"foo", "along", "poisson"});
   expect_refused("study disc --set along=2", {"along", "2", "range"});
   expect_refused("study disc --set along=1.1,x", {"along", "x"});
-  const Outcome o = run("study disc --set along=1.1 --set across=1.05 --set cell_mm=4 --set radius_mm=6 --out " + path("disc"));
+  const Outcome o =
+      run("study disc --set along=1.1 --set across=1.05 --set cell_mm=4 --set radius_mm=6 --out " + path("disc"));
   EXPECT_EQ(o.status, 0) << o.err;
   const auto j = nlohmann::json::parse(slurp(dir_ / "disc/result.json"));
   EXPECT_EQ(j["command"], "study");
   EXPECT_EQ(j["rows"].size(), 1u);
   EXPECT_TRUE(j["bars"][0]["pass"].get<bool>());
-  for (const char* name : {"disc/rows.csv", "disc/disc.svg", "disc/report.html"}) EXPECT_TRUE(fs::exists(dir_ / name)) << name;
+  for (const char* name : {"disc/rows.csv", "disc/disc.svg", "disc/report.html"})
+    EXPECT_TRUE(fs::exists(dir_ / name)) << name;
   EXPECT_NE(slurp(dir_ / "disc/report.html").find("Study: disc"), std::string::npos);
 }
 
 TEST_F(Cli, ARefusedCutCanBeTriedAgain) {
   const std::string scene = file("small.toml", small_scene());
-  const std::string bad = file("bad.jsonl", script("{\"action\":\"incise\",\"path\":[[-8,0],[8,0]]}\n{\"action\":\"incise\",\"path\":[[-8,5],[80,5]]}\n"));
+  const std::string bad = file(
+      "bad.jsonl",
+      script("{\"action\":\"incise\",\"path\":[[-8,0],[8,0]]}\n{\"action\":\"incise\",\"path\":[[-8,5],[80,5]]}\n"));
   for (int n = 1; n <= 2; ++n) {  // the second does not overwrite the first
     EXPECT_EQ(run("operate " + scene + " " + bad + " --out " + path("out")).status, 2);
     EXPECT_TRUE(fs::exists(dir_ / ("out/repro-" + std::to_string(n) + ".json")));
@@ -297,27 +312,38 @@ TEST_F(Cli, BadScriptsNameTheirLine) {
   const std::string hole = "{\"action\":\"excise\",\"outline\":[[-4,-4],[4,-4],[4,4],[-4,4]],\"depth_mm\":4}\n";
   const std::string slit = "{\"action\":\"incise\",\"path\":[[-10,7],[10,7]],\"depth_mm\":4}\n";
   const std::string stitch = "{\"action\":\"suture\",\"a\":[0,6.4],\"b\":[0,7.6]}\n";
-  const struct { std::string name, lines; int line; const char* word; } bad[] = {
+  const struct {
+    std::string name, lines;
+    int line;
+    const char* word;
+  } bad[] = {
       {"unknown", "{\"action\":\"pray\"}\n", 2, "unknown action"},
       {"outside", slit + "{\"action\":\"incise\",\"path\":[[-8,5],[80,5]]}\n", 3, "skin"},
       {"removed", hole + "{\"action\":\"suture\",\"a\":[0,0],\"b\":[0,6]}\n", 3, "removed"},
       {"nothing", hole + "{\"action\":\"incise\",\"path\":[[-2,0],[2,0]]}\n", 3, "incise refused"},
       {"twice", slit + stitch + stitch, 4, "already"},
-      {"loop", "{\"action\":\"excise\",\"outline\":[[-4,-4],[4,-4],[4,4],[-4,4]],\"depth_mm\":3,\"floor\":false}\n", 2, "attached"},
-      {"bow-tie", "{\"action\":\"excise\",\"outline\":[[-6,-4],[6,4],[6,-4],[-6,4]],\"depth_mm\":3}\n", 2, "crosses itself at (0.00, 0.00) mm"},  // encloses nothing, taken with its sign
-      {"lopsided-bow-tie", "{\"action\":\"undermine\",\"outline\":[[-6,-4],[6,4],[6,-4],[-6,5]],\"depth_mm\":3}\n", 2, "crosses itself at"},
-      {"no-area", "{\"action\":\"excise\",\"outline\":[[-6,-4],[6,4],[-6,-4]],\"depth_mm\":3}\n", 2, "encloses nothing"},
+      {"loop", "{\"action\":\"excise\",\"outline\":[[-4,-4],[4,-4],[4,4],[-4,4]],\"depth_mm\":3,\"floor\":false}\n", 2,
+       "attached"},
+      {"bow-tie", "{\"action\":\"excise\",\"outline\":[[-6,-4],[6,4],[6,-4],[-6,4]],\"depth_mm\":3}\n", 2,
+       "crosses itself at (0.00, 0.00) mm"},  // encloses nothing, taken with its sign
+      {"lopsided-bow-tie", "{\"action\":\"undermine\",\"outline\":[[-6,-4],[6,4],[6,-4],[-6,5]],\"depth_mm\":3}\n", 2,
+       "crosses itself at"},
+      {"no-area", "{\"action\":\"excise\",\"outline\":[[-6,-4],[6,4],[-6,-4]],\"depth_mm\":3}\n", 2,
+       "encloses nothing"},
       {"none", slit + stitch + "{\"action\":\"cut_suture\",\"id\":2}\n", 4, "no stitch 2"},
       {"both", slit + "{\"action\":\"cut_suture\",\"id\":2,\"at\":[0,0]}\n", 3, "either"},
   };
   for (const auto& b : bad) {
     const std::string f = file(b.name + ".jsonl", script(b.lines));
-    expect_refused("operate " + scene + " " + f + " --json " + path(b.name + ".json"), {b.name + ".jsonl:" + std::to_string(b.line) + ":", b.word});
+    expect_refused("operate " + scene + " " + f + " --json " + path(b.name + ".json"),
+                   {b.name + ".jsonl:" + std::to_string(b.line) + ":", b.word});
     EXPECT_FALSE(fs::exists(path(b.name + ".json"))) << b.name;
   }
   expect_refused("operate " + scene + " " + file("good.jsonl", script(slit)) + " --cells 0", {"cells", "0.05"});
-  expect_refused("operate " + scene + " " + file("good.jsonl", script(slit)) + " --cells 5,5", {"--cells", "5 mm after 5 mm", "coarse to fine"});
-  expect_refused("check " + file("lost.jsonl", "{\"limberg_script\":1,\"scene\":\"nowhere\"}\n"), {"lost.jsonl:1:", "nowhere"});
+  expect_refused("operate " + scene + " " + file("good.jsonl", script(slit)) + " --cells 5,5",
+                 {"--cells", "5 mm after 5 mm", "coarse to fine"});
+  expect_refused("check " + file("lost.jsonl", "{\"limberg_script\":1,\"scene\":\"nowhere\"}\n"),
+                 {"lost.jsonl:1:", "nowhere"});
 }
 
 TEST_F(Cli, ThreadsOrdersAndTheirFigures) {
@@ -334,12 +360,14 @@ TEST_F(Cli, ThreadsOrdersAndTheirFigures) {
   ASSERT_EQ(j["orders"].size(), 3u);
   const double a = j["orders"][0]["closure_force_N"], b = j["orders"][1]["closure_force_N"];
   EXPECT_NEAR(a, b, 0.02 * a);  // elastic: the end does not remember the way
-  EXPECT_GE(j["orders"][0]["suture_force_peak_N"].get<double>(), j["orders"][0]["suture_force_max_N"].get<double>() - 1e-9);
+  EXPECT_GE(j["orders"][0]["suture_force_peak_N"].get<double>(),
+            j["orders"][0]["suture_force_max_N"].get<double>() - 1e-9);
   EXPECT_EQ(j["charts"].size(), 1u);
   expect_refused("operate " + scene + " " + f + " --orders 1-2", {"orders"});
-  const std::string running = file("running.jsonl", script(
-      "{\"action\":\"incise\",\"path\":[[-12,1],[12,1]],\"depth_mm\":5}\n"
-      "{\"action\":\"suture_row\",\"a\":[[-10,0.3],[10,0.3]],\"b\":[[-10,1.7],[10,1.7]],\"spacing_mm\":5,\"running\":true}\n"));
+  const std::string running =
+      file("running.jsonl", script("{\"action\":\"incise\",\"path\":[[-12,1],[12,1]],\"depth_mm\":5}\n"
+                                   "{\"action\":\"suture_row\",\"a\":[[-10,0.3],[10,0.3]],\"b\":[[-10,1.7],[10,1.7]],"
+                                   "\"spacing_mm\":5,\"running\":true}\n"));
   o = run("operate " + scene + " " + running + " --json " + path("running.json") + " --fields " + path("fields.csv"));
   EXPECT_EQ(o.status, 0) << o.err;
   const auto k = nlohmann::json::parse(slurp(dir_ / "running.json"));
@@ -359,7 +387,10 @@ TEST_F(Cli, PlansLessonsAndMeasures) {
   o = run("check " + kSource + "/recordings/zplasty.jsonl --plan");
   EXPECT_EQ(o.status, 0) << o.err;
   EXPECT_NE(o.out.find("dog-ear of +60 degrees"), std::string::npos) << o.out;
-  expect_refused("check " + file("bad.toml", "lesson = \"x\"\ngoal = \"y\"\nscene = \"rhomboid\"\n[procedure]\nname = \"magic\"\n[tolerance]\ngap_mm = 1\n"), {"bad.toml:5", "magic"});
+  expect_refused("check " + file("bad.toml",
+                                 "lesson = \"x\"\ngoal = \"y\"\nscene = \"rhomboid\"\n[procedure]\nname = "
+                                 "\"magic\"\n[tolerance]\ngap_mm = 1\n"),
+                 {"bad.toml:5", "magic"});
   EXPECT_NE(run("measures").out.find("closure_force_N [N]"), std::string::npos);
   expect_refused("design rhomboid --defect circle:0,0", {"circle"});
   expect_refused("design rhomboid --defect circle:200,0,10", {"skin"});
@@ -373,7 +404,10 @@ TEST_F(Cli, SessionsAreJudgedByALesson) {
 {"action":"incise","path":[[-6,0],[6,0]],"depth_mm":3}
 {"action":"suture","a":[0,1],"b":[0,-1]}
 )");
-  const std::string lesson = file("slit.toml", "lesson = \"A slit\"\ngoal = \"Close it\"\nscene = \"small\"\n[procedure]\nname = \"fusiform\"\n[procedure.values]\nwidth_mm = 4\n[tolerance]\ncorner_mm = 2\ngap_mm = 0.2\ntime_s = 0.001\n");
+  const std::string lesson = file(
+      "slit.toml",
+      "lesson = \"A slit\"\ngoal = \"Close it\"\nscene = \"small\"\n[procedure]\nname = "
+      "\"fusiform\"\n[procedure.values]\nwidth_mm = 4\n[tolerance]\ncorner_mm = 2\ngap_mm = 0.2\ntime_s = 0.001\n");
   const auto judged = [&](const std::string& command) {
     const Outcome o = run(command + " --judge " + lesson + " --json " + path("result.json"));
     EXPECT_EQ(o.status, 0) << command << "\n" << o.err;
@@ -405,7 +439,9 @@ TEST_F(Cli, SessionsAreJudgedByALesson) {
 
 TEST_F(Cli, DesignsAreRanked) {
   const std::string scene = file("flat.toml", small_scene("size_mm = [40, 40, 10]", "size_mm = [70, 70, 10]"));
-  const Outcome o = run("design " + scene + " --defect circle:0,0,8 --types fusiform --turn-step 60 --refine 1 --spare lid=0,16 --out " + path("out"));
+  const Outcome o =
+      run("design " + scene +
+          " --defect circle:0,0,8 --types fusiform --turn-step 60 --refine 1 --spare lid=0,16 --out " + path("out"));
   EXPECT_EQ(o.status, 0) << o.err;
   const auto j = nlohmann::json::parse(slurp(dir_ / "out/result.json"));
   ASSERT_GE(j["rows"].size(), 1u);

@@ -6,10 +6,13 @@
 namespace {
 
 TEST_F(Cli, NumbersThatAreNone) {
-  const std::string scene = file("small.toml", small_scene()), s = file("s.jsonl", script("{\"action\":\"stage\",\"name\":\"a\"}\n"));
-  expect_refused("operate " + scene + " " + s + " --cell-mm nan", {"--cell-mm", "nan", "expected a number from 0.05 to 100"});
+  const std::string scene = file("small.toml", small_scene()),
+                    s = file("s.jsonl", script("{\"action\":\"stage\",\"name\":\"a\"}\n"));
+  expect_refused("operate " + scene + " " + s + " --cell-mm nan",
+                 {"--cell-mm", "nan", "expected a number from 0.05 to 100"});
   expect_refused("operate " + scene + " " + s + " --cells 5,nan", {"--cells", "expected a number"});
-  expect_refused("operate " + scene + " " + s + " --workers 2.5", {"--workers", "expected a whole number from 1 to 256"});
+  expect_refused("operate " + scene + " " + s + " --workers 2.5",
+                 {"--workers", "expected a whole number from 1 to 256"});
   expect_refused("emulate --fastrak --seconds nan", {"--seconds", "expected a number"});
   expect_refused("procedure bilobed --at nan,0", {"--at", "expected a number"});
   expect_refused("procedure bilobed --turn 1e99", {"--turn", "expected a number"});
@@ -26,35 +29,42 @@ TEST_F(Cli, OptionsThatNeedAnother) {
 }
 
 TEST_F(Cli, DevicesAreRefusedBeforeThePatientIsBuilt) {
-  for (const std::string url : {"xyz", "udpm://8.8.8.8:7667?ttl=5"}) expect_refused("run rhomboid --headless --seconds 1 --device lcm:" + url, {"lcm:" + url, "expected lcm:udpm://"});
+  for (const std::string url : {"xyz", "udpm://8.8.8.8:7667?ttl=5"})
+    expect_refused("run rhomboid --headless --seconds 1 --device lcm:" + url, {"lcm:" + url, "expected lcm:udpm://"});
   expect_refused("run rhomboid --headless --seconds 1 --device force-simulated:x", {"force-simulated:x"});
   expect_refused("superpose " + path("absent.obj") + " --mirror", {"absent.obj", "expected"});
 }
 
 TEST_F(Cli, SurfacesThatAreNoneAreRefused) {
-  std::string tetrahedron = "v 0 0 0\nv 90 0 0\nv 0 90 0\nv 0 0 90\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", line, place, flat, sheet;
+  std::string tetrahedron = "v 0 0 0\nv 90 0 0\nv 0 90 0\nv 0 0 90\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n", line, place,
+              flat, sheet;
   for (int i = 0; i < 30; ++i) {
     const std::string n = std::to_string(i);
     line += "v " + n + "0 " + n + " 5\n", place += "v 1 2 3\n";
-    flat += "v " + std::to_string(i % 6 * 20) + " " + std::to_string(i / 6 * 20) + " " + std::to_string(i * i % 7) + "\n";
+    flat +=
+        "v " + std::to_string(i % 6 * 20) + " " + std::to_string(i / 6 * 20) + " " + std::to_string(i * i % 7) + "\n";
   }
   sheet = flat + "f 1 2 7\nf 2 8 7\nf 8 9 14\n";
   for (int i = 1; i < 20; ++i) flat += "f 1 1 " + std::to_string(i) + "\n";
   const std::string good = file("sheet.obj", sheet);
-  for (const auto& [name, text, word] : {std::tuple{"few.obj", tetrahedron, "has 4 points; at least 10 were expected"}, {"line.obj", line, "on a line"},
-                                         {"place.obj", place, "at one place"}, {"flat.obj", flat, "no triangle with an area"}}) {
+  for (const auto& [name, text, word] : {std::tuple{"few.obj", tetrahedron, "has 4 points; at least 10 were expected"},
+                                         {"line.obj", line, "on a line"},
+                                         {"place.obj", place, "at one place"},
+                                         {"flat.obj", flat, "no triangle with an area"}}) {
     const std::string bad = file(name, text);
     expect_refused("superpose " + bad + " --mirror", {name, word});
     expect_refused("superpose " + bad + " " + good, {name, word});
     expect_refused("superpose " + good + " " + bad, {name, word});
-    for (const std::string start : {"sphere", "plane"}) expect_refused("fit " + bad + " --start " + start + " --out " + path("o.simplex"), {name, word});
+    for (const std::string start : {"sphere", "plane"})
+      expect_refused("fit " + bad + " --start " + start + " --out " + path("o.simplex"), {name, word});
   }
   EXPECT_FALSE(fs::exists(path("o.simplex")));
 }
 
 TEST_F(Cli, ADeviceThatNeverCameIsNamed) {
   const std::string scene = file("small.toml", small_scene());
-  const Outcome o = run("run " + scene + " --headless --seconds 0.1 --device fastrak:" + path("no-port") + " --json " + path("r.json"));
+  const Outcome o = run("run " + scene + " --headless --seconds 0.1 --device fastrak:" + path("no-port") + " --json " +
+                        path("r.json"));
   EXPECT_EQ(o.status, 0) << o.err;
   EXPECT_NE(o.err.find("no-port sent nothing: "), std::string::npos) << o.err;
   const auto device = nlohmann::json::parse(slurp(path("r.json")))["device"]["sources"][0];
@@ -83,7 +93,8 @@ TEST_F(Cli, AFullDiskBehindStandardOutputIsTold) {
 }
 
 TEST_F(Cli, ClosedStandardFilesDoNotEndUpInARecording) {
-  const std::string scene = file("small.toml", small_scene()), s = file("s.jsonl", script("{\"action\":\"wait\",\"seconds\":0.2}\n"));
+  const std::string scene = file("small.toml", small_scene()),
+                    s = file("s.jsonl", script("{\"action\":\"wait\",\"seconds\":0.2}\n"));
   const std::string call = kProgram + " emulate " + scene + " " + s + " --seed 5 --out ";
   ASSERT_EQ(std::system((call + path("open.lcm") + " >" + path("said")).c_str()), 0);
   EXPECT_EQ(std::system((call + path("closed.lcm") + " <&- >&- 2>&-").c_str()), 0);
@@ -93,17 +104,22 @@ TEST_F(Cli, ClosedStandardFilesDoNotEndUpInARecording) {
 
 TEST_F(Cli, SeveralCallsMayWriteIntoOneFolder) {
   ASSERT_EQ(run("bench fuzz --operations 5 --out " + path("out")).status, 0);
-  const std::string call = "for i in 1 2 3 4 5 6 7 8; do { " + kProgram + " report " + path("out") + " >" + path("said") + " 2>>" + path("err") + " || echo failed >>" + path("err") + "; } & done; wait";
+  const std::string call = "for i in 1 2 3 4 5 6 7 8; do { " + kProgram + " report " + path("out") + " >" +
+                           path("said") + " 2>>" + path("err") + " || echo failed >>" + path("err") +
+                           "; } & done; wait";
   ASSERT_EQ(std::system(call.c_str()), 0);
   EXPECT_EQ(slurp(path("err")), "");
   int left = 0;
-  for (const auto& entry : fs::directory_iterator(path("out"))) left += entry.path().extension() == ".part" || entry.path().filename().string().starts_with(".limberg-");
+  for (const auto& entry : fs::directory_iterator(path("out")))
+    left += entry.path().extension() == ".part" || entry.path().filename().string().starts_with(".limberg-");
   EXPECT_EQ(left, 0);
 }
 
 TEST_F(Cli, CtrlCEndsWorkThatKeepsNothing) {
   // A bench of hours: ended by the first signal, with what it has done and the status of a goal not reached.
-  const std::string call = "{ " + kProgram + " bench fuzz --operations 100000000 >" + path("out") + " 2>" + path("err") + " & p=$!; sleep 0.3; kill -TERM $p; wait $p; echo $? >" + path("status") + "; }";
+  const std::string call = "{ " + kProgram + " bench fuzz --operations 100000000 >" + path("out") + " 2>" +
+                           path("err") + " & p=$!; sleep 0.3; kill -TERM $p; wait $p; echo $? >" + path("status") +
+                           "; }";
   ASSERT_EQ(std::system(call.c_str()), 0);
   EXPECT_EQ(slurp(path("status")), "3\n");
   EXPECT_NE(slurp(path("err")).find("interrupted"), std::string::npos);
@@ -112,8 +128,9 @@ TEST_F(Cli, CtrlCEndsWorkThatKeepsNothing) {
 TEST_F(Cli, CtrlCKeepsARecordingWhole) {
   const std::string scene = file("small.toml", small_scene()), log = path("kept.lcm");
   // Ended once the recording has begun, however busy the machine is.
-  const std::string call = "{ " + kProgram + " run " + scene + " --headless --device force-simulated --record " + log + " >" + path("out") + " 2>" + path("err") +
-                           " & p=$!; for i in $(seq 200); do [ -s " + log + " ] && break; sleep 0.05; done; kill -TERM $p; wait $p; echo $? >" + path("status") + "; }";
+  const std::string call = "{ " + kProgram + " run " + scene + " --headless --device force-simulated --record " + log +
+                           " >" + path("out") + " 2>" + path("err") + " & p=$!; for i in $(seq 200); do [ -s " + log +
+                           " ] && break; sleep 0.05; done; kill -TERM $p; wait $p; echo $? >" + path("status") + "; }";
   ASSERT_EQ(std::system(call.c_str()), 0);
   EXPECT_EQ(slurp(path("status")), "0\n") << slurp(path("err"));
   const Outcome o = run("check " + log);

@@ -33,7 +33,8 @@ TEST(Design, ADefectIsACircleOrAnOutline) {
   const auto circle = parse_defect("circle:3,-4,10");
   for (const ChartPoint& p : circle) EXPECT_NEAR((p - Vec2(3, -4)).norm(), 5, 1e-12);
   EXPECT_EQ(parse_defect("0,0;10,0;10,5").size(), 3u);
-  for (const char* bad : {"", "circle:", "circle:1,2", "circle:0,0,-3", "circle:0,0,1e9", "0,0;1,1", "0,0;5,5;10,10", "0,0;1,0;1", "0,0,1,0;1,1", "circle:a,b,c", "0,0;nan,1;2,2"})
+  for (const char* bad : {"", "circle:", "circle:1,2", "circle:0,0,-3", "circle:0,0,1e9", "0,0;1,1", "0,0;5,5;10,10",
+                          "0,0;1,0;1", "0,0,1,0;1,1", "circle:a,b,c", "0,0;nan,1;2,2"})
     EXPECT_THROW(parse_defect(bad), InputError) << bad;
 }
 
@@ -95,14 +96,17 @@ TEST(Design, SaysWhyTheFirstIsFirstAndWhyOthersWereDropped) {
 TEST(Design, RefinedOnesAreRankedAmongThemselvesAndComeFirst) {
   std::vector<Design> all(6);
   const auto is = [&](size_t i, const char* name, bool fine, double first, double cost, const char* dropped = "") {
-    all[i].plan.procedure = name, all[i].fine = fine, all[i].first_cost = first, all[i].cost = cost, all[i].dropped = dropped;
+    all[i].plan.procedure = name, all[i].fine = fine, all[i].first_cost = first, all[i].cost = cost,
+    all[i].dropped = dropped;
   };
-  is(0, "coarse cheap", false, 0.6, 0.6), is(1, "fine dear", true, 0.3, 0.9), is(2, "refused on fine cells", false, 0.2, 0.2, "refused");
+  is(0, "coarse cheap", false, 0.6, 0.6), is(1, "fine dear", true, 0.3, 0.9),
+      is(2, "refused on fine cells", false, 0.2, 0.2, "refused");
   is(3, "coarse", false, 0.8, 0.8), is(4, "fine cheap", true, 0.5, 0.7), is(5, "never", false, 0, 0, "takes lid away");
   rank(all);
   std::vector<std::string> order;
   for (const Design& d : all) order.push_back(d.plan.procedure);
-  EXPECT_EQ(order, (std::vector<std::string>{"fine cheap", "fine dear", "coarse cheap", "coarse", "never", "refused on fine cells"}));
+  EXPECT_EQ(order, (std::vector<std::string>{"fine cheap", "fine dear", "coarse cheap", "coarse", "never",
+                                             "refused on fine cells"}));
   EXPECT_EQ(why_first(all[1], &all[2]), why_first(all[1], nullptr));  // "costs -0.30 more" would be nonsense
 }
 

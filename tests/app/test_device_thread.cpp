@@ -1,4 +1,5 @@
-// What the device thread may not do: take memory, take a lock, write. Every live source, a glove, a stylus with the surface
+// What the device thread may not do: take memory, take a lock, write. Every live source, a glove, a stylus with the
+// surface
 // cursor and a force device at once, on a thread of 1 kHz, with everything counted that it calls.
 #include <gtest/gtest.h>
 #include <stdio.h>
@@ -52,7 +53,8 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
   SimulatedHand hand;
   hand.target = [](double t) { return Vec3(10 * std::sin(t), 0, 5 - 8 * std::min(1.0, t)); };
   channels->press = std::make_shared<PressLine>();
-  front.add(std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{}, channels->press));
+  front.add(std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{},
+                                          channels->press));
   ControlSample cursor;
   cursor.device_id = 901;
   cursor.kind = ControlSample::cursor;
@@ -70,7 +72,9 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
         tick = std::max(tick, clock.now_ns() / kDeviceTickNs);
         const uint64_t m = malloc_counter::count(), l = call_counter::locks(), w = call_counter::writes();
         lane.tick(tick);
-        if (tick > kWarm) memory_taken += malloc_counter::count() - m, locks += call_counter::locks() - l, writes += call_counter::writes() - w, ++counted;
+        if (tick > kWarm)
+          memory_taken += malloc_counter::count() - m, locks += call_counter::locks() - l,
+              writes += call_counter::writes() - w, ++counted;
       }
     });
     // Meanwhile the solver's side publishes, and the recorder's side empties its ring.
@@ -83,7 +87,8 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
       }
       for (ToolEvent e; channels->events.pop(e);) {
       }
-      if (const PressQuestion* q = channels->press->asked()) channels->press->answer({q->topology_version, q->triangle, 0.2, q->depth_mm, 0, 1}), ++answered;
+      if (const PressQuestion* q = channels->press->asked())
+        channels->press->answer({q->topology_version, q->triangle, 0.2, q->depth_mm, 0, 1}), ++answered;
       const timespec pause{0, 16'000'000};
       nanosleep(&pause, nullptr);
     }

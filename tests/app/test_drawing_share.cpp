@@ -1,14 +1,15 @@
 // The share of time that pictures may take, against machines on which they cost a known part of the solver's speed.
-#include "app/session/drawing_share.h"
-
 #include <gtest/gtest.h>
+
+#include "app/session/drawing_share.h"
 
 namespace limberg {
 namespace {
 
 constexpr int64_t kMs = 1'000'000;
 
-// A solver that steps every 16 ms for `work_ms`, and pictures of `picture_ms` as often as they may be drawn. While one is drawn an
+// A solver that steps every 16 ms for `work_ms`, and pictures of `picture_ms` as often as they may be drawn. While one
+// is drawn an
 // iteration takes (1 + loss) of its time. Virtual time, a tenth of a millisecond a tick.
 struct Machine {
   double loss = 0;
@@ -16,8 +17,8 @@ struct Machine {
   double iteration_ms = 0.4, picture_ms = 40;
 
   struct Found {
-    double lost = 0;        // of the solver's speed, over the second half
-    double drawn = 0;       // of the time
+    double lost = 0;   // of the solver's speed, over the second half
+    double drawn = 0;  // of the time
     double share = 0, measured = -1;
   };
   Found run(DrawingShare& share, double seconds) const {
@@ -31,8 +32,10 @@ struct Machine {
         drawing = false;
         next_picture = std::max(next_picture + 33 * kMs, t + share.picture_ended(t, int64_t(picture_ms * 1e6)));
       }
-      if (!drawing && t >= next_picture) drawing = true, next_picture = t, picture_until = t + int64_t(picture_ms * 1e6), share.picture_begins(t);
-      if (!stepping && t / (16 * kMs) != (t - kTick) / (16 * kMs)) stepping = true, left = iterations * iteration_ms, share.step_begins(t);
+      if (!drawing && t >= next_picture)
+        drawing = true, next_picture = t, picture_until = t + int64_t(picture_ms * 1e6), share.picture_begins(t);
+      if (!stepping && t / (16 * kMs) != (t - kTick) / (16 * kMs))
+        stepping = true, left = iterations * iteration_ms, share.step_begins(t);
       if (stepping) {
         const double work = 0.1 / (drawing ? 1 + loss : 1);
         if (t > end / 2) busy += 0.1, useful += work;

@@ -1,10 +1,9 @@
 // A version is freed on its owner's thread, and only when no reader can still hold it.
-#include "app/session/epoch.h"
-
 #include <gtest/gtest.h>
 
 #include <thread>
 
+#include "app/session/epoch.h"
 #include "app/session/triple_buffer.h"
 
 namespace limberg {
@@ -54,8 +53,10 @@ uint64_t uses_after_free(bool obey, uint64_t versions, std::thread::id* freed_on
       if (newest.update()) kept.moved_to(0, newest.reading()->version);
       const Thing* t = newest.reading();
       for (int i = 0; t && i < 50; ++i) {
-        if (!t->alive.load(std::memory_order_relaxed)) ++bad;
-        else if (t->payload != 1) ++bad;
+        if (!t->alive.load(std::memory_order_relaxed))
+          ++bad;
+        else if (t->payload != 1)
+          ++bad;
         if (i % 10 == 0) std::this_thread::yield();
       }
       ++reads;
@@ -72,8 +73,10 @@ uint64_t uses_after_free(bool obey, uint64_t versions, std::thread::id* freed_on
                 }));
     newest.writing() = storage[i].get();
     newest.publish();
-    if (obey) kept.collect();
-    else storage[i - 1]->alive = false;
+    if (obey)
+      kept.collect();
+    else
+      storage[i - 1]->alive = false;
     const uint64_t seen = reads;
     if (i % 8 == 0)
       while (reads == seen) std::this_thread::yield();

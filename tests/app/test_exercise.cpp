@@ -137,16 +137,22 @@ TEST(Lesson, SaysWhyAFigureIsNotMeasured) {
       for (ChartPoint& p : i->path) p += Vec2(31, 0);
   const auto e = design_error(plan, elsewhere);
   ASSERT_FALSE(e->missing.empty());
-  const auto planned = std::find_if(drawn.begin(), drawn.end(), [](const Command& c) { return std::holds_alternative<Incise>(c); });
+  const auto planned =
+      std::find_if(drawn.begin(), drawn.end(), [](const Command& c) { return std::holds_alternative<Incise>(c); });
   for (const MissingCorner& c : e->missing) {
     EXPECT_FALSE(c.outline);
     const auto& path = std::get<Incise>(*planned).path;
-    EXPECT_TRUE(std::any_of(path.begin(), path.end(), [&](const ChartPoint& p) { return (p - c.planned).norm() < 0.01; })) << c.planned.transpose();
+    EXPECT_TRUE(std::any_of(path.begin(), path.end(), [&](const ChartPoint& p) {
+      return (p - c.planned).norm() < 0.01;
+    })) << c.planned.transpose();
     ASSERT_TRUE(c.nearest);
-    for (const ChartPoint& p : path) EXPECT_GE((p + Vec2(31, 0) - c.planned).norm(), (*c.nearest - c.planned).norm() - 1e-9);  // none is nearer
+    for (const ChartPoint& p : path)
+      EXPECT_GE((p + Vec2(31, 0) - c.planned).norm(), (*c.nearest - c.planned).norm() - 1e-9);  // none is nearer
   }
   for (const char* name : {"corner_mm", "angle_deg", "limb_percent"})
-    holds(why(elsewhere, {}, name), {std::to_string(e->missing.size()) + " of the plan's " + std::to_string(e->corners) + " corners", "within 10 mm", "incision at (", "mm away"});
+    holds(why(elsewhere, {}, name),
+          {std::to_string(e->missing.size()) + " of the plan's " + std::to_string(e->corners) + " corners",
+           "within 10 mm", "incision at (", "mm away"});
   // No flap at all; nothing at all.
   std::vector<Command> none = drawn;
   std::erase_if(none, [](const Command& c) { return std::holds_alternative<Incise>(c); });
@@ -182,7 +188,9 @@ TEST(Lesson, AScriptIsNotJudgedByTheHandsTolerances) {
 
 Script five() {
   std::string text = "{\"limberg_script\":1,\"scene\":\"s\"}\n";
-  for (int i = 1; i <= 5; ++i) text += "{\"action\":\"suture\",\"a\":[" + std::to_string(i) + ",0],\"b\":[0,0]}\n{\"action\":\"wait\",\"seconds\":0}\n";
+  for (int i = 1; i <= 5; ++i)
+    text += "{\"action\":\"suture\",\"a\":[" + std::to_string(i) +
+            ",0],\"b\":[0,0]}\n{\"action\":\"wait\",\"seconds\":0}\n";
   return parse_script(text, "five");
 }
 
@@ -198,7 +206,8 @@ TEST(Orders, MoveStitchesAmongTheirLines) {
   EXPECT_EQ(order_of(reordered(five(), "reversed")), (std::vector<int>{5, 4, 3, 2, 1}));
   EXPECT_EQ(order_of(reordered(five(), "alternating")), (std::vector<int>{1, 5, 2, 4, 3}));
   EXPECT_EQ(order_of(reordered(five(), "3-1-2-5-4")), (std::vector<int>{3, 1, 2, 5, 4}));
-  for (const char* bad : {"backwards", "1-2-3", "1-1-2-3-4", "1-2-3-4-6", "", "1-2-3-4-5-"}) EXPECT_THROW(reordered(five(), bad), InputError) << bad;
+  for (const char* bad : {"backwards", "1-2-3", "1-1-2-3-4", "1-2-3-4-6", "", "1-2-3-4-5-"})
+    EXPECT_THROW(reordered(five(), bad), InputError) << bad;
   Script s = five();
   s.lines.push_back({99, Undo{}});
   EXPECT_THROW(reordered(s, "reversed"), InputError);

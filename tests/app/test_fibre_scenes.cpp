@@ -18,12 +18,15 @@ namespace {
 std::string scene_text(double angle_deg, double stretch, const char* law) {
   const double a = angle_deg * std::numbers::pi / 180;
   std::ostringstream s;
-  s << "[body]\nsource = \"block\"\nsize_mm = [70, 70, 8]\nskin_cell_mm = 2\ntension_direction = [" << std::cos(a) << ", " << std::sin(a) << ", 0]\n"
-    << "[[layer]]\nname = \"skin\"\nthickness_mm = 1.5\n" << law << "poisson = 0.47\nprestretch_along = " << stretch << "\nprestretch_across = " << stretch
+  s << "[body]\nsource = \"block\"\nsize_mm = [70, 70, 8]\nskin_cell_mm = 2\ntension_direction = [" << std::cos(a)
+    << ", " << std::sin(a) << ", 0]\n"
+    << "[[layer]]\nname = \"skin\"\nthickness_mm = 1.5\n"
+    << law << "poisson = 0.47\nprestretch_along = " << stretch << "\nprestretch_across = " << stretch
     << "\n[[layer]]\nname = \"fat\"\nthickness_mm = 6.5\nyoung_kPa = 6\npoisson = 0.47\n[lattice]\ncell_mm = 4\n";
   return s.str();
 }
-constexpr const char* kFibres = "law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 100\nk2 = 2\nkappa = 0.1\nfibre_angle_deg = 0\n";
+constexpr const char* kFibres =
+    "law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 100\nk2 = 2\nkappa = 0.1\nfibre_angle_deg = 0\n";
 constexpr const char* kPlain = "young_kPa = 60\n";
 
 StepReport settle(World& w, int iterations = 600) {
@@ -43,7 +46,8 @@ double gape(double angle_deg, const char* law) {
   return study::StraightWound(s).gape_mm(0);
 }
 
-// A wound across the fibres gapes, one along them hardly more than in plain skin; in plain skin the direction means nothing.
+// A wound across the fibres gapes, one along them hardly more than in plain skin; in plain skin the direction means
+// nothing.
 TEST(FibreScenes, AWoundOpensByItsAngleToTheTensionLines) {
   const double along = gape(0, kFibres), between = gape(45, kFibres), across = gape(90, kFibres);
   EXPECT_GT(along, 0.05);
@@ -93,7 +97,8 @@ TEST(FibreScenes, TheRhomboidFlapGoesToItsEnd) {
   EXPECT_LE(end.last.residual, 1e-5);
   EXPECT_GT(end.last.min_J, 0.2);
   EXPECT_EQ(world.pieces(), 1);
-  EXPECT_NEAR(world.volume_mm3() + world.removed_volume_mm3(), world.initial_volume_mm3(), 1e-6 * world.initial_volume_mm3());
+  EXPECT_NEAR(world.volume_mm3() + world.removed_volume_mm3(), world.initial_volume_mm3(),
+              1e-6 * world.initial_volume_mm3());
 }
 
 }  // namespace

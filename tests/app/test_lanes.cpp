@@ -1,12 +1,12 @@
-// Histograms: percentiles against sorted values, exact extremes, nothing outside. The render lane draws when a hand has moved.
-#include "app/session/lanes.h"
-
+// Histograms: percentiles against sorted values, exact extremes, nothing outside. The render lane draws when a hand has
+// moved.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 #include <vector>
 
+#include "app/session/lanes.h"
 #include "app/session/render_lane.h"
 #include "tests/devices/flat_patient.h"
 

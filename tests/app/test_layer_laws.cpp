@@ -1,4 +1,5 @@
-// Laws through the whole path: scene file, body, lattice, stencils, element. Every homogeneous state of homogeneous_states.h
+// Laws through the whole path: scene file, body, lattice, stencils, element. Every homogeneous state of
+// homogeneous_states.h
 // comes back, whatever way the tension lines run, layers cut cells and prestretch is shared out.
 #include <gtest/gtest.h>
 
@@ -23,8 +24,10 @@ namespace {
 std::string law_lines(const LawSpec& law, double young) {
   std::ostringstream s;
   s.precision(17);
-  if (law.name.empty()) s << "young_kPa = " << young << "\n";
-  else s << "law = \"" << law.name << "\"\n";
+  if (law.name.empty())
+    s << "young_kPa = " << young << "\n";
+  else
+    s << "law = \"" << law.name << "\"\n";
   for (const auto& c : law.constants) {
     s << c.key << " = " << (c.value.size() > 1 ? "[" : "");
     for (size_t i = 0; i < c.value.size(); ++i) s << (i ? ", " : "") << c.value[i];
@@ -38,8 +41,10 @@ std::string scene_text(const std::string& material, double angle_deg = 0, const 
   const double a = angle_deg * std::numbers::pi / 180;
   std::ostringstream s;
   s.precision(17);
-  s << "[body]\nsource = \"block\"\nsize_mm = [12, 10, 6]\nskin_cell_mm = 3\ntension_direction = [" << std::cos(a) << ", " << std::sin(a) << ", 0]\n";
-  for (const char* layer : {"name = \"skin\"\nthickness_mm = 1.4\n", "name = \"below\"\nthickness_mm = 4.6\n"}) s << "[[layer]]\n" << layer << material;
+  s << "[body]\nsource = \"block\"\nsize_mm = [12, 10, 6]\nskin_cell_mm = 3\ntension_direction = [" << std::cos(a)
+    << ", " << std::sin(a) << ", 0]\n";
+  for (const char* layer : {"name = \"skin\"\nthickness_mm = 1.4\n", "name = \"below\"\nthickness_mm = 4.6\n"})
+    s << "[[layer]]\n" << layer << material;
   s << "[lattice]\ncell_mm = 2.5\n[build]\ncan_cut = false\n" << more;
   return s.str();
 }
@@ -53,7 +58,8 @@ FemModel model_of(const std::string& text, std::shared_ptr<const LawCatalogue> l
   return m;
 }
 
-/// First Piola stress of the block under x = F X, by the virial of the nodal forces; `patch`: largest force on an inner node.
+/// First Piola stress of the block under x = F X, by the virial of the nodal forces; `patch`: largest force on an inner
+/// node.
 Mat3 piola(const ReferenceElasticity& e, const FemModel& m, const Mat3& F, double* patch = nullptr) {
   Vec3 lo = m.X_mm[0], hi = lo;
   for (const Vec3& X : m.X_mm) lo = lo.cwiseMin(X), hi = hi.cwiseMax(X);
@@ -72,7 +78,8 @@ Mat3 piola(const ReferenceElasticity& e, const FemModel& m, const Mat3& F, doubl
 }
 
 /// Newton on the free principal stretches until their stresses vanish.
-Vec3 free_stretches(const ReferenceElasticity& e, const FemModel& m, const Mat3& Q, Vec3 s, const std::vector<int>& free) {
+Vec3 free_stretches(const ReferenceElasticity& e, const FemModel& m, const Mat3& Q, Vec3 s,
+                    const std::vector<int>& free) {
   const auto stress = [&](const Vec3& t) {
     const Mat3 P = Q.transpose() * piola(e, m, Q * t.asDiagonal() * Q.transpose()) * Q;
     Eigen::VectorXd r(Eigen::Index(free.size()));
@@ -100,7 +107,8 @@ TEST(LayerLaws, EveryHomogeneousStateComesBack) {
   FemModel m;
   double angle = 0;
   for (const HomogeneousState& h : homogeneous_states()) {
-    // The tables are incompressible. Nu 0.499 is the most that a scene takes; of excised skin it leaves 2.3 % less stress at a
+    // The tables are incompressible. Nu 0.499 is the most that a scene takes; of excised skin it leaves 2.3 % less
+    // stress at a
     // stretch of 1.10 (its exponential answers to the volume change of 0.3 %), so its bulk modulus is raised here.
     const bool steep = h.cauchy_kPa > 100 && h.name.find("G1") != std::string::npos;
     const std::string material = law_lines(h.law, h.young_kPa * 2 * 1.499 / 3) + "poisson = 0.499\n";
@@ -125,10 +133,18 @@ TEST(LayerLaws, EveryHomogeneousStateComesBack) {
     Vec3 s;
     std::vector<int> free;
     switch (h.load) {
-      case Load::uniaxial_along: s = {l, t, 1 / (l * t)}, free = {1, 2}; break;
-      case Load::uniaxial_across: s = {t, l, 1 / (l * t)}, free = {0, 2}; break;
-      case Load::equibiaxial: s = {l, l, 1 / (l * l)}, free = {2}; break;
-      case Load::planar: s = {l, 1, 1 / l}, free = {2}; break;
+      case Load::uniaxial_along:
+        s = {l, t, 1 / (l * t)}, free = {1, 2};
+        break;
+      case Load::uniaxial_across:
+        s = {t, l, 1 / (l * t)}, free = {0, 2};
+        break;
+      case Load::equibiaxial:
+        s = {l, l, 1 / (l * l)}, free = {2};
+        break;
+      case Load::planar:
+        s = {l, 1, 1 / l}, free = {2};
+        break;
     }
     s = free_stretches(*e, m, Q, s, free);
     const int loaded = h.load == Load::uniaxial_across ? 1 : 0;
@@ -140,16 +156,21 @@ TEST(LayerLaws, EveryHomogeneousStateComesBack) {
       EXPECT_NEAR(s[1 - loaded], h.lateral, 0.005) << h.name << " " << l;
     }
     EXPECT_LT(std::fabs(P(1, 0)) + std::fabs(P(2, 0)), 1e-5 * std::fabs(P(loaded, loaded))) << h.name;
-    EXPECT_LT(patch, 1e-7 * std::fabs(P(loaded, loaded)) * 25) << h.name << ": an inner node is pulled";  // cells of 2.5 mm
+    EXPECT_LT(patch, 1e-7 * std::fabs(P(loaded, loaded)) * 25)
+        << h.name << ": an inner node is pulled";  // cells of 2.5 mm
   }
 }
 
 // Part of the stretch as prestretch: the same total, the same stress; and at rest nothing pushes outwards.
 TEST(LayerLaws, PrestretchCountsAsStretch) {
   for (const HomogeneousState& h : homogeneous_states()) {
-    if (h.load != HomogeneousState::Load::uniaxial_along || std::fabs(h.stretch - 1.2) > 1e-9 || h.name.find("G1") != std::string::npos) continue;
+    if (h.load != HomogeneousState::Load::uniaxial_along || std::fabs(h.stretch - 1.2) > 1e-9 ||
+        h.name.find("G1") != std::string::npos)
+      continue;
     const double a = 1.08, c = 0.97;
-    const FemModel m = model_of(scene_text(law_lines(h.law, h.young_kPa * 2 * 1.499 / 3) + "poisson = 0.499\nprestretch_along = 1.08\nprestretch_across = 0.97\n", 30));
+    const FemModel m = model_of(scene_text(law_lines(h.law, h.young_kPa * 2 * 1.499 / 3) +
+                                               "poisson = 0.499\nprestretch_along = 1.08\nprestretch_across = 0.97\n",
+                                           30));
     const ReferenceElasticity e(m, {});
     Mat3 Q;
     Q << std::cos(std::numbers::pi / 6), -0.5, 0, 0.5, std::cos(std::numbers::pi / 6), 0, 0, 0, 1;
@@ -165,8 +186,9 @@ TEST(LayerLaws, PrestretchCountsAsStretch) {
 
 // The float engine on a scene: pulled and held, an inner lattice comes to the same uniform state from a bad start.
 TEST(LayerLaws, TheSolverFindsTheUniformState) {
-  for (const char* material : {"law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 80\nk2 = 2\nkappa = 0.2\nfibre_angle_deg = 41\n",
-                               "law = \"ogden\"\nmu_kPa = [3, -1]\nalpha = [9, -4]\n"}) {
+  for (const char* material :
+       {"law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 80\nk2 = 2\nkappa = 0.2\nfibre_angle_deg = 41\n",
+        "law = \"ogden\"\nmu_kPa = [3, -1]\nalpha = [9, -4]\n"}) {
     FemModel m = model_of(scene_text(std::string(material) + "poisson = 0.49\n", 20));
     Vec3 lo = m.X_mm[0], hi = lo;
     for (const Vec3& X : m.X_mm) lo = lo.cwiseMin(X), hi = hi.cwiseMax(X);
@@ -184,13 +206,18 @@ TEST(LayerLaws, TheSolverFindsTheUniformState) {
     s.max_iterations = 500, s.tolerance = 1e-6;
     solver->step(s);
     for (size_t i = 0; i < u.size(); ++i)
-      EXPECT_LT((solver->displacement_mm()[i].cast<double>() - (F - Mat3::Identity()) * m.X_mm[i]).norm(), 2e-3) << material;
+      EXPECT_LT((solver->displacement_mm()[i].cast<double>() - (F - Mat3::Identity()) * m.X_mm[i]).norm(), 2e-3)
+          << material;
   }
 }
 
 // Parts of divided cells: their energies sum to the whole cell's under any uniform strain.
 TEST(LayerLaws, PartsOfACellSumToTheWhole) {
-  const Scene scene = parse_scene(scene_text("law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 80\nk2 = 2\nkappa = 0.2\nfibre_angle_deg = 41\npoisson = 0.45\nprestretch_along = 1.1\n", 20), "t.toml");
+  const Scene scene =
+      parse_scene(scene_text("law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 80\nk2 = 2\nkappa = "
+                             "0.2\nfibre_angle_deg = 41\npoisson = 0.45\nprestretch_along = 1.1\n",
+                             20),
+                  "t.toml");
   const auto body = build_body(scene);
   const Skin skin(body);
   LatticeGrid g;
@@ -208,7 +235,8 @@ TEST(LayerLaws, PartsOfACellSumToTheWhole) {
     const Stencil& s = m.stencils[size_t(stencil)];
     const Vec3 h = cell_size_mm(m.cell_mm, s.level);
     Eigen::Matrix<double, 8, 3> U, force;
-    for (int a = 0; a < 8; ++a) U.row(a) = ((F - Mat3::Identity()) * h.cwiseProduct(Vec3(a & 1, a >> 1 & 1, a >> 2))).transpose();
+    for (int a = 0; a < 8; ++a)
+      U.row(a) = ((F - Mat3::Identity()) * h.cwiseProduct(Vec3(a & 1, a >> 1 & 1, a >> 2))).transpose();
     return fem::points_force(m, s, m.cell_mm, U, force);
   };
   for (int z = 0; z < 4; ++z) {
@@ -221,7 +249,8 @@ TEST(LayerLaws, PartsOfACellSumToTheWhole) {
 }
 
 TEST(LayerLaws, MistakesAreNamedWithTheirLine) {
-  const std::string ok = "law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 80\nk2 = 2\nkappa = 0.2\npoisson = 0.45\n";
+  const std::string ok =
+      "law = \"gasser-ogden-holzapfel\"\nmu_kPa = 15\nk1_kPa = 80\nk2 = 2\nkappa = 0.2\npoisson = 0.45\n";
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string t = ok;
     return t.replace(t.find(from), from.size(), to);
@@ -254,14 +283,18 @@ TEST(LayerLaws, MistakesAreNamedWithTheirLine) {
 TEST(Tissues, TheShippedLibraryIsWholeAndEveryTissueMakesALayer) {
   const std::string file = find_tissues(std::string(LIMBERG_SOURCE_DIR) + "/app/scenes/rhomboid.toml");
   ASSERT_NE(file.find("app/tissues.toml"), std::string::npos);
-  const Scene scene = parse_scene(scene_text("tissue = \"skin/cheek\"\n"), std::string(LIMBERG_SOURCE_DIR) + "/app/scenes/x.toml");
+  const Scene scene =
+      parse_scene(scene_text("tissue = \"skin/cheek\"\n"), std::string(LIMBERG_SOURCE_DIR) + "/app/scenes/x.toml");
   const TissueLibrary library = parse_tissues(scene.tissues, file, *shipped_laws());
-  for (const char* name : {"skin/cheek", "skin/eyelid", "skin/lip", "skin/nose", "skin/forehead", "skin/scalp", "fat/subcutaneous", "muscle/passive", "fascia/smas", "cartilage/septum", "bone/cortical", "mucosa/oral"})
+  for (const char* name :
+       {"skin/cheek", "skin/eyelid", "skin/lip", "skin/nose", "skin/forehead", "skin/scalp", "fat/subcutaneous",
+        "muscle/passive", "fascia/smas", "cartilage/septum", "bone/cortical", "mucosa/oral"})
     EXPECT_NE(library.find(name), nullptr) << name;
   for (const Tissue& t : library.tissues) {
     const FemModel m = model_of(scene_text("tissue = \"" + t.name + "\"\n"));
     const ReferenceElasticity e(m, {});
-    EXPECT_NEAR(piola(e, m, Mat3::Identity())(2, 2), 0, 1e-6 * (1 + std::fabs(piola(e, m, Mat3::Identity())(0, 0)))) << t.name;
+    EXPECT_NEAR(piola(e, m, Mat3::Identity())(2, 2), 0, 1e-6 * (1 + std::fabs(piola(e, m, Mat3::Identity())(0, 0))))
+        << t.name;
     EXPECT_FALSE(t.source.empty());
   }
   // The layer's own keys win; the scene's hash knows the library.
@@ -274,14 +307,19 @@ TEST(Tissues, TheShippedLibraryIsWholeAndEveryTissueMakesALayer) {
   EXPECT_EQ(k1(scene), 100);
   EXPECT_EQ(k1(other), 60);
   EXPECT_EQ(scene.layers()[0].material.tissue, "skin/cheek");
-  EXPECT_THROW(parse_tissues("[[tissue]]\nname = \"a\"\nyoung_kPa = 3\npoisson = 0.4\n", "t.toml", *shipped_laws()), InputError);  // no source
-  EXPECT_THROW(parse_tissues("[[tissue]]\nname = \"a\"\nyoung_kPa = 3\npoisson = 0.4\n[tissue.source]\nyoung_kPa = \"x\"\n", "t.toml", *shipped_laws()), InputError);
+  EXPECT_THROW(parse_tissues("[[tissue]]\nname = \"a\"\nyoung_kPa = 3\npoisson = 0.4\n", "t.toml", *shipped_laws()),
+               InputError);  // no source
+  EXPECT_THROW(
+      parse_tissues("[[tissue]]\nname = \"a\"\nyoung_kPa = 3\npoisson = 0.4\n[tissue.source]\nyoung_kPa = \"x\"\n",
+                    "t.toml", *shipped_laws()),
+      InputError);
 }
 
 // A scene that names the default law is the scene that names none.
 TEST(LayerLaws, TheDefaultLawCostsNothingAndChangesNothing) {
   const FemModel a = model_of(scene_text("young_kPa = 60\npoisson = 0.45\nprestretch_along = 1.1\n", 15));
-  const FemModel b = model_of(scene_text("law = \"stable-neo-hookean\"\nyoung_kPa = 60\npoisson = 0.45\nprestretch_along = 1.1\n", 15));
+  const FemModel b = model_of(
+      scene_text("law = \"stable-neo-hookean\"\nyoung_kPa = 60\npoisson = 0.45\nprestretch_along = 1.1\n", 15));
   EXPECT_TRUE(a.laws.empty() && b.laws.empty());
   ASSERT_EQ(a.stencils.size(), b.stencils.size());
   for (size_t i = 0; i < a.stencils.size(); ++i) {

@@ -1,4 +1,5 @@
-// How a user adds a law: everything of it is in this file. First the energy in principal stretches (value and two derivatives),
+// How a user adds a law: everything of it is in this file. First the energy in principal stretches (value and two
+// derivatives),
 // then its entry, then a scene that names it.
 #include <gtest/gtest.h>
 
@@ -23,9 +24,14 @@ struct Yeoh final : PrincipalEnergy {
 };
 
 LawCatalogue::Entry yeoh() {
-  return {"yeoh", "c1 (I1 - 3) + c2 (I1 - 3)^2 + c3 (I1 - 3)^3", {{"c1_kPa", 0, 1e6, true}, {"c2_kPa", 0, 1e6}, {"c3_kPa", 0, 1e6}},
+  return {"yeoh",
+          "c1 (I1 - 3) + c2 (I1 - 3)^2 + c3 (I1 - 3)^3",
+          {{"c1_kPa", 0, 1e6, true}, {"c2_kPa", 0, 1e6}, {"c3_kPa", 0, 1e6}},
           [](const LawCatalogue::Values& v) {
-            return LayerLaw{0, std::make_shared<Isotropic>(std::make_shared<Yeoh>(v.number("c1_kPa"), v.number("c2_kPa"), v.number("c3_kPa"))), 8};
+            return LayerLaw{0,
+                            std::make_shared<Isotropic>(
+                                std::make_shared<Yeoh>(v.number("c1_kPa"), v.number("c2_kPa"), v.number("c3_kPa"))),
+                            8};
           }};
 }
 

@@ -1,13 +1,13 @@
-// A force device feels the patient that is there: it asks the solver, takes what it says where that is about this place, and
+// A force device feels the patient that is there: it asks the solver, takes what it says where that is about this
+// place, and
 // gives no energy away in the loop that both make.
-#include "app/session/press_line.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 #include "app/felt_hand.h"
 #include "app/session/device_lane.h"
+#include "app/session/press_line.h"
 #include "app/session/solver_lane.h"
 #include "app/world_patient.h"
 #include "devices/log_source.h"
@@ -54,7 +54,10 @@ struct Loop {
   SolverLane solver{patient, *channels, {}};
   FeltHand felt;
 
-  Loop(const SimulatedHand& h, bool line) : felt(h, front, channels->press = line ? std::make_shared<PressLine>() : nullptr) { solver.start(); }
+  Loop(const SimulatedHand& h, bool line)
+      : felt(h, front, channels->press = line ? std::make_shared<PressLine>() : nullptr) {
+    solver.start();
+  }
   void run(double seconds) {
     for (int tick = 1; tick < int(seconds * 1000); ++tick) {
       device.tick(tick), felt.watch();
@@ -77,10 +80,12 @@ TEST(PressLine, AForceIsThatOfThePatientAndNotOfAHalfSpace) {
   index.build(*s.topology);
   const SkinTouch under = index.closest(s, with.felt.tool().true_mm(), -1);
   const double depth = with.felt.force().loop().state().depth_mm;
-  for (int i = 0; i < 8; ++i) told = with.world.press({s.topology_version, under.triangle, under.bary, under.normal, 1, depth}, 20);
+  for (int i = 0; i < 8; ++i)
+    told = with.world.press({s.topology_version, under.triangle, under.bary, under.normal, 1, depth}, 20);
   const double k = with.felt.force().model().stiffness_N_mm;
   EXPECT_NEAR(k / told.stiffness_N_mm, 1, 0.05);
-  EXPECT_NEAR(with.felt.force().loop().state().force_N.norm(), k * depth, 0.1 * k * depth);  // the coupling's spring lies in series
+  EXPECT_NEAR(with.felt.force().loop().state().force_N.norm(), k * depth,
+              0.1 * k * depth);  // the coupling's spring lies in series
   // Fat below 2 mm of skin: softer than skin all the way down.
   EXPECT_LT(k, 0.9 * without.felt.force().model().stiffness_N_mm);
 }
@@ -89,12 +94,14 @@ TEST(PressLine, NoEnergyComesFromAPatientThatAnswersLate) {
   Loop loop(hand(0, 4, true), true);
   loop.run(6);
   EXPECT_GT(loop.felt.force().answers(), 50);
-  // The bound of a wall read in steps: K T / 2 times the sum of the squares of the way per tick (Colgate 1995), and .1 mJ.
+  // The bound of a wall read in steps: K T / 2 times the sum of the squares of the way per tick (Colgate 1995), and .1
+  // mJ.
   EXPECT_GT(loop.felt.least_mJ, -0.15);
   EXPECT_LE(loop.felt.largest_step_N, 0.2 + 1e-9);
 }
 
-// With a scalpel in the hand the skin holds, breaks and gives way, and the cut begins where it broke; with another tool it holds.
+// With a scalpel in the hand the skin holds, breaks and gives way, and the cut begins where it broke; with another tool
+// it holds.
 TEST(PressLine, TheToolThatIsHeldIsFelt) {
   for (const Tool tool : {Tool::scalpel, Tool::hook}) {
     SimulatedHand firm = hand(0, 9, false);
@@ -130,7 +137,8 @@ TEST(PressLine, AnAnswerAboutAnotherSurfaceIsNotTaken) {
   const int64_t answers = loop.felt.force().answers();
   ASSERT_GT(answers, 10);
   ASSERT_TRUE(loop.world.apply(Incise{{{-20, -20}, {-10, -20}}, 3}).done);
-  loop.solver.step(2001), loop.solver.step(2002);  // the new surface is shown, and the question about the old one is dropped
+  loop.solver.step(2001),
+      loop.solver.step(2002);  // the new surface is shown, and the question about the old one is dropped
   loop.device.tick(2003);
   EXPECT_EQ(loop.felt.force().answers(), answers);
   for (int tick = 2010; tick < 2060; tick += 10) loop.solver.step(tick), loop.device.tick(tick + 1);

@@ -47,7 +47,8 @@ TEST_P(Repertoire, ClosesAndRests) {
   const OperationOutcome o = operate(world, 10, script, {});  // throws when anything is refused
   const Metrics m = measure_world(world, commands);
   EXPECT_LE(o.last.residual, 1e-5);
-  // And stays so: what is at rest turns no contact (contact_finder.h). A residual of 1e-5 leaves a little way to go: one place may
+  // And stays so: what is at rest turns no contact (contact_finder.h). A residual of 1e-5 leaves a little way to go:
+  // one place may
   // still cross a threshold on it.
   const uint64_t at_rest = world.contact_counts().turned;
   StepSettings on;
@@ -105,12 +106,14 @@ TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
   }
 }
 
-// The donor stitch goes through the edge 1 mm from the wound's end, where cells are divided to .4 mm: their skin is drawn out
+// The donor stitch goes through the edge 1 mm from the wound's end, where cells are divided to .4 mm: their skin is
+// drawn out
 // sixfold, and the minimiser must be told (fem/stretched_cells.h). Without, the residual is 1e-2 after 100 steps.
 TEST(ShippedRhomboid, RestsWithDividedFrontsWhenTheDonorIsClosed) {
   const Scene scene = load_scene(LIMBERG_SOURCE_DIR "/app/scenes/rhomboid.toml");
   Script script = load_script(LIMBERG_SOURCE_DIR "/recordings/rhomboid.jsonl");
-  const auto sewn = std::find_if(script.lines.begin(), script.lines.end(), [](const ScriptLine& l) { return std::holds_alternative<Suture>(l.command); });
+  const auto sewn = std::find_if(script.lines.begin(), script.lines.end(),
+                                 [](const ScriptLine& l) { return std::holds_alternative<Suture>(l.command); });
   ASSERT_NE(sewn, script.lines.end());
   script.lines.erase(sewn + 1, script.lines.end());
   WorldSpec spec = world_spec(scene, build_body(scene));
@@ -127,12 +130,14 @@ TEST(ShippedRhomboid, RestsWithDividedFrontsWhenTheDonorIsClosed) {
   EXPECT_LT(o.closure[0].max_N, 0.4);  // .30; it had been 51 N
 }
 
-// The donor stitch draws the defect's corner to the incision's end. Where that does not open, both banks are one cell there,
+// The donor stitch draws the defect's corner to the incision's end. Where that does not open, both banks are one cell
+// there,
 // and contact has nowhere to send what lies in between: in the end .33 mm deep by script, .92 by a hand (2026-11-22).
 TEST(ShippedRhomboid, SkinDoesNotLieInSkin) {
   const Scene scene = load_scene(LIMBERG_SOURCE_DIR "/app/scenes/rhomboid.toml");
   const Script script = load_script(LIMBERG_SOURCE_DIR "/recordings/rhomboid.jsonl");
-  const auto sewn = std::find_if(script.lines.begin(), script.lines.end(), [](const ScriptLine& l) { return std::holds_alternative<Suture>(l.command); });
+  const auto sewn = std::find_if(script.lines.begin(), script.lines.end(),
+                                 [](const ScriptLine& l) { return std::holds_alternative<Suture>(l.command); });
   ASSERT_NE(sewn, script.lines.end());
   Script donor = script;
   donor.lines.erase(donor.lines.begin() + (sewn - script.lines.begin()) + 1, donor.lines.end());

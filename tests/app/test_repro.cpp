@@ -104,10 +104,12 @@ TEST_F(ReproFiles, BrokenOnesAreRefused) {
     return s.replace(at, from.size(), to);
   };
   for (const std::string& bad :
-       {std::string("{\"limberg_repro\":1}"), std::string("{\"limberg_repro\":1"), std::string("{\"limberg_repro\":[[[[[[[[[[[[[[[[[[1]]"),
-        changed(": 1,", ": 2,"), changed("\"seed\": 18446744073709551615", "\"seed\": -1"), changed("\"cell_mm\": 3.5", "\"cell_mm\": 1e999"),
-        changed("\"cell_mm\": 3.5", "\"cell_mm\": 0"), changed("0123456789abcdef", "0123456789abcdeX"), changed("\"incise\"", "\"inzise\""),
-        changed("\"reason\"", "\"raison\""), changed("\"refused\": {", "\"refused\": [{")})
+       {std::string("{\"limberg_repro\":1}"), std::string("{\"limberg_repro\":1"),
+        std::string("{\"limberg_repro\":[[[[[[[[[[[[[[[[[[1]]"), changed(": 1,", ": 2,"),
+        changed("\"seed\": 18446744073709551615", "\"seed\": -1"), changed("\"cell_mm\": 3.5", "\"cell_mm\": 1e999"),
+        changed("\"cell_mm\": 3.5", "\"cell_mm\": 0"), changed("0123456789abcdef", "0123456789abcdeX"),
+        changed("\"incise\"", "\"inzise\""), changed("\"reason\"", "\"raison\""),
+        changed("\"refused\": {", "\"refused\": [{")})
     EXPECT_THROW(parse_repro(bad, "r"), InputError) << bad;
   for (size_t n = 0; n + 2 < good.size(); n += 7) {
     const std::string cut = good.substr(0, n);

@@ -1,6 +1,4 @@
 // result.json and the files around it: names, numbers, whole files or none.
-#include "app/result.h"
-
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -9,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/output.h"
+#include "app/result.h"
 #include "sim/error.h"
 
 namespace limberg {

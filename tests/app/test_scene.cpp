@@ -159,13 +159,15 @@ TEST(Scene, FilesThatAreNoScenes) {
     find_scene("rhombus", {kScenes});
     ADD_FAILURE();
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("craniofacial, face, rhomboid, scalp, zplasty"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("craniofacial, face, rhomboid, scalp, zplasty"), std::string::npos)
+        << e.what();
   }
 }
 
 TEST(Scene, AFolderOfTheNameIsNotTheScene) {
   namespace fs = std::filesystem;
-  const fs::path before = fs::current_path(), here = fs::temp_directory_path() / ("limberg-scene-" + std::to_string(getpid()));
+  const fs::path before = fs::current_path(),
+                 here = fs::temp_directory_path() / ("limberg-scene-" + std::to_string(getpid()));
   fs::create_directories(here / "rhomboid");  // as --out rhomboid leaves one
   fs::current_path(here);
   EXPECT_EQ(fs::path(find_scene("rhomboid", {kScenes})).filename(), "rhomboid.toml");
@@ -181,8 +183,10 @@ TEST(Scene, AnyBytesAreASceneOrAnInputError) {
     std::string t = kGood;
     for (int k = 1 + int(rng() % 3); k > 0 && !t.empty(); --k) {
       const size_t at = rng() % t.size();
-      if (rng() % 3 == 0) t.erase(at, 1 + rng() % 9);
-      else t[at] = spice[rng() % spice.size()];
+      if (rng() % 3 == 0)
+        t.erase(at, 1 + rng() % 9);
+      else
+        t[at] = spice[rng() % spice.size()];
     }
     try {
       parse_scene(t, "f.toml");

@@ -24,9 +24,16 @@ namespace limberg {
 namespace {
 
 std::vector<Command> operation() {
-  return {Incise{{{-10, -5}, {10, -5}}, 4, 90}, Stage{"cut"},           SetHook{1, {3, 4}}, MoveHook{1, {6, 8, 5}, 0.8},
-          Stage{"pulled"},                     Incise{{{-8, 6}, {-8, 12}}, 10, 90},  // too deep: refused
-          ReleaseHook{1},                      SetHook{2, {-6, 0}},    MoveHook{2, {-9, 0, 4}, 0.5}, Stage{"end"}};
+  return {Incise{{{-10, -5}, {10, -5}}, 4, 90},
+          Stage{"cut"},
+          SetHook{1, {3, 4}},
+          MoveHook{1, {6, 8, 5}, 0.8},
+          Stage{"pulled"},
+          Incise{{{-8, 6}, {-8, 12}}, 10, 90},  // too deep: refused
+          ReleaseHook{1},
+          SetHook{2, {-6, 0}},
+          MoveHook{2, {-9, 0, 4}, 0.5},
+          Stage{"end"}};
 }
 
 /// Notes what it is shown.
@@ -45,7 +52,11 @@ struct Notes final : PictureSink {
 
 struct Rig {
   explicit Rig(std::unique_ptr<Source> source, Workers* workers = nullptr, bool record = false, bool schedule = false)
-      : patient(workers), front(Calibration{}), device(front, *channels, record, schedule), solver(patient, *channels, settings(schedule)), render(*channels, &notes, true) {
+      : patient(workers),
+        front(Calibration{}),
+        device(front, *channels, record, schedule),
+        solver(patient, *channels, settings(schedule)),
+        render(*channels, &notes, true) {
     front.add(std::move(source));
   }
   static SolverSettings settings(bool schedule) {
@@ -81,7 +92,8 @@ SessionSettings quick() {
 }
 
 std::string temporary(const char* name) {
-  return (std::filesystem::temp_directory_path() / (std::string("limberg-") + std::to_string(getpid()) + name)).string();
+  return (std::filesystem::temp_directory_path() / (std::string("limberg-") + std::to_string(getpid()) + name))
+      .string();
 }
 
 TEST(Lockstep, CarriesOutTheScript) {
@@ -257,7 +269,8 @@ TEST(RealTime, LosesNothingAndEndsWhereLockstepDoes) {
 
 /// A live session of some two seconds, recorded: a cut, a hook, and a clock that stops every third step early.
 Recording live_recording(const std::string& file, uint64_t& hash, int64_t* early = nullptr) {
-  const std::vector<Command> script{Incise{{{-4, -5}, {0, -5}}, 4, 90}, SetHook{1, {3, 4}}, MoveHook{1, {6, 8, 5}, 0.4}, Stage{"pulled"}};
+  const std::vector<Command> script{Incise{{{-4, -5}, {0, -5}}, 4, 90}, SetHook{1, {3, 4}}, MoveHook{1, {6, 8, 5}, 0.4},
+                                    Stage{"pulled"}};
   SurgeonSettings ss;
   ss.settle_s = 0.05, ss.start_s = 0.1, ss.carry_mm_s = 300, ss.corner_pause_s = 0.05;
   Rig rig(std::make_unique<EmulatedSurgeon>(script, ss), nullptr, true, true);
@@ -332,18 +345,22 @@ TEST(AsRecorded, AKilledSessionLosesLessThanASecondAndReplays) {
   uint64_t hash = 0;
   const Recording whole = live_recording(file, hash);
   std::filesystem::remove(file);
-  // Written anew from what the threads passed on, and looked at as it stands on the disk when the program is killed: what
+  // Written anew from what the threads passed on, and looked at as it stands on the disk when the program is killed:
+  // what
   // the writer still holds is lost.
   RecordingWriter w;
   w.open(file, SessionInfo{}, {}, true);
   size_t run = 0, step = 0, sample = 0;
   const int64_t killed = whole.end->tick * 3 / 4;
   for (int64_t tick = 0; tick < killed; ++tick) {
-    for (; run < whole.schedule.device.size() && whole.schedule.device[run].tick + whole.schedule.device[run].count - 1 <= tick; ++run) {
+    for (; run < whole.schedule.device.size() &&
+           whole.schedule.device[run].tick + whole.schedule.device[run].count - 1 <= tick;
+         ++run) {
       for (int32_t k = 0; k < whole.schedule.device[run].samples; ++k) w.on_sample(whole.samples[sample++]);
       w.schedule(whole.schedule.device[run]);
     }
-    for (; step < whole.schedule.solver.size() && whole.schedule.solver[step].tick <= tick; ++step) w.schedule(whole.schedule.solver[step]);
+    for (; step < whole.schedule.solver.size() && whole.schedule.solver[step].tick <= tick; ++step)
+      w.schedule(whole.schedule.solver[step]);
   }
   const std::string copy = temporary("killed-copy.lcm");
   std::filesystem::copy_file(file, copy);
@@ -381,7 +398,8 @@ TEST(RealTime, AForceDeviceFeelsThePatientOfTheSolverThread) {
   rig.channels->press = std::make_shared<PressLine>();
   SimulatedHand hand;
   hand.target = [](double t) { return Vec3(8, 8, 6 - 9 * std::min(1.0, 2 * t)); };
-  auto source = std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{}, rig.channels->press);
+  auto source = std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{},
+                                              rig.channels->press);
   const ForceSource& force = *source;
   rig.front.add(std::move(source));
   SessionSettings set = quick();

@@ -36,7 +36,8 @@ Snapshot bent(Now now, Keep keep) {
     for (int x = 0; x < n; ++x) {
       const int a = y * (n + 1) + x, b = a + 1, c = a + n + 1, d = c + 1;
       for (const Tri& t : {Tri{a, b, d}, Tri{a, d, c}})
-        if (keep((X[size_t(t[0])] + X[size_t(t[1])] + X[size_t(t[2])]) / 3)) tri.push_back(t), kind.push_back(FaceKind::skin);
+        if (keep((X[size_t(t[0])] + X[size_t(t[1])] + X[size_t(t[2])]) / 3))
+          tri.push_back(t), kind.push_back(FaceKind::skin);
     }
   const auto fill = [](auto& shared, const auto& list) { shared = std::remove_reference_t<decltype(shared)>(list); };
   fill(topology->view.X_mm, X), fill(topology->view.tri, tri), fill(topology->view.kind, kind);
@@ -45,7 +46,8 @@ Snapshot bent(Now now, Keep keep) {
 }
 
 TEST(SkinMap, AnEvenStretchIsSeenEverywhere) {
-  const auto s = bent([](const Vec3& p) { return Vec3(1.3 * p.x() + 0.0 * p.y(), 0.8 * p.y(), 0.6 * p.y()); }, [](const Vec3&) { return true; });
+  const auto s = bent([](const Vec3& p) { return Vec3(1.3 * p.x() + 0.0 * p.y(), 0.8 * p.y(), 0.6 * p.y()); },
+                      [](const Vec3&) { return true; });
   const SkinMap map(s);
   const auto x = map.now_mm({3.21, -7.65});
   ASSERT_TRUE(x);
@@ -60,7 +62,8 @@ TEST(SkinMap, AnEvenStretchIsSeenEverywhere) {
   EXPECT_NEAR(map.slack_share(10, 0.8), 1, 1e-9);
 }
 
-// A flap of 1.5 mm that has risen by 2 mm and grown thicker by 1, over a bed and beside the support: only its underside is the underside.
+// A flap of 1.5 mm that has risen by 2 mm and grown thicker by 1, over a bed and beside the support: only its underside
+// is the underside.
 TEST(SkinMap, TheUndersideIsWhatLooksDownAndIsFree) {
   auto topology = std::make_shared<SurfaceTopology>();
   topology->body = std::make_shared<Body>();
@@ -70,13 +73,15 @@ TEST(SkinMap, TheUndersideIsWhatLooksDownAndIsFree) {
   Snapshot s;
   const auto sheet = [&](double z, double now, bool up, FaceKind k) {
     const int a = int(X.size());
-    for (const Vec2& p : {Vec2(-9, -9), Vec2(9, -9), Vec2(9, 9), Vec2(-9, 9)}) X.push_back({p.x(), p.y(), z}), s.x_mm.push_back(Vec3f(float(p.x()), float(p.y()), float(now)));
-    for (const Tri& t : {Tri{a, a + 1, a + 2}, Tri{a, a + 2, a + 3}}) tri.push_back(up ? t : Tri{t[0], t[2], t[1]}), kind.push_back(k);
+    for (const Vec2& p : {Vec2(-9, -9), Vec2(9, -9), Vec2(9, 9), Vec2(-9, 9)})
+      X.push_back({p.x(), p.y(), z}), s.x_mm.push_back(Vec3f(float(p.x()), float(p.y()), float(now)));
+    for (const Tri& t : {Tri{a, a + 1, a + 2}, Tri{a, a + 2, a + 3}})
+      tri.push_back(up ? t : Tri{t[0], t[2], t[1]}), kind.push_back(k);
   };
   sheet(0, 3, true, FaceKind::skin);
   sheet(-1.5, 0.5, false, FaceKind::wall);
-  sheet(-1.5, -1.6, true, FaceKind::wall);   // the bed
-  sheet(-10, -10, false, FaceKind::fixed);   // what holds it
+  sheet(-1.5, -1.6, true, FaceKind::wall);  // the bed
+  sheet(-10, -10, false, FaceKind::fixed);  // what holds it
   const auto fill = [](auto& shared, const auto& list) { shared = std::remove_reference_t<decltype(shared)>(list); };
   fill(topology->view.X_mm, X), fill(topology->view.tri, tri), fill(topology->view.kind, kind);
   s.topology = topology;
@@ -98,48 +103,61 @@ Figure notch() {
 TEST(SkinMap, AConeShowsItsChargeAndAFlatSheetNone) {
   const Figure f = notch();
   ASSERT_NEAR(tissue_deg(f, {0, 1}), 300, 1e-9);
-  const auto tissue = [](const Vec3& p) { return std::abs(std::atan2(p.y(), p.x())) > 30 / kDeg - 0.08 && p.norm() < 19; };
+  const auto tissue = [](const Vec3& p) {
+    return std::abs(std::atan2(p.y(), p.x())) > 30 / kDeg - 0.08 && p.norm() < 19;
+  };
   // Polar angle from the middle of the tissue (the -x axis), 300 degrees of it to be closed to a full turn.
   const auto turn = [](const Vec3& p) { return std::atan2(-p.y(), -p.x()); };
-  const auto cone = bent([&](const Vec3& p) {
-    const double r = p.head<2>().norm(), a = turn(p) * 360 / 300, s = 300.0 / 360;
-    return Vec3(-r * s * std::cos(a), -r * s * std::sin(a), -r * std::sqrt(1 - s * s));
-  }, tissue);
+  const auto cone = bent(
+      [&](const Vec3& p) {
+        const double r = p.head<2>().norm(), a = turn(p) * 360 / 300, s = 300.0 / 360;
+        return Vec3(-r * s * std::cos(a), -r * s * std::sin(a), -r * std::sqrt(1 - s * s));
+      },
+      tissue);
   EXPECT_NEAR(SkinMap(cone).deficit_deg(f, {{0, 1}}, 6), 60, 2);
   EXPECT_LT(SkinMap(cone).turned_share(10), 0.01);
-  const auto flat = bent([&](const Vec3& p) {
-    const double r = p.head<2>().norm(), a = turn(p) * 360 / 300;
-    return Vec3(-r * std::cos(a), -r * std::sin(a), 0);
-  }, tissue);
+  const auto flat = bent(
+      [&](const Vec3& p) {
+        const double r = p.head<2>().norm(), a = turn(p) * 360 / 300;
+        return Vec3(-r * std::cos(a), -r * std::sin(a), 0);
+      },
+      tissue);
   EXPECT_NEAR(SkinMap(flat).deficit_deg(f, {{0, 1}}, 6), 0, 2);
   EXPECT_NEAR(SkinMap(cone).curvature_deg(f, {{0, 1}}, 8, 3), 60, 1.5);
   EXPECT_NEAR(SkinMap(flat).curvature_deg(f, {{0, 1}}, 8, 3), 0, 0.1);
   // A tip that is rounded off over 5 mm bends as much in all; only rays from the tip do not show it.
-  const auto blunt = bent([&](const Vec3& p) {
-    const double r = p.head<2>().norm(), a = turn(p) * 360 / 300, s = 300.0 / 360, slope = std::sqrt(1 / (s * s) - 1), z = r * s;
-    return Vec3(-r * s * std::cos(a), -r * s * std::sin(a), -slope * (std::hypot(z, 4) - 4));
-  }, tissue);
+  const auto blunt = bent(
+      [&](const Vec3& p) {
+        const double r = p.head<2>().norm(), a = turn(p) * 360 / 300, s = 300.0 / 360,
+                     slope = std::sqrt(1 / (s * s) - 1), z = r * s;
+        return Vec3(-r * s * std::cos(a), -r * s * std::sin(a), -slope * (std::hypot(z, 4) - 4));
+      },
+      tissue);
   const double at_14 = 14 * 300.0 / 360, steep = std::sqrt(1.44 - 1) * at_14 / std::hypot(at_14, 4);  // of its meridian
   EXPECT_NEAR(SkinMap(blunt).curvature_deg(f, {{0, 1}}, 14, 3), 360 * (1 - 1 / std::hypot(1, steep)), 2);
   EXPECT_LT(SkinMap(blunt).deficit_deg(f, {{0, 1}}, 14), 45);
 }
 
-// The same sector bent into a saddle z = (x^2 - y^2) / 40: its curvature against the integral of its closed form, K dA = -4 b^2 / (1 + 4 b^2 r^2)^1.5 dx dy with b = 1 / 40.
+// The same sector bent into a saddle z = (x^2 - y^2) / 40: its curvature against the integral of its closed form, K dA
+// = -4 b^2 / (1 + 4 b^2 r^2)^1.5 dx dy with b = 1 / 40.
 TEST(SkinMap, ASaddleCurvesTheOtherWay) {
   Figure f = notch();
-  const auto saddle = bent([](const Vec3& p) { return Vec3(p.x(), p.y(), (p.x() * p.x() - p.y() * p.y()) / 40); }, [](const Vec3& p) { return p.norm() < 19; });
+  const auto saddle = bent([](const Vec3& p) { return Vec3(p.x(), p.y(), (p.x() * p.x() - p.y() * p.y()) / 40); },
+                           [](const Vec3& p) { return p.norm() < 19; });
   f.wounds = {{{-10, 0}, {0, 0}, {10, 0}, {0, 0.001}}};  // two sectors of half a turn each, nearly
   const double b = 1.0 / 40, r = 10, closed = -2 * std::numbers::pi * (1 - 1 / std::sqrt(1 + 4 * b * b * r * r)) * kDeg;
   EXPECT_NEAR(SkinMap(saddle).curvature_deg(f, {{0, 1}, {0, 3}}, r, 2), closed, 1);
 }
 
-// A strip of 4 mm is taken out and its long sides are sewn together: level, as a roof, in a step, one side turned over onto the other.
+// A strip of 4 mm is taken out and its long sides are sewn together: level, as a roof, in a step, one side turned over
+// onto the other.
 TEST(SeamsLie, BesideEachOtherOrOneOnTheOther) {
   Figure f;
   f.wounds = {{{-10, 2}, {10, 2}, {10, -2}, {-10, -2}}};
   f.seams = {figures::seam(0, 1, 3, 2)};
   const auto lie = [&](auto upper, auto lower) {
-    const auto s = bent([&](const Vec3& p) { return p.y() > 0 ? upper(p.x(), p.y() - 2) : lower(p.x(), -2 - p.y()); }, [](const Vec3& p) { return std::abs(p.y()) > 2; });
+    const auto s = bent([&](const Vec3& p) { return p.y() > 0 ? upper(p.x(), p.y() - 2) : lower(p.x(), -2 - p.y()); },
+                        [](const Vec3& p) { return std::abs(p.y()) > 2; });
     return seams_lie(SkinMap(s), f, 4);
   };
   const auto level = [](double x, double in) { return Vec3(x, in, 0); };
@@ -148,7 +166,8 @@ TEST(SeamsLie, BesideEachOtherOrOneOnTheOther) {
   EXPECT_NEAR(flat.least_opening_deg, 180, 1);
   EXPECT_NEAR(flat.most_step_mm, 0, 1e-3);
   const double c = std::sqrt(0.5);
-  const SeamsLie roof = lie([&](double x, double in) { return Vec3(x, c * in, -c * in); }, [&](double x, double in) { return Vec3(x, -c * in, -c * in); });
+  const SeamsLie roof = lie([&](double x, double in) { return Vec3(x, c * in, -c * in); },
+                            [&](double x, double in) { return Vec3(x, -c * in, -c * in); });
   EXPECT_NEAR(roof.least_opening_deg, 90, 3);
   EXPECT_NEAR(roof.most_step_mm, 0, 1e-3);
   const SeamsLie step = lie(level, [](double x, double in) { return Vec3(x, -in, 1.2); });
@@ -169,8 +188,10 @@ TEST(PlaneMembrane, ForcesAndTangentAreDerivativesOfTheEnergy) {
       Mat3 a = F, b = F;
       a.data()[k] -= h, b.data()[k] += h;
       const auto ra = law->at(a), rb = law->at(b);
-      EXPECT_NEAR((rb.energy_kPa - ra.energy_kPa) / (2 * h), r.P_kPa.data()[k], 1e-4 * (1 + std::abs(r.P_kPa.data()[k])));
-      for (int l = 0; l < 9; ++l) EXPECT_NEAR((rb.P_kPa.data()[l] - ra.P_kPa.data()[l]) / (2 * h), C(l, k), 1e-3 * (1 + std::abs(C(l, k))));
+      EXPECT_NEAR((rb.energy_kPa - ra.energy_kPa) / (2 * h), r.P_kPa.data()[k],
+                  1e-4 * (1 + std::abs(r.P_kPa.data()[k])));
+      for (int l = 0; l < 9; ++l)
+        EXPECT_NEAR((rb.P_kPa.data()[l] - ra.P_kPa.data()[l]) / (2 * h), C(l, k), 1e-3 * (1 + std::abs(C(l, k))));
     }
     EXPECT_GE(Eigen::SelfAdjointEigenSolver<Mat9>(law->tangent_kPa(F, true)).eigenvalues().minCoeff(), -1e-9);
   }

@@ -1,9 +1,9 @@
 // Everything that goes into the ring comes out once and in order; what does not fit is refused and counted.
-#include "app/session/spsc_ring.h"
-
 #include <gtest/gtest.h>
 
 #include <thread>
+
+#include "app/session/spsc_ring.h"
 
 namespace limberg {
 namespace {
@@ -61,8 +61,10 @@ TEST(SpscRing, TwoThreadsInOrderNothingLostUncounted) {
     Item it;
     it.n = i;
     for (uint64_t& c : it.copy) c = i;
-    if (r.push(it)) pushed_sum += i;
-    else if (i % 3 == 0) std::this_thread::yield();
+    if (r.push(it))
+      pushed_sum += i;
+    else if (i % 3 == 0)
+      std::this_thread::yield();
   }
   ended = true;
   consumer.join();

@@ -26,8 +26,8 @@ TEST(Study, MembersAreAllCombinationsInOrder) {
 TEST(Study, BadSettingsAreRefused) {
   EXPECT_THROW(find_family("nothing"), InputError);
   const Family& f = find_family("disc");
-  for (const char* bad : {"", "=", "along", "along=", "along=1.1,", "along=x", "along=1.1 ,1.2", "along=nan", "along=inf", "along=0.5", "along=9",
-                          "foo=1", "along=1e999", "\n=1"})
+  for (const char* bad : {"", "=", "along", "along=", "along=1.1,", "along=x", "along=1.1 ,1.2", "along=nan",
+                          "along=inf", "along=0.5", "along=9", "foo=1", "along=1e999", "\n=1"})
     EXPECT_THROW(members(f, {bad}), InputError) << bad;
   EXPECT_THROW(members(f, {"along=1.1", "along=1.2"}), InputError);
   std::string many = "along=1.1", more = "across=1.1";
@@ -91,20 +91,31 @@ TEST(Study, AWiderZPlastyGainsMoreAndStandsUpMore) {
   }
 }
 
-// The protocol asks for one efficiency index that peaks inside 50 to 75 degrees, whichever; where one is greatest is found between the
+// The protocol asks for one efficiency index that peaks inside 50 to 75 degrees, whichever; where one is greatest is
+// found between the
 // angles that were tried.
 TEST(Study, OneEfficiencyIndexMustPeakInsideTheRange) {
-  const auto settings_without = [](double work, double ear) {  // where these two peak; that for the strain rises to the end
+  const auto settings_without = [](double work,
+                                   double ear) {  // where these two peak; that for the strain rises to the end
     std::vector<Row> rows;
     for (const double t : {30., 45., 60., 75., 90.}) {
       Row r;
-      r.figures = {{"angle", t}, {"prestretch", 10}, {"cell_mm", 5}, {"gain_per_root_work", 9 - 1e-3 * (t - work) * (t - work)}, {"efficiency", t},
-                   {"elongation", 2}, {"ear_mm", 1 / (9 - 1e-3 * (t - ear) * (t - ear))}};
+      r.figures = {{"angle", t},
+                   {"prestretch", 10},
+                   {"cell_mm", 5},
+                   {"gain_per_root_work", 9 - 1e-3 * (t - work) * (t - work)},
+                   {"efficiency", t},
+                   {"elongation", 2},
+                   {"ear_mm", 1 / (9 - 1e-3 * (t - ear) * (t - ear))}};
       rows.push_back(r);
     }
     for (const Bar& b : find_family("zplasty").bars(rows)) {
-      if (b.name.find("members of the protocol") != std::string::npos) { EXPECT_EQ(b.value, 25); }  // of 5 x 3 x 2
-      if (b.name.find("no member tells") != std::string::npos) { EXPECT_EQ(b.value, 5 * 13); }  // all but elongation and height
+      if (b.name.find("members of the protocol") != std::string::npos) {
+        EXPECT_EQ(b.value, 25);
+      }  // of 5 x 3 x 2
+      if (b.name.find("no member tells") != std::string::npos) {
+        EXPECT_EQ(b.value, 5 * 13);
+      }  // all but elongation and height
       if (b.name.find("none of the three efficiency indices") != std::string::npos) return b.value;
     }
     return -1.0;
@@ -125,13 +136,33 @@ TEST(Study, TheProtocolsBarsAskWhatItAsks) {
       for (const double t : {30., 45., 60., 75., 90.}) {
         Row r;
         // Of the plate of the protocol's own table; 30 degrees at 10 % is not in it.
-        const double i = (t - 30) / 15, slack[] = {1.101, 1.174, 1.256, 1.324, 1.356}, slight[] = {1.134, 1.259, 1.396, 1.513, 1.594}, taut[] = {1.135, 1.272, 1.412, 1.563, 1.681};
-        const double up[] = {3.8, 6.8, 9.2, 11, 12}, up_slight[] = {.3, .4, 2.6, 5.3, 7.5}, up_taut[] = {.2, .3, .4, 2.1, 4.4};
-        const double gain = (p == 0 ? slack : p == 5 ? slight : taut)[int(i)], ear = (p == 0 ? up : p == 5 ? up_slight : up_taut)[int(i)];
-        r.figures = {{"angle", t}, {"prestretch", p}, {"cell_mm", cell}, {"elongation", gain}, {"ear_mm", ear}, {"at_C_D_mm", 0.04}, {"theory", std::sqrt(5 - 4 * std::cos(t * std::numbers::pi / 180))},
-                     {"gain_per_root_work", 9 - 1e-3 * (t - 60) * (t - 60)}, {"efficiency", t}, {"residual", 1e-5}, {"gap_max_mm", 0.01}, {"side_limbs", 10}, {"undermined_least_limbs", 1.5},
-                     {"undermined_most_limbs", 1.9}, {"charge_off_deg", 0.1}};
-        for (const char* other : {"ear_limbs", "elongation_flat", "elongation_4L", "strain_p95", "strain_p99", "closure_force_N", "suture_force_max_N", "closing_uJ", "ear_volume_mm3", "rms_mm",
+        const double i = (t - 30) / 15, slack[] = {1.101, 1.174, 1.256, 1.324, 1.356},
+                     slight[] = {1.134, 1.259, 1.396, 1.513, 1.594}, taut[] = {1.135, 1.272, 1.412, 1.563, 1.681};
+        const double up[] = {3.8, 6.8, 9.2, 11, 12}, up_slight[] = {.3, .4, 2.6, 5.3, 7.5},
+                     up_taut[] = {.2, .3, .4, 2.1, 4.4};
+        const double gain = (p == 0   ? slack
+                             : p == 5 ? slight
+                                      : taut)[int(i)],
+                     ear = (p == 0   ? up
+                            : p == 5 ? up_slight
+                                     : up_taut)[int(i)];
+        r.figures = {{"angle", t},
+                     {"prestretch", p},
+                     {"cell_mm", cell},
+                     {"elongation", gain},
+                     {"ear_mm", ear},
+                     {"at_C_D_mm", 0.04},
+                     {"theory", std::sqrt(5 - 4 * std::cos(t * std::numbers::pi / 180))},
+                     {"gain_per_root_work", 9 - 1e-3 * (t - 60) * (t - 60)},
+                     {"efficiency", t},
+                     {"residual", 1e-5},
+                     {"gap_max_mm", 0.01},
+                     {"side_limbs", 10},
+                     {"undermined_least_limbs", 1.5},
+                     {"undermined_most_limbs", 1.9},
+                     {"charge_off_deg", 0.1}};
+        for (const char* other : {"ear_limbs", "elongation_flat", "elongation_4L", "strain_p95", "strain_p99",
+                                  "closure_force_N", "suture_force_max_N", "closing_uJ", "ear_volume_mm3", "rms_mm",
                                   "curvature_A_deg", "curvature_B_deg", "slack_share"})
           r.figures.push_back({other, 1});
         good.push_back(std::move(r));
@@ -159,15 +190,17 @@ TEST(Study, TheProtocolsBarsAskWhatItAsks) {
   EXPECT_EQ(with(90, 0, "elongation", 1.39), "4e ");      // .066 of .082
   EXPECT_EQ(with(60, 0, "ear_mm", 6.7), "4c 4f 4f ");     // below 45, and 27 % below the plate
   EXPECT_EQ(with(75, 5, "at_C_D_mm", 5.4), "4c ");
-  EXPECT_EQ(with(45, 10, "ear_mm", 0.51), "4c 4f 4f ");   // not flat, above 60
-  EXPECT_EQ(with(90, 10, "ear_mm", 3.2), "4f ");          // above 2 mm, 27 % below the plate
-  EXPECT_EQ(with(30, 10, "ear_mm", 0.35), "4c ");         // by .05 mm: rises is rises
+  EXPECT_EQ(with(45, 10, "ear_mm", 0.51), "4c 4f 4f ");  // not flat, above 60
+  EXPECT_EQ(with(90, 10, "ear_mm", 3.2), "4f ");         // above 2 mm, 27 % below the plate
+  EXPECT_EQ(with(30, 10, "ear_mm", 0.35), "4c ");        // by .05 mm: rises is rises
 }
 
-// The control without height: a clamped surrounding lets a Z-plasty gain about half of what its figure promises. The table of a
+// The control without height: a clamped surrounding lets a Z-plasty gain about half of what its figure promises. The
+// table of a
 // membrane of triangles has 1.254 at 45 degrees; cells of 4 mm are too coarse for 3 %, and come nearer as they shrink.
 TEST(Study, APlanarZPlastyGainsHalfOfTheTheory) {
-  const Row coarse = run("planar", {"angle=45", "prestretch=0", "cell_mm=6"}), fine = run("planar", {"angle=45", "prestretch=0", "cell_mm=4"});
+  const Row coarse = run("planar", {"angle=45", "prestretch=0", "cell_mm=6"}),
+            fine = run("planar", {"angle=45", "prestretch=0", "cell_mm=4"});
   EXPECT_NEAR(fine.at("elongation"), 1.254, 0.05);
   EXPECT_LT(std::abs(fine.at("elongation") - 1.254), std::abs(coarse.at("elongation") - 1.254));
   EXPECT_LT(fine.at("rms_mm"), 1e-3);
@@ -179,7 +212,8 @@ TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
   EXPECT_NEAR(r.at("vertex_form_deg"), 73.7, 0.05);  // tabulated
   EXPECT_NEAR(r.at("scar_mm"), 1.073 * 42, 0.05);    // tabulated
   EXPECT_LT(r.at("gap_max_mm"), 0.2);
-  // What it takes to close a wound does not depend on how many stitches share it, as long as none pulls against its neighbours:
+  // What it takes to close a wound does not depend on how many stitches share it, as long as none pulls against its
+  // neighbours:
   // 3 % apart at 4 and 5 mm in cells of 4 mm, 15 % in these coarse ones (2026-11-22).
   const Row wider = run("fusiform", {"ratio=3", "cell_mm=6", "width_mm=14", "push_mm=0", "contact=0", "spacing_mm=9"});
   EXPECT_NEAR(wider.at("closure_force_N"), r.at("closure_force_N"), 0.2 * r.at("closure_force_N"));
@@ -188,13 +222,15 @@ TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
   EXPECT_GT(nearer.at("closure_force_N"), 1.25 * r.at("closure_force_N"));
   for (const Row* row : {&r, &nearer}) {
     const std::vector<Bar> bars = find_family("fusiform").bars({*row});
-    const auto bar = std::find_if(bars.begin(), bars.end(), [](const Bar& b) { return b.name.starts_with("stitches' spacing"); });
+    const auto bar =
+        std::find_if(bars.begin(), bars.end(), [](const Bar& b) { return b.name.starts_with("stitches' spacing"); });
     ASSERT_NE(bar, bars.end());
     EXPECT_EQ(bar->pass, row == &r);
   }
 }
 
-// What rhomboid flaps are known for: the cut has the angles of the plan, and the donor's closure is pulled tight, across it. (That
+// What rhomboid flaps are known for: the cut has the angles of the plan, and the donor's closure is pulled tight,
+// across it. (That
 // it is the tightest place of all takes finer cells than these.)
 TEST(Study, ARhomboidFlapHasTheChargesOfItsPlan) {
   const Row r = run("rhomboid", {"flap_angle=60", "cell_mm=5", "contact=0", "push_mm=0"});
@@ -207,7 +243,8 @@ TEST(Study, ARhomboidFlapHasTheChargesOfItsPlan) {
 
 // Every procedure, laid on one mesh and carried out on others: within the repertoire's 0.5 mm, with room.
 TEST(Study, ScriptsSurviveOtherMeshesLatticesAndSkins) {
-  const std::vector<std::string> forms{"form=0", "form=1", "form=2"}, cells{"cell_mm=8", "cell_mm=5.5", "cell_mm=7"}, skins{"skin_mm=2", "skin_mm=1.7", "skin_mm=2.5"};
+  const std::vector<std::string> forms{"form=0", "form=1", "form=2"}, cells{"cell_mm=8", "cell_mm=5.5", "cell_mm=7"},
+      skins{"skin_mm=2", "skin_mm=1.7", "skin_mm=2.5"};
   for (size_t i = 0; i < 3; ++i) {
     const Row r = run("place", {forms[i], cells[i], skins[i]});
     EXPECT_EQ(r.at("refused"), 0);

@@ -38,7 +38,9 @@ class Jobs : public ::testing::Test {
   }
   /// Exit status; what it printed lies in .out and .err.
   int limberg(const std::string& arguments) const {
-    const int s = std::system((std::string(LIMBERG_BINARY_DIR "/limberg ") + arguments + " >" + path(".out") + " 2>" + path(".err") + " </dev/null").c_str());
+    const int s = std::system((std::string(LIMBERG_BINARY_DIR "/limberg ") + arguments + " >" + path(".out") + " 2>" +
+                               path(".err") + " </dev/null")
+                                  .c_str());
     return WIFEXITED(s) ? WEXITSTATUS(s) : 1000 + WTERMSIG(s);
   }
   std::string dir_;
@@ -75,7 +77,8 @@ TEST_F(Jobs, AMembersFileHoldsItsRowToTheLastBit) {
 
 TEST_F(Jobs, BrokenMembersAreRefused) {
   const Values v = members(disc_, {})[0];
-  for (const char* text : {"", "{", "[]", "{\"study\":\"disc\"}", "{\"study\":3}", "null", "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[["}) {
+  for (const char* text : {"", "{", "[]", "{\"study\":\"disc\"}", "{\"study\":3}", "null",
+                           "[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[[["}) {
     write("x.json", text);
     EXPECT_THROW(read_member(path("x.json"), disc_, v), InputError) << text;
   }
@@ -86,11 +89,13 @@ TEST_F(Jobs, BrokenMembersAreRefused) {
 
 TEST_F(Jobs, ProcessesRunSeveralAtATimeAndSayHowTheyEnded) {
   std::vector<Process> all;
-  for (const char* c : {"exit 0", "exit 7", "echo why >&2; exit 2", "kill -9 $$"}) all.push_back({{"/bin/sh", "-c", c}, path("log" + std::to_string(all.size()))});
+  for (const char* c : {"exit 0", "exit 7", "echo why >&2; exit 2", "kill -9 $$"})
+    all.push_back({{"/bin/sh", "-c", c}, path("log" + std::to_string(all.size()))});
   all.push_back({{"/no/such/program"}, path("log4")});
   std::vector<int> status(all.size(), -99);
   size_t most = 0;
-  run_processes(all, 2, {}, [&](size_t n) { most = std::max(most, n); }, [&](size_t i, int s) { status[i] = s; });
+  run_processes(
+      all, 2, {}, [&](size_t n) { most = std::max(most, n); }, [&](size_t i, int s) { status[i] = s; });
   EXPECT_EQ(status, (std::vector<int>{0, 7, 2, 1000 + SIGKILL, -1}));
   EXPECT_LE(most, 2u);
   EXPECT_EQ(slurp("log2"), "why\n");
@@ -100,7 +105,9 @@ TEST_F(Jobs, AnInterruptEndsThoseThatRunAndStartsNoMore) {
   std::vector<Process> all(4, {{"/bin/sleep", "600"}, path("log")});
   std::vector<int> status(4, -99);
   bool now = false;
-  run_processes(all, 2, [&] { return now; }, [&](size_t running) { now = running == 2 || now; }, [&](size_t i, int s) { status[i] = s; });
+  run_processes(
+      all, 2, [&] { return now; }, [&](size_t running) { now = running == 2 || now; },
+      [&](size_t i, int s) { status[i] = s; });
   EXPECT_EQ(status, (std::vector<int>{1000 + SIGTERM, 1000 + SIGTERM, -1, -1}));
 }
 
@@ -108,7 +115,8 @@ TEST_F(Jobs, AStudyGoesOnFromTheMembersThatAreThere) {
   const std::string out = "--out " + path("o");
   ASSERT_EQ(limberg(small_ + out), 0) << slurp(".err");
   const std::string rows = slurp("o/rows.csv");
-  const std::string first = path("o/members/disc,along=1.1,across=1.05,cell_mm=6,radius_mm=6,depth_mm=3,poisson=0.495.json");
+  const std::string first =
+      path("o/members/disc,along=1.1,across=1.05,cell_mm=6,radius_mm=6,depth_mm=3,poisson=0.495.json");
   ASSERT_TRUE(fs::exists(first)) << slurp(".out");
   ASSERT_EQ(limberg(small_ + out), 0);
   EXPECT_NE(slurp(".err").find("2 members are there already"), std::string::npos);

@@ -1,10 +1,10 @@
 // A value that passes through a triple buffer is never torn, never goes back, and the last one always arrives.
-#include "app/session/triple_buffer.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <thread>
+
+#include "app/session/triple_buffer.h"
 
 namespace limberg {
 namespace {
@@ -48,8 +48,10 @@ TEST(TripleBuffer, NeverTornNeverBackwards) {
   Seen seen;
   std::thread reader([&] {
     while (seen.last < kWrites)
-      if (buffer->update()) check(buffer->reading(), seen);
-      else std::this_thread::yield();
+      if (buffer->update())
+        check(buffer->reading(), seen);
+      else
+        std::this_thread::yield();
   });
   for (uint64_t i = 1; i <= kWrites; ++i) {
     buffer->writing().word.fill(i);
@@ -64,7 +66,8 @@ TEST(TripleBuffer, NeverTornNeverBackwards) {
 }
 
 #if !defined(__SANITIZE_THREAD__)
-// The detector itself: the same traffic over a plain struct is torn. (With ThreadSanitizer this is a report, by design.)
+// The detector itself: the same traffic over a plain struct is torn. (With ThreadSanitizer this is a report, by
+// design.)
 TEST(TripleBuffer, ThePlainStructIsTorn) {
   struct Plain {
     volatile uint64_t word[kWords] = {};

@@ -1,6 +1,4 @@
 // Loops give the same chunks with any number of workers; jobs run once; helpers are never real-time threads.
-#include "app/session/workers_pool.h"
-
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <sched.h>
@@ -14,6 +12,7 @@
 #include <thread>
 
 #include "app/session/thread.h"
+#include "app/session/workers_pool.h"
 
 namespace limberg {
 namespace {
@@ -54,7 +53,8 @@ TEST(WorkersPool, EveryIndexOnceOverManyShortLoops) {
   for (const int h : hit) EXPECT_EQ(h, 2000);
 }
 
-// A helper that is held up in the middle of a chunk: the caller goes on alone for a while, and comes back. Same bits always.
+// A helper that is held up in the middle of a chunk: the caller goes on alone for a while, and comes back. Same bits
+// always.
 TEST(WorkersPool, AHelperThatIsHeldUpIsLeftOut) {
   InlineWorkers one;
   const double expected = chunked_sum(one, 5000, 100);
@@ -98,7 +98,10 @@ TEST(WorkersPool, JobsRunOnceAndMayUseLoops) {
 TEST(WorkersPool, ErrorsReachWhoeverWaits) {
   for (const int n : {1, 3}) {
     WorkersPool pool(n);
-    EXPECT_THROW(pool.parallel_for(100, 1, [](size_t b, size_t) { if (b == 57) throw std::runtime_error("57"); }),
+    EXPECT_THROW(pool.parallel_for(100, 1,
+                                   [](size_t b, size_t) {
+                                     if (b == 57) throw std::runtime_error("57");
+                                   }),
                  std::runtime_error);
     pool.parallel_for(10, 1, [](size_t, size_t) {});  // still usable
     const auto j = pool.submit([] { throw std::runtime_error("job"); });

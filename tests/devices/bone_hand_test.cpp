@@ -18,7 +18,8 @@ std::shared_ptr<SurfaceTopology> half_bone() {
   auto t = flat_topology(40, 1);
   const SurfaceView& v = t->view;
   for (size_t i = 0; i < v.tri.size(); ++i) {
-    const bool bone = v.X_mm[size_t(v.tri[i][0])].x() + v.X_mm[size_t(v.tri[i][1])].x() + v.X_mm[size_t(v.tri[i][2])].x() < 0;
+    const bool bone =
+        v.X_mm[size_t(v.tri[i][0])].x() + v.X_mm[size_t(v.tri[i][1])].x() + v.X_mm[size_t(v.tri[i][2])].x() < 0;
     t->organ.push_back(bone ? Organ::bone : Organ::flesh);
     t->object.push_back(bone ? 3 : -1);
     if (bone) t->view.kind[i] = FaceKind::free;
@@ -53,7 +54,8 @@ TEST(BoneHand, TheSawDrawsOnBoneOnlyAndItsLineBecomesAnOsteotomy) {
   const auto circle = [](double turn) { return Vec3(-30 + 15 * std::cos(turn), 15 * std::sin(turn), 7); };
   for (int i = 0; i < 20; ++i) g.tick(tick++, at(circle(0)), false, 0, s, out);
   constexpr int n = 2000;
-  for (int i = 0; i <= n; ++i) g.tick(tick++, at(circle(2.1 * std::numbers::pi * i / n)), true, i == 0, s, out);  // a little beyond
+  for (int i = 0; i <= n; ++i)
+    g.tick(tick++, at(circle(2.1 * std::numbers::pi * i / n)), true, i == 0, s, out);  // a little beyond
   g.tick(tick++, at(circle(0.1 * std::numbers::pi)), false, 1, s, out);
   CommandBuilder builder;
   std::optional<Command> made;

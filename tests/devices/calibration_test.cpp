@@ -23,7 +23,8 @@ TEST(Calibration, RoundTripToTheBit) {
     c.name = "a \"quoted\" \\ name";
     c.tip_offset_mm = Vec3(dice.normal(), 100 * dice.normal(), 1e-7 * dice.normal());
     c.world_from_tracker_mm = Vec3(dice.normal(), 0, 1e3 * dice.unit());
-    const Eigen::Quaterniond q = Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal()).normalized();
+    const Eigen::Quaterniond q =
+        Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal()).normalized();
     c.world_from_tracker_quat = {q.w(), q.x(), q.y(), q.z()};
     c.filter.stale_ms = 1 + 100 * dice.unit();
     c.device = "FASTRAK \"ft\"", c.date = "2026-11-21";
@@ -31,7 +32,8 @@ TEST(Calibration, RoundTripToTheBit) {
     if (k % 2) {
       c.distortion.nodes = {2, 3, 2};
       c.distortion.high_mm = Vec3(10, 20, 30 + dice.unit());
-      for (int i = 0; i < 12; ++i) c.distortion.add_mm.push_back(Vec3(dice.normal(), dice.normal(), 1e-9 * dice.normal()));
+      for (int i = 0; i < 12; ++i)
+        c.distortion.add_mm.push_back(Vec3(dice.normal(), dice.normal(), 1e-9 * dice.normal()));
     }
     save_calibration(c, dir / "c.toml");
     const Calibration d = load_calibration(dir / "c.toml");
@@ -68,8 +70,12 @@ TEST(Calibration, BadFilesSayWhatAndWhere) {
   EXPECT_NE(message(head + "[glove]\nfist = 1\n").find("unknown key \"fist\""), std::string::npos);
   EXPECT_NE(message(head + "[glove]\npointing = [1, 1, 0]\n").find("direction"), std::string::npos);
   EXPECT_NE(message(head + "[distortion]\nnodes = [2, 2, 2]\n").find("not whole"), std::string::npos);
-  EXPECT_NE(message(head + "[distortion]\nnodes = [2, 2, 2]\nlow_mm = [0, 0, 0]\nhigh_mm = [1, 1, 1]\nadd_mm = [1]\n").find("list of 24"), std::string::npos);
-  EXPECT_NE(message(head + "[distortion]\nnodes = [2, 2.5, 2]\nlow_mm = [0, 0, 0]\nhigh_mm = [1, 1, 1]\nadd_mm = [1]\n").find("nodes each way"), std::string::npos);
+  EXPECT_NE(message(head + "[distortion]\nnodes = [2, 2, 2]\nlow_mm = [0, 0, 0]\nhigh_mm = [1, 1, 1]\nadd_mm = [1]\n")
+                .find("list of 24"),
+            std::string::npos);
+  EXPECT_NE(message(head + "[distortion]\nnodes = [2, 2.5, 2]\nlow_mm = [0, 0, 0]\nhigh_mm = [1, 1, 1]\nadd_mm = [1]\n")
+                .find("nodes each way"),
+            std::string::npos);
   EXPECT_NE(message(head + "stylus = 3\n").find("table"), std::string::npos);
   EXPECT_THROW(load_calibration("/no/such/file.toml"), InputError);
   EXPECT_THROW(load_calibration("/"), InputError);

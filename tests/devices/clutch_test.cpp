@@ -31,7 +31,9 @@ void add_clutch(std::vector<Sample>& samples) {
 }
 
 /// 50 mm to the side while the clutch is down, 10 mm upwards after it.
-Vec3 way(double t) { return minimum_jerk((t - 2.6) / 1.0) * Vec3(0, 50, 0) + minimum_jerk((t - 4.3) / 0.7) * Vec3(0, 0, 10); }
+Vec3 way(double t) {
+  return minimum_jerk((t - 2.6) / 1.0) * Vec3(0, 50, 0) + minimum_jerk((t - 4.3) / 0.7) * Vec3(0, 0, 10);
+}
 
 std::vector<Sample> glove() {
   const fastrak::Motion motion = [](int station, double t) {
@@ -54,7 +56,9 @@ std::vector<Sample> stylus_with_hook() {
   std::vector<Sample> samples{control(ControlSample::select_tool, 0, 0, Tool::hook, 0)};
   for (int i = 0; i < 800; ++i) {
     const double t = double(i) * 0.008;
-    samples.push_back(stylus(i, int64_t(i) * 8'000'000, Vec3(5, -8, 0.1) + minimum_jerk((t - 1.5) / 0.5) * Vec3(0, 0, 6) + way(t), t > 1 && t < 5.6));
+    samples.push_back(stylus(i, int64_t(i) * 8'000'000,
+                             Vec3(5, -8, 0.1) + minimum_jerk((t - 1.5) / 0.5) * Vec3(0, 0, 6) + way(t),
+                             t > 1 && t < 5.6));
   }
   add_clutch(samples);
   return samples;
@@ -94,8 +98,10 @@ void expect_clutched(const Ticked& r, int64_t until, Where where) {
   const Vec3 before = where(r.ticks[size_t(kDown_s * 1000) - 1]), still = where(r.ticks[size_t(kDown_s * 1000)]);
   EXPECT_LT((still - before).norm(), 0.02);
   for (size_t t = size_t(kDown_s * 1000); t <= size_t(kUp_s * 1000); ++t) ASSERT_EQ(where(r.ticks[t]), still) << t;
-  // A minimum-jerk way of 10 mm in 0.7 s is at most 10 / 0.7 * 15 / 8 = 27 mm/s, 0.027 mm a tick; the filter may overshoot.
-  for (size_t t = size_t(kUp_s * 1000); t < size_t(until); ++t) ASSERT_LT((where(r.ticks[t]) - where(r.ticks[t - 1])).norm(), 0.06) << t;
+  // A minimum-jerk way of 10 mm in 0.7 s is at most 10 / 0.7 * 15 / 8 = 27 mm/s, 0.027 mm a tick; the filter may
+  // overshoot.
+  for (size_t t = size_t(kUp_s * 1000); t < size_t(until); ++t)
+    ASSERT_LT((where(r.ticks[t]) - where(r.ticks[t - 1])).norm(), 0.06) << t;
   EXPECT_LT((where(r.ticks[size_t(until) - 1]) - still - Vec3(0, 0, 10)).norm(), 0.3);
 }
 

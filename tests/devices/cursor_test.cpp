@@ -91,7 +91,8 @@ TEST(SurfaceCursor, OnAPlaneItIsTheHandTimesTheGain) {
   const Vec3 start = c.x_mm();
   Dice dice{4};
   for (int i = 0; i < 4000; ++i) {
-    hand = Vec3(100, 50, 20) + Vec3(70 * std::sin(0.002 * i), 60 * std::sin(0.0031 * i), 30 * std::sin(0.01 * i)) + 0.05 * Vec3(dice.normal(), dice.normal(), dice.normal());
+    hand = Vec3(100, 50, 20) + Vec3(70 * std::sin(0.002 * i), 60 * std::sin(0.0031 * i), 30 * std::sin(0.01 * i)) +
+           0.05 * Vec3(dice.normal(), dice.normal(), dice.normal());
     c.tick(s, hand_at(hand), false, true);
     expect_on_surface(s, c);
   }
@@ -130,8 +131,10 @@ TEST(SurfaceCursor, AGestureRoundTheObjectReachesItsHiddenSide) {
     set.gain = 0.5;
     SurfaceCursor c(set);
     c.put(s, Vec3(1, 2, 50));
-    double turned = 0, last = std::atan2(c.x_mm().x(), c.x_mm().z()), lowest = 1e9, slowest_quarter = 1e9, quarter_start = 0;
-    const double r = edges ? 150 : 110;  // of the hand's circle; the cursor's part of it goes round the object with room
+    double turned = 0, last = std::atan2(c.x_mm().x(), c.x_mm().z()), lowest = 1e9, slowest_quarter = 1e9,
+           quarter_start = 0;
+    const double r =
+        edges ? 150 : 110;  // of the hand's circle; the cursor's part of it goes round the object with room
     for (int i = 0; i <= 8000; ++i) {
       const double a = 2 * M_PI * i / 4000;
       c.tick(s, hand_at(r * Vec3(std::sin(a), 0, std::cos(a))), false, false);
@@ -140,7 +143,8 @@ TEST(SurfaceCursor, AGestureRoundTheObjectReachesItsHiddenSide) {
       turned += std::remainder(now - last, 2 * M_PI);
       last = now;
       lowest = std::min(lowest, c.x_mm().z());
-      if (i % 1000 == 0 && i > 0) slowest_quarter = std::min(slowest_quarter, turned - quarter_start), quarter_start = turned;
+      if (i % 1000 == 0 && i > 0)
+        slowest_quarter = std::min(slowest_quarter, turned - quarter_start), quarter_start = turned;
     }
     EXPECT_NEAR(turned, 4 * M_PI, 0.8) << edges;
     EXPECT_LT(lowest, edges ? -29.9 : -39.0) << edges;
@@ -149,7 +153,8 @@ TEST(SurfaceCursor, AGestureRoundTheObjectReachesItsHiddenSide) {
 }
 
 /// The cursor's places at some moments of a hand's path.
-std::vector<Vec3> drawn(const Snapshot& s, const Vec3& start, const std::function<Vec3(double)>& hand, double gain = 0.5) {
+std::vector<Vec3> drawn(const Snapshot& s, const Vec3& start, const std::function<Vec3(double)>& hand,
+                        double gain = 0.5) {
   CursorSettings set;
   set.gain = gain;
   SurfaceCursor c(set);
@@ -188,13 +193,16 @@ Mesh wavy(int n) {
   return m;
 }
 
-Vec3 round_a_flap(double t) { return {70 * std::sin(1.1 * t), 60 * std::sin(0.7 * t) + 12 * std::sin(3 * t), 20 * std::sin(0.9 * t)}; }
+Vec3 round_a_flap(double t) {
+  return {70 * std::sin(1.1 * t), 60 * std::sin(0.7 * t) + 12 * std::sin(3 * t), 20 * std::sin(0.9 * t)};
+}
 
 TEST(SurfaceCursor, TheSameHandOnARefinedMeshDrawsTheSamePath) {
   const Mesh coarse = wavy(60);  // 2 mm
   const std::vector<Vec3> a = drawn(snapshot_of(topology_of(coarse)), {0, 0, 5}, round_a_flap);
   // The same surface in smaller triangles.
-  EXPECT_LT(furthest(a, drawn(snapshot_of(topology_of(split(split(coarse)))), {0, 0, 5}, round_a_flap)), 1e-3);  // float positions
+  EXPECT_LT(furthest(a, drawn(snapshot_of(topology_of(split(split(coarse)))), {0, 0, 5}, round_a_flap)),
+            1e-3);  // float positions
   // The same shape sampled twice and four times as finely: another surface, by the height of its facets.
   const double fine = furthest(a, drawn(snapshot_of(topology_of(wavy(120))), {0, 0, 5}, round_a_flap));
   const double finer = furthest(a, drawn(snapshot_of(topology_of(wavy(240))), {0, 0, 5}, round_a_flap));
@@ -244,7 +252,8 @@ TEST(SurfaceCursor, FoldsSliversAndRoughSurfaces) {
     double travelled = 0;
     for (int i = 0; i < 3000; ++i) {
       // The direction turns with the surface, so that there is always a way.
-      const Vec3 n = c.x_mm().normalized(), along = n.cross(Vec3(std::sin(0.002 * i), 1, std::cos(0.001 * i))).normalized();
+      const Vec3 n = c.x_mm().normalized(),
+                 along = n.cross(Vec3(std::sin(0.002 * i), 1, std::cos(0.001 * i))).normalized();
       hand += 0.2 * along;
       c.tick(s, hand_at(hand), false, false);
       expect_on_surface(s, c);
@@ -290,7 +299,8 @@ TEST(SurfaceCursor, ACutFindsItAtTheSamePlace) {
   EXPECT_GT(c.x_mm().x(), 9);
   EXPECT_EQ(c.moved_by_cuts(), 0);
   // What it stood on is cut away: the nearest that is left, and it says so.
-  const Snapshot gone = snapshot_of(flat_topology(97, 3, [](double x, double y) { return std::hypot(x - 7.3, y + 4.1) < 5; }));
+  const Snapshot gone =
+      snapshot_of(flat_topology(97, 3, [](double x, double y) { return std::hypot(x - 7.3, y + 4.1) < 5; }));
   c.tick(gone, hand_at({0, 0, 0}), false, false);
   EXPECT_EQ(c.moved_by_cuts(), 1);
   EXPECT_NEAR((c.X_mm() - X).norm(), 5, 1.5);

@@ -1,6 +1,4 @@
 // SpaceMouse and mouse: bytes to poses, and a daemon that is made of a socket here.
-#include "devices/desktop_source.h"
-
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -9,6 +7,7 @@
 
 #include <cstring>
 
+#include "devices/desktop_source.h"
 #include "tests/devices/samples.h"
 #include "tests/devices/temporary.h"
 

@@ -32,7 +32,8 @@ std::vector<ChartPoint> by_hand(const std::vector<ChartPoint>& path, double trem
   return out;
 }
 
-std::vector<Command> build(const std::vector<ChartPoint>& points, CommandBuilder& builder, double* largest_lag = nullptr) {
+std::vector<Command> build(const std::vector<ChartPoint>& points, CommandBuilder& builder,
+                           double* largest_lag = nullptr) {
   std::vector<Command> out;
   double drawn = 0, told = 0;
   const auto take = [&](std::optional<Command> c) {

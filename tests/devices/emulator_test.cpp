@@ -120,7 +120,8 @@ bool inside(const std::vector<ChartPoint>& outline, double x, double y) {
 void make_hole(Snapshot& s, const Command& c) {
   const auto* e = std::get_if<Excise>(&c);
   if (!e) return;
-  Snapshot holed = snapshot_of(flat_topology(160, s.topology_version + 1, [&](double x, double y) { return inside(e->outline, x, y); }));
+  Snapshot holed = snapshot_of(
+      flat_topology(160, s.topology_version + 1, [&](double x, double y) { return inside(e->outline, x, y); }));
   holed.hooks = s.hooks;
   s = std::move(holed);
 }
@@ -170,9 +171,11 @@ double furthest(const std::vector<ChartPoint>& a, const std::vector<ChartPoint>&
   return worst;
 }
 
-/// The script's commands against those that came out, in order; waits leave no trace. Where the hand rests, the mean over
+/// The script's commands against those that came out, in order; waits leave no trace. Where the hand rests, the mean
+/// over
 /// one period of its tremor is taken, so stitches and hooks are placed better (stitch_mm) than strokes are drawn (mm).
-void expect_same(const std::vector<Command>& want, const std::vector<Command>& got, double mm, double stitch_mm = 0.12) {
+void expect_same(const std::vector<Command>& want, const std::vector<Command>& got, double mm,
+                 double stitch_mm = 0.12) {
   size_t k = 0, moves = 0;
   for (const Command& w : want) {
     if (std::holds_alternative<Wait>(w)) continue;
@@ -244,7 +247,8 @@ TEST(EmulatedSurgeon, TheScriptThatGoesInComesOut) {
   for (uint64_t seed = 1; seed <= 4; ++seed) {
     SurgeonSettings set;
     set.seed = seed;
-    const Performance r = perform(std::make_unique<EmulatedSurgeon>(operation(), set), snapshot_of(flat_topology(160, 1)));
+    const Performance r =
+        perform(std::make_unique<EmulatedSurgeon>(operation(), set), snapshot_of(flat_topology(160, 1)));
     EXPECT_TRUE(r.problems.empty());
     EXPECT_EQ(r.dropped, 0);
     EXPECT_EQ(r.counts.missed_presses, 0);
@@ -259,7 +263,8 @@ TEST(EmulatedSurgeon, TheShippedScriptsComeOut) {
     const Script script = load_script(std::string(LIMBERG_SOURCE_DIR "/recordings/") + name + ".jsonl");
     std::vector<Command> commands;
     for (const ScriptLine& line : script.lines) commands.push_back(line.command);
-    const Performance r = perform(std::make_unique<EmulatedSurgeon>(commands), snapshot_of(flat_topology(160, 1)), true);
+    const Performance r =
+        perform(std::make_unique<EmulatedSurgeon>(commands), snapshot_of(flat_topology(160, 1)), true);
     EXPECT_TRUE(r.problems.empty()) << name << ": " << r.problems.front();
     EXPECT_EQ(r.dropped, 0) << name;
     EXPECT_EQ(r.counts.missed_presses, 0) << name;
@@ -281,7 +286,8 @@ TEST(EmulatedSurgeon, AimsAtMaterialPointsWhereTheyAreNow) {
   // The skin is pulled, turned and bulged; the chart points must not notice.
   const Eigen::AngleAxisd turn(0.3, Vec3::UnitZ());
   auto map = [&](const Vec3& X) {
-    return Vec3(turn * Vec3(1.1 * X.x(), 0.95 * X.y(), 4 * std::cos(X.x() / 25) * std::cos(X.y() / 30)) + Vec3(5, 0, -3));
+    return Vec3(turn * Vec3(1.1 * X.x(), 0.95 * X.y(), 4 * std::cos(X.x() / 25) * std::cos(X.y() / 30)) +
+                Vec3(5, 0, -3));
   };
   std::vector<Command> script = operation();
   std::erase_if(script, [](const Command& c) { return std::holds_alternative<MoveHook>(c); });
@@ -349,7 +355,7 @@ TEST(EmulatedSurgeon, SamplesComeAtTheirRateWithGaps) {
     before = p;
   }
   EXPECT_GT(gaps, 5);
-  EXPECT_LT(fastest, 1000);  // mm/s: carrying at a mean of 150, and noise
+  EXPECT_LT(fastest, 1000);                        // mm/s: carrying at a mean of 150, and noise
   expect_same(operation(), r.commands, 0.6, 0.3);  // gaps of up to 90 ms in what is averaged
 }
 
@@ -364,7 +370,8 @@ TEST(EmulatedSurgeon, DrawsOnAcrossAHole) {
 }
 
 TEST(EmulatedSurgeon, SaysWhatItCannotReach) {
-  const std::vector<Command> script{SetHook{1, {200, 0}}, MoveHook{3, Vec3(0, 0, 0), 1}, Suture{{0, 0}, {0, 99}}, Stage{"end"}};
+  const std::vector<Command> script{SetHook{1, {200, 0}}, MoveHook{3, Vec3(0, 0, 0), 1}, Suture{{0, 0}, {0, 99}},
+                                    Stage{"end"}};
   EmulatedSurgeon surgeon(script);
   const Snapshot s = snapshot_of(flat_topology(20, 1));
   Samples samples;

@@ -27,7 +27,8 @@ Record record(Dice& dice, int station) {
   Record r;
   r.station = station;
   r.pos_mm = 500 * Vec3(dice.unit() - 0.5, dice.unit() - 0.5, dice.unit() - 0.5);
-  const Eigen::Quaterniond q = Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal()).normalized();
+  const Eigen::Quaterniond q =
+      Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal()).normalized();
   r.quat = {q.w(), q.x(), q.y(), q.z()};
   return r;
 }
@@ -86,7 +87,8 @@ TEST(FastrakProtocol, BeginsInTheMiddleAndFindsTheNextRecord) {
 TEST(FastrakProtocol, OnlyWhatStandsBehindALineEndIsARecord) {
   Dice dice{21};
   const Layout layout;
-  const std::vector<uint8_t> first = bytes_of(record(dice, 1), layout), second = bytes_of(record(dice, 2), layout), third = bytes_of(record(dice, 1), layout);
+  const std::vector<uint8_t> first = bytes_of(record(dice, 1), layout), second = bytes_of(record(dice, 2), layout),
+                             third = bytes_of(record(dice, 1), layout);
   Parser p;
   p.reset(layout);
   Take take;
@@ -130,7 +132,8 @@ TEST(FastrakProtocol, WhatTheChecksLetThroughIsKnown) {
   Layout binary, ascii;
   ascii.binary = false;
   const Record r = record(dice, 1);
-  // Position and quaternion are 28 of 33 bytes. A byte of a position passes unless it leaves the reach; of a quaternion only
+  // Position and quaternion are 28 of 33 bytes. A byte of a position passes unless it leaves the reach; of a quaternion
+  // only
   // when the length stays within 1 %: the two lower bytes of each number, and a sign.
   const double any = accepted_share(r, binary, 0, 0), far = accepted_share(r, binary, 3, 3);
   EXPECT_GT(any, 12.0 / 33 * 0.8);
@@ -148,12 +151,14 @@ TEST(FastrakProtocol, StationsRolesAndSpecs) {
   EXPECT_EQ(s.path, "/dev/x");
   EXPECT_FALSE(s.link.binary);
   EXPECT_EQ(s.link.baud, 9600);
-  for (const char* bad : {"", ",ft", "/dev/x,300", "/dev/x,12x", "/dev/x,q"}) EXPECT_THROW(parse_source(bad), InputError) << bad;
+  for (const char* bad : {"", ",ft", "/dev/x,300", "/dev/x,12x", "/dev/x,q"})
+    EXPECT_THROW(parse_source(bad), InputError) << bad;
 }
 
 /// Link and emulator with nothing between them, a millisecond a step.
 struct Table final : Link::Receiver {
-  explicit Table(const LinkSettings& l, const EmulatorSettings& e = {}, Motion motion = hand_at_work(5)) : device(std::move(motion), e), link(l) {
+  explicit Table(const LinkSettings& l, const EmulatorSettings& e = {}, Motion motion = hand_at_work(5))
+      : device(std::move(motion), e), link(l) {
     device.keep_sent = true;
     link.opened(0);
   }
@@ -181,7 +186,9 @@ struct Table final : Link::Receiver {
   bool connected = true;
   int64_t now = 0;
   std::vector<TrackerSample> readings;
-  int64_t of(int station) const { return std::count_if(readings.begin(), readings.end(), [&](const auto& r) { return r.station == station; }); }
+  int64_t of(int station) const {
+    return std::count_if(readings.begin(), readings.end(), [&](const auto& r) { return r.station == station; });
+  }
 };
 
 TEST(FastrakLink, TwoStationsAtSixtyHertzEach) {
@@ -200,7 +207,9 @@ TEST(FastrakLink, TwoStationsAtSixtyHertzEach) {
   size_t k = 0;
   double worst_ms = 0;
   for (const TrackerSample& r : t.readings) {
-    while (k < t.device.sent.size() && (t.device.sent[k].record.station != r.station || std::abs(t.device.sent[k].sample_ns - r.true_ns) > 4 * kMs)) ++k;
+    while (k < t.device.sent.size() &&
+           (t.device.sent[k].record.station != r.station || std::abs(t.device.sent[k].sample_ns - r.true_ns) > 4 * kMs))
+      ++k;
     ASSERT_LT(k, t.device.sent.size());
     EXPECT_LT((r.pos_mm - t.device.sent[k].record.pos_mm).norm(), 1e-3);
     EXPECT_EQ(r.role, r.station == 1 ? StationRole::forefinger : StationRole::thumb);
@@ -266,7 +275,8 @@ TEST(FastrakLink, AStationThatDisappearsAndComesBack) {
 
 TEST(FastrakLink, ADeafDeviceIsReinitialised) {
   Table t{LinkSettings{}};
-  t.device.receive(reinterpret_cast<const uint8_t*>("\x19"), 1, 0);  // someone has just started it: ten seconds of silence
+  t.device.receive(reinterpret_cast<const uint8_t*>("\x19"), 1,
+                   0);  // someone has just started it: ten seconds of silence
   t.run(8'000);
   EXPECT_NE(t.link.phase(), Link::Phase::run);
   t.run(25'000);
@@ -308,7 +318,8 @@ TEST(FastrakLink, CrossingTheHemisphereDoesNotMirrorTheHand) {
   Table t{LinkSettings{}, {}, through};
   t.run(12'000);
   EXPECT_GT(t.link.counts().mirrored, 300);
-  for (const auto& r : t.readings) ASSERT_LT((r.pos_mm - through(r.station, double(r.true_ns) * 1e-9).pos_mm).norm(), 3.0) << double(r.true_ns) * 1e-9;
+  for (const auto& r : t.readings)
+    ASSERT_LT((r.pos_mm - through(r.station, double(r.true_ns) * 1e-9).pos_mm).norm(), 3.0) << double(r.true_ns) * 1e-9;
 }
 
 TEST(FastrakLink, StampsFollowTheDeviceNotTheOperatingSystem) {
@@ -319,13 +330,13 @@ TEST(FastrakLink, StampsFollowTheDeviceNotTheOperatingSystem) {
   for (int i = 0; i < 2000; ++i) {
     const double true_ns = i * 16'670'000.0;  // 0.02 % slower than it says
     double late = 3e5 + 1e6 * dice.unit() * dice.unit();
-    if (i % 50 == 7) late += 12e6;            // a lump
-    if (i % 37 == 5) continue;                // lost
+    if (i % 50 == 7) late += 12e6;  // a lump
+    if (i % 37 == 5) continue;      // lost
     const double e = double(stamps.stamp(int64_t(true_ns + late))) - true_ns;
     if (i < 100) continue;
     sum2 += std::pow(e - 3e5, 2), raw2 += std::pow(late - 3e5, 2), ++n;
   }
-  EXPECT_LT(std::sqrt(sum2 / n), 2.5e5);       // 0.25 ms
+  EXPECT_LT(std::sqrt(sum2 / n), 2.5e5);  // 0.25 ms
   EXPECT_LT(std::sqrt(sum2), std::sqrt(raw2) / 5);
 }
 

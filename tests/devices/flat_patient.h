@@ -35,7 +35,8 @@ inline std::shared_ptr<SurfaceTopology> flat_topology(int n, uint64_t version,
 }
 
 /// Positions from rest by a map.
-inline Snapshot snapshot_of(std::shared_ptr<const SurfaceTopology> t, const std::function<Vec3(const Vec3&)>& map = {}) {
+inline Snapshot snapshot_of(std::shared_ptr<const SurfaceTopology> t,
+                            const std::function<Vec3(const Vec3&)>& map = {}) {
   Snapshot s;
   s.topology_version = t->version;
   for (const Vec3& X : t->view.X_mm) s.x_mm.push_back((map ? map(X) : X).cast<float>());

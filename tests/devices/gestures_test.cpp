@@ -42,7 +42,8 @@ struct Hand {
     before = pressed;
   }
   void blind(bool pressed, int ticks) {
-    for (int i = 0; i < ticks; ++i) g.tick(tick++, Pose{}, pressed, pressed != before, snapshot, events), before = pressed;
+    for (int i = 0; i < ticks; ++i)
+      g.tick(tick++, Pose{}, pressed, pressed != before, snapshot, events), before = pressed;
   }
   void draw(const Vec3& a, const Vec3& b, const Vec3& shaft = Vec3::UnitZ(), int steps = 200) {
     for (int i = 0; i <= steps; ++i) at(a + double(i) / steps * (b - a), true, shaft);
@@ -144,7 +145,8 @@ TEST(Gestures, AScalpelStrokeBecomesAnIncision) {
 }
 
 TEST(Gestures, TheBladeLeansAsTheShaftDoes) {
-  // Along +x, left is +y. A handle that leans to the left makes an angle below 90; its lean along the path says nothing.
+  // Along +x, left is +y. A handle that leans to the left makes an angle below 90; its lean along the path says
+  // nothing.
   for (double deg : {60.0, 90.0, 115.0}) {
     Hand h(snapshot_of(flat_topology(60, 1)));
     h.choose(Tool::scalpel);
@@ -182,14 +184,17 @@ TEST(Gestures, ARestingHandMeansTheMiddleOfItsTremor) {
   Hand h(snapshot_of(flat_topology(60, 1)));
   h.choose(Tool::suture);
   auto tremble = [&](const Vec3& p, int ticks, bool pressed, double hz) {
-    for (int i = 0; i < ticks; ++i) h.at(p + Vec3(0.3 * std::sin(2 * M_PI * hz * i * 1e-3 + 1), 0.3 * std::cos(2 * M_PI * hz * i * 1e-3 + 1), 0), pressed);
+    for (int i = 0; i < ticks; ++i)
+      h.at(p + Vec3(0.3 * std::sin(2 * M_PI * hz * i * 1e-3 + 1), 0.3 * std::cos(2 * M_PI * hz * i * 1e-3 + 1), 0),
+           pressed);
   };
   tremble(Vec3(3, 4, 0.2), 150, false, 10);
   tremble(Vec3(-7, 9, 0.2), 150, true, 10);
   h.at(Vec3(-7, 9, 0.2), false);
   const auto c = h.command();
   ASSERT_TRUE(c);
-  // The press is seen on the first tick after the rest at a, when the hand has already left: the point of the press counts.
+  // The press is seen on the first tick after the rest at a, when the hand has already left: the point of the press
+  // counts.
   EXPECT_LT((std::get<Suture>(*c).b - ChartPoint(-7, 9)).norm(), 0.02);
 
   tremble(Vec3(3, 4, 0.2), 150, false, 10);
@@ -346,7 +351,8 @@ TEST(Gestures, ARowIsOnTheSkinThatStaysNearest) {
   for (const bool backwards : {false, true}) {
     Hand h(two_sheets());
     h.choose(Tool::suture_row, {0, 0, 3, 0});
-    const Vec3 left(-10, 4, 0.15), right(10, 4, 0.05);  // the first sheet is 0.05 mm away at the left end, 2.15 at the right
+    const Vec3 left(-10, 4, 0.15),
+        right(10, 4, 0.05);  // the first sheet is 0.05 mm away at the left end, 2.15 at the right
     for (int row = 0; row < 2; ++row) {
       h.draw(backwards ? right : left, backwards ? left : right);
       h.at(backwards ? left : right, false);

@@ -2,6 +2,7 @@
 #include "devices/lcm_log.h"
 
 #include <gtest/gtest.h>
+
 #include <lcm/lcm-cpp.hpp>
 
 #include "sim/error.h"
@@ -145,7 +146,8 @@ TEST_F(LcmLogDamage, SyncWord) {
 }
 
 TEST_F(LcmLogDamage, Lengths) {
-  for (const auto& [at, value] : {std::pair{20, 0x7F}, {20, 0x80}, {23, 0x40}, {24, 0x3B}, {25, 1}, {26, 1}, {27, 0x20}}) {
+  for (const auto& [at, value] :
+       {std::pair{20, 0x7F}, {20, 0x80}, {23, 0x40}, {24, 0x3B}, {25, 1}, {26, 1}, {27, 0x20}}) {
     std::vector<uint8_t> b = bytes_;
     b[offset_[500] + size_t(at)] ^= uint8_t(value);
     const Got got = read_all(b);

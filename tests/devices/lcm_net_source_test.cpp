@@ -31,8 +31,8 @@ int64_t monotonic_ns() {
 }
 
 TEST(LcmNetSource, OtherNetworksAreRefusedUnlessAsked) {
-  for (const char* url : {"udpm://239.255.76.67:7667?ttl=1", "udpm://239.255.76.67:7667", "udpm://10.0.0.1:7667?ttl=0", "tcpq://somewhere:7700",
-                          "udpm://239.255.76.67:7667?ttl=0&ttl=3", "file:///etc/passwd", ""}) {
+  for (const char* url : {"udpm://239.255.76.67:7667?ttl=1", "udpm://239.255.76.67:7667", "udpm://10.0.0.1:7667?ttl=0",
+                          "tcpq://somewhere:7700", "udpm://239.255.76.67:7667?ttl=0&ttl=3", "file:///etc/passwd", ""}) {
     LcmNetSettings s;
     s.url = url;
     EXPECT_THROW(LcmNetSource(s, 0), InputError) << url;
@@ -59,7 +59,12 @@ TEST(LcmNetSource, OnlyThisMachinesAddressesAreItsOwn) {
     GTEST_SKIP() << "no multicast on this machine";
   }
   in_addr a{};
-  for (const auto& [text, own] : {std::pair{"127.0.0.1", true}, {"127.3.2.1", true}, {"192.0.2.77", false}, {"203.0.113.5", false}, {"239.255.76.67", false}, {"0.0.0.0", false}}) {
+  for (const auto& [text, own] : {std::pair{"127.0.0.1", true},
+                                  {"127.3.2.1", true},
+                                  {"192.0.2.77", false},
+                                  {"203.0.113.5", false},
+                                  {"239.255.76.67", false},
+                                  {"0.0.0.0", false}}) {
     ASSERT_EQ(inet_pton(AF_INET, text, &a), 1);
     EXPECT_EQ(link->is_own(a), own) << text;
   }
@@ -86,7 +91,8 @@ TEST(LcmPublisher, WhatIsSentHereIsHeardHere) {
   ControlSample c;
   c.kind = ControlSample::undo;
   Kept kept;
-  for (const Sample& s : {Sample(stylus(0, 5, Vec3(7, 8, 9))), Sample(t), Sample(c)}) EXPECT_TRUE(publisher->publish(s));
+  for (const Sample& s : {Sample(stylus(0, 5, Vec3(7, 8, 9))), Sample(t), Sample(c)})
+    EXPECT_TRUE(publisher->publish(s));
   EXPECT_FALSE(publisher->publish(RawSample{}));
   for (int i = 0; i < 2000 && kept.all.size() < 3; ++i) {
     source->poll(monotonic_ns() - start, kept);
@@ -110,7 +116,10 @@ TEST(LcmNetSource, PacketsAreReadToTheirEndsAndNoFurther) {
   EXPECT_EQ(channel, "AB");
   ASSERT_EQ(n, 3u);
   EXPECT_EQ(data[2], 3);
-  for (size_t cut = 0; cut < 11; ++cut) EXPECT_FALSE(LcmLocalLink::parse(std::vector<uint8_t>(packet.begin(), packet.begin() + long(cut)).data(), cut, channel, data, n)) << cut;
+  for (size_t cut = 0; cut < 11; ++cut)
+    EXPECT_FALSE(LcmLocalLink::parse(std::vector<uint8_t>(packet.begin(), packet.begin() + long(cut)).data(), cut,
+                                     channel, data, n))
+        << cut;
   ASSERT_TRUE(LcmLocalLink::parse(packet.data(), 11, channel, data, n));
   EXPECT_EQ(n, 0u);
   packet[3] = '3';
@@ -141,7 +150,9 @@ TEST(LcmNetSource, GoodPacketsArriveAndBadOnesAreCounted) {
   LcmNetSource source(settings, start);
   Kept kept;
   MessageBytes bytes;
-  auto send = [&](std::string_view channel, size_t n) { sender.publish(std::string(channel), bytes.data(), unsigned(n)); };
+  auto send = [&](std::string_view channel, size_t n) {
+    sender.publish(std::string(channel), bytes.data(), unsigned(n));
+  };
   auto wait_for = [&](auto ready) {
     for (int i = 0; i < 2000 && !ready(); ++i) {
       source.poll(monotonic_ns() - start, kept);
@@ -150,8 +161,10 @@ TEST(LcmNetSource, GoodPacketsArriveAndBadOnesAreCounted) {
     }
     return ready();
   };
-  for (int i = 0; i < 20; ++i) send(kStylusChannel, encode_message(to_message(stylus(i, 123, Vec3(i, 0, 0), i % 2)), bytes));
-  if (!wait_for([&] { return kept.all.size() >= 20; })) GTEST_SKIP() << "multicast packets do not come back on this machine";
+  for (int i = 0; i < 20; ++i)
+    send(kStylusChannel, encode_message(to_message(stylus(i, 123, Vec3(i, 0, 0), i % 2)), bytes));
+  if (!wait_for([&] { return kept.all.size() >= 20; }))
+    GTEST_SKIP() << "multicast packets do not come back on this machine";
 
   Dice dice{1};
   const size_t n = encode_message(to_message(stylus(50, 0, Vec3(0, 0, 0))), bytes);

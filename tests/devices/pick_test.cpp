@@ -1,10 +1,11 @@
 // Places picked on a head, and tissue between two of them: from a control to the command.
+#include "devices/pick.h"
+
 #include <gtest/gtest.h>
 
 #include "devices/command_builder.h"
 #include "devices/gestures.h"
 #include "devices/message_codec.h"
-#include "devices/pick.h"
 #include "tests/devices/flat_patient.h"
 
 namespace limberg {
@@ -15,7 +16,8 @@ using namespace test;
 /// Bone everywhere, lifted by 7 mm since it was at rest; two landmarks.
 Snapshot bone_with_landmarks() {
   auto t = flat_topology(40, 1);
-  for (size_t i = 0; i < t->view.tri.size(); ++i) t->organ.push_back(Organ::bone), t->object.push_back(3), t->view.kind[i] = FaceKind::free;
+  for (size_t i = 0; i < t->view.tri.size(); ++i)
+    t->organ.push_back(Organ::bone), t->object.push_back(3), t->view.kind[i] = FaceKind::free;
   t->landmark = {"pog'", "Pog"};
   Snapshot s = snapshot_of(t, [](const Vec3& X) { return Vec3(X + Vec3(0, 0, 7)); });
   s.landmark_mm = {{1, 2, 30}, {1, 2, 7}};
@@ -55,7 +57,9 @@ TEST(Pick, APlaceUnderTheMouseBecomesALandmark) {
 TEST(Pick, APanelMovesPlatesJoinsAndSawsByNumbers) {
   const Snapshot s = bone_with_landmarks();
   Gestures g;
-  const auto made = [&](int32_t kind, const std::string& text, std::array<double, 4> value) { return command_of(g, control(kind, text, value), s); };
+  const auto made = [&](int32_t kind, const std::string& text, std::array<double, 4> value) {
+    return command_of(g, control(kind, text, value), s);
+  };
   const auto shift = made(pick::shift, "0 -8 1.5 3 0 -5", {1, 2, 3, 0});
   ASSERT_TRUE(shift);
   const auto& m = std::get<MoveFragment>(std::get<HeadCommand>(*shift));
@@ -77,7 +81,8 @@ TEST(Pick, APanelMovesPlatesJoinsAndSawsByNumbers) {
   EXPECT_EQ(cut.radius_mm, 25);
   // Numbers that are not there move nothing.
   const int64_t missed = g.missed_presses();
-  for (const char* text : {"", "0 8", "0 8 x 0 0 0", "nan 0 0 0 0 0"}) EXPECT_FALSE(made(pick::shift, text, {1, 2, 3, 0})) << text;
+  for (const char* text : {"", "0 8", "0 8 x 0 0 0", "nan 0 0 0 0 0"})
+    EXPECT_FALSE(made(pick::shift, text, {1, 2, 3, 0})) << text;
   EXPECT_FALSE(made(pick::plate, "4 5", {1, 2, 3, 0}));
   EXPECT_EQ(g.missed_presses(), missed + 5);
 }
@@ -94,7 +99,8 @@ TEST(Pick, CornersAreTheContourItselfAndASnapIsTakenAndLetGo) {
     for (const ToolEvent& e : out.all)
       if (auto k = builder.feed(e)) made.push_back(*k);
   };
-  for (size_t k = 0; k < 4; ++k) feed(control(pick::corner, "", {corner[k].x(), corner[k].y(), corner[k].z(), k == 0 ? 0. : k < 3 ? 1. : 2.}));
+  for (size_t k = 0; k < 4; ++k)
+    feed(control(pick::corner, "", {corner[k].x(), corner[k].y(), corner[k].z(), k == 0 ? 0. : k < 3 ? 1. : 2.}));
   ASSERT_EQ(made.size(), 1u);
   EXPECT_EQ(std::get<CutBone>(std::get<HeadCommand>(made[0])).contour_mm, corner);
   feed(control(pick::snap, "", {3, 3, 0, 0}));
@@ -147,7 +153,8 @@ TEST(Pick, TissueLiesBetweenTwoNamedPlacesWhereTheyAreNow) {
     EXPECT_STREQ(kTissueKinds[size_t(named.mode)], mode);
     EXPECT_EQ(named.layers, 3);
   }
-  for (const char* wrong : {"pog'/Nowhere", "Nowhere/Pog", "pog'", "", "/", "pog'/Pog/rubber", "pog'/Pog/"}) EXPECT_FALSE(command_of(g, control(pick::tissue, wrong, {28, 40, 3, 12}), s)) << wrong;
+  for (const char* wrong : {"pog'/Nowhere", "Nowhere/Pog", "pog'", "", "/", "pog'/Pog/rubber", "pog'/Pog/"})
+    EXPECT_FALSE(command_of(g, control(pick::tissue, wrong, {28, 40, 3, 12}), s)) << wrong;
 }
 
 TEST(Pick, TheSkullIsLaidUponAnother) {
@@ -158,11 +165,13 @@ TEST(Pick, TheSkullIsLaidUponAnother) {
   const auto& p = std::get<Superpose>(std::get<HeadCommand>(*made));
   EXPECT_EQ(p.on, SkullBeside::mirror);
   EXPECT_EQ(p.name, "advanced");
-  EXPECT_EQ(std::get<Superpose>(std::get<HeadCommand>(*command_of(g, control(pick::beside, "", {7e5, 0, 0, 0}), s))).on, SkullBeside::mirror);
+  EXPECT_EQ(std::get<Superpose>(std::get<HeadCommand>(*command_of(g, control(pick::beside, "", {7e5, 0, 0, 0}), s))).on,
+            SkullBeside::mirror);
 }
 
 TEST(Pick, ControlsAreRecordedAndReadBack) {
-  for (int32_t kind : {int32_t(pick::landmark), int32_t(pick::tissue), int32_t(pick::beside), int32_t(ControlSample::clutch)}) {
+  for (int32_t kind :
+       {int32_t(pick::landmark), int32_t(pick::tissue), int32_t(pick::beside), int32_t(ControlSample::clutch)}) {
     const ControlSample c = control(kind, "pog'/Pog", {1, 2, 3, 4});
     ControlSample back;
     ASSERT_EQ(to_sample(to_message(c), back, true), nullptr);

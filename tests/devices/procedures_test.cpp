@@ -22,7 +22,8 @@ Vec3 normal3(Dice& d) { return {d.normal(), d.normal(), d.normal()}; }
 /// The noise of a FASTRAK as its maker states it: 0.76 mm RMS in space, 0.15 degrees.
 constexpr double kNoiseMm = 0.44, kNoiseRad = 0.15 * M_PI / 180 / 1.7320508;
 
-std::vector<SensorPose> poses_of(const PivotRehearsal& r, double seconds, double noise_mm = kNoiseMm, double noise_rad = kNoiseRad) {
+std::vector<SensorPose> poses_of(const PivotRehearsal& r, double seconds, double noise_mm = kNoiseMm,
+                                 double noise_rad = kNoiseRad) {
   fastrak::LinkSettings link;
   link.role = fastrak::parse_roles("s");
   fastrak::EmulatorSettings device;
@@ -30,7 +31,8 @@ std::vector<SensorPose> poses_of(const PivotRehearsal& r, double seconds, double
   device.noise_mm = noise_mm, device.noise_rad = noise_rad;
   std::vector<SensorPose> poses;
   for (const Sample& s : fastrak::readings_of(stylus_in_dimple(r), seconds, link, device))
-    if (const auto* t = std::get_if<TrackerSample>(&s)) poses.push_back({t->pos_mm, Eigen::Quaterniond(t->quat[0], t->quat[1], t->quat[2], t->quat[3])});
+    if (const auto* t = std::get_if<TrackerSample>(&s))
+      poses.push_back({t->pos_mm, Eigen::Quaterniond(t->quat[0], t->quat[1], t->quat[2], t->quat[3])});
   return poses;
 }
 
@@ -95,7 +97,8 @@ TEST(Pivot, BadDataIsRefusedWithAdvice) {
 TEST(Registration, ExactAndHeldOut) {
   Dice dice{3};
   for (int round = 0; round < 50; ++round) {
-    const Eigen::Quaterniond R = Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal()).normalized();
+    const Eigen::Quaterniond R =
+        Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal()).normalized();
     const Vec3 t = 300 * normal3(dice);
     std::vector<Vec3> known, touched;
     for (int i = 0; i < 6; ++i) {
@@ -170,7 +173,8 @@ TEST(Distortion, AKnownFieldIsTakenOutFivefold) {
   // A field such as a metal plate makes: cubic, up to some 10 mm.
   const auto bent = [](const Vec3& p) {
     const Vec3 u = (p - Vec3(350, 0, -150)) / 200;
-    return Vec3(p + 4 * Vec3(u.x() * u.y() + 0.5 * u.z() * u.z() * u.z(), u.y() * u.y() - u.x(), u.z() * u.x() + u.y() * u.y() * u.y()));
+    return Vec3(p + 4 * Vec3(u.x() * u.y() + 0.5 * u.z() * u.z() * u.z(), u.y() * u.y() - u.x(),
+                             u.z() * u.x() + u.y() * u.y() * u.y()));
   };
   std::vector<Vec3> measured, known;
   for (int i = 0; i < 250; ++i) {

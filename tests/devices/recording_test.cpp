@@ -11,9 +11,9 @@
 #include "devices/message_codec.h"
 #include "devices/pick.h"
 #include "sim/error.h"
-#include "tests/small_files.h"
 #include "tests/devices/samples.h"
 #include "tests/devices/temporary.h"
+#include "tests/small_files.h"
 
 namespace limberg {
 namespace {
@@ -34,7 +34,9 @@ SessionInfo session() {
 std::vector<Blob> blobs() {
   std::string mesh(10'000, '\0');
   for (size_t i = 0; i < mesh.size(); ++i) mesh[i] = char(i * 7);
-  return {{BlobKind::scene, "rhomboid.toml", "a = 1\n"}, {BlobKind::mesh, "face.obj", mesh}, {BlobKind::mesh, "empty.obj", ""},
+  return {{BlobKind::scene, "rhomboid.toml", "a = 1\n"},
+          {BlobKind::mesh, "face.obj", mesh},
+          {BlobKind::mesh, "empty.obj", ""},
           {BlobKind::texture, "exact.png", std::string(8192, 'x')}};
 }
 
@@ -176,7 +178,8 @@ TEST(Recording, ForeignChannelsAreSkipped) {
   EXPECT_EQ(r.damage.unknown_channel, 10);
   EXPECT_EQ(r.damage.total(), 0);
   EXPECT_FALSE(r.session);
-  EXPECT_EQ(std::get<StylusSample>(r.samples[3]).t_ns, 456'789 + 3);  // a plain stream counts from its first millisecond
+  EXPECT_EQ(std::get<StylusSample>(r.samples[3]).t_ns,
+            456'789 + 3);  // a plain stream counts from its first millisecond
 }
 
 // A sample whose channel was hit is lost like any other, and said to be.
@@ -253,7 +256,8 @@ TEST(Recording, HostileBytesNeverDoHarm) {
         b.resize(dice.below(b.size() + 1));
         break;
       case 2: {  // a word of extremes
-        static constexpr uint32_t extreme[] = {0, 1, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0x10000002, 0xEDA1DA01, 0x00010000};
+        static constexpr uint32_t extreme[] = {0,          1,          0x7FFFFFFF, 0x80000000,
+                                               0xFFFFFFFF, 0x10000002, 0xEDA1DA01, 0x00010000};
         const size_t at = dice.below(b.size() - 4);
         put_big_endian<uint32_t>(&b[at], extreme[dice.below(8)]);
         break;
@@ -297,7 +301,9 @@ TEST(Recording, RandomBytesAreRefusedQuickly) {
 
 TEST(LogSource, HandsOverWhatIsDueAndNoMore) {
   struct Count final : SampleSink {
-    void on_sample(const Sample& s) override { last = std::visit([](auto& v) { return v.t_ns; }, s), ++n; }
+    void on_sample(const Sample& s) override {
+      last = std::visit([](auto& v) { return v.t_ns; }, s), ++n;
+    }
     int64_t n = 0, last = 0;
   } sink;
   LogSource source(stream(100), 3);

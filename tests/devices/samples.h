@@ -58,8 +58,8 @@ inline bool same(const Sample& a, const Sample& b) {
   if (a.index() != b.index()) return false;
   if (const auto* s = std::get_if<StylusSample>(&a)) {
     const auto& t = std::get<StylusSample>(b);
-    return s->device_id == t.device_id && s->seq == t.seq && s->t_ns == t.t_ns && s->tip_mm == t.tip_mm && s->quat == t.quat &&
-           s->buttons == t.buttons;
+    return s->device_id == t.device_id && s->seq == t.seq && s->t_ns == t.t_ns && s->tip_mm == t.tip_mm &&
+           s->quat == t.quat && s->buttons == t.buttons;
   }
   const auto &s = std::get<ControlSample>(a), &t = std::get<ControlSample>(b);
   return s.device_id == t.device_id && s.seq == t.seq && s.t_ns == t.t_ns && s.kind == t.kind && s.tool == t.tool &&

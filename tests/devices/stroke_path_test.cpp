@@ -20,7 +20,8 @@ std::vector<Vec2> drawn(const std::vector<Vec2>& path, double tremor_mm, double 
     for (double l = 0; l <= length; l += 0.45, walked += 0.45) {
       const double w = 2 * M_PI * 10 * walked / 40;
       out.push_back(path[i - 1] + l / length * (path[i] - path[i - 1]) +
-                    Vec2(tremor_mm * std::sin(w + p1) + noise_mm * dice.normal(), tremor_mm * std::sin(1.1 * w + p2) + noise_mm * dice.normal()));
+                    Vec2(tremor_mm * std::sin(w + p1) + noise_mm * dice.normal(),
+                         tremor_mm * std::sin(1.1 * w + p2) + noise_mm * dice.normal()));
     }
     for (int k = 0; k < 3; ++k) out.push_back(path[i] + 0.1 * Vec2(dice.normal(), dice.normal()));
   }
@@ -74,7 +75,8 @@ TEST(StrokePath, OpenPathsKeepTheirEndsAndCorners) {
 
 TEST(StrokePath, ACircleStaysRound) {
   std::vector<Vec2> circle;
-  for (int i = 0; i <= 400; ++i) circle.push_back(15 * Vec2(std::cos(2 * M_PI * i / 400), std::sin(2 * M_PI * i / 400)));
+  for (int i = 0; i <= 400; ++i)
+    circle.push_back(15 * Vec2(std::cos(2 * M_PI * i / 400), std::sin(2 * M_PI * i / 400)));
   const std::vector<Vec2> got = simplify_outline(circle);
   EXPECT_GT(got.size(), 8u);
   EXPECT_LT(got.size(), 40u);

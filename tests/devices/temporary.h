@@ -1,9 +1,9 @@
 #pragma once
 // A folder of its own for a test, gone afterwards.
+#include <stdlib.h>
+
 #include <filesystem>
 #include <string>
-
-#include <stdlib.h>
 
 namespace limberg::test {
 

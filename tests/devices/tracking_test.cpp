@@ -49,7 +49,8 @@ Figures run(double noise_mm, double delivery_ms) {
   }
   auto rms_at = [&](double lag_ms) {
     double sum = 0;
-    for (int tick = 1000; tick < 39'900; ++tick) sum += (seen[size_t(tick)] - truth((tick - lag_ms) * 1e-3)).squaredNorm();
+    for (int tick = 1000; tick < 39'900; ++tick)
+      sum += (seen[size_t(tick)] - truth((tick - lag_ms) * 1e-3)).squaredNorm();
     return std::sqrt(sum / 38'900);
   };
   Figures f;
@@ -62,7 +63,8 @@ Figures run(double noise_mm, double delivery_ms) {
 }
 
 TEST(Tracking, ErrorAndLagAgainstTheTruth) {
-  // Predict-then-smooth filters of this kind reach 0.40 mm RMS and 2 ms of lag on such reaches with 0.05 mm of noise and
+  // Predict-then-smooth filters of this kind reach 0.40 mm RMS and 2 ms of lag on such reaches with 0.05 mm of noise
+  // and
   // readings 8.3 ms old; with 0.3 mm of noise the noise itself, 0.52 mm over three axes, adds to that.
   const Figures fresh = run(0.05, 0), old = run(0.05, 8.3), noisy = run(0.3, 8.3);
   for (const auto& [name, f] : {std::pair{"fresh", fresh}, {"8.3 ms old", old}, {"8.3 ms old, 0.3 mm noise", noisy}})
@@ -97,7 +99,9 @@ TEST(Tracking, OrientationFollowsATurn) {
   StylusTracker tracker{Calibration{}};
   double worst = 0;
   for (int tick = 0; tick < 4000; ++tick) {
-    auto at = [](double t) { return Eigen::Quaterniond(Eigen::AngleAxisd(2 * std::sin(t), Vec3(1, 2, 2).normalized())); };
+    auto at = [](double t) {
+      return Eigen::Quaterniond(Eigen::AngleAxisd(2 * std::sin(t), Vec3(1, 2, 2).normalized()));
+    };
     if (tick % 8 == 0) {
       StylusSample s = stylus(tick / 8, int64_t(tick) * 1'000'000, Vec3::Zero());
       const Eigen::Quaterniond q = at(tick * 1e-3);

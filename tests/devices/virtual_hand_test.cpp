@@ -17,7 +17,8 @@ using namespace test;
 
 TEST(RigidGrip, TurnsAboutTheHandsCentreAndScalesTheWay) {
   RigidGrip g;
-  const Eigen::Quaterniond q0(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized())), turn(Eigen::AngleAxisd(0.7, Vec3::UnitZ()));
+  const Eigen::Quaterniond q0(Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized())),
+      turn(Eigen::AngleAxisd(0.7, Vec3::UnitZ()));
   const Vec3 c0(10, 20, 30);
   g.begin(c0, q0, 0.5);
   EXPECT_LT((g.follow(c0, q0, false) * Vec3(1, 2, 3) - Vec3(1, 2, 3)).norm(), 1e-12);  // nothing jumps
@@ -35,13 +36,16 @@ TEST(RigidGrip, TurnsAboutTheHandsCentreAndScalesTheWay) {
   EXPECT_LT((g.follow(c0 - Vec3(20, 5, 0) + Vec3(0, 6, 0), turn * q0, false) * x - (x + Vec3(4, 3, 0))).norm(), 1e-12);
   // Many small motions lead to where one does.
   g.begin(c0, q0, 1);
-  for (int i = 1; i <= 1000; ++i) g.follow(c0 + Vec3(0.01 * i, 0, 0), Eigen::Quaterniond(Eigen::AngleAxisd(0.001 * i, Vec3::UnitY())) * q0, false);
-  const Eigen::Isometry3d one = Eigen::Translation3d(c0 + Vec3(10, 0, 0)) * Eigen::AngleAxisd(1.0, Vec3::UnitY()) * Eigen::Translation3d(-c0);
+  for (int i = 1; i <= 1000; ++i)
+    g.follow(c0 + Vec3(0.01 * i, 0, 0), Eigen::Quaterniond(Eigen::AngleAxisd(0.001 * i, Vec3::UnitY())) * q0, false);
+  const Eigen::Isometry3d one =
+      Eigen::Translation3d(c0 + Vec3(10, 0, 0)) * Eigen::AngleAxisd(1.0, Vec3::UnitY()) * Eigen::Translation3d(-c0);
   EXPECT_LT((g.motion().matrix() - one.matrix()).norm(), 1e-9);
 }
 
 TEST(Pointing, TheClosestPlaceInTheForefingersDirection) {
-  const Snapshot s = snapshot_of(flat_topology(60, 1), [](const Vec3& X) { return Vec3(X.x(), X.y(), std::abs(X.x()) < 10 ? 15.0 : 0.0); });
+  const Snapshot s = snapshot_of(flat_topology(60, 1),
+                                 [](const Vec3& X) { return Vec3(X.x(), X.y(), std::abs(X.x()) < 10 ? 15.0 : 0.0); });
   PointingSearch search;
   const Vec3 tip(3, 4, 100), down(0, 0, -1);
   const PointedPlace p = search.find(s, tip, down);
@@ -58,7 +62,8 @@ TEST(Pointing, TheClosestPlaceInTheForefingersDirection) {
   EXPECT_LT(search.find(s, tip, -down).triangle, 0);
 }
 
-/// A glove that comes down over (20, -10), closes, moves by (0, 30, 10), opens; and a stylus in the other hand that draws.
+/// A glove that comes down over (20, -10), closes, moves by (0, 30, 10), opens; and a stylus in the other hand that
+/// draws.
 std::vector<Sample> both_hands() {
   const auto way = [](double t) { return minimum_jerk((t - 2.5) / 1.0); };
   const fastrak::Motion motion = [=](int station, double t) {
@@ -120,7 +125,7 @@ TEST(TwoHands, TheGloveHoldsSkinWhileTheStylusDraws) {
     if (e.kind == ToolEvent::hook_set) {
       EXPECT_EQ(e.hand, 1);
       EXPECT_GE(e.id, VirtualHand::kFirstHook);
-      EXPECT_NEAR(e.chart_x, 20, 1.5);   // what was pointed at before the hand closed
+      EXPECT_NEAR(e.chart_x, 20, 1.5);  // what was pointed at before the hand closed
       EXPECT_NEAR(e.chart_y, -10, 1);
     }
   // While the hand opens again its centre goes with the thumb, and its bending fingers turn what lies 40 mm below them,

@@ -1,6 +1,7 @@
 // The arrows of the house, read from the include lines of the tree:
 //
-//   app -> render, devices, calibration, sim     render, devices -> sim's read-only parts     calibration -> itself and plain words
+//   app -> render, devices, calibration, sim     render, devices -> sim's read-only parts     calibration -> itself and
+//   plain words
 //   sim -> sim, and in sim only downwards; no thread, no clock, no lock but that of a lazy array
 #include <gtest/gtest.h>
 
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 namespace {
 
 struct Include {
-  std::string from;    // path from the root of the tree
+  std::string from;  // path from the root of the tree
   int line = 0;
   std::string target;  // between the quotes or brackets
 };
@@ -50,7 +51,8 @@ std::vector<Include> includes_of(const std::string& folder) {
   const fs::path root = LIMBERG_SOURCE_DIR;
   std::vector<fs::path> files;
   for (const auto& e : fs::recursive_directory_iterator(root / folder))
-    if (e.is_regular_file() && (e.path().extension() == ".h" || e.path().extension() == ".cpp")) files.push_back(e.path());
+    if (e.is_regular_file() && (e.path().extension() == ".h" || e.path().extension() == ".cpp"))
+      files.push_back(e.path());
   std::sort(files.begin(), files.end());
   std::vector<Include> all;
   for (const auto& f : files) {
@@ -75,8 +77,10 @@ std::string offences(const std::vector<Include>& all, const Rule& allowed) {
 
 // What devices and render may know of the patient.
 bool read_only_sim(const std::string& t) {
-  static const std::set<std::string> files{"sim/snapshot.h",     "sim/press.h", "sim/error.h", "sim/hash.h", "sim/whole_file.h", "sim/cutting/surface_view.h", "sim/fem/fem_model.h",
-                                           "sim/tools/command.h", "sim/tools/head_command.h", "sim/tools/script.h"};
+  static const std::set<std::string> files{"sim/snapshot.h",      "sim/press.h",         "sim/error.h",
+                                           "sim/hash.h",          "sim/whole_file.h",    "sim/cutting/surface_view.h",
+                                           "sim/fem/fem_model.h", "sim/tools/command.h", "sim/tools/head_command.h",
+                                           "sim/tools/script.h"};
   return files.contains(t) || t.starts_with("sim/geometry/");
 }
 
@@ -95,12 +99,16 @@ const std::map<std::string, std::set<std::string>> kSim{
     {"sim/head", {"sim", "sim/geometry", "sim/simplex", "sim/bone", "sim/tools", "sim/measure"}},
 };
 // Headers directly in sim/ that the parts below may use; the world stands above them.
-const std::set<std::string> kShared{"sim/error.h", "sim/hash.h", "sim/number_set.h", "sim/parent_list.h", "sim/quoted.h", "sim/shared_array.h", "sim/short_lists.h", "sim/text.h", "sim/whole_file.h", "sim/workers.h"};
+const std::set<std::string> kShared{"sim/error.h",      "sim/hash.h",         "sim/number_set.h",  "sim/parent_list.h",
+                                    "sim/quoted.h",     "sim/shared_array.h", "sim/short_lists.h", "sim/text.h",
+                                    "sim/whole_file.h", "sim/workers.h"};
 
 bool sim_rule(const Include& i) {
-  static const std::set<std::string> forbidden{"thread", "mutex", "shared_mutex", "condition_variable", "future", "semaphore", "barrier",
-                                               "latch", "stop_token", "chrono", "ctime", "time.h", "sys/time.h", "pthread.h"};
-  // An array that is found when it is first read is found once, whichever thread reads first; no thread of sim waits for it
+  static const std::set<std::string> forbidden{"thread",    "mutex",   "shared_mutex", "condition_variable", "future",
+                                               "semaphore", "barrier", "latch",        "stop_token",         "chrono",
+                                               "ctime",     "time.h",  "sys/time.h",   "pthread.h"};
+  // An array that is found when it is first read is found once, whichever thread reads first; no thread of sim waits
+  // for it
   // but the one that needs it.
   static const std::set<std::string> lazy{"sim/lazy_array.h", "sim/world/point_depths.h"};
   if (i.target == "mutex" && lazy.contains(i.from)) return true;
@@ -114,7 +122,8 @@ bool sim_rule(const Include& i) {
   std::string q = part(i.target);
   while (q.size() > 3 && !kSim.contains(q)) q = part(q);
   if (q == p) return true;
-  if (q == "sim") return kShared.contains(i.target) || p == "sim/measure" || (p == "sim/head" && i.target == "sim/snapshot.h");
+  if (q == "sim")
+    return kShared.contains(i.target) || p == "sim/measure" || (p == "sim/head" && i.target == "sim/snapshot.h");
   return rule->second.contains(q);
 }
 
@@ -139,18 +148,22 @@ TEST(Includes, HeavyHeadersStayOutOfHeaders) {
   const auto light = [](const Include& i) {
     // Those two exist to be included by .cpp files.
     if (!i.from.ends_with(".h") || i.from == "calibration/toml.h" || i.from == "app/commands/numbers.h") return true;
-    for (const char* heavy : {"nlohmann/", "toml++/", "CLI/", "Eigen/Dense", "Eigen/Sparse", "Eigen/Eigenvalues", "Eigen/SVD"})
+    for (const char* heavy :
+         {"nlohmann/", "toml++/", "CLI/", "Eigen/Dense", "Eigen/Sparse", "Eigen/Eigenvalues", "Eigen/SVD"})
       if (i.target.starts_with(heavy)) return false;
     return true;
   };
   std::string text;
-  for (const char* folder : {"app", "calibration", "devices", "render", "sim"}) text += offences(includes_of(folder), light);
+  for (const char* folder : {"app", "calibration", "devices", "render", "sim"})
+    text += offences(includes_of(folder), light);
   EXPECT_EQ(text, "");
 }
 
 // The rules themselves see an arrow that points the wrong way.
 TEST(Includes, WrongArrowsAreSeen) {
-  const auto refused = [](const Rule& r, const std::string& from, const std::string& target) { return !r({from, 1, target}); };
+  const auto refused = [](const Rule& r, const std::string& from, const std::string& target) {
+    return !r({from, 1, target});
+  };
   EXPECT_TRUE(refused(sim_rule, "sim/fem/solver.cpp", "thread"));
   EXPECT_TRUE(refused(sim_rule, "sim/world.cpp", "chrono"));
   EXPECT_TRUE(refused(sim_rule, "sim/world.cpp", "devices/sample.h"));
@@ -166,7 +179,8 @@ TEST(Includes, WrongArrowsAreSeen) {
   EXPECT_TRUE(refused(sim_rule, "sim/measure/penetration.cpp", "sim/contact/contact_finder.h"));
   EXPECT_FALSE(refused(sim_rule, "sim/world.cpp", "sim/fem/elastic_solver.h"));
   EXPECT_FALSE(refused(devices_rule, "devices/cursor.h", "sim/geometry/bvh.h"));
-  std::istringstream text("  #  include <thread>\n// #include <mutex>\n#include \"sim/world.h\" // x\n#define include\n");
+  std::istringstream text(
+      "  #  include <thread>\n// #include <mutex>\n#include \"sim/world.h\" // x\n#define include\n");
   const auto got = parse(text, "f");
   ASSERT_EQ(got.size(), 2u);
   EXPECT_EQ(got[0].target, "thread");

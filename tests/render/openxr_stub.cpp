@@ -1,9 +1,11 @@
-// A runtime of OpenXR with one headset and no frames: enough for the loader to accept, and for tests to ask what is there.
+// A runtime of OpenXR with one headset and no frames: enough for the loader to accept, and for tests to ask what is
+// there.
 #include <openxr/openxr.h>
 
 #include <cstring>
 
-// What loader and runtime say to each other first; the loader's documentation has the layout, Debian's package no header of it.
+// What loader and runtime say to each other first; the loader's documentation has the layout, Debian's package no
+// header of it.
 struct XrNegotiateLoaderInfo {
   int structType;
   uint32_t structVersion;
@@ -48,30 +50,33 @@ XrResult system_properties(XrInstance, XrSystemId id, XrSystemProperties* p) {
   std::strcpy(p->systemName, "headset of the tests");
   return XR_SUCCESS;
 }
-XrResult views(XrInstance, XrSystemId, XrViewConfigurationType type, uint32_t room, uint32_t* count, XrViewConfigurationView* out) {
+XrResult views(XrInstance, XrSystemId, XrViewConfigurationType type, uint32_t room, uint32_t* count,
+               XrViewConfigurationView* out) {
   if (type != XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO) return XR_ERROR_VIEW_CONFIGURATION_TYPE_UNSUPPORTED;
   *count = 2;
-  for (uint32_t i = 0; i < room && i < 2; ++i) out[i].recommendedImageRectWidth = 1440, out[i].recommendedImageRectHeight = 1600;
+  for (uint32_t i = 0; i < room && i < 2; ++i)
+    out[i].recommendedImageRectWidth = 1440, out[i].recommendedImageRectHeight = 1600;
   return XR_SUCCESS;
 }
 
 XrResult address(XrInstance, const char* name, PFN_xrVoidFunction* function) {
   const auto is = [&](const char* other) { return std::strcmp(name, other) == 0; };
-  *function = is("xrCreateInstance")                          ? reinterpret_cast<PFN_xrVoidFunction>(create_instance)
-              : is("xrDestroyInstance")                       ? reinterpret_cast<PFN_xrVoidFunction>(destroy_instance)
-              : is("xrEnumerateInstanceExtensionProperties")  ? reinterpret_cast<PFN_xrVoidFunction>(extensions)
-              : is("xrGetInstanceProperties")                 ? reinterpret_cast<PFN_xrVoidFunction>(instance_properties)
-              : is("xrGetSystem")                             ? reinterpret_cast<PFN_xrVoidFunction>(system_of)
-              : is("xrGetSystemProperties")                   ? reinterpret_cast<PFN_xrVoidFunction>(system_properties)
-              : is("xrEnumerateViewConfigurationViews")       ? reinterpret_cast<PFN_xrVoidFunction>(views)
-              : is("xrGetInstanceProcAddr")                   ? reinterpret_cast<PFN_xrVoidFunction>(address)
-                                                              : nullptr;
+  *function = is("xrCreateInstance")                         ? reinterpret_cast<PFN_xrVoidFunction>(create_instance)
+              : is("xrDestroyInstance")                      ? reinterpret_cast<PFN_xrVoidFunction>(destroy_instance)
+              : is("xrEnumerateInstanceExtensionProperties") ? reinterpret_cast<PFN_xrVoidFunction>(extensions)
+              : is("xrGetInstanceProperties")                ? reinterpret_cast<PFN_xrVoidFunction>(instance_properties)
+              : is("xrGetSystem")                            ? reinterpret_cast<PFN_xrVoidFunction>(system_of)
+              : is("xrGetSystemProperties")                  ? reinterpret_cast<PFN_xrVoidFunction>(system_properties)
+              : is("xrEnumerateViewConfigurationViews")      ? reinterpret_cast<PFN_xrVoidFunction>(views)
+              : is("xrGetInstanceProcAddr")                  ? reinterpret_cast<PFN_xrVoidFunction>(address)
+                                                             : nullptr;
   return *function ? XR_SUCCESS : XR_ERROR_FUNCTION_UNSUPPORTED;
 }
 
 }  // namespace
 
-extern "C" XRAPI_ATTR XrResult XRAPI_CALL xrNegotiateLoaderRuntimeInterface(const XrNegotiateLoaderInfo* loader, XrNegotiateRuntimeRequest* request) {
+extern "C" XRAPI_ATTR XrResult XRAPI_CALL xrNegotiateLoaderRuntimeInterface(const XrNegotiateLoaderInfo* loader,
+                                                                            XrNegotiateRuntimeRequest* request) {
   if (!loader || !request || loader->minInterfaceVersion > kInterface) return XR_ERROR_INITIALIZATION_FAILED;
   request->runtimeInterfaceVersion = kInterface;
   request->runtimeApiVersion = XR_CURRENT_API_VERSION;

@@ -4,7 +4,8 @@
 
 namespace limberg::testing {
 
-/// moved_mm: how far the plate has come forwards (towards -y); the face over it comes along, less and less to the sides, and says so
+/// moved_mm: how far the plate has come forwards (towards -y); the face over it comes along, less and less to the
+/// sides, and says so
 /// in Snapshot::moved_mm.
 Snapshot sample_head(double moved_mm = 0);
 

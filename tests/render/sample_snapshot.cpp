@@ -48,7 +48,8 @@ Snapshot sample_snapshot(const SampleOptions& o) {
     for (int i = 0; i < o.cells; ++i) {
       if (!inside(i, j)) continue;
       quad(vertex(i, j, 0), vertex(i + 1, j, 0), vertex(i + 1, j + 1, 0), vertex(i, j + 1, 0), FaceKind::skin);
-      quad(vertex(i, j, levels), vertex(i, j + 1, levels), vertex(i + 1, j + 1, levels), vertex(i + 1, j, levels), FaceKind::fixed);
+      quad(vertex(i, j, levels), vertex(i, j + 1, levels), vertex(i + 1, j + 1, levels), vertex(i + 1, j, levels),
+           FaceKind::fixed);
       const int di[4]{0, 1, 0, -1}, dj[4]{-1, 0, 1, 0};
       const int ends[4][4]{{0, 0, 1, 0}, {1, 0, 1, 1}, {1, 1, 0, 1}, {0, 1, 0, 0}};  // the edge, counter-clockwise
       for (int s = 0; s < 4; ++s) {

@@ -7,7 +7,7 @@
 namespace limberg::testing {
 
 struct SampleOptions {
-  int cells = 60;         // per side of the 60 mm slab
+  int cells = 60;  // per side of the 60 mm slab
   bool wound = true;
   double wave_mm = 0.8;
   int sutures = 5;

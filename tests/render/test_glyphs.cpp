@@ -41,7 +41,8 @@ TEST(StretchGlyphs, ShearTurnsThem) {
   auto topology = std::make_shared<SurfaceTopology>(*s.topology);
   topology->body = body, s.topology = topology;
   const double k = 0.2, largest = (std::sqrt(4 + k * k) + k) / 2;
-  const Vec3f want = (F * Vec3(std::cos(0.5 * std::atan2(2, k)), std::sin(0.5 * std::atan2(2, k)), 0)).cast<float>().normalized();
+  const Vec3f want =
+      (F * Vec3(std::cos(0.5 * std::atan2(2, k)), std::sin(0.5 * std::atan2(2, k)), 0)).cast<float>().normalized();
   for (const StretchGlyph& g : stretch_glyphs(s, 6)) {
     EXPECT_NEAR(g.largest, largest, 1e-4);
     EXPECT_NEAR(g.least, 1 / largest, 1e-4);

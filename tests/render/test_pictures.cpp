@@ -1,8 +1,12 @@
-// Kept pictures: of skin and of a head, each way they can be shown, against small reference pictures in tests/render/golden.
+// Kept pictures: of skin and of a head, each way they can be shown, against small reference pictures in
+// tests/render/golden.
 //
-// A reference is the picture of 320 x 240 pixels made eight times smaller: a pixel of it is the mean of a block of 8 x 8, so that
-// the worst block of 16 x 16 of the whole picture, which is what is judged (image_compare.h), can be had from it. LIMBERG_GOLDEN=write
-// makes them anew. The references were drawn by Mesa 22.3 in software; other versions of it came within 3 of 255 of each other.
+// A reference is the picture of 320 x 240 pixels made eight times smaller: a pixel of it is the mean of a block of 8 x
+// 8, so that
+// the worst block of 16 x 16 of the whole picture, which is what is judged (image_compare.h), can be had from it.
+// LIMBERG_GOLDEN=write
+// makes them anew. The references were drawn by Mesa 22.3 in software; other versions of it came within 3 of 255 of
+// each other.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,8 +44,12 @@ class Pictures : public ::testing::Test {
     o.width = kWidth, o.height = kHeight;
   }
 
-  static Camera of_skin() { return look_at_ball(Vec3f::Zero(), 18, Vec3f(0.05f, -0.6f, 0.8f), Vec3f::UnitZ(), 25, double(kWidth) / kHeight); }
-  static Camera of_head() { return look_at_ball(Vec3f(0, -20, 0), 85, Vec3f(0.35f, -0.9f, 0.15f), Vec3f::UnitZ(), 25, double(kWidth) / kHeight); }
+  static Camera of_skin() {
+    return look_at_ball(Vec3f::Zero(), 18, Vec3f(0.05f, -0.6f, 0.8f), Vec3f::UnitZ(), 25, double(kWidth) / kHeight);
+  }
+  static Camera of_head() {
+    return look_at_ball(Vec3f(0, -20, 0), 85, Vec3f(0.35f, -0.9f, 0.15f), Vec3f::UnitZ(), 25, double(kWidth) / kHeight);
+  }
   Image draw(const Snapshot& s, const Camera& camera) {
     SceneBuilder builder;
     return renderer->draw(builder.build(s), camera.view(double(kWidth) / kHeight), o);
@@ -157,7 +165,10 @@ TEST_F(Pictures, TheFaceHidesTheBoneUntilItIsClear) {
   const Image solid = look(FaceLook::solid), clear = look(FaceLook::clear), hidden = look(FaceLook::hidden);
   const auto differing = [&](const Image& a, const Image& b) {
     size_t n = 0;
-    for (size_t i = 0; i < a.rgb.size(); i += 3) n += std::abs(a.rgb[i] - b.rgb[i]) + std::abs(a.rgb[i + 1] - b.rgb[i + 1]) + std::abs(a.rgb[i + 2] - b.rgb[i + 2]) > 20;
+    for (size_t i = 0; i < a.rgb.size(); i += 3)
+      n += std::abs(a.rgb[i] - b.rgb[i]) + std::abs(a.rgb[i + 1] - b.rgb[i + 1]) +
+               std::abs(a.rgb[i + 2] - b.rgb[i + 2]) >
+           20;
     return n;
   };
   EXPECT_GT(differing(solid, hidden), face / 2);
@@ -174,7 +185,9 @@ TEST_F(Pictures, ALandmarkIsNamedOnWhatItLiesOnWhateverItIsCalled) {
     Vec3f at(0, 0, 0);
     for (size_t t = 0; t < s.topology->view.tri.size(); ++t)
       for (const int32_t v : s.topology->view.tri[t])
-        if (const Vec3f& x = s.x_mm[size_t(v)]; (s.topology->organ_of(t) == Organ::face) == face && std::abs(x.x()) < 10 && std::abs(x.z() - 28) < 10 && x.y() < at.y()) at = x;
+        if (const Vec3f& x = s.x_mm[size_t(v)]; (s.topology->organ_of(t) == Organ::face) == face &&
+                                                std::abs(x.x()) < 10 && std::abs(x.z() - 28) < 10 && x.y() < at.y())
+          at = x;
     return at;
   };
   const auto drawn = [&](FaceLook look, bool on_face, const char* name) {
@@ -190,7 +203,9 @@ TEST_F(Pictures, ALandmarkIsNamedOnWhatItLiesOnWhateverItIsCalled) {
   for (const FaceLook look : {FaceLook::solid, FaceLook::hidden}) {
     const Image none = drawn(look, false, "");
     for (const bool on_face : {false, true})
-      for (const char* name : {"M1", "m1"}) EXPECT_EQ(drawn(look, on_face, name) == none, on_face != (look == FaceLook::solid)) << int(look) << on_face << name;
+      for (const char* name : {"M1", "m1"})
+        EXPECT_EQ(drawn(look, on_face, name) == none, on_face != (look == FaceLook::solid))
+            << int(look) << on_face << name;
   }
 }
 
@@ -206,7 +221,8 @@ TEST_F(Pictures, AnAnaglyphGivesEachEyeItsPicture) {
     double sa = 0, sb = 0, aa = 0, bb = 0, ab = 0;
     const size_t n = both.rgb.size() / 3;
     for (size_t i = 0; i < n; ++i) {
-      const double a = both.rgb[3 * i + size_t(channel)], b = (eye.rgb[3 * i] + eye.rgb[3 * i + 1] + eye.rgb[3 * i + 2]) / 3.0;
+      const double a = both.rgb[3 * i + size_t(channel)],
+                   b = (eye.rgb[3 * i] + eye.rgb[3 * i + 1] + eye.rgb[3 * i + 2]) / 3.0;
       sa += a, sb += b, aa += a * a, bb += b * b, ab += a * b;
     }
     return (ab - sa * sb / double(n)) / std::sqrt((aa - sa * sa / double(n)) * (bb - sb * sb / double(n)));
@@ -236,7 +252,8 @@ TEST_F(Pictures, TrianglesLetTheBackgroundThrough) {
   const Image wire = draw(head, of_head());
   size_t covered = 0, lines = 0;
   SceneBuilder builder;
-  const IdImage ids = renderer->draw_ids(builder.build(head), of_head().view(double(kWidth) / kHeight), kWidth, kHeight);
+  const IdImage ids =
+      renderer->draw_ids(builder.build(head), of_head().view(double(kWidth) / kHeight), kWidth, kHeight);
   o.wireframe = false, o.face = FaceLook::hidden;
   const Snapshot nothing;
   const Image empty = draw(nothing, of_head());

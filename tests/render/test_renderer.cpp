@@ -88,7 +88,8 @@ TEST_F(Rendered, PickedPixelHasTheTriangleThatLiesThere) {
   // The centre of every large visible triangle must show that triangle. Hidden ones are found by their neighbours.
   int tested = 0;
   for (size_t t = 0; t < view_of.tri.size(); t += 7) {
-    const Vec3f &a = s.x_mm[size_t(view_of.tri[t][0])], &b = s.x_mm[size_t(view_of.tri[t][1])], &c = s.x_mm[size_t(view_of.tri[t][2])];
+    const Vec3f &a = s.x_mm[size_t(view_of.tri[t][0])], &b = s.x_mm[size_t(view_of.tri[t][1])],
+                &c = s.x_mm[size_t(view_of.tri[t][2])];
     const Vec3f mid = (a + b + c) / 3;
     if (view_of.kind[t] != FaceKind::skin || std::abs(mid.x()) > 14 || std::abs(mid.y()) > 12) continue;
     const Vec3f p = view().to_pixel(mid, options.width, options.height);
@@ -128,7 +129,8 @@ TEST_F(Rendered, SutureAddsPixelsWhereItLies) {
 TEST_F(Rendered, HookAndToolAreSeen) {
   const Snapshot s = sample_snapshot({.sutures = 0});
   EXPECT_GT(count(ids(s), Part::hook), 100u);
-  for (const auto kind : {ToolPose::Kind::stylus, ToolPose::Kind::scalpel, ToolPose::Kind::hook, ToolPose::Kind::needle_holder}) {
+  for (const auto kind :
+       {ToolPose::Kind::stylus, ToolPose::Kind::scalpel, ToolPose::Kind::hook, ToolPose::Kind::needle_holder}) {
     SceneBuilder builder;
     const ToolPose tool{true, kind, Vec3f(-5, 2, 1), Vec3f(-0.5f, -0.2f, 0.8f).normalized(), {}};
     EXPECT_GT(count(renderer->draw_ids(builder.build(s, tool), view(), 320, 240), Part::tool), 300u);
@@ -199,7 +201,8 @@ TEST_F(Rendered, ShadowFallsUnderTheTool) {
   options.shadow = false;
   const Image without = renderer->draw(builder.build(s, tool), view(), options);
   int darker = 0, lighter = 0;
-  for (size_t i = 0; i < with.rgb.size(); i += 3) darker += with.rgb[i] + 20 < without.rgb[i], lighter += with.rgb[i] > without.rgb[i] + 20;
+  for (size_t i = 0; i < with.rgb.size(); i += 3)
+    darker += with.rgb[i] + 20 < without.rgb[i], lighter += with.rgb[i] > without.rgb[i] + 20;
   EXPECT_GT(darker, 200);
   EXPECT_EQ(lighter, 0);
 }
@@ -230,7 +233,8 @@ TEST_F(Rendered, ACreaseIsDarkerThanOpenSkinAndARidgeIsNot) {
     return shade_by_occlusion(draw(s), without, view().to_pixel(place, options.width, options.height));
   };
   const Snapshot crease = folded(1.2f), ridge = folded(-1.2f);
-  const double in_crease = shade(crease, Vec3f(2, 0, -7.2f)), beside = shade(crease, Vec3f(2, 14, 0)), on_ridge = shade(ridge, Vec3f(2, 0, 7.2f));
+  const double in_crease = shade(crease, Vec3f(2, 0, -7.2f)), beside = shade(crease, Vec3f(2, 14, 0)),
+               on_ridge = shade(ridge, Vec3f(2, 0, 7.2f));
   EXPECT_LT(in_crease, 0.93);  // measured .90 on 2026-11-21
   EXPECT_GT(beside, 0.97);
   EXPECT_GT(on_ridge, 0.97);
@@ -255,7 +259,8 @@ TEST_F(Rendered, WhatHasNotMovedIsKeptAndWhatHasIsNot) {
   SceneBuilder builder;
   EXPECT_EQ(fresh.draw(builder.build(s), view(), options), moved);
   const ToolPose tool{true, ToolPose::Kind::stylus, Vec3f(0, 0, 4), Vec3f(0.7f, 0, 0.7f).normalized(), {}};
-  EXPECT_EQ(fresh.draw(builder.build(s, tool), view(), options), renderer->draw(builder.build(s, tool), view(), options));
+  EXPECT_EQ(fresh.draw(builder.build(s, tool), view(), options),
+            renderer->draw(builder.build(s, tool), view(), options));
   EXPECT_EQ(draw(s), moved);
 }
 
@@ -279,7 +284,8 @@ TEST_F(Rendered, AFrameDrawnSmallerIsEnlarged) {
 
 TEST_F(Rendered, SignedValuesAreBlueAndRed) {
   Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
-  options.colour_field = true, options.scale = ColourScale::signed_value, options.field_min = -2, options.field_max = 2, options.iso_lines = 0;
+  options.colour_field = true, options.scale = ColourScale::signed_value, options.field_min = -2, options.field_max = 2,
+  options.iso_lines = 0;
   const auto at = [&](float value) {
     std::fill(s.field.begin(), s.field.end(), value);
     const Vec3f p = view().to_pixel(Vec3f(4.5f, 4.5f, 0), 320, 240);
@@ -386,14 +392,18 @@ TEST_F(Rendered, PictureHasCaptionAndLegend) {
   if (!TextPainter().ready()) GTEST_SKIP() << "the font DejaVu Sans is not installed";
   int white = 0;
   for (int y = 0; y < 60; ++y)
-    for (int x = 0; x < 240; ++x) white += titled.at(x, y) == Rgb8{255, 255, 255} && !(plain.at(x, y) == Rgb8{255, 255, 255});
+    for (int x = 0; x < 240; ++x)
+      white += titled.at(x, y) == Rgb8{255, 255, 255} && !(plain.at(x, y) == Rgb8{255, 255, 255});
   EXPECT_GT(white, 50);
   // The legend holds every colour of the map, low end below, high end above.
   const Image map = maker.tension(s);
   int low = -1, high = -1;
   for (int y = 0; y < map.height; ++y)
     for (int x = map.width * 3 / 4; x < map.width; ++x) {
-      const auto near = [&](Rgb8 c) { const Rgb8 p = map.at(x, y); return std::abs(p.r - c.r) + std::abs(p.g - c.g) + std::abs(p.b - c.b) < 8; };
+      const auto near = [&](Rgb8 c) {
+        const Rgb8 p = map.at(x, y);
+        return std::abs(p.r - c.r) + std::abs(p.g - c.g) + std::abs(p.b - c.b) < 8;
+      };
       if (near(viridis(0.03))) low = y;
       if (high < 0 && near(viridis(0.97))) high = y;
     }
@@ -439,7 +449,8 @@ TEST_F(Rendered, TheGloveIsSeenWhereItIsAndOnlyThen) {
     return renderer->draw(builder.build(s, tool), view(), options);
   };
   ToolPose tool;
-  tool.glove.forefinger_mm = Vec3f(-6, 2, 14), tool.glove.thumb_mm = Vec3f(-14, 2, 14), tool.glove.pointing = -Vec3f::UnitZ();
+  tool.glove.forefinger_mm = Vec3f(-6, 2, 14), tool.glove.thumb_mm = Vec3f(-14, 2, 14),
+  tool.glove.pointing = -Vec3f::UnitZ();
   tool.glove.points = true, tool.glove.pointed_mm = Vec3f(-6, 2, 0.8f);
   const Image none = draw(s);
   EXPECT_EQ(drawn(tool), none) << "not visible";
@@ -450,7 +461,10 @@ TEST_F(Rendered, TheGloveIsSeenWhereItIsAndOnlyThen) {
     int n = 0;
     for (int y = int(p.y()) - reach; y <= int(p.y()) + reach; ++y)
       for (int x = int(p.x()) - reach; x <= int(p.x()) + reach; ++x)
-        n += x >= 0 && y >= 0 && x < options.width && y < options.height && std::abs(a.at(x, y).r - b.at(x, y).r) + std::abs(a.at(x, y).g - b.at(x, y).g) + std::abs(a.at(x, y).b - b.at(x, y).b) > 40;
+        n += x >= 0 && y >= 0 && x < options.width && y < options.height &&
+             std::abs(a.at(x, y).r - b.at(x, y).r) + std::abs(a.at(x, y).g - b.at(x, y).g) +
+                     std::abs(a.at(x, y).b - b.at(x, y).b) >
+                 40;
     return n;
   };
   EXPECT_GT(differs(none, open, tool.glove.forefinger_mm, 6), 60);

@@ -97,7 +97,9 @@ TEST(Normals, FollowTheWave) {
   for (size_t v = 0; v < scene.x_mm.size(); ++v) {
     const double x = scene.x_mm[v].x(), y = scene.x_mm[v].y();
     if (scene.mesh->part[v] != Part::skin || std::abs(x) > 28 || std::abs(y) > 28) continue;
-    const Vec3 exact = Vec3(-w * 0.16 * std::cos(0.16 * x) * std::cos(0.13 * y), w * 0.13 * std::sin(0.16 * x) * std::sin(0.13 * y), 1).normalized();
+    const Vec3 exact =
+        Vec3(-w * 0.16 * std::cos(0.16 * x) * std::cos(0.13 * y), w * 0.13 * std::sin(0.16 * x) * std::sin(0.13 * y), 1)
+            .normalized();
     worst = std::max(worst, (scene.normal[v].cast<double>() - exact).norm());
   }
   // |f'''| h^2 / 6 = 0.8 * 0.16^3 / 6 = 5e-4; single precision adds 1e-5.
@@ -142,20 +144,25 @@ TEST(SceneBuilder, ARunningThreadHasItsKnotsAtItsEnds) {
     std::vector<int> n;
     const std::vector<PropVertex>& vertex = builder.build(s).props.vertex;
     for (const SutureState& k : s.sutures)
-      n.push_back(int(std::count_if(vertex.begin(), vertex.end(), [&](const PropVertex& v) { return v.id == (uint32_t(Part::suture) << 24 | uint32_t(k.id)); })));
+      n.push_back(int(std::count_if(vertex.begin(), vertex.end(), [&](const PropVertex& v) {
+        return v.id == (uint32_t(Part::suture) << 24 | uint32_t(k.id));
+      })));
     return n;
   };
   const std::vector<int> single = drawn(0), running = drawn(3);
   ASSERT_EQ(single.size(), 5u);
   for (size_t i = 0; i < 5; ++i) {
-    if (i == 0 || i == 4) EXPECT_EQ(running[i], single[i]);
-    else EXPECT_LT(running[i], single[i]);
+    if (i == 0 || i == 4)
+      EXPECT_EQ(running[i], single[i]);
+    else
+      EXPECT_LT(running[i], single[i]);
     EXPECT_GT(running[i], 0);
   }
 }
 
 TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
-  // The skin rises between the holes of a closed stitch, as beside the end of a scar: the thread must not run beneath it.
+  // The skin rises between the holes of a closed stitch, as beside the end of a scar: the thread must not run beneath
+  // it.
   Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
   const auto hump = [](const Vec3f& x) { return 2.5f * std::exp(-x.head<2>().squaredNorm() / 2); };
   for (size_t v = 0; v < s.x_mm.size(); ++v)
@@ -170,13 +177,15 @@ TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
   ASSERT_GT(hi - lo, 3);
   for (float x = -1.6f; x < 1.7f; x += 0.2f) {
     bool above = false;
-    for (const PropVertex& v : scene.props.vertex) above |= std::abs(v.x_mm.x() - x) < 0.25f && v.x_mm.z() > hump(v.x_mm) + 0.1f;
+    for (const PropVertex& v : scene.props.vertex)
+      above |= std::abs(v.x_mm.x() - x) < 0.25f && v.x_mm.z() > hump(v.x_mm) + 0.1f;
     EXPECT_TRUE(above) << x;
   }
 }
 
 TEST(SceneBuilder, ThreadLiesOverAFoldOfLargeTriangles) {
-  // A fold along a diagonal of 12 mm squares, whose corners are all farther off than the stitch is long: the skin rises from the stitch
+  // A fold along a diagonal of 12 mm squares, whose corners are all farther off than the stitch is long: the skin rises
+  // from the stitch
   // to both sides, by 2.5 mm at a distance of 12 (|x| + |y|).
   Snapshot s = sample_snapshot({.cells = 5, .wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
   for (Vec3f& x : s.x_mm)
@@ -193,7 +202,8 @@ TEST(SceneBuilder, ThreadLiesOverAFoldOfLargeTriangles) {
 }
 
 TEST(SceneBuilder, ThreadLiesAboveAnEdgeThatIsRolledIn) {
-  // The nearest piece of skin to the stitch looks down, as the lip of a wound that is turned under: up is where the skin around looks.
+  // The nearest piece of skin to the stitch looks down, as the lip of a wound that is turned under: up is where the
+  // skin around looks.
   Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
   for (size_t v = 0; v < s.x_mm.size(); ++v)
     if (const Vec3& X = s.topology->view.X_mm[v]; X.z() > -1e-6 && X.norm() < 1.2) s.x_mm[v].x() = -s.x_mm[v].x();
@@ -242,7 +252,9 @@ TEST(SceneBuilder, APlateLiesOnTheBone) {
   SceneBuilder builder;
   const size_t without = builder.build(s, {}).props.vertex.size();
   const Vec3f half(58, 76, 78);  // of the egg of bone
-  const auto on_egg = [&](float x, float z) { return Vec3f(x, -half.y() * std::sqrt(1 - x * x / (half.x() * half.x()) - z * z / (half.z() * half.z())), z); };
+  const auto on_egg = [&](float x, float z) {
+    return Vec3f(x, -half.y() * std::sqrt(1 - x * x / (half.x() * half.x()) - z * z / (half.z() * half.z())), z);
+  };
   const Vec3f a = on_egg(-9, -10), b = on_egg(8, -16);
   s.plate_mm.push_back({a, b});
   const RenderScene& scene = builder.build(s, {});
@@ -256,7 +268,8 @@ TEST(SceneBuilder, APlateLiesOnTheBone) {
     highest = std::max(highest, above), lowest = std::min(lowest, above);
     first = std::min(first, (x - a).norm()), last = std::min(last, (x - b).norm());
   }
-  // A plate of 1.5 mm and the heads of its screws, seen; what lies in bone is hidden there, no deeper than the plate is thick.
+  // A plate of 1.5 mm and the heads of its screws, seen; what lies in bone is hidden there, no deeper than the plate is
+  // thick.
   EXPECT_GT(highest, 1.2f);
   EXPECT_LT(highest, 3);
   EXPECT_GT(lowest, -1.5f);
@@ -265,7 +278,8 @@ TEST(SceneBuilder, APlateLiesOnTheBone) {
 }
 
 TEST(SceneBuilder, APlateIsBentOverAStepOfBone) {
-  // Two sheets of bone, one 6 mm higher, 2 mm apart; the plate begins 4 mm before the step and ends 18 mm behind it, or the other way round.
+  // Two sheets of bone, one 6 mm higher, 2 mm apart; the plate begins 4 mm before the step and ends 18 mm behind it, or
+  // the other way round.
   auto t = std::make_shared<SurfaceTopology>();
   t->version = 1, t->hash = 1;
   Snapshot s;
@@ -279,7 +293,9 @@ TEST(SceneBuilder, APlateIsBentOverAStepOfBone) {
     for (int32_t r = 0; r + 1 < kRows; ++r)
       for (int32_t c = 0; c + 1 < kColumns; ++c) {
         const int32_t a = base + r * kColumns + c, d = a + kColumns;
-        for (const Tri& k : {Tri{a, a + 1, d + 1}, Tri{a, d + 1, d}}) t->view.tri.push_back(k), t->view.kind.push_back(FaceKind::free), t->organ.push_back(Organ::bone), t->object.push_back(0);
+        for (const Tri& k : {Tri{a, a + 1, d + 1}, Tri{a, d + 1, d}})
+          t->view.tri.push_back(k), t->view.kind.push_back(FaceKind::free), t->organ.push_back(Organ::bone),
+              t->object.push_back(0);
       }
   }
   s.topology = t, s.topology_version = 1;
@@ -336,7 +352,8 @@ TEST(Camera, SeesTheWholeBoxAndNoMore) {
     const View v = look_at_box(low, high, 1, Vec3f(0.2f, -0.7f, 0.7f), Vec3f::UnitZ(), 24, aspect).view(aspect);
     float reach = 0;
     for (int k = 0; k < 8; ++k) {
-      const Vec3f p = v.to_pixel(Vec3f(k & 1 ? low.x() : high.x(), k & 2 ? low.y() : high.y(), k & 4 ? low.z() : high.z()), 2, 2);
+      const Vec3f p =
+          v.to_pixel(Vec3f(k & 1 ? low.x() : high.x(), k & 2 ? low.y() : high.y(), k & 4 ? low.z() : high.z()), 2, 2);
       reach = std::max({reach, std::abs(p.x() - 1), std::abs(p.y() - 1)});
     }
     EXPECT_NEAR(reach, 1, 1e-3);  // the outermost corner lies on the edge of the picture
@@ -363,7 +380,9 @@ TEST(Camera, StereoMeetsAtTheTarget) {
   c.eye_mm = Vec3f(0, -200, 100), c.target_mm = Vec3f(0, 0, 0);
   const std::vector<View> eyes = c.stereo_side_by_side(16.0 / 9);
   ASSERT_EQ(eyes.size(), 2u);
-  const auto in_half = [&](size_t e, const Vec3f& p) { return eyes[e].to_pixel(p, 1600, 900).x() - (e ? 800.0f : 0.0f); };
+  const auto in_half = [&](size_t e, const Vec3f& p) {
+    return eyes[e].to_pixel(p, 1600, 900).x() - (e ? 800.0f : 0.0f);
+  };
   EXPECT_NEAR(in_half(0, c.target_mm), in_half(1, c.target_mm), 0.05);
   const Vec3f nearer(0, -20, 10), farther(0, 20, -10);
   EXPECT_GT(in_half(0, nearer), in_half(1, nearer) + 0.2f);    // in front of the screen: crossed
@@ -389,7 +408,9 @@ TEST(Textures, TilesRepeatWithoutSeam) {
     // The step over the seam is no larger than the largest step inside.
     for (int c = 0; c < 3; ++c) {
       int inside = 0, seam = 0;
-      const auto at = [&](int x, int y) { return int(t.rgba[4 * (size_t(y) * size_t(t.width) + size_t(x)) + size_t(c)]); };
+      const auto at = [&](int x, int y) {
+        return int(t.rgba[4 * (size_t(y) * size_t(t.width) + size_t(x)) + size_t(c)]);
+      };
       for (int y = 0; y < t.height; ++y) {
         for (int x = 0; x + 1 < t.width; ++x) inside = std::max(inside, std::abs(at(x, y) - at(x + 1, y)));
         seam = std::max(seam, std::abs(at(t.width - 1, y) - at(0, y)));
@@ -404,10 +425,13 @@ TEST(Textures, SlopesAreThoseOfTheHeights) {
   const Texels detail = detail_texture(256), slope = slope_texture(detail);
   for (const size_t c : {size_t(0), size_t(1)})
     for (const int y : {0, 77, 200}) {
-      const auto at = [&](const Texels& t, int x, size_t k) { return double(t.rgba[4 * (size_t(y) * 256 + size_t((x + 256) % 256)) + k]); };
+      const auto at = [&](const Texels& t, int x, size_t k) {
+        return double(t.rgba[4 * (size_t(y) * 256 + size_t((x + 256) % 256)) + k]);
+      };
       double sum = 0, worst = 0;
       for (int x = 0; x < 256; ++x) {
-        const double d = (at(slope, x, 2 * c) - 127.5) / kSlopeGain, exact = 0.5 * (at(detail, x + 1, c) - at(detail, x - 1, c));
+        const double d = (at(slope, x, 2 * c) - 127.5) / kSlopeGain,
+                     exact = 0.5 * (at(detail, x + 1, c) - at(detail, x - 1, c));
         if (std::abs(exact) < 127.0 / kSlopeGain) worst = std::max(worst, std::abs(d - exact));
         sum += d;
       }
@@ -430,7 +454,9 @@ TEST(Overlay, RoundSteps) {
 TEST(TissueMesh, BoneKnowsHowFarItIsFromTheSaw) {
   SurfaceTopology top;
   top.view.X_mm = {Vec3(0, 0, 0), Vec3(10, 0, 0), Vec3(5, 2, 0), Vec3(5, 0, -8), Vec3(5, 9, 0)};
-  const auto add = [&](const Tri& t, Organ o) { top.view.tri.push_back(t), top.view.kind.push_back(FaceKind::free), top.organ.push_back(o), top.object.push_back(0); };
+  const auto add = [&](const Tri& t, Organ o) {
+    top.view.tri.push_back(t), top.view.kind.push_back(FaceKind::free), top.organ.push_back(o), top.object.push_back(0);
+  };
   add({0, 1, 2}, Organ::bone), add({1, 0, 3}, Organ::bone_cut), add({0, 2, 4}, Organ::bone);
   const TissueMesh m = make_tissue_mesh(top);
   EXPECT_TRUE(m.rim.empty());  // that is of skin

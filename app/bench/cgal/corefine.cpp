@@ -1,6 +1,7 @@
 // limberg_bench_cgal BODY BLADE epick|epeck: the CPU time of one corefinement of two meshes by CGAL.
 //
-// A program of its own because CGAL's Polygon Mesh Processing is under GPL-3.0-or-later (so is this program, once linked);
+// A program of its own because CGAL's Polygon Mesh Processing is under GPL-3.0-or-later (so is this program, once
+// linked);
 // `limberg bench cutting` runs it beside its own measurements. Reads what app/bench/cgal_child.cpp writes: counts of
 // vertices and triangles (int64), coordinates (double), triangles (int32). Prints milliseconds, the number of
 // vertices that the body has gained, and CGAL's version.
@@ -41,7 +42,8 @@ bool read(const char* file, Mesh& mesh) {
   mesh.reserve(uint32_t(size[0]), uint32_t(size[1] * 3 / 2), uint32_t(size[1]));
   for (const auto& p : x) mesh.add_vertex(typename Mesh::Point(p[0], p[1], p[2]));
   for (const auto& t : tri)
-    if (mesh.add_face(Vertex(uint32_t(t[0])), Vertex(uint32_t(t[1])), Vertex(uint32_t(t[2]))) == Mesh::null_face()) return false;
+    if (mesh.add_face(Vertex(uint32_t(t[0])), Vertex(uint32_t(t[1])), Vertex(uint32_t(t[2]))) == Mesh::null_face())
+      return false;
   return true;
 }
 
@@ -68,6 +70,7 @@ int main(int count, char** argument) {
     std::fprintf(stderr, "limberg_bench_cgal BODY BLADE epick|epeck\n");
     return 2;
   }
-  if (std::strcmp(argument[3], "epeck") == 0) return run<CGAL::Exact_predicates_exact_constructions_kernel>(argument[1], argument[2]);
+  if (std::strcmp(argument[3], "epeck") == 0)
+    return run<CGAL::Exact_predicates_exact_constructions_kernel>(argument[1], argument[2]);
   return run<CGAL::Exact_predicates_inexact_constructions_kernel>(argument[1], argument[2]);
 }

@@ -25,7 +25,10 @@ ForceFigures force_trial(const ForceTrial& trial) {
   SimulatedHand hand;
   constexpr double kFullTurn = 2 * std::numbers::pi;
   // Comes down, presses 5 mm deep, taps through the surface at 1.5 Hz, strokes sideways.
-  hand.target = [=](double t) { return Vec3(4 * std::sin(kFullTurn * 0.3 * t), 0, 10 - 13 * std::min(1.0, t / 1.0) + 4 * std::sin(kFullTurn * 1.5 * t) * (t > 2 ? 1 : 0)); };
+  hand.target = [=](double t) {
+    return Vec3(4 * std::sin(kFullTurn * 0.3 * t), 0,
+                10 - 13 * std::min(1.0, t / 1.0) + 4 * std::sin(kFullTurn * 1.5 * t) * (t > 2 ? 1 : 0));
+  };
   SimulatedForceDevice device(hand);
   ForceLimits limits;
   limits.stiffness_N_mm = 1e6;  // the tissue itself is under test, not the coupling
@@ -75,15 +78,22 @@ ForceFigures force_trial(const ForceTrial& trial) {
       }
     }
     switch (trial.method) {
-      case ForceMethod::local: force = loop.tick(t, r.tip_mm, true).force_N; break;
-      case ForceMethod::hold: force = Vec3(0, 0, now.force); break;
-      case ForceMethod::tangent: force = Vec3(0, 0, std::max(0.0, now.force + now.tangent * (depth - now.depth))); break;
+      case ForceMethod::local:
+        force = loop.tick(t, r.tip_mm, true).force_N;
+        break;
+      case ForceMethod::hold:
+        force = Vec3(0, 0, now.force);
+        break;
+      case ForceMethod::tangent:
+        force = Vec3(0, 0, std::max(0.0, now.force + now.tangent * (depth - now.depth)));
+        break;
     }
     if (const double size = force.norm(); size > hand.force_N) force *= hand.force_N / size;
     const Vec3 x = device.true_mm();
     if (!first) energy -= last_force.dot(x - last_x);
     if (!first) f.largest_step_N = std::max(f.largest_step_N, (force - last_force).norm());
-    if (stall_end >= 0 && tick >= stall_end && tick < stall_end + 100) f.after_stall_mm_s = std::max(f.after_stall_mm_s, device.velocity_mm_s().norm());
+    if (stall_end >= 0 && tick >= stall_end && tick < stall_end + 100)
+      f.after_stall_mm_s = std::max(f.after_stall_mm_s, device.velocity_mm_s().norm());
     first = false;
     last_x = x;
     last_force = force;
@@ -107,8 +117,10 @@ StallFigures stall_trials(double stiffness_N_mm, double stall_s, int moments) {
     const ForceFigures calm = force_trial(t);
     t.stiffness_N_mm = 0;
     out.free_mm_s = std::max(out.free_mm_s, force_trial(t).after_stall_mm_s);
-    if (f.after_stall_mm_s > out.stalled_mm_s) out.stalled_mm_s = f.after_stall_mm_s, out.calm_mm_s = calm.after_stall_mm_s;
-    out.energy_mJ = std::min(out.energy_mJ, f.least_energy_mJ), out.largest_step_N = std::max(out.largest_step_N, f.largest_step_N);
+    if (f.after_stall_mm_s > out.stalled_mm_s)
+      out.stalled_mm_s = f.after_stall_mm_s, out.calm_mm_s = calm.after_stall_mm_s;
+    out.energy_mJ = std::min(out.energy_mJ, f.least_energy_mJ),
+    out.largest_step_N = std::max(out.largest_step_N, f.largest_step_N);
   }
   return out;
 }

@@ -40,7 +40,8 @@ struct Fuzzer {
     do r.station = 1 + int(dice.below(kStations));
     while (!layout.active[size_t(r.station - 1)]);
     for (int i = 0; i < 3; ++i) r.pos_mm[i] = 1000 * (dice.uniform() - 0.5);
-    const Eigen::Quaterniond q = Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal() + 1e-9).normalized();
+    const Eigen::Quaterniond q =
+        Eigen::Quaterniond(dice.normal(), dice.normal(), dice.normal(), dice.normal() + 1e-9).normalized();
     r.quat = {q.w(), q.x(), q.y(), q.z()};
     r.pressed = dice.below(2) && layout.has_switch[size_t(r.station - 1)];
     return r;
@@ -52,11 +53,21 @@ struct Fuzzer {
       const size_t at = dice.below(b.size());
       const auto p = b.begin() + long(at);
       switch (dice.below(6)) {
-        case 0: b[at] = uint8_t(dice.next()); break;
-        case 1: b[at] ^= uint8_t(1u << dice.below(8)); break;
-        case 2: b.erase(p); break;
-        case 3: b.insert(p, uint8_t(dice.next())); break;
-        case 4: b.erase(p, b.begin() + long(std::min(b.size(), at + 1 + dice.below(40)))); break;
+        case 0:
+          b[at] = uint8_t(dice.next());
+          break;
+        case 1:
+          b[at] ^= uint8_t(1u << dice.below(8));
+          break;
+        case 2:
+          b.erase(p);
+          break;
+        case 3:
+          b.insert(p, uint8_t(dice.next()));
+          break;
+        case 4:
+          b.erase(p, b.begin() + long(std::min(b.size(), at + 1 + dice.below(40))));
+          break;
         default: {
           Bytes noise(1 + dice.below(20));
           for (uint8_t& x : noise) x = uint8_t(dice.next());
@@ -86,8 +97,8 @@ bool far(const Record& a, const Record& b) {
 void check(Fuzzer& f, Family& family, const Record& r, const Layout& layout) {
   double qq = 0;
   for (const double q : r.quat) qq += q * q;
-  if (!r.pos_mm.allFinite() || r.pos_mm.cwiseAbs().maxCoeff() > kReachMm || !(std::abs(qq - 1) < 1e-9) || r.station < 1 || r.station > kStations ||
-      !layout.active[size_t(r.station - 1)])
+  if (!r.pos_mm.allFinite() || r.pos_mm.cwiseAbs().maxCoeff() > kReachMm || !(std::abs(qq - 1) < 1e-9) ||
+      r.station < 1 || r.station > kStations || !layout.active[size_t(r.station - 1)])
     f.violated(family, "a record out of range was taken");
 }
 
@@ -95,7 +106,8 @@ void check(Fuzzer& f, Family& family, const Record& r, const Layout& layout) {
 void line_case(Fuzzer& f, Family& family, bool replace) {
   Layout layout;
   layout.binary = f.dice.below(2);
-  for (size_t i = 0; i < layout.active.size(); ++i) layout.active[i] = i == 0 || f.dice.below(2), layout.has_switch[i] = layout.active[i] && f.dice.below(2);
+  for (size_t i = 0; i < layout.active.size(); ++i)
+    layout.active[i] = i == 0 || f.dice.below(2), layout.has_switch[i] = layout.active[i] && f.dice.below(2);
   if (replace) layout = Layout{};
   std::array<Record, 3> sent;
   std::array<Bytes, 3> bytes;
@@ -134,7 +146,8 @@ void line_case(Fuzzer& f, Family& family, bool replace) {
     family.far += !near;
   }
   const Parser::Counts& c = parser.counts();
-  if (size_t(c.bytes) != total || consumed + size_t(c.skipped_bytes) > total || total - consumed - size_t(c.skipped_bytes) >= kLongest)
+  if (size_t(c.bytes) != total || consumed + size_t(c.skipped_bytes) > total ||
+      total - consumed - size_t(c.skipped_bytes) >= kLongest)
     f.violated(family, "bytes were lost count of");
 }
 
@@ -157,7 +170,13 @@ struct Readings final : Link::Receiver {
 
 /// The conversation with bytes that make sense here and there, at odd times.
 void talk_case(Fuzzer& f, Family& family, Link& link, int64_t& now_ns) {
-  static constexpr std::string_view pieces[] = {"21S                                                  \r\n", "21l1100\r\n", "2", "\r\n", "01 ", "21l", "21l0000\r\n"};
+  static constexpr std::string_view pieces[] = {"21S                                                  \r\n",
+                                                "21l1100\r\n",
+                                                "2",
+                                                "\r\n",
+                                                "01 ",
+                                                "21l",
+                                                "21l0000\r\n"};
   Readings readings;
   Bytes b;
   switch (f.dice.below(4)) {
@@ -172,8 +191,12 @@ void talk_case(Fuzzer& f, Family& family, Link& link, int64_t& now_ns) {
       b.assign(record.begin(), record.begin() + long(n));
       break;
     }
-    case 2: b.resize(f.dice.below(200)); for (uint8_t& x : b) x = uint8_t(f.dice.next()); break;
-    default: break;
+    case 2:
+      b.resize(f.dice.below(200));
+      for (uint8_t& x : b) x = uint8_t(f.dice.next());
+      break;
+    default:
+      break;
   }
   if (f.dice.below(4) == 0) f.damage(b, 1);
   now_ns += int64_t(f.dice.below(f.dice.below(10) ? 30'000'000 : 3'000'000'000));
@@ -197,7 +220,8 @@ void packet_case(Fuzzer& f, Family& family, const S& sent) {
   M m;
   S s;
   bool has_checksum = false;
-  if (decode_message(b.data(), b.size(), m, &has_checksum) || to_sample(m, s) || !has_checksum) return;  // of a stream that has them
+  if (decode_message(b.data(), b.size(), m, &has_checksum) || to_sample(m, s) || !has_checksum)
+    return;  // of a stream that has them
   ++family.taken;
   family.wrong += b != before;
 }
@@ -241,7 +265,8 @@ Bytes log_of(Fuzzer& f, int events, std::set<int64_t>& sent) {
     sent.insert(s.t_ns * 1000 + i);
     MessageBytes bytes;
     const size_t n = encode_message(to_message(s), bytes);
-    put(LogReader::kSync, 4), put(uint64_t(i), 8), put(uint64_t(s.t_ns / 1000), 8), put(kStylusChannel.size(), 4), put(n, 4);
+    put(LogReader::kSync, 4), put(uint64_t(i), 8), put(uint64_t(s.t_ns / 1000), 8), put(kStylusChannel.size(), 4),
+        put(n, 4);
     out.insert(out.end(), kStylusChannel.begin(), kStylusChannel.end());
     out.insert(out.end(), bytes.begin(), bytes.begin() + long(n));
   }
@@ -257,8 +282,10 @@ void log_case(Fuzzer& f, Family& family) {
   if (f.dice.below(4) == 0 && b.size() > 2) {
     const size_t from = f.dice.below(b.size()), n = f.dice.below(b.size() - from);
     const Bytes part(b.begin() + long(from), b.begin() + long(from + n));
-    if (f.dice.below(2)) b.insert(b.begin() + long(f.dice.below(b.size())), part.begin(), part.end());
-    else b.erase(b.begin() + long(from), b.begin() + long(from + n));
+    if (f.dice.below(2))
+      b.insert(b.begin() + long(f.dice.below(b.size())), part.begin(), part.end());
+    else
+      b.erase(b.begin() + long(from), b.begin() + long(from + n));
   }
   family.cases += int64_t(hits);
   try {
@@ -266,7 +293,8 @@ void log_case(Fuzzer& f, Family& family) {
     int64_t last = -1, last_seq = -1, first = -1;
     for (const Sample& sample : r.samples) {
       const auto* s = std::get_if<StylusSample>(&sample);
-      if (!s || s->t_ns < last || s->seq <= last_seq || !s->tip_mm.allFinite()) return f.violated(family, "a log gave samples out of order or not finite");
+      if (!s || s->t_ns < last || s->seq <= last_seq || !s->tip_mm.allFinite())
+        return f.violated(family, "a log gave samples out of order or not finite");
       last = s->t_ns, last_seq = s->seq;
       ++family.taken;
       // A plain stream counts from its first sample's millisecond on.
@@ -318,13 +346,26 @@ DevicesFuzzReport devices_fuzz(const DevicesFuzzSettings& set) {
   constexpr int kSlices = 12;
   for (int slice = 1; slice <= kSlices; ++slice) {
     const int64_t upto = share * slice / kSlices;
-    timed(report.line, [&] { while (report.line.cases < upto) line_case(f, report.line, false); });
-    timed(report.replaced, [&] { while (report.replaced.cases < upto) line_case(f, report.replaced, true); });
-    timed(report.noise, [&] { while (report.noise.cases < upto / 2) noise_case(f, report.noise, noise_parser, layout); });
-    timed(report.talk, [&] { while (report.talk.cases < upto / 2) talk_case(f, report.talk, link, now_ns); });
-    timed(report.packet, [&] { while (report.packet.cases < 2 * upto) some_packet(f, report.packet); });
-    timed(report.log, [&] { while (report.log.cases < upto) log_case(f, report.log); });
-    if (set.progress) set.progress(std::to_string(report.cases()) + " cases, " + std::to_string(report.violations()) + " violations");
+    timed(report.line, [&] {
+      while (report.line.cases < upto) line_case(f, report.line, false);
+    });
+    timed(report.replaced, [&] {
+      while (report.replaced.cases < upto) line_case(f, report.replaced, true);
+    });
+    timed(report.noise, [&] {
+      while (report.noise.cases < upto / 2) noise_case(f, report.noise, noise_parser, layout);
+    });
+    timed(report.talk, [&] {
+      while (report.talk.cases < upto / 2) talk_case(f, report.talk, link, now_ns);
+    });
+    timed(report.packet, [&] {
+      while (report.packet.cases < 2 * upto) some_packet(f, report.packet);
+    });
+    timed(report.log, [&] {
+      while (report.log.cases < upto) log_case(f, report.log);
+    });
+    if (set.progress)
+      set.progress(std::to_string(report.cases()) + " cases, " + std::to_string(report.violations()) + " violations");
   }
   return report;
 }
@@ -335,7 +376,8 @@ Result DevicesFuzzReport::result() const {
     Row r;
     r.name = name;
     r.method = what;
-    r.settings = std::to_string(f.cases) + " cases, " + std::to_string(f.taken) + " taken, " + std::to_string(f.wrong) + " wrong, " + std::to_string(f.far) + " far, seed " + std::to_string(seed);
+    r.settings = std::to_string(f.cases) + " cases, " + std::to_string(f.taken) + " taken, " + std::to_string(f.wrong) +
+                 " wrong, " + std::to_string(f.far) + " far, seed " + std::to_string(seed);
     r.time_ms = f.cpu_ms;
     r.error = f.cases ? double(f.wrong) / double(f.cases) : 0;
     r.error_unit = "wrong/case";
@@ -354,10 +396,15 @@ Result DevicesFuzzReport::result() const {
   };
   bar("violations", double(violations()), 0, "no damage may break an invariant");
   // Five standard deviations of a count: by chance once in three million runs.
-  const auto limit = [](double share, int64_t cases) { return share + 5 * std::sqrt(share / double(std::max<int64_t>(1, cases))); };
-  bar("line, one byte: wrong pose taken, share", double(replaced.wrong) / double(std::max<int64_t>(1, replaced.cases)), limit(replaced.expected_wrong, replaced.cases),
+  const auto limit = [](double share, int64_t cases) {
+    return share + 5 * std::sqrt(share / double(std::max<int64_t>(1, cases)));
+  };
+  bar("line, one byte: wrong pose taken, share", double(replaced.wrong) / double(std::max<int64_t>(1, replaced.cases)),
+      limit(replaced.expected_wrong, replaced.cases),
       "fastrak::accepted_share, by trying all bytes and values; no checksum on the line");
-  bar("line, one byte: more than 3 mm or 3 deg off, share", double(replaced.far) / double(std::max<int64_t>(1, replaced.cases)), limit(expected_far, replaced.cases), "the same; left to the jump gate");
+  bar("line, one byte: more than 3 mm or 3 deg off, share",
+      double(replaced.far) / double(std::max<int64_t>(1, replaced.cases)), limit(expected_far, replaced.cases),
+      "the same; left to the jump gate");
   bar("line: noise taken for a record", double(noise.wrong), 0, "2^-40 a byte before its quaternion is looked at");
   bar("packet: wrong taken", double(packet.wrong), 0, "CRC-32: 2^-32 a case");
   bar("log: wrong taken", double(log.wrong), 0, "CRC-32: 2^-32 a case");

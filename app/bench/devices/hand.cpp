@@ -28,7 +28,8 @@ fastrak::Motion reaching_hand(uint64_t seed) {
     const auto k = size_t(reach) % (goals->size() - 1);
     const double blend = minimum_jerk((t - 0.6 * reach) / 0.4), tremor = 0.1 * std::sin(kFullTurn * 9.5 * t);
     fastrak::StationPose p;
-    p.pos_mm = (*goals)[k] + blend * ((*goals)[k + 1] - (*goals)[k]) + Vec3(tremor, 0.7 * tremor, -tremor) + Vec3(0, 40.0 * station, 0);
+    p.pos_mm = (*goals)[k] + blend * ((*goals)[k + 1] - (*goals)[k]) + Vec3(tremor, 0.7 * tremor, -tremor) +
+               Vec3(0, 40.0 * station, 0);
     p.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(0.4 * std::sin(kFullTurn * 0.7 * t), Vec3(0.6, 0, 0.8)));
     return p;
   };
@@ -77,7 +78,11 @@ TrackingFigures tracking_trial(const TrackingTrial& trial) {
   f.rate_hz = double(readings) / (double(end) * 1e-3);
 
   // At rest: the same device, a hand that does not move.
-  fastrak::VirtualLine still([](int station, double) { return fastrak::StationPose{Vec3(350, 40.0 * station, -120), Eigen::Quaterniond::Identity(), false}; }, link, device);
+  fastrak::VirtualLine still(
+      [](int station, double) {
+        return fastrak::StationPose{Vec3(350, 40.0 * station, -120), Eigen::Quaterniond::Identity(), false};
+      },
+      link, device);
   StylusTracker at_rest(c);
   Vec3 sum = Vec3::Zero(), sum2 = Vec3::Zero();
   int n = 0;
@@ -116,30 +121,36 @@ GrabFigures grab_trial(const GrabTrial& trial) {
     closes->push_back(k);
   }
   const double end_s = t + 0.5, idle_end = kStart + trial.idle_s;
-  const double phase[6] = {random.uniform() * 6, random.uniform() * 6, random.uniform() * 6, random.uniform() * 6, random.uniform() * 6, random.uniform() * 6};
-  const auto tremor = std::make_shared<std::array<Tremor, 2>>(std::array<Tremor, 2>{Tremor(random.next(), 0.25, 8, 12), Tremor(random.next(), 0.25, 8, 12)});
+  const double phase[6] = {random.uniform() * 6, random.uniform() * 6, random.uniform() * 6,
+                           random.uniform() * 6, random.uniform() * 6, random.uniform() * 6};
+  const auto tremor = std::make_shared<std::array<Tremor, 2>>(
+      std::array<Tremor, 2>{Tremor(random.next(), 0.25, 8, 12), Tremor(random.next(), 0.25, 8, 12)});
   const GloveParameters glove = c.glove;
   auto next = std::make_shared<size_t>(0);  // times asked for hardly ever go back
   const auto aperture = [=](double s) {
     if (s < idle_end) {
       // A relaxed hand: never less than 40 % open, once closer, once wider.
-      const double wave = 0.5 + 0.25 * std::sin(kFullTurn * 0.11 * s + phase[0]) + 0.25 * std::sin(kFullTurn * 0.37 * s + phase[1]);
+      const double wave =
+          0.5 + 0.25 * std::sin(kFullTurn * 0.11 * s + phase[0]) + 0.25 * std::sin(kFullTurn * 0.37 * s + phase[1]);
       return glove.closed_mm + (0.40 + 0.55 * wave) * (glove.open_mm - glove.closed_mm);
     }
     while (*next > 0 && s < (*closes)[*next].begin_s) --*next;
     while (*next + 1 < closes->size() && s >= (*closes)[*next + 1].begin_s) ++*next;
     if (closes->empty()) return glove.open_mm;
     const Close& k = (*closes)[*next];
-    const double shut = minimum_jerk((s - k.begin_s) / k.seconds) - minimum_jerk((s - k.begin_s - k.seconds - k.hold_s) / k.seconds);
+    const double shut =
+        minimum_jerk((s - k.begin_s) / k.seconds) - minimum_jerk((s - k.begin_s - k.seconds - k.hold_s) / k.seconds);
     return glove.open_mm - shut * (glove.open_mm - glove.closed_mm);
   };
   const fastrak::Motion motion = [=](int station, double s) {
     const auto wave = [&](double hz, int i) { return std::sin(kFullTurn * hz * s + phase[i]); };
     // Up to some 0.5 m/s, along the line between the fingers too.
-    const Vec3 centre(350 + 60 * wave(0.6, 2) + 30 * wave(1.1, 3), -60 + 70 * wave(0.7, 4) + 25 * wave(1.3, 5), -120 + 40 * wave(0.5, 3));
+    const Vec3 centre(350 + 60 * wave(0.6, 2) + 30 * wave(1.1, 3), -60 + 70 * wave(0.7, 4) + 25 * wave(1.3, 5),
+                      -120 + 40 * wave(0.5, 3));
     fastrak::StationPose p;
     p.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(0.5 * wave(0.4, 5), Vec3::UnitZ()));
-    p.pos_mm = centre + p.orientation * Vec3(0, (station == 1 ? 0.5 : -0.5) * aperture(s), 0) + (*tremor)[size_t(station != 1)].at(s);
+    p.pos_mm = centre + p.orientation * Vec3(0, (station == 1 ? 0.5 : -0.5) * aperture(s), 0) +
+               (*tremor)[size_t(station != 1)].at(s);
     return p;
   };
   fastrak::EmulatorSettings device;
@@ -156,7 +167,8 @@ GrabFigures grab_trial(const GrabTrial& trial) {
     const HandPose h = tracker.at(tick * kTickNs);
     if (h.closed && !closed) grabs.push_back(tick);
     closed = h.closed;
-    if (double(tick) * 1e-3 < idle_end) f.least_aperture_mm = std::min(f.least_aperture_mm, aperture(double(tick) * 1e-3));
+    if (double(tick) * 1e-3 < idle_end)
+      f.least_aperture_mm = std::min(f.least_aperture_mm, aperture(double(tick) * 1e-3));
   }
   f.damaged = line.link().counts().parser.damaged;
   f.idle_s = trial.idle_s;
@@ -169,8 +181,10 @@ GrabFigures grab_trial(const GrabTrial& trial) {
     while (aperture(s) > thresholds.close_below_mm()) s += 1e-4;
     // A grab up to 20 ms before the crossing is the prediction at work.
     for (; g < grabs.size() && double(grabs[g]) * 1e-3 < s - 0.02; ++g) ++f.extra;
-    if (g < grabs.size() && double(grabs[g]) * 1e-3 < k.begin_s + 2 * k.seconds + k.hold_s) delay.push_back(double(grabs[g++]) - s * 1e3);
-    else ++f.missed;
+    if (g < grabs.size() && double(grabs[g]) * 1e-3 < k.begin_s + 2 * k.seconds + k.hold_s)
+      delay.push_back(double(grabs[g++]) - s * 1e3);
+    else
+      ++f.missed;
   }
   f.extra += int64_t(grabs.size() - g);
   for (const double d : delay) f.in_time += d <= trial.within_ms;

@@ -1,6 +1,7 @@
 #pragma once
 // `limberg bench devices`: the hand's side in figures. Parts: wake (the 1 kHz loop), buffers,
-// tracking (error against lag), calibration (error against noise and poses), grabs, force (passivity against stiffness and
+// tracking (error against lag), calibration (error against noise and poses), grabs, force (passivity against stiffness
+// and
 // solver rate beside the naive methods).
 #include <functional>
 #include <string>

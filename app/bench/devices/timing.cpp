@@ -132,7 +132,10 @@ WakeFigures wake_trial(double seconds, bool fifo, int hog_count) {
     const Thread loop([&] {
       request_exact_timers();
       const bool got = fifo && be_fifo(80);
-      f.settings = std::string(got ? "SCHED_FIFO 80" : fifo ? "SCHED_FIFO refused" : "SCHED_OTHER") + (hog_count ? ", " + std::to_string(hog_count) + " hogs" : ", no hogs of ours");
+      f.settings = std::string(got    ? "SCHED_FIFO 80"
+                               : fifo ? "SCHED_FIFO refused"
+                                      : "SCHED_OTHER") +
+                   (hog_count ? ", " + std::to_string(hog_count) + " hogs" : ", no hogs of ours");
       const RealClock clock(RealClock::monotonic_ns());
       for (int64_t tick = 1; double(tick) * 1e-3 < seconds; ++tick) {
         clock.sleep_until_ns(tick * kDeviceTickNs);
@@ -146,11 +149,15 @@ WakeFigures wake_trial(double seconds, bool fifo, int hog_count) {
   return f;
 }
 
-std::vector<BufferFigures> buffer_trials(int64_t writes) { return {buffer_trial<Triple>(writes), buffer_trial<Mutex>(writes)}; }
+std::vector<BufferFigures> buffer_trials(int64_t writes) {
+  return {buffer_trial<Triple>(writes), buffer_trial<Mutex>(writes)};
+}
 
 std::vector<InversionFigures> inversion_trials(double seconds) {
   bool allowed = false;
-  { const Thread t([&] { allowed = be_fifo(60); }); }
+  {
+    const Thread t([&] { allowed = be_fifo(60); });
+  }
   if (!allowed) return {};
   return {inversion_trial<Triple>(seconds), inversion_trial<Mutex>(seconds)};
 }

@@ -81,8 +81,8 @@ TriMesh make_body(const BodySpec& spec) {
       }
   const auto id = [n](int layer, int i, int j) { return int32_t((layer * n + j) * n + i); };
   const auto quad = [&](int32_t a, int32_t b, int32_t c, int32_t d, bool turned, SurfaceTag tag) {
-    const std::array<Tri, 2> two = turned ? std::array<Tri, 2>{Tri{a, b, d}, Tri{b, c, d}}
-                                          : std::array<Tri, 2>{Tri{a, b, c}, Tri{a, c, d}};
+    const std::array<Tri, 2> two =
+        turned ? std::array<Tri, 2>{Tri{a, b, d}, Tri{b, c, d}} : std::array<Tri, 2>{Tri{a, b, c}, Tri{a, c, d}};
     for (const Tri& t : two) m.tri.push_back(t), m.tag.push_back(tag), m.uv.push_back({});
   };
   const SurfaceTag side = spec.loose ? SurfaceTag::free : SurfaceTag::fixed;
@@ -107,7 +107,7 @@ LatticeGrid make_lattice(const Case& c, double cell_mm) {
   // The pitch of the case's own cells is a multiple of four, so that half of it is still even; of more if they will be
   // divided.
   const int32_t unit = c.front_levels ? 2 << kLevels : 4, base = unit * int32_t(std::lround(c.cell_mm / u / unit));
-  const int32_t pitch = cell_mm == c.cell_mm        ? base
+  const int32_t pitch = cell_mm == c.cell_mm       ? base
                         : cell_mm == c.cell_mm / 2 ? base / 2
                                                    : 2 * int32_t(std::lround(cell_mm / u / 2));
   const auto odd = [&](double mm) { return 2 * int32_t(std::floor(mm / u / 2)) - 1; };
@@ -122,8 +122,10 @@ LatticeGrid make_lattice(const Case& c, double cell_mm) {
 
 std::string to_json(const Case& c) {
   Json j;
-  j["body"] = {{"size_mm", c.body.size_mm},       {"thickness_mm", c.body.thickness_mm},
-               {"wave_mm", c.body.wave_mm},       {"columns", c.body.columns},
+  j["body"] = {{"size_mm", c.body.size_mm},
+               {"thickness_mm", c.body.thickness_mm},
+               {"wave_mm", c.body.wave_mm},
+               {"columns", c.body.columns},
                {"loose", c.body.loose}};
   j["cell_mm"] = c.cell_mm;
   j["lattice_shift"] = c.lattice_shift;

@@ -22,8 +22,8 @@ struct Op {
   std::string name;  // what the generator meant: incise, cross, deepen, undermine ...
 
   // cut, fault
-  std::vector<Int3> vertex;                          // even half-units
-  std::vector<std::pair<int32_t, int32_t>> shared;   // per vertex: (number of a past op, its vertex); -1: none
+  std::vector<Int3> vertex;                         // even half-units
+  std::vector<std::pair<int32_t, int32_t>> shared;  // per vertex: (number of a past op, its vertex); -1: none
   std::vector<Tri> tri;
   std::vector<uint8_t> seed_of_tri;
   uint64_t seed = 0;

@@ -74,8 +74,7 @@ std::string check_parents(const LatticeTopology& before, const LatticeTopology& 
         return "I7: a node copy's parent is not the one of its cell";
   }
   for (size_t c = 0; c < fraction.size(); ++c)
-    if (fraction[c] > before.cells[c].fraction + 1e-10 ||
-        (only_cuts && fraction[c] < before.cells[c].fraction - 1e-10))
+    if (fraction[c] > before.cells[c].fraction + 1e-10 || (only_cuts && fraction[c] < before.cells[c].fraction - 1e-10))
       return "I5: the children of a cell copy have another volume than it had";
   return {};
 }
@@ -83,7 +82,8 @@ std::string check_parents(const LatticeTopology& before, const LatticeTopology& 
 std::string check_same(const LatticeTopology& updated, const LatticeTopology& built) {
   if (built.cells.size() != updated.cells.size()) return "update: another number of cell copies than when built anew";
   if (built.nodes.size() != updated.nodes.size()) return "update: another number of node copies than when built anew";
-  if (built.hanging.size() != updated.hanging.size()) return "update: another number of hanging nodes than when built anew";
+  if (built.hanging.size() != updated.hanging.size())
+    return "update: another number of hanging nodes than when built anew";
   if (built.links != updated.links) return "update: other links than when built anew";
   if (built.node_in_material != updated.node_in_material) return "update: other nodes in material than when built anew";
   for (size_t c = 0; c < built.components.size(); ++c) {

@@ -146,8 +146,8 @@ Op Generator::loop(bool through) {
     const double t = turn + 2 * std::numbers::pi * i / n;
     path.push_back(c + r * Vec2(std::cos(t), std::sin(t)));
   }
-  finish_strip(op, path, case_.body.wave_mm + 1, through ? -case_.body.thickness_mm - 1 : -random_.real(1, case_.body.thickness_mm),
-               true, {0, 0});
+  finish_strip(op, path, case_.body.wave_mm + 1,
+               through ? -case_.body.thickness_mm - 1 : -random_.real(1, case_.body.thickness_mm), true, {0, 0});
   return op;
 }
 
@@ -210,7 +210,8 @@ Op Generator::prolong(const Runner& runner, int32_t) {
   const double u = RestGrid{}.half_unit_mm();
   Vec3 end[2], before[2];
   for (size_t k = 0; k < 2; ++k) {
-    const Int3 p = runner.arrangement().explicit_point(m.blade_point[n - 2 + k]), q = runner.arrangement().explicit_point(m.blade_point[n - 4 + k]);
+    const Int3 p = runner.arrangement().explicit_point(m.blade_point[n - 2 + k]),
+               q = runner.arrangement().explicit_point(m.blade_point[n - 4 + k]);
     end[k] = u * Vec3(p.x, p.y, p.z);
     before[k] = u * Vec3(q.x, q.y, q.z);
     op.vertex.push_back(p);
@@ -239,8 +240,10 @@ Op Generator::sheet() {
   const Vec2 c = around(0.8);
   const double t = random_.real(0, 6.28), z = -random_.real(0.2, case_.body.thickness_mm);
   // Braces: the draws come in this order with every compiler.
-  const Vec3 u{random_.real(4, 18) * std::cos(t), random_.real(4, 18) * std::sin(t), random_.one_in(2) ? 0 : random_.real(-2, 2)};
-  const Vec3 v{-random_.real(4, 18) * std::sin(t), random_.real(4, 18) * std::cos(t), random_.one_in(2) ? 0 : random_.real(-2, 2)};
+  const Vec3 u{random_.real(4, 18) * std::cos(t), random_.real(4, 18) * std::sin(t),
+               random_.one_in(2) ? 0 : random_.real(-2, 2)};
+  const Vec3 v{-random_.real(4, 18) * std::sin(t), random_.real(4, 18) * std::cos(t),
+               random_.one_in(2) ? 0 : random_.real(-2, 2)};
   const int n = 1 + random_.below(3), m = 1 + random_.below(3);
   for (int j = 0; j <= m; ++j)
     for (int i = 0; i <= n; ++i)
@@ -332,11 +335,13 @@ Op Generator::fan() {
   const Vec2 c = around(0.7);
   op.vertex.push_back(place({c.x(), c.y(), -random_.real(0.3, case_.body.thickness_mm + 1)}));
   const int n = 3 + random_.below(4);
-  const double turn = random_.real(0, 6.28), r = random_.real(1, 7), full = random_.one_in(2) ? 6.2831853 : random_.real(1, 5);
+  const double turn = random_.real(0, 6.28), r = random_.real(1, 7),
+               full = random_.one_in(2) ? 6.2831853 : random_.real(1, 5);
   const bool closed = full > 6;
   for (int i = 0; i < (closed ? n : n + 1); ++i) {
     const double t = turn + full * i / n;
-    op.vertex.push_back(place({c.x() + r * std::cos(t), c.y() + r * std::sin(t), case_.body.wave_mm + random_.real(0.2, 2)}));
+    op.vertex.push_back(
+        place({c.x() + r * std::cos(t), c.y() + r * std::sin(t), case_.body.wave_mm + random_.real(0.2, 2)}));
   }
   for (int i = 0; i < n; ++i) op.tri.push_back({0, 1 + i, 1 + (closed ? (i + 1) % n : i + 1)});
   op.seed_of_tri.assign(op.tri.size(), uint8_t(1 + random_.below(2)));

@@ -28,15 +28,15 @@ namespace {
 
 namespace fs = std::filesystem;
 using fuzz::Random;
-constexpr int64_t kSlice = 2000;       // cases of one child
+constexpr int64_t kSlice = 2000;  // cases of one child
 constexpr size_t kLongestReason = 3000;
 
 /// What a child tells its parent; after a crash too.
 struct Told {
-  volatile int64_t at;                 // the case that is under way
+  volatile int64_t at;  // the case that is under way
   int64_t taken, refused, violations;
   double slowest_ms, cpu_ms;
-  int64_t first;                       // case of the first violation
+  int64_t first;  // case of the first violation
   char what[400];
 };
 
@@ -44,7 +44,9 @@ bool numeric(char c) { return (c >= '0' && c <= '9') || c == '.' || c == '-' || 
 
 /// A number of a text becomes an absurd one.
 void absurd_number(std::string& s, Random& r) {
-  constexpr const char* kAbsurd[] = {"0", "-1", "1e308", "-1e308", "nan", "inf", "4294967296", "99999999999999999999", "2147483648", "", "1e-320", "65536", "0x10", "true"};
+  constexpr const char* kAbsurd[] = {
+      "0",          "-1", "1e308",  "-1e308", "nan",  "inf", "4294967296", "99999999999999999999",
+      "2147483648", "",   "1e-320", "65536",  "0x10", "true"};
   const size_t from = size_t(r.next() % s.size());
   size_t at = from;
   while (at < s.size() && !numeric(s[at])) ++at;
@@ -60,11 +62,21 @@ std::string damaged(std::string s, Random& r) {
     const size_t reach = r.one_in(2) ? std::min<size_t>(s.size(), 400) : s.size(), at = size_t(r.next() % reach);
     const size_t some = 1 + size_t(r.below(12));
     switch (r.below(11)) {
-      case 0: s[at] = char(r.next()); break;
-      case 1: s[at] = char(s[at] ^ 1 << r.below(8)); break;
-      case 2: s.erase(at, some); break;
-      case 3: s.insert(at, std::string(some, char(r.next()))); break;
-      case 4: s.resize(at); break;
+      case 0:
+        s[at] = char(r.next());
+        break;
+      case 1:
+        s[at] = char(s[at] ^ 1 << r.below(8));
+        break;
+      case 2:
+        s.erase(at, some);
+        break;
+      case 3:
+        s.insert(at, std::string(some, char(r.next())));
+        break;
+      case 4:
+        s.resize(at);
+        break;
       case 5:  // a length or a count: 16 GB and more
         for (size_t k = at; k < std::min(s.size(), at + 4); ++k) s[k] = char(0xff);
         break;
@@ -78,17 +90,22 @@ std::string damaged(std::string s, Random& r) {
       }
       case 8: {  // a line less, or twice
         const size_t end = std::min(s.size(), s.find('\n', at)), begin = at == 0 ? 0 : s.rfind('\n', at - 1) + 1;
-        if (r.one_in(2)) s.erase(begin, end - begin + 1);
-        else s.insert(begin, s.substr(begin, end - begin + 1));
+        if (r.one_in(2))
+          s.erase(begin, end - begin + 1);
+        else
+          s.insert(begin, s.substr(begin, end - begin + 1));
         break;
       }
-      default: absurd_number(s, r);
+      default:
+        absurd_number(s, r);
     }
   }
   return s;
 }
 
-void write(const fs::path& path, const std::string& content) { std::ofstream(path, std::ios::binary | std::ios::trunc) << content; }
+void write(const fs::path& path, const std::string& content) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << content;
+}
 
 /// The damage of a case, put into the folder of its sound files. Returns what is to be opened.
 class Hit {
@@ -105,9 +122,13 @@ class Hit {
     if (several && r.one_in(8)) {  // a slice is missing, is there twice, or is one of another series
       const int how = r.below(3);
       const SoundFiles& other = reader.sound[size_t(r.below(int(reader.sound.size())))];
-      content_ = how == 0 ? "" : how == 1 ? sound_->file[(which_ + 1) % sound_->file.size()].second : other.file[size_t(r.below(int(other.file.size())))].second;
-      if (how == 0) fs::remove(path);
-      else write(path, content_);
+      content_ = how == 0   ? ""
+                 : how == 1 ? sound_->file[(which_ + 1) % sound_->file.size()].second
+                            : other.file[size_t(r.below(int(other.file.size())))].second;
+      if (how == 0)
+        fs::remove(path);
+      else
+        write(path, content_);
     } else {
       content_ = damaged(sound_->file[which_].second, r);
       write(path, content_);
@@ -156,7 +177,8 @@ void limit_memory(int64_t most_bytes) {
 #endif
 }
 
-[[noreturn]] void child(const Reader& reader, const fs::path& dir, const ReadersFuzzSettings& s, uint64_t seed, int64_t from, int64_t to, Told& told) {
+[[noreturn]] void child(const Reader& reader, const fs::path& dir, const ReadersFuzzSettings& s, uint64_t seed,
+                        int64_t from, int64_t to, Told& told) {
   limit_memory(s.most_bytes);
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
@@ -176,7 +198,8 @@ void limit_memory(int64_t most_bytes) {
       } catch (const InputError& e) {
         fault = fault_of_refusal(e, dir);
       } catch (const std::bad_alloc&) {
-        fault = "memory: asked for more than " + std::to_string(s.most_bytes >> 20) + " MB for a file of " + std::to_string(hit.content().size()) + " bytes";
+        fault = "memory: asked for more than " + std::to_string(s.most_bytes >> 20) + " MB for a file of " +
+                std::to_string(hit.content().size()) + " bytes";
       } catch (const std::exception& e) {
         fault = std::string("threw what is no InputError: ") + e.what();
       }
@@ -192,7 +215,9 @@ void limit_memory(int64_t most_bytes) {
 
 struct Shared {
   Told* told;
-  Shared() : told(static_cast<Told*>(mmap(nullptr, sizeof(Told), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))) {
+  Shared()
+      : told(static_cast<Told*>(
+            mmap(nullptr, sizeof(Told), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0))) {
     if (told == MAP_FAILED) throw InputError("", 0, "no memory to share with a child process");
   }
   ~Shared() { munmap(told, sizeof(Told)); }
@@ -224,7 +249,8 @@ ReadersFuzzReport readers_fuzz(const ReadersFuzzSettings& s, const std::vector<R
     report.family.push_back({});
     ReadersFuzzReport::Family& f = report.family.back();
     f.name = reader.name;
-    f.cases = std::max<int64_t>(1, s.cases / int64_t(readers.size()) + (int64_t(k) < s.cases % int64_t(readers.size())));
+    f.cases =
+        std::max<int64_t>(1, s.cases / int64_t(readers.size()) + (int64_t(k) < s.cases % int64_t(readers.size())));
     const fs::path dir = folder.path() / std::to_string(k);
     for (size_t v = 0; v < reader.sound.size(); ++v) {
       fs::create_directories(dir / std::to_string(v));
@@ -251,7 +277,8 @@ ReadersFuzzReport readers_fuzz(const ReadersFuzzSettings& s, const std::vector<R
       if (pid < 0) throw InputError("", 0, "no child process could be started");
       if (pid == 0) child(reader, dir, s, seed, from, to, told);
       int status = 0;
-      while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {}
+      while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+      }
       f.taken += told.taken, f.refused += told.refused, f.violations += told.violations, f.cpu_ms += told.cpu_ms;
       f.slowest_ms = std::max(f.slowest_ms, told.slowest_ms);
       if (told.violations > 0) keep(told.first, told.what);
@@ -259,12 +286,16 @@ ReadersFuzzReport readers_fuzz(const ReadersFuzzSettings& s, const std::vector<R
       if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
         ++f.violations;
         const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-        keep(from, signal == SIGVTALRM ? "time: more than " + std::to_string(s.most_s) + " s of CPU time" : signal ? "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")" : "the process ended by itself");
+        keep(from, signal == SIGVTALRM ? "time: more than " + std::to_string(s.most_s) + " s of CPU time"
+                   : signal            ? "signal " + std::to_string(signal) + " (" + strsignal(signal) + ")"
+                                       : "the process ended by itself");
         for (size_t v = 0; v < reader.sound.size(); ++v)  // (the child could not)
           for (const auto& [name, content] : reader.sound[v].file) write(dir / std::to_string(v) / name, content);
         ++from;
       }
-      if (s.progress) s.progress(reader.name + ", " + std::to_string(report.cases() - f.cases + from) + " of " + std::to_string(s.cases) + " cases, " + std::to_string(report.violations()) + " violations");
+      if (s.progress)
+        s.progress(reader.name + ", " + std::to_string(report.cases() - f.cases + from) + " of " +
+                   std::to_string(s.cases) + " cases, " + std::to_string(report.violations()) + " violations");
     }
   }
   return report;
@@ -278,7 +309,8 @@ Result ReadersFuzzReport::result() const {
     r.method = "damaged files";
     char b[120];
     std::snprintf(b, sizeof b, ", slowest %.1f ms, seed ", f.slowest_ms);
-    r.settings = std::to_string(f.cases) + " cases, " + std::to_string(f.taken) + " taken, " + std::to_string(f.refused) + " refused" + b + std::to_string(seed);
+    r.settings = std::to_string(f.cases) + " cases, " + std::to_string(f.taken) + " taken, " +
+                 std::to_string(f.refused) + " refused" + b + std::to_string(seed);
     r.time_ms = f.cpu_ms;
     r.error = double(f.violations);
     r.error_unit = "violations";
@@ -286,7 +318,9 @@ Result ReadersFuzzReport::result() const {
     r.pass = f.violations == 0;
     out.rows.push_back(r);
   }
-  out.bars.push_back({"violations", double(violations()), false, 0, false, violations() == 0, "no damaged file may crash, hang, take memory that its header claims, or be refused without file and reason"});
+  out.bars.push_back(
+      {"violations", double(violations()), false, 0, false, violations() == 0,
+       "no damaged file may crash, hang, take memory that its header claims, or be refused without file and reason"});
   for (const std::string& v : violation) out.notes.push_back("violation: " + v);
   return out;
 }

@@ -1,10 +1,14 @@
 #pragma once
 // `limberg bench fuzz --readers`: damaged files against every reader of images, surfaces, meshes and scenes.
 //
-// A case is one sound file (sound_files.h) that was hit: bits, bytes and stretches changed, lost, doubled or cut off, numbers of a text
-// replaced by absurd ones, lengths and counts in binary headers blown up; of a series also slices missing, doubled or of another one. The reader must
-// refuse it with an InputError that names the file and gives a reason, or take it and hand over something sound. Cases run in a
-// child process whose memory is limited, so that a crash, a loop without end or memory asked for because a header claims it is a
+// A case is one sound file (sound_files.h) that was hit: bits, bytes and stretches changed, lost, doubled or cut off,
+// numbers of a text
+// replaced by absurd ones, lengths and counts in binary headers blown up; of a series also slices missing, doubled or
+// of another one. The reader must
+// refuse it with an InputError that names the file and gives a reason, or take it and hand over something sound. Cases
+// run in a
+// child process whose memory is limited, so that a crash, a loop without end or memory asked for because a header
+// claims it is a
 // violation with a number, not the end of the run: `signal`, `time` or `memory`.
 #include <cstdint>
 #include <functional>
@@ -33,11 +37,11 @@ struct Reader {
 std::vector<Reader> readers();
 
 struct ReadersFuzzSettings {
-  int64_t cases = 100'000;       // over all readers
+  int64_t cases = 100'000;  // over all readers
   uint64_t seed = 1;
-  std::string out_dir;           // the files of violations are kept here; empty: nowhere
+  std::string out_dir;                      // the files of violations are kept here; empty: nowhere
   int64_t most_bytes = int64_t(256) << 20;  // of memory beyond what the process has; the sound files are below 2 kB
-  int most_s = 5;                // of CPU time for one case
+  int most_s = 5;                           // of CPU time for one case
   std::function<void(const std::string&)> progress;  // empty: silent
 };
 

@@ -21,16 +21,16 @@
 namespace limberg::fuzz {
 
 struct Counts {
-  int64_t operations = 0;  // all, of every kind
+  int64_t operations = 0;                                                         // all, of every kind
   int64_t cuts = 0, done = 0, nothing = 0, by_rule = 0, folded = 0, refused = 0;  // refused: 8 tries were not enough
-  int64_t tries = 0;       // of cuts that were done or refused
+  int64_t tries = 0;                                                              // of cuts that were done or refused
   int64_t excised = 0, undone = 0, redone = 0, replayed = 0, faults = 0, faults_rolled_back = 0;
   int64_t full_checks = 0;
   void add(const Counts& b);
 };
 
 struct Settings {
-  int check_every = 1;        // operations between full checks
+  int check_every = 1;  // operations between full checks
   bool with_lattice = true;
   bool skip_embedding = false;  // blades that run through themselves are taken: to show that the test is needed
 };

@@ -71,13 +71,17 @@ std::string nifti(bool big, int form, float slope, float intercept) {
 }
 
 std::string nrrd(bool packed) {
-  return std::string("NRRD0004\n# made for tests\ndimension: 3\nsizes: 3 4 5\nspace: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (-1,5,2)\ntype: short\nendian: little\nencoding: ") +
+  return std::string(
+             "NRRD0004\n# made for tests\ndimension: 3\nsizes: 3 4 5\nspace: left-posterior-superior\nspace "
+             "directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (-1,5,2)\ntype: short\nendian: little\nencoding: ") +
          (packed ? "gzip" : "raw") + "\n\n" + (packed ? deflated(voxels(), true) : voxels());
 }
 
 std::string meta_image(bool packed) {
-  return std::string("ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\nElementSpacing = 2 3 4\nOffset = 1 2 3\nElementByteOrderMSB = False\nElementType = MET_SHORT\nCompressedData = ") + (packed ? "True" : "False") +
-         "\nElementDataFile = LOCAL\n" + (packed ? deflated(voxels(), false) : voxels());
+  return std::string(
+             "ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\nElementSpacing = 2 3 4\nOffset = 1 2 "
+             "3\nElementByteOrderMSB = False\nElementType = MET_SHORT\nCompressedData = ") +
+         (packed ? "True" : "False") + "\nElementDataFile = LOCAL\n" + (packed ? deflated(voxels(), false) : voxels());
 }
 
 std::string dicom(const Slice& s) {
@@ -101,10 +105,13 @@ std::string dicom(const Slice& s) {
     for (const double v : x) t += (t.empty() ? "" : "\\") + std::to_string(v);
     return t;
   };
-  const std::string plain = s.run_length ? "1.2.840.10008.1.2.5" : s.explicit_vr ? "1.2.840.10008.1.2.1" : "1.2.840.10008.1.2";
+  const std::string plain = s.run_length    ? "1.2.840.10008.1.2.5"
+                            : s.explicit_vr ? "1.2.840.10008.1.2.1"
+                                            : "1.2.840.10008.1.2";
   element(0x00020010, "UI", s.syntax.empty() ? plain : s.syntax, true);
   const bool e = s.explicit_vr;
-  element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2", e), element(0x00080018, "UI", s.series + ".7." + std::to_string(int(s.at.z() * 10) + 5000), e);
+  element(0x00080016, "UI", "1.2.840.10008.5.1.4.1.1.2", e),
+      element(0x00080018, "UI", s.series + ".7." + std::to_string(int(s.at.z() * 10) + 5000), e);
   element(0x00080060, "CS", "CT", e);
   element(0x0008103e, "LO", s.description, e);
   if (s.sequence) {  // of undefined length, an item of undefined length with an element in it
@@ -119,7 +126,8 @@ std::string dicom(const Slice& s) {
   element(0x00280002, "US", number(1), e), element(0x00280004, "CS", "MONOCHROME2", e);
   element(0x00280010, "US", number(s.rows), e), element(0x00280011, "US", number(s.columns), e);
   element(0x00280030, "DS", text({s.spacing, s.spacing}), e);
-  element(0x00280100, "US", number(16), e), element(0x00280101, "US", number(16), e), element(0x00280102, "US", number(15), e), element(0x00280103, "US", number(1), e);
+  element(0x00280100, "US", number(16), e), element(0x00280101, "US", number(16), e),
+      element(0x00280102, "US", number(15), e), element(0x00280103, "US", number(1), e);
   element(0x00281052, "DS", text({s.intercept}), e), element(0x00281053, "DS", text({s.slope}), e);
   std::string pixels;
   for (int j = 0; j < s.rows; ++j)
@@ -133,18 +141,22 @@ std::string dicom(const Slice& s) {
   for (size_t i = 0; i < pixels.size(); ++i) plane[1 - i % 2] += pixels[i];
   for (std::string& p : plane) p = run_lengths(p);
   std::string header(64, 0);
-  put<uint32_t>(header, 0, 2, false), put<uint32_t>(header, 4, 64, false), put<uint32_t>(header, 8, uint32_t(64 + plane[0].size()), false);
+  put<uint32_t>(header, 0, 2, false), put<uint32_t>(header, 4, 64, false),
+      put<uint32_t>(header, 8, uint32_t(64 + plane[0].size()), false);
   const std::string fragment = header + plane[0] + plane[1];
   std::string items("\xfe\xff\x00\xe0\0\0\0\0\xfe\xff\x00\xe0\0\0\0\0", 16);
   put(items, 12, uint32_t(fragment.size()), false);
-  out += std::string("\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff", 12) + items + fragment + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+  out += std::string("\xe0\x7f\x10\x00OB\0\0\xff\xff\xff\xff", 12) + items + fragment +
+         std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
   return out;
 }
 
 std::string obj_file() {
   std::string s = "# a comment\n";
-  for (const Vec3& p : kCorner) s += "v " + std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
-  for (const Tri& q : kTriangle) s += "f " + std::to_string(q[0] + 1) + "/1 " + std::to_string(q[1] - 4) + " " + std::to_string(q[2] + 1) + "//2\n";
+  for (const Vec3& p : kCorner)
+    s += "v " + std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(p.z()) + "\n";
+  for (const Tri& q : kTriangle)
+    s += "f " + std::to_string(q[0] + 1) + "/1 " + std::to_string(q[1] - 4) + " " + std::to_string(q[2] + 1) + "//2\n";
   return s;
 }
 
@@ -153,8 +165,10 @@ std::string stl_file(bool binary) {
   if (binary) put<uint32_t>(s, 80, uint32_t(kTriangle.size()), false);
   for (const Tri& q : kTriangle) {
     const size_t at = s.size();
-    if (binary) s.resize(at + 50);
-    else s += "facet normal 0 0 0\nouter loop\n";
+    if (binary)
+      s.resize(at + 50);
+    else
+      s += "facet normal 0 0 0\nouter loop\n";
     for (size_t c = 0; c < 3; ++c) {
       const Vec3& p = kCorner[size_t(q[c])];
       if (binary)
@@ -169,16 +183,22 @@ std::string stl_file(bool binary) {
 
 std::string ply_file(Ply form) {
   const char* name = form == Ply::text ? "ascii" : form == Ply::little ? "binary_little_endian" : "binary_big_endian";
-  std::string s = std::string("ply\nformat ") + name + " 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty float y\nproperty short z\nproperty uchar red\nelement face 4\nproperty list uchar uint vertex_index\nend_header\n";
+  std::string s = std::string("ply\nformat ") + name +
+                  " 1.0\ncomment by hand\nelement vertex 4\nproperty double x\nproperty float y\nproperty short "
+                  "z\nproperty uchar red\nelement face 4\nproperty list uchar uint vertex_index\nend_header\n";
   if (form == Ply::text) {
-    for (const Vec3& p : kCorner) s += std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(int(p.z())) + " 7\n";
-    for (const Tri& q : kTriangle) s += "3 " + std::to_string(q[0]) + " " + std::to_string(q[1]) + " " + std::to_string(q[2]) + "\n";
+    for (const Vec3& p : kCorner)
+      s += std::to_string(p.x()) + " " + std::to_string(p.y()) + " " + std::to_string(int(p.z())) + " 7\n";
+    for (const Tri& q : kTriangle)
+      s += "3 " + std::to_string(q[0]) + " " + std::to_string(q[1]) + " " + std::to_string(q[2]) + "\n";
     return s;
   }
   const bool big = form == Ply::big;
   size_t at = s.size();
   s.resize(at + kCorner.size() * 15 + kTriangle.size() * 13);
-  for (const Vec3& p : kCorner) put(s, at, p.x(), big), put(s, at + 8, float(p.y()), big), put(s, at + 12, int16_t(p.z()), big), s[at + 14] = 7, at += 15;
+  for (const Vec3& p : kCorner)
+    put(s, at, p.x(), big), put(s, at + 8, float(p.y()), big), put(s, at + 12, int16_t(p.z()), big), s[at + 14] = 7,
+                                                                                                            at += 15;
   for (const Tri& q : kTriangle) {
     s[at++] = 3;
     for (const int32_t c : q) put(s, at, uint32_t(c), big), at += 4;

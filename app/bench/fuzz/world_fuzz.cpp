@@ -10,7 +10,8 @@ WorldFuzzReport world_fuzz(const WorldFuzzSettings& s) {
   constexpr int kHistory = 16;
   WorldFuzzReport report;
   if (!s.out_dir.empty()) std::filesystem::create_directories(s.out_dir);
-  for (uint64_t history = 0; report.counts.acts < s.acts && int(report.violations.size()) < s.max_violations; ++history) {
+  for (uint64_t history = 0; report.counts.acts < s.acts && int(report.violations.size()) < s.max_violations;
+       ++history) {
     Random mix{s.seed * 0x100000001b3ull + history};
     WorldGenerator generator(mix.next());
     WorldCase c = generator.start();
@@ -31,7 +32,8 @@ WorldFuzzReport world_fuzz(const WorldFuzzSettings& s) {
     // Acts are left out while it still shows the same.
     const auto shows = [&](const WorldCase& x) {
       const WorldOutcome o = run_world_case(x, s.check_every == 0 ? 0 : 1);
-      return why.empty() ? !o.defects.empty() : o.violation.substr(0, o.violation.find(':')) == why.substr(0, why.find(':'));
+      return why.empty() ? !o.defects.empty()
+                         : o.violation.substr(0, o.violation.find(':')) == why.substr(0, why.find(':'));
     };
     int runs = s.shrink_runs;
     for (size_t i = c.acts.size(); i-- > 0 && runs > 0; --runs) {
@@ -52,9 +54,14 @@ WorldFuzzReport world_fuzz(const WorldFuzzSettings& s) {
 
 bench::Result WorldFuzzReport::result() const {
   bench::Result r;
-  for (const auto& [what, value] : {std::pair{"acts", counts.acts}, {"acts done", counts.done}, {"cuts", counts.cuts},
-                                    {"acts refused", counts.refused}, {"refused inside", counts.defects}, {"undone", counts.undone},
-                                    {"redone", counts.redone}, {"full checks", counts.full_checks}}) {
+  for (const auto& [what, value] : {std::pair{"acts", counts.acts},
+                                    {"acts done", counts.done},
+                                    {"cuts", counts.cuts},
+                                    {"acts refused", counts.refused},
+                                    {"refused inside", counts.defects},
+                                    {"undone", counts.undone},
+                                    {"redone", counts.redone},
+                                    {"full checks", counts.full_checks}}) {
     bench::Row x;
     x.name = "patients";
     x.method = what;
@@ -69,7 +76,8 @@ bench::Result WorldFuzzReport::result() const {
   b.pass = violations.empty();
   b.source = "no act may break an invariant";
   r.bars.push_back(b);
-  for (const Violation& v : violations) r.notes.push_back("violation: " + v.what + (v.file.empty() ? "" : "; written to " + v.file));
+  for (const Violation& v : violations)
+    r.notes.push_back("violation: " + v.what + (v.file.empty() ? "" : "; written to " + v.file));
   for (const std::string& d : defects) r.notes.push_back("refused inside: " + d);
   return r;
 }

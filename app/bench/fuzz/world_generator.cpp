@@ -96,22 +96,29 @@ void WorldGenerator::begin_stroke() {
   more.last = true;
   queue_.push_back(more);
   for (size_t i = 1; i < queue_.size(); ++i)
-    if (random_.one_in(12)) queue_.insert(queue_.begin() + long(i++), MoveHook{1, {random_.real(-15, 15), random_.real(-15, 15), 5}, 0});
+    if (random_.one_in(12))
+      queue_.insert(queue_.begin() + long(i++), MoveHook{1, {random_.real(-15, 15), random_.real(-15, 15), 5}, 0});
 }
 
 Command WorldGenerator::other() {
   switch (random_.below(9)) {
-    case 0: return Suture{point(), point()};
-    case 1: return SutureRow{{point(), point()}, {point(), point()}, random_.real(2, 6)};
-    case 2: return SetHook{1 + random_.below(2), point()};
-    case 3: return MoveHook{1 + random_.below(2), {random_.real(-15, 15), random_.real(-15, 15), random_.real(0, 8)}, 0};
-    case 4: return ReleaseHook{1 + random_.below(2)};
+    case 0:
+      return Suture{point(), point()};
+    case 1:
+      return SutureRow{{point(), point()}, {point(), point()}, random_.real(2, 6)};
+    case 2:
+      return SetHook{1 + random_.below(2), point()};
+    case 3:
+      return MoveHook{1 + random_.below(2), {random_.real(-15, 15), random_.real(-15, 15), random_.real(0, 8)}, 0};
+    case 4:
+      return ReleaseHook{1 + random_.below(2)};
     case 5:
     case 6:  // and back, half the time, after a look
       if (random_.one_in(2)) queue_.push_front(Redo{});
       if (random_.one_in(3)) queue_.push_front(Undo{}), queue_.push_front(Wait{0.01});
       return Undo{};
-    default: return Wait{0.01 * (1 + random_.below(3))};
+    default:
+      return Wait{0.01 * (1 + random_.below(3))};
   }
 }
 
@@ -127,7 +134,8 @@ Command WorldGenerator::next() {
     else if (kind < 10 || drawn_.empty())
       queue_.push_back(other());
     else  // second thoughts, and third ones
-      for (int k = 1 + random_.below(4); k > 0; --k) queue_.push_back(random_.one_in(2) ? Command(Undo{}) : Command(Redo{}));
+      for (int k = 1 + random_.below(4); k > 0; --k)
+        queue_.push_back(random_.one_in(2) ? Command(Undo{}) : Command(Redo{}));
   }
   const Command c = queue_.front();
   queue_.pop_front();

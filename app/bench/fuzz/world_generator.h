@@ -1,5 +1,6 @@
 #pragma once
-// What a hand might do next on a patient: strokes at once and drawn, along and across what it drew before, sheets, plugs,
+// What a hand might do next on a patient: strokes at once and drawn, along and across what it drew before, sheets,
+// plugs,
 // stitches, hooks, and second thoughts. Coordinates are often those of earlier strokes or whole millimetres.
 #include <deque>
 

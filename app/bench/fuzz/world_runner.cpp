@@ -39,8 +39,8 @@ std::string moved(const std::multimap<int32_t, Vec3f>& before, const std::multim
 }
 
 bool is_cut(const Command& c) {
-  return std::holds_alternative<Incise>(c) || std::holds_alternative<InciseMore>(c) || std::holds_alternative<Undermine>(c) ||
-         std::holds_alternative<Excise>(c);
+  return std::holds_alternative<Incise>(c) || std::holds_alternative<InciseMore>(c) ||
+         std::holds_alternative<Undermine>(c) || std::holds_alternative<Excise>(c);
 }
 
 }  // namespace
@@ -53,8 +53,8 @@ void WorldCounts::add(const WorldCounts& b) {
 std::string to_text(const WorldCase& c) {
   Script s;
   std::ostringstream scene;
-  scene << "fuzz size=" << c.size_mm << " thickness=" << c.thickness_mm << " skin=" << c.skin_cell_mm << " cell=" << c.cell_mm
-        << " fronts=" << c.fronts << " steps=" << c.steps << " seed=" << c.seed;
+  scene << "fuzz size=" << c.size_mm << " thickness=" << c.thickness_mm << " skin=" << c.skin_cell_mm
+        << " cell=" << c.cell_mm << " fronts=" << c.fronts << " steps=" << c.steps << " seed=" << c.seed;
   s.header.scene = scene.str();
   s.header.note = c.violation;
   for (const Command& a : c.acts) s.lines.push_back({int(s.lines.size()) + 2, a});
@@ -67,21 +67,33 @@ WorldCase world_case(const std::string& text, const std::string& file) {
   std::istringstream words(s.header.scene);
   std::string word;
   words >> word;
-  if (word != "fuzz") throw InputError(file, 1, "the scene is " + s.header.scene + "; a patient of the fuzzer was expected (fuzz size=60 ...)");
+  if (word != "fuzz")
+    throw InputError(file, 1,
+                     "the scene is " + s.header.scene + "; a patient of the fuzzer was expected (fuzz size=60 ...)");
   while (words >> word) {
     const size_t at = word.find('=');
     const std::string key = word.substr(0, at);
     char* end = nullptr;
     const long long v = at == std::string::npos ? -1 : std::strtoll(word.c_str() + at + 1, &end, 10);
-    if (!end || *end != 0 || v < 0 || (key != "seed" && v > 1000)) throw InputError(file, 1, "the scene has " + word + "; name=number was expected");
-    if (key == "size" && v >= 20) c.size_mm = int(v);
-    else if (key == "thickness" && v > 0) c.thickness_mm = int(v);
-    else if (key == "skin" && v > 0) c.skin_cell_mm = int(v);
-    else if (key == "cell" && v > 0) c.cell_mm = int(v);
-    else if (key == "fronts") c.fronts = v != 0;
-    else if (key == "steps") c.steps = v != 0;
-    else if (key == "seed") c.seed = uint64_t(v);
-    else throw InputError(file, 1, "the scene has " + word + "; size, thickness, skin, cell, fronts, steps or seed was expected");
+    if (!end || *end != 0 || v < 0 || (key != "seed" && v > 1000))
+      throw InputError(file, 1, "the scene has " + word + "; name=number was expected");
+    if (key == "size" && v >= 20)
+      c.size_mm = int(v);
+    else if (key == "thickness" && v > 0)
+      c.thickness_mm = int(v);
+    else if (key == "skin" && v > 0)
+      c.skin_cell_mm = int(v);
+    else if (key == "cell" && v > 0)
+      c.cell_mm = int(v);
+    else if (key == "fronts")
+      c.fronts = v != 0;
+    else if (key == "steps")
+      c.steps = v != 0;
+    else if (key == "seed")
+      c.seed = uint64_t(v);
+    else
+      throw InputError(file, 1,
+                       "the scene has " + word + "; size, thickness, skin, cell, fronts, steps or seed was expected");
   }
   c.violation = s.header.note;
   for (const ScriptLine& l : s.lines) c.acts.push_back(l.command);
@@ -143,8 +155,10 @@ std::string WorldRunner::act(const Command& command) {
     if (o.reason.find("cannot follow") != std::string::npos || o.reason.find("failed inside") != std::string::npos ||
         o.reason.find("defect") != std::string::npos)
       ++counts_.defects, defects_.push_back(o.reason);
-    const bool empty = std::holds_alternative<Undo>(command) ? done_.empty() : std::holds_alternative<Redo>(command) && redo_.empty();
-    if ((std::holds_alternative<Undo>(command) || std::holds_alternative<Redo>(command)) && !empty) return "history: refused: " + o.reason;
+    const bool empty =
+        std::holds_alternative<Undo>(command) ? done_.empty() : std::holds_alternative<Redo>(command) && redo_.empty();
+    if ((std::holds_alternative<Undo>(command) || std::holds_alternative<Redo>(command)) && !empty)
+      return "history: refused: " + o.reason;
     return {};
   }
   ++counts_.done;
@@ -189,11 +203,13 @@ std::string WorldRunner::check(bool full) const {
   const Arrangement& a = *world_->arrangement();
   const LatticeTopology& t = *world_->lattice();
   if (std::abs(world_->volume_mm3() + world_->removed_volume_mm3() - all) > 1e-9 * all) return "I4: volume is lost";
-  if (t.pieces != a.pieces()) return "I15: the lattice has " + std::to_string(t.pieces) + " pieces, the surface " + std::to_string(a.pieces());
+  if (t.pieces != a.pieces())
+    return "I15: the lattice has " + std::to_string(t.pieces) + " pieces, the surface " + std::to_string(a.pieces());
   if (std::abs(t.volume_mm3 - a.volume_mm3()) > 1e-9 * all) return "I6: the mass differs from the volume";
   const SurfaceView& view = world_->topology()->view;
   for (size_t v = 0; v < view.cell_copy.size(); ++v)
-    if (view.cell_copy[v] < 0 || size_t(view.cell_copy[v]) >= t.cells.size()) return "I8: a corner of the surface that no cell carries";
+    if (view.cell_copy[v] < 0 || size_t(view.cell_copy[v]) >= t.cells.size())
+      return "I8: a corner of the surface that no cell carries";
   if (!full) return {};
   if (std::string why = a.check_all(); !why.empty()) return why;
   if (std::string why = check_topology(t); !why.empty()) return why;
@@ -213,9 +229,11 @@ std::string WorldRunner::finish() {
         else
           again->apply(c);
       if (cell_mm == case_.cell_mm && again->full_hash() != world_->full_hash()) return "replay: other bits";
-      if (again->arrangement()->full_hash() != world_->arrangement()->full_hash() && again->refused() == world_->refused())
+      if (again->arrangement()->full_hash() != world_->arrangement()->full_hash() &&
+          again->refused() == world_->refused())
         return "replay: another arrangement";
-      if (again->lattice()->pieces != again->arrangement()->pieces()) return "I15: replay, other lattice: its pieces are not the surface's";
+      if (again->lattice()->pieces != again->arrangement()->pieces())
+        return "I15: replay, other lattice: its pieces are not the surface's";
     }
     while (!done_.empty())
       if (std::string why = act(Undo{}); !why.empty()) return why;
@@ -228,7 +246,8 @@ std::string WorldRunner::finish() {
 WorldOutcome run_world_case(const WorldCase& c, int check_every) {
   WorldRunner r(c, check_every);
   WorldOutcome o;
-  for (; o.act < c.acts.size() && o.violation.empty(); o.act += o.violation.empty()) o.violation = r.apply(c.acts[o.act]);
+  for (; o.act < c.acts.size() && o.violation.empty(); o.act += o.violation.empty())
+    o.violation = r.apply(c.acts[o.act]);
   if (o.violation.empty()) o.violation = r.finish();
   o.counts = r.counts();
   o.defects = r.defects();

@@ -14,7 +14,8 @@ inline float dot3(v4 a, v4 b) {
   return m[0] + m[1] + m[2];
 }
 
-[[maybe_unused]] constexpr int least_wide = 6;  // cells of one stencil in a row from which sixteen lanes pay, even if most idle
+[[maybe_unused]] constexpr int least_wide =
+    6;  // cells of one stencil in a row from which sixteen lanes pay, even if most idle
 
 /// f = K u + f0 for the eight nodes; returns sum of u . (f + f0), spread over the lanes.
 #if LIMBERG_LANES == 512
@@ -78,7 +79,7 @@ LIMBERG_INLINE void spread_to_corners(const KernelStencil& s, v4 hx, v4 hy, v4 h
 
 /// How the plane of the layers is stretched at a place: columns of G = F - I in, and without subtracting numbers near 1
 struct LayerPlane {
-  v4 r1, r2;                  // d(|n|^2/2)/dF = (T1 + r1) T1^T + (T2 + r2) T2^T, n = cof F N
+  v4 r1, r2;                    // d(|n|^2/2)/dF = (T1 + r1) T1^T + (T2 + r2) T2^T, n = cof F N
   float in_plane, bend, sigma;  // T1.G T1 + T2.G T2;  |n|^2 - 1 = sigma = 2 in_plane + bend
 };
 LIMBERG_INLINE LayerPlane layer_plane(v4 t1, v4 t2, v4 N, v4 gx, v4 gy, v4 gz) {
@@ -92,7 +93,8 @@ LIMBERG_INLINE LayerPlane layer_plane(v4 t1, v4 t2, v4 N, v4 gx, v4 gy, v4 gz) {
   p.sigma = 2 * p.in_plane + p.bend;
   return p;
 }
-/// mu L sigma / (2 (L + lambda sigma)) with a minus (layer_slide.h) less its linear part; `q1`, `q2`: its slope's columns there.
+/// mu L sigma / (2 (L + lambda sigma)) with a minus (layer_slide.h) less its linear part; `q1`, `q2`: its slope's
+/// columns there.
 LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, v4 t1, v4 t2, v4& q1, v4& q2) {
   const float L = s.rest + s.rest_lambda, D = L + s.rest_lambda * p.sigma, inv = 1 / D;
   const float c1 = -s.rest_lambda * p.sigma * (L + D) * inv * inv, c = 1 + c1;  // (L / D)^2 less 1
@@ -100,11 +102,15 @@ LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, 
   return -0.5f * s.rest * (L * p.bend - 2 * p.in_plane * s.rest_lambda * p.sigma) * inv;
 }
 
-/// What layers that share a cell add (layer_slide.h), without the part that is linear in the displacement: that is in f0.
-/// g, C: columns of G = F - I and of cof F - I at the centre; th = J - 1, second = th - tr G; their forces go to h, those at the
+/// What layers that share a cell add (layer_slide.h), without the part that is linear in the displacement: that is in
+/// f0.
+/// g, C: columns of G = F - I and of cof F - I at the centre; th = J - 1, second = th - tr G; their forces go to h,
+/// those at the
 /// sample point to f. Apart from the loop, so that cells without layers are not touched by it. Returns the energy.
-[[gnu::noinline]] float add_layers(const KernelStencil& s, const v4* n, const v4* g, const v4* C, float th, float second, v4* h, v4* f) {
-  const v4 t1 = {s.along[0], s.along[1], s.along[2], 0}, t2 = {s.across[0], s.across[1], s.across[2], 0}, N = {s.normal[0], s.normal[1], s.normal[2], 0};
+[[gnu::noinline]] float add_layers(const KernelStencil& s, const v4* n, const v4* g, const v4* C, float th,
+                                   float second, v4* h, v4* f) {
+  const v4 t1 = {s.along[0], s.along[1], s.along[2], 0}, t2 = {s.across[0], s.across[1], s.across[2], 0},
+           N = {s.normal[0], s.normal[1], s.normal[2], 0};
   const LayerPlane p = layer_plane(t1, t2, N, g[0], g[1], g[2]);
   const v4 gN = g[0] * N[0] + g[1] * N[1] + g[2] * N[2];
   const float gnn = dot3(gN, N), J = 1 + th, area2 = 1 + p.sigma;
@@ -237,7 +243,8 @@ CellSums run(const CellView& d, const Tile& tile, const Node4* u, const float* q
 
 }  // namespace
 
-CellSums evaluate_tile(const CellView& data, const Tile& tile, const Node4* u, const float* q, Node4* slots, float* theta, bool measure) {
+CellSums evaluate_tile(const CellView& data, const Tile& tile, const Node4* u, const float* q, Node4* slots,
+                       float* theta, bool measure) {
   return measure ? run<true>(data, tile, u, q, slots, theta) : run<false>(data, tile, u, q, slots, theta);
 }
 
@@ -253,7 +260,8 @@ void sum_slots(const CellView& data, const Node4* slots, size_t begin, size_t en
 
 // Measured choices: an unlimited increment diverges for nearly incompressible material, and a cell that is flattened or
 // blown up (a scrambled start) has no useful pressure, so its multiplier fades until the cell has a shape again.
-void update_multipliers(const CellView& data, const float* theta, float* q, float scale_of_increment, size_t first, size_t last) {
+void update_multipliers(const CellView& data, const float* theta, float* q, float scale_of_increment, size_t first,
+                        size_t last) {
   constexpr float limit = 0.15f;
   for (size_t c = first; c < last; ++c) {
     const float r = data.stencils[data.cells[c].stencil].r;

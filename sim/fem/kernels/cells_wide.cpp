@@ -1,5 +1,7 @@
-// Sixteen cells of one stencil at a time, a cell to a lane: the same formulas as cells.cpp without its fourth lane of zeros,
-// its shuffles, and a load of the stencil for every cell. For registers of 64 bytes: the displacements of a cell fill 21.
+// Sixteen cells of one stencil at a time, a cell to a lane: the same formulas as cells.cpp without its fourth lane of
+// zeros,
+// its shuffles, and a load of the stencil for every cell. For registers of 64 bytes: the displacements of a cell fill
+// 21.
 #include "sim/fem/kernels/parts.h"
 
 namespace limberg::fem::LIMBERG_SET {
@@ -13,7 +15,9 @@ LIMBERG_INLINE Three operator+(Three a, Three b) { return {a.x + b.x, a.y + b.y,
 LIMBERG_INLINE Three operator-(Three a, Three b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 LIMBERG_INLINE Three operator*(Three a, float s) { return {a.x * s, a.y * s, a.z * s}; }
 LIMBERG_INLINE Three operator*(Three a, v16 s) { return {a.x * s, a.y * s, a.z * s}; }
-LIMBERG_INLINE Three cross(Three a, Three b) { return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x}; }
+LIMBERG_INLINE Three cross(Three a, Three b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 LIMBERG_INLINE v16 dot(Three a, Three b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
 LIMBERG_INLINE Three everywhere(const float* v) {
@@ -29,10 +33,14 @@ LIMBERG_INLINE void gradients(const KernelStencil& s, const Three* n, Three* g) 
 }
 /// f += V P grad N there, columns of V P in h.
 LIMBERG_INLINE void spread_to_corners(const KernelStencil& s, Three hx, Three hy, Three hz, Three* f) {
-  f[0] = f[0] - (hx * s.bx[0] + hy * s.by[0] + hz * s.bz[0]), f[1] = f[1] + (hx * s.bx[0] - hy * s.by[1] - hz * s.bz[1]);
-  f[2] = f[2] + (hy * s.by[0] - hx * s.bx[1] - hz * s.bz[2]), f[3] = f[3] + (hx * s.bx[1] + hy * s.by[1] - hz * s.bz[3]);
-  f[4] = f[4] + (hz * s.bz[0] - hx * s.bx[2] - hy * s.by[2]), f[5] = f[5] + (hx * s.bx[2] + hz * s.bz[1] - hy * s.by[3]);
-  f[6] = f[6] + (hy * s.by[2] + hz * s.bz[2] - hx * s.bx[3]), f[7] = f[7] + (hx * s.bx[3] + hy * s.by[3] + hz * s.bz[3]);
+  f[0] = f[0] - (hx * s.bx[0] + hy * s.by[0] + hz * s.bz[0]),
+  f[1] = f[1] + (hx * s.bx[0] - hy * s.by[1] - hz * s.bz[1]);
+  f[2] = f[2] + (hy * s.by[0] - hx * s.bx[1] - hz * s.bz[2]),
+  f[3] = f[3] + (hx * s.bx[1] + hy * s.by[1] - hz * s.bz[3]);
+  f[4] = f[4] + (hz * s.bz[0] - hx * s.bx[2] - hy * s.by[2]),
+  f[5] = f[5] + (hx * s.bx[2] + hz * s.bz[1] - hy * s.by[3]);
+  f[6] = f[6] + (hy * s.by[2] + hz * s.bz[2] - hx * s.bx[3]),
+  f[7] = f[7] + (hx * s.bx[3] + hy * s.by[3] + hz * s.bz[3]);
 }
 
 /// What layers that share a cell add: as in cells.cpp, line by line.
@@ -42,7 +50,8 @@ struct LayerPlane {
 };
 LIMBERG_INLINE LayerPlane layer_plane(const KernelStencil& s, const Three* g) {
   const Three t1 = everywhere(s.along), t2 = everywhere(s.across), N = everywhere(s.normal);
-  const Three g1 = g[0] * s.along[0] + g[1] * s.along[1] + g[2] * s.along[2], g2 = g[0] * s.across[0] + g[1] * s.across[1] + g[2] * s.across[2];
+  const Three g1 = g[0] * s.along[0] + g[1] * s.along[1] + g[2] * s.along[2],
+              g2 = g[0] * s.across[0] + g[1] * s.across[1] + g[2] * s.across[2];
   const Three g12 = cross(g1, g2), m = cross(g1, t2) + cross(t1, g2) + g12;
   LayerPlane p;
   p.r1 = cross(g2, N) + cross(t2, m) + cross(g2, m), p.r2 = cross(N, g1) + cross(m, t1) + cross(m, g1);
@@ -58,7 +67,8 @@ LIMBERG_INLINE v16 layer_stretch(const KernelStencil& s, const LayerPlane& p, Th
   q1 = (everywhere(s.along) * c1 + p.r1 * c) * -s.rest, q2 = (everywhere(s.across) * c1 + p.r2 * c) * -s.rest;
   return (-0.5f * s.rest) * (L * p.bend - 2.0f * s.rest_lambda * p.in_plane * p.sigma) * inv;
 }
-[[gnu::noinline]] v16 add_layers(const KernelStencil& s, const Three* n, const Three* g, const Three* C, v16 th, v16 second, Three* h, Three* f) {
+[[gnu::noinline]] v16 add_layers(const KernelStencil& s, const Three* n, const Three* g, const Three* C, v16 th,
+                                 v16 second, Three* h, Three* f) {
   const LayerPlane p = layer_plane(s, g);
   const Three gN = g[0] * s.normal[0] + g[1] * s.normal[1] + g[2] * s.normal[2];
   const v16 gnn = gN.x * s.normal[0] + gN.y * s.normal[1] + gN.z * s.normal[2], J = 1.0f + th, area2 = 1.0f + p.sigma;
@@ -70,22 +80,26 @@ LIMBERG_INLINE v16 layer_stretch(const KernelStencil& s, const LayerPlane& p, Th
   const v16 energy = flat ? J * J * value - 1.0f - 2.0f * gnn : full;
   const v16 a1 = flat ? J * value - 1.0f : full_a1, b1 = flat ? -J * J * slope - 1.0f : full_a1 * (J + area2) * inv;
   const v16 slip = dot(gN, gN) - energy;
-  const v16 below = 1.0f / (slip + slip_limit), share = slip * (slip + 2 * slip_limit) * below * below, stiffer = slip * slip * below;
+  const v16 below = 1.0f / (slip + slip_limit), share = slip * (slip + 2 * slip_limit) * below * below,
+            stiffer = slip * slip * below;
   Three c1, c2, at1, at2;
   const v16 here = layer_stretch(s, p, c1, c2);
   Three there_g[3];
   gradients(s, n, there_g);
   const v16 there = layer_stretch(s, layer_plane(s, there_g), at1, at2);
 
-  const v16 left = s.slide * (1.0f - share), back = s.slide * share, b = 1.0f + b1, la = left * (1.0f + a1), extra = left * a1;
-  const Three q1 = (everywhere(s.along) * b1 + p.r1 * b) * left + c1, q2 = (everywhere(s.across) * b1 + p.r2 * b) * left + c2;
+  const v16 left = s.slide * (1.0f - share), back = s.slide * share, b = 1.0f + b1, la = left * (1.0f + a1),
+            extra = left * a1;
+  const Three q1 = (everywhere(s.along) * b1 + p.r1 * b) * left + c1,
+              q2 = (everywhere(s.across) * b1 + p.r2 * b) * left + c2;
   for (int k = 0; k < 3; ++k) {
     Three column = C[k] * la - q1 * s.along[k] - q2 * s.across[k] + gN * (back * s.normal[k]);
     (k == 0 ? column.x : k == 1 ? column.y : column.z) += extra;
     h[k] = h[k] + column * s.volume;
   }
   at1 = at1 * s.volume, at2 = at2 * s.volume;
-  spread_to_corners(s, at1 * s.along[0] + at2 * s.across[0], at1 * s.along[1] + at2 * s.across[1], at1 * s.along[2] + at2 * s.across[2], f);
+  spread_to_corners(s, at1 * s.along[0] + at2 * s.across[0], at1 * s.along[1] + at2 * s.across[1],
+                    at1 * s.along[2] + at2 * s.across[2], f);
   return s.volume * (0.5f * s.slide * (energy + stiffer) + (there - here));
 }
 
@@ -120,14 +134,16 @@ LIMBERG_INLINE v8d size(v8d v) { return (v8d)_mm512_abs_pd((__m512d)v); }
 LIMBERG_INLINE double total(v8d v) { return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7])); }
 
 template <bool Measure>
-void run(const CellView& d, int first, int last, const v4* local, v4* out, const float* q, float* theta, CellSums& sums) {
+void run(const CellView& d, int first, int last, const v4* local, v4* out, const float* q, float* theta,
+         CellSums& sums) {
   const KernelStencil& s = d.stencils[d.cells[first].stencil];
   v8d energy = {}, magnitude = {};
   for (int c = first; c < last; c += 16) {
     const int count = last - c < 16 ? last - c : 16;
     const KernelCell* cell[16];
     alignas(64) float scales[16];
-    for (int l = 0; l < 16; ++l) cell[l] = d.cells + c + (l < count ? l : count - 1), scales[l] = l < count ? cell[l]->scale : 0;
+    for (int l = 0; l < 16; ++l)
+      cell[l] = d.cells + c + (l < count ? l : count - 1), scales[l] = l < count ? cell[l]->scale : 0;
     const __mmask16 used = __mmask16((1u << count) - 1);
     const v16 scale = get(scales);
 
@@ -172,7 +188,8 @@ void run(const CellView& d, int first, int last, const v4* local, v4* out, const
     const v16 bulk = (0.5f * s.volume) * p * x, pre = (s.p0 * s.volume) * second;
     for (int half = 0; half < 2; ++half) {
       const v8d w = half ? high_half(scale) : low_half(scale);
-      const v8d e1 = 0.5 * (half ? high_half(work) : low_half(work)), e2 = half ? high_half(bulk) : low_half(bulk), e3 = half ? high_half(pre) : low_half(pre);
+      const v8d e1 = 0.5 * (half ? high_half(work) : low_half(work)), e2 = half ? high_half(bulk) : low_half(bulk),
+                e3 = half ? high_half(pre) : low_half(pre);
       energy += w * (e1 + e2 - e3), magnitude += w * (size(e1) + e2 + size(e3));
     }
 
@@ -209,8 +226,10 @@ void run(const CellView& d, int first, int last, const v4* local, v4* out, const
 
 }  // namespace
 
-void cells_wide(const CellView& data, int first, int last, const v4* local, v4* out, const float* q, float* theta, bool measure, CellSums& sums) {
-  measure ? run<true>(data, first, last, local, out, q, theta, sums) : run<false>(data, first, last, local, out, q, theta, sums);
+void cells_wide(const CellView& data, int first, int last, const v4* local, v4* out, const float* q, float* theta,
+                bool measure, CellSums& sums) {
+  measure ? run<true>(data, first, last, local, out, q, theta, sums)
+          : run<false>(data, first, last, local, out, q, theta, sums);
 }
 #endif
 }  // namespace limberg::fem::LIMBERG_SET

@@ -6,7 +6,8 @@
 //   avx512   AVX-512 F, VL, BW, DQ
 //
 // Each table always gives the same bits; two tables agree to single-precision rounding (tests). Everything goes through
-// pointers to plain data: kernels share no function with the rest of the program (lanes.h). All arrays of nodes begin on 64
+// pointers to plain data: kernels share no function with the rest of the program (lanes.h). All arrays of nodes begin
+// on 64
 // bytes and may be read and written up to the next 64 (AlignedArray).
 #include "sim/fem/node4.h"
 
@@ -14,17 +15,18 @@ namespace limberg::fem {
 
 /// One stencil as the kernel wants it (element_system.h has the formulas).
 struct alignas(64) KernelStencil {
-  float K[64];      // column b at K[8 b ...]
-  float f0[32];     // 8 nodes of 4
-  float volume = 0; // mm^3
-  float p0 = 0;     // kPa
-  float ke = 0;     // kPa, effective bulk stiffness
-  float r = 0;      // lambda / (lambda + k); 0: no multiplier
+  float K[64];       // column b at K[8 b ...]
+  float f0[32];      // 8 nodes of 4
+  float volume = 0;  // mm^3
+  float p0 = 0;      // kPa
+  float ke = 0;      // kPa, effective bulk stiffness
+  float r = 0;       // lambda / (lambda + k); 0: no multiplier
   // Sample gradients off the centre: per axis, of the four cell edges along it, in corner order (1 / mm).
   float bx[4], by[4], bz[4];
   bool centred = true;
   float inv4h[3] = {0, 0, 0};  // 1 / (4 edge), of the cells of its level
-  // slide not 0: layers share it (layer_slide.h). Then it is centred, and bx, by, bz belong to the layers' sample point.
+  // slide not 0: layers share it (layer_slide.h). Then it is centred, and bx, by, bz belong to the layers' sample
+  // point.
   // Axes along the layers and their normal: four numbers each.
   float slide = 0, rest = 0, rest_lambda = 0;
   float along[4] = {1, 0, 0, 0}, across[4] = {0, 1, 0, 0}, normal[4] = {0, 0, 1, 0};
@@ -100,23 +102,30 @@ struct Kernels {
   const char* name;
 
   // Cells. `measure`: w of a slot is the sum of the norms of the cell forces there.
-  CellSums (*evaluate_tile)(const CellView&, const Tile&, const Node4* u, const float* q, Node4* slots, float* theta, bool measure);
+  CellSums (*evaluate_tile)(const CellView&, const Tile&, const Node4* u, const float* q, Node4* slots, float* theta,
+                            bool measure);
   void (*sum_slots)(const CellView&, const Node4* slots, size_t first, size_t last, Node4* out);
   /// q of cells [first, last) from theta; the increment is limited and cells far from rest forget instead (cells.cpp).
-  void (*update_multipliers)(const CellView&, const float* theta, float* q, float scale_of_increment, size_t first, size_t last);
+  void (*update_multipliers)(const CellView&, const float* theta, float* q, float scale_of_increment, size_t first,
+                             size_t last);
 
-  /// Relaxing neo-Hookean points of cells [first, last): energies to sums, forces (per corner x, y, z and the norm) to `force`.
+  /// Relaxing neo-Hookean points of cells [first, last): energies to sums, forces (per corner x, y, z and the norm) to
+  /// `force`.
   void (*viscous_cells)(const ViscousView&, const Node4* u, size_t first, size_t last, CellSums* sums, float* force);
 
-  // Vectors of nodes: blocks [first, last) of 32 x 4 nodes, the last one of them ending at `nodes`. Sums run in float over a
+  // Vectors of nodes: blocks [first, last) of 32 x 4 nodes, the last one of them ending at `nodes`. Sums run in float
+  // over a
   // block; every block's goes to sums[block] in double.
   void (*dot)(const Node4* a, const Node4* b, size_t nodes, size_t first, size_t last, double* sums);
   void (*add_scaled)(Node4* y, float s, const Node4* x, size_t nodes, size_t first, size_t last);  // y += s x
-  void (*add_scaled_dot)(Node4* y, float s, const Node4* x, const Node4* z, size_t nodes, size_t first, size_t last, double* sums);
-  void (*combine)(Node4* out, const Node4* a, float s, const Node4* b, size_t nodes, size_t first, size_t last);  // a + s b
+  void (*add_scaled_dot)(Node4* y, float s, const Node4* x, const Node4* z, size_t nodes, size_t first, size_t last,
+                         double* sums);
+  void (*combine)(Node4* out, const Node4* a, float s, const Node4* b, size_t nodes, size_t first,
+                  size_t last);  // a + s b
   void (*subtract)(Node4* out, const Node4* a, const Node4* b, size_t nodes, size_t first, size_t last);
   /// y -= sum_j column_j s_j: columns of `count` scalar fields (each one float per node), s_j one Node4 each.
-  void (*subtract_outer)(Node4* y, const float* const* columns, const Node4* s, int count, size_t nodes, size_t first, size_t last);
+  void (*subtract_outer)(Node4* y, const float* const* columns, const Node4* s, int count, size_t nodes, size_t first,
+                         size_t last);
   /// sums[block] = largest squared norm of a node; not a number if any entry is.
   void (*max_square)(const Node4* a, size_t nodes, size_t first, size_t last, double* sums);
   bool (*all_finite)(const Node4* a, size_t nodes, size_t first, size_t last);
@@ -126,13 +135,17 @@ struct Kernels {
   void (*panels_backward)(const PanelView&, size_t first, size_t last, Node4* y, const PanelScratch&);
 
   // Groups [first, last) of four rows; `scale` is one number per node.
-  void (*scale_nodes)(const float* scale, const Node4* r, Node4* x, size_t first, size_t last);         // x = scale r
-  void (*residual)(const GroupView&, const Node4* r, const Node4* x, Node4* t, size_t first, size_t last);  // t = r - A x
-  void (*relax)(const GroupView&, const float* scale, const Node4* r, const Node4* x, Node4* z, size_t first, size_t last);  // z = x + scale (r - A x)
+  void (*scale_nodes)(const float* scale, const Node4* r, Node4* x, size_t first, size_t last);  // x = scale r
+  void (*residual)(const GroupView&, const Node4* r, const Node4* x, Node4* t, size_t first,
+                   size_t last);  // t = r - A x
+  void (*relax)(const GroupView&, const float* scale, const Node4* r, const Node4* x, Node4* z, size_t first,
+                size_t last);  // z = x + scale (r - A x)
 
   // Rows [first, last) of weights (coarsening.h) times nodes: out = W in, out += W in.
-  void (*weigh)(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out, size_t first, size_t last);
-  void (*weigh_add)(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out, size_t first, size_t last);
+  void (*weigh)(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out,
+                size_t first, size_t last);
+  void (*weigh_add)(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out,
+                    size_t first, size_t last);
 };
 
 }  // namespace limberg::fem

@@ -1,6 +1,8 @@
 #pragma once
-// Sixteen floats at a time, for the kernels only: one register of AVX-512, two of AVX2, four of SSE2 or what the compiler
-// makes of vectors elsewhere. Every kernel source is compiled once per LIMBERG_LANES (128, 256, 512 bits) into a namespace of
+// Sixteen floats at a time, for the kernels only: one register of AVX-512, two of AVX2, four of SSE2 or what the
+// compiler
+// makes of vectors elsewhere. Every kernel source is compiled once per LIMBERG_LANES (128, 256, 512 bits) into a
+// namespace of
 // that name; whatever is inline here must be inlined, so that no linker can put one set's code into another's place.
 #include "sim/fem/node4.h"
 #if LIMBERG_LANES > 128
@@ -28,19 +30,23 @@ typedef int32_t v16i __attribute__((vector_size(64)));
 LIMBERG_INLINE v16 get(const void* p) { return (v16)_mm512_loadu_ps(p); }
 LIMBERG_INLINE void put(void* p, v16 v) { _mm512_storeu_ps(p, (__m512)v); }
 /// The same four numbers in every 128-bit lane.
-LIMBERG_INLINE v16 in_every_lane(const void* four) { return (v16)_mm512_broadcast_f32x4(_mm_loadu_ps(static_cast<const float*>(four))); }
+LIMBERG_INLINE v16 in_every_lane(const void* four) {
+  return (v16)_mm512_broadcast_f32x4(_mm_loadu_ps(static_cast<const float*>(four)));
+}
 /// Each of four numbers in all of its lane.
 LIMBERG_INLINE v16 spread(const float* four) {
   const v16i lanes = {0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3};
   return __builtin_shuffle((v16)_mm512_castps128_ps512(_mm_loadu_ps(four)), lanes);
 }
 LIMBERG_INLINE double sum(v16 v) {
-  const v8d s = (v8d)_mm512_cvtps_pd(_mm512_castps512_ps256((__m512)v)) + (v8d)_mm512_cvtps_pd(_mm512_extractf32x8_ps((__m512)v, 1));
+  const v8d s = (v8d)_mm512_cvtps_pd(_mm512_castps512_ps256((__m512)v)) +
+                (v8d)_mm512_cvtps_pd(_mm512_extractf32x8_ps((__m512)v, 1));
   const __m256d t = _mm256_add_pd(_mm512_castpd512_pd256((__m512d)s), _mm512_extractf64x4_pd((__m512d)s, 1));
   const __m128d r = _mm_add_pd(_mm256_castpd256_pd128(t), _mm256_extractf128_pd(t, 1));
   return _mm_cvtsd_f64(r) + _mm_cvtsd_f64(_mm_unpackhi_pd(r, r));
 }
-/// Three vectors of 16 numbers (x, y, z of 16 rows) to four vectors whose 128-bit lane l holds row 4*l + k as (x,y,z,0).
+/// Three vectors of 16 numbers (x, y, z of 16 rows) to four vectors whose 128-bit lane l holds row 4*l + k as
+/// (x,y,z,0).
 LIMBERG_INLINE void to_rows(v16 x, v16 y, v16 z, v16 r[4]) {
   const v16 o = {};
   const v16i lo = {0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29};
@@ -69,7 +75,8 @@ LIMBERG_INLINE void from_rows(const v16 r[4], v16& x, v16& y, v16& z) {
 #if LIMBERG_LANES == 256
 typedef float part __attribute__((vector_size(32)));
 typedef int32_t parti __attribute__((vector_size(32)));
-#define LIMBERG_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (parti{i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4}))
+#define LIMBERG_SHUFFLE(a, b, i, j, k, l) \
+  __builtin_shuffle(a, b, (parti{i, j, k, l, (i) + 4, (j) + 4, (k) + 4, (l) + 4}))
 constexpr int from_second = 8;  // where the numbers of a shuffle's second vector begin
 #else
 typedef v4 part;
@@ -145,7 +152,8 @@ LIMBERG_INLINE void to_rows(v16 x, v16 y, v16 z, v16 r[4]) {
   constexpr int B = from_second;
   const part o = {};
   for (int i = 0; i < parts; ++i) {
-    const part a = LIMBERG_SHUFFLE(x.p[i], y.p[i], 0, B, 1, B + 1), b = LIMBERG_SHUFFLE(x.p[i], y.p[i], 2, B + 2, 3, B + 3);
+    const part a = LIMBERG_SHUFFLE(x.p[i], y.p[i], 0, B, 1, B + 1),
+               b = LIMBERG_SHUFFLE(x.p[i], y.p[i], 2, B + 2, 3, B + 3);
     const part c = LIMBERG_SHUFFLE(z.p[i], o, 0, B, 1, B + 1), d = LIMBERG_SHUFFLE(z.p[i], o, 2, B + 2, 3, B + 3);
     r[0].p[i] = LIMBERG_SHUFFLE(a, c, 0, 1, B, B + 1), r[1].p[i] = LIMBERG_SHUFFLE(a, c, 2, 3, B + 2, B + 3);
     r[2].p[i] = LIMBERG_SHUFFLE(b, d, 0, 1, B, B + 1), r[3].p[i] = LIMBERG_SHUFFLE(b, d, 2, 3, B + 2, B + 3);
@@ -154,8 +162,10 @@ LIMBERG_INLINE void to_rows(v16 x, v16 y, v16 z, v16 r[4]) {
 LIMBERG_INLINE void from_rows(const v16 r[4], v16& x, v16& y, v16& z) {
   constexpr int B = from_second;
   for (int i = 0; i < parts; ++i) {
-    const part a = LIMBERG_SHUFFLE(r[0].p[i], r[1].p[i], 0, B, 1, B + 1), b = LIMBERG_SHUFFLE(r[2].p[i], r[3].p[i], 0, B, 1, B + 1);
-    const part c = LIMBERG_SHUFFLE(r[0].p[i], r[1].p[i], 2, B + 2, 3, B + 3), d = LIMBERG_SHUFFLE(r[2].p[i], r[3].p[i], 2, B + 2, 3, B + 3);
+    const part a = LIMBERG_SHUFFLE(r[0].p[i], r[1].p[i], 0, B, 1, B + 1),
+               b = LIMBERG_SHUFFLE(r[2].p[i], r[3].p[i], 0, B, 1, B + 1);
+    const part c = LIMBERG_SHUFFLE(r[0].p[i], r[1].p[i], 2, B + 2, 3, B + 3),
+               d = LIMBERG_SHUFFLE(r[2].p[i], r[3].p[i], 2, B + 2, 3, B + 3);
     x.p[i] = LIMBERG_SHUFFLE(a, b, 0, 1, B, B + 1), y.p[i] = LIMBERG_SHUFFLE(a, b, 2, 3, B + 2, B + 3);
     z.p[i] = LIMBERG_SHUFFLE(c, d, 0, 1, B, B + 1);
   }

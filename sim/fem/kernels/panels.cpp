@@ -4,7 +4,8 @@
 namespace limberg::fem::LIMBERG_SET {
 namespace {
 
-/// Rows r0 .. r0+15 of M b: the supernode's own are assigned to y, the others added there or, outside, put down in the log.
+/// Rows r0 .. r0+15 of M b: the supernode's own are assigned to y, the others added there or, outside, put down in the
+/// log.
 inline void scatter(v16 s0, v16 s1, v16 s2, Node4* y, const Panel& p, const int32_t* rows, int r0, Node4* log) {
   alignas(64) v16 t[4];
   to_rows(s0, s1, s2, t);
@@ -30,7 +31,8 @@ inline v4 total(v16 s0, v16 s1, v16 s2) {
   return (part4[0] + part4[1]) + (part4[2] + part4[3]);
 }
 
-/// Numbers that are soon wanted. Panels are short and lie in an order that no prefetcher guesses: without this half of the time is
+/// Numbers that are soon wanted. Panels are short and lie in an order that no prefetcher guesses: without this half of
+/// the time is
 /// spent waiting for them once the factor has left the second cache.
 LIMBERG_INLINE void ask_for(const v16* p) { __builtin_prefetch(p, 0, 3); }
 [[maybe_unused]] constexpr int ahead = 32;  // vectors
@@ -39,7 +41,8 @@ inline int slot(int i) { return (i & ~15) + (i & 3) * 4 + ((i >> 2) & 3); }
 
 }  // namespace
 
-// Several row blocks (forward) or columns (backward) at a time keep enough independent sums in flight, as far as there are
+// Several row blocks (forward) or columns (backward) at a time keep enough independent sums in flight, as far as there
+// are
 // registers: nine and twelve of 64 bytes with AVX-512, three elsewhere.
 void panels_forward(const PanelView& f, size_t first, size_t last, Node4* y, Node4* log, const PanelScratch& scratch) {
   Node4* b = scratch.columns;
@@ -102,7 +105,8 @@ void panels_backward(const PanelView& f, size_t first, size_t last, Node4* y, co
     for (int i = 0; i < nc; ++i) gathered[slot(i)] = load(y[p.first + i]);
     for (int i = nc; i < nr; ++i) gathered[slot(i)] = load(y[rows[i - nc]]);
     for (int i = nr; i < nb * 16; ++i) gathered[slot(i)] = v4{};
-    for (int i = 0; i < nb; ++i) from_rows(reinterpret_cast<const v16*>(gathered) + 4 * i, x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+    for (int i = 0; i < nb; ++i)
+      from_rows(reinterpret_cast<const v16*>(gathered) + 4 * i, x[3 * i], x[3 * i + 1], x[3 * i + 2]);
     int j = 0;
 #if LIMBERG_LANES == 512
     const v16* next = reinterpret_cast<const v16*>(f.values + (k > first ? f.panels[k - 1].values : p.values));

@@ -44,17 +44,21 @@ void residual(const GroupView& A, const Node4* r, const Node4* x, Node4* t, size
   for (size_t k = first; k < last; ++k) put(t + 4 * k, get(r + 4 * k) - product(A, x, k));
 }
 
-void relax(const GroupView& A, const float* scale, const Node4* r, const Node4* x, Node4* z, size_t first, size_t last) {
+void relax(const GroupView& A, const float* scale, const Node4* r, const Node4* x, Node4* z, size_t first,
+           size_t last) {
   for (size_t k = first; k < last; ++k)
     put(z + 4 * k, get(x + 4 * k) + spread(scale + 4 * k) * (get(r + 4 * k) - product(A, x, k)));
 }
 
-void weigh(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out, size_t first, size_t last) {
+void weigh(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out, size_t first,
+           size_t last) {
   for (size_t i = first; i < last; ++i) store(out[i], weighted(column, weight, begin[i], begin[i + 1], in));
 }
 
-void weigh_add(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out, size_t first, size_t last) {
-  for (size_t i = first; i < last; ++i) store(out[i], load(out[i]) + weighted(column, weight, begin[i], begin[i + 1], in));
+void weigh_add(const int32_t* begin, const int32_t* column, const float* weight, const Node4* in, Node4* out,
+               size_t first, size_t last) {
+  for (size_t i = first; i < last; ++i)
+    store(out[i], load(out[i]) + weighted(column, weight, begin[i], begin[i + 1], in));
 }
 
 }  // namespace limberg::fem::LIMBERG_SET

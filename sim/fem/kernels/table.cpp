@@ -6,10 +6,24 @@
 namespace limberg::fem::LIMBERG_SET {
 
 const Kernels kernels = {LIMBERG_NAME(LIMBERG_SET),
-                         evaluate_tile, sum_slots, update_multipliers,
+                         evaluate_tile,
+                         sum_slots,
+                         update_multipliers,
                          viscous_cells,
-                         dot, add_scaled, add_scaled_dot, combine, subtract, subtract_outer, max_square, all_finite,
-                         panels_forward, panels_backward,
-                         scale_nodes, residual, relax, weigh, weigh_add};
+                         dot,
+                         add_scaled,
+                         add_scaled_dot,
+                         combine,
+                         subtract,
+                         subtract_outer,
+                         max_square,
+                         all_finite,
+                         panels_forward,
+                         panels_backward,
+                         scale_nodes,
+                         residual,
+                         relax,
+                         weigh,
+                         weigh_add};
 
 }  // namespace limberg::fem::LIMBERG_SET

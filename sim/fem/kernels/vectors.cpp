@@ -34,7 +34,8 @@ void add_scaled(Node4* y, float s, const Node4* x, size_t nodes, size_t first, s
   for (size_t i = first * block; i < n; ++i) p[i] += s * q[i];
 }
 
-void add_scaled_dot(Node4* y, float s, const Node4* x, const Node4* z, size_t nodes, size_t first, size_t last, double* sums) {
+void add_scaled_dot(Node4* y, float s, const Node4* x, const Node4* z, size_t nodes, size_t first, size_t last,
+                    double* sums) {
   v16* p = wide(y);
   const v16 *q = wide(x), *r = wide(z);
   for (size_t k = first; k < last; ++k) {
@@ -69,7 +70,8 @@ void subtract(Node4* out, const Node4* a, const Node4* b, size_t nodes, size_t f
 }
 
 // Four nodes at a time: the column's four numbers are each spread over a lane.
-void subtract_outer(Node4* y, const float* const* columns, const Node4* s, int count, size_t nodes, size_t first, size_t last) {
+void subtract_outer(Node4* y, const float* const* columns, const Node4* s, int count, size_t nodes, size_t first,
+                    size_t last) {
   v16* p = wide(y);
   const size_t n = end_of(nodes, last);
   for (size_t i = first * block; i < n; ++i) {
@@ -89,7 +91,8 @@ void max_square(const Node4* a, size_t nodes, size_t first, size_t last, double*
     const size_t end = 4 * (k + 1) * block < nodes ? 4 * (k + 1) * block : nodes;
     double m = 0;
     for (size_t i = 4 * k * block; i < end; ++i) {
-      const double s = double(a[i].x) * double(a[i].x) + double(a[i].y) * double(a[i].y) + double(a[i].z) * double(a[i].z);
+      const double s =
+          double(a[i].x) * double(a[i].x) + double(a[i].y) * double(a[i].y) + double(a[i].z) * double(a[i].z);
       if (s > m) m = s;
       if (s != s) {
         m = s;

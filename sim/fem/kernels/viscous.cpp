@@ -13,7 +13,7 @@ namespace {
 typedef double v4d __attribute__((vector_size(32)));
 typedef int64_t v4l __attribute__((vector_size(32)));
 
-constexpr double least_J = 0.2;           // as in viscous_points.cpp
+constexpr double least_J = 0.2;  // as in viscous_points.cpp
 constexpr double log_least_J = -1.6094379124341003;
 
 LIMBERG_INLINE v4d all(double x) { return v4d{x, x, x, x}; }
@@ -73,10 +73,12 @@ void viscous_cells(const ViscousView& d, const Node4* u, size_t first, size_t la
       v4d D[9] = {};  // 3 i + j
       for (int a = 0; a < 8; ++a) {
         const v4d b0 = B[3 * a], b1 = B[3 * a + 1], b2 = B[3 * a + 2];
-        for (int i = 0; i < 3; ++i) D[3 * i] += n[a][i] * b0, D[3 * i + 1] += n[a][i] * b1, D[3 * i + 2] += n[a][i] * b2;
+        for (int i = 0; i < 3; ++i)
+          D[3 * i] += n[a][i] * b0, D[3 * i + 1] += n[a][i] * b1, D[3 * i + 2] += n[a][i] * b2;
       }
       const float* held = d.held + 28 * size_t(cell.held + k);
-      const v4d H00 = widen(held), H11 = widen(held + 4), H22 = widen(held + 8), H01 = widen(held + 12), H12 = widen(held + 16), H20 = widen(held + 20);
+      const v4d H00 = widen(held), H11 = widen(held + 4), H22 = widen(held + 8), H01 = widen(held + 12),
+                H12 = widen(held + 16), H20 = widen(held + 20);
       const v4d g = widen(held + 24);
       const v4d H[9] = {H00, H01, H20, H01, H11, H12, H20, H12, H22};
       v4d Q[9];  // grad H

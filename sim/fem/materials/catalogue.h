@@ -2,17 +2,21 @@
 // Laws by name: what a scene may write in a layer, and how a layer's constants become what its cells are made of.
 //
 //   [[layer]]                                  Material::law                      layer_response()
-//   law = "gasser-ogden-holzapfel"     ->      name and constants         ->      matrix modulus, law of the points, lambda
+//   law = "gasser-ogden-holzapfel"     ->      name and constants         ->      matrix modulus, law of the points,
+//   lambda
 //   k1_kPa = 50  k2 = 1.5  ...
 //
-// A catalogue is a list of entries, each with the keys that it takes and their ranges, so that reading a scene, saying what
+// A catalogue is a list of entries, each with the keys that it takes and their ranges, so that reading a scene, saying
+// what
 // was expected and listing the laws need no other place. To add a law, write one file that makes an Entry (law.h tells
 // how; tests/app/test_own_law.cpp is one) and add it to a copy of the shipped catalogue, or to shipped_laws().
 //
-// Volume. The law holds the change of shape; the element holds the volume (fem_model.h). So that Poisson's ratio means the
+// Volume. The law holds the change of shape; the element holds the volume (fem_model.h). So that Poisson's ratio means
+// the
 // same for every law, the element's lambda is completed from the derivatives of the law at rest by principal stretches,
 // s = dW/ds_1, W_11 and W_12:   mu = (W_11 - W_12 + s) / 2,   lambda = 2 mu nu / (1 - 2 nu) + s - W_12
-// (the rest pressure s takes s (J - 1) off, whose second derivative is s; neo-Hookean: lambda_Lame + mu). Where fibres lie in a
+// (the rest pressure s takes s (J - 1) off, whose second derivative is s; neo-Hookean: lambda_Lame + mu). Where fibres
+// lie in a
 // matrix, nu is the matrix's.
 #include <functional>
 #include <memory>
@@ -34,12 +38,12 @@ struct LayerLaw {
 class LawCatalogue {
  public:
   struct Constant {
-    std::string key;           // with its unit
+    std::string key;  // with its unit
     double least = 0, most = 0;
-    bool above = false;        // `least` itself is not allowed
+    bool above = false;  // `least` itself is not allowed
     bool required = true;
-    double otherwise = 0;      // when not required
-    int most_values = 1;       // above 1: a list
+    double otherwise = 0;  // when not required
+    int most_values = 1;   // above 1: a list
   };
   /// Constants of a layer by key; complete and in range when an Entry's make sees them.
   class Values {
@@ -76,18 +80,19 @@ inline constexpr const char* kDefaultLaw = "stable-neo-hookean";
 /// What a layer's cells are made of.
 struct LayerResponse {
   double matrix_mu_kPa = 0;
-  LawPtr points;            // null: all in the matrix
+  LawPtr points;  // null: all in the matrix
   int points_per_part = 0;
-  LawPtr whole;             // matrix and points together
-  double mu_kPa = 0;        // at small strain (of the matrix, where there is one)
-  double lambda_kPa = 0;    // of fem_model.h
-  bool directed = false;    // not isotropic: the axes matter
+  LawPtr whole;           // matrix and points together
+  double mu_kPa = 0;      // at small strain (of the matrix, where there is one)
+  double lambda_kPa = 0;  // of fem_model.h
+  bool directed = false;  // not isotropic: the axes matter
 };
 
 /// `laws` null: the shipped ones. InputError names what is missing or out of range.
 LayerResponse layer_response(const Material& material, const LawCatalogue* laws = nullptr);
 
-/// n . sigma n at the rest state F = I of a layer whose prestretch and axes are M; n unit. What the element's p0 balances.
+/// n . sigma n at the rest state F = I of a layer whose prestretch and axes are M; n unit. What the element's p0
+/// balances.
 double rest_pressure_kPa(const LayerResponse& r, const Mat3& M, const Vec3& n);
 
 }  // namespace limberg

@@ -45,7 +45,8 @@ class DispersedFibres final : public MaterialLaw {
   }
 
   std::string describe() const override {
-    return "fibres, k1 " + std::to_string(c_.k1_kPa) + " kPa k2 " + std::to_string(c_.k2) + " kappa " + std::to_string(c_.kappa);
+    return "fibres, k1 " + std::to_string(c_.k1_kPa) + " kPa k2 " + std::to_string(c_.k2) + " kappa " +
+           std::to_string(c_.kappa);
   }
 
  private:
@@ -108,7 +109,8 @@ class Sum final : public MaterialLaw {
 LawPtr dispersed_fibres(const FibreConstants& c, std::vector<FibreFamily> families) {
   if (!(c.k1_kPa > 0) || !(c.k2 > 0) || !std::isfinite(c.k1_kPa * c.k2))
     throw InputError("", 0, "fibre constants k1 (kPa) and k2 above 0 were expected");
-  if (!(c.kappa >= 0 && c.kappa <= 1.0 / 3)) throw InputError("", 0, "a fibre dispersion kappa between 0 and 1/3 was expected");
+  if (!(c.kappa >= 0 && c.kappa <= 1.0 / 3))
+    throw InputError("", 0, "a fibre dispersion kappa between 0 and 1/3 was expected");
   if (families.empty()) throw InputError("", 0, "at least one fibre family was expected");
   for (FibreFamily& f : families) {
     if (!(f.direction.norm() > 1e-12)) throw InputError("", 0, "a fibre direction other than zero was expected");

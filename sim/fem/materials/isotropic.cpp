@@ -45,7 +45,8 @@ MaterialLaw::Response Isotropic::at(const Mat3& F) const {
   return {r.psi, svd.U * r.d.asDiagonal() * svd.V.transpose()};
 }
 
-// The tangent in the frame of the singular vectors: a 3 x 3 block for changes of the stretches, and for every pair of axes a
+// The tangent in the frame of the singular vectors: a 3 x 3 block for changes of the stretches, and for every pair of
+// axes a
 // twist and a flip, with eigenvalues (d_i + d_j)/(s_i + s_j) and (d_i - d_j)/(s_i - s_j).
 Mat9 Isotropic::tangent_kPa(const Mat3& F, bool project) const {
   const RotationSvd svd = rotation_svd(F);
@@ -62,8 +63,8 @@ Mat9 Isotropic::tangent_kPa(const Mat3& F, bool project) const {
     const double sum = svd.s[i] + svd.s[j], difference = svd.s[i] - svd.s[j];
     // Near s_i = -s_j the energy has a kink that no tangent can show; a floor keeps the number finite.
     const double twist = (r.d[i] + r.d[j]) / (std::fabs(sum) > 1e-6 ? sum : std::copysign(1e-6, sum));
-    const double flip = std::fabs(difference) > 1e-6 ? (r.d[i] - r.d[j]) / difference
-                                                     : 0.5 * (r.dd(i, i) + r.dd(j, j)) - r.dd(i, j);
+    const double flip =
+        std::fabs(difference) > 1e-6 ? (r.d[i] - r.d[j]) / difference : 0.5 * (r.dd(i, i) + r.dd(j, j)) - r.dd(i, j);
     Mat3 D = Mat3::Zero();
     D(i, j) = std::sqrt(0.5), D(j, i) = -std::sqrt(0.5);
     add(D, twist);

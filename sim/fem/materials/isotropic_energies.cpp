@@ -61,8 +61,9 @@ struct NeoHookeanIsochoric final : PrincipalEnergy {
     PrincipalResponse r;
     r.psi = 0.5 * mu * (I * p - 3);
     r.d = 0.5 * mu * (2 * p * s + I * p1 * v.d);
-    r.dd = 0.5 * mu * (2 * p * Mat3::Identity() + 2 * p1 * (s * v.d.transpose() + v.d * s.transpose()) +
-                       I * (p2 * v.d * v.d.transpose() + p1 * v.dd));
+    r.dd = 0.5 * mu *
+           (2 * p * Mat3::Identity() + 2 * p1 * (s * v.d.transpose() + v.d * s.transpose()) +
+            I * (p2 * v.d * v.d.transpose() + p1 * v.dd));
     add_volumetric(r, v, 0.5 * bulk * (v.J - 1) * (v.J - 1), bulk * (v.J - 1), bulk);
     return r;
   }
@@ -168,7 +169,8 @@ LawPtr neo_hookean_isochoric_full(double mu, double bulk) {
   return std::make_shared<Isotropic>(std::make_shared<NeoHookeanIsochoric>(mu, bulk));
 }
 LawPtr mooney_rivlin(double c10, double c01) {
-  require(c10 >= 0 && c01 >= 0 && c10 + c01 > 0, "Mooney-Rivlin constants of at least 0 kPa, not both 0, were expected");
+  require(c10 >= 0 && c01 >= 0 && c10 + c01 > 0,
+          "Mooney-Rivlin constants of at least 0 kPa, not both 0, were expected");
   return std::make_shared<Isotropic>(std::make_shared<MooneyRivlin>(c10, c01));
 }
 LawPtr ogden(std::vector<OgdenTerm> terms) {

@@ -32,7 +32,9 @@ struct NarrowHomogeneous {
   std::array<int128, 3> x{};
   int128 w = 1;
 };
-inline Homogeneous widened(const NarrowHomogeneous& p) { return {{Int256(p.x[0]), Int256(p.x[1]), Int256(p.x[2])}, Int256(p.w)}; }
+inline Homogeneous widened(const NarrowHomogeneous& p) {
+  return {{Int256(p.x[0]), Int256(p.x[1]), Int256(p.x[2])}, Int256(p.w)};
+}
 
 Plane plane_through(const Int3& a, const Int3& b, const Int3& c);
 

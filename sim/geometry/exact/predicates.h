@@ -14,7 +14,8 @@
 
 namespace limberg {
 
-/// A point as predicates see it: its double approximation, and its exact form. Explicit points have no other: their doubles
+/// A point as predicates see it: its double approximation, and its exact form. Explicit points have no other: their
+/// doubles
 /// are exact.
 struct PointRef {
   const Vec3* approx = nullptr;
@@ -23,7 +24,8 @@ struct PointRef {
   bool implicit() const { return line_plane || three_planes; }
   Homogeneous exact() const {
     if (line_plane) return widened(*line_plane);
-    return three_planes ? *three_planes : homogeneous({int32_t((*approx)[0]), int32_t((*approx)[1]), int32_t((*approx)[2])});
+    return three_planes ? *three_planes
+                        : homogeneous({int32_t((*approx)[0]), int32_t((*approx)[1]), int32_t((*approx)[2])});
   }
 };
 

@@ -13,7 +13,8 @@ constexpr double kDeg = 180 / std::numbers::pi;
 // The island has walls of its own all around: wound 0 is the outer skin's edge, wound 1 the island's.
 Figure v_y(double W, double H, double advance) {
   const Vec2 left(-W / 2, 0), right(W / 2, 0), apex(0, -H), up(0, advance);
-  const double side = (apex - left).norm(), keep = side - advance;  // the outer side keeps so much of its V for the island
+  const double side = (apex - left).norm(),
+               keep = side - advance;  // the outer side keeps so much of its V for the island
   const Vec2 u_left = left + (apex - left) * (keep / side), u_right = right + (apex - right) * (keep / side);
   Figure f;
   f.excisions = {{left, right, right + up, left + up}};
@@ -29,8 +30,8 @@ Figure v_y(double W, double H, double advance) {
   f.undermined = false;  // it lives on the fat below
   f.deeper = 2;
   f.keys = {{{1, il}, {0, tl}}, {{1, ir}, {0, tr}}, {{0, ul}, {0, ur}}, {{1, ia}, {0, ul}}};
-  f.seams = {{{0, ur}, {0, ap}, {0, ul}, {0, ap}},   // the stem of the Y
-             {{1, ir}, {1, il}, {0, tr}, {0, tl}},   // the island's base to the defect's far edge
+  f.seams = {{{0, ur}, {0, ap}, {0, ul}, {0, ap}},  // the stem of the Y
+             {{1, ir}, {1, il}, {0, tr}, {0, tl}},  // the island's base to the defect's far edge
              {{1, il}, {1, ia}, {0, tl}, {0, ul}},
              {{1, ia}, {1, ir}, {0, ur}, {0, tr}}};
   return f;
@@ -41,7 +42,8 @@ Figure advancement(double w, double l, double h) {
   const auto low = [](const Vec2& p) -> Vec2 { return {p.x(), -p.y()}; };
   Figure f;
   Walk k;
-  const int A = k(a), B = k(b), T = k(t), C = k(c), D = k(d), D2 = k(low(d)), C2 = k(low(c)), T2 = k(low(t)), B2 = k(low(b)), A2 = k(low(a));
+  const int A = k(a), B = k(b), T = k(t), C = k(c), D = k(d), D2 = k(low(d)), C2 = k(low(c)), T2 = k(low(t)),
+            B2 = k(low(b)), A2 = k(low(a));
   f.wounds = {k.at};
   f.excisions = {{a, d, low(d), low(a)}, {b, t, c}, {low(c), low(t), low(b)}};
   f.incisions = {{d, b}, {low(d), low(b)}};
@@ -73,7 +75,8 @@ Figure rotation(double R, double defect_deg, double arc_deg) {
 }
 
 Figure bilobed(double diameter, double turn) {
-  // In polar coordinates about the pivot P: the defect fills -turn/2..turn/2, the first lobe turn/2..3 turn/2, the second up to
+  // In polar coordinates about the pivot P: the defect fills -turn/2..turn/2, the first lobe turn/2..3 turn/2, the
+  // second up to
   // 5 turn/2. The circle of the defect touches the rays at `edge` from the pivot.
   const double r = diameter / 2, d = r / std::sin(turn / 2 / kDeg), edge = d * std::cos(turn / 2 / kDeg);
   const auto cap = [&](int lobe) {  // the lobe's outer arc, from its lower ray to its upper one

@@ -13,8 +13,7 @@ constexpr int kPieces = 12;  // of an arc
 struct Arc {
   Vec2 centre;
   double radius, tip_deg;  // the arc runs from 90 + tip_deg to 90 - tip_deg
-  Arc(double width, double length)
-      : radius((length * length + width * width) / (4 * width)) {
+  Arc(double width, double length) : radius((length * length + width * width) / (4 * width)) {
     centre = {0, width / 2 - radius};
     tip_deg = std::asin(length / 2 / radius) * kDeg;
   }
@@ -46,22 +45,27 @@ Figure m_plasty(double width, double ratio, double tip_share, double tip_deg) {
   // The small tip at P lies between the arc's tangent, which runs back to the middle, and the line to Q on the axis.
   const double down_deg = tip_deg - at_deg;
   if (down_deg < 5)
-    throw InputError("m_plasty", 0, "a tip of " + std::to_string(int(tip_deg)) + " degrees never meets the axis, since the arcs still close by " +
-                                        std::to_string(int(at_deg + 0.5)) + " degrees there; expected a larger tip_deg, tip_share or ratio");
+    throw InputError(
+        "m_plasty", 0,
+        "a tip of " + std::to_string(int(tip_deg)) + " degrees never meets the axis, since the arcs still close by " +
+            std::to_string(int(at_deg + 0.5)) + " degrees there; expected a larger tip_deg, tip_share or ratio");
   const double tongue = h / std::sin(down_deg / kDeg);
   const Vec2 Q = P - tongue * along(down_deg);
   const double s_deg = at_deg - tongue / a.radius * kDeg;  // S: as far back along the arc as the tongue is long
   if (s_deg < -a.tip_deg + 5)
-    throw InputError("m_plasty", 0, "the tongue is longer than the wound; expected a larger tip_deg or ratio, or a smaller tip_share");
+    throw InputError("m_plasty", 0,
+                     "the tongue is longer than the wound; expected a larger tip_deg or ratio, or a smaller tip_share");
 
   const auto flipped = [](std::vector<Vec2> p) {
     for (Vec2& v : p) v = below(v);
     return p;
   };
-  const auto body = arc(a.centre, a.radius, 90 + a.tip_deg, 90 - s_deg, kPieces), tail = arc(a.centre, a.radius, 90 - s_deg, 90 - at_deg, 6);
+  const auto body = arc(a.centre, a.radius, 90 + a.tip_deg, 90 - s_deg, kPieces),
+             tail = arc(a.centre, a.radius, 90 - s_deg, 90 - at_deg, 6);
   Figure f;
   Walk w;
-  const int left = w(body.front()), top_S = w.on(body), top_P = w.on(tail), q = w(Q), low_P = w(below(P)), low_S = w.on(reversed(flipped(tail)));
+  const int left = w(body.front()), top_S = w.on(body), top_P = w.on(tail), q = w(Q), low_P = w(below(P)),
+            low_S = w.on(reversed(flipped(tail)));
   w.between(reversed(flipped(body)));
   f.excisions = {w.at};
   f.wounds = {w.at};

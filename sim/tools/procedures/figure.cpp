@@ -55,7 +55,8 @@ class Meetings {
       c.q_deg -= tissue_deg(f_, corner);
       c.meeting.push_back(place(f_, corner));
       c.sector.push_back({std::atan2(ahead.y(), ahead.x()) * kDeg, tissue_deg(f_, corner)});
-      for (const Straight& s : straight_[size_t(i)]) c.q_deg -= 180, c.meeting.push_back(s.at), c.sector.push_back({s.from_deg, 180});
+      for (const Straight& s : straight_[size_t(i)])
+        c.q_deg -= 180, c.meeting.push_back(s.at), c.sector.push_back({s.from_deg, 180});
     }
     std::vector<Charge> out;
     for (auto& [root, c] : found)
@@ -83,7 +84,8 @@ class Meetings {
   };
   Side side(const Corner& from, const Corner& to, bool forward) const {
     Side s{forward, stretch(f_, from, to, forward), {0}};
-    for (size_t i = 1; i < s.corner.size(); ++i) s.t.push_back(s.t.back() + (place(f_, s.corner[i]) - place(f_, s.corner[i - 1])).norm());
+    for (size_t i = 1; i < s.corner.size(); ++i)
+      s.t.push_back(s.t.back() + (place(f_, s.corner[i]) - place(f_, s.corner[i - 1])).norm());
     for (double& t : s.t) t /= s.t.back();
     return s;
   }
@@ -103,8 +105,10 @@ class Meetings {
         join(a.corner[i], b.corner[k]);
       } else {
         const double u = (a.t[i] - b.t[k - 1]) / (b.t[k] - b.t[k - 1]);
-        const Vec2 p = place(f_, b.corner[k - 1]), q = place(f_, b.corner[k]), ahead = b.forward ? Vec2(q - p) : Vec2(p - q);
-        straight_[size_t(number_.at(a.corner[i]))].push_back({(1 - u) * p + u * q, std::atan2(ahead.y(), ahead.x()) * kDeg});
+        const Vec2 p = place(f_, b.corner[k - 1]), q = place(f_, b.corner[k]),
+                   ahead = b.forward ? Vec2(q - p) : Vec2(p - q);
+        straight_[size_t(number_.at(a.corner[i]))].push_back(
+            {(1 - u) * p + u * q, std::atan2(ahead.y(), ahead.x()) * kDeg});
       }
     }
   }
@@ -121,8 +125,9 @@ const Vec2& place(const Figure& f, const Corner& c) { return wound(f, c).at(size
 
 double tissue_deg(const Figure& f, const Corner& c) {
   const Vec2 out = edge_from(f, c), back = edge_back(f, c);
-  double a = std::atan2(out.x() * back.y() - out.y() * back.x(), out.dot(back)) * kDeg;  // from the edge ahead to that behind
-  if (std::abs(a) < 1e-9) return 360;  // the end of a slit
+  double a =
+      std::atan2(out.x() * back.y() - out.y() * back.x(), out.dot(back)) * kDeg;  // from the edge ahead to that behind
+  if (std::abs(a) < 1e-9) return 360;                                             // the end of a slit
   return a < 0 ? a + 360 : a;
 }
 
@@ -181,8 +186,11 @@ std::string why_open(const Figure& f) {
   };
   for (const Seam& s : f.seams) {
     for (const Corner& c : {s.a_from, s.a_to, s.b_from, s.b_to})
-      if (!exists(c)) return "a seam names corner " + std::to_string(c.at) + " of wound " + std::to_string(c.wound) + ", which is not there";
-    if (s.a_from.wound != s.a_to.wound || s.b_from.wound != s.b_to.wound) return "a bank runs from one wound to another";
+      if (!exists(c))
+        return "a seam names corner " + std::to_string(c.at) + " of wound " + std::to_string(c.wound) +
+               ", which is not there";
+    if (s.a_from.wound != s.a_to.wound || s.b_from.wound != s.b_to.wound)
+      return "a bank runs from one wound to another";
     for (const Corner& c : stretch(f, s.a_from, s.a_to, true))
       if (c != s.a_to) ++sewn[size_t(c.wound)][size_t(c.at)];
     for (const Corner& c : stretch(f, s.b_from, s.b_to, false))
@@ -191,7 +199,8 @@ std::string why_open(const Figure& f) {
   for (size_t w = 0; w < sewn.size(); ++w)
     for (size_t i = 0; i < sewn[w].size(); ++i)
       if (sewn[w][i] != 1)
-        return "the edge after corner " + std::to_string(i) + " of wound " + std::to_string(w) + " is sewn " + std::to_string(sewn[w][i]) + " times";
+        return "the edge after corner " + std::to_string(i) + " of wound " + std::to_string(w) + " is sewn " +
+               std::to_string(sewn[w][i]) + " times";
   return {};
 }
 

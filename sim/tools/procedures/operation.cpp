@@ -16,7 +16,8 @@ std::vector<Vec2> pocket(const Figure& f, double margin) {
   for (const auto& w : f.wounds)
     for (const Vec2& c : w)
       for (int i = 0; i < 24; ++i) p.push_back(c + margin * figures::along(15 * i));
-  std::sort(p.begin(), p.end(), [](const Vec2& a, const Vec2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
+  std::sort(p.begin(), p.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
   std::vector<Vec2> hull;
   const auto add = [&](const Vec2& q, size_t floor) {
     while (hull.size() >= floor + 2) {
@@ -76,8 +77,10 @@ class Writer {
     std::vector<ExchangedFlap> flaps;
     for (const Carry& c : f_.carries) {
       const int n = int(f_.wounds[size_t(c.tip.wound)].size());
-      const Vec2 base = 0.5 * (place(f_, {c.tip.wound, (c.tip.at + n - 1) % n}) + place(f_, {c.tip.wound, (c.tip.at + 1) % n}));
-      flaps.push_back(exchanged_flap(base, place(f_, c.tip) + kGrip_mm * tissue_bisector(f_, c.tip), place(f_, c.to), kGrip_mm));
+      const Vec2 base =
+          0.5 * (place(f_, {c.tip.wound, (c.tip.at + n - 1) % n}) + place(f_, {c.tip.wound, (c.tip.at + 1) % n}));
+      flaps.push_back(
+          exchanged_flap(base, place(f_, c.tip) + kGrip_mm * tissue_bisector(f_, c.tip), place(f_, c.to), kGrip_mm));
     }
     for (size_t i = 0; i < flaps.size(); ++i) commands.push_back(SetHook{int(i) + 1, chart(flaps[i].grip)});
     for (size_t i = 0; i < flaps.size(); ++i)
@@ -88,7 +91,8 @@ class Writer {
       move(id, flaps[i].to, kLaidFrom_mm);
       move(id, flaps[i].to, kLaidAt_mm);
       for (const KeyStitch& k : f_.keys)
-        if (k.a == f_.carries[i].tip) commands.push_back(Suture{chart(in_corner(k.a, k.b)), chart(in_corner(k.b, k.a))});
+        if (k.a == f_.carries[i].tip)
+          commands.push_back(Suture{chart(in_corner(k.a, k.b)), chart(in_corner(k.b, k.a))});
       commands.push_back(ReleaseHook{id});
       if (i) stage(("laid " + std::to_string(flaps.size() - i)).c_str(), 0.5);
     }
@@ -116,7 +120,8 @@ class Writer {
   std::vector<ChartPoint> cut(const std::vector<Vec2>& points, bool closed) const {
     std::vector<ChartPoint> out{chart(points[0])};
     for (size_t i = 1; i < points.size() + (closed ? 1 : 0); ++i)
-      for (const ChartPoint& c : on_.line(points[i - 1], points[i % points.size()])) out.push_back({rounded(c.x()), rounded(c.y())});
+      for (const ChartPoint& c : on_.line(points[i - 1], points[i % points.size()]))
+        out.push_back({rounded(c.x()), rounded(c.y())});
     if (closed) out.pop_back();  // back at the first
     return out;
   }
@@ -146,13 +151,16 @@ class Writer {
   }
   Vec2 from_end(const std::vector<Vec2>& p, int side) const { return bite(p, length_mm(p) - plan_.corner_mm, side); }
 
-  // Where a needle goes in: the inset behind a bank's edge, at a corner along the middle of its tissue; in a tip narrower than twice that
-  // still nearer to its own edge than to the other, or the stitch would take that one, or the skin beyond it. `side`: 1 on the bank's
+  // Where a needle goes in: the inset behind a bank's edge, at a corner along the middle of its tissue; in a tip
+  // narrower than twice that
+  // still nearer to its own edge than to the other, or the stitch would take that one, or the skin beyond it. `side`: 1
+  // on the bank's
   // left, -1 on its right.
   Vec2 bite(const std::vector<Vec2>& path, double s_mm, int side) const {
     constexpr double kNearer = 0.45, kAtCorner_mm = 0.05;
     const auto inward = [&](double s) { return Vec2(limberg::beside(path, s, side) - limberg::beside(path, s, 0)); };
-    const Vec2 edge = limberg::beside(path, s_mm, 0), before = inward(s_mm - kAtCorner_mm), after = inward(s_mm + kAtCorner_mm), into = (before + after).normalized();
+    const Vec2 edge = limberg::beside(path, s_mm, 0), before = inward(s_mm - kAtCorner_mm),
+               after = inward(s_mm + kAtCorner_mm), into = (before + after).normalized();
     const double inset = std::min(plan_.inset_mm, kNearer * tissue_mm(f_, edge, into));
     return before == after ? limberg::beside(path, s_mm, side * inset) : edge + inset * into;
   }
@@ -198,7 +206,8 @@ class Writer {
 }  // namespace
 
 std::vector<Command> carry_out(const Figure& figure, const OnSkin& where, const OperationPlan& plan) {
-  if (const std::string why = why_open(figure); !why.empty()) throw InputError("figure", 0, why + "; expected every edge once");
+  if (const std::string why = why_open(figure); !why.empty())
+    throw InputError("figure", 0, why + "; expected every edge once");
   Writer w(figure, where, plan);
   w.cuts();
   w.carry();

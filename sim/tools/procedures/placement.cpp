@@ -30,7 +30,10 @@ OnSkin::OnSkin(const Skin& skin, const Placement& placement) : skin_(skin), plac
   const Body& body = skin.body();
   const TriMesh& m = body.surface;
   const auto hit = skin.at(placement.origin);
-  if (!hit) throw InputError("placement", 0, "the point " + text(placement.origin) + " lies off the skin; expected a point on the skin of " + body.name);
+  if (!hit)
+    throw InputError(
+        "placement", 0,
+        "the point " + text(placement.origin) + " lies off the skin; expected a point on the skin of " + body.name);
   origin_ = {hit->X_mm, hit->normal, hit->triangle};
   const Vec3 n = unit_normal(m, hit->triangle);
   const double a = placement.turn_deg * std::numbers::pi / 180;
@@ -40,10 +43,12 @@ OnSkin::OnSkin(const Skin& skin, const Placement& placement) : skin_(skin), plac
   std::map<std::pair<int32_t, int32_t>, std::pair<int32_t, int32_t>> half;  // directed edge -> triangle, edge
   for (int32_t t = 0; t < int32_t(m.tri.size()); ++t)
     if (is_skin(m, t))
-      for (int32_t k = 0; k < 3; ++k) half[{m.tri[size_t(t)][size_t(k)], m.tri[size_t(t)][size_t((k + 1) % 3)]}] = {t, k};
+      for (int32_t k = 0; k < 3; ++k)
+        half[{m.tri[size_t(t)][size_t(k)], m.tri[size_t(t)][size_t((k + 1) % 3)]}] = {t, k};
   across_.assign(m.tri.size(), {-1, -1, -1});
   for (const auto& [edge, at] : half)
-    if (const auto mate = half.find({edge.second, edge.first}); mate != half.end()) across_[size_t(at.first)][size_t(at.second)] = mate->second.first;
+    if (const auto mate = half.find({edge.second, edge.first}); mate != half.end())
+      across_[size_t(at.first)][size_t(at.second)] = mate->second.first;
 }
 
 OnSkin::Spot OnSkin::spot(const Vec2& figure_mm) const {
@@ -74,7 +79,10 @@ OnSkin::Spot OnSkin::spot(const Vec2& figure_mm) const {
       return s;
     }
     const int next = edge < 0 ? -1 : across_[size_t(s.triangle)][size_t(edge)];
-    if (next < 0) throw InputError("placement", 0, "the figure's point " + text(figure_mm) + " lies beyond the skin; expected a place with more skin around it, or a smaller figure");
+    if (next < 0)
+      throw InputError("placement", 0,
+                       "the figure's point " + text(figure_mm) +
+                           " lies beyond the skin; expected a place with more skin around it, or a smaller figure");
     s.X_mm += reach * d;
     left -= reach;
     // Straight on: the same angle to the edge, in the next triangle's plane.
@@ -85,7 +93,9 @@ OnSkin::Spot OnSkin::spot(const Vec2& figure_mm) const {
     from = s.triangle;
     s.triangle = next;
   }
-  throw InputError("placement", 0, "the way to the figure's point " + text(figure_mm) + " does not end; expected a skin without folded triangles");
+  throw InputError(
+      "placement", 0,
+      "the way to the figure's point " + text(figure_mm) + " does not end; expected a skin without folded triangles");
 }
 
 ChartPoint OnSkin::chart(const Vec2& figure_mm) const {
@@ -93,7 +103,9 @@ ChartPoint OnSkin::chart(const Vec2& figure_mm) const {
   ChartPoint p = skin_.body().to_chart(s.X_mm);
   const auto hit = skin_.at(p);
   if (!hit || (hit->X_mm - s.X_mm).norm() > 0.05)
-    throw InputError("placement", 0, "the figure's point " + text(figure_mm) + " is hidden from the chart's direction; expected a place that faces it");
+    throw InputError("placement", 0,
+                     "the figure's point " + text(figure_mm) +
+                         " is hidden from the chart's direction; expected a place that faces it");
   return p;
 }
 
@@ -103,7 +115,8 @@ std::vector<ChartPoint> OnSkin::line(const Vec2& a, const Vec2& b, double within
   return out;
 }
 
-void OnSkin::follow(const Vec2& a, const ChartPoint& at_a, const Vec2& b, const ChartPoint& at_b, double within, std::vector<ChartPoint>& out) const {
+void OnSkin::follow(const Vec2& a, const ChartPoint& at_a, const Vec2& b, const ChartPoint& at_b, double within,
+                    std::vector<ChartPoint>& out) const {
   const Vec2 e = at_b - at_a;
   bool strays = false;
   for (const double t : {0.5, 0.25, 0.75}) {

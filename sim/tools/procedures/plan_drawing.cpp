@@ -8,7 +8,8 @@ namespace limberg {
 namespace {
 
 constexpr double kCorner_deg = 25;
-constexpr const char* kInk[] = {"#1b6ca8", "#c2571a", "#2e7d32", "#8e3a9d", "#a3262e", "#00838f", "#6d5c00", "#3949ab", "#b23b7e", "#455a64"};
+constexpr const char* kInk[] = {"#1b6ca8", "#c2571a", "#2e7d32", "#8e3a9d", "#a3262e",
+                                "#00838f", "#6d5c00", "#3949ab", "#b23b7e", "#455a64"};
 
 class Paper {
  public:
@@ -46,14 +47,19 @@ std::string points(const Paper& paper, const std::vector<Vec2>& path) {
 std::vector<Vec2> inside(const std::vector<Vec2>& bank, double by) {
   std::vector<Vec2> out;
   const double l = length_mm(bank), step = std::max(l / 24, 1e-9);
-  for (double s = std::min(1.2 * std::abs(by), 0.2 * l); s <= l - std::min(1.2 * std::abs(by), 0.2 * l) + 1e-9; s += step) out.push_back(beside(bank, s, by));
+  for (double s = std::min(1.2 * std::abs(by), 0.2 * l); s <= l - std::min(1.2 * std::abs(by), 0.2 * l) + 1e-9;
+       s += step)
+    out.push_back(beside(bank, s, by));
   return out;
 }
 
 // Letters on their own ground, so that a line beneath does not cross them out.
 std::string text(const Vec2& px, const char* ink, const std::string& words, int size) {
   char t[240];
-  std::snprintf(t, sizeof t, "<text x=\"%.1f\" y=\"%.1f\" fill=\"%s\" font-size=\"%d\" text-anchor=\"middle\" stroke=\"#fbeee6\" stroke-width=\"4\" paint-order=\"stroke\">", px.x(), px.y() + size / 3.0, ink, size);
+  std::snprintf(t, sizeof t,
+                "<text x=\"%.1f\" y=\"%.1f\" fill=\"%s\" font-size=\"%d\" text-anchor=\"middle\" stroke=\"#fbeee6\" "
+                "stroke-width=\"4\" paint-order=\"stroke\">",
+                px.x(), px.y() + size / 3.0, ink, size);
   return t + words + "</text>\n";
 }
 
@@ -61,8 +67,15 @@ constexpr const char *kStands = "#b00", *kTight = "#00b";
 
 std::string mark(const Vec2& q, bool stands) {
   char t[200];
-  if (stands) std::snprintf(t, sizeof t, "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"7\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", q.x(), q.y(), kStands);
-  else std::snprintf(t, sizeof t, "<rect x=\"%.1f\" y=\"%.1f\" width=\"12\" height=\"12\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", q.x() - 6, q.y() - 6, kTight);
+  if (stands)
+    std::snprintf(t, sizeof t,
+                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"7\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", q.x(),
+                  q.y(), kStands);
+  else
+    std::snprintf(
+        t, sizeof t,
+        "<rect x=\"%.1f\" y=\"%.1f\" width=\"12\" height=\"12\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n",
+        q.x() - 6, q.y() - 6, kTight);
   return t;
 }
 
@@ -74,7 +87,11 @@ class Labels {
     constexpr double kFirst = 24, kStep = 8, kWide = 50, kHigh = 18, kEdge = 30;
     const Vec2 out = (q - centre_).norm() > 1e-9 ? Vec2((q - centre_).normalized()) : Vec2(0, -1);
     Vec2 at = q;
-    const auto taken = [&] { return std::any_of(taken_.begin(), taken_.end(), [&](const Vec2& t) { return std::abs(t.x() - at.x()) < kWide && std::abs(t.y() - at.y()) < kHigh; }); };
+    const auto taken = [&] {
+      return std::any_of(taken_.begin(), taken_.end(), [&](const Vec2& t) {
+        return std::abs(t.x() - at.x()) < kWide && std::abs(t.y() - at.y()) < kHigh;
+      });
+    };
     for (int k = 0; k < 12; ++k) {
       at = q + (kFirst + kStep * k) * out;
       at.x() = std::clamp(at.x(), kEdge, width_ - kEdge);
@@ -96,7 +113,8 @@ std::string plan_svg(const Figure& f, const std::string& title) {
   const Paper paper(f);
   char t[400];
   std::snprintf(t, sizeof t,
-                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" font-family=\"sans-serif\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"#fbeee6\"/>\n",
+                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" "
+                "font-family=\"sans-serif\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"#fbeee6\"/>\n",
                 paper.width(), paper.height());
   std::string s = t;
   s += "<text x=\"12\" y=\"22\" font-size=\"16\">" + title + "</text>\n";
@@ -113,8 +131,10 @@ std::string plan_svg(const Figure& f, const std::string& title) {
     const auto draw = [&](const std::vector<Vec2>& edge, int side) {
       const auto path = inside(edge, side * by);
       if (path.empty()) return;
-      s += "<polyline points=\"" + points(paper, path) + "\" fill=\"none\" stroke=\"" + ink + "\" stroke-width=\"3\"/>\n";
-      s += text(paper.at(beside(edge, length_mm(edge) / 2, side * (by + 11 / paper.px()))), ink, letter, 14);  // in the tissue that it names
+      s += "<polyline points=\"" + points(paper, path) + "\" fill=\"none\" stroke=\"" + ink +
+           "\" stroke-width=\"3\"/>\n";
+      s += text(paper.at(beside(edge, length_mm(edge) / 2, side * (by + 11 / paper.px()))), ink, letter,
+                14);  // in the tissue that it names
     };
     draw(bank(f, f.seams[i].a_from, f.seams[i].a_to, true), 1);
     draw(bank(f, f.seams[i].b_from, f.seams[i].b_to, false), -1);
@@ -135,7 +155,8 @@ std::string plan_svg(const Figure& f, const std::string& title) {
     s += t;
   };
   s += mark({20, y}, true), line(y, "+ too much skin meets here: it stands up as a dog-ear");
-  s += mark({20, y + 18}, false), line(y + 18, "&#8722; too little: it is drawn tight. Marks without a number come to lie at one that has it");
+  s += mark({20, y + 18}, false),
+      line(y + 18, "&#8722; too little: it is drawn tight. Marks without a number come to lie at one that has it");
   line(y + 36, "Edges of one letter and colour are sewn to each other");
   return s + "</svg>\n";
 }

@@ -35,6 +35,8 @@ struct Walk {
 };
 
 /// A seam of one wound with itself.
-inline Seam seam(int a_from, int a_to, int b_from, int b_to) { return {{0, a_from}, {0, a_to}, {0, b_from}, {0, b_to}}; }
+inline Seam seam(int a_from, int a_to, int b_from, int b_to) {
+  return {{0, a_from}, {0, a_to}, {0, b_from}, {0, b_to}};
+}
 
 }  // namespace limberg::figures

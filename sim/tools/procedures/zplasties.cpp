@@ -21,7 +21,9 @@ Figure z_plasty(double L, double a_deg, double b_deg) {
 Figure multiple_z(double length, int count, double angle_deg) {
   const double L = length / count;
   const auto P = [&](int j) -> Vec2 { return {0, length / 2 - L * j}; };
-  const auto C = [&](int j) -> Vec2 { return P(j - 1) + L * turned({0, -1}, -angle_deg); };  // of the j-th, from its upper end
+  const auto C = [&](int j) -> Vec2 {
+    return P(j - 1) + L * turned({0, -1}, -angle_deg);
+  };  // of the j-th, from its upper end
   const auto D = [&](int j) -> Vec2 { return P(j) + L * turned({0, 1}, -angle_deg); };
   Figure f;
   f.incisions.push_back({C(1)});
@@ -29,7 +31,8 @@ Figure multiple_z(double length, int count, double angle_deg) {
   f.incisions[0].push_back(D(count));
   for (int j = 1; j < count; ++j) f.incisions.push_back({P(j), D(j)}), f.incisions.push_back({P(j), C(j + 1)});
 
-  // Down the right side with its limbs, up the left one. At P(j): `in` the flap's tip or the outer corner that comes first.
+  // Down the right side with its limbs, up the left one. At P(j): `in` the flap's tip or the outer corner that comes
+  // first.
   const auto n = size_t(count) + 1;
   std::vector<int> right_in(n), right_out(n), left_in(n), left_out(n), c(n), d(n);
   Walk w;
@@ -50,7 +53,8 @@ Figure multiple_z(double length, int count, double angle_deg) {
   for (int j = 1; j <= count; ++j) {
     const auto k = size_t(j);
     const int a_tip = left_in[k - 1], b_tip = right_in[k];
-    const int a_outer = j == 1 ? right_out[0] : left_out[k - 1];  // the upper end's corner with the bank above the left limb
+    const int a_outer =
+        j == 1 ? right_out[0] : left_out[k - 1];  // the upper end's corner with the bank above the left limb
     const int b_outer = right_out[k];
     const int a_below = right_out[k - 1], b_above = j == count ? right_out[k] : left_out[k];
     f.carries.push_back({{0, a_tip}, {0, d[k]}});
@@ -66,7 +70,8 @@ Figure multiple_z(double length, int count, double angle_deg) {
 
 Figure four_flap_z(double L, double t) {
   const Vec2 A(0, L / 2), B(0, -L / 2);
-  const Vec2 C = A + L * turned({0, -1}, -2 * t), E = A + L * turned({0, -1}, -t), D = B + L * turned({0, 1}, -2 * t), G = B + L * turned({0, 1}, -t);
+  const Vec2 C = A + L * turned({0, -1}, -2 * t), E = A + L * turned({0, -1}, -t), D = B + L * turned({0, 1}, -2 * t),
+             G = B + L * turned({0, 1}, -t);
   Figure f;
   f.incisions = {{C, A, B, D}, {A, E}, {B, G}};
   Walk w;

@@ -53,7 +53,9 @@ TEST(Accuracy, ASmallSceneGivesAFrontAndAPoint) {
     chosen += t.chosen, front += t.pareto;
     for (const auto& o : r.trials) EXPECT_FALSE(t.pareto && o.frame_ms < t.frame_ms && o.error_mm < t.error_mm);
     for (const auto& o : r.trials)
-      if (t.chosen) { EXPECT_LE(t.error_mm, 1.05 * o.error_mm); }  // all fit such a budget
+      if (t.chosen) {
+        EXPECT_LE(t.error_mm, 1.05 * o.error_mm);
+      }  // all fit such a budget
   }
   EXPECT_EQ(chosen, 1);
   EXPECT_GT(front, 0);
@@ -63,7 +65,8 @@ TEST(Accuracy, ASmallSceneGivesAFrontAndAPoint) {
   EXPECT_EQ(size_t(std::count(csv.begin(), csv.end(), '\n')), r.trials.size() + 1);
 }
 
-// All elements see the same even deformation with the same energy: layers and prestretch are carried over. Only ours lets
+// All elements see the same even deformation with the same energy: layers and prestretch are carried over. Only ours
+// lets
 // layers that share a cell slide; that is left out here.
 TEST(Accuracy, OtherElementsAreOfTheSameMaterial) {
   const Scene scene = parse_scene(kSmall, "small.toml");
@@ -88,7 +91,8 @@ TEST(Accuracy, OtherElementsAreOfTheSameMaterial) {
 }
 
 TEST(OperatingPoint, ChangesTheScenesTextInTwoPlaces) {
-  const Scene scene = parse_scene(kSmall, "small.toml"), other = at_operating_point(scene, 3.25, 7), again = at_operating_point(other, 4, 9);
+  const Scene scene = parse_scene(kSmall, "small.toml"), other = at_operating_point(scene, 3.25, 7),
+              again = at_operating_point(other, 4, 9);
   EXPECT_EQ(other.cell_mm, 3.25);
   EXPECT_EQ(other.iterations_per_step, 7);
   EXPECT_NE(other.hash, scene.hash);

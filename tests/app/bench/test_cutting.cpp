@@ -20,9 +20,11 @@ TEST(BenchCutting, QuickRunHasEveryPartAndNeedsNoCgal) {
     EXPECT_GE(row.time_ms, 0) << row.name << ", " << row.method;
     EXPECT_TRUE(row.pass);
   }
-  for (const char* n : {"arrangement, 2 k", "arrangement, 7 k", "history", "crossing"}) EXPECT_TRUE(names.count(n)) << n;
+  for (const char* n : {"arrangement, 2 k", "arrangement, 7 k", "history", "crossing"})
+    EXPECT_TRUE(names.count(n)) << n;
   ASSERT_FALSE(r.bars.empty());  // small sizes say nothing about time, but where a slit ends is none of it
-  for (const Bar& b : r.bars) EXPECT_TRUE(b.pass && b.name.find("slit") != std::string::npos) << b.name << " " << b.value;
+  for (const Bar& b : r.bars)
+    EXPECT_TRUE(b.pass && b.name.find("slit") != std::string::npos) << b.name << " " << b.value;
   ASSERT_FALSE(r.notes.empty());
   EXPECT_NE(r.notes.back().find("libcgal-dev"), std::string::npos);
 }

@@ -40,11 +40,12 @@ TEST(Force, FreeSpaceIsFreeAndContactPushesOut) {
 
 TEST(Force, BeginsWithARampAndEndsWithTheModel) {
   ForceLoop loop;
-  const auto f = forces(loop, plane(0.5), 2500, [](int) { return Vec3(0, 0, -2); }, 1500);
-  EXPECT_LT(f[50].norm(), 0.12);   // a ramp of half a second
+  const auto f = forces(
+      loop, plane(0.5), 2500, [](int) { return Vec3(0, 0, -2); }, 1500);
+  EXPECT_LT(f[50].norm(), 0.12);  // a ramp of half a second
   EXPECT_NEAR(f[1400].z(), 0.8, 1e-6);
-  EXPECT_GT(f[1520].z(), 0.7);     // two periods without a new model are nothing unusual
-  EXPECT_EQ(f[1650].norm(), 0);    // then it fades within 50 ms
+  EXPECT_GT(f[1520].z(), 0.7);   // two periods without a new model are nothing unusual
+  EXPECT_EQ(f[1650].norm(), 0);  // then it fades within 50 ms
   EXPECT_GT(loop.counts().stale, 800);
 }
 
@@ -59,9 +60,11 @@ TEST(Force, StaysWithinItsLimits) {
 
 TEST(Force, FrictionHoldsWithinItsCone) {
   ForceLoop loop;
-  const auto f = forces(loop, plane(0.5), 4000, [](int i) { return Vec3(i < 2000 ? 0 : std::min(0.3, 0.001 * (i - 2000)) + (i > 3000 ? 3 : 0), 0, -2); });
-  EXPECT_NEAR(f[2900].x(), -0.3 * 0.4, 0.01);  // sticks: an elastic pull back
-  EXPECT_NEAR(f.back().x(), -0.2 * 0.8, 0.01); // slides: friction times the normal force
+  const auto f = forces(loop, plane(0.5), 4000, [](int i) {
+    return Vec3(i < 2000 ? 0 : std::min(0.3, 0.001 * (i - 2000)) + (i > 3000 ? 3 : 0), 0, -2);
+  });
+  EXPECT_NEAR(f[2900].x(), -0.3 * 0.4, 0.01);   // sticks: an elastic pull back
+  EXPECT_NEAR(f.back().x(), -0.2 * 0.8, 0.01);  // slides: friction times the normal force
 }
 
 TEST(Force, CuttingRisesBreaksAndDrops) {
@@ -106,8 +109,10 @@ TEST(Force, PassiveWhereTheNaiveMethodsAreNot) {
       const ForceFigures held = force_trial(t);
       t.method = ForceMethod::tangent;
       const ForceFigures tangent = force_trial(t);
-      std::printf("k %.1f, %3.0f Hz: least energy %.2f mJ (held %.1f, tangent %.1f), step %.3f N (%.2f, %.2f), damped %lld\n", k, hz, ours.least_energy_mJ, held.least_energy_mJ,
-                  tangent.least_energy_mJ, ours.largest_step_N, held.largest_step_N, tangent.largest_step_N, (long long)ours.damped);
+      std::printf(
+          "k %.1f, %3.0f Hz: least energy %.2f mJ (held %.1f, tangent %.1f), step %.3f N (%.2f, %.2f), damped %lld\n",
+          k, hz, ours.least_energy_mJ, held.least_energy_mJ, tangent.least_energy_mJ, ours.largest_step_N,
+          held.largest_step_N, tangent.largest_step_N, (long long)ours.damped);
       EXPECT_GT(ours.least_energy_mJ, -0.15) << k << " " << hz;  // the spare of 0.1 mJ and a tick of the damper
       EXPECT_LE(ours.largest_step_N, 0.2 + 1e-9);
       if (k >= 0.5 && hz <= 60) {
@@ -121,7 +126,8 @@ TEST(Force, AStallOfThirtyMillisecondsDoesNotKick) {
   for (const double k : {0.1, 0.5, 3.0})
     for (const double s : {0.01, 0.03}) {
       const StallFigures f = stall_trials(k, s, 6);
-      std::printf("k %.1f, %2.0f ms: %.1f mm/s (%.1f without a stall, %.1f in free air), least energy %.2f mJ\n", k, 1000 * s, f.stalled_mm_s, f.calm_mm_s, f.free_mm_s, f.energy_mJ);
+      std::printf("k %.1f, %2.0f ms: %.1f mm/s (%.1f without a stall, %.1f in free air), least energy %.2f mJ\n", k,
+                  1000 * s, f.stalled_mm_s, f.calm_mm_s, f.free_mm_s, f.energy_mJ);
       EXPECT_LE(f.stalled_mm_s, f.free_mm_s) << k << " " << s;
       EXPECT_LE(f.largest_step_N, 0.2 + 1e-9);
     }

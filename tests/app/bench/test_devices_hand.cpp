@@ -6,13 +6,17 @@
 namespace limberg::bench {
 namespace {
 
-// Reference: a simulation of the same motion and noise, readings 60 times a second and 8.3 ms late, constant-velocity Kalman
-// filter predicted to the tick and One-Euro filter behind it: 0.40 mm RMS, 2 ms, 1.35 mm from tick to tick (2026-11-21). Here
+// Reference: a simulation of the same motion and noise, readings 60 times a second and 8.3 ms late, constant-velocity
+// Kalman
+// filter predicted to the tick and One-Euro filter behind it: 0.40 mm RMS, 2 ms, 1.35 mm from tick to tick
+// (2026-11-21). Here
 // the readings come through the line, with its times. Measured on that day: the default filter, which is made for quiet
-// strokes, 0.53 mm at 2.0 ms and 0.94 mm; one that opens sooner 0.41 mm at 1.0 ms. The bars leave a tenth for another compiler's sines.
+// strokes, 0.53 mm at 2.0 ms and 0.94 mm; one that opens sooner 0.41 mm at 1.0 ms. The bars leave a tenth for another
+// compiler's sines.
 TEST(DevicesHand, ErrorAndLagAtSixtyHertzAStation) {
   const auto print = [](const char* name, const TrackingFigures& f) {
-    std::printf("%-16s rms %.3f mm, lag %.1f ms, jitter %.3f mm, step %.2f mm, turn %.2f deg, %.1f Hz\n", name, f.rms_mm, f.lag_ms, f.jitter_mm, f.max_step_mm, f.turn_rms_deg, f.rate_hz);
+    std::printf("%-16s rms %.3f mm, lag %.1f ms, jitter %.3f mm, step %.2f mm, turn %.2f deg, %.1f Hz\n", name,
+                f.rms_mm, f.lag_ms, f.jitter_mm, f.max_step_mm, f.turn_rms_deg, f.rate_hz);
   };
   const TrackingFigures f = tracking_trial({});
   print("60 Hz, default", f);
@@ -65,14 +69,17 @@ TEST(DevicesHand, AnHourOfIdleHandAndAThousandGrabs) {
   GrabTrial t;
   t.idle_s = 3600;
   const GrabFigures idle = grab_trial(t);
-  std::printf("idle %.0f s: %lld false grabs, %lld readings, %lld damaged, least aperture %.1f mm\n", idle.idle_s, (long long)idle.false_grabs, (long long)idle.readings, (long long)idle.damaged, idle.least_aperture_mm);
+  std::printf("idle %.0f s: %lld false grabs, %lld readings, %lld damaged, least aperture %.1f mm\n", idle.idle_s,
+              (long long)idle.false_grabs, (long long)idle.readings, (long long)idle.damaged, idle.least_aperture_mm);
   EXPECT_EQ(idle.false_grabs, 0);
   EXPECT_GT(idle.damaged, 500);
   GrabTrial g;
   g.grabs = 1000;
   g.seed = 3;
   const GrabFigures f = grab_trial(g);
-  std::printf("grabs: %lld of %lld in time, %lld missed, %lld extra, median %.0f ms, worst %.0f ms\n", (long long)f.in_time, (long long)f.meant, (long long)f.missed, (long long)f.extra, f.median_ms, f.worst_ms);
+  std::printf("grabs: %lld of %lld in time, %lld missed, %lld extra, median %.0f ms, worst %.0f ms\n",
+              (long long)f.in_time, (long long)f.meant, (long long)f.missed, (long long)f.extra, f.median_ms,
+              f.worst_ms);
   EXPECT_GE(f.in_time, 999);
   EXPECT_EQ(f.extra, 0);
 }

@@ -1,4 +1,5 @@
-// A short slice of the fuzzer of readers; `limberg bench fuzz --readers` runs a hundred thousand. And that it sees what it is for.
+// A short slice of the fuzzer of readers; `limberg bench fuzz --readers` runs a hundred thousand. And that it sees what
+// it is for.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -37,17 +38,34 @@ std::string seen(const std::function<std::string(const std::string&)>& read, int
 }
 
 TEST(ReadersFuzz, PlantedDefectsAreSeen) {
-  EXPECT_NE(seen([](const std::string&) -> std::string { std::raise(SIGSEGV); return ""; }).find("signal 11"), std::string::npos);
-  EXPECT_NE(seen([](const std::string&) -> std::string { throw std::out_of_range("at"); }).find("no InputError: at"), std::string::npos);
-  EXPECT_NE(seen([](const std::string&) { return std::string("odd"); }).find("odd"), std::string::npos);
-  EXPECT_NE(seen([](const std::string&) -> std::string { throw InputError("b.txt", 1, "is wrong somehow or other"); }).find("without the file's name"), std::string::npos);
-  EXPECT_NE(seen([](const std::string& p) -> std::string { throw InputError(p, 1, "bad"); }).find("without a reason"), std::string::npos);
-  EXPECT_NE(seen([](const std::string& p) -> std::string { throw InputError(p, 1, std::string(5000, 'a')); }).find("reason of"), std::string::npos);
   EXPECT_NE(seen([](const std::string&) -> std::string {
-    volatile bool stop = false;
-    while (!stop) {}
-    return "never";
-  }, 1).find("CPU time"), std::string::npos);
+              std::raise(SIGSEGV);
+              return "";
+            }).find("signal 11"),
+            std::string::npos);
+  EXPECT_NE(seen([](const std::string&) -> std::string { throw std::out_of_range("at"); }).find("no InputError: at"),
+            std::string::npos);
+  EXPECT_NE(seen([](const std::string&) { return std::string("odd"); }).find("odd"), std::string::npos);
+  EXPECT_NE(seen([](const std::string&) -> std::string {
+              throw InputError("b.txt", 1, "is wrong somehow or other");
+            }).find("without the file's name"),
+            std::string::npos);
+  EXPECT_NE(seen([](const std::string& p) -> std::string { throw InputError(p, 1, "bad"); }).find("without a reason"),
+            std::string::npos);
+  EXPECT_NE(seen([](const std::string& p) -> std::string {
+              throw InputError(p, 1, std::string(5000, 'a'));
+            }).find("reason of"),
+            std::string::npos);
+  EXPECT_NE(seen(
+                [](const std::string&) -> std::string {
+                  volatile bool stop = false;
+                  while (!stop) {
+                  }
+                  return "never";
+                },
+                1)
+                .find("CPU time"),
+            std::string::npos);
 }
 
 TEST(ReadersFuzz, MemoryThatAHeaderClaimsIsSeen) {
@@ -55,10 +73,11 @@ TEST(ReadersFuzz, MemoryThatAHeaderClaimsIsSeen) {
   GTEST_SKIP() << "a sanitizer has the memory for itself";
 #else
   EXPECT_NE(seen([](const std::string& p) -> std::string {
-    std::vector<char> claimed;
-    claimed.reserve(size_t(16) << 30);  // asked for, never touched
-    throw InputError(p, 0, "the data are cut short after all");
-  }).find("memory: asked for more than 256 MB"), std::string::npos);
+              std::vector<char> claimed;
+              claimed.reserve(size_t(16) << 30);  // asked for, never touched
+              throw InputError(p, 0, "the data are cut short after all");
+            }).find("memory: asked for more than 256 MB"),
+            std::string::npos);
 #endif
 }
 

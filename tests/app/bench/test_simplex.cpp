@@ -17,7 +17,8 @@ TEST(BenchSimplex, QuickRunHasItsRowsAndBars) {
   EXPECT_GT(notes, 3);
   ASSERT_EQ(r.bars.size(), 4u);
   EXPECT_TRUE(r.bars[3].pass) << r.bars[3].name;  // operators; the others are times
-  EXPECT_EQ(std::count_if(r.rows.begin(), r.rows.end(), [](const Row& x) { return x.method == "plain loop of scalars"; }), 3);
+  EXPECT_EQ(
+      std::count_if(r.rows.begin(), r.rows.end(), [](const Row& x) { return x.method == "plain loop of scalars"; }), 3);
   for (const Row& x : r.rows) {
     EXPECT_TRUE(x.pass) << x.name;
     EXPECT_GT(x.time_ms, 0) << x.name;

@@ -8,7 +8,9 @@ namespace {
 
 void expect_all(const Result& r) {
   EXPECT_FALSE(r.rows.empty());
-  for (const Row& row : r.rows) EXPECT_TRUE(row.pass) << row.name << ", " << row.method << ", " << row.settings << ": " << row.error << " " << row.error_unit;
+  for (const Row& row : r.rows)
+    EXPECT_TRUE(row.pass) << row.name << ", " << row.method << ", " << row.settings << ": " << row.error << " "
+                          << row.error_unit;
   for (const Bar& b : r.bars) EXPECT_TRUE(b.pass) << b.name << ": " << b.value << ", bar " << b.bar;
 }
 
@@ -28,7 +30,8 @@ TEST(Verification, CooksPanelComesNearer) {
   expect_all(r);
   for (size_t i = 0; i + 1 < r.rows.size(); i += 2) {
     EXPECT_LT(std::abs(r.rows[i + 1].error), std::abs(r.rows[i].error)) << r.rows[i].name;
-    EXPECT_LT(std::abs(r.rows[i + 1].error), 6) << r.rows[i].name;  // %; published bilinear elements: 5.8 at 8 x 8, 1.7 at 16 x 16
+    EXPECT_LT(std::abs(r.rows[i + 1].error), 6)
+        << r.rows[i].name;  // %; published bilinear elements: 5.8 at 8 x 8, 1.7 at 16 x 16
   }
 }
 

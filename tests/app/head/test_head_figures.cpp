@@ -19,8 +19,9 @@ namespace limberg {
 namespace {
 
 TEST(HeadMeasures, LengthsAnglesAndAsymmetryBeforeAndNow) {
-  NamedPlaces before{{"S", {0, 0, 0}}, {"N", {0, 70, 10}}, {"Ba", {0, -20, -40}}, {"ANS", {0, 80, -35}}, {"PNS", {0, 30, -35}}, {"Go_L", {-45, 0, -60}}, {"Go_R", {45, 0, -60}},
-                     {"M2", {0, 0, 3}}, {"M10", {4, 0, 3}}, {"M1", {0, 0, 0}}, {"Mx", {9, 9, 9}}};
+  NamedPlaces before{{"S", {0, 0, 0}},      {"N", {0, 70, 10}},      {"Ba", {0, -20, -40}},  {"ANS", {0, 80, -35}},
+                     {"PNS", {0, 30, -35}}, {"Go_L", {-45, 0, -60}}, {"Go_R", {45, 0, -60}}, {"M2", {0, 0, 3}},
+                     {"M10", {4, 0, 3}},    {"M1", {0, 0, 0}},       {"Mx", {9, 9, 9}}};
   NamedPlaces now = before;
   now[6].second += Vec3(3, 4, 0), now[9].second -= Vec3(0, 0, 1);
   const std::vector<HeadMeasure> all = head_measures(before, now);
@@ -81,7 +82,8 @@ TEST(HeadReport, TheLineOfAPairPutsItTogether) {
 /// A potato: no rotation takes it to itself.
 simplex::Mesh potato() {
   simplex::Mesh m = simplex::make_sphere({0, 0, 0}, 40, 3);
-  for (Vec3& x : m.x_mm) x = Vec3(1.0 * x.x() + 0.004 * x.y() * x.y(), 1.3 * x.y(), 0.8 * x.z() + 0.003 * x.x() * x.y());
+  for (Vec3& x : m.x_mm)
+    x = Vec3(1.0 * x.x() + 0.004 * x.y() * x.y(), 1.3 * x.y(), 0.8 * x.z() + 0.003 * x.x() * x.y());
   m.before_mm = m.x_mm;
   simplex::record_shape(m);
   return m;
@@ -113,8 +115,10 @@ TEST(SkullComparison, AKnownPlaceIsFoundAndAMoveIsReadOff) {
   const int32_t id = head.bones().nearest_fragment({0, 0, 32});
   double top = 0, rest = 0, most = 0;
   for (size_t v = 0; v < raised.fragment.size(); ++v) {
-    if (raised.fragment[v] == id) top = std::max(top, raised.after.signed_mm[v]);
-    else rest = std::max(rest, std::abs(raised.after.signed_mm[v]));
+    if (raised.fragment[v] == id)
+      top = std::max(top, raised.after.signed_mm[v]);
+    else
+      rest = std::max(rest, std::abs(raised.after.signed_mm[v]));
     most = std::max(most, std::abs(raised.before.signed_mm[v]));
   }
   EXPECT_NEAR(top, 3, 0.15);
@@ -159,7 +163,8 @@ TEST(SkullComparison, MomentsThatWereAskedForAreInTheReport) {
   const std::string text = r.text();
   const size_t first = text.find("\"raised\"");
   ASSERT_NE(first, std::string::npos);
-  const double out = number_after(text, "\"rms_mm\"", first), back = number_after(text, "\"rms_mm\"", text.find("\"rms_mm\"", first) + 8);
+  const double out = number_after(text, "\"rms_mm\"", first),
+               back = number_after(text, "\"rms_mm\"", text.find("\"rms_mm\"", first) + 8);
   EXPECT_GT(out, back + 0.2);
   EXPECT_TRUE(std::filesystem::exists(dir + "/skull-moment-2.csv"));
   ASSERT_TRUE(head.apply(Undo{}).done);

@@ -1,4 +1,5 @@
-// A whole session on a head: the emulated surgeon saws and carries, once with one worker and once with two; scenes with and without
+// A whole session on a head: the emulated surgeon saws and carries, once with one worker and once with two; scenes with
+// and without
 // [head]; skin over bone.
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -25,18 +26,24 @@ namespace {
 /// A ball of bone of radius 40 under a face of radius 48, as files beside a scene. `more`: other parts of the scene.
 Scene ball_scene(const std::string& name, const std::string& more = "") {
   const std::string dir = ::testing::TempDir();
-  simplex::Mesh ball = simplex::make_sphere({0, 0, 0}, 40, 3), anvil = simplex::make_sphere({0, 0, -200}, 20, 2), face = simplex::make_sphere({0, 0, 0}, 48, 3);
+  simplex::Mesh ball = simplex::make_sphere({0, 0, 0}, 40, 3), anvil = simplex::make_sphere({0, 0, -200}, 20, 2),
+                face = simplex::make_sphere({0, 0, 0}, 48, 3);
   for (simplex::Mesh* m : {&ball, &anvil, &face}) simplex::record_shape(*m);
-  simplex::save_mesh(ball, dir + "/ball.txt"), simplex::save_mesh(anvil, dir + "/anvil.txt"), simplex::save_mesh(face, dir + "/face.txt");
-  return parse_scene("[head]\nsource = \"files\"\nbones = [\"anvil.txt\", \"ball.txt\"]\nface = \"face.txt\"\n" + more, dir + "/" + name + ".toml");
+  simplex::save_mesh(ball, dir + "/ball.txt"), simplex::save_mesh(anvil, dir + "/anvil.txt"),
+      simplex::save_mesh(face, dir + "/face.txt");
+  return parse_scene("[head]\nsource = \"files\"\nbones = [\"anvil.txt\", \"ball.txt\"]\nface = \"face.txt\"\n" + more,
+                     dir + "/" + name + ".toml");
 }
 
-constexpr const char* kTissue = "[[head.tissue]]\nname = \"cap\"\nface = [0, 48, 0]\nface_radius_mm = 35\nlayers = 2\nmode = \"springs\"\n";
+constexpr const char* kTissue =
+    "[[head.tissue]]\nname = \"cap\"\nface = [0, 48, 0]\nface_radius_mm = 35\nlayers = 2\nmode = \"springs\"\n";
 
 /// A ring of radius 25 about the y axis, on the ball.
 CutBone ring() {
   CutBone c;
-  for (int i = 0; i < 48; ++i) c.contour_mm.push_back({25 * std::cos(i * M_PI / 24), std::sqrt(40.0 * 40 - 25 * 25), 25 * std::sin(i * M_PI / 24)});
+  for (int i = 0; i < 48; ++i)
+    c.contour_mm.push_back(
+        {25 * std::cos(i * M_PI / 24), std::sqrt(40.0 * 40 - 25 * 25), 25 * std::sin(i * M_PI / 24)});
   return c;
 }
 
@@ -69,7 +76,8 @@ Ran run(int workers) {
   r.hash = f.state_hash;
   for (const Refusal& x : a.solver.refused()) r.refused.push_back(x.command + ": " + x.reason);
   for (const Command& c : a.done) r.script.push_back(action_name(c));
-  for (const bone::Fragment& x : a.head->bones().fragments()) r.forward_mm = std::max(r.forward_mm, (x.pose * x.centre_mm - x.centre_mm).y());
+  for (const bone::Fragment& x : a.head->bones().fragments())
+    r.forward_mm = std::max(r.forward_mm, (x.pose * x.centre_mm - x.centre_mm).y());
   r.fragments = a.head->bones().fragments().size();
   return r;
 }
@@ -100,7 +108,8 @@ TEST(HeadSession, AScriptDoesTheSameWithoutAHand) {
     operate(*a.patient, bad, {});
     FAIL();
   } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("bad.jsonl:9: incise refused: there is no skin"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("bad.jsonl:9: incise refused: there is no skin"), std::string::npos)
+        << e.what();
   }
 }
 
@@ -116,30 +125,36 @@ TEST(HeadSession, ScenesSayWhatIsWrong) {
   EXPECT_EQ(why(""), "");
   EXPECT_NE(why("colour = 3\n").find("unknown key \"colour\" in [head]"), std::string::npos);
   EXPECT_NE(why("[[head.tissue]]\nname = \"a\"\n").find("face is missing"), std::string::npos);
-  EXPECT_NE(why("[[head.tissue]]\nname = \"a\"\nface = \"N\"\nmode = \"jelly\"\n").find("expected smoothing"), std::string::npos);
+  EXPECT_NE(why("[[head.tissue]]\nname = \"a\"\nface = \"N\"\nmode = \"jelly\"\n").find("expected smoothing"),
+            std::string::npos);
   EXPECT_NE(why("[lattice]\ncell_mm = 3\n").find("lattice belongs to a [body]"), std::string::npos);
   EXPECT_NE(why("[head.landmarks]\nN = [1, 2]\n").find("is not [x, y, z]"), std::string::npos);
   // A landmark that is not there is found when the head is built.
-  EXPECT_THROW(Assembly(ball_scene("bad", "[[head.tissue]]\nname = \"a\"\nface = \"Nowhere\"\n"), Calibration{}, {}), InputError);
+  EXPECT_THROW(Assembly(ball_scene("bad", "[[head.tissue]]\nname = \"a\"\nface = \"Nowhere\"\n"), Calibration{}, {}),
+               InputError);
 }
 
-/// A slab of skin 60 x 60 x 8 mm, its underside 1 mm above flat bone: the top of a ball so large that it is nearly flat.
+/// A slab of skin 60 x 60 x 8 mm, its underside 1 mm above flat bone: the top of a ball so large that it is nearly
+/// flat.
 Scene skin_over_bone() {
   const std::string dir = ::testing::TempDir();
   simplex::Mesh plate = simplex::make_sphere({0, 0, 0}, 1, 4), anvil = simplex::make_sphere({0, 0, -300}, 20, 2);
-  for (Vec3& x : plate.x_mm) x = Vec3(60 * x.x(), 60 * x.y(), 10 * (x.z() < 0 ? -1 : 1) * std::pow(std::abs(x.z()), 0.3) - 19);
+  for (Vec3& x : plate.x_mm)
+    x = Vec3(60 * x.x(), 60 * x.y(), 10 * (x.z() < 0 ? -1 : 1) * std::pow(std::abs(x.z()), 0.3) - 19);
   for (simplex::Mesh* m : {&plate, &anvil}) m->before_mm = m->x_mm, simplex::record_shape(*m);
   simplex::save_mesh(plate, dir + "/plate.txt"), simplex::save_mesh(anvil, dir + "/anvil2.txt");
   return parse_scene(
       "[head]\nsource = \"files\"\nbones = [\"anvil2.txt\", \"plate.txt\"]\ncarries_skin_mm = 20\n"
-      "[body]\nsource = \"block\"\nsize_mm = [60, 60, 8]\nskin_cell_mm = 3\n[[layer]]\nname = \"skin\"\nthickness_mm = 8\nyoung_kPa = 60\npoisson = 0.45\n[lattice]\ncell_mm = 4\n",
+      "[body]\nsource = \"block\"\nsize_mm = [60, 60, 8]\nskin_cell_mm = 3\n[[layer]]\nname = \"skin\"\nthickness_mm = "
+      "8\nyoung_kPa = 60\npoisson = 0.45\n[lattice]\ncell_mm = 4\n",
       dir + "/skin_over_bone.toml");
 }
 
 std::vector<Vec3f> settled(Assembly& a, int steps = 300) {
   StepSettings s;
   s.max_iterations = 20, s.tolerance = 1e-6;
-  for (int i = 0; i < steps && a.patient->step(s).residual > 2e-6; ++i) {}
+  for (int i = 0; i < steps && a.patient->step(s).residual > 2e-6; ++i) {
+  }
   Snapshot shown;
   a.world->fill(shown);
   return shown.x_mm;
@@ -155,7 +170,8 @@ TEST(HeadSession, RigidMotionOfAllTheBoneMovesTheSkinRigidly) {
   const std::vector<Vec3f> after = settled(a);
   const Eigen::Isometry3d map = isometry(m.by, Vec3::Zero());
   double worst = 0;
-  for (size_t v = 0; v < before.size(); ++v) worst = std::max(worst, (map * before[v].cast<double>() - after[v].cast<double>()).norm());
+  for (size_t v = 0; v < before.size(); ++v)
+    worst = std::max(worst, (map * before[v].cast<double>() - after[v].cast<double>()).norm());
   EXPECT_LT(worst, 0.01);
 }
 
@@ -223,7 +239,8 @@ TEST(HeadSession, AFlapIsCutUnderminedAndSewnOverRaisedBone) {
   ASSERT_EQ(higher.size(), sewn.size());
   double rise = 0, n = 0;
   for (size_t v = 0; v < sewn.size(); ++v)
-    if (sewn[v].x() > 14 && sewn[v].x() < 24 && std::abs(sewn[v].y() + 6) < 6) rise += double(higher[v].z() - sewn[v].z()), ++n;
+    if (sewn[v].x() > 14 && sewn[v].x() < 24 && std::abs(sewn[v].y() + 6) < 6)
+      rise += double(higher[v].z() - sewn[v].z()), ++n;
   ASSERT_GT(n, 20);
   EXPECT_NEAR(rise / n, 2, 0.3);
   a.patient->fill(s);
@@ -277,7 +294,9 @@ TEST(HeadSession, SkinAndBoneAreFelt) {
 }
 
 TEST(HeadSession, AScenesSkinAloneBuildsNoHead) {
-  Assembly a(parse_scene("[body]\nsource = \"block\"\nsize_mm = [40, 40, 8]\nskin_cell_mm = 4\n[[layer]]\nname = \"skin\"\nthickness_mm = 8\nyoung_kPa = 60\npoisson = 0.45\n[lattice]\ncell_mm = 5\n", "plain.toml"),
+  Assembly a(parse_scene("[body]\nsource = \"block\"\nsize_mm = [40, 40, 8]\nskin_cell_mm = 4\n[[layer]]\nname = "
+                         "\"skin\"\nthickness_mm = 8\nyoung_kPa = 60\npoisson = 0.45\n[lattice]\ncell_mm = 5\n",
+                         "plain.toml"),
              Calibration{}, {});
   EXPECT_EQ(a.head, nullptr);
   const Outcome o = a.patient->apply(HeadCommand(ring()));
@@ -286,7 +305,8 @@ TEST(HeadSession, AScenesSkinAloneBuildsNoHead) {
 }
 
 TEST(HeadCache, WhatIsReadIsWhatWasMade) {
-  const std::filesystem::path folder = std::filesystem::temp_directory_path() / ("limberg-cache-" + std::to_string(getpid()));
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("limberg-cache-" + std::to_string(getpid()));
   setenv("LIMBERG_CACHE", folder.c_str(), 1);
   HeadSpec coarse;
   coarse.edge_mm = 8, coarse.face_edge_mm = 9, coarse.vault_wide = 1.02;
@@ -294,12 +314,14 @@ TEST(HeadCache, WhatIsReadIsWhatWasMade) {
   const HeadModel made = cached_head(coarse, w);
   const bool kept = std::filesystem::exists(folder);
   const HeadModel read = cached_head(coarse, w);
-  for (const auto& [a, b] : {std::pair(&made.cranium, &read.cranium), std::pair(&made.mandible, &read.mandible), std::pair(&made.face, &read.face)}) {
+  for (const auto& [a, b] : {std::pair(&made.cranium, &read.cranium), std::pair(&made.mandible, &read.mandible),
+                             std::pair(&made.face, &read.face)}) {
     EXPECT_EQ(simplex::hash(*a), simplex::hash(*b));
     EXPECT_EQ(a->face_edge, b->face_edge);  // numbers of faces too: tissue is built by them
   }
   ASSERT_EQ(made.landmarks.size(), read.landmarks.size());
-  for (size_t i = 0; i < made.landmarks.size(); ++i) EXPECT_TRUE(made.landmarks[i] == read.landmarks[i]) << made.landmarks[i].first;
+  for (size_t i = 0; i < made.landmarks.size(); ++i)
+    EXPECT_TRUE(made.landmarks[i] == read.landmarks[i]) << made.landmarks[i].first;
   if (kept) {  // a damaged one is made anew
     for (const auto& f : std::filesystem::recursive_directory_iterator(folder))
       if (f.path().filename() == "mandible.simplex") std::filesystem::resize_file(f.path(), 1000);

@@ -45,7 +45,8 @@ const char* const kFull = R"({
 class Report : public ::testing::Test {
  protected:
   void SetUp() override {
-    dir = fs::path(LIMBERG_BINARY_DIR) / "test_report_files" / ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    dir = fs::path(LIMBERG_BINARY_DIR) / "test_report_files" /
+          ::testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(dir);
     fs::create_directories(dir / "stages");
   }
@@ -73,16 +74,38 @@ TEST_F(Report, HoldsTheFigures) {
   write_png(dir / "stages/01-closed.png", Image(8, 6, {100, 150, 140}));
   write_png(dir / "tension.png", Image(8, 6, {10, 50, 140}));
   const std::string h = make(kFull);
-  for (const char* text : {"Rhomboid", "Closed with 3 sutures", "7.25\u202fN", "2.75\u202fN", "0.12\u202fmm", "3.2\u202f×\u202f10⁻⁵", "The plug is out.", "p99.9", "60500 device ticks",
-                           "3 late by more than", "excise", "limberg replay recordings/rhomboid.lcm", "00ff00ff00ff00ff", "Some CPU", "0.1.0", "Larrabee", "something_new_kPa",
-                           "0.5\u202f% of the sum", "(+0.75)", "Tension map", "lattice ± 0.3\u202fN, order 1.4", "lattice ± 0.9\u202fmm, not yet settled", "0.012\u202fmm", "from equilibrium",
+  for (const char* text : {"Rhomboid",
+                           "Closed with 3 sutures",
+                           "7.25\u202fN",
+                           "2.75\u202fN",
+                           "0.12\u202fmm",
+                           "3.2\u202f×\u202f10⁻⁵",
+                           "The plug is out.",
+                           "p99.9",
+                           "60500 device ticks",
+                           "3 late by more than",
+                           "excise",
+                           "limberg replay recordings/rhomboid.lcm",
+                           "00ff00ff00ff00ff",
+                           "Some CPU",
+                           "0.1.0",
+                           "Larrabee",
+                           "something_new_kPa",
+                           "0.5\u202f% of the sum",
+                           "(+0.75)",
+                           "Tension map",
+                           "lattice ± 0.3\u202fN, order 1.4",
+                           "lattice ± 0.9\u202fmm, not yet settled",
+                           "0.012\u202fmm",
+                           "from equilibrium",
                            "swings from size to size"})
     EXPECT_NE(h.find(text), std::string::npos) << text;
   EXPECT_EQ(count(h, "data:image/png;base64,"), 3u);
   EXPECT_EQ(count(h, "<svg"), 2u);
   EXPECT_EQ(h.find("http://", h.find("<body>")), h.find("http://www.w3.org/2000/svg"));  // a name, not an address
-  EXPECT_EQ(count(h, "src=\"") + count(h, "href=\""), 3u);                                 // nothing is fetched
-  for (const auto& left : fs::directory_iterator(dir)) EXPECT_FALSE(left.path().filename().string().starts_with(".limberg-")) << left.path();
+  EXPECT_EQ(count(h, "src=\"") + count(h, "href=\""), 3u);                               // nothing is fetched
+  for (const auto& left : fs::directory_iterator(dir))
+    EXPECT_FALSE(left.path().filename().string().starts_with(".limberg-")) << left.path();
 }
 
 TEST_F(Report, SameInputSameBytes) {
@@ -91,7 +114,8 @@ TEST_F(Report, SameInputSameBytes) {
 }
 
 TEST_F(Report, StagesSayWhatTheScriptDid) {
-  const std::string h = make(R"({"stages":[{"name":"cut"},{"name":"own","caption":"My words."},{"name":"closed"},{"name":"other"}],"script":[
+  const std::string h = make(
+      R"({"stages":[{"name":"cut"},{"name":"own","caption":"My words."},{"name":"closed"},{"name":"other"}],"script":[
     {"limberg_script":1},{"action":"excise","outline":[[0,0],[20,0],[20,10],[0,10]],"depth_mm":4},{"action":"incise","path":[[0,0],[3,4],[3,14]],"depth_mm":5,"angle_deg":60},
     {"action":"stage","name":"cut"},{"action":"suture"},{"action":"stage","name":"own"},{"action":"hook"},{"action":"hook"},{"action":"move"},
     {"action":"suture_row"},"no JSON",{"action":7},{"action":"excise","outline":[7]},{"action":"stage","name":"closed"},{"action":"stage","name":"not other"}]})");
@@ -103,18 +127,22 @@ TEST_F(Report, StagesSayWhatTheScriptDid) {
 
 TEST_F(Report, AHeadHasItsOwnWordsAndItsPictures) {
   write_png(dir / "face.png", Image(8, 8));
-  const std::string head = R"({"command": "operate", "scene": "craniofacial", "ok": true, "residual": 0, "stages": [{"name": "cut", "residual": 0}],
+  const std::string head =
+      R"({"command": "operate", "scene": "craniofacial", "ok": true, "residual": 0, "stages": [{"name": "cut", "residual": 0}],
     "metrics": {"fragments": 3, "fragment_moved_max_mm": 8, "face_moved_max_mm": 7.5}, "gallery": [{"picture": "face.png", "caption": "The face after"}],
     "tables": [{"title": "Fragments", "columns": ["fragment"], "rows": [["cranium"]]}], "script": [{"action": "wait"}]})";
   const std::string html = make(head);
-  EXPECT_NE(html.find("3 pieces of bone, the farthest carried 8\u202fmm; the face follows by up to 7.5\u202fmm."), std::string::npos);
+  EXPECT_NE(html.find("3 pieces of bone, the farthest carried 8\u202fmm; the face follows by up to 7.5\u202fmm."),
+            std::string::npos);
   EXPECT_NE(html.find("<h2>Bones and face</h2>"), std::string::npos);
   EXPECT_NE(html.find("The face after"), std::string::npos);
-  for (const char* of_skin : {"residual", "The closure", "on the skin"}) EXPECT_EQ(html.find(of_skin), std::string::npos) << of_skin;
+  for (const char* of_skin : {"residual", "The closure", "on the skin"})
+    EXPECT_EQ(html.find(of_skin), std::string::npos) << of_skin;
 }
 
 TEST_F(Report, ChartsKeepTheirMarks) {
-  const std::string chart = R"({"command": "bench", "charts": [{"title": "Error", "x": "size", "y": "mm", "x_marks": 7, "y_marks": [{"value": 1, "label": "aim 1 mm"}, {"label": "nowhere"}],
+  const std::string chart =
+      R"({"command": "bench", "charts": [{"title": "Error", "x": "size", "y": "mm", "x_marks": 7, "y_marks": [{"value": 1, "label": "aim 1 mm"}, {"label": "nowhere"}],
     "series": [{"name": "", "x": [1, 2], "y": [0.5, 2]}]}],
     "bars": [{"name": "error of the face", "value": 0.5, "bar": 1, "pass": true, "source": "the aim"}]})";
   const std::string html = make(chart);
@@ -126,7 +154,8 @@ TEST_F(Report, ChartsKeepTheirMarks) {
 
 TEST_F(Report, LightsFollowTheLimits) {
   const auto with_force = [](double n, double gap) {
-    return R"({"metrics":{"sutures":[{"id":1,"force_N":)" + std::to_string(n) + R"(,"gap_mm":)" + std::to_string(gap) + "}]}}";
+    return R"({"metrics":{"sutures":[{"id":1,"force_N":)" + std::to_string(n) + R"(,"gap_mm":)" + std::to_string(gap) +
+           "}]}}";
   };
   EXPECT_NE(make(with_force(1, 0.1)).find("<div class=\"verdict good\">"), std::string::npos);
   EXPECT_NE(make(with_force(3, 0.1)).find("<div class=\"verdict warn\">"), std::string::npos);
@@ -144,22 +173,29 @@ TEST_F(Report, AbsentFieldsAreAbsent) {
 
 TEST_F(Report, WrongKindsAreLeftOut) {
   // Every field of the full example replaced in turn by something of another kind: never a crash, always well formed.
-  for (const char* name : {"limberg", "command", "scene", "machine", "mode", "device", "solver", "render", "latency_ms", "metrics", "stages", "series", "balance",
-                           "convergence", "discretisation", "script", "reproduce", "parts", "pictures", "damage", "lattice", "ok", "duration_s"})
-    for (const char* value : {"null", "7", "-1e308", "\"x\"", "[]", "[1,[2],{}]", "{}", "{\"sutures\":{}}", "[[[]]]", "true"})
+  for (const char* name :
+       {"limberg",    "command", "scene",    "machine", "mode",    "device",      "solver",         "render",
+        "latency_ms", "metrics", "stages",   "series",  "balance", "convergence", "discretisation", "script",
+        "reproduce",  "parts",   "pictures", "damage",  "lattice", "ok",          "duration_s"})
+    for (const char* value :
+         {"null", "7", "-1e308", "\"x\"", "[]", "[1,[2],{}]", "{}", "{\"sutures\":{}}", "[[[]]]", "true"})
       make("{\"" + std::string(name) + "\": " + value + "}");
-  make(R"({"metrics":{"sutures":[7,null,{"id":{},"force_N":"x","gap_mm":null}]},"series":{"t_s":[1],"residual":[-1,0,1e308,1e-308,5]},"balance":{"a":[1,2,"x"]}})");
+  make(
+      R"({"metrics":{"sutures":[7,null,{"id":{},"force_N":"x","gap_mm":null}]},"series":{"t_s":[1],"residual":[-1,0,1e308,1e-308,5]},"balance":{"a":[1,2,"x"]}})");
   make(R"({"series":{"residual":[0,0,0]}})");
   make(R"({"series":{"residual":[1e-4,1e-4],"distance_mm":[5,5]}})");
 }
 
 TEST_F(Report, HostileWordsAreEscaped) {
   const std::string bad = R"(<script>alert(1)</script>\"'><img src=x onerror=y>&amp;\u0000\u0007\ud83d\ude00)";
-  const std::string h = make(R"({"scene":")" + bad + R"(","scene_title":")" + bad + R"(","command":")" + bad + R"(","reproduce":")" + bad + R"(","mode":")" + bad +
-                             R"(","state_hash":")" + bad + R"(","scene_note":")" + bad + R"(","limberg":{"version":")" + bad + R"("},"machine":{"cpu":")" + bad +
-                             R"("},"parts":[")" + bad + R"("],"script":[")" + bad + R"("],"damage":{")" + bad + R"(":")" + bad + R"("},"stages":[{"name":")" + bad +
-                             R"(","caption":")" + bad + R"(","t_s":1}],"metrics":{")" + bad + R"(":1,"sutures":[{"id":")" + bad +
-                             R"("}]},"series":{"t_s":[0,2],"residual":[1,2]},"balance":{")" + bad + R"(":[1,2,3]},"lattice":{")" + bad + R"(":1}})");
+  const std::string h =
+      make(R"({"scene":")" + bad + R"(","scene_title":")" + bad + R"(","command":")" + bad + R"(","reproduce":")" +
+           bad + R"(","mode":")" + bad + R"(","state_hash":")" + bad + R"(","scene_note":")" + bad +
+           R"(","limberg":{"version":")" + bad + R"("},"machine":{"cpu":")" + bad + R"("},"parts":[")" + bad +
+           R"("],"script":[")" + bad + R"("],"damage":{")" + bad + R"(":")" + bad + R"("},"stages":[{"name":")" + bad +
+           R"(","caption":")" + bad + R"(","t_s":1}],"metrics":{")" + bad + R"(":1,"sutures":[{"id":")" + bad +
+           R"("}]},"series":{"t_s":[0,2],"residual":[1,2]},"balance":{")" + bad + R"(":[1,2,3]},"lattice":{")" + bad +
+           R"(":1}})");
   EXPECT_EQ(h.find("<script"), std::string::npos);
   EXPECT_EQ(h.find("<img"), std::string::npos);
   EXPECT_NE(h.find("&lt;script&gt;"), std::string::npos);
@@ -170,8 +206,9 @@ TEST_F(Report, PicturesOutsideTheFolderAreNotTaken) {
   const fs::path inner = dir / "inner";
   fs::create_directories(inner);
   const std::string outside = (dir / "secret.png").string();
-  const std::string json = R"({"stages":[{"name":"a","picture":"../secret.png"},{"name":"b","picture":")" + outside +
-                           R"("},{"name":"c","picture":"x/../../secret.png"}],"pictures":{"tension":"../secret.png","overview":"../secret.png"}})";
+  const std::string json =
+      R"({"stages":[{"name":"a","picture":"../secret.png"},{"name":"b","picture":")" + outside +
+      R"("},{"name":"c","picture":"x/../../secret.png"}],"pictures":{"tension":"../secret.png","overview":"../secret.png"}})";
   EXPECT_EQ(report_html(json, inner.string()).find("data:image"), std::string::npos);
   std::ofstream(dir / "stages/00-text.png") << "no picture";
   EXPECT_EQ(make("{}").find("data:image"), std::string::npos);
@@ -215,9 +252,11 @@ TEST_F(Report, BrokenResultsAreInputErrors) {
   for (const std::string text : {"", "{", "[]", "7", "{\"a\":1}}", "{\"a\":\xff}", "{\"a\":1e999}", "\n\n{\n\"a\" 1}"})
     EXPECT_NE(fault(text).find("result.json"), std::string::npos) << text;
   EXPECT_NE(fault("{\n\"a\": 1,\n\"b\" 2\n}").find("result.json:3: "), std::string::npos);
-  EXPECT_NE(fault("{\"script\":[" + std::string(200000, '[') + std::string(200000, ']') + "]}").find("deeper"), std::string::npos);
+  EXPECT_NE(fault("{\"script\":[" + std::string(200000, '[') + std::string(200000, ']') + "]}").find("deeper"),
+            std::string::npos);
   const std::string whole = kFull;
-  for (size_t n = 1; n + 1 < whole.size(); n += 41) EXPECT_NE(fault(whole.substr(0, n)).find("result.json"), std::string::npos) << n;
+  for (size_t n = 1; n + 1 < whole.size(); n += 41)
+    EXPECT_NE(fault(whole.substr(0, n)).find("result.json"), std::string::npos) << n;
   fs::remove(dir / "result.json");
   EXPECT_THROW(write_report(dir.string()), InputError);
   fs::create_directory(dir / "result.json");
@@ -241,7 +280,8 @@ TEST_F(Report, AnOldReportSurvivesAFailure) {
 // The checker itself must find faults, or the tests above prove nothing.
 TEST(XmlCheck, FindsPlantedFaults) {
   EXPECT_EQ(xml_fault("<!DOCTYPE html><a b=\"c\">x &lt; y<br/></a>"), "");
-  for (const char* bad : {"<a>", "<a></b>", "<a b=c></a>", "<a b=\"<\"></a>", "a & b", "a < b", "<a b=\"1\" b=\"2\"/>", "<a b=\"x", "&nbsp;", "\x01", "</a>"})
+  for (const char* bad : {"<a>", "<a></b>", "<a b=c></a>", "<a b=\"<\"></a>", "a & b", "a < b", "<a b=\"1\" b=\"2\"/>",
+                          "<a b=\"x", "&nbsp;", "\x01", "</a>"})
     EXPECT_NE(xml_fault(bad), "") << bad;
 }
 
@@ -252,8 +292,8 @@ TEST_F(Report, ComparesTwoResults) {
     ASSERT_NE(at, std::string::npos) << from;
     other.replace(at, from.size(), to);
   };
-  put_in("\"closure_force_N\": 7.25", "\"closure_force_N\": 9.25");   // beyond .3 + .3
-  put_in("\"dog_ear_mm\": 1.9", "\"dog_ear_mm\": 2.9");               // within .9 + .9
+  put_in("\"closure_force_N\": 7.25", "\"closure_force_N\": 9.25");  // beyond .3 + .3
+  put_in("\"dog_ear_mm\": 1.9", "\"dog_ear_mm\": 2.9");              // within .9 + .9
   put_in("{\"action\": \"excise\", \"depth_mm\": 4}", "{\"action\": \"excise\", \"depth_mm\": 5}");
   put_in("00ff00ff00ff00ff", "11ff00ff00ff00ff");
   const std::string html = comparison_html(kFull, dir.string(), other, dir.string());
@@ -290,7 +330,8 @@ TEST(LineChanges, AreAShortestWay) {
   for (int round = 0; round < 200; ++round) {
     std::vector<std::string> in[2];
     for (auto& t : in)
-      for (int i = 0; i < round % 9; ++i) seed = seed * 1664525 + 1013904223, t.push_back(std::string(1, char('a' + (seed >> 24) % 3)));
+      for (int i = 0; i < round % 9; ++i)
+        seed = seed * 1664525 + 1013904223, t.push_back(std::string(1, char('a' + (seed >> 24) % 3)));
     std::vector<std::string> first, second;
     for (const LineChange& l : line_changes(in[0], in[1])) {
       if (l.kind != '+') first.push_back(l.line);

@@ -33,8 +33,8 @@ TEST(Html, EscapesAndRepairsText) {
   EXPECT_EQ(html::escape("a<b>&\"'"), "a&lt;b&gt;&amp;&quot;&#39;");
   EXPECT_EQ(html::escape("ä €\n"), "ä €\n");
   EXPECT_EQ(html::escape("\xff"), "\ufffd");
-  EXPECT_EQ(html::escape("\xc3"), "\ufffd");              // cut off
-  EXPECT_EQ(html::escape("\xc0\xbc"), "\ufffd\ufffd");    // an overlong '<'
+  EXPECT_EQ(html::escape("\xc3"), "\ufffd");                      // cut off
+  EXPECT_EQ(html::escape("\xc0\xbc"), "\ufffd\ufffd");            // an overlong '<'
   EXPECT_EQ(html::escape("\xed\xa0\x80"), "\ufffd\ufffd\ufffd");  // half of a surrogate pair
   EXPECT_EQ(html::escape(std::string("\0\x1b", 2)), "\ufffd\ufffd");
 }
@@ -43,7 +43,8 @@ TEST(Html, EscapesAndRepairsText) {
 TEST(Chart, LongLegendsAndTitlesFitInto) {
   LineChart c;
   c.y.title = "rms distance of the surface from the mesh, in mm";
-  for (int i = 0; i < 14; ++i) c.series.push_back({"prestretch " + std::to_string(i) + " %, cells", {0, 1e5}, {double(i), 1}, false});
+  for (int i = 0; i < 14; ++i)
+    c.series.push_back({"prestretch " + std::to_string(i) + " %, cells", {0, 1e5}, {double(i), 1}, false});
   const std::string s = svg(c);
   EXPECT_EQ(xml_fault(s), "");
   double width = 0, height = 0, lowest = 0;
@@ -125,7 +126,10 @@ TEST(Chart, LineAndRangeChartsAreWellFormed) {
 
   RangeChart r;
   r.x = {"ms", true, {}, {}};
-  r.rows = {{"lane", 0.1, 2.0, 0.1, 30.0, 16.7, 1}, {"half", {}, {}, 1.0, {}, {}, 9}, {"none", {}, {}, {}, {}, {}, -3}, {"odd", -1.0, 0.0, NAN, INFINITY, {}, 2}};
+  r.rows = {{"lane", 0.1, 2.0, 0.1, 30.0, 16.7, 1},
+            {"half", {}, {}, 1.0, {}, {}, 9},
+            {"none", {}, {}, {}, {}, {}, -3},
+            {"odd", -1.0, 0.0, NAN, INFINITY, {}, 2}};
   EXPECT_EQ(xml_fault(svg(r)), "");
   EXPECT_EQ(xml_fault(svg(LineChart{})), "");
   EXPECT_EQ(xml_fault(svg(RangeChart{})), "");
@@ -138,7 +142,8 @@ TEST(Chart, LogAxisIsLogarithmic) {
   c.series = {{"r", {0, 1, 2}, {1, 0.1, 0.01}, true}};
   const std::string s = svg(c);
   std::vector<double> y;
-  for (size_t i = s.find("<circle"); i != std::string::npos; i = s.find("<circle", i + 1)) y.push_back(std::stod(s.substr(s.find("cy=\"", i) + 4)));
+  for (size_t i = s.find("<circle"); i != std::string::npos; i = s.find("<circle", i + 1))
+    y.push_back(std::stod(s.substr(s.find("cy=\"", i) + 4)));
   ASSERT_EQ(y.size(), 3u);
   EXPECT_NEAR(y[1] - y[0], y[2] - y[1], 0.11);  // pixels are written with one decimal
   EXPECT_GT(y[1], y[0]);

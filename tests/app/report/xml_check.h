@@ -41,10 +41,18 @@ inline std::string xml_fault(const std::string& s) {
       for (;;) {
         while (i < s.size() && std::isspace(static_cast<unsigned char>(s[i]))) ++i;
         if (i >= s.size()) return "unfinished tag" + at(start);
-        if (s[i] == '>') { ++i; break; }
-        if (s.compare(i, 2, "/>") == 0) { empty = true; i += 2; break; }
+        if (s[i] == '>') {
+          ++i;
+          break;
+        }
+        if (s.compare(i, 2, "/>") == 0) {
+          empty = true;
+          i += 2;
+          break;
+        }
         std::string attribute;
-        while (i < s.size() && (std::isalnum(static_cast<unsigned char>(s[i])) || s[i] == '-' || s[i] == ':')) attribute += s[i++];
+        while (i < s.size() && (std::isalnum(static_cast<unsigned char>(s[i])) || s[i] == '-' || s[i] == ':'))
+          attribute += s[i++];
         if (attribute.empty() || !attributes.insert(attribute).second) return "broken attribute" + at(start);
         if (s.compare(i, 2, "=\"") != 0) return "attribute without quotes" + at(start);
         const size_t end = s.find('"', i + 2);
@@ -56,7 +64,8 @@ inline std::string xml_fault(const std::string& s) {
         i = end + 1;
       }
       if (closing) {
-        if (open.empty() || open.back() != name) return "</" + name + "> closes " + (open.empty() ? "nothing" : "<" + open.back() + ">") + at(start);
+        if (open.empty() || open.back() != name)
+          return "</" + name + "> closes " + (open.empty() ? "nothing" : "<" + open.back() + ">") + at(start);
         open.pop_back();
       } else if (!empty) {
         open.push_back(name);

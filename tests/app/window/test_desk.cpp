@@ -236,7 +236,7 @@ TEST_F(DeskTest, EveryFieldHasItsColoursAndLegendAndCostsNothingWhenOff) {
   }
   w.key('V');
   EXPECT_EQ(different(plain, w.frames->picture(), 0, 0, 1280, 600), 0);  // off again
-  EXPECT_FALSE(w.frames->wants_field());  // the solver is not asked for any of it
+  EXPECT_FALSE(w.frames->wants_field());                                 // the solver is not asked for any of it
   EXPECT_FALSE(w.frames->wants_lattice());
 }
 
@@ -246,7 +246,8 @@ TEST_F(DeskTest, TheLatticeIsDrawnWithItsCopies) {
   w.key('X');
   EXPECT_TRUE(w.frames->wants_lattice());
   LatticeShown l;
-  l.edges = std::make_shared<std::vector<LatticeShown::Edge>>(std::vector<LatticeShown::Edge>{{0, 1, false}, {2, 3, true}, {0, 99, true}});  // the last has no node: left out
+  l.edges = std::make_shared<std::vector<LatticeShown::Edge>>(
+      std::vector<LatticeShown::Edge>{{0, 1, false}, {2, 3, true}, {0, 99, true}});  // the last has no node: left out
   l.node_mm = {Vec3f(-20, 15, 2), Vec3f(20, 15, 2), Vec3f(-20, -15, 2), Vec3f(20, -15, 2)};
   w.frames->lattice(l);
   w.settle();
@@ -268,7 +269,8 @@ TEST_F(DeskTest, ASilentOrUncalibratedDeviceIsSaid) {
   const Snapshot s = testing::sample_snapshot();
   const auto device_panel = [&](bool own, bool calibrated, int samples) {
     WindowSettings set;
-    set.facts.scene = "rhomboid", set.facts.device = "fastrak", set.facts.own_device = own, set.facts.calibrated = calibrated;
+    set.facts.scene = "rhomboid", set.facts.device = "fastrak", set.facts.own_device = own,
+    set.facts.calibrated = calibrated;
     set.camera.eye_mm = {5, -90, 130};
     WindowFrames f(screen, feed, &gauges, set);
     f.prepare(*s.topology);
@@ -319,10 +321,12 @@ TEST_F(DeskTest, AWipeShowsBeforeOnItsLeft) {
   for (Vec3f& x : w.s.x_mm) x.z() -= 3;
   w.settle();
   const Image now = w.frames->picture();
-  // The stage lies between 168 and 1012; the wipe parts it at 590. Each half is drawn with a cropped frustum, whose rounding
+  // The stage lies between 168 and 1012; the wipe parts it at 590. Each half is drawn with a cropped frustum, whose
+  // rounding
   // and whose background shade differ a little.
   constexpr int kLevels = 24;
-  const int moved_left = different(before, now, 170, 100, 580, 600, kLevels), moved_right = different(before, now, 600, 100, 1010, 600, kLevels);
+  const int moved_left = different(before, now, 170, 100, 580, 600, kLevels),
+            moved_right = different(before, now, 600, 100, 1010, 600, kLevels);
   ASSERT_GT(std::min(moved_left, moved_right), 4000);
   w.key('B');
   const Image both = w.frames->picture();
@@ -346,7 +350,8 @@ std::array<int, 4> written(const Image& a) {
   std::array<int, 4> box{a.width, a.height, -1, -1};
   for (int y = 0; y < a.height; ++y)
     for (int x = 0; x < a.width; ++x)
-      if (!(a.at(x, y) == a.at(0, 0))) box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
+      if (!(a.at(x, y) == a.at(0, 0)))
+        box = {std::min(box[0], x), std::min(box[1], y), std::max(box[2], x), std::max(box[3], y)};
   return box;
 }
 

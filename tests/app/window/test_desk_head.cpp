@@ -15,7 +15,8 @@ Snapshot two_sheets() {
   for (const double z : {0., 20.})
     for (const Vec3& X : {Vec3(0, 0, z), Vec3(30, 0, z), Vec3(0, 30, z)}) t->view.X_mm.push_back(X);
   t->view.tri.push_back({0, 1, 2}), t->view.tri.push_back({3, 4, 5});
-  for (const Organ o : {Organ::bone, Organ::face}) t->view.kind.push_back(FaceKind::free), t->organ.push_back(o), t->object.push_back(-1);
+  for (const Organ o : {Organ::bone, Organ::face})
+    t->view.kind.push_back(FaceKind::free), t->organ.push_back(o), t->object.push_back(-1);
   t->landmark = {"M1", "M2", "M3"};
   Snapshot s;
   for (size_t v = 0; v < 6; ++v) s.x_mm.push_back((t->view.X_mm[v] + Vec3(0, 0, 5)).cast<float>());

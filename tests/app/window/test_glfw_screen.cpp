@@ -1,6 +1,6 @@
-// A real window, on an X server of the test's own: what is drawn in its context is what is drawn off screen, byte for byte.
+// A real window, on an X server of the test's own: what is drawn in its context is what is drawn off screen, byte for
+// byte.
 #include <gtest/gtest.h>
-
 #include <signal.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -32,7 +32,7 @@ struct XServer {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addclose(&actions, ends[0]);
     posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", 1, 0);
-  posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1, 0);
+    posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", 1, 0);
     const bool begun = posix_spawnp(&pid, "Xvfb", &actions, nullptr, const_cast<char**>(argv), environ) == 0;
     posix_spawn_file_actions_destroy(&actions);
     close(ends[1]);
@@ -53,7 +53,8 @@ constexpr int kWidth = 320, kHeight = 240;
 
 std::vector<Image> pictures(Renderer& renderer) {
   const Snapshot s = testing::sample_snapshot();
-  const Camera camera = look_at_ball(Vec3f::Zero(), 18, Vec3f(0.05f, -0.6f, 0.8f), Vec3f::UnitZ(), 25, double(kWidth) / kHeight);
+  const Camera camera =
+      look_at_ball(Vec3f::Zero(), 18, Vec3f(0.05f, -0.6f, 0.8f), Vec3f::UnitZ(), 25, double(kWidth) / kHeight);
   DrawOptions o;
   o.width = kWidth, o.height = kHeight;
   std::vector<Image> out;
@@ -86,7 +87,8 @@ int draw_in_a_window(const std::string& file) {
 }
 
 TEST(GlfwScreen, AWindowShowsTheBytesOfAnOffScreenPicture) {
-  const std::string file = (std::filesystem::temp_directory_path() / ("limberg-window-" + std::to_string(getpid()) + "-")).string();
+  const std::string file =
+      (std::filesystem::temp_directory_path() / ("limberg-window-" + std::to_string(getpid()) + "-")).string();
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {

@@ -22,8 +22,10 @@ struct Heard final : SampleSink {
   std::vector<StylusSample> stylus;
   std::vector<ControlSample> control;
   void on_sample(const Sample& s) override {
-    if (const auto* c = std::get_if<ControlSample>(&s)) control.push_back(*c);
-    else stylus.push_back(std::get<StylusSample>(s));
+    if (const auto* c = std::get_if<ControlSample>(&s))
+      control.push_back(*c);
+    else
+      stylus.push_back(std::get<StylusSample>(s));
   }
 };
 
@@ -203,7 +205,8 @@ TEST(Pointer, NextShowsOneStepOfTheLesson) {
   EXPECT_NEAR(pressed_to, 10, 0.6);
 }
 
-// Bone alone: the same button, another hand. It saws and carries with the stylus; a skull has no chart for the other one to aim on.
+// Bone alone: the same button, another hand. It saws and carries with the stylus; a skull has no chart for the other
+// one to aim on.
 TEST(Pointer, NextShowsStepsOnBone) {
   Mouse m;
   auto bone = std::make_shared<SurfaceTopology>(*m.s.topology);
@@ -214,7 +217,8 @@ TEST(Pointer, NextShowsStepsOnBone) {
   CutBone cut;
   cut.contour_mm = {{-8, -6, 0}, {8, -6, 0}, {0, 8, 0}};
   MoveFragment move;
-  move.fragment = {-1, {2, 1, 0}}, move.by.translation_mm = {0, 0, 6}, move.by.rotation_deg = {0, 0, 30}, move.by.about_mm = Vec3::Zero(), move.seconds = 1;
+  move.fragment = {-1, {2, 1, 0}}, move.by.translation_mm = {0, 0, 6}, move.by.rotation_deg = {0, 0, 30},
+  move.by.about_mm = Vec3::Zero(), move.seconds = 1;
   const auto steps = lesson_steps({Stage{"before"}, HeadCommand(cut), HeadCommand(move)});
   ASSERT_EQ(steps.size(), 3u);
   PointerSource source(m.feed, steps);
@@ -237,7 +241,8 @@ TEST(Pointer, NextShowsStepsOnBone) {
   const StylusSample &a = m.heard.stylus[down[1]], &b = m.heard.stylus[up[1]];
   const Eigen::Isometry3d map = isometry(move.by, Vec3::Zero());
   EXPECT_LT((map * a.tip_mm - b.tip_mm).norm(), 1e-6);
-  const Eigen::Quaterniond qa(a.quat[0], a.quat[1], a.quat[2], a.quat[3]), qb(b.quat[0], b.quat[1], b.quat[2], b.quat[3]);
+  const Eigen::Quaterniond qa(a.quat[0], a.quat[1], a.quat[2], a.quat[3]),
+      qb(b.quat[0], b.quat[1], b.quat[2], b.quat[3]);
   EXPECT_LT((qb * qa.inverse()).angularDistance(Eigen::Quaterniond(map.linear())), 1e-6);
 }
 

@@ -40,15 +40,18 @@ Vec3 on_skull(const HeadShape& shape, Vec3 p) {
   return p;
 }
 
-/// Over the forehead, down the temple, over the lateral rim into the orbit, along its roof, over the medial rim to the nasion.
-const std::vector<Vec3> kRight = {{0, 84, 58},  {12, 84, 58}, {24, 83, 57}, {35, 79, 55}, {44, 72, 50}, {51, 64, 43}, {55, 61, 36},
-                                  {57, 60, 29}, {58, 63, 22}, {56, 70, 19}, {52, 73, 19}, {47, 72, 20}, {44, 72, 24}, {38, 74, 28},
-                                  {31, 76, 30}, {24, 77, 29}, {18, 79, 25}, {15, 85, 21}, {10, 89, 19}, {5, 92, 18},  {0, 93, 18}};
+/// Over the forehead, down the temple, over the lateral rim into the orbit, along its roof, over the medial rim to the
+/// nasion.
+const std::vector<Vec3> kRight = {{0, 84, 58},  {12, 84, 58}, {24, 83, 57}, {35, 79, 55}, {44, 72, 50}, {51, 64, 43},
+                                  {55, 61, 36}, {57, 60, 29}, {58, 63, 22}, {56, 70, 19}, {52, 73, 19}, {47, 72, 20},
+                                  {44, 72, 24}, {38, 74, 28}, {31, 76, 30}, {24, 77, 29}, {18, 79, 25}, {15, 85, 21},
+                                  {10, 89, 19}, {5, 92, 18},  {0, 93, 18}};
 
 std::vector<Vec3> bandeau_picks(const HeadShape& shape) {
   std::vector<Vec3> picks;
   for (const Vec3& p : kRight) picks.push_back(on_skull(shape, p));
-  for (size_t i = kRight.size() - 1; i-- > 1;) picks.push_back(on_skull(shape, {-kRight[i].x(), kRight[i].y(), kRight[i].z()}));
+  for (size_t i = kRight.size() - 1; i-- > 1;)
+    picks.push_back(on_skull(shape, {-kRight[i].x(), kRight[i].y(), kRight[i].z()}));
   return picks;
 }
 
@@ -65,7 +68,8 @@ void expect_good(const simplex::Mesh& m, const Cut& cut, const HeadShape& shape,
   EXPECT_GT(small, least_mm3);
   EXPECT_LT(small, most_mm3);
   // The wall lies within the bone: a face's centre may lie half a face's sagitta outside.
-  for (int32_t f : cut.wall_left) EXPECT_LT(shape.skull(simplex::face_centre(m, f)), 1.) << simplex::face_centre(m, f).transpose();
+  for (int32_t f : cut.wall_left)
+    EXPECT_LT(shape.skull(simplex::face_centre(m, f)), 1.) << simplex::face_centre(m, f).transpose();
 }
 
 TEST(Bandeau, IsCutByAContourAroundBothOrbits) {
@@ -87,10 +91,13 @@ TEST(Bandeau, IsCutByAContourAroundBothOrbits) {
     const Outcome done = bones.cut(o);
     ASSERT_TRUE(done.done) << done.reason;
     ASSERT_EQ(bones.fragments().size(), 2u);
-    // Forehead, roofs of both orbits behind the rim, rims, nasion: all one piece. The vault and the cheek bones are the other.
-    for (const Vec3& p : {Vec3(0, 86, 45), Vec3(31, 80, 30.5), Vec3(-31, 80, 30.5), Vec3(34, 84, 33), Vec3(-34, 84, 33), Vec3(0, 92, 30), Vec3(54, 70, 27), Vec3(-54, 70, 27)})
+    // Forehead, roofs of both orbits behind the rim, rims, nasion: all one piece. The vault and the cheek bones are the
+    // other.
+    for (const Vec3& p : {Vec3(0, 86, 45), Vec3(31, 80, 30.5), Vec3(-31, 80, 30.5), Vec3(34, 84, 33), Vec3(-34, 84, 33),
+                          Vec3(0, 92, 30), Vec3(54, 70, 27), Vec3(-54, 70, 27)})
       EXPECT_EQ(bones.nearest_fragment(on_skull(shape, p)), 1) << p.transpose();
-    for (const Vec3& p : {Vec3(0, 80, 70), Vec3(53, 62, -6), Vec3(-53, 62, -6), Vec3(0, 98, 5), Vec3(20, 60, 13)}) EXPECT_EQ(bones.nearest_fragment(p), 0) << p.transpose();
+    for (const Vec3& p : {Vec3(0, 80, 70), Vec3(53, 62, -6), Vec3(-53, 62, -6), Vec3(0, 98, 5), Vec3(20, 60, 13)})
+      EXPECT_EQ(bones.nearest_fragment(p), 0) << p.transpose();
     const double sum = bones.fragments()[0].volume_mm3 + bones.fragments()[1].volume_mm3;
     EXPECT_NEAR(sum, whole, 2e-4 * whole);
     // It lies in its place without gap or overlap, and comes off forwards.
@@ -130,8 +137,10 @@ TEST(Bandeau, OneRimAlone) {
   // The supraorbital rim of the right side with the roof behind it: from the middle of the forehead to the lateral rim.
   const HeadShape shape(spec());
   std::vector<Vec3> picks;
-  for (const Vec3& p : {Vec3(14, 86, 48), Vec3(24, 84, 47), Vec3(34, 80, 46), Vec3(43, 74, 43), Vec3(50, 68, 38), Vec3(54, 66, 31), Vec3(54, 68, 25), Vec3(50, 72, 24), Vec3(46, 74, 24), Vec3(40, 75, 28),
-                        Vec3(33, 76, 30), Vec3(26, 77, 29), Vec3(20, 80, 27), Vec3(16, 86, 26), Vec3(12, 90, 29), Vec3(11, 89, 36), Vec3(12, 87, 42)})
+  for (const Vec3& p :
+       {Vec3(14, 86, 48), Vec3(24, 84, 47), Vec3(34, 80, 46), Vec3(43, 74, 43), Vec3(50, 68, 38), Vec3(54, 66, 31),
+        Vec3(54, 68, 25), Vec3(50, 72, 24), Vec3(46, 74, 24), Vec3(40, 75, 28), Vec3(33, 76, 30), Vec3(26, 77, 29),
+        Vec3(20, 80, 27), Vec3(16, 86, 26), Vec3(12, 90, 29), Vec3(11, 89, 36), Vec3(12, 87, 42)})
     picks.push_back(on_skull(shape, p));
   simplex::Mesh m = cranium();
   Osteotomy o;

@@ -103,7 +103,11 @@ TEST(Bones, RandomActsReturnToEveryState) {
       Osteotomy cut;
       cut.kind = Osteotomy::Kind::plane, cut.point_mm = random.vec(60), cut.normal = random.vec();
       if (random.below(2)) cut.radius_mm = 40;
-      if (random.below(3) == 0) cut.kind = Osteotomy::Kind::contour, cut.path_mm = test::on_ellipsoid(test::circle(Vec3(0, 70, 20) + random.vec(20), {random.uniform(-.5, .5), 1, random.uniform(0, 1)}, random.uniform(10, 30), 60));
+      if (random.below(3) == 0)
+        cut.kind = Osteotomy::Kind::contour,
+        cut.path_mm = test::on_ellipsoid(test::circle(Vec3(0, 70, 20) + random.vec(20),
+                                                      {random.uniform(-.5, .5), 1, random.uniform(0, 1)},
+                                                      random.uniform(10, 30), 60));
       o = b.cut(cut);
       cuts += o.done;
     } else if (what < 5 && b.fragments().size() > 2) {
@@ -111,9 +115,11 @@ TEST(Bones, RandomActsReturnToEveryState) {
       o = b.join(b.fragments()[size_t(random.below(n))].id, b.fragments()[size_t(random.below(n))].id);
       joins += o.done;
     } else if (what < 7) {
-      o = b.move(b.fragments()[size_t(random.below(int(b.fragments().size())))].id, moved(random.vec(3), random.uniform(-.05, .05), random.vec() + Vec3(2, 0, 0)));
+      o = b.move(b.fragments()[size_t(random.below(int(b.fragments().size())))].id,
+                 moved(random.vec(3), random.uniform(-.05, .05), random.vec() + Vec3(2, 0, 0)));
     } else if (what == 7) {
-      o = i % 2 ? b.plate(random.vec(70), random.vec(70)) : b.unplate(b.fragments()[size_t(random.below(int(b.fragments().size())))].id);
+      o = i % 2 ? b.plate(random.vec(70), random.vec(70))
+                : b.unplate(b.fragments()[size_t(random.below(int(b.fragments().size())))].id);
     } else {
       // Back by some and on again by fewer.
       const int back = random.below(4), again = back > 0 ? random.below(back) : 0;

@@ -48,7 +48,8 @@ TEST(Hold, AWorldExistsOnlyWhileSomethingIsHeld) {
   ASSERT_TRUE(b.release(2).done);
   EXPECT_FALSE(b.physics());
   EXPECT_EQ(b.hash(), before);
-  ASSERT_TRUE(b.undo().done);  // the hold, which moved nothing and counts all the same: whoever drives the bones counts it too
+  ASSERT_TRUE(
+      b.undo().done);  // the hold, which moved nothing and counts all the same: whoever drives the bones counts it too
   EXPECT_EQ(b.fragments().size(), 3u);
   ASSERT_TRUE(b.undo().done);  // the cut
   EXPECT_EQ(b.fragments().size(), 2u);
@@ -70,7 +71,8 @@ TEST(Hold, FreeMotionIsExactAndAFragmentLeavesItsWindow) {
   EXPECT_EQ(b.fragment(2)->pose.matrix(), out.matrix());
 }
 
-// Two surfaces touch when they overlap by 2 kInset, and one substep of kStride may go by before contact answers: at most
+// Two surfaces touch when they overlap by 2 kInset, and one substep of kStride may go by before contact answers: at
+// most
 // 0.25 + 0.25 + 0.4 mm. Measured 2026-11-21: see README.
 constexpr double kDeepest_mm = 0.9;
 

@@ -38,7 +38,9 @@ double bound(const Mesh& before, const Mesh& after) {
     const Vec3 c = simplex::face_centre(before, f);
     const simplex::FaceArea a = simplex::face_area(before, f);
     double high = 0;
-    before.around(f, [&](int32_t h) { high = std::max(high, std::abs((before.x_mm[size_t(h / 3)] - c).dot(a.vector_mm2.normalized()))); });
+    before.around(f, [&](int32_t h) {
+      high = std::max(high, std::abs((before.x_mm[size_t(h / 3)] - c).dot(a.vector_mm2.normalized())));
+    });
     sum += 2 * a.area_mm2 * high;
   }
   return sum;
@@ -78,8 +80,11 @@ TEST(Osteotomy, APlaneThroughAShellCutsBothTables) {
   EXPECT_LT(moved, 2e-4 * volume(before));
   // The walls lie in the plane, and both sides' are the same polygons.
   for (size_t i = 0; i < cut.wall_left.size(); ++i) {
-    for (int32_t v : m.ring(cut.wall_left[i])) EXPECT_NEAR(o.normal.normalized().dot(m.x_mm[size_t(v)] - o.point_mm), 0, 1e-2);
-    EXPECT_LT((simplex::face_area(m, cut.wall_left[i]).vector_mm2 + simplex::face_area(m, cut.wall_right[i]).vector_mm2).norm(), 1e-9);
+    for (int32_t v : m.ring(cut.wall_left[i]))
+      EXPECT_NEAR(o.normal.normalized().dot(m.x_mm[size_t(v)] - o.point_mm), 0, 1e-2);
+    EXPECT_LT((simplex::face_area(m, cut.wall_left[i]).vector_mm2 + simplex::face_area(m, cut.wall_right[i]).vector_mm2)
+                  .norm(),
+              1e-9);
     EXPECT_LT((simplex::face_centre(m, cut.wall_left[i]) - simplex::face_centre(m, cut.wall_right[i])).norm(), 1e-9);
   }
   simplex::undo(m, d);
@@ -209,7 +214,9 @@ TEST(Osteotomy, ForbiddenCutsAreRefusedAndChangeNothing) {
   std::vector<int32_t> region;
   const Vec3 on_path = good[20];
   for (int32_t f = 0; f < m.face_slots(); ++f)
-    if (const Vec3 c = simplex::face_centre(m, f); (c - on_path).norm() < 9 && c.cwiseQuotient(Vec3(70, 85, 65)).norm() > 0.97) region.push_back(f);
+    if (const Vec3 c = simplex::face_centre(m, f);
+        (c - on_path).norm() < 9 && c.cwiseQuotient(Vec3(70, 85, 65)).norm() > 0.97)
+      region.push_back(f);
   simplex::Delta holed;
   ASSERT_TRUE(simplex::open_hole(m, region, holed));
   refused(o, "hole");
@@ -240,7 +247,8 @@ TEST(Osteotomy, RandomPlanesThroughRingsAndShells) {
       if (!cut) {
         ++refused;
         EXPECT_EQ(simplex::hash(m), simplex::hash(whole));
-        EXPECT_TRUE(cut.reason.find("small") != std::string::npos || cut.reason.find("meet") != std::string::npos) << cut.reason;
+        EXPECT_TRUE(cut.reason.find("small") != std::string::npos || cut.reason.find("meet") != std::string::npos)
+            << cut.reason;
         continue;
       }
       ++done;

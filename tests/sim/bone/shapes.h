@@ -1,5 +1,6 @@
 #pragma once
-// Bones for the tests: a skull shell that is one closed surface (the outer table turns into the inner one at the foramen), a
+// Bones for the tests: a skull shell that is one closed surface (the outer table turns into the inner one at the
+// foramen), a
 // solid ellipsoid, a bent tube like a mandible.
 #include <gtest/gtest.h>
 
@@ -12,25 +13,31 @@
 
 namespace limberg::test {
 
-/// Outer and inner table as scaled spheres, joined at the foramen (below, z near -0.93 of the outer radius). `uneven`: with
-/// bosses and hollows of that height, no two alike, and a thickness that varies by a third of it, as skulls have them. `turn`: of the
+/// Outer and inner table as scaled spheres, joined at the foramen (below, z near -0.93 of the outer radius). `uneven`:
+/// with
+/// bosses and hollows of that height, no two alike, and a thickness that varies by a third of it, as skulls have them.
+/// `turn`: of the
 /// mesh on the same shape, so that it is divided into other faces.
-inline simplex::Mesh skull_shell(int levels = 4, const Vec3& half_mm = {70, 85, 65}, double thick_mm = 6, double uneven_mm = 0, const Mat3& turn = Mat3::Identity()) {
+inline simplex::Mesh skull_shell(int levels = 4, const Vec3& half_mm = {70, 85, 65}, double thick_mm = 6,
+                                 double uneven_mm = 0, const Mat3& turn = Mat3::Identity()) {
   using namespace simplex;
   Mesh m = make_sphere({0, 0, 0}, 1, levels);
   for (Vec3& x : m.x_mm) x = turn * x;
   Mesh inner = m;
   const auto boss = [](const Vec3& u, double phase) {
-    return 0.5 * std::sin(5.3 * u.x() + 2.1 * u.y() + phase) + 0.5 * std::sin(4.1 * u.y() - 3.7 * u.z() + 1 + 2 * phase) + 0.5 * std::sin(6.1 * u.z() + 3.3 * u.x() + 2);
+    return 0.5 * std::sin(5.3 * u.x() + 2.1 * u.y() + phase) +
+           0.5 * std::sin(4.1 * u.y() - 3.7 * u.z() + 1 + 2 * phase) + 0.5 * std::sin(6.1 * u.z() + 3.3 * u.x() + 2);
   };
   for (Vec3& x : m.x_mm) x = x.cwiseProduct(half_mm) + uneven_mm * boss(x, 0) * x;
-  for (Vec3& x : inner.x_mm) x = x.cwiseProduct(half_mm - Vec3::Constant(thick_mm)) + uneven_mm * (boss(x, 0) + boss(x, 0.7) / 3) * x;
+  for (Vec3& x : inner.x_mm)
+    x = x.cwiseProduct(half_mm - Vec3::Constant(thick_mm)) + uneven_mm * (boss(x, 0) + boss(x, 0.7) / 3) * x;
   for (Row& r : inner.nbr) std::swap(r[1], r[2]);
   m.before_mm = m.x_mm;
   append(m, make_mesh(inner.nbr, inner.x_mm));
   Delta d;
   std::vector<simplex::Outcome> mouths;
-  for (const auto& curve : curves_of_plane(m, {0, 0, -0.86 * half_mm.z()}, Vec3::UnitZ()).curve) mouths.push_back(t4_edges(m, curve, CutPolicy::must_divide, d));
+  for (const auto& curve : curves_of_plane(m, {0, 0, -0.86 * half_mm.z()}, Vec3::UnitZ()).curve)
+    mouths.push_back(t4_edges(m, curve, CutPolicy::must_divide, d));
   EXPECT_EQ(mouths.size(), 2u);
   for (const simplex::Outcome& o : mouths) EXPECT_TRUE(remove_component(m, m.ring(o.face[1])[0], d));
   EXPECT_TRUE(t3(m, mouths[0].face[0], mouths[1].face[0], d));

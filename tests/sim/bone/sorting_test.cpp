@@ -27,8 +27,8 @@ Bones six_fragments(const Mat3& turn = Mat3::Identity()) {
     const Outcome done = b.cut(o);
     EXPECT_TRUE(done.done) << done.reason;
   };
-  plane({0, 0, 12}, {0.1, 0.25, 1}, 0);   // 0 below, 1 the vault
-  plane({5, 10, 0}, {0.15, 1, 0.1}, 1);   // front and back
+  plane({0, 0, 12}, {0.1, 0.25, 1}, 0);  // 0 below, 1 the vault
+  plane({5, 10, 0}, {0.15, 1, 0.1}, 1);  // front and back
   const int32_t back = b.fragments()[2].id;
   plane({6, 0, 0}, {1, 0.2, 0}, 1);
   plane({-9, 0, 0}, {1, -0.1, 0.1}, back);
@@ -69,14 +69,17 @@ Errors sorted(std::vector<simplex::Mesh> pieces, double noise_mm, uint64_t seed)
     const Eigen::Isometry3d truth = moved[i] * moved[j].inverse();
     const Vec3 middle = moved[j] * (0.5 * (shapes[j].lo_mm + shapes[j].hi_mm));
     e.place_mm = std::max(e.place_mm, (found * middle - truth * middle).norm());
-    e.angle_deg = std::max(e.angle_deg, Eigen::AngleAxisd(Mat3((truth.inverse() * found).linear())).angle() * 180 / M_PI);
+    e.angle_deg =
+        std::max(e.angle_deg, Eigen::AngleAxisd(Mat3((truth.inverse() * found).linear())).angle() * 180 / M_PI);
   };
   for (size_t i = 0; i < pieces.size(); ++i) {
     EXPECT_EQ(s.group[i], 0) << i;
     for (size_t j = i + 1; j < pieces.size(); ++j) {
       const double seam = seam_mm2(shapes[i], shapes[j]);
-      const auto m = std::find_if(s.matches.begin(), s.matches.end(), [&](const Match& k) { return size_t(k.a) == i && size_t(k.b) == j; });
-      // Rings of pieces that meet at a corner only may run together for a little; then they have to lie right all the same.
+      const auto m = std::find_if(s.matches.begin(), s.matches.end(),
+                                  [&](const Match& k) { return size_t(k.a) == i && size_t(k.b) == j; });
+      // Rings of pieces that meet at a corner only may run together for a little; then they have to lie right all the
+      // same.
       if (seam == 0 && m != s.matches.end()) {
         EXPECT_LT(m->length_mm, 60) << i << " " << j;
       }
@@ -99,7 +102,8 @@ TEST(Sorting, SixFragmentsMovedAtRandomAreFoundToFit) {
   const std::vector<simplex::Mesh> pieces = pieces_of(six_fragments());
   for (const double noise_mm : {0., 0.2, 0.3}) {
     const Errors e = sorted(pieces, noise_mm, 5);
-    std::printf("noise up to %.2f mm each way: %d pairs, %.3f mm, %.3f degrees\n", noise_mm, e.pairs, e.place_mm, e.angle_deg);
+    std::printf("noise up to %.2f mm each way: %d pairs, %.3f mm, %.3f degrees\n", noise_mm, e.pairs, e.place_mm,
+                e.angle_deg);
     EXPECT_GE(e.pairs, 7);
     EXPECT_LE(e.place_mm, noise_mm == 0 ? 0.05 : 0.5);
     EXPECT_LE(e.angle_deg, noise_mm == 0 ? 0.1 : 1);
@@ -114,7 +118,8 @@ TEST(Sorting, RingsThatAreDividedDifferentlyAreTheSame) {
   for (size_t i = 1; i < pieces.size(); i += 2) pieces[i] = other[i];
   for (const double noise_mm : {0., 0.2}) {
     const Errors e = sorted(pieces, noise_mm, 17);
-    std::printf("other mesh, noise up to %.2f mm each way: %d pairs, %.3f mm, %.3f degrees\n", noise_mm, e.pairs, e.place_mm, e.angle_deg);
+    std::printf("other mesh, noise up to %.2f mm each way: %d pairs, %.3f mm, %.3f degrees\n", noise_mm, e.pairs,
+                e.place_mm, e.angle_deg);
     EXPECT_GE(e.pairs, 7);
     EXPECT_LE(e.place_mm, 0.5);
     EXPECT_LE(e.angle_deg, 1);

@@ -1,4 +1,5 @@
-// Wound surfaces that keep each other out: nothing at rest, nothing without walls, no sinking, and the same bits always.
+// Wound surfaces that keep each other out: nothing at rest, nothing without walls, no sinking, and the same bits
+// always.
 #include <gtest/gtest.h>
 
 #include "../fem/models.h"
@@ -56,7 +57,9 @@ std::vector<Vec3f> displacement(const World& world) {
 
 /// A fusiform defect, undermined all around and sewn up.
 void close_fusiform(World& world, int rest) {
-  ASSERT_TRUE(world.apply(Excise{{{-12, 0}, {-6, 3.2}, {0, 4.5}, {6, 3.2}, {12, 0}, {6, -3.2}, {0, -4.5}, {-6, -3.2}}, 4}).done);
+  ASSERT_TRUE(
+      world.apply(Excise{{{-12, 0}, {-6, 3.2}, {0, 4.5}, {6, 3.2}, {12, 0}, {6, -3.2}, {0, -4.5}, {-6, -3.2}}, 4})
+          .done);
   settle(world, 5);
   std::vector<ChartPoint> outline;
   for (int k = 0; k < 24; ++k) outline.push_back({20 * std::cos(k * M_PI / 12), 16 * std::sin(k * M_PI / 12)});
@@ -107,7 +110,8 @@ TEST(Contact, WithoutWallsNothingIsDone) {
     settle(world, 10);
     EXPECT_EQ(world.solver().contacts(), 0u);
     const ContactCounts n = world.contact_counts();
-    EXPECT_EQ(n.surfaces + n.checks + n.searches + n.looks + n.iterations + n.places + n.triangles, 0u) << "not even asked";
+    EXPECT_EQ(n.surfaces + n.checks + n.searches + n.looks + n.iterations + n.places + n.triangles, 0u)
+        << "not even asked";
     return world.state_hash();
   };
   EXPECT_EQ(run(ContactChoice::automatic), run(ContactChoice::off));
@@ -205,7 +209,8 @@ TEST(Contact, AnyNumberOfWorkersGivesTheSameBits) {
   EXPECT_EQ(run(one), run(three));
 }
 
-// Undo brings back the pairs too: going on from there gives the same bits each time, and redo stands where the act had led.
+// Undo brings back the pairs too: going on from there gives the same bits each time, and redo stands where the act had
+// led.
 TEST(Contact, UndoAndRedoReturnTheExactState) {
   for (const bool fronts : {false, true}) {
     InlineWorkers workers;
@@ -272,8 +277,10 @@ TEST(Contact, AStitchedSlitComesToRest) {
   }
 }
 
-// What a stitch pulls with is the tension of the open wound, where it goes through the edges: they meet and press on nothing.
-// A bite 2.5 mm behind one edge draws that much skin over the cut: without contact it slips under the other edge, with contact
+// What a stitch pulls with is the tension of the open wound, where it goes through the edges: they meet and press on
+// nothing.
+// A bite 2.5 mm behind one edge draws that much skin over the cut: without contact it slips under the other edge, with
+// contact
 // edge presses on edge, and the stitches carry that pressure beside the tension.
 TEST(Contact, EdgesPressOnlyWhereStitchesDrawSkinBeyondThem) {
   double pull_N[2][2], pressed_N[2][2];
@@ -290,19 +297,22 @@ TEST(Contact, EdgesPressOnlyWhereStitchesDrawSkinBeyondThem) {
       world.fill(s);
       double sum = 0;
       for (const SutureState& t : s.sutures) sum += double(t.force_N);
-      pull_N[behind][choice != ContactChoice::off] = sum, pressed_N[behind][choice != ContactChoice::off] = 1e-3 * contact_force_mN(world);
+      pull_N[behind][choice != ContactChoice::off] = sum,
+                               pressed_N[behind][choice != ContactChoice::off] = 1e-3 * contact_force_mN(world);
     }
   EXPECT_NEAR(pull_N[0][1], pull_N[0][0], 0.02 * pull_N[0][0]);
   EXPECT_LT(pressed_N[0][1], 0.05 * pull_N[0][1]);
   EXPECT_GT(pull_N[0][0], 0.05);
-  // The closed block would carry (skin 60 kPa, 8 %; fat 15 kPa, 6 %; both ways) 0.41 N over 24 mm of 4 mm depth; a slit whose ends
+  // The closed block would carry (skin 60 kPa, 8 %; fat 15 kPa, 6 %; both ways) 0.41 N over 24 mm of 4 mm depth; a slit
+  // whose ends
   // are held takes less.
   EXPECT_LT(pull_N[0][0], 0.41);
   EXPECT_GT(pressed_N[1][1], 0.2);
   EXPECT_GT(pull_N[1][1], pull_N[1][0] + 0.3 * pressed_N[1][1]) << "the stitches carry it";
 }
 
-// The tip of a narrow flap, drawn across the wound's edge and let go: it comes to rest, and less deep in the other side.
+// The tip of a narrow flap, drawn across the wound's edge and let go: it comes to rest, and less deep in the other
+// side.
 TEST(Contact, ASharpCorner) {
   Penetration p[2];
   for (const ContactChoice choice : {ContactChoice::off, ContactChoice::automatic}) {

@@ -22,7 +22,8 @@ class APocket : public ::testing::Test {
     ASSERT_TRUE(world->apply(Undermine{outline, 5}).done);
     Snapshot shown;
     world->fill(shown);
-    surface = contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding, world->lattice(), model());
+    surface =
+        contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding, world->lattice(), model());
     ASSERT_TRUE(surface);
     // The roof: nodes of copies that carry a downward wall, and what lies above them.
     roof.assign(model().X_mm.size(), 0);
@@ -64,8 +65,10 @@ class APocket : public ::testing::Test {
   std::vector<uint8_t> roof;
 };
 
-// The roof of a pocket is drawn over its floor, now pressed deeply, now lightly. Its places meet new tissue all the time:
-// that their pairs turn is no answer that jumps to and fro in one spot, and none may tire. (Here pairs are found anew since
+// The roof of a pocket is drawn over its floor, now pressed deeply, now lightly. Its places meet new tissue all the
+// time:
+// that their pairs turn is no answer that jumps to and fro in one spot, and none may tire. (Here pairs are found anew
+// since
 // their weights have changed, not since they are stale: what they slid counts both times.)
 TEST_F(APocket, APlaceThatSlidesOnDoesNotTire) {
   ContactFinder finder(surface, model());
@@ -77,10 +80,12 @@ TEST_F(APocket, APlaceThatSlidesOnDoesNotTire) {
   for (const ContactMemory::Spot& s : finder.memory().spots)
     if (inner(s.place)) turns = std::max(turns, s.turns);
   EXPECT_GT(pressing(finder), 20u);
-  EXPECT_LE(turns, 20);  // after 1 mm, ten of these steps, a place is fresh; a pair that stood meanwhile counts its way late
+  EXPECT_LE(turns,
+            20);  // after 1 mm, ten of these steps, a place is fresh; a pair that stood meanwhile counts its way late
 }
 
-// The roof is thrown aside and comes down slowly over other tissue than it was cut from. What is near it was not near before
+// The roof is thrown aside and comes down slowly over other tissue than it was cut from. What is near it was not near
+// before
 // it was thrown; each single step brings it nearer by less than would make anybody look afresh.
 TEST_F(APocket, WhatIsThrownAndThenSinksMeetsWhatIsThere) {
   ContactFinder finder(surface, model());
@@ -90,7 +95,8 @@ TEST_F(APocket, WhatIsThrownAndThenSinksMeetsWhatIsThere) {
   ContactFinder fresh(surface, model());
   fresh.follow(moved({6, 0, -0.3}), workers);
   ASSERT_GT(pressing(fresh), 20u);
-  EXPECT_GE(pressing(finder), pressing(fresh) * 9 / 10);  // those at the rim of what counts may stand as they were found
+  EXPECT_GE(pressing(finder),
+            pressing(fresh) * 9 / 10);  // those at the rim of what counts may stand as they were found
 }
 
 }  // namespace

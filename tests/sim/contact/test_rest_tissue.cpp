@@ -1,4 +1,5 @@
-// Where a place lies in moving cells, and what of the rest body is there: against the map itself, winding numbers and all
+// Where a place lies in moving cells, and what of the rest body is there: against the map itself, winding numbers and
+// all
 // triangles one by one.
 #include <gtest/gtest.h>
 
@@ -28,7 +29,8 @@ class RestTissueOfAWound : public ::testing::Test {
     for (int k = 0; k < 16; ++k) outline.push_back({14 * std::cos(k * M_PI / 8), 12 * std::sin(k * M_PI / 8)});
     ASSERT_TRUE(world->apply(Undermine{outline, 3.3}).done);
     world->fill(shown);
-    surface = contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding, world->lattice(), model());
+    surface =
+        contact_surface({shown.topology, &shown.topology->view}, shown.topology->embedding, world->lattice(), model());
     ASSERT_TRUE(surface);
     tissue = std::make_unique<RestTissue>(*surface, model());
   }
@@ -47,7 +49,8 @@ TEST_F(RestTissueOfAWound, InverseOfEveryCellsMap) {
   std::vector<Vec3f> u(model().X_mm.size());
   for (size_t i = 0; i < u.size(); ++i) {  // bent and sheared: up to 4 mm and half a radian
     const Vec3& X = model().X_mm[i];
-    u[i] = Vec3(0.3 * X.y() + 2 * std::sin(0.15 * X.z()), 2 * std::sin(0.12 * X.x()), 0.02 * X.x() * X.x() - 3).cast<float>();
+    u[i] = Vec3(0.3 * X.y() + 2 * std::sin(0.15 * X.z()), 2 * std::sin(0.12 * X.x()), 0.02 * X.x() * X.x() - 3)
+               .cast<float>();
   }
   MovingCells cells(*tissue, model());
   cells.move(u);
@@ -77,7 +80,8 @@ TEST_F(RestTissueOfAWound, InverseOfEveryCellsMap) {
   EXPECT_EQ(outside, int(5 * tissue->size()));
 }
 
-// Whose boxes are near is what comparing all of them finds, each once: with cells that are much wider than others, and where
+// Whose boxes are near is what comparing all of them finds, each once: with cells that are much wider than others, and
+// where
 // cells have gone far since they were sorted.
 TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
   MovingCells cells(*tissue, model());
@@ -93,7 +97,8 @@ TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
     std::vector<size_t> asked;
     for (size_t i = 0; i < m.pulled; ++i) {
       const size_t slot = size_t(random()) % node.size();
-      u[size_t(node[slot])] += Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized().cast<float>() * float(m.pull_mm);
+      u[size_t(node[slot])] +=
+          Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)).normalized().cast<float>() * float(m.pull_mm);
       for (size_t c = 0; c < tissue->size(); ++c)
         if (std::ranges::find(tissue->slots(c), int32_t(slot)) != tissue->slots(c).end()) asked.push_back(c);
     }
@@ -120,7 +125,8 @@ TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
         for (size_t o = 0; o < tissue->size(); ++o) {
           const double gap = (box[o].first - box[c].second).cwiseMax(box[c].first - box[o].second).maxCoeff();
           if (std::abs(gap - double(within)) < 0.01) continue;  // boxes are larger by .001 on each side
-          ASSERT_EQ(visits[o], !tissue->says_nothing(o) && gap < double(within)) << "copies " << c << ", " << o << ": " << gap << " mm apart";
+          ASSERT_EQ(visits[o], !tissue->says_nothing(o) && gap < double(within))
+              << "copies " << c << ", " << o << ": " << gap << " mm apart";
         }
       }
   }
@@ -132,7 +138,9 @@ TEST_F(RestTissueOfAWound, WhoeverHoldsAPlaceIsAroundIt) {
   std::vector<Vec3f> u(model().X_mm.size());
   for (size_t i = 0; i < u.size(); ++i) {  // bent, sheared and shaken: cells are neither boxes nor of one size
     const Vec3& X = model().X_mm[i];
-    u[i] = Vec3(0.3 * X.y() + uniform(-0.4, 0.4), 2 * std::sin(0.12 * X.x()) + uniform(-0.4, 0.4), 0.02 * X.x() * X.x() + uniform(-0.4, 0.4)).cast<float>();
+    u[i] = Vec3(0.3 * X.y() + uniform(-0.4, 0.4), 2 * std::sin(0.12 * X.x()) + uniform(-0.4, 0.4),
+                0.02 * X.x() * X.x() + uniform(-0.4, 0.4))
+               .cast<float>();
   }
   cells.move(u);
   cells.refit(workers);
@@ -142,7 +150,8 @@ TEST_F(RestTissueOfAWound, WhoeverHoldsAPlaceIsAroundIt) {
     if (tissue->says_nothing(c)) continue;
     const auto& node = surface->lattice->cells[size_t(tissue->copy(c))].node;
     for (int i = 0; i < 8; ++i) {
-      Vec3 at(uniform(-0.15, 1.15), uniform(-0.15, 1.15), uniform(-0.15, 1.15)), p = Vec3::Zero(), lo = Vec3::Constant(1e30), hi = -lo;
+      Vec3 at(uniform(-0.15, 1.15), uniform(-0.15, 1.15), uniform(-0.15, 1.15)), p = Vec3::Zero(),
+                                                                                 lo = Vec3::Constant(1e30), hi = -lo;
       for (size_t k = 0; k < 8; ++k) {
         const Vec3 x = model().X_mm[size_t(node[k])] + u[size_t(node[k])].cast<double>();
         const double w = (k & 1 ? at[0] : 1 - at[0]) * (k & 2 ? at[1] : 1 - at[1]) * (k & 4 ? at[2] : 1 - at[2]);
@@ -168,7 +177,8 @@ TEST_F(RestTissueOfAWound, OneCopyHasTheMaterialOfEachPlace) {
   for (const Vec3& X : shown.topology->view.X_mm) rest.push_back(X.cast<float>());
   std::vector<size_t> carrying;  // copies with triangles: those of one cell are all kept
   for (size_t c = 0; c < tissue->size(); ++c)
-    if (std::find(surface->carrier.begin(), surface->carrier.end(), tissue->copy(c)) != surface->carrier.end()) carrying.push_back(c);
+    if (std::find(surface->carrier.begin(), surface->carrier.end(), tissue->copy(c)) != surface->carrier.end())
+      carrying.push_back(c);
   int asked = 0, parted = 0;
   for (int i = 0; i < 1500; ++i) {
     const size_t c = carrying[size_t(random()) % carrying.size()];
@@ -176,7 +186,9 @@ TEST_F(RestTissueOfAWound, OneCopyHasTheMaterialOfEachPlace) {
     int material = 0, copies = 0;
     bool near = false, silent = false;
     for (size_t o = 0; o < tissue->size(); ++o) {
-      if (surface->lattice->cells[size_t(tissue->copy(o))].cell != surface->lattice->cells[size_t(tissue->copy(c))].cell) continue;
+      if (surface->lattice->cells[size_t(tissue->copy(o))].cell !=
+          surface->lattice->cells[size_t(tissue->copy(c))].cell)
+        continue;
       silent |= tissue->says_nothing(o);
       ++copies;
       const Vec3 at = (Q - tissue->low_mm(o)).cwiseQuotient(tissue->size_mm(o));
@@ -189,7 +201,8 @@ TEST_F(RestTissueOfAWound, OneCopyHasTheMaterialOfEachPlace) {
     }
     if (near || silent) continue;  // on a wall or the skin; where nobody knows
     ++asked, parted += copies > 1;
-    EXPECT_EQ(material, int(std::lround(winding_number(shown.topology->view, rest, Q)))) << Q.transpose() << " copies " << copies;
+    EXPECT_EQ(material, int(std::lround(winding_number(shown.topology->view, rest, Q))))
+        << Q.transpose() << " copies " << copies;
   }
   EXPECT_GT(asked, 1000);
   EXPECT_GT(parted, 300);
@@ -208,7 +221,11 @@ TEST_F(RestTissueOfAWound, WaysOutAreTheShortest) {
     if (!a.inside) continue;
     double found = 1e30, least = 1e30;
     for (size_t k = 0; k < a.count; ++k) found = std::min(found, a.foot[k].distance_mm);
-    for (const Tri& t : surface->tri) least = std::min(least, (Q - closest_on_triangle(Q, surface->X_mm[size_t(t[0])], surface->X_mm[size_t(t[1])], surface->X_mm[size_t(t[2])]).point).norm());
+    for (const Tri& t : surface->tri)
+      least = std::min(least, (Q - closest_on_triangle(Q, surface->X_mm[size_t(t[0])], surface->X_mm[size_t(t[1])],
+                                                       surface->X_mm[size_t(t[2])])
+                                       .point)
+                                  .norm());
     if (least > RestTissue::kDeep_mm) continue;
     EXPECT_NEAR(found, least, 1e-6);  // feet that are as near to 1e-7 are one
     ++asked;
@@ -223,7 +240,10 @@ TEST_F(RestTissueOfAWound, APlaceIsOutsideOfTheOtherBank) {
     const Vec3 n = tissue->smooth_normal(p.triangle, p.bary);
     const Vec3 Q = p.X_mm - 0.3 * n;  // in its own tissue
     for (size_t o = 0; o < tissue->size(); ++o) {
-      if (tissue->copy(o) == p.copy || surface->lattice->cells[size_t(tissue->copy(o))].cell != surface->lattice->cells[size_t(p.copy)].cell || tissue->says_nothing(o)) continue;
+      if (tissue->copy(o) == p.copy ||
+          surface->lattice->cells[size_t(tissue->copy(o))].cell != surface->lattice->cells[size_t(p.copy)].cell ||
+          tissue->says_nothing(o))
+        continue;
       const Vec3 at = (Q - tissue->low_mm(o)).cwiseQuotient(tissue->size_mm(o));
       if ((at.array() < 0).any() || (at.array() > 1).any()) continue;
       const int32_t part = tissue->part(o, at), own = tissue->part(size_t(tissue->find(p.copy)), at);

@@ -21,7 +21,8 @@ namespace limberg::test {
 
 using Chi = std::vector<int>;
 
-/// A flat closed slab [-sx/2, sx/2] x [-sy/2, sy/2] x [-thickness, 0] with nx by ny squares of skin. All but the skin is
+/// A flat closed slab [-sx/2, sx/2] x [-sy/2, sy/2] x [-thickness, 0] with nx by ny squares of skin. All but the skin
+/// is
 /// fixed.
 inline TriMesh flat_slab(double sx, double sy, double thickness, int nx, int ny) {
   TriMesh m;
@@ -74,8 +75,7 @@ class CaseScene {
   uint64_t seed = 1;
   CutResult last;
 
-  explicit CaseScene(const TriMesh& m, double cell_mm = 5)
-      : CaseScene(m, lattice_over(m, cell_mm)) {}
+  explicit CaseScene(const TriMesh& m, double cell_mm = 5) : CaseScene(m, lattice_over(m, cell_mm)) {}
   CaseScene(const TriMesh& m, const LatticeGrid& lattice)
       : a(m, grid()), g(lattice), t(build_topology(g, material_surface(a))), initial_(a.full_hash()) {
     body_mm3_ = volume_ = a.volume_mm3();
@@ -227,19 +227,19 @@ class CaseScene {
 };
 
 /// Defines a named case: the body below, run three times to the same bits, each time taken back and made again.
-#define CUT_CASE(name, ...)                                     \
-  void name(CaseScene& s);                                      \
-  TEST(CutCases, name) {                                        \
-    uint64_t signature = 0;                                     \
-    for (int run = 0; run < 3; ++run) {                         \
-      CaseScene s(__VA_ARGS__);                                 \
-      name(s);                                                  \
-      if (run == 0) signature = s.signature();                  \
-      EXPECT_EQ(s.signature(), signature);                      \
-      if (run == 0) s.take_back();                              \
-      if (::testing::Test::HasFailure()) return;                \
-    }                                                           \
-  }                                                             \
+#define CUT_CASE(name, ...)                      \
+  void name(CaseScene& s);                       \
+  TEST(CutCases, name) {                         \
+    uint64_t signature = 0;                      \
+    for (int run = 0; run < 3; ++run) {          \
+      CaseScene s(__VA_ARGS__);                  \
+      name(s);                                   \
+      if (run == 0) signature = s.signature();   \
+      EXPECT_EQ(s.signature(), signature);       \
+      if (run == 0) s.take_back();               \
+      if (::testing::Test::HasFailure()) return; \
+    }                                            \
+  }                                              \
   void name(CaseScene& s)
 
 inline TriMesh case_slab() { return flat_slab(60, 60, 12, 20, 20); }

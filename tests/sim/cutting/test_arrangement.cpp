@@ -54,14 +54,16 @@ TEST_F(Slab, CrossOfPartialIncisions) {
 
 TEST_F(Slab, WhatOfABladeStandsAboveTheSkinIsNotDivided) {
   const auto without_material = [&](int32_t below) {  // of original triangles with smaller names
-    return std::count_if(a.faces().begin(), a.faces().end(), [&](const Face& f) { return !f.retired && f.mat == 0 && f.orig < below; });
+    return std::count_if(a.faces().begin(), a.faces().end(),
+                         [&](const Face& f) { return !f.retired && f.mat == 0 && f.orig < below; });
   };
   cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6));
   const int32_t triangles = int32_t(a.store().orig.size());
   const auto before = without_material(triangles);
   EXPECT_GT(before, 40);  // the blade's upper half
   cut(strip({{1, -20}, {2, 20}}, 3, -4));
-  EXPECT_EQ(without_material(triangles), before + 1);  // only where the two leave the skin together: a point on its border
+  EXPECT_EQ(without_material(triangles),
+            before + 1);  // only where the two leave the skin together: a point on its border
 }
 
 TEST_F(Slab, CrossThrough) {
@@ -126,7 +128,8 @@ TEST_F(Slab, TrianglesNearABoxWhateverHasHappened) {
       const auto meets = [&](int32_t o, int32_t beside) {
         const auto& v = s.orig[size_t(o)].v;
         const IntBox b = box_around(s.points.integer(v[0]), s.points.integer(v[1]), s.points.integer(v[2]));
-        return b.meets({{q.lo.x - beside, q.lo.y - beside, q.lo.z - beside}, {q.hi.x + beside, q.hi.y + beside, q.hi.z + beside}});
+        return b.meets(
+            {{q.lo.x - beside, q.lo.y - beside, q.lo.z - beside}, {q.hi.x + beside, q.hi.y + beside, q.hi.z + beside}});
       };
       for (int32_t o = 0; o < int32_t(s.orig.size()); ++o)
         if (meets(o, 0)) (s.is_body(o) ? body : blades).push_back(o);

@@ -70,10 +70,11 @@ TEST(BladeCases, DeepenedInPartsIsAsDeepenedAtOnce) {
 
 TEST(BladeCases, LengthenedSharesTheEndEdge) {
   for (const double depth : {4.0, 6.5, 2.5}) {
-    for (const std::vector<Vec2>& next : {std::vector<Vec2>{{20, 1.3}, {34, 1.3}}, std::vector<Vec2>{{8, 1.2}, {34, 1.4}},
-                                          std::vector<Vec2>{{20.4, 1.5}, {34, 8}}, std::vector<Vec2>{{34, 1.3}, {19.8, 1.1}},
-                                          std::vector<Vec2>{{-34, 0}, {-19.7, 1.3}}, std::vector<Vec2>{{20, 1.3}, {20, 18}},
-                                          std::vector<Vec2>{{20, 1.3}, {8, 14}}, std::vector<Vec2>{{-34, 1.3}, {34, 1.3}}}) {
+    for (const std::vector<Vec2>& next :
+         {std::vector<Vec2>{{20, 1.3}, {34, 1.3}}, std::vector<Vec2>{{8, 1.2}, {34, 1.4}},
+          std::vector<Vec2>{{20.4, 1.5}, {34, 8}}, std::vector<Vec2>{{34, 1.3}, {19.8, 1.1}},
+          std::vector<Vec2>{{-34, 0}, {-19.7, 1.3}}, std::vector<Vec2>{{20, 1.3}, {20, 18}},
+          std::vector<Vec2>{{20, 1.3}, {8, 14}}, std::vector<Vec2>{{-34, 1.3}, {34, 1.3}}}) {
       SCOPED_TRACE(testing::Message() << depth << " from " << next[0].transpose() << " to " << next[1].transpose());
       Patient p(2);
       ASSERT_TRUE(p.incise(kLine).ok());
@@ -172,11 +173,13 @@ TEST(BladeCases, StrokesThatNearlyMeetThemselves) {
     EXPECT_EQ(q.a.pieces(), 2);
   }
   // A loop that ends short of, on, or past its own beginning is closed.
-  for (const Vec2& off : {Vec2(0, 0), Vec2(0.3, 0.2), Vec2(-0.3, 0.3), Vec2(0, -1.5), Vec2(0.2, -1.5), Vec2(-0.2, -1)}) {
+  for (const Vec2& off :
+       {Vec2(0, 0), Vec2(0.3, 0.2), Vec2(-0.3, 0.3), Vec2(0, -1.5), Vec2(0.2, -1.5), Vec2(-0.2, -1)}) {
     SCOPED_TRACE(off.transpose());
     const std::vector<Vec2> loop{{10, 0}, {12, 9}, {-3, 12}, {-8, 2}, {-3, -9}, Vec2(10, 0) + off};
     std::vector<Vec2> closing = loop;
-    if (off.y() < -0.5) closing = {{10, 0}, {12, 9}, {-3, 12}, {-8, 2}, {-2, -9}, {9, -1}, Vec2(10, 0) + Vec2(off.x(), 1)};
+    if (off.y() < -0.5)
+      closing = {{10, 0}, {12, 9}, {-3, 12}, {-8, 2}, {-2, -9}, {9, -1}, Vec2(10, 0) + Vec2(off.x(), 1)};
     Patient p(2);
     const CutResult r = p.incise(closing, 12);
     ASSERT_TRUE(r.ok()) << r.reason;
@@ -202,7 +205,8 @@ TEST(BladeCases, Case16_SharpBends) {
 }
 
 TEST(BladeCases, DeepensThroughSharpCorners) {
-  // Along both legs and through the corner in one stroke, as a hand does it: neither refused, nor left shallow at the corner.
+  // Along both legs and through the corner in one stroke, as a hand does it: neither refused, nor left shallow at the
+  // corner.
   // Where a leaning blade meets itself it stays shallower there.
   const std::vector<Vec2> zigzag{{30.2, -14.9}, {23.9, -12}, {-23.9, 15.8}, {28.2, 12.1}, {-13.8, 24}};
   for (const std::vector<Vec2>& path : {std::vector<Vec2>{{-18, 0}, {4, 1}, {-12, 10}}, zigzag})
@@ -236,7 +240,9 @@ TEST(BladeCases, Splines) {
   double longest = 0, turn = 0;
   for (size_t i = 0; i + 1 < curve.size(); ++i) longest = std::max(longest, (curve[i + 1] - curve[i]).norm());
   for (size_t i = 1; i + 1 < curve.size(); ++i)
-    turn = std::max(turn, std::acos(std::min(1.0, (curve[i] - curve[i - 1]).normalized().dot((curve[i + 1] - curve[i]).normalized()))));
+    turn = std::max(
+        turn,
+        std::acos(std::min(1.0, (curve[i] - curve[i - 1]).normalized().dot((curve[i + 1] - curve[i]).normalized()))));
   EXPECT_LT(longest, 1.0);
   EXPECT_LT(turn, 0.35);  // smooth: the control polygon turns by up to 1.45
   EXPECT_FALSE(meets_itself(curve, false));

@@ -37,7 +37,8 @@ bool holds(const IntBox& outer, const IntBox& inner) {
   return true;
 }
 
-// Nothing that meets a box is missed. Boxes are rounded outwards by less than a step: not at all where the tree spans fewer than
+// Nothing that meets a box is missed. Boxes are rounded outwards by less than a step: not at all where the tree spans
+// fewer than
 // 2^16 half-units.
 TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
   Draw draw;
@@ -72,7 +73,8 @@ TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
               ++met;
               ASSERT_TRUE(seen[i]);
             }
-          tree.box(box_within(Vec3(box.lo.x - 0.75, box.lo.y - 0.25, box.lo.z - 0.5), Vec3(box.hi.x + 0.75, box.hi.y + 0.25, box.hi.z + 0.5)),
+          tree.box(box_within(Vec3(box.lo.x - 0.75, box.lo.y - 0.25, box.lo.z - 0.5),
+                              Vec3(box.hi.x + 0.75, box.hi.y + 0.25, box.hi.z + 0.5)),
                    [&](int32_t i) { by_fractions.push_back(i); });
           ASSERT_EQ(found, by_fractions);  // the same order too
         }
@@ -82,7 +84,8 @@ TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
   BoxTree().box(IntBox{}, [](int32_t) { FAIL(); });
 }
 
-// The query of a strip that lies at a slant leaves nothing out that touches one of its triangles, and leaves out most of what
+// The query of a strip that lies at a slant leaves nothing out that touches one of its triangles, and leaves out most
+// of what
 // meets only the box around them.
 TEST(SlantBox, LeavesOutOnlyWhatNoTriangleTouches) {
   Draw draw;
@@ -102,7 +105,8 @@ TEST(SlantBox, LeavesOutOnlyWhatNoTriangleTouches) {
       IntBox all;
       for (int32_t i = 0; i < 8; ++i) {
         IntTriangle t;
-        t.p = {place(i * dx, i * dy, 220), place((i + 1) * dx, (i + 1) * dy + draw(3), i % 2 ? 220 : -20), place(i * dx, i * dy, -20)};
+        t.p = {place(i * dx, i * dy, 220), place((i + 1) * dx, (i + 1) * dy + draw(3), i % 2 ? 220 : -20),
+               place(i * dx, i * dy, -20)};
         t.id = {-3 * i - 1, -3 * i - 2, -3 * i - 3};
         const IntBox own = box_around(t.p[0], t.p[1], t.p[2]);
         all = i == 0 ? own : box_around(all, own);
@@ -178,7 +182,8 @@ TEST(Crossing, FourSignsTellWhatTwelveTell) {
   for (int i = 0; i < 200000; ++i) {
     const int32_t size = i % 4 == 0 ? 6 : 4000;  // small numbers: exact zeros are common
     IntTriangle s, t;
-    for (size_t k = 0; k < 3; ++k) s.p[k] = draw.point(0, size), t.p[k] = draw.point(0, size), s.id[k] = int32_t(k), t.id[k] = 3 + int32_t(k);
+    for (size_t k = 0; k < 3; ++k)
+      s.p[k] = draw.point(0, size), t.p[k] = draw.point(0, size), s.id[k] = int32_t(k), t.id[k] = 3 + int32_t(k);
     const Plane ps = plane_through(s.p[0], s.p[1], s.p[2]), pt = plane_through(t.p[0], t.p[1], t.p[2]);
     const Crossing a = cross_triangles(s, ps, t, pt), b = cross_triangles_exactly(s, ps, t, pt);
     ++(a.kind == Crossing::crossing ? crossing : a.kind == Crossing::apart ? apart : coincidence);
@@ -203,7 +208,8 @@ TEST(Crossing, FourSignsTellWhatTwelveTell) {
   EXPECT_GT(coincidence, 10000);
 }
 
-// One comparison that fails, whichever it is, leaves what lies before and behind the range as it was, and in it the same elements.
+// One comparison that fails, whichever it is, leaves what lies before and behind the range as it was, and in it the
+// same elements.
 TEST(SortBySigns, StaysWithinBoundsWhateverTheSignsSay) {
   Draw draw;
   for (size_t n : {0u, 1u, 2u, 3u, 7u, 40u})

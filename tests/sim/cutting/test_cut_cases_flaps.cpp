@@ -103,7 +103,8 @@ CUT_CASE(C20_recut_shallower_and_deeper, block()) {
   const std::vector<int32_t> before = s.walls();
   const auto stroke = [&](double depth) {
     const StrokePlan plan = plan_stroke(strokes().on(s), std::vector<Vec2>{{-15, 0.3}, {15, 0.4}}, depth, 90);
-    return carry_out(plan, strokes().on(s), [&](const Blade& b) { return s.attempt(b), s.last; }, [] {});
+    return carry_out(
+        plan, strokes().on(s), [&](const Blade& b) { return s.attempt(b), s.last; }, [] {});
   };
   EXPECT_EQ(stroke(3).status, CutResult::nothing_to_cut);
   EXPECT_EQ(s.a.full_hash(), hash);
@@ -170,7 +171,7 @@ CUT_CASE(C31_two_pockets_merge, case_slab()) {
   s.cut(strip({{-15, 9}, {15, 9.1}}, 3, -6));
   s.cut(sheet({-12, -9.4, -4}, {24, 0, 0}, {0, 8, 0}, 12, 4));
   s.cut(sheet({-12, 1.4, -4.02}, {24, 0, 0}, {0, 8, 0}, 12, 4));
-  s.expect(1, {2});  // a septum of 2.8 mm is left
+  s.expect(1, {2});                                                  // a septum of 2.8 mm is left
   Blade b = sheet({-10, -2.4, -3.8}, {20, 0, 0}, {0, 5, 0}, 10, 3);  // dips below both between its edges
   for (Int3& v : b.vertex)
     if (std::abs(v.y) < at(0, 2, 0).y) v.z = at(0, 0, -4.2).z;

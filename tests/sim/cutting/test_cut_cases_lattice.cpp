@@ -74,7 +74,8 @@ CUT_CASE(C25_front_clips_a_cell_face, case_slab()) {
 void add_octahedron(TriMesh& m, const Vec3& c, const Vec3& r, bool inward) {
   const int32_t first = int32_t(m.X_mm.size());
   for (int axis = 0; axis < 3; ++axis)
-    for (double sign : {1.0, -1.0}) m.X_mm.push_back(grid().to_mm(grid().to_grid(c + sign * r[axis] * Vec3::Unit(axis))));
+    for (double sign : {1.0, -1.0})
+      m.X_mm.push_back(grid().to_mm(grid().to_grid(c + sign * r[axis] * Vec3::Unit(axis))));
   for (int k = 0; k < 8; ++k) {
     Tri t{first + (k & 1), first + 2 + (k >> 1 & 1), first + 4 + (k >> 2 & 1)};
     if ((__builtin_popcount(unsigned(k)) % 2 == 1) != inward) std::swap(t[1], t[2]);

@@ -59,8 +59,9 @@ TEST(CutCases, C41_bad_strokes) {
   Patient p(2);
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   for (const std::vector<Vec2>& path :
-       {std::vector<Vec2>{}, std::vector<Vec2>{{1, 1}}, std::vector<Vec2>{{1, 1}, {1, 1}, {1, 1}}, std::vector<Vec2>{{nan, 0}, {3, 3}},
-        std::vector<Vec2>{{0, 0}, {inf, 3}}, std::vector<Vec2>{{200, 200}, {230, 200}}, std::vector<Vec2>{{0, 0}, {1e300, -1e300}}})
+       {std::vector<Vec2>{}, std::vector<Vec2>{{1, 1}}, std::vector<Vec2>{{1, 1}, {1, 1}, {1, 1}},
+        std::vector<Vec2>{{nan, 0}, {3, 3}}, std::vector<Vec2>{{0, 0}, {inf, 3}},
+        std::vector<Vec2>{{200, 200}, {230, 200}}, std::vector<Vec2>{{0, 0}, {1e300, -1e300}}})
     for (double depth : {4.0, nan, -1.0, 0.0, inf}) EXPECT_FALSE(p.incise(path, depth).ok());  // incise checks the hash
   for (double depth : {nan, -1.0, 0.0}) EXPECT_FALSE(p.incise({{-5, 0}, {5, 0}}, depth).ok());
   Blade odd = strip({{-5, 0}, {5, 0}}, 2, -3), far = odd, none, unknown = odd, flat = odd;

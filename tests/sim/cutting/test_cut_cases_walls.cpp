@@ -108,11 +108,15 @@ CUT_CASE(C11_through_a_lattice_node, case_slab()) {
   for (int32_t shift : {-2, 2, 0}) {
     CaseScene other(case_slab());
     CaseScene& x = shift ? other : s;
-    const int32_t X = x.g.origin.x + 6 * x.g.pitch.x, Y = x.g.origin.y + 6 * x.g.pitch.y, Z = x.g.origin.z + 2 * x.g.pitch.z;
+    const int32_t X = x.g.origin.x + 6 * x.g.pitch.x, Y = x.g.origin.y + 6 * x.g.pitch.y,
+                  Z = x.g.origin.z + 2 * x.g.pitch.z;
     // Three corners in a plane through the node: the node is the middle of two of them.
     Blade b;
     const int32_t far = 40 * 16384 + 1;
-    b.vertex = {{X - far + shift, Y + far, Z - far}, {X + far + shift, Y - far, Z + far}, {X + far + shift, Y - far, Z - far}, {X - far + shift, Y + far, Z + far}};
+    b.vertex = {{X - far + shift, Y + far, Z - far},
+                {X + far + shift, Y - far, Z + far},
+                {X + far + shift, Y - far, Z - far},
+                {X - far + shift, Y + far, Z + far}};
     b.tri = {{0, 2, 1}, {0, 1, 3}};
     b.seed = {1, 1};
     x.cut(b);

@@ -48,7 +48,8 @@ Integer big(const Int256& v) {
 std::array<Rational, 3> place(const PointRef& p) {
   std::array<Rational, 3> x;
   for (size_t k = 0; k < 3; ++k)
-    x[k] = p.implicit() ? Rational(big(p.exact().x[k]), big(p.exact().w)) : Rational(Integer(int64_t((*p.approx)[int(k)])));
+    x[k] = p.implicit() ? Rational(big(p.exact().x[k]), big(p.exact().w))
+                        : Rational(Integer(int64_t((*p.approx)[int(k)])));
   return x;
 }
 int sign(const Rational& r) { return r > 0 ? 1 : r < 0 ? -1 : 0; }
@@ -161,7 +162,8 @@ Blade below(const Blade& strip_above, const CutResult& made, const Arrangement& 
     b.shared_point.push_back(-1);
   }
   const int32_t n = int32_t(to - from);
-  for (int32_t i = 0; i < n; ++i) b.tri.push_back({2 * i, 2 * i + 1, 2 * i + 3}), b.tri.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+  for (int32_t i = 0; i < n; ++i)
+    b.tri.push_back({2 * i, 2 * i + 1, 2 * i + 3}), b.tri.push_back({2 * i, 2 * i + 3, 2 * i + 2});
   b.seed.assign(b.tri.size(), 2);
   return b;
 }
@@ -245,9 +247,12 @@ TEST(Proof, ParentsOfSeveralPiecesInOneCell) {
             for (int32_t o : before->components[cell] ? before->components[cell]->face : std::vector<int32_t>()) {
               if (a.faces()[size_t(o)].orig != orig) continue;
               bool overlap = true;  // f's middle in o (doubles: far from edges or not at all)
-              const Vec3 m = s.centre(f), n = (a.point_mm(a.faces()[size_t(o)].v[1]) - a.point_mm(a.faces()[size_t(o)].v[0])).cross(a.point_mm(a.faces()[size_t(o)].v[2]) - a.point_mm(a.faces()[size_t(o)].v[0]));
+              const Vec3 m = s.centre(f),
+                         n = (a.point_mm(a.faces()[size_t(o)].v[1]) - a.point_mm(a.faces()[size_t(o)].v[0]))
+                                 .cross(a.point_mm(a.faces()[size_t(o)].v[2]) - a.point_mm(a.faces()[size_t(o)].v[0]));
               for (size_t e = 0; e < 3; ++e) {
-                const Vec3 p = a.point_mm(a.faces()[size_t(o)].v[e]), q = a.point_mm(a.faces()[size_t(o)].v[(e + 1) % 3]);
+                const Vec3 p = a.point_mm(a.faces()[size_t(o)].v[e]),
+                           q = a.point_mm(a.faces()[size_t(o)].v[(e + 1) % 3]);
                 overlap = overlap && (q - p).cross(m - p).dot(n) > 0;
               }
               const auto it = old.find({int32_t(cell), sided_face(o, side)});
@@ -287,7 +292,8 @@ TEST(Proof, StronglyCurvedBlades) {
         b.tri.push_back({p + j, q + j, q + k});
         b.tri.push_back({p + j, q + k, p + k});
       }
-    for (int32_t j = 0; j < around; ++j) b.tri.push_back({rings * around + j, int32_t(b.vertex.size()) - 1, rings * around + (j + 1) % around});
+    for (int32_t j = 0; j < around; ++j)
+      b.tri.push_back({rings * around + j, int32_t(b.vertex.size()) - 1, rings * around + (j + 1) % around});
     b.seed.assign(b.tri.size(), 2);
     // Odd rows are turned by half a step: quads there are twisted, so test what is there, not what was meant.
     if (s.attempt(b)) {
@@ -309,7 +315,8 @@ TEST(Proof, StronglyCurvedBlades) {
     s.cut(strip(path, 2, -5));
     s.expect(1, {2});
     EXPECT_EQ(s.fronts(), 1);
-    s.cut(sheet({-5, -5, -4}, {10.4, 0, 0}, {0, 10.7, 0}, 8, 8));  // the post below it comes off in no more than one ring
+    s.cut(
+        sheet({-5, -5, -4}, {10.4, 0, 0}, {0, 10.7, 0}, 8, 8));  // the post below it comes off in no more than one ring
     s.take_back();
   }
   {  // a screw: a sheet that winds about its own axis
@@ -317,9 +324,11 @@ TEST(Proof, StronglyCurvedBlades) {
     Blade b;
     for (int i = 0; i <= 24; ++i) {
       const double t = 1.5 * pi * i / 24;
-      for (double r : {-4.0, 4.0}) b.vertex.push_back(at(0.3 + r * std::cos(t), 0.2 + r * std::sin(t), 2 - 9.0 * i / 24));
+      for (double r : {-4.0, 4.0})
+        b.vertex.push_back(at(0.3 + r * std::cos(t), 0.2 + r * std::sin(t), 2 - 9.0 * i / 24));
     }
-    for (int32_t i = 0; i < 24; ++i) b.tri.push_back({2 * i, 2 * i + 1, 2 * i + 3}), b.tri.push_back({2 * i, 2 * i + 3, 2 * i + 2});
+    for (int32_t i = 0; i < 24; ++i)
+      b.tri.push_back({2 * i, 2 * i + 1, 2 * i + 3}), b.tri.push_back({2 * i, 2 * i + 3, 2 * i + 2});
     b.seed.assign(b.tri.size(), 2);
     s.cut(b);
     s.expect(1, {2});

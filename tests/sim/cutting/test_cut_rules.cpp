@@ -316,7 +316,8 @@ TEST(Refusal, BadBladesChangeNothing) {
 TEST(Refusal, MoreLinesInATriangleThanItHasLabelsFor) {
   Arrangement a(wavy_slab(200, 12, 1, 0), grid());
   const uint64_t before = a.full_hash();
-  const CutResult r = a.cut(strip({{-95, 0.3}, {80, 30}}, 2, -5, false, 0.004), 1);  // 44,000 columns, most of them in one triangle
+  const CutResult r =
+      a.cut(strip({{-95, 0.3}, {80, 30}}, 2, -5, false, 0.004), 1);  // 44,000 columns, most of them in one triangle
   EXPECT_EQ(r.status, CutResult::refused);
   EXPECT_NE(r.reason.find("32765"), std::string::npos) << r.reason;
   EXPECT_EQ(a.full_hash(), before);

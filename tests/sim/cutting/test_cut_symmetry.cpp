@@ -32,7 +32,8 @@ Signature run(const Scene& s, bool with_lattice = true, int64_t grain = 1000000)
   }
   const std::vector<int> chi = euler(a);
   for (size_t i = 0; i < chi.size(); ++i)
-    out.pieces.push_back({std::llround(a.components()[i].volume_mm3 * double(grain)), chi[i], a.components()[i].touches_fixed});
+    out.pieces.push_back(
+        {std::llround(a.components()[i].volume_mm3 * double(grain)), chi[i], a.components()[i].touches_fixed});
   std::sort(out.pieces.begin(), out.pieces.end());
   if (!with_lattice) return out;
   const auto t = build_topology(s.lattice, material_surface(a));

@@ -1,5 +1,7 @@
-// Who computes does not matter: a history of cuts, excisions and undos gives the same bits with any number of workers, and when
-// several bodies are cut on several threads at the same time. (Section 8 of the design's list of what was to be proved.)
+// Who computes does not matter: a history of cuts, excisions and undos gives the same bits with any number of workers,
+// and when
+// several bodies are cut on several threads at the same time. (Section 8 of the design's list of what was to be
+// proved.)
 #include <gtest/gtest.h>
 
 #include <thread>
@@ -28,7 +30,8 @@ uint64_t bits_of(const LatticeTopology& t) {
   for (const auto& c : t.components) {
     h.add(bool(c));
     if (!c) continue;
-    for (size_t f = 0; f < c->face.size(); ++f) h.add(c->face[f]), h.add(c->of_side[f][0]), h.add(c->of_side[f][1]), h.add(c->relation[f]);
+    for (size_t f = 0; f < c->face.size(); ++f)
+      h.add(c->face[f]), h.add(c->of_side[f][0]), h.add(c->of_side[f][1]), h.add(c->relation[f]);
     for (const CellClass& k : c->classes) h.add(k.fraction), h.add(k.old_class), h.add(k.corners);
   }
   return h.value();
@@ -57,7 +60,8 @@ History history(Workers* workers, int front_levels) {
     out.touched = std::max(out.touched, version.back()->touched_cells);
   };
   uint64_t seed = 1;
-  for (const Blade& b : {strip({{-23.117, 0.331}, {21.243, 1.171}}, 3.01, -6.037, false, 4), strip({{1.031, -21.13}, {2.071, 22.37}}, 3.03, -4.091, false, 4),
+  for (const Blade& b : {strip({{-23.117, 0.331}, {21.243, 1.171}}, 3.01, -6.037, false, 4),
+                         strip({{1.031, -21.13}, {2.071, 22.37}}, 3.03, -4.091, false, 4),
                          sheet({-9.03, 0.113, -3.071}, {18.01, 0.1, 0.05}, {0.07, 9.13, 0.11}, 5, 3),
                          open_box({{9.03, -9.1}, {5.07, -5.013}, {1.11, -9.17}, {5.013, -13.07}}, 3.07, -5.03),
                          strip({{-50.07, -14.13}, {51.11, -15.07}}, 4.03, -16.01, false, 200)}) {
@@ -66,7 +70,8 @@ History history(Workers* workers, int front_levels) {
   }
   int32_t smallest = 0;
   for (size_t i = 0; i < a.components().size(); ++i)
-    if (a.components()[i].volume_mm3 > 0 && a.components()[i].volume_mm3 < a.components()[size_t(smallest)].volume_mm3) smallest = int32_t(i);
+    if (a.components()[i].volume_mm3 > 0 && a.components()[i].volume_mm3 < a.components()[size_t(smallest)].volume_mm3)
+      smallest = int32_t(i);
   EXPECT_TRUE(a.excise(smallest).done);
   note();
   for (int i = 0; i < 3; ++i) {
@@ -113,7 +118,8 @@ TEST(CutThreads, BodiesCutAtTheSameTimeDoNotSeeEachOther) {
   std::vector<std::thread> threads;
   for (int t = 0; t < kThreads; ++t)
     threads.emplace_back([&, t] {
-      for (int i = 0; i < kEach; ++i) together[size_t(kEach * t + i)] = fuzzed(uint64_t(20 + kEach * t + i), kOperations);
+      for (int i = 0; i < kEach; ++i)
+        together[size_t(kEach * t + i)] = fuzzed(uint64_t(20 + kEach * t + i), kOperations);
     });
   for (std::thread& t : threads) t.join();
   for (size_t i = 0; i < alone.size(); ++i) EXPECT_EQ(together[i], alone[i]) << "seed " << 20 + i;

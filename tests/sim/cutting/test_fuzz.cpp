@@ -15,7 +15,8 @@ namespace {
 
 std::vector<std::string> corpus() {
   std::vector<std::string> files;
-  for (const auto& f : std::filesystem::directory_iterator(std::string(LIMBERG_SOURCE_DIR) + "/tests/sim/cutting/corpus"))
+  for (const auto& f :
+       std::filesystem::directory_iterator(std::string(LIMBERG_SOURCE_DIR) + "/tests/sim/cutting/corpus"))
     files.push_back(f.path().string());
   std::sort(files.begin(), files.end());
   return files;
@@ -30,10 +31,13 @@ TEST(FuzzCorpus, WhatWasFoundStaysMended) {
   }
 }
 
-// A blade goes on from where another ran out of the body, and a third has a corner on the edge that it shares: no try can move that
-// edge. But no wall is there to continue, so the edge need not be shared, and the answer is that there is nothing to cut.
+// A blade goes on from where another ran out of the body, and a third has a corner on the edge that it shares: no try
+// can move that
+// edge. But no wall is there to continue, so the edge need not be shared, and the answer is that there is nothing to
+// cut.
 TEST(FuzzCorpus, AnEdgeOutsideTheBodyIsNotShared) {
-  const fuzz::Case c = fuzz::read_case(std::string(LIMBERG_SOURCE_DIR) + "/tests/sim/cutting/corpus/continued_outside_the_body.json");
+  const fuzz::Case c =
+      fuzz::read_case(std::string(LIMBERG_SOURCE_DIR) + "/tests/sim/cutting/corpus/continued_outside_the_body.json");
   fuzz::Runner runner(c, {});
   for (const fuzz::Op& op : c.ops) ASSERT_EQ(runner.apply(op), "");
   EXPECT_EQ(runner.last_cut.status, CutResult::nothing_to_cut) << runner.last_cut.reason;

@@ -1,4 +1,5 @@
-// Leaning walls that are deepened while the hand draws: the slit stays a slit. A deeper blade behind a bend that ran into the
+// Leaning walls that are deepened while the hand draws: the slit stays a slit. A deeper blade behind a bend that ran
+// into the
 // wall before the bend would leave a bridge of tissue across the cut, which the Euler characteristic counts.
 #include <cstdlib>
 
@@ -70,7 +71,8 @@ std::string first_stroke(Patient& p, const std::vector<Vec2>& path, double piece
   return r.ok() ? "" : r.reason;
 }
 
-// Four corners to either side, three arcs and an S; blades from 30 to 150 degrees; three depths; three lengths of pieces; the wall
+// Four corners to either side, three arcs and an S; blades from 30 to 150 degrees; three depths; three lengths of
+// pieces; the wall
 // that is deepened made at once and drawn. LIMBERG_LEANING_ALL=1 runs all 1,944 of them, else every ninth is run.
 TEST(LeaningStrokes, DeepenedInPiecesLeaveNoBridge) {
   const int step = std::getenv("LIMBERG_LEANING_ALL") ? 1 : 9;
@@ -81,8 +83,9 @@ TEST(LeaningStrokes, DeepenedInPiecesLeaveNoBridge) {
         for (const double piece_mm : {5.0, 1.7, 0.8})
           for (const bool drawn : {false, true}) {
             if (number++ % step) continue;
-            SCOPED_TRACE(path.name + ", leaning at " + std::to_string(angle) + ", " + std::to_string(depth) + " mm deep, in pieces of " +
-                         std::to_string(piece_mm) + (drawn ? ", the first cut drawn" : ", the first cut at once"));
+            SCOPED_TRACE(path.name + ", leaning at " + std::to_string(angle) + ", " + std::to_string(depth) +
+                         " mm deep, in pieces of " + std::to_string(piece_mm) +
+                         (drawn ? ", the first cut drawn" : ", the first cut at once"));
             Patient p(2);
             drawn_first += drawn;
             if (!drawn) {
@@ -105,11 +108,14 @@ TEST(LeaningStrokes, DeepenedInPiecesLeaveNoBridge) {
   EXPECT_GT(made, 0.99 * number / step);
   EXPECT_EQ(refused_first, 0);
   EXPECT_EQ(bridges_of_first, 0);
-  std::printf("%d deepened; of %d first cuts that were drawn %d refused, %d with a bridge\n", made, drawn_first, refused_first, bridges_of_first);
+  std::printf("%d deepened; of %d first cuts that were drawn %d refused, %d with a bridge\n", made, drawn_first,
+              refused_first, bridges_of_first);
 }
 
-// The same paths and angles, three depths, drawn in three lengths of pieces and made at once. LIMBERG_LEANING_ALL=1 runs all 1,296 of
-// them, else every seventh is run. Before strokes were made in legs (blade_parts.h) 51 of the 972 that are drawn were refused or left
+// The same paths and angles, three depths, drawn in three lengths of pieces and made at once. LIMBERG_LEANING_ALL=1
+// runs all 1,296 of
+// them, else every seventh is run. Before strokes were made in legs (blade_parts.h) 51 of the 972 that are drawn were
+// refused or left
 // a bridge (2026-11-22), and those made at once stood upright over all of their length: see the next test.
 TEST(LeaningStrokes, FirstStrokesLeaveNoBridge) {
   const int step = std::getenv("LIMBERG_LEANING_ALL") ? 1 : 7;
@@ -119,8 +125,8 @@ TEST(LeaningStrokes, FirstStrokesLeaveNoBridge) {
       for (const double depth : {4.0, 5.0, 7.0})
         for (const double piece_mm : {5.0, 1.7, 0.8, 0.0}) {
           if (number++ % step) continue;
-          SCOPED_TRACE(path.name + ", leaning at " + std::to_string(angle) + ", " + std::to_string(depth) + " mm deep, " +
-                       (piece_mm > 0 ? "in pieces of " + std::to_string(piece_mm) : "at once"));
+          SCOPED_TRACE(path.name + ", leaning at " + std::to_string(angle) + ", " + std::to_string(depth) +
+                       " mm deep, " + (piece_mm > 0 ? "in pieces of " + std::to_string(piece_mm) : "at once"));
           Patient p(2);
           EXPECT_EQ(first_stroke(p, path.point, piece_mm, depth, angle), "");
           EXPECT_EQ(euler_characteristic(p.a), 2);
@@ -130,20 +136,24 @@ TEST(LeaningStrokes, FirstStrokesLeaveNoBridge) {
   EXPECT_GT(made, 100);
 }
 
-// Leaning into a corner every leg keeps its lean and its depth to its end. The second is trimmed where it meets the first, at the
-// bisector of the corner: z mm deep its edge has run back by z tan(turn / 2) / tan(angle). Drawn or at once, the area is that.
+// Leaning into a corner every leg keeps its lean and its depth to its end. The second is trimmed where it meets the
+// first, at the
+// bisector of the corner: z mm deep its edge has run back by z tan(turn / 2) / tan(angle). Drawn or at once, the area
+// is that.
 TEST(LeaningStrokes, LegsKeepTheirLeanUpToTheCorner) {
   for (const double turn_deg : {30.0, 60.0, 100.0, 140.0})
     for (const double side : {1.0, -1.0})
       for (const double angle_deg : {30.0, 45.0, 60.0})
         for (const double depth : {2.5, 7.0})
           for (const double piece_mm : {5.0, 0.8, 0.0}) {
-            const double t = turn_deg * M_PI / 180, angle = angle_deg * M_PI / 180, run_back = std::tan(t / 2) / std::tan(angle);
+            const double t = turn_deg * M_PI / 180, angle = angle_deg * M_PI / 180,
+                         run_back = std::tan(t / 2) / std::tan(angle);
             const double first = 19, second = 15, foot = depth + kWallExtra;
             if (run_back * (depth + 2 * kWallExtra) < 0.3 * kSpacing) continue;  // so little is mitred
-            SCOPED_TRACE(testing::Message() << "corner of " << side * turn_deg << ", leaning by " << angle_deg << ", " << depth << " mm deep, pieces of "
-                                            << piece_mm);
-            const std::vector<Vec2> path{{2 - first, -3 * side}, {2, -3 * side}, {2 + second * std::cos(t), side * (-3 + second * std::sin(t))}};
+            SCOPED_TRACE(testing::Message() << "corner of " << side * turn_deg << ", leaning by " << angle_deg << ", "
+                                            << depth << " mm deep, pieces of " << piece_mm);
+            const std::vector<Vec2> path{
+                {2 - first, -3 * side}, {2, -3 * side}, {2 + second * std::cos(t), side * (-3 + second * std::sin(t))}};
             Patient p(2);
             ASSERT_EQ(first_stroke(p, path, piece_mm, depth, side > 0 ? 180 - angle_deg : angle_deg), "");
             EXPECT_EQ(euler_characteristic(p.a), 2);
@@ -154,8 +164,10 @@ TEST(LeaningStrokes, LegsKeepTheirLeanUpToTheCorner) {
           }
 }
 
-// A curve that would fold at its depth is cut shallower and then deepened in rounds: what each round goes over is what was made, for
-// the plan itself has nothing in it that runs along a wall. (Rounds that took it from the plan had nothing to begin with and crashed.)
+// A curve that would fold at its depth is cut shallower and then deepened in rounds: what each round goes over is what
+// was made, for
+// the plan itself has nothing in it that runs along a wall. (Rounds that took it from the plan had nothing to begin
+// with and crashed.)
 TEST(LeaningStrokes, CurvesThatFoldAreCutShallowerAndThenDeepened) {
   int deepened = 0;
   for (const double radius : {6.0, 9.0})
@@ -193,7 +205,8 @@ TEST(LeaningStrokes, CurvesThatFoldAreCutShallowerAndThenDeepened) {
   EXPECT_GE(deepened, 4);
 }
 
-// What had led to such bridges: of two parts of one straight line the lines' intersection is a quotient of rounding errors, and
+// What had led to such bridges: of two parts of one straight line the lines' intersection is a quotient of rounding
+// errors, and
 // was taken for a place where the path crosses itself, after which its own walls were not kept clear of.
 TEST(LeaningStrokes, AStraightLineInPiecesDoesNotCrossItself) {
   for (int i = 0; i < 400; ++i) {
@@ -201,7 +214,8 @@ TEST(LeaningStrokes, AStraightLineInPiecesDoesNotCrossItself) {
     const Vec2 way(std::cos(angle), std::sin(angle)), from(-17.3 + 0.013 * i, -3.1);
     for (const double piece_mm : {1.7, 0.8, 0.55}) {
       std::vector<Vec2> path;
-      for (const auto& part : drawn_pieces({from, from + length * way}, piece_mm)) path.insert(path.end(), part.begin(), part.end());
+      for (const auto& part : drawn_pieces({from, from + length * way}, piece_mm))
+        path.insert(path.end(), part.begin(), part.end());
       EXPECT_TRUE(self_crossings(path).empty()) << i;
       EXPECT_FALSE(meets_itself(path, false)) << i;
     }

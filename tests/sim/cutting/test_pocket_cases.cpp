@@ -63,7 +63,8 @@ TEST(PocketCases, ExactlyThroughTheTipsOfFlaps) {
       if (at_once) {
         ASSERT_TRUE(p.incise({a + arm, a, b, b - arm}).ok());
       } else {
-        for (const std::vector<Vec2>& path : {std::vector<Vec2>{a, b}, std::vector<Vec2>{a, a + arm}, std::vector<Vec2>{b, b - arm}})
+        for (const std::vector<Vec2>& path :
+             {std::vector<Vec2>{a, b}, std::vector<Vec2>{a, a + arm}, std::vector<Vec2>{b, b - arm}})
           ASSERT_TRUE(p.incise(path).ok());
       }
       const Vec2 d(off, -off);
@@ -77,7 +78,8 @@ TEST(PocketCases, ExactlyThroughTheTipsOfFlaps) {
 }
 
 TEST(PocketCases, Case31_TwoPocketsThatMerge) {
-  // From two parallel incisions towards each other: the skin between them becomes a bridge, one handle. Overlapping much,
+  // From two parallel incisions towards each other: the skin between them becomes a bridge, one handle. Overlapping
+  // much,
   // little, just touching, and short of each other by what a hand misses.
   for (const double overlap : {8.0, 4.0, 3.0, 2.0, 1.4, 1.0, 0.5, 0.0, -0.4, -0.8}) {
     SCOPED_TRACE(overlap);
@@ -97,7 +99,8 @@ TEST(PocketCases, Case31_TwoPocketsThatMerge) {
 }
 
 TEST(PocketCases, TheShelfOfMergedPocketsIsThinAndNarrow) {
-  // Where the second sheet runs over the first before it dips into it, tissue is left between the two: no thicker than the
+  // Where the second sheet runs over the first before it dips into it, tissue is left between the two: no thicker than
+  // the
   // sheets' own distance and what they stay apart (0.2), and no wider than one width of the sheet's mesh.
   for (const double overlap : {8.0, 2.0, 0.0, -0.6})
     for (const double second : {4.0, 3.6}) {
@@ -160,7 +163,8 @@ TEST(PocketCases, PocketsThatAreWiderThanTheirMouth) {
       for (double y = -14; y < 21; y += 1.59) {
         bool well_inside = true;
         for (int k = 0; k < 8; ++k)
-          well_inside = well_inside && inside_polygon(c.outline, Vec2(x, y) + 0.9 * Vec2(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4)));
+          well_inside = well_inside && inside_polygon(c.outline, Vec2(x, y) + 0.9 * Vec2(std::cos(k * M_PI / 4),
+                                                                                         std::sin(k * M_PI / 4)));
         if (well_inside) {
           EXPECT_EQ(walls_below(p, {x, y}).size(), 1u) << x << " " << y;
         }

@@ -1,5 +1,7 @@
-// The profile snap: of a stroke along earlier cuts only what they have left of its profile (place along the line, depth) is cut.
-// What is cut in the end is the union of all profiles, once: no second wall beside the first, no sliver between, no bridge.
+// The profile snap: of a stroke along earlier cuts only what they have left of its profile (place along the line,
+// depth) is cut.
+// What is cut in the end is the union of all profiles, once: no second wall beside the first, no sliver between, no
+// bridge.
 #include <random>
 
 #include "sim/cutting/handles.h"
@@ -42,7 +44,8 @@ double union_mm2(const std::vector<Stroke>& strokes) {
   return sum;
 }
 
-/// Walls of one operation that lie beside those of another, nearer than 0.5 mm and parallel: area of their middles' faces.
+/// Walls of one operation that lie beside those of another, nearer than 0.5 mm and parallel: area of their middles'
+/// faces.
 double doubled_mm2(const Patient& p) {
   struct Wall {
     Vec3 middle, normal;
@@ -62,7 +65,8 @@ double doubled_mm2(const Patient& p) {
       const Vec3 d = o.middle - w.middle;
       if (o.op == w.op || std::abs(w.normal.dot(o.normal)) < 0.9) continue;
       // Beside it, not beyond its border: the other's middle lies off this plane by little, and on it by little, too.
-      if (std::abs(d.dot(w.normal)) > 1e-3 && std::abs(d.dot(w.normal)) < 0.5 && (d - d.dot(w.normal) * w.normal).norm() < 0.4) {
+      if (std::abs(d.dot(w.normal)) > 1e-3 && std::abs(d.dot(w.normal)) < 0.5 &&
+          (d - d.dot(w.normal) * w.normal).norm() < 0.4) {
         sum += w.area;
         break;
       }
@@ -71,7 +75,8 @@ double doubled_mm2(const Patient& p) {
 }
 
 void expect_union(Patient& p, const std::vector<Stroke>& strokes) {
-  // A wall is deepened between its columns, 1.5 mm apart: at each end of a stroke up to half of that is more or less, over the depth.
+  // A wall is deepened between its columns, 1.5 mm apart: at each end of a stroke up to half of that is more or less,
+  // over the depth.
   double slack = 1;
   for (const Stroke& k : strokes) slack += 2 * kSpacing / 2 * k.depth + 0.08 * (k.to - k.from);
   EXPECT_NEAR(p.wall_area(), union_mm2(strokes), slack);
@@ -84,7 +89,8 @@ TEST(ProfileSnap, LongerAndDeeperThanWhatIsThere) {
   for (const bool curved : {false, true})
     for (const double aside : {0.0, 0.2, -0.2})
       for (const bool backwards : {false, true}) {
-        SCOPED_TRACE(testing::Message() << (curved ? "curved" : "straight") << ", aside " << aside << (backwards ? ", backwards" : ""));
+        SCOPED_TRACE(testing::Message() << (curved ? "curved" : "straight") << ", aside " << aside
+                                        << (backwards ? ", backwards" : ""));
         Patient p;
         std::vector<Stroke> strokes{{-20, 6, 3}};
         ASSERT_TRUE(p.incise(path_of(curved, strokes[0], 0, false), 3).ok());

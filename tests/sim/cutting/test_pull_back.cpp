@@ -1,9 +1,8 @@
 // A blade's angle held in the deformed state, at rest.
-#include "sim/cutting/pull_back.h"
-
 #include <Eigen/Geometry>
 #include <random>
 
+#include "sim/cutting/pull_back.h"
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
@@ -53,8 +52,11 @@ TEST(PullBack, HoldsItsAngleInTheDeformedState) {
     EXPECT_NEAR(aside.dot(f.normal), 0, 1e-9);
     EXPECT_LE(aside.norm(), kMostAside + 1e-9);
     const Eigen::JacobiSVD<Mat3> svd(F);
-    if (F.determinant() <= 0 || svd.singularValues()[0] > kConditionLimit * svd.singularValues()[2] || aside.norm() > kMostAside - 1e-9) continue;
-    const Vec3 d = F * (aside - f.normal), normal = (F.inverse().transpose() * f.normal).normalized(), right = (F * f.along).cross(normal).normalized();
+    if (F.determinant() <= 0 || svd.singularValues()[0] > kConditionLimit * svd.singularValues()[2] ||
+        aside.norm() > kMostAside - 1e-9)
+      continue;
+    const Vec3 d = F * (aside - f.normal), normal = (F.inverse().transpose() * f.normal).normalized(),
+               right = (F * f.along).cross(normal).normalized();
     EXPECT_NEAR(d.dot(right), lean * -d.dot(normal), 1e-9 * d.norm());
     EXPECT_NEAR(d.dot((F * f.along).normalized()), 0, 1e-9 * d.norm());
     ++held;
@@ -73,7 +75,8 @@ TEST(PullBack, ClosedForms) {
 }
 
 TEST(PullBack, BladesOnSkinThatMoved) {
-  // Uniform shear: an upright stroke is a leaning plane at rest. A gradient that jumps, is flattened or inverted gives an
+  // Uniform shear: an upright stroke is a leaning plane at rest. A gradient that jumps, is flattened or inverted gives
+  // an
   // embedded blade all the same (case 34).
   Patient p(2);
   BladeContext c = p.context();

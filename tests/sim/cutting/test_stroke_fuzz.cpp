@@ -1,5 +1,7 @@
-// Random strokes, sheets and plugs as a hand might draw them: on flat and wavy skin, across themselves, again and deeper,
-// further from where another ended. Whatever is asked, every invariant holds, refusals change nothing, undo takes all back.
+// Random strokes, sheets and plugs as a hand might draw them: on flat and wavy skin, across themselves, again and
+// deeper,
+// further from where another ended. Whatever is asked, every invariant holds, refusals change nothing, undo takes all
+// back.
 #include <random>
 
 #include "tests/sim/cutting/patient.h"
@@ -30,7 +32,8 @@ class Hand {
     std::vector<Vec2> out;
     const int n = 3 + below(7);
     const double r = real(least, most);
-    for (int i = 0; i < n; ++i) out.push_back(c + r * real(0.6, 1.2) * Vec2(std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n)));
+    for (int i = 0; i < n; ++i)
+      out.push_back(c + r * real(0.6, 1.2) * Vec2(std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n)));
     return out;
   }
 
@@ -63,7 +66,8 @@ void operate(unsigned seed, const std::shared_ptr<const Body>& body, int operati
       for (int i = 2 + hand.below(4); i > 0; --i) path.push_back(hand.point());
       if (hand.below(4) == 0) path.push_back(path[0]);
       if (!drawn.empty() && hand.below(3) == 0)
-        path[0] = (hand.below(2) ? drawn.back().front() : drawn.back().back()) + Vec2(hand.real(-0.5, 0.5), hand.real(-0.5, 0.5));
+        path[0] = (hand.below(2) ? drawn.back().front() : drawn.back().back()) +
+                  Vec2(hand.real(-0.5, 0.5), hand.real(-0.5, 0.5));
       r = incise(a, context, path, depth, hand.below(3) ? 90 : hand.real(40, 140), cut_seed, hand.below(5) == 0);
       if (r.ok()) drawn.push_back(path);
     } else if (kind < 7) {

@@ -1,5 +1,6 @@
 #pragma once
-// Random cuts of a box of hexahedra, as a lattice makes them: cells are parted along squares, corners that no longer hang
+// Random cuts of a box of hexahedra, as a lattice makes them: cells are parted along squares, corners that no longer
+// hang
 // together become copies, and loose cells may be taken out. Copies keep their order, new ones come after.
 #include <map>
 #include <numeric>
@@ -55,7 +56,9 @@ class CutBox {
   /// A spring between two random places, in the model of now.
   fem::SpringRow spring(Random& r, int id) const {
     const auto place = [&] {
-      const HexCell& c = model_->cells[std::min(model_->cells.size() - 1, size_t((r.uniform() + 1) / 2 * double(model_->cells.size())))];
+      const HexCell& c =
+          model_
+              ->cells[std::min(model_->cells.size() - 1, size_t((r.uniform() + 1) / 2 * double(model_->cells.size())))];
       EmbeddedPoint p;
       p.node = c.node;
       for (float& w : p.w) w = 0.125f;
@@ -96,8 +99,8 @@ class CutBox {
           }
       }
     // First the classes that go on, in the order of before, then the others.
-    std::map<int32_t, int32_t> number;  // root -> node
-    std::vector<int32_t> parent, from;  // per node: of which node, and a (cell, corner) in it
+    std::map<int32_t, int32_t> number;                      // root -> node
+    std::vector<int32_t> parent, from;                      // per node: of which node, and a (cell, corner) in it
     std::vector<std::pair<int32_t, int32_t>> going, fresh;  // (parent, root)
     std::set<int32_t> seen_root, seen_parent;
     for (size_t c = 0; c < cells; ++c)
@@ -123,8 +126,7 @@ class CutBox {
     for (size_t c = 0; c < cells; ++c) {
       if (!alive_[c]) continue;
       HexCell cell = box_.cells[c];
-      for (int a = 0; a < 8; ++a)
-        node_of_[8 * c + size_t(a)] = cell.node[size_t(a)] = number[root(int32_t(8 * c) + a)];
+      for (int a = 0; a < 8; ++a) node_of_[8 * c + size_t(a)] = cell.node[size_t(a)] = number[root(int32_t(8 * c) + a)];
       index[c] = int32_t(m->cells.size());
       cell_parent_.push_back(index_.empty() ? -1 : index_[c]);
       m->cells.push_back(cell);

@@ -1,5 +1,6 @@
 #pragma once
-// A model without cuts (box_model) with some of its cells divided, made by geometry alone: what the lattice does is tested
+// A model without cuts (box_model) with some of its cells divided, made by geometry alone: what the lattice does is
+// tested
 // against this elsewhere, and the elements are tested with it without a lattice.
 #include <array>
 #include <map>
@@ -93,7 +94,8 @@ inline DividedModel divide(const FemModel& whole, const std::vector<int>& level)
     if (l.size == 1) continue;
     for (int ax = 0; ax < 3; ++ax)
       for (int high = 0; high < 2; ++high)
-        for (int bits = 1; bits < 4; ++bits) {  // on the square ax/high: middle of the edges (1, 2) and of the square (3)
+        for (int bits = 1; bits < 4;
+             ++bits) {  // on the square ax/high: middle of the edges (1, 2) and of the square (3)
           const int u = (ax + 1) % 3, v = (ax + 2) % 3;
           for (int end = 0; end < (bits == 3 ? 1 : 2); ++end) {
             HangingNode h;
@@ -119,7 +121,8 @@ inline DividedModel divide(const FemModel& whole, const std::vector<int>& level)
   return d;
 }
 
-/// Levels that leave an undivided rim: 2 within `inner` of the centre (in cells, largest coordinate), 1 within inner + 1.
+/// Levels that leave an undivided rim: 2 within `inner` of the centre (in cells, largest coordinate), 1 within inner +
+/// 1.
 inline std::vector<int> levels_around(const FemModel& whole, Vec3 centre_mm, double inner) {
   std::vector<int> level;
   for (const HexCell& c : whole.cells) {

@@ -107,7 +107,8 @@ class ThreadWorkers final : public Workers {
       }
     };
     auto j = std::make_shared<Background>();
-    j->thread = std::thread([f = std::move(f), p = j.get()] { f(), p->finished.store(true, std::memory_order_release); });
+    j->thread =
+        std::thread([f = std::move(f), p = j.get()] { f(), p->finished.store(true, std::memory_order_release); });
     return j;
   }
 

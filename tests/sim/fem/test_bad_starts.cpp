@@ -21,10 +21,18 @@ TEST_P(BadStart, Recovers) {
     const Vec3 X = m->X_mm[i];
     Vec3 x = X;
     switch (start) {
-      case Start::scramble: x = Vec3(30 * r.uniform(), 30 * r.uniform(), 5 + 5 * r.uniform()); break;
-      case Start::collapse: x = Vec3(0, 0, 5); break;
-      case Start::mirror: x[2] = 10 - X[2]; break;
-      case Start::flat: x[2] = 5; break;
+      case Start::scramble:
+        x = Vec3(30 * r.uniform(), 30 * r.uniform(), 5 + 5 * r.uniform());
+        break;
+      case Start::collapse:
+        x = Vec3(0, 0, 5);
+        break;
+      case Start::mirror:
+        x[2] = 10 - X[2];
+        break;
+      case Start::flat:
+        x[2] = 5;
+        break;
     }
     if (!m->fixed[i]) u[i] = (x - X).cast<float>();
   }
@@ -50,7 +58,8 @@ TEST_P(BadStart, Recovers) {
   RecordProperty("iterations", total);
 }
 INSTANTIATE_TEST_SUITE_P(All, BadStart,
-                         ::testing::Combine(::testing::Values(Start::scramble, Start::collapse, Start::mirror, Start::flat),
+                         ::testing::Combine(::testing::Values(Start::scramble, Start::collapse, Start::mirror,
+                                                              Start::flat),
                                             ::testing::Values(0.47, 0.49, 0.499)));
 
 TEST(BadInput, NotANumberDoesNotStay) {

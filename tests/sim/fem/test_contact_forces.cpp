@@ -1,4 +1,5 @@
-// Contacts in the solver: exact derivatives, action and reaction, closed forms, the reference, and nothing when there are none.
+// Contacts in the solver: exact derivatives, action and reaction, closed forms, the reference, and nothing when there
+// are none.
 #include <gtest/gtest.h>
 
 #include "models.h"
@@ -9,7 +10,8 @@
 namespace limberg {
 namespace {
 
-/// Two boxes of n x n x layers cells, side x side x height each, one on the other: the upper one's nodes come after, and their
+/// Two boxes of n x n x layers cells, side x side x height each, one on the other: the upper one's nodes come after,
+/// and their
 /// squares at z = height meet the lower one's. `apart_mm` lifts the upper one at rest.
 struct Slabs {
   FemModel model;
@@ -125,7 +127,8 @@ TEST(ContactForces, GradientIsTheDerivativeOfTheEnergy) {
       worst = std::max(worst, std::abs((e1 - e0) / (x1 - x0) - double((&g[i].x)[axis])));
       largest = std::max(largest, double(std::abs((&g[i].x)[axis])));
     }
-  // Central differences of a piecewise quadratic: exact but where a contact opens within the step, there k h / 4 at most.
+  // Central differences of a piecewise quadratic: exact but where a contact opens within the step, there k h / 4 at
+  // most.
   EXPECT_LT(worst, 900.0 / 1024 / 4 + 1e-5 * largest);
   EXPECT_GT(largest, 50);
   // The reference has the same energy and the same gradient.
@@ -155,7 +158,10 @@ TEST(ContactForces, TheReferenceHessianIsTheDerivativeOfItsGradient) {
       a[i][axis] += h, b[i][axis] -= h;
       with.gradient(a, ga), with.gradient(b, gb), none.gradient(a, na), none.gradient(b, nb);
       for (size_t j = 0; j < u.size(); ++j)
-        EXPECT_LT((((ga[j] - na[j]) - (gb[j] - nb[j])) / (2 * h) - H.block<3, 1>(Eigen::Index(3 * j), Eigen::Index(3 * i) + axis)).norm(), 1e-3);
+        EXPECT_LT((((ga[j] - na[j]) - (gb[j] - nb[j])) / (2 * h) -
+                   H.block<3, 1>(Eigen::Index(3 * j), Eigen::Index(3 * i) + axis))
+                      .norm(),
+                  1e-3);
     }
   EXPECT_GT(H.norm(), 100);
 }
@@ -171,7 +177,8 @@ TEST(ContactForces, TheLawHasNoJump) {
   }
   for (double p = 0.0021; p < 0.2; p *= 1.3) {
     const double h = 1e-6;
-    const fem::Push a = fem::contact_push(-p + h, k, soft), b = fem::contact_push(-p - h, k, soft), at = fem::contact_push(-p, k, soft);
+    const fem::Push a = fem::contact_push(-p + h, k, soft), b = fem::contact_push(-p - h, k, soft),
+                    at = fem::contact_push(-p, k, soft);
     EXPECT_NEAR((b.energy - a.energy) / (2 * h), at.force, 1e-4 + 1e-6 * at.force);
     EXPECT_NEAR((b.force - a.force) / (2 * h), at.slope, 1e-3 * k);
   }
@@ -191,17 +198,22 @@ TEST(ContactForces, ActionIsReaction) {
       sum += fi, torque += x.cross(fi);
     }
     for (size_t k = 0; k < 8; ++k) {
-      const auto at = [&](int32_t n) { return Vec3(s.model.X_mm[size_t(n)] + Vec3(double(u[size_t(n)].x), double(u[size_t(n)].y), double(u[size_t(n)].z))); };
+      const auto at = [&](int32_t n) {
+        return Vec3(s.model.X_mm[size_t(n)] +
+                    Vec3(double(u[size_t(n)].x), double(u[size_t(n)].y), double(u[size_t(n)].z)));
+      };
       xa += double(c.a.w[k]) * at(c.a.node[k]), xb += double(c.b.w[k]) * at(c.b.node[k]);
     }
     const double force = f.force_mN(0, u);
     EXPECT_LT(sum.norm(), 1e-5 * (1 + force));
-    // Two opposite forces along n, at a and at b: their moment is (a - b) x n, nothing when the places lie along the normal.
+    // Two opposite forces along n, at a and at b: their moment is (a - b) x n, nothing when the places lie along the
+    // normal.
     EXPECT_LT((torque - (xa - xb).cross(force * c.normal.cast<double>())).norm(), 1e-4 * (1 + force));
   }
 }
 
-// Two equal slabs, all their outside held on a homogeneous compression; free inside, and between them only contact. Then the
+// Two equal slabs, all their outside held on a homogeneous compression; free inside, and between them only contact.
+// Then the
 // homogeneous state is the equilibrium, with the pressure P_zz on both sides of the gap:
 //   stiffness * overlap = -P_zz(b),  P_zz = mu b + (lambda (J - 1) - mu) for F = diag(1, 1, b), J = b.
 TEST(ContactForces, TwoSlabsPressedTogether) {
@@ -231,7 +243,8 @@ TEST(ContactForces, TwoSlabsPressedTogether) {
   settings.max_iterations = 300, settings.tolerance = 1e-6;
   EXPECT_TRUE(solver->step(settings).converged);
   double worst = 0, force = 0;
-  for (size_t i = 0; i < want.size(); ++i) worst = std::max(worst, (solver->displacement_mm()[i].cast<double>() - want[i]).norm());
+  for (size_t i = 0; i < want.size(); ++i)
+    worst = std::max(worst, (solver->displacement_mm()[i].cast<double>() - want[i]).norm());
   for (size_t i = 0; i < contacts.size(); ++i) force += solver->contact_force_mN(i);
   EXPECT_LT(worst, 1e-4);
   EXPECT_NEAR(force, -P * s.side_mm * s.side_mm, 1e-3 * force);
@@ -243,7 +256,8 @@ TEST(ContactForces, SameEquilibriumAsFullNewton) {
   std::vector<Contact> contacts = gauss_contacts(s, 40);
   test::Random r(5);
   for (Contact& c : contacts) c.normal = (Vec3::UnitZ() + r.vector(0.2)).normalized().cast<float>();
-  std::vector<Spring> springs;  // four corners of the top pulled down and a little aside: the upper slab is pressed and slides
+  std::vector<Spring>
+      springs;  // four corners of the top pulled down and a little aside: the upper slab is pressed and slides
   for (int k = 0; k < 4; ++k) {
     Spring p;
     p.id = k + 1, p.to_world = true, p.k_N_per_mm = 0.3;
@@ -265,7 +279,8 @@ TEST(ContactForces, SameEquilibriumAsFullNewton) {
   const auto q = reference.solve(std::vector<Vec3>(s.model.X_mm.size(), Vec3::Zero()), {});
   EXPECT_TRUE(q.converged);
   double worst = 0, force = 0;
-  for (size_t i = 0; i < q.u.size(); ++i) worst = std::max(worst, (solver->displacement_mm()[i].cast<double>() - q.u[i]).norm());
+  for (size_t i = 0; i < q.u.size(); ++i)
+    worst = std::max(worst, (solver->displacement_mm()[i].cast<double>() - q.u[i]).norm());
   for (size_t i = 0; i < contacts.size(); ++i) force += solver->contact_force_mN(i);
   EXPECT_LT(worst, 1e-3);
   EXPECT_GT(force, 100);
@@ -273,7 +288,8 @@ TEST(ContactForces, SameEquilibriumAsFullNewton) {
 
 TEST(ContactForces, WhereNothingPressesNothingChanges) {
   Slabs s = two_slabs(4, 2, 16, 6, 40, 0.45, 0.5);
-  for (size_t i = 0; i < s.model.X_mm.size(); ++i) s.model.fixed[i] = s.model.X_mm[i].z() < 0.01 || s.model.X_mm[i].z() > 12.49;
+  for (size_t i = 0; i < s.model.X_mm.size(); ++i)
+    s.model.fixed[i] = s.model.X_mm[i].z() < 0.01 || s.model.X_mm[i].z() > 12.49;
   Spring pull;
   pull.id = 1, pull.to_world = true, pull.a = embed(s.model, {0, 0, 6}), pull.target_mm = {3, 2, 5};
   const auto run = [&](int contacts) {

@@ -1,4 +1,5 @@
-// The multilevel metric: a symmetric positive definite operator close to the inverse, at any size and through any cut, and
+// The multilevel metric: a symmetric positive definite operator close to the inverse, at any size and through any cut,
+// and
 // the same to the bit whether it was made afresh or carried over.
 #include <gtest/gtest.h>
 
@@ -71,7 +72,8 @@ std::shared_ptr<const FemModel> with_hole() {
   return std::make_shared<FemModel>(box_model(b));
 }
 
-// With x the smoother S and the coarse correction B exact, the eigenvalues of M A lie in (0, 1] (an error is never made larger
+// With x the smoother S and the coarse correction B exact, the eigenvalues of M A lie in (0, 1] (an error is never made
+// larger
 // in energy); the lower end is 1 - the convergence factor.
 TEST(Cycle, IsSymmetricPositiveDefiniteAndCloseToTheInverse) {
   std::vector<std::pair<const char*, std::shared_ptr<const FemModel>>> models;
@@ -80,7 +82,8 @@ TEST(Cycle, IsSymmetricPositiveDefiniteAndCloseToTheInverse) {
   models.push_back({"one layer", std::make_shared<FemModel>(box_model(box({9, 9, 1})))});
   models.push_back({"hole", with_hole()});
   models.push_back({"through cut", std::make_shared<FemModel>(test::cut_at_x0(box_model(box({10, 9, 3})), 8))});
-  models.push_back({"cut off the coarse lattice", std::make_shared<FemModel>(test::cut_at_x0(box_model(box({6, 9, 3})), 8))});
+  models.push_back(
+      {"cut off the coarse lattice", std::make_shared<FemModel>(test::cut_at_x0(box_model(box({6, 9, 3})), 8))});
   for (uint64_t seed = 1; seed < 5; ++seed) {
     Random r(seed);
     test::CutBox cut(box({8, 8, 3}));
@@ -90,7 +93,7 @@ TEST(Cycle, IsSymmetricPositiveDefiniteAndCloseToTheInverse) {
   for (const auto& [name, m] : models) {
     const Spectrum s = spectrum(m, {});
     EXPECT_LT(s.asymmetry, 1e-5) << name;  // single precision, sums of some hundred terms
-    EXPECT_GT(s.smallest, 0.15) << name;  // measured 0.22 and more
+    EXPECT_GT(s.smallest, 0.15) << name;   // measured 0.22 and more
     EXPECT_LT(s.largest, 1 + 1e-3) << name;
   }
 }
@@ -123,7 +126,8 @@ TEST(Cycle, StaysPositiveWithStiffSpringsInside) {
   EXPECT_LT(s.largest, 1 + 1e-3);
 }
 
-/// Largest factor by which a step of x += M (b - A x) shrinks the energy of the error: power iteration from a fixed start.
+/// Largest factor by which a step of x += M (b - A x) shrinks the energy of the error: power iteration from a fixed
+/// start.
 double convergence_factor(const std::shared_ptr<const FemModel>& m) {
   const auto c = ScalarCycle::build(m, {}, 0);
   const std::vector<uint8_t> free = fem::free_nodes(*m);
@@ -258,7 +262,8 @@ TEST(Dissection, CostsNoMoreFillThanAGraphPartitioner) {
     for (int32_t v : fem::dissection_order(g.at))
       if (A.row_of_node[size_t(v)] >= 0) order.push_back(A.row_of_node[size_t(v)]);
     ASSERT_EQ(int32_t(order.size()), A.n());
-    const double own = double(fem::factorize(A, order).panels.bytes()), metis = double(fem::factorize(A, {}).panels.bytes());
+    const double own = double(fem::factorize(A, order).panels.bytes()),
+                 metis = double(fem::factorize(A, {}).panels.bytes());
     EXPECT_LT(own, 1.3 * metis);
   }
 }

@@ -11,7 +11,8 @@
 namespace limberg {
 namespace {
 
-// Jumps and small moves of a hook, at frames of 5, 10 and 20 iterations. The factor is that of distance_estimate.h, with room for so
+// Jumps and small moves of a hook, at frames of 5, 10 and 20 iterations. The factor is that of distance_estimate.h,
+// with room for so
 // few frames (`limberg bench verification` measures it on the shipped operations too).
 TEST(DistanceEstimate, NineFramesOfTenAreWithinAFactorOfFour) {
   InlineWorkers workers;
@@ -31,7 +32,8 @@ TEST(DistanceEstimate, NineFramesOfTenAreWithinAFactorOfFour) {
       std::vector<double> stated;
       for (int k = 0; k < 60; ++k) {
         const StepReport r = solver->step(set);
-        u.emplace_back(solver->displacement_mm().begin(), solver->displacement_mm().end()), stated.push_back(r.distance_mm);
+        u.emplace_back(solver->displacement_mm().begin(), solver->displacement_mm().end()),
+            stated.push_back(r.distance_mm);
         if (r.converged) break;
       }
       for (size_t k = 0; k + 1 < u.size(); ++k) {

@@ -35,7 +35,8 @@ struct Oscillator {
     omega = std::sqrt(spring.k_N_per_mm * 1000 / mass);
   }
   /// Height of the point above its rest after `periods` of a period in `steps` steps.
-  double run(int steps, double time, Integrator integrator = Integrator::backward_euler, double damping_per_s = 0) const {
+  double run(int steps, double time, Integrator integrator = Integrator::backward_euler,
+             double damping_per_s = 0) const {
     InlineWorkers w;
     auto solver = make_solver(w);
     solver->set_model(model, {});
@@ -101,7 +102,8 @@ TEST(BackwardEuler, EnergyOnlyFalls) {
       solver->step(s);
       const auto now = current(*solver);
       double kinetic = 0;
-      for (size_t i = 0; i < now.size(); ++i) kinetic += 0.5 * m->mass_kg[i] * ((now[i] - before[i]) / s.dt_s).squaredNorm();
+      for (size_t i = 0; i < now.size(); ++i)
+        kinetic += 0.5 * m->mass_kg[i] * ((now[i] - before[i]) / s.dt_s).squaredNorm();
       const double e = reference.energy(now) + kinetic;
       EXPECT_LE(e, total + 1e-4 * start);
       total = e, before = now;
@@ -128,9 +130,11 @@ TEST(BackwardEuler, ManyStepsEndInTheStaticSolution) {
   EXPECT_LT(worst, 1e-3);
 }
 
-// Against the closed form, which is nearer than any number of float steps: below 1e-3 mm rounding of velocities takes over
+// Against the closed form, which is nearer than any number of float steps: below 1e-3 mm rounding of velocities takes
+// over
 // (measured with 320 steps and more).
-// What a step must have made zero, worked out apart from the minimiser: m a + dE/du, a from the formulas of the two methods.
+// What a step must have made zero, worked out apart from the minimiser: m a + dE/du, a from the formulas of the two
+// methods.
 TEST(Dynamics, AStepBalancesForceAndInertia) {
   const auto m = std::make_shared<FemModel>(block(true));
   for (const Integrator method : {Integrator::backward_euler, Integrator::bdf2}) {
@@ -148,7 +152,8 @@ TEST(Dynamics, AStepBalancesForceAndInertia) {
       const bool second = method == Integrator::bdf2 && k > 1;  // the first step is backward Euler's
       const size_t n = size_t(k);
       const auto rate = [&](const std::vector<std::vector<Vec3>>& x, size_t i) {
-        return second ? Vec3((3 * x[n][i] - 4 * x[n - 1][i] + x[n - 2][i]) / (2 * h)) : Vec3((x[n][i] - x[n - 1][i]) / h);
+        return second ? Vec3((3 * x[n][i] - 4 * x[n - 1][i] + x[n - 2][i]) / (2 * h))
+                      : Vec3((x[n][i] - x[n - 1][i]) / h);
       };
       v.emplace_back();
       for (size_t i = 0; i < m->X_mm.size(); ++i) v[n].push_back(rate(u, i));
@@ -168,9 +173,11 @@ TEST(Dynamics, AStepBalancesForceAndInertia) {
 TEST(Bdf2, SecondOrderOnADampedOscillation) {
   const Oscillator o;
   const double time = 2.0 / o.omega, damping = 0.4 * o.omega;
-  // The point on its spring, from rest: 2 mm (1 - e^(-ct/2) (cos wt + c/(2w) sin wt)). The block is stiff: 500 times the spring.
+  // The point on its spring, from rest: 2 mm (1 - e^(-ct/2) (cos wt + c/(2w) sin wt)). The block is stiff: 500 times
+  // the spring.
   const double w = o.omega * std::sqrt(1 - 0.04);
-  const double exact = 2 * (1 - std::exp(-damping * time / 2) * (std::cos(w * time) + damping / (2 * w) * std::sin(w * time)));
+  const double exact =
+      2 * (1 - std::exp(-damping * time / 2) * (std::cos(w * time) + damping / (2 * w) * std::sin(w * time)));
   const auto error = [&](int steps, Integrator kind) { return o.run(steps, time, kind, damping) - exact; };
   const double e1 = error(20, Integrator::bdf2), e2 = error(40, Integrator::bdf2), e3 = error(80, Integrator::bdf2);
   EXPECT_NEAR(std::log2(e1 / e2), 2, 0.1);  // measured 1.99, 1.98
@@ -201,7 +208,9 @@ TEST(Bdf2, EnergyNeverGrowsBeyondTheStartAndSlowMotionKeepsMost) {
       const SolverState state = solver->save();
       double kinetic = 0;
       for (size_t i = 0; i < now.size(); ++i)
-        for (size_t j = 0; j < 3; ++j) kinetic += 0.5 * m->mass_kg[i] * double(state.velocity_mm_s[3 * i + j]) * double(state.velocity_mm_s[3 * i + j]);
+        for (size_t j = 0; j < 3; ++j)
+          kinetic +=
+              0.5 * m->mass_kg[i] * double(state.velocity_mm_s[3 * i + j]) * double(state.velocity_mm_s[3 * i + j]);
       total = reference.energy(now) + kinetic, most = std::max(most, total);
     }
     EXPECT_LT(most, start * (1 + 1e-4));

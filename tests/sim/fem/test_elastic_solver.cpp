@@ -143,7 +143,8 @@ TEST(ElasticSolver, StiffSuturesCloseTheirGap) {
   }
 }
 
-// Held by means over places along its edge: the means meet, the places themselves need not, and all three ways of counting a
+// Held by means over places along its edge: the means meet, the places themselves need not, and all three ways of
+// counting a
 // spring agree about where that is.
 TEST(ElasticSolver, AWideStitchBringsTheMeansTogether) {
   BenchScene s = bench_scene(20, 2, 0.45);
@@ -156,7 +157,9 @@ TEST(ElasticSolver, AWideStitchBringsTheMeansTogether) {
     return X;
   };
   const Vec3 along = (place(stitch.a) - place(stitch.b)).cross(Vec3::UnitZ()).normalized();
-  for (double d : {-3.0, 0.0, 3.0}) stitch.a_wide.push_back(embed(s.model, place(stitch.a) + d * along)), stitch.b_wide.push_back(embed(s.model, place(stitch.b) + d * along));
+  for (double d : {-3.0, 0.0, 3.0})
+    stitch.a_wide.push_back(embed(s.model, place(stitch.a) + d * along)),
+        stitch.b_wide.push_back(embed(s.model, place(stitch.b) + d * along));
   InlineWorkers w;
   auto solver = make_solver(w);
   solver->set_model(std::make_shared<FemModel>(s.model), {});
@@ -215,7 +218,8 @@ TEST(ElasticSolver, AStitchIsTightenedThroughItsSlack) {
   EXPECT_LT(worst, 2e-3);
 }
 
-// A stitch's pull is great against all that the iterates before have learned, and the metric knows it: what they have learned does not
+// A stitch's pull is great against all that the iterates before have learned, and the metric knows it: what they have
+// learned does not
 // count. A hook's does not stop them: its motion is small, and it moves at every frame.
 TEST(ElasticSolver, ADrawnStitchBeginsAnew) {
   for (const bool hook : {false, true}) {
@@ -225,7 +229,8 @@ TEST(ElasticSolver, ADrawnStitchBeginsAnew) {
     s.springs[0].k_N_per_mm = 20;
     InlineWorkers w;
     auto solver = make_solver(w), fresh = make_solver(w);
-    for (auto* one : {&solver, &fresh}) (*one)->set_model(std::make_shared<FemModel>(s.model), {}), (*one)->set_springs(s.springs);
+    for (auto* one : {&solver, &fresh})
+      (*one)->set_model(std::make_shared<FemModel>(s.model), {}), (*one)->set_springs(s.springs);
     StepSettings st;
     st.max_iterations = 6;
     solver->step(st);
@@ -246,7 +251,8 @@ TEST(ElasticSolver, AStepsLengthIsThatOfWhatCarriesSomething) {
     Spring pull;
     pull.id = 1, pull.to_world = true, pull.a = embed(m, {4.5, 4.5, 9}), pull.target_mm = {14.5, 4.5, 9};
     for (HexCell& c : m.cells)
-      if ((m.X_mm[size_t(c.node[7])] - Vec3(4.5, 4.5, 9)).norm() < 1e-9) c.scale = fraction, pull.k_N_per_mm = 0.02 * double(fraction);
+      if ((m.X_mm[size_t(c.node[7])] - Vec3(4.5, 4.5, 9)).norm() < 1e-9)
+        c.scale = fraction, pull.k_N_per_mm = 0.02 * double(fraction);
     InlineWorkers w;
     auto solver = make_solver(w);
     solver->set_model(std::make_shared<FemModel>(m), {});
@@ -322,13 +328,11 @@ TEST(ElasticSolver, ACutAndANewSpringMoveNothingByThemselves) {
   const FemModel cut = test::cut_at_x0(s.model, 40);
   solver->set_model(std::make_shared<FemModel>(cut), test::identity_parents(cut));
   solver->set_springs(std::vector<Spring>(s.springs.end() - 1, s.springs.end()));
-  for (size_t i = 0; i < cut.X_mm.size(); ++i)
-    ASSERT_EQ(solver->displacement_mm()[i], before[size_t(cut.parent[i])]);
+  for (size_t i = 0; i < cut.X_mm.size(); ++i) ASSERT_EQ(solver->displacement_mm()[i], before[size_t(cut.parent[i])]);
   // The pressures came along: where nothing was cut and no suture was taken away, the block is still in balance.
   st.max_iterations = 0;
   solver->step(st);
-  for (size_t i = 0; i < cut.X_mm.size(); ++i)
-    ASSERT_EQ(solver->displacement_mm()[i], before[size_t(cut.parent[i])]);
+  for (size_t i = 0; i < cut.X_mm.size(); ++i) ASSERT_EQ(solver->displacement_mm()[i], before[size_t(cut.parent[i])]);
 }
 
 // Displacements and pressures are carried: the same model given again is still in balance.

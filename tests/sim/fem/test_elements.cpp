@@ -46,7 +46,8 @@ std::vector<Spring> some_springs(const FemModel& m) {
   b.id = 2, b.a = embed(m, {2, -3, 4}), b.to_world = true, b.target_mm = {5, 1, 9}, b.k_N_per_mm = 0.03;
   Spring wide;
   wide.id = 3, wide.k_N_per_mm = 0.05;
-  for (double x : {-2.0, 0.0, 2.5}) wide.a_wide.push_back(embed(m, {x, 2, 5})), wide.b_wide.push_back(embed(m, {x, -2, 4}));
+  for (double x : {-2.0, 0.0, 2.5})
+    wide.a_wide.push_back(embed(m, {x, 2, 5})), wide.b_wide.push_back(embed(m, {x, -2, 4}));
   return {a, b, wide};
 }
 
@@ -160,7 +161,8 @@ TEST(Elements, RigidMotionMakesNoForce) {
 }
 
 TEST(Elements, KernelAgreesWithTheReference) {
-  for (const auto& [nu, far_mm] : {std::pair{0.3, 0.5}, {0.45, 0.5}, {0.45, 3.0}}) {  // 3 mm: cells inverted and flattened
+  for (const auto& [nu, far_mm] :
+       {std::pair{0.3, 0.5}, {0.45, 0.5}, {0.45, 3.0}}) {  // 3 mm: cells inverted and flattened
     const FemModel m = layered_model(nu);
     const auto u = test::to_float(test::random_displacement(m, far_mm, 11));
     std::vector<Vec3> ud, g;
@@ -170,7 +172,7 @@ TEST(Elements, KernelAgreesWithTheReference) {
     fem::ElementSystem cells(std::make_shared<FemModel>(m), false);
     fem::NodeArray uf(u.size()), gf(u.size());
     for (size_t i = 0; i < u.size(); ++i) uf[i] = {u[i][0], u[i][1], u[i][2], 0};
-      const fem::CellSums s = cells.evaluate(uf, gf, true, test::engine());
+    const fem::CellSums s = cells.evaluate(uf, gf, true, test::engine());
     EXPECT_NEAR(s.energy, energy, 1e-6 * s.magnitude);
     double size = 0, error = 0, total = 0;
     for (size_t i = 0; i < u.size(); ++i) {
@@ -205,7 +207,8 @@ TEST(Elements, MultipliersConvergeToThePrimalForceAtAFixedDeformation) {
   EXPECT_NEAR(augmented_energy + augmented.energy_to_primal(), energy, 1e-4 * std::abs(energy));
 }
 
-// A cut gives some cells other nodes and adds copies of cells: the system that takes its tiles over from the one before has the
+// A cut gives some cells other nodes and adds copies of cells: the system that takes its tiles over from the one before
+// has the
 // same numbers in it as one that is made from nothing.
 TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
   BoxSpec b;

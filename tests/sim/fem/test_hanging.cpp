@@ -197,7 +197,8 @@ struct Pull {
   }
 };
 
-// The float solver finds the minimum over the unknowns that the reference Newton finds; hanging nodes lie where they must.
+// The float solver finds the minimum over the unknowns that the reference Newton finds; hanging nodes lie where they
+// must.
 TEST(Hanging, TheSolverFindsTheConstrainedMinimum) {
   const FemModel whole = box({6, 6, 6}, true);
   const DividedModel d = divided(whole);
@@ -262,7 +263,9 @@ TEST(Hanging, Mirror) {
   settings.max_iterations = 300, settings.tolerance = 3e-6;
   solver->step(settings);
   std::map<std::array<long, 3>, size_t> at;
-  auto key = [](const Vec3& X) { return std::array<long, 3>{std::lround(X[0] * 1e5), std::lround(X[1] * 1e5), std::lround(X[2] * 1e5)}; };
+  auto key = [](const Vec3& X) {
+    return std::array<long, 3>{std::lround(X[0] * 1e5), std::lround(X[1] * 1e5), std::lround(X[2] * 1e5)};
+  };
   for (size_t i = 0; i < d.model.X_mm.size(); ++i) at[key(d.model.X_mm[i])] = i;
   const auto u = solver->displacement_mm();
   float size = 0, error = 0;

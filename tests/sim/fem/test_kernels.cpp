@@ -29,7 +29,9 @@ NodeArray random_nodes(size_t n, double size, uint64_t seed) {
   return a;
 }
 
-bool same_bits(const NodeArray& a, const NodeArray& b) { return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(fem::Node4)) == 0; }
+bool same_bits(const NodeArray& a, const NodeArray& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(fem::Node4)) == 0;
+}
 
 /// Root of the mean square difference over that of `b`.
 double apart(const NodeArray& a, const NodeArray& b) {
@@ -42,9 +44,10 @@ double apart(const NodeArray& a, const NodeArray& b) {
 
 FemModel block(Int3 cells) {
   BoxSpec b;
-  b.cells = cells, b.size_mm = {60, 60, 10}, b.young_bottom_kPa = 18, b.poisson = 0.49, b.fix_sides = true, b.hole_length_mm = 20, b.hole_width_mm = 6;
+  b.cells = cells, b.size_mm = {60, 60, 10}, b.young_bottom_kPa = 18, b.poisson = 0.49, b.fix_sides = true,
+  b.hole_length_mm = 20, b.hole_width_mm = 6;
   FemModel m = box_model(b);
-  m.stencils[0].sample = {0.4, 0.5, 0.7};  // both ways to sample the volume
+  m.stencils[0].sample = {0.4, 0.5, 0.7};                               // both ways to sample the volume
   m.stencils[1].sample = {0.5, 0.5, 0.3}, m.stencils[1].slide_kPa = 5;  // shared by layers
   return m;
 }
@@ -81,7 +84,8 @@ TEST(Kernels, CellsAgree) {
         cells.evaluate(u, g, measure, Engine(one, k));
         cells.update_multipliers(Engine(one, k));
       }
-      const fem::CellSums s = cells.evaluate(u, g, measure, Engine(one, k)), t = cells.evaluate(u, threads, measure, Engine(four, k));
+      const fem::CellSums s = cells.evaluate(u, g, measure, Engine(one, k)),
+                          t = cells.evaluate(u, threads, measure, Engine(four, k));
       cells.evaluate(u, again, measure, Engine(one, k));
       EXPECT_TRUE(same_bits(g, again));
       EXPECT_TRUE(same_bits(g, threads));
@@ -202,7 +206,8 @@ TEST(Kernels, WholeStepsAgreeAndDoNotDependOnTheWorkers) {
       EXPECT_TRUE(a.step(many).converged);
       const auto u = a.displacement_mm();
       if (expected.empty()) expected.assign(u.begin(), u.end());
-      for (size_t i = 0; i < u.size(); ++i) ASSERT_LT((u[i] - expected[i]).norm(), 5e-3) << i;  // of an 8 mm pull, at residual 3e-6
+      for (size_t i = 0; i < u.size(); ++i)
+        ASSERT_LT((u[i] - expected[i]).norm(), 5e-3) << i;  // of an 8 mm pull, at residual 3e-6
     });
   }
 }

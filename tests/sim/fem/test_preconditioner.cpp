@@ -109,7 +109,8 @@ TEST(Preconditioner, ACutIsAnsweredByTheCycleUntilTheFactorIsThere) {
   const NodeArray a = random_nodes(*after, 3), b = random_nodes(*after, 4);
   NodeArray za(a.size()), zb(a.size());
   P.apply(a, za), P.apply(b, zb);
-  EXPECT_NEAR(test::engine().dot(a, zb), test::engine().dot(b, za), 1e-5 * std::sqrt(test::engine().dot(a, za) * test::engine().dot(b, zb)));
+  EXPECT_NEAR(test::engine().dot(a, zb), test::engine().dot(b, za),
+              1e-5 * std::sqrt(test::engine().dot(a, za) * test::engine().dot(b, zb)));
   // Forces that open the cut are answered as the new topology answers them.
   NodeArray open(a.size()), z(a.size()), exact(a.size());
   for (size_t i = before->X_mm.size(); i < a.size(); ++i) open[i].x = 1, open[size_t(after->parent[i])].x = -1;

@@ -18,7 +18,8 @@ void hold(FemModel& m) {
   std::vector<uint8_t> out(m.X_mm.size());
   for (size_t i = 0; i < out.size(); ++i) out[i] = m.X_mm[i].head<2>().norm() > kRadius_mm;
   for (const HangingNode& h : m.hanging)
-    out[size_t(h.node)] = std::all_of(h.master.begin(), h.master.begin() + h.count, [&](int32_t n) { return out[size_t(n)] != 0; });
+    out[size_t(h.node)] =
+        std::all_of(h.master.begin(), h.master.begin() + h.count, [&](int32_t n) { return out[size_t(n)] != 0; });
   for (size_t i = 0; i < out.size(); ++i)
     if (out[i]) m.fixed[i] = 1;
   for (const HangingNode& h : m.hanging) m.fixed[size_t(h.node)] = 0;
@@ -38,22 +39,26 @@ EmbeddedPoint place(const FemModel& m, const Vec3& at) { return embed(m, at); }
 
 std::vector<Spring> springs(const FemModel& m) {
   Spring hook, far_hook, stitch;
-  hook.id = 1, hook.to_world = true, hook.k_N_per_mm = 0.5, hook.a = place(m, {2, 5, 8.5}), hook.target_mm = Vec3(2, 9, 14);
+  hook.id = 1, hook.to_world = true, hook.k_N_per_mm = 0.5, hook.a = place(m, {2, 5, 8.5}),
+  hook.target_mm = Vec3(2, 9, 14);
   // Absent tissue holds a hook, and an end of a stitch.
   far_hook = hook, far_hook.id = 2, far_hook.a = place(m, {25, 3, 8}), far_hook.target_mm = Vec3(26, 3, 9);
-  stitch.id = 3, stitch.k_N_per_mm = 1, stitch.a = place(m, {12, -4, 8.5}), stitch.b = place(m, {24, -5, 8}), stitch.target_mm = Vec3(-9, 1, 0.2);
+  stitch.id = 3, stitch.k_N_per_mm = 1, stitch.a = place(m, {12, -4, 8.5}), stitch.b = place(m, {24, -5, 8}),
+  stitch.target_mm = Vec3(-9, 1, 0.2);
   return {hook, far_hook, stitch};
 }
 
 std::vector<Contact> contacts(const FemModel& m) {
   Contact c;
-  c.a = place(m, {-14, 1, 8.9}), c.b = place(m, {-24, 1, 8.9}), c.normal = Vec3f::UnitX(), c.gap_mm = 10.5f, c.soft_mm = 0.1f, c.k_N_per_mm = 0.2f;
+  c.a = place(m, {-14, 1, 8.9}), c.b = place(m, {-24, 1, 8.9}), c.normal = Vec3f::UnitX(), c.gap_mm = 10.5f,
+  c.soft_mm = 0.1f, c.k_N_per_mm = 0.2f;
   return {c};
 }
 
 double largest_difference(const ElasticSolver& a, const ElasticSolver& b) {
   double d = 0;
-  for (size_t i = 0; i < a.displacement_mm().size(); ++i) d = std::max(d, double((a.displacement_mm()[i] - b.displacement_mm()[i]).norm()));
+  for (size_t i = 0; i < a.displacement_mm().size(); ++i)
+    d = std::max(d, double((a.displacement_mm()[i] - b.displacement_mm()[i]).norm()));
   return d;
 }
 
@@ -98,7 +103,8 @@ TEST(RegionSolver, IsTheWholeWithItsOutsideHeldThroughCutAndUndo) {
   const auto model = std::make_shared<const FemModel>(held);
   auto whole = make_solver(workers);
   fem::RegionSolver part(make_solver(workers));
-  for (ElasticSolver* s : {whole.get(), static_cast<ElasticSolver*>(&part)}) s->set_model(model, {}), s->set_springs(springs(*model)), s->set_contacts(contacts(*model));
+  for (ElasticSolver* s : {whole.get(), static_cast<ElasticSolver*>(&part)})
+    s->set_model(model, {}), s->set_springs(springs(*model)), s->set_contacts(contacts(*model));
   same_answer(*whole, part, true);
   const SolverState before = part.save();
   const std::vector<Vec3f> shown(part.displacement_mm().begin(), part.displacement_mm().end());
@@ -141,8 +147,10 @@ TEST(RegionSolver, TissueBeyondIsNeitherUnknownNorElement) {
     EXPECT_EQ(part.present().X_mm.size(), size_t(std::count(touched.begin(), touched.end(), 1)) + 8);
     EXPECT_EQ(part.save().displacement_mm.size(), 3 * part.present().X_mm.size());
     for (size_t i = 0; i < touched.size(); ++i)
-      if (touched[i]) shown[k].push_back(part.displacement_mm()[i]);
-      else EXPECT_EQ(part.displacement_mm()[i].norm(), 0);
+      if (touched[i])
+        shown[k].push_back(part.displacement_mm()[i]);
+      else
+        EXPECT_EQ(part.displacement_mm()[i].norm(), 0);
   }
   ASSERT_EQ(shown[0].size(), shown[1].size());
   double d = 0;
@@ -167,7 +175,8 @@ TEST(RegionSolver, HangingNodesKeepTheirMasters) {
   std::vector<Spring> pull = springs(box);
   pull.resize(1);
   pull[0].a = box.cells.empty() ? EmbeddedPoint() : place(box, {-4, 5, 8.5});  // in a whole cell: the same nodes
-  for (ElasticSolver* s : {whole.get(), static_cast<ElasticSolver*>(&part)}) s->set_model(model, {}), s->set_springs(pull), settle(*s);
+  for (ElasticSolver* s : {whole.get(), static_cast<ElasticSolver*>(&part)})
+    s->set_model(model, {}), s->set_springs(pull), settle(*s);
   EXPECT_LT(largest_difference(*whole, part), kSame_mm);
   EXPECT_GT(part.present().hanging.size(), 0u);
   EXPECT_LT(part.present().hanging.size(), held.hanging.size());

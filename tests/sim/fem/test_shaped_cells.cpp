@@ -20,7 +20,8 @@ using test::Random;
 FemModel crooked_hexes(bool full, double poisson = 0.4) {
   const Elastic e = elastic_from_young(60, poisson);
   ShapedModel s;
-  const int32_t shape = s.add_law(full ? stable_neo_hookean_full(e.mu_kPa, e.lambda_kPa, e.mu_kPa) : neo_hookean(e.mu_kPa));
+  const int32_t shape =
+      s.add_law(full ? stable_neo_hookean_full(e.mu_kPa, e.lambda_kPa, e.mu_kPa) : neo_hookean(e.mu_kPa));
   const int32_t volume = full ? -1 : s.add_law(stable_neo_hookean_full(0, e.lambda_kPa, e.mu_kPa));
   Random r(5);
   for (int k = 0; k < 4; ++k)
@@ -47,7 +48,8 @@ FemModel crooked_tets(double poisson = 0.4) {
   std::vector<Vec3> X = straight.X_mm.flat();
   std::vector<uint8_t> outer(X.size());
   for (size_t i = 0; i < X.size(); ++i) {
-    outer[i] = std::abs(std::abs(X[i][0]) - 3) < 1e-9 || std::abs(std::abs(X[i][1]) - 3) < 1e-9 || std::abs(X[i][2] - 3) > 3 - 1e-9;
+    outer[i] = std::abs(std::abs(X[i][0]) - 3) < 1e-9 || std::abs(std::abs(X[i][1]) - 3) < 1e-9 ||
+               std::abs(X[i][2] - 3) > 3 - 1e-9;
     if (!outer[i]) X[i] += r.vector(0.4);
   }
   std::vector<std::array<int32_t, 4>> t;
@@ -117,7 +119,8 @@ TEST(ShapedCells, GradientAndHessianAreDerivatives) {
     EXPECT_NEAR((e.gradient(p, g1) - e.gradient(q, g0)) / (2 * h), exact, 1e-7 * (std::fabs(exact) + 1000));
     const Eigen::VectorXd Hd = H * d;
     double error = 0;
-    for (size_t i = 0; i < u.size(); ++i) error = std::max(error, ((g1[i] - g0[i]) / (2 * h) - Hd.segment<3>(3 * Eigen::Index(i))).norm());
+    for (size_t i = 0; i < u.size(); ++i)
+      error = std::max(error, ((g1[i] - g0[i]) / (2 * h) - Hd.segment<3>(3 * Eigen::Index(i))).norm());
     EXPECT_LT(error, 1e-6 * Hd.norm());
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eig(e.dense_hessian(u, true), Eigen::EigenvaluesOnly);
     EXPECT_GT(eig.eigenvalues()[0], -1e-9 * eig.eigenvalues().tail<1>()[0]);
@@ -131,13 +134,15 @@ TEST(ShapedCells, ABoxIsTheLatticesCell) {
   const FemModel lattice = box_model(b);
   const Elastic e = elastic_from_young(b.young_top_kPa, b.poisson);
   ShapedModel s;
-  const int32_t shape = s.add_law(neo_hookean(e.mu_kPa)), volume = s.add_law(stable_neo_hookean_full(0, e.lambda_kPa, e.mu_kPa));
+  const int32_t shape = s.add_law(neo_hookean(e.mu_kPa)),
+                volume = s.add_law(stable_neo_hookean_full(0, e.lambda_kPa, e.mu_kPa));
   for (const Vec3& X : lattice.X_mm) s.add_node(X);
   for (const HexCell& c : lattice.cells) s.add_hex(c.node, shape, volume);
   const FemModel shaped = s.finish();
   const auto u = test::random_displacement(lattice, 0.5, 4);
   std::vector<Vec3> ga, gb;
-  const double ea = ReferenceElasticity(lattice, {}).gradient(u, ga), eb = ReferenceElasticity(shaped, {}).gradient(u, gb);
+  const double ea = ReferenceElasticity(lattice, {}).gradient(u, ga),
+               eb = ReferenceElasticity(shaped, {}).gradient(u, gb);
   EXPECT_NEAR(ea, eb, 1e-10 * ea);
   for (size_t i = 0; i < ga.size(); ++i) EXPECT_LT((ga[i] - gb[i]).norm(), 1e-10 * largest(ga, lattice, false));
 }
@@ -148,8 +153,10 @@ TEST(ShapedCells, TheMinimiserFindsNewtonsAnswerOnTetrahedra) {
   b.cells = {5, 4, 3}, b.size_mm = {15, 12, 9}, b.fix_bottom = true;
   const auto m = std::make_shared<FemModel>(bcc_box_model(b));
   Spring hook;
-  hook.id = 1, hook.to_world = true, hook.a = embed_in_tets(*m, {1, 1, 9}), hook.target_mm = {3, 2, 14}, hook.k_N_per_mm = 0.3;
-  const auto exact = ReferenceElasticity(*m, std::span(&hook, 1)).solve(std::vector<Vec3>(m->X_mm.size(), Vec3::Zero()), {});
+  hook.id = 1, hook.to_world = true, hook.a = embed_in_tets(*m, {1, 1, 9}), hook.target_mm = {3, 2, 14},
+  hook.k_N_per_mm = 0.3;
+  const auto exact =
+      ReferenceElasticity(*m, std::span(&hook, 1)).solve(std::vector<Vec3>(m->X_mm.size(), Vec3::Zero()), {});
   ASSERT_TRUE(exact.converged);
   InlineWorkers workers;
   fem::LbfgsSolver solver(workers, true, {1 << 30});
@@ -159,7 +166,8 @@ TEST(ShapedCells, TheMinimiserFindsNewtonsAnswerOnTetrahedra) {
   s.max_iterations = 400, s.tolerance = 1e-6;
   const StepReport r = solver.step(s);
   double error = 0;
-  for (size_t i = 0; i < exact.u.size(); ++i) error = std::max(error, (solver.displacement_mm()[i].cast<double>() - exact.u[i]).norm());
+  for (size_t i = 0; i < exact.u.size(); ++i)
+    error = std::max(error, (solver.displacement_mm()[i].cast<double>() - exact.u[i]).norm());
   EXPECT_LT(error, 2e-3);
   EXPECT_FALSE(r.metric_is_cycle);
   EXPECT_EQ(0, r.inverted_cells);

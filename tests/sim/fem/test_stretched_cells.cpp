@@ -28,7 +28,8 @@ fem::NodeArray moved_by(const FemModel& m, const Mat3& F) {
   return u;
 }
 
-/// The volumetric energy's Hessian traced over x, y and z, by differences: V ke/2 (J - 1)^2 of the cell's sample point, without
+/// The volumetric energy's Hessian traced over x, y and z, by differences: V ke/2 (J - 1)^2 of the cell's sample point,
+/// without
 /// what comes of the slope at J (J = 1 in these cases).
 Mat8 volumetric(const FemModel& m, const Mat3& F) {
   const Stencil& s = m.stencils[size_t(m.cells[0].stencil)];
@@ -59,7 +60,9 @@ TEST(StretchedCells, RowsAreWhatTheMetricLacks) {
   const fem::SpringRow& r = stretched.rows()[0];
   for (size_t a = 0; a < r.node.size(); ++a)
     for (size_t b = 0; b < r.node.size(); ++b) {
-      const auto corner = [&](int32_t node) { return std::find(m.cells[0].node.begin(), m.cells[0].node.end(), node) - m.cells[0].node.begin(); };
+      const auto corner = [&](int32_t node) {
+        return std::find(m.cells[0].node.begin(), m.cells[0].node.end(), node) - m.cells[0].node.begin();
+      };
       rows(corner(r.node[a]), corner(r.node[b])) += r.k_mN_per_mm * r.w[a] * r.w[b];
     }
   // Along N = Q e3 all of it, along the others nothing: squares of .17 and .67 there.
@@ -69,8 +72,10 @@ TEST(StretchedCells, RowsAreWhatTheMetricLacks) {
     Eigen::Matrix<double, 8, 1> x;
     for (int a = 0; a < 8; ++a) x[a] = Q.col(k).dot(m.X_mm[size_t(m.cells[0].node[size_t(a)])]);
     const double lacks = x.dot(H * x) - x.dot(rest * x), has = x.dot(rows * x);
-    if (k == 2) EXPECT_NEAR(has, lacks, 1e-4 * lacks);
-    else EXPECT_NEAR(has, 0, 1e-4 * x.dot(rest * x));
+    if (k == 2)
+      EXPECT_NEAR(has, lacks, 1e-4 * lacks);
+    else
+      EXPECT_NEAR(has, 0, 1e-4 * x.dot(rest * x));
   }
 }
 

@@ -68,7 +68,8 @@ TEST(Block, OddSizesCloseToo) {
 }
 
 TEST(Block, RefusesNonsense) {
-  for (const Vec3& size : {Vec3(-1, 10, 10), Vec3(0, 10, 10), Vec3(NAN, 10, 10), Vec3(10, INFINITY, 10), Vec3(5000, 10, 10)}) {
+  for (const Vec3& size :
+       {Vec3(-1, 10, 10), Vec3(0, 10, 10), Vec3(NAN, 10, 10), Vec3(10, INFINITY, 10), Vec3(5000, 10, 10)}) {
     BlockSpec s;
     s.size_mm = size;
     EXPECT_THROW(make_block(s), InputError);

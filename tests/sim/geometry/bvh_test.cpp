@@ -24,7 +24,8 @@ Vec3 random_point(std::mt19937_64& rng) {
   return {u(rng), u(rng), u(rng)};
 }
 
-void expect_closest_like_brute_force(const Bvh& bvh, const std::vector<Vec3>& x, const std::vector<Tri>& tri, const Vec3& p) {
+void expect_closest_like_brute_force(const Bvh& bvh, const std::vector<Vec3>& x, const std::vector<Tri>& tri,
+                                     const Vec3& p) {
   double best = 1e300;
   for (const Tri& t : tri)
     best = std::min(best, (closest_on_triangle(p, x[size_t(t[0])], x[size_t(t[1])], x[size_t(t[2])]).point - p).norm());
@@ -117,7 +118,8 @@ TEST(Bvh, BoxQueryFindsExactlyTheTrianglesWhoseBoxesMeet) {
     bvh.box(lo, hi, [&](int32_t t) { got.push_back(t); });
     for (size_t t = 0; t < b.surface.tri.size(); ++t) {
       Vec3 a = b.surface.X_mm[size_t(b.surface.tri[t][0])], z = a;
-      for (int32_t v : b.surface.tri[t]) a = a.cwiseMin(b.surface.X_mm[size_t(v)]), z = z.cwiseMax(b.surface.X_mm[size_t(v)]);
+      for (int32_t v : b.surface.tri[t])
+        a = a.cwiseMin(b.surface.X_mm[size_t(v)]), z = z.cwiseMax(b.surface.X_mm[size_t(v)]);
       if ((a.array() <= hi.array()).all() && (z.array() >= lo.array()).all()) want.push_back(int32_t(t));
     }
     std::sort(got.begin(), got.end());

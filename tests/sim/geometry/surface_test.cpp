@@ -57,22 +57,30 @@ bool segment_meets_by_fractions(const Int3& p, const Int3& q, const GridTriangle
   // Sample-free reference: clip the segment by the triangle's prism and plane in long double rationals.
   const auto v = [](const Int3& i) { return Vec3(i.x, i.y, i.z); };
   const Vec3 a = v(t[0]), b = v(t[1]), c = v(t[2]), P = v(p), Q = v(q), n = (b - a).cross(c - a);
-  double lo = 0, hi = 1, den = 1;  // the admissible interval is [lo, hi] / den with integers in doubles
+  double lo = 0, hi = 1, den = 1;                  // the admissible interval is [lo, hi] / den with integers in doubles
   const auto keep = [&](double at0, double at1) {  // at0 + s (at1 - at0) >= 0
     const double d = at1 - at0;
     if (d == 0) return at0 >= 0;
     // s >= -at0/d or s <= -at0/d, compared as fractions with lo/den, hi/den
     const double num = d > 0 ? -at0 : at0, dd = std::abs(d);
     const double l = lo * dd, h = hi * dd, x = num * den;
-    if (d > 0 && x > l) { lo = x; hi = h; den *= dd; }
-    else if (d < 0 && x < h) { lo = l; hi = x; den *= dd; }
+    if (d > 0 && x > l) {
+      lo = x;
+      hi = h;
+      den *= dd;
+    } else if (d < 0 && x < h) {
+      lo = l;
+      hi = x;
+      den *= dd;
+    }
     return lo <= hi;
   };
   const auto inside = [&](const Vec3& e, const Vec3& f) {
     const Vec3 w = n.cross(f - e);
     return keep(w.dot(P - e), w.dot(Q - e));
   };
-  return keep(n.dot(P - a), n.dot(Q - a)) && keep(-n.dot(P - a), -n.dot(Q - a)) && inside(a, b) && inside(b, c) && inside(c, a);
+  return keep(n.dot(P - a), n.dot(Q - a)) && keep(-n.dot(P - a), -n.dot(Q - a)) && inside(a, b) && inside(b, c) &&
+         inside(c, a);
 }
 
 TEST(GridPredicates, SegmentAgainstTriangleMatchesClippingInSmallIntegers) {
@@ -100,7 +108,7 @@ TEST(GridPredicates, NeighboursOffendOnlyWhenTheyFold) {
   const Int3 a{0, 0, 0}, b{10, 0, 0}, c{0, 10, 0}, d{10, 10, 0}, e{8, 2, 0}, up{3, 3, 9};
   EXPECT_FALSE(grid_triangles_offend({a, b, c}, {b, d, c}));
   EXPECT_FALSE(grid_triangles_offend({a, b, c}, {b, a, up}));
-  EXPECT_TRUE(grid_triangles_offend({a, b, d}, {b, a, e}));   // folded flat onto each other
+  EXPECT_TRUE(grid_triangles_offend({a, b, d}, {b, a, e}));    // folded flat onto each other
   EXPECT_FALSE(grid_triangles_offend({a, b, c}, {d, up, b}));  // one corner
   EXPECT_TRUE(grid_triangles_offend({a, b, c}, {a, d, up}));   // a-d runs through the first triangle
   EXPECT_TRUE(grid_triangles_offend({a, b, c}, {e, d, up}));   // touches its long edge
@@ -227,7 +235,8 @@ const char* kCube =
     "# a cube of quads, negative indices, windows line ends, a split line\r\n"
     "v 0 0 0\r\nv 1 0 0\r\nv 1 1 0\r\nv 0 1 0\r\nv 0 0 1\r\nv 1 0 1\r\nv 1 1 1\r\nv 0 1 1\r\n"
     "vt 0 0\r\nvt 1 0\r\nvt 1 1\r\nvt 0 1\r\ns off\r\nusemtl x\r\n"
-    "f 4/1 3/2 2/3 1/4\r\nf 5/1/7 6/2/7 7/3/7 8/4/7\r\nf 1 2 6 5\r\nf 2//1 3//1 \\\r\n7//1 6//1\r\nf -6 -5 -1 -2\r\nf 4 1 5 8 # end\r\n";
+    "f 4/1 3/2 2/3 1/4\r\nf 5/1/7 6/2/7 7/3/7 8/4/7\r\nf 1 2 6 5\r\nf 2//1 3//1 \\\r\n7//1 6//1\r\nf -6 -5 -1 -2\r\nf "
+    "4 1 5 8 # end\r\n";
 
 TEST(Obj, PolygonsNegativeIndicesAndLineEnds) {
   ObjSpec spec;
@@ -239,7 +248,8 @@ TEST(Obj, PolygonsNegativeIndicesAndLineEnds) {
   EXPECT_EQ(r.triangles, 12);
   EXPECT_EQ(r.vertices, 8);
   EXPECT_NEAR(r.volume_mm3, 8000, 1e-9);
-  for (const auto& corner : b.surface.uv[2]) EXPECT_NE(corner, Eigen::Vector2f(1, 1));  // 8 5 6, an ear of the second quad
+  for (const auto& corner : b.surface.uv[2])
+    EXPECT_NE(corner, Eigen::Vector2f(1, 1));  // 8 5 6, an ear of the second quad
 }
 
 TEST(Obj, ConcavePolygonsAreCutInside) {
@@ -247,9 +257,11 @@ TEST(Obj, ConcavePolygonsAreCutInside) {
   ObjSpec spec;
   spec.path = "l.obj";
   SurfaceReport r;
-  parse_obj("v 0 0 0\nv 20 0 0\nv 20 10 0\nv 10 10 0\nv 10 20 0\nv 0 20 0\nv 0 0 5\nv 20 0 5\nv 20 10 5\nv 10 10 5\nv 10 20 5\nv 0 20 5\n"
-            "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n",
-            spec, &r);
+  parse_obj(
+      "v 0 0 0\nv 20 0 0\nv 20 10 0\nv 10 10 0\nv 10 20 0\nv 0 20 0\nv 0 0 5\nv 20 0 5\nv 20 10 5\nv 10 10 5\nv 10 20 "
+      "5\nv 0 20 5\n"
+      "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n",
+      spec, &r);
   EXPECT_NEAR(r.volume_mm3, 300 * 5, 1e-9);
   EXPECT_EQ(r.triangles, 20);
 }
@@ -306,8 +318,10 @@ TEST(Obj, AnyBytesAreEitherASurfaceOrAnInputError) {
     std::string t = good;
     for (int k = 1 + int(rng() % 3); k > 0 && !t.empty(); --k) {
       const size_t at = rng() % t.size();
-      if (rng() % 3 == 0) t.erase(at, 1 + rng() % 20);
-      else t[at] = spice[rng() % spice.size()];
+      if (rng() % 3 == 0)
+        t.erase(at, 1 + rng() % 20);
+      else
+        t[at] = spice[rng() % spice.size()];
     }
     ObjSpec spec;
     spec.path = "f.obj";

@@ -92,8 +92,12 @@ TEST(Head, UndoAndRedoGoThroughEveryKindOfAct) {
   Head h(ball(), w);
   ConnectTissue t;
   t.name = "cap", t.face_mm = {0, 0, 38}, t.bone_mm = {0, 0, 30}, t.face_radius_mm = 25, t.mode = TissueKind::springs;
-  const std::vector<Command> acts{HeadCommand(t), HeadCommand(PlaceLandmark{"side", {30, 0, 0}, false}), HeadCommand(halve()),
-                                  HeadCommand(lift({0, 0, 30}, {0, 0, 6})), HeadCommand(PlateFragments{{25, 0, 15}, {27, 0, 0}}), HeadCommand(Unplate{{-1, {25, 0, 15}}})};
+  const std::vector<Command> acts{HeadCommand(t),
+                                  HeadCommand(PlaceLandmark{"side", {30, 0, 0}, false}),
+                                  HeadCommand(halve()),
+                                  HeadCommand(lift({0, 0, 30}, {0, 0, 6})),
+                                  HeadCommand(PlateFragments{{25, 0, 15}, {27, 0, 0}}),
+                                  HeadCommand(Unplate{{-1, {25, 0, 15}}})};
   std::vector<uint64_t> bones{h.bones().hash()};
   std::vector<size_t> landmarks{h.landmarks().size()}, tissues{0};
   for (const Command& c : acts) {
@@ -182,9 +186,11 @@ TEST(Head, HoweverLongANameIsTheNumbersBehindItAreSaid) {
   p.bones[0].name = std::string(300, 'b');
   Head h(std::move(p), w);
   ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
-  EXPECT_NE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 6}))).reason.find("gap 6.0 mm, at most 6.0"), std::string::npos);
+  EXPECT_NE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 6}))).reason.find("gap 6.0 mm, at most 6.0"),
+            std::string::npos);
   ASSERT_TRUE(h.apply(HeadCommand(GrabFragment{{-1, {0, 0, 30}}, 0})).done);
-  EXPECT_NE(h.apply(HeadCommand(LetGo{true, 0})).reason.find("at most 3 mm and 10 degrees was expected"), std::string::npos);
+  EXPECT_NE(h.apply(HeadCommand(LetGo{true, 0})).reason.find("at most 3 mm and 10 degrees was expected"),
+            std::string::npos);
 }
 
 TEST(Head, ASnapThatChangesNothingIsAnActLikeAnyOther) {
@@ -228,7 +234,8 @@ TEST(Head, TheViewIsTheMeshes) {
   // What is shown to have moved is what the mesh's vertices have moved, and the figure in the window is their largest.
   double most = 0;
   for (int32_t v = 0; v < h.face().slots(); ++v)
-    if (h.face().alive(v)) most = std::max(most, (h.face().x_mm[size_t(v)] - h.face_model().rest_mm()[size_t(v)]).norm());
+    if (h.face().alive(v))
+      most = std::max(most, (h.face().x_mm[size_t(v)] - h.face_model().rest_mm()[size_t(v)]).norm());
   EXPECT_GT(most, 1);
   EXPECT_NEAR(*std::max_element(s.moved_mm.begin(), s.moved_mm.end()), most, 1e-4);
   ASSERT_EQ(top.organ.size(), top.view.tri.size());
@@ -244,7 +251,8 @@ TEST(Head, TheViewIsTheMeshes) {
     if (top.organ[t] == Organ::face) continue;
     // Each triangle of bone is where its fragment is, as a rigid body.
     const Eigen::Isometry3d pose = h.bones().fragment(top.object[t])->pose;
-    for (const int32_t v : k) EXPECT_LT((pose * top.view.X_mm[size_t(v)] - s.x_mm[size_t(v)].cast<double>()).norm(), 1e-4);
+    for (const int32_t v : k)
+      EXPECT_LT((pose * top.view.X_mm[size_t(v)] - s.x_mm[size_t(v)].cast<double>()).norm(), 1e-4);
   }
   EXPECT_GT(cut, 10u);
   EXPECT_GT(bone, 1000u);
@@ -258,7 +266,8 @@ TEST(Head, TheFaceFollowsTheBone) {
   const Vec3 before = landmark(h, "crown");
   ASSERT_TRUE(h.apply(HeadCommand(halve())).done);
   ASSERT_TRUE(h.apply(HeadCommand(lift({0, 0, 30}, {0, 0, 6}))).done);
-  for (int i = 0; i < 400 && (i == 0 || !h.step(0.016).at_rest); ++i) {}
+  for (int i = 0; i < 400 && (i == 0 || !h.step(0.016).at_rest); ++i) {
+  }
   const Vec3 moved = landmark(h, "crown") - before;
   EXPECT_GT(moved.z(), 3);
   EXPECT_LT(moved.z(), 7);
@@ -267,7 +276,8 @@ TEST(Head, TheFaceFollowsTheBone) {
   EXPECT_LT((h.face().x_mm[0] - h.face_model().rest_mm()[0]).norm(), 8);
   double below = 0;
   for (int32_t v = 0; v < h.face().slots(); ++v)
-    if (h.face_model().rest_mm()[size_t(v)].z() < -30) below = std::max(below, (h.face().x_mm[size_t(v)] - h.face_model().rest_mm()[size_t(v)]).norm());
+    if (h.face_model().rest_mm()[size_t(v)].z() < -30)
+      below = std::max(below, (h.face().x_mm[size_t(v)] - h.face_model().rest_mm()[size_t(v)]).norm());
   EXPECT_LT(below, 1.5);
 }
 
@@ -280,7 +290,8 @@ TEST(Head, AJoinDoesNotMoveTheFace) {
     MoveFragment m = lift({0, 0, 30}, {1.5, 0, 2});
     m.by.rotation_deg = {0, 0, 20};
     ASSERT_TRUE(h.apply(HeadCommand(m)).done);
-    for (int i = 0; i < 600 && (i == 0 || !h.step(0.016).at_rest); ++i) {}
+    for (int i = 0; i < 600 && (i == 0 || !h.step(0.016).at_rest); ++i) {
+    }
     const std::vector<Vec3> face = h.face().x_mm;
     const Outcome o = h.apply(HeadCommand(JoinFragments{{-1, {0, 0, -30}}, {-1, {0, 0, 30}}}));
     ASSERT_TRUE(o.done) << o.reason;

@@ -1,4 +1,6 @@
 // End contours lie where they should: a CT of the synthetic head, whose orbits, nose, foramen and borders are known.
+#include "sim/simplex/contour.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -10,7 +12,6 @@
 
 #include "sim/imaging/fit.h"
 #include "sim/imaging/synthetic_head.h"
-#include "sim/simplex/contour.h"
 #include "sim/simplex/dual.h"
 
 namespace limberg {
@@ -26,7 +27,8 @@ constexpr double kVoxel = 2, kVault = 100;  // mm; the volume ends above at kVau
 Vec3 turned(const Vec3& p) { return {-p.x(), -p.y(), p.z()}; }
 
 /// Where two surfaces meet: places on f = 0 and g = at, from places on a circle, by steps of least length.
-Curve where_both(const Shape& f, const Shape& g, double at, const Vec3& middle, const Vec3& a, const Vec3& b, double radius) {
+Curve where_both(const Shape& f, const Shape& g, double at, const Vec3& middle, const Vec3& a, const Vec3& b,
+                 double radius) {
   Curve out;
   const auto slope = [](const Shape& s, const Vec3& p) {
     Vec3 d;
@@ -87,7 +89,8 @@ Lie lie(const Curve& a, const Curve& b) {
   return out;
 }
 
-/// What is not where it should be; empty: all is. Contours that are no known opening are named when they are longer than `small_mm`.
+/// What is not where it should be; empty: all is. Contours that are no known opening are named when they are longer
+/// than `small_mm`.
 std::vector<std::string> faults(const Mesh& m, const std::vector<Known>& known, double small_mm, bool print = true) {
   std::vector<std::string> out;
   std::vector<Curve> rims;
@@ -101,28 +104,40 @@ std::vector<std::string> faults(const Mesh& m, const std::vector<Known>& known, 
     Lie nearest{1e300, 1e300};
     for (size_t i = 0; i < rims.size(); ++i)
       if (const Lie l = lie(rims[i], k.truth); !taken[i] && l.mean < nearest.mean) nearest = l, best = i;
-    if (print) std::printf("%-16s mean %.2f mm, at most %.2f mm; around %.0f, truth %.0f mm\n", k.name.c_str(), nearest.mean, nearest.most, best < rims.size() ? length(rims[best]) : 0., length(k.truth));
-    if (best == rims.size() || nearest.mean > k.mean_mm || nearest.most > k.most_mm) out.push_back(k.name);
-    else taken[best] = 1;
+    if (print)
+      std::printf("%-16s mean %.2f mm, at most %.2f mm; around %.0f, truth %.0f mm\n", k.name.c_str(), nearest.mean,
+                  nearest.most, best < rims.size() ? length(rims[best]) : 0., length(k.truth));
+    if (best == rims.size() || nearest.mean > k.mean_mm || nearest.most > k.most_mm)
+      out.push_back(k.name);
+    else
+      taken[best] = 1;
   }
   for (size_t i = 0; i < rims.size(); ++i)
     if (!taken[i] && length(rims[i]) > small_mm) {
       Vec3 middle = Vec3::Zero();
       for (const Vec3& p : rims[i]) middle += p / double(rims[i].size());
       if ((middle - kChoanae).norm() < 15) continue;
-      if (print) std::printf("unknown          at (%.0f, %.0f, %.0f), %.0f mm around\n", middle.x(), middle.y(), middle.z(), length(rims[i]));
+      if (print)
+        std::printf("unknown          at (%.0f, %.0f, %.0f), %.0f mm around\n", middle.x(), middle.y(), middle.z(),
+                    length(rims[i]));
       out.push_back("unknown");
     }
   return out;
 }
 
-/// The openings of the skull: crests of orbits, nose and foramen (there a rounding of radius k leaves the surface at k / 4 outside
-/// of what was taken away), and the bone's outer course in the volume's last slice. Half way between muscle and bone (where the isosurface of a
-/// blurred edge is not displaced) the distances are a third to two thirds of a voxel on average; a voxel and a half is allowed (2026-11-22).
-/// The choanae open too, but have no crest at their sides (the wall runs out into the hollow behind the maxilla): they are not judged.
+/// The openings of the skull: crests of orbits, nose and foramen (there a rounding of radius k leaves the surface at k
+/// / 4 outside
+/// of what was taken away), and the bone's outer course in the volume's last slice. Half way between muscle and bone
+/// (where the isosurface of a
+/// blurred edge is not displaced) the distances are a third to two thirds of a voxel on average; a voxel and a half is
+/// allowed (2026-11-22).
+/// The choanae open too, but have no crest at their sides (the wall runs out into the hollow behind the maxilla): they
+/// are not judged.
 std::vector<Known> openings_of(const HeadShape& h, double top_mm) {
-  const Shape skull = [&](const Vec3& p) { return h.skull(p); }, orbit = [&](const Vec3& p) { return h.orbit(p); }, nose = [&](const Vec3& p) { return h.airway(p); };
-  const Shape foramen = [](const Vec3& p) { return std::hypot(p.x(), p.y() + 22) - 16; }, top = [](const Vec3& p) { return p.z(); };
+  const Shape skull = [&](const Vec3&p) { return h.skull(p); }, orbit = [&](const Vec3&p) { return h.orbit(p); },
+              nose = [&](const Vec3&p) { return h.airway(p); };
+  const Shape foramen = [](const Vec3&p) { return std::hypot(p.x(), p.y() + 22) - 16; },
+              top = [](const Vec3&p) { return p.z(); };
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
   return {{"orbit, right", where_both(skull, orbit, 1, {32, 90, 14}, x, z, 18), 2, 5},
           {"orbit, left", where_both(skull, orbit, 1, {-32, 90, 14}, x, z, 18), 2, 5},
@@ -137,11 +152,14 @@ Volume without_vault(Volume v) {
   return v;
 }
 
-/// A CT of voxels of 3.2 x 3.2 x 1.6 mm (each the mean of 32) in which the right temple is a wall of `wall_mm` over a disc 28 mm wide, and the left
+/// A CT of voxels of 3.2 x 3.2 x 1.6 mm (each the mean of 32) in which the right temple is a wall of `wall_mm` over a
+/// disc 28 mm wide, and the left
 /// one a hole as wide.
 constexpr double kWindow = 14;
 const Vec3 kTemple(70, 25, 40);
-bool in_window(const Vec3& p) { return std::hypot(p.y() - kTemple.y(), p.z() - kTemple.z()) < kWindow && std::abs(p.x()) > 45; }
+bool in_window(const Vec3& p) {
+  return std::hypot(p.y() - kTemple.y(), p.z() - kTemple.z()) < kWindow && std::abs(p.x()) > 45;
+}
 Volume thin_temple(const HeadShape& h, double wall_mm) {
   InlineWorkers w;
   Volume fine = head_ct({}, 0.8, w, {.blur_mm = 0.4, .sinuses = false});
@@ -162,7 +180,8 @@ Volume thin_temple(const HeadShape& h, double wall_mm) {
     for (int32_t j = 0; j < v.size[1]; ++j)
       for (int32_t i = 0; i < v.size[0]; ++i) {
         double sum = 0;
-        for (int32_t c = 0; c < 32; ++c) sum += double(fine.value[fine.index(4 * i + c % 4, 4 * j + c / 4 % 4, 2 * k + c / 16)]);
+        for (int32_t c = 0; c < 32; ++c)
+          sum += double(fine.value[fine.index(4 * i + c % 4, 4 * j + c / 4 % 4, 2 * k + c / 16)]);
         v.value.push_back(float(sum / 32));
       }
   return without_vault(v);
@@ -191,13 +210,17 @@ TEST(EndContours, OfTheSkullLieAtOrbitsNoseForamenAndTheVolumesBorder) {
   FitReport r;
   const Mesh m = fitted_bone(ct, r);
   std::printf("%d vertices, found %.3f, rms %.3f mm, reached %.3f\n", r.vertices, r.found, r.rms_mm, r.reached);
-  for (const FitHole& o : r.hole) std::printf("  %-50s (%.0f, %.0f, %.0f) %.0f mm\n", o.place.c_str(), -o.centre_mm.x(), -o.centre_mm.y(), o.centre_mm.z(), o.around_mm);
+  for (const FitHole& o : r.hole)
+    std::printf("  %-50s (%.0f, %.0f, %.0f) %.0f mm\n", o.place.c_str(), -o.centre_mm.x(), -o.centre_mm.y(),
+                o.centre_mm.z(), o.around_mm);
   EXPECT_EQ(faults(m, known, 40), std::vector<std::string>{});
   // ... and are called so.
   const auto called = [&](const std::string& name, const Curve& truth) {
     Vec3 middle = Vec3::Zero();
     for (const Vec3& p : truth) middle += p / double(truth.size());
-    return std::any_of(r.hole.begin(), r.hole.end(), [&](const FitHole& o) { return o.place.starts_with(name) && (turned(o.centre_mm) - middle).norm() < 6; });
+    return std::any_of(r.hole.begin(), r.hole.end(), [&](const FitHole& o) {
+      return o.place.starts_with(name) && (turned(o.centre_mm) - middle).norm() < 6;
+    });
   };
   EXPECT_TRUE(called("orbit, right", known[0].truth));
   EXPECT_TRUE(called("orbit, left", known[1].truth));
@@ -228,26 +251,30 @@ TEST(EndContours, OfTheSkullLieAtOrbitsNoseForamenAndTheVolumesBorder) {
   const std::vector<std::string> seen = faults(planted, known, 40);
   EXPECT_NE(std::find(seen.begin(), seen.end(), "orbit, left"), seen.end());
   EXPECT_NE(std::find(seen.begin(), seen.end(), "unknown"), seen.end());
-  EXPECT_EQ(std::count(seen.begin(), seen.end(), "orbit, right") + std::count(seen.begin(), seen.end(), "foramen magnum"), 0);
+  EXPECT_EQ(
+      std::count(seen.begin(), seen.end(), "orbit, right") + std::count(seen.begin(), seen.end(), "foramen magnum"), 0);
 }
 
 TEST(EndContours, AThinWallThatVoxelsHaveLostIsClosedAndOpeningsStay) {
   const HeadShape h({});
   const Volume ct = thin_temple(h, 0.6);
   std::vector<Known> known = openings_of(h, ct.origin_mm.z() + ct.step_mm(2, 2) * (ct.size[2] - 1));
-  for (Known& k : known) k.mean_mm *= 2, k.most_mm *= 2;  // voxels of 3.2 mm, not 2; and 250 HU lie 1.8 mm outside of half way
+  for (Known& k : known)
+    k.mean_mm *= 2, k.most_mm *= 2;  // voxels of 3.2 mm, not 2; and 250 HU lie 1.8 mm outside of half way
   const auto opened = [](const FitReport& r, double side) {
     const Vec3 middle(side * kTemple.x(), kTemple.y(), kTemple.z());
-    return std::any_of(r.hole.begin(), r.hole.end(), [&](const FitHole& o) { return (turned(o.centre_mm) - middle).norm() < kWindow; });
+    return std::any_of(r.hole.begin(), r.hole.end(),
+                       [&](const FitHole& o) { return (turned(o.centre_mm) - middle).norm() < kWindow; });
   };
   for (const bool thin : {false, true}) {
     FitReport r;
     const Mesh m = fitted_bone(ct, r, thin ? std::optional(100.) : std::nullopt, 250);
-    std::printf("%s: %d vertices, %d on walls, found %.3f, rms %.3f mm, reached %.3f\n", thin ? "thin walls" : "isovalue alone", r.vertices, r.on_walls, r.found, r.rms_mm, r.reached);
+    std::printf("%s: %d vertices, %d on walls, found %.3f, rms %.3f mm, reached %.3f\n",
+                thin ? "thin walls" : "isovalue alone", r.vertices, r.on_walls, r.found, r.rms_mm, r.reached);
     EXPECT_GT(r.found, 0.95);
     EXPECT_LT(r.rms_mm, 0.5 * 1.6);
-    EXPECT_TRUE(opened(r, -1));         // a hole is a hole
-    EXPECT_EQ(opened(r, 1), !thin);     // ... and a wall is none, though the isosurface has one there
+    EXPECT_TRUE(opened(r, -1));      // a hole is a hole
+    EXPECT_EQ(opened(r, 1), !thin);  // ... and a wall is none, though the isosurface has one there
     std::vector<std::string> wrong = faults(m, known, 40);
     EXPECT_EQ(wrong, std::vector<std::string>(thin ? 1 : 2, "unknown"));
     if (!thin) continue;
@@ -274,8 +301,10 @@ TEST(EndContours, OfTheSkinLiesAtTheNeck) {
   s.iso = q.iso;
   const FitReport r = fit(m, p, s, w);
   EXPECT_EQ(find_fault(m).value_or(""), "");
-  const Shape skin = [&](const Vec3& x) { return h.skin(x); }, low = [](const Vec3& x) { return x.z(); };
-  const std::vector<Known> known{{"neck", where_both(skin, low, ct.origin_mm.z(), {0, -24, ct.origin_mm.z()}, Vec3::UnitX(), Vec3::UnitY(), 60), 1, 2.5}};
+  const Shape skin = [&](const Vec3&x) { return h.skin(x); }, low = [](const Vec3&x) { return x.z(); };
+  const std::vector<Known> known{
+      {"neck", where_both(skin, low, ct.origin_mm.z(), {0, -24, ct.origin_mm.z()}, Vec3::UnitX(), Vec3::UnitY(), 60), 1,
+       2.5}};
   ASSERT_GT(known[0].truth.size(), 170u);
   EXPECT_EQ(faults(m, known, 40), std::vector<std::string>{});
   ASSERT_GE(r.hole.size(), 1u);

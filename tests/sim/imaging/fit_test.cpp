@@ -1,4 +1,6 @@
 // A sphere fitted to isosurfaces whose truth is known, and to a real head where one is at hand.
+#include "sim/imaging/fit.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <cstdlib>
 
 #include "sim/error.h"
-#include "sim/imaging/fit.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/generators.h"
 
@@ -35,7 +36,8 @@ double ellipsoid(const Vec3& x, const Vec3& half) {
 
 TEST(Fit, AnEllipsoidFromASphereThatIsTooSmall) {
   const Vec3 half(40, 25, 30);
-  const Volume v = sampled(64, 1.6, [&](const Vec3& x) { return std::clamp(-ellipsoid(x, half), -4., 4.) * 250; });  // a blurred edge
+  const Volume v = sampled(
+      64, 1.6, [&](const Vec3& x) { return std::clamp(-ellipsoid(x, half), -4., 4.) * 250; });  // a blurred edge
   InlineWorkers w;
   Mesh m = make_sphere({3, 2, -1}, 15, 2);
   FitSettings s;
@@ -50,7 +52,8 @@ TEST(Fit, AnEllipsoidFromASphereThatIsTooSmall) {
   EXPECT_EQ(r.holes, 0);
   double sum = 0;
   for (const Vec3& x : m.x_mm) sum += std::pow(ellipsoid(x, half), 2);
-  std::printf("%d vertices, rms %.3f mm by the volume, %.3f mm by the truth, voxel 1.6 mm\n", r.vertices, r.rms_mm, std::sqrt(sum / m.vertices()));
+  std::printf("%d vertices, rms %.3f mm by the volume, %.3f mm by the truth, voxel 1.6 mm\n", r.vertices, r.rms_mm,
+              std::sqrt(sum / m.vertices()));
   EXPECT_LT(std::sqrt(sum / m.vertices()), 0.5 * 1.6);
   EXPECT_NEAR(extent(m).volume_mm3, 4. / 3 * 3.14159265 * half.prod(), 0.03 * 125664);
   EXPECT_EQ(census(m).genus, 0);
@@ -88,7 +91,8 @@ TEST(Fit, NonsenseIsRefused) {
 }
 
 TEST(Fit, FromAroundFromAPlaneAndFromACylinder) {
-  // A round bar through the lower and the upper border of the volume, with a dent in its side that the sphere must go round.
+  // A round bar through the lower and the upper border of the volume, with a dent in its side that the sphere must go
+  // round.
   const Volume v = sampled(40, 2, [](const Vec3& x) {
     const double side = 20 - x.head<2>().norm(), dent = (x - Vec3(20, 0, 5)).norm() - 9;
     return std::clamp(std::min(side, dent), -4., 4.) * 250;
@@ -107,7 +111,8 @@ TEST(Fit, FromAroundFromAPlaneAndFromACylinder) {
     EXPECT_GT(r.found, 0.95) << int(kind);
     EXPECT_LT(r.rms_mm, 0.5 * 2) << int(kind);
     EXPECT_EQ(census(m).genus, 0);
-    std::printf("start %d: %d vertices, found %.3f, rms %.3f mm, reached %.3f, %zu openings\n", int(kind), r.vertices, r.found, r.rms_mm, r.reached, r.hole.size());
+    std::printf("start %d: %d vertices, found %.3f, rms %.3f mm, reached %.3f, %zu openings\n", int(kind), r.vertices,
+                r.found, r.rms_mm, r.reached, r.hole.size());
     for (const FitHole& h : r.hole) std::printf("  %s, %.0f mm\n", h.place.c_str(), h.around_mm);
     if (kind == Start::plane) {
       EXPECT_GT(r.reached, 0.25);  // the side that it comes from
@@ -124,7 +129,8 @@ TEST(Fit, FromAroundFromAPlaneAndFromACylinder) {
 }
 
 TEST(Fit, TheGenusOfATorusComesFromASphere) {
-  const Volume v = sampled(56, 2, [](const Vec3& x) { return std::clamp(12 - Vec2(x.head<2>().norm() - 34, x.z()).norm(), -4., 4.) * 250; });
+  const Volume v = sampled(
+      56, 2, [](const Vec3& x) { return std::clamp(12 - Vec2(x.head<2>().norm() - 34, x.z()).norm(), -4., 4.) * 250; });
   InlineWorkers w;
   PrepareSettings q;
   q.seal_mm = 4;
@@ -157,16 +163,20 @@ TEST(Fit, WhatIsTwoBodiesBecomesTwoParts) {
   Mesh m = start_mesh(Start::sphere, both.low_mm, both.high_mm);
   const FitReport r = fit(m, both, {}, w);
   EXPECT_EQ(find_fault(m).value_or(""), "");
-  std::printf("%d vertices, found %.3f, rms %.3f mm, reached %.3f, %d cut, %zu openings, %zu notes\n", r.vertices, r.found, r.rms_mm, r.reached, r.cut, r.hole.size(), r.notes.size());
+  std::printf("%d vertices, found %.3f, rms %.3f mm, reached %.3f, %d cut, %zu openings, %zu notes\n", r.vertices,
+              r.found, r.rms_mm, r.reached, r.cut, r.hole.size(), r.notes.size());
   std::vector<int32_t> of;
   const int32_t parts = components(m, of);
   for (int32_t c = 0; c < parts; ++c) {
     Vec3 lo = Vec3::Constant(1e9), hi = -lo;
     for (size_t u = 0; u < of.size(); ++u)
       if (of[u] == c) lo = lo.cwiseMin(m.x_mm[u]), hi = hi.cwiseMax(m.x_mm[u]);
-    std::printf("  part %d: %d vertices, x %.0f to %.0f, y %.0f to %.0f, z %.0f to %.0f mm\n", c, int(std::count(of.begin(), of.end(), c)), lo.x(), hi.x(), lo.y(), hi.y(), lo.z(), hi.z());
+    std::printf("  part %d: %d vertices, x %.0f to %.0f, y %.0f to %.0f, z %.0f to %.0f mm\n", c,
+                int(std::count(of.begin(), of.end(), c)), lo.x(), hi.x(), lo.y(), hi.y(), lo.z(), hi.z());
   }
-  for (const FitHole& h : r.hole) std::printf("  %s, (%.0f, %.0f, %.0f), %.0f mm\n", h.place.c_str(), h.centre_mm.x(), h.centre_mm.y(), h.centre_mm.z(), h.around_mm);
+  for (const FitHole& h : r.hole)
+    std::printf("  %s, (%.0f, %.0f, %.0f), %.0f mm\n", h.place.c_str(), h.centre_mm.x(), h.centre_mm.y(),
+                h.centre_mm.z(), h.around_mm);
   EXPECT_GE(r.cut, 1);
   EXPECT_EQ(census(m).components, 2);
   EXPECT_EQ(census(m).genus, 0);
@@ -190,8 +200,10 @@ TEST(Prepare, AirwayAndInnerTableAreBehindTheSeal) {
     const VolumeSampler guide(p.guide);
     EXPECT_NEAR(guide.value({0, 0, 37}), 0, 2.) << seal;
     EXPECT_NEAR(guide.value({0, 0, 47}), 10, 2.) << seal;
-    if (seal > 7) EXPECT_LT(guide.value({0, 0, 0}), -25);
-    else EXPECT_GT(guide.value({0, 0, 0}), 20);
+    if (seal > 7)
+      EXPECT_LT(guide.value({0, 0, 0}), -25);
+    else
+      EXPECT_GT(guide.value({0, 0, 0}), 20);
     for (const Vec3& x : p.surface_mm) EXPECT_TRUE(seal < 7 || x.norm() > 30);
   }
 }
@@ -207,14 +219,16 @@ TEST(Prepare, DistancesAreExactAndSmoothingKeepsTheSum) {
     for (int j = 0; j < 7; ++j)
       for (int i = 0; i < 9; ++i) {
         int best = 1 << 20;
-        for (const auto& a : at) best = std::min(best, (a[0] - i) * (a[0] - i) + (a[1] - j) * (a[1] - j) + (a[2] - k) * (a[2] - k));
+        for (const auto& a : at)
+          best = std::min(best, (a[0] - i) * (a[0] - i) + (a[1] - j) * (a[1] - j) + (a[2] - k) * (a[2] - k));
         EXPECT_EQ(d[size_t(i + 9 * (j + 7 * k))], float(best));
       }
   const Volume v = sampled(15, 1, [](const Vec3& x) { return x.norm() < 0.5 ? 1000. : 0.; });
   const Volume s = smoothed(v, 1, w);
   double sum = 0, second = 0;
   for (size_t i = 0; i < s.value.size(); ++i) sum += s.value[i];
-  for (int i = 0; i < 15; ++i) second += double(s.value[s.index(i, 7, 7)]) * (i - 7) * (i - 7) / double(s.value[s.index(7, 7, 7)]);
+  for (int i = 0; i < 15; ++i)
+    second += double(s.value[s.index(i, 7, 7)]) * (i - 7) * (i - 7) / double(s.value[s.index(7, 7, 7)]);
   EXPECT_NEAR(sum, 1000, 0.1);
   EXPECT_NEAR(second / std::sqrt(2 * 3.14159265), 1, 0.03);  // sum of i^2 exp(-i^2 / 2) = sqrt(2 pi)
 }
@@ -254,8 +268,9 @@ TEST(Fit, ARealHead) {
     FitSettings s;
     s.iso = q.iso, s.skull = bone;
     const FitReport r = fit(m, p, s, w);
-    std::printf("iso %g: %d vertices, %d iterations, found %.3f, rms %.3f mm, 95 %% %.3f mm, reached %.3f, %zu openings\n", q.iso, r.vertices, r.iterations, r.found, r.rms_mm, r.p95_mm,
-                r.reached, r.hole.size());
+    std::printf(
+        "iso %g: %d vertices, %d iterations, found %.3f, rms %.3f mm, 95 %% %.3f mm, reached %.3f, %zu openings\n",
+        q.iso, r.vertices, r.iterations, r.found, r.rms_mm, r.p95_mm, r.reached, r.hole.size());
     EXPECT_EQ(find_fault(m).value_or(""), "");
     EXPECT_GE(r.found, 0.95);
     EXPECT_LE(r.rms_mm, 0.5 * 1.5);
@@ -264,8 +279,10 @@ TEST(Fit, ARealHead) {
       return std::any_of(r.hole.begin(), r.hole.end(), [&](const FitHole& h) { return h.place.starts_with(name); });
     };
     EXPECT_TRUE(has("volume border, superior") && has("volume border, inferior"));
-    if (bone) EXPECT_TRUE(has("orbit, left") && has("orbit, right") && has("nose"));
-    else EXPECT_EQ(r.hole.size(), 2u);
+    if (bone)
+      EXPECT_TRUE(has("orbit, left") && has("orbit, right") && has("nose"));
+    else
+      EXPECT_EQ(r.hole.size(), 2u);
   }
 }
 

@@ -43,7 +43,10 @@ double angle_deg(const Vec3& a, const Vec3& corner, const Vec3& b) {
 }
 
 TEST(HeadShape, DistancesHaveTheirSignsAndTheirBound) {
-  for (HeadSpec spec : {HeadSpec{}, HeadSpec{.mandible_scale = 0.85, .ramus_left = 0.8, .vault_wide = 1.1, .vault_long = 0.9, .forehead_flat = 1}}) {
+  for (HeadSpec spec :
+       {HeadSpec{},
+        HeadSpec{
+            .mandible_scale = 0.85, .ramus_left = 0.8, .vault_wide = 1.1, .vault_long = 0.9, .forehead_flat = 1}}) {
     const HeadShape h(spec);
     // Inside: brain's shell at the vertex, cheekbone, chin; outside: brain, orbit, nose, mouth, far away.
     EXPECT_LT(h.skull({0, 2, 115}), 0);
@@ -52,7 +55,7 @@ TEST(HeadShape, DistancesHaveTheirSignsAndTheirBound) {
     EXPECT_LT(h.brain({0, 2, 53}), -20);
     EXPECT_GT(h.skull({31, 82, 14}), 5);
     EXPECT_GT(h.skull({0, 70, -20}), 5);
-    EXPECT_GT(h.skull({0, -22, -15}), 5);   // foramen magnum
+    EXPECT_GT(h.skull({0, -22, -15}), 5);  // foramen magnum
     EXPECT_LT(h.mandible(h.mandible_place({0, 82, -90})), -3);
     EXPECT_LT(h.skin({0, 2, 53}), -35);
     EXPECT_GT(h.skin({0, 130, 100}), 20);
@@ -62,7 +65,9 @@ TEST(HeadShape, DistancesHaveTheirSignsAndTheirBound) {
       const Vec3 p = r.in_box(), d = Vec3(r() - 0.5, r() - 0.5, r() - 0.5);
       const Vec3 q = p + std::pow(10, -3 + 4 * r()) * d;
       const double l = (q - p).norm();
-      for (double slope : {std::abs(h.skull(p) - h.skull(q)) / l, std::abs(h.mandible(p) - h.mandible(q)) / l, std::abs(h.skin(p) - h.skin(q)) / l}) worst = std::max(worst, slope);
+      for (double slope : {std::abs(h.skull(p) - h.skull(q)) / l, std::abs(h.mandible(p) - h.mandible(q)) / l,
+                           std::abs(h.skin(p) - h.skin(q)) / l})
+        worst = std::max(worst, slope);
       if (spec.ramus_left == 1) {
         EXPECT_NEAR(h.bone(p), h.bone({-p.x(), p.y(), p.z()}), 1e-9);
         EXPECT_NEAR(h.skin(p), h.skin({-p.x(), p.y(), p.z()}), 1e-9);
@@ -77,7 +82,8 @@ TEST(HeadShape, DistancesHaveTheirSignsAndTheirBound) {
 }
 
 TEST(HeadShape, BoneLiesUnderTheSkinAndTheMandibleUnderTheSkull) {
-  for (HeadSpec spec : {HeadSpec{}, HeadSpec{.mandible_scale = 0.85}, HeadSpec{.mandible_scale = 1.15}, HeadSpec{.ramus_left = 0.8}, HeadSpec{.forehead_flat = 1}}) {
+  for (HeadSpec spec : {HeadSpec{}, HeadSpec{.mandible_scale = 0.85}, HeadSpec{.mandible_scale = 1.15},
+                        HeadSpec{.ramus_left = 0.8}, HeadSpec{.forehead_flat = 1}}) {
     const HeadShape h(spec);
     Random r;
     double thinnest = 1e9, gap = 1e9;
@@ -87,8 +93,8 @@ TEST(HeadShape, BoneLiesUnderTheSkinAndTheMandibleUnderTheSkull) {
       if (m < 0 || s < 0) thinnest = std::min(thinnest, -h.skin(p));
       if (m < 0) gap = std::min(gap, s);
     }
-    EXPECT_GT(thinnest, 2.0) << spec.mandible_scale;  // rhinion: 3.1 mm published
-    EXPECT_GT(gap, 1.0) << spec.mandible_scale << " " << spec.ramus_left;   // two bones
+    EXPECT_GT(thinnest, 2.0) << spec.mandible_scale;                       // rhinion: 3.1 mm published
+    EXPECT_GT(gap, 1.0) << spec.mandible_scale << " " << spec.ramus_left;  // two bones
   }
 }
 
@@ -131,7 +137,8 @@ TEST(HeadModel, MeshesAreClosedOfTheStatedTopologyAndOnTheSurface) {
     int64_t genus, ends, least, most;
   };
   const HeadShape shape({});
-  for (const Part& p : {Part{"cranium", h.cranium, h.cranium_report, 3, 0, 8000, 12000}, {"mandible", h.mandible, h.mandible_report, 0, 0, 800, 1500},
+  for (const Part& p : {Part{"cranium", h.cranium, h.cranium_report, 3, 0, 8000, 12000},
+                        {"mandible", h.mandible, h.mandible_report, 0, 0, 800, 1500},
                         {"face", h.face, h.face_report, 0, 1, 4500, 6000}}) {
     SCOPED_TRACE(p.name);
     EXPECT_EQ(simplex::find_fault(p.mesh).value_or(""), "");
@@ -143,13 +150,15 @@ TEST(HeadModel, MeshesAreClosedOfTheStatedTopologyAndOnTheSurface) {
     EXPECT_LE(c.vertices, p.most);
     EXPECT_LT(p.report.max_mm, 1e-3);
     EXPECT_LE(p.report.folded, 4);
-    EXPECT_LT(p.report.face_rms_mm, 0.4);   // flat faces of 4 to 5 mm edges on radii of 5 mm and more: h^2 / 8 r = 0.5
-    std::printf("%s: %lld vertices, distance rms %.2g max %.2g mm, face centres rms %.2f max %.2f mm, %d folded\n", p.name, static_cast<long long>(c.vertices), p.report.rms_mm,
-                p.report.max_mm, p.report.face_rms_mm, p.report.face_max_mm, p.report.folded);
+    EXPECT_LT(p.report.face_rms_mm, 0.4);  // flat faces of 4 to 5 mm edges on radii of 5 mm and more: h^2 / 8 r = 0.5
+    std::printf("%s: %lld vertices, distance rms %.2g max %.2g mm, face centres rms %.2f max %.2f mm, %d folded\n",
+                p.name, static_cast<long long>(c.vertices), p.report.rms_mm, p.report.max_mm, p.report.face_rms_mm,
+                p.report.face_max_mm, p.report.folded);
   }
   // The volume of the mesh is that of the shape (by counting 2.5 mm cells).
   // Flat faces lose about h^2 / r a side on rods of 5 to 7 mm radius.
-  for (const auto& [mesh, f] : {std::pair{&h.cranium, +[](const HeadShape& s, const Vec3& x) { return s.skull(x); }}, {&h.mandible, +[](const HeadShape& s, const Vec3& x) { return s.mandible(x); }}}) {
+  for (const auto& [mesh, f] : {std::pair{&h.cranium, +[](const HeadShape&s, const Vec3&x) { return s.skull(x); }},
+                                {&h.mandible, +[](const HeadShape&s, const Vec3&x) { return s.mandible(x); }}}) {
     double inside = 0;
     for (double x = -80; x < 80; x += 2.5)
       for (double y = -95; y < 115; y += 2.5)
@@ -171,7 +180,11 @@ TEST(HeadModel, LandmarksLieOnTheirSurfacesAndAreExtremal) {
   for (const LandmarkRule& r : landmark_rules()) {
     SCOPED_TRACE(r.name);
     const Vec3 p = L.at(r.pair ? std::string(r.name) + "_R" : r.name);
-    const auto f = [&](const Vec3& q) { return r.surface == LandmarkRule::Surface::skull ? h.skull(q) : r.surface == LandmarkRule::Surface::mandible ? h.mandible(q) : h.skin(q); };
+    const auto f = [&](const Vec3& q) {
+      return r.surface == LandmarkRule::Surface::skull      ? h.skull(q)
+             : r.surface == LandmarkRule::Surface::mandible ? h.mandible(q)
+                                                            : h.skin(q);
+    };
     EXPECT_LT(std::abs(f(p)), 1e-5);
     EXPECT_LT((p - r.place).norm(), 12);
     if (r.pair) {
@@ -202,7 +215,7 @@ TEST(HeadModel, ProportionsAreThoseOfAnAdult) {
   EXPECT_NEAR(far("N", "Me"), 120, 12);
   EXPECT_NEAR(far("ch_L", "ch_R"), 54, 4);
   EXPECT_NEAR(far("en_L", "en_R"), 32, 2);
-  EXPECT_NEAR(L.at("Or_R").z(), 0, 3);        // the Frankfurt plane
+  EXPECT_NEAR(L.at("Or_R").z(), 0, 3);  // the Frankfurt plane
 }
 
 TEST(HeadModel, SoftTissueIsAsThickAsPublished) {
@@ -212,9 +225,18 @@ TEST(HeadModel, SoftTissueIsAsThickAsPublished) {
     const char* name;
     double published_mm, within_mm;
   };
-  // Order of magnitude of adult means (glabella 5.5, nasion 6.5, rhinion 3.1, subspinale and philtrum 11 to 12.5, pogonion 11, menton 7,
+  // Order of magnitude of adult means (glabella 5.5, nasion 6.5, rhinion 3.1, subspinale and philtrum 11 to 12.5,
+  // pogonion 11, menton 7,
   // zygion 6, gonion 10, vertex 5.5); individuals differ by a fifth to a third.
-  for (const Row& r : {Row{"G", 5.5, 1.5}, {"N", 6.5, 1.5}, {"Rhi", 3.07, 0.6}, {"A", 11, 2.5}, {"Pog", 11, 2.5}, {"Me", 7, 2}, {"Zy_R", 6, 1}, {"Go_R", 10, 2.5}, {"V", 5.5, 1}}) {
+  for (const Row& r : {Row{"G", 5.5, 1.5},
+                       {"N", 6.5, 1.5},
+                       {"Rhi", 3.07, 0.6},
+                       {"A", 11, 2.5},
+                       {"Pog", 11, 2.5},
+                       {"Me", 7, 2},
+                       {"Zy_R", 6, 1},
+                       {"Go_R", 10, 2.5},
+                       {"V", 5.5, 1}}) {
     const double thick = -h.skin(L.at(r.name));
     std::printf("%s %.2f mm (published %.2f)\n", r.name, thick, r.published_mm);
     EXPECT_NEAR(thick, r.published_mm, r.within_mm) << r.name;
@@ -223,8 +245,10 @@ TEST(HeadModel, SoftTissueIsAsThickAsPublished) {
 
 TEST(HeadModel, VariantsMoveWhatTheySayAndNothingElse) {
   const auto normal = landmarks();
-  const auto shorter = landmarks({.mandible_scale = 0.9}), ramus = landmarks({.ramus_left = 0.8}), flat = landmarks({.forehead_flat = 1}), wide = landmarks({.vault_wide = 1.1});
-  EXPECT_NEAR((normal.at("Pog") - shorter.at("Pog")).y(), 7.15, 0.4);  // a tenth of 71.5 mm from the ramus to the chin's middle
+  const auto shorter = landmarks({.mandible_scale = 0.9}), ramus = landmarks({.ramus_left = 0.8}),
+             flat = landmarks({.forehead_flat = 1}), wide = landmarks({.vault_wide = 1.1});
+  EXPECT_NEAR((normal.at("Pog") - shorter.at("Pog")).y(), 7.15,
+              0.4);  // a tenth of 71.5 mm from the ramus to the chin's middle
   EXPECT_LT((normal.at("A") - shorter.at("A")).norm(), 1e-6);
   EXPECT_LT((normal.at("Co_R") - shorter.at("Co_R")).norm(), 0.3);
   EXPECT_GT(shorter.at("sl").y(), 0);
@@ -245,11 +269,12 @@ TEST(HeadCt, NumbersAndSurfacesAreWhereTheyShouldBe) {
   EXPECT_NEAR(at({0, 130, 100}), -1000, 1e-3);
   EXPECT_NEAR(at({0, 0, 60}), 35, 1);
   EXPECT_NEAR(at({31, 76, 14}), 20, 2);
-  EXPECT_NEAR(at({0, 66, -19}), -1000, 5);            // nose
-  EXPECT_NEAR(at({23, 66, -22}), -1000, 30);          // maxillary sinus
+  EXPECT_NEAR(at({0, 66, -19}), -1000, 5);    // nose
+  EXPECT_NEAR(at({23, 66, -22}), -1000, 30);  // maxillary sinus
   EXPECT_GT(at({0, 2, 114.5}), 400);
   double square = 0;
-  for (size_t i = 0; i < v.value.size(); ++i) square += std::pow(double(noisy.value[i]) - double(v.value[i]), 2) / double(v.value.size());
+  for (size_t i = 0; i < v.value.size(); ++i)
+    square += std::pow(double(noisy.value[i]) - double(v.value[i]), 2) / double(v.value.size());
   EXPECT_NEAR(std::sqrt(square), 15, 0.1);
   // The isosurfaces of skin and bone against the shape, along lines inwards from the landmarks.
   double worst_skin = 0, worst_bone = 0;
@@ -271,8 +296,8 @@ TEST(HeadCt, NumbersAndSurfacesAreWhereTheyShouldBe) {
         }
     }
   }
-  EXPECT_LT(worst_skin, 0.4);   // a fifth of a voxel
-  EXPECT_LT(worst_bone, 0.6);   // the table is three voxels thick and its middle less dense
+  EXPECT_LT(worst_skin, 0.4);  // a fifth of a voxel
+  EXPECT_LT(worst_bone, 0.6);  // the table is three voxels thick and its middle less dense
   EXPECT_THROW(head_ct({}, 0.1, w), InputError);
   EXPECT_THROW(head_ct({}, 2, w, {.blur_mm = NAN}), InputError);
 }

@@ -1,4 +1,5 @@
-// NIfTI, DICOM series and surfaces from files: every way of writing the same, every way of breaking it (bytes changed at random: test_readers_fuzz).
+// NIfTI, DICOM series and surfaces from files: every way of writing the same, every way of breaking it (bytes changed
+// at random: test_readers_fuzz).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,7 +24,8 @@ namespace fs = std::filesystem;
 class Readers : public testing::Test {
  protected:
   void SetUp() override {
-    dir_ = fs::temp_directory_path() / ("limberg_readers_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    dir_ = fs::temp_directory_path() /
+           ("limberg_readers_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(dir_);
     fs::create_directories(dir_);
   }
@@ -74,8 +76,14 @@ TEST_F(Readers, Nifti) {
   EXPECT_NE(broken([](std::string& s) { put<int16_t>(s, 40, 2, false); }).find("3 were expected"), std::string::npos);
   EXPECT_NE(broken([](std::string& s) { put<int16_t>(s, 70, 128, false); }).find("type 128"), std::string::npos);
   EXPECT_NE(broken([](std::string& s) { put<int16_t>(s, 42, 0, false); }).find("voxels"), std::string::npos);
-  EXPECT_NE(broken([](std::string& s) { put<int16_t>(s, 42, 2000, false), put<int16_t>(s, 44, 2000, false), put<int16_t>(s, 46, 2000, false); }).find("voxels"), std::string::npos);  // 16 GB
-  EXPECT_NE(broken([](std::string& s) { put<int16_t>(s, 42, 700, false), put<int16_t>(s, 44, 700, false), put<int16_t>(s, 46, 700, false); }).find("cut short"), std::string::npos);
+  EXPECT_NE(broken([](std::string& s) {
+              put<int16_t>(s, 42, 2000, false), put<int16_t>(s, 44, 2000, false), put<int16_t>(s, 46, 2000, false);
+            }).find("voxels"),
+            std::string::npos);  // 16 GB
+  EXPECT_NE(broken([](std::string& s) {
+              put<int16_t>(s, 42, 700, false), put<int16_t>(s, 44, 700, false), put<int16_t>(s, 46, 700, false);
+            }).find("cut short"),
+            std::string::npos);
   EXPECT_NE(broken([](std::string& s) { s.pop_back(); }).find("cut short"), std::string::npos);
   EXPECT_NE(broken([](std::string& s) { put<float>(s, 280, 1e9f, false); }).find("mm long"), std::string::npos);
   EXPECT_NE(broken([](std::string& s) { put<float>(s, 112, NAN, false); }).find("finite"), std::string::npos);
@@ -109,7 +117,9 @@ TEST_F(Readers, TiltAndUnevenGapsAreEvenedOut) {
     for (int k = 0; k < 7; ++k) {
       Slice s;
       s.columns = 16, s.rows = 20, s.at = {0, tilt * z[k], z[k]};
-      s.value = [&](int i, int j) { return int16_t(std::lround(10 * (2 * (2. * i) + 3 * (2. * j + tilt * z[k]) + 5 * z[k] + 100))); };
+      s.value = [&](int i, int j) {
+        return int16_t(std::lround(10 * (2 * (2. * i) + 3 * (2. * j + tilt * z[k]) + 5 * z[k] + 100)));
+      };
       s.slope = 0.1;
       write("t" + std::to_string(int(tilt * 100)) + "/" + std::to_string(k), dicom(s));
     }
@@ -140,22 +150,44 @@ TEST_F(Readers, BrokenSeriesAreRefusedByName) {
     return message([&] { load_volume(dir_ / d); });
   };
   EXPECT_EQ(series("good", [](int, Slice&) {}), "accepted");
-  EXPECT_NE(series("missing", [](int k, Slice& s) { if (k == 3 || k == 4) s.columns = 0; }).find("2 slices are missing"), std::string::npos);
-  EXPECT_NE(series("twice", [](int k, Slice& s) { if (k == 3) s.at.z() = 4; }).find("lies where"), std::string::npos);
-  EXPECT_NE(series("sizes", [](int k, Slice& s) { if (k == 3) s.columns = 7; }).find("one size"), std::string::npos);
-  EXPECT_NE(series("far", [](int k, Slice& s) { s.at.z() = k < 4 ? k : 20.7 + 1.7 * k; }).find("at most 10 mm"), std::string::npos);
+  EXPECT_NE(series("missing",
+                   [](int k, Slice& s) {
+                     if (k == 3 || k == 4) s.columns = 0;
+                   })
+                .find("2 slices are missing"),
+            std::string::npos);
+  EXPECT_NE(series("twice",
+                   [](int k, Slice& s) {
+                     if (k == 3) s.at.z() = 4;
+                   })
+                .find("lies where"),
+            std::string::npos);
+  EXPECT_NE(series("sizes",
+                   [](int k, Slice& s) {
+                     if (k == 3) s.columns = 7;
+                   })
+                .find("one size"),
+            std::string::npos);
+  EXPECT_NE(series("far", [](int k, Slice& s) { s.at.z() = k < 4 ? k : 20.7 + 1.7 * k; }).find("at most 10 mm"),
+            std::string::npos);
   EXPECT_NE(series("spacing", [](int, Slice& s) { s.spacing = 1e7; }).find("mm long"), std::string::npos);
   EXPECT_NE(series("nan", [](int, Slice& s) { s.intercept = NAN; }).find("finite"), std::string::npos);
-  EXPECT_NE(series("big", [](int, Slice& s) { s.syntax = "1.2.840.10008.1.2.2"; }).find("big endian"), std::string::npos);
+  EXPECT_NE(series("big", [](int, Slice& s) { s.syntax = "1.2.840.10008.1.2.2"; }).find("big endian"),
+            std::string::npos);
   // Plain numbers under a compressed syntax: GDCM, where it is built in, sees through that.
   const std::string packed = series("packed", [](int, Slice& s) { s.syntax = "1.2.840.10008.1.2.4.70"; });
   EXPECT_TRUE(packed == "accepted" || packed.find("compressed") != std::string::npos) << packed;
   EXPECT_NE(series("strange", [](int, Slice& s) { s.syntax = "1.9"; }).find("not known"), std::string::npos);
-  EXPECT_NE(series("one", [](int, Slice&) {}, 1).find("at least 2"), std::string::npos);
+  EXPECT_NE(series(
+                "one", [](int, Slice&) {}, 1)
+                .find("at least 2"),
+            std::string::npos);
   fs::create_directories(dir_ / "empty");
   EXPECT_NE(message([&] { load_volume(dir_ / "empty"); }).find("no DICOM"), std::string::npos);
   // Two series in one folder: listed; the one asked for is taken.
-  const std::string both = series("both", [](int k, Slice& s) { if (k % 2) s.series = "1.2.4", s.description = "thorax"; });
+  const std::string both = series("both", [](int k, Slice& s) {
+    if (k % 2) s.series = "1.2.4", s.description = "thorax";
+  });
   EXPECT_NE(both.find("2 series"), std::string::npos);
   EXPECT_NE(both.find("thorax"), std::string::npos);
   for (const char* name : {"2", "1.2.4", "thorax"}) EXPECT_EQ(load_volume(dir_ / "both", name).size[2], 4);
@@ -196,7 +228,8 @@ TEST_F(Readers, CompressedSlicesThroughGdcm) {
       s.sequence = false, s.columns = 24, s.rows = 20, s.at.z() = 2 * k, s.intercept = -24;
       s.value = [k](int i, int j) { return int16_t(i * j + 10 * j + 100 * k); };
       const std::string from = write("whole/s" + std::to_string(k), dicom(s));
-      const std::string command = std::string("gdcmconv ") + how + " '" + from + "' '" + (dir_ / to / ("s" + std::to_string(k))).string() + "' > /dev/null 2>&1";
+      const std::string command = std::string("gdcmconv ") + how + " '" + from + "' '" +
+                                  (dir_ / to / ("s" + std::to_string(k))).string() + "' > /dev/null 2>&1";
       ASSERT_EQ(std::system(command.c_str()), 0) << command;
     }
     try {
@@ -204,7 +237,9 @@ TEST_F(Readers, CompressedSlicesThroughGdcm) {
       EXPECT_EQ(v.size, whole.size) << how;
       EXPECT_TRUE(v.value == whole.value) << how;
     } catch (const InputError& e) {
-      if (std::string(e.what()).find("GDCM") == std::string::npos || std::string(e.what()).find("damaged") != std::string::npos) throw;
+      if (std::string(e.what()).find("GDCM") == std::string::npos ||
+          std::string(e.what()).find("damaged") != std::string::npos)
+        throw;
       GTEST_SKIP() << e.what();
     }
   }
@@ -225,7 +260,9 @@ TEST_F(Readers, SurfacesFromEveryFormat) {
   for (const fuzz::Ply form : {fuzz::Ply::little, fuzz::Ply::big}) {
     const std::string s = fuzz::ply_file(form);
     same(load_surface(write("b.ply", s)));
-    for (const size_t n : {s.size() - 1, s.size() - 30, s.size() - 60}) EXPECT_NE(message([&] { parse_surface(std::string_view(s).substr(0, n), "b.ply"); }).find("cut short"), std::string::npos);
+    for (const size_t n : {s.size() - 1, s.size() - 30, s.size() - 60})
+      EXPECT_NE(message([&] { parse_surface(std::string_view(s).substr(0, n), "b.ply"); }).find("cut short"),
+                std::string::npos);
   }
   const std::string binary = fuzz::stl_file(true);
   same(load_surface(write("b.stl", binary)));
@@ -236,13 +273,18 @@ TEST_F(Readers, SurfacesFromEveryFormat) {
   EXPECT_NE(message([] { parse_surface("v 0 0 0\nf 1 2 3\n", "a.obj"); }).find("a.obj:2"), std::string::npos);
   EXPECT_NE(message([] { parse_surface("v 0 0 inf\n", "a.obj"); }).find("finite"), std::string::npos);
   EXPECT_NE(message([] { parse_surface("1 2\n", "a.xyz"); }).find("three numbers"), std::string::npos);
-  EXPECT_NE(message([] { parse_surface("ply\nformat ascii 1.0\nelement vertex 999999999999\nproperty float x\nend_header\n", "a.ply"); }).find("more than the file"), std::string::npos);
+  EXPECT_NE(message([] {
+              parse_surface("ply\nformat ascii 1.0\nelement vertex 999999999999\nproperty float x\nend_header\n",
+                            "a.ply");
+            }).find("more than the file"),
+            std::string::npos);
   EXPECT_NE(message([] { parse_surface("hello\n", "a.obj"); }).find("no kind"), std::string::npos);
 }
 
 TEST_F(Readers, TheRealSeriesIsTheRealVolume) {
   const char* path = std::getenv("LIMBERG_CT_HEAD");  // its .nhdr; the series lies in dicom/ beside it
-  if (!path || !fs::is_directory(fs::path(path).parent_path() / "dicom")) GTEST_SKIP() << "LIMBERG_CT_HEAD is not set, or has no dicom folder beside it";
+  if (!path || !fs::is_directory(fs::path(path).parent_path() / "dicom"))
+    GTEST_SKIP() << "LIMBERG_CT_HEAD is not set, or has no dicom folder beside it";
   const Volume a = load_volume(path), b = load_volume(fs::path(path).parent_path() / "dicom");
   ASSERT_EQ(a.size, b.size);
   EXPECT_TRUE(a.value == b.value);

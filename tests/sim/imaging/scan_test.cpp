@@ -1,4 +1,5 @@
-// A plane, deformed to range scans: a face-like bump with a nose, turned this way and that, noisy; and a real face where one is at hand.
+// A plane, deformed to range scans: a face-like bump with a nose, turned this way and that, noisy; and a real face
+// where one is at hand.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -23,11 +24,15 @@ struct Lcg {
   }
 };
 
-/// Height of a face of 140 x 180 mm above its rim, 70 mm deep: half an ellipsoid with a nose of 25 mm and hollow orbits.
+/// Height of a face of 140 x 180 mm above its rim, 70 mm deep: half an ellipsoid with a nose of 25 mm and hollow
+/// orbits.
 double face_height(double x, double y) {
   const double q = 1 - x * x / 4900 - y * y / 8100;
-  const auto bump = [&](double cx, double cy, double sx, double sy) { return std::exp(-std::pow((x - cx) / sx, 2) - std::pow((y - cy) / sy, 2)); };
-  return 70 * std::sqrt(std::max(q, 0.)) + 25 * bump(0, -5, 11, 22) - 8 * bump(-30, 25, 14, 9) - 8 * bump(30, 25, 14, 9);
+  const auto bump = [&](double cx, double cy, double sx, double sy) {
+    return std::exp(-std::pow((x - cx) / sx, 2) - std::pow((y - cy) / sy, 2));
+  };
+  return 70 * std::sqrt(std::max(q, 0.)) + 25 * bump(0, -5, 11, 22) - 8 * bump(-30, 25, 14, 9) -
+         8 * bump(30, 25, 14, 9);
 }
 
 std::vector<Vec3> face_scan(double spacing, double noise, uint64_t seed) {
@@ -35,7 +40,8 @@ std::vector<Vec3> face_scan(double spacing, double noise, uint64_t seed) {
   Lcg r{seed};
   for (double y = -88; y <= 88; y += spacing)
     for (double x = -68; x <= 68; x += spacing)
-      if (x * x / 4900 + y * y / 8100 < 0.93) out.push_back(Vec3(x, y, face_height(x, y)) + noise * Vec3(r(), r(), r()));
+      if (x * x / 4900 + y * y / 8100 < 0.93)
+        out.push_back(Vec3(x, y, face_height(x, y)) + noise * Vec3(r(), r(), r()));
   return out;
 }
 
@@ -85,20 +91,23 @@ TEST(Scan, APlaneReachesAFaceHoweverItIsTurned) {
     EXPECT_GT(r.found, 0.95);
     EXPECT_GT(r.reached, 0.95);
     EXPECT_LT(r.rms_mm, 0.5 * r.voxel_mm);
-    std::printf("%d vertices, found %.3f, reached %.3f, rms %.3f mm, spacing %.2f mm, %zu openings\n", r.vertices, r.found, r.reached, r.rms_mm, r.voxel_mm, r.hole.size());
+    std::printf("%d vertices, found %.3f, reached %.3f, rms %.3f mm, spacing %.2f mm, %zu openings\n", r.vertices,
+                r.found, r.reached, r.rms_mm, r.voxel_mm, r.hole.size());
     double rms = 0;  // to the truth, not to its noisy points; away from the rim, beyond which there is none
     int n = 0;
     for (const Vec3& p : m.x_mm) {
       const Vec3 q = R.transpose() * p;
       if (q.x() * q.x() / 4900 + q.y() * q.y() / 8100 > 0.85) continue;
       ++n;
-      const double h = 1e-3, gx = (face_height(q.x() + h, q.y()) - face_height(q.x() - h, q.y())) / (2 * h), gy = (face_height(q.x(), q.y() + h) - face_height(q.x(), q.y() - h)) / (2 * h);
+      const double h = 1e-3, gx = (face_height(q.x() + h, q.y()) - face_height(q.x() - h, q.y())) / (2 * h),
+                   gy = (face_height(q.x(), q.y() + h) - face_height(q.x(), q.y() - h)) / (2 * h);
       rms += std::pow((q.z() - face_height(q.x(), q.y())) / std::sqrt(1 + gx * gx + gy * gy), 2);
     }
     ASSERT_GT(n, 500);
     EXPECT_LT(std::sqrt(rms / n), 0.5 * r.voxel_mm);
     ASSERT_GE(r.hole.size(), 1u);
-    EXPECT_NEAR(r.hole[0].around_mm, 488, 0.1 * 488);  // Ramanujan: an ellipse of 67.5 x 86.8 mm, smooth, not to and fro
+    EXPECT_NEAR(r.hole[0].around_mm, 488,
+                0.1 * 488);  // Ramanujan: an ellipse of 67.5 x 86.8 mm, smooth, not to and fro
     EXPECT_EQ(simplex::census(m).genus, 0);
   }
 }
@@ -119,7 +128,8 @@ TEST(Scan, RimsStayAtItsEdge) {
   EXPECT_NEAR(r.hole[0].around_mm, 400, 0.1 * 400);
 }
 
-/// A ball of 60 mm, its points `above` mm apart over z = 0 and `below` under it, without those within `bare_mm` of its lower pole.
+/// A ball of 60 mm, its points `above` mm apart over z = 0 and `below` under it, without those within `bare_mm` of its
+/// lower pole.
 std::vector<Vec3> ball_scan(double above, double below, double bare_mm = 0) {
   std::vector<Vec3> out;
   for (const double spacing : {above, below}) {
@@ -168,7 +178,8 @@ TEST(Scan, AHoleAmongSparsePointsIsStillOne) {
   EXPECT_GT(r.hole[0].around_mm, 237 - 2 * M_PI * 12);
 }
 
-/// A ball of 60 mm on a neck that widens from 45 to 75 mm at its end, 160 mm below, and is open there: a shell 4 mm thick, as a scan of a head
+/// A ball of 60 mm on a neck that widens from 45 to 75 mm at its end, 160 mm below, and is open there: a shell 4 mm
+/// thick, as a scan of a head
 /// may be. The neck's rings are four times as far apart as the ball's.
 Surface shell() {
   std::vector<Vec2> outline;  // radius and height, up along the outside
@@ -182,19 +193,26 @@ Surface shell() {
   const int rows = int(outline.size());
   for (const double r : {1., 56. / 60})
     for (const Vec2& q : outline)
-      for (int k = 0; k < n; ++k) s.x_mm.push_back({r * q.x() * std::cos(k * 2 * M_PI / n), r * q.x() * std::sin(k * 2 * M_PI / n), q.y() > -40.1 ? r * q.y() : q.y()});
+      for (int k = 0; k < n; ++k)
+        s.x_mm.push_back({r * q.x() * std::cos(k * 2 * M_PI / n), r * q.x() * std::sin(k * 2 * M_PI / n),
+                          q.y() > -40.1 ? r * q.y() : q.y()});
   const auto at = [&](int side, int row, int k) { return int32_t((side * rows + row) * n + k % n); };
   for (int k = 0; k < n; ++k) {
     for (int row = 0; row + 1 < rows; ++row) {
-      s.tri.push_back({at(0, row, k), at(0, row, k + 1), at(0, row + 1, k)}), s.tri.push_back({at(0, row, k + 1), at(0, row + 1, k + 1), at(0, row + 1, k)});
-      s.tri.push_back({at(1, row, k), at(1, row + 1, k), at(1, row, k + 1)}), s.tri.push_back({at(1, row, k + 1), at(1, row + 1, k), at(1, row + 1, k + 1)});
+      s.tri.push_back({at(0, row, k), at(0, row, k + 1), at(0, row + 1, k)}),
+          s.tri.push_back({at(0, row, k + 1), at(0, row + 1, k + 1), at(0, row + 1, k)});
+      s.tri.push_back({at(1, row, k), at(1, row + 1, k), at(1, row, k + 1)}),
+          s.tri.push_back({at(1, row, k + 1), at(1, row + 1, k), at(1, row + 1, k + 1)});
     }
-    s.tri.push_back({at(0, 0, k), at(1, 0, k), at(0, 0, k + 1)}), s.tri.push_back({at(0, 0, k + 1), at(1, 0, k), at(1, 0, k + 1)});
+    s.tri.push_back({at(0, 0, k), at(1, 0, k), at(0, 0, k + 1)}),
+        s.tri.push_back({at(0, 0, k + 1), at(1, 0, k), at(1, 0, k + 1)});
   }
   return s;
 }
 
-bool on_outside(const Vec3& x) { return x.z() > -40.1 ? x.norm() > 58 : std::hypot(x.x(), x.y()) > 43 - 0.25 * (x.z() + 40); }
+bool on_outside(const Vec3& x) {
+  return x.z() > -40.1 ? x.norm() > 58 : std::hypot(x.x(), x.y()) > 43 - 0.25 * (x.z() + 40);
+}
 
 TEST(Scan, TheDeepSideOfAShellIsHidden) {
   Surface s = shell();
@@ -234,7 +252,8 @@ TEST(Scan, OnlyPointsThatLookTheWayOfTheMeshDrawIt) {
       EXPECT_LT((knows.pull(x, {0, 0, N}, 1, 30, seen) - to).norm(), 1e-9) << z << " " << N;
       EXPECT_TRUE(seen);
       // Where it is not known which way they look the nearest draws, whatever its side.
-      EXPECT_LT((blind.pull(x, {0, 0, N}, 1, 30, seen) - Vec3(0, 0, z > -2 ? 0 - z : -4 - z)).norm(), 1e-9) << z << " " << N;
+      EXPECT_LT((blind.pull(x, {0, 0, N}, 1, 30, seen) - Vec3(0, 0, z > -2 ? 0 - z : -4 - z)).norm(), 1e-9)
+          << z << " " << N;
     }
 }
 
@@ -244,7 +263,8 @@ TEST(Scan, ASphereGoesDownANeckToItsEnd) {
   for (const bool deep : {false, true}) {
     if (deep)  // points on both sides, which look away from each other
       for (const Vec3& x : s.x_mm)
-        if (!on_outside(x) && x.z() > -90) seen.x_mm.push_back(x), seen.looks.push_back(-Vec3(x.x(), x.y(), std::max(x.z(), 0.)).normalized());
+        if (!on_outside(x) && x.z() > -90)
+          seen.x_mm.push_back(x), seen.looks.push_back(-Vec3(x.x(), x.y(), std::max(x.z(), 0.)).normalized());
     InlineWorkers w;
     FitSettings f;
     f.edge_mm = 5, f.range_mm = 50;
@@ -260,8 +280,10 @@ TEST(Scan, ASphereGoesDownANeckToItsEnd) {
       lowest = std::min(lowest, x.z());
     }
     const double off = std::sqrt(square / above);  // of the upper half
-    std::printf("%d vertices, found %.3f, reached %.3f, rms %.3f mm, off %.3f mm, lowest %.0f mm, spacing %.2f mm, %zu openings\n", r.vertices, r.found, r.reached, r.rms_mm, off, lowest, r.voxel_mm,
-                r.hole.size());
+    std::printf(
+        "%d vertices, found %.3f, reached %.3f, rms %.3f mm, off %.3f mm, lowest %.0f mm, spacing %.2f mm, %zu "
+        "openings\n",
+        r.vertices, r.found, r.reached, r.rms_mm, off, lowest, r.voxel_mm, r.hole.size());
     EXPECT_LT(off, 1);  // the deep side is 4 mm away
     if (deep) continue;
     EXPECT_GT(r.found, 0.95);  // as app/commands/fit.cpp wants them
@@ -321,7 +343,8 @@ TEST(Scan, WhatLiesBehindIsHidden) {
 }
 
 TEST(Scan, ADeepFaceIsSeenFromTheFront) {
-  // Half a tube with a back, deeper than wide: along its least spread, from the side, half as much of it is seen as from the front.
+  // Half a tube with a back, deeper than wide: along its least spread, from the side, half as much of it is seen as
+  // from the front.
   std::vector<Vec3> x;
   for (double y = -100; y <= 100; y += 4)
     for (double a = 0; a <= M_PI; a += 0.05)
@@ -348,9 +371,12 @@ TEST(Scan, ARealFace) {
     s.edge_mm = 5, s.range_mm = 80;
     const FitReport r = fit(m, seen, s, w, &view);
     EXPECT_EQ(find_fault(m).value_or(""), "");
-    std::printf("%zu of %zu points seen, %d vertices, found %.3f, reached %.3f, rms %.3f mm, spacing %.2f mm, %zu openings, the first %.0f mm around\n", seen.size(), x.size(), r.vertices, r.found, r.reached, r.rms_mm,
-                r.voxel_mm, r.hole.size(), r.hole.empty() ? 0 : r.hole[0].around_mm);
-    EXPECT_GT(r.found, 0.95);    // as app/commands/fit.cpp wants it
+    std::printf(
+        "%zu of %zu points seen, %d vertices, found %.3f, reached %.3f, rms %.3f mm, spacing %.2f mm, %zu openings, "
+        "the first %.0f mm around\n",
+        seen.size(), x.size(), r.vertices, r.found, r.reached, r.rms_mm, r.voxel_mm, r.hole.size(),
+        r.hole.empty() ? 0 : r.hole[0].around_mm);
+    EXPECT_GT(r.found, 0.95);  // as app/commands/fit.cpp wants it
     EXPECT_GT(r.reached, 0.95);
     EXPECT_LT(r.rms_mm, 0.5 * r.voxel_mm);
     ASSERT_GE(r.hole.size(), 1u);

@@ -1,4 +1,6 @@
 // Known motions are found again: landmarks, ICP on partial and noisy surfaces, mirror plane, volumes of other contrast.
+#include "sim/imaging/superposition.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,7 +9,6 @@
 #include "sim/imaging/fit.h"
 #include "sim/imaging/prepare.h"
 #include "sim/imaging/registration.h"
-#include "sim/imaging/superposition.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/generators.h"
 
@@ -18,14 +19,17 @@ constexpr double kDegree = 3.14159265358979 / 180;
 
 /// Uneven in every direction, like a head: bumps on an ellipsoid.
 Vec3 place(const Vec3& u) {
-  double r = 1 + 0.12 * std::exp(-8 * (u - Vec3(0, -1, -0.2).normalized()).squaredNorm()) + 0.1 * std::exp(-10 * (u - Vec3(0.8, 0.3, 0.5).normalized()).squaredNorm()) -
+  double r = 1 + 0.12 * std::exp(-8 * (u - Vec3(0, -1, -0.2).normalized()).squaredNorm()) +
+             0.1 * std::exp(-10 * (u - Vec3(0.8, 0.3, 0.5).normalized()).squaredNorm()) -
              0.08 * std::exp(-12 * (u - Vec3(-0.4, -0.8, 0.4).normalized()).squaredNorm());
   return (r * u).cwiseProduct(Vec3(70, 95, 80));
 }
 /// The same with the bumps on either side of x = 0.
 Vec3 symmetric(const Vec3& u) {
   const Vec3 a(std::abs(u.x()), u.y(), u.z());
-  const double r = 1 + 0.12 * std::exp(-8 * (a - Vec3(0, -1, -0.2)).squaredNorm()) + 0.1 * std::exp(-10 * (a - Vec3(0.8, 0.3, 0.5)).squaredNorm()) - 0.08 * std::exp(-12 * (a - Vec3(0.4, -0.8, 0.4)).squaredNorm());
+  const double r = 1 + 0.12 * std::exp(-8 * (a - Vec3(0, -1, -0.2)).squaredNorm()) +
+                   0.1 * std::exp(-10 * (a - Vec3(0.8, 0.3, 0.5)).squaredNorm()) -
+                   0.08 * std::exp(-12 * (a - Vec3(0.4, -0.8, 0.4)).squaredNorm());
   return (r * u).cwiseProduct(Vec3(70, 95, 80));
 }
 
@@ -76,7 +80,8 @@ TEST(Landmarks, AnExactMotionComesBack) {
 }
 
 TEST(Landmarks, TooFewOrOnALineAreRefused) {
-  const std::vector<Vec3> two{{0, 0, 0}, {1, 0, 0}}, line{{0, 0, 0}, {10, 0, 0}, {20, 0.05, 0}, {35, 0, 0.05}}, same(4, Vec3(1, 2, 3)), good{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
+  const std::vector<Vec3> two{{0, 0, 0}, {1, 0, 0}}, line{{0, 0, 0}, {10, 0, 0}, {20, 0.05, 0}, {35, 0, 0.05}},
+      same(4, Vec3(1, 2, 3)), good{{0, 0, 0}, {10, 0, 0}, {0, 10, 0}};
   EXPECT_NE(fit_landmarks(two, two, false).reason.find("at least 3"), std::string::npos);
   EXPECT_NE(fit_landmarks(line, line, false).reason.find("on a line"), std::string::npos);
   EXPECT_NE(fit_landmarks(same, same, false).reason.find("one place"), std::string::npos);
@@ -104,14 +109,16 @@ TEST(Icp, AKnownMotionOnAPartialAndNoisySurface) {
   ASSERT_TRUE(r) << r.reason;
   EXPECT_TRUE(r.still);
   const double error = worst(r.map, known(), part.x_mm);
-  std::printf("%zu points, %d iterations, rms %.3f mm, worst place %.3f mm off\n", part.x_mm.size(), r.iterations, r.rms_mm, error);
+  std::printf("%zu points, %d iterations, rms %.3f mm, worst place %.3f mm off\n", part.x_mm.size(), r.iterations,
+              r.rms_mm, error);
   EXPECT_LT(error, 0.1);
   // The same without the trimming is dragged away by the part that was moved: the trimming is what does it.
   s.keep = 1;
   EXPECT_GT(worst(icp(part, target, {}, s, w).map, known(), part.x_mm), 0.3);
   // From far away, by middles and axes (the whole surface).
   Similarity far;
-  far.R = Eigen::AngleAxisd(150 * kDegree, Vec3(0.2, 1, 0.4).normalized()).toRotationMatrix(), far.t_mm = {300, -100, 50};
+  far.R = Eigen::AngleAxisd(150 * kDegree, Vec3(0.2, 1, 0.4).normalized()).toRotationMatrix(),
+  far.t_mm = {300, -100, 50};
   Surface moved = head(place, 4);
   const std::vector<Vec3> at = moved.x_mm;
   for (Vec3& x : moved.x_mm) x = far(x);
@@ -200,7 +207,8 @@ TEST(Scan, APointCloudIsFittedWhereItHasPoints) {
   s.edge_mm = 5;
   const FitReport r = fit(m, scan, s, w);
   EXPECT_EQ(simplex::find_fault(m).value_or(""), "");
-  std::printf("%d vertices, found %.3f, rms %.3f mm, reached %.3f, %zu openings, spacing %.2f mm\n", r.vertices, r.found, r.rms_mm, r.reached, r.hole.size(), r.voxel_mm);
+  std::printf("%d vertices, found %.3f, rms %.3f mm, reached %.3f, %zu openings, spacing %.2f mm\n", r.vertices,
+              r.found, r.rms_mm, r.reached, r.hole.size(), r.voxel_mm);
   EXPECT_GT(r.found, 0.95);
   EXPECT_LT(r.rms_mm, 0.5 * r.voxel_mm);
   EXPECT_GT(r.reached, 0.95);
@@ -230,15 +238,18 @@ TEST(Registration, AKnownMotionUnderAnotherContrast) {
   Similarity truth;
   truth.R = Eigen::AngleAxisd(6 * kDegree, Vec3(1, -1, 2).normalized()).toRotationMatrix(), truth.t_mm = {4, -5, 3};
   InlineWorkers w;
-  const Volume fixed = smoothed(sampled(40, 3, {}, ct), 0.5, w), moved = smoothed(sampled(36, 3.3, truth.inverse(), mr), 0.5, w);
+  const Volume fixed = smoothed(sampled(40, 3, {}, ct), 0.5, w),
+               moved = smoothed(sampled(36, 3.3, truth.inverse(), mr), 0.5, w);
   const RegistrationResult r = register_volumes(fixed, moved, {}, w);
   ASSERT_TRUE(r) << r.reason;
   std::vector<Vec3> skin;
   // Places on the skin, all round.
-  for (int c = 0; c < 8; ++c) skin.push_back(Vec3(c & 1 ? 40 : -40, c & 2 ? 48 : -48, c & 4 ? 40 : -40) / std::sqrt(3.));
+  for (int c = 0; c < 8; ++c)
+    skin.push_back(Vec3(c & 1 ? 40 : -40, c & 2 ? 48 : -48, c & 4 ? 40 : -40) / std::sqrt(3.));
   for (const Vec3& p : {Vec3(40, 0, 0), Vec3(0, 48, 0), Vec3(0, 0, 40)}) skin.push_back(p), skin.push_back(-p);
   const double error = worst(r.map, truth, skin);
-  std::printf("information %.4f from %.4f, %d evaluations, worst place of the skin %.2f mm off (voxel 3 mm)\n", r.information, r.at_start, r.evaluations, error);
+  std::printf("information %.4f from %.4f, %d evaluations, worst place of the skin %.2f mm off (voxel 3 mm)\n",
+              r.information, r.at_start, r.evaluations, error);
   EXPECT_LT(error, 3);
   EXPECT_GT(r.information, r.at_start);
   const RegistrationResult again = register_volumes(fixed, moved, {}, w);

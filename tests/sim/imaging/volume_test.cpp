@@ -1,4 +1,6 @@
 // Volumes from NRRD and MetaImage: every way of writing the same numbers, and every way of breaking them.
+#include "sim/imaging/volume.h"
+
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -8,7 +10,6 @@
 #include <fstream>
 
 #include "sim/error.h"
-#include "sim/imaging/volume.h"
 
 namespace limberg {
 namespace {
@@ -18,7 +19,8 @@ namespace fs = std::filesystem;
 class Files : public testing::Test {
  protected:
   void SetUp() override {
-    dir_ = fs::temp_directory_path() / ("limberg_imaging_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    dir_ = fs::temp_directory_path() /
+           ("limberg_imaging_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::create_directories(dir_);
   }
   void TearDown() override { fs::remove_all(dir_); }
@@ -65,8 +67,9 @@ std::string gz(const std::string& s) {
   return out;
 }
 
-const std::string kNrrd = "NRRD0004\n# by hand\ndimension: 3\nsizes: 3 4 5\nspace: left-posterior-superior\n"
-                          "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\n";
+const std::string kNrrd =
+    "NRRD0004\n# by hand\ndimension: 3\nsizes: 3 4 5\nspace: left-posterior-superior\n"
+    "space directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (10,20,30)\n";
 const std::string kMeta = "ObjectType = Image\nNDims = 3\nDimSize = 3 4 5\nElementSpacing = 2 3 4\nOffset = 10 20 30\n";
 
 void expect_good(const Volume& v) {
@@ -98,7 +101,8 @@ TEST_F(Files, EveryWayOfWritingTheSame) {
     expect_good(load_volume(write("a.nhdr", head + "encoding: raw\nbyte skip: -1\ndata file: padded\n")));
   };
   const auto meta = [&](const char* type, bool big, const std::string& data) {
-    const std::string head = kMeta + "ElementType = " + type + "\nBinaryDataByteOrderMSB = " + (big ? "True" : "False") + "\n";
+    const std::string head =
+        kMeta + "ElementType = " + type + "\nBinaryDataByteOrderMSB = " + (big ? "True" : "False") + "\n";
     expect_good(load_volume(write("a.mha", head + "ElementDataFile = LOCAL\n" + data)));
     expect_good(load_volume(write("a.mha", head + "CompressedData = True\nElementDataFile = LOCAL\n" + gz(data))));
     write("a.raw", data);
@@ -120,7 +124,9 @@ TEST_F(Files, FramesAreTurnedIntoLeftPosteriorSuperior) {
   const Volume v = load_volume(write("a.nrrd", head + "type: uchar\nencoding: raw\n\n" + numbers<uint8_t>(false)));
   EXPECT_EQ(v.origin_mm, Vec3(-10, -20, 30));
   EXPECT_EQ(v.step_mm.col(0), Vec3(-2, 0, 0));
-  const Volume m = load_volume(write("a.mha", kMeta + "TransformMatrix = 0 1 0 -1 0 0 0 0 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + numbers<uint8_t>(false)));
+  const Volume m = load_volume(write(
+      "a.mha", kMeta + "TransformMatrix = 0 1 0 -1 0 0 0 0 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+                   numbers<uint8_t>(false)));
   EXPECT_EQ(m.place({1, 0, 0}), Vec3(10, 22, 30));
   EXPECT_NEAR(VolumeSampler(m).value(m.place({2, 3, 4})), 104, 1e-5);
 }
@@ -141,8 +147,8 @@ TEST_F(Files, BrokenFilesHaveAMessage) {
   EXPECT_NE(with("sizes: 3 4 5", "sizes: 3 4").find("3 numbers"), std::string::npos);
   EXPECT_NE(with("sizes: 3 4 5", "sizes: 3 -4 5").find("size"), std::string::npos);
   EXPECT_NE(with("sizes: 3 4 5", "sizes: 3 4.5 5").find("size"), std::string::npos);
-  EXPECT_NE(with("sizes: 3 4 5", "sizes: 2000 2000 2000").find("voxels"), std::string::npos);     // 16 GB claimed
-  EXPECT_NE(with("sizes: 3 4 5", "sizes: 700 700 700").find("cut short"), std::string::npos);     // fits, but is not there
+  EXPECT_NE(with("sizes: 3 4 5", "sizes: 2000 2000 2000").find("voxels"), std::string::npos);  // 16 GB claimed
+  EXPECT_NE(with("sizes: 3 4 5", "sizes: 700 700 700").find("cut short"), std::string::npos);  // fits, but is not there
   EXPECT_NE(with("sizes: 3 4 5", "sizes: 1000000 1000000 1000000").find("voxels"), std::string::npos);
   EXPECT_NE(with("(2,0,0)", "(1e9,0,0)").find("mm long"), std::string::npos);
   EXPECT_NE(with("(2,0,0)", "(0,0,0)").find("mm long"), std::string::npos);
@@ -152,7 +158,8 @@ TEST_F(Files, BrokenFilesHaveAMessage) {
   EXPECT_NE(with("encoding: raw", "encoding: bzip2").find("encoding"), std::string::npos);
   EXPECT_NE(with("encoding: raw", "encoding: gzip").find("compressed"), std::string::npos);
   EXPECT_NE(with("endian: little\n", "").find("endian"), std::string::npos);
-  EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\ndata file: not_there\n\n").find("cannot be opened"), std::string::npos);
+  EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\ndata file: not_there\n\n").find("cannot be opened"),
+            std::string::npos);
   EXPECT_NE(with("encoding: raw\n\n", "encoding: raw\nbyte skip: 99999\n\n").find("skip"), std::string::npos);
   const std::string packed = gz(data), gzip = kNrrd + "type: short\nendian: little\nencoding: gzip\n\n";
   EXPECT_EQ(message(gzip + packed), "accepted");
@@ -165,7 +172,8 @@ TEST_F(Files, BrokenFilesHaveAMessage) {
   EXPECT_NE(message(kMeta + "ElementType = MET_SHORT\n").find("ElementDataFile"), std::string::npos);
   EXPECT_NE(message(kMeta + "ElementType = MET_SHORT\nElementDataFile = LIST\n").find("list"), std::string::npos);
   EXPECT_NE(message(kMeta + "ElementNumberOfChannels = 3\n").find("one number"), std::string::npos);
-  EXPECT_NE(message(kMeta + "ElementType = MET_SHORT\nElementDataFile = LOCAL\n" + data.substr(7)).find("cut short"), std::string::npos);
+  EXPECT_NE(message(kMeta + "ElementType = MET_SHORT\nElementDataFile = LOCAL\n" + data.substr(7)).find("cut short"),
+            std::string::npos);
   EXPECT_THROW(load_volume(dir_), InputError);
   EXPECT_THROW(load_volume(dir_ / "nothing"), InputError);
   // Every truncation of a header: a message or a volume, never anything else.

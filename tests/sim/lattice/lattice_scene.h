@@ -100,7 +100,8 @@ struct LatticeScene {
       for (size_t k = 0; whole == c.cell && k < 8; ++k) {
         // (Two nodes that hung on the same masters may become one when those are divided.)
         const int32_t was = before.cells[parent].node[k];
-        const bool hung = std::any_of(before.hanging.begin(), before.hanging.end(), [&](const auto& h) { return h.node == was; });
+        const bool hung =
+            std::any_of(before.hanging.begin(), before.hanging.end(), [&](const auto& h) { return h.node == was; });
         if (!hung) {
           ASSERT_EQ(t->node_parent[size_t(c.node[k])], was);
         }

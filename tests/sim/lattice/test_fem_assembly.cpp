@@ -148,7 +148,8 @@ TEST(Stencils, EnergyOfAHomogeneousDeformation) {
   EXPECT_NEAR(energy(*s.m, x), W * V, 1e-9 * std::abs(W * V));
 }
 
-// Cells that layers share (shared_cells.h): an even shear along the layers meets the laminate's modulus, one in their plane the
+// Cells that layers share (shared_cells.h): an even shear along the layers meets the laminate's modulus, one in their
+// plane the
 // mean; turning costs nothing, and K stays a stiffness.
 TEST(Stencils, SharedCellsShearAsALaminate) {
   Body b = layered_block(1);
@@ -166,9 +167,11 @@ TEST(Stencils, SharedCellsShearAsALaminate) {
   }
   one.cells.push_back(cell);
   const Stencil& k = one.stencils[0];
-  const double share = (k.p0_kPa - fat.mu_kPa()) / (skin.mu_kPa() - fat.mu_kPa());  // no prestretch: p0 is the mean modulus
-  EXPECT_NEAR(share, 0.6, 1e-3);  // (the lattice is a little larger than the block)
-  const double mean = k.p0_kPa, harmonic = 1 / (share / skin.mu_kPa() + (1 - share) / fat.mu_kPa()), laminate = 0.97 * harmonic + 0.03 * mean;
+  const double share =
+      (k.p0_kPa - fat.mu_kPa()) / (skin.mu_kPa() - fat.mu_kPa());  // no prestretch: p0 is the mean modulus
+  EXPECT_NEAR(share, 0.6, 1e-3);                                   // (the lattice is a little larger than the block)
+  const double mean = k.p0_kPa, harmonic = 1 / (share / skin.mu_kPa() + (1 - share) / fat.mu_kPa()),
+               laminate = 0.97 * harmonic + 0.03 * mean;
   EXPECT_NEAR(k.slide_kPa, mean - laminate, 1e-9 * mean);
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<Mat8>(k.K).eigenvalues()[0], -1e-12 * k.K.norm());
   ReferenceElasticity e(one, {});
@@ -177,7 +180,8 @@ TEST(Stencils, SharedCellsShearAsALaminate) {
     for (const Vec3& X : one.X_mm) u.push_back((F - Mat3::Identity()) * X);
     return e.energy(u) / k.volume_mm3;
   };
-  const double g = 0.3, sheared = 0.5 * (laminate * g * g + k.slide_kPa * std::pow(g, 4) / (g * g + 2.5));  // the slip's end (layer_slide.h)
+  const double g = 0.3, sheared = 0.5 * (laminate * g * g + k.slide_kPa * std::pow(g, 4) /
+                                                                (g * g + 2.5));  // the slip's end (layer_slide.h)
   Mat3 along = Mat3::Identity(), within = Mat3::Identity();
   along(0, 2) = g, within(0, 1) = g;
   const Mat3 R = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();

@@ -35,7 +35,8 @@ std::vector<std::array<Vec3, 2>> front_edges(const Arrangement& a) {
   return edges;
 }
 
-// Along every front the cell has been divided twice, and its neighbours are graded (check_topology); a third time where the
+// Along every front the cell has been divided twice, and its neighbours are graded (check_topology); a third time where
+// the
 // crack runs farther through it than an edge of it, nowhere else.
 TEST_F(Fronts, LieInTheSmallestCells) {
   ASSERT_TRUE(s.cut(strip({{-14.3, 0.3}, {11.2, 1.1}}, 3, -6)));
@@ -135,11 +136,21 @@ TEST_F(Fronts, NothingJumps) {
   };
   const std::vector<std::function<bool()>> steps{[&] { return s.cut(open_box(kRhombus, 3, -6)); },
                                                  [&] { return s.excise_smallest(); },
-                                                 [&] { return s.cut(strip({{0.1, 4}, {4, 16}, {14, 14}}, 3, -6)); },
-                                                 [&] { return s.cut(sheet({-2, 4, -5}, {18, 0.1, 0}, {0.1, 13, 0.1}, 9, 7)); },
-                                                 [&] { return s.cut(strip({{8, 20}, {7, 8}}, 3, -3)); },
-                                                 [&] { return s.cut(strip({{-20, -12}, {20, -11}}, 3, -4)); },
-                                                 [&] { return s.cut(strip({{-3, -20}, {-4, -9}}, 3, -8)); }};
+                                                 [&] {
+                                                   return s.cut(strip({{0.1, 4}, {4, 16}, {14, 14}}, 3, -6));
+                                                 },
+                                                 [&] {
+                                                   return s.cut(sheet({-2, 4, -5}, {18, 0.1, 0}, {0.1, 13, 0.1}, 9, 7));
+                                                 },
+                                                 [&] {
+                                                   return s.cut(strip({{8, 20}, {7, 8}}, 3, -3));
+                                                 },
+                                                 [&] {
+                                                   return s.cut(strip({{-20, -12}, {20, -11}}, 3, -4));
+                                                 },
+                                                 [&] {
+                                                   return s.cut(strip({{-3, -20}, {-4, -9}}, 3, -8));
+                                                 }};
   double jump = 0;
   for (const auto& step : steps) {
     ASSERT_TRUE(step());
@@ -164,7 +175,8 @@ TEST_F(Fronts, NothingJumps) {
   EXPECT_LT(jump, 1e-6);  // displacements of 1 mm, weights in single precision
 }
 
-// Between levels, copies are joined exactly where they are in the lattice that is as fine everywhere, whose cell beside the
+// Between levels, copies are joined exactly where they are in the lattice that is as fine everywhere, whose cell beside
+// the
 // finer one is a part of the coarser one.
 TEST_F(Fronts, LinksBetweenLevelsAreThoseOfTheFineLattice) {
   size_t compared = 0, several = 0;
@@ -229,7 +241,8 @@ struct Model {
   LatticeGrid grid;
   StencilTable table;
   Arrangement uncut;
-  std::shared_ptr<const LatticeTopology> whole, divided;  // both of the uncut block; the one with the cells of a slit divided
+  std::shared_ptr<const LatticeTopology> whole,
+      divided;  // both of the uncut block; the one with the cells of a slit divided
   std::shared_ptr<const FemModel> w, d;
 
   explicit Model(Body b)
@@ -284,7 +297,9 @@ TEST(DividedElements, PrestretchedLayersRest) {
   for (const Vec3& f : g) scale = std::max(scale, f.norm());
   const double rest = largest_unknown(*m.w, g);
   divided.gradient(std::vector<Vec3>(m.d->X_mm.size(), Vec3::Zero()), g);
-  EXPECT_LT(rest, 2e-3 * scale);  // the planes of the lattice lie some micrometres outside the block: up to a thousandth of a cell
+  EXPECT_LT(
+      rest,
+      2e-3 * scale);  // the planes of the lattice lie some micrometres outside the block: up to a thousandth of a cell
   EXPECT_LT(largest_unknown(*m.d, g), 2e-3 * scale);
 }
 

@@ -1,4 +1,5 @@
-// The twelve signs of an edge about a cell, against integers into which the vanishing shift of the lattice is put as a small
+// The twelve signs of an edge about a cell, against integers into which the vanishing shift of the lattice is put as a
+// small
 // number, and against the signs found one by one.
 #include <gtest/gtest.h>
 
@@ -30,7 +31,8 @@ int parallel_to(const Int3& p, const Int3& q) {
   return -1;
 }
 
-// Half-units times 2^40, the lattice moved by (-2^24, -2^12, -1): coordinates below 2^8 leave each shift without weight beside
+// Half-units times 2^40, the lattice moved by (-2^24, -2^12, -1): coordinates below 2^8 leave each shift without weight
+// beside
 // the one before. The shift is in the determinant once, so small is as good as vanishing.
 int by_integers(const Int3& p, const Int3& q, int axis, const Int3& corner) {
   constexpr int64_t shift[3] = {int64_t(1) << 24, int64_t(1) << 12, 1};
@@ -43,7 +45,8 @@ TEST(LatticeSigns, OfAnEdgeAboutACellAreThoseOfTheShiftedLattice) {
   std::mt19937 random(1);
   const Int3 low{3, 5, 7}, high{7, 9, 11};
   const CellBounds cell = bounds(low, high);
-  std::uniform_int_distribution<int32_t> place(1, 13);  // few places: ties, edges along axes and through corners are common
+  std::uniform_int_distribution<int32_t> place(
+      1, 13);  // few places: ties, edges along axes and through corners are common
   int ties = 0;
   for (int n = 0; n < 20000; ++n) {
     const Int3 p{place(random), place(random), place(random)}, q{place(random), place(random), place(random)};
@@ -97,7 +100,9 @@ TEST(LatticeSigns, OfIntersectionsAreThoseFoundOneByOne) {
     const EdgeSigns signs = edge_about_corners(from, to, -1, cell), back = edge_about_corners(to, from, -1, cell);
     for (int axis = 0; axis < 3; ++axis)
       for (int corner = 0; corner < 4; ++corner) {
-        ASSERT_EQ(signs.of(axis, corner), edge_about_corner(from, to, axis, cell.edge_corner[size_t(axis)][size_t(corner)])) << n;
+        ASSERT_EQ(signs.of(axis, corner),
+                  edge_about_corner(from, to, axis, cell.edge_corner[size_t(axis)][size_t(corner)]))
+            << n;
         ASSERT_EQ(back.of(axis, corner), -signs.of(axis, corner)) << n;
       }
   }

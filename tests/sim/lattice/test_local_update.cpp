@@ -85,7 +85,8 @@ TEST(LocalUpdate, IsTheWholeUpdateToTheLastBit) {
 
 void expect_same(const FemModel& a, const FemModel& b);
 
-// With divided fronts: histories of cuts, undermining, excisions and undo. Model and embedding are those of the whole, too.
+// With divided fronts: histories of cuts, undermining, excisions and undo. Model and embedding are those of the whole,
+// too.
 TEST(LocalUpdate, OfDividedFrontsIsTheWholeUpdateToTheLastBit) {
   std::mt19937 random(11);
   const auto uniform = [&](double from, double to) { return from + (to - from) * (random() * (1.0 / 4294967296.0)); };
@@ -115,9 +116,14 @@ TEST(LocalUpdate, OfDividedFrontsIsTheWholeUpdateToTheLastBit) {
       const Vec2 p(uniform(-18, 18), uniform(-15, 15)), q = p + Vec2(uniform(-14, 14), uniform(-14, 14));
       bool done = false;
       if (i % 5 == 3)
-        done = a.cut(sheet({p.x(), p.y(), -uniform(2, 9)}, {uniform(4, 12), 0.3, 0.2}, {0.2, uniform(4, 9), uniform(-1, 1)}, 5, 5), uint64_t(100 * scene + i)).ok();
+        done = a.cut(sheet({p.x(), p.y(), -uniform(2, 9)}, {uniform(4, 12), 0.3, 0.2},
+                           {0.2, uniform(4, 9), uniform(-1, 1)}, 5, 5),
+                     uint64_t(100 * scene + i))
+                   .ok();
       else if (i % 5 == 4)
-        done = a.cut(open_box({p + Vec2(4, 0), p + Vec2(0, 3), p + Vec2(-4, 0), p + Vec2(0, -3)}, 3, -uniform(3, 8)), uint64_t(100 * scene + i)).ok();
+        done = a.cut(open_box({p + Vec2(4, 0), p + Vec2(0, 3), p + Vec2(-4, 0), p + Vec2(0, -3)}, 3, -uniform(3, 8)),
+                     uint64_t(100 * scene + i))
+                   .ok();
       else
         done = a.cut(strip({p, q}, 3, -uniform(1, 11)), uint64_t(100 * scene + i)).ok();
       if (!done) continue;
@@ -151,7 +157,8 @@ TEST(LocalUpdate, OfDividedFrontsIsTheWholeUpdateToTheLastBit) {
         for (size_t c = 1; c < a.components().size(); ++c)
           if (a.components()[c].volume_mm3 < a.components()[size_t(smallest)].volume_mm3) smallest = int(c);
         if (a.excise(smallest).done) {
-          const auto slow = update_topology(*v.lattice, material_surface(a), false), quick = update_topology(*v.lattice, material_surface(a), true);
+          const auto slow = update_topology(*v.lattice, material_surface(a), false),
+                     quick = update_topology(*v.lattice, material_surface(a), true);
           expect_same(*quick, *slow);
           ASSERT_EQ(check_topology(*quick), "");
           v = {quick, assemble_fem(table, *quick), a.surface_view(), {}};
@@ -171,7 +178,8 @@ TEST(LocalUpdate, OfDividedFrontsIsTheWholeUpdateToTheLastBit) {
 
 void expect_same(const FemModel& a, const FemModel& b) {
   ASSERT_EQ(a.hanging.size(), b.hanging.size());
-  for (size_t i = 0; i < a.hanging.size(); ++i) EXPECT_TRUE(a.hanging[i].node == b.hanging[i].node && a.hanging[i].master == b.hanging[i].master);
+  for (size_t i = 0; i < a.hanging.size(); ++i)
+    EXPECT_TRUE(a.hanging[i].node == b.hanging[i].node && a.hanging[i].master == b.hanging[i].master);
 
   EXPECT_TRUE(a.X_mm == b.X_mm);
   EXPECT_TRUE(a.fixed == b.fixed);
@@ -190,7 +198,8 @@ void expect_same(const SurfaceView& a, const SharedArray<EmbeddedPoint>& of_a, c
     ASSERT_EQ(v->cell_copy.size(), v->X_mm.size());
     ASSERT_EQ(v->point.size(), v->X_mm.size());
     ASSERT_EQ(v->corners.size(), v->X_mm.size());
-    for (size_t n : {v->uv.size(), v->kind.size(), v->sided_face.size(), v->origin.size(), v->rim.size()}) ASSERT_EQ(n, v->tri.size());
+    for (size_t n : {v->uv.size(), v->kind.size(), v->sided_face.size(), v->origin.size(), v->rim.size()})
+      ASSERT_EQ(n, v->tri.size());
     size_t named = 0;
     for (int32_t t : v->triangle_of) named += t >= 0;
     ASSERT_EQ(named, v->tri.size());
@@ -228,7 +237,9 @@ void expect_same(const SurfaceView& a, const SharedArray<EmbeddedPoint>& of_a, c
 
 // What was not said to change has not changed.
 void expect_kept(const SurfaceView& before, const SurfaceView& now, const ViewChange& change) {
-  const auto in = [](const std::vector<int32_t>& list, size_t i) { return std::binary_search(list.begin(), list.end(), int32_t(i)); };
+  const auto in = [](const std::vector<int32_t>& list, size_t i) {
+    return std::binary_search(list.begin(), list.end(), int32_t(i));
+  };
   for (size_t v = 0; v < now.X_mm.size(); ++v)
     if (!in(change.vertices, v)) {
       ASSERT_LT(v, before.X_mm.size());
@@ -243,7 +254,8 @@ void expect_kept(const SurfaceView& before, const SurfaceView& now, const ViewCh
     }
 }
 
-// The surface that is drawn is a function of the state alone: made from the version before it is, up to its numbers, what
+// The surface that is drawn is a function of the state alone: made from the version before it is, up to its numbers,
+// what
 // it is from nothing; after cuts, deepenings along the old front, excisions and undo. So is the model.
 TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
   std::mt19937 random(11);
@@ -313,7 +325,8 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
       }
       ViewChange change;
       now.view = a.surface_view(before.view, before.lattice->operations, change);
-      now.embedding = embed_surface(*now.lattice, surface, now.view, {*before.lattice, before.view, before.embedding, change});
+      now.embedding =
+          embed_surface(*now.lattice, surface, now.view, {*before.lattice, before.view, before.embedding, change});
       SurfaceView view = a.surface_view();
       const auto embedding = embed_surface(*now.lattice, surface, view);
       expect_same(now.view, now.embedding, view, embedding);

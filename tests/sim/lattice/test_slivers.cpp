@@ -67,7 +67,8 @@ struct Knife {
     if (d.pieces > 0) follow();
     ASSERT_EQ(a.check_all(), "");
     EXPECT_NEAR((a.volume_mm3() + swept_mm3) / whole_mm3, 1, 1e-12);
-    // The lattice and the finite elements hold exactly what the surface encloses, whatever its share of a cell is. (Doubles:
+    // The lattice and the finite elements hold exactly what the surface encloses, whatever its share of a cell is.
+    // (Doubles:
     // some 2000 copies of 43 mm^3.)
     EXPECT_NEAR(t->volume_mm3 / a.volume_mm3(), 1, 1e-9);
     EXPECT_NEAR(mass_kg(*m) / (kDensity * a.volume_mm3()), 1, 1e-9);
@@ -93,7 +94,8 @@ struct Knife {
 /// Seven walls side by side, some hundredths of a millimetre apart and each deeper; or a star of six through one line.
 void cut_all(Knife& k, bool star) {
   for (int i = 0; i < (star ? 6 : 7); ++i) {
-    const double angle = star ? i * M_PI / 6 + 0.1 : 0.2 + 0.002 * i, aside = star ? 0.004 * i : 0.03 * (i % 3) + 0.01 * i;
+    const double angle = star ? i * M_PI / 6 + 0.1 : 0.2 + 0.002 * i,
+                 aside = star ? 0.004 * i : 0.03 * (i % 3) + 0.01 * i;
     ASSERT_NO_FATAL_FAILURE(k.cut(wall(k.body->grid, angle, aside, star ? 5 : 4 + 0.3 * i), uint64_t(i + 1)));
   }
 }
@@ -138,7 +140,8 @@ TEST(Slivers, TheSolverHoldsThem) {
   ASSERT_NO_FATAL_FAILURE(cut_all(many, false));
   ASSERT_GT(many.slivers, 0);
   rest(many, u);
-  // A sliver is in nobody's way: nothing is thrown farther than the banks of a plain cut gape, twice for the greater depth and
+  // A sliver is in nobody's way: nothing is thrown farther than the banks of a plain cut gape, twice for the greater
+  // depth and
   // for the strips that hang free between the walls.
   for (size_t n = 0; n < u.size(); ++n) {
     ASSERT_TRUE(u[n].allFinite());

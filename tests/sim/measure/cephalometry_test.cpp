@@ -1,4 +1,6 @@
 // Lengths, angles, asymmetry, motion of fragments, snapping.
+#include "sim/measure/cephalometry.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <set>
 
 #include "sim/imaging/synthetic_head.h"
-#include "sim/measure/cephalometry.h"
 #include "sim/simplex/generators.h"
 
 namespace limberg {
@@ -36,7 +37,8 @@ TEST(Cephalometry, EveryRowOfASyntheticHeadHasAValueNearItsNorm) {
     EXPECT_LT(r.sd, 15);
     EXPECT_FALSE(r.measure->definition.empty());
     EXPECT_EQ(r.measure->norm.has_value(), !r.measure->source.empty());
-    std::printf("%-22s %8.2f %-3s +- %.2f  norm %s\n", r.measure->name.c_str(), *r.value, r.measure->unit.c_str(), r.sd, r.measure->norm ? std::to_string(*r.measure->norm).c_str() : "-");
+    std::printf("%-22s %8.2f %-3s +- %.2f  norm %s\n", r.measure->name.c_str(), *r.value, r.measure->unit.c_str(), r.sd,
+                r.measure->norm ? std::to_string(*r.measure->norm).c_str() : "-");
   }
   EXPECT_EQ(names.size(), rows.size());
   EXPECT_NEAR(value(rows, "SNA"), 82, 4);
@@ -46,14 +48,22 @@ TEST(Cephalometry, EveryRowOfASyntheticHeadHasAValueNearItsNorm) {
 }
 
 TEST(Cephalometry, KnownPlacesGiveKnownFigures) {
-  std::vector<NamedPoint> p = {{"S", {0, 0, 0}, 1}, {"N", {0, 70, 0}, 1}, {"A", {0, 70 - 50 * std::cos(82 * M_PI / 180), -50 * std::sin(82 * M_PI / 180)}, 1},
-                               {"B", {0, 70 - 90 * std::cos(78 * M_PI / 180), -90 * std::sin(78 * M_PI / 180)}, 1}, {"PNS", {0, 20, -40}, 1}, {"ANS", {0, 70, -40 - 50 * std::tan(8 * M_PI / 180)}, 1},
-                               {"Is", {0, 75, -70}, 1}, {"Ii", {0, 72, -68}, 1}, {"prn", {0, 100, -20}, 1}, {"pog'", {0, 80, -100}, 1}, {"ls", {0, 90, -60 + 5}, 1}};
+  std::vector<NamedPoint> p = {{"S", {0, 0, 0}, 1},
+                               {"N", {0, 70, 0}, 1},
+                               {"A", {0, 70 - 50 * std::cos(82 * M_PI / 180), -50 * std::sin(82 * M_PI / 180)}, 1},
+                               {"B", {0, 70 - 90 * std::cos(78 * M_PI / 180), -90 * std::sin(78 * M_PI / 180)}, 1},
+                               {"PNS", {0, 20, -40}, 1},
+                               {"ANS", {0, 70, -40 - 50 * std::tan(8 * M_PI / 180)}, 1},
+                               {"Is", {0, 75, -70}, 1},
+                               {"Ii", {0, 72, -68}, 1},
+                               {"prn", {0, 100, -20}, 1},
+                               {"pog'", {0, 80, -100}, 1},
+                               {"ls", {0, 90, -60 + 5}, 1}};
   const auto rows = cephalometry(p);
   EXPECT_NEAR(value(rows, "SNA"), 82, 1e-9);
   EXPECT_NEAR(value(rows, "SNB"), 78, 1e-9);
   EXPECT_NEAR(value(rows, "ANB"), 4, 1e-9);
-  EXPECT_NEAR(value(rows, "SN-palatal"), 8, 1e-9);   // the palate falls towards the front
+  EXPECT_NEAR(value(rows, "SN-palatal"), 8, 1e-9);  // the palate falls towards the front
   EXPECT_NEAR(value(rows, "overjet"), 3, 1e-12);
   EXPECT_NEAR(value(rows, "overbite"), 2, 1e-12);
   EXPECT_NEAR(value(rows, "S-N"), 70, 1e-12);
@@ -101,7 +111,9 @@ TEST(Cephalometry, AsymmetryIsThatOfTheHead) {
 TEST(Cephalometry, MotionOfAFragmentGivesItsAnglesBack) {
   const double yaw = 12, pitch = -7, roll = 4, d = M_PI / 180;
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = (Eigen::AngleAxisd(yaw * d, Vec3::UnitZ()) * Eigen::AngleAxisd(pitch * d, Vec3::UnitX()) * Eigen::AngleAxisd(roll * d, Vec3::UnitY())).toRotationMatrix();
+  T.linear() = (Eigen::AngleAxisd(yaw * d, Vec3::UnitZ()) * Eigen::AngleAxisd(pitch * d, Vec3::UnitX()) *
+                Eigen::AngleAxisd(roll * d, Vec3::UnitY()))
+                   .toRotationMatrix();
   const Vec3 c(3, 60, -40), by(1, 8, -2);
   T.translation() = c + by - T.linear() * c;
   const FragmentMotion m = fragment_motion(T, c);

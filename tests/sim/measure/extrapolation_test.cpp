@@ -39,7 +39,8 @@ TEST(Extrapolation, TheErrorCoversATrueOne) {
 TEST(Extrapolation, SaysWhenItDoesNotKnow) {
   const std::vector<double> h = {5, 3.5, 2.5};
   const auto of = [&](std::vector<double> f, double noise = 0) { return extrapolate(h, f, noise); };
-  const Extrapolation swings = of({1, 2, 1.5}), grows = of({1, 1.01, 1.2}), steep = of({1e6, 1, 0.9999}), still = of({1, 1.001, 0.9995}, 0.01);
+  const Extrapolation swings = of({1, 2, 1.5}), grows = of({1, 1.01, 1.2}), steep = of({1e6, 1, 0.9999}),
+                      still = of({1, 1.001, 0.9995}, 0.01);
   for (const Extrapolation& e : {swings, grows, steep}) {
     EXPECT_FALSE(e.asymptotic);
     EXPECT_FALSE(e.extrapolated);

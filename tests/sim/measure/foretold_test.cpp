@@ -43,13 +43,16 @@ TEST(Predicted, AConeHasItsDeficitHeightAndPlace) {
   // The spindle's right tip becomes the apex of a cone: circles around it keep their length, distances grow by 1 / cos.
   const Vec2 tip(0.5 * 14 * 3.5, 0);
   const double slope = 0.4, beta = std::atan(slope);
-  const auto x = deformed(v, [&](const Vec3& X) { return Vec3(X.x(), X.y(), X.z() - (X.z() == 0 ? slope * (X.head<2>() - tip).norm() : 0) + (X.z() == 0 ? 4 : 0)); });
+  const auto x = deformed(v, [&](const Vec3& X) {
+    return Vec3(X.x(), X.y(), X.z() - (X.z() == 0 ? slope * (X.head<2>() - tip).norm() : 0) + (X.z() == 0 ? 4 : 0));
+  });
   const SkinPoints points(v, skin);
   bool found = false;
   for (const PredictedPoint& p : predicted_points(v, x, skin, points, plan)) {
     if ((p.at - tip).norm() > 0.1) continue;
     found = true;
-    EXPECT_NEAR(p.q_deg, 4 * std::atan(1 / 3.5) / kRad, 6);  // arcs are drawn as polygons, whose first chord cuts the angle
+    EXPECT_NEAR(p.q_deg, 4 * std::atan(1 / 3.5) / kRad,
+                6);  // arcs are drawn as polygons, whose first chord cuts the angle
     ASSERT_TRUE(p.deficit_deg);
     EXPECT_NEAR(*p.deficit_deg, 360 - (360 - p.q_deg) * std::cos(beta), 1.5);
     EXPECT_NEAR(p.height_mm, 4, slope * 0.6);
@@ -74,7 +77,9 @@ TEST(Elongations, ATentIsLongerThanItsShadow) {
   const SurfaceView v = view_of(*body);
   const CentralLimb limb{{-17, 0}, {0, 10}, {0, -10}, {17, 0}};
   const double h = 6;
-  const auto x = deformed(v, [&](const Vec3& X) { return Vec3(X.x(), 1.2 * X.y(), X.z() + (X.z() == 0 ? h * std::max(0.0, 1 - std::abs(X.y()) / 10) : 0)); });
+  const auto x = deformed(v, [&](const Vec3& X) {
+    return Vec3(X.x(), 1.2 * X.y(), X.z() + (X.z() == 0 ? h * std::max(0.0, 1 - std::abs(X.y()) / 10) : 0));
+  });
   const auto e = elongations(v, x, skin, limb);
   ASSERT_TRUE(e);
   EXPECT_NEAR(e->direct, 1.2, 1e-5);
@@ -88,16 +93,20 @@ TEST(Perfusion, FallsWithTheWayToSkinThatIsAttached) {
   for (const double half : {5.0, 12.0, 28.0}) {
     SurfaceView v = view_of(*body);
     const int32_t n = int32_t(v.X_mm.size());  // a floor 4 mm deep under a strip along y
-    for (const Vec3& p : {Vec3(-half, -40, -4), Vec3(half, -40, -4), Vec3(half, 40, -4), Vec3(-half, 40, -4)}) v.X_mm.push_back(p);
-    for (const Tri& t : {Tri{n, n + 1, n + 2}, Tri{n, n + 2, n + 3}}) v.tri.push_back(t), v.kind.push_back(FaceKind::wall);
+    for (const Vec3& p : {Vec3(-half, -40, -4), Vec3(half, -40, -4), Vec3(half, 40, -4), Vec3(-half, 40, -4)})
+      v.X_mm.push_back(p);
+    for (const Tri& t : {Tri{n, n + 1, n + 2}, Tri{n, n + 2, n + 3}})
+      v.tri.push_back(t), v.kind.push_back(FaceKind::wall);
     const Perfusion p = perfusion(v, skin);
     EXPECT_NEAR(p.undermined_mm2, 2 * half * 80, 0.03 * 2 * half * 80 + 80) << half;
     EXPECT_GT(p.farthest_mm, half - 1.5) << half;
     EXPECT_LT(p.farthest_mm, 1.1 * half + 1) << half;
     EXPECT_NEAR(p.least, std::clamp((30 - p.farthest_mm) / 25, 0.0, 1.0), 1e-6) << half;
     EXPECT_EQ(p.severed_mm2, 0) << half;
-    if (half < 20) EXPECT_EQ(p.below_40_mm2, 0) << half;
-    else EXPECT_NEAR(p.below_40_mm2, 2 * (28 - 20) * 80, 0.25 * 2 * 8 * 80) << half;
+    if (half < 20)
+      EXPECT_EQ(p.below_40_mm2, 0) << half;
+    else
+      EXPECT_NEAR(p.below_40_mm2, 2 * (28 - 20) * 80, 0.25 * 2 * 8 * 80) << half;
   }
   EXPECT_EQ(perfusion(view_of(*body), skin).least, 1);
 }
@@ -118,7 +127,8 @@ TEST(MembraneState, AngleBetweenTensionAndFibres) {
   const Vec2 fibre = F.col(0);
   const double want = std::abs(turn - std::atan2(fibre.y(), fibre.x())) / kRad;
   EXPECT_NEAR(membrane_state(X, x, m, Vec3::UnitX()).angle_deg, want, 1e-9);
-  EXPECT_NEAR(membrane_state(X, x, m, Vec3::UnitY()).angle_deg, std::abs(turn - std::atan2(F(1, 1), F(0, 1))) / kRad, 1e-9);
+  EXPECT_NEAR(membrane_state(X, x, m, Vec3::UnitY()).angle_deg, std::abs(turn - std::atan2(F(1, 1), F(0, 1))) / kRad,
+              1e-9);
   EXPECT_EQ(membrane_state(X, X, m, Vec3::UnitX()).angle_deg, -1);  // nothing pulls
 }
 

@@ -36,7 +36,8 @@ class GivenSolver final : public ElasticSolver {
 };
 
 TEST(ForceBalance, SupportsAnswerTheHooks) {
-  const std::vector<HookState> hooks{{1, Vec3f::Zero(), Vec3f::Zero(), Vec3f(1, 0, 2)}, {2, Vec3f::Zero(), Vec3f::Zero(), Vec3f(0, 3, 0)}};
+  const std::vector<HookState> hooks{{1, Vec3f::Zero(), Vec3f::Zero(), Vec3f(1, 0, 2)},
+                                     {2, Vec3f::Zero(), Vec3f::Zero(), Vec3f(0, 3, 0)}};
   const ForceBalance even = force_balance(hooks, {}, Vec3(1000, 3000, 2000));  // mN that the supports receive
   EXPECT_NEAR(even.relative, 0, 1e-7);
   EXPECT_NEAR((even.supports_N + even.hooks_N).norm(), 0, 1e-6);
@@ -58,7 +59,9 @@ TEST(Metrics, OfAStretchedBlock) {
   Snapshot s;
   s.topology = topology;
   s.x_mm = deformed(topology->view, [](const Vec3& X) { return Vec3(X.x(), 1.1 * X.y(), X.z()); });
-  s.sutures = {{1, Vec3f::Zero(), Vec3f::Zero(), 1.5f, 0.05f}, {2, Vec3f::Zero(), Vec3f::Zero(), 2.5f, 0.02f}, {7, Vec3f::Zero(), Vec3f::Zero(), 0.5f, 0.15f}};
+  s.sutures = {{1, Vec3f::Zero(), Vec3f::Zero(), 1.5f, 0.05f},
+               {2, Vec3f::Zero(), Vec3f::Zero(), 2.5f, 0.02f},
+               {7, Vec3f::Zero(), Vec3f::Zero(), 0.5f, 0.15f}};
   const GivenSolver solver;
   const Metrics m = measure(s, skin, solver, {1, 60000, 4000, 64000}, operation(shipped_zplasty()));
   EXPECT_EQ(m.pieces, 1);

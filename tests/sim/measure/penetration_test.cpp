@@ -77,7 +77,8 @@ TEST(Penetration, ASlantedOverlapIsReadAlongTheShortestWay) {
   const size_t first = v.X_mm.size();
   add_box(v, {2, 2, 5.2}, {18, 18, 9}, 12);
   std::vector<Vec3f> x = at_rest(v);
-  for (size_t i = first; i < x.size(); ++i) x[i].z() += 0.08f * (x[i].x() - 10);  // its bottom from 0.14 above to 1.44 below z = 6
+  for (size_t i = first; i < x.size(); ++i)
+    x[i].z() += 0.08f * (x[i].x() - 10);  // its bottom from 0.14 above to 1.44 below z = 6
   const Penetration p = penetration(v, x);
   EXPECT_NEAR(p.max_mm, 1.44, 0.12);  // places are about 1 mm apart
   EXPECT_LE(p.max_mm, 1.445);

@@ -61,7 +61,8 @@ TEST(Plan, FindsTheCentralLimbOfTheShippedZ) {
 TEST(Plan, OtherCutsAreNeither) {
   const std::vector<Command> u{Incise{{{-10, 0}, {-10, 20}, {10, 20}, {10, 0}}, 4, 90}};  // both limbs on one side
   EXPECT_FALSE(find_central_limb(u));
-  const std::vector<Command> away{Excise{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, 4}, Incise{{{30, 0}, {50, 0}, {50, 20}}, 4, 90}};
+  const std::vector<Command> away{Excise{{{0, 0}, {10, 0}, {10, 10}, {0, 10}}, 4},
+                                  Incise{{{30, 0}, {50, 0}, {50, 20}}, 4, 90}};
   EXPECT_FALSE(find_transposition_flap(away));
   EXPECT_TRUE(corners_of_path({}).empty());
   EXPECT_TRUE(corners_of_outline({}).empty());

@@ -57,7 +57,7 @@ TEST(WoundGape, WedgeOpensToItsEnd) {
   auto x = deformed(v, [](const Vec3& X) { return X; });
   for (size_t i = x.size() / 2; i < x.size(); ++i) x[i].x() += 0.1f * x[i].y();
   const WoundGape g = wound_gape(v, x);
-  EXPECT_NEAR(g.gape_mm, 3.8, 0.1);   // 95 % of a ramp to 4 mm, square to a bank that leans by 1/10
+  EXPECT_NEAR(g.gape_mm, 3.8, 0.1);  // 95 % of a ramp to 4 mm, square to a bank that leans by 1/10
   EXPECT_NEAR(g.mean_mm, 2.0, 0.05);
 }
 
@@ -82,7 +82,8 @@ TEST(Compression, IsTheVolumeOfTheMap) {
   const SurfaceView v = view_of(*body);
   Mat3 F;
   F << 1.1, 0.2, 0, 0, 0.9, 0.1, 0.05, 0, 1.02;
-  EXPECT_NEAR(compression(v, deformed(v, [&](const Vec3& X) -> Vec3 { return F * X + Vec3(100, 0, 0); })), F.determinant() - 1, 1e-5);
+  EXPECT_NEAR(compression(v, deformed(v, [&](const Vec3& X) -> Vec3 { return F * X + Vec3(100, 0, 0); })),
+              F.determinant() - 1, 1e-5);
 }
 
 TEST(SkinArea, OfAPolygonOnStretchedSkin) {
@@ -101,7 +102,8 @@ TEST(CornerPosition, ChoosesTheBankThatLiesTowards) {
   const Skin skin(std::make_shared<Body>(make_block(spec)));
   auto x = deformed(v, [](const Vec3& X) { return X; });
   for (size_t i = 0; i < x.size(); ++i) x[i].x() += i < x.size() / 2 ? -3.f : 4.f;
-  const auto left = corner_position_mm(v, x, skin, {0, 7}, {-1, 7}), right = corner_position_mm(v, x, skin, {0, 7}, {1, 7});
+  const auto left = corner_position_mm(v, x, skin, {0, 7}, {-1, 7}),
+             right = corner_position_mm(v, x, skin, {0, 7}, {1, 7});
   ASSERT_TRUE(left && right);
   EXPECT_NEAR((*left - Vec3(-3, 7, 0)).norm(), 0, 1e-5);
   EXPECT_NEAR((*right - Vec3(4, 7, 0)).norm(), 0, 1e-5);

@@ -25,7 +25,8 @@ const std::array<Vec3, 3> kRest{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.2, 0.9, 0)}
 
 std::array<Vec3, 3> mapped(const Mat3& F) { return {F * kRest[0], F * kRest[1], F * kRest[2]}; }
 
-// The energy density of fem_model.h with principal stretches a, b in the plane and the thickness stretch that makes it least.
+// The energy density of fem_model.h with principal stretches a, b in the plane and the thickness stretch that makes it
+// least.
 double membrane_energy(const Material& m, double a, double b) {
   const double p = m.prestretch_along, q = m.prestretch_across, n = 1 / (p * q);
   const double mu = m.mu_kPa(), lambda = m.lambda_kPa() + mu, p0 = mu * n * n;
@@ -54,7 +55,8 @@ TEST(Membrane, StressIsTheDerivativeOfTheEnergy) {
       const double da = (membrane_energy(m, a + h, b) - membrane_energy(m, a - h, b)) / (2 * h);
       const double db = (membrane_energy(m, a, b + h) - membrane_energy(m, a, b - h)) / (2 * h);
       const double want = std::max(a / J * da, b / J * db);
-      EXPECT_NEAR(s.stress_kPa, want, 1e-5 * (1 + std::abs(want)));  // central difference of step 1e-5 on an energy of 1e2
+      EXPECT_NEAR(s.stress_kPa, want,
+                  1e-5 * (1 + std::abs(want)));  // central difference of step 1e-5 on an energy of 1e2
       EXPECT_NEAR(s.stretch, std::max(a * p, b * q), 1e-12);
     }
 }
@@ -65,7 +67,8 @@ TEST(Membrane, StressInShearIsTheDerivativeOfTheEnergy) {
   const Material m = skin_material(1.2, 1.05);
   const Mat2 A0 = Vec2(1.2, 1.05).asDiagonal();
   const auto energy = [&](const Mat2& F) {
-    const double mu = m.mu_kPa(), lambda = m.lambda_kPa() + mu, n2 = 1 / (1.2 * 1.2 * 1.05 * 1.05), det = F.determinant();
+    const double mu = m.mu_kPa(), lambda = m.lambda_kPa() + mu, n2 = 1 / (1.2 * 1.2 * 1.05 * 1.05),
+                 det = F.determinant();
     double best = 1e300;
     for (double lo = 0.2, hi = 3, k = 0; k < 100; ++k) {
       const double g = 0.5 * (std::sqrt(5.0) - 1), u = hi - g * (hi - lo), v = lo + g * (hi - lo);
@@ -105,16 +108,19 @@ TEST(Membrane, ALayerWithALawOfItsOwn) {
   const LayerResponse law = layer_response(rivlin);
   Mat3 F;
   F << 1.2, 0.3, 0, -0.1, 0.9, 0, 0, 0, 1;
-  const MembraneState a = membrane_state(kRest, mapped(F), m, {1, 0.3, 0}), b = membrane_state(kRest, mapped(F), rivlin, {1, 0.3, 0}, law);
+  const MembraneState a = membrane_state(kRest, mapped(F), m, {1, 0.3, 0}),
+                      b = membrane_state(kRest, mapped(F), rivlin, {1, 0.3, 0}, law);
   EXPECT_NEAR(a.stress_kPa, b.stress_kPa, 1e-6 * a.stress_kPa);
   EXPECT_NEAR(a.von_mises_kPa, b.von_mises_kPa, 1e-6 * a.von_mises_kPa);
   EXPECT_EQ(a.stretch, b.stretch);
   // One family along x, stretched along it: the closed form of homogeneous_states.h.
   Material skin = skin_material();
   skin.poisson = 0.4999;
-  skin.law = {"gasser-ogden-holzapfel", {{"mu_kPa", {10}}, {"k1_kPa", {100}}, {"k2", {1}}, {"kappa", {0.1}}, {"fibre_angle_deg", {0}}}};
+  skin.law = {"gasser-ogden-holzapfel",
+              {{"mu_kPa", {10}}, {"k1_kPa", {100}}, {"k2", {1}}, {"kappa", {0.1}}, {"fibre_angle_deg", {0}}}};
   const double l = 1.2, t = 1 / std::sqrt(l);
-  const MembraneState s = membrane_state(kRest, mapped(Vec3(l, t, 1).asDiagonal()), skin, Vec3::UnitX(), layer_response(skin));
+  const MembraneState s =
+      membrane_state(kRest, mapped(Vec3(l, t, 1).asDiagonal()), skin, Vec3::UnitX(), layer_response(skin));
   EXPECT_NEAR(s.stress_kPa, 81.456, 0.005 * 81.456);
 }
 

@@ -1,11 +1,12 @@
 // Refinement and files.
+#include "sim/simplex/adapt.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 
 #include "sim/error.h"
-#include "sim/simplex/adapt.h"
 #include "sim/simplex/contour.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/file.h"

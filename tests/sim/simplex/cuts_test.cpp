@@ -62,7 +62,8 @@ TEST(T4, ATorusOpensAndStaysOnePart) {
   // Around the tube: the faces of two neighbouring rows have a ring of vertices between them.
   std::vector<int32_t> region;
   for (int32_t f = 0; f < m.face_slots(); ++f)
-    if (const Vec3 c = face_centre(m, f); std::atan2(c.y(), c.x()) > 0.3 && std::atan2(c.y(), c.x()) < 1.2) region.push_back(f);
+    if (const Vec3 c = face_centre(m, f); std::atan2(c.y(), c.x()) > 0.3 && std::atan2(c.y(), c.x()) < 1.2)
+      region.push_back(f);
   EXPECT_FALSE(contour_of_faces(m, region));  // a band has two borders
   // One of them, walked: start where the band ends.
   std::vector<uint8_t> in(size_t(m.face_slots()), 0);
@@ -111,7 +112,9 @@ TEST(T3, JoinsTwoSpheresAndAddsAHandle) {
   auto nearest = [&](const Vec3& p) {
     int32_t best = -1;
     for (int32_t f = 0; f < m.face_slots(); ++f)
-      if (m.alive_face(f) && (best < 0 || (face_centre(m, f) - p).squaredNorm() < (face_centre(m, best) - p).squaredNorm())) best = f;
+      if (m.alive_face(f) &&
+          (best < 0 || (face_centre(m, f) - p).squaredNorm() < (face_centre(m, best) - p).squaredNorm()))
+        best = f;
     return best;
   };
   Delta d;
@@ -164,7 +167,8 @@ TEST(T4Edges, PlaneCutsAreExactAndT3SpokesIsTheInverse) {
   EXPECT_EQ(a.chi, 4);
   EXPECT_EQ(a.components, 2);
   for (int32_t f : o.face)
-    for (int32_t v : m.ring(f)) EXPECT_NEAR(n.dot(m.x_mm[size_t(v)] - p), 0, 2e-3 * 1.2);  // crossings stay 1/1000 from the ends
+    for (int32_t v : m.ring(f))
+      EXPECT_NEAR(n.dot(m.x_mm[size_t(v)] - p), 0, 2e-3 * 1.2);  // crossings stay 1/1000 from the ends
   // The part with the normal is on the left.
   const Mesh cap = extract_component(m, m.ring(o.face[0])[0]), rest = extract_component(m, m.ring(o.face[1])[0]);
   for (const Vec3& x : cap.x_mm) EXPECT_GT(n.dot(x - p), -3e-3);
@@ -225,7 +229,7 @@ TEST(T4, BadContoursAreRefusedWithReasons) {
   std::vector<int32_t> open = good;
   open.pop_back();
   refused(open, Answer::not_a_cycle);
-  refused(m.ring(0), Answer::too_few_left);                       // around one face: nothing leaves inside
+  refused(m.ring(0), Answer::too_few_left);  // around one face: nothing leaves inside
   std::vector<int32_t> other = m.ring(0);
   std::reverse(other.begin(), other.end());
   refused(other, Answer::too_few_right);
@@ -275,12 +279,12 @@ TEST(Zones, ContoursBoundThem) {
   const int32_t n = fill_zone(m, top, 1);
   EXPECT_GT(n, m.slots() / 3);
   EXPECT_LT(n, 2 * m.slots() / 3);
-  for (int32_t v = 0; v < m.slots(); ++v)
-    EXPECT_TRUE(m.zone[size_t(v)] != 1 || m.x_mm[size_t(v)].z() > -2);
+  for (int32_t v = 0; v < m.slots(); ++v) EXPECT_TRUE(m.zone[size_t(v)] != 1 || m.x_mm[size_t(v)].z() > -2);
 }
 
 TEST(Shells, BothTablesCutAndJoinedAreWatertight) {
-  // A thick shell of bone: an outer sphere and an inner one turned inside out, cut by one plane, the mouths joined in pairs.
+  // A thick shell of bone: an outer sphere and an inner one turned inside out, cut by one plane, the mouths joined in
+  // pairs.
   Mesh m = make_sphere({0, 0, 0}, 20, 3);
   Mesh inner = make_sphere({0, 0, 0}, 14, 3);
   for (Row& r : inner.nbr) std::swap(r[1], r[2]);

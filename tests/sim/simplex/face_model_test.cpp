@@ -1,4 +1,6 @@
 // The face that follows: each mode, anchors after a cut, the elastic body.
+#include "sim/simplex/face_model.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,7 +9,6 @@
 #include "sim/error.h"
 #include "sim/simplex/contour.h"
 #include "sim/simplex/dual.h"
-#include "sim/simplex/face_model.h"
 #include "sim/simplex/generators.h"
 #include "sim/simplex/operators.h"
 
@@ -113,14 +114,17 @@ TEST(FaceModel, TurningEverythingTurnsTheResult) {
     ASSERT_TRUE(b.connect(turned(h.skull, T), h.plan(mode)).done);
     a.follow(bones), b.follow(turned(bones, T));
     a.step(60), b.step(60);
-    EXPECT_LT(apart(T, a.face().x_mm, b.face().x_mm), mode == FaceMode::finite_elements ? 2e-3 : 1e-7) << name_of(mode);  // the solver's numbers have single precision
-    EXPECT_LT(apart(T, a.tissues()[0]->x_mm, b.tissues()[0]->x_mm), mode == FaceMode::finite_elements ? 2e-3 : 1e-7) << name_of(mode);
+    EXPECT_LT(apart(T, a.face().x_mm, b.face().x_mm), mode == FaceMode::finite_elements ? 2e-3 : 1e-7)
+        << name_of(mode);  // the solver's numbers have single precision
+    EXPECT_LT(apart(T, a.tissues()[0]->x_mm, b.tissues()[0]->x_mm), mode == FaceMode::finite_elements ? 2e-3 : 1e-7)
+        << name_of(mode);
     EXPECT_GT(a.moved().max_mm, 1);
   }
 }
 
 TEST(FaceModel, AHeadThatTurnsWholeTakesFaceAndTissueAlong) {
-  // All bones by one rigid motion, half a turn among them: face (covered or not) and tissue go along to 1e-9 mm, before any
+  // All bones by one rigid motion, half a turn among them: face (covered or not) and tissue go along to 1e-9 mm, before
+  // any
   // iteration and after many; and with a deformation in it that is not at rest.
   for (FaceMode mode : kModes)
     for (double degrees : {0., 35., 180.}) {
@@ -152,7 +156,8 @@ TEST(FaceModel, AHeadThatTurnsWholeTakesFaceAndTissueAlong) {
 }
 
 TEST(FaceModel, ABoneCarriesWhatStandsOnItRigidlyAndLeavesTheRest) {
-  // Before the first iteration every column is where the piece of bone under it has gone, by rotation and shift, to 1e-9; after
+  // Before the first iteration every column is where the piece of bone under it has gone, by rotation and shift, to
+  // 1e-9; after
   // many the covered middle is there still, since nothing loads it.
   for (FaceMode mode : {FaceMode::springs, FaceMode::shape}) {
     const Head h;
@@ -188,7 +193,8 @@ TEST(FaceModel, ABoneCarriesWhatStandsOnItRigidlyAndLeavesTheRest) {
 }
 
 TEST(FaceModel, ASymmetricMoveGivesASymmetricFace) {
-  // A slab under a sheet that x -> -x takes to itself, up to the mesh; the elastic solution has no other choice than to be even.
+  // A slab under a sheet that x -> -x takes to itself, up to the mesh; the elastic solution has no other choice than to
+  // be even.
   const Head h;
   InlineWorkers w;
   FaceModel f(h.face, w);
@@ -200,7 +206,8 @@ TEST(FaceModel, ASymmetricMoveGivesASymmetricFace) {
   settle(f), settle(g);
   double odd = 0, size = 0;
   for (int32_t v : h.region) {
-    const Vec3 a = f.face().x_mm[size_t(v)] - h.face.x_mm[size_t(v)], b = g.face().x_mm[size_t(v)] - h.face.x_mm[size_t(v)];
+    const Vec3 a = f.face().x_mm[size_t(v)] - h.face.x_mm[size_t(v)],
+               b = g.face().x_mm[size_t(v)] - h.face.x_mm[size_t(v)];
     const Vec3 side = h.out.cross(h.face.x_mm[size_t(v)]).normalized();
     odd = std::max(odd, std::abs(a.dot(side) + b.dot(side))), size = std::max(size, a.norm());
   }
@@ -242,8 +249,10 @@ TEST(FaceElasticity, EvenStrainsPassThePatchTest) {
   for (size_t i = 0; i < r.tissue.node_mm.size(); ++i) {
     const size_t n = size_t(fe.node(0, i));
     want[n] = A * r.tissue.node_mm[i];
-    if (held[n]) u[n] = want[n];
-    else ++inner;
+    if (held[n])
+      u[n] = want[n];
+    else
+      ++inner;
   }
   for (int i = 0; i < 40; ++i)
     if (fe.step(u, 20, 1e-6).converged) break;
@@ -298,7 +307,10 @@ TEST(FaceModel, AnchorsFindTheirFragmentAfterACut) {
   EXPECT_LT(f.moved().max_mm, 1e-6);
   std::vector<int32_t> part;
   components(cut, part);
-  const int32_t cap = part[size_t(std::max_element(cut.x_mm.begin(), cut.x_mm.end(), [&](const Vec3& a, const Vec3& b) { return a.dot(h.out) < b.dot(h.out); }) - cut.x_mm.begin())];
+  const int32_t cap =
+      part[size_t(std::max_element(cut.x_mm.begin(), cut.x_mm.end(),
+                                   [&](const Vec3& a, const Vec3& b) { return a.dot(h.out) < b.dot(h.out); }) -
+                  cut.x_mm.begin())];
   for (size_t v = 0; v < cut.x_mm.size(); ++v)
     if (part[v] == cap) cut.x_mm[v] += 3 * h.out;
   f.follow(cut);
@@ -333,7 +345,8 @@ struct Cut {
 };
 
 TEST(FaceModel, ACutMovesNothingWhereverTheBonesAre) {
-  // The bones were turned before the tissue was tied, and again, and deformed the face, before they are cut: rebinding at rest and
+  // The bones were turned before the tissue was tied, and again, and deformed the face, before they are cut: rebinding
+  // at rest and
   // following where they are leaves every place as it was.
   for (FaceMode mode : kModes) {
     const Head h;
@@ -355,7 +368,8 @@ TEST(FaceModel, ACutMovesNothingWhereverTheBonesAre) {
     EXPECT_TRUE(f.at_rest()) << name_of(mode);
     EXPECT_LT(apart(Eigen::Isometry3d::Identity(), face, f.face().x_mm), 1e-9) << name_of(mode);
     EXPECT_LT(apart(Eigen::Isometry3d::Identity(), tissue, f.tissues()[0]->x_mm), 1e-9) << name_of(mode);
-    // Feet that the cut did not take are known by the place; those along it stand on new vertices: both at the same places as before.
+    // Feet that the cut did not take are known by the place; those along it stand on new vertices: both at the same
+    // places as before.
     // Both fragments by one motion that the anvil does not share: as if there were no cut.
     FaceModel uncut(turned(h.face, A), w);
     ASSERT_TRUE(uncut.connect(turned(h.skull, A), h.plan(mode), &h.skull).done);
@@ -373,7 +387,8 @@ TEST(FaceModel, ACutMovesNothingWhereverTheBonesAre) {
     f.step(24), uncut.step(24);
     const double tolerance = mode == FaceMode::finite_elements ? 2e-3 : 1e-8;
     EXPECT_LT(apart(Eigen::Isometry3d::Identity(), uncut.face().x_mm, f.face().x_mm), tolerance) << name_of(mode);
-    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), uncut.tissues()[0]->x_mm, f.tissues()[0]->x_mm), tolerance) << name_of(mode);
+    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), uncut.tissues()[0]->x_mm, f.tissues()[0]->x_mm), tolerance)
+        << name_of(mode);
     if (mode != FaceMode::smoothing) {
       EXPECT_GT((uncut.face().x_mm[5] - face[5]).norm(), 1);
     }
@@ -444,7 +459,9 @@ TEST(FaceModel, ARestThatIsSetAnewIsStoodOnWhereItIs) {
     const Mesh back = cut.lifted(cut.skull, motion(h.out, 15, 2.5 * h.out));
     f.follow(renumbered(back)), other.follow(back);
     f.step(40), other.step(40);
-    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), other.face().x_mm, f.face().x_mm), mode == FaceMode::finite_elements ? 1e-3 : 1e-8) << name_of(mode);
+    EXPECT_LT(apart(Eigen::Isometry3d::Identity(), other.face().x_mm, f.face().x_mm),
+              mode == FaceMode::finite_elements ? 1e-3 : 1e-8)
+        << name_of(mode);
   }
 }
 
@@ -462,7 +479,8 @@ TEST(FaceModel, CopiesAreIndependentAndRefusalsChangeNothing) {
   EXPECT_FALSE(f.connect(h.skull, h.plan(FaceMode::springs)).done);  // the name, and the vertices
   FaceTissuePlan other = h.plan(FaceMode::springs);
   other.name = "other";
-  EXPECT_NE(f.connect(h.skull, other).reason.find("overlaps that of tissue cheek"), std::string::npos) << f.connect(h.skull, other).reason;
+  EXPECT_NE(f.connect(h.skull, other).reason.find("overlaps that of tissue cheek"), std::string::npos)
+      << f.connect(h.skull, other).reason;
   FaceModel copy = f;
   EXPECT_EQ(copy.hash(), f.hash());
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();

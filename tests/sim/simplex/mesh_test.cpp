@@ -82,7 +82,8 @@ TEST(Rows, EveryFaultHasItsSentence) {
   EXPECT_NE(fault([](auto& r) { r[5][1] = -1; }).find("does not exist"), std::string::npos);
   EXPECT_NE(fault([](auto& r) { r[5][1] = 5; }).find("its own"), std::string::npos);
   EXPECT_NE(fault([](auto& r) { r[5][1] = r[5][0]; }).find("twice"), std::string::npos);
-  EXPECT_NE(fault([](auto& r) { r[5][1] = r[5][0] == 70 || r[5][2] == 70 ? 71 : 70; }).find("in turn"), std::string::npos);
+  EXPECT_NE(fault([](auto& r) { r[5][1] = r[5][0] == 70 || r[5][2] == 70 ? 71 : 70; }).find("in turn"),
+            std::string::npos);
   EXPECT_NE(fault([](auto& r) { std::swap(r[5][0], r[5][1]); }), "");  // turned over: faces meet twice or themselves
   EXPECT_THROW(make_mesh(good.nbr, {}), InputError);
 }
@@ -111,7 +112,8 @@ TEST(Dual, ThereAndBack) {
   for (const Vec3& x : again.x_mm) EXPECT_NEAR(x.norm(), 20, 0.03);  // centroids would be off by their sagitta, 0.2 mm
   EXPECT_EQ(again.nbr, m.nbr);
   const Mesh shrunk = from_triangles(d.X_mm, d.tri, DualPlacement::centroid);
-  const double off = std::abs(extent(again).volume_mm3 - extent(m).volume_mm3), shrinks = std::abs(extent(shrunk).volume_mm3 - extent(m).volume_mm3);
+  const double off = std::abs(extent(again).volume_mm3 - extent(m).volume_mm3),
+               shrinks = std::abs(extent(shrunk).volume_mm3 - extent(m).volume_mm3);
   EXPECT_LT(off, 0.1 * shrinks);
   for (const Vec3& x : d.X_mm) EXPECT_NEAR(x.norm(), 20, 0.02);  // the centres of the fans lie on the sphere
 }
@@ -120,7 +122,9 @@ TEST(Dual, FansCoverTheSurface) {
   for (const Mesh& m : {make_sphere({0, 0, 0}, 10, 3), make_plane(30, 20, 2), make_cylinder(8, 20, 16)}) {
     const FanTriangles f = fan_triangles(m);
     double area = 0;
-    for (const Tri& t : f.tri) area += 0.5 * (f.X_mm[size_t(t[1])] - f.X_mm[size_t(t[0])]).cross(f.X_mm[size_t(t[2])] - f.X_mm[size_t(t[0])]).norm();
+    for (const Tri& t : f.tri)
+      area +=
+          0.5 * (f.X_mm[size_t(t[1])] - f.X_mm[size_t(t[0])]).cross(f.X_mm[size_t(t[2])] - f.X_mm[size_t(t[0])]).norm();
     EXPECT_NEAR(area, extent(m).area_mm2, 1e-9 * area);
     for (int32_t face : f.face) EXPECT_EQ(m.kind(face), FaceKind::surface);
     // The fans are a manifold: their dual exists, with as many holes as there are end contours.
@@ -151,7 +155,8 @@ TEST(Dual, BrokenTrianglesAreRefused) {
   EXPECT_NE(reason(bad, tet).find("finite"), std::string::npos);
   // Two tetrahedra that touch in vertex 0, and two borders that do.
   const std::vector<Vec3> Y{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
-  EXPECT_NE(reason(Y, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 4, 5}, {0, 6, 4}, {4, 6, 5}, {0, 5, 6}}), "accepted");
+  EXPECT_NE(reason(Y, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 4, 5}, {0, 6, 4}, {4, 6, 5}, {0, 5, 6}}),
+            "accepted");
   EXPECT_NE(reason(Y, {{0, 1, 2}, {0, 4, 5}}).find("touch"), std::string::npos);
 }
 
@@ -186,7 +191,8 @@ TEST(Mesh, RenumberingKeepsTheSurface) {
   int64_t apart = 0;
   for (int32_t v = 0; v < m.slots(); ++v) {
     EXPECT_EQ(m.x_mm[size_t(renamed[size_t(v)])], before.x_mm[size_t(v)]);
-    for (int k = 0; k < 3; ++k) EXPECT_EQ(m.nbr[size_t(renamed[size_t(v)])][size_t(k)], renamed[size_t(before.nbr[size_t(v)][size_t(k)])]);
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(m.nbr[size_t(renamed[size_t(v)])][size_t(k)], renamed[size_t(before.nbr[size_t(v)][size_t(k)])]);
     apart = std::max<int64_t>(apart, std::abs(m.nbr[size_t(v)][0] - v));
   }
   EXPECT_LT(apart, 120);

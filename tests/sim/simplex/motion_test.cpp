@@ -1,4 +1,7 @@
-// The law of motion: forces against their definitions, stability on both sides of the bound, settling, workers, rims, cursor.
+// The law of motion: forces against their definitions, stability on both sides of the bound, settling, workers, rims,
+// cursor.
+#include "sim/simplex/motion.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>
@@ -8,7 +11,6 @@
 #include "sim/simplex/contour.h"
 #include "sim/simplex/dual.h"
 #include "sim/simplex/generators.h"
-#include "sim/simplex/motion.h"
 #include "tests/sim/simplex/random.h"
 
 namespace limberg::simplex {
@@ -49,7 +51,8 @@ std::pair<double, double> misfit(const std::vector<Vec3>& a, const std::vector<V
 TEST(Force, IsWhatTheDefinitionSays) {
   InlineWorkers w;
   const Mesh m = noisy(make_torus(30, 10, 24, 12), 0.8, 3);
-  for (Constraint c : {Constraint::position, Constraint::tangent, Constraint::angle, Constraint::curvature, Constraint::shape})
+  for (Constraint c :
+       {Constraint::position, Constraint::tangent, Constraint::angle, Constraint::curvature, Constraint::shape})
     for (int rigidity : {1, 3}) {
       Motion motion(w);
       ASSERT_TRUE(motion.set_law(law_of(c, 0.5, rigidity)));
@@ -57,7 +60,8 @@ TEST(Force, IsWhatTheDefinitionSays) {
       motion.internal_force(m, F);
       for (int32_t v = 0; v < m.slots(); ++v) {
         const Row& r = m.nbr[size_t(v)];
-        const Vec3 &P = m.x_mm[size_t(v)], &A = m.x_mm[size_t(r[0])], &B = m.x_mm[size_t(r[1])], &C = m.x_mm[size_t(r[2])];
+        const Vec3 &P = m.x_mm[size_t(v)], &A = m.x_mm[size_t(r[0])], &B = m.x_mm[size_t(r[1])],
+                   &C = m.x_mm[size_t(r[2])];
         const LocalFrame f = m.frame(v);
         // The neighbourhood by its definition: within so many edges.
         std::vector<int32_t> near{v};
@@ -66,15 +70,26 @@ TEST(Force, IsWhatTheDefinitionSays) {
             for (int32_t t : m.nbr[size_t(u)])
               if (std::find(near.begin(), near.end(), t) == near.end()) near.push_back(t);
         double phi = 0, H = 0;
-        for (int32_t u : near) phi += m.frame(u).bend() / double(near.size()), H += m.frame(u).mean_curvature_per_mm() / double(near.size());
+        for (int32_t u : near)
+          phi += m.frame(u).bend() / double(near.size()), H += m.frame(u).mean_curvature_per_mm() / double(near.size());
         VertexShape s;
         Vec3 wanted = P;
         switch (c) {
-          case Constraint::position: wanted = (A + B + C) / 3 + f.L_mm * f.N; break;
-          case Constraint::tangent: wanted = (A + B + C) / 3; break;
-          case Constraint::angle: s.phi = phi, wanted = decode(s, A, B, C); break;
-          case Constraint::curvature: s.phi = std::asin(std::clamp(f.r_mm * H, -1., 1.)), wanted = decode(s, A, B, C); break;
-          case Constraint::shape: wanted = decode(m.shape[size_t(v)], A, B, C); break;
+          case Constraint::position:
+            wanted = (A + B + C) / 3 + f.L_mm * f.N;
+            break;
+          case Constraint::tangent:
+            wanted = (A + B + C) / 3;
+            break;
+          case Constraint::angle:
+            s.phi = phi, wanted = decode(s, A, B, C);
+            break;
+          case Constraint::curvature:
+            s.phi = std::asin(std::clamp(f.r_mm * H, -1., 1.)), wanted = decode(s, A, B, C);
+            break;
+          case Constraint::shape:
+            wanted = decode(m.shape[size_t(v)], A, B, C);
+            break;
         }
         ASSERT_LT((F[size_t(v)] - (wanted - P)).norm(), 1e-11) << int(c) << " " << v;
       }
@@ -143,9 +158,12 @@ TEST(Stability, BothSidesOfTheBound) {
     int rigidity;
     double stable, diverges;  // reference values of alpha at gamma = 0.35
   };
-  for (const Case& k : {Case{Constraint::shape, 1, 1.6, 1.75}, {Constraint::tangent, 1, 1.6, 1.75}, {Constraint::angle, 1, 1.05, 1.2}}) {
-    const double small = run_free(m, k.c, k.rigidity, k.stable, 300), large = run_free(m, k.c, k.rigidity, k.diverges, 300);
-    EXPECT_LT(small, 0.3) << int(k.c);   // tangent shrinks: it moves, evenly
+  for (const Case& k : {Case{Constraint::shape, 1, 1.6, 1.75},
+                        {Constraint::tangent, 1, 1.6, 1.75},
+                        {Constraint::angle, 1, 1.05, 1.2}}) {
+    const double small = run_free(m, k.c, k.rigidity, k.stable, 300),
+                 large = run_free(m, k.c, k.rigidity, k.diverges, 300);
+    EXPECT_LT(small, 0.3) << int(k.c);  // tangent shrinks: it moves, evenly
     EXPECT_GT(large, 1) << int(k.c);
     const Admission a = admit(law_of(k.c, k.stable, k.rigidity)), b = admit(law_of(k.c, k.diverges, k.rigidity));
     ASSERT_TRUE(a && b);
@@ -274,7 +292,8 @@ TEST(External, DataPullTheMeshToThem) {
   }
   EXPECT_LT(r.max_move_mm, 1e-3);
   double far = 0;
-  for (const Vec3& x : m.x_mm) far = std::max(far, std::abs(x.x() * x.x() / 144 + (x.y() * x.y() + x.z() * x.z()) / 100 - 1));
+  for (const Vec3& x : m.x_mm)
+    far = std::max(far, std::abs(x.x() * x.x() / 144 + (x.y() * x.y() + x.z() * x.z()) / 100 - 1));
   EXPECT_LT(far, 0.05);
 }
 
@@ -293,7 +312,7 @@ TEST(Cursor, PushesAndAFastOneDoesNotJumpThrough) {
   EXPECT_LT(r.max_move_mm, 1e-3);
   double top = 0;
   for (const Vec3& x : m.x_mm) top = std::max(top, x.z());
-  EXPECT_GT(top, 0.3);   // pushed up
+  EXPECT_GT(top, 0.3);  // pushed up
   EXPECT_LT(top, 2.1);
   hand.assign(50, hand[0]);
   EXPECT_LT(motion.step(m, {{}, hand}).repulsion, 0.2);  // fifty of them: weakened to stay stable
@@ -356,7 +375,9 @@ TEST(Motion, CurvatureAdaptationGathersVerticesWhereItIsCurved) {
       motion.step(*q, {pull, {}});
     }
   }
-  const auto at_tips = [](const Mesh& q) { return std::count_if(q.x_mm.begin(), q.x_mm.end(), [](const Vec3& x) { return std::abs(x.x()) > 25; }); };
+  const auto at_tips = [](const Mesh& q) {
+    return std::count_if(q.x_mm.begin(), q.x_mm.end(), [](const Vec3& x) { return std::abs(x.x()) > 25; });
+  };
   EXPECT_GT(at_tips(m), at_tips(even) * 5 / 4);
   for (const auto& e : m.metric) EXPECT_TRUE(e[0] >= 0.04 && e[1] >= 0.04 && e[0] + e[1] <= 0.96);
 }
@@ -385,7 +406,8 @@ TEST(Settling, EnergyGoesDownGeometrically) {
   InlineWorkers w;
   const Mesh reference = make_sphere({0, 0, 0}, 10, 2);
   Mesh m = reference;
-  m.flags[0] |= kLocked, m.flags[10] |= kLocked, m.flags[100] |= kLocked, m.flags[200] |= kLocked;  // anchors hold scale and pose
+  m.flags[0] |= kLocked, m.flags[10] |= kLocked, m.flags[100] |= kLocked,
+      m.flags[200] |= kLocked;  // anchors hold scale and pose
   Random rnd(23);
   for (size_t v = 0; v < m.x_mm.size(); ++v)
     if (!(m.flags[v] & kLocked)) m.x_mm[v] += 0.1 * rnd.vec(), m.before_mm[v] = m.x_mm[v];

@@ -1,14 +1,17 @@
 // t1, t2 and exchange: bookkeeping, inverses, reasons.
+#include "sim/simplex/operators.h"
+
 #include <gtest/gtest.h>
 
 #include "sim/simplex/contour.h"
 #include "sim/simplex/generators.h"
-#include "sim/simplex/operators.h"
 
 namespace limberg::simplex {
 namespace {
 
-std::vector<Mesh> closed_meshes() { return {make_sphere({0, 0, 0}, 10, 2), make_torus(30, 10, 12, 9), make_plane(20, 20, 2)}; }
+std::vector<Mesh> closed_meshes() {
+  return {make_sphere({0, 0, 0}, 10, 2), make_torus(30, 10, 12, 9), make_plane(20, 20, 2)};
+}
 
 void expect_change(const Census& a, const Census& b, int V, int E, int F, int chi) {
   EXPECT_EQ(b.vertices - a.vertices, V);
@@ -179,8 +182,8 @@ TEST(T1, TheLinkConditionHolds) {
   EXPECT_EQ(census(prism).chi, 2);
   Mesh m = prism;
   Delta d;
-  EXPECT_NE(t1(m, 0, 3, d).answer, Answer::done);   // an upright
-  EXPECT_EQ(t1(m, 0, 1, d).answer, Answer::done);   // an edge of an end: what is left is a tetrahedron
+  EXPECT_NE(t1(m, 0, 3, d).answer, Answer::done);  // an upright
+  EXPECT_EQ(t1(m, 0, 1, d).answer, Answer::done);  // an edge of an end: what is left is a tetrahedron
   EXPECT_EQ(m.vertices(), 4);
   EXPECT_EQ(find_fault(m).value_or(""), "");
 }

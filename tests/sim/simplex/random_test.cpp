@@ -12,7 +12,8 @@ namespace {
 void run(const Mesh& m, uint64_t seed, int64_t operations) {
   const RandomOperators r = random_operators(m, operations, seed);
   for (int i = 0; i < RandomOperators::kinds; ++i)
-    std::printf("%s %lld done, %lld refused; ", RandomOperators::name[i], static_cast<long long>(r.done[size_t(i)]), static_cast<long long>(r.refused[size_t(i)]));
+    std::printf("%s %lld done, %lld refused; ", RandomOperators::name[i], static_cast<long long>(r.done[size_t(i)]),
+                static_cast<long long>(r.refused[size_t(i)]));
   std::printf("%lld stretches taken back\n", static_cast<long long>(r.undone));
   EXPECT_EQ(r.fault, "");
   EXPECT_EQ(r.operations, operations);

@@ -49,11 +49,12 @@ TEST(VertexShape, FrameFollowsTheDefinitions) {
 TEST(VertexShape, AngleOfKnownPlaces) {
   const Vec3 A(1, 0, 0), B(-0.5, std::sqrt(0.75), 0), C(-0.5, -std::sqrt(0.75), 0);  // r = 1, centre at the origin
   EXPECT_DOUBLE_EQ(local_frame({0, 0, 0}, A, B, C).phi(), 0);
-  EXPECT_NEAR(local_frame({0, 0, 1}, A, B, C).phi(), kPi / 2, 1e-15);   // O in the plane
+  EXPECT_NEAR(local_frame({0, 0, 1}, A, B, C).phi(), kPi / 2, 1e-15);  // O in the plane
   EXPECT_NEAR(local_frame({0, 0, -1}, A, B, C).phi(), -kPi / 2, 1e-15);
-  EXPECT_GT(local_frame({0, 0, 1e4}, A, B, C).phi(), kPi - 1e-3);       // a spike
+  EXPECT_GT(local_frame({0, 0, 1e4}, A, B, C).phi(), kPi - 1e-3);  // a spike
   // A cap of height L over a circle of radius 1: R = (1 + L^2) / 2 L.
-  for (double L : {1e-6, 0.1, 0.5, 2., 30.}) EXPECT_NEAR(local_frame({0, 0, L}, A, B, C).mean_curvature_per_mm(), 2 * L / (1 + L * L), 1e-15);
+  for (double L : {1e-6, 0.1, 0.5, 2., 30.})
+    EXPECT_NEAR(local_frame({0, 0, L}, A, B, C).mean_curvature_per_mm(), 2 * L / (1 + L * L), 1e-15);
 }
 
 TEST(VertexShape, RoundTripOfRandomPlacesNeedsTheBit) {
@@ -73,15 +74,16 @@ TEST(VertexShape, RoundTripOfRandomPlacesNeedsTheBit) {
     }
   }
   EXPECT_LT(worst, 1e-12);
-  EXPECT_GT(far, 20000);          // feet outside the circumcircle are common in a random tetrahedron
+  EXPECT_GT(far, 20000);  // feet outside the circumcircle are common in a random tetrahedron
   EXPECT_GT(bit_matters, far * 9 / 10);
-  EXPECT_LT(by_height, 20000);    // the angle serves nearly always
+  EXPECT_LT(by_height, 20000);  // the angle serves nearly always
 }
 
 TEST(VertexShape, RoundTripWhereItIsHard) {
   Random rnd(3);
   const auto check = [&](const Vec3& P, const Vec3& A, const Vec3& B, const Vec3& C, const char* what) {
-    // A metric parameter e carries a rounding of eps |e|, which decode multiplies with an edge: 1e-12 while |e| < 1000 or so.
+    // A metric parameter e carries a rounding of eps |e|, which decode multiplies with an edge: 1e-12 while |e| < 1000
+    // or so.
     const LocalFrame f = local_frame(P, A, B, C);
     const double allowed = std::max(1e-12, 10 * 2.2e-16 * (std::abs(f.e[0]) + std::abs(f.e[1]) + std::abs(f.e[2])));
     const double e = trip(P, A, B, C);
@@ -93,7 +95,8 @@ TEST(VertexShape, RoundTripWhereItIsHard) {
     const LocalFrame f = local_frame(A, A, B, C);
     if (f.area2_mm2 < 0.02) continue;
     const Vec3 n = (B - A).cross(C - A), N = n.normalized();
-    const Vec3 o = A + (n.cross(B - A) * (C - A).squaredNorm() + (C - A).cross(n) * (B - A).squaredNorm()) / (2 * n.squaredNorm());
+    const Vec3 o =
+        A + (n.cross(B - A) * (C - A).squaredNorm() + (C - A).cross(n) * (B - A).squaredNorm()) / (2 * n.squaredNorm());
     const Vec3 u = (A - o).normalized(), w = N.cross(u);
     const double a = rnd.uniform(0, 2 * kPi), r = f.r_mm;
     const Vec3 e = std::cos(a) * u + std::sin(a) * w;
@@ -103,7 +106,8 @@ TEST(VertexShape, RoundTripWhereItIsHard) {
         for (double sign : {-1., 1.}) check(o + d * e + sign * L * r * N, A, B, C, "over the plane");
       // Where the two roots meet: L^2 = d^2 - r^2, and beside it.
       if (d > r)
-        for (double off : {0., 1e-12, 1e-8, 1e-4}) check(o + d * e + std::sqrt(d * d - r * r) * (1 + off) * N, A, B, C, "double root");
+        for (double off : {0., 1e-12, 1e-8, 1e-4})
+          check(o + d * e + std::sqrt(d * d - r * r) * (1 + off) * N, A, B, C, "double root");
     }
     check(A, A, B, C, "at a neighbour");
     check(o + r * e, A, B, C, "on the circumcircle");
@@ -128,7 +132,9 @@ TEST(VertexShape, InvariantUnderSimilarities) {
   for (int i = 0; i < 2000; ++i) {
     const Vec3 A = rnd.vec(), B = rnd.vec(), C = rnd.vec(), P = rnd.vec();
     if (local_frame(P, A, B, C).area2_mm2 < 0.05) continue;
-    const Mat3 R = Eigen::Quaterniond(rnd.uniform(-1, 1), rnd.uniform(-1, 1), rnd.uniform(-1, 1), 1.5).normalized().toRotationMatrix();
+    const Mat3 R = Eigen::Quaterniond(rnd.uniform(-1, 1), rnd.uniform(-1, 1), rnd.uniform(-1, 1), 1.5)
+                       .normalized()
+                       .toRotationMatrix();
     const double scale = std::pow(10, rnd.uniform(-4, 4));
     const Vec3 t = scale * rnd.vec(3);
     auto g = [&](const Vec3& x) { return Vec3(scale * (R * x) + t); };
@@ -136,13 +142,15 @@ TEST(VertexShape, InvariantUnderSimilarities) {
       const Vec3 Q = decode(encode(P, A, B, C, code), g(A), g(B), g(C));
       EXPECT_LT((Q - g(P)).norm(), 1e-11 * scale);
     }
-    const Vec3 mirror = decode(encode(P, A, B, C), A, C, B);  // (e2 and e3 change places too: not the mirror image, but finite)
+    const Vec3 mirror =
+        decode(encode(P, A, B, C), A, C, B);  // (e2 and e3 change places too: not the mirror image, but finite)
     EXPECT_TRUE(mirror.allFinite());
   }
 }
 
 TEST(Curvature, ExactOnSpheres) {
-  for (const Mesh& m : {make_sphere({1, 2, 3}, 7, 0), make_sphere({0, 0, 0}, 7, 3), make_sphere_of_faces({5, 0, 0}, 7, 1002)})
+  for (const Mesh& m :
+       {make_sphere({1, 2, 3}, 7, 0), make_sphere({0, 0, 0}, 7, 3), make_sphere_of_faces({5, 0, 0}, 7, 1002)})
     for (int32_t v = 0; v < m.slots(); ++v) EXPECT_NEAR(m.frame(v).mean_curvature_per_mm(), 1. / 7, 1e-10);
 }
 
@@ -153,7 +161,8 @@ TEST(Curvature, ConvergesOnCylinderAndTorus) {
     const Mesh m = make_cylinder(10, row * std::lround(30 / row), around);
     double worst = 0;
     for (int32_t v = 0; v < m.slots(); ++v)
-      if (std::abs(m.x_mm[size_t(v)].z() - 15) < 8) worst = std::max(worst, std::abs(m.frame(v).mean_curvature_per_mm() - 1 / 20.));
+      if (std::abs(m.x_mm[size_t(v)].z() - 15) < 8)
+        worst = std::max(worst, std::abs(m.frame(v).mean_curvature_per_mm() - 1 / 20.));
     if (before > 0) {
       EXPECT_LT(worst, 0.35 * before);  // second order would be a quarter
     }

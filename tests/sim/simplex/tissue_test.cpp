@@ -1,4 +1,6 @@
 // Tissue between a face and a skull.
+#include "sim/simplex/tissue.h"
+
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>
@@ -10,7 +12,6 @@
 #include "sim/simplex/dual.h"
 #include "sim/simplex/generators.h"
 #include "sim/simplex/motion.h"
-#include "sim/simplex/tissue.h"
 
 namespace limberg::simplex {
 namespace {
@@ -30,7 +31,8 @@ struct Head {
 double volume(const Tissue& t) {
   double sum = 0;
   for (const auto& q : t.tet) {
-    const Vec3 &a = t.node_mm[size_t(q[0])], &b = t.node_mm[size_t(q[1])], &c = t.node_mm[size_t(q[2])], &d = t.node_mm[size_t(q[3])];
+    const Vec3 &a = t.node_mm[size_t(q[0])], &b = t.node_mm[size_t(q[1])], &c = t.node_mm[size_t(q[2])],
+               &d = t.node_mm[size_t(q[3])];
     const double v = (b - a).cross(c - a).dot(d - a) / 6;
     EXPECT_GT(v, 0);
     sum += v;
@@ -50,7 +52,7 @@ TEST(Tissue, EveryVertexHasFourNeighbours) {
     EXPECT_EQ(int64_t(t.link.size()), T);
     EXPECT_EQ(int64_t(t.anchor.size()), T);
     const int64_t side = std::count(t.role.begin(), t.role.end(), TissueRole::side);
-    EXPECT_EQ(side % (2 * k), 0);                       // two triangles per layer and border edge
+    EXPECT_EQ(side % (2 * k), 0);  // two triangles per layer and border edge
     EXPECT_EQ(t.vertices(), 3 * k * T + 2 * T + side);
     // A shell between the radii 48 and 60 over the cap's solid angle: 0.49 of the face's prism.
     double outer = 0;
@@ -92,7 +94,8 @@ TEST(Tissue, RegionsThatCannotBeAreRefusedWithReasons) {
   EXPECT_NE(reason(two, head.face, head.skull).find("parts"), std::string::npos);
   EXPECT_NE(reason(head.region, head.face, make_sphere({900, 0, 0}, 10, 2)).find("farther"), std::string::npos);
   const Mesh sheet = make_plane(60, 60, 4);
-  EXPECT_NE(reason(region_around(sheet, end_contours(sheet)[0].rim[0], 15), sheet, head.skull).find("hole"), std::string::npos);
+  EXPECT_NE(reason(region_around(sheet, end_contours(sheet)[0].rim[0], 15), sheet, head.skull).find("hole"),
+            std::string::npos);
   s.layers = 0;
   EXPECT_NE(reason(head.region, head.face, head.skull).find("layers"), std::string::npos);
   s.layers = 1, s.young_kPa = NAN;
@@ -164,9 +167,10 @@ std::pair<double, double> follows(double out_mm, double shape) {
 }
 
 TEST(Springs, TheFaceFollowsTheSkull) {
-  const auto [back, across] = follows(-4, 0);  // springs pull
+  const auto [back, across] = follows(-4, 0);    // springs pull
   const auto [forth, beside] = follows(4, 0.5);  // springs whose inside keeps its shape push
-  std::printf("skull back 4 mm, springs: %.2f mm (%.2f across); forth 4 mm, half shape: %.2f mm (%.2f across)\n", back, across, forth, beside);
+  std::printf("skull back 4 mm, springs: %.2f mm (%.2f across); forth 4 mm, half shape: %.2f mm (%.2f across)\n", back,
+              across, forth, beside);
   EXPECT_LT(back, -0.4);
   EXPECT_GT(back, -4.1);
   EXPECT_GT(forth, 0.4);
@@ -203,8 +207,10 @@ TEST(ShapeMode, IsExactForRigidMotionsEvenByHalfATurn) {
 }
 
 TEST(ShapeMode, SmallDisplacementsAreHarmonicInTheConductances) {
-  // To first order the turns do not matter: what the ends do is passed on as by Laplace's equation with k for conductances, up to
-  // the part that turns add. Equal shifts of all ends are passed on whole, and a stiffer layer follows its own end more.
+  // To first order the turns do not matter: what the ends do is passed on as by Laplace's equation with k for
+  // conductances, up to
+  // the part that turns add. Equal shifts of all ends are passed on whole, and a stiffer layer follows its own end
+  // more.
   Head head(16);
   InlineWorkers w;
   TissueSettings s;
@@ -235,7 +241,8 @@ TEST(ShapeMode, SmallDisplacementsAreHarmonicInTheConductances) {
 }
 
 TEST(ZeroModes, AreTheKernelOfTheStiffnessMatrixOfTheSpringsThatRun) {
-  // The forces of the law that is stepped, differentiated: at rest their stiffness matrix has as many zero eigenvalues as are counted.
+  // The forces of the law that is stepped, differentiated: at rest their stiffness matrix has as many zero eigenvalues
+  // as are counted.
   const Head head(9);
   InlineWorkers w;
   for (int k : {1, 2}) {
@@ -244,7 +251,8 @@ TEST(ZeroModes, AreTheKernelOfTheStiffnessMatrixOfTheSpringsThatRun) {
     for (size_t v = 0; v < t.role.size(); ++v)
       if (t.role[v] == TissueRole::inside || t.role[v] == TissueRole::side) at.push_back(v);
     const Eigen::Index n = Eigen::Index(3 * at.size());
-    // One iteration from rest, undamped and of a small step, moves each vertex by alpha D^-1 F: the matrix D^-1 K by differences.
+    // One iteration from rest, undamped and of a small step, moves each vertex by alpha D^-1 F: the matrix D^-1 K by
+    // differences.
     TissueLaw law;
     law.spring.kind = Stiffening::none, law.alpha = 1;
     const std::vector<Vec3> rest = t.x_mm;
@@ -289,7 +297,8 @@ TEST(ZeroModes, SpringsLeaveMostOfTheTissueFree) {
     const ZeroModes z = zero_energy_modes(t);
     EXPECT_GE(z.modes, z.dofs - z.springs);
     const double part = double(z.modes) / (double(z.dofs) / 3);
-    std::printf("%d layers: %lld of %lld modes, %.2f per free vertex\n", k, static_cast<long long>(z.modes), static_cast<long long>(z.dofs), part);
+    std::printf("%d layers: %lld of %lld modes, %.2f per free vertex\n", k, static_cast<long long>(z.modes),
+                static_cast<long long>(z.dofs), part);
     EXPECT_GT(part, lo[k - 1]);
     EXPECT_LT(part, hi[k - 1]);
   }

@@ -18,7 +18,8 @@ double angle_deg(const Vec2& a, const Vec2& tip, const Vec2& b) {
 
 TEST(Rhomboid, IsLimbergsFigure) {
   const Rhomboid r;
-  for (const auto& [p, q] : {std::pair(r.A, r.B), {r.B, r.C}, {r.C, r.D}, {r.D, r.A}, {r.D, r.E}, {r.E, r.F}, {r.F, r.C}, {r.D, r.F}})
+  for (const auto& [p, q] :
+       {std::pair(r.A, r.B), {r.B, r.C}, {r.C, r.D}, {r.D, r.A}, {r.D, r.E}, {r.E, r.F}, {r.F, r.C}, {r.D, r.F}})
     EXPECT_NEAR((p - q).norm(), 1, 1e-15);
   EXPECT_NEAR(angle_deg(r.B, r.A, r.D), 60, 1e-12);
   EXPECT_NEAR(angle_deg(r.A, r.B, r.C), 120, 1e-12);
@@ -48,9 +49,13 @@ TEST(ZPlasty, TransposedLimbHasTheTheoreticalLength) {
 
 // Does the segment pq cross the polyline?
 bool crosses(const Vec2& p, const Vec2& q, const std::vector<Vec2>& line) {
-  const auto side = [](const Vec2& a, const Vec2& b, const Vec2& c) { return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()); };
+  const auto side = [](const Vec2& a, const Vec2& b, const Vec2& c) {
+    return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+  };
   for (size_t i = 1; i < line.size(); ++i)
-    if (side(p, q, line[i - 1]) * side(p, q, line[i]) < 0 && side(line[i - 1], line[i], p) * side(line[i - 1], line[i], q) < 0) return true;
+    if (side(p, q, line[i - 1]) * side(p, q, line[i]) < 0 &&
+        side(line[i - 1], line[i], p) * side(line[i - 1], line[i], q) < 0)
+      return true;
   return false;
 }
 
@@ -84,7 +89,8 @@ bool inside(const Vec2& p, const std::vector<Vec2>& polygon) {
   bool in = false;
   for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++)
     if ((polygon[i].y() > p.y()) != (polygon[j].y() > p.y()) &&
-        p.x() < (polygon[j].x() - polygon[i].x()) * (p.y() - polygon[i].y()) / (polygon[j].y() - polygon[i].y()) + polygon[i].x())
+        p.x() < (polygon[j].x() - polygon[i].x()) * (p.y() - polygon[i].y()) / (polygon[j].y() - polygon[i].y()) +
+                    polygon[i].x())
       in = !in;
   return in;
 }
@@ -95,10 +101,12 @@ TEST(Rhomboid, StitchesLieInTissueBesideTheirEdges) {
       Rhomboid r;
       r.frame = {{3, -4}, 24, turn, mirrored};
       const auto& f = r.frame;
-      const std::vector<Vec2> hole{f.chart(r.A), f.chart(r.B), f.chart(r.C), f.chart(r.D), f.chart(r.A)}, cut{f.chart(r.D), f.chart(r.E), f.chart(r.F)};
+      const std::vector<Vec2> hole{f.chart(r.A), f.chart(r.B), f.chart(r.C), f.chart(r.D), f.chart(r.A)},
+          cut{f.chart(r.D), f.chart(r.E), f.chart(r.F)};
       const std::vector<Vec2> flap{f.chart(r.C), f.chart(r.D), f.chart(r.E), f.chart(r.F)};
       const auto all = stitches(operation(r));
-      EXPECT_EQ(all.size(), 3u + 3 * 5 + 6);  // spacing 4 on sides of 24: three rows of 16 mm in 4 steps, one of 18.4 mm in 5
+      EXPECT_EQ(all.size(),
+                3u + 3 * 5 + 6);  // spacing 4 on sides of 24: three rows of 16 mm in 4 steps, one of 18.4 mm in 5
       int from_flap = 0;
       for (const auto& [a, b] : all) {
         for (const Vec2& p : {a, b}) {

@@ -19,11 +19,13 @@ std::string why(const std::string& line) {
 TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
   CutBone contour, plane;
   contour.contour_mm = {{1, 2, 3}, {4.25, 5, 6}, {7, 8, 9.125}}, contour.must_divide = false;
-  plane.point_mm = {0, 80, -70}, plane.normal = {0, 0.5, 1}, plane.radius_mm = 25, plane.of = FragmentPick{2, Vec3::Zero()};
+  plane.point_mm = {0, 80, -70}, plane.normal = {0, 0.5, 1}, plane.radius_mm = 25,
+  plane.of = FragmentPick{2, Vec3::Zero()};
   RigidMove by;
   by.translation_mm = {0, 8, 0}, by.rotation_deg = {0, 0, 12.5}, by.about_mm = Vec3(1, 2, 3);
   ConnectTissue tissue;
-  tissue.name = "chin", tissue.face_mm = {0, 90, -80}, tissue.bone_mm = {0, 80, -80}, tissue.layers = 3, tissue.young_kPa = 7.5, tissue.mode = TissueKind::springs;
+  tissue.name = "chin", tissue.face_mm = {0, 90, -80}, tissue.bone_mm = {0, 80, -80}, tissue.layers = 3,
+  tissue.young_kPa = 7.5, tissue.mode = TissueKind::springs;
   const std::vector<HeadCommand> acts{contour,
                                       plane,
                                       MoveFragment{{-1, {1, 2, 3}}, by, 3},
@@ -54,16 +56,27 @@ TEST(ScriptHead, BadLinesSayLineAndReason) {
   EXPECT_NE(why(R"({"action":"sort","fragment":1})").find("unknown key \"fragment\""), std::string::npos);
   EXPECT_NE(why(R"({"action":"superpose"})").find("\"on\""), std::string::npos);
   EXPECT_NE(why(R"({"action":"superpose","on":"normal","at":[0,0,0]})").find("\"at\""), std::string::npos);
-  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6]]})").find("s.jsonl:7: \"contour\" has 2 points; expected 3"), std::string::npos);
-  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2],[4,5],[6,7]]})").find("expected [x, y, z]"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6]]})")
+                .find("s.jsonl:7: \"contour\" has 2 points; expected 3"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2],[4,5],[6,7]]})").find("expected [x, y, z]"),
+            std::string::npos);
   EXPECT_NE(why(R"({"action":"osteotomy","point":[0,0,0],"normal":[0,0,0]})").find("no length"), std::string::npos);
-  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6],[7,8,9]],"normal":[0,0,1]})").find("unknown key \"normal\""), std::string::npos);
-  EXPECT_NE(why(R"({"action":"move_fragment","translation_mm":[0,8,0]})").find("\"fragment\" is missing"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6],[7,8,9]],"normal":[0,0,1]})")
+                .find("unknown key \"normal\""),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"move_fragment","translation_mm":[0,8,0]})").find("\"fragment\" is missing"),
+            std::string::npos);
   EXPECT_NE(why(R"({"action":"move_fragment","fragment":-3})").find("expected an integer from 0"), std::string::npos);
-  EXPECT_NE(why(R"({"action":"move_fragment","fragment":1,"rotation_deg":[0,400,0]})").find("more than 360"), std::string::npos);
-  EXPECT_NE(why(R"({"action":"connect_tissue","name":"a","face":[0,0,0],"mode":"jelly"})").find("expected smoothing"), std::string::npos);
-  EXPECT_NE(why(R"({"action":"connect_tissue","name":"a","face":[0,0,0],"layers":0})").find("expected an integer from 1"), std::string::npos);
-  EXPECT_NE(why(R"({"action":"landmark","name":"N","at":[0,0,0],"on":"moon"})").find("expected bone or face"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"move_fragment","fragment":1,"rotation_deg":[0,400,0]})").find("more than 360"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"connect_tissue","name":"a","face":[0,0,0],"mode":"jelly"})").find("expected smoothing"),
+            std::string::npos);
+  EXPECT_NE(
+      why(R"({"action":"connect_tissue","name":"a","face":[0,0,0],"layers":0})").find("expected an integer from 1"),
+      std::string::npos);
+  EXPECT_NE(why(R"({"action":"landmark","name":"N","at":[0,0,0],"on":"moon"})").find("expected bone or face"),
+            std::string::npos);
   EXPECT_NE(why(R"({"action":"grab","fragment":1,"hand":2})").find("from 0 to 1"), std::string::npos);
 }
 

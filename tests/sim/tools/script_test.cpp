@@ -33,22 +33,38 @@ class Maker {
   Command command() {
     const int id = 1 + pick(1000);
     switch (pick(16)) {
-      case 0: return Incise{path(2), real(0.5, 200), real(20, 160)};
-      case 1: return Undermine{path(3), real(0.5, 200)};
-      case 2: return Excise{path(3), real(0.5, 200)};
-      case 3: return SetHook{id, point()};
-      case 4: return MoveHook{id, {real(-1, 1), real(-9999, 9999), real(-1e-9, 1e-9)}, real(0, 3600)};
-      case 5: return ReleaseHook{id};
-      case 6: return Suture{point(), point(), pick(2) == 0 ? 0 : real(0.6, 9)};
-      case 7: return SutureRow{path(2), path(2), real(2, 9), pick(2) == 0 ? 0 : real(0.6, 9), true, real(0, 9)};
-      case 8: return Undo{};
-      case 9: return Redo{};
-      case 10: return InciseMore{id, path(1), real(0.5, 200), real(20, 160), pick(2) == 0};
-      case 12: return SutureCorner{point(), point(), point(), real(0.6, 9)};
-      case 13: return SutureBetween{{id, {0, 0}}, {0, point()}, {real(2, 9), real(0, 5), true, real(0, 5)}};
-      case 14: return pick(2) == 0 ? CutSuture{{id, {0, 0}}} : CutSuture{{0, point()}};
-      case 11: return Stage{pick(2) == 0 ? "flap \"cut\" \\ \n\t" : "lambeau incis\xc3\xa9"};
-      default: return Wait{real(0, 3600)};
+      case 0:
+        return Incise{path(2), real(0.5, 200), real(20, 160)};
+      case 1:
+        return Undermine{path(3), real(0.5, 200)};
+      case 2:
+        return Excise{path(3), real(0.5, 200)};
+      case 3:
+        return SetHook{id, point()};
+      case 4:
+        return MoveHook{id, {real(-1, 1), real(-9999, 9999), real(-1e-9, 1e-9)}, real(0, 3600)};
+      case 5:
+        return ReleaseHook{id};
+      case 6:
+        return Suture{point(), point(), pick(2) == 0 ? 0 : real(0.6, 9)};
+      case 7:
+        return SutureRow{path(2), path(2), real(2, 9), pick(2) == 0 ? 0 : real(0.6, 9), true, real(0, 9)};
+      case 8:
+        return Undo{};
+      case 9:
+        return Redo{};
+      case 10:
+        return InciseMore{id, path(1), real(0.5, 200), real(20, 160), pick(2) == 0};
+      case 12:
+        return SutureCorner{point(), point(), point(), real(0.6, 9)};
+      case 13:
+        return SutureBetween{{id, {0, 0}}, {0, point()}, {real(2, 9), real(0, 5), true, real(0, 5)}};
+      case 14:
+        return pick(2) == 0 ? CutSuture{{id, {0, 0}}} : CutSuture{{0, point()}};
+      case 11:
+        return Stage{pick(2) == 0 ? "flap \"cut\" \\ \n\t" : "lambeau incis\xc3\xa9"};
+      default:
+        return Wait{real(0, 3600)};
     }
   }
 
@@ -59,7 +75,10 @@ class Maker {
 TEST(Script, RoundTripIsExact) {
   Maker make(7);
   Script s;
-  s.header = {"app/scenes/face.toml", "with a \"note\"", {{"ala", {1, 2.5}}, {"at", {-3, 0}}}, PlannedProcedure{"bilobed", {{"diameter_mm", 12.5}}, {0.1, -4}, 30, true}};
+  s.header = {"app/scenes/face.toml",
+              "with a \"note\"",
+              {{"ala", {1, 2.5}}, {"at", {-3, 0}}},
+              PlannedProcedure{"bilobed", {{"diameter_mm", 12.5}}, {0.1, -4}, 30, true}};
   for (int i = 0; i < 3000; ++i) s.lines.push_back({i + 2, make.command()});
   const std::string text = to_text(s);
   const Script back = parse_script(text, "mem");
@@ -100,7 +119,8 @@ TEST(Script, RoundTripIsExact) {
 }
 
 TEST(Script, DefaultsBlankLinesAndCarriageReturns) {
-  const Script s = parse_script("\n" + kHeader.substr(0, kHeader.size() - 1) + "\r\n\r\n{\"action\":\"incise\",\"path\":[[0,0],[1,2]]}\r\n", "m");
+  const Script s = parse_script(
+      "\n" + kHeader.substr(0, kHeader.size() - 1) + "\r\n\r\n{\"action\":\"incise\",\"path\":[[0,0],[1,2]]}\r\n", "m");
   ASSERT_EQ(s.lines.size(), 1u);
   EXPECT_EQ(s.lines[0].line, 4);
   const auto& c = std::get<Incise>(s.lines[0].command);
@@ -171,11 +191,12 @@ TEST(Script, RefusesWithPlaceAndReason) {
 }
 
 TEST(Script, RefusesBrokenHeadersAndHugeInput) {
-  for (const std::string& text : {std::string(), std::string("\n\n"), std::string("{\"action\":\"undo\"}\n"),
-                                  std::string("{\"limberg_script\":2,\"scene\":\"x\"}\n"), std::string("{\"limberg_script\":1}\n"),
-                                  std::string("{\"limberg_script\":1,\"scene\":\"x\",\"scenes\":1}\n"),
-                                  kHeader + std::string(2 << 20, '['), kHeader + std::string(900'000, '['),
-                                  kHeader + "{\"action\":\"stage\",\"name\":\"" + std::string(5000, 'a') + "\"}\n"})
+  for (const std::string& text :
+       {std::string(), std::string("\n\n"), std::string("{\"action\":\"undo\"}\n"),
+        std::string("{\"limberg_script\":2,\"scene\":\"x\"}\n"), std::string("{\"limberg_script\":1}\n"),
+        std::string("{\"limberg_script\":1,\"scene\":\"x\",\"scenes\":1}\n"), kHeader + std::string(2 << 20, '['),
+        kHeader + std::string(900'000, '['),
+        kHeader + "{\"action\":\"stage\",\"name\":\"" + std::string(5000, 'a') + "\"}\n"})
     EXPECT_THROW(parse_script(text, "s"), InputError) << text.substr(0, 60);
   try {
     parse_script(kHeader + "{\"action\":" + std::string(100'000, '['), "s");
@@ -202,10 +223,18 @@ TEST(Script, AnyBytesAreEitherAScriptOrAnInputError) {
     for (int k = 1 + int(rng() % 4); k > 0 && !t.empty(); --k) {
       const size_t at = rng() % t.size();
       switch (rng() % 4) {
-        case 0: t[at] = spice[rng() % spice.size()]; break;
-        case 1: t.erase(at, 1 + rng() % 9); break;
-        case 2: t.insert(at, 1, spice[rng() % spice.size()]); break;
-        default: t.resize(at); break;
+        case 0:
+          t[at] = spice[rng() % spice.size()];
+          break;
+        case 1:
+          t.erase(at, 1 + rng() % 9);
+          break;
+        case 2:
+          t.insert(at, 1, spice[rng() % spice.size()]);
+          break;
+        default:
+          t.resize(at);
+          break;
       }
     }
     try {

@@ -65,7 +65,8 @@ void expect_same(const Shape& a, const Shape& b, double relative, double wall_re
   for (size_t i = 0; i < a.piece_mm3.size(); ++i) EXPECT_NEAR(a.piece_mm3[i] / b.piece_mm3[i], 1, relative);
 }
 
-void draw(World& world, const std::vector<ChartPoint>& path, double piece_mm, double depth, double angle, int stroke = 1) {
+void draw(World& world, const std::vector<ChartPoint>& path, double piece_mm, double depth, double angle,
+          int stroke = 1) {
   const auto pieces = test::drawn_pieces(path, piece_mm);
   for (size_t i = 0; i < pieces.size(); ++i) {
     const Outcome o = world.apply(InciseMore{stroke, pieces[i], depth, angle, i + 1 == pieces.size()});
@@ -102,7 +103,11 @@ std::vector<Case> cases() {
       {"curve", {}, curve},
       {"leaning curve", {}, curve, 3, 75},
       {"through an older wall", {across}, line},
-      {"through a deeper one and a shallower one", {Incise{{{-9, -9}, {-8, 12}}, 6, 90}, Incise{{{8, -9}, {7, 12}}, 2.5, 70}}, line, 4, 90},
+      {"through a deeper one and a shallower one",
+       {Incise{{{-9, -9}, {-8, 12}}, 6, 90}, Incise{{{8, -9}, {7, 12}}, 2.5, 70}},
+       line,
+       4,
+       90},
       {"onto an older wall", {across}, {{-24, 0.4}, {2.4, 1}}},
       {"a little across an older wall", {across}, {{-24, 0.4}, {2.9, 1}}},
       {"from an older wall", {across}, {{2.9, -3}, {25, 4}}},
@@ -131,7 +136,8 @@ TEST(Drawing, PiecesMakeTheCutOfTheWholePath) {
 }
 
 TEST(Drawing, IsTheIncisionOfTheSamePath) {
-  // Incise divides a path in its own way, and a drawn blade's corners are moved aside by up to 8 micrometres: with 3 to 4 mm
+  // Incise divides a path in its own way, and a drawn blade's corners are moved aside by up to 8 micrometres: with 3 to
+  // 4 mm
   // of depth the same wall within 2 * 0.008 / 4 = 4e-3.
   InlineWorkers workers;
   for (const Case& c : cases()) {
@@ -152,7 +158,8 @@ std::vector<Case> meeting_cases() {
   const Incise line{{{-20, 1.3}, {20, 1.3}}, 4, 90};
   const Incise deep{{{-20, 1.3}, {20, 1.3}}, 6.5, 90};
   const std::vector<ChartPoint> alpha{{-20, 0}, {10, 0}, {14, 8}, {4, 12}, {-4, -12}};
-  const std::vector<ChartPoint> nine{{-20, 0}, {10, 0}, {14, 8}, {4, 12}, {0, 0.3}}, six{{0, 0.3}, {4, 12}, {14, 8}, {10, 0}, {-20, 0}};
+  const std::vector<ChartPoint> nine{{-20, 0}, {10, 0}, {14, 8}, {4, 12}, {0, 0.3}},
+      six{{0, 0.3}, {4, 12}, {14, 8}, {10, 0}, {-20, 0}};
   const std::vector<ChartPoint> ring{{-12, -9}, {12, -10}, {11, 10}, {-11, 9}, {-12, -9}};
   std::vector<ChartPoint> eight, past_ring = ring;
   for (int i = 0; i <= 32; ++i) eight.push_back({20 * std::sin(M_PI * i / 16), 11 * std::sin(M_PI * i / 8)});
@@ -167,7 +174,10 @@ std::vector<Case> meeting_cases() {
       {"past both ends", {line}, {{-33, 1.3}, {33, 1.3}}, 7},
       {"past both ends, not deeper", {line}, {{-33, 1.3}, {33, 1.3}}, 4},
       {"leaving the wall in its middle", {line}, {{-18, 1.3}, {0, 1.3}, {14, 14}}, 7},
-      {"two walls, one after the other", {Incise{{{-25, 1.3}, {-5, 1.3}}, 3, 90}, Incise{{{5, 1.3}, {25, 1.3}}, 4, 90}}, {{-25, 1.3}, {25, 1.3}}, 6},
+      {"two walls, one after the other",
+       {Incise{{{-25, 1.3}, {-5, 1.3}}, 3, 90}, Incise{{{5, 1.3}, {25, 1.3}}, 4, 90}},
+       {{-25, 1.3}, {25, 1.3}},
+       6},
       {"a wall that another crosses", {line, Incise{{{1, -15}, {3, 17}}, 5, 90}}, {{-20, 1.3}, {20, 1.3}}, 7},
       {"on from an end", {line}, {{20.2, 1.4}, {34, 8}}, 4},
       {"on from an end, deeper", {line}, {{19.8, 1.2}, {34, 8}}, 6.5},
@@ -202,7 +212,8 @@ TEST(Drawing, MeetsWhatIsThereAsTheIncisionDoes) {
       ASSERT_NO_FATAL_FAILURE(draw_at_once(whole, c.path, piece_mm, c.depth, c.angle));
       ASSERT_NO_FATAL_FAILURE(draw(pieces, c.path, piece_mm, c.depth, c.angle));
       // Corners within half a millimetre (points of a drawn path keep that distance), ends pushed through a wall by a
-      // tenth, feet of a deepened wall 0.04 apart; a stub that is cut before the end comes back past it; a bend of half a
+      // tenth, feet of a deepened wall 0.04 apart; a stub that is cut before the end comes back past it; a bend of half
+      // a
       // millimetre (of 20 across) where a path passes its own beginning.
       expect_same(shape(whole), shape(at_once), 1.5e-2, 2.5e-2);
       expect_same(shape(pieces), shape(whole), 1e-4, 1e-2);
@@ -211,7 +222,8 @@ TEST(Drawing, MeetsWhatIsThereAsTheIncisionDoes) {
   }
 }
 
-// A leaning blade cannot turn a sharp corner as deep as it is elsewhere. Drawn in pieces it goes on past the corner as the
+// A leaning blade cannot turn a sharp corner as deep as it is elsewhere. Drawn in pieces it goes on past the corner as
+// the
 // stroke that is made at once does, whether it is new or runs along a wall and deepens it.
 TEST(Drawing, LeaningStrokesTurnSharpCornersInShortPieces) {
   InlineWorkers workers;
@@ -229,8 +241,8 @@ TEST(Drawing, LeaningStrokesTurnSharpCornersInShortPieces) {
         const bool possible = at_once.apply(Incise{path, depth, angle}).done;
         const Shape expected = shape(at_once);
         for (const double piece_mm : {5.0, 1.7, 0.8}) {
-          SCOPED_TRACE("turned by " + std::to_string(turn_deg) + ", leaning at " + std::to_string(angle) + (along ? ", deepened" : ", new") +
-                       ", in pieces of " + std::to_string(piece_mm));
+          SCOPED_TRACE("turned by " + std::to_string(turn_deg) + ", leaning at " + std::to_string(angle) +
+                       (along ? ", deepened" : ", new") + ", in pieces of " + std::to_string(piece_mm));
           World pieces(block(), workers);
           if (along) {
             ASSERT_TRUE(pieces.apply(Incise{path, 2.5, angle}).done);
@@ -246,7 +258,8 @@ TEST(Drawing, LeaningStrokesTurnSharpCornersInShortPieces) {
           EXPECT_TRUE(!possible || refused == 0) << refused << " refused: " << why;
           if (!possible || refused) continue;
           const Shape got = shape(pieces);
-          // Deepened walls have their columns already; new ones turn upright at the corner, each in its own way (2026-11-21: up
+          // Deepened walls have their columns already; new ones turn upright at the corner, each in its own way
+          // (2026-11-21: up
           // to 3.2 and 20.6 % of the wall).
           EXPECT_NEAR(got.wall_mm2 / expected.wall_mm2, 1, along ? 0.04 : 0.22);
           EXPECT_EQ(got.pieces, expected.pieces);
@@ -260,7 +273,9 @@ TEST(Drawing, LeaningStrokesTurnSharpCornersInShortPieces) {
       }
   EXPECT_GT(deepened, 25);
   EXPECT_GT(made, 25);
-  EXPECT_EQ(bridges, 0);  // tissue left across the cut at the corner (many more of them: tests/sim/cutting/test_leaning_strokes.cpp)
+  EXPECT_EQ(
+      bridges,
+      0);  // tissue left across the cut at the corner (many more of them: tests/sim/cutting/test_leaning_strokes.cpp)
 }
 
 TEST(Drawing, AStrokeThatClosesAFlapFreesIt) {
@@ -404,7 +419,8 @@ TEST(Drawing, RandomStrokesStaySound) {
 
 TEST(Drawing, StrokesAreJoinedForAHand) {
   const std::vector<Command> c{Stage{"a"}, InciseMore{3, {{0, 0}, {5, 0}}, 5, 80, false}, MoveHook{1, {0, 0, 1}, 0},
-                               InciseMore{3, {{5, 0}, {9, 0}}, 4, 90, true}, InciseMore{3, {{0, 9}, {9, 9}}, 3, 90, true}};
+                               InciseMore{3, {{5, 0}, {9, 0}}, 4, 90, true},
+                               InciseMore{3, {{0, 9}, {9, 9}}, 3, 90, true}};
   const std::vector<Command> joined = join_strokes(c);
   ASSERT_EQ(joined.size(), 4u);
   const auto& a = std::get<Incise>(joined[1]);

@@ -65,11 +65,14 @@ TEST(Faults, ACutThatFailsInsideChangesNothing) {
           ++refused;
           EXPECT_FALSE(o.reason.empty());
         }
-        ASSERT_EQ(world.full_hash(), before) << (o.done ? "done" : o.reason) << ", fault at " << i << "/40 of " << calls;
+        ASSERT_EQ(world.full_hash(), before)
+            << (o.done ? "done" : o.reason) << ", fault at " << i << "/40 of " << calls;
       }
       EXPECT_GE(refused, 20);
       // And nothing lingers: the same act comes out as it did.
-      const Command again = std::holds_alternative<InciseMore>(act.command) ? Command(InciseMore{2, std::get<InciseMore>(act.command).path, 4, 90, false}) : act.command;
+      const Command again = std::holds_alternative<InciseMore>(act.command)
+                                ? Command(InciseMore{2, std::get<InciseMore>(act.command).path, 4, 90, false})
+                                : act.command;
       ASSERT_TRUE(world.apply(again).done);
       EXPECT_EQ(world.full_hash(), after);
     }

@@ -1,12 +1,13 @@
-// The metric through random operations on a patient: after every act it belongs to the topology that is shown, and carried
+// The metric through random operations on a patient: after every act it belongs to the topology that is shown, and
+// carried
 // over it has the bits of one made afresh.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "sim/fem/lbfgs_solver.h"
 #include "sim/fem/engine.h"
+#include "sim/fem/lbfgs_solver.h"
 #include "sim/geometry/block.h"
 #include "sim/world.h"
 
@@ -45,12 +46,23 @@ TEST_P(MetricHistory, FollowsEveryActAndIsTheSameAfresh) {
     const ChartPoint p = point();
     Command act;
     switch (rng() % 8) {
-      case 0: act = Excise{{p, p + Vec2(8, 1), p + Vec2(7, 8), p + Vec2(-1, 7)}, real(2, 5)}; break;
-      case 1: act = Undermine{{p, p + Vec2(12, 0), p + Vec2(12, 9), p + Vec2(0, 9)}, real(2, 5)}; break;
-      case 2: act = Suture{p, p + Vec2(real(-6, 6), real(-6, 6))}; break;
-      case 3: act = Undo{}; break;
-      case 4: act = Redo{}; break;
-      default: act = Incise{{p, point()}, real(2, 5), real(50, 130)};
+      case 0:
+        act = Excise{{p, p + Vec2(8, 1), p + Vec2(7, 8), p + Vec2(-1, 7)}, real(2, 5)};
+        break;
+      case 1:
+        act = Undermine{{p, p + Vec2(12, 0), p + Vec2(12, 9), p + Vec2(0, 9)}, real(2, 5)};
+        break;
+      case 2:
+        act = Suture{p, p + Vec2(real(-6, 6), real(-6, 6))};
+        break;
+      case 3:
+        act = Undo{};
+        break;
+      case 4:
+        act = Redo{};
+        break;
+      default:
+        act = Incise{{p, point()}, real(2, 5), real(50, 130)};
     }
     if (!world.apply(act).done) continue;
     ++done;
@@ -60,8 +72,9 @@ TEST_P(MetricHistory, FollowsEveryActAndIsTheSameAfresh) {
     const auto cycle = solver.metric().cycle();
     ASSERT_TRUE(cycle);
     EXPECT_TRUE(fem::same_model(cycle->model(), world.solver().model()));
-    const auto afresh = fem::ScalarCycle::rebuild(*cycle, std::make_shared<FemModel>(cycle->model()), {},
-                                                  {cycle->springs().begin(), cycle->springs().end()}, cycle->mass_per_s2());
+    const auto afresh =
+        fem::ScalarCycle::rebuild(*cycle, std::make_shared<FemModel>(cycle->model()), {},
+                                  {cycle->springs().begin(), cycle->springs().end()}, cycle->mass_per_s2());
     ASSERT_EQ(afresh->made().rows, afresh->made().of_rows);
     ASSERT_TRUE(cycle->same_matrices(*afresh)) << "act " << k;
     ++compared, rows += cycle->made().of_rows, made += cycle->made().rows;

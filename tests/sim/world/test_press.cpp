@@ -1,4 +1,5 @@
-// What a tool that presses is told of the patient: right against a lattice that resolves the tool, and nothing is changed by it.
+// What a tool that presses is told of the patient: right against a lattice that resolves the tool, and nothing is
+// changed by it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -68,12 +69,16 @@ double resolved(std::vector<Layer> layers, double depth_mm = 0.5, double prestre
 void settle(World& world) {
   StepSettings s;
   s.max_iterations = 20;
-  for (int i = 0; i < 300 && world.step(s).residual > 1e-5; ++i) {}
+  for (int i = 0; i < 300 && world.step(s).residual > 1e-5; ++i) {
+  }
 }
 
 TEST(Press, CompliancesOfLayersAddUp) {
-  const std::vector<Layer> one{layer("skin", 10, 60)}, halves{layer("upper", 1.5, 60), layer("lower", 8.5, 60)}, two{layer("skin", 1.5, 60), layer("fat", 8.5, 12)};
-  const auto half_space = [](double radius_mm, double young_kPa) { return 1e3 * (1 - 0.45 * 0.45) / (2 * radius_mm * young_kPa); };
+  const std::vector<Layer> one{layer("skin", 10, 60)}, halves{layer("upper", 1.5, 60), layer("lower", 8.5, 60)},
+      two{layer("skin", 1.5, 60), layer("fat", 8.5, 12)};
+  const auto half_space = [](double radius_mm, double young_kPa) {
+    return 1e3 * (1 - 0.45 * 0.45) / (2 * radius_mm * young_kPa);
+  };
   for (const double a : {0.5, 2.0, 6.0}) {
     EXPECT_NEAR(compliance_mm_N(one, a), half_space(a, 60), 1e-12);
     EXPECT_NEAR(compliance_mm_N(halves, a), half_space(a, 60), 1e-12);
@@ -82,17 +87,20 @@ TEST(Press, CompliancesOfLayersAddUp) {
   EXPECT_NEAR(compliance_mm_N(two, 200) / half_space(200, 12), 1, 0.01);    // a hand meets what is below
 }
 
-// A hand tells forces 7 to 10 % apart; twice that is what a coarse lattice may be off, wherever the place lies in its cell.
+// A hand tells forces 7 to 10 % apart; twice that is what a coarse lattice may be off, wherever the place lies in its
+// cell.
 TEST(Press, ACoarseLatticeFeelsATipThatItCannotSee) {
   InlineWorkers workers;
-  const std::vector<Layer> one{layer("skin", 10, 60)}, two{layer("skin", 2, 60), layer("fat", 8, 18)}, thin{layer("skin", 1.5, 60), layer("fat", 8.5, 6)};
+  const std::vector<Layer> one{layer("skin", 10, 60)}, two{layer("skin", 2, 60), layer("fat", 8, 18)},
+      thin{layer("skin", 1.5, 60), layer("fat", 8.5, 6)};
   for (const auto& layers : {one, two, thin}) {
     const double want = resolved(layers);
     for (const double cell : {3.0, 4.0}) {
       World coarse(block(cell, layers), workers);
       for (const double shift : {0.0, 0.25, 0.5}) {
         const double got = stiffness(coarse, shift * cell, shift * cell / 2);
-        EXPECT_NEAR(got / want, 1, 0.2) << layers.size() << " layers, cells of " << cell << " mm, " << shift << " of one aside; " << want << " N/mm";
+        EXPECT_NEAR(got / want, 1, 0.2) << layers.size() << " layers, cells of " << cell << " mm, " << shift
+                                        << " of one aside; " << want << " N/mm";
       }
     }
   }
@@ -147,10 +155,12 @@ TEST(Press, AnOldSurfaceIsNotAnsweredForAndNonsenseIsRefused) {
   EXPECT_THROW(world.press(bad), InputError);
 }
 
-// Softer deep than a linear law would say, or harder: the secant is that of the depth, and a stretched skin resists more.
+// Softer deep than a linear law would say, or harder: the secant is that of the depth, and a stretched skin resists
+// more.
 TEST(Press, PrestretchIsFelt) {
   InlineWorkers workers;
-  World slack(block(3, {layer("skin", 2, 60), layer("fat", 8, 6)}, 1, 30), workers), tense(block(3, {layer("skin", 2, 60), layer("fat", 8, 6)}, 1.3, 30), workers);
+  World slack(block(3, {layer("skin", 2, 60), layer("fat", 8, 6)}, 1, 30), workers),
+      tense(block(3, {layer("skin", 2, 60), layer("fat", 8, 6)}, 1.3, 30), workers);
   settle(tense);
   EXPECT_GT(stiffness(tense, 0, 0, 2), 1.1 * stiffness(slack, 0, 0, 2));
 }

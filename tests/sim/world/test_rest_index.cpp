@@ -90,7 +90,9 @@ TEST(RestIndex, FollowsCutsAtTheirOwnCost) {
   auto index = std::make_unique<const RestIndex>(view, slab.tri.size());
   int followed = 0;
   uint64_t seed = 5;
-  const auto uniform = [&] { return -25 + 50 * double((seed = seed * 6364136223846793005ull + 1442695040888963407ull) >> 11) * 0x1p-53; };
+  const auto uniform = [&] {
+    return -25 + 50 * double((seed = seed * 6364136223846793005ull + 1442695040888963407ull) >> 11) * 0x1p-53;
+  };
   for (int i = 0; i < 12; ++i) {
     const int32_t operations = a.operations();
     const Vec2 p(uniform(), uniform()), q(uniform(), uniform());

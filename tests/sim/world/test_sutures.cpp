@@ -1,4 +1,5 @@
-// Threads: what slides has one tension, what is buried lies where it should, what is cut holds nothing; all can be taken back.
+// Threads: what slides has one tension, what is buried lies where it should, what is cut holds nothing; all can be
+// taken back.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -51,8 +52,10 @@ TEST(Thread, GoesWhereItIsWantedAndKeepsItsLength) {
     const double m = fem::SpringForces::thread_stretch_mm(l, L);
     double sum = 0;
     for (double v : l) sum += std::max(0.0, v - m);
-    if (L >= 8) EXPECT_EQ(m, 0) << L;  // slack: it pulls nothing
-    else EXPECT_NEAR(sum, L, 1e-12) << L;
+    if (L >= 8)
+      EXPECT_EQ(m, 0) << L;  // slack: it pulls nothing
+    else
+      EXPECT_NEAR(sum, L, 1e-12) << L;
   }
 }
 
@@ -108,7 +111,9 @@ struct Slit {
     must(world, Incise{{{-14, 0.3}, {-5, 1.3}, {5, 1.3}, {14, 0.3}}, 4, 90, true});
     settle(world);
   }
-  SutureRow row(double slack) const { return {{{-12, -0.2}, {0, 0.6}, {12, -0.2}}, {{-12, 1.3}, {0, 2.2}, {12, 1.3}}, 4, 0, true, slack}; }
+  SutureRow row(double slack) const {
+    return {{{-12, -0.2}, {0, 0.6}, {12, -0.2}}, {{-12, 1.3}, {0, 2.2}, {12, 1.3}}, 4, 0, true, slack};
+  }
 };
 
 TEST(RunningSuture, ClosesWithOneTension) {
@@ -145,7 +150,8 @@ TEST(RunningSuture, ClosesWithOneTension) {
   EXPECT_LT(hi, most);
 }
 
-// A wound on loose skin, where gathering it costs less than closing it: a thread that slid everywhere would draw the stitches
+// A wound on loose skin, where gathering it costs less than closing it: a thread that slid everywhere would draw the
+// stitches
 // together like a purse. The thread between two stitches lies along the edge and stays there.
 TEST(RunningSuture, DoesNotGatherAWoundThatIsUndermined) {
   InlineWorkers workers;
@@ -223,7 +229,8 @@ TEST(BuriedSuture, ItsBitesLieAtTheirDepthInTheTwoWalls) {
   // It stays where it is when the wound is made longer, and deeper elsewhere.
   must(s.world, Incise{{{14, 0.3}, {20, -3}}, 4, 90});
   ASSERT_EQ(shown(s.world).sutures.size(), 1u);
-  EXPECT_NEAR((shown(s.world).sutures[0].a_mm - shown(s.world).sutures[0].b_mm).norm(), shown(s.world).sutures[0].gap_mm, 1e-5);
+  EXPECT_NEAR((shown(s.world).sutures[0].a_mm - shown(s.world).sutures[0].b_mm).norm(),
+              shown(s.world).sutures[0].gap_mm, 1e-5);
   EXPECT_LT(shown(s.world).sutures[0].gap_mm, 0.1);
 }
 
@@ -243,7 +250,8 @@ TEST(CornerSuture, HoldsTheTipWithOneThread) {
   EXPECT_LT(s.sutures[0].gap_mm + s.sutures[1].gap_mm, 6.f);
 }
 
-// One stitch through the middle of an open wound: how much farther it draws in the edge there than a bite's length beside it.
+// One stitch through the middle of an open wound: how much farther it draws in the edge there than a bite's length
+// beside it.
 double dent_mm(double cell_mm, double bite_mm) {
   WorldSpec spec = block();
   spec.cell_mm = cell_mm, spec.suture_bite_mm = bite_mm;
@@ -374,17 +382,17 @@ TEST(Refused, BadActionsSayWhyAndChangeNothing) {
   settle(world);
   const uint64_t before = world.full_hash();
   const std::pair<Command, const char*> bad[] = {
-      {Incise{{{0, 20}, {80, 20}}, 4, 90}, "skin"},                                             // a point outside
-      {Suture{{0, -13}, {0, -5}}, "removed"},                                                   // on tissue that is gone
+      {Incise{{{0, 20}, {80, 20}}, 4, 90}, "skin"},  // a point outside
+      {Suture{{0, -13}, {0, -5}}, "removed"},        // on tissue that is gone
       {SetHook{1, {0, -13}}, "removed"},
-      {Incise{{{-4, -13}, {4, -13}}, 4, 90}, ""},                                               // a cut into nothing
-      {Incise{{{-12, 5.3}, {12, 5.3}}, 4, 90}, "cut already"},                                      // where it is cut already
-      {Suture{{0, 4.6}, {0, 6}}, "already"},                                                    // two in one place
+      {Incise{{{-4, -13}, {4, -13}}, 4, 90}, ""},               // a cut into nothing
+      {Incise{{{-12, 5.3}, {12, 5.3}}, 4, 90}, "cut already"},  // where it is cut already
+      {Suture{{0, 4.6}, {0, 6}}, "already"},                    // two in one place
       {Suture{{0, 6}, {0, 4.6}}, "already"},
-      {Excise{{{10, 10}, {20, 10}, {20, 20}, {10, 20}}, 4, false}, "attached"},                 // a loop that frees nothing
-      {Excise{{{10, 10}, {20, 10}, {10, 10}}, 4, true}, ""},                                    // one that encloses nothing
+      {Excise{{{10, 10}, {20, 10}, {20, 20}, {10, 20}}, 4, false}, "attached"},  // a loop that frees nothing
+      {Excise{{{10, 10}, {20, 10}, {10, 10}}, 4, true}, ""},                     // one that encloses nothing
       {SutureCorner{{4, 4.6}, {4, 4.6}, {4, 6}, 1}, "one place"},
-      {SutureRow{{{-9, 4.6}, {9, 4.6}}, {{-9, 6}, {9, 6}}, 4, 7, false, 0}, "no wall"},         // deeper than the wound
+      {SutureRow{{{-9, 4.6}, {9, 4.6}}, {{-9, 6}, {9, 6}}, 4, 7, false, 0}, "no wall"},  // deeper than the wound
       {SutureBetween{{1, {0, 0}}, {1, {0, 0}}, {}}, "two different"},
       {SutureBetween{{1, {0, 0}}, {9, {0, 0}}, {}}, "no stitch 9"},
       {CutSuture{{0, {25, 25}}}, "no stitch within"},
@@ -399,7 +407,8 @@ TEST(Refused, BadActionsSayWhyAndChangeNothing) {
   }
 }
 
-// Cells of 5 mm, a wound of 3 mm: its two edges lie in one cell, which holds together below. They are two edges all the same.
+// Cells of 5 mm, a wound of 3 mm: its two edges lie in one cell, which holds together below. They are two edges all the
+// same.
 TEST(Stitch, JoinsTheEdgesOfAWoundThatIsShallowerThanACell) {
   InlineWorkers workers;
   WorldSpec spec = block(1.08);

@@ -34,20 +34,28 @@ class Surgeon {
   Command act() {
     const ChartPoint p = point();
     switch (pick(6)) {
-      case 0: return Excise{{p, p + Vec2(8, 1), p + Vec2(7, 8), p + Vec2(-1, 7)}, real(2, 5)};
-      case 1: return Undermine{{p, p + Vec2(12, 0), p + Vec2(12, 9), p + Vec2(0, 9)}, real(2, 5)};
-      case 2: return Suture{p, p + Vec2(real(-6, 6), real(-6, 6))};
-      case 3: return SutureRow{{p, p + Vec2(10, 1)}, {p + Vec2(0, 4), p + Vec2(10, 5)}, 3};
-      default: return Incise{{p, point()}, real(2, 5), real(50, 130)};
+      case 0:
+        return Excise{{p, p + Vec2(8, 1), p + Vec2(7, 8), p + Vec2(-1, 7)}, real(2, 5)};
+      case 1:
+        return Undermine{{p, p + Vec2(12, 0), p + Vec2(12, 9), p + Vec2(0, 9)}, real(2, 5)};
+      case 2:
+        return Suture{p, p + Vec2(real(-6, 6), real(-6, 6))};
+      case 3:
+        return SutureRow{{p, p + Vec2(10, 1)}, {p + Vec2(0, 4), p + Vec2(10, 5)}, 3};
+      default:
+        return Incise{{p, point()}, real(2, 5), real(50, 130)};
     }
   }
   /// What a hand does between: undo does not count it, but brings back what it found.
   Command hand() {
     const int id = 1 + pick(3);
     switch (pick(4)) {
-      case 0: return ReleaseHook{id};
-      case 1: return SetHook{id, point()};
-      default: return MoveHook{id, {real(-20, 20), real(-20, 20), real(0, 8)}, 0};
+      case 0:
+        return ReleaseHook{id};
+      case 1:
+        return SetHook{id, point()};
+      default:
+        return MoveHook{id, {real(-20, 20), real(-20, 20), real(0, 8)}, 0};
     }
   }
 
@@ -104,8 +112,10 @@ TEST_P(UndoHistories, EveryHashComesBackInBothDirections) {
   while (at + 1 < hash.size()) ASSERT_NO_FATAL_FAILURE(redo());
   EXPECT_FALSE(world.apply(Redo{}).done);
   for (int i = 0; i < 60; ++i) {  // to and fro
-    if (at > 0 && (at + 1 == hash.size() || surgeon.pick(2))) ASSERT_NO_FATAL_FAILURE(undo());
-    else ASSERT_NO_FATAL_FAILURE(redo());
+    if (at > 0 && (at + 1 == hash.size() || surgeon.pick(2)))
+      ASSERT_NO_FATAL_FAILURE(undo());
+    else
+      ASSERT_NO_FATAL_FAILURE(redo());
   }
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, UndoHistories, testing::Range(1, 7));

@@ -1,6 +1,4 @@
 // The patient as a whole: cuts gape, plugs leave, stitches close, refusals and undo change nothing.
-#include "sim/world.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 
 #include "sim/geometry/block.h"
 #include "sim/lattice/topology.h"
+#include "sim/world.h"
 
 namespace limberg {
 namespace {
@@ -121,7 +120,8 @@ TEST(World, APlugLeavesAndVolumeBalances) {
   ASSERT_TRUE(o.done) << o.reason;
   EXPECT_EQ(world.pieces(), 1);
   EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);
-  // A rhombus of side a and angle 60 degrees has area a^2 sin 60; blades follow the outline to the micrometres of jitter.
+  // A rhombus of side a and angle 60 degrees has area a^2 sin 60; blades follow the outline to the micrometres of
+  // jitter.
   EXPECT_NEAR(world.removed_volume_mm3(), 16 * 16 * std::sqrt(3.0) / 2 * 4, 0.01 * 16 * 16 * 4);
 }
 
@@ -129,7 +129,8 @@ TEST(World, SliversOfNearlyEqualCutsAreBooked) {
   InlineWorkers workers;
   World world(small_block(), workers);
   ASSERT_TRUE(world.apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90}).done);
-  // The same stroke again, two hundredths of a millimetre aside and deeper: refused or done, nothing loose stays behind.
+  // The same stroke again, two hundredths of a millimetre aside and deeper: refused or done, nothing loose stays
+  // behind.
   world.apply(Incise{{{-11, 0.32}, {11, 0.28}}, 5, 90});
   EXPECT_EQ(world.pieces(), 1);
   EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);
@@ -160,12 +161,20 @@ TEST(World, ARefusedActionChangesNothing) {
   World world(small_block(), workers);
   settle(world, 5);
   const uint64_t hash = world.state_hash();
-  const std::vector<Command> bad = {
-      Incise{{{-200, 0}, {200, 0}}, 4, 90}, Incise{{{0, 0}}, 4, 90}, Incise{{{0, 0}, {10, 0}}, -1, 90},
-      Incise{{{NAN, 0}, {10, 0}}, 4, 90},   Excise{{{0, 0}, {1, 0}}, 4}, Suture{{0, 0}, {0, 0}},
-      Suture{{0, 0}, {500, 0}},             MoveHook{7, {0, 0, 0}, 1},   ReleaseHook{3},
-      SetHook{1, {1e9, 0}},                 SetHook{-1, {0, 0}},         Undo{},
-      SutureRow{{{0, 0}}, {{1, 0}}, 3},     SutureRow{{{0, 0}, {20, 0}}, {{0, 3}, {20, 3}}, 0}};
+  const std::vector<Command> bad = {Incise{{{-200, 0}, {200, 0}}, 4, 90},
+                                    Incise{{{0, 0}}, 4, 90},
+                                    Incise{{{0, 0}, {10, 0}}, -1, 90},
+                                    Incise{{{NAN, 0}, {10, 0}}, 4, 90},
+                                    Excise{{{0, 0}, {1, 0}}, 4},
+                                    Suture{{0, 0}, {0, 0}},
+                                    Suture{{0, 0}, {500, 0}},
+                                    MoveHook{7, {0, 0, 0}, 1},
+                                    ReleaseHook{3},
+                                    SetHook{1, {1e9, 0}},
+                                    SetHook{-1, {0, 0}},
+                                    Undo{},
+                                    SutureRow{{{0, 0}}, {{1, 0}}, 3},
+                                    SutureRow{{{0, 0}, {20, 0}}, {{0, 3}, {20, 3}}, 0}};
   for (const Command& c : bad) {
     const Outcome o = world.apply(c);
     EXPECT_FALSE(o.done) << "command " << c.index();
@@ -278,7 +287,8 @@ TEST(World, RefinedFronts) {
     double width = 0;
     for (size_t a = 0; a < view.X_mm.size(); ++a)
       for (size_t b = 0; b < a; ++b)
-        if (view.point[a] == view.point[b] && snap.topology->depth_mm[a] < 1e-3f && std::abs(view.X_mm[a].x() - x) < 0.7)
+        if (view.point[a] == view.point[b] && snap.topology->depth_mm[a] < 1e-3f &&
+            std::abs(view.X_mm[a].x() - x) < 0.7)
           width = std::max(width, double((snap.x_mm[a] - snap.x_mm[b]).norm()));
     return width;
   };

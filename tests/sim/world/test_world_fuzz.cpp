@@ -48,8 +48,8 @@ TEST(WorldFuzz, ASlice) {
   const fuzz::WorldFuzzReport r = fuzz::world_fuzz(s);
   for (const auto& v : r.violations) ADD_FAILURE() << v.what << "; written to " << v.file;
   const fuzz::WorldCounts& c = r.counts;
-  std::printf("%lld acts, %lld done, %lld cuts, %lld refused, %lld undone, %lld redone\n", (long long)c.acts, (long long)c.done,
-              (long long)c.cuts, (long long)c.refused, (long long)c.undone, (long long)c.redone);
+  std::printf("%lld acts, %lld done, %lld cuts, %lld refused, %lld undone, %lld redone\n", (long long)c.acts,
+              (long long)c.done, (long long)c.cuts, (long long)c.refused, (long long)c.undone, (long long)c.redone);
   for (const std::string& why : r.defects) std::printf("refused inside: %s\n", why.c_str());
   EXPECT_GT(c.cuts, s.acts / 5);
   EXPECT_LE(c.defects, 1 + s.acts / 200);
@@ -66,7 +66,8 @@ TEST(WorldFuzz, CasesGoThroughTextUnchanged) {
     return fuzz::world_case("{\"limberg_script\":1,\"scene\":\"" + scene + "\",\"note\":\"\"}\n", "x.jsonl");
   };
   EXPECT_NO_THROW(with_scene("fuzz size=50 seed=3"));
-  for (const char* scene : {"rhomboid", "fuzz size", "fuzz size=", "fuzz size=x", "fuzz size=3", "fuzz cell=0", "fuzz colour=4"})
+  for (const char* scene :
+       {"rhomboid", "fuzz size", "fuzz size=", "fuzz size=x", "fuzz size=3", "fuzz cell=0", "fuzz colour=4"})
     EXPECT_THROW(with_scene(scene), InputError) << scene;
 }
 

@@ -71,8 +71,8 @@ TEST(RotationSvd, ReassemblesAndRotates) {
   all.push_back(Mat3::Zero());
   all.push_back(Mat3::Identity());
   all.push_back(-Mat3::Identity());
-  all.push_back(Vec3(1, -2, 3) * Vec3(0.5, 0, 1).transpose());                                                        // a line
-  all.push_back(Vec3(1, -2, 3) * Vec3(0.5, 0, 1).transpose() + Vec3(0, 1, 3) * Vec3(-1, 4, 1).transpose());           // a plane
+  all.push_back(Vec3(1, -2, 3) * Vec3(0.5, 0, 1).transpose());                                               // a line
+  all.push_back(Vec3(1, -2, 3) * Vec3(0.5, 0, 1).transpose() + Vec3(0, 1, 3) * Vec3(-1, 4, 1).transpose());  // a plane
   for (const Mat3& F : all) {
     const RotationSvd d = rotation_svd(F);
     const double size = std::max(F.norm(), 1e-300);
@@ -112,7 +112,8 @@ TEST(Laws, StressIsTheDerivativeOfTheEnergy) {
       const Mat3 D = random_matrix(r, 1);
       const double h = 1e-5, exact = n.law->at(F).P_kPa.cwiseProduct(D).sum();
       const double found = (n.law->at(F + h * D).energy_kPa - n.law->at(F - h * D).energy_kPa) / (2 * h);
-      // Central difference: error h^2 times a third derivative (steep laws: 1e4 times the stress) plus 1e-16/h of the energy.
+      // Central difference: error h^2 times a third derivative (steep laws: 1e4 times the stress) plus 1e-16/h of the
+      // energy.
       EXPECT_NEAR(found, exact, 2e-6 * (1 + n.law->at(F).P_kPa.norm())) << n.name << "\n" << F;
     }
 }
@@ -141,7 +142,8 @@ TEST(Laws, ProjectedTangentHasNoNegativeEigenvalue) {
     }
 }
 
-// The promise for inversion: a cell turned inside out is pushed back. (Energies that are even in every stretch, as I1 is,
+// The promise for inversion: a cell turned inside out is pushed back. (Energies that are even in every stretch, as I1
+// is,
 // cannot know; there the element's volume term does it.)
 TEST(Laws, AnInvertedCellIsPushedBack) {
   for (const LawPtr& law : {ogden({{3, 9}, {-1, -4}}), corotated(20), corotated_full(20, 60),
@@ -152,7 +154,8 @@ TEST(Laws, AnInvertedCellIsPushedBack) {
     }
 }
 
-// --- Homogeneous states of an incompressible block: sigma = P F^T - p I, p from the free sides. ------------------------
+// --- Homogeneous states of an incompressible block: sigma = P F^T - p I, p from the free sides.
+// ------------------------
 
 double cauchy(const MaterialLaw& law, const Vec3& stretch, int axis, int free_axis) {
   const Mat3 F = stretch.asDiagonal();
@@ -184,7 +187,8 @@ TEST(HomogeneousStates, MooneyRivlinAndOgden) {
   EXPECT_NEAR(cauchy(*ogden(t), {l, 1 / std::sqrt(l), 1 / std::sqrt(l)}, 0, 2), expected, 1e-10 * expected);
 }
 
-/// Uniaxial tension along x of an incompressible orthotropic block: the lateral stretch along y that leaves y and z free.
+/// Uniaxial tension along x of an incompressible orthotropic block: the lateral stretch along y that leaves y and z
+/// free.
 std::pair<double, double> uniaxial(const MaterialLaw& law, double l) {
   double lo = 0.3 / l, hi = 1.2;
   for (int k = 0; k < 200; ++k) {
@@ -194,30 +198,35 @@ std::pair<double, double> uniaxial(const MaterialLaw& law, double l) {
   return {cauchy(law, {l, lo, 1 / (l * lo)}, 0, 2), lo};
 }
 
-// Human back skin (Ni Annaidh et al. 2012): mu 0.2014 MPa, k1 24.53 MPa, k2 0.1327, kappa 0.1404, fibres at 41 degrees to the
+// Human back skin (Ni Annaidh et al. 2012): mu 0.2014 MPa, k1 24.53 MPa, k2 0.1327, kappa 0.1404, fibres at 41 degrees
+// to the
 // Langer line. Stresses and lateral stretches computed independently (kPa here).
 TEST(HomogeneousStates, SkinWithTwoFibreFamilies) {
   const double a = 41 * std::numbers::pi / 180;
   auto skin = [&](bool along) {
     const Vec3 d1 = along ? Vec3(std::cos(a), std::sin(a), 0) : Vec3(std::sin(a), std::cos(a), 0);
-    return sum_of({neo_hookean(201.4), dispersed_fibres({24530, 0.1327, 0.1404}, {{d1}, {d1.cwiseProduct(Vec3(1, -1, 1))}})});
+    return sum_of(
+        {neo_hookean(201.4), dispersed_fibres({24530, 0.1327, 0.1404}, {{d1}, {d1.cwiseProduct(Vec3(1, -1, 1))}})});
   };
   struct Row {
     bool along;
     double stretch, stress_kPa, lateral;
   };
-  for (const Row& r : {Row{true, 1.05, 84.584, 0.92912}, Row{true, 1.10, 343.830, 0.84134}, Row{true, 1.15, 1348.058, 0.76511},
-                       Row{true, 1.20, 3291.599, 0.72905}, Row{false, 1.05, 36.542, 0.95935}, Row{false, 1.10, 87.253, 0.91117},
-                       Row{false, 1.20, 386.346, 0.78324}, Row{false, 1.30, 2637.876, 0.67480}}) {
+  for (const Row& r :
+       {Row{true, 1.05, 84.584, 0.92912}, Row{true, 1.10, 343.830, 0.84134}, Row{true, 1.15, 1348.058, 0.76511},
+        Row{true, 1.20, 3291.599, 0.72905}, Row{false, 1.05, 36.542, 0.95935}, Row{false, 1.10, 87.253, 0.91117},
+        Row{false, 1.20, 386.346, 0.78324}, Row{false, 1.30, 2637.876, 0.67480}}) {
     const auto [stress, lateral] = uniaxial(*skin(r.along), r.stretch);
-    EXPECT_NEAR(stress, r.stress_kPa, 2e-3 * r.stress_kPa) << r.along << " " << r.stretch;  // constants are given to 3-4 digits
+    EXPECT_NEAR(stress, r.stress_kPa, 2e-3 * r.stress_kPa)
+        << r.along << " " << r.stretch;  // constants are given to 3-4 digits
     EXPECT_NEAR(lateral, r.lateral, 2e-4) << r.along << " " << r.stretch;
   }
 }
 
 TEST(HomogeneousStates, OneFibreFamilyAndItsSwitch) {
   const LawPtr along = sum_of({neo_hookean(10), dispersed_fibres({100, 1, 0.1}, {{Vec3::UnitX()}})});
-  for (auto [l, stress] : {std::pair{1.05, 12.96555}, {1.1, 29.88648}, {1.2, 81.45616}, {1.3, 175.82198}, {1.5, 788.99019}}) {
+  for (auto [l, stress] :
+       {std::pair{1.05, 12.96555}, {1.1, 29.88648}, {1.2, 81.45616}, {1.3, 175.82198}, {1.5, 788.99019}}) {
     const double t = 1 / std::sqrt(l);
     EXPECT_NEAR(cauchy(*along, {l, t, t}, 0, 2), stress, 1e-6 * stress);
   }

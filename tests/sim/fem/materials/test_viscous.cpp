@@ -1,4 +1,5 @@
-// Relaxation against the analytic Prony series, and what must hold besides: rest stays rest, states come back, nothing costs
+// Relaxation against the analytic Prony series, and what must hold besides: rest stays rest, states come back, nothing
+// costs
 // anything where nothing relaxes.
 #include <gtest/gtest.h>
 
@@ -77,7 +78,8 @@ struct Case {
   Integrator integrator = Integrator::backward_euler;
 };
 
-// A sudden stretch of 20 %, held: the force is the relaxed one times 1 + sum ratio exp(-t / time). The jump is taken in the middle
+// A sudden stretch of 20 %, held: the force is the relaxed one times 1 + sum ratio exp(-t / time). The jump is taken in
+// the middle
 // of the first step.
 // The energy of a step in the middle of a history, against central differences of itself (single precision).
 TEST(Viscous, ForceIsTheDerivativeOfTheEnergy) {
@@ -118,7 +120,8 @@ TEST(Viscous, AHeldStripRelaxesByItsPronySeries) {
   const std::vector<ViscousPoint::Term> terms = {{0.8, 0.5}, {0.5, 4}};
   const double l = 1.2, t = 1 / std::sqrt(l);
   const LawPtr along = dispersed_fibres({100, 1, 0.1}, {{Vec3::UnitX()}});
-  for (const Case& c : {Case{"neo-Hookean", nullptr, t}, Case{"fibres along", along, t}, Case{"fibres along, BDF2", along, t, Integrator::bdf2}}) {
+  for (const Case& c : {Case{"neo-Hookean", nullptr, t}, Case{"fibres along", along, t},
+                        Case{"fibres along, BDF2", along, t, Integrator::bdf2}}) {
     const FemModel m = bar(terms, c.fibres);
     InlineWorkers one;
     auto solver = make_solver(one);
@@ -137,7 +140,8 @@ TEST(Viscous, AHeldStripRelaxesByItsPronySeries) {
     solver->step(still);
     const double relaxed = pull_mN(*solver, m);
     if (!c.fibres) {
-      EXPECT_NEAR(relaxed, kMu * (l - 1 / (l * l)) * 25, 0.01 * kMu * (l - 1 / (l * l)) * 25);  // nominal, incompressible
+      EXPECT_NEAR(relaxed, kMu * (l - 1 / (l * l)) * 25,
+                  0.01 * kMu * (l - 1 / (l * l)) * 25);  // nominal, incompressible
     }
     for (size_t n = 0; n < force.size(); ++n) {
       const double time = (double(n) + 0.5) * dt;
@@ -171,7 +175,8 @@ TEST(Viscous, CreepAndRecovery) {
     double d = 0;
     int n = 0;
     for (size_t i = 0; i < m.X_mm.size(); ++i)
-      if (std::fabs(m.X_mm[i][0]) > 4.999) d += double(solver->displacement_mm()[i][0]) * (m.X_mm[i][0] > 0 ? 1 : -1), ++n;
+      if (std::fabs(m.X_mm[i][0]) > 4.999)
+        d += double(solver->displacement_mm()[i][0]) * (m.X_mm[i][0] > 0 ? 1 : -1), ++n;
     return 2 * d / n / 10;
   };
   const auto creep = [&](double t) { return t <= 0 ? 0.0 : 0.01 * (1 - r / (1 + r) * std::exp(-t / (tau * (1 + r)))); };
@@ -187,7 +192,8 @@ TEST(Viscous, CreepAndRecovery) {
 TEST(Viscous, RestStaysRest) {
   const Mat3 M = Vec3(1.15, 1.05, 1 / (1.15 * 1.05)).asDiagonal();
   FemModel m = bar({{1.5, 0.2}}, dispersed_fibres({80, 2, 0.2}, {{{0.75, 0.66, 0}}, {{0.75, -0.66, 0}}}), M);
-  for (size_t i = 0; i < m.X_mm.size(); ++i) m.fixed[i] = std::fabs(m.X_mm[i][0]) > 4.999 || std::fabs(m.X_mm[i][1]) > 2.499;
+  for (size_t i = 0; i < m.X_mm.size(); ++i)
+    m.fixed[i] = std::fabs(m.X_mm[i][0]) > 4.999 || std::fabs(m.X_mm[i][1]) > 2.499;
   InlineWorkers one;
   auto solver = make_solver(one);
   solver->set_model(std::make_shared<FemModel>(m), {});
@@ -241,7 +247,8 @@ TEST(Viscous, TissueTurnedInsideOutComesBack) {
   solver->set_model(std::make_shared<FemModel>(m), {});
   test::Random r(4);
   std::vector<Vec3f> u;
-  for (size_t i = 0; i < m.X_mm.size(); ++i) u.push_back(m.fixed[i] ? Vec3f(0, 0, 0) : Vec3f(r.vector(8).cast<float>()));
+  for (size_t i = 0; i < m.X_mm.size(); ++i)
+    u.push_back(m.fixed[i] ? Vec3f(0, 0, 0) : Vec3f(r.vector(8).cast<float>()));
   solver->set_displacement_mm(u);
   StepReport last;
   for (int n = 0; n < 60; ++n) last = solver->step(dynamic(0.1));
@@ -249,7 +256,8 @@ TEST(Viscous, TissueTurnedInsideOutComesBack) {
   for (const Vec3f& v : solver->displacement_mm()) EXPECT_LT(v.norm(), 0.1f);
 }
 
-// The loop for neo-Hookean layers against the one that asks the law (a sum of one law is no neo-Hookean to it): six points in
+// The loop for neo-Hookean layers against the one that asks the law (a sum of one law is no neo-Hookean to it): six
+// points in
 // every cell, prestretch, a history, and displacements that turn some cells inside out. Every instruction set.
 TEST(Viscous, NeoHookeanLoopAgreesWithTheLaw) {
   const Mat3 M = Vec3(1.2, 1.1, 1 / (1.2 * 1.1)).asDiagonal();

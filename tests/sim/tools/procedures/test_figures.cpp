@@ -105,7 +105,8 @@ TEST(Figures, FusiformAnglesAndScar) {
     const double drawn = length_mm(bank(f, f.seams[0].a_from, f.seams[0].a_to, true));
     EXPECT_NEAR(drawn, scar, scar * std::pow(vertex / kDeg / 12, 2) / 24 * 1.01);  // chords of 12 equal pieces
     const auto q = sizes(f);
-    EXPECT_NEAR(q.back(), vertex, vertex / 12 + 1e-9);  // the first chord stands half a piece inside the tangent, at both sides
+    EXPECT_NEAR(q.back(), vertex,
+                vertex / 12 + 1e-9);  // the first chord stands half a piece inside the tangent, at both sides
   }
 }
 
@@ -119,7 +120,8 @@ TEST(Figures, WebstersDonorEarIsItsTip) {
 TEST(Figures, SeamsOfTranspositionFlapsHaveEqualBanks) {
   for (const char* name : {"rhomboid", "dufourmentel", "webster", "z_plasty", "multiple_z", "four_flap_z"})
     for (const Figure f = figure(name); const Seam& s : f.seams)
-      EXPECT_NEAR(length_mm(bank(f, s.a_from, s.a_to, true)), length_mm(bank(f, s.b_from, s.b_to, false)), 1e-9) << name;
+      EXPECT_NEAR(length_mm(bank(f, s.a_from, s.a_to, true)), length_mm(bank(f, s.b_from, s.b_to, false)), 1e-9)
+          << name;
 }
 
 TEST(Figures, DrawingNamesEveryCharge) {
@@ -141,14 +143,17 @@ TEST(Figures, DrawingNamesEveryCharge) {
     for (size_t i = 0; i < at.size(); ++i) {
       EXPECT_GE(at[i].x(), 25);
       EXPECT_LE(at[i].x(), 615);
-      for (size_t k = 0; k < i; ++k) EXPECT_TRUE(std::abs(at[i].x() - at[k].x()) > 40 || std::abs(at[i].y() - at[k].y()) > 14) << f.seams.size() << " seams";
+      for (size_t k = 0; k < i; ++k)
+        EXPECT_TRUE(std::abs(at[i].x() - at[k].x()) > 40 || std::abs(at[i].y() - at[k].y()) > 14)
+            << f.seams.size() << " seams";
     }
   });
 }
 
 TEST(Catalogue, BadSettingsSayWhatWasExpected) {
   const Procedure& p = find_procedure("bilobed");
-  for (const char* s : {"diameter_mm", "size=3", "diameter_mm=x", "diameter_mm=1e9", "diameter_mm=nan", "diameter_mm=12mm", ""})
+  for (const char* s :
+       {"diameter_mm", "size=3", "diameter_mm=x", "diameter_mm=1e9", "diameter_mm=nan", "diameter_mm=12mm", ""})
     EXPECT_THROW(procedure_values(p, {s}), InputError) << s;
   EXPECT_THROW(procedure_values(p, {"diameter_mm=12", "diameter_mm=13"}), InputError);
   EXPECT_THROW(find_procedure("trilobed"), InputError);

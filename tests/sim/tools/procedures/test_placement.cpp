@@ -1,6 +1,4 @@
 // Figures on curved skin: straight on, true lengths through the origin, the same places on another mesh.
-#include "sim/tools/procedures/placement.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include "sim/geometry/block.h"
 #include "sim/tools/procedures/catalogue.h"
 #include "sim/tools/procedures/operation.h"
+#include "sim/tools/procedures/placement.h"
 
 namespace limberg {
 namespace {
@@ -101,7 +100,8 @@ TEST(OnSkin, LinesAreFollowedOnACurvedSkin) {
       double best = 1e300;
       for (size_t i = 1; i < chart.size(); ++i)
         for (int k = 0; k <= 400; ++k)
-          if (const auto x = skin.at(chart[i - 1] + (chart[i] - chart[i - 1]) * (k / 400.0))) best = std::min(best, (x->X_mm - meant).norm());
+          if (const auto x = skin.at(chart[i - 1] + (chart[i] - chart[i - 1]) * (k / 400.0)))
+            best = std::min(best, (x->X_mm - meant).norm());
       worst = std::max(worst, best);
     }
     return worst;
@@ -148,11 +148,13 @@ TEST(CarryOut, WritesScriptsThatReadBack) {
   for (const Procedure& p : procedures()) {
     const auto commands = carry_out(p.figure(p.defaults()), OnSkin(skin, {}));
     EXPECT_GT(commands.size(), 6u) << p.name;
-    for (const Command& c : commands) EXPECT_EQ(to_json_line(parse_command(to_json_line(c), "test", 1)), to_json_line(c));
+    for (const Command& c : commands)
+      EXPECT_EQ(to_json_line(parse_command(to_json_line(c), "test", 1)), to_json_line(c));
   }
 }
 
-// The edge of the figure's wounds that is nearest to a place, as its wound and the corner that it begins at; of two banks in one place
+// The edge of the figure's wounds that is nearest to a place, as its wound and the corner that it begins at; of two
+// banks in one place
 // that on whose left the place lies. `left`: whether it lies in tissue.
 struct Beside {
   Corner edge;
@@ -172,7 +174,8 @@ Beside nearest_edge(const Figure& f, const Vec2& p) {
   return best;
 }
 
-// A stitch takes the edge that its place is nearest to. Beside a tip of a few degrees the usual distance behind the edge leads beyond the
+// A stitch takes the edge that its place is nearest to. Beside a tip of a few degrees the usual distance behind the
+// edge leads beyond the
 // other one: o_to_z's tips have 5 degrees.
 TEST(CarryOut, EveryStitchGoesThroughTheEdgeOfItsSeam) {
   const Skin skin(flat(2));
@@ -198,15 +201,20 @@ TEST(CarryOut, EveryStitchGoesThroughTheEdgeOfItsSeam) {
     for (size_t i = 0; i < tied.size(); ++i) {
       const Beside a = nearest_edge(f, tied[i].first), b = nearest_edge(f, tied[i].second);
       EXPECT_TRUE(a.left && b.left) << p.name << ": stitch " << i << " lies in no tissue";
-      while (s < f.seams.size() && !(among(a.edge, f.seams[s].a_from, f.seams[s].a_to) && among(b.edge, f.seams[s].b_to, f.seams[s].b_from))) ++s;
-      ASSERT_LT(s, f.seams.size()) << p.name << ": stitch " << i << " of " << tied.size() << " joins edges that no seam does";
+      while (s < f.seams.size() &&
+             !(among(a.edge, f.seams[s].a_from, f.seams[s].a_to) && among(b.edge, f.seams[s].b_to, f.seams[s].b_from)))
+        ++s;
+      ASSERT_LT(s, f.seams.size()) << p.name << ": stitch " << i << " of " << tied.size()
+                                   << " joins edges that no seam does";
       sewn[s] = true;
     }
     for (size_t i = 0; i < f.seams.size(); ++i) {  // a short seam is held by the stitches at its corners
       const auto& w = f.wounds[size_t(f.seams[i].a_from.wound)];
       double length = 0;
-      for (size_t at = size_t(f.seams[i].a_from.at); at != size_t(f.seams[i].a_to.at); at = (at + 1) % w.size()) length += (w[(at + 1) % w.size()] - w[at]).norm();
-      EXPECT_TRUE(sewn[i] || length < 2 * OperationPlan{}.spacing_mm) << p.name << ": seam " << i << " of " << length << " mm has no stitch, and would gape";
+      for (size_t at = size_t(f.seams[i].a_from.at); at != size_t(f.seams[i].a_to.at); at = (at + 1) % w.size())
+        length += (w[(at + 1) % w.size()] - w[at]).norm();
+      EXPECT_TRUE(sewn[i] || length < 2 * OperationPlan{}.spacing_mm)
+          << p.name << ": seam " << i << " of " << length << " mm has no stitch, and would gape";
     }
   }
 }
