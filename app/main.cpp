@@ -1,33 +1,16 @@
-// limberg: the command line. Each command is a file in commands/; here are only the frame, the exit status and the
-// errors.
-#include <fcntl.h>
-#include <poll.h>
-#include <unistd.h>
-
+// limberg: the command line. Each command is a file in commands/; here they are listed.
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <new>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "app/commands/command_line.h"
 #include "app/commands/commands.h"
-#include "app/interrupt.h"
-#include "app/manual.h"
-#include "app/progress.h"
-#include "app/version.h"
-#include "sim/error.h"
+#include "app/program/manual.h"
+#include "app/program/version.h"
 
 namespace limberg {
 namespace {
-
-int defect(const char* what) {
-  say(std::string("internal error: ") + what + "; this is a defect of " + program_name() +
-      ", please report it with the command line and the input files to the project's issue list");
-  return kDefect;
-}
 
 // What a call without a command says.
 constexpr const char* kFirstSteps =
@@ -66,75 +49,19 @@ int run_main(int argc, char** argv) {
   add_superpose(app, chosen);
   add_measures(app, chosen);
   add_design(app, chosen);
-  // `limberg help run` as `limberg run --help`, for those who are used to it.
   std::vector<std::string> words(argv + 1, argv + argc);
-  if (!words.empty() && words.front() == "help") {
-    words.erase(words.begin());
-    const std::vector<const CLI::App*> commands = std::as_const(app).get_subcommands({});
-    if (words.empty() || std::any_of(commands.begin(), commands.end(),
-                                     [&](const CLI::App* c) { return c->get_name() == words.front(); }))
-      words.emplace_back("--help");
-  }
-  std::reverse(words.begin(), words.end());  // CLI11 takes them from the end
-  try {
-    app.parse(words);
-  } catch (const CLI::Success& e) {
-    return app.exit(e);  // --help, --version: on standard output
-  } catch (const CLI::ParseError& e) {
-    std::string what = e.what();
-    for (char& c : what)
-      if (c == '\n') c = ' ';
-    const std::vector<CLI::App*> command = app.get_subcommands();
-    const std::string help = "limberg " + (command.empty() ? "" : command.front()->get_name() + " ") + "--help";
-    say(what + (what.find("; expected ") == std::string::npos ? "; expected a call as in " + help : " (" + help + ")"));
-    return kBadInput;
-  }
-  if (man || completion) {
-    std::fputs((man ? manual_page(app, program_name()) : bash_completion(app)).c_str(), stdout);
-    return kDone;
-  }
-  if (!chosen) {
-    if (app.get_subcommands().empty()) std::fputs(kFirstSteps, stdout);
-    return kDone;
-  }
-  end_at_interrupts();  // commands with something to keep catch them instead
-  return chosen();
-}
-
-/// What was printed may still wait in a buffer: a full disk is told, as for any other file.
-int flushed(int status) {
-  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
-  pollfd reader{STDOUT_FILENO, POLLOUT, 0};
-  if (poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0) return status;  // a pipe whose reader has had enough
-  say("standard output: cannot be written; expected room and permission");
-  return status == kDone ? int(kBadInput) : status;
-}
-
-/// A caller may have closed standard input, output or error. The next file that is opened would take that number, and
-/// what is
-/// printed would go into a recording.
-void keep_standard_files() {
-  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDWR) != fd) std::abort();  // the lowest free number is fd
+  if (!words.empty() && words.front() == "bench") return run_bench_beside({words.begin() + 1, words.end()});
+  if (words.size() > 1 && words[0] == "help" && words[1] == "bench") return run_bench_beside({"--help"});
+  app.callback([&] {
+    if (man) chosen = [&] { return std::fputs(manual_page(app, program_name()).c_str(), stdout) < 0; };
+    if (completion) chosen = [&] { return std::fputs(bash_completion(app).c_str(), stdout) < 0; };
+  });
+  return run_command_line(app, std::move(words), chosen, kFirstSteps);
 }
 
 }  // namespace
 }  // namespace limberg
 
 int main(int argc, char** argv) {
-  using namespace limberg;
-  keep_standard_files();
-  try {
-    return flushed(run_main(argc, argv));
-  } catch (const InputError& e) {
-    say(e.what());
-    return kBadInput;
-  } catch (const std::bad_alloc&) {
-    say("not enough memory for this input; expected a smaller body or larger cells (--cell-mm)");
-    return kBadInput;
-  } catch (const std::exception& e) {
-    return defect(e.what());
-  } catch (...) {
-    return defect("unknown exception");
-  }
+  return limberg::run_framed([&] { return limberg::run_main(argc, argv); });
 }

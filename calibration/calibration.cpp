@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "calibration/toml.h"
-#include "sim/error.h"
-#include "sim/hash.h"
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
 
 namespace limberg {
 

@@ -4,8 +4,7 @@
 //   p_world = R_WT (D(p_sample) + R_TS tip_offset) + t_WT
 //
 // where p_sample and R_TS are the position and orientation that the device sends and D is the correction of a field
-// that
-// metal bends, if there is one. The identity calibration leaves a
+// that metal bends, if there is one. The identity calibration leaves a
 // stream as it is; recordings of the emulated surgeon use it.
 #include <array>
 #include <cstdint>
@@ -44,8 +43,7 @@ struct GloveParameters {
 };
 
 /// Correction of a distorted field: what is to be added to a position in the tracker's frame, on the nodes of a regular
-/// grid,
-/// trilinear between them and constant outside.
+/// grid, trilinear between them and constant outside.
 struct DistortionGrid {
   std::array<int, 3> nodes{0, 0, 0};  // 0: no correction
   Vec3 low_mm = Vec3::Zero(), high_mm = Vec3::Zero();

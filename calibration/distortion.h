@@ -1,9 +1,7 @@
 #pragma once
 // The field of an electromagnetic tracker bends near metal. Where positions are known, what must be added to the
-// readings
-// can be fitted: values on a regular grid, trilinear between its nodes, least squares against the known points plus a
-// price
-// on bends between nodes (second differences), which carries the correction into cells without points.
+// readings can be fitted: values on a regular grid, trilinear between its nodes, least squares against the known points
+// plus a price on bends between nodes (second differences), which carries the correction into cells without points.
 // Every fifth point is held out: a correction that does not halve the error there is refused.
 #include <string>
 #include <vector>

@@ -2,8 +2,7 @@
 // How far apart the finger tips of this user's open and closed hand are, from a hand that opens and closes some times.
 //
 // The distances fall into two heaps; the threshold between them is the one that leaves the least variance within the
-// heaps
-// (Otsu 1979). The open and the closed distance are the medians of the heaps; the user must have held both.
+// heaps (Otsu 1979). The open and the closed distance are the medians of the heaps; the user must have held both.
 #include <string>
 #include <vector>
 

@@ -2,12 +2,10 @@
 // Where the tip of a stylus is: the tip stands in a dimple, the stylus is turned about it, and the sensor's poses tell.
 //
 // Each pose (R_i, p_i) says R_i t + p_i = c with the same tip t, in the sensor's frame, and the same dimple c: 3 N
-// linear
-// equations for six unknowns, solved by least squares over the poses that agree (random sample consensus: sets of four
-// poses, the solution with the most poses within kInlierMm wins, then least squares over those, twice).
+// linear equations for six unknowns, solved by least squares over the poses that agree (random sample consensus: sets
+// of four poses, the solution with the most poses within kInlierMm wins, then least squares over those, twice).
 // What it may not accept is as important as what it finds: few poses, a narrow cone, a stylus that was only spun or
-// only
-// tilted in one plane, a tip that slipped. Limits: see PivotLimits.
+// only tilted in one plane, a tip that slipped. Limits: see PivotLimits.
 #include <array>
 #include <cstdint>
 #include <string>

@@ -3,8 +3,7 @@
 //
 // The rigid motion of least squares (Umeyama 1991 without scale; Horn 1987), by the singular value decomposition of the
 // points' covariance, reflections excluded. The residual at the fitted points says little: it falls when points are
-// fewer
-// while the error elsewhere rises. So the last touched point is not fitted; the error there is the gate.
+// fewer while the error elsewhere rises. So the last touched point is not fitted; the error there is the gate.
 #include <string>
 #include <vector>
 

@@ -3,8 +3,7 @@
 //
 // The library guards its parser with asserts that a broken file can reach (3.3: a key that starts with a stray byte).
 // Here they throw instead: catch both toml::parse_error and BrokenToml, or simply std::runtime_error. One header for
-// all,
-// so that every part of the program is built with the same settings.
+// all, so that every part of the program is built with the same settings.
 #include <stdexcept>
 
 namespace limberg {

@@ -13,8 +13,7 @@ struct BoneContourSettings {
 };
 
 /// `drawn`: places on the bone at rest, in order. A hand that comes back to where it began ends the line there, what it
-/// drew
-/// beyond is left out; else the ends are joined. Smoothed as a closed line and evenly spaced. Empty: too short.
+/// drew beyond is left out; else the ends are joined. Smoothed as a closed line and evenly spaced. Empty: too short.
 std::vector<Vec3> bone_contour(const std::vector<Vec3>& drawn, const BoneContourSettings& settings = {});
 
 }  // namespace limberg

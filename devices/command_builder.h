@@ -7,7 +7,7 @@
 
 #include "devices/stroke_path.h"
 #include "devices/tool_event.h"
-#include "sim/tools/command.h"
+#include "sim/commands/command.h"
 
 namespace limberg {
 
@@ -26,8 +26,8 @@ class CommandBuilder {
   ///   it was taken,
   ///   seconds 0; bone_release -> LetGo.
   /// Progressive: a stroke_point of the scalpel completes a piece of some 5 mm that lies a little behind the hand,
-  /// smoothed
-  /// over what is known by then, and stroke_end the last one; a stroke that ends before its first piece is an Incise.
+  /// smoothed over what is known by then, and stroke_end the last one; a stroke that ends before its first piece is an
+  /// Incise.
   /// Between hook_set or hook_take and hook_leave the hook follows ToolState::tip_mm.
   std::optional<Command> feed(const ToolEvent& event);
   /// The patient has refused a piece: nothing more comes of this stroke.

@@ -9,8 +9,7 @@
 //               cursor, which takes motions and not places.
 //
 // A thread of its own reads and reconnects; readings come at 125 Hz while the device is there. No library is needed:
-// the
-// daemon's first protocol is packets of eight 32-bit numbers in the machine's byte order, type (0 motion, 1 press,
+// the daemon's first protocol is packets of eight 32-bit numbers in the machine's byte order, type (0 motion, 1 press,
 // 2 release), x, y, z, rx, ry, rz, period, or type and button number; a mouse is three bytes of /dev/input/mice.
 #include <memory>
 #include <string>

@@ -2,10 +2,8 @@
 // Which sheet of skin is meant where several lie within the tremor of a hand.
 //
 // A flap that was laid over its bed, or two edges that wait for their stitch, put two skins at one place: the nearer
-// one
-// is chance. Along a whole stroke it is not: each skin near its beginning is followed by itself, and the one that
-// stayed
-// nearest to the hand is the one that was drawn on. Nothing is allocated after construction.
+// one is chance. Along a whole stroke it is not: each skin near its beginning is followed by itself, and the one that
+// stayed nearest to the hand is the one that was drawn on. Nothing is allocated after construction.
 #include <array>
 #include <vector>
 

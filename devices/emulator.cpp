@@ -1,6 +1,5 @@
 // The plan (surgeon_plan.h) says what to do next; here is how: where the tip should be now, against the newest
-// snapshot,
-// what the hand's tremor adds to that, and what of it the tracker sees.
+// snapshot, what the hand's tremor adds to that, and what of it the tracker sees.
 #include "devices/emulator.h"
 
 #include <algorithm>
@@ -9,7 +8,7 @@
 
 #include "devices/motion.h"
 #include "devices/surgeon_plan.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

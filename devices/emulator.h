@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "devices/source.h"
-#include "sim/tools/command.h"
+#include "sim/commands/command.h"
 
 namespace limberg {
 

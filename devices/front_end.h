@@ -1,13 +1,10 @@
 #pragma once
 // The device side, one object, driven tick by tick: read sources -> filter -> gestures on the newest snapshot. A stylus
-// in
-// one hand and a glove on the other work at the same time (virtual_hand.h); while a glove is closed, a second button of
-// the
-// stylus (bit 1) is its clutch.
+// in one hand and a glove on the other work at the same time (virtual_hand.h); while a glove is closed, a second button
+// of the stylus (bit 1) is its clutch.
 //
 // ControlSample::clutch (a key, a pedal) is the clutch of both hands: while it is down they move and what they hold
-// does not;
-// afterwards it follows from where it is. Whatever device has sent the last one counts.
+// does not; afterwards it follows from where it is. Whatever device has sent the last one counts.
 //
 // With the surface cursor on (ControlSample::cursor) the stylus pushes a place of the skin about instead of being there
 // (surface_cursor.h); every tool then acts at that place, and the second button is the clutch.

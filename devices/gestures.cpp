@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "devices/pick.h"
-#include "sim/tools/head_command.h"
+#include "sim/commands/head_command.h"
 
 namespace limberg {
 

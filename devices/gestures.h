@@ -46,8 +46,7 @@ class Gestures {
   /// A control, in the order of its arrival among the tick's samples.
   void control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
   /// One tick. `pressed` is the button now, `edges` how often it changed since the last tick. While `clutch` the hand
-  /// moves and
-  /// the hook or fragment that it holds stays; afterwards it follows from where it is, until it is let go.
+  /// moves and the hook or fragment that it holds stays; afterwards it follows from where it is, until it is let go.
   void tick(int64_t tick, const Pose& hand, bool pressed, int edges, const Snapshot& s, EventSink& out,
             bool clutch = false);
 

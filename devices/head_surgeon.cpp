@@ -9,7 +9,7 @@
 #include "devices/pick.h"
 #include "devices/sample.h"
 #include "sim/geometry/triangle.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

@@ -15,8 +15,7 @@
 //
 // Everything else (planes, plates, joins, tissue) is no gesture: a line in problems(). Noise, tremor and gaps are
 // those of SurgeonSettings; everything random comes from its seed. The glove is that of the shipped calibration: tips
-// at the sensors,
-// the forefinger along its sensor's x axis.
+// at the sensors, the forefinger along its sensor's x axis.
 #include <memory>
 #include <string>
 #include <vector>

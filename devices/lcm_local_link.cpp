@@ -14,7 +14,7 @@
 
 #include "devices/big_endian.h"
 #include "devices/monotonic.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 

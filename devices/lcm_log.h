@@ -4,8 +4,7 @@
 // Format (all integers big-endian), event after event, no file header, no index, no checksum:
 //   u32 sync 0xEDA1DA01 | i64 event number | i64 time in us | u32 channel length | u32 data length | channel | data
 // A log written here plays in lcm-logplayer, and a log of lcm-logger reads here. What is not an event is skipped up to
-// the
-// next sync word that begins a plausible one, and counted.
+// the next sync word that begins a plausible one, and counted.
 #include <cstdint>
 #include <string>
 #include <string_view>

@@ -6,7 +6,7 @@
 
 #include "devices/big_endian.h"
 #include "devices/lcm_log.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 

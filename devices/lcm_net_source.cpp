@@ -13,13 +13,12 @@
 #include "devices/message_codec.h"
 #include "devices/monotonic.h"
 #include "devices/sample_queue.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 
 namespace {
 
-constexpr size_t kMaxStreams = 64;
 constexpr int64_t kSilenceNs = 300'000'000;  // longer than packets linger on a network of one room
 
 struct Stream : StreamOrder {
@@ -74,8 +73,7 @@ struct LcmNetSource::Impl {
     int64_t gap = 0;
     const bool known = order.contains(stream);
     // A sender that was silent and counts from a lower number has begun anew (restarted, plugged in again): its numbers
-    // go on
-    // from where they were. Without the silence it is an old packet, or one that came twice.
+    // go on from where they were. Without the silence it is an old packet, or one that came twice.
     if (known) {
       Stream& o = order[stream];
       if (s.seq + o.shift <= o.seq && s.t_ns - o.t_ns > kSilenceNs) o.shift = o.seq + 1 - s.seq;

@@ -3,7 +3,7 @@
 #include <lcm/lcm-cpp.hpp>
 
 #include "devices/message_codec.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 

@@ -3,8 +3,7 @@
 // them).
 //
 // Publishing is a call into the kernel, 7 to 19 us each: never from the device thread. `limberg devices --publish` does
-// it from a
-// loop of its own.
+// it from a loop of its own.
 #include <memory>
 #include <string>
 

@@ -4,11 +4,7 @@
 
 namespace limberg {
 
-namespace {
-int64_t time_of(const Sample& s) {
-  return std::visit([](const auto& v) { return v.t_ns; }, s);
-}
-}  // namespace
+namespace {}  // namespace
 
 LogSource::LogSource(std::vector<Sample> samples, int64_t damaged) : samples_(std::move(samples)), damaged_(damaged) {
   std::stable_sort(samples_.begin(), samples_.end(),

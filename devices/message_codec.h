@@ -31,6 +31,8 @@ inline constexpr std::string_view kStylusChannel = "LIMBERG_STYLUS", kControlCha
 /// CRC-32 of IEEE 802.3 (reflected polynomial 0xEDB88320).
 uint32_t crc32(const uint8_t* data, size_t n);
 
+inline constexpr size_t kPiece = sizeof(limberg_msg::chunk_t::data);  // bytes of an embedded file in one message
+inline constexpr size_t kMaxStreams = 64;                             // devices of one recording or link
 inline constexpr size_t kMaxMessage = 8192;
 using MessageBytes = std::array<uint8_t, kMaxMessage>;
 
@@ -48,8 +50,7 @@ size_t encode_message(M message, MessageBytes& bytes) {
 }
 
 /// What is wrong with the bytes as a message of type M, or nullptr, and then `message` holds it. `has_checksum`:
-/// whether a
-/// checksum was given, and then it was right. A stream that has given one gives them always (StreamOrder).
+/// whether a checksum was given, and then it was right. A stream that has given one gives them always (StreamOrder).
 template <class M>
 const char* decode_message(const uint8_t* data, size_t n, M& message, bool* has_checksum = nullptr) {
   const int size = message.getEncodedSize();

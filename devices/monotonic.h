@@ -1,7 +1,6 @@
 #pragma once
 // CLOCK_MONOTONIC, from which a session's time counts. Read by whoever drives a session and by the devices' own reader
-// threads; everybody
-// else is handed times.
+// threads; everybody else is handed times.
 #include <time.h>
 
 #include <cstdint>

@@ -8,8 +8,7 @@
 namespace limberg {
 
 /// Share of the way at share s of the time: 10 s^3 - 15 s^4 + 6 s^5, the path of least mean square jerk from rest to
-/// rest
-/// (Flash and Hogan 1985, eq. 2). Its highest speed is 15/8 of the mean. Clamped outside [0, 1].
+/// rest (Flash and Hogan 1985, eq. 2). Its highest speed is 15/8 of the mean. Clamped outside [0, 1].
 inline double minimum_jerk(double s) {
   if (s <= 0) return 0;
   if (s >= 1) return 1;

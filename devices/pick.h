@@ -1,7 +1,6 @@
 #pragma once
 // What is picked on a head by mouse, stylus or cursor: places, and what lies between two of them. Kinds of
-// ControlSample beside its own,
-// and the events that Gestures makes of them.
+// ControlSample beside its own, and the events that Gestures makes of them.
 //
 //   landmark control  text: the name; value: the place at rest x, y, z and what it lies on (Ground). Of the last,
 //   touched: no place is given,
@@ -40,13 +39,12 @@ enum Control : int32_t {
 constexpr int32_t last_control = join;
 enum On : int32_t { touched = 0, bone = 1, face = 2, above = 3 };
 /// ToolEvent::kind. place: rest_mm, text its name, id 1 on the face. between: rest_mm on the face, world_mm on bone,
-/// text the name, depth_mm
-/// and spacing_mm the radii, id the layers and 100 times the mode, angle_deg the modulus. laid_upon: id the
+/// text the name, depth_mm and spacing_mm the radii, id the layers and 100 times the mode, angle_deg the modulus.
+/// laid_upon: id the
 /// SkullBeside, text the name.
 /// shifted: rest_mm on the fragment, world_mm the translation, quat[1..3] the rotation in degrees. sawn: rest_mm on the
-/// plane, world_mm its
-/// normal, depth_mm the radius. plated, joined: rest_mm and world_mm. Of a corner the events of a stroke of the saw,
-/// text kPicked; of a
+/// plane, world_mm its normal, depth_mm the radius. plated, joined: rest_mm and world_mm. Of a corner the events of a
+/// stroke of the saw, text kPicked; of a
 /// snap bone_grab and bone_release, text kSnap.
 enum Event : int32_t {
   place = 100,

@@ -3,14 +3,13 @@
 
 #include "devices/message_codec.h"
 #include "devices/recording.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 
 namespace {
 
 constexpr int32_t kMaxBlobs = 256, kMaxPieces = 65'536;
-constexpr size_t kPiece = sizeof(limberg_msg::chunk_t::data), kMaxStreams = 64;
 
 /// An embedded file while its pieces come in. Pieces come in order; memory grows with what is there, not with what a
 /// header promises.
@@ -123,8 +122,7 @@ class Reader {
     if (!order_.contains(stream) && order_.size() >= kMaxStreams) return "too many devices";
     int64_t gap = 0;
     // Damage that moves bytes can leave a message that says that it has no checksum, and can change whose it is: where
-    // one
-    // message of a channel has a checksum, all must have.
+    // one message of a channel has a checksum, all must have.
     if (checksums_[Sample(S{}).index()] && !has_checksum) return kNoChecksum;
     if (!order_[stream].accept(s.seq, s.t_ns, gap)) return kOutOfOrder;
     checksums_[Sample(S{}).index()] |= has_checksum;
@@ -196,8 +194,7 @@ class Reader {
   }
 
   /// Of a session that was cut short: as much as is known for certain. Ticks whose samples are in the file, and steps
-  /// before
-  /// which all ticks are known.
+  /// before which all ticks are known.
   void trim_schedule() {
     std::vector<DeviceRun>& ticks = r_.schedule.device;
     std::vector<SolverTake>& steps = r_.schedule.solver;
@@ -268,10 +265,6 @@ class Reader {
   std::array<bool, std::variant_size_v<Sample>> checksums_{};  // per kind of sample
   bool incomplete_ = false;
 };
-
-int64_t time_of(const Sample& s) {
-  return std::visit([](const auto& v) { return v.t_ns; }, s);
-}
 
 Recording read(LogReader& log, const std::string& name) {
   if (log.size() == 0) throw InputError(name, 0, "is empty; expected an LCM event log of a stylus");

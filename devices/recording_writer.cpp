@@ -2,13 +2,12 @@
 
 #include "devices/message_codec.h"
 #include "devices/recording.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 
 namespace {
 
-constexpr size_t kPiece = sizeof(limberg_msg::chunk_t::data);
 constexpr size_t kMaxBlobBytes = kPiece * 65'536;
 
 template <class M>

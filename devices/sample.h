@@ -94,4 +94,9 @@ struct RawSample {
 
 using Sample = std::variant<StylusSample, ControlSample, TrackerSample, RawSample>;
 
+/// When it was taken, on the clock of its source (ns).
+inline int64_t time_of(const Sample& s) {
+  return std::visit([](const auto& v) { return v.t_ns; }, s);
+}
+
 }  // namespace limberg

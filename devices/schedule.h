@@ -3,10 +3,8 @@
 // thread.
 //
 // Two things are chance while a session runs against the clock: which snapshot, hand and samples a tick or a step found
-// when
-// it looked, and where the clock cut a step short. Both are written down beside the samples. Ticks that follow each
-// other on
-// one snapshot without a sample are one row.
+// when it looked, and where the clock cut a step short. Both are written down beside the samples. Ticks that follow
+// each other on one snapshot without a sample are one row.
 #include <cstdint>
 #include <vector>
 

@@ -8,8 +8,6 @@ namespace limberg {
 
 namespace {
 
-double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
   const Vec2 d = b - a;
   const double l2 = d.squaredNorm();
@@ -77,9 +75,8 @@ Vec2 corner(const Line& a, const Line& b, const Vec2& knot, const PathSettings& 
 }
 
 /// The chord between two jittering points is a poor edge: knots without which the points still lie along the line
-/// fitted
-/// through them go, the least needed first. Along: half the tolerance in the mean square, and no point off by more than
-/// one and a half, so that a single jerk is not a corner.
+/// fitted through them go, the least needed first. Along: half the tolerance in the mean square, and no point off by
+/// more than one and a half, so that a single jerk is not a corner.
 void merge_edges(const std::vector<Vec2>& p, std::vector<size_t>& knot, double tolerance) {
   while (knot.size() > 2) {
     double least = tolerance;

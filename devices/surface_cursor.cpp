@@ -4,11 +4,7 @@
 
 namespace limberg {
 
-namespace {
-bool has_surface(const Snapshot& s) {
-  return s.topology && !s.topology->view.tri.empty() && s.x_mm.size() == s.topology->view.X_mm.size();
-}
-}  // namespace
+namespace {}  // namespace
 
 SurfaceCursor::SurfaceCursor(const CursorSettings& settings)
     : set_(settings), path_(kPathPoints), step_(settings.step_mm) {

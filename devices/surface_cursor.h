@@ -2,12 +2,9 @@
 // The surface cursor: a place of the surface that the hand pushes about.
 //
 // What the hand travels from tick to tick, times the gain, moves the cursor along the surface (surface_walk.h). So it
-// goes
-// wherever the surface goes: over edges, into folds, round to the hidden side with a gesture round the object; and it
-// is as
-// precise as the gain is small, whatever the tracker's absolute error. With the clutch down the hand moves and the
-// cursor
-// stays, bit for bit; tracking that is lost and comes back does not move it either.
+// goes wherever the surface goes: over edges, into folds, round to the hidden side with a gesture round the object; and
+// it is as precise as the gain is small, whatever the tracker's absolute error. With the clutch down the hand moves and
+// the cursor stays, bit for bit; tracking that is lost and comes back does not move it either.
 //
 // The cursor is a material place: it moves with the skin between two ticks. When a cut changes the topology it is found
 // again at the same place at rest; when that place was cut away, at the nearest that is left.

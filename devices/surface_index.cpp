@@ -12,9 +12,7 @@ namespace {
 constexpr int kMaxCells = 512;  // along each side of the chart grid
 constexpr int kMaxWalk = 2000;
 
-const Vec3f& at(const Snapshot& s, int32_t v) { return s.x_mm[size_t(v)]; }
-
-double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+const Vec3f& float_at(const Snapshot& s, int32_t v) { return s.x_mm[size_t(v)]; }
 
 }  // namespace
 
@@ -85,7 +83,8 @@ SkinTouch SurfaceIndex::touch(const Snapshot& s, const Place& place) const {
   if (place.triangle < 0) return out;
   const SurfaceView& view = s.topology->view;
   const Tri& k = view.tri[size_t(place.triangle)];
-  const Vec3 a = at(s, k[0]).cast<double>(), b = at(s, k[1]).cast<double>(), c = at(s, k[2]).cast<double>();
+  const Vec3 a = float_at(s, k[0]).cast<double>(), b = float_at(s, k[1]).cast<double>(),
+             c = float_at(s, k[2]).cast<double>();
   out.triangle = place.triangle;
   out.bary = place.bary;
   out.x_mm = place.bary[0] * a + place.bary[1] * b + place.bary[2] * c;
@@ -103,7 +102,7 @@ int32_t SurfaceIndex::nearest_vertex(const Snapshot& s, const Vec3& p_mm, bool u
   int32_t best = -1;
   float best2 = 1e30f;
   for (int32_t v : skin_vertex_) {
-    const float d2 = (at(s, v) - p).squaredNorm();
+    const float d2 = (float_at(s, v) - p).squaredNorm();
     if (d2 < best2 && !(unmarked_only && mark_[size_t(v)])) best2 = d2, best = v;
   }
   return best;
@@ -167,8 +166,8 @@ SurfaceIndex::Place SurfaceIndex::walk(const Snapshot& s, const Vec3& p_mm, int3
   Place best;
   auto look_at = [&](int32_t t) {
     const Tri& k = tri[size_t(t)];
-    const TrianglePoint c =
-        closest_on_triangle(p_mm, at(s, k[0]).cast<double>(), at(s, k[1]).cast<double>(), at(s, k[2]).cast<double>());
+    const TrianglePoint c = closest_on_triangle(p_mm, float_at(s, k[0]).cast<double>(),
+                                                float_at(s, k[1]).cast<double>(), float_at(s, k[2]).cast<double>());
     const double d2 = (c.point - p_mm).squaredNorm();
     // Equal distances (a shared edge or corner) go to the lower number, so that the way here does not matter.
     if (d2 < best.distance2 || (d2 == best.distance2 && t < best.triangle)) best = {t, c.bary, d2};
@@ -200,13 +199,13 @@ int SurfaceIndex::facets_around(const Snapshot& s, const SkinTouch& place, doubl
   found[n++] = place.triangle;
   for (size_t next = 0; next < n && n < most; ++next)
     for (const int32_t v : tri[size_t(found[next])]) {
-      if ((at(s, v).cast<double>() - place.x_mm).norm() > reach_mm) continue;
+      if ((float_at(s, v).cast<double>() - place.x_mm).norm() > reach_mm) continue;
       for (int32_t i = star_start_[size_t(v)]; i < star_start_[size_t(v) + 1] && n < most; ++i)
         if (std::find(found.begin(), found.begin() + long(n), star_[size_t(i)]) == found.begin() + long(n))
           found[n++] = star_[size_t(i)];
     }
   for (size_t i = 0; i < n; ++i)
-    for (size_t k = 0; k < 3; ++k) out[i][k] = at(s, tri[size_t(found[i])][k]).cast<double>();
+    for (size_t k = 0; k < 3; ++k) out[i][k] = float_at(s, tri[size_t(found[i])][k]).cast<double>();
   return int(n);
 }
 

@@ -2,16 +2,14 @@
 // Finding skin: the nearest skin to a point in the deformed world, and the skin under a chart point at rest.
 //
 // Built once per topology version. The closest point is found by walking: from the triangle touched last, over
-// triangles
-// that share a vertex, for as long as that brings the surface nearer. A walk cannot leave its bank of a wound, so now
-// and
-// then (and at first) it starts from the nearest of all skin vertices, found by one pass over them.
+// triangles that share a vertex, for as long as that brings the surface nearer. A walk cannot leave its bank of a
+// wound, so now and then (and at first) it starts from the nearest of all skin vertices, found by one pass over them.
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 
@@ -44,8 +42,7 @@ class SurfaceIndex {
   SkinTouch closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm);
 
   /// Corners of the skin triangles around a touched place, those first that are fewest triangles away, none further
-  /// than
-  /// reach_mm; as many as fit. How many. Allocates nothing.
+  /// than reach_mm; as many as fit. How many. Allocates nothing.
   int facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm,
                     std::span<std::array<Vec3, 3>> out) const;
 

@@ -4,16 +4,12 @@
 //   dx = P(x) dd        P: projection onto the surface's tangent plane at x
 //
 // Walked exactly from triangle to triangle: within one the path is straight; at an edge what is left of the
-// displacement is
-// projected anew onto the triangle in which it leads onward. So the path depends on the surface and not on how it is
-// cut
-// into triangles. Where both sides of an edge send the path back onto it (a ridge, the rim of the surface), it goes
-// along
-// the edge; where every way from a point leads back, the point is the furthest in that direction and the walk rests
-// there
+// displacement is projected anew onto the triangle in which it leads onward. So the path depends on the surface and not
+// on how it is cut into triangles. Where both sides of an edge send the path back onto it (a ridge, the rim of the
+// surface), it goes along the edge; where every way from a point leads back, the point is the furthest in that
+// direction and the walk rests there
 // until the displacement turns. Nothing is added beyond the displacement: a step is never longer than it, so that a
-// walk
-// never jumps. Triangles lower than kSliver of their longest edge have no tangent plane worth following: they are
+// walk never jumps. Triangles lower than kSliver of their longest edge have no tangent plane worth following: they are
 // crossed.
 //
 // A walk allocates nothing. Positions are those of the snapshot; the topology is read once per version.
@@ -21,7 +17,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 
@@ -45,8 +41,7 @@ class SurfaceWalk {
   Vec3 walk(const Snapshot& s, SurfacePlace& place, const Vec3& d_mm) const;
 
   /// The place nearest to X_mm at rest; among places equally near (the two banks of a cut) the one whose deformed
-  /// position
-  /// is nearest to x_mm. One pass over the triangles.
+  /// position is nearest to x_mm. One pass over the triangles.
   SurfacePlace nearest_at_rest(const Snapshot& s, const Vec3& X_mm, const Vec3& x_mm) const;
   /// The place nearest to x_mm as it is now. One pass over the triangles.
   SurfacePlace nearest(const Snapshot& s, const Vec3& x_mm) const;

@@ -7,8 +7,6 @@ namespace limberg {
 
 namespace {
 
-bool has_surface(const Snapshot& s) { return s.topology && s.x_mm.size() == s.topology->view.X_mm.size(); }
-
 /// Whether a is the better place: met before beside, then nearer; beside: the smaller angle.
 bool better(const PointedPlace& a, const PointedPlace& b) {
   if (b.triangle < 0) return true;

@@ -22,7 +22,7 @@
 #include "devices/glove.h"
 #include "devices/rigid_grip.h"
 #include "devices/tool_event.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

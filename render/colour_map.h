@@ -1,8 +1,7 @@
 #pragma once
 // Colour maps. Viridis for magnitudes: lightness grows evenly from one end to the other, so the map can be read in grey
 // and by colour-blind eyes. Blue to red over a light grey for signed values: the middle is zero, both ends are equally
-// dark,
-// and blue against red is told apart by the common kinds of colour blindness.
+// dark, and blue against red is told apart by the common kinds of colour blindness.
 #include "render/image.h"
 
 namespace limberg {

@@ -19,14 +19,14 @@ using InitializeFn = unsigned (*)(Handle display, int* major, int* minor);
 using BindApiFn = unsigned (*)(unsigned api);
 using CreateContextFn = Handle (*)(Handle display, Handle config, Handle share, const int* attributes);
 using DestroyContextFn = unsigned (*)(Handle display, Handle context);
-using MakeCurrentFn = unsigned (*)(Handle display, Handle draw, Handle read, Handle context);
-using AddressFn = void (*(*)(const char*))();
+using EglMakeCurrentFn = unsigned (*)(Handle display, Handle draw, Handle read, Handle context);
+using EglAddressFn = void (*(*)(const char*))();
 
 constexpr unsigned kSurfacelessMesa = 0x31DD, kOpenGlApi = 0x30A2;
-constexpr int kMajor = 0x3098, kMinor = 0x30FB, kProfileMask = 0x30FD, kCoreProfile = 1, kNone = 0x3038;
+constexpr int kEglMajor = 0x3098, kEglMinor = 0x30FB, kProfileMask = 0x30FD, kEglCoreProfile = 1, kNone = 0x3038;
 
 template <class F>
-F symbol(void* library, const char* name, const std::string& file) {
+F egl_symbol(void* library, const char* name, const std::string& file) {
   void* p = dlsym(library, name);
   if (!p) throw RenderUnavailable("no pictures: " + file + " lacks " + name + "; expected EGL 1.5 (Debian: libegl1)");
   return reinterpret_cast<F>(p);
@@ -41,19 +41,19 @@ class EglContext final : public GlContext {
       throw RenderUnavailable("no pictures: " + file + " cannot be loaded (" + (why ? why : "unknown") +
                               "); install libegl1");
     }
-    const auto display = symbol<PlatformDisplayFn>(library, "eglGetPlatformDisplay", file);
-    const auto initialize = symbol<InitializeFn>(library, "eglInitialize", file);
-    bind_api_ = symbol<BindApiFn>(library, "eglBindAPI", file);
-    const auto create = symbol<CreateContextFn>(library, "eglCreateContext", file);
-    destroy_ = symbol<DestroyContextFn>(library, "eglDestroyContext", file);
-    make_current_ = symbol<MakeCurrentFn>(library, "eglMakeCurrent", file);
-    address_ = symbol<AddressFn>(library, "eglGetProcAddress", file);
+    const auto display = egl_symbol<PlatformDisplayFn>(library, "eglGetPlatformDisplay", file);
+    const auto initialize = egl_symbol<InitializeFn>(library, "eglInitialize", file);
+    bind_api_ = egl_symbol<BindApiFn>(library, "eglBindAPI", file);
+    const auto create = egl_symbol<CreateContextFn>(library, "eglCreateContext", file);
+    destroy_ = egl_symbol<DestroyContextFn>(library, "eglDestroyContext", file);
+    make_current_ = egl_symbol<EglMakeCurrentFn>(library, "eglMakeCurrent", file);
+    address_ = egl_symbol<EglAddressFn>(library, "eglGetProcAddress", file);
     display_ = display(kSurfacelessMesa, nullptr, nullptr);
     if (!display_ || !initialize(display_, nullptr, nullptr))
       throw RenderUnavailable(
           "no pictures: EGL has no display without a surface; expected Mesa's (Debian: libegl-mesa0)");
     bind_api_(kOpenGlApi);
-    const std::array<int, 7> attributes{kMajor, 3, kMinor, 3, kProfileMask, kCoreProfile, kNone};
+    const std::array<int, 7> attributes{kEglMajor, 3, kEglMinor, 3, kProfileMask, kEglCoreProfile, kNone};
     context_ = create(display_, nullptr, nullptr,
                       attributes.data());  // no config: nothing but framebuffer objects is drawn to
     if (!context_) throw RenderUnavailable("no pictures: EGL refused a core context of OpenGL 3.3");
@@ -75,8 +75,8 @@ class EglContext final : public GlContext {
   Handle display_ = nullptr, context_ = nullptr;
   BindApiFn bind_api_ = nullptr;
   DestroyContextFn destroy_ = nullptr;
-  MakeCurrentFn make_current_ = nullptr;
-  AddressFn address_ = nullptr;
+  EglMakeCurrentFn make_current_ = nullptr;
+  EglAddressFn address_ = nullptr;
 };
 
 }  // namespace

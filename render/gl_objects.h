@@ -94,8 +94,7 @@ void set_anisotropy(const GlFunctions& gl, bool possible, float amount);
 bool has_anisotropy(const GlFunctions& gl);
 
 /// Uploads a texture with mipmaps; `srgb`: the colours are sRGB, and what is read are the roots of linear light, for
-/// the shader to
-/// square: software drivers read plain bytes several times faster than sRGB ones.
+/// the shader to square: software drivers read plain bytes several times faster than sRGB ones.
 GLuint make_texture(const GlFunctions& gl, const Texels& texels, bool srgb, bool repeat, bool mipmaps);
 
 /// An empty texture for a frame to be copied into: no mipmaps, no filter.

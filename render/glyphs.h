@@ -2,16 +2,13 @@
 // Principal stretches of the skin, drawn as crosses on it: the long arm along the largest, the other along the least.
 //
 // Worked out from the surface alone: with the edges of a triangle at rest in the frame along and across the tension
-// lines, E
-// (2 x 2), and now, e (3 x 2), the gradient in the plane is F = e E^-1; the skin's prestretch F0 = diag(p, q) goes
-// before it, and the
-// stretches are the singular values of F F0. An arm is as long as the stretch: kFull of it fills the spacing; red where
-// the
-// skin is stretched, blue where it is pressed.
+// lines, E (2 x 2), and now, e (3 x 2), the gradient in the plane is F = e E^-1; the skin's prestretch F0 = diag(p, q)
+// goes before it, and the stretches are the singular values of F F0. An arm is as long as the stretch: kFull of it
+// fills the spacing; red where the skin is stretched, blue where it is pressed.
 #include <vector>
 
 #include "render/props.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

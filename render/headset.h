@@ -1,11 +1,10 @@
 #pragma once
 // A headset as a source of views. The renderer draws whatever list of views it is given, so all that a headset adds is
-// where
-// each eye is and how far it sees to each side.
+// where each eye is and how far it sees to each side.
 //
 // With LIMBERG_OPENXR the loader of OpenXR is asked what is there. Drawing into a headset (a session with its frame
-// loop and swap chains)
-// is not built: it could not be tried here but with a runtime of our own (tests/render/openxr_stub.cpp).
+// loop and swap chains) is not built: it could not be tried here but with a runtime of our own
+// (tests/render/openxr_stub.cpp).
 #include <string>
 
 #include "render/view.h"
@@ -29,8 +28,7 @@ struct Headset {
 };
 
 /// The headset that the machine's OpenXR runtime offers. RenderUnavailable says why there is none: built without
-/// OpenXR, no
-/// runtime, no headset.
+/// OpenXR, no runtime, no headset.
 Headset find_headset();
 
 }  // namespace limberg

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "sim/error.h"
-#include "sim/whole_file.h"
+#include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 

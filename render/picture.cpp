@@ -56,9 +56,8 @@ struct PictureMaker::Impl {
       : width(w), height(h), quality(q), renderer(make_offscreen_context(threads)) {}
 
   // Where the eye stands. Over a block: on the surgeon's side, 52 degrees above the skin, so that depth shows and
-  // shapes
-  // on the skin are hardly foreshortened. Over any other surface: in front of the skin that is looked at, a little
-  // below.
+  // shapes on the skin are hardly foreshortened. Over any other surface: in front of the skin that is looked at, a
+  // little below.
   struct Stand {
     Vec3f from{0.10f, -0.60f, 0.79f}, up = Vec3f::UnitZ();
   };

@@ -7,8 +7,7 @@
 //
 // The camera of a PictureMaker does not move from picture to picture, so that stages can be laid side by side. It is
 // fixed by focus / focus_from / set_camera, or else from the first picture's snapshot. Use one maker per thread: it
-// owns a GL
-// context and belongs to the thread that made it.
+// owns a GL context and belongs to the thread that made it.
 #include <memory>
 #include <span>
 #include <string>
@@ -18,7 +17,7 @@
 #include "render/renderer.h"
 #include "render/tool_pose.h"
 #include "render/view.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

@@ -142,8 +142,7 @@ void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f
   if (suture.thread != 0) return;  // one of a thread's: that is tied at its ends
 
   // The knot lies over the entry, beside the wound: two throws, each a turn about the thread, and two tails. No two
-  // hands' tails
-  // lie alike: they follow the stitch's number.
+  // hands' tails lie alike: they follow the stitch's number.
   const auto wish = [&](uint32_t k) {
     return float(((uint32_t(suture.id) + 1) * 2654435761u >> (4 * k)) & 255u) / 255.0f - 0.5f;
   };

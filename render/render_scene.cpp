@@ -30,8 +30,7 @@ const RenderScene& SceneBuilder::show_field(std::span<const float> per_vertex) {
 namespace {
 
 /// Where a plate is bent between its ends: at the place on its way over which bone stands highest, so that it lies on
-/// the edge of a step and
-/// bridges a gap; half way where none stands over it.
+/// the edge of a step and bridges a gap; half way where none stands over it.
 Vec3f bend_of_plate(const RenderScene& scene, const Vec3f& a, const Vec3f& b, const Vec3f& up) {
   constexpr int kPlaces = 15;
   constexpr float kBeside_mm = 4,

@@ -10,7 +10,7 @@
 
 #include "render/props.h"
 #include "render/tool_pose.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 
@@ -46,8 +46,8 @@ struct TissueMesh {
   std::array<size_t, kParts> triangles_of{};  // per part
   std::vector<std::array<int32_t, 2>> rim;    // edges between skin and wall (SurfaceView vertices), skin on the left
   std::vector<Layer> layers;
-  Eigen::Vector2f tension_chart =
-      Eigen::Vector2f::Zero();  // unit: how the tension lines run on the chart; zero: unknown
+  // unit: how the tension lines run on the chart; zero: unknown
+  Eigen::Vector2f tension_chart = Eigen::Vector2f::Zero();
 };
 
 /// The parts of a TissueMesh in the order in which they are drawn: the face last, because it may be translucent.

@@ -50,8 +50,8 @@ struct Renderer::Impl {
   std::array<GLuint, 2> colour_map;  // by ColourScale
   // What the buffers hold, so that only what has changed is sent, and the shadow of what has not moved is kept.
   std::shared_ptr<const TissueMesh> uploaded;
-  bool all_triangles =
-      false;  // the tissue's triangles are those of the mesh, in their order; else those that a view may show
+  // the tissue's triangles are those of the mesh, in their order; else those that a view may show
+  bool all_triangles = false;
   VisibleTriangles visible;
   std::vector<std::array<uint32_t, 3>> shown_triangles;
   struct {
@@ -169,8 +169,7 @@ struct Renderer::Impl {
   }
 
   // Skin, walls and sides close around the tissue: what of them is turned away is never seen. Of a face or bones from a
-  // scan that
-  // is not sure.
+  // scan that is not sure.
   static bool closed(Part part) { return part == Part::skin || part == Part::wall || part == Part::side; }
 
   // The triangles of a view become those of the buffer; how many there are of each part.

@@ -3,8 +3,7 @@
 // the options: the same input gives the same bytes.
 //
 // Passes: shadow map (optional; kept while nothing moves), tissue, props, background, occlusion (optional,
-// occlusion.h), lines, a
-// translucent face; then the image is read back. Text and legends are drawn on
+// occlusion.h), lines, a translucent face; then the image is read back. Text and legends are drawn on
 // the image afterwards (overlay.h), so they never depend on the driver.
 //
 // draw() does all of it. A window takes the steps one by one, so that its panels are drawn in the same frame:

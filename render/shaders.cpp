@@ -104,8 +104,7 @@ vec3 facing(vec3 v) {
 }
 
 // Tilts n by a height field on the surface, of which is known how it changes (mm) from pixel to pixel. Smooth over a
-// triangle,
-// where a difference of two pixels' heights would be one for four of them.
+// triangle, where a difference of two pixels' heights would be one for four of them.
 vec3 tilt(vec3 n, vec3 p, float hx, float hy) {
   vec3 px = dFdx(p), py = dFdy(p);
   vec3 rx = cross(py, n), ry = cross(n, px);

@@ -10,8 +10,8 @@ namespace limberg {
 namespace {
 
 constexpr float kBite_mm = 2.2f;  // how far from the wound's edge a stitch enters the skin, for the picture
-constexpr float kReach_mm =
-    4;  // a point of the thread is looked for so far above and below the straight line between its ends
+// a point of the thread is looked for so far above and below the straight line between its ends
+constexpr float kReach_mm = 4;
 constexpr float kFlat_mm = 0.05f;  // what stands up less does not bend the thread
 constexpr int kSamples = 12;       // places between the ends at which the skin's height is taken
 

@@ -11,8 +11,7 @@ struct NearestSkin {
 };
 
 /// The vertex of skin, or of another part, nearest to p. Skin triangles are under a millimetre, so its height is the
-/// skin's height
-/// there; those of bone are some millimetres wide.
+/// skin's height there; those of bone are some millimetres wide.
 NearestSkin nearest_skin(const RenderScene& scene, const Vec3f& p, Part part = Part::skin);
 
 /// Adds thread, knot and bite marks of a stitch to the scene's props; nothing when it has no place.

@@ -104,8 +104,7 @@ Texels grid_texture(int size) {
 namespace {
 
 // Fat lies in lobules of several sizes that press against each other: the upper hull of round domes, one about a point
-// of each
-// cell, softened where two meet. Height in [0, 1], and a number of the lobule.
+// of each cell, softened where two meet. Height in [0, 1], and a number of the lobule.
 std::array<float, 2> lobules(float u, float v, int period, uint32_t seed) {
   const float x = u * float(period), y = v * float(period);
   const int i = int(std::floor(x)), j = int(std::floor(y));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "render/colour_map.h"
-#include "sim/geometry/body.h"
+#include "sim/body/body.h"
 
 namespace limberg {
 
@@ -26,8 +26,7 @@ Texels detail_texture(int size = 512);
 
 /// Slopes of a detail texture's heights, along u and v: r and g of the pores, b and a of the lobules. A texel is 1/2 +
 /// kSlopeGain x (change of the height from one texel to the next), so that smaller copies of it are the mean slope:
-/// from afar
-/// the surface is smooth, and nothing flickers.
+/// from afar the surface is smooth, and nothing flickers.
 Texels slope_texture(const Texels& detail);
 inline constexpr float kSlopeGain = 4;
 

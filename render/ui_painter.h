@@ -1,7 +1,7 @@
 #pragma once
 // Draws the panels of Dear ImGui with our own table of GL functions, into whatever frame is bound. The library's
-// packaged
-// back end finds its functions through libGL, so it fails where the context comes from OSMesa; this one does not care.
+// packaged back end finds its functions through libGL, so it fails where the context comes from OSMesa; this one does
+// not care.
 #include <string>
 
 #include "render/gl_functions.h"
@@ -11,8 +11,7 @@ struct ImDrawData;
 namespace limberg {
 
 /// The font of the panels: DejaVu Sans where the machine has it, else ImGui's own, which lacks some signs. `pixels` is
-/// the
-/// height of the em. For the current ImGui context, before its first frame.
+/// the height of the em. For the current ImGui context, before its first frame.
 void choose_ui_font(float pixels);
 
 class UiPainter {

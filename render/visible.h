@@ -1,8 +1,7 @@
 #pragma once
 // Which triangles of a closed surface may show in a picture: those in its frame that do not turn their back on it. A
-// graphics card
-// drops the others by itself; a software driver works on all their corners first, which is half of what a picture costs
-// there.
+// graphics card drops the others by itself; a software driver works on all their corners first, which is half of what a
+// picture costs there.
 #include <array>
 #include <span>
 #include <vector>
@@ -16,8 +15,7 @@ class VisibleTriangles {
   /// width, height: of the picture, pixels. to_clip: projection times view.
   void look(std::span<const Vec3f> x_mm, const Mat4f& to_clip, int width, int height);
   /// Appends those of `tri` that may show to `out`, in their order, and says how many they are. Counter-clockwise ones
-  /// face the
-  /// picture. What a driver's rounding may turn round (less than a tenth of a pixel) is kept.
+  /// face the picture. What a driver's rounding may turn round (less than a tenth of a pixel) is kept.
   size_t append(std::span<const std::array<uint32_t, 3>> tri, std::vector<std::array<uint32_t, 3>>& out) const;
 
  private:

@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "app/commands/numbers.h"
-#include "app/progress.h"
+#include "app/result/progress.h"
 
 namespace limberg {
 

@@ -1,10 +1,10 @@
 #pragma once
 // --auto of run and replay: the session works with the cell size and the iterations that fit a frame
-// (app/operating_point.h).
+// (app/operating_point/operating_point.h).
 #include <optional>
 #include <string>
 
-#include "app/operating_point.h"
+#include "app/operating_point/operating_point.h"
 
 namespace CLI {
 class App;

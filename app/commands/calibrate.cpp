@@ -7,21 +7,21 @@
 #include <sstream>
 
 #include "app/commands/commands.h"
-#include "app/output.h"
-#include "app/progress.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
 #include "calibration/distortion.h"
 #include "calibration/glove_range.h"
 #include "calibration/pivot.h"
 #include "calibration/registration.h"
 #include "devices/glove.h"
 #include "devices/recording.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct CalibrateOptions {
   std::string what, log, out, from, points, device;
   bool replace = false, distortion = false;
 };
@@ -59,13 +59,13 @@ void line(const char* what, double value, const char* unit, double limit, bool a
   std::printf("  %-34s %8.3f %-4s  %s %.3g\n", what, value, unit, at_most ? "at most" : "at least", limit);
 }
 
-int refused(const Options& o, const std::string& advice) {
+int refused(const CalibrateOptions& o, const std::string& advice) {
   say(o.log + ": not accepted: " + advice);
   std::printf("nothing was written\n");
   return kGoalMissed;
 }
 
-int finish(const Options& o, Calibration c) {
+int finish(const CalibrateOptions& o, Calibration c) {
   c.date = today();
   if (!o.device.empty()) c.device = o.device;
   if (c.name == "identity") c.name = std::filesystem::path(o.out).stem().string();
@@ -74,7 +74,7 @@ int finish(const Options& o, Calibration c) {
   return kDone;
 }
 
-int stylus(const Options& o, const Recording& rec, Calibration c) {
+int stylus(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   std::vector<SensorPose> poses;
   for (const StylusSample& s : stylus_readings(rec, o.log))
     poses.push_back({s.tip_mm + c.distortion.at(s.tip_mm), rotation(s)});
@@ -153,7 +153,7 @@ std::vector<Vec3> read_points(const std::string& file) {
   return p;
 }
 
-int world(const Options& o, const Recording& rec, Calibration c) {
+int world(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   if (o.points.empty())
     throw InputError(
         "", 0, "calibrate world without --points; expected a file with a line x y z in mm for each touched point");
@@ -197,7 +197,7 @@ int world(const Options& o, const Recording& rec, Calibration c) {
   return finish(o, c);
 }
 
-int glove(const Options& o, const Recording& rec, Calibration c) {
+int glove(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   GloveTracker tracker(c);
   constexpr int64_t kStepNs = 16'000'000;
   std::vector<double> aperture;
@@ -228,8 +228,8 @@ int glove(const Options& o, const Recording& rec, Calibration c) {
   return finish(o, c);
 }
 
-int calibrate(const Options& o) {
-  const std::map<std::string, int (*)(const Options&, const Recording&, Calibration)> procedures{
+int calibrate(const CalibrateOptions& o) {
+  const std::map<std::string, int (*)(const CalibrateOptions&, const Recording&, Calibration)> procedures{
       {"stylus", stylus}, {"glove", glove}, {"world", world}};
   const auto procedure = procedures.find(o.what);
   if (procedure == procedures.end())
@@ -246,7 +246,7 @@ int calibrate(const Options& o) {
 }  // namespace
 
 void add_calibrate(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<CalibrateOptions>();
   CLI::App* c =
       app.add_subcommand("calibrate", "From a recorded stream to a calibration file, or to what was wrong with it");
   c->add_option("WHAT", o->what,

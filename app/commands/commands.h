@@ -1,7 +1,7 @@
 #pragma once
 // The commands of the program, one file each. A command adds itself to the command line and, when it is the one that
-// was
-// asked for, leaves in `chosen` what is to be done; that returns the exit status (exit_status.h says what each means).
+// was asked for, leaves in `chosen` what is to be done; that returns the exit status (exit_status.h says what each
+// means).
 #include <functional>
 #include <string>
 #include <vector>
@@ -24,7 +24,10 @@ void add_check(CLI::App& app, Chosen& chosen);
 void add_report(CLI::App& app, Chosen& chosen);
 void add_procedure(CLI::App& app, Chosen& chosen);
 void add_study(CLI::App& app, Chosen& chosen);
-void add_bench(CLI::App& app, Chosen& chosen);
+void add_bench(CLI::App& app, Chosen& chosen);  // its name in lists; the suites are those of limberg_bench
+/// Starts limberg_bench, which stands beside this program, with these words in place of this process.
+/// InputError: it is not there.
+int run_bench_beside(const std::vector<std::string>& words);
 void add_calibrate(CLI::App& app, Chosen& chosen);
 void add_devices(CLI::App& app, Chosen& chosen);
 void add_fit(CLI::App& app, Chosen& chosen);

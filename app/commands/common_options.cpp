@@ -5,7 +5,7 @@
 
 #include "app/commands/commands.h"
 #include "app/commands/numbers.h"
-#include "app/output.h"
+#include "app/result/output.h"
 
 namespace limberg {
 
@@ -33,7 +33,8 @@ void CommonOptions::add_repro(CLI::App& c) {
 }
 
 void CommonOptions::prepare() const {
-  if (!simd.empty()) setenv("LIMBERG_SIMD", simd.c_str(), 1);  // before any thread and any solver (sim/fem/engine.h)
+  if (!simd.empty())
+    setenv("LIMBERG_SIMD", simd.c_str(), 1);  // before any thread and any solver (sim/fem/solver/engine.h)
   if (!out_dir.empty()) prepare_folder(out_dir);
   if (!repro_dir.empty()) prepare_folder(repro_dir);
   if (!json_file.empty()) check_writable(json_file), check_replaces_result(json_file);

@@ -5,23 +5,23 @@
 
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
-#include "app/design_drawing.h"
-#include "app/design_search.h"
-#include "app/interrupt.h"
-#include "app/output.h"
-#include "app/progress.h"
+#include "app/design/design_drawing.h"
+#include "app/design/design_search.h"
+#include "app/program/interrupt.h"
 #include "app/report/report_names.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
+#include "app/result/tables.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
-#include "app/tables.h"
-#include "sim/error.h"
-#include "sim/tools/procedures/plan_drawing.h"
+#include "sim/base/error.h"
+#include "sim/commands/procedures/plan_drawing.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct DesignOptions {
   std::string scene, defect;
   std::vector<std::string> spare;
   std::optional<double> lines_deg;
@@ -43,7 +43,7 @@ Landmark parse_landmark(const std::string& text) {
   return l;
 }
 
-int design(Options o) {
+int design(DesignOptions o) {
   catch_interrupts();
   o.common.prepare();
   Scene scene = open_scene(o.scene);
@@ -174,7 +174,7 @@ int design(Options o) {
 }  // namespace
 
 void add_design(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DesignOptions>();
   CLI::App* c =
       app.add_subcommand("design", "Rank flaps for a defect by closure force, dog-ear and displacement of landmarks");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();

@@ -11,22 +11,22 @@
 #include <cstring>
 #include <map>
 
+#include "app/assembly/device_specs.h"
+#include "app/assembly/streams.h"
 #include "app/commands/commands.h"
 #include "app/commands/numbers.h"
-#include "app/device_specs.h"
-#include "app/interrupt.h"
-#include "app/progress.h"
+#include "app/program/interrupt.h"
+#include "app/result/progress.h"
 #include "app/session/clock.h"
-#include "app/streams.h"
 #include "devices/glove.h"
 #include "devices/lcm_publisher.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct DevicesOptions {
   std::vector<std::string> devices;
   bool watch = false;
   double seconds = 0;
@@ -58,8 +58,8 @@ const char* role_name(StationRole r) {
   return name[size_t(r)];
 }
 
-struct Desk final : SampleSink {
-  explicit Desk(const Calibration& c) : glove(c) {}
+struct DesktopDevices final : SampleSink {
+  explicit DesktopDevices(const Calibration& c) : glove(c) {}
   void on_sample(const Sample& sample) override {
     if (record) record->write(sample);
     if (publish) publish->publish(sample);
@@ -111,8 +111,8 @@ std::vector<std::string> serial_ports() {
 }
 
 /// How many lines were printed.
-int show(const std::vector<std::string>& names, const std::vector<std::unique_ptr<Source>>& sources, Desk& desk,
-         int64_t now_ns, double since_s) {
+int show(const std::vector<std::string>& names, const std::vector<std::unique_ptr<Source>>& sources,
+         DesktopDevices& desk, int64_t now_ns, double since_s) {
   int lines = 0;
   for (size_t i = 0; i < sources.size(); ++i) {
     const SourceCounts c = sources[i]->counts();
@@ -146,7 +146,7 @@ int show(const std::vector<std::string>& names, const std::vector<std::unique_pt
   return lines;
 }
 
-int devices(const Options& o) {
+int devices(const DevicesOptions& o) {
   catch_interrupts();
   std::vector<std::string> names = o.devices;
   if (names.empty()) names.push_back("lcm");
@@ -178,7 +178,7 @@ int devices(const Options& o) {
   std::printf("\nSpaceMouse   %s\nmouse        %s\n",
               exists(socket) ? (std::string("its daemon at ") + socket).c_str() : "no daemon",
               exists("/dev/input/mice") ? "/dev/input/mice" : "none");
-  Desk desk(calibration);
+  DesktopDevices desk(calibration);
   std::unique_ptr<StreamWriter> record;
   if (!o.record.empty()) record = std::make_unique<StreamWriter>(o.record, o.replace), desk.record = record.get();
   std::unique_ptr<LcmPublisher> publish;
@@ -215,7 +215,7 @@ int devices(const Options& o) {
 }  // namespace
 
 void add_devices(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DevicesOptions>();
   CLI::App* c = app.add_subcommand("devices", "What is connected: live poses, rates, gaps, buttons");
   c->add_option("--device", o->devices,
                 "lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], "

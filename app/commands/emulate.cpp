@@ -4,24 +4,24 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "app/assembly/streams.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
-#include "app/interrupt.h"
-#include "app/output.h"
-#include "app/progress.h"
-#include "app/shipped.h"
-#include "app/streams.h"
+#include "app/program/interrupt.h"
+#include "app/program/shipped.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
 #include "devices/emulator.h"
 #include "devices/fastrak/port.h"
 #include "devices/head_surgeon.h"
-#include "sim/error.h"
-#include "sim/tools/strokes.h"
+#include "sim/base/error.h"
+#include "sim/commands/strokes.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct EmulateOptions {
   std::string scene, script, out_log;
   uint64_t seed = 1;
   std::string stream;
@@ -31,7 +31,7 @@ struct Options {
 };
 
 /// A FASTRAK on a pseudo-terminal until Ctrl-C.
-int serve_fastrak(const Options& o) {
+int serve_fastrak(const EmulateOptions& o) {
   catch_interrupts();
   fastrak::EmulatorSettings settings;
   settings.seed = o.seed;
@@ -50,7 +50,7 @@ int serve_fastrak(const Options& o) {
 }
 
 /// A stream whose truth is known (streams.h), with the truth beside it.
-int write_known(const Options& o) {
+int write_known(const EmulateOptions& o) {
   if (o.out_log.empty()) throw InputError("", 0, "emulate --stream without --out; expected the LCM log to write");
   const KnownStream k = known_stream(o.stream, o.seed);
   write_stream(o.out_log, k.samples, o.replace);
@@ -67,7 +67,7 @@ int write_known(const Options& o) {
   return kDone;
 }
 
-int emulate(const Options& o) {
+int emulate(const EmulateOptions& o) {
   if (!o.stream.empty()) return write_known(o);
   if (o.fastrak) return serve_fastrak(o);
   if (o.scene.empty() || o.script.empty() || o.out_log.empty())
@@ -119,7 +119,7 @@ int emulate(const Options& o) {
 }  // namespace
 
 void add_emulate(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<EmulateOptions>();
   CLI::App* c = app.add_subcommand("emulate", "A scripted surgeon carries out an operation with a stylus: a recording");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene");
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines)");

@@ -1,4 +1,4 @@
-#include "sim/imaging/fit.h"
+#include "sim/imaging/fit/fit.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -7,27 +7,27 @@
 #include <memory>
 #include <tuple>
 
-#include "app/bench/cpu_clock.h"
 #include "app/commands/commands.h"
 #include "app/commands/fit_sweep.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
 #include "app/head/skull_comparison.h"
-#include "app/interrupt.h"
-#include "app/output.h"
-#include "app/progress.h"
+#include "app/operating_point/cpu_clock.h"
+#include "app/program/interrupt.h"
 #include "app/report/report_names.h"
-#include "app/result.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
+#include "app/result/result.h"
+#include "app/result/tables.h"
 #include "app/session/workers_pool.h"
-#include "app/tables.h"
 #include "render/gl_context.h"
 #include "render/picture.h"
-#include "sim/error.h"
-#include "sim/imaging/superposition.h"
-#include "sim/imaging/surface_file.h"
-#include "sim/simplex/dual.h"
-#include "sim/simplex/file.h"
+#include "sim/base/error.h"
+#include "sim/imaging/io/surface_file.h"
+#include "sim/imaging/register/superposition.h"
+#include "sim/skull/simplex/dual.h"
+#include "sim/skull/simplex/file.h"
 
 namespace limberg {
 
@@ -35,17 +35,16 @@ namespace {
 
 constexpr double kFound = 0.95;     // of the vertices must have the surface within two voxels
 constexpr double kRmsVoxels = 0.5;  // and lie so near it, rms (both: issue list of the craniofacial part)
-constexpr double kReached =
-    // of a scan's points must be within two spacings of the mesh; for a plane, of those that are seen from its side
-    0.9;
+// of a scan's points must be within two spacings of the mesh; for a plane, of those that are seen from its side
+constexpr double kReached = 0.9;
 constexpr double kThin = 100;  // HU: above muscle and brain (45), what .3 mm of cortical bone adds in a voxel of 3.2 mm
 constexpr double
     kSmallest = 60,
     kLargest = 1000;  // mm: a scan of a face or head is between them; one that is not was likely written in other units
-constexpr double kScanEdges =
-    75;  // edges along a scan's diagonal where --edge-mm is not given (4 mm for a face of 300 mm, as for volumes)
+// edges along a scan's diagonal where --edge-mm is not given (4 mm for a face of 300 mm, as for volumes)
+constexpr double kScanEdges = 75;
 
-struct Options {
+struct FitOptions {
   std::string volume, tissue, mesh_file, start = "sphere", sweep_dir, report_dir, series, unit = "mm";
   std::vector<double> from;
   double iso = 0, offset = 0, edge_mm = 4, chord_mm = 0, seal_mm = -1, mouth_mm = -1, thin = -1, smooth = 0.6,
@@ -92,7 +91,7 @@ void fill(Result& result, const FitReport& r) {
 }
 
 /// What the report says: what was fitted to what, how far they lie apart both ways, what stayed open.
-void tell(Result& result, const Options& o, const FitReport& r, const std::vector<std::string>& notes,
+void tell(Result& result, const FitOptions& o, const FitReport& r, const std::vector<std::string>& notes,
           const std::string& unit) {
   const auto mm = [](double v) { return short_number(v, 3); };
   std::string note = "A simplex mesh that began as a " + o.start + " was drawn to " +
@@ -116,8 +115,7 @@ void tell(Result& result, const Options& o, const FitReport& r, const std::vecto
 }
 
 /// DIR/overview.png, and the mesh from four sides in the gallery, seen from `front`, z upwards: turned into the frame
-/// of a head (y forwards), where
-/// the lamp lights the front.
+/// of a head (y forwards), where the lamp lights the front.
 void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Mesh& m, const Vec3& front, Organ organ) {
   const simplex::FanTriangles fan = simplex::fan_triangles(m);
   const Vec3 up = std::abs(front.normalized().z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitY();
@@ -156,7 +154,7 @@ void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Me
 }
 
 /// result.json and report.html in `dir`, and the JSON file, as asked.
-void leave(const Result& result, const Options& o, const std::string& dir) {
+void leave(const Result& result, const FitOptions& o, const std::string& dir) {
   CommonOptions to = o.common;
   to.out_dir = dir;
   leave_result(result, to);
@@ -192,7 +190,7 @@ std::function<void(int, int32_t, double)> shown(Progress& progress, int stages) 
   };
 }
 
-void write_mesh(const Options& o, const simplex::Mesh& m) {
+void write_mesh(const FitOptions& o, const simplex::Mesh& m) {
   write_whole_file(o.mesh_file, o.mesh_file.ends_with(".obj") ? simplex::to_obj(m) : simplex::to_text(m));
 }
 
@@ -214,7 +212,7 @@ std::string unlikely(double across_mm) {
 }
 
 /// A range scan: its points, and which way its triangles look.
-int run_scan(const Options& o) {
+int run_scan(const FitOptions& o) {
   if (!o.sweep_dir.empty()) throw InputError("", 0, "--sweep is for volumes");
   if (!o.report_dir.empty()) prepare_folder(o.report_dir);
   if (!o.from.empty() && start_of(o.start) != Start::plane) throw InputError("", 0, "--from is for --start plane");
@@ -299,7 +297,7 @@ int run_scan(const Options& o) {
   return faults.empty() ? kDone : kGoalMissed;
 }
 
-int run(const Options& o) {
+int run_fit(const FitOptions& o) {
   o.common.prepare();
   check_writable(o.mesh_file);
   std::error_code none;
@@ -403,7 +401,7 @@ int run(const Options& o) {
 }  // namespace
 
 void add_fit(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<FitOptions>();
   CLI::App* c = app.add_subcommand("fit", "Fit a simplex mesh to skin or bone in a CT volume");
   c->add_option("VOLUME", o->volume,
                 "NRRD, MetaImage, NIfTI-1, a folder of DICOM slices; or a range scan (.ply, .xyz, .obj)")
@@ -474,7 +472,7 @@ void add_fit(CLI::App& app, Chosen& chosen) {
       "Example: limberg fit head.nhdr --tissue skin --offset 1024 --out out/skin.simplex");
   c->callback([o, iso, edge, &chosen] {
     o->has_iso = iso->count() > 0, o->has_edge = edge->count() > 0;
-    chosen = [o] { return run(*o); };
+    chosen = [o] { return run_fit(*o); };
   });
 }
 

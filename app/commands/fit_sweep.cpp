@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "app/bench/cpu_clock.h"
+#include "app/operating_point/cpu_clock.h"
 
 namespace limberg {
 

@@ -1,13 +1,12 @@
 #pragma once
 // `limberg fit --sweep`: the same surface fitted with faces of several sizes, uniform and adapted to curvature, to see
-// what
-// vertices and run time buy.
+// what vertices and run time buy.
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "app/report/svg_chart.h"
-#include "sim/imaging/fit.h"
+#include "sim/imaging/fit/fit.h"
 
 namespace limberg {
 

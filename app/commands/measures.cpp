@@ -12,8 +12,7 @@ struct Measure {
 };
 
 // Of `metrics` in result.json. Where `operate --cells` is given more than one size the lattice's share of the error is
-// estimated for
-// every figure marked so.
+// estimated for every figure marked so.
 constexpr Measure kMeasures[] = {
     {"sutures[].force_N", "N",
      "force of a stitch; of a thread's stitch its tension, or less where the edges press on each other",

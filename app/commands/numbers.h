@@ -1,7 +1,6 @@
 #pragma once
 // What a number on the command line may be. CLI11's own ranges let nan through (no comparison with it is true), take -1
-// for a
-// large unsigned number and print the limits of a double with 309 digits.
+// for a large unsigned number and print the limits of a double with 309 digits.
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cmath>

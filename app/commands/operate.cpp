@@ -4,31 +4,31 @@
 #include <filesystem>
 #include <optional>
 
+#include "app/assembly/exercise.h"
+#include "app/assembly/operation.h"
+#include "app/assembly/orders.h"
 #include "app/commands/numbers.h"
 #include "app/commands/operate_head.h"
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
-#include "app/discretisation.h"
-#include "app/exercise.h"
-#include "app/interrupt.h"
-#include "app/metrics.h"
-#include "app/operation.h"
-#include "app/orders.h"
-#include "app/output.h"
-#include "app/pictures.h"
-#include "app/progress.h"
+#include "app/pictures/pictures.h"
+#include "app/program/interrupt.h"
+#include "app/program/shipped.h"
 #include "app/report/report_names.h"
+#include "app/result/metrics.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
+#include "app/result/tables.h"
+#include "app/scene/discretisation.h"
 #include "app/session/workers_pool.h"
-#include "app/shipped.h"
-#include "app/tables.h"
-#include "sim/error.h"
-#include "sim/tools/strokes.h"
+#include "sim/base/error.h"
+#include "sim/commands/strokes.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct OperateOptions {
   std::string scene, script, lesson, fields;
   double cell_mm = 0;
   std::vector<double> cells;
@@ -146,7 +146,7 @@ struct OrderRow {
 };
 
 /// The same wound closed in several orders.
-int compare_orders(const Options& opt, const Scene& scene, const Script& script,
+int compare_orders(const OperateOptions& opt, const Scene& scene, const Script& script,
                    const std::shared_ptr<const Body>& body, WorkersPool& workers) {
   std::vector<OrderRow> rows;
   std::vector<Vec3f> first;
@@ -252,7 +252,7 @@ void write_fields(const std::string& file, const World& world) {
   write_whole_file(file, text);
 }
 
-int run(const Options& opt) {
+int run_operate(const OperateOptions& opt) {
   catch_interrupts();
   opt.common.prepare();
   if (!opt.fields.empty()) check_writable(opt.fields), check_replaces(opt.fields, kFieldsHeader, "a table of fields");
@@ -298,8 +298,8 @@ int run(const Options& opt) {
   also.landmarks.insert(also.landmarks.end(), script.header.landmarks.begin(), script.header.landmarks.end());
   if (lesson) also.landmarks.insert(also.landmarks.end(), lesson->landmarks.begin(), lesson->landmarks.end());
   const Skin skin(body);
-  const std::optional<PlanOnSkin> planned =
-      plan_of(skin, also.plan, join_strokes(actions));  // a bad plan is refused before the work
+  // a bad plan is refused before the work
+  const std::optional<PlanOnSkin> planned = plan_of(skin, also.plan, join_strokes(actions));
 
   Result result("operate", scene.name);
   std::vector<Row> rows;
@@ -378,7 +378,7 @@ int run(const Options& opt) {
 }  // namespace
 
 void add_operate(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<OperateOptions>();
   CLI::App* c = app.add_subcommand("operate", "Carry out an operation script to equilibrium, at any resolution");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene")->required();
   c->add_option("SCRIPT", o->script, "Operation script (JSON lines), or a repro-N.json of a refused cut")->required();
@@ -407,7 +407,7 @@ void add_operate(CLI::App& app, Chosen& chosen) {
       ->excludes(orders);
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c), o->common.add_repro(*c);
   c->footer("Example: limberg operate rhomboid recordings/rhomboid.jsonl --cells 5,3.5,2.5 --out out/operate");
-  c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
+  c->callback([o, &chosen] { chosen = [o] { return run_operate(*o); }; });
 }
 
 }  // namespace limberg

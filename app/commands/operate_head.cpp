@@ -2,16 +2,16 @@
 
 #include <cstdio>
 
-#include "app/assembly.h"
+#include "app/assembly/assembly.h"
+#include "app/assembly/operation.h"
 #include "app/commands/this_call.h"
 #include "app/head/build.h"
 #include "app/head/report.h"
-#include "app/interrupt.h"
-#include "app/metrics.h"
-#include "app/operation.h"
-#include "app/pictures.h"
-#include "app/progress.h"
+#include "app/pictures/pictures.h"
+#include "app/program/interrupt.h"
 #include "app/report/report_names.h"
+#include "app/result/metrics.h"
+#include "app/result/progress.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
 

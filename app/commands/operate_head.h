@@ -1,6 +1,6 @@
 #pragma once
 #include "app/commands/session_command.h"
-#include "sim/tools/script.h"
+#include "sim/commands/script.h"
 
 namespace limberg {
 

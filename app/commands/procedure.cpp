@@ -3,20 +3,20 @@
 
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
-#include "app/output.h"
-#include "app/progress.h"
-#include "app/tables.h"
-#include "sim/error.h"
-#include "sim/geometry/skin.h"
-#include "sim/tools/procedures/catalogue.h"
-#include "sim/tools/procedures/operation.h"
-#include "sim/tools/procedures/plan_drawing.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
+#include "app/result/tables.h"
+#include "sim/base/error.h"
+#include "sim/body/skin.h"
+#include "sim/commands/procedures/catalogue.h"
+#include "sim/commands/procedures/operation.h"
+#include "sim/commands/procedures/plan_drawing.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct ProcedureOptions {
   std::string name, scene = "rhomboid", out, svg;
   std::vector<std::string> settings;
   std::vector<double> at{0, 0};
@@ -34,7 +34,7 @@ int list() {
   return kDone;
 }
 
-int procedure(Options o) {
+int procedure(ProcedureOptions o) {
   if (o.name.empty()) return list();
   if (!o.svg.empty()) check_writable(o.svg), check_replaces_drawing(o.svg);
   const Procedure& p = find_procedure(o.name);
@@ -80,7 +80,7 @@ int procedure(Options o) {
 }  // namespace
 
 void add_procedure(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ProcedureOptions>();
   CLI::App* c = app.add_subcommand(
       "procedure", "A classical operation laid on any skin: its script, its plan, where it will stand up");
   c->add_option("NAME", o->name, "Which; none: a list with all parameters");

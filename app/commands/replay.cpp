@@ -3,16 +3,16 @@
 
 #include "app/commands/auto_option.h"
 #include "app/commands/session_command.h"
-#include "app/progress.h"
-#include "app/shipped.h"
+#include "app/program/shipped.h"
+#include "app/result/progress.h"
 #include "devices/log_source.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct ReplayOptions {
   std::string recording, scene, convergence, film, lesson;
   int frames_per_s = 25;
   bool lockstep = false, real_time = false, even_clock = false;
@@ -27,7 +27,7 @@ std::string describe(const LogDamage& d, const std::string& file) {
   return s + "; what is whole is replayed";
 }
 
-int replay(const Options& o) {
+int replay(const ReplayOptions& o) {
   o.common.prepare();
   Recording rec = read_recording(given_or_shipped(o.recording));
   if (!rec.session)
@@ -99,7 +99,7 @@ int replay(const Options& o) {
 }  // namespace
 
 void add_replay(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ReplayOptions>();
   CLI::App* c = app.add_subcommand("replay", "Replay a recorded session: the file alone reproduces it");
   c->add_option("RECORDING", o->recording, "LCM log made by run --record or emulate")->required();
   CLI::Option* lockstep = c->add_flag("--lockstep", o->lockstep, "On a virtual clock, bit for bit (default)");

@@ -5,20 +5,20 @@
 #include "app/commands/auto_option.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
-#include "app/output.h"
-#include "app/progress.h"
-#include "app/shipped.h"
+#include "app/program/shipped.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
 #include "devices/emulator.h"
 #include "devices/head_surgeon.h"
 #include "devices/log_source.h"
-#include "sim/error.h"
-#include "sim/tools/strokes.h"
+#include "sim/base/error.h"
+#include "sim/commands/strokes.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct RunOptions {
   std::string scene = "rhomboid", record, calibration, lesson, judge;
   std::vector<std::string> devices;
   double seconds = 0, cursor = 0;
@@ -70,12 +70,12 @@ bool has_display() {
 }
 
 /// What "next" shows: the script asked for, or the one shipped for the scene.
-std::string lesson_file(const Options& o) {
+std::string lesson_file(const RunOptions& o) {
   if (!o.lesson.empty()) return o.lesson;
   return o.scene.find('/') == std::string::npos ? shipped_file("recordings/" + o.scene + ".jsonl") : "";
 }
 
-int run(const Options& o) {
+int run_session(const RunOptions& o) {
   o.common.prepare();
   SessionCall call;
   call.command = "run";
@@ -135,7 +135,7 @@ int run(const Options& o) {
 }  // namespace
 
 void add_run(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RunOptions>();
   CLI::App* c = app.add_subcommand("run", "Operate in real time");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene (default: rhomboid)");
   c->add_option("--device", o->devices,
@@ -163,7 +163,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   c->footer(
       "Example: limberg run rhomboid --device emulated:recordings/rhomboid.jsonl --record my.lcm --headless --out "
       "out/my");
-  c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
+  c->callback([o, &chosen] { chosen = [o] { return run_session(*o); }; });
 }
 
 }  // namespace limberg

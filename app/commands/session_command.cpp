@@ -8,20 +8,20 @@
 #include <filesystem>
 
 #include "app/head/report.h"
-#include "app/interrupt.h"
-#include "app/output.h"
-#include "app/pictures.h"
-#include "app/progress.h"
+#include "app/pictures/pictures.h"
+#include "app/program/interrupt.h"
+#include "app/program/shipped.h"
+#include "app/program/version.h"
 #include "app/report/report.h"
 #include "app/report/report_names.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
 #include "app/session/as_recorded.h"
 #include "app/session/clock.h"
 #include "app/session/lockstep.h"
 #include "app/session/realtime.h"
-#include "app/shipped.h"
-#include "app/version.h"
 #include "render/gl_context.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 
@@ -135,8 +135,7 @@ void leave_result(const Result& result, const CommonOptions& common) {
 }
 
 /// A recording that is made in case it is wanted: beside the machine's temporary files, kept or removed at the end. A
-/// session
-/// that is killed leaves it there, and it can be replayed.
+/// session that is killed leaves it there, and it can be replayed.
 class AsideRecording {
  public:
   explicit AsideRecording(const std::string& keep_dir)

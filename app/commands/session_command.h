@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "app/bundle.h"
+#include "app/assembly/bundle.h"
+#include "app/assembly/device_specs.h"
+#include "app/assembly/lesson.h"
 #include "app/commands/commands.h"
-#include "app/device_specs.h"
-#include "app/film.h"
-#include "app/lesson.h"
-#include "app/operating_point.h"
-#include "app/session_result.h"
+#include "app/operating_point/operating_point.h"
+#include "app/pictures/film.h"
+#include "app/result/session_result.h"
 #include "app/window/run_window.h"
 
 namespace limberg {

@@ -13,16 +13,16 @@
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
-#include "app/interrupt.h"
-#include "app/output.h"
-#include "app/pictures.h"
-#include "app/progress.h"
+#include "app/pictures/pictures.h"
+#include "app/program/interrupt.h"
+#include "app/program/temporary_folder.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
 #include "app/session/workers_pool.h"
 #include "app/study/member_file.h"
 #include "app/study/processes.h"
 #include "app/study/study_result.h"
-#include "app/temporary_folder.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 
@@ -33,7 +33,7 @@ using study::Family;
 using study::Gathered;
 using study::Values;
 
-struct Options {
+struct StudyOptions {
   std::string name;
   std::vector<std::string> settings, collect;
   int jobs = 0;
@@ -50,7 +50,7 @@ std::string plain(double v) {
 uint64_t inputs_of(const Family& f, const Values& v) { return f.inputs ? f.inputs(v) : 0; }
 
 /// What is to be there: the family's own members and, with --check, those that its checks need beside them.
-std::vector<Gathered> wanted(const Options& o) {
+std::vector<Gathered> wanted(const StudyOptions& o) {
   const Family& own = study::find_family(o.name);
   std::vector<Gathered> parts;
   if (!o.check || own.check.empty()) {
@@ -98,7 +98,7 @@ std::string quoted(const std::string& word) {
 }
 
 /// One member, here and now; leaves its file and picture. Whatever goes wrong with it is said in its file.
-int run_member(const Options& o) {
+int run_member(const StudyOptions& o) {
   catch_interrupts();
   const Family& f = study::find_family(o.name);
   const std::vector<Values> members = study::members(f, o.settings);
@@ -200,7 +200,7 @@ std::string first_line(const std::string& file) {
   return text.substr(0, text.find('\n'));
 }
 
-int list_jobs(const Options& o, const std::vector<Gathered>& parts) {
+int list_jobs(const StudyOptions& o, const std::vector<Gathered>& parts) {
   if (o.common.out_dir.empty())
     throw InputError("", 0, "--list-jobs needs --out DIR, where the jobs leave their files");
   for (const Gathered& g : parts)
@@ -213,7 +213,7 @@ int list_jobs(const Options& o, const std::vector<Gathered>& parts) {
   return kDone;
 }
 
-int finish(const Options& o, const std::vector<Gathered>& parts, const std::vector<std::string>& pictures) {
+int finish(const StudyOptions& o, const std::vector<Gathered>& parts, const std::vector<std::string>& pictures) {
   size_t members = 0, done = 0;
   for (const Gathered& g : parts) members += g.members.size(), done += g.rows.size();
   if (done == 0) {
@@ -247,7 +247,7 @@ int finish(const Options& o, const std::vector<Gathered>& parts, const std::vect
 }
 
 /// Results that were made elsewhere, and nothing else.
-int collect(const Options& o, std::vector<Gathered> parts) {
+int collect(const StudyOptions& o, std::vector<Gathered> parts) {
   o.common.prepare();
   if (o.settings.empty() && !o.check) {  // whatever is there
     std::vector<Values>& all = parts[0].members;
@@ -277,7 +277,7 @@ int collect(const Options& o, std::vector<Gathered> parts) {
   return finish(o, parts, gathering.pictures());
 }
 
-int run(const Options& o) {
+int run_study(const StudyOptions& o) {
   catch_interrupts();
   if (o.member) return run_member(o);
   std::vector<Gathered> parts = wanted(o);
@@ -380,7 +380,7 @@ std::string footer() {
 }  // namespace
 
 void add_study(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<StudyOptions>();
   CLI::App* c = app.add_subcommand("study", "A family of operations, each brought to rest: table, charts and bars");
   c->add_option("NAME", o->name, "Which (see below)")->required();
   c->add_option("--set", o->settings, "Values of a setting instead of its own; once per setting")
@@ -402,7 +402,7 @@ void add_study(CLI::App& app, Chosen& chosen) {
   c->add_flag("--member", o->member, "Run one member and leave its file in DIR/members (what --list-jobs prints)");
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer(footer());
-  c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
+  c->callback([o, &chosen] { chosen = [o] { return run_study(*o); }; });
 }
 
 }  // namespace limberg

@@ -9,22 +9,22 @@
 #include "app/commands/commands.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
-#include "app/output.h"
-#include "app/progress.h"
-#include "app/result.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
+#include "app/result/result.h"
+#include "app/result/tables.h"
 #include "app/session/workers_pool.h"
-#include "app/tables.h"
-#include "sim/error.h"
-#include "sim/imaging/registration.h"
-#include "sim/imaging/superposition.h"
-#include "sim/imaging/surface_file.h"
-#include "sim/imaging/volume.h"
+#include "sim/base/error.h"
+#include "sim/imaging/io/surface_file.h"
+#include "sim/imaging/io/volume.h"
+#include "sim/imaging/register/registration.h"
+#include "sim/imaging/register/superposition.h"
 
 namespace limberg {
 
 namespace {
 
-struct Options {
+struct SuperposeOptions {
   std::string a, b, landmarks, series_a, series_b;
   bool mirror = false, scale = false, landmarks_only = false;
   double keep = 0.7;
@@ -59,7 +59,7 @@ void print(const Similarity& s) {
 }
 
 /// How A was moved, and how far it lies from what it was compared with, as tables of the report.
-void tell(Result& r, const Similarity& s) {
+void tell_superposition(Result& r, const Similarity& s) {
   char t[4][48];
   std::snprintf(t[0], 48, "%.3f", s.angle_deg()), std::snprintf(t[1], 48, "%.4f", s.scale);
   std::snprintf(t[2], 48, "(%.3f, %.3f, %.3f)", s.t_mm.x(), s.t_mm.y(), s.t_mm.z());
@@ -69,7 +69,7 @@ void tell(Result& r, const Similarity& s) {
              {"figure", "value"},
              {{"turned, degrees", t[0]}, {"times as large", t[1]}, {"shifted, mm", t[2]}}});
 }
-void tell(Result& r, const char* title, const char* about, const DistanceMap& d) {
+void tell_superposition(Result& r, const char* title, const char* about, const DistanceMap& d) {
   ResultTable t{title, about, {"figure", "mm"}, {}};
   for (const auto& [name, v] : {std::pair("mean size", d.mean_abs_mm), std::pair("rms", d.rms_mm),
                                 std::pair("95 % within", d.p95_mm), std::pair("at most", d.max_mm)}) {
@@ -106,7 +106,7 @@ void write_map(const std::string& dir, const Surface& s, const Similarity& map, 
   write_whole_file(dir + "/distance.ply", ply);
 }
 
-int finish(const Options& o, Result& result, const std::string& reason) {
+int finish(const SuperposeOptions& o, Result& result, const std::string& reason) {
   if (!reason.empty()) say(o.a + ": " + reason), result.set("/reason", reason);
   result.set_ok(reason.empty());
   leave_result(result, o.common);
@@ -121,7 +121,7 @@ Surface shape_from(const std::string& file) {
 }
 
 /// A second image upon the first.
-int images(const Options& o, Result& result, Workers& workers, Progress& progress) {
+int images(const SuperposeOptions& o, Result& result, Workers& workers, Progress& progress) {
   if (o.mirror) throw InputError("", 0, "--mirror is for surfaces");
   const Volume a = load_volume(o.a, o.series_a), b = load_volume(o.b, o.series_b);
   RegistrationSettings s;
@@ -141,7 +141,7 @@ int images(const Options& o, Result& result, Workers& workers, Progress& progres
       "evaluations\n",
       r.information, r.at_start, 100 * r.overlap, r.evaluations);
   put(result, "/a_to_b", r.map);
-  tell(result, r.map);
+  tell_superposition(result, r.map);
   result.set("/information", r.information), result.set("/information_at_start", r.at_start),
       result.set("/overlap", r.overlap);
   if (!o.common.out_dir.empty()) {
@@ -152,7 +152,7 @@ int images(const Options& o, Result& result, Workers& workers, Progress& progres
   return finish(o, result, r.reason);
 }
 
-int run(const Options& o) {
+int run_superpose(const SuperposeOptions& o) {
   for (const std::string& given : {o.a, o.b})
     if (!given.empty() && !std::filesystem::exists(given))
       throw InputError(given, 0, "cannot be read (No such file or directory); expected a surface or an image");
@@ -192,8 +192,9 @@ int run(const Options& o) {
                 d.rms_mm, d.p95_mm, d.max_mm);
     result.set("/asymmetry/mean_abs_mm", d.mean_abs_mm), result.set("/asymmetry/rms_mm", d.rms_mm),
         result.set("/asymmetry/p95_mm", d.p95_mm), result.set("/asymmetry/max_mm", d.max_mm);
-    tell(result, "Left and right",
-         "Distance of the surface from its own mirror image. The plane is the one in which they differ least.", d);
+    tell_superposition(
+        result, "Left and right",
+        "Distance of the surface from its own mirror image. The plane is the one in which they differ least.", d);
     if (!o.common.out_dir.empty()) write_map(o.common.out_dir, a, {}, d);
     if (o.b.empty()) return finish(o, result, {});
   }
@@ -231,9 +232,10 @@ int run(const Options& o) {
   result.set("/distance/mean_mm", d.mean_mm), result.set("/distance/mean_abs_mm", d.mean_abs_mm),
       result.set("/distance/rms_mm", d.rms_mm), result.set("/distance/p95_mm", d.p95_mm),
       result.set("/distance/max_mm", d.max_mm);
-  tell(result, map);
-  tell(result, "What differs",
-       "Distance of the first surface, as it was laid, from the second; distance.ply shows it in colours.", d);
+  tell_superposition(result, map);
+  tell_superposition(
+      result, "What differs",
+      "Distance of the first surface, as it was laid, from the second; distance.ply shows it in colours.", d);
   if (!o.common.out_dir.empty()) write_map(o.common.out_dir, a, map, d);
   return finish(o, result, {});
 }
@@ -241,7 +243,7 @@ int run(const Options& o) {
 }  // namespace
 
 void add_superpose(CLI::App& app, Chosen& chosen) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<SuperposeOptions>();
   CLI::App* c = app.add_subcommand("superpose", "Lay a surface, or an image, upon another and measure what differs");
   c->add_option("A", o->a, "What is moved: OBJ, PLY, STL, xyz or simplex mesh; or a volume")->required();
   c->add_option("B", o->b, "What it is laid upon, of the same kind; not needed with --mirror");
@@ -261,7 +263,7 @@ void add_superpose(CLI::App& app, Chosen& chosen) {
       "With --out also: distance.csv and distance.ply (coloured), or registered.nrrd. Exit status 3: they could not be "
       "laid upon each other; the reason is said.\n"
       "Example: limberg superpose patient.obj normal.obj --landmarks points.txt --out out/superposed");
-  c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
+  c->callback([o, &chosen] { chosen = [o] { return run_superpose(*o); }; });
 }
 
 }  // namespace limberg

@@ -4,9 +4,9 @@
 #include <filesystem>
 
 #include "app/head/cache.h"
-#include "sim/error.h"
-#include "sim/imaging/synthetic_head.h"
-#include "sim/simplex/file.h"
+#include "sim/base/error.h"
+#include "sim/imaging/synthetic/synthetic_head.h"
+#include "sim/skull/simplex/file.h"
 
 namespace limberg {
 

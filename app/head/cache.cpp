@@ -10,10 +10,10 @@
 #include <optional>
 #include <sstream>
 
-#include "app/version.h"
-#include "sim/error.h"
-#include "sim/hash.h"
-#include "sim/simplex/file.h"
+#include "app/program/version.h"
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+#include "sim/skull/simplex/file.h"
 
 namespace limberg {
 
@@ -43,7 +43,7 @@ std::string name_of(const HeadSpec& s) {
   return text;
 }
 
-constexpr const char* kParts[] = {"cranium", "mandible", "face"};
+constexpr const char* kPartNames[] = {"cranium", "mandible", "face"};
 simplex::Mesh& part(HeadModel& m, int k) { return k == 0 ? m.cranium : k == 1 ? m.mandible : m.face; }
 
 std::optional<HeadModel> read(const fs::path& folder) {
@@ -52,7 +52,7 @@ std::optional<HeadModel> read(const fs::path& folder) {
   try {
     HeadModel m;
     for (int k = 0; k < 3; ++k)
-      part(m, k) = simplex::load_mesh((folder / (std::string(kParts[k]) + ".simplex")).string());
+      part(m, k) = simplex::load_mesh((folder / (std::string(kPartNames[k]) + ".simplex")).string());
     std::ifstream in(folder / "landmarks.txt");
     std::string name, x[3];
     while (in >> name >> x[0] >> x[1] >> x[2]) {
@@ -76,7 +76,7 @@ void keep(const fs::path& folder, HeadModel& m) {
   if (ec) return;
   try {
     for (int k = 0; k < 3; ++k)
-      simplex::save_mesh(part(m, k), (aside / (std::string(kParts[k]) + ".simplex")).string());
+      simplex::save_mesh(part(m, k), (aside / (std::string(kPartNames[k]) + ".simplex")).string());
     std::ofstream out(aside / "landmarks.txt");
     for (const auto& [name, at] : m.landmarks) {
       out << name;
@@ -99,7 +99,7 @@ HeadModel cached_head(const HeadSpec& spec, Workers& workers) {
   const fs::path cache = cache_folder(), folder = cache.empty() ? cache : cache / name_of(spec);
   if (std::optional<HeadModel> kept = read(folder)) return std::move(*kept);
   HeadModel m = make_head(spec, workers);
-  for (int k = 0; k < 3; ++k) part(m, k) = simplex::parse_mesh(simplex::to_text(part(m, k)), kParts[k]);
+  for (int k = 0; k < 3; ++k) part(m, k) = simplex::parse_mesh(simplex::to_text(part(m, k)), kPartNames[k]);
   if (!folder.empty()) keep(folder, m);
   return m;
 }

@@ -4,9 +4,8 @@
 // of the time.
 //
 // Made or read, the meshes are the same to the last bit: a made one goes through the same text. A cache that is
-// missing,
-// damaged or not writable is no error: the head is made. LIMBERG_CACHE names another folder; empty: none.
-#include "sim/imaging/synthetic_head.h"
+// missing, damaged or not writable is no error: the head is made. LIMBERG_CACHE names another folder; empty: none.
+#include "sim/imaging/synthetic/synthetic_head.h"
 
 namespace limberg {
 

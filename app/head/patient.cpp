@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/hash.h"
+#include "sim/base/hash.h"
 
 namespace limberg {
 

@@ -3,16 +3,14 @@
 // moves.
 //
 // The skin's fixed nodes that lie at most `carries_skin_mm` from a bone at rest go where their bone goes, as Dirichlet
-// values of the
-// finite elements; so a fragment that is moved pulls the skin that is attached to it. Undo and redo go to whichever of
-// the two
-// acted last.
+// values of the finite elements; so a fragment that is moved pulls the skin that is attached to it. Undo and redo go to
+// whichever of the two acted last.
 #include <memory>
 #include <vector>
 
+#include "app/assembly/world_patient.h"
 #include "app/session/patient.h"
-#include "app/world_patient.h"
-#include "sim/head/head.h"
+#include "sim/skull/head/head.h"
 
 namespace limberg {
 

@@ -1,10 +1,10 @@
 // The pictures of a report on a head.
-#include "app/pictures.h"
+#include "app/pictures/pictures.h"
 
 #include "app/head/report.h"
-#include "app/output.h"
-#include "app/progress.h"
 #include "app/report/report_names.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
 #include "render/gl_context.h"
 #include "render/picture.h"
 

@@ -8,11 +8,11 @@
 
 #include "app/head/measures.h"
 #include "app/head/skull_comparison.h"
-#include "app/output.h"
-#include "app/progress.h"
-#include "app/tables.h"
-#include "sim/bone/sorting.h"
-#include "sim/tools/script.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
+#include "app/result/tables.h"
+#include "sim/commands/script.h"
+#include "sim/skull/bone/sorting.h"
 
 namespace limberg {
 
@@ -90,7 +90,8 @@ ResultTable fits(Result& r, const Head& head) {
   ResultTable t;
   t.title = "Fragments that fit each other";
   t.about =
-      "Found by their cut rings, wherever they lie, and verified (sim/bone/sorting.h); how to move the second one so "
+      "Found by their cut rings, wherever they lie, and verified (sim/skull/bone/sorting.h); how to move the second "
+      "one so "
       "that it fits the first where that is now (one of them at a time: \"sort\" in a script puts all of them "
       "together). Those that would have fitted are named with the reason.";
   t.columns = {"fragments", "rings together, mm", "residual, mm", "right, mm", "forward, mm",

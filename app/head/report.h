@@ -3,16 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "app/result.h"
+#include "app/result/result.h"
 #include "app/session/solver_lane.h"
 #include "render/view.h"
-#include "sim/head/head.h"
+#include "sim/skull/head/head.h"
 
 namespace limberg {
 
 /// `head` {fragments, gaps, fits, landmarks, face_moved_max_mm, tissues}, tables for the report, and `gallery`: the
-/// pictures that
-/// draw_head_pictures leaves. first_table: how many tables stand there already.
+/// pictures that draw_head_pictures leaves. first_table: how many tables stand there already.
 void fill_head(Result& result, const Head& head, int first_table = 0);
 void print_head(const Head& head);
 /// DIR/measures.csv (measures.h), and the skull beside a normal one and its mirror image (skull_comparison.h).
@@ -20,8 +19,8 @@ void leave_head_figures(Result& result, const Head& head, const std::string& dir
                         const Camera& camera, Workers& workers);
 
 /// Draws DIR/overview.png, the stages, and DIR/head/*.png: face and bones before and after, the map of displacement,
-/// the net of the
-/// tissue. `first`: when nothing had been done; at the end the rest of bones may be another (of two that were joined).
+/// the net of the tissue. `first`: when nothing had been done; at the end the rest of bones may be another (of two that
+/// were joined).
 /// `camera`: the scene's. Says in one line when pictures cannot be made here.
 void draw_head_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& first,
                         const Snapshot& last, const Camera& camera, const Head& head);

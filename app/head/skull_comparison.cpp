@@ -7,12 +7,12 @@
 #include <set>
 
 #include "app/head/cache.h"
-#include "app/output.h"
-#include "app/tables.h"
+#include "app/result/output.h"
+#include "app/result/tables.h"
 #include "render/gl_context.h"
 #include "render/picture.h"
-#include "sim/error.h"
-#include "sim/simplex/dual.h"
+#include "sim/base/error.h"
+#include "sim/skull/simplex/dual.h"
 
 namespace limberg {
 

@@ -1,20 +1,19 @@
 #pragma once
 // A skull laid upon another: upon a normal one, or upon its own mirror image. What the operation has changed is read
-// off the distance
-// from there, before and after.
+// off the distance from there, before and after.
 //
 // The normal skull is the synthetic head of normal proportions (cache.h), or any surface. The fit is trimmed ICP of the
-// skull as it was at
-// first (sim/imaging/superposition.h): the places that differ most do not draw it, and the operation does not move it.
+// skull as it was at first (sim/imaging/register/superposition.h): the places that differ most do not draw it, and the
+// operation does not move it.
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "app/result.h"
+#include "app/result/result.h"
 #include "render/view.h"
-#include "sim/head/head.h"
-#include "sim/imaging/superposition.h"
-#include "sim/workers.h"
+#include "sim/base/workers.h"
+#include "sim/imaging/register/superposition.h"
+#include "sim/skull/head/head.h"
 
 namespace limberg {
 
@@ -63,12 +62,10 @@ Snapshot snapshot_of(const Surface& surface, Organ organ, uint64_t version);
 Snapshot coloured_skull(const Surface& skull, const DistanceMap& distance, uint64_t version);
 
 /// Both comparisons as `skull` {with, fit_rms_mm, before, after} and a table; maps as DIR/skull-normal.csv and
-/// DIR/skull-mirror.csv and, where
-/// pictures can be made, in `gallery`. The moments that were asked for (Superpose) as `skull_moments` {name, with,
-/// mean_mm, rms_mm, p95_mm}, a
+/// DIR/skull-mirror.csv and, where pictures can be made, in `gallery`. The moments that were asked for (Superpose) as
+/// `skull_moments` {name, with, mean_mm, rms_mm, p95_mm}, a
 /// table, a map DIR/skull-moment-1.csv and a picture each. A skull of fewer than 2000 vertices is only measured where
-/// it was asked
-/// for. Returns what could not be compared, a sentence each.
+/// it was asked for. Returns what could not be compared, a sentence each.
 std::vector<std::string> report_skull(Result& result, const Head& head, const std::string& dir, const Snapshot& last,
                                       const Camera& camera, Workers& workers);
 

@@ -9,7 +9,7 @@
 #include "app/report/report_data.h"
 #include "app/report/report_file.h"
 #include "app/report/sections.h"
-#include "sim/whole_file.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 

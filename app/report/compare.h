@@ -1,11 +1,9 @@
 #pragma once
 // Two results beside each other on one page: what differs in figures, stitches, pictures and script. Self-contained
-// like
-// report.html.
+// like report.html.
 //
 // A figure whose difference is larger than what both lattices' errors together explain is marked; where no error is
-// known
-// for either, nothing is claimed.
+// known for either, nothing is claimed.
 #include <string>
 #include <vector>
 
@@ -24,8 +22,7 @@ struct LineChange {
   std::string line;
 };
 /// A shortest way from a to b by whole lines (longest common subsequence; O(|a| |b|), at most 4000 lines each: beyond
-/// that
-/// everything counts as changed).
+/// that everything counts as changed).
 std::vector<LineChange> line_changes(const std::vector<std::string>& a, const std::vector<std::string>& b);
 
 }  // namespace limberg

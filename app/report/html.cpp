@@ -6,7 +6,7 @@
 #include <fstream>
 
 #include "render/image.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg::html {
 

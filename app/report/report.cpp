@@ -10,8 +10,8 @@
 #include "app/report/report_names.h"
 #include "app/report/sections.h"
 #include "app/report/style.h"
-#include "sim/error.h"
-#include "sim/whole_file.h"
+#include "sim/base/error.h"
+#include "sim/base/whole_file.h"
 
 namespace limberg {
 

@@ -5,10 +5,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "app/json_nesting.h"
 #include "app/report/report_names.h"
 #include "app/report/script_words.h"
-#include "sim/error.h"
+#include "app/result/json_nesting.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 

@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-double number(const Json& j, const char* name) {
+double word_number(const Json& j, const char* name) {
   const auto it = j.find(name);
   return it != j.end() && it->is_number() ? it->get<double>() : NAN;
 }
@@ -75,7 +75,7 @@ struct Deeds {
 
 void note(const Json& j, const std::string& action, Deeds& d) {
   const auto cut = [&](const std::string& words) { d.cuts += (d.cuts.empty() ? "" : " ") + words + "."; };
-  const double depth = number(j, "depth_mm"), angle = number(j, "angle_deg");
+  const double depth = word_number(j, "depth_mm"), angle = word_number(j, "angle_deg");
   const std::string deep = std::isfinite(depth) ? ", " + mm(depth) + " deep" : "";
   if (action == "excise")
     cut("Excision of " + html::number(area_mm2(points(j, "outline")), 3) + " mm²" + deep);

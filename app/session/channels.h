@@ -22,7 +22,7 @@
 #include "devices/schedule.h"
 #include "devices/tool_event.h"
 #include "devices/virtual_hand.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

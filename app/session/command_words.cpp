@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "sim/text.h"
-#include "sim/tools/script.h"
+#include "sim/base/text.h"
+#include "sim/commands/script.h"
 
 namespace limberg {
 

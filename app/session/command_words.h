@@ -2,7 +2,7 @@
 // An act in a few words, for a list on a screen: "incise 40 mm, 4 mm deep".
 #include <string>
 
-#include "sim/tools/command.h"
+#include "sim/commands/command.h"
 
 namespace limberg {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The device thread's work on one tick, without the thread: newest patient in, samples through the front end, events
-// and
-// hand state out. Between changes of topology it allocates nothing, locks nothing and calls nothing but its sources.
+// and hand state out. Between changes of topology it allocates nothing, locks nothing and calls nothing but its
+// sources.
 #include "app/session/channels.h"
 #include "devices/front_end.h"
 

@@ -3,16 +3,12 @@
 // of its speed.
 //
 // What drawing takes from a solver is a matter of the machine: nothing where a graphics card draws, a few percent where
-// a core is
-// spare, much where a software driver shares the cores. So it is measured while the session runs: the time of an
-// iteration in
-// steps that a picture was drawn beside, against those without, medians of the last kKept of each. With a loss L (0.3:
-// an iteration
-// takes 30 % longer) pictures may take allowed / L of the time, and after each there is a pause of that length. Counted
-// is the
+// a core is spare, much where a software driver shares the cores. So it is measured while the session runs: the time of
+// an iteration in steps that a picture was drawn beside, against those without, medians of the last kKept of each. With
+// a loss L (0.3: an iteration takes 30 % longer) pictures may take allowed / L of the time, and after each there is a
+// pause of that length. Counted is the
 // processor time of the drawing thread, which with a graphics card is next to nothing and with a software driver
-// everything, when
-// the driver is kept to that thread (software_drawing_threads, render/gl_context.h).
+// everything, when the driver is kept to that thread (software_drawing_threads, render/gl_context.h).
 //
 // While the patient rests there is nothing to lose, and pictures are drawn as fast as they are asked for.
 //

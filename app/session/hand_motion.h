@@ -2,10 +2,9 @@
 // How the hand moved, from its place at every solver step: the same figures live, in lockstep and in a replay.
 //
 // Path: the sum of the distances from step to step while the hand is tracked. A movement begins when its speed,
-// averaged over 0.1 s,
-// rises above 30 mm/s and ends when it falls below 10 mm/s: counting movements and path is what motion analysis of
-// surgical skill does (Datta et al. 2001); the two speeds are ours, chosen between tremor (about 2 mm/s) and a carried
-// tool (80 mm/s
+// averaged over 0.1 s, rises above 30 mm/s and ends when it falls below 10 mm/s: counting movements and path is what
+// motion analysis of surgical skill does (Datta et al. 2001); the two speeds are ours, chosen between tremor (about 2
+// mm/s) and a carried tool (80 mm/s
 // and more).
 #include <cstdint>
 #include <deque>

@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "app/session/lattice_shown.h"
-#include "sim/fem/elastic_solver.h"
-#include "sim/press.h"
-#include "sim/snapshot.h"
-#include "sim/tools/command.h"
+#include "sim/commands/command.h"
+#include "sim/fem/solver/elastic_solver.h"
+#include "sim/patient/press.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 
@@ -21,7 +21,7 @@ class Patient {
   virtual void fill(Snapshot& snapshot) const = 0;
   /// With the tension of the skin, where the patient knows one.
   virtual void fill_with_field(Snapshot& snapshot) const { fill(snapshot); }
-  /// How stiff it is against a tool that presses (sim/press.h). Asking changes nothing. False: it cannot tell.
+  /// How stiff it is against a tool that presses (sim/patient/press.h). Asking changes nothing. False: it cannot tell.
   virtual bool press(const PressQuestion&, PressAnswer&) { return false; }
   /// The lattice, where the patient has one.
   virtual void fill_lattice(LatticeShown& out) const { out = {}; }

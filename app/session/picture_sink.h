@@ -10,7 +10,7 @@
 #include "app/session/notice.h"
 #include "devices/tool_event.h"
 #include "devices/virtual_hand.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

@@ -7,9 +7,8 @@
 //   (the calling thread) writes the recording, looks out for the end
 //
 // A tick that comes late is done once with the present time; whole ticks that were missed are skipped and counted,
-// never
-// run back to back. A device tick that takes longer than 50 ms gives the real-time priority back, so that a defect
-// cannot take the machine.
+// never run back to back. A device tick that takes longer than 50 ms gives the real-time priority back, so that a
+// defect cannot take the machine.
 #include "app/session/session.h"
 
 namespace limberg {

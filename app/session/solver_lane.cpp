@@ -5,8 +5,8 @@
 #include "app/session/clock.h"
 #include "app/session/command_words.h"
 #include "devices/rigid_grip.h"
-#include "sim/hash.h"
-#include "sim/tools/script.h"
+#include "sim/base/hash.h"
+#include "sim/commands/script.h"
 
 namespace limberg {
 
@@ -74,8 +74,7 @@ void SolverLane::step_as(const SolverTake& as, const HandState* hand) {
 }
 
 // On every other step: an answer costs about as much as a step, and is faded in over longer than one. A question that
-// came before
-// the patient's newest cut is about a surface that is no longer there: no answer.
+// came before the patient's newest cut is about a surface that is no longer there: no answer.
 void SolverLane::answer_press() {
   if (!ch_.press || steps_ % 2 != 0) return;
   const PressQuestion* question = ch_.press->asked();

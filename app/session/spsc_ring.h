@@ -2,8 +2,7 @@
 // Every value of something, in order, from one producer thread to one consumer thread, without waiting.
 //
 // The memory is taken once, at construction. A full ring refuses the value and counts it: an overflow is reported,
-// never
-// silent. Each side caches the other's index and looks at the shared one only when the cache says full or empty.
+// never silent. Each side caches the other's index and looks at the shared one only when the cache says full or empty.
 #include <atomic>
 #include <bit>
 #include <cstddef>

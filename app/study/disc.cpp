@@ -1,19 +1,17 @@
 // A disc of skin, cut round and undermined, is free: it goes back to what it was before it was stretched.
 //
 // One material throughout, stretched by l1 along and l2 across with its volume kept. Tissue that cannot change its
-// volume
-// and has no hold takes the deformation F that undoes the prestretch, F F0 = I: its area shrinks by 1 - 1/(l1 l2)
-// everywhere, whatever the lattice. The hole that it leaves opens, more along the greater tension.
+// volume and has no hold takes the deformation F that undoes the prestretch, F F0 = I: its area shrinks by 1 - 1/(l1
+// l2) everywhere, whatever the lattice. The hole that it leaves opens, more along the greater tension.
 //
 // The tissue of fem_model.h gives way a little in volume as well. Its stress-free state is F F0 = t I with
 //   mu = p0 t - lambda t (t^3 - 1),   p0 = mu / (l1 l2)^2,   lambda = lambda_Lame + mu,
 // so its area shrinks by 1 - t^2/(l1 l2): by 11 % more at Poisson's ratio 0.45 and l1 l2 = 1.155, by 1 % more at 0.495.
-// The first
-// bar is the law of constant volume, at a ratio where it is meant to hold; the second is this one, at any.
+// The first bar is the law of constant volume, at a ratio where it is meant to hold; the second is this one, at any.
 #include <cmath>
 #include <numbers>
 
-#include "app/operation.h"
+#include "app/assembly/operation.h"
 #include "app/study/study.h"
 #include "app/study/wound.h"
 
@@ -34,7 +32,7 @@ double free_stretch(const Material& m) {
   return t;
 }
 
-Row run(const Values& v, const Run& with) {
+Row run_disc(const Values& v, const Run& with) {
   BlockSpec b;
   b.name = "disc";
   const double side = std::max(60.0, 6 * v[kRadius]);
@@ -93,7 +91,7 @@ Row run(const Values& v, const Run& with) {
   return row;
 }
 
-std::vector<Bar> bars(const std::vector<Row>& rows) {
+std::vector<Bar> disc_bars(const std::vector<Row>& rows) {
   double residual = 0, error = 0, law = 0, pieces = 2, elongation = 1e300;
   for (const Row& r : rows) {
     residual = std::max(residual, r.at("residual"));
@@ -115,7 +113,7 @@ std::vector<Bar> bars(const std::vector<Row>& rows) {
   return out;
 }
 
-std::vector<NamedChart> charts(const std::vector<Row>& rows) {
+std::vector<NamedChart> disc_charts(const std::vector<Row>& rows) {
   NamedChart c;
   c.name = "disc", c.title = "Shrinking of a freed disc";
   c.chart.description = "Share of the area lost against 1 - 1/(l1 l2)";
@@ -149,9 +147,9 @@ Family disc() {
            {"radius_mm", "of the disc", {10}, 4, 30},
            {"depth_mm", "of cut and undermining", {3}, 1, 8},
            {"poisson", "ratio; the first bar asks for constant volume, 0.5", {0.495}, 0.3, 0.499}},
-          run,
-          bars,
-          charts};
+          run_disc,
+          disc_bars,
+          disc_charts};
 }
 
 }  // namespace limberg::study

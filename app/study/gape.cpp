@@ -1,12 +1,11 @@
 // How far a straight incision gapes, by the blade's angle and the skin's prestretch.
 //
 // A block of skin on fat, stretched alike in both directions, cut along y = 0. Everything in it is the mirror image of
-// itself
-// at that plane: the block has an odd number of cells across, so the cut halves a row of cells. So an upright blade
-// must open it evenly, and a leaning one, which undercuts one bank, must not.
+// itself at that plane: the block has an odd number of cells across, so the cut halves a row of cells. So an upright
+// blade must open it evenly, and a leaning one, which undercuts one bank, must not.
 #include <cmath>
 
-#include "app/operation.h"
+#include "app/assembly/operation.h"
 #include "app/study/study.h"
 #include "app/study/wound.h"
 
@@ -14,43 +13,43 @@ namespace limberg::study {
 
 namespace {
 
-enum : size_t { kAngle, kPrestretch, kCell, kLength, kDepth, kRefine };
+enum : size_t { kAngle, kPrestretch, kGapeCell, kLength, kGapeDepth, kRefine };
 
 // The sides are three wounds apart, where a slit's field has fallen to a tenth.
-constexpr double kBlock_mm = 10, kSkinCell_mm = 1.1;  // about: an odd number of them too
+constexpr double kGapeBlock_mm = 10, kGapeSkinCell_mm = 1.1;  // about: an odd number of them too
 
 double odd_multiple(double cell, double about) {
   const int n = int(std::lround(about / cell));
   return cell * (n % 2 ? n : n + 1);
 }
 
-Row run(const Values& v, const Run& with) {
+Row run_gape(const Values& v, const Run& with) {
   BlockSpec b;
   b.name = "gape";
-  const double side = odd_multiple(v[kCell], std::max(80.0, 3 * v[kLength]));
-  b.size_mm = {side, side, kBlock_mm};
-  b.skin_cell_mm = side / std::round(odd_multiple(kSkinCell_mm, side) / kSkinCell_mm);
-  b.layers = skin_on_fat(kBlock_mm, v[kPrestretch]);
+  const double side = odd_multiple(v[kGapeCell], std::max(80.0, 3 * v[kLength]));
+  b.size_mm = {side, side, kGapeBlock_mm};
+  b.skin_cell_mm = side / std::round(odd_multiple(kGapeSkinCell_mm, side) / kGapeSkinCell_mm);
+  b.layers = skin_on_fat(kGapeBlock_mm, v[kPrestretch]);
   WorldSpec spec;
   spec.body = std::make_shared<Body>(make_block(b));
-  spec.cell_mm = v[kCell];
+  spec.cell_mm = v[kGapeCell];
   spec.refine_fronts = v[kRefine] != 0;
   World world(spec, with.workers);
 
   Script script;
   script.name = "study gape";
-  script.lines.push_back({1, Incise{{{-v[kLength] / 2, 0}, {v[kLength] / 2, 0}}, v[kDepth], v[kAngle]}});
+  script.lines.push_back({1, Incise{{{-v[kLength] / 2, 0}, {v[kLength] / 2, 0}}, v[kGapeDepth], v[kAngle]}});
   OperationSettings set;
   set.interrupted = with.interrupted;
-  const OperationOutcome o = operate(world, kBlock_mm, script, set);
+  const OperationOutcome o = operate(world, kGapeBlock_mm, script, set);
 
   Snapshot s;
   world.fill(s);
   const StraightWound wound(s);
   Row row;
-  row.figures = {{"angle_deg", v[kAngle]}, {"prestretch_percent", v[kPrestretch]},
-                 {"cell_mm", v[kCell]},    {"length_mm", v[kLength]},
-                 {"depth_mm", v[kDepth]},  {"refine_fronts", v[kRefine]}};
+  row.figures = {{"angle_deg", v[kAngle]},    {"prestretch_percent", v[kPrestretch]},
+                 {"cell_mm", v[kGapeCell]},   {"length_mm", v[kLength]},
+                 {"depth_mm", v[kGapeDepth]}, {"refine_fronts", v[kRefine]}};
   char name[60];
   std::snprintf(name, sizeof name, "%g°, %g %%", v[kAngle], v[kPrestretch]);
   row.profile.name = name;
@@ -77,7 +76,7 @@ Row run(const Values& v, const Run& with) {
   return row;
 }
 
-std::vector<Bar> bars(const std::vector<Row>& rows) {
+std::vector<Bar> gape_bars(const std::vector<Row>& rows) {
   std::vector<Bar> out;
   double residual = 0, upright = -1, leaning = 1e300, rise = 1e300;
   for (const Row& a : rows) {
@@ -107,7 +106,7 @@ std::vector<Bar> bars(const std::vector<Row>& rows) {
   return out;
 }
 
-std::vector<NamedChart> charts(const std::vector<Row>& rows) {
+std::vector<NamedChart> gape_charts(const std::vector<Row>& rows) {
   NamedChart by, along;
   by.name = "gape", by.title = "Gape at the middle";
   by.chart.description = "Gape at the middle against prestretch, one line for each angle of the blade";
@@ -147,9 +146,9 @@ Family gape() {
            {"length_mm", "of the incision", {40}, 10, 60},
            {"depth_mm", "of the incision; the skin is 1.5 mm thick", {3}, 1, 8},
            {"refine_fronts", "1: cells in which the cut ends are divided, 0: they are not", {1}, 0, 1}},
-          run,
-          bars,
-          charts};
+          run_gape,
+          gape_bars,
+          gape_charts};
 }
 
 }  // namespace limberg::study

@@ -7,12 +7,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "app/json_nesting.h"
-#include "app/output.h"
-#include "app/result.h"
-#include "app/version.h"
-#include "sim/error.h"
-#include "sim/hash.h"
+#include "app/program/version.h"
+#include "app/result/json_nesting.h"
+#include "app/result/output.h"
+#include "app/result/result.h"
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
 
 namespace limberg::study {
 
@@ -21,18 +21,18 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-std::string text(double v) {
+std::string member_text(double v) {
   char t[40];
   return {t, std::to_chars(t, t + sizeof t, v).ptr};
 }
 
-Json numbers(const std::vector<double>& v) {
+Json member_numbers(const std::vector<double>& v) {
   Json out = Json::array();
   for (const double x : v) out.push_back(std::isfinite(x) ? Json(x) : Json(nullptr));
   return out;
 }
 double number(const Json& j) { return j.is_null() ? std::numeric_limits<double>::quiet_NaN() : j.get<double>(); }
-std::vector<double> numbers(const Json& j) {
+std::vector<double> member_numbers(const Json& j) {
   std::vector<double> out;
   for (const Json& x : j) out.push_back(number(x));
   return out;
@@ -52,7 +52,7 @@ Json parse(const std::string& file) {
 
 std::string member_name(const Family& f, const Values& v) {
   std::string name = f.name;
-  for (size_t i = 0; i < v.size(); ++i) name += "," + f.parameters[i].name + "=" + text(v[i]);
+  for (size_t i = 0; i < v.size(); ++i) name += "," + f.parameters[i].name + "=" + member_text(v[i]);
   return name;
 }
 
@@ -85,7 +85,7 @@ std::string member_text(const Family& f, const Values& v, const MemberResult& r)
     j["figures"].push_back({name, std::isfinite(x) ? Json(x) : Json(nullptr)});
   j["title"] = r.row.title;
   if (const ChartSeries& p = r.row.profile; !p.x.empty())
-    j["profile"] = {{"name", p.name}, {"markers", p.markers}, {"x", numbers(p.x)}, {"y", numbers(p.y)}};
+    j["profile"] = {{"name", p.name}, {"markers", p.markers}, {"x", member_numbers(p.x)}, {"y", member_numbers(p.y)}};
   return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -109,7 +109,7 @@ std::optional<MemberResult> read_member(const std::string& file, const Family& f
     r.row.title = j.at("title").get<std::string>();
     if (j.contains("profile")) {
       const Json& p = j["profile"];
-      r.row.profile = {p.at("name").get<std::string>(), numbers(p.at("x")), numbers(p.at("y")),
+      r.row.profile = {p.at("name").get<std::string>(), member_numbers(p.at("x")), member_numbers(p.at("y")),
                        p.at("markers").get<bool>()};
     }
   } catch (const InputError&) {

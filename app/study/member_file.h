@@ -32,8 +32,7 @@ std::string member_text(const Family& family, const Values& values, const Member
 std::optional<MemberResult> read_member(const std::string& file, const Family& family, const Values& values);
 
 /// The members of a family whose files lie in DIR/members, in the order of their values. InputError when there is no
-/// such folder or a
-/// file is broken.
+/// such folder or a file is broken.
 std::vector<Values> members_in(const std::string& dir, const Family& family);
 
 }  // namespace limberg::study

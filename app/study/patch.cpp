@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/metrics.h"
-#include "app/operation.h"
+#include "app/assembly/operation.h"
+#include "app/result/metrics.h"
 #include "app/study/planar_law.h"
 #include "app/study/wound.h"
-#include "sim/tools/procedures/operation.h"
+#include "sim/commands/procedures/operation.h"
 
 namespace limberg::study {
 
@@ -71,8 +71,7 @@ std::vector<Command> pushes(const std::vector<Vec2>& at, const std::vector<doubl
 }
 
 /// All that is held goes outward from the chart's origin, in steps of at most step_mm, until it is `stretch` times as
-/// far away; the
-/// tissue comes to rest; and back again.
+/// far away; the tissue comes to rest; and back again.
 void draw_taut_and_let_go(World& world, double stretch, double step_mm, const OperationSettings& set) {
   const Body& body = *world.spec().body;
   const double farthest = 0.5 * (body.box_max_mm - body.box_min_mm).head<2>().norm();
@@ -156,8 +155,7 @@ Done carry_out_on(const Patch& patch, const Figure& figure, const Run& with) {
   done.energy_as_closed_uJ = done.energy_uJ;
 
   // Other equilibria. Each search starts where the last one ended: what is bistable stays where it was put. The heights
-  // differ
-  // a little from place to place, so that symmetric saddles are left.
+  // differ a little from place to place, so that symmetric saddles are left.
   std::vector<double> energies{done.energy_uJ};
   const auto judge = [&](int how) {
     const double e = o.last.energy_uJ;

@@ -1,12 +1,9 @@
 // The same script on other meshes, lattices and skins: does it cut and stitch where it was meant to?
 //
 // Every procedure of the repertoire is laid on a finely meshed skin once and written down as a script, in chart points.
-// That script is
-// carried out (cuts and stitches; nothing is moved) on the same skin with another mesh and another lattice. What was
-// meant is known
-// without any mesh: on a plane, a cylinder and a sphere the figure's points lie where walking straight ahead from its
-// origin leads
-// in closed form. Measured are the distances, at rest,
+// That script is carried out (cuts and stitches; nothing is moved) on the same skin with another mesh and another
+// lattice. What was meant is known without any mesh: on a plane, a cylinder and a sphere the figure's points lie where
+// walking straight ahead from its origin leads in closed form. Measured are the distances, at rest,
 //   from every corner and every millimetre of the drawn lines to the nearest edge between skin and cut wall,
 //   from every stitch's two ends, which sit on the edges of the cut, to the lines that were meant.
 // On the face (a surface in the folder that LIMBERG_DATA names) the walk on its own triangles stands for the closed
@@ -19,15 +16,15 @@
 #include <numbers>
 #include <sstream>
 
-#include "app/output.h"
-#include "sim/error.h"
-#include "sim/geometry/block.h"
-#include "sim/geometry/obj.h"
-#include "sim/geometry/skin.h"
-#include "sim/hash.h"
-#include "sim/tools/procedures/catalogue.h"
-#include "sim/tools/procedures/operation.h"
-#include "sim/world.h"
+#include "app/result/output.h"
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+#include "sim/body/block.h"
+#include "sim/body/skin.h"
+#include "sim/commands/procedures/catalogue.h"
+#include "sim/commands/procedures/operation.h"
+#include "sim/geometry/io/obj.h"
+#include "sim/patient/world.h"
 
 namespace limberg::study {
 
@@ -95,9 +92,9 @@ Figure fitted(Figure f, double reach) {
   return f;
 }
 
-class Rim {
+class PlaceRim {
  public:
-  explicit Rim(const SurfaceView& v) {
+  explicit PlaceRim(const SurfaceView& v) {
     for (size_t t = 0; t < v.tri.size(); ++t)
       if (v.kind[t] == FaceKind::skin)
         for (size_t k = 0; k < 3; ++k)
@@ -117,7 +114,7 @@ class Rim {
   std::vector<std::pair<Vec3, Vec3>> edge_;
 };
 
-Row run(const Values& v, const Run& with) {
+Row run_place(const Values& v, const Run& with) {
   const Form form = Form(int(v[0]));
   const auto reference = form == kFace ? body_of(form, 0) : body_of(form, kReference_mm);
   const Skin fine(reference);
@@ -153,7 +150,7 @@ Row run(const Values& v, const Run& with) {
     }
     Snapshot shown;
     world.fill(shown);
-    const Rim rim(shown.topology->view);
+    const PlaceRim rim(shown.topology->view);
     double own = 0;
     std::vector<Vec3> lines;  // a place every 0.1 mm
     for (const auto* lists : {&f.excisions, &f.incisions})
@@ -189,7 +186,7 @@ Row run(const Values& v, const Run& with) {
   return r;
 }
 
-std::vector<Bar> bars(const std::vector<Row>& rows) {
+std::vector<Bar> place_bars(const std::vector<Row>& rows) {
   double corner = 0, line = 0, stitch = 0, refused = 0;
   for (const Row& r : rows)
     corner = std::max(corner, r.at("corner_mm")), line = std::max(line, r.at("line_mm")),
@@ -201,7 +198,7 @@ std::vector<Bar> bars(const std::vector<Row>& rows) {
           at_most("acts refused", refused, 0, "the same script can be carried out everywhere")};
 }
 
-std::vector<NamedChart> charts(const std::vector<Row>& rows) {
+std::vector<NamedChart> place_charts(const std::vector<Row>& rows) {
   NamedChart c;
   c.name = "place", c.title = "Farthest corner from where it was meant";
   c.chart.description = c.title + ", one line for each skin and mesh";
@@ -242,9 +239,9 @@ Family place_scripts() {
        {"cell_mm", "size of the lattice's cells", {5, 4, 3.5}, 2.5, 8},
        {"at_x_mm", "where on the face, in its chart", {40}, -60, 60},
        {"at_y_mm", "where on the face, in its chart", {-50}, -120, 60}},
-      run,
-      bars,
-      charts,
+      run_place,
+      place_bars,
+      place_charts,
       {},
       inputs};
 }

@@ -16,9 +16,8 @@ struct Process {
 using Ended = std::function<void(size_t process, int status)>;
 
 /// Runs all, at most `at_once` at a time, in their order; `ended` is called as each ends, on this thread. When
-/// interrupted() is
-/// true none is started any more, those that run are asked to end (SIGTERM) and waited for. Each is in a process group
-/// of its own, so that Ctrl-C
+/// interrupted() is true none is started any more, those that run are asked to end (SIGTERM) and waited for. Each is in
+/// a process group of its own, so that Ctrl-C
 /// on a terminal reaches only this program, which passes it on once.
 void run_processes(const std::vector<Process>& processes, int at_once, const std::function<bool()>& interrupted,
                    const std::function<void(size_t running)>& idle, const Ended& ended);

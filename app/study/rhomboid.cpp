@@ -7,9 +7,9 @@
 #include "app/study/flaps.h"
 #include "app/study/patch.h"
 #include "app/study/sewn_metric.h"
+#include "sim/commands/plan_numbers.h"
+#include "sim/commands/procedures/catalogue.h"
 #include "sim/measure/skin_strain.h"
-#include "sim/tools/plan_numbers.h"
-#include "sim/tools/procedures/catalogue.h"
 
 namespace limberg::study {
 
@@ -161,8 +161,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
         elsewhere = std::max(elsewhere, s.most);
     }
   // The same of the largest principal Cauchy stress in the skin's plane: what pulls at the seams, where stretch alone
-  // says nothing of
-  // how the skin is held across.
+  // says nothing of how the skin is held across.
   const Tension tension(*d.shown);
   const double pull = std::max(tension.mean_kPa(at(kD), kDisc_mm), tension.mean_kPa(at(kF), kDisc_mm));
   double pull_elsewhere = 0;

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/tools/plan_numbers.h"
+#include "sim/commands/plan_numbers.h"
+#include "sim/geometry/vec.h"
 
 namespace limberg::study {
 
 namespace {
 
-constexpr double kInside_mm = 3, kEdge_mm = 0.08, kAlong_mm = 1, kWithin = 0.7, kDeg = 180 / std::numbers::pi;
+constexpr double kInside_mm = 3, kEdge_mm = 0.08, kAlong_mm = 1, kWithin = 0.7;
 
 /// One bank of a stitch now: its edge, the skin inside it, the skin's normal.
 struct Side {

@@ -7,16 +7,15 @@
 #include <numbers>
 #include <set>
 
-#include "sim/world/anchors.h"
+#include "sim/geometry/vec.h"
+#include "sim/patient/anchors.h"
 
 namespace limberg::study {
 
 namespace {
 
-constexpr double kDeg = 180 / std::numbers::pi;
 // A stitch's end is a place of an edge, told by where both lie now: in single precision, and between its vertices an
-// edge may
-// bend within a strained cell.
+// edge may bend within a strained cell.
 constexpr double kOnEdge_mm = 0.6;
 constexpr double kApart_mm = 0.5;    // the two ends of a stitch, along one edge
 constexpr double kStraight_deg = 2;  // the body's grid turns an edge by less

@@ -2,15 +2,13 @@
 // The rest metric of wounds as they have been cut and sewn, measured; no plan is asked.
 //
 // Which places of the edge a stitch joins is told by where both lie now. Sewn edges lie together there, three or four
-// of them beside a
-// corner, and both banks of a slit do over its last cell: of those within reach the ones that the stitch was given to
-// count.
+// of them beside a corner, and both banks of a slit do over its last cell: of those within reach the ones that the
+// stitch was given to count.
 //
 // The skin's edge runs round a wound with tissue on its left, and stitches pair places of it. Going along it from
-// stitch to
-// stitch, and at each over to the other bank, one comes back after m stitches: round a gap. The gap sewn shut is a
-// point
-// of the sewn skin, and encloses what Gauss and Bonnet ask of its boundary, whose corners at the stitches are cusps:
+// stitch to stitch, and at each over to the other bank, one comes back after m stitches: round a gap. The gap sewn shut
+// is a point of the sewn skin, and encloses what Gauss and Bonnet ask of its boundary, whose corners at the stitches
+// are cusps:
 //
 //   q = 2 pi - m pi + sum of (pi - s),   s the angles of the rest triangles that meet at a vertex of the edge on the
 //   way.
@@ -23,9 +21,9 @@
 #include <span>
 #include <vector>
 
-#include "sim/snapshot.h"
-#include "sim/tools/command.h"
-#include "sim/tools/procedures/figure.h"
+#include "sim/commands/command.h"
+#include "sim/commands/procedures/figure.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg::study {
 
@@ -43,14 +41,13 @@ struct SewnGap {
 
 struct SewnSkin {
   std::vector<SewnGap> gaps;
-  int unpaired =
-      0;  // stitches whose ends lie on no edge (buried ones); all of them when others are there than were asked for
+  // stitches whose ends lie on no edge (buried ones); all of them when others are there than were asked for
+  int unpaired = 0;
   double sum_deg() const;
   /// The largest, without its sign, of a gap along straight banks.
   double stray_deg() const;
   /// Of the gaps that hold these corners, each once: stitches beside a point may divide its charge among two or three.
-  /// Nothing where
-  /// a corner is in no gap.
+  /// Nothing where a corner is in no gap.
   std::optional<double> charge_deg(const Figure& figure, const std::vector<Corner>& corners) const;
 };
 

@@ -5,13 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/geometry/vec.h"
 #include "sim/measure/skin_strain.h"
 
 namespace limberg::study {
 
 namespace {
 
-constexpr double kBin_mm = 3, kSliver_mm = 0.02, kDeg = 180 / std::numbers::pi;
+constexpr double kBin_mm = 3, kSliver_mm = 0.02;
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -240,8 +241,8 @@ double SkinMap::curvature_deg(const Figure& f, const std::vector<Corner>& corner
     near(apex, radius + 0.5 * width, [&](const Patch& t, const Gradient&) {
       const Vec2 d = t.centre() - apex;
       if (d.norm() < radius - 0.5 * width) return;
-      const double turn =
-          std::atan2(cross(middle, d), middle.dot(d)) * kDeg + 0.5 * angle;  // from the sector's first edge
+      // from the sector's first edge
+      const double turn = std::atan2(cross(middle, d), middle.dot(d)) * kDeg + 0.5 * angle;
       if (turn < 0 || turn >= angle) return;
       cell[std::min(cell.size() - 1, size_t(turn / angle * double(cell.size())))] +=
           (t.x[1] - t.x[0]).cross(t.x[2] - t.x[0]);

@@ -6,8 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "sim/snapshot.h"
-#include "sim/tools/procedures/figure.h"
+#include "sim/commands/procedures/figure.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg::study {
 
@@ -40,42 +40,34 @@ class SkinMap {
   Stretch stretch(const ChartPoint& p, double radius_mm) const;
 
   /// The larger principal stretch that a fraction q of the area within `radius_mm` of the chart's origin does not
-  /// exceed,
-  /// leaving out what lies within `keep_off_mm` of `tips`; prestretch not included. Slivers as in sim/measure are left
-  /// out.
+  /// exceed, leaving out what lies within `keep_off_mm` of `tips`; prestretch not included. Slivers as in sim/measure
+  /// are left out.
   double percentile(double q, double radius_mm, const std::vector<ChartPoint>& tips, double keep_off_mm) const;
 
   /// Share of the area within `radius_mm` of the chart's origin that a sheet cannot carry flat: its larger stretch l,
-  /// prestretch
-  /// included, leaves it a natural width of 1/sqrt(l) (no change of volume), and it is narrower.
+  /// prestretch included, leaves it a natural width of 1/sqrt(l) (no change of volume), and it is narrower.
   double slack_share(double radius_mm, double prestretch) const;
 
   /// Share of the area within `radius_mm` of the chart's origin whose outward normal is more than 60 degrees off the
-  /// chart's: a flap
-  /// that lies on its side or on its face. A cone of charge 90 is no steeper than 41 degrees.
+  /// chart's: a flap that lies on its side or on its face. A cone of charge 90 is no steeper than 41 degrees.
   double turned_share(double radius_mm) const;
 
   /// The angle of the tissue at a corner as it has been cut: on a circle of `radius_mm` at rest around the corner's
-  /// place, from the
-  /// middle of its tissue both ways to the first edge between skin and cut wall. Not a number where no edge is met.
+  /// place, from the middle of its tissue both ways to the first edge between skin and cut wall. Not a number where no
+  /// edge is met.
   double cut_angle_deg(const Figure& figure, const Corner& corner, double radius_mm) const;
 
   /// What the angles of some corners that are sewn together fall short of a full turn, as the skin lies now: the sum
-  /// over
-  /// the corners of the angles under which their arcs of radius `radius_mm` at rest are seen from their apexes. A sheet
-  /// that
-  /// is bent but not stretched keeps its rest angles and shows its charge; one that lies flat shows 0.
+  /// over the corners of the angles under which their arcs of radius `radius_mm` at rest are seen from their apexes. A
+  /// sheet that is bent but not stretched keeps its rest angles and shows its charge; one that lies flat shows 0.
   double deficit_deg(const Figure& figure, const std::vector<Corner>& corners, double radius_mm) const;
 
   /// The Gaussian curvature of the skin that a loop of radius `radius_mm` at rest around some corners that are sewn
-  /// together encloses,
-  /// degrees: what the theorem of Gauss and Bonnet makes of its angles and its bending together, however blunt the tip
-  /// of the cone
+  /// together encloses, degrees: what the theorem of Gauss and Bonnet makes of its angles and its bending together,
+  /// however blunt the tip of the cone
   /// inside. It is the signed area of the unit sphere that the skin's normals go round, walked from sector to sector in
-  /// the order
-  /// of the corners; they are means over cells of a ring of `width_mm`, of 12 degrees each. A ridge that the loop
-  /// crosses, such as
-  /// a seam's lip, leads there and back. Not a number where a corner has no skin at that radius.
+  /// the order of the corners; they are means over cells of a ring of `width_mm`, of 12 degrees each. A ridge that the
+  /// loop crosses, such as a seam's lip, leads there and back. Not a number where a corner has no skin at that radius.
   double curvature_deg(const Figure& figure, const std::vector<Corner>& corners, double radius_mm,
                        double width_mm) const;
 

@@ -7,7 +7,7 @@
 #include "app/study/flaps.h"
 #include "app/study/place.h"
 #include "app/study/zplasty.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg::study {
 

@@ -6,8 +6,8 @@
 //
 // A family names its parameters, each with the values it takes by itself and the range that makes sense; --set gives
 // others. Its members are all combinations, the first parameter changing slowest. Each is a process of its own
-// (processes.h) that
-// leaves a file (member_file.h); the rows, charts and bars are made of those files, wherever they were made.
+// (processes.h) that leaves a file (member_file.h); the rows, charts and bars are made of those files, wherever they
+// were made.
 #include <functional>
 #include <memory>
 #include <string>
@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "app/report/svg_chart.h"
-#include "sim/snapshot.h"
-#include "sim/workers.h"
+#include "sim/base/workers.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg::study {
 
@@ -67,8 +67,8 @@ struct Family {
   std::function<Row(const Values&, const Run&)> run;
   std::function<std::vector<Bar>(const std::vector<Row>&)> bars;
   std::function<std::vector<NamedChart>(const std::vector<Row>&)> charts;
-  std::vector<CheckPart> check =
-      {};  // the members that all its checks need, its own first; empty: its members by themselves
+  // the members that all its checks need, its own first; empty: its members by themselves
+  std::vector<CheckPart> check = {};
   std::function<uint64_t(const Values&)> inputs = {};  // hash of the files that a member reads; empty: it reads none
 };
 

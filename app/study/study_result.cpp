@@ -2,9 +2,9 @@
 
 #include <filesystem>
 
-#include "app/output.h"
 #include "app/report/report_names.h"
-#include "app/tables.h"
+#include "app/result/output.h"
+#include "app/result/tables.h"
 
 namespace limberg::study {
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "app/result.h"
+#include "app/result/result.h"
 #include "app/study/study.h"
 
 namespace limberg::study {

@@ -3,13 +3,12 @@
 #include <optional>
 #include <vector>
 
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg::study {
 
 /// The layers of the flaps' and gape studies, as in the shipped scenes: 1.5 mm of skin at 60 kPa, and fat at 15 kPa
-/// down to
-/// thickness_mm that is stretched 0.8 times as much (septa tie it to the skin); alike in all directions.
+/// down to thickness_mm that is stretched 0.8 times as much (septa tie it to the skin); alike in all directions.
 std::vector<Layer> skin_on_fat(double thickness_mm, double prestretch_percent);
 
 /// One bank of a wound at a station: where its skin edge lies at rest and now, mm.
@@ -19,8 +18,7 @@ struct Bank {
 };
 
 /// The skin's edges along an incision that was drawn along y = 0, both ways: left is y > 0. Linear between the vertices
-/// of
-/// the edge. Nothing where the wound does not reach.
+/// of the edge. Nothing where the wound does not reach.
 class StraightWound {
  public:
   explicit StraightWound(const Snapshot& s);
@@ -44,8 +42,7 @@ struct SkinArea {
 SkinArea central_skin(const Snapshot& s);
 
 /// The rim of the hole around the chart's origin in the largest component, at rest and now: enclosed area in the plane,
-/// and
-/// its extent along x and y.
+/// and its extent along x and y.
 struct Hole {
   double rest_mm2 = 0, now_mm2 = 0;
   Vec2 extent_mm = Vec2::Zero();

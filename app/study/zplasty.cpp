@@ -6,19 +6,19 @@
 
 #include "app/study/patch.h"
 #include "app/study/seams.h"
-#include "sim/tools/procedures/catalogue.h"
+#include "sim/commands/procedures/catalogue.h"
+#include "sim/geometry/vec.h"
 
 namespace limberg::study {
 
 namespace {
 
-constexpr double kDeg = 180 / std::numbers::pi;
 // Beyond the figure: the pocket reaches from 1.5 limbs (along the central one) to 1.9 or 2 from the middle, as the
 // protocol asks.
 constexpr double kUndermined_mm = kLimb_mm;
 const std::vector<std::string> kKeys{"angle", "prestretch", "cell_mm"};
 
-Row run(const Values& v, Patch patch, const Run& with) {
+Row run_zplasty(const Values& v, Patch patch, const Run& with) {
   const double t = v[0], p = v[1], L = kLimb_mm;
   patch.prestretch_percent = p, patch.cell_mm = v[2];
   const Figure f = find_procedure("z_plasty").figure({L, t, t});
@@ -192,7 +192,7 @@ Row run_z(const Values& v, const Run& with) {
   Patch p;
   p.side_mm = 10 * kLimb_mm, p.undermine_mm = kUndermined_mm, p.contact = v[3] > 0, p.depth_mm = v[4], p.push_mm = v[5],
   p.spacing_mm = v[6], p.fronts = v[7] > 0;
-  Row r = run(v, p, with);
+  Row r = run_zplasty(v, p, with);
   r.figures.insert(r.figures.begin() + 3,
                    {{"contact", v[3]}, {"depth_mm", v[4]}, {"push_mm", v[5]}, {"spacing_mm", v[6]}, {"fronts", v[7]}});
   return r;
@@ -207,7 +207,7 @@ Row run_plate(const Values& v, const Run& with) {
     p.support = Support::none;
     p.side_mm = 10.4 * kLimb_mm, p.region_mm = 5 * kLimb_mm;
   }
-  Row r = run(v, p, with);
+  Row r = run_zplasty(v, p, with);
   r.figures.insert(r.figures.begin() + 3, {"bed", v[3]});
   return r;
 }
@@ -217,7 +217,7 @@ Row run_planar(const Values& v, const Run& with) {
   p.support = Support::plane;
   p.side_mm = 12.4 * kLimb_mm, p.region_mm = 6 * kLimb_mm;
   p.spacing_mm = 0.05 * kLimb_mm, p.inset_mm = 0.1, p.corner_mm = 0.15;
-  return run(v, p, with);
+  return run_zplasty(v, p, with);
 }
 
 Family zplasty() {

@@ -1,6 +1,5 @@
 // What must come out of Z-plasties: a protocol for simulators that claim the classical statements, and reference
-// figures
-// of two models that were computed for it with other programs:
+// figures of two models that were computed for it with other programs:
 //   a planar membrane of triangles (neo-Hookean, constant volume, disc of six limbs, sutured node to node, ten elements
 //   to a
 //   limb), and a plate of the same law with bending on a one-sided bed (thickness 0.075 limbs). The membrane's figures
@@ -59,8 +58,7 @@ constexpr Height kPlate[] = {{30, 0, 3.8, 1.101},  {45, 0, 6.8, 1.174},  {60, 0,
                              {75, 10, 2.1, 1.563}, {90, 10, 4.4, 1.681}, {75, 15, 0, 1.581},  {90, 15, 2.7, 1.724}};
 
 /// What the protocol wants to be told of every member: gain in space and in the plane, far field, strain, force, work,
-/// and the five measures
-/// of what is not flat.
+/// and the five measures of what is not flat.
 constexpr const char* kReported[] = {"elongation",      "elongation_flat", "elongation_4L",      "strain_p95",
                                      "strain_p99",      "closure_force_N", "suture_force_max_N", "closing_uJ",
                                      "ear_mm",          "ear_limbs",       "ear_volume_mm3",     "rms_mm",
@@ -219,8 +217,7 @@ void add_heights(std::vector<Bar>& out, const std::vector<Row>& rows) {
 }
 
 /// The same members on the finest lattice and on the next: largest relative change of the elongation, and root of the
-/// mean square of the
-/// change of the dog-ear relative to the mean height.
+/// mean square of the change of the dog-ear relative to the mean height.
 void add_lattices(std::vector<Bar>& out, const std::vector<Row>& rows) {
   Worst cells;
   for (const Row& r : rows) cells(r.at("cell_mm"));

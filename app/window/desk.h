@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "app/pictures/skin_fields.h"
 #include "app/session/gauges.h"
 #include "app/session/notice.h"
-#include "app/skin_fields.h"
 #include "app/window/desk_head.h"
 #include "app/window/ruler.h"
 #include "app/window/screen.h"
 #include "devices/sample.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 
@@ -30,10 +30,9 @@ struct DeskFacts {
   std::vector<std::string> lesson;       // its steps, in words
   bool head = false, skin = true;        // what the scene holds
   double max_depth_mm = 9;
-  double
-      suture_warn_N = 2.5,
-      suture_limit_N =
-          5;  // beyond them a stitch is shown in amber and in red: the limits of the report, with their sources there
+  double suture_warn_N = 2.5,
+         // beyond them a stitch is shown in amber and in red: the limits of the report, with their sources there
+      suture_limit_N = 5;
   bool own_device = false;  // another than the mouse
   bool calibrated = false;  // a calibration of it was given
 };
@@ -87,8 +86,7 @@ class Desk {
   /// A key that no text field took. What it does is in the table of keys (desk_keys.cpp), which the help shows as well.
   void key(int32_t code, uint32_t mods);
   /// Builds the panels: between ImGui::NewFrame and ImGui::Render. width, height: of the frame in the panels' units,
-  /// pixels
-  /// over desk_scale(); so are the places of marks and of the ruler's points.
+  /// pixels over desk_scale(); so are the places of marks and of the ruler's points.
   void draw(const DeskReading& reading, const std::vector<Vec3f>& ruler_px, int width, int height);
   void say(const std::string& line) { last_word_ = line; }
 

@@ -1,7 +1,6 @@
 #pragma once
 // What the window's panel asks for and shows of a head: picking places, sawing through them, fragments moved by
-// numbers, snapped, plated and
-// joined, tissue between face and bone, figures, the skull beside another.
+// numbers, snapped, plated and joined, tissue between face and bone, figures, the skull beside another.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -12,7 +11,7 @@
 #include "app/window/skull_view.h"
 #include "devices/sample.h"
 #include "sim/geometry/vec.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

@@ -1,6 +1,5 @@
 // Keys and mouse of the window, in one place. The mouse is that of radiology and surgery viewers: the left button does
-// what
-// is chosen, the right one turns, the middle one shifts, the wheel comes nearer.
+// what is chosen, the right one turns, the middle one shifts, the wheel comes nearer.
 #include "app/window/desk.h"
 #include "render/quality.h"
 

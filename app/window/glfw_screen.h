@@ -16,8 +16,7 @@ class GlfwScreen final : public Screen {
   std::unique_ptr<GlContext> context() override;
 
   /// Takes what the desktop has to say. `pointer` hears every movement and click of the mouse as well (x, y in pixels
-  /// of
-  /// the frame, left button down), before the render thread does.
+  /// of the frame, left button down), before the render thread does.
   void pump();
   std::function<void(const WindowEvent& event)> on_event;
 

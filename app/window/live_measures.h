@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "app/head/measures.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

@@ -28,8 +28,7 @@ struct PictureWish {
 class Painted {
  public:
   /// Whether a picture of this scene would differ from the one that was noted: tissue that has moved by less than
-  /// kVisible_mm does
-  /// not count.
+  /// kVisible_mm does not count.
   bool shows(const RenderScene& s, const PictureWish& wish) const {
     if (!valid_ || !(wish == wish_) || s.mesh != mesh_ || s.x_mm.size() != x_mm_.size() || !same(s.field, field_) ||
         !same(s.lines.x_mm, lines_) || s.props.vertex.size() != props_.size())

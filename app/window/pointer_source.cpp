@@ -5,7 +5,7 @@
 
 #include "app/window/ray_cast.h"
 #include "devices/head_surgeon.h"
-#include "sim/tools/strokes.h"
+#include "sim/commands/strokes.h"
 
 namespace limberg {
 

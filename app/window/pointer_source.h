@@ -1,15 +1,13 @@
 #pragma once
 // The mouse as a device: like a stylus whose tip is the point of the patient under the pointer, so that gestures,
-// recording
-// and replay need to know nothing of a mouse.
+// recording and replay need to know nothing of a mouse.
 //
 //   main thread    pointer readings (where the ray starts and goes, left button) ──ring──┐
 //   render thread  choices of the palette, "show me the next step" ──────────────ring──┤──► PointerSource (device
 //   thread)
 //
 // The left button engages the chosen tool. A hook that is held moves in the plane of the screen through the place where
-// it
-// was set; the wheel lifts it towards the eye. "Next" has the lesson's next step shown by an emulated hand.
+// it was set; the wheel lifts it towards the eye. "Next" has the lesson's next step shown by an emulated hand.
 #include <atomic>
 #include <memory>
 #include <vector>
@@ -61,16 +59,14 @@ class PointerReader {
 };
 
 /// The steps of a lesson as they are shown one at a time: an act, and the rests and stages that follow it. Pieces of
-/// one
-/// stroke are one act.
+/// one stroke are one act.
 std::vector<std::vector<Command>> lesson_steps(const std::vector<Command>& script);
 
 class PointerSource final : public Source {
  public:
   static constexpr int32_t kDevice = 50;
   /// `lesson`: the steps that "next" shows, one after another; may be empty. `stays`: the session goes on until the
-  /// window
-  /// is closed; else it may end with the other devices.
+  /// window is closed; else it may end with the other devices.
   PointerSource(PointerFeed& feed, const std::vector<std::vector<Command>>& lesson, bool stays = true);
   void look(const Snapshot& snapshot) override { seen_ = &snapshot; }
   void poll(int64_t now_ns, SampleSink& sink) override;

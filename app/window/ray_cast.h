@@ -1,6 +1,6 @@
 #pragma once
 // Which point of the patient lies under the mouse.
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 

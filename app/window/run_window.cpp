@@ -1,6 +1,6 @@
 #include "app/window/run_window.h"
 
-#include "app/pictures.h"
+#include "app/pictures/pictures.h"
 #include "app/session/command_words.h"
 #include "app/window/glfw_screen.h"
 #include "app/window/waiting.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "app/session/session.h"
 
 namespace limberg {

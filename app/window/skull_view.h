@@ -9,17 +9,16 @@
 #include <optional>
 #include <string>
 
-#include "sim/imaging/superposition.h"
-#include "sim/snapshot.h"
-#include "sim/tools/head_command.h"
+#include "sim/commands/head_command.h"
+#include "sim/imaging/register/superposition.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg {
 
 class SkullView {
  public:
   /// What is to be shown instead of the snapshot: the bones alone, `moved_mm` their distance; null until there is one.
-  /// `first`: the patient
-  /// before anything was done.
+  /// `first`: the patient before anything was done.
   const Snapshot* show(SkullBeside with, const Snapshot& first, const Snapshot& now);
   /// What it is at, in a few words; empty: it is done.
   std::string word() const { return word_; }

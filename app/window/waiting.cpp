@@ -10,7 +10,7 @@ namespace limberg {
 
 namespace {
 
-constexpr float kFontPx = 18;
+constexpr float kWaitingFontPx = 18;
 
 /// Dear ImGui for one picture.
 struct Panels {
@@ -29,7 +29,7 @@ Image show_words(Screen& screen, const std::string& words) {
   const Panels panels;
   ImGui::GetIO().IniFilename = nullptr;
   ImGui::GetIO().DisplaySize = {float(width), float(height)};
-  choose_ui_font(kFontPx * desk_scale(width, height));
+  choose_ui_font(kWaitingFontPx * desk_scale(width, height));
   UiPainter ui(gl);
   ImGui::NewFrame();
   const ImVec2 size = ImGui::CalcTextSize(words.c_str());

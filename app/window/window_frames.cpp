@@ -8,8 +8,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "app/pictures.h"
-#include "app/progress.h"
+#include "app/pictures/pictures.h"
+#include "app/result/progress.h"
 #include "app/window/live_measures.h"
 #include "app/window/orbit.h"
 #include "app/window/painted.h"
@@ -18,7 +18,7 @@
 #include "render/picture.h"
 #include "render/renderer.h"
 #include "render/ui_painter.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 

@@ -2,10 +2,8 @@
 // The window as the session's picture sink: the patient, the panels over it, and what the operator does with both.
 //
 // The patient is drawn when it would look different from before (painted.h), else only the panels are. While things
-// move the
-// quality is what the time of a frame allows (quality.h); when nothing has moved for a while the picture is drawn once
-// more with
-// shadows and occlusion.
+// move the quality is what the time of a frame allows (quality.h); when nothing has moved for a while the picture is
+// drawn once more with shadows and occlusion.
 //
 // Lives on the render thread. What the mouse does to the patient does not pass through here but through PointerReader
 // (pointer_source.h), on the main thread; here are the camera, the panels, the ruler and the choice of tools.

@@ -79,8 +79,7 @@ class Emulator {
 };
 
 /// A hand in a glove: stations 1 and 2 on forefinger and thumb, station 3 a stylus in the other hand. It wanders about
-/// the
-/// middle of the working space with the speed of a hand at work, closes and opens every two seconds, and trembles.
+/// the middle of the working space with the speed of a hand at work, closes and opens every two seconds, and trembles.
 Motion hand_at_work(uint64_t seed);
 
 }  // namespace limberg::fastrak

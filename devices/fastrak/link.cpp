@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg::fastrak {
 

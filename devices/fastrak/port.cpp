@@ -16,7 +16,7 @@
 #include <thread>
 
 #include "devices/monotonic.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg::fastrak {
 

@@ -7,10 +7,9 @@
 // Replies to commands begin with '2' and end with CR LF. The device is told to speak in centimetres.
 //
 // The line has no checksum. A record is taken only when it stands directly behind a CR LF (the one of the record or
-// reply
-// before it), its station is one that was asked for, its error character is a blank or a letter, it ends with CR LF,
-// its
-// switch is a switch, its numbers are finite, its position lies within kReachMm and its quaternion has unit length to 1
+// reply before it), its station is one that was asked for, its error character is a blank or a letter, it ends with CR
+// LF, its switch is a switch, its numbers are finite, its position lies within kReachMm and its quaternion has unit
+// length to 1
 // %.
 // accepted_share() says what damage still passes; the jump gate of the tracking stands behind it.
 //
@@ -55,8 +54,7 @@ size_t encode(const Record& r, const Layout& layout, std::span<uint8_t, kLongest
 
 /// Share of damaged records that pass every check with a pose that differs, when one byte of `r` is replaced by another
 /// value, all bytes and values equally likely: by trying them all. `far_mm`, `far_deg`: only those whose pose differs
-/// by
-/// more than this (0, 0: any difference). Of those that pass nearly all sit in the mantissas of the position.
+/// by more than this (0, 0: any difference). Of those that pass nearly all sit in the mantissas of the position.
 double accepted_share(const Record& r, const Layout& layout, double far_mm, double far_deg);
 
 class Parser {

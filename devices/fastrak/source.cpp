@@ -11,7 +11,7 @@
 #include "devices/fastrak/port.h"
 #include "devices/monotonic.h"
 #include "devices/sample_queue.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg::fastrak {
 

@@ -17,8 +17,7 @@ struct SourceSettings {
 };
 
 /// "PATH", "PATH,ft", "PATH,fts,ascii,9600": the stations' roles, the format and the rate of the line in any order
-/// after
-/// the path. InputError on what cannot be read.
+/// after the path. InputError on what cannot be read.
 SourceSettings parse_source(const std::string& text);
 
 class FastrakSource final : public Source {

@@ -1,7 +1,6 @@
 #pragma once
 // A device that is held, says where it is and pushes back. Makers' libraries stand behind this door; here is one made
-// of
-// equations: a mass in a hand, for tests and for work without a device.
+// of equations: a mass in a hand, for tests and for work without a device.
 #include <cstdint>
 #include <functional>
 
@@ -27,8 +26,8 @@ class ForceDevice {
 };
 
 /// m x'' = F + k_hand (target - x) + b_hand (target' - x'), semi-implicit steps of 0.1 ms; places are read in steps of
-/// the
-/// encoder. The force holds between pushes, as a device's does: through a stall too, unless its own watchdog ends it.
+/// the encoder. The force holds between pushes, as a device's does: through a stall too, unless its own watchdog ends
+/// it.
 struct SimulatedHand {
   double mass_kg = 0.15;          // of the device's end and of the hand that moves with it
   double stiffness_N_mm = 0.3;    // of the hand that wants to be at its target

@@ -2,12 +2,9 @@
 // Forces for a hand that holds a force device, a thousand times a second.
 //
 // The solver is too slow for a hand: at 60 Hz a held force drives the device (it gives energy back that it never got).
-// So
-// it only says what changes slowly, in a ForceModel: the surface near the tool as it would be without the tool, how
-// stiff
-// the tissue is, where a hook's tissue would rest. Everything that decides whether there is a force, and how large, is
-// done
-// here on every tick:
+// So it only says what changes slowly, in a ForceModel: the surface near the tool as it would be without the tool, how
+// stiff the tissue is, where a hook's tissue would rest. Everything that decides whether there is a force, and how
+// large, is done here on every tick:
 //
 //   contact    the tip against that surface; a place of the surface, the proxy, follows the tip along it within the
 //   friction

@@ -29,10 +29,8 @@ SkinTouch ForceSource::closest(Sheet& sheet, const Snapshot& s) {
 }
 
 // Over skin the skin holds a blunt tip up, closed wounds included; beside it (an open wound, a bed, the block's side)
-// the whole
-// surface of the flesh counts. A blade that is in the skin stays with it. Bone only where the tip is in no flesh: what
-// lies under
-// flesh is felt through it.
+// the whole surface of the flesh counts. A blade that is in the skin stays with it. Bone only where the tip is in no
+// flesh: what lies under flesh is felt through it.
 ForceSource::Sheet& ForceSource::met(const Snapshot& s, SkinTouch& touch) {
   const auto depth = [&](const SkinTouch& t) { return t.triangle < 0 ? -1e30 : -(tip_ - t.x_mm).dot(t.normal); };
   Sheet* sheet = &skin_;

@@ -2,22 +2,17 @@
 // A force device as a source: its tip is a stylus reading a thousand times a second, and what it touches pushes back.
 //
 // The model of what is near (force_loop.h) is made from the newest snapshot, at the solver's rate and only then: facets
-// of
-// the skin around the tip; for a held hook the stiffness that the solver's own force and displacement give (a secant);
-// for
-// contact the secant that the solver finds for this tip at this place (sim/press.h), asked for as long as the tip is
-// near.
+// of the skin around the tip; for a held hook the stiffness that the solver's own force and displacement give (a
+// secant); for contact the secant that the solver finds for this tip at this place (sim/patient/press.h), asked for as
+// long as the tip is near.
 // Until it has answered, or where there is no line to it, that of a half space of the layer that is touched: 2 a E / (1
-// - nu^2)
-// for a flat tip of radius a (Boussinesq 1885). Bone is that half space always: the skull across its thickness, 2.4 GPa
-// (McElhaney et al. 1970), thousands of times what any device holds, so that the coupling is what is felt.
+// - nu^2) for a flat tip of radius a (Boussinesq 1885). Bone is that half space always: the skull across its thickness,
+// 2.4 GPa (McElhaney et al. 1970), thousands of times what any device holds, so that the coupling is what is felt.
 //
 // What is felt is what the hand holds (tool_follower.h): a scalpel punctures, and from then on until it is drawn out
-// the tool is
-// engaged, with or without a button; a hook that this hand holds pulls. In contact the tool is where the surface holds
-// it up
-// (the proxy of force_loop.h), and so is the reading that goes on: the device itself is deeper by what the force is
-// worth.
+// the tool is engaged, with or without a button; a hook that this hand holds pulls. In contact the tool is where the
+// surface holds it up (the proxy of force_loop.h), and so is the reading that goes on: the device itself is deeper by
+// what the force is worth.
 // A session without such a source computes none of this.
 #include <memory>
 

@@ -1,8 +1,7 @@
 #pragma once
 // The line on which a force device asks the solver how stiff what it touches is. Both calls are made on the device
-// thread and
-// return at once; an answer is some periods of the solver old, and its stiffness is faded in (force_loop.h).
-#include "sim/press.h"
+// thread and return at once; an answer is some periods of the solver old, and its stiffness is faded in (force_loop.h).
+#include "sim/patient/press.h"
 
 namespace limberg {
 

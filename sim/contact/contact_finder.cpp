@@ -4,19 +4,19 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 namespace {
 
-constexpr size_t kGrain = 32, kChunks = 4;  // places of a chunk, at least; chunks of a worker's share
-constexpr double kNear_mm = 0.3;            // clearance of pairs that may press within a few iterations
-constexpr double kSorted_mm = 2;            // cells may go so far until their tree is sorted again
-constexpr double kTurn_mm = 0.08;           // less motion turns no surface by the angle that counts
-constexpr double kLeast_mm = 0.005;         // pairs are looked at again after so much motion at least
-constexpr double kNever_mm = 1e30;          // until pairs turn that are not there
-constexpr int kFresh = 2;                   // turns in one spot that go all the way
-constexpr int kTired = 8;                   // the last one
+constexpr size_t kPlaceGrain = 32, kChunks = 4;  // places of a chunk, at least; chunks of a worker's share
+constexpr double kNear_mm = 0.3;                 // clearance of pairs that may press within a few iterations
+constexpr double kSorted_mm = 2;                 // cells may go so far until their tree is sorted again
+constexpr double kTurn_mm = 0.08;                // less motion turns no surface by the angle that counts
+constexpr double kLeast_mm = 0.005;              // pairs are looked at again after so much motion at least
+constexpr double kNever_mm = 1e30;               // until pairs turn that are not there
+constexpr int kFresh = 2;                        // turns in one spot that go all the way
+constexpr int kTired = 8;                        // the last one
 
 }  // namespace
 
@@ -46,7 +46,7 @@ ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, cons
   }
   chunk_of_.resize(surface_->place.size());
   for (size_t g = 0; g < group_.size(); ++g) {
-    if (chunk_.empty() || group_[g].first - group_[chunk_.back().first].first >= kGrain)
+    if (chunk_.empty() || group_[g].first - group_[chunk_.back().first].first >= kPlaceGrain)
       chunk_.emplace_back().first = g;
     chunk_.back().last = g + 1;
     for (size_t i = group_[g].first; i < group_[g].last; ++i) chunk_of_[i] = chunk_.size() - 1;
@@ -172,8 +172,7 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
     make_contact(p);
     h.apart_mm = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b);
     // What the surfaces show is linear in their triangles, what the springs feel is trilinear in the cells: the gap
-    // makes up
-    // the difference, so that a contact begins where it is seen to begin.
+    // makes up the difference, so that a contact begins where it is seen to begin.
     h.gap_mm = h.normal.dot(h.apart_mm) - p.s_mm;
     p.contact.gap_mm = float(h.gap_mm - settings_.slack_mm);
     p.stale = false;

@@ -118,8 +118,7 @@ void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<Held
     };
     if (itself(a.foot[first])) continue;
     // Inside, only what the place is behind leads out; outside, only what it is in front of can be entered. The way out
-    // is
-    // through a sheet that faces the place: its depth is taken along the place's own normal.
+    // is through a sheet that faces the place: its depth is taken along the place's own normal.
     std::array<double, RestTissue::kFeet> depth{}, facing{};
     std::array<Vec3, RestTissue::kFeet> normal;
     double least = 1e30;

@@ -11,15 +11,14 @@
 //               which go deepest; finer ones could not move apart from each other
 //
 // A point of a triangle hangs on the eight nodes of the cell copy that holds it, so what carries it changes smoothly
-// when it
-// slides on from one triangle to the next.
+// when it slides on from one triangle to the next.
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "sim/contact/sheets.h"
-#include "sim/cutting/surface_view.h"
-#include "sim/fem/fem_model.h"
+#include "sim/cutting/arrangement/surface_view.h"
+#include "sim/fem/model/fem_model.h"
 #include "sim/lattice/topology.h"
 
 namespace limberg {

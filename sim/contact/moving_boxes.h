@@ -2,15 +2,15 @@
 // Boxes that move: which of them meet a box that is asked about.
 //
 // A tree with four children to a node, whose boxes lie side by side so that all are compared at once. Members follow
-// each
-// other along a curve through space (Morton's), made anew by sort(); any order gives the same answers, only slower.
+// each other along a curve through space (Morton's), made anew by sort(); any order gives the same answers, only
+// slower.
 #include <array>
 #include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "sim/fem/node4.h"
+#include "sim/fem/model/node4.h"
 
 namespace limberg {
 

@@ -8,11 +8,11 @@ namespace {
 
 using fem::v4;
 
-constexpr float kRound_mm = 1e-3f;  // boxes are larger by this than single precision can miss
-constexpr float kClose = 1e-5f;     // edges of a cell: an inverse that has come so near is found
+constexpr float kBoxRound_mm = 1e-3f;  // boxes are larger by this than single precision can miss
+constexpr float kClose = 1e-5f;        // edges of a cell: an inverse that has come so near is found
 constexpr int kChord = 6, kNewton = 12;
 constexpr double kFolded = 1e-3;  // of a cell's volume at rest
-constexpr size_t kGrain = 256;
+constexpr size_t kCellGrain = 256;
 
 v4 splat(float x) { return v4{x, x, x, x}; }
 v4 abs4(v4 a) { return a < 0 ? -a : a; }
@@ -83,15 +83,15 @@ void MovingCells::move(std::span<const Vec3f> u) {
 }
 
 void MovingCells::refit(Workers& workers) {
-  workers.parallel_for(box_.size(), kGrain, [&](size_t first, size_t last) {
+  workers.parallel_for(box_.size(), kCellGrain, [&](size_t first, size_t last) {
     for (size_t c = first; c < last; ++c) {
       std::array<v4, 8> n;
       for (size_t k = 0; k < 8; ++k) n[k] = now_[size_t(tissue_.slots(c)[k])];
       v4 lo = n[0], hi = n[0];
       for (size_t k = 1; k < 8; ++k) lo = n[k] < lo ? n[k] : lo, hi = n[k] > hi ? n[k] : hi;
-      box_[c] = {lo - kRound_mm, hi + kRound_mm};
+      box_[c] = {lo - kBoxRound_mm, hi + kBoxRound_mm};
       const Map map(n);
-      const v4 r = map.most(0.5f + float(RestTissue::kBeyond)) + kRound_mm;
+      const v4 r = map.most(0.5f + float(RestTissue::kBeyond)) + kBoxRound_mm;
       lo = box_[c].lo - kAhead_mm, hi = box_[c].hi + kAhead_mm;
       lo = map.c0 - r > lo ? map.c0 - r : lo, hi = map.c0 + r < hi ? map.c0 + r : hi;
       reach_[c] = {box_[c].lo < lo ? box_[c].lo : lo, box_[c].hi > hi ? box_[c].hi : hi};

@@ -4,8 +4,7 @@
 // Per copy its box, that of what lies beside it too, the middle of its eight nodes and the inverse of its map's slope
 // there. The trilinear map is inverted by
 // Newton's method with that slope (with fresh slopes where a cell is so skew that this does not suffice); the first
-// estimate
-// sends most copies away at once. A tree of the boxes finds the copies around a place.
+// estimate sends most copies away at once. A tree of the boxes finds the copies around a place.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -13,7 +12,7 @@
 
 #include "sim/contact/moving_boxes.h"
 #include "sim/contact/rest_tissue.h"
-#include "sim/fem/node4.h"
+#include "sim/fem/model/node4.h"
 
 namespace limberg {
 
@@ -39,8 +38,7 @@ class MovingCells {
   }
 
   /// Is p within `beyond` edges of copy c? Then `at` is its place there: 0 to 1 along each edge in the cell itself.
-  /// False in
-  /// cells that are folded.
+  /// False in cells that are folded.
   bool invert(size_t c, const Vec3f& p, float beyond, Vec3& at) const;
   /// May it be? By boxes alone, which are a little larger than what they hold. `beside`: within kBeyond and kAhead_mm.
   bool may_hold(size_t c, const Vec3f& p, bool beside) const {

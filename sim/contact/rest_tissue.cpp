@@ -14,7 +14,7 @@ constexpr double kWhole = 0.999;      // a cell's fraction
 constexpr double kWay_mm = 0.7;       // pieces of a cell that are smaller than this may be missed
 constexpr double kOpposite = -0.999;  // cosine between two banks of one cut
 constexpr float kRound_mm = 1e-4f;
-constexpr size_t kGrain = 4;
+constexpr size_t kRestGrain = 4;
 
 template <class T>
 void unique_sorted(std::vector<T>& v) {
@@ -266,7 +266,7 @@ void RestTissue::learn(std::span<const int32_t> parts, Workers& workers) {
   unique_sorted(wanted);
   std::erase_if(wanted, [&](int32_t p) { return known(p); });
   std::vector<std::array<std::vector<Near>, 2>> found(wanted.size());
-  workers.parallel_for(wanted.size(), kGrain, [&](size_t begin, size_t end) {
+  workers.parallel_for(wanted.size(), kRestGrain, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) gather(wanted[i], found[i][0], found[i][1]);
   });
   for (size_t i = 0; i < wanted.size(); ++i) {
@@ -317,17 +317,14 @@ void RestTissue::ask(size_t c, const Vec3& at, int32_t part, Answer& answer) con
   if (bare_[c] && !answer.inside) return;
   const Vec3 Q = rest_mm(c, at);
   size_t same = 0;
-  const double off =
-      (at - middle(part, same)).cwiseProduct(size_[c]).norm();  // nothing can be nearer by more than this
+  // nothing can be nearer by more than this
+  const double off = (at - middle(part, same)).cwiseProduct(size_[c]).norm();
   double nearest = 1e30;
   // Its side of the nearest of the copy's own triangles, as far as they are in the cell: what is nearer beyond the
-  // cell's face
-  // belongs to a neighbour there. Of two that are as near, at an edge, the one that Q is farthest from edge-on knows;
-  // where
-  // they disagree, a convex edge is seen from without and a concave one from within. Two banks that coincide in one
-  // copy are
-  // a slit: it has material on both sides. Where more than two disagree, at a point or where walls cross, the way to
-  // one of them tells.
+  // cell's face belongs to a neighbour there. Of two that are as near, at an edge, the one that Q is farthest from
+  // edge-on knows; where they disagree, a convex edge is seen from without and a concave one from within. Two banks
+  // that coincide in one copy are a slit: it has material on both sides. Where more than two disagree, at a point or
+  // where walls cross, the way to one of them tells.
   const List& list = list_[size_t(of_part_[size_t(part)])];
   const bool decides = in && !bare_[c] && !whole_[c];
   double deciding = 1e30, side = 0;

@@ -2,12 +2,9 @@
 // The smooth parts of a wounded surface, found once, at rest.
 //
 // A sheet is what hangs together over edges that turn by less than 40 degrees, wall with wall and skin with skin: one
-// bank
-// of an incision, the roof of a pocket, the skin beside a rim. What presses on a place presses sheet by sheet, so a
-// place in
-// a corner can be held by two. Within a sheet the normal is made to turn smoothly: a corner's normal is the sum of the
-// area
-// vectors of its triangles in that sheet (its fan), and between corners it goes linearly.
+// bank of an incision, the roof of a pocket, the skin beside a rim. What presses on a place presses sheet by sheet, so
+// a place in a corner can be held by two. Within a sheet the normal is made to turn smoothly: a corner's normal is the
+// sum of the area vectors of its triangles in that sheet (its fan), and between corners it goes linearly.
 #include <cstdint>
 #include <span>
 #include <utility>

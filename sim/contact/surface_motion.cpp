@@ -6,10 +6,10 @@
 namespace limberg {
 namespace {
 
-constexpr double kSorted_mm = 0.5;  // cells may go so far until they are sorted again
-constexpr int32_t kAround = 2;      // blocks on each side
-constexpr double kMostBlocks = 64;  // along an axis; beyond, blocks are larger
-constexpr float kFar_mm = 1e6f;
+constexpr double kBlocksSorted_mm = 0.5;  // cells may go so far until they are sorted again
+constexpr int32_t kAround = 2;            // blocks on each side
+constexpr double kMostBlocks = 64;        // along an axis; beyond, blocks are larger
+constexpr float kBlocksFar_mm = 1e6f;
 
 fem::v4 all(float x) { return fem::v4{x, x, x, 0}; }
 
@@ -20,7 +20,7 @@ SurfaceMotion::SurfaceMotion(const RestTissue& tissue, const FemModel& model) : 
   then_.assign(rest_.size(), fem::v4{});
   move_.assign(rest_.size(), fem::v4{});
   block_.assign(tissue.size(), 0);
-  move_of_.assign(tissue.size(), {all(-kFar_mm), all(kFar_mm)});
+  move_of_.assign(tissue.size(), {all(-kBlocksFar_mm), all(kBlocksFar_mm)});
 }
 
 // A block is as wide as half of what can lie between the middles of two cells that count, so that two blocks around
@@ -40,7 +40,8 @@ void SurfaceMotion::sort_into_blocks(std::span<const Vec3f> u) {
     for (const Vec3& p : at) radius = std::max(radius, (p - m).norm());
     lo = lo.cwiseMin(m), hi = hi.cwiseMax(m);
   }
-  const double size = std::max((kReach_mm + 2 * radius + 2 * kSorted_mm) / kAround, (hi - lo).maxCoeff() / kMostBlocks);
+  const double size =
+      std::max((kReach_mm + 2 * radius + 2 * kBlocksSorted_mm) / kAround, (hi - lo).maxCoeff() / kMostBlocks);
   for (int a = 0; a < 3; ++a) blocks_[size_t(a)] = int32_t((hi[a] - lo[a]) / size) + 1;
   for (size_t c = 0; c < block_.size(); ++c) {
     const Vec3 p = (middle[c] - lo) / size;
@@ -63,15 +64,15 @@ bool SurfaceMotion::measure(std::span<const Vec3f> u) {
   most_mm_ = first ? 1e30 : std::sqrt(double(most2));
   if (most2 == 0 && !first) return false;
   since_sorted_mm_ += std::sqrt(double(most2));
-  if (since_sorted_mm_ > kSorted_mm) {
+  if (since_sorted_mm_ > kBlocksSorted_mm) {
     sort_into_blocks(u);
     if (first || std::sqrt(double(most2)) > kReach_mm) {  // it may have jumped over what is near
-      near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), {all(-kFar_mm), all(kFar_mm)});
-      move_of_.assign(move_of_.size(), {all(-kFar_mm), all(kFar_mm)});
+      near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), {all(-kBlocksFar_mm), all(kBlocksFar_mm)});
+      move_of_.assign(move_of_.size(), {all(-kBlocksFar_mm), all(kBlocksFar_mm)});
       return true;
     }
   }
-  const Box none{all(kFar_mm), all(-kFar_mm)};
+  const Box none{all(kBlocksFar_mm), all(-kBlocksFar_mm)};
   near_.assign(size_t(blocks_[0] * blocks_[1] * blocks_[2]), none);
   for (size_t c = 0; c < block_.size(); ++c) {
     Box& b = move_of_[c];

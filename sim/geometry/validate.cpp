@@ -7,7 +7,7 @@
 #include <tuple>
 #include <vector>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/grid_predicates.h"
 #include "sim/geometry/triangle.h"

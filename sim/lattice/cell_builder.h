@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/cutting/point_store.h"
+#include "sim/cutting/arrangement/point_store.h"
 #include "sim/lattice/cells.h"
 #include "sim/lattice/lattice_signs.h"
 
@@ -77,8 +77,7 @@ class CellBuilder {
   CellBuilder(const LatticeGrid& grid, MaterialSurface&& surface) = delete;  // it is not kept
 
   /// Components of the cell at `at` of the grid, from candidate faces (ascending, may hold dead ones and faces that
-  /// miss
-  /// the cell). `corners_in`: bit per corner that lies in the material. Null when no live face meets the cell.
+  /// miss the cell). `corners_in`: bit per corner that lies in the material. Null when no live face meets the cell.
   std::shared_ptr<const CellComponents> build(Int3 at, std::span<const int32_t> candidates, uint8_t corners_in,
                                               const CellHistory& history);
 
@@ -126,8 +125,7 @@ class CellBuilder {
     bool layered = false;
   };
   /// An edge of faces that are new in the cell, from its lower point to its higher one. Two faces meet there, or more:
-  /// what is
-  /// found for one of them holds for all.
+  /// what is found for one of them holds for all.
   struct EdgeInCell {
     EdgeSigns about;  // when known
     bool known = false;

@@ -11,8 +11,7 @@ namespace limberg {
 namespace {
 
 /// By the squares that a face reaches through (FaceInCell::squares): the lattice edges, bit 4 axis + corner, that may
-/// pierce
-/// it. It reaches through both planes of such an edge.
+/// pierce it. It reaches through both planes of such an edge.
 constexpr std::array<uint16_t, 64> kMayPierce = [] {
   std::array<uint16_t, 64> may{};
   for (unsigned squares = 0; squares < 64; ++squares)
@@ -96,8 +95,7 @@ int32_t CellBuilder::local_of(int32_t face) const {
 }
 
 // What each side is glued to along the edges that meet the cell. Two glued half-edges bound the same material along
-// their
-// edge; inside the cell they do so where the edge meets it: they are joined.
+// their edge; inside the cell they do so where the edge meets it: they are joined.
 void CellBuilder::join_faces() {
   size_t places = 32;
   while (places < 3 * face_.size()) places *= 2;
@@ -237,10 +235,8 @@ bool CellBuilder::pierced_by_edge(const LocalFace& f, const Shape& shape, int ax
 // Which squares an edge that meets the cell pierces.
 int8_t CellBuilder::crossed_squares(const LocalFace& f, const Shape& s, size_t e) {
   // Seen along axis v, the coordinates are ((v+1)%3, (v+2)%3). With (u, k) in this order, "corner to the left" and
-  // "crossing at
-  // greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are opposite. A bound that
-  // both
-  // ends lie within needs no sign.
+  // "crossing at greater u than the corner" agree for an edge that rises in k; in the order (k, u) they are opposite. A
+  // bound that both ends lie within needs no sign.
   const auto& from = s.layer[e];
   const auto& to = s.layer[e == 2 ? 0 : e + 1];
   uint32_t bits = 0;

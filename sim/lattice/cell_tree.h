@@ -2,14 +2,14 @@
 // Which cells of the lattice are divided, and where their parts lie.
 //
 // Ids: the cells of the grid first, by their index; then the parts, eight by eight in the order of division (part k has
-// the
-// bits of its corner: 1 = +x, 2 = +y, 4 = +z). A tree only grows, so an id means the same cell in every later version.
+// the bits of its corner: 1 = +x, 2 = +y, 4 = +z). A tree only grows, so an id means the same cell in every later
+// version.
 #include <array>
 #include <cstdint>
 #include <utility>
 
+#include "sim/base/shared_array.h"
 #include "sim/lattice/lattice.h"
-#include "sim/shared_array.h"
 
 namespace limberg {
 

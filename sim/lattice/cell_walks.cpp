@@ -211,9 +211,8 @@ bool CellBuilder::walk_from_loop(int normal, bool high, int run, int32_t root) {
 }
 
 // A curve so small that no line meets it: the surface's edges through a point exactly on the square's plane, say. Next
-// to
-// that plane it grows in the directions of its edges, which tell whether it bounds material on its inside; then nothing
-// follows. If not, its material is that around it: what lies to the left of its place belongs to it.
+// to that plane it grows in the directions of its edges, which tell whether it bounds material on its inside; then
+// nothing follows. If not, its material is that around it: what lies to the left of its place belongs to it.
 bool CellBuilder::walk_from_speck(int normal, bool high, int32_t root) {
   const int u = (normal + 1) % 3, v = (normal + 2) % 3;
   const double level = sub_to_half(bound_[size_t(normal)][high]);

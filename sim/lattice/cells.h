@@ -19,8 +19,8 @@ namespace limberg {
 struct CellClass {
   double fraction = 0;  // volume of the material / volume of the cell
   uint8_t corners = 0;  // bit per corner of the cell that lies in it
-  uint8_t fixed_sides =
-      0;  // bit 2 axis + (0 low, 1 high): it has a `fixed` face whose outward normal is mostly along it
+  // bit 2 axis + (0 low, 1 high): it has a `fixed` face whose outward normal is mostly along it
+  uint8_t fixed_sides = 0;
   int16_t old_class = -1;  // class of the cell's previous version that it is a part of (-1: there was none)
 };
 

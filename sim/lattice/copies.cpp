@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/hash.h"
+#include "sim/base/hash.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
@@ -13,8 +13,6 @@ int class_of_corner(const LatticeTopology& t, int32_t cell, int corner) {
   if (const auto& c = t.components[size_t(cell)]) return c->of_corner[size_t(corner)];
   return classes_in(t, cell) - 1;
 }
-
-constexpr int kLowToHigh[3] = {1, 2, 4};
 
 }  // namespace
 
@@ -162,8 +160,7 @@ void find_links(const LatticeTopology& t, LevelBuilders& builders, int32_t cell,
   if (!a || !b) return;
   if (seen && a->classes.size() == 1 && b->classes.size() == 1) return;  // there is no other pair
   // Every sided face in both: it crosses the common square, with its material on the same side of it in both cells.
-  // That
-  // needs two boxes whose union is a box: of a coarser cell only the part next to the finer one counts.
+  // That needs two boxes whose union is a box: of a coarser cell only the part next to the finer one counts.
   CellPlace beside{};
   if (low.level != high.level) {
     beside = low.level > high.level ? low : high;

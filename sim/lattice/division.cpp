@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/base/number_set.h"
 #include "sim/lattice/topology_parts.h"
-#include "sim/number_set.h"
 
 namespace limberg {
 namespace {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "sim/cutting/point_store.h"
+#include "sim/cutting/arrangement/point_store.h"
 #include "sim/lattice/lattice_signs.h"
 
 namespace limberg {
@@ -81,10 +81,8 @@ class Embedder {
 };
 
 /// Vertices in cells of which a copy has come apart or has got other nodes: found through the faces of the cell. A part
-/// that
-/// keeps number and nodes of its copy has the vertices that it had. Vertices in cells that have been divided lose their
-/// copy;
-/// triangles at them are added to `again`.
+/// that keeps number and nodes of its copy has the vertices that it had. Vertices in cells that have been divided lose
+/// their copy; triangles at them are added to `again`.
 void follow_copies(const LatticeTopology& t, const LatticeTopology& before, SurfaceView& view,
                    SharedArray<EmbeddedPoint>& out, std::vector<int32_t>& again) {
   std::vector<int32_t> cells;

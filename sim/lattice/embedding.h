@@ -17,10 +17,8 @@ SharedArray<EmbeddedPoint> embed_surface(const LatticeTopology& topology, const 
                                          SurfaceView& view);
 
 /// The same from an earlier version of both: vertices that were there, in a cell copy that has not come apart, keep
-/// their
-/// weights. `change` as Arrangement::surface_view gives it; topology.cell_parent must index the earlier topology. Costs
-/// what
-/// has changed, unless that is everything.
+/// their weights. `change` as Arrangement::surface_view gives it; topology.cell_parent must index the earlier topology.
+/// Costs what has changed, unless that is everything.
 struct EarlierEmbedding {
   const LatticeTopology& topology;
   const SurfaceView& view;

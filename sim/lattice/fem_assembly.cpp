@@ -4,7 +4,7 @@
 #include <span>
 #include <stdexcept>
 
-#include "sim/number_set.h"
+#include "sim/base/number_set.h"
 
 namespace limberg {
 namespace {
@@ -12,8 +12,7 @@ namespace {
 constexpr double kFloor = 1e-2;  // of the fraction, for conditioning: a sliver's nodes stay solvable in float
 
 // A block's outermost cells miss this little at most (grid_fit.h): half of `count` half-units of thousands per cell,
-// eight
-// times that when cells can be divided, and in a part it is more of the whole.
+// eight times that when cells can be divided, and in a part it is more of the whole.
 double counts_as_full(bool divisible, int level) { return 1 - (divisible ? 0.006 : 0.002) * double(1 << level); }
 
 class Assembly {

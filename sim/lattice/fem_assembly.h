@@ -11,17 +11,16 @@
 //
 // A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1, so that the micrometres
 // by which lattice planes lie outside a block do not load it. Masses take the exact fraction. Parts of divided cells
-// have
-// stencils of their own size (Stencil::level), made in the same way when they are first asked for; where planes must
-// lie
-// further out so that cells can be divided (grid_fit.h), a little less than full counts as full. FemModel::cells[i] is
+// have stencils of their own size (Stencil::level), made in the same way when they are first asked for; where planes
+// must lie further out so that cells can be divided (grid_fit.h), a little less than full counts as full.
+// FemModel::cells[i] is
 // LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
 #include <array>
 #include <map>
 #include <memory>
 
-#include "sim/fem/fem_model.h"
-#include "sim/geometry/skin.h"
+#include "sim/body/skin.h"
+#include "sim/fem/model/fem_model.h"
 #include "sim/lattice/topology.h"
 
 namespace limberg {
@@ -42,9 +41,8 @@ class StencilTable {
   int32_t of_place(const CellPlace& place) const;
 
   /// Where a lattice node, or a corner of a part, may be held; in eighths of a cell. Block: bit 2 axis + (0 low, 1
-  /// high) per
-  /// outermost plane whose side is fixed. Other bodies, when the surface triangle nearest to it is fixed: kNearFixed
-  /// within
+  /// high) per outermost plane whose side is fixed. Other bodies, when the surface triangle nearest to it is fixed:
+  /// kNearFixed within
   /// 0.1 cell, kFarFixed beyond.
   static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
   uint8_t fixed_candidate(Int3 at) const;

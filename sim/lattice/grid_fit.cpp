@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 namespace {

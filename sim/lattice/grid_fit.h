@@ -9,9 +9,8 @@ namespace limberg {
 ///    just outside its faces: at least one half-unit, at most `count` half-units (some micrometres).
 ///  * Any other body gets cubic cells that cover its surface, centred on it.
 /// Planes lie on odd coordinates. With `levels`, cells can be divided that often: the pitch is a multiple of 2 <<
-/// levels
-/// half-units, so that a block's outermost planes lie up to `count << levels` half-units outside. Throws InputError
-/// when cell_mm is not finite and positive, larger than the smallest
+/// levels half-units, so that a block's outermost planes lie up to `count << levels` half-units outside. Throws
+/// InputError when cell_mm is not finite and positive, larger than the smallest
 /// extent of the body, or so small that there would be more than 20 million cells.
 LatticeGrid fit_lattice(const Body& body, double cell_mm, int levels = 0);
 

@@ -2,17 +2,16 @@
 // The embedding lattice and its copies.
 //
 // A LatticeGrid is a box of equal cells on odd coordinates of the rest grid. Cells at the end of a cut may be divided
-// in
-// eight, and the parts again (cell_tree.h); the parts are cells of a finer grid over the same box, so all that is said
-// of cells holds for them. A LatticeTopology says which copies of
+// in eight, and the parts again (cell_tree.h); the parts are cells of a finer grid over the same box, so all that is
+// said of cells holds for them. A LatticeTopology says which copies of
 // which cells exist: one copy per connected piece of material in a cell (the virtual node algorithm), found exactly by
 // cells.h. Cutting only refines the partition, so every copy has one parent in the version before
 // (LatticeTopology::cell_parent, node_parent).
 #include <cstdint>
 #include <vector>
 
-#include "sim/fem/fem_model.h"
-#include "sim/geometry/body.h"
+#include "sim/body/body.h"
+#include "sim/fem/model/fem_model.h"
 
 namespace limberg {
 

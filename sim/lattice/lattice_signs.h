@@ -23,8 +23,7 @@ int32_t layer_of(const PointRef& p, int axis, int32_t origin, int32_t pitch);
 int edge_about_corner(const PointRef& p, const PointRef& q, int axis, const SubPoint& corner);
 
 /// The same for the twelve lattice edges of a cell: bit 0 of the corner the high bound of the first coordinate, bit 1
-/// that of
-/// the second. Of the edge in the other sense they are the opposite.
+/// that of the second. Of the edge in the other sense they are the opposite.
 struct EdgeSigns {
   uint16_t left = 0, right = 0;  // bit 4 axis + corner: the corner lies there
   int of(int axis, int corner) const {

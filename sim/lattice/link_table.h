@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/shared_array.h"
+#include "sim/base/shared_array.h"
 
 namespace limberg {
 

@@ -1,7 +1,6 @@
 // What follows from the components after a cut that takes nothing away, in a lattice whose cells are not divided:
-// copies, links,
-// nodes and sums of the version before with the changes around the touched cells put in. The result is that of
-// finish_topology to the last bit; only what cannot have changed is copied instead of found again.
+// copies, links, nodes and sums of the version before with the changes around the touched cells put in. The result is
+// that of finish_topology to the last bit; only what cannot have changed is copied instead of found again.
 //
 //   copies  every old copy has a part, the first of which keeps its number; others come after
 //   links   only through squares of touched cells, and not where both are whole still
@@ -14,8 +13,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "sim/base/number_set.h"
 #include "sim/lattice/topology_parts.h"
-#include "sim/number_set.h"
 
 namespace limberg {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "sim/cutting/store.h"
+#include "sim/cutting/arrangement/store.h"
 
 namespace limberg {
 

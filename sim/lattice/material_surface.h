@@ -5,7 +5,7 @@
 // fill the arrays by hand.
 #include <span>
 
-#include "sim/cutting/arrangement_types.h"
+#include "sim/cutting/arrangement/arrangement_types.h"
 #include "sim/geometry/exact/predicates.h"
 #include "sim/geometry/rest_grid.h"
 #include "sim/geometry/tri_mesh.h"
@@ -27,8 +27,7 @@ struct MaterialSurface {
   int32_t operations() const;                   // so far
 
   /// Those of the first `faces_then` faces that may have changed since there were so many operations, ascending: a few,
-  /// when
-  /// there is a history, else all.
+  /// when there is a history, else all.
   std::vector<int32_t> suspects(int32_t operations_then, size_t faces_then) const;
 
   const Plane& plane(int32_t face) const { return orig[size_t(faces[size_t(face)].orig)].plane; }

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {

@@ -4,13 +4,11 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/hash.h"
+#include "sim/base/hash.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
 namespace {
-
-constexpr int kLowToHigh[3] = {1, 2, 4};
 
 /// The corners of the smaller square of a link between levels, seen from the coarser cell. Corner `fine` of the finer
 /// copy hangs on `count` corners of the coarser one, or is it when count is 1.
@@ -420,8 +418,7 @@ uint64_t LatticeTopology::hash() const {
 }
 
 // Whoever left a changed copy for an unchanged one before comes back to a part of it, so it is enough that the changed
-// ones
-// of a piece are linked among themselves.
+// ones of a piece are linked among themselves.
 bool pieces_stay(const LatticeTopology& t, int32_t pieces_before, std::span<const int32_t> changed,
                  std::span<const int32_t> place) {
   std::vector<int32_t> first(changed.size() + 1, 0);  // of the copies of each changed cell

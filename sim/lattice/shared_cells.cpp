@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/fem/effective_bulk.h"
+#include "sim/fem/elements/effective_bulk.h"
 
 namespace limberg {
 namespace {

@@ -2,8 +2,7 @@
 // Integrals over boxes inside a cell: what stencils are summed from.
 //
 // A layer's part of a cell gives its matrix to K, exactly, and its law to material points: one at the centroid, or
-// eight
-// that have the volume, the centroid and the second moments of the part (of a box: its 2 x 2 x 2 Gauss points).
+// eight that have the volume, the centroid and the second moments of the part (of a box: its 2 x 2 x 2 Gauss points).
 #include <vector>
 
 #include "sim/fem/materials/catalogue.h"

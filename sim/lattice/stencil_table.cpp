@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "sim/lattice/shared_cells.h"
 #include "sim/lattice/stencil_integrals.h"
 

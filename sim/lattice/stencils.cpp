@@ -1,7 +1,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "sim/lattice/stencil_integrals.h"
 
 namespace limberg {
@@ -44,8 +44,7 @@ ViscousPoint viscous_point(double volume, const Vec3& centre, const LayerMatter&
 }
 
 // Everything of a stencil but K, for a part of the cell around `centre` (cell units). `second`: its second moments
-// about
-// the centre, per volume. p0 is the pressure at rest.
+// about the centre, per volume. p0 is the pressure at rest.
 void add_part(Stencil& s, double volume, const Vec3& centre, const Mat3& second, const LayerMatter& l,
               const StretchFrame& frame) {
   const LayerResponse& r = l.response;

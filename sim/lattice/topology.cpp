@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "sim/cutting/point_store.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
+#include "sim/base/number_set.h"
+#include "sim/cutting/arrangement/point_store.h"
 #include "sim/lattice/topology_parts.h"
-#include "sim/number_set.h"
 
 namespace limberg {
 namespace {

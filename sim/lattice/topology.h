@@ -19,9 +19,9 @@
 //
 // Fronts. A cut that ends inside a cell leaves it one copy: it opens only up to that cell. With front_levels = 3 a cell
 // that holds a crack's front is divided in eight, and those of the eight that hold it again (cell_tree.h,
-// division.cpp):
-// then the closed part of the crack lies in one cell of a quarter of the size. Where the crack runs through that cell
-// askew, farther than a quarter of the undivided cell from the front to where it comes in, it is divided a third time.
+// division.cpp): then the closed part of the crack lies in one cell of a quarter of the size. Where the crack runs
+// through that cell askew, farther than a quarter of the undivided cell from the front to where it comes in, it is
+// divided a third time.
 // Cells
 // that touch each other, be it in a corner, differ by one level at most. The parts are cells like any other, found by
 // the same exact method; between a part
@@ -29,23 +29,21 @@
 // the neighbour's copy. When it hangs on several copies, these share their nodes there (a cut may stay closed there for
 // the length of a part, never is there a gap in tissue). Division never moves anything: every node of a part has its
 // parents in the copy that was divided, with trilinear weights. Cells stay divided for the rest of the history (undo
-// goes
-// back to the version of that time). An update may divide nothing (Divide): where a pocket ends deep inside, nobody
-// looks,
-// and its long rim would cost most of the cells.
+// goes back to the version of that time). An update may divide nothing (Divide): where a pocket ends deep inside,
+// nobody looks, and its long rim would cost most of the cells.
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "sim/base/parent_list.h"
+#include "sim/base/short_lists.h"
+#include "sim/base/workers.h"
 #include "sim/lattice/cell_tree.h"
 #include "sim/lattice/cells.h"
 #include "sim/lattice/lattice.h"
 #include "sim/lattice/link_table.h"
 #include "sim/lattice/material_surface.h"
-#include "sim/parent_list.h"
-#include "sim/short_lists.h"
-#include "sim/workers.h"
 
 namespace limberg {
 

@@ -6,8 +6,6 @@
 namespace limberg {
 namespace {
 
-constexpr int kLowToHigh[3] = {1, 2, 4};
-
 std::string check_components(const LatticeTopology& t) {
   for (int32_t cell = 0; cell < t.tree.ids(); ++cell) {
     const auto& comp = t.components[size_t(cell)];

@@ -1,10 +1,12 @@
 #pragma once
 // The parts that topology.cpp is put together from.
+#include "sim/base/number_set.h"
 #include "sim/lattice/cell_builder.h"
 #include "sim/lattice/topology.h"
-#include "sim/number_set.h"
 
 namespace limberg {
+
+inline constexpr int kLowToHigh[3] = {1, 2, 4};  // by axis: what a corner's number gains across the cell
 
 /// Which lattice nodes lie in the material: every lattice line along x is walked through all that it hits. Throws
 /// InputError when the surface reaches beyond the lattice.
@@ -74,16 +76,13 @@ void find_links(const LatticeTopology& topology, LevelBuilders& builders, int32_
                 std::vector<Link>& out);
 
 /// Which cells must be divided next, ascending: those of `candidates` that hold a front, coarsest first, and before
-/// them
-/// what the grading needs. Empty when all is well. Candidates that need no division are dropped. Asks for components
-/// only,
-/// not for copies.
+/// them what the grading needs. Empty when all is well. Candidates that need no division are dropped. Asks for
+/// components only, not for copies.
 std::vector<int32_t> cells_to_divide(const LatticeTopology& topology, LevelBuilders& builders,
                                      std::vector<int32_t>& candidates);
 
 /// Divides these cells: tree and components. Copies and all that follows from them are made afterwards. `named`: per id
-/// of
-/// the version before, whether the cell's classes name those of that version.
+/// of the version before, whether the cell's classes name those of that version.
 void divide_cells(LatticeTopology& topology, LevelBuilders& builders, std::span<const int32_t> cells,
                   std::span<const uint8_t> named, NewParts& parts);
 
@@ -109,19 +108,16 @@ struct NodeRegion {
 };
 
 /// Node copies from links: ids of kept ones follow their parents' order; when cells have been divided, ids of nodes
-/// that
-/// are gone pass to new ones. Throws std::logic_error when corners that are one node now were several before. Fills
-/// `hanging` and `born`. With a region only what lies at the corners of its changed cells is done again, all else must
-/// be as
-/// in `previous`; false, and nothing done, when more nodes are gone than are new.
+/// that are gone pass to new ones. Throws std::logic_error when corners that are one node now were several before.
+/// Fills `hanging` and `born`. With a region only what lies at the corners of its changed cells is done again, all else
+/// must be as in `previous`; false, and nothing done, when more nodes are gone than are new.
 bool number_nodes(LatticeTopology& topology, const LatticeTopology* previous, const NewParts& parts,
                   const NodeRegion* region = nullptr);
 
 /// Pieces, volumes and the hash.
 void summarise(LatticeTopology& topology);
 /// Are the pieces those of before, of which there were `pieces_before`, now that `changed` cells are parted anew?
-/// `place`: per cell,
-/// where among the changed ones (-1: it is not).
+/// `place`: per cell, where among the changed ones (-1: it is not).
 bool pieces_stay(const LatticeTopology& topology, int32_t pieces_before, std::span<const int32_t> changed,
                  std::span<const int32_t> place);
 int128 exact_share(double fraction, int level);     // of an undivided cell, times 2^60
@@ -134,8 +130,7 @@ bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const La
                     std::span<const int32_t> touched, std::span<const int32_t> place);
 
 /// The same where cells can be divided (local_fronts.cpp): after a cut, and after a division. `topology` comes as a
-/// copy of
-/// `previous` with tree and components of now; on false it is to be finished as a whole.
+/// copy of `previous` with tree and components of now; on false it is to be finished as a whole.
 bool finish_fronts_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
                            std::span<const int32_t> touched, const NewParts& parts);
 

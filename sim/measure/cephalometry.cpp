@@ -7,15 +7,14 @@
 #include <functional>
 #include <map>
 
-#include "sim/simplex/dual.h"
+#include "sim/geometry/vec.h"
+#include "sim/skull/simplex/dual.h"
 
 namespace limberg {
 namespace {
 
 using Places = std::vector<Vec3>;  // of a measure's landmarks, in its order
 using Figure = std::function<double(const Places&)>;
-
-constexpr double kDeg = 180 / M_PI;
 
 double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)) * kDeg; }
 double at_corner(const Places& p) { return angle(p[0] - p[1], p[2] - p[1]); }

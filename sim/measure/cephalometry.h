@@ -5,20 +5,15 @@
 //   std::cout << to_csv(rows);
 //
 // Places in mm in the head's frame (imaging/head_shape.h): x right, y forwards, z up. All in three dimensions: so ANB
-// is an angle
-// of its own and not SNA - SNB when points leave the sagittal plane (its sign is that of SNA - SNB). Angles between
-// planes and
-// lines are taken in projection on the sagittal plane x = 0, as on a film; the rows say so.
+// is an angle of its own and not SNA - SNB when points leave the sagittal plane (its sign is that of SNA - SNB). Angles
+// between planes and lines are taken in projection on the sagittal plane x = 0, as on a film; the rows say so.
 //
 // Uncertainty: each coordinate of a landmark is off by its own standard deviation, independently; the figure's is the
-// root of the sum of the
-// squared changes that one standard deviation in each coordinate makes.
+// root of the sum of the squared changes that one standard deviation in each coordinate makes.
 //
 // Landmarks on bone: S sella, N nasion, Ba basion, A, B subspinale and supramentale, ANS, PNS nasal spines, Pog, Gn, Me
-// chin, Is, Ii
-// edges of the incisors (of the alveolar arches where there are no teeth), Or, Po, Go, Co, Zy with _L, _R; on the skin
-// a
-// prime or small letters: g' n' prn sn ls sto li sl pog' gn' me', and en ex al ch zy' go' t with _L, _R.
+// chin, Is, Ii edges of the incisors (of the alveolar arches where there are no teeth), Or, Po, Go, Co, Zy with _L, _R;
+// on the skin a prime or small letters: g' n' prn sn ls sto li sl pog' gn' me', and en ex al ch zy' go' t with _L, _R.
 #include <optional>
 #include <span>
 #include <string>
@@ -26,7 +21,7 @@
 
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/vec.h"
-#include "sim/simplex/mesh.h"
+#include "sim/skull/simplex/mesh.h"
 
 namespace limberg {
 
@@ -72,8 +67,8 @@ struct Asymmetry {
 Asymmetry asymmetry(std::span<const NamedPoint> points);
 
 /// How a fragment has moved: translation of its centre, and the rotation as yaw about z (its front to the left is
-/// positive), then
-/// pitch about x (its front up is positive), then roll about y (its right side down is positive); Rz Rx Ry.
+/// positive), then pitch about x (its front up is positive), then roll about y (its right side down is positive); Rz Rx
+/// Ry.
 struct FragmentMotion {
   Vec3 translation_mm = Vec3::Zero();
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0, angle_deg = 0;  // angle: of the whole rotation

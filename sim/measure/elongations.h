@@ -12,8 +12,8 @@ namespace limberg {
 struct Elongations {
   double direct = 1;       // straight through space
   double planimetric = 1;  // the same, laid into the original skin's tangent plane half way between the ends
-  double stereometric =
-      1;  // over the skin: the profile in the upright plane through both ends; where there is no skin, straight
+  // over the skin: the profile in the upright plane through both ends; where there is no skin, straight
+  double stereometric = 1;
 };
 std::optional<Elongations> elongations(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin& skin,
                                        const CentralLimb& limb);

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg {
 namespace {

@@ -9,11 +9,9 @@
 // equation in another form). Then f0 = f1 - (f2 - f1) h1^p / (h2^p - h1^p), and the error is the grid convergence
 // index:
 // 1.25 times the distance to f0. Where that law does not describe the figures (they swing, do not settle, or the order
-// is
-// not one that the method has: trilinear cells give 2, next to a cut 1) nothing is extrapolated, the text says that the
-// sizes are not in the asymptotic range, and the error is three times the largest change among the three. Two sizes:
-// order 1
-// is taken for granted, with the factor 3 (Roache 1994).
+// is not one that the method has: trilinear cells give 2, next to a cut 1) nothing is extrapolated, the text says that
+// the sizes are not in the asymptotic range, and the error is three times the largest change among the three. Two
+// sizes: order 1 is taken for granted, with the factor 3 (Roache 1994).
 #include <optional>
 #include <span>
 #include <string>
@@ -30,8 +28,7 @@ struct Extrapolation {
 };
 
 /// `cell_mm` and `value` in any order, sizes positive and different, same length, finite; `noise`: changes up to this
-/// are the
-/// solver's own error, not the lattice's. InputError otherwise.
+/// are the solver's own error, not the lattice's. InputError otherwise.
 Extrapolation extrapolate(std::span<const double> cell_mm, std::span<const double> value, double noise = 0);
 
 }  // namespace limberg

@@ -19,8 +19,7 @@ double skin_at_rest_mm2(const SurfaceView& view) {
 }
 
 // Of the skin at rest inside a chart polygon: the polygon, weighted with how far the skin leans from the chart, at
-// points half a
-// mm apart.
+// points half a mm apart.
 double rest_area_mm2(const Skin& skin, std::span<const ChartPoint> polygon) {
   constexpr double kStep_mm = 0.5;
   double plain = 0, leaning = 0;

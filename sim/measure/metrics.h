@@ -8,15 +8,15 @@
 #include <span>
 #include <vector>
 
-#include "sim/fem/elastic_solver.h"
+#include "sim/fem/solver/elastic_solver.h"
 #include "sim/measure/elongations.h"
 #include "sim/measure/penetration.h"
 #include "sim/measure/perfusion.h"
 #include "sim/measure/predicted.h"
 #include "sim/measure/skin_shape.h"
 #include "sim/measure/skin_strain.h"
-#include "sim/snapshot.h"
-#include "sim/world.h"
+#include "sim/patient/snapshot.h"
+#include "sim/patient/world.h"
 
 namespace limberg {
 
@@ -24,8 +24,7 @@ namespace limberg {
 struct ForceBalance {
   Vec3 hooks_N = Vec3::Zero(), supports_N = Vec3::Zero(), sum_N = Vec3::Zero();
   // |sum| / (|force| of each hook, of the supports' resultant and of both ends of each stitch, added up; at least 10
-  // mN, so
-  // that rounding is not called an imbalance where nothing pulls).
+  // mN, so that rounding is not called an imbalance where nothing pulls).
   double relative = 0;
 };
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/tools/command.h"
+#include "sim/commands/command.h"
 
 namespace limberg {
 
@@ -23,9 +23,8 @@ struct CentralLimb {
 std::optional<CentralLimb> find_central_limb(std::span<const Command> script);
 
 /// A transposition flap beside a quadrangular defect: the first incision of two strokes D-E-F that starts within 2 mm
-/// of a
-/// corner D of a four-cornered excision before it. C is the neighbour of D in the outline that lies nearer to F; the
-/// flap is CDEF with its base CF.
+/// of a corner D of a four-cornered excision before it. C is the neighbour of D in the outline that lies nearer to F;
+/// the flap is CDEF with its base CF.
 struct TranspositionFlap {
   ChartPoint C{0, 0}, D{0, 0}, E{0, 0}, F{0, 0};
 };

@@ -5,17 +5,15 @@
 #include <memory>
 #include <numbers>
 
+#include "sim/commands/procedures/catalogue.h"
+#include "sim/commands/procedures/placement.h"
 #include "sim/measure/plan.h"
 #include "sim/measure/skin_shape.h"
-#include "sim/tools/procedures/catalogue.h"
-#include "sim/tools/procedures/placement.h"
 
 namespace limberg {
 namespace {
 
 constexpr double kLeast_deg = 20, kStep_deg = 3, kRad = std::numbers::pi / 180;
-
-double cross2(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 // The seams of a procedure between corners that were drawn otherwise; wound and corners as its own figure lists them.
 std::optional<PlanOnSkin> drawn(const char* procedure, std::vector<Vec2> wound) {

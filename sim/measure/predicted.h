@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
+#include "sim/commands/procedures/figure.h"
+#include "sim/commands/script.h"
 #include "sim/measure/skin_points.h"
-#include "sim/tools/procedures/figure.h"
-#include "sim/tools/script.h"
 
 namespace limberg {
 
@@ -18,9 +18,8 @@ struct PlanOnSkin {
 };
 
 /// The plan that the script's header names; otherwise the Z or the rhombic flap that its cuts draw (plan.h), with the
-/// corners as
-/// they were drawn; otherwise nothing. Keeps a reference to the skin. InputError when the header's plan does not fit
-/// the skin.
+/// corners as they were drawn; otherwise nothing. Keeps a reference to the skin. InputError when the header's plan does
+/// not fit the skin.
 std::optional<PlanOnSkin> plan_of(const Skin& skin, const std::optional<PlannedProcedure>& named,
                                   std::span<const Command> script);
 /// Of a named procedure. InputError when there is none, or its values do not fit.
@@ -34,8 +33,7 @@ struct PredictedPoint {
   double volume_mm3 = 0;  // above the original surface, within reach
   // 360 degrees less the angle that the skin closes round the point now: for each tissue sector, the length now of the
   // circle that lay at 0.8 reach around its corner, over its mean distance from the corner now. Stretch counts in it:
-  // skin drawn in
-  // towards the point by 1 % lessens it by some 3.6 degrees. Nothing where a sector is cut or gone.
+  // skin drawn in towards the point by 1 % lessens it by some 3.6 degrees. Nothing where a sector is cut or gone.
   std::optional<double> deficit_deg;
 };
 

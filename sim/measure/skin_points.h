@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "sim/cutting/surface_view.h"
-#include "sim/geometry/skin.h"
+#include "sim/body/skin.h"
+#include "sim/cutting/arrangement/surface_view.h"
 
 namespace limberg {
 

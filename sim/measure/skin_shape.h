@@ -5,21 +5,18 @@
 #include <span>
 #include <vector>
 
-#include "sim/cutting/surface_view.h"
-#include "sim/geometry/skin.h"
+#include "sim/body/skin.h"
+#include "sim/cutting/arrangement/surface_view.h"
 #include "sim/measure/plan.h"
 
 namespace limberg {
 
 /// Dog-ears: skin that stands above where the skin was before the operation. Height is the distance of a skin vertex
 /// outside the original rest surface (Skin::depth_mm, sign changed); the body is held at its sides and its base, so
-/// that
-/// surface is the reference that a ring of untouched skin around the wound would give. Volume is the integral of the
-/// positive height over the original surface: the skin's area projected along the reference normal. Only skin whose
-/// rest
-/// place lies within `radius_mm` of one of `centres_mm` counts; no centres: all skin. A cone is a dog-ear where the
-/// tissue
-/// angles sewn together add up to less than 360 degrees (Limberg; Kang and Kang 2020).
+/// that surface is the reference that a ring of untouched skin around the wound would give. Volume is the integral of
+/// the positive height over the original surface: the skin's area projected along the reference normal. Only skin whose
+/// rest place lies within `radius_mm` of one of `centres_mm` counts; no centres: all skin. A cone is a dog-ear where
+/// the tissue angles sewn together add up to less than 360 degrees (Limberg; Kang and Kang 2020).
 struct DogEar {
   double height_mm = 0;       // highest
   double volume_mm3 = 0;      // above the original surface
@@ -34,16 +31,15 @@ std::vector<Vec3> rim_mm(const SurfaceView& view);
 
 /// The open wound. A rim is an edge between skin and cut wall. From each rim point one looks away from its own skin,
 /// within 60 degrees of the direction across the edge: the gape there is the distance to the nearest other rim seen, or
-/// to
-/// any other rim nearer than 2 mm (banks that lie over one another). Own rim within 3 mm along the edge does not count.
+/// to any other rim nearer than 2 mm (banks that lie over one another). Own rim within 3 mm along the edge does not
+/// count.
 struct WoundGape {
   double gape_mm = 0;        // which 95 % of the rim do not exceed
   double mean_mm = 0;        // over the length of the rim
   double rim_length_mm = 0;  // at rest, both banks
   double rim_now_mm = 0;     // the same as it lies now; a closed wound's scar is half of it
   // Edges that lie at different heights: the part of the way to the rim over there that runs along the skin's normal.
-  // 95 % of the rim do
-  // not exceed step_mm.
+  // 95 % of the rim do not exceed step_mm.
   double step_mm = 0, step_mean_mm = 0;
 };
 WoundGape wound_gape(const SurfaceView& view, std::span<const Vec3f> x_mm);

@@ -3,8 +3,7 @@
 //
 // A skin triangle is a membrane of the body's first layer with a free surface. With the in-plane deformation gradient F
 // (2 x 2, rest axes along and across the tension direction), the layer's prestretch F0 = diag(p, q, 1/(pq)), A = F0
-// F0^T, and
-// the energy of fem_model.h with lambda' = lambda + mu and p0 = mu A_nn,
+// F0^T, and the energy of fem_model.h with lambda' = lambda + mu and p0 = mu A_nn,
 //
 //   sigma = (mu / J) F A F^T + (lambda' (J - 1) - p0) I,     J = det(F) s,   s the stretch of the thickness.
 //
@@ -15,13 +14,13 @@
 // The pressure of the mixed cell below is not needed, hence the figure does not depend on how cells and layers meet.
 //
 // A layer with a law of its own (Material::law) has (1/J) P(F F0) F0 F^T in place of (mu/J) F A F^T, its lambda and its
-// rest
-// pressure (catalogue.h), and s is found by bisection. What relaxes is not counted: this is the stress once relaxed.
+// rest pressure (catalogue.h), and s is found by bisection. What relaxes is not counted: this is the stress once
+// relaxed.
 #include <span>
 #include <vector>
 
-#include "sim/cutting/surface_view.h"
-#include "sim/geometry/body.h"
+#include "sim/body/body.h"
+#include "sim/cutting/arrangement/surface_view.h"
 
 namespace limberg {
 
@@ -33,8 +32,7 @@ struct MembraneState {
   double stress_kPa = 0;        // largest principal Cauchy stress in the plane
   double least_stress_kPa = 0;  // the other principal stress in the plane
   // Between the direction of the greatest stress and the fibres (the tension direction), both as they lie now, 0 to 90;
-  // less than 0
-  // where the two stresses differ by less than 2 % of the greater: no direction then.
+  // less than 0 where the two stresses differ by less than 2 % of the greater: no direction then.
   double angle_deg = -1;
   double von_mises_kPa = 0;  // of the plane stress state
   double area_mm2 = 0;       // at rest

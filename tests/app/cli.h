@@ -12,10 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "app/program/places.h"
+
 namespace fs = std::filesystem;
 
-inline const std::string kProgram = LIMBERG_BINARY_DIR "/limberg";
-inline const std::string kSource = LIMBERG_SOURCE_DIR;
+inline const std::string kProgram = binary_dir() + "/limberg";
+inline const std::string kSource = source_dir();
 
 struct Outcome {
   int status = -1;  // exit status; 1000 + signal when killed by one

@@ -1,14 +1,13 @@
 #pragma once
 // A patient of a few lines: a flat square of skin whose hooks pull their surroundings along, and which comes to rest at
-// a
-// rate of its own. Enough for every lane; its hash is over all it does, so that a difference of order shows.
+// a rate of its own. Enough for every lane; its hash is over all it does, so that a difference of order shows.
 #include <cmath>
 #include <map>
 #include <memory>
 
 #include "app/session/patient.h"
-#include "sim/hash.h"
-#include "sim/workers.h"
+#include "sim/base/hash.h"
+#include "sim/base/workers.h"
 
 namespace limberg {
 

@@ -6,7 +6,7 @@
 
 #include "tests/app/cli.h"
 
-namespace {
+namespace test_cli {
 
 TEST_F(Cli, HelpAndVersion) {
   Outcome o = run("--version");
@@ -456,4 +456,4 @@ TEST_F(Cli, DesignsAreRanked) {
   EXPECT_EQ(run("operate " + scene + " " + path("out/design-1.jsonl")).status, 0);
 }
 
-}  // namespace
+}  // namespace test_cli

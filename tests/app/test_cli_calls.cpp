@@ -3,7 +3,7 @@
 
 #include "tests/app/cli.h"
 
-namespace {
+namespace test_cli_calls {
 
 TEST_F(Cli, NumbersThatAreNone) {
   const std::string scene = file("small.toml", small_scene()),
@@ -137,4 +137,4 @@ TEST_F(Cli, CtrlCKeepsARecordingWhole) {
   EXPECT_EQ(o.err, "") << "not damaged: it has its end mark";
 }
 
-}  // namespace
+}  // namespace test_cli_calls

@@ -3,14 +3,14 @@
 
 #include <algorithm>
 
-#include "app/design_drawing.h"
-#include "app/design_search.h"
-#include "app/shipped.h"
-#include "sim/error.h"
+#include "app/design/design_drawing.h"
+#include "app/design/design_search.h"
+#include "app/program/shipped.h"
+#include "sim/base/error.h"
 #include "sim/measure/plan.h"
 
 namespace limberg {
-namespace {
+namespace test_design {
 
 Scene small_scene() {
   Scene s = load_scene(shipped_file("app/scenes/rhomboid.toml"));
@@ -140,5 +140,5 @@ TEST(Design, TheSearchRanksTellsHowFarItIsAndDraws) {
   EXPECT_TRUE(ranking_svg({}, task, 0).empty());
 }
 
-}  // namespace
+}  // namespace test_design
 }  // namespace limberg

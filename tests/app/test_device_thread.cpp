@@ -1,6 +1,5 @@
 // What the device thread may not do: take memory, take a lock, write. Every live source, a glove, a stylus with the
-// surface
-// cursor and a force device at once, on a thread of 1 kHz, with everything counted that it calls.
+// surface cursor and a force device at once, on a thread of 1 kHz, with everything counted that it calls.
 #include <gtest/gtest.h>
 #include <stdio.h>
 #include <time.h>
@@ -21,7 +20,7 @@
 #include "tests/devices/flat_patient.h"
 
 namespace limberg {
-namespace {
+namespace test_device_thread {
 
 using namespace test;
 
@@ -103,5 +102,5 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
   EXPECT_EQ(writes, 0u);
 }
 
-}  // namespace
+}  // namespace test_device_thread
 }  // namespace limberg

@@ -4,13 +4,12 @@
 #include "app/session/drawing_share.h"
 
 namespace limberg {
-namespace {
+namespace test_drawing_share {
 
 constexpr int64_t kMs = 1'000'000;
 
 // A solver that steps every 16 ms for `work_ms`, and pictures of `picture_ms` as often as they may be drawn. While one
-// is drawn an
-// iteration takes (1 + loss) of its time. Virtual time, a tenth of a millisecond a tick.
+// is drawn an iteration takes (1 + loss) of its time. Virtual time, a tenth of a millisecond a tick.
 struct Machine {
   double loss = 0;
   int iterations = 20;
@@ -87,5 +86,5 @@ TEST(DrawingShare, AMachineThatChangesIsMeasuredAnew) {
   EXPECT_GT(better.drawn, 0.6);
 }
 
-}  // namespace
+}  // namespace test_drawing_share
 }  // namespace limberg

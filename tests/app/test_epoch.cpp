@@ -7,7 +7,7 @@
 #include "app/session/triple_buffer.h"
 
 namespace limberg {
-namespace {
+namespace test_epoch {
 
 struct Thing {
   uint64_t version = 0;
@@ -99,5 +99,5 @@ TEST(Versions, TheTestSeesAPlantedDefect) {
   EXPECT_GT(uses_after_free(false, 4000, &freed_on, &owner), 0u);
 }
 
-}  // namespace
+}  // namespace test_epoch
 }  // namespace limberg

@@ -3,15 +3,16 @@
 
 #include <filesystem>
 
-#include "app/exercise.h"
-#include "app/orders.h"
-#include "app/scene.h"
-#include "sim/error.h"
-#include "sim/tools/flaps.h"
-#include "sim/tools/procedures/operation.h"
+#include "app/assembly/exercise.h"
+#include "app/assembly/orders.h"
+#include "app/program/places.h"
+#include "app/scene/scene.h"
+#include "sim/base/error.h"
+#include "sim/commands/flaps.h"
+#include "sim/commands/procedures/operation.h"
 
 namespace limberg {
-namespace {
+namespace test_exercise {
 
 const std::string kLesson = R"(lesson = "A Z"
 goal = "Lengthen it."
@@ -73,8 +74,8 @@ TEST(Lesson, IsReadStrictly) {
 
 TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
   for (const std::string name : {"rhomboid", "zplasty"}) {
-    const Lesson l = open_lesson(LIMBERG_SOURCE_DIR "/app/lessons/" + name + ".toml");
-    const Skin skin(build_body(load_scene(LIMBERG_SOURCE_DIR "/app/scenes/" + l.scene + ".toml")));
+    const Lesson l = open_lesson(source_dir() + "/app/lessons/" + name + ".toml");
+    const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
     const PlanOnSkin plan = plan_on(skin, l.plan);
     std::vector<Command> script;
     for (const ScriptLine& s : shipped_script(name).lines) script.push_back(s.command);
@@ -117,8 +118,8 @@ TEST(Lesson, TellsWhatIsMet) {
 
 // What could not be measured says what was looked for, where, and what was found.
 TEST(Lesson, SaysWhyAFigureIsNotMeasured) {
-  const Lesson l = open_lesson(LIMBERG_SOURCE_DIR "/app/lessons/rhomboid.toml");
-  const Skin skin(build_body(load_scene(LIMBERG_SOURCE_DIR "/app/scenes/" + l.scene + ".toml")));
+  const Lesson l = open_lesson(source_dir() + "/app/lessons/rhomboid.toml");
+  const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
   const PlanOnSkin plan = plan_on(skin, l.plan);
   std::vector<Command> drawn;
   for (const ScriptLine& s : shipped_script("rhomboid").lines) drawn.push_back(s.command);
@@ -242,5 +243,5 @@ TEST(HandMotion, CountsPathMovementsAndGaps) {
   EXPECT_NEAR(f.pressed_s, 2, 4 * dt);
 }
 
-}  // namespace
+}  // namespace test_exercise
 }  // namespace limberg

@@ -6,13 +6,14 @@
 #include <numbers>
 #include <sstream>
 
-#include "app/operation.h"
-#include "app/scene.h"
+#include "app/assembly/operation.h"
+#include "app/program/places.h"
+#include "app/scene/scene.h"
 #include "app/study/wound.h"
-#include "sim/tools/script.h"
+#include "sim/commands/script.h"
 
 namespace limberg {
-namespace {
+namespace test_fibre_scenes {
 
 /// `stretch`: the same prestretch along and across, so that only the fibres tell the directions apart.
 std::string scene_text(double angle_deg, double stretch, const char* law) {
@@ -84,12 +85,12 @@ TEST(FibreScenes, TheSkinPullsHarderAlongItsFibres) {
 
 // The shipped flap in fibrous skin of the library, every action of the script, to rest.
 TEST(FibreScenes, TheRhomboidFlapGoesToItsEnd) {
-  Scene scene = load_scene(std::string(LIMBERG_SOURCE_DIR) + "/app/scenes/cheek.toml");
+  Scene scene = load_scene(source_dir() + "/app/scenes/cheek.toml");
   scene.cell_mm = 5;
   scene.block.skin_cell_mm = 2;
   InlineWorkers workers;
   World world(world_spec(scene, build_body(scene)), workers);
-  std::ifstream in(std::string(LIMBERG_SOURCE_DIR) + "/recordings/rhomboid.jsonl");
+  std::ifstream in(source_dir() + "/recordings/rhomboid.jsonl");
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   OperationSettings s;
   s.rest_steps = 12, s.final_steps = 150, s.rest_residual = 1e-4;
@@ -101,5 +102,5 @@ TEST(FibreScenes, TheRhomboidFlapGoesToItsEnd) {
               1e-6 * world.initial_volume_mm3());
 }
 
-}  // namespace
+}  // namespace test_fibre_scenes
 }  // namespace limberg

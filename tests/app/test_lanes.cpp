@@ -11,7 +11,7 @@
 #include "tests/devices/flat_patient.h"
 
 namespace limberg {
-namespace {
+namespace test_lanes {
 
 TEST(Histogram, PercentilesWithinABucket) {
   std::mt19937_64 rng(7);
@@ -86,5 +86,5 @@ TEST(RenderLane, DrawsAgainWhenTheGloveHasMoved) {
   EXPECT_EQ(drawn(), 1);
 }
 
-}  // namespace
+}  // namespace test_lanes
 }  // namespace limberg

@@ -1,25 +1,25 @@
 // Laws through the whole path: scene file, body, lattice, stencils, element. Every homogeneous state of
-// homogeneous_states.h
-// comes back, whatever way the tension lines run, layers cut cells and prestretch is shared out.
+// homogeneous_states.h comes back, whatever way the tension lines run, layers cut cells and prestretch is shared out.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 #include <sstream>
 
-#include "app/scene.h"
-#include "app/tissues.h"
-#include "sim/error.h"
-#include "sim/fem/elastic_solver.h"
-#include "sim/fem/material_points.h"
+#include "app/program/places.h"
+#include "app/scene/scene.h"
+#include "app/scene/tissues.h"
+#include "sim/base/error.h"
+#include "sim/fem/elements/material_points.h"
 #include "sim/fem/materials/catalogue.h"
-#include "sim/fem/materials/homogeneous_states.h"
-#include "sim/fem/reference_newton.h"
+#include "sim/fem/solver/elastic_solver.h"
 #include "sim/lattice/fem_assembly.h"
-#include "sim/world.h"
+#include "sim/patient/world.h"
+#include "sim/testing/homogeneous_states.h"
+#include "sim/testing/reference_newton.h"
 
 namespace limberg {
-namespace {
+namespace test_layer_laws {
 
 std::string law_lines(const LawSpec& law, double young) {
   std::ostringstream s;
@@ -108,8 +108,8 @@ TEST(LayerLaws, EveryHomogeneousStateComesBack) {
   double angle = 0;
   for (const HomogeneousState& h : homogeneous_states()) {
     // The tables are incompressible. Nu 0.499 is the most that a scene takes; of excised skin it leaves 2.3 % less
-    // stress at a
-    // stretch of 1.10 (its exponential answers to the volume change of 0.3 %), so its bulk modulus is raised here.
+    // stress at a stretch of 1.10 (its exponential answers to the volume change of 0.3 %), so its bulk modulus is
+    // raised here.
     const bool steep = h.cauchy_kPa > 100 && h.name.find("G1") != std::string::npos;
     const std::string material = law_lines(h.law, h.young_kPa * 2 * 1.499 / 3) + "poisson = 0.499\n";
     if (material != last) {
@@ -281,10 +281,9 @@ TEST(LayerLaws, MistakesAreNamedWithTheirLine) {
 }
 
 TEST(Tissues, TheShippedLibraryIsWholeAndEveryTissueMakesALayer) {
-  const std::string file = find_tissues(std::string(LIMBERG_SOURCE_DIR) + "/app/scenes/rhomboid.toml");
-  ASSERT_NE(file.find("app/tissues.toml"), std::string::npos);
-  const Scene scene =
-      parse_scene(scene_text("tissue = \"skin/cheek\"\n"), std::string(LIMBERG_SOURCE_DIR) + "/app/scenes/x.toml");
+  const std::string file = find_tissues(source_dir() + "/app/scenes/rhomboid.toml");
+  ASSERT_NE(file.find("app/scene/tissues.toml"), std::string::npos);
+  const Scene scene = parse_scene(scene_text("tissue = \"skin/cheek\"\n"), source_dir() + "/app/scenes/x.toml");
   const TissueLibrary library = parse_tissues(scene.tissues, file, *shipped_laws());
   for (const char* name :
        {"skin/cheek", "skin/eyelid", "skin/lip", "skin/nose", "skin/forehead", "skin/scalp", "fat/subcutaneous",
@@ -329,5 +328,5 @@ TEST(LayerLaws, TheDefaultLawCostsNothingAndChangesNothing) {
   }
 }
 
-}  // namespace
+}  // namespace test_layer_laws
 }  // namespace limberg

@@ -1,16 +1,15 @@
 // How a user adds a law: everything of it is in this file. First the energy in principal stretches (value and two
-// derivatives),
-// then its entry, then a scene that names it.
+// derivatives), then its entry, then a scene that names it.
 #include <gtest/gtest.h>
 
-#include "app/scene.h"
+#include "app/scene/scene.h"
 #include "sim/fem/materials/catalogue.h"
 #include "sim/fem/materials/isotropic.h"
-#include "sim/fem/reference_newton.h"
-#include "sim/world.h"
+#include "sim/patient/world.h"
+#include "sim/testing/reference_newton.h"
 
 namespace limberg {
-namespace {
+namespace test_own_law {
 
 // Yeoh (1993): W = c1 x + c2 x^2 + c3 x^3 with x = s1^2 + s2^2 + s3^2 - 3.
 struct Yeoh final : PrincipalEnergy {
@@ -96,5 +95,5 @@ TEST(OwnLaw, NamesAndConstantsAreChecked) {
   EXPECT_THROW(layer_response(m), std::exception);  // the shipped laws do not know it
 }
 
-}  // namespace
+}  // namespace test_own_law
 }  // namespace limberg

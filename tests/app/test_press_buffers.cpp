@@ -7,7 +7,7 @@
 #include "app/session/press_line.h"
 
 namespace limberg {
-namespace {
+namespace test_press_buffers {
 
 TEST(PressLine, NeitherSideWaitsAndNothingIsTorn) {
   PressLine line;
@@ -43,5 +43,5 @@ TEST(PressLine, NeitherSideWaitsAndNothingIsTorn) {
   EXPECT_EQ(line.newest().triangle, kQuestions);
 }
 
-}  // namespace
+}  // namespace test_press_buffers
 }  // namespace limberg

@@ -1,20 +1,19 @@
 // A force device feels the patient that is there: it asks the solver, takes what it says where that is about this
-// place, and
-// gives no energy away in the loop that both make.
+// place, and gives no energy away in the loop that both make.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "app/felt_hand.h"
+#include "app/assembly/world_patient.h"
 #include "app/session/device_lane.h"
 #include "app/session/press_line.h"
 #include "app/session/solver_lane.h"
-#include "app/world_patient.h"
 #include "devices/log_source.h"
-#include "sim/geometry/block.h"
+#include "sim/body/block.h"
+#include "tests/bench/felt_hand.h"
 
 namespace limberg {
-namespace {
+namespace test_press_line {
 
 constexpr int kTicksPerStep = 16;
 
@@ -145,5 +144,5 @@ TEST(PressLine, AnAnswerAboutAnotherSurfaceIsNotTaken) {
   EXPECT_GT(loop.felt.force().answers(), answers);
 }
 
-}  // namespace
+}  // namespace test_press_line
 }  // namespace limberg

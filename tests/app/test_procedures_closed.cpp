@@ -5,22 +5,23 @@
 #include <numbers>
 #include <ostream>
 
-#include "app/metrics.h"
-#include "app/operation.h"
-#include "app/scene.h"
+#include "app/assembly/operation.h"
+#include "app/program/places.h"
+#include "app/result/metrics.h"
+#include "app/scene/scene.h"
 #include "app/study/sewn_metric.h"
 #include "app/study/skin_map.h"
+#include "sim/commands/procedures/catalogue.h"
+#include "sim/commands/procedures/operation.h"
+#include "sim/commands/script.h"
 #include "sim/contact/contact_counts.h"
 #include "sim/measure/penetration.h"
-#include "sim/tools/procedures/catalogue.h"
-#include "sim/tools/procedures/operation.h"
-#include "sim/tools/script.h"
 
 namespace limberg {
 
 void PrintTo(const Procedure& p, std::ostream* to) { *to << p.name; }  // the test's name for it
 
-namespace {
+namespace test_procedures_closed {
 
 class Repertoire : public testing::TestWithParam<Procedure> {};
 
@@ -48,8 +49,7 @@ TEST_P(Repertoire, ClosesAndRests) {
   const Metrics m = measure_world(world, commands);
   EXPECT_LE(o.last.residual, 1e-5);
   // And stays so: what is at rest turns no contact (contact_finder.h). A residual of 1e-5 leaves a little way to go:
-  // one place may
-  // still cross a threshold on it.
+  // one place may still cross a threshold on it.
   const uint64_t at_rest = world.contact_counts().turned;
   StepSettings on;
   on.max_iterations = 20;
@@ -89,8 +89,8 @@ TEST_P(Repertoire, ClosesAndRests) {
 // The shipped Z-plasty: each flap lies in its corner, its skin up, which takes limbs that open to their ends.
 // Where they do not, a tip lies folded on the skin beside its corner, and every other figure of the closing is as good.
 TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
-  const Scene scene = load_scene(LIMBERG_SOURCE_DIR "/app/scenes/zplasty.toml");
-  const Script script = load_script(LIMBERG_SOURCE_DIR "/recordings/zplasty.jsonl");
+  const Scene scene = load_scene(source_dir() + "/app/scenes/zplasty.toml");
+  const Script script = load_script(source_dir() + "/recordings/zplasty.jsonl");
   for (const bool fronts : {true, false}) {
     WorldSpec spec = world_spec(scene, build_body(scene));
     spec.refine_fronts = fronts;
@@ -107,11 +107,11 @@ TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
 }
 
 // The donor stitch goes through the edge 1 mm from the wound's end, where cells are divided to .4 mm: their skin is
-// drawn out
-// sixfold, and the minimiser must be told (fem/stretched_cells.h). Without, the residual is 1e-2 after 100 steps.
+// drawn out sixfold, and the minimiser must be told (fem/stretched_cells.h). Without, the residual is 1e-2 after 100
+// steps.
 TEST(ShippedRhomboid, RestsWithDividedFrontsWhenTheDonorIsClosed) {
-  const Scene scene = load_scene(LIMBERG_SOURCE_DIR "/app/scenes/rhomboid.toml");
-  Script script = load_script(LIMBERG_SOURCE_DIR "/recordings/rhomboid.jsonl");
+  const Scene scene = load_scene(source_dir() + "/app/scenes/rhomboid.toml");
+  Script script = load_script(source_dir() + "/recordings/rhomboid.jsonl");
   const auto sewn = std::find_if(script.lines.begin(), script.lines.end(),
                                  [](const ScriptLine& l) { return std::holds_alternative<Suture>(l.command); });
   ASSERT_NE(sewn, script.lines.end());
@@ -131,11 +131,11 @@ TEST(ShippedRhomboid, RestsWithDividedFrontsWhenTheDonorIsClosed) {
 }
 
 // The donor stitch draws the defect's corner to the incision's end. Where that does not open, both banks are one cell
-// there,
-// and contact has nowhere to send what lies in between: in the end .33 mm deep by script, .92 by a hand (2026-11-22).
+// there, and contact has nowhere to send what lies in between: in the end .33 mm deep by script, .92 by a hand
+// (2026-11-22).
 TEST(ShippedRhomboid, SkinDoesNotLieInSkin) {
-  const Scene scene = load_scene(LIMBERG_SOURCE_DIR "/app/scenes/rhomboid.toml");
-  const Script script = load_script(LIMBERG_SOURCE_DIR "/recordings/rhomboid.jsonl");
+  const Scene scene = load_scene(source_dir() + "/app/scenes/rhomboid.toml");
+  const Script script = load_script(source_dir() + "/recordings/rhomboid.jsonl");
   const auto sewn = std::find_if(script.lines.begin(), script.lines.end(),
                                  [](const ScriptLine& l) { return std::holds_alternative<Suture>(l.command); });
   ASSERT_NE(sewn, script.lines.end());
@@ -168,5 +168,5 @@ TEST(ShippedRhomboid, SkinDoesNotLieInSkin) {
 
 INSTANTIATE_TEST_SUITE_P(All, Repertoire, testing::ValuesIn(procedures()), [](const auto& i) { return i.param.name; });
 
-}  // namespace
+}  // namespace test_procedures_closed
 }  // namespace limberg

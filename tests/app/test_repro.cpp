@@ -6,11 +6,11 @@
 #include <fstream>
 #include <sstream>
 
-#include "app/repro.h"
-#include "sim/error.h"
+#include "app/assembly/repro.h"
+#include "sim/base/error.h"
 
 namespace limberg {
-namespace {
+namespace test_repro {
 
 namespace fs = std::filesystem;
 
@@ -119,5 +119,5 @@ TEST_F(ReproFiles, BrokenOnesAreRefused) {
   EXPECT_FALSE(looks_like_repro(""));
 }
 
-}  // namespace
+}  // namespace test_repro
 }  // namespace limberg

@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "app/output.h"
-#include "app/result.h"
-#include "sim/error.h"
+#include "app/result/output.h"
+#include "app/result/result.h"
+#include "sim/base/error.h"
 
 namespace limberg {
-namespace {
+namespace test_result {
 
 namespace fs = std::filesystem;
 
@@ -77,5 +77,5 @@ TEST(Output, AnOldFileIsReplacedWholeAndNothingIsLeftBeside) {
   EXPECT_EQ(files, 1);
 }
 
-}  // namespace
+}  // namespace test_result
 }  // namespace limberg

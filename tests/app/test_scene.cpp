@@ -7,13 +7,14 @@
 #include <fstream>
 #include <random>
 
-#include "app/scene.h"
-#include "sim/error.h"
+#include "app/program/places.h"
+#include "app/scene/scene.h"
+#include "sim/base/error.h"
 
 namespace limberg {
-namespace {
+namespace test_scene {
 
-const std::string kScenes = std::string(LIMBERG_SOURCE_DIR) + "/app/scenes/";
+const std::string kScenes = source_dir() + "/app/scenes/";
 
 const std::string kGood = R"(name = "t"
 [body]
@@ -197,5 +198,5 @@ TEST(Scene, AnyBytesAreASceneOrAnInputError) {
   EXPECT_GT(refused, 1000);
 }
 
-}  // namespace
+}  // namespace test_scene
 }  // namespace limberg

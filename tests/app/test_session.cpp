@@ -16,12 +16,12 @@
 #include "devices/emulator.h"
 #include "devices/force/force_source.h"
 #include "devices/log_source.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "tests/app/fake_patient.h"
 #include "tests/app/malloc_counter.h"
 
 namespace limberg {
-namespace {
+namespace test_session {
 
 std::vector<Command> operation() {
   return {Incise{{{-10, -5}, {10, -5}}, 4, 90},
@@ -346,8 +346,7 @@ TEST(AsRecorded, AKilledSessionLosesLessThanASecondAndReplays) {
   const Recording whole = live_recording(file, hash);
   std::filesystem::remove(file);
   // Written anew from what the threads passed on, and looked at as it stands on the disk when the program is killed:
-  // what
-  // the writer still holds is lost.
+  // what the writer still holds is lost.
   RecordingWriter w;
   w.open(file, SessionInfo{}, {}, true);
   size_t run = 0, step = 0, sample = 0;
@@ -458,5 +457,5 @@ TEST(RealTime, EndsWhenInterrupted) {
   EXPECT_TRUE(run_realtime(rig.lanes(), set, {}).interrupted);
 }
 
-}  // namespace
+}  // namespace test_session
 }  // namespace limberg

@@ -8,14 +8,13 @@
 #include "app/study/planar_law.h"
 #include "app/study/seams.h"
 #include "app/study/skin_map.h"
+#include "sim/body/block.h"
+#include "sim/commands/procedures/shapes.h"
 #include "sim/fem/materials/catalogue.h"
-#include "sim/geometry/block.h"
-#include "sim/tools/procedures/shapes.h"
+#include "sim/geometry/vec.h"
 
 namespace limberg::study {
-namespace {
-
-constexpr double kDeg = 180 / std::numbers::pi;
+namespace test_skin_map {
 
 /// A flat skin of 40 mm, bent by `now`; triangles of which `keep` is false are left out.
 template <class Now, class Keep>
@@ -216,5 +215,5 @@ TEST(PlaneMembrane, IsThatOfConstantVolumeUnderPlaneStressAndRestsWhenStretched)
   EXPECT_NEAR(rest_pressure_kPa(r, M, Vec3::UnitZ()), 0, 1e-9);
 }
 
-}  // namespace
+}  // namespace test_skin_map
 }  // namespace limberg::study

@@ -6,7 +6,7 @@
 #include "app/session/spsc_ring.h"
 
 namespace limberg {
-namespace {
+namespace test_spsc_ring {
 
 TEST(SpscRing, FullEmptyWrap) {
   SpscRing<int> r(4);
@@ -74,5 +74,5 @@ TEST(SpscRing, TwoThreadsInOrderNothingLostUncounted) {
   EXPECT_EQ(taken + r.lost(), kItems);
 }
 
-}  // namespace
+}  // namespace test_spsc_ring
 }  // namespace limberg

@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "app/study/study.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg::study {
-namespace {
+namespace test_study {
 
 TEST(Study, MembersAreAllCombinationsInOrder) {
   const Family& f = find_family("gape");
@@ -92,8 +92,7 @@ TEST(Study, AWiderZPlastyGainsMoreAndStandsUpMore) {
 }
 
 // The protocol asks for one efficiency index that peaks inside 50 to 75 degrees, whichever; where one is greatest is
-// found between the
-// angles that were tried.
+// found between the angles that were tried.
 TEST(Study, OneEfficiencyIndexMustPeakInsideTheRange) {
   const auto settings_without = [](double work,
                                    double ear) {  // where these two peak; that for the strain rises to the end
@@ -196,8 +195,8 @@ TEST(Study, TheProtocolsBarsAskWhatItAsks) {
 }
 
 // The control without height: a clamped surrounding lets a Z-plasty gain about half of what its figure promises. The
-// table of a
-// membrane of triangles has 1.254 at 45 degrees; cells of 4 mm are too coarse for 3 %, and come nearer as they shrink.
+// table of a membrane of triangles has 1.254 at 45 degrees; cells of 4 mm are too coarse for 3 %, and come nearer as
+// they shrink.
 TEST(Study, APlanarZPlastyGainsHalfOfTheTheory) {
   const Row coarse = run("planar", {"angle=45", "prestretch=0", "cell_mm=6"}),
             fine = run("planar", {"angle=45", "prestretch=0", "cell_mm=4"});
@@ -230,8 +229,7 @@ TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
 }
 
 // What rhomboid flaps are known for: the cut has the angles of the plan, and the donor's closure is pulled tight,
-// across it. (That
-// it is the tightest place of all takes finer cells than these.)
+// across it. (That it is the tightest place of all takes finer cells than these.)
 TEST(Study, ARhomboidFlapHasTheChargesOfItsPlan) {
   const Row r = run("rhomboid", {"flap_angle=60", "cell_mm=5", "contact=0", "push_mm=0"});
   EXPECT_NEAR(r.at("charge_C_deg"), 60, 0.5);
@@ -264,5 +262,5 @@ TEST(Study, RowsAsCommaSeparatedValues) {
   EXPECT_EQ(csv({}), "");
 }
 
-}  // namespace
+}  // namespace test_study
 }  // namespace limberg::study

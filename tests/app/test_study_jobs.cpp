@@ -9,12 +9,13 @@
 #include <fstream>
 #include <sstream>
 
+#include "app/program/places.h"
 #include "app/study/member_file.h"
 #include "app/study/processes.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 
 namespace limberg::study {
-namespace {
+namespace test_study_jobs {
 
 namespace fs = std::filesystem;
 
@@ -38,9 +39,8 @@ class Jobs : public ::testing::Test {
   }
   /// Exit status; what it printed lies in .out and .err.
   int limberg(const std::string& arguments) const {
-    const int s = std::system((std::string(LIMBERG_BINARY_DIR "/limberg ") + arguments + " >" + path(".out") + " 2>" +
-                               path(".err") + " </dev/null")
-                                  .c_str());
+    const int s = std::system(
+        (binary_dir() + "/limberg " + arguments + " >" + path(".out") + " 2>" + path(".err") + " </dev/null").c_str());
     return WIFEXITED(s) ? WEXITSTATUS(s) : 1000 + WTERMSIG(s);
   }
   std::string dir_;
@@ -168,5 +168,5 @@ TEST_F(Jobs, BadCallsAreRefused) {
   EXPECT_EQ(limberg("study disc --jobs 0"), 2);
 }
 
-}  // namespace
+}  // namespace test_study_jobs
 }  // namespace limberg::study

@@ -7,7 +7,7 @@
 #include "app/session/triple_buffer.h"
 
 namespace limberg {
-namespace {
+namespace test_triple_buffer {
 
 constexpr int kWords = 64;
 struct Payload {
@@ -89,5 +89,5 @@ TEST(TripleBuffer, ThePlainStructIsTorn) {
 }
 #endif
 
-}  // namespace
+}  // namespace test_triple_buffer
 }  // namespace limberg

@@ -15,7 +15,7 @@
 #include "app/session/workers_pool.h"
 
 namespace limberg {
-namespace {
+namespace test_workers_pool {
 
 /// A sum whose last bits depend on the order: chunks reduced in order.
 double chunked_sum(Workers& w, size_t n, size_t grain) {
@@ -126,5 +126,5 @@ TEST(Thread, NeverInheritsRealTimeScheduling) {
   RecordProperty("creator_policy", creator);
 }
 
-}  // namespace
+}  // namespace test_workers_pool
 }  // namespace limberg

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include "devices/front_end.h"
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg::test {
 

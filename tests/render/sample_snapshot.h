@@ -2,7 +2,7 @@
 // A made-up snapshot for tests: a wavy slab of skin with a wedge cut out of its middle, walls included, and stitches.
 #include <memory>
 
-#include "sim/snapshot.h"
+#include "sim/patient/snapshot.h"
 
 namespace limberg::testing {
 

@@ -7,7 +7,7 @@
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
-namespace {
+namespace test_glyphs {
 
 Snapshot deformed(const Mat3& F) {
   Snapshot s = testing::sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 0, .hooks = 0});
@@ -69,5 +69,5 @@ TEST(StretchGlyphs, ArmsAreAsLongAsTheStretch) {
 
 TEST(StretchGlyphs, NoPatientNoGlyphs) { EXPECT_TRUE(stretch_glyphs(Snapshot{}).empty()); }
 
-}  // namespace
+}  // namespace test_glyphs
 }  // namespace limberg

@@ -8,7 +8,7 @@
 #include "render/headset.h"
 
 namespace limberg {
-namespace {
+namespace test_headset {
 
 TEST(Headset, AnEyeThatSeesEvenlyIsACamera) {
   Camera c;
@@ -55,5 +55,5 @@ TEST(Headset, WithoutOpenXrItSaysSo) {
 }
 #endif
 
-}  // namespace
+}  // namespace test_headset
 }  // namespace limberg

@@ -3,13 +3,14 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/program/places.h"
 #include "render/image.h"
 #include "render/image_compare.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "tests/small_files.h"
 
 namespace limberg {
-namespace {
+namespace test_image {
 
 namespace fs = std::filesystem;
 
@@ -26,7 +27,7 @@ Image sample(int w = 97, int h = 61) {
 }
 
 fs::path scratch(const std::string& name) {
-  const fs::path dir = fs::path(LIMBERG_BINARY_DIR) / "test_image_files" / name;
+  const fs::path dir = fs::path(binary_dir()) / "test_image_files" / name;
   fs::remove_all(dir);
   fs::create_directories(dir);
   return dir;
@@ -123,5 +124,5 @@ TEST(ImageCompare, CatchesPlantedDefects) {
   EXPECT_EQ(block_mean_difference(base, Image(319, 240)), 255);
 }
 
-}  // namespace
+}  // namespace test_image
 }  // namespace limberg

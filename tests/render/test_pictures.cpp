@@ -2,8 +2,8 @@
 // tests/render/golden.
 //
 // A reference is the picture of 320 x 240 pixels made eight times smaller: a pixel of it is the mean of a block of 8 x
-// 8, so that
-// the worst block of 16 x 16 of the whole picture, which is what is judged (image_compare.h), can be had from it.
+// 8, so that the worst block of 16 x 16 of the whole picture, which is what is judged (image_compare.h), can be had
+// from it.
 // LIMBERG_GOLDEN=write
 // makes them anew. The references were drawn by Mesa 22.3 in software; other versions of it came within 3 of 255 of
 // each other.
@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "app/program/places.h"
 #include "render/image_compare.h"
 #include "render/picture.h"
 #include "render/renderer.h"
@@ -20,7 +21,7 @@
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
-namespace {
+namespace test_pictures {
 
 namespace fs = std::filesystem;
 using testing::sample_head;
@@ -73,7 +74,7 @@ class Pictures : public ::testing::Test {
 
   /// How far a picture is from its reference; a lack of the reference is a failure.
   static double off(const Image& picture, const std::string& name) {
-    const fs::path file = fs::path(LIMBERG_SOURCE_DIR) / "tests" / "render" / "golden" / (name + ".png");
+    const fs::path file = fs::path(source_dir()) / "tests" / "render" / "golden" / (name + ".png");
     const Image small = shrink(picture, kBlock);
     if (const char* wish = std::getenv("LIMBERG_GOLDEN"); wish && std::string(wish) == "write") {
       fs::create_directories(file.parent_path());
@@ -265,5 +266,5 @@ TEST_F(Pictures, TrianglesLetTheBackgroundThrough) {
   EXPECT_FALSE(solid == wire);
 }
 
-}  // namespace
+}  // namespace test_pictures
 }  // namespace limberg

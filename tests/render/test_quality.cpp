@@ -4,7 +4,7 @@
 #include "render/quality.h"
 
 namespace limberg {
-namespace {
+namespace test_quality {
 
 /// Frames on a machine where level k takes cost[k] ms; the level at the end and how often it changed.
 struct Climb {
@@ -58,5 +58,5 @@ TEST(QualityLadder, OneSlowFrameIsNoReason) {
   EXPECT_EQ(ladder.level(), 2);
 }
 
-}  // namespace
+}  // namespace test_quality
 }  // namespace limberg

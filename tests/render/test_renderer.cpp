@@ -11,7 +11,7 @@
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
-namespace {
+namespace test_renderer {
 
 using testing::sample_snapshot;
 using testing::SampleOptions;
@@ -479,5 +479,5 @@ TEST_F(Rendered, TheGloveIsSeenWhereItIsAndOnlyThen) {
   EXPECT_GT(differs(none, drawn(tool), tool.glove.pointed_mm, 4), 20);
 }
 
-}  // namespace
+}  // namespace test_renderer
 }  // namespace limberg

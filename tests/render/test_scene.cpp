@@ -15,7 +15,7 @@
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
-namespace {
+namespace test_scene {
 
 using testing::sample_head;
 using testing::sample_snapshot;
@@ -185,8 +185,7 @@ TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
 
 TEST(SceneBuilder, ThreadLiesOverAFoldOfLargeTriangles) {
   // A fold along a diagonal of 12 mm squares, whose corners are all farther off than the stitch is long: the skin rises
-  // from the stitch
-  // to both sides, by 2.5 mm at a distance of 12 (|x| + |y|).
+  // from the stitch to both sides, by 2.5 mm at a distance of 12 (|x| + |y|).
   Snapshot s = sample_snapshot({.cells = 5, .wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
   for (Vec3f& x : s.x_mm)
     if ((x - Vec3f(6, -6, 0)).norm() < 1e-3f || (x - Vec3f(-6, 6, 0)).norm() < 1e-3f) x.z() = 2.5f;
@@ -465,5 +464,5 @@ TEST(TissueMesh, BoneKnowsHowFarItIsFromTheSaw) {
     EXPECT_NEAR(m.rim_mm[v], m.part[v] == Part::bone ? wanted[m.source[v]] : kRimReach_mm, 1e-5f) << m.source[v];
 }
 
-}  // namespace
+}  // namespace test_scene
 }  // namespace limberg

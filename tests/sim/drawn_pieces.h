@@ -1,7 +1,6 @@
 #pragma once
 // A path as a hand brings it: in pieces of about piece_mm, all corners kept. The first piece begins with the path's
-// first point;
-// each piece after it goes on where the one before it ended.
+// first point; each piece after it goes on where the one before it ended.
 #include <vector>
 
 #include "sim/geometry/vec.h"

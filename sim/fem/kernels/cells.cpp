@@ -105,8 +105,8 @@ LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, 
 /// What layers that share a cell add (layer_slide.h), without the part that is linear in the displacement: that is in
 /// f0.
 /// g, C: columns of G = F - I and of cof F - I at the centre; th = J - 1, second = th - tr G; their forces go to h,
-/// those at the
-/// sample point to f. Apart from the loop, so that cells without layers are not touched by it. Returns the energy.
+/// those at the sample point to f. Apart from the loop, so that cells without layers are not touched by it. Returns the
+/// energy.
 [[gnu::noinline]] float add_layers(const KernelStencil& s, const v4* n, const v4* g, const v4* C, float th,
                                    float second, v4* h, v4* f) {
   const v4 t1 = {s.along[0], s.along[1], s.along[2], 0}, t2 = {s.across[0], s.across[1], s.across[2], 0},

@@ -7,9 +7,8 @@
 //
 // Each table always gives the same bits; two tables agree to single-precision rounding (tests). Everything goes through
 // pointers to plain data: kernels share no function with the rest of the program (lanes.h). All arrays of nodes begin
-// on 64
-// bytes and may be read and written up to the next 64 (AlignedArray).
-#include "sim/fem/node4.h"
+// on 64 bytes and may be read and written up to the next 64 (AlignedArray).
+#include "sim/fem/model/node4.h"
 
 namespace limberg::fem {
 
@@ -114,8 +113,7 @@ struct Kernels {
   void (*viscous_cells)(const ViscousView&, const Node4* u, size_t first, size_t last, CellSums* sums, float* force);
 
   // Vectors of nodes: blocks [first, last) of 32 x 4 nodes, the last one of them ending at `nodes`. Sums run in float
-  // over a
-  // block; every block's goes to sums[block] in double.
+  // over a block; every block's goes to sums[block] in double.
   void (*dot)(const Node4* a, const Node4* b, size_t nodes, size_t first, size_t last, double* sums);
   void (*add_scaled)(Node4* y, float s, const Node4* x, size_t nodes, size_t first, size_t last);  // y += s x
   void (*add_scaled_dot)(Node4* y, float s, const Node4* x, const Node4* z, size_t nodes, size_t first, size_t last,

@@ -32,8 +32,7 @@ inline v4 total(v16 s0, v16 s1, v16 s2) {
 }
 
 /// Numbers that are soon wanted. Panels are short and lie in an order that no prefetcher guesses: without this half of
-/// the time is
-/// spent waiting for them once the factor has left the second cache.
+/// the time is spent waiting for them once the factor has left the second cache.
 LIMBERG_INLINE void ask_for(const v16* p) { __builtin_prefetch(p, 0, 3); }
 [[maybe_unused]] constexpr int ahead = 32;  // vectors
 
@@ -42,8 +41,7 @@ inline int slot(int i) { return (i & ~15) + (i & 3) * 4 + ((i >> 2) & 3); }
 }  // namespace
 
 // Several row blocks (forward) or columns (backward) at a time keep enough independent sums in flight, as far as there
-// are
-// registers: nine and twelve of 64 bytes with AVX-512, three elsewhere.
+// are registers: nine and twelve of 64 bytes with AVX-512, three elsewhere.
 void panels_forward(const PanelView& f, size_t first, size_t last, Node4* y, Node4* log, const PanelScratch& scratch) {
   Node4* b = scratch.columns;
   for (size_t k = first; k < last; ++k) {

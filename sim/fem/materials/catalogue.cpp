@@ -5,7 +5,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
 

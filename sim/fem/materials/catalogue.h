@@ -7,24 +7,21 @@
 //   k1_kPa = 50  k2 = 1.5  ...
 //
 // A catalogue is a list of entries, each with the keys that it takes and their ranges, so that reading a scene, saying
-// what
-// was expected and listing the laws need no other place. To add a law, write one file that makes an Entry (law.h tells
-// how; tests/app/test_own_law.cpp is one) and add it to a copy of the shipped catalogue, or to shipped_laws().
+// what was expected and listing the laws need no other place. To add a law, write one file that makes an Entry (law.h
+// tells how; tests/app/test_own_law.cpp is one) and add it to a copy of the shipped catalogue, or to shipped_laws().
 //
 // Volume. The law holds the change of shape; the element holds the volume (fem_model.h). So that Poisson's ratio means
-// the
-// same for every law, the element's lambda is completed from the derivatives of the law at rest by principal stretches,
-// s = dW/ds_1, W_11 and W_12:   mu = (W_11 - W_12 + s) / 2,   lambda = 2 mu nu / (1 - 2 nu) + s - W_12
+// the same for every law, the element's lambda is completed from the derivatives of the law at rest by principal
+// stretches, s = dW/ds_1, W_11 and W_12:   mu = (W_11 - W_12 + s) / 2,   lambda = 2 mu nu / (1 - 2 nu) + s - W_12
 // (the rest pressure s takes s (J - 1) off, whose second derivative is s; neo-Hookean: lambda_Lame + mu). Where fibres
-// lie in a
-// matrix, nu is the matrix's.
+// lie in a matrix, nu is the matrix's.
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "sim/body/body.h"
 #include "sim/fem/materials/law.h"
-#include "sim/geometry/body.h"
 
 namespace limberg {
 

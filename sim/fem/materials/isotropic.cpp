@@ -46,8 +46,7 @@ MaterialLaw::Response Isotropic::at(const Mat3& F) const {
 }
 
 // The tangent in the frame of the singular vectors: a 3 x 3 block for changes of the stretches, and for every pair of
-// axes a
-// twist and a flip, with eigenvalues (d_i + d_j)/(s_i + s_j) and (d_i - d_j)/(s_i - s_j).
+// axes a twist and a flip, with eigenvalues (d_i + d_j)/(s_i + s_j) and (d_i - d_j)/(s_i - s_j).
 Mat9 Isotropic::tangent_kPa(const Mat3& F, bool project) const {
   const RotationSvd svd = rotation_svd(F);
   const PrincipalResponse r = at_stretches(svd.s);

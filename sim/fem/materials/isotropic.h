@@ -4,8 +4,7 @@
 // An energy gives psi(s1, s2, s3), symmetric in its arguments, with first and second derivatives, for positive
 // stretches.
 // Isotropic turns it into a law: P = U diag(dpsi/ds) V^T with the rotation-variant singular values s of F (the third
-// one
-// is negative when F is inverted; Irving, Teran, Fedkiw 2004).
+// one is negative when F is inverted; Irving, Teran, Fedkiw 2004).
 //
 // Inversion. Below the stretch `a` the energy is asked at phi(s) instead, and a spring takes over:
 //

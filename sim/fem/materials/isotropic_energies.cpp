@@ -2,7 +2,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "sim/fem/materials/isotropic.h"
 
 namespace limberg {

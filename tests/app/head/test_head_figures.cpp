@@ -10,13 +10,13 @@
 #include "app/head/measures.h"
 #include "app/head/report.h"
 #include "app/head/skull_comparison.h"
-#include "sim/simplex/dual.h"
-#include "sim/simplex/generators.h"
-#include "sim/tools/script.h"
-#include "tests/sim/head/shell_head.h"
+#include "sim/commands/script.h"
+#include "sim/skull/simplex/dual.h"
+#include "sim/skull/simplex/generators.h"
+#include "tests/sim/skull/head/shell_head.h"
 
 namespace limberg {
-namespace {
+namespace test_head_figures {
 
 TEST(HeadMeasures, LengthsAnglesAndAsymmetryBeforeAndNow) {
   NamedPlaces before{{"S", {0, 0, 0}},      {"N", {0, 70, 10}},      {"Ba", {0, -20, -40}},  {"ANS", {0, 80, -35}},
@@ -172,5 +172,5 @@ TEST(SkullComparison, MomentsThatWereAskedForAreInTheReport) {
   EXPECT_NEAR(head.bones().fragment(id)->pose.translation().z(), 3, 1e-9);
 }
 
-}  // namespace
+}  // namespace test_head_figures
 }  // namespace limberg

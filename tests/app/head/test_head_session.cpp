@@ -8,20 +8,20 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/assembly.h"
+#include "app/assembly/assembly.h"
+#include "app/assembly/operation.h"
 #include "app/head/cache.h"
-#include "app/operation.h"
 #include "app/session/lockstep.h"
 #include "devices/force/force_source.h"
 #include "devices/head_surgeon.h"
 #include "devices/surface_index.h"
-#include "sim/error.h"
-#include "sim/simplex/file.h"
-#include "sim/simplex/generators.h"
-#include "sim/simplex/mesh.h"
+#include "sim/base/error.h"
+#include "sim/skull/simplex/file.h"
+#include "sim/skull/simplex/generators.h"
+#include "sim/skull/simplex/mesh.h"
 
 namespace limberg {
-namespace {
+namespace test_head_session {
 
 /// A ball of bone of radius 40 under a face of radius 48, as files beside a scene. `more`: other parts of the scene.
 Scene ball_scene(const std::string& name, const std::string& more = "") {
@@ -332,5 +332,5 @@ TEST(HeadCache, WhatIsReadIsWhatWasMade) {
   if (!kept) GTEST_SKIP() << "this program differs from its commit: it keeps no heads";
 }
 
-}  // namespace
+}  // namespace test_head_session
 }  // namespace limberg

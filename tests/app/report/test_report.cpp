@@ -4,18 +4,19 @@
 #include <filesystem>
 #include <fstream>
 
+#include "app/program/places.h"
 #include "app/report/compare.h"
 #include "app/report/html.h"
 #include "app/report/report.h"
 #include "app/report/report_data.h"
 #include "app/report/report_names.h"
 #include "render/image.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "tests/app/report/xml_check.h"
 #include "tests/small_files.h"
 
 namespace limberg {
-namespace {
+namespace test_report {
 
 namespace fs = std::filesystem;
 using testing::xml_fault;
@@ -45,8 +46,8 @@ const char* const kFull = R"({
 class Report : public ::testing::Test {
  protected:
   void SetUp() override {
-    dir = fs::path(LIMBERG_BINARY_DIR) / "test_report_files" /
-          ::testing::UnitTest::GetInstance()->current_test_info()->name();
+    dir =
+        fs::path(binary_dir()) / "test_report_files" / ::testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(dir);
     fs::create_directories(dir / "stages");
   }
@@ -342,5 +343,5 @@ TEST(LineChanges, AreAShortestWay) {
   }
 }
 
-}  // namespace
+}  // namespace test_report
 }  // namespace limberg

@@ -10,7 +10,7 @@
 #include "tests/app/report/xml_check.h"
 
 namespace limberg {
-namespace {
+namespace test_svg_chart {
 
 using testing::xml_fault;
 
@@ -149,5 +149,5 @@ TEST(Chart, LogAxisIsLogarithmic) {
   EXPECT_GT(y[1], y[0]);
 }
 
-}  // namespace
+}  // namespace test_svg_chart
 }  // namespace limberg

@@ -12,7 +12,7 @@
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
-namespace {
+namespace test_desk {
 
 class MemoryScreen final : public Screen {
  public:
@@ -322,8 +322,7 @@ TEST_F(DeskTest, AWipeShowsBeforeOnItsLeft) {
   w.settle();
   const Image now = w.frames->picture();
   // The stage lies between 168 and 1012; the wipe parts it at 590. Each half is drawn with a cropped frustum, whose
-  // rounding
-  // and whose background shade differ a little.
+  // rounding and whose background shade differ a little.
   constexpr int kLevels = 24;
   const int moved_left = different(before, now, 170, 100, 580, 600, kLevels),
             moved_right = different(before, now, 600, 100, 1010, 600, kLevels);
@@ -372,5 +371,5 @@ TEST_F(DeskTest, UntilThereIsAPatientTheWindowSaysWhatIsMade) {
   }
 }
 
-}  // namespace
+}  // namespace test_desk
 }  // namespace limberg

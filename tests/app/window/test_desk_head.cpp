@@ -7,7 +7,7 @@
 #include "devices/pick.h"
 
 namespace limberg {
-namespace {
+namespace test_desk_head {
 
 Snapshot two_sheets() {
   auto t = std::make_shared<SurfaceTopology>();
@@ -174,5 +174,5 @@ TEST(LiveMeasures, FollowTheLandmarks) {
   EXPECT_EQ(at("M1-M2").change(), 2);
 }
 
-}  // namespace
+}  // namespace test_desk_head
 }  // namespace limberg

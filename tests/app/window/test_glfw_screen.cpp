@@ -16,7 +16,7 @@
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
-namespace {
+namespace test_glfw_screen {
 
 /// Xvfb on a free display, ended with this object; `display` is empty where there is none.
 struct XServer {
@@ -115,5 +115,5 @@ TEST(GlfwScreen, AWindowShowsTheBytesOfAnOffScreenPicture) {
   }
 }
 
-}  // namespace
+}  // namespace test_glfw_screen
 }  // namespace limberg

@@ -10,7 +10,7 @@
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
-namespace {
+namespace test_pointer {
 
 Camera over_the_slab() {
   Camera c;
@@ -267,5 +267,5 @@ TEST(Ruler, PointsStayInTheTissue) {
   EXPECT_EQ(ruler.read(s).at_mm.size(), 1u);
 }
 
-}  // namespace
+}  // namespace test_pointer
 }  // namespace limberg

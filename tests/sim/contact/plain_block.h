@@ -2,8 +2,8 @@
 // One layer of 30 kPa, 10 mm thick, in cells of 3.5 mm: a wound's walls are what the tests here look at.
 #include <memory>
 
-#include "sim/geometry/block.h"
-#include "sim/world.h"
+#include "sim/body/block.h"
+#include "sim/patient/world.h"
 
 namespace limberg::test {
 

@@ -3,15 +3,15 @@
 #include <gtest/gtest.h>
 
 #include "../fem/models.h"
+#include "sim/body/block.h"
+#include "sim/commands/flaps.h"
+#include "sim/commands/script.h"
 #include "sim/contact/contact_counts.h"
-#include "sim/geometry/block.h"
 #include "sim/measure/penetration.h"
-#include "sim/tools/flaps.h"
-#include "sim/tools/script.h"
-#include "sim/world.h"
+#include "sim/patient/world.h"
 
 namespace limberg {
-namespace {
+namespace test_contact {
 
 WorldSpec block(ContactChoice contact, double side_mm = 60) {
   BlockSpec b;
@@ -280,8 +280,7 @@ TEST(Contact, AStitchedSlitComesToRest) {
 // What a stitch pulls with is the tension of the open wound, where it goes through the edges: they meet and press on
 // nothing.
 // A bite 2.5 mm behind one edge draws that much skin over the cut: without contact it slips under the other edge, with
-// contact
-// edge presses on edge, and the stitches carry that pressure beside the tension.
+// contact edge presses on edge, and the stitches carry that pressure beside the tension.
 TEST(Contact, EdgesPressOnlyWhereStitchesDrawSkinBeyondThem) {
   double pull_N[2][2], pressed_N[2][2];
   for (const bool behind : {false, true})
@@ -304,8 +303,7 @@ TEST(Contact, EdgesPressOnlyWhereStitchesDrawSkinBeyondThem) {
   EXPECT_LT(pressed_N[0][1], 0.05 * pull_N[0][1]);
   EXPECT_GT(pull_N[0][0], 0.05);
   // The closed block would carry (skin 60 kPa, 8 %; fat 15 kPa, 6 %; both ways) 0.41 N over 24 mm of 4 mm depth; a slit
-  // whose ends
-  // are held takes less.
+  // whose ends are held takes less.
   EXPECT_LT(pull_N[0][0], 0.41);
   EXPECT_GT(pressed_N[1][1], 0.2);
   EXPECT_GT(pull_N[1][1], pull_N[1][0] + 0.3 * pressed_N[1][1]) << "the stitches carry it";
@@ -385,5 +383,5 @@ TEST(Contact, AFlapOnAFlap) {
   EXPECT_LT(p[1].p99_mm, p[0].p99_mm);
 }
 
-}  // namespace
+}  // namespace test_contact
 }  // namespace limberg

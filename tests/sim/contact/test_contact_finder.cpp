@@ -5,11 +5,11 @@
 #include <memory>
 
 #include "sim/contact/contact_finder.h"
-#include "sim/world.h"
+#include "sim/patient/world.h"
 #include "tests/sim/contact/plain_block.h"
 
 namespace limberg {
-namespace {
+namespace test_contact_finder {
 
 /// A pocket under a slit in a plain block: nothing of it has moved yet.
 class APocket : public ::testing::Test {
@@ -66,10 +66,8 @@ class APocket : public ::testing::Test {
 };
 
 // The roof of a pocket is drawn over its floor, now pressed deeply, now lightly. Its places meet new tissue all the
-// time:
-// that their pairs turn is no answer that jumps to and fro in one spot, and none may tire. (Here pairs are found anew
-// since
-// their weights have changed, not since they are stale: what they slid counts both times.)
+// time: that their pairs turn is no answer that jumps to and fro in one spot, and none may tire. (Here pairs are found
+// anew since their weights have changed, not since they are stale: what they slid counts both times.)
 TEST_F(APocket, APlaceThatSlidesOnDoesNotTire) {
   ContactFinder finder(surface, model());
   for (int step = 1; step <= 60; ++step) {
@@ -85,8 +83,7 @@ TEST_F(APocket, APlaceThatSlidesOnDoesNotTire) {
 }
 
 // The roof is thrown aside and comes down slowly over other tissue than it was cut from. What is near it was not near
-// before
-// it was thrown; each single step brings it nearer by less than would make anybody look afresh.
+// before it was thrown; each single step brings it nearer by less than would make anybody look afresh.
 TEST_F(APocket, WhatIsThrownAndThenSinksMeetsWhatIsThere) {
   ContactFinder finder(surface, model());
   finder.follow(moved({0, 0, 0}), workers);
@@ -99,5 +96,5 @@ TEST_F(APocket, WhatIsThrownAndThenSinksMeetsWhatIsThere) {
             pressing(fresh) * 9 / 10);  // those at the rim of what counts may stand as they were found
 }
 
-}  // namespace
+}  // namespace test_contact_finder
 }  // namespace limberg

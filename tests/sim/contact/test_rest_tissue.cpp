@@ -1,6 +1,5 @@
 // Where a place lies in moving cells, and what of the rest body is there: against the map itself, winding numbers and
-// all
-// triangles one by one.
+// all triangles one by one.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,11 +10,11 @@
 #include "sim/contact/rest_tissue.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/penetration.h"
-#include "sim/world.h"
+#include "sim/patient/world.h"
 #include "tests/sim/contact/plain_block.h"
 
 namespace limberg {
-namespace {
+namespace test_rest_tissue {
 
 /// A block with a Z that was cut and undermined: sharp tips, floors, walls that end in cells.
 class RestTissueOfAWound : public ::testing::Test {
@@ -81,8 +80,7 @@ TEST_F(RestTissueOfAWound, InverseOfEveryCellsMap) {
 }
 
 // Whose boxes are near is what comparing all of them finds, each once: with cells that are much wider than others, and
-// where
-// cells have gone far since they were sorted.
+// where cells have gone far since they were sorted.
 TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
   MovingCells cells(*tissue, model());
   const auto& node = tissue->nodes();
@@ -260,5 +258,5 @@ TEST_F(RestTissueOfAWound, APlaceIsOutsideOfTheOtherBank) {
   EXPECT_GT(asked, 200);
 }
 
-}  // namespace
+}  // namespace test_rest_tissue
 }  // namespace limberg

@@ -12,9 +12,9 @@
 
 #include <functional>
 
-#include "app/bench/fuzz/checks.h"
-#include "sim/cutting/store.h"
+#include "sim/cutting/arrangement/store.h"
 #include "sim/lattice/topology.h"
+#include "tests/bench/fuzz/checks.h"
 #include "tests/sim/cutting/scenes.h"
 
 namespace limberg::test {
@@ -22,8 +22,7 @@ namespace limberg::test {
 using Chi = std::vector<int>;
 
 /// A flat closed slab [-sx/2, sx/2] x [-sy/2, sy/2] x [-thickness, 0] with nx by ny squares of skin. All but the skin
-/// is
-/// fixed.
+/// is fixed.
 inline TriMesh flat_slab(double sx, double sy, double thickness, int nx, int ny) {
   TriMesh m;
   const RestGrid g = grid();

@@ -4,10 +4,10 @@
 
 #include <memory>
 
-#include "sim/cutting/stroke.h"
-#include "sim/cutting/stroke_plan.h"
-#include "sim/geometry/block.h"
-#include "sim/geometry/skin.h"
+#include "sim/body/block.h"
+#include "sim/body/skin.h"
+#include "sim/cutting/strokes/stroke.h"
+#include "sim/cutting/strokes/stroke_plan.h"
 #include "tests/sim/cutting/scenes.h"
 
 namespace limberg::test {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/cutting/arrangement.h"
+#include "sim/cutting/arrangement/arrangement.h"
 
 namespace limberg::test {
 

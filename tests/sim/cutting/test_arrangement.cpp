@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <bit>
 
-#include "sim/cutting/store.h"
+#include "sim/cutting/arrangement/store.h"
 #include "tests/sim/cutting/scenes.h"
 
 namespace limberg::test {
-namespace {
+namespace test_arrangement {
 
 using Chi = std::vector<int>;
 
@@ -203,5 +203,5 @@ TEST_F(Slab, RhomboidFlap) {
   EXPECT_NEAR(a.volume_mm3() + e.volume_mm3, before, 1e-9 * before);
 }
 
-}  // namespace
+}  // namespace test_arrangement
 }  // namespace limberg::test

@@ -4,7 +4,7 @@
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
-namespace {
+namespace test_blade_cases {
 
 const std::vector<Vec2> kLine{{-20, 1.3}, {20, 1.3}};
 
@@ -263,5 +263,5 @@ TEST(BladeCases, Splines) {
   EXPECT_NEAR(q.wall_area(), direct, 1e-9);
 }
 
-}  // namespace
+}  // namespace test_blade_cases
 }  // namespace limberg::test

@@ -3,11 +3,11 @@
 
 #include <random>
 
-#include "sim/cutting/sheet_mesh.h"
+#include "sim/cutting/strokes/sheet_mesh.h"
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
-namespace {
+namespace test_blades {
 
 struct Rhomboid {
   std::vector<Vec2> rhombus{{17.32, 0}, {0, 10}, {-17.32, 0}, {0, -10}};
@@ -234,5 +234,5 @@ TEST(SheetMesh, CoversThePolygonEvenly) {
   EXPECT_LT(longest, 2 * 2.0);
 }
 
-}  // namespace
+}  // namespace test_blades
 }  // namespace limberg::test

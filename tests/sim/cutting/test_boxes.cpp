@@ -3,12 +3,12 @@
 
 #include <algorithm>
 
-#include "sim/cutting/radix_sort.h"
-#include "sim/cutting/sign_sort.h"
-#include "sim/cutting/tri_tests.h"
+#include "sim/cutting/arrangement/radix_sort.h"
+#include "sim/cutting/arrangement/sign_sort.h"
+#include "sim/cutting/arrangement/tri_tests.h"
 
 namespace limberg {
-namespace {
+namespace test_boxes {
 
 struct Draw {
   uint64_t state = 0x9e3779b97f4a7c15ull;
@@ -85,8 +85,7 @@ TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
 }
 
 // The query of a strip that lies at a slant leaves nothing out that touches one of its triangles, and leaves out most
-// of what
-// meets only the box around them.
+// of what meets only the box around them.
 TEST(SlantBox, LeavesOutOnlyWhatNoTriangleTouches) {
   Draw draw;
   size_t in_boxes = 0, in_slants = 0, touching = 0;
@@ -232,5 +231,5 @@ TEST(SortBySigns, StaysWithinBoundsWhateverTheSignsSay) {
     }
 }
 
-}  // namespace
+}  // namespace test_boxes
 }  // namespace limberg

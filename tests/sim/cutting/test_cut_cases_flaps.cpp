@@ -1,11 +1,11 @@
 // The named cases 17 to 23 and 29 to 37: flaps, cutting again, undermining, excision.
-#include "sim/cutting/stroke_plan.h"
-#include "sim/geometry/block.h"
-#include "sim/geometry/skin.h"
+#include "sim/body/block.h"
+#include "sim/body/skin.h"
+#include "sim/cutting/strokes/stroke_plan.h"
 #include "tests/sim/cutting/case_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cut_cases_flaps {
 
 /// A block cut by strokes on its skin.
 struct Strokes {
@@ -266,5 +266,5 @@ CUT_CASE(C37_the_last_bridge, case_slab()) {
   s.expect(2, {2, 2});
 }
 
-}  // namespace
+}  // namespace test_cut_cases_flaps
 }  // namespace limberg::test

@@ -4,7 +4,7 @@
 #include "tests/sim/lattice/voxel_oracle.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cut_cases_lattice {
 
 int32_t cell_at(const CaseScene& s, const Vec3& x) { return cell_of(*s.t, x); }
 
@@ -199,5 +199,5 @@ CUT_CASE(C39_replay_at_another_lattice, wavy_case_slab()) {
   EXPECT_EQ(fuzz::check_refines(*s.t, *fine.t), "");
 }
 
-}  // namespace
+}  // namespace test_cut_cases_lattice
 }  // namespace limberg::test

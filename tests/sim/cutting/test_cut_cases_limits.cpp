@@ -2,14 +2,14 @@
 // themselves.
 #include <limits>
 
-#include "sim/cutting/fault.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
+#include "sim/cutting/arrangement/fault.h"
 #include "sim/geometry/validate.h"
 #include "tests/sim/cutting/case_scene.h"
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cut_cases_limits {
 
 // Every case is taken back and made again step by step (CaseScene::take_back). Here a longer history, at random.
 CUT_CASE(C38_undo_and_redo, wavy_case_slab()) {
@@ -141,5 +141,5 @@ TEST(CutCases, C44_stroke_across_itself) {
   }
 }
 
-}  // namespace
+}  // namespace test_cut_cases_limits
 }  // namespace limberg::test

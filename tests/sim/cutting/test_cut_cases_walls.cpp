@@ -2,7 +2,7 @@
 #include "tests/sim/cutting/case_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cut_cases_walls {
 
 CUT_CASE(C01_straight_partial, wavy_case_slab()) {
   s.cut(strip({{-20, 0.3}, {20, 1.1}}, 3, -6));
@@ -201,5 +201,5 @@ CUT_CASE(C16_sharp_bend_of_5_degrees, wavy_case_slab()) {
   EXPECT_EQ(s.fronts(), 1);
 }
 
-}  // namespace
+}  // namespace test_cut_cases_walls
 }  // namespace limberg::test

@@ -5,19 +5,19 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <map>
 
-#include "app/bench/fuzz/generator.h"
+#include "app/program/places.h"
+#include "tests/bench/fuzz/generator.h"
 #include "tests/sim/cutting/case_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cut_proofs {
 
 // --- The embedding test ----------------------------------------------------------------------------------------------
 
 // Found at random with the test off, and made small. With it, the same blades are redrawn or refused.
 TEST(Proof, TheEmbeddingTestIsNeeded) {
   for (const char* name : {"blade_through_itself_1", "blade_through_itself_2"}) {
-    const fuzz::Case c =
-        fuzz::read_case(std::string(LIMBERG_SOURCE_DIR) + "/tests/sim/cutting/corpus/" + name + ".json");
+    const fuzz::Case c = fuzz::read_case(source_dir() + "/tests/sim/cutting/corpus/" + name + ".json");
     fuzz::Settings off;
     off.skip_embedding = true;
     EXPECT_NE(fuzz::run_case(c, off).violation, "");
@@ -336,5 +336,5 @@ TEST(Proof, StronglyCurvedBlades) {
   }
 }
 
-}  // namespace
+}  // namespace test_cut_proofs
 }  // namespace limberg::test

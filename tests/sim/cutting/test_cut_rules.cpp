@@ -4,12 +4,12 @@
 
 #include <map>
 
-#include "sim/cutting/store.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
+#include "sim/cutting/arrangement/store.h"
 #include "tests/sim/cutting/scenes.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cut_rules {
 
 using Chi = std::vector<int>;
 
@@ -316,8 +316,8 @@ TEST(Refusal, BadBladesChangeNothing) {
 TEST(Refusal, MoreLinesInATriangleThanItHasLabelsFor) {
   Arrangement a(wavy_slab(200, 12, 1, 0), grid());
   const uint64_t before = a.full_hash();
-  const CutResult r =
-      a.cut(strip({{-95, 0.3}, {80, 30}}, 2, -5, false, 0.004), 1);  // 44,000 columns, most of them in one triangle
+  // 44,000 columns, most of them in one triangle
+  const CutResult r = a.cut(strip({{-95, 0.3}, {80, 30}}, 2, -5, false, 0.004), 1);
   EXPECT_EQ(r.status, CutResult::refused);
   EXPECT_NE(r.reason.find("32765"), std::string::npos) << r.reason;
   EXPECT_EQ(a.full_hash(), before);
@@ -389,5 +389,5 @@ TEST(View, IsAClosedOrientedMeshWithItsBanksApart) {
   EXPECT_GE(fours, 1);
 }
 
-}  // namespace
+}  // namespace test_cut_rules
 }  // namespace limberg::test

@@ -4,7 +4,7 @@
 #include "tests/sim/cutting/case_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cut_symmetry {
 
 // What does not depend on where a scene lies: pieces with their Euler characteristics and sizes, how cells are filled.
 struct Signature {
@@ -189,5 +189,5 @@ TEST(CutSymmetry, DisjointCutsInAnyOrder) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-}  // namespace
+}  // namespace test_cut_symmetry
 }  // namespace limberg::test

@@ -1,19 +1,18 @@
 // Who computes does not matter: a history of cuts, excisions and undos gives the same bits with any number of workers,
-// and when
-// several bodies are cut on several threads at the same time. (Section 8 of the design's list of what was to be
-// proved.)
+// and when several bodies are cut on several threads at the same time. (Section 8 of the design's list of what was to
+// be proved.)
 #include <gtest/gtest.h>
 
 #include <thread>
 
-#include "app/bench/fuzz/generator.h"
 #include "app/session/workers_pool.h"
-#include "sim/cutting/store.h"
-#include "sim/hash.h"
+#include "sim/base/hash.h"
+#include "sim/cutting/arrangement/store.h"
+#include "tests/bench/fuzz/generator.h"
 #include "tests/sim/cutting/case_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cut_threads {
 
 /// Every number of a version of the lattice that anything else is made from.
 uint64_t bits_of(const LatticeTopology& t) {
@@ -125,5 +124,5 @@ TEST(CutThreads, BodiesCutAtTheSameTimeDoNotSeeEachOther) {
   for (size_t i = 0; i < alone.size(); ++i) EXPECT_EQ(together[i], alone[i]) << "seed " << 20 + i;
 }
 
-}  // namespace
+}  // namespace test_cut_threads
 }  // namespace limberg::test

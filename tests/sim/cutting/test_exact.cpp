@@ -4,12 +4,12 @@
 #include <boost/multiprecision/cpp_int.hpp>
 #include <random>
 
-#include "sim/cutting/tri_tests.h"
+#include "sim/cutting/arrangement/tri_tests.h"
 #include "sim/geometry/exact/predicates.h"
 #include "sim/geometry/rest_grid.h"
 
 namespace limberg::test {
-namespace {
+namespace test_exact {
 
 using Big = boost::multiprecision::cpp_int;
 
@@ -262,5 +262,5 @@ TEST(TriangleTests, EmbeddedStripsAndFolds) {
   EXPECT_NE(check_embedded(v, t), "");
 }
 
-}  // namespace
+}  // namespace test_exact
 }  // namespace limberg::test

@@ -5,18 +5,18 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "app/bench/fuzz.h"
-#include "app/bench/fuzz/generator.h"
-#include "sim/error.h"
+#include "app/program/places.h"
+#include "sim/base/error.h"
+#include "tests/bench/fuzz.h"
+#include "tests/bench/fuzz/generator.h"
 #include "tests/sim/cutting/compilers/history.h"
 
 namespace limberg {
-namespace {
+namespace test_fuzz {
 
 std::vector<std::string> corpus() {
   std::vector<std::string> files;
-  for (const auto& f :
-       std::filesystem::directory_iterator(std::string(LIMBERG_SOURCE_DIR) + "/tests/sim/cutting/corpus"))
+  for (const auto& f : std::filesystem::directory_iterator(source_dir() + "/tests/sim/cutting/corpus"))
     files.push_back(f.path().string());
   std::sort(files.begin(), files.end());
   return files;
@@ -32,12 +32,10 @@ TEST(FuzzCorpus, WhatWasFoundStaysMended) {
 }
 
 // A blade goes on from where another ran out of the body, and a third has a corner on the edge that it shares: no try
-// can move that
-// edge. But no wall is there to continue, so the edge need not be shared, and the answer is that there is nothing to
-// cut.
+// can move that edge. But no wall is there to continue, so the edge need not be shared, and the answer is that there is
+// nothing to cut.
 TEST(FuzzCorpus, AnEdgeOutsideTheBodyIsNotShared) {
-  const fuzz::Case c =
-      fuzz::read_case(std::string(LIMBERG_SOURCE_DIR) + "/tests/sim/cutting/corpus/continued_outside_the_body.json");
+  const fuzz::Case c = fuzz::read_case(source_dir() + "/tests/sim/cutting/corpus/continued_outside_the_body.json");
   fuzz::Runner runner(c, {});
   for (const fuzz::Op& op : c.ops) ASSERT_EQ(runner.apply(op), "");
   EXPECT_EQ(runner.last_cut.status, CutResult::nothing_to_cut) << runner.last_cut.reason;
@@ -56,7 +54,7 @@ void slice(bool adversarial) {
   s.seed = uint64_t(number("LIMBERG_FUZZ_SEED", 20261121));
   s.generic = !adversarial;
   s.adversarial = adversarial;
-  s.out_dir = std::string(LIMBERG_BINARY_DIR) + "/fuzz";
+  s.out_dir = binary_dir() + "/fuzz";
   const bench::FuzzReport r = bench::fuzz_run(s);
   const fuzz::Counts& c = adversarial ? r.adversarial : r.generic;
   for (const auto& v : r.violations) ADD_FAILURE() << v.what << "; written to " << v.file;
@@ -75,7 +73,7 @@ TEST(Fuzz, DividedFronts) {  // 4 s of CPU (2026-11-21)
   s.operations = number("LIMBERG_FUZZ_OPERATIONS_DIVIDED", 250);
   s.seed = uint64_t(number("LIMBERG_FUZZ_SEED", 20261121));
   s.front_levels = 3;
-  s.out_dir = std::string(LIMBERG_BINARY_DIR) + "/fuzz";
+  s.out_dir = binary_dir() + "/fuzz";
   const bench::FuzzReport r = bench::fuzz_run(s);
   for (const auto& v : r.violations) ADD_FAILURE() << v.what << "; written to " << v.file;
   EXPECT_EQ(r.operations(), s.operations);
@@ -129,5 +127,5 @@ TEST(Fuzz, CasesGoThroughFilesUnchanged) {
   EXPECT_THROW(fuzz::read_case("/nowhere/x.json"), InputError);
 }
 
-}  // namespace
+}  // namespace test_fuzz
 }  // namespace limberg

@@ -1,17 +1,16 @@
 // Leaning walls that are deepened while the hand draws: the slit stays a slit. A deeper blade behind a bend that ran
-// into the
-// wall before the bend would leave a bridge of tissue across the cut, which the Euler characteristic counts.
+// into the wall before the bend would leave a bridge of tissue across the cut, which the Euler characteristic counts.
 #include <cstdlib>
 
-#include "sim/cutting/blade_parts.h"
-#include "sim/cutting/drawn_stroke.h"
-#include "sim/cutting/handles.h"
-#include "sim/cutting/stroke_plan.h"
+#include "sim/cutting/arrangement/handles.h"
+#include "sim/cutting/strokes/blade_parts.h"
+#include "sim/cutting/strokes/drawn_stroke.h"
+#include "sim/cutting/strokes/stroke_plan.h"
 #include "tests/sim/cutting/patient.h"
 #include "tests/sim/drawn_pieces.h"
 
 namespace limberg::test {
-namespace {
+namespace test_leaning_strokes {
 
 struct Path {
   std::string name;
@@ -72,8 +71,8 @@ std::string first_stroke(Patient& p, const std::vector<Vec2>& path, double piece
 }
 
 // Four corners to either side, three arcs and an S; blades from 30 to 150 degrees; three depths; three lengths of
-// pieces; the wall
-// that is deepened made at once and drawn. LIMBERG_LEANING_ALL=1 runs all 1,944 of them, else every ninth is run.
+// pieces; the wall that is deepened made at once and drawn. LIMBERG_LEANING_ALL=1 runs all 1,944 of them, else every
+// ninth is run.
 TEST(LeaningStrokes, DeepenedInPiecesLeaveNoBridge) {
   const int step = std::getenv("LIMBERG_LEANING_ALL") ? 1 : 9;
   int number = 0, made = 0, drawn_first = 0, bridges_of_first = 0, refused_first = 0;
@@ -113,9 +112,8 @@ TEST(LeaningStrokes, DeepenedInPiecesLeaveNoBridge) {
 }
 
 // The same paths and angles, three depths, drawn in three lengths of pieces and made at once. LIMBERG_LEANING_ALL=1
-// runs all 1,296 of
-// them, else every seventh is run. Before strokes were made in legs (blade_parts.h) 51 of the 972 that are drawn were
-// refused or left
+// runs all 1,296 of them, else every seventh is run. Before strokes were made in legs (blade_parts.h) 51 of the 972
+// that are drawn were refused or left
 // a bridge (2026-11-22), and those made at once stood upright over all of their length: see the next test.
 TEST(LeaningStrokes, FirstStrokesLeaveNoBridge) {
   const int step = std::getenv("LIMBERG_LEANING_ALL") ? 1 : 7;
@@ -137,9 +135,8 @@ TEST(LeaningStrokes, FirstStrokesLeaveNoBridge) {
 }
 
 // Leaning into a corner every leg keeps its lean and its depth to its end. The second is trimmed where it meets the
-// first, at the
-// bisector of the corner: z mm deep its edge has run back by z tan(turn / 2) / tan(angle). Drawn or at once, the area
-// is that.
+// first, at the bisector of the corner: z mm deep its edge has run back by z tan(turn / 2) / tan(angle). Drawn or at
+// once, the area is that.
 TEST(LeaningStrokes, LegsKeepTheirLeanUpToTheCorner) {
   for (const double turn_deg : {30.0, 60.0, 100.0, 140.0})
     for (const double side : {1.0, -1.0})
@@ -165,9 +162,8 @@ TEST(LeaningStrokes, LegsKeepTheirLeanUpToTheCorner) {
 }
 
 // A curve that would fold at its depth is cut shallower and then deepened in rounds: what each round goes over is what
-// was made, for
-// the plan itself has nothing in it that runs along a wall. (Rounds that took it from the plan had nothing to begin
-// with and crashed.)
+// was made, for the plan itself has nothing in it that runs along a wall. (Rounds that took it from the plan had
+// nothing to begin with and crashed.)
 TEST(LeaningStrokes, CurvesThatFoldAreCutShallowerAndThenDeepened) {
   int deepened = 0;
   for (const double radius : {6.0, 9.0})
@@ -206,8 +202,7 @@ TEST(LeaningStrokes, CurvesThatFoldAreCutShallowerAndThenDeepened) {
 }
 
 // What had led to such bridges: of two parts of one straight line the lines' intersection is a quotient of rounding
-// errors, and
-// was taken for a place where the path crosses itself, after which its own walls were not kept clear of.
+// errors, and was taken for a place where the path crosses itself, after which its own walls were not kept clear of.
 TEST(LeaningStrokes, AStraightLineInPiecesDoesNotCrossItself) {
   for (int i = 0; i < 400; ++i) {
     const double angle = 0.0157 * i, length = 17 + 0.01 * i;
@@ -224,5 +219,5 @@ TEST(LeaningStrokes, AStraightLineInPiecesDoesNotCrossItself) {
   EXPECT_EQ(self_crossings(std::vector<Vec2>{{0, 0}, {4, 0}, {4, 2}, {2, 0}}).size(), 1u);  // touched is crossed
 }
 
-}  // namespace
+}  // namespace test_leaning_strokes
 }  // namespace limberg::test

@@ -1,10 +1,10 @@
 // Named cases at the level of strokes: pockets that meet incisions and one another, flaps cut without their bed, plugs
 // without a floor, cuts across holes.
-#include "sim/cutting/handles.h"
+#include "sim/cutting/arrangement/handles.h"
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
-namespace {
+namespace test_pocket_cases {
 
 std::vector<Vec2> box(double x0, double y0, double x1, double y1) { return {{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}; }
 
@@ -79,8 +79,7 @@ TEST(PocketCases, ExactlyThroughTheTipsOfFlaps) {
 
 TEST(PocketCases, Case31_TwoPocketsThatMerge) {
   // From two parallel incisions towards each other: the skin between them becomes a bridge, one handle. Overlapping
-  // much,
-  // little, just touching, and short of each other by what a hand misses.
+  // much, little, just touching, and short of each other by what a hand misses.
   for (const double overlap : {8.0, 4.0, 3.0, 2.0, 1.4, 1.0, 0.5, 0.0, -0.4, -0.8}) {
     SCOPED_TRACE(overlap);
     Patient p(2);
@@ -100,8 +99,7 @@ TEST(PocketCases, Case31_TwoPocketsThatMerge) {
 
 TEST(PocketCases, TheShelfOfMergedPocketsIsThinAndNarrow) {
   // Where the second sheet runs over the first before it dips into it, tissue is left between the two: no thicker than
-  // the
-  // sheets' own distance and what they stay apart (0.2), and no wider than one width of the sheet's mesh.
+  // the sheets' own distance and what they stay apart (0.2), and no wider than one width of the sheet's mesh.
   for (const double overlap : {8.0, 2.0, 0.0, -0.6})
     for (const double second : {4.0, 3.6}) {
       SCOPED_TRACE(testing::Message() << "overlap " << overlap << ", second at " << second);
@@ -278,5 +276,5 @@ TEST(PocketCases, Case4_APlugWithoutFloorIsFreedByUndermining) {
   }
 }
 
-}  // namespace
+}  // namespace test_pocket_cases
 }  // namespace limberg::test

@@ -4,11 +4,11 @@
 // bridge.
 #include <random>
 
-#include "sim/cutting/handles.h"
+#include "sim/cutting/arrangement/handles.h"
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
-namespace {
+namespace test_profile_snap {
 
 struct Stroke {
   double from = 0, to = 0, depth = 0;  // mm along the line, mm
@@ -152,5 +152,5 @@ TEST(ProfileSnap, ABladeOnTwoWallsTogetherIsCutAlready) {
   EXPECT_EQ(p.a.check_all(), "");
 }
 
-}  // namespace
+}  // namespace test_profile_snap
 }  // namespace limberg::test

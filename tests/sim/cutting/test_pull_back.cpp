@@ -2,11 +2,11 @@
 #include <Eigen/Geometry>
 #include <random>
 
-#include "sim/cutting/pull_back.h"
+#include "sim/cutting/strokes/pull_back.h"
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
-namespace {
+namespace test_pull_back {
 
 struct Frame {
   Vec3 normal, along;
@@ -76,8 +76,7 @@ TEST(PullBack, ClosedForms) {
 
 TEST(PullBack, BladesOnSkinThatMoved) {
   // Uniform shear: an upright stroke is a leaning plane at rest. A gradient that jumps, is flattened or inverted gives
-  // an
-  // embedded blade all the same (case 34).
+  // an embedded blade all the same (case 34).
   Patient p(2);
   BladeContext c = p.context();
   c.gradient = [](const SkinHit&) {
@@ -113,5 +112,5 @@ TEST(PullBack, BladesOnSkinThatMoved) {
   }
 }
 
-}  // namespace
+}  // namespace test_pull_back
 }  // namespace limberg::test

@@ -1,13 +1,12 @@
 // Random strokes, sheets and plugs as a hand might draw them: on flat and wavy skin, across themselves, again and
-// deeper,
-// further from where another ended. Whatever is asked, every invariant holds, refusals change nothing, undo takes all
-// back.
+// deeper, further from where another ended. Whatever is asked, every invariant holds, refusals change nothing, undo
+// takes all back.
 #include <random>
 
 #include "tests/sim/cutting/patient.h"
 
 namespace limberg::test {
-namespace {
+namespace test_stroke_fuzz {
 
 std::shared_ptr<const Body> wavy_body() {
   Body b;
@@ -103,5 +102,5 @@ TEST(StrokeFuzz, InvariantsHoldWhateverIsDrawn) {
   EXPECT_GT(done, 50);  // of 80: most of what a hand asks is done
 }
 
-}  // namespace
+}  // namespace test_stroke_fuzz
 }  // namespace limberg::test

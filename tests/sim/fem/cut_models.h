@@ -1,13 +1,12 @@
 #pragma once
 // Random cuts of a box of hexahedra, as a lattice makes them: cells are parted along squares, corners that no longer
-// hang
-// together become copies, and loose cells may be taken out. Copies keep their order, new ones come after.
+// hang together become copies, and loose cells may be taken out. Copies keep their order, new ones come after.
 #include <map>
 #include <numeric>
 #include <set>
 
 #include "models.h"
-#include "sim/fem/scalar_matrix.h"
+#include "sim/fem/preconditioner/scalar_matrix.h"
 
 namespace limberg::test {
 

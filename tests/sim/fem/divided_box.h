@@ -1,12 +1,11 @@
 #pragma once
 // A model without cuts (box_model) with some of its cells divided, made by geometry alone: what the lattice does is
-// tested
-// against this elsewhere, and the elements are tested with it without a lattice.
+// tested against this elsewhere, and the elements are tested with it without a lattice.
 #include <array>
 #include <map>
 #include <vector>
 
-#include "sim/fem/fem_model.h"
+#include "sim/fem/model/fem_model.h"
 
 namespace limberg::test {
 

@@ -7,9 +7,9 @@
 #include <thread>
 #include <vector>
 
-#include "sim/fem/box_model.h"
-#include "sim/fem/elastic_solver.h"
-#include "sim/fem/engine.h"
+#include "sim/fem/model/box_model.h"
+#include "sim/fem/solver/elastic_solver.h"
+#include "sim/fem/solver/engine.h"
 
 namespace limberg::test {
 

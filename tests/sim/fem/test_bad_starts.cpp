@@ -4,7 +4,7 @@
 #include "models.h"
 
 namespace limberg {
-namespace {
+namespace test_bad_starts {
 
 enum class Start { scramble, collapse, mirror, flat };
 
@@ -80,5 +80,5 @@ TEST(BadInput, NotANumberDoesNotStay) {
   for (const Vec3f& v : solver->displacement_mm()) EXPECT_TRUE(v.allFinite());
 }
 
-}  // namespace
+}  // namespace test_bad_starts
 }  // namespace limberg

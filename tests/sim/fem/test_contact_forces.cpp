@@ -3,16 +3,15 @@
 #include <gtest/gtest.h>
 
 #include "models.h"
-#include "sim/error.h"
-#include "sim/fem/contact_forces.h"
-#include "sim/fem/reference_newton.h"
+#include "sim/base/error.h"
+#include "sim/fem/forces/contact_forces.h"
+#include "sim/testing/reference_newton.h"
 
 namespace limberg {
-namespace {
+namespace test_contact_forces {
 
 /// Two boxes of n x n x layers cells, side x side x height each, one on the other: the upper one's nodes come after,
-/// and their
-/// squares at z = height meet the lower one's. `apart_mm` lifts the upper one at rest.
+/// and their squares at z = height meet the lower one's. `apart_mm` lifts the upper one at rest.
 struct Slabs {
   FemModel model;
   int32_t nodes_of_one = 0;
@@ -213,8 +212,7 @@ TEST(ContactForces, ActionIsReaction) {
 }
 
 // Two equal slabs, all their outside held on a homogeneous compression; free inside, and between them only contact.
-// Then the
-// homogeneous state is the equilibrium, with the pressure P_zz on both sides of the gap:
+// Then the homogeneous state is the equilibrium, with the pressure P_zz on both sides of the gap:
 //   stiffness * overlap = -P_zz(b),  P_zz = mu b + (lambda (J - 1) - mu) for F = diag(1, 1, b), J = b.
 TEST(ContactForces, TwoSlabsPressedTogether) {
   const Slabs s = two_slabs(4, 2, 16, 6, 40, 0.4);
@@ -330,5 +328,5 @@ TEST(ContactForces, BadContactsAreRefused) {
   refused([](Contact& c) { c.b.node[7] = -1; });
 }
 
-}  // namespace
+}  // namespace test_contact_forces
 }  // namespace limberg

@@ -1,6 +1,5 @@
 // The multilevel metric: a symmetric positive definite operator close to the inverse, at any size and through any cut,
-// and
-// the same to the bit whether it was made afresh or carried over.
+// and the same to the bit whether it was made afresh or carried over.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -8,10 +7,10 @@
 
 #include "cut_models.h"
 #include "divided_box.h"
-#include "sim/fem/cycle.h"
+#include "sim/fem/solver/cycle.h"
 
 namespace limberg {
-namespace {
+namespace test_cycle {
 
 using fem::NodeArray;
 using fem::ScalarCycle;
@@ -73,8 +72,7 @@ std::shared_ptr<const FemModel> with_hole() {
 }
 
 // With x the smoother S and the coarse correction B exact, the eigenvalues of M A lie in (0, 1] (an error is never made
-// larger
-// in energy); the lower end is 1 - the convergence factor.
+// larger in energy); the lower end is 1 - the convergence factor.
 TEST(Cycle, IsSymmetricPositiveDefiniteAndCloseToTheInverse) {
   std::vector<std::pair<const char*, std::shared_ptr<const FemModel>>> models;
   models.push_back({"odd layers", std::make_shared<FemModel>(box_model(box({8, 7, 3})))});
@@ -268,5 +266,5 @@ TEST(Dissection, CostsNoMoreFillThanAGraphPartitioner) {
   }
 }
 
-}  // namespace
+}  // namespace test_cycle
 }  // namespace limberg

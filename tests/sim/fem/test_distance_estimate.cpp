@@ -4,16 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/fem/box_model.h"
-#include "sim/fem/elastic_solver.h"
+#include "sim/fem/model/box_model.h"
+#include "sim/fem/solver/elastic_solver.h"
 #include "tests/sim/fem/models.h"
 
 namespace limberg {
-namespace {
+namespace test_distance_estimate {
 
 // Jumps and small moves of a hook, at frames of 5, 10 and 20 iterations. The factor is that of distance_estimate.h,
-// with room for so
-// few frames (`limberg bench verification` measures it on the shipped operations too).
+// with room for so few frames (`limberg bench verification` measures it on the shipped operations too).
 TEST(DistanceEstimate, NineFramesOfTenAreWithinAFactorOfFour) {
   InlineWorkers workers;
   test::Random random(3);
@@ -67,5 +66,5 @@ TEST(DistanceEstimate, IsNothingAtRestAndAfterUndo) {
   EXPECT_LT(solver->step({}).distance_mm, 1e-6);
 }
 
-}  // namespace
+}  // namespace test_distance_estimate
 }  // namespace limberg

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "models.h"
-#include "sim/fem/reference_newton.h"
+#include "sim/testing/reference_newton.h"
 
 namespace limberg {
-namespace {
+namespace test_elastic_dynamics {
 
 std::vector<Vec3> current(const ElasticSolver& s) {
   std::vector<Vec3> u;
@@ -131,8 +131,7 @@ TEST(BackwardEuler, ManyStepsEndInTheStaticSolution) {
 }
 
 // Against the closed form, which is nearer than any number of float steps: below 1e-3 mm rounding of velocities takes
-// over
-// (measured with 320 steps and more).
+// over (measured with 320 steps and more).
 // What a step must have made zero, worked out apart from the minimiser: m a + dE/du, a from the formulas of the two
 // methods.
 TEST(Dynamics, AStepBalancesForceAndInertia) {
@@ -254,5 +253,5 @@ TEST(Bdf2, SavedAndRestoredItGoesOnToTheBit) {
   EXPECT_EQ(a->save().before_s, 0);  // another kind of step: BDF2 begins anew
 }
 
-}  // namespace
+}  // namespace test_elastic_dynamics
 }  // namespace limberg

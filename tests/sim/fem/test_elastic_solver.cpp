@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "models.h"
-#include "sim/fem/reference_newton.h"
+#include "sim/testing/reference_newton.h"
 
 namespace limberg {
-namespace {
+namespace test_elastic_solver {
 
 BenchScene pulled_scene(double poisson) {
   BenchScene s = bench_scene(20, 2, poisson);
@@ -144,8 +144,7 @@ TEST(ElasticSolver, StiffSuturesCloseTheirGap) {
 }
 
 // Held by means over places along its edge: the means meet, the places themselves need not, and all three ways of
-// counting a
-// spring agree about where that is.
+// counting a spring agree about where that is.
 TEST(ElasticSolver, AWideStitchBringsTheMeansTogether) {
   BenchScene s = bench_scene(20, 2, 0.45);
   s.springs = {s.springs[9]};
@@ -219,8 +218,7 @@ TEST(ElasticSolver, AStitchIsTightenedThroughItsSlack) {
 }
 
 // A stitch's pull is great against all that the iterates before have learned, and the metric knows it: what they have
-// learned does not
-// count. A hook's does not stop them: its motion is small, and it moves at every frame.
+// learned does not count. A hook's does not stop them: its motion is small, and it moves at every frame.
 TEST(ElasticSolver, ADrawnStitchBeginsAnew) {
   for (const bool hook : {false, true}) {
     BenchScene s = bench_scene(20, 2, 0.45);
@@ -400,5 +398,5 @@ TEST(ElasticSolver, TheCycleChangesNothingButTime) {
   EXPECT_LT(worst, 5e-3);
 }
 
-}  // namespace
+}  // namespace test_elastic_solver
 }  // namespace limberg

@@ -4,11 +4,11 @@
 #include <Eigen/Eigenvalues>
 
 #include "models.h"
-#include "sim/fem/element_system.h"
-#include "sim/fem/reference_newton.h"
+#include "sim/fem/elements/element_system.h"
+#include "sim/testing/reference_newton.h"
 
 namespace limberg {
-namespace {
+namespace test_elements {
 
 using test::Random;
 
@@ -208,8 +208,7 @@ TEST(Elements, MultipliersConvergeToThePrimalForceAtAFixedDeformation) {
 }
 
 // A cut gives some cells other nodes and adds copies of cells: the system that takes its tiles over from the one before
-// has the
-// same numbers in it as one that is made from nothing.
+// has the same numbers in it as one that is made from nothing.
 TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
   BoxSpec b;
   b.cells = {50, 40, 3};
@@ -263,5 +262,5 @@ TEST(ElementSystem, TilesTakenOverAreThoseMadeAnew) {
   EXPECT_GT(tiles, 80u);  // several to take over in each round
 }
 
-}  // namespace
+}  // namespace test_elements
 }  // namespace limberg

@@ -1,16 +1,16 @@
 // Derivatives that the minimiser uses itself, in single precision, against central differences of its own energies.
-// (Those of
-// the reference solver, of laws, of material points, of contacts and of shaped cells are in the tests of these.)
+// (Those of the reference solver, of laws, of material points, of contacts and of shaped cells are in the tests of
+// these.)
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "sim/fem/element_system.h"
-#include "sim/fem/spring_forces.h"
+#include "sim/fem/elements/element_system.h"
+#include "sim/fem/forces/spring_forces.h"
 #include "tests/sim/fem/models.h"
 
 namespace limberg {
-namespace {
+namespace test_gradients {
 
 using fem::NodeArray;
 
@@ -79,5 +79,5 @@ TEST(Gradients, CellsWithMultipliers) {
         [&](const NodeArray& u, NodeArray& out) { return cells.evaluate(u, out, false, test::engine()).energy; });
 }
 
-}  // namespace
+}  // namespace test_gradients
 }  // namespace limberg

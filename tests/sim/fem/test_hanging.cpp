@@ -5,12 +5,12 @@
 
 #include "divided_box.h"
 #include "models.h"
-#include "sim/fem/hanging_nodes.h"
-#include "sim/fem/lbfgs_solver.h"
-#include "sim/fem/reference_newton.h"
+#include "sim/fem/model/hanging_nodes.h"
+#include "sim/fem/solver/lbfgs_solver.h"
+#include "sim/testing/reference_newton.h"
 
 namespace limberg {
-namespace {
+namespace test_hanging {
 
 using test::divide;
 using test::DividedModel;
@@ -305,5 +305,5 @@ TEST(Hanging, NothingMovesWhenCellsAreDivided) {
   EXPECT_LT(jump, 1e-6);
 }
 
-}  // namespace
+}  // namespace test_hanging
 }  // namespace limberg

@@ -6,13 +6,13 @@
 #include <cstring>
 
 #include "models.h"
-#include "sim/fem/cholesky.h"
-#include "sim/fem/cycle.h"
-#include "sim/fem/element_system.h"
-#include "sim/fem/lbfgs_solver.h"
+#include "sim/fem/elements/element_system.h"
+#include "sim/fem/preconditioner/cholesky.h"
+#include "sim/fem/solver/cycle.h"
+#include "sim/fem/solver/lbfgs_solver.h"
 
 namespace limberg {
-namespace {
+namespace test_kernels {
 
 using fem::Engine;
 using fem::Kernels;
@@ -212,5 +212,5 @@ TEST(Kernels, WholeStepsAgreeAndDoNotDependOnTheWorkers) {
   }
 }
 
-}  // namespace
+}  // namespace test_kernels
 }  // namespace limberg

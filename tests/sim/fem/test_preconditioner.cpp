@@ -4,10 +4,10 @@
 #include <Eigen/Dense>
 
 #include "cut_models.h"
-#include "sim/fem/preconditioner.h"
+#include "sim/fem/preconditioner/preconditioner.h"
 
 namespace limberg {
-namespace {
+namespace test_preconditioner {
 
 using fem::NodeArray;
 using test::Random;
@@ -233,5 +233,5 @@ TEST(NodeVectors, SumsAndSmallOperations) {
   EXPECT_TRUE(std::isnan(test::engine().max_node(c)));
 }
 
-}  // namespace
+}  // namespace test_preconditioner
 }  // namespace limberg

@@ -5,11 +5,11 @@
 
 #include "divided_box.h"
 #include "models.h"
-#include "sim/error.h"
-#include "sim/fem/region_solver.h"
+#include "sim/base/error.h"
+#include "sim/fem/solver/region_solver.h"
 
 namespace limberg {
-namespace {
+namespace test_region_solver {
 
 constexpr double kRadius_mm = 17;
 
@@ -195,5 +195,5 @@ TEST(RegionSolver, RefusesWhatTheWholeDoesNotHave) {
   EXPECT_THROW(solver->set_displacement_mm({}), InputError);
 }
 
-}  // namespace
+}  // namespace test_region_solver
 }  // namespace limberg

@@ -3,16 +3,16 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "sim/error.h"
-#include "sim/fem/lbfgs_solver.h"
+#include "sim/base/error.h"
 #include "sim/fem/materials/isotropic.h"
 #include "sim/fem/materials/stable_neo_hookean.h"
-#include "sim/fem/reference_newton.h"
-#include "sim/fem/tet_lattice.h"
+#include "sim/fem/solver/lbfgs_solver.h"
+#include "sim/testing/reference_newton.h"
+#include "sim/testing/tet_lattice.h"
 #include "tests/sim/fem/models.h"
 
 namespace limberg {
-namespace {
+namespace test_shaped_cells {
 
 using test::Random;
 
@@ -198,5 +198,5 @@ TEST(ShapedCells, BadMeshesAreRefused) {
   EXPECT_THROW(stable_neo_hookean_full(-1, 1, 1), InputError);
 }
 
-}  // namespace
+}  // namespace test_shaped_cells
 }  // namespace limberg

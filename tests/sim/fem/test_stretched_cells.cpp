@@ -4,12 +4,12 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
-#include "sim/fem/effective_bulk.h"
-#include "sim/fem/stretched_cells.h"
+#include "sim/fem/elements/effective_bulk.h"
+#include "sim/fem/preconditioner/stretched_cells.h"
 #include "tests/sim/fem/models.h"
 
 namespace limberg {
-namespace {
+namespace test_stretched_cells {
 
 FemModel box(int x, int y, int z) {
   BoxSpec b;
@@ -29,8 +29,7 @@ fem::NodeArray moved_by(const FemModel& m, const Mat3& F) {
 }
 
 /// The volumetric energy's Hessian traced over x, y and z, by differences: V ke/2 (J - 1)^2 of the cell's sample point,
-/// without
-/// what comes of the slope at J (J = 1 in these cases).
+/// without what comes of the slope at J (J = 1 in these cases).
 Mat8 volumetric(const FemModel& m, const Mat3& F) {
   const Stencil& s = m.stencils[size_t(m.cells[0].stencil)];
   const Eigen::Matrix<double, 8, 3> B = volume_gradients(s, m.cell_mm);
@@ -100,5 +99,5 @@ TEST(StretchedCells, NothingAtRestNorForALittleMoreNorForOneNorInATangle) {
   EXPECT_FALSE(stretched.follow(many, moved_by(many, Vec3(9, 1, 1 / 9.0).asDiagonal()), true, test::engine()));
 }
 
-}  // namespace
+}  // namespace test_stretched_cells
 }  // namespace limberg

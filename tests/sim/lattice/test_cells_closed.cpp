@@ -3,7 +3,7 @@
 #include "tests/sim/lattice/voxel_oracle.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cells_closed {
 
 // A sphere of triangles, an octahedron divided `level` times; turned inside out when `inward`.
 void add_sphere(TriMesh& m, const Vec3& centre, double radius, int level, bool inward) {
@@ -179,5 +179,5 @@ TEST(CellsClosed, StabIntoTheMiddleOfACell) {
   EXPECT_GT(s.t->touched_cells, 0);
 }
 
-}  // namespace
+}  // namespace test_cells_closed
 }  // namespace limberg::test

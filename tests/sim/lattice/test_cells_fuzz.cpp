@@ -5,7 +5,7 @@
 #include "tests/sim/lattice/voxel_oracle.h"
 
 namespace limberg::test {
-namespace {
+namespace test_cells_fuzz {
 
 struct Random {
   uint64_t s;
@@ -120,5 +120,5 @@ TEST(CellsFuzz, AgreesWithVoxels) {
   EXPECT_GT(several, 10 * histories());
 }
 
-}  // namespace
+}  // namespace test_cells_fuzz
 }  // namespace limberg::test

@@ -4,7 +4,7 @@
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_embedding {
 
 const std::vector<Vec2> kRhombus{{10, 0}, {0, 6}, {-10, 0}, {0, -6}};
 
@@ -125,5 +125,5 @@ TEST_F(Skin, PointsInsideTriangles) {
   }
 }
 
-}  // namespace
+}  // namespace test_embedding
 }  // namespace limberg::test

@@ -1,15 +1,15 @@
 #include <Eigen/Eigenvalues>
 
-#include "sim/error.h"
-#include "sim/fem/reference_newton.h"
-#include "sim/geometry/block.h"
+#include "sim/base/error.h"
+#include "sim/body/block.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/grid_fit.h"
 #include "sim/lattice/stencil_integrals.h"
+#include "sim/testing/reference_newton.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_fem_assembly {
 
 Body layered_block(double stretch = 1.15) {
   BlockSpec spec;
@@ -149,8 +149,7 @@ TEST(Stencils, EnergyOfAHomogeneousDeformation) {
 }
 
 // Cells that layers share (shared_cells.h): an even shear along the layers meets the laminate's modulus, one in their
-// plane the
-// mean; turning costs nothing, and K stays a stiffness.
+// plane the mean; turning costs nothing, and K stays a stiffness.
 TEST(Stencils, SharedCellsShearAsALaminate) {
   Body b = layered_block(1);
   b.layers[0].thickness_mm = 1.5;
@@ -297,5 +296,5 @@ TEST(Assembly, ImpossibleLayersAreRefused) {
   }
 }
 
-}  // namespace
+}  // namespace test_fem_assembly
 }  // namespace limberg::test

@@ -3,18 +3,18 @@
 #include <map>
 #include <set>
 
-#include "sim/error.h"
-#include "sim/fem/hanging_nodes.h"
-#include "sim/fem/reference_newton.h"
-#include "sim/geometry/block.h"
+#include "sim/base/error.h"
+#include "sim/body/block.h"
+#include "sim/fem/model/hanging_nodes.h"
 #include "sim/lattice/cell_builder.h"
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/grid_fit.h"
+#include "sim/testing/reference_newton.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_fronts {
 
 const std::vector<Vec2> kRhombus{{10, 0}, {0, 6}, {-10, 0}, {0, -6}};
 
@@ -36,8 +36,7 @@ std::vector<std::array<Vec3, 2>> front_edges(const Arrangement& a) {
 }
 
 // Along every front the cell has been divided twice, and its neighbours are graded (check_topology); a third time where
-// the
-// crack runs farther through it than an edge of it, nowhere else.
+// the crack runs farther through it than an edge of it, nowhere else.
 TEST_F(Fronts, LieInTheSmallestCells) {
   ASSERT_TRUE(s.cut(strip({{-14.3, 0.3}, {11.2, 1.1}}, 3, -6)));
   ASSERT_TRUE(s.cut(strip({{1, -13}, {2, 17}}, 3, -4)));
@@ -176,8 +175,7 @@ TEST_F(Fronts, NothingJumps) {
 }
 
 // Between levels, copies are joined exactly where they are in the lattice that is as fine everywhere, whose cell beside
-// the
-// finer one is a part of the coarser one.
+// the finer one is a part of the coarser one.
 TEST_F(Fronts, LinksBetweenLevelsAreThoseOfTheFineLattice) {
   size_t compared = 0, several = 0;
   auto compare = [&] {
@@ -338,5 +336,5 @@ TEST(DividedElements, PartsOfOtherBodiesSeeTheirLayers) {
   EXPECT_EQ(fem::check_hanging(*m.d), "");
 }
 
-}  // namespace
+}  // namespace test_fronts
 }  // namespace limberg::test

@@ -1,11 +1,11 @@
 #include <gtest/gtest.h>
 
-#include "sim/error.h"
-#include "sim/geometry/block.h"
+#include "sim/base/error.h"
+#include "sim/body/block.h"
 #include "sim/lattice/grid_fit.h"
 
 namespace limberg::test {
-namespace {
+namespace test_grid_fit {
 
 Body block(const Vec3& size_mm) {
   BlockSpec spec;
@@ -57,5 +57,5 @@ TEST(GridFit, RefusesWhatCannotBe) {
     EXPECT_THROW(fit_lattice(body, h), InputError) << h;
 }
 
-}  // namespace
+}  // namespace test_grid_fit
 }  // namespace limberg::test

@@ -1,6 +1,5 @@
 // The twelve signs of an edge about a cell, against integers into which the vanishing shift of the lattice is put as a
-// small
-// number, and against the signs found one by one.
+// small number, and against the signs found one by one.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -9,7 +8,7 @@
 #include "sim/lattice/lattice_signs.h"
 
 namespace limberg {
-namespace {
+namespace test_lattice_signs {
 
 CellBounds bounds(const Int3& low, const Int3& high) {
   CellBounds b;
@@ -32,8 +31,7 @@ int parallel_to(const Int3& p, const Int3& q) {
 }
 
 // Half-units times 2^40, the lattice moved by (-2^24, -2^12, -1): coordinates below 2^8 leave each shift without weight
-// beside
-// the one before. The shift is in the determinant once, so small is as good as vanishing.
+// beside the one before. The shift is in the determinant once, so small is as good as vanishing.
 int by_integers(const Int3& p, const Int3& q, int axis, const Int3& corner) {
   constexpr int64_t shift[3] = {int64_t(1) << 24, int64_t(1) << 12, 1};
   const int i = (axis + 1) % 3, j = (axis + 2) % 3;
@@ -109,5 +107,5 @@ TEST(LatticeSigns, OfIntersectionsAreThoseFoundOneByOne) {
   EXPECT_GT(seen, 300);
 }
 
-}  // namespace
+}  // namespace test_lattice_signs
 }  // namespace limberg

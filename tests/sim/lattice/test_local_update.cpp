@@ -1,7 +1,7 @@
 // The update at the cost of the cut gives what the update from the whole lattice gives, to the last bit.
 #include <random>
 
-#include "sim/geometry/block.h"
+#include "sim/body/block.h"
 #include "sim/lattice/embedding.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/grid_fit.h"
@@ -9,7 +9,7 @@
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_local_update {
 
 void expect_same(const LatticeTopology& a, const LatticeTopology& b) {
   ASSERT_EQ(a.hash(), b.hash());
@@ -255,8 +255,7 @@ void expect_kept(const SurfaceView& before, const SurfaceView& now, const ViewCh
 }
 
 // The surface that is drawn is a function of the state alone: made from the version before it is, up to its numbers,
-// what
-// it is from nothing; after cuts, deepenings along the old front, excisions and undo. So is the model.
+// what it is from nothing; after cuts, deepenings along the old front, excisions and undo. So is the model.
 TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
   std::mt19937 random(11);
   const auto uniform = [&](double from, double to) { return from + (to - from) * (random() * (1.0 / 4294967296.0)); };
@@ -352,5 +351,5 @@ TEST(LocalUpdate, ViewAndEmbeddingAreThoseFromNothing) {
   EXPECT_GT(kept, 10);
 }
 
-}  // namespace
+}  // namespace test_local_update
 }  // namespace limberg::test

@@ -1,13 +1,13 @@
 // Slivers and debris: what blades that nearly coincide leave. No tissue gets lost, and the solver can hold what stays.
-#include "sim/fem/elastic_solver.h"
-#include "sim/geometry/block.h"
-#include "sim/geometry/skin.h"
+#include "sim/body/block.h"
+#include "sim/body/skin.h"
+#include "sim/fem/solver/elastic_solver.h"
 #include "sim/lattice/fem_assembly.h"
 #include "sim/lattice/grid_fit.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_slivers {
 
 constexpr double kDensity = 1.1e-6;  // kg/mm^3
 constexpr double kDebris_mm3 = 1;    // as World sweeps
@@ -68,8 +68,7 @@ struct Knife {
     ASSERT_EQ(a.check_all(), "");
     EXPECT_NEAR((a.volume_mm3() + swept_mm3) / whole_mm3, 1, 1e-12);
     // The lattice and the finite elements hold exactly what the surface encloses, whatever its share of a cell is.
-    // (Doubles:
-    // some 2000 copies of 43 mm^3.)
+    // (Doubles: some 2000 copies of 43 mm^3.)
     EXPECT_NEAR(t->volume_mm3 / a.volume_mm3(), 1, 1e-9);
     EXPECT_NEAR(mass_kg(*m) / (kDensity * a.volume_mm3()), 1, 1e-9);
     slivers = 0;
@@ -141,13 +140,12 @@ TEST(Slivers, TheSolverHoldsThem) {
   ASSERT_GT(many.slivers, 0);
   rest(many, u);
   // A sliver is in nobody's way: nothing is thrown farther than the banks of a plain cut gape, twice for the greater
-  // depth and
-  // for the strips that hang free between the walls.
+  // depth and for the strips that hang free between the walls.
   for (size_t n = 0; n < u.size(); ++n) {
     ASSERT_TRUE(u[n].allFinite());
     EXPECT_LT(u[n].norm(), 2 * widest) << n;
   }
 }
 
-}  // namespace
+}  // namespace test_slivers
 }  // namespace limberg::test

@@ -1,9 +1,9 @@
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "sim/lattice/topology.h"
 #include "tests/sim/lattice/lattice_scene.h"
 
 namespace limberg::test {
-namespace {
+namespace test_topology {
 
 const std::vector<Vec2> kRhombus{{10, 0}, {0, 6}, {-10, 0}, {0, -6}};
 
@@ -93,5 +93,5 @@ TEST(Topology, SurfaceBeyondTheLatticeIsRefused) {
   EXPECT_THROW(build_topology(g, material_surface(a)), InputError);
 }
 
-}  // namespace
+}  // namespace test_topology
 }  // namespace limberg::test

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "sim/cutting/arrangement.h"
+#include "sim/cutting/arrangement/arrangement.h"
 #include "sim/lattice/lattice.h"
 
 namespace limberg::test {

@@ -3,8 +3,8 @@
 #include <functional>
 #include <memory>
 
-#include "sim/cutting/surface_view.h"
-#include "sim/geometry/block.h"
+#include "sim/body/block.h"
+#include "sim/cutting/arrangement/surface_view.h"
 
 namespace limberg {
 

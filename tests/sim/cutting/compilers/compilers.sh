@@ -14,8 +14,8 @@ for compiler in ${COMPILERS:-g++ clang++}; do
     mkdir -p "$dir"
     objects=
     # What blades are built from strokes with, elements and the fuzz of readers are not needed.
-    for source in "$root"/sim/geometry/bvh.cpp "$root"/sim/geometry/exact/*.cpp "$root"/sim/cutting/*.cpp "$root"/sim/lattice/*.cpp \
-        "$root"/app/bench/fuzz/*.cpp "$root"/tests/sim/cutting/compilers/main.cpp; do
+    for source in "$root"/sim/geometry/bvh.cpp "$root"/sim/geometry/exact/*.cpp "$root"/sim/cutting/*/*.cpp "$root"/sim/lattice/*.cpp \
+        "$root"/tests/bench/fuzz/*.cpp "$root"/tests/sim/cutting/compilers/main.cpp; do
       case ${source##*/} in
         blade_*|drawn_*|pull_back*|snap_*|world_*|stroke*|wall_map*|wound*|attach*|sheet_*|stencil*|fem_*|embedding*|grid_fit*|readers*) continue ;;
       esac

@@ -3,9 +3,9 @@
 // level of optimisation.
 #include <cstdint>
 
-#include "app/bench/fuzz/generator.h"
-#include "sim/cutting/store.h"
-#include "sim/hash.h"
+#include "sim/base/hash.h"
+#include "sim/cutting/arrangement/store.h"
+#include "tests/bench/fuzz/generator.h"
 
 namespace limberg::test {
 

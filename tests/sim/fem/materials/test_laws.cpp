@@ -7,12 +7,12 @@
 #include <numbers>
 
 #include "../models.h"
-#include "sim/error.h"
+#include "sim/base/error.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
 
 namespace limberg {
-namespace {
+namespace test_laws {
 
 using test::Random;
 
@@ -143,8 +143,7 @@ TEST(Laws, ProjectedTangentHasNoNegativeEigenvalue) {
 }
 
 // The promise for inversion: a cell turned inside out is pushed back. (Energies that are even in every stretch, as I1
-// is,
-// cannot know; there the element's volume term does it.)
+// is, cannot know; there the element's volume term does it.)
 TEST(Laws, AnInvertedCellIsPushedBack) {
   for (const LawPtr& law : {ogden({{3, 9}, {-1, -4}}), corotated(20), corotated_full(20, 60),
                             neo_hookean_log_full(20, 60), neo_hookean_isochoric_full(20, 90)})
@@ -247,5 +246,5 @@ TEST(Laws, BadConstantsAreRefused) {
   EXPECT_THROW(dispersed_fibres({1, 1, 0.1}, {{Vec3::Zero()}}), InputError);
 }
 
-}  // namespace
+}  // namespace test_laws
 }  // namespace limberg

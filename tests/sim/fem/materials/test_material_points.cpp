@@ -2,14 +2,14 @@
 #include <gtest/gtest.h>
 
 #include "../models.h"
-#include "sim/fem/box_model.h"
-#include "sim/fem/material_points.h"
+#include "sim/fem/elements/material_points.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
-#include "sim/fem/reference_newton.h"
+#include "sim/fem/model/box_model.h"
+#include "sim/testing/reference_newton.h"
 
 namespace limberg {
-namespace {
+namespace test_material_points {
 
 using test::Random;
 
@@ -171,5 +171,5 @@ TEST(MaterialPoints, HomogeneousTensionOfEveryLaw) {
   }
 }
 
-}  // namespace
+}  // namespace test_material_points
 }  // namespace limberg

@@ -1,18 +1,17 @@
 // Relaxation against the analytic Prony series, and what must hold besides: rest stays rest, states come back, nothing
-// costs
-// anything where nothing relaxes.
+// costs anything where nothing relaxes.
 #include <gtest/gtest.h>
 
 #include <cstring>
 
 #include "../models.h"
-#include "sim/fem/material_points.h"
+#include "sim/fem/elements/material_points.h"
+#include "sim/fem/elements/viscous_points.h"
 #include "sim/fem/materials/fibres.h"
 #include "sim/fem/materials/isotropic.h"
-#include "sim/fem/viscous_points.h"
 
 namespace limberg {
-namespace {
+namespace test_viscous {
 
 constexpr double kMu = 20, kNu = 0.499;
 
@@ -79,8 +78,7 @@ struct Case {
 };
 
 // A sudden stretch of 20 %, held: the force is the relaxed one times 1 + sum ratio exp(-t / time). The jump is taken in
-// the middle
-// of the first step.
+// the middle of the first step.
 // The energy of a step in the middle of a history, against central differences of itself (single precision).
 TEST(Viscous, ForceIsTheDerivativeOfTheEnergy) {
   const FemModel m = bar({{0.8, 0.5}, {0.5, 4}}, dispersed_fibres({100, 1, 0.1}, {{Vec3::UnitX()}}));
@@ -257,8 +255,8 @@ TEST(Viscous, TissueTurnedInsideOutComesBack) {
 }
 
 // The loop for neo-Hookean layers against the one that asks the law (a sum of one law is no neo-Hookean to it): six
-// points in
-// every cell, prestretch, a history, and displacements that turn some cells inside out. Every instruction set.
+// points in every cell, prestretch, a history, and displacements that turn some cells inside out. Every instruction
+// set.
 TEST(Viscous, NeoHookeanLoopAgreesWithTheLaw) {
   const Mat3 M = Vec3(1.2, 1.1, 1 / (1.2 * 1.1)).asDiagonal();
   FemModel closed = bar({{0.8, 0.5}, {0.5, 4}}, nullptr, M), asked;
@@ -327,5 +325,5 @@ TEST(Viscous, NothingThatRelaxesNothingToRemember) {
   EXPECT_TRUE(solver->memory().empty() && solver->save().memory.empty());
 }
 
-}  // namespace
+}  // namespace test_viscous
 }  // namespace limberg

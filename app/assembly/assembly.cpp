@@ -1,0 +1,90 @@
+#include "app/assembly/assembly.h"
+
+#include <cmath>
+
+#include "app/head/build.h"
+#include "app/program/version.h"
+#include "sim/base/error.h"
+
+namespace limberg {
+
+namespace {
+
+GestureSettings gestures(const Scene& scene) {
+  GestureSettings g;
+  g.reach_mm = scene.tools.reach_mm;
+  g.default_depth_mm = scene.tools.default_depth_mm;
+  g.default_spacing_mm = scene.tools.default_spacing_mm;
+  return g;
+}
+
+std::unique_ptr<ScriptWriter> open_script(const std::string& file, const Scene& scene) {
+  if (file.empty()) return nullptr;
+  return std::make_unique<ScriptWriter>(file, ScriptHeader{scene.name, "written by a session as it went"},
+                                        ScriptWriter::Existing::replace);
+}
+
+}  // namespace
+
+std::unique_ptr<Patient> make_patient(const Scene& scene, World* world, Head* head) {
+  if (!head) return std::make_unique<WorldPatient>(*world, scene.tools.max_depth_mm);
+  return std::make_unique<HeadPatient>(*head, world, scene.tools.max_depth_mm, 1e-3 * ticks_per_solver_step(scene),
+                                       scene.head->carries_skin_mm);
+}
+
+Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed) {
+  Repro r;
+  r.program = program_name();
+  r.scene = scene.name;
+  r.scene_hash = scene.hash;
+  r.cell_mm = cell_mm;
+  r.seed = seed;
+  return r;
+}
+
+int ticks_per_solver_step(const Scene& scene) { return std::max(1, int(std::floor(1000.0 / scene.steps_per_s))); }
+
+StepSettings step_settings(const Scene& scene, bool real_time) {
+  StepSettings s;
+  s.max_iterations = scene.iterations_per_step;
+  s.tolerance = 1e-5;  // a patient at rest costs nothing; single precision reaches about 4e-6
+  if (scene.dynamic) s.dt_s = 1e-3 * ticks_per_solver_step(scene);
+  s.damping_per_s = scene.damping_per_s, s.integrator = scene.integrator;
+  s.adopt_when_ready = real_time;
+  return s;
+}
+
+Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const AssemblyOptions& o)
+    : scene(std::move(scene_in)),
+      calibration(calibration_in),
+      workers(o.workers),
+      world(scene.flesh ? std::make_unique<World>(world_spec(scene, build_body(scene)), workers) : nullptr),
+      head(scene.head ? std::make_unique<Head>(head_parts(scene, workers), workers) : nullptr),
+      patient(make_patient(scene, world.get(), head.get())),
+      front(calibration, gestures(scene)),
+      device(front, channels, o.record, o.record && o.real_time),
+      script(open_script(o.script_file, scene)),
+      repro(o.repro_dir, blank_repro(scene, scene.cell_mm, scene.seed)),
+      solver(
+          *patient, channels,
+          SolverSettings{step_settings(scene, o.real_time), 1, o.progressive_cut, o.record && o.real_time},
+          [this](const Command& c) {
+            done.push_back(c);
+            repro.done(c);
+            if (!script || !script_error.empty()) return;
+            try {
+              script->append(c);
+            } catch (const InputError& e) {
+              script_error = e.what();
+            }
+          },
+          [this](const Command& c, const std::string& reason) { repro.refused(c, reason, patient->topology_hash()); }),
+      render(channels, o.sink, o.draw_frames) {}
+
+SessionSettings Assembly::session_settings() const {
+  SessionSettings s;
+  s.ticks_per_solver_step = ticks_per_solver_step(scene);
+  return s;
+}
+
+}  // namespace limberg

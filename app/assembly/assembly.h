@@ -1,0 +1,61 @@
+#pragma once
+// A session put together: scene and calibration in, lanes out, ready for lockstep or real time.
+//
+// The order matters and is kept here: workers, body, World, head, channels, front end, lanes.
+#include <memory>
+#include <string>
+
+#include "app/assembly/repro.h"
+#include "app/assembly/world_patient.h"
+#include "app/head/patient.h"
+#include "app/scene/scene.h"
+#include "app/session/session.h"
+#include "app/session/workers_pool.h"
+#include "sim/commands/script.h"
+
+namespace limberg {
+
+struct AssemblyOptions {
+  int workers = 1;
+  bool record = false;           // pass samples on to a recorder
+  bool real_time = false;        // take a new preconditioner as soon as it is there
+  bool progressive_cut = false;  // incisions open while they are drawn
+  bool draw_frames = false;      // frames for the sink, not only stages
+  PictureSink* sink = nullptr;
+  std::string repro_dir;    // where refused cuts leave a file to try them again; empty: nowhere
+  std::string script_file;  // the session's own script; empty: none
+};
+
+class Assembly {
+ public:
+  Assembly(Scene scene, const Calibration& calibration, const AssemblyOptions& options);
+
+  SessionLanes lanes(Recorder* recorder) { return {device, solver, render, recorder}; }
+  /// Solver steps and frames as the scene asks.
+  SessionSettings session_settings() const;
+
+  const Scene scene;
+  const Calibration calibration;
+  WorkersPool workers;
+  const std::unique_ptr<World> world;  // null: no skin with flap tools
+  const std::unique_ptr<Head> head;    // null: no bone
+  const std::unique_ptr<Patient> patient;
+  Channels channels;
+  DeviceFrontEnd front;
+  DeviceLane device;
+  std::unique_ptr<ScriptWriter> script;
+  std::vector<Command> done;  // every command that was carried out
+  std::string script_error;   // the session goes on without its script when the disk is full
+  ReproWriter repro;
+  SolverLane solver;
+  RenderLane render;
+};
+
+/// The patient that a scene asks for: skin, head, or both.
+std::unique_ptr<Patient> make_patient(const Scene& scene, World* world, Head* head);
+/// What every repro file of this scene begins with.
+Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed);
+int ticks_per_solver_step(const Scene& scene);
+StepSettings step_settings(const Scene& scene, bool real_time);
+
+}  // namespace limberg

@@ -1,0 +1,80 @@
+#include "app/assembly/bundle.h"
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "app/program/temporary_folder.h"
+#include "app/result/output.h"
+#include "sim/base/error.h"
+
+namespace limberg {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kFoldersUp = 8;                     // a mesh may lie so many folders above its scene
+constexpr const char* kTissues = "tissues.toml";  // beside the scene, where it is looked for first
+constexpr size_t kMaxMesh = size_t(512) << 20;
+
+bool inside(const fs::path& root, const fs::path& p) {
+  const fs::path r = p.lexically_relative(root);
+  return !r.empty() && *r.begin() != "..";
+}
+
+}  // namespace
+
+std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration) {
+  std::vector<Blob> out;
+  out.push_back({BlobKind::scene, scene.name.substr(0, 63), scene.text});
+  out.push_back({BlobKind::calibration, calibration.name.substr(0, 63), to_toml(calibration)});
+  if (!scene.tissues.empty()) out.push_back({BlobKind::tissues, kTissues, scene.tissues});
+  if (scene.source == Scene::Source::obj) {
+    const fs::path folder = fs::path(scene.path).parent_path();
+    const std::string name = fs::path(scene.obj.path).lexically_relative(folder.empty() ? "." : folder).string();
+    if (name.empty() || fs::path(name).is_absolute() || name.size() > 63)
+      throw InputError(scene.path, 0,
+                       "mesh path \"" + scene.obj.path +
+                           "\" cannot go into a recording; expected a path of at most 63 bytes relative to the scene");
+    out.push_back({BlobKind::mesh, name, read_whole_file(scene.obj.path, kMaxMesh)});
+  }
+  return out;
+}
+
+Unbundled unbundle_scene(const Recording& rec, const std::string& file) {
+  const Blob* scene = rec.blob(BlobKind::scene);
+  if (!scene) throw InputError(file, 0, "no valid record of a scene; expected a recording that holds its scene whole");
+  bool has_files = false;
+  for (const Blob& b : rec.blobs) has_files |= b.kind == BlobKind::mesh || b.kind == BlobKind::tissues;
+  Unbundled out;
+  if (!has_files) {
+    out.scene = parse_scene(scene->data, file);
+  } else {
+    // The scene reads its mesh and tissues from paths relative to itself: lay all out below a folder of our own. A path
+    // that would lead out of it is refused.
+    const auto tmp = std::make_shared<TemporaryFolder>();
+    fs::path folder = tmp->path();
+    for (int i = 0; i < kFoldersUp; ++i) folder /= "s";
+    fs::create_directories(folder);
+    for (const Blob& b : rec.blobs) {
+      if (b.kind == BlobKind::tissues) write_whole_file((folder / kTissues).string(), b.data);
+      if (b.kind != BlobKind::mesh) continue;
+      const fs::path at = (folder / b.name).lexically_normal();
+      if (fs::path(b.name).is_absolute() || !inside(tmp->path(), at))
+        throw InputError(file, 0, "holds a mesh with the path \"" + b.name + "\"; expected a path near its scene");
+      fs::create_directories(at.parent_path());
+      write_whole_file(at.string(), b.data);
+    }
+    out.scene = parse_scene(scene->data, (folder / "scene.toml").string());
+    out.files = tmp;
+  }
+  if (!scene->name.empty()) out.scene.name = scene->name;
+  return out;
+}
+
+Calibration unbundle_calibration(const Recording& rec, const std::string& file) {
+  const Blob* b = rec.blob(BlobKind::calibration);
+  return b ? parse_calibration(b->data, file) : Calibration{};
+}
+
+}  // namespace limberg

@@ -1,0 +1,311 @@
+#include "app/assembly/lesson.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+
+#include "app/program/shipped.h"
+#include "app/result/output.h"
+#include "app/scene/toml_table.h"
+#include "sim/commands/procedures/catalogue.h"
+#include "sim/commands/strokes.h"
+#include "sim/measure/plan.h"
+
+namespace limberg {
+namespace {
+
+struct Known {
+  const char *name, *unit;
+  double hi;
+};
+constexpr Known kKnown[] = {{"corner_mm", "mm", 100},   {"angle_deg", "degrees", 180}, {"limb_percent", "%", 100},
+                            {"gap_mm", "mm", 50},       {"suture_N", "N", 100},        {"suture_peak_N", "N", 100},
+                            {"closure_N", "N", 1000},   {"dog_ear_mm", "mm", 100},     {"step_off_mm", "mm", 50},
+                            {"landmark_mm", "mm", 100}, {"waste_mm2", "mm2", 1e5},     {"time_s", "s", 1e5},
+                            {"path_mm", "mm", 1e7},     {"movements", "", 1e6},        {"undos", "", 1e5}};
+constexpr double kMissing_mm = 10;
+
+double angle_deg(const Vec2& a, const Vec2& b, const Vec2& c) {
+  const Vec2 u = a - b, v = c - b;
+  return std::abs(std::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v))) * 180 / std::numbers::pi;
+}
+
+struct Drawn {
+  std::vector<ChartPoint> corners;
+  bool closed = false;
+};
+
+std::string at_text(const ChartPoint& p) {
+  char t[60];
+  std::snprintf(t, sizeof t, "(%.1f, %.1f) mm", p.x(), p.y());
+  return t;
+}
+
+/// Of the corner that is farthest from anything drawn, or that nothing was drawn for.
+std::string why_missing(const DesignError& e) {
+  const auto off = [](const MissingCorner& c) {
+    return c.nearest ? (*c.nearest - c.planned).norm() : std::numeric_limits<double>::infinity();
+  };
+  const MissingCorner& c = *std::max_element(e.missing.begin(), e.missing.end(),
+                                             [&](const auto& a, const auto& b) { return off(a) < off(b); });
+  const std::string kind = c.outline ? "excision" : "incision";
+  char t[120];
+  std::snprintf(t, sizeof t, "%zu of the plan's %d corners were looked for within %g mm and not found: that of an ",
+                e.missing.size(), e.corners, kMissing_mm);
+  std::string s = t + kind + " at " + at_text(c.planned) + "; ";
+  if (!c.nearest) return s + "no " + kind + " was drawn";
+  std::snprintf(t, sizeof t, " is %.1f mm away", off(c));
+  return s + "the nearest drawn corner of one, at " + at_text(*c.nearest) + "," + t;
+}
+
+ChartPoint point_of(const toml::node& n, const std::string& file, const std::string& what) {
+  const toml::array* a = n.as_array();
+  const auto x = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt,
+             y = x ? a->get(1)->value<double>() : std::nullopt;
+  if (!y || !std::isfinite(*x) || !std::isfinite(*y))
+    throw InputError(file, int(n.source().begin.line), what + " is no place; expected [x, y] in mm");
+  return {*x, *y};
+}
+
+}  // namespace
+
+bool looks_like_lesson(std::string_view text) {
+  return text.starts_with("lesson") || text.find("\nlesson") != std::string_view::npos;
+}
+
+Lesson parse_lesson(const std::string& text, const std::string& file) {
+  const toml::table root = parse_toml(text, file, "a lesson");
+  Lesson l;
+  l.file = file;
+  Table top(&root, "", file);
+  for (const char* key : {"lesson", "goal", "scene"})
+    if (!top.has(key)) top.fail(key, std::string("is missing; expected ") + key + " = \"...\"");
+  top.text("lesson", l.title, 200);
+  top.text("goal", l.goal, 4000);
+  top.text("scene", l.scene);
+  if (const toml::node* n = root.get("hints")) {
+    const toml::array* a = n->as_array();
+    if (!a || a->size() > 50)
+      throw InputError(file, int(n->source().begin.line),
+                       "hints is no list of at most 50 texts; expected [\"...\", ...]");
+    for (const toml::node& e : *a) {
+      const auto hint = e.value<std::string>();
+      if (!hint || hint->empty() || hint->size() > 2000)
+        throw InputError(file, int(e.source().begin.line),
+                         "hints holds something that is no text; expected [\"...\", ...]");
+      l.hints.push_back(*hint);
+    }
+  }
+  top.finish({"hints", "procedure", "tolerance", "landmarks"});
+
+  Table p = section(root, "procedure", file);
+  if (!p.has("name")) throw InputError(file, 0, "[procedure] names none; expected name = \"...\" of limberg procedure");
+  p.text("name", l.plan.procedure);
+  const Procedure* known = nullptr;
+  try {
+    known = &find_procedure(l.plan.procedure);
+  } catch (const InputError& e) {
+    p.fail("name", std::string("is ") + e.what());
+  }
+  p.real("turn_deg", l.plan.turn_deg, -360, 360);
+  p.boolean("mirror", l.plan.mirrored);
+  if (const toml::node* n = root.get("procedure")->as_table()->get("at_mm"))
+    l.plan.at = point_of(*n, file, "procedure.at_mm");
+  const toml::table* values = p.table("values");
+  p.finish({"at_mm"});
+  Table v(values, "procedure.values", file);
+  for (const ProcedureParameter& q : known->parameters) {
+    if (!v.has(q.name.c_str())) continue;
+    double value = q.value;
+    v.real(q.name.c_str(), value, q.lo, q.hi);
+    l.plan.values.emplace_back(q.name, value);
+  }
+  if (values) {
+    std::string list;
+    for (const ProcedureParameter& q : known->parameters) list += (list.empty() ? "" : ", ") + q.name;
+    for (const auto& [k, n] : *values)
+      if (std::none_of(known->parameters.begin(), known->parameters.end(),
+                       [&, key = std::string(k.str())](const auto& q) { return q.name == key; }))
+        throw InputError(file, int(n.source().begin.line),
+                         "unknown parameter \"" + std::string(k.str()).substr(0, 40) + "\" of " + known->name +
+                             "; expected " + list);
+  }
+
+  Table t = section(root, "tolerance", file);
+  for (const Known& k : kKnown) {
+    if (!t.has(k.name)) {
+      double none = 0;
+      t.real(k.name, none, 0, k.hi);
+      continue;
+    }
+    double limit = 0;
+    t.real(k.name, limit, 0, k.hi);
+    l.tolerances.emplace_back(k.name, limit);
+  }
+  t.finish();
+  if (l.tolerances.empty()) throw InputError(file, 0, "[tolerance] holds nothing; expected at least one limit");
+  if (const toml::node* n = root.get("landmarks")) {
+    if (!n->is_table())
+      throw InputError(file, int(n->source().begin.line), "landmarks is not a table; expected [landmarks]");
+    for (const auto& [k, e] : *n->as_table())
+      l.landmarks.push_back(
+          {std::string(k.str()), point_of(e, file, "landmarks." + std::string(k.str()).substr(0, 40))});
+  }
+  return l;
+}
+
+std::string find_lesson(const std::string& name_or_path) {
+  namespace fs = std::filesystem;
+  std::error_code ec;
+  if (fs::exists(name_or_path, ec) && !fs::is_directory(name_or_path, ec))
+    return name_or_path;  // an --out folder may have the name
+  std::string list;
+  for (const std::string& root : shipped_roots()) {
+    const std::string folder = root == "." ? "app/lessons" : root + "/app/lessons";
+    const fs::path candidate = fs::path(folder) / (name_or_path + ".toml");
+    if (name_or_path.find('/') == std::string::npos && fs::exists(candidate, ec)) return candidate.string();
+    std::vector<std::string> names;
+    for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec))
+      if (it->path().extension() == ".toml") names.push_back(it->path().stem().string());
+    std::sort(names.begin(), names.end());
+    if (!names.empty()) list.clear();
+    for (const std::string& n : names) list += (list.empty() ? "" : ", ") + n;
+  }
+  throw InputError(name_or_path, 0,
+                   "no such lesson; expected a lesson file" + (list.empty() ? "" : " or one of: " + list));
+}
+
+std::string made_for_another(const Lesson& l, const std::string& scene_name, const std::string& scene_path) {
+  const auto stem = [](const std::string& file) { return std::filesystem::path(file).stem().string(); };
+  if (l.scene.empty() || l.scene == scene_name || stem(l.scene) == scene_name || stem(l.scene) == stem(scene_path))
+    return {};
+  return "the lesson \"" + l.title + "\" is for the scene " + l.scene + ", not for " + scene_name +
+         "; it is judged by it all the same";
+}
+
+Lesson open_lesson(const std::string& name_or_path) {
+  const std::string file = find_lesson(name_or_path);
+  return parse_lesson(read_whole_file(file, 1 << 20), file);
+}
+
+std::optional<DesignError> design_error(const PlanOnSkin& plan, std::span<const Command> script) {
+  std::vector<Drawn> drawn;
+  for (const Command& c : join_strokes(script)) {
+    if (const auto* e = std::get_if<Excise>(&c)) drawn.push_back({corners_of_outline(e->outline), true});
+    if (const auto* i = std::get_if<Incise>(&c)) drawn.push_back({corners_of_path(i->path), false});
+  }
+  if (drawn.empty()) return std::nullopt;
+  DesignError out;
+  double sum = 0;
+  int found = 0;
+  const auto compare = [&](const std::vector<Vec2>& figure, bool closed) {
+    std::vector<ChartPoint> on_chart;
+    for (const Vec2& p : figure) on_chart.push_back(plan.chart(p));
+    const std::vector<ChartPoint> want = closed ? corners_of_outline(on_chart) : corners_of_path(on_chart);
+    // Every planned corner and the drawn corner of the same kind of cut nearest to it: which cut, which corner.
+    std::vector<std::pair<const Drawn*, size_t>> match(want.size(), {nullptr, 0});
+    for (size_t i = 0; i < want.size(); ++i) {
+      double best = std::numeric_limits<double>::infinity();
+      for (const Drawn& d : drawn) {
+        if (d.closed != closed) continue;
+        for (size_t k = 0; k < d.corners.size(); ++k)
+          if (const double r = (d.corners[k] - want[i]).norm(); r < best) best = r, match[i] = {&d, k};
+      }
+      ++out.corners;
+      if (!(best < kMissing_mm)) {
+        out.missing.push_back(
+            {closed, want[i], match[i].first ? std::optional(match[i].first->corners[match[i].second]) : std::nullopt});
+        match[i].first = nullptr;
+        continue;
+      }
+      sum += best, ++found;
+      out.corner_max_mm = std::max(out.corner_max_mm, best);
+    }
+    const size_t n = want.size();
+    for (size_t i = 0; i < n; ++i) {
+      const auto [d, k] = match[i];
+      if (!d) continue;
+      const size_t m = d->corners.size();
+      if ((closed && n >= 3 && m >= 3) || (!closed && i > 0 && i + 1 < n && k > 0 && k + 1 < m))
+        out.angle_max_deg =
+            std::max(out.angle_max_deg,
+                     std::abs(angle_deg(want[(i + n - 1) % n], want[i], want[(i + 1) % n]) -
+                              angle_deg(d->corners[(k + m - 1) % m], d->corners[k], d->corners[(k + 1) % m])));
+      const size_t j = i + 1 == n ? 0 : i + 1;
+      if ((j == 0 && !closed) || !match[j].first) continue;
+      const double length = (want[j] - want[i]).norm();
+      if (length > 0)
+        out.limb_max_percent = std::max(
+            out.limb_max_percent,
+            100 * std::abs((match[j].first->corners[match[j].second] - d->corners[k]).norm() - length) / length);
+    }
+  };
+  for (const auto& e : plan.figure.excisions) compare(e, true);
+  for (const auto& i : plan.figure.incisions) compare(i, false);
+  if (found > 0) out.corner_mean_mm = sum / found;
+  return out;
+}
+
+std::vector<Judgement> judge(const Lesson& lesson, const LessonValues& values) {
+  std::vector<Judgement> out;
+  for (const auto& [name, limit] : lesson.tolerances) {
+    Judgement j;
+    j.name = name, j.limit = limit;
+    for (const Known& k : kKnown)
+      if (name == k.name) j.unit = k.unit;
+    if (const auto at = values.value.find(name); at == values.value.end()) {
+      const auto why = values.why_not.find(name);
+      j.why = why == values.why_not.end() ? "there is no such figure of this session" : why->second;
+    } else if (!std::isfinite(at->second)) {
+      j.why = "what was measured is no number";
+    } else {
+      j.value = at->second, j.met = at->second <= limit;
+    }
+    out.push_back(std::move(j));
+  }
+  return out;
+}
+
+LessonValues lesson_values(const Metrics& m, const std::optional<DesignError>& e) {
+  LessonValues v;
+  v.value = {{"dog_ear_mm", m.dog_ear_mm}, {"step_off_mm", m.step_off_mm}};
+  const auto without = [&](std::initializer_list<const char*> names, const std::string& why) {
+    for (const char* name : names) v.why_not[name] = why;
+  };
+  if (!m.sutures.empty())
+    v.value.insert({{"gap_mm", m.suture_gap_max_mm},
+                    {"suture_N", m.suture_force_max_N},
+                    {"suture_peak_N", m.suture_force_peak_N},
+                    {"closure_N", m.closure_force_N}});
+  else
+    without({"gap_mm", "suture_N", "suture_peak_N", "closure_N"}, "stitches were looked for at the end; there is none");
+  if (m.waste_mm2)
+    v.value["waste_mm2"] = *m.waste_mm2;
+  else
+    without({"waste_mm2"}, "an excision was looked for; nothing was excised");
+  const auto gone =
+      std::find_if(m.landmarks.begin(), m.landmarks.end(), [](const NamedLandmark& l) { return !l.figure; });
+  if (m.landmarks.empty())
+    without({"landmark_mm"}, "landmarks were looked for; neither scene nor lesson names one");
+  else if (gone != m.landmarks.end())
+    without({"landmark_mm"},
+            "the skin of " + gone->name + " was looked for at " + at_text(gone->at) + "; there is none");
+  else
+    v.value["landmark_mm"] = m.landmark_max_mm;
+  if (!e)
+    without({"corner_mm", "angle_deg", "limb_percent"},
+            "cuts were looked for where the plan has them; nothing was excised or incised");
+  else if (!e->missing.empty())
+    without({"corner_mm", "angle_deg", "limb_percent"}, why_missing(*e));
+  else
+    v.value.insert(
+        {{"corner_mm", e->corner_max_mm}, {"angle_deg", e->angle_max_deg}, {"limb_percent", e->limb_max_percent}});
+  without({"time_s"}, "the session's time was looked for; there is none");
+  without({"path_mm", "movements"}, "a hand's movements were looked for; none are recorded");
+  return v;
+}
+
+}  // namespace limberg

@@ -1,0 +1,64 @@
+#include "app/assembly/world_patient.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <tuple>
+
+#include "sim/lattice/topology.h"
+
+namespace limberg {
+
+namespace {
+
+double depth_of(const Command& c) {
+  if (const auto* i = std::get_if<Incise>(&c)) return i->depth_mm;
+  if (const auto* m = std::get_if<InciseMore>(&c)) return m->depth_mm;
+  if (const auto* u = std::get_if<Undermine>(&c)) return u->depth_mm;
+  if (const auto* e = std::get_if<Excise>(&c)) return e->depth_mm;
+  return 0;
+}
+
+}  // namespace
+
+void WorldPatient::fill_lattice(LatticeShown& out) const {
+  const FemModel& model = world_.solver().model();
+  const std::span<const Vec3f> u = world_.solver().displacement_mm();
+  const uint64_t version = world_.topology()->version;
+  if (!lattice_.edges || lattice_.version != version) {
+    const std::shared_ptr<const LatticeTopology> lattice = world_.lattice();
+    auto edges = std::make_shared<std::vector<LatticeShown::Edge>>();
+    // Corner k of a cell is high in x, y, z where bit 0, 1, 2 of k is set: an edge changes one bit.
+    for (size_t c = 0; c < model.cells.size(); ++c) {
+      const bool copied = lattice && c < lattice->cells.size() && lattice->copies_of(lattice->cells[c].cell) > 1;
+      for (int k = 0; k < 8; ++k)
+        for (int bit = 1; bit < 8; bit *= 2)
+          if (!(k & bit)) {
+            const auto [a, b] = std::minmax(model.cells[c].node[size_t(k)], model.cells[c].node[size_t(k | bit)]);
+            edges->push_back({a, b, copied});
+          }
+    }
+    std::sort(edges->begin(), edges->end(), [](const auto& x, const auto& y) {
+      return std::tuple(x.a, x.b, !x.copied) < std::tuple(y.a, y.b, !y.copied);
+    });
+    edges->erase(std::unique(edges->begin(), edges->end(),
+                             [](const auto& x, const auto& y) { return x.a == y.a && x.b == y.b; }),
+                 edges->end());
+    lattice_.version = version, lattice_.edges = std::move(edges);
+  }
+  out.version = version, out.edges = lattice_.edges;
+  out.node_mm.resize(model.X_mm.size());
+  for (size_t n = 0; n < model.X_mm.size(); ++n) out.node_mm[n] = model.X_mm[n].cast<float>() + u[n];
+}
+
+Outcome WorldPatient::apply(const Command& c) {
+  const double depth = depth_of(c);
+  if (depth > max_depth_mm_) {
+    char text[96];
+    std::snprintf(text, sizeof text, "depth %.6g mm is deeper than the scene allows; expected at most %.6g mm", depth,
+                  max_depth_mm_);
+    return {false, text};
+  }
+  return world_.apply(c);
+}
+
+}  // namespace limberg

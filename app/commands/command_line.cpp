@@ -1,0 +1,95 @@
+#include "app/commands/command_line.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <new>
+#include <utility>
+
+#include "app/program/interrupt.h"
+#include "app/program/version.h"
+#include "app/result/progress.h"
+#include "sim/base/error.h"
+
+namespace limberg {
+namespace {
+
+int defect(const char* what) {
+  say(std::string("internal error: ") + what + "; this is a defect of " + program_name() +
+      ", please report it with the command line and the input files to the project's issue list");
+  return kDefect;
+}
+
+/// What was printed may still wait in a buffer: a full disk is told, as for any other file.
+int flushed(int status) {
+  if (std::fflush(stdout) == 0 && !std::ferror(stdout)) return status;
+  pollfd reader{STDOUT_FILENO, POLLOUT, 0};
+  if (poll(&reader, 1, 0) == 1 && (reader.revents & POLLERR) != 0) return status;  // a pipe whose reader has had enough
+  say("standard output: cannot be written; expected room and permission");
+  return status == kDone ? int(kBadInput) : status;
+}
+
+/// A caller may have closed standard input, output or error. The next file that is opened would take that number, and
+/// what is printed would go into a recording.
+void keep_standard_files() {
+  for (const int fd : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDWR) != fd) std::abort();  // the lowest free number is fd
+}
+
+}  // namespace
+
+int run_command_line(CLI::App& app, std::vector<std::string> words, const Chosen& chosen, const char* first_steps) {
+  // `limberg help run` as `limberg run --help`, for those who are used to it.
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    const std::vector<const CLI::App*> commands = std::as_const(app).get_subcommands({});
+    if (words.empty() || std::any_of(commands.begin(), commands.end(),
+                                     [&](const CLI::App* c) { return c->get_name() == words.front(); }))
+      words.emplace_back("--help");
+  }
+  std::reverse(words.begin(), words.end());  // CLI11 takes them from the end
+  try {
+    app.parse(words);
+  } catch (const CLI::Success& e) {
+    return app.exit(e);  // --help, --version: on standard output
+  } catch (const CLI::ParseError& e) {
+    std::string what = e.what();
+    for (char& c : what)
+      if (c == '\n') c = ' ';
+    const std::vector<CLI::App*> command = app.get_subcommands();
+    const std::string help =
+        app.get_name() + " " + (command.empty() ? "" : command.front()->get_name() + " ") + "--help";
+    say(what + (what.find("; expected ") == std::string::npos ? "; expected a call as in " + help : " (" + help + ")"));
+    return kBadInput;
+  }
+  if (!chosen) {
+    if (app.get_subcommands().empty()) std::fputs(first_steps, stdout);
+    return kDone;
+  }
+  end_at_interrupts();  // commands with something to keep catch them instead
+  return chosen();
+}
+
+int run_framed(const std::function<int()>& body) {
+  keep_standard_files();
+  try {
+    return flushed(body());
+  } catch (const InputError& e) {
+    say(e.what());
+    return kBadInput;
+  } catch (const std::bad_alloc&) {
+    say("not enough memory for this input; expected a smaller body or larger cells (--cell-mm)");
+    return kBadInput;
+  } catch (const std::exception& e) {
+    return defect(e.what());
+  } catch (...) {
+    return defect("unknown exception");
+  }
+}
+
+}  // namespace limberg

@@ -1,0 +1,191 @@
+#include "app/pictures/film.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+#include "app/pictures/pictures.h"
+#include "app/result/output.h"
+#include "render/picture.h"
+#include "sim/base/error.h"
+
+extern char** environ;
+
+namespace limberg {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+// The codec's options by the film's ending; empty: unknown.
+std::vector<std::string> codec(const std::string& ending) {
+  if (ending == ".mp4")
+    return {"-c:v",     "libx264", "-preset",   "veryfast",   "-crf", "20",
+            "-pix_fmt", "yuv420p", "-movflags", "+faststart", "-f",   "mp4"};
+  if (ending == ".webm")
+    return {"-c:v", "libvpx-vp9", "-deadline", "realtime", "-cpu-used", "8",  "-crf",
+            "32",   "-b:v",       "0",         "-pix_fmt", "yuv420p",   "-f", "webm"};
+  return {};
+}
+
+/// A running ffmpeg that takes raw frames on its standard input.
+struct Encoder {
+  pid_t child = -1;
+  int to = -1;
+
+  void start(const std::vector<std::string>& words) {
+    int pipe_ends[2];
+    if (pipe2(pipe_ends, O_CLOEXEC) != 0)
+      throw InputError("ffmpeg", 0, std::string("no pipe: ") + std::strerror(errno) + "; expected one");
+    posix_spawn_file_actions_t files;
+    posix_spawn_file_actions_init(&files);
+    posix_spawn_file_actions_adddup2(&files, pipe_ends[0], 0);
+    posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY, 0);
+    std::vector<char*> arguments;
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    posix_spawnattr_t
+        alone;  // in a process group of its own: Ctrl-C on a terminal must not reach it before the last frame
+    posix_spawnattr_init(&alone);
+    posix_spawnattr_setflags(&alone, POSIX_SPAWN_SETPGROUP);
+    const int failed = posix_spawnp(&child, "ffmpeg", &files, &alone, arguments.data(), environ);
+    posix_spawnattr_destroy(&alone);
+    posix_spawn_file_actions_destroy(&files);
+    ::close(pipe_ends[0]);
+    if (failed) {
+      ::close(pipe_ends[1]);
+      child = -1;
+      throw InputError("ffmpeg", 0,
+                       std::string("cannot be run: ") + std::strerror(failed) +
+                           "; expected it to be installed (Debian: apt-get install ffmpeg)");
+    }
+    to = pipe_ends[1];
+  }
+  bool write(const uint8_t* bytes, size_t n) {
+    while (n > 0) {
+      const ssize_t w = ::write(to, bytes, n);
+      if (w < 0 && errno == EINTR) continue;
+      if (w <= 0) return false;
+      bytes += w, n -= size_t(w);
+    }
+    return true;
+  }
+  /// Its exit status once everything is written; -1 when it never ran.
+  int stop() {
+    if (to >= 0) ::close(to), to = -1;
+    if (child < 0) return -1;
+    int status = 0;
+    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    child = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  }
+};
+
+}  // namespace
+
+struct Film::Impl {
+  FilmSettings set;
+  std::string part;  // the film until it is whole
+  Camera camera;
+  std::unique_ptr<PictureMaker> maker;
+  Encoder encoder;
+  std::string title;
+  SecondHand glove;
+  int frames = 0;
+  bool broken = false, closed = false;
+};
+
+Film::Film(const Scene& scene, const FilmSettings& settings) : impl_(new Impl) {
+  Impl& i = *impl_;
+  i.set = settings;
+  i.camera = scene_camera(scene);
+  const std::vector<std::string> coded = codec(fs::path(settings.file).extension().string());
+  if (coded.empty())
+    throw InputError(settings.file, 0, "not a kind of film that is known; expected a name that ends in .mp4 or .webm");
+  check_writable(settings.file);
+  i.part = settings.file + "." + std::to_string(getpid()) + ".part";  // two processes may write into one folder
+  signal(SIGPIPE, SIG_IGN);  // an encoder that ends early is seen by the failed write
+  std::vector<std::string> words{"ffmpeg",
+                                 "-loglevel",
+                                 "error",
+                                 "-nostdin",
+                                 "-y",
+                                 "-f",
+                                 "rawvideo",
+                                 "-pix_fmt",
+                                 "rgb24",
+                                 "-video_size",
+                                 std::to_string(settings.width) + "x" + std::to_string(settings.height),
+                                 "-framerate",
+                                 std::to_string(settings.frames_per_s),
+                                 "-i",
+                                 "pipe:0"};
+  words.insert(words.end(), coded.begin(), coded.end());
+  words.push_back(i.part);
+  i.encoder.start(words);
+}
+
+Film::~Film() {
+  if (impl_->closed) return;
+  impl_->encoder.stop();
+  std::error_code ec;
+  fs::remove(impl_->part, ec);
+}
+
+void Film::prepare(const SurfaceTopology&) {
+  impl_->maker = std::make_unique<PictureMaker>(impl_->set.width, impl_->set.height, PictureQuality::still);
+  impl_->maker->set_camera(impl_->camera);
+}
+
+void Film::second_hand(const SecondHand& hand) { impl_->glove = hand; }
+
+void Film::frame(const Snapshot& snapshot, const ToolState& tool) {
+  Impl& i = *impl_;
+  if (i.broken || !i.maker) return;
+  PictureOptions o;
+  o.tool = tool_pose(tool, i.glove);
+  o.title = i.title;
+  const Image image = i.maker->skin(snapshot, o);
+  if (!i.encoder.write(image.rgb.data(), image.rgb.size()))
+    i.broken = true;
+  else
+    ++i.frames;
+}
+
+void Film::stage(const std::string& name, const Snapshot&) {
+  impl_->title = name;
+  if (!name.empty() && name[0] >= 'a' && name[0] <= 'z') impl_->title[0] = char(name[0] - 'a' + 'A');
+}
+
+bool Film::open() const { return !impl_->broken; }
+
+void Film::finish() { impl_->maker.reset(); }
+
+void Film::close() {
+  Impl& i = *impl_;
+  const int status = i.encoder.stop();
+  if (status != 0 || i.broken || i.frames == 0) {
+    std::error_code ec;
+    fs::remove(i.part, ec);
+    i.closed = true;
+    throw InputError(i.set.file, 0,
+                     "the film was not made: ffmpeg ended with status " + std::to_string(status) + " after " +
+                         std::to_string(i.frames) +
+                         " frames; expected a disk with room and an ffmpeg with the codec for this ending");
+  }
+  fs::rename(i.part, i.set.file);
+  i.closed = true;
+}
+
+int Film::frames() const { return impl_->frames; }
+
+}  // namespace limberg

@@ -1,0 +1,169 @@
+#include "app/pictures/pictures.h"
+
+#include <filesystem>
+
+#include "app/pictures/field_map.h"
+#include "app/pictures/skin_fields.h"
+#include "app/report/report_names.h"
+#include "app/result/output.h"
+#include "app/result/progress.h"
+#include "render/gl_context.h"
+#include "render/picture.h"
+#include "sim/measure/perfusion.h"
+#include "sim/measure/skin_strain.h"
+
+namespace limberg {
+
+namespace {
+
+PictureOptions titled(const std::string& title) {
+  PictureOptions o;
+  o.title = title;
+  if (!title.empty() && title[0] >= 'a' && title[0] <= 'z') o.title[0] = char(title[0] - 'a' + 'A');
+  return o;
+}
+
+}  // namespace
+
+Camera scene_camera(const Scene& scene) {
+  Camera c;
+  c.target_mm = scene.camera.target_mm.cast<float>();
+  c.eye_mm = scene.camera.eye_mm().cast<float>();
+  c.up = scene.camera.up.cast<float>();
+  c.fov_deg = float(scene.camera.fov_deg);
+  return c;
+}
+
+ToolPose tool_pose(const ToolState& t, const SecondHand& g) {
+  ToolPose p;
+  p.visible = t.valid != 0;
+  switch (Tool(t.tool)) {
+    case Tool::hook:
+      p.kind = ToolPose::Kind::hook;
+      break;
+    case Tool::suture:
+    case Tool::suture_row:
+      p.kind = ToolPose::Kind::needle_holder;
+      break;
+    case Tool::none:
+      p.kind = ToolPose::Kind::stylus;
+      break;
+    default:
+      p.kind = ToolPose::Kind::scalpel;
+      break;
+  }
+  for (int i = 0; i < 3; ++i) p.tip_mm[i] = float(t.tip_mm[i]), p.shaft[i] = float(t.shaft[i]);
+  GlovePose& hand = p.glove;
+  hand.visible = g.valid != 0, hand.closed = g.closed != 0, hand.points = g.points != 0;
+  hand.holds = g.held_hook != 0 || g.carried.holds != 0;
+  for (int i = 0; i < 3; ++i) {
+    hand.forefinger_mm[i] = float(g.forefinger_mm[i]), hand.thumb_mm[i] = float(g.thumb_mm[i]);
+    hand.pointing[i] = float(g.pointing[i]), hand.pointed_mm[i] = float(g.pointed_mm[i]);
+  }
+  return p;
+}
+
+struct OffscreenFrames::Impl {
+  Camera camera;
+  int width, height;
+  std::unique_ptr<PictureMaker> maker;
+  SecondHand glove;
+};
+
+OffscreenFrames::OffscreenFrames(const Scene& scene, int width, int height)
+    : impl_(new Impl{scene_camera(scene), width, height, nullptr, {}}) {}
+OffscreenFrames::~OffscreenFrames() = default;
+
+void OffscreenFrames::prepare(const SurfaceTopology&) {
+  try {
+    // No worker threads of the driver's own: on two cores they would take time from the solver.
+    impl_->maker = std::make_unique<PictureMaker>(impl_->width, impl_->height, PictureQuality::live, 0);
+    impl_->maker->set_camera(impl_->camera);
+  } catch (const RenderUnavailable& e) {
+    say(std::string("no frames: ") + e.what());
+  }
+}
+
+void OffscreenFrames::second_hand(const SecondHand& hand) { impl_->glove = hand; }
+
+void OffscreenFrames::frame(const Snapshot& snapshot, const ToolState& tool) {
+  if (!impl_->maker) return;
+  PictureOptions o;
+  o.tool = tool_pose(tool, impl_->glove);
+  impl_->maker->skin(snapshot, o);
+}
+
+void OffscreenFrames::finish() { impl_->maker.reset(); }
+
+void draw_member_picture(const std::string& file, const std::string& title, const Snapshot& shown) {
+  try {
+    PictureMaker pictures(960, 600);
+    pictures.focus_from(shown);
+    write_png(file, pictures.skin(shown, titled(title)));
+  } catch (const RenderUnavailable& e) {
+    say(std::string("no pictures: ") + e.what());
+  }
+}
+
+namespace {
+
+/// What cannot be seen: where the blood may not reach, and how hard the skin is pulled.
+void draw_maps(const std::string& dir, const Snapshot& last) {
+  const Skin skin(last.topology->body);
+  const SurfaceView& view = last.topology->view;
+  write_whole_file(dir + "/" + report_names::perfusion,
+                   field_map_svg(view, skin.body(), perfusion(view, skin).index,
+                                 {"Perfusion index (dark: little)", "", 0, 1, true}));
+  const std::vector<MembraneState> states = skin_states(view, last.x_mm, skin.body());
+  std::vector<float> stress(states.size(), -1);
+  std::vector<std::pair<double, double>> all;
+  for (size_t t = 0; t < states.size(); ++t)
+    if (states[t].area_mm2 > 0)
+      stress[t] = float(std::max(0.0, states[t].stress_kPa)), all.emplace_back(double(stress[t]), states[t].area_mm2);
+  write_whole_file(dir + "/" + report_names::stress,
+                   field_map_svg(view, skin.body(), stress,
+                                 {"Largest principal stress of the skin", "kPa", 0,
+                                  std::max(1.0, weighted_percentile(all, 0.99)), false}));
+}
+
+}  // namespace
+
+void remove_report_pictures(const std::string& dir) {
+  std::error_code none;
+  for (const char* name : {report_names::overview, report_names::tension, report_names::perfusion, report_names::stress,
+                           report_names::height, report_names::moved, report_names::risk})
+    std::filesystem::remove(std::filesystem::path(dir) / name, none);
+}
+
+void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last) {
+  remove_report_pictures(dir);
+  if (!last.topology) return;
+  draw_maps(dir, last);
+  try {
+    PictureMaker pictures(1280, 720);
+    pictures.focus_from(last);
+    if (!stages.empty()) prepare_folder(dir + "/" + report_names::stages_dir);
+    for (const StageRow& s : stages)
+      if (s.shown.topology)
+        write_png(dir + "/" + report_names::stage_picture(s.number, s.name), pictures.skin(s.shown, titled(s.name)));
+    write_png(dir + "/" + report_names::overview, pictures.skin(last));
+    if (!last.field.empty())
+      write_png(dir + "/" + report_names::tension, pictures.tension(last, titled("Tension of the skin")));
+    SkinFields fields;
+    for (const auto& [field, file] :
+         {std::pair(SkinField::height, report_names::height), std::pair(SkinField::moved, report_names::moved),
+          std::pair(SkinField::perfusion, report_names::risk)}) {
+      const FieldShown& shown = fields.show(field, last);
+      const SkinFieldLook& look = look_of(field);
+      if (!shown.value.empty())
+        write_png(dir + "/" + file,
+                  pictures.field(last, shown.value,
+                                 {look.title, look.unit, shown.lo, shown.hi, look.scale, shown.above, shown.below},
+                                 titled(look.name)));
+    }
+  } catch (const RenderUnavailable& e) {
+    say(std::string("no pictures: ") + e.what());
+  }
+}
+
+}  // namespace limberg

@@ -1,0 +1,47 @@
+#pragma once
+// Pictures of a session: frames while it runs, and the still pictures of the report afterwards.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/scene/scene.h"
+#include "app/session/picture_sink.h"
+#include "app/session/solver_lane.h"
+#include "render/tool_pose.h"
+#include "render/view.h"
+
+namespace limberg {
+
+/// Where a scene's camera stands, and what the hands are and hold, as pictures know them.
+Camera scene_camera(const Scene& scene);
+ToolPose tool_pose(const ToolState& tool, const SecondHand& glove = {});
+
+/// Draws frames off screen and throws them away: what a session without a window costs is then what one with a window
+/// costs. Where no context can be made it says so once and draws nothing.
+class OffscreenFrames final : public PictureSink {
+ public:
+  OffscreenFrames(const Scene& scene, int width, int height);
+  ~OffscreenFrames() override;
+  void prepare(const SurfaceTopology& first) override;
+  void second_hand(const SecondHand& hand) override;
+  void frame(const Snapshot& snapshot, const ToolState& tool) override;
+  void stage(const std::string&, const Snapshot&) override {}
+  void finish() override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The picture of one member of a study: its operated region, with the title. Says so when none can be made.
+void draw_member_picture(const std::string& file, const std::string& title, const Snapshot& shown);
+
+/// Removes the pictures that an earlier run has left under the report's own names: another scene's would be shown as
+/// this one's.
+void remove_report_pictures(const std::string& dir);
+
+/// Draws DIR/stages/NN-name.png, DIR/overview.png and DIR/tension.png (report_names.h), all with one camera on what was
+/// operated. Says in one line when pictures cannot be made here; InputError when a file cannot be written.
+void draw_report_pictures(const std::string& dir, const std::vector<StageRow>& stages, const Snapshot& last);
+
+}  // namespace limberg

@@ -1,0 +1,16 @@
+#pragma once
+// Measurements of a patient on their way into result.json.
+#include <span>
+
+#include "app/result/result.h"
+#include "sim/measure/metrics.h"
+
+namespace limberg {
+
+/// All figures of a patient; `script`: what was done to it.
+Metrics measure_world(const World& world, std::span<const Command> script, const MeasureAlso& also = {});
+
+/// `metrics` and `balance`.
+void fill_metrics(Result& result, const Metrics& metrics);
+
+}  // namespace limberg

@@ -1,0 +1,108 @@
+#include "app/result/result.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "app/program/version.h"
+#include "app/result/output.h"
+#include "sim/base/error.h"
+
+namespace limberg {
+
+using Json = nlohmann::ordered_json;
+
+struct Result::Impl {
+  Json json;
+  Json& at(std::string_view path) { return json[Json::json_pointer(std::string(path))]; }
+};
+
+namespace {
+
+std::string cpu_name() {
+  std::ifstream in("/proc/cpuinfo");
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with("model name")) {
+      const size_t colon = line.find(':');
+      if (colon != std::string::npos && colon + 2 <= line.size()) return line.substr(colon + 2);
+    }
+  return "unknown";
+}
+
+}  // namespace
+
+Result::Result(const std::string& command, const std::string& scene) : impl_(std::make_unique<Impl>()) {
+  set("/limberg/version", version());
+  set("/limberg/commit", commit());
+  set("/command", command);
+  set("/scene", scene);
+  set("/machine/cpu", cpu_name());
+  set("/machine/cores", int64_t(sysconf(_SC_NPROCESSORS_ONLN)));
+  set("/ok", true);
+}
+Result::~Result() = default;
+Result::Result(Result&&) noexcept = default;
+
+void Result::set(std::string_view path, double v) { impl_->at(path) = v; }
+void Result::set(std::string_view path, int64_t v) { impl_->at(path) = v; }
+void Result::set(std::string_view path, bool v) { impl_->at(path) = v; }
+void Result::set(std::string_view path, const std::string& v) { impl_->at(path) = v; }
+void Result::set_empty_list(std::string_view path) { impl_->at(path) = Json::array(); }
+
+int Result::entries(std::string_view path) const {
+  const Json::json_pointer at{std::string(path)};
+  return impl_->json.contains(at) && impl_->json.at(at).is_array() ? int(impl_->json.at(at).size()) : 0;
+}
+
+void Result::set(std::string_view path, std::span<const float> v) {
+  Json list = Json::array();
+  for (const float x : v) {
+    // The shortest decimals of the float, not of the double that it becomes.
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", double(x));
+    list.push_back(std::isfinite(x) ? Json(std::stod(text)) : Json());
+  }
+  impl_->at(path) = std::move(list);
+}
+
+void Result::set_hash(std::string_view path, uint64_t hash) { set(path, hex(hash)); }
+
+void Result::take(std::string_view path, const std::string& other_file) {
+  const Json other = Json::parse(read_whole_file(other_file), nullptr, false);
+  if (!other.is_object()) throw InputError(other_file, 0, "is not a JSON object; expected a result.json");
+  const Json::json_pointer p{std::string(path)};
+  if (other.contains(p)) impl_->at(path) = other.at(p);
+}
+
+void Result::set_times(std::string_view path, const Histogram& h, double unit, const Which& which) {
+  const auto put = [&](const char* name, int64_t ns) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", double(ns) * unit);
+    set(std::string(path) + "/" + name, std::stod(text));
+  };
+  put("p50", h.percentile_ns(0.5));
+  if (which.p95) put("p95", h.percentile_ns(0.95));
+  if (which.p99) put("p99", h.percentile_ns(0.99));
+  if (which.p999) put("p999", h.percentile_ns(0.999));
+  if (which.max) put("max", h.max_ns());
+}
+
+std::string Result::text() const { return impl_->json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+void Result::write(const std::string& file) const { write_whole_file(file, text()); }
+
+double peak_memory_mb() {
+  rusage u{};
+  getrusage(RUSAGE_SELF, &u);
+  return double(u.ru_maxrss) / 1024.0;
+}
+
+std::string hex(uint64_t v) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(v));
+  return text;
+}
+
+}  // namespace limberg

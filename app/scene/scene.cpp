@@ -1,0 +1,280 @@
+#include "app/scene/scene.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+#include "app/scene/scene_head_read.h"
+#include "app/scene/scene_layers.h"
+#include "app/scene/toml_table.h"
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+
+namespace limberg {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr size_t kMaxBytes = 1 << 20;
+
+std::string slurp(const std::string& path, const char* expected, size_t max_bytes) {
+  std::error_code ec;
+  if (!fs::exists(path, ec)) throw InputError(path, 0, std::string("no such file; expected ") + expected);
+  if (fs::is_directory(path, ec)) throw InputError(path, 0, std::string("is a folder; expected ") + expected);
+  std::ifstream in(path, std::ios::binary);
+  if (!in)
+    throw InputError(path, 0, std::string("cannot be opened (") + std::strerror(errno) + "); expected " + expected);
+  std::string text;
+  std::vector<char> part(1 << 16);
+  while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
+    text.append(part.data(), size_t(in.gcount()));
+    if (text.size() > max_bytes)
+      throw InputError(path, 0, "the file is too large; expected at most " + std::to_string(max_bytes) + " bytes");
+  }
+  if (in.bad()) throw InputError(path, 0, "cannot be read to its end; expected a readable file");
+  return text;
+}
+
+void read_body(Table t, Scene& s, const std::string& file) {
+  if (!t.present()) throw InputError(file, 0, "[body] is missing; expected source = \"block\" or \"obj\"");
+  std::string source;
+  if (!t.has("source")) t.fail("source", "is missing; expected \"block\" or \"obj\"");
+  t.text("source", source);
+  Vec3 tension = Vec3::UnitX();
+  t.direction("tension_direction", tension);
+  if (source == "block") {
+    s.source = Scene::Source::block;
+    s.block.name = s.name;
+    s.block.tension_direction = tension;
+    t.vector("size_mm", s.block.size_mm, 1000);
+    if (s.block.size_mm.minCoeff() < 1)
+      t.fail("size_mm", "has a side of " + number(s.block.size_mm.minCoeff()) + " mm; expected 1 to 1000 mm");
+    if (tension.head<2>().norm() < 1e-3 * tension.norm())
+      t.fail("tension_direction", "stands upright on the skin; expected a direction in its plane");
+    t.real("skin_cell_mm", s.block.skin_cell_mm, 0.1, 100);
+    if (s.block.size_mm.x() * s.block.size_mm.y() / (s.block.skin_cell_mm * s.block.skin_cell_mm) > 2e6)
+      t.fail("skin_cell_mm", "makes more than 4 million triangles; expected larger skin cells");
+  } else if (source == "obj") {
+    s.source = Scene::Source::obj;
+    s.obj.tension_direction = tension;
+    std::string mesh;
+    if (!t.has("mesh")) t.fail("mesh", "is missing; expected the path of an OBJ file");
+    t.text("mesh", mesh, 4000);
+    s.obj.path =
+        fs::path(mesh).is_absolute() ? mesh : (fs::path(file).parent_path() / mesh).lexically_normal().string();
+    t.real("scale_to_mm", s.obj.scale_to_mm, 0, 1e6, true);
+    t.direction("deep_direction", s.obj.deep_direction);
+    t.real("deep_angle_deg", s.obj.deep_angle_deg, 0, 180);
+    if (t.has("deep_center_mm")) t.vector("deep_center_mm", s.obj.deep_center_mm.emplace(Vec3::Zero()), 1e6);
+    t.real("deep_plane_mm", s.obj.deep_plane_mm, -1e6, 1e6);
+    t.vector("chart_origin_mm", s.obj.chart_origin_mm, 1e6);
+    t.direction("chart_e1", s.obj.chart_e1);
+    t.direction("chart_e2", s.obj.chart_e2);
+    if (s.obj.chart_e1.cross(s.obj.chart_e2).norm() < 1e-3 * s.obj.chart_e1.norm() * s.obj.chart_e2.norm())
+      t.fail("chart_e2", "is parallel to chart_e1; expected two directions that span the chart");
+  } else {
+    t.fail("source", "is of no known kind; expected \"block\" or \"obj\"");
+  }
+  t.finish();
+}
+
+}  // namespace
+
+Vec3 Scene::Camera::eye_mm() const { return target_mm + distance_mm * from.normalized(); }
+
+Scene parse_scene(const std::string& text, const std::string& path, std::shared_ptr<const LawCatalogue> laws) {
+  if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+    throw InputError(path, 0, "the file is empty; expected a scene");
+  if (text.size() > kMaxBytes) throw InputError(path, 0, "the scene is larger than 1 MB; expected less");
+  const toml::table root = parse_toml(text, path, "a scene");
+
+  Scene s;
+  s.path = path;
+  s.text = text;
+  s.name = fs::path(path).stem().string();
+  Table top(&root, "", path);
+  top.text("name", s.name, 200);
+  top.text("note", s.note, 10'000);
+  top.finish({"head", "body", "layer", "lattice", "build", "springs", "solver", "tools", "landmarks", "camera"});
+
+  s.head = read_head(root, path);
+  s.flesh = !s.head || root.contains("body");
+  if (!s.flesh)
+    for (const char* key : {"layer", "lattice", "springs", "build"})
+      if (const toml::node* n = root.get(key))
+        throw InputError(path, int(n->source().begin.line),
+                         std::string(key) + " belongs to a [body], and there is none; expected a [body] or no " + key);
+  if (s.flesh) read_body(section(root, "body", path), s, path);
+  s.laws = laws ? laws : shipped_laws();
+  std::optional<TissueLibrary> library;
+  if (s.flesh)
+    (s.source == Scene::Source::block ? s.block.layers : s.obj.layers) =
+        read_layers(root, path, *s.laws, [&](Table& layer) -> const TissueLibrary& {
+          if (library) return *library;
+          const std::string file = find_tissues(path);
+          if (file.empty())
+            layer.fail(
+                "tissue",
+                "cannot be looked up: there is no tissues.toml beside the scene or in the folder above; expected one");
+          s.tissues = slurp(file, "a library of tissues", kMaxBytes);
+          return library.emplace(parse_tissues(s.tissues, file, *s.laws));
+        });
+
+  Table lattice = section(root, "lattice", path);
+  lattice.real("cell_mm", s.cell_mm, 0.2, 100);
+  if (s.flesh && s.source == Scene::Source::block && s.cell_mm > s.block.size_mm.minCoeff())
+    lattice.fail("cell_mm", "is " + number(s.cell_mm) + ", larger than the block's side of " +
+                                number(s.block.size_mm.minCoeff()) + " mm; expected cells that fit into it");
+  if (s.flesh && s.source == Scene::Source::block && s.block.size_mm.prod() / (s.cell_mm * s.cell_mm * s.cell_mm) > 2e6)
+    lattice.fail("cell_mm", "makes more than 2 million cells; expected larger cells");
+  lattice.boolean("refine_fronts", s.refine_fronts);
+  lattice.boolean("refine_pockets", s.refine_pockets);
+  lattice.real("region_mm", s.region_mm, 0, 1e5);
+  lattice.finish();
+
+  Table build = section(root, "build", path);
+  build.boolean("can_cut", s.can_cut);
+  build.boolean("dynamic", s.dynamic);
+  build.choice("contact", [&](int v) {
+    s.contact = v < 0 ? ContactChoice::automatic : v ? ContactChoice::on : ContactChoice::off;
+  });
+  build.finish();
+
+  Table springs = section(root, "springs", path);
+  springs.real("suture_N_per_mm", s.suture_N_per_mm, 0, 1e4, true);
+  springs.real("suture_bite_mm", s.suture_bite_mm, 0, 10);
+  springs.real("hook_N_per_mm", s.hook_N_per_mm, 0, 1e4, true);
+  springs.finish();
+
+  Table solver = section(root, "solver", path);
+  solver.integer("iterations_per_step", 1, 1000, [&](int64_t v) { s.iterations_per_step = int(v); });
+  solver.real("steps_per_s", s.steps_per_s, 1, 1000);
+  solver.real("damping_per_s", s.damping_per_s, 0, 1e4);
+  if (std::string name = "backward_euler"; solver.has("integrator")) {
+    solver.text("integrator", name);
+    if (name != "backward_euler" && name != "bdf2")
+      solver.fail("integrator", "is \"" + name + "\"; expected \"backward_euler\" or \"bdf2\"");
+    s.integrator = name == "bdf2" ? Integrator::bdf2 : Integrator::backward_euler;
+  } else {
+    solver.text("integrator", name);
+  }
+  solver.integer("seed", 0, std::numeric_limits<int64_t>::max(), [&](int64_t v) { s.seed = uint64_t(v); });
+  solver.finish();
+
+  Table tools = section(root, "tools", path);
+  tools.real("max_depth_mm", s.tools.max_depth_mm, 0, 200, true);
+  tools.real("default_depth_mm", s.tools.default_depth_mm, 0, 200, true);
+  tools.real("default_spacing_mm", s.tools.default_spacing_mm, 0.5, 100);
+  tools.real("reach_mm", s.tools.reach_mm, 0.1, 50);
+  if (bool on = false; tools.has("progressive_cut"))
+    tools.boolean("progressive_cut", on), s.tools.progressive_cut = on;
+  else
+    tools.boolean("progressive_cut", on);
+  if (s.tools.default_depth_mm > s.tools.max_depth_mm)
+    tools.fail("default_depth_mm", "is larger than max_depth_mm; expected at most " + number(s.tools.max_depth_mm));
+  tools.finish();
+
+  if (const toml::node* n = root.get("landmarks")) {
+    if (!n->is_table() || n->as_table()->size() > 50)
+      throw InputError(path, int(n->source().begin.line),
+                       "landmarks is no table of at most 50 places; expected [landmarks] with NAME = [x, y]");
+    for (const auto& [name, at] : *n->as_table()) {
+      const toml::array* a = at.as_array();
+      const auto x = a && a->size() == 2 ? a->get(0)->value<double>() : std::nullopt,
+                 y = x ? a->get(1)->value<double>() : std::nullopt;
+      if (!y || !(std::abs(*x) <= 1e4) || !(std::abs(*y) <= 1e4))
+        throw InputError(path, int(at.source().begin.line),
+                         "landmarks." + std::string(name.str()).substr(0, 40) + " is no place; expected [x, y] in mm");
+      s.landmarks.push_back({std::string(name.str()), {*x, *y}});
+    }
+  }
+
+  Table camera = section(root, "camera", path);
+  camera.vector("target_mm", s.camera.target_mm, 1e4);
+  camera.direction("from", s.camera.from);
+  camera.direction("up", s.camera.up);
+  if (s.camera.from.cross(s.camera.up).norm() < 1e-3 * s.camera.from.norm() * s.camera.up.norm())
+    camera.fail("up", "points along the line of sight; expected a direction across it");
+  camera.real("distance_mm", s.camera.distance_mm, 10, 5000);
+  camera.real("fov_deg", s.camera.fov_deg, 5, 120);
+  camera.finish();
+
+  Hash64 h;
+  h.add(text);
+  if (!s.tissues.empty()) h.add(s.tissues);
+  if (s.source == Scene::Source::obj)
+    h.add(slurp(s.obj.path, "the OBJ surface that the scene names", ObjLimits::file_bytes));
+  if (s.head) {
+    for (const std::string& f : s.head->bone_files)
+      h.add(slurp(f, "a simplex mesh that the scene names", ObjLimits::file_bytes));
+    if (!s.head->face_file.empty())
+      h.add(slurp(s.head->face_file, "a simplex mesh that the scene names", ObjLimits::file_bytes));
+  }
+  s.hash = h.value();
+  return s;
+}
+
+Scene load_scene(const std::string& path) { return parse_scene(slurp(path, "a scene file", kMaxBytes), path); }
+
+std::string find_scene(const std::string& name_or_path, const std::vector<std::string>& folders) {
+  std::error_code ec;
+  if (fs::exists(name_or_path, ec) && !fs::is_directory(name_or_path, ec))
+    return name_or_path;  // an --out folder may have the name
+  std::vector<std::string> names;
+  for (const auto& f : folders) {
+    const fs::path candidate = fs::path(f) / (name_or_path + ".toml");
+    if (name_or_path.find('/') == std::string::npos && fs::exists(candidate, ec)) return candidate.string();
+    for (fs::directory_iterator it(f, ec), end; !ec && it != end; it.increment(ec))
+      if (it->path().extension() == ".toml") names.push_back(it->path().stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  std::string list;
+  for (const auto& n : names) list += (list.empty() ? "" : ", ") + n;
+  throw InputError(name_or_path, 0,
+                   "no such scene; expected a scene file" + (list.empty() ? "" : " or one of: " + list));
+}
+
+std::shared_ptr<const Body> build_body(const Scene& scene, SurfaceReport* report) {
+  if (scene.source == Scene::Source::obj) {
+    auto body = std::make_shared<Body>(load_obj(scene.obj, report));
+    body->name = scene.name;
+    body->laws = scene.laws;
+    if (const double side = (body->box_max_mm - body->box_min_mm).minCoeff(); scene.cell_mm > side)
+      throw InputError(scene.path, 0,
+                       "lattice.cell_mm is " + number(scene.cell_mm) + ", larger than the surface's smallest side of " +
+                           number(side) + " mm; expected cells that fit into it");
+    return body;
+  }
+  auto body = std::make_shared<Body>(make_block(scene.block));
+  body->laws = scene.laws;
+  if (report) *report = validate_surface(body->surface, body->grid, scene.path);
+  return body;
+}
+
+WorldSpec world_spec(const Scene& scene, std::shared_ptr<const Body> body) {
+  WorldSpec w;
+  w.body = std::move(body);
+  w.cell_mm = scene.cell_mm;
+  w.suture_k_N_per_mm = scene.suture_N_per_mm;
+  w.suture_bite_mm = scene.suture_bite_mm;
+  w.hook_k_N_per_mm = scene.hook_N_per_mm;
+  w.can_cut = scene.can_cut;
+  w.refine_fronts = scene.refine_fronts;
+  w.refine_pockets = scene.refine_pockets;
+  w.region_mm = scene.region_mm;
+  w.dynamic = scene.dynamic;
+  w.contact = scene.contact;
+  w.seed = scene.seed;
+  return w;
+}
+
+}  // namespace limberg

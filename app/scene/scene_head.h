@@ -1,0 +1,52 @@
+#pragma once
+// The part of a scene that is a head.
+//
+//   [head]           source = "synthetic" | "files"
+//                    synthetic: mandible_scale, ramus_left, vault_wide, vault_long, forehead_flat
+//                    (sim/imaging/synthetic/head_shape.h), edge_mm,
+//                    face_edge_mm
+//                    files: bones = ["cranium.txt", ...] simplex meshes relative to the scene file, the first of them
+//                    fixed unless
+//                    "fixed" says otherwise; face = "face.txt"
+//                    both: offset_mm = [x, y, z], by which the head is shifted (to where the skin of a [body] lies),
+//                    fixed = ["cranium", ...] names of bones that do not move (of a file: its stem), face = true |
+//                    false,
+//                    iterations_per_step of the face, show_face = "solid" | "clear" | "hidden" at the beginning,
+//                    carries_skin_mm: with a [body], its fixed nodes that are at most so far from bone move with it
+//   [[head.tissue]]  name, face and bone: a place [x, y, z] or a landmark's name; face_radius_mm, bone_radius_mm (0:
+//   all bone), layers,
+//                    young_kPa, mode = "smoothing" | "springs" | "shape" | "finite_elements"
+//   [head.landmarks] NAME = [x, y, z] on bone;  [head.face_landmarks] the same on the face
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/commands/head_command.h"
+
+namespace limberg {
+
+enum class FaceShown : uint8_t { solid, clear, hidden };
+
+struct HeadScene {
+  enum class Source { synthetic, files } source = Source::synthetic;
+  double mandible_scale = 1, ramus_left = 1, vault_wide = 1, vault_long = 1, forehead_flat = 0, edge_mm = 4,
+         face_edge_mm = 5;
+  std::vector<std::string> bone_files;  // resolved against the scene's folder
+  std::string face_file;
+  std::vector<std::string> fixed{"cranium"};
+  bool face = true;
+  int iterations_per_step = 12;
+  FaceShown shown = FaceShown::solid;
+  double carries_skin_mm = 6;
+  Vec3 offset_mm{0, 0, 0};
+
+  struct TissueAt {
+    ConnectTissue tissue;              // its places are filled in when the head is built
+    std::string face_name, bone_name;  // landmarks; empty: the place is given
+  };
+  std::vector<TissueAt> tissues;
+  std::vector<std::pair<std::string, Vec3>> landmarks, face_landmarks;
+};
+
+}  // namespace limberg

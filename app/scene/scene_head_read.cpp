@@ -1,0 +1,153 @@
+#include "app/scene/scene_head_read.h"
+
+#include <filesystem>
+#include <iterator>
+
+namespace limberg {
+
+namespace {
+
+namespace fs = std::filesystem;
+constexpr size_t kMostLandmarks = 200, kMostTissues = 50, kMostBones = 20;
+
+std::vector<std::string> texts(Table& t, const toml::table& head, const char* key, const char* expected) {
+  std::vector<std::string> out;
+  const toml::node* n = head.get(key);
+  const toml::array* a = n ? n->as_array() : nullptr;
+  if (n && (!a || a->size() > kMostBones))
+    t.fail(key, std::string("is no list of at most 20 names; expected ") + expected);
+  if (a)
+    for (const toml::node& e : *a) {
+      const std::optional<std::string> s = e.value<std::string>();
+      if (!s || s->empty() || s->size() > 4000)
+        t.fail(key, std::string("holds something that is no name; expected ") + expected);
+      out.push_back(*s);
+    }
+  return out;
+}
+
+/// A place, or the name of a landmark.
+void place(Table& t, const toml::table& table, const char* key, Vec3& at, std::string& name) {
+  const toml::node* n = table.get(key);
+  if (!n) t.fail(key, "is missing; expected a place [x, y, z] or the name of a landmark");
+  if (n->is_string())
+    t.text(key, name, 60);
+  else
+    t.vector(key, at, 1e4);
+}
+
+void read_landmarks(const toml::table& head, const char* key, const std::string& file,
+                    std::vector<std::pair<std::string, Vec3>>& out) {
+  const toml::node* n = head.get(key);
+  if (!n) return;
+  const toml::table* t = n->as_table();
+  if (!t || t->size() > kMostLandmarks)
+    throw InputError(file, int(n->source().begin.line),
+                     std::string("head.") + key + " is no table of at most 200 places; expected NAME = [x, y, z]");
+  Table each(t, std::string("head.") + key, file);
+  for (const auto& [name, at] : *t) {
+    const std::string k(name.str());
+    if (k.size() > 40)
+      throw InputError(file, int(at.source().begin.line),
+                       "a landmark's name is longer than 40 bytes; expected a short one");
+    each.vector(k.c_str(), out.emplace_back(k, Vec3::Zero()).second, 1e4);
+  }
+}
+
+HeadScene::TissueAt read_tissue(const toml::table& table, const std::string& file) {
+  Table t(&table, "head.tissue", file);
+  HeadScene::TissueAt out;
+  ConnectTissue& c = out.tissue;
+  if (!t.has("name")) t.fail("name", "is missing; expected a name");
+  t.text("name", c.name, 60);
+  place(t, table, "face", c.face_mm, out.face_name);
+  if (t.has("bone"))
+    place(t, table, "bone", c.bone_mm, out.bone_name);
+  else
+    c.bone_mm = c.face_mm, out.bone_name = out.face_name;
+  t.real("face_radius_mm", c.face_radius_mm, 0, 500, true);
+  t.real("bone_radius_mm", c.bone_radius_mm, 0, 500);
+  t.integer("layers", 1, 16, [&](int64_t v) { c.layers = int(v); });
+  t.real("young_kPa", c.young_kPa, 0, 1e6, true);
+  if (t.has("mode")) {
+    std::string mode;
+    t.text("mode", mode, 40);
+    const auto* at = std::find(std::begin(kTissueKinds), std::end(kTissueKinds), mode);
+    if (at == std::end(kTissueKinds)) t.fail("mode", std::string("is of no known kind; expected ") + kTissueKindList);
+    c.mode = TissueKind(at - std::begin(kTissueKinds));
+  }
+  t.finish({"bone", "mode"});
+  return out;
+}
+
+std::string beside(const std::string& file, const std::string& name) {
+  return fs::path(name).is_absolute() ? name : (fs::path(file).parent_path() / name).lexically_normal().string();
+}
+
+}  // namespace
+
+std::optional<HeadScene> read_head(const toml::table& root, const std::string& file) {
+  if (!root.contains("head")) return std::nullopt;
+  HeadScene h;
+  Table t = section(root, "head", file);
+  const toml::table& table = *root.get("head")->as_table();
+  std::string source = "synthetic";
+  t.text("source", source);
+  if (source == "synthetic") {
+    t.real("mandible_scale", h.mandible_scale, 0.8, 1.2);
+    t.real("ramus_left", h.ramus_left, 0.7, 1.3);
+    t.real("vault_wide", h.vault_wide, 0.7, 1.3);
+    t.real("vault_long", h.vault_long, 0.7, 1.3);
+    t.real("forehead_flat", h.forehead_flat, 0, 1);
+    t.real("edge_mm", h.edge_mm, 1, 12);
+    t.real("face_edge_mm", h.face_edge_mm, 1, 12);
+  } else if (source == "files") {
+    h.source = HeadScene::Source::files;
+    h.bone_files = texts(t, table, "bones", "bones = [\"cranium.txt\", ...]");
+    if (h.bone_files.empty()) t.fail("bones", "is missing or empty; expected bones = [\"cranium.txt\", ...]");
+    h.fixed = {fs::path(h.bone_files.front()).stem().string()};
+    for (std::string& f : h.bone_files) f = beside(file, f);
+    if (t.has("face") && table.get("face")->is_string())
+      t.text("face", h.face_file, 4000), h.face_file = beside(file, h.face_file);
+    else
+      h.face = false;
+  } else {
+    t.fail("source", "is of no known kind; expected \"synthetic\" or \"files\"");
+  }
+  if (t.has("face") && !table.get("face")->is_string()) t.boolean("face", h.face);
+  if (h.source == HeadScene::Source::files && h.face && h.face_file.empty())
+    t.fail("face", "is true without a file; expected face = \"face.txt\"");
+  if (t.has("fixed")) h.fixed = texts(t, table, "fixed", "fixed = [\"cranium\"]");
+  t.integer("iterations_per_step", 1, 1000, [&](int64_t v) { h.iterations_per_step = int(v); });
+  if (t.has("show_face")) {
+    std::string shown;
+    t.text("show_face", shown);
+    if (shown != "solid" && shown != "clear" && shown != "hidden")
+      t.fail("show_face", "is of no known kind; expected \"solid\", \"clear\" or \"hidden\"");
+    h.shown = shown == "solid" ? FaceShown::solid : shown == "clear" ? FaceShown::clear : FaceShown::hidden;
+  }
+  t.vector("offset_mm", h.offset_mm, 1e4);
+  t.real("carries_skin_mm", h.carries_skin_mm, 0, 1000);
+  t.finish({"source", "bones", "face", "fixed", "show_face", "tissue", "landmarks", "face_landmarks"});
+  if (const toml::node* n = table.get("tissue")) {
+    const toml::array* a = n->as_array();
+    if (!a || a->size() > kMostTissues)
+      throw InputError(file, int(n->source().begin.line),
+                       "head.tissue is no list of at most 50 tables; expected [[head.tissue]]");
+    for (const toml::node& e : *a) {
+      if (!e.is_table())
+        throw InputError(file, int(e.source().begin.line),
+                         "head.tissue holds something that is no table; expected [[head.tissue]]");
+      if (!h.face)
+        throw InputError(file, int(e.source().begin.line), "head.tissue without a face; expected a head with one");
+      h.tissues.push_back(read_tissue(*e.as_table(), file));
+    }
+  }
+  read_landmarks(table, "landmarks", file, h.landmarks);
+  read_landmarks(table, "face_landmarks", file, h.face_landmarks);
+  if (!h.face && !h.face_landmarks.empty())
+    throw InputError(file, 0, "head.face_landmarks without a face; expected a head with one");
+  return h;
+}
+
+}  // namespace limberg

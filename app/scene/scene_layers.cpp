@@ -1,0 +1,129 @@
+#include "app/scene/scene_layers.h"
+
+#include <limits>
+
+namespace limberg {
+
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStiffest_kPa = 1e8;
+
+void need(Table& t, const char* key, double known, const char* all) {
+  if (!t.has(key) && std::isnan(known)) t.fail(key, std::string("is missing; expected ") + all);
+}
+
+void read_constants(Table& t, Material& m, const LawCatalogue::Entry& law) {
+  std::string all;
+  for (const auto& c : law.constants) all += (all.empty() ? "" : ", ") + c.key + (c.required ? "" : " (optional)");
+  for (const auto& c : law.constants) {
+    const auto at =
+        std::find_if(m.law.constants.begin(), m.law.constants.end(), [&](const auto& k) { return k.key == c.key; });
+    const bool known = at != m.law.constants.end();
+    if (c.required && !known && !t.has(c.key.c_str()))
+      t.fail(c.key.c_str(), "is missing; law " + law.name + " expected " + all);
+    std::vector<double> value;
+    t.numbers(c.key.c_str(), value, c.least, c.most, c.above, c.most_values);
+    if (value.empty()) continue;
+    if (known)
+      at->value = std::move(value);
+    else
+      m.law.constants.push_back({c.key, std::move(value)});
+  }
+}
+
+}  // namespace
+
+Material unknown_material() {
+  Material m;
+  m.young_kPa = m.poisson = kUnknown;
+  return m;
+}
+
+void read_material(Table& t, Material& m, const LawCatalogue& laws) {
+  std::string law;
+  t.text("law", law, 60);
+  if (!law.empty()) {
+    if (!laws.find(law)) t.fail("law", "is \"" + law + "\", which is no law; expected one of " + laws.names());
+    const bool same = law == m.law.name || (law == kDefaultLaw && m.law.name.empty());
+    if (!same) m.law = {law, {}}, m.young_kPa = kUnknown;
+  }
+  const bool plain = m.law.name.empty() || m.law.name == kDefaultLaw;
+  const char* all = plain ? "name, thickness_mm, young_kPa and poisson (or a tissue that gives them)"
+                          : "name, thickness_mm, poisson and the constants of the law";
+  if (plain) {
+    need(t, "young_kPa", m.young_kPa, all);
+    t.real("young_kPa", m.young_kPa, 0, kStiffest_kPa, true);
+    m.law = {};
+  }
+  need(t, "poisson", m.poisson, all);
+  t.real("poisson", m.poisson, 0, 0.499);
+  double density = m.density_kg_mm3 * 1e9;
+  if (t.has("density_kg_m3"))
+    t.real("density_kg_m3", density, 1, 1e5), m.density_kg_mm3 = density * 1e-9;
+  else
+    t.real("density_kg_m3", density, 1, 1e5);
+  t.real("prestretch_along", m.prestretch_along, 0.8, 1.5);
+  t.real("prestretch_across", m.prestretch_across, 0.8, 1.5);
+  constexpr const char* prony = "[[share, time_s], ...], shares above 0 that sum to less than 1, times above 0";
+  std::vector<std::pair<double, double>> terms;
+  for (const PronyTerm& p : m.prony) terms.push_back({p.share, p.time_s});
+  t.pairs("prony", terms, prony);
+  m.prony.clear();
+  double shares = 0;
+  for (auto [share, time] : terms) {
+    if (!(share > 0) || !(time > 0))
+      t.fail("prony", std::string("holds a share or a time that is not above 0; expected ") + prony);
+    shares += share;
+    m.prony.push_back({share, time});
+  }
+  if (!(shares < 1)) t.fail("prony", "has shares that sum to " + number(shares) + std::string("; expected ") + prony);
+  if (plain) return;
+  read_constants(t, m, *laws.find(m.law.name));
+  try {
+    m.young_kPa = 2 * (1 + m.poisson) * layer_response(m, &laws).mu_kPa;
+  } catch (const InputError& e) {
+    t.fail("law", std::string("cannot be made: ") + e.what());
+  }
+}
+
+std::vector<Layer> read_layers(const toml::table& root, const std::string& file, const LawCatalogue& laws,
+                               const std::function<const TissueLibrary&(Table&)>& library) {
+  const toml::node* n = root.get("layer");
+  const toml::array* a = n ? n->as_array() : nullptr;
+  if (!a || a->empty())
+    throw InputError(file, n ? int(n->source().begin.line) : 0, "no layers; expected at least one [[layer]]");
+  if (a->size() > 16) throw InputError(file, int(n->source().begin.line), "more than 16 layers; expected at most 16");
+  std::vector<Layer> layers;
+  for (const toml::node& e : *a) {
+    if (!e.is_table()) throw InputError(file, int(e.source().begin.line), "a layer is not a table; expected [[layer]]");
+    Table t(e.as_table(), "layer", file);
+    Layer l;
+    l.material = unknown_material();
+    l.thickness_mm = kUnknown;
+    std::string tissue;
+    t.text("tissue", tissue, 60);
+    if (!tissue.empty()) {
+      const TissueLibrary& from = library(t);
+      const Tissue* found = from.find(tissue);
+      if (!found)
+        t.fail("tissue",
+               "is \"" + tissue + "\", which " + from.path + " does not hold; expected one of " + from.names());
+      l.material = found->material;
+      if (found->thickness_mm > 0) l.thickness_mm = found->thickness_mm;
+      l.name = tissue;
+      l.material.tissue = tissue;
+    }
+    if (!t.has("name") && l.name.empty())
+      t.fail("name", "is missing; expected name, thickness_mm, young_kPa and poisson in every layer");
+    t.text("name", l.name, 40);
+    need(t, "thickness_mm", l.thickness_mm, "name, thickness_mm, young_kPa and poisson in every layer");
+    t.real("thickness_mm", l.thickness_mm, 0, 1000, true);
+    read_material(t, l.material, laws);
+    t.finish();
+    layers.push_back(std::move(l));
+  }
+  return layers;
+}
+
+}  // namespace limberg

@@ -1,0 +1,204 @@
+#pragma once
+// One table of a TOML file, read strictly: scenes and libraries of tissues. Heavy: include it from .cpp files only.
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "calibration/toml.h"
+#include "sim/base/error.h"
+#include "sim/geometry/vec.h"
+
+namespace limberg {
+
+inline std::string number(double v) {
+  std::ostringstream s;
+  s << v;
+  return s.str();
+}
+
+/// Every key that is asked for is ticked off; finish() complains about the others. All complaints are InputErrors with
+/// the line, what is wrong and what was expected.
+class Table {
+ public:
+  Table(const toml::table* table, std::string name, const std::string& file)
+      : t_(table), name_(std::move(name)), file_(file) {}
+
+  bool present() const { return t_ != nullptr; }
+  bool has(const char* key) const { return t_ && t_->contains(key); }
+
+  [[noreturn]] void fail(const char* key, const std::string& what) const {
+    int line = t_ ? int(t_->source().begin.line) : 0;
+    if (has(key)) line = int(t_->get(key)->source().begin.line);
+    throw InputError(file_, line, full(key) + " " + what);
+  }
+
+  void real(const char* key, double& value, double lo, double hi, bool open = false) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    const std::string range =
+        "; expected a number " + std::string(open ? "above " : "from ") + number(lo) + " to " + number(hi);
+    const std::optional<double> v = n->is_number() ? n->value<double>() : std::nullopt;
+    if (!v) fail(key, "is not a number" + range);
+    if (!std::isfinite(*v) || *v < lo || *v > hi || (open && *v == lo)) fail(key, "is " + number(*v) + range);
+    value = *v;
+  }
+  void integer(const char* key, int64_t lo, int64_t hi, const std::function<void(int64_t)>& set) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    const std::string range = "; expected an integer from " + std::to_string(lo) + " to " + std::to_string(hi);
+    const std::optional<int64_t> v = n->is_integer() ? n->value<int64_t>() : std::nullopt;
+    if (!v) fail(key, "is not an integer" + range);
+    if (*v < lo || *v > hi) fail(key, "is " + std::to_string(*v) + range);
+    set(*v);
+  }
+  void boolean(const char* key, bool& value) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    if (!n->is_boolean()) fail(key, "is neither true nor false; expected one of them");
+    value = *n->value<bool>();
+  }
+  /// true, false or "auto": set(1), set(0), set(-1).
+  void choice(const char* key, const std::function<void(int)>& set) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    if (n->is_boolean())
+      set(*n->value<bool>() ? 1 : 0);
+    else if (n->is_string() && *n->value<std::string>() == "auto")
+      set(-1);
+    else
+      fail(key, "is neither \"auto\" nor true nor false; expected one of them");
+  }
+  /// One number, or with `most_count` above 1 a list of at most so many.
+  void numbers(const char* key, std::vector<double>& value, double lo, double hi, bool open, int most_count) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    const toml::array* a = n->as_array();
+    const std::string range = std::string(open ? "above " : "from ") + number(lo) + " to " + number(hi);
+    const std::string expected = most_count > 1
+                                     ? "; expected a list of 1 to " + std::to_string(most_count) + " numbers " + range
+                                     : "; expected a number " + range;
+    if (a && (most_count == 1 || a->empty() || a->size() > size_t(most_count)))
+      fail(key, "is a list of " + std::to_string(a->size()) + expected);
+    std::vector<double> out;
+    const auto take_one = [&](const toml::node& e) {
+      const std::optional<double> v = e.is_number() ? e.value<double>() : std::nullopt;
+      if (!v) fail(key, "is not a number" + expected);
+      if (!std::isfinite(*v) || *v < lo || *v > hi || (open && *v == lo)) fail(key, "is " + number(*v) + expected);
+      out.push_back(*v);
+    };
+    if (!a)
+      take_one(*n);
+    else
+      for (const toml::node& e : *a) take_one(e);
+    value = std::move(out);
+  }
+  /// [[a, b], ...]
+  void pairs(const char* key, std::vector<std::pair<double, double>>& value, const char* expected) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    value.clear();
+    const toml::array* a = n->as_array();
+    if (!a || a->size() > 16) fail(key, std::string("is no list of at most 16 pairs; expected ") + expected);
+    for (const toml::node& e : *a) {
+      const toml::array* p = e.as_array();
+      std::optional<double> v[2];
+      for (size_t i = 0; i < 2; ++i)
+        if (p && p->size() == 2 && p->get(i)->is_number()) v[i] = p->get(i)->value<double>();
+      if (!v[0] || !v[1] || !std::isfinite(*v[0]) || !std::isfinite(*v[1]))
+        fail(key, std::string("holds something else than pairs of numbers; expected ") + expected);
+      value.push_back({*v[0], *v[1]});
+    }
+  }
+  /// A table inside this one; nullptr when there is none.
+  const toml::table* table(const char* key) {
+    const toml::node* n = take(key);
+    if (!n) return nullptr;
+    if (!n->is_table()) fail(key, "is not a table; expected [" + full(key) + "]");
+    return n->as_table();
+  }
+  void text(const char* key, std::string& value, size_t max_bytes = 1000) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    if (!n->is_string()) fail(key, "is not a text; expected \"...\"");
+    value = *n->value<std::string>();
+    if (value.empty() || value.size() > max_bytes)
+      fail(key, "is empty or too long; expected 1 to " + std::to_string(max_bytes) + " bytes");
+    if (value.find('\0') != std::string::npos) fail(key, "holds a zero byte; expected plain text");
+  }
+  void vector(const char* key, Vec3& value, double limit) {
+    const toml::node* n = take(key);
+    if (!n) return;
+    const toml::array* a = n->as_array();
+    if (!a || a->size() != 3) fail(key, "is not [x, y, z]; expected three numbers");
+    for (size_t i = 0; i < 3; ++i) {
+      const std::optional<double> v = a->get(i)->is_number() ? a->get(i)->value<double>() : std::nullopt;
+      if (!v || !std::isfinite(*v) || std::abs(*v) > limit)
+        fail(key, "holds a value that cannot be used; expected finite numbers of at most " + number(limit));
+      value[Eigen::Index(i)] = *v;
+    }
+  }
+  void direction(const char* key, Vec3& value) {
+    vector(key, value, 1e6);
+    if (value.norm() < 1e-6) fail(key, "has no length; expected a direction");
+  }
+
+  /// Every key of the table must have been asked for, or be listed here.
+  void finish(std::initializer_list<const char*> others = {}) {
+    if (!t_) return;
+    asked_.insert(asked_.end(), others.begin(), others.end());
+    for (const auto& [k, n] : *t_) {
+      if (std::find(asked_.begin(), asked_.end(), k.str()) != asked_.end()) continue;
+      std::string list;
+      for (const auto& a : asked_) list += (list.empty() ? "" : ", ") + a;
+      throw InputError(file_, int(n.source().begin.line),
+                       "unknown key \"" + shown(k.str()) + "\" in " + where() + "; expected " + list);
+    }
+  }
+
+ private:
+  const toml::node* take(const char* key) {
+    asked_.emplace_back(key);
+    return t_ ? t_->get(key) : nullptr;
+  }
+  static std::string shown(std::string_view s) {
+    std::string out;
+    for (char c : s.substr(0, 40)) out += (c >= ' ' && c != 127) ? c : '?';
+    return out;
+  }
+  std::string full(const char* key) const { return name_.empty() ? key : name_ + "." + key; }
+  std::string where() const { return name_.empty() ? "the scene" : "[" + name_ + "]"; }
+
+  const toml::table* t_;
+  std::string name_;
+  const std::string& file_;
+  std::vector<std::string> asked_;
+};
+
+inline Table section(const toml::table& root, const char* key, const std::string& file) {
+  const toml::node* n = root.get(key);
+  if (n && !n->is_table())
+    throw InputError(file, int(n->source().begin.line), std::string(key) + " is not a table; expected [" + key + "]");
+  return Table(n ? n->as_table() : nullptr, key, file);
+}
+
+/// InputError says "broken TOML; expected WHAT".
+inline toml::table parse_toml(const std::string& text, const std::string& path, const std::string& expected) {
+  try {
+    return toml::parse(std::string_view(text), std::string_view(path));
+  } catch (const toml::parse_error& e) {
+    std::string what(e.description());
+    std::replace_if(
+        what.begin(), what.end(), [](char c) { return c < ' ' || c == 127; }, ' ');
+    throw InputError(path, int(e.source().begin.line), "broken TOML: " + what + "; expected " + expected);
+  } catch (const BrokenToml&) {
+    throw InputError(path, 0, "broken TOML; expected " + expected);
+  }
+}
+
+}  // namespace limberg

@@ -1,0 +1,65 @@
+#pragma once
+// One line of a script being read: gives each key by its type and complains in the words of the house, with file and
+// line.
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/commands/script.h"
+
+namespace limberg {
+
+class ScriptReader {
+ public:
+  /// One JSON object. Throws InputError: broken, nested too deeply, a key given twice, a number out of range.
+  ScriptReader(std::string_view text, const std::string& name, int line);
+  ~ScriptReader();
+
+  [[noreturn]] void fail(const std::string& what) const;
+  bool has(const char* key) const;
+  bool is_list(const char* key) const;
+  /// Any other key is refused.
+  void only(std::initializer_list<const char*> keys, const std::string& where) const;
+
+  std::string text(const char* key, bool required, size_t max_bytes) const;
+  int64_t integer(const char* key, int64_t lo, int64_t hi) const;
+  bool boolean(const char* key, bool otherwise) const;
+  /// lo <= value <= hi; with `open`, lo < value.
+  double real(const char* key, double otherwise, double lo, double hi, bool open) const;
+
+  ChartPoint point(const char* key) const;                            // [x, y]
+  std::vector<ChartPoint> path(const char* key, size_t least) const;  // [[x, y], ...]
+  Vec3 place(const char* key) const;                                  // [x, y, z]
+  std::vector<Vec3> places(const char* key, size_t least) const;      // [[x, y, z], ...]
+
+  /// Named points: {"name":[x, y], ...}.
+  std::vector<Landmark> landmarks(const char* key) const;
+  std::optional<PlannedProcedure> plan(const char* key) const;
+  /// A stitch: its number, or a place.
+  StitchPick stitch(const char* key) const;
+
+  /// A text from the file, made fit for a one-line message.
+  static std::string shown(const std::string& s);
+  static std::string quoted(const char* key) { return "\"" + std::string(key) + "\""; }
+  static std::string number(double v);
+
+ private:
+  [[noreturn]] void missing(const char* key, const std::string& what) const;
+  void coordinates(const void* value, double* out, size_t n, const char* key) const;
+  void check_depth(std::string_view text) const;
+  size_t list_size(const char* key, size_t least, const char* of) const;
+
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+/// Acts of head_command.h.
+bool is_head_action(std::string_view action);
+HeadCommand read_head_action(const ScriptReader& line, const std::string& action, const std::string& where);
+const char* head_action_name(const HeadCommand& command);
+std::string head_json_line(const HeadCommand& command);
+
+}  // namespace limberg

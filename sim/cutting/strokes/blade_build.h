@@ -1,0 +1,64 @@
+#pragma once
+// Blades from strokes: the drawn line on the skin becomes an embedded triangle surface in rest space.
+//
+// Conventions that make operations meet each other reliably (mm, measured along the smoothed skin normal):
+//   plug floor          at the depth asked
+//   incision bottom     kWallExtra below the depth asked (varied by up to 0.04 from cut to cut, so that fronts never
+//   coincide) undermining sheet   kSheetRaise above the depth asked
+// so an undermining at the same depth as an incision or a plug always runs into their walls, never into their fronts.
+// Blades stick out of the skin by kMargin; a stroke that ends on or near an earlier cut is pushed kOvershoot through
+// its wall. What sticks out or is pushed through is never a seed.
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "sim/body/body.h"
+#include "sim/cutting/arrangement/arrangement.h"
+
+namespace limberg {
+
+inline constexpr double kWallExtra = 0.15, kSheetRaise = 0.15, kOvershoot = 0.1, kMargin = 1.0;
+inline constexpr double kSnap = 0.5;     // a stroke that ends this near to an earlier cut is meant to end on it
+inline constexpr double kSpacing = 1.5;  // along a stroke
+inline constexpr double kSheetSpacing = 2.0;
+
+/// Where on the rest skin is this chart point? (Body::chart; sim/geometry answers it.) Empty when it is off the skin.
+using SkinQuery = std::function<std::optional<SkinHit>(const ChartPoint&)>;
+
+/// The deformation gradient of the tissue under a point of the rest skin, as it lies now. The angle between blade and
+/// skin is held in that state and pulled back (pull_back.h); depths always count layers of tissue at rest.
+using GradientQuery = std::function<Mat3(const SkinHit&)>;
+
+/// A blade, or why there is none.
+struct BladeResult {
+  std::optional<Blade> blade = {};
+  std::string reason = {};
+  bool nothing = false;  // not refused: there is nothing there that is not cut already
+  bool folds = false;    // refused because the blade would run through itself: its parts might not
+};
+
+struct BladeContext {
+  const Body* body = nullptr;
+  const Arrangement* arrangement = nullptr;  // for T-junctions
+  SkinQuery skin;
+  GradientQuery gradient = {};  // empty: the skin lies as at rest
+};
+
+/// A strip under a polyline. angle_deg is measured between blade and skin in the plane across the path; below 90 the
+/// blade leans so that its edge lies to the right of the path (seen from outside, walking along it).
+/// A path whose last point equals its first (within 0.1 mm) is a closed loop without floor. An end that lies within
+/// kSnap of the open end of an earlier stroke's wall goes on from there and shares its edge, where `joins` lets it.
+/// One blade for a path that does not cross itself; for any stroke see stroke_plan.h.
+enum class Joins : uint8_t { any, at_end, none };
+BladeResult build_incision(const BladeContext& context, std::span<const ChartPoint> path, double depth_mm,
+                           double angle_deg = 90, Joins joins = Joins::any);
+
+/// Walls and floor under a closed outline as one open box: what excision cuts. The outline need not repeat its first
+/// point.
+BladeResult build_plug(const BladeContext& context, std::span<const ChartPoint> outline, double depth_mm);
+
+/// A sheet under an outline. Where the outline runs along an earlier cut it is widened beyond its wall.
+BladeResult build_undermining(const BladeContext& context, std::span<const ChartPoint> outline, double depth_mm);
+
+}  // namespace limberg

@@ -1,0 +1,337 @@
+#include "sim/geometry/io/obj.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <numeric>
+
+#include "sim/base/error.h"
+#include "sim/body/block.h"
+#include "sim/geometry/triangle.h"
+
+namespace limberg {
+namespace {
+
+struct Corner {
+  int32_t v, vt;  // vt: -1 = none
+};
+struct RawMesh {
+  std::vector<Vec3> v;
+  std::vector<Eigen::Vector2f> vt;
+  std::vector<std::array<Corner, 3>> tri;
+  std::vector<int32_t> line;  // per triangle
+};
+
+// Cuts a polygon into triangles by clipping ears in the plane of its mean (Newell) normal.
+class Clipper {
+ public:
+  // Appends triples of positions in `p`; false when no ear is left (crossing itself, or without area).
+  bool operator()(const std::vector<Vec3>& p, std::vector<std::array<int, 3>>& out) {
+    Vec3 n = Vec3::Zero();
+    for (size_t i = 0; i < p.size(); ++i) n += (p[i] - p[0]).cross(p[(i + 1) % p.size()] - p[0]);
+    int axis = 0;
+    if (!(n.cwiseAbs().maxCoeff(&axis) > 0)) return false;
+    const double flip = n[axis] > 0 ? 1 : -1;
+    q_.clear();
+    for (const Vec3& x : p) q_.push_back({flip * x[(axis + 1) % 3], x[(axis + 2) % 3]});
+    ring_.resize(p.size());
+    std::iota(ring_.begin(), ring_.end(), 0);
+    while (ring_.size() > 3) {
+      const size_t m = ring_.size();
+      size_t best = m;
+      for (size_t i = 0; i < m && best == m; ++i)
+        if (is_ear(i)) best = i;
+      if (best == m) return false;
+      out.push_back({ring_[(best + m - 1) % m], ring_[best], ring_[(best + 1) % m]});
+      ring_.erase(ring_.begin() + std::ptrdiff_t(best));
+    }
+    out.push_back({ring_[0], ring_[1], ring_[2]});
+    return turn(ring_[0], ring_[1], ring_[2]) > 0;
+  }
+
+ private:
+  double turn(int a, int b, int c) const {
+    const Vec2 u = q_[size_t(b)] - q_[size_t(a)], v = q_[size_t(c)] - q_[size_t(a)];
+    return u.x() * v.y() - u.y() * v.x();
+  }
+  bool is_ear(size_t i) const {
+    const size_t m = ring_.size();
+    const int a = ring_[(i + m - 1) % m], b = ring_[i], c = ring_[(i + 1) % m];
+    if (!(turn(a, b, c) > 0)) return false;
+    for (int k : ring_)
+      if (k != a && k != b && k != c && turn(a, b, k) >= 0 && turn(b, c, k) >= 0 && turn(c, a, k) >= 0) return false;
+    return true;
+  }
+  std::vector<Vec2> q_;
+  std::vector<int> ring_;
+};
+
+class Parser {
+ public:
+  Parser(std::string_view text, const std::string& file) : text_(text), file_(file) {}
+
+  RawMesh run() {
+    std::string joined;
+    for (size_t at = 0; at < text_.size();) {
+      const size_t end = std::min(text_.find('\n', at), text_.size());
+      std::string_view l = text_.substr(at, end - at);
+      at = end + 1;
+      ++line_;
+      if (!l.empty() && l.back() == '\r') l.remove_suffix(1);
+      const bool goes_on = !l.empty() && l.back() == '\\';
+      if (goes_on) l.remove_suffix(1);
+      if (goes_on || !joined.empty()) {
+        if (joined.size() + l.size() > (1u << 20)) fail("a line is longer than 1 MB");
+        joined.append(l).push_back(' ');
+        if (goes_on) continue;
+        statement(joined);
+        joined.clear();
+      } else {
+        statement(l);
+      }
+    }
+    if (!joined.empty()) statement(joined);
+    if (mesh_.v.empty()) throw InputError(file_, 0, "no vertices; expected an OBJ file with v and f statements");
+    if (mesh_.tri.empty()) throw InputError(file_, 0, "no faces; expected an OBJ file with v and f statements");
+    return std::move(mesh_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const { throw InputError(file_, line_, what); }
+
+  static std::string_view word(std::string_view& l) {
+    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; };
+    size_t a = 0;
+    while (a < l.size() && blank(l[a])) ++a;
+    size_t b = a;
+    while (b < l.size() && !blank(l[b])) ++b;
+    const std::string_view w = l.substr(a, b - a);
+    l.remove_prefix(b);
+    return w;
+  }
+
+  void statement(std::string_view l) {
+    const std::string_view key = word(l);
+    if (key == "v") {
+      Vec3 p;
+      for (int k = 0; k < 3; ++k) p[k] = real(word(l), "a vertex needs three finite numbers");
+      if (mesh_.v.size() == ObjLimits::vertices) fail("more than " + std::to_string(ObjLimits::vertices) + " vertices");
+      mesh_.v.push_back(p);
+    } else if (key == "vt") {
+      Eigen::Vector2f uv;
+      for (int k = 0; k < 2; ++k) {
+        const std::string_view w = word(l);
+        uv[k] = k == 1 && w.empty() ? 0 : float(real(w, "a texture coordinate needs finite numbers"));
+      }
+      if (mesh_.vt.size() == 3 * ObjLimits::vertices) fail("too many texture coordinates");
+      mesh_.vt.push_back(uv);
+    } else if (key == "f") {
+      face(l);
+    }
+  }
+
+  double real(std::string_view w, const char* what) const {
+    if (!w.empty() && w[0] == '+') w.remove_prefix(1);
+    double v = 0;
+    const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
+    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v)) fail(what);
+    return v;
+  }
+
+  // 1-based, negative from the end; gives 0-based.
+  int32_t index(std::string_view w, size_t count, const char* of) const {
+    int64_t i = 0;
+    const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), i);
+    if (w.empty() || ec != std::errc() || end != w.data() + w.size())
+      fail("a face has a broken index; expected v, v/vt, v//vn or v/vt/vn");
+    if (i == 0 || i > int64_t(count) || -i > int64_t(count))
+      fail("a face names " + std::string(of) + " " + std::to_string(i) + "; there are " + std::to_string(count) +
+           " so far");
+    return int32_t(i > 0 ? i - 1 : int64_t(count) + i);
+  }
+
+  void face(std::string_view l) {
+    polygon_.clear();
+    for (std::string_view w = word(l); !w.empty() && w[0] != '#'; w = word(l)) {
+      const size_t s = w.find('/');
+      Corner c{index(w.substr(0, s), mesh_.v.size(), "vertex"), -1};
+      if (s != std::string_view::npos) {
+        const std::string_view rest = w.substr(s + 1), vt = rest.substr(0, rest.find('/'));
+        if (!vt.empty()) c.vt = index(vt, mesh_.vt.size(), "texture coordinate");
+      }
+      polygon_.push_back(c);
+      if (polygon_.size() > ObjLimits::polygon_corners)
+        fail("a face has more than " + std::to_string(ObjLimits::polygon_corners) + " corners");
+    }
+    if (polygon_.size() < 3) fail("a face has " + std::to_string(polygon_.size()) + " corners; expected at least 3");
+    ears_.clear();
+    if (polygon_.size() == 3) {
+      ears_.push_back({0, 1, 2});
+    } else {
+      points_.clear();
+      for (const Corner& c : polygon_) points_.push_back(mesh_.v[size_t(c.v)]);
+      if (!clip_(points_, ears_))
+        fail("a face with " + std::to_string(polygon_.size()) +
+             " corners cannot be cut into triangles; expected a simple polygon with an area");
+    }
+    for (const auto& e : ears_) {
+      if (mesh_.tri.size() == ObjLimits::triangles)
+        fail("more than " + std::to_string(ObjLimits::triangles) + " triangles");
+      mesh_.tri.push_back({polygon_[size_t(e[0])], polygon_[size_t(e[1])], polygon_[size_t(e[2])]});
+      mesh_.line.push_back(line_);
+    }
+  }
+
+  std::string_view text_;
+  const std::string& file_;
+  int line_ = 0;
+  RawMesh mesh_;
+  Clipper clip_;
+  std::vector<Corner> polygon_;
+  std::vector<Vec3> points_;
+  std::vector<std::array<int, 3>> ears_;
+};
+
+void check(const ObjSpec& s) {
+  const auto fail = [&](const std::string& what) { throw InputError(s.path, 0, what); };
+  if (!std::isfinite(s.scale_to_mm) || s.scale_to_mm <= 0) fail("scale to mm must be a finite number above 0");
+  if (!s.deep_direction.allFinite() || s.deep_direction.norm() < 1e-9) fail("deep direction must not be zero");
+  if (!(s.deep_angle_deg >= 0 && s.deep_angle_deg <= 180)) fail("deep angle must lie between 0 and 180 degrees");
+  if (s.deep_center_mm && !s.deep_center_mm->allFinite()) fail("deep center is not finite");
+  if (std::isnan(s.deep_plane_mm)) fail("deep plane is not a number");
+  if (!s.chart_origin_mm.allFinite() || !s.chart_e1.allFinite() || !s.chart_e2.allFinite() ||
+      s.chart_e1.cross(s.chart_e2).norm() < 1e-6 * s.chart_e1.norm() * s.chart_e2.norm() || s.chart_e1.norm() < 1e-9)
+    fail("chart axes must be two finite directions that are not parallel");
+  if (!s.tension_direction.allFinite() || s.tension_direction.norm() < 1e-9) fail("tension direction must not be zero");
+}
+
+// Snaps, welds and drops what collapses. Fills body.grid, body.surface and lines.
+void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>& lines) {
+  std::vector<uint8_t> used(raw.v.size(), 0);
+  for (const auto& t : raw.tri)
+    for (const Corner& c : t) used[size_t(c.v)] = 1;
+  Vec3 lo = Vec3::Constant(std::numeric_limits<double>::infinity()), hi = -lo;
+  for (size_t i = 0; i < raw.v.size(); ++i) {
+    if (!used[i]) continue;
+    raw.v[i] *= spec.scale_to_mm;
+    lo = lo.cwiseMin(raw.v[i]);
+    hi = hi.cwiseMax(raw.v[i]);
+  }
+  const double extent = (hi - lo).maxCoeff();
+  if (!(extent <= ObjLimits::extent_mm))
+    throw InputError(
+        spec.path, 0,
+        "the surface is " + std::to_string(extent) + " mm long; expected at most 1000 (is the scale right?)");
+  if (extent < ObjLimits::min_extent_mm)
+    throw InputError(
+        spec.path, 0,
+        "the surface is only " + std::to_string(extent) + " mm long; expected at least 1 (is the scale right?)");
+  body.grid.unit_mm = rest_unit_mm(0.5 * extent);
+  // A whole number of mm as origin keeps coordinates readable and every snapped vertex exact in double.
+  for (int k = 0; k < 3; ++k) body.grid.origin_mm[k] = std::round(0.5 * (lo[k] + hi[k]));
+  if (!body.grid.fits(lo) || !body.grid.fits(hi)) body.grid.unit_mm *= 2;
+
+  struct Snapped {
+    Int3 p;
+    int32_t v;
+  };
+  std::vector<Snapped> snapped;
+  for (size_t i = 0; i < raw.v.size(); ++i)
+    if (used[i]) snapped.push_back({body.grid.to_grid(raw.v[i]), int32_t(i)});
+  std::sort(snapped.begin(), snapped.end(),
+            [](const Snapped& a, const Snapped& b) { return a.p != b.p ? a.p < b.p : a.v < b.v; });
+  std::vector<int32_t> twin(raw.v.size(), -1), first(raw.v.size(), -1);
+  for (size_t i = 0; i < snapped.size(); ++i)
+    twin[size_t(snapped[i].v)] =
+        i > 0 && snapped[i].p == snapped[i - 1].p ? twin[size_t(snapped[i - 1].v)] : snapped[i].v;
+  TriMesh& m = body.surface;
+  for (size_t i = 0; i < raw.v.size(); ++i)
+    if (used[i] && twin[i] == int32_t(i)) {  // in the order of the file
+      first[i] = int32_t(m.X_mm.size());
+      m.X_mm.push_back(body.grid.to_mm(body.grid.to_grid(raw.v[i])));
+    }
+  for (size_t t = 0; t < raw.tri.size(); ++t) {
+    Tri tri;
+    std::array<Eigen::Vector2f, 3> uv;
+    for (size_t k = 0; k < 3; ++k) {
+      const Corner& c = raw.tri[t][k];
+      tri[k] = first[size_t(twin[size_t(c.v)])];
+      uv[k] = c.vt >= 0 ? raw.vt[size_t(c.vt)] : Eigen::Vector2f(0, 0);
+    }
+    if (tri[0] == tri[1] || tri[1] == tri[2] || tri[2] == tri[0]) continue;
+    m.tri.push_back(tri);
+    m.uv.push_back(uv);
+    lines.push_back(raw.line[t]);
+  }
+  if (m.tri.empty())
+    throw InputError(spec.path, 0, "every face collapses on the rest grid; expected a surface (is the scale right?)");
+}
+
+}  // namespace
+
+Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report) {
+  check(spec);
+  if (text.size() > ObjLimits::file_bytes) throw InputError(spec.path, 0, "the file is larger than 512 MB");
+  RawMesh raw = Parser(text, spec.path).run();
+  Body body;
+  std::vector<int32_t> lines;
+  to_grid(raw, spec, body, lines);
+  const SurfaceReport found = validate_surface(body.surface, body.grid, spec.path, lines);
+  if (report) *report = found;
+
+  TriMesh& m = body.surface;
+  const Vec3 deep = spec.deep_direction.normalized();
+  const double c = std::cos(spec.deep_angle_deg * std::numbers::pi / 180);
+  bool any_skin = false;
+  for (const Tri& t : m.tri) {
+    const Vec3 &p = m.X_mm[size_t(t[0])], &q = m.X_mm[size_t(t[1])], &r = m.X_mm[size_t(t[2])];
+    const bool beyond = std::min({p.dot(deep), q.dot(deep), r.dot(deep)}) > spec.deep_plane_mm;
+    const Vec3 inwards = spec.deep_center_mm ? (*spec.deep_center_mm - (p + q + r) / 3).normalized() : deep;
+    const bool held = beyond || area_vector2(p, q, r).normalized().dot(inwards) > c;
+    m.tag.push_back(held ? SurfaceTag::fixed : SurfaceTag::skin);
+    any_skin = any_skin || !held;
+  }
+  if (!any_skin)
+    throw InputError(spec.path, 0,
+                     "the deep side covers the whole surface; expected some skin (see deep_direction, deep_angle_deg)");
+
+  body.name = std::filesystem::path(spec.path).stem().string();
+  body.layers = spec.layers;
+  if (body.layers.empty()) body.layers.push_back({"tissue", 1000, Material{}});
+  body.tension_direction = spec.tension_direction.normalized();
+  body.chart_origin_mm = spec.chart_origin_mm;
+  body.chart_e1 = spec.chart_e1.normalized();
+  body.chart_e2 = (spec.chart_e2 - spec.chart_e2.dot(body.chart_e1) * body.chart_e1).normalized();
+  body.box_min_mm = body.box_max_mm = m.X_mm[0];
+  for (const Vec3& X : m.X_mm) {
+    body.box_min_mm = body.box_min_mm.cwiseMin(X);
+    body.box_max_mm = body.box_max_mm.cwiseMax(X);
+  }
+  return body;
+}
+
+Body load_obj(const ObjSpec& spec, SurfaceReport* report) {
+  std::error_code ec;
+  if (!std::filesystem::exists(spec.path, ec)) throw InputError(spec.path, 0, "no such file; expected an OBJ surface");
+  if (std::filesystem::is_directory(spec.path, ec))
+    throw InputError(spec.path, 0, "is a folder; expected an OBJ surface");
+  std::ifstream in(spec.path, std::ios::binary);
+  if (!in)
+    throw InputError(spec.path, 0,
+                     std::string("cannot be opened (") + std::strerror(errno) + "); expected an OBJ surface");
+  std::string text;
+  std::vector<char> part(1 << 20);
+  while (in.read(part.data(), std::streamsize(part.size())), in.gcount() > 0) {
+    text.append(part.data(), size_t(in.gcount()));
+    if (text.size() > ObjLimits::file_bytes) break;  // parse_obj says so
+  }
+  if (in.bad()) throw InputError(spec.path, 0, "cannot be read to its end");
+  return parse_obj(text, spec, report);
+}
+
+}  // namespace limberg

@@ -1,0 +1,50 @@
+#pragma once
+// A patient from a closed surface in a Wavefront OBJ file.
+//
+// Read: v, vt, f (triangles and polygons, v, v/vt, v//vn and v/vt/vn, negative indices), \r\n line ends, # comments and
+// line continuation by a backslash. Other statements (vn, s, g, o, usemtl, mtllib ...) are skipped. Polygons are cut
+// into triangles in their own plane. Vertices are scaled to mm, snapped to the even rest grid (the finest unit that the
+// size allows), equal ones are welded, triangles that collapse by that are dropped, and the result is validated
+// exactly.
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/body/body.h"
+#include "sim/geometry/validate.h"
+
+namespace limberg {
+
+struct ObjSpec {
+  std::string path;
+  double scale_to_mm = 1;  // mm per unit of the file
+  std::vector<Layer> layers;
+  Vec3 tension_direction = Vec3::UnitX();
+
+  // What is held in place: triangles whose outward normal is within deep_angle_deg of deep_direction (or, when a centre
+  // is given, of the direction to that centre: the inner side of a shell around the skull), and triangles with all
+  // corners beyond the plane { X : X . deep_direction = deep_plane_mm }. Everything else is skin.
+  Vec3 deep_direction = -Vec3::UnitZ();
+  double deep_angle_deg = 60;
+  std::optional<Vec3> deep_center_mm;
+  double deep_plane_mm = std::numeric_limits<double>::infinity();
+
+  Vec3 chart_origin_mm = Vec3::Zero(), chart_e1 = Vec3::UnitX(), chart_e2 = Vec3::UnitY();  // made orthonormal
+};
+
+struct ObjLimits {
+  static constexpr size_t file_bytes = size_t(512) << 20;
+  static constexpr size_t vertices = 2'000'000, triangles = 4'000'000;
+  static constexpr size_t polygon_corners = 256;
+  static constexpr double extent_mm = 1000;  // longest side after scaling
+  static constexpr double min_extent_mm = 1;
+};
+
+/// Throws InputError with the file and line of the trouble. `report` (may be null) receives what was found.
+Body load_obj(const ObjSpec& spec, SurfaceReport* report = nullptr);
+/// The same from text; spec.path is only the name in messages.
+Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report = nullptr);
+
+}  // namespace limberg

@@ -1,0 +1,230 @@
+#include "sim/imaging/io/dicom_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+
+#include "sim/base/error.h"
+
+namespace limberg::imaging {
+namespace {
+
+constexpr uint32_t kUndefined = 0xffffffff;
+constexpr int kDeepest = 16;  // sequences within sequences
+
+struct Element {
+  uint32_t tag = 0;
+  char vr[2] = {0, 0};
+  uint32_t length = 0;
+};
+
+class Parser {
+ public:
+  Parser(std::string_view s, const std::string& file) : s_(s), file_(file) {}
+
+  DicomFile run() {
+    DicomFile d;
+    d.file = file_;
+    if (s_.size() >= 132 && s_.substr(128, 4) == "DICM")
+      at_ = 132;
+    else if (!(s_.size() >= 8 && (u16(0) == 2 || u16(0) == 8) && u16(2) < 0x100))
+      throw InputError(file_, 0, "is no DICOM file; expected DICM behind 128 bytes");
+    d.syntax = "1.2.840.10008.1.2";
+    bool chosen = false;
+    while (at_ + 8 <= s_.size()) {
+      const bool meta = u16(at_) == 2;
+      if (!meta && !chosen) choose(d), chosen = true;
+      const Element e = element(meta || explicit_);
+      if (e.tag == 0x7fe00010) {
+        d.has_pixels = true, d.pixels_at = at_, d.pixel_bytes = e.length == kUndefined ? s_.size() - at_ : e.length;
+        d.compressed = compressed_ || e.length == kUndefined;
+        break;
+      }
+      if (e.length == kUndefined) {
+        skip_items(is(e, "UN") ? false : explicit_, 0);
+        continue;
+      }
+      if (e.length > s_.size() - at_) cut(e);
+      take(d, e, s_.substr(at_, e.length));
+      at_ += e.length;
+    }
+    if (!chosen) choose(d);
+    return d;
+  }
+
+ private:
+  uint32_t u16(size_t i) const { return uint32_t(uint8_t(s_[i])) | uint32_t(uint8_t(s_[i + 1])) << 8; }
+  uint32_t u32(size_t i) const { return u16(i) | u16(i + 2) << 16; }
+  static bool is(const Element& e, const char* vr) { return e.vr[0] == vr[0] && e.vr[1] == vr[1]; }
+
+  [[noreturn]] void cut(const Element& e) const {
+    char b[160];
+    std::snprintf(b, sizeof b,
+                  "the file is cut short or damaged: element (%04x,%04x) has %u bytes, but only %zu are left",
+                  e.tag >> 16, e.tag & 0xffff, e.length, s_.size() - at_);
+    throw InputError(file_, 0, b);
+  }
+
+  void choose(const DicomFile& d) {
+    const std::string& t = d.syntax;
+    if (t == "1.2.840.10008.1.2")
+      explicit_ = false;
+    else if (t == "1.2.840.10008.1.2.1")
+      explicit_ = true;
+    else if (t == "1.2.840.10008.1.2.2" || t == "1.2.840.10008.1.2.1.99")
+      throw InputError(file_, 0,
+                       std::string("its transfer syntax is ") + (t.ends_with("99") ? "deflated" : "big endian") + " (" +
+                           t + "), which is not read; expected Explicit or Implicit VR little endian");
+    else if (t.starts_with("1.2.840.10008.1.2.4") || t == "1.2.840.10008.1.2.5")
+      explicit_ = true, compressed_ = true;
+    else
+      throw InputError(
+          file_, 0,
+          "its transfer syntax " + t.substr(0, 64) + " is not known; expected Explicit or Implicit VR little endian");
+  }
+
+  Element element(bool with_vr) {
+    if (at_ + 8 > s_.size()) throw InputError(file_, 0, "the file is cut short within an element");
+    Element e;
+    e.tag = u16(at_) << 16 | u16(at_ + 2);
+    if (!with_vr || e.tag >> 16 == 0xfffe) {
+      e.length = u32(at_ + 4), at_ += 8;
+      return e;
+    }
+    e.vr[0] = s_[at_ + 4], e.vr[1] = s_[at_ + 5];
+    bool is_long = false;
+    for (const char* l : {"OB", "OD", "OF", "OL", "OV", "OW", "SQ", "SV", "UC", "UN", "UR", "UT", "UV"})
+      is_long |= is(e, l);
+    if (is_long) {
+      if (at_ + 12 > s_.size()) throw InputError(file_, 0, "the file is cut short within an element");
+      e.length = u32(at_ + 8), at_ += 12;
+    } else {
+      e.length = u16(at_ + 6), at_ += 8;
+    }
+    return e;
+  }
+
+  /// Items of a sequence of undefined length, and its end.
+  void skip_items(bool with_vr, int depth) {
+    if (depth > kDeepest) throw InputError(file_, 0, "sequences lie more than 16 deep");
+    for (;;) {
+      const Element item = element(with_vr);
+      if (item.tag == 0xfffee0dd) return;
+      if (item.tag != 0xfffee000) throw InputError(file_, 0, "a sequence holds something that is no item");
+      if (item.length != kUndefined) {
+        if (item.length > s_.size() - at_) cut(item);
+        at_ += item.length;
+        continue;
+      }
+      for (;;) {
+        const Element e = element(with_vr);
+        if (e.tag == 0xfffee00d) break;
+        if (e.length == kUndefined)
+          skip_items(is(e, "UN") ? false : with_vr, depth + 1);
+        else if (e.length > s_.size() - at_)
+          cut(e);
+        else
+          at_ += e.length;
+      }
+    }
+  }
+
+  static std::string text(std::string_view v) {
+    while (!v.empty() && (v.back() == ' ' || v.back() == 0)) v.remove_suffix(1);
+    while (!v.empty() && v.front() == ' ') v.remove_prefix(1);
+    return std::string(v);
+  }
+  void numbers(std::string_view v, int count, const char* what, double* out) const {
+    for (int i = 0; i < count; ++i) {
+      const size_t end = std::min(v.find('\\'), v.size());
+      const std::string t = text(v.substr(0, end));
+      const char* b = t.data() + (t.starts_with("+") ? 1 : 0);
+      const auto [p, ec] = std::from_chars(b, t.data() + t.size(), out[i]);
+      if (ec != std::errc() || p != t.data() + t.size() || !std::isfinite(out[i]))
+        throw InputError(file_, 0, std::string(what) + " is not " + std::to_string(count) + " finite numbers");
+      v.remove_prefix(std::min(v.size(), end + 1));
+    }
+  }
+  int32_t whole(std::string_view v, const char* what) const {
+    if (v.size() < 2) throw InputError(file_, 0, std::string(what) + " is no number of 16 bits");
+    return int32_t(uint32_t(uint8_t(v[0])) | uint32_t(uint8_t(v[1])) << 8);
+  }
+
+  void take(DicomFile& d, const Element& e, std::string_view v) const {
+    double n[6];
+    switch (e.tag) {
+      case 0x00020010:
+        d.syntax = text(v);
+        break;
+      case 0x00080060:
+        d.modality = text(v);
+        break;
+      case 0x0008103e:
+        d.description = text(v);
+        break;
+      case 0x0020000e:
+        d.series = text(v);
+        break;
+      case 0x00200032:
+        numbers(v, 3, "the position of the slice", n), d.position_mm = {n[0], n[1], n[2]}, d.has_position = true;
+        break;
+      case 0x00200037:
+        numbers(v, 6, "the direction of the slice", n);
+        d.across = {n[0], n[1], n[2]}, d.down = {n[3], n[4], n[5]}, d.has_direction = true;
+        break;
+      case 0x00280002:
+        d.samples = whole(v, "samples per pixel");
+        break;
+      case 0x00280008:
+        numbers(v, 1, "the number of frames", n), d.frames = n[0] >= 1 && n[0] < 1e6 ? int32_t(n[0]) : -1;
+        break;
+      case 0x00280010:
+        d.rows = whole(v, "the number of rows");
+        break;
+      case 0x00280011:
+        d.columns = whole(v, "the number of columns");
+        break;
+      case 0x00280030:
+        numbers(v, 2, "the pixel spacing", n), d.row_step_mm = n[0], d.column_step_mm = n[1], d.has_spacing = true;
+        break;
+      case 0x00280100:
+        d.allocated = whole(v, "bits allocated");
+        break;
+      case 0x00280101:
+        d.stored = whole(v, "bits stored");
+        break;
+      case 0x00280102:
+        d.high_bit = whole(v, "high bit");
+        break;
+      case 0x00280103:
+        d.is_signed = whole(v, "pixel representation") == 1;
+        break;
+      case 0x00280120:
+        d.padding = d.padding_limit = whole(v, "the padding value"), d.has_padding = true;
+        break;
+      case 0x00280121:
+        d.padding_limit = whole(v, "the limit of the padding");
+        break;
+      case 0x00281052:
+        numbers(v, 1, "the rescale intercept", n), d.intercept = n[0];
+        break;
+      case 0x00281053:
+        numbers(v, 1, "the rescale slope", n), d.slope = n[0];
+        break;
+      default:
+        break;
+    }
+  }
+
+  std::string_view s_;
+  const std::string& file_;
+  size_t at_ = 0;
+  bool explicit_ = false, compressed_ = false;
+};
+
+}  // namespace
+
+DicomFile parse_dicom(std::string_view bytes, const std::string& file) { return Parser(bytes, file).run(); }
+
+}  // namespace limberg::imaging

@@ -1,0 +1,50 @@
+#pragma once
+// What the headers of both formats come to, and the reading of the data that they describe.
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/imaging/io/volume.h"
+
+namespace limberg::imaging {
+
+enum class Number { i8, u8, i16, u16, i32, u32, f32, f64 };
+size_t bytes_of(Number n);
+
+struct Header {
+  std::array<int64_t, 3> size{0, 0, 0};
+  std::optional<Number> number;
+  Mat3 step_mm = Mat3::Identity();
+  Vec3 origin_mm = Vec3::Zero();
+  bool big_endian = false;
+  bool compressed = false;
+  std::string data_file;  // empty: after the header, in the same file
+  int64_t skip = 0;       // bytes before the data; -1: the data are the last bytes of the file
+  size_t data_at = 0;     // where the data begin in the header's own file
+};
+
+/// The line that begins at `at`, without its end; moves `at` behind it. False at the end.
+bool next_line(std::string_view text, size_t& at, std::string_view& line);
+std::string_view trimmed(std::string_view s);
+/// Numbers of a line; throws InputError naming `what`, unless there are `count` finite ones.
+std::vector<double> numbers(std::string_view s, size_t count, const std::string& file, int line, const char* what);
+
+Header nrrd_header(std::string_view text, const std::string& file);
+Header meta_header(std::string_view text, const std::string& file);
+
+/// Inflates gzip or zlib data until `wanted` bytes are there; memory grows with what really comes out. InputError:
+/// damaged, cut short.
+std::string inflated(std::string_view in, size_t wanted, const std::string& file);
+/// The first `count` numbers of `data`, which holds as many; InputError: one is not finite.
+std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count,
+                             const std::string& file);
+/// InputError unless size and axes of a voxel are sensible (VolumeLimits); returns the number of voxels.
+int64_t check_extent(const std::array<int64_t, 3>& size, const Mat3& step_mm, const std::string& file);
+
+/// Whole file, or its first `most` bytes. Throws InputError.
+std::string read_bytes(const std::string& path, size_t most);
+/// Checks sizes and steps and reads the numbers. `file`: of the header.
+Volume read_data(const Header& header, const std::string& file);
+
+}  // namespace limberg::imaging

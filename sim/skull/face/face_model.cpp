@@ -1,0 +1,237 @@
+#include "sim/skull/face/face_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <queue>
+
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+#include "sim/skull/face/face_parts.h"
+
+namespace limberg::simplex {
+namespace {
+
+limberg::Outcome refuse(std::string why) { return {false, std::move(why)}; }
+
+}  // namespace
+
+const char* name_of(FaceMode m) {
+  switch (m) {
+    case FaceMode::smoothing:
+      return "smoothing";
+    case FaceMode::springs:
+      return "springs";
+    case FaceMode::shape:
+      return "shape";
+    case FaceMode::finite_elements:
+      return "finite elements";
+  }
+  return "";
+}
+
+FaceModel::FaceModel(Mesh face, Workers& workers, const FaceModelSettings& settings)
+    : workers_(&workers), settings_(settings), face_(std::move(face)), rest_mm_(face_.x_mm) {
+  face_.before_mm = face_.x_mm;
+  record_shape(face_);
+}
+FaceModel::FaceModel(const FaceModel& o)
+    : workers_(o.workers_),
+      settings_(o.settings_),
+      face_(o.face_),
+      rest_mm_(o.rest_mm_),
+      region_(o.region_),
+      warnings_(o.warnings_),
+      u_mm_(o.u_mm_),
+      frame_(o.frame_),
+      bones_mm_(o.bones_mm_),
+      elastic_(o.elastic_),
+      at_rest_(o.at_rest_),
+      elastic_rest_(o.elastic_rest_),
+      simplex_rest_(o.simplex_rest_),
+      still_(o.still_) {}
+FaceModel& FaceModel::operator=(const FaceModel& o) {
+  if (this != &o) *this = FaceModel(o);
+  return *this;
+}
+FaceModel::FaceModel(FaceModel&&) noexcept = default;
+FaceModel& FaceModel::operator=(FaceModel&&) noexcept = default;
+FaceModel::~FaceModel() = default;
+
+bool FaceModel::any(bool elastic) const {
+  return std::any_of(region_.begin(), region_.end(),
+                     [&](const Region& r) { return (r.plan.mode == FaceMode::finite_elements) == elastic; });
+}
+
+limberg::Outcome FaceModel::connect(const Mesh& bones, FaceTissuePlan plan, const Mesh* at_rest) {
+  for (const Region& r : region_) {
+    if (r.plan.name == plan.name)
+      return refuse("there is a tissue " + plan.name + " already; another name was expected");
+    std::vector<uint8_t> has(face_.nbr.size(), 0);
+    for (int32_t v : r.face_vertex) has[size_t(v)] = 1;
+    const auto both = std::count_if(plan.face_region.begin(), plan.face_region.end(),
+                                    [&](int32_t v) { return face_.alive(v) && has[size_t(v)]; });
+    if (both > 0)
+      return refuse("its region of the face overlaps that of tissue " + r.plan.name + " (" + std::to_string(both) +
+                    " of " + std::to_string(plan.face_region.size()) +
+                    " vertices); expected a place farther from it or a smaller radius");
+  }
+  if (plan.mode == FaceMode::finite_elements && !(plan.young_kPa > 0))
+    return refuse("finite elements need a stiffness above 0 kPa");
+  TissueSettings s;
+  s.layers = plan.layers, s.young_kPa = plan.young_kPa, s.max_thickness_mm = settings_.max_thickness_mm;
+  TissueResult built = build_tissue(face_, plan.face_region, bones, plan.skull_region, s, *workers_);
+  if (built && settings_.elasticity.skin_kPa > 0 && plan.young_kPa > 0 && plan.mode != FaceMode::finite_elements) {
+    // The skin's share of the top layer is known once there is one.
+    s.skin_kPa = top_layer_kPa(built.tissue, plan.young_kPa, settings_.elasticity);
+    built = build_tissue(face_, plan.face_region, bones, plan.skull_region, s, *workers_);
+  }
+  if (!built) return refuse(built.reason);
+  Region r;
+  r.tissue = std::move(built.tissue);
+  Tissue& t = r.tissue;
+  const Mesh& rest = at_rest ? *at_rest : bones;
+  const size_t columns = t.link.size(), tets = t.tet.size(), n = t.node_mm.size() / size_t(t.layers + 1);
+  r.column.resize(t.nbr.size());
+  // Tetrahedra come layer by layer, three per triangle of the region; a boundary vertex hangs on one of them.
+  for (size_t v = 0; v < t.nbr.size(); ++v) r.column[v] = int32_t((v < tets ? v : size_t(t.nbr[v][0])) / 3 % columns);
+  r.face_vertex.resize(columns), r.foot.resize(columns), r.top.resize(columns);
+  for (const auto& [v, f] : t.link) {
+    const size_t c = size_t(r.column[size_t(v)]);
+    r.face_vertex[c] = f;
+  }
+  for (size_t c = 0; c < columns; ++c) {
+    size_t k = 0;
+    for (int32_t i : t.tet[tets - 3 * columns + 3 * c + 2])
+      if (size_t(i) >= n * size_t(t.layers)) r.top[c][k++] = i;
+  }
+  for (const Anchor& a : t.anchor) {
+    r.foot[size_t(r.column[size_t(a.vertex)])] = int32_t(r.anchor.size());
+    r.anchor.push_back(make_foot(a, bones, rest));
+  }
+  if (plan.mode == FaceMode::finite_elements) {
+    const Standing ground(bones, plan.skull_region);
+    for (size_t i = 0; i < n; ++i) {
+      Anchor a;
+      a.vertex = int32_t(i);
+      if (ground.stand(t.node_mm[i], a) < 0) return refuse("the region of the skull has no surface");
+      r.under.push_back(make_foot(a, bones, rest));
+    }
+    for (size_t c = 0; c < columns; ++c)
+      r.over.push_back(local_frame(face_.x_mm[size_t(r.face_vertex[c])], t.node_mm[size_t(r.top[c][0])],
+                                   t.node_mm[size_t(r.top[c][1])], t.node_mm[size_t(r.top[c][2])]));
+    const Eigen::Isometry3d back = frame_.inverse();
+    for (Vec3& X : t.node_mm) X = back * X;
+  }
+  std::vector<int32_t> component;
+  components(bones, component);
+  r.fragments = fragments_under(component, r.anchor);
+  r.plan = std::move(plan);
+  region_.push_back(std::move(r));
+  bones_mm_ = bones.x_mm;
+  if (region_.back().plan.mode == FaceMode::finite_elements) make_elasticity();
+  zones();
+  return {true, ""};
+}
+
+void FaceModel::make_elasticity() {
+  std::vector<FaceElasticity::Body> bodies;
+  std::vector<std::pair<size_t, size_t>> old;  // region, its place among the bodies before
+  for (const Region& r : region_)
+    if (r.plan.mode == FaceMode::finite_elements) bodies.push_back({&r.tissue, r.plan.young_kPa});
+  auto next = std::make_shared<FaceElasticity>(bodies, settings_.elasticity, *workers_);
+  std::vector<Vec3> u(next->nodes(), Vec3::Zero());
+  if (elastic_) {
+    size_t body = 0;
+    for (const Region& r : region_) {
+      if (r.plan.mode != FaceMode::finite_elements) continue;
+      if (body + 1 < bodies.size())  // the last one is new
+        for (size_t i = 0; i < r.tissue.node_mm.size(); ++i)
+          u[size_t(next->node(body, i))] = u_mm_[size_t(elastic_->node(body, i))];
+      ++body;
+    }
+  }
+  elastic_ = std::move(next);
+  u_mm_ = std::move(u);
+}
+
+void FaceModel::zones() {
+  std::vector<double> far(face_.nbr.size(), std::numeric_limits<double>::infinity());
+  using Item = std::pair<double, int32_t>;
+  std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
+  for (const Region& r : region_)
+    if (r.plan.mode != FaceMode::smoothing)
+      for (int32_t v : r.face_vertex) far[size_t(v)] = 0, open.push({0, v});
+  while (!open.empty()) {
+    const auto [d, v] = open.top();
+    open.pop();
+    if (d > far[size_t(v)]) continue;
+    for (int32_t w : face_.nbr[size_t(v)])
+      if (const double e = d + (rest_mm_[size_t(w)] - rest_mm_[size_t(v)]).norm();
+          e <= settings_.transition_mm && e < far[size_t(w)])
+        far[size_t(w)] = e, open.push({e, w});
+  }
+  for (size_t v = 0; v < far.size(); ++v) face_.zone[v] = std::isfinite(far[v]) ? kFree : kFar;
+  for (const Region& r : region_)
+    if (r.plan.mode == FaceMode::finite_elements)
+      for (int32_t v : r.face_vertex) face_.zone[size_t(v)] = kCarried;
+  ++face_.version;
+}
+
+std::vector<const Tissue*> FaceModel::tissues() const {
+  std::vector<const Tissue*> out;
+  for (const Region& r : region_) out.push_back(&r.tissue);
+  return out;
+}
+
+std::vector<std::string> FaceModel::describe() const {
+  std::vector<std::string> out;
+  for (const Region& r : region_) {
+    char line[300];
+    std::snprintf(line, sizeof line,
+                  "%s: %s, %d layers, %zu vertices of the face over %d of tissue (%zu tetrahedra), %.1f kPa",
+                  r.plan.name.c_str(), name_of(r.plan.mode), r.tissue.layers, r.face_vertex.size(), r.tissue.vertices(),
+                  r.tissue.tet.size(), r.plan.young_kPa);
+    out.push_back(line);
+    if (r.plan.mode == FaceMode::springs || r.plan.mode == FaceMode::shape)
+      out.back() += "; " + free_motions(size_t(&r - region_.data()));
+  }
+  return out;
+}
+
+std::string FaceModel::free_motions(size_t region, int64_t dense_up_to) const {
+  const Region& r = region_[region];
+  const ZeroModes z = zero_energy_modes(r.tissue, dense_up_to);
+  char line[200];
+  std::snprintf(line, sizeof line, "its springs leave %s%lld of %lld motions free (%.2f per free vertex)%s",
+                z.estimate ? "about " : "", static_cast<long long>(z.modes), static_cast<long long>(z.dofs),
+                z.dofs > 0 ? 3 * double(z.modes) / double(z.dofs) : 0.,
+                r.plan.mode == FaceMode::shape || settings_.hold > 0 ? ", held by the shape force" : "");
+  return line;
+}
+
+FaceModel::Moved FaceModel::moved() const {
+  Moved m;
+  int64_t n = 0;
+  for (int32_t v = 0; v < face_.slots(); ++v) {
+    if (!face_.alive(v) || face_.zone[size_t(v)] == kFar) continue;
+    const double d = (face_.x_mm[size_t(v)] - rest_mm_[size_t(v)]).norm();
+    m.rms_mm += d * d, m.max_mm = std::max(m.max_mm, d), ++n;
+  }
+  if (n > 0) m.rms_mm = std::sqrt(m.rms_mm / double(n));
+  return m;
+}
+
+uint64_t FaceModel::hash() const {
+  Hash64 h;
+  h.add(simplex::hash(face_));
+  for (const Region& r : region_) h.add(r.plan.name), h.add(r.plan.mode), h.add(simplex::hash(r.tissue));
+  for (const Vec3& u : u_mm_)
+    for (int k = 0; k < 3; ++k) h.add(u[k]);
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 4; ++k) h.add(frame_.matrix()(i, k));
+  return h.value();
+}
+
+}  // namespace limberg::simplex

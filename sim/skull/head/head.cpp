@@ -1,0 +1,444 @@
+#include "sim/skull/head/head.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+#include "sim/skull/bone/words.h"
+
+namespace limberg {
+
+namespace {
+
+// degrees of freedom whose free motions are counted exactly while somebody waits
+constexpr int64_t kCountedAtOnce = 300;
+
+Outcome refuse(std::string why) { return {false, std::move(why)}; }
+
+simplex::FaceMode mode_of(TissueKind k) {
+  switch (k) {
+    case TissueKind::smoothing:
+      return simplex::FaceMode::smoothing;
+    case TissueKind::springs:
+      return simplex::FaceMode::springs;
+    case TissueKind::shape:
+      return simplex::FaceMode::shape;
+    default:
+      return simplex::FaceMode::finite_elements;
+  }
+}
+
+int32_t nearest_vertex(const std::vector<Vec3>& x, const simplex::Mesh& mesh, const Vec3& p) {
+  int32_t best = -1;
+  double best2 = 1e300;
+  for (int32_t v = 0; v < mesh.slots(); ++v) {
+    if (!mesh.alive(v)) continue;
+    const double d2 = (x[size_t(v)] - p).squaredNorm();
+    if (d2 < best2) best2 = d2, best = v;
+  }
+  return best;
+}
+
+/// How a fragment lies to its neighbours, in words; empty: nothing gapes and nothing overlaps.
+std::string lies(const bone::Bones& bones, int32_t id) {
+  constexpr double kNothing_mm = 0.05;
+  std::string words;
+  for (const bone::Gap& g : bones.gaps()) {
+    if ((g.a != id && g.b != id) || std::max(g.gap_max_mm, g.overlap_max_mm) < kNothing_mm) continue;
+    words += (words.empty() ? "" : "; ") + bones.fragment(g.a == id ? g.b : g.a)->name +
+             text(": gap %.1f mm, at most %.1f", g.gap_mean_mm, g.gap_max_mm);
+    if (g.overlap_max_mm >= kNothing_mm)
+      words += text(", overlap %.1f mm deep, %.0f mm^3", g.overlap_max_mm, g.overlap_mm3);
+  }
+  return words;
+}
+
+}  // namespace
+
+Head::Head(HeadParts parts, Workers& workers)
+    : workers_(workers),
+      bones_(std::move(parts.bones), workers),
+      face_(std::move(parts.face), workers),
+      face_iterations_(parts.face_iterations),
+      landmarks_(std::move(parts.landmarks)) {
+  has_face_ = face_.face().vertices() > 0;
+  for (HeadLandmark& l : landmarks_) {
+    if (l.on_face && !has_face_)
+      throw InputError("", 0, "landmark " + l.name + " lies on a face, and there is none; expected a face");
+    tie(l);
+  }
+  place_bones();
+  for (const ConnectTissue& t : parts.tissues)
+    if (const Outcome o = connect(t); !o.done)
+      throw InputError("", 0, "tissue " + t.name + " cannot be connected: " + o.reason);
+  topology_changed();
+}
+
+Head::~Head() = default;
+
+Outcome Head::apply(const Command& command) {
+  Outcome o;
+  if (const auto* h = std::get_if<HeadCommand>(&command))
+    o = act(*h);
+  else if (std::holds_alternative<Undo>(command))
+    o = undo();
+  else if (std::holds_alternative<Redo>(command))
+    o = redo();
+  else if (std::holds_alternative<Stage>(command) || std::holds_alternative<Wait>(command))
+    o = {true, {}};
+  else
+    o = refuse("there is no skin with flap tools here; expected a scene with a [body]");
+  if (!o.done) ++refused_;
+  return o;
+}
+
+Outcome Head::act(const HeadCommand& command) {
+  return std::visit([this](const auto& c) { return act(c); }, command);
+}
+
+// ---- acts on bone ----
+
+Outcome Head::act(const CutBone& c) {
+  std::string reason;
+  bone::Osteotomy o;
+  o.kind = c.contour_mm.empty() ? bone::Osteotomy::Kind::plane : bone::Osteotomy::Kind::contour;
+  o.path_mm = c.contour_mm, o.point_mm = c.point_mm, o.radius_mm = c.radius_mm, o.must_divide = c.must_divide;
+  if (c.normal.norm() > 0) o.normal = c.normal.normalized();
+  if (c.of && (o.fragment = find(*c.of, reason)) < 0) return refuse(reason);
+  Done before = moment(true, true);
+  const uint64_t version = bones_.version();
+  const Outcome done = bones_.cut(o);
+  if (!done.done) return done;
+  bones_changed(version);
+  remember(std::move(before));
+  // A cut through what a tissue hangs on is allowed; whoever made it is told.
+  return {true, has_face_ && !face_.warnings().empty() ? face_.warnings().back() : done.reason};
+}
+
+Outcome Head::act(const MoveFragment& m) {
+  std::string reason;
+  const int32_t id = find(m.fragment, reason);
+  if (id < 0) return refuse(reason);
+  Done before = moment(true, false);
+  Outcome done = bones_.move(id, isometry(m.by, centre_now(id)) * bones_.fragment(id)->pose);
+  if (done.done) remember(std::move(before)), done.reason = lies(bones_, id);
+  return done;
+}
+
+Outcome Head::act(const GrabFragment& g) {
+  std::string reason;
+  const int32_t id = find(g.fragment, reason);
+  if (id < 0) return refuse(reason);
+  const Outcome done = bones_.grab(id);
+  if (!done.done) return done;
+  grabbed_at_ = bones_.fragment(id)->pose;
+  grabbed_centre_ = centre_now(id);
+  held_by_ = g.hand;
+  return done;
+}
+
+Outcome Head::act(const DragFragment& d) {
+  if (bones_.held() < 0 || held_by_ != d.hand) return refuse("nothing is held by this hand; expected a grab before it");
+  bones_.drag(bones_.held(), isometry(d.to, grabbed_centre_) * grabbed_at_);
+  return {true, {}};
+}
+
+Outcome Head::act(const LetGo& l) {
+  if (bones_.held() < 0 || held_by_ != l.hand) return refuse("nothing is held by this hand; expected a grab before it");
+  Done before = moment(true, false);
+  const int32_t id = bones_.held();
+  Outcome done = bones_.release(id, l.snap);
+  if (!done.done) return done;
+  held_by_ = -1, remember(std::move(before));
+  const std::string beside = lies(bones_, id);
+  done.reason += (done.reason.empty() || beside.empty() ? "" : "; ") + beside;
+  return done;
+}
+
+Outcome Head::act(const PlateFragments& p) {
+  Done before = moment(true, false);
+  const Outcome done = bones_.plate(p.a_mm, p.b_mm);
+  if (done.done) remember(std::move(before)), topology_changed();
+  return done;
+}
+
+Outcome Head::act(const Unplate& u) {
+  std::string reason;
+  const int32_t id = find(u.fragment, reason);
+  if (id < 0) return refuse(reason);
+  Done before = moment(true, false);
+  const Outcome done = bones_.unplate(id);
+  if (done.done) remember(std::move(before)), topology_changed();
+  return done;
+}
+
+Outcome Head::act(const SortFragments&) {
+  Done before = moment(true, false);
+  const Outcome done = bones_.sort();
+  if (done.done) remember(std::move(before));
+  return done;
+}
+
+Outcome Head::act(const JoinFragments& j) {
+  std::string reason;
+  const int32_t a = find(j.a, reason), b = a < 0 ? -1 : find(j.b, reason);
+  if (a < 0 || b < 0) return refuse(reason);
+  Done before = moment(true, true);
+  const uint64_t version = bones_.version();
+  std::vector<uint8_t> of[2];  // vertices of a and of b
+  for (const int k : {0, 1}) {
+    of[k].assign(size_t(bones_.mesh().slots()), 0);
+    for (int32_t v = 0; v < bones_.mesh().slots(); ++v) of[k][size_t(v)] = bones_.fragment_of(v) == (k == 0 ? a : b);
+  }
+  const Eigen::Isometry3d pose_a = bones_.fragment(a)->pose, pose_b = bones_.fragment(b)->pose;
+  const Outcome done = bones_.join(a, b);
+  if (!done.done) return done;
+  // The rest of the one that is gone was set anew; its landmarks go along.
+  const bool a_stays = bones_.fragment(a) != nullptr;
+  const Eigen::Isometry3d to = a_stays ? pose_a.inverse() * pose_b : pose_b.inverse() * pose_a;
+  for (HeadLandmark& l : landmarks_)
+    if (!l.on_face && l.fragment == (a_stays ? b : a)) l.X_mm = to * l.X_mm;
+  if (has_face_) face_.rest_set_anew(of[a_stays ? 1 : 0], to);
+  bones_changed(version);
+  remember(std::move(before));
+  return done;
+}
+
+// ---- acts on face and landmarks ----
+
+Outcome Head::connect(const ConnectTissue& t) {
+  if (!has_face_) return refuse("there is no face; expected a head with one");
+  for (const ConnectTissue& k : tissues_)
+    if (k.name == t.name) return refuse("there is a tissue " + t.name + " already; expected another name");
+  const simplex::Mesh& face = face_.face();
+  simplex::FaceTissuePlan plan;
+  plan.name = t.name;
+  plan.layers = t.layers, plan.young_kPa = t.young_kPa, plan.mode = mode_of(t.mode);
+  plan.face_region = simplex::region_around(face, nearest_vertex(face.x_mm, face, t.face_mm), t.face_radius_mm);
+  if (t.bone_radius_mm > 0) {
+    for (int32_t v = 0; v < placed_.slots(); ++v)
+      if (placed_.alive(v) && (placed_.x_mm[size_t(v)] - t.bone_mm).norm() <= t.bone_radius_mm)
+        plan.skull_region.push_back(v);
+    if (plan.skull_region.empty()) return refuse("there is no bone within bone_radius_mm of that place; expected some");
+  }
+  const Outcome o = face_.connect(placed_, std::move(plan), &bones_.mesh());
+  if (o.done) tissues_.push_back(t);
+  return o;
+}
+
+Outcome Head::act(const ConnectTissue& t) {
+  if (bones_.held() >= 0) return refuse(bone::kHeld);
+  Done before = moment(false, true);
+  const Outcome o = connect(t);
+  if (!o.done) return o;
+  remember(std::move(before));
+  topology_changed();
+  const bool net = t.mode == TissueKind::springs || t.mode == TissueKind::shape;
+  return {true, net ? face_.free_motions(face_.tissues().size() - 1, kCountedAtOnce) : std::string()};
+}
+
+Outcome Head::act(const Superpose& s) {
+  constexpr size_t kMostMoments = 20;
+  if (s.on != SkullBeside::off) {
+    if (bones_.fragments().empty()) return refuse("there is no bone; expected a head with some");
+    if (moments_.size() >= kMostMoments)
+      return refuse("the skull was laid upon another 20 times already; expected fewer");
+    place_bones();
+    SkullMoment m;
+    m.name = s.name.empty() ? std::to_string(moments_.size() + 1) : s.name;
+    m.on = s.on;
+    m.rest = !moments_.empty() && moment_version_ == bones_.version()
+                 ? moments_.back().rest
+                 : std::make_shared<const simplex::Mesh>(bones_.mesh());
+    m.now_mm = placed_.x_mm;
+    m.fragment.resize(placed_.x_mm.size());
+    for (size_t v = 0; v < m.fragment.size(); ++v)
+      m.fragment[v] = placed_.alive(int32_t(v)) ? bones_.fragment_of(int32_t(v)) : -1;
+    for (const bone::Fragment& f : bones_.fragments()) m.names.emplace_back(f.id, f.name);
+    moment_version_ = bones_.version();
+    moments_.push_back(std::move(m));
+  }
+  beside_ = s.on;
+  return {true, {}};
+}
+
+Outcome Head::act(const PlaceLandmark& p) {
+  if (p.on_face && !has_face_) return refuse("there is no face; expected \"on\":\"bone\"");
+  Done before = moment(false, false);
+  HeadLandmark l{p.name, p.at_mm, p.on_face, -1, -1};
+  constexpr double kFarthest_mm = 20;
+  if (p.on_face) {
+    // On the face as it was at first, where scripts and files name places.
+    const std::vector<Vec3>& X = face_.rest_mm();
+    l.X_mm = X[size_t(nearest_vertex(X, face_.face(), p.at_mm))];
+  } else if (bones_.nearest_fragment(p.at_mm, &l.X_mm) < 0) {
+    return refuse("there is no bone; expected a place on bone");
+  }
+  if ((l.X_mm - p.at_mm).norm() > kFarthest_mm)
+    return refuse("lies more than 20 mm from the " + std::string(p.on_face ? "face" : "bone") +
+                  "; expected a place on it");
+  tie(l);
+  const auto same =
+      std::find_if(landmarks_.begin(), landmarks_.end(), [&](const HeadLandmark& k) { return k.name == l.name; });
+  if (same != landmarks_.end())
+    *same = l;
+  else
+    landmarks_.push_back(l);
+  remember(std::move(before));
+  topology_changed();
+  return {true, {}};
+}
+
+void Head::tie(HeadLandmark& l) const {
+  if (l.on_face)
+    l.vertex = nearest_vertex(face_.rest_mm(), face_.face(), l.X_mm);
+  else
+    l.fragment = bones_.nearest_fragment(l.X_mm);
+}
+
+Vec3 Head::landmark_mm(const HeadLandmark& l) const {
+  if (l.on_face)
+    return l.vertex < 0 ? l.X_mm
+                        : Vec3(l.X_mm + face_.face().x_mm[size_t(l.vertex)] - face_.rest_mm()[size_t(l.vertex)]);
+  const bone::Fragment* f = bones_.fragment(l.fragment);
+  return f ? Vec3(f->pose * l.X_mm) : l.X_mm;
+}
+
+std::vector<std::pair<std::string, Vec3>> Head::landmarks_now() const {
+  std::vector<std::pair<std::string, Vec3>> out;
+  for (const HeadLandmark& l : landmarks_) out.emplace_back(l.name, landmark_mm(l));
+  return out;
+}
+
+std::vector<std::pair<std::string, Vec3>> Head::landmarks_at_rest() const {
+  std::vector<std::pair<std::string, Vec3>> out;
+  for (const HeadLandmark& l : landmarks_) out.emplace_back(l.name, l.X_mm);
+  return out;
+}
+
+// ---- what follows ----
+
+int32_t Head::find(const FragmentPick& pick, std::string& reason) const {
+  constexpr double kFarthest_mm = 15;
+  if (pick.id >= 0) {
+    if (bones_.fragment(pick.id)) return pick.id;
+    reason = "there is no fragment " + std::to_string(pick.id) + "; expected one of";
+    for (const bone::Fragment& f : bones_.fragments()) reason += " " + std::to_string(f.id) + " (" + f.name + ")";
+    return -1;
+  }
+  Vec3 on = Vec3::Zero();
+  const int32_t id = bones_.nearest_fragment(pick.at_mm, &on);
+  if (id >= 0 && (on - pick.at_mm).norm() <= kFarthest_mm) return id;
+  reason = "there is no bone within 15 mm of that place; expected a place on a fragment as it was at first";
+  return -1;
+}
+
+Vec3 Head::centre_now(int32_t id) const {
+  const bone::Fragment* f = bones_.fragment(id);
+  return f->pose * f->centre_mm;
+}
+
+void Head::place_bones() {
+  const simplex::Mesh& mesh = bones_.mesh();
+  std::vector<Eigen::Isometry3d> poses;
+  for (const bone::Fragment& f : bones_.fragments()) poses.push_back(f.pose);
+  const bool mesh_changed = placed_version_ != bones_.version();
+  const bool same = !mesh_changed && poses.size() == poses_.size() &&
+                    std::equal(poses.begin(), poses.end(), poses_.begin(),
+                               [](const auto& a, const auto& b) { return a.matrix() == b.matrix(); });
+  if (same) return;
+  if (mesh_changed) placed_ = mesh, placed_version_ = bones_.version();
+  std::vector<int32_t> at;  // per fragment number, its place in the list
+  for (size_t i = 0; i < poses.size(); ++i) {
+    const auto id = size_t(bones_.fragments()[i].id);
+    if (at.size() <= id) at.resize(id + 1, -1);
+    at[id] = int32_t(i);
+  }
+  for (int32_t v = 0; v < mesh.slots(); ++v)
+    if (mesh.alive(v))
+      placed_.x_mm[size_t(v)] = poses[size_t(at[size_t(bones_.fragment_of(v))])] * mesh.x_mm[size_t(v)];
+  poses_ = std::move(poses);
+  if (has_face_) face_.follow(placed_);
+}
+
+HeadStep Head::step(double dt_s) {
+  if (bones_.physics() || bones_.held() >= 0) bones_.step(dt_s);
+  place_bones();
+  HeadStep out;
+  if (has_face_) {
+    const auto report = face_.step(face_iterations_);
+    out.max_move_mm = report.max_move_mm;
+    out.at_rest = report.at_rest;
+  }
+  if (bones_.held() >= 0) out.at_rest = false;
+  ++steps_;
+  return last_ = out;
+}
+
+void Head::bones_changed(uint64_t version_before) {
+  if (bones_.version() == version_before) return;
+  for (HeadLandmark& l : landmarks_)
+    if (!l.on_face) tie(l);
+  placed_version_ = 0;  // its numbers have changed
+  if (has_face_) face_.rebind(bones_.mesh());
+  place_bones();
+  topology_changed();
+}
+
+void Head::topology_changed() {
+  std::vector<std::string> names;
+  for (const HeadLandmark& l : landmarks_) names.push_back(l.name);
+  simplex::Mesh face = face_.face();
+  face.x_mm = face_.rest_mm();
+  view_.build(face, bones_, face_.tissues(), names);
+}
+
+void Head::fill(Snapshot& s) const {
+  s.step = steps_;
+  s.topology = view_.topology();
+  s.topology_version = s.topology->version;
+  view_.places(face_.face(), bones_, face_.tissues(), s.x_mm);
+  s.field.clear();
+  if (has_face_)
+    view_.moved(face_.face(), s.x_mm, s.moved_mm);
+  else
+    s.moved_mm.clear();
+  s.hooks.clear(), s.sutures.clear();
+  s.plate_mm.clear();
+  for (const bone::Plate& p : bones_.plates())
+    s.plate_mm.push_back(
+        {(bones_.fragment(p.a)->pose * p.a_mm).cast<float>(), (bones_.fragment(p.b)->pose * p.b_mm).cast<float>()});
+  s.landmark_mm.clear();
+  for (const HeadLandmark& l : landmarks_) s.landmark_mm.push_back(landmark_mm(l).cast<float>());
+  s.figures.clear();
+  if (has_face_)
+    s.figures.push_back({"face moved, at most", "mm",
+                         s.moved_mm.empty() ? 0 : *std::max_element(s.moved_mm.begin(), s.moved_mm.end())});
+  for (const bone::Fragment& f : bones_.fragments()) {
+    const double way = (f.pose * f.centre_mm - f.centre_mm).norm();
+    if (way > 0) s.figures.push_back({f.name, "mm", float(way)});
+  }
+  s.residual = float(last_.at_rest ? 0 : last_.max_move_mm);
+  s.distance_mm = float(last_.at_rest ? 0 : last_.max_move_mm);
+}
+
+uint64_t Head::topology_hash() const {
+  Hash64 h;
+  h.add(view_.topology()->hash);
+  for (const bone::Fragment& f : bones_.fragments()) h.add(f.id), h.add(f.vertex);
+  return h.value();
+}
+
+uint64_t Head::state_hash() const {
+  Hash64 h;
+  h.add(bones_.hash());
+  if (has_face_) h.add(face_.hash());
+  for (const HeadLandmark& l : landmarks_) {
+    h.add(l.name), h.add(l.on_face);
+    for (int i = 0; i < 3; ++i) h.add(l.X_mm[i]);
+  }
+  return h.value();
+}
+
+}  // namespace limberg

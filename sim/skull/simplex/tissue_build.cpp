@@ -1,0 +1,407 @@
+// Building a tissue: the primal prisms, their tetrahedra, and the dual.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <queue>
+
+#include "sim/base/error.h"
+#include "sim/base/hash.h"
+#include "sim/geometry/bvh.h"
+#include "sim/skull/simplex/dual.h"
+#include "sim/skull/simplex/tissue.h"
+
+namespace limberg::simplex {
+namespace {
+
+using Tet = std::array<int32_t, 4>;
+
+double volume6(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
+
+/// The dual triangulation of the region.
+struct Patch {
+  std::vector<Vec3> top, normal;           // per node
+  std::vector<Tri> tri;                    // per vertex of the region, counter-clockwise from outside
+  std::vector<std::vector<int32_t>> near;  // nodes next to a node
+  std::vector<std::array<int32_t, 2>> border;
+};
+
+std::string make_patch(const Mesh& face, std::span<const int32_t> region, Patch& p) {
+  std::map<int32_t, int32_t>
+      node;  // face of the mesh -> node; ordered, so that numbers do not depend on the region's order
+  std::vector<uint8_t> in(face.nbr.size(), 0);
+  for (int32_t v : region) {
+    if (!face.alive(v)) return "the region of the face names vertex " + std::to_string(v) + ", which does not exist";
+    if (in[size_t(v)]++) return "the region of the face names vertex " + std::to_string(v) + " twice";
+    for (int32_t f : face.left[size_t(v)]) {
+      if (is_end(face.kind(f))) return "the region of the face reaches a hole or a cut";
+      node.try_emplace(f, 0);
+    }
+  }
+  if (region.empty()) return "the region of the face is empty";
+  for (auto& [f, n] : node) {
+    n = int32_t(p.top.size());
+    p.top.push_back(face_centre(face, f));
+    p.normal.push_back(face_area(face, f).vector_mm2.normalized());
+  }
+  p.near.resize(p.top.size());
+  std::map<std::array<int32_t, 2>, int> edges;  // directed
+  for (int32_t v : region) {
+    const Row& l = face.left[size_t(v)];
+    p.tri.push_back({node[l[2]], node[l[0]], node[l[1]]});
+    for (size_t k = 0; k < 3; ++k) ++edges[{p.tri.back()[k], p.tri.back()[(k + 1) % 3]}];
+  }
+  std::vector<int> leaves(p.top.size(), 0);
+  for (const auto& [e, n] : edges) {
+    const bool inner = edges.contains({e[1], e[0]});
+    if (!inner) p.border.push_back(e), ++leaves[size_t(e[0])];
+    if (!inner || e[0] < e[1]) p.near[size_t(e[0])].push_back(e[1]), p.near[size_t(e[1])].push_back(e[0]);
+  }
+  if (p.border.empty()) return "the region of the face is the whole surface; a patch was expected";
+  if (*std::max_element(leaves.begin(), leaves.end()) > 1)
+    return "the region of the face is pinched: two of its borders touch";
+  std::vector<int32_t> stack{region[0]};
+  size_t reached = 1;
+  in[size_t(region[0])] = 2;
+  while (!stack.empty()) {
+    const int32_t v = stack.back();
+    stack.pop_back();
+    for (int32_t u : face.nbr[size_t(v)])
+      if (in[size_t(u)] == 1) in[size_t(u)] = 2, ++reached, stack.push_back(u);
+  }
+  if (reached != region.size()) return "the region of the face is in several parts";
+  return "";
+}
+
+bool upright(const Patch& p, const Tri& t, const std::vector<Vec3>& bottom) {
+  const Vec3 &a = bottom[size_t(t[0])], &b = bottom[size_t(t[1])], &c = bottom[size_t(t[2])];
+  const Vec3 &x = p.top[size_t(t[0])], &y = p.top[size_t(t[1])], &z = p.top[size_t(t[2])];
+  // All tetrahedra that a diagonal may give: each corner of one side over the whole other side.
+  bool up = true;
+  for (const Vec3* u : {&x, &y, &z}) up &= volume6(a, b, c, *u) > 0;
+  for (const Vec3* u : {&a, &b, &c}) up &= volume6(x, z, y, *u) > 0;
+  return up;
+}
+
+/// Opposite places on the skull, all prisms upright. Where no evening out of places on the bone achieves that (over the
+/// mouth, the nose, an orbit's rim), the nodes of what folds stay above the bone, on their ways to it: `hovers`.
+std::string drop(const Patch& p, const Bvh& bvh, double farthest, std::vector<Vec3>& bottom,
+                 std::vector<uint8_t>& hovers) {
+  constexpr int kRounds = 30, kMore = 80;
+  constexpr double kDetour = 1.6,
+                   // a normal that misses what is near is not followed (through the mouth to the palate)
+      kDetour_mm = 5;
+  constexpr double kShorter = 0.85, kLeast = 0.05;
+  const size_t n = p.top.size();
+  std::vector<Vec3> d(n);
+  for (size_t i = 0; i < n; ++i) {
+    const Bvh::Closest c = bvh.closest(p.top[i], farthest);
+    if (c.triangle < 0) return "the skull is farther from the face than " + std::to_string(farthest) + " mm";
+    d[i] = c.point_mm - p.top[i];
+    Bvh::LineHit hit;
+    if (bvh.line(p.top[i], -p.normal[i], 1e-9, kDetour * c.distance_mm + kDetour_mm, std::span(&hit, 1)) > 0)
+      d[i] = -hit.t * p.normal[i];
+  }
+  hovers.assign(n, 0);
+  std::vector<double> share(n, 1);
+  const auto even = [&](const std::vector<uint8_t>* only) {
+    std::vector<Vec3> next = d;
+    for (size_t i = 0; i < n; ++i) {
+      if (only && !(*only)[i]) continue;
+      Vec3 mean = Vec3::Zero();
+      for (int32_t j : p.near[i]) mean += d[size_t(j)] / double(p.near[i].size());
+      next[i] = 0.5 * (d[i] + mean);
+    }
+    d = std::move(next);
+  };
+  for (int round = 0; round < kRounds + kMore; ++round) {
+    bottom.resize(n);
+    for (size_t i = 0; i < n; ++i)
+      bottom[i] = hovers[i] ? p.top[i] + share[i] * d[i] : bvh.closest(p.top[i] + d[i]).point_mm;
+    std::vector<uint8_t> bad(n, 0);
+    bool good = true;
+    for (const Tri& t : p.tri)
+      if (!upright(p, t, bottom)) {
+        good = false;
+        for (int32_t v : t) bad[size_t(v)] = 1;
+      }
+    if (good) return "";
+    if (round < kRounds) {
+      even(nullptr);
+      continue;
+    }
+    for (size_t i = 0; i < n; ++i) {
+      if (!bad[i]) continue;
+      if (!hovers[i]) d[i] = bottom[i] - p.top[i];
+      hovers[i] = 1, share[i] *= kShorter;
+      if (share[i] < kLeast)
+        return "the two regions do not lie opposite to one another: layers between them would fold";
+    }
+    even(&bad);
+  }
+  return "the two regions do not lie opposite to one another: layers between them would fold";
+}
+
+struct Facet {
+  std::array<int32_t, 3> key;
+  int32_t tet, k;
+};
+
+}  // namespace
+
+std::vector<int32_t> region_around(const Mesh& m, int32_t v, double radius) {
+  std::vector<int32_t> region;
+  if (!m.alive(v)) return region;
+  std::vector<double> far(m.nbr.size(), std::numeric_limits<double>::infinity());
+  using Item = std::pair<double, int32_t>;
+  std::priority_queue<Item, std::vector<Item>, std::greater<>> open;
+  far[size_t(v)] = 0;
+  open.push({0, v});
+  while (!open.empty()) {
+    const auto [d, u] = open.top();
+    open.pop();
+    if (d > far[size_t(u)]) continue;
+    region.push_back(u);
+    for (int32_t t : m.nbr[size_t(u)])
+      if (const double w = d + (m.x_mm[size_t(t)] - m.x_mm[size_t(u)]).norm(); w <= radius && w < far[size_t(t)])
+        far[size_t(t)] = w, open.push({w, t});
+  }
+  return region;
+}
+
+TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, const Mesh& skull,
+                          std::span<const int32_t> skull_region, const TissueSettings& s, Workers& workers) {
+  TissueResult out;
+  const auto refuse = [&](std::string why) {
+    out.reason = std::move(why);
+    return out;
+  };
+  if (s.layers < 1 || s.layers > 16) return refuse("a tissue has 1 to 16 layers");
+  if (!std::isfinite(s.young_kPa) || s.young_kPa < 0)
+    return refuse("the stiffness must be a finite number of kPa, 0 or more");
+  if (!(s.max_thickness_mm > 0)) return refuse("the largest thickness must be above 0 mm");
+  Patch p;
+  if (std::string why = make_patch(face, region, p); !why.empty()) return refuse(why);
+  const FanTriangles fan = fan_triangles(skull);
+  std::vector<int32_t> subset;
+  if (!skull_region.empty()) {
+    std::vector<uint8_t> in(skull.face_edge.size(), 0);
+    for (int32_t v : skull_region) {
+      if (!skull.alive(v))
+        return refuse("the region of the skull names vertex " + std::to_string(v) + ", which does not exist");
+      for (int32_t f : skull.left[size_t(v)]) in[size_t(f)] = 1;
+    }
+    for (size_t t = 0; t < fan.face.size(); ++t)
+      if (in[size_t(fan.face[t])]) subset.push_back(int32_t(t));
+  }
+  if (fan.tri.empty() || (!skull_region.empty() && subset.empty()))
+    return refuse("the region of the skull has no surface");
+  const Bvh bvh(fan.X_mm, fan.tri, subset);
+  std::vector<Vec3> bottom;
+  std::vector<uint8_t> hovers;
+  if (std::string why = drop(p, bvh, s.max_thickness_mm, bottom, hovers); !why.empty()) return refuse(why);
+
+  Tissue& t = out.tissue;
+  t.layers = s.layers;
+  const int32_t n = int32_t(p.top.size());
+  for (int32_t l = 0; l <= s.layers; ++l)
+    for (int32_t i = 0; i < n; ++i) {
+      const double w = double(l) / s.layers;
+      t.node_mm.push_back((1 - w) * bottom[size_t(i)] + w * p.top[size_t(i)]);
+    }
+  for (int32_t l = 0; l < s.layers; ++l)
+    for (Tri v : p.tri) {
+      std::sort(v.begin(), v.end());
+      const int32_t a = l * n, b = (l + 1) * n;
+      for (Tet q : {Tet{a + v[0], a + v[1], a + v[2], b + v[2]}, Tet{a + v[0], a + v[1], b + v[1], b + v[2]},
+                    Tet{a + v[0], b + v[0], b + v[1], b + v[2]}}) {
+        const auto at = [&](size_t k) -> const Vec3& { return t.node_mm[size_t(q[k])]; };
+        if (volume6(at(0), at(1), at(2), at(3)) < 0) std::swap(q[0], q[1]);
+        if (!(volume6(at(0), at(1), at(2), at(3)) > 0))
+          return refuse(
+              "the two regions do not lie opposite to one another: a layer between them would have no thickness");
+        t.tet.push_back(q);
+      }
+    }
+  // Facets, by their nodes: two tetrahedra share one, or it lies on the boundary.
+  std::vector<Facet> facet;
+  for (int32_t i = 0; i < int32_t(t.tet.size()); ++i)
+    for (int32_t k = 0; k < 4; ++k) {
+      std::array<int32_t, 3> key{};
+      for (int32_t j = 0, c = 0; j < 4; ++j)
+        if (j != k) key[size_t(c++)] = t.tet[size_t(i)][size_t(j)];
+      std::sort(key.begin(), key.end());
+      facet.push_back({key, i, k});
+    }
+  std::sort(facet.begin(), facet.end(),
+            [](const Facet& a, const Facet& b) { return a.key != b.key ? a.key < b.key : a.tet < b.tet; });
+  const auto add = [&](const Vec3& x, TissueRole r) {
+    t.nbr.push_back({-1, -1, -1, -1});
+    t.x_mm.push_back(x), t.role.push_back(r);
+    t.rest_mm.push_back({}), t.k_mN_per_mm.push_back({1, 1, 1, 1});
+  };
+  for (const Tet& q : t.tet) {
+    Vec3 c = Vec3::Zero();
+    for (int32_t v : q) c += 0.25 * t.node_mm[size_t(v)];
+    add(c, TissueRole::inside);
+  }
+  std::vector<std::array<int32_t, 3>>
+      crossed;  // nodes of the triangle that an edge tet - tet or tet - boundary crosses
+  std::map<std::array<int32_t, 3>, int32_t> top;
+  for (size_t i = 0; i < region.size(); ++i) {
+    std::array<int32_t, 3> key{p.tri[i][0] + s.layers * n, p.tri[i][1] + s.layers * n, p.tri[i][2] + s.layers * n};
+    std::sort(key.begin(), key.end());
+    top[key] = region[i];
+  }
+  const auto area = [&](const std::array<int32_t, 3>& f) {
+    return 0.5 * (t.node_mm[size_t(f[1])] - t.node_mm[size_t(f[0])])
+                     .cross(t.node_mm[size_t(f[2])] - t.node_mm[size_t(f[0])])
+                     .norm();
+  };
+  std::map<std::array<int32_t, 2>, std::vector<int32_t>> rim;  // boundary edge -> boundary vertices
+  std::vector<std::array<int32_t, 3>> boundary;                // nodes of boundary vertex i + tets
+  const auto join = [&](int32_t a, size_t slot_a, int32_t b, size_t slot_b, double A) {
+    t.nbr[size_t(a)][slot_a] = b, t.nbr[size_t(b)][slot_b] = a;
+    t.k_mN_per_mm[size_t(a)][slot_a] = t.k_mN_per_mm[size_t(b)][slot_b] = A;
+  };
+  for (size_t i = 0; i < facet.size();) {
+    const Facet& f = facet[i];
+    if (i + 1 < facet.size() && facet[i + 1].key == f.key) {
+      if (i + 2 < facet.size() && facet[i + 2].key == f.key) return refuse("the region of the face folds onto itself");
+      join(f.tet, size_t(f.k), facet[i + 1].tet, size_t(facet[i + 1].k), area(f.key));
+      i += 2;
+      continue;
+    }
+    const int32_t b = t.vertices();
+    const bool over = f.key[0] >= s.layers * n, under = f.key[2] < n;
+    Vec3 c = Vec3::Zero();
+    for (int32_t v : f.key) c += t.node_mm[size_t(v)] / 3;
+    add(c, over ? TissueRole::face : under ? TissueRole::skull : TissueRole::side);
+    boundary.push_back(f.key);
+    join(f.tet, size_t(f.k), b, 0, area(f.key));
+    if (over) {
+      t.link.push_back({b, top.at(f.key)});
+      t.x_mm.back() = face.x_mm[size_t(t.link.back().second)];
+    }
+    if (under) {
+      const Bvh::Closest q = bvh.closest(c);
+      const bool over_bone = hovers[size_t(f.key[0])] || hovers[size_t(f.key[1])] || hovers[size_t(f.key[2])];
+      const Vec3 foot = over_bone ? c : q.point_mm;
+      t.x_mm.back() = foot;
+      Anchor a;
+      a.vertex = b;
+      // The fan's centre is not a vertex of the skull: carried by the triangle of a face's vertices that is nearest to
+      // it.
+      const int32_t f0 = fan.face[size_t(q.triangle)];
+      const std::vector<int32_t> ring = skull.ring(f0);
+      const Tri& ft = fan.tri[size_t(q.triangle)];
+      const size_t at = size_t(std::find(ring.begin(), ring.end(), ft[1]) - ring.begin());
+      a.skull[0] = ft[1], a.skull[1] = ft[2], a.skull[2] = ring[(at + 1 + ring.size() / 2) % ring.size()];
+      const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])],
+                 &C = skull.x_mm[size_t(a.skull[2])];
+      const LocalFrame g = local_frame(foot, A, B, C);
+      for (size_t k = 0; k < 3; ++k) a.weight[k] = g.e[k];
+      a.height_mm = g.L_mm;
+      a.axes = axes_of(a, skull);
+      t.anchor.push_back(a);
+    }
+    for (const auto& [u, v] : {std::pair{0, 1}, {1, 2}, {0, 2}})
+      rim[{f.key[size_t(u)], f.key[size_t(v)]}].push_back(b);  // keys are sorted
+    ++i;
+  }
+  std::vector<size_t> used(t.nbr.size(), 1);
+  const int32_t tets = int32_t(t.tet.size());
+  for (const auto& [e, two] : rim) {
+    if (two.size() != 2) return refuse("the region of the face folds onto itself");
+    // The primal triangle that such an edge crosses has no area of its own: a third of its two facets stands for it.
+    const double A = (area(boundary[size_t(two[0] - tets)]) + area(boundary[size_t(two[1] - tets)])) / 6;
+    join(two[0], used[size_t(two[0])]++, two[1], used[size_t(two[1])]++, A);
+  }
+  t.before_mm = t.x_mm;
+  record_rest(t);
+  follow(t, face, skull);
+  TissueLaw smooth;
+  smooth.mode = TissueMode::smoothing, smooth.alpha = 1;
+  for (int i = 0; i < 400; ++i)
+    if (step(t, smooth, workers).max_move_mm < 1e-4) break;
+  t.before_mm = t.x_mm;
+  record_rest(t);
+  // Young's modulus over an edge: the mean of its two ends'. A boundary vertex has that of its tetrahedron.
+  const double skin = s.skin_kPa > 0 ? s.skin_kPa : s.young_kPa;
+  const size_t under_skin = t.tet.size() / size_t(s.layers) * size_t(s.layers - 1);
+  const auto young = [&](int32_t v) {
+    return size_t(v < tets ? v : t.nbr[size_t(v)][0]) >= under_skin ? skin : s.young_kPa;
+  };
+  for (size_t v = 0; v < t.nbr.size(); ++v)
+    for (size_t k = 0; k < 4; ++k) {
+      const double l = t.rest_mm[v][k];
+      t.k_mN_per_mm[v][k] =
+          s.young_kPa > 0 && l > 0 ? 0.5 * (young(int32_t(v)) + young(t.nbr[v][k])) * t.k_mN_per_mm[v][k] / l : 1;
+    }
+  if (const auto bad = find_fault(t)) return refuse(*bad);
+  return out;
+}
+
+Mat3 axes_of(const Anchor& a, const Mesh& skull) {
+  const Vec3 &A = skull.x_mm[size_t(a.skull[0])], &B = skull.x_mm[size_t(a.skull[1])],
+             &C = skull.x_mm[size_t(a.skull[2])];
+  const Vec3 N = (B - A).cross(C - A), e = B - A;
+  if (!(N.norm() > 1e-9 * e.squaredNorm()) || !(e.norm() > 0)) return Mat3::Identity();
+  Mat3 Q;
+  Q.col(0) = e.normalized(), Q.col(2) = N.normalized(), Q.col(1) = Q.col(2).cross(Q.col(0));
+  return Q;
+}
+
+void follow(Tissue& t, const Mesh& face, const Mesh& skull) {
+  for (const auto& [v, f] : t.link) {
+    if (!face.alive(f))
+      throw InputError("", 0, "the tissue hangs on vertex " + std::to_string(f) + " of the face, which has gone");
+    t.x_mm[size_t(v)] = face.x_mm[size_t(f)];
+  }
+  for (const Anchor& a : t.anchor) {
+    Vec3 x = Vec3::Zero();
+    for (size_t k = 0; k < 3; ++k) {
+      if (!skull.alive(a.skull[k]))
+        throw InputError(
+            "", 0, "the tissue is anchored on vertex " + std::to_string(a.skull[k]) + " of the skull, which has gone");
+      x += a.weight[k] * skull.x_mm[size_t(a.skull[k])];
+    }
+    const Vec3 N = (skull.x_mm[size_t(a.skull[1])] - skull.x_mm[size_t(a.skull[0])])
+                       .cross(skull.x_mm[size_t(a.skull[2])] - skull.x_mm[size_t(a.skull[0])]);
+    if (const double l = N.norm(); l > 0) x += a.height_mm / l * N;
+    t.x_mm[size_t(a.vertex)] = x;
+  }
+}
+
+std::optional<std::string> find_fault(const Tissue& t) {
+  const size_t n = t.nbr.size();
+  if (t.x_mm.size() != n || t.before_mm.size() != n || t.role.size() != n || t.rest_mm.size() != n ||
+      t.k_mN_per_mm.size() != n || t.x0_mm.size() != n || t.turn.size() != n || t.bent_mm.size() != n)
+    return "the arrays of the tissue differ in length";
+  for (size_t v = 0; v < n; ++v) {
+    const auto name = "vertex " + std::to_string(v) + " of the tissue ";
+    if (!t.x_mm[v].allFinite()) return name + "is not at a finite place";
+    for (size_t k = 0; k < 4; ++k) {
+      const int32_t u = t.nbr[v][k];
+      if (u < 0 || size_t(u) >= n || size_t(u) == v) return name + "does not have four neighbours";
+      for (size_t j = k + 1; j < 4; ++j)
+        if (t.nbr[v][j] == u) return name + "has a neighbour twice";
+      if (std::count(t.nbr[size_t(u)].begin(), t.nbr[size_t(u)].end(), int32_t(v)) != 1)
+        return name + "has a neighbour that does not have it in turn";
+    }
+  }
+  return std::nullopt;
+}
+
+uint64_t hash(const Tissue& t) {
+  Hash64 h;
+  for (size_t v = 0; v < t.nbr.size(); ++v) {
+    for (size_t k = 0; k < 4; ++k) h.add(t.nbr[v][k]), h.add(t.rest_mm[v][k]), h.add(t.k_mN_per_mm[v][k]);
+    for (int k = 0; k < 3; ++k) h.add(t.x_mm[v][k]), h.add(t.before_mm[v][k]);
+    for (int k = 0; k < 9; ++k) h.add(t.turn[v].data()[k]);
+    h.add(t.role[v]);
+  }
+  return h.value();
+}
+
+}  // namespace limberg::simplex

@@ -1,0 +1,32 @@
+#pragma once
+// The parts of `bench verification`, and what they share.
+#include <string>
+#include <vector>
+
+#include "sim/testing/reference_newton.h"
+#include "tests/bench/verification.h"
+
+namespace limberg::bench {
+
+void even_states(Result& out, const VerificationSettings& settings);
+void cook(Result& out, const VerificationSettings& settings);
+void thick_sphere(Result& out, const VerificationSettings& settings);
+void elastica(Result& out, const VerificationSettings& settings);
+void manufactured(Result& out, const VerificationSettings& settings);
+void bent_strip(Result& out, const VerificationSettings& settings);
+void calculix_block(Result& out, const VerificationSettings& settings);
+void live_error(Result& out, const VerificationSettings& settings);
+
+/// A force that does not follow: a spring so soft and so far away that its force is F wherever the node goes. It is
+/// exactly F at X + `expected` and changes by k a mm.
+Spring dead_load(const FemModel& model, int32_t id, int32_t node, const Vec3& force_mN, double k_mN_per_mm,
+                 const Vec3& expected_mm = Vec3::Zero());
+
+/// log(e_coarse / e_fine) / log(h_coarse / h_fine)
+double observed_order(double error_coarse, double error_fine, double ratio_of_sizes);
+
+/// One bar: `value` at most `bar`.
+void at_most(Result& out, const std::string& name, double value, double bar, const std::string& source);
+void at_least(Result& out, const std::string& name, double value, double bar, const std::string& source);
+
+}  // namespace limberg::bench

@@ -1,0 +1,126 @@
+#include <gtest/gtest.h>
+
+#include "devices/stroke_path.h"
+#include "tests/devices/samples.h"
+
+namespace limberg {
+namespace test_stroke_path {
+
+using test::Dice;
+
+/// Points every 0.45 mm along a polyline, with a 10 Hz tremor at 40 mm/s, noise, and jitter while waiting at corners.
+std::vector<Vec2> drawn(const std::vector<Vec2>& path, double tremor_mm, double noise_mm, uint64_t seed) {
+  Dice dice{seed};
+  std::vector<Vec2> out;
+  const double p1 = 6 * dice.unit(), p2 = 6 * dice.unit();
+  double walked = 0;
+  for (size_t i = 1; i < path.size(); ++i) {
+    const double length = (path[i] - path[i - 1]).norm();
+    for (double l = 0; l <= length; l += 0.45, walked += 0.45) {
+      const double w = 2 * M_PI * 10 * walked / 40;
+      out.push_back(path[i - 1] + l / length * (path[i] - path[i - 1]) +
+                    Vec2(tremor_mm * std::sin(w + p1) + noise_mm * dice.normal(),
+                         tremor_mm * std::sin(1.1 * w + p2) + noise_mm * dice.normal()));
+    }
+    for (int k = 0; k < 3; ++k) out.push_back(path[i] + 0.1 * Vec2(dice.normal(), dice.normal()));
+  }
+  return out;
+}
+
+std::vector<Vec2> rhombus(double side, double turn) {
+  const double h = side * std::sqrt(3.0) / 2;
+  std::vector<Vec2> p{{h, 0}, {0, side / 2}, {-h, 0}, {0, -side / 2}};
+  for (Vec2& v : p) v = Eigen::Rotation2Dd(turn) * v;
+  return p;
+}
+
+TEST(StrokePath, ARhombusDrawnWithTremorHasFourCorners) {
+  double worst = 0;
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    const std::vector<Vec2> want = rhombus(20, 0.1 * double(seed));
+    std::vector<Vec2> path = want;
+    path.push_back(want[0]);
+    const std::vector<Vec2> got = simplify_outline(drawn(path, 0.15, 0.05, seed));
+    ASSERT_EQ(got.size(), 4u) << seed;
+    for (const Vec2& w : want) {
+      double nearest = 1e9;
+      for (const Vec2& g : got) nearest = std::min(nearest, (g - w).norm());
+      worst = std::max(worst, nearest);
+    }
+  }
+  std::printf("  furthest corner %.3f mm\n", worst);
+  EXPECT_LT(worst, 0.4);  // the tolerance; typical corners are better by far
+}
+
+TEST(StrokePath, AStartAnywhereAndAnOverlapDoNotMatter) {
+  for (uint64_t seed = 1; seed <= 50; ++seed) {
+    const std::vector<Vec2> c = rhombus(24, 0.3);
+    const Vec2 start = c[0] + 0.4 * (c[1] - c[0]), beyond = c[0] + 0.5 * (c[1] - c[0]);
+    const std::vector<Vec2> got = simplify_outline(drawn({start, c[1], c[2], c[3], c[0], beyond}, 0.12, 0.05, seed));
+    EXPECT_EQ(got.size(), 4u) << seed;
+  }
+}
+
+TEST(StrokePath, OpenPathsKeepTheirEndsAndCorners) {
+  const std::vector<Vec2> want{{0, 0}, {20, 0}, {30, 17.3}, {52, 17.3}};
+  double worst = 0;
+  for (uint64_t seed = 1; seed <= 200; ++seed) {
+    const std::vector<Vec2> got = simplify_path(drawn(want, 0.15, 0.05, seed));
+    ASSERT_EQ(got.size(), want.size()) << seed;
+    for (size_t i = 0; i < want.size(); ++i) worst = std::max(worst, (got[i] - want[i]).norm());
+  }
+  EXPECT_LT(worst, 0.5);
+}
+
+TEST(StrokePath, ACircleStaysRound) {
+  std::vector<Vec2> circle;
+  for (int i = 0; i <= 400; ++i)
+    circle.push_back(15 * Vec2(std::cos(2 * M_PI * i / 400), std::sin(2 * M_PI * i / 400)));
+  const std::vector<Vec2> got = simplify_outline(circle);
+  EXPECT_GT(got.size(), 8u);
+  EXPECT_LT(got.size(), 40u);
+  for (const Vec2& p : got) EXPECT_NEAR(p.norm(), 15, 0.45);
+  double area = 0;
+  for (size_t i = 0; i < got.size(); ++i) {
+    const Vec2 &a = got[i], &b = got[(i + 1) % got.size()];
+    area += 0.5 * (a.x() * b.y() - a.y() * b.x());
+  }
+  EXPECT_NEAR(area / (M_PI * 225), 1, 0.03);
+}
+
+TEST(StrokePath, StraightIsTwoPointsAndExactInputStaysExact) {
+  std::vector<Vec2> line;
+  for (int i = 0; i <= 50; ++i) line.push_back(Vec2(0.5 * i, 0.25 * i));
+  const std::vector<Vec2> got = simplify_path(line);
+  ASSERT_EQ(got.size(), 2u);
+  EXPECT_LT((got[0] - line.front()).norm(), 1e-9);
+  EXPECT_LT((got[1] - line.back()).norm(), 1e-9);
+}
+
+TEST(StrokePath, TurnedInputGivesTurnedOutput) {
+  const std::vector<Vec2> p = drawn({{0, 0}, {20, 0}, {30, 17.3}}, 0.15, 0.05, 3);
+  const Eigen::Rotation2Dd r(0.7);
+  std::vector<Vec2> q;
+  for (const Vec2& v : p) q.push_back(r * v + Vec2(5, -3));
+  const auto a = simplify_path(p), b = simplify_path(q);
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t i = 0; i < a.size(); ++i) EXPECT_LT((r * a[i] + Vec2(5, -3) - b[i]).norm(), 1e-9);
+}
+
+TEST(StrokePath, NothingAndNonsense) {
+  EXPECT_TRUE(simplify_path({}).empty());
+  EXPECT_EQ(simplify_path({{1, 2}}).size(), 1u);
+  EXPECT_EQ(simplify_path({{1, 2}, {1, 2}, {1, 2}}).size(), 1u);
+  EXPECT_TRUE(simplify_path({{std::nan(""), 0}}).empty());
+  EXPECT_EQ(simplify_outline({{0, 0}, {1, 0}}).size(), 2u);
+  Dice dice{1};
+  for (int k = 0; k < 2000; ++k) {
+    std::vector<Vec2> p(dice.below(60));
+    for (Vec2& v : p) v = Vec2(double(dice.below(4)), double(dice.below(4)));
+    for (const Vec2& v : simplify_path(p)) ASSERT_TRUE(v.allFinite());
+    for (const Vec2& v : simplify_outline(p)) ASSERT_TRUE(v.allFinite());
+  }
+}
+
+}  // namespace test_stroke_path
+}  // namespace limberg

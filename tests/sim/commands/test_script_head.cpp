@@ -1,0 +1,97 @@
+// Acts on skull and face as script lines: round trip, refusals with line and reason.
+#include <gtest/gtest.h>
+
+#include "sim/base/error.h"
+#include "sim/commands/script.h"
+
+namespace limberg {
+namespace test_script_head {
+
+std::string why(const std::string& line) {
+  try {
+    parse_command(line, "s.jsonl", 7);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
+  CutBone contour, plane;
+  contour.contour_mm = {{1, 2, 3}, {4.25, 5, 6}, {7, 8, 9.125}}, contour.must_divide = false;
+  plane.point_mm = {0, 80, -70}, plane.normal = {0, 0.5, 1}, plane.radius_mm = 25,
+  plane.of = FragmentPick{2, Vec3::Zero()};
+  RigidMove by;
+  by.translation_mm = {0, 8, 0}, by.rotation_deg = {0, 0, 12.5}, by.about_mm = Vec3(1, 2, 3);
+  ConnectTissue tissue;
+  tissue.name = "chin", tissue.face_mm = {0, 90, -80}, tissue.bone_mm = {0, 80, -80}, tissue.layers = 3,
+  tissue.young_kPa = 7.5, tissue.mode = TissueKind::springs;
+  const std::vector<HeadCommand> acts{contour,
+                                      plane,
+                                      MoveFragment{{-1, {1, 2, 3}}, by, 3},
+                                      GrabFragment{{4, Vec3::Zero()}, 1},
+                                      DragFragment{by, 0, 1},
+                                      LetGo{true, 0},
+                                      PlateFragments{{1, 2, 3}, {4, 5, 6}},
+                                      JoinFragments{{0, Vec3::Zero()}, {-1, {9, 8, 7}}},
+                                      tissue,
+                                      Unplate{{2, Vec3::Zero()}},
+                                      SortFragments{},
+                                      PlaceLandmark{"Pog'", {0, 95, -80}, true},
+                                      Superpose{SkullBeside::mirror, "advanced"},
+                                      Superpose{SkullBeside::off, ""}};
+  for (const HeadCommand& act : acts) {
+    const std::string line = to_json_line(Command(act));
+    const Command read = parse_command(line, "s", 1);
+    EXPECT_EQ(to_json_line(read), line);
+    ASSERT_TRUE(std::holds_alternative<HeadCommand>(read)) << line;
+    EXPECT_EQ(std::get<HeadCommand>(read).index(), act.index());
+    EXPECT_STREQ(action_name(read), action_name(Command(act)));
+  }
+}
+
+TEST(ScriptHead, BadLinesSayLineAndReason) {
+  EXPECT_NE(why(R"({"action":"superpose","on":"moon"})").find("expected normal, mirror or off"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"unplate"})").find("\"fragment\" is missing"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"sort","fragment":1})").find("unknown key \"fragment\""), std::string::npos);
+  EXPECT_NE(why(R"({"action":"superpose"})").find("\"on\""), std::string::npos);
+  EXPECT_NE(why(R"({"action":"superpose","on":"normal","at":[0,0,0]})").find("\"at\""), std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6]]})")
+                .find("s.jsonl:7: \"contour\" has 2 points; expected 3"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2],[4,5],[6,7]]})").find("expected [x, y, z]"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","point":[0,0,0],"normal":[0,0,0]})").find("no length"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"osteotomy","contour":[[1,2,3],[4,5,6],[7,8,9]],"normal":[0,0,1]})")
+                .find("unknown key \"normal\""),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"move_fragment","translation_mm":[0,8,0]})").find("\"fragment\" is missing"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"move_fragment","fragment":-3})").find("expected an integer from 0"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"move_fragment","fragment":1,"rotation_deg":[0,400,0]})").find("more than 360"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"connect_tissue","name":"a","face":[0,0,0],"mode":"jelly"})").find("expected smoothing"),
+            std::string::npos);
+  EXPECT_NE(
+      why(R"({"action":"connect_tissue","name":"a","face":[0,0,0],"layers":0})").find("expected an integer from 1"),
+      std::string::npos);
+  EXPECT_NE(why(R"({"action":"landmark","name":"N","at":[0,0,0],"on":"moon"})").find("expected bone or face"),
+            std::string::npos);
+  EXPECT_NE(why(R"({"action":"grab","fragment":1,"hand":2})").find("from 0 to 1"), std::string::npos);
+}
+
+TEST(ScriptHead, AMoveTurnsAboutItsPlaceAndShifts) {
+  RigidMove m;
+  m.translation_mm = {1, 2, 3}, m.rotation_deg = {0, 0, 90};
+  const Eigen::Isometry3d about_centre = isometry(m, {10, 0, 0});
+  EXPECT_LT((about_centre * Vec3(10, 0, 0) - Vec3(11, 2, 3)).norm(), 1e-12);
+  EXPECT_LT((about_centre * Vec3(11, 0, 0) - Vec3(11, 3, 3)).norm(), 1e-12);
+  m.about_mm = Vec3::Zero();
+  EXPECT_LT((isometry(m, {10, 0, 0}) * Vec3(1, 0, 0) - Vec3(1, 3, 3)).norm(), 1e-12);
+  // There and back.
+  const Eigen::Isometry3d map = isometry(m, Vec3::Zero());
+  EXPECT_LT((isometry(as_move(map), {5, 5, 5}).matrix() - map.matrix()).norm(), 1e-12);
+}
+
+}  // namespace test_script_head
+}  // namespace limberg

@@ -1,0 +1,138 @@
+// Forms of known size: a cone, a parallel wound, a stretched skin.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/measure/skin_shape.h"
+#include "tests/sim/measure/views.h"
+
+namespace limberg {
+namespace test_skin_shape {
+
+TEST(DogEar, ConeHasItsHeightAndVolume) {
+  const auto body = measured_block({60, 60, 10}, 0.5);
+  const Skin skin(body);
+  const SurfaceView v = view_of(*body);
+  const Vec2 c(7, -4);
+  const double h = 5, R = 12;
+  const auto cone = [&](const Vec3& X) {
+    const double r = (X.head<2>() - c).norm();
+    return Vec3(X.x(), X.y(), X.z() + (X.z() == 0 ? h * std::max(0.0, 1 - r / R) : 0));
+  };
+  const auto x = deformed(v, cone);
+  const DogEar d = dog_ear(v, x, skin);
+  const double cell = 0.5;
+  EXPECT_NEAR(d.height_mm, h, h / R * cell);  // the apex lies within a cell of a vertex
+  EXPECT_LT((d.at_mm.head<2>() - c).norm(), cell);
+  const double volume = std::numbers::pi * R * R * h / 3;
+  EXPECT_NEAR(d.volume_mm3, volume, 0.005 * volume);  // facets of 0.5 mm on a circle of 12
+  // A field elsewhere sees nothing; one around the apex as much.
+  const Vec3 far(-20, 15, 0), near(c.x(), c.y(), 0);
+  EXPECT_EQ(dog_ear(v, x, skin, std::span(&far, 1), 5).volume_mm3, 0);
+  EXPECT_NEAR(dog_ear(v, x, skin, std::span(&near, 1), 13).volume_mm3, d.volume_mm3, 1e-9);
+  // A pit is no ear.
+  const auto pit = deformed(v, [&](const Vec3& X) { return Vec3(X.x(), X.y(), 2 * X.z() - cone(X).z()); });
+  EXPECT_EQ(dog_ear(v, pit, skin).height_mm, 0);
+  EXPECT_EQ(dog_ear(v, pit, skin).volume_mm3, 0);
+  EXPECT_NEAR(dog_ear(v, pit, skin).rms_mm, d.rms_mm, 1e-6);
+}
+
+TEST(WoundGape, ParallelBanks) {
+  const SurfaceView v = two_banks(30);
+  for (double w : {0.0, 0.3, 2.0, 7.5}) {
+    const auto x = deformed(v, [](const Vec3& X) { return X; });
+    auto open = x;
+    for (size_t i = open.size() / 2; i < open.size(); ++i) open[i].x() += float(w);
+    const WoundGape g = wound_gape(v, open);
+    EXPECT_NEAR(g.gape_mm, w, 1e-5);  // float positions
+    EXPECT_NEAR(g.mean_mm, w, 1e-5);
+    EXPECT_NEAR(g.rim_length_mm, 60, 1e-9);
+  }
+}
+
+TEST(WoundGape, WedgeOpensToItsEnd) {
+  const SurfaceView v = two_banks(40);
+  auto x = deformed(v, [](const Vec3& X) { return X; });
+  for (size_t i = x.size() / 2; i < x.size(); ++i) x[i].x() += 0.1f * x[i].y();
+  const WoundGape g = wound_gape(v, x);
+  EXPECT_NEAR(g.gape_mm, 3.8, 0.1);  // 95 % of a ramp to 4 mm, square to a bank that leans by 1/10
+  EXPECT_NEAR(g.mean_mm, 2.0, 0.05);
+}
+
+TEST(WoundGape, OverlappingBanksAreClosedAndNoWoundIsNone) {
+  const SurfaceView v = two_banks(20);
+  auto x = deformed(v, [](const Vec3& X) { return X; });
+  for (size_t i = x.size() / 2; i < x.size(); ++i) x[i].x() -= 0.4f;
+  EXPECT_LE(wound_gape(v, x).gape_mm, 0.4 + 1e-5);
+  const auto body = measured_block({20, 16, 5}, 2);
+  const SurfaceView whole = view_of(*body);
+  EXPECT_EQ(wound_gape(whole, deformed(whole, [](const Vec3& X) { return X; })).rim_length_mm, 0);
+}
+
+TEST(Rim, IsWhereSkinMeetsWall) {
+  const auto places = rim_mm(two_banks(10));
+  EXPECT_EQ(places.size(), 20u);
+  for (const Vec3& p : places) EXPECT_EQ(Vec2(p.x(), p.z()), Vec2(0, 0));
+}
+
+TEST(Compression, IsTheVolumeOfTheMap) {
+  const auto body = measured_block({20, 16, 5}, 2);
+  const SurfaceView v = view_of(*body);
+  Mat3 F;
+  F << 1.1, 0.2, 0, 0, 0.9, 0.1, 0.05, 0, 1.02;
+  EXPECT_NEAR(compression(v, deformed(v, [&](const Vec3& X) -> Vec3 { return F * X + Vec3(100, 0, 0); })),
+              F.determinant() - 1, 1e-5);
+}
+
+TEST(SkinArea, OfAPolygonOnStretchedSkin) {
+  const auto body = measured_block({40, 40, 5}, 0.5);
+  const SurfaceView v = view_of(*body);
+  const std::vector<ChartPoint> square{{-10, -5}, {10, -5}, {10, 5}, {-10, 5}};
+  const auto x = deformed(v, [](const Vec3& X) { return Vec3(1.25 * X.x(), X.y(), X.z()); });
+  EXPECT_NEAR(skin_area_mm2(v, x, *body, square), 250, 1e-3);  // the square runs along the grid
+  EXPECT_EQ(skin_area_mm2(v, x, *body, std::span(square).first(2)), 0);
+}
+
+TEST(CornerPosition, ChoosesTheBankThatLiesTowards) {
+  SurfaceView v = two_banks(20);
+  BlockSpec spec;
+  spec.size_mm = {50, 50, 10};
+  const Skin skin(std::make_shared<Body>(make_block(spec)));
+  auto x = deformed(v, [](const Vec3& X) { return X; });
+  for (size_t i = 0; i < x.size(); ++i) x[i].x() += i < x.size() / 2 ? -3.f : 4.f;
+  const auto left = corner_position_mm(v, x, skin, {0, 7}, {-1, 7}),
+             right = corner_position_mm(v, x, skin, {0, 7}, {1, 7});
+  ASSERT_TRUE(left && right);
+  EXPECT_NEAR((*left - Vec3(-3, 7, 0)).norm(), 0, 1e-5);
+  EXPECT_NEAR((*right - Vec3(4, 7, 0)).norm(), 0, 1e-5);
+  EXPECT_FALSE(corner_position_mm(v, x, skin, {20, 7}, {0, 7}));
+  EXPECT_FALSE(corner_position_mm(v, x, skin, {900, 7}, {0, 7}));
+}
+
+TEST(Elongation, OfAStretchedSkinIsItsStretch) {
+  const auto body = measured_block({60, 60, 5}, 1);
+  const Skin skin(body);
+  const SurfaceView v = view_of(*body);
+  const auto x = deformed(v, [](const Vec3& X) { return Vec3(X.x(), 1.3 * X.y(), X.z()); });
+  const auto e = elongation(v, x, skin, {{-17, 0}, {0, 10}, {0, -10}, {17, 0}});
+  ASSERT_TRUE(e);
+  EXPECT_NEAR(*e, 1.3, 1e-5);
+}
+
+TEST(Elongation, IsTakenInTheSkinOutsideTheFlaps) {
+  const SurfaceView v = two_banks(20);
+  BlockSpec spec;
+  spec.size_mm = {50, 50, 10};
+  const Skin skin(std::make_shared<Body>(make_block(spec)));
+  // Flap CAB lies left of the limb below A, so the skin outside at A is on the right bank; at B on the left.
+  const CentralLimb limb{{-10, 5}, {0, 15}, {0, 5}, {10, 15}};
+  auto x = deformed(v, [](const Vec3& X) { return X; });
+  for (size_t i = x.size() / 2; i < x.size(); ++i) x[i].y() += 3;
+  const auto e = elongation(v, x, skin, limb);
+  ASSERT_TRUE(e);
+  EXPECT_NEAR(*e, 1.3, 1e-5);
+}
+
+}  // namespace test_skin_shape
+}  // namespace limberg

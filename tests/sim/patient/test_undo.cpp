@@ -1,0 +1,180 @@
+// Undo and redo to any depth: every bit comes back, in both directions.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "sim/body/block.h"
+#include "sim/patient/world.h"
+
+namespace limberg {
+namespace test_undo {
+
+WorldSpec block(bool dynamic = false) {
+  BlockSpec b;
+  b.size_mm = {60, 60, 10};
+  b.skin_cell_mm = 2;
+  Material skin, fat;
+  skin.young_kPa = 60, skin.poisson = 0.45, skin.prestretch_along = 1.1, skin.prestretch_across = 1.06;
+  fat.young_kPa = 12, fat.poisson = 0.45;
+  b.layers = {{"skin", 1.5, skin}, {"fat", 8.5, fat}};
+  WorldSpec spec;
+  spec.body = std::make_shared<Body>(make_block(b));
+  spec.cell_mm = 5;
+  spec.dynamic = dynamic;
+  return spec;
+}
+
+class Surgeon {
+ public:
+  explicit Surgeon(uint64_t seed) : rng_(seed) {}
+  int pick(int n) { return int(rng_() % uint64_t(n)); }
+  double real(double lo, double hi) { return lo + (hi - lo) * double(rng_() >> 11) / 9007199254740992.0; }
+  ChartPoint point() { return {real(-22, 22), real(-22, 22)}; }
+  /// Something that undo takes back, if it is carried out.
+  Command act() {
+    const ChartPoint p = point();
+    switch (pick(6)) {
+      case 0:
+        return Excise{{p, p + Vec2(8, 1), p + Vec2(7, 8), p + Vec2(-1, 7)}, real(2, 5)};
+      case 1:
+        return Undermine{{p, p + Vec2(12, 0), p + Vec2(12, 9), p + Vec2(0, 9)}, real(2, 5)};
+      case 2:
+        return Suture{p, p + Vec2(real(-6, 6), real(-6, 6))};
+      case 3:
+        return SutureRow{{p, p + Vec2(10, 1)}, {p + Vec2(0, 4), p + Vec2(10, 5)}, 3};
+      default:
+        return Incise{{p, point()}, real(2, 5), real(50, 130)};
+    }
+  }
+  /// What a hand does between: undo does not count it, but brings back what it found.
+  Command hand() {
+    const int id = 1 + pick(3);
+    switch (pick(4)) {
+      case 0:
+        return ReleaseHook{id};
+      case 1:
+        return SetHook{id, point()};
+      default:
+        return MoveHook{id, {real(-20, 20), real(-20, 20), real(0, 8)}, 0};
+    }
+  }
+
+ private:
+  std::mt19937_64 rng_;
+};
+
+void steps(World& world, int n, bool dynamic) {
+  StepSettings s;
+  s.max_iterations = 4;
+  if (dynamic) s.dt_s = 0.016, s.damping_per_s = 5;
+  for (int i = 0; i < n; ++i) world.step(s);
+}
+
+class UndoHistories : public testing::TestWithParam<int> {};
+
+TEST_P(UndoHistories, EveryHashComesBackInBothDirections) {
+  InlineWorkers workers;
+  const bool dynamic = GetParam() % 3 == 2;
+  WorldSpec spec = block(dynamic);
+  spec.refine_fronts = GetParam() % 2, spec.refine_pockets = GetParam() % 4 == 1;
+  World world(spec, workers);
+  Surgeon surgeon{uint64_t(GetParam())};
+  steps(world, 3, dynamic);
+  std::vector<uint64_t> hash;  // just before each act that counted
+  int refused = 0;
+  for (int i = 0; i < 30; ++i) {
+    const uint64_t before = world.full_hash();
+    if (world.apply(surgeon.act()).done)
+      hash.push_back(before);
+    else {
+      EXPECT_EQ(world.full_hash(), before) << "a refused act changes nothing";
+      ++refused;
+    }
+    for (int k = surgeon.pick(3); k > 0; --k) world.apply(surgeon.hand());
+    steps(world, surgeon.pick(3), dynamic);
+  }
+  hash.push_back(world.full_hash());
+  ASSERT_GE(hash.size(), 12u) << refused << " refused";
+
+  size_t at = hash.size() - 1;
+  const auto undo = [&] {
+    const Outcome o = world.apply(Undo{});
+    ASSERT_TRUE(o.done) << o.reason;
+    ASSERT_EQ(world.full_hash(), hash[--at]) << "undo to " << at;
+  };
+  const auto redo = [&] {
+    const Outcome o = world.apply(Redo{});
+    ASSERT_TRUE(o.done) << o.reason;
+    ASSERT_EQ(world.full_hash(), hash[++at]) << "redo to " << at;
+  };
+  while (at > 0) ASSERT_NO_FATAL_FAILURE(undo());
+  EXPECT_FALSE(world.apply(Undo{}).done);
+  while (at + 1 < hash.size()) ASSERT_NO_FATAL_FAILURE(redo());
+  EXPECT_FALSE(world.apply(Redo{}).done);
+  for (int i = 0; i < 60; ++i) {  // to and fro
+    if (at > 0 && (at + 1 == hash.size() || surgeon.pick(2)))
+      ASSERT_NO_FATAL_FAILURE(undo());
+    else
+      ASSERT_NO_FATAL_FAILURE(redo());
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, UndoHistories, testing::Range(1, 7));
+
+TEST(Undo, AnActAfterAnUndoIsTheSameActAgain) {
+  InlineWorkers workers;
+  World world(block(), workers);
+  steps(world, 3, false);
+  const Incise cut{{{-12, 0.3}, {12, 0.3}}, 4, 70};
+  ASSERT_TRUE(world.apply(cut).done);
+  const uint64_t hash = world.full_hash();
+  ASSERT_TRUE(world.apply(Undo{}).done);
+  // Another cut in between, so that points get the numbers that the first had.
+  ASSERT_TRUE(world.apply(Excise{{{-8, 5}, {8, 5}, {8, 14}, {-8, 14}}, 5}).done);
+  ASSERT_TRUE(world.apply(Undo{}).done);
+  ASSERT_TRUE(world.apply(cut).done);
+  EXPECT_EQ(world.full_hash(), hash);
+}
+
+TEST(Undo, ANewActEndsRedo) {
+  InlineWorkers workers;
+  World world(block(), workers);
+  const auto redo_after = [&](const Command& c) {
+    EXPECT_TRUE(world.apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90}).done);
+    EXPECT_TRUE(world.apply(Undo{}).done);
+    world.apply(c);
+    return world.apply(Redo{}).done;
+  };
+  EXPECT_FALSE(redo_after(Incise{{{-12, 8}, {12, 8}}, 4, 90}));
+  EXPECT_FALSE(redo_after(Suture{{-15, -9}, {-9, -9}}));
+  EXPECT_FALSE(redo_after(SetHook{1, {0, -15}}));
+  EXPECT_FALSE(redo_after(ReleaseHook{1}));
+  // Refused acts, stages and steps end nothing.
+  EXPECT_TRUE(redo_after(Incise{{{500, 0}, {600, 0}}, 4, 90}));
+  EXPECT_TRUE(world.apply(Undo{}).done);
+  EXPECT_TRUE(world.apply(Stage{"looking"}).done);
+  steps(world, 2, false);
+  EXPECT_TRUE(world.apply(Redo{}).done);
+}
+
+TEST(Undo, TheSolverGoesOnFromWhatItGotBack) {
+  // Steps after undo lead where steps lead that never saw the act.
+  InlineWorkers workers;
+  World seen(block(), workers), unseen(block(), workers);
+  for (World* w : {&seen, &unseen}) {
+    ASSERT_TRUE(w->apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90}).done);
+    steps(*w, 40, false);
+  }
+  ASSERT_TRUE(seen.apply(Excise{{{-8, 5}, {8, 5}, {8, 14}, {-8, 14}}, 5}).done);
+  steps(seen, 40, false);
+  ASSERT_TRUE(seen.apply(Undo{}).done);
+  steps(seen, 60, false);
+  steps(unseen, 60, false);
+  const auto u = seen.solver().displacement_mm(), v = unseen.solver().displacement_mm();
+  ASSERT_EQ(u.size(), v.size());
+  double most = 0;
+  for (size_t i = 0; i < u.size(); ++i) most = std::max(most, double((u[i] - v[i]).norm()));
+  EXPECT_LT(most, 1e-3);  // both at rest to a relative residual of about 1e-6 (single precision)
+}
+
+}  // namespace test_undo
+}  // namespace limberg
