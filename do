@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# The two commands of Limberg, and four for those who work on it.
+# The two commands of Limberg, and five for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
 #   ./do test          build, then run every test
 #   ./do build         build only; the binary is build/limberg
 #   ./do record [NAME] build, then make the recorded stream of a shipped script anew
 #   ./do bench [SUITE] run a benchmark suite (default: speed); for cutting CGAL is installed too, to compare with
+#   ./do figures [RESULT.json ...] keep results of limberg bench in docs/figures, write docs/figures.md
 #   ./do format        clang-format over the tree
 set -euo pipefail
 cd "$(dirname "$0")"
@@ -96,8 +97,12 @@ case "${1:-help}" in
     build limberg
     build/limberg bench "${2:-speed}" "${@:3}"
     ;;
+  figures)
+    build limberg_figures
+    build/limberg_figures docs/figures docs/figures.md "${@:2}"
+    ;;
   format)
     git ls-files '*.h' '*.cpp' | xargs clang-format -i
     ;;
-  *) sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac

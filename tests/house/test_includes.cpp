@@ -50,7 +50,7 @@ std::vector<Include> parse(std::istream& in, const std::string& name) {
 }
 
 std::vector<Include> includes_of(const std::string& folder) {
-  const fs::path root = source_dir();
+  const fs::path root = limberg::source_dir();
   std::vector<fs::path> files;
   for (const auto& e : fs::recursive_directory_iterator(root / folder))
     if (e.is_regular_file() && (e.path().extension() == ".h" || e.path().extension() == ".cpp"))
