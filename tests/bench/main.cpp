@@ -3,12 +3,15 @@
 #include <cstdio>
 
 #include "app/assembly/streams.h"
+#include "app/commands/command_line.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
+#include "app/commands/this_call.h"
 #include "app/operating_point/accuracy.h"
 #include "app/operating_point/operating_point.h"
 #include "app/program/interrupt.h"
 #include "app/program/shipped.h"
+#include "app/program/version.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/result.h"
@@ -244,6 +247,8 @@ int run(const Options& o) {
   Result result("bench", accuracy.scene);
   result.set("/suite", o.suite);
   result.set("/quick", o.quick);
+  const std::string call = this_call();  // "limberg speed --quick"
+  result.set("/reproduce", "limberg bench" + call.substr(std::min(call.size(), std::string("limberg").size())));
   if (o.suite == "fuzz" && !o.world && !o.devices && !o.readers) {
     result.set("/operations", fuzzed.operations());
     result.set("/violations", int64_t(fuzzed.violations.size()));
@@ -271,9 +276,7 @@ int run(const Options& o) {
   return ok ? kDone : kGoalMissed;
 }
 
-}  // namespace
-
-void add_bench(CLI::App& app, Chosen& chosen) {
+void add_suites(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<Options>();
   CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
   c->add_option("SUITE", o->suite,
@@ -328,4 +331,22 @@ void add_bench(CLI::App& app, Chosen& chosen) {
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
 }
 
+/// The words that follow `limberg bench`.
+int run_main(int argc, char** argv) {
+  CLI::App app("Limberg: benchmark suites", "limberg");
+  Chosen chosen;
+  add_suites(app, chosen);
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (words.empty() || words.front() != "--version") words.insert(words.begin(), "bench");
+  app.set_version_flag("--version", program_name());
+  return run_command_line(app, std::move(words), chosen,
+                          "limberg bench SUITE; limberg bench --help lists the suites\n");
+}
+
+}  // namespace
+
 }  // namespace limberg
+
+int main(int argc, char** argv) {
+  return limberg::run_framed([&] { return limberg::run_main(argc, argv); });
+}
