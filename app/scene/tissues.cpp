@@ -68,8 +68,8 @@ TissueLibrary parse_tissues(const std::string& text, const std::string& path, co
 std::string find_tissues(const std::string& scene_path) {
   const fs::path folder = fs::path(scene_path).parent_path();
   std::error_code ec;
-  for (const fs::path& p : {folder / "tissues.toml", folder / ".." / "tissues.toml", fs::path("app/scene/tissues.toml"),
-                            fs::path(source_dir() + "/app/tissues.toml")})
+  for (const fs::path& p : {folder / "tissues.toml", folder / ".." / "tissues.toml", folder / "../scene/tissues.toml",
+                            fs::path("app/scene/tissues.toml"), fs::path(source_dir() + "/app/scene/tissues.toml")})
     if (fs::is_regular_file(p, ec)) return p.lexically_normal().string();
   return {};
 }

@@ -3,13 +3,12 @@
 // may change any of its values.
 //
 //   [[tissue]]        name, note, thickness_mm (optional), and the material as in a layer of a scene: law and its
-//   constants (or
-//                     young_kPa), poisson, density_kg_m3, prestretch_along, prestretch_across, prony
+//                     constants (or young_kPa), poisson, density_kg_m3, prestretch_along, prestretch_across, prony
 //   [tissue.source]   per key of the above: where its value comes from. Every value needs one; one that was chosen says
 //                     "engineering choice"
 //
-// A scene takes the first of: tissues.toml beside it, in the folder above it, app/scene/tissues.toml, the one of the source
-// tree.
+// A scene takes the first of: tissues.toml beside it, in the folder above it, in the folder scene/ beside its own,
+// app/scene/tissues.toml, the one of the source tree.
 #include <string>
 #include <utility>
 #include <vector>
