@@ -71,8 +71,8 @@ Calibration parse_calibration(const std::string& toml, const std::string& name);
 Calibration load_calibration(const std::string& path);
 /// As TOML text that parse_calibration reads back to the same bits.
 std::string to_toml(const Calibration& calibration);
-/// Writes beside the target and renames, so that an existing file is replaced whole or not at all. InputError on
-/// failure.
+/// Writes beside the target and renames, so that an existing
+/// file is replaced whole or not at all. InputError on failure.
 void save_calibration(const Calibration& calibration, const std::string& path);
 /// Over every number of the calibration; part of a recording's first event.
 uint64_t calibration_hash(const Calibration& calibration);

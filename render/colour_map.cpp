@@ -27,9 +27,9 @@ Rgb8 viridis(double t) {
 }
 
 Rgb8 diverging(double t) {
-  // Steps of a quarter of one side; both sides were chosen here to have the same CIE lightness step by step (88, 74,
-  // 60, 45,
-  // 28 within 2), so that neither sign looks stronger.
+  // Steps of a quarter of one side; both sides were chosen
+  // here to have the same CIE lightness step by step (88, 74,
+  // 60, 45, 28 within 2), so that neither sign looks stronger.
   static constexpr std::array<std::array<int, 3>, 5> kLow{
       {{221, 221, 221}, {158, 188, 222}, {108, 150, 204}, {66, 109, 173}, {28, 65, 128}}};
   static constexpr std::array<std::array<int, 3>, 5> kHigh{

@@ -42,9 +42,9 @@ std::unique_ptr<GlContext> make_osmesa_context(const OsMesaSettings& settings = 
 /// RenderUnavailable when the library is absent or refuses OpenGL 3.3 core.
 std::unique_ptr<GlContext> make_egl_context(const std::string& library = "libEGL.so.1");
 
-/// How many threads of their own software drivers may use: 0 = the thread that draws does all of it, so that its
-/// priority and its share of time (app/session/drawing_share.h) are the picture's. Before the first context of the
-/// process; a user's own
+/// How many threads of their own software drivers may use: 0 = the thread that draws does
+/// all of it, so that its priority and its share of time (app/session/drawing_share.h)
+/// are the picture's. Before the first context of the process; a user's own
 /// LP_NUM_THREADS in the environment stands. Graphics cards do not care.
 void software_drawing_threads(int n);
 

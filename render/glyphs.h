@@ -20,8 +20,8 @@ struct StretchGlyph {
 
 inline constexpr float kFullStretch = 0.25f;  // stretch - 1 of an arm as long as the spacing
 
-/// One for each square of the chart, `spacing_mm` wide, that has skin: of the triangle nearest to its middle. Ordered
-/// by square.
+/// One for each square of the chart, `spacing_mm` wide, that has
+/// skin: of the triangle nearest to its middle. Ordered by square.
 std::vector<StretchGlyph> stretch_glyphs(const Snapshot& snapshot, double spacing_mm = 5);
 void add_glyphs(PropMesh& mesh, const std::vector<StretchGlyph>& glyphs, double spacing_mm = 5);
 

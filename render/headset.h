@@ -16,8 +16,8 @@ struct EyeAngles {
   float left = -0.8f, right = 0.8f, up = 0.8f, down = -0.8f;
 };
 
-/// The view of an eye at a place of the world that looks along -z of `turned`, with +y of it upwards. Near and far in
-/// mm.
+/// The view of an eye at a place of the world that looks along
+/// -z of `turned`, with +y of it upwards. Near and far in mm.
 View eye_view(const Vec3f& at_mm, const Eigen::Quaternionf& turned, const EyeAngles& angles, float near_mm = 5,
               float far_mm = 2000);
 

@@ -55,9 +55,9 @@ struct PictureMaker::Impl {
   Impl(int w, int h, PictureQuality q, int threads)
       : width(w), height(h), quality(q), renderer(make_offscreen_context(threads)) {}
 
-  // Where the eye stands. Over a block: on the surgeon's side, 52 degrees above the skin, so that depth shows and
-  // shapes on the skin are hardly foreshortened. Over any other surface: in front of the skin that is looked at, a
-  // little below.
+  // Where the eye stands. Over a block: on the surgeon's side, 52 degrees above the
+  // skin, so that depth shows and shapes on the skin are hardly foreshortened. Over
+  // any other surface: in front of the skin that is looked at, a little below.
   struct Stand {
     Vec3f from{0.10f, -0.60f, 0.79f}, up = Vec3f::UnitZ();
   };
@@ -148,8 +148,8 @@ bool hidden(const Snapshot& s, const Vec3f& eye, const Vec3f& place, bool face_o
   return false;
 }
 
-/// Where names stand that lie close together: each beside its dot, on the first of four sides where it covers no other
-/// name.
+/// Where names stand that lie close together: each beside its
+/// dot, on the first of four sides where it covers no other name.
 class NamePlaces {
  public:
   Eigen::Vector2d place(const Vec3f& dot, double width, double em) {

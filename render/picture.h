@@ -59,12 +59,12 @@ class PictureMaker {
   const Camera& camera() const;
 
   Image skin(const Snapshot& snapshot, const PictureOptions& options = {});
-  /// Colour map of Snapshot::field (largest principal stretch - 1, prestretch included, shown in per cent) with a
-  /// legend.
+  /// Colour map of Snapshot::field (largest principal stretch -
+  /// 1, prestretch included, shown in per cent) with a legend.
   Image tension(const Snapshot& snapshot, const PictureOptions& options = {});
 
-  /// A value per vertex of the view in colours, with its legend: title, unit, range, map. Iso-lines at the legend's
-  /// ticks.
+  /// A value per vertex of the view in colours, with its legend:
+  /// title, unit, range, map. Iso-lines at the legend's ticks.
   Image field(const Snapshot& snapshot, std::span<const float> per_vertex, const Legend& legend,
               const PictureOptions& options = {});
 

@@ -43,9 +43,9 @@ void add_ellipsoid(PropMesh& mesh, const Vec3f& centre, const Vec3f& a, const Ve
 void add_suture(PropMesh& mesh, const SutureState& suture, std::span<const Vec3f> skin_mm, const Vec3f& up);
 /// A sharp skin hook whose point is in the tissue and whose shaft leads to the handle.
 void add_hook(PropMesh& mesh, const HookState& hook, const Vec3f& up);
-/// A plate of titanium on bone, bent over the three places, with a screw at each end and one between them and the
-/// middle.
-/// `up`: outward unit normals there.
+/// A plate of titanium on bone, bent over the three places,
+/// with a screw at each end and one between them and the
+/// middle. `up`: outward unit normals there.
 void add_plate(PropMesh& mesh, const std::array<Vec3f, 3>& on_bone_mm, const std::array<Vec3f, 3>& up);
 void add_tool(PropMesh& mesh, const ToolPose& tool);
 /// Forefinger and thumb of a glove and the line between their tips, blue while open and orange while closed; dots from

@@ -1,10 +1,10 @@
 #pragma once
 // How finely frames are drawn, chosen from how long they took: finer while there is time, plainer when there is not.
 //
-// A level is left downwards when the median of the last frames is above the budget, and upwards when the next level is
-// expected to need at most 0.7 of it: what it took when it was tried last, else twice what this one takes. A level that
-// has just failed is not tried again for a while, which doubles each time, so that the picture does not flicker between
-// two levels.
+// A level is left downwards when the median of the last frames is above the budget, and upwards
+// when the next level is expected to need at most 0.7 of it: what it took when it was tried
+// last, else twice what this one takes. A level that has just failed is not tried again for a
+// while, which doubles each time, so that the picture does not flicker between two levels.
 #include <algorithm>
 #include <array>
 

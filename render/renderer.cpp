@@ -168,8 +168,8 @@ struct Renderer::Impl {
     all_triangles = true;
   }
 
-  // Skin, walls and sides close around the tissue: what of them is turned away is never seen. Of a face or bones from a
-  // scan that is not sure.
+  // Skin, walls and sides close around the tissue: what of them is turned
+  // away is never seen. Of a face or bones from a scan that is not sure.
   static bool closed(Part part) { return part == Part::skin || part == Part::wall || part == Part::side; }
 
   // The triangles of a view become those of the buffer; how many there are of each part.

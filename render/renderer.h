@@ -9,8 +9,8 @@
 // draw() does all of it. A window takes the steps one by one, so that its panels are drawn in the same frame:
 //
 //   renderer.paint(scene, views, options);   // once, or again over a part of the frame with options.keep
-//   renderer.compose(width, height);         // into the window's frame, enlarged when it was drawn smaller; the
-//   picture stays as it is
+//   renderer.compose(width, height);         // into the window's frame, enlarged when it
+//                                            was drawn smaller; the picture stays as it is
 //   ui.paint(...);                           // ui_painter.h
 //   renderer.present(width, height);         // to the window; or renderer.read()
 //

@@ -1,6 +1,6 @@
 #pragma once
-// Where a stitch's thread lies: out of the skin beside the wound, straight over it and over whatever stands up in
-// between, and in again.
+// Where a stitch's thread lies: out of the skin beside the wound,
+// straight over it and over whatever stands up in between, and in again.
 #include "render/render_scene.h"
 
 namespace limberg {

@@ -1,7 +1,7 @@
 #pragma once
-// Draws the panels of Dear ImGui with our own table of GL functions, into whatever frame is bound. The library's
-// packaged back end finds its functions through libGL, so it fails where the context comes from OSMesa; this one does
-// not care.
+// Draws the panels of Dear ImGui with our own table of GL functions, into whatever
+// frame is bound. The library's packaged back end finds its functions through
+// libGL, so it fails where the context comes from OSMesa; this one does not care.
 #include <string>
 
 #include "render/gl_functions.h"

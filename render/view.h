@@ -37,8 +37,8 @@ struct Camera {
   float near_mm = 5, far_mm = 2000;
 
   View view(double aspect) const;
-  /// Left and right eye, off-axis frusta meeting in the plane of the target; each fills half of the image, side by
-  /// side.
+  /// Left and right eye, off-axis frusta meeting in the plane
+  /// of the target; each fills half of the image, side by side.
   std::vector<View> stereo_side_by_side(double aspect, double eye_distance_mm = 6) const;
   /// The same, but each fills the whole image: for an anaglyph.
   std::vector<View> stereo_pair(double aspect, double eye_distance_mm = 6) const;

@@ -23,8 +23,8 @@ size_t VisibleTriangles::append(std::span<const std::array<uint32_t, 3>> tri,
     const Corner &a = corner_[t[0]], &b = corner_[t[1]], &c = corner_[t[2]];
     if (a.outside & b.outside & c.outside) continue;
     if (!((a.outside | b.outside | c.outside) & kBehind)) {
-      // The determinant of the corners (x, y, w) is twice the area on the screen times the three w; the screen is 2 x
-      // 2.
+      // The determinant of the corners (x, y, w) is twice the area
+      // on the screen times the three w; the screen is 2 x 2.
       const double ax = double(a.x), ay = double(a.y), aw = double(a.w), bx = double(b.x), by = double(b.y),
                    bw = double(b.w), cx = double(c.x), cy = double(c.y), cw = double(c.w);
       const double det = ax * (by * cw - bw * cy) - ay * (bx * cw - bw * cx) + aw * (bx * cy - by * cx);

@@ -1,7 +1,7 @@
 #pragma once
-// Which triangles of a closed surface may show in a picture: those in its frame that do not turn their back on it. A
-// graphics card drops the others by itself; a software driver works on all their corners first, which is half of what a
-// picture costs there.
+// Which triangles of a closed surface may show in a picture: those in its frame that do
+// not turn their back on it. A graphics card drops the others by itself; a software
+// driver works on all their corners first, which is half of what a picture costs there.
 #include <array>
 #include <span>
 #include <vector>

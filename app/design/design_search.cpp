@@ -300,8 +300,8 @@ std::vector<Design> search_designs(const Scene& scene, const DesignTask& task, W
   int coarse = 0, done = 0;
   for (const Design& d : all) coarse += d.dropped.empty();
   const int best = std::min(refine, coarse);
-  // In coarse designs: work goes with the number of cells to 4/3, contact makes it five times as much (measured,
-  // 2026-11-21).
+  // In coarse designs: work goes with the number of cells to 4/3,
+  // contact makes it five times as much (measured, 2026-11-21).
   const double fine = task.fine_mm > 0 ? task.fine_mm : scene.cell_mm, weight = 5 * std::pow(task.coarse_mm / fine, 4);
   double work = 0;
   const auto tell = [&](bool refining) {

@@ -1,25 +1,25 @@
 #pragma once
-// Which flap for this defect? Candidates from the repertoire, each as small as covers the defect, carried out and
-// ranked.
+// Which flap for this defect? Candidates from the repertoire,
+// each as small as covers the defect, carried out and ranked.
 //
-//   1. every type of design in several orientations (and mirrored), sized so that its excision just holds the defect's
-//   outline;
+//   1. every type of design in several orientations (and mirrored),
+//      sized so that its excision just holds the defect's outline;
 //   2. those that leave the skin, cut a landmark's place away or pass within 2 mm of one are dropped;
-//   3. all others are carried out on coarse cells, without contact between wound surfaces (it costs several times as
-//   much and
-//      hardly changes which design pulls more) and with stitches no nearer than cells are large, the best few again on
-//      fine ones as the
-//      scene is.
+//   3. all others are carried out on coarse cells, without
+//      contact between wound surfaces (it costs several times
+//      as much and hardly changes which design pulls more)
+//      and with stitches no nearer than cells are large, the
+//      best few again on fine ones as the scene is.
 //
-// Costs of the two passes are no measure of each other: coarse cells and edges that lie in each other change both
-// forces and heights. So the refined ones are ranked among themselves, and come first; the others follow, ranked by the
-// first pass.
+// Costs of the two passes are no measure of each other: coarse cells and edges that
+// lie in each other change both forces and heights. So the refined ones are ranked
+// among themselves, and come first; the others follow, ranked by the first pass.
 //
-// Cost = force / 2.45 N + dog-ear / 4 mm + landmark / 2 mm: the largest force of a stitch at rest over the closing
-// tension above which necrosis rose (Larrabee, Holloway and Sutton 1984), the highest skin over what may be left to
-// settle (4 mm), the largest displacement of a
-// landmark over what counts as acceptable in predicting soft tissue. Each over its own limit; that they are added, and
-// with which weights, is a choice: no source says how a surgeon weighs them.
+// Cost = force / 2.45 N + dog-ear / 4 mm + landmark / 2 mm: the largest force of a stitch at rest
+// over the closing tension above which necrosis rose (Larrabee, Holloway and Sutton 1984), the
+// highest skin over what may be left to settle (4 mm), the largest displacement of a landmark
+// over what counts as acceptable in predicting soft tissue. Each over its own limit; that they
+// are added, and with which weights, is a choice: no source says how a surgeon weighs them.
 #include <functional>
 #include <optional>
 #include <span>
@@ -61,8 +61,8 @@ struct Design {
 /// The outline of "circle:X,Y,D" (diameter) or "X,Y;X,Y;X,Y;...". InputError otherwise.
 std::vector<ChartPoint> parse_defect(const std::string& text);
 
-/// In words: what the cost of a design is made of, and by which part most the next one (of the same pass; may be null)
-/// costs more.
+/// In words: what the cost of a design is made of, and by which part
+/// most the next one (of the same pass; may be null) costs more.
 std::string why_first(const Design& first, const Design* next);
 /// The dropped ones by reason, most frequent first: how many of each.
 std::vector<std::pair<std::string, int>> dropped_by_reason(std::span<const Design> all);

@@ -25,8 +25,8 @@ inline constexpr int probe_frames = 24;
 /// `cut`: try the incision; a scene that refuses it is pulled uncut.
 Probe make_probe(const Scene& scene, std::shared_ptr<const Body> body, double cell_mm, Workers& workers);
 
-/// The same with another element or material; null when the model cannot have it (cells that already carry laws,
-/// divided cells).
+/// The same with another element or material; null when the model
+/// cannot have it (cells that already carry laws, divided cells).
 std::shared_ptr<const FemModel> with_full_integration(const FemModel& model);
 std::shared_ptr<const FemModel> with_tetrahedra(const FemModel& model);
 std::shared_ptr<const FemModel> with_poisson(const FemModel& model, double poisson);

@@ -36,8 +36,8 @@ class OffscreenFrames final : public PictureSink {
 /// The picture of one member of a study: its operated region, with the title. Says so when none can be made.
 void draw_member_picture(const std::string& file, const std::string& title, const Snapshot& shown);
 
-/// Removes the pictures that an earlier run has left under the report's own names: another scene's would be shown as
-/// this one's.
+/// Removes the pictures that an earlier run has left under the
+/// report's own names: another scene's would be shown as this one's.
 void remove_report_pictures(const std::string& dir);
 
 /// Draws DIR/stages/NN-name.png, DIR/overview.png and DIR/tension.png (report_names.h), all with one camera on what was

@@ -1,6 +1,6 @@
 #pragma once
-// What can be shown in colours on the skin, beside its own: each a figure per vertex of the view, in the unit of its
-// legend.
+// What can be shown in colours on the skin, beside its own: each
+// a figure per vertex of the view, in the unit of its legend.
 //
 //   stretch    largest principal stretch less 1, prestretch included: how hard it is pulled            %
 //   least      least principal stretch less 1, prestretch included: below 0 it is pressed and folds    %, signed
@@ -10,11 +10,11 @@
 //   moved      distance from where the same skin was before the operation; of a head, of its face      mm
 //   perfusion  index of undermined skin (perfusion.h); 1 where it is not undermined
 //
-// Nothing is worked out but what is asked for, and what hangs on the topology alone once a topology. Figures of
-// triangles come to the vertices as means weighted by area at rest. Walls and sides have none.
+// Nothing is worked out but what is asked for, and what hangs on the topology alone once a topology.
+// Figures of triangles come to the vertices as means weighted by area at rest. Walls and sides have none.
 //
-// CPU time of one call on the closed rhomboid, 69,000 triangles (2026-11-21): 10 ms for stretch, least and stress, 1
-// for area, .5 for the others; the first after a cut 68 for perfusion, the first of a scene 40 for height.
+// CPU time of one call on the closed rhomboid, 69,000 triangles (2026-11-21): 10 ms for stretch, least and stress,
+// 1 for area, .5 for the others; the first after a cut 68 for perfusion, the first of a scene 40 for height.
 #include <cstdint>
 #include <memory>
 #include <string>

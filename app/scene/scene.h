@@ -9,28 +9,28 @@
 //                       deep_center_mm, deep_angle_deg, deep_plane_mm (obj.h), chart_origin_mm, chart_e1,
 //                chart_e2
 //                both:  tension_direction = [x, y, z]
-//   [[layer]]    name, thickness_mm, young_kPa, poisson, density_kg_m3, prestretch_along, prestretch_across; from the
-//   skin
-//                down, one at least. Instead of young_kPa a law with its constants, or a tissue of the library, and a
-//                Prony
-//                series: scene_layers.h
-//   [lattice]    cell_mm, refine_fronts (cells in which a cut ends are divided; false), refine_pockets (then also at
-//   the rim of what is
-//                undermined; true), region_mm (> 0: tissue farther than this from the chart's origin holds still and
-//                costs the solver
-//                nothing; 0, the default: all of it moves)
-//   [build]      can_cut, dynamic, contact = "auto" | true | false (do wound surfaces keep each other out? auto: as
-//   soon as
-//                something has been cut, the default)
-//   [springs]    suture_N_per_mm, suture_bite_mm (a stitch holds its edge over so much to either side; 1),
-//   hook_N_per_mm
-//   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed, integrator = "backward_euler" | "bdf2" (of
-//   dynamic scenes)
+//   [[layer]]    name, thickness_mm, young_kPa, poisson,
+//                density_kg_m3, prestretch_along, prestretch_across;
+//                from the skin down, one at least. Instead of
+//                young_kPa a law with its constants, or a tissue of
+//                the library, and a Prony series: scene_layers.h
+//   [lattice]    cell_mm, refine_fronts (cells in which a cut ends are
+//                divided; false), refine_pockets (then also at the rim of
+//                what is undermined; true), region_mm (> 0: tissue farther
+//                than this from the chart's origin holds still and costs
+//                the solver nothing; 0, the default: all of it moves)
+//   [build]      can_cut, dynamic, contact = "auto" | true | false
+//                (do wound surfaces keep each other out? auto: as
+//                soon as something has been cut, the default)
+//   [springs]    suture_N_per_mm, suture_bite_mm (a stitch holds its
+//                edge over so much to either side; 1), hook_N_per_mm
+//   [solver]     iterations_per_step, steps_per_s, damping_per_s, seed,
+//                integrator = "backward_euler" | "bdf2" (of dynamic scenes)
 //   [tools]      max_depth_mm, default_depth_mm, default_spacing_mm, reach_mm, progressive_cut
 //   [landmarks]  NAME = [x, y]: places on the skin whose displacement is measured
 //   [head]       skull and face: scene_head.h. With a [head], [body] and [[layer]] may be left out
-//   [camera]     target_mm = [x, y, z], from = [x, y, z] (direction towards the eye), up = [x, y, z], distance_mm,
-//   fov_deg
+//   [camera]     target_mm = [x, y, z], from = [x, y, z] (direction
+//                towards the eye), up = [x, y, z], distance_mm, fov_deg
 //
 // Reading is strict: an unknown key, a wrong type, a number that is not finite or out of its range is an InputError
 // with the line, what is wrong and what was expected. Everything but [body] and [[layer]], or [head], has a default.

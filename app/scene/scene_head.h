@@ -2,19 +2,19 @@
 // The part of a scene that is a head.
 //
 //   [head]           source = "synthetic" | "files"
-//                    synthetic: mandible_scale, ramus_left, vault_wide, vault_long, forehead_flat
-//                    (sim/imaging/synthetic/head_shape.h), edge_mm,
-//                    face_edge_mm
-//                    files: bones = ["cranium.txt", ...] simplex meshes relative to the scene file, the first of them
-//                    fixed unless
-//                    "fixed" says otherwise; face = "face.txt"
+//                    synthetic: mandible_scale, ramus_left, vault_wide,
+//                    vault_long, forehead_flat, edge_mm, face_edge_mm
+//                    (sim/imaging/synthetic/head_shape.h)
+//                    files: bones = ["cranium.txt", ...] simplex meshes
+//                    relative to the scene file, the first of them fixed
+//                    unless "fixed" says otherwise; face = "face.txt"
 //                    both: offset_mm = [x, y, z], by which the head is shifted (to where the skin of a [body] lies),
-//                    fixed = ["cranium", ...] names of bones that do not move (of a file: its stem), face = true |
-//                    false,
+//                    fixed = ["cranium", ...] names of bones that do not
+//                    move (of a file: its stem), face = true | false,
 //                    iterations_per_step of the face, show_face = "solid" | "clear" | "hidden" at the beginning,
 //                    carries_skin_mm: with a [body], its fixed nodes that are at most so far from bone move with it
-//   [[head.tissue]]  name, face and bone: a place [x, y, z] or a landmark's name; face_radius_mm, bone_radius_mm (0:
-//   all bone), layers,
+//   [[head.tissue]]  name, face and bone: a place [x, y, z] or a landmark's
+//                    name; face_radius_mm, bone_radius_mm (0: all bone), layers,
 //                    young_kPa, mode = "smoothing" | "springs" | "shape" | "finite_elements"
 //   [head.landmarks] NAME = [x, y, z] on bone;  [head.face_landmarks] the same on the face
 #include <optional>

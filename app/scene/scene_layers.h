@@ -6,9 +6,9 @@
 //               thickness_mm, poisson, density_kg_m3, prestretch_along, prestretch_across
 //               law            of the catalogue; without it stable-neo-hookean, which takes young_kPa
 //               constants of the law by their keys: k1_kPa = 50; lists where the law takes several: alpha = [9, -4]
-//               prony          [[share, time_s], ...]: what fades of the stiffness after a strain, in dynamic scenes;
-//               all other
-//                              constants are those of the relaxed tissue, which is what a quasi-static scene has
+//               prony          [[share, time_s], ...]: what fades of the stiffness after a
+//                              strain, in dynamic scenes; all other constants are those of
+//                              the relaxed tissue, which is what a quasi-static scene has
 #include <functional>
 
 #include "app/scene/tissues.h"

@@ -20,9 +20,9 @@ Row run_fusiform(const Values& v, const Run& with) {
   const double W = v[4];
   const Figure f = find_procedure("fusiform").figure({W, v[0]});
   Patch patch;
-  // An odd number of cells: where half the length is a whole number of them, as by default, both tips lie in the middle
-  // of a cell. A tip on the border between two cells opens to its very end, one inside a cell does not, and stands up
-  // less by 0.1 mm.
+  // An odd number of cells: where half the length is a whole number of them, as by
+  // default, both tips lie in the middle of a cell. A tip on the border between two cells
+  // opens to its very end, one inside a cell does not, and stands up less by 0.1 mm.
   patch.side_mm = v[2] * (2 * std::floor(std::max(120.0, W * v[0] + 60) / (2 * v[2])) + 1),
   patch.prestretch_percent = v[1], patch.cell_mm = v[2], patch.undermine_mm = 10, patch.contact = v[3] > 0;
   patch.depth_mm = v[5], patch.push_mm = v[6], patch.spacing_mm = v[7];
@@ -83,9 +83,9 @@ std::vector<Bar> bars_fusiform(const std::vector<Row>& rows) {
   std::vector<Bar> out{
       at_most("largest relative residual", residual, 1e-4, "at rest, as in operate"),
       at_most("largest gap, mm", gap, 0.2, "closed"),
-      // Displacements run straight through a cell. A bent edge that is held at more places than there are cells cannot
-      // lie on the other one everywhere: some stitches pull, those between them push, and what they add up to is no
-      // closing force.
+      // Displacements run straight through a cell. A bent edge that is held at more
+      // places than there are cells cannot lie on the other one everywhere: some stitches
+      // pull, those between them push, and what they add up to is no closing force.
       at_least("stitches' spacing over the size of the cells", apart, 1,
                "measured, 4 to 1: 2.5 to 2.6 N in all from 4 to 6 mm in cells of 4 and 5 mm and at 3 mm in cells of 3 "
                "mm; 6.3 and 13 N at 3 mm in cells of 4 and 5 mm"),

@@ -31,10 +31,10 @@ struct Patch {
   // Cells in which a cut ends are divided, so that it opens to its end; on fat only. Without, a slit stays shut over
   // the last cell, and a flap's tip that is to lie in its end comes to lie on the skin instead.
   bool fronts = true;
-  // Where skin may stand up (places of the figure), and how far it is pushed there, up and down, to find equilibria
-  // beside the one that closing it leads to; and how far all skin is drawn taut around it and let go again
-  // (taut_percent; 0: not).
-  // The
+  // Where skin may stand up (places of the figure), and how far it
+  // is pushed there, up and down, to find equilibria beside the
+  // one that closing it leads to; and how far all skin is drawn
+  // taut around it and let go again (taut_percent; 0: not). The
   // equilibrium of least energy counts. 0: not pushed, nor drawn.
   std::vector<Vec2> ears = {};
   double push_mm = 0;
@@ -67,10 +67,10 @@ struct Done {
   double height_mm(const Vec2& place, double radius_mm) const;
   /// Volume above the flat and root of the mean square of the height there.
   DogEar shape(const Vec2& place, double radius_mm) const;
-  /// Highest place there of the flap's middle surface, half way between its skin and its underside, above where it was
-  /// at rest; both evened out over discs of even_mm. What a plate's height means: tissue that keeps its volume and is
-  /// pressed together in its plane grows thicker and its skin higher, without leaving the plane. Where nothing is freed
-  /// it cannot be said.
+  /// Highest place there of the flap's middle surface, half way between its skin and its
+  /// underside, above where it was at rest; both evened out over discs of even_mm. What a plate's
+  /// height means: tissue that keeps its volume and is pressed together in its plane grows thicker
+  /// and its skin higher, without leaving the plane. Where nothing is freed it cannot be said.
   double middle_height_mm(const Vec2& place, double radius_mm, double even_mm) const;
 };
 

@@ -1,13 +1,13 @@
 // The same script on other meshes, lattices and skins: does it cut and stitch where it was meant to?
 //
-// Every procedure of the repertoire is laid on a finely meshed skin once and written down as a script, in chart points.
-// That script is carried out (cuts and stitches; nothing is moved) on the same skin with another mesh and another
-// lattice. What was meant is known without any mesh: on a plane, a cylinder and a sphere the figure's points lie where
-// walking straight ahead from its origin leads in closed form. Measured are the distances, at rest,
+// Every procedure of the repertoire is laid on a finely meshed skin once and written down as a script, in chart
+// points. That script is carried out (cuts and stitches; nothing is moved) on the same skin with another mesh and
+// another lattice. What was meant is known without any mesh: on a plane, a cylinder and a sphere the figure's points
+// lie where walking straight ahead from its origin leads in closed form. Measured are the distances, at rest,
 //   from every corner and every millimetre of the drawn lines to the nearest edge between skin and cut wall,
 //   from every stitch's two ends, which sit on the edges of the cut, to the lines that were meant.
-// On the face (a surface in the folder that LIMBERG_DATA names) the walk on its own triangles stands for the closed
-// form.
+// On the face (a surface in the folder that LIMBERG_DATA names)
+// the walk on its own triangles stands for the closed form.
 #include "app/study/place.h"
 
 #include <algorithm>

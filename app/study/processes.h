@@ -11,8 +11,8 @@ struct Process {
   std::string log_file;                // of what it says, in words; its output is thrown away
 };
 
-/// How a process ended: its exit status, or 1000 + the signal that ended it; -1: it could not be started or was stopped
-/// before.
+/// How a process ended: its exit status, or 1000 + the signal that
+/// ended it; -1: it could not be started or was stopped before.
 using Ended = std::function<void(size_t process, int status)>;
 
 /// Runs all, at most `at_once` at a time, in their order; `ended` is called as each ends, on this thread. When

@@ -104,8 +104,8 @@ Row run_rhomboid(const Values& v, const Run& with) {
   }
   r.figures.push_back({"donor_stitch_N", donor});
   r.figures.push_back({"donor_over_next", donor / next});
-  // What each seam carries, its corner's key stitch with the donor's: keys were tied first, then the seams in their
-  // order.
+  // What each seam carries, its corner's key stitch with the
+  // donor's: keys were tied first, then the seams in their order.
   double donor_seam = 0, next_seam = 1e-12;
   size_t at_stitch = f.keys.size();
   const auto& sutures = d.metrics.sutures;
@@ -143,8 +143,8 @@ Row run_rhomboid(const Values& v, const Run& with) {
       r.figures.push_back({t, d.map->curvature_deg(f, corners, reach * L, 0.15 * L)});
     }
   }
-  // The tension, evened out over discs of 3 mm: at the donor's closure, on its outer side and beyond F, and wherever
-  // else it is greatest.
+  // The tension, evened out over discs of 3 mm: at the donor's closure,
+  // on its outer side and beyond F, and wherever else it is greatest.
   constexpr double kDisc_mm = 3, kStep_mm = 2;
   const auto at = [&](const Corner& c) { return ChartPoint(place(f, c) + kDisc_mm * tissue_bisector(f, c)); };
   const SkinMap::Stretch here = std::max(d.map->stretch(at(kD), kDisc_mm), d.map->stretch(at(kF), kDisc_mm),

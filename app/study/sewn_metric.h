@@ -1,22 +1,22 @@
 #pragma once
 // The rest metric of wounds as they have been cut and sewn, measured; no plan is asked.
 //
-// Which places of the edge a stitch joins is told by where both lie now. Sewn edges lie together there, three or four
-// of them beside a corner, and both banks of a slit do over its last cell: of those within reach the ones that the
-// stitch was given to count.
+// Which places of the edge a stitch joins is told by where both lie now. Sewn edges lie
+// together there, three or four of them beside a corner, and both banks of a slit do
+// over its last cell: of those within reach the ones that the stitch was given to count.
 //
-// The skin's edge runs round a wound with tissue on its left, and stitches pair places of it. Going along it from
-// stitch to stitch, and at each over to the other bank, one comes back after m stitches: round a gap. The gap sewn shut
-// is a point of the sewn skin, and encloses what Gauss and Bonnet ask of its boundary, whose corners at the stitches
-// are cusps:
+// The skin's edge runs round a wound with tissue on its left, and stitches pair places of it.
+// Going along it from stitch to stitch, and at each over to the other bank, one comes back
+// after m stitches: round a gap. The gap sewn shut is a point of the sewn skin, and encloses
+// what Gauss and Bonnet ask of its boundary, whose corners at the stitches are cusps:
 //
-//   q = 2 pi - m pi + sum of (pi - s),   s the angles of the rest triangles that meet at a vertex of the edge on the
-//   way.
+//   q = 2 pi - m pi + sum of (pi - s),   s the angles of the rest triangles that
+//                                        meet at a vertex of the edge on the way.
 //
-// Between two stitches of a straight seam q is 0; around what a plan calls a point of charge q it is q, however far off
-// its stitches are.
-// Over wounds that are sewn up to one sheet all add up to nothing; where seams cross, so that the sheet has a handle,
-// to -720 degrees.
+// Between two stitches of a straight seam q is 0; around what a plan
+// calls a point of charge q it is q, however far off its stitches are.
+// Over wounds that are sewn up to one sheet all add up to nothing;
+// where seams cross, so that the sheet has a handle, to -720 degrees.
 #include <optional>
 #include <span>
 #include <vector>
@@ -51,8 +51,8 @@ struct SewnSkin {
   std::optional<double> charge_deg(const Figure& figure, const std::vector<Corner>& corners) const;
 };
 
-/// Of a skin that was flat, or whose corners' rest angles add up to a full turn; sewn by these commands, with single
-/// stitches and rows.
+/// Of a skin that was flat, or whose corners' rest angles add up to a
+/// full turn; sewn by these commands, with single stitches and rows.
 SewnSkin sewn_skin(const Snapshot& snapshot, std::span<const Command> commands);
 
 }  // namespace limberg::study

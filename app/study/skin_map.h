@@ -13,8 +13,8 @@ namespace limberg::study {
 
 class SkinMap {
  public:
-  /// `skin`: the skin. `under`: what looks down at rest and is no support: the underside of what was freed from its
-  /// bed.
+  /// `skin`: the skin. `under`: what looks down at rest and is
+  /// no support: the underside of what was freed from its bed.
   enum class Side : uint8_t { skin, under };
   explicit SkinMap(const Snapshot& shown, Side side = Side::skin);
 
@@ -24,8 +24,8 @@ class SkinMap {
   /// How far one comes from a chart point in a direction (unit) before an edge of a cut, at rest.
   double free_mm(const ChartPoint& from, const Vec2& direction) const;
 
-  /// The mean place now of what lies at rest within `radius_mm` of a chart point; nothing where less than half of that
-  /// disc is left.
+  /// The mean place now of what lies at rest within `radius_mm` of a
+  /// chart point; nothing where less than half of that disc is left.
   std::optional<Vec3> mean_now_mm(const ChartPoint& p, double radius_mm) const;
 
   /// How far that place has risen along the chart's normal since rest.
@@ -39,9 +39,9 @@ class SkinMap {
   };
   Stretch stretch(const ChartPoint& p, double radius_mm) const;
 
-  /// The larger principal stretch that a fraction q of the area within `radius_mm` of the chart's origin does not
-  /// exceed, leaving out what lies within `keep_off_mm` of `tips`; prestretch not included. Slivers as in sim/measure
-  /// are left out.
+  /// The larger principal stretch that a fraction q of the area within `radius_mm` of
+  /// the chart's origin does not exceed, leaving out what lies within `keep_off_mm`
+  /// of `tips`; prestretch not included. Slivers as in sim/measure are left out.
   double percentile(double q, double radius_mm, const std::vector<ChartPoint>& tips, double keep_off_mm) const;
 
   /// Share of the area within `radius_mm` of the chart's origin that a sheet cannot carry flat: its larger stretch l,
@@ -52,9 +52,9 @@ class SkinMap {
   /// chart's: a flap that lies on its side or on its face. A cone of charge 90 is no steeper than 41 degrees.
   double turned_share(double radius_mm) const;
 
-  /// The angle of the tissue at a corner as it has been cut: on a circle of `radius_mm` at rest around the corner's
-  /// place, from the middle of its tissue both ways to the first edge between skin and cut wall. Not a number where no
-  /// edge is met.
+  /// The angle of the tissue at a corner as it has been cut: on a circle of `radius_mm`
+  /// at rest around the corner's place, from the middle of its tissue both ways to the
+  /// first edge between skin and cut wall. Not a number where no edge is met.
   double cut_angle_deg(const Figure& figure, const Corner& corner, double radius_mm) const;
 
   /// What the angles of some corners that are sewn together fall short of a full turn, as the skin lies now: the sum

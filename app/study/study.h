@@ -4,10 +4,10 @@
 //
 //   limberg study gape --set angle_deg=90,45 --set prestretch_percent=5,10,20
 //
-// A family names its parameters, each with the values it takes by itself and the range that makes sense; --set gives
-// others. Its members are all combinations, the first parameter changing slowest. Each is a process of its own
-// (processes.h) that leaves a file (member_file.h); the rows, charts and bars are made of those files, wherever they
-// were made.
+// A family names its parameters, each with the values it takes by itself and the range that
+// makes sense; --set gives others. Its members are all combinations, the first parameter
+// changing slowest. Each is a process of its own (processes.h) that leaves a file
+// (member_file.h); the rows, charts and bars are made of those files, wherever they were made.
 #include <functional>
 #include <memory>
 #include <string>

@@ -13,8 +13,8 @@ namespace limberg::study {
 
 namespace {
 
-// Beyond the figure: the pocket reaches from 1.5 limbs (along the central one) to 1.9 or 2 from the middle, as the
-// protocol asks.
+// Beyond the figure: the pocket reaches from 1.5 limbs (along the
+// central one) to 1.9 or 2 from the middle, as the protocol asks.
 constexpr double kUndermined_mm = kLimb_mm;
 const std::vector<std::string> kKeys{"angle", "prestretch", "cell_mm"};
 
@@ -68,8 +68,8 @@ Row run_zplasty(const Values& v, Patch patch, const Run& with) {
     for (const Corner& c : meeting) q -= d.map->cut_angle_deg(f, c, 0.2 * L);
     charge_off = std::max(charge_off, std::isfinite(q) ? std::abs(q - sign * t) : 360);
   }
-  // The pocket is the hull of discs around the figure's corners, of which the middle's nearest and farthest are A and
-  // C.
+  // The pocket is the hull of discs around the figure's corners,
+  // of which the middle's nearest and farthest are A and C.
   const bool pocket = patch.support == Support::fat;
   const double undermined_least = pocket ? (patch.undermine_mm + place(f, A).norm()) / L : std::nan(""),
                undermined_most = pocket ? (patch.undermine_mm + place(f, C).norm()) / L : std::nan("");
@@ -160,8 +160,8 @@ std::vector<NamedChart> charts_z(const std::vector<Row>& rows) {
     for (size_t i = 0; i < by_angle[g].size(); ++i) out.back().chart.series[g].y[i] = gain_per_ear(*by_angle[g][i]);
   for (NamedChart& c : out)
     for (ChartSeries& one : c.chart.series) one.name = one.name.empty() ? "model" : short_name(one.name);
-  // What geometry alone promises beside it; the height from which skin counts as standing up (half a skin's thickness
-  // or 1 mm).
+  // What geometry alone promises beside it; the height from which
+  // skin counts as standing up (half a skin's thickness or 1 mm).
   ChartSeries theory;
   theory.name = "theory", theory.markers = true;
   for (const auto& g : groups(rows, "angle", kKeys)) {

@@ -1,10 +1,10 @@
 #pragma once
-// Z-plasties of 20 mm limbs in three settings, after the same protocol; what is compared with what stands in
-// zplasty_bars.cpp.
+// Z-plasties of 20 mm limbs in three settings, after the same
+// protocol; what is compared with what stands in zplasty_bars.cpp.
 //   zplasty  skin on fat, undermined: the patient
 //   plate    the skin alone, on a bed that it can rise from or with nothing beneath it: how far thin skin stands up
-//   planar   a membrane that cannot leave its plane, clamped at six limbs: how much of the theory a flat surrounding
-//   allows
+//   planar   a membrane that cannot leave its plane, clamped at six
+//            limbs: how much of the theory a flat surrounding allows
 #include "app/study/study.h"
 
 namespace limberg::study {

@@ -1,28 +1,28 @@
-// What must come out of Z-plasties: a protocol for simulators that claim the classical statements, and reference
-// figures of two models that were computed for it with other programs:
-//   a planar membrane of triangles (neo-Hookean, constant volume, disc of six limbs, sutured node to node, ten elements
-//   to a
-//   limb), and a plate of the same law with bending on a one-sided bed (thickness 0.075 limbs). The membrane's figures
-//   are good to
-//   3 %; the plate's heights to 25 % and its thresholds to 10 degrees.
+// What must come out of Z-plasties: a protocol for simulators that claim the classical
+// statements, and reference figures of two models that were computed for it with other programs:
+//   a planar membrane of triangles (neo-Hookean, constant volume,
+//   disc of six limbs, sutured node to node, ten elements to a limb),
+//   and a plate of the same law with bending on a one-sided bed
+//   (thickness 0.075 limbs). The membrane's figures are good to 3 %;
+//   the plate's heights to 25 % and its thresholds to 10 degrees.
 //
 // A bar that begins with a number is the protocol's, of that clause, and asks what it asks:
-//   1   10 limbs square, skin elements of at most 2.5 mm (eight to a limb of 20 mm), undermined 1.5 to 2 limbs; 0, 5
-//   and 10 % of prestretch;
-//       30, 45, 60, 75 and 90 degrees; two lattices
+//   1   10 limbs square, skin elements of at most 2.5 mm (eight to
+//       a limb of 20 mm), undermined 1.5 to 2 limbs; 0, 5 and 10 %
+//       of prestretch; 30, 45, 60, 75 and 90 degrees; two lattices
 //   2   the three edge maps; gaps below 0.2 mm; relative residual 1e-4
 //   3   what is to be told (kReported)
 //   4a  elongation rises strictly from 30 to 75 degrees in all settings, each within (1, sqrt(5 - 4 cos angle)]
 //   4b  the planar control (prestretch none): gain over theory 0.53 +- 0.05; elongation within 3 % of the membrane's
 //   4c  dog-ears rise with the angle and are highest at the ends of the central limb, not at the flaps' tips
-//   4d  an efficiency index - gain over the 99th percentile of the strain, times the sine; or gain over the dog-ear; or
-//   gain over the root
-//       of the work - peaks inside 50 to 75 degrees: one of them is asked for, not each
-//   4e  the dog-ear at 90 degrees above 1.2 times that at 60; without prestretch the gain from 75 to 90 below half of
-//   that from 45 to 60
-//   4f  at 10 %: 45 and 60 degrees flat (below 0.5 mm), 90 above 2 mm; without prestretch all stand up (above 1 mm),
-//   the higher the larger the
-//       angle; heights within 25 % and elongations within 3 % of the plate's
+//   4d  an efficiency index - gain over the 99th percentile of the strain, times
+//       the sine; or gain over the dog-ear; or gain over the root of the work -
+//       peaks inside 50 to 75 degrees: one of them is asked for, not each
+//   4e  the dog-ear at 90 degrees above 1.2 times that at 60; without
+//       prestretch the gain from 75 to 90 below half of that from 45 to 60
+//   4f  at 10 %: 45 and 60 degrees flat (below 0.5 mm), 90 above 2 mm; without
+//       prestretch all stand up (above 1 mm), the higher the larger the angle;
+//       heights within 25 % and elongations within 3 % of the plate's
 // A bar without a number is our own.
 #include <algorithm>
 #include <cmath>
@@ -129,9 +129,9 @@ void add_elongation(std::vector<Bar>& out, const std::vector<Row>& rows) {
                           "protocol: sqrt(5 - 4 cos angle), without any resistance"));
 }
 
-/// Where a figure over the angle is greatest: the vertex of the parabola through the greatest and its neighbours, as
-/// the angles tried are
-/// 15 degrees apart; the end where it is greatest at an end.
+/// Where a figure over the angle is greatest: the vertex of the
+/// parabola through the greatest and its neighbours, as the angles
+/// tried are 15 degrees apart; the end where it is greatest at an end.
 template <class What>
 double peak_at(const Group& g, What what) {
   size_t k = 0;

@@ -192,8 +192,8 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
       } else {
         turned = true;
         leave_foot(p);
-        // What nobody had judged when it was found, in front of the place, does not press: it goes, as long as the
-        // place is not tired.
+        // What nobody had judged when it was found, in front of the place,
+        // does not press: it goes, as long as the place is not tired.
         p.held.weight *= p.held.judged || l.turns > kTired ? 1 - part : 0;
         p.held.judged = true;  // just now: else it would be asked about again at every look, and never stand still
         p.held.facet =

@@ -3,58 +3,58 @@
 //
 //   cut  -> contact_surface()            what may touch what: walls and the skin beside them, sheet by sheet
 //                                        (contact_surface.h, sheets.h)
-//   step -> finder.follow(u)             does what was found still hold (surface_motion.h)? where not: which cells of
-//   other
-//                                        tissue hold the place (moving_cells.h), where that is at rest and which way
-//                                        leads
-//                                        out of it (rest_tissue.h), and a one-sided spring to each sheet that is near
+//   step -> finder.follow(u)             does what was found still hold (surface_motion.h)?
+//                                        where not: which cells of other tissue hold the
+//                                        place (moving_cells.h), where that is at rest and
+//                                        which way leads out of it (rest_tissue.h), and a
+//                                        one-sided spring to each sheet that is near
 //        -> solver.set_contacts(...)     fem/contact_forces.h, when anything is new
 //
 // A pair is a place and a plane: that of a sheet at the foot of the place. The plane is carried by the tissue at the
-// foot; it does not turn, and nothing acts along it. For given pairs the energy is one function of the positions with a
-// continuous gradient, and the minimiser comes to rest on it as it does without contacts. What can keep a body from
-// rest is that pairs change as it moves. So they have hysteresis: a pair stands as it was found until
+// foot; it does not turn, and nothing acts along it. For given pairs the energy is one function of the positions
+// with a continuous gradient, and the minimiser comes to rest on it as it does without contacts. What can keep a
+// body from rest is that pairs change as it moves. So they have hysteresis: a pair stands as it was found until
 //
 //   slide     its place has gone slide_mm along the plane from the foot,
 //   turn      the sheet at the foot has turned by turn_deg,
-//   first     or it begins to press and nobody has judged yet whether the place is inside at all (once: it then stays,
-//   judged,
-//             or goes),
-//   elsewhere or, as something near has moved, the place looks around and lies in other cells than when it was last
-//   judged,
+//   first     or it begins to press and nobody has judged
+//             yet whether the place is inside at all (once:
+//             it then stays, judged, or goes),
+//   elsewhere or, as something near has moved, the place looks around
+//             and lies in other cells than when it was last judged,
 //             or farther than slide_mm from there in one of them.
 //
-// The plane is then wrong by turn_deg and by the sagitta of slide_mm on the sheet's curvature, 0.002 mm for a radius of
-// 5 mm.
-// Where the answer itself jumps (a foot from one part of a sheet to another, or to another sheet), a pair might turn
-// for ever, as the body moves by more than slide_mm with it each time. So places tire: from the third time that its
-// pairs turn in one spot, each goes only a part of the way to what is found (a half, a third, ...), and after the last
-// they stand still: between the two answers, which is what an equilibrium at a jump is (the solution in the sense of
-// Filippov). A place that has slid on by spot_mm is fresh again. So without motion from outside only finitely many
-// pairs turn, and when none turns any more, the body comes to rest.
+// The plane is then wrong by turn_deg and by the sagitta of slide_mm on the sheet's curvature,
+// 0.002 mm for a radius of 5 mm. Where the answer itself jumps (a foot from one part of a sheet to
+// another, or to another sheet), a pair might turn for ever, as the body moves by more than
+// slide_mm with it each time. So places tire: from the third time that its pairs turn in one spot,
+// each goes only a part of the way to what is found (a half, a third, ...), and after the last they
+// stand still: between the two answers, which is what an equilibrium at a jump is (the solution in
+// the sense of Filippov). A place that has slid on by spot_mm is fresh again. So without motion
+// from outside only finitely many pairs turn, and when none turns any more, the body comes to rest.
 //
-// What makes jumps rare: whether a place is inside, and the shortest way out, depend on where it is and on nothing that
-// was before; the normal is that of the sheet at the foot, interpolated between its corners; each sheet presses on its
-// own, so that a place in a corner is held by two; and a pair's stiffness is multiplied by numbers that go from 1 to 0
-// with a level end (smooth_step) where it must end: as the way out through this sheet becomes longer than the shortest
-// one, and as the place gets too deep to be believed, and as the sheet turns away from the place. The way is taken
-// along the place's own normal: edges that meet part sideways, they do not climb over each other.
+// What makes jumps rare: whether a place is inside, and the shortest way out, depend on where it is and on nothing
+// that was before; the normal is that of the sheet at the foot, interpolated between its corners; each sheet presses
+// on its own, so that a place in a corner is held by two; and a pair's stiffness is multiplied by numbers that go
+// from 1 to 0 with a level end (smooth_step) where it must end: as the way out through this sheet becomes longer
+// than the shortest one, and as the place gets too deep to be believed, and as the sheet turns away from the place.
+// The way is taken along the place's own normal: edges that meet part sideways, they do not climb over each other.
 //
-// Who looks. Each cell copy that carries places has a list of the copies around it. While it and what is near have
-// moved by less than margin_mm against each other, nothing else can hold its places. While it and the copies of the
-// list have moved by less than look_mm, they do not look again either; so what has nothing moving near it never does. A
-// place that looks asks the tree of all copies' boxes; so a list is made only when it is wanted, at the next check: not
-// where all moves on fast.
+// Who looks. Each cell copy that carries places has a list of the copies around it. While it and what
+// is near have moved by less than margin_mm against each other, nothing else can hold its places.
+// While it and the copies of the list have moved by less than look_mm, they do not look again either;
+// so what has nothing moving near it never does. A place that looks asks the tree of all copies'
+// boxes; so a list is made only when it is wanted, at the next check: not where all moves on fast.
 //
-// Stiffness. A place that stands for area A has k = c E A / h: c times that of a column of tissue of one cell's height
-// h. It is in scale with the solver's metric, which knows nothing of contacts. Under a pressure p both banks' places
-// together yield by p h / (2 c E): 0.03 mm for 5 kPa, 3.5 mm and 30 kPa.
+// Stiffness. A place that stands for area A has k = c E A / h: c times that of a column of tissue of one
+// cell's height h. It is in scale with the solver's metric, which knows nothing of contacts. Under a
+// pressure p both banks' places together yield by p h / (2 c E): 0.03 mm for 5 kPa, 3.5 mm and 30 kPa.
 // A place begins to press slack_mm inside other tissue: cuts that just coincide, at rest or after rounding, never push.
 // There is no friction.
 //
-// What it cannot part. In the cell in which a cut ends both banks are one copy, unless it is divided
-// (lattice/topology.h,
-// Fronts): what a stitch draws in between there has no way out and ends up to 1 mm deep.
+// What it cannot part. In the cell in which a cut ends both banks are
+// one copy, unless it is divided (lattice/topology.h, Fronts): what a
+// stitch draws in between there has no way out and ends up to 1 mm deep.
 #include <memory>
 #include <span>
 #include <vector>

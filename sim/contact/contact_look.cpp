@@ -71,8 +71,8 @@ void ContactFinder::who_may_hold(const Group& g, std::span<const Point> points, 
   std::sort(around.begin(), around.end());
 }
 
-// Which of the copies around hold it, and where. What the neighbours of a copy that holds it say from without, it knows
-// itself.
+// Which of the copies around hold it, and where. What the neighbours
+// of a copy that holds it say from without, it knows itself.
 void ContactFinder::locate(const Point& point, std::span<const Around> around, std::vector<Held>& held) const {
   const Vec3f& p = point.p;
   const int32_t sheet = surface_->sheets.of[size_t(surface_->place[point.place].triangle)];

@@ -12,8 +12,8 @@ namespace limberg {
 namespace {
 
 constexpr double kSkinReach_mm = 8;  // skin so near to a rim can be touched
-// In usual shares of a place: a piece of wall that holds nothing apart, and a bin that leaves its share to its
-// neighbours.
+// In usual shares of a place: a piece of wall that holds nothing
+// apart, and a bin that leaves its share to its neighbours.
 constexpr double kSliver = 0.02, kSmall = 0.35;
 constexpr double kSpacing_mm = 1.75;  // places are never farther apart than about this
 constexpr double kTurned = 0.34;      // sine of the least turn of a sharp edge, 20 degrees
@@ -97,8 +97,8 @@ int32_t bin_in_cell(const Vec3& at, int parts, int except) {
   return bin;
 }
 
-/// Where a wall runs on evenly, a cell's piece of it is one bin; within a cell of its borders, `parts` in each
-/// direction.
+/// Where a wall runs on evenly, a cell's piece of it is one bin;
+/// within a cell of its borders, `parts` in each direction.
 void put_into_bins(std::vector<Binned>& wall, const ContactSurface& s, const FemModel& model, const Vec3& cell,
                    int parts) {
   if (wall.empty()) return;
@@ -165,8 +165,8 @@ double young_kPa(const FemModel& model, int32_t copy) {
   return 3 * model.stencils[size_t(model.cells[size_t(copy)].stencil)].mu_kPa;
 }
 
-/// One place for each bin of edge: the corner of most sheets, or else the point that is nearest to the bin's own
-/// middle.
+/// One place for each bin of edge: the corner of most sheets,
+/// or else the point that is nearest to the bin's own middle.
 void add_edge_places(ContactSurface& s, const FemModel& model, std::span<const EdgePoint> points, double spacing) {
   std::vector<int32_t> sheets;
   const auto sheets_at = [&](int32_t v) {

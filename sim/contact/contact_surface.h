@@ -2,16 +2,16 @@
 // What may touch what in one version of the topology: made at a cut, never changed after it.
 //
 //   triangles   all wound walls, and the skin within a few mm of a wound's rim: what can be touched
-//   places      points of the walls that must not enter other tissue, each standing for its share of the wall, whatever
-//   the
-//               triangles: one in each cell copy where the wall runs on evenly, one for every half cell in each
-//               direction (at
-//               most 1.75 mm) within a cell of its borders, and one for every such length of its sharp edges and
-//               corners,
-//               which go deepest; finer ones could not move apart from each other
+//   places      points of the walls that must not enter other tissue, each
+//               standing for its share of the wall, whatever the
+//               triangles: one in each cell copy where the wall runs on
+//               evenly, one for every half cell in each direction (at most
+//               1.75 mm) within a cell of its borders, and one for every
+//               such length of its sharp edges and corners, which go
+//               deepest; finer ones could not move apart from each other
 //
-// A point of a triangle hangs on the eight nodes of the cell copy that holds it, so what carries it changes smoothly
-// when it slides on from one triangle to the next.
+// A point of a triangle hangs on the eight nodes of the cell copy that holds it, so
+// what carries it changes smoothly when it slides on from one triangle to the next.
 #include <memory>
 #include <span>
 #include <vector>

@@ -1,9 +1,9 @@
 #pragma once
 // Boxes that move: which of them meet a box that is asked about.
 //
-// A tree with four children to a node, whose boxes lie side by side so that all are compared at once. Members follow
-// each other along a curve through space (Morton's), made anew by sort(); any order gives the same answers, only
-// slower.
+// A tree with four children to a node, whose boxes lie side by side so that all
+// are compared at once. Members follow each other along a curve through space
+// (Morton's), made anew by sort(); any order gives the same answers, only slower.
 #include <array>
 #include <bit>
 #include <cstdint>

@@ -173,8 +173,8 @@ Vec3 RestTissue::middle(int32_t part, size_t& c) const {
   return at;
 }
 
-// The point of triangle t in the cell of copy c that is nearest to Q; false when it has none. `foot` comes as the
-// nearest of all.
+// The point of triangle t in the cell of copy c that is nearest to
+// Q; false when it has none. `foot` comes as the nearest of all.
 bool RestTissue::into_cell(size_t c, int32_t t, const Vec3& Q, Vec3& foot) const {
   const Vec3 low = low_[c], high = low_[c] + size_[c];
   if ((foot.array() >= low.array()).all() && (foot.array() <= high.array()).all()) return true;
@@ -203,8 +203,8 @@ bool RestTissue::into_cell(size_t c, int32_t t, const Vec3& Q, Vec3& foot) const
   return true;
 }
 
-// All triangles that can be the nearest of their sheet for a point of the part, and all own ones that can decide its
-// side.
+// All triangles that can be the nearest of their sheet for a
+// point of the part, and all own ones that can decide its side.
 void RestTissue::gather(int32_t part, std::vector<Near>& own, std::vector<Near>& others) const {
   const ContactSurface& s = *surface_;
   size_t c = 0;
@@ -281,9 +281,9 @@ void RestTissue::learn(std::span<const int32_t> parts, Workers& workers) {
   }
 }
 
-// The copy's triangle that is met first on the straight way from Q to a place within triangle t, both in the cell, has
-// Q's side.
-// Nothing where the way leaves the cell at once.
+// The copy's triangle that is met first on the straight way
+// from Q to a place within triangle t, both in the cell, has
+// Q's side. Nothing where the way leaves the cell at once.
 std::optional<bool> RestTissue::inside_by_way(size_t c, const Vec3& Q, int32_t t, const Vec3& foot) const {
   const Vec3 low = low_[c], high = low_[c] + size_[c];
   for (const double share : {0.2, 0.05, 0.01}) {

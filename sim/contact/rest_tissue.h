@@ -1,20 +1,20 @@
 #pragma once
 // Whose tissue is at a point of the rest body, and which way leads out of it.
 //
-// A place lies in other tissue exactly when a cell copy that is not its own holds it and has material there. Where in
-// the copy it lies follows from inverting the copy's trilinear map (moving_cells.h): a point Q of the rest body. At
-// rest nothing overlaps and no surface is folded, so the shortest way from Q to the surface of the copy's tissue is the
-// way out, at corners and in thin flaps too, whatever the place's own tissue looks like. (Distance in material space:
-// Fisher and
-// Lin
-// 2001; for embedding lattices McAdams et al. 2011.) Rest never changes between cuts, so what may be nearest is noted
-// once for each small part of a copy's space, when something first comes to lie there.
+// A place lies in other tissue exactly when a cell copy that is not its own holds it and
+// has material there. Where in the copy it lies follows from inverting the copy's
+// trilinear map (moving_cells.h): a point Q of the rest body. At rest nothing overlaps and
+// no surface is folded, so the shortest way from Q to the surface of the copy's tissue is
+// the way out, at corners and in thin flaps too, whatever the place's own tissue looks
+// like. (Distance in material space: Fisher and Lin 2001; for embedding lattices McAdams
+// et al. 2011.) Rest never changes between cuts, so what may be nearest is noted once for
+// each small part of a copy's space, when something first comes to lie there.
 //
 //   kept    copies that carry touchable surface, and those that share a node with one; what is deeper is not believed
-//   own     a copy's own triangles: those of which it carries a part. Where several copies share a cell, the nearest of
-//           them, as far as it lies in the cell, tells whether Q is in the copy's material: the cell is convex, so
-//           nothing of
-//           the copy lies between. Banks coincide at rest; only its own bank counts for a copy
+//   own     a copy's own triangles: those of which it carries a part. Where several copies
+//           share a cell, the nearest of them, as far as it lies in the cell, tells
+//           whether Q is in the copy's material: the cell is convex, so nothing of the
+//           copy lies between. Banks coincide at rest; only its own bank counts for a copy
 //   around  triangles of copies that share a node with it: ways out for what is deep
 #include <algorithm>
 #include <array>

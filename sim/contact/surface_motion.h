@@ -1,13 +1,13 @@
 #pragma once
 // How far the surface moves, at most, against each cell copy of it: so that nobody searches where nothing moves.
 //
-// What is carried by a cell copy moves as its eight nodes do: its motion lies in the box that theirs span. Space is
-// parted into blocks; each block and those around it together have one box that holds the motions of all that is there.
-// The farthest corner of that box from the box of a copy's own motion bounds how much nearer anything there can have
-// come.
-// Tissue
-// that moves together does not come nearer. Cells are sorted into blocks anew before they have gone far. Against single
-// copies, known to be near, the bound is much closer.
+// What is carried by a cell copy moves as its eight nodes do: its motion lies in
+// the box that theirs span. Space is parted into blocks; each block and those
+// around it together have one box that holds the motions of all that is there.
+// The farthest corner of that box from the box of a copy's own motion bounds how
+// much nearer anything there can have come. Tissue that moves together does not
+// come nearer. Cells are sorted into blocks anew before they have gone far.
+// Against single copies, known to be near, the bound is much closer.
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -85,10 +85,10 @@ class CellBuilder {
   bool meets(Int3 at, int32_t face);
   /// Whether one of the faces has a crack front in the cell: an edge where its two sides are glued to each other.
   bool holds_front(Int3 at, std::span<const int32_t> faces);
-  /// How far from its front, square to it and along the crack, the cell reaches at most: in edges of the cell (up to 6
-  /// %
-  /// more where the crack runs askew), 0 without a front. This is what stays closed of the crack in a cell that is not
-  /// divided.
+  /// How far from its front, square to it and along the crack, the
+  /// cell reaches at most: in edges of the cell (up to 6 % more
+  /// where the crack runs askew), 0 without a front. This is what
+  /// stays closed of the crack in a cell that is not divided.
   double front_reach(Int3 at, std::span<const int32_t> faces);
 
   /// Layers of the corners of a face: [corner][axis].
@@ -214,8 +214,8 @@ class CellBuilder {
   bool no_walks_before_ = false;  // of the cell: no closed curve on its squares, no closed shell in it
   bool as_before_ = false;        // the same faces with the same material as in the last version
   std::vector<std::pair<int32_t, int32_t>> place_;  // open addressing: id of a face, its place in face_
-  // The same for the faces of know_layers(), of which most are met again and again: by id, valid in the cell entered
-  // last.
+  // The same for the faces of know_layers(), of which most are
+  // met again and again: by id, valid in the cell entered last.
   std::vector<std::pair<uint64_t, int32_t>> fresh_place_;
   uint64_t entered_ = 0;
   /// Layers of points: a point is met by several faces and cells. One place per few points, taken by the last.

@@ -80,8 +80,8 @@ double CellBuilder::reach_from(int32_t face, size_t edge) const {
     for (size_t b = 0; b < a; ++b)
       if (heads[a] && heads[b] && slope[a] != slope[b])
         look(std::clamp((at0[b] - at0[a]) / (slope[a] - slope[b]), s0, s1));
-  // Askew, the next cell opens slowly at first: there a little more counts as closed (measured 2026-11-21: 3 % at
-  // most).
+  // Askew, the next cell opens slowly at first: there a little
+  // more counts as closed (measured 2026-11-21: 3 % at most).
   double straight = 0;  // cosine to the nearest axis
   for (size_t a = 0; a < 3; ++a) straight = std::max(straight, std::sqrt(d[a] * d[a] / dd));
   return most * std::sqrt(dd) * (1 + std::min(0.06, 4 * (1 - straight)));

@@ -1,9 +1,9 @@
 #pragma once
 // Which cells of the lattice are divided, and where their parts lie.
 //
-// Ids: the cells of the grid first, by their index; then the parts, eight by eight in the order of division (part k has
-// the bits of its corner: 1 = +x, 2 = +y, 4 = +z). A tree only grows, so an id means the same cell in every later
-// version.
+// Ids: the cells of the grid first, by their index; then the parts, eight by eight
+// in the order of division (part k has the bits of its corner: 1 = +x, 2 = +y, 4 =
+// +z). A tree only grows, so an id means the same cell in every later version.
 #include <array>
 #include <cstdint>
 #include <utility>

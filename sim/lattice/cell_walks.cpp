@@ -167,8 +167,8 @@ void CellBuilder::walk_square(int normal, bool high) {
     }
 }
 
-// With `run` the "horizontal" axis on the square. False when no horizontal line crosses the loop: a crack of a level
-// sheet.
+// With `run` the "horizontal" axis on the square. False when no
+// horizontal line crosses the loop: a crack of a level sheet.
 bool CellBuilder::walk_from_loop(int normal, bool high, int run, int32_t root) {
   const int rise = 3 - normal - run;
   const int64_t level = bound_[size_t(normal)][high];

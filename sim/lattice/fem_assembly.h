@@ -9,12 +9,12 @@
 //   depth of the box's middle, interpolated from the cell's corners), else one; frame at the cell's centre. Cells that
 //   lie wholly in one layer without prestretch share its stencil.
 //
-// A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1, so that the micrometres
-// by which lattice planes lie outside a block do not load it. Masses take the exact fraction. Parts of divided cells
-// have stencils of their own size (Stencil::level), made in the same way when they are first asked for; where planes
-// must lie further out so that cells can be divided (grid_fit.h), a little less than full counts as full.
-// FemModel::cells[i] is
-// LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
+// A cell copy takes its stencil times max(fraction, 1e-2); a fraction above 0.998 counts as 1,
+// so that the micrometres by which lattice planes lie outside a block do not load it. Masses
+// take the exact fraction. Parts of divided cells have stencils of their own size
+// (Stencil::level), made in the same way when they are first asked for; where planes must lie
+// further out so that cells can be divided (grid_fit.h), a little less than full counts as full.
+// FemModel::cells[i] is LatticeTopology::cells[i], FemModel node i is LatticeTopology::nodes[i].
 #include <array>
 #include <map>
 #include <memory>
@@ -40,10 +40,10 @@ class StencilTable {
   /// The same for a cell of any level; may add to stencils(), so one thread at a time.
   int32_t of_place(const CellPlace& place) const;
 
-  /// Where a lattice node, or a corner of a part, may be held; in eighths of a cell. Block: bit 2 axis + (0 low, 1
-  /// high) per outermost plane whose side is fixed. Other bodies, when the surface triangle nearest to it is fixed:
-  /// kNearFixed within
-  /// 0.1 cell, kFarFixed beyond.
+  /// Where a lattice node, or a corner of a part, may be held; in eighths
+  /// of a cell. Block: bit 2 axis + (0 low, 1 high) per outermost plane
+  /// whose side is fixed. Other bodies, when the surface triangle nearest
+  /// to it is fixed: kNearFixed within 0.1 cell, kFarFixed beyond.
   static constexpr uint8_t kNearFixed = 0x80, kFarFixed = 0x40;
   uint8_t fixed_candidate(Int3 at) const;
 
@@ -67,10 +67,10 @@ class StencilTable {
   mutable std::map<std::array<int32_t, 3>, uint8_t> fixed_part_;
 };
 
-/// A node copy is fixed where its lattice node is a candidate (kFarFixed: outside the material) and one of its cell
-/// copies holds a fixed face of that side: a flap raised from its bed does not stay pinned to the bed's nodes.
-/// `before`: the previous version of the topology and its model; copies that were there keep what depends on their
-/// place.
+/// A node copy is fixed where its lattice node is a candidate (kFarFixed: outside the
+/// material) and one of its cell copies holds a fixed face of that side: a flap raised
+/// from its bed does not stay pinned to the bed's nodes. `before`: the previous version of
+/// the topology and its model; copies that were there keep what depends on their place.
 struct EarlierModel {
   const LatticeTopology& topology;
   const FemModel& model;

@@ -39,8 +39,8 @@ struct CellBounds {
   std::array<std::array<double, 2>, 3> half;             // half-units, [axis][high]; whole numbers
   std::array<std::array<SubPoint, 4>, 3> edge_corner{};  // low ends of the lattice edges, [axis][corner]
 };
-/// `parallel`: the axis that the edge is known to be parallel to, or -1. (That is found without it, too, but costs
-/// more.)
+/// `parallel`: the axis that the edge is known to be parallel
+/// to, or -1. (That is found without it, too, but costs more.)
 EdgeSigns edge_about_corners(const PointRef& p, const PointRef& q, int parallel, const CellBounds& cell);
 
 /// Sign of n . corner - d.

@@ -3,14 +3,14 @@
 //
 //   copies  every old copy has a part, the first of which keeps its number; others come after
 //   links   only through squares of cells that have changed
-//   nodes   number_nodes() for the corners of undivided cells in which a cell has come apart, has been divided or has
-//   other
-//           links. A node that hangs lies on a square of an undivided cell together with what it hangs on, so such
-//           cells
-//           close over what hangs; and all that can say who is one node with whom lies within two undivided cells of
-//           them
-//   pieces  none has come apart when the changed copies of each are still linked among themselves; else they are found
-//   again
+//   nodes   number_nodes() for the corners of undivided cells in which
+//           a cell has come apart, has been divided or has other
+//           links. A node that hangs lies on a square of an undivided
+//           cell together with what it hangs on, so such cells close
+//           over what hangs; and all that can say who is one node with
+//           whom lies within two undivided cells of them
+//   pieces  none has come apart when the changed copies of each are
+//           still linked among themselves; else they are found again
 #include <algorithm>
 #include <utility>
 
@@ -131,8 +131,8 @@ void LocalFronts::number_copies() {
 }
 
 void LocalFronts::relink() {
-  // Squares between a changed cell and another, by the cell on their low side; and all those of cells that are divided
-  // now.
+  // Squares between a changed cell and another, by the cell on
+  // their low side; and all those of cells that are divided now.
   std::vector<int32_t> squares, beyond;
   for (int32_t c : changed_)
     for (int axis = 0; axis < 3 && t_.copies_of(c) > 0; ++axis) {

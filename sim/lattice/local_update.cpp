@@ -1,12 +1,12 @@
 // What follows from the components after a cut that takes nothing away, in a lattice whose cells are not divided:
-// copies, links, nodes and sums of the version before with the changes around the touched cells put in. The result is
-// that of finish_topology to the last bit; only what cannot have changed is copied instead of found again.
+// copies, links, nodes and sums of the version before with the changes around the touched cells put in. The result
+// is that of finish_topology to the last bit; only what cannot have changed is copied instead of found again.
 //
 //   copies  every old copy has a part, the first of which keeps its number; others come after
 //   links   only through squares of touched cells, and not where both are whole still
-//   nodes   only at corners of cells that have come apart and of squares with other links: the cells around such a
-//   corner
-//           say which copies share it. Of the parts of a node the one with the lowest corner keeps its number
+//   nodes   only at corners of cells that have come apart and of squares with
+//           other links: the cells around such a corner say which copies share it.
+//           Of the parts of a node the one with the lowest corner keeps its number
 //   pieces  none has come apart when the touched copies of each are still linked among themselves; else they are
 //           found again
 #include <algorithm>
@@ -19,8 +19,8 @@
 namespace limberg {
 namespace {
 
-/// `t` comes as a copy of the version before with the components of the touched cells found; only what differs is
-/// written.
+/// `t` comes as a copy of the version before with the components
+/// of the touched cells found; only what differs is written.
 class LocalUpdate {
  public:
   LocalUpdate(LatticeTopology& t, LevelBuilders& builders, const LatticeTopology& previous,

@@ -1,10 +1,10 @@
 #pragma once
-// The region of interest of a scene: tissue outside it is part of the body (seen, cut, undone) but holds still and is
-// no work for the solver.
+// The region of interest of a scene: tissue outside it is part of the
+// body (seen, cut, undone) but holds still and is no work for the solver.
 //
-// A node farther than the radius from the axis through the chart's origin along its normal is held; a cell of nothing
-// but such nodes has scale 0: the solver of such a scene (fem/region_solver.h) has neither unknowns nor elements there.
-// So the solution is that of the region with a held rim.
+// A node farther than the radius from the axis through the chart's origin along its normal is held;
+// a cell of nothing but such nodes has scale 0: the solver of such a scene (fem/region_solver.h)
+// has neither unknowns nor elements there. So the solution is that of the region with a held rim.
 #include <memory>
 
 #include "sim/body/body.h"

@@ -2,32 +2,32 @@
 // Cells that layers share: what a trilinear displacement gets wrong in them, put right in the stencil.
 //
 // K is the exact integral of mu/2 |grad u|^2 over the layers, but not every trilinear displacement is what tissue does:
-//   sliding   layers of different stiffness shear differently. The mean of the gradient along the normal N is weighed
-//   with the
-//             harmonic mean of the moduli, and Stencil::slide_kPa keeps the rest (layer_slide.h). 3 % of the difference
-//             stays:
-//             a stiff layer that bends over a length of few cells takes its soft neighbour along.
-//   bending   u = z x along T has the strain z, which is wanted, and the shear x, which a bent plate does not have: its
-//   normals
-//             stay normal. What varies along the layers in the gradient along N is therefore left out, and what varies
-//             across
-//             them (about their neutral plane) in gradients along T is weighed with the modulus of a plate that may
-//             grow thin,
-//             E' = bending_over_mu mu: from E of a strip, which curves across by itself, a quarter of the way to E / (1
-//             - nu^2) of
-//             a plate, which must not. (A stiff layer that is resolved by cells has this from their volumes.) Of it
-//             comes off what
-//             the stretch energy adds, asked at two places a distance d apart (layer_slide.h): a = 4 r (1 - r) d^2 V p0
-//             / M2 in
-//             units of mu, M2 the second moment of the moduli about the neutral plane. It grows with the square of the
-//             sum of both curvatures, as a plate's: at a = 2 and E' = 2 mu they are the plate's law. So E' takes 3/4 a
-//             off, which
-//             keeps the mean of strip and plate; it stays at least mu.
+//   sliding   layers of different stiffness shear differently. The mean of the
+//             gradient along the normal N is weighed with the harmonic mean of
+//             the moduli, and Stencil::slide_kPa keeps the rest
+//             (layer_slide.h). 3 % of the difference stays: a stiff layer that
+//             bends over a length of few cells takes its soft neighbour along.
+//   bending   u = z x along T has the strain z, which is wanted, and the
+//             shear x, which a bent plate does not have: its normals stay
+//             normal. What varies along the layers in the gradient along N
+//             is therefore left out, and what varies across them (about
+//             their neutral plane) in gradients along T is weighed with the
+//             modulus of a plate that may grow thin, E' = bending_over_mu
+//             mu: from E of a strip, which curves across by itself, a
+//             quarter of the way to E / (1 - nu^2) of a plate, which must
+//             not. (A stiff layer that is resolved by cells has this from
+//             their volumes.) Of it comes off what the stretch energy adds,
+//             asked at two places a distance d apart (layer_slide.h): a = 4
+//             r (1 - r) d^2 V p0 / M2 in units of mu, M2 the second moment
+//             of the moduli about the neutral plane. It grows with the
+//             square of the sum of both curvatures, as a plate's: at a = 2
+//             and E' = 2 mu they are the plate's law. So E' takes 3/4 a off,
+//             which keeps the mean of strip and plate; it stays at least mu.
 // The quarter and the 3 % were chosen on the cases of `bench laws` (2026-11-21); the rest has no number in it.
 // All of it vanishes for a homogeneous gradient: rest, rigid motions and even stretch are as before.
 //
-// Only cells with two or more layers that differ, all of them with a matrix modulus (laws of points hold their own
-// shape).
+// Only cells with two or more layers that differ, all of them
+// with a matrix modulus (laws of points hold their own shape).
 #include <array>
 #include <vector>
 

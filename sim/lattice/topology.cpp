@@ -121,8 +121,8 @@ std::shared_ptr<const LatticeTopology> with_divided_fronts(std::shared_ptr<const
   return t;
 }
 
-/// The components of the touched cells. Each cell is found by itself, in groups that one worker takes one after
-/// another.
+/// The components of the touched cells. Each cell is found by
+/// itself, in groups that one worker takes one after another.
 template <class Candidates>
 void find_components(LatticeTopology& t, const LatticeTopology& previous, const MaterialSurface& surface,
                      std::span<const int32_t> touched, const Candidates& candidates_of,

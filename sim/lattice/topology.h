@@ -17,20 +17,20 @@
 // checked. When an excision is in the same update, the pieces that it leaves take the parent that their faces, corners
 // or neighbours name.
 //
-// Fronts. A cut that ends inside a cell leaves it one copy: it opens only up to that cell. With front_levels = 3 a cell
-// that holds a crack's front is divided in eight, and those of the eight that hold it again (cell_tree.h,
-// division.cpp): then the closed part of the crack lies in one cell of a quarter of the size. Where the crack runs
-// through that cell askew, farther than a quarter of the undivided cell from the front to where it comes in, it is
-// divided a third time.
-// Cells
-// that touch each other, be it in a corner, differ by one level at most. The parts are cells like any other, found by
-// the same exact method; between a part
-// and a coarser neighbour the common square is the part's, and a node of it that is no corner of the neighbour hangs on
-// the neighbour's copy. When it hangs on several copies, these share their nodes there (a cut may stay closed there for
-// the length of a part, never is there a gap in tissue). Division never moves anything: every node of a part has its
-// parents in the copy that was divided, with trilinear weights. Cells stay divided for the rest of the history (undo
-// goes back to the version of that time). An update may divide nothing (Divide): where a pocket ends deep inside,
-// nobody looks, and its long rim would cost most of the cells.
+// Fronts. A cut that ends inside a cell leaves it one copy: it opens only up to that cell. With
+// front_levels = 3 a cell that holds a crack's front is divided in eight, and those of the
+// eight that hold it again (cell_tree.h, division.cpp): then the closed part of the crack lies
+// in one cell of a quarter of the size. Where the crack runs through that cell askew, farther
+// than a quarter of the undivided cell from the front to where it comes in, it is divided a
+// third time. Cells that touch each other, be it in a corner, differ by one level at most. The
+// parts are cells like any other, found by the same exact method; between a part and a coarser
+// neighbour the common square is the part's, and a node of it that is no corner of the
+// neighbour hangs on the neighbour's copy. When it hangs on several copies, these share their
+// nodes there (a cut may stay closed there for the length of a part, never is there a gap in
+// tissue). Division never moves anything: every node of a part has its parents in the copy that
+// was divided, with trilinear weights. Cells stay divided for the rest of the history (undo
+// goes back to the version of that time). An update may divide nothing (Divide): where a pocket
+// ends deep inside, nobody looks, and its long rim would cost most of the cells.
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -51,8 +51,8 @@ struct LatticeTopology {
   LatticeGrid grid;
   SharedArray<CellCopy> cells;
   SharedArray<NodeCopy> nodes;
-  // Per copy: its index in the previous version, -1 only at the start; of a born node (below) the one with the largest
-  // weight.
+  // Per copy: its index in the previous version, -1 only at the
+  // start; of a born node (below) the one with the largest weight.
   ParentList cell_parent, node_parent;
   int pieces = 0;                        // connected pieces of the lattice
   std::vector<double> piece_volume_mm3;  // per piece
@@ -95,9 +95,9 @@ struct LatticeTopology {
   int walks = 0, walks_unresolved = 0;  // sums over cells
 };
 
-/// Throws InputError when the surface reaches beyond the lattice, or when its pitch cannot be halved `front_levels`
-/// times.
-/// std::logic_error tells of a defect: a surface whose gluing contradicts its material bits.
+/// Throws InputError when the surface reaches beyond the lattice, or when
+/// its pitch cannot be halved `front_levels` times. std::logic_error tells
+/// of a defect: a surface whose gluing contradicts its material bits.
 std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface,
                                                       int front_levels = 0);
 

@@ -66,9 +66,9 @@ class LevelBuilders {
   std::array<std::unique_ptr<CellBuilder>, kLevels + 1> builder_;
 };
 
-/// Undivided cells that share (a part of) the + square of undivided `cell` along `axis`; none at the end of the
-/// lattice.
-/// `high` false: the - square.
+/// Undivided cells that share (a part of) the + square of
+/// undivided `cell` along `axis`; none at the end of the
+/// lattice. `high` false: the - square.
 void cells_beyond(const LatticeTopology& topology, int32_t cell, int axis, std::vector<int32_t>& out, bool high = true);
 
 /// Links between undivided `cell` and `next`, one of the cells_beyond. Of different levels: through the smaller square.
@@ -123,9 +123,9 @@ bool pieces_stay(const LatticeTopology& topology, int32_t pieces_before, std::sp
 int128 exact_share(double fraction, int level);     // of an undivided cell, times 2^60
 void volumes_from_sums(LatticeTopology& topology);  // of the pieces, from piece_sum
 
-/// finish_topology at the cost of what the cut has changed (local_update.cpp). False, and nothing done, when it took
-/// something away, or when cells can be divided. `touched`: cells, ascending; `place`: per cell, where among them (-1:
-/// it is not).
+/// finish_topology at the cost of what the cut has changed (local_update.cpp). False,
+/// and nothing done, when it took something away, or when cells can be divided.
+/// `touched`: cells, ascending; `place`: per cell, where among them (-1: it is not).
 bool finish_locally(LatticeTopology& topology, LevelBuilders& builders, const LatticeTopology& previous,
                     std::span<const int32_t> touched, std::span<const int32_t> place);
 

@@ -19,10 +19,10 @@ struct RandomOperators {
   uint64_t hash = 0;   // of the mesh at the end
 };
 
-/// Tries `operations` operators, in sequences of `length` that each begin with `mesh`, chosen and placed by `seed`
-/// (some of them senseless on purpose). After each: find_fault, the change of V, E, F and chi that its kind promises,
-/// and an unchanged hash when it was refused. Now and then the last stretch is undone and the hash compared. Stops at a
-/// fault.
+/// Tries `operations` operators, in sequences of `length` that each begin with `mesh`,
+/// chosen and placed by `seed` (some of them senseless on purpose). After each: find_fault,
+/// the change of V, E, F and chi that its kind promises, and an unchanged hash when it was
+/// refused. Now and then the last stretch is undone and the hash compared. Stops at a fault.
 RandomOperators random_operators(const Mesh& mesh, int64_t operations, uint64_t seed, int64_t length = 150);
 
 }  // namespace limberg::simplex

@@ -1,7 +1,7 @@
 #pragma once
-// A cell of the reference solver: energy, forces and Hessian of fem_model.h in double, a cell at a time, nothing left
-// out and nothing in common with the minimiser's kernels. Laws at material points and what layers add are asked where
-// they live.
+// A cell of the reference solver: energy, forces and Hessian of fem_model.h in double,
+// a cell at a time, nothing left out and nothing in common with the minimiser's
+// kernels. Laws at material points and what layers add are asked where they live.
 #include <span>
 #include <vector>
 
@@ -15,8 +15,8 @@ class ReferenceCells {
   using Mat24 = Eigen::Matrix<double, 24, 24>;
 
   explicit ReferenceCells(const FemModel& model);  // which must outlive it
-  /// Energy (uJ) relative to rest at displacements u of all nodes, scale applied; `force`, if any: dE/du of the
-  /// corners.
+  /// Energy (uJ) relative to rest at displacements u of all
+  /// nodes, scale applied; `force`, if any: dE/du of the corners.
   double energy(const HexCell& c, std::span<const Vec3> u, Gradients* force) const;
   /// Corner-major (3 a + i), scale applied. `project`: its parts without their negative eigenvalues.
   Mat24 hessian(const HexCell& c, std::span<const Vec3> u, bool project) const;

@@ -159,8 +159,8 @@ struct ReferenceElasticity::Impl {
   void build_pattern() {
     if (!begin.empty()) return;
     for (const Spring& s : springs) spring_rows.push_back(fem::spring_row(m, s));
-    // A contact couples its nodes as a spring does: it enters the pattern as one, and its values are added where it
-    // presses.
+    // A contact couples its nodes as a spring does: it enters the
+    // pattern as one, and its values are added where it presses.
     std::vector<fem::SpringRow> coupled = spring_rows;
     for (const ContactRow& c : contacts) {
       fem::SpringRow r;

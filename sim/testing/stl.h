@@ -1,6 +1,6 @@
 #pragma once
-// A fragment as binary STL (mm), for guides, splints and printing: all its triangles, walls included, holes closed
-// flat.
+// A fragment as binary STL (mm), for guides, splints and
+// printing: all its triangles, walls included, holes closed flat.
 #include <string>
 
 #include "sim/skull/simplex/mesh.h"

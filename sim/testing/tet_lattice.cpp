@@ -53,8 +53,8 @@ FemModel bcc_box_model(const BoxSpec& b) {
             }
             std::array<int, 3> next = c;
             ++next[axis];
-            // Between two layers of different tissue each half of a tetrahedron belongs to one: the mean stands for
-            // both.
+            // Between two layers of different tissue each half of a
+            // tetrahedron belongs to one: the mean stands for both.
             const int32_t la = law_at(c[2]), lb = law_at(next[2]);
             for (size_t e = 0; e < 4; ++e) s.add_tet({centre(c), centre(next), q[e], q[(e + 1) % 4]}, e % 2 ? la : lb);
           }

@@ -1,7 +1,7 @@
 #pragma once
-// Counts what the calling thread may not do on a device thread: locks taken, bytes written to files, terminals and
-// logs.
-// They are counted on their way to the system, whoever calls them.
+// Counts what the calling thread may not do on a device thread:
+// locks taken, bytes written to files, terminals and logs. They
+// are counted on their way to the system, whoever calls them.
 #include <cstdint>
 
 namespace limberg::call_counter {

@@ -47,8 +47,8 @@ double gape(double angle_deg, const char* law) {
   return study::StraightWound(s).gape_mm(0);
 }
 
-// A wound across the fibres gapes, one along them hardly more than in plain skin; in plain skin the direction means
-// nothing.
+// A wound across the fibres gapes, one along them hardly more
+// than in plain skin; in plain skin the direction means nothing.
 TEST(FibreScenes, AWoundOpensByItsAngleToTheTensionLines) {
   const double along = gape(0, kFibres), between = gape(45, kFibres), across = gape(90, kFibres);
   EXPECT_GT(along, 0.05);

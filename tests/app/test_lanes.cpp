@@ -1,5 +1,5 @@
-// Histograms: percentiles against sorted values, exact extremes, nothing outside. The render lane draws when a hand has
-// moved.
+// Histograms: percentiles against sorted values, exact extremes,
+// nothing outside. The render lane draws when a hand has moved.
 #include <gtest/gtest.h>
 
 #include <cmath>

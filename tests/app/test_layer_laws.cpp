@@ -58,8 +58,8 @@ FemModel model_of(const std::string& text, std::shared_ptr<const LawCatalogue> l
   return m;
 }
 
-/// First Piola stress of the block under x = F X, by the virial of the nodal forces; `patch`: largest force on an inner
-/// node.
+/// First Piola stress of the block under x = F X, by the virial
+/// of the nodal forces; `patch`: largest force on an inner node.
 Mat3 piola(const ReferenceElasticity& e, const FemModel& m, const Mat3& F, double* patch = nullptr) {
   Vec3 lo = m.X_mm[0], hi = lo;
   for (const Vec3& X : m.X_mm) lo = lo.cwiseMin(X), hi = hi.cwiseMax(X);
@@ -107,9 +107,9 @@ TEST(LayerLaws, EveryHomogeneousStateComesBack) {
   FemModel m;
   double angle = 0;
   for (const HomogeneousState& h : homogeneous_states()) {
-    // The tables are incompressible. Nu 0.499 is the most that a scene takes; of excised skin it leaves 2.3 % less
-    // stress at a stretch of 1.10 (its exponential answers to the volume change of 0.3 %), so its bulk modulus is
-    // raised here.
+    // The tables are incompressible. Nu 0.499 is the most that a scene takes; of
+    // excised skin it leaves 2.3 % less stress at a stretch of 1.10 (its exponential
+    // answers to the volume change of 0.3 %), so its bulk modulus is raised here.
     const bool steep = h.cauchy_kPa > 100 && h.name.find("G1") != std::string::npos;
     const std::string material = law_lines(h.law, h.young_kPa * 2 * 1.499 / 3) + "poisson = 0.499\n";
     if (material != last) {

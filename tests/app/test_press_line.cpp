@@ -93,14 +93,14 @@ TEST(PressLine, NoEnergyComesFromAPatientThatAnswersLate) {
   Loop loop(hand(0, 4, true), true);
   loop.run(6);
   EXPECT_GT(loop.felt.force().answers(), 50);
-  // The bound of a wall read in steps: K T / 2 times the sum of the squares of the way per tick (Colgate 1995), and .1
-  // mJ.
+  // The bound of a wall read in steps: K T / 2 times the sum of
+  // the squares of the way per tick (Colgate 1995), and .1 mJ.
   EXPECT_GT(loop.felt.least_mJ, -0.15);
   EXPECT_LE(loop.felt.largest_step_N, 0.2 + 1e-9);
 }
 
-// With a scalpel in the hand the skin holds, breaks and gives way, and the cut begins where it broke; with another tool
-// it holds.
+// With a scalpel in the hand the skin holds, breaks and gives way,
+// and the cut begins where it broke; with another tool it holds.
 TEST(PressLine, TheToolThatIsHeldIsFelt) {
   for (const Tool tool : {Tool::scalpel, Tool::hook}) {
     SimulatedHand firm = hand(0, 9, false);

@@ -106,9 +106,9 @@ TEST(ShippedZPlasty, FlapsLieInTheirCorners) {
   }
 }
 
-// The donor stitch goes through the edge 1 mm from the wound's end, where cells are divided to .4 mm: their skin is
-// drawn out sixfold, and the minimiser must be told (fem/stretched_cells.h). Without, the residual is 1e-2 after 100
-// steps.
+// The donor stitch goes through the edge 1 mm from the wound's end, where cells
+// are divided to .4 mm: their skin is drawn out sixfold, and the minimiser must
+// be told (fem/stretched_cells.h). Without, the residual is 1e-2 after 100 steps.
 TEST(ShippedRhomboid, RestsWithDividedFrontsWhenTheDonorIsClosed) {
   const Scene scene = load_scene(source_dir() + "/app/scenes/rhomboid.toml");
   Script script = load_script(source_dir() + "/recordings/rhomboid.jsonl");
@@ -130,9 +130,9 @@ TEST(ShippedRhomboid, RestsWithDividedFrontsWhenTheDonorIsClosed) {
   EXPECT_LT(o.closure[0].max_N, 0.4);  // .30; it had been 51 N
 }
 
-// The donor stitch draws the defect's corner to the incision's end. Where that does not open, both banks are one cell
-// there, and contact has nowhere to send what lies in between: in the end .33 mm deep by script, .92 by a hand
-// (2026-11-22).
+// The donor stitch draws the defect's corner to the incision's end. Where that does
+// not open, both banks are one cell there, and contact has nowhere to send what
+// lies in between: in the end .33 mm deep by script, .92 by a hand (2026-11-22).
 TEST(ShippedRhomboid, SkinDoesNotLieInSkin) {
   const Scene scene = load_scene(source_dir() + "/app/scenes/rhomboid.toml");
   const Script script = load_script(source_dir() + "/recordings/rhomboid.jsonl");

@@ -61,8 +61,8 @@ TEST(SkinMap, AnEvenStretchIsSeenEverywhere) {
   EXPECT_NEAR(map.slack_share(10, 0.8), 1, 1e-9);
 }
 
-// A flap of 1.5 mm that has risen by 2 mm and grown thicker by 1, over a bed and beside the support: only its underside
-// is the underside.
+// A flap of 1.5 mm that has risen by 2 mm and grown thicker by 1, over
+// a bed and beside the support: only its underside is the underside.
 TEST(SkinMap, TheUndersideIsWhatLooksDownAndIsFree) {
   auto topology = std::make_shared<SurfaceTopology>();
   topology->body = std::make_shared<Body>();
@@ -148,8 +148,8 @@ TEST(SkinMap, ASaddleCurvesTheOtherWay) {
   EXPECT_NEAR(SkinMap(saddle).curvature_deg(f, {{0, 1}, {0, 3}}, r, 2), closed, 1);
 }
 
-// A strip of 4 mm is taken out and its long sides are sewn together: level, as a roof, in a step, one side turned over
-// onto the other.
+// A strip of 4 mm is taken out and its long sides are sewn together:
+// level, as a roof, in a step, one side turned over onto the other.
 TEST(SeamsLie, BesideEachOtherOrOneOnTheOther) {
   Figure f;
   f.wounds = {{{-10, 2}, {10, 2}, {10, -2}, {-10, -2}}};

@@ -194,9 +194,9 @@ TEST(Study, TheProtocolsBarsAskWhatItAsks) {
   EXPECT_EQ(with(30, 10, "ear_mm", 0.35), "4c ");        // by .05 mm: rises is rises
 }
 
-// The control without height: a clamped surrounding lets a Z-plasty gain about half of what its figure promises. The
-// table of a membrane of triangles has 1.254 at 45 degrees; cells of 4 mm are too coarse for 3 %, and come nearer as
-// they shrink.
+// The control without height: a clamped surrounding lets a Z-plasty gain about half
+// of what its figure promises. The table of a membrane of triangles has 1.254 at 45
+// degrees; cells of 4 mm are too coarse for 3 %, and come nearer as they shrink.
 TEST(Study, APlanarZPlastyGainsHalfOfTheTheory) {
   const Row coarse = run("planar", {"angle=45", "prestretch=0", "cell_mm=6"}),
             fine = run("planar", {"angle=45", "prestretch=0", "cell_mm=4"});
@@ -211,9 +211,9 @@ TEST(Study, FusiformFiguresAgreeWithTheClosedForms) {
   EXPECT_NEAR(r.at("vertex_form_deg"), 73.7, 0.05);  // tabulated
   EXPECT_NEAR(r.at("scar_mm"), 1.073 * 42, 0.05);    // tabulated
   EXPECT_LT(r.at("gap_max_mm"), 0.2);
-  // What it takes to close a wound does not depend on how many stitches share it, as long as none pulls against its
-  // neighbours:
-  // 3 % apart at 4 and 5 mm in cells of 4 mm, 15 % in these coarse ones (2026-11-22).
+  // What it takes to close a wound does not depend on how many stitches
+  // share it, as long as none pulls against its neighbours: 3 % apart at
+  // 4 and 5 mm in cells of 4 mm, 15 % in these coarse ones (2026-11-22).
   const Row wider = run("fusiform", {"ratio=3", "cell_mm=6", "width_mm=14", "push_mm=0", "contact=0", "spacing_mm=9"});
   EXPECT_NEAR(wider.at("closure_force_N"), r.at("closure_force_N"), 0.2 * r.at("closure_force_N"));
   // The bar sees stitches nearer than cells are large.

@@ -66,8 +66,8 @@ TEST(TripleBuffer, NeverTornNeverBackwards) {
 }
 
 #if !defined(__SANITIZE_THREAD__)
-// The detector itself: the same traffic over a plain struct is torn. (With ThreadSanitizer this is a report, by
-// design.)
+// The detector itself: the same traffic over a plain struct is
+// torn. (With ThreadSanitizer this is a report, by design.)
 TEST(TripleBuffer, ThePlainStructIsTorn) {
   struct Plain {
     volatile uint64_t word[kWords] = {};

@@ -53,8 +53,8 @@ TEST(WorkersPool, EveryIndexOnceOverManyShortLoops) {
   for (const int h : hit) EXPECT_EQ(h, 2000);
 }
 
-// A helper that is held up in the middle of a chunk: the caller goes on alone for a while, and comes back. Same bits
-// always.
+// A helper that is held up in the middle of a chunk: the caller
+// goes on alone for a while, and comes back. Same bits always.
 TEST(WorkersPool, AHelperThatIsHeldUpIsLeftOut) {
   InlineWorkers one;
   const double expected = chunked_sum(one, 5000, 100);

@@ -1,11 +1,11 @@
 #pragma once
 // Bullet's deformable body (btDeformableMultiBodyDynamicsWorld, neo-Hookean, implicit) as a peer of the benches.
 //
-// Its settings are those under which it works best here: projection instead of Lagrange multipliers (with the latter
-// nothing moves where nodes are held), the mass preconditioner, one Newton step a time step, damping 0.1. The body has
-// one material, so a model's cells must agree in theirs. Springs between embedded points are a force class of ours: its
-// API has none.
-// Without LIMBERG_BULLET nothing of this is built but has_bullet().
+// Its settings are those under which it works best here: projection instead of Lagrange
+// multipliers (with the latter nothing moves where nodes are held), the mass
+// preconditioner, one Newton step a time step, damping 0.1. The body has one material, so a
+// model's cells must agree in theirs. Springs between embedded points are a force class of
+// ours: its API has none. Without LIMBERG_BULLET nothing of this is built but has_bullet().
 #include <array>
 #include <memory>
 #include <span>
@@ -17,8 +17,8 @@ namespace limberg::bench {
 
 bool has_bullet();
 
-/// Bullet's energy as a law: mu/2 (|F|^2 - 3) - mu/2 log(|F|^2 + 1) + lambda/2 (J - 1 - 3/4 mu/lambda)^2, less its
-/// value at rest.
+/// Bullet's energy as a law: mu/2 (|F|^2 - 3) - mu/2 log(|F|^2 + 1)
+/// + lambda/2 (J - 1 - 3/4 mu/lambda)^2, less its value at rest.
 LawPtr bullet_law(double mu_kPa, double lambda_kPa);
 /// mu and lambda of that law for small strains as of Young's modulus and Poisson's ratio (Smith, de Goes, Kim 2018).
 std::array<double, 2> bullet_constants(double young_kPa, double poisson);

@@ -112,8 +112,8 @@ void add(Result& out, const Patient& p) {
   out.notes.push_back(text);
 }
 
-/// The hooks' way in frames: 10 iterations each, contacts found a second time beside, which gives the same and is
-/// timed.
+/// The hooks' way in frames: 10 iterations each, contacts found
+/// a second time beside, which gives the same and is timed.
 void add_live(Result& out) {
   const Patient p = shipped("rhomboid");
   double step_ms[2];

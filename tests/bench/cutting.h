@@ -1,22 +1,22 @@
 #pragma once
 // `limberg bench cutting`: what a cut costs, in CPU time of this process, on one core.
 //
-//   arrangement  a 200-triangle blade, 120 mm long and 9 mm deep, into the skin of slabs of 26 k to 1.6 M triangles
-//   (cutting_scene.h),
-//                against CGAL's corefinement of the same two meshes, taking turns in the same run (cgal_child.h)
+//   arrangement  a 200-triangle blade, 120 mm long and 9 mm deep, into the skin of slabs
+//                of 26 k to 1.6 M triangles (cutting_scene.h), against CGAL's corefinement
+//                of the same two meshes, taking turns in the same run (cgal_child.h)
 //   growth       our time at 1.6 M triangles over that at 103 k
 //   history      one cut in the fresh slab and again after 199 others; and the last 20 of 200 cuts against the first 20
 //   crossing     the second, third and fourth cut, across earlier ones, against the first (cutting_crossing.cpp)
-//   whole cut    from the blade to the new topology at 103 k triangles and cells of 3 mm: arrangement, lattice, finite
-//   elements,
-//                surface that is drawn; and what the solver then does with the model, which has bars of its own
+//   whole cut    from the blade to the new topology at 103 k triangles and cells of 3
+//                mm: arrangement, lattice, finite elements, surface that is drawn; and
+//                what the solver then does with the model, which has bars of its own
 //   fronts       where a slit that ends inside lattice cells really opens, with and without divided cells (fronts.h)
 //   memory       of the arrangement, per triangle
 //
-// What is fair and what is not: ours keeps a box tree over the triangles of the body from cut to cut, and CGAL makes
-// its own in every call; the time of building ours is a row. Ours also glues the two banks, keeps what undo needs, and
-// checks that volume and closure are kept; CGAL
-// only adds the curve to both meshes. Both work on the same even-grid coordinates.
+// What is fair and what is not: ours keeps a box tree over the triangles of the body from cut
+// to cut, and CGAL makes its own in every call; the time of building ours is a row. Ours also
+// glues the two banks, keeps what undo needs, and checks that volume and closure are kept;
+// CGAL only adds the curve to both meshes. Both work on the same even-grid coordinates.
 #include <functional>
 #include <string>
 

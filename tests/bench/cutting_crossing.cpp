@@ -1,6 +1,6 @@
-// What it costs a cut to go across earlier ones. Every cut is made, taken back and made again, and the second time
-// counts: so each finds in the caches what it needs, as the first one does, whose undo was the last act of the round
-// before.
+// What it costs a cut to go across earlier ones. Every cut is made, taken back
+// and made again, and the second time counts: so each finds in the caches what it
+// needs, as the first one does, whose undo was the last act of the round before.
 #include <algorithm>
 #include <array>
 
@@ -71,9 +71,9 @@ void add_cut_row(Result& out, const char* name, const std::string& method, size_
           t);
 }
 
-/// The cuts of which the bars come: all as deep, the second across the first, the third across both, the fourth beside
-/// the first,
-/// 1 mm off, across the two others.
+/// The cuts of which the bars come: all as deep, the second
+/// across the first, the third across both, the fourth
+/// beside the first, 1 mm off, across the two others.
 void cuts_of_the_prototype(Result& out, const CuttingSettings& settings, const Body& body, int repeats) {
   Arrangement a(body.surface, body.grid);
   constexpr std::array<const char*, 4> names{"cut 1", "cut 2, an X", "cut 3, a star", "cut 4, 1 mm beside cut 1"};

@@ -162,8 +162,8 @@ class Trials {
       out_.rows.push_back({part, variants[k].how, text, r.taken.median(), false, r.memory_mb, "MB",
                            "the allocator's count; time: one step of 10 iterations", true});
       if (!variants[k].idle) continue;
-      // Three standard deviations of a median of n frames are about 3.8 / sqrt(n) of their scatter; the run's own twin
-      // says how much that is.
+      // Three standard deviations of a median of n frames are about 3.8 /
+      // sqrt(n) of their scatter; the run's own twin says how much that is.
       const double cost = 100 * (x - 1), bound = 2 + 100 * std::fabs(noise);
       char source[128];
       std::snprintf(source, sizeof source,

@@ -1,7 +1,7 @@
 #pragma once
-// A simulated hand with a force device on a patient, on a virtual clock, and what must be watched of it: the energy
-// that it gets from the loop of device, solver and stiffness (none, of a passive loop), and the steps and sizes of the
-// force.
+// A simulated hand with a force device on a patient, on a virtual clock, and what
+// must be watched of it: the energy that it gets from the loop of device, solver
+// and stiffness (none, of a passive loop), and the steps and sizes of the force.
 //
 //   FeltHand felt(hand, front, line);
 //   for (int tick = 1; tick < end; ++tick) {

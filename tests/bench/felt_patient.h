@@ -1,7 +1,7 @@
 #pragma once
-// `limberg bench devices --only felt`: a simulated force device against the patient of a scene, both on one virtual
-// clock: what the hand feels with the stiffness that the solver gives and with that of a half space, and what asking
-// costs the solver.
+// `limberg bench devices --only felt`: a simulated force device against the patient
+// of a scene, both on one virtual clock: what the hand feels with the stiffness that
+// the solver gives and with that of a half space, and what asking costs the solver.
 #include <functional>
 #include <string>
 

@@ -104,8 +104,8 @@ std::map<int32_t, double> carriers(const LatticeTopology& t, const EmbeddedPoint
   return sum;
 }
 
-/// Half the sum of what two points' carriers differ by: 0 for banks that cannot part, 1 for banks with no node in
-/// common.
+/// Half the sum of what two points' carriers differ by: 0 for
+/// banks that cannot part, 1 for banks with no node in common.
 double apart(const LatticeTopology& t, const EmbeddedPoint& a, const EmbeddedPoint& b) {
   std::map<int32_t, double> d = carriers(t, a);
   for (auto [n, w] : carriers(t, b)) d[n] -= w;

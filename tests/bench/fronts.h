@@ -1,12 +1,12 @@
 #pragma once
-// Where does a slit really end? A straight incision across the tension of the skin, that ends inside lattice cells at
-// both ends and at its bottom, opened to equilibrium on different lattices.
+// Where does a slit really end? A straight incision across the tension of the skin, that ends
+// inside lattice cells at both ends and at its bottom, opened to equilibrium on different lattices.
 //
-// A cell in which a crack ends stays one piece, so the slit opens only up to that cell. With divided fronts
-// (sim/lattice/topology.h) the piece that stays closed is a quarter as large. Rows of `limberg bench cutting`: for
-// cells of
-// 5 and 3.5 mm as they are, with fronts divided, and uniform lattices of a half and a quarter of the cell; the error is
-// the root mean square difference of the width along the skin from that of the uniform quarter lattice, relative to the
+// A cell in which a crack ends stays one piece, so the slit opens only up to that cell. With
+// divided fronts (sim/lattice/topology.h) the piece that stays closed is a quarter as large. Rows
+// of `limberg bench cutting`: for cells of 5 and 3.5 mm as they are, with fronts divided, and
+// uniform lattices of a half and a quarter of the cell; the error is the root mean square
+// difference of the width along the skin from that of the uniform quarter lattice, relative to the
 // greatest width. What the lattice alone keeps closed is asked at all angles (slit_in_lattice).
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
-// The synthetic head's operations whose outcome the modes of the tissue are compared on: what is cut, what moves, what
-// is tied.
+// The synthetic head's operations whose outcome the modes of the
+// tissue are compared on: what is cut, what moves, what is tied.
 #include <string>
 #include <vector>
 

@@ -1,13 +1,13 @@
 #pragma once
 // `limberg bench head`: the face that follows the bones of the synthetic head.
 //
-//   - operations of head_cases.h: each mode of the tissue against the finite elements at equilibrium, error of the face
-//   over run
-//     time (warm start of one move, one core). The constants of the modes were chosen on the first case; the others are
-//     unseen;
-//   - a session at its whole size (head_session.cpp): what a cut, and each step while a fragment is carried, cost with
-//   a face of 5,000,
-//     tissue of about 20,000 and bones of 10,000 vertices.
+//   - operations of head_cases.h: each mode of the tissue against
+//     the finite elements at equilibrium, error of the face over run
+//     time (warm start of one move, one core). The constants of the
+//     modes were chosen on the first case; the others are unseen;
+//   - a session at its whole size (head_session.cpp): what a cut,
+//     and each step while a fragment is carried, cost with a face of
+//     5,000, tissue of about 20,000 and bones of 10,000 vertices.
 #include <functional>
 #include <string>
 #include <vector>

@@ -39,9 +39,9 @@ FemModel block(const LayerCase& c, double h, double skin_kPa, double nu) {
   return m;
 }
 
-/// The mean displacement of where the load is, under a load of the given force spread evenly (springs so long that it
-/// stays).
-/// Hook: up, on a square of the skin. Beam: down, on the whole end.
+/// The mean displacement of where the load is, under a load of the
+/// given force spread evenly (springs so long that it stays). Hook:
+/// up, on a square of the skin. Beam: down, on the whole end.
 struct LayerAnswer {
   double moved_mm = 0, ms = 0, residual = 0;
   size_t nodes = 0;

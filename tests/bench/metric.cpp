@@ -15,8 +15,8 @@ struct MetricSize {
   int side, layers;
   double times_metis, full_ms, local_ms;  // bars; 0: none
 };
-// Times METIS: the issue's. Times in ms: full rebuild 25 and 100, local 10 and 30 as the stretch (targets after the
-// prototype).
+// Times METIS: the issue's. Times in ms: full rebuild 25 and 100,
+// local 10 and 30 as the stretch (targets after the prototype).
 constexpr MetricSize metric_sizes[] = {{"2k", 24, 2, 0, 0, 0}, {"8k", 44, 3, 3, 25, 10}, {"30k", 66, 6, 5, 100, 30}};
 
 enum class Wound { slit, slit_and_flap };

@@ -1,10 +1,10 @@
 #pragma once
 // `limberg bench simplex`: what simplex meshes cost, and whether their operators keep what they promise.
 //
-//   - one iteration of the law of motion (geometry, simplex-angle continuity, update), in ns per vertex on one core,
-//   from
-//     1,280 to 1.3 million vertices, beside the same formulas as a plain loop of scalars compiled like the rest of the
-//     program;
+//   - one iteration of the law of motion (geometry, simplex-angle
+//     continuity, update), in ns per vertex on one core, from
+//     1,280 to 1.3 million vertices, beside the same formulas as a
+//     plain loop of scalars compiled like the rest of the program;
 //   - the other constraints, and a face with a skull as a session would move them;
 //   - random sequences of all operators on a sphere, a torus and a plane, with every invariant checked after each.
 #include <functional>

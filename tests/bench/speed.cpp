@@ -14,9 +14,9 @@ const Vec3 pull(-10, -10, 26);  // mm, 29.6 in length
 struct SpeedSize {
   const char* name;
   int side, layers;
-  // Times faster than Newton. 8k to 1 mm: the issue's. 2k, and 8k to 0.1 mm: the targets set after the prototype (35-98
-  // times to
-  // 1 mm, 22-70 to 0.1 mm). 30k, where
+  // Times faster than Newton. 8k to 1 mm: the issue's. 2k,
+  // and 8k to 0.1 mm: the targets set after the prototype
+  // (35-98 times to 1 mm, 22-70 to 0.1 mm). 30k, where
   // Newton is stopped at its limit and the ratio is a lower bound: the prototype's lowest.
   double bar_1mm, bar_01mm;
   double lag_median, lag_worst;  // mm, drag; 0: not dragged. The issue's
@@ -174,8 +174,8 @@ void drag(const SpeedRun& run, const SpeedSize& size, double poisson, int every)
   }
 }
 
-/// Iterations after which the error stays below `limit` (from the errors after 0, 1, ... iterations); -1 if it does
-/// not.
+/// Iterations after which the error stays below `limit` (from
+/// the errors after 0, 1, ... iterations); -1 if it does not.
 int settled_at(const std::vector<double>& error, double limit) {
   int at = -1;
   for (int k = int(error.size()); k-- > 0 && error[size_t(k)] <= limit;) at = k;

@@ -1,6 +1,6 @@
 #pragma once
-// `limberg bench speed`: the elasticity solver against full Newton with CHOLMOD, in one process, on one core, in CPU
-// time.
+// `limberg bench speed`: the elasticity solver against full
+// Newton with CHOLMOD, in one process, on one core, in CPU time.
 //
 //   cold pull   rest -> hook pulled by 30 mm with 20 sutures, in one jump; CPU time until the largest nodal error stays
 //               below 1 mm and 0.1 mm. Symbolic work and the constant factor are left out on both sides; Newton's own

@@ -53,8 +53,8 @@ void speed_bullet(const SpeedRun& run) {
           !has);
 
   if (time / ours.ms[0] < 500) {
-    // What an evaluation must do at least: 5640 times some 27 + 27 multiply-adds for F and the forces, 60 for the law,
-    // a logarithm.
+    // What an evaluation must do at least: 5640 times some 27 + 27
+    // multiply-adds for F and the forces, 60 for the law, a logarithm.
     const double per_tet_ns = 1e6 * ours.ms[0] / std::max(1, ours.iterations[0]) / double(tets->cells.size());
     char text[600];
     std::snprintf(
@@ -70,8 +70,8 @@ void speed_bullet(const SpeedRun& run) {
     run.out.notes.push_back(text);
   }
 
-  // The same nodes with the lattice's own elements, energy and kernels: what the program does where Bullet would be
-  // used.
+  // The same nodes with the lattice's own elements, energy and
+  // kernels: what the program does where Bullet would be used.
   FemModel hex = scene.model;
   for (HexCell& c : hex.cells) c.stencil = 1;  // 60 kPa throughout
   const auto lattice = std::make_shared<FemModel>(std::move(hex));

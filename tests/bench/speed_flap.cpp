@@ -1,12 +1,12 @@
 // The undermined flap, and why it takes twice the steps of a slit.
 //
-// The metric is scalar: it takes a sheet for a membrane, whose stiffness against a wave of number k is mu t k^2, and
-// not for a plate, which gives way by bending as E t^3 k^4 / 12. The quotient (t k)^2 / 4 is how far too stiff the
-// metric is in the sheet's slow waves. Measured here: the extreme eigenvalues of metric^-1 times stiffness (Lanczos
-// with full orthogonalisation; the stiffness by differences of the gradient in double, with the bulk modulus that the
-// minimiser meets).
-// Steps go with the root of their quotient, as for conjugate gradients, whatever the pull, and however long the
-// history.
+// The metric is scalar: it takes a sheet for a membrane, whose stiffness against a wave
+// of number k is mu t k^2, and not for a plate, which gives way by bending as E t^3 k^4
+// / 12. The quotient (t k)^2 / 4 is how far too stiff the metric is in the sheet's slow
+// waves. Measured here: the extreme eigenvalues of metric^-1 times stiffness (Lanczos
+// with full orthogonalisation; the stiffness by differences of the gradient in double,
+// with the bulk modulus that the minimiser meets). Steps go with the root of their
+// quotient, as for conjugate gradients, whatever the pull, and however long the history.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>

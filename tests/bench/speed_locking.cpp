@@ -1,5 +1,5 @@
-// Energy of a strip bent into an S, two cells thick, against a mesh of six: what near incompressibility does to
-// elements.
+// Energy of a strip bent into an S, two cells thick, against a
+// mesh of six: what near incompressibility does to elements.
 #include <cmath>
 
 #include "app/operating_point/cpu_clock.h"

@@ -46,8 +46,8 @@ PullTimes our_pull(const std::shared_ptr<const FemModel>& model, std::span<const
 /// What reading so many bytes, the half of them twice, takes at least.
 double solve_floor_ms(size_t bytes);
 
-/// A displacement that the metric is told the stiffness of: w with w . metric w = 1, and the stiffness over the metric
-/// there.
+/// A displacement that the metric is told the stiffness of: w with
+/// w . metric w = 1, and the stiffness over the metric there.
 struct KnownMode {
   std::vector<Vec3> w;
   double quotient = 1;

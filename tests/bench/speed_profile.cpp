@@ -104,9 +104,9 @@ void profile(const SpeedRun& run, const char* name, int side, int layers) {
 
   std::vector<Part> parts;
   fem::ElementSystem system(model);
-  // A cell: 8 x 8 x 3 products of K with u, 8 x 9 for F, 8 x 9 for the forces, about 60 for cofactors, energy and
-  // multiplier; it reads 8 corners from the tile, its own 24 bytes, theta and q, and leaves its forces in the tile's
-  // slots.
+  // A cell: 8 x 8 x 3 products of K with u, 8 x 9 for F, 8 x 9 for the forces,
+  // about 60 for cofactors, energy and multiplier; it reads 8 corners from the
+  // tile, its own 24 bytes, theta and q, and leaves its forces in the tile's slots.
   const double slots = double(system.kernel().slot_node.size());
   const double cell_flops = double(cells) * (2 * (192 + 72 + 72) + 60),
                cell_bytes = double(cells) * 36 + slots * (4 + 32 + 16) + double(n) * 16;

@@ -1,10 +1,10 @@
 // Tissue far from the operation: kept whole, left out (fem/region_solver.h), or condensed.
 //
-// Condensed: far tissue that answers linearly can be eliminated exactly; what is left of it is a full matrix between
-// the nodes of its border (its Schur complement). So the model below, whose far cells have the small-strain law of
-// their tissue, gives the very answer
-// that a condensed one would give, and what a condensed one takes is an absent one's time and the product with that
-// matrix.
+// Condensed: far tissue that answers linearly can be eliminated exactly; what is
+// left of it is a full matrix between the nodes of its border (its Schur
+// complement). So the model below, whose far cells have the small-strain law of
+// their tissue, gives the very answer that a condensed one would give, and what a
+// condensed one takes is an absent one's time and the product with that matrix.
 #include <cmath>
 
 #include "app/operating_point/cpu_clock.h"

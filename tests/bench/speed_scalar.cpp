@@ -113,8 +113,8 @@ class ScalarDouble {
         for (size_t c = 0; c < 3; ++c) v[3 * i + c] += share[j] * known[j].w[i][Eigen::Index(c)];
   }
 
-  /// Minimises; `seen` gets the displacements after each iteration and says when it is enough. Returns CPU time without
-  /// `seen`.
+  /// Minimises; `seen` gets the displacements after each iteration
+  /// and says when it is enough. Returns CPU time without `seen`.
   template <class Seen>
   double minimise(const Seen& seen) {
     Vector x = X_, g(x.size()), d, x_try(x.size()), g_try(x.size());

@@ -1,14 +1,14 @@
-// The peers' slab: 120 x 120 x 10 mm, 100 kPa, Poisson's ratio .45, 1000 kg/m3, the bottom face's rim held, the middle
-// of the top pulled up by 20 mm at 20 to 200 mm/s in implicit steps of 10 ms, then held.
+// The peers' slab: 120 x 120 x 10 mm, 100 kPa, Poisson's ratio .45, 1000 kg/m3, the bottom face's rim
+// held, the middle of the top pulled up by 20 mm at 20 to 200 mm/s in implicit steps of 10 ms, then held.
 //
-// Two meshes of about as many unknowns as the peers' (24 x 24 x 2 and 36 x 36 x 3 cells). Every step goes to a residual
-// that leaves the probes (the bottom's middle and the top at (30, 60, 10) from the corner) within 0.1 % of what a
-// synchronous direct solve gives: full Newton in double at the hold, and during the pull a twin solver taken to its
-// floor every step. The peers' figures are of other machines; the factorization of a Laplacian of 22^3 unknowns by
-// Eigen's SimplicialLDLT,
-// 214 to
-// 255 ms there, is printed beside ours. The pulled node hangs on a spring of 100 N/mm, which
-// gives by some 0.03 mm (a stiffer one would turn the rounding of a float displacement into forces above the residual).
+// Two meshes of about as many unknowns as the peers' (24 x 24 x 2 and 36 x 36 x 3 cells).
+// Every step goes to a residual that leaves the probes (the bottom's middle and the top at
+// (30, 60, 10) from the corner) within 0.1 % of what a synchronous direct solve gives:
+// full Newton in double at the hold, and during the pull a twin solver taken to its floor
+// every step. The peers' figures are of other machines; the factorization of a Laplacian
+// of 22^3 unknowns by Eigen's SimplicialLDLT, 214 to 255 ms there, is printed beside ours.
+// The pulled node hangs on a spring of 100 N/mm, which gives by some 0.03 mm (a stiffer
+// one would turn the rounding of a float displacement into forces above the residual).
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>

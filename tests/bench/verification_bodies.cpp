@@ -42,9 +42,9 @@ Panel make_panel(int n, const LawPtr& shape, const LawPtr& volume, double force_
 
 }  // namespace
 
-// 48 x 44/16 mm, plane strain, left side held, dead shear on the right (Cook; finite strain as in Miehe 1994, Pelteret
-// and
-// McBride 2016). The answer depends on the energy: each is compared with its own converged value, from quadratic
+// 48 x 44/16 mm, plane strain, left side held, dead shear on the right (Cook;
+// finite strain as in Miehe 1994, Pelteret and McBride 2016). The answer depends
+// on the energy: each is compared with its own converged value, from quadratic
 // elements of two independent codes (deal.II code gallery, CalculiX 2.20) or one.
 void cook(Result& out, const VerificationSettings& set) {
   const double mu = 422.5, nu = 0.3, lame = 2 * mu * nu / (1 - 2 * nu), bulk = lame + 2 * mu / 3,
@@ -161,11 +161,11 @@ void thick_sphere(Result& out, const VerificationSettings& set) {
   at_least(out, "thick sphere: observed order", order, 1.75, "theory: 2");
 }
 
-// A slender bar, L/h = 50, nu = 0, clamped at one end, dead load across the other (Mattiasson 1981, elliptic
-// integrals). Cubic cells bend exactly at nu = 0: of u_x = x z the full part of the energy, mu/2 |grad u|^2, holds mu/2
-// (z^2 + x^2), just what
-// E z^2 / 2 should be. Their error is what the bar's thickness makes of a line. Cells twice as long as high show the
-// order.
+// A slender bar, L/h = 50, nu = 0, clamped at one end, dead load across the
+// other (Mattiasson 1981, elliptic integrals). Cubic cells bend exactly at nu
+// = 0: of u_x = x z the full part of the energy, mu/2 |grad u|^2, holds mu/2
+// (z^2 + x^2), just what E z^2 / 2 should be. Their error is what the bar's
+// thickness makes of a line. Cells twice as long as high show the order.
 void elastica(Result& out, const VerificationSettings& set) {
   struct Tip {
     double alpha, w, u;

@@ -1,12 +1,12 @@
-// The skin block by an independent program: CalculiX (ccx), quadratic hexahedra, the same energy and the same dead
-// load.
+// The skin block by an independent program: CalculiX (ccx),
+// quadratic hexahedra, the same energy and the same dead load.
 //
-// Block 24 x 24 x 8 mm, held below; 2 mm of skin (60 kPa) on 6 mm of fat (15 kPa), nu 0.45; a patch of 8 x 8 mm in the
-// middle of the skin carries 4 kPa along x and 5 kPa upwards, fixed in direction and size. Energy of both: mu/2 (I1
-// J^-2/3 - 3) +
-// K/2 (J - 1)^2,
-// which CalculiX calls *HYPERELASTIC, NEO HOOKE with C10 = mu/2 and D1 = 2/K. At a hundredth of the load the scenes'
-// own energy must agree too: all of these are the same to first order (lambda = lambda_Lame + mu, fem_model.h).
+// Block 24 x 24 x 8 mm, held below; 2 mm of skin (60 kPa) on 6 mm of fat (15 kPa),
+// nu 0.45; a patch of 8 x 8 mm in the middle of the skin carries 4 kPa along x and 5
+// kPa upwards, fixed in direction and size. Energy of both: mu/2 (I1 J^-2/3 - 3) +
+// K/2 (J - 1)^2, which CalculiX calls *HYPERELASTIC, NEO HOOKE with C10 = mu/2 and
+// D1 = 2/K. At a hundredth of the load the scenes' own energy must agree too: all of
+// these are the same to first order (lambda = lambda_Lame + mu, fem_model.h).
 #include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -91,8 +91,8 @@ std::string deck(double load, std::map<int, size_t>& probe_of) {
     o << id << ",\n";
   }
   o << "*BOUNDARY\nHELD, 1, 3, 0.\n*STEP, NLGEOM, INC=200\n*STATIC\n0.25, 1.\n*CLOAD\n";
-  // Consistent with the eight nodes of a square: a third of its load on each side's middle, less a twelfth on each
-  // corner.
+  // Consistent with the eight nodes of a square: a third of its
+  // load on each side's middle, less a twelfth on each corner.
   std::map<int, double> share;
   const int first = int((side - patch) / 4), last = int((side + patch) / 4);
   for (int j = first; j < last; ++j)
@@ -165,8 +165,8 @@ std::vector<Vec3> ours(double h, double load, bool own, size_t& nodes, bool& con
       m.stencils.push_back(box_stencil(m.cell_mm, elastic_from_young(young, poisson)));
       continue;
     }
-    // Shape at the Gauss points, volume once: the scenes' integration rule. The law is complete; its own volume part is
-    // made negligible.
+    // Shape at the Gauss points, volume once: the scenes' integration
+    // rule. The law is complete; its own volume part is made negligible.
     m.laws.push_back(neo_hookean_isochoric_full(c.mu, 1e-9 * c.mu));
     Stencil law = fem::law_stencil(m.cell_mm, int32_t(m.laws.size()) - 1, *m.laws.back(), c.bulk);
     law.p0_kPa = 0;

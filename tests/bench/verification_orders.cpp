@@ -147,9 +147,9 @@ void manufactured(Result& out, const VerificationSettings& set) {
   }
 }
 
-// A strip of 120 x 10 x 10 mm, one end held, the other moved up by 20 mm without turning. Strain energy against the
-// scenes'
-// element with 8 layers; the prototype's figures (for a strip of its own) stand in the notes.
+// A strip of 120 x 10 x 10 mm, one end held, the other moved up by 20 mm
+// without turning. Strain energy against the scenes' element with 8 layers;
+// the prototype's figures (for a strip of its own) stand in the notes.
 void bent_strip(Result& out, const VerificationSettings& set) {
   enum Kind { selective, full, tet };
   const auto energy_of = [](Kind kind, int layers, double poisson, size_t& nodes, bool& converged) {

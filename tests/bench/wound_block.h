@@ -1,6 +1,6 @@
 #pragma once
-// A held block with a slit through it, undermined on one side or not: what a cut does to the minimiser, without
-// cutting.
+// A held block with a slit through it, undermined on one side
+// or not: what a cut does to the minimiser, without cutting.
 #include "sim/fem/model/fem_model.h"
 
 namespace limberg::bench {

@@ -98,8 +98,8 @@ void expect_clutched(const Ticked& r, int64_t until, Where where) {
   const Vec3 before = where(r.ticks[size_t(kDown_s * 1000) - 1]), still = where(r.ticks[size_t(kDown_s * 1000)]);
   EXPECT_LT((still - before).norm(), 0.02);
   for (size_t t = size_t(kDown_s * 1000); t <= size_t(kUp_s * 1000); ++t) ASSERT_EQ(where(r.ticks[t]), still) << t;
-  // A minimum-jerk way of 10 mm in 0.7 s is at most 10 / 0.7 * 15 / 8 = 27 mm/s, 0.027 mm a tick; the filter may
-  // overshoot.
+  // A minimum-jerk way of 10 mm in 0.7 s is at most 10 / 0.7 *
+  // 15 / 8 = 27 mm/s, 0.027 mm a tick; the filter may overshoot.
   for (size_t t = size_t(kUp_s * 1000); t < size_t(until); ++t)
     ASSERT_LT((where(r.ticks[t]) - where(r.ticks[t - 1])).norm(), 0.06) << t;
   EXPECT_LT((where(r.ticks[size_t(until) - 1]) - still - Vec3(0, 0, 10)).norm(), 0.3);

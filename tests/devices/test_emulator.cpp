@@ -171,9 +171,9 @@ double furthest(const std::vector<ChartPoint>& a, const std::vector<ChartPoint>&
   return worst;
 }
 
-/// The script's commands against those that came out, in order; waits leave no trace. Where the hand rests, the mean
-/// over one period of its tremor is taken, so stitches and hooks are placed better (stitch_mm) than strokes are drawn
-/// (mm).
+/// The script's commands against those that came out, in order; waits leave no
+/// trace. Where the hand rests, the mean over one period of its tremor is taken, so
+/// stitches and hooks are placed better (stitch_mm) than strokes are drawn (mm).
 void expect_same(const std::vector<Command>& want, const std::vector<Command>& got, double mm,
                  double stitch_mm = 0.12) {
   size_t k = 0, moves = 0;

@@ -144,8 +144,8 @@ TEST(Gestures, AScalpelStrokeBecomesAnIncision) {
 }
 
 TEST(Gestures, TheBladeLeansAsTheShaftDoes) {
-  // Along +x, left is +y. A handle that leans to the left makes an angle below 90; its lean along the path says
-  // nothing.
+  // Along +x, left is +y. A handle that leans to the left makes
+  // an angle below 90; its lean along the path says nothing.
   for (double deg : {60.0, 90.0, 115.0}) {
     Hand h(snapshot_of(flat_topology(60, 1)));
     h.choose(Tool::scalpel);
@@ -192,8 +192,8 @@ TEST(Gestures, ARestingHandMeansTheMiddleOfItsTremor) {
   h.at(Vec3(-7, 9, 0.2), false);
   const auto c = h.command();
   ASSERT_TRUE(c);
-  // The press is seen on the first tick after the rest at a, when the hand has already left: the point of the press
-  // counts.
+  // The press is seen on the first tick after the rest at a, when
+  // the hand has already left: the point of the press counts.
   EXPECT_LT((std::get<Suture>(*c).b - ChartPoint(-7, 9)).norm(), 0.02);
 
   tremble(Vec3(3, 4, 0.2), 150, false, 10);

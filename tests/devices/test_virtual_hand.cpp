@@ -61,8 +61,8 @@ TEST(Pointing, TheClosestPlaceInTheForefingersDirection) {
   EXPECT_LT(search.find(s, tip, -down).triangle, 0);
 }
 
-/// A glove that comes down over (20, -10), closes, moves by (0, 30, 10), opens; and a stylus in the other hand that
-/// draws.
+/// A glove that comes down over (20, -10), closes, moves by (0,
+/// 30, 10), opens; and a stylus in the other hand that draws.
 std::vector<Sample> both_hands() {
   const auto way = [](double t) { return minimum_jerk((t - 2.5) / 1.0); };
   const fastrak::Motion motion = [=](int station, double t) {

@@ -1,5 +1,5 @@
-// README and docs: short enough to be read, and true of the tree: files that they name exist, commands that they call are
-// commands of the program.
+// README and docs: short enough to be read, and true of the tree: files that they name exist, commands that they call
+// are commands of the program.
 #include <gtest/gtest.h>
 
 #include <algorithm>

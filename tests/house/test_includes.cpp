@@ -1,7 +1,7 @@
 // The arrows of the house, read from the include lines of the tree:
 //
-//   app -> render, devices, calibration, sim     render, devices -> sim's read-only parts     calibration -> itself and
-//   plain words
+//   app -> render, devices, calibration, sim     render, devices -> sim's read-only parts     calibration -> itself
+//                                                                                             and plain words
 //   sim -> sim, and in sim only downwards; no thread, no clock, no lock but that of a lazy array
 #include <gtest/gtest.h>
 

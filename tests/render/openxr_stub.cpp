@@ -1,11 +1,11 @@
-// A runtime of OpenXR with one headset and no frames: enough for the loader to accept, and for tests to ask what is
-// there.
+// A runtime of OpenXR with one headset and no frames: enough
+// for the loader to accept, and for tests to ask what is there.
 #include <openxr/openxr.h>
 
 #include <cstring>
 
-// What loader and runtime say to each other first; the loader's documentation has the layout, Debian's package no
-// header of it.
+// What loader and runtime say to each other first; the loader's
+// documentation has the layout, Debian's package no header of it.
 struct XrNegotiateLoaderInfo {
   int structType;
   uint32_t structVersion;

@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kRings = 48, kSides = 96;
 
-/// From the front pole of an egg (towards -y) to its equator; plate: how far a part within 35 degrees above the middle
-/// comes forwards.
+/// From the front pole of an egg (towards -y) to its equator; plate:
+/// how far a part within 35 degrees above the middle comes forwards.
 struct Egg {
   Vec3 half_mm;
   Vec3 at(int ring, int side) const {

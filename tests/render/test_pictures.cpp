@@ -1,12 +1,12 @@
-// Kept pictures: of skin and of a head, each way they can be shown, against small reference pictures in
-// tests/render/golden.
+// Kept pictures: of skin and of a head, each way they can be
+// shown, against small reference pictures in tests/render/golden.
 //
-// A reference is the picture of 320 x 240 pixels made eight times smaller: a pixel of it is the mean of a block of 8 x
-// 8, so that the worst block of 16 x 16 of the whole picture, which is what is judged (image_compare.h), can be had
-// from it.
-// LIMBERG_GOLDEN=write
-// makes them anew. The references were drawn by Mesa 22.3 in software; other versions of it came within 3 of 255 of
-// each other.
+// A reference is the picture of 320 x 240 pixels made eight times
+// smaller: a pixel of it is the mean of a block of 8 x 8, so that
+// the worst block of 16 x 16 of the whole picture, which is what is
+// judged (image_compare.h), can be had from it. LIMBERG_GOLDEN=write
+// makes them anew. The references were drawn by Mesa 22.3 in
+// software; other versions of it came within 3 of 255 of each other.
 #include <gtest/gtest.h>
 
 #include <cmath>

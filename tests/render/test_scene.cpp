@@ -161,8 +161,8 @@ TEST(SceneBuilder, ARunningThreadHasItsKnotsAtItsEnds) {
 }
 
 TEST(SceneBuilder, ThreadLiesOverWhatStandsUpBetweenItsHoles) {
-  // The skin rises between the holes of a closed stitch, as beside the end of a scar: the thread must not run beneath
-  // it.
+  // The skin rises between the holes of a closed stitch, as
+  // beside the end of a scar: the thread must not run beneath it.
   Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
   const auto hump = [](const Vec3f& x) { return 2.5f * std::exp(-x.head<2>().squaredNorm() / 2); };
   for (size_t v = 0; v < s.x_mm.size(); ++v)
@@ -201,8 +201,8 @@ TEST(SceneBuilder, ThreadLiesOverAFoldOfLargeTriangles) {
 }
 
 TEST(SceneBuilder, ThreadLiesAboveAnEdgeThatIsRolledIn) {
-  // The nearest piece of skin to the stitch looks down, as the lip of a wound that is turned under: up is where the
-  // skin around looks.
+  // The nearest piece of skin to the stitch looks down, as the lip of
+  // a wound that is turned under: up is where the skin around looks.
   Snapshot s = sample_snapshot({.wound = false, .wave_mm = 0, .sutures = 1, .hooks = 0});
   for (size_t v = 0; v < s.x_mm.size(); ++v)
     if (const Vec3& X = s.topology->view.X_mm[v]; X.z() > -1e-6 && X.norm() < 1.2) s.x_mm[v].x() = -s.x_mm[v].x();
@@ -267,8 +267,8 @@ TEST(SceneBuilder, APlateLiesOnTheBone) {
     highest = std::max(highest, above), lowest = std::min(lowest, above);
     first = std::min(first, (x - a).norm()), last = std::min(last, (x - b).norm());
   }
-  // A plate of 1.5 mm and the heads of its screws, seen; what lies in bone is hidden there, no deeper than the plate is
-  // thick.
+  // A plate of 1.5 mm and the heads of its screws, seen; what lies
+  // in bone is hidden there, no deeper than the plate is thick.
   EXPECT_GT(highest, 1.2f);
   EXPECT_LT(highest, 3);
   EXPECT_GT(lowest, -1.5f);
@@ -277,8 +277,8 @@ TEST(SceneBuilder, APlateLiesOnTheBone) {
 }
 
 TEST(SceneBuilder, APlateIsBentOverAStepOfBone) {
-  // Two sheets of bone, one 6 mm higher, 2 mm apart; the plate begins 4 mm before the step and ends 18 mm behind it, or
-  // the other way round.
+  // Two sheets of bone, one 6 mm higher, 2 mm apart; the plate begins 4
+  // mm before the step and ends 18 mm behind it, or the other way round.
   auto t = std::make_shared<SurfaceTopology>();
   t->version = 1, t->hash = 1;
   Snapshot s;

@@ -127,8 +127,8 @@ CutResult Arrangement::cut(const Blade& blade, uint64_t seed, int first_try) {
   std::optional<Blade> redrawn;
   for (int k = first_try; k < kTries; ++k) {
     result.tries = k + 1;
-    // The first try takes the blade as it is; each further one redraws every vertex that is not shared, or shared in
-    // vain.
+    // The first try takes the blade as it is; each further one
+    // redraws every vertex that is not shared, or shared in vain.
     if (k > 0 && !redrawn && !blade.shared_point.empty()) {
       redrawn = blade;
       redrawn->shared_point = live_shared_points(*store_, blade);

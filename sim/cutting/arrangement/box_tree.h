@@ -48,8 +48,8 @@ struct SlantBox {
   IntBox box;
   std::array<float, 3> normal{};
   float lo = 0, hi = 0;  // twice normal . x of the planes, with room for rounding (kRoom)
-  /// Of the sums of three products of numbers below 2^22 (two corners of a box) with parts of a unit vector, all in
-  /// `float`.
+  /// Of the sums of three products of numbers below 2^22 (two
+  /// corners of a box) with parts of a unit vector, all in `float`.
   static constexpr float kRoom = 4;
 };
 

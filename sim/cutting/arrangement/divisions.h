@@ -1,6 +1,6 @@
 #pragma once
-// Finished divisions of triangles, one behind the other in memory: a cut makes hundreds, and reads each again once or
-// twice.
+// Finished divisions of triangles, one behind the other in memory:
+// a cut makes hundreds, and reads each again once or twice.
 #include "sim/cutting/arrangement/planar_split.h"
 
 namespace limberg {
@@ -28,8 +28,8 @@ class Divisions {
 
   /// A junction with no material on either side is an ordinary edge again.
   void forget_dead_junctions(size_t i);
-  /// The junctions as the store keeps them: one per sub-edge, in the order of the pieces, which are labelled anew to
-  /// match.
+  /// The junctions as the store keeps them: one per sub-edge, in
+  /// the order of the pieces, which are labelled anew to match.
   void number_junctions(size_t i, std::vector<Constraint>& numbered);
 
  private:

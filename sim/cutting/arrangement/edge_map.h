@@ -73,9 +73,9 @@ class EdgeMap {
     ++round_;
   }
   void end_changes() { noting_ = false; }
-  /// Edges touched since begin_changes() that have a face, or had one: by the places where they are, in the order in
-  /// which these were touched first. What a place holds now counts: an edge that has lost its faces may have left it to
-  /// another.
+  /// Edges touched since begin_changes() that have a face, or had one: by the places
+  /// where they are, in the order in which these were touched first. What a place
+  /// holds now counts: an edge that has lost its faces may have left it to another.
   std::span<const uint32_t> changed() const { return changed_; }
   Edge edge(uint32_t slot) const { return {int32_t(uint32_t(slot_[slot].key)), int32_t(slot_[slot].key >> 32)}; }
   int32_t first(uint32_t slot) const { return slot_[slot].head; }

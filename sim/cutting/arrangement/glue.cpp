@@ -7,8 +7,8 @@ namespace limberg {
 
 namespace {
 
-// Where h lies as seen from g, turning counter-clockwise around a -> b: 0 in (0, 180), 1 at 180, 2 in (180, 360), -1
-// coinciding.
+// Where h lies as seen from g, turning counter-clockwise around a
+// -> b: 0 in (0, 180), 1 at 180, 2 in (180, 360), -1 coinciding.
 int sector(const PointStore& points, int32_t a, int32_t b, const RadialFace& g, const RadialFace& h) {
   if (g.orig == h.orig) return g.sense == h.sense ? -1 : 1;
   const int side = g.sense * points.side(*g.plane, h.third);
@@ -51,8 +51,8 @@ const char* ArrangementStore::glue_edge(int32_t a, int32_t b, int32_t h0, Delta*
     if (delta && f < delta->faces) delta->mate.push_back({sided_half_edge(sided_face(f, side), k), m});
     m = value;
   };
-  // Faces i and i + 1 bound a sector. As data: the half-edge's face and place in it, its counter-clockwise side,
-  // material bits.
+  // Faces i and i + 1 bound a sector. As data: the half-edge's face
+  // and place in it, its counter-clockwise side, material bits.
   struct Around {
     int32_t face;
     int k, ccw_side;

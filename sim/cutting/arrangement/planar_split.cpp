@@ -97,8 +97,8 @@ bool PlanarSplit::insert(int32_t point, int16_t label) {
       }
     return false;
   }
-  // Walk across edges that have the point on their other side; bounded, because among implicit points a walk may
-  // circle.
+  // Walk across edges that have the point on their other side;
+  // bounded, because among implicit points a walk may circle.
   std::array<int, 3> side{};
   int32_t t = std::min(last_, int32_t(piece_.size()) - 1), from = -1;
   for (size_t steps = 0; steps < piece_.size(); ++steps) {

@@ -32,8 +32,8 @@ class PlanarSplit {
   struct EdgeOf {
     int32_t piece = 0, k = 0;
   };
-  /// Edges labelled as junctions, each from its lower side, in the order in which the store keeps them. They stand in
-  /// `room`.
+  /// Edges labelled as junctions, each from its lower side, in the
+  /// order in which the store keeps them. They stand in `room`.
   static std::span<const EdgeOf> list_junctions(std::span<const Piece> piece, std::vector<EdgeOf>& room);
 
   /// Opens the current division of an existing original triangle.

@@ -7,8 +7,8 @@
 
 namespace limberg {
 
-/// Sorts `v` by key(element), which is below 2^bits; equal keys keep their order. `room`: working space, of any
-/// content.
+/// Sorts `v` by key(element), which is below 2^bits; equal keys
+/// keep their order. `room`: working space, of any content.
 template <class T, class Key>
 void radix_sort(std::vector<T>& v, std::vector<T>& room, int bits, Key&& key) {
   if (v.size() < 24) {  // insertion

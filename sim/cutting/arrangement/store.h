@@ -33,11 +33,11 @@ struct Components {
   std::vector<int128> volume;         // 6 V in half-units^3, times 2^20
 };
 
-/// How a face lies among the others of its original triangle: across each edge the face there, by its place in the
-/// division, or
-/// ~e where it lies on edge e of the triangle. Edges between two faces are inner ones (Face::inner) or junctions: these
-/// come in the order of the division's constraints when faces and their edges are gone through and each is counted
-/// once.
+/// How a face lies among the others of its original triangle: across each edge
+/// the face there, by its place in the division, or ~e where it lies on edge e
+/// of the triangle. Edges between two faces are inner ones (Face::inner) or
+/// junctions: these come in the order of the division's constraints when faces
+/// and their edges are gone through and each is counted once.
 using PieceLinks = std::array<int32_t, 3>;
 
 /// Everything needed to take one operation back, and nothing else.

@@ -4,10 +4,10 @@
 // Read off the gluing of the arrangement: a vertex is an orbit of corners under the gluing, so the two banks of an
 // incision never share a vertex and every bank belongs to one cell copy. Vertices keep rest positions for ever.
 //
-// A view that follows another is made from it at the cost of what has changed: triangles and vertices that stay keep
-// their numbers, new ones take the numbers of those that went, then further ones. So numbers tell of the history; the
-// mesh, its triangles named by sided faces, is a function of the surface alone. Versions share what they have in
-// common.
+// A view that follows another is made from it at the cost of what has changed: triangles
+// and vertices that stay keep their numbers, new ones take the numbers of those that went,
+// then further ones. So numbers tell of the history; the mesh, its triangles named by sided
+// faces, is a function of the surface alone. Versions share what they have in common.
 #include <cstdint>
 #include <vector>
 
@@ -47,8 +47,8 @@ struct ViewChange {
   std::vector<int32_t> vertices, triangles;
 };
 
-/// Per triangle: its component of the closed surface, numbered from 0 in the order of their first triangles.
-/// O(triangles)
+/// Per triangle: its component of the closed surface, numbered
+/// from 0 in the order of their first triangles. O(triangles)
 std::vector<int32_t> surface_components(const SurfaceView& view);
 
 }  // namespace limberg

@@ -1,11 +1,11 @@
 // The view after a cut, from the view before.
 //
 //   triangles  those of sided faces that are gone leave their numbers to the new ones
-//   vertices   every orbit that has changed has a corner of a new face, so the orbits of these are walked. An orbit
-//   keeps a
-//              number when it has all corners that are left to it; else its corners get a new one: first the numbers
-//              that
-//              no corner has any more, then further ones
+//   vertices   every orbit that has changed has a corner of a new
+//              face, so the orbits of these are walked. An orbit
+//              keeps a number when it has all corners that are left
+//              to it; else its corners get a new one: first the
+//              numbers that no corner has any more, then further ones
 #include "sim/cutting/arrangement/surface_view_update.h"
 
 #include <algorithm>
@@ -158,8 +158,8 @@ void Follow::find_orbit(int32_t corner) {
 }
 
 bool Follow::number_vertices() {
-  // Who has lost all corners that were there may have been kept by an orbit of new ones only at its own place: no such
-  // one.
+  // Who has lost all corners that were there may have been kept
+  // by an orbit of new ones only at its own place: no such one.
   std::sort(freed_.begin(), freed_.end());
   size_t reused = 0, wanted = 0;
   for (const Orbit& o : orbit_) wanted += o.vertex < 0;

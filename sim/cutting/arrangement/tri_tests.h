@@ -42,8 +42,8 @@ std::vector<IntTriangle> int_triangles(std::span<const Int3> vertex, std::span<c
 SlantBox slant_box(const IntBox& box, std::span<const IntTriangle> triangle, std::span<const Plane> plane);
 BoxTree tree_over(std::span<const IntTriangle> triangle);
 
-/// Is a blade surface embedded? Empty when it is; else what is wrong. Triangles named by their vertices, with their
-/// planes and boxes.
+/// Is a blade surface embedded? Empty when it is; else what is wrong.
+/// Triangles named by their vertices, with their planes and boxes.
 std::string check_embedded(std::span<const IntTriangle> triangle, std::span<const Plane> plane,
                            std::span<const IntBox> box);
 std::string check_embedded(std::span<const Int3> vertex, std::span<const Tri> tri);

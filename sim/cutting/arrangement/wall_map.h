@@ -37,8 +37,8 @@ struct WallStrip {
 
 class WallMap {
  public:
-  /// Reads the blades of all operations whose blade was a stroke's strip, or of those before number `end` alone. Cost:
-  /// their triangles.
+  /// Reads the blades of all operations whose blade was a stroke's strip,
+  /// or of those before number `end` alone. Cost: their triangles.
   explicit WallMap(const BladeContext& context, int32_t end = INT32_MAX);
 
   std::span<const WallColumn> columns() const { return column_; }

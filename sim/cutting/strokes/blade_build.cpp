@@ -43,8 +43,8 @@ std::vector<Vec3> lean_directions(std::span<const Column> columns, std::span<con
       if (closed) d = std::min(d, arc[n] - d);
       if (upright_corners) share = std::min(share, d / reach);
     }
-    // The vector with these two components to the right of either segment: their mean along the bisector, their
-    // difference across it.
+    // The vector with these two components to the right of either
+    // segment: their mean along the bisector, their difference across it.
     const size_t last = lean.size() - 1;
     const double lb = lean[closed ? (i + last) % (last + 1) : i == 0 ? 0 : i - 1], la = lean[std::min(i, last)];
     const double k = before[i].dot(after[i]), mean = lb == la ? la : (la + lb) / 2;

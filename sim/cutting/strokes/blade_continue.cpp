@@ -186,8 +186,8 @@ BladeResult build_deepening(const BladeContext& c, std::span<const Vec2> path, d
   const OwnWalls own(c, clear_of);
   const auto is_sound = [&](const Blade& b) { return check_embedded(b.vertex, b.tri).empty() && !own.met_by(b); };
   if (!is_sound(blade)) {
-    // Columns that lean towards each other meet at some depth: there it stays shallower. Strip by strip, as deep as
-    // goes.
+    // Columns that lean towards each other meet at some depth:
+    // there it stays shallower. Strip by strip, as deep as goes.
     std::vector<int32_t> fitting;
     std::vector<uint8_t> placed(walls.columns().size(), 0);
     const auto fits = [&] {

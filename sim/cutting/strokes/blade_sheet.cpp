@@ -28,8 +28,8 @@ constexpr double kSheetStep = 0.5;
 
 using Covered = std::function<bool(const Vec2&)>;  // is there an earlier pocket at the sheet's depth?
 
-/// How far an edge a-b must move along `out` to reach well into a pocket whose rim lies beside it: 0 when there is
-/// none.
+/// How far an edge a-b must move along `out` to reach well into
+/// a pocket whose rim lies beside it: 0 when there is none.
 double shift_into_pocket(const Covered& covered, const Vec2& a, const Vec2& b, const Vec2& out) {
   const int samples = std::max(3, int((b - a).norm()));
   int near = 0;
@@ -80,9 +80,9 @@ std::vector<Vec2> divided_at_wounds(const WoundMap& wounds, std::span<const Vec2
   return out;
 }
 
-/// Moves the edges of a counter-clockwise outline that run along earlier cuts outwards, just beyond the walls, and
-/// those that run along the rim of an earlier pocket into it. Tells for every edge of the result whether it lies past a
-/// wall.
+/// Moves the edges of a counter-clockwise outline that run along earlier cuts
+/// outwards, just beyond the walls, and those that run along the rim of an earlier
+/// pocket into it. Tells for every edge of the result whether it lies past a wall.
 std::vector<Vec2> widen(const WoundMap& wounds, const Covered& covered, std::span<const Vec2> p, double beyond,
                         std::vector<uint8_t>& along) {
   const size_t n = p.size();

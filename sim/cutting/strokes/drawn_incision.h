@@ -7,15 +7,15 @@
 //   if (b.blade) drawn.was_cut(arrangement.cut(*b.blade, seed));
 //   drawn.next(context, true);                   // the rest, with its end
 //
-// The pieces are pieces of one blade. Columns stand where the path alone puts them, so that the same path gives the
-// same columns however it is divided; a piece begins with the last column of the one before, whose points it shares by
-// number (Blade::shared_point). What lies less than a hold before the path's end is kept back: there an end that is
-// drawn onto an earlier cut is still pushed through its wall or goes on from a wall's end, and a corner still gets its
-// mitre.
-// Skin
-// that has been removed is crossed only when the path comes out of the hole again. No piece crosses itself: a loop ends
-// between its two passages, and the next piece crosses what is there then. Leaning into a sharp corner the blade ends,
-// and the next leg begins on it (leg_end).
+// The pieces are pieces of one blade. Columns stand where the path alone puts them, so
+// that the same path gives the same columns however it is divided; a piece begins with
+// the last column of the one before, whose points it shares by number
+// (Blade::shared_point). What lies less than a hold before the path's end is kept back:
+// there an end that is drawn onto an earlier cut is still pushed through its wall or goes
+// on from a wall's end, and a corner still gets its mitre. Skin that has been removed is
+// crossed only when the path comes out of the hole again. No piece crosses itself: a loop
+// ends between its two passages, and the next piece crosses what is there then. Leaning
+// into a sharp corner the blade ends, and the next leg begins on it (leg_end).
 #include "sim/cutting/strokes/blade_continue.h"
 
 namespace limberg {

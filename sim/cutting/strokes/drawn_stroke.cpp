@@ -93,9 +93,9 @@ void DrawnStroke::begin_way(const BladeContext& c, double from, bool is_along) {
   if (end >= 0) start_ = walls.columns()[size_t(end)].chart;
 }
 
-/// After a part of a way along a wall could not be cut: half of it is tried next; what is too short for that stays as
-/// it is.
-/// False: it was all that there is to try now.
+/// After a part of a way along a wall could not be cut: half
+/// of it is tried next; what is too short for that stays as
+/// it is. False: it was all that there is to try now.
 bool DrawnStroke::narrow() {
   const double to = std::min(offered_to_, along_limit_);
   if (to - along_from_ >= 2 * kLeastAlong) {

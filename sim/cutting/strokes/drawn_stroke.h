@@ -9,17 +9,17 @@
 //     ... stroke.was_cut(context, result), was_nothing(context), or was_refused()
 //   }
 //
-//  * Ways along walls that were there before it deepen them, as far as the hand has come. What of them cannot be
-//  deepened (a
-//    leaning blade at a sharp corner) is halved until the rest goes on without it.
-//  * Free ways are blades handed out in pieces (drawn_incision.h) that begin and end on what is there, go on from the
-//  open
+//  * Ways along walls that were there before it deepen them, as far as
+//    the hand has come. What of them cannot be deepened (a leaning blade
+//    at a sharp corner) is halved until the rest goes on without it.
+//  * Free ways are blades handed out in pieces (drawn_incision.h)
+//    that begin and end on what is there, go on from the open
 //    ends of walls, and cross what the stroke itself has cut.
 //  * An end that comes back to the stroke's own beginning shares its edge. A beginning that the stroke later passes by
 //    within kSnap is led through that wall; nearer than 0.25 mm, the stroke is led across its beginning.
 //
-// What is known later than it is cut stays: of an end drawn past the stroke's own beginning, at once both stubs go,
-// here only the later one.
+// What is known later than it is cut stays: of an end drawn past the
+// stroke's own beginning, at once both stubs go, here only the later one.
 #include <memory>
 
 #include "sim/cutting/strokes/drawn_incision.h"

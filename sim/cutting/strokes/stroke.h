@@ -32,8 +32,8 @@ std::optional<Vec2> meets_itself(std::span<const Vec2> path, bool closed);
 /// Divides every segment into equal parts of at most `spacing`; a closed path gets no repeated end.
 std::vector<Vec2> resample(std::span<const Vec2> path, double spacing, bool closed);
 
-/// Where a polyline crosses itself: arc lengths of the two passages, by the later one. Neighbouring segments do not
-/// count.
+/// Where a polyline crosses itself: arc lengths of the two
+/// passages, by the later one. Neighbouring segments do not count.
 struct SelfCrossing {
   double first = 0, second = 0;
 };

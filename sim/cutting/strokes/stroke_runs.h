@@ -34,8 +34,8 @@ struct AlongSamples {
   /// Did the path pass from one side of the wall to the other between two samples? Then it crosses it at a small angle.
   bool drifts(size_t first, size_t last) const;
 };
-/// Near sharp corners a leaning blade of this depth may have been turned upright (build_incision): there the wall may
-/// lean less.
+/// Near sharp corners a leaning blade of this depth may have been
+/// turned upright (build_incision): there the wall may lean less.
 AlongSamples samples_along(const BladeContext& context, const WallMap& walls, std::span<const Vec2> path, double lean,
                            double depth_mm);
 

@@ -1,6 +1,6 @@
 #pragma once
-// Sums forces of some cells into nodes: each node adds its own, in cell order, so any number of workers gives the same
-// bits.
+// Sums forces of some cells into nodes: each node adds its own,
+// in cell order, so any number of workers gives the same bits.
 #include <array>
 #include <vector>
 

@@ -1,8 +1,8 @@
 #pragma once
 // The material of a FemModel as the minimiser sees it: energy and gradient at a displacement, and the multipliers.
 //
-// Works on displacements u = x - X, so that a flat, unloaded state is exactly zero and single precision keeps its
-// digits: with K the stencil, B_a = grad N_a at its sample point, G = sum u_a B_a^T, F = I + G,
+// Works on displacements u = x - X, so that a flat, unloaded state is exactly zero and single precision
+// keeps its digits: with K the stencil, B_a = grad N_a at its sample point, G = sum u_a B_a^T, F = I + G,
 //
 //   f_a = scale * ( sum_b K_ab u_b + f0_a + V ( (p - p0)(cof F - I) + p I ) B_a ),   f0_a = (K X)_a - p0 V B_a
 //   p   = ke (theta + q),  theta = J - 1
@@ -10,13 +10,13 @@
 // (and what a cell that layers share adds, layer_slide.h).
 // Augmented Lagrangian with the pressure eliminated per cell: q is the stored multiplier over the penalty k = 3 mu
 // (6 mu where layers share the cell),
-// ke = lambda k / (lambda + k). At the fixed point of update_multipliers p = lambda theta, so the answer is that of the
-// plain energy; the minimiser only ever meets the stiffness ke. Cells with lambda below `primal_below` mu (nu < 0.4)
-// keep q = 0 and ke = lambda.
+// ke = lambda k / (lambda + k). At the fixed point of update_multipliers p = lambda theta,
+// so the answer is that of the plain energy; the minimiser only ever meets the stiffness
+// ke. Cells with lambda below `primal_below` mu (nu < 0.4) keep q = 0 and ke = lambda.
 //
-// Cells are kept in tiles of the lattice. A tile gathers its nodes into a small local array, works there, and leaves
-// its forces in slots of its own; slots are summed per node in tile order. So the result has the same bits for any
-// number of workers.
+// Cells are kept in tiles of the lattice. A tile gathers its nodes into a small local
+// array, works there, and leaves its forces in slots of its own; slots are summed per
+// node in tile order. So the result has the same bits for any number of workers.
 #include <memory>
 #include <span>
 #include <vector>
@@ -55,8 +55,8 @@ struct KernelData {
 
 class ElementSystem {
  public:
-  /// `before`, `system_before`: the last model and its system, of which stencils and tiles that both have are taken
-  /// over.
+  /// `before`, `system_before`: the last model and its system,
+  /// of which stencils and tiles that both have are taken over.
   explicit ElementSystem(std::shared_ptr<const FemModel> model, bool augmented = true, const FemModel* before = nullptr,
                          const ElementSystem* system_before = nullptr);
 
@@ -74,8 +74,8 @@ class ElementSystem {
   float q(size_t cell) const { return q_[size_t(slot_of_cell_[cell])]; }
   void set_q(size_t cell, float v) { q_[size_t(slot_of_cell_[cell])] = v; }
   size_t cells() const { return slot_of_cell_.size(); }
-  /// What turns the augmented energy of the last evaluate into the plain one: sum V (lambda/2 theta^2 - ke/2
-  /// (theta+q)^2).
+  /// What turns the augmented energy of the last evaluate into
+  /// the plain one: sum V (lambda/2 theta^2 - ke/2 (theta+q)^2).
   double energy_to_primal() const;
   float min_theta() const;
   int inverted() const;  // cells with J <= 0 at the last evaluate

@@ -2,20 +2,20 @@
 // Models of cells that are no boxes: hexahedra with eight free corners, plane-strain quadrilaterals, linear tetrahedra.
 //
 // For comparison with other codes, curved bodies whose mesh follows their shape, and imported meshes; a patient's
-// lattice has none of them. Such a cell is a HexCell whose stencil has neither K nor lambda: all of its energy is in
-// material points that carry their own gradients (MaterialPoint::gradients), so the same minimiser, metric and
+// lattice has none of them. Such a cell is a HexCell whose stencil has neither K nor lambda: all of its energy is
+// in material points that carry their own gradients (MaterialPoint::gradients), so the same minimiser, metric and
 // reference solver work on it, in double, without the lattice's fast kernel. Unused corners of a tetrahedron or a
-// quadrilateral repeat the first node with a gradient of zero. The multilevel cycle reads places on a lattice: give
-// such models to a solver that always factors (MetricPolicy::factor_up_to_nodes).
+// quadrilateral repeat the first node with a gradient of zero. The multilevel cycle reads places on a lattice:
+// give such models to a solver that always factors (MetricPolicy::factor_up_to_nodes).
 //
 // Integration:
-//   hex   shape law at 2 x 2 x 2 Gauss points; volume law once, with the gradients' mean over the cell (Flanagan and
-//         Belytschko 1981), so that a patch of distorted cells stretches evenly. Without a volume law: everything at
-//         the
-//         Gauss points (full integration)
-//   quad  the same in the plane; every particle moves in it only: F e3 = e3 (out-of-plane nodal motion has its own,
-//   decoupled
-//         stiffness and stays zero)
+//   hex   shape law at 2 x 2 x 2 Gauss points; volume law once, with the
+//         gradients' mean over the cell (Flanagan and Belytschko 1981),
+//         so that a patch of distorted cells stretches evenly. Without a
+//         volume law: everything at the Gauss points (full integration)
+//   quad  the same in the plane; every particle moves in it
+//         only: F e3 = e3 (out-of-plane nodal motion has
+//         its own, decoupled stiffness and stays zero)
 //   tet   one point
 #include <array>
 #include <span>

@@ -6,16 +6,16 @@
 // (Simo 1987, in second Piola stresses; a = exp(-dt/t_i), h = exp(-dt/2 t_i): second order in dt):
 //
 //   H_i(n+1) = a_i H_i(n) + ratio_i h_i (S(n+1) - S(n)),    S = 2 dW/dC - s C^-1,  s = (2 dW/dC : C)/3   (no pressure
-//   in it)
+//                                                                                                        in it)
 //
 // W and C in the law's axes: F M. During a step that is the energy
 //
 //   V [ G W + 1/2 B : C - G s(n) L(J) ],    G = sum ratio_i h_i,   B = sum a_i H_i(n) - G S(n),   L = ln J
 //
-// so one minimiser serves; the last term takes off the pressure that W brings along, so tissue at rest stays at rest (L
-// goes on as a parabola below J = 0.2). For a neo-Hookean layer the sum of all terms in C is positive definite whatever
-// has happened before: B is a sum of S's neo-Hookean part, which G W cancels, and of C^-1's of the past with positive
-// weights.
+// so one minimiser serves; the last term takes off the pressure that W brings along, so tissue
+// at rest stays at rest (L goes on as a parabola below J = 0.2). For a neo-Hookean layer the
+// sum of all terms in C is positive definite whatever has happened before: B is a sum of S's
+// neo-Hookean part, which G W cancels, and of C^-1's of the past with positive weights.
 //
 // Where the law is neo-Hookean, W = mu/2 (I1 - 3), the shape's part of it all is half a constant tensor times the
 // change of C; such cells have a loop of their own (kernels/viscous.cpp). Other laws are asked point by point.

@@ -1,23 +1,23 @@
 #pragma once
-// Zero-length embedded springs, in double: energy k/2 |r|^2 with r = a - target, or a - b - target (target: the slack
-// of a stitch).
+// Zero-length embedded springs, in double: energy k/2 |r|^2 with r
+// = a - target, or a - b - target (target: the slack of a stitch).
 //
-// Threads: spans of lengths l_i = |a - b| share a thread of length L that slides without friction. What of it lies in
-// span i is s_i >= 0, sum s_i = L, and it goes where it makes the energy least:
+// Threads: spans of lengths l_i = |a - b| share a thread of length L that slides without friction.
+// What of it lies in span i is s_i >= 0, sum s_i = L, and it goes where it makes the energy least:
 //
-//   E = min over s of  sum_i k/2 (l_i - s_i)^2   =>   s_i = max(0, l_i - m),  sum_i s_i = L,  tension of span i = k
-//   min(l_i, m).
+//   E = min over s of  sum_i k/2 (l_i - s_i)^2   =>   s_i = max(0, l_i - m),  sum_i s_i = L,  tension of span i
+//                                                                                             = k min(l_i, m).
 //
-// So every span that thread can still leave pulls with the same tension T = k m. A span whose thread is used up (s_i =
-// 0: the edges have met there) pulls with less, k l_i: what is missing to T is the pressure of edge on edge. A thread
-// that is longer than the way through its bites pulls nothing (m = 0). E is convex in the l_i, and its gradient is
-// continuous, also where l_i = 0.
+// So every span that thread can still leave pulls with the same tension T = k m. A span whose
+// thread is used up (s_i = 0: the edges have met there) pulls with less, k l_i: what is missing to
+// T is the pressure of edge on edge. A thread that is longer than the way through its bites pulls
+// nothing (m = 0). E is convex in the l_i, and its gradient is continuous, also where l_i = 0.
 //
-// What lies along the wound from one stitch to the next does not slide away: in a hand every bite holds its own by
-// friction, and a thread that could take it would gather the wound like a purse. Such a span keeps |target| of the
-// thread for itself: l_i = max(0, |a - b| - |target|), and L is what the spans leave. It pulls only when it is longer
-// than that; T = 0 there, so
-// E stays convex with a continuous gradient.
+// What lies along the wound from one stitch to the next does not slide away: in a
+// hand every bite holds its own by friction, and a thread that could take it would
+// gather the wound like a purse. Such a span keeps |target| of the thread for itself:
+// l_i = max(0, |a - b| - |target|), and L is what the spans leave. It pulls only when
+// it is longer than that; T = 0 there, so E stays convex with a continuous gradient.
 #include <span>
 #include <vector>
 

@@ -93,8 +93,8 @@ LIMBERG_INLINE LayerPlane layer_plane(v4 t1, v4 t2, v4 N, v4 gx, v4 gy, v4 gz) {
   p.sigma = 2 * p.in_plane + p.bend;
   return p;
 }
-/// mu L sigma / (2 (L + lambda sigma)) with a minus (layer_slide.h) less its linear part; `q1`, `q2`: its slope's
-/// columns there.
+/// mu L sigma / (2 (L + lambda sigma)) with a minus (layer_slide.h)
+/// less its linear part; `q1`, `q2`: its slope's columns there.
 LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, v4 t1, v4 t2, v4& q1, v4& q2) {
   const float L = s.rest + s.rest_lambda, D = L + s.rest_lambda * p.sigma, inv = 1 / D;
   const float c1 = -s.rest_lambda * p.sigma * (L + D) * inv * inv, c = 1 + c1;  // (L / D)^2 less 1
@@ -102,11 +102,11 @@ LIMBERG_INLINE float layer_stretch(const KernelStencil& s, const LayerPlane& p, 
   return -0.5f * s.rest * (L * p.bend - 2 * p.in_plane * s.rest_lambda * p.sigma) * inv;
 }
 
-/// What layers that share a cell add (layer_slide.h), without the part that is linear in the displacement: that is in
-/// f0.
-/// g, C: columns of G = F - I and of cof F - I at the centre; th = J - 1, second = th - tr G; their forces go to h,
-/// those at the sample point to f. Apart from the loop, so that cells without layers are not touched by it. Returns the
-/// energy.
+/// What layers that share a cell add (layer_slide.h), without the part that
+/// is linear in the displacement: that is in f0. g, C: columns of G = F - I
+/// and of cof F - I at the centre; th = J - 1, second = th - tr G; their
+/// forces go to h, those at the sample point to f. Apart from the loop, so
+/// that cells without layers are not touched by it. Returns the energy.
 [[gnu::noinline]] float add_layers(const KernelStencil& s, const v4* n, const v4* g, const v4* C, float th,
                                    float second, v4* h, v4* f) {
   const v4 t1 = {s.along[0], s.along[1], s.along[2], 0}, t2 = {s.across[0], s.across[1], s.across[2], 0},

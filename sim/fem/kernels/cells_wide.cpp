@@ -1,7 +1,7 @@
-// Sixteen cells of one stencil at a time, a cell to a lane: the same formulas as cells.cpp without its fourth lane of
-// zeros, its shuffles, and a load of the stencil for every cell. For registers of 64 bytes: the displacements of a cell
-// fill
-// 21.
+// Sixteen cells of one stencil at a time, a cell to a lane: the
+// same formulas as cells.cpp without its fourth lane of zeros,
+// its shuffles, and a load of the stencil for every cell. For
+// registers of 64 bytes: the displacements of a cell fill 21.
 #include "sim/fem/kernels/parts.h"
 
 namespace limberg::fem::LIMBERG_SET {

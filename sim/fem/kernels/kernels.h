@@ -24,8 +24,8 @@ struct alignas(64) KernelStencil {
   float bx[4], by[4], bz[4];
   bool centred = true;
   float inv4h[3] = {0, 0, 0};  // 1 / (4 edge), of the cells of its level
-  // slide not 0: layers share it (layer_slide.h). Then it is centred, and bx, by, bz belong to the layers' sample
-  // point.
+  // slide not 0: layers share it (layer_slide.h). Then it is
+  // centred, and bx, by, bz belong to the layers' sample point.
   // Axes along the layers and their normal: four numbers each.
   float slide = 0, rest = 0, rest_lambda = 0;
   float along[4] = {1, 0, 0, 0}, across[4] = {0, 1, 0, 0}, normal[4] = {0, 0, 1, 0};
@@ -108,8 +108,8 @@ struct Kernels {
   void (*update_multipliers)(const CellView&, const float* theta, float* q, float scale_of_increment, size_t first,
                              size_t last);
 
-  /// Relaxing neo-Hookean points of cells [first, last): energies to sums, forces (per corner x, y, z and the norm) to
-  /// `force`.
+  /// Relaxing neo-Hookean points of cells [first, last): energies
+  /// to sums, forces (per corner x, y, z and the norm) to `force`.
   void (*viscous_cells)(const ViscousView&, const Node4* u, size_t first, size_t last, CellSums* sums, float* force);
 
   // Vectors of nodes: blocks [first, last) of 32 x 4 nodes, the last one of them ending at `nodes`. Sums run in float

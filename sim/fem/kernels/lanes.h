@@ -1,8 +1,8 @@
 #pragma once
-// Sixteen floats at a time, for the kernels only: one register of AVX-512, two of AVX2, four of SSE2 or what the
-// compiler makes of vectors elsewhere. Every kernel source is compiled once per LIMBERG_LANES (128, 256, 512 bits) into
-// a namespace of that name; whatever is inline here must be inlined, so that no linker can put one set's code into
-// another's place.
+// Sixteen floats at a time, for the kernels only: one register of AVX-512, two of AVX2, four
+// of SSE2 or what the compiler makes of vectors elsewhere. Every kernel source is compiled
+// once per LIMBERG_LANES (128, 256, 512 bits) into a namespace of that name; whatever is
+// inline here must be inlined, so that no linker can put one set's code into another's place.
 #include "sim/fem/model/node4.h"
 #if LIMBERG_LANES > 128
 #include <immintrin.h>
@@ -44,8 +44,8 @@ LIMBERG_INLINE double sum(v16 v) {
   const __m128d r = _mm_add_pd(_mm256_castpd256_pd128(t), _mm256_extractf128_pd(t, 1));
   return _mm_cvtsd_f64(r) + _mm_cvtsd_f64(_mm_unpackhi_pd(r, r));
 }
-/// Three vectors of 16 numbers (x, y, z of 16 rows) to four vectors whose 128-bit lane l holds row 4*l + k as
-/// (x,y,z,0).
+/// Three vectors of 16 numbers (x, y, z of 16 rows) to four
+/// vectors whose 128-bit lane l holds row 4*l + k as (x,y,z,0).
 LIMBERG_INLINE void to_rows(v16 x, v16 y, v16 z, v16 r[4]) {
   const v16 o = {};
   const v16i lo = {0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29};

@@ -4,8 +4,8 @@
 namespace limberg::fem::LIMBERG_SET {
 namespace {
 
-/// Rows r0 .. r0+15 of M b: the supernode's own are assigned to y, the others added there or, outside, put down in the
-/// log.
+/// Rows r0 .. r0+15 of M b: the supernode's own are assigned to
+/// y, the others added there or, outside, put down in the log.
 inline void scatter(v16 s0, v16 s1, v16 s2, Node4* y, const Panel& p, const int32_t* rows, int r0, Node4* log) {
   alignas(64) v16 t[4];
   to_rows(s0, s1, s2, t);

@@ -1,10 +1,10 @@
 #pragma once
 // Laws by name: what a scene may write in a layer, and how a layer's constants become what its cells are made of.
 //
-//   [[layer]]                                  Material::law                      layer_response()
-//   law = "gasser-ogden-holzapfel"     ->      name and constants         ->      matrix modulus, law of the points,
-//   lambda
-//   k1_kPa = 50  k2 = 1.5  ...
+//   [[layer]]                                  Material::law              layer_response()
+//   law = "gasser-ogden-holzapfel"       ->    name and constants    ->   matrix modulus,
+//   k1_kPa = 50  k2 = 1.5                                                 law of the points,
+//   ...                                                                   lambda
 //
 // A catalogue is a list of entries, each with the keys that it takes and their ranges, so that reading a scene, saying
 // what was expected and listing the laws need no other place. To add a law, write one file that makes an Entry (law.h

@@ -1,8 +1,8 @@
 #pragma once
 // Dispersed collagen fibres that only pull (Gasser, Ogden, Holzapfel 2006), without the matrix around them:
 //
-//   W = sum_families k1 / (2 k2) (exp(k2 E^2) - 1),   E = kappa (I1 - 3) + (1 - 3 kappa)(|F a|^2 - 1), taken as 0 when
-//   negative
+//   W = sum_families k1 / (2 k2) (exp(k2 E^2) - 1),   E = kappa (I1 - 3) + (1 - 3 kappa)(|F
+//                                                     a|^2 - 1), taken as 0 when negative
 //
 // kappa 0: all fibres along a; 1/3: no direction. Beyond k2 E^2 = 12 (a stiffening of 1.6e5, far past rupture) the
 // exponential continues as its second-order Taylor polynomial, so that no number overflows.

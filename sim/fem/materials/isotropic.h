@@ -1,10 +1,10 @@
 #pragma once
 // Isotropic laws from energies in principal stretches, continued through inversion.
 //
-// An energy gives psi(s1, s2, s3), symmetric in its arguments, with first and second derivatives, for positive
-// stretches.
-// Isotropic turns it into a law: P = U diag(dpsi/ds) V^T with the rotation-variant singular values s of F (the third
-// one is negative when F is inverted; Irving, Teran, Fedkiw 2004).
+// An energy gives psi(s1, s2, s3), symmetric in its arguments, with first and
+// second derivatives, for positive stretches. Isotropic turns it into a law:
+// P = U diag(dpsi/ds) V^T with the rotation-variant singular values s of F
+// (the third one is negative when F is inverted; Irving, Teran, Fedkiw 2004).
 //
 // Inversion. Below the stretch `a` the energy is asked at phi(s) instead, and a spring takes over:
 //
@@ -54,8 +54,8 @@ class Isotropic final : public MaterialLaw {
   double a_, b_, k_kPa_ = 0, rest_ = 0;
 };
 
-// --- Energies. mu, c, mu_p in kPa; the volume part (if any) is inside only where the name says `full`.
-// --------------------
+// --- Energies. mu, c, mu_p in kPa; the volume part (if any) is
+// inside only where the name says `full`. --------------------
 
 /// mu/2 (I1 - 3)
 LawPtr neo_hookean(double mu_kPa);

@@ -1,18 +1,18 @@
 #pragma once
 // A hyperelastic law: energy density as a function of the deformation gradient F = dx/dX, for any F, inverted ones too.
 //
-// A law holds the part of the energy that resists change of shape. Change of volume is the element's own (fem_model.h:
-// lambda/2 (J - 1)^2 at one sample point per cell, with its multiplier), together with the linear pressure term that
-// makes the reference state free of stress. A law may also hold a volumetric part itself (for comparison with codes
-// that integrate everything fully); the cell then has lambda = 0.
+// A law holds the part of the energy that resists change of shape. Change of volume is the element's own
+// (fem_model.h: lambda/2 (J - 1)^2 at one sample point per cell, with its multiplier), together with the
+// linear pressure term that makes the reference state free of stress. A law may also hold a volumetric
+// part itself (for comparison with codes that integrate everything fully); the cell then has lambda = 0.
 //
 // To add a material write one file:
-//   1. the energy: an isotropic one is a small struct with value and two derivatives in principal stretches
-//   (isotropic.h does
-//      the rest, inversion included); anything else implements MaterialLaw below. Lame's volume part does not belong in
-//      it.
-//   2. a function that returns its LawCatalogue::Entry: name, keys with ranges, and how constants make the law
-//   (catalogue.h)
+//   1. the energy: an isotropic one is a small struct with value
+//      and two derivatives in principal stretches (isotropic.h does
+//      the rest, inversion included); anything else implements
+//      MaterialLaw below. Lame's volume part does not belong in it.
+//   2. a function that returns its LawCatalogue::Entry: name, keys
+//      with ranges, and how constants make the law (catalogue.h)
 // and add the entry to a copy of shipped_laws() (parse_scene takes one), or to shipped_laws() itself. Scenes can then
 // name it, lattices make its points, `limberg check` lists it. A whole example of 30 lines: tests/app/test_own_law.cpp.
 #include <memory>

@@ -33,9 +33,9 @@ struct BoxSpec {
 /// Nodes without a cell are left out. Corner order and units of fem_model.h; parents are -1.
 FemModel box_model(const BoxSpec& spec);
 
-/// The model after a cut along squares of its lattice: cells that share one are parted when `apart(centre, other
-/// centre)`.
-/// Corners that no square joins any more become copies, which come after the nodes of before; cells keep their order.
+/// The model after a cut along squares of its lattice: cells that share one are
+/// parted when `apart(centre, other centre)`. Corners that no square joins any more
+/// become copies, which come after the nodes of before; cells keep their order.
 FemModel part_cells(const FemModel& model, const std::function<bool(const Vec3& a_mm, const Vec3& b_mm)>& apart);
 
 /// The point of the model's material nearest to X (inside a cell if X is).

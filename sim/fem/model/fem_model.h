@@ -8,17 +8,17 @@
 //   E = scale * [ 1/2 sum_ab K_ab (x_a . x_b)  +  V ( lambda/2 (J_c - 1)^2 - p0 (J_c - 1) ) ]
 //
 //   K_ab = integral over the full cell of mu(X) grad N_a . A(X) grad N_b,  A = F0 F0^T,  F0 the prestretch, det F0 = 1
-//   J_c  = det F at the stencil's sample point, p0 = mean of mu n.A n (n the skin normal). The sample point is the
-//   centroid
-//          of mu n.A n: then the pressure balances the layers through the cell, not only on average, a flat
-//          prestretched
-//          layer rests under a free surface, and a cut through tissue without prestretch stays shut.
+//   J_c  = det F at the stencil's sample point, p0 = mean of mu n.A
+//        n (n the skin normal). The sample point is the centroid
+//          of mu n.A n: then the pressure balances the layers through the cell,
+//          not only on average, a flat prestretched layer rests under a free
+//          surface, and a cut through tissue without prestretch stays shut.
 //
 // mu/2 |F F0|^2 is quadratic in x, so K carries layers thinner than a cell, prestretch and full integration
 // (hourglass control included) at no run-time cost; sub-cell quadrature fills it.
-// A cell that layers share (slide > 0) takes J_c at its centre, where it is the cell's mean: what flows out of one
-// layer must flow somewhere. layer_slide.h has what is added there, so that its layers give way to each other along
-// their planes and that their stretch is still that at the sample point.
+// A cell that layers share (slide > 0) takes J_c at its centre, where it is the cell's mean: what flows
+// out of one layer must flow somewhere. layer_slide.h has what is added there, so that its layers give
+// way to each other along their planes and that their stretch is still that at the sample point.
 // Corner order: bit 0 = +x, bit 1 = +y, bit 2 = +z.
 //
 // Cells of a lattice that is finer in places have a level: their edges are FemModel::cell_mm / 2^level, and so are
@@ -42,16 +42,16 @@ namespace limberg {
 
 using Mat8 = Eigen::Matrix<double, 8, 8>;
 
-/// A quadrature point of a cell at which a law of its own adds volume_mm3 * W(F M). Laws come beside the quadratic part
-/// K (matrix in K, fibres here) or instead of it (K = 0). M holds prestretch and axes: the law sees F M, so its first
-/// axis lies along M e1.
+/// A quadrature point of a cell at which a law of its own adds volume_mm3 * W(F M). Laws
+/// come beside the quadratic part K (matrix in K, fibres here) or instead of it (K = 0).
+/// M holds prestretch and axes: the law sees F M, so its first axis lies along M e1.
 struct MaterialPoint {
   Vec3 at = Vec3::Constant(0.5);  // in cell units
   double volume_mm3 = 0;
   int32_t law = 0;  // of FemModel::laws
   Mat3 M = Mat3::Identity();
-  // Not null: grad N_a (1/mm) at this point, of a cell that is no box of the lattice (shaped_cells.h); `at` is unused
-  // then.
+  // Not null: grad N_a (1/mm) at this point, of a cell that is
+  // no box of the lattice (shaped_cells.h); `at` is unused then.
   std::shared_ptr<const Eigen::Matrix<double, 8, 3>> gradients;
 };
 

@@ -1,10 +1,10 @@
 #pragma once
 // A sparse matrix for products with nodes (three right-hand sides and a lane of zeros), four rows at a time.
 //
-// Four rows that follow each other are stored by diagonals: a slot has the first of four consecutive nodes and four
-// numbers, so its product is one load of 64 bytes times one spread of four numbers. On a lattice the diagonals of
-// neighbouring rows coincide; where a cut has doubled nodes they do not, and the group just has more slots, filled up
-// with zeros.
+// Four rows that follow each other are stored by diagonals: a slot has the first of four
+// consecutive nodes and four numbers, so its product is one load of 64 bytes times one spread
+// of four numbers. On a lattice the diagonals of neighbouring rows coincide; where a cut has
+// doubled nodes they do not, and the group just has more slots, filled up with zeros.
 //
 // Vectors that are multiplied have four nodes of room on either side (slots may begin before 0): PaddedNodes.
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
-// In which order the kernels take the cells, and in which tiles: square tiles of the xy plane, full height, neither too
-// small nor too large. A tile numbers its nodes by itself, so most tiles of a model are those of the model before a
-// cut, moved.
+// In which order the kernels take the cells, and in which tiles: square tiles of the
+// xy plane, full height, neither too small nor too large. A tile numbers its nodes
+// by itself, so most tiles of a model are those of the model before a cut, moved.
 #include <compare>
 #include <cstdint>
 #include <optional>

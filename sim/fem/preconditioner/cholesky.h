@@ -17,8 +17,8 @@ struct ScalarFactor {
 /// Throws std::runtime_error if the matrix is not positive definite. `order`: rows in elimination order, empty = METIS.
 ScalarFactor factorize(const ScalarMatrix& A, std::span<const int32_t> order);
 
-/// CHOLMOD's own factor and triangular solve in double, order by METIS: what benches and baselines are measured
-/// against.
+/// CHOLMOD's own factor and triangular solve in double, order
+/// by METIS: what benches and baselines are measured against.
 class DirectFactor {
  public:
   /// Throws std::runtime_error if the matrix is not positive definite.

@@ -1,11 +1,11 @@
 #pragma once
 // The next coarser lattice of a set of hexahedra, cut tissue included.
 //
-// Space is divided into blocks of 2 x 2 x 2 cells (of 2 x 2 x 1 when there are few layers and an odd number of them).
-// A coarse cell is a connected component of the cells of one block, so tissue that a cut has parted inside a block is
-// moved by two coarse cells that know nothing of each other. Two coarse cells of neighbouring blocks share a corner
-// exactly when they share a free node that this corner interpolates. So holes, flaps and doubled nodes need no case of
-// their own.
+// Space is divided into blocks of 2 x 2 x 2 cells (of 2 x 2 x 1 when there are few layers and an
+// odd number of them). A coarse cell is a connected component of the cells of one block, so tissue
+// that a cut has parted inside a block is moved by two coarse cells that know nothing of each
+// other. Two coarse cells of neighbouring blocks share a corner exactly when they share a free
+// node that this corner interpolates. So holes, flaps and doubled nodes need no case of their own.
 //
 // A free node is interpolated trilinearly from its coarse cell's corners. All coarse cells around it agree on its row,
 // for they share every corner that has a weight there.
@@ -61,8 +61,8 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule);
 /// lattice it costs no more fill than a graph partitioner's (tests), in a hundredth of its time.
 std::vector<int32_t> dissection_order(std::span<const std::array<int32_t, 3>> at);
 
-/// Eighths of an undivided cell from the rest positions; `zero_mm`: any point of the lattice, the same for all
-/// versions.
+/// Eighths of an undivided cell from the rest positions;
+/// `zero_mm`: any point of the lattice, the same for all versions.
 GridLevel grid_level(const FemModel& model, const Vec3& zero_mm, std::span<const uint8_t> free);
 
 }  // namespace limberg::fem

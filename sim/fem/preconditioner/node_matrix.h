@@ -52,8 +52,8 @@ NodeMatrix assemble_rows(const FemModel& model, std::span<const SpringRow> sprin
 /// Appends row `row` of `before` to `out`, its columns renamed.
 void copy_row(const NodeMatrix& before, int32_t row, std::span<const int32_t> child, NodeMatrix& out);
 
-/// The same matrix as lower columns in double for the direct factor; each diagonal number d becomes d (1 +
-/// relative_shift).
+/// The same matrix as lower columns in double for the direct
+/// factor; each diagonal number d becomes d (1 + relative_shift).
 ScalarMatrix lower_columns(const NodeMatrix& A, double relative_shift);
 
 }  // namespace limberg::fem

@@ -86,8 +86,8 @@ void PanelFactor::find_subtrees() {
     work[up] += work[k];
     first[up] = std::min(first[up], first[k]);
   }
-  // From the last panel down: what is small enough is a subtree, what is not is top. Small neighbours are taken
-  // together.
+  // From the last panel down: what is small enough is a subtree,
+  // what is not is top. Small neighbours are taken together.
   std::vector<Stretch> found;
   size_t taken = 0;  // work of the latest stretch of subtrees
   for (int32_t k = int32_t(n) - 1; k >= 0;) {

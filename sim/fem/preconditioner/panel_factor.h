@@ -1,18 +1,18 @@
 #pragma once
 // A sparse Cholesky factor as float panels, and its triangular solves for three right-hand sides at once.
 //
-// For every supernode with diagonal block D and off-diagonal block L21 one dense panel M = [D^-1 ; -L21 D^-1] is
-// stored.
+// For every supernode with diagonal block D and off-diagonal
+// block L21 one dense panel M = [D^-1 ; -L21 D^-1] is stored.
 //   forward:   Y[panel rows] += M b       (b = the supernode's part of the right-hand side)
 //   backward:  y = M^T [y1 ; x2]
 // No recurrence inside a panel, and one panel serves both passes, so the operator is exactly symmetric up to rounding.
 // Rows are stored in blocks of 16, column after column inside a block.
 //
-// Several threads: the tree of supernodes is cut into a few subtrees of about the same work and the rest, the top.
-// Subtrees share no column, so each can be solved by a thread of its own; what a subtree adds to rows of the top it
-// puts down in a log instead, in the order in which it would have been added. The top is walked on one thread, in the
-// order of all panels, adding a subtree's log where the subtree would have stood: the same sums in the same order as on
-// one thread.
+// Several threads: the tree of supernodes is cut into a few subtrees of about the same work and
+// the rest, the top. Subtrees share no column, so each can be solved by a thread of its own; what
+// a subtree adds to rows of the top it puts down in a log instead, in the order in which it would
+// have been added. The top is walked on one thread, in the order of all panels, adding a subtree's
+// log where the subtree would have stood: the same sums in the same order as on one thread.
 #include <vector>
 
 #include "sim/fem/solver/engine.h"

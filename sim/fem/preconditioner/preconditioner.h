@@ -1,16 +1,16 @@
 #pragma once
 // The minimiser's metric: z = M^-1 r, the same scalar operator for x, y and z.
 //
-//   factor   up to `factor_up_to_nodes`: the scalar matrix of this very model factored once (panels); made in the
-//   background
-//   cycle    above, and for as long as the factor is not there: a multilevel cycle (cycle.h), made at once for the
-//   model as it
+//   factor   up to `factor_up_to_nodes`: the scalar matrix of this
+//            very model factored once (panels); made in the background
+//   cycle    above, and for as long as the factor is not there: a
+//            multilevel cycle (cycle.h), made at once for the model as it
 //            is, from the cycle of the model before where there was one
 //   springs  those that are not in the operator are added by the Woodbury identity: one application each, once
 //
-// Every state is symmetric positive definite and belongs to the topology that is shown; there is no stale operator.
-// Sutures are folded into the next factor or cycle; hooks come and go and never are. The operators of the last few
-// models are kept, so that an undo finds its own again.
+// Every state is symmetric positive definite and belongs to the topology that is shown; there is
+// no stale operator. Sutures are folded into the next factor or cycle; hooks come and go and
+// never are. The operators of the last few models are kept, so that an undo finds its own again.
 #include <deque>
 #include <functional>
 #include <memory>
@@ -35,8 +35,8 @@ class Preconditioner {
   explicit Preconditioner(Workers& workers, MetricPolicy policy = {});
   ~Preconditioner();
 
-  /// FemModel::parent and `cell_parent` (per cell) name places in the model given last; without `cell_parent` the cycle
-  /// is made afresh.
+  /// FemModel::parent and `cell_parent` (per cell) name places in the
+  /// model given last; without `cell_parent` the cycle is made afresh.
   void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent);
   struct SpringEntry {
     SpringRow row;

@@ -6,9 +6,9 @@
 // over the free nodes. K is the exact Hessian of the quadratic part of the energy; the second term stands for the
 // volumetric part (ke is small thanks to the multipliers). Always symmetric positive definite.
 //
-// Hanging nodes are no rows: what is assembled is P^T A P (fem_model.h), cell by cell: a cell with hanging corners
-// enters as the matrix of the unknowns that move it. The same for springs, whose weights go to the masters, and for
-// masses.
+// Hanging nodes are no rows: what is assembled is P^T A P (fem_model.h), cell by
+// cell: a cell with hanging corners enters as the matrix of the unknowns that
+// move it. The same for springs, whose weights go to the masters, and for masses.
 #include <memory>
 #include <span>
 #include <vector>
@@ -44,14 +44,14 @@ struct ScalarMatrix {
   int32_t n() const { return int32_t(node_of_row.size()); }
 };
 
-/// `mass_per_s2`: added to the diagonal times the node's mass (1/dt^2 + damping/dt of a dynamic step; 0 =
-/// quasi-static).
+/// `mass_per_s2`: added to the diagonal times the node's mass
+/// (1/dt^2 + damping/dt of a dynamic step; 0 = quasi-static).
 ScalarMatrix assemble_scalar(const FemModel& model, std::span<const SpringRow> springs, double mass_per_s2,
                              bool augmented = true);
 
-/// Elimination order of `now` from that of an older model: a node takes its ancestor's place, copies side by side.
-/// `order_before[k]` = old node eliminated k-th; `ancestor` = old node of each node now. Returns rows of `now` in
-/// order.
+/// Elimination order of `now` from that of an older model: a node takes its
+/// ancestor's place, copies side by side. `order_before[k]` = old node eliminated
+/// k-th; `ancestor` = old node of each node now. Returns rows of `now` in order.
 std::vector<int32_t> inherited_order(const ScalarMatrix& now, std::span<const int32_t> order_before,
                                      std::span<const int32_t> ancestor);
 

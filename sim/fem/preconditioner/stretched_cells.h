@@ -6,15 +6,15 @@
 //
 //   scale ke V B_a . adj(C) B_b,   adj(C) = cof F^T cof F,  C = F^T F,
 //
-// of which the metric holds the part at rest, adj(C) = I. At a stitch close to a wound's end, where cells are divided,
-// stretches of
-// 6.6 are met: along N, thin by 0.11, the eigenvalue is 87. The history holds the stiffest eight directions or so; with
-// more of them the minimiser goes astray (shipped rhomboid with divided fronts: residual 1e-2 after 2000 iterations,
-// cells inside out).
+// of which the metric holds the part at rest, adj(C) = I. At a stitch close to a
+// wound's end, where cells are divided, stretches of 6.6 are met: along N, thin
+// by 0.11, the eigenvalue is 87. The history holds the stiffest eight directions
+// or so; with more of them the minimiser goes astray (shipped rhomboid with
+// divided fronts: residual 1e-2 after 2000 iterations, cells inside out).
 //
-// So each such direction enters the metric as a spring does: weights B_a . N on the cell's corners, stiffness what is
-// lacking. The metric folds them in or adds them by the Woodbury identity (preconditioner.h). They are found anew when
-// they are too far off, and leave when none is left. A single one is the history's business.
+// So each such direction enters the metric as a spring does: weights B_a . N on the cell's corners, stiffness
+// what is lacking. The metric folds them in or adds them by the Woodbury identity (preconditioner.h). They are
+// found anew when they are too far off, and leave when none is left. A single one is the history's business.
 #include <span>
 #include <vector>
 

@@ -3,19 +3,19 @@
 //
 //   x = S r;  x += P M_c^-1 P^T (r - A x);  z = x + S (r - A x)
 //
-//   S    diagonal, relaxation / sum_j |A_ij|. By Gershgorin S A has no eigenvalue above `relaxation` < 2, whatever was
-//   cut
+//   S    diagonal, relaxation / sum_j |A_ij|. By Gershgorin S A has
+//        no eigenvalue above `relaxation` < 2, whatever was cut
 //   P    coarsening.h; the coarse matrix is P^T A P (galerkin.h), so nothing depends on where A came from
 //   M_c  the same cycle one level coarser, or the exact factor of the coarsest matrix
 //
-// M^-1 = 2 S - S A S + (I - S A) P M_c^-1 P^T (I - A S) is symmetric positive definite because 2 S - S A S is. It takes
-// as many steps as the exact factor and is made in a fraction of its time. After a cut most rows are copied
-// (node_matrix.h, galerkin.h). The coarsest matrix is eliminated in an order that depends on places alone
-// (dissection_order), copies beside
-// their originals, so it costs next to nothing and does not age.
+// M^-1 = 2 S - S A S + (I - S A) P M_c^-1 P^T (I - A S) is symmetric positive definite
+// because 2 S - S A S is. It takes as many steps as the exact factor and is made in a
+// fraction of its time. After a cut most rows are copied (node_matrix.h, galerkin.h). The
+// coarsest matrix is eliminated in an order that depends on places alone (dissection_order),
+// copies beside their originals, so it costs next to nothing and does not age.
 //
-// Immutable once made. Every loop runs over ranges that share nothing, so threads can take parts of it; small levels
-// stay on the calling thread.
+// Immutable once made. Every loop runs over ranges that share nothing, so
+// threads can take parts of it; small levels stay on the calling thread.
 #include <memory>
 #include <span>
 #include <string>

@@ -28,18 +28,18 @@ struct StepSettings {
   std::function<bool()> should_stop;  // asked after each iteration; empty = never
   int adopt_after_steps = 3;          // a pending preconditioner is waited for after so many steps (deterministic)...
   bool adopt_when_ready = false;      // ...or taken as soon as it is there (real time)
-  // With adopt_when_ready: asked at each such chance, told whether it is there; true: it is taken (and waited for if
-  // need be). So a step that was taken against the clock can be taken again, bit for bit. Empty: it is taken when it is
-  // there.
+  // With adopt_when_ready: asked at each such chance, told whether it is there;
+  // true: it is taken (and waited for if need be). So a step that was taken against
+  // the clock can be taken again, bit for bit. Empty: it is taken when it is there.
   std::function<bool(bool there)> adopt_now;
 };
 
 struct StepReport {
   int iterations = 0;
-  // |g| / |s| in the Euclidean norm over free nodes: g = net force on a node, s = sum of the norms of the forces that
-  // meet there (each cell's share, springs', inertia), plus what a strain of 0.1 % would give, so that rest has a
-  // scale.
-  // Single precision reaches about 1e-6.
+  // |g| / |s| in the Euclidean norm over free nodes: g = net force on a
+  // node, s = sum of the norms of the forces that meet there (each
+  // cell's share, springs', inertia), plus what a strain of 0.1 % would
+  // give, so that rest has a scale. Single precision reaches about 1e-6.
   double residual = 0;
   // estimated distance to equilibrium of the node that is farthest off (distance_estimate.h): good to a factor of 3.3
   // in nine frames of ten
@@ -73,9 +73,9 @@ class ElasticSolver {
   /// `cell_parent` (per cell: index in the previous model); the factorization is rebuilt in the background.
   virtual void set_model(std::shared_ptr<const FemModel> model, const ParentList& cell_parent) = 0;
 
-  /// The whole list of springs, in any order, ids unique. Moving a target costs nothing; adding or removing a spring
-  /// never waits for a factorization. Springs name nodes of the current model: give them again after set_model, which
-  /// drops them.
+  /// The whole list of springs, in any order, ids unique. Moving a target costs
+  /// nothing; adding or removing a spring never waits for a factorization. Springs name
+  /// nodes of the current model: give them again after set_model, which drops them.
   virtual void set_springs(std::span<const Spring> springs) = 0;
 
   /// The whole list of contacts; an empty list costs nothing. They hold until the next list or the next model.
@@ -85,9 +85,9 @@ class ElasticSolver {
 
   virtual std::span<const Vec3f> displacement_mm() const = 0;      // per node: x - X
   virtual void set_displacement_mm(std::span<const Vec3f> u) = 0;  // tests, undo; fixed nodes stay where this puts them
-  /// For undo and redo: the same bits come back, the same model given. The memory of past iterates is not kept: only
-  /// the path of the next iterations depends on it, not where they lead. restore throws InputError on lists of another
-  /// model.
+  /// For undo and redo: the same bits come back, the same model given. The memory
+  /// of past iterates is not kept: only the path of the next iterations depends on
+  /// it, not where they lead. restore throws InputError on lists of another model.
   virtual SolverState save() const = 0;
   virtual void restore(const SolverState& state) = 0;
   /// What layers that relax remember (SolverState::memory), without a copy; empty when nothing relaxes.
@@ -101,8 +101,8 @@ class ElasticSolver {
   /// Sum of the forces in mN that the Dirichlet nodes receive from the material and from springs that hang on them
   /// (their supports give the opposite).
   virtual Vec3 support_force_mN() const = 0;
-  /// J = det F of each cell, where its volume is sampled (fem_model.h: the centre, unless layers of one side only share
-  /// it).
+  /// J = det F of each cell, where its volume is sampled (fem_model.h:
+  /// the centre, unless layers of one side only share it).
   virtual void cell_J(std::vector<float>& J) const = 0;
   /// Deformation gradient at the sample point of a cell (row-major meaning F(i,j) = dx_i/dX_j).
   virtual Mat3 cell_F(int32_t cell) const = 0;

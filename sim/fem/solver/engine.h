@@ -12,9 +12,9 @@
 
 namespace limberg::fem {
 
-/// The widest set that this machine has, or the one that the environment names: LIMBERG_SIMD=plain|avx2|avx512. Chosen
-/// once.
-/// Throws InputError for a name that is none of these, or a set that this machine has not.
+/// The widest set that this machine has, or the one that the environment
+/// names: LIMBERG_SIMD=plain|avx2|avx512. Chosen once. Throws InputError
+/// for a name that is none of these, or a set that this machine has not.
 const Kernels& default_kernels();
 /// By name; nullptr when this machine, or this build, does not have it.
 const Kernels* find_kernels(const std::string& name);

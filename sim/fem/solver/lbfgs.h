@@ -1,6 +1,6 @@
 #pragma once
-// Limited-memory BFGS (Nocedal & Wright, Numerical Optimization, algorithm 7.4) with a given metric as the initial
-// inverse Hessian.
+// Limited-memory BFGS (Nocedal & Wright, Numerical Optimization,
+// algorithm 7.4) with a given metric as the initial inverse Hessian.
 #include <functional>
 #include <vector>
 

@@ -106,8 +106,8 @@ void LbfgsSolver::prepare_dynamics(const StepSettings& s) {
   }
 }
 
-// Free flight is then exact before the first iteration; where the tissue resists, the old place may be the better
-// start.
+// Free flight is then exact before the first iteration; where
+// the tissue resists, the old place may be the better start.
 void LbfgsSolver::start_where_inertia_leads(Value& value) {
   u_try_ = inertia_target_;
   for (int32_t i : fixed_) u_try_[size_t(i)] = u_[size_t(i)];

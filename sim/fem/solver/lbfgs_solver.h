@@ -1,38 +1,38 @@
 #pragma once
 // The elasticity solver: how the parts of this folder work together in one step.
 //
-//   u     displacement of all nodes, float, 16 bytes each; fixed nodes keep theirs (zero, or what set_displacement
-//   gave)
-//   E(u)  cells (ElementSystem) + springs (SpringForces) + contacts (ContactForces) + in a dynamic step the incremental
-//   potential
+//   u     displacement of all nodes, float, 16 bytes each; fixed
+//         nodes keep theirs (zero, or what set_displacement gave)
+//   E(u)  cells (ElementSystem) + springs (SpringForces) + contacts
+//         (ContactForces) + in a dynamic step the incremental potential
 //         sum_i a_i/2 |u_i - t_i|^2,  a = m (1/h^2 + c/h),  t = ((U + h V)/h^2 + c U/h) / (1/h^2 + c/h)
 //         backward Euler: h = dt, U = u0, V = v0.  BDF2: h = 2/3 dt, U = (4 u0 - u_before)/3, V = (4 v0 - v_before)/3.
-//         In both the new velocity is (u - U)/h. (BDF2: Hairer & Wanner, Solving Ordinary Differential Equations II,
-//         V.1.)
-//   d     = -H g, H: L-BFGS over a scalar matrix, factored or by a multilevel cycle (Preconditioner); Armijo line
-//   search; when the change of energy
-//         is below the noise of single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
+//         In both the new velocity is (u - U)/h. (BDF2: Hairer &
+//         Wanner, Solving Ordinary Differential Equations II, V.1.)
+//   d     = -H g, H: L-BFGS over a scalar matrix, factored or by a multilevel cycle
+//         (Preconditioner); Armijo line search; when the change of energy is below the noise of
+//         single precision, the slope decides instead (Hager & Zhang 2005, "approximate Wolfe")
 //         where cells are drawn out many times H gets what it lacks there (stretched_cells.h)
-//   P     hanging nodes, if any, follow their masters: u is spread to them after every move, evaluate() hands their
-//   forces
-//         on, so g is zero there and they take no part in any product (hanging_nodes.h)
+//   P     hanging nodes, if any, follow their masters: u is spread to them
+//         after every move, evaluate() hands their forces on, so g is zero
+//         there and they take no part in any product (hanging_nodes.h)
 //   q     multipliers, updated after every third accepted iterate (ElementSystem::update_multipliers)
 //
 // A tangle that the energy does not lead out of (many cells inverted and no balance in sight for forty iterations:
 // layers of very different stiffness thrown together) is undone in two stages. First the energy is replaced by its
-// quadratic part about the rest shape, which is convex and, under whatever springs there are, leaves no cell folded by
-// another. Then the whole energy takes over from there. Only in quasi-static steps, only where something holds every
-// piece (the quadratic part would turn a free one back as it was), and not with laws beside the quadratic part.
+// quadratic part about the rest shape, which is convex and, under whatever springs there are, leaves no cell folded
+// by another. Then the whole energy takes over from there. Only in quasi-static steps, only where something holds
+// every piece (the quadratic part would turn a free one back as it was), and not with laws beside the quadratic part.
 //
-// The history outlives the step: moving a target or updating q only shifts the gradient, so old pairs stay true as long
-// as no pair is taken across such a shift. A new model or another set of springs clears it. Other contacts do not: the
-// metric knows nothing of them, the pairs learn them, and a pair that is out of date still makes a positive definite
-// operator.
-// A stitch that is drawn clears it: its pull is 10 N where 1 mN is out of balance, the metric knows its direction
-// exactly, and the little that pairs from contacts that come and go say of it throws the tissue about by centimetres
-// (shipped Z-plasty,
-// 2026-11-22:
-// first directions of up to 82 m, and 1263 checks of what touches what where there are 838 now).
+// The history outlives the step: moving a target or updating q only shifts the
+// gradient, so old pairs stay true as long as no pair is taken across such a shift.
+// A new model or another set of springs clears it. Other contacts do not: the metric
+// knows nothing of them, the pairs learn them, and a pair that is out of date still
+// makes a positive definite operator. A stitch that is drawn clears it: its pull is
+// 10 N where 1 mN is out of balance, the metric knows its direction exactly, and the
+// little that pairs from contacts that come and go say of it throws the tissue about
+// by centimetres (shipped Z-plasty, 2026-11-22: first directions of up to 82 m, and
+// 1263 checks of what touches what where there are 838 now).
 #include <memory>
 #include <vector>
 
@@ -52,8 +52,8 @@ namespace limberg::fem {
 /// What scenes never change: benches ask what each of them is worth.
 struct MinimiserPolicy {
   int pairs = 0;  // of the history; 0: as suits the size
-  // false: no distance_mm, and the residual against the forces of the step's beginning. Saves an evaluation and a
-  // direction.
+  // false: no distance_mm, and the residual against the forces of
+  // the step's beginning. Saves an evaluation and a direction.
   bool estimate_error = true;
 };
 

@@ -1,21 +1,21 @@
 #pragma once
-// A solver for a part of a model: cells of scale 0 (lattice/region.h) and the nodes of no other cell are absent. They
-// have no unknown, no element, no row of a matrix and no place in any vector; what the caller sees is the whole model
-// all the same.
+// A solver for a part of a model: cells of scale 0 (lattice/region.h) and the nodes
+// of no other cell are absent. They have no unknown, no element, no row of a matrix
+// and no place in any vector; what the caller sees is the whole model all the same.
 //
 //   whole model   nodes and cells as the lattice numbers them: springs, contacts, displacements, cells' J
-//   present       cells with scale > 0 and their nodes, in the order of the whole; made anew with every model, chunks
-//   of arrays that
-//                 are as before shared. This is all that the minimiser (any ElasticSolver) ever sees
-//   anchors       eight held nodes of no cell at the corners of the body's box, present nodes 0..7. A place in absent
-//   tissue is where
-//                 it was at rest, and any such place is a sum of the eight with trilinear weights: so a hook or a
-//                 stitch may
-//                 hang on absent tissue like on any other
+//   present       cells with scale > 0 and their nodes, in the order of the whole;
+//                 made anew with every model, chunks of arrays that are as before
+//                 shared. This is all that the minimiser (any ElasticSolver) ever sees
+//   anchors       eight held nodes of no cell at the corners of the
+//                 body's box, present nodes 0..7. A place in absent
+//                 tissue is where it was at rest, and any such place is a
+//                 sum of the eight with trilinear weights: so a hook or a
+//                 stitch may hang on absent tissue like on any other
 //
-// The answer is that of the whole model with the absent nodes held, to rounding: the same energy of the same unknowns.
-// What an absent node is given from outside (set_displacement_mm) is dropped: absent tissue is at rest. A saved state
-// has the length of what is present.
+// The answer is that of the whole model with the absent nodes held, to rounding: the same
+// energy of the same unknowns. What an absent node is given from outside (set_displacement_mm)
+// is dropped: absent tissue is at rest. A saved state has the length of what is present.
 #include <memory>
 
 #include "sim/fem/solver/elastic_solver.h"

@@ -221,8 +221,8 @@ class Fitter {
     onwards_ = false;
   }
 
-  /// Rims at the border of the data are drawn to it, those of other openings to the crest of the surface there
-  /// (fit_rims.cpp).
+  /// Rims at the border of the data are drawn to it, those of other
+  /// openings to the crest of the surface there (fit_rims.cpp).
   /// Where they belong is found anew when `find` is set.
   void to_border(double beta, bool find) {
     if (find) rim_to_.assign(m_.nbr.size(), kNowhere);

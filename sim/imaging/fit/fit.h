@@ -12,9 +12,9 @@
 // voxels). The rims then come to rest where they belong (fit_rims.cpp): at the border in the last slice, at a mouth on
 // the crest between the outer surface and the cavity's wall. Narrow gaps that the sealing ball spans stay closed.
 //
-// Points. Every vertex is pulled along its normal to the nearest point M, weight G(|PM| / D), G = 1 up to 1 and 1 / x^2
-// beyond; D shrinks from 20 % to 8 % of the cloud's size (Delingette 1994, as remembered). Regions without points are
-// opened.
+// Points. Every vertex is pulled along its normal to the nearest point M, weight
+// G(|PM| / D), G = 1 up to 1 and 1 / x^2 beyond; D shrinks from 20 % to 8 % of the
+// cloud's size (Delingette 1994, as remembered). Regions without points are opened.
 // How far apart points may lie in one is said by their own spacing, so that sparse ones are no holes. Where it is known
 // which way the surface looks, only points that look the way of the mesh draw it. Rims go on along the scan to points
 // that the mesh has not reached.

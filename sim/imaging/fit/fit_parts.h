@@ -32,8 +32,8 @@ class Sight {
   virtual bool knows_air() const = 0;
   /// The way back to the object from a place in air, sideways too; no longer than `most`.
   virtual Vec3 home(const Vec3& x, double most) const = 0;
-  /// Border of the data that a place lies at: 2 axis + (0 low, 1 high), with the outward normal there and the way to
-  /// it; -1: none.
+  /// Border of the data that a place lies at: 2 axis + (0 low, 1
+  /// high), with the outward normal there and the way to it; -1: none.
   virtual int border(const Vec3& x, double within, Vec3& outward, double& way) const = 0;
   virtual const std::vector<Vec3>& surface() const = 0;
   /// A vertex that has left the surface and is to be cut off: where the data end, at the mouths of cavities.
@@ -48,8 +48,8 @@ class Sight {
   virtual const ScanHeights* heights() const { return nullptr; }
   /// The way of a rim's vertex to the nearest edge of a scan; none: zero.
   virtual Vec3 to_edge(const Vec3&) const { return Vec3::Zero(); }
-  /// The way to where a scan goes on beyond a rim's vertex, in direction `out`, by those of its points that are `left`;
-  /// it does not: zero.
+  /// The way to where a scan goes on beyond a rim's vertex, in direction
+  /// `out`, by those of its points that are `left`; it does not: zero.
   virtual Vec3 onwards(const Vec3&, const Vec3& /*N*/, const Vec3& /*out*/,
                        const std::vector<int32_t>& /*left*/) const {
     return Vec3::Zero();
@@ -146,8 +146,8 @@ class Topology {
 /// Borders of a region of faces, each with the region on its left; contours of from-vertices.
 std::vector<std::vector<int32_t>> borders_of(const simplex::Mesh& m, const std::vector<uint8_t>& in);
 
-/// Opens the regions of blind faces (end faces count as such). Returns how many; what could not be opened goes to
-/// `notes`.
+/// Opens the regions of blind faces (end faces count as such).
+/// Returns how many; what could not be opened goes to `notes`.
 int open_blind(simplex::Mesh& m, std::vector<uint8_t> blind, std::vector<std::string>& notes);
 
 /// Faces beside rims are split until no edge of a rim is longer than `edge_mm`, where that can be done.

@@ -15,10 +15,10 @@ constexpr size_t kTried = 32;   // points, until one looks to the side of the me
 constexpr size_t kAround = 20;  // neighbours that say whether a point of a scan is at its edge
 }  // namespace
 
-/// Signed way along the normal to the nearest place where the volume falls through iso outwards; false: none within
-/// range.
-/// Outside the volume nothing is known: no edge there, nor across its border. Edges deep below the sealed surface (the
-/// inner table, the wall of a sinus) belong to another surface, those far outside it to a part that was left out.
+/// Signed way along the normal to the nearest place where the volume falls through iso
+/// outwards; false: none within range. Outside the volume nothing is known: no edge there,
+/// nor across its border. Edges deep below the sealed surface (the inner table, the wall of
+/// a sinus) belong to another surface, those far outside it to a part that was left out.
 bool VolumeSight::edge(const Vec3& x, const Vec3& n, double range, double& at) const {
   const double h = 0.5 * p_.voxel_mm, deep = -(2 * p_.voxel_mm + p_.guide_mm);
   const auto known = [&](const Vec3& p, double& f) {
@@ -167,8 +167,8 @@ Vec3 PointSight::onwards(const Vec3& x, const Vec3& N, const Vec3& out, const st
   if (heights_) return Vec3::Zero();
   const auto here = size_t(tree_.nearest(x).index);
   const double step = std::max(spacing_, around_[here]);
-  // A rim that has folded in does not look ahead: where the points say which way they look, it goes to the nearest that
-  // look as those here do.
+  // A rim that has folded in does not look ahead: where the points say
+  // which way they look, it goes to the nearest that look as those here do.
   const bool known = !looks_.empty() && looks_[here].dot(N) > -kFacing;
   double least = known ? 3 * step : 1.5 * step;
   Vec3 way = Vec3::Zero();

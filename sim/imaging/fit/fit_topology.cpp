@@ -128,8 +128,8 @@ void Topology::check(double edge_mm, std::vector<uint8_t>& still) {
   if (!any) cut_necks(neck, edge_mm);
 }
 
-/// A tube through air is cut across: by the plane through its middle that gives the shortest closed curve wholly in
-/// air.
+/// A tube through air is cut across: by the plane through its
+/// middle that gives the shortest closed curve wholly in air.
 void Topology::cut_necks(const std::vector<Neck>& neck, double edge_mm) {
   int tries = 0;
   for (const Neck& c : neck) {
@@ -161,8 +161,8 @@ void Topology::cut_necks(const std::vector<Neck>& neck, double edge_mm) {
     const Outcome o = t4_edges(m_, best, CutPolicy::any, d);
     if (!o) continue;
     if (o.divided) {
-      // A tip that has come loose, or a piece of the tube, is no body: on either side some of the surface must have
-      // been reached.
+      // A tip that has come loose, or a piece of the tube, is no body:
+      // on either side some of the surface must have been reached.
       std::vector<int32_t> of;
       components(m_, of);
       int64_t left = 0;

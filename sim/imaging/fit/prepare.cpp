@@ -21,10 +21,10 @@ constexpr double kBlur = 0.5;        // of the longest side of a voxel: scale at
 constexpr double kAirLevel = 1.5;
 // longest sides of a voxel: so deep a ball that rolls over a gap may reach into its wall
 constexpr double kShallow = 1.5;
-// With thin walls what is left of a gap is frayed: a wider ball must pass on the way into a cavity, and sees less of
-// the depth of a pit. Of a real CT and of the
-// synthetic head's, both of voxels of 3.2 mm, any ball from 7.5 to 8 mm tells orbits, nose and foramen from temples and
-// lost walls (2026-11-22).
+// With thin walls what is left of a gap is frayed: a wider ball must pass on
+// the way into a cavity, and sees less of the depth of a pit. Of a real CT and
+// of the synthetic head's, both of voxels of 3.2 mm, any ball from 7.5 to 8 mm
+// tells orbits, nose and foramen from temples and lost walls (2026-11-22).
 constexpr double kWayWithWalls = 0.43;  // of mouth_width_mm
 constexpr double kDeepWithWalls = 0.7;  // widths of the mouth
 constexpr double kGate = 2.5;           // steps: the sealed surface at a mouth is not farther from its throat

@@ -2,28 +2,28 @@
 // Getting a volume ready for a fit: what is the object, where is its outside, and where does it leave the picture.
 //
 //   smoothed    a Gaussian takes noise off (separable, along the voxel axes)
-//   object      the largest part (6-connected nodes) above the isovalue, or the largest ones: table, head rest and
-//   specks go
-//   lids        where the object leaves the volume it is closed by a lid on the border, so that an open vault is no way
-//   in
-//   sealed      air is what a ball of radius `seal_mm` reaches from outside; airway, sinuses, inner table, cranial
-//   cavity
-//               and openings narrower than the ball are not (closing by a ball: dilate, then erode)
+//   object      the largest part (6-connected nodes) above the isovalue,
+//               or the largest ones: table, head rest and specks go
+//   lids        where the object leaves the volume it is closed by a
+//               lid on the border, so that an open vault is no way in
+//   sealed      air is what a ball of radius `seal_mm` reaches from outside;
+//               airway, sinuses, inner table, cranial cavity and openings narrower
+//               than the ball are not (closing by a ball: dilate, then erode)
 //
-//   cavities    with `mouth_mm`: orbits, nose and foramen are entered by that ball, but not by a wider one, and go on
-//   behind their mouths:
-//              they are closed there (mouths.h). With `thin` bone that voxels have blurred below the isovalue
-//              (thin_walls.h) is in the way too: else
-//              temples and sinuses, whose walls an isosurface lacks, are entered and taken for cavities
+//   cavities    with `mouth_mm`: orbits, nose and foramen are entered by that
+//               ball, but not by a wider one, and go on behind their mouths:
+//              they are closed there (mouths.h). With `thin` bone that voxels have blurred
+//              below the isovalue (thin_walls.h) is in the way too: else temples and
+//              sinuses, whose walls an isosurface lacks, are entered and taken for cavities
 //
-// The result is a guide: the signed distance to the sealed surface on an even grid. A mesh led by it goes to the outer
-// surface and nowhere else; where that surface is a lid or spans an opening there is no isosurface, and the mesh is
-// opened there; on a thin wall there is
-// none either, and it stays closed. Places on
+// The result is a guide: the signed distance to the sealed surface on an even grid.
+// A mesh led by it goes to the outer surface and nowhere else; where that surface
+// is a lid or spans an opening there is no isosurface, and the mesh is opened
+// there; on a thin wall there is none either, and it stays closed. Places on
 // the isosurface that belong to the sealed surface are kept, to tell afterwards how much of it a mesh has reached.
 //
-// Distances on the grid: exact Euclidean transform by lower envelopes of parabolas (Felzenszwalb and Huttenlocher
-// 2012).
+// Distances on the grid: exact Euclidean transform by lower
+// envelopes of parabolas (Felzenszwalb and Huttenlocher 2012).
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -37,8 +37,8 @@ struct PrepareSettings {
   double iso = 0;
   double sigma_voxels = 0.6;  // of the Gaussian, in voxels along each axis; 0: none
   double seal_mm = 6;         // 0: every way in that voxels leave open is gone
-  // > seal_mm: cavities that a ball of this radius does not enter, and that are deeper than wide, are closed at their
-  // mouths
+  // > seal_mm: cavities that a ball of this radius does not enter,
+  // and that are deeper than wide, are closed at their mouths
   double mouth_mm = 0;
   double mouth_depth_mm = 6;   // hollows less deep are no cavities
   double mouth_width_mm = 18;  // nor are passages less wide, nor wider than 2.5 mouth_mm

@@ -6,8 +6,8 @@
 // 150 HU only, and an isosurface has a hole there (fenestrations, dehiscences). Yet the blurred wall is still a crest:
 // a sheet on which the value is largest across it. So beside the isovalue a lower threshold is used, where such a crest
 // is and nowhere else (a sheet by the eigenvalues of
-// the Hessian: Sato 2000, Descoteaux 2006; which nodes it passes through: Steger 1998), and of it what goes on from the
-// object.
+// the Hessian: Sato 2000, Descoteaux 2006; which nodes it passes
+// through: Steger 1998), and of it what goes on from the object.
 #include <cstdint>
 #include <vector>
 

@@ -26,8 +26,8 @@ struct DicomFile {
 
 constexpr size_t kDicomBytes = size_t(1) << 30;  // largest file
 
-/// Whole file as text; throws InputError: no DICOM, cut short, an element that does not fit, a transfer syntax that is
-/// not read.
+/// Whole file as text; throws InputError: no DICOM, cut short, an
+/// element that does not fit, a transfer syntax that is not read.
 DicomFile parse_dicom(std::string_view bytes, const std::string& file);
 
 }  // namespace limberg::imaging

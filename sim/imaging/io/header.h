@@ -33,8 +33,8 @@ std::vector<double> numbers(std::string_view s, size_t count, const std::string&
 Header nrrd_header(std::string_view text, const std::string& file);
 Header meta_header(std::string_view text, const std::string& file);
 
-/// Inflates gzip or zlib data until `wanted` bytes are there; memory grows with what really comes out. InputError:
-/// damaged, cut short.
+/// Inflates gzip or zlib data until `wanted` bytes are there; memory
+/// grows with what really comes out. InputError: damaged, cut short.
 std::string inflated(std::string_view in, size_t wanted, const std::string& file);
 /// The first `count` numbers of `data`, which holds as many; InputError: one is not finite.
 std::vector<float> as_floats(std::string_view data, Number number, bool big_endian, size_t count,

@@ -122,8 +122,8 @@ ScanView view_of(const std::vector<Vec3>& points, const std::vector<Tri>& tri, c
     return std::abs(s.axis[2].dot(front)) < 0.9 * front.norm() ? s.axis[2] : s.axis[1];
   };
   if (from != Vec3::Zero()) return view_along(points, s, from, up_of(from));
-  // Where its silhouette is largest: across the least spread, but for a face from ear to ear, which is deeper than
-  // wide.
+  // Where its silhouette is largest: across the least spread,
+  // but for a face from ear to ear, which is deeper than wide.
   const double cell = 1.5 * spacing_of(points);
   ScanView best;
   double most = 0;
@@ -176,8 +176,8 @@ std::vector<Vec3> seen_from_front(const std::vector<Vec3>& points, const std::ve
     for (size_t i = 0; i < points.size(); ++i)
       hidden[i] = bvh.line(points[i], view.front, spacing, 4 * view.half_mm.norm(), hit) > 0;
   } else {
-    // By columns: the points of a square cell and of those around it are sorted by height once, and looked through for
-    // each of its points.
+    // By columns: the points of a square cell and of those around it are
+    // sorted by height once, and looked through for each of its points.
     const double r = kColumn * spacing;
     struct Placed {
       int64_t i, j;

@@ -32,8 +32,8 @@ struct RegistrationResult {
   explicit operator bool() const { return reason.empty(); }
 };
 
-/// Throws InputError on settings out of range or empty volumes. Refused with a reason: an image without contrast, no
-/// overlap.
+/// Throws InputError on settings out of range or empty volumes.
+/// Refused with a reason: an image without contrast, no overlap.
 RegistrationResult register_volumes(const Volume& fixed, const Volume& moved, const RegistrationSettings& settings,
                                     Workers& workers);
 

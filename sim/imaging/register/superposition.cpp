@@ -28,8 +28,8 @@ Mat3 spread_of(const std::vector<Vec3>& x, const Vec3& m) {
   return S;
 }
 
-/// How far points spread about their middle, root of the mean square, along the two directions in which they do so
-/// most.
+/// How far points spread about their middle, root of the mean
+/// square, along the two directions in which they do so most.
 struct Spreads {
   double largest = 0, second = 0;
 };
@@ -302,8 +302,8 @@ MirrorPlane mirror_plane(const Surface& surface, const Vec3& guess, const IcpSet
     return out;
   }
   out.map = r.map * flip, out.rms_mm = r.rms_mm;
-  // A reflection with a glide and a small turn about the normal: the plane's normal is what is most nearly turned
-  // round.
+  // A reflection with a glide and a small turn about the normal:
+  // the plane's normal is what is most nearly turned round.
   const Eigen::SelfAdjointEigenSolver<Mat3> e(0.5 * (out.map.R + out.map.R.transpose()));
   out.normal = e.eigenvectors().col(0);
   if (out.normal.dot(n) < 0) out.normal = -out.normal;

@@ -1,22 +1,22 @@
 #pragma once
 // Superposition: one surface laid upon another (an abnormal skull on a normal one), and what then differs.
 //
-//   landmarks    pairs of places: the rotation, shift and, if wanted, scale with the least sum of squares (Umeyama
-//   1991,
-//                by singular values; for unit scale the same as Horn 1987)
-//   ICP          the nearest places on the other surface, the `keep` share of the pairs with the smallest distances,
-//   the small
-//                motion with the least squares of distances along the other's normals; again until it stands still
-//                (Chen and Medioni 1992; trimmed: Chetverikov and others 2002). Once it moves little, pairs within
-//                three
-//                robust standard deviations count too: with noise, the smallest distances are those that agree with the
-//                present guess
+//   landmarks    pairs of places: the rotation, shift and, if wanted,
+//                scale with the least sum of squares (Umeyama 1991, by
+//                singular values; for unit scale the same as Horn 1987)
+//   ICP          the nearest places on the other surface, the `keep` share of the
+//                pairs with the smallest distances, the small motion with the
+//                least squares of distances along the other's normals; again
+//                until it stands still (Chen and Medioni 1992; trimmed:
+//                Chetverikov and others 2002). Once it moves little, pairs within
+//                three robust standard deviations count too: with noise, the
+//                smallest distances are those that agree with the present guess
 //   mirror plane the surface reflected in a first guess, laid upon itself by ICP; the plane that bisects the result
 //   distance map signed distance of every vertex to the other surface, > 0 outside (weighted normals, Baerentzen and
 //                Aanaes 2005, blended at edges), mean, rms, 95th percentile
 //
-// A surface without triangles is a cloud: normals are those of the best plane through the nearest 12 points, without a
-// side; distances to it are without sign.
+// A surface without triangles is a cloud: normals are those of the best plane
+// through the nearest 12 points, without a side; distances to it are without sign.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -45,8 +45,8 @@ struct LandmarkFit {
   std::string reason;             // why there is none; empty: good
   explicit operator bool() const { return reason.empty(); }
 };
-/// Refused with the reason: fewer than three pairs, places (nearly) on a line or at one point, numbers that are not
-/// finite.
+/// Refused with the reason: fewer than three pairs, places (nearly)
+/// on a line or at one point, numbers that are not finite.
 LandmarkFit fit_landmarks(const std::vector<Vec3>& from_mm, const std::vector<Vec3>& to_mm, bool with_scale);
 
 /// What a surface lacks to be laid upon another by its shape, or another upon it; empty: nothing. At least 10 points,

@@ -1,22 +1,22 @@
 #pragma once
 // The analytic head: skull, mandible and skin as signed distances, so that every test knows what the truth is.
 //
-// Places in mm: x to the right, y forwards, z upwards, origin midway between the ear canals (porion), z = 0 the
-// Frankfurt plane.
-// Below 0 is inside. The values are distances near the surfaces and bounds elsewhere: they never grow faster than
-// `kLipschitz` mm a mm, so a block whose centre is farther from zero than that times its radius holds no surface.
+// Places in mm: x to the right, y forwards, z upwards, origin midway between the ear canals
+// (porion), z = 0 the Frankfurt plane. Below 0 is inside. The values are distances near the
+// surfaces and bounds elsewhere: they never grow faster than `kLipschitz` mm a mm, so a
+// block whose centre is farther from zero than that times its radius holds no surface.
 //
-//   skull      vault, forehead, base, maxilla, zygomas with arches, nasal bones, upper alveolar arch, mastoids, less
-//   the brain with
-//              the foramen magnum, orbits, piriform aperture with the nasal cavity, palate. One solid of genus 3: a
-//              tunnel under
-//              each zygomatic arch, one from the piriform aperture to the choanae. The orbits are pits (no optic
-//              canal), the
-//              sinuses are apart (`sinus`), so that every wall is thick enough to be meshed.
-//   mandible   rami with condyles and coronoids, body, alveolar arch, chin. A solid of its own, a joint's gap below the
-//   skull
-//   skin       the filled skull thickened by what textbooks give for soft tissue, cheeks, masseters, lids, nose, lips,
-//   ears, neck
+//   skull      vault, forehead, base, maxilla, zygomas with arches, nasal
+//              bones, upper alveolar arch, mastoids, less the brain with the
+//              foramen magnum, orbits, piriform aperture with the nasal
+//              cavity, palate. One solid of genus 3: a tunnel under each
+//              zygomatic arch, one from the piriform aperture to the choanae.
+//              The orbits are pits (no optic canal), the sinuses are apart
+//              (`sinus`), so that every wall is thick enough to be meshed.
+//   mandible   rami with condyles and coronoids, body, alveolar arch,
+//              chin. A solid of its own, a joint's gap below the skull
+//   skin       the filled skull thickened by what textbooks give for soft
+//              tissue, cheeks, masseters, lids, nose, lips, ears, neck
 //
 // Teeth are not there: the edges of the alveolar arches stand for the incisors.
 #include <algorithm>

@@ -1,12 +1,12 @@
 #pragma once
 // The synthetic head: meshes, landmarks and a CT of the analytic head (head_shape.h). Needs no file.
 //
-//   HeadModel head = make_head({}, workers);            // about 10,000 vertices of bone and 5,000 of skin, a second or
-//   two
+//   HeadModel head = make_head({}, workers);            // about 10,000 vertices of bone
+//                                                       and 5,000 of skin, a second or two
 //   Volume ct = head_ct({}, 1.0, workers);              // Hounsfield units with blur and noise
 //
-// The frame is that of head_shape.h: x right, y forwards, z up, right-handed. A Volume's places are left, posterior,
-// superior: the place p of the head is (-x, -y, z) there, half a turn about z.
+// The frame is that of head_shape.h: x right, y forwards, z up, right-handed. A Volume's places are
+// left, posterior, superior: the place p of the head is (-x, -y, z) there, half a turn about z.
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,9 +28,9 @@ struct HeadModel {
 /// Throws InputError as HeadShape does.
 HeadModel make_head(const HeadSpec& spec, Workers& workers);
 
-/// How a landmark is found: rays along `look` from 25 mm before places within reach of `place` (along two axes across
-/// `look`; 0 mm on the first keeps the plane x = const) meet the surface; of the places met, the farthest along `score`
-/// is it.
+/// How a landmark is found: rays along `look` from 25 mm before places within reach
+/// of `place` (along two axes across `look`; 0 mm on the first keeps the plane x =
+/// const) meet the surface; of the places met, the farthest along `score` is it.
 struct LandmarkRule {
   const char* name;  // of one in the middle, or of a pair without _L, _R
   enum class Surface : uint8_t { skull, mandible, skin } surface;
@@ -54,9 +54,9 @@ struct HeadCt {
   uint64_t seed = 1;
   bool sinuses = true;
 };
-/// Air -1000, fat -90, muscle and skin 45, brain 35, fat of the orbit -60, eye 20, cortical bone 1100, diploe 450
-/// (deeper than 2.2 mm).
-/// Throws InputError when a voxel is not 0.3 to 10 mm.
+/// Air -1000, fat -90, muscle and skin 45, brain 35, fat of the
+/// orbit -60, eye 20, cortical bone 1100, diploe 450 (deeper than
+/// 2.2 mm). Throws InputError when a voxel is not 0.3 to 10 mm.
 Volume head_ct(const HeadSpec& spec, double voxel_mm, Workers& workers, const HeadCt& settings = {});
 
 }  // namespace limberg

@@ -30,8 +30,8 @@ struct Aim {
   std::vector<double> depth_mm;  // to the other table
 };
 
-/// Places that need more than deepest_mm are allowed up to kLonger times that; for half of the path it has to be
-/// enough.
+/// Places that need more than deepest_mm are allowed up to
+/// kLonger times that; for half of the path it has to be enough.
 Aim aim_blade(const simplex::Mesh& mesh, const BoneSurface& bone, const DrawnPath& path, double deepest_mm);
 
 inline constexpr int kDirections = 160;

@@ -32,8 +32,8 @@ struct RigidFigures {
   double deepest_mm = 0;  // overlap of the bodies' convex pieces at its end
 };
 
-/// `mesh` may have several parts: each becomes a bone of that name. Closed cavities (parts turned inside out) are
-/// filled.
+/// `mesh` may have several parts: each becomes a bone of that
+/// name. Closed cavities (parts turned inside out) are filled.
 struct NamedMesh {
   std::string name;
   simplex::Mesh mesh;
@@ -93,18 +93,18 @@ class Bones {
   Outcome plate(const Vec3& a_mm, const Vec3& b_mm);
   /// Takes all plates off a fragment. Refused: there is none on it.
   Outcome unplate(int32_t id);
-  /// Puts together what fits by its cut rings, wherever it lies (sorting.h; some 0.1 s a pair): of each group that
-  /// verified pairs join, the fixed one stays, or the one with the smallest number. One act; in words what went where,
-  /// and what fits nothing.
-  /// Refused, with the reasons: nothing fits; all that fits lies so already; two fixed ones fit each other; a plate
-  /// would be bent.
+  /// Puts together what fits by its cut rings, wherever it lies (sorting.h; some
+  /// 0.1 s a pair): of each group that verified pairs join, the fixed one stays,
+  /// or the one with the smallest number. One act; in words what went where, and
+  /// what fits nothing. Refused, with the reasons: nothing fits; all that fits
+  /// lies so already; two fixed ones fit each other; a plate would be bent.
   Outcome sort();
 
   Outcome grab(int32_t id);
   void drag(int32_t id, const Eigen::Isometry3d& wanted_pose);
   /// Leaves it where it is. snap: when within kSnap_mm (of its centre) and
-  /// kSnap_deg of fitting a fragment that it was cut from, it is put where it fits; to the nearest of several. In words
-  /// which, or why not.
+  /// kSnap_deg of fitting a fragment that it was cut from, it is put where
+  /// it fits; to the nearest of several. In words which, or why not.
   Outcome release(int32_t id, bool snap = false);
   void step(double dt_s);
   bool physics() const { return hold_ != nullptr; }

@@ -24,8 +24,8 @@ Apart apart(const Eigen::Isometry3d& was, const Eigen::Isometry3d& is, const Vec
 
 bool has(const Match& m, size_t piece) { return size_t(m.a) == piece || size_t(m.b) == piece; }
 
-/// What verified pairs join, two or more, each by number. (A group of the sorting may hold a pair that lies together
-/// and does not stand.)
+/// What verified pairs join, two or more, each by number. (A group of
+/// the sorting may hold a pair that lies together and does not stand.)
 std::vector<std::vector<size_t>> joined(const std::vector<Match>& matches, size_t pieces) {
   std::vector<size_t> group(pieces);
   std::iota(group.begin(), group.end(), size_t(0));

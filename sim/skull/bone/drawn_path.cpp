@@ -71,8 +71,8 @@ bool straight_on(const BoneSurface& bone, const OnBone& a, const OnBone& b, std:
   return true;
 }
 
-/// Shortest ways over the surface, for two places between which it turns too much to go straight on (over the rim of an
-/// orbit).
+/// Shortest ways over the surface, for two places between which it
+/// turns too much to go straight on (over the rim of an orbit).
 class Over {
  public:
   explicit Over(const BoneSurface& bone) : bone_(bone) {

@@ -17,8 +17,8 @@ namespace {
 using simplex::Crossing;
 using simplex::Mesh;
 
-/// The curves that bound one piece of cut surface: an outer one, and what lies within it. Indices into the list of
-/// curves.
+/// The curves that bound one piece of cut surface: an outer one,
+/// and what lies within it. Indices into the list of curves.
 struct Piece {
   std::vector<size_t> curve;
 };
@@ -127,8 +127,8 @@ Plan plan_contour(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o
   if (!plan.reason.empty()) return plan;
   constexpr double kAbove_mm = 1;  // the blade starts so far over the surface
   const bool solid = is_solid(path, o.deepest_mm);
-  // As deep as the bone is nearby along the path, and some more; where the other table falls away steeply, more of
-  // both.
+  // As deep as the bone is nearby along the path, and some more;
+  // where the other table falls away steeply, more of both.
   struct Try {
     int reach;  // places to either side
     double factor;
@@ -260,8 +260,8 @@ std::string wall_piece(Mesh& m, std::vector<Facing> mouth, const std::optional<V
     for (const Facing& w : walls) keep(w);
     return "";
   }
-  // Several cavities in one plane: each in turn, in the face that holds it. Lines that would cross another ring are
-  // left out.
+  // Several cavities in one plane: each in turn, in the face that
+  // holds it. Lines that would cross another ring are left out.
   const Axes flat(*normal);
   std::vector<std::vector<Vec2>> ring(mouth.size());
   for (size_t i = 0; i < mouth.size(); ++i)

@@ -1,19 +1,19 @@
 #pragma once
 // Osteotomies: what the saw does to a bone, both tables of it.
 //
-// A cut is a surface through the bone: a plane, or a closed contour on the bone swept along the inward normals. Where
-// it crosses the edges of the mesh the bone is divided (t4_edges): one curve for each time that the surface meets the
-// bone, exact on every edge. What is bone between the curves becomes wall (wall.h), on both sides the same polygons. So
-// the fragment and what is left are closed and watertight, and fit each other without gap or overlap.
+// A cut is a surface through the bone: a plane, or a closed contour on the bone swept along the inward normals.
+// Where it crosses the edges of the mesh the bone is divided (t4_edges): one curve for each time that the surface
+// meets the bone, exact on every edge. What is bone between the curves becomes wall (wall.h), on both sides the same
+// polygons. So the fragment and what is left are closed and watertight, and fit each other without gap or overlap.
 //
 //   contour, table of bone no thicker than deepest_mm    two curves: the drawn one and that on the other table
 //   contour, solid bone, or the contour goes around it   one curve; the wall spans it
 //   plane                                                every closed curve, in sets: an outer one and what lies within
 //
-// Volumes: the walls of both sides cancel. What may differ is the surface that the curve crosses: a face is a fan about
-// a lifted centre, and its halves are fans about their own. So |sum of parts - whole| is at most the sum, over the
-// faces that are crossed, of their area times the sum of the largest heights of the fans above and below the plane of
-// the face.
+// Volumes: the walls of both sides cancel. What may differ is the surface that the curve
+// crosses: a face is a fan about a lifted centre, and its halves are fans about their own. So
+// |sum of parts - whole| is at most the sum, over the faces that are crossed, of their area
+// times the sum of the largest heights of the fans above and below the plane of the face.
 #include <string>
 #include <vector>
 

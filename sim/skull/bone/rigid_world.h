@@ -1,16 +1,16 @@
 #pragma once
 // The Bullet world of the fragments while one of them is held. No Bullet header is included here.
 //
-// A fragment is a compound of convex pieces: under every face of its surface a prism, from kInset_mm under the surface
-// to at most kThick_mm (never more than 45 % of the bone's thickness there). So thin curved shells stay hollow, and a
-// fragment rests in its own gap without touching: two surfaces touch when they overlap by 2 kInset_mm, about the kerf
-// of a saw.
+// A fragment is a compound of convex pieces: under every face of its surface a prism, from
+// kInset_mm under the surface to at most kThick_mm (never more than 45 % of the bone's thickness
+// there). So thin curved shells stay hollow, and a fragment rests in its own gap without
+// touching: two surfaces touch when they overlap by 2 kInset_mm, about the kerf of a saw.
 //
-// step() goes in so many substeps that no place of the held body moves further than kStride_mm in one of them, which is
-// less than the prisms are thick: nothing tunnels, at any speed. In each substep the held body gets the velocity that
-// takes it to where the hand wants it; contact takes back what would lead into other bone. Fragments that are not held
-// are pushed aside, and stop at once (no inertia worth the name, no gravity). One solver, fixed order, no threads: same
-// calls, same bits.
+// step() goes in so many substeps that no place of the held body moves further than kStride_mm in one
+// of them, which is less than the prisms are thick: nothing tunnels, at any speed. In each substep
+// the held body gets the velocity that takes it to where the hand wants it; contact takes back what
+// would lead into other bone. Fragments that are not held are pushed aside, and stop at once (no
+// inertia worth the name, no gravity). One solver, fixed order, no threads: same calls, same bits.
 //
 // Bullet computes in floats; lengths are in cm there, so that its tolerances (tuned for bodies of 0.05 to 10) fit.
 #include <memory>

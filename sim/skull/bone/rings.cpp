@@ -11,10 +11,10 @@ using simplex::FaceKind;
 
 namespace {
 
-/// From how far each corner lies off the line between its neighbours, across the ring. Of independent errors of
-/// standard deviation s in all corners that distance has s sqrt(1 + w^2 + (1 - w)^2) in each of two directions, w and 1
-/// - w the neighbours' shares; its median is 1.18 times that (Rayleigh). The median does not see the few true kinks of
-/// a ring.
+/// From how far each corner lies off the line between its neighbours, across the ring. Of
+/// independent errors of standard deviation s in all corners that distance has s sqrt(1 + w^2
+/// + (1 - w)^2) in each of two directions, w and 1 - w the neighbours' shares; its median is
+/// 1.18 times that (Rayleigh). The median does not see the few true kinks of a ring.
 double jumps(const std::vector<Vec3>& x) {
   std::vector<double> off;
   const size_t n = x.size();

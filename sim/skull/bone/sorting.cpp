@@ -73,8 +73,8 @@ Isometry3d towards_lines(const std::vector<Vec3>& from, const std::vector<Vec3>&
   return T;
 }
 
-/// What noise of both alone would leave as the distance of a corner from a line, which is the mean of two corners or
-/// nearly.
+/// What noise of both alone would leave as the distance of a
+/// corner from a line, which is the mean of two corners or nearly.
 double explained(const SortedPiece& a, const SortedPiece& b) {
   return std::sqrt(2.) * std::hypot(b.noise_mm, 0.82 * a.noise_mm);
 }
@@ -114,8 +114,8 @@ Together together(const SortedPiece& a, const SortedPiece& b, const Isometry3d& 
   return out;
 }
 
-/// The same within three times the usual distance, no more than `widest`: without what only comes near where the common
-/// curve ends.
+/// The same within three times the usual distance, no more than
+/// `widest`: without what only comes near where the common curve ends.
 Together together_closely(const SortedPiece& a, const SortedPiece& b, const Isometry3d& T, double widest) {
   Together t = together(a, b, T, widest);
   if (t.from.empty()) return t;

@@ -16,9 +16,9 @@ struct BoneSurface {
   Bvh bvh;
 
   Vec3 normal(int32_t triangle) const;  // unit, outwards
-  /// Inside the closed surface: a line in a fixed direction leaves it once more than it enters it, beyond the place.
-  /// Small folds of the surface do not matter; where the numbers make no sense (a line along an edge) other directions
-  /// are asked, up to five.
+  /// Inside the closed surface: a line in a fixed direction leaves it once more than it
+  /// enters it, beyond the place. Small folds of the surface do not matter; where the
+  /// numbers make no sense (a line along an edge) other directions are asked, up to five.
   bool contains(const Vec3& x_mm) const;
 };
 

@@ -34,9 +34,9 @@ struct Rung {
 /// edge of the longer one, in order, with the least sum of squares of their lengths. In order of a.
 std::vector<Rung> plan_rungs(const std::vector<Vec3>& x_mm, const std::vector<Vec3>& y_mm);
 
-/// Joins x and y on both sides by rungs (in order of a, at most one on an edge, three at least). Answers with the
-/// reason when it cannot be done; what `delta` then holds has to be undone. `walls`: the new faces, in order of the
-/// rungs.
+/// Joins x and y on both sides by rungs (in order of a, at most one on an edge,
+/// three at least). Answers with the reason when it cannot be done; what `delta`
+/// then holds has to be undone. `walls`: the new faces, in order of the rungs.
 std::string join_by_walls(simplex::Mesh& mesh, const Facing& x, const Facing& y, const std::vector<Rung>& rungs,
                           simplex::Delta& delta, std::vector<Facing>& walls);
 

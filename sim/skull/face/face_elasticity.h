@@ -2,12 +2,12 @@
 // The tissues between skull and face as one elastic body: the tetrahedra that build_tissue has made anyway, with the
 // solver of sim/fem.
 //
-// Nodes under the tissue are held where the bone is; all others are free: the skin and the sides carry no load. Stable
-// neo-
-// Hookean fat; the top layer is a mixture by thickness of fat and skin, a membrane as far as one layer of tetrahedra
-// can be one.
-// Tissues of neighbouring regions share the nodes on the skin where their regions meet. Linear tetrahedra lock as
-// Poisson's ratio goes to 1/2: 0.45 is as far as it should go, and one layer has no inner nodes.
+// Nodes under the tissue are held where the bone is; all others are free: the
+// skin and the sides carry no load. Stable neo- Hookean fat; the top layer is a
+// mixture by thickness of fat and skin, a membrane as far as one layer of
+// tetrahedra can be one. Tissues of neighbouring regions share the nodes on the
+// skin where their regions meet. Linear tetrahedra lock as Poisson's ratio goes
+// to 1/2: 0.45 is as far as it should go, and one layer has no inner nodes.
 #include <memory>
 #include <span>
 #include <vector>

@@ -23,8 +23,8 @@ struct Foot {
 Vec3 place_of(const Anchor& anchor, const Mesh& bones);
 Foot make_foot(const Anchor& anchor, const Mesh& bones_now, const Mesh& bones_at_rest);
 
-/// The map x -> Q x + c of what stands over a foot, since the last carry; how far the foot itself went, mm. The foot is
-/// then there.
+/// The map x -> Q x + c of what stands over a foot, since the last
+/// carry; how far the foot itself went, mm. The foot is then there.
 struct Carry {
   Mat3 Q = Mat3::Identity();
   Vec3 c = Vec3::Zero();
@@ -42,8 +42,8 @@ class Standing {
   /// Only the faces that reach into a box.
   Standing(const Mesh& bones, const Vec3& lo_mm, const Vec3& hi_mm);
   bool empty() const { return bvh_.empty(); }
-  /// The place of the ground nearest to p: three vertices of the face it lies in carry p. How far it is, mm; less than
-  /// 0: there is no ground.
+  /// The place of the ground nearest to p: three vertices of the face it
+  /// lies in carry p. How far it is, mm; less than 0: there is no ground.
   double stand(const Vec3& p_mm, Anchor& anchor) const;
 
  private:

@@ -6,27 +6,27 @@
 //   model.follow(bones_now);            // as often as a fragment moves
 //   model.step(20);                     // so many iterations a frame, until at_rest
 //
-// Quasi-static: every step goes on from where the last one stopped. When a bone moves, each column of tissue (what lies
-// under one vertex of the face) is first carried along with the piece of bone under it; what the iterations do is to
-// even that out.
+// Quasi-static: every step goes on from where the last one stopped. When a bone moves,
+// each column of tissue (what lies under one vertex of the face) is first carried
+// along with the piece of bone under it; what the iterations do is to even that out.
 //
 //   smoothing         the tissue fills the space, the face does not feel it
-//   springs           along the edges, stiffer with elongation; what they leave free (tissue.h) is held by a share of
-//   the shape force
+//   springs           along the edges, stiffer with elongation; what they leave
+//                     free (tissue.h) is held by a share of the shape force
 //   shape             the rest shape of the tissue, turned as it turns
 //   finite_elements   the same tetrahedra as an elastic body (face_elasticity.h); all such regions are one body
 //
-// Stiffness per edge of the first two comes from Young's modulus and the tissue's sections; their top layer is skin and
-// fat, as that of the finite elements.
+// Stiffness per edge of the first two comes from Young's modulus and the tissue's
+// sections; their top layer is skin and fat, as that of the finite elements.
 //
-// Vertices of the face that no region covers follow by the shape constraint alone up to `transition_mm` from a region;
-// those farther off stay where they are. Vertices over finite elements go where these put them.
+// Vertices of the face that no region covers follow by the shape constraint alone up to `transition_mm` from
+// a region; those farther off stay where they are. Vertices over finite elements go where these put them.
 //
 // Bones that all move as one rigid body take the whole face with them as it is: a head that turns.
 //
-// Bones are one mesh whose components are the fragments; x_mm in it is where they are now. Anchors name three vertices
-// of the bone each, so they follow the fragment that owns these. After an osteotomy `rebind` finds them again by their
-// place at rest, and `warnings` says which regions now hang on several fragments.
+// Bones are one mesh whose components are the fragments; x_mm in it is where they are now. Anchors name
+// three vertices of the bone each, so they follow the fragment that owns these. After an osteotomy `rebind`
+// finds them again by their place at rest, and `warnings` says which regions now hang on several fragments.
 #include <memory>
 #include <string>
 #include <vector>
@@ -56,9 +56,9 @@ struct FaceModelSettings {
   double transition_mm = 25;
   double alpha = 0.03, beta = 0.9,
          gamma = 0.35;  // of the face's motion (law.h): its own shape, the tissues' pull, damping
-  // Mode springs: share of the shape force; 0: the paper's springs alone. (On the mandible's advance of `bench head`
-  // the error is .66 to
-  // .68 mm for any share of .2 to .6, 2026-11-21.)
+  // Mode springs: share of the shape force; 0: the paper's springs
+  // alone. (On the mandible's advance of `bench head` the error is
+  // .66 to .68 mm for any share of .2 to .6, 2026-11-21.)
   double hold = 0.5;
   SpringLaw spring;
   double still_mm = 1e-3;   // at rest when no vertex of the face moves farther in an iteration, five times in a row...

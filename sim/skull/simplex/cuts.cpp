@@ -52,8 +52,8 @@ Outcome conclude(Mesh& m, int32_t left, int32_t right, int32_t mouth_left, int32
   return o;
 }
 
-/// Two faces that are about to be joined, each with the faces around it. Rings run along the contour: x reversed, y as
-/// it is.
+/// Two faces that are about to be joined, each with the faces
+/// around it. Rings run along the contour: x reversed, y as it is.
 struct Mouths {
   Ring l, r;  // ring vertices
   Ring G, H;  // face behind l[i] - l[i + 1], and behind r[i] - r[i + 1]

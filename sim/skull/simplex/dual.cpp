@@ -107,8 +107,8 @@ Mesh from_triangles(const std::vector<Vec3>& X, const std::vector<Tri>& tri, Dua
     hole_start.push_back(cone[size_t(first)]);
     for (size_t i = 0; i < n; ++i) {
       const Border& b = border[size_t(loop[i])];
-      // Cone triangle (to, from, tip): across to->from is the triangle, across from->tip the cone before, across
-      // tip->to the next.
+      // Cone triangle (to, from, tip): across to->from is the triangle,
+      // across from->tip the cone before, across tip->to the next.
       nbr.push_back({b.tri, cone[size_t(loop[(i + n - 1) % n])], cone[size_t(loop[(i + 1) % n])]});
       nbr[size_t(b.tri)][size_t(b.k)] = cone[size_t(loop[i])];
     }

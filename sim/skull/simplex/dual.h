@@ -1,14 +1,14 @@
 #pragma once
 // From triangles to a simplex mesh and back.
 //
-// Duality exchanges triangles with vertices and vertices with faces. It is one of topology only: where the dual
-// vertices lie is a choice. Centroids shrink the shape, and the place nearest to the tangent planes at the corners
-// (least squares) inflates it by as much; the default puts each vertex half way between. The fan of a face is lifted
-// the same way; at the crease between a wall and the surface each of them has its own tangent plane, so that neither
-// bulges.
+// Duality exchanges triangles with vertices and vertices with faces. It is one of topology only:
+// where the dual vertices lie is a choice. Centroids shrink the shape, and the place nearest to
+// the tangent planes at the corners (least squares) inflates it by as much; the default puts
+// each vertex half way between. The fan of a face is lifted the same way; at the crease between
+// a wall and the surface each of them has its own tangent plane, so that neither bulges.
 //
-// Every border loop of an open surface becomes one face of kind `hole`: the loop is closed by a cone whose tip is the
-// hole, so each border edge gives one more vertex, at the middle of that edge.
+// Every border loop of an open surface becomes one face of kind `hole`: the loop is closed by a cone
+// whose tip is the hole, so each border edge gives one more vertex, at the middle of that edge.
 #include <vector>
 
 #include "sim/geometry/vec.h"
@@ -52,8 +52,8 @@ struct FaceArea {
 };
 FaceArea face_area(const Mesh& mesh, int32_t face);
 
-/// Of the fans: area of the surface, volume inside (meaningful when closed; end faces are closed by a flat fan), mm^2,
-/// mm^3.
+/// Of the fans: area of the surface, volume inside (meaningful
+/// when closed; end faces are closed by a flat fan), mm^2, mm^3.
 struct Extent {
   double area_mm2 = 0, volume_mm3 = 0;
 };

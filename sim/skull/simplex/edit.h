@@ -69,8 +69,8 @@ class Edit {
   void free_face(int32_t f);
   /// In the row of v, `was` becomes `is`. Saves v.
   void replace_neighbour(int32_t v, int32_t was, int32_t is);
-  /// Walks from half-edge h0 and makes its orbit face f: marks, size, first edge. Saves f and the vertices whose mark
-  /// changes.
+  /// Walks from half-edge h0 and makes its orbit face f: marks,
+  /// size, first edge. Saves f and the vertices whose mark changes.
   void mark_face(int32_t f, int32_t h0);
   /// Records the reference shape of v from its present place: its neighbours changed.
   void reshape(int32_t v);

@@ -69,8 +69,8 @@ Surface divided(const Surface& s) {
   return out;
 }
 
-/// Convex hull of points on a sphere, one point after the other: the faces that see it give way to a cone over their
-/// border.
+/// Convex hull of points on a sphere, one point after the other:
+/// the faces that see it give way to a cone over their border.
 Surface hull(const std::vector<Vec3>& X) {
   Surface s;
   s.X = X;

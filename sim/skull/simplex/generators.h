@@ -22,8 +22,8 @@ Mesh make_torus(double great_radius_mm, double small_radius_mm, int around, int 
 /// them most nearly regular. Two end contours.
 Mesh make_cylinder(double radius_mm, double length_mm, int around);
 
-/// Rectangle 0..size_x, 0..size_y in z = 0, normal up, of nearly regular hexagons with edges of about edge_mm. One end
-/// contour.
+/// Rectangle 0..size_x, 0..size_y in z = 0, normal up, of nearly
+/// regular hexagons with edges of about edge_mm. One end contour.
 Mesh make_plane(double size_x_mm, double size_y_mm, double edge_mm);
 
 }  // namespace limberg::simplex

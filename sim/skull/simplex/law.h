@@ -3,30 +3,30 @@
 //
 //   P(t+1) = P(t) + (1 - gamma) (P(t) - P(t-1)) + alpha F_int + beta F_ext
 //
-// Damped second order (m P'' = -gamma P' + F, discretised). F_int = P~ - P draws a vertex to where its constraint wants
-// it over its neighbours: P~ = e1~ A + e2~ B + e3~ C + L(phi~) N, see vertex_shape.h. Wanted metric parameters e~ are
-// those of the mesh (1/3 each, or adapted to curvature), for `shape` those of the reference.
+// Damped second order (m P'' = -gamma P' + F, discretised). F_int = P~ - P draws a vertex to where its constraint
+// wants it over its neighbours: P~ = e1~ A + e2~ B + e3~ C + L(phi~) N, see vertex_shape.h. Wanted metric
+// parameters e~ are those of the mesh (1/3 each, or adapted to curvature), for `shape` those of the reference.
 //
 //   position   the height is kept: vertices only spread in the surface. Holds no shape against other forces
 //   tangent    phi~ = 0: to the mean of the neighbours, a membrane; shrinks
-//   angle      phi~ = mean of phi over the rigidity neighbourhood: thin-plate like, tends to spheres, hardly shrinks.
-//   (The mean
-//              takes pi - phi for vertices on the far branch: a flat one whose foot lies outside the circumcircle has
-//              phi = pi)
+//   angle      phi~ = mean of phi over the rigidity neighbourhood:
+//              thin-plate like, tends to spheres, hardly shrinks. (The
+//              mean takes pi - phi for vertices on the far branch: a flat
+//              one whose foot lies outside the circumcircle has phi = pi)
 //   curvature  sin(phi~) = r * mean of H over the neighbourhood: the same where vertices are unevenly spaced
-//   shape      the reference shape; recovers it up to a similarity, so anchors or other forces have to hold scale and
-//   pose
+//   shape      the reference shape; recovers it up to a similarity,
+//              so anchors or other forces have to hold scale and pose
 //
 // The rigidity neighbourhood of a vertex is all vertices within `rigidity` edges, itself included.
 //
-// Stability. x' = x + (1 - gamma) (x - x_before) - K x is stable if and only if 0 < gamma < 2 and 0 < K < 2 (2 - gamma)
-// for every eigenvalue K (von Neumann), hence  alpha lambda_max + beta mu < 2 (2 - gamma), with mu the stiffness of
-// F_ext (1 when it is target - P) and lambda_max the largest eigenvalue of -dF_int/dx. On even meshes: 2 for position,
-// tangent and shape (means over neighbours have eigenvalues in [-1, 1]), 3 for angle and curvature at rigidity 1 (3/4
-// (1 - a)^2 at a =
-// -1) and
-// 2.5 from rigidity 2 on (measured: at most 2.43 on spheres, 2026-11-21). Rims of end contours are curves and stay
-// below the same numbers: 8/3, then (1 + 0.22) 2.
+// Stability. x' = x + (1 - gamma) (x - x_before) - K x is stable
+// if and only if 0 < gamma < 2 and 0 < K < 2 (2 - gamma) for
+// every eigenvalue K (von Neumann), hence  alpha lambda_max + beta mu < 2 (2 - gamma),
+//                                          with mu the stiffness of F_ext (1 when it
+// is target - P) and lambda_max the largest eigenvalue of -dF_int/dx. On even meshes: 2 for position,
+// tangent and shape (means over neighbours have eigenvalues in [-1, 1]), 3 for angle and curvature at
+// rigidity 1 (3/4 (1 - a)^2 at a = -1) and 2.5 from rigidity 2 on (measured: at most 2.43 on spheres,
+// 2026-11-21). Rims of end contours are curves and stay below the same numbers: 8/3, then (1 + 0.22) 2.
 #include <limits>
 #include <string>
 #include <vector>

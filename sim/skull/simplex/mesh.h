@@ -1,20 +1,20 @@
 #pragma once
 // A 2-simplex mesh: a surface in which every vertex has exactly three neighbours (the dual of a triangulation).
 //
-// Stored as a rotation system in flat arrays: row v of `nbr` holds the neighbours of v counter-clockwise as seen from
-// outside. Nothing else is needed to know the surface. A half-edge h = 3 u + k runs from u to nbr[u][k]; the face on
-// its left goes on with v -> the neighbour before u in the row of v. Faces are the orbits of that walk; `left` and the
-// face table are a cache of them, kept by every operator.
+// Stored as a rotation system in flat arrays: row v of `nbr` holds the neighbours of v counter-clockwise
+// as seen from outside. Nothing else is needed to know the surface. A half-edge h = 3 u + k runs from u
+// to nbr[u][k]; the face on its left goes on with v -> the neighbour before u in the row of v. Faces are
+// the orbits of that walk; `left` and the face table are a cache of them, kept by every operator.
 //
-// A hole is a face flagged `hole`, the mouth of a cut one flagged `cut`: neither is drawn, pulled or coloured, and its
-// ring is an end contour. So every vertex of an open surface has three neighbours too, and there is no second case
-// anywhere.
-// A `wall` is the cut surface of bone: drawn and closed, no end; between it and the `surface` runs a crease.
-// A slot that an operator has freed holds -1 in its row and is used again by the next one that needs a vertex.
+// A hole is a face flagged `hole`, the mouth of a cut one flagged `cut`: neither is drawn,
+// pulled or coloured, and its ring is an end contour. So every vertex of an open surface has
+// three neighbours too, and there is no second case anywhere. A `wall` is the cut surface of
+// bone: drawn and closed, no end; between it and the `surface` runs a crease. A slot that an
+// operator has freed holds -1 in its row and is used again by the next one that needs a vertex.
 //
-// Invariants (find_fault checks all of them): neighbours are mutual and distinct; no vertex meets a face twice and no
-// two faces share two edges, so the dual is a triangulation without double edges; every face has at least three
-// vertices.
+// Invariants (find_fault checks all of them): neighbours are mutual and distinct;
+// no vertex meets a face twice and no two faces share two edges, so the dual is a
+// triangulation without double edges; every face has at least three vertices.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -122,9 +122,9 @@ Census census(const Mesh& mesh);
 /// Component of every vertex slot (-1: free), numbered by the smallest vertex; returns how many.
 int32_t components(const Mesh& mesh, std::vector<int32_t>& of_vertex);
 
-/// Renumbers vertices and faces without free slots, neighbours close together in memory when `by_nearness` (breadth
-/// first from the smallest vertex of each component), else in their old order. Returns new numbers of the old vertices
-/// (-1: free).
+/// Renumbers vertices and faces without free slots, neighbours close together in memory
+/// when `by_nearness` (breadth first from the smallest vertex of each component), else
+/// in their old order. Returns new numbers of the old vertices (-1: free).
 std::vector<int32_t> compact(Mesh& mesh, bool by_nearness = false);
 
 /// The component of vertex v as a mesh of its own: positions, velocities, zones, flags, shapes, end contours and kept

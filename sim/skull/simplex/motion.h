@@ -5,14 +5,14 @@
 //   const Admission a = motion.set_law(law);               // refused, or with alphas reduced to what is stable
 //   motion.step(mesh, {.force_mm = pull, .repulsor = hand});
 //
-// All vertices move at once from the same positions (Jacobi), so results do not depend on the number of workers. The
-// mesh may be changed by operators between steps; what is kept about it is rebuilt when its version changes. 12 bytes
-// per vertex and a few arrays of doubles; with rigidity s >= 2 also the neighbourhoods, about 1 + 1.5 s (s + 1) numbers
-// per vertex.
+// All vertices move at once from the same positions (Jacobi), so results do not depend on the
+// number of workers. The mesh may be changed by operators between steps; what is kept about
+// it is rebuilt when its version changes. 12 bytes per vertex and a few arrays of doubles;
+// with rigidity s >= 2 also the neighbourhoods, about 1 + 1.5 s (s + 1) numbers per vertex.
 //
-// Rims of end contours are curves: unless their constraint is `shape`, their vertices move with respect to their two
-// neighbours on the rim, with the offset from the chord, in the directions of the surface normal and of the surface, as
-// their angle.
+// Rims of end contours are curves: unless their constraint is `shape`, their vertices
+// move with respect to their two neighbours on the rim, with the offset from the
+// chord, in the directions of the surface normal and of the surface, as their angle.
 #include <memory>
 #include <span>
 #include <string>

@@ -34,8 +34,8 @@ inline V3 cross(const V3& a, const V3& b) {
 }
 inline v8 dot(const V3& a, const V3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// atan2: the angle is halved three times, tan(a/2) = tan a / (1 + sqrt(1 + tan^2 a)), then the series of atan at |t| <
-/// 0.2.
+/// atan2: the angle is halved three times, tan(a/2) = tan a / (1
+/// + sqrt(1 + tan^2 a)), then the series of atan at |t| < 0.2.
 inline v8 angle(v8 y, v8 x) {
   v8 t = y / (root(x * x + y * y) + absolute(x) + 1e-300);
   t = t / (1 + root(1 + t * t));
@@ -83,8 +83,8 @@ inline V3 load(const double* x, const size_t* v) {
   return o;
 }
 
-/// Neighbours that will be needed a few groups later are fetched into the cache: meshes of 10^5 vertices and more do
-/// not fit.
+/// Neighbours that will be needed a few groups later are fetched
+/// into the cache: meshes of 10^5 vertices and more do not fit.
 inline void fetch(const KernelView& k, size_t first, size_t end) {
   constexpr size_t kAhead = 6 * kLanes;
   if (first + kAhead + kLanes > end) return;

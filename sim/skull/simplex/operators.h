@@ -4,23 +4,23 @@
 //                          change of   V    E    F   chi
 //   t1  delete an edge                -2   -3   -1    0    (dual: edge collapse)            inverse: t2
 //   t2  split a face                  +2   +3   +1    0    (dual: vertex split)             inverse: t1
-//   exchange                           0    0    0    0    (dual: edge flip)                inverse: exchange the other
-//   way
+//   exchange                           0    0    0    0    (dual: edge flip)                inverse: exchange
+//                                                                                           the other way
 //   t3  join two faces                 0    0   -2   -2    merges parts, or adds a handle   inverse: t4
 //   t4  cut along a contour            0    0   +2   +2    divides, or opens a handle       inverse: t3
 //   t3_spokes                        -2k  -3k -(k+2) -2    joins spoke to spoke             inverse: t4_edges
 //   t4_edges  cut across edges       +2k  +3k +(k+2) +2    along an exact curve             inverse: t3_spokes
 //
-// Every operator keeps the invariants of mesh.h. Two lists of conditions go beyond what the rotation system itself
-// needs, so that the dual stays a triangulation without double edges: t1 asks that no third face touches both faces
-// that it merges (the link condition of edge collapses), and the joining operators ask the same of what they bring
-// together.
+// Every operator keeps the invariants of mesh.h. Two lists of conditions go beyond what
+// the rotation system itself needs, so that the dual stays a triangulation without double
+// edges: t1 asks that no third face touches both faces that it merges (the link condition
+// of edge collapses), and the joining operators ask the same of what they bring together.
 //
-// What an operator did is appended to `delta` (edit.h): undo() takes it back exactly, positions and velocities
-// included.
-// The inverse operators restore topology; positions and velocities of vertices that had gone are set anew, as said at
-// each.
-// Vertices whose neighbours change get their reference shape from their place after the operation.
+// What an operator did is appended to `delta` (edit.h): undo() takes it
+// back exactly, positions and velocities included. The inverse operators
+// restore topology; positions and velocities of vertices that had gone
+// are set anew, as said at each. Vertices whose neighbours change get
+// their reference shape from their place after the operation.
 #include <span>
 #include <string>
 
@@ -80,10 +80,10 @@ inline Outcome no(Answer a, int32_t v = -1, int32_t w = -1) {
 Outcome t1(Mesh& mesh, int32_t p, int32_t q, Delta& delta);
 Answer may_t1(const Mesh& mesh, int32_t p, int32_t q);
 
-/// Splits a face by a new edge from the middle of one of its edges to the middle of another; the edges are named by the
-/// vertex that they leave in the order of the face. vertex[0] lies on the first edge, face[0] is what lies after it.
-/// The new vertices go a third of the way from the edge's middle to the other edge's middle, with the velocity of the
-/// edge.
+/// Splits a face by a new edge from the middle of one of its edges to the middle of another;
+/// the edges are named by the vertex that they leave in the order of the face. vertex[0]
+/// lies on the first edge, face[0] is what lies after it. The new vertices go a third of the
+/// way from the edge's middle to the other edge's middle, with the velocity of the edge.
 Outcome t2(Mesh& mesh, int32_t face, int32_t u1, int32_t u2, Delta& delta);
 Answer may_t2(const Mesh& mesh, int32_t face, int32_t u1, int32_t u2);
 /// The same across the longest direction of the face: by the edges that the plane through its centre, normal to its
@@ -104,8 +104,8 @@ Outcome t4(Mesh& mesh, std::span<const int32_t> contour, CutPolicy policy, Delta
 Outcome t3(Mesh& mesh, int32_t x, int32_t y, Delta& delta);
 Outcome t3(Mesh& mesh, int32_t x, int32_t y, std::span<const int32_t> contour, Delta& delta);
 
-/// An edge crossed by a closed curve: `right` lies to the right of the curve; the crossing is right + t (left - right)
-/// .
+/// An edge crossed by a closed curve: `right` lies to the right
+/// of the curve; the crossing is right + t (left - right) .
 struct Crossing {
   int32_t left = -1, right = -1;
   double t = 0.5;  // of the way from left to right, 0..1
@@ -113,9 +113,9 @@ struct Crossing {
 /// Cuts along a closed curve across edges; successive edges have a face in common. New vertices lie at the crossings.
 Outcome t4_edges(Mesh& mesh, std::span<const Crossing> curve, CutPolicy policy, Delta& delta);
 
-/// Joins faces x and y of equally many vertices spoke to spoke; both rings disappear. ring_x[0] goes with ring_y[0],
-/// where the rings start at the named vertices, x against its order and y along it. -1: the pairing with the least sum
-/// of squares.
+/// Joins faces x and y of equally many vertices spoke to spoke; both rings disappear.
+/// ring_x[0] goes with ring_y[0], where the rings start at the named vertices, x
+/// against its order and y along it. -1: the pairing with the least sum of squares.
 Outcome t3_spokes(Mesh& mesh, int32_t x, int32_t y, Delta& delta, int32_t start_x = -1, int32_t start_y = -1);
 
 /// Removes the component of v. Kept contours in it go with it.

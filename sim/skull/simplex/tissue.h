@@ -1,33 +1,33 @@
 #pragma once
 // Tissue between a face and a skull: a 3-simplex mesh, in which every vertex has exactly four neighbours.
 //
-// Extruding a patch of a 2-simplex mesh would give five. So the primal is built and its dual taken: the triangles whose
-// nodes are the face centres of the face's region are stacked in layers of prisms down to the skull, each prism is cut
-// in three tetrahedra (every quad's diagonal starts at its lower node, so neighbours agree), and
+// Extruding a patch of a 2-simplex mesh would give five. So the primal is built and its dual taken: the triangles
+// whose nodes are the face centres of the face's region are stacked in layers of prisms down to the skull, each
+// prism is cut in three tetrahedra (every quad's diagonal starts at its lower node, so neighbours agree), and
 //
-//   one vertex per tetrahedron, joined across shared triangles; one per boundary triangle, joined to its tetrahedron
-//   and to
-//   the boundary triangles across its three edges:   3 layers |T| + 2 |T| + 2 layers |border| vertices, all of degree
-//   four
+//   one vertex per tetrahedron, joined across shared triangles;
+//   one per boundary triangle, joined to its tetrahedron and to
+//   the boundary triangles across its three edges:   3 layers |T| + 2 |T| + 2 layers
+//                                                    |border| vertices, all of degree four
 //
-// The vertices over the top triangles are the vertices of the face's region, one to one; those under the bottom are
-// anchored on the skull. Both kinds are set by `follow`; the others move.
+// The vertices over the top triangles are the vertices of the face's region, one to one; those
+// under the bottom are anchored on the skull. Both kinds are set by `follow`; the others move.
 //
 //   smoothing   to the mean of the four neighbours; fills the space evenly. Rest lengths are recorded after it
-//   springs     F_i = sum_j f(l_ij) along the edges, stiffer with elongation; skull fixed, the face receives the
-//   opposite
-//   shape       to sum_j k_ij (P_j + (R_i + R_j)/2 (X_i - X_j)) / sum_j k_ij: the rest shape X of a vertex and its
-//   neighbours, turned
-//               as these have turned (R: the rotation with the least sum k_ij |P_j - P_i - R_i (X_j - X_i)|^2). Exact
-//               for rigid
-//               motions; the energy is that of Sorkine and Alexa 2007 with conductances of the tissue for weights,
-//               which for small
-//               displacements is Laplace's equation: the tissue passes on what its neighbours do
+//   springs     F_i = sum_j f(l_ij) along the edges, stiffer with
+//               elongation; skull fixed, the face receives the opposite
+//   shape       to sum_j k_ij (P_j + (R_i + R_j)/2 (X_i - X_j)) / sum_j k_ij:
+//               the rest shape X of a vertex and its neighbours, turned as
+//               these have turned (R: the rotation with the least sum k_ij |P_j
+//               - P_i - R_i (X_j - X_i)|^2). Exact for rigid motions; the
+//               energy is that of Sorkine and Alexa 2007 with conductances of
+//               the tissue for weights, which for small displacements is
+//               Laplace's equation: the tissue passes on what its neighbours do
 //
-// Springs alone do not hold a shape: two springs per vertex stand against three unknowns. `zero_energy_modes` counts
-// what they leave free; with both surfaces held it is 0.6 to 0.9 per free vertex. A share of the shape force
-// (TissueLaw::shape) holds that. (Delingette, Subsol, Cotin, Pignon 1994; the construction and the count are this
-// program's.)
+// Springs alone do not hold a shape: two springs per vertex stand against three unknowns.
+// `zero_energy_modes` counts what they leave free; with both surfaces held it is 0.6 to 0.9
+// per free vertex. A share of the shape force (TissueLaw::shape) holds that. (Delingette,
+// Subsol, Cotin, Pignon 1994; the construction and the count are this program's.)
 #include <array>
 #include <optional>
 #include <span>
@@ -139,16 +139,16 @@ void pull_face(const Tissue& tissue, const TissueLaw& law, std::vector<Vec3>& fo
 
 void record_rest(Tissue& tissue);
 
-/// Degrees of freedom, springs that act on them, and motions (to first order) that no spring resists, with both ends
-/// held.
+/// Degrees of freedom, springs that act on them, and motions (to
+/// first order) that no spring resists, with both ends held.
 struct ZeroModes {
   int64_t dofs = 0, springs = 0, modes = 0;
   bool estimate = false;  // by the pivots of a sparse factor instead of an orthogonal one
 };
-/// Rank of the rigidity matrix at the present place: dense and orthogonal up to so many degrees of freedom (0.1 s for
-/// 1000, 3 s for
-/// 3000), beyond by the pivots of a sparse L D L^T of its Gram matrix, which is quick and may miscount nearly dependent
-/// springs.
+/// Rank of the rigidity matrix at the present place: dense and
+/// orthogonal up to so many degrees of freedom (0.1 s for 1000, 3 s
+/// for 3000), beyond by the pivots of a sparse L D L^T of its Gram
+/// matrix, which is quick and may miscount nearly dependent springs.
 ZeroModes zero_energy_modes(const Tissue& tissue, int64_t dense_up_to = 1500);
 
 /// What is wrong with the tissue, in a sentence; nothing when all is well.

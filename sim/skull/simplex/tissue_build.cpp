@@ -290,8 +290,8 @@ TissueResult build_tissue(const Mesh& face, std::span<const int32_t> region, con
       t.x_mm.back() = foot;
       Anchor a;
       a.vertex = b;
-      // The fan's centre is not a vertex of the skull: carried by the triangle of a face's vertices that is nearest to
-      // it.
+      // The fan's centre is not a vertex of the skull: carried by
+      // the triangle of a face's vertices that is nearest to it.
       const int32_t f0 = fan.face[size_t(q.triangle)];
       const std::vector<int32_t> ring = skull.ring(f0);
       const Tri& ft = fan.tri[size_t(q.triangle)];

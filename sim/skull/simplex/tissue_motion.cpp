@@ -18,8 +18,8 @@ typedef double v4 __attribute__((vector_size(32)));  // one lane per edge
 inline v4 all(double a) { return v4{a, a, a, a}; }
 inline double total(const v4& a) { return (a[0] + a[1]) + (a[2] + a[3]); }
 
-/// What its four edges do to a vertex, in one pass over them and without branches: they are most of the cost of an
-/// iteration.
+/// What its four edges do to a vertex, in one pass over them and
+/// without branches: they are most of the cost of an iteration.
 struct Edges {
   Vec3 force_mN = Vec3::Zero();  // of the springs
   double tangent = 0;            // sum of their tangent stiffnesses, mN/mm
@@ -168,8 +168,8 @@ TissueStep step(Tissue& t, const TissueLaw& law, Workers& workers) {
   if (!(s.knee >= 0) || !(s.ratio >= 1) || !(s.c > 0) || !std::isfinite(s.ratio) || !std::isfinite(s.c))
     throw InputError("", 0, "a spring stiffens: knee 0 or more, ratio 1 or more and c above 0 were expected");
   TissueStep out;
-  // Eigenvalues: at most 2 of means, weighted or not, and of springs over the stiffness of their vertex (D^-1 K,
-  // Gershgorin).
+  // Eigenvalues: at most 2 of means, weighted or not, and of springs
+  // over the stiffness of their vertex (D^-1 K, Gershgorin).
   const bool springs = law.mode == TissueMode::springs,
              shaped = law.mode == TissueMode::shape || (springs && law.shape > 0);
   constexpr double lambda = 2;

@@ -53,8 +53,8 @@ ZeroModes zero_energy_modes(const Tissue& t, int64_t dense_up_to) {
     if (at[size_t(b)] >= 0) R.block<1, 3>(Eigen::Index(i), at[size_t(b)]) = u.transpose();
   }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(R);
-  // A motion whose stiffness is 1e-8 of the largest is free: symmetric patches have such, which are exact but for the
-  // smoothing's remainder.
+  // A motion whose stiffness is 1e-8 of the largest is free: symmetric
+  // patches have such, which are exact but for the smoothing's remainder.
   qr.setThreshold(1e-4);
   z.modes = z.dofs - qr.rank();
   return z;

@@ -7,15 +7,15 @@
 //   phi    simplex angle in (-pi, pi], tan phi = 2 r L / (r^2 - d^2 - L^2), positive on the side of N
 //   H      sin(phi) / r = sign(L) / R, R the radius of the sphere through P, A, B, C: the discrete mean curvature
 //
-// (Delingette 1994; the forms used here avoid the circumcentre: r^2 - d^2 = e1 e2 |AB|^2 + e2 e3 |BC|^2 + e3 e1
-// |CA|^2.)
+// (Delingette 1994; the forms used here avoid the circumcentre:
+// r^2 - d^2 = e1 e2 |AB|^2 + e2 e3 |BC|^2 + e3 e1 |CA|^2.)
 //
-// From (A, B, C, e1, e2, phi) the height is a root of L^2 sin(phi) + 2 r L cos(phi) = k sin(phi), k = r^2 - d^2. Where
-// the foot lies outside the circumcircle (k < 0) both roots have the same sign, so the angle alone does not name the
-// vertex: one more bit does, `branch`. Where the two roots (nearly) meet, no bit helps: phi has an extremum there as a
-// function of
-// L, and loses half of its digits. A vertex whose angle code does not give it back is therefore stored by its scaled
-// height L / sqrt(2 area(ABC)), which is as invariant under similarities. `encode` decides this by trying.
+// From (A, B, C, e1, e2, phi) the height is a root of L^2 sin(phi) + 2 r L cos(phi) = k sin(phi), k
+// = r^2 - d^2. Where the foot lies outside the circumcircle (k < 0) both roots have the same sign,
+// so the angle alone does not name the vertex: one more bit does, `branch`. Where the two roots
+// (nearly) meet, no bit helps: phi has an extremum there as a function of L, and loses half of its
+// digits. A vertex whose angle code does not give it back is therefore stored by its scaled height
+// L / sqrt(2 area(ABC)), which is as invariant under similarities. `encode` decides this by trying.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -36,8 +36,8 @@ struct LocalFrame {
   bool degenerate = false;  // A, B, C (nearly) on a line: no plane, no angle; e is 1/3 each and L is 0
 
   double phi() const { return std::atan2(sin_phi, cos_phi); }
-  /// Where the foot is outside the circumcircle and P near the plane: the branch on which phi is pi when P is in the
-  /// plane.
+  /// Where the foot is outside the circumcircle and P near the
+  /// plane: the branch on which phi is pi when P is in the plane.
   bool far_branch() const { return k_mm2 < 0 && L_mm * L_mm < -k_mm2; }
   /// How far the surface is bent: phi, and pi - phi on the far branch, so that it is 0 wherever P is in the plane.
   double bend() const { return std::atan2(sin_phi, far_branch() ? -cos_phi : cos_phi); }
@@ -49,8 +49,8 @@ inline constexpr double kDegenerateTriangle = 1e-9;
 
 LocalFrame local_frame(const Vec3& P, const Vec3& A, const Vec3& B, const Vec3& C);
 
-/// How the height is stored: the angle with the root nearer to the plane, the angle with the farther root, or the
-/// height.
+/// How the height is stored: the angle with the root nearer to
+/// the plane, the angle with the farther root, or the height.
 enum class ShapeBranch : uint8_t { near = 0, far = 1, height = 2 };
 enum class ShapeCode : uint8_t { angle, height };  // what encode prefers
 

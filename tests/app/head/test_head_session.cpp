@@ -1,6 +1,6 @@
-// A whole session on a head: the emulated surgeon saws and carries, once with one worker and once with two; scenes with
-// and without
-// [head]; skin over bone.
+// A whole session on a head: the emulated surgeon saws and
+// carries, once with one worker and once with two; scenes
+// with and without [head]; skin over bone.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -134,8 +134,8 @@ TEST(HeadSession, ScenesSayWhatIsWrong) {
                InputError);
 }
 
-/// A slab of skin 60 x 60 x 8 mm, its underside 1 mm above flat bone: the top of a ball so large that it is nearly
-/// flat.
+/// A slab of skin 60 x 60 x 8 mm, its underside 1 mm above flat
+/// bone: the top of a ball so large that it is nearly flat.
 Scene skin_over_bone() {
   const std::string dir = ::testing::TempDir();
   simplex::Mesh plate = simplex::make_sphere({0, 0, 0}, 1, 4), anvil = simplex::make_sphere({0, 0, -300}, 20, 2);

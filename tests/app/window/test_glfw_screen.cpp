@@ -1,5 +1,5 @@
-// A real window, on an X server of the test's own: what is drawn in its context is what is drawn off screen, byte for
-// byte.
+// A real window, on an X server of the test's own: what is drawn
+// in its context is what is drawn off screen, byte for byte.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <spawn.h>

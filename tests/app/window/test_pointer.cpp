@@ -205,8 +205,8 @@ TEST(Pointer, NextShowsOneStepOfTheLesson) {
   EXPECT_NEAR(pressed_to, 10, 0.6);
 }
 
-// Bone alone: the same button, another hand. It saws and carries with the stylus; a skull has no chart for the other
-// one to aim on.
+// Bone alone: the same button, another hand. It saws and carries
+// with the stylus; a skull has no chart for the other one to aim on.
 TEST(Pointer, NextShowsStepsOnBone) {
   Mouse m;
   auto bone = std::make_shared<SurfaceTopology>(*m.s.topology);

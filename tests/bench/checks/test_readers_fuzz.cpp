@@ -1,5 +1,5 @@
-// A short slice of the fuzzer of readers; `limberg bench fuzz --readers` runs a hundred thousand. And that it sees what
-// it is for.
+// A short slice of the fuzzer of readers; `limberg bench fuzz
+// --readers` runs a hundred thousand. And that it sees what it is for.
 #include <gtest/gtest.h>
 
 #include <csignal>

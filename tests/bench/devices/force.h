@@ -1,7 +1,7 @@
 #pragma once
-// A hand that presses a simulated force device into a tissue whose law is known, with a solver that sees it at its own
-// rate and answers a period later: energy and steps of the force, for the loop that is used here and for the naive
-// ones.
+// A hand that presses a simulated force device into a tissue whose law is known,
+// with a solver that sees it at its own rate and answers a period later: energy
+// and steps of the force, for the loop that is used here and for the naive ones.
 #include <cstdint>
 
 namespace limberg::bench {
@@ -36,9 +36,9 @@ struct ForceFigures {
 
 ForceFigures force_trial(const ForceTrial& trial);
 
-/// What a stall does to the hand, over one period of its tapping: the worst moment. A force that is held lets the hand
-/// go the way that it would without tissue; so it may be as fast afterwards as the same hand in free air, and a kick is
-/// what is more.
+/// What a stall does to the hand, over one period of its tapping: the worst moment. A
+/// force that is held lets the hand go the way that it would without tissue; so it may
+/// be as fast afterwards as the same hand in free air, and a kick is what is more.
 struct StallFigures {
   double stalled_mm_s = 0,
          calm_mm_s = 0;  // the fastest in the 100 ms after it; the same hand at that moment without a stall

@@ -1,16 +1,16 @@
 #pragma once
-// `limberg bench fuzz --devices`: what comes over a serial line, a network or out of a file, damaged in every way,
-// against what the program takes for whole. Three families, a third of the cases each:
+// `limberg bench fuzz --devices`: what comes over a serial line, a network or out of a file, damaged
+// in every way, against what the program takes for whole. Three families, a third of the cases each:
 //
-//   line     records of a FASTRAK with bytes lost, changed, put in, cut off or replaced by noise; and the conversation
-//   with
-//            the device fed with such bytes at odd times
+//   line     records of a FASTRAK with bytes lost, changed, put in,
+//            cut off or replaced by noise; and the conversation
+//            with the device fed with such bytes at odd times
 //   packet   LCM messages with changed bits, bytes and lengths
 //   log      recordings with the same, and with whole stretches missing, doubled or cut
 //
-// A case is one damaged record, packet or event. No case may crash or hang; bytes may not be lost count of; what is
-// taken must be finite and in range; and what is taken but was never sent is counted against the share that the checks
-// let through by design: fastrak::accepted_share for the line, 2^-32 for what carries a checksum.
+// A case is one damaged record, packet or event. No case may crash or hang; bytes may not be lost count of; what
+// is taken must be finite and in range; and what is taken but was never sent is counted against the share that
+// the checks let through by design: fastrak::accepted_share for the line, 2^-32 for what carries a checksum.
 #include <cstdint>
 #include <functional>
 #include <string>

@@ -33,8 +33,8 @@ struct TrackingTrial {
 };
 TrackingFigures tracking_trial(const TrackingTrial& trial);
 
-/// An hour, say, of a hand that rests, wanders and trembles, half open, in a damaged line; and so many grabs that are
-/// meant.
+/// An hour, say, of a hand that rests, wanders and trembles, half
+/// open, in a damaged line; and so many grabs that are meant.
 struct GrabTrial {
   uint64_t seed = 1;
   double idle_s = 0;

@@ -4,9 +4,9 @@
 //   keep_result("out/speed.json", "docs/figures", {...});      // the bars of a result, as a small JSON file
 //   write_page("docs/figures", "docs/figures.md");             // the page, between its markers
 //
-// One file holds one measurement: suite, call, machine, date, version, bars. A second measurement by the same call takes
-// the place of the first. earlier.json in the folder maps suites to the date of their last figures; the page names them
-// for suites without a whole measurement.
+// One file holds one measurement: suite, call, machine, date, version, bars. A second measurement by the same call
+// takes the place of the first. earlier.json in the folder maps suites to the date of their last figures; the page
+// names them for suites without a whole measurement.
 #include <string>
 
 namespace limberg::bench {

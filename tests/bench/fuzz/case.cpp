@@ -104,8 +104,8 @@ TriMesh make_body(const BodySpec& spec) {
 LatticeGrid make_lattice(const Case& c, double cell_mm) {
   LatticeGrid g;
   const double u = g.rest.half_unit_mm();
-  // The pitch of the case's own cells is a multiple of four, so that half of it is still even; of more if they will be
-  // divided.
+  // The pitch of the case's own cells is a multiple of four, so
+  // that half of it is still even; of more if they will be divided.
   const int32_t unit = c.front_levels ? 2 << kLevels : 4, base = unit * int32_t(std::lround(c.cell_mm / u / unit));
   const int32_t pitch = cell_mm == c.cell_mm       ? base
                         : cell_mm == c.cell_mm / 2 ? base / 2

@@ -9,9 +9,9 @@ namespace limberg::fuzz {
 
 double body_volume_mm3(const BodySpec& spec);  // nearly: for tolerances
 
-/// Every copy has a parent in its cell or in the one that it is a part of, every node copy the state that its cells
-/// name; what hangs lies between its masters; the volume of the children is that of the parent, or less when something
-/// was taken away.
+/// Every copy has a parent in its cell or in the one that it is a part of, every node
+/// copy the state that its cells name; what hangs lies between its masters; the volume
+/// of the children is that of the parent, or less when something was taken away.
 std::string check_parents(const LatticeTopology& before, const LatticeTopology& after, bool only_cuts);
 
 /// The same cells, classes, links and node copies, whatever their numbers.

@@ -1,6 +1,6 @@
 #pragma once
-// Small sound files of every kind that the readers of images and surfaces take, as bytes: what the fuzzer damages, and
-// what tests read.
+// Small sound files of every kind that the readers of images and
+// surfaces take, as bytes: what the fuzzer damages, and what tests read.
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -23,8 +23,8 @@ void put(std::string& s, size_t at, T v, bool big) {
 
 /// What voxel (i, j, k) of nifti() holds before slope and intercept.
 inline double nifti_voxel(int i, int j, int k) { return 100 + i + 10 * j - 7 * k; }
-/// NIfTI-1, 3 x 4 x 5 of int16, spacing 2, 3, 4 mm. `form`: 1 its place is a qform without a turn, 2 an sform, 0
-/// neither.
+/// NIfTI-1, 3 x 4 x 5 of int16, spacing 2, 3, 4 mm. `form`: 1
+/// its place is a qform without a turn, 2 an sform, 0 neither.
 std::string nifti(bool big, int form, float slope = 1, float intercept = 0);
 
 /// NRRD and MetaImage, 3 x 4 x 5 of int16, with the data behind the header; `packed`: through zlib or gzip.

@@ -1,16 +1,16 @@
 #pragma once
 // The fuzzer at the height of a patient: what a surgeon's hand does, act by act, on a World, and after each act
 //
-//   always    a refused act leaves every bit as it was and says why; remaining and removed volume are the body's; the
-//             lattice has the arrangement's pieces and volume; a cut moves nothing (I7: every copy starts where its
-//             parent
-//             is, seen at the corners of the surface); undo gives back the bits of just before the act, redo those of
-//             just
-//             before the undo
+//   always    a refused act leaves every bit as it was and says why;
+//             remaining and removed volume are the body's; the lattice has
+//             the arrangement's pieces and volume; a cut moves nothing
+//             (I7: every copy starts where its parent is, seen at the
+//             corners of the surface); undo gives back the bits of just
+//             before the act, redo those of just before the undo
 //   in full   Arrangement::check_all, check_topology, the lattice equals one built from nothing
-//   at last   all that was not undone again on a new patient: the same bits; where no step was taken, on another
-//   lattice: the
-//             same arrangement; then everything undone
+//   at last   all that was not undone again on a new patient: the
+//             same bits; where no step was taken, on another lattice:
+//             the same arrangement; then everything undone
 //
 // A case is an operation script (sim/commands/script.h) whose scene names the patient: "fuzz size=60 cell=5 ...".
 #include <functional>

@@ -1,5 +1,5 @@
-// Wound surfaces that keep each other out: nothing at rest, nothing without walls, no sinking, and the same bits
-// always.
+// Wound surfaces that keep each other out: nothing at rest,
+// nothing without walls, no sinking, and the same bits always.
 #include <gtest/gtest.h>
 
 #include "../fem/models.h"
@@ -209,8 +209,8 @@ TEST(Contact, AnyNumberOfWorkersGivesTheSameBits) {
   EXPECT_EQ(run(one), run(three));
 }
 
-// Undo brings back the pairs too: going on from there gives the same bits each time, and redo stands where the act had
-// led.
+// Undo brings back the pairs too: going on from there gives the
+// same bits each time, and redo stands where the act had led.
 TEST(Contact, UndoAndRedoReturnTheExactState) {
   for (const bool fronts : {false, true}) {
     InlineWorkers workers;
@@ -277,10 +277,10 @@ TEST(Contact, AStitchedSlitComesToRest) {
   }
 }
 
-// What a stitch pulls with is the tension of the open wound, where it goes through the edges: they meet and press on
-// nothing.
-// A bite 2.5 mm behind one edge draws that much skin over the cut: without contact it slips under the other edge, with
-// contact edge presses on edge, and the stitches carry that pressure beside the tension.
+// What a stitch pulls with is the tension of the open wound, where it goes through
+// the edges: they meet and press on nothing. A bite 2.5 mm behind one edge draws that
+// much skin over the cut: without contact it slips under the other edge, with contact
+// edge presses on edge, and the stitches carry that pressure beside the tension.
 TEST(Contact, EdgesPressOnlyWhereStitchesDrawSkinBeyondThem) {
   double pull_N[2][2], pressed_N[2][2];
   for (const bool behind : {false, true})
@@ -309,8 +309,8 @@ TEST(Contact, EdgesPressOnlyWhereStitchesDrawSkinBeyondThem) {
   EXPECT_GT(pull_N[1][1], pull_N[1][0] + 0.3 * pressed_N[1][1]) << "the stitches carry it";
 }
 
-// The tip of a narrow flap, drawn across the wound's edge and let go: it comes to rest, and less deep in the other
-// side.
+// The tip of a narrow flap, drawn across the wound's edge and
+// let go: it comes to rest, and less deep in the other side.
 TEST(Contact, ASharpCorner) {
   Penetration p[2];
   for (const ContactChoice choice : {ContactChoice::off, ContactChoice::automatic}) {

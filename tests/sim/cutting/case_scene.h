@@ -21,8 +21,8 @@ namespace limberg::test {
 
 using Chi = std::vector<int>;
 
-/// A flat closed slab [-sx/2, sx/2] x [-sy/2, sy/2] x [-thickness, 0] with nx by ny squares of skin. All but the skin
-/// is fixed.
+/// A flat closed slab [-sx/2, sx/2] x [-sy/2, sy/2] x [-thickness,
+/// 0] with nx by ny squares of skin. All but the skin is fixed.
 inline TriMesh flat_slab(double sx, double sy, double thickness, int nx, int ny) {
   TriMesh m;
   const RestGrid g = grid();

@@ -205,8 +205,8 @@ TEST(BladeCases, Case16_SharpBends) {
 }
 
 TEST(BladeCases, DeepensThroughSharpCorners) {
-  // Along both legs and through the corner in one stroke, as a hand does it: neither refused, nor left shallow at the
-  // corner.
+  // Along both legs and through the corner in one stroke, as a
+  // hand does it: neither refused, nor left shallow at the corner.
   // Where a leaning blade meets itself it stays shallower there.
   const std::vector<Vec2> zigzag{{30.2, -14.9}, {23.9, -12}, {-23.9, 15.8}, {28.2, 12.1}, {-13.8, 24}};
   for (const std::vector<Vec2>& path : {std::vector<Vec2>{{-18, 0}, {4, 1}, {-12, 10}}, zigzag})

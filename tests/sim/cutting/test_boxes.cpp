@@ -37,9 +37,9 @@ bool holds(const IntBox& outer, const IntBox& inner) {
   return true;
 }
 
-// Nothing that meets a box is missed. Boxes are rounded outwards by less than a step: not at all where the tree spans
-// fewer than
-// 2^16 half-units.
+// Nothing that meets a box is missed. Boxes are rounded
+// outwards by less than a step: not at all where the tree
+// spans fewer than 2^16 half-units.
 TEST(BoxTree, FindsWhatAskingEveryTriangleFinds) {
   Draw draw;
   size_t beyond = 0, met = 0;
@@ -207,8 +207,8 @@ TEST(Crossing, FourSignsTellWhatTwelveTell) {
   EXPECT_GT(coincidence, 10000);
 }
 
-// One comparison that fails, whichever it is, leaves what lies before and behind the range as it was, and in it the
-// same elements.
+// One comparison that fails, whichever it is, leaves what lies before
+// and behind the range as it was, and in it the same elements.
 TEST(SortBySigns, StaysWithinBoundsWhateverTheSignsSay) {
   Draw draw;
   for (size_t n : {0u, 1u, 2u, 3u, 7u, 40u})

@@ -1,5 +1,5 @@
-// The named cases 38 and 40 to 44: taking back, long histories, bad input, limits of the numbers, strokes across
-// themselves.
+// The named cases 38 and 40 to 44: taking back, long histories,
+// bad input, limits of the numbers, strokes across themselves.
 #include <limits>
 
 #include "sim/base/error.h"

@@ -1,5 +1,5 @@
-// What decides where a blade cuts: coincidences, seeds, patches, shared points, refusals; and what the surface view
-// shows.
+// What decides where a blade cuts: coincidences, seeds, patches,
+// shared points, refusals; and what the surface view shows.
 #include <gtest/gtest.h>
 
 #include <map>

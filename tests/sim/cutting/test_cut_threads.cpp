@@ -1,6 +1,6 @@
-// Who computes does not matter: a history of cuts, excisions and undos gives the same bits with any number of workers,
-// and when several bodies are cut on several threads at the same time. (Section 8 of the design's list of what was to
-// be proved.)
+// Who computes does not matter: a history of cuts, excisions and undos gives the same
+// bits with any number of workers, and when several bodies are cut on several threads
+// at the same time. (Section 8 of the design's list of what was to be proved.)
 #include <gtest/gtest.h>
 
 #include <thread>

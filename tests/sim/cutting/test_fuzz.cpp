@@ -31,9 +31,9 @@ TEST(FuzzCorpus, WhatWasFoundStaysMended) {
   }
 }
 
-// A blade goes on from where another ran out of the body, and a third has a corner on the edge that it shares: no try
-// can move that edge. But no wall is there to continue, so the edge need not be shared, and the answer is that there is
-// nothing to cut.
+// A blade goes on from where another ran out of the body, and a third has a corner on
+// the edge that it shares: no try can move that edge. But no wall is there to continue,
+// so the edge need not be shared, and the answer is that there is nothing to cut.
 TEST(FuzzCorpus, AnEdgeOutsideTheBodyIsNotShared) {
   const fuzz::Case c = fuzz::read_case(source_dir() + "/tests/sim/cutting/corpus/continued_outside_the_body.json");
   fuzz::Runner runner(c, {});

@@ -70,9 +70,9 @@ std::string first_stroke(Patient& p, const std::vector<Vec2>& path, double piece
   return r.ok() ? "" : r.reason;
 }
 
-// Four corners to either side, three arcs and an S; blades from 30 to 150 degrees; three depths; three lengths of
-// pieces; the wall that is deepened made at once and drawn. LIMBERG_LEANING_ALL=1 runs all 1,944 of them, else every
-// ninth is run.
+// Four corners to either side, three arcs and an S; blades from 30 to 150 degrees;
+// three depths; three lengths of pieces; the wall that is deepened made at once and
+// drawn. LIMBERG_LEANING_ALL=1 runs all 1,944 of them, else every ninth is run.
 TEST(LeaningStrokes, DeepenedInPiecesLeaveNoBridge) {
   const int step = std::getenv("LIMBERG_LEANING_ALL") ? 1 : 9;
   int number = 0, made = 0, drawn_first = 0, bridges_of_first = 0, refused_first = 0;
@@ -134,9 +134,9 @@ TEST(LeaningStrokes, FirstStrokesLeaveNoBridge) {
   EXPECT_GT(made, 100);
 }
 
-// Leaning into a corner every leg keeps its lean and its depth to its end. The second is trimmed where it meets the
-// first, at the bisector of the corner: z mm deep its edge has run back by z tan(turn / 2) / tan(angle). Drawn or at
-// once, the area is that.
+// Leaning into a corner every leg keeps its lean and its depth to its end. The second is
+// trimmed where it meets the first, at the bisector of the corner: z mm deep its edge
+// has run back by z tan(turn / 2) / tan(angle). Drawn or at once, the area is that.
 TEST(LeaningStrokes, LegsKeepTheirLeanUpToTheCorner) {
   for (const double turn_deg : {30.0, 60.0, 100.0, 140.0})
     for (const double side : {1.0, -1.0})

@@ -1,7 +1,7 @@
-// The profile snap: of a stroke along earlier cuts only what they have left of its profile (place along the line,
-// depth) is cut.
-// What is cut in the end is the union of all profiles, once: no second wall beside the first, no sliver between, no
-// bridge.
+// The profile snap: of a stroke along earlier cuts only what they
+// have left of its profile (place along the line, depth) is cut.
+// What is cut in the end is the union of all profiles, once: no
+// second wall beside the first, no sliver between, no bridge.
 #include <random>
 
 #include "sim/cutting/arrangement/handles.h"
@@ -44,8 +44,8 @@ double union_mm2(const std::vector<Stroke>& strokes) {
   return sum;
 }
 
-/// Walls of one operation that lie beside those of another, nearer than 0.5 mm and parallel: area of their middles'
-/// faces.
+/// Walls of one operation that lie beside those of another,
+/// nearer than 0.5 mm and parallel: area of their middles' faces.
 double doubled_mm2(const Patient& p) {
   struct Wall {
     Vec3 middle, normal;
@@ -75,8 +75,8 @@ double doubled_mm2(const Patient& p) {
 }
 
 void expect_union(Patient& p, const std::vector<Stroke>& strokes) {
-  // A wall is deepened between its columns, 1.5 mm apart: at each end of a stroke up to half of that is more or less,
-  // over the depth.
+  // A wall is deepened between its columns, 1.5 mm apart: at each end
+  // of a stroke up to half of that is more or less, over the depth.
   double slack = 1;
   for (const Stroke& k : strokes) slack += 2 * kSpacing / 2 * k.depth + 0.08 * (k.to - k.from);
   EXPECT_NEAR(p.wall_area(), union_mm2(strokes), slack);

@@ -1,6 +1,6 @@
-// Random strokes, sheets and plugs as a hand might draw them: on flat and wavy skin, across themselves, again and
-// deeper, further from where another ended. Whatever is asked, every invariant holds, refusals change nothing, undo
-// takes all back.
+// Random strokes, sheets and plugs as a hand might draw them: on flat and wavy skin,
+// across themselves, again and deeper, further from where another ended. Whatever is
+// asked, every invariant holds, refusals change nothing, undo takes all back.
 #include <random>
 
 #include "tests/sim/cutting/patient.h"

@@ -120,8 +120,8 @@ inline DividedModel divide(const FemModel& whole, const std::vector<int>& level)
   return d;
 }
 
-/// Levels that leave an undivided rim: 2 within `inner` of the centre (in cells, largest coordinate), 1 within inner +
-/// 1.
+/// Levels that leave an undivided rim: 2 within `inner` of the
+/// centre (in cells, largest coordinate), 1 within inner + 1.
 inline std::vector<int> levels_around(const FemModel& whole, Vec3 centre_mm, double inner) {
   std::vector<int> level;
   for (const HexCell& c : whole.cells) {

@@ -1,5 +1,5 @@
-// Contacts in the solver: exact derivatives, action and reaction, closed forms, the reference, and nothing when there
-// are none.
+// Contacts in the solver: exact derivatives, action and reaction,
+// closed forms, the reference, and nothing when there are none.
 #include <gtest/gtest.h>
 
 #include "models.h"
@@ -126,8 +126,8 @@ TEST(ContactForces, GradientIsTheDerivativeOfTheEnergy) {
       worst = std::max(worst, std::abs((e1 - e0) / (x1 - x0) - double((&g[i].x)[axis])));
       largest = std::max(largest, double(std::abs((&g[i].x)[axis])));
     }
-  // Central differences of a piecewise quadratic: exact but where a contact opens within the step, there k h / 4 at
-  // most.
+  // Central differences of a piecewise quadratic: exact but where
+  // a contact opens within the step, there k h / 4 at most.
   EXPECT_LT(worst, 900.0 / 1024 / 4 + 1e-5 * largest);
   EXPECT_GT(largest, 50);
   // The reference has the same energy and the same gradient.
@@ -205,8 +205,8 @@ TEST(ContactForces, ActionIsReaction) {
     }
     const double force = f.force_mN(0, u);
     EXPECT_LT(sum.norm(), 1e-5 * (1 + force));
-    // Two opposite forces along n, at a and at b: their moment is (a - b) x n, nothing when the places lie along the
-    // normal.
+    // Two opposite forces along n, at a and at b: their moment is
+    // (a - b) x n, nothing when the places lie along the normal.
     EXPECT_LT((torque - (xa - xb).cross(force * c.normal.cast<double>())).norm(), 1e-4 * (1 + force));
   }
 }

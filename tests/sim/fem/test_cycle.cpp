@@ -124,8 +124,8 @@ TEST(Cycle, StaysPositiveWithStiffSpringsInside) {
   EXPECT_LT(s.largest, 1 + 1e-3);
 }
 
-/// Largest factor by which a step of x += M (b - A x) shrinks the energy of the error: power iteration from a fixed
-/// start.
+/// Largest factor by which a step of x += M (b - A x) shrinks
+/// the energy of the error: power iteration from a fixed start.
 double convergence_factor(const std::shared_ptr<const FemModel>& m) {
   const auto c = ScalarCycle::build(m, {}, 0);
   const std::vector<uint8_t> free = fem::free_nodes(*m);

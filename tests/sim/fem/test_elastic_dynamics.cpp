@@ -130,10 +130,10 @@ TEST(BackwardEuler, ManyStepsEndInTheStaticSolution) {
   EXPECT_LT(worst, 1e-3);
 }
 
-// Against the closed form, which is nearer than any number of float steps: below 1e-3 mm rounding of velocities takes
-// over (measured with 320 steps and more).
-// What a step must have made zero, worked out apart from the minimiser: m a + dE/du, a from the formulas of the two
-// methods.
+// Against the closed form, which is nearer than any number of float steps: below
+// 1e-3 mm rounding of velocities takes over (measured with 320 steps and more).
+// What a step must have made zero, worked out apart from the
+// minimiser: m a + dE/du, a from the formulas of the two methods.
 TEST(Dynamics, AStepBalancesForceAndInertia) {
   const auto m = std::make_shared<FemModel>(block(true));
   for (const Integrator method : {Integrator::backward_euler, Integrator::bdf2}) {
@@ -172,8 +172,8 @@ TEST(Dynamics, AStepBalancesForceAndInertia) {
 TEST(Bdf2, SecondOrderOnADampedOscillation) {
   const Oscillator o;
   const double time = 2.0 / o.omega, damping = 0.4 * o.omega;
-  // The point on its spring, from rest: 2 mm (1 - e^(-ct/2) (cos wt + c/(2w) sin wt)). The block is stiff: 500 times
-  // the spring.
+  // The point on its spring, from rest: 2 mm (1 - e^(-ct/2) (cos wt
+  // + c/(2w) sin wt)). The block is stiff: 500 times the spring.
   const double w = o.omega * std::sqrt(1 - 0.04);
   const double exact =
       2 * (1 - std::exp(-damping * time / 2) * (std::cos(w * time) + damping / (2 * w) * std::sin(w * time)));

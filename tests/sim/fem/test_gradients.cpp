@@ -1,6 +1,6 @@
-// Derivatives that the minimiser uses itself, in single precision, against central differences of its own energies.
-// (Those of the reference solver, of laws, of material points, of contacts and of shaped cells are in the tests of
-// these.)
+// Derivatives that the minimiser uses itself, in single precision, against central
+// differences of its own energies. (Those of the reference solver, of laws, of
+// material points, of contacts and of shaped cells are in the tests of these.)
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -197,8 +197,8 @@ struct Pull {
   }
 };
 
-// The float solver finds the minimum over the unknowns that the reference Newton finds; hanging nodes lie where they
-// must.
+// The float solver finds the minimum over the unknowns that the
+// reference Newton finds; hanging nodes lie where they must.
 TEST(Hanging, TheSolverFindsTheConstrainedMinimum) {
   const FemModel whole = box({6, 6, 6}, true);
   const DividedModel d = divided(whole);

@@ -77,8 +77,8 @@ TEST(Skin, DepthIsSignedOnACurvedSurface) {
 }
 
 TEST(Skin, DepthIsSignedAboveASharpRidge) {
-  // A roof z = -1.5 |x|: its faces' normals are 113 degrees apart, so above the ridge a single face would take the
-  // wrong side.
+  // A roof z = -1.5 |x|: its faces' normals are 113 degrees apart,
+  // so above the ridge a single face would take the wrong side.
   auto b = block();
   for (Vec3& X : b->surface.X_mm) X.z() -= 1.5 * std::abs(X.x());
   const Skin skin(b);

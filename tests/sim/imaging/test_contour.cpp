@@ -88,8 +88,8 @@ Lie lie(const Curve& a, const Curve& b) {
   return out;
 }
 
-/// What is not where it should be; empty: all is. Contours that are no known opening are named when they are longer
-/// than `small_mm`.
+/// What is not where it should be; empty: all is. Contours that are
+/// no known opening are named when they are longer than `small_mm`.
 std::vector<std::string> faults(const Mesh& m, const std::vector<Known>& known, double small_mm, bool print = true) {
   std::vector<std::string> out;
   std::vector<Curve> rims;
@@ -124,13 +124,13 @@ std::vector<std::string> faults(const Mesh& m, const std::vector<Known>& known, 
   return out;
 }
 
-/// The openings of the skull: crests of orbits, nose and foramen (there a rounding of radius k leaves the surface at k
-/// / 4 outside of what was taken away), and the bone's outer course in the volume's last slice. Half way between muscle
-/// and bone (where the isosurface of a
-/// blurred edge is not displaced) the distances are a third to two thirds of a voxel on average; a voxel and a half is
-/// allowed (2026-11-22).
-/// The choanae open too, but have no crest at their sides (the wall runs out into the hollow behind the maxilla): they
-/// are not judged.
+/// The openings of the skull: crests of orbits, nose and foramen (there a rounding
+/// of radius k leaves the surface at k / 4 outside of what was taken away), and
+/// the bone's outer course in the volume's last slice. Half way between muscle and
+/// bone (where the isosurface of a blurred edge is not displaced) the distances
+/// are a third to two thirds of a voxel on average; a voxel and a half is allowed
+/// (2026-11-22). The choanae open too, but have no crest at their sides (the wall
+/// runs out into the hollow behind the maxilla): they are not judged.
 std::vector<Known> openings_of(const HeadShape& h, double top_mm) {
   const Shape skull = [&](const Vec3&p) { return h.skull(p); }, orbit = [&](const Vec3&p) { return h.orbit(p); },
               nose = [&](const Vec3&p) { return h.airway(p); };

@@ -90,8 +90,8 @@ TEST(Fit, NonsenseIsRefused) {
 }
 
 TEST(Fit, FromAroundFromAPlaneAndFromACylinder) {
-  // A round bar through the lower and the upper border of the volume, with a dent in its side that the sphere must go
-  // round.
+  // A round bar through the lower and the upper border of the
+  // volume, with a dent in its side that the sphere must go round.
   const Volume v = sampled(40, 2, [](const Vec3& x) {
     const double side = 20 - x.head<2>().norm(), dent = (x - Vec3(20, 0, 5)).norm() - 9;
     return std::clamp(std::min(side, dent), -4., 4.) * 250;

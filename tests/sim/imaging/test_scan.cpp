@@ -1,5 +1,5 @@
-// A plane, deformed to range scans: a face-like bump with a nose, turned this way and that, noisy; and a real face
-// where one is at hand.
+// A plane, deformed to range scans: a face-like bump with a nose, turned
+// this way and that, noisy; and a real face where one is at hand.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -24,8 +24,8 @@ struct Lcg {
   }
 };
 
-/// Height of a face of 140 x 180 mm above its rim, 70 mm deep: half an ellipsoid with a nose of 25 mm and hollow
-/// orbits.
+/// Height of a face of 140 x 180 mm above its rim, 70 mm deep:
+/// half an ellipsoid with a nose of 25 mm and hollow orbits.
 double face_height(double x, double y) {
   const double q = 1 - x * x / 4900 - y * y / 8100;
   const auto bump = [&](double cx, double cy, double sx, double sy) {
@@ -128,8 +128,8 @@ TEST(Scan, RimsStayAtItsEdge) {
   EXPECT_NEAR(r.hole[0].around_mm, 400, 0.1 * 400);
 }
 
-/// A ball of 60 mm, its points `above` mm apart over z = 0 and `below` under it, without those within `bare_mm` of its
-/// lower pole.
+/// A ball of 60 mm, its points `above` mm apart over z = 0 and `below`
+/// under it, without those within `bare_mm` of its lower pole.
 std::vector<Vec3> ball_scan(double above, double below, double bare_mm = 0) {
   std::vector<Vec3> out;
   for (const double spacing : {above, below}) {
@@ -342,8 +342,8 @@ TEST(Scan, WhatLiesBehindIsHidden) {
 }
 
 TEST(Scan, ADeepFaceIsSeenFromTheFront) {
-  // Half a tube with a back, deeper than wide: along its least spread, from the side, half as much of it is seen as
-  // from the front.
+  // Half a tube with a back, deeper than wide: along its least spread,
+  // from the side, half as much of it is seen as from the front.
   std::vector<Vec3> x;
   for (double y = -100; y <= 100; y += 4)
     for (double a = 0; a <= M_PI; a += 0.05)

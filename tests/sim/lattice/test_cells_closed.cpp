@@ -140,8 +140,8 @@ TEST(CellsClosed, NarrowDrill) {
   EXPECT_EQ(s.t->components[size_t(inner)]->classes[0].corners, 255);
 }
 
-// A level sheet whose border pokes into cells through one square: its curve there is a crack that no level line
-// crosses.
+// A level sheet whose border pokes into cells through one
+// square: its curve there is a crack that no level line crosses.
 TEST(CellsClosed, BorderOfALevelSheet) {
   int walks = 0;
   for (int turn = 0; turn < 3; ++turn) {

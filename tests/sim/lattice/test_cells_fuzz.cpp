@@ -39,8 +39,8 @@ Blade random_blade(Random& r) {
   }
 }
 
-// Moves whole coordinates of a blade next to lattice planes: walls one half-unit beside them, edges through lattice
-// edges.
+// Moves whole coordinates of a blade next to lattice planes:
+// walls one half-unit beside them, edges through lattice edges.
 void press_onto_planes(Blade& b, const LatticeGrid& g, Random& r) {
   const bool axis_pressed[3] = {r.below(2) == 0, r.below(2) == 0, r.below(2) == 0};
   for (Int3& v : b.vertex) {

@@ -85,8 +85,8 @@ TEST(LocalUpdate, IsTheWholeUpdateToTheLastBit) {
 
 void expect_same(const FemModel& a, const FemModel& b);
 
-// With divided fronts: histories of cuts, undermining, excisions and undo. Model and embedding are those of the whole,
-// too.
+// With divided fronts: histories of cuts, undermining, excisions
+// and undo. Model and embedding are those of the whole, too.
 TEST(LocalUpdate, OfDividedFrontsIsTheWholeUpdateToTheLastBit) {
   std::mt19937 random(11);
   const auto uniform = [&](double from, double to) { return from + (to - from) * (random() * (1.0 / 4294967296.0)); };

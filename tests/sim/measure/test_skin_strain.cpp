@@ -24,8 +24,8 @@ const std::array<Vec3, 3> kRest{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.2, 0.9, 0)}
 
 std::array<Vec3, 3> mapped(const Mat3& F) { return {F * kRest[0], F * kRest[1], F * kRest[2]}; }
 
-// The energy density of fem_model.h with principal stretches a, b in the plane and the thickness stretch that makes it
-// least.
+// The energy density of fem_model.h with principal stretches a,
+// b in the plane and the thickness stretch that makes it least.
 double membrane_energy(const Material& m, double a, double b) {
   const double p = m.prestretch_along, q = m.prestretch_across, n = 1 / (p * q);
   const double mu = m.mu_kPa(), lambda = m.lambda_kPa() + mu, p0 = mu * n * n;

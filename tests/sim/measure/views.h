@@ -32,9 +32,9 @@ inline std::vector<Vec3f> deformed(const SurfaceView& v, const std::function<Vec
   return x;
 }
 
-/// Two strips of skin along y, length n mm in steps of 1 mm, that meet at x = 0 in rest; walls 3 mm deep below both
-/// rims.
-/// Vertices of the left bank come first.
+/// Two strips of skin along y, length n mm in steps of 1
+/// mm, that meet at x = 0 in rest; walls 3 mm deep below
+/// both rims. Vertices of the left bank come first.
 inline SurfaceView two_banks(int n) {
   SurfaceView v;
   for (int side = 0; side < 2; ++side) {

@@ -1,5 +1,5 @@
-// What a tool that presses is told of the patient: right against a lattice that resolves the tool, and nothing is
-// changed by it.
+// What a tool that presses is told of the patient: right against
+// a lattice that resolves the tool, and nothing is changed by it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -87,8 +87,8 @@ TEST(Press, CompliancesOfLayersAddUp) {
   EXPECT_NEAR(compliance_mm_N(two, 200) / half_space(200, 12), 1, 0.01);    // a hand meets what is below
 }
 
-// A hand tells forces 7 to 10 % apart; twice that is what a coarse lattice may be off, wherever the place lies in its
-// cell.
+// A hand tells forces 7 to 10 % apart; twice that is what a
+// coarse lattice may be off, wherever the place lies in its cell.
 TEST(Press, ACoarseLatticeFeelsATipThatItCannotSee) {
   InlineWorkers workers;
   const std::vector<Layer> one{layer("skin", 10, 60)}, two{layer("skin", 2, 60), layer("fat", 8, 18)},
@@ -155,8 +155,8 @@ TEST(Press, AnOldSurfaceIsNotAnsweredForAndNonsenseIsRefused) {
   EXPECT_THROW(world.press(bad), InputError);
 }
 
-// Softer deep than a linear law would say, or harder: the secant is that of the depth, and a stretched skin resists
-// more.
+// Softer deep than a linear law would say, or harder: the secant
+// is that of the depth, and a stretched skin resists more.
 TEST(Press, PrestretchIsFelt) {
   InlineWorkers workers;
   World slack(block(3, {layer("skin", 2, 60), layer("fat", 8, 6)}, 1, 30), workers),

@@ -1,5 +1,5 @@
-// Threads: what slides has one tension, what is buried lies where it should, what is cut holds nothing; all can be
-// taken back.
+// Threads: what slides has one tension, what is buried lies where
+// it should, what is cut holds nothing; all can be taken back.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -249,8 +249,8 @@ TEST(CornerSuture, HoldsTheTipWithOneThread) {
   EXPECT_LT(s.sutures[0].gap_mm + s.sutures[1].gap_mm, 6.f);
 }
 
-// One stitch through the middle of an open wound: how much farther it draws in the edge there than a bite's length
-// beside it.
+// One stitch through the middle of an open wound: how much farther
+// it draws in the edge there than a bite's length beside it.
 double dent_mm(double cell_mm, double bite_mm) {
   WorldSpec spec = block();
   spec.cell_mm = cell_mm, spec.suture_bite_mm = bite_mm;
@@ -406,8 +406,8 @@ TEST(Refused, BadActionsSayWhyAndChangeNothing) {
   }
 }
 
-// Cells of 5 mm, a wound of 3 mm: its two edges lie in one cell, which holds together below. They are two edges all the
-// same.
+// Cells of 5 mm, a wound of 3 mm: its two edges lie in one cell,
+// which holds together below. They are two edges all the same.
 TEST(Stitch, JoinsTheEdgesOfAWoundThatIsShallowerThanACell) {
   InlineWorkers workers;
   WorldSpec spec = block(1.08);

@@ -120,8 +120,8 @@ TEST(World, APlugLeavesAndVolumeBalances) {
   ASSERT_TRUE(o.done) << o.reason;
   EXPECT_EQ(world.pieces(), 1);
   EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);
-  // A rhombus of side a and angle 60 degrees has area a^2 sin 60; blades follow the outline to the micrometres of
-  // jitter.
+  // A rhombus of side a and angle 60 degrees has area a^2 sin
+  // 60; blades follow the outline to the micrometres of jitter.
   EXPECT_NEAR(world.removed_volume_mm3(), 16 * 16 * std::sqrt(3.0) / 2 * 4, 0.01 * 16 * 16 * 4);
 }
 
@@ -129,8 +129,8 @@ TEST(World, SliversOfNearlyEqualCutsAreBooked) {
   InlineWorkers workers;
   World world(small_block(), workers);
   ASSERT_TRUE(world.apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90}).done);
-  // The same stroke again, two hundredths of a millimetre aside and deeper: refused or done, nothing loose stays
-  // behind.
+  // The same stroke again, two hundredths of a millimetre aside
+  // and deeper: refused or done, nothing loose stays behind.
   world.apply(Incise{{{-11, 0.32}, {11, 0.28}}, 5, 90});
   EXPECT_EQ(world.pieces(), 1);
   EXPECT_NEAR((world.volume_mm3() + world.removed_volume_mm3()) / world.initial_volume_mm3(), 1, 1e-9);

@@ -112,8 +112,8 @@ TEST(Laws, StressIsTheDerivativeOfTheEnergy) {
       const Mat3 D = random_matrix(r, 1);
       const double h = 1e-5, exact = n.law->at(F).P_kPa.cwiseProduct(D).sum();
       const double found = (n.law->at(F + h * D).energy_kPa - n.law->at(F - h * D).energy_kPa) / (2 * h);
-      // Central difference: error h^2 times a third derivative (steep laws: 1e4 times the stress) plus 1e-16/h of the
-      // energy.
+      // Central difference: error h^2 times a third derivative (steep
+      // laws: 1e4 times the stress) plus 1e-16/h of the energy.
       EXPECT_NEAR(found, exact, 2e-6 * (1 + n.law->at(F).P_kPa.norm())) << n.name << "\n" << F;
     }
 }
@@ -186,8 +186,8 @@ TEST(HomogeneousStates, MooneyRivlinAndOgden) {
   EXPECT_NEAR(cauchy(*ogden(t), {l, 1 / std::sqrt(l), 1 / std::sqrt(l)}, 0, 2), expected, 1e-10 * expected);
 }
 
-/// Uniaxial tension along x of an incompressible orthotropic block: the lateral stretch along y that leaves y and z
-/// free.
+/// Uniaxial tension along x of an incompressible orthotropic
+/// block: the lateral stretch along y that leaves y and z free.
 std::pair<double, double> uniaxial(const MaterialLaw& law, double l) {
   double lo = 0.3 / l, hi = 1.2;
   for (int k = 0; k < 200; ++k) {
@@ -197,9 +197,9 @@ std::pair<double, double> uniaxial(const MaterialLaw& law, double l) {
   return {cauchy(law, {l, lo, 1 / (l * lo)}, 0, 2), lo};
 }
 
-// Human back skin (Ni Annaidh et al. 2012): mu 0.2014 MPa, k1 24.53 MPa, k2 0.1327, kappa 0.1404, fibres at 41 degrees
-// to the
-// Langer line. Stresses and lateral stretches computed independently (kPa here).
+// Human back skin (Ni Annaidh et al. 2012): mu 0.2014 MPa, k1 24.53 MPa,
+// k2 0.1327, kappa 0.1404, fibres at 41 degrees to the Langer line.
+// Stresses and lateral stretches computed independently (kPa here).
 TEST(HomogeneousStates, SkinWithTwoFibreFamilies) {
   const double a = 41 * std::numbers::pi / 180;
   auto skin = [&](bool along) {

@@ -254,9 +254,9 @@ TEST(Viscous, TissueTurnedInsideOutComesBack) {
   for (const Vec3f& v : solver->displacement_mm()) EXPECT_LT(v.norm(), 0.1f);
 }
 
-// The loop for neo-Hookean layers against the one that asks the law (a sum of one law is no neo-Hookean to it): six
-// points in every cell, prestretch, a history, and displacements that turn some cells inside out. Every instruction
-// set.
+// The loop for neo-Hookean layers against the one that asks the law (a sum of one
+// law is no neo-Hookean to it): six points in every cell, prestretch, a history,
+// and displacements that turn some cells inside out. Every instruction set.
 TEST(Viscous, NeoHookeanLoopAgreesWithTheLaw) {
   const Mat3 M = Vec3(1.2, 1.1, 1 / (1.2 * 1.1)).asDiagonal();
   FemModel closed = bar({{0.8, 0.5}, {0.5, 4}}, nullptr, M), asked;

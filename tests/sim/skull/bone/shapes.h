@@ -12,10 +12,10 @@
 
 namespace limberg::test {
 
-/// Outer and inner table as scaled spheres, joined at the foramen (below, z near -0.93 of the outer radius). `uneven`:
-/// with bosses and hollows of that height, no two alike, and a thickness that varies by a third of it, as skulls have
-/// them.
-/// `turn`: of the
+/// Outer and inner table as scaled spheres, joined at the foramen
+/// (below, z near -0.93 of the outer radius). `uneven`: with bosses
+/// and hollows of that height, no two alike, and a thickness that
+/// varies by a third of it, as skulls have them. `turn`: of the
 /// mesh on the same shape, so that it is divided into other faces.
 inline simplex::Mesh skull_shell(int levels = 4, const Vec3& half_mm = {70, 85, 65}, double thick_mm = 6,
                                  double uneven_mm = 0, const Mat3& turn = Mat3::Identity()) {

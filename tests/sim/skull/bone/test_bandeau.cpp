@@ -40,8 +40,8 @@ Vec3 on_skull(const HeadShape& shape, Vec3 p) {
   return p;
 }
 
-/// Over the forehead, down the temple, over the lateral rim into the orbit, along its roof, over the medial rim to the
-/// nasion.
+/// Over the forehead, down the temple, over the lateral rim into
+/// the orbit, along its roof, over the medial rim to the nasion.
 const std::vector<Vec3> kRight = {{0, 84, 58},  {12, 84, 58}, {24, 83, 57}, {35, 79, 55}, {44, 72, 50}, {51, 64, 43},
                                   {55, 61, 36}, {57, 60, 29}, {58, 63, 22}, {56, 70, 19}, {52, 73, 19}, {47, 72, 20},
                                   {44, 72, 24}, {38, 74, 28}, {31, 76, 30}, {24, 77, 29}, {18, 79, 25}, {15, 85, 21},
@@ -91,8 +91,8 @@ TEST(Bandeau, IsCutByAContourAroundBothOrbits) {
     const Outcome done = bones.cut(o);
     ASSERT_TRUE(done.done) << done.reason;
     ASSERT_EQ(bones.fragments().size(), 2u);
-    // Forehead, roofs of both orbits behind the rim, rims, nasion: all one piece. The vault and the cheek bones are the
-    // other.
+    // Forehead, roofs of both orbits behind the rim, rims, nasion:
+    // all one piece. The vault and the cheek bones are the other.
     for (const Vec3& p : {Vec3(0, 86, 45), Vec3(31, 80, 30.5), Vec3(-31, 80, 30.5), Vec3(34, 84, 33), Vec3(-34, 84, 33),
                           Vec3(0, 92, 30), Vec3(54, 70, 27), Vec3(-54, 70, 27)})
       EXPECT_EQ(bones.nearest_fragment(on_skull(shape, p)), 1) << p.transpose();

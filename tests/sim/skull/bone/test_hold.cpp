@@ -71,9 +71,9 @@ TEST(Hold, FreeMotionIsExactAndAFragmentLeavesItsWindow) {
   EXPECT_EQ(b.fragment(2)->pose.matrix(), out.matrix());
 }
 
-// Two surfaces touch when they overlap by 2 kInset, and one substep of kStride may go by before contact answers: at
-// most
-// 0.25 + 0.25 + 0.4 mm. Measured 2026-11-21: see README.
+// Two surfaces touch when they overlap by 2 kInset, and one
+// substep of kStride may go by before contact answers: at
+// most 0.25 + 0.25 + 0.4 mm. Measured 2026-11-21: see README.
 constexpr double kDeepest_mm = 0.9;
 
 TEST(Hold, NothingTunnelsAtOneMetrePerSecond) {

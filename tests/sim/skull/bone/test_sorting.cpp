@@ -77,8 +77,8 @@ Errors sorted(std::vector<simplex::Mesh> pieces, double noise_mm, uint64_t seed)
       const double seam = seam_mm2(shapes[i], shapes[j]);
       const auto m = std::find_if(s.matches.begin(), s.matches.end(),
                                   [&](const Match& k) { return size_t(k.a) == i && size_t(k.b) == j; });
-      // Rings of pieces that meet at a corner only may run together for a little; then they have to lie right all the
-      // same.
+      // Rings of pieces that meet at a corner only may run together
+      // for a little; then they have to lie right all the same.
       if (seam == 0 && m != s.matches.end()) {
         EXPECT_LT(m->length_mm, 60) << i << " " << j;
       }

@@ -283,8 +283,8 @@ TEST(Zones, ContoursBoundThem) {
 }
 
 TEST(Shells, BothTablesCutAndJoinedAreWatertight) {
-  // A thick shell of bone: an outer sphere and an inner one turned inside out, cut by one plane, the mouths joined in
-  // pairs.
+  // A thick shell of bone: an outer sphere and an inner one turned
+  // inside out, cut by one plane, the mouths joined in pairs.
   Mesh m = make_sphere({0, 0, 0}, 20, 3);
   Mesh inner = make_sphere({0, 0, 0}, 14, 3);
   for (Row& r : inner.nbr) std::swap(r[1], r[2]);

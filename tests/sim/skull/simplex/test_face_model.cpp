@@ -190,8 +190,8 @@ TEST(FaceModel, ABoneCarriesWhatStandsOnItRigidlyAndLeavesTheRest) {
 }
 
 TEST(FaceModel, ASymmetricMoveGivesASymmetricFace) {
-  // A slab under a sheet that x -> -x takes to itself, up to the mesh; the elastic solution has no other choice than to
-  // be even.
+  // A slab under a sheet that x -> -x takes to itself, up to the
+  // mesh; the elastic solution has no other choice than to be even.
   const Head h;
   InlineWorkers w;
   FaceModel f(h.face, w);
@@ -364,9 +364,9 @@ TEST(FaceModel, ACutMovesNothingWhereverTheBonesAre) {
     EXPECT_TRUE(f.at_rest()) << name_of(mode);
     EXPECT_LT(apart(Eigen::Isometry3d::Identity(), face, f.face().x_mm), 1e-9) << name_of(mode);
     EXPECT_LT(apart(Eigen::Isometry3d::Identity(), tissue, f.tissues()[0]->x_mm), 1e-9) << name_of(mode);
-    // Feet that the cut did not take are known by the place; those along it stand on new vertices: both at the same
-    // places as before.
-    // Both fragments by one motion that the anvil does not share: as if there were no cut.
+    // Feet that the cut did not take are known by the place; those along it
+    // stand on new vertices: both at the same places as before. Both fragments
+    // by one motion that the anvil does not share: as if there were no cut.
     FaceModel uncut(turned(h.face, A), w);
     ASSERT_TRUE(uncut.connect(turned(h.skull, A), h.plan(mode), &h.skull).done);
     uncut.follow(turned(bones, A));

@@ -1,5 +1,5 @@
-// The law of motion: forces against their definitions, stability on both sides of the bound, settling, workers, rims,
-// cursor.
+// The law of motion: forces against their definitions, stability
+// on both sides of the bound, settling, workers, rims, cursor.
 #include <gtest/gtest.h>
 
 #include <Eigen/SVD>

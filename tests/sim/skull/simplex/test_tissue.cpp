@@ -239,8 +239,8 @@ TEST(ShapeMode, SmallDisplacementsAreHarmonicInTheConductances) {
 }
 
 TEST(ZeroModes, AreTheKernelOfTheStiffnessMatrixOfTheSpringsThatRun) {
-  // The forces of the law that is stepped, differentiated: at rest their stiffness matrix has as many zero eigenvalues
-  // as are counted.
+  // The forces of the law that is stepped, differentiated: at rest
+  // their stiffness matrix has as many zero eigenvalues as are counted.
   const Head head(9);
   InlineWorkers w;
   for (int k : {1, 2}) {
@@ -249,8 +249,8 @@ TEST(ZeroModes, AreTheKernelOfTheStiffnessMatrixOfTheSpringsThatRun) {
     for (size_t v = 0; v < t.role.size(); ++v)
       if (t.role[v] == TissueRole::inside || t.role[v] == TissueRole::side) at.push_back(v);
     const Eigen::Index n = Eigen::Index(3 * at.size());
-    // One iteration from rest, undamped and of a small step, moves each vertex by alpha D^-1 F: the matrix D^-1 K by
-    // differences.
+    // One iteration from rest, undamped and of a small step, moves
+    // each vertex by alpha D^-1 F: the matrix D^-1 K by differences.
     TissueLaw law;
     law.spring.kind = Stiffening::none, law.alpha = 1;
     const std::vector<Vec3> rest = t.x_mm;
