@@ -21,20 +21,20 @@ constexpr MetricSize metric_sizes[] = {{"2k", 24, 2, 0, 0, 0}, {"8k", 44, 3, 3, 
 
 enum class Wound { slit, slit_and_flap };
 
-struct Scene {
+struct WoundScene {
   std::shared_ptr<const FemModel> model;
   std::vector<int32_t> cell_parent;
 };
 
 /// Cells stay in their order, so that a cell's parent is its own index.
-Scene wounded(const FemModel& before, Wound wound) {
-  Scene s{std::make_shared<FemModel>(wounded_block(before, wound == Wound::slit ? 0 : 20)),
-          std::vector<int32_t>(before.cells.size())};
+WoundScene wounded(const FemModel& before, Wound wound) {
+  WoundScene s{std::make_shared<FemModel>(wounded_block(before, wound == Wound::slit ? 0 : 20)),
+               std::vector<int32_t>(before.cells.size())};
   std::iota(s.cell_parent.begin(), s.cell_parent.end(), 0);
   return s;
 }
 
-void rebuilds(Result& out, const MetricSize& size, const char* what, const Scene& before, const Scene& after,
+void rebuilds(Result& out, const MetricSize& size, const char* what, const WoundScene& before, const WoundScene& after,
               bool with_bars) {
   const auto old_cycle = fem::ScalarCycle::build(before.model, {}, 0);
   const fem::ScalarMatrix A0 = fem::assemble_scalar(*before.model, {}, 0);
@@ -93,7 +93,7 @@ double largest(std::span<const Vec3f> u, const std::vector<Vec3f>& v, const std:
 }
 
 /// Steps to 1 and 0.1 mm of the equilibrium after the cut, and the frames until a factor is there.
-void frames(Result& out, const MetricSize& size, const Scene& before, const Scene& after) {
+void frames(Result& out, const MetricSize& size, const WoundScene& before, const WoundScene& after) {
   InlineWorkers workers;
   char name[96];
   std::snprintf(name, sizeof name, "frames after a cut, %s", size.name);
@@ -159,7 +159,8 @@ void frames(Result& out, const MetricSize& size, const Scene& before, const Scen
 }
 
 /// Steps to 1 and 0.1 mm from the shut wound, by the operator that is there at once and by a factor of the new model.
-void steps_after_cut(Result& out, const MetricSize& size, const char* what, const Scene& before, const Scene& after) {
+void steps_after_cut(Result& out, const MetricSize& size, const char* what, const WoundScene& before,
+                     const WoundScene& after) {
   InlineWorkers workers;
   const std::vector<Spring> hook{lip_hook(*after.model, 1)};
   std::vector<Vec3f> exact;
@@ -210,8 +211,8 @@ Result cut_metric(const MetricSettings& settings) {
     const bool small = size.times_metis == 0;
     if (small != settings.quick) continue;
     if (settings.progress) settings.progress(std::string("metric after a cut, ") + size.name + " nodes");
-    const Scene whole{std::make_shared<FemModel>(sided_block(size.side, size.layers)), {}};
-    const Scene slit = wounded(*whole.model, Wound::slit), both = wounded(*whole.model, Wound::slit_and_flap);
+    const WoundScene whole{std::make_shared<FemModel>(sided_block(size.side, size.layers)), {}};
+    const WoundScene slit = wounded(*whole.model, Wound::slit), both = wounded(*whole.model, Wound::slit_and_flap);
     rebuilds(out, size, "slit", whole, slit, !small);
     rebuilds(out, size, "flap under it", slit, wounded(*slit.model, Wound::slit_and_flap), !small);
     steps_after_cut(out, size, "slit", whole, slit);

@@ -144,7 +144,7 @@ void drag(const SpeedRun& run, const SpeedSize& size, double poisson, int every)
     }
     start = last = cpu_ms();
     solver->set_springs(scene.springs);
-    const StepReport r = solver->step(frame);
+    const limberg::StepReport r = solver->step(frame);
     cycle = r.metric_is_cycle;
     longest = std::max(longest, cpu_ms() - start);
     if (looked_at && f < 30) lag.push_back(largest_error(solver->displacement_mm(), truth));

@@ -69,7 +69,7 @@ void instruction_sets(const SpeedRun& run, const SpeedKernelsSize& size) {
       solver.step(s);
       s.max_iterations = 30;
       const double start = cpu_ms();
-      const StepReport report = solver.step(s);
+      const limberg::StepReport report = solver.step(s);
       times[k].iteration.add((cpu_ms() - start) / std::max(1, report.iterations));
     }
   char name[64], how[64];
