@@ -85,11 +85,11 @@ std::string number(const Json& v) { return v.is_number() ? fmt::format("{:.3g}",
 
 std::string section(const std::string& name, const Json& m) {
   std::string text =
-      fmt::format("### {}\n\n`{}`, {}, {} cores, {}, version {} ({}).", name, m.at("call").get<std::string>(),
+      fmt::format("### {}\n\n`{}`,\n{}, {} cores, {}, version {} ({}).", name, m.at("call").get<std::string>(),
                   m.at("cpu").get<std::string>(), m.at("cores").get<int>(), m.at("date").get<std::string>(),
                   m.at("version").get<std::string>(), m.at("commit").get<std::string>());
-  if (m.at("quick").get<bool>()) text += " Quick: the smallest sizes only.";
-  if (const std::string remark = m.value("remark", ""); !remark.empty()) text += " " + remark;
+  if (m.at("quick").get<bool>()) text += "\nQuick: the smallest sizes only.";
+  if (const std::string remark = m.value("remark", ""); !remark.empty()) text += "\n" + remark;
   text += "\n\n| bar | value | limit | |\n|---|---|---|---|\n";
   for (const Json& bar : m.at("bars"))
     text += fmt::format("| {} | {}{} | {} {} | {} |\n", cell(bar.at("name").get<std::string>()),
