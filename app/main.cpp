@@ -48,6 +48,7 @@ int run_main(int argc, char** argv) {
   add_fit(app, chosen);
   add_superpose(app, chosen);
   add_measures(app, chosen);
+  add_actions(app, chosen);
   add_design(app, chosen);
   std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && words.front() == "bench") return run_bench_beside({words.begin() + 1, words.end()});

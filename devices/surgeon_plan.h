@@ -84,6 +84,10 @@ class SurgeonPlan {
   void plan(const Stage& c);
   void plan(const Wait& c);
   void plan(const HeadCommand& c);
+  template <class Other>
+  void plan(const Other&) {
+    problems_.push_back("command " + std::to_string(number_) + ": no gesture; expected an act of a hand");
+  }
 
   SurgeonSettings set_;
   std::deque<Step> steps_;

@@ -21,6 +21,7 @@
 #include "sim/commands/procedures/plan_drawing.h"
 #include "sim/commands/script.h"
 #include "sim/commands/strokes.h"
+#include "sim/commands/table.h"
 #include "sim/geometry/io/obj.h"
 #include "sim/imaging/io/surface_file.h"
 #include "sim/imaging/io/volume.h"
@@ -292,14 +293,12 @@ void check_script(const Script& script, const std::string& file, bool with_plan,
   std::map<std::string, int> count;
   std::vector<Command> commands;
   for (const ScriptLine& l : script.lines) {
-    const bool of_head = std::holds_alternative<HeadCommand>(l.command);
-    const bool neither = std::holds_alternative<Undo>(l.command) || std::holds_alternative<Redo>(l.command) ||
-                         std::holds_alternative<Stage>(l.command) || std::holds_alternative<Wait>(l.command);
-    if (of_head && !scene.head)
+    const Needs needs = visit_act(l.command, []<class C>(const C&) { return Act<C>::needs; });
+    if (needs == Needs::head && !scene.head)
       throw InputError(file, l.line,
                        std::string(action_name(l.command)) + " asks for a head, and the scene \"" + scene.name +
                            "\" has none; expected a scene with a [head]");
-    if (!of_head && !neither && !scene.flesh)
+    if (needs == Needs::skin && !scene.flesh)
       throw InputError(file, l.line,
                        std::string(action_name(l.command)) + " asks for skin, and the scene \"" + scene.name +
                            "\" has none; expected a scene with a [body]");

@@ -34,6 +34,7 @@ void add_fit(CLI::App& app, Chosen& chosen);
 void add_superpose(CLI::App& app, Chosen& chosen);
 void add_design(CLI::App& app, Chosen& chosen);
 void add_measures(CLI::App& app, Chosen& chosen);
+void add_actions(CLI::App& app, Chosen& chosen);
 
 /// Options that several commands share.
 struct CommonOptions {

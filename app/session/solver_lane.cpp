@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "app/session/clock.h"
-#include "app/session/command_words.h"
 #include "devices/rigid_grip.h"
 #include "sim/base/hash.h"
 #include "sim/commands/script.h"
+#include "sim/commands/words.h"
 
 namespace limberg {
 

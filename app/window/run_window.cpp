@@ -1,10 +1,10 @@
 #include "app/window/run_window.h"
 
 #include "app/pictures/pictures.h"
-#include "app/session/command_words.h"
 #include "app/window/glfw_screen.h"
 #include "app/window/waiting.h"
 #include "app/window/window_frames.h"
+#include "sim/commands/words.h"
 
 namespace limberg {
 

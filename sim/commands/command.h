@@ -1,61 +1,6 @@
 #pragma once
-// A surgical action, as a script line or a gesture states it: chart points on the skin and mm, nothing of any mesh.
-//
-// Script: JSON lines (script.h), one object a line, `action` first:
-//   {"limberg_script":1,"scene":"rhomboid","note":"..."}                        first line
-//   {"action":"excise","outline":[[x,y],...],"depth_mm":4}                       a plug: walls and floor, then taken
-//   away.
-//                                                                                "floor":false: walls only; what lies
-//                                                                                within
-//                                                                                must be free below, by undermining or
-//                                                                                by
-//                                                                                walls that reach through
-//   {"action":"incise","path":[[x,y],...],"depth_mm":4,"angle_deg":90}           angle between blade and skin, in the
-//   plane
-//                                                                                across the path; 90 = upright.
-//                                                                                "spline":true: a curve through the
-//                                                                                points
-//   {"action":"incise","stroke":3,"path":[...],"more":true}                      a piece of an incision that opens
-//   while it is
-//                                                                                drawn: further pieces go on from the
-//                                                                                last
-//                                                                                point, the one without "more" ends it.
-//                                                                                Depth
-//                                                                                and angle are those of the first piece
-//   {"action":"undermine","outline":[[x,y],...],"depth_mm":4}                    a sheet at that depth under the
-//   outline
-//   {"action":"hook","id":1,"at":[x,y]}                                          skin hook, to be moved
-//   {"action":"move","id":1,"to":[x,y,z],"seconds":1.5}                          its handle, world mm (block: z up,
-//   skin at 0)
-//   {"action":"release","id":1}
-//   {"action":"suture","a":[x,y],"b":[x,y]}                                      one stitch; each point lies just
-//   beside its edge.
-//                                                                                "depth_mm":3: a buried one, whose
-//                                                                                bites lie so deep
-//                                                                                in the two walls of the wound
-//   {"action":"suture_row","a":[[x,y],...],"b":[[x,y],...],"spacing_mm":4}       stitches along two paths, ends
-//   included; also with
-//                                                                                "depth_mm". "running":true: one
-//                                                                                thread, the paths
-//                                                                                may be curved; "slack_mm": so much of
-//                                                                                it is left over
-//   {"action":"suture_corner","tip":[x,y],"a":[x,y],"b":[x,y],"depth_mm":1}      half-buried mattress: one thread from
-//   bank a through
-//                                                                                the flap's tip to bank b, all within
-//                                                                                the walls
-//   {"action":"suture_between","from":1,"to":2,"spacing_mm":4}                   a row along the wound's edges between
-//   two stitches, by
-//                                                                                number (in order of tying) or by place
-//                                                                                [x,y]; also
-//                                                                                with "depth_mm", "running", "slack_mm"
-//   {"action":"cut_suture","id":3}   or   {"action":"cut_suture","at":[x,y]}     the whole thread goes
-//   {"action":"undo"}                                                            the last cut, excision, suture or cut
-//   thread
-//   {"action":"redo"}                                                            what was undone last; a new act ends
-//   that
-//   {"action":"stage","name":"flap cut"}                                         a picture and a row in the report
-//   {"action":"wait","seconds":1}
-//
+// A surgical act, as a script line or a gesture states it: chart points on the skin and mm, nothing of any mesh.
+// How each is written in a script, with units, limits and what it means, stands in table.h; `limberg actions` prints it.
 // Acts on bones and face are in head_command.h.
 #include <string>
 #include <variant>

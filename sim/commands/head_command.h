@@ -1,59 +1,7 @@
 #pragma once
 // Acts on a skull and the face over it, as a script line or a gesture states them. Places are in mm in the frame of the
 // head (x left, y forward, z up, origin between the ears), on the bones where they were at first; nothing of any mesh.
-//
-//   {"action":"osteotomy","contour":[[x,y,z],...]}                        a closed cut through all of the bone, through
-//   places on its
-//                                                                          surface: dense as a cursor draws them, or
-//                                                                          picked ones
-//   {"action":"osteotomy","point":[x,y,z],"normal":[x,y,z],               a plane; "radius_mm": only what it cuts
-//   within that distance
-//    "radius_mm":30,"of":P}                                               of the point; "of": only this fragment.
-//                                                                          Both: "must_divide":false allows a cut that
-//                                                                          frees nothing
-//   {"action":"move_fragment","fragment":P,"translation_mm":[x,y,z],      by so much from where it is: turned about
-//   "about" (a place
-//    "rotation_deg":[x,y,z],"about":[x,y,z],"seconds":2}                  as things lie now; its centre when left out)
-//    by the angle
-//                                                                          |rotation_deg| about its direction, then
-//                                                                          shifted
-//   {"action":"grab","fragment":P}                                        held by the hand from now on; what is in its
-//   way stops it
-//   {"action":"drag","translation_mm":[x,y,z],"rotation_deg":[x,y,z],     where the hand takes it: as in move_fragment,
-//   from where it was
-//    "about":[x,y,z],"seconds":2}                                         grabbed
-//   {"action":"let_go","snap":true}                                       with "snap": into the nearest of its cuts.
-//   The three also with
-//                                                                          "hand":1, for two hands that hold one each
-//   {"action":"plate","a":[x,y,z],"b":[x,y,z]}                            a plate from bone to bone: its two fragments
-//   move together
-//   {"action":"unplate","fragment":P}                                     the plates on it are taken off
-//   {"action":"join","a":P,"b":P}                                         two fragments become one
-//   {"action":"sort"}                                                     fragments are put together by their cut
-//   rings, wherever they lie:
-//                                                                          what fits and is verified goes to a bone
-//                                                                          that does not move, or to
-//                                                                          the one with the smallest number
-//                                                                          (sim/skull/bone/sorting.h)
-//   {"action":"connect_tissue","name":"chin","face":[x,y,z],"face_radius_mm":25,"bone":[x,y,z],"bone_radius_mm":40,
-//    "layers":3,"young_kPa":10,"mode":"finite_elements"}                  tissue between a region of the face and one
-//    of the bone, within
-//                                                                          so far of these places; "bone_radius_mm" 0:
-//                                                                          all bone. Modes:
-//                                                                          smoothing, springs, shape, finite_elements
-//   {"action":"landmark","name":"Pog","at":[x,y,z],"on":"bone"}           a named place, set on the nearest bone (or
-//   "face"); a name
-//                                                                          that is there already is moved
-//   {"action":"superpose","on":"normal","name":"advanced"}               the skull is laid upon a normal one ("normal")
-//   or upon its own mirror
-//                                                                          image ("mirror"): from now on it is shown
-//                                                                          so, and how far from it
-//                                                                          it is at this moment stands in the report
-//                                                                          under that name.
-//                                                                          "off": it is shown alone again. No part of
-//                                                                          undo
-//
-// P is a fragment's number, or a place [x,y,z] on it.
+// How each is written in a script stands in table_head.h.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -142,6 +90,9 @@ using HeadCommand = std::variant<CutBone, MoveFragment, GrabFragment, DragFragme
 /// The names of TissueKind in scripts and scenes, in its order.
 inline constexpr const char* kTissueKinds[] = {"smoothing", "springs", "shape", "finite_elements"};
 inline constexpr const char* kTissueKindList = "smoothing, springs, shape or finite_elements";
+/// The same in words, for people.
+inline constexpr const char* kTissueKindWords[] = {"smoothing: the face does not feel it", "springs", "shape",
+                                                   "finite elements"};
 
 inline constexpr const char* kSkullBeside[] = {"off", "normal", "mirror"};
 /// The same in words, for people.

@@ -1,5 +1,6 @@
 #pragma once
-// The operation script: JSON lines, one action a line (the actions and their keys are listed in command.h).
+// The operation script: JSON lines, one action a line. Table.h holds the actions and their keys; `limberg actions` prints
+// them.
 //
 //   {"limberg_script":1,"scene":"rhomboid","note":"Limberg flap, side 20 mm"}
 //   {"action":"incise","path":[[10,0],[30,0]],"depth_mm":4}
@@ -7,8 +8,8 @@
 // The header may also have "landmarks":{"ala":[12,-3]} and "plan" (below).
 //
 // Reading is strict: an unknown action or key, a key given twice, a wrong type, a number out of its range or a broken
-// line is an InputError with the file, the line, what is wrong and what was expected. Nothing is guessed. depth_mm,
-// angle_deg, spacing_mm and seconds may be left out and then take the value of command.h; blank lines are skipped.
+// line is an InputError with the file, the line, what is wrong and what was expected. Nothing is guessed. A field that is
+// left out has the value of the command's struct; blank lines are skipped.
 // Writing gives the shortest decimals that read back to the same numbers, so a script survives any number of round
 // trips.
 #include <cstdio>
@@ -19,24 +20,9 @@
 #include <vector>
 
 #include "sim/commands/command.h"
+#include "sim/commands/script_limits.h"
 
 namespace limberg {
-
-/// What a script may hold; enough for any operation, and a bound on what a hostile file can cost.
-struct ScriptLimits {
-  static constexpr size_t file_bytes = 64u << 20;
-  static constexpr size_t line_bytes = 1u << 20;
-  static constexpr size_t commands = 100'000;
-  static constexpr size_t path_points = 2000;
-  static constexpr size_t row_sutures = 1000;  // longer of the two paths / spacing_mm
-  static constexpr size_t name_bytes = 200;
-  static constexpr double coordinate_mm = 10'000;  // |x| of any point
-  static constexpr double depth_mm = 200;          // 0 < depth <= this
-  static constexpr double min_angle_deg = 10, max_angle_deg = 170;
-  static constexpr double seconds = 3600;   // 0 <= seconds <= this
-  static constexpr int max_id = 1'000'000;  // 1 <= id <= this
-  static constexpr size_t landmarks = 50;
-};
 
 /// A named place on the skin: an eyelid's rim, a nostril's wing.
 struct Landmark {

@@ -1,9 +1,10 @@
 #include "sim/commands/script_reader.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "sim/base/error.h"
 
@@ -18,11 +19,7 @@ struct ScriptReader::Data {
   Json json;
 };
 
-std::string ScriptReader::number(double v) {
-  std::ostringstream s;
-  s << v;
-  return s.str();
-}
+std::string ScriptReader::number(double v) { return fmt::format("{:g}", v); }
 
 ScriptReader::ScriptReader(std::string_view text, const std::string& name, int line) : data_(new Data{name, line, {}}) {
   Json& json_ = data_->json;
@@ -58,7 +55,7 @@ void ScriptReader::fail(const std::string& what) const { throw InputError(data_-
 bool ScriptReader::has(const char* key) const { return data_->json.contains(key); }
 bool ScriptReader::is_list(const char* key) const { return has(key) && data_->json[key].is_array(); }
 
-void ScriptReader::only(std::initializer_list<const char*> keys, const std::string& where) const {
+void ScriptReader::only(const std::vector<const char*>& keys, const std::string& where) const {
   for (const auto& [k, v] : data_->json.items()) {
     if (std::any_of(keys.begin(), keys.end(), [&](const char* want) { return k == want; })) continue;
     std::string list;
@@ -159,6 +156,26 @@ StitchPick ScriptReader::stitch(const char* key) const {
   if (!has(key)) missing(key, "the number of a stitch or a place [x, y]");
   if (data_->json[key].is_array()) return {0, point(key)};
   return {int(integer(key, 1, L::max_id)), {0, 0}};
+}
+
+FragmentPick ScriptReader::fragment(const char* key) const {
+  if (is_list(key)) return {-1, place(key)};
+  if (!has(key)) fail(quoted(key) + " is missing; expected the number of a fragment or a place [x, y, z] on it");
+  return {int32_t(integer(key, 0, L::max_id)), Vec3::Zero()};
+}
+
+size_t ScriptReader::choice(const char* key, std::span<const char* const> names) const {
+  const std::string given = text(key, true, 40);
+  const auto at = std::find(names.begin(), names.end(), given);
+  if (at == names.end())
+    fail(quoted(key) + " is \"" + shown(given) + "\"; expected " + listed({names.begin(), names.end()}));
+  return size_t(at - names.begin());
+}
+
+std::string ScriptReader::listed(const std::vector<std::string>& names) {
+  std::string s;
+  for (size_t i = 0; i < names.size(); ++i) s += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
+  return s;
 }
 
 ChartPoint ScriptReader::point(const char* key) const {

@@ -1,9 +1,9 @@
 #pragma once
 // One line of a script being read: gives each key by its type and complains in the words of the house, with file and
 // line.
-#include <initializer_list>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,7 +22,7 @@ class ScriptReader {
   bool has(const char* key) const;
   bool is_list(const char* key) const;
   /// Any other key is refused.
-  void only(std::initializer_list<const char*> keys, const std::string& where) const;
+  void only(const std::vector<const char*>& keys, const std::string& where) const;
 
   std::string text(const char* key, bool required, size_t max_bytes) const;
   int64_t integer(const char* key, int64_t lo, int64_t hi) const;
@@ -40,11 +40,17 @@ class ScriptReader {
   std::optional<PlannedProcedure> plan(const char* key) const;
   /// A stitch: its number, or a place.
   StitchPick stitch(const char* key) const;
+  /// A fragment: its number, or a place on it.
+  FragmentPick fragment(const char* key) const;
+  /// The number of the name that the line gives.
+  size_t choice(const char* key, std::span<const char* const> names) const;
 
   /// A text from the file, made fit for a one-line message.
   static std::string shown(const std::string& s);
   static std::string quoted(const char* key) { return "\"" + std::string(key) + "\""; }
   static std::string number(double v);
+  /// "a, b or c".
+  static std::string listed(const std::vector<std::string>& names);
 
  private:
   [[noreturn]] void missing(const char* key, const std::string& what) const;
@@ -55,11 +61,5 @@ class ScriptReader {
   struct Data;
   std::unique_ptr<Data> data_;
 };
-
-/// Acts of head_command.h.
-bool is_head_action(std::string_view action);
-HeadCommand read_head_action(const ScriptReader& line, const std::string& action, const std::string& where);
-const char* head_action_name(const HeadCommand& command);
-std::string head_json_line(const HeadCommand& command);
 
 }  // namespace limberg

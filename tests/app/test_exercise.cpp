@@ -8,8 +8,8 @@
 #include "app/program/places.h"
 #include "app/scene/scene.h"
 #include "sim/base/error.h"
-#include "sim/commands/flaps.h"
 #include "sim/commands/procedures/operation.h"
+#include "tests/sim/commands/shipped_scripts.h"
 
 namespace limberg {
 namespace test_exercise {
@@ -78,7 +78,7 @@ TEST(Lesson, ShippedOnesFitTheirScenesAndTheirScripts) {
     const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
     const PlanOnSkin plan = plan_on(skin, l.plan);
     std::vector<Command> script;
-    for (const ScriptLine& s : shipped_script(name).lines) script.push_back(s.command);
+    for (const ScriptLine& s : test::shipped_script(name).lines) script.push_back(s.command);
     const auto e = design_error(plan, script);
     ASSERT_TRUE(e) << name;
     EXPECT_TRUE(e->missing.empty()) << name;
@@ -122,7 +122,7 @@ TEST(Lesson, SaysWhyAFigureIsNotMeasured) {
   const Skin skin(build_body(load_scene(source_dir() + "/app/scenes/" + l.scene + ".toml")));
   const PlanOnSkin plan = plan_on(skin, l.plan);
   std::vector<Command> drawn;
-  for (const ScriptLine& s : shipped_script("rhomboid").lines) drawn.push_back(s.command);
+  for (const ScriptLine& s : test::shipped_script("rhomboid").lines) drawn.push_back(s.command);
   const auto why = [&](const std::vector<Command>& script, const Metrics& m, const char* name) {
     const LessonValues v = lesson_values(m, design_error(plan, script));
     EXPECT_FALSE(v.value.contains(name)) << name;

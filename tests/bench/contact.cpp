@@ -7,9 +7,9 @@
 #include "app/program/shipped.h"
 #include "app/scene/scene.h"
 #include "sim/body/block.h"
-#include "sim/commands/flaps.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/procedures/operation.h"
+#include "sim/commands/script.h"
 #include "sim/contact/contact_finder.h"
 #include "sim/measure/penetration.h"
 
@@ -55,7 +55,8 @@ Closed close(const Patient& p, ContactChoice contact) {
 
 Patient shipped(const std::string& name) {
   const Scene scene = load_scene(shipped_file("app/scenes/" + name + ".toml"));
-  Patient p{name, world_spec(scene, build_body(scene)), shipped_script(name), scene.tools.max_depth_mm};
+  Patient p{name, world_spec(scene, build_body(scene)), load_script(shipped_file("recordings/" + name + ".jsonl")),
+            scene.tools.max_depth_mm};
   return p;
 }
 

@@ -118,8 +118,8 @@ TEST_F(Report, StagesSayWhatTheScriptDid) {
   const std::string h = make(
       R"({"stages":[{"name":"cut"},{"name":"own","caption":"My words."},{"name":"closed"},{"name":"other"}],"script":[
     {"limberg_script":1},{"action":"excise","outline":[[0,0],[20,0],[20,10],[0,10]],"depth_mm":4},{"action":"incise","path":[[0,0],[3,4],[3,14]],"depth_mm":5,"angle_deg":60},
-    {"action":"stage","name":"cut"},{"action":"suture"},{"action":"stage","name":"own"},{"action":"hook"},{"action":"hook"},{"action":"move"},
-    {"action":"suture_row"},"no JSON",{"action":7},{"action":"excise","outline":[7]},{"action":"stage","name":"closed"},{"action":"stage","name":"not other"}]})");
+    {"action":"stage","name":"cut"},{"action":"suture","a":[0,0],"b":[1,0]},{"action":"stage","name":"own"},{"action":"hook","id":1,"at":[0,0]},{"action":"hook","id":2,"at":[1,0]},{"action":"move","id":1,"to":[0,0,9]},
+    {"action":"suture_row","a":[[0,0],[9,0]],"b":[[0,1],[9,1]]},"no JSON",{"action":7},{"action":"excise","outline":[7]},{"action":"stage","name":"closed"},{"action":"stage","name":"not other"}]})");
   EXPECT_NE(h.find("Excision of 200 mm², 4 mm deep. Incision of 15 mm, 5 mm deep, blade at 60°."), std::string::npos);
   EXPECT_NE(h.find("My words."), std::string::npos);
   EXPECT_EQ(h.find("One key suture"), std::string::npos);

@@ -1,10 +1,10 @@
 // What the window makes of a head: picks, tissue between them, figures that follow.
 #include <gtest/gtest.h>
 
-#include "app/session/command_words.h"
 #include "app/window/desk_head.h"
 #include "app/window/live_measures.h"
 #include "devices/pick.h"
+#include "sim/commands/words.h"
 
 namespace limberg {
 namespace test_desk_head {

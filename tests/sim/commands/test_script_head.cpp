@@ -51,7 +51,7 @@ TEST(ScriptHead, EveryActSurvivesTheRoundTrip) {
 }
 
 TEST(ScriptHead, BadLinesSayLineAndReason) {
-  EXPECT_NE(why(R"({"action":"superpose","on":"moon"})").find("expected normal, mirror or off"), std::string::npos);
+  EXPECT_NE(why(R"({"action":"superpose","on":"moon"})").find("expected off, normal or mirror"), std::string::npos);
   EXPECT_NE(why(R"({"action":"unplate"})").find("\"fragment\" is missing"), std::string::npos);
   EXPECT_NE(why(R"({"action":"sort","fragment":1})").find("unknown key \"fragment\""), std::string::npos);
   EXPECT_NE(why(R"({"action":"superpose"})").find("\"on\""), std::string::npos);

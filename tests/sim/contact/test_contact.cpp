@@ -4,11 +4,11 @@
 
 #include "../fem/models.h"
 #include "sim/body/block.h"
-#include "sim/commands/flaps.h"
 #include "sim/commands/script.h"
 #include "sim/contact/contact_counts.h"
 #include "sim/measure/penetration.h"
 #include "sim/patient/world.h"
+#include "tests/sim/commands/shipped_scripts.h"
 
 namespace limberg {
 namespace test_contact {
@@ -72,7 +72,7 @@ void close_fusiform(World& world, int rest) {
 
 // The first step after a cut begins with both banks in the same place: no pair may push there. 5 mm cells.
 TEST(Contact, NothingPushesAtRestAfterACut) {
-  for (const Script& script : {shipped_script("rhomboid"), shipped_script("zplasty")}) {
+  for (const Script& script : {test::shipped_script("rhomboid"), test::shipped_script("zplasty")}) {
     InlineWorkers workers;
     WorldSpec spec = block(ContactChoice::automatic, 100);
     spec.cell_mm = 5;

@@ -1,8 +1,8 @@
 // Sums over stitches, hooks and supports, and the collection of all figures from a snapshot.
 #include <gtest/gtest.h>
 
-#include "sim/commands/flaps.h"
 #include "sim/measure/metrics.h"
+#include "tests/sim/commands/shipped_scripts.h"
 #include "tests/sim/measure/views.h"
 
 namespace limberg {
@@ -62,7 +62,7 @@ TEST(Metrics, OfAStretchedBlock) {
                {2, Vec3f::Zero(), Vec3f::Zero(), 2.5f, 0.02f},
                {7, Vec3f::Zero(), Vec3f::Zero(), 0.5f, 0.15f}};
   const GivenSolver solver;
-  const Metrics m = measure(s, skin, solver, {1, 60000, 4000, 64000}, operation(shipped_zplasty()));
+  const Metrics m = measure(s, skin, solver, {1, 60000, 4000, 64000}, test::shipped_commands("zplasty"));
   EXPECT_EQ(m.pieces, 1);
   EXPECT_EQ(m.volume_change, 0);
   EXPECT_NEAR(m.compression, 0.1, 1e-5);
@@ -80,7 +80,7 @@ TEST(Metrics, OfAStretchedBlock) {
   ASSERT_TRUE(m.elongation);
   EXPECT_NEAR(*m.elongation, 1.1, 1e-5);
   EXPECT_FALSE(m.flap_area_mm2);
-  const Metrics r = measure(s, skin, solver, {1, 64000, 0, 64000}, operation(shipped_rhomboid()));
+  const Metrics r = measure(s, skin, solver, {1, 64000, 0, 64000}, test::shipped_commands("rhomboid"));
   ASSERT_TRUE(r.flap_area_mm2);
   EXPECT_NEAR(*r.flap_area_mm2, 1.1 * 400 * std::sqrt(0.75), 15);  // cells of 1 mm along a border of 80 mm
 }
