@@ -73,7 +73,7 @@ TEST(Hold, FreeMotionIsExactAndAFragmentLeavesItsWindow) {
 
 // Two surfaces touch when they overlap by 2 kInset, and one
 // substep of kStride may go by before contact answers: at
-// most 0.25 + 0.25 + 0.4 mm. Measured 2026-11-21: see README.
+// most 0.25 + 0.25 + 0.4 mm. Measured 2026-11-21: see docs/validation.md.
 constexpr double kDeepest_mm = 0.9;
 
 TEST(Hold, NothingTunnelsAtOneMetrePerSecond) {
