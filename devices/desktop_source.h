@@ -1,12 +1,12 @@
 #pragma once
 // Pointing devices of a desk as a stylus: a SpaceMouse through the socket of its daemon (spacenavd), and a mouse.
 //
-//   SpaceMouse  pushed, it moves the tip; twisted, it turns the shaft; speed grows with the square of the push, so that
-//   a
-//               light touch is precise. Button 0 presses, button 1 is the clutch.
-//   mouse       moves the tip in the plane z = const; left button presses, right button is the clutch; made for the
-//   surface
-//               cursor, which takes motions and not places.
+//   SpaceMouse  pushed, it moves the tip; twisted, it turns the shaft;
+//               speed grows with the square of the push, so that a light
+//               touch is precise. Button 0 presses, button 1 is the clutch.
+//   mouse       moves the tip in the plane z = const; left button
+//               presses, right button is the clutch; made for the
+//               surface cursor, which takes motions and not places.
 //
 // A thread of its own reads and reconnects; readings come at 125 Hz while the device is there. No library is needed:
 // the daemon's first protocol is packets of eight 32-bit numbers in the machine's byte order, type (0 motion, 1 press,

@@ -44,8 +44,8 @@ class EmulatedSurgeon final : public Source {
 
   size_t command() const;  // the index of the script line being carried out; the script's length when done
   size_t commands() const;
-  /// Aims that found no skin at their chart point, "command 3: point (x, y) is not on skin"; the command is passed
-  /// over.
+  /// Aims that found no skin at their chart point, "command 3:
+  /// point (x, y) is not on skin"; the command is passed over.
   const std::vector<std::string>& problems() const;
 
  private:

@@ -1,14 +1,14 @@
 #pragma once
 // Two stations on a glove, forefinger and thumb: one hand at one time.
 //
-// The stations are sampled one after the other, 8.3 ms apart, and each has time stamps of its own. Each is followed by
-// a filter of its own (tracking.h) and predicted to the tick; only then are the two put together. Without that a hand
-// that moves at 0.5 m/s along the line between its fingers would seem to open and close by 4 mm.
+// The stations are sampled one after the other, 8.3 ms apart, and each has time stamps of its own. Each is followed
+// by a filter of its own (tracking.h) and predicted to the tick; only then are the two put together. Without that a
+// hand that moves at 0.5 m/s along the line between its fingers would seem to open and close by 4 mm.
 //
-// Grab: the distance between the finger tips falls below a threshold and stays there for three readings, at least one
-// of them of the other finger, so that no single wrong reading closes a hand; release the same way above a higher
-// threshold.
-// While a finger is not tracked neither happens: a hand out of sight keeps what it holds, and says so.
+// Grab: the distance between the finger tips falls below a threshold and stays there
+// for three readings, at least one of them of the other finger, so that no single wrong
+// reading closes a hand; release the same way above a higher threshold. While a finger
+// is not tracked neither happens: a hand out of sight keeps what it holds, and says so.
 #include <cstdint>
 
 #include "calibration/calibration.h"

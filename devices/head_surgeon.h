@@ -1,21 +1,21 @@
 #pragma once
-// The emulated surgeon at a skull: a stylus in one hand draws osteotomies on the bone, a glove on the other points at
-// fragments, closes, carries them and opens. Out come samples at 120 Hz: the stylus, and the two stations of the glove
-// in turn.
+// The emulated surgeon at a skull: a stylus in one hand draws osteotomies on the
+// bone, a glove on the other points at fragments, closes, carries them and opens.
+// Out come samples at 120 Hz: the stylus, and the two stations of the glove in turn.
 //
 //   osteotomy (contour)     the saw drawn round the contour with the stylus
-//   move_fragment           the glove: points at the place that the line names (or at the middle of the fragment),
-//   closes, moves by
-//                           the map that the line means, opens
+//   move_fragment           the glove: points at the place that the line
+//                           names (or at the middle of the fragment), closes,
+//                           moves by the map that the line means, opens
 //   landmark, superpose     chosen away from the hand, as with keys
 //   stage, wait, undo, redo as the stylus does them
 //
-// With the stylus alone (HeadHands::stylus) a fragment is gripped by its tip and goes where the stylus is moved and
-// turned.
+// With the stylus alone (HeadHands::stylus) a fragment is gripped
+// by its tip and goes where the stylus is moved and turned.
 //
-// Everything else (planes, plates, joins, tissue) is no gesture: a line in problems(). Noise, tremor and gaps are
-// those of SurgeonSettings; everything random comes from its seed. The glove is that of the shipped calibration: tips
-// at the sensors, the forefinger along its sensor's x axis.
+// Everything else (planes, plates, joins, tissue) is no gesture: a line in problems(). Noise,
+// tremor and gaps are those of SurgeonSettings; everything random comes from its seed. The glove is
+// that of the shipped calibration: tips at the sensors, the forefinger along its sensor's x axis.
 #include <memory>
 #include <string>
 #include <vector>

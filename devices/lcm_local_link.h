@@ -1,10 +1,10 @@
 #pragma once
-// LCM's multicast as this machine alone hears it. A time to live of 0 keeps what is sent here from leaving; it does not
-// keep what others send from arriving, and the packaged library does not tell who sent. So packets are taken from a
-// socket of our own, and those whose sender's address is none of this machine's are refused and counted.
+// LCM's multicast as this machine alone hears it. A time to live of 0 keeps what is sent here from leaving; it does
+// not keep what others send from arriving, and the packaged library does not tell who sent. So packets are taken
+// from a socket of our own, and those whose sender's address is none of this machine's are refused and counted.
 //
-// Only small packets: magic "LC02", a sequence number, the channel with its zero, the payload. Fragments of larger ones
-// are none of ours.
+// Only small packets: magic "LC02", a sequence number, the channel with
+// its zero, the payload. Fragments of larger ones are none of ours.
 #include <netinet/in.h>
 
 #include <cstdint>

@@ -1,9 +1,9 @@
 #pragma once
-// Samples onto LCM, for other programs: what a device says here, whoever listens there has (LcmNetSource is one of
-// them).
+// Samples onto LCM, for other programs: what a device says here,
+// whoever listens there has (LcmNetSource is one of them).
 //
-// Publishing is a call into the kernel, 7 to 19 us each: never from the device thread. `limberg devices --publish` does
-// it from a loop of its own.
+// Publishing is a call into the kernel, 7 to 19 us each: never from the
+// device thread. `limberg devices --publish` does it from a loop of its own.
 #include <memory>
 #include <string>
 
@@ -13,8 +13,8 @@ namespace limberg {
 
 class LcmPublisher {
  public:
-  /// InputError: an address that leaves this machine and `allow_other_networks` is not set, or one that cannot be
-  /// opened.
+  /// InputError: an address that leaves this machine and
+  /// `allow_other_networks` is not set, or one that cannot be opened.
   LcmPublisher(const std::string& url, bool allow_other_networks);
   ~LcmPublisher();
   /// Stylus, tracker and control samples; bytes as they came stay here. False: not sent.

@@ -1,10 +1,10 @@
 #pragma once
-// What the threads of a live session took from each other, and when: enough to do it all again, bit for bit, in one
-// thread.
+// What the threads of a live session took from each other, and
+// when: enough to do it all again, bit for bit, in one thread.
 //
-// Two things are chance while a session runs against the clock: which snapshot, hand and samples a tick or a step found
-// when it looked, and where the clock cut a step short. Both are written down beside the samples. Ticks that follow
-// each other on one snapshot without a sample are one row.
+// Two things are chance while a session runs against the clock: which snapshot, hand and samples a
+// tick or a step found when it looked, and where the clock cut a step short. Both are written down
+// beside the samples. Ticks that follow each other on one snapshot without a sample are one row.
 #include <cstdint>
 #include <vector>
 

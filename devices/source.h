@@ -1,9 +1,9 @@
 #pragma once
 // Where samples come from: a live stylus over LCM, a recorded log, an emulated surgeon. One small interface.
 //
-// The owner of the clock polls every source once per device tick with the time of that tick. A source hands over, in
-// order, each sample whose time has come. It does not wait. Live and recorded sources allocate nothing while they are
-// polled.
+// The owner of the clock polls every source once per device tick with the time of
+// that tick. A source hands over, in order, each sample whose time has come. It
+// does not wait. Live and recorded sources allocate nothing while they are polled.
 #include <cstdint>
 #include <string>
 

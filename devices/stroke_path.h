@@ -13,10 +13,10 @@ struct PathSettings {
   double min_edge_mm = 2.0;     // shorter edges are joined to their neighbours
 };
 
-/// Open path: Douglas-Peucker at the tolerance, then each edge is fitted by a line (total least squares over its
-/// points, ends left out) and each corner put where the lines of its edges meet. End points: the end's foot on its
-/// edge's line.
-/// Fewer than two points after joining: returned as they are.
+/// Open path: Douglas-Peucker at the tolerance, then each edge is fitted by a
+/// line (total least squares over its points, ends left out) and each corner
+/// put where the lines of its edges meet. End points: the end's foot on its
+/// edge's line. Fewer than two points after joining: returned as they are.
 std::vector<Vec2> simplify_path(const std::vector<Vec2>& points, const PathSettings& settings = {});
 
 /// The same for a closed outline; the first point is not repeated at the end. The stroke's overlap, where the hand

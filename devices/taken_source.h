@@ -1,6 +1,6 @@
 #pragma once
-// A recorded stream handed over as a live session took it: so many samples at each tick, whatever their time stamps
-// say.
+// A recorded stream handed over as a live session took it: so
+// many samples at each tick, whatever their time stamps say.
 #include <algorithm>
 #include <utility>
 #include <vector>

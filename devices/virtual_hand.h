@@ -1,16 +1,16 @@
 #pragma once
 // The hand of the glove in the scene: it points, grabs, carries and lets go.
 //
-//   pointing   the closest place of the skin that the line of the forefinger meets; where it meets none, the place
-//   least
-//              beside it within a cone. A hand that closes bends its forefinger: once it closes faster than
-//              kClosing_mm_s,
-//              or is less than 60 % open, the place that was pointed at last is kept.
-//   grab       what is pointed at is held from the tick on which the hand closes, where it is: nothing jumps. Skin is
-//   held by
-//              a hook that follows the hand (ToolEvent::hook_set, hand 1), bone is carried as it is
-//              (ToolEvent::bone_grab). Where
-//              both lie in its way, bone is meant while the other hand has a tool for bone.
+//   pointing   the closest place of the skin that the line of the forefinger
+//              meets; where it meets none, the place least beside it within
+//              a cone. A hand that closes bends its forefinger: once it
+//              closes faster than kClosing_mm_s, or is less than 60 % open,
+//              the place that was pointed at last is kept.
+//   grab       what is pointed at is held from the tick on which the hand
+//              closes, where it is: nothing jumps. Skin is held by a hook
+//              that follows the hand (ToolEvent::hook_set, hand 1), bone is
+//              carried as it is (ToolEvent::bone_grab). Where both lie in its
+//              way, bone is meant while the other hand has a tool for bone.
 //   carry      it turns with the hand about the hand's centre, and moves with it times the motion scale
 //   clutch     while it is down the hand moves and what it holds does not
 //   release    when the hand opens. A hand out of sight keeps what it holds.
@@ -34,8 +34,8 @@ struct PointedPlace {
   double beside_rad = 0;  // between the forefinger's direction and the place; 0: the line meets it
 };
 
-/// The place of the skin (or of the bone) in a direction. Call step() once per tick; place() is that of the last sweep
-/// that was finished.
+/// The place of the skin (or of the bone) in a direction. Call step()
+/// once per tick; place() is that of the last sweep that was finished.
 class PointingSearch {
  public:
   static constexpr int kSlices = 32;

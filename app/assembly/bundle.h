@@ -14,15 +14,15 @@ namespace limberg {
 /// the mesh lies at a path that cannot be put beside the scene elsewhere (absolute, or more than eight folders up).
 std::vector<Blob> bundle(const Scene& scene, const Calibration& calibration);
 
-/// A scene taken out of a recording. Its mesh lies in a temporary folder that goes away with `files`: keep that until
-/// the body is built.
+/// A scene taken out of a recording. Its mesh lies in a temporary folder
+/// that goes away with `files`: keep that until the body is built.
 struct Unbundled {
   Scene scene;
   std::shared_ptr<void> files;
 };
 
-/// The scene of a recording. `recording_file` names the file in messages. InputError when it holds no whole scene, or
-/// one that cannot be read.
+/// The scene of a recording. `recording_file` names the file in messages.
+/// InputError when it holds no whole scene, or one that cannot be read.
 Unbundled unbundle_scene(const Recording& recording, const std::string& recording_file);
 /// The calibration of a recording; the identity when it holds none.
 Calibration unbundle_calibration(const Recording& recording, const std::string& recording_file);

@@ -1,13 +1,13 @@
 #pragma once
-// What an exercise is judged by: how long, how far, how often, how hard, how near to the plan. Figures, no grade: there
-// is no published scale that turns them into one. The evidence is the session's script, which stands in the same
-// result.
+// What an exercise is judged by: how long, how far, how often, how hard, how near
+// to the plan. Figures, no grade: there is no published scale that turns them into
+// one. The evidence is the session's script, which stands in the same result.
 //
-// Which figures: validation studies of surgical simulators ask for time, path length and number of movements (Datta et
-// al. 2001), and for errors of the procedure beside them, since time and motion alone do not tell novices from experts
-// (Rogers-Vizena et al. 2022, cleft lip).
-// Thresholds of force: 2.5 N (Larrabee, Holloway and Sutton 1984) and 5 N (between the knot-pull strengths of USP 5-0
-// and 4-0).
+// Which figures: validation studies of surgical simulators ask for time, path length
+// and number of movements (Datta et al. 2001), and for errors of the procedure beside
+// them, since time and motion alone do not tell novices from experts (Rogers-Vizena
+// et al. 2022, cleft lip). Thresholds of force: 2.5 N (Larrabee, Holloway and Sutton
+// 1984) and 5 N (between the knot-pull strengths of USP 5-0 and 4-0).
 #include <optional>
 #include <span>
 

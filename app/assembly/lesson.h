@@ -12,7 +12,7 @@
 //   [tolerance]                             at most; only those that are given are judged
 //   corner_mm, angle_deg, limb_percent      of the cuts against the plan (design_error)
 //   gap_mm, suture_N, suture_peak_N, closure_N, dog_ear_mm, step_off_mm, landmark_mm, waste_mm2   of result.json's
-//   metrics
+//                                                                                                 metrics
 //   time_s, path_mm, movements, undos       of the hand; judged where there was one
 //   [landmarks]  ala = [x, y]               places that must not be drawn away
 //
@@ -41,8 +41,8 @@ std::string find_lesson(const std::string& name_or_path);
 /// A path, or NAME for app/lessons/NAME.toml. InputError that lists the names to be had.
 Lesson open_lesson(const std::string& name_or_path);
 
-/// A line that says so when a lesson judges what was done in another scene than its own, by the scene's name and file;
-/// empty where it fits.
+/// A line that says so when a lesson judges what was done in another
+/// scene than its own, by the scene's name and file; empty where it fits.
 std::string made_for_another(const Lesson& lesson, const std::string& scene_name, const std::string& scene_path);
 
 /// A planned corner without a drawn one near enough.

@@ -1,7 +1,7 @@
 #pragma once
-// An operation script carried out without a hand: each action straight to the patient, then steps until it is at rest.
-// The same script at another cell size is the same operation: that is how a result's dependence on the lattice is
-// shown.
+// An operation script carried out without a hand: each action straight to the
+// patient, then steps until it is at rest. The same script at another cell size is
+// the same operation: that is how a result's dependence on the lattice is shown.
 #include <functional>
 #include <string>
 #include <vector>

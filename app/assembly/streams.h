@@ -26,8 +26,8 @@ struct KnownStream {
 /// InputError: an unknown name.
 KnownStream known_stream(const std::string& name, uint64_t seed);
 
-/// A plain stream on its way into a file, sample by sample: what `limberg calibrate` reads. InputError as
-/// LogWriter::open.
+/// A plain stream on its way into a file, sample by sample: what
+/// `limberg calibrate` reads. InputError as LogWriter::open.
 class StreamWriter {
  public:
   StreamWriter(const std::string& path, bool replace);

@@ -1,7 +1,7 @@
 #pragma once
-// The commands of the program, one file each. A command adds itself to the command line and, when it is the one that
-// was asked for, leaves in `chosen` what is to be done; that returns the exit status (exit_status.h says what each
-// means).
+// The commands of the program, one file each. A command adds itself to the command
+// line and, when it is the one that was asked for, leaves in `chosen` what is to
+// be done; that returns the exit status (exit_status.h says what each means).
 #include <functional>
 #include <string>
 #include <vector>

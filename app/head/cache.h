@@ -1,7 +1,7 @@
 #pragma once
-// The synthetic head of a scene, made once: the meshes go into the user's cache folder ($XDG_CACHE_HOME/limberg or
-// ~/.cache/limberg) under a name made of its proportions and of the program, and the next start reads them in a tenth
-// of the time.
+// The synthetic head of a scene, made once: the meshes go into the user's cache folder
+// ($XDG_CACHE_HOME/limberg or ~/.cache/limberg) under a name made of its proportions
+// and of the program, and the next start reads them in a tenth of the time.
 //
 // Made or read, the meshes are the same to the last bit: a made one goes through the same text. A cache that is
 // missing, damaged or not writable is no error: the head is made. LIMBERG_CACHE names another folder; empty: none.
@@ -9,8 +9,8 @@
 
 namespace limberg {
 
-/// make_head, or what an earlier call of this program with the same proportions has left. Throws InputError as
-/// make_head.
+/// make_head, or what an earlier call of this program with the
+/// same proportions has left. Throws InputError as make_head.
 HeadModel cached_head(const HeadSpec& spec, Workers& workers);
 
 }  // namespace limberg

@@ -13,9 +13,9 @@ void prepare_folder(const std::string& dir);
 /// file is left alone. InputError otherwise.
 void check_writable(const std::string& file);
 
-/// Before work, and beside check_writable: a slip of the hand must not cost a script or a recording. InputError when
-/// `file` holds something already that does not begin as what will be written there, blanks left out; `kind` says what
-/// that is.
+/// Before work, and beside check_writable: a slip of the hand must not cost a script
+/// or a recording. InputError when `file` holds something already that does not
+/// begin as what will be written there, blanks left out; `kind` says what that is.
 void check_replaces(const std::string& file, const std::string& begins, const std::string& kind);
 inline void check_replaces_result(const std::string& file) { check_replaces(file, "{\"limberg\":", "a result"); }
 inline void check_replaces_drawing(const std::string& file) { check_replaces(file, "<svg", "an SVG drawing"); }

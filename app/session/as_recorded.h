@@ -1,8 +1,8 @@
 #pragma once
-// A live session once more, bit for bit, in the calling thread: every device tick on the snapshot, and every solver
-// step with the hand, the events and the cuts by the clock, that it had (devices/schedule.h). However the threads were
-// interleaved then, a tick's results depend only on what it found; so ticks and steps are done in an order in which
-// each finds the same.
+// A live session once more, bit for bit, in the calling thread: every device tick on the
+// snapshot, and every solver step with the hand, the events and the cuts by the clock, that it
+// had (devices/schedule.h). However the threads were interleaved then, a tick's results depend
+// only on what it found; so ticks and steps are done in an order in which each finds the same.
 #include "app/session/session.h"
 #include "devices/taken_source.h"
 

@@ -1,19 +1,19 @@
 #pragma once
-// How much of the time pictures may be drawn while the patient's solver works, so that it loses at most a given share
-// of its speed.
+// How much of the time pictures may be drawn while the patient's
+// solver works, so that it loses at most a given share of its speed.
 //
-// What drawing takes from a solver is a matter of the machine: nothing where a graphics card draws, a few percent where
-// a core is spare, much where a software driver shares the cores. So it is measured while the session runs: the time of
-// an iteration in steps that a picture was drawn beside, against those without, medians of the last kKept of each. With
-// a loss L (0.3: an iteration takes 30 % longer) pictures may take allowed / L of the time, and after each there is a
-// pause of that length. Counted is the
-// processor time of the drawing thread, which with a graphics card is next to nothing and with a software driver
-// everything, when the driver is kept to that thread (software_drawing_threads, render/gl_context.h).
+// What drawing takes from a solver is a matter of the machine: nothing where a graphics card draws, a few
+// percent where a core is spare, much where a software driver shares the cores. So it is measured while the
+// session runs: the time of an iteration in steps that a picture was drawn beside, against those without,
+// medians of the last kKept of each. With a loss L (0.3: an iteration takes 30 % longer) pictures may take
+// allowed / L of the time, and after each there is a pause of that length. Counted is the processor time of
+// the drawing thread, which with a graphics card is next to nothing and with a software driver everything,
+// when the driver is kept to that thread (software_drawing_threads, render/gl_context.h).
 //
 // While the patient rests there is nothing to lose, and pictures are drawn as fast as they are asked for.
 //
-// step_begins() and step_ended() are for the solver's thread, picture_begins() and picture_ended() for the drawing one;
-// the others for any.
+// step_begins() and step_ended() are for the solver's thread, picture_begins()
+// and picture_ended() for the drawing one; the others for any.
 #include <algorithm>
 #include <array>
 #include <atomic>

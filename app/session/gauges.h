@@ -1,7 +1,7 @@
 #pragma once
-// How the three lanes are doing, for a screen to show while they run: each figure has one writer, any thread may read
-// it.
-// Relaxed: figures for the eye, not for decisions.
+// How the three lanes are doing, for a screen to show while
+// they run: each figure has one writer, any thread may read
+// it. Relaxed: figures for the eye, not for decisions.
 #include <atomic>
 #include <cstdint>
 

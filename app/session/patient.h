@@ -1,6 +1,6 @@
 #pragma once
-// What the solver lane drives: World behind a narrow door, so that the lanes can be tested with a patient of a few
-// lines.
+// What the solver lane drives: World behind a narrow door, so
+// that the lanes can be tested with a patient of a few lines.
 #include <memory>
 
 #include "app/session/lattice_shown.h"

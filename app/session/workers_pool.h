@@ -4,12 +4,12 @@
 // A loop is cut into the same chunks whatever N is, so results do not depend on it. One loop runs at a time; a loop
 // begun while another runs (from a background job) runs on its caller alone. Helpers run at SCHED_OTHER.
 //
-// When another job takes a helper's core in the middle of a chunk, the caller has to wait until the scheduler gives the
-// core back: milliseconds, for a loop of microseconds. So every loop is timed. A caller that has waited far longer than
-// its own chunks took does the next loops alone, for 10 ms at first and for twice as long after every such wait up to 1
-// s, and shares again afterwards; 500 shared loops without a long wait forget the past. Who does a chunk never changes
-// what it gives.
-// An exception from a chunk or a job is thrown again to whoever waits for it.
+// When another job takes a helper's core in the middle of a chunk, the caller has to wait until
+// the scheduler gives the core back: milliseconds, for a loop of microseconds. So every loop is
+// timed. A caller that has waited far longer than its own chunks took does the next loops alone,
+// for 10 ms at first and for twice as long after every such wait up to 1 s, and shares again
+// afterwards; 500 shared loops without a long wait forget the past. Who does a chunk never changes
+// what it gives. An exception from a chunk or a job is thrown again to whoever waits for it.
 #include <cstdint>
 #include <memory>
 

@@ -1,6 +1,6 @@
 #pragma once
-// What is measured on a head while it is operated: from the landmarks of each snapshot against where they were when
-// they were first seen.
+// What is measured on a head while it is operated: from the landmarks
+// of each snapshot against where they were when they were first seen.
 #include <vector>
 
 #include "app/head/measures.h"

@@ -1,9 +1,9 @@
 #pragma once
-// The skull beside a normal one or its mirror image, in the window: bones coloured by their distance from it, followed
-// while they move.
+// The skull beside a normal one or its mirror image, in the window:
+// bones coloured by their distance from it, followed while they move.
 //
-// Fitting takes seconds and measuring a tenth of one, so both are done on a thread of their own; the picture shows what
-// was found last.
+// Fitting takes seconds and measuring a tenth of one, so both are done
+// on a thread of their own; the picture shows what was found last.
 #include <future>
 #include <memory>
 #include <optional>

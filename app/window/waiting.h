@@ -7,9 +7,9 @@
 
 namespace limberg {
 
-/// Draws a line of words into the middle of the screen, in the colours of the panels, and shows it. Returns what was
-/// drawn.
-/// RenderUnavailable as the screen's context.
+/// Draws a line of words into the middle of the screen, in
+/// the colours of the panels, and shows it. Returns what
+/// was drawn. RenderUnavailable as the screen's context.
 Image show_words(Screen& screen, const std::string& words);
 
 }  // namespace limberg

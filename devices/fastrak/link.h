@@ -3,14 +3,14 @@
 //
 //   hush       continuous output off; what still comes is thrown away until the line is quiet
 //   ask        'S': the status record must come; every second failure asks for a reinitialisation (^Y, ten seconds)
-//   configure  centimetres, output list, switch and hemisphere per station, filters of the device off (they lag by up
-//   to
-//              162 ms; manual, appendix E), then which stations are active is read back
+//   configure  centimetres, output list, switch and hemisphere per station,
+//              filters of the device off (they lag by up to 162 ms; manual,
+//              appendix E), then which stations are active is read back
 //   run        'C': records; when none has come for watchdog_ms, it starts again at hush
 //
 // A reading's time: the first byte of its record left the device kOutputDelayNs after the station was sampled.
-// Operating systems hand bytes over late and in lumps, never early; so each station's arrivals are held against its
-// steady period and an arrival later than that counts as late, not as a slower device (Stamps).
+// Operating systems hand bytes over late and in lumps, never early; so each station's arrivals are held
+// against its steady period and an arrival later than that counts as late, not as a slower device (Stamps).
 //
 // A point and its mirror image through the transmitter look alike to the device. It answers within a hemisphere; a hand
 // that crosses its edge appears mirrored, and is mirrored back while that continues the motion (MirrorGuard).

@@ -6,12 +6,12 @@
 //   ASCII   '0' station error | 3 Sxxx.xx | 4 Sx.xxxx | [blank '0'/'1'] | CR LF     54 or 56 bytes
 // Replies to commands begin with '2' and end with CR LF. The device is told to speak in centimetres.
 //
-// The line has no checksum. A record is taken only when it stands directly behind a CR LF (the one of the record or
-// reply before it), its station is one that was asked for, its error character is a blank or a letter, it ends with CR
-// LF, its switch is a switch, its numbers are finite, its position lies within kReachMm and its quaternion has unit
-// length to 1
-// %.
-// accepted_share() says what damage still passes; the jump gate of the tracking stands behind it.
+// The line has no checksum. A record is taken only when it stands directly
+// behind a CR LF (the one of the record or reply before it), its station is one
+// that was asked for, its error character is a blank or a letter, it ends with
+// CR LF, its switch is a switch, its numbers are finite, its position lies
+// within kReachMm and its quaternion has unit length to 1 %. accepted_share()
+// says what damage still passes; the jump gate of the tracking stands behind it.
 //
 // Parser is a state machine fed byte by byte: no clock, no allocation, at most 2 * kLongest bytes looked at again.
 #include <array>

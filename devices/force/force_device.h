@@ -25,9 +25,9 @@ class ForceDevice {
   virtual const char* name() const = 0;
 };
 
-/// m x'' = F + k_hand (target - x) + b_hand (target' - x'), semi-implicit steps of 0.1 ms; places are read in steps of
-/// the encoder. The force holds between pushes, as a device's does: through a stall too, unless its own watchdog ends
-/// it.
+/// m x'' = F + k_hand (target - x) + b_hand (target' - x'), semi-implicit steps of
+/// 0.1 ms; places are read in steps of the encoder. The force holds between pushes,
+/// as a device's does: through a stall too, unless its own watchdog ends it.
 struct SimulatedHand {
   double mass_kg = 0.15;          // of the device's end and of the hand that moves with it
   double stiffness_N_mm = 0.3;    // of the hand that wants to be at its target

@@ -1,17 +1,17 @@
 #pragma once
 // Forces for a hand that holds a force device, a thousand times a second.
 //
-// The solver is too slow for a hand: at 60 Hz a held force drives the device (it gives energy back that it never got).
-// So it only says what changes slowly, in a ForceModel: the surface near the tool as it would be without the tool, how
-// stiff the tissue is, where a hook's tissue would rest. Everything that decides whether there is a force, and how
-// large, is done here on every tick:
+// The solver is too slow for a hand: at 60 Hz a held force drives the device (it gives energy back
+// that it never got). So it only says what changes slowly, in a ForceModel: the surface near the
+// tool as it would be without the tool, how stiff the tissue is, where a hook's tissue would rest.
+// Everything that decides whether there is a force, and how large, is done here on every tick:
 //
-//   contact    the tip against that surface; a place of the surface, the proxy, follows the tip along it within the
-//   friction
-//              cone (Zilles and Salisbury 1995; Ruspini 1997), force = secant stiffness times (proxy - tip)
-//   stiffness  goes from the model's last value to its new one over a period of the solver: the force never steps; a
-//   secant
-//              and not a tangent, so that a stiffening tissue does not push harder on the way out than on the way in
+//   contact    the tip against that surface; a place of the surface, the proxy,
+//              follows the tip along it within the friction cone (Zilles and Salisbury
+//              1995; Ruspini 1997), force = secant stiffness times (proxy - tip)
+//   stiffness  goes from the model's last value to its new one over a period of the
+//              solver: the force never steps; a secant and not a tangent, so that a
+//              stiffening tissue does not push harder on the way out than on the way in
 //   coupling   the device sees the tissue through a spring of the largest stiffness that it holds stably, and a damper
 //              (Colgate 1995; Adams and Hannaford 1999)
 //   cutting    the force rises to what punctures the skin, breaks, and drops to what drawing the blade takes
@@ -19,15 +19,15 @@
 //              (Hannaford and Ryu 2002)
 //   limits     of force and of change per tick; a ramp at the start; none when the model is old (decays) or the device
 //              is not read
-//   stalls     whoever stops this loop (a virtual machine's host does, for tens of ms) leaves the last force on the
-//   hand
-//              meanwhile, and the hand moves. Where it is then, another force is due. Both a jump there and a new start
-//              from
-//              nothing would throw it: what is due and what was held differ by so much, and that fades. A hand that has
-//              left
-//              the surface is let go of at once, as fast as the force may change. After a stall in which the model
-//              would have
-//              faded, the force begins anew from nothing
+//   stalls     whoever stops this loop (a virtual machine's host does,
+//              for tens of ms) leaves the last force on the hand
+//              meanwhile, and the hand moves. Where it is then,
+//              another force is due. Both a jump there and a new start
+//              from nothing would throw it: what is due and what was
+//              held differ by so much, and that fades. A hand that has
+//              left the surface is let go of at once, as fast as the
+//              force may change. After a stall in which the model
+//              would have faded, the force begins anew from nothing
 //
 // Nothing allocates. No clock: times are handed in.
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
-// A source that pushes back feels like the tool that it is: whoever drives the sources tells it what the stylus hand
-// holds.
+// A source that pushes back feels like the tool that it is:
+// whoever drives the sources tells it what the stylus hand holds.
 #include "devices/tool_event.h"
 
 namespace limberg {

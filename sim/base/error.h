@@ -1,6 +1,6 @@
 #pragma once
-// What goes wrong with input. The program prints `limberg: FILE:LINE: what is wrong; what was expected` and exits with
-// 2.
+// What goes wrong with input. The program prints `limberg:
+// FILE:LINE: what is wrong; what was expected` and exits with 2.
 #include <stdexcept>
 #include <string>
 

@@ -2,8 +2,8 @@
 // An array that is found when it is first read. Copies share it, and any thread may be the first reader.
 //
 //   LazyArray<float> depth([=] { return depths_of(points); });   // costs nothing yet
-//   float d = depth[7];                                          // now it is found; later readers wait for the first
-//   one
+//   float d = depth[7];                                          // now it is found; later
+//                                                                readers wait for the first one
 #include <functional>
 #include <memory>
 #include <mutex>

@@ -1,18 +1,18 @@
 #pragma once
 // An array whose copies share what they have in common.
 //
-// Every cut makes a new version of the lattice, the finite elements and the surface, and old versions stay: undo goes
-// back to them, and other threads draw them. Most of a version is as it was. So big lists are kept in chunks of about
-// two kilobytes; a copy of the array shares them all, and writing to an element first gives the writer a chunk of its
-// own.
-// Copying costs one counter per chunk, a change costs what it touches, and for readers it is an array.
+// Every cut makes a new version of the lattice, the finite elements and the surface, and old
+// versions stay: undo goes back to them, and other threads draw them. Most of a version is as
+// it was. So big lists are kept in chunks of about two kilobytes; a copy of the array shares
+// them all, and writing to an element first gives the writer a chunk of its own. Copying costs
+// one counter per chunk, a change costs what it touches, and for readers it is an array.
 //
 //   SharedArray<int> b = a;   b[7] = 1;   // a is as it was
 //   for_each_change(a, b, [](size_t i) { ... });   // 7, at the cost of one chunk
 //
-// Elements are read by any number of threads. Writing is for the one thread that owns the array object; chunks that
-// other arrays hold are never written. Reading through a non-const array makes chunks its own: loops that only read
-// should name the array const.
+// Elements are read by any number of threads. Writing is for the one thread that owns the
+// array object; chunks that other arrays hold are never written. Reading through a
+// non-const array makes chunks its own: loops that only read should name the array const.
 #include <algorithm>
 #include <array>
 #include <atomic>

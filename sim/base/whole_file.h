@@ -13,8 +13,8 @@
 
 namespace limberg {
 
-/// InputError when anything fails; an older file is then still there. What is no regular file (/dev/stdout) is written
-/// to as it is.
+/// InputError when anything fails; an older file is then still there.
+/// What is no regular file (/dev/stdout) is written to as it is.
 inline void write_whole_file(const std::string& file, const std::string& text) {
   struct stat st {};
   const bool special = stat(file.c_str(), &st) == 0 && !S_ISREG(st.st_mode);

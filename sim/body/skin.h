@@ -30,8 +30,8 @@ class Skin {
   /// Distance in mm to the nearest point of the skin; negative on its outer side. The side is that of the
   /// angle-weighted normal of the nearest face, edge or corner (Baerentzen and Aanaes 2005).
   double depth_mm(const Vec3& X_mm) const;
-  /// The same for one of many places, `near` being the answer for the last one (at first: empty): neighbours are found
-  /// faster.
+  /// The same for one of many places, `near` being the answer for
+  /// the last one (at first: empty): neighbours are found faster.
   double depth_mm(const Vec3& X_mm, Bvh::Closest& near) const;
 
   /// Index into Body::layers: 0 from the surface to its thickness (and outside), and so on; the last one has no end.

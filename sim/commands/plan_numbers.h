@@ -24,8 +24,8 @@ inline double rounded(double v) {
   return r == 0 ? 0 : r;
 }
 
-/// Equal parts of an edge between stitches, about so far apart: a row has a stitch more with those at both ends, one
-/// less without.
+/// Equal parts of an edge between stitches, about so far apart: a
+/// row has a stitch more with those at both ends, one less without.
 inline double parts_of_row(double length_mm, double spacing_mm) { return std::floor(length_mm / spacing_mm + 0.5); }
 
 }  // namespace limberg

@@ -30,8 +30,8 @@ struct Landmark {
   ChartPoint at{0, 0};
 };
 
-/// A procedure of the repertoire (procedures/catalogue.h) with the values that differ from its own, and where it is
-/// laid:
+/// A procedure of the repertoire (procedures/catalogue.h) with
+///   the values that differ from its own, and where it is laid:
 ///   "plan":{"procedure":"bilobed","values":{"diameter_mm":12},"at":[0,5],"turn_deg":30,"mirror":true}
 struct PlannedProcedure {
   std::string procedure;

@@ -1,6 +1,6 @@
 #pragma once
-// One line of a script being read: gives each key by its type and complains in the words of the house, with file and
-// line.
+// One line of a script being read: gives each key by its type
+// and complains in the words of the house, with file and line.
 #include <memory>
 #include <optional>
 #include <span>

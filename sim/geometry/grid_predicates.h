@@ -16,8 +16,8 @@ inline std::array<int64_t, 3> grid_normal(const Int3& a, const Int3& b, const In
   return {uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx};
 }
 
-/// 6 times the signed volume of the tetrahedron abcd: positive when d lies on the side that the normal of abc points
-/// to.
+/// 6 times the signed volume of the tetrahedron abcd: positive
+/// when d lies on the side that the normal of abc points to.
 inline GridVolume grid_orient3d(const Int3& a, const Int3& b, const Int3& c, const Int3& d) {
   const auto n = grid_normal(a, b, c);
   return GridVolume(n[0]) * (d.x - a.x) + GridVolume(n[1]) * (d.y - a.y) + GridVolume(n[2]) * (d.z - a.z);

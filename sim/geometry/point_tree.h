@@ -1,7 +1,7 @@
 #pragma once
-// Nearest neighbours among points: a k-d tree over a copy of them. Build O(n log n); queries are const and allocate
-// nothing.
-// The same points give the same answers everywhere (ties go to the lower index).
+// Nearest neighbours among points: a k-d tree over a copy of them.
+// Build O(n log n); queries are const and allocate nothing. The same
+// points give the same answers everywhere (ties go to the lower index).
 #include <cstdint>
 #include <limits>
 #include <span>

@@ -5,11 +5,11 @@
 //   std::cout << to_csv(rows);
 //
 // Places in mm in the head's frame (imaging/head_shape.h): x right, y forwards, z up. All in three dimensions: so ANB
-// is an angle of its own and not SNA - SNB when points leave the sagittal plane (its sign is that of SNA - SNB). Angles
-// between planes and lines are taken in projection on the sagittal plane x = 0, as on a film; the rows say so.
+// is an angle of its own and not SNA - SNB when points leave the sagittal plane (its sign is that of SNA - SNB).
+// Angles between planes and lines are taken in projection on the sagittal plane x = 0, as on a film; the rows say so.
 //
-// Uncertainty: each coordinate of a landmark is off by its own standard deviation, independently; the figure's is the
-// root of the sum of the squared changes that one standard deviation in each coordinate makes.
+// Uncertainty: each coordinate of a landmark is off by its own standard deviation, independently; the figure's
+// is the root of the sum of the squared changes that one standard deviation in each coordinate makes.
 //
 // Landmarks on bone: S sella, N nasion, Ba basion, A, B subspinale and supramentale, ANS, PNS nasal spines, Pog, Gn, Me
 // chin, Is, Ii edges of the incisors (of the alveolar arches where there are no teeth), Or, Po, Go, Co, Zy with _L, _R;
@@ -56,8 +56,8 @@ struct AsymmetryRow {
   Vec3 difference_mm = Vec3::Zero();  // right less mirrored left: outwards, forwards, upwards
   double distance_mm = 0;
 };
-/// The mirror plane: through the midline landmarks that are there (S, N, Ba, ANS, PNS), by least squares; with fewer
-/// than three, x = 0.
+/// The mirror plane: through the midline landmarks that are there (S,
+/// N, Ba, ANS, PNS), by least squares; with fewer than three, x = 0.
 struct Asymmetry {
   Vec3 point_mm = Vec3::Zero(), normal = Vec3::UnitX();
   bool fitted = false;
@@ -66,17 +66,17 @@ struct Asymmetry {
 };
 Asymmetry asymmetry(std::span<const NamedPoint> points);
 
-/// How a fragment has moved: translation of its centre, and the rotation as yaw about z (its front to the left is
-/// positive), then pitch about x (its front up is positive), then roll about y (its right side down is positive); Rz Rx
-/// Ry.
+/// How a fragment has moved: translation of its centre, and the rotation as yaw
+/// about z (its front to the left is positive), then pitch about x (its front up
+/// is positive), then roll about y (its right side down is positive); Rz Rx Ry.
 struct FragmentMotion {
   Vec3 translation_mm = Vec3::Zero();
   double yaw_deg = 0, pitch_deg = 0, roll_deg = 0, angle_deg = 0;  // angle: of the whole rotation
 };
 FragmentMotion fragment_motion(const Eigen::Isometry3d& pose, const Vec3& centre_mm);
 
-/// A picked place, brought to the mesh: the nearest vertex when it is within `vertex_mm`, else the nearest place of the
-/// surface.
+/// A picked place, brought to the mesh: the nearest vertex when it
+/// is within `vertex_mm`, else the nearest place of the surface.
 struct Snapped {
   Vec3 at_mm = Vec3::Zero();
   int32_t vertex = -1;  // -1: within a face

@@ -7,8 +7,8 @@
 
 namespace limberg {
 
-/// Roggendorf 1982 keeps two gains apart: what is gained over the surface, ears included, and what is gained in the
-/// plane.
+/// Roggendorf 1982 keeps two gains apart: what is gained over
+/// the surface, ears included, and what is gained in the plane.
 struct Elongations {
   double direct = 1;       // straight through space
   double planimetric = 1;  // the same, laid into the original skin's tangent plane half way between the ends

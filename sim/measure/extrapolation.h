@@ -5,13 +5,13 @@
 //
 //   (h3^p - h2^p) / (h2^p - h1^p) = (f3 - f2) / (f2 - f1)
 //
-// whose left side rises with p (Richardson; for unequal ratios Celik et al., J. Fluids Eng. 130, 2008, have the same
-// equation in another form). Then f0 = f1 - (f2 - f1) h1^p / (h2^p - h1^p), and the error is the grid convergence
-// index:
-// 1.25 times the distance to f0. Where that law does not describe the figures (they swing, do not settle, or the order
-// is not one that the method has: trilinear cells give 2, next to a cut 1) nothing is extrapolated, the text says that
-// the sizes are not in the asymptotic range, and the error is three times the largest change among the three. Two
-// sizes: order 1 is taken for granted, with the factor 3 (Roache 1994).
+// whose left side rises with p (Richardson; for unequal ratios Celik et al., J. Fluids Eng. 130,
+// 2008, have the same equation in another form). Then f0 = f1 - (f2 - f1) h1^p / (h2^p - h1^p),
+// and the error is the grid convergence index: 1.25 times the distance to f0. Where that law does
+// not describe the figures (they swing, do not settle, or the order is not one that the method
+// has: trilinear cells give 2, next to a cut 1) nothing is extrapolated, the text says that the
+// sizes are not in the asymptotic range, and the error is three times the largest change among
+// the three. Two sizes: order 1 is taken for granted, with the factor 3 (Roache 1994).
 #include <optional>
 #include <span>
 #include <string>

@@ -104,9 +104,9 @@ struct MeasureAlso {
   std::optional<double> closure_energy_uJ = {};
 };
 
-/// `script`: what was done, for figures that belong to a kind of flap; may be empty. The snapshot's topology must be
-/// set.
-/// About 0.3 s on a block of 60,000 triangles.
+/// `script`: what was done, for figures that belong to a
+/// kind of flap; may be empty. The snapshot's topology must
+/// be set. About 0.3 s on a block of 60,000 triangles.
 Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver& solver, const RestVolumes& volumes,
                 std::span<const Command> script = {}, const MeasureAlso& also = {});
 

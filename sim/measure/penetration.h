@@ -1,15 +1,15 @@
 #pragma once
-// How far tissue lies in tissue: the overlap of the deformed surface with itself, found without asking who keeps it
-// apart.
+// How far tissue lies in tissue: the overlap of the deformed
+// surface with itself, found without asking who keeps it apart.
 //
-// The surface is closed, so the winding number of a place - exits minus entries along any ray from it - counts how
-// often it is covered: 0 outside, 1 in the tissue, 2 where two parts of it overlap. Places looked at: points of all
-// wound walls and of the skin that borders on them, about 1 mm apart, each moved a micrometre into its own tissue.
-// Where the winding is
-// 2 or more, the depth is how far one must go through the overlap to get out of it: the shortest way along 17
-// directions within 60 degrees of the inward normal. (Between two walls that overlap evenly that is the overlap's
-// thickness. The nearest way out at the edge of a part may be through its own side: depths there are read too small,
-// never too large.)
+// The surface is closed, so the winding number of a place - exits minus entries along any ray
+// from it - counts how often it is covered: 0 outside, 1 in the tissue, 2 where two parts of
+// it overlap. Places looked at: points of all wound walls and of the skin that borders on
+// them, about 1 mm apart, each moved a micrometre into its own tissue. Where the winding is 2
+// or more, the depth is how far one must go through the overlap to get out of it: the
+// shortest way along 17 directions within 60 degrees of the inward normal. (Between two walls
+// that overlap evenly that is the overlap's thickness. The nearest way out at the edge of a
+// part may be through its own side: depths there are read too small, never too large.)
 #include <span>
 
 #include "sim/cutting/arrangement/surface_view.h"

@@ -1,6 +1,6 @@
 #pragma once
-// Where the blood may not reach: a risk map of undermined skin from one published measurement, and nothing more than
-// that.
+// Where the blood may not reach: a risk map of undermined skin
+// from one published measurement, and nothing more than that.
 //
 // Skin that is undermined lives from what reaches it within the skin, from where it is still attached below. In random
 // flaps of pigs, 5 to 10 mm wide, perfusion at 20, 25 and 30 mm from the base was 40, 20 and about 0 % (Memarzadeh et
@@ -8,10 +8,10 @@
 //
 //   index = (30 mm - d) / 25 mm, between 0 and 1,
 //
-// d: the way within the remaining skin at rest to the nearest skin that is not undermined. The source has no spread for
-// single flaps and none for people; facial skin is perfused better than a pig's flank. So the map orders places and
-// designs; it foretells no necrosis. Tension lowers flow too (Larrabee, Holloway and Sutton 1984: necrosis rose above
-// 2.45 N of closing tension): sutures above that are counted beside it, not mixed in.
+// d: the way within the remaining skin at rest to the nearest skin that is not undermined. The source has no
+// spread for single flaps and none for people; facial skin is perfused better than a pig's flank. So the map
+// orders places and designs; it foretells no necrosis. Tension lowers flow too (Larrabee, Holloway and Sutton
+// 1984: necrosis rose above 2.45 N of closing tension): sutures above that are counted beside it, not mixed in.
 #include <vector>
 
 #include "sim/body/skin.h"
@@ -28,10 +28,10 @@ struct Perfusion {
   double severed_mm2 = 0;     // skin that no way leads to: a flap without a pedicle
 };
 
-/// Ways go from centre to centre of triangles that are neighbours or have a neighbour in common: up to 10 % longer than
-/// the shortest, so the index is up to 0.1 too low. A
-/// place is undermined when a wall that lies flatter than 60 degrees is below it on the chart; places are told apart to
-/// 0.5 mm.
+/// Ways go from centre to centre of triangles that are neighbours or have a neighbour
+/// in common: up to 10 % longer than the shortest, so the index is up to 0.1 too low. A
+/// place is undermined when a wall that lies flatter than 60 degrees
+/// is below it on the chart; places are told apart to 0.5 mm.
 Perfusion perfusion(const SurfaceView& view, const Skin& skin);
 
 }  // namespace limberg

@@ -17,9 +17,9 @@ struct PlanOnSkin {
   std::function<ChartPoint(const Vec2& figure_mm)> chart;
 };
 
-/// The plan that the script's header names; otherwise the Z or the rhombic flap that its cuts draw (plan.h), with the
-/// corners as they were drawn; otherwise nothing. Keeps a reference to the skin. InputError when the header's plan does
-/// not fit the skin.
+/// The plan that the script's header names; otherwise the Z or the rhombic flap that its
+/// cuts draw (plan.h), with the corners as they were drawn; otherwise nothing. Keeps a
+/// reference to the skin. InputError when the header's plan does not fit the skin.
 std::optional<PlanOnSkin> plan_of(const Skin& skin, const std::optional<PlannedProcedure>& named,
                                   std::span<const Command> script);
 /// Of a named procedure. InputError when there is none, or its values do not fit.

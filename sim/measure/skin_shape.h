@@ -29,10 +29,10 @@ DogEar dog_ear(const SurfaceView& view, std::span<const Vec3f> x_mm, const Skin&
 /// Middles, at rest, of all edges between skin and cut wall: where the skin has been cut, open or sewn.
 std::vector<Vec3> rim_mm(const SurfaceView& view);
 
-/// The open wound. A rim is an edge between skin and cut wall. From each rim point one looks away from its own skin,
-/// within 60 degrees of the direction across the edge: the gape there is the distance to the nearest other rim seen, or
-/// to any other rim nearer than 2 mm (banks that lie over one another). Own rim within 3 mm along the edge does not
-/// count.
+/// The open wound. A rim is an edge between skin and cut wall. From each rim point one looks
+/// away from its own skin, within 60 degrees of the direction across the edge: the gape
+/// there is the distance to the nearest other rim seen, or to any other rim nearer than 2 mm
+/// (banks that lie over one another). Own rim within 3 mm along the edge does not count.
 struct WoundGape {
   double gape_mm = 0;        // which 95 % of the rim do not exceed
   double mean_mm = 0;        // over the length of the rim

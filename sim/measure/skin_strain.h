@@ -1,9 +1,9 @@
 #pragma once
 // How far and how hard the skin is pulled: stretch and stress of each skin triangle, from its rest and present corners.
 //
-// A skin triangle is a membrane of the body's first layer with a free surface. With the in-plane deformation gradient F
-// (2 x 2, rest axes along and across the tension direction), the layer's prestretch F0 = diag(p, q, 1/(pq)), A = F0
-// F0^T, and the energy of fem_model.h with lambda' = lambda + mu and p0 = mu A_nn,
+// A skin triangle is a membrane of the body's first layer with a free surface. With the in-plane deformation
+// gradient F (2 x 2, rest axes along and across the tension direction), the layer's prestretch F0 = diag(p,
+// q, 1/(pq)), A = F0 F0^T, and the energy of fem_model.h with lambda' = lambda + mu and p0 = mu A_nn,
 //
 //   sigma = (mu / J) F A F^T + (lambda' (J - 1) - p0) I,     J = det(F) s,   s the stretch of the thickness.
 //
@@ -13,9 +13,9 @@
 //
 // The pressure of the mixed cell below is not needed, hence the figure does not depend on how cells and layers meet.
 //
-// A layer with a law of its own (Material::law) has (1/J) P(F F0) F0 F^T in place of (mu/J) F A F^T, its lambda and its
-// rest pressure (catalogue.h), and s is found by bisection. What relaxes is not counted: this is the stress once
-// relaxed.
+// A layer with a law of its own (Material::law) has (1/J) P(F F0) F0 F^T in place
+// of (mu/J) F A F^T, its lambda and its rest pressure (catalogue.h), and s is found
+// by bisection. What relaxes is not counted: this is the stress once relaxed.
 #include <span>
 #include <vector>
 

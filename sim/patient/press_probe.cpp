@@ -9,8 +9,8 @@
 namespace limberg {
 namespace {
 
-// The lattice under the patch against a half space, 2026-11-21: radii of .95 to 1.5 h, by where the place lies in its
-// cell.
+// The lattice under the patch against a half space, 2026-11-21:
+// radii of .95 to 1.5 h, by where the place lies in its cell.
 constexpr double kPatch = 0.75, kFelt = 1.2;
 // A layer between depths a and b has the share exp(-k a / r) - exp(-k b / r) in what a flat end of radius r meets: the
 // form is King's, k of his curves for layers near as thick as the end is wide; three layered blocks came within 16 % of
@@ -54,8 +54,8 @@ void PressProbe::meet(const Pressed& p) {
   seen_.assign(view.tri.size(), 0);
 }
 
-// Vertices of the same kind of surface within the radius at rest that hang together with the place, by the area they
-// stand for.
+// Vertices of the same kind of surface within the radius at rest
+// that hang together with the place, by the area they stand for.
 void PressProbe::find_patch(const Pressed& p, const PressQuestion& q, double radius_mm) {
   const SurfaceView& view = p.surface.view;
   const auto corner = [&](int32_t t, int k) -> const Vec3& {

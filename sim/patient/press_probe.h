@@ -1,17 +1,17 @@
 #pragma once
-// How stiff is the patient here, against a tool that presses? Asked of the finite elements themselves, of this very
-// patient: layers, prestretch, an undermined pocket below, a wound's edge beside, hooks, stitches and contacts all
-// count.
+// How stiff is the patient here, against a tool that presses? Asked of the finite
+// elements themselves, of this very patient: layers, prestretch, an undermined
+// pocket below, a wound's edge beside, hooks, stitches and contacts all count.
 //
-// A second solver over the same model takes the patient's positions, presses a patch of the surface in by the depth
-// asked for, and tells force over depth. The patient knows nothing of it: no bit of its state changes, so recordings
-// and replays do not depend on it. It goes on from its last answer, so a few iterations per question follow a tool that
-// moves.
+// A second solver over the same model takes the patient's positions, presses a patch of the
+// surface in by the depth asked for, and tells force over depth. The patient knows nothing
+// of it: no bit of its state changes, so recordings and replays do not depend on it. It
+// goes on from its last answer, so a few iterations per question follow a tool that moves.
 //
-// A lattice of cells h cannot see a tip much smaller than h. So the patch is a disc of .75 h, which the lattice feels
-// as a flat end of 1.2 h, and the closer neighbourhood of the tip is added as springs in series: what a half space of
-// the same layers yields more under the tip than under an end of 1.2 h (Boussinesq 1885; layers as in King 1987). Tips
-// that the lattice can see get no springs.
+// A lattice of cells h cannot see a tip much smaller than h. So the patch is a disc of .75 h, which
+// the lattice feels as a flat end of 1.2 h, and the closer neighbourhood of the tip is added as
+// springs in series: what a half space of the same layers yields more under the tip than under an end
+// of 1.2 h (Boussinesq 1885; layers as in King 1987). Tips that the lattice can see get no springs.
 #include <memory>
 #include <span>
 #include <vector>
@@ -38,8 +38,8 @@ class PressProbe {
  public:
   explicit PressProbe(Workers& workers) : workers_(workers) {}
   ~PressProbe();
-  /// InputError: a triangle that is not there. A question about another version of the surface is not answered:
-  /// stiffness 0.
+  /// InputError: a triangle that is not there. A question about
+  /// another version of the surface is not answered: stiffness 0.
   PressAnswer ask(const Pressed& patient, const PressQuestion& question, int iterations = 8);
 
  private:

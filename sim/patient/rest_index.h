@@ -29,8 +29,8 @@ class RestIndex {
   /// slack_mm otherwise); nothing when the place has been cut away.
   std::optional<SurfacePoint> locate(const Vec3& X_mm, int32_t origin, double slack_mm) const;
 
-  /// The nearest live skin triangle within reach_mm of X_mm, whatever its origin. Linear in the number of skin
-  /// triangles.
+  /// The nearest live skin triangle within reach_mm of X_mm,
+  /// whatever its origin. Linear in the number of skin triangles.
   std::optional<SurfacePoint> nearest_skin(const Vec3& X_mm, double reach_mm) const;
 
   /// The nearest point of a wound's rim within reach_mm, on the bank that `p` belongs to. Nothing if no rim is near.

@@ -21,12 +21,12 @@ class RimWalk {
     int32_t edge = -1;
     double at = 0;
   };
-  /// The rim edge that the point lies on; nothing when it is farther than a micrometre from every rim edge of its
-  /// triangle.
+  /// The rim edge that the point lies on; nothing when it is
+  /// farther than a micrometre from every rim edge of its triangle.
   std::optional<Spot> spot(const SurfacePoint& p) const;
 
-  /// The way from one spot to another: its length, and the point at any share of it. Nothing when they lie on different
-  /// rims.
+  /// The way from one spot to another: its length, and the point
+  /// at any share of it. Nothing when they lie on different rims.
   struct Way {
     bool forward = true;
     double length_mm = 0;

@@ -73,9 +73,9 @@ Figure rotation(double R, double defect_deg, double arc_deg) {
 }
 
 Figure bilobed(double diameter, double turn) {
-  // In polar coordinates about the pivot P: the defect fills -turn/2..turn/2, the first lobe turn/2..3 turn/2, the
-  // second up to
-  // 5 turn/2. The circle of the defect touches the rays at `edge` from the pivot.
+  // In polar coordinates about the pivot P: the defect fills -turn/2..turn/2,
+  // the first lobe turn/2..3 turn/2, the second up to 5 turn/2. The circle of
+  // the defect touches the rays at `edge` from the pivot.
   const double r = diameter / 2, d = r / std::sin(turn / 2 / kDeg), edge = d * std::cos(turn / 2 / kDeg);
   const auto cap = [&](int lobe) {  // the lobe's outer arc, from its lower ray to its upper one
     return arc(d * along(turn * lobe), r, turn * lobe - 90 - turn / 2, turn * lobe + 90 + turn / 2, 10);

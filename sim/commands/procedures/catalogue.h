@@ -4,10 +4,10 @@
 //   const Procedure& p = find_procedure("bilobed");
 //   Figure f = p.figure(p.defaults());
 //
-// Sources: Limberg 1946 and Lister and Gibson 1972 (rhomboid), Dufourmentel 1962, Webster 1978 (30 degree flap),
-// Zitelli 1989 (bilobed), McGregor (Z-plasty), and the usual textbook constructions. Where textbooks differ, the header
-// of the function in the .cpp says what is drawn. Figures lie around the origin; +x is the direction that a placement
-// turns.
+// Sources: Limberg 1946 and Lister and Gibson 1972 (rhomboid), Dufourmentel 1962, Webster
+// 1978 (30 degree flap), Zitelli 1989 (bilobed), McGregor (Z-plasty), and the usual textbook
+// constructions. Where textbooks differ, the header of the function in the .cpp says what is
+// drawn. Figures lie around the origin; +x is the direction that a placement turns.
 #include <functional>
 #include <string>
 #include <vector>
@@ -32,8 +32,8 @@ struct Procedure {
 const std::vector<Procedure>& procedures();
 /// InputError that lists the names when there is none of this name.
 const Procedure& find_procedure(const std::string& name);
-/// Applies "name=value" settings to the defaults. InputError on an unknown or repeated name, a broken or out-of-range
-/// number.
+/// Applies "name=value" settings to the defaults. InputError on
+/// an unknown or repeated name, a broken or out-of-range number.
 std::vector<double> procedure_values(const Procedure& p, const std::vector<std::string>& settings);
 
 }  // namespace limberg

@@ -6,20 +6,20 @@ namespace limberg::figures {
 
 /// Two equal arcs through (+-length/2, 0); vertex angle 4 atan(width / length), each scar half an arc's length long.
 Figure fusiform(double width_mm, double ratio);
-/// The same with its right tip replaced by an M: the arcs are kept to where the wound is tip_share of its width, and a
-/// tongue of tissue reaches in between so far that each of the two small tips has tip_deg. Shorter scar, two small ears
-/// for one.
-/// InputError where the arcs close so fast that the tongue has no room.
+/// The same with its right tip replaced by an M: the arcs are kept to where the
+/// wound is tip_share of its width, and a tongue of tissue reaches in between so
+/// far that each of the two small tips has tip_deg. Shorter scar, two small ears
+/// for one. InputError where the arcs close so fast that the tongue has no room.
 Figure m_plasty(double width_mm, double ratio, double tip_share, double tip_deg);
 
-/// Limberg's flap for a rhombus ABCD with angle_deg at A and C: D-E prolongs the short diagonal by one side, E-F is
-/// parallel to DC.
+/// Limberg's flap for a rhombus ABCD with angle_deg at A and C: D-E
+/// prolongs the short diagonal by one side, E-F is parallel to DC.
 Figure rhomboid(double side_mm, double angle_deg);
-/// Dufourmentel: D-E bisects the angle between the prolonged short diagonal and the prolonged side CD, E-F is parallel
-/// to the long diagonal.
+/// Dufourmentel: D-E bisects the angle between the prolonged short diagonal
+/// and the prolonged side CD, E-F is parallel to the long diagonal.
 Figure dufourmentel(double side_mm, double angle_deg);
-/// Webster: D-E as Dufourmentel's, the flap's tip E has tip_deg (30). The M-plasty that Webster adds at the base is not
-/// drawn.
+/// Webster: D-E as Dufourmentel's, the flap's tip E has tip_deg
+/// (30). The M-plasty that Webster adds at the base is not drawn.
 Figure webster(double side_mm, double tip_deg);
 
 /// Central limb AB along y, lateral limbs of the same length at angle_a_deg (at A) and angle_b_deg (at B).
@@ -38,8 +38,8 @@ Figure rotation(double radius_mm, double defect_deg, double arc_deg);
 /// Bilobed: a round defect with a triangle to the pivot; two lobes at turn_deg each about the pivot, the first as wide
 /// as the defect, the second drawn out to a point so that its bed closes.
 Figure bilobed(double diameter_mm, double turn_deg);
-/// A round defect and two opposite arcs, tangent to it, each cut_ratio diameters long, that let two flaps turn towards
-/// each other.
+/// A round defect and two opposite arcs, tangent to it, each cut_ratio
+/// diameters long, that let two flaps turn towards each other.
 Figure o_to_z(double diameter_mm, double cut_ratio);
 
 }  // namespace limberg::figures

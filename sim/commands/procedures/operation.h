@@ -1,6 +1,6 @@
 #pragma once
-// A figure carried out: excision, incision, undermining, hooks, key stitches, rows, with a stage after each, as a
-// script.
+// A figure carried out: excision, incision, undermining, hooks,
+// key stitches, rows, with a stage after each, as a script.
 //
 // Flaps that change places (Figure::exchanged) are carried as flap_exchange.h says, one after the other.
 #include <vector>

@@ -30,12 +30,12 @@ class OnSkin {
   };
   /// InputError when the walk leaves the skin.
   Spot spot(const Vec2& figure_mm) const;
-  /// The chart point that names that spot. InputError when another part of the skin lies over it, so that no chart
-  /// point does.
+  /// The chart point that names that spot. InputError when another
+  /// part of the skin lies over it, so that no chart point does.
   ChartPoint chart(const Vec2& figure_mm) const;
-  /// Chart points after that of a, up to that of b: lines between them stray less than within_mm from where the
-  /// figure's straight line comes to lie, as checked at the quarters of each, and none is divided below 1 mm. On a flat
-  /// skin b's alone.
+  /// Chart points after that of a, up to that of b: lines between them stray less
+  /// than within_mm from where the figure's straight line comes to lie, as checked at
+  /// the quarters of each, and none is divided below 1 mm. On a flat skin b's alone.
   std::vector<ChartPoint> line(const Vec2& a_mm, const Vec2& b_mm, double within_mm = 0.1) const;
   /// `height_mm` above the skin there, in the world.
   Vec3 above(const Vec2& figure_mm, double height_mm) const;

@@ -7,9 +7,9 @@
 
 namespace limberg {
 
-/// An SVG picture, y up, about 640 pixels wide. Excised skin is filled; each seam has a colour and a letter on both its
-/// banks; places of positive charge (dog-ears to be expected) are circles, of negative charge squares, with q in
-/// degrees.
+/// An SVG picture, y up, about 640 pixels wide. Excised skin is filled; each seam
+/// has a colour and a letter on both its banks; places of positive charge (dog-ears
+/// to be expected) are circles, of negative charge squares, with q in degrees.
 std::string plan_svg(const Figure& figure, const std::string& title);
 
 }  // namespace limberg

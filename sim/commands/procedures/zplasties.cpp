@@ -31,8 +31,8 @@ Figure multiple_z(double length, int count, double angle_deg) {
   f.incisions[0].push_back(D(count));
   for (int j = 1; j < count; ++j) f.incisions.push_back({P(j), D(j)}), f.incisions.push_back({P(j), C(j + 1)});
 
-  // Down the right side with its limbs, up the left one. At P(j): `in` the flap's tip or the outer corner that comes
-  // first.
+  // Down the right side with its limbs, up the left one. At P(j):
+  // `in` the flap's tip or the outer corner that comes first.
   const auto n = size_t(count) + 1;
   std::vector<int> right_in(n), right_out(n), left_in(n), left_out(n), c(n), d(n);
   Walk w;

@@ -14,8 +14,8 @@
 
 namespace limberg {
 
-/// A point as predicates see it: its double approximation, and its exact form. Explicit points have no other: their
-/// doubles are exact.
+/// A point as predicates see it: its double approximation, and its
+/// exact form. Explicit points have no other: their doubles are exact.
 struct PointRef {
   const Vec3* approx = nullptr;
   const NarrowHomogeneous* line_plane = nullptr;  // of an LPI

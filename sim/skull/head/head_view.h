@@ -1,6 +1,6 @@
 #pragma once
-// A head as the snapshot's surface: fans of face and bones as triangles, the tissue between as lines, landmarks by
-// name.
+// A head as the snapshot's surface: fans of face and bones as
+// triangles, the tissue between as lines, landmarks by name.
 //
 // Vertices in this order: of the face (slot by slot), the middles of its faces, of the bones, the middles of their
 // faces, of the tissue. What only changes with the topology is worked out in build(); places() costs one pass.
