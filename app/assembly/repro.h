@@ -2,8 +2,8 @@
 // A cut that was refused leaves a small file from which it can be tried again: the scene by name and hash, cell size
 // and seed, every command that was carried out before, and the one that was refused.
 //
-//   {"limberg_repro":1,"program":"...","scene":"rhomboid","scene_hash":"...","cell_mm":3.5,"seed":1,"topology_hash":"...",
-//    "reason":"...","commands":[{...},...],"refused":{...}}
+//   {"limberg_repro":1,"program":"...","scene":"rhomboid","scene_hash":"...","cell_mm":3.5,"seed":1,
+//    "topology_hash":"...","reason":"...","commands":[{...},...],"refused":{...}}
 //
 //   limberg check repro-1.json                 says what it holds
 //   limberg operate rhomboid repro-1.json      does it all again, with its cell size and seed

@@ -1,6 +1,6 @@
 #pragma once
-// A library of tissues: app/scene/tissues.toml is the shipped one. A scene's layer names one with tissue = "skin/cheek" and
-// may change any of its values.
+// A library of tissues: app/scene/tissues.toml is the shipped one. A scene's layer names one with
+// tissue = "skin/cheek" and may change any of its values.
 //
 //   [[tissue]]        name, note, thickness_mm (optional), and the material as in a layer of a scene: law and its
 //                     constants (or young_kPa), poisson, density_kg_m3, prestretch_along, prestretch_across, prony

@@ -1,7 +1,7 @@
 #pragma once
 // A surgical act, as a script line or a gesture states it: chart points on the skin and mm, nothing of any mesh.
-// How each is written in a script, with units, limits and what it means, stands in table.h; `limberg actions` prints it.
-// Acts on bones and face are in head_command.h.
+// How each is written in a script, with units, limits and what it means, stands in table.h;
+// `limberg actions` prints it. Acts on bones and face are in head_command.h.
 #include <string>
 #include <variant>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
-// The operation script: JSON lines, one action a line. Table.h holds the actions and their keys; `limberg actions` prints
-// them.
+// The operation script: JSON lines, one action a line. The actions and
+// their keys stand in table.h; `limberg actions` prints them.
 //
 //   {"limberg_script":1,"scene":"rhomboid","note":"Limberg flap, side 20 mm"}
 //   {"action":"incise","path":[[10,0],[30,0]],"depth_mm":4}
@@ -8,10 +8,10 @@
 // The header may also have "landmarks":{"ala":[12,-3]} and "plan" (below).
 //
 // Reading is strict: an unknown action or key, a key given twice, a wrong type, a number out of its range or a broken
-// line is an InputError with the file, the line, what is wrong and what was expected. Nothing is guessed. A field that is
-// left out has the value of the command's struct; blank lines are skipped.
-// Writing gives the shortest decimals that read back to the same numbers, so a script survives any number of round
-// trips.
+// line is an InputError with the file, the line, what is wrong and what was expected. Nothing is guessed. A field that
+// is left out has the value of the command's struct; blank lines are skipped.
+// Writing gives the shortest decimals that read back to the same
+// numbers, so a script survives any number of round trips.
 #include <cstdio>
 #include <optional>
 #include <string>

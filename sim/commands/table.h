@@ -15,7 +15,7 @@
 //
 // fields() shows a visitor every field with its value, in the order of the line. A visitor has
 //   v(field, value)                         of any type that a command holds
-//   v.form(key, chosen, with, without)      of two kinds of line: is it that with `key`? `chosen`: what the command says
+//   v.form(key, chosen, with, without)      of two kinds of line: is it that with `key`? `chosen`: as the command says
 //   v.same_unless_given(value, other)       a field that may be left out and then has another field's value
 // A row may also have
 //   mark     the key that tells this row from another of the same name

@@ -87,8 +87,8 @@ bool read_only_sim(const std::string& t) {
   return files.contains(t) || t.starts_with("sim/geometry/") || t.starts_with("sim/body/");
 }
 
-// Order of dependence inside sim: each part may include those named beside it, and its own. sim/base, and patient/ above
-// all others, are not listed: everybody may include the first, and the second everything.
+// Order of dependence inside sim: each part may include those named beside it, and its own. sim/base, and patient/
+// above all others, are not listed: everybody may include the first, and the second everything.
 const std::map<std::string, std::set<std::string>> kSim{
     {"sim/base", {}},
     {"sim/geometry", {}},

@@ -1,4 +1,4 @@
-// Fronto-orbital cuts on the synthetic head: around the rims of the orbits the saw has to be tilted (sim/skull/bone/aim.h).
+// Fronto-orbital cuts on the synthetic head: around the rims of the orbits the saw is tilted (sim/skull/bone/aim.h).
 #include <gtest/gtest.h>
 
 #include <array>
