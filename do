@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# The two commands of Limberg, and five for those who work on it.
+# The two commands of Limberg, and seven for those who work on it.
 #   ./do demo [NAME]   build, then replay a shipped recording headless into out/demo (default: rhomboid)
-#   ./do test          build, then run every test
+#   ./do test          check the format, build, run every test, and name what was skipped
 #   ./do build         build only; the binary is build/limberg
+#   ./do sanitize      every test under AddressSanitizer + UBSan, then under ThreadSanitizer (hours; 'address' or 'thread': one)
 #   ./do record [NAME] build, then make the recorded stream of a shipped script anew
 #   ./do bench [SUITE] run a benchmark suite (default: speed); for cutting CGAL is installed too, to compare with
 #   ./do figures [RESULT.json ...] keep results of limberg bench in docs/figures, write docs/figures.md
@@ -35,15 +36,46 @@ ensure_packages() {
   exit 2
 }
 
+# How many steps of the build are done, of how many, after how many seconds.
+export NINJA_STATUS='[%f/%t, %e s] '
+
 # build [TARGET]: everything, or one target. Jobs: one per core, but not more than one per 1.5 GB of memory.
 build() {
   ensure_packages
-  [ -f build/build.ninja ] || cmake --preset release >/dev/null
+  [ -f build/build.ninja ] || { echo "configuring"; cmake --preset release >/dev/null; }
+  cmake --build build --parallel "$(jobs)" ${1:+--target "$1"}
+}
+
+jobs() {
   local jobs memory_mb
   jobs=$(nproc)
   memory_mb=$(awk '/MemAvailable/ {print int($2 / 1024)}' /proc/meminfo)
   [ "$jobs" -le $((memory_mb / 1500 + 1)) ] || jobs=$((memory_mb / 1500 + 1))
-  cmake --build build --parallel "$jobs" ${1:+--target "$1"}
+  echo "$jobs"
+}
+
+# Every file as clang-format would write it (.clang-format: 120 columns).
+check_format() {
+  packages+=(clang-format)
+  ensure_packages
+  local wrong
+  wrong=$(git ls-files '*.h' '*.cpp' | xargs clang-format --dry-run -Werror 2>&1 | sed -n 's/^\([^:]*\):.*clang-format-violations.*/\1/p' | sort -u)
+  [ -z "$wrong" ] || { printf 'limberg: not formatted; expected what ./do format makes of:\n%s\n' "$wrong" >&2; return 1; }
+}
+
+# run_tests FOLDER [TIMEOUT_S]: all tests; the last lines name the skipped ones with their reasons, and count.
+run_tests() {
+  local status=0 log="$1/Testing/Temporary/LastTest.log" skipped failed
+  ctest --test-dir "$1" --output-on-failure --parallel "$(nproc)" --timeout "${2:-600}" || status=$?
+  skipped=$(awk '/^[0-9]+\/[0-9]+ Testing: /{name = $3} /: Skipped$/{getline why; print "  " name ": " why}' "$log" | sort -u)
+  if [ -n "$skipped" ]; then
+    printf 'skipped:\n%s\n' "$skipped"
+  fi
+  failed=$(grep -c . "$1/Testing/Temporary/LastTestsFailed.log" 2>/dev/null || true)
+  [ $status != 0 ] || failed=0
+  awk -v failed="${failed:-0}" -v skipped="$(printf '%s' "$skipped" | grep -c . || true)" \
+    '/^[0-9]+\/[0-9]+ Testing: /{n++} END {printf "%d passed, %d failed, %d skipped\n", n - failed - skipped, failed, skipped}' "$log"
+  return $status
 }
 
 # The recording is replayed; the same operation by script at three cell sizes gives the small table in the report (a head has
@@ -69,8 +101,18 @@ demo() {
 case "${1:-help}" in
   build) build ;;
   test)
+    check_format
     build
-    ctest --test-dir build --output-on-failure --parallel "$(nproc)" --timeout 600
+    run_tests build
+    ;;
+  sanitize)
+    ensure_packages
+    for kind in ${2:-address thread}; do
+      case $kind in address) preset=asan ;; thread) preset=tsan ;; *) echo "limberg: sanitize $kind: expected address or thread" >&2; exit 2 ;; esac
+      [ -f "build-$preset/build.ninja" ] || cmake --preset $preset >/dev/null
+      cmake --build "build-$preset" --parallel "$(jobs)"
+      run_tests "build-$preset" 7200
+    done
     ;;
   demo)
     build limberg
@@ -95,6 +137,7 @@ case "${1:-help}" in
       ensure_packages
     fi
     build limberg
+    build limberg_bench_program
     build/limberg bench "${2:-speed}" "${@:3}"
     ;;
   figures)
@@ -104,5 +147,5 @@ case "${1:-help}" in
   format)
     git ls-files '*.h' '*.cpp' | xargs clang-format -i
     ;;
-  *) sed -n '2,9s/^# \{0,1\}//p' "$0"; exit 2 ;;
+  *) sed -n '2,10s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac

@@ -13,19 +13,33 @@
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/strokes.h"
 #include "sim/measure/plan.h"
+#include "sim/measure/table.h"
 
 namespace limberg {
 namespace {
 
+/// What a lesson may ask for: a figure of the session, or (measure not null) one of the table of measures.
 struct Known {
-  const char *name, *unit;
+  const char* name;
+  const char* measure;
+  const char* unit;
   double hi;
 };
-constexpr Known kKnown[] = {{"corner_mm", "mm", 100},   {"angle_deg", "degrees", 180}, {"limb_percent", "%", 100},
-                            {"gap_mm", "mm", 50},       {"suture_N", "N", 100},        {"suture_peak_N", "N", 100},
-                            {"closure_N", "N", 1000},   {"dog_ear_mm", "mm", 100},     {"step_off_mm", "mm", 50},
-                            {"landmark_mm", "mm", 100}, {"waste_mm2", "mm2", 1e5},     {"time_s", "s", 1e5},
-                            {"path_mm", "mm", 1e7},     {"movements", "", 1e6},        {"undos", "", 1e5}};
+constexpr Known kKnown[] = {{"corner_mm", nullptr, "mm", 100},
+                            {"angle_deg", nullptr, "degrees", 180},
+                            {"limb_percent", nullptr, "%", 100},
+                            {"gap_mm", "suture_gap_max_mm", "mm", 50},
+                            {"suture_N", "suture_force_max_N", "N", 100},
+                            {"suture_peak_N", "suture_force_peak_N", "N", 100},
+                            {"closure_N", "closure_force_N", "N", 1000},
+                            {"dog_ear_mm", "dog_ear_mm", "mm", 100},
+                            {"step_off_mm", "step_off_mm", "mm", 50},
+                            {"landmark_mm", "landmark_max_mm", "mm", 100},
+                            {"waste_mm2", "waste_mm2", "mm2", 1e5},
+                            {"time_s", nullptr, "s", 1e5},
+                            {"path_mm", nullptr, "mm", 1e7},
+                            {"movements", nullptr, "", 1e6},
+                            {"undos", nullptr, "", 1e5}};
 constexpr double kMissing_mm = 10;
 
 double angle_deg(const Vec2& a, const Vec2& b, const Vec2& c) {
@@ -271,21 +285,15 @@ std::vector<Judgement> judge(const Lesson& lesson, const LessonValues& values) {
 
 LessonValues lesson_values(const Metrics& m, const std::optional<DesignError>& e) {
   LessonValues v;
-  v.value = {{"dog_ear_mm", m.dog_ear_mm}, {"step_off_mm", m.step_off_mm}};
+  for (const Known& k : kKnown)
+    if (k.measure)
+      if (const std::optional<double> of = find_measure(k.measure)->value(m)) v.value[k.name] = *of;
   const auto without = [&](std::initializer_list<const char*> names, const std::string& why) {
-    for (const char* name : names) v.why_not[name] = why;
+    for (const char* name : names) v.value.erase(name), v.why_not[name] = why;
   };
-  if (!m.sutures.empty())
-    v.value.insert({{"gap_mm", m.suture_gap_max_mm},
-                    {"suture_N", m.suture_force_max_N},
-                    {"suture_peak_N", m.suture_force_peak_N},
-                    {"closure_N", m.closure_force_N}});
-  else
+  if (m.sutures.empty())
     without({"gap_mm", "suture_N", "suture_peak_N", "closure_N"}, "stitches were looked for at the end; there is none");
-  if (m.waste_mm2)
-    v.value["waste_mm2"] = *m.waste_mm2;
-  else
-    without({"waste_mm2"}, "an excision was looked for; nothing was excised");
+  if (!m.waste_mm2) without({"waste_mm2"}, "an excision was looked for; nothing was excised");
   const auto gone =
       std::find_if(m.landmarks.begin(), m.landmarks.end(), [](const NamedLandmark& l) { return !l.figure; });
   if (m.landmarks.empty())
@@ -293,8 +301,6 @@ LessonValues lesson_values(const Metrics& m, const std::optional<DesignError>& e
   else if (gone != m.landmarks.end())
     without({"landmark_mm"},
             "the skin of " + gone->name + " was looked for at " + at_text(gone->at) + "; there is none");
-  else
-    v.value["landmark_mm"] = m.landmark_max_mm;
   if (!e)
     without({"corner_mm", "angle_deg", "limb_percent"},
             "cuts were looked for where the plan has them; nothing was excised or incised");

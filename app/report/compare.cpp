@@ -10,6 +10,7 @@
 #include "app/report/report_file.h"
 #include "app/report/sections.h"
 #include "sim/base/whole_file.h"
+#include "sim/measure/table.h"
 
 namespace limberg {
 
@@ -69,6 +70,14 @@ std::string heading(const Side& a, const Side& b) {
   return s + "</div>\n";
 }
 
+/// "wound gape, mm", the name in result.json as its title; a figure that the table does not know keeps that name.
+std::string named(const std::string& name) {
+  const Measure* m = find_measure(name);
+  if (!m) return "<code>" + escape(name) + "</code>";
+  return "<span title=\"" + escape(name + ": " + m->definition) + "\">" + escape(m->words) +
+         (m->unit[0] ? std::string(", ") + m->unit : "") + "</span>";
+}
+
 std::string figures(const ReportData& a, const ReportData& b) {
   std::set<std::string> names;
   for (const auto& [n, v] : a.metrics) names.insert(n);
@@ -84,8 +93,8 @@ std::string figures(const ReportData& a, const ReportData& b) {
         mark = *by_lattice ? "" : "warn";
         note = *by_lattice ? "within" : "beyond";
       }
-    rows += "<tr><td><code>" + escape(n) + "</code></td>" + cell(va, 5) + cell(vb, 5) + difference(va, vb, mark) +
-            "<td>" + note + "</td></tr>\n";
+    rows += "<tr><td>" + named(n) + "</td>" + cell(va, 5) + cell(vb, 5) + difference(va, vb, mark) + "<td>" + note +
+            "</td></tr>\n";
   }
   const std::pair<const char*, Maybe ReportData::*> own[] = {{"duration_s", &ReportData::duration_s},
                                                              {"residual", &ReportData::residual},
@@ -97,7 +106,7 @@ std::string figures(const ReportData& a, const ReportData& b) {
       rows += "<tr><td><code>" + std::string(name) + "</code></td>" + cell(a.*what, 5) + cell(b.*what, 5) +
               difference(a.*what, b.*what) + "<td></td></tr>\n";
   if (rows.empty()) return {};
-  return "<section>\n<h2>Figures</h2>\n<p class=\"note\">Units stand in the names. " +
+  return "<section>\n<h2>Figures</h2>\n<p class=\"note\">" +
          std::string(any_error ? "Last column: whether the lattices' own errors, added, can explain the difference."
                                : "Neither result says how large its lattice's error is (<code>operate --cells</code> "
                                  "does), so nothing is said about which differences matter.") +

@@ -3,17 +3,11 @@
 #include <string>
 
 #include "app/report/report_data.h"
+#include "sim/measure/table.h"
 
 namespace limberg::sections {
 
-/// Limits that the traffic lights use. Sources stand beside the suture table.
-struct Limits {
-  static constexpr double suture_green_N = 2.5;  // Larrabee, Holloway, Sutton 1984: necrosis rises above 250 g
-  static constexpr double suture_amber_N = 5.0;  // between the knot-pull strengths of USP 5-0 and 4-0 thread
-  static constexpr double closure_N = 15.0;      // Lear 2019: largest clinically acceptable closure force (scalp)
-  static constexpr double gap_mm = 0.2;          // edges count as closed
-  static constexpr double residual = 1e-4;       // the tissue counts as at rest
-};
+inline constexpr double kAtRest = 1e-4;  // residual below which the tissue counts as at rest
 
 /// A picture of a result as a data URL, made smaller to so many pixels; a name that leads out of the folder gives
 /// nothing.

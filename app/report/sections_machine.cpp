@@ -147,7 +147,7 @@ std::string residual(const ReportData& d) {
     chart.description = "Relative residual over time";
     chart.y = {"relative residual", true, {}, {}};
     chart.series = {{"residual", t, d.series_residual, false}};
-    chart.y_marks = {{Limits::residual, "goal"}};
+    chart.y_marks = {{kAtRest, "goal"}};
     for (const ReportStage& stage : d.stages)
       if (stage.t_s && timed) chart.x_marks.push_back({*stage.t_s, stage.name.substr(0, 24)});
     s += "<div class=\"wide\">" + svg(chart) + "</div>\n";

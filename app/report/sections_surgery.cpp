@@ -78,7 +78,7 @@ std::string verdict(const ReportData& d, std::string& light) {
   std::vector<std::string> says;
   const Maybe gap = largest_gap(d), force = largest_force(d);
   if (!d.sutures.empty() && gap) {
-    const bool closed = *gap <= Limits::gap_mm;
+    const bool closed = *gap <= kSutureGap_mm.bad;
     if (!closed) worse("warn");
     says.push_back((closed ? "Closed with " : "Not fully closed with ") + std::to_string(d.sutures.size()) +
                    (d.sutures.size() == 1 ? " suture" : " sutures") + ", largest gap " + quantity(gap, "mm", 2));
@@ -89,7 +89,7 @@ std::string verdict(const ReportData& d, std::string& light) {
   }
   if (d.of_bones()) says.push_back(bones_moved(d));
   if (residual_of(d)) {
-    const bool rest = *d.residual <= Limits::residual;
+    const bool rest = *d.residual <= kAtRest;
     if (!rest) worse("warn");
     says.push_back(std::string(rest ? "in equilibrium" : "not yet in equilibrium") + " (relative residual " +
                    number(*d.residual, 2) + ")");
@@ -127,17 +127,17 @@ std::string key_figures(const ReportData& d) {
   const Maybe force = largest_force(d), gap = largest_gap(d);
   if (const Maybe v = d.metric("closure_force_N"))
     c += card(quantity(v, "N"), "closure force",
-              joined("sum over all sutures; clinical limit " + number(Limits::closure_N) + "\u202fN",
+              joined("sum over all sutures; clinical limit " + number(kClosureForce_N.bad) + "\u202fN",
                      lattice_error(d, "closure_force_N", "N")),
-              *v > Limits::closure_N ? "bad" : "");
+              *v > kClosureForce_N.bad ? "bad" : "");
   if (force)
     c += card(quantity(force, "N"), "largest suture force",
               joined("one thread", lattice_error(d, "suture_force_max_N", "N")), light_of_force(*force));
   if (gap)
-    c +=
-        card(quantity(gap, "mm", 2), "largest gap",
-             joined("closed up to " + number(Limits::gap_mm) + "\u202fmm", lattice_error(d, "suture_gap_max_mm", "mm")),
-             *gap <= Limits::gap_mm ? "good" : "warn");
+    c += card(
+        quantity(gap, "mm", 2), "largest gap",
+        joined("closed up to " + number(kSutureGap_mm.bad) + "\u202fmm", lattice_error(d, "suture_gap_max_mm", "mm")),
+        *gap <= kSutureGap_mm.bad ? "good" : "warn");
   if (const Maybe v = d.metric("dog_ear_mm")) {
     const Maybe volume = d.metric("dog_ear_volume_mm3");
     c += card(quantity(v, "mm"), "dog-ear height",
@@ -164,8 +164,8 @@ std::string key_figures(const ReportData& d) {
       c += card(quantity(v, "mm", 3), "face moved, at most", "the place of the skin that moved most");
   }
   if (residual_of(d))
-    c += card(number(*d.residual, 2), "relative residual", "goal " + number(Limits::residual),
-              *d.residual <= Limits::residual ? "good" : "warn");
+    c += card(number(*d.residual, 2), "relative residual", "goal " + number(kAtRest),
+              *d.residual <= kAtRest ? "good" : "warn");
   if (d.distance_mm)
     c += card(quantity(d.distance_mm, "mm", 2), "from equilibrium",
               "estimated by the last frame: the node that is farthest off");
@@ -175,7 +175,7 @@ std::string key_figures(const ReportData& d) {
 }  // namespace
 
 std::string light_of_force(double force_N) {
-  return force_N < Limits::suture_green_N ? "good" : force_N <= Limits::suture_amber_N ? "warn" : "bad";
+  return force_N < kSutureForce_N.warn ? "good" : force_N <= kSutureForce_N.bad ? "warn" : "bad";
 }
 
 std::string title(const ReportData& d) {
@@ -312,7 +312,7 @@ std::string sutures(const ReportData& d) {
       t += "<span class=\"meter\" style=\"width:" +
            std::to_string(int(std::lround(100 * std::clamp(*s.force_N / most, 0.0, 1.0)))) + "%\"></span>";
     t += "</td><td>" + quantity(s.tied_N, "N") + "</td><td>" + quantity(s.peak_N, "N");
-    t += "</td><td class=\"" + std::string(s.gap_mm && *s.gap_mm > Limits::gap_mm ? "warn" : "") + "\">" +
+    t += "</td><td class=\"" + std::string(s.gap_mm && *s.gap_mm > kSutureGap_mm.bad ? "warn" : "") + "\">" +
          quantity(s.gap_mm, "mm", 2) + "</td></tr>\n";
   }
   t += "</tbody></table></div>\n";

@@ -7,6 +7,7 @@
 
 #include "render/colour_map.h"
 #include "render/overlay.h"
+#include "sim/measure/table.h"
 
 namespace limberg {
 
@@ -262,16 +263,16 @@ void Desk::patient(const DeskReading& r, int width, int height) {
         ImGui::Text("%d", x.id);
         ImGui::TableNextColumn();
         const double force = double(x.force_N);
-        ImGui::TextColored(force < facts_.suture_warn_N    ? kGood
-                           : force < facts_.suture_limit_N ? kWarn
-                                                           : kBad,
+        ImGui::TextColored(force < kSutureForce_N.warn  ? kGood
+                           : force < kSutureForce_N.bad ? kWarn
+                                                        : kBad,
                            "%.2f", double(x.force_N));
         ImGui::TableNextColumn();
         ImGui::Text("%.2f", double(x.gap_mm));
       }
       ImGui::EndTable();
     }
-    ImGui::TextColored(kQuiet, "limits %.3g and %.3g N", facts_.suture_warn_N, facts_.suture_limit_N);
+    ImGui::TextColored(kQuiet, "limits %.3g and %.3g N", kSutureForce_N.warn, kSutureForce_N.bad);
   }
   if (!s.hooks.empty()) {
     heading("HOOKS");

@@ -30,9 +30,6 @@ struct DeskFacts {
   std::vector<std::string> lesson;       // its steps, in words
   bool head = false, skin = true;        // what the scene holds
   double max_depth_mm = 9;
-  double suture_warn_N = 2.5,
-         // beyond them a stitch is shown in amber and in red: the limits of the report, with their sources there
-      suture_limit_N = 5;
   bool own_device = false;  // another than the mouse
   bool calibrated = false;  // a calibration of it was given
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/geometry/triangle.h"
+#include "sim/measure/table.h"
 
 namespace limberg {
 namespace {
@@ -86,7 +87,7 @@ Metrics measure(const Snapshot& snapshot, const Skin& skin, const ElasticSolver&
     if (s.tied_N >= 0) f.tied_N = double(s.tied_N);
     m.sutures.push_back(f);
     m.suture_force_peak_N = std::max(m.suture_force_peak_N, f.peak_N);
-    m.sutures_over_2_5_N += f.force_N > 2.5, m.sutures_over_5_N += f.force_N > 5;
+    m.sutures_over_2_5_N += f.force_N > kSutureForce_N.warn, m.sutures_over_5_N += f.force_N > kSutureForce_N.bad;
     m.closure_force_N += f.force_N;
     m.suture_gap_max_mm = std::max(m.suture_gap_max_mm, f.gap_mm);
     if (m.suture_force_max_id == 0 || f.force_N > m.suture_force_max_N) {

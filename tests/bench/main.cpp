@@ -1,57 +1,28 @@
+// limberg_bench: the benchmark suites, which `limberg bench` starts.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 
-#include "app/assembly/streams.h"
 #include "app/commands/command_line.h"
 #include "app/commands/numbers.h"
 #include "app/commands/session_command.h"
 #include "app/commands/this_call.h"
-#include "app/operating_point/accuracy.h"
-#include "app/operating_point/operating_point.h"
-#include "app/program/interrupt.h"
-#include "app/program/shipped.h"
 #include "app/program/version.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
-#include "app/result/result.h"
 #include "app/result/tables.h"
 #include "sim/base/error.h"
 #include "sim/lattice/lattice.h"
-#include "tests/bench/contact.h"
-#include "tests/bench/cutting.h"
-#include "tests/bench/devices/fuzz.h"
-#include "tests/bench/devices/suite.h"
-#include "tests/bench/features.h"
-#include "tests/bench/felt_patient.h"
-#include "tests/bench/frames.h"
-#include "tests/bench/fuzz.h"
-#include "tests/bench/fuzz/readers.h"
-#include "tests/bench/fuzz/world_runner.h"
-#include "tests/bench/head_face.h"
-#include "tests/bench/laws.h"
-#include "tests/bench/metric.h"
-#include "tests/bench/session_latency.h"
-#include "tests/bench/simplex.h"
-#include "tests/bench/speed.h"
-#include "tests/bench/stability.h"
-#include "tests/bench/verification.h"
+#include "tests/bench/suite.h"
 
 namespace limberg {
 
 namespace {
 
 struct Options {
-  std::string suite, scene, only;
-  bool quick = false, no_peers = false;
-  int front_levels = 0;
-  int check_every = 1, divide_every = 1;
-  bool world = false;      // fuzz: acts on patients
-  bool devices = false;    // fuzz: what devices send
-  bool readers = false;    // fuzz: damaged files
-  int64_t operations = 0;  // fuzz; 0: 20000, with --quick 2000
-  uint64_t seed = 1;
-  double budget_ms = 0, limit_s = 150;  // accuracy
+  std::string suite;
+  bench::SuiteOptions with;
   CommonOptions common;
 };
 
@@ -117,234 +88,99 @@ std::string any_of(const std::vector<std::string>& names) {
   return s;
 }
 
-int run(const Options& o) {
+int run(Options o) {
   o.common.prepare();
-  const std::vector<std::string> suites = {"accuracy", "contact",   "cutting",     "devices", "features",
-                                           "frames",   "fuzz",      "head",        "laws",    "simplex",
-                                           "speed",    "stability", "verification"};
-  if (std::find(suites.begin(), suites.end(), o.suite) == suites.end())
-    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected " + any_of(suites));
-  if (o.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
-  if (!o.scene.empty() && o.suite != "accuracy" && o.suite != "features" && o.suite != "frames")
-    throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
-  Progress progress("bench " + o.suite);
-  const auto note = [&](const std::string& line) { progress.note(line); };
-  bench::Result b;
-  bench::FuzzReport fuzzed;
-  bench::AccuracyReport accuracy;
-  std::vector<std::pair<std::string, LineChart>> charts;
-  if (o.suite == "accuracy") {
-    catch_interrupts();  // its trials are kept
-    bench::AccuracySettings s;
-    s.quick = o.quick, s.budget_ms = o.budget_ms, s.limit_s = o.limit_s;
-    if (!o.common.out_dir.empty()) {
-      prepare_folder(o.common.out_dir);
-      s.keep_file = o.common.out_dir + "/accuracy-trials.txt";
-    }
-    s.progress = note, s.interrupted = interrupted;
-    accuracy = bench::accuracy(open_scene(o.scene.empty() ? "rhomboid" : o.scene), s);
-    b = accuracy.result();
-  } else if (o.suite == "features") {
-    b = bench::features(open_scene(o.scene.empty() ? "rhomboid" : o.scene), {o.quick, o.only, note});
-  } else if (o.suite == "frames") {
-    const Scene scene = open_scene(o.scene.empty() ? "rhomboid" : o.scene);
-    const std::string file = shipped_file("recordings/" + scene.name + ".jsonl");
-    const Script script = file.empty() ? Script{} : load_script(file);
-    b = bench::frames(scene, file.empty() ? nullptr : &script, {o.quick, note});
-  } else if (o.suite == "contact") {
-    b = bench::contact({o.quick, o.only, note});
-  } else if (o.suite == "devices") {
-    b = bench::devices_suite({o.quick, o.only, note});
-    if (std::string("felt").find(o.only) != std::string::npos)
-      bench::add_felt_patient(b, open_scene("rhomboid"), o.quick, note);
-    if (std::string("latency").find(o.only) != std::string::npos)
-      bench::add_session_latency(b, open_scene("rhomboid"), known_stream("tremor", 5).samples, o.quick, note);
-  } else if (o.suite == "verification") {
-    b = bench::verification({o.quick, note});
-  } else if (o.suite == "speed") {
-    bench::SpeedSettings s;
-    s.quick = o.quick;
-    s.only = o.only;
-    s.progress = note;
-    b = bench::speed(s);
-  } else if (o.suite == "stability") {
-    bench::StabilitySettings s;
-    s.quick = o.quick;
-    s.only = o.only;
-    s.peers = !o.no_peers;
-    s.progress = note;
-    b = bench::stability(s);
-  } else if (o.suite == "head") {
-    const bench::HeadReport heads = bench::head_suite({o.quick, o.only, note});
-    b = heads.result;
-    if (!o.common.out_dir.empty()) {
-      prepare_folder(o.common.out_dir);
-      write_whole_file(o.common.out_dir + "/head-modes.csv", heads.csv());
-    }
-    for (const std::string& situation : heads.situations()) {
-      charts.emplace_back(situation + ": error against run time", heads.chart(situation));
-      if (!o.common.out_dir.empty())
-        write_whole_file(o.common.out_dir + "/head-modes-" + std::to_string(charts.size()) + ".svg",
-                         svg(charts.back().second));
-    }
-  } else if (o.suite == "simplex") {
-    bench::SimplexSettings s;
-    s.quick = o.quick;
-    s.progress = note;
-    b = bench::simplex_suite(s);
-  } else if (o.suite == "fuzz" && o.world) {
-    fuzz::WorldFuzzSettings s;
-    s.acts = o.operations > 0 ? o.operations : o.quick ? 300 : 3000;
-    s.seed = o.seed;
-    s.out_dir = o.common.out_dir;
-    s.progress = note;
-    b = fuzz::world_fuzz(s).result();
-  } else if (o.suite == "fuzz" && o.devices) {
-    bench::DevicesFuzzSettings s;
-    s.cases = o.operations > 0 ? o.operations : o.quick ? 120'000 : s.cases;
-    s.seed = o.seed;
-    s.progress = note;
-    b = bench::devices_fuzz(s).result();
-  } else if (o.suite == "fuzz" && o.readers) {
-    bench::ReadersFuzzSettings s;
-    s.cases = o.operations > 0 ? o.operations : o.quick ? 10'000 : s.cases;
-    s.seed = o.seed;
-    s.out_dir = o.common.out_dir;
-    s.progress = note;
-    b = bench::readers_fuzz(s, bench::readers()).result();
-  } else if (o.suite == "laws") {
-    b = bench::laws({o.quick, note});
-  } else if (o.suite == "fuzz") {
-    bench::FuzzSettings s;
-    s.operations = o.operations > 0 ? o.operations : o.quick ? 2000 : 20000;
-    s.seed = o.seed;
-    s.front_levels = o.front_levels;
-    s.divide_every = o.divide_every;
-    catch_interrupts();  // what was done by then is reported
-    s.stop = interrupted;
-    s.check_every = o.check_every;
-    s.out_dir = o.common.out_dir;
-    s.progress = note;
-    fuzzed = bench::fuzz_run(s);
-    b = fuzzed.result();
-  } else {
-    bench::CuttingSettings s;
-    s.quick = o.quick;
-    s.only = o.only;
-    s.progress = note;
-    b = bench::cutting(s);
-    if (std::string("metric").find(o.only) != std::string::npos) {
-      const bench::Result metric = bench::cut_metric({o.quick, note});
-      b.rows.insert(b.rows.end(), metric.rows.begin(), metric.rows.end());
-      b.bars.insert(b.bars.end(), metric.bars.begin(), metric.bars.end());
-    }
+  const std::span<const bench::Suite> all = bench::suites();
+  const auto suite = std::find_if(all.begin(), all.end(), [&](const bench::Suite& s) { return o.suite == s.name; });
+  if (suite == all.end()) {
+    std::vector<std::string> names;
+    for (const bench::Suite& s : all) names.push_back(s.name);
+    throw InputError("", 0, "bench " + o.suite + ": unknown suite; expected " + any_of(names));
   }
+  if (o.with.operations < 0) throw InputError("", 0, "--operations is negative; a number of operations was expected");
+  if (!o.with.scene.empty() && !suite->takes_scene)
+    throw InputError("", 0, "bench " + o.suite + " takes no scene; it makes its own at several sizes");
+  o.with.out_dir = o.common.out_dir;
+  if (!o.with.out_dir.empty()) prepare_folder(o.with.out_dir);
+  Progress progress("bench " + o.suite);
+  o.with.progress = [&](const std::string& line) { progress.note(line); };
+  const bench::SuiteOutcome outcome = suite->run(o.with);
   progress.clear();
-  if (!o.only.empty() && b.rows.empty())
+  if (!o.with.only.empty() && outcome.result.rows.empty())
     throw InputError(
-        "", 0, "bench " + o.suite + ": --only " + o.only + " names no part; expected one of those that --help lists");
-  print(b);
-  Result result("bench", accuracy.scene);
+        "", 0,
+        "bench " + o.suite + ": --only " + o.with.only + " names no part; expected one of those that --help lists");
+  print(outcome.result);
+  Result result("bench", outcome.scene);
   result.set("/suite", o.suite);
-  result.set("/quick", o.quick);
+  result.set("/quick", o.with.quick);
   const std::string call = this_call();  // "limberg speed --quick"
   result.set("/reproduce", "limberg bench" + call.substr(std::min(call.size(), std::string("limberg").size())));
-  if (o.suite == "fuzz" && !o.world && !o.devices && !o.readers) {
-    result.set("/operations", fuzzed.operations());
-    result.set("/violations", int64_t(fuzzed.violations.size()));
-    result.set("/refused", fuzzed.generic.refused + fuzzed.adversarial.refused);
-    result.set("/seed", int64_t(o.seed));
-  }
-  if (o.suite == "accuracy") {
-    fill_operating_point(result, accuracy.point);
-    if (!o.common.out_dir.empty())
-      write_whole_file(o.common.out_dir + "/accuracy.csv", accuracy.csv()),
-          write_whole_file(o.common.out_dir + "/accuracy.svg", accuracy.svg());
-  }
-  fill(result, b);
-  for (const auto& [title, chart] : charts) add_chart(result, result.entries("/charts"), title, chart);
-  bool ok = true;
-  for (const bench::Bar& x : b.bars) ok &= x.pass;
-  if (interrupted()) {
-    std::fprintf(stderr, "limberg: interrupted after %lld operations; they are reported\n",
-                 static_cast<long long>(fuzzed.operations()));
-    ok = false;
-  }
+  if (outcome.also) outcome.also(result);
+  fill(result, outcome.result);
+  for (const auto& [title, chart] : outcome.charts) add_chart(result, result.entries("/charts"), title, chart);
+  bool ok = outcome.interrupted.empty();
+  for (const bench::Bar& x : outcome.result.bars) ok &= x.pass;
+  if (!outcome.interrupted.empty()) std::fprintf(stderr, "limberg: interrupted %s\n", outcome.interrupted.c_str());
   result.set_ok(ok);
-  add_table(result, result.entries("/tables"), measured(b));
+  add_table(result, result.entries("/tables"), measured(outcome.result));
   leave_result(result, o.common);
   return ok ? kDone : kGoalMissed;
 }
 
-void add_suites(CLI::App& app, Chosen& chosen) {
+/// "accuracy: error against run time ...; contact: ..."
+std::string listed(const char* bench::Suite::*what) {
+  std::string s;
+  for (const bench::Suite& x : bench::suites())
+    if ((x.*what)[0]) s += (s.empty() ? "" : "; ") + std::string(x.name) + ": " + x.*what;
+  return s;
+}
+
+int run_main(int argc, char** argv) {
+  CLI::App app("Measure against bars, in CPU time, in one process", "limberg bench");
+  app.set_version_flag("--version", program_name());
+  Chosen chosen;
   auto o = std::make_shared<Options>();
-  CLI::App* c = app.add_subcommand("bench", "Measure against bars, in CPU time, in one process");
-  c->add_option("SUITE", o->suite,
-                "accuracy: error against run time on a scene, and the setting that fits a frame; contact: overlap and "
-                "cost of operations with wound surfaces that keep each other out; features: memory and time of each "
-                "part of a scene, off and on; frames: what a picture costs at each quality and size, and what the "
-                "solver loses beside it; verification: closed forms, published values, CalculiX; speed: the elasticity "
-                "solver against full Newton, and the 60 Hz drag; cutting: what a cut costs, beside CGAL; devices: the "
-                "1 kHz loop, buffers, tracking, calibration, grabs and force; stability: what tissue comes back from, "
-                "beside full Newton; laws: iterations as tissue becomes incompressible, and layers thinner than a "
-                "cell; head: the face that follows, each mode against the finite elements; simplex: what simplex "
-                "meshes cost, and random operators on them; fuzz: random cuts, every invariant")
-      ->required();
-  c->add_option("SCENE", o->scene, "Scene, for suites that take one");
-  c->add_flag("--quick", o->quick, "The smallest size only");
-  c->add_flag("--no-peers", o->no_peers, "stability: only what is under test");
-  c->add_option("--only", o->only,
-                "speed, stability, contact, cutting, devices, features, head: the parts or families whose name "
-                "contains this (head: modes, session; contact: rhomboid, zplasty, live, or a procedure; cutting: "
-                "arrangement, history, crossing, whole cut, fronts, metric; devices: wake, buffers, tracking, "
-                "calibration, grabs, force, latency; speed: pull 2k, pull 8k, pull 30k, kernels, profile, scalar, "
-                "workers, locking, slab, flap, region, bullet, drag 8k, drag 30k, drag 100k)")
+  CLI::App* c = &app;
+  c->add_option("SUITE", o->suite, listed(&bench::Suite::measures))->required();
+  c->add_option("SCENE", o->with.scene, "Scene, for suites that take one");
+  c->add_flag("--quick", o->with.quick, "The smallest size only");
+  c->add_flag("--no-peers", o->with.no_peers, "stability: only what is under test");
+  c->add_option("--only", o->with.only, "The parts whose name contains this. Parts of " + listed(&bench::Suite::parts))
       ->type_name("TEXT");
-  c->add_option("--budget-ms", o->budget_ms, "accuracy: time of a frame (default: half the scene's step)")
+  c->add_option("--budget-ms", o->with.budget_ms, "accuracy: time of a frame (default: half the scene's step)")
       ->type_name("MS")
       ->check(number_from(0.001, 1e5));
-  c->add_option("--limit-s", o->limit_s, "accuracy: CPU time after which no new trial begins (default 150)")
+  c->add_option("--limit-s", o->with.limit_s, "accuracy: CPU time after which no new trial begins (default 150)")
       ->type_name("S")
       ->check(number_from(0.1, 1e6));
-  c->add_option("--operations", o->operations, "fuzz: how many (default 20000; --quick 2000)")
+  c->add_option("--operations", o->with.operations, "fuzz: how many (default 20000; --quick 2000)")
       ->type_name("N")
       ->check(whole_from(1, 1'000'000'000'000));
   c->add_flag(
-      "--world", o->world,
+      "--world", o->with.world,
       "fuzz: whole acts on patients (strokes at once and drawn, sheets, plugs, stitches, undo) instead of cuts");
-  c->add_flag("--devices", o->devices, "fuzz: damaged serial bytes, packets and logs instead of cuts");
-  c->add_flag("--readers", o->readers,
+  c->add_flag("--devices", o->with.devices, "fuzz: damaged serial bytes, packets and logs instead of cuts");
+  c->add_flag("--readers", o->with.readers,
               "fuzz: damaged images, surfaces, meshes and scenes instead of cuts (default 100000 cases)");
-  c->add_option("--seed", o->seed, "fuzz: of the operations (default 1)")
+  c->add_option("--seed", o->with.seed, "fuzz: of the operations (default 1)")
       ->type_name("N")
       ->check(whole_from(0, 9'007'199'254'740'992));
-  c->add_option("--front-levels", o->front_levels,
+  c->add_option("--front-levels", o->with.front_levels,
                 "fuzz: how often lattice cells at the end of a cut are divided (default 0)")
       ->check(whole_from(0, kLevels));
-  c->add_option("--divide-every", o->divide_every,
+  c->add_option("--divide-every", o->with.divide_every,
                 "fuzz: with --front-levels, divide cells in one of so many histories only (default 1: in all)")
       ->check(whole_from(1, 1000));
-  c->add_option("--check-every", o->check_every, "fuzz: operations between checks of everything (default 1)")
+  c->add_option("--check-every", o->with.check_every, "fuzz: operations between checks of everything (default 1)")
       ->check(whole_from(1, 1000));
   o->common.add_out(*c), o->common.add_json(*c), o->common.add_workers(*c);
   c->footer("Example: limberg bench speed --quick --json out/bench.json");
   c->callback([o, &chosen] { chosen = [o] { return run(*o); }; });
-}
-
-/// The words that follow `limberg bench`.
-int run_main(int argc, char** argv) {
-  CLI::App app("Limberg: benchmark suites", "limberg");
-  Chosen chosen;
-  add_suites(app, chosen);
-  std::vector<std::string> words(argv + 1, argv + argc);
-  if (words.empty() || words.front() != "--version") words.insert(words.begin(), "bench");
-  app.set_version_flag("--version", program_name());
-  return run_command_line(app, std::move(words), chosen,
-                          "limberg bench SUITE; limberg bench --help lists the suites\n");
+  return run_command_line(app, {argv + 1, argv + argc}, chosen, "");
 }
 
 }  // namespace
-
 }  // namespace limberg
 
 int main(int argc, char** argv) {
