@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "app/result/schema.h"
 #include "sim/commands/strokes.h"
 
 namespace limberg {
@@ -65,17 +66,9 @@ std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics
     std::erase_if(judged, [](const Judgement& j) {
       return !j.value && (j.name == "time_s" || j.name == "path_mm" || j.name == "movements");
     });
-  for (size_t i = 0; i < judged.size(); ++i) {
-    const std::string p = "/lesson/tolerances/" + std::to_string(i);
-    r.set(p + "/name", judged[i].name);
-    r.set(p + "/unit", judged[i].unit);
-    r.set(p + "/limit", judged[i].limit);
-    if (judged[i].value)
-      r.set(p + "/value", *judged[i].value);
-    else
-      r.set(p + "/why", judged[i].why);
-    r.set(p + "/met", judged[i].met);
-    all &= judged[i].met;
+  for (const Judgement& x : judged) {
+    append(r, "/lesson/tolerances", ResultTolerance{x.name, x.unit, x.limit, x.value, x.met, x.value ? "" : x.why});
+    all &= x.met;
   }
   r.set("/lesson/all_met", all);
   for (size_t i = 0; i < lesson->hints.size(); ++i) r.set("/lesson/hints/" + std::to_string(i), lesson->hints[i]);

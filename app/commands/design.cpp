@@ -164,7 +164,7 @@ int design(DesignOptions o) {
         ranking_svg(found, o.task,
                     std::atan2(along.dot(body->chart_e2), along.dot(body->chart_e1)) * 180 / std::numbers::pi));
   }
-  add_table(r, 0, table);
+  add_table(r, table);
   r.set_ok(any);
   leave_result(r, o.common);
   if (!any) say("no design covers this defect here");

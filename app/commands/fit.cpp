@@ -19,6 +19,7 @@
 #include "app/result/output.h"
 #include "app/result/progress.h"
 #include "app/result/result.h"
+#include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "app/session/workers_pool.h"
 #include "render/gl_context.h"
@@ -99,19 +100,18 @@ void tell(Result& result, const FitOptions& o, const FitReport& r, const std::ve
                      std::to_string(r.vertices) + " vertices.";
   for (const std::string& f : notes) note += " " + f + ".";
   result.set("/scene_note", note), result.set("/reproduce", this_call());
-  add_table(result, result.entries("/tables"),
-            {"Distance",
-             "A vertex counts where it has the surface within two " + unit +
-                 "s, a place of the surface where the mesh is as near.",
-             {"from, to", "share", "rms, mm", "95 % within, mm", "at most, mm"},
-             {{"vertices to surface", mm(100 * r.found) + " %", mm(r.rms_mm), mm(r.p95_mm), mm(r.max_mm)},
-              {"surface to mesh", mm(100 * r.reached) + " %", mm(r.surface_rms_mm), mm(r.surface_p95_mm), ""},
-              {"half a " + unit + ", the bar", "", mm(kRmsVoxels * r.voxel_mm), "", ""},
-              {"vertices on thin walls, not counted", std::to_string(r.on_walls), "", "", ""}}});
+  add_table(result, {"Distance",
+                     "A vertex counts where it has the surface within two " + unit +
+                         "s, a place of the surface where the mesh is as near.",
+                     {"from, to", "share", "rms, mm", "95 % within, mm", "at most, mm"},
+                     {{"vertices to surface", mm(100 * r.found) + " %", mm(r.rms_mm), mm(r.p95_mm), mm(r.max_mm)},
+                      {"surface to mesh", mm(100 * r.reached) + " %", mm(r.surface_rms_mm), mm(r.surface_p95_mm), ""},
+                      {"half a " + unit + ", the bar", "", mm(kRmsVoxels * r.voxel_mm), "", ""},
+                      {"vertices on thin walls, not counted", std::to_string(r.on_walls), "", "", ""}}});
   ResultTable open{"Openings", "End contours of the mesh.", {"where", "around, mm", "vertices"}, {}};
   for (const FitHole& h : r.hole)
     open.rows.push_back({h.place, short_number(h.around_mm, 3), std::to_string(h.vertices)});
-  if (!open.rows.empty()) add_table(result, result.entries("/tables"), open);
+  if (!open.rows.empty()) add_table(result, open);
 }
 
 /// DIR/overview.png, and the mesh from four sides in the gallery, seen from `front`, z upwards: turned into the frame
@@ -139,14 +139,12 @@ void draw_fit_pictures(Result& result, const std::string& dir, const simplex::Me
     };
     const Vec3f x = Vec3f::UnitX(), y = Vec3f::UnitY(), z = Vec3f::UnitZ();
     draw(report_names::overview, y - 0.6f * x + 0.2f * z, z);  // from the lamp's side
-    int n = 0;
     for (const auto& [file, from, above, words] : {std::tuple("front.png", y, z, "From the front"),
                                                    {"left.png", Vec3f(-x), z, "From one side"},
                                                    {"right.png", x, z, "From the other"},
                                                    {"below.png", Vec3f(0.05f * y - z), y, "From below"}}) {
       draw(file, from, above);
-      const std::string p = "/gallery/" + std::to_string(n++);
-      result.set(p + "/picture", file), result.set(p + "/caption", words);
+      append(result, "/gallery", ResultPicture{file, words});
     }
   } catch (const RenderUnavailable& e) {
     say(std::string("no pictures: ") + e.what());
@@ -382,7 +380,7 @@ int run_fit(const FitOptions& o) {
     for (const bool time : {false, true}) {
       const LineChart chart = sweep.chart(time);
       write_whole_file(o.sweep_dir + (time ? "/fit-error-time.svg" : "/fit-error-vertices.svg"), svg(chart));
-      add_chart(result, time, time ? "Error against run time" : "Error against vertices", chart);
+      add_chart(result, time ? "Error against run time" : "Error against vertices", chart);
     }
     if (!whole) {
       const std::string after = "after " + std::to_string(sweep.trial.size()) + " of " +

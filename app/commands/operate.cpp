@@ -18,6 +18,7 @@
 #include "app/result/metrics.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
+#include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "app/scene/discretisation.h"
 #include "app/session/workers_pool.h"
@@ -48,16 +49,11 @@ void fill_convergence(Result& r, const std::vector<Row>& rows) {
   for (size_t i = 0; i < rows.size(); ++i) {
     const Row& x = rows[i];
     const std::string p = "/convergence/" + std::to_string(i);
-    r.set(p + "/cell_mm", x.cell_mm);
-    r.set(p + "/nodes", uint64_t(x.nodes));
-    r.set(p + "/closure_force_N", x.key.closure_force_N);
-    r.set(p + "/suture_gap_max_mm", x.key.suture_gap_max_mm);
-    r.set(p + "/dog_ear_mm", x.key.dog_ear_mm);
+    append(r, "/convergence",
+           ResultConvergence{x.cell_mm, x.key.closure_force_N, x.key.suture_gap_max_mm, x.key.suture_force_max_N,
+                             x.key.dog_ear_mm, x.residual, x.solve_ms, int64_t(x.nodes)});
     r.set(p + "/fitted_cell_mm", x.fitted_mm);
-    r.set(p + "/suture_force_max_N", x.key.suture_force_max_N);
-    r.set(p + "/residual", x.residual);
     r.set(p + "/distance_mm", x.distance_mm);
-    r.set(p + "/solve_ms", x.solve_ms);
     if (i == 0) continue;
     const Metrics& y = rows[i - 1].key;  // the coarser one before it
     r.set(p + "/difference/closure_force_N", x.key.closure_force_N - y.closure_force_N);
@@ -95,13 +91,15 @@ void fill_operation(Result& r, const World& world, const Scene& scene, const Ope
   r.set_hash("/topology_hash", world.topology_hash());
   r.set("/memory_mb", peak_memory_mb());
   fill_metrics(r, metrics);
-  for (const StageRow& s : o.stages) {
-    const std::string p = "/stages/" + std::to_string(s.number - 1);
-    r.set(p + "/name", s.name);
-    r.set(p + "/picture", report_names::stage_picture(s.number, s.name));
-    r.set(p + "/residual", double(s.shown.residual));
-    r.set(p + "/sutures", uint64_t(s.shown.sutures.size()));
-  }
+  for (const StageRow& s : o.stages)
+    append(r, "/stages",
+           ResultStage{s.name,
+                       report_names::stage_picture(s.number, s.name),
+                       {},
+                       {},
+                       double(s.shown.residual),
+                       int64_t(s.shown.sutures.size()),
+                       {}});
   r.set("/series/residual", std::span<const float>(o.series.residual));
   r.set("/series/distance_mm", std::span<const float>(o.series.distance_mm));
 }
@@ -135,7 +133,7 @@ void fill_closure(Result& r, const std::vector<ClosureForce>& closure) {
     r.set(p + "/max_N", closure[i].max_N);
     r.set(p + "/max_id", closure[i].max_id);
   }
-  if (!closure.empty()) add_chart(r, 0, "Closure force over the operation", closure_chart({{"", &closure}}));
+  if (!closure.empty()) add_chart(r, "Closure force over the operation", closure_chart({{"", &closure}}));
 }
 
 /// One order of closure: what it cost on the way and where it ended.
@@ -216,8 +214,8 @@ int compare_orders(const OperateOptions& opt, const Scene& scene, const Script& 
     result.set(p + "/residual", r.residual);
     runs.emplace_back(r.name, &rows[i].closure);
   }
-  add_chart(result, 0, "Closure force over the operation", closure_chart(runs));
-  add_table(result, 0, table);
+  add_chart(result, "Closure force over the operation", closure_chart(runs));
+  add_table(result, table);
   result.set("/reproduce", this_call());
   result.set_ok(at_rest);
   leave_result(result, opt.common);

@@ -12,6 +12,7 @@
 #include "app/report/report_names.h"
 #include "app/result/metrics.h"
 #include "app/result/progress.h"
+#include "app/result/schema.h"
 #include "app/session/clock.h"
 #include "app/session/workers_pool.h"
 
@@ -61,12 +62,10 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
     actions.push_back(l.command), r.set("/script/" + std::to_string(n++), to_json_line(l.command));
   fill_head(r, head);
   if (world) fill_metrics(r, measure_world(*world, actions));
-  for (const StageRow& s : o.stages) {
-    const std::string p = "/stages/" + std::to_string(s.number - 1);
-    r.set(p + "/name", s.name);
-    r.set(p + "/picture", report_names::stage_picture(s.number, s.name));
-    r.set(p + "/residual", double(s.shown.residual));
-  }
+  for (const StageRow& s : o.stages)
+    append(
+        r, "/stages",
+        ResultStage{s.name, report_names::stage_picture(s.number, s.name), {}, {}, double(s.shown.residual), {}, {}});
   const bool at_rest = o.last.residual <= 1e-4;
   r.set_ok(at_rest);
   if (!common.out_dir.empty()) {

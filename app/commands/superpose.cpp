@@ -63,11 +63,10 @@ void tell_superposition(Result& r, const Similarity& s) {
   char t[4][48];
   std::snprintf(t[0], 48, "%.3f", s.angle_deg()), std::snprintf(t[1], 48, "%.4f", s.scale);
   std::snprintf(t[2], 48, "(%.3f, %.3f, %.3f)", s.t_mm.x(), s.t_mm.y(), s.t_mm.z());
-  add_table(r, int(r.entries("/tables")),
-            {"How the first was moved",
-             "",
-             {"figure", "value"},
-             {{"turned, degrees", t[0]}, {"times as large", t[1]}, {"shifted, mm", t[2]}}});
+  add_table(r, {"How the first was moved",
+                "",
+                {"figure", "value"},
+                {{"turned, degrees", t[0]}, {"times as large", t[1]}, {"shifted, mm", t[2]}}});
 }
 void tell_superposition(Result& r, const char* title, const char* about, const DistanceMap& d) {
   ResultTable t{title, about, {"figure", "mm"}, {}};
@@ -77,7 +76,7 @@ void tell_superposition(Result& r, const char* title, const char* about, const D
     std::snprintf(text, sizeof text, "%.3f", v);
     t.rows.push_back({name, text});
   }
-  add_table(r, int(r.entries("/tables")), t);
+  add_table(r, t);
 }
 
 /// The map as a table and as a PLY with colours: blue inside, red outside, full at the 95th percentile.

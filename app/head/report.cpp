@@ -10,6 +10,7 @@
 #include "app/head/skull_comparison.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
+#include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "sim/commands/script.h"
 #include "sim/skull/bone/sorting.h"
@@ -130,11 +131,8 @@ ResultTable fits(Result& r, const Head& head) {
 }
 
 void fill_pictures(Result& r, const Head& head) {
-  int n = 0;
   const auto picture = [&](const char* file, const char* words) {
-    const std::string p = "/gallery/" + std::to_string(n++);
-    r.set(p + "/picture", std::string("head/") + file);
-    r.set(p + "/caption", words);
+    append(r, "/gallery", ResultPicture{std::string("head/") + file, words});
   };
   if (head.has_face()) {
     picture("before.png", "The face before");
@@ -155,7 +153,7 @@ void fill_pictures(Result& r, const Head& head) {
 
 }  // namespace
 
-void fill_head(Result& r, const Head& head, int tables) {
+void fill_head(Result& r, const Head& head) {
   ResultTable t;
   t.title = "Fragments";
   t.about = "How far the middle of each fragment lies from where it was, and by how much it is turned.";
@@ -174,7 +172,7 @@ void fill_head(Result& r, const Head& head, int tables) {
                       short_number(way.y(), 3), short_number(way.z(), 3), short_number(way.norm(), 3),
                       short_number(turned_deg(f.pose), 3)});
   }
-  add_table(r, tables++, t);
+  add_table(r, t);
   ResultTable g;
   g.title = "Gaps between fragments";
   g.about = "Between the cut surfaces of fragments that were cut from each other, or wherever two fragments overlap.";
@@ -190,8 +188,8 @@ void fill_head(Result& r, const Head& head, int tables) {
                       short_number(x.gap_max_mm, 3), short_number(x.overlap_max_mm, 3),
                       short_number(x.overlap_mm3, 3)});
   }
-  if (!g.rows.empty()) add_table(r, tables++, g);
-  if (const ResultTable f = fits(r, head); !f.rows.empty()) add_table(r, tables++, f);
+  if (!g.rows.empty()) add_table(r, g);
+  if (const ResultTable f = fits(r, head); !f.rows.empty()) add_table(r, f);
   ResultTable l;
   l.title = "Landmarks that moved";
   l.about = "By more than 0.05 mm. Names with a small letter lie on the face, the others on bone.";
@@ -206,7 +204,7 @@ void fill_head(Result& r, const Head& head, int tables) {
       l.rows.push_back({k.name, short_number(way.x(), 3), short_number(way.y(), 3), short_number(way.z(), 3),
                         short_number(way.norm(), 3)});
   }
-  if (!l.rows.empty()) add_table(r, tables++, l);
+  if (!l.rows.empty()) add_table(r, l);
   const std::vector<HeadMeasure> measures = head_measures(head.landmarks_at_rest(), head.landmarks_now());
   using Group = HeadMeasure::Group;
   ResultTable lengths = measure_table(
@@ -220,7 +218,7 @@ void fill_head(Result& r, const Head& head, int tables) {
       measure_table(r, measures, Group::picked, "picked", "Picked places",
                     "Lengths from each picked place to the next, and angles at the middle one of three.");
   for (const ResultTable& m : {lengths, y, q})
-    if (!m.rows.empty()) add_table(r, tables++, m);
+    if (!m.rows.empty()) add_table(r, m);
   if (head.has_face()) {
     const Moved m = face_moved(head);
     r.set("/head/face_moved_max_mm", m.most_mm);
@@ -254,7 +252,7 @@ void fill_head(Result& r, const Head& head, int tables) {
                         std::to_string(tissue.vertices()), std::to_string(tissue.link.size()), springs ? free : "-"});
     ++n;
   }
-  if (!net.rows.empty()) add_table(r, tables++, net);
+  if (!net.rows.empty()) add_table(r, net);
   n = 0;
   for (const std::string& w : head.face_model().warnings()) r.set("/head/warnings/" + std::to_string(n++), w);
   fill_pictures(r, head);

@@ -8,6 +8,7 @@
 
 #include "app/head/cache.h"
 #include "app/result/output.h"
+#include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "render/gl_context.h"
 #include "render/picture.h"
@@ -213,8 +214,7 @@ class SkullPictures {
     PictureOptions o;
     o.legend = "Distance", o.field_max = std::ceil(std::max(1.0, most_mm)), o.title = title;
     write_png(dir_ + "/head/" + file, maker_->moved(coloured_skull(skull, d, ++version_), o));
-    const std::string p = "/gallery/" + std::to_string(result_.entries("/gallery"));
-    result_.set(p + "/picture", "head/" + file), result_.set(p + "/caption", title);
+    append(result_, "/gallery", ResultPicture{"head/" + file, title});
   }
 
  private:
@@ -270,7 +270,7 @@ void report_end(Result& r, const Head& head, const SkullFit (&fits)[2], const st
                      "Distance from " + c.with + (after ? ", after" : ", before"),
                      {after ? c.now_mm : c.at_rest_mm, c.tri}, after ? c.after : c.before, most);
   }
-  if (!t.rows.empty()) add_table(r, r.entries("/tables"), t);
+  if (!t.rows.empty()) add_table(r, t);
 }
 
 /// When it was asked for.
@@ -306,7 +306,7 @@ void report_moments(Result& r, const Head& head, const SkullFit (&fits)[2], cons
       pictures->draw(file + ".png", m.name + ": distance from " + c.with, {c.now_mm, c.tri}, c.after,
                      largest_p95(c.after.signed_mm, c.fragment));
   }
-  if (!t.rows.empty()) add_table(r, r.entries("/tables"), t);
+  if (!t.rows.empty()) add_table(r, t);
 }
 
 }  // namespace

@@ -17,6 +17,13 @@ struct Row {
   bool pass = true;       // what is under test reached what was asked; a baseline never fails, see at_least
 };
 
+template <class F>
+void fields(Row& x, F&& f) {
+  f("case", x.name), f("method", x.method), f("settings", x.settings), f("time_ms", x.time_ms);
+  f("at_least", x.at_least), f("error", x.error), f("error_unit", x.error_unit), f("reference", x.reference);
+  f("pass", x.pass);
+}
+
 struct Bar {
   std::string name;
   double value = 0;

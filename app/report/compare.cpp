@@ -116,20 +116,20 @@ std::string figures(const ReportData& a, const ReportData& b) {
 }
 
 std::string sutures(const ReportData& a, const ReportData& b) {
-  std::vector<std::string> ids;
+  std::vector<int64_t> ids;
   for (const ReportData* d : {&a, &b})
-    for (const ReportSuture& s : d->sutures)
-      if (std::find(ids.begin(), ids.end(), s.id) == ids.end()) ids.push_back(s.id);
+    for (const ResultSuture& s : d->sutures)
+      if (s.id && std::find(ids.begin(), ids.end(), *s.id) == ids.end()) ids.push_back(*s.id);
   if (ids.empty()) return {};
-  const auto find = [](const ReportData& d, const std::string& id) {
-    for (const ReportSuture& s : d.sutures)
+  const auto find = [](const ReportData& d, int64_t id) {
+    for (const ResultSuture& s : d.sutures)
       if (s.id == id) return s;
-    return ReportSuture{};
+    return ResultSuture{};
   };
   std::string rows;
-  for (const std::string& id : ids) {
-    const ReportSuture x = find(a, id), y = find(b, id);
-    rows += "<tr><td>" + escape(id) + "</td>" + cell(x.force_N, 3) + cell(y.force_N, 3) +
+  for (const int64_t id : ids) {
+    const ResultSuture x = find(a, id), y = find(b, id);
+    rows += "<tr><td>" + std::to_string(id) + "</td>" + cell(x.force_N, 3) + cell(y.force_N, 3) +
             difference(x.force_N, y.force_N) + cell(x.gap_mm, 3) + cell(y.gap_mm, 3) + "</tr>\n";
   }
   return "<section>\n<h2>Stitches</h2>\n<p class=\"note\">By the order of tying: they are the same stitches only where "
@@ -154,7 +154,7 @@ std::string pair_of(const Side& a, const std::string& picture_a, const Side& b, 
 std::string pictures(const Side& a, const Side& b) {
   std::string s;
   std::vector<bool> used(b.d.stages.size(), false);
-  for (const ReportStage& x : a.d.stages) {
+  for (const ResultStage& x : a.d.stages) {
     std::string other;
     for (size_t i = 0; i < b.d.stages.size() && other.empty(); ++i)
       if (!used[i] && b.d.stages[i].name == x.name) other = b.d.stages[i].picture, used[i] = true;
@@ -183,13 +183,13 @@ std::string script(const ReportData& a, const ReportData& b) {
 }
 
 std::string timing(const ReportData& a, const ReportData& b) {
-  const std::pair<const char*, ReportTimes ReportData::*> lanes[] = {
+  const std::pair<const char*, ResultTimes ReportData::*> lanes[] = {
       {"Device: wake-up late by, µs", &ReportData::wake_us},   {"Device: work per tick, µs", &ReportData::work_us},
       {"Solver: one step, ms", &ReportData::step_ms},          {"Render: one frame, ms", &ReportData::frame_ms},
       {"Sample to snapshot, ms", &ReportData::to_snapshot_ms}, {"Sample to picture, ms", &ReportData::to_frame_ms}};
   std::string rows;
   for (const auto& [name, what] : lanes) {
-    const ReportTimes &x = a.*what, &y = b.*what;
+    const ResultTimes &x = a.*what, &y = b.*what;
     if (x.any() || y.any())
       rows += "<tr><td>" + std::string(name) + "</td>" + cell(x.p50, 3) + cell(y.p50, 3) + difference(x.p50, y.p50) +
               cell(x.p99, 3) + cell(y.p99, 3) + difference(x.p99, y.p99) + "</tr>\n";

@@ -28,7 +28,7 @@ std::string closing(
         dir);  // force over time or actions, charts and tables that the command left, predicted points, landmarks
 std::string balance(const ReportData& d);
 std::string convergence(const ReportData& d);
-std::string chart_figure(const ReportChart& chart);  // a chart that a command left, with its title
+std::string chart_figure(const ResultChart& chart);  // a chart that a command left, with its title
 std::string bars(const ReportData& d);               // what was asked of a study or a bench, and whether it was met
 std::string study(const ReportData& d);
 std::string timing(const ReportData& d);

@@ -69,7 +69,7 @@ std::string exercise(const ReportData& d) {
   if (!d.lesson_title.empty()) {
     s += "<h2>Lesson: " + escape(d.lesson_title) + "</h2>\n<p>" + escape(d.lesson_goal) + "</p>\n";
     std::vector<std::vector<std::string>> rows;
-    for (const ReportTolerance& t : d.tolerances)
+    for (const ResultTolerance& t : d.tolerances)
       rows.push_back({spoken(t.name), quantity(t.value, t.unit), "≤ " + quantity(t.limit, t.unit),
                       t.value         ? std::string("<b class=\"") + (t.met ? "good\">met" : "bad\">missed") + "</b>"
                       : t.why.empty() ? "not measured"
@@ -107,14 +107,14 @@ std::string closing(const ReportData& d, const std::string& dir) {
     chart.series.push_back(thinned({"sum of all stitches", t, d.series_closure_N, false}, 600));
     if (d.series_suture_max_N.size() == t.size())
       chart.series.push_back(thinned({"largest stitch", t, d.series_suture_max_N, false}, 600));
-    for (const ReportStage& stage : d.stages)
+    for (const ResultStage& stage : d.stages)
       if (stage.t_s) chart.x_marks.push_back({*stage.t_s, stage.name.substr(0, 24)});
     s += "<h3>Closure force over the operation</h3>\n<figure class=\"wide\">" + svg(chart) + "</figure>\n";
   }
   if (d.command != "study")
-    for (const ReportChart& c : d.charts) s += chart_figure(c);
+    for (const ResultChart& c : d.charts) s += chart_figure(c);
   if (d.command == "bench") s += bars(d);
-  for (const ReportTable& t : d.tables) {
+  for (const ResultTable& t : d.tables) {
     s += "<h3>" + escape(t.title) + "</h3>\n" + (t.about.empty() ? "" : "<p>" + escape(t.about) + "</p>\n");
     std::vector<std::string> head;
     for (const std::string& c : t.columns) head.push_back(escape(c));
@@ -125,9 +125,10 @@ std::string closing(const ReportData& d, const std::string& dir) {
   }
   if (!d.predicted.empty()) {
     std::vector<std::vector<std::string>> rows;
-    for (const auto& p : d.predicted)
-      rows.push_back({"(" + (p[1] ? number(*p[1]) : "–") + ", " + (p[2] ? number(*p[2]) : "–") + ")",
-                      quantity(p[0], "°"), quantity(p[5], "°"), quantity(p[3], "mm"), quantity(p[4], "mm³")});
+    for (const ResultPoint& p : d.predicted)
+      rows.push_back({"(" + (p.x_mm ? number(*p.x_mm) : "–") + ", " + (p.y_mm ? number(*p.y_mm) : "–") + ")",
+                      quantity(p.charge_deg, "°"), quantity(p.deficit_deg, "°"), quantity(p.height_mm, "mm"),
+                      quantity(p.volume_mm3, "mm³")});
     s += "<h3>What the plan foretold</h3>\n<p>At each point where tissue angles of sum S are sewn together, 360° − S "
          "is foretold: above nothing a cone that stands "
          "up, below it a saddle and tension. Beside it the deficit that is there now, stretch included, and what "
@@ -136,9 +137,9 @@ std::string closing(const ReportData& d, const std::string& dir) {
   }
   if (!d.landmarks.empty()) {
     std::vector<std::vector<std::string>> rows;
-    for (const auto& [name, v] : d.landmarks)
-      rows.push_back({escape(name), quantity(v[0], "mm", 2), quantity(v[1], "mm", 2), quantity(v[2], "mm", 2),
-                      quantity(v[3], "mm", 2)});
+    for (const ResultLandmark& l : d.landmarks)
+      rows.push_back({escape(l.name), quantity(l.displacement_mm, "mm", 2), quantity(l.along_mm, "mm", 2),
+                      quantity(l.across_mm, "mm", 2), quantity(l.up_mm, "mm", 2)});
     s += "<h3>Landmarks</h3>\n" + table({"Landmark", "displaced by", "along the tension lines", "across", "up"}, rows);
   }
   if (const Maybe v = d.metric("undermined_mm2"); v && *v > 0) {

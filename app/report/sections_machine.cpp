@@ -16,21 +16,23 @@ std::string convergence(const ReportData& d) {
   if (d.convergence.empty()) return {};
   struct Column {
     const char *name, *unit;
-    Maybe ReportConvergence::*value;
+    Maybe (*value)(const ResultConvergence&);
     bool difference;
   };
-  const Column columns[] = {{"Cell", "mm", &ReportConvergence::cell_mm, false},
-                            {"Lattice nodes", "", &ReportConvergence::nodes, false},
-                            {"Closure force", "N", &ReportConvergence::closure_force_N, true},
-                            {"Largest suture force", "N", &ReportConvergence::suture_force_max_N, true},
-                            {"Largest gap", "mm", &ReportConvergence::suture_gap_max_mm, true},
-                            {"Dog-ear", "mm", &ReportConvergence::dog_ear_mm, true},
-                            {"Residual", "", &ReportConvergence::residual, false},
-                            {"Solve", "ms", &ReportConvergence::solve_ms, false}};
+  const Column columns[] = {
+      {"Cell", "mm", [](const ResultConvergence& r) { return r.cell_mm; }, false},
+      {"Lattice nodes", "", [](const ResultConvergence& r) { return r.nodes ? Maybe(double(*r.nodes)) : Maybe(); },
+       false},
+      {"Closure force", "N", [](const ResultConvergence& r) { return r.closure_force_N; }, true},
+      {"Largest suture force", "N", [](const ResultConvergence& r) { return r.suture_force_max_N; }, true},
+      {"Largest gap", "mm", [](const ResultConvergence& r) { return r.suture_gap_max_mm; }, true},
+      {"Dog-ear", "mm", [](const ResultConvergence& r) { return r.dog_ear_mm; }, true},
+      {"Residual", "", [](const ResultConvergence& r) { return r.residual; }, false},
+      {"Solve", "ms", [](const ResultConvergence& r) { return r.solve_ms; }, false}};
   std::string head, body;
   const auto present = [&](const Column& c) {
     return std::any_of(d.convergence.begin(), d.convergence.end(),
-                       [&](const ReportConvergence& r) { return bool(r.*c.value); });
+                       [&](const ResultConvergence& r) { return bool(c.value(r)); });
   };
   for (const Column& c : columns)
     if (present(c)) head += "<th>" + std::string(c.name) + "</th>";
@@ -38,10 +40,10 @@ std::string convergence(const ReportData& d) {
     body += "<tr>";
     for (const Column& c : columns) {
       if (!present(c)) continue;
-      const Maybe v = d.convergence[i].*c.value;
-      body += "<td>" + (c.value == &ReportConvergence::nodes && v ? number(*v, 7) : quantity(v, c.unit));
-      if (c.difference && v && i > 0 && d.convergence[i - 1].*c.value) {  // how much finer cells changed it
-        const double change = *v - *(d.convergence[i - 1].*c.value);
+      const Maybe v = c.value(d.convergence[i]);
+      body += "<td>" + (c.unit[0] == 0 && v && *v >= 1 ? number(*v, 7) : quantity(v, c.unit));
+      if (c.difference && v && i > 0 && c.value(d.convergence[i - 1])) {  // how much finer cells changed it
+        const double change = *v - *(c.value(d.convergence[i - 1]));
         body += " <span class=\"soft\">(" + std::string(change > 0 ? "+" : "") + number(change, 2) + ")</span>";
       }
       body += "</td>";
@@ -72,7 +74,7 @@ std::string convergence(const ReportData& d) {
 std::string timing(const ReportData& d) {
   struct Lane {
     const char* name;
-    const ReportTimes* t;
+    const ResultTimes* t;
     double to_ms;
     Maybe budget_ms;
     int colour;
@@ -148,7 +150,7 @@ std::string residual(const ReportData& d) {
     chart.y = {"relative residual", true, {}, {}};
     chart.series = {{"residual", t, d.series_residual, false}};
     chart.y_marks = {{kAtRest, "goal"}};
-    for (const ReportStage& stage : d.stages)
+    for (const ResultStage& stage : d.stages)
       if (stage.t_s && timed) chart.x_marks.push_back({*stage.t_s, stage.name.substr(0, 24)});
     s += "<div class=\"wide\">" + svg(chart) + "</div>\n";
   }

@@ -40,21 +40,21 @@ std::string capital(std::string s) {
   return s;
 }
 
-Maybe largest(const ReportData& d, Maybe ReportSuture::*what) {
+Maybe largest(const ReportData& d, Maybe ResultSuture::*what) {
   Maybe m;
-  for (const ReportSuture& s : d.sutures)
+  for (const ResultSuture& s : d.sutures)
     if (s.*what && (!m || *(s.*what) > *m)) m = s.*what;
   return m;
 }
 
 Maybe largest_gap(const ReportData& d) {
   const Maybe m = d.metric("suture_gap_max_mm");
-  return m ? m : largest(d, &ReportSuture::gap_mm);
+  return m ? m : largest(d, &ResultSuture::gap_mm);
 }
 
 Maybe largest_force(const ReportData& d) {
   const Maybe m = d.metric("suture_force_max_N");
-  return m ? m : largest(d, &ReportSuture::force_N);
+  return m ? m : largest(d, &ResultSuture::force_N);
 }
 
 /// What there is of it: bones alone leave none, and the face after them is solved with each step.
@@ -99,7 +99,7 @@ std::string verdict(const ReportData& d, std::string& light) {
     if (d.bars.empty()) says.insert(says.begin(), "The run did not reach its goal");
   }
   if (!d.bars.empty()) {
-    const auto met = std::count_if(d.bars.begin(), d.bars.end(), [](const ReportBar& b) { return b.pass; });
+    const auto met = std::count_if(d.bars.begin(), d.bars.end(), [](const ResultBar& b) { return b.pass; });
     const auto all = std::ptrdiff_t(d.bars.size());
     if (met < all) worse("bad");
     says.insert(says.begin(), met == all && all == 1 ? "The one bar is met"
@@ -217,18 +217,18 @@ std::string heading(const ReportData& d, const std::string& dir) {
 }
 
 std::string story(const ReportData& d, const std::string& dir) {
-  std::vector<ReportStage> stages = d.stages;
+  std::vector<ResultStage> stages = d.stages;
   if (stages.empty()) {  // the pictures alone, in order of their names
     std::error_code none;
     for (const auto& e : fs::directory_iterator(fs::path(dir) / report_names::stages_dir, none))
       if (e.path().extension() == ".png") {
-        ReportStage stage;
+        ResultStage stage;
         stage.name = e.path().stem().string();
         stage.picture = std::string(report_names::stages_dir) + "/" + e.path().filename().string();
         stages.push_back(stage);
       }
     std::sort(stages.begin(), stages.end(), [](const auto& a, const auto& b) { return a.picture < b.picture; });
-    for (ReportStage& stage : stages) {  // "03-flap-cut" is the flap cut
+    for (ResultStage& stage : stages) {  // "03-flap-cut" is the flap cut
       std::string& n = stage.name;
       if (n.size() > 3 && n[2] == '-') n = n.substr(3);
       std::replace(n.begin(), n.end(), '-', ' ');
@@ -236,13 +236,13 @@ std::string story(const ReportData& d, const std::string& dir) {
   }
   std::string s;
   int k = 0;
-  for (const ReportStage& stage : stages) {
+  for (const ResultStage& stage : stages) {
     ++k;
     std::string facts;
     const auto fact = [&](const std::string& f) { facts += (facts.empty() ? "" : " · ") + f; };
     if (stage.t_s) fact(quantity(stage.t_s, "s"));
     if (stage.sutures && *stage.sutures > 0)
-      fact(number(*stage.sutures) + (*stage.sutures == 1 ? " suture" : " sutures"));
+      fact(std::to_string(*stage.sutures) + (*stage.sutures == 1 ? " suture" : " sutures"));
     if (stage.residual && (!d.of_bones() || *stage.residual > 0)) fact("residual " + number(*stage.residual, 2));
     const std::string caption = "<b>" + std::to_string(k) + ". " + escape(capital(stage.name)) + "</b>" +
                                 (stage.caption.empty() ? "" : "<br/>" + escape(stage.caption)) +
@@ -300,13 +300,13 @@ std::string tension(const ReportData& d, const std::string& dir) {
 std::string sutures(const ReportData& d) {
   if (d.sutures.empty()) return {};
   double most = 1e-9;
-  for (const ReportSuture& s : d.sutures) most = std::max(most, s.force_N.value_or(0));
+  for (const ResultSuture& s : d.sutures) most = std::max(most, s.force_N.value_or(0));
   std::string t =
       "<section>\n<h2>Sutures</h2>\n<div class=\"wide\"><table>\n<thead><tr><th>Suture</th><th>Force</th><th "
       "class=\"bar\"></th><th>when tied</th><th>largest ever</th><th>Gap</th></tr></thead>\n<tbody>\n";
-  for (const ReportSuture& s : d.sutures) {
+  for (const ResultSuture& s : d.sutures) {
     const std::string light = s.force_N ? light_of_force(*s.force_N) : "";
-    t += "<tr><td><span class=\"light " + light + "\"></span>" + (s.id.empty() ? "–" : escape(s.id)) + "</td><td>" +
+    t += "<tr><td><span class=\"light " + light + "\"></span>" + (s.id ? std::to_string(*s.id) : "–") + "</td><td>" +
          quantity(s.force_N, "N") + "</td><td class=\"bar " + light + "\">";
     if (s.force_N)
       t += "<span class=\"meter\" style=\"width:" +

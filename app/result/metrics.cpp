@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "app/result/schema.h"
 #include "sim/commands/strokes.h"
 #include "sim/measure/table.h"
 
@@ -33,38 +34,25 @@ void fill_metrics(Result& r, const Metrics& m) {
           r.set(path, *v);
       }
   r.set_empty_list("/metrics/sutures");
-  for (size_t i = 0; i < m.sutures.size(); ++i) {
-    const std::string p = "/metrics/sutures/" + std::to_string(i);
-    r.set(p + "/id", m.sutures[i].id);
-    r.set(p + "/force_N", m.sutures[i].force_N);
-    r.set(p + "/gap_mm", m.sutures[i].gap_mm);
-    r.set(p + "/at_mm", std::span<const float>(m.sutures[i].at_mm));
-    if (m.sutures[i].tied_N) r.set(p + "/tied_N", *m.sutures[i].tied_N);
-    r.set(p + "/peak_N", m.sutures[i].peak_N);
-    if (m.sutures[i].thread > 0) r.set(p + "/thread", m.sutures[i].thread);
-  }
-  for (size_t i = 0; i < m.predicted.size(); ++i) {
-    const std::string p = "/metrics/predicted/" + std::to_string(i);
-    const PredictedPoint& q = m.predicted[i];
-    r.set(p + "/charge_deg", q.q_deg);
-    r.set(p + "/x_mm", q.at.x());
-    r.set(p + "/y_mm", q.at.y());
-    r.set(p + "/reach_mm", q.reach_mm);
-    r.set(p + "/height_mm", q.height_mm);
-    r.set(p + "/volume_mm3", q.volume_mm3);
-    if (q.deficit_deg) r.set(p + "/deficit_deg", *q.deficit_deg);
-  }
-  for (size_t i = 0; i < m.landmarks.size(); ++i) {
-    const std::string p = "/metrics/landmarks/" + std::to_string(i);
-    r.set(p + "/name", m.landmarks[i].name);
-    r.set(p + "/x_mm", m.landmarks[i].at.x());
-    r.set(p + "/y_mm", m.landmarks[i].at.y());
-    const auto& f = m.landmarks[i].figure;
-    r.set(p + "/displacement_mm", f ? f->displacement_mm : std::nan(""));
-    if (!f) continue;
-    r.set(p + "/along_mm", f->along_mm);
-    r.set(p + "/across_mm", f->across_mm);
-    r.set(p + "/up_mm", f->up_mm);
+  for (const SutureFigure& s : m.sutures)
+    append(r, "/metrics/sutures",
+           ResultSuture{s.id,
+                        s.force_N,
+                        s.gap_mm,
+                        s.tied_N,
+                        s.peak_N,
+                        {s.at_mm.begin(), s.at_mm.end()},
+                        s.thread > 0 ? MaybeCount(s.thread) : MaybeCount()});
+  for (const PredictedPoint& q : m.predicted)
+    append(r, "/metrics/predicted",
+           ResultPoint{q.q_deg, q.at.x(), q.at.y(), q.reach_mm, q.height_mm, q.volume_mm3, q.deficit_deg});
+  for (const NamedLandmark& l : m.landmarks) {
+    ResultLandmark out{l.name, l.at.x(), l.at.y(), std::nan(""), {}, {}, {}};
+    if (l.figure) {
+      out.displacement_mm = l.figure->displacement_mm, out.along_mm = l.figure->along_mm;
+      out.across_mm = l.figure->across_mm, out.up_mm = l.figure->up_mm;
+    }
+    append(r, "/metrics/landmarks", out);
   }
   set_vector(r, "/metrics/penetration_at_mm", m.penetration.at_mm);
   set_vector(r, "/balance/hooks_N", m.balance.hooks_N);

@@ -4,6 +4,7 @@
 #include "app/head/report.h"
 #include "app/report/report_names.h"
 #include "app/result/metrics.h"
+#include "app/result/schema.h"
 #include "sim/commands/strokes.h"
 
 namespace limberg {
@@ -61,14 +62,15 @@ void fill_lanes(Result& r, Assembly& a, const SessionFigures& f) {
 }
 
 void fill_story(Result& r, const Assembly& a) {
-  for (const StageRow& s : a.solver.stages()) {
-    const std::string p = "/stages/" + std::to_string(s.number - 1);
-    r.set(p + "/name", s.name);
-    r.set(p + "/picture", report_names::stage_picture(s.number, s.name));
-    r.set(p + "/t_s", s.t_s);
-    r.set(p + "/residual", double(s.shown.residual));
-    r.set(p + "/sutures", int64_t(s.shown.sutures.size()));
-  }
+  for (const StageRow& s : a.solver.stages())
+    append(r, "/stages",
+           ResultStage{s.name,
+                       report_names::stage_picture(s.number, s.name),
+                       {},
+                       s.t_s,
+                       double(s.shown.residual),
+                       int64_t(s.shown.sutures.size()),
+                       {}});
   const SolverSeries& s = a.solver.series();
   r.set("/series/t_s", std::span<const float>(s.t_s));
   r.set("/series/residual", std::span<const float>(s.residual));
@@ -78,13 +80,7 @@ void fill_story(Result& r, const Assembly& a) {
   r.set("/commands", a.solver.commands());
   for (size_t i = 0; i < a.done.size(); ++i) r.set("/script/" + std::to_string(i), to_json_line(a.done[i]));
   r.set_empty_list("/refused");
-  for (size_t i = 0; i < a.solver.refused().size(); ++i) {
-    const Refusal& x = a.solver.refused()[i];
-    const std::string p = "/refused/" + std::to_string(i);
-    r.set(p + "/t_s", x.t_s);
-    r.set(p + "/action", x.command);
-    r.set(p + "/reason", x.reason);
-  }
+  for (const Refusal& x : a.solver.refused()) append(r, "/refused", ResultRefusal{x.t_s, x.command, x.reason});
 }
 
 }  // namespace

@@ -4,19 +4,13 @@
 #include <vector>
 
 #include "app/report/svg_chart.h"
-#include "app/result/result.h"
+#include "app/result/schema.h"
 
 namespace limberg {
 
-struct ResultTable {
-  std::string title, about;
-  std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;  // as the columns
-};
-
-/// Appended to `tables` and `charts`; `number`: how many stand there already.
-void add_table(Result& result, int number, const ResultTable& table);
-void add_chart(Result& result, int number, const std::string& title, const LineChart& chart);
+/// Appended to `tables` and `charts`.
+void add_table(Result& result, const ResultTable& table);
+void add_chart(Result& result, const std::string& title, const LineChart& chart);
 
 /// At most `digits` significant digits.
 std::string short_number(double v, int digits = 4);

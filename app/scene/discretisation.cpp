@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "app/result/schema.h"
 #include "sim/measure/table.h"
 
 namespace limberg {
@@ -32,13 +33,9 @@ std::vector<FigureError> discretisation_errors(std::span<const SizedFigures> run
 
 void fill_discretisation(Result& r, std::span<const FigureError> errors) {
   for (const FigureError& e : errors) {
-    const std::string p = "/discretisation/" + e.name;
-    r.set(p + "/value", e.estimate.value);
-    if (e.estimate.error) r.set(p + "/error", *e.estimate.error);
-    if (e.estimate.order) r.set(p + "/order", *e.estimate.order);
-    if (e.estimate.extrapolated) r.set(p + "/extrapolated", *e.estimate.extrapolated);
-    r.set(p + "/asymptotic", e.estimate.asymptotic);
-    r.set(p + "/says", e.estimate.says);
+    const Extrapolation& x = e.estimate;
+    write_fields(r, "/discretisation/" + e.name,
+                 ResultError{x.value, x.error, x.order, x.extrapolated, x.asymptotic, x.says});
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include "app/report/report_names.h"
 #include "app/result/output.h"
+#include "app/result/schema.h"
 #include "app/result/tables.h"
 
 namespace limberg::study {
@@ -43,28 +44,18 @@ Result result_of(const std::vector<Gathered>& parts, const std::vector<Bar>& bar
     for (const auto& [name, v] : g.rows[0].figures) r.set("/columns/" + std::to_string(n++), name);
   for (size_t i = 0; i < g.rows.size(); ++i)
     for (const auto& [name, v] : g.rows[i].figures) r.set("/rows/" + std::to_string(i) + "/" + name, v);
-  int stage = 0;
   for (size_t i = 0; i < g.rows.size(); ++i)
-    if (!g.rows[i].title.empty()) {
-      const std::string p = "/stages/" + std::to_string(stage++);
-      r.set(p + "/name", g.rows[i].title);
-      r.set(p + "/picture", report_names::stage_picture(int(i) + 1, g.rows[i].title));
-    }
+    if (const std::string& title = g.rows[i].title; !title.empty())
+      append(r, "/stages", ResultStage{title, report_names::stage_picture(int(i) + 1, title), {}, {}, {}, {}, {}});
   for (size_t i = 0; i < bars.size(); ++i) {
-    const std::string p = "/bars/" + std::to_string(i);
-    r.set(p + "/name", bars[i].name);
-    r.set(p + "/value", bars[i].value);
-    r.set(p + "/bar", bars[i].bar);
-    r.set(p + "/larger_is_better", bars[i].larger_is_better);
-    r.set(p + "/pass", bars[i].pass);
-    r.set(p + "/source", bars[i].source);
+    const Bar& b = bars[i];
+    append(r, "/bars", ResultBar{b.name, b.source, b.value, b.bar, false, b.larger_is_better, b.pass});
     ok &= bars[i].pass;
   }
-  int number = 0;
   for (const Gathered& part : parts) {
     if (part.rows.empty()) continue;
     for (const NamedChart& c : part.family->charts(part.rows))
-      add_chart(r, number++, (&part == &g ? "" : part.family->name + ": ") + c.title, c.chart);
+      add_chart(r, (&part == &g ? "" : part.family->name + ": ") + c.title, c.chart);
   }
   r.set_ok(ok);
   return r;

@@ -11,6 +11,7 @@
 #include "app/program/version.h"
 #include "app/result/output.h"
 #include "app/result/progress.h"
+#include "app/result/schema.h"
 #include "app/result/tables.h"
 #include "sim/base/error.h"
 #include "sim/lattice/lattice.h"
@@ -40,31 +41,10 @@ void print(const bench::Result& b) {
 
 void fill(Result& out, const bench::Result& b) {
   out.set_empty_list("/rows");
-  for (size_t i = 0; i < b.rows.size(); ++i) {
-    const bench::Row& r = b.rows[i];
-    const std::string p = "/rows/" + std::to_string(i);
-    out.set(p + "/case", r.name);
-    out.set(p + "/method", r.method);
-    out.set(p + "/settings", r.settings);
-    out.set(p + "/time_ms", r.time_ms);
-    out.set(p + "/at_least", r.at_least);
-    out.set(p + "/error", r.error);
-    out.set(p + "/error_unit", r.error_unit);
-    out.set(p + "/reference", r.reference);
-    out.set(p + "/pass", r.pass);
-  }
+  for (const bench::Row& r : b.rows) append(out, "/rows", r);
   out.set_empty_list("/bars");
-  for (size_t i = 0; i < b.bars.size(); ++i) {
-    const bench::Bar& x = b.bars[i];
-    const std::string p = "/bars/" + std::to_string(i);
-    out.set(p + "/name", x.name);
-    out.set(p + "/value", x.value);
-    out.set(p + "/at_least", x.at_least);
-    out.set(p + "/bar", x.bar);
-    out.set(p + "/larger_is_better", x.larger_is_better);
-    out.set(p + "/pass", x.pass);
-    out.set(p + "/source", x.source);
-  }
+  for (const bench::Bar& x : b.bars)
+    append(out, "/bars", ResultBar{x.name, x.source, x.value, x.bar, x.at_least, x.larger_is_better, x.pass});
   for (size_t i = 0; i < b.notes.size(); ++i) out.set("/notes/" + std::to_string(i), b.notes[i]);
 }
 
@@ -118,12 +98,12 @@ int run(Options o) {
   result.set("/reproduce", "limberg bench" + call.substr(std::min(call.size(), std::string("limberg").size())));
   if (outcome.also) outcome.also(result);
   fill(result, outcome.result);
-  for (const auto& [title, chart] : outcome.charts) add_chart(result, result.entries("/charts"), title, chart);
+  for (const auto& [title, chart] : outcome.charts) add_chart(result, title, chart);
   bool ok = outcome.interrupted.empty();
   for (const bench::Bar& x : outcome.result.bars) ok &= x.pass;
   if (!outcome.interrupted.empty()) std::fprintf(stderr, "limberg: interrupted %s\n", outcome.interrupted.c_str());
   result.set_ok(ok);
-  add_table(result, result.entries("/tables"), measured(outcome.result));
+  add_table(result, measured(outcome.result));
   leave_result(result, o.common);
   return ok ? kDone : kGoalMissed;
 }
