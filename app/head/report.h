@@ -11,7 +11,7 @@
 namespace limberg {
 
 /// `head` {fragments, gaps, fits, landmarks, face_moved_max_mm, tissues}, tables for the report, and `gallery`: the
-/// pictures that draw_head_pictures leaves. first_table: how many tables stand there already.
+/// pictures that draw_head_pictures leaves.
 void fill_head(Result& result, const Head& head);
 void print_head(const Head& head);
 /// DIR/measures.csv (measures.h), and the skull beside a normal one and its mirror image (skull_comparison.h).
