@@ -12,7 +12,7 @@
 #include <memory>
 #include <vector>
 
-#include "app/session/spsc_ring.h"
+#include "devices/spsc_ring.h"
 #include "app/session/triple_buffer.h"
 #include "devices/emulator.h"
 #include "devices/source.h"

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <memory>
 
-#include "app/session/spsc_ring.h"
+#include "devices/spsc_ring.h"
 #include "render/gl_context.h"
 
 namespace limberg {
