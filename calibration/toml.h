@@ -16,6 +16,6 @@ struct BrokenToml : std::runtime_error {
 
 }  // namespace limberg
 
-#define TOML_ENABLE_FORMATTERS 0
+#define TOML_ENABLE_FORMATTERS 1
 #define TOML_ASSERT(condition) ((condition) ? static_cast<void>(0) : limberg::throw_broken_toml())
 #include <toml++/toml.h>

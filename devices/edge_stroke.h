@@ -28,7 +28,7 @@ class EdgeStroke {
   void follow(const SurfaceIndex& index, const Snapshot& s, const Vec3& tip_mm);
   /// Notes a point when the hand has moved by step_mm since the last (always when step_mm is 0).
   void note(const Vec3& tip_mm, double step_mm);
-  /// The index was built anew: only the sheet that fits best so far is followed further.
+  /// The topology is another: only the sheet that fits best so far is followed further.
   void found_again(const SurfaceIndex& index, const Snapshot& s);
 
   /// The points of the sheet that stayed nearest, first to last.

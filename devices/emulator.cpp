@@ -154,7 +154,7 @@ struct EmulatedSurgeon::Impl {
   /// interval is given to the next, so that the plan does not depend on the rate.
   void advance(double t_s, int64_t t_ns, SampleSink& sink) {
     if (!sight.open()) return;
-    if (!sight.index.built_for(*sight.seen)) sight.index.build(*sight.seen->topology);
+    if (!sight.chart.built_for(*sight.seen)) sight.chart.build(*sight.seen->topology);
     if (!begun) {
       begun = true;
       step_start_s = t_s;

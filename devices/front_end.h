@@ -16,8 +16,8 @@
 //
 // It knows no thread and no clock. The same ticks with the same samples and snapshots give the same events, bit for
 // bit.
-// Between changes of topology a tick allocates nothing; at a change it rebuilds its index of the skin
-// (surface_index.h).
+// A tick allocates nothing, as long as its sources do not and somebody has asked the topology for its indices before
+// (ground_index.h; a session's solver lane does).
 #include <cstdint>
 #include <memory>
 #include <vector>

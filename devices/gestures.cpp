@@ -18,8 +18,7 @@ namespace {
 bool told(const ControlSample& c, ToolEvent& e) {
   double number[6]{};
   int n = 0;
-  const std::string text = c.text.str();
-  for (const char* at = text.c_str(); n < 6; ++n) {
+  for (const char* at = c.text.c.data(); n < 6; ++n) {
     char* end = nullptr;
     number[n] = std::strtod(at, &end);
     if (end == at || !std::isfinite(number[n])) break;
@@ -97,16 +96,15 @@ void Gestures::find_touch(int64_t tick, const Pose& pose, const Snapshot& s) {
     touch_ = {};
     return;
   }
-  const bool on_bone = acts_on_bone(tool_), rebuilt = !index().built_for(s);
-  if (rebuilt) {
-    index().build(*s.topology, on_bone ? Ground::bone : Ground::skin);
+  const bool another = index().another(s);
+  if (another) {
     touch_.triangle = -1;
     if (doing_ == Doing::stroke && tool_ == Tool::suture_row) edge_.found_again(index_, s);
     if (doing_ == Doing::suture) suture_a_ = index_.closest(s, suture_a_.x_mm, -1);
   }
   const bool near = touch_.triangle >= 0 && touch_.distance_mm < kNearMm;
   const int32_t hint = near ? touch_.triangle : -1;
-  const bool search = rebuilt || tick % (near ? kSearchNear : kSearchFar) == 0;
+  const bool search = another || tick % (near ? kSearchNear : kSearchFar) == 0;
   if (near) {
     touch_ = index().closest(s, pose.tip_mm, hint);
   } else if (!search) {
@@ -187,18 +185,18 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
       break;
     }
     case pick::tissue: {
-      std::string names = c.text.str();
+      std::string_view names = c.text.view();
       const size_t cut = std::min(names.find('/'), names.size());
       int mode = int(TissueKind::finite_elements);
-      if (const size_t second = names.find('/', std::min(cut + 1, names.size())); second != std::string::npos) {
+      if (const size_t second = names.find('/', std::min(cut + 1, names.size())); second != std::string_view::npos) {
         const auto* const known = std::find(std::begin(kTissueKinds), std::end(kTissueKinds), names.substr(second + 1));
         if (known == std::end(kTissueKinds)) {
           ++missed_;
           break;
         }
-        mode = int(known - std::begin(kTissueKinds)), names.resize(second);
+        mode = int(known - std::begin(kTissueKinds)), names = names.substr(0, second);
       }
-      const auto place = [&](const std::string& name, double(&to)[3]) {
+      const auto place = [&](std::string_view name, double(&to)[3]) {
         if (!s.topology) return false;
         const auto& all = s.topology->landmark;
         const size_t k = size_t(std::find(all.begin(), all.end(), name) - all.begin());
@@ -210,7 +208,8 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
         ++missed_;
         break;
       }
-      e.text = ShortText(names.substr(0, cut) + "-" + names.substr(cut + 1));
+      e.text = ShortText(names);
+      e.text.c[cut] = '-';
       e.depth_mm = c.value[0], e.spacing_mm = c.value[1],
       e.id = int32_t(std::clamp(c.value[2], 0.0, 99.0)) + 100 * mode, e.angle_deg = c.value[3];
       emit(e, out);

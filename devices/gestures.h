@@ -77,7 +77,7 @@ class Gestures {
   SurfaceIndex& index() { return acts_on_bone(tool_) ? bone_index_ : index_; }
 
   GestureSettings g_;
-  SurfaceIndex index_, bone_index_;
+  SurfaceIndex index_{Ground::skin}, bone_index_{Ground::bone};
   SkinTouch touch_;
   Tool tool_ = Tool::none;
   double depth_mm_ = 4, angle_deg_ = 0, spacing_mm_ = 4;

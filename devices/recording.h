@@ -88,6 +88,8 @@ class RecordingWriter final : public SampleSink {
   /// Writes the end event and closes. False, with error() set, when the disk refused anything; the whole events before
   /// that are kept.
   bool finish(int64_t tick, uint64_t hash);
+  /// Writes what is still held and closes, without an end event.
+  bool cut_short();
   bool flush() { return log_.flush(); }
   const std::string& error() const { return log_.error(); }
   int64_t events() const { return log_.events(); }

@@ -138,6 +138,13 @@ void RecordingWriter::write_rows(int kind, int64_t tick) {
   log_.write(last_us_, kScheduleChannel, bytes.data(), encode_message(m, bytes));
 }
 
+bool RecordingWriter::cut_short() {
+  if (!log_.is_open()) return log_.error().empty();
+  const int64_t tick = (last_us_ - start_us_) * 1000 / tick_ns_;
+  write_rows(1, tick), write_rows(2, tick);
+  return log_.close();
+}
+
 bool RecordingWriter::finish(int64_t tick, uint64_t hash) {
   if (!log_.is_open()) return log_.error().empty();
   write_rows(1, tick), write_rows(2, tick);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <variant>
 
 #include "sim/geometry/vec.h"
@@ -13,9 +14,10 @@ namespace limberg {
 struct ShortText {
   std::array<char, 48> c{};
   ShortText() = default;
-  explicit ShortText(const std::string& s) {
+  explicit ShortText(std::string_view s) {
     for (size_t i = 0; i < s.size() && i + 1 < c.size(); ++i) c[i] = s[i];
   }
+  std::string_view view() const { return c.data(); }
   std::string str() const { return std::string(c.data()); }
   bool operator==(const ShortText&) const = default;
 };

@@ -4,33 +4,31 @@
 
 namespace limberg {
 
-namespace {}  // namespace
-
 SurfaceCursor::SurfaceCursor(const CursorSettings& settings)
-    : set_(settings), path_(kPathPoints), step_(settings.step_mm) {
+    : set_(settings), walk_(settings.ground), path_(kPathPoints), step_(settings.step_mm) {
   set_gain(settings.gain);
 }
 
 void SurfaceCursor::set_gain(double gain) { set_.gain = std::clamp(gain, 0.05, 2.0); }
 
 void SurfaceCursor::set_ground(Ground ground) {
-  if (ground != set_.ground) walk_stale_ = true, placed_ = false;
+  if (ground == set_.ground) return;
   set_.ground = ground;
+  walk_ = SurfaceWalk(ground);
+  placed_ = false;
 }
 
 bool SurfaceCursor::put(const Snapshot& s, const Vec3& x_mm) {
   placed_ = false;
   if (!has_surface(s)) return false;
-  if (walk_stale_ || !walk_.built_for(s)) walk_.build(*s.topology, set_.ground), walk_stale_ = false;
   return put(s, walk_.nearest(s, x_mm));
 }
 
 bool SurfaceCursor::put(const Snapshot& s, const SurfacePlace& place) {
   placed_ = false;
   if (!has_surface(s) || place.triangle < 0 || size_t(place.triangle) >= s.topology->view.tri.size()) return false;
-  if (walk_stale_ || !walk_.built_for(s)) walk_.build(*s.topology, set_.ground), walk_stale_ = false;
   place_ = place;
-  placed_ = true;
+  placed_ = true, version_ = s.topology->version;
   hand_known_ = was_drawing_ = false;
   left_ = Vec3::Zero();
   look(s);
@@ -44,8 +42,8 @@ void SurfaceCursor::look(const Snapshot& s) {
 }
 
 bool SurfaceCursor::follow_topology(const Snapshot& s) {
-  if (walk_.built_for(s)) return true;
-  walk_.build(*s.topology, set_.ground);
+  if (version_ == s.topology->version) return true;
+  version_ = s.topology->version;
   const Vec3 X = X_;
   const SurfacePlace found = walk_.nearest_at_rest(s, X, x_);
   if (found.triangle < 0) return placed_ = false;

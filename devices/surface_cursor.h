@@ -71,7 +71,8 @@ class SurfaceCursor {
   CursorSettings set_;
   SurfaceWalk walk_;
   SurfacePlace place_;
-  bool placed_ = false, hand_known_ = false, was_drawing_ = false, walk_stale_ = false;
+  uint64_t version_ = 0;  // of the topology that place_ is of
+  bool placed_ = false, hand_known_ = false, was_drawing_ = false;
   Vec3 hand_ = Vec3::Zero(), left_ = Vec3::Zero();  // left_: of the last tick's way, when it had too many crossings
   Vec3 x_ = Vec3::Zero(), X_ = Vec3::Zero(), normal_ = Vec3::UnitZ();
   std::vector<CursorPoint> path_;

@@ -1,9 +1,11 @@
 #pragma once
-// Finding skin: the nearest skin to a point in the deformed world, and the skin under a chart point at rest.
+// Finding skin: the nearest skin to a point in the deformed world, and the sheets of skin that lie near one another.
+// What lies under a chart point is found by skin_chart.h.
 //
-// Built once per topology version. The closest point is found by walking: from the triangle touched last, over
-// triangles that share a vertex, for as long as that brings the surface nearer. A walk cannot leave its bank of a
-// wound, so now and then (and at first) it starts from the nearest of all skin vertices, found by one pass over them.
+// The closest point is found by walking: from the triangle touched last, over triangles that share a vertex, for as
+// long as that brings the surface nearer. A walk cannot leave its bank of a wound, so now and then (and at first) it
+// starts from the nearest of all skin vertices, found by one pass over them. Which triangles share a vertex is read off
+// the topology (ground_index.h). Nothing is allocated after construction, whatever the topology does.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -24,11 +26,33 @@ struct SkinTouch {
   double distance_mm = 1e30;  // from the query point
 };
 
+/// A set of vertices in the order in which they were put in, of bounded size and in memory of its own.
+class VertexSet {
+ public:
+  static constexpr size_t kMost = 1 << 13;  // a sheet of 4 mm radius at edges of a tenth of a millimetre
+  VertexSet() : slot_(2 * kMost, -1) { order_.reserve(kMost); }
+  bool contains(int32_t v) const { return slot_[place(v)] == v; }
+  /// False: the set is full.
+  bool insert(int32_t v);
+  void clear();
+  size_t size() const { return order_.size(); }
+  int32_t operator[](size_t i) const { return order_[i]; }
+
+ private:
+  size_t place(int32_t v) const;
+  std::vector<int32_t> slot_, order_;
+};
+
+/// A point of the view's triangle with such barycentric coordinates, as it lies now.
+SkinTouch touch_at(const Snapshot& s, int32_t triangle, const std::array<double, 3>& bary, double distance_mm);
+
 class SurfaceIndex {
  public:
-  /// Reads the topology; keeps no reference to it. `ground`: of what it is an index; "skin" below stands for that.
-  void build(const SurfaceTopology& topology, Ground ground = Ground::skin);
-  bool built_for(const Snapshot& s) const { return built_ && s.topology && version_ == s.topology->version; }
+  /// `ground`: what is searched; "skin" below stands for that.
+  explicit SurfaceIndex(Ground ground = Ground::skin) : ground_(ground) {}
+  Ground ground() const { return ground_; }
+  /// Whether the topology is another than at the last look: triangles known from before are not of this one.
+  bool another(const Snapshot& s);
 
   /// Closest skin point to p. `hint`: a triangle touched before, or -1 for a search over all the skin.
   SkinTouch closest(const Snapshot& s, const Vec3& p_mm, int32_t hint) const;
@@ -42,18 +66,11 @@ class SurfaceIndex {
   SkinTouch closest_apart(const Snapshot& s, const Vec3& p_mm, const SkinTouch& other, double reach_mm);
 
   /// Corners of the skin triangles around a touched place, those first that are fewest triangles away, none further
-  /// than reach_mm; as many as fit. How many. Allocates nothing.
+  /// than reach_mm; as many as fit. How many.
   int facets_around(const Snapshot& s, const SkinTouch& place, double reach_mm,
                     std::span<std::array<Vec3, 3>> out) const;
 
   static constexpr double kSheetRadius_mm = 4;  // at rest
-
-  /// The skin point above chart point c at rest, in its deformed place; outermost where several skins lie over one
-  /// another. Where c is off the remaining skin (in a hole, on a rim), the nearest skin in the chart within slack_mm.
-  /// triangle -1: there is none. distance_mm is the distance in the chart.
-  SkinTouch at_chart(const Snapshot& s, const ChartPoint& c, double slack_mm = 0) const;
-
-  size_t skin_triangles() const { return skin_tri_.size(); }
 
  private:
   struct Place {
@@ -61,25 +78,18 @@ class SurfaceIndex {
     std::array<double, 3> bary{1, 0, 0};
     double distance2 = 1e60;
   };
+  const GroundIndex& of(const Snapshot& s) const { return s.topology->index(ground_); }
   SkinTouch touch(const Snapshot& s, const Place& place) const;
   Place walk(const Snapshot& s, const Vec3& p_mm, int32_t triangle) const;
+  Place walk_from_vertex(const Snapshot& s, const Vec3& p_mm, int32_t vertex) const;
   int32_t nearest_vertex(const Snapshot& s, const Vec3& p_mm, bool unmarked_only) const;
   void mark_sheet(const Snapshot& s, const SkinTouch& middle);
-  int cell_x(double x) const;
-  int cell_y(double y) const;
+  bool marked(const Snapshot& s, int32_t triangle) const;
 
-  bool built_ = false;
+  Ground ground_;
   uint64_t version_ = 0;
-  std::vector<int32_t> skin_tri_;           // triangles of the view that are skin
-  std::vector<int32_t> skin_vertex_;        // their vertices, each once
-  std::vector<int32_t> star_start_, star_;  // per view vertex: its skin triangles
-  std::vector<uint8_t> mark_;               // per view vertex: on a sheet that was found already
-  std::vector<int32_t> marked_;
-  // Uniform grid over the chart: skin triangles whose chart box meets a cell.
-  double cell_mm_ = 2;
-  Vec2 grid_min_{0, 0};
-  int nx_ = 0, ny_ = 0;
-  std::vector<int32_t> cell_start_, cell_tri_;
+  bool looked_ = false;
+  VertexSet mark_;  // vertices of sheets that were found already
 };
 
 }  // namespace limberg

@@ -24,31 +24,12 @@ struct SurfaceWalk::Way {
   double length = -1;  // of the way that d makes there
 };
 
-void SurfaceWalk::build(const SurfaceTopology& topology, Ground ground) {
-  const SurfaceView& view = topology.view;
-  built_ = true;
-  version_ = topology.version;
-  triangle_.clear();
-  star_start_.assign(view.X_mm.size() + 1, 0);
-  for (size_t t = 0; t < view.tri.size(); ++t) {
-    if (!topology.is_ground(t, ground)) continue;
-    triangle_.push_back(int32_t(t));
-    for (const int32_t v : view.tri[t]) ++star_start_[size_t(v) + 1];
-  }
-  for (size_t v = 0; v < view.X_mm.size(); ++v) star_start_[v + 1] += star_start_[v];
-  star_.resize(3 * triangle_.size());
-  std::vector<int32_t> fill(star_start_.begin(), star_start_.end() - 1);
-  for (const int32_t t : triangle_)
-    for (const int32_t v : view.tri[size_t(t)]) star_[size_t(fill[size_t(v)]++)] = t;
-}
-
 int32_t SurfaceWalk::beyond(const Snapshot& s, int32_t t, int k) const {
   const auto& tri = s.topology->view.tri;
   const Tri& own = tri[size_t(t)];
   const int32_t a = own[size_t((k + 1) % 3)], b = own[size_t((k + 2) % 3)];
   int32_t any = -1;
-  for (int32_t i = star_start_[size_t(a)]; i < star_start_[size_t(a) + 1]; ++i) {
-    const int32_t u = star_[size_t(i)];
+  for (const int32_t u : of(s).around(a)) {
     if (u == t) continue;
     const int at_b = corner_of(tri[size_t(u)], b);
     if (at_b < 0) continue;
@@ -142,16 +123,14 @@ Vec3 SurfaceWalk::walk(const Snapshot& s, SurfacePlace& p, const Vec3& d_mm) con
     Way way;
     if (zeros == 2) {  // at a corner: every triangle around it
       const int32_t v = k[size_t(whole)];
-      for (int32_t i = star_start_[size_t(v)]; i < star_start_[size_t(v) + 1]; ++i) {
-        const int32_t t = star_[size_t(i)];
+      for (const int32_t t : of(s).around(v)) {
         std::array<double, 3> w{0, 0, 0};
         w[size_t(corner_of(tri[size_t(t)], v))] = 1;
         try_triangle(s, x, t, w, d, way);
       }
       if (way.triangle < 0) {  // along an edge
         double most = 0;
-        for (int32_t i = star_start_[size_t(v)]; i < star_start_[size_t(v) + 1]; ++i) {
-          const int32_t t = star_[size_t(i)];
+        for (const int32_t t : of(s).around(v)) {
           const Tri& m = tri[size_t(t)];
           const int at_v = corner_of(m, v);
           for (const int step : {1, 2}) {
@@ -226,7 +205,7 @@ SurfacePlace SurfaceWalk::nearest_at_rest(const Snapshot& s, const Vec3& X, cons
   SurfacePlace best;
   double best2 = 1e300, best_x2 = 1e300;
   constexpr double kSame2 = 1e-12;  // a micrometre
-  for (const int32_t t : triangle_) {
+  for (const int32_t t : of(s).triangle) {
     const Tri& k = view.tri[size_t(t)];
     const Vec3 &a = view.X_mm[size_t(k[0])], &b = view.X_mm[size_t(k[1])], &c = view.X_mm[size_t(k[2])];
     const Vec3 out = (a.cwiseMin(b).cwiseMin(c) - X).cwiseMax(X - a.cwiseMax(b).cwiseMax(c)).cwiseMax(0.0);
@@ -244,7 +223,7 @@ SurfacePlace SurfaceWalk::nearest_at_rest(const Snapshot& s, const Vec3& X, cons
 SurfacePlace SurfaceWalk::nearest(const Snapshot& s, const Vec3& x) const {
   SurfacePlace best;
   double best2 = 1e300;
-  for (const int32_t t : triangle_) {
+  for (const int32_t t : of(s).triangle) {
     const Tri& k = s.topology->view.tri[size_t(t)];
     const Vec3 a = at(s, k[0]), b = at(s, k[1]), c = at(s, k[2]);
     const Vec3 out = (a.cwiseMin(b).cwiseMin(c) - x).cwiseMax(x - a.cwiseMax(b).cwiseMax(c)).cwiseMax(0.0);

@@ -12,7 +12,7 @@
 // walk never jumps. Triangles lower than kSliver of their longest edge have no tangent plane worth following: they are
 // crossed.
 //
-// A walk allocates nothing. Positions are those of the snapshot; the topology is read once per version.
+// A walk allocates nothing. Positions are those of the snapshot; which triangles meet is read off the topology.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -34,8 +34,7 @@ class SurfaceWalk {
   static constexpr int kMostCrossings = 64;  // in one walk; what is left then is returned
 
   /// What is not `ground` is not part of the surface; where it begins is its rim.
-  void build(const SurfaceTopology& topology, Ground ground);
-  bool built_for(const Snapshot& s) const { return built_ && s.topology && version_ == s.topology->version; }
+  explicit SurfaceWalk(Ground ground = Ground::skin) : ground_(ground) {}
 
   /// Moves `place` by d_mm. Returns what is left of d_mm when the crossings were used up, else zero.
   Vec3 walk(const Snapshot& s, SurfacePlace& place, const Vec3& d_mm) const;
@@ -60,10 +59,9 @@ class SurfaceWalk {
   bool cross_slivers(const Snapshot& s, const Vec3& at, int32_t& t, std::array<double, 3>& bary) const;
   bool sliver(const Snapshot& s, int32_t t) const;
 
-  bool built_ = false;
-  uint64_t version_ = 0;
-  std::vector<int32_t> star_start_, star_;  // per vertex of the view: its triangles of the surface
-  std::vector<int32_t> triangle_;           // of the surface
+  const GroundIndex& of(const Snapshot& s) const { return s.topology->index(ground_); }
+
+  Ground ground_;
 };
 
 }  // namespace limberg

@@ -5,18 +5,18 @@
 #include <vector>
 
 #include "devices/emulator.h"
-#include "devices/surface_index.h"
+#include "devices/skin_chart.h"
 
 namespace limberg {
 
-/// What the surgeon sees: the newest snapshot and the index of its skin.
+/// What the surgeon sees: the newest snapshot and the chart of its skin.
 struct Sight {
   static constexpr double kRimMm = 2.5;  // a point this near to remaining skin is meant to be on it
   const Snapshot* seen = nullptr;
-  SurfaceIndex index;
+  SkinChart chart;
 
   bool open() const { return seen && seen->topology && seen->x_mm.size() == seen->topology->view.X_mm.size(); }
-  SkinTouch skin_at(const ChartPoint& c, double slack_mm) const { return index.at_chart(*seen, c, slack_mm); }
+  SkinTouch skin_at(const ChartPoint& c, double slack_mm) const { return chart.at(*seen, c, slack_mm); }
   const HookState* hook(int id) const;
   const Body& body() const { return *seen->topology->body; }
 };

@@ -1,7 +1,11 @@
 #include "app/assembly/device_specs.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include "devices/desktop_source.h"
 #include "devices/fastrak/port.h"
@@ -35,6 +39,104 @@ class EmulatedFastrak final : public Source {
   std::unique_ptr<fastrak::FastrakSource> source_;
 };
 
+LiveSource lcm(const DeviceSpec& spec, int) {
+  LcmNetSettings net;
+  if (!spec.rest.empty()) net.url = spec.rest;
+  if (!stays_here(net.url))
+    throw InputError(
+        "", 0,
+        "--device " + spec.kind + ":" + net.url +
+            " may reach other machines; expected lcm:udpm://239.255.76.67:7667?ttl=0, or lcm-from-anywhere:URL");
+  return [net](const LiveStart& start) { return std::make_unique<LcmNetSource>(net, start.start_ns); };
+}
+
+LiveSource lcm_from_anywhere(const DeviceSpec& spec, int) {
+  if (spec.rest.empty()) return {};
+  LcmNetSettings net;
+  net.url = spec.rest, net.allow_other_networks = true;
+  return [net](const LiveStart& start) { return std::make_unique<LcmNetSource>(net, start.start_ns); };
+}
+
+LiveSource fastrak_at(const DeviceSpec& spec, int number) {
+  fastrak::SourceSettings s = fastrak::parse_source(spec.rest);
+  s.link.device_id = kFirstFastrak + number;
+  return [s](const LiveStart& start) { return std::make_unique<fastrak::FastrakSource>(s, start.start_ns); };
+}
+
+LiveSource fastrak_emulator(const DeviceSpec& spec, int number) {
+  fastrak::SourceSettings s;
+  if (!spec.rest.empty()) s.link.role = fastrak::parse_roles(spec.rest);
+  s.link.device_id = kFirstFastrak + number;
+  return [s, number](const LiveStart& start) {
+    return std::make_unique<EmulatedFastrak>(s, start.start_ns, uint64_t(number + 1));
+  };
+}
+
+template <DesktopSettings::Kind kind>
+LiveSource desktop(const DeviceSpec& spec, int number) {
+  DesktopSettings s;
+  s.kind = kind, s.path = spec.rest;
+  s.device_id += number;
+  return [s](const LiveStart& start) { return std::make_unique<DesktopSource>(s, start.start_ns); };
+}
+
+LiveSource force_simulated(const DeviceSpec& spec, int) {
+  if (!spec.rest.empty()) return {};
+  return [](const LiveStart& start) {
+    SimulatedHand hand;
+    // Comes down onto the middle of the skin, presses 3 mm deep and strokes to and fro.
+    hand.target = [](double t) {
+      return Vec3(15 * std::sin(1.5 * t), 10 * std::sin(0.9 * t), 20 - 23 * std::min(1.0, t / 2));
+    };
+    return std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{},
+                                         start.stiffness);
+  };
+}
+
+// Roles of a FASTRAK: a letter a station, f forefinger, t thumb, s stylus.
+constexpr DeviceKind kKinds[] = {
+    {.name = "emulated",
+     .form = "emulated:SCRIPT",
+     .meaning = "the emulated surgeon, who needs the patient that it operates on",
+     .from_file = true,
+     .own_hand = false},
+    {.name = "log", .form = "log:FILE", .meaning = "a recording", .from_file = true, .own_hand = false},
+    {.name = "lcm",
+     .form = "lcm[:URL]",
+     .meaning = "LCM on this machine",
+     .tracked = true,
+     .over_lcm = true,
+     .live = lcm},
+    {.name = "lcm-from-anywhere",
+     .form = "lcm-from-anywhere:URL",
+     .meaning = "LCM, also from other machines",
+     .tracked = true,
+     .over_lcm = true,
+     .live = lcm_from_anywhere},
+    {.name = "fastrak",
+     .form = "fastrak:PORT[,ROLES][,ascii][,RATE]",
+     .meaning = "a FASTRAK on a serial port",
+     .tracked = true,
+     .live = fastrak_at},
+    {.name = "fastrak-emulator",
+     .form = "fastrak-emulator[:ROLES]",
+     .meaning = "the same, emulated on a pseudo-terminal, with a hand at work",
+     .tracked = true,
+     .live = fastrak_emulator},
+    {.name = "spacemouse",
+     .form = "spacemouse[:SOCKET]",
+     .meaning = "a SpaceMouse through spacenavd",
+     .live = desktop<DesktopSettings::space_mouse>},
+    {.name = "mouse",
+     .form = "mouse[:FILE]",
+     .meaning = "a mouse (/dev/input/mice), made for run --cursor",
+     .own_hand = false,
+     .live = desktop<DesktopSettings::mouse>},
+    {.name = "force-simulated",
+     .form = "force-simulated",
+     .meaning = "a force device made of equations, in a hand that presses and strokes",
+     .live = force_simulated}};
+
 }  // namespace
 
 DeviceSpec::DeviceSpec(const std::string& text) {
@@ -43,55 +145,26 @@ DeviceSpec::DeviceSpec(const std::string& text) {
   rest = colon == std::string::npos ? "" : text.substr(colon + 1);
 }
 
+std::span<const DeviceKind> device_kinds() { return kKinds; }
+
+const DeviceKind* device_kind(const DeviceSpec& spec) {
+  const auto* const k =
+      std::find_if(std::begin(kKinds), std::end(kKinds), [&](const DeviceKind& d) { return spec.kind == d.name; });
+  return k == std::end(kKinds) ? nullptr : k;
+}
+
+std::string device_forms(bool live_only) {
+  std::vector<std::string> forms;
+  for (const DeviceKind& k : kKinds)
+    if (k.live || !live_only) forms.emplace_back(k.form);
+  const std::string last = forms.back();
+  forms.pop_back();
+  return fmt::format("{} or {}", fmt::join(forms, ", "), last);
+}
+
 LiveSource live_source(const DeviceSpec& spec, int number) {
-  if (spec.kind == "lcm" || (spec.kind == "lcm-from-anywhere" && !spec.rest.empty())) {
-    LcmNetSettings net;
-    if (!spec.rest.empty()) net.url = spec.rest;
-    net.allow_other_networks = spec.kind != "lcm";
-    if (!net.allow_other_networks && !stays_here(net.url))
-      throw InputError(
-          "", 0,
-          "--device " + spec.kind + ":" + net.url +
-              " may reach other machines; expected lcm:udpm://239.255.76.67:7667?ttl=0, or lcm-from-anywhere:URL");
-    return [net](const LiveStart& start) -> std::unique_ptr<Source> {
-      return std::make_unique<LcmNetSource>(net, start.start_ns);
-    };
-  }
-  if (spec.kind == "fastrak") {
-    fastrak::SourceSettings s = fastrak::parse_source(spec.rest);
-    s.link.device_id = kFirstFastrak + number;
-    return [s](const LiveStart& start) -> std::unique_ptr<Source> {
-      return std::make_unique<fastrak::FastrakSource>(s, start.start_ns);
-    };
-  }
-  if (spec.kind == "fastrak-emulator") {
-    fastrak::SourceSettings s;
-    if (!spec.rest.empty()) s.link.role = fastrak::parse_roles(spec.rest);
-    s.link.device_id = kFirstFastrak + number;
-    return [s, number](const LiveStart& start) -> std::unique_ptr<Source> {
-      return std::make_unique<EmulatedFastrak>(s, start.start_ns, uint64_t(number + 1));
-    };
-  }
-  if (spec.kind == "spacemouse" || spec.kind == "mouse") {
-    DesktopSettings s;
-    s.kind = spec.kind == "mouse" ? DesktopSettings::mouse : DesktopSettings::space_mouse;
-    s.path = spec.rest;
-    s.device_id += number;
-    return [s](const LiveStart& start) -> std::unique_ptr<Source> {
-      return std::make_unique<DesktopSource>(s, start.start_ns);
-    };
-  }
-  if (spec.kind == "force-simulated" && spec.rest.empty())
-    return [](const LiveStart& start) -> std::unique_ptr<Source> {
-      SimulatedHand hand;
-      // Comes down onto the middle of the skin, presses 3 mm deep and strokes to and fro.
-      hand.target = [](double t) {
-        return Vec3(15 * std::sin(1.5 * t), 10 * std::sin(0.9 * t), 20 - 23 * std::min(1.0, t / 2));
-      };
-      return std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{},
-                                           start.stiffness);
-    };
-  return {};
+  const DeviceKind* k = device_kind(spec);
+  return k && k->live ? k->live(spec, number) : LiveSource{};
 }
 
 }  // namespace limberg

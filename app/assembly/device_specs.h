@@ -1,17 +1,9 @@
 #pragma once
-// What `--device SPEC` names, for every command that listens to devices:
-//
-//   emulated:SCRIPT                       the emulated surgeon (needs the patient that it operates on)
-//   log:FILE                              a recording
-//   lcm, lcm:URL                          LCM on this machine; lcm-from-anywhere:URL also what comes from others
-//   fastrak:PORT[,ROLES][,ascii][,RATE]   a FASTRAK on a serial port; roles a letter a station: f forefinger, t thumb,
-//   s stylus
-//   fastrak-emulator[:ROLES]              the same with the emulator on a pseudo-terminal, a hand at work
-//   spacemouse[:SOCKET]                   a SpaceMouse through spacenavd
-//   mouse[:FILE]                          a mouse (/dev/input/mice); made for run --cursor
-//   force-simulated                       a force device made of equations, in a hand that presses and strokes
+// What `--device SPEC` names, for every command that listens to devices: one table of kinds (device_kinds()), from which
+// help and error messages are made too. A further device is a further row, and its source.
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "devices/force/stiffness_line.h"
@@ -26,15 +18,28 @@ struct LiveStart {
 };
 using LiveSource = std::function<std::unique_ptr<Source>(const LiveStart&)>;
 
-inline constexpr const char* kDeviceSpecs =
-    "emulated:SCRIPT, log:FILE, lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], "
-    "fastrak-emulator[:ROLES], spacemouse, mouse or force-simulated";
-
 /// "fastrak" of "fastrak:/dev/ttyS0", and the rest.
 struct DeviceSpec {
   std::string kind, rest;
   explicit DeviceSpec(const std::string& text);
 };
+
+struct DeviceKind {
+  const char* name;
+  const char* form;     // of its spec, as help says it
+  const char* meaning;  // in a few words
+  bool from_file = false;
+  bool tracked = false;   // its places are those of a tracker: they mean little without a calibration
+  bool own_hand = true;   // something beside the mouse of the desk that a person operates with
+  bool over_lcm = false;  // what is published comes back through it
+  /// Null: `run` makes it of the file. InputError where the spec is badly put; no source where it means nothing.
+  LiveSource (*live)(const DeviceSpec& spec, int number) = nullptr;
+};
+std::span<const DeviceKind> device_kinds();
+/// Null: there is none of this name.
+const DeviceKind* device_kind(const DeviceSpec& spec);
+/// "lcm[:URL], spacemouse[:SOCKET] or ...", of all kinds or of those that are live.
+std::string device_forms(bool live_only = false);
 
 /// The live source that a spec names, or nothing when it names one of the others. InputError: a known kind that is
 /// badly put. `number` tells devices of one kind apart.

@@ -156,11 +156,7 @@ int devices(const DevicesOptions& o) {
   std::vector<std::unique_ptr<Source>> sources;
   for (size_t i = 0; i < names.size();) {
     const LiveSource live = live_source(DeviceSpec(names[i]), int(i));
-    if (!live)
-      throw InputError("", 0,
-                       "--device " + names[i] +
-                           ": no live device; expected lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT, "
-                           "fastrak-emulator, spacemouse, mouse or force-simulated");
+    if (!live) throw InputError("", 0, "--device " + names[i] + ": no live device; expected " + device_forms(true));
     try {
       sources.push_back(live({start, nullptr}));
       ++i;
@@ -184,7 +180,7 @@ int devices(const DevicesOptions& o) {
   std::unique_ptr<LcmPublisher> publish;
   if (!o.publish.empty()) {
     for (const std::string& n : names)
-      if (n.starts_with("lcm"))
+      if (device_kind(DeviceSpec(n))->over_lcm)
         throw InputError("", 0,
                          "--publish beside --device " + n + ": what is sent would come back; expected other devices");
     publish = std::make_unique<LcmPublisher>(o.publish, o.publish_anywhere), desk.publish = publish.get();
@@ -217,10 +213,7 @@ int devices(const DevicesOptions& o) {
 void add_devices(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<DevicesOptions>();
   CLI::App* c = app.add_subcommand("devices", "What is connected: live poses, rates, gaps, buttons");
-  c->add_option("--device", o->devices,
-                "lcm, lcm:URL, lcm-from-anywhere:URL, fastrak:PORT[,ROLES][,ascii][,RATE], fastrak-emulator[:ROLES], "
-                "spacemouse[:SOCKET], mouse[:FILE] or force-simulated (default lcm); may be repeated")
-      ->type_name("SPEC");
+  c->add_option("--device", o->devices, device_forms(true) + " (default lcm); may be repeated")->type_name("SPEC");
   c->add_flag("--watch", o->watch, "Go on until Ctrl-C; devices may come and go");
   c->add_option("--seconds", o->seconds, "End after so long (default 2; --watch: never)")
       ->type_name("S")

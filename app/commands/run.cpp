@@ -56,7 +56,7 @@ void add_device(SessionCall& call, const std::string& text) {
     call.live_sources.push_back(std::move(live));
     call.live_names.push_back(text);
   } else {
-    throw InputError("", 0, "--device " + text + ": unknown device; expected " + kDeviceSpecs);
+    throw InputError("", 0, "--device " + text + ": unknown device; expected " + device_forms());
   }
 }
 
@@ -96,13 +96,12 @@ int run_session(const RunOptions& o) {
     w.calibrated = !o.calibration.empty();
     bool tracked = false;
     for (const std::string& d : o.devices) {
-      const bool from_file = d.rfind("emulated:", 0) == 0 || d.rfind("log:", 0) == 0;
-      tracked |= d.rfind("fastrak", 0) == 0 || d.rfind("lcm", 0) == 0;
-      w.own_device |= !from_file && d != "mouse";
+      const DeviceSpec spec(d);
+      const DeviceKind& kind = *device_kind(spec);  // add_device() has refused what is none
+      tracked |= kind.tracked;
+      w.own_device |= kind.own_hand;
       w.device += (w.device.empty() ? "" : ", ") +
-                  (from_file ? d.substr(0, d.find(':')) + ": " +
-                                   std::filesystem::path(d.substr(d.find(':') + 1)).filename().string()
-                             : d);
+                  (kind.from_file ? spec.kind + ": " + std::filesystem::path(spec.rest).filename().string() : d);
     }
     w.calibrated |= !tracked;  // what else there is says where it is in the patient's own measure
     w.mouse = o.devices.empty();
@@ -138,8 +137,7 @@ void add_run(CLI::App& app, Chosen& chosen) {
   auto o = std::make_shared<RunOptions>();
   CLI::App* c = app.add_subcommand("run", "Operate in real time");
   c->add_option("SCENE", o->scene, "Scene file, or the name of a shipped scene (default: rhomboid)");
-  c->add_option("--device", o->devices,
-                std::string(kDeviceSpecs) + "; may be repeated (default: the mouse; without a window lcm)")
+  c->add_option("--device", o->devices, device_forms() + "; may be repeated (default: the mouse; without a window lcm)")
       ->type_name("SPEC");
   c->add_option("--calibration", o->calibration, "Calibration file of the device (default: identity)")
       ->type_name("FILE");

@@ -1,5 +1,6 @@
 #include "app/commands/session_command.h"
 
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -135,19 +136,21 @@ void leave_result(const Result& result, const CommonOptions& common) {
 }
 
 /// A recording that is made in case it is wanted: beside the machine's temporary files, kept or removed at the end. A
-/// session that is killed leaves it there, and it can be replayed.
+/// session that fails or is killed leaves it there, and it can be replayed.
 class AsideRecording {
  public:
   explicit AsideRecording(const std::string& keep_dir)
       : dir_(keep_dir),
         file_((std::filesystem::temp_directory_path() / ("limberg-session-" + std::to_string(getpid()) + ".lcm"))
                   .string()) {}
-  ~AsideRecording() {
+  const std::string& file() const { return file_; }
+  /// Nobody wants it.
+  void remove() const {
     std::error_code ec;
     std::filesystem::remove(file_, ec);
   }
-  const std::string& file() const { return file_; }
-  /// The name under which it was kept: limberg-N.lcm, never replacing a file. InputError when it cannot be.
+  /// The name under which it was kept: limberg-N.lcm, never replacing a file. InputError when it cannot be: then it
+  /// stays where it was made.
   std::string keep() const {
     std::string name;
     int n = 0;
@@ -157,14 +160,57 @@ class AsideRecording {
     std::filesystem::copy_file(file_, name, ec);
     if (ec)
       throw InputError(name, 0,
-                       "the recording cannot be kept there (" + ec.message() +
-                           "); expected a folder with room and the right to write");
+                       "the recording cannot be kept there (" + ec.message() + "), it is in " + file_ +
+                           "; expected a folder with room and the right to write");
+    remove();
     return name;
   }
 
  private:
   std::string dir_, file_;
 };
+
+/// Where a session that cannot go on leaves its recording; empty: it has none, or nothing was recorded.
+std::string keep_after_failure(const std::optional<AsideRecording>& aside, Recorder* recorder,
+                               const std::string& record_file) {
+  if (!recorder) return "";
+  recorder->cut_short();
+  if (!aside) return record_file;
+  if (recorder->samples() == 0) return aside->remove(), "";
+  try {
+    return aside->keep();
+  } catch (const InputError&) {
+    return aside->file();
+  }
+}
+
+/// A session that cannot go on: says where and after how long, leaves its recording and what figures there are, and
+/// throws the cause on.
+[[noreturn]] void leave_failure(const SessionFailure& failure, const SessionCall& call, Assembly& a,
+                                const std::string& recording) {
+  const SessionFigures& f = failure.figures;
+  if (f.ticks > 0) {
+    say(fmt::format("the session ended after {:.1f} s, in its {}", f.duration_s, failure.what()));
+    Result result(call.command, a.scene.name);
+    result.set("/failure/where", failure.where);
+    result.set("/failure/what", words_of(failure.cause));
+    result.set("/failure/at_s", f.duration_s);
+    if (!recording.empty()) result.set("/failure/recording", recording);
+    try {
+      fill_session(result, a, f, call.real_time, call.lesson ? &*call.lesson : nullptr);
+    } catch (const std::exception& e) {
+      say(std::string("some of its figures cannot be told: ") + e.what());
+    }
+    result.set_ok(false);
+    try {
+      leave_result(result, call.common);
+    } catch (const std::exception& e) {
+      say(e.what());
+    }
+    if (!recording.empty()) say("what was recorded until then is kept: limberg replay " + recording);
+  }
+  std::rethrow_exception(failure.cause);
+}
 
 int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>& after) {
   if (call.lesson) {
@@ -224,7 +270,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
     taken = source.get();
     a.front.add(std::move(source));
   }
-  if (window) a.front.add(window->pointer());
+  if (window) a.front.add(window->pointer(a.channels));
   const std::unique_ptr<Recorder> recorder = open_recorder(call, a);
 
   Progress progress(call.command);
@@ -232,6 +278,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (call.ticks_per_solver_step > 0) set.ticks_per_solver_step = call.ticks_per_solver_step;
   set.end_tick = call.end_tick;
   set.stop_when_recording_fails = call.command == "emulate";
+  set.settle_when_closed = call.lesson.has_value();  // a judge looks at the patient at rest
   set.interrupted = interrupted;
   const int64_t began_ns = RealClock::monotonic_ns();
   set.progress = [&](int64_t tick) {
@@ -249,25 +296,31 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   std::vector<const Source*> devices;  // as in call.live_names
   Snapshot first;
   if (a.head && !call.common.out_dir.empty()) a.patient->fill_with_field(first);  // for the pictures
-  if (call.real_time) {
-    if (!call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
-    f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
-      for (const LiveSource& live : call.live_sources) {
-        auto source = live({start_ns, a.channels.press});
-        devices.push_back(source.get());
-        a.front.add(std::move(source));
-      }
-    });
-  } else {
-    set.ticks_per_frame = film ? 1000 / call.film->frames_per_s
-                               : 1000;  // on a virtual clock frames are samples of the picture, one a second
-    if (taken && call.end_tick >= 0) set.settle_steps = 0;  // whole: it says itself how it came to rest
-    f = taken ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken)
-              : run_lockstep(a.lanes(recorder.get()), set);
+  std::optional<SessionFailure> failure;
+  try {
+    if (call.real_time) {
+      if (!call.live_sources.empty()) a.channels.press = std::make_shared<PressLine>();
+      f = run_realtime(a.lanes(recorder.get()), set, {}, [&](int64_t start_ns) {
+        for (const LiveSource& live : call.live_sources) {
+          auto source = live({start_ns, a.channels.press});
+          devices.push_back(source.get());
+          a.front.add(std::move(source));
+        }
+      });
+    } else {
+      set.ticks_per_frame = film ? 1000 / call.film->frames_per_s
+                                 : 1000;  // on a virtual clock frames are samples of the picture, one a second
+      if (taken && call.end_tick >= 0) set.settle_steps = 0;  // whole: it says itself how it came to rest
+      f = taken ? run_as_recorded(a.lanes(nullptr), set, call.schedule, *taken)
+                : run_lockstep(a.lanes(recorder.get()), set);
+    }
+  } catch (const SessionFailure& e) {
+    failure = e;
   }
   progress.clear();
   const bool keep = window && window->keep_recording();
   window.reset();
+  if (failure) leave_failure(*failure, call, a, keep_after_failure(aside, recorder.get(), call.record_file));
   if (film) {
     film->close();
     std::printf("film        %s, %d frames\n", call.film->file.c_str(), film->frames());
@@ -295,7 +348,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (after) after(result, a);
   const bool recording_failed = recorder && recorder->failed();
   if (recording_failed) result.set("/recording_error", recorder->error());
-  const bool at_rest = f.interrupted || a.solver.at_rest(1e-4);
+  const bool at_rest = f.interrupted || f.closed || a.solver.at_rest(1e-4);
   result.set_ok(at_rest && !recording_failed);
 
   std::optional<InputError> unwritten;  // of a picture; the figures of the session are left even so
@@ -315,6 +368,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
                                   : !aside                      ? call.record_file
                                   : keep                        ? aside->keep()
                                                                 : "";
+  if (aside && !keep) aside->remove();
   if (!recorded_in.empty())
     std::printf("recording   %s, %lld samples\n", recorded_in.c_str(), static_cast<long long>(recorder->samples()));
   leave_result(result, call.common);

@@ -1,52 +1,34 @@
 #include "app/operating_point/operating_point.h"
 
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "app/result/json_nesting.h"
+#include "calibration/toml.h"
 #include "sim/base/error.h"
 
 namespace limberg {
 namespace {
 
-/// Sets `key` of the table [table], replacing its line or adding one.
-std::string with_value(const std::string& text, const std::string& table, const std::string& key,
-                       const std::string& value) {
-  std::istringstream in(text);
-  std::string out, line;
-  bool inside = false, set = false;
-  const auto trimmed = [](const std::string& s) {
-    const size_t a = s.find_first_not_of(" \t");
-    return a == std::string::npos ? std::string() : s.substr(a);
-  };
-  while (std::getline(in, line)) {
-    const std::string t = trimmed(line);
-    if (!t.empty() && t[0] == '[') {
-      if (inside && !set) out += key + " = " + value + "\n", set = true;
-      inside = t.compare(0, table.size() + 2, "[" + table + "]") == 0;
-    } else if (inside && !set && t.compare(0, key.size(), key) == 0 && t.find('=') != std::string::npos &&
-               trimmed(t.substr(key.size()))[0] == '=') {
-      out += key + " = " + value + "    # for the time of a frame\n", set = true;
-      continue;
-    }
-    out += line + "\n";
-  }
-  if (!set) out += (inside ? "" : "\n[" + table + "]\n") + key + " = " + value + "\n";
-  return out;
+/// The value of `key` in [table], however the file wrote either: under a heading, dotted or inline.
+template <class T>
+void put(toml::table& root, const char* table, const char* key, T value) {
+  root.insert(table, toml::table{});  // unless it is there
+  root[table].as_table()->insert_or_assign(key, value);
 }
 
 }  // namespace
 
 Scene at_operating_point(const Scene& scene, double cell_mm, int iterations) {
-  char cell[32];
-  std::snprintf(cell, sizeof cell, "%.6g", cell_mm);
-  std::string number = cell;
-  if (number.find_first_of(".e") == std::string::npos) number += ".0";
-  const std::string text = with_value(with_value(scene.text, "lattice", "cell_mm", number), "solver",
-                                      "iterations_per_step", std::to_string(iterations));
-  Scene out = parse_scene(text, scene.path);
+  toml::table root = toml::parse(scene.text, scene.path);
+  put(root, "lattice", "cell_mm", std::stod(fmt::format("{:.6g}", cell_mm)));
+  put(root, "solver", "iterations_per_step", int64_t(iterations));
+  std::ostringstream text;
+  text << root << "\n";
+  Scene out = parse_scene(text.str(), scene.path, scene.laws);
   out.name = scene.name;
   return out;
 }

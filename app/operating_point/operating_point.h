@@ -13,7 +13,7 @@
 
 namespace limberg {
 
-/// The scene with other cells and iterations: its text changed in these two places, and read anew.
+/// The scene with other cells and iterations: its values changed in these two places, written out and read anew.
 Scene at_operating_point(const Scene& scene, double cell_mm, int iterations);
 
 void fill_operating_point(Result& result, const bench::OperatingPoint& point);

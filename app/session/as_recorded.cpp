@@ -51,11 +51,8 @@ class Ticks {
   std::deque<HandState> hands_;
 };
 
-}  // namespace
-
-SessionFigures run_as_recorded(SessionLanes lanes, const SessionSettings& set, const LiveSchedule& schedule,
-                               TakenSource& samples) {
-  SessionFigures out;
+void once_more(SessionLanes& lanes, const SessionSettings& set, const LiveSchedule& schedule, TakenSource& samples,
+               SessionFigures& out) {
   lanes.solver.start();
   lanes.render.prepare();
   Ticks ticks(lanes, schedule, samples, out);
@@ -69,6 +66,7 @@ SessionFigures run_as_recorded(SessionLanes lanes, const SessionSettings& set, c
   };
   for (const SolverTake& take : schedule.solver) {
     ticks.before_step(take.step, frame);
+    out.last_tick = take.tick, out.duration_s = double(take.tick) * 1e-3;
     const int64_t began = RealClock::monotonic_ns();
     lanes.solver.step_as(take, take.hand_tick < 0 ? nullptr : ticks.hand(take.hand_tick));
     out.solver.work.add(RealClock::monotonic_ns() - began);
@@ -98,6 +96,18 @@ SessionFigures run_as_recorded(SessionLanes lanes, const SessionSettings& set, c
   lanes.render.frame();
   lanes.render.finish();
   out.state_hash = lanes.solver.state_hash();
+}
+
+}  // namespace
+
+SessionFigures run_as_recorded(SessionLanes lanes, const SessionSettings& set, const LiveSchedule& schedule,
+                               TakenSource& samples) {
+  SessionFigures out;
+  try {
+    once_more(lanes, set, schedule, samples, out);
+  } catch (...) {
+    fail_session("replay", out);
+  }
   return out;
 }
 

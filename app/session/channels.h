@@ -3,23 +3,27 @@
 //
 //     device ──ring: tool events, never dropped unsaid──► solver
 //     device ──triple buffer: where the hand is────────► solver, render
-//     solver ──triple buffer: the patient──────────────► device, render
+//     solver ──triple buffer: the patient──────────────► device, render; main, while a step is shown to the person
 //     solver ──ring: stages passed, acts done──────────► render
 //     device ──ring: every sample as received──────────► recorder
 //     device, solver ──rings: what they found──────────► recorder (live sessions)
 //     device ◄──triple buffers: how stiff is it here?──► solver (force devices: press_line.h)
 //
 // Nothing here waits. Each buffer has one writer and one reader.
+//
+// A topology is shared by the snapshots that name it. The solver lane writes a snapshot into a slot of a triple buffer,
+// and that slot holds the topology until the solver lane writes into it again, long after the reader has given it back:
+// so an old topology is freed on the solver's thread (or by whoever made a copy), never on the device thread, which
+// copies none.
 #include <atomic>
 #include <memory>
 
-#include "app/session/epoch.h"
 #include "app/session/lattice_shown.h"
 #include "app/session/notice.h"
 #include "app/session/press_line.h"
-#include "app/session/spsc_ring.h"
 #include "app/session/triple_buffer.h"
 #include "devices/schedule.h"
+#include "devices/spsc_ring.h"
 #include "devices/tool_event.h"
 #include "devices/virtual_hand.h"
 #include "sim/patient/snapshot.h"
@@ -46,8 +50,6 @@ struct StageMark {
   ShortText name;
 };
 
-enum TopologyReader : int { kDeviceReader = 0, kRenderReader = 1, kTopologyReaders = 2 };
-
 struct Channels {
   SpscRing<ToolEvent> events{1 << 14};  // 16 s of a gesture that makes an event on every tick
   SpscRing<Sample> samples{1 << 14};
@@ -57,10 +59,10 @@ struct Channels {
   SpscRing<Notice> notices{1 << 8};     // for a screen: where nobody empties it, later ones are dropped
   std::atomic<bool> want_field{false};  // render asks the solver for the tension
   std::atomic<bool> want_lattice{false};
+  std::atomic<bool> want_patient_shown{false};  // the main thread asks for patient_to_main
   TripleBuffer<HandState> hand_to_solver, hand_to_render;
-  TripleBuffer<PatientState> patient_to_device, patient_to_render;
-  std::shared_ptr<PressLine> press;                        // null: no device feels anything
-  Versions<SurfaceTopology, kTopologyReaders> topologies;  // owned by the solver lane
+  TripleBuffer<PatientState> patient_to_device, patient_to_render, patient_to_main;
+  std::shared_ptr<PressLine> press;  // null: no device feels anything
 };
 
 }  // namespace limberg

@@ -1,7 +1,7 @@
 #pragma once
 // The device thread's work on one tick, without the thread: newest patient in, samples through the front end, events
-// and hand state out. Between changes of topology it allocates nothing, locks nothing and calls nothing but its
-// sources.
+// and hand state out. It allocates and frees nothing, locks nothing and calls nothing but its sources, whatever the
+// topology does.
 #include "app/session/channels.h"
 #include "devices/front_end.h"
 
@@ -19,7 +19,6 @@ class DeviceLane final : private EventSink, private SampleSink {
     ch_.patient_to_device.update();
     const Snapshot& s = ch_.patient_to_device.reading().snapshot;
     front_.tick(tick, s, *this, *this, hand_.tool);
-    ch_.topologies.moved_to(kDeviceReader, s.topology_version);
     hand_.glove = front_.second_hand();
     hand_.sample_ns = front_.last_sample_ns();
     ch_.hand_to_solver.writing() = hand_, ch_.hand_to_solver.publish();

@@ -14,16 +14,14 @@ void timed(Histogram& h, F&& f) {
   h.add(RealClock::monotonic_ns() - before);
 }
 
-}  // namespace
-
-SessionFigures run_lockstep(SessionLanes lanes, const SessionSettings& set) {
-  SessionFigures out;
+void in_lockstep(SessionLanes& lanes, const SessionSettings& set, SessionFigures& out) {
   auto& [device, solver, render, recorder] = lanes;
   VirtualClock clock;
   solver.start();
   render.prepare();
   int64_t tick = 0, end = set.end_tick;
   for (;; ++tick, clock.advance_ns(kDeviceTickNs)) {
+    out.last_tick = tick, out.duration_s = double(tick) * 1e-3;
     timed(out.device.work, [&] { device.tick(tick); });
     out.device.age.add((tick - device.snapshot_tick()) * kDeviceTickNs);
     ++out.ticks;
@@ -53,8 +51,6 @@ SessionFigures run_lockstep(SessionLanes lanes, const SessionSettings& set) {
     if (tick % 64 == 0 && set.interrupted && set.interrupted()) out.interrupted = true;
     if (recorder && recorder->failed() && set.stop_when_recording_fails) out.interrupted = true;
   }
-  out.last_tick = tick;
-  out.duration_s = double(tick) * 1e-3;
   if (recorder) recorder->finish(tick, out.checkpoints.back().hash);
   if (!out.interrupted)
     while (out.settle_steps < set.settle_steps && (out.settle_steps == 0 || !solver.at_rest(set.settle_residual))) {
@@ -68,6 +64,18 @@ SessionFigures run_lockstep(SessionLanes lanes, const SessionSettings& set) {
   render.frame();
   render.finish();
   out.state_hash = solver.state_hash();
+}
+
+}  // namespace
+
+SessionFigures run_lockstep(SessionLanes lanes, const SessionSettings& set) {
+  SessionFigures out;
+  try {
+    in_lockstep(lanes, set, out);
+  } catch (...) {
+    if (lanes.recorder) lanes.recorder->cut_short();
+    fail_session("session", out);
+  }
   return out;
 }
 

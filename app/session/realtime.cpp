@@ -6,6 +6,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <optional>
 
 #include "app/session/clock.h"
 #include "app/session/drawing_share.h"
@@ -23,10 +24,11 @@ struct Control {
   std::atomic<int64_t> start_ns{0};  // set once; waited for
   std::atomic<int> ready{0};
   std::atomic<bool> stop_device{false}, stop_solver{false}, stop_render{false};
-  std::atomic<bool> sources_done{false}, device_ended{false}, at_rest{false};
+  std::atomic<bool> device_ended{false}, at_rest{false}, closed{false};
   std::atomic<int64_t> tick{0};
   std::mutex mutex;  // for `error` and `scheduling`, at start and end only
   std::exception_ptr error;
+  std::string where;  // the error was
   std::string scheduling;
   pthread_t device_id{};  // set before the device thread is ready
   std::atomic<bool> device_gave_up{false};
@@ -40,10 +42,30 @@ struct Control {
     start_ns.wait(0);
     return start_ns.load();
   }
-  void fail() {
-    const std::lock_guard lock(mutex);
-    if (!error) error = std::current_exception();
-    stop_device = stop_solver = stop_render = true;
+  void wait_until_ready(int threads) {
+    for (int r = ready.load(); r < threads; r = ready.load()) ready.wait(r);
+  }
+  void start(int64_t at_ns) {
+    start_ns.store(at_ns);
+    start_ns.notify_all();
+  }
+  void end_render() {
+    stop_render.store(true);
+    stop_render.notify_all();
+  }
+  /// Tells every thread to end, those too that wait for the start.
+  void end() {
+    stop_device = stop_solver = true;
+    end_render();
+    if (start_ns.load() == 0) start(RealClock::monotonic_ns());
+  }
+  void fail(const std::string& thread) {
+    {
+      const std::lock_guard lock(mutex);
+      if (!error) error = std::current_exception(), where = thread;
+    }
+    stop_device = stop_solver = true;
+    end_render();
   }
   bool failed() {
     const std::lock_guard lock(mutex);
@@ -53,16 +75,27 @@ struct Control {
 
 /// Runs a thread's body; an exception ends the session instead of the program.
 template <class F>
-std::function<void()> guarded(Control& c, F body) {
-  return [&c, body] {
+std::function<void()> guarded(Control& c, const char* thread, F body) {
+  return [&c, thread, body] {
     try {
       body();
     } catch (...) {
-      c.fail();
+      c.fail(thread);
       c.i_am_ready();
     }
   };
 }
+
+/// The threads of a session. Whatever happens, they are told to end before somebody waits for them.
+struct Crew {
+  Control& control;
+  std::optional<Thread> solver, render, device;
+  explicit Crew(Control& c) : control(c) {}
+  ~Crew() {
+    control.end();
+    device.reset(), solver.reset(), render.reset();
+  }
+};
 
 /// A real-time thread that does not end its work would keep everything else from the processor.
 void give_up_real_time(Control& c, pthread_t thread) {
@@ -148,6 +181,7 @@ void solver_thread(Control& c, SolverLane& lane, SessionFigures& out, const Sess
     if (ended && ++resting >= 1) {
       out.settle_steps = resting;
       if (lane.at_rest(set.settle_residual) || resting >= set.settle_steps) break;
+      if (c.closed && !set.settle_when_closed) break;
     }
     ++n;
   }
@@ -195,12 +229,70 @@ void render_thread(Control& c, RenderLane& lane, SessionFigures& out, const Sess
       if (lane.sample_ns() != shown_sample) out.sample_to_frame.add(done - lane.sample_ns());
       shown_sample = lane.sample_ns();
     }
-    if (!lane.open()) c.stop_device = true;
+    if (!lane.open()) {  // nobody sees a further frame
+      c.closed = c.stop_device = true;
+      c.stop_render.wait(false);
+      break;
+    }
   }
   lane.finish();
 }
 
+/// The calling thread while the session runs: writes the recording, hears the window, looks out for the end.
+void drive(Control& c, const SessionLanes& lanes, SessionFigures& out, const SessionSettings& set, int64_t start_ns,
+           bool real_time, Thread& device_thread) {
+  Recorder* const recorder = lanes.recorder;
+  const RealClock clock(start_ns);
+  bool warned = false, told = !real_time;
+  // Silence is counted as often as it was looked at: a machine that stood still is no silent thread.
+  int64_t last_tick = -1, silent_ns = 0;
+  const int64_t look_ns = (set.pump ? 4 : 10) * kNsPerMs;
+  for (int64_t t = 0; !c.at_rest && !c.failed(); t += look_ns) {
+    clock.sleep_until_ns(t);
+    t = std::max(t, clock.now_ns());
+    if (set.pump) set.pump();
+    if (const int64_t tick = c.tick.load(); tick != last_tick || told)
+      last_tick = tick, silent_ns = 0;
+    else if ((silent_ns += look_ns) > kSilentNs && !c.device_ended)
+      give_up_real_time(c, c.device_id);
+    if (c.device_gave_up && !told) {
+      told = true;
+      if (set.say) set.say("device thread: a tick took more than 50 ms; it goes on with ordinary scheduling");
+    }
+    if (recorder) {
+      recorder->drain();
+      if (recorder->failed() && !warned && set.say) set.say("recording stopped: " + recorder->error());
+      warned |= recorder->failed();
+      if (recorder->failed() && set.stop_when_recording_fails) out.interrupted = true;
+    }
+    if (set.interrupted && set.interrupted()) out.interrupted = true;
+    if (set.progress) set.progress(c.tick.load());
+    if (out.interrupted) {
+      c.stop_device = true;
+      device_thread.join();
+      c.device_ended = true;
+      c.stop_solver = true;
+      return;
+    }
+  }
+}
+
 }  // namespace
+
+std::string words_of(const std::exception_ptr& error) {
+  try {
+    std::rethrow_exception(error);
+  } catch (const std::exception& e) {
+    return e.what();
+  } catch (...) {
+    return "unknown exception";
+  }
+}
+
+void fail_session(const std::string& where, const SessionFigures& figures) {
+  const std::exception_ptr cause = std::current_exception();
+  throw SessionFailure(where, words_of(cause), figures, cause);
+}
 
 SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, const RealTimeSettings& rt,
                             const std::function<void(int64_t)>& before_start) {
@@ -208,69 +300,39 @@ SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& set, cons
   Control c;
   auto& [device, solver, render, recorder] = lanes;
   {
-    // The first patient must be published before the render thread makes its sink ready.
-    Thread solver_t(guarded(c, [&] { solver_thread(c, solver, out, set, rt.solver_budget); }));
-    for (int r = c.ready.load(); r < 1; r = c.ready.load()) c.ready.wait(r);
-    Thread render_t(guarded(c, [&] { render_thread(c, render, out, set, rt.render_nice); }));
-    for (int r = c.ready.load(); r < 2; r = c.ready.load()) c.ready.wait(r);
-    Thread device_t(guarded(
-        c, [&] { device_thread(c, device, out.device, set.end_tick, set.tail_ticks, rt.fifo_priority, set.gauges); }));
-    for (int r = c.ready.load(); r < 3; r = c.ready.load()) c.ready.wait(r);
-    const int64_t start = RealClock::monotonic_ns() + 20 * kNsPerMs;
+    Crew crew(c);
     try {
+      // The first patient must be published before the render thread makes its sink ready.
+      crew.solver.emplace(guarded(c, "solver thread", [&] { solver_thread(c, solver, out, set, rt.solver_budget); }));
+      c.wait_until_ready(1);
+      crew.render.emplace(guarded(c, "render thread", [&] { render_thread(c, render, out, set, rt.render_nice); }));
+      c.wait_until_ready(2);
+      crew.device.emplace(guarded(c, "device thread", [&] {
+        device_thread(c, device, out.device, set.end_tick, set.tail_ticks, rt.fifo_priority, set.gauges);
+      }));
+      c.wait_until_ready(3);
+      const int64_t start = RealClock::monotonic_ns() + 20 * kNsPerMs;
       if (before_start) before_start(start);
       if (set.say) set.say(c.scheduling);
+      c.start(start);
+      drive(c, lanes, out, set, start, rt.fifo_priority > 0, *crew.device);
+      crew.device->join();
+      crew.solver->join();
     } catch (...) {
-      c.fail();
+      c.fail("main thread");
     }
-    c.start_ns.store(start);
-    c.start_ns.notify_all();
-
-    const RealClock clock(start);
-    bool warned = false, told = rt.fifo_priority <= 0;
-    int64_t last_tick = -1,
-            silent_ns = 0;  // as often as it was looked at: a machine that stood still is no silent thread
-    const int64_t look_ns = (set.pump ? 4 : 10) * kNsPerMs;
-    for (int64_t t = 0; !c.at_rest && !c.failed(); t += look_ns) {
-      clock.sleep_until_ns(t);
-      t = std::max(t, clock.now_ns());
-      if (set.pump) set.pump();
-      if (const int64_t tick = c.tick.load(); tick != last_tick || told)
-        last_tick = tick, silent_ns = 0;
-      else if ((silent_ns += look_ns) > kSilentNs && !c.device_ended)
-        give_up_real_time(c, c.device_id);
-      if (c.device_gave_up && !told) {
-        told = true;
-        if (set.say) set.say("device thread: a tick took more than 50 ms; it goes on with ordinary scheduling");
-      }
-      if (recorder) {
-        recorder->drain();
-        if (recorder->failed() && !warned && set.say) set.say("recording stopped: " + recorder->error());
-        warned |= recorder->failed();
-        if (recorder->failed() && set.stop_when_recording_fails) out.interrupted = true;
-      }
-      if (set.interrupted && set.interrupted()) out.interrupted = true;
-      if (set.progress) set.progress(c.tick.load());
-      if (out.interrupted) {
-        c.stop_device = true;
-        device_t.join();
-        c.device_ended = true;
-        c.stop_solver = true;
-        break;
-      }
-    }
-    device_t.join();
-    solver_t.join();
-    c.stop_render = true;
-    render_t.join();
   }
-  if (c.error) std::rethrow_exception(c.error);
   out.ticks = int64_t(out.device.ticks);
   out.last_tick = c.tick.load();
   out.duration_s = double(out.last_tick) * 1e-3;
   out.scheduling = c.scheduling;
-  out.state_hash = solver.state_hash();
+  out.closed = c.closed;
   device.end_schedule();
+  if (c.error) {
+    if (recorder) recorder->cut_short();
+    throw SessionFailure(c.where, words_of(c.error), out, c.error);
+  }
+  out.state_hash = solver.state_hash();
   if (recorder) recorder->finish(out.last_tick, out.state_hash);
   return out;
 }

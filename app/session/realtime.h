@@ -20,7 +20,8 @@ struct RealTimeSettings {
 };
 
 /// `before_start` is called once everything is ready, with CLOCK_MONOTONIC of tick 0 in ns: the place to start live
-/// sources. Exceptions of a thread end the session and are thrown again here.
+/// sources. SessionFailure: one of the threads, this one among them, could not go on; the others were told to end and
+/// have ended, and the recording is closed without an end.
 SessionFigures run_realtime(SessionLanes lanes, const SessionSettings& settings, const RealTimeSettings& real_time,
                             const std::function<void(int64_t start_ns)>& before_start = {});
 

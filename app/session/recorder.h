@@ -31,6 +31,11 @@ class Recorder {
     drain();
     writer_.finish(tick, hash);
   }
+  /// Of a session that has failed: everything until then, without an end, as it is after a loss of power.
+  void cut_short() {
+    drain();
+    writer_.cut_short();
+  }
   bool failed() const { return !writer_.error().empty(); }
   const std::string& error() const { return writer_.error(); }
   const std::string& path() const { return path_; }

@@ -13,7 +13,7 @@ namespace limberg {
 
 class RenderLane {
  public:
-  /// `sink` may be null: then nothing is drawn, but topologies are still let go of.
+  /// `sink` may be null: then nothing is drawn.
   /// `frames`: false draws stages only.
   RenderLane(Channels& channels, PictureSink* sink, bool frames) : ch_(channels), sink_(sink), frames_(frames) {}
 
@@ -26,7 +26,6 @@ class RenderLane {
   /// After the last frame, on the thread that prepared.
   void finish() {
     if (sink_) sink_->finish();
-    ch_.topologies.retire(kRenderReader);
   }
 
   /// True when something was drawn.
@@ -53,7 +52,6 @@ class RenderLane {
         remember(s);
       }
     }
-    ch_.topologies.moved_to(kRenderReader, s.topology_version);
     return drawn;
   }
 

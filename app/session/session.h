@@ -4,7 +4,9 @@
 // Two drivers run the same lanes: lockstep.h on a virtual clock in one thread, realtime.h with three threads. Both end
 // when the sources have ended (or at a given tick), then let the patient come to rest.
 #include <cstdint>
+#include <exception>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,7 @@ struct SessionSettings {
   // Afterwards: steps until the residual is reached, at most so many.
   double settle_residual = 1e-5;
   int settle_steps = 600;
+  bool settle_when_closed = false;  // even when the window was closed; else the session ends then as it stands
   bool stop_when_recording_fails = false;
   LaneGauges* gauges = nullptr;       // real time: filled while it runs
   std::function<void()> pump;         // real time: called every few ms from the calling thread (a window's events)
@@ -54,7 +57,21 @@ struct SessionFigures {
   // A live session done again: hashes that its steps carry, compared; the first tick that differs, -1: none.
   int64_t hashes_compared = 0, hashes_equal = 0, first_difference_tick = -1;
   bool interrupted = false;
+  bool closed = false;     // real time: the window was
   std::string scheduling;  // real time: what the device thread got
 };
+
+/// A lane has failed, and with it the session. The threads have ended, and the recorder holds everything up to there.
+struct SessionFailure : std::runtime_error {
+  SessionFailure(const std::string& where_, const std::string& what, SessionFigures figures_, std::exception_ptr cause_)
+      : std::runtime_error(where_ + ": " + what), where(where_), figures(std::move(figures_)), cause(cause_) {}
+  std::string where;       // "solver thread"
+  SessionFigures figures;  // as far as they had come
+  std::exception_ptr cause;
+};
+/// What an exception says of itself.
+std::string words_of(const std::exception_ptr& error);
+/// Within a catch: throws the exception on as the failure of a session.
+[[noreturn]] void fail_session(const std::string& where, const SessionFigures& figures);
 
 }  // namespace limberg

@@ -191,9 +191,15 @@ void SolverLane::follow_hand() {
   carry(1, hand_.glove.valid, hand_.glove.carried);
 }
 
-void SolverLane::publish(int64_t tick) {
+// The device thread finds what it searches on, and makes nothing.
+void SolverLane::make_indices() {
   const std::shared_ptr<const SurfaceTopology> topology = patient_.topology();
-  if (topology) ch_.topologies.retain(topology->version, topology);
+  if (!topology) return;
+  for (const Ground g : {Ground::skin, Ground::flesh, Ground::bone}) topology->index(g);
+}
+
+void SolverLane::publish(int64_t tick) {
+  make_indices();
   new_sample_ = hand_.sample_ns != shown_sample_ns_;
   shown_sample_ns_ = hand_.sample_ns;
   PatientState& out = ch_.patient_to_device.writing();
@@ -212,9 +218,12 @@ void SolverLane::publish(int64_t tick) {
     patient_.fill_lattice(shown.lattice);
   else if (shown.lattice.edges)
     shown.lattice = {};
+  if (ch_.want_patient_shown.load(std::memory_order_relaxed)) {
+    ch_.patient_to_main.writing().snapshot = out.snapshot;
+    ch_.patient_to_main.publish();
+  }
   ch_.patient_to_device.publish();
   ch_.patient_to_render.publish();
-  ch_.topologies.collect();
 }
 
 uint64_t SolverLane::state_hash() const {

@@ -88,6 +88,7 @@ class SolverLane {
   void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
   void follow_hand();
   void answer_press();
+  void make_indices();
   void publish(int64_t tick);
   void note_closure(const Snapshot& shown);
 

@@ -1,5 +1,6 @@
 #include "app/window/desk.h"
 
+#include <fmt/format.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -20,13 +21,6 @@ const ImVec4 kQuiet{0.66f, 0.72f, 0.74f, 1}, kGood{0.55f, 0.85f, 0.60f, 1}, kWar
 
 constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize | ImGuiWindowFlags_NoCollapse |
                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoTitleBar;
-
-bool panel(const char* name, float x, float y, float w, float h) {
-  ImGui::SetNextWindowPos({x, y});
-  ImGui::SetNextWindowSize({w, h});
-  ImGui::SetNextWindowBgAlpha(1);
-  return ImGui::Begin(name, nullptr, kFixed);
-}
 
 void heading(const char* text) {
   ImGui::Spacing();
@@ -65,6 +59,14 @@ void lane(const char* name, double ms, double period_ms, std::string note, bool 
 float half_width() { return 0.5f * (ImGui::GetContentRegionAvail().x - ImGui::GetStyle().ItemSpacing.x); }
 
 }  // namespace
+
+void Desk::panel(const char* name, float x, float y, float w, float h) {
+  ImGui::SetNextWindowPos({x, y});
+  ImGui::SetNextWindowSize({w, h});
+  ImGui::SetNextWindowBgAlpha(1);
+  ImGui::Begin(name, nullptr, kFixed);
+  covered_.push_back({x, y, x + w, y + h});
+}
 
 float desk_scale(int width, int height) {
   constexpr float kLines = 1080, kColumns = 1500, kLargest = 3;
@@ -121,21 +123,9 @@ void Desk::tools(const DeskReading& r, int height) {
   panel("tools", 0, 0, kToolsWidth, float(height));
   ImGui::TextUnformatted(facts_.scene.c_str());
   heading("TOOLS");
-  static constexpr struct {
-    Tool tool;
-    const char* name;
-  } kTools[] = {{Tool::none, "1  Look around"},
-                {Tool::scalpel, "2  Scalpel"},
-                {Tool::undermine, "3  Undermine"},
-                {Tool::excise, "4  Excise"},
-                {Tool::hook, "5  Hook"},
-                {Tool::suture, "6  Stitch"},
-                {Tool::suture_row, "7  Row of stitches"},
-                {Tool::saw, "8  Saw"},
-                {Tool::grab, "9  Grab"}};
-  for (const auto& t : kTools)
+  for (const DeskTool& t : kDeskTools)
     if ((t.tool == Tool::none || (acts_on_bone(t.tool) ? facts_.head : facts_.skin)) &&
-        ImGui::Selectable(t.name, state.tool == t.tool && !state.ruler))
+        ImGui::Selectable(fmt::format("{}  {}", char(t.key), t.name).c_str(), state.tool == t.tool && !state.ruler))
       choose(t.tool);
   const bool cuts = state.tool == Tool::scalpel || state.tool == Tool::undermine || state.tool == Tool::excise;
   if (cuts || state.tool == Tool::suture_row) {
@@ -380,13 +370,15 @@ void Desk::help(int width, int height) {
   ImGui::SetNextWindowBgAlpha(0.95f);
   ImGui::Begin("Keys and mouse", &state.help,
                ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoCollapse);
+  const ImVec2 at = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
+  covered_.push_back({at.x, at.y, at.x + size.x, at.y + size.y});
   if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_RowBg)) {
     for (const DeskKey& k : desk_keys()) {
       ImGui::TableNextRow();
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(k.keys);
+      ImGui::TextUnformatted(k.keys.c_str());
       ImGui::TableNextColumn();
-      ImGui::TextUnformatted(k.what);
+      ImGui::TextUnformatted(k.what.c_str());
     }
     ImGui::EndTable();
   }
@@ -394,6 +386,7 @@ void Desk::help(int width, int height) {
 }
 
 void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int width, int height) {
+  covered_.clear();
   ImGui::PushStyleVar(ImGuiStyleVar_WindowRounding, 0);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowBorderSize, 0);
   tools(r, height);
@@ -402,6 +395,7 @@ void Desk::draw(const DeskReading& r, const std::vector<Vec3f>& ruler_px, int wi
   legend(r, width, height);
   ImGui::PopStyleVar(2);
   help(width, height);
+  popup_ = ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
 
   if (state.compare != Compare::off) {
     const DeskStage g = desk_stage(width, height);

@@ -10,6 +10,7 @@
 #include "app/session/gauges.h"
 #include "app/session/notice.h"
 #include "app/window/desk_head.h"
+#include "app/window/hand_feed.h"
 #include "app/window/ruler.h"
 #include "app/window/screen.h"
 #include "devices/sample.h"
@@ -35,9 +36,7 @@ struct DeskFacts {
 };
 
 /// What is chosen, and what is asked for once.
-struct DeskState {
-  Tool tool = Tool::none;  // none: look around
-  float depth_mm = 4, angle_deg = 90, spacing_mm = 4;
+struct DeskState : HandChoice {
   SkinField field = SkinField::none;
   bool iso_lines = true, tension_lines = false, lattice = false;
   bool landmarks = false;  // of a head: all of them, not only those that were picked
@@ -80,14 +79,21 @@ class Desk {
   DeskState state;
 
   void notice(const Notice& n);
-  /// A key that no text field took. What it does is in the table of keys (desk_keys.cpp), which the help shows as well.
+  /// A key that neither a text field nor the hand took (desk_keys.h).
   void key(int32_t code, uint32_t mods);
+  /// The hand has taken a tool.
+  void took(Tool tool);
+  static const std::vector<DeskKey>& keys();
   /// Builds the panels: between ImGui::NewFrame and ImGui::Render. width, height: of the frame in the panels' units,
   /// pixels over desk_scale(); so are the places of marks and of the ruler's points.
   void draw(const DeskReading& reading, const std::vector<Vec3f>& ruler_px, int width, int height);
   void say(const std::string& line) { last_word_ = line; }
+  /// What the panels of the last frame cover, in their own units; whether a list is open.
+  const std::vector<FrameRect>& covered() const { return covered_; }
+  bool popup() const { return popup_; }
 
  private:
+  void panel(const char* name, float x, float y, float w, float h);
   void tools(const DeskReading& r, int height);
   void patient(const DeskReading& r, int width, int height);
   void lanes(const DeskReading& r, int width, int height);
@@ -101,6 +107,8 @@ class Desk {
   DeskFacts facts_;
   std::deque<Notice> notices_;
   std::string last_word_;
+  std::vector<FrameRect> covered_;
+  bool popup_ = false;
 };
 
 /// How much larger than by default the panels are in a frame of so many pixels, in quarters: on a screen of 2160 lines
@@ -114,12 +122,5 @@ struct DeskStage {
   double aspect = 1;  // width over height, in pixels
 };
 DeskStage desk_stage(int width, int height);
-
-/// A line of the cheat sheet.
-struct DeskKey {
-  const char* keys;
-  const char* what;
-};
-const std::vector<DeskKey>& desk_keys();
 
 }  // namespace limberg

@@ -1,152 +1,205 @@
-// Keys and mouse of the window, in one place. The mouse is that of radiology and surgery viewers: the left button does
-// what is chosen, the right one turns, the middle one shifts, the wheel comes nearer.
+// The mouse is that of radiology and surgery viewers: the left button does what is chosen, the right one turns, the
+// middle one shifts, the wheel comes nearer.
+#include "app/window/desk_keys.h"
+
+#include <algorithm>
+
 #include "app/window/desk.h"
 #include "render/quality.h"
 
 namespace limberg {
 
-const std::vector<DeskKey>& desk_keys() {
-  static const std::vector<DeskKey> keys{
+namespace {
+
+/// "look around, scalpel, ...", in the order of their keys.
+std::string tools_in_words() {
+  std::string all;
+  for (const DeskTool& t : kDeskTools) {
+    std::string name = t.name;
+    name[0] = char(name[0] - 'A' + 'a');
+    all += (all.empty() ? "" : ", ") + name;
+  }
+  return all;
+}
+
+template <class T>
+void turn_on(T& value, int n) {
+  value = T((int(value) + 1) % n);
+}
+
+}  // namespace
+
+ControlSample control_of(const HandChoice& h) {
+  ControlSample c;
+  c.kind = ControlSample::select_tool;
+  c.tool = h.tool;
+  c.value[kDepth] = h.tool == Tool::suture || h.tool == Tool::suture_row ? 0 : double(h.depth_mm);
+  c.value[kAngle] = double(h.angle_deg);
+  c.value[kSpacing] = double(h.spacing_mm);
+  return c;
+}
+
+const std::vector<DeskKey>& Desk::keys() {
+  using E = WindowEvent;
+  static const std::vector<DeskKey> all{
       {"left button", "use the tool; without a tool: turn"},
       {"right button", "turn the view"},
       {"middle button, Shift + right", "shift the view"},
       {"wheel", "nearer, farther; with a hook held: lift"},
-      {"Space held", "clutch: the hands move, what they hold stays; then it follows from there"},
-      {"1 or Esc", "look around"},
-      {"2, 3, 4", "scalpel, undermine, excise"},
-      {"5, 6, 7", "hook, stitch, row of stitches"},
-      {"8, 9", "on bone: saw, grab a fragment"},
-      {"F", "the face over the bones: solid, clear, hidden"},
-      {"Ctrl+Z, Ctrl+Y", "undo, redo"},
-      {"N", "show me the next step of the lesson"},
-      {"T", "colours: tension of the skin (of a head: how far the face has moved), off"},
+      {"Space held",
+       "clutch: the hands move, what they hold stays; then it follows from there",
+       {E::space},
+       false,
+       HandKey::clutch},
+      {"1 to 9, 0", tools_in_words(), {}, false, HandKey::tool},
+      {"Esc",
+       "look around; close this list",
+       {E::escape},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) {
+         if (d.state.help)
+           d.state.help = false;
+         else
+           d.choose(Tool::none), d.state.ruler = false;
+       }},
+      {"F",
+       "the face over the bones: solid, clear, hidden",
+       {'F'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { turn_on(d.state.face, 3); }},
+      {"Ctrl+Z", "undo; with Shift: redo", {'Z'}, true, HandKey::undo},
+      {"Ctrl+Y", "redo", {'Y'}, true, HandKey::redo},
+      {"N", "show me the next step of the lesson", {'N'}, false, HandKey::next},
+      {"T",
+       "colours: tension of the skin (of a head: how far the face has moved), off",
+       {'T'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.choose_field(d.state.field == SkinField::none ? d.first_field() : SkinField::none); }},
       {"V, Shift+V",
-       "the next field in colours, the one before: stretch, area, stress, height, displacement, perfusion"},
-      {"I", "iso-lines of the colours"},
-      {"D", "directions in which the skin is stretched most and least"},
-      {"L", "tension lines of the skin"},
-      {"X", "lattice; cells of which there are several copies in orange"},
-      {"B", "before and after: wipe, side by side, off"},
-      {"M", "measure: two points a length, three an angle"},
+       "the next field in colours, the one before: stretch, area, stress, height, displacement, perfusion",
+       {'V'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t mods) {
+         const SkinField f = d.state.field;
+         if (!d.facts_.skin)
+           d.choose_field(f == SkinField::none ? SkinField::moved : SkinField::none);
+         else
+           d.choose_field(SkinField((int(f) + (mods & WindowEvent::shift ? kSkinFields - 1 : 1)) % kSkinFields));
+       }},
+      {"I",
+       "iso-lines of the colours",
+       {'I'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.state.iso_lines = !d.state.iso_lines; }},
+      {"D",
+       "directions in which the skin is stretched most and least",
+       {'D'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.state.directions = !d.state.directions; }},
+      {"L",
+       "tension lines of the skin",
+       {'L'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.state.tension_lines = !d.state.tension_lines; }},
+      {"X",
+       "lattice; cells of which there are several copies in orange",
+       {'X'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.state.lattice = !d.state.lattice; }},
+      {"B",
+       "before and after: wipe, side by side, off",
+       {'B'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { turn_on(d.state.compare, 3); }},
+      {"M",
+       "measure: two points a length, three an angle",
+       {'M'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) {
+         d.state.ruler = !d.state.ruler;
+         if (d.state.ruler) d.choose(Tool::none);
+       }},
       {"K",
        "pick the place under the mouse, on bone or face; beside the patient: where the tool touches. \"Bones\" saws, "
-       "moves, plates and joins by what was picked"},
-      {"C", "the skull beside a normal one, beside its mirror image, alone"},
-      {"W", "triangles"},
-      {"S", "quality: by frame time, half size, fast, fine skin, shadows, occlusion"},
-      {"A", "stereo: side by side, red-cyan, off"},
-      {"P", "picture into a file"},
-      {"R", "keep the recording of this session, or do not"},
-      {"Home", "the first view again"},
-      {"? or F1", "this list"}};
-  return keys;
+       "moves, plates and joins by what was picked",
+       {'K'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.state.head.pick = d.facts_.head; }},
+      {"C",
+       "the skull beside a normal one, beside its mirror image, alone",
+       {'C'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) {
+         if (d.facts_.head) turn_on(d.state.head.beside, 3);
+       }},
+      {"W",
+       "triangles",
+       {'W'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.state.wireframe = !d.state.wireframe; }},
+      {"S",
+       "quality: by frame time, half size, fast, fine skin, shadows, occlusion",
+       {'S'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { turn_on(d.state.quality, 1 + kLiveLevels); }},
+      {"A",
+       "stereo: side by side, red-cyan, off",
+       {'A'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { turn_on(d.state.stereo, 3); }},
+      {"P", "picture into a file", {'P'}, false, HandKey::none, [](Desk& d, uint32_t) { d.state.picture = true; }},
+      {"R",
+       "keep the recording of this session, or do not",
+       {'R'},
+       false,
+       HandKey::none,
+       [](Desk& d, uint32_t) { d.state.keep_recording = d.facts_.recording.empty() && !d.state.keep_recording; }},
+      {"Home", "the first view again", {E::home}, false, HandKey::none, [](Desk& d, uint32_t) { d.state.home = true; }},
+      {"? or F1", "this list", {E::question, E::f1}, false, HandKey::none, [](Desk& d, uint32_t) {
+         d.state.help = !d.state.help;
+       }}};
+  return all;
+}
+
+const std::vector<DeskKey>& desk_keys() { return Desk::keys(); }
+
+const DeskTool* tool_of_key(int32_t code) {
+  const auto* const t =
+      std::find_if(kDeskTools.begin(), kDeskTools.end(), [&](const DeskTool& d) { return d.key == code; });
+  return t == kDeskTools.end() ? nullptr : t;
+}
+
+const DeskKey* desk_key(int32_t code, uint32_t mods) {
+  const bool control = mods & WindowEvent::control;
+  for (const DeskKey& k : desk_keys()) {
+    const bool tool = k.hand == HandKey::tool && tool_of_key(code);
+    if (k.control == control && code != 0 && (tool || k.code[0] == code || k.code[1] == code)) return &k;
+  }
+  return nullptr;
 }
 
 void Desk::key(int32_t code, uint32_t mods) {
-  DeskState& s = state;
-  const auto turn_on = [](auto value, int n) { return decltype(value)((int(value) + 1) % n); };
-  if (mods & WindowEvent::control) {
-    if (code == 'Z') (mods & WindowEvent::shift ? s.redo : s.undo) = true;
-    if (code == 'Y') s.redo = true;
-    return;
-  }
-  switch (code) {
-    case '1':
-    case WindowEvent::escape:
-      if (code == WindowEvent::escape && s.help)
-        s.help = false;
-      else
-        choose(Tool::none), s.ruler = false;
-      break;
-    case '2':
-      choose(Tool::scalpel);
-      break;
-    case '3':
-      choose(Tool::undermine);
-      break;
-    case '4':
-      choose(Tool::excise);
-      break;
-    case '5':
-      choose(Tool::hook);
-      break;
-    case '6':
-      choose(Tool::suture);
-      break;
-    case '7':
-      choose(Tool::suture_row);
-      break;
-    case '8':
-      choose(Tool::saw);
-      break;
-    case '9':
-      choose(Tool::grab);
-      break;
-    case 'F':
-      s.face = (s.face + 1) % 3;
-      break;
-    case 'N':
-      s.next = true;
-      break;
-    case 'T':
-      choose_field(s.field == SkinField::none ? first_field() : SkinField::none);
-      break;
-    case 'V':
-      if (!facts_.skin)
-        choose_field(s.field == SkinField::none ? SkinField::moved : SkinField::none);
-      else
-        choose_field(SkinField((int(s.field) + (mods & WindowEvent::shift ? kSkinFields - 1 : 1)) % kSkinFields));
-      break;
-    case 'I':
-      s.iso_lines = !s.iso_lines;
-      break;
-    case 'L':
-      s.tension_lines = !s.tension_lines;
-      break;
-    case 'X':
-      s.lattice = !s.lattice;
-      break;
-    case 'D':
-      s.directions = !s.directions;
-      break;
-    case 'B':
-      s.compare = turn_on(s.compare, 3);
-      break;
-    case 'M':
-      s.ruler = !s.ruler;
-      if (s.ruler) choose(Tool::none);
-      break;
-    case 'K':
-      s.head.pick = facts_.head;
-      break;
-    case 'C':
-      if (facts_.head) s.head.beside = turn_on(s.head.beside, 3);
-      break;
-    case 'W':
-      s.wireframe = !s.wireframe;
-      break;
-    case 'S':
-      s.quality = (s.quality + 1) % (1 + kLiveLevels);
-      break;
-    case 'A':
-      s.stereo = turn_on(s.stereo, 3);
-      break;
-    case 'P':
-      s.picture = true;
-      break;
-    case 'R':
-      s.keep_recording = facts_.recording.empty() && !s.keep_recording;
-      break;
-    case WindowEvent::home:
-      s.home = true;
-      break;
-    case WindowEvent::question:
-    case WindowEvent::f1:
-      s.help = !s.help;
-      break;
-    default:
-      break;
-  }
+  if (const DeskKey* k = desk_key(code, mods); k && k->act) k->act(*this, mods);
+}
+
+void Desk::took(Tool tool) {
+  state.tool = tool;
+  if (tool != Tool::none) state.ruler = false;
 }
 
 }  // namespace limberg

@@ -99,8 +99,10 @@ struct GlfwScreen::Impl {
 
   static Impl& of(GLFWwindow* w) { return *static_cast<Impl*>(glfwGetWindowUserPointer(w)); }
   void send(const WindowEvent& e) {
-    screen.events.push(e);
-    if (screen.on_event) screen.on_event(e);
+    if (screen.on_event)
+      screen.on_event(e);
+    else
+      screen.events.push(e);
   }
   void measure() {
     int w = 0, h = 0, fw = 0, fh = 0;
@@ -130,7 +132,10 @@ GlfwScreen::GlfwScreen(const std::string& title, int w, int h) : impl_(new Impl{
   glfwSetWindowUserPointer(g, impl_.get());
   impl_->measure();
   glfwSetFramebufferSizeCallback(g, [](GLFWwindow* x, int, int) { Impl::of(x).measure(); });
-  glfwSetWindowCloseCallback(g, [](GLFWwindow* x) { Impl::of(x).screen.open = false; });
+  glfwSetWindowCloseCallback(g, [](GLFWwindow* x) {
+    Impl::of(x).screen.open = false;
+    glfwHideWindow(x);  // the session may have something left to do
+  });
   glfwSetCursorPosCallback(g, [](GLFWwindow* x, double px, double py) {
     Impl& i = Impl::of(x);
     WindowEvent e;

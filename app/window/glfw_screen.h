@@ -15,8 +15,8 @@ class GlfwScreen final : public Screen {
   ~GlfwScreen() override;
   std::unique_ptr<GlContext> context() override;
 
-  /// Takes what the desktop has to say. `pointer` hears every movement and click of the mouse as well (x, y in pixels
-  /// of the frame, left button down), before the render thread does.
+  /// Takes what the desktop has to say. `on_event` hears it (x, y in pixels of the frame) and passes on what the render
+  /// thread is to see; without it, that is everything.
   void pump();
   std::function<void(const WindowEvent& event)> on_event;
 

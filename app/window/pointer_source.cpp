@@ -4,143 +4,42 @@
 #include <cmath>
 
 #include "app/window/ray_cast.h"
-#include "devices/head_surgeon.h"
-#include "sim/commands/strokes.h"
 
 namespace limberg {
 
 namespace {
-
 constexpr int64_t kRepeatNs = 12'000'000;  // a hand that rests is still there
-constexpr float kLiftPerNotch_mm = 1.5f;
-
-SurgeonSettings steady_hand() {
-  SurgeonSettings s;
-  s.noise_mm = s.noise_rad = s.tremor_mm = 0;
-  s.dropouts_per_s = 0;
-  s.start_s = 0.15, s.settle_s = 0.2;
-  s.device_id = PointerSource::kDevice;
-  return s;
-}
-
-}  // namespace
-
-void PointerReader::pointer(float x_px, float y_px) {
-  x_ = x_px, y_ = y_px;
-  send();
-}
-
-void PointerReader::left_button(bool down) {
-  if (down && feed_.panels_have_pointer.load()) return;
-  now_.pressed = down;
-  if (down) now_.lift_mm = 0;
-  send();
-}
-
-void PointerReader::wheel(float notches) {
-  if (!now_.pressed) return;
-  now_.lift_mm += kLiftPerNotch_mm * notches;
-  send();
-}
-
-void PointerReader::send() {
-  feed_.sight.update();
-  const PointerFeed::Sight& s = feed_.sight.reading();
-  now_.eye_mm = s.view.eye_mm;
-  now_.towards = s.view.ray_through(x_, y_, s.width, s.height);
-  now_.inside = now_.pressed || !feed_.panels_have_pointer.load();
-  feed_.readings.push(now_);
-}
-
-std::vector<std::vector<Command>> lesson_steps(const std::vector<Command>& script) {
-  std::vector<std::vector<Command>> steps;
-  for (const Command& c : join_strokes(script)) {
-    const bool follows = std::holds_alternative<Wait>(c) || std::holds_alternative<Stage>(c);
-    if (steps.empty() || !follows) steps.emplace_back();
-    steps.back().push_back(c);
-  }
-  return steps;
-}
-
-PointerSource::PointerSource(PointerFeed& feed, const std::vector<std::vector<Command>>& lesson, bool stays)
-    : feed_(feed), lesson_(lesson), stays_(stays) {}
-
-// Samples of the hand that shows, renumbered and on the session's clock.
-class PointerSource::Forward final : public SampleSink {
- public:
-  Forward(PointerSource& owner, int64_t began_ns, SampleSink& to) : owner_(owner), began_ns_(began_ns), to_(to) {}
-  void on_sample(const Sample& sample) override {
-    ++owner_.sent_;
-    if (const auto* c = std::get_if<ControlSample>(&sample)) {
-      ControlSample out = *c;
-      if (out.kind == ControlSample::select_tool) owner_.tool_ = out.tool;
-      out.seq = owner_.control_seq_++, out.t_ns += began_ns_;
-      to_.on_sample(out);
-    } else {
-      StylusSample out = std::get<StylusSample>(sample);
-      out.seq = owner_.stylus_seq_++, out.t_ns += began_ns_;
-      owner_.last_sent_ns_ = out.t_ns;
-      to_.on_sample(out);
-    }
-  }
-
- private:
-  PointerSource& owner_;
-  int64_t began_ns_;
-  SampleSink& to_;
-};
-
-bool PointerSource::show(int64_t now_ns, SampleSink& sink) {
-  if (began_ns_ < 0 && shown_ < lesson_.size() && feed_.next_wanted.load() > int(shown_) && !pressed_ && seen_ &&
-      seen_->topology) {
-    // What acts on bone, and everything where there is no skin, is shown by the hand for bone: with the stylus, as the
-    // mouse is one.
-    const std::vector<Command>& step = lesson_[shown_];
-    const bool bone = !seen_->topology->body || std::any_of(step.begin(), step.end(), [](const Command& c) {
-      return std::holds_alternative<HeadCommand>(c);
-    });
-    if (bone)
-      hand_ = std::make_unique<EmulatedHeadSurgeon>(step, steady_hand(), HeadHands::stylus);
-    else
-      hand_ = std::make_unique<EmulatedSurgeon>(step, steady_hand());
-    began_ns_ = now_ns + 1;
-    ++shown_;
-    feed_.next_shown.store(int(shown_));
-    feed_.showing.store(true);
-  }
-  if (began_ns_ < 0) return false;
-  Source& hand = *hand_;
-  if (seen_) hand.look(*seen_);
-  Forward forward(*this, began_ns_, sink);
-  if (now_ns >= began_ns_) hand.poll(now_ns - began_ns_, forward);
-  if (hand.done()) {
-    began_ns_ = -1;
-    feed_.showing.store(false);
-  }
-  return true;
 }
 
 void PointerSource::poll(int64_t now_ns, SampleSink& sink) {
-  for (ControlSample c; feed_.choices.pop(c);) {
-    if (c.kind == ControlSample::select_tool) tool_ = c.tool;
-    c.device_id = kDevice, c.seq = control_seq_++, c.t_ns = now_ns;
-    ++sent_;
-    sink.on_sample(c);
+  bool placed = false;
+  for (HandInput i; !placed && feed_.input.pop(i);) {
+    if (auto* c = std::get_if<ControlSample>(&i)) {
+      if (c->kind == ControlSample::select_tool) tool_ = c->tool;
+      c->device_id = kDevice, c->seq = control_seq_++, c->t_ns = now_ns;
+      ++sent_;
+      sink.on_sample(*c);
+    } else if (const auto* s = std::get_if<StylusSample>(&i)) {
+      placed = true;
+      if (now_ns > last_sent_ns_) hand_on(*s, now_ns, sink);
+    } else {
+      placed = true;
+      take(std::get<PointerReading>(i), now_ns, sink);
+    }
   }
-  if (show(now_ns, sink)) {
-    for (PointerReading r; feed_.readings.pop(r);) last_ = r;  // the hand that shows has the tool
-    return;
-  }
-  // One reading a tick; a change of the button is never passed over.
-  PointerReading r;
-  bool fresh = false;
-  while (feed_.readings.pop(r)) {
-    fresh = true;
-    if (r.pressed != last_.pressed) break;
-  }
-  if (fresh) last_ = r, have_last_ = true;
-  if (fresh || (have_last_ && now_ns - last_sent_ns_ >= kRepeatNs)) point(last_, now_ns, sink);
+  if (!placed && have_last_ && !feed_.showing && now_ns - last_sent_ns_ >= kRepeatNs) point(last_, now_ns, sink);
   seen_ = nullptr;
+}
+
+// A mouse that is read more often than a tick is followed by every second place: what has waited is caught up with, and
+// a stroke keeps its shape. A change of the button is never passed over.
+void PointerSource::take(const PointerReading& reading, int64_t now_ns, SampleSink& sink) {
+  PointerReading r = reading;
+  if (const HandInput* next = feed_.input.front())
+    if (const auto* n = std::get_if<PointerReading>(next); n && n->pressed == r.pressed && r.pressed == last_.pressed)
+      r = *n, feed_.input.drop();
+  last_ = r, have_last_ = true;
+  point(r, now_ns, sink);
 }
 
 void PointerSource::point(const PointerReading& r, int64_t now_ns, SampleSink& sink) {
@@ -168,13 +67,16 @@ void PointerSource::point(const PointerReading& r, int64_t now_ns, SampleSink& s
 
 void PointerSource::send(const Vec3f& tip_mm, const Vec3f& shaft, bool pressed, int64_t now_ns, SampleSink& sink) {
   StylusSample s;
-  s.device_id = kDevice, s.seq = stylus_seq_++, s.t_ns = now_ns;
   s.tip_mm = tip_mm.cast<double>();
   const Eigen::Quaterniond q = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), shaft.cast<double>());
   s.quat = {q.w(), q.x(), q.y(), q.z()};
   s.buttons = pressed ? 1 : 0;
   pressed_ = pressed;
-  last_sent_ns_ = now_ns;
+  hand_on(s, now_ns, sink);
+}
+
+void PointerSource::hand_on(StylusSample s, int64_t now_ns, SampleSink& sink) {
+  s.device_id = kDevice, s.seq = stylus_seq_++, s.t_ns = last_sent_ns_ = now_ns;
   ++sent_;
   sink.on_sample(s);
 }

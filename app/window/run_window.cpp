@@ -1,7 +1,10 @@
 #include "app/window/run_window.h"
 
 #include "app/pictures/pictures.h"
+#include "app/session/clock.h"
 #include "app/window/glfw_screen.h"
+#include "app/window/input_router.h"
+#include "app/window/pointer_source.h"
 #include "app/window/waiting.h"
 #include "app/window/window_frames.h"
 #include "sim/commands/words.h"
@@ -27,31 +30,35 @@ class MouseWindow final : public SessionWindow {
  public:
   MouseWindow(const Scene& scene, const WindowCall& call)
       : mouse_(call.mouse),
-        lesson_(lesson_steps(call.lesson)),
         screen_("Limberg: " + scene.name, 1280, 720),
-        reader_(feed_),
+        router_(screen_, feed_, lesson_steps(call.lesson), call.mouse),
         frames_(screen_, feed_, &gauges_, {facts(scene, call), scene_camera(scene), call.picture_dir}) {
     show_words(screen_, scene.head ? "Making the head ..." : "Making the patient ...");
-    if (!call.mouse) return;
-    screen_.on_event = [this](const WindowEvent& e) {
-      if (e.kind == WindowEvent::pointer) reader_.pointer(e.x, e.y);
-      if (e.kind == WindowEvent::button && e.code == 0) reader_.left_button(e.down);
-      if (e.kind == WindowEvent::wheel) reader_.wheel(e.y);
-    };
+    screen_.on_event = [this](const WindowEvent& e) { router_.take(e); };
   }
   PictureSink& sink() override { return frames_; }
-  std::unique_ptr<Source> pointer() override { return std::make_unique<PointerSource>(feed_, lesson_, mouse_); }
+  std::unique_ptr<Source> pointer(Channels& channels) override {
+    router_.look_with([&channels](bool wanted) -> const Snapshot* {
+      channels.want_patient_shown.store(wanted, std::memory_order_relaxed);
+      if (!wanted) return nullptr;
+      channels.patient_to_main.update();
+      return &channels.patient_to_main.reading().snapshot;
+    });
+    return std::make_unique<PointerSource>(feed_, mouse_);
+  }
   LaneGauges& gauges() override { return gauges_; }
-  void pump() override { screen_.pump(); }
+  void pump() override {
+    screen_.pump();
+    router_.pump(RealClock::monotonic_ns());
+  }
   bool keep_recording() const override { return feed_.keep_recording.load(); }
 
  private:
   bool mouse_;
-  std::vector<std::vector<Command>> lesson_;
   LaneGauges gauges_;
-  PointerFeed feed_;
+  HandFeed feed_;
   GlfwScreen screen_;
-  PointerReader reader_;
+  InputRouter router_;
   WindowFrames frames_;
 };
 

@@ -25,7 +25,8 @@ class SessionWindow {
  public:
   virtual ~SessionWindow() = default;
   virtual PictureSink& sink() = 0;
-  virtual std::unique_ptr<Source> pointer() = 0;  // the mouse and the palette, as a device
+  /// The mouse and the palette, as a device of a session with these channels.
+  virtual std::unique_ptr<Source> pointer(Channels& channels) = 0;
   virtual LaneGauges& gauges() = 0;
   virtual void pump() = 0;
   /// Whether the operator wants to keep the recording that was made in any case.

@@ -1,12 +1,12 @@
 #pragma once
 // Where the window's frames go and its events come from: a real window (glfw_screen.h), or memory in a test.
 //
-// Events are made on the main thread and read on the render thread.
+// Events are made on the main thread (input_router.h) and read on the render thread.
 #include <atomic>
 #include <cstdint>
 #include <memory>
 
-#include "app/session/spsc_ring.h"
+#include "devices/spsc_ring.h"
 #include "render/gl_context.h"
 
 namespace limberg {
@@ -35,6 +35,10 @@ struct WindowEvent {
   int32_t code = 0;    // button: 0 left, 1 right, 2 middle; key: Key; text: code point
   int32_t down = 0;
   uint32_t mods = 0;
+  // What the InputRouter decided:
+  uint64_t number = 0;      // in the order of all events
+  bool for_panels = false;  // a button, the wheel: over a panel; a key: a text field has it
+  bool for_hand = false;    // a key: the hand has heard it
 };
 
 class Screen {

@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cfloat>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -87,7 +88,7 @@ void set_style() {
 }  // namespace
 
 struct WindowFrames::Impl {
-  PointerFeed& feed;
+  HandFeed& feed;
   const LaneGauges* gauges;
   WindowSettings set;
   Desk desk;
@@ -108,8 +109,7 @@ struct WindowFrames::Impl {
   float scale = 1;     // pixels for one unit of the panels
   bool buttons[3]{};
   bool turning = false, shifting = false;
-  bool clutch = false;       // the key is down
-  bool was_showing = false;  // a step of the lesson, in the last frame
+  uint64_t taken = 0;  // number of the last event
   SecondHand glove;
   int unseen = 2;  // frames still to be drawn after the last event: panels need two to settle
   int since_frame = 0;
@@ -126,7 +126,7 @@ struct WindowFrames::Impl {
   double samples_per_s = 0, pictures_per_s = 0;
   int pictures = 0;
 
-  Impl(PointerFeed& f, const LaneGauges* g, WindowSettings s)
+  Impl(HandFeed& f, const LaneGauges* g, WindowSettings s)
       : feed(f), gauges(g), set(std::move(s)), desk(set.facts), camera(set.camera) {}
 
   /// The camera for a frame of this shape: a narrow one sees as much from left to right as one of 5 by 4.
@@ -164,11 +164,12 @@ struct WindowFrames::Impl {
         break;
       }
       case WindowEvent::button: {
-        const bool over_panel = io.WantCaptureMouse && e.down;
         buttons[e.code] = e.down;
         io.MouseDown[e.code] = e.down;
+        // A press beside the panels ends typing and touches none of them, wherever they have moved since it was made.
+        io.MousePos = e.down && !e.for_panels ? ImVec2(-FLT_MAX, -FLT_MAX) : ImVec2(x / scale, y / scale);
         if (!e.down) turning = shifting = false;
-        if (!e.down || over_panel) break;
+        if (!e.down || e.for_panels) break;
         if (drag_turns(e))
           turning = true;
         else if (e.code == 2 || e.code == 1)
@@ -180,65 +181,75 @@ struct WindowFrames::Impl {
         break;
       }
       case WindowEvent::wheel:
-        io.MouseWheel += e.y;
-        if (!io.WantCaptureMouse && !buttons[0]) approach(camera, std::pow(0.9f, e.y));
+        if (e.for_panels)
+          io.MouseWheel += e.y;
+        else if (!buttons[0])
+          approach(camera, std::pow(0.9f, e.y));
         break;
       case WindowEvent::key:
         io.KeyCtrl = e.mods & WindowEvent::control, io.KeyShift = e.mods & WindowEvent::shift,
         io.KeyAlt = e.mods & WindowEvent::alt;
         if (imgui_key(e.code) >= 0) io.KeysDown[e.code] = e.down;
-        if (e.code == WindowEvent::space)
-          hold_clutch(e.down && (clutch || !io.WantTextInput));
-        else if (e.down && !io.WantTextInput)
+        if (e.for_hand)
+          mirror(e);
+        else if (e.down && !e.for_panels)
           desk.key(e.code, e.mods);
         break;
       case WindowEvent::text:
-        io.AddInputCharacter(unsigned(e.code));
-        if (e.code == '?' && !io.WantTextInput) desk.key(WindowEvent::question, 0);
+        if (e.for_panels)
+          io.AddInputCharacter(unsigned(e.code));
+        else if (e.code == '?')
+          desk.key(WindowEvent::question, 0);
         break;
       default:
         break;
     }
   }
 
-  void hold_clutch(bool down) {
-    if (down == clutch) return;  // a key that repeats
-    clutch = down;
-    ControlSample c;
-    c.kind = ControlSample::clutch;
-    c.value[0] = down;
-    feed.choices.push(c);
-    desk.say(down ? "clutch: the hands move, what they hold does not" : "");
+  /// A key that the hand has heard: what is seen of it.
+  void mirror(const WindowEvent& e) {
+    const DeskKey* k = desk_key(e.code, e.mods);
+    if (!k) return;
+    if (k->hand == HandKey::tool && e.down) desk.took(tool_of_key(e.code)->tool);
+    if (k->hand == HandKey::clutch) desk.say(e.down ? "clutch: the hands move, what they hold does not" : "");
   }
 
-  void choose(ControlSample::Kind kind) {
-    ControlSample c;
-    c.kind = kind;
-    if (kind == ControlSample::select_tool) {
-      const DeskState& d = desk.state;
-      c.tool = d.tool;
-      c.value[kDepth] = d.tool == Tool::suture || d.tool == Tool::suture_row ? 0 : double(d.depth_mm);
-      c.value[kAngle] = double(d.angle_deg);
-      c.value[kSpacing] = double(d.spacing_mm);
-    }
-    feed.choices.push(c);
-  }
-
-  // What the panels asked for in the last frame.
+  // What the panels asked for in this frame.
   void carry_out() {
     DeskState& d = desk.state;
-    if (d.tool_changed) choose(ControlSample::select_tool);
-    if (d.undo) choose(ControlSample::undo);
-    if (d.redo) choose(ControlSample::redo);
-    if (d.next && !feed.showing) feed.next_wanted.fetch_add(1);
+    const auto control = [&](const ControlSample& c) { feed.answers.push(c); };
+    const auto plain = [&](ControlSample::Kind kind) {
+      ControlSample c;
+      c.kind = kind;
+      control(c);
+    };
+    if (d.tool_changed) feed.answers.push(static_cast<const HandChoice&>(d));
+    if (d.undo) plain(ControlSample::undo);
+    if (d.redo) plain(ControlSample::redo);
+    if (d.next) feed.answers.push(ShowNext{});
     if (d.home) camera = set.camera;
     if (!d.ruler) ruler.clear();
     if (d.head.tie)
-      if (const auto c = d.head.tied()) feed.choices.push(*c);
-    if (const auto c = d.head.laid_upon()) feed.choices.push(*c);
-    for (const ControlSample& c : d.head.asked()) feed.choices.push(c);
+      if (const auto c = d.head.tied()) control(*c);
+    if (const auto c = d.head.laid_upon()) control(*c);
+    for (const ControlSample& c : d.head.asked()) control(c);
     d.head.ask = DeskHead::Ask::nothing;
     d.tool_changed = d.undo = d.redo = d.next = d.home = d.head.tie = false;
+  }
+
+  /// What the person sees now, and that everything up to the last event has been answered.
+  void tell(const View& view, int width, int height) {
+    FrameSeen& f = feed.seen.writing();
+    f.view = view, f.width = width, f.height = height;
+    f.panels = std::min(desk.covered().size(), f.panel.size());
+    for (size_t i = 0; i < f.panels; ++i) {
+      const FrameRect& r = desk.covered()[i];
+      f.panel[i] = {r.x0 * scale, r.y0 * scale, r.x1 * scale, r.y1 * scale};
+    }
+    f.popup = desk.popup();
+    f.typing = ImGui::GetIO().WantTextInput && ImGui::IsAnyItemActive();
+    feed.seen.publish();
+    feed.answered.store(taken, std::memory_order_release);
   }
 
   void save_picture(const Image& image) {
@@ -355,19 +366,15 @@ struct WindowFrames::Impl {
       clicked |= counts;
       waiting.pop_front();
       take(e, s, width, height);
+      taken = std::max(taken, e.number);
       if (desk.state.head.pick) break;  // of what lay under the mouse when the key was pressed
     }
     if (!first) first = s;
-    // The hand that showed a step took tools of its own: the mouse has again what is chosen here.
     const bool showing = feed.showing;
-    desk.state.tool_changed |= was_showing && !showing;
-    was_showing = showing;
     if (s.topology) desk.state.head.see(s.topology->landmark);
     carry_out();
 
     const View view = look(width, height);
-    feed.sight.writing() = {view, width, height};
-    feed.sight.publish();
 
     ToolPose held = tool_pose(tool, glove);
     if (!set.facts.own_device && desk.state.tool == Tool::none && !showing)
@@ -395,7 +402,7 @@ struct WindowFrames::Impl {
 
     DeskReading r;
     r.shown = &s, r.gauges = gauges, r.ruler = ruler.read(s);
-    r.lesson_begun = feed.next_shown, r.showing = feed.showing, r.at_leisure = at_leisure && desk.state.quality == 0;
+    r.lesson_begun = feed.next_begun, r.showing = feed.showing, r.at_leisure = at_leisure && desk.state.quality == 0;
     r.field = field, r.samples_per_s = samples_per_s, r.pictures_per_s = pictures_per_s;
     if (beside) {
       static constexpr SkinFieldLook kDistance{"Distance", "Distance from the other skull", "mm",
@@ -412,18 +419,18 @@ struct WindowFrames::Impl {
     ImGui::NewFrame();
     desk.draw(r, ruler_px, int(std::lround(io.DisplaySize.x)), int(std::lround(io.DisplaySize.y)));
     ImGui::Render();
-    feed.panels_have_pointer = io.WantCaptureMouse;
     if (desk.state.head.pick) {  // now the panels know where the mouse is
       constexpr int kHidden = 2;
       const RayHit hit = io.WantCaptureMouse ? RayHit{}
                                              : cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height),
                                                         desk.state.face == kHidden);
       if (hit.triangle >= 0 || set.facts.own_device)
-        feed.choices.push(desk.state.head.picked(s, hit.triangle, hit.bary));
+        feed.answers.push(desk.state.head.picked(s, hit.triangle, hit.bary));
       else
         desk.say("nothing lies under the mouse: point at bone or face and press K");
       desk.state.head.pick = false;
     }
+    carry_out();
 
     const auto began = std::chrono::steady_clock::now();
     if (desk.state.picture) {  // the patient alone, as well as it can be drawn
@@ -450,6 +457,7 @@ struct WindowFrames::Impl {
     renderer->compose(width, height);
     ui->paint(*ImGui::GetDrawData(), width, height);
     renderer->present(width, height);
+    tell(view, width, height);
     if (!same && desk.state.quality == 0)
       ladder.frame(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
     feed.keep_recording.store(desk.state.keep_recording, std::memory_order_relaxed);
@@ -458,7 +466,7 @@ struct WindowFrames::Impl {
   }
 };
 
-WindowFrames::WindowFrames(Screen& screen, PointerFeed& feed, const LaneGauges* gauges, WindowSettings settings)
+WindowFrames::WindowFrames(Screen& screen, HandFeed& feed, const LaneGauges* gauges, WindowSettings settings)
     : screen_(screen), impl_(new Impl(feed, gauges, std::move(settings))) {}
 WindowFrames::~WindowFrames() { finish(); }
 

@@ -5,14 +5,15 @@
 // move the quality is what the time of a frame allows (quality.h); when nothing has moved for a while the picture is
 // drawn once more with shadows and occlusion.
 //
-// Lives on the render thread. What the mouse does to the patient does not pass through here but through PointerReader
-// (pointer_source.h), on the main thread; here are the camera, the panels, the ruler and the choice of tools.
+// Lives on the render thread. What a person does to the patient does not pass through here but through InputRouter
+// (input_router.h), on the main thread; here are the camera, the panels and the ruler. What is chosen on a panel goes
+// back to the InputRouter.
 #include <memory>
 #include <string>
 
 #include "app/session/picture_sink.h"
 #include "app/window/desk.h"
-#include "app/window/pointer_source.h"
+#include "app/window/hand_feed.h"
 #include "app/window/screen.h"
 #include "render/image.h"
 
@@ -27,7 +28,7 @@ struct WindowSettings {
 class WindowFrames final : public PictureSink {
  public:
   /// All three must outlive it; `gauges` may be null.
-  WindowFrames(Screen& screen, PointerFeed& feed, const LaneGauges* gauges, WindowSettings settings);
+  WindowFrames(Screen& screen, HandFeed& feed, const LaneGauges* gauges, WindowSettings settings);
   ~WindowFrames() override;
 
   void prepare(const SurfaceTopology& first) override;

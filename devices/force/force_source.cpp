@@ -22,7 +22,7 @@ double ForceSource::half_space(double young_kPa, double poisson) const {
 }
 
 SkinTouch ForceSource::closest(Sheet& sheet, const Snapshot& s) {
-  if (!sheet.index.built_for(s)) sheet.index.build(*s.topology, sheet.ground), sheet.near = -1;
+  if (sheet.index.another(s)) sheet.near = -1;
   const SkinTouch touch = sheet.index.closest(s, tip_, sheet.near >= 0 && s.step % 8 != 0 ? sheet.near : -1);
   sheet.near = touch.triangle;
   return touch;
@@ -74,7 +74,7 @@ void ForceSource::make_model(const Snapshot& s) {
   if (surface) {
     SkinTouch touch;
     const Sheet& sheet = met(s, touch);
-    const bool bone = sheet.ground == Ground::bone;
+    const bool bone = sheet.index.ground() == Ground::bone;
     if (touch.triangle >= 0 &&
         touch.distance_mm < (touch.normal.dot(tip_ - touch.x_mm) < 0 ? set_.deepest_mm : set_.patch_mm)) {
       m.facets = sheet.index.facets_around(s, touch, set_.patch_mm, m.facet);

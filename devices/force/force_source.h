@@ -53,7 +53,6 @@ class ForceSource final : public Source, public ToolFollower {
  private:
   /// The surfaces that a tip can meet, each found and followed by itself.
   struct Sheet {
-    Ground ground = Ground::skin;
     SurfaceIndex index;
     int32_t near = -1;  // the triangle touched last
   };
@@ -70,7 +69,7 @@ class ForceSource final : public Source, public ToolFollower {
   std::shared_ptr<StiffnessLine> line_;
   ForceLoop loop_;
   ForceModel model_;
-  Sheet skin_{Ground::skin, {}, -1}, flesh_{Ground::flesh, {}, -1}, bone_{Ground::bone, {}, -1};
+  Sheet skin_{SurfaceIndex(Ground::skin)}, flesh_{SurfaceIndex(Ground::flesh)}, bone_{SurfaceIndex(Ground::bone)};
   const Snapshot* seen_ = nullptr;
   uint64_t step_ = ~uint64_t(0);
   int64_t answers_ = 0;

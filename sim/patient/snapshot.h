@@ -10,14 +10,13 @@
 #include "sim/body/body.h"
 #include "sim/cutting/arrangement/surface_view.h"
 #include "sim/fem/model/fem_model.h"
+#include "sim/patient/ground_index.h"
 
 namespace limberg {
 
 /// What a triangle of the view belongs to. Flesh: the finite-element block or surface, whose kinds are those of the
 /// view.
 enum class Organ : uint8_t { flesh = 0, face = 1, bone = 2, bone_cut = 3 };
-/// What a tool acts on: skin, everything of the flesh (walls and bed too), bone.
-enum class Ground : uint8_t { skin = 0, flesh = 1, bone = 2 };
 
 /// Changes only when a cut, an excision or an undo does. Immutable, shared by version.
 struct SurfaceTopology {
@@ -32,12 +31,19 @@ struct SurfaceTopology {
   SharedArray<int32_t> object;                 // per view triangle: of bone, the number of its fragment; else -1
   std::vector<std::array<int32_t, 2>> strand;  // edges of the tissue between face and bone, by view vertices
   std::vector<std::string> landmark;           // names; their places are in the snapshot
+  GroundIndices indices;                       // index() makes them
 
   Organ organ_of(size_t triangle) const { return organ.empty() ? Organ::flesh : organ[triangle]; }
   bool is_ground(size_t triangle, Ground ground) const {
     const Organ o = organ_of(triangle);
     if (ground == Ground::bone) return o == Organ::bone || o == Organ::bone_cut;
     return o == Organ::flesh && (ground == Ground::flesh || view.kind[triangle] == FaceKind::skin);
+  }
+  /// Its triangles and those around each vertex; made once, when it is first asked for.
+  const GroundIndex& index(Ground ground) const {
+    return indices.get(ground, [&] {
+      return make_ground_index(view.X_mm.size(), view.tri, [&](size_t t) { return is_ground(t, ground); });
+    });
   }
   /// On the chart of the body; where there is none, seen from in front.
   ChartPoint to_chart(const Vec3& X_mm) const { return body ? body->to_chart(X_mm) : ChartPoint(X_mm.x(), X_mm.z()); }
@@ -70,7 +76,7 @@ struct Snapshot {
   uint64_t step = 0;        // solver steps done
   int64_t device_tick = 0;  // the newest device tick it has seen
   uint64_t topology_version = 0;
-  std::shared_ptr<const SurfaceTopology> topology;  // kept alive by the solver's epoch list; readers only borrow it
+  std::shared_ptr<const SurfaceTopology> topology;  // readers of a session only borrow it
   std::vector<Vec3f> x_mm;                          // per view vertex
   std::vector<float> field;  // per view vertex: skin tension shown (largest principal stretch - 1), may be empty
   std::vector<float>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <stdexcept>
 
 #include "app/session/patient.h"
 #include "sim/base/hash.h"
@@ -78,7 +79,7 @@ class FakePatient final : public Patient {
       ++out.iterations;
       if (out.residual <= s.tolerance) break;
     }
-    ++steps_;
+    if (++steps_ == fails_at_) throw std::runtime_error("broken patient");
     return out;
   }
 
@@ -105,6 +106,10 @@ class FakePatient final : public Patient {
     h.add(residual_);
     return h.value();
   }
+  void fail_at_step(uint64_t step) { fails_at_ = step; }
+  /// Something is going on for ever.
+  void keep_busy() { busy_ = true; }
+  bool settled() const override { return !busy_; }
   const std::vector<Vec3>& x_mm() const { return x_; }
   size_t hooks() const { return hooks_.size(); }
 
@@ -137,6 +142,8 @@ class FakePatient final : public Patient {
   Hash64 log_;
   double residual_ = 0;
   uint64_t steps_ = 0;
+  bool busy_ = false;
+  uint64_t fails_at_ = 0;
 };
 
 }  // namespace limberg

@@ -1,28 +1,30 @@
 // What the device thread may not do: take memory, take a lock, write. Every live source, a glove, a stylus with the
-// surface cursor and a force device at once, on a thread of 1 kHz, with everything counted that it calls.
+// surface cursor and a force device at once, on a thread of 1 kHz, with everything counted that it calls, while the
+// patient is cut.
 #include <gtest/gtest.h>
 #include <stdio.h>
 #include <time.h>
 
+#include <algorithm>
 #include <memory>
 #include <mutex>
 
 #include "app/session/clock.h"
 #include "app/session/device_lane.h"
+#include "app/session/solver_lane.h"
 #include "app/session/thread.h"
 #include "devices/fastrak/port.h"
 #include "devices/fastrak/source.h"
 #include "devices/force/force_source.h"
 #include "devices/lcm_net_source.h"
 #include "devices/log_source.h"
+#include "devices/pick.h"
 #include "tests/app/call_counter.h"
+#include "tests/app/fake_patient.h"
 #include "tests/app/malloc_counter.h"
-#include "tests/devices/flat_patient.h"
 
 namespace limberg {
 namespace test_device_thread {
-
-using namespace test;
 
 TEST(CallCounter, SeesALockAndALine) {
   if (!call_counter::works()) GTEST_SKIP() << "a sanitizer has these calls";
@@ -35,33 +37,56 @@ TEST(CallCounter, SeesALockAndALine) {
   EXPECT_GT(call_counter::writes(), writes);
 }
 
-TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
+/// What a person and a panel say meanwhile: every tool, and controls that carry numbers and names as text.
+std::vector<Sample> controls() {
+  std::vector<Sample> all;
+  const auto say = [&](int64_t t_ms, int32_t kind, Tool tool = Tool::none, std::array<double, 4> value = {},
+                       const char* text = "") {
+    ControlSample c;
+    c.device_id = 901, c.seq = int64_t(all.size()), c.t_ns = t_ms * 1'000'000;
+    c.kind = kind, c.tool = tool, c.value = value, c.text = ShortText(text);
+    all.push_back(c);
+  };
+  say(0, ControlSample::cursor, Tool::none, {0.5});
+  int64_t t_ms = 300;
+  for (const Tool tool :
+       {Tool::scalpel, Tool::suture_row, Tool::suture, Tool::hook, Tool::saw, Tool::scissors, Tool::excise})
+    say(t_ms, ControlSample::select_tool, tool), t_ms += 400;
+  say(350, ControlSample::undo), say(360, ControlSample::redo);
+  say(1000, pick::tissue, Tool::none, {25, 0, 2, 10}, "a long name of a place/and another/springs");
+  say(1100, pick::shift, Tool::none, {1, 2, 3, 0}, "1.25 -3.5 0 12.345 -6.789 1e-3");
+  say(1200, ControlSample::cursor, Tool::none, {0.5, 1});
+  say(1300, ControlSample::cursor);
+  std::stable_sort(all.begin(), all.end(), [](const Sample& a, const Sample& b) { return time_of(a) < time_of(b); });
+  for (size_t i = 0; i < all.size(); ++i) std::get<ControlSample>(all[i]).seq = int64_t(i);
+  return all;
+}
+
+TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothingWhileThePatientIsCut) {
   if (!call_counter::works() || !malloc_counter::works()) GTEST_SKIP() << "a sanitizer has these calls";
-  const Snapshot patient = snapshot_of(flat_topology(60, 1));
+  FakePatient patient(nullptr, 60, 2);
   fastrak::EmulatedPort glove_port(fastrak::hand_at_work(1));
   Calibration calibration;
   // The hand at work lies 350 mm in front of the transmitter.
   calibration.world_from_tracker_mm = Vec3(-350, 0, 150);
   DeviceFrontEnd front(calibration);
   auto channels = std::make_unique<Channels>();
+  SolverLane solver(patient, *channels, {});
   const int64_t start = RealClock::monotonic_ns();
+  SimulatedHand hand;
+  hand.target = [](double t) { return Vec3(10 * std::sin(t), 0, 5 - 8 * std::min(1.0, t)); };
+  hand.pressed = [](double t) { return std::fmod(t, 0.2) > 0.1; };
+  channels->press = std::make_shared<PressLine>();
+  front.add(std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{},
+                                          channels->press));
   front.add(std::make_unique<fastrak::FastrakSource>(fastrak::parse_source(glove_port.path() + ",fts"), start));
   LcmNetSettings memory;
   memory.url = "memq://";
   front.add(std::make_unique<LcmNetSource>(memory, start));
-  SimulatedHand hand;
-  hand.target = [](double t) { return Vec3(10 * std::sin(t), 0, 5 - 8 * std::min(1.0, t)); };
-  channels->press = std::make_shared<PressLine>();
-  front.add(std::make_unique<ForceSource>(std::make_unique<SimulatedForceDevice>(hand), ForceSourceSettings{},
-                                          channels->press));
-  ControlSample cursor;
-  cursor.device_id = 901;
-  cursor.kind = ControlSample::cursor;
-  cursor.value[0] = 0.5;
-  front.add(std::make_unique<LogSource>(std::vector<Sample>{cursor}));
-  channels->patient_to_device.for_each_slot([&](PatientState& p) { p.snapshot = patient; });
+  front.add(std::make_unique<LogSource>(controls()));
+  solver.start();
   DeviceLane lane(front, *channels, true);
-  uint64_t memory_taken = 0, locks = 0, writes = 0, counted = 0, snapshots = 0, answered = 0;
+  uint64_t memory_taken = 0, memory_freed = 0, locks = 0, writes = 0, counted = 0, topologies = 0, seen = 0;
   {
     const Thread device([&] {
       const RealClock clock(start);
@@ -69,35 +94,34 @@ TEST(DeviceThread, TakesNoMemoryNoLockAndWritesNothing) {
       for (int64_t tick = 1; tick < kTicks; ++tick) {
         clock.sleep_until_ns(tick * kDeviceTickNs);
         tick = std::max(tick, clock.now_ns() / kDeviceTickNs);
-        const uint64_t m = malloc_counter::count(), l = call_counter::locks(), w = call_counter::writes();
+        const uint64_t m = malloc_counter::count(), f = malloc_counter::frees(), l = call_counter::locks(),
+                       w = call_counter::writes();
         lane.tick(tick);
-        if (tick > kWarm)
-          memory_taken += malloc_counter::count() - m, locks += call_counter::locks() - l,
-              writes += call_counter::writes() - w, ++counted;
+        if (tick > kWarm) {
+          memory_taken += malloc_counter::count() - m, memory_freed += malloc_counter::frees() - f;
+          locks += call_counter::locks() - l, writes += call_counter::writes() - w, ++counted;
+        }
+        const uint64_t version = channels->patient_to_device.reading().snapshot.topology_version;
+        topologies += version != seen, seen = version;
       }
     });
-    // Meanwhile the solver's side publishes, and the recorder's side empties its ring.
-    for (uint64_t step = 1; RealClock::monotonic_ns() - start < 3'600'000'000; ++step) {
-      Snapshot& s = channels->patient_to_device.writing().snapshot;
-      s.step = step;
-      channels->patient_to_device.publish();
-      ++snapshots;
+    // Meanwhile the solver cuts at every eighth step and publishes, and the recorder's side empties its ring.
+    for (int64_t tick = 16; RealClock::monotonic_ns() - start < 3'600'000'000; tick += 16) {
+      if (tick % 128 == 0) patient.apply(Incise{{{-4, -5}, {0, -5}}, 4, 90});
+      solver.step(tick);
       for (Sample x; channels->samples.pop(x);) {
       }
-      for (ToolEvent e; channels->events.pop(e);) {
-      }
-      if (const PressQuestion* q = channels->press->asked())
-        channels->press->answer({q->topology_version, q->triangle, 0.2, q->depth_mm, 0, 1}), ++answered;
       const timespec pause{0, 16'000'000};
       nanosleep(&pause, nullptr);
     }
   }
   const FrontEndCounts c = front.counts();
   EXPECT_GT(counted, 100u);
-  EXPECT_GT(snapshots, 20u);
-  EXPECT_GT(answered, 10u) << "the force device asked";
+  EXPECT_GT(topologies, 10u) << "the device thread has seen cuts";
+  EXPECT_GT(c.events, 10) << "tools were used";
   EXPECT_GT(c.glove.forefinger.used, 10) << "the glove was followed";
   EXPECT_EQ(memory_taken, 0u);
+  EXPECT_EQ(memory_freed, 0u);
   EXPECT_EQ(locks, 0u);
   EXPECT_EQ(writes, 0u);
 }

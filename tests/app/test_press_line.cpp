@@ -75,8 +75,7 @@ TEST(PressLine, AForceIsThatOfThePatientAndNotOfAHalfSpace) {
   PressAnswer told;
   Snapshot s;
   with.world.fill(s);
-  SurfaceIndex index;
-  index.build(*s.topology);
+  const SurfaceIndex index;
   const SkinTouch under = index.closest(s, with.felt.tool().true_mm(), -1);
   const double depth = with.felt.force().loop().state().depth_mm;
   for (int i = 0; i < 8; ++i)

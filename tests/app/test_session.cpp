@@ -1,15 +1,19 @@
 // The lanes together: lockstep is the same every time, a recording made of it replays to the same bits, real time loses
 // nothing and ends at the same place, and the device thread takes no memory.
+#include <dlfcn.h>
 #include <gtest/gtest.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <thread>
 
 #include "app/session/as_recorded.h"
+#include "app/session/clock.h"
 #include "app/session/lockstep.h"
 #include "app/session/realtime.h"
 #include "app/session/workers_pool.h"
@@ -19,6 +23,20 @@
 #include "sim/base/error.h"
 #include "tests/app/fake_patient.h"
 #include "tests/app/malloc_counter.h"
+
+namespace {
+int threads_allowed = -1;  // so many may still be started; -1: any number
+}
+
+#if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+extern "C" int pthread_create(pthread_t* id, const pthread_attr_t* attr, void* (*run)(void*), void* with) {
+  using Create = int (*)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
+  static const auto real = reinterpret_cast<Create>(dlsym(RTLD_NEXT, "pthread_create"));
+  if (threads_allowed == 0) return EAGAIN;
+  if (threads_allowed > 0) --threads_allowed;
+  return real(id, attr, run, with);
+}
+#endif
 
 namespace limberg {
 namespace test_session {
@@ -42,8 +60,12 @@ struct Notes final : PictureSink {
   int frames = 0;
   uint64_t last_step = 0;
   bool went_back = false;
+  int fails_at_frame = -1;
+  int64_t closes_at_ns = -1;
+  bool wants_frame() override { return fails_at_frame >= 0 || closes_at_ns >= 0; }
+  bool open() const override { return closes_at_ns < 0 || RealClock::monotonic_ns() < closes_at_ns; }
   void frame(const Snapshot& s, const ToolState&) override {
-    ++frames;
+    if (++frames == fails_at_frame) throw std::runtime_error("broken screen");
     went_back |= s.step < last_step;
     last_step = s.step;
   }
@@ -187,7 +209,7 @@ TEST(Lockstep, EndsWhenInterrupted) {
   EXPECT_LT(f.ticks, 1000);
 }
 
-TEST(Lockstep, TheDeviceLaneTakesNoMemoryBetweenCuts) {
+TEST(Lockstep, TheDeviceLaneTakesNoMemoryWhateverIsCut) {
   if (!malloc_counter::works()) GTEST_SKIP() << "malloc is taken by a sanitizer";
   Recording rec;
   {
@@ -200,22 +222,18 @@ TEST(Lockstep, TheDeviceLaneTakesNoMemoryBetweenCuts) {
   }
   Rig rig(std::make_unique<LogSource>(rec.samples), nullptr, true);
   rig.solver.start();
-  uint64_t version = 0, quiet_ticks = 0, taken = 0;
+  uint64_t taken = 0, freed = 0;
   for (int64_t tick = 0; tick <= rec.end->tick; ++tick) {
-    const uint64_t before = malloc_counter::count();
+    const uint64_t count = malloc_counter::count(), frees = malloc_counter::frees();
     rig.device.tick(tick);
-    const uint64_t n = malloc_counter::count() - before;
-    Snapshot s;
-    rig.patient.fill(s);
-    if (s.topology_version == version) taken += n, ++quiet_ticks;
+    taken += malloc_counter::count() - count, freed += malloc_counter::frees() - frees;
     if (tick % 16 == 0) rig.solver.step(tick);
-    // The index of the skin is built anew on the first tick that sees a new topology.
-    version = rig.channels->patient_to_device.reading().snapshot.topology_version;
     for (Sample x; rig.channels->samples.pop(x);) {
     }
   }
-  EXPECT_GT(quiet_ticks, 1000u);
+  EXPECT_GT(rig.channels->patient_to_device.reading().snapshot.topology_version, 1u) << "something was cut";
   EXPECT_EQ(taken, 0u);
+  EXPECT_EQ(freed, 0u);
 }
 
 TEST(MallocCounter, SeesAnAllocation) {
@@ -409,16 +427,117 @@ TEST(RealTime, AForceDeviceFeelsThePatientOfTheSolverThread) {
   EXPECT_GT(force.loop().state().force_N.z(), 0);
 }
 
-TEST(RealTime, AnErrorInAThreadEndsTheSession) {
-  struct Broken final : Source {
-    void poll(int64_t now_ns, SampleSink&) override {
-      if (now_ns > 50'000'000) throw std::runtime_error("broken device");
+/// A device that is there for ever, or fails at a given time.
+struct Endless final : Source {
+  int64_t fails_at_ns = -1;
+  explicit Endless(int64_t fails_at_ns_ = -1) : fails_at_ns(fails_at_ns_) {}
+  void poll(int64_t now_ns, SampleSink& sink) override {
+    if (fails_at_ns >= 0 && now_ns >= fails_at_ns) throw std::runtime_error("broken device");
+    StylusSample s;
+    s.device_id = 7, s.seq = seq++, s.t_ns = now_ns, s.tip_mm = Vec3(0, 0, 40);
+    sink.on_sample(s);
+  }
+  bool done() const override { return false; }
+  SourceCounts counts() const override { return {}; }
+  int64_t seq = 0;
+};
+
+/// Runs a session that has to fail; what it says of it, and how many samples its recording holds.
+std::string failure_of(Rig& rig, const SessionSettings& set, size_t* recorded = nullptr) {
+  const std::string file = temporary("failed.lcm");
+  std::string said = "nothing failed";
+  {
+    Recorder recorder(*rig.channels, file, SessionInfo{}, {}, true);
+    try {
+      run_realtime(rig.lanes(&recorder), set, {});
+    } catch (const SessionFailure& e) {
+      said = e.what();
+      EXPECT_TRUE(e.cause);
+      EXPECT_GE(e.figures.last_tick, 0);
     }
-    bool done() const override { return false; }
-    SourceCounts counts() const override { return {}; }
-  };
-  Rig rig(std::make_unique<Broken>());
-  EXPECT_THROW(run_realtime(rig.lanes(), quick(), {}), std::runtime_error);
+  }
+  if (recorded) {
+    const Recording rec = read_recording(file);
+    EXPECT_EQ(rec.damage.total(), 0) << rec.damage.first_message;
+    EXPECT_FALSE(rec.end) << "a session that failed has no end";
+    *recorded = rec.samples.size();
+    if (*recorded > 0) {
+      EXPECT_TRUE(rec.schedule.usable()) << "it can be done again";
+    }
+  }
+  std::filesystem::remove(file);
+  return said;
+}
+
+TEST(Failure, OfADeviceEndsTheSessionAndKeepsItsRecording) {
+  Rig rig(std::make_unique<Endless>(300'000'000), nullptr, true, true);
+  size_t recorded = 0;
+  EXPECT_EQ(failure_of(rig, quick(), &recorded), "device thread: broken device");
+  EXPECT_GT(recorded, 100u);
+}
+
+TEST(Failure, OfThePatientEndsTheSessionAndKeepsItsRecording) {
+  Rig rig(std::make_unique<Endless>(), nullptr, true, true);
+  rig.patient.fail_at_step(20);
+  size_t recorded = 0;
+  EXPECT_EQ(failure_of(rig, quick(), &recorded), "solver thread: broken patient");
+  EXPECT_GT(recorded, 100u);
+}
+
+TEST(Failure, OfThePictureEndsTheSessionAndKeepsItsRecording) {
+  Rig rig(std::make_unique<Endless>(), nullptr, true, true);
+  rig.notes.fails_at_frame = 5;
+  size_t recorded = 0;
+  EXPECT_EQ(failure_of(rig, quick(), &recorded), "render thread: broken screen");
+  EXPECT_GT(recorded, 50u);
+}
+
+// What the calling thread is asked to do may fail as well: the others are told to end, and nobody waits for ever.
+TEST(Failure, OfTheCallersOwnThreadEndsTheSession) {
+  for (const bool at_start : {true, false}) {
+    Rig rig(std::make_unique<Endless>(), nullptr, true, true);
+    SessionSettings set = quick();
+    int calls = 0;
+    if (at_start)
+      set.say = [](const std::string&) { throw std::runtime_error("broken terminal"); };
+    else
+      set.pump = [&] {
+        if (++calls > 50) throw std::runtime_error("broken window");
+      };
+    size_t recorded = 0;
+    EXPECT_EQ(failure_of(rig, set, &recorded),
+              at_start ? "main thread: broken terminal" : "main thread: broken window");
+    EXPECT_EQ(recorded > 0, !at_start);
+  }
+}
+
+TEST(Failure, OfStartingAThreadEndsTheOthers) {
+  if (!malloc_counter::works()) GTEST_SKIP() << "a sanitizer starts threads itself";
+  for (const int threads : {0, 1, 2}) {
+    Rig rig(std::make_unique<Endless>());
+    threads_allowed = threads;
+    const std::string said = failure_of(rig, quick());
+    threads_allowed = -1;
+    EXPECT_EQ(said.find("main thread: starting a thread"), 0u) << said;
+  }
+}
+
+// Nobody looks any more: the patient need not come to rest, unless a judge wants to see it.
+TEST(RealTime, EndsAtOnceWhenTheWindowIsClosed) {
+  for (const bool judged : {false, true}) {
+    Rig rig(std::make_unique<Endless>());
+    rig.patient.keep_busy();
+    rig.notes.closes_at_ns = RealClock::monotonic_ns() + 300'000'000;
+    SessionSettings set = quick();
+    set.settle_steps = 40, set.settle_when_closed = judged;
+    const SessionFigures f = run_realtime(rig.lanes(), set, {});
+    EXPECT_TRUE(f.closed);
+    EXPECT_FALSE(f.interrupted);
+    if (judged)
+      EXPECT_EQ(f.settle_steps, 40);
+    else
+      EXPECT_LE(f.settle_steps, 2);
+  }
 }
 
 // A device that keeps the real-time thread for too long loses its privilege, and the operator is told.
@@ -445,11 +564,6 @@ TEST(RealTime, ASlowTickGivesUpRealTimeAndSaysSo) {
 }
 
 TEST(RealTime, EndsWhenInterrupted) {
-  struct Endless final : Source {
-    void poll(int64_t, SampleSink&) override {}
-    bool done() const override { return false; }
-    SourceCounts counts() const override { return {}; }
-  };
   Rig rig(std::make_unique<Endless>());
   SessionSettings set = quick();
   int asked = 0;

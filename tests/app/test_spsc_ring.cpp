@@ -3,7 +3,7 @@
 
 #include <thread>
 
-#include "app/session/spsc_ring.h"
+#include "devices/spsc_ring.h"
 
 namespace limberg {
 namespace test_spsc_ring {

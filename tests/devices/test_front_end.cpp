@@ -16,12 +16,12 @@ int64_t allocations = 0;
 
 // Every allocation of this program is counted.
 __attribute__((noinline)) void* operator new(size_t n) {
-  ++allocations;
+  ++test_front_end::allocations;
   if (void* p = std::malloc(n ? n : 1)) return p;
   throw std::bad_alloc();
 }
 __attribute__((noinline)) void* operator new(size_t n, const std::nothrow_t&) noexcept {
-  ++allocations;
+  ++test_front_end::allocations;
   return std::malloc(n ? n : 1);
 }
 __attribute__((noinline)) void operator delete(void* p) noexcept { std::free(p); }
@@ -67,13 +67,13 @@ TEST(FrontEnd, ATickAllocatesNothingAndIsCheap) {
   ToolState hand;
   int64_t tick = 0;
   while (tick < 50) front.tick(tick++, s, events, samples, hand);  // builds the index
-  const int64_t before = allocations;
+  const int64_t before = ::test_front_end::allocations;
   timespec a, b;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &a);
   const int64_t first = tick;
   while (!front.done()) front.tick(tick++, s, events, samples, hand);
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &b);
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(::test_front_end::allocations, before);
   EXPECT_GT(events.n, 500);
   const double us = (double(b.tv_sec - a.tv_sec) * 1e9 + double(b.tv_nsec - a.tv_nsec)) / double(tick - first) * 1e-3;
   std::printf("  %.1f us of processor time a tick over %lld ticks\n", us, static_cast<long long>(tick - first));

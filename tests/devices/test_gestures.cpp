@@ -3,6 +3,7 @@
 
 #include "devices/command_builder.h"
 #include "devices/gestures.h"
+#include "devices/skin_chart.h"
 #include "sim/geometry/bvh.h"
 #include "tests/devices/flat_patient.h"
 #include "tests/devices/samples.h"
@@ -68,8 +69,7 @@ TEST(SurfaceIndex, ClosestIsThatOfTheTree) {
   const Snapshot s = snapshot_of(topology, [](const Vec3& X) {
     return Vec3(X.x() + 3 * std::sin(X.y() / 9), X.y() * 0.9, 5 * std::sin(X.x() / 17) * std::cos(X.y() / 13));
   });
-  SurfaceIndex index;
-  index.build(*topology);
+  const SurfaceIndex index;
   std::vector<Vec3> x;
   for (const Vec3f& v : s.x_mm) x.push_back(v.cast<double>());
   const Bvh bvh(x, topology->view.tri.flat());
@@ -87,16 +87,16 @@ TEST(SurfaceIndex, ClosestIsThatOfTheTree) {
   }
 }
 
-TEST(SurfaceIndex, ChartPointsAreFoundWhereTheyLieNow) {
+TEST(SkinChart, PointsAreFoundWhereTheyLieNow) {
   auto map = [](const Vec3& X) { return Vec3(2 * X.x(), X.y() + 7, 0.1 * X.x()); };
   const auto topology = flat_topology(30, 1, [](double x, double y) { return std::hypot(x - 10, y) < 6; });
   const Snapshot s = snapshot_of(topology, map);
-  SurfaceIndex index;
-  index.build(*topology);
+  SkinChart skin;
+  skin.build(*topology);
   Dice dice{5};
   for (int k = 0; k < 2000; ++k) {
     const ChartPoint c(130 * dice.unit() - 65, 130 * dice.unit() - 65);
-    const SkinTouch t = index.at_chart(s, c);
+    const SkinTouch t = skin.at(s, c);
     const bool outside = c.cwiseAbs().maxCoeff() > 60;
     if (outside || (c - ChartPoint(10, 0)).norm() < 2) {
       EXPECT_EQ(t.triangle, -1);
@@ -106,7 +106,7 @@ TEST(SurfaceIndex, ChartPointsAreFoundWhereTheyLieNow) {
       EXPECT_LT((t.x_mm - map(Vec3(c.x(), c.y(), 0))).norm(), 1e-4);
     }
     // With slack the rim answers, and the answer is as near as it says.
-    const SkinTouch near = index.at_chart(s, c, 3);
+    const SkinTouch near = skin.at(s, c, 3);
     if (near.triangle >= 0) {
       EXPECT_NEAR((near.chart - c).norm(), near.distance_mm, 1e-9);
     }

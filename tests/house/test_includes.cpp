@@ -79,11 +79,17 @@ std::string offences(const std::vector<Include>& all, const Rule& allowed) {
 
 // What devices and render may know of the patient.
 bool read_only_sim(const std::string& t) {
-  static const std::set<std::string> files{
-      "sim/patient/snapshot.h",    "sim/patient/press.h",    "sim/base/error.h",
-      "sim/base/hash.h",           "sim/base/whole_file.h",  "sim/cutting/arrangement/surface_view.h",
-      "sim/fem/model/fem_model.h", "sim/commands/command.h", "sim/commands/head_command.h",
-      "sim/commands/script.h"};
+  static const std::set<std::string> files{"sim/patient/snapshot.h",
+                                           "sim/patient/ground_index.h",
+                                           "sim/patient/press.h",
+                                           "sim/base/error.h",
+                                           "sim/base/hash.h",
+                                           "sim/base/whole_file.h",
+                                           "sim/cutting/arrangement/surface_view.h",
+                                           "sim/fem/model/fem_model.h",
+                                           "sim/commands/command.h",
+                                           "sim/commands/head_command.h",
+                                           "sim/commands/script.h"};
   return files.contains(t) || t.starts_with("sim/geometry/") || t.starts_with("sim/body/");
 }
 
@@ -111,7 +117,8 @@ bool sim_rule(const Include& i) {
                                                "ctime",     "time.h",  "sys/time.h",   "pthread.h"};
   // An array that is found when it is first read is found once, whichever thread reads first; no thread of sim waits
   // for it but the one that needs it.
-  static const std::set<std::string> lazy{"sim/base/lazy_array.h", "sim/patient/point_depths.h"};
+  static const std::set<std::string> lazy{"sim/base/lazy_array.h", "sim/patient/ground_index.h",
+                                          "sim/patient/point_depths.h"};
   if (i.target == "mutex" && lazy.contains(i.from)) return true;
   if (forbidden.contains(i.target)) return false;
   if (!own(i.target)) return true;

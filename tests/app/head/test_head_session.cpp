@@ -258,8 +258,7 @@ TEST(HeadSession, SkinAndBoneAreFelt) {
   settled(a);
   Snapshot s;
   a.patient->fill(s);
-  SurfaceIndex skin, bone;
-  skin.build(*s.topology), bone.build(*s.topology, Ground::bone);
+  const SurfaceIndex skin, bone(Ground::bone);
   const SkinTouch on = skin.closest(s, Vec3(2, 3, 5), -1), hard = bone.closest(s, Vec3(45, 0, 20), -1);
   ASSERT_GE(on.triangle, 0);
   ASSERT_GE(hard.triangle, 0);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "app/window/input_router.h"
 #include "app/window/waiting.h"
 #include "app/window/window_frames.h"
 #include "render/gl_context.h"
@@ -21,7 +22,8 @@ class MemoryScreen final : public Screen {
 
 struct Window {
   MemoryScreen screen;
-  PointerFeed feed;
+  HandFeed feed;
+  InputRouter router{screen, feed};
   LaneGauges gauges;
   Snapshot s = testing::sample_snapshot();
   std::unique_ptr<WindowFrames> frames;
@@ -35,33 +37,43 @@ struct Window {
     settle();
   }
   void settle() {
-    for (int i = 0; i < 4; ++i) frames->wants_frame(), frames->frame(s, ToolState{});
+    for (int i = 0; i < 4; ++i) router.pump(0), frames->wants_frame(), frames->frame(s, ToolState{});
+    router.pump(0);
   }
   void key(int32_t code, uint32_t mods = 0) {
     WindowEvent e;
     e.kind = WindowEvent::key, e.code = code, e.down = 1, e.mods = mods;
-    screen.events.push(e);
+    router.take(e);
     e.down = 0;
-    screen.events.push(e);
+    router.take(e);
     settle();
   }
   void move(float x, float y) {
     WindowEvent e;
     e.x = x, e.y = y;
-    screen.events.push(e);
+    router.take(e);
   }
   void button(int32_t which, bool down) {
     WindowEvent e;
     e.kind = WindowEvent::button, e.code = which, e.down = down;
-    screen.events.push(e);
+    router.take(e);
   }
   int choices(std::vector<ControlSample>& out) {
-    for (ControlSample c; feed.choices.pop(c);) out.push_back(c);
+    for (HandInput i; feed.input.pop(i);)
+      if (const auto* c = std::get_if<ControlSample>(&i))
+        out.push_back(*c);
+      else if (const auto* p = std::get_if<PointerReading>(&i))
+        presses += p->pressed;
     return int(out.size());
   }
+  int presses = 0;  // of the mouse on the patient, in what choices() has read
   View sight() {
-    feed.sight.update();
-    return feed.sight.reading().view;
+    feed.seen.update();
+    return feed.seen.reading().view;
+  }
+  bool on_panel(float x, float y) {
+    feed.seen.update();
+    return feed.seen.reading().on_panel(x, y);
   }
 };
 
@@ -105,25 +117,6 @@ TEST_F(DeskTest, KeysChooseToolsAndTheFeedHearsIt) {
   EXPECT_EQ(c[1].kind, ControlSample::undo);
   EXPECT_EQ(c[2].kind, ControlSample::redo);
   EXPECT_EQ(c[3].tool, Tool::hook);
-  w.key('N');
-  EXPECT_EQ(w.feed.next_wanted, 1);
-}
-
-TEST_F(DeskTest, AfterAShownStepTheMouseHasItsOwnToolAgain) {
-  // The hand that shows a step takes other tools; a click afterwards must not use the last of them.
-  Window w;
-  w.key('5');
-  std::vector<ControlSample> heard;
-  w.choices(heard);
-  heard.clear();
-  w.feed.showing = true;
-  w.settle();
-  EXPECT_EQ(w.choices(heard), 0);
-  w.feed.showing = false;
-  w.settle();
-  ASSERT_EQ(w.choices(heard), 1);
-  EXPECT_EQ(heard[0].kind, ControlSample::select_tool);
-  EXPECT_EQ(heard[0].tool, Tool::hook);
 }
 
 TEST_F(DeskTest, SpaceIsTheClutchWhileItIsHeld) {
@@ -131,12 +124,12 @@ TEST_F(DeskTest, SpaceIsTheClutchWhileItIsHeld) {
   std::vector<ControlSample> c;
   WindowEvent e;
   e.kind = WindowEvent::key, e.code = WindowEvent::space, e.down = 1;
-  for (int i = 0; i < 3; ++i) w.screen.events.push(e), w.settle();  // a held key repeats
+  for (int i = 0; i < 3; ++i) w.router.take(e), w.settle();  // a held key repeats
   ASSERT_EQ(w.choices(c), 1);
   EXPECT_EQ(c[0].kind, ControlSample::clutch);
   EXPECT_EQ(c[0].value[0], 1);
   e.down = 0;
-  w.screen.events.push(e), w.settle();
+  w.router.take(e), w.settle();
   ASSERT_EQ(w.choices(c), 2);
   EXPECT_EQ(c[1].kind, ControlSample::clutch);
   EXPECT_EQ(c[1].value[0], 0);
@@ -171,16 +164,62 @@ TEST_F(DeskTest, AClickOnThePaletteDoesNotReachThePatient) {
   Window w;
   w.move(60, 78);  // on the second row of the tools
   w.settle();
-  EXPECT_TRUE(w.feed.panels_have_pointer);
+  EXPECT_TRUE(w.on_panel(60, 78));
   w.button(0, true), w.button(0, false);
-  w.settle();
+  w.move(640, 300), w.button(0, true), w.button(0, false);  // at once on the patient
   std::vector<ControlSample> c;
-  ASSERT_GE(w.choices(c), 1);
-  EXPECT_EQ(c.back().kind, ControlSample::select_tool);
-  EXPECT_NE(c.back().tool, Tool::none);
-  w.move(640, 300);  // over the patient
+  EXPECT_EQ(w.choices(c), 0) << "the panels have not answered";
+  EXPECT_EQ(w.presses, 0);
   w.settle();
-  EXPECT_FALSE(w.feed.panels_have_pointer);
+  ASSERT_EQ(w.choices(c), 1);
+  EXPECT_EQ(c[0].kind, ControlSample::select_tool);
+  EXPECT_NE(c[0].tool, Tool::none);
+  EXPECT_EQ(w.presses, 1) << "the second click, and it alone";
+  EXPECT_FALSE(w.on_panel(640, 300));
+}
+
+TEST_F(DeskTest, TheHelpCoversThePatientWhereItIsSeen) {
+  Window w;
+  EXPECT_FALSE(w.on_panel(640, 360));
+  w.key(WindowEvent::f1);
+  EXPECT_TRUE(w.on_panel(640, 360));
+  std::vector<ControlSample> c;
+  w.move(640, 360), w.button(0, true), w.settle(), w.button(0, false), w.settle();
+  w.choices(c);
+  EXPECT_EQ(w.presses, 0);
+  w.key(WindowEvent::escape);  // closes it
+  EXPECT_FALSE(w.on_panel(640, 360));
+  EXPECT_EQ(w.choices(c), 0);
+}
+
+TEST_F(DeskTest, EveryToolHasItsKeyItsRowInThePaletteAndItsWordInTheHelp) {
+  Window w;
+  std::string help;
+  for (const DeskKey& k : desk_keys()) help += k.what + "\n";
+  std::vector<ControlSample> by_key;
+  for (const DeskTool& t : kDeskTools) {
+    std::string name = t.name;
+    name[0] = char(name[0] - 'A' + 'a');
+    EXPECT_NE(help.find(name), std::string::npos) << name;
+    w.key(t.key);
+    w.choices(by_key);
+    if (t.tool == Tool::none) continue;  // as at first
+    ASSERT_FALSE(by_key.empty());
+    EXPECT_EQ(by_key.back().tool, t.tool) << t.name;
+  }
+  EXPECT_EQ(by_key.size(), kDeskTools.size() - 1);
+  EXPECT_EQ(by_key.back().tool, Tool::scissors);
+  // Down the palette, row by row: every tool for skin, each once.
+  std::vector<ControlSample> by_row;
+  for (float y = 50; y < 260; y += 5) {
+    w.move(60, y), w.button(0, true), w.button(0, false), w.settle(), w.settle();
+    w.choices(by_row);
+  }
+  std::vector<Tool> rows;
+  for (const ControlSample& c : by_row)
+    if (c.kind == ControlSample::select_tool && (rows.empty() || rows.back() != c.tool)) rows.push_back(c.tool);
+  EXPECT_EQ(rows, (std::vector<Tool>{Tool::none, Tool::scalpel, Tool::undermine, Tool::excise, Tool::hook, Tool::suture,
+                                     Tool::suture_row, Tool::scissors}));
 }
 
 TEST_F(DeskTest, TheRightButtonTurnsAndHomeComesBack) {
@@ -264,7 +303,7 @@ TEST_F(DeskTest, TheLatticeIsDrawnWithItsCopies) {
 
 TEST_F(DeskTest, ASilentOrUncalibratedDeviceIsSaid) {
   MemoryScreen screen;
-  PointerFeed feed;
+  HandFeed feed;
   LaneGauges gauges;
   const Snapshot s = testing::sample_snapshot();
   const auto device_panel = [&](bool own, bool calibrated, int samples) {

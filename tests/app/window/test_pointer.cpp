@@ -3,10 +3,12 @@
 
 #include <cmath>
 
+#include "app/window/input_router.h"
 #include "app/window/orbit.h"
 #include "app/window/pointer_source.h"
 #include "app/window/ray_cast.h"
 #include "app/window/ruler.h"
+#include "devices/front_end.h"
 #include "tests/render/sample_snapshot.h"
 
 namespace limberg {
@@ -97,18 +99,62 @@ TEST(View, RayThroughAPixelGoesBackToIt) {
   }
 }
 
+struct NoScreen final : Screen {
+  std::unique_ptr<GlContext> context() override { return nullptr; }
+};
+
+/// Main and device thread of a window, by hand; the render thread is a frame that was drawn once.
 struct Mouse {
-  PointerFeed feed;
-  PointerReader reader{feed};
+  NoScreen screen;
+  HandFeed feed;
+  InputRouter router;
   Snapshot s = testing::sample_snapshot({.wound = false, .hooks = 0});
   View view = over_the_slab().view(16.0 / 9);
   Heard heard;
-  Mouse() {
-    feed.sight.writing() = {view, 1600, 900};
-    feed.sight.publish();
+  explicit Mouse(const std::vector<std::vector<Command>>& lesson = {}) : router(screen, feed, lesson) {
+    router.look_with([this](bool) { return &s; });
+    show();
   }
-  void run(PointerSource& source, int64_t from_ms, int64_t to_ms) {
+  /// A frame is drawn: what the person sees from now on.
+  void show(std::vector<FrameRect> panels = {}, bool typing = false) {
+    FrameSeen& f = feed.seen.writing();
+    f = {};
+    f.view = view, f.width = 1600, f.height = 900, f.typing = typing;
+    for (const FrameRect& r : panels) f.panel[f.panels++] = r;
+    feed.seen.publish();
+  }
+  /// ... by the render thread, which has taken all events until now. They are returned.
+  std::vector<WindowEvent> draw() {
+    std::vector<WindowEvent> all;
+    for (WindowEvent e; screen.events.pop(e);) all.push_back(e);
+    if (!all.empty()) feed.answered.store(all.back().number);
+    return all;
+  }
+  void move(float x, float y) {
+    WindowEvent e;
+    e.x = x, e.y = y;
+    router.take(e);
+  }
+  void button(bool down, int32_t which = 0) {
+    WindowEvent e;
+    e.kind = WindowEvent::button, e.code = which, e.down = down;
+    router.take(e);
+  }
+  void wheel(float notches) {
+    WindowEvent e;
+    e.kind = WindowEvent::wheel, e.y = notches;
+    router.take(e);
+  }
+  void key(int32_t code, bool down = true, uint32_t mods = 0) {
+    WindowEvent e;
+    e.kind = WindowEvent::key, e.code = code, e.down = down, e.mods = mods;
+    router.take(e);
+    e.kind = WindowEvent::text, e.code = code < 128 ? code : 0;
+    if (down && e.code && !mods) router.take(e);  // as a desktop does
+  }
+  void run(Source& source, int64_t from_ms, int64_t to_ms) {
     for (int64_t t = from_ms; t < to_ms; ++t) {
+      router.pump(t * 1'000'000);
       source.look(s);
       source.poll(t * 1'000'000, heard);
     }
@@ -117,18 +163,17 @@ struct Mouse {
 
 TEST(Pointer, TheTipIsWhatLiesUnderTheMouse) {
   Mouse m;
-  PointerSource source(m.feed, {});
-  ControlSample choice;
-  choice.tool = Tool::scalpel;
-  m.feed.choices.push(choice);
-  m.reader.pointer(700, 450);
+  PointerSource source(m.feed);
+  m.key('2');
+  m.move(700, 450);
   m.run(source, 0, 40);
-  m.reader.left_button(true);
-  for (int i = 0; i < 20; ++i) m.reader.pointer(700.0f + 5 * float(i), 450), m.run(source, 40 + 8 * i, 48 + 8 * i);
-  m.reader.left_button(false);
+  m.button(true);
+  for (int i = 0; i < 20; ++i) m.move(700.0f + 5 * float(i), 450), m.run(source, 40 + 8 * i, 48 + 8 * i);
+  m.button(false);
   m.run(source, 200, 230);
   ASSERT_EQ(m.heard.control.size(), 1u);
   EXPECT_EQ(m.heard.control[0].t_ns, 0);
+  EXPECT_EQ(m.heard.control[0].tool, Tool::scalpel);
   ASSERT_GT(m.heard.stylus.size(), 20u);
   int edges = 0;
   for (size_t i = 0; i < m.heard.stylus.size(); ++i) {
@@ -147,73 +192,217 @@ TEST(Pointer, TheTipIsWhatLiesUnderTheMouse) {
 
 TEST(Pointer, AHeldHookMovesInThePlaneOfTheScreenAndTheWheelLiftsIt) {
   Mouse m;
-  PointerSource source(m.feed, {});
-  ControlSample choice;
-  choice.tool = Tool::hook;
-  m.feed.choices.push(choice);
-  m.reader.pointer(800, 450);
-  m.reader.left_button(true);
+  PointerSource source(m.feed);
+  m.key('5');
+  m.move(800, 450);
+  m.button(true);
   m.run(source, 0, 20);
   ASSERT_FALSE(m.heard.stylus.empty());
   const Vec3 grip = m.heard.stylus.back().tip_mm;
-  m.reader.pointer(900, 380);
+  m.move(900, 380);
   m.run(source, 20, 40);
   const Vec3 moved = m.heard.stylus.back().tip_mm;
   const Vec3 toward = (m.view.eye_mm.cast<double>() - grip).normalized();
   EXPECT_GT((moved - grip).norm(), 3);
   EXPECT_NEAR((moved - grip).dot(toward), 0, 0.02);
-  m.reader.wheel(4);
+  m.wheel(4);
   m.run(source, 40, 60);
   EXPECT_NEAR((m.heard.stylus.back().tip_mm - moved).dot(toward), 6, 0.02);  // 1.5 mm a notch
-  m.reader.left_button(false);
+  m.button(false);
   m.run(source, 60, 80);
   EXPECT_EQ(m.heard.stylus.back().buttons, 0u);
 }
 
-TEST(Pointer, PanelsKeepThePatientFromBeingTouched) {
+/// What comes of it on the device side.
+std::vector<int32_t> gestures_of(Mouse& m, int64_t from_ms, int64_t to_ms, DeviceFrontEnd& front) {
+  struct Events final : EventSink {
+    std::vector<int32_t> kinds;
+    bool push(const ToolEvent& e) override { return kinds.push_back(e.kind), true; }
+  } events;
+  ToolState tool;
+  for (int64_t t = from_ms; t < to_ms; ++t) {
+    m.router.pump(t * 1'000'000);
+    front.tick(t, m.s, events, m.heard, tool);
+  }
+  return events.kinds;
+}
+
+TEST(InputOrder, AToolChosenByAKeyIsTheToolOfTheClickThatFollows) {
   Mouse m;
-  PointerSource source(m.feed, {});
-  m.feed.panels_have_pointer = true;
-  m.reader.pointer(700, 450);
-  m.reader.left_button(true);
+  DeviceFrontEnd front{Calibration{}};
+  front.add(std::make_unique<PointerSource>(m.feed));
+  m.key('2');
+  m.move(800, 450);
+  EXPECT_TRUE(gestures_of(m, 0, 50, front).empty());
+  // No frame is drawn meanwhile, and all of it happens within one millisecond.
+  m.key('5'), m.button(true), m.button(false), m.key('2'), m.button(true), m.button(false);
+  m.key('Z', true, WindowEvent::control);
+  const std::vector<int32_t> got = gestures_of(m, 50, 200, front);
+  EXPECT_EQ(got, (std::vector<int32_t>{ToolEvent::hook_set, ToolEvent::hook_leave, ToolEvent::stroke_begin,
+                                       ToolEvent::stroke_end, ToolEvent::undo}));
+}
+
+TEST(InputOrder, TheClutchComesBetweenTheMovesThatItParts) {
+  Mouse m;
+  PointerSource source(m.feed);
+  m.key('5');
+  m.move(800, 450), m.button(true), m.move(820, 450);
+  m.key(WindowEvent::space), m.key(WindowEvent::space);  // it repeats
+  m.move(900, 450);
+  m.key(WindowEvent::space, false);
+  std::vector<std::string> order;
+  struct Order final : SampleSink {
+    std::vector<std::string>& all;
+    explicit Order(std::vector<std::string>& a) : all(a) {}
+    void on_sample(const Sample& x) override {
+      const auto* c = std::get_if<ControlSample>(&x);
+      all.push_back(!c                                 ? std::get<StylusSample>(x).buttons ? "down" : "up"
+                    : c->kind == ControlSample::clutch ? c->value[0] != 0 ? "clutch" : "follow"
+                                                       : "tool");
+    }
+  } sink(order);
+  for (int64_t t = 0; t < 8; ++t) source.look(m.s), source.poll(t * 1'000'000, sink);
+  // The hook is pressed and drawn, and only then does the clutch hold it.
+  EXPECT_EQ(order, (std::vector<std::string>{"tool", "up", "down", "down", "clutch", "down", "follow"}));
+}
+
+TEST(InputOrder, AClickOnAPanelNeverReachesThePatient) {
+  Mouse m;
+  PointerSource source(m.feed);
+  m.key('2');
+  m.show({{0, 0, 300, 900}});
+  m.move(200, 450), m.button(true), m.button(false);
   m.run(source, 0, 40);
+  EXPECT_TRUE(m.heard.stylus.empty());
+  std::vector<WindowEvent> seen = m.draw();
+  ASSERT_FALSE(seen.empty());
+  EXPECT_EQ(seen.back().kind, WindowEvent::button);
+  EXPECT_TRUE(seen.back().for_panels);
+  m.run(source, 40, 80);
+  seen = m.draw();  // the release, which waited for the answer to the press
+  ASSERT_EQ(seen.size(), 1u);
+  EXPECT_TRUE(seen[0].for_panels && !seen[0].down);
+  // A button that went down on a panel belongs to it until it is let go, wherever the mouse goes.
+  m.button(true), m.draw(), m.move(800, 450), m.run(source, 80, 90), m.draw(), m.button(false);
+  m.run(source, 90, 120);
+  EXPECT_TRUE(m.draw().back().for_panels);
   EXPECT_TRUE(m.heard.stylus.empty());
 }
 
-TEST(Pointer, NextShowsOneStepOfTheLesson) {
+// What counts is the frame that the person saw: a panel that is about to open does not take the click, on either
+// thread.
+TEST(InputOrder, APanelThatNobodyHasSeenYetTakesNoClick) {
   Mouse m;
+  PointerSource source(m.feed);
+  m.key('2');
+  m.move(800, 450), m.button(true);
+  m.run(source, 0, 10);
+  ASSERT_FALSE(m.heard.stylus.empty());
+  EXPECT_EQ(m.heard.stylus.back().buttons, 1u);
+  m.show({{0, 0, 1600, 900}});
+  EXPECT_FALSE(m.draw().back().for_panels);
+  m.button(false);
+  m.run(source, 10, 20);
+  EXPECT_EQ(m.heard.stylus.back().buttons, 0u) << "a press that was the patient's is let go there";
+  EXPECT_FALSE(m.draw().back().for_panels);
+}
+
+TEST(InputOrder, AClickAfterOneOnThePaletteActsWithTheToolThatWasChosenThere) {
+  Mouse m;
+  DeviceFrontEnd front{Calibration{}};
+  front.add(std::make_unique<PointerSource>(m.feed));
+  m.show({{0, 0, 300, 900}});
+  m.key('2');
+  gestures_of(m, 0, 30, front);
+  m.move(200, 100), m.button(true), m.button(false);  // on the palette
+  m.move(800, 450), m.button(true);                   // at once on the patient, a stroke of three places
+  for (int i = 1; i <= 30; ++i) m.move(800.0f + 4 * float(i), 450);
+  m.button(false);
+  EXPECT_TRUE(gestures_of(m, 30, 60, front).empty()) << "the panels have not answered";
+  m.draw();
+  EXPECT_TRUE(gestures_of(m, 60, 90, front).empty()) << "a button of a panel acts when it is let go";
+  m.feed.answers.push(HandChoice{Tool::excise, 3, 90, 4});
+  m.draw();
+  const std::vector<int32_t> got = gestures_of(m, 90, 200, front);
+  ASSERT_GT(got.size(), 6u) << "the stroke was kept while it waited";
+  EXPECT_EQ(got.front(), ToolEvent::stroke_begin);
+  EXPECT_EQ(got.back(), ToolEvent::stroke_end);
+  ASSERT_EQ(m.heard.control.size(), 2u);
+  EXPECT_EQ(m.heard.control.back().tool, Tool::excise);
+  EXPECT_EQ(m.heard.control.back().value[kDepth], 3);
+  m.key('2');
+  gestures_of(m, 200, 210, front);
+  EXPECT_EQ(m.heard.control.back().value[kDepth], 3) << "what was set on a panel holds for the next tool";
+}
+
+TEST(InputOrder, KeysOfATextFieldChooseNoTool) {
+  Mouse m;
+  PointerSource source(m.feed);
+  m.show({{0, 0, 300, 900}});
+  m.move(200, 100), m.button(true), m.button(false);
+  m.key('5');  // typed before the frame with the field is drawn
+  m.run(source, 0, 10), m.draw();
+  m.show({{0, 0, 300, 900}}, true);
+  m.run(source, 10, 20), m.draw();
+  m.run(source, 20, 30);
+  const std::vector<WindowEvent> seen = m.draw();
+  ASSERT_FALSE(seen.empty());
+  EXPECT_EQ(seen[0].code, '5');
+  EXPECT_TRUE(seen[0].for_panels);
+  EXPECT_FALSE(seen[0].for_hand);
+  EXPECT_TRUE(m.heard.control.empty());
+  // Escape and a click beside it end the typing; the key after that is the hand's.
+  m.run(source, 30, 40), m.draw();
+  m.move(800, 450), m.button(true), m.button(false), m.key('5');
+  for (int64_t t = 40; t < 90; t += 10) {
+    m.run(source, t, t + 10);
+    m.draw();
+    m.show({{0, 0, 300, 900}}, false);
+  }
+  ASSERT_EQ(m.heard.control.size(), 1u);
+  EXPECT_EQ(m.heard.control[0].tool, Tool::hook);
+}
+
+TEST(Pointer, NextShowsOneStepOfTheLesson) {
   const auto steps = lesson_steps({Incise{{{-10, 0}, {10, 0}}, 3, 90, false}, Wait{0.1}, Stage{"cut"}, ReleaseHook{1}});
   ASSERT_EQ(steps.size(), 2u);  // a rest and a stage belong to the act before them
-  PointerSource source(m.feed, steps);
+  Mouse m(steps);
+  PointerSource source(m.feed);
+  m.key('5');
   m.run(source, 0, 50);
   EXPECT_TRUE(m.heard.stylus.empty());
-  m.feed.next_wanted = 1;
-  m.run(source, 50, 4000);
-  EXPECT_EQ(m.feed.next_shown, 1);
+  m.key('N');
+  m.run(source, 50, 100);
+  EXPECT_TRUE(m.feed.showing);
+  m.move(800, 450), m.button(true), m.button(false);  // the hand that shows has the tool
+  m.run(source, 100, 4000);
+  EXPECT_EQ(m.feed.next_begun, 1);
   EXPECT_FALSE(m.feed.showing);
   ASSERT_GT(m.heard.stylus.size(), 50u);
   double pressed_from = 1e9, pressed_to = -1e9;
+  int presses = 0;
   for (size_t i = 0; i < m.heard.stylus.size(); ++i) {
     const StylusSample& p = m.heard.stylus[i];
     EXPECT_EQ(p.device_id, PointerSource::kDevice);
     if (i > 0) {
       EXPECT_GT(p.t_ns, m.heard.stylus[i - 1].t_ns);
+      presses += p.buttons && !m.heard.stylus[i - 1].buttons;
     }
     if (p.buttons) pressed_from = std::min(pressed_from, p.tip_mm.x()), pressed_to = std::max(pressed_to, p.tip_mm.x());
   }
+  EXPECT_EQ(presses, 1);
   EXPECT_NEAR(pressed_from, -10, 0.6);
   EXPECT_NEAR(pressed_to, 10, 0.6);
+  // Afterwards a click uses the tool that was chosen before, not the last of those that the other hand took.
+  ASSERT_GT(m.heard.control.size(), 2u);
+  EXPECT_EQ(m.heard.control.front().tool, Tool::hook);
+  EXPECT_EQ(m.heard.control.back().kind, ControlSample::select_tool);
+  EXPECT_EQ(m.heard.control.back().tool, Tool::hook);
 }
 
 // Bone alone: the same button, another hand. It saws and carries
 // with the stylus; a skull has no chart for the other one to aim on.
 TEST(Pointer, NextShowsStepsOnBone) {
-  Mouse m;
-  auto bone = std::make_shared<SurfaceTopology>(*m.s.topology);
-  bone->body = nullptr;
-  bone->organ.assign(bone->view.tri.size(), Organ::bone);
-  bone->object.assign(bone->view.tri.size(), 0);
-  m.s.topology = bone;
   CutBone cut;
   cut.contour_mm = {{-8, -6, 0}, {8, -6, 0}, {0, 8, 0}};
   MoveFragment move;
@@ -221,14 +410,24 @@ TEST(Pointer, NextShowsStepsOnBone) {
   move.by.about_mm = Vec3::Zero(), move.seconds = 1;
   const auto steps = lesson_steps({Stage{"before"}, HeadCommand(cut), HeadCommand(move)});
   ASSERT_EQ(steps.size(), 3u);
-  PointerSource source(m.feed, steps);
-  m.feed.next_wanted = 3;
-  m.run(source, 0, 16000);
-  EXPECT_EQ(m.feed.next_shown, 3);
+  Mouse m(steps);
+  auto bone = std::make_shared<SurfaceTopology>(*m.s.topology);
+  bone->body = nullptr;
+  bone->organ.assign(bone->view.tri.size(), Organ::bone);
+  bone->object.assign(bone->view.tri.size(), 0);
+  m.s.topology = bone;
+  PointerSource source(m.feed);
+  int64_t ms = 0;
+  for (int step = 1; step <= 3; ++step) {
+    m.key('N');
+    do m.run(source, ms, ms + 100), ms += 100;
+    while (m.feed.showing && ms < 16000);
+    EXPECT_EQ(m.feed.next_begun, step);
+  }
   EXPECT_FALSE(m.feed.showing);
   std::vector<Tool> tools;
   for (const ControlSample& c : m.heard.control)
-    if (c.kind == ControlSample::select_tool) tools.push_back(c.tool);
+    if (c.kind == ControlSample::select_tool && c.tool != Tool::none) tools.push_back(c.tool);
   EXPECT_EQ(tools, (std::vector<Tool>{Tool::saw, Tool::grab}));
   // The second press carries: from the place on the fragment to where the move takes it, the stylus turned with it.
   std::vector<size_t> down, up;

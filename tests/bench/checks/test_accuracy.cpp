@@ -7,6 +7,7 @@
 #include "app/operating_point/accuracy.h"
 #include "app/operating_point/accuracy_probe.h"
 #include "app/operating_point/operating_point.h"
+#include "app/program/places.h"
 #include "sim/base/error.h"
 #include "sim/testing/reference_newton.h"
 #include "tests/sim/fem/models.h"
@@ -99,6 +100,39 @@ TEST(OperatingPoint, ChangesTheScenesTextInTwoPlaces) {
   EXPECT_EQ(again.iterations_per_step, 9);
   EXPECT_EQ(parse_scene(other.text, "small.toml").hash, other.hash);
   EXPECT_EQ(other.block.size_mm, scene.block.size_mm);
+}
+
+// However a file writes the two values: under a heading, dotted, inline or not at all.
+TEST(OperatingPoint, ChangesAnySceneThatCanBeWritten) {
+  std::string small = kSmall;
+  const std::string lattice = "[lattice]\ncell_mm = 5       # coarse\n";
+  ASSERT_NE(small.find(lattice), std::string::npos);
+  small.erase(small.find(lattice), lattice.size());
+  for (const std::string& text :
+       {"lattice.cell_mm = 5.0\nsolver.iterations_per_step = 3\nlattice.region_mm = 30.0\n" + small,
+        "lattice = { cell_mm = 5.0, region_mm = 30.0 }\n" + small,
+        "# [lattice]\n" + small + "[lattice] # cell_mm = 1\n\"cell_mm\"=5.0\nregion_mm = 30.0\n",
+        small + "[lattice]\nregion_mm = 30.0\n"}) {
+    const Scene other = at_operating_point(parse_scene(text, "any.toml"), 3.25, 7);
+    EXPECT_EQ(other.cell_mm, 3.25) << text;
+    EXPECT_EQ(other.iterations_per_step, 7) << text;
+    EXPECT_EQ(other.region_mm, 30) << text;
+    EXPECT_EQ(parse_scene(other.text, "any.toml").hash, other.hash) << text;
+  }
+  for (const char* name : {"rhomboid", "zplasty", "cheek", "scalp"}) {
+    const Scene shipped = load_scene(source_dir() + "/app/scenes/" + name + ".toml");
+    const Scene other = at_operating_point(shipped, shipped.cell_mm, shipped.iterations_per_step);
+    EXPECT_EQ(other.note, shipped.note);
+    EXPECT_EQ(other.steps_per_s, shipped.steps_per_s);
+    EXPECT_EQ(other.block.size_mm, shipped.block.size_mm);
+    EXPECT_EQ(other.camera.eye_mm(), shipped.camera.eye_mm());
+    EXPECT_EQ(other.landmarks.size(), shipped.landmarks.size());
+    ASSERT_EQ(other.layers().size(), shipped.layers().size());
+    for (size_t i = 0; i < other.layers().size(); ++i) {
+      EXPECT_EQ(other.layers()[i].name, shipped.layers()[i].name);
+      EXPECT_EQ(other.layers()[i].thickness_mm, shipped.layers()[i].thickness_mm);
+    }
+  }
 }
 
 TEST(OperatingPoint, IsReadBackAndBelongsToItsScene) {

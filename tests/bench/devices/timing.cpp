@@ -9,9 +9,9 @@
 
 #include "app/operating_point/cpu_clock.h"
 #include "app/session/clock.h"
-#include "app/session/spsc_ring.h"
 #include "app/session/thread.h"
 #include "app/session/triple_buffer.h"
+#include "devices/spsc_ring.h"
 #include "tests/bench/devices/hogs.h"
 
 namespace limberg::bench {

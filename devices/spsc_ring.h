@@ -41,15 +41,24 @@ class SpscRing {
 
   /// Consumer only. False: the ring was empty.
   bool pop(T& v) noexcept {
+    const T* first = front();
+    if (!first) return false;
+    v = *first;
+    drop();
+    return true;
+  }
+
+  /// Consumer only. The value that pop() would give, in its place until then; null: the ring is empty.
+  T* front() noexcept {
     const size_t h = head_.load(std::memory_order_relaxed);
     if (h == tail_cache_) {
       tail_cache_ = tail_.load(std::memory_order_acquire);
-      if (h == tail_cache_) return false;
+      if (h == tail_cache_) return nullptr;
     }
-    v = slot_[h & mask_];
-    head_.store(h + 1, std::memory_order_release);
-    return true;
+    return &slot_[h & mask_];
   }
+  /// Consumer only. Lets go of front().
+  void drop() noexcept { head_.store(head_.load(std::memory_order_relaxed) + 1, std::memory_order_release); }
 
   /// How many values were refused. Any thread.
   uint64_t lost() const { return lost_.load(std::memory_order_relaxed); }

@@ -1,0 +1,169 @@
+#include "app/window/input_router.h"
+
+namespace limberg {
+
+namespace {
+constexpr float kLiftPerNotch_mm = 1.5f;
+}
+
+void InputRouter::take(const WindowEvent& event) {
+  feed_.seen.update();
+  const FrameSeen& seen = feed_.seen.reading();
+  if (event.kind == WindowEvent::pointer) x_ = event.x, y_ = event.y;
+  Happened h;
+  h.event = event;
+  h.ray.eye_mm = seen.view.eye_mm;
+  h.ray.towards = seen.view.ray_through(x_, y_, seen.width, seen.height);
+  h.on_panel = seen.on_panel(x_, y_);
+  waiting_.push_back(h);
+  hear_panels();
+  go_on();
+}
+
+void InputRouter::pump(int64_t now_ns) {
+  hear_panels();
+  go_on();
+  show(now_ns);
+}
+
+void InputRouter::hear_panels() {
+  for (PanelAnswer a; feed_.answers.pop(a);) {
+    if (const auto* tool = std::get_if<HandChoice>(&a))
+      choice_ = *tool, choose();
+    else if (const auto* control = std::get_if<ControlSample>(&a))
+      send(*control);
+    else
+      next_wanted_ = !feed_.showing;
+  }
+}
+
+void InputRouter::go_on() {
+  while (!waiting_.empty()) {
+    if (feed_.answered.load(std::memory_order_acquire) < asked_) return;
+    hear_panels();  // what was answered is there now
+    feed_.seen.update();
+    Happened h = waiting_.front();
+    waiting_.pop_front();
+    // A panel's slider follows the mouse as fast as frames are drawn: the places in between are passed over.
+    const auto drags = [&](const Happened& x) {
+      return x.event.kind == WindowEvent::pointer && (of_panel_[0] || of_panel_[1] || of_panel_[2]);
+    };
+    while (drags(h) && !waiting_.empty() && drags(waiting_.front())) h = waiting_.front(), waiting_.pop_front();
+    decide(h);
+  }
+}
+
+void InputRouter::decide(Happened& h) {
+  WindowEvent& e = h.event;
+  const FrameSeen& now = feed_.seen.reading();
+  bool asks = false;  // panels may answer
+  switch (e.kind) {
+    case WindowEvent::pointer:
+      asks = of_panel_[0] || of_panel_[1] || of_panel_[2];
+      if (!asks) point(h);
+      break;
+    case WindowEvent::button: {
+      bool& of_panel = of_panel_[e.code];
+      if (e.down) of_panel = h.on_panel;
+      e.for_panels = of_panel;
+      asks = of_panel || now.typing;  // a click anywhere ends the typing
+      if (!e.down) of_panel = false;
+      if (e.code != 0 || e.for_panels) break;
+      pressed_ = e.down;
+      if (e.down) lift_mm_ = 0;
+      point(h);
+      break;
+    }
+    case WindowEvent::wheel:
+      e.for_panels = h.on_panel && !pressed_;
+      if (!pressed_) break;
+      lift_mm_ += kLiftPerNotch_mm * e.y;
+      point(h);
+      break;
+    case WindowEvent::key: {
+      const DeskKey* k = desk_key(e.code, e.mods);
+      e.for_panels = now.typing;
+      if (k && k->hand == HandKey::clutch && !e.down)
+        key(*k, e);  // let go, whoever has the keys
+      else if (k && k->hand != HandKey::none && !now.typing)
+        e.for_hand = true, key(*k, e);
+      else
+        asks = e.down;
+      break;
+    }
+    default:
+      e.for_panels = now.typing;
+      asks = now.typing || e.code == '?';  // which opens the help
+      break;
+  }
+  e.number = ++number_;
+  if (screen_.events.push(e) && asks) asked_ = e.number;
+}
+
+void InputRouter::key(const DeskKey& k, const WindowEvent& e) {
+  const auto control = [&](ControlSample::Kind kind, double value = 0) {
+    ControlSample c;
+    c.kind = kind, c.value[0] = value;
+    send(c);
+  };
+  if (k.hand == HandKey::clutch) {
+    if (bool(e.down) == clutch_) return;  // a key that repeats
+    clutch_ = e.down;
+    control(ControlSample::clutch, clutch_);
+    return;
+  }
+  if (!e.down) return;
+  if (k.hand == HandKey::tool) {
+    const Tool tool = tool_of_key(e.code)->tool;
+    if (tool == choice_.tool) return;
+    choice_.tool = tool;
+    choose();
+  } else if (k.hand == HandKey::next) {
+    next_wanted_ = !feed_.showing;
+  } else {
+    const bool redo = k.hand == HandKey::redo || (e.mods & WindowEvent::shift);
+    control(redo ? ControlSample::redo : ControlSample::undo);
+  }
+}
+
+void InputRouter::choose() {
+  if (!feed_.showing) send(control_of(choice_));  // else the hand that shows has the tool
+}
+
+void InputRouter::point(const Happened& h) {
+  if (!mouse_) return;
+  last_ = h.ray;
+  last_.pressed = pressed_, last_.lift_mm = lift_mm_;
+  last_.inside = pressed_ || !h.on_panel;
+  if (!feed_.showing) send(last_);
+}
+
+void InputRouter::show(int64_t now_ns) {
+  const bool wanted = feed_.showing || next_wanted_;
+  const Snapshot* patient = look_ ? look_(wanted) : nullptr;
+  if (!patient || !patient->topology) return;
+  if (next_wanted_ && !feed_.showing && !pressed_) {
+    next_wanted_ = false;
+    if (!shown_.begin(now_ns, *patient)) return;
+    feed_.next_begun.store(shown_.begun());
+    feed_.showing = true;
+  }
+  if (!feed_.showing) return;
+  struct Sink final : SampleSink {
+    HandFeed& feed;
+    explicit Sink(HandFeed& f) : feed(f) {}
+    void on_sample(const Sample& s) override {
+      if (const auto* c = std::get_if<ControlSample>(&s))
+        feed.input.push(*c);
+      else
+        feed.input.push(std::get<StylusSample>(s));
+    }
+  } sink(feed_);
+  if (shown_.poll(now_ns, *patient, sink)) return;
+  // The mouse has its own tool again.
+  feed_.showing = false;
+  choose();
+  if (mouse_) send(last_);
+}
+
+}  // namespace limberg
