@@ -10,6 +10,7 @@
 #include "sim/base/error.h"
 #include "sim/commands/plan_numbers.h"
 #include "sim/commands/procedures/catalogue.h"
+#include "sim/geometry/polyline.h"
 #include "sim/measure/plan.h"
 
 namespace limberg {
@@ -45,13 +46,7 @@ Vec2 centre_of(const std::vector<Vec2>& outline) {
 }
 
 bool holds(const std::vector<ChartPoint>& outline, const std::vector<ChartPoint>& defect) {
-  return std::all_of(defect.begin(), defect.end(), [&](const ChartPoint& p) { return inside_polygon(p, outline); });
-}
-
-double to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 e = b - a;
-  const double t = e.squaredNorm() > 0 ? std::clamp((p - a).dot(e) / e.squaredNorm(), 0.0, 1.0) : 0;
-  return (a + t * e - p).norm();
+  return std::all_of(defect.begin(), defect.end(), [&](const ChartPoint& p) { return inside_polygon(outline, p); });
 }
 
 /// The procedure with its size set; the plan's place so that its first excision is centred on the defect.
@@ -225,11 +220,11 @@ std::vector<Design> candidates(const Scene& scene, const Skin& skin, const Desig
             for (const auto& e : d.figure.excisions) {
               std::vector<ChartPoint> outline;
               for (const Vec2& p : e) outline.push_back(where.chart(p));
-              if (inside_polygon(l.at, outline)) d.dropped = "takes " + l.name + " away";
+              if (inside_polygon(outline, l.at)) d.dropped = "takes " + l.name + " away";
             }
             for (const auto& w : d.figure.wounds)
               for (size_t i = 0; i < w.size() && d.dropped.empty(); ++i)
-                if (to_segment(l.at, where.chart(w[i]), where.chart(w[(i + 1) % w.size()])) < kNear_mm)
+                if (distance_to_segment(l.at, where.chart(w[i]), where.chart(w[(i + 1) % w.size()])) < kNear_mm)
                   d.dropped = "passes within 2 mm of " + l.name;
           }
         } catch (const InputError& e) {

@@ -112,7 +112,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
   for (size_t i = 0; i < f.seams.size(); ++i) {
     const Seam& s = f.seams[i];
     const double longer =
-        std::max(length_mm(bank(f, s.a_from, s.a_to, true)), length_mm(bank(f, s.b_from, s.b_to, false)));
+        std::max(path_length(bank(f, s.a_from, s.a_to, true)), path_length(bank(f, s.b_from, s.b_to, false)));
     double sum = i == 0 && !sutures.empty() ? sutures[0].force_N : 0;
     for (int n = int(parts_of_row(longer, patch.spacing_mm)) - 1; n > 0 && at_stitch < sutures.size(); --n)
       sum += sutures[at_stitch++].force_N;

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numeric>
 #include <tuple>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/union_find.h"
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/grid_predicates.h"
 #include "sim/geometry/triangle.h"
@@ -129,16 +129,10 @@ class Validator {
   }
 
   void parts() {
-    std::vector<int32_t> root(p_.size());
-    std::iota(root.begin(), root.end(), 0);
-    const auto top = [&](int32_t v) {
-      while (root[size_t(v)] != v) v = root[size_t(v)] = root[size_t(root[size_t(v)])];
-      return v;
-    };
-    for (const Edge& e : edge_) root[size_t(top(e.a))] = top(e.b);
-    const int32_t first = top(m_.tri[0][0]);
+    UnionFind joined(p_.size());
+    for (const Edge& e : edge_) joined.unite(e.a, e.b);
     for (size_t t = 0; t < m_.tri.size(); ++t)
-      if (top(m_.tri[t][0]) != first)
+      if (!joined.same(m_.tri[t][0], m_.tri[0][0]))
         fail(int32_t(t), centre(int32_t(t)), "the surface has separate parts; expected one connected surface");
   }
 

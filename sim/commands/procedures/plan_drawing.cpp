@@ -46,7 +46,7 @@ std::string points(const Paper& paper, const std::vector<Vec2>& path) {
 // The bank a little inside its tissue, so that both banks of a slit are seen.
 std::vector<Vec2> inside(const std::vector<Vec2>& bank, double by) {
   std::vector<Vec2> out;
-  const double l = length_mm(bank), step = std::max(l / 24, 1e-9);
+  const double l = path_length(bank), step = std::max(l / 24, 1e-9);
   for (double s = std::min(1.2 * std::abs(by), 0.2 * l); s <= l - std::min(1.2 * std::abs(by), 0.2 * l) + 1e-9;
        s += step)
     out.push_back(beside(bank, s, by));
@@ -133,7 +133,7 @@ std::string plan_svg(const Figure& f, const std::string& title) {
       if (path.empty()) return;
       s += "<polyline points=\"" + points(paper, path) + "\" fill=\"none\" stroke=\"" + ink +
            "\" stroke-width=\"3\"/>\n";
-      s += text(paper.at(beside(edge, length_mm(edge) / 2, side * (by + 11 / paper.px()))), ink, letter,
+      s += text(paper.at(beside(edge, path_length(edge) / 2, side * (by + 11 / paper.px()))), ink, letter,
                 14);  // in the tissue that it names
     };
     draw(bank(f, f.seams[i].a_from, f.seams[i].a_to, true), 1);

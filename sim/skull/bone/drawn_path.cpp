@@ -9,6 +9,7 @@
 #include <optional>
 #include <queue>
 
+#include "sim/geometry/polyline.h"
 #include "sim/skull/bone/osteotomy.h"
 
 namespace limberg::bone {
@@ -120,8 +121,7 @@ class Over {
     std::reverse(x.begin(), x.end());
     // Even steps, then pulled taut on the surface.
     std::vector<Vec3> even;
-    double length = 0;
-    for (size_t i = 0; i + 1 < x.size(); ++i) length += (x[i + 1] - x[i]).norm();
+    const double length = path_length(x);
     const int n = std::max(2, int(std::ceil(length / DrawnPath::kSpacing_mm)));
     double s = 0;
     for (size_t i = 0, k = 0; i + 1 < x.size(); ++i) {
