@@ -20,10 +20,10 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/body/block.h"
+#include "sim/body/obj.h"
 #include "sim/body/skin.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/procedures/operation.h"
-#include "sim/geometry/io/obj.h"
 #include "sim/patient/world.h"
 
 namespace limberg::study {
