@@ -1,5 +1,7 @@
 #include "app/design/design_search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -92,21 +94,20 @@ void set_cost(Design& d, const Metrics& m, const DesignTask& task) {
 
 std::string Design::name() const {
   std::string s = plan.procedure;
-  char t[80];
+  std::string t;
   for (const auto& [key, value] : plan.values) {
-    std::snprintf(t, sizeof t, " %s=%.3g", key.c_str(), value);
+    t = fmt::format(" {}={:.3g}", key, value);
     s += t;
   }
-  std::snprintf(t, sizeof t, " turned %g%s", plan.turn_deg, plan.mirrored ? " mirrored" : "");
+  t = fmt::format(" turned {:g}{}", plan.turn_deg, plan.mirrored ? " mirrored" : "");
   return s + t;
 }
 
 std::string why_first(const Design& a, const Design* b) {
-  char t[400];
-  std::snprintf(t, sizeof t,
-                "its strongest stitch pulls with %.2f N (cost %.2f), the skin stands up by %.1f mm (%.2f), landmarks "
-                "move by %.1f mm (%.2f)",
-                a.force_N, a.force_cost, a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
+  std::string t = fmt::format(
+      "its strongest stitch pulls with {:.2f} N (cost {:.2f}), the skin stands up by {:.1f} mm ({:.2f}), landmarks "
+      "move by {:.1f} mm ({:.2f})",
+      a.force_N, a.force_cost, a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
   std::string why = t;
   if (!b || b->fine != a.fine) return why;
   const std::pair<double, const char*> parts[] = {{b->force_cost - a.force_cost, "its force"},
@@ -114,8 +115,8 @@ std::string why_first(const Design& a, const Design* b) {
                                                   {b->landmark_cost - a.landmark_cost, "what it does to landmarks"}};
   const auto most = std::max_element(std::begin(parts), std::end(parts),
                                      [](const auto& x, const auto& y) { return x.first < y.first; });
-  std::snprintf(t, sizeof t, "; the next costs %.2f more, most of it by %s (%+.2f)", b->cost - a.cost, most->second,
-                most->first);
+  t = fmt::format("; the next costs {:.2f} more, most of it by {} ({:+.2f})", b->cost - a.cost, most->second,
+                  most->first);
   return why + t;
 }
 

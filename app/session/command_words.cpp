@@ -1,28 +1,31 @@
 #include "app/session/command_words.h"
 
+#include <cmath>
+
 #include "sim/base/text.h"
 #include "sim/commands/script.h"
-#include "sim/geometry/polyline.h"
 
 namespace limberg {
 
 namespace {
 
-double around_mm(const std::vector<ChartPoint>& outline) {
-  return path_length(outline) + (outline.size() > 2 ? (outline.front() - outline.back()).norm() : 0);
+double length_mm(const std::vector<ChartPoint>& p, bool closed) {
+  double l = 0;
+  for (size_t i = 1; i < p.size(); ++i) l += (p[i] - p[i - 1]).norm();
+  return closed && p.size() > 2 ? l + (p.front() - p.back()).norm() : l;
 }
 
 }  // namespace
 
 std::string in_words(const Command& command) {
   if (const auto* c = std::get_if<Incise>(&command))
-    return text("incise %.0f mm, %.3g mm deep", path_length(c->path), c->depth_mm);
+    return text("incise %.0f mm, %.3g mm deep", length_mm(c->path, false), c->depth_mm);
   if (const auto* c = std::get_if<InciseMore>(&command))
     return text("incision %d, %.3g mm deep", c->stroke, c->depth_mm);
   if (const auto* c = std::get_if<Undermine>(&command))
-    return text("undermine %.0f mm around, at %.3g mm", around_mm(c->outline), c->depth_mm);
+    return text("undermine %.0f mm around, at %.3g mm", length_mm(c->outline, true), c->depth_mm);
   if (const auto* c = std::get_if<Excise>(&command))
-    return text("excise %.0f mm around, %.3g mm deep", around_mm(c->outline), c->depth_mm);
+    return text("excise %.0f mm around, %.3g mm deep", length_mm(c->outline, true), c->depth_mm);
   if (const auto* c = std::get_if<SetHook>(&command)) return text("hook %d set", c->id);
   if (const auto* c = std::get_if<MoveHook>(&command)) return text("hook %d moved", c->id);
   if (const auto* c = std::get_if<ReleaseHook>(&command)) return text("hook %d released", c->id);

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -61,8 +63,7 @@ Row run_fusiform(const Values& v, const Run& with) {
                {"ear_volume_mm3", d.shape(place(f, s.a_from), W).volume_mm3 + d.shape(place(f, s.a_to), W).volume_mm3},
                {"found_by", double(d.found_by)}};
   add_common(r, d);
-  char name[60];
-  std::snprintf(name, sizeof name, "%g to 1, %g %%, %g mm", v[0], v[1], v[2]);
+  const std::string name = fmt::format("{:g} to 1, {:g} %, {:g} mm", v[0], v[1], v[2]);
   r.title = name;
   return r;
 }

@@ -13,7 +13,6 @@
 #include "sim/base/error.h"
 #include "sim/commands/script_reader.h"
 #include "sim/geometry/blade_angle.h"
-#include "sim/geometry/polyline.h"
 
 namespace limberg {
 namespace {
@@ -23,6 +22,12 @@ using L = ScriptLimits;
 // Of what a script may hold, what a blade can do.
 constexpr double kLeast_deg = std::max(L::min_angle_deg, kLeastBlade_deg),
                  kMost_deg = std::min(L::max_angle_deg, kMostBlade_deg);
+
+double length_mm(const std::vector<ChartPoint>& p) {
+  double l = 0;
+  for (size_t i = 1; i < p.size(); ++i) l += (p[i] - p[i - 1]).norm();
+  return l;
+}
 
 double depth(const ScriptReader& r, double otherwise) { return r.real("depth_mm", otherwise, 0, L::depth_mm, true); }
 
@@ -102,7 +107,7 @@ Command parse_command(std::string_view json_line, const std::string& name, int l
     r.only({"action", "a", "b", "spacing_mm", "depth_mm", "running", "slack_mm"}, where);
     const RowKind k = kind();
     SutureRow row{r.path("a", 2), r.path("b", 2), k.spacing_mm, k.depth_mm, k.running, k.slack_mm};
-    const double longer = std::max(path_length(row.a), path_length(row.b));
+    const double longer = std::max(length_mm(row.a), length_mm(row.b));
     if (longer / row.spacing_mm > double(L::row_sutures))
       r.fail("\"spacing_mm\" " + ScriptReader::number(row.spacing_mm) + " on a path of " +
              ScriptReader::number(longer) + " mm makes too many sutures; expected at most " +

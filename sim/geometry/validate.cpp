@@ -1,8 +1,9 @@
 #include "sim/geometry/validate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <tuple>
 #include <vector>
 
@@ -38,8 +39,8 @@ class Validator {
 
  private:
   [[noreturn]] void fail(int32_t t, const Vec3& where, const std::string& what) const {
-    char place[120];
-    std::snprintf(place, sizeof place, " (triangle %d, at %.3f %.3f %.3f mm)", t + 1, where.x(), where.y(), where.z());
+    const std::string place =
+        fmt::format(" (triangle {}, at {:.3f} {:.3f} {:.3f} mm)", t + 1, where.x(), where.y(), where.z());
     throw InputError(file_, t >= 0 && size_t(t) < lines_.size() ? lines_[size_t(t)] : 0, what + place);
   }
   Vec3 corner(int32_t t, size_t k) const { return m_.X_mm[size_t(m_.tri[size_t(t)][k])]; }

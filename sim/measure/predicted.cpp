@@ -1,5 +1,7 @@
 #include "sim/measure/predicted.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -30,8 +32,7 @@ PlanOnSkin plan_on(const Skin& skin, const PlannedProcedure& named) {
   const Procedure& p = find_procedure(named.procedure);
   std::vector<std::string> settings;
   for (const auto& [name, value] : named.values) {
-    char text[64];
-    std::snprintf(text, sizeof text, "=%.17g", value);
+    const std::string text = fmt::format("={:.17g}", value);
     settings.push_back(name + text);
   }
   const auto where = std::make_shared<OnSkin>(skin, Placement{named.at, named.turn_deg, named.mirrored});

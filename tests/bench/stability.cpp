@@ -1,9 +1,10 @@
 #include "tests/bench/stability.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "app/operating_point/cpu_clock.h"
@@ -275,11 +276,10 @@ Result stability(const StabilitySettings& settings) {
     out.notes.push_back(by_newton.line("Full Newton on the same energy"));
     out.notes.push_back(by_corotated.line("Full Newton on the linear corotated law"));
     if (by_bullet.cases) out.notes.push_back(by_bullet.line("Bullet's deformable body"));
-    char text[200];
-    std::snprintf(text, sizeof text,
-                  "Budget of a peer, per case: %.0f s of CPU time, %d Newton iterations, %d steps of Bullet after the "
-                  "release. Newton: quasi-static cases; Bullet: those of one tissue.",
-                  kPeerLimit_ms / 1000, kPeerIterations, kPeerSteps);
+    const std::string text = fmt::format(
+        "Budget of a peer, per case: {:.0f} s of CPU time, {} Newton iterations, {} steps of Bullet after the release. "
+        "Newton: quasi-static cases; Bullet: those of one tissue.",
+        kPeerLimit_ms / 1000, kPeerIterations, kPeerSteps);
     out.notes.push_back(text);
   }
   return out;

@@ -1,8 +1,9 @@
 #include "sim/skull/bone/drawn_path.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <map>
@@ -20,11 +21,7 @@ constexpr double kFarthest_mm = 10;   // a place may lie so far from the bone
 constexpr double kTightest_mm = 0.4;  // places nearer together are one
 constexpr double kSteep_mm = 2;       // a step of the way between two picks is not longer
 
-std::string mm(double v) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f mm", v);
-  return text;
-}
+std::string mm(double v) { return fmt::format("{:.1f} mm", v); }
 
 struct OnBone {
   Vec3 x, normal;

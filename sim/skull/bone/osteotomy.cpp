@@ -1,8 +1,9 @@
 #include "sim/skull/bone/osteotomy.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "sim/geometry/polyline.h"
@@ -323,9 +324,8 @@ Cut cut_bone(Mesh& m, int32_t inside, const Osteotomy& o, simplex::Delta& delta)
     if (bulk[size_t(c)].volume_mm3 < kSmallest_mm3) {
       if (!(bulk[size_t(c)].volume_mm3 > 0))
         return refuse("there is no bone within the cut: is it along one that is there already?");
-      char text[120];
-      std::snprintf(text, sizeof text, "the piece is too small: %.1f mm^3; at least %.0f mm^3 was expected",
-                    bulk[size_t(c)].volume_mm3, kSmallest_mm3);
+      const std::string text = fmt::format("the piece is too small: {:.1f} mm^3; at least {:.0f} mm^3 was expected",
+                                           bulk[size_t(c)].volume_mm3, kSmallest_mm3);
       return refuse(text);
     }
   delta.append(std::move(d));

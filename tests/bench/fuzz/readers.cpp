@@ -1,5 +1,6 @@
 #include "tests/bench/fuzz/readers.h"
 
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/time.h>
@@ -307,8 +308,7 @@ Result ReadersFuzzReport::result() const {
     Row r;
     r.name = f.name;
     r.method = "damaged files";
-    char b[120];
-    std::snprintf(b, sizeof b, ", slowest %.1f ms, seed ", f.slowest_ms);
+    const std::string b = fmt::format(", slowest {:.1f} ms, seed ", f.slowest_ms);
     r.settings = std::to_string(f.cases) + " cases, " + std::to_string(f.taken) + " taken, " +
                  std::to_string(f.refused) + " refused" + b + std::to_string(seed);
     r.time_ms = f.cpu_ms;
