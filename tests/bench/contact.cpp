@@ -87,10 +87,10 @@ void add(Result& out, const Patient& p) {
   const Closed off = close(p, ContactChoice::off), on = close(p, ContactChoice::automatic);
   std::string text = fmt::format(
       "p99 {:.3f} at ({:.1f}, {:.1f}, {:.1f}), {:.0f} mm2; residual {:.1e}, {} iterations, closure {:.2f} N, gap "
-      "{:.2f} mm; {} checks, {} searches, {} looks, {} turned, {} tired; {} places",
+      "{:.2f} mm; {} checks, {} searches, {} queries, {} reprojected, {} damped; {} places",
       on.overlap.p99_mm, on.overlap.at_mm[0], on.overlap.at_mm[1], on.overlap.at_mm[2], on.overlap.overlapping_mm2,
-      on.residual, on.iterations, on.closure_N, on.gap_mm, on.counts.checks, on.counts.searches, on.counts.looks,
-      on.counts.turned, on.counts.tired, on.counts.places);
+      on.residual, on.iterations, on.closure_N, on.gap_mm, on.counts.checks, on.counts.searches, on.counts.queries,
+      on.counts.reprojected, on.counts.damped, on.counts.places);
   out.rows.push_back({p.name, "with contact", text, on.cpu_ms, false, on.overlap.max_mm, "mm",
                       "the surfaces' overlap, at most", on.residual <= 1e-5});
   text = fmt::format("p99 {:.3f}, {:.0f} mm2; residual {:.1e}, {} iterations, closure {:.2f} N", off.overlap.p99_mm,

@@ -55,7 +55,7 @@ Spectrum spectrum(const FemModel& m, const Field& u) {
     return g;
   };
   const auto metric = [&](const Field& r) {
-    fem::NodeArray y(F.node_order.size());
+    NodeArray y(F.node_order.size());
     for (size_t k = 0; k < y.size(); ++k) {
       const Vec3& v = r[size_t(F.node_order[k])];
       y[k] = {float(v[0]), float(v[1]), float(v[2]), 0};

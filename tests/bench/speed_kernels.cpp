@@ -14,7 +14,6 @@ namespace {
 
 using fem::Engine;
 using fem::Kernels;
-using fem::NodeArray;
 
 struct SpeedKernelsSize {
   const char* name;

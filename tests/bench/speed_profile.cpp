@@ -17,7 +17,6 @@ namespace limberg::bench {
 namespace {
 
 using fem::Engine;
-using fem::NodeArray;
 
 /// Multiply-adds of 16 numbers at once in eight independent chains.
 #define LIMBERG_MULTIPLY_ADDS(name, attribute, lanes)            \
