@@ -24,10 +24,9 @@ RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::
   const size_t n = touched.size() - 1;
   Vec3 a = Vec3::Zero(), b = Vec3::Zero();
   for (size_t i = 0; i < n; ++i) a += touched[i] / double(n), b += known[i] / double(n);
-  Mat3 H = Mat3::Zero(), B = Mat3::Zero();
+  Mat3 B = Mat3::Zero();
   double a2 = 0;
   for (size_t i = 0; i < n; ++i) {
-    H += (known[i] - b) * (touched[i] - a).transpose();
     B += (known[i] - b) * (known[i] - b).transpose();
     a2 += (touched[i] - a).squaredNorm();
   }
@@ -40,15 +39,15 @@ RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::
                     r.spread_mm, limits.spread_mm));
     return r;
   }
-  const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 S = Mat3::Identity();
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) S(2, 2) = -1;
-  const Mat3 R = svd.matrixU() * S * svd.matrixV().transpose();
+  Eigen::Matrix3Xd from(3, n), to(3, n);
+  for (size_t i = 0; i < n; ++i) from.col(Eigen::Index(i)) = touched[i], to.col(Eigen::Index(i)) = known[i];
+  const Mat3 R = Eigen::umeyama(from, to, false).topLeftCorner<3, 3>();
   r.rotation = Eigen::Quaterniond(R).normalized();
   if (r.rotation.w() < 0) r.rotation.coeffs() = -r.rotation.coeffs();
   r.translation_mm = b - R * a;
-  r.scale = a2 > 0 ? svd.singularValues().dot(S.diagonal()) / a2 : 1;
-  double sum2 = 0;
+  double along = 0, sum2 = 0;
+  for (size_t i = 0; i < n; ++i) along += (known[i] - b).dot(R * (touched[i] - a));
+  r.scale = a2 > 0 ? along / a2 : 1;
   for (size_t i = 0; i < n; ++i) sum2 += (R * touched[i] + r.translation_mm - known[i]).squaredNorm();
   r.residual_mm = std::sqrt(sum2 / double(n));
   r.held_out_mm = (R * touched[n] + r.translation_mm - known[n]).norm();

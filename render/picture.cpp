@@ -7,6 +7,7 @@
 
 #include "render/overlay.h"
 #include "render/renderer.h"
+#include "sim/geometry/triangle.h"
 
 namespace limberg {
 
@@ -135,15 +136,8 @@ bool hidden(const Snapshot& s, const Vec3f& eye, const Vec3f& place, bool face_o
   for (size_t t = 0; t < top.view.tri.size(); ++t) {
     if ((top.organ_of(t) == Organ::face) != face_only) continue;
     const Tri& k = top.view.tri[t];
-    const Vec3f &a = s.x_mm[size_t(k[0])], e1 = s.x_mm[size_t(k[1])] - a, e2 = s.x_mm[size_t(k[2])] - a,
-                p = d.cross(e2), from = eye - a;
-    const float det = e1.dot(p);
-    if (det == 0) continue;
-    const float u = from.dot(p) / det;
-    if (!(u >= 0 && u <= 1)) continue;
-    const Vec3f q = from.cross(e1);
-    const float v = d.dot(q) / det, at = e2.dot(q) / det;
-    if (v >= 0 && u + v <= 1 && at > 0 && at < far) return true;
+    const auto met = meet_ray(eye, d, s.x_mm[size_t(k[0])], s.x_mm[size_t(k[1])], s.x_mm[size_t(k[2])]);
+    if (met.met && met.at < far) return true;
   }
   return false;
 }

@@ -6,8 +6,6 @@
 namespace limberg {
 namespace {
 
-using v4;
-
 constexpr float kBoxRound_mm = 1e-3f;  // boxes are larger by this than single precision can miss
 constexpr float kClose = 1e-5f;        // edges of a cell: an inverse that has come so near is found
 constexpr int kChord = 6, kNewton = 12;
