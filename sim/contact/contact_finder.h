@@ -7,9 +7,9 @@
 //                                    narrow phase  where in them it lies at rest, and the way out (rest_tissue.h)
 //        -> solver.set_contacts()    fem/forces/contact_forces.h, when a pair is new or gone
 //
-// A pair is a place of one surface and a plane: that of a sheet at the foot of the place. The tissue at the foot carries
-// the plane; the plane does not turn, and nothing acts along it (no friction). For given pairs the energy is one
-// function of the positions with a continuous gradient, so the minimiser comes to rest as it does without contacts.
+// A pair is a place of one surface and a plane: that of a sheet at the foot of the place. The tissue at the foot
+// carries the plane; the plane does not turn, and nothing acts along it (no friction). For given pairs the energy is
+// one function of the positions with a continuous gradient, so the minimiser comes to rest as it does without contacts.
 //
 // Stiffness. A place that stands for area A has k = c E A / h: c times that of a column of tissue of one cell's height
 // h, in scale with the solver's metric, which knows nothing of contacts. Under a pressure p both banks' places together
