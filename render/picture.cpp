@@ -82,10 +82,6 @@ struct PictureMaker::Impl {
   }
   double aspect() const { return double(width) / height; }
 
-  void look_at_ball_of(const Vec3f& centre, float radius, const Body* body) {
-    const Stand s = stand(body, centre, centre);
-    camera = look_at_ball(centre, radius, s.from, s.up, kFov, aspect());
-  }
   void look_at_snapshot(const Snapshot& snapshot) {
     const Body* body = snapshot.topology ? snapshot.topology->body.get() : nullptr;
     Vec3f low = Vec3f::Constant(-50), high = Vec3f::Constant(50);
@@ -116,9 +112,6 @@ PictureMaker::PictureMaker(int width, int height, PictureQuality quality, int so
 PictureMaker::~PictureMaker() = default;
 PictureMaker::PictureMaker(PictureMaker&&) noexcept = default;
 
-void PictureMaker::focus(const Vec3f& centre_mm, float radius_mm) {
-  impl_->look_at_ball_of(centre_mm, radius_mm, nullptr);
-}
 void PictureMaker::focus_from(const Snapshot& snapshot) { impl_->look_at_snapshot(snapshot); }
 void PictureMaker::set_camera(const Camera& camera) { impl_->camera = camera; }
 const Camera& PictureMaker::camera() const {

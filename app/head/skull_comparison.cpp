@@ -182,12 +182,6 @@ SkullFit fit_to_mirror(const Surface& skull, Workers& w) {
 
 }  // namespace
 
-SkullComparison compare_with_mirror(const Head& head, Workers& w) {
-  std::vector<int32_t> fragment;
-  const Surface rest = bone_surface(head, true, &fragment);
-  return measure_on(fit_to_mirror(rest, w), rest, bone_surface(head, false), std::move(fragment), w);
-}
-
 Surface normal_skull(Workers& w) {
   const HeadModel normal = cached_head({}, w);
   Surface s;
