@@ -1,22 +1,21 @@
 #include "calibration/distortion.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace limberg {
 
 DistortionResult calibrate_distortion(const std::vector<Vec3>& measured, const std::vector<Vec3>& known,
                                       const DistortionSettings& set) {
   DistortionResult r;
-  char text[256];
   if (measured.size() != known.size() || measured.size() < size_t(set.points)) {
-    std::snprintf(text, sizeof text,
-                  "%zu measured and %zu known points where %d pairs are needed: touch a grid of known points all over "
-                  "the working space",
-                  measured.size(), known.size(), set.points);
-    r.advice = text;
+    r.advice = fmt::format(
+        "{} measured and {} known points where {} pairs are needed: touch a grid of known points all over the working "
+        "space",
+        measured.size(), known.size(), set.points);
     return r;
   }
   DistortionGrid& g = r.grid;
@@ -83,11 +82,10 @@ DistortionResult calibrate_distortion(const std::vector<Vec3>& measured, const s
   r.before_mm = std::sqrt(before / outs), r.after_mm = std::sqrt(after / outs), r.fitted_mm = std::sqrt(fitted / ins);
   r.accepted = r.after_mm * set.gain <= r.before_mm;
   if (!r.accepted) {
-    std::snprintf(text, sizeof text,
-                  "the error at points held out falls only from %.2f to %.2f mm where a factor of %.1f is needed: "
-                  "leave the correction out, or touch more points",
-                  r.before_mm, r.after_mm, set.gain);
-    r.advice = text;
+    r.advice = fmt::format(
+        "the error at points held out falls only from {:.2f} to {:.2f} mm where a factor of {:.1f} is needed: leave "
+        "the correction out, or touch more points",
+        r.before_mm, r.after_mm, set.gain);
   }
   return r;
 }

@@ -1,8 +1,9 @@
 #include "calibration/glove_range.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace limberg {
 
@@ -44,17 +45,12 @@ double otsu(const std::vector<double>& v) {
 
 GloveResult calibrate_glove(const std::vector<double>& aperture, double rate_hz, const GloveLimits& limits) {
   GloveResult r;
-  char text[256];
-  const auto refuse = [&](const char* format, auto... values) {
-    std::snprintf(text, sizeof text, format, values...);
-    if (!r.advice.empty()) r.advice += "; ";
-    r.advice += text;
-  };
+  const auto refuse = [&](const std::string& why) { r.advice += (r.advice.empty() ? "" : "; ") + why; };
   if (double(aperture.size()) < 2 * limits.held_s * rate_hz) {
     refuse(
-        "%.1f s of a tracked hand: open and close it slowly for ten seconds, holding it open and closed for a second "
-        "each",
-        double(aperture.size()) / std::max(1.0, rate_hz));
+        fmt::format("{:.1f} s of a tracked hand: open and close it slowly for ten seconds, holding it open and closed "
+                    "for a second each",
+                    double(aperture.size()) / std::max(1.0, rate_hz)));
     return r;
   }
   const double split = otsu(aperture);
@@ -79,17 +75,20 @@ GloveResult calibrate_glove(const std::vector<double>& aperture, double rate_hz,
   for (const double a : aperture) held_closed += a<close_at, held_open += a> r.open_mm - limits.grab_share * range;
   if (range < limits.range_mm)
     refuse(
-        "open and closed hand differ by %.0f mm where %.0f are needed: open the hand wider, or fix the sensors nearer "
-        "to the tips",
-        range, limits.range_mm);
+        fmt::format("open and closed hand differ by {:.0f} mm where {:.0f} are needed: open the hand wider, or fix the "
+                    "sensors nearer to the tips",
+                    range, limits.range_mm));
   else {
-    if (r.cycles < limits.cycles) refuse("the hand was closed %d times where %d are needed", r.cycles, limits.cycles);
+    if (r.cycles < limits.cycles)
+      refuse(fmt::format("the hand was closed {} times where {} are needed", r.cycles, limits.cycles));
     if (held_closed < limits.held_s * rate_hz || held_open < limits.held_s * rate_hz)
-      refuse("held closed for %.1f s and open for %.1f s where %.1f are needed: hold each for a second",
-             held_closed / rate_hz, held_open / rate_hz, limits.held_s);
+      refuse(
+          fmt::format("held closed for {:.1f} s and open for {:.1f} s where {:.1f} are needed: hold each for a second",
+                      held_closed / rate_hz, held_open / rate_hz, limits.held_s));
     if ((limits.release_share - limits.grab_share) * range < limits.band_sigma * r.spread_mm)
-      refuse("the closed hand wavers by %.1f mm, too much for a band of %.1f mm: hold it still, or open it wider",
-             r.spread_mm, (limits.release_share - limits.grab_share) * range);
+      refuse(fmt::format(
+          "the closed hand wavers by {:.1f} mm, too much for a band of {:.1f} mm: hold it still, or open it wider",
+          r.spread_mm, (limits.release_share - limits.grab_share) * range));
   }
   r.accepted = r.advice.empty();
   return r;

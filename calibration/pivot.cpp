@@ -1,9 +1,10 @@
 #include "calibration/pivot.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "calibration/random.h"
@@ -51,15 +52,10 @@ double misfit(const SensorPose& p, const Mat3& R, const Solution& s) {
 PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed, const PivotLimits& limits) {
   PivotResult r;
   r.poses = int(poses.size());
-  char text[256];
-  const auto refuse = [&](const char* format, auto... values) {
-    std::snprintf(text, sizeof text, format, values...);
-    if (!r.advice.empty()) r.advice += "; ";
-    r.advice += text;
-  };
+  const auto refuse = [&](const std::string& why) { r.advice += (r.advice.empty() ? "" : "; ") + why; };
   if (r.poses < std::max(kEnough, limits.poses)) {
-    refuse("%d poses where %d are needed: keep the tip in the dimple and turn the stylus for longer", r.poses,
-           limits.poses);
+    refuse(fmt::format("{} poses where {} are needed: keep the tip in the dimple and turn the stylus for longer",
+                       r.poses, limits.poses));
     return r;
   }
   std::vector<Mat3> R;
@@ -122,25 +118,27 @@ PivotResult calibrate_pivot(const std::vector<SensorPose>& poses, uint64_t seed,
   const double share = double(r.agreeing) / double(r.poses);
   if (share < limits.inliers)
     refuse(
-        "only %.0f %% of the poses agree where %.0f %% are needed: the tip slipped or the field is disturbed; press it "
-        "into the dimple, take metal away, begin again",
-        100 * share, 100 * limits.inliers);
+        fmt::format("only {:.0f} % of the poses agree where {:.0f} % are needed: the tip slipped or the field is "
+                    "disturbed; press it into the dimple, take metal away, begin again",
+                    100 * share, 100 * limits.inliers));
   if (r.cone_deg < limits.cone_deg)
-    refuse("a cone of %.0f degrees where %.0f are needed: tilt the stylus further to all sides", r.cone_deg,
-           limits.cone_deg);
+    refuse(fmt::format("a cone of {:.0f} degrees where {:.0f} are needed: tilt the stylus further to all sides",
+                       r.cone_deg, limits.cone_deg));
   else if (r.weakest < limits.weakest)
     refuse(
-        "the tip is not determined along one direction (%.3f where %.3f is needed): tilt the stylus to all sides, do "
-        "not only spin or rock it",
-        r.weakest, limits.weakest);
+        fmt::format("the tip is not determined along one direction ({:.3f} where {:.3f} is needed): tilt the stylus to "
+                    "all sides, do not only spin or rock it",
+                    r.weakest, limits.weakest));
   if (r.residual_mm > limits.residual_mm)
     refuse(
-        "a residual of %.2f mm where %.2f is allowed: the tip moved or the field is disturbed; a deeper dimple, nearer "
-        "to the transmitter",
-        r.residual_mm, limits.residual_mm);
+        fmt::format("a residual of {:.2f} mm where {:.2f} is allowed: the tip moved or the field is disturbed; a "
+                    "deeper dimple, nearer to the transmitter",
+                    r.residual_mm, limits.residual_mm));
   if (r.repeat_mm > limits.repeat_mm)
-    refuse("the two halves differ by %.2f mm where %.2f is allowed: turn more evenly, for longer, or more to all sides",
-           r.repeat_mm, limits.repeat_mm);
+    refuse(
+        fmt::format("the two halves differ by {:.2f} mm where {:.2f} is allowed: turn more evenly, for longer, or more "
+                    "to all sides",
+                    r.repeat_mm, limits.repeat_mm));
   r.accepted = r.advice.empty();
   return r;
 }

@@ -5,6 +5,7 @@
 #include "devices/bone_contour.h"
 #include "devices/pick.h"
 #include "devices/rigid_grip.h"
+#include "sim/geometry/polyline.h"
 
 namespace limberg {
 
@@ -13,21 +14,15 @@ namespace {
 constexpr double kPiece_mm = 5;     // of a stroke, told at once
 constexpr double kBehind_mm = 2.5;  // what lies this near to the hand may still turn out to be a corner
 
-double length_of(const std::vector<ChartPoint>& path) {
-  double sum = 0;
-  for (size_t i = 1; i < path.size(); ++i) sum += (path[i] - path[i - 1]).norm();
-  return sum;
-}
-
 }  // namespace
 
 void CommandBuilder::stop_stroke() { stroke_.clear(); }
 
 std::optional<Command> CommandBuilder::draw_on(const ToolEvent& e) {
-  if (length_of(stroke_) < kPiece_mm + kBehind_mm) return {};
+  if (path_length(stroke_) < kPiece_mm + kBehind_mm) return {};
   std::vector<ChartPoint> path = simplify_path(stroke_, path_);
   path.front() = stroke_.front();
-  double left = length_of(path) - kBehind_mm;
+  double left = path_length(path) - kBehind_mm;
   if (left < kPiece_mm / 2) return {};  // mostly tremor
   InciseMore piece;
   if (!in_pieces_) ++stroke_number_, piece.path.push_back(path.front());
@@ -101,7 +96,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       if (in_pieces_) return finish_drawing(e, drawn);
       const bool outline = tool == Tool::undermine || tool == Tool::excise;
       std::vector<ChartPoint> path = outline ? simplify_outline(drawn, path_) : simplify_path(drawn, path_);
-      if (path.size() < (outline ? 3u : 2u) || length_of(path) < path_.min_edge_mm) {
+      if (path.size() < (outline ? 3u : 2u) || path_length(path) < path_.min_edge_mm) {
         ++dropped_;
         return {};
       }

@@ -8,6 +8,7 @@
 #include "devices/motion.h"
 #include "devices/pick.h"
 #include "devices/sample.h"
+#include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 #include "sim/patient/snapshot.h"
 
@@ -267,11 +268,8 @@ struct EmulatedHeadSurgeon::Impl {
         return a.seconds;
       case Act::saw_to:
         return std::max(0.25, (on_bone(a.to_mm).x_mm - tip).norm() / set.carry_mm_s);
-      case Act::saw_along: {
-        double l = 0;
-        for (size_t i = 1; i < a.path.size(); ++i) l += (a.path[i] - a.path[i - 1]).norm();
-        return std::max(0.5, l / set.draw_mm_s);
-      }
+      case Act::saw_along:
+        return std::max(0.5, path_length(a.path) / set.draw_mm_s);
       case Act::reach:
         return 1.2;
       case Act::carry:
@@ -283,9 +281,7 @@ struct EmulatedHeadSurgeon::Impl {
   }
 
   static Vec3 along(const std::vector<Vec3>& path, double share) {
-    double length = 0;
-    for (size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
-    double left = share * length;
+    double left = share * path_length(path);
     for (size_t i = 1; i < path.size(); ++i) {
       const double edge = (path[i] - path[i - 1]).norm();
       if (left <= edge || i + 1 == path.size())

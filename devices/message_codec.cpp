@@ -1,25 +1,14 @@
 #include "devices/message_codec.h"
 
+#include <zlib.h>
+
 #include <cmath>
 
 #include "devices/pick.h"
 
 namespace limberg {
 
-uint32_t crc32(const uint8_t* data, size_t n) {
-  static constexpr auto table = [] {
-    std::array<uint32_t, 256> t{};
-    for (uint32_t i = 0; i < 256; ++i) {
-      uint32_t c = i;
-      for (int k = 0; k < 8; ++k) c = c & 1 ? 0xEDB88320u ^ (c >> 1) : c >> 1;
-      t[i] = c;
-    }
-    return t;
-  }();
-  uint32_t c = ~0u;
-  for (size_t i = 0; i < n; ++i) c = table[(c ^ data[i]) & 0xFF] ^ (c >> 8);
-  return ~c;
-}
+uint32_t checksum(const uint8_t* data, size_t n) { return uint32_t(::crc32_z(0, data, n)); }
 
 namespace {
 

@@ -29,7 +29,7 @@ inline constexpr std::string_view kStylusChannel = "LIMBERG_STYLUS", kControlCha
                                   kScheduleChannel = "LIMBERG_SCHEDULE";
 
 /// CRC-32 of IEEE 802.3 (reflected polynomial 0xEDB88320).
-uint32_t crc32(const uint8_t* data, size_t n);
+uint32_t checksum(const uint8_t* data, size_t n);
 
 inline constexpr size_t kPiece = sizeof(limberg_msg::chunk_t::data);  // bytes of an embedded file in one message
 inline constexpr size_t kMaxStreams = 64;                             // devices of one recording or link
@@ -43,7 +43,7 @@ size_t encode_message(M message, MessageBytes& bytes) {
   message.crc = 0;
   const int n = message.encode(bytes.data(), 0, int(bytes.size()));
   if (n < 4) return 0;
-  uint32_t crc = crc32(bytes.data(), size_t(n) - 4);
+  uint32_t crc = checksum(bytes.data(), size_t(n) - 4);
   if (crc == 0) crc = 1;  // 0 says "not given"
   put_big_endian<uint32_t>(bytes.data() + n - 4, crc);
   return size_t(n);
@@ -60,7 +60,7 @@ const char* decode_message(const uint8_t* data, size_t n, M& message, bool* has_
   const auto given = get_big_endian<uint32_t>(data + n - 4);
   if (has_checksum) *has_checksum = given != 0;
   if (given != 0) {
-    uint32_t crc = crc32(data, n - 4);
+    uint32_t crc = checksum(data, n - 4);
     if (crc == 0) crc = 1;
     if (crc != given) return "wrong checksum";
   }

@@ -4,33 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/geometry/polyline.h"
+
 namespace limberg {
 
 namespace {
-
-double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 d = b - a;
-  const double l2 = d.squaredNorm();
-  const double t = l2 > 0 ? std::clamp((p - a).dot(d) / l2, 0.0, 1.0) : 0;
-  return (p - a - t * d).norm();
-}
-
-/// Douglas-Peucker between two kept points; marks what must stay. An explicit stack, for strokes of any length.
-void keep_between(const std::vector<Vec2>& p, size_t first, size_t last, double tolerance, std::vector<char>& keep) {
-  std::vector<std::pair<size_t, size_t>> work{{first, last}};
-  while (!work.empty()) {
-    const auto [a, b] = work.back();
-    work.pop_back();
-    double worst = tolerance;
-    size_t at = a;
-    for (size_t i = a + 1; i < b; ++i)
-      if (const double d = distance_to_segment(p[i], p[a], p[b]); d > worst) worst = d, at = i;
-    if (at == a) continue;
-    keep[at] = 1;
-    work.push_back({a, at});
-    work.push_back({at, b});
-  }
-}
 
 struct Line {
   Vec2 at{0, 0}, along{1, 0};
@@ -127,10 +105,10 @@ void join_short(const std::vector<Vec2>& p, std::vector<size_t>& knot, double mi
 
 /// The kept points of a path between its ends and `fixed`, a point to begin with (0: none).
 std::vector<size_t> knots_of(const std::vector<Vec2>& p, size_t fixed, const PathSettings& s) {
-  std::vector<char> keep(p.size(), 0);
+  std::vector<uint8_t> keep(p.size(), 0);
   keep.front() = keep[fixed] = keep.back() = 1;
-  if (fixed > 0) keep_between(p, 0, fixed, s.tolerance_mm, keep);
-  keep_between(p, fixed, p.size() - 1, s.tolerance_mm, keep);
+  if (fixed > 0) keep_corners(p, 0, fixed, s.tolerance_mm, keep);
+  keep_corners(p, fixed, p.size() - 1, s.tolerance_mm, keep);
   std::vector<size_t> knot;
   for (size_t i = 0; i < p.size(); ++i)
     if (keep[i]) knot.push_back(i);
@@ -168,8 +146,7 @@ std::vector<Vec2> simplify_outline(const std::vector<Vec2>& points, const PathSe
 
   // Where the hand comes back to its start the outline is closed: cut off what runs on beyond it. Looked for in the
   // last third of the way, so that a narrow outline is not closed at its waist.
-  double length = 0;
-  for (size_t i = 1; i < p.size(); ++i) length += (p[i] - p[i - 1]).norm();
+  const double length = path_length(p);
   double walked = 0, nearest = 1e30;
   size_t closing = p.size() - 1;
   for (size_t i = 1; i < p.size(); ++i) {

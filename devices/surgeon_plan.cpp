@@ -1,5 +1,7 @@
 #include "devices/surgeon_plan.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -153,8 +155,7 @@ void SurgeonPlan::let_go_unless_moved_next(const Aim& from) {
 
 bool SurgeonPlan::reachable(const ChartPoint& c) {
   if (sight_->skin_at(c, Sight::kRimMm).triangle >= 0) return true;
-  char text[120];
-  std::snprintf(text, sizeof text, "command %zu: point (%.2f, %.2f) is not on skin", number_, c.x(), c.y());
+  const std::string text = fmt::format("command {}: point ({:.2f}, {:.2f}) is not on skin", number_, c.x(), c.y());
   problems_.push_back(text);
   return false;
 }

@@ -1,8 +1,9 @@
 #include "render/overlay.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "render/colour_map.h"
 
@@ -37,9 +38,7 @@ double round_step(double range, int most) {
 
 std::string tick_label(double value, double step) {
   const int digits = std::clamp(int(-std::floor(std::log10(step) + 1e-9)), 0, 9);
-  char s[40];
-  std::snprintf(s, sizeof s, "%.*f", digits, value == 0 ? 0.0 : value);
-  return s;
+  return fmt::format("{:.{}f}", value == 0 ? 0.0 : value, digits);
 }
 
 void draw_caption(Image& image, const TextPainter& text, const std::string& title, const std::string& caption) {

@@ -7,6 +7,7 @@
 
 #include "render/overlay.h"
 #include "render/renderer.h"
+#include "sim/geometry/triangle.h"
 
 namespace limberg {
 
@@ -81,10 +82,6 @@ struct PictureMaker::Impl {
   }
   double aspect() const { return double(width) / height; }
 
-  void look_at_ball_of(const Vec3f& centre, float radius, const Body* body) {
-    const Stand s = stand(body, centre, centre);
-    camera = look_at_ball(centre, radius, s.from, s.up, kFov, aspect());
-  }
   void look_at_snapshot(const Snapshot& snapshot) {
     const Body* body = snapshot.topology ? snapshot.topology->body.get() : nullptr;
     Vec3f low = Vec3f::Constant(-50), high = Vec3f::Constant(50);
@@ -115,9 +112,6 @@ PictureMaker::PictureMaker(int width, int height, PictureQuality quality, int so
 PictureMaker::~PictureMaker() = default;
 PictureMaker::PictureMaker(PictureMaker&&) noexcept = default;
 
-void PictureMaker::focus(const Vec3f& centre_mm, float radius_mm) {
-  impl_->look_at_ball_of(centre_mm, radius_mm, nullptr);
-}
 void PictureMaker::focus_from(const Snapshot& snapshot) { impl_->look_at_snapshot(snapshot); }
 void PictureMaker::set_camera(const Camera& camera) { impl_->camera = camera; }
 const Camera& PictureMaker::camera() const {
@@ -135,15 +129,8 @@ bool hidden(const Snapshot& s, const Vec3f& eye, const Vec3f& place, bool face_o
   for (size_t t = 0; t < top.view.tri.size(); ++t) {
     if ((top.organ_of(t) == Organ::face) != face_only) continue;
     const Tri& k = top.view.tri[t];
-    const Vec3f &a = s.x_mm[size_t(k[0])], e1 = s.x_mm[size_t(k[1])] - a, e2 = s.x_mm[size_t(k[2])] - a,
-                p = d.cross(e2), from = eye - a;
-    const float det = e1.dot(p);
-    if (det == 0) continue;
-    const float u = from.dot(p) / det;
-    if (!(u >= 0 && u <= 1)) continue;
-    const Vec3f q = from.cross(e1);
-    const float v = d.dot(q) / det, at = e2.dot(q) / det;
-    if (v >= 0 && u + v <= 1 && at > 0 && at < far) return true;
+    const auto met = meet_ray(eye, d, s.x_mm[size_t(k[0])], s.x_mm[size_t(k[1])], s.x_mm[size_t(k[2])]);
+    if (met.met && met.at < far) return true;
   }
   return false;
 }

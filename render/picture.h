@@ -6,7 +6,7 @@
 //   write_png(file, pictures.skin(snapshot, {.title = "flap cut"}));
 //
 // The camera of a PictureMaker does not move from picture to picture, so that stages can be laid side by side. It is
-// fixed by focus / focus_from / set_camera, or else from the first picture's snapshot. Use one maker per thread: it
+// fixed by focus_from / set_camera, or else from the first picture's snapshot. Use one maker per thread: it
 // owns a GL context and belongs to the thread that made it.
 #include <memory>
 #include <span>
@@ -51,8 +51,6 @@ class PictureMaker {
   ~PictureMaker();
   PictureMaker(PictureMaker&&) noexcept;
 
-  /// Looks at the ball (centre, radius) of the world.
-  void focus(const Vec3f& centre_mm, float radius_mm);
   /// Looks at what was operated: cuts, sutures and hooks of the snapshot; the whole skin when there are none.
   void focus_from(const Snapshot& snapshot);
   void set_camera(const Camera& camera);

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "render/render_scene.h"
+#include "sim/geometry/polyline.h"
 
 namespace limberg {
 
@@ -40,12 +41,6 @@ struct Split {
   Vec3f normal;
   uint32_t index;
 };
-
-float distance_to_segment(const Vec3f& p, const Vec3f& a, const Vec3f& b) {
-  const Vec3f d = b - a;
-  const float length2 = d.squaredNorm(), t = length2 > 0 ? std::clamp((p - a).dot(d) / length2, 0.0f, 1.0f) : 0.0f;
-  return (p - a - t * d).norm();
-}
 
 // Where a rest position lies on a curve that fills the body's box: triangles in this order have most corners from their
 // predecessors, which a driver then need not work out again.

@@ -1,5 +1,7 @@
 #include "app/assembly/exercise.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdio>
 
@@ -77,12 +79,12 @@ std::vector<Judgement> fill_exercise(Result& r, const Exercise& e, const Metrics
 
 void print_judgements(const std::vector<Judgement>& judged) {
   for (const Judgement& j : judged) {
-    char value[32] = "-";
-    if (j.value) std::snprintf(value, sizeof value, "%.3g", std::abs(*j.value) < 1e-6 ? 0 : *j.value);
-    std::printf("lesson      %-14s %8s of at most %6.3g %-8s %s\n", j.name.c_str(), value, j.limit, j.unit.c_str(),
-                j.met     ? "met"
-                : j.value ? "missed"
-                          : ("not measured: " + j.why).c_str());
+    const std::string value =
+        j.value ? fmt::format("{:.3g}", std::abs(*j.value) < 1e-6 ? 0 : *j.value) : std::string("-");
+    fmt::print("lesson      {:<14} {:>8} of at most {:6.3g} {:<8} {}\n", j.name, value, j.limit, j.unit,
+               j.met     ? "met"
+               : j.value ? "missed"
+                         : "not measured: " + j.why);
   }
 }
 

@@ -1,8 +1,9 @@
 #include "app/assembly/lesson.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <numbers>
@@ -52,11 +53,7 @@ struct Drawn {
   bool closed = false;
 };
 
-std::string at_text(const ChartPoint& p) {
-  char t[60];
-  std::snprintf(t, sizeof t, "(%.1f, %.1f) mm", p.x(), p.y());
-  return t;
-}
+std::string at_text(const ChartPoint& p) { return fmt::format("({:.1f}, {:.1f}) mm", p.x(), p.y()); }
 
 /// Of the corner that is farthest from anything drawn, or that nothing was drawn for.
 std::string why_missing(const DesignError& e) {
@@ -66,12 +63,11 @@ std::string why_missing(const DesignError& e) {
   const MissingCorner& c = *std::max_element(e.missing.begin(), e.missing.end(),
                                              [&](const auto& a, const auto& b) { return off(a) < off(b); });
   const std::string kind = c.outline ? "excision" : "incision";
-  char t[120];
-  std::snprintf(t, sizeof t, "%zu of the plan's %d corners were looked for within %g mm and not found: that of an ",
-                e.missing.size(), e.corners, kMissing_mm);
+  std::string t = fmt::format("{} of the plan's {} corners were looked for within {:g} mm and not found: that of an ",
+                              e.missing.size(), e.corners, kMissing_mm);
   std::string s = t + kind + " at " + at_text(c.planned) + "; ";
   if (!c.nearest) return s + "no " + kind + " was drawn";
-  std::snprintf(t, sizeof t, " is %.1f mm away", off(c));
+  t = fmt::format(" is {:.1f} mm away", off(c));
   return s + "the nearest drawn corner of one, at " + at_text(*c.nearest) + "," + t;
 }
 

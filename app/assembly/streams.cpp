@@ -1,8 +1,9 @@
 #include "app/assembly/streams.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "devices/fastrak/virtual_line.h"
@@ -20,12 +21,12 @@ constexpr double kFullTurn = 2 * std::numbers::pi;
 
 std::string csv_of(const fastrak::Motion& motion, std::initializer_list<int> stations, double seconds) {
   std::string s = "t_s,station,x_mm,y_mm,z_mm,pressed\n";
-  char line[128];
+  std::string line;
   for (double t = 0; t < seconds; t += 0.05)
     for (const int station : stations) {
       const fastrak::StationPose p = motion(station, t);
-      std::snprintf(line, sizeof line, "%.3f,%d,%.3f,%.3f,%.3f,%d\n", t, station, p.pos_mm.x(), p.pos_mm.y(),
-                    p.pos_mm.z(), int(p.pressed));
+      line = fmt::format("{:.3f},{},{:.3f},{:.3f},{:.3f},{}\n", t, station, p.pos_mm.x(), p.pos_mm.y(), p.pos_mm.z(),
+                         int(p.pressed));
       s += line;
     }
   return s;
@@ -148,9 +149,8 @@ KnownStream force(uint64_t) {
     s.seq = tick, s.t_ns = t + 1;
     s.tip_mm = r.tip_mm;
     k.samples.push_back(s);
-    char line[128];
-    std::snprintf(line, sizeof line, "%.3f,%.2f,%.2f,%.2f,%.4f,%.4f,%.4f\n", double(tick) * 1e-3, r.tip_mm.x(),
-                  r.tip_mm.y(), r.tip_mm.z(), f.x(), f.y(), f.z());
+    const std::string line = fmt::format("{:.3f},{:.2f},{:.2f},{:.2f},{:.4f},{:.4f},{:.4f}\n", double(tick) * 1e-3,
+                                         r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z(), f.x(), f.y(), f.z());
     if (tick % 20 == 0) k.truth_csv += line;
   }
   k.truth = "tissue of 0.2 N/mm with its skin at z = 0, friction 0.2; the force that was given is in the table";
@@ -168,7 +168,7 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
   fastrak::EmulatorSettings device;
   device.seed = seed;
   device.noise_mm = 0.2;
-  char text[256];
+  std::string text;
   if (name == "open") {
     const fastrak::Motion motion = glove_opening(seed, 18, 85);
     k.samples = fastrak::readings_of(motion, 12, {}, device);
@@ -183,8 +183,7 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
     r.seed = seed, r.slips_per_s = 0.3;
     k.samples = fastrak::readings_of(stylus_in_dimple(r), 12, stylus, device);
     k.truth_csv = csv_of(stylus_in_dimple(r), {1}, 12);
-    std::snprintf(text, sizeof text, "tip (%g, %g, %g) mm in the sensor's frame", r.tip_mm.x(), r.tip_mm.y(),
-                  r.tip_mm.z());
+    text = fmt::format("tip ({:g}, {:g}, {:g}) mm in the sensor's frame", r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z());
     k.truth = text;
     return k;
   }
@@ -195,8 +194,9 @@ KnownStream known_stream(const std::string& name, uint64_t seed) {
         k.points_mm = {{-60, -60, 0}, {60, -60, 0}, {60, 60, 0}, {-60, 60, 0}, {0, 0, 30}, {0, -40, 10}, {20, 20, 5}};
     k.samples = fastrak::readings_of(stylus_touching(r), seconds_for(r), stylus, device);
     k.truth_csv = csv_of(stylus_touching(r), {1}, seconds_for(r));
-    std::snprintf(text, sizeof text, "tracker at (%g, %g, %g) mm, tip (%g, %g, %g) mm", r.world_from_tracker_mm.x(),
-                  r.world_from_tracker_mm.y(), r.world_from_tracker_mm.z(), r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z());
+    text =
+        fmt::format("tracker at ({:g}, {:g}, {:g}) mm, tip ({:g}, {:g}, {:g}) mm", r.world_from_tracker_mm.x(),
+                    r.world_from_tracker_mm.y(), r.world_from_tracker_mm.z(), r.tip_mm.x(), r.tip_mm.y(), r.tip_mm.z());
     k.truth = text;
     return k;
   }

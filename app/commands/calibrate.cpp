@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -30,9 +32,7 @@ std::string today() {
   const std::time_t now = std::time(nullptr);
   std::tm t{};
   gmtime_r(&now, &t);
-  char text[64];
-  std::snprintf(text, sizeof text, "%04d-%02d-%02d", t.tm_year + 1900, t.tm_mon + 1, t.tm_mday);
-  return text;
+  return fmt::format("{:04}-{:02}-{:02}", t.tm_year + 1900, t.tm_mon + 1, t.tm_mday);
 }
 
 /// The readings of a stylus in a log, as a sensor's, in order.

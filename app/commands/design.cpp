@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -59,12 +61,11 @@ int design(DesignOptions o) {
   Progress progress("design");
   const int64_t start = RealClock::monotonic_ns();
   const auto told = [&](const SearchProgress& p) {
-    char t[120];
-    int n = std::snprintf(t, sizeof t, "%d of %d designs%s", p.done, p.total, p.fine ? ", the best on fine cells" : "");
+    std::string t = fmt::format("{} of {} designs{}", p.done, p.total, p.fine ? ", the best on fine cells" : "");
     if (p.share > 0.02) {  // what the first ones took says how long the rest will
       const double left_s = double(RealClock::monotonic_ns() - start) * 1e-9 * (1 / p.share - 1);
-      std::snprintf(t + n, sizeof t - size_t(n), left_s < 90 ? ", about %.0f s left" : ", about %.1f min left",
-                    left_s < 90 ? left_s : left_s / 60);
+      t += left_s < 90 ? fmt::format(", about {:.0f} s left", left_s)
+                       : fmt::format(", about {:.1f} min left", left_s / 60);
     }
     progress.note(t);
   };

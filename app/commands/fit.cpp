@@ -1,5 +1,7 @@
 #include "sim/imaging/fit/fit.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -161,15 +163,15 @@ void leave(const Result& result, const FitOptions& o, const std::string& dir) {
 /// What kept the fit from its goal, in sentences; nothing: it was reached.
 std::vector<std::string> missed(const FitReport& r, double voxel, const char* unit) {
   std::vector<std::string> out;
-  char b[160];
+  std::string b;
   if (r.found < kFound) {
-    std::snprintf(b, sizeof b, "%.1f %% of the vertices have the surface within two %ss; %.0f %% were wanted",
-                  100 * r.found, unit, 100 * kFound);
+    b = fmt::format("{:.1f} % of the vertices have the surface within two {}s; {:.0f} % were wanted", 100 * r.found,
+                    unit, 100 * kFound);
     out.push_back(b);
   }
   if (!(r.rms_mm <= kRmsVoxels * voxel) || r.vertices == 0) {
-    std::snprintf(b, sizeof b, "the rms distance is %.3f mm; %.3f mm (half a %s) was wanted", r.rms_mm,
-                  kRmsVoxels * voxel, unit);
+    b = fmt::format("the rms distance is {:.3f} mm; {:.3f} mm (half a {}) was wanted", r.rms_mm, kRmsVoxels * voxel,
+                    unit);
     out.push_back(b);
   }
   return out;
@@ -181,9 +183,8 @@ Start start_of(const std::string& s) {
 
 std::function<void(int, int32_t, double)> shown(Progress& progress, int stages) {
   return [&progress, stages](int stage, int32_t vertices, double move_mm) {
-    char line[128];
-    std::snprintf(line, sizeof line, "stage %d of %d, %d vertices, last move %.3f mm", stage + 1, stages, vertices,
-                  move_mm);
+    const std::string line =
+        fmt::format("stage {} of {}, {} vertices, last move {:.3f} mm", stage + 1, stages, vertices, move_mm);
     progress.note(line);
   };
 }
@@ -197,15 +198,15 @@ double mm_of(const std::string& unit) { return unit == "cm" ? 10 : unit == "m" ?
 /// What the size of a scan says about its units; empty: nothing against them.
 std::string unlikely(double across_mm) {
   if (across_mm >= kSmallest && across_mm <= kLargest) return "";
-  char b[200];
+  std::string b;
   std::string as;
   for (const char* unit : {"cm", "m", "inch"})
     if (const double mm = across_mm * mm_of(unit); mm >= kSmallest && mm <= kLargest) {
-      std::snprintf(b, sizeof b, "%s --unit %s (%.0f mm)", as.empty() ? "" : " or", unit, mm);
+      b = fmt::format("{} --unit {} ({:.0f} mm)", as.empty() ? "" : " or", unit, mm);
       as += b;
     }
-  std::snprintf(b, sizeof b, "the scan is %.3g mm across; a face is 100 to 300 mm: perhaps its lengths are not in mm",
-                across_mm);
+  b = fmt::format("the scan is {:.3g} mm across; a face is 100 to 300 mm: perhaps its lengths are not in mm",
+                  across_mm);
   return std::string(b) + (as.empty() ? "" : "; try" + as);
 }
 
@@ -268,9 +269,9 @@ int run_scan(const FitOptions& o) {
   std::printf("work        %d iterations, %.2f s of CPU time\n", r.iterations, cpu_s);
   std::vector<std::string> faults = missed(r, r.voxel_mm, "spacing");
   if (r.reached < kReached) {
-    char b[160];
-    std::snprintf(b, sizeof b, "%.1f %% of %s is within two spacings of the mesh; %.0f %% was wanted", 100 * r.reached,
-                  hidden > 0 ? "what is seen of the scan" : "the scan", 100 * kReached);
+    const std::string b =
+        fmt::format("{:.1f} % of {} is within two spacings of the mesh; {:.0f} % was wanted", 100 * r.reached,
+                    hidden > 0 ? "what is seen of the scan" : "the scan", 100 * kReached);
     faults.push_back(b);
   }
   for (const std::string& f : faults)

@@ -1,7 +1,8 @@
 #include "app/commands/fit_sweep.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 
 #include "app/operating_point/cpu_clock.h"
 
@@ -33,12 +34,12 @@ FitSweep fit_sweep(const Prepared& target, const FitSettings& like, Workers& wor
 std::string FitSweep::csv() const {
   std::string s =
       "faces,edge_mm,chord_mm,vertices,cpu_s,iterations,found,rms_mm,reached,surface_rms_mm,surface_p95_mm,openings\n";
-  char b[256];
+  std::string b;
   for (const FitTrial& t : trial) {
-    std::snprintf(b, sizeof b, "%s,%.4g,%.4g,%d,%.3f,%d,%.5f,%.5f,%.5f,%.5f,%.5f,%zu\n",
-                  t.adapted ? "adapted" : "uniform", t.edge_mm, t.chord_mm, t.report.vertices, t.cpu_s,
-                  t.report.iterations, t.report.found, t.report.rms_mm, t.report.reached, t.report.surface_rms_mm,
-                  t.report.surface_p95_mm, t.report.hole.size());
+    b = fmt::format("{},{:.4g},{:.4g},{},{:.3f},{},{:.5f},{:.5f},{:.5f},{:.5f},{:.5f},{}\n",
+                    t.adapted ? "adapted" : "uniform", t.edge_mm, t.chord_mm, t.report.vertices, t.cpu_s,
+                    t.report.iterations, t.report.found, t.report.rms_mm, t.report.reached, t.report.surface_rms_mm,
+                    t.report.surface_p95_mm, t.report.hole.size());
     s += b;
   }
   return s;

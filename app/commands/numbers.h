@@ -1,10 +1,11 @@
 #pragma once
 // What a number on the command line may be. CLI11's own ranges let nan through (no comparison with it is true), take -1
 // for a large unsigned number and print the limits of a double with 309 digits.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <string>
 
@@ -13,9 +14,7 @@ namespace limberg {
 namespace number_words {
 
 inline std::string words(const char* kind, const char* between, double least, double most) {
-  char text[96];
-  std::snprintf(text, sizeof text, "%s %.15g%s%.15g", kind, least, between, most);
-  return text;
+  return fmt::format("{} {:.15g}{}{:.15g}", kind, least, between, most);
 }
 
 inline std::string refusal(const std::string& value, const char* kind, double least, double most) {

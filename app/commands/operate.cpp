@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdio>
@@ -236,15 +238,15 @@ void write_fields(const std::string& file, const World& world) {
   const std::vector<MembraneState> states = skin_states(view, s.x_mm, body);
   const Perfusion p = perfusion(view, skin);
   std::string text = std::string(kFieldsHeader) + "\n";
-  char line[240];
+  std::string line;
   for (size_t t = 0; t < states.size(); ++t) {
     const MembraneState& m = states[t];
     if (!(m.area_mm2 > 0)) continue;
     const ChartPoint c = body.to_chart(
         (view.X_mm[size_t(view.tri[t][0])] + view.X_mm[size_t(view.tri[t][1])] + view.X_mm[size_t(view.tri[t][2])]) /
         3);
-    std::snprintf(line, sizeof line, "%.4f,%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3f\n", c.x(), c.y(), m.area_mm2,
-                  m.stretch, m.least_stretch, m.stress_kPa, m.least_stress_kPa, m.angle_deg, double(p.index[t]));
+    line = fmt::format("{:.4f},{:.4f},{:.5f},{:.5f},{:.5f},{:.4f},{:.4f},{:.2f},{:.3f}\n", c.x(), c.y(), m.area_mm2,
+                       m.stretch, m.least_stretch, m.stress_kPa, m.least_stress_kPa, m.angle_deg, double(p.index[t]));
     text += line;
   }
   write_whole_file(file, text);
@@ -275,9 +277,8 @@ int run_operate(const OperateOptions& opt) {
   std::vector<double> cells = opt.cells;
   for (size_t i = 1; i < cells.size(); ++i)
     if (!(cells[i] < cells[i - 1])) {
-      char t[120];
-      std::snprintf(t, sizeof t, "--cells: %g mm after %g mm; expected different sizes, coarse to fine", cells[i],
-                    cells[i - 1]);
+      const std::string t = fmt::format("--cells: {:g} mm after {:g} mm; expected different sizes, coarse to fine",
+                                        cells[i], cells[i - 1]);
       throw InputError("", 0, t);
     }
   if (cells.empty()) cells.push_back(opt.cell_mm > 0 ? opt.cell_mm : repro ? repro->cell_mm : scene.cell_mm);
@@ -309,8 +310,7 @@ int run_operate(const OperateOptions& opt) {
     World world(spec, workers);
     ReproWriter refused(repro ? "" : opt.common.repro(), blank_repro(scene, cells[i], spec.seed));
     bool again = false;  // the repro's cut is refused again
-    char label[32];
-    std::snprintf(label, sizeof label, "%g mm cells", cells[i]);
+    const std::string label = fmt::format("{:g} mm cells", cells[i]);
     Progress progress(label);
     OperationSettings set;
     set.interrupted = interrupted;
@@ -349,8 +349,9 @@ int run_operate(const OperateOptions& opt) {
     std::printf(
         "%-12s %7zu nodes  %8.0f ms  residual %.1e  off by about %.1e mm  closure %.3f N  gap %.3f mm  dog-ear %.2f mm "
         " state_hash %s\n",
-        label, rows.back().nodes, o.solve_ms, o.last.residual, o.last.distance_mm, rows.back().key.closure_force_N,
-        rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm, hex(world.state_hash()).c_str());
+        label.c_str(), rows.back().nodes, o.solve_ms, o.last.residual, o.last.distance_mm,
+        rows.back().key.closure_force_N, rows.back().key.suture_gap_max_mm, rows.back().key.dog_ear_mm,
+        hex(world.state_hash()).c_str());
     if (i + 1 < cells.size()) continue;
     fill_operation(result, world, scene, o, rows.back().key);
     fill_closure(result, o.closure);

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
@@ -46,8 +48,7 @@ int procedure(ProcedureOptions o) {
   const OnSkin where(skin, o.placement);
   std::string title = p.name;
   for (size_t i = 0; i < values.size(); ++i) {
-    char t[80];
-    std::snprintf(t, sizeof t, " %s=%g", p.parameters[i].name.c_str(), values[i]);
+    const std::string t = fmt::format(" {}={:g}", p.parameters[i].name, values[i]);
     title += t;
   }
   Script script;

@@ -30,15 +30,9 @@ namespace {
 
 /// A time as one says it.
 std::string about_s(double s) {
-  char t[40];
-  std::snprintf(t, sizeof t,
-                s < 100    ? "%.0f s"
-                : s < 6000 ? "%.0f min"
-                           : "%.1f h",
-                s < 100    ? s
-                : s < 6000 ? s / 60
-                           : s / 3600);
-  return t;
+  return s < 100    ? fmt::format("{:.0f} s", s)
+         : s < 6000 ? fmt::format("{:.0f} min", s / 60)
+                    : fmt::format("{:.1f} h", s / 3600);
 }
 
 bool is_special(const std::string& file) {
@@ -333,8 +327,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (!call.real_time) compare_checkpoints(result, call, f);
   if (!call.reproduce.empty()) result.set("/reproduce", call.reproduce);
   for (const Refusal& r : a.solver.refused()) {
-    char t[32];
-    std::snprintf(t, sizeof t, "%.2f s: ", r.t_s);
+    const std::string t = fmt::format("{:.2f} s: ", r.t_s);
     say(std::string(t) + r.command + " refused: " + r.reason);
   }
   int repro = 0;

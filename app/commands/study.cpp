@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -41,11 +43,7 @@ struct StudyOptions {
   CommonOptions common;
 };
 
-std::string plain(double v) {
-  char t[40];
-  std::snprintf(t, sizeof t, "%.6g", v);
-  return t;
-}
+std::string plain(double v) { return fmt::format("{:.6g}", v); }
 
 uint64_t inputs_of(const Family& f, const Values& v) { return f.inputs ? f.inputs(v) : 0; }
 
@@ -74,14 +72,9 @@ std::vector<Gathered> wanted(const StudyOptions& o) {
 
 std::vector<std::string> member_call(const Family& f, const Values& v, int workers, const std::string& dir) {
   std::vector<std::string> words{study::this_program(), "study", f.name};
-  char t[60];
   for (size_t i = 0; i < v.size(); ++i) {
-    std::snprintf(t, sizeof t, "=%.17g", v[i]);
-    if (std::snprintf(nullptr, 0, "%g", v[i]) > 0) {  // the short way where it means the same
-      char s[60];
-      std::snprintf(s, sizeof s, "=%g", v[i]);
-      if (std::strtod(s + 1, nullptr) == v[i]) std::copy(std::begin(s), std::end(s), t);
-    }
+    const std::string brief = fmt::format("{:g}", v[i]);  // where it means the same
+    const std::string t = "=" + (std::strtod(brief.c_str(), nullptr) == v[i] ? brief : fmt::format("{:.17g}", v[i]));
     words.insert(words.end(), {"--set", f.parameters[i].name + t});
   }
   words.insert(words.end(), {"--member", "--workers", std::to_string(workers), "--out", dir});
@@ -360,9 +353,8 @@ std::string footer() {
     for (const study::Parameter& p : f.parameters) {
       std::string values;
       for (const double v : p.values) values += (values.empty() ? "" : ",") + plain(v);
-      char line[200];
-      std::snprintf(line, sizeof line, "  %-20s %s, %g to %g (by itself %s)\n", p.name.c_str(), p.help.c_str(), p.lo,
-                    p.hi, values.c_str());
+      const std::string line =
+          fmt::format("  {:<20} {}, {:g} to {:g} (by itself {})\n", p.name, p.help, p.lo, p.hi, values);
       text += line;
     }
   }

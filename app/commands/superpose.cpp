@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
@@ -60,20 +62,18 @@ void print(const Similarity& s) {
 
 /// How A was moved, and how far it lies from what it was compared with, as tables of the report.
 void tell_superposition(Result& r, const Similarity& s) {
-  char t[4][48];
-  std::snprintf(t[0], 48, "%.3f", s.angle_deg()), std::snprintf(t[1], 48, "%.4f", s.scale);
-  std::snprintf(t[2], 48, "(%.3f, %.3f, %.3f)", s.t_mm.x(), s.t_mm.y(), s.t_mm.z());
   add_table(r, {"How the first was moved",
                 "",
                 {"figure", "value"},
-                {{"turned, degrees", t[0]}, {"times as large", t[1]}, {"shifted, mm", t[2]}}});
+                {{"turned, degrees", fmt::format("{:.3f}", s.angle_deg())},
+                 {"times as large", fmt::format("{:.4f}", s.scale)},
+                 {"shifted, mm", fmt::format("({:.3f}, {:.3f}, {:.3f})", s.t_mm.x(), s.t_mm.y(), s.t_mm.z())}}});
 }
 void tell_superposition(Result& r, const char* title, const char* about, const DistanceMap& d) {
   ResultTable t{title, about, {"figure", "mm"}, {}};
   for (const auto& [name, v] : {std::pair("mean size", d.mean_abs_mm), std::pair("rms", d.rms_mm),
                                 std::pair("95 % within", d.p95_mm), std::pair("at most", d.max_mm)}) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3f", v);
+    const std::string text = fmt::format("{:.3f}", v);
     t.rows.push_back({name, text});
   }
   add_table(r, t);
@@ -86,19 +86,19 @@ void write_map(const std::string& dir, const Surface& s, const Similarity& map, 
                     "\nproperty float x\nproperty float y\nproperty float z\nproperty uchar red\nproperty uchar "
                     "green\nproperty uchar blue\nproperty float distance_mm\nelement face " +
                     std::to_string(s.tri.size()) + "\nproperty list uchar int vertex_indices\nend_header\n";
-  char b[200];
+  std::string b;
   const double full = d.p95_mm > 0 ? d.p95_mm : 1;
   for (size_t i = 0; i < s.x_mm.size(); ++i) {
     const Vec3 x = map(s.x_mm[i]);
     const double t = std::clamp(d.signed_mm[i] / full, -1., 1.);
-    std::snprintf(b, sizeof b, "%.4f,%.4f,%.4f,%.5f\n", x.x(), x.y(), x.z(), d.signed_mm[i]);
+    b = fmt::format("{:.4f},{:.4f},{:.4f},{:.5f}\n", x.x(), x.y(), x.z(), d.signed_mm[i]);
     csv += b;
-    std::snprintf(b, sizeof b, "%.4f %.4f %.4f %d %d %d %.5f\n", x.x(), x.y(), x.z(), int(230 * (t < 0 ? 1 + t : 1)),
-                  int(230 * (1 - std::abs(t))), int(230 * (t > 0 ? 1 - t : 1)), d.signed_mm[i]);
+    b = fmt::format("{:.4f} {:.4f} {:.4f} {} {} {} {:.5f}\n", x.x(), x.y(), x.z(), int(230 * (t < 0 ? 1 + t : 1)),
+                    int(230 * (1 - std::abs(t))), int(230 * (t > 0 ? 1 - t : 1)), d.signed_mm[i]);
     ply += b;
   }
   for (const Tri& t : s.tri) {
-    std::snprintf(b, sizeof b, "3 %d %d %d\n", t[0], t[1], t[2]);
+    b = fmt::format("3 {} {} {}\n", t[0], t[1], t[2]);
     ply += b;
   }
   write_whole_file(dir + "/distance.csv", csv);

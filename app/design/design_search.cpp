@@ -1,5 +1,7 @@
 #include "app/design/design_search.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -10,6 +12,7 @@
 #include "sim/base/error.h"
 #include "sim/commands/plan_numbers.h"
 #include "sim/commands/procedures/catalogue.h"
+#include "sim/geometry/polyline.h"
 #include "sim/measure/plan.h"
 
 namespace limberg {
@@ -45,13 +48,7 @@ Vec2 centre_of(const std::vector<Vec2>& outline) {
 }
 
 bool holds(const std::vector<ChartPoint>& outline, const std::vector<ChartPoint>& defect) {
-  return std::all_of(defect.begin(), defect.end(), [&](const ChartPoint& p) { return inside_polygon(p, outline); });
-}
-
-double to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 e = b - a;
-  const double t = e.squaredNorm() > 0 ? std::clamp((p - a).dot(e) / e.squaredNorm(), 0.0, 1.0) : 0;
-  return (a + t * e - p).norm();
+  return std::all_of(defect.begin(), defect.end(), [&](const ChartPoint& p) { return inside_polygon(outline, p); });
 }
 
 /// The procedure with its size set; the plan's place so that its first excision is centred on the defect.
@@ -97,21 +94,20 @@ void set_cost(Design& d, const Metrics& m, const DesignTask& task) {
 
 std::string Design::name() const {
   std::string s = plan.procedure;
-  char t[80];
+  std::string t;
   for (const auto& [key, value] : plan.values) {
-    std::snprintf(t, sizeof t, " %s=%.3g", key.c_str(), value);
+    t = fmt::format(" {}={:.3g}", key, value);
     s += t;
   }
-  std::snprintf(t, sizeof t, " turned %g%s", plan.turn_deg, plan.mirrored ? " mirrored" : "");
+  t = fmt::format(" turned {:g}{}", plan.turn_deg, plan.mirrored ? " mirrored" : "");
   return s + t;
 }
 
 std::string why_first(const Design& a, const Design* b) {
-  char t[400];
-  std::snprintf(t, sizeof t,
-                "its strongest stitch pulls with %.2f N (cost %.2f), the skin stands up by %.1f mm (%.2f), landmarks "
-                "move by %.1f mm (%.2f)",
-                a.force_N, a.force_cost, a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
+  std::string t = fmt::format(
+      "its strongest stitch pulls with {:.2f} N (cost {:.2f}), the skin stands up by {:.1f} mm ({:.2f}), landmarks "
+      "move by {:.1f} mm ({:.2f})",
+      a.force_N, a.force_cost, a.dog_ear_mm, a.ear_cost, a.landmark_mm, a.landmark_cost);
   std::string why = t;
   if (!b || b->fine != a.fine) return why;
   const std::pair<double, const char*> parts[] = {{b->force_cost - a.force_cost, "its force"},
@@ -119,8 +115,8 @@ std::string why_first(const Design& a, const Design* b) {
                                                   {b->landmark_cost - a.landmark_cost, "what it does to landmarks"}};
   const auto most = std::max_element(std::begin(parts), std::end(parts),
                                      [](const auto& x, const auto& y) { return x.first < y.first; });
-  std::snprintf(t, sizeof t, "; the next costs %.2f more, most of it by %s (%+.2f)", b->cost - a.cost, most->second,
-                most->first);
+  t = fmt::format("; the next costs {:.2f} more, most of it by {} ({:+.2f})", b->cost - a.cost, most->second,
+                  most->first);
   return why + t;
 }
 
@@ -225,11 +221,11 @@ std::vector<Design> candidates(const Scene& scene, const Skin& skin, const Desig
             for (const auto& e : d.figure.excisions) {
               std::vector<ChartPoint> outline;
               for (const Vec2& p : e) outline.push_back(where.chart(p));
-              if (inside_polygon(l.at, outline)) d.dropped = "takes " + l.name + " away";
+              if (inside_polygon(outline, l.at)) d.dropped = "takes " + l.name + " away";
             }
             for (const auto& w : d.figure.wounds)
               for (size_t i = 0; i < w.size() && d.dropped.empty(); ++i)
-                if (to_segment(l.at, where.chart(w[i]), where.chart(w[(i + 1) % w.size()])) < kNear_mm)
+                if (distance_to_segment(l.at, where.chart(w[i]), where.chart(w[(i + 1) % w.size()])) < kNear_mm)
                   d.dropped = "passes within 2 mm of " + l.name;
           }
         } catch (const InputError& e) {

@@ -1,5 +1,6 @@
 #include "app/head/cache.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <charconv>
@@ -38,9 +39,7 @@ std::string name_of(const HeadSpec& s) {
   for (const double v :
        {s.mandible_scale, s.ramus_left, s.vault_wide, s.vault_long, s.forehead_flat, s.edge_mm, s.face_edge_mm})
     h.add(v);
-  char text[32];
-  std::snprintf(text, sizeof text, "head-%016llx", static_cast<unsigned long long>(h.value()));
-  return text;
+  return fmt::format("head-{:016x}", h.value());
 }
 
 constexpr const char* kPartNames[] = {"cranium", "mandible", "face"};

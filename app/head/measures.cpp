@@ -1,8 +1,9 @@
 #include "app/head/measures.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <numbers>
 
@@ -38,8 +39,8 @@ std::vector<HeadMeasure> head_measures(const NamedPlaces& before, const NamedPla
   for (size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
     const CephalometricMeasure& m = *a[i].measure;
     if (!a[i].value || !b[i].value) continue;
-    char norm[24] = "";
-    if (m.norm) std::snprintf(norm, sizeof norm, "%.4g", *m.norm);
+    std::string norm;
+    if (m.norm) norm = fmt::format("{:.4g}", *m.norm);
     out.push_back({Group::cephalometry, m.name, m.unit, *a[i].value, *b[i].value, norm});
   }
   const Asymmetry x = asymmetry(was), y = asymmetry(is);
@@ -73,8 +74,7 @@ std::string to_csv(const std::vector<HeadMeasure>& measures) {
   static constexpr const char* kGroups[] = {"cephalometry", "asymmetry", "picked"};
   std::string out = "group,name,unit,before,now,change,norm\n";
   for (const HeadMeasure& m : measures) {
-    char figures[96];
-    std::snprintf(figures, sizeof figures, ",%s,%.4f,%.4f,%.4f,", m.unit.c_str(), m.before, m.now, m.change());
+    const std::string figures = fmt::format(",{},{:.4f},{:.4f},{:.4f},", m.unit, m.before, m.now, m.change());
     std::string name;
     for (char c : m.name) name += c == '"' ? std::string("\"\"") : std::string(1, c);
     out += std::string(kGroups[size_t(m.group)]) + ",\"" + name + "\"" + figures + m.norm + "\n";

@@ -1,5 +1,7 @@
 #include "app/head/report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -47,6 +49,9 @@ std::string name_of(const Head& head, int32_t id) {
   return f ? f->name : std::to_string(id);
 }
 
+std::string tenth(double v) { return fmt::format("{:.1f}", v); }
+std::string change(double v) { return fmt::format("{:+.2f}", std::round(100 * v) / 100 + 0.0); }
+
 /// What head_measures finds, as rows of the report; one group in each table.
 ResultTable measure_table(Result& r, const std::vector<HeadMeasure>& all, HeadMeasure::Group group, const char* key,
                           const char* title, const char* about) {
@@ -58,10 +63,7 @@ ResultTable measure_table(Result& r, const std::vector<HeadMeasure>& all, HeadMe
     if (m.group != group) continue;
     const std::string p = std::string("/head/") + key + "/" + std::to_string(n++);
     r.set(p + "/name", m.name), r.set(p + "/unit", m.unit), r.set(p + "/before", m.before), r.set(p + "/after", m.now);
-    char text[3][32];
-    std::snprintf(text[0], 32, "%.1f", m.before), std::snprintf(text[1], 32, "%.1f", m.now),
-        std::snprintf(text[2], 32, "%+.2f", std::round(100 * m.change()) / 100 + 0.0);
-    t.rows.push_back({m.name, text[0], text[1], text[2], m.unit, m.norm});
+    t.rows.push_back({m.name, tenth(m.before), tenth(m.now), change(m.change()), m.unit, m.norm});
   }
   return t;
 }
@@ -79,10 +81,7 @@ void add_forehead(Result& r, const Head& head, ResultTable& t) {
       const double a = (*at(was, "S") - *at(was, name)).norm(), b = (*at(is, "S") - *at(is, name)).norm();
       const std::string p = "/head/cephalometry/" + std::to_string(t.rows.size());
       r.set(p + "/name", words), r.set(p + "/unit", "mm"), r.set(p + "/before", a), r.set(p + "/after", b);
-      char text[3][32];
-      std::snprintf(text[0], 32, "%.1f", a), std::snprintf(text[1], 32, "%.1f", b),
-          std::snprintf(text[2], 32, "%+.2f", std::round(100 * (b - a)) / 100 + 0.0);
-      t.rows.push_back({words, text[0], text[1], text[2], "mm", ""});
+      t.rows.push_back({words, tenth(a), tenth(b), change(b - a), "mm", ""});
     }
 }
 

@@ -1,8 +1,9 @@
 #include "app/head/skull_comparison.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <set>
 
@@ -66,11 +67,11 @@ Spread spread(const std::vector<double>& all, const std::vector<int32_t>& fragme
 
 std::string map_csv(const SkullComparison& c) {
   std::string out = "x_mm,y_mm,z_mm,fragment,before_mm,after_mm\n";
-  char line[160];
+  std::string line;
   for (size_t v = 0; v < c.now_mm.size(); ++v) {
     const Vec3& x = c.at_rest_mm[v];
-    std::snprintf(line, sizeof line, "%.3f,%.3f,%.3f,%d,%.4f,%.4f\n", x.x(), x.y(), x.z(), c.fragment[v],
-                  c.before.signed_mm[v], c.after.signed_mm[v]);
+    line = fmt::format("{:.3f},{:.3f},{:.3f},{},{:.4f},{:.4f}\n", x.x(), x.y(), x.z(), c.fragment[v],
+                       c.before.signed_mm[v], c.after.signed_mm[v]);
     out += line;
   }
   return out;
@@ -181,12 +182,6 @@ SkullFit fit_to_mirror(const Surface& skull, Workers& w) {
 }
 
 }  // namespace
-
-SkullComparison compare_with_mirror(const Head& head, Workers& w) {
-  std::vector<int32_t> fragment;
-  const Surface rest = bone_surface(head, true, &fragment);
-  return measure_on(fit_to_mirror(rest, w), rest, bone_surface(head, false), std::move(fragment), w);
-}
 
 Surface normal_skull(Workers& w) {
   const HeadModel normal = cached_head({}, w);

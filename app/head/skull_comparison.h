@@ -49,7 +49,6 @@ SkullComparison measure_on(const SkullFit& fit, Surface rest, Surface now, std::
 
 SkullComparison compare_with(const Head& head, const Surface& other, const std::string& in_words, bool with_scale,
                              Workers& workers);
-SkullComparison compare_with_mirror(const Head& head, Workers& workers);
 /// The skull of normal proportions, cranium and mandible.
 Surface normal_skull(Workers& workers);
 /// A skull's mirror image, in the plane of its own symmetry. Empty, with `reason` said: none was found.

@@ -1,5 +1,7 @@
 #include "app/operating_point/accuracy.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -143,19 +145,14 @@ class Kept {
   void add(const AccuracyTrial& t) const {
     if (file_.empty()) return;
     std::ofstream out(file_, std::ios::app);
-    char number[320];
-    std::snprintf(number, sizeof number, "%d\t%d\t%zu\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t%.9g\t.", t.iterations,
-                  int(t.own_kind), t.nodes, t.frame_ms, t.frame_p95_ms, t.error_mm, t.error_max_mm, t.lattice_mm,
-                  t.behind_mm);
+    const std::string number =
+        fmt::format("{}\t{}\t{}\t{:.9g}\t{:.9g}\t{:.9g}\t{:.9g}\t{:.9g}\t{:.9g}\t.", t.iterations, int(t.own_kind),
+                    t.nodes, t.frame_ms, t.frame_p95_ms, t.error_mm, t.error_max_mm, t.lattice_mm, t.behind_mm);
     out << cell(t) << '\t' << t.element << '\t' << t.material << '\t' << t.step << '\t' << number << '\n';
   }
 
  private:
-  static std::string cell(const AccuracyTrial& t) {
-    char c[32];
-    std::snprintf(c, sizeof c, "%.9g", t.cell_mm);
-    return c;
-  }
+  static std::string cell(const AccuracyTrial& t) { return fmt::format("{:.9g}", t.cell_mm); }
   static std::string name(const AccuracyTrial& t) {
     return cell(t) + "|" + t.element + "|" + t.material + "|" + t.step + "|" + std::to_string(t.iterations);
   }
@@ -191,11 +188,9 @@ void mark(AccuracyReport& r) {
 }
 
 std::string settings_of(const AccuracyTrial& t) {
-  char s[160];
-  std::snprintf(s, sizeof s, "%s%s%s, %d iterations, p95 %.2f ms, lattice %.3f + behind %.3f mm, worst %.2f mm",
-                t.pareto ? "[Pareto] " : "", t.chosen ? "[chosen] " : "", (std::to_string(t.nodes) + " nodes").c_str(),
-                t.iterations, t.frame_p95_ms, t.lattice_mm, t.behind_mm, t.error_max_mm);
-  return s;
+  return fmt::format("{}{}{}, {} iterations, p95 {:.2f} ms, lattice {:.3f} + behind {:.3f} mm, worst {:.2f} mm",
+                     t.pareto ? "[Pareto] " : "", t.chosen ? "[chosen] " : "", std::to_string(t.nodes) + " nodes",
+                     t.iterations, t.frame_p95_ms, t.lattice_mm, t.behind_mm, t.error_max_mm);
 }
 
 }  // namespace
@@ -218,14 +213,9 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
   const std::vector<int> iterations = set.quick ? std::vector<int>{4, 10, 20} : std::vector<int>{2, 5, 10, 20, 40};
   r.reference_cell_mm = scene.cell_mm * (set.quick ? 0.65 : 0.5);
 
-  const auto labelled = [&](double cell) {
-    char s[48];
-    std::snprintf(s, sizeof s, "cells of %.3g mm", cell);
-    return std::string(s);
-  };
-  char title[128];
-  std::snprintf(title, sizeof title, "limberg bench accuracy%s, scene %016llx, finest %.9g mm",
-                set.quick ? " --quick" : "", static_cast<unsigned long long>(scene.hash), r.reference_cell_mm);
+  const auto labelled = [&](double cell) { return fmt::format("cells of {:.3g} mm", cell); };
+  const std::string title = fmt::format("limberg bench accuracy{}, scene {:016x}, finest {:.9g} mm",
+                                        set.quick ? " --quick" : "", scene.hash, r.reference_cell_mm);
   const Kept kept(set.keep_file, title);
   std::optional<Field> fine_field;  // made when the first trial needs it
   const auto fine = [&]() -> const Field& {
@@ -322,28 +312,25 @@ AccuracyReport accuracy(const Scene& scene, const AccuracySettings& set) {
 
 Result AccuracyReport::result() const {
   Result out;
-  char reference[96];
-  std::snprintf(reference, sizeof reference, "equilibrium with cells of %.3g mm", reference_cell_mm);
+  const std::string reference = fmt::format("equilibrium with cells of {:.3g} mm", reference_cell_mm);
   for (const AccuracyTrial& t : trials) {
-    char label[48];
-    std::snprintf(label, sizeof label, "%.3g mm cells", t.cell_mm);
+    const std::string label = fmt::format("{:.3g} mm cells", t.cell_mm);
     out.rows.push_back({label, t.element + "; " + t.material + "; " + t.step, settings_of(t), t.frame_ms, false,
                         t.error_mm, "mm", reference, true});
   }
-  char text[320];
   out.bars.push_back({"frame of the chosen setting, 95th percentile (ms)", point.frame_ms, false, budget_ms, false,
                       point.fits, "the budget asked for"});
-  std::snprintf(text, sizeof text,
-                "operating point for %.2f ms a frame: cells of %.3g mm, %d iterations: error %.3f mm (root mean "
-                "square), %.2f ms at the 95th percentile%s",
-                budget_ms, point.cell_mm, point.iterations, point.error_mm, point.frame_ms,
-                point.fits ? "" : "; nothing fits the budget, this is the fastest");
+  std::string text = fmt::format(
+      "operating point for {:.2f} ms a frame: cells of {:.3g} mm, {} iterations: error {:.3f} mm (root mean square), "
+      "{:.2f} ms at the 95th percentile{}",
+      budget_ms, point.cell_mm, point.iterations, point.error_mm, point.frame_ms,
+      point.fits ? "" : "; nothing fits the budget, this is the fastest");
   out.notes.push_back(text);
-  std::snprintf(text, sizeof text,
-                "%zu trials in %.0f s of CPU time%s. Times are those of tetrahedra and other laws on the general path "
-                "in double precision, of the scenes' element on the vectorised one.",
-                trials.size() - kept, cpu_s,
-                left_out ? (", " + std::to_string(left_out) + " left out for want of time").c_str() : "");
+  text = fmt::format(
+      "{} trials in {:.0f} s of CPU time{}. Times are those of tetrahedra and other laws on the general path in double "
+      "precision, of the scenes' element on the vectorised one.",
+      trials.size() - kept, cpu_s,
+      left_out ? (", " + std::to_string(left_out) + " left out for want of time").c_str() : "");
   out.notes.push_back(text);
   if (kept)
     out.notes.push_back(std::to_string(kept) + " more trials were taken from an earlier run into the same folder.");
@@ -355,10 +342,10 @@ std::string AccuracyReport::csv() const {
       "cell_mm,nodes,element,material,step,iterations,frame_ms,frame_p95_ms,error_rms_mm,error_max_mm,lattice_rms_mm,"
       "behind_rms_mm,pareto,chosen\n";
   for (const AccuracyTrial& t : trials) {
-    char line[512];
-    std::snprintf(line, sizeof line, "%.4g,%zu,\"%s\",\"%s\",\"%s\",%d,%.4f,%.4f,%.5f,%.5f,%.5f,%.5f,%d,%d\n",
-                  t.cell_mm, t.nodes, t.element.c_str(), t.material.c_str(), t.step.c_str(), t.iterations, t.frame_ms,
-                  t.frame_p95_ms, t.error_mm, t.error_max_mm, t.lattice_mm, t.behind_mm, t.pareto, t.chosen);
+    const std::string line =
+        fmt::format("{:.4g},{},\"{}\",\"{}\",\"{}\",{},{:.4f},{:.4f},{:.5f},{:.5f},{:.5f},{:.5f},{},{}\n", t.cell_mm,
+                    t.nodes, t.element, t.material, t.step, t.iterations, t.frame_ms, t.frame_p95_ms, t.error_mm,
+                    t.error_max_mm, t.lattice_mm, t.behind_mm, int(t.pareto), int(t.chosen));
     s += line;
   }
   return s;
@@ -379,8 +366,7 @@ std::string AccuracyReport::svg() const {
       s = &others;
     } else if (t.step == "quasi-static") {
       s = &by_cell[t.cell_mm];
-      char name[48];
-      std::snprintf(name, sizeof name, "%.3g mm cells", t.cell_mm);
+      const std::string name = fmt::format("{:.3g} mm cells", t.cell_mm);
       s->name = name, s->markers = true;
     } else {
       continue;

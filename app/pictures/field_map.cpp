@@ -1,8 +1,9 @@
 #include "app/pictures/field_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
 namespace limberg {
@@ -59,11 +60,10 @@ std::string field_map_svg(const SurfaceView& view, const Body& body, std::span<c
       }
   }
   const double px = 560.0 / nx, height = px * ny;
-  char text[300];
-  std::snprintf(text, sizeof text,
-                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 700 %.0f\" font-family=\"sans-serif\" "
-                "font-size=\"13\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"#fff\"/>\n",
-                height + 40);
+  std::string text = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 700 {:.0f}\" font-family=\"sans-serif\" "
+      "font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
+      height + 40);
   std::string s = text + std::string("<text x=\"8\" y=\"20\" font-size=\"15\">") + map.title + "</text>\n";
   for (int k = 0; k < ny; ++k)
     for (int i = 0; i < nx;) {
@@ -71,8 +71,8 @@ std::string field_map_svg(const SurfaceView& view, const Body& body, std::span<c
       int j = i;
       while (j < nx && level[size_t(k) * size_t(nx) + size_t(j)] == ink) ++j;
       if (ink >= 0) {
-        std::snprintf(text, sizeof text, "<rect x=\"%.2f\" y=\"%.2f\" width=\"%.2f\" height=\"%.2f\" fill=\"%s\"/>\n",
-                      8 + i * px, 32 + (ny - 1 - k) * px, (j - i) * px + 0.2, px + 0.2, kInk[ink]);
+        text = fmt::format("<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"{}\"/>\n",
+                           8 + i * px, 32 + (ny - 1 - k) * px, (j - i) * px + 0.2, px + 0.2, kInk[ink]);
         s += text;
       }
       i = j;
@@ -80,21 +80,20 @@ std::string field_map_svg(const SurfaceView& view, const Body& body, std::span<c
   s += "<g stroke=\"#222\" stroke-width=\"1\" stroke-linecap=\"round\">\n";
   const double mm = px / step;
   for (const auto& [a, b] : cut) {
-    std::snprintf(text, sizeof text, "<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\"/>\n",
-                  8 + (a.x() - lo.x()) * mm, 32 + height - (a.y() - lo.y()) * mm, 8 + (b.x() - lo.x()) * mm,
-                  32 + height - (b.y() - lo.y()) * mm);
+    text = fmt::format("<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\"/>\n", 8 + (a.x() - lo.x()) * mm,
+                       32 + height - (a.y() - lo.y()) * mm, 8 + (b.x() - lo.x()) * mm,
+                       32 + height - (b.y() - lo.y()) * mm);
     s += text;
   }
-  std::snprintf(text, sizeof text,
-                "<line x1=\"585\" y1=\"270\" x2=\"%.1f\" y2=\"270\" stroke-width=\"2\"/></g>\n<text x=\"585\" "
-                "y=\"290\">10 mm</text>\n",
-                585 + 10 * mm);
+  text = fmt::format(
+      "<line x1=\"585\" y1=\"270\" x2=\"{:.1f}\" y2=\"270\" stroke-width=\"2\"/></g>\n<text x=\"585\" y=\"290\">10 "
+      "mm</text>\n",
+      585 + 10 * mm);
   s += text;
   for (int n = 0; n < 10; ++n) {
     const double v = map.lo + (map.hi - map.lo) * (map.dark_is_low ? 1 - n / 10.0 : n / 10.0);
-    std::snprintf(
-        text, sizeof text,
-        "<rect x=\"585\" y=\"%d\" width=\"18\" height=\"18\" fill=\"%s\"/><text x=\"610\" y=\"%d\">%.3g %s</text>\n",
+    text = fmt::format(
+        "<rect x=\"585\" y=\"{}\" width=\"18\" height=\"18\" fill=\"{}\"/><text x=\"610\" y=\"{}\">{:.3g} {}</text>\n",
         40 + 20 * n, kInk[n], 54 + 20 * n, v, n == 0 ? map.unit.c_str() : "");
     s += text;
   }

@@ -1,8 +1,9 @@
 #include "app/report/html.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <fstream>
 
 #include "render/image.h"
@@ -31,8 +32,7 @@ size_t sequence(std::string_view s, size_t i) {
 }
 
 std::string trimmed(double v, int decimals) {
-  char s[64];
-  std::snprintf(s, sizeof s, "%.*f", decimals, v);
+  const std::string s = fmt::format("{:.{}f}", v, decimals);
   std::string t = s;
   if (t.find('.') != std::string::npos) {
     while (t.back() == '0') t.pop_back();

@@ -42,7 +42,8 @@
 //   "reproduce":   "limberg replay ..."  the command that makes this result again
 //   "damage":      {...}  what was lost of a damaged recording: shown as a notice, as it stands
 //   "scene_title", "scene_note": words about the scene
-#include <cstdio>
+#include <fmt/format.h>
+
 #include <string>
 
 namespace limberg::report_names {
@@ -71,8 +72,7 @@ inline std::string stage_picture(int number, const std::string& name) {
     if (slug.size() >= 48) break;
   }
   while (!slug.empty() && slug.back() == '-') slug.pop_back();
-  char head[16];
-  std::snprintf(head, sizeof head, "%02d", number);
+  const std::string head = fmt::format("{:02}", number);
   return std::string(stages_dir) + "/" + head + (slug.empty() ? "" : "-") + slug + ".png";
 }
 

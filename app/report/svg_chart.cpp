@@ -1,8 +1,9 @@
 #include "app/report/svg_chart.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "app/report/html.h"
@@ -13,11 +14,7 @@ namespace {
 
 constexpr const char* kColours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9"};
 
-std::string f1(double v) {
-  char s[32];
-  std::snprintf(s, sizeof s, "%.1f", v);
-  return s;
-}
+std::string f1(double v) { return fmt::format("{:.1f}", v); }
 
 std::string colour(size_t i) {
   const size_t k = i % 6;

@@ -1,5 +1,6 @@
 #include "app/result/result.h"
 
+#include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -60,8 +61,7 @@ void Result::set(std::string_view path, std::span<const float> v) {
   Json list = Json::array();
   for (const float x : v) {
     // The shortest decimals of the float, not of the double that it becomes.
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", double(x));
+    const std::string text = fmt::format("{:.6g}", double(x));
     list.push_back(std::isfinite(x) ? Json(std::stod(text)) : Json());
   }
   impl_->at(path) = std::move(list);
@@ -78,8 +78,7 @@ void Result::take(std::string_view path, const std::string& other_file) {
 
 void Result::set_times(std::string_view path, const Histogram& h, double unit, const Which& which) {
   const auto put = [&](const char* name, int64_t ns) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", double(ns) * unit);
+    const std::string text = fmt::format("{:.4g}", double(ns) * unit);
     set(std::string(path) + "/" + name, std::stod(text));
   };
   put("p50", h.percentile_ns(0.5));
@@ -99,10 +98,6 @@ double peak_memory_mb() {
   return double(u.ru_maxrss) / 1024.0;
 }
 
-std::string hex(uint64_t v) {
-  char text[17];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(v));
-  return text;
-}
+std::string hex(uint64_t v) { return fmt::format("{:016x}", v); }
 
 }  // namespace limberg

@@ -1,7 +1,8 @@
 #include "app/result/tables.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 
 namespace limberg {
 
@@ -17,9 +18,7 @@ void add_chart(Result& r, const std::string& title, const LineChart& c) {
 
 std::string short_number(double v, int digits) {
   if (!std::isfinite(v)) return "-";
-  char t[40];
-  std::snprintf(t, sizeof t, "%.*g", digits, v);
-  return t;
+  return fmt::format("{:.{}g}", v, digits);
 }
 
 }  // namespace limberg

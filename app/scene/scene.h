@@ -41,8 +41,8 @@
 
 #include "app/scene/scene_head.h"
 #include "sim/body/block.h"
+#include "sim/body/obj.h"
 #include "sim/commands/script.h"
-#include "sim/geometry/io/obj.h"
 #include "sim/patient/world.h"
 
 namespace limberg {

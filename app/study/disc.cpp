@@ -8,6 +8,8 @@
 //   mu = p0 t - lambda t (t^3 - 1),   p0 = mu / (l1 l2)^2,   lambda = lambda_Lame + mu,
 // so its area shrinks by 1 - t^2/(l1 l2): by 11 % more at Poisson's ratio 0.45 and l1 l2 = 1.155, by 1 % more at 0.495.
 // The first bar is the law of constant volume, at a ratio where it is meant to hold; the second is this one, at any.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 
@@ -120,8 +122,7 @@ std::vector<NamedChart> disc_charts(const std::vector<Row>& rows) {
   c.chart.x.title = "1 - 1/(λ₁ λ₂)", c.chart.y.title = "share of the area lost";
   ChartSeries theory{"theory", {}, {}, false};
   for (const Row& r : rows) {
-    char name[40];
-    std::snprintf(name, sizeof name, "cells of %g mm", r.at("cell_mm"));
+    const std::string name = fmt::format("cells of {:g} mm", r.at("cell_mm"));
     auto& all = c.chart.series;
     auto it = all.begin();
     while (it != all.end() && it->name != name) ++it;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -38,10 +40,9 @@ Row run_fusiform(const Values& v, const Run& with) {
   std::vector<Vec3> scar;
   constexpr int kParts = 100;
   for (int i = 1; i < kParts; ++i)
-    if (const auto x = d.map->now_mm(beside(edge, length_mm(edge) * i / kParts, 0.05))) scar.push_back(*x);
-  double scar_now = 0;
-  for (size_t i = 1; i < scar.size(); ++i) scar_now += (scar[i] - scar[i - 1]).norm();
-  scar_now *= kParts / std::max(1.0, double(scar.size()) - 1);  // the ends' pieces like the others
+    if (const auto x = d.map->now_mm(beside(edge, path_length(edge) * i / kParts, 0.05))) scar.push_back(*x);
+  // The ends' pieces like the others.
+  const double scar_now = path_length(scar) * kParts / std::max(1.0, double(scar.size()) - 1);
   Row r;
   r.figures = {{"ratio", v[0]},
                {"prestretch", v[1]},
@@ -53,7 +54,7 @@ Row run_fusiform(const Values& v, const Run& with) {
                {"spacing_mm", v[7]},
                {"vertex_deg", drawn},
                {"vertex_form_deg", vertex * kDeg},
-               {"scar_mm", length_mm(bank(f, s.a_from, s.a_to, true))},
+               {"scar_mm", path_length(bank(f, s.a_from, s.a_to, true))},
                {"scar_form_mm", R * vertex},
                {"scar_now_mm", scar_now},
                {"ear_mm", std::max(left, right)},
@@ -62,8 +63,7 @@ Row run_fusiform(const Values& v, const Run& with) {
                {"ear_volume_mm3", d.shape(place(f, s.a_from), W).volume_mm3 + d.shape(place(f, s.a_to), W).volume_mm3},
                {"found_by", double(d.found_by)}};
   add_common(r, d);
-  char name[60];
-  std::snprintf(name, sizeof name, "%g to 1, %g %%, %g mm", v[0], v[1], v[2]);
+  const std::string name = fmt::format("{:g} to 1, {:g} %, {:g} mm", v[0], v[1], v[2]);
   r.title = name;
   return r;
 }

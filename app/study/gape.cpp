@@ -3,6 +3,8 @@
 // A block of skin on fat, stretched alike in both directions, cut along y = 0. Everything in it is the mirror image of
 // itself at that plane: the block has an odd number of cells across, so the cut halves a row of cells. So an upright
 // blade must open it evenly, and a leaning one, which undercuts one bank, must not.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "app/assembly/operation.h"
@@ -50,8 +52,7 @@ Row run_gape(const Values& v, const Run& with) {
   row.figures = {{"angle_deg", v[kAngle]},    {"prestretch_percent", v[kPrestretch]},
                  {"cell_mm", v[kGapeCell]},   {"length_mm", v[kLength]},
                  {"depth_mm", v[kGapeDepth]}, {"refine_fronts", v[kRefine]}};
-  char name[60];
-  std::snprintf(name, sizeof name, "%g°, %g %%", v[kAngle], v[kPrestretch]);
+  const std::string name = fmt::format("{:g}°, {:g} %", v[kAngle], v[kPrestretch]);
   row.profile.name = name;
   double most = 0;
   for (int i = -24; i <= 24; ++i) {
@@ -113,12 +114,11 @@ std::vector<NamedChart> gape_charts(const std::vector<Row>& rows) {
   by.chart.x.title = "prestretch, %", by.chart.y.title = "gape, mm";
   by.chart.y.min = 0;
   for (const Row& r : rows) {
-    char name[80];
-    std::snprintf(name, sizeof name, "%g°", r.at("angle_deg"));
+    std::string name = fmt::format("{:g}°", r.at("angle_deg"));
     for (const char* k : {"cell_mm", "length_mm", "depth_mm", "refine_fronts"})  // named where they differ
       for (const Row& other : rows)
         if (other.at(k) != r.at(k)) {
-          std::snprintf(name + std::char_traits<char>::length(name), 20, ", %.3g", r.at(k));
+          name += fmt::format(", {:.3g}", r.at(k));
           break;
         }
     auto& all = by.chart.series;

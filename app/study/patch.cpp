@@ -1,5 +1,7 @@
 #include "app/study/patch.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -235,8 +237,7 @@ NamedChart chart(const std::string& name, const std::string& title, const std::v
     for (const std::string& p : parameters) {
       if (p == x || std::all_of(rows.begin(), rows.end(), [&](const Row& r) { return r.at(p) == rows[0].at(p); }))
         continue;
-      char t[60];
-      std::snprintf(t, sizeof t, "%s%s %g", s.name.empty() ? "" : ", ", p.c_str(), g[0]->at(p));
+      const std::string t = fmt::format("{}{} {:g}", s.name.empty() ? "" : ", ", p, g[0]->at(p));
       s.name += t;
     }
     for (const Row* r : g) s.x.push_back(r->at(x)), s.y.push_back(r->at(y));

@@ -10,6 +10,8 @@
 // the walk on its own triangles stands for the closed form.
 #include "app/study/place.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -20,10 +22,10 @@
 #include "sim/base/error.h"
 #include "sim/base/hash.h"
 #include "sim/body/block.h"
+#include "sim/body/obj.h"
 #include "sim/body/skin.h"
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/procedures/operation.h"
-#include "sim/geometry/io/obj.h"
 #include "sim/patient/world.h"
 
 namespace limberg::study {
@@ -206,8 +208,7 @@ std::vector<NamedChart> place_charts(const std::vector<Row>& rows) {
   c.chart.y_marks = {{0.5, "bar"}};
   for (const Row& r : rows) {
     constexpr const char* kNames[] = {"plane", "cylinder", "sphere", "face"};
-    char name[60];
-    std::snprintf(name, sizeof name, "%s, %g mm", kNames[int(r.at("form"))], r.at("skin_mm"));
+    const std::string name = fmt::format("{}, {:g} mm", kNames[int(r.at("form"))], r.at("skin_mm"));
     auto& all = c.chart.series;
     auto it = std::find_if(all.begin(), all.end(), [&](const ChartSeries& s) { return s.name == name; });
     if (it == all.end()) it = all.insert(it, ChartSeries{name, {}, {}, true});

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -112,7 +114,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
   for (size_t i = 0; i < f.seams.size(); ++i) {
     const Seam& s = f.seams[i];
     const double longer =
-        std::max(length_mm(bank(f, s.a_from, s.a_to, true)), length_mm(bank(f, s.b_from, s.b_to, false)));
+        std::max(path_length(bank(f, s.a_from, s.a_to, true)), path_length(bank(f, s.b_from, s.b_to, false)));
     double sum = i == 0 && !sutures.empty() ? sutures[0].force_N : 0;
     for (int n = int(parts_of_row(longer, patch.spacing_mm)) - 1; n > 0 && at_stitch < sutures.size(); --n)
       sum += sutures[at_stitch++].force_N;
@@ -132,14 +134,12 @@ Row run_rhomboid(const Values& v, const Run& with) {
     r.figures.push_back({std::string("sewn_") + name + "_deg", sewn.charge_deg(f, corners).value_or(std::nan(""))});
     r.figures.push_back({std::string("charge_") + name + "_deg", charge_deg(*d.map, f, corners, L)});
     for (const double reach : {0.2, 0.4, 0.6}) {
-      char t[40];
-      std::snprintf(t, sizeof t, "deficit_%s_%g_deg", name, reach);
+      const std::string t = fmt::format("deficit_{}_{:g}_deg", name, reach);
       r.figures.push_back({t, d.map->deficit_deg(f, corners, reach * L)});
     }
     for (const double reach :
          {0.2, 0.3, 0.4, 0.5, 0.6, 0.75, 0.9}) {  // sides: the next of the three points lies one side away
-      char t[40];
-      std::snprintf(t, sizeof t, "curvature_%s_%g_deg", name, reach);
+      const std::string t = fmt::format("curvature_{}_{:g}_deg", name, reach);
       r.figures.push_back({t, d.map->curvature_deg(f, corners, reach * L, 0.15 * L)});
     }
   }
@@ -180,8 +180,7 @@ Row run_rhomboid(const Values& v, const Run& with) {
                     {"direction_off_deg", std::acos(std::min(1.0, std::abs(here.direction.head<2>().dot(closing)))) *
                                               180 / std::numbers::pi}});
   add_common(r, d);
-  char name[120];
-  std::snprintf(name, sizeof name, "%g in %g degrees, %g %%, %g mm", v[0], v[1], v[2], v[3]);
+  const std::string name = fmt::format("{:g} in {:g} degrees, {:g} %, {:g} mm", v[0], v[1], v[2], v[3]);
   r.title = name;
   return r;
 }
@@ -221,8 +220,7 @@ void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
       cones(least), saddle(r.at("curvature_DF_0.6_deg")), bends(r.at("curvature_DF_0.9_deg") / r.at("sewn_DF_deg"));
     }
   }
-  char with[40];
-  std::snprintf(with, sizeof with, "Limberg, %g mm cells", rows[0]->at("cell_mm"));
+  const std::string with = fmt::format("Limberg, {:g} mm cells", rows[0]->at("cell_mm"));
   const std::string who = with;
   const char* figure = "Limberg's flap: the donor's closure D-F carries the greatest tension (charge -120)";
   out.push_back(at_least(who + ": most that the donor's key stitch D-F has borne at rest over the most of any other",
@@ -236,9 +234,8 @@ void add_limberg(std::vector<Bar>& out, const std::vector<const Row*>& rows) {
                         "closed form; half a degree on 4 mm is 0.03 mm of the cut edges"));
   // Where the skin's edge is cut and which places of it each stitch joins, as the model has them.
   for (const auto& [name, charge] : kSewn) {
-    char line[120];
-    std::snprintf(line, sizeof line, ": rest metric at %.*s as sewn, off %+g, degrees",
-                  int(std::string(name).size()) - 9, name + 5, charge);
+    const std::string line = fmt::format(": rest metric at {:.{}} as sewn, off {:+g}, degrees", name + 5,
+                                         int(std::string(name).size()) - 9, charge);
     out.push_back(at_most(who + line, sewn[name].most, 2,
                           "closed form; the edges lie on their grid within 8 um, and the piece that gives a direction "
                           "may be half a mm long"));

@@ -57,7 +57,7 @@ SeamsLie seams_lie(const SkinMap& skin, const Figure& f, double spacing) {
   SeamsLie out;
   for (const Seam& s : f.seams) {
     const auto a = bank(f, s.a_from, s.a_to, true), b = bank(f, s.b_from, s.b_to, false);
-    const double la = length_mm(a), lb = length_mm(b);
+    const double la = path_length(a), lb = path_length(b);
     const int n = int(parts_of_row(std::max(la, lb), spacing)) - 1;
     for (int i = 1; i <= n; ++i) {
       const double t = double(i) / (n + 1);

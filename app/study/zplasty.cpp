@@ -1,5 +1,7 @@
 #include "app/study/zplasty.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -123,8 +125,7 @@ Row run_zplasty(const Values& v, Patch patch, const Run& with) {
       {"found_by", double(d.found_by)},
       {"pushed_gain", 1 - d.closing_uJ / std::max(1e-9, d.closing_uJ + d.energy_as_closed_uJ - d.energy_uJ)}};
   add_common(r, d);
-  char name[60];
-  std::snprintf(name, sizeof name, "%g degrees, %g %%, %g mm", t, p, v[2]);
+  const std::string name = fmt::format("{:g} degrees, {:g} %, {:g} mm", t, p, v[2]);
   r.title = name;
   return r;
 }

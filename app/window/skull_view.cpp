@@ -1,8 +1,9 @@
 #include "app/window/skull_view.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 
 #include "app/head/skull_comparison.h"
 
@@ -44,9 +45,8 @@ const Snapshot* SkullView::show(SkullBeside with, const Snapshot& first, const S
     } else if (!other_->reason.empty()) {
       word_ = other_->reason;
     } else {
-      char text[64];
-      std::snprintf(text, sizeof text, "%.2f mm rms from %s", f.rms_mm,
-                    with == SkullBeside::normal ? "a normal skull" : "its mirror image");
+      const std::string text = fmt::format("{:.2f} mm rms from {}", f.rms_mm,
+                                           with == SkullBeside::normal ? "a normal skull" : "its mirror image");
       word_ = text, shown_ = std::move(f.shown);
     }
   }

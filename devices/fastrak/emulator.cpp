@@ -1,5 +1,7 @@
 #include "devices/fastrak/emulator.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -32,10 +34,9 @@ void put_float(std::vector<uint8_t>& out, double v) {
   const auto u = std::bit_cast<uint32_t>(float(v));
   for (int i = 0; i < 4; ++i) out.push_back(uint8_t(u >> (8 * i)));
 }
-void put_text(std::vector<uint8_t>& out, const char* format, double v) {
-  char text[32];
-  std::snprintf(text, sizeof text, format, v);
-  out.insert(out.end(), text, text + std::strlen(text));
+void put_text(std::vector<uint8_t>& out, int decimals, double v) {
+  const std::string text = fmt::format("{:7.{}f}", v, decimals);
+  out.insert(out.end(), text.begin(), text.end());
 }
 
 }  // namespace
@@ -91,8 +92,8 @@ void Emulator::command(const std::string& text, int64_t now_ns) {
   const auto i = size_t(std::max(0, station - 1));
   switch (text[0]) {
     case 'S': {
-      char status[64];  // 55 bytes with CR LF: station, states, version, identification
-      std::snprintf(status, sizeof status, "21S%-50.50s", "0000  Limberg emulated FASTRAK 1.0");
+      // 55 bytes with CR LF: station, states, version, identification
+      const std::string status = fmt::format("21S{:<50.50}", "0000  Limberg emulated FASTRAK 1.0");
       answer(status);
       break;
     }
@@ -165,8 +166,8 @@ void Emulator::record(int station, int64_t sample_ns) {
   std::vector<uint8_t> b{'0', uint8_t('0' + station), uint8_t(r.error)};
   const double unit = centimetres_ ? 10 : kMmPerInch;
   const Vec3 angles = q.toRotationMatrix().eulerAngles(2, 1, 0) * 180 / std::numbers::pi;
-  const auto numbers = [&](std::initializer_list<double> values, const char* format) {
-    for (const double v : values) layout_.binary ? put_float(b, v) : put_text(b, format, v);
+  const auto numbers = [&](std::initializer_list<double> values, int decimals) {
+    for (const double v : values) layout_.binary ? put_float(b, v) : put_text(b, decimals, v);
   };
   for (const int item : items_[i]) {
     switch (item) {
@@ -177,13 +178,13 @@ void Emulator::record(int station, int64_t sample_ns) {
         b.push_back('\r'), b.push_back('\n');
         break;
       case 2:
-        numbers({r.pos_mm.x() / unit, r.pos_mm.y() / unit, r.pos_mm.z() / unit}, "%7.2f");
+        numbers({r.pos_mm.x() / unit, r.pos_mm.y() / unit, r.pos_mm.z() / unit}, 2);
         break;
       case 4:
-        numbers({angles.x(), angles.y(), angles.z()}, "%7.2f");
+        numbers({angles.x(), angles.y(), angles.z()}, 2);
         break;
       case 11:
-        numbers({r.quat[0], r.quat[1], r.quat[2], r.quat[3]}, "%7.4f");
+        numbers({r.quat[0], r.quat[1], r.quat[2], r.quat[3]}, 4);
         break;
       case 16:
         b.push_back(' '), b.push_back(r.pressed ? '1' : '0');

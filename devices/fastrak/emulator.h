@@ -47,7 +47,6 @@ class Emulator {
   EmulatorSettings& settings() { return set_; }
 
   const Layout& layout() const { return layout_; }
-  bool continuous() const { return continuous_; }
   bool centimetres() const { return centimetres_; }
   /// The records sent, before any damage; with the time of the sample, and its true pose.
   struct Sent {

@@ -1,5 +1,7 @@
 #include "devices/fastrak/link.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -134,23 +136,16 @@ void Link::enter(Phase phase, int64_t now_ns) {
 }
 
 void Link::configure() {
-  char text[96];
   say(set_.binary ? "f" : "F");
   say("u");
   for (int s = 1; s <= kStations; ++s) {
     const auto i = size_t(s - 1);
-    std::snprintf(text, sizeof text, "l%d,%d\r", s, layout_.active[i] ? 1 : 0);
-    say(text);
+    say(fmt::format("l{},{}\r", s, layout_.active[i] ? 1 : 0));
     if (!layout_.active[i]) continue;
-    std::snprintf(text, sizeof text, layout_.has_switch[i] ? "O%d,2,11,16,1\r" : "O%d,2,11,1\r", s);
-    say(text);
+    say(fmt::format("O{},2,11,{}1\r", s, layout_.has_switch[i] ? "16," : ""));
     const Vec3& h = set_.hemisphere[i];
-    std::snprintf(text, sizeof text, "H%d,%.4f,%.4f,%.4f\r", s, h.x(), h.y(), h.z());
-    say(text);
-    if (layout_.has_switch[i]) {
-      std::snprintf(text, sizeof text, "e%d,0\r", s);  // the switch is only reported
-      say(text);
-    }
+    say(fmt::format("H{},{:.4f},{:.4f},{:.4f}\r", s, h.x(), h.y(), h.z()));
+    if (layout_.has_switch[i]) say(fmt::format("e{},0\r", s));  // the switch is only reported
   }
   say("x0,1,0,0\rv0,1,0,0\r");
 }

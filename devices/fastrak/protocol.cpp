@@ -1,9 +1,10 @@
 #include "devices/fastrak/protocol.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <numbers>
 
@@ -47,9 +48,8 @@ bool get_fixed(const uint8_t* p, int decimals, double& v) {
 
 void put_fixed(uint8_t* p, int decimals, double v) {
   const double most = decimals == 2 ? 999.99 : 9.9999;
-  char text[32];
-  std::snprintf(text, sizeof text, "%7.*f", decimals, std::clamp(v, decimals == 2 ? -999.99 : -9.9999, most));
-  std::memcpy(p, text, 7);
+  const std::string text = fmt::format("{:7.{}f}", std::clamp(v, decimals == 2 ? -999.99 : -9.9999, most), decimals);
+  std::memcpy(p, text.data(), 7);
 }
 
 }  // namespace

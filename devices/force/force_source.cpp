@@ -1,8 +1,9 @@
 #include "devices/force/force_source.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace limberg {
 
@@ -125,14 +126,11 @@ void ForceSource::poll(int64_t now_ns, SampleSink& sink) {
 
 std::string ForceSource::health() const {
   const ForceCounts& c = loop_.counts();
-  char text[320];
-  std::snprintf(text, sizeof text,
-                "%s, force %.2f N, %lld ticks, stiffness %.3f N/mm (%lld models from the solver), %lld saturated, %lld "
-                "slewed, %lld with an old model, %lld stalls, least energy %.2f mJ",
-                device_->name(), loop_.state().force_N.norm(), (long long)c.ticks, model_.stiffness_N_mm,
-                (long long)answers_, (long long)c.saturated, (long long)c.slewed, (long long)c.stale,
-                (long long)c.stalls, c.least_energy_mJ);
-  return text;
+  return fmt::format(
+      "{}, force {:.2f} N, {} ticks, stiffness {:.3f} N/mm ({} models from the solver), {} saturated, {} slewed, {} "
+      "with an old model, {} stalls, least energy {:.2f} mJ",
+      device_->name(), loop_.state().force_N.norm(), c.ticks, model_.stiffness_N_mm, answers_, c.saturated, c.slewed,
+      c.stale, c.stalls, c.least_energy_mJ);
 }
 
 }  // namespace limberg

@@ -1,12 +1,13 @@
 #pragma once
-// Arrays of 16-byte nodes for the float engine. The loops over them are in kernels/, once per instruction set.
+// Arrays of 16-byte vectors, as kernels want them: aligned, padded and zeroed. The loops over them are in
+// fem/kernels/, once per instruction set.
 #include <cstring>
 #include <new>
 #include <utility>
 
-#include "sim/fem/model/node4.h"
+#include "sim/base/node4.h"
 
-namespace limberg::fem {
+namespace limberg {
 
 /// A fixed-size array on a 64-byte boundary, zeroed, its capacity rounded up to 64 bytes so that kernels may run over.
 template <class T>
@@ -66,4 +67,4 @@ class AlignedArray {
 
 using NodeArray = AlignedArray<Node4>;
 
-}  // namespace limberg::fem
+}  // namespace limberg

@@ -1,14 +1,11 @@
 #pragma once
-// Numbers in words, as printf writes them.
-#include <cstdio>
+// Numbers in words, in printf's notation.
+#include <fmt/printf.h>
+
 #include <string>
 
 namespace limberg {
 
-std::string text(const char* format, auto... value) {
-  std::string s(size_t(std::snprintf(nullptr, 0, format, value...)), '\0');
-  std::snprintf(s.data(), s.size() + 1, format, value...);
-  return s;
-}
+std::string text(const char* format, const auto&... value) { return fmt::sprintf(format, value...); }
 
 }  // namespace limberg

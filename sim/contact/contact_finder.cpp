@@ -5,32 +5,34 @@
 #include <numbers>
 
 #include "sim/base/error.h"
+#include "sim/contact/contact_constants.h"
 
 namespace limberg {
+
+namespace constant = contact_constants;
+
 namespace {
 
 constexpr size_t kPlaceGrain = 32, kChunks = 4;  // places of a chunk, at least; chunks of a worker's share
 constexpr double kNear_mm = 0.3;                 // clearance of pairs that may press within a few iterations
 constexpr double kSorted_mm = 2;                 // cells may go so far until their tree is sorted again
 constexpr double kTurn_mm = 0.08;                // less motion turns no surface by the angle that counts
-constexpr double kLeast_mm = 0.005;              // pairs are looked at again after so much motion at least
+constexpr double kLeast_mm = 0.005;              // pairs are checked again after so much motion at least
 constexpr double kNever_mm = 1e30;               // until pairs turn that are not there
-constexpr int kFresh = 2;                        // turns in one spot that go all the way
-constexpr int kTired = 8;                        // the last one
+constexpr int kFullTurns = 2;                    // projections in one neighbourhood that go all the way
+constexpr int kMostTurns = 8;                    // the last one
+const double kTurnCos = std::cos(constant::turn_deg * std::numbers::pi / 180);
 
 }  // namespace
 
-ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model,
-                             const ContactSettings& settings)
+ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, const FemModel& model)
     : surface_(std::move(surface)),
-      settings_(settings),
       cell_mm_(std::cbrt(model.cell_mm.prod())),
-      turn_cos_(std::cos(settings.turn_deg * std::numbers::pi / 180)),
       tissue_(*surface_, model),
       cells_(tissue_, model),
       motion_(tissue_, model),
       u_(model.X_mm.size()),
-      looked_(surface_->place.size()) {
+      state_(surface_->place.size()) {
   for (int32_t c : surface_->carrier) carrier_.push_back(tissue_.find(c));
   for (size_t i = 0; i < surface_->place.size(); ++i) {
     const ContactPlace& p = surface_->place[i];
@@ -55,7 +57,7 @@ ContactFinder::ContactFinder(std::shared_ptr<const ContactSurface> surface, cons
 }
 
 Vec3 ContactFinder::displacement(const EmbeddedPoint& e) const {
-  fem::v4 d = {};
+  v4 d = {};
   for (size_t i = 0; i < 8; ++i) d += e.w[i] * u_[size_t(e.node[i])];
   return {double(d[0]), double(d[1]), double(d[2])};
 }
@@ -77,7 +79,7 @@ double ContactFinder::moved_mm(const Group& g) const {
   return double(std::sqrt(most2));
 }
 
-// Which places must look, and which pairs have had their time.
+// Persistence: which places must be queried, and which pairs are stale.
 void ContactFinder::check(size_t chunk) {
   Chunk& here = chunk_[chunk];
   here.changed = here.due = false;
@@ -85,45 +87,45 @@ void ContactFinder::check(size_t chunk) {
   const double bound = 2 * motion_.most_mm();  // of any two
   const bool still = bound < kLeast_mm;
   bool listed = true;
-  std::vector<uint8_t> kinship;
+  std::vector<uint8_t> relation;
   for (size_t k = here.first; k < here.last; ++k) {
     Group& g = group_[k];
     g.far_mm += still ? bound : motion_.apart(g.own);
-    g.afresh = g.far_mm > settings_.margin_mm;
-    if (!g.listed && !g.afresh) complete_list(g, kinship);
+    g.relist = g.far_mm > constant::margin_mm;
+    if (!g.listed && !g.relist) complete_list(g, relation);
     listed &= g.listed;
     const double m = !still ? moved_mm(g) : g.around.empty() ? 0 : bound;
     g.near_mm += m;
     moved = std::max(moved, m);
-    g.due = g.afresh || (g.near_mm > settings_.look_mm && !g.around.empty());
+    g.due = g.relist || (g.near_mm > constant::query_mm && !g.around.empty());
     here.due |= g.due;
-    for (size_t i = g.first; i < g.last; ++i) looked_[i].due = g.due, looked_[i].stale = false;
+    for (size_t i = g.first; i < g.last; ++i) state_[i].due = g.due, state_[i].stale = false;
   }
   // Lists that nobody will use again tell one thing still: how near pairs may have come that do not turn for sure.
   if (!listed && here.left_mm < kNever_mm)
     for (size_t k = here.first; k < here.last && moved < here.left_mm; ++k)
-      if (Group& g = group_[k]; !g.listed) complete_list(g, kinship), moved = std::max(moved, moved_mm(g));
+      if (Group& g = group_[k]; !g.listed) complete_list(g, relation), moved = std::max(moved, moved_mm(g));
   here.left_mm -= moved, here.nearest_mm -= moved;
   if (here.left_mm > 0) return;
   here.left_mm = here.nearest_mm = kNever_mm;
   for (Pair& p : here.pair) {
     const HeldContact& h = p.held;
     const size_t i = size_t(h.place);
-    Looked& l = looked_[i];
+    PlaceState& l = state_[i];
     const Vec3 apart = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b);
     p.s_mm = h.normal.dot(apart) - h.gap_mm;
     Vec3 slid = apart - h.apart_mm;
     slid -= h.normal.dot(slid) * h.normal;
     double left = h.judged ? (p.s_mm < 0 ? kTurn_mm : p.s_mm + kTurn_mm) : p.s_mm;
     p.stale = left < 0;
-    if (!p.stale && p.s_mm < settings_.guard_mm) {
-      const bool tired = l.turns > kTired && (l.slid_mm + slid).norm() < settings_.spot_mm;
-      if (!tired) {
-        const double more = settings_.slide_mm + std::max(0.0, p.s_mm) - slid.norm();
+    if (!p.stale && p.s_mm < constant::guard_mm) {
+      const bool damped = l.turns > kMostTurns && (l.slid_mm + slid).norm() < constant::neighbourhood_mm;
+      if (!damped) {
+        const double more = constant::slide_mm + std::max(0.0, p.s_mm) - slid.norm();
         p.stale =
             more < 0 ||
             (p.s_mm < 0 &&
-             carried_normal(h.triangle, h.bary, tissue_.smooth_normal(h.triangle, h.bary)).dot(h.facet) < turn_cos_);
+             carried_normal(h.triangle, h.bary, tissue_.smooth_normal(h.triangle, h.bary)).dot(h.facet) < kTurnCos);
         left = std::min(left, more);
       }
     }
@@ -143,15 +145,15 @@ void ContactFinder::make_contact(Pair& p) const {
   c.a = place.embedded;
   c.b = surface_->embedded(f.triangle, f.bary);
   c.normal = f.normal.cast<float>();
-  c.gap_mm = float(f.gap_mm - settings_.slack_mm);
-  c.soft_mm = float(settings_.soft_mm);
-  c.k_N_per_mm = float(1e-3 * f.weight * settings_.stiffness * place.stiffness_kPa * place.area_mm2 / cell_mm_);
+  c.gap_mm = float(f.gap_mm - constant::slack_mm);
+  c.soft_mm = float(constant::soft_mm);
+  c.k_N_per_mm = float(1e-3 * f.weight * constant::stiffness * place.stiffness_kPa * place.area_mm2 / cell_mm_);
 }
 
 // True when the place has slid on so far that it is fresh again.
-bool ContactFinder::slide(Looked& l, const Vec3& slid_mm) const {
+bool ContactFinder::slide(PlaceState& l, const Vec3& slid_mm) const {
   l.slid_mm += slid_mm;
-  if (!(l.slid_mm.norm() > settings_.spot_mm)) return false;
+  if (!(l.slid_mm.norm() > constant::neighbourhood_mm)) return false;
   l.slid_mm = Vec3::Zero(), l.turns = 0;
   return true;
 }
@@ -159,9 +161,9 @@ bool ContactFinder::slide(Looked& l, const Vec3& slid_mm) const {
 // Pairs of one place: what was held goes to what is found, or stays.
 void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldContact>& found, Chunk& chunk,
                           std::vector<Pair>& out) {
-  Looked& l = looked_[i];
-  double part = l.turns < kFresh ? 1 : 1.0 / (l.turns - kFresh + 2);
-  bool turned = false;
+  PlaceState& l = state_[i];
+  double part = l.turns < kFullTurns ? 1 : 1.0 / (l.turns - kFullTurns + 2);
+  bool reprojected = false;
   const auto leave_foot = [&](const Pair& p) {  // before it is forgotten; what is stale has been counted
     if (p.stale) return;
     const Vec3 slid = p.rest_apart_mm + displacement(p.contact.a) - displacement(p.contact.b) - p.held.apart_mm;
@@ -174,13 +176,13 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
     // What the surfaces show is linear in their triangles, what the springs feel is trilinear in the cells: the gap
     // makes up the difference, so that a contact begins where it is seen to begin.
     h.gap_mm = h.normal.dot(h.apart_mm) - p.s_mm;
-    p.contact.gap_mm = float(h.gap_mm - settings_.slack_mm);
+    p.contact.gap_mm = float(h.gap_mm - constant::slack_mm);
     p.stale = false;
     out.push_back(p);
     chunk.changed = true;
     chunk.left_mm = 0;
     chunk.nearest_mm = std::min(chunk.nearest_mm, p.s_mm);
-    turned |= p.s_mm < 0 && h.weight > kNothing;
+    reprojected |= p.s_mm < 0 && h.weight > kNothing;
   };
   const Vec3 at = shown_mm(surface_->place[i].triangle, surface_->place[i].bary);
   size_t b = 0, f = 0;
@@ -190,11 +192,11 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
       if (p.s_mm > 0) {
         chunk.changed = true;
       } else {
-        turned = true;
+        reprojected = true;
         leave_foot(p);
-        // What nobody had judged when it was found, in front of the place,
-        // does not press: it goes, as long as the place is not tired.
-        p.held.weight *= p.held.judged || l.turns > kTired ? 1 - part : 0;
+        // What nobody had judged when it was found, in front of the place, does not press: it goes, as long as the
+        // place is not damped.
+        p.held.weight *= p.held.judged || l.turns > kMostTurns ? 1 - part : 0;
         p.held.judged = true;  // just now: else it would be asked about again at every look, and never stand still
         p.held.facet =
             carried_normal(p.held.triangle, p.held.bary, tissue_.smooth_normal(p.held.triangle, p.held.bary));
@@ -212,7 +214,7 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
     } else {
       Pair& p = before[b++];
       const HeldContact& n = found[f++];
-      if (!p.stale && std::abs(n.weight - p.held.weight) < settings_.weight) {
+      if (!p.stale && std::abs(n.weight - p.held.weight) < constant::weight_step) {
         out.push_back(p);
         continue;
       }
@@ -229,10 +231,10 @@ void ContactFinder::merge(size_t i, std::span<Pair> before, std::vector<HeldCont
       place(p);
     }
   }
-  if (turned) ++l.turns, ++chunk.turned;
+  if (reprojected) ++l.turns, ++chunk.reprojected;
 }
 
-// Where the places are that look, and who of them is to be judged.
+// Broad phase: the cells that hold the places which are due.
 void ContactFinder::find_cells(size_t chunk) {
   Chunk& here = chunk_[chunk];
   here.held.clear(), here.unknown.clear();
@@ -241,28 +243,28 @@ void ContactFinder::find_cells(size_t chunk) {
   judged.reserve(here.judged.size() + 16);
   std::vector<Point> point;
   std::vector<Around> around;
-  std::vector<uint8_t> kinship;
+  std::vector<uint8_t> relation;
   size_t pair = 0, old = 0;
   for (size_t k = here.first; k < here.last; ++k) {
     Group& g = group_[k];
     const size_t begin = pair;
     while (pair < here.pair.size() && size_t(here.pair[pair].held.place) < g.last) ++pair;
-    if (g.afresh) begin_list(g, {here.pair.data() + begin, pair - begin});
+    if (g.relist) begin_list(g, {here.pair.data() + begin, pair - begin});
     if (g.due) g.near_mm = 0;
     point.clear();
     for (size_t i = g.first; i < g.last; ++i)
-      if (looked_[i].due)
+      if (state_[i].due)
         point.push_back({i, (surface_->place[i].X_mm + displacement(surface_->place[i].embedded)).cast<float>()});
-    if (!point.empty()) who_may_hold(g, point, around, kinship);
-    size_t looks = 0;
+    if (!point.empty()) broad_phase(g, point, around, relation);
+    size_t queries = 0;
     for (size_t i = g.first; i < g.last; ++i) {
-      Looked& l = looked_[i];
+      PlaceState& l = state_[i];
       const size_t was = old, now = here.held.size();
       while (old < here.judged.size() && size_t(here.judged[old].place) == i) ++old;
       if (l.due) {
-        locate(point[looks++], around, here.held), ++here.looks;
-        l.due = l.stale || !where_it_was({here.held.begin() + ptrdiff_t(now), here.held.end()},
-                                         {here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old)});
+        locate(point[queries++], around, here.held), ++here.queries;
+        l.due = l.stale || !unmoved({here.held.begin() + ptrdiff_t(now), here.held.end()},
+                                    {here.judged.begin() + ptrdiff_t(was), here.judged.begin() + ptrdiff_t(old)});
         if (!l.due) here.held.resize(now);
       }
       if (l.due)
@@ -276,10 +278,10 @@ void ContactFinder::find_cells(size_t chunk) {
   here.judged.swap(judged);
 }
 
-bool ContactFinder::where_it_was(std::span<const Held> now, std::span<const Held> judged) const {
+bool ContactFinder::unmoved(std::span<const Held> now, std::span<const Held> judged) const {
   return std::equal(now.begin(), now.end(), judged.begin(), judged.end(), [&](const Held& a, const Held& b) {
     const auto moved_mm = [&] { return (a.at - b.at).cwiseProduct(tissue_.size_mm(size_t(a.copy))).norm(); };
-    return a.copy == b.copy && a.in == b.in && moved_mm() < settings_.slide_mm;
+    return a.copy == b.copy && a.in == b.in && moved_mm() < constant::slide_mm;
   });
 }
 
@@ -296,14 +298,14 @@ void ContactFinder::find_pairs(size_t chunk) {
     while (end < here.pair.size() && size_t(here.pair[end].held.place) == i) ++end;
     const std::span<Pair> before(here.pair.data() + pair, end - pair);
     pair = end;
-    if (!looked_[i].due) {
+    if (!state_[i].due) {
       out.insert(out.end(), before.begin(), before.end());
       continue;
     }
     end = held;
     while (end < here.held.size() && size_t(here.held[end].place) == i) ++end;
     found.clear();
-    judge(i, {here.held.data() + held, end - held}, found);
+    narrow_phase(i, {here.held.data() + held, end - held}, found);
     held = end;
     merge(i, before, found, here, out);
   }
@@ -314,7 +316,7 @@ bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
   ++counts_.checks;
   if (!motion_.measure(u) && !resumed_) return false;
   resumed_ = false;
-  for (size_t i = 0; i < u_.size(); ++i) u_[i] = fem::v4{u[i][0], u[i][1], u[i][2], 0};
+  for (size_t i = 0; i < u_.size(); ++i) u_[i] = v4{u[i][0], u[i][1], u[i][2], 0};
   cells_.move(u);
   const auto each = [&](auto&& work) {
     workers.parallel_for(chunk_.size(), kChunks, [&](size_t begin, size_t end) {
@@ -337,16 +339,16 @@ bool ContactFinder::follow(std::span<const Vec3f> u, Workers& workers) {
   near_ = false;
   for (Chunk& c : chunk_) {
     changed |= c.changed, near_ |= c.nearest_mm < kNear_mm;
-    counts_.looks += c.looks, counts_.turned += c.turned;
-    c.looks = c.turned = 0;
+    counts_.queries += c.queries, counts_.reprojected += c.reprojected;
+    c.queries = c.reprojected = 0;
   }
   if (!changed) return false;
   contacts_.clear();
   for (const Chunk& c : chunk_)
     for (const Pair& p : c.pair)
       if (p.held.weight > kNothing) contacts_.push_back(p.contact);
-  counts_.pairs = contacts_.size(), counts_.tired = 0;
-  for (const Looked& l : looked_) counts_.tired += l.turns > kTired;
+  counts_.pairs = contacts_.size(), counts_.damped = 0;
+  for (const PlaceState& l : state_) counts_.damped += l.turns > kMostTurns;
   return true;
 }
 
@@ -354,9 +356,9 @@ ContactMemory ContactFinder::memory() const {
   ContactMemory m;
   for (const Chunk& c : chunk_)
     for (const Pair& p : c.pair) m.pairs.push_back(p.held);
-  for (size_t i = 0; i < looked_.size(); ++i)
-    if (looked_[i].turns > 0 || !looked_[i].slid_mm.isZero(0))
-      m.spots.push_back({int32_t(i), looked_[i].turns, looked_[i].slid_mm});
+  for (size_t i = 0; i < state_.size(); ++i)
+    if (state_[i].turns > 0 || !state_[i].slid_mm.isZero(0))
+      m.spots.push_back({int32_t(i), state_[i].turns, state_[i].slid_mm});
   return m;
 }
 
@@ -365,14 +367,13 @@ void ContactFinder::resume(const ContactMemory& m) {
     throw InputError("", 0, "a held contact is of another surface; expected pairs of this one");
   };
   for (const HeldContact& h : m.pairs)
-    if (h.place < 0 || size_t(h.place) >= looked_.size() || h.triangle < 0 ||
-        size_t(h.triangle) >= surface_->tri.size())
+    if (h.place < 0 || size_t(h.place) >= state_.size() || h.triangle < 0 || size_t(h.triangle) >= surface_->tri.size())
       wrong();
   for (const ContactMemory::Spot& s : m.spots)
-    if (s.place < 0 || size_t(s.place) >= looked_.size()) wrong();
+    if (s.place < 0 || size_t(s.place) >= state_.size()) wrong();
   for (Chunk& c : chunk_) c.pair.clear(), c.judged.clear(), c.left_mm = 0;
   resumed_ = true;
-  for (Looked& l : looked_) l = Looked();
+  for (PlaceState& l : state_) l = PlaceState();
   for (Group& g : group_)
     g.far_mm = g.near_mm = kNever_mm;  // all look at the next step: what they then find beside is new
   for (const HeldContact& h : m.pairs) {
@@ -382,7 +383,7 @@ void ContactFinder::resume(const ContactMemory& m) {
     chunk_[chunk_of_[size_t(h.place)]].pair.push_back(p);
   }
   for (const ContactMemory::Spot& s : m.spots)
-    looked_[size_t(s.place)].turns = s.turns, looked_[size_t(s.place)].slid_mm = s.slid_mm;
+    state_[size_t(s.place)].turns = s.turns, state_[size_t(s.place)].slid_mm = s.slid_mm;
 }
 
 }  // namespace limberg

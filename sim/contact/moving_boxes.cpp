@@ -30,17 +30,17 @@ MovingBoxes::MovingBoxes(std::vector<int32_t> members) : order_(std::move(member
 void MovingBoxes::sort(std::span<const Box> box) {
   if (order_.empty()) return;
   const auto middle = [&](int32_t i) { return 0.5f * (box[size_t(i)].lo + box[size_t(i)].hi); };
-  fem::v4 lo = middle(order_[0]), hi = lo;
+  v4 lo = middle(order_[0]), hi = lo;
   for (int32_t i : order_) {
-    const fem::v4 m = middle(i);
+    const v4 m = middle(i);
     lo = m < lo ? m : lo, hi = m > hi ? m : hi;
   }
-  const fem::v4 size = hi - lo;
+  const v4 size = hi - lo;
   const float most = std::max({size[0], size[1], size[2]}), steps_per_mm = most > 0 ? float(kSteps) / most : 0;
   std::vector<std::pair<uint32_t, int32_t>> by;
   by.reserve(order_.size());
   for (int32_t i : order_) {
-    const fem::v4 m = middle(i) - lo;
+    const v4 m = middle(i) - lo;
     uint32_t code = 0;
     for (int a = 0; a < 3; ++a) code |= spread(std::min(kSteps, uint32_t(m[a] * steps_per_mm))) << a;
     by.push_back({code, i});
@@ -54,7 +54,7 @@ void MovingBoxes::refit(std::span<const Box> box) {
   for (size_t level = 0; level < level_.size(); ++level)
     for (size_t k = 0; k < level_[level].size(); ++k) {
       Four& f = level_[level][k];
-      f.lo.fill(fem::v4{} + kFar_mm), f.hi.fill(fem::v4{} - kFar_mm);
+      f.lo.fill(v4{} + kFar_mm), f.hi.fill(v4{} - kFar_mm);
       for (size_t j = 0; j < 4; ++j) {
         const size_t child = 4 * k + j;
         if (child >= (level == 0 ? order_.size() : level_[level - 1].size())) continue;
@@ -63,7 +63,7 @@ void MovingBoxes::refit(std::span<const Box> box) {
             const Box& b = box[size_t(order_[child])];
             f.lo[a][j] = b.lo[a], f.hi[a][j] = b.hi[a];
           } else {
-            const fem::v4 &l = level_[level - 1][child].lo[a], &h = level_[level - 1][child].hi[a];
+            const v4 &l = level_[level - 1][child].lo[a], &h = level_[level - 1][child].hi[a];
             f.lo[a][j] = std::min({l[0], l[1], l[2], l[3]}), f.hi[a][j] = std::max({h[0], h[1], h[2], h[3]});
           }
         }

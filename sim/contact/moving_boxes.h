@@ -10,14 +10,14 @@
 #include <span>
 #include <vector>
 
-#include "sim/fem/model/node4.h"
+#include "sim/base/node4.h"
 
 namespace limberg {
 
 class MovingBoxes {
  public:
   struct Box {
-    fem::v4 lo, hi;
+    v4 lo, hi;
   };
 
   MovingBoxes() = default;
@@ -32,7 +32,7 @@ class MovingBoxes {
 
  private:
   struct Four {  // per axis, a lane to each child; of one that is not there lo is above hi
-    std::array<fem::v4, 3> lo, hi;
+    std::array<v4, 3> lo, hi;
   };
   struct At {
     int32_t level, index;
@@ -46,17 +46,17 @@ class MovingBoxes {
 template <class Visit>
 void MovingBoxes::meet(const Box& where, Visit&& visit) const {
   if (order_.empty()) return;
-  std::array<fem::v4, 3> lo, hi;
-  for (size_t a = 0; a < 3; ++a) lo[a] = fem::v4{} + where.lo[a], hi[a] = fem::v4{} + where.hi[a];
+  std::array<v4, 3> lo, hi;
+  for (size_t a = 0; a < 3; ++a) lo[a] = v4{} + where.lo[a], hi[a] = v4{} + where.hi[a];
   std::array<At, kStack> stack;
   size_t n = 0;
   stack[n++] = {int32_t(level_.size()) - 1, 0};
   while (n > 0) {
     const At at = stack[--n];
     const Four& f = level_[size_t(at.level)][size_t(at.index)];
-    fem::v4i out = {};
+    v4i out = {};
     for (size_t a = 0; a < 3; ++a) out |= (f.hi[a] < lo[a]) | (f.lo[a] > hi[a]);
-    const fem::v4i bit = ~out & fem::v4i{1, 2, 4, 8};
+    const v4i bit = ~out & v4i{1, 2, 4, 8};
     for (uint32_t meets = uint32_t(bit[0] | bit[1] | bit[2] | bit[3]); meets != 0; meets &= meets - 1) {
       const int32_t child = 4 * at.index + std::countr_zero(meets);
       if (at.level == 0)

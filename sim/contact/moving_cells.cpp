@@ -6,8 +6,6 @@
 namespace limberg {
 namespace {
 
-using fem::v4;
-
 constexpr float kBoxRound_mm = 1e-3f;  // boxes are larger by this than single precision can miss
 constexpr float kClose = 1e-5f;        // edges of a cell: an inverse that has come so near is found
 constexpr int kChord = 6, kNewton = 12;
@@ -71,7 +69,7 @@ MovingCells::MovingCells(const RestTissue& tissue, const FemModel& model) : tiss
   inverse_.resize(tissue.size());
   std::vector<int32_t> members;
   for (size_t c = 0; c < tissue.size(); ++c)
-    if (!tissue.says_nothing(c)) members.push_back(int32_t(c));
+    if (!tissue.is_empty(c)) members.push_back(int32_t(c));
   tree_ = MovingBoxes(std::move(members));
 }
 

@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
+#include "sim/base/node4.h"
 #include "sim/contact/moving_boxes.h"
 #include "sim/contact/rest_tissue.h"
-#include "sim/fem/model/node4.h"
 
 namespace limberg {
 
@@ -33,8 +33,7 @@ class MovingCells {
   /// The same of every copy that a point between lo and hi may lie in or beside.
   template <class Visit>
   void around(const Vec3f& lo, const Vec3f& hi, Visit&& visit) const {
-    tree_.meet({fem::v4{lo[0], lo[1], lo[2], 0}, fem::v4{hi[0], hi[1], hi[2], 0}},
-               [&](int32_t c) { visit(size_t(c)); });
+    tree_.meet({v4{lo[0], lo[1], lo[2], 0}, v4{hi[0], hi[1], hi[2], 0}}, [&](int32_t c) { visit(size_t(c)); });
   }
 
   /// Is p within `beyond` edges of copy c? Then `at` is its place there: 0 to 1 along each edge in the cell itself.
@@ -43,8 +42,8 @@ class MovingCells {
   /// May it be? By boxes alone, which are a little larger than what they hold. `beside`: within kBeyond and kAhead_mm.
   bool may_hold(size_t c, const Vec3f& p, bool beside) const {
     const MovingBoxes::Box& b = beside ? reach_[c] : box_[c];
-    const fem::v4 q = {p[0], p[1], p[2], 0};
-    const fem::v4i out = (q < b.lo) | (q > b.hi);
+    const v4 q = {p[0], p[1], p[2], 0};
+    const v4i out = (q < b.lo) | (q > b.hi);
     return (out[0] | out[1] | out[2]) == 0;
   }
   /// How copy c carries the normal N of a material plane at `at`: of unit length, or zero where the cell is folded.
@@ -52,12 +51,12 @@ class MovingCells {
 
  private:
   struct Inverse {
-    fem::v4 middle;    // of the cell
-    fem::v4 along[3];  // `at` - 1/2 = sum_a along[a] (p - middle)[a]
+    v4 middle;    // of the cell
+    v4 along[3];  // `at` - 1/2 = sum_a along[a] (p - middle)[a]
     bool sound = false;
   };
   const RestTissue& tissue_;
-  std::vector<fem::v4> rest_, now_;            // of the tissue's nodes
+  std::vector<v4> rest_, now_;                 // of the tissue's nodes
   std::vector<MovingBoxes::Box> box_, reach_;  // of the cell; of what is beside it too
   std::vector<Inverse> inverse_;
   MovingBoxes tree_;  // of reach_, of those that can say something
@@ -68,7 +67,7 @@ void MovingCells::near(size_t copy, float within_mm, Visit&& visit) const {
   const MovingBoxes::Box where{box_[copy].lo - within_mm, box_[copy].hi + within_mm};
   tree_.meet(where, [&](int32_t c) {
     const MovingBoxes::Box& b = box_[size_t(c)];
-    const fem::v4i out = (b.hi < where.lo) | (b.lo > where.hi);
+    const v4i out = (b.hi < where.lo) | (b.lo > where.hi);
     if ((out[0] | out[1] | out[2]) == 0) visit(size_t(c));
   });
 }

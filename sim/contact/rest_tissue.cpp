@@ -113,7 +113,7 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
     for (int32_t k : slot) at_node.push_back({k, int32_t(c)});
   }
   // Who hangs together: copies at the same node, or at a node and one of its masters.
-  std::vector<std::pair<int32_t, int32_t>> all_at, kin;  // (slot, copy)
+  std::vector<std::pair<int32_t, int32_t>> all_at, adjacent;  // (slot, copy)
   for (size_t c = 0; c < copy_.size(); ++c)
     for (size_t k = 0; k < 8; ++k) {
       all_at.push_back({slot_[c][k], int32_t(c)});
@@ -126,8 +126,8 @@ RestTissue::RestTissue(const ContactSurface& s, const FemModel& model) : surface
   pack(all_at, node_.size(), all_begin, all);
   for (size_t n = 0; n < node_.size(); ++n)
     for (int32_t i = all_begin[n]; i < all_begin[n + 1]; ++i)
-      for (int32_t j = all_begin[n]; j < all_begin[n + 1]; ++j) kin.push_back({all[size_t(i)], all[size_t(j)]});
-  pack(kin, copy_.size(), kin_begin_, kin_);
+      for (int32_t j = all_begin[n]; j < all_begin[n + 1]; ++j) adjacent.push_back({all[size_t(i)], all[size_t(j)]});
+  pack(adjacent, copy_.size(), adjacent_begin_, adjacent_);
   for (auto& [c, t] : own) c = place[size_t(c)];
   pack(own, copy_.size(), own_begin_, own_);
   wall_least_.assign(copy_.size(), 0), wall_most_.assign(copy_.size(), -1);

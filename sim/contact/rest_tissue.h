@@ -59,12 +59,12 @@ class RestTissue {
   Vec3 rest_mm(size_t c, const Vec3& at) const { return low_[c] + at.cwiseProduct(size_[c]); }
 
   /// Do two kept copies hang together, be it over a node that hangs on the other's?
-  bool kin(size_t a, size_t b) const { return std::ranges::binary_search(kin(a), int32_t(b)); }
-  std::span<const int32_t> kin(size_t c) const {
-    return {kin_.data() + kin_begin_[c], size_t(kin_begin_[c + 1] - kin_begin_[c])};
+  bool adjacent(size_t a, size_t b) const { return std::ranges::binary_search(adjacent(a), int32_t(b)); }
+  std::span<const int32_t> adjacent(size_t c) const {
+    return {adjacent_.data() + adjacent_begin_[c], size_t(adjacent_begin_[c + 1] - adjacent_begin_[c])};
   }
   /// A copy without triangles in a parted cell: nobody knows where its material is.
-  bool says_nothing(size_t c) const { return bare_[c] && !whole_[c]; }
+  bool is_empty(size_t c) const { return bare_[c] && !whole_[c]; }
   /// Does copy c carry a wall of another sheet than this (-1: any wall)? Kin that do not are the tissue around a place.
   bool has_other_wall(size_t c, int32_t sheet) const {
     return wall_least_[c] <= wall_most_[c] && (wall_least_[c] != sheet || wall_most_[c] != sheet);
@@ -102,7 +102,7 @@ class RestTissue {
   const ContactSurface* surface_ = nullptr;
   std::vector<int32_t> copy_, node_;
   std::vector<std::array<int32_t, 8>> slot_;
-  std::vector<int32_t> kin_begin_, kin_;  // kept copies that hang together with it
+  std::vector<int32_t> adjacent_begin_, adjacent_;  // kept copies that hang together with it
   std::vector<Vec3> low_, size_;
   std::vector<uint8_t> bare_;                    // no triangles of its own
   std::vector<uint8_t> whole_;                   // full of material

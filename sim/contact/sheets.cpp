@@ -1,19 +1,14 @@
 #include "sim/contact/sheets.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "sim/base/union_find.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
 namespace {
 
 constexpr double kSmooth = 0.766;  // cosine of the largest turn within a sheet, 40 degrees
-
-int32_t root(std::vector<int32_t>& parent, int32_t t) {
-  while (parent[size_t(t)] != t) t = parent[size_t(t)] = parent[size_t(parent[size_t(t)])];
-  return t;
-}
 
 }  // namespace
 
@@ -29,8 +24,7 @@ Sheets find_sheets(std::span<const Vec3> X, std::span<const Tri> tri, std::span<
     const Vec3 a2 = area_vector2(X[size_t(tri[t][0])], X[size_t(tri[t][1])], X[size_t(tri[t][2])]);
     n[t] = a2.norm() > 0 ? a2.normalized() : Vec3(0, 0, 0);
   }
-  std::vector<int32_t> parent(tri.size());
-  std::iota(parent.begin(), parent.end(), 0);
+  UnionFind sheet(tri.size());
   const auto beside = [&](size_t t, int32_t a, int32_t b,
                           auto&& visit) {  // the triangles with lower numbers over edge ab
     for (int32_t i = around_begin[size_t(a)]; i < around_begin[size_t(a) + 1]; ++i) {
@@ -46,12 +40,11 @@ Sheets find_sheets(std::span<const Vec3> X, std::span<const Tri> tri, std::span<
         // A triangle without area has no direction of its own: it goes with its neighbours.
         const bool flat = n[t].isZero(0) || n[size_t(u)].isZero(0);
         if (kind[t] != kind[size_t(u)] || (!flat && !(n[t].dot(n[size_t(u)]) > kSmooth))) return;
-        const int32_t a = root(parent, int32_t(t)), b = root(parent, u);
-        parent[size_t(std::max(a, b))] = std::min(a, b);
+        sheet.unite(int32_t(t), u);
       });
   s.of.assign(tri.size(), -1);
   for (size_t t = 0; t < tri.size(); ++t) {
-    const int32_t r = root(parent, int32_t(t));
+    const int32_t r = sheet.find(int32_t(t));
     s.of[t] = r == int32_t(t) ? s.count++ : s.of[size_t(r)];
   }
   for (size_t t = 0; t < tri.size(); ++t)

@@ -11,14 +11,14 @@ constexpr int32_t kAround = 2;            // blocks on each side
 constexpr double kMostBlocks = 64;        // along an axis; beyond, blocks are larger
 constexpr float kBlocksFar_mm = 1e6f;
 
-fem::v4 all(float x) { return fem::v4{x, x, x, 0}; }
+v4 all(float x) { return v4{x, x, x, 0}; }
 
 }  // namespace
 
 SurfaceMotion::SurfaceMotion(const RestTissue& tissue, const FemModel& model) : tissue_(tissue) {
   for (int32_t n : tissue.nodes()) rest_.push_back(model.X_mm[size_t(n)]);
-  then_.assign(rest_.size(), fem::v4{});
-  move_.assign(rest_.size(), fem::v4{});
+  then_.assign(rest_.size(), v4{});
+  move_.assign(rest_.size(), v4{});
   block_.assign(tissue.size(), 0);
   move_of_.assign(tissue.size(), {all(-kBlocksFar_mm), all(kBlocksFar_mm)});
 }
@@ -54,9 +54,9 @@ bool SurfaceMotion::measure(std::span<const Vec3f> u) {
   float most2 = 0;
   for (size_t i = 0; i < rest_.size(); ++i) {
     const Vec3f& d = u[size_t(tissue_.nodes()[i])];
-    const fem::v4 now = {d[0], d[1], d[2], 0};
+    const v4 now = {d[0], d[1], d[2], 0};
     move_[i] = now - then_[i];
-    const fem::v4 square = move_[i] * move_[i];
+    const v4 square = move_[i] * move_[i];
     most2 = std::max(most2, square[0] + (square[1] + square[2]));
     then_[i] = now;
   }

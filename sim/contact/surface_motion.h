@@ -14,8 +14,8 @@
 #include <span>
 #include <vector>
 
+#include "sim/base/node4.h"
 #include "sim/contact/rest_tissue.h"
-#include "sim/fem/model/node4.h"
 
 namespace limberg {
 
@@ -36,20 +36,20 @@ class SurfaceMotion {
 
  private:
   struct Box {
-    fem::v4 lo, hi;
+    v4 lo, hi;
     void add(const Box& b) { lo = b.lo < lo ? b.lo : lo, hi = b.hi > hi ? b.hi : hi; }
     float farthest2(const Box& b) const {
-      const fem::v4 up = b.hi - lo, down = hi - b.lo, d = up > down ? up : down;  // one of them is not negative
-      const fem::v4 d2 = d * d;
+      const v4 up = b.hi - lo, down = hi - b.lo, d = up > down ? up : down;  // one of them is not negative
+      const v4 d2 = d * d;
       return d2[0] + (d2[1] + d2[2]);
     }
   };
   void sort_into_blocks(std::span<const Vec3f> u);
 
   const RestTissue& tissue_;
-  std::vector<fem::v4> then_;  // displacement of each at the last measure()
-  std::vector<fem::v4> move_;  // of each since
-  std::vector<Vec3> rest_;     // each at rest
+  std::vector<v4> then_;    // displacement of each at the last measure()
+  std::vector<v4> move_;    // of each since
+  std::vector<Vec3> rest_;  // each at rest
   std::array<int32_t, 3> blocks_{1, 1, 1};
   std::vector<int32_t> block_;      // per kept copy
   std::vector<Box> move_of_;        // each one's

@@ -46,4 +46,24 @@ inline TrianglePoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec
   return {a + v * ab + w * ac, {1 - v - w, v, w}};
 }
 
+/// Where a ray from `o` along `d` meets triangle abc: o + at d = (1 - u - v) a + u b + v c (Moeller and Trumbore 1997).
+/// For one pass over a moving surface; Bvh::line is exact at edges and serves surfaces that are asked often.
+template <class Point>
+struct RayHitOf {
+  typename Point::Scalar at = -1, u = 0, v = 0;
+  bool met = false;
+};
+template <class Point>
+RayHitOf<Point> meet_ray(const Point& o, const Point& d, const Point& a, const Point& b, const Point& c) {
+  using Scalar = typename Point::Scalar;
+  const Point e1 = b - a, e2 = c - a, p = d.cross(e2), from = o - a;
+  const Scalar det = e1.dot(p);
+  if (det == 0) return {};
+  const Scalar u = from.dot(p) / det;
+  if (!(u >= 0 && u <= 1)) return {};
+  const Point q = from.cross(e1);
+  const Scalar v = d.dot(q) / det, at = e2.dot(q) / det;
+  return {at, u, v, v >= 0 && u + v <= 1 && at > 0};
+}
+
 }  // namespace limberg

@@ -1,13 +1,14 @@
 #include "sim/geometry/validate.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <numeric>
 #include <tuple>
 #include <vector>
 
 #include "sim/base/error.h"
+#include "sim/base/union_find.h"
 #include "sim/geometry/bvh.h"
 #include "sim/geometry/grid_predicates.h"
 #include "sim/geometry/triangle.h"
@@ -38,8 +39,8 @@ class Validator {
 
  private:
   [[noreturn]] void fail(int32_t t, const Vec3& where, const std::string& what) const {
-    char place[120];
-    std::snprintf(place, sizeof place, " (triangle %d, at %.3f %.3f %.3f mm)", t + 1, where.x(), where.y(), where.z());
+    const std::string place =
+        fmt::format(" (triangle {}, at {:.3f} {:.3f} {:.3f} mm)", t + 1, where.x(), where.y(), where.z());
     throw InputError(file_, t >= 0 && size_t(t) < lines_.size() ? lines_[size_t(t)] : 0, what + place);
   }
   Vec3 corner(int32_t t, size_t k) const { return m_.X_mm[size_t(m_.tri[size_t(t)][k])]; }
@@ -129,16 +130,10 @@ class Validator {
   }
 
   void parts() {
-    std::vector<int32_t> root(p_.size());
-    std::iota(root.begin(), root.end(), 0);
-    const auto top = [&](int32_t v) {
-      while (root[size_t(v)] != v) v = root[size_t(v)] = root[size_t(root[size_t(v)])];
-      return v;
-    };
-    for (const Edge& e : edge_) root[size_t(top(e.a))] = top(e.b);
-    const int32_t first = top(m_.tri[0][0]);
+    UnionFind joined(p_.size());
+    for (const Edge& e : edge_) joined.unite(e.a, e.b);
     for (size_t t = 0; t < m_.tri.size(); ++t)
-      if (top(m_.tri[t][0]) != first)
+      if (!joined.same(m_.tri[t][0], m_.tri[0][0]))
         fail(int32_t(t), centre(int32_t(t)), "the surface has separate parts; expected one connected surface");
   }
 

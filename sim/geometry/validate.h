@@ -5,7 +5,8 @@
 #include <span>
 #include <string>
 
-#include "sim/body/body.h"
+#include "sim/geometry/rest_grid.h"
+#include "sim/geometry/tri_mesh.h"
 
 namespace limberg {
 

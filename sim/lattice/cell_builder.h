@@ -11,35 +11,12 @@
 #include <span>
 #include <vector>
 
+#include "sim/base/union_find.h"
 #include "sim/cutting/arrangement/point_store.h"
 #include "sim/lattice/cells.h"
 #include "sim/lattice/lattice_signs.h"
 
 namespace limberg {
-
-/// Small union-find; the root is the smallest member, so that numbering by roots is deterministic.
-class Partition {
- public:
-  void reset(size_t n) {
-    parent_.resize(n);
-    for (size_t i = 0; i < n; ++i) parent_[i] = int32_t(i);
-  }
-  int32_t find(int32_t a) {
-    while (parent_[size_t(a)] != a) a = parent_[size_t(a)] = parent_[size_t(parent_[size_t(a)])];
-    return a;
-  }
-  bool unite(int32_t a, int32_t b) {
-    a = find(a), b = find(b);
-    if (a == b) return false;
-    if (a > b) std::swap(a, b);
-    parent_[size_t(b)] = a;
-    return true;
-  }
-  size_t size() const { return parent_.size(); }
-
- private:
-  std::vector<int32_t> parent_;
-};
 
 /// How a face lies in a cell, as bits. A face never moves, so what was found once holds in every later version.
 struct FaceInCell {
@@ -177,7 +154,7 @@ class CellBuilder {
   bool walk_from_shell(int axis, int32_t root);
   void walk_shells();
   template <class Left>
-  bool walk_left(int axis, const SubPoint& line, Partition& own, int32_t root, Left&& left);
+  bool walk_left(int axis, const SubPoint& line, UnionFind& own, int32_t root, Left&& left);
   int32_t region_on_lattice_edge(int axis, int corner, const SubPoint& below);
   void hits_between(int axis, const SubPoint& line, const SubPoint* upper, std::vector<int32_t>& out);
   void classify(const CellHistory& history, CellComponents& out);
@@ -231,8 +208,8 @@ class CellBuilder {
   std::array<std::vector<Crossing>, 6>
       crossing_;  // edges that pierce each square of the cell (2 axis + high), ascending
   std::array<uint8_t, 12> edge_state_{};
-  Partition join_, square_, old_;
-  Partition glued_;  // sided faces joined along glued edges only
+  UnionFind join_, square_, old_;
+  UnionFind glued_;  // sided faces joined along glued edges only
   std::vector<int32_t> hits_;
   std::vector<uint8_t> open_, seen_, crosses_;
   std::vector<int32_t> curve_;  // of has_loop

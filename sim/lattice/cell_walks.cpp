@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/union_find.h"
 #include "sim/lattice/cell_builder.h"
 
 namespace limberg {
@@ -60,7 +61,7 @@ int32_t CellBuilder::region_on_lattice_edge(int axis, int corner, const SubPoint
 // what is next to the left, or with left() when the walk reaches the low bound; then from there, until what it has come
 // to is open_. False: the line misses the loop.
 template <class Left>
-bool CellBuilder::walk_left(int axis, const SubPoint& line, Partition& own, int32_t root, Left&& left) {
+bool CellBuilder::walk_left(int axis, const SubPoint& line, UnionFind& own, int32_t root, Left&& left) {
   hits_between(axis, line, nullptr, hits_);
   size_t beyond = hits_.size();  // the walk has come to here
   for (size_t i = 0; i < beyond; ++i) {

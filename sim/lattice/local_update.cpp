@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "sim/base/number_set.h"
+#include "sim/base/union_find.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
@@ -77,7 +78,7 @@ class LocalUpdate {
   };
   std::vector<Corner> corner_;
   std::vector<int32_t> node_;  // those of before among them
-  Partition join_;
+  UnionFind join_;
   std::vector<std::pair<int32_t, int8_t>> extra_corner_;
   std::vector<Extra> extra_;
 };

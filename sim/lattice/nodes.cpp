@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "sim/base/hash.h"
+#include "sim/base/union_find.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
@@ -149,7 +150,7 @@ class Numbering {
   const NodeRegion* region_;
   size_t n_;
   std::vector<int32_t> slot_;  // per copy
-  Partition corners_;          // 8 * slot + corner
+  UnionFind corners_;          // 8 * slot + corner
   std::vector<Hang> hangs_;    // one per hanging node, by its root
   std::vector<int32_t> group_of_;
   std::vector<Group> group_;
@@ -423,7 +424,7 @@ bool pieces_stay(const LatticeTopology& t, int32_t pieces_before, std::span<cons
                  std::span<const int32_t> place) {
   std::vector<int32_t> first(changed.size() + 1, 0);  // of the copies of each changed cell
   for (size_t i = 0; i < changed.size(); ++i) first[i + 1] = first[i] + t.copies_of(changed[i]);
-  Partition join;
+  UnionFind join;
   join.reset(size_t(first.back()));
   for (size_t i = 0; i < changed.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)
@@ -441,7 +442,7 @@ bool pieces_stay(const LatticeTopology& t, int32_t pieces_before, std::span<cons
 }
 
 void summarise(LatticeTopology& t) {
-  Partition join;
+  UnionFind join;
   join.reset(t.cells.size());
   for (const auto& l : t.links) join.unite(t.copy(l.cell_axis / 3, l.low), t.copy(l.next, l.high));
   const SharedArray<CellCopy>& cells = t.cells;

@@ -1,9 +1,10 @@
 #include "sim/measure/cephalometry.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <map>
 
@@ -234,8 +235,8 @@ std::optional<Snapped> snap(const simplex::Mesh& mesh, const Vec3& picked, doubl
 std::string to_csv(std::span<const CephalometricRow> rows) {
   std::string out = "name,value,unit,sd,norm,norm_sd,source,definition,missing\n";
   const auto number = [](std::optional<double> v) {
-    char text[40] = "";
-    if (v) std::snprintf(text, sizeof text, "%.4f", *v);
+    std::string text;
+    if (v) text = fmt::format("{:.4f}", *v);
     return std::string(text);
   };
   for (const CephalometricRow& r : rows) {

@@ -1,8 +1,9 @@
 #include "sim/measure/extrapolation.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <vector>
 
@@ -25,12 +26,6 @@ std::optional<double> solve_order(double h1, double h2, double h3, double ratio)
     (f(m) < 0 ? lo : hi) = m;
   }
   return 0.5 * (lo + hi);
-}
-
-std::string text(const char* format, double v) {
-  char s[160];
-  std::snprintf(s, sizeof s, format, v);
-  return s;
 }
 
 }  // namespace
@@ -77,14 +72,15 @@ Extrapolation extrapolate(std::span<const double> cell_mm, std::span<const doubl
     return e;
   }
   if (*e.order < lowest_order || *e.order > highest_order) {
-    e.says = text("observed order %.2g, which the method does not have: not in the asymptotic range", *e.order);
+    e.says =
+        fmt::format("observed order {:.2g}, which the method does not have: not in the asymptotic range", *e.order);
     return e;
   }
   const double rest = e21 * std::pow(h[0], *e.order) / (std::pow(h[1], *e.order) - std::pow(h[0], *e.order));
   e.asymptotic = true;
   e.extrapolated = f[0] - rest;
   e.error = std::max(noise, safety_three * std::fabs(rest));
-  e.says = text("observed order %.2g", *e.order);
+  e.says = fmt::format("observed order {:.2g}", *e.order);
   return e;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/table.h"
 
@@ -35,7 +36,7 @@ double rest_area_mm2(const Skin& skin, std::span<const ChartPoint> polygon) {
   for (double x = lo.x() + step / 2; x < hi.x(); x += step)
     for (double y = lo.y() + step / 2; y < hi.y(); y += step) {
       const Vec2 p(x, y);
-      if (!inside_polygon(p, polygon)) continue;
+      if (!inside_polygon(polygon, p)) continue;
       const auto hit = skin.at(p);
       if (!hit) continue;
       leaning += 1 / std::max(0.05, std::abs(hit->normal.dot(skin.body().chart_normal())));

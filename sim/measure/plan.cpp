@@ -2,53 +2,12 @@
 
 #include <algorithm>
 
+#include "sim/geometry/polyline.h"
+
 namespace limberg {
-namespace {
-
-double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 e = b - a;
-  const double t = e.squaredNorm() > 0 ? std::clamp((p - a).dot(e) / e.squaredNorm(), 0.0, 1.0) : 0;
-  return (a + t * e - p).norm();
-}
-
-// Marks the points that matter between first and last. Its own stack: a hostile path may not exhaust the program's.
-void mark(std::span<const ChartPoint> path, double tolerance, std::vector<char>& keep) {
-  std::vector<std::pair<size_t, size_t>> open{{0, path.size() - 1}};
-  while (!open.empty()) {
-    const auto [first, last] = open.back();
-    open.pop_back();
-    double worst = tolerance;
-    size_t at = 0;
-    for (size_t i = first + 1; i < last; ++i)
-      if (const double d = distance_to_segment(path[i], path[first], path[last]); d > worst) worst = d, at = i;
-    if (at == 0) continue;
-    keep[at] = 1;
-    open.push_back({first, at});
-    open.push_back({at, last});
-  }
-}
-
-}  // namespace
-
-bool inside_polygon(const Vec2& p, std::span<const ChartPoint> polygon) {
-  bool in = false;
-  for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
-    const Vec2 &a = polygon[i], &b = polygon[j];
-    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < (b.x() - a.x()) * (p.y() - a.y()) / (b.y() - a.y()) + a.x())
-      in = !in;
-  }
-  return in;
-}
 
 std::vector<ChartPoint> corners_of_path(std::span<const ChartPoint> path, double tolerance_mm) {
-  if (path.size() < 3) return {path.begin(), path.end()};
-  std::vector<char> keep(path.size(), 0);
-  keep.front() = keep.back() = 1;
-  mark(path, tolerance_mm, keep);
-  std::vector<ChartPoint> corners;
-  for (size_t i = 0; i < path.size(); ++i)
-    if (keep[i]) corners.push_back(path[i]);
-  return corners;
+  return simplify(path, tolerance_mm);
 }
 
 std::vector<ChartPoint> corners_of_outline(std::span<const ChartPoint> outline, double tolerance_mm) {

@@ -8,9 +8,6 @@
 
 namespace limberg {
 
-/// By the crossing rule; on the outline either way.
-bool inside_polygon(const Vec2& p, std::span<const ChartPoint> polygon);
-
 /// The corners of a stroke: its ends and every point that matters by more than tolerance_mm (Douglas and Peucker 1973).
 std::vector<ChartPoint> corners_of_path(std::span<const ChartPoint> path, double tolerance_mm = 1.5);
 /// The same of a closed outline; corners in order, none repeated.

@@ -1,5 +1,7 @@
 #include "sim/measure/predicted.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -7,6 +9,7 @@
 
 #include "sim/commands/procedures/catalogue.h"
 #include "sim/commands/procedures/placement.h"
+#include "sim/geometry/polyline.h"
 #include "sim/measure/plan.h"
 #include "sim/measure/skin_shape.h"
 
@@ -29,8 +32,7 @@ PlanOnSkin plan_on(const Skin& skin, const PlannedProcedure& named) {
   const Procedure& p = find_procedure(named.procedure);
   std::vector<std::string> settings;
   for (const auto& [name, value] : named.values) {
-    char text[64];
-    std::snprintf(text, sizeof text, "=%.17g", value);
+    const std::string text = fmt::format("={:.17g}", value);
     settings.push_back(name + text);
   }
   const auto where = std::make_shared<OnSkin>(skin, Placement{named.at, named.turn_deg, named.mirrored});
@@ -60,10 +62,8 @@ std::optional<PlanOnSkin> plan_of(const Skin& skin, const std::optional<PlannedP
         const ChartPoint A = r[(i + (next_is_C ? 3 : 1)) % 4], B = r[(i + 2) % 4];
         // Walked A D E F E D C B with the tissue on the left; a mirrored flap has it on the right.
         std::vector<Vec2> w{A, r[i], f->E, f->F, f->E, r[i], f->C, B};
-        double area = 0;  // of the rhombus, in the order A D C B
-        const Vec2 q[4] = {A, r[i], f->C, B};
-        for (size_t k = 0; k < 4; ++k) area += cross2(q[k], q[(k + 1) % 4]);
-        if (area < 0) return drawn("rhomboid", std::move(w));
+        const Vec2 rhombus[4] = {A, r[i], f->C, B};
+        if (signed_area(rhombus) < 0) return drawn("rhomboid", std::move(w));
         return std::nullopt;
       }
     }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
 #include "sim/measure/skin_strain.h"
 
@@ -188,7 +189,7 @@ double skin_area_mm2(const SurfaceView& view, std::span<const Vec3f> x_mm, const
   for (size_t t = 0; t < view.tri.size(); ++t) {
     if (view.kind[t] != FaceKind::skin) continue;
     const auto X = rest(view, t);
-    if (!inside_polygon(body.to_chart((X[0] + X[1] + X[2]) / 3), polygon)) continue;
+    if (!inside_polygon(polygon, body.to_chart((X[0] + X[1] + X[2]) / 3))) continue;
     const auto x = now(view, x_mm, t);
     area += 0.5 * area_vector2(x[0], x[1], x[2]).norm();
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim/commands/plan_numbers.h"
+#include "sim/geometry/polyline.h"
 
 namespace limberg {
 namespace {
@@ -117,19 +118,13 @@ std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view
   return next;
 }
 
-double path_length_mm(const std::vector<Vec2>& path) {
-  double length = 0;
-  for (size_t i = 1; i < path.size(); ++i) length += (path[i] - path[i - 1]).norm();
-  return length;
-}
-
 double row_stitches(const std::vector<Vec2>& a, const std::vector<Vec2>& b, double spacing_mm) {
-  const double n = parts_of_row(std::max(path_length_mm(a), path_length_mm(b)), spacing_mm) + 1;
+  const double n = parts_of_row(std::max(path_length(a), path_length(b)), spacing_mm) + 1;
   return n < 2 ? 2 : n;
 }
 
 std::vector<Vec2> resample(const std::vector<Vec2>& path, int n) {
-  const double total = path_length_mm(path);
+  const double total = path_length(path);
   std::vector<Vec2> out;
   out.reserve(size_t(n));
   size_t i = 1;

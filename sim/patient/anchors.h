@@ -68,7 +68,6 @@ std::optional<Anchor> carry_anchor(const Anchor& anchor, const SurfaceView& view
 
 /// n points of a polyline, equally spaced by arc length, ends included (n >= 2; path.size() >= 2).
 std::vector<Vec2> resample(const std::vector<Vec2>& path, int n);
-double path_length_mm(const std::vector<Vec2>& path);
 /// How many stitches a row along two edges has, its ends included: as many as that spacing wants along the longer one,
 /// two at least.
 double row_stitches(const std::vector<Vec2>& a, const std::vector<Vec2>& b, double spacing_mm);

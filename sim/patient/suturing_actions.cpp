@@ -1,7 +1,8 @@
 // Stitches and threads: tying, drawing tight, cutting, and what they pull with.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/commands/plan_numbers.h"
 #include "sim/lattice/embedding.h"
@@ -18,11 +19,7 @@ constexpr double kMet_mm = 0.2;        // edges nearer than this have met
 constexpr int kBitePlaces = 5;         // that stand for a bite
 constexpr double kTear_N = 5.9;        // knot-pull strength of USP 4-0: no thread is drawn harder
 
-std::string mm(double v) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g mm", v);
-  return text;
-}
+std::string mm(double v) { return fmt::format("{:.4g} mm", v); }
 
 // Where its triangle has no edge of the wound any more, from a little inside it: on the edge itself both banks are
 // equally near.

@@ -7,6 +7,7 @@
 #include "app/design/design_search.h"
 #include "app/program/shipped.h"
 #include "sim/base/error.h"
+#include "sim/geometry/polyline.h"
 #include "sim/measure/plan.h"
 
 namespace limberg {
@@ -51,7 +52,7 @@ TEST(Design, EveryCandidateHoldsTheDefectAndIsNoLargerThanItMustBe) {
     ASSERT_NE(e, nullptr) << d.name();
     double nearest = 1e300;
     for (const ChartPoint& p : task.defect) {
-      EXPECT_TRUE(inside_polygon(p, e->outline)) << d.name();
+      EXPECT_TRUE(inside_polygon(e->outline, p)) << d.name();
       for (size_t i = 0; i < e->outline.size(); ++i) {
         const Vec2 a = e->outline[i], b = e->outline[(i + 1) % e->outline.size()], c = b - a;
         const double t = std::clamp((p - a).dot(c) / c.squaredNorm(), 0.0, 1.0);

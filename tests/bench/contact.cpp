@@ -1,5 +1,7 @@
 #include "tests/bench/contact.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "app/assembly/operation.h"
@@ -84,20 +86,16 @@ std::vector<Patient> procedures_on_a_patch() {
 
 void add(Result& out, const Patient& p) {
   const Closed off = close(p, ContactChoice::off), on = close(p, ContactChoice::automatic);
-  char text[320];
-  std::snprintf(text, sizeof text,
-                "p99 %.3f at (%.1f, %.1f, %.1f), %.0f mm2; residual %.1e, %lld iterations, closure %.2f N, gap %.2f "
-                "mm; %llu checks, %llu searches, %llu looks, %llu turned, %llu tired; %llu places",
-                on.overlap.p99_mm, on.overlap.at_mm[0], on.overlap.at_mm[1], on.overlap.at_mm[2],
-                on.overlap.overlapping_mm2, on.residual, static_cast<long long>(on.iterations), on.closure_N, on.gap_mm,
-                static_cast<unsigned long long>(on.counts.checks), static_cast<unsigned long long>(on.counts.searches),
-                static_cast<unsigned long long>(on.counts.looks), static_cast<unsigned long long>(on.counts.turned),
-                static_cast<unsigned long long>(on.counts.tired), static_cast<unsigned long long>(on.counts.places));
+  std::string text = fmt::format(
+      "p99 {:.3f} at ({:.1f}, {:.1f}, {:.1f}), {:.0f} mm2; residual {:.1e}, {} iterations, closure {:.2f} N, gap "
+      "{:.2f} mm; {} checks, {} searches, {} queries, {} reprojected, {} damped; {} places",
+      on.overlap.p99_mm, on.overlap.at_mm[0], on.overlap.at_mm[1], on.overlap.at_mm[2], on.overlap.overlapping_mm2,
+      on.residual, on.iterations, on.closure_N, on.gap_mm, on.counts.checks, on.counts.searches, on.counts.queries,
+      on.counts.reprojected, on.counts.damped, on.counts.places);
   out.rows.push_back({p.name, "with contact", text, on.cpu_ms, false, on.overlap.max_mm, "mm",
                       "the surfaces' overlap, at most", on.residual <= 1e-5});
-  std::snprintf(text, sizeof text, "p99 %.3f, %.0f mm2; residual %.1e, %lld iterations, closure %.2f N",
-                off.overlap.p99_mm, off.overlap.overlapping_mm2, off.residual, static_cast<long long>(off.iterations),
-                off.closure_N);
+  text = fmt::format("p99 {:.3f}, {:.0f} mm2; residual {:.1e}, {} iterations, closure {:.2f} N", off.overlap.p99_mm,
+                     off.overlap.overlapping_mm2, off.residual, off.iterations, off.closure_N);
   out.rows.push_back(
       {p.name, "without", text, off.cpu_ms, false, off.overlap.max_mm, "mm", "the surfaces' overlap, at most", true});
   const char* issue = "issue 3: no visible interpenetration after closure";
@@ -108,8 +106,8 @@ void add(Result& out, const Patient& p) {
   const double cost = on.cpu_ms / off.cpu_ms;
   out.bars.push_back({p.name + ": CPU time with contact over without", cost, false, kCost, false, cost <= kCost,
                       "target: contact costs no more than the rest"});
-  std::snprintf(text, sizeof text, "%s: iterations with contact over without: %.2f", p.name.c_str(),
-                double(on.iterations) / double(std::max<int64_t>(1, off.iterations)));
+  text = fmt::format("{}: iterations with contact over without: {:.2f}", p.name,
+                     double(on.iterations) / double(std::max<int64_t>(1, off.iterations)));
   out.notes.push_back(text);
 }
 
@@ -174,10 +172,9 @@ void add_live(Result& out) {
   std::vector<double> sorted = search.ms;
   std::sort(sorted.begin(), sorted.end());
   const double p95 = sorted.empty() ? 0 : sorted[sorted.size() * 95 / 100];
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "finding contacts: median %.2f, p95 %.2f ms a step; the step without contact %.2f ms", search.median(),
-                p95, step_ms[0]);
+  const std::string text =
+      fmt::format("finding contacts: median {:.2f}, p95 {:.2f} ms a step; the step without contact {:.2f} ms",
+                  search.median(), p95, step_ms[0]);
   out.rows.push_back({"live: the flap is carried over", "with contact", text, step_ms[1], false,
                       step_ms[1] / step_ms[0], "", "steps without contact", true});
   out.bars.push_back({"live: finding contacts, ms a step", search.median(), false, kSearch_ms, false,

@@ -1,7 +1,8 @@
 // The whole cut, part by part, as World makes it on the solver thread.
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <thread>
 
@@ -135,21 +136,18 @@ void whole_cut(Result& out, const CuttingSettings& settings, int slab_cells, dou
     triangles = view.tri.size(), cells = lattice->cells.size(), nodes = lattice->nodes.size(),
     touched = lattice->touched_cells;
   }
-  char label[64], size[160];
-  std::snprintf(label, sizeof label, "whole cut, cells of %g mm", cell_mm);
-  std::snprintf(size, sizeof size, "%zu triangles, %zu cell copies, %zu nodes, %d cells touched", triangles, cells,
-                nodes, touched);
+  const std::string label = fmt::format("whole cut, cells of {:g} mm", cell_mm);
+  const std::string size =
+      fmt::format("{} triangles, {} cell copies, {} nodes, {} cells touched", triangles, cells, nodes, touched);
   const auto add = [&](const char* method, const Times& t) {
-    char how[224];
-    std::snprintf(how, sizeof how, "%s; median of %zu, best %.3f ms", size, t.ms.size(), t.best());
+    std::string how = fmt::format("{}; median of {}, best {:.3f} ms", size, t.ms.size(), t.best());
     Row r;
     r.name = label, r.method = method, r.settings = how, r.time_ms = t.median();
     out.rows.push_back(r);
   };
   for (int k = 0; k < kParts; ++k) add(name[k], part[k]);
   add("sum of the parts: cut to new topology", sum);
-  char how[64];
-  std::snprintf(how, sizeof how, "cut to new topology by the clock, %d workers", pool.count());
+  const std::string how = fmt::format("cut to new topology by the clock, {} workers", pool.count());
   add(how, wall);
   if (settings.quick) return;
   out.bars.push_back({"whole cut to new topology at 103 k triangles, 3 mm cells, CPU time on one core (ms)",

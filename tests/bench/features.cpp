@@ -1,5 +1,6 @@
 #include "tests/bench/features.h"
 
+#include <fmt/format.h>
 #include <malloc.h>
 
 #include <cmath>
@@ -34,9 +35,7 @@ class Run {
 std::string nodes_of(const FemModel& m) {
   size_t free = 0;
   for (uint8_t f : m.fixed) free += !f;
-  char text[64];
-  std::snprintf(text, sizeof text, "%zu nodes, %zu free", m.X_mm.size(), free);
-  return text;
+  return fmt::format("{} nodes, {} free", m.X_mm.size(), free);
 }
 
 struct FeaturePatient {
@@ -155,19 +154,18 @@ class Trials {
     for (size_t k = 0; k + 1 < n; ++k) {
       const Run& r = *runs[k];
       const double x = ratio(r);
-      char text[240];
-      std::snprintf(text, sizeof text, "step x %.3f of off, memory %+.1f MB of off; %s; off against off: x %.3f%s", x,
-                    r.memory_mb - runs[0]->memory_mb, r.size().c_str(), 1 + noise,
-                    r.refused.empty() ? "" : (", refused: " + r.refused.substr(0, 60)).c_str());
+      const std::string text =
+          fmt::format("step x {:.3f} of off, memory {:+.1f} MB of off; {}; off against off: x {:.3f}{}", x,
+                      r.memory_mb - runs[0]->memory_mb, r.size(), 1 + noise,
+                      r.refused.empty() ? "" : (", refused: " + r.refused.substr(0, 60)).c_str());
       out_.rows.push_back({part, variants[k].how, text, r.taken.median(), false, r.memory_mb, "MB",
                            "the allocator's count; time: one step of 10 iterations", true});
       if (!variants[k].idle) continue;
       // Three standard deviations of a median of n frames are about 3.8 /
       // sqrt(n) of their scatter; the run's own twin says how much that is.
       const double cost = 100 * (x - 1), bound = 2 + 100 * std::fabs(noise);
-      char source[128];
-      std::snprintf(source, sizeof source,
-                    "off must cost nothing: 2 %% and the noise of this run (off against off %+.1f %%)", 100 * noise);
+      const std::string source =
+          fmt::format("off must cost nothing: 2 % and the noise of this run (off against off {:+.1f} %)", 100 * noise);
       out_.bars.push_back(
           {part + ", " + variants[k].how + ": more than off (%)", cost, false, bound, false, cost <= bound, source});
     }
@@ -291,9 +289,8 @@ Result features(const Scene& scene, const FeatureSettings& set) {
     FeaturePatient many = cut;
     for (int k = 1; k <= 8; ++k) many.acts.push_back(Incise{{{-15, 5.0 * k + 3}, {15, 5.0 * k + 3}}, depth, 90, false});
     trials.add("undo depth", {{"1 incision to undo", patient(cut)}, {"9 incisions to undo", patient(many)}});
-    char note[128];
-    std::snprintf(
-        note, sizeof note, "undo: %.2f MB for each incision of 30 mm, its wound included",
+    const std::string note = fmt::format(
+        "undo: {:.2f} MB for each incision of 30 mm, its wound included",
         (trials.memory_of("undo depth", "9 incisions to undo") - trials.memory_of("undo depth", "1 incision to undo")) /
             8);
     out.notes.push_back(note);
@@ -353,8 +350,7 @@ Result features(const Scene& scene, const FeatureSettings& set) {
   if (wanted("thin layers")) {
     size_t shared = 0;
     const auto averaged = without_sliding(*probe.model, shared);
-    char how[96];
-    std::snprintf(how, sizeof how, "on: sliding in %zu of %zu cells", shared, probe.model->cells.size());
+    const std::string how = fmt::format("on: sliding in {} of {} cells", shared, probe.model->cells.size());
     trials.add("thin layers (solver alone)",
                {{"off: layers of a cell averaged", alone(averaged, base.step)}, {how, alone(probe.model, base.step)}});
   }

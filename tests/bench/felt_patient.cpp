@@ -1,7 +1,8 @@
 #include "tests/bench/felt_patient.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 
 #include "app/assembly/assembly.h"
 #include "app/operating_point/cpu_clock.h"
@@ -69,12 +70,11 @@ void add_felt_patient(Result& out, const Scene& scene, bool quick,
       if (tick % every == 0) solver.step(tick);
     }
     const double least = felt.least_mJ, step = felt.largest_step_N;
-    char text[256];
-    std::snprintf(text, sizeof text,
-                  "%.3f to %.3f N/mm, %.2f N at most, least energy %.2f mJ; %lld answers, a question %.1f ms of CPU at "
-                  "the median, %.1f at p95 (a step %.1f)",
-                  felt.softest_N_mm, felt.hardest_N_mm, felt.largest_N, least, (long long)felt.force().answers(),
-                  patient.questions.percentile(0.5), patient.questions.percentile(0.95), patient.steps.percentile(0.5));
+    const std::string text = fmt::format(
+        "{:.3f} to {:.3f} N/mm, {:.2f} N at most, least energy {:.2f} mJ; {} answers, a question {:.1f} ms of CPU at "
+        "the median, {:.1f} at p95 (a step {:.1f})",
+        felt.softest_N_mm, felt.hardest_N_mm, felt.largest_N, least, felt.force().answers(),
+        patient.questions.percentile(0.5), patient.questions.percentile(0.95), patient.steps.percentile(0.5));
     Row r;
     r.name = "felt patient, " + a.scene.name, r.method = asks ? "stiffness from the solver" : "half space of skin";
     r.settings = text, r.error = step, r.error_unit = "N/ms", r.reference = "from tick to tick";

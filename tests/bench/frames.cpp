@@ -1,10 +1,11 @@
 #include "tests/bench/frames.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <mutex>
 #include <thread>
 
@@ -162,12 +163,10 @@ Loss solver_beside(World& world, const Scene& scene, Snapshot& snapshot, int lev
   loss.share = mean(alone) > 0 ? std::max(0.0, mean(beside) / mean(alone) - 1) : 0;
   loss.pictures = painter.frames() - pictures_before;
   loss.pictures_per_s = 1000.0 * loss.pictures / std::max(1.0, painted_ms);
-  char note[200];
-  std::snprintf(note, sizeof note,
-                "%s: %.1f pictures a second beside it (%d); drawing may take %.0f %% of the time, at a measured loss "
-                "of %.0f %% while it draws",
-                who.c_str(), loss.pictures_per_s, loss.pictures, 100 * share.share(),
-                100 * std::max(0.0, share.loss()));
+  const std::string note = fmt::format(
+      "{}: {:.1f} pictures a second beside it ({}); drawing may take {:.0f} % of the time, at a measured loss of "
+      "{:.0f} % while it draws",
+      who, loss.pictures_per_s, loss.pictures, 100 * share.share(), 100 * std::max(0.0, share.loss()));
   out.notes.push_back(note);
   return loss;
 }

@@ -1,7 +1,8 @@
 #include "tests/bench/laws.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 
 #include "app/operating_point/cpu_clock.h"
 #include "sim/fem/materials/catalogue.h"
@@ -111,15 +112,13 @@ Result laws(const LawsSettings& settings) {
   for (const Case& c : cases(settings.quick)) {
     int first = 0;
     for (const double nu : {0.3, 0.45, 0.49, 0.499}) {
-      char what[64];
-      std::snprintf(what, sizeof what, "nu %.3f", nu);
+      const std::string what = fmt::format("nu {:.3f}", nu);
       if (settings.progress) settings.progress(std::string(c.name) + ", " + what);
       const BenchScene s = scene_of(c, nu);
       const Count n = count(s);
       if (nu == 0.3) first = n.iterations;
-      char how[96];
-      std::snprintf(how, sizeof how, "%d iterations to 0.1 mm%s, %zu nodes", n.iterations,
-                    n.reached ? "" : " (not reached)", s.model.X_mm.size());
+      const std::string how = fmt::format("{} iterations to 0.1 mm{}, {} nodes", n.iterations,
+                                          n.reached ? "" : " (not reached)", s.model.X_mm.size());
       out.rows.push_back(
           {c.name, what, how, n.ms * n.iterations, !n.reached, n.error_mm, "mm", "the same model, converged", true});
       if (nu < 0.485) continue;

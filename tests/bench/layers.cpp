@@ -1,6 +1,7 @@
 // Layers thinner than a cell: 1.5 mm of skin in cells of 3 mm.
+#include <fmt/format.h>
+
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "app/operating_point/cpu_clock.h"
@@ -94,17 +95,15 @@ Result layers(const LawsSettings& settings) {
     for (const double skin : {60.0, 600.0}) {
       if (settings.quick && skin > 100) continue;
       const double nu = 0.49;
-      char what[96];
-      std::snprintf(what, sizeof what, "skin %.0f kPa, fat 15 kPa", skin);
+      const std::string what = fmt::format("skin {:.0f} kPa, fat 15 kPa", skin);
       if (settings.progress) settings.progress(std::string(c.name) + ", " + what);
       const LayerAnswer fine = answer(c, 0.75, skin, nu);
       for (const double h : {3.0, 1.5}) {  // (the same thickness of skin: at 1.5 mm it has its own cells)
         const LayerAnswer a = answer(c, h, skin, nu);
         const double error = 100 * (a.moved_mm / fine.moved_mm - 1);
-        char how[128];
-        std::snprintf(how, sizeof how,
-                      "cells of %.2g mm: %.4f mm, 0.75 mm: %.4f mm; %zu and %zu nodes; residual %.1e, %.1e", h,
-                      a.moved_mm, fine.moved_mm, a.nodes, fine.nodes, a.residual, fine.residual);
+        const std::string how =
+            fmt::format("cells of {:.2g} mm: {:.4f} mm, 0.75 mm: {:.4f} mm; {} and {} nodes; residual {:.1e}, {:.1e}",
+                        h, a.moved_mm, fine.moved_mm, a.nodes, fine.nodes, a.residual, fine.residual);
         out.rows.push_back({c.name, what, how, a.ms, false, error, "%", "cells of 0.75 mm", true});
         if (h == 3)
           out.bars.push_back({std::string(c.name) + ", " + what + ": error at 3 mm (%)", std::fabs(error), false, 5,

@@ -1,5 +1,7 @@
 #include "tests/bench/metric.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numeric>
 
@@ -57,13 +59,11 @@ void rebuilds(Result& out, const MetricSize& size, const char* what, const Wound
     made = carried->made();
     fill = double(again.panels.bytes()) / double(fresh.panels.bytes());
   }
-  char name[96], how[128];
-  std::snprintf(name, sizeof name, "cut to metric, %s, %s", size.name, what);
-  std::snprintf(how, sizeof how, "%d of %d rows, %d of %d coarse rows made again", made.rows, made.of_rows,
-                made.coarse_rows, made.of_coarse_rows);
+  const std::string name = fmt::format("cut to metric, {}, {}", size.name, what);
+  const std::string how = fmt::format("{} of {} rows, {} of {} coarse rows made again", made.rows, made.of_rows,
+                                      made.coarse_rows, made.of_coarse_rows);
   const std::string nodes = std::to_string(after.model->X_mm.size()) + " nodes";
-  char fill_text[48];
-  std::snprintf(fill_text, sizeof fill_text, "fill %.2f of METIS's", fill);
+  const std::string fill_text = fmt::format("fill {:.2f} of METIS's", fill);
   const auto row = [&](const char* method, const std::string& settings, const Times& t) {
     out.rows.push_back({name, method, nodes + (settings.empty() ? "" : ", " + settings) + ", median of 7", t.median(),
                         false, metis.median() / t.median(), "x", "METIS again in the same run", true});
@@ -95,8 +95,7 @@ double largest(std::span<const Vec3f> u, const std::vector<Vec3f>& v, const std:
 /// Steps to 1 and 0.1 mm of the equilibrium after the cut, and the frames until a factor is there.
 void frames(Result& out, const MetricSize& size, const WoundScene& before, const WoundScene& after) {
   InlineWorkers workers;
-  char name[96];
-  std::snprintf(name, sizeof name, "frames after a cut, %s", size.name);
+  const std::string name = fmt::format("frames after a cut, {}", size.name);
   const std::vector<Spring> hook_before{lip_hook(*before.model, 1)}, hook{lip_hook(*after.model, 1)};
   StepSettings settle, frame;
   settle.max_iterations = 1500, settle.tolerance = 4e-6;  // single precision reaches about 3e-6 at 30k nodes
@@ -144,11 +143,10 @@ void frames(Result& out, const MetricSize& size, const WoundScene& before, const
     if (r.metric_is_cycle && r.preconditioner_pending) ++meanwhile, lag_adopted = lag;
     if (lag < 0.1) to_01 = k + 1;
   }
-  char how[200];
-  std::snprintf(how, sizeof how,
-                "10 steps a frame: %d frames on the cycle before the factor%s; first frame moves %.2f of %.2f mm, lag "
-                "%.2f mm, residual %.1e; most a frame %.2f mm",
-                meanwhile, meanwhile ? "" : " (none is made)", first_move, opening, lag_first, residual, most_move);
+  const std::string how = fmt::format(
+      "10 steps a frame: {} frames on the cycle before the factor{}; first frame moves {:.2f} of {:.2f} mm, lag {:.2f} "
+      "mm, residual {:.1e}; most a frame {:.2f} mm",
+      meanwhile, meanwhile ? "" : " (none is made)", first_move, opening, lag_first, residual, most_move);
   out.rows.push_back({name, solver.describe(), how, 0, false, meanwhile ? lag_adopted : lag_first, "mm",
                       "equilibrium of the cut block, residual 4e-6", true});
   out.rows.push_back({name, "frames to 0.1 mm", std::to_string(frame_count) + " frames", 0,
@@ -191,10 +189,10 @@ void steps_after_cut(Result& out, const MetricSize& size, const char* what, cons
     for (int j = 0; j < 2; ++j)
       for (int k = int(error.size()); k-- > 0 && error[size_t(k)] <= (j ? 0.1 : 1.0);) steps[how][j] = k + 1;
   }
-  char name[96], text[96];
-  std::snprintf(name, sizeof name, "steps after a cut, %s, %s", size.name, what);
+  std::string text;
+  const std::string name = fmt::format("steps after a cut, {}, {}", size.name, what);
   for (int how = 0; how < 2; ++how) {
-    std::snprintf(text, sizeof text, "%d steps to 1 mm, %d to 0.1 mm", steps[how][0], steps[how][1]);
+    text = fmt::format("{} steps to 1 mm, {} to 0.1 mm", steps[how][0], steps[how][1]);
     out.rows.push_back({name, how ? "exact factor of the new model" : "cycle, carried over", text, 0, steps[how][1] < 0,
                         double(steps[how][1]), "steps", "L-BFGS to residual 3e-6", true});
   }

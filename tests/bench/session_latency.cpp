@@ -1,6 +1,6 @@
 #include "tests/bench/session_latency.h"
 
-#include <cstdio>
+#include <fmt/format.h>
 
 #include "app/assembly/assembly.h"
 #include "app/pictures/pictures.h"
@@ -30,10 +30,10 @@ void add_session_latency(Result& out, const Scene& scene, const std::vector<Samp
       if (!fifo) rt.fifo_priority = 0;
       const Hogs busy(hogs);
       const SessionFigures f = run_realtime(a.lanes(nullptr), set, rt);
-      char text[256];
+      std::string text;
       const auto row = [&](const char* what, const Histogram& h) {
-        std::snprintf(text, sizeof text, "p50 %.2f, p99 %.2f, p99.9 %.2f, max %.1f ms", ms(h, 0.5), ms(h, 0.99),
-                      ms(h, 0.999), double(h.max_ns()) * 1e-6);
+        text = fmt::format("p50 {:.2f}, p99 {:.2f}, p99.9 {:.2f}, max {:.1f} ms", ms(h, 0.5), ms(h, 0.99), ms(h, 0.999),
+                           double(h.max_ns()) * 1e-6);
         Row r;
         r.name = what;
         r.method = std::string(f.scheduling.find("SCHED_FIFO") != std::string::npos ? "SCHED_FIFO" : "SCHED_OTHER") +

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -64,17 +66,16 @@ void cold_pull(const SpeedRun& run, const SpeedSize& size, double poisson) {
   Result& out = run.out;
   const BenchScene scene = pulled_scene(size.side, size.layers, poisson);
   const auto model = std::make_shared<FemModel>(scene.model);
-  char label[64];
-  std::snprintf(label, sizeof label, "pull 30 mm, %s nodes, nu %.2f", size.name, poisson);
+  const std::string label = fmt::format("pull 30 mm, {} nodes, nu {:.2f}", size.name, poisson);
   const std::string nodes =
       std::to_string(model->X_mm.size()) + " nodes, " + std::to_string(model->cells.size()) + " cells";
   run.say(std::string(label) + ": reference");
   const std::vector<Vec3> exact = equilibrium(model, scene.springs);
   const PullTimes ours = our_pull(model, scene.springs, exact);
   for (int i = 0; i < 2; ++i) {
-    char how[128];
-    std::snprintf(how, sizeof how, ", %d iterations, to %s mm, median of 3; %.2f ms with the estimate of the error",
-                  ours.iterations[i], i ? "0.1" : "1", ours.with_estimate_ms[i]);
+    const std::string how =
+        fmt::format(", {} iterations, to {} mm, median of 3; {:.2f} ms with the estimate of the error",
+                    ours.iterations[i], i ? "0.1" : "1", ours.with_estimate_ms[i]);
     out.rows.push_back({label, method(ours.cycle), nodes + how, ours.ms[i], false, ours.error[i], "mm",
                         "Newton to residual 1e-10", ours.iterations[i] >= 0 && ours.error[i] <= (i ? 0.1 : 1)});
   }
@@ -152,10 +153,9 @@ void drag(const SpeedRun& run, const SpeedSize& size, double poisson, int every)
     if (f < 30) iterations += r.iterations / 30.0;
   }
   std::sort(lag.begin(), lag.end());
-  char label[96], how[128];
-  std::snprintf(label, sizeof label, "drag 60 mm/s at 60 Hz, %s nodes, nu %.3g", size.name, poisson);
-  std::snprintf(how, sizeof how, "%zu nodes, %.1f iterations a frame, longest frame %.1f ms", model->X_mm.size(),
-                iterations, longest);
+  const std::string label = fmt::format("drag 60 mm/s at 60 Hz, {} nodes, nu {:.3g}", size.name, poisson);
+  const std::string how = fmt::format("{} nodes, {:.1f} iterations a frame, longest frame {:.1f} ms",
+                                      model->X_mm.size(), iterations, longest);
   const std::string truth = "equilibrium of the current target, residual 3e-6";
   const struct {
     const char* name;

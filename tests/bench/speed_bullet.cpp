@@ -1,8 +1,9 @@
 // The cold pull against Bullet's deformable body: the same tetrahedra, energy, hook and sutures. Bullet steps in time;
 // what counts is the CPU time until it stays within 1 mm of the equilibrium that both share.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "app/operating_point/cpu_clock.h"
 #include "tests/bench/bullet_peer.h"
@@ -56,16 +57,12 @@ void speed_bullet(const SpeedRun& run) {
     // What an evaluation must do at least: 5640 times some 27 + 27
     // multiply-adds for F and the forces, 60 for the law, a logarithm.
     const double per_tet_ns = 1e6 * ours.ms[0] / std::max(1, ours.iterations[0]) / double(tets->cells.size());
-    char text[600];
-    std::snprintf(
-        text, sizeof text,
-        "%s: bar missed. Ours takes %d iterations of %.3f ms, %.0f ns a tetrahedron and iteration: three quarters of "
-        "it (perf, 2026-11-21: 48 %% gathering and forces, 26 %% the law and its logarithm, 5 %% scattering; 7 %% the "
-        "metric) "
-        "are material points in scalar double, which any law may have; at one double a cycle the arithmetic alone (120 "
-        "multiply-adds, a logarithm) is about 60 ns. The prototype's 630 had 17.4 ms against 11.0 s: "
-        "Bullet itself is three times faster on this machine now. What a patient gets are the hexahedra of the last "
-        "row.",
+    const std::string text = fmt::format(
+        "{}: bar missed. Ours takes {} iterations of {:.3f} ms, {:.0f} ns a tetrahedron and iteration: three quarters "
+        "of it (perf, 2026-11-21: 48 % gathering and forces, 26 % the law and its logarithm, 5 % scattering; 7 % the "
+        "metric) are material points in scalar double, which any law may have; at one double a cycle the arithmetic "
+        "alone (120 multiply-adds, a logarithm) is about 60 ns. The prototype's 630 had 17.4 ms against 11.0 s: Bullet "
+        "itself is three times faster on this machine now. What a patient gets are the hexahedra of the last row.",
         name, ours.iterations[0], ours.ms[0] / std::max(1, ours.iterations[0]), per_tet_ns);
     run.out.notes.push_back(text);
   }

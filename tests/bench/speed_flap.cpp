@@ -7,6 +7,8 @@
 // with full orthogonalisation; the stiffness by differences of the gradient in double,
 // with the bulk modulus that the minimiser meets). Steps go with the root of their
 // quotient, as for conjugate gradients, whatever the pull, and however long the history.
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -53,7 +55,7 @@ Spectrum spectrum(const FemModel& m, const Field& u) {
     return g;
   };
   const auto metric = [&](const Field& r) {
-    fem::NodeArray y(F.node_order.size());
+    NodeArray y(F.node_order.size());
     for (size_t k = 0; k < y.size(); ++k) {
       const Vec3& v = r[size_t(F.node_order[k])];
       y[k] = {float(v[0]), float(v[1]), float(v[2]), 0};
@@ -154,11 +156,11 @@ void speed_flap(const SpeedRun& run) {
     run.say(flap_mm > 0 ? "the undermined flap" : "the slit alone");
     const auto model = std::make_shared<FemModel>(wounded_block(block, flap_mm));
     const std::string name = std::string(flap_mm > 0 ? "slit and flap of 20 mm, " : "slit, ") + size + " nodes";
-    char how[320];
+    std::string how;
     const Steps full = steps(model, 1, 0), small = steps(model, 0.1, 0), longer = steps(model, 1, 40);
-    std::snprintf(how, sizeof how,
-                  "%d to 1 mm; a tenth of the pull, same accuracy in parts of it: %d; with a history of 40 pairs: %d",
-                  full.to_1, small.to_01, longer.to_01);
+    how =
+        fmt::format("{} to 1 mm; a tenth of the pull, same accuracy in parts of it: {}; with a history of 40 pairs: {}",
+                    full.to_1, small.to_01, longer.to_01);
     run.out.rows.push_back({name, "exact factor of the shape at rest", how, 0, full.to_01 < 0, double(full.to_01),
                             "steps", "L-BFGS to residual 2.5e-6", true});
     const FemModel met = as_met(*model);
@@ -167,9 +169,9 @@ void speed_flap(const SpeedRun& run) {
       const double start = cpu_ms();
       Spectrum found = spectrum(met, u);
       const double low = found.value.front(), high = found.value.back();
-      std::snprintf(
-          how, sizeof how,
-          "metric^-1 stiffness from %.4f to %.2f, %s; the 2nd, 6th, 11th and 21st from below %.4f, %.4f, %.4f, %.4f",
+      how = fmt::format(
+          "metric^-1 stiffness from {:.4f} to {:.2f}, {}; the 2nd, 6th, 11th and 21st from below {:.4f}, {:.4f}, "
+          "{:.4f}, {:.4f}",
           low, high, what, found.value[1], found.value[5], found.value[10], found.value[20]);
       modes.push_back(std::move(found.lowest));
       run.out.rows.push_back(
@@ -192,10 +194,10 @@ void speed_flap(const SpeedRun& run) {
       continue;
     }
     const double more = double(full.to_01) / slit_steps, expected = std::sqrt(bent / slit_condition);
-    std::snprintf(how, sizeof how,
-                  "steps x %.2f of the slit's; root of the condition numbers' quotient, pulled: x %.2f (at rest, of "
-                  "the pulled slit's: x %.2f)",
-                  more, expected, std::sqrt(at_rest / slit_condition));
+    how = fmt::format(
+        "steps x {:.2f} of the slit's; root of the condition numbers' quotient, pulled: x {:.2f} (at rest, of the "
+        "pulled slit's: x {:.2f})",
+        more, expected, std::sqrt(at_rest / slit_condition));
     run.out.rows.push_back(
         {name, "why", how, 0, false, more / expected, "x", "steps over what the condition says", true});
     // Would it pay to tell the metric its softest modes? Plain L-BFGS in double on the energy as it is met. A hundredth
@@ -204,8 +206,7 @@ void speed_flap(const SpeedRun& run) {
     const std::vector<Vec3> nearly = equilibrium(std::make_shared<FemModel>(met), slight);
     int slight_plain = 0, slight_best = 1 << 20, best = 1 << 20;
     for (const int known : {0, 5, modes_known}) {
-      std::snprintf(how, sizeof how,
-                    "a hundredth of the pull, steps to 0.1 mm of it at full size, %d softest modes known", known);
+      how = fmt::format("a hundredth of the pull, steps to 0.1 mm of it at full size, {} softest modes known", known);
       const int taken = scalar_double_steps(met, slight, nearly, 0.001, std::span(modes[0]).first(size_t(known)));
       if (known == 0)
         slight_plain = taken;
@@ -224,18 +225,17 @@ void speed_flap(const SpeedRun& run) {
           plain = taken;
         else if (taken > 0 && !at_pulled)
           best = std::min(best, taken);
-        std::snprintf(how, sizeof how,
-                      known == 0 ? "steps to 0.1 mm, scalar double, no mode known"
-                                 : "steps to 0.1 mm, scalar double, metric told the %d softest modes of the shape %s",
-                      known, at_pulled ? "as pulled, which nobody knows before" : "at rest");
+        how = known == 0
+                  ? std::string("steps to 0.1 mm, scalar double, no mode known")
+                  : fmt::format("steps to 0.1 mm, scalar double, metric told the {} softest modes of the shape {}",
+                                known, at_pulled ? "as pulled, which nobody knows before" : "at rest");
         run.out.rows.push_back({name, "deflation", how, 0, taken < 0, double(taken), "steps",
                                 "x " + std::to_string(double(taken) / plain).substr(0, 4) + " of without", true});
       }
-    std::snprintf(
-        how, sizeof how,
-        "%s: told the softest modes at rest, the metric takes %d instead of %d steps for a hundredth of the pull, but "
-        "%d instead of %d for all of it: the flap turns on the way, and its soft modes with it. Not built.",
-        name.c_str(), slight_best, slight_plain, best, plain);
+    how = fmt::format(
+        "{}: told the softest modes at rest, the metric takes {} instead of {} steps for a hundredth of the pull, but "
+        "{} instead of {} for all of it: the flap turns on the way, and its soft modes with it. Not built.",
+        name, slight_best, slight_plain, best, plain);
     run.out.notes.push_back(how);
     run.bar(name + ": steps to 0.1 mm", full.to_01, 120, false, "prototype: 120 to 147, not understood");
   }

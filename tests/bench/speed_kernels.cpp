@@ -1,4 +1,6 @@
 // What the kernels of each instruction set take, and triangular solves against CHOLMOD's.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "app/operating_point/cpu_clock.h"
@@ -12,7 +14,6 @@ namespace {
 
 using fem::Engine;
 using fem::Kernels;
-using fem::NodeArray;
 
 struct SpeedKernelsSize {
   const char* name;
@@ -72,11 +73,11 @@ void instruction_sets(const SpeedRun& run, const SpeedKernelsSize& size) {
       const limberg::StepReport report = solver.step(s);
       times[k].iteration.add((cpu_ms() - start) / std::max(1, report.iterations));
     }
-  char name[64], how[64];
-  std::snprintf(name, sizeof name, "instruction sets, %s nodes", size.name);
+  std::string how;
+  const std::string name = fmt::format("instruction sets, {} nodes", size.name);
   const auto row = [&](const char* what, Times Parts::*part) {
     for (size_t k = 0; k < sets.size(); ++k) {
-      std::snprintf(how, sizeof how, "%zu nodes, best of %zu", n, (times[k].*part).ms.size());
+      how = fmt::format("{} nodes, best of {}", n, (times[k].*part).ms.size());
       run.out.rows.push_back({name, std::string(what) + ", " + sets[k]->name, how, (times[k].*part).best(), false,
                               (times[0].*part).best() / (times[k].*part).best(), "x", "plain in the same run", true});
     }
@@ -126,34 +127,30 @@ void three_right_hand_sides(const SpeedRun& run, const SpeedKernelsSize& size) {
     }
   }
   error = std::sqrt(error / scale);
-  char name[64];
-  std::snprintf(name, sizeof name, "three right-hand sides, %s", size.name);
-  char rows[160], text[800];
-  std::snprintf(rows, sizeof rows, "%d unknowns, best of 15 (medians: %.3f ms ours, %.3f CHOLMOD)", A.n(), own.median(),
-                cholmod.median());
+  const std::string name = fmt::format("three right-hand sides, {}", size.name);
+  std::string text;
+  std::string rows = fmt::format("{} unknowns, best of 15 (medians: {:.3f} ms ours, {:.3f} CHOLMOD)", A.n(),
+                                 own.median(), cholmod.median());
   run.out.rows.push_back({name, std::string("float panels, ") + engine.kernels().name, rows, own.best(), false, error,
                           "", "CHOLMOD, double, relative", error < 1e-5});
   const double floor = solve_floor_ms(2 * F.panels.bytes());
-  std::snprintf(rows, sizeof rows,
-                "%.1f MB of panels read twice: %.3f ms at least, of this machine in this run; %.1f Mflop",
-                double(F.panels.bytes()) * 1e-6, floor, 12e-6 * double(F.panels.bytes()) / 4);
+  rows = fmt::format("{:.1f} MB of panels read twice: {:.3f} ms at least, of this machine in this run; {:.1f} Mflop",
+                     double(F.panels.bytes()) * 1e-6, floor, 12e-6 * double(F.panels.bytes()) / 4);
   run.out.rows.push_back(
       {name, "the panels' floor", rows, floor, false, own.best() / floor, "x", "float panels over their floor", true});
   const double theirs_mb = 8e-6 * double(direct.numbers()), ours_mb = 1e-6 * double(F.panels.bytes());
-  std::snprintf(rows, sizeof rows, "one thread, METIS, the same matrix; %.1f MB, read twice at %.1f GB/s", theirs_mb,
-                2 * theirs_mb / cholmod.best());
+  rows = fmt::format("one thread, METIS, the same matrix; {:.1f} MB, read twice at {:.1f} GB/s", theirs_mb,
+                     2 * theirs_mb / cholmod.best());
   run.out.rows.push_back({name, "CHOLMOD, supernodal, double", rows, cholmod.best(), false, 0, "", "", true});
-  std::snprintf(rows, sizeof rows, "the same without supernodes, best of 3; %.1f MB",
-                8e-6 * double(simplicial.numbers()));
+  rows = fmt::format("the same without supernodes, best of 3; {:.1f} MB", 8e-6 * double(simplicial.numbers()));
   run.out.rows.push_back({name, "CHOLMOD, simplicial, double", rows, without_supernodes.best(), false,
                           without_supernodes.best() / own.best(), "x", "float panels", true});
   if (cholmod.best() / own.best() < size.solve_bar) {
-    std::snprintf(
-        text, sizeof text,
-        "%s: bar missed. Our %.1f MB come at %.1f GB/s, where one long array of that size comes at %.1f: %.3f ms at "
-        "least, or %.1f times faster than CHOLMOD. Its %.1f MB come at %.1f GB/s, so it waits for memory too. "
-        "The prototype's 8.7 was against the same CHOLMOD (supernodal, METIS, one thread) on the same mesh, the factor "
-        "still in the last cache; 5.2 with that cold. In the program nothing solves by panels at this size: "
+    text = fmt::format(
+        "{}: bar missed. Our {:.1f} MB come at {:.1f} GB/s, where one long array of that size comes at {:.1f}: {:.3f} "
+        "ms at least, or {:.1f} times faster than CHOLMOD. Its {:.1f} MB come at {:.1f} GB/s, so it waits for memory "
+        "too. The prototype's 8.7 was against the same CHOLMOD (supernodal, METIS, one thread) on the same mesh, the "
+        "factor still in the last cache; 5.2 with that cold. In the program nothing solves by panels at this size: "
         "above 10,000 nodes the metric is the cycle.",
         name, ours_mb, 2 * ours_mb / own.best(), 2 * ours_mb / floor, floor, cholmod.best() / floor, theirs_mb,
         2 * theirs_mb / cholmod.best());

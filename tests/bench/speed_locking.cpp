@@ -1,5 +1,7 @@
 // Energy of a strip bent into an S, two cells thick, against a
 // mesh of six: what near incompressibility does to elements.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "app/operating_point/cpu_clock.h"
@@ -66,9 +68,8 @@ void speed_locking(const SpeedRun& run) {
   const auto row = [&](const char* method, const FemModel& m, bool judged) {
     const double start = cpu_ms();
     const double error = bent_energy(m, residual) / exact - 1;
-    char how[128];
-    std::snprintf(how, sizeof how, "strip of 60 x 20 x 10 mm, one end 20 mm up, %zu nodes, residual %.0e",
-                  m.X_mm.size(), residual);
+    const std::string how =
+        fmt::format("strip of 60 x 20 x 10 mm, one end 20 mm up, {} nodes, residual {:.0e}", m.X_mm.size(), residual);
     run.out.rows.push_back({"two cells thick, nu .49", method, how, cpu_ms() - start, false, 100 * error, "%",
                             run.settings.quick ? "ours, four cells thick" : "ours, six cells thick",
                             !judged || std::fabs(error) <= 0.03});

@@ -1,5 +1,7 @@
 // Where an iteration's time goes, and what of it no program could save: bytes and arithmetic of each part, counted from
 // its formulas, over what this machine streams and multiplies in the same run.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -15,7 +17,6 @@ namespace limberg::bench {
 namespace {
 
 using fem::Engine;
-using fem::NodeArray;
 
 /// Multiply-adds of 16 numbers at once in eight independent chains.
 #define LIMBERG_MULTIPLY_ADDS(name, attribute, lanes)            \
@@ -201,8 +202,8 @@ void profile(const SpeedRun& run, const char* name, int side, int layers) {
     whole.add((cpu_ms() - start) / std::max(1, report.iterations));
   }
 
-  char label[64], how[240];
-  std::snprintf(label, sizeof label, "profile of an iteration, %s nodes", name);
+  std::string how;
+  const std::string label = fmt::format("profile of an iteration, {} nodes", name);
   const double peak = gflops(engine.kernels().name);
   double sum = 0, floor = 0;
   for (const Part& p : parts) {
@@ -210,18 +211,18 @@ void profile(const SpeedRun& run, const char* name, int side, int layers) {
     const double memory_ms = p.bytes / speed * 1e-6, arithmetic_ms = p.flops / peak * 1e-6,
                  least = std::max(memory_ms, arithmetic_ms);
     sum += p.per_iteration * p.ms.best(), floor += p.per_iteration * least;
-    std::snprintf(
-        how, sizeof how,
-        "x %.2f an iteration; %.2f MB, %.2f Mflop; floor %.3f ms by %s (%.1f GB/s from %.1f MB, %.0f Gflop/s)",
+    how = fmt::format(
+        "x {:.2f} an iteration; {:.2f} MB, {:.2f} Mflop; floor {:.3f} ms by {} ({:.1f} GB/s from {:.1f} MB, {:.0f} "
+        "Gflop/s)",
         p.per_iteration, p.bytes * 1e-6, p.flops * 1e-6, least, memory_ms > arithmetic_ms ? "bytes" : "arithmetic",
         speed, p.working_set * 1e-6, peak);
     run.out.rows.push_back(
         {label, p.name, how, p.ms.best(), false, p.ms.best() / least, "x", "its floor in the same run", true});
   }
-  std::snprintf(how, sizeof how,
-                "%zu nodes, %zu cells; the parts make %.3f ms, their floors %.3f ms; %.1f iterations in a frame of "
-                "16.7 ms, %.1f at the floor",
-                n, cells, sum, floor, 16.7 / whole.best(), 16.7 / floor);
+  how = fmt::format(
+      "{} nodes, {} cells; the parts make {:.3f} ms, their floors {:.3f} ms; {:.1f} iterations in a frame of 16.7 ms, "
+      "{:.1f} at the floor",
+      n, cells, sum, floor, 16.7 / whole.best(), 16.7 / floor);
   run.out.rows.push_back(
       {label, "a whole iteration", how, whole.best(), false, whole.best() / floor, "x", "the parts' floors", true});
 }

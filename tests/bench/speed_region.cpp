@@ -5,6 +5,8 @@
 // complement). So the model below, whose far cells have the small-strain law of
 // their tissue, gives the very answer that a condensed one would give, and what a
 // condensed one takes is an absent one's time and the product with that matrix.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "app/operating_point/cpu_clock.h"
@@ -151,9 +153,7 @@ void speed_region(const SpeedRun& run) {
   const RegionAnswer exact = pulled(std::make_shared<FemModel>(whole), false, hook);
   double largest = 0;
   for (const Vec3f& v : exact.u) largest = std::max(largest, double(v.norm()));
-  char how[240];
-  std::snprintf(how, sizeof how, "%s; hook %.4f N, moved by %.2f mm at most", exact.size.c_str(), exact.force_N,
-                largest);
+  std::string how = fmt::format("{}; hook {:.4f} N, moved by {:.2f} mm at most", exact.size, exact.force_N, largest);
   run.out.rows.push_back({name, "the whole block", how, exact.iteration_ms, false, 0, "mm", "itself", true});
   for (const double half_mm : {32.0, 40.0, 48.0}) {
     int border = 0;
@@ -168,17 +168,17 @@ void speed_region(const SpeedRun& run) {
       return e;
     };
     const double product = product_ms(3 * border), evaluations = 4.0 / 3;
-    std::snprintf(how, sizeof how, "beyond %.0f mm; %s, hook %+.2f %%; x %.2f of the whole block's iteration", half_mm,
-                  absent.size.c_str(), 100 * (absent.force_N / exact.force_N - 1),
-                  absent.iteration_ms / exact.iteration_ms);
+    how =
+        fmt::format("beyond {:.0f} mm; {}, hook {:+.2f} %; x {:.2f} of the whole block's iteration", half_mm,
+                    absent.size, 100 * (absent.force_N / exact.force_N - 1), absent.iteration_ms / exact.iteration_ms);
     run.out.rows.push_back(
         {name, "absent", how, absent.iteration_ms, false, error(absent), "mm", "the whole block, inside", true});
     const double time = absent.iteration_ms + evaluations * product;
-    std::snprintf(how, sizeof how,
-                  "beyond %.0f mm; border of %d nodes: %.1f MB, %.3f ms a product; hook %+.2f %%; x %.2f of the whole "
-                  "block's iteration",
-                  half_mm, border, 36e-6 * border * border, product, 100 * (condensed.force_N / exact.force_N - 1),
-                  time / exact.iteration_ms);
+    how = fmt::format(
+        "beyond {:.0f} mm; border of {} nodes: {:.1f} MB, {:.3f} ms a product; hook {:+.2f} %; x {:.2f} of the whole "
+        "block's iteration",
+        half_mm, border, 36e-6 * border * border, product, 100 * (condensed.force_N / exact.force_N - 1),
+        time / exact.iteration_ms);
     run.out.rows.push_back({name, "condensed, linear (time: absent + product)", how, time, false, error(condensed),
                             "mm", "the whole block, inside", true});
   }

@@ -9,6 +9,8 @@
 // of 22^3 unknowns by Eigen's SimplicialLDLT, 214 to 255 ms there, is printed beside ours.
 // The pulled node hangs on a spring of 100 N/mm, which gives by some 0.03 mm (a stiffer
 // one would turn the rounding of a float displacement into forces above the residual).
+#include <fmt/format.h>
+
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
@@ -117,15 +119,13 @@ void pull_slab(const SpeedRun& run, const Mesh& mesh, double mm_per_s, double no
     }
     error = std::max(error, std::fabs(uz[p] / exact_uz - 1));
   }
-  char name[96], how[224];
-  std::snprintf(name, sizeof name, "slab, %s unknowns, %.0f mm/s", mesh.name, mm_per_s);
+  const std::string name = fmt::format("slab, {} unknowns, {:.0f} mm/s", mesh.name, mm_per_s);
   std::vector<double> sorted = times.ms;
   std::sort(sorted.begin(), sorted.end());
-  std::snprintf(how, sizeof how,
-                "median of %d steps, p95 %.2f, %.1f iterations; at most %.3f mm from the exact steps at the probes; "
-                "hold %.3f / %.3f mm; Laplacian %.0f ms (peers 214-255)",
-                ramp, sorted[size_t(0.95 * double(sorted.size() - 1))], iterations, behind, uz[0], uz[1],
-                normaliser_ms);
+  const std::string how = fmt::format(
+      "median of {} steps, p95 {:.2f}, {:.1f} iterations; at most {:.3f} mm from the exact steps at the probes; hold "
+      "{:.3f} / {:.3f} mm; Laplacian {:.0f} ms (peers 214-255)",
+      ramp, sorted[size_t(0.95 * double(sorted.size() - 1))], iterations, behind, uz[0], uz[1], normaliser_ms);
   const bool pass = finite && error <= 1e-3 && behind <= 1e-3 * 20;
   run.out.rows.push_back({name, "limberg, neo-Hookean, 10 ms step", how, times.median(), false, 100 * error, "%",
                           "full Newton at the hold", pass});

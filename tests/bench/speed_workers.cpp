@@ -1,7 +1,8 @@
 // One and two workers: wall time of an iteration, the second core free, and taken by another job.
+#include <fmt/format.h>
+
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <thread>
@@ -93,16 +94,15 @@ void speed_workers(const SpeedRun& run) {
   } sizes[] = {{"8k", 44, 3, 60}, {"30k", 66, 6, 40}, {"100k", 100, 9, 15}};
   double load = 0;
   getloadavg(&load, 1);
-  char note[160];
-  std::snprintf(note, sizeof note,
-                "Second core: wall time; the machine's load was %.1f for %u cores. Beside other work the speed-up says "
-                "nothing; the fall-back does.",
-                load, std::thread::hardware_concurrency());
+  std::string note = fmt::format(
+      "Second core: wall time; the machine's load was {:.1f} for {} cores. Beside other work the speed-up says "
+      "nothing; the fall-back does.",
+      load, std::thread::hardware_concurrency());
   run.out.notes.push_back(note);
   for (bool streaming : {false, true}) {
     const double gain = own_gain(streaming);
-    std::snprintf(note, sizeof note, "%s, wall time, best of 3, load %.1f",
-                  streaming ? "64 MB streamed by each" : "arithmetic alone", load);
+    note = fmt::format("{}, wall time, best of 3, load {:.1f}",
+                       streaming ? "64 MB streamed by each" : "arithmetic alone", load);
     run.out.rows.push_back({"second core, the machine itself", "two threads that share nothing", note, 0, false, gain,
                             "x", "one thread twice", true});
   }
@@ -127,16 +127,15 @@ void speed_workers(const SpeedRun& run) {
       const bool same = one_m.u.size() == two_m.u.size() &&
                         std::memcmp(one_m.u.data(), two_m.u.data(), one_m.u.size() * sizeof(Vec3f)) == 0;
       const double speed_up = one_m.ms.best() / two_m.ms.best();
-      char name[96], how[160];
-      std::snprintf(name, sizeof name, "second core%s, %s nodes", taken ? " taken" : "", size.name);
-      std::snprintf(how, sizeof how, "%zu nodes, best of 3 runs of %d iterations, load %.1f", model->X_mm.size(),
-                    size.iterations, load);
+      const std::string name = fmt::format("second core{}, {} nodes", taken ? " taken" : "", size.name);
+      std::string how = fmt::format("{} nodes, best of 3 runs of {} iterations, load {:.1f}", model->X_mm.size(),
+                                    size.iterations, load);
       run.out.rows.push_back(
           {name, "one worker, wall time an iteration", how, one_m.ms.best(), false, 1, "x", "one worker", true});
-      std::snprintf(how, sizeof how, "%llu loops shared, %llu alone after %llu long waits; %s",
-                    (unsigned long long)(after.shared - before.shared),
-                    (unsigned long long)(after.alone - before.alone),
-                    (unsigned long long)(after.long_waits - before.long_waits), same ? "the same bits" : "OTHER BITS");
+      how = fmt::format(
+          "{} loops shared, {} alone after {} long waits; {}", (unsigned long long)(after.shared - before.shared),
+          (unsigned long long)(after.alone - before.alone), (unsigned long long)(after.long_waits - before.long_waits),
+          same ? "the same bits" : "OTHER BITS");
       run.out.rows.push_back(
           {name, "two workers", how, two_m.ms.best(), false, speed_up, "x", "one worker in the same run", same});
       if (taken)

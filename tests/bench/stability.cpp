@@ -1,9 +1,10 @@
 #include "tests/bench/stability.h"
 
-#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "app/operating_point/cpu_clock.h"
@@ -20,21 +21,17 @@ constexpr int kPeerIterations = 200;
 constexpr int kPeerSteps = 100;
 constexpr double kPeerLimit_ms = 4000;  // CPU a case, of every peer: all of them over all cases within some ten minutes
 
-/// Largest distance of a node from its rest place; for a floating piece after the best rigid motion (Kabsch).
+/// Largest distance of a node from its rest place; for a floating piece after the best rigid motion.
 double distance_from_rest(const FemModel& m, std::span<const Vec3> u, bool floating) {
-  Mat3 R = Mat3::Identity();
-  Vec3 cx = Vec3::Zero(), cX = Vec3::Zero();
+  Eigen::Isometry3d moved = Eigen::Isometry3d::Identity();
   if (floating) {
-    const double n = double(u.size());
-    for (size_t i = 0; i < u.size(); ++i) cX += m.X_mm[i] / n, cx += (m.X_mm[i] + u[i]) / n;
-    Mat3 H = Mat3::Zero();
-    for (size_t i = 0; i < u.size(); ++i) H += (m.X_mm[i] + u[i] - cx) * (m.X_mm[i] - cX).transpose();
-    const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const double d = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-    R = svd.matrixU() * Vec3(1, 1, d).asDiagonal() * svd.matrixV().transpose();
+    Eigen::Matrix3Xd from(3, u.size()), to(3, u.size());
+    for (size_t i = 0; i < u.size(); ++i)
+      from.col(Eigen::Index(i)) = m.X_mm[i], to.col(Eigen::Index(i)) = m.X_mm[i] + u[i];
+    moved.matrix() = Eigen::umeyama(from, to, false);
   }
   double far = 0;
-  for (size_t i = 0; i < u.size(); ++i) far = std::max(far, (m.X_mm[i] + u[i] - cx - R * (m.X_mm[i] - cX)).norm());
+  for (size_t i = 0; i < u.size(); ++i) far = std::max(far, (m.X_mm[i] + u[i] - moved * m.X_mm[i]).norm());
   return std::isfinite(far) ? far : 1e300;
 }
 
@@ -275,11 +272,10 @@ Result stability(const StabilitySettings& settings) {
     out.notes.push_back(by_newton.line("Full Newton on the same energy"));
     out.notes.push_back(by_corotated.line("Full Newton on the linear corotated law"));
     if (by_bullet.cases) out.notes.push_back(by_bullet.line("Bullet's deformable body"));
-    char text[200];
-    std::snprintf(text, sizeof text,
-                  "Budget of a peer, per case: %.0f s of CPU time, %d Newton iterations, %d steps of Bullet after the "
-                  "release. Newton: quasi-static cases; Bullet: those of one tissue.",
-                  kPeerLimit_ms / 1000, kPeerIterations, kPeerSteps);
+    const std::string text = fmt::format(
+        "Budget of a peer, per case: {:.0f} s of CPU time, {} Newton iterations, {} steps of Bullet after the release. "
+        "Newton: quasi-static cases; Bullet: those of one tissue.",
+        kPeerLimit_ms / 1000, kPeerIterations, kPeerSteps);
     out.notes.push_back(text);
   }
   return out;

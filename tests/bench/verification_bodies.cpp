@@ -1,4 +1,6 @@
 // Bodies with published or closed-form answers: Cook's panel, the thick sphere, the elastica.
+#include <fmt/format.h>
+
 #include <cmath>
 #include <map>
 
@@ -77,8 +79,8 @@ void cook(Result& out, const VerificationSettings& set) {
       s.max_iterations = 200, s.tolerance = 1e-9;
       const auto r = energy.solve(std::vector<Vec3>(p.model.X_mm.size(), Vec3::Zero()), s);
       error[k] = r.u[p.middle][1] / c.expected_mm - 1;
-      char how[96];
-      std::snprintf(how, sizeof how, "%d x %d cells, %d iterations, tip %.4f mm", n, n, r.iterations, r.u[p.middle][1]);
+      const std::string how =
+          fmt::format("{} x {} cells, {} iterations, tip {:.4f} mm", n, n, r.iterations, r.u[p.middle][1]);
       out.rows.push_back(
           {c.name, c.method, how, cpu_ms() - before, false, 100 * error[k], "%", c.source, r.residual < 1e-7});
       before = cpu_ms(), last = k;
@@ -148,9 +150,8 @@ void thick_sphere(Result& out, const VerificationSettings& set) {
     }
     error.push_back(push / (4 * M_PI * la * la * A * A) / mu / expected - 1);
     outer.push_back(out_mean / outs / lb - 1);
-    char how[96];
-    std::snprintf(how, sizeof how, "%d layers, %zu cells, outer wall off by %.3f %%", n, m.cells.size(),
-                  100 * outer.back());
+    const std::string how =
+        fmt::format("{} layers, {} cells, outer wall off by {:.3f} %", n, m.cells.size(), 100 * outer.back());
     out.rows.push_back({"thick sphere B/A = 2", "hexahedra, selective reduced, mapped", how, cpu_ms() - before, false,
                         100 * error.back(), "%", "closed form, P = 0.755433 mu at 1.5", r.converged});
   }

@@ -8,6 +8,7 @@
 // D1 = 2/K. At a hundredth of the load the scenes' own energy must agree too: all of
 // these are the same to first order (lambda = lambda_Lame + mu, fem_model.h).
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -75,8 +76,7 @@ std::string deck(double load, std::map<int, size_t>& probe_of) {
   }
   for (const bool top : {false, true}) {
     const Constants c = constants(top ? skin_kPa : fat_kPa);
-    char line[96];
-    std::snprintf(line, sizeof line, "%.12g, %.12g", c.mu / 2, 2 / c.bulk);
+    const std::string line = fmt::format("{:.12g}, {:.12g}", c.mu / 2, 2 / c.bulk);
     o << "*MATERIAL, NAME=" << (top ? "MSKIN" : "MFAT") << "\n*HYPERELASTIC, NEO HOOKE\n"
       << line << "\n*SOLID SECTION, ELSET=" << (top ? "SKIN" : "FAT") << ", MATERIAL=" << (top ? "MSKIN" : "MFAT")
       << "\n";
@@ -225,8 +225,8 @@ void calculix_block(Result& out, const VerificationSettings& set) {
       const std::vector<Vec3> u = ours(h, c.load, c.own, nodes, converged);
       double error = 0;
       for (size_t k = 0; k < found.size(); ++k) error = std::max(error, 100 * (u[k] - found[k]).norm() / size);
-      char how[128];
-      std::snprintf(how, sizeof how, "cells of %.3g mm, %zu nodes, largest displacement %.4f mm", h, nodes, size);
+      const std::string how =
+          fmt::format("cells of {:.3g} mm, {} nodes, largest displacement {:.4f} mm", h, nodes, size);
       out.rows.push_back({c.name, "hexahedra, selective reduced", how, cpu_ms() - before, false, error, "%",
                           "CalculiX, C3D20R of 2 mm, five places", converged});
       if (h < 1)

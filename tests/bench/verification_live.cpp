@@ -1,4 +1,6 @@
 // The distance to equilibrium that every step states (sim/fem/solver/distance_estimate.h), against the true one.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -45,9 +47,9 @@ class Watch {
 void report(Result& out, const std::string& name, const std::vector<double>& ratios, double ms) {
   Times r, off;  // of logarithms, not of times
   for (const double x : ratios) r.add(std::log(std::max(x, 1e-9))), off.add(std::fabs(r.ms.back()));
-  char how[128];
-  std::snprintf(how, sizeof how, "%zu frames; stated / true: median %.2f, 5 %% below %.2f, 5 %% above %.2f",
-                ratios.size(), std::exp(r.percentile(0.5)), std::exp(r.percentile(0.05)), std::exp(r.percentile(0.95)));
+  const std::string how =
+      fmt::format("{} frames; stated / true: median {:.2f}, 5 % below {:.2f}, 5 % above {:.2f}", ratios.size(),
+                  std::exp(r.percentile(0.5)), std::exp(r.percentile(0.05)), std::exp(r.percentile(0.95)));
   const double factor = std::exp(off.percentile(0.9));
   out.rows.push_back({"live error", name, how, ms, false, factor, "x", "the state that the frames lead to", true});
   at_most(out, "live error, " + name + ": nine frames of ten within a factor of", factor, 4,

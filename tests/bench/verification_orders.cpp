@@ -1,4 +1,6 @@
 // Orders of convergence, and what elements do to thin and nearly incompressible tissue.
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "app/operating_point/cpu_clock.h"
@@ -177,8 +179,7 @@ void bent_strip(Result& out, const VerificationSettings& set) {
   const char* names[] = {"hexahedra, selective reduced", "hexahedra, full integration",
                          "linear tetrahedra, body-centred"};
   for (double nu : set.quick ? std::vector<double>{0.49} : std::vector<double>{0.30, 0.45, 0.49}) {
-    char label[64];
-    std::snprintf(label, sizeof label, "strip bent 20 mm, nu %.2f", nu);
+    const std::string label = fmt::format("strip bent 20 mm, nu {:.2f}", nu);
     size_t nodes = 0;
     bool ok = false;
     const double truth = energy_of(selective, set.quick ? 4 : 8, nu, nodes, ok);

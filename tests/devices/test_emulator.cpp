@@ -10,6 +10,7 @@
 #include "devices/motion.h"
 #include "sim/base/hash.h"
 #include "sim/commands/script.h"
+#include "sim/geometry/polyline.h"
 #include "tests/devices/flat_patient.h"
 
 namespace limberg {
@@ -107,21 +108,13 @@ struct Performance {
   uint64_t hash = 0;
 };
 
-bool inside(const std::vector<ChartPoint>& outline, double x, double y) {
-  bool in = false;
-  for (size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
-    const ChartPoint &a = outline[i], &b = outline[j];
-    if ((a.y() > y) != (b.y() > y) && x < (b.x() - a.x()) * (y - a.y()) / (b.y() - a.y()) + a.x()) in = !in;
-  }
-  return in;
-}
-
 /// What has been excised is not skin any more.
 void make_hole(Snapshot& s, const Command& c) {
   const auto* e = std::get_if<Excise>(&c);
   if (!e) return;
-  Snapshot holed = snapshot_of(
-      flat_topology(160, s.topology_version + 1, [&](double x, double y) { return inside(e->outline, x, y); }));
+  Snapshot holed = snapshot_of(flat_topology(160, s.topology_version + 1, [&](double x, double y) {
+    return inside_polygon(e->outline, {x, y});
+  }));
   holed.hooks = s.hooks;
   s = std::move(holed);
 }

@@ -87,7 +87,7 @@ TEST(Recording, MessagesAreThoseOfTheirDefinitions) {
   EXPECT_EQ(get_big_endian<uint64_t>(&bytes[40]), 0x3FF0000000000000ull);  // 1.0
   EXPECT_EQ(bytes[n - 5], 1);
   // CRC-32 of "123456789" is 0xCBF43926 in every catalogue of checksums.
-  EXPECT_EQ(crc32(reinterpret_cast<const uint8_t*>("123456789"), 9), 0xCBF43926u);
+  EXPECT_EQ(checksum(reinterpret_cast<const uint8_t*>("123456789"), 9), 0xCBF43926u);
 }
 
 TEST(Recording, EveryBitOfASampleIsGuarded) {

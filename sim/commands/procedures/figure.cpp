@@ -5,7 +5,8 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
+
+#include "sim/base/union_find.h"
 
 namespace limberg {
 namespace {
@@ -39,8 +40,7 @@ class Meetings {
   explicit Meetings(const Figure& f) : f_(f) {
     for (int w = 0; w < int(f.wounds.size()); ++w)
       for (int i = 0; i < int(f.wounds[size_t(w)].size()); ++i) number_[{w, i}] = int(number_.size());
-    root_.resize(number_.size());
-    std::iota(root_.begin(), root_.end(), 0);
+    met_.reset(number_.size());
     straight_.resize(number_.size());
     for (const Seam& s : f.seams) sew(s);
   }
@@ -48,7 +48,7 @@ class Meetings {
   std::vector<Charge> charges() {
     std::map<int, Charge> found;
     for (const auto& [corner, i] : number_) {
-      Charge& c = found.try_emplace(find(i), Charge{360, {}, {}}).first->second;
+      Charge& c = found.try_emplace(met_.find(i), Charge{360, {}, {}}).first->second;
       const Vec2 ahead = edge_from(f_, corner);
       c.q_deg -= tissue_deg(f_, corner);
       c.meeting.push_back(place(f_, corner));
@@ -63,14 +63,7 @@ class Meetings {
   }
 
  private:
-  int find(int i) {
-    while (root_[size_t(i)] != i) i = root_[size_t(i)] = root_[size_t(root_[size_t(i)])];
-    return i;
-  }
-  void join(const Corner& a, const Corner& b) {
-    const int i = find(number_.at(a)), j = find(number_.at(b));
-    root_[size_t(std::max(i, j))] = std::min(i, j);
-  }
+  void join(const Corner& a, const Corner& b) { met_.unite(number_.at(a), number_.at(b)); }
   struct Straight {
     Vec2 at;
     double from_deg;  // along the bank, the tissue on its left
@@ -113,7 +106,7 @@ class Meetings {
 
   const Figure& f_;
   std::map<Corner, int> number_;
-  std::vector<int> root_;
+  UnionFind met_;
   std::vector<std::vector<Straight>> straight_;
 };
 
@@ -139,12 +132,6 @@ std::vector<Vec2> bank(const Figure& f, const Corner& from, const Corner& to, bo
   std::vector<Vec2> out;
   for (const Corner& c : stretch(f, from, to, forward)) out.push_back(place(f, c));
   return out;
-}
-
-double length_mm(const std::vector<Vec2>& path) {
-  double sum = 0;
-  for (size_t i = 1; i < path.size(); ++i) sum += (path[i] - path[i - 1]).norm();
-  return sum;
 }
 
 Vec2 beside(const std::vector<Vec2>& path, double s_mm, double inset_mm) {

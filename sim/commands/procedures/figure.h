@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/geometry/polyline.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg {
@@ -63,7 +64,6 @@ const Vec2& place(const Figure& figure, const Corner& c);
 
 /// A stretch of wound as a polyline with tissue on its left when walked forward; given backward, it is listed backward.
 std::vector<Vec2> bank(const Figure& figure, const Corner& from, const Corner& to, bool forward);
-double length_mm(const std::vector<Vec2>& path);
 /// Point at arc length s, moved by `inset_mm` to the left.
 Vec2 beside(const std::vector<Vec2>& path, double s_mm, double inset_mm);
 

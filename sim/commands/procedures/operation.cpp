@@ -149,7 +149,7 @@ class Writer {
     }
     return place(f_, c) + plan_.corner_mm * tissue_bisector(f_, c);
   }
-  Vec2 from_end(const std::vector<Vec2>& p, int side) const { return bite(p, length_mm(p) - plan_.corner_mm, side); }
+  Vec2 from_end(const std::vector<Vec2>& p, int side) const { return bite(p, path_length(p) - plan_.corner_mm, side); }
 
   // Where a needle goes in: the inset behind a bank's edge, at a corner along the middle of its tissue; in a tip
   // narrower than twice that still nearer to its own edge than to the other, or the stitch would take that one, or the
@@ -166,7 +166,7 @@ class Writer {
 
   void sew(const Seam& s) {
     const auto a = bank(f_, s.a_from, s.a_to, true), b = bank(f_, s.b_from, s.b_to, false);
-    const double la = length_mm(a), lb = length_mm(b), longer = std::max(la, lb);
+    const double la = path_length(a), lb = path_length(b), longer = std::max(la, lb);
     const int n = int(parts_of_row(longer, plan_.spacing_mm)) - 1;  // between the ends
     const auto at = [&](double t) { return std::pair(bite(a, t * la, 1), bite(b, t * lb, -1)); };
     const auto stitch = [&](double t) {

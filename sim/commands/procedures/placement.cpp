@@ -1,8 +1,9 @@
 #include "sim/commands/procedures/placement.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <numbers>
 
@@ -11,11 +12,7 @@
 namespace limberg {
 namespace {
 
-std::string text(const Vec2& p) {
-  char t[64];
-  std::snprintf(t, sizeof t, "(%.2f, %.2f) mm", p.x(), p.y());
-  return t;
-}
+std::string text(const Vec2& p) { return fmt::format("({:.2f}, {:.2f}) mm", p.x(), p.y()); }
 
 Vec3 unit_normal(const TriMesh& m, int t) {
   const Tri& c = m.tri[size_t(t)];

@@ -1,8 +1,9 @@
 #include "sim/commands/procedures/plan_drawing.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace limberg {
 namespace {
@@ -34,11 +35,9 @@ class Paper {
 
 std::string points(const Paper& paper, const std::vector<Vec2>& path) {
   std::string s;
-  char t[48];
   for (const Vec2& p : path) {
     const Vec2 q = paper.at(p);
-    std::snprintf(t, sizeof t, "%.1f,%.1f ", q.x(), q.y());
-    s += t;
+    s += fmt::format("{:.1f},{:.1f} ", q.x(), q.y());
   }
   return s;
 }
@@ -46,7 +45,7 @@ std::string points(const Paper& paper, const std::vector<Vec2>& path) {
 // The bank a little inside its tissue, so that both banks of a slit are seen.
 std::vector<Vec2> inside(const std::vector<Vec2>& bank, double by) {
   std::vector<Vec2> out;
-  const double l = length_mm(bank), step = std::max(l / 24, 1e-9);
+  const double l = path_length(bank), step = std::max(l / 24, 1e-9);
   for (double s = std::min(1.2 * std::abs(by), 0.2 * l); s <= l - std::min(1.2 * std::abs(by), 0.2 * l) + 1e-9;
        s += step)
     out.push_back(beside(bank, s, by));
@@ -55,28 +54,22 @@ std::vector<Vec2> inside(const std::vector<Vec2>& bank, double by) {
 
 // Letters on their own ground, so that a line beneath does not cross them out.
 std::string text(const Vec2& px, const char* ink, const std::string& words, int size) {
-  char t[240];
-  std::snprintf(t, sizeof t,
-                "<text x=\"%.1f\" y=\"%.1f\" fill=\"%s\" font-size=\"%d\" text-anchor=\"middle\" stroke=\"#fbeee6\" "
-                "stroke-width=\"4\" paint-order=\"stroke\">",
-                px.x(), px.y() + size / 3.0, ink, size);
+  const std::string t = fmt::format(
+      "<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"{}\" font-size=\"{}\" text-anchor=\"middle\" stroke=\"#fbeee6\" "
+      "stroke-width=\"4\" paint-order=\"stroke\">",
+      px.x(), px.y() + size / 3.0, ink, size);
   return t + words + "</text>\n";
 }
 
 constexpr const char *kStands = "#b00", *kTight = "#00b";
 
 std::string mark(const Vec2& q, bool stands) {
-  char t[200];
   if (stands)
-    std::snprintf(t, sizeof t,
-                  "<circle cx=\"%.1f\" cy=\"%.1f\" r=\"7\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n", q.x(),
-                  q.y(), kStands);
-  else
-    std::snprintf(
-        t, sizeof t,
-        "<rect x=\"%.1f\" y=\"%.1f\" width=\"12\" height=\"12\" fill=\"none\" stroke=\"%s\" stroke-width=\"2\"/>\n",
-        q.x() - 6, q.y() - 6, kTight);
-  return t;
+    return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"7\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n",
+                       q.x(), q.y(), kStands);
+  return fmt::format(
+      "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"12\" height=\"12\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>\n",
+      q.x() - 6, q.y() - 6, kTight);
 }
 
 /// Where a label goes: from its mark outwards, past the labels that are there, within the paper.
@@ -111,12 +104,10 @@ class Labels {
 
 std::string plan_svg(const Figure& f, const std::string& title) {
   const Paper paper(f);
-  char t[400];
-  std::snprintf(t, sizeof t,
-                "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" "
-                "font-family=\"sans-serif\">\n<rect width=\"100%%\" height=\"100%%\" fill=\"#fbeee6\"/>\n",
-                paper.width(), paper.height());
-  std::string s = t;
+  std::string s = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {:.0f} {:.0f}\" font-family=\"sans-serif\">\n<rect "
+      "width=\"100%\" height=\"100%\" fill=\"#fbeee6\"/>\n",
+      paper.width(), paper.height());
   s += "<text x=\"12\" y=\"22\" font-size=\"16\">" + title + "</text>\n";
   for (const auto& o : f.excisions) s += "<polygon points=\"" + points(paper, o) + "\" fill=\"#e8a08c\"/>\n";
   for (const auto& w : f.wounds) {
@@ -133,7 +124,7 @@ std::string plan_svg(const Figure& f, const std::string& title) {
       if (path.empty()) return;
       s += "<polyline points=\"" + points(paper, path) + "\" fill=\"none\" stroke=\"" + ink +
            "\" stroke-width=\"3\"/>\n";
-      s += text(paper.at(beside(edge, length_mm(edge) / 2, side * (by + 11 / paper.px()))), ink, letter,
+      s += text(paper.at(beside(edge, path_length(edge) / 2, side * (by + 11 / paper.px()))), ink, letter,
                 14);  // in the tissue that it names
     };
     draw(bank(f, f.seams[i].a_from, f.seams[i].a_to, true), 1);
@@ -146,13 +137,12 @@ std::string plan_svg(const Figure& f, const std::string& title) {
     if (std::abs(c.q_deg) < kCorner_deg) continue;  // spread along a curve: no place of its own
     const bool stands = c.q_deg > 0;
     for (const Vec2& p : c.meeting) s += mark(paper.at(p), stands);
-    std::snprintf(t, sizeof t, "%+.0f&#176;", c.q_deg);
-    s += text(labels.place(paper.at(c.meeting.front())), stands ? kStands : kTight, t, 15);
+    s += text(labels.place(paper.at(c.meeting.front())), stands ? kStands : kTight,
+              fmt::format("{:+.0f}&#176;", c.q_deg), 15);
   }
   const double y = paper.height() - Paper::kLegend_px + 14;
   const auto line = [&](double at, const char* words) {
-    std::snprintf(t, sizeof t, "<text x=\"34\" y=\"%.1f\" font-size=\"13\" fill=\"#333\">%s</text>\n", at + 4.5, words);
-    s += t;
+    s += fmt::format("<text x=\"34\" y=\"{:.1f}\" font-size=\"13\" fill=\"#333\">{}</text>\n", at + 4.5, words);
   };
   s += mark({20, y}, true), line(y, "+ too much skin meets here: it stands up as a dog-ear");
   s += mark({20, y + 18}, false),

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "sim/cutting/strokes/blade_parts.h"
-#include "sim/cutting/strokes/stroke.h"
+#include "sim/geometry/polyline.h"
 
 namespace limberg {
 namespace {

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/base/union_find.h"
 #include "sim/cutting/arrangement/store.h"
 #include "sim/geometry/triangle.h"
 
@@ -126,17 +127,9 @@ void ArrangementStore::update_components(Delta& delta) {
   for (int32_t f : last.added)
     for (int side = 0; side < 2; ++side)
       if (face[f].has_side(side)) fresh.push_back(sided_face(f, side));
-  std::vector<int32_t> index(2 * face.size() - size_t(old_sided), -1), parent(fresh.size());
-  for (size_t i = 0; i < fresh.size(); ++i) index[size_t(fresh[i] - old_sided)] = parent[i] = int32_t(i);
-  const auto root = [&](int32_t i) {
-    while (parent[size_t(i)] != i) i = parent[size_t(i)] = parent[size_t(parent[size_t(i)])];
-    return i;
-  };
-  const auto unite = [&](int32_t a, int32_t b) {
-    a = root(a), b = root(b);
-    if (a != b) parent[size_t(std::max(a, b))] = std::min(a, b);
-    return a != b;
-  };
+  std::vector<int32_t> index(2 * face.size() - size_t(old_sided), -1);
+  for (size_t i = 0; i < fresh.size(); ++i) index[size_t(fresh[i] - old_sided)] = int32_t(i);
+  UnionFind groups(fresh.size());
   const auto neighbour = [&](int32_t sided, int k) {
     const int32_t m = mate[sided / 2][size_t(3 * (sided % 2) + k)];
     return m < 0 ? -1 : m / 3;
@@ -147,12 +140,12 @@ void ArrangementStore::update_components(Delta& delta) {
     for (int k = 0; k < 3; ++k) {
       const int32_t n = neighbour(fresh[i], k);
       if (n > fresh[i])  // each pair once
-        unite(int32_t(i), index[size_t(n - old_sided)]);
+        groups.unite(int32_t(i), index[size_t(n - old_sided)]);
       else if (n >= 0 && n < old_sided)
         beside.push_back({int32_t(i), component_of[n]});
     }
   for (const auto& [i, its] : beside) {
-    int32_t& c = of_group[size_t(root(i))];
+    int32_t& c = of_group[size_t(groups.find(i))];
     if (c >= 0 && c != its) return;  // two components have become one
     c = its;
   }
@@ -165,13 +158,13 @@ void ArrangementStore::update_components(Delta& delta) {
   };
   std::vector<Search> search;
   for (size_t i = 0; i < fresh.size(); ++i) {
-    if (root(int32_t(i)) != int32_t(i)) continue;
+    if (groups.find(int32_t(i)) != int32_t(i)) continue;
     if (of_group[i] < 0) return;  // a surface of its own
     search.push_back({int32_t(i), of_group[i], {}, 0});
   }
   const auto alone = [&](const Search& s) {  // met by all others of its component?
     for (const Search& t : search)
-      if (t.component == s.component && root(t.group) != root(s.group)) return false;
+      if (t.component == s.component && !groups.same(t.group, s.group)) return false;
     return true;
   };
   bool apart = false;
@@ -180,7 +173,7 @@ void ArrangementStore::update_components(Delta& delta) {
     Reached reached;  // by which group
     for (size_t i = 0; i < fresh.size(); ++i)
       for (Search& s : search)
-        if (s.group == root(int32_t(i))) s.queue.push_back(fresh[i]);
+        if (s.group == groups.find(int32_t(i))) s.queue.push_back(fresh[i]);
     while (apart) {
       apart = false;
       for (Search& s : search) {
@@ -189,7 +182,7 @@ void ArrangementStore::update_components(Delta& delta) {
         if (s.next == s.queue.size()) {
           // Its own way is at an end; it may belong to a group that still goes on.
           bool others = false;
-          for (const Search& t : search) others = others || (root(t.group) == root(s.group) && t.next < t.queue.size());
+          for (const Search& t : search) others = others || (groups.same(t.group, s.group) && t.next < t.queue.size());
           if (!others) return;
           continue;
         }
@@ -198,14 +191,14 @@ void ArrangementStore::update_components(Delta& delta) {
           const int32_t n = neighbour(at, k);
           if (n < 0) continue;
           if (n >= old_sided) {
-            unite(s.group, index[size_t(n - old_sided)]);
+            groups.unite(s.group, index[size_t(n - old_sided)]);
             continue;
           }
           const int32_t by = reached.enter(n, s.group);
           if (by < 0)
             s.queue.push_back(n);
           else
-            unite(s.group, by);
+            groups.unite(s.group, by);
         }
       }
     }
@@ -220,9 +213,9 @@ void ArrangementStore::update_components(Delta& delta) {
 
   Components now = component;
   component_of.resize(2 * face.size(), -1);
-  for (const Search& s : search) of_group[size_t(root(s.group))] = s.component;
+  for (const Search& s : search) of_group[size_t(groups.find(s.group))] = s.component;
   for (size_t i = 0; i < fresh.size(); ++i) {
-    const int32_t c = of_group[size_t(root(int32_t(i)))];
+    const int32_t c = of_group[size_t(groups.find(int32_t(i)))];
     component_of[fresh[i]] = c;
     ++now.all[size_t(c)].sided_faces;
     now.volume[size_t(c)] += volume_under(*this, fresh[i]);

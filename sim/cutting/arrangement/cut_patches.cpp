@@ -1,6 +1,5 @@
 // Which part of the blade is real: patches between barriers, inside or outside by unanimous vote, seeded or not.
 #include <algorithm>
-#include <numeric>
 
 #include "sim/cutting/arrangement/cut_builder.h"
 
@@ -9,18 +8,10 @@ namespace limberg {
 CutBuilder::Outcome CutBuilder::find_patches(CutResult& result) {
   // Pieces go by their numbers among those of the whole blade.
   const size_t pieces_in_all = blade_divided_.all_pieces();
-  std::vector<int32_t>& parent = room_.parent;
-  parent.resize(pieces_in_all);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](size_t at) {
-    int32_t x = int32_t(at);
-    while (parent[size_t(x)] != x) x = parent[size_t(x)] = parent[size_t(parent[size_t(x)])];
-    return size_t(x);
-  };
-  const auto unite = [&](size_t a, size_t b) {
-    a = root(a), b = root(b);
-    if (a != b) parent[std::max(a, b)] = int32_t(std::min(a, b));
-  };
+  UnionFind& patch = room_.patch;
+  patch.reset(pieces_in_all);
+  const auto root = [&](size_t piece) { return size_t(patch.find(int32_t(piece))); };
+  const auto unite = [&](size_t a, size_t b) { patch.unite(int32_t(a), int32_t(b)); };
 
   std::vector<CutScratch::BorderEdge>& border = room_.border;
   std::vector<CutScratch::Vote>& votes = room_.vote;

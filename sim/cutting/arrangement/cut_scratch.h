@@ -3,6 +3,7 @@
 // than what it leaves behind. Nothing in it means anything between two tries.
 #include <vector>
 
+#include "sim/base/union_find.h"
 #include "sim/cutting/arrangement/divisions.h"
 #include "sim/cutting/arrangement/tri_tests.h"
 
@@ -76,7 +77,7 @@ struct CutScratch {
   // Enforced in the order of `barrier`, so junction j of blade triangle i is barrier barrier_first[i] + j.
   std::vector<size_t> barrier_first;
   // patches
-  std::vector<int32_t> parent;  // per piece of the blade
+  UnionFind patch;  // of the pieces of the blade
   std::vector<uint8_t> keep, seeded;
   std::vector<BorderEdge> border;
   std::vector<Vote> vote;

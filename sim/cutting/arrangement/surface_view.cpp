@@ -5,8 +5,8 @@
 #include "sim/cutting/arrangement/surface_view.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "sim/base/union_find.h"
 #include "sim/cutting/arrangement/store.h"
 #include "sim/cutting/arrangement/surface_view_update.h"
 
@@ -185,21 +185,13 @@ SurfaceView Arrangement::surface_view() const {
 }
 
 std::vector<int32_t> surface_components(const SurfaceView& view) {
-  std::vector<int32_t> root(view.X_mm.size());
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int32_t v) {
-    while (root[size_t(v)] != v) v = root[size_t(v)] = root[size_t(root[size_t(v)])];
-    return v;
-  };
+  UnionFind joined(view.X_mm.size());
   for (const Tri& t : view.tri)
-    for (size_t k = 1; k < 3; ++k) {
-      const int32_t a = find(t[0]), b = find(t[k]);
-      root[size_t(std::max(a, b))] = std::min(a, b);
-    }
-  std::vector<int32_t> number(root.size(), -1), out;
+    for (size_t k = 1; k < 3; ++k) joined.unite(t[0], t[k]);
+  std::vector<int32_t> number(view.X_mm.size(), -1), out;
   int32_t count = 0;
   for (const Tri& t : view.tri) {
-    int32_t& c = number[size_t(find(t[0]))];
+    int32_t& c = number[size_t(joined.find(t[0]))];
     if (c < 0) c = count++;
     out.push_back(c);
   }

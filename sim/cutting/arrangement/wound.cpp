@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sim/cutting/arrangement/store.h"
-#include "sim/cutting/strokes/stroke.h"
+#include "sim/geometry/polyline.h"
 
 namespace limberg {
 

@@ -1,5 +1,7 @@
 #include "sim/cutting/strokes/blade_parts.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -12,11 +14,7 @@ constexpr double kLegStraight = 2.0;  // and so is what turns again within so ma
 constexpr double kLegBend = 0.27;     // by more than 15 degrees in all
 constexpr double kLegFold = 0.3;      // of the spacing: how far an edge may run back
 
-std::string text(const ChartPoint& p) {
-  char buffer[80];
-  std::snprintf(buffer, sizeof buffer, "(%.2f, %.2f)", p.x(), p.y());
-  return buffer;
-}
+std::string text(const ChartPoint& p) { return fmt::format("({:.2f}, {:.2f})", p.x(), p.y()); }
 
 }  // namespace
 

@@ -1,5 +1,7 @@
 #include "sim/cutting/strokes/drawn_stroke.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -34,9 +36,7 @@ std::string DrawnStroke::draw(const BladeContext& c, std::span<const ChartPoint>
     end = p;
     if (!path.empty() && (p - path.back()).norm() < kKnot) continue;
     if (!column_at(c, p)) {
-      char text[80];
-      std::snprintf(text, sizeof text, "the point (%.2f, %.2f) is not on the skin", p.x(), p.y());
-      return text;
+      return fmt::format("the point ({:.2f}, {:.2f}) is not on the skin", p.x(), p.y());
     }
     path.push_back(p);
   }

@@ -19,38 +19,6 @@ bool all_finite(std::span<const Vec2> path) {
   return std::all_of(path.begin(), path.end(), [](const Vec2& p) { return p.allFinite(); });
 }
 
-double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b) {
-  const Vec2 d = b - a;
-  const double l = d.squaredNorm();
-  const double t = l > 0 ? std::clamp((p - a).dot(d) / l, 0.0, 1.0) : 0.0;
-  return (p - a - t * d).norm();
-}
-
-std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance) {
-  if (path.size() < 3) return {path.begin(), path.end()};
-  std::vector<uint8_t> keep(path.size(), 0);
-  keep.front() = keep.back() = 1;
-  std::vector<std::pair<size_t, size_t>> stack{{0, path.size() - 1}};
-  while (!stack.empty()) {
-    const auto [a, b] = stack.back();
-    stack.pop_back();
-    double worst = tolerance;
-    size_t at = 0;
-    for (size_t i = a + 1; i < b; ++i) {
-      const double d = distance_to_segment(path[i], path[a], path[b]);
-      if (d > worst) worst = d, at = i;
-    }
-    if (at == 0) continue;
-    keep[at] = 1;
-    stack.push_back({a, at});
-    stack.push_back({at, b});
-  }
-  std::vector<Vec2> out;
-  for (size_t i = 0; i < path.size(); ++i)
-    if (keep[i]) out.push_back(path[i]);
-  return out;
-}
-
 std::vector<Vec2> drop_close(std::span<const Vec2> path, double distance) {
   if (path.size() < 3) return {path.begin(), path.end()};
   std::vector<Vec2> out{path[0]};
@@ -73,19 +41,6 @@ Vec2 heading_at_start(std::span<const Vec2> path, double over) {
     left -= l;
   }
   return (path[0] - from).normalized();
-}
-
-std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a, const Vec2& b) {
-  // What meets has boxes that meet, which needs no rounding. (Of two parts of one line the determinant is rounding
-  // alone, and its quotients may be anything.)
-  for (int k = 0; k < 2; ++k)
-    if (std::max(p[k], q[k]) < std::min(a[k], b[k]) || std::max(a[k], b[k]) < std::min(p[k], q[k])) return std::nullopt;
-  const Vec2 d = q - p, e = b - a;
-  const double det = cross2(d, e);
-  if (det == 0) return std::nullopt;
-  const double s = cross2(a - p, e) / det, t = cross2(a - p, d) / det;
-  if (s < 0 || s > 1 || t < 0 || t > 1) return std::nullopt;
-  return s;
 }
 
 std::optional<Vec2> meets_itself(std::span<const Vec2> path, bool closed) {
@@ -191,28 +146,6 @@ std::vector<Vec2> part_of(std::span<const Vec2> path, double from, double to) {
     arc += l;
   }
   return out;
-}
-
-double path_length(std::span<const Vec2> path) {
-  double l = 0;
-  for (size_t i = 0; i + 1 < path.size(); ++i) l += (path[i + 1] - path[i]).norm();
-  return l;
-}
-
-double signed_area(std::span<const Vec2> polygon) {
-  double a = 0;
-  for (size_t i = 0; i < polygon.size(); ++i) a += cross2(polygon[i], polygon[(i + 1) % polygon.size()]);
-  return a / 2;
-}
-
-bool inside_polygon(std::span<const Vec2> polygon, const Vec2& p) {
-  bool in = false;
-  for (size_t i = 0; i < polygon.size(); ++i) {
-    const Vec2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
-    if ((a.y() > p.y()) == (b.y() > p.y())) continue;
-    if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) in = !in;
-  }
-  return in;
 }
 
 }  // namespace limberg

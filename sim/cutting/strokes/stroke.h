@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/geometry/polyline.h"
 #include "sim/geometry/spline.h"
 #include "sim/geometry/vec.h"
 
@@ -21,10 +22,6 @@ std::vector<Vec2> drop_close(std::span<const Vec2> path, double distance);
 
 /// The direction in which a path arrives at its first point, seen over its first `over` mm.
 Vec2 heading_at_start(std::span<const Vec2> path, double over);
-
-/// Keeps the corners and drops what lies within `tolerance` of the line between kept points (Douglas and Peucker 1973),
-/// which also undoes the small knots of a resting hand. First and last points stay.
-std::vector<Vec2> simplify(std::span<const Vec2> path, double tolerance);
 
 /// Where a polyline (or, when closed, a polygon) first meets itself other than at joints; nothing when it does not.
 std::optional<Vec2> meets_itself(std::span<const Vec2> path, bool closed);
@@ -48,13 +45,5 @@ std::vector<Vec2> clear_of_start(std::vector<Vec2> path);
 
 /// The part of a polyline between two arc lengths.
 std::vector<Vec2> part_of(std::span<const Vec2> path, double from, double to);
-
-double path_length(std::span<const Vec2> path);
-double signed_area(std::span<const Vec2> polygon);
-bool inside_polygon(std::span<const Vec2> polygon, const Vec2& p);
-double distance_to_segment(const Vec2& p, const Vec2& a, const Vec2& b);
-
-/// Where segment p-q (parameter s in [0, 1]) meets segment a-b; empty when they do not meet or are parallel.
-std::optional<double> meet_segments(const Vec2& p, const Vec2& q, const Vec2& a, const Vec2& b);
 
 }  // namespace limberg

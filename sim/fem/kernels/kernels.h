@@ -8,7 +8,7 @@
 // Each table always gives the same bits; two tables agree to single-precision rounding (tests). Everything goes through
 // pointers to plain data: kernels share no function with the rest of the program (lanes.h). All arrays of nodes begin
 // on 64 bytes and may be read and written up to the next 64 (AlignedArray).
-#include "sim/fem/model/node4.h"
+#include "sim/base/node4.h"
 
 namespace limberg::fem {
 

@@ -3,7 +3,7 @@
 // of SSE2 or what the compiler makes of vectors elsewhere. Every kernel source is compiled
 // once per LIMBERG_LANES (128, 256, 512 bits) into a namespace of that name; whatever is
 // inline here must be inlined, so that no linker can put one set's code into another's place.
-#include "sim/fem/model/node4.h"
+#include "sim/base/node4.h"
 #if LIMBERG_LANES > 128
 #include <immintrin.h>
 #endif

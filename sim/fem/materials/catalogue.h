@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/body/body.h"
+#include "sim/body/layers.h"
 #include "sim/fem/materials/law.h"
 
 namespace limberg {

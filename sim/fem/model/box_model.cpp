@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+
+#include "sim/base/union_find.h"
 
 namespace limberg {
 
@@ -92,12 +93,7 @@ FemModel part_cells(const FemModel& before, const std::function<bool(const Vec3&
   FemModel m = before;
   m.parent = ParentList::identity(m.X_mm.size());
   m.born.clear();
-  std::vector<int32_t> up(8 * m.cells.size());  // classes of (cell, corner)
-  std::iota(up.begin(), up.end(), 0);
-  const auto root = [&](int32_t a) {
-    while (up[size_t(a)] != a) a = up[size_t(a)] = up[size_t(up[size_t(a)])];
-    return a;
-  };
+  UnionFind corners(8 * m.cells.size());  // classes of (cell, corner)
   const auto centre = [&](size_t c) {
     Vec3 x = Vec3::Zero();
     for (int32_t v : m.cells[c].node) x += m.X_mm[size_t(v)] / 8;
@@ -114,16 +110,14 @@ FemModel part_cells(const FemModel& before, const std::function<bool(const Vec3&
         if (is_new || apart(centre(at->second), centre(c))) continue;
         for (int a = 0; a < 8; ++a)
           for (int b = 0; b < 8; ++b)
-            if (m.cells[c].node[size_t(a)] == m.cells[at->second].node[size_t(b)] && (a >> axis & 1) == high) {
-              const int32_t p = root(int32_t(8 * c) + a), q = root(int32_t(8 * at->second) + b);
-              up[size_t(std::max(p, q))] = std::min(p, q);
-            }
+            if (m.cells[c].node[size_t(a)] == m.cells[at->second].node[size_t(b)] && (a >> axis & 1) == high)
+              corners.unite(int32_t(8 * c) + a, int32_t(8 * at->second) + b);
       }
-  std::vector<int32_t> node(up.size(), -1);  // of a root
+  std::vector<int32_t> node(corners.size(), -1);  // of a root
   std::vector<uint8_t> taken(m.X_mm.size(), 0);
   for (size_t c = 0; c < m.cells.size(); ++c)
     for (int a = 0; a < 8; ++a) {
-      int32_t& n = node[size_t(root(int32_t(8 * c) + a))];
+      int32_t& n = node[size_t(corners.find(int32_t(8 * c) + a))];
       const int32_t old = before.cells[c].node[size_t(a)];
       if (n < 0 && !taken[size_t(old)]) {
         n = old, taken[size_t(old)] = 1;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "sim/base/union_find.h"
+
 namespace limberg::fem {
 namespace {
 
@@ -11,19 +13,6 @@ namespace {
 constexpr int few_layers = 7;
 
 constexpr int32_t floor_div(int32_t a, int32_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
-
-struct Forest {
-  std::vector<int32_t> up;
-  explicit Forest(size_t n) : up(n) { std::iota(up.begin(), up.end(), 0); }
-  int32_t root(int32_t a) {
-    while (up[size_t(a)] != a) a = up[size_t(a)] = up[size_t(up[size_t(a)])];
-    return a;
-  }
-  void join(int32_t a, int32_t b) {
-    a = root(a), b = root(b);
-    if (a != b) up[size_t(std::max(a, b))] = std::min(a, b);
-  }
-};
 
 /// The coarse corners with a weight at a place: per axis the low one, and the high one unless the place is on the low.
 struct Stance {
@@ -111,20 +100,20 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
   std::vector<int32_t> component(cells), seen_in(nodes, -1), seen_by(nodes, 0);
   std::vector<std::array<int32_t, 3>> component_block;
   {
-    Forest forest(cells);
+    UnionFind joined(cells);
     for (size_t b = 0; b + 1 < begin.size(); ++b) {
       for (int32_t k = begin[b]; k < begin[b + 1]; ++k) {
         const int32_t c = order[size_t(k)];
         for (int32_t v : fine.cells[size_t(c)].node) {
           if (v < 0) continue;
           if (seen_in[size_t(v)] == int32_t(b))
-            forest.join(c, seen_by[size_t(v)]);
+            joined.unite(c, seen_by[size_t(v)]);
           else
             seen_in[size_t(v)] = int32_t(b), seen_by[size_t(v)] = c;
         }
       }
       for (int32_t k = begin[b]; k < begin[b + 1]; ++k) {  // the root is the component's first cell
-        const int32_t c = order[size_t(k)], root = forest.root(c);
+        const int32_t c = order[size_t(k)], root = joined.find(c);
         if (root == c)
           component[size_t(c)] = int32_t(component_block.size()), component_block.push_back(block[size_t(c)]);
         component[size_t(c)] = component[size_t(root)];
@@ -133,7 +122,7 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
   }
 
   // Corners of components, joined over the free nodes that they both interpolate.
-  Forest corners(8 * component_block.size());
+  UnionFind corners(8 * component_block.size());
   std::vector<int32_t>&first = seen_in, &last = seen_by;  // per node: the first component that met it, and the latest
   std::fill(first.begin(), first.end(), -1);
   for (int32_t c : order) {
@@ -149,12 +138,12 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
       int n = 0;
       s.each(component_block[size_t(F)], [&](int corner, float) { mine[size_t(n++)] = 8 * F + corner; });
       n = 0;
-      s.each(component_block[size_t(C)], [&](int corner, float) { corners.join(mine[size_t(n++)], 8 * C + corner); });
+      s.each(component_block[size_t(C)], [&](int corner, float) { corners.unite(mine[size_t(n++)], 8 * C + corner); });
     }
   }
 
   // Corners that move something, numbered by place, and at one place by the first node that they move.
-  std::vector<int32_t> number(corners.up.size(), -1), first_moved(corners.up.size(), -1);
+  std::vector<int32_t> number(corners.size(), -1), first_moved(corners.size(), -1);
   struct Key {
     int64_t place;
     int32_t moved, corner;
@@ -167,7 +156,7 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
     const int32_t F = first[v];
     const std::array<int32_t, 3>& b = component_block[size_t(F)];
     s.each(b, [&](int corner, float) {
-      const int32_t root = corners.root(8 * F + corner);
+      const int32_t root = corners.find(8 * F + corner);
       if (first_moved[size_t(root)] >= 0) return;
       first_moved[size_t(root)] = int32_t(v);
       int64_t place = 0;
@@ -188,7 +177,7 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
   for (size_t C = 0; C < component_block.size(); ++C) {
     for (size_t i = 0; i < 3; ++i) g.cells[C].at[i] = 8 * component_block[C][i];
     for (int k = 0; k < 8; ++k) {
-      const int32_t v = number[size_t(corners.root(int32_t(8 * C) + k))];
+      const int32_t v = number[size_t(corners.find(int32_t(8 * C) + k))];
       g.cells[C].node[size_t(k)] = v;
       if (v < 0) continue;
       for (size_t i = 0; i < 3; ++i) g.at[size_t(v)][i] = 8 * (component_block[C][i] + (k >> i & 1));
@@ -204,7 +193,7 @@ Coarsening coarsen(const GridLevel& fine, const BlockRule& rule) {
       const size_t start = P.column.size();
       const int32_t F = first[v];
       Stance(fine.at[v], rule).each(component_block[size_t(F)], [&](int corner, float w) {
-        const int32_t column = number[size_t(corners.root(8 * F + corner))];
+        const int32_t column = number[size_t(corners.find(8 * F + corner))];
         size_t k = P.column.size();
         P.column.push_back(column), P.weight.push_back(w);
         for (; k > start && P.column[k - 1] > column; --k) P.column[k] = P.column[k - 1], P.weight[k] = P.weight[k - 1];

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/base/union_find.h"
 #include "sim/fem/model/hanging_nodes.h"
 
 namespace limberg {
@@ -153,18 +154,13 @@ LbfgsSolver::Search LbfgsSolver::search(Value& value, double slope) {
 }
 
 bool LbfgsSolver::every_piece_is_held() const {
-  std::vector<int32_t> up(model_->X_mm.size());
-  for (size_t i = 0; i < up.size(); ++i) up[i] = int32_t(i);
-  const auto root = [&](int32_t v) {
-    while (up[size_t(v)] != v) v = up[size_t(v)] = up[size_t(up[size_t(v)])];
-    return v;
-  };
+  UnionFind pieces(model_->X_mm.size());
   for (const HexCell& c : model_->cells)
-    for (int32_t v : c.node) up[size_t(root(v))] = root(c.node[0]);
-  std::vector<uint8_t> held(up.size(), 0);
-  for (int32_t v : fixed_) held[size_t(root(v))] = 1;
+    for (int32_t v : c.node) pieces.unite(v, c.node[0]);
+  std::vector<uint8_t> held(pieces.size(), 0);
+  for (int32_t v : fixed_) held[size_t(pieces.find(v))] = 1;
   return std::all_of(model_->cells.begin(), model_->cells.end(),
-                     [&](const HexCell& c) { return held[size_t(root(c.node[0]))]; });
+                     [&](const HexCell& c) { return held[size_t(pieces.find(c.node[0]))]; });
 }
 
 void LbfgsSolver::begin_or_end_untangling(Value& value, bool dynamic) {

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -17,11 +19,7 @@ constexpr double kMeeting = 1.5;  // edges: sheets nearer than this face each ot
 // edges: a part of the mesh that can be reached so soon belongs to the same tube, not to another sheet
 constexpr int kWayRound = 6;
 
-std::string place_text(const Vec3& x) {
-  char b[96];
-  std::snprintf(b, sizeof b, "(%.0f, %.0f, %.0f) mm", x.x(), x.y(), x.z());
-  return b;
-}
+std::string place_text(const Vec3& x) { return fmt::format("({:.0f}, {:.0f}, {:.0f}) mm", x.x(), x.y(), x.z()); }
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "sim/base/error.h"
+#include "sim/base/union_find.h"
 #include "sim/skull/simplex/adapt.h"
 #include "sim/skull/simplex/dual.h"
 #include "sim/skull/simplex/motion.h"
@@ -89,22 +90,14 @@ struct EdgeHash {
 
 /// Only the triangles of the largest component; returns how many others there were.
 int keep_largest(std::vector<Tri>& tri, size_t vertices) {
-  std::vector<int32_t> up(vertices);
-  for (size_t i = 0; i < vertices; ++i) up[i] = int32_t(i);
-  const auto root = [&](int32_t v) {
-    while (up[size_t(v)] != v) v = up[size_t(v)] = up[size_t(up[size_t(v)])];
-    return v;
-  };
+  UnionFind joined(vertices);
   for (const Tri& t : tri)
-    for (size_t k = 1; k < 3; ++k) {
-      const int32_t a = root(t[0]), b = root(t[k]);
-      up[size_t(std::max(a, b))] = std::min(a, b);
-    }
+    for (size_t k = 1; k < 3; ++k) joined.unite(t[0], t[k]);
   std::vector<int64_t> count(vertices, 0);
-  for (const Tri& t : tri) ++count[size_t(root(t[0]))];
+  for (const Tri& t : tri) ++count[size_t(joined.find(t[0]))];
   const auto best = int32_t(std::max_element(count.begin(), count.end()) - count.begin());
   const int parts = int(std::count_if(count.begin(), count.end(), [](int64_t c) { return c > 0; }));
-  std::erase_if(tri, [&](const Tri& t) { return root(t[0]) != best; });
+  std::erase_if(tri, [&](const Tri& t) { return joined.find(t[0]) != best; });
   return parts - 1;
 }
 

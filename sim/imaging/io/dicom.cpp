@@ -16,7 +16,11 @@ constexpr double kWidestGap_mm = 10;  // that is bridged by interpolation
 constexpr double kAirBelow = -1500, kAirHU = -1000;
 
 struct Series {
-  DicomSeries about;
+  struct About {
+    std::string uid, description, modality;
+    int slices = 0;
+    int32_t columns = 0, rows = 0;
+  } about;
   std::vector<DicomFile> slice;
 };
 
@@ -241,12 +245,6 @@ Volume assemble(Series& s) {
 }  // namespace
 
 bool looks_like_dicom(std::string_view head) { return head.size() >= 132 && head.substr(128, 4) == "DICM"; }
-
-std::vector<DicomSeries> list_dicom(const std::string& folder) {
-  std::vector<DicomSeries> out;
-  for (const Series& s : gather(folder)) out.push_back(s.about);
-  return out;
-}
 
 Volume load_dicom(const std::string& path, const std::string& asked) {
   std::error_code ec;

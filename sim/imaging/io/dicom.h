@@ -17,19 +17,10 @@
 
 namespace limberg::imaging {
 
-struct DicomSeries {
-  std::string uid, description, modality;
-  int slices = 0;
-  int32_t columns = 0, rows = 0;
-};
-
 bool looks_like_dicom(std::string_view head);
-/// The series in a folder, by the name of their first files. Files
-/// of other kinds are passed over. InputError: none, damaged ones.
-std::vector<DicomSeries> list_dicom(const std::string& folder);
-/// `series`: a number from 1 in the order of list_dicom, a UID, or a part of the
-/// description; may be empty where there is one. InputError: several and none
-/// asked for (all are listed), or what load_volume and the text above refuse.
+/// `series`: a number from 1 in the order of their first files' names, a UID, or a part of the description; may be
+/// empty where there is one. Files of other kinds are passed over. InputError: several and none asked for (all are
+/// listed), or what load_volume and the text above refuse.
 Volume load_dicom(const std::string& path, const std::string& series);
 
 /// Pixels of a compressed file as little-endian numbers; false: this build has no GDCM.

@@ -1,9 +1,10 @@
 #include "sim/imaging/io/dicom_file.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 
 #include "sim/base/error.h"
 
@@ -59,10 +60,9 @@ class Parser {
   static bool is(const Element& e, const char* vr) { return e.vr[0] == vr[0] && e.vr[1] == vr[1]; }
 
   [[noreturn]] void cut(const Element& e) const {
-    char b[160];
-    std::snprintf(b, sizeof b,
-                  "the file is cut short or damaged: element (%04x,%04x) has %u bytes, but only %zu are left",
-                  e.tag >> 16, e.tag & 0xffff, e.length, s_.size() - at_);
+    const std::string b =
+        fmt::format("the file is cut short or damaged: element ({:04x},{:04x}) has {} bytes, but only {} are left",
+                    e.tag >> 16, e.tag & 0xffff, e.length, s_.size() - at_);
     throw InputError(file_, 0, b);
   }
 

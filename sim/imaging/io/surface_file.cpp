@@ -8,6 +8,7 @@
 
 #include "sim/base/error.h"
 #include "sim/base/quoted.h"
+#include "sim/geometry/io/obj_text.h"
 #include "sim/imaging/io/header.h"
 #include "sim/skull/simplex/dual.h"
 #include "sim/skull/simplex/file.h"
@@ -97,32 +98,13 @@ class Reader {
   }
 
   void obj() {
-    size_t at = 0;
-    std::string_view l;
-    std::vector<std::pair<std::vector<int64_t>, int>> face;
-    bool any = false;
-    for (int line = 1; next_line(s_, at, l); ++line) {
-      std::string_view w, rest = l;
-      if (!word(rest, w) || w.starts_with('#')) continue;
-      if (w.find('\0') != std::string_view::npos) fail(line, "is no text; expected an OBJ, PLY, STL or xyz file");
-      if (w == "v") {
-        out_.x_mm.push_back(point(rest, line)), any = true;
-      } else if (w == "f") {
-        std::vector<int64_t> c;
-        while (word(rest, w)) {
-          const std::string_view i = w.substr(0, w.find('/'));
-          int64_t v = 0;
-          const auto [end, ec] = std::from_chars(i.data(), i.data() + i.size(), v);
-          if (ec != std::errc() || end != i.data() + i.size() || v == 0) fail(line, quoted(w) + " names no point");
-          c.push_back(v > 0 ? v - 1 : int64_t(out_.x_mm.size()) + v);
-        }
-        face.emplace_back(std::move(c), line);
-        any = true;
-      }
-      limits(line);
-    }
-    if (!any) fail(0, "is of no kind that is known here; expected an OBJ, PLY, STL, xyz or simplex file");
-    for (const auto& [c, line] : face) polygon(c, line);
+    if (s_.find('\0') != std::string_view::npos) fail(0, "is no text; expected an OBJ, PLY, STL or xyz file");
+    ObjText text = parse_obj_text(s_, name_, {SurfaceFileLimits::points, SurfaceFileLimits::triangles});
+    if (text.v.empty()) fail(0, "is of no kind that is known here; expected an OBJ, PLY, STL, xyz or simplex file");
+    out_.x_mm = std::move(text.v);
+    for (const ObjText::Face& f : text.face)
+      for (size_t k = f.first + 1; k + 1 < f.first + f.corners; ++k)
+        out_.tri.push_back({text.corner[f.first].v, text.corner[k].v, text.corner[k + 1].v});
   }
 
   void stl() {

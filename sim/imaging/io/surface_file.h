@@ -1,7 +1,7 @@
 #pragma once
-// Surfaces and point clouds from files: OBJ (v, f), PLY (ascii or binary, either byte order), STL (ascii or binary,
-// equal corners welded), simplex meshes as text (sim/skull/simplex/file.h: their fans) and .xyz (three numbers a line,
-// more are ignored).
+// Surfaces and point clouds from files: OBJ (geometry/io/obj_text.h), PLY (ascii or binary, either byte order), STL
+// (ascii or binary, equal corners welded), simplex meshes as text (skull/simplex/file.h: their fans) and .xyz (three
+// numbers a line, more are ignored).
 // Polygons become fans. Lengths are taken for mm. Nothing is asked of the surface but that its numbers make sense: it
 // may be open, in parts, not manifold, or only points.
 #include <string>

@@ -1,9 +1,10 @@
 #include "sim/imaging/register/registration.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
 #include "sim/base/error.h"
@@ -199,15 +200,13 @@ Volume resampled(const Volume& fixed, const Volume& moved, const Similarity& map
 }
 
 std::string to_nrrd(const Volume& v) {
-  char head[1024];
   const Mat3& m = v.step_mm;
-  std::snprintf(head, sizeof head,
-                "NRRD0004\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: %d %d %d\nspace "
-                "directions: (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g) (%.17g,%.17g,%.17g)\n"
-                "space origin: (%.17g,%.17g,%.17g)\nendian: %s\nencoding: raw\n\n",
-                v.size[0], v.size[1], v.size[2], m(0, 0), m(1, 0), m(2, 0), m(0, 1), m(1, 1), m(2, 1), m(0, 2), m(1, 2),
-                m(2, 2), v.origin_mm.x(), v.origin_mm.y(), v.origin_mm.z(),
-                std::endian::native == std::endian::little ? "little" : "big");
+  std::string head = fmt::format(
+      "NRRD0004\ntype: float\ndimension: 3\nspace: left-posterior-superior\nsizes: {} {} {}\nspace directions: "
+      "({:.17g},{:.17g},{:.17g}) ({:.17g},{:.17g},{:.17g}) ({:.17g},{:.17g},{:.17g})\n"
+      "space origin: ({:.17g},{:.17g},{:.17g})\nendian: {}\nencoding: raw\n\n",
+      v.size[0], v.size[1], v.size[2], m(0, 0), m(1, 0), m(2, 0), m(0, 1), m(1, 1), m(2, 1), m(0, 2), m(1, 2), m(2, 2),
+      v.origin_mm.x(), v.origin_mm.y(), v.origin_mm.z(), std::endian::native == std::endian::little ? "little" : "big");
   std::string out = head;
   const size_t at = out.size();
   out.resize(at + v.value.size() * sizeof(float));

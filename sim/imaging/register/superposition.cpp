@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
@@ -65,8 +67,6 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
   if (!out) return out;
   const Vec3 a = middle_of(from), b = middle_of(to);
   const double n = double(from.size());
-  Mat3 H = Mat3::Zero();
-  for (size_t i = 0; i < from.size(); ++i) H += (to[i] - b) * (from[i] - a).transpose() / n;
   for (const auto* side : {&from, &to}) {
     const Spreads e = spreads_of(*side, side == &from ? a : b);
     if (!(e.largest > 1e-9))
@@ -75,10 +75,12 @@ LandmarkFit fit_landmarks(const std::vector<Vec3>& from, const std::vector<Vec3>
       out.reason = "the landmarks lie on a line: the turn about it is not known; expected one well beside it";
     if (!out) return out;
   }
-  const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vec3 sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
-  out.map.R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-  if (with_scale) out.map.scale = svd.singularValues().dot(sign) / spread_of(from, a).trace();
+  const auto columns = [](const std::vector<Vec3>& x) {
+    return Eigen::Map<const Eigen::Matrix3Xd>(x[0].data(), 3, Eigen::Index(x.size()));
+  };
+  const Mat3 scaled = Eigen::umeyama(columns(from), columns(to), with_scale).topLeftCorner<3, 3>();
+  if (with_scale) out.map.scale = std::cbrt(scaled.determinant());
+  out.map.R = scaled / out.map.scale;
   out.map.t_mm = b - out.map.scale * (out.map.R * a);
   for (size_t i = 0; i < from.size(); ++i) {
     const double d = (out.map(from[i]) - to[i]).norm();

@@ -1,8 +1,8 @@
 // Fragments put together by their cut rings: what the sorting found becomes poses and words.
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "sim/base/union_find.h"
 #include "sim/skull/bone/bones.h"
 #include "sim/skull/bone/sorting.h"
 #include "sim/skull/bone/words.h"
@@ -27,14 +27,10 @@ bool has(const Match& m, size_t piece) { return size_t(m.a) == piece || size_t(m
 /// What verified pairs join, two or more, each by number. (A group of
 /// the sorting may hold a pair that lies together and does not stand.)
 std::vector<std::vector<size_t>> joined(const std::vector<Match>& matches, size_t pieces) {
-  std::vector<size_t> group(pieces);
-  std::iota(group.begin(), group.end(), size_t(0));
-  for (const Match& m : matches) {
-    const size_t from = group[size_t(m.b)], to = group[size_t(m.a)];
-    std::replace(group.begin(), group.end(), from, to);
-  }
+  UnionFind group(pieces);
+  for (const Match& m : matches) group.unite(m.a, m.b);
   std::vector<std::vector<size_t>> members(pieces);
-  for (size_t i = 0; i < pieces; ++i) members[group[i]].push_back(i);
+  for (size_t i = 0; i < pieces; ++i) members[size_t(group.find(int32_t(i)))].push_back(i);
   std::erase_if(members, [](const std::vector<size_t>& m) { return m.size() < 2; });
   return members;
 }

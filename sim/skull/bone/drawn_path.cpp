@@ -1,14 +1,16 @@
 #include "sim/skull/bone/drawn_path.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <map>
 #include <optional>
 #include <queue>
 
+#include "sim/geometry/polyline.h"
 #include "sim/skull/bone/osteotomy.h"
 
 namespace limberg::bone {
@@ -19,11 +21,7 @@ constexpr double kFarthest_mm = 10;   // a place may lie so far from the bone
 constexpr double kTightest_mm = 0.4;  // places nearer together are one
 constexpr double kSteep_mm = 2;       // a step of the way between two picks is not longer
 
-std::string mm(double v) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f mm", v);
-  return text;
-}
+std::string mm(double v) { return fmt::format("{:.1f} mm", v); }
 
 struct OnBone {
   Vec3 x, normal;
@@ -120,8 +118,7 @@ class Over {
     std::reverse(x.begin(), x.end());
     // Even steps, then pulled taut on the surface.
     std::vector<Vec3> even;
-    double length = 0;
-    for (size_t i = 0; i + 1 < x.size(); ++i) length += (x[i + 1] - x[i]).norm();
+    const double length = path_length(x);
     const int n = std::max(2, int(std::ceil(length / DrawnPath::kSpacing_mm)));
     double s = 0;
     for (size_t i = 0, k = 0; i + 1 < x.size(); ++i) {

@@ -1,10 +1,12 @@
 #include "sim/skull/bone/osteotomy.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
+#include "sim/geometry/polyline.h"
 #include "sim/skull/bone/aim.h"
 #include "sim/skull/bone/drawn_path.h"
 #include "sim/skull/bone/section.h"
@@ -42,25 +44,6 @@ struct Axes {
   Vec2 operator()(const Vec3& x) const { return {u.dot(x), v.dot(x)}; }
 };
 
-double area2(const std::vector<Vec2>& p) {
-  double a = 0;
-  for (size_t i = 0; i < p.size(); ++i) {
-    const Vec2 &q = p[i], &r = p[(i + 1) % p.size()];
-    a += q.x() * r.y() - q.y() * r.x();
-  }
-  return a;
-}
-
-bool within(const std::vector<Vec2>& p, const Vec2& x) {
-  bool in = false;
-  for (size_t i = 0; i < p.size(); ++i) {
-    const Vec2 &a = p[i], &b = p[(i + 1) % p.size()];
-    if ((a.y() > x.y()) != (b.y() > x.y()) && x.x() < a.x() + (b.x() - a.x()) * (x.y() - a.y()) / (b.y() - a.y()))
-      in = !in;
-  }
-  return in;
-}
-
 Plan plan_plane(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) {
   Plan plan;
   if (!o.point_mm.allFinite() || !o.normal.allFinite() || !(o.normal.norm() > 1e-9)) {
@@ -84,7 +67,7 @@ Plan plan_plane(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) 
     double near = 1e300;
     for (const Vec3& x : places(m, c))
       polygon.back().push_back(flat(x)), near = std::min(near, (x - o.point_mm).norm());
-    twice.push_back(area2(polygon.back()));
+    twice.push_back(2 * signed_area(polygon.back()));
     wanted.push_back(o.radius_mm <= 0 || near <= o.radius_mm);
   }
   // Seen against the normal, outer curves run counter-clockwise and the ones around cavities clockwise.
@@ -92,7 +75,7 @@ Plan plan_plane(const Mesh& m, std::span<const uint8_t> in, const Osteotomy& o) 
   for (size_t i = 0; i < polygon.size(); ++i) {
     if (twice[i] >= 0) continue;
     for (size_t j = 0; j < polygon.size(); ++j)
-      if (twice[j] > 0 && within(polygon[j], polygon[i][0]) &&
+      if (twice[j] > 0 && inside_polygon(polygon[j], polygon[i][0]) &&
           (outer_of[i] < 0 || twice[j] < twice[size_t(outer_of[i])]))
         outer_of[i] = int32_t(j);
   }
@@ -272,7 +255,7 @@ std::string wall_piece(Mesh& m, std::vector<Facing> mouth, const std::optional<V
     for (size_t k = 0; k < around.size() && host == around.size(); ++k) {
       std::vector<Vec2> p;
       for (const Vec3& x : ring_places(m, around[k])) p.push_back(flat(x));
-      if (std::all_of(ring[i].begin(), ring[i].end(), [&](const Vec2& x) { return within(p, x); })) host = k;
+      if (std::all_of(ring[i].begin(), ring[i].end(), [&](const Vec2& x) { return inside_polygon(p, x); })) host = k;
     }
     if (host == around.size()) return "the cut surface has cavities that lie too close together for the bone's mesh";
     std::vector<Rung> rungs = plan_rungs(ring_places(m, around[host]), ring_places(m, mouth[i]));
@@ -341,9 +324,8 @@ Cut cut_bone(Mesh& m, int32_t inside, const Osteotomy& o, simplex::Delta& delta)
     if (bulk[size_t(c)].volume_mm3 < kSmallest_mm3) {
       if (!(bulk[size_t(c)].volume_mm3 > 0))
         return refuse("there is no bone within the cut: is it along one that is there already?");
-      char text[120];
-      std::snprintf(text, sizeof text, "the piece is too small: %.1f mm^3; at least %.0f mm^3 was expected",
-                    bulk[size_t(c)].volume_mm3, kSmallest_mm3);
+      const std::string text = fmt::format("the piece is too small: {:.1f} mm^3; at least {:.0f} mm^3 was expected",
+                                           bulk[size_t(c)].volume_mm3, kSmallest_mm3);
       return refuse(text);
     }
   delta.append(std::move(d));

@@ -1,8 +1,9 @@
 #include "sim/skull/face/face_model.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <queue>
 
@@ -188,11 +189,10 @@ std::vector<const Tissue*> FaceModel::tissues() const {
 std::vector<std::string> FaceModel::describe() const {
   std::vector<std::string> out;
   for (const Region& r : region_) {
-    char line[300];
-    std::snprintf(line, sizeof line,
-                  "%s: %s, %d layers, %zu vertices of the face over %d of tissue (%zu tetrahedra), %.1f kPa",
-                  r.plan.name.c_str(), name_of(r.plan.mode), r.tissue.layers, r.face_vertex.size(), r.tissue.vertices(),
-                  r.tissue.tet.size(), r.plan.young_kPa);
+    const std::string line =
+        fmt::format("{}: {}, {} layers, {} vertices of the face over {} of tissue ({} tetrahedra), {:.1f} kPa",
+                    r.plan.name, name_of(r.plan.mode), r.tissue.layers, r.face_vertex.size(), r.tissue.vertices(),
+                    r.tissue.tet.size(), r.plan.young_kPa);
     out.push_back(line);
     if (r.plan.mode == FaceMode::springs || r.plan.mode == FaceMode::shape)
       out.back() += "; " + free_motions(size_t(&r - region_.data()));
@@ -203,12 +203,9 @@ std::vector<std::string> FaceModel::describe() const {
 std::string FaceModel::free_motions(size_t region, int64_t dense_up_to) const {
   const Region& r = region_[region];
   const ZeroModes z = zero_energy_modes(r.tissue, dense_up_to);
-  char line[200];
-  std::snprintf(line, sizeof line, "its springs leave %s%lld of %lld motions free (%.2f per free vertex)%s",
-                z.estimate ? "about " : "", static_cast<long long>(z.modes), static_cast<long long>(z.dofs),
-                z.dofs > 0 ? 3 * double(z.modes) / double(z.dofs) : 0.,
-                r.plan.mode == FaceMode::shape || settings_.hold > 0 ? ", held by the shape force" : "");
-  return line;
+  return fmt::format("its springs leave {}{} of {} motions free ({:.2f} per free vertex){}", z.estimate ? "about " : "",
+                     z.modes, z.dofs, z.dofs > 0 ? 3 * double(z.modes) / double(z.dofs) : 0.,
+                     r.plan.mode == FaceMode::shape || settings_.hold > 0 ? ", held by the shape force" : "");
 }
 
 FaceModel::Moved FaceModel::moved() const {

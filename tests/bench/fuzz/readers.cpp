@@ -1,5 +1,6 @@
 #include "tests/bench/fuzz/readers.h"
 
+#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <sys/time.h>
@@ -24,12 +25,20 @@
 
 namespace limberg::bench {
 
+std::string fault_of_refusal(const std::string& what, const std::string& file) {
+  constexpr size_t kLongestReason = 3000;
+  if (what.size() > kLongestReason) return "refused with a reason of " + std::to_string(what.size()) + " bytes";
+  if (what.find(file) == std::string::npos) return "refused without the file's name: " + what;
+  const size_t after = what.find(": ", what.find(file));
+  if (after == std::string::npos || what.size() < after + 12) return "refused without a reason: " + what;
+  return "";
+}
+
 namespace {
 
 namespace fs = std::filesystem;
 using fuzz::Random;
 constexpr int64_t kSlice = 2000;  // cases of one child
-constexpr size_t kLongestReason = 3000;
 
 /// What a child tells its parent; after a crash too.
 struct Told {
@@ -148,16 +157,6 @@ class Hit {
   std::string content_;
 };
 
-/// What is wrong with how a file was refused; empty: nothing.
-std::string fault_of_refusal(const InputError& e, const fs::path& dir) {
-  const std::string what = e.what();
-  if (what.find(dir.string()) == std::string::npos) return "refused without the file's name: " + what;
-  const size_t after = what.find(": ", what.find(dir.string()));
-  if (after == std::string::npos || what.size() < after + 12) return "refused without a reason: " + what;
-  if (what.size() > kLongestReason) return "refused with a reason of " + std::to_string(what.size()) + " bytes";
-  return "";
-}
-
 void violated(Told& told, int64_t number, const std::string& what) {
   if (told.violations++ > 0) return;
   told.first = number;
@@ -196,7 +195,7 @@ void limit_memory(int64_t most_bytes) {
         fault = reader.read(hit.open().string());
         taken = true;
       } catch (const InputError& e) {
-        fault = fault_of_refusal(e, dir);
+        fault = fault_of_refusal(e.what(), dir.string());
       } catch (const std::bad_alloc&) {
         fault = "memory: asked for more than " + std::to_string(s.most_bytes >> 20) + " MB for a file of " +
                 std::to_string(hit.content().size()) + " bytes";
@@ -307,8 +306,7 @@ Result ReadersFuzzReport::result() const {
     Row r;
     r.name = f.name;
     r.method = "damaged files";
-    char b[120];
-    std::snprintf(b, sizeof b, ", slowest %.1f ms, seed ", f.slowest_ms);
+    const std::string b = fmt::format(", slowest {:.1f} ms, seed ", f.slowest_ms);
     r.settings = std::to_string(f.cases) + " cases, " + std::to_string(f.taken) + " taken, " +
                  std::to_string(f.refused) + " refused" + b + std::to_string(seed);
     r.time_ms = f.cpu_ms;

@@ -33,6 +33,9 @@ struct Reader {
 /// Every reader of the program: NRRD, MetaImage, NIfTI, DICOM, PLY, STL, OBJ, xyz, simplex meshes, scenes.
 std::vector<Reader> readers();
 
+/// What is wrong with how a file was refused (the words of the InputError); empty: nothing.
+std::string fault_of_refusal(const std::string& what, const std::string& file);
+
 struct ReadersFuzzSettings {
   int64_t cases = 100'000;  // over all readers
   uint64_t seed = 1;

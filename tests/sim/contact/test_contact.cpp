@@ -110,7 +110,7 @@ TEST(Contact, WithoutWallsNothingIsDone) {
     settle(world, 10);
     EXPECT_EQ(world.solver().contacts(), 0u);
     const ContactCounts n = world.contact_counts();
-    EXPECT_EQ(n.surfaces + n.checks + n.searches + n.looks + n.iterations + n.places + n.triangles, 0u)
+    EXPECT_EQ(n.surfaces + n.checks + n.searches + n.queries + n.iterations + n.places + n.triangles, 0u)
         << "not even asked";
     return world.state_hash();
   };
@@ -127,7 +127,7 @@ TEST(Contact, WhatDoesNotMoveIsNotSearched) {
   const ContactCounts rest = world.contact_counts();
   EXPECT_GT(rest.places, 200u);
   for (int i = 0; i < 10; ++i) world.step(still);
-  EXPECT_EQ(world.contact_counts().looks, rest.looks);
+  EXPECT_EQ(world.contact_counts().queries, rest.queries);
   EXPECT_EQ(world.contact_counts().searches, rest.searches);
   ASSERT_TRUE(world.apply(SetHook{1, {0, 24}}).done);  // outside of what was undermined
   Snapshot s;
@@ -140,7 +140,7 @@ TEST(Contact, WhatDoesNotMoveIsNotSearched) {
     world.step(live);
   }
   const ContactCounts pulled = world.contact_counts();
-  EXPECT_LT(pulled.looks - rest.looks, 10 * rest.places / 10) << "a tenth of all places a step, at most";
+  EXPECT_LT(pulled.queries - rest.queries, 10 * rest.places / 10) << "a tenth of all places a step, at most";
 }
 
 TEST(Contact, AWoundThatOnlyGapesFeelsNothing) {

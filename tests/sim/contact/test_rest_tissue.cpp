@@ -123,7 +123,7 @@ TEST_F(RestTissueOfAWound, CopiesThatAreNearHoweverWideTheyAre) {
         for (size_t o = 0; o < tissue->size(); ++o) {
           const double gap = (box[o].first - box[c].second).cwiseMax(box[c].first - box[o].second).maxCoeff();
           if (std::abs(gap - double(within)) < 0.01) continue;  // boxes are larger by .001 on each side
-          ASSERT_EQ(visits[o], !tissue->says_nothing(o) && gap < double(within))
+          ASSERT_EQ(visits[o], !tissue->is_empty(o) && gap < double(within))
               << "copies " << c << ", " << o << ": " << gap << " mm apart";
         }
       }
@@ -145,7 +145,7 @@ TEST_F(RestTissueOfAWound, WhoeverHoldsAPlaceIsAroundIt) {
   cells.sort();
   int beside = 0;
   for (size_t c = 0; c < tissue->size(); ++c) {
-    if (tissue->says_nothing(c)) continue;
+    if (tissue->is_empty(c)) continue;
     const auto& node = surface->lattice->cells[size_t(tissue->copy(c))].node;
     for (int i = 0; i < 8; ++i) {
       Vec3 at(uniform(-0.15, 1.15), uniform(-0.15, 1.15), uniform(-0.15, 1.15)), p = Vec3::Zero(),
@@ -187,7 +187,7 @@ TEST_F(RestTissueOfAWound, OneCopyHasTheMaterialOfEachPlace) {
       if (surface->lattice->cells[size_t(tissue->copy(o))].cell !=
           surface->lattice->cells[size_t(tissue->copy(c))].cell)
         continue;
-      silent |= tissue->says_nothing(o);
+      silent |= tissue->is_empty(o);
       ++copies;
       const Vec3 at = (Q - tissue->low_mm(o)).cwiseQuotient(tissue->size_mm(o));
       const int32_t part = tissue->part(o, at);
@@ -240,7 +240,7 @@ TEST_F(RestTissueOfAWound, APlaceIsOutsideOfTheOtherBank) {
     for (size_t o = 0; o < tissue->size(); ++o) {
       if (tissue->copy(o) == p.copy ||
           surface->lattice->cells[size_t(tissue->copy(o))].cell != surface->lattice->cells[size_t(p.copy)].cell ||
-          tissue->says_nothing(o))
+          tissue->is_empty(o))
         continue;
       const Vec3 at = (Q - tissue->low_mm(o)).cwiseQuotient(tissue->size_mm(o));
       if ((at.array() < 0).any() || (at.array() > 1).any()) continue;

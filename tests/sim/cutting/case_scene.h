@@ -11,7 +11,9 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <set>
 
+#include "sim/base/union_find.h"
 #include "sim/cutting/arrangement/store.h"
 #include "sim/lattice/topology.h"
 #include "tests/bench/fuzz/checks.h"
@@ -185,17 +187,11 @@ class CaseScene {
         const int32_t h = a.store().edges.first(p, q);
         if (h >= 0 && a.store().edges.next(h) < 0) edges.push_back({p, q});
       }
-    std::vector<int32_t> root(size_t(a.point_count()), -1);
-    const std::function<int32_t(int32_t)> find = [&](int32_t x) {
-      return root[size_t(x)] < 0 || root[size_t(x)] == x ? x : root[size_t(x)] = find(root[size_t(x)]);
-    };
-    for (const auto& [p, q] : edges) {
-      root[size_t(find(p))] = find(q);
-      root[size_t(find(q))] = find(q);
-    }
-    int n = 0;
-    for (int32_t i = 0; i < a.point_count(); ++i) n += root[size_t(i)] == i;
-    return n;
+    UnionFind line(size_t(a.point_count()));
+    std::set<int32_t> lines;
+    for (const auto& [p, q] : edges) line.unite(p, q);
+    for (const auto& [p, q] : edges) lines.insert(line.find(p));
+    return int(lines.size());
   }
 
  private:

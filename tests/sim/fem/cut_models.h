@@ -2,10 +2,10 @@
 // Random cuts of a box of hexahedra, as a lattice makes them: cells are parted along squares, corners that no longer
 // hang together become copies, and loose cells may be taken out. Copies keep their order, new ones come after.
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "models.h"
+#include "sim/base/union_find.h"
 #include "sim/fem/preconditioner/scalar_matrix.h"
 
 namespace limberg::test {
@@ -79,12 +79,7 @@ class CutBox {
   void make() {
     // Classes of (cell, corner) over squares that are not parted.
     const size_t cells = box_.cells.size();
-    std::vector<int32_t> up(8 * cells);
-    std::iota(up.begin(), up.end(), 0);
-    const auto root = [&](int32_t a) {
-      while (up[size_t(a)] != a) a = up[size_t(a)] = up[size_t(up[size_t(a)])];
-      return a;
-    };
+    UnionFind corners(8 * cells);
     for (size_t c = 0; c < cells; ++c)
       for (int axis = 0; axis < 3; ++axis) {
         std::array<int, 3> at{box_.cells[c].at[0] / 2, box_.cells[c].at[1] / 2, box_.cells[c].at[2] / 2};
@@ -92,10 +87,7 @@ class CutBox {
         const int32_t d = find(at[0], at[1], at[2]);
         if (d < 0 || !alive_[c] || !alive_[size_t(d)] || parted_.count({int32_t(c), axis})) continue;
         for (int a = 0; a < 8; ++a)
-          if (a >> axis & 1) {
-            const int32_t p = root(int32_t(8 * c) + a), q = root(8 * d + (a ^ (1 << axis)));
-            up[size_t(std::max(p, q))] = std::min(p, q);
-          }
+          if (a >> axis & 1) corners.unite(int32_t(8 * c) + a, 8 * d + (a ^ (1 << axis)));
       }
     // First the classes that go on, in the order of before, then the others.
     std::map<int32_t, int32_t> number;                      // root -> node
@@ -104,7 +96,7 @@ class CutBox {
     std::set<int32_t> seen_root, seen_parent;
     for (size_t c = 0; c < cells; ++c)
       for (int a = 0; a < 8 && alive_[c]; ++a) {
-        const int32_t p = root(int32_t(8 * c) + a);
+        const int32_t p = corners.find(int32_t(8 * c) + a);
         if (!seen_root.insert(p).second) continue;
         const int32_t old = node_of_.empty() ? box_.cells[c].node[size_t(a)] : node_of_[8 * c + size_t(a)];
         (seen_parent.insert(old).second ? going : fresh).push_back({old, p});
@@ -125,7 +117,8 @@ class CutBox {
     for (size_t c = 0; c < cells; ++c) {
       if (!alive_[c]) continue;
       HexCell cell = box_.cells[c];
-      for (int a = 0; a < 8; ++a) node_of_[8 * c + size_t(a)] = cell.node[size_t(a)] = number[root(int32_t(8 * c) + a)];
+      for (int a = 0; a < 8; ++a)
+        node_of_[8 * c + size_t(a)] = cell.node[size_t(a)] = number[corners.find(int32_t(8 * c) + a)];
       index[c] = int32_t(m->cells.size());
       cell_parent_.push_back(index_.empty() ? -1 : index_[c]);
       m->cells.push_back(cell);

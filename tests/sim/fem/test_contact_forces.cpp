@@ -94,8 +94,8 @@ std::vector<Contact> random_contacts(const Slabs& s, int count, uint64_t seed) {
   return out;
 }
 
-fem::NodeArray nodes_of(const std::vector<Vec3>& u) {
-  fem::NodeArray a(u.size());
+NodeArray nodes_of(const std::vector<Vec3>& u) {
+  NodeArray a(u.size());
   for (size_t i = 0; i < u.size(); ++i) a[i] = {float(u[i][0]), float(u[i][1]), float(u[i][2]), 0};
   return a;
 }
@@ -105,7 +105,7 @@ TEST(ContactForces, GradientIsTheDerivativeOfTheEnergy) {
   const std::vector<Contact> contacts = random_contacts(s, 40, 3);
   fem::ContactForces f(s.model, contacts);
   const std::vector<Vec3> u = test::random_displacement(s.model, 0.5, 11);
-  fem::NodeArray at = nodes_of(u), g(u.size()), ignored(u.size());
+  NodeArray at = nodes_of(u), g(u.size()), ignored(u.size());
   const double energy = f.add(at, g, false);
   int pressed = 0;
   for (size_t i = 0; i < f.size(); ++i) pressed += f.clearance_mm(i, at) < 0;
@@ -113,7 +113,7 @@ TEST(ContactForces, GradientIsTheDerivativeOfTheEnergy) {
   EXPECT_LT(pressed, 36);  // some are apart: both branches are met
   EXPECT_GT(energy, 0);
   const auto shifted = [&](size_t i, int axis, double d) {
-    fem::NodeArray v = at;
+    NodeArray v = at;
     (&v[i].x)[axis] += float(d);
     return std::pair(f.add(v, ignored, false), double((&v[i].x)[axis]));
   };
@@ -187,8 +187,8 @@ TEST(ContactForces, ActionIsReaction) {
   const Slabs s = two_slabs(3, 1, 12, 4, 30, 0.3);
   for (const Contact& c : random_contacts(s, 30, 7)) {
     fem::ContactForces f(s.model, std::span(&c, 1));
-    const fem::NodeArray u = nodes_of(test::random_displacement(s.model, 0.5, 13));
-    fem::NodeArray g(u.size());
+    const NodeArray u = nodes_of(test::random_displacement(s.model, 0.5, 13));
+    NodeArray g(u.size());
     f.add(u, g, false);
     Vec3 sum = Vec3::Zero(), torque = Vec3::Zero(), xa = Vec3::Zero(), xb = Vec3::Zero();
     for (size_t i = 0; i < u.size(); ++i) {

@@ -12,7 +12,6 @@
 namespace limberg {
 namespace test_cycle {
 
-using fem::NodeArray;
 using fem::ScalarCycle;
 using test::Random;
 
@@ -36,7 +35,7 @@ Eigen::MatrixXd operator_of(const ScalarCycle& c, const fem::ScalarMatrix& A) {
     r[size_t(A.node_of_row[size_t(j)])] = {1, 2, -1, 0};
     c.apply(r, z, work, test::engine());
     for (int32_t i = 0; i < A.n(); ++i) {
-      const fem::Node4& v = z[size_t(A.node_of_row[size_t(i)])];
+      const Node4& v = z[size_t(A.node_of_row[size_t(i)])];
       M(i, j) = double(v.x);
       EXPECT_EQ(v.y, 2 * v.x);  // one operator for x, y and z
       EXPECT_EQ(v.z, -v.x);
@@ -151,7 +150,7 @@ double convergence_factor(const std::shared_ptr<const FemModel>& m) {
     const double after = -test::engine().dot(now, t);
     factor = std::sqrt(after / before);
     const double scale = 1 / std::sqrt(after);
-    for (size_t i = 0; i < n; ++i) fem::store(e.data()[i], float(scale) * fem::load(e.data()[i]));
+    for (size_t i = 0; i < n; ++i) store(e.data()[i], float(scale) * load(e.data()[i]));
   }
   return factor;
 }

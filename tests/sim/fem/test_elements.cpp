@@ -153,7 +153,7 @@ TEST(Elements, RigidMotionMakesNoForce) {
   const double stiff = m.stencils[0].mu_kPa * m.cell_mm[0] * m.cell_mm[0];  // force of a unit strain
   for (const Vec3& f : g) EXPECT_LT(f.norm(), 1e-12 * stiff);
   fem::ElementSystem cells(std::make_shared<FemModel>(m));
-  fem::NodeArray uf(u.size()), gf(u.size());
+  NodeArray uf(u.size()), gf(u.size());
   for (size_t i = 0; i < u.size(); ++i) uf[i] = {float(u[i][0]), float(u[i][1]), float(u[i][2]), 0};
   cells.evaluate(uf, gf, false, test::engine());
   // u ~ 20 mm carries 2e-6 mm of rounding, on 2.5 mm cells: strain 1e-6, times ke/mu ~ 4 and a few cells per node.
@@ -170,7 +170,7 @@ TEST(Elements, KernelAgreesWithTheReference) {
     ReferenceElasticity e(m, {});
     const double energy = e.gradient(ud, g);
     fem::ElementSystem cells(std::make_shared<FemModel>(m), false);
-    fem::NodeArray uf(u.size()), gf(u.size());
+    NodeArray uf(u.size()), gf(u.size());
     for (size_t i = 0; i < u.size(); ++i) uf[i] = {u[i][0], u[i][1], u[i][2], 0};
     const fem::CellSums s = cells.evaluate(uf, gf, true, test::engine());
     EXPECT_NEAR(s.energy, energy, 1e-6 * s.magnitude);
@@ -191,7 +191,7 @@ TEST(Elements, MultipliersConvergeToThePrimalForceAtAFixedDeformation) {
   const auto u = test::to_float(test::random_displacement(m, 0.02, 12));
   fem::ElementSystem primal(std::make_shared<FemModel>(m), false), augmented(std::make_shared<FemModel>(m), true);
   ASSERT_TRUE(augmented.has_multipliers());
-  fem::NodeArray uf(u.size()), gp(u.size()), ga(u.size());
+  NodeArray uf(u.size()), gp(u.size()), ga(u.size());
   for (size_t i = 0; i < u.size(); ++i) uf[i] = {u[i][0], u[i][1], u[i][2], 0};
   const double energy = primal.evaluate(uf, gp, false, test::engine()).energy;
   double first = 0, last = 0, augmented_energy = 0;

@@ -12,8 +12,6 @@
 namespace limberg {
 namespace test_gradients {
 
-using fem::NodeArray;
-
 NodeArray nodes(const std::vector<Vec3>& u) {
   NodeArray a(u.size());
   for (size_t i = 0; i < u.size(); ++i) a[i] = {float(u[i][0]), float(u[i][1]), float(u[i][2]), 0};

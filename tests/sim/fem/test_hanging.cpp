@@ -141,7 +141,7 @@ TEST(Hanging, KernelAgreesWithTheReference) {
   fem::ElementSystem system(model, false);
   ReferenceElasticity e(d.model, {});
   const auto u = test::random_displacement(d.model, 0.2, 8);
-  fem::NodeArray uf(u.size()), g(u.size());
+  NodeArray uf(u.size()), g(u.size());
   std::vector<Vec3> ud;
   for (size_t i = 0; i < u.size(); ++i) {
     uf[i] = {float(u[i][0]), float(u[i][1]), float(u[i][2]), 0};

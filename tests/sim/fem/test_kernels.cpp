@@ -16,7 +16,6 @@ namespace test_kernels {
 
 using fem::Engine;
 using fem::Kernels;
-using fem::NodeArray;
 using test::Random;
 
 NodeArray random_nodes(size_t n, double size, uint64_t seed) {
@@ -30,7 +29,7 @@ NodeArray random_nodes(size_t n, double size, uint64_t seed) {
 }
 
 bool same_bits(const NodeArray& a, const NodeArray& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(fem::Node4)) == 0;
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Node4)) == 0;
 }
 
 /// Root of the mean square difference over that of `b`.
@@ -115,7 +114,7 @@ TEST(Kernels, VectorsAgree) {
       e.combine(d, c, -0.7, b);
       e.subtract(c, d, a);
       e.add_scaled(c, 2, b);
-      fem::AlignedArray<float> f(n), g(n);
+      AlignedArray<float> f(n), g(n);
       for (size_t i = 0; i < n; ++i) f[i] = a[i].x, g[i] = b[i].y;
       const float* columns[3] = {f.data(), g.data(), f.data()};
       NodeArray forces = random_nodes(3, 1, 4);
@@ -169,7 +168,7 @@ TEST(Kernels, FactorAndCycleAgree) {
   // And the solve is one: A y = b.
   std::vector<Vec3> product(size_t(A.n()), Vec3::Zero());
   const auto x = [&](int32_t row, const std::vector<int32_t>& place) {
-    const fem::Node4& v = expected_y[size_t(place[size_t(A.node_of_row[size_t(row)])])];
+    const Node4& v = expected_y[size_t(place[size_t(A.node_of_row[size_t(row)])])];
     return Vec3(double(v.x), double(v.y), double(v.z));
   };
   std::vector<int32_t> place(free.size(), -1);
@@ -182,7 +181,7 @@ TEST(Kernels, FactorAndCycleAgree) {
     }
   double wrong = 0, size = 0;
   for (int32_t i = 0; i < A.n(); ++i) {
-    const fem::Node4& v = b[size_t(place[size_t(A.node_of_row[size_t(i)])])];
+    const Node4& v = b[size_t(place[size_t(A.node_of_row[size_t(i)])])];
     const Vec3 wanted(double(v.x), double(v.y), double(v.z));
     wrong += (product[size_t(i)] - wanted).squaredNorm(), size += wanted.squaredNorm();
   }

@@ -9,7 +9,6 @@
 namespace limberg {
 namespace test_preconditioner {
 
-using fem::NodeArray;
 using test::Random;
 
 FemModel model() {
@@ -52,7 +51,7 @@ std::vector<fem::Preconditioner::SpringEntry> springs(const FemModel& m, int cou
 double solve_error(const fem::ScalarMatrix& A, const Eigen::MatrixXd& D, const NodeArray& r, const NodeArray& z) {
   Eigen::MatrixXd R(A.n(), 3), Z(A.n(), 3);
   for (int32_t i = 0; i < A.n(); ++i) {
-    const fem::Node4 a = r[size_t(A.node_of_row[size_t(i)])], b = z[size_t(A.node_of_row[size_t(i)])];
+    const Node4 a = r[size_t(A.node_of_row[size_t(i)])], b = z[size_t(A.node_of_row[size_t(i)])];
     R.row(i) << a.x, a.y, a.z;
     Z.row(i) << b.x, b.y, b.z;
   }
@@ -190,7 +189,7 @@ TEST(Preconditioner, QuickCutsGiveTheSameBitsForAnyNumberOfWorkers) {
         const NodeArray a = random_nodes(*body.model(), uint64_t(10 * cut + step));
         NodeArray z(a.size());
         P.apply(a, z);
-        for (const fem::Node4& v : z) out.push_back(v.x), out.push_back(v.z);
+        for (const Node4& v : z) out.push_back(v.x), out.push_back(v.z);
       }
       EXPECT_EQ(P.on_cycle(), cut != 4);
     }

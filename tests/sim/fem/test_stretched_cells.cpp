@@ -19,8 +19,8 @@ FemModel box(int x, int y, int z) {
   return box_model(b);
 }
 
-fem::NodeArray moved_by(const FemModel& m, const Mat3& F) {
-  fem::NodeArray u(m.X_mm.size());
+NodeArray moved_by(const FemModel& m, const Mat3& F) {
+  NodeArray u(m.X_mm.size());
   for (size_t i = 0; i < u.size(); ++i) {
     const Vec3 d = (F - Mat3::Identity()) * m.X_mm[i];
     u[i] = {float(d[0]), float(d[1]), float(d[2]), 0};

@@ -9,8 +9,8 @@
 
 #include "sim/base/error.h"
 #include "sim/body/block.h"
+#include "sim/body/obj.h"
 #include "sim/geometry/grid_predicates.h"
-#include "sim/geometry/io/obj.h"
 #include "sim/geometry/validate.h"
 
 namespace limberg {
@@ -250,6 +250,14 @@ TEST(Obj, PolygonsNegativeIndicesAndLineEnds) {
   EXPECT_NEAR(r.volume_mm3, 8000, 1e-9);
   for (const auto& corner : b.surface.uv[2])
     EXPECT_NE(corner, Eigen::Vector2f(1, 1));  // 8 5 6, an ear of the second quad
+}
+
+TEST(Obj, AFaceMayNameVerticesThatFollow) {
+  ObjSpec spec;
+  spec.path = "late.obj";
+  SurfaceReport r;
+  parse_obj("f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\nv 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\n", spec, &r);
+  EXPECT_NEAR(r.volume_mm3, 121.5, 1e-6);
 }
 
 TEST(Obj, ConcavePolygonsAreCutInside) {

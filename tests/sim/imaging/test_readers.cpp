@@ -270,6 +270,9 @@ TEST_F(Readers, SurfacesFromEveryFormat) {
   const Surface cloud = load_surface(write("a.xyz", "# scan\n0 0 1\n1,2,3,255\n\n4 5 6 0.1 0.2\n"));
   EXPECT_EQ(cloud.x_mm.size(), 3u);
   EXPECT_TRUE(cloud.tri.empty());
+  const Surface fan = parse_surface("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1//1 2 \\\n3 -1 # a quad\n", "a.obj");
+  ASSERT_EQ(fan.tri.size(), 2u);
+  EXPECT_EQ(fan.tri[1], (Tri{0, 2, 3}));
   EXPECT_NE(message([] { parse_surface("v 0 0 0\nf 1 2 3\n", "a.obj"); }).find("a.obj:2"), std::string::npos);
   EXPECT_NE(message([] { parse_surface("v 0 0 inf\n", "a.obj"); }).find("finite"), std::string::npos);
   EXPECT_NE(message([] { parse_surface("1 2\n", "a.xyz"); }).find("three numbers"), std::string::npos);

@@ -80,7 +80,7 @@ TEST_P(MetricHistory, FollowsEveryActAndIsTheSameAfresh) {
 
     const FemModel& m = cycle->model();
     const std::vector<uint8_t> free = fem::free_nodes(m);
-    fem::NodeArray a(free.size()), b(free.size()), za(free.size()), zb(free.size());
+    NodeArray a(free.size()), b(free.size()), za(free.size()), zb(free.size());
     for (size_t i = 0; i < free.size(); ++i) {
       if (!free[i]) continue;
       a[i] = {float(real(-1, 1)), float(real(-1, 1)), float(real(-1, 1)), 0};

@@ -1,6 +1,7 @@
 // The index of the current surface: finding a rest point again, and choosing the bank of a wound.
 #include <gtest/gtest.h>
 
+#include "sim/geometry/polyline.h"
 #include "sim/patient/anchors.h"
 #include "sim/patient/rest_index.h"
 #include "tests/sim/cutting/scenes.h"
@@ -110,7 +111,7 @@ TEST(RestIndex, FollowsCutsAtTheirOwnCost) {
 
 TEST(Resample, EqualStepsAlongAPolylineEndsIncluded) {
   const std::vector<Vec2> path = {{0, 0}, {3, 0}, {3, 0}, {3, 1}};
-  EXPECT_DOUBLE_EQ(path_length_mm(path), 4);
+  EXPECT_DOUBLE_EQ(path_length(path), 4);
   const auto p = resample(path, 5);
   ASSERT_EQ(p.size(), 5u);
   EXPECT_NEAR((p[0] - Vec2(0, 0)).norm(), 0, 1e-12);

@@ -76,7 +76,7 @@ TEST(Thread, ForcesAreTheSlopeOfTheEnergy) {
   springs[3].target_mm = {9, 0, 0};    // more than it is long: it pulls nothing
   for (Spring& s : springs) s.thread_mm = 2 + 9.9;
   const fem::SpringForces forces(model, springs);
-  fem::NodeArray u(model.X_mm.size()), g(model.X_mm.size());
+  NodeArray u(model.X_mm.size()), g(model.X_mm.size());
   uint32_t seed = 7;
   const auto next = [&] { return float((seed = seed * 1664525u + 1013904223u) >> 8) / 16777216.f - 0.5f; };
   for (auto& n : u) n.x = next(), n.y = next(), n.z = next();
@@ -89,7 +89,7 @@ TEST(Thread, ForcesAreTheSlopeOfTheEnergy) {
     const double want[3] = {double(g[n].x), double(g[n].y), double(g[n].z)};
     for (int c = 0; c < 3; ++c) {
       const float before = *x[c];
-      fem::NodeArray none(u.size());
+      NodeArray none(u.size());
       for (auto& k : none) k = {};
       *x[c] = before + h;
       const double up = forces.add(u, none, false), above = double(*x[c]);

@@ -101,7 +101,7 @@ TEST(Figures, FusiformAnglesAndScar) {
     const Figure f = figure("fusiform", {"ratio=" + std::to_string(ratio)});
     const double W = 14, L = W * ratio, R = (L * L + W * W) / (4 * W), vertex = 4 * std::atan(1 / ratio) * kDeg;
     const double scar = R * vertex / kDeg;
-    const double drawn = length_mm(bank(f, f.seams[0].a_from, f.seams[0].a_to, true));
+    const double drawn = path_length(bank(f, f.seams[0].a_from, f.seams[0].a_to, true));
     EXPECT_NEAR(drawn, scar, scar * std::pow(vertex / kDeg / 12, 2) / 24 * 1.01);  // chords of 12 equal pieces
     const auto q = sizes(f);
     EXPECT_NEAR(q.back(), vertex,
@@ -119,7 +119,7 @@ TEST(Figures, WebstersDonorEarIsItsTip) {
 TEST(Figures, SeamsOfTranspositionFlapsHaveEqualBanks) {
   for (const char* name : {"rhomboid", "dufourmentel", "webster", "z_plasty", "multiple_z", "four_flap_z"})
     for (const Figure f = figure(name); const Seam& s : f.seams)
-      EXPECT_NEAR(length_mm(bank(f, s.a_from, s.a_to, true)), length_mm(bank(f, s.b_from, s.b_to, false)), 1e-9)
+      EXPECT_NEAR(path_length(bank(f, s.a_from, s.a_to, true)), path_length(bank(f, s.b_from, s.b_to, false)), 1e-9)
           << name;
 }
 

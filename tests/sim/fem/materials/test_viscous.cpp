@@ -86,7 +86,7 @@ TEST(Viscous, ForceIsTheDerivativeOfTheEnergy) {
   const fem::Engine engine(one);
   fem::ViscousPoints points(m);
   const auto nodes = [](const std::vector<Vec3>& u) {
-    fem::NodeArray a(u.size());
+    NodeArray a(u.size());
     for (size_t i = 0; i < u.size(); ++i) a[i] = {float(u[i][0]), float(u[i][1]), float(u[i][2]), 0};
     return a;
   };
@@ -96,13 +96,13 @@ TEST(Viscous, ForceIsTheDerivativeOfTheEnergy) {
   }
   points.begin_step(0.1);
   const auto u = test::random_displacement(m, 0.3, 4), d = test::random_displacement(m, 1, 5);
-  const auto energy = [&](double t, fem::NodeArray& g) {
+  const auto energy = [&](double t, NodeArray& g) {
     auto v = u;
     for (size_t i = 0; i < v.size(); ++i) v[i] += t * d[i];
     g.zero();
     return points.add(nodes(v), g, false, engine).energy;
   };
-  fem::NodeArray g(u.size()), unused(u.size());
+  NodeArray g(u.size()), unused(u.size());
   energy(0, g);
   double exact = 0, size = 0;
   for (size_t i = 0; i < u.size(); ++i) {
@@ -273,14 +273,14 @@ TEST(Viscous, NeoHookeanLoopAgreesWithTheLaw) {
     const fem::Engine engine(one, *set);
     fem::ViscousPoints a(closed), b(asked);
     const auto compare = [&](double size, uint64_t seed) {
-      fem::NodeArray u(closed.X_mm.size()), ga(u.size()), gb(u.size());
+      NodeArray u(closed.X_mm.size()), ga(u.size()), gb(u.size());
       const auto from = test::random_displacement(closed, size, seed);
       for (size_t i = 0; i < u.size(); ++i) u[i] = {float(from[i][0]), float(from[i][1]), float(from[i][2]), 0};
       const fem::CellSums ea = a.add(u, ga, true, engine), eb = b.add(u, gb, true, engine);
       EXPECT_NEAR(ea.energy, eb.energy, 1e-6 * eb.magnitude) << set->name;
       double apart = 0, norm = 0;
       for (size_t i = 0; i < u.size(); ++i) {
-        const fem::v4 d = fem::load(ga[i]) - fem::load(gb[i]), f = fem::load(gb[i]);
+        const v4 d = load(ga[i]) - load(gb[i]), f = load(gb[i]);
         for (int k = 0; k < 4; ++k) apart += double(d[k]) * double(d[k]), norm += double(f[k]) * double(f[k]);
       }
       EXPECT_LT(std::sqrt(apart / norm), 2e-6) << set->name << ", displacements of " << size;
@@ -289,7 +289,7 @@ TEST(Viscous, NeoHookeanLoopAgreesWithTheLaw) {
     for (uint64_t step = 1; step < 5; ++step) {
       a.begin_step(0.1), b.begin_step(0.1);
       compare(0.05, 7 * step), compare(3, 7 * step + 1);
-      const fem::NodeArray u = compare(0.3, 7 * step + 2);
+      const NodeArray u = compare(0.3, 7 * step + 2);
       a.end_step(u), b.end_step(u);
       for (size_t i = 0; i < a.memory().size(); ++i) EXPECT_NEAR(a.memory()[i], b.memory()[i], 1e-5 * kMu);
     }

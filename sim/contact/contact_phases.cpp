@@ -1,10 +1,14 @@
-// What a place finds when it looks around (contact_finder.h).
+// Broad and narrow phase of a place (contact_finder.h).
 #include <algorithm>
 #include <cmath>
 
+#include "sim/contact/contact_constants.h"
 #include "sim/contact/contact_finder.h"
 
 namespace limberg {
+
+namespace constant = contact_constants;
+
 namespace {
 
 constexpr double kSurface_mm = 0.1;  // nearer than this to the surface a place is as good as on it
@@ -27,13 +31,14 @@ Vec3 ContactFinder::carried_normal(int32_t t, const std::array<double, 3>& bary,
 }
 
 // What copies are to those of a group, in a list with a zero for each: made when it is first wanted, mostly never.
-enum : uint8_t { kStranger = 0, kKin = 1, kSilent = 2 };  // kin tell nothing but what walls of other sheets they carry
+// Adjacent copies count only for the walls of other sheets that they carry.
+enum : uint8_t { kApart = 0, kAdjacent = 1, kExcluded = 2 };
 
-void ContactFinder::mark_kin(const Group& g, bool marked, std::vector<uint8_t>& kinship) const {
-  kinship.resize(tissue_.size(), kStranger);
-  for (int32_t c : tissue_.kin(g.own))
-    kinship[size_t(c)] = !marked ? kStranger : tissue_.has_other_wall(size_t(c), g.sheet) ? kKin : kSilent;
-  kinship[g.own] = marked ? kSilent : kStranger;
+void ContactFinder::mark_adjacent(const Group& g, bool marked, std::vector<uint8_t>& relation) const {
+  relation.resize(tissue_.size(), kApart);
+  for (int32_t c : tissue_.adjacent(g.own))
+    relation[size_t(c)] = !marked ? kApart : tissue_.has_other_wall(size_t(c), g.sheet) ? kAdjacent : kExcluded;
+  relation[g.own] = marked ? kExcluded : kApart;
 }
 
 // Who carries what a copy's places have pairs with: the beginning of its list.
@@ -41,33 +46,33 @@ void ContactFinder::begin_list(Group& g, std::span<const Pair> pairs) const {
   g.around.clear();
   for (const Pair& pair : pairs) {
     const size_t c = size_t(carrier_[size_t(pair.held.triangle)]);
-    if (c != g.own && !tissue_.says_nothing(c) && (!tissue_.kin(g.own, c) || tissue_.has_other_wall(c, g.sheet)))
+    if (c != g.own && !tissue_.is_empty(c) && (!tissue_.adjacent(g.own, c) || tissue_.has_other_wall(c, g.sheet)))
       g.around.push_back(int32_t(c));
   }
   g.far_mm = 0, g.listed = false;
 }
 
 // And the copies that were around it at the last search, whose boxes are still there. Some may be named twice.
-void ContactFinder::complete_list(Group& g, std::vector<uint8_t>& kinship) const {
-  mark_kin(g, true, kinship);
-  cells_.near(g.own, MovingCells::kAhead_mm + float(settings_.margin_mm), [&](size_t c) {
-    if (kinship[c] != kSilent) g.around.push_back(int32_t(c));
+void ContactFinder::complete_list(Group& g, std::vector<uint8_t>& relation) const {
+  mark_adjacent(g, true, relation);
+  cells_.near(g.own, MovingCells::kAhead_mm + float(constant::margin_mm), [&](size_t c) {
+    if (relation[c] != kExcluded) g.around.push_back(int32_t(c));
   });
-  mark_kin(g, false, kinship);
+  mark_adjacent(g, false, relation);
   g.listed = true;
 }
 
 // The copies that may hold one of these places of a group.
-void ContactFinder::who_may_hold(const Group& g, std::span<const Point> points, std::vector<Around>& around,
-                                 std::vector<uint8_t>& kinship) const {
+void ContactFinder::broad_phase(const Group& g, std::span<const Point> points, std::vector<Around>& around,
+                                std::vector<uint8_t>& relation) const {
   Vec3f lo = points[0].p, hi = lo;
   for (const Point& p : points) lo = lo.cwiseMin(p.p), hi = hi.cwiseMax(p.p);
   around.clear();
-  mark_kin(g, true, kinship);
+  mark_adjacent(g, true, relation);
   cells_.around(lo, hi, [&](size_t c) {
-    if (kinship[c] != kSilent) around.push_back({int32_t(c), kinship[c] == kKin});
+    if (relation[c] != kExcluded) around.push_back({int32_t(c), relation[c] == kAdjacent});
   });
-  mark_kin(g, false, kinship);
+  mark_adjacent(g, false, relation);
   std::sort(around.begin(), around.end());
 }
 
@@ -79,25 +84,25 @@ void ContactFinder::locate(const Point& point, std::span<const Around> around, s
   const size_t first = held.size();
   for (const Around& a : around) {
     const size_t c = size_t(a.copy);
-    if (!cells_.may_hold(c, p, !a.kin) || (a.kin && !tissue_.has_other_wall(c, sheet))) continue;
+    if (!cells_.may_hold(c, p, !a.adjacent) || (a.adjacent && !tissue_.has_other_wall(c, sheet))) continue;
     Vec3 at;
-    if (!cells_.invert(c, p, a.kin ? 0 : float(RestTissue::kBeyond), at)) continue;
+    if (!cells_.invert(c, p, a.adjacent ? 0 : float(RestTissue::kBeyond), at)) continue;
     const bool in = (at.array() >= 0).all() && (at.array() <= 1).all();
-    held.push_back({int32_t(point.place), a.copy, a.kin, in, tissue_.part(c, at), at});
+    held.push_back({int32_t(point.place), a.copy, a.adjacent, in, tissue_.part(c, at), at});
   }
   size_t kept = first;
   for (size_t k = first; k < held.size(); ++k) {
     const Held& h = held[k];
     bool told = false;
     for (size_t j = first; !h.in && !told && j < held.size(); ++j)
-      told = held[j].in && tissue_.kin(size_t(held[j].copy), size_t(h.copy));
+      told = held[j].in && tissue_.adjacent(size_t(held[j].copy), size_t(h.copy));
     if (!told) held[kept++] = h;
   }
   held.resize(kept);
 }
 
 // What the answers of these copies make of it: at most one pair for each sheet.
-void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<HeldContact>& found) const {
+void ContactFinder::narrow_phase(size_t i, std::span<const Held> held, std::vector<HeldContact>& found) const {
   const ContactSurface& s = *surface_;
   const ContactPlace& place = s.place[i];
   const int32_t own_sheet = s.sheets.of[size_t(place.triangle)];
@@ -105,7 +110,7 @@ void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<Held
   RestTissue::Answer a;
   for (const Held& in : held) {
     const size_t c = size_t(in.copy);
-    if (in.kin && (tissue_.rest_mm(c, in.at) - place.X_mm).squaredNorm() < kOwn_mm * kOwn_mm &&
+    if (in.adjacent && (tissue_.rest_mm(c, in.at) - place.X_mm).squaredNorm() < kOwn_mm * kOwn_mm &&
         s.lattice->cells[size_t(tissue_.copy(c))].cell != s.lattice->cells[size_t(place.copy)].cell)
       continue;  // on the common square
     tissue_.ask(c, in.at, in.part, a);
@@ -125,14 +130,14 @@ void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<Held
     for (size_t k = 0; k < a.count; ++k) {
       const RestTissue::Foot& f = a.foot[k];
       depth[k] = -1;
-      if (a.inside ? f.height_mm >= 0 : f.distance_mm > settings_.guard_mm || f.height_mm < -RestTissue::kOn_mm)
+      if (a.inside ? f.height_mm >= 0 : f.distance_mm > constant::guard_mm || f.height_mm < -RestTissue::kOn_mm)
         continue;
       if (itself(f)) continue;
       if (own.isZero(0))
         own = carried_normal(place.triangle, place.bary, normal_[i]), shown = shown_mm(place.triangle, place.bary);
       normal[k] = carried_normal(f.triangle, f.bary, tissue_.smooth_normal(f.triangle, f.bary));
       facing[k] = -own.dot(normal[k]);
-      if (normal[k].isZero(0) || facing[k] <= settings_.facing_none) continue;
+      if (normal[k].isZero(0) || facing[k] <= constant::facing_none) continue;
       depth[k] = (f.distance_mm + kFloor_mm) / facing[k];
       least = std::min(least, depth[k]);
     }
@@ -147,11 +152,11 @@ void ContactFinder::judge(size_t i, std::span<const Held> held, std::vector<Held
       h.judged = a.inside || f.distance_mm < kSurface_mm;
       h.weight = 1;
       if (h.judged) {
-        h.weight = (1 - smooth_step(depth[k] / least, settings_.other_full, settings_.other_none)) *
-                   smooth_step(facing[k], settings_.facing_none, settings_.facing_full);
-        h.weight *= 1 - smooth_step(f.distance_mm, settings_.deep_full_mm, settings_.deep_none_mm);
-        if (-s_mm > settings_.most_mm) h.weight *= settings_.most_mm / -s_mm;
-      } else if (s_mm < 0 || facing[k] < settings_.facing_full) {
+        h.weight = (1 - smooth_step(depth[k] / least, constant::other_full, constant::other_none)) *
+                   smooth_step(facing[k], constant::facing_none, constant::facing_full);
+        h.weight *= 1 - smooth_step(f.distance_mm, constant::deep_full_mm, constant::deep_none_mm);
+        if (-s_mm > constant::most_mm) h.weight *= constant::most_mm / -s_mm;
+      } else if (s_mm < 0 || facing[k] < constant::facing_full) {
         continue;
       }
       if (h.weight < kNothing) continue;

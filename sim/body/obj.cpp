@@ -1,8 +1,9 @@
-#include "sim/geometry/io/obj.h"
+#include "sim/body/obj.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -12,14 +13,13 @@
 
 #include "sim/base/error.h"
 #include "sim/body/block.h"
+#include "sim/geometry/io/obj_text.h"
 #include "sim/geometry/triangle.h"
 
 namespace limberg {
 namespace {
 
-struct Corner {
-  int32_t v, vt;  // vt: -1 = none
-};
+using Corner = ObjText::Corner;
 struct RawMesh {
   std::vector<Vec3> v;
   std::vector<Eigen::Vector2f> vt;
@@ -71,131 +71,34 @@ class Clipper {
   std::vector<int> ring_;
 };
 
-class Parser {
- public:
-  Parser(std::string_view text, const std::string& file) : text_(text), file_(file) {}
-
-  RawMesh run() {
-    std::string joined;
-    for (size_t at = 0; at < text_.size();) {
-      const size_t end = std::min(text_.find('\n', at), text_.size());
-      std::string_view l = text_.substr(at, end - at);
-      at = end + 1;
-      ++line_;
-      if (!l.empty() && l.back() == '\r') l.remove_suffix(1);
-      const bool goes_on = !l.empty() && l.back() == '\\';
-      if (goes_on) l.remove_suffix(1);
-      if (goes_on || !joined.empty()) {
-        if (joined.size() + l.size() > (1u << 20)) fail("a line is longer than 1 MB");
-        joined.append(l).push_back(' ');
-        if (goes_on) continue;
-        statement(joined);
-        joined.clear();
-      } else {
-        statement(l);
-      }
-    }
-    if (!joined.empty()) statement(joined);
-    if (mesh_.v.empty()) throw InputError(file_, 0, "no vertices; expected an OBJ file with v and f statements");
-    if (mesh_.tri.empty()) throw InputError(file_, 0, "no faces; expected an OBJ file with v and f statements");
-    return std::move(mesh_);
-  }
-
- private:
-  [[noreturn]] void fail(const std::string& what) const { throw InputError(file_, line_, what); }
-
-  static std::string_view word(std::string_view& l) {
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; };
-    size_t a = 0;
-    while (a < l.size() && blank(l[a])) ++a;
-    size_t b = a;
-    while (b < l.size() && !blank(l[b])) ++b;
-    const std::string_view w = l.substr(a, b - a);
-    l.remove_prefix(b);
-    return w;
-  }
-
-  void statement(std::string_view l) {
-    const std::string_view key = word(l);
-    if (key == "v") {
-      Vec3 p;
-      for (int k = 0; k < 3; ++k) p[k] = real(word(l), "a vertex needs three finite numbers");
-      if (mesh_.v.size() == ObjLimits::vertices) fail("more than " + std::to_string(ObjLimits::vertices) + " vertices");
-      mesh_.v.push_back(p);
-    } else if (key == "vt") {
-      Eigen::Vector2f uv;
-      for (int k = 0; k < 2; ++k) {
-        const std::string_view w = word(l);
-        uv[k] = k == 1 && w.empty() ? 0 : float(real(w, "a texture coordinate needs finite numbers"));
-      }
-      if (mesh_.vt.size() == 3 * ObjLimits::vertices) fail("too many texture coordinates");
-      mesh_.vt.push_back(uv);
-    } else if (key == "f") {
-      face(l);
-    }
-  }
-
-  double real(std::string_view w, const char* what) const {
-    if (!w.empty() && w[0] == '+') w.remove_prefix(1);
-    double v = 0;
-    const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), v);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size() || !std::isfinite(v)) fail(what);
-    return v;
-  }
-
-  // 1-based, negative from the end; gives 0-based.
-  int32_t index(std::string_view w, size_t count, const char* of) const {
-    int64_t i = 0;
-    const auto [end, ec] = std::from_chars(w.data(), w.data() + w.size(), i);
-    if (w.empty() || ec != std::errc() || end != w.data() + w.size())
-      fail("a face has a broken index; expected v, v/vt, v//vn or v/vt/vn");
-    if (i == 0 || i > int64_t(count) || -i > int64_t(count))
-      fail("a face names " + std::string(of) + " " + std::to_string(i) + "; there are " + std::to_string(count) +
-           " so far");
-    return int32_t(i > 0 ? i - 1 : int64_t(count) + i);
-  }
-
-  void face(std::string_view l) {
-    polygon_.clear();
-    for (std::string_view w = word(l); !w.empty() && w[0] != '#'; w = word(l)) {
-      const size_t s = w.find('/');
-      Corner c{index(w.substr(0, s), mesh_.v.size(), "vertex"), -1};
-      if (s != std::string_view::npos) {
-        const std::string_view rest = w.substr(s + 1), vt = rest.substr(0, rest.find('/'));
-        if (!vt.empty()) c.vt = index(vt, mesh_.vt.size(), "texture coordinate");
-      }
-      polygon_.push_back(c);
-      if (polygon_.size() > ObjLimits::polygon_corners)
-        fail("a face has more than " + std::to_string(ObjLimits::polygon_corners) + " corners");
-    }
-    if (polygon_.size() < 3) fail("a face has " + std::to_string(polygon_.size()) + " corners; expected at least 3");
-    ears_.clear();
-    if (polygon_.size() == 3) {
-      ears_.push_back({0, 1, 2});
+RawMesh cut_into_triangles(ObjText text, const std::string& file) {
+  if (text.v.empty()) throw InputError(file, 0, "no vertices; expected an OBJ file with v and f statements");
+  if (text.face.empty()) throw InputError(file, 0, "no faces; expected an OBJ file with v and f statements");
+  RawMesh mesh{std::move(text.v), std::move(text.vt), {}, {}};
+  Clipper clip;
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> ears;
+  for (const ObjText::Face& f : text.face) {
+    const Corner* corner = text.corner.data() + f.first;
+    ears.clear();
+    if (f.corners == 3) {
+      ears.push_back({0, 1, 2});
     } else {
-      points_.clear();
-      for (const Corner& c : polygon_) points_.push_back(mesh_.v[size_t(c.v)]);
-      if (!clip_(points_, ears_))
-        fail("a face with " + std::to_string(polygon_.size()) +
-             " corners cannot be cut into triangles; expected a simple polygon with an area");
+      points.clear();
+      for (size_t k = 0; k < f.corners; ++k) points.push_back(mesh.v[size_t(corner[k].v)]);
+      if (!clip(points, ears))
+        throw InputError(file, f.line,
+                         fmt::format("a face with {} corners cannot be cut into triangles; expected a simple polygon "
+                                     "with an area",
+                                     f.corners));
     }
-    for (const auto& e : ears_) {
-      if (mesh_.tri.size() == ObjLimits::triangles)
-        fail("more than " + std::to_string(ObjLimits::triangles) + " triangles");
-      mesh_.tri.push_back({polygon_[size_t(e[0])], polygon_[size_t(e[1])], polygon_[size_t(e[2])]});
-      mesh_.line.push_back(line_);
+    for (const auto& e : ears) {
+      mesh.tri.push_back({corner[e[0]], corner[e[1]], corner[e[2]]});
+      mesh.line.push_back(f.line);
     }
   }
-
-  std::string_view text_;
-  const std::string& file_;
-  int line_ = 0;
-  RawMesh mesh_;
-  Clipper clip_;
-  std::vector<Corner> polygon_;
-  std::vector<Vec3> points_;
-  std::vector<std::array<int, 3>> ears_;
-};
+  return mesh;
+}
 
 void check(const ObjSpec& s) {
   const auto fail = [&](const std::string& what) { throw InputError(s.path, 0, what); };
@@ -277,7 +180,8 @@ void to_grid(RawMesh& raw, const ObjSpec& spec, Body& body, std::vector<int32_t>
 Body parse_obj(std::string_view text, const ObjSpec& spec, SurfaceReport* report) {
   check(spec);
   if (text.size() > ObjLimits::file_bytes) throw InputError(spec.path, 0, "the file is larger than 512 MB");
-  RawMesh raw = Parser(text, spec.path).run();
+  constexpr ObjTextLimits kLimits{ObjLimits::vertices, ObjLimits::triangles, ObjLimits::polygon_corners};
+  RawMesh raw = cut_into_triangles(parse_obj_text(text, spec.path, kLimits), spec.path);
   Body body;
   std::vector<int32_t> lines;
   to_grid(raw, spec, body, lines);

@@ -1,11 +1,9 @@
 #pragma once
 // A patient from a closed surface in a Wavefront OBJ file.
 //
-// Read: v, vt, f (triangles and polygons, v, v/vt, v//vn and v/vt/vn, negative indices), \r\n line
-// ends, # comments and line continuation by a backslash. Other statements (vn, s, g, o, usemtl,
-// mtllib ...) are skipped. Polygons are cut into triangles in their own plane. Vertices are scaled
-// to mm, snapped to the even rest grid (the finest unit that the size allows), equal ones are
-// welded, triangles that collapse by that are dropped, and the result is validated exactly.
+// Polygons are cut into triangles in their own plane. Vertices are scaled to mm, snapped to the even rest grid (the
+// finest unit that the size allows), equal ones are welded, triangles that collapse by that are dropped, and the result
+// is validated exactly. geometry/io/obj_text.h says which statements are read.
 #include <limits>
 #include <optional>
 #include <string>

@@ -1,0 +1,46 @@
+// The fuzzers' entry points stay alive: each takes its sound inputs, and refuses or survives what is left of them when
+// they are cut off or hit.
+#include <gtest/gtest.h>
+
+#include <random>
+#include <set>
+
+#include "tests/fuzz/entries.h"
+
+namespace limberg {
+namespace test_entries {
+
+TEST(FuzzEntries, TakeTheirSoundInputs) {
+  std::set<std::string> names;
+  for (const fuzz::Entry& e : fuzz::entries()) {
+    EXPECT_TRUE(names.insert(e.name).second) << e.name << " is there twice";
+    ASSERT_FALSE(e.sound.empty()) << e.name;
+    for (const std::string& s : e.sound) {
+      bool taken = false;
+      EXPECT_EQ(e.run(s, taken), "") << e.name;
+      EXPECT_TRUE(taken) << e.name;
+    }
+  }
+  EXPECT_GT(names.size(), 25u);
+}
+
+TEST(FuzzEntries, SurviveWhatIsCutOffOrHit) {
+  std::mt19937_64 random(20261123);
+  for (const fuzz::Entry& e : fuzz::entries()) {
+    int refused = 0;
+    for (const std::string& s : e.sound)
+      for (int n = 0; n < 40; ++n) {
+        std::string hit = s;
+        if (n % 4 == 0) hit.resize(size_t(random() % (s.size() + 1)));
+        for (int k = 0; k <= n % 3 && !hit.empty(); ++k) hit[size_t(random() % hit.size())] = char(random());
+        bool taken = false;
+        const std::string fault = e.run(hit, taken);
+        EXPECT_EQ(fault, "") << e.name << ", case " << n;
+        refused += !taken;
+      }
+    EXPECT_GT(refused, 0) << e.name << " takes everything";
+  }
+}
+
+}  // namespace test_entries
+}  // namespace limberg
