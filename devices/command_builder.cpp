@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "devices/bone_contour.h"
-#include "devices/pick.h"
 #include "devices/rigid_grip.h"
 #include "sim/geometry/polyline.h"
 
@@ -81,10 +80,7 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
     case ToolEvent::stroke_end: {
       if (tool == Tool::saw) {
         CutBone cut;
-        if (e.text.str() == pick::kPicked)
-          bone_stroke_.push_back(rest), cut.contour_mm = std::move(bone_stroke_);
-        else
-          cut.contour_mm = bone_contour(bone_stroke_);
+        cut.contour_mm = bone_contour(bone_stroke_);
         stroke_.clear();
         if (cut.contour_mm.empty()) return ++dropped_, std::nullopt;
         return HeadCommand(std::move(cut));
@@ -149,32 +145,12 @@ std::optional<Command> CommandBuilder::feed(const ToolEvent& e) {
       return HeadCommand(DragFragment{as_move(motion_of(c)), 0, e.hand});
     }
     case ToolEvent::bone_release:
-      return HeadCommand(LetGo{e.text.str() == pick::kSnap, e.hand});
-    case pick::place:
+      return HeadCommand(LetGo{false, e.hand});
+    case ToolEvent::name_place:
       return HeadCommand(PlaceLandmark{e.text.str(), rest, e.id == 1});
-    case pick::between: {
-      ConnectTissue t;
-      t.name = e.text.str(), t.face_mm = rest, t.bone_mm = world;
-      t.face_radius_mm = e.depth_mm, t.bone_radius_mm = e.spacing_mm, t.layers = e.id % 100, t.young_kPa = e.angle_deg;
-      t.mode = TissueKind(std::clamp(e.id / 100, 0, int(TissueKind::finite_elements)));
-      return HeadCommand(std::move(t));
-    }
-    case pick::laid_upon:
-      return HeadCommand(Superpose{SkullBeside(std::clamp(e.id, 0, int(SkullBeside::mirror))), e.text.str()});
-    case pick::shifted: {
-      RigidMove by;
-      by.translation_mm = world, by.rotation_deg = Vec3(e.quat[1], e.quat[2], e.quat[3]);
-      return HeadCommand(MoveFragment{{-1, rest}, by, 0});
-    }
-    case pick::sawn: {
-      CutBone cut;
-      cut.point_mm = rest, cut.normal = world, cut.radius_mm = e.depth_mm;
-      return HeadCommand(std::move(cut));
-    }
-    case pick::plated:
-      return HeadCommand(PlateFragments{rest, world});
-    case pick::joined:
-      return HeadCommand(JoinFragments{{-1, rest}, {-1, world}});
+    case ToolEvent::told:
+      if (!e.command) return {};
+      return *e.command;
     case ToolEvent::undo:
       return Undo{};
     case ToolEvent::redo:

@@ -24,7 +24,7 @@ class CommandBuilder {
   ///   ReleaseHook; suture_b -> Suture; suture_cut -> CutSuture; undo -> Undo; redo -> Redo; stage -> Stage.
   ///   Of the saw stroke_end -> CutBone (bone_contour.h); bone_grab -> GrabFragment; bone_drag -> DragFragment to where
   ///   it was taken,
-  ///   seconds 0; bone_release -> LetGo.
+  ///   seconds 0; bone_release -> LetGo. command -> that command.
   /// Progressive: a stroke_point of the scalpel completes a piece of some 5 mm that lies a little behind the hand,
   /// smoothed over what is known by then, and stroke_end the last one; a stroke that ends before its first piece is an
   /// Incise.

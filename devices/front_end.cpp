@@ -58,6 +58,9 @@ void DeviceFrontEnd::on_sample(const Sample& sample) {
       else
         cursor_.remove();
     }
+  } else if (const auto* command = std::get_if<CommandSample>(&sample)) {
+    last_sample_ns_ = std::max(last_sample_ns_, command->t_ns);
+    gestures_.command(command->command, tick_, *snapshot_, *this);
   } else if (const auto* s = std::get_if<StylusSample>(&sample)) {
     last_sample_ns_ = std::max(last_sample_ns_, s->t_ns);
     add_stylus(*s, s->device_id);

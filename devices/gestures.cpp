@@ -2,57 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <iterator>
 #include <numbers>
-
-#include "devices/pick.h"
-#include "sim/commands/head_command.h"
 
 namespace limberg {
 
 namespace {
-
-// What a panel says of bone by numbers and picked places (pick.h), as an event. False: its text does not hold the
-// numbers.
-bool told(const ControlSample& c, ToolEvent& e) {
-  double number[6]{};
-  int n = 0;
-  for (const char* at = c.text.c.data(); n < 6; ++n) {
-    char* end = nullptr;
-    number[n] = std::strtod(at, &end);
-    if (end == at || !std::isfinite(number[n])) break;
-    at = end;
-  }
-  const int wanted = c.kind == pick::shift ? 6 : c.kind == pick::snap || c.kind == pick::corner ? 0 : 3;
-  if (n < wanted) return false;
-  std::copy_n(c.value.begin(), 3, e.rest_mm);
-  if (wanted > 0) std::copy_n(number, 3, e.world_mm);
-  switch (c.kind) {
-    case pick::shift:
-      e.kind = pick::shifted, e.quat[0] = 0, std::copy_n(number + 3, 3, e.quat + 1);
-      break;
-    case pick::plane:
-      e.kind = pick::sawn, e.depth_mm = std::max(0.0, c.value[3]);
-      break;
-    case pick::plate:
-      e.kind = pick::plated;
-      break;
-    case pick::join:
-      e.kind = pick::joined;
-      break;
-    case pick::snap:
-      e.kind = ToolEvent::bone_grab;
-      break;
-    default:
-      e.kind = c.value[3] < 1   ? ToolEvent::stroke_begin
-               : c.value[3] < 2 ? ToolEvent::stroke_point
-                                : ToolEvent::stroke_end;
-      e.tool = int32_t(Tool::saw), e.text = ShortText(pick::kPicked);
-      break;
-  }
-  return true;
-}
 
 constexpr double kNearMm = 20;      // within this of the skin the closest point is followed on every tick
 constexpr int64_t kSearchNear = 4;  // ticks between searches over all the skin
@@ -170,82 +124,55 @@ void Gestures::control(const ControlSample& c, int64_t tick, const Snapshot& s, 
       emit(e, out);
       break;
     }
-    case pick::landmark: {
-      ToolEvent e = event(pick::place, tick, s);
-      const int on = int(std::clamp(c.value[3], 0.0, 3.0));
-      if (on == pick::touched && (touch_.triangle < 0 || touch_.distance_mm > g_.reach_mm || !acts_on_bone(tool_))) {
-        ++missed_;
+    case ControlSample::name_place:
+      if (const auto on = int(std::clamp(c.value[3], 0.0, 3.0)); on == kTouchedBone || on == kFaceNearTip) {
+        name_place(c, tick, s, out);
         break;
       }
-      for (int i = 0; i < 3 && on != pick::touched; ++i)
-        e.rest_mm[i] = on == pick::above ? last_pose_.tip_mm[i] : c.value[size_t(i)];
-      e.id = on == pick::face || on == pick::above;
-      e.text = c.text;
-      emit(e, out);
-      break;
-    }
-    case pick::tissue: {
-      std::string_view names = c.text.view();
-      const size_t cut = std::min(names.find('/'), names.size());
-      int mode = int(TissueKind::finite_elements);
-      if (const size_t second = names.find('/', std::min(cut + 1, names.size())); second != std::string_view::npos) {
-        const auto* const known = std::find(std::begin(kTissueKinds), std::end(kTissueKinds), names.substr(second + 1));
-        if (known == std::end(kTissueKinds)) {
-          ++missed_;
-          break;
-        }
-        mode = int(known - std::begin(kTissueKinds)), names = names.substr(0, second);
-      }
-      const auto place = [&](std::string_view name, double(&to)[3]) {
-        if (!s.topology) return false;
-        const auto& all = s.topology->landmark;
-        const size_t k = size_t(std::find(all.begin(), all.end(), name) - all.begin());
-        for (int i = 0; i < 3 && k < s.landmark_mm.size(); ++i) to[i] = double(s.landmark_mm[k][i]);
-        return k < s.landmark_mm.size();
-      };
-      ToolEvent e = event(pick::between, tick, s);
-      if (cut == names.size() || !place(names.substr(0, cut), e.rest_mm) || !place(names.substr(cut + 1), e.world_mm)) {
-        ++missed_;
-        break;
-      }
-      e.text = ShortText(names);
-      e.text.c[cut] = '-';
-      e.depth_mm = c.value[0], e.spacing_mm = c.value[1],
-      e.id = int32_t(std::clamp(c.value[2], 0.0, 99.0)) + 100 * mode, e.angle_deg = c.value[3];
-      emit(e, out);
-      break;
-    }
-    case pick::shift:
-    case pick::plane:
-    case pick::plate:
-    case pick::join:
-    case pick::snap:
-    case pick::corner: {
-      cancel(tick, s, out);
-      ToolEvent e = event(pick::place, tick, s);
-      if (!told(c, e)) {
-        ++missed_;
-        break;
-      }
-      if (e.kind == ToolEvent::bone_grab) {  // a snap: taken and let go in one
-        e.id = ++bone_grabs_;
-        emit(e, out);
-        e.kind = ToolEvent::bone_release, e.text = ShortText(pick::kSnap);
-      }
-      emit(e, out);
-      break;
-    }
-    case pick::beside: {
-      ToolEvent e = event(pick::laid_upon, tick, s);
-      e.id = int32_t(std::clamp(c.value[0], 0.0, double(std::size(kSkullBeside) - 1)));
-      e.text = c.text;
-      emit(e, out);
-      break;
-    }
+      [[fallthrough]];
     default:
+      old_control(c, tick, s, out);
       break;
   }
   state_.tool = int32_t(tool_);
+}
+
+void Gestures::name_place(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out) {
+  const bool on_face = int(c.value[3]) >= kFaceNearTip;
+  if (!on_face && (touch_.triangle < 0 || touch_.distance_mm > g_.reach_mm || !acts_on_bone(tool_))) {
+    ++missed_;
+    return;
+  }
+  ToolEvent e = event(ToolEvent::name_place, tick, s);
+  for (int i = 0; i < 3 && on_face; ++i) e.rest_mm[i] = last_pose_.tip_mm[i];
+  e.id = on_face;
+  e.text = c.text;
+  emit(e, out);
+}
+
+void Gestures::command(const std::shared_ptr<const Command>& c, int64_t tick, const Snapshot& s, EventSink& out) {
+  if (!c) return;
+  const auto* of_head = std::get_if<HeadCommand>(c.get());
+  const bool leaves_tissue =
+      of_head && (std::holds_alternative<PlaceLandmark>(*of_head) || std::holds_alternative<ConnectTissue>(*of_head) ||
+                  std::holds_alternative<Superpose>(*of_head));
+  if (!leaves_tissue) cancel(tick, s, out);
+  ToolEvent e = event(ToolEvent::told, tick, s);
+  e.command = c;
+  emit(e, out);
+}
+
+void Gestures::old_control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out) {
+  if (c.kind < OldControls::kFirst || c.kind == ControlSample::clutch) return;
+  const OldControls::Told told = old_.read(c, s);
+  if (told.stops_hand) cancel(tick, s, out);
+  if (!told.understood) ++missed_;
+  if (c.kind == OldControls::snap) ++bone_grabs_;  // it was a grab of the hand, and the hand's grabs are counted
+  for (const auto& command : told.events) {
+    ToolEvent e = event(ToolEvent::told, tick, s);
+    e.command = command;
+    emit(e, out);
+  }
 }
 
 void Gestures::press(int64_t tick, const Pose& pose, const Snapshot& s, EventSink& out) {

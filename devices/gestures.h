@@ -19,6 +19,7 @@
 #include <cstdint>
 
 #include "devices/edge_stroke.h"
+#include "devices/old_controls.h"
 #include "devices/rigid_grip.h"
 #include "devices/sample.h"
 #include "devices/surface_index.h"
@@ -45,6 +46,9 @@ class Gestures {
 
   /// A control, in the order of its arrival among the tick's samples.
   void control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
+  /// A command that a panel or a program has made. What the hand is doing is broken off, unless only a name, a
+  /// superposition or tissue between face and bone is spoken of.
+  void command(const std::shared_ptr<const Command>& c, int64_t tick, const Snapshot& s, EventSink& out);
   /// One tick. `pressed` is the button now, `edges` how often it changed since the last tick. While `clutch` the hand
   /// moves and the hook or fragment that it holds stays; afterwards it follows from where it is, until it is let go.
   void tick(int64_t tick, const Pose& hand, bool pressed, int edges, const Snapshot& s, EventSink& out,
@@ -69,6 +73,8 @@ class Gestures {
   void touch_where_rested(const Snapshot& s);
   /// The mean tip of a hand that rests, else the tip.
   Vec3 meant_tip() const;
+  void name_place(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
+  void old_control(const ControlSample& c, int64_t tick, const Snapshot& s, EventSink& out);
   void emit_row(int64_t tick, const Snapshot& s, EventSink& out);
   ToolEvent event(int kind, int64_t tick, const Snapshot& s) const;
   void emit(ToolEvent e, EventSink& out);
@@ -98,6 +104,7 @@ class Gestures {
   double angle_sum_deg_ = 0, angle_weight_mm_ = 0;
   RigidGrip grip_;
   int32_t bone_grabs_ = 0;
+  OldControls old_;
   ToolState state_;
   int64_t seq_ = 0, lost_ = 0, missed_ = 0;
 };

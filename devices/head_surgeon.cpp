@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "devices/motion.h"
-#include "devices/pick.h"
 #include "devices/sample.h"
 #include "sim/geometry/polyline.h"
 #include "sim/geometry/triangle.h"
@@ -30,7 +29,7 @@ struct Act {
   double height_mm = 0;       // saw_to: above the bone
   std::vector<Vec3> path;     // saw_along: at rest
   RigidMove move;             // carry, carry_tip
-  ControlSample sample;
+  Sample sample;              // of a control or a command
 };
 
 /// A place on the bone as it lies now.
@@ -73,7 +72,7 @@ struct EmulatedHeadSurgeon::Impl {
   double aperture = kOpen_mm;
   Eigen::Isometry3d carried = Eigen::Isometry3d::Identity();
   int stages = 0;
-  int64_t sample = 0, stylus_seq = 0, control_seq = 0, station_seq[2] = {0, 0}, sent = 0;
+  int64_t sample = 0, stylus_seq = 0, control_seq = 0, command_seq = 0, station_seq[2] = {0, 0}, sent = 0;
 
   // ---- looking ----
 
@@ -143,8 +142,17 @@ struct EmulatedHeadSurgeon::Impl {
   void choose(int32_t kind, Tool tool = Tool::none, std::array<double, 4> value = {}, const std::string& text = {}) {
     Act a;
     a.kind = Act::control;
-    a.sample.kind = kind, a.sample.tool = tool, a.sample.value = value, a.sample.text = ShortText(text);
+    ControlSample c;
+    c.kind = kind, c.tool = tool, c.value = value, c.text = ShortText(text);
+    a.sample = c;
     acts.push_back(a);
+  }
+  void tell(const HeadCommand& c) {
+    Act a;
+    a.kind = Act::control;
+    a.sample = command_sample(c);
+    acts.push_back(a);
+    add(Act::hold, set.settle_s);
   }
   void problem(const std::string& what) { problems.push_back("command " + std::to_string(command + 1) + ": " + what); }
 
@@ -230,12 +238,7 @@ struct EmulatedHeadSurgeon::Impl {
   void plan(const HeadCommand& h) {
     if (const auto* c = std::get_if<CutBone>(&h)) return plan(*c);
     if (const auto* m = std::get_if<MoveFragment>(&h)) return plan(*m);
-    if (const auto* s = std::get_if<Superpose>(&h))
-      return choose(pick::beside, Tool::none, {double(s->on), 0, 0, 0}, s->name), add(Act::hold, set.settle_s);
-    if (const auto* l = std::get_if<PlaceLandmark>(&h))
-      return choose(pick::landmark, Tool::none,
-                    {l->at_mm.x(), l->at_mm.y(), l->at_mm.z(), double(l->on_face ? pick::face : pick::bone)}, l->name),
-             add(Act::hold, set.settle_s);
+    if (std::holds_alternative<Superpose>(h) || std::holds_alternative<PlaceLandmark>(h)) return tell(h);
     problem(
         "no gesture of saw and glove; expected osteotomies by contours, moves of fragments, landmarks and "
         "superpositions");
@@ -350,10 +353,12 @@ struct EmulatedHeadSurgeon::Impl {
       if (a.kind == Act::press) pressed = true;
       if (a.kind == Act::let_go) pressed = false;
       if (a.kind == Act::control) {
-        ControlSample c = a.sample;
-        c.device_id = set.device_id, c.seq = control_seq++, c.t_ns = t_ns;
+        if (auto* c = std::get_if<ControlSample>(&a.sample))
+          c->device_id = set.device_id, c->seq = control_seq++, c->t_ns = t_ns;
+        if (auto* c = std::get_if<CommandSample>(&a.sample))
+          c->device_id = set.device_id, c->seq = command_seq++, c->t_ns = t_ns;
         ++sent;
-        sink.on_sample(c);
+        sink.on_sample(a.sample);
       }
       act_from_s += act_seconds;
       act_begun = false;

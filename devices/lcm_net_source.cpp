@@ -19,6 +19,7 @@ namespace limberg {
 
 namespace {
 
+constexpr size_t kMostCommands = 10'000;     // of a session
 constexpr int64_t kSilenceNs = 300'000'000;  // longer than packets linger on a network of one room
 
 struct Stream : StreamOrder {
@@ -43,6 +44,9 @@ struct LcmNetSource::Impl {
   static void on_control(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
     self->take<limberg_msg::control_t, ControlSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
   }
+  static void on_command(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
+    self->take<limberg_msg::command_t, CommandSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
+  }
   static void on_tracker(const lcm::ReceiveBuffer* buffer, const std::string&, Impl* self) {
     self->take<limberg_msg::tracker_t, TrackerSample>(static_cast<const uint8_t*>(buffer->data), buffer->data_size);
   }
@@ -51,6 +55,8 @@ struct LcmNetSource::Impl {
       take<limberg_msg::stylus_t, StylusSample>(data, n);
     else if (channel == kControlChannel)
       take<limberg_msg::control_t, ControlSample>(data, n);
+    else if (channel == kCommandChannel)
+      take<limberg_msg::command_t, CommandSample>(data, n);
     else if (channel == kTrackerChannel)
       take<limberg_msg::tracker_t, TrackerSample>(data, n);
   }
@@ -88,6 +94,13 @@ struct LcmNetSource::Impl {
     // A sender that begins anew at a much higher number has lost nothing.
     constexpr int64_t kMostLost = 100'000;
     if (gap < kMostLost) lost.fetch_add(gap, std::memory_order_relaxed);
+    if constexpr (std::is_same_v<S, CommandSample>) {  // kept, so that the device thread frees none
+      if (commands.size() >= kMostCommands) {
+        lost.fetch_add(1, std::memory_order_relaxed);
+        return;
+      }
+      commands.push_back(s.command);
+    }
     if (!queue.push(s)) lost.fetch_add(1, std::memory_order_relaxed);
   }
 
@@ -109,7 +122,8 @@ struct LcmNetSource::Impl {
   std::unique_ptr<LcmLocalLink> local;  // one of the two
   std::unique_ptr<lcm::LCM> library;
   const int64_t start_ns;
-  std::map<std::pair<int, int32_t>, Stream> order;  // of the receiving thread alone
+  std::map<std::pair<int, int32_t>, Stream> order;  // of the receiving thread alone, as are the commands
+  std::vector<std::shared_ptr<const Command>> commands;
   SampleQueue queue;
   std::atomic<int64_t> malformed{0}, lost{0}, foreign{0};
   std::atomic<bool> stop{false};
@@ -131,6 +145,7 @@ LcmNetSource::LcmNetSource(const LcmNetSettings& settings, int64_t start_ns) {
   if (impl_->library) {
     impl_->library->subscribeFunction(std::string(kStylusChannel), &Impl::on_stylus, impl_.get());
     impl_->library->subscribeFunction(std::string(kControlChannel), &Impl::on_control, impl_.get());
+    impl_->library->subscribeFunction(std::string(kCommandChannel), &Impl::on_command, impl_.get());
     impl_->library->subscribeFunction(std::string(kTrackerChannel), &Impl::on_tracker, impl_.get());
   }
   impl_->thread = std::thread([this] { impl_->listen(); });

@@ -4,7 +4,9 @@
 
 #include <cmath>
 
-#include "devices/pick.h"
+#include "devices/old_controls.h"
+#include "sim/base/error.h"
+#include "sim/commands/script.h"
 
 namespace limberg {
 
@@ -64,8 +66,7 @@ const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_
 
 const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time) {
   if (const char* wrong = check_prefix(m, any_time)) return wrong;
-  static_assert(int(ControlSample::clutch) + 1 == int(pick::beside));
-  if (m.kind < ControlSample::select_tool || m.kind > pick::last_control) return "unknown kind of control";
+  if (m.kind < ControlSample::select_tool || m.kind > OldControls::kLast) return "unknown kind of control";
   if (m.tool < int32_t(Tool::none) || m.tool > int32_t(Tool::grab)) return "unknown tool";
   for (double v : m.value)
     if (!std::isfinite(v) || std::abs(v) > 1e6) return "control value is not a number of this world";
@@ -148,9 +149,42 @@ limberg_msg::raw_t to_message(const RawSample& s) {
   return m;
 }
 
+const char* to_sample(const limberg_msg::command_t& m, CommandSample& s, bool any_time) {
+  if (const char* wrong = check_prefix(m, any_time)) return wrong;
+  if (m.n < 0 || size_t(m.n) != m.line.size()) return "a line of the wrong length";
+  try {
+    const std::string_view line(reinterpret_cast<const char*>(m.line.data()), m.line.size());
+    s.command = std::make_shared<const Command>(parse_command(line, "command", 0));
+  } catch (const InputError&) {
+    return "no command of a script";
+  }
+  copy_prefix(m, s);
+  return nullptr;
+}
+
+limberg_msg::command_t to_message(const CommandSample& s) {
+  limberg_msg::command_t m{};
+  set_prefix(s, m);
+  const std::string line = s.command ? to_json_line(*s.command) : "";
+  m.line.assign(line.begin(), line.end());
+  m.n = int32_t(line.size());
+  return m;
+}
+
+CommandSample command_sample(const Command& command) {
+  const std::string line = to_json_line(command);
+  if (line.size() > kMaxCommandLine)
+    throw InputError("", 0,
+                     std::string(action_name(command)) + " has a line of " + std::to_string(line.size()) +
+                         " bytes; expected at most " + std::to_string(kMaxCommandLine));
+  CommandSample s;
+  s.command = std::make_shared<const Command>(parse_command(line, "", 0));
+  return s;
+}
+
 std::string_view channel_of(const Sample& s) {
-  constexpr std::array<std::string_view, std::variant_size_v<Sample>> channel{kStylusChannel, kControlChannel,
-                                                                              kTrackerChannel, kRawChannel};
+  constexpr std::array<std::string_view, std::variant_size_v<Sample>> channel{
+      kStylusChannel, kControlChannel, kTrackerChannel, kRawChannel, kCommandChannel};
   return channel[s.index()];
 }
 

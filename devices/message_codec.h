@@ -11,6 +11,7 @@
 #include "devices/sample.h"
 #include "limberg_msg/checkpoint_t.hpp"
 #include "limberg_msg/chunk_t.hpp"
+#include "limberg_msg/command_t.hpp"
 #include "limberg_msg/control_t.hpp"
 #include "limberg_msg/end_t.hpp"
 #include "limberg_msg/raw_t.hpp"
@@ -26,7 +27,7 @@ inline constexpr std::string_view kStylusChannel = "LIMBERG_STYLUS", kControlCha
                                   kSessionChannel = "LIMBERG_SESSION", kChunkChannel = "LIMBERG_CHUNK",
                                   kCheckpointChannel = "LIMBERG_CHECKPOINT", kEndChannel = "LIMBERG_END",
                                   kTrackerChannel = "LIMBERG_TRACKER", kRawChannel = "LIMBERG_RAW",
-                                  kScheduleChannel = "LIMBERG_SCHEDULE";
+                                  kScheduleChannel = "LIMBERG_SCHEDULE", kCommandChannel = "LIMBERG_COMMAND";
 
 /// CRC-32 of IEEE 802.3 (reflected polynomial 0xEDB88320).
 uint32_t checksum(const uint8_t* data, size_t n);
@@ -49,12 +50,28 @@ size_t encode_message(M message, MessageBytes& bytes) {
   return size_t(n);
 }
 
+/// A command's line in a message.
+inline constexpr size_t kMaxCommandLine = 8000;
+
+/// The size that the bytes must have as a message of type M; 0 where they cannot be one.
+template <class M>
+size_t expected_size(const M& message, const uint8_t*, size_t) {
+  return size_t(message.getEncodedSize());
+}
+/// Of the one message that is not of a fixed size: by the length of its line, which is not believed before it fits.
+inline size_t expected_size(const limberg_msg::command_t& message, const uint8_t* data, size_t n) {
+  constexpr size_t kLength = 40;  // where it stands: behind fingerprint and prefix
+  if (n < kLength + 4) return 0;
+  const auto line = get_big_endian<int32_t>(data + kLength);
+  return line < 0 || size_t(line) > kMaxCommandLine ? 0 : size_t(message.getEncodedSize()) + size_t(line);
+}
+
 /// What is wrong with the bytes as a message of type M, or nullptr, and then `message` holds it. `has_checksum`:
 /// whether a checksum was given, and then it was right. A stream that has given one gives them always (StreamOrder).
 template <class M>
 const char* decode_message(const uint8_t* data, size_t n, M& message, bool* has_checksum = nullptr) {
-  const int size = message.getEncodedSize();
-  if (n != size_t(size)) return "wrong message size";
+  const auto size = int(expected_size(message, data, n));
+  if (size == 0 || n != size_t(size)) return "wrong message size";
   if (get_big_endian<int64_t>(data) != M::getHash()) return "wrong message fingerprint";
   if (get_big_endian<int32_t>(data + 8) != kSchemaVersion) return "unknown schema version";
   const auto given = get_big_endian<uint32_t>(data + n - 4);
@@ -75,6 +92,9 @@ const char* to_sample(const limberg_msg::stylus_t& m, StylusSample& s, bool any_
 const char* to_sample(const limberg_msg::control_t& m, ControlSample& s, bool any_time = false);
 const char* to_sample(const limberg_msg::tracker_t& m, TrackerSample& s, bool any_time = false);
 const char* to_sample(const limberg_msg::raw_t& m, RawSample& s, bool any_time = false);
+/// Reads the line too: memory is taken, so not on the device thread.
+const char* to_sample(const limberg_msg::command_t& m, CommandSample& s, bool any_time = false);
+limberg_msg::command_t to_message(const CommandSample& s);
 limberg_msg::stylus_t to_message(const StylusSample& s);
 limberg_msg::control_t to_message(const ControlSample& s);
 limberg_msg::tracker_t to_message(const TrackerSample& s);
@@ -85,7 +105,8 @@ std::string_view channel_of(const Sample& s);
 inline int stream_of(const StylusSample&) { return 0; }
 inline int stream_of(const ControlSample&) { return 1; }
 inline int stream_of(const RawSample&) { return 2; }
-inline int stream_of(const TrackerSample& s) { return 2 + s.station; }
+inline int stream_of(const TrackerSample& s) { return 2 + s.station; }  // 1 to 4
+inline int stream_of(const CommandSample&) { return 7; }
 
 /// Zero-filled fixed text; reading stops at the first zero. Control characters are refused on reading by to_sample.
 template <size_t N>

@@ -2,12 +2,12 @@
 // A recording: an LCM log that alone reproduces a run. In order:
 //   LIMBERG_SESSION     what made it: format, version, commit, hashes, seeds, rates
 //   LIMBERG_CHUNK ...   the scene file, the calibration and any mesh, byte for byte
-//   LIMBERG_STYLUS, LIMBERG_TRACKER, LIMBERG_CONTROL   every sample as received
+//   LIMBERG_STYLUS, LIMBERG_TRACKER, LIMBERG_CONTROL, LIMBERG_COMMAND   every sample as received
 //   LIMBERG_RAW         the bytes of serial devices from which samples were read
 //   LIMBERG_SCHEDULE    of a live session: what its threads took from each other (schedule.h)
 //   LIMBERG_CHECKPOINT  tick and state hash, once a second or so
 //   LIMBERG_END         number of events before it, final tick and hash; missing when the session was cut short
-// All messages have a fixed size, a schema version, a sequence number and a CRC-32 (messages/*.lcm).
+// All messages have a size that is known, a schema version, a sequence number and a CRC-32 (messages/*.lcm).
 #include <array>
 #include <cstdint>
 #include <optional>

@@ -33,6 +33,8 @@ class Reader {
         wrong = sample<limberg_msg::stylus_t, StylusSample>(e);
       else if (e.channel == kControlChannel)
         wrong = sample<limberg_msg::control_t, ControlSample>(e);
+      else if (e.channel == kCommandChannel)
+        wrong = sample<limberg_msg::command_t, CommandSample>(e);
       else if (e.channel == kTrackerChannel)
         wrong = sample<limberg_msg::tracker_t, TrackerSample>(e);
       else if (e.channel == kRawChannel)

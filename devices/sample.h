@@ -2,10 +2,12 @@
 // What the hand sends, as plain data. Lengths in mm, times in ns of the recording's clock.
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <variant>
 
+#include "sim/commands/command.h"
 #include "sim/geometry/vec.h"
 
 namespace limberg {
@@ -55,8 +57,9 @@ struct ControlSample {
     release_hook = 4,
     redo = 5,
     cursor = 6,
+    name_place = 7,  // of a head: what the tool touches has a name from now on
     clutch = 9
-  };  // 7, 8: pick.h
+  };  // 8, 10 to 16, and 7 with a place: in recordings before command_t (old_controls.h)
   int32_t device_id = 0;
   int64_t seq = 0, t_ns = 0;
   int32_t kind = select_tool;
@@ -65,10 +68,24 @@ struct ControlSample {
   std::array<double, 4>
       value{};  // select_tool: depth_mm, angle_deg, spacing_mm, hook id; stage: its number; release_hook: id
                 // cursor: gain (0: off), 1 to walk on walls and bed too; clutch: 1 down, 0 up
+                // name_place: value[3] says what the name is for (Touched)
                 // angle_deg 0: the blade's angle is read from the shaft during the stroke
 };
 
 enum ControlValue : int { kDepth = 0, kAngle = 1, kSpacing = 2, kHookId = 3 };  // select_tool's value[]
+
+enum Touched : int { kTouchedBone = 0, kFaceNearTip = 3 };  // name_place's value[3]
+
+/// A command made away from the hand, by a panel or a program (LCM command_t). Whoever makes one keeps it until the
+/// session has ended: the device thread only hands it on, and never frees it.
+struct CommandSample {
+  int32_t device_id = 0;
+  int64_t seq = 0, t_ns = 0;
+  std::shared_ptr<const Command> command;
+};
+/// A sample of a command, as it will be read from a recording. InputError: no script can hold it, or its line is too
+/// long.
+CommandSample command_sample(const Command& command);
 
 /// What a station of a tracker is fixed to.
 enum class StationRole : int32_t { none = 0, stylus = 1, forefinger = 2, thumb = 3 };
@@ -94,7 +111,7 @@ struct RawSample {
   std::array<uint8_t, 64> bytes{};
 };
 
-using Sample = std::variant<StylusSample, ControlSample, TrackerSample, RawSample>;
+using Sample = std::variant<StylusSample, ControlSample, TrackerSample, RawSample, CommandSample>;
 
 /// When it was taken, on the clock of its source (ns).
 inline int64_t time_of(const Sample& s) {

@@ -1,5 +1,6 @@
 #pragma once
-// What a gesture means, on its way from the device thread to the solver thread (SPSC ring): fixed size, no pointers.
+// What a gesture means, on its way from the device thread to the solver thread (SPSC ring): of fixed size, but for the
+// command of a panel, which is kept by who made it.
 #include <cstdint>
 
 #include "devices/sample.h"
@@ -26,7 +27,9 @@ struct ToolEvent {
     // the hand closes on a fragment at rest_mm; it follows ToolState::carried or SecondHand::carried from now on
     bone_grab,
     bone_drag,  // where the fragment was taken in the end: world_mm and quat, the map of places since it was grabbed
-    bone_release
+    bone_release,
+    name_place,  // of a head: rest_mm has the name `text` from now on; id 1: on the face
+    told         // what a panel or a program says: `command`; without one it says nothing yet
   };
   int64_t seq = 0;        // counts events, gaps are losses
   int64_t tick = 0;       // device tick, 1 ms
@@ -41,6 +44,7 @@ struct ToolEvent {
   int32_t id = 0;    // hook id, or stage number
   int32_t hand = 0;  // 0 stylus, 1 glove
   ShortText text;    // stage: its name
+  std::shared_ptr<const Command> command;
 };
 
 /// Where tool events go. False: the sink is full and the event is lost (the caller counts it).

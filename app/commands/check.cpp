@@ -347,7 +347,7 @@ int check_recording(const std::string& file, bool with_plan, int workers) {
     last = std::max(last, t);
     stylus += std::holds_alternative<StylusSample>(s);
     stations += std::holds_alternative<TrackerSample>(s);
-    controls += std::holds_alternative<ControlSample>(s);
+    controls += std::holds_alternative<ControlSample>(s) || std::holds_alternative<CommandSample>(s);
     if (const auto* r = std::get_if<RawSample>(&s)) raw_bytes += r->n;
   }
   std::printf("recording   %lld events\n", static_cast<long long>(rec.events));

@@ -75,7 +75,7 @@ struct DesktopDevices final : SampleSink {
       s.name = "stylus";
       s.pos_mm = p->tip_mm, s.quat = p->quat;
       s.add(p->seq, p->t_ns, p->buttons);
-    } else if (std::holds_alternative<ControlSample>(sample)) {
+    } else if (std::holds_alternative<ControlSample>(sample) || std::holds_alternative<CommandSample>(sample)) {
       ++controls;
     }
   }

@@ -12,7 +12,8 @@ namespace limberg {
 
 namespace {
 double seconds(int64_t tick) { return double(tick) * 1e-3; }
-constexpr int kChances = 64;  // bits of SolverTake::adopted; later chances in one step are let pass
+constexpr int32_t kByCommand = -1;  // in carried_: held, and not by a hand
+constexpr int kChances = 64;        // bits of SolverTake::adopted; later chances in one step are let pass
 Vec3 vec(const double (&p)[3]) { return {p[0], p[1], p[2]}; }
 }  // namespace
 
@@ -112,6 +113,10 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
     held_since_[hand] = e.tick;
   // What was not taken up (the grab was refused) is neither carried nor let go.
   if ((e.kind == ToolEvent::bone_drag || e.kind == ToolEvent::bone_release) && carried_[hand] == 0) return;
+  if (e.kind == ToolEvent::told) {
+    if (c) take(*c, tick);
+    return;
+  }
   bool done = false;
   if (c) {
     // A hook that was carried is put down: say how long the way took, for whoever carries the script out again.
@@ -139,6 +144,17 @@ void SolverLane::take(const ToolEvent& e, int64_t tick) {
     default:
       break;
   }
+}
+
+// A panel's grab and let go, which say a snap, go together as a hand's: what was not grabbed is not let go.
+void SolverLane::take(const Command& c, int64_t tick) {
+  const auto* of_head = std::get_if<HeadCommand>(&c);
+  const auto* grab = of_head ? std::get_if<GrabFragment>(of_head) : nullptr;
+  const auto* let_go = of_head ? std::get_if<LetGo>(of_head) : nullptr;
+  if (let_go && carried_[let_go->hand] == 0) return;
+  const bool done = apply(c, tick);
+  if (grab) carried_[grab->hand] = done ? kByCommand : 0;
+  if (let_go) carried_[let_go->hand] = 0;
 }
 
 bool SolverLane::apply(const Command& c, int64_t tick) {

@@ -84,6 +84,7 @@ class SolverLane {
  private:
   void advance(int64_t tick, const StepSettings& s);
   void take(const ToolEvent& e, int64_t tick);
+  void take(const Command& c, int64_t tick);   // of a panel or a program
   bool apply(const Command& c, int64_t tick);  // false: refused
   void notify(int32_t kind, const Command& c, const std::string& text, int64_t tick);
   void follow_hand();

@@ -4,12 +4,32 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <iterator>
 
-#include "devices/pick.h"
+#include "sim/commands/actions.h"
 
 namespace limberg {
+
+namespace {
+
+// A slider over what the table of acts calls usual; `at_least`: in words, what the least value means.
+void field_slider(const char* label, const ActionField& f, double& value, const char* format,
+                  const char* at_least = nullptr) {
+  const bool least = at_least && value <= f.field.usual_from;
+  ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &f.field.usual_from, &f.field.usual_to,
+                      least ? at_least : format);
+}
+
+// A choice by the words of the table of acts.
+template <class E>
+void field_choice(const char* label, const ActionField& f, E& value) {
+  if (!ImGui::BeginCombo(label, f.field.words[size_t(value)])) return;
+  for (size_t k = 0; k < f.field.words.size(); ++k)
+    if (ImGui::Selectable(f.field.words[k], size_t(value) == k)) value = E(k);
+  ImGui::EndCombo();
+}
+
+}  // namespace
 
 void DeskHead::draw(const std::vector<HeadMeasure>& measures, bool has_face, float height) {
   ImGui::PushItemWidth(72);
@@ -20,7 +40,7 @@ void DeskHead::draw(const std::vector<HeadMeasure>& measures, bool has_face, flo
   if (!ImGui::BeginTabBar("head")) return;
   if (ImGui::BeginTabItem("Figures")) figures(measures, height), ImGui::EndTabItem();
   if (ImGui::BeginTabItem("Bones")) bones(), ImGui::EndTabItem();
-  if (has_face && ImGui::BeginTabItem("Tissue")) tissue(has_face), ImGui::EndTabItem();
+  if (has_face && ImGui::BeginTabItem("Tissue")) between(has_face), ImGui::EndTabItem();
   ImGui::EndTabBar();
 }
 
@@ -60,28 +80,28 @@ void DeskHead::bones() {
   if (button_for(2, "Join")) ask = Ask::join;
 }
 
-void DeskHead::tissue(bool has_face) {
+void DeskHead::between(bool has_face) {
   if (on_face_.empty() || on_bone_.empty()) {
     if (has_face) ImGui::TextDisabled("pick a place on the face and one on bone");
     return;
   }
   ImGui::PushItemWidth(72);
-  ImGui::SliderFloat("on the face, mm", &face_radius_mm, 8, 80, "%.0f");
-  ImGui::SliderFloat("on bone, mm", &bone_radius_mm, 0, 120, bone_radius_mm > 0 ? "%.0f" : "all of it");
-  ImGui::SliderInt("layers", &layers, 1, 6);
-  ImGui::SliderFloat("kPa", &young_kPa, 1, 60, "%.0f");
+  const auto field = [](const char* key) -> const ActionField& { return action_field("connect_tissue", key); };
+  field_slider("on the face, mm", field("face_radius_mm"), tissue.face_radius_mm, "%.0f");
+  field_slider("on bone, mm", field("bone_radius_mm"), tissue.bone_radius_mm, "%.0f", "all of it");
+  const Field& layers = field("layers").field;
+  ImGui::SliderInt("layers", &tissue.layers, int(layers.usual_from), int(layers.usual_to));
+  field_slider("kPa", field("young_kPa"), tissue.young_kPa, "%.0f");
   ImGui::PopItemWidth();
   ImGui::PushItemWidth(-1);
-  ImGui::Combo("##mode", &mode, "Smoothing: the face does not feel it\0Springs\0Shape\0Finite elements\0");
+  field_choice("##mode", field("mode"), tissue.mode);
   ImGui::PopItemWidth();
   if (ImGui::Button(("Tissue " + on_face_.back().name + " - " + on_bone_.back().name).c_str(), {-1, 0})) tie = true;
 }
 
 void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height) {
-  int with = int(beside);
   ImGui::PushItemWidth(-1);
-  if (ImGui::Combo("##beside", &with, "The skull alone\0Beside a normal skull\0Beside its mirror image\0"))
-    beside = SkullBeside(with);
+  field_choice("##beside", action_field("superpose", "on"), beside);
   ImGui::PopItemWidth();
   if (beside != SkullBeside::off && !skull_word.empty()) ImGui::TextWrapped("%s", skull_word.c_str());
   if (measures.empty()) return;
@@ -108,31 +128,31 @@ void DeskHead::figures(const std::vector<HeadMeasure>& measures, float height) {
   }
 }
 
-void DeskHead::see(const std::vector<std::string>& landmarks) {
+void DeskHead::see(const std::vector<std::string>& landmarks, std::span<const Vec3f> now_mm) {
   on_face_.clear(), on_bone_.clear(), placed_.clear();
-  for (const Pick& p : picked_) {
-    if (std::find(landmarks.begin(), landmarks.end(), p.name) == landmarks.end()) continue;
+  for (Pick& p : picked_) {
+    const auto at = size_t(std::find(landmarks.begin(), landmarks.end(), p.name) - landmarks.begin());
+    if (at == landmarks.size()) continue;
+    p.now_mm = at < now_mm.size() ? Vec3(now_mm[at].cast<double>()) : p.X_mm;
     (p.on == Pick::On::face ? on_face_ : on_bone_).push_back(p);
     if (p.on == Pick::On::bone) placed_.push_back(p);
   }
 }
 
-ControlSample DeskHead::picked(const Snapshot& s, int32_t triangle, const Vec3f& bary) {
-  ControlSample c;
-  c.kind = pick::landmark;
+std::variant<Command, ControlSample> DeskHead::picked(const Snapshot& s, int32_t triangle, const Vec3f& bary) {
+  std::variant<Command, ControlSample> said;
   const std::string called(name.data());
-  c.text = ShortText(called);
-  Pick made;
+  Pick made{called, Vec3::Zero(), Vec3::Zero(), Pick::On::touched};
   if (triangle >= 0 && s.topology) {
     const Tri& t = s.topology->view.tri[size_t(triangle)];
-    Vec3 X = Vec3::Zero();
-    for (size_t k = 0; k < 3; ++k) X += double(bary[Eigen::Index(k)]) * s.topology->view.X_mm[size_t(t[k])];
+    for (size_t k = 0; k < 3; ++k) made.X_mm += double(bary[Eigen::Index(k)]) * s.topology->view.X_mm[size_t(t[k])];
     const bool face = s.topology->organ_of(size_t(triangle)) == Organ::face;
-    c.value = {X.x(), X.y(), X.z(), double(face ? pick::face : pick::bone)};
-    made = {called, X, face ? Pick::On::face : Pick::On::bone};
+    made.on = face ? Pick::On::face : Pick::On::bone;
+    said = HeadCommand(PlaceLandmark{called, made.X_mm, face});
   } else {
-    c.value = {0, 0, 0, double(pick::touched)};
-    made = {called, Vec3::Zero(), Pick::On::touched};
+    ControlSample c;
+    c.kind = ControlSample::name_place, c.text = ShortText(called), c.value[3] = kTouchedBone;
+    said = c;
   }
   // A name has one place.
   std::erase_if(picked_, [&](const Pick& p) { return p.name == called; });
@@ -142,16 +162,15 @@ ControlSample DeskHead::picked(const Snapshot& s, int32_t triangle, const Vec3f&
   const std::string next = "M" + std::to_string(next_);
   name.fill(0);
   next.copy(name.data(), name.size() - 1);
-  return c;
+  return said;
 }
 
-std::optional<ControlSample> DeskHead::tied() const {
+std::optional<Command> DeskHead::tied() const {
   if (on_face_.empty() || on_bone_.empty()) return std::nullopt;
-  ControlSample c;
-  c.kind = pick::tissue;
-  c.text = ShortText(on_face_.back().name + "/" + on_bone_.back().name + "/" + kTissueKinds[size_t(mode)]);
-  c.value = {double(face_radius_mm), double(bone_radius_mm), double(layers), double(young_kPa)};
-  return c;
+  ConnectTissue t = tissue;
+  t.name = on_face_.back().name + "-" + on_bone_.back().name;
+  t.face_mm = on_face_.back().now_mm, t.bone_mm = on_bone_.back().now_mm;
+  return HeadCommand(std::move(t));
 }
 
 std::string DeskHead::named(size_t last) const {
@@ -161,61 +180,52 @@ std::string DeskHead::named(size_t last) const {
   return s;
 }
 
-std::vector<ControlSample> DeskHead::asked() const {
+std::vector<Command> DeskHead::asked() const {
   const auto at = [&](size_t back) { return placed_[placed_.size() - 1 - back].X_mm; };
-  const auto control = [](int32_t kind, const Vec3& X, double last = 0) {
-    ControlSample c;
-    c.kind = kind, c.value = {X.x(), X.y(), X.z(), last};
-    return c;
+  // As the panel shows it, to a hundredth.
+  const auto shown = [](const std::array<float, 3>& v) {
+    Vec3 r;
+    for (size_t i = 0; i < 3; ++i)
+      r[Eigen::Index(i)] = std::round(100 * std::clamp(double(v[i]), -999.99, 999.99)) / 100 + 0.0;
+    return r;
   };
-  const auto text = [](const char* format, auto... v) {
-    char s[96];
-    std::snprintf(s, sizeof s, format, double(v)...);
-    return ShortText(s);
-  };
-  // As the panel shows it, to a hundredth: six of them fit into a text.
-  const auto shown = [](float v) { return std::round(100 * std::clamp(double(v), -999.99, 999.99)) / 100 + 0.0; };
   const size_t places = placed_.size(), round = size_t(ring);
   const size_t wanted = ask == Ask::saw_round                   ? round
                         : ask == Ask::saw_plane                 ? 3
                         : ask == Ask::plate || ask == Ask::join ? 2
                                                                 : 1;
   if (ask == Ask::nothing || places < wanted) return {};
-  std::vector<ControlSample> out;
+  const FragmentPick last{-1, at(0)};
   switch (ask) {
-    case Ask::saw_round:
-      for (size_t k = 0; k < round; ++k)
-        out.push_back(control(pick::corner, at(round - 1 - k), k == 0 ? 0 : k + 1 < round ? 1 : 2));
-      break;
-    case Ask::saw_plane: {
-      const Vec3 n = (at(1) - at(2)).cross(at(0) - at(2)).normalized();
-      out.push_back(control(pick::plane, (at(0) + at(1) + at(2)) / 3, double(saw_radius_mm)));
-      out.back().text = text("%.9f %.9f %.9f", n.x(), n.y(), n.z());
-      break;
+    case Ask::saw_round: {
+      CutBone cut;
+      for (size_t k = round; k-- > 0;) cut.contour_mm.push_back(at(k));
+      return {HeadCommand(std::move(cut))};
     }
-    case Ask::shift:
-      out.push_back(control(pick::shift, at(0)));
-      out.back().text = text("%.5g %.5g %.5g %.5g %.5g %.5g", shown(shift_mm[0]), shown(shift_mm[1]),
-                             shown(shift_mm[2]), shown(turn_deg[0]), shown(turn_deg[1]), shown(turn_deg[2]));
-      break;
+    case Ask::saw_plane: {
+      CutBone cut;
+      cut.point_mm = (at(0) + at(1) + at(2)) / 3, cut.normal = (at(1) - at(2)).cross(at(0) - at(2)).normalized();
+      cut.radius_mm = double(saw_radius_mm);
+      return {HeadCommand(std::move(cut))};
+    }
+    case Ask::shift: {
+      RigidMove by;
+      by.translation_mm = shown(shift_mm), by.rotation_deg = shown(turn_deg);
+      return {HeadCommand(MoveFragment{last, by, 0})};
+    }
     case Ask::snap:
-      out.push_back(control(pick::snap, at(0)));
-      break;
+      return {HeadCommand(GrabFragment{last, 0}), HeadCommand(LetGo{true, 0})};
+    case Ask::plate:
+      return {HeadCommand(PlateFragments{at(1), at(0)})};
     default:
-      out.push_back(control(ask == Ask::plate ? pick::plate : pick::join, at(1)));
-      out.back().text = text("%.4f %.4f %.4f", at(0).x(), at(0).y(), at(0).z());
-      break;
+      return {HeadCommand(JoinFragments{{-1, at(1)}, last})};
   }
-  return out;
 }
 
-std::optional<ControlSample> DeskHead::laid_upon() {
+std::optional<Command> DeskHead::laid_upon() {
   if (beside == told_) return std::nullopt;
   told_ = beside;
-  ControlSample c;
-  c.kind = pick::beside;
-  c.value[0] = double(beside);
-  return c;
+  return HeadCommand(Superpose{beside, ""});
 }
 
 void DeskHead::hear(const std::string& words) {

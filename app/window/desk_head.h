@@ -4,12 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "app/head/measures.h"
 #include "app/window/skull_view.h"
 #include "devices/sample.h"
+#include "sim/commands/command.h"
 #include "sim/geometry/vec.h"
 #include "sim/patient/snapshot.h"
 
@@ -17,9 +20,7 @@ namespace limberg {
 
 struct DeskHead {
   std::array<char, 16> name{"M1"};  // of the next place picked
-  int layers = 2;
-  int mode = int(TissueKind::finite_elements);
-  float face_radius_mm = 25, bone_radius_mm = 0, young_kPa = 10;  // bone 0: all of it
+  ConnectTissue tissue;             // as the panel shows it; its name and places are those of the picks
   SkullBeside beside = SkullBeside::off;
   std::string skull_word;
   std::array<float, 3> shift_mm{}, turn_deg{};  // of the fragment that was picked last: right, forward, up
@@ -32,29 +33,30 @@ struct DeskHead {
   /// Builds its part of a panel.
   void draw(const std::vector<HeadMeasure>& measures, bool has_face, float height);
   /// The names of the landmarks that the patient has now: a place that was picked counts as long as it is among them.
-  void see(const std::vector<std::string>& landmarks);
-  /// The control of a place picked at a triangle of the snapshot (-1: where the tool touches); its name is counted on.
-  ControlSample picked(const Snapshot& snapshot, int32_t triangle, const Vec3f& bary);
-  /// The control of tissue between the last places picked on face and bone; nothing until both are there.
-  std::optional<ControlSample> tied() const;
-  /// The controls of what the panel asked for of bone, from the places picked there; none where places are missing.
-  std::vector<ControlSample> asked() const;
-  /// The control that tells the patient what the skull is to be shown beside, once after each choice: so that it is
-  /// recorded.
-  std::optional<ControlSample> laid_upon();
+  /// `now_mm`: where each of them is now.
+  void see(const std::vector<std::string>& landmarks, std::span<const Vec3f> now_mm = {});
+  /// Names a place picked at a triangle of the snapshot, or asks where the tool touches (-1); the name is counted on.
+  std::variant<Command, ControlSample> picked(const Snapshot& snapshot, int32_t triangle, const Vec3f& bary);
+  /// Tissue between the last places picked on face and bone, where they are now; nothing until both are there.
+  std::optional<Command> tied() const;
+  /// What the panel asked for of bone, from the places picked there; nothing where places are missing.
+  std::vector<Command> asked() const;
+  /// What the skull is to be shown beside, once after each choice: so that it is recorded.
+  std::optional<Command> laid_upon();
   /// What was done, in words: the skull laid upon another by a script or a recording is shown so here.
   void hear(const std::string& words);
 
  private:
   bool button_for(size_t places, const char* what);
   void bones();
-  void tissue(bool has_face);
+  void between(bool has_face);
   void figures(const std::vector<HeadMeasure>& measures, float height);
   std::string named(size_t last) const;  // the last so many places on bone, in words
 
   struct Pick {
     std::string name;
     Vec3 X_mm = Vec3::Zero();  // at rest; on bone, where the tool touched it, not known
+    Vec3 now_mm = Vec3::Zero();
     enum class On : uint8_t { face, bone, touched } on = On::bone;
   };
   std::vector<Pick> picked_;  // in their order, what was undone too: it may be done again

@@ -26,13 +26,13 @@ struct PointerReading {
   int32_t inside = 1;  // 0: the pointer is over a panel or outside
 };
 
-/// One thing that is done to the patient: the mouse, a choice, or a reading of the hand that shows a step. Times and
-/// numbers of samples are set by whoever hands them on.
-using HandInput = std::variant<PointerReading, ControlSample, StylusSample>;
+/// One thing that is done to the patient: the mouse, a choice, a command of a panel, or a reading of the hand that shows
+/// a step. Times and numbers of samples are set by whoever hands them on.
+using HandInput = std::variant<PointerReading, ControlSample, StylusSample, CommandSample>;
 
-/// What panels may ask for: a tool, another control, to be shown the next step.
+/// What panels may ask for: a tool, another control, a command, to be shown the next step.
 struct ShowNext {};
-using PanelAnswer = std::variant<HandChoice, ControlSample, ShowNext>;
+using PanelAnswer = std::variant<HandChoice, ControlSample, ShowNext, CommandSample>;
 
 /// A rectangle of the frame, in pixels.
 struct FrameRect {

@@ -26,12 +26,19 @@ void InputRouter::pump(int64_t now_ns) {
   show(now_ns);
 }
 
+void InputRouter::send(const HandInput& input) {
+  if (const auto* c = std::get_if<CommandSample>(&input)) told_.push_back(c->command);
+  feed_.input.push(input);
+}
+
 void InputRouter::hear_panels() {
   for (PanelAnswer a; feed_.answers.pop(a);) {
     if (const auto* tool = std::get_if<HandChoice>(&a))
       choice_ = *tool, choose();
     else if (const auto* control = std::get_if<ControlSample>(&a))
       send(*control);
+    else if (const auto* command = std::get_if<CommandSample>(&a))
+      send(*command);
     else
       next_wanted_ = !feed_.showing;
   }
@@ -150,15 +157,17 @@ void InputRouter::show(int64_t now_ns) {
   }
   if (!feed_.showing) return;
   struct Sink final : SampleSink {
-    HandFeed& feed;
-    explicit Sink(HandFeed& f) : feed(f) {}
+    InputRouter& router;
+    explicit Sink(InputRouter& r) : router(r) {}
     void on_sample(const Sample& s) override {
       if (const auto* c = std::get_if<ControlSample>(&s))
-        feed.input.push(*c);
+        router.send(*c);
+      else if (const auto* command = std::get_if<CommandSample>(&s))
+        router.send(*command);
       else
-        feed.input.push(std::get<StylusSample>(s));
+        router.send(std::get<StylusSample>(s));
     }
-  } sink(feed_);
+  } sink(*this);
   if (shown_.poll(now_ns, *patient, sink)) return;
   // The mouse has its own tool again.
   feed_.showing = false;

@@ -46,7 +46,7 @@ class InputRouter {
   void key(const DeskKey& key, const WindowEvent& e);
   void point(const Happened& h);
   void choose();
-  void send(const HandInput& input) { feed_.input.push(input); }
+  void send(const HandInput& input);
   void show(int64_t now_ns);
 
   Screen& screen_;
@@ -61,6 +61,7 @@ class InputRouter {
   bool pressed_ = false, clutch_ = false, next_wanted_ = false;
   float lift_mm_ = 0;
   HandChoice choice_;
+  std::vector<std::shared_ptr<const Command>> told_;  // kept until the session has ended (CommandSample)
   PointerReading last_;
 };
 

@@ -19,6 +19,10 @@ void PointerSource::poll(int64_t now_ns, SampleSink& sink) {
       c->device_id = kDevice, c->seq = control_seq_++, c->t_ns = now_ns;
       ++sent_;
       sink.on_sample(*c);
+    } else if (auto* command = std::get_if<CommandSample>(&i)) {
+      command->device_id = kDevice, command->seq = command_seq_++, command->t_ns = now_ns;
+      ++sent_;
+      sink.on_sample(*command);
     } else if (const auto* s = std::get_if<StylusSample>(&i)) {
       placed = true;
       if (now_ns > last_sent_ns_) hand_on(*s, now_ns, sink);

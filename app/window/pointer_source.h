@@ -36,7 +36,7 @@ class PointerSource final : public Source {
   bool have_last_ = false, pressed_ = false;
   Tool tool_ = Tool::none;
   Vec3f grip_mm_ = Vec3f::Zero(), grip_normal_ = Vec3f::UnitZ(), tip_mm_ = Vec3f::Zero(), shaft_ = Vec3f::UnitZ();
-  int64_t last_sent_ns_ = -1, stylus_seq_ = 0, control_seq_ = 0, sent_ = 0;
+  int64_t last_sent_ns_ = -1, stylus_seq_ = 0, control_seq_ = 0, command_seq_ = 0, sent_ = 0;
 };
 
 }  // namespace limberg

@@ -214,6 +214,15 @@ struct WindowFrames::Impl {
     if (k->hand == HandKey::clutch) desk.say(e.down ? "clutch: the hands move, what they hold does not" : "");
   }
 
+  /// A command of a panel, on its way to the patient. What no script can hold is said instead.
+  void give(const Command& c) {
+    try {
+      feed.answers.push(command_sample(c));
+    } catch (const InputError& e) {
+      desk.say(e.what());
+    }
+  }
+
   // What the panels asked for in this frame.
   void carry_out() {
     DeskState& d = desk.state;
@@ -230,9 +239,9 @@ struct WindowFrames::Impl {
     if (d.home) camera = set.camera;
     if (!d.ruler) ruler.clear();
     if (d.head.tie)
-      if (const auto c = d.head.tied()) control(*c);
-    if (const auto c = d.head.laid_upon()) control(*c);
-    for (const ControlSample& c : d.head.asked()) control(c);
+      if (const auto c = d.head.tied()) give(*c);
+    if (const auto c = d.head.laid_upon()) give(*c);
+    for (const Command& c : d.head.asked()) give(c);
     d.head.ask = DeskHead::Ask::nothing;
     d.tool_changed = d.undo = d.redo = d.next = d.home = d.head.tie = false;
   }
@@ -371,7 +380,7 @@ struct WindowFrames::Impl {
     }
     if (!first) first = s;
     const bool showing = feed.showing;
-    if (s.topology) desk.state.head.see(s.topology->landmark);
+    if (s.topology) desk.state.head.see(s.topology->landmark, s.landmark_mm);
     carry_out();
 
     const View view = look(width, height);
@@ -424,10 +433,13 @@ struct WindowFrames::Impl {
       const RayHit hit = io.WantCaptureMouse ? RayHit{}
                                              : cast_ray(s, view.eye_mm, view.ray_through(x, y, width, height),
                                                         desk.state.face == kHidden);
-      if (hit.triangle >= 0 || set.facts.own_device)
-        feed.answers.push(desk.state.head.picked(s, hit.triangle, hit.bary));
-      else
+      if (hit.triangle >= 0 || set.facts.own_device) {
+        const auto said = desk.state.head.picked(s, hit.triangle, hit.bary);
+        if (const auto* c = std::get_if<Command>(&said)) give(*c);
+        if (const auto* c = std::get_if<ControlSample>(&said)) feed.answers.push(*c);
+      } else {
         desk.say("nothing lies under the mouse: point at bone or face and press K");
+      }
       desk.state.head.pick = false;
     }
     carry_out();

@@ -18,7 +18,6 @@
 #include "devices/force/force_source.h"
 #include "devices/lcm_net_source.h"
 #include "devices/log_source.h"
-#include "devices/pick.h"
 #include "tests/app/call_counter.h"
 #include "tests/app/fake_patient.h"
 #include "tests/app/malloc_counter.h"
@@ -53,12 +52,20 @@ std::vector<Sample> controls() {
        {Tool::scalpel, Tool::suture_row, Tool::suture, Tool::hook, Tool::saw, Tool::scissors, Tool::excise})
     say(t_ms, ControlSample::select_tool, tool), t_ms += 400;
   say(350, ControlSample::undo), say(360, ControlSample::redo);
-  say(1000, pick::tissue, Tool::none, {25, 0, 2, 10}, "a long name of a place/and another/springs");
-  say(1100, pick::shift, Tool::none, {1, 2, 3, 0}, "1.25 -3.5 0 12.345 -6.789 1e-3");
+  const auto tell = [&](int64_t t, const Command& command) {
+    CommandSample c = command_sample(command);
+    c.device_id = 901, c.t_ns = t * 1'000'000;
+    all.push_back(c);
+  };
+  ConnectTissue tissue;
+  tissue.name = "a long name of a place and of another";
+  tell(1000, HeadCommand(tissue));
+  tell(1100, HeadCommand(MoveFragment{{-1, {1, 2, 3}}, {{1.25, -3.5, 0}, {12.345, -6.789, 1e-3}, {}}, 0}));
+  for (int i = 0; i < 80; ++i) tell(320 + 30 * i, Undermine{{{0, 0}, {double(i), 5}, {9, 9}}, 4});
   say(1200, ControlSample::cursor, Tool::none, {0.5, 1});
   say(1300, ControlSample::cursor);
   std::stable_sort(all.begin(), all.end(), [](const Sample& a, const Sample& b) { return time_of(a) < time_of(b); });
-  for (size_t i = 0; i < all.size(); ++i) std::get<ControlSample>(all[i]).seq = int64_t(i);
+  for (size_t i = 0; i < all.size(); ++i) std::visit([&](auto& sample) { sample.seq = int64_t(i); }, all[i]);
   return all;
 }
 

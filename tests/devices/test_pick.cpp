@@ -1,10 +1,10 @@
-// Places picked on a head, and tissue between two of them: from a control to the command.
+// Acts on a head in the controls of old recordings, and names for what a tool touches: from a control to the command.
 #include <gtest/gtest.h>
 
 #include "devices/command_builder.h"
 #include "devices/gestures.h"
 #include "devices/message_codec.h"
-#include "devices/pick.h"
+#include "devices/old_controls.h"
 #include "tests/devices/flat_patient.h"
 
 namespace limberg {
@@ -42,13 +42,13 @@ std::optional<Command> command_of(Gestures& g, const ControlSample& c, const Sna
 TEST(Pick, APlaceUnderTheMouseBecomesALandmark) {
   const Snapshot s = bone_with_landmarks();
   Gestures g;
-  const auto on_bone = command_of(g, control(pick::landmark, "M1", {3, -4, 0.5, pick::bone}), s);
+  const auto on_bone = command_of(g, control(OldControls::landmark, "M1", {3, -4, 0.5, 1}), s);
   ASSERT_TRUE(on_bone);
   const auto& l = std::get<PlaceLandmark>(std::get<HeadCommand>(*on_bone));
   EXPECT_EQ(l.name, "M1");
   EXPECT_EQ(l.at_mm, Vec3(3, -4, 0.5));
   EXPECT_FALSE(l.on_face);
-  const auto on_face = command_of(g, control(pick::landmark, "al_R", {3, -4, 20, pick::face}), s);
+  const auto on_face = command_of(g, control(OldControls::landmark, "al_R", {3, -4, 20, 2}), s);
   ASSERT_TRUE(on_face);
   EXPECT_TRUE(std::get<PlaceLandmark>(std::get<HeadCommand>(*on_face)).on_face);
 }
@@ -59,20 +59,20 @@ TEST(Pick, APanelMovesPlatesJoinsAndSawsByNumbers) {
   const auto made = [&](int32_t kind, const std::string& text, std::array<double, 4> value) {
     return command_of(g, control(kind, text, value), s);
   };
-  const auto shift = made(pick::shift, "0 -8 1.5 3 0 -5", {1, 2, 3, 0});
+  const auto shift = made(OldControls::shift, "0 -8 1.5 3 0 -5", {1, 2, 3, 0});
   ASSERT_TRUE(shift);
   const auto& m = std::get<MoveFragment>(std::get<HeadCommand>(*shift));
   EXPECT_EQ(m.fragment.id, -1);
   EXPECT_EQ(m.fragment.at_mm, Vec3(1, 2, 3));
   EXPECT_EQ(m.by.translation_mm, Vec3(0, -8, 1.5));
   EXPECT_EQ(m.by.rotation_deg, Vec3(3, 0, -5));
-  const auto plate = made(pick::plate, "4 5 6", {1, 2, 3, 0});
+  const auto plate = made(OldControls::plate, "4 5 6", {1, 2, 3, 0});
   ASSERT_TRUE(plate);
   EXPECT_EQ(std::get<PlateFragments>(std::get<HeadCommand>(*plate)).b_mm, Vec3(4, 5, 6));
-  const auto join = made(pick::join, "4 5 6", {1, 2, 3, 0});
+  const auto join = made(OldControls::join, "4 5 6", {1, 2, 3, 0});
   ASSERT_TRUE(join);
   EXPECT_EQ(std::get<JoinFragments>(std::get<HeadCommand>(*join)).a.at_mm, Vec3(1, 2, 3));
-  const auto plane = made(pick::plane, "0 0.6 0.8", {1, 2, 3, 25});
+  const auto plane = made(OldControls::plane, "0 0.6 0.8", {1, 2, 3, 25});
   ASSERT_TRUE(plane);
   const auto& cut = std::get<CutBone>(std::get<HeadCommand>(*plane));
   EXPECT_TRUE(cut.contour_mm.empty());
@@ -81,8 +81,8 @@ TEST(Pick, APanelMovesPlatesJoinsAndSawsByNumbers) {
   // Numbers that are not there move nothing.
   const int64_t missed = g.missed_presses();
   for (const char* text : {"", "0 8", "0 8 x 0 0 0", "nan 0 0 0 0 0"})
-    EXPECT_FALSE(made(pick::shift, text, {1, 2, 3, 0})) << text;
-  EXPECT_FALSE(made(pick::plate, "4 5", {1, 2, 3, 0}));
+    EXPECT_FALSE(made(OldControls::shift, text, {1, 2, 3, 0})) << text;
+  EXPECT_FALSE(made(OldControls::plate, "4 5", {1, 2, 3, 0}));
   EXPECT_EQ(g.missed_presses(), missed + 5);
 }
 
@@ -99,10 +99,14 @@ TEST(Pick, CornersAreTheContourItselfAndASnapIsTakenAndLetGo) {
       if (auto k = builder.feed(e)) made.push_back(*k);
   };
   for (size_t k = 0; k < 4; ++k)
-    feed(control(pick::corner, "", {corner[k].x(), corner[k].y(), corner[k].z(), k == 0 ? 0. : k < 3 ? 1. : 2.}));
+    feed(control(OldControls::corner, "",
+                 {corner[k].x(), corner[k].y(), corner[k].z(),
+                  k == 0  ? 0.
+                  : k < 3 ? 1.
+                          : 2.}));
   ASSERT_EQ(made.size(), 1u);
   EXPECT_EQ(std::get<CutBone>(std::get<HeadCommand>(made[0])).contour_mm, corner);
-  feed(control(pick::snap, "", {3, 3, 0, 0}));
+  feed(control(OldControls::snap, "", {3, 3, 0, 0}));
   ASSERT_EQ(made.size(), 3u);
   EXPECT_EQ(std::get<GrabFragment>(std::get<HeadCommand>(made[1])).fragment.at_mm, Vec3(3, 3, 0));
   EXPECT_TRUE(std::get<LetGo>(std::get<HeadCommand>(made[2])).snap);
@@ -112,7 +116,8 @@ TEST(Pick, ATrackedToolPicksWhereItTouchesAtRest) {
   const Snapshot s = bone_with_landmarks();
   Gestures g;
   Events out;
-  EXPECT_FALSE(command_of(g, control(pick::landmark, "M1", {0, 0, 0, pick::touched}), s));  // nothing is touched yet
+  EXPECT_FALSE(command_of(g, control(ControlSample::name_place, "M1", {0, 0, 0, double(kTouchedBone)}),
+                          s));  // nothing is touched yet
   EXPECT_EQ(g.missed_presses(), 1);
   ControlSample saw;
   saw.kind = ControlSample::select_tool, saw.tool = Tool::saw;
@@ -120,11 +125,11 @@ TEST(Pick, ATrackedToolPicksWhereItTouchesAtRest) {
   Pose p;
   p.tip_mm = {-12, 9, 7.5}, p.valid = true;
   for (int i = 1; i < 20; ++i) g.tick(i, p, false, 0, s, out);
-  const auto made = command_of(g, control(pick::landmark, "M1", {0, 0, 0, pick::touched}), s);
+  const auto made = command_of(g, control(ControlSample::name_place, "M1", {0, 0, 0, double(kTouchedBone)}), s);
   ASSERT_TRUE(made);
   const auto& l = std::get<PlaceLandmark>(std::get<HeadCommand>(*made));
   EXPECT_LT((l.at_mm - Vec3(-12, 9, 0)).norm(), 1e-4);
-  const auto above = command_of(g, control(pick::landmark, "M2", {0, 0, 0, pick::above}), s);
+  const auto above = command_of(g, control(ControlSample::name_place, "M2", {0, 0, 0, double(kFaceNearTip)}), s);
   ASSERT_TRUE(above);
   EXPECT_TRUE(std::get<PlaceLandmark>(std::get<HeadCommand>(*above)).on_face);
   EXPECT_LT((std::get<PlaceLandmark>(std::get<HeadCommand>(*above)).at_mm - p.tip_mm).norm(), 1e-9);
@@ -133,7 +138,7 @@ TEST(Pick, ATrackedToolPicksWhereItTouchesAtRest) {
 TEST(Pick, TissueLiesBetweenTwoNamedPlacesWhereTheyAreNow) {
   const Snapshot s = bone_with_landmarks();
   Gestures g;
-  const auto made = command_of(g, control(pick::tissue, "pog'/Pog", {28, 40, 3, 12}), s);
+  const auto made = command_of(g, control(OldControls::tissue, "pog'/Pog", {28, 40, 3, 12}), s);
   ASSERT_TRUE(made);
   const auto& t = std::get<ConnectTissue>(std::get<HeadCommand>(*made));
   EXPECT_EQ(t.name, "pog'-Pog");
@@ -145,7 +150,7 @@ TEST(Pick, TissueLiesBetweenTwoNamedPlacesWhereTheyAreNow) {
   EXPECT_EQ(t.young_kPa, 12);
   EXPECT_EQ(t.mode, TissueKind::finite_elements);
   for (const char* mode : kTissueKinds) {
-    const auto in = command_of(g, control(pick::tissue, std::string("pog'/Pog/") + mode, {28, 40, 3, 12}), s);
+    const auto in = command_of(g, control(OldControls::tissue, std::string("pog'/Pog/") + mode, {28, 40, 3, 12}), s);
     ASSERT_TRUE(in) << mode;
     const auto& named = std::get<ConnectTissue>(std::get<HeadCommand>(*in));
     EXPECT_EQ(named.name, "pog'-Pog");
@@ -153,24 +158,26 @@ TEST(Pick, TissueLiesBetweenTwoNamedPlacesWhereTheyAreNow) {
     EXPECT_EQ(named.layers, 3);
   }
   for (const char* wrong : {"pog'/Nowhere", "Nowhere/Pog", "pog'", "", "/", "pog'/Pog/rubber", "pog'/Pog/"})
-    EXPECT_FALSE(command_of(g, control(pick::tissue, wrong, {28, 40, 3, 12}), s)) << wrong;
+    EXPECT_FALSE(command_of(g, control(OldControls::tissue, wrong, {28, 40, 3, 12}), s)) << wrong;
 }
 
 TEST(Pick, TheSkullIsLaidUponAnother) {
   const Snapshot s = bone_with_landmarks();
   Gestures g;
-  const auto made = command_of(g, control(pick::beside, "advanced", {2, 0, 0, 0}), s);
+  const auto made = command_of(g, control(OldControls::beside, "advanced", {2, 0, 0, 0}), s);
   ASSERT_TRUE(made);
   const auto& p = std::get<Superpose>(std::get<HeadCommand>(*made));
   EXPECT_EQ(p.on, SkullBeside::mirror);
   EXPECT_EQ(p.name, "advanced");
-  EXPECT_EQ(std::get<Superpose>(std::get<HeadCommand>(*command_of(g, control(pick::beside, "", {7e5, 0, 0, 0}), s))).on,
-            SkullBeside::mirror);
+  EXPECT_EQ(
+      std::get<Superpose>(std::get<HeadCommand>(*command_of(g, control(OldControls::beside, "", {7e5, 0, 0, 0}), s)))
+          .on,
+      SkullBeside::mirror);
 }
 
 TEST(Pick, ControlsAreRecordedAndReadBack) {
-  for (int32_t kind :
-       {int32_t(pick::landmark), int32_t(pick::tissue), int32_t(pick::beside), int32_t(ControlSample::clutch)}) {
+  for (int32_t kind : {int32_t(OldControls::landmark), int32_t(OldControls::tissue), int32_t(OldControls::beside),
+                       int32_t(ControlSample::clutch)}) {
     const ControlSample c = control(kind, "pog'/Pog", {1, 2, 3, 4});
     ControlSample back;
     ASSERT_EQ(to_sample(to_message(c), back, true), nullptr);
@@ -179,7 +186,7 @@ TEST(Pick, ControlsAreRecordedAndReadBack) {
     EXPECT_EQ(back.value, c.value);
   }
   ControlSample back;
-  EXPECT_NE(to_sample(to_message(control(pick::last_control + 1, "", {})), back, true), nullptr);
+  EXPECT_NE(to_sample(to_message(control(OldControls::kLast + 1, "", {})), back, true), nullptr);
 }
 
 }  // namespace test_pick

@@ -7,7 +7,7 @@
 
 #include "devices/log_source.h"
 #include "devices/message_codec.h"
-#include "devices/pick.h"
+#include "devices/old_controls.h"
 #include "devices/recording.h"
 #include "sim/base/error.h"
 #include "tests/devices/samples.h"
@@ -125,7 +125,7 @@ TEST(Recording, NumbersThatCannotBeAreRefused) {
     return to_sample(to_message(s), out) != nullptr;
   };
   EXPECT_FALSE(wrong_control([](ControlSample&) {}));
-  EXPECT_TRUE(wrong_control([](ControlSample& s) { s.kind = pick::last_control + 1; }));
+  EXPECT_TRUE(wrong_control([](ControlSample& s) { s.kind = OldControls::kLast + 1; }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.tool = Tool(-1); }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.value[1] = -INFINITY; }));
   EXPECT_TRUE(wrong_control([](ControlSample& s) { s.text.c[0] = '\n'; }));

@@ -3,7 +3,6 @@
 
 #include "app/window/desk_head.h"
 #include "app/window/live_measures.h"
-#include "devices/pick.h"
 #include "sim/commands/words.h"
 
 namespace limberg {
@@ -33,29 +32,41 @@ TEST(DeskHead, APickIsThePlaceAtRestOfWhatLiesUnderTheMouse) {
   d.see({"al_R", "Pog"});  // it came with these: they were not picked
   EXPECT_FALSE(d.tied());
   const Vec3f bary(0.5f, 0.25f, 0.25f);
-  ControlSample c = d.picked(s, 0, bary);
-  EXPECT_EQ(c.kind, pick::landmark);
-  EXPECT_EQ(c.text.str(), "M1");
-  EXPECT_EQ(c.value, (std::array<double, 4>{7.5, 7.5, 0, double(pick::bone)}));
+  const auto landmark = [&](int32_t triangle) {
+    return std::get<PlaceLandmark>(std::get<HeadCommand>(std::get<Command>(d.picked(s, triangle, bary))));
+  };
+  PlaceLandmark l = landmark(0);
+  EXPECT_EQ(l.name, "M1");
+  EXPECT_EQ(l.at_mm, Vec3(7.5, 7.5, 0));
+  EXPECT_FALSE(l.on_face);
   d.see({"al_R", "Pog", "M1"});
   EXPECT_FALSE(d.tied());
-  c = d.picked(s, 1, bary);
-  EXPECT_EQ(c.text.str(), "M2");
-  EXPECT_EQ(c.value, (std::array<double, 4>{7.5, 7.5, 20, double(pick::face)}));
+  l = landmark(1);
+  EXPECT_EQ(l.name, "M2");
+  EXPECT_EQ(l.at_mm, Vec3(7.5, 7.5, 20));
+  EXPECT_TRUE(l.on_face);
   EXPECT_FALSE(d.tied());  // the patient has not got it yet
-  d.see({"al_R", "Pog", "M1", "M2"});
-  const auto tie = d.tied();
-  ASSERT_TRUE(tie);
-  EXPECT_EQ(tie->text.str(), "M2/M1/finite_elements");
-  d.mode = int(TissueKind::springs);
-  EXPECT_EQ(d.tied()->text.str(), "M2/M1/springs");
+  const std::vector<Vec3f> now{{0, 0, 0}, {0, 0, 0}, {1, 2, 3}, {4, 5, 6}};
+  d.see({"al_R", "Pog", "M1", "M2"}, now);
+  const auto tissue = [&] { return std::get<ConnectTissue>(std::get<HeadCommand>(*d.tied())); };
+  ASSERT_TRUE(d.tied());
+  EXPECT_EQ(tissue().name, "M2-M1");
+  EXPECT_EQ(tissue().face_mm, Vec3(4, 5, 6));  // where they are now
+  EXPECT_EQ(tissue().bone_mm, Vec3(1, 2, 3));
+  EXPECT_EQ(tissue().mode, TissueKind::finite_elements);
+  d.tissue.mode = TissueKind::springs, d.tissue.young_kPa = 12;
+  EXPECT_EQ(tissue().mode, TissueKind::springs);
+  EXPECT_EQ(tissue().young_kPa, 12);
   // A name of the list does not set the count back, and beside the patient the tool is asked.
   std::string("Pog").copy(d.name.data(), 4);
   d.name[3] = 0;
-  EXPECT_EQ(d.picked(s, -1, bary).value[3], double(pick::touched));
+  const auto touched = std::get<ControlSample>(d.picked(s, -1, bary));
+  EXPECT_EQ(touched.kind, ControlSample::name_place);
+  EXPECT_EQ(touched.value[3], double(kTouchedBone));
+  EXPECT_EQ(touched.text.str(), "Pog");
   EXPECT_STREQ(d.name.data(), "M3");
-  d.see({"al_R", "Pog", "M1", "M2"});
-  EXPECT_EQ(d.tied()->text.str(), "M2/Pog/springs");
+  d.see({"al_R", "Pog", "M1", "M2"}, now);
+  EXPECT_EQ(tissue().name, "M2-Pog");
 }
 
 TEST(DeskHead, BonesAreActedOnThroughThePlacesPickedLast) {
@@ -73,34 +84,36 @@ TEST(DeskHead, BonesAreActedOnThroughThePlacesPickedLast) {
   }
   d.see({"M1", "M2", "M3", "M4", "M5", "M6"});
   d.shift_mm = {0, 8, -1.5f}, d.turn_deg = {0, 0, 12.25f};
-  auto c = asked(DeskHead::Ask::shift);
-  ASSERT_EQ(c.size(), 1u);
-  EXPECT_EQ(c[0].kind, pick::shift);
-  EXPECT_EQ(c[0].text.str(), "0 8 -1.5 0 0 12.25");
-  EXPECT_EQ(c[0].value, (std::array<double, 4>{0, 0, 0, 0}));
-  c = asked(DeskHead::Ask::plate);
-  ASSERT_EQ(c.size(), 1u);
-  EXPECT_EQ(c[0].value, (std::array<double, 4>{0, 30, 0, 0}));
-  EXPECT_EQ(c[0].text.str(), "0.0000 0.0000 0.0000");
-  c = asked(DeskHead::Ask::saw_plane);
-  ASSERT_EQ(c.size(), 1u);
-  EXPECT_EQ(c[0].value, (std::array<double, 4>{10, 10, 0, 0}));
-  double n[3]{};
-  ASSERT_EQ(std::sscanf(c[0].text.str().c_str(), "%lf %lf %lf", n, n + 1, n + 2), 3);
-  EXPECT_EQ(Vec3(n[0], n[1], n[2]), Vec3(0, 0, 1));
+  const auto act = [&]<class C>(std::type_identity<C>, DeskHead::Ask what) {
+    const auto c = asked(what);
+    EXPECT_EQ(c.size(), 1u);
+    return std::get<C>(std::get<HeadCommand>(c.at(0)));
+  };
+  const auto moved = [&] { return act(std::type_identity<MoveFragment>{}, DeskHead::Ask::shift); };
+  EXPECT_EQ(moved().fragment.at_mm, at[2]);
+  EXPECT_EQ(moved().fragment.id, -1);
+  EXPECT_EQ(moved().by.translation_mm, Vec3(0, 8, -1.5));
+  EXPECT_EQ(moved().by.rotation_deg, Vec3(0, 0, 12.25));
+  const auto plate = act(std::type_identity<PlateFragments>{}, DeskHead::Ask::plate);
+  EXPECT_EQ(plate.a_mm, at[1]);
+  EXPECT_EQ(plate.b_mm, at[2]);
+  EXPECT_EQ(act(std::type_identity<JoinFragments>{}, DeskHead::Ask::join).a.at_mm, at[1]);
+  d.saw_radius_mm = 30;
+  const auto plane = act(std::type_identity<CutBone>{}, DeskHead::Ask::saw_plane);
+  EXPECT_EQ(plane.point_mm, Vec3(10, 10, 0));
+  EXPECT_EQ(plane.normal, Vec3(0, 0, 1));
+  EXPECT_EQ(plane.radius_mm, 30);
   EXPECT_TRUE(asked(DeskHead::Ask::saw_round).empty());  // a ring of four
   d.ring = 3;
-  c = asked(DeskHead::Ask::saw_round);
-  ASSERT_EQ(c.size(), 3u);
-  for (size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(c[k].kind, pick::corner);
-    EXPECT_EQ(c[k].value, (std::array<double, 4>{at[k].x(), at[k].y(), at[k].z(), double(k)}));
-  }
-  // The longest numbers still fit into a control's text: as the panel shows them, to a hundredth.
-  d.shift_mm = {-123.456f, -123.456f, -123.456f}, d.turn_deg = d.shift_mm;
-  EXPECT_EQ(asked(DeskHead::Ask::shift)[0].text.str(), "-123.46 -123.46 -123.46 -123.46 -123.46 -123.46");
+  EXPECT_EQ(act(std::type_identity<CutBone>{}, DeskHead::Ask::saw_round).contour_mm, at);
+  const auto snap = asked(DeskHead::Ask::snap);
+  ASSERT_EQ(snap.size(), 2u);
+  EXPECT_EQ(std::get<GrabFragment>(std::get<HeadCommand>(snap[0])).fragment.at_mm, at[2]);
+  EXPECT_TRUE(std::get<LetGo>(std::get<HeadCommand>(snap[1])).snap);
+  // As the panel shows them, to a hundredth.
   d.shift_mm = {-0.00012345f, -1.2345e-7f, 0.014999f}, d.turn_deg = {-1e6f, 1e6f, -123.456f};
-  EXPECT_EQ(asked(DeskHead::Ask::shift)[0].text.str(), "0 0 0.01 -999.99 999.99 -123.46");
+  EXPECT_EQ(moved().by.translation_mm, Vec3(0, 0, 0.01));
+  EXPECT_EQ(moved().by.rotation_deg, Vec3(-999.99, 999.99, -123.46));
 }
 
 TEST(DeskHead, APickThatWasUndoneDoesNotCountUntilItIsDoneAgain) {
@@ -116,9 +129,8 @@ TEST(DeskHead, APickThatWasUndoneDoesNotCountUntilItIsDoneAgain) {
     d.ask = DeskHead::Ask::plate;
     const auto c = d.asked();
     if (c.empty()) return {};
-    double end[3]{};
-    std::sscanf(c[0].text.str().c_str(), "%lf %lf %lf", end, end + 1, end + 2);
-    return {c[0].value[0], c[0].value[1], end[0], end[1]};
+    const auto p = std::get<PlateFragments>(std::get<HeadCommand>(c[0]));
+    return {p.a_mm.x(), p.a_mm.y(), p.b_mm.x(), p.b_mm.y()};
   };
   const std::vector<double> of_12{30, 0, 0, 0}, of_23{0, 0, 0, 30};
   pick("M1", {0, 1, 0}), pick("M2", {1, 0, 0});
@@ -139,8 +151,7 @@ TEST(DeskHead, WhatTheSkullLiesUponIsToldOnceAndHeardFromOthers) {
   d.beside = SkullBeside::mirror;
   const auto c = d.laid_upon();
   ASSERT_TRUE(c);
-  EXPECT_EQ(c->kind, pick::beside);
-  EXPECT_EQ(c->value[0], double(SkullBeside::mirror));
+  EXPECT_EQ(std::get<Superpose>(std::get<HeadCommand>(*c)).on, SkullBeside::mirror);
   EXPECT_FALSE(d.laid_upon());
   // A script does it: shown, and not told back.
   d.hear(in_words(HeadCommand(Superpose{SkullBeside::normal, "advanced"})));
