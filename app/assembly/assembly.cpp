@@ -26,10 +26,11 @@ std::unique_ptr<ScriptWriter> open_script(const std::string& file, const Scene& 
 
 }  // namespace
 
-std::unique_ptr<Patient> make_patient(const Scene& scene, World* world, Head* head) {
-  if (!head) return std::make_unique<WorldPatient>(*world, scene.tools.max_depth_mm);
-  return std::make_unique<HeadPatient>(*head, world, scene.tools.max_depth_mm, 1e-3 * ticks_per_solver_step(scene),
-                                       scene.head->carries_skin_mm);
+std::unique_ptr<World> make_world(const Scene& scene, Workers& workers) {
+  if (!scene.head) return std::make_unique<World>(world_spec(scene, build_body(scene)), workers);
+  const HeadSettings head{1e-3 * ticks_per_solver_step(scene), scene.head->carries_skin_mm};
+  if (!scene.flesh) return std::make_unique<World>(head_parts(scene, workers), workers, head);
+  return std::make_unique<World>(world_spec(scene, build_body(scene)), head_parts(scene, workers), workers, head);
 }
 
 Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed) {
@@ -58,9 +59,9 @@ Assembly::Assembly(Scene scene_in, const Calibration& calibration_in, const Asse
     : scene(std::move(scene_in)),
       calibration(calibration_in),
       workers(o.workers),
-      world(scene.flesh ? std::make_unique<World>(world_spec(scene, build_body(scene)), workers) : nullptr),
-      head(scene.head ? std::make_unique<Head>(head_parts(scene, workers), workers) : nullptr),
-      patient(make_patient(scene, world.get(), head.get())),
+      world(make_world(scene, workers)),
+      head(world->head()),
+      patient(std::make_unique<WorldPatient>(*world, scene.tools.max_depth_mm)),
       front(calibration, gestures(scene)),
       device(front, channels, o.record, o.record && o.real_time),
       script(open_script(o.script_file, scene)),

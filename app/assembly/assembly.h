@@ -1,17 +1,17 @@
 #pragma once
 // A session put together: scene and calibration in, lanes out, ready for lockstep or real time.
 //
-// The order matters and is kept here: workers, body, World, head, channels, front end, lanes.
+// The order matters and is kept here: workers, patient, channels, front end, lanes.
 #include <memory>
 #include <string>
 
 #include "app/assembly/repro.h"
 #include "app/assembly/world_patient.h"
-#include "app/head/patient.h"
 #include "app/scene/scene.h"
 #include "app/session/session.h"
 #include "app/session/workers_pool.h"
 #include "sim/commands/script.h"
+#include "sim/skull/head/head.h"
 
 namespace limberg {
 
@@ -37,8 +37,8 @@ class Assembly {
   const Scene scene;
   const Calibration calibration;
   WorkersPool workers;
-  const std::unique_ptr<World> world;  // null: no skin with flap tools
-  const std::unique_ptr<Head> head;    // null: no bone
+  const std::unique_ptr<World> world;
+  const Head* const head;  // null: no bone
   const std::unique_ptr<Patient> patient;
   Channels channels;
   DeviceFrontEnd front;
@@ -52,7 +52,7 @@ class Assembly {
 };
 
 /// The patient that a scene asks for: skin, head, or both.
-std::unique_ptr<Patient> make_patient(const Scene& scene, World* world, Head* head);
+std::unique_ptr<World> make_world(const Scene& scene, Workers& workers);
 /// What every repro file of this scene begins with.
 Repro blank_repro(const Scene& scene, double cell_mm, uint64_t seed);
 int ticks_per_solver_step(const Scene& scene);

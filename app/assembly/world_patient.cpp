@@ -1,10 +1,11 @@
 #include "app/assembly/world_patient.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <cstdio>
 #include <tuple>
 
-#include "sim/lattice/topology.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg {
 
@@ -21,11 +22,16 @@ double depth_of(const Command& c) {
 }  // namespace
 
 void WorldPatient::fill_lattice(LatticeShown& out) const {
-  const FemModel& model = world_.solver().model();
-  const std::span<const Vec3f> u = world_.solver().displacement_mm();
-  const uint64_t version = world_.topology()->version;
+  if (!world_.skin()) {
+    out = {};
+    return;
+  }
+  const SoftTissue& skin = *world_.skin();
+  const FemModel& model = skin.solver().model();
+  const std::span<const Vec3f> u = skin.solver().displacement_mm();
+  const uint64_t version = skin.topology()->version;
   if (!lattice_.edges || lattice_.version != version) {
-    const std::shared_ptr<const LatticeTopology> lattice = world_.lattice();
+    const std::shared_ptr<const LatticeTopology> lattice = skin.lattice();
     auto edges = std::make_shared<std::vector<LatticeShown::Edge>>();
     // Corner k of a cell is high in x, y, z where bit 0, 1, 2 of k is set: an edge changes one bit.
     for (size_t c = 0; c < model.cells.size(); ++c) {
@@ -52,12 +58,9 @@ void WorldPatient::fill_lattice(LatticeShown& out) const {
 
 Outcome WorldPatient::apply(const Command& c) {
   const double depth = depth_of(c);
-  if (depth > max_depth_mm_) {
-    char text[96];
-    std::snprintf(text, sizeof text, "depth %.6g mm is deeper than the scene allows; expected at most %.6g mm", depth,
-                  max_depth_mm_);
-    return {false, text};
-  }
+  if (world_.skin() && depth > max_depth_mm_)
+    return {false, fmt::format("depth {:.6g} mm is deeper than the scene allows; expected at most {:.6g} mm", depth,
+                               max_depth_mm_)};
   return world_.apply(c);
 }
 

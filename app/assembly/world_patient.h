@@ -1,5 +1,5 @@
 #pragma once
-// World as the session drives it, with the scene's own limits.
+// A patient (sim/patient/world.h) as the session drives it, with the scene's own limits.
 #include "app/session/patient.h"
 #include "sim/patient/world.h"
 

@@ -21,11 +21,10 @@ namespace limberg {
 int operate_head(const Scene& scene, const Script& script, const CommonOptions& common) {
   WorkersPool workers(common.worker_count());
   const int64_t t0 = RealClock::monotonic_ns();
-  const std::unique_ptr<World> world =
-      scene.flesh ? std::make_unique<World>(world_spec(scene, build_body(scene)), workers) : nullptr;
-  Head head(head_parts(scene, workers), workers);
+  const std::unique_ptr<World> world = make_world(scene, workers);
+  const Head& head = *world->head();
   const double built_s = double(RealClock::monotonic_ns() - t0) * 1e-9;
-  const std::unique_ptr<Patient> patient = make_patient(scene, world.get(), &head);
+  WorldPatient patient(*world, scene.tools.max_depth_mm);
   Progress progress("operate");
   OperationSettings set;
   set.interrupted = interrupted;
@@ -36,8 +35,8 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
       notes += "  note      line " + std::to_string(l.line) + ", " + action_name(l.command) + ": " + note + "\n";
   };
   Snapshot first;
-  if (!common.out_dir.empty()) patient->fill_with_field(first);  // for the pictures
-  const OperationOutcome o = operate(*patient, script, set);
+  if (!common.out_dir.empty()) patient.fill_with_field(first);  // for the pictures
+  const OperationOutcome o = operate(patient, script, set);
   progress.clear();
   if (o.interrupted) {
     say("interrupted; nothing was written");
@@ -47,21 +46,21 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   std::fputs(notes.c_str(), stdout);
   print_head(head);
   std::printf("solve       %.0f ms, residual %.1e\nstate_hash  %s\n", o.solve_ms, o.last.residual,
-              hex(patient->state_hash()).c_str());
+              hex(patient.state_hash()).c_str());
   Result r("operate", scene.name);
   r.set("/scene_title", scene.name);
   r.set("/scene_note", scene.note);
   r.set("/solve_ms", o.solve_ms);
   r.set("/residual", o.last.residual);
-  r.set_hash("/state_hash", patient->state_hash());
-  r.set_hash("/topology_hash", patient->topology_hash());
+  r.set_hash("/state_hash", patient.state_hash());
+  r.set_hash("/topology_hash", patient.topology_hash());
   r.set("/memory_mb", peak_memory_mb());
   std::vector<Command> actions;
   int n = 0;
   for (const ScriptLine& l : script.lines)
     actions.push_back(l.command), r.set("/script/" + std::to_string(n++), to_json_line(l.command));
   fill_head(r, head);
-  if (world) fill_metrics(r, measure_world(*world, actions));
+  if (world->skin()) fill_metrics(r, measure_world(*world, actions));
   for (const StageRow& s : o.stages)
     append(
         r, "/stages",
@@ -70,7 +69,7 @@ int operate_head(const Scene& scene, const Script& script, const CommonOptions& 
   r.set_ok(at_rest);
   if (!common.out_dir.empty()) {
     Snapshot last;
-    patient->fill_with_field(last);
+    patient.fill_with_field(last);
     draw_head_pictures(common.out_dir, o.stages, first, last, scene_camera(scene), head);
     leave_head_figures(r, head, common.out_dir, last, scene_camera(scene), workers);
   }

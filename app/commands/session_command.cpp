@@ -104,7 +104,7 @@ void print_summary(const SessionCall& call, const Assembly& a, const SessionFigu
   std::printf("solver      %llu steps, %.2f ms median, residual %.2e, about %.2g mm from equilibrium\n",
               static_cast<unsigned long long>(a.solver.steps()), double(f.solver.work.percentile_ns(0.5)) * 1e-6,
               a.solver.last().residual, a.solver.last().distance_mm);
-  if (a.world) std::printf("pieces      %d\n", a.world->pieces());
+  if (a.world->skin()) std::printf("pieces      %d\n", a.world->pieces());
   if (a.head) print_head(*a.head);
   std::printf("state_hash  %s\n", hex(f.state_hash).c_str());
   const HandFigures& h = a.solver.hand();
@@ -348,7 +348,7 @@ int run_session(SessionCall call, const std::function<void(Result&, Assembly&)>&
   if (!call.common.out_dir.empty()) try {
       Snapshot last;
       a.patient->fill_with_field(last);  // with the tension
-      if (a.world)
+      if (a.world->skin())
         draw_report_pictures(call.common.out_dir, a.solver.stages(), last);
       else if (a.head)
         draw_head_pictures(call.common.out_dir, a.solver.stages(), first, last, scene_camera(a.scene), *a.head);

@@ -5,12 +5,13 @@
 #include "app/result/schema.h"
 #include "sim/commands/strokes.h"
 #include "sim/measure/table.h"
+#include "sim/patient/soft_tissue.h"
 
 namespace limberg {
 
 Metrics measure_world(const World& world, std::span<const Command> script, const MeasureAlso& also) {
   Snapshot s;
-  world.fill(s);
+  world.skin()->fill(s);
   const Skin skin(world.spec().body);
   return measure(world, s, skin, join_strokes(script), also);
 }

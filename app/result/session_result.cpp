@@ -53,7 +53,8 @@ void fill_lanes(Result& r, Assembly& a, const SessionFigures& f) {
   r.set("/solver/residual", a.solver.last().residual);
   r.set("/solver/distance_mm", a.solver.last().distance_mm);
   r.set("/solver/settle_steps", f.settle_steps);
-  r.set("/solver/describe", a.world ? a.world->solver().describe() : std::string("simplex meshes of face and bone"));
+  r.set("/solver/describe",
+        a.world->skin() ? a.world->solver().describe() : std::string("simplex meshes of face and bone"));
   r.set("/render/frames", a.render.frames());
   r.set("/render/skipped_frames", f.render.skipped);
   r.set_times("/render/frame_ms", f.render.work, 1e-6, {.p95 = true});
@@ -99,7 +100,7 @@ void fill_session(Result& r, Assembly& a, const SessionFigures& f, bool real_tim
   r.set("/workers", a.workers.count());
   fill_lanes(r, a, f);
   if (a.head) fill_head(r, *a.head);
-  if (!a.world) {
+  if (!a.world->skin()) {
     fill_story(r, a);
     return;
   }

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include "sim/lattice/cell_builder.h"
+#include "sim/lattice/contradiction.h"
 
 namespace limberg {
 namespace {
@@ -30,8 +30,8 @@ CellBuilder::CellBuilder(const LatticeGrid& grid, const MaterialSurface& surface
     : grid_(grid), surface_(surface), known_layers_(1024) {}
 
 void CellBuilder::contradiction(const char* what) const {
-  throw std::logic_error("lattice cell (" + std::to_string(index_[0]) + "," + std::to_string(index_[1]) + "," +
-                         std::to_string(index_[2]) + "): " + what);
+  throw Contradiction("lattice cell (" + std::to_string(index_[0]) + "," + std::to_string(index_[1]) + "," +
+                      std::to_string(index_[2]) + "): " + what);
 }
 
 void CellBuilder::enter(Int3 at) {

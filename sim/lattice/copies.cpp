@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sim/base/hash.h"
+#include "sim/lattice/contradiction.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
@@ -220,7 +221,7 @@ void name_parents_by_neighbours(LatticeTopology& t, const LatticeTopology& previ
       const int32_t c = previous.copy(cell, k);
       if (best < 0 || previous.cells[size_t(c)].fraction > previous.cells[size_t(best)].fraction) best = c;
     }
-    if (best < 0) throw std::logic_error("material has appeared in an empty lattice cell");
+    if (best < 0) throw Contradiction("material has appeared in an empty lattice cell");
     t.cell_parent.set(size_t(me), best);
   }
 }

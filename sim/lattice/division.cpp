@@ -1,9 +1,9 @@
 // Divided cells: which, when, and what their parts hold.
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include "sim/base/number_set.h"
+#include "sim/lattice/contradiction.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
@@ -41,7 +41,7 @@ bool walk(const LatticeGrid& grid, const MaterialSurface& surface, std::span<con
     const int before = surface.plane(f).n[size_t(axis)] > 0 ? 1 : 0;
     const uint8_t mat = surface.faces[size_t(f)].mat;
     if (bool(mat >> before & 1) != state)
-      throw std::logic_error("material inside a divided cell contradicts a face's bits");
+      throw Contradiction("material inside a divided cell contradicts a face's bits");
     state = mat >> (1 - before) & 1;
   }
   return state;

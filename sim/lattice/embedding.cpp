@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <stdexcept>
 
 #include "sim/cutting/arrangement/point_store.h"
+#include "sim/lattice/contradiction.h"
 #include "sim/lattice/lattice_signs.h"
 
 namespace limberg {
@@ -68,7 +68,7 @@ class Embedder {
       cell = t_.tree.find(t_.grid, kLevels, {at[0], at[1], at[2]});
     }
     const int32_t copy = copy_in(t_, cell, sided);
-    if (copy < 0) throw std::logic_error("a surface vertex lies in a lattice cell that does not hold its face");
+    if (copy < 0) throw Contradiction("a surface vertex lies in a lattice cell that does not hold its face");
     view_.cell_copy[v] = copy;
     out_.set(v, embed(t_, copy, now_.X_mm[v]));
   }
@@ -101,7 +101,7 @@ void follow_copies(const LatticeTopology& t, const LatticeTopology& before, Surf
         for (int side = 0; side < 2; ++side) {
           if (comp->of_side[i][size_t(side)] < 0) continue;
           const int32_t f = now.triangle_of[size_t(2 * comp->face[i] + side)];
-          if (f < 0) throw std::logic_error("a face of a lattice cell is not on the surface");
+          if (f < 0) throw Contradiction("a face of a lattice cell is not on the surface");
           again.push_back(f);
           for (int32_t v : now.tri[size_t(f)])
             if (const int32_t was = now.cell_copy[size_t(v)];
@@ -127,7 +127,7 @@ void follow_copies(const LatticeTopology& t, const LatticeTopology& before, Surf
         const int cls = comp->of_side[i][size_t(side)];
         if (cls < 0 || !other[size_t(cls)]) continue;
         const int32_t f = now.triangle_of[size_t(2 * comp->face[i] + side)];
-        if (f < 0) throw std::logic_error("a face of a lattice cell is not on the surface");
+        if (f < 0) throw Contradiction("a face of a lattice cell is not on the surface");
         const int32_t copy = copies[size_t(cls)];
         const auto& node = t.cells[size_t(copy)].node;
         for (int32_t v : now.tri[size_t(f)]) {

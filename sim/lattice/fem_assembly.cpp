@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <span>
-#include <stdexcept>
 
 #include "sim/base/number_set.h"
+#include "sim/lattice/contradiction.h"
 
 namespace limberg {
 namespace {
@@ -27,7 +27,7 @@ class Assembly {
     for (int a = 0; a < 3; ++a) out.at[size_t(a)] = int16_t(2 * place.at[a] >> place.level);
     out.level = uint8_t(place.level);
     out.stencil = table_.of_place(place);
-    if (out.stencil < 0) throw std::logic_error("material in a lattice cell for which there is no stencil");
+    if (out.stencil < 0) throw Contradiction("material in a lattice cell for which there is no stencil");
     out.scale = scale(copy.fraction, place.level);
     return out;
   }

@@ -10,11 +10,11 @@
 //   pieces  none has come apart when the touched copies of each are still linked among themselves; else they are
 //           found again
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include "sim/base/number_set.h"
 #include "sim/base/union_find.h"
+#include "sim/lattice/contradiction.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
@@ -185,7 +185,7 @@ void LocalUpdate::around(int32_t lattice_node) {
       for (const Link& l : t_.links.of(3 * cell[size_t(b)] + axis)) {
         const int32_t low = first[size_t(b)] + l.low, high = first[size_t(other)] + l.high;
         if (corner_[size_t(low)].node != corner_[size_t(high)].node)
-          throw std::logic_error("a cut has joined two node copies: the lattice is not a refinement of the one before");
+          throw Contradiction("a cut has joined two node copies: the lattice is not a refinement of the one before");
         groups -= join_.unite(low, high);
       }
     }

@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <stdexcept>
 
 #include "sim/base/error.h"
+#include "sim/lattice/contradiction.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
@@ -60,12 +60,12 @@ std::vector<uint8_t> classify_nodes(const LatticeGrid& grid, const MaterialSurfa
         const uint8_t mat = surface.faces[size_t(hits[h].face)].mat;
         const int before = up > 0 ? 1 : 0;
         if (bool(mat >> before & 1) != state)
-          throw std::logic_error("material along a lattice line contradicts a face's bits");
+          throw Contradiction("material along a lattice line contradicts a face's bits");
         state = mat >> (1 - before) & 1;
       }
       in[size_t(first + x)] = state;
     }
-    if (h < hits.size() && hits[h].line == line) throw std::logic_error("a lattice line ends inside the material");
+    if (h < hits.size() && hits[h].line == line) throw Contradiction("a lattice line ends inside the material");
   }
   return in;
 }

@@ -1,11 +1,11 @@
 // Node copies: classes of cell corners under the links, their parents, and what hangs.
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <utility>
 
 #include "sim/base/hash.h"
 #include "sim/base/union_find.h"
+#include "sim/lattice/contradiction.h"
 #include "sim/lattice/topology_parts.h"
 
 namespace limberg {
@@ -205,7 +205,7 @@ void Numbering::hang_together() {
       hangs_[n++] = hangs_[i];
       continue;
     }
-    if (hangs_[n - 1].count != hangs_[i].count) throw std::logic_error("a node hangs on an edge and on a square");
+    if (hangs_[n - 1].count != hangs_[i].count) throw Contradiction("a node hangs on an edge and on a square");
     for (size_t k = 0; k < size_t(hangs_[i].count); ++k) corners_.unite(hangs_[i].master[k], hangs_[n - 1].master[k]);
   }
   hangs_.resize(n);
@@ -262,7 +262,7 @@ void Numbering::find_groups() {
       const Ancestors others =
           resolve(*previous_, seen.born >= 0 ? ancestors_[size_t(seen.born)] : Ancestors{{seen.parent, 1.0}});
       if (mine != others)
-        throw std::logic_error("a cut has joined two node copies: the lattice is not a refinement of the one before");
+        throw Contradiction("a cut has joined two node copies: the lattice is not a refinement of the one before");
       if (from.size() < 2) seen.born = -1, seen.parent = parent;  // a node that was there before stays that node
     }
   }

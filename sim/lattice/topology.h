@@ -96,8 +96,8 @@ struct LatticeTopology {
 };
 
 /// Throws InputError when the surface reaches beyond the lattice, or when
-/// its pitch cannot be halved `front_levels` times. std::logic_error tells
-/// of a defect: a surface whose gluing contradicts its material bits.
+/// its pitch cannot be halved `front_levels` times. Contradiction
+/// (contradiction.h): a surface whose gluing contradicts its material bits.
 std::shared_ptr<const LatticeTopology> build_topology(const LatticeGrid& grid, const MaterialSurface& surface,
                                                       int front_levels = 0);
 

@@ -3,6 +3,7 @@
 #include "app/operating_point/cpu_clock.h"
 #include "sim/base/error.h"
 #include "sim/base/text.h"
+#include "sim/patient/world.h"
 #include "sim/skull/head/head.h"
 #include "tests/bench/head_cases.h"
 #include "tests/bench/head_face.h"
@@ -30,20 +31,21 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
     };
     tie("forehead", {0, 100, 58}, 78, 8),
         tie("jaw", landmark_of(model, "pog'"), 48, 8);  // more layers than any tissue needs: for its size
-    Head head(std::move(parts), w);
+    World patient(std::move(parts), w);
+    const Head& head = *patient.head();
     size_t tissue = 0;
     for (const simplex::Tissue* t : head.face_model().tissues()) tissue += size_t(t->vertices());
     const auto act = [&](const HeadCommand& c) {
       const double t0 = cpu_ms();
-      const limberg::Outcome o = head.apply(c);
+      const limberg::Outcome o = patient.apply(c);
       if (!o.done) throw InputError("", 0, "bench head: " + o.reason);
       return cpu_ms() - t0;
     };
     Snapshot shown;
     const auto step = [&] {
       const double t0 = cpu_ms();
-      head.step(1. / 60);
-      head.fill(shown);
+      patient.step({});
+      patient.fill(shown);
       return cpu_ms() - t0;
     };
     step();
@@ -63,9 +65,9 @@ void head_session(Result& out, const HeadModel& model, const HeadSettings& setti
     }
     const double let_go_ms = act(LetGo{});
     int until = 0;
-    for (; until < 600 && !head.step(1. / 60).at_rest; ++until) rest.add(step());
+    for (; until < 600 && patient.step({}).residual > 0; ++until) rest.add(step());
     const double undo_t0 = cpu_ms();
-    head.apply(Undo{}), head.apply(Undo{});
+    patient.apply(Undo{}), patient.apply(Undo{});
     const double undo_ms = cpu_ms() - undo_t0;
     const std::string size = text("face %d, tissue %zu, bones %d vertices; one core", head.face().vertices(), tissue,
                                   head.bones_now().vertices());

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/base/field_hash.h"
 #include "sim/base/hash.h"
 #include "sim/skull/bone/held.h"
 #include "sim/skull/bone/join.h"
@@ -97,10 +98,9 @@ int32_t Bones::nearest_fragment(const Vec3& rest, Vec3* on_bone) const {
   return best;
 }
 
-void Bones::finish(Act&& act) {
-  act.after = now_;
-  done_.push_back(std::move(act));
-  undone_.clear();
+ActedOnBone Bones::finish(BoneChange&& change, std::string words) const {
+  change.after = now_;
+  return {{true, std::move(words)}, std::move(change)};
 }
 
 std::string Bones::cut_mesh(const Osteotomy& what, simplex::Delta& delta) {
@@ -149,21 +149,20 @@ std::string Bones::cut_mesh(const Osteotomy& what, simplex::Delta& delta) {
   return "";
 }
 
-Outcome Bones::cut(const Osteotomy& asked) {
+ActedOnBone Bones::cut(const Osteotomy& asked) {
   if (held_ >= 0) return refused(kHeld);
-  Act act;
-  act.kind = Act::Kind::cut, act.what = asked, act.before = now_;
+  BoneChange change;
+  change.kind = BoneChange::Kind::cut, change.what = asked, change.before = now_;
   if (asked.fragment >= 0 && index(asked.fragment) < 0) return refused(no_fragment(asked.fragment));
   if (asked.fragment < 0) {
     if (asked.kind == Osteotomy::Kind::contour && asked.path_mm.empty())
       return refused("a contour has at least three places");
     const Vec3 at = asked.kind == Osteotomy::Kind::contour ? asked.path_mm[0] : asked.point_mm;
     if (!at.allFinite()) return refused("a place of the cut is not finite");
-    act.what.fragment = nearest_fragment(at);
+    change.what.fragment = nearest_fragment(at);
   }
-  if (std::string bad = cut_mesh(act.what, act.delta); !bad.empty()) return refused(bad);
-  finish(std::move(act));
-  return {true, ""};
+  if (std::string bad = cut_mesh(change.what, change.delta); !bad.empty()) return refused(bad);
+  return finish(std::move(change));
 }
 
 std::string Bones::join_mesh(int32_t a, int32_t b, simplex::Delta& delta) {
@@ -196,7 +195,7 @@ std::string Bones::join_mesh(int32_t a, int32_t b, simplex::Delta& delta) {
   return "";
 }
 
-Outcome Bones::join(int32_t a, int32_t b) {
+ActedOnBone Bones::join(int32_t a, int32_t b) {
   if (held_ >= 0) return refused(kHeld);
   for (int32_t id : {a, b})
     if (index(id) < 0) return refused(no_fragment(id));
@@ -204,11 +203,10 @@ Outcome Bones::join(int32_t a, int32_t b) {
   const bool fa = fragment(a)->fixed, fb = fragment(b)->fixed;
   if (fa && fb) return refused("both bones are fixed");
   if (fb || (!fa && b < a)) std::swap(a, b);
-  Act act;
-  act.kind = Act::Kind::join, act.a = a, act.b = b, act.before = now_;
-  if (std::string bad = join_mesh(a, b, act.delta); !bad.empty()) return refused(bad);
-  finish(std::move(act));
-  return {true, ""};
+  BoneChange change;
+  change.kind = BoneChange::Kind::join, change.a = a, change.b = b, change.before = now_;
+  if (std::string bad = join_mesh(a, b, change.delta); !bad.empty()) return refused(bad);
+  return finish(std::move(change));
 }
 
 std::vector<int32_t> Bones::plated(int32_t id) const {
@@ -223,7 +221,7 @@ std::vector<int32_t> Bones::plated(int32_t id) const {
   return ids;
 }
 
-Outcome Bones::move(int32_t id, const Eigen::Isometry3d& pose) {
+ActedOnBone Bones::move(int32_t id, const Eigen::Isometry3d& pose) {
   if (held_ >= 0) return refused(kHeld);
   if (index(id) < 0) return refused(no_fragment(id));
   if (!rigid(pose)) return refused("a pose is a rotation and a finite translation");
@@ -231,18 +229,17 @@ Outcome Bones::move(int32_t id, const Eigen::Isometry3d& pose) {
   for (int32_t i : group)
     if (const Fragment& f = now_.fragments[size_t(i)]; f.fixed)
       return refused(f.id == id ? f.name + " is fixed" : "it is plated to " + f.name + ", which is fixed");
-  Act act;
-  act.before = now_;
+  BoneChange change;
+  change.before = now_;
   const Eigen::Isometry3d by = pose * fragment(id)->pose.inverse();
   for (int32_t i : group) {
     Fragment& f = now_.fragments[size_t(i)];
     f.pose = f.id == id ? pose : by * f.pose;
   }
-  finish(std::move(act));
-  return {true, ""};
+  return finish(std::move(change));
 }
 
-Outcome Bones::plate(const Vec3& a, const Vec3& b) {
+ActedOnBone Bones::plate(const Vec3& a, const Vec3& b) {
   if (held_ >= 0) return refused(kHeld);
   if (!a.allFinite() || !b.allFinite()) return refused("an end of the plate is not at a finite place");
   Plate p;
@@ -252,49 +249,39 @@ Outcome Bones::plate(const Vec3& a, const Vec3& b) {
     return refused("an end of the plate lies more than 10 mm from any bone");
   if (p.a == p.b)
     return refused("both ends of the plate lie on " + fragment(p.a)->name + "; two fragments were expected");
-  Act act;
-  act.before = now_;
+  BoneChange change;
+  change.before = now_;
   now_.plates.push_back(p);
-  finish(std::move(act));
-  return {true, ""};
+  return finish(std::move(change));
 }
 
-Outcome Bones::unplate(int32_t id) {
+ActedOnBone Bones::unplate(int32_t id) {
   if (held_ >= 0) return refused(kHeld);
   if (index(id) < 0) return refused(no_fragment(id));
-  Act act;
-  act.before = now_;
+  BoneChange change;
+  change.before = now_;
   if (std::erase_if(now_.plates, [&](const Plate& p) { return p.a == id || p.b == id; }) == 0)
     return refused("there is no plate on " + fragment(id)->name);
-  finish(std::move(act));
-  return {true, ""};
+  return finish(std::move(change));
 }
 
-Outcome Bones::undo() {
+Outcome Bones::take_back(BoneChange& change) {
   if (held_ >= 0) return refused(kHeld);
-  if (done_.empty()) return refused("there is nothing to undo");
-  Act act = std::move(done_.back());
-  done_.pop_back();
-  now_ = act.before;
-  if (act.kind != Act::Kind::state) {
-    simplex::undo(mesh_, act.delta);
+  now_ = change.before;
+  if (change.kind != BoneChange::Kind::state) {
+    simplex::undo(mesh_, change.delta);
     ++version_;
     recount();
   }
-  undone_.push_back(std::move(act));
   return {true, ""};
 }
 
-Outcome Bones::redo() {
+Outcome Bones::make_again(BoneChange& change) {
   if (held_ >= 0) return refused(kHeld);
-  if (undone_.empty()) return refused("there is nothing to do again");
-  Act act = std::move(undone_.back());
-  undone_.pop_back();
   // The mesh is to the bit what it was when this was done first, so it can be done again and cannot fail.
-  if (act.kind == Act::Kind::cut) cut_mesh(act.what, act.delta);
-  if (act.kind == Act::Kind::join) join_mesh(act.a, act.b, act.delta);
-  if (act.kind == Act::Kind::state) now_ = act.after;
-  done_.push_back(std::move(act));
+  if (change.kind == BoneChange::Kind::cut) cut_mesh(change.what, change.delta);
+  if (change.kind == BoneChange::Kind::join) join_mesh(change.a, change.b, change.delta);
+  if (change.kind == BoneChange::Kind::state) now_ = change.after;
   return {true, ""};
 }
 
@@ -311,6 +298,12 @@ uint64_t Bones::hash() const {
     h.add(p.a), h.add(p.b);
     for (int k = 0; k < 3; ++k) h.add(p.a_mm[k]), h.add(p.b_mm[k]);
   }
+  return h.value();
+}
+
+uint64_t Bones::full_hash() const {
+  FieldHash h;
+  h(simplex::hash(mesh_), now_);
   return h.value();
 }
 

@@ -9,15 +9,15 @@
 // grab from the poses and thrown away at the release. So what happens depends on the poses and the drags alone, never
 // on what was done before; and where nothing is held there is no Bullet world.
 //
-// Every act can be undone, to any depth, and done again: the mesh to the bit (simplex::Delta; again by doing it again),
-// fragments, poses and plates from copies. A new act ends what could be done again.
+// Every act returns what takes it back (BoneChange), for the patient's history (patient/history.h): the mesh to the bit
+// (simplex::Delta; again by doing it again), fragments, poses and plates from copies.
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "sim/base/workers.h"
-#include "sim/commands/command.h"
+#include "sim/commands/acted.h"
 #include "sim/skull/bone/osteotomy.h"
 #include "sim/skull/simplex/edit.h"
 #include "sim/skull/simplex/mesh.h"
@@ -63,6 +63,39 @@ struct Plate {
   Vec3 a_mm = Vec3::Zero(), b_mm = Vec3::Zero();  // its ends, at rest
 };
 
+/// Fragments and plates; the mesh aside.
+struct BonesState {
+  std::vector<Fragment> fragments;
+  std::vector<Plate> plates;
+  int32_t next_id = 0;
+};
+
+template <class V>
+void fields(const Fragment& f, V&& v) {
+  const auto& [id, name, vertex, fixed, pose, volume_mm3, centre_mm] = f;
+  v(id, name, vertex, fixed, pose.matrix(), volume_mm3, centre_mm);
+}
+template <class V>
+void fields(const Plate& p, V&& v) {
+  const auto& [a, b, a_mm, b_mm] = p;
+  v(a, b, a_mm, b_mm);
+}
+template <class V>
+void fields(const BonesState& s, V&& v) {
+  const auto& [fragments, plates, next_id] = s;
+  v(fragments, plates, next_id);
+}
+
+/// What takes an act on bone back, and makes it again. Changes are taken back in the reverse order of their making.
+struct BoneChange {
+  enum class Kind { cut, join, state } kind = Kind::state;
+  Osteotomy what;          // cut: the fragment is named
+  int32_t a = -1, b = -1;  // join
+  simplex::Delta delta;
+  BonesState before, after;
+};
+using ActedOnBone = Acted<BoneChange>;
+
 class Bones {
  public:
   /// Throws InputError: no mesh, or one that find_fault finds fault with.
@@ -83,76 +116,62 @@ class Bones {
   int32_t nearest_fragment(const Vec3& rest_mm, Vec3* on_bone_mm = nullptr) const;
 
   /// Refused: see osteotomy.h; while a fragment is held.
-  Outcome cut(const Osteotomy& what);
+  ActedOnBone cut(const Osteotomy& what);
   /// Makes one bone of two where they are now (T3 between the cut surfaces that face each other); a fixed one keeps its
   /// place, else the one with the smaller number does, and the other one's rest is set anew. Its number goes.
-  Outcome join(int32_t a, int32_t b);
+  ActedOnBone join(int32_t a, int32_t b);
   /// Six numbers; contact is not asked. What is plated to it moves along.
-  Outcome move(int32_t id, const Eigen::Isometry3d& pose);
+  ActedOnBone move(int32_t id, const Eigen::Isometry3d& pose);
   /// A plate between two fragments (places at rest): from now on they move as one.
-  Outcome plate(const Vec3& a_mm, const Vec3& b_mm);
+  ActedOnBone plate(const Vec3& a_mm, const Vec3& b_mm);
   /// Takes all plates off a fragment. Refused: there is none on it.
-  Outcome unplate(int32_t id);
-  /// Puts together what fits by its cut rings, wherever it lies (sorting.h; some
-  /// 0.1 s a pair): of each group that verified pairs join, the fixed one stays,
-  /// or the one with the smallest number. One act; in words what went where, and
-  /// what fits nothing. Refused, with the reasons: nothing fits; all that fits
-  /// lies so already; two fixed ones fit each other; a plate would be bent.
-  Outcome sort();
+  ActedOnBone unplate(int32_t id);
+  /// Puts together what fits by its cut rings, wherever it lies (sorting.h; some 0.1 s a pair): of each group that
+  /// verified pairs join, the fixed one stays, or the one with the smallest number. One act; in words what went where,
+  /// and what fits nothing.
+  /// Refused, with the reasons: nothing fits; all that fits lies so already; two fixed ones fit each other; a plate
+  /// would be bent.
+  ActedOnBone sort();
 
   Outcome grab(int32_t id);
   void drag(int32_t id, const Eigen::Isometry3d& wanted_pose);
   /// Leaves it where it is. snap: when within kSnap_mm (of its centre) and
-  /// kSnap_deg of fitting a fragment that it was cut from, it is put where
-  /// it fits; to the nearest of several. In words which, or why not.
-  Outcome release(int32_t id, bool snap = false);
+  /// kSnap_deg of fitting a fragment that it was cut from, it is put where it fits; to the nearest of several. In words
+  /// which, or why not.
+  ActedOnBone release(int32_t id, bool snap = false);
   void step(double dt_s);
   bool physics() const { return hold_ != nullptr; }
   RigidFigures physics_figures() const;
   int32_t held() const { return held_; }  // -1: nothing
   static constexpr double kSnap_mm = 3, kSnap_deg = 10;
 
-  bool can_undo() const { return !done_.empty() && held_ < 0; }
-  bool can_redo() const { return !undone_.empty() && held_ < 0; }
-  Outcome undo();
-  Outcome redo();
+  /// Refused while a fragment is held.
+  Outcome take_back(BoneChange& change);
+  Outcome make_again(BoneChange& change);
 
   std::vector<Gap> gaps() const;
   /// Over mesh, fragments, poses and plates.
   uint64_t hash() const;
+  uint64_t full_hash() const;  // and what follows from them
 
  private:
-  struct State {
-    std::vector<Fragment> fragments;
-    std::vector<Plate> plates;
-    int32_t next_id = 0;
-  };
-  struct Act {
-    enum class Kind { cut, join, state } kind = Kind::state;
-    Osteotomy what;          // cut: the fragment is named
-    int32_t a = -1, b = -1;  // join
-    simplex::Delta delta;
-    State before, after;
-  };
-
   int32_t index(int32_t id) const;
   std::string cut_mesh(const Osteotomy& what, simplex::Delta& delta);
   std::string join_mesh(int32_t a, int32_t b, simplex::Delta& delta);
   void recount();  // components after the mesh changed
-  void finish(Act&& act);
+  ActedOnBone finish(BoneChange&& change, std::string words = {}) const;
   std::vector<int32_t> plated(int32_t id) const;  // indices, itself included
   const FragmentShape& shape(int32_t id) const;   // at rest, kept until the mesh changes
 
   simplex::Mesh mesh_;
-  State now_;
+  BonesState now_;
   uint64_t version_ = 1;
   std::vector<int32_t> component_;  // per vertex slot
   std::vector<int32_t> id_of_component_;
-  std::vector<Act> done_, undone_;
   mutable std::vector<std::unique_ptr<FragmentShape>> shapes_;
   struct Held;
   std::unique_ptr<Held> hold_;  // while something is held
-  State before_grab_;
+  BonesState before_grab_;
   int32_t held_ = -1;
   Workers* workers_ = nullptr;
 };

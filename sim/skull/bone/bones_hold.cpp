@@ -85,7 +85,7 @@ void Bones::step(double dt) {
     }
 }
 
-Outcome Bones::release(int32_t id, bool snap) {
+ActedOnBone Bones::release(int32_t id, bool snap) {
   if (held_ < 0 || id != held_) return refused("fragment " + std::to_string(id) + " is not held");
   hold_.reset();
   held_ = -1;
@@ -118,11 +118,10 @@ Outcome Bones::release(int32_t id, bool snap) {
       g.pose = g.id == id ? to : by * g.pose;
     }
   }
-  // An act even where everything lies as before: who drives the bones counts one for each release.
-  Act act;
-  act.before = std::move(before_grab_);
-  finish(std::move(act));
-  return {true, words};
+  // A release is an act even where everything lies as before: the hand has done something.
+  BoneChange change;
+  change.before = std::move(before_grab_);
+  return finish(std::move(change), std::move(words));
 }
 
 RigidFigures Bones::physics_figures() const { return hold_ ? hold_->world.figures() : RigidFigures{}; }

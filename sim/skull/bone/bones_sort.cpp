@@ -52,10 +52,10 @@ std::string alone_words(const std::vector<Fragment>& fragments, const Sorting& f
 
 }  // namespace
 
-Outcome Bones::sort() {
+ActedOnBone Bones::sort() {
   if (held_ >= 0) return refused(kHeld);
   const Sorting found = sort_fragments(pieces_of(*this));  // its pieces in the order of the fragments
-  State to = now_;
+  BonesState to = now_;
   std::string words;
   const auto say = [&](const std::string& s) { words += (words.empty() ? "" : "; ") + s; };
   const auto fixed = [&](size_t i) { return now_.fragments[i].fixed; };
@@ -85,7 +85,7 @@ Outcome Bones::sort() {
   if (!moves)
     return refused("the fragments that fit each other lie so already" + (words.empty() ? "" : " (" + words + ")"));
   for (const Plate& p : now_.plates) {
-    const auto b_in_a = [&](const State& s) {
+    const auto b_in_a = [&](const BonesState& s) {
       return Eigen::Isometry3d(s.fragments[size_t(index(p.a))].pose.inverse() * s.fragments[size_t(index(p.b))].pose);
     };
     const Apart bent = apart(b_in_a(now_), b_in_a(to), p.b_mm);
@@ -95,11 +95,10 @@ Outcome Bones::sort() {
         text(" would go %.2f mm and %.2f degrees from each other, and a plate holds them; expected it taken off",
              bent.mm, bent.deg));
   }
-  Act act;
-  act.before = std::move(now_);
+  BoneChange change;
+  change.before = std::move(now_);
   now_ = std::move(to);
-  finish(std::move(act));
-  return {true, words};
+  return finish(std::move(change), std::move(words));
 }
 
 }  // namespace limberg::bone

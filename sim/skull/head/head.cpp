@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/base/error.h"
+#include "sim/base/field_hash.h"
 #include "sim/base/hash.h"
 #include "sim/skull/bone/words.h"
 
@@ -61,9 +62,9 @@ Head::Head(HeadParts parts, Workers& workers)
       bones_(std::move(parts.bones), workers),
       face_(std::move(parts.face), workers),
       face_iterations_(parts.face_iterations),
-      landmarks_(std::move(parts.landmarks)) {
+      state_{std::move(parts.landmarks), {}} {
   has_face_ = face_.face().vertices() > 0;
-  for (HeadLandmark& l : landmarks_) {
+  for (HeadLandmark& l : state_.landmarks) {
     if (l.on_face && !has_face_)
       throw InputError("", 0, "landmark " + l.name + " lies on a face, and there is none; expected a face");
     tie(l);
@@ -77,56 +78,41 @@ Head::Head(HeadParts parts, Workers& workers)
 
 Head::~Head() = default;
 
-Outcome Head::apply(const Command& command) {
-  Outcome o;
-  if (const auto* h = std::get_if<HeadCommand>(&command))
-    o = act(*h);
-  else if (std::holds_alternative<Undo>(command))
-    o = undo();
-  else if (std::holds_alternative<Redo>(command))
-    o = redo();
-  else if (std::holds_alternative<Stage>(command) || std::holds_alternative<Wait>(command))
-    o = {true, {}};
-  else
-    o = refuse("there is no skin with flap tools here; expected a scene with a [body]");
-  if (!o.done) ++refused_;
-  return o;
-}
-
-Outcome Head::act(const HeadCommand& command) {
+ActedOnHead Head::act(const HeadCommand& command) {
   return std::visit([this](const auto& c) { return act(c); }, command);
 }
 
 // ---- acts on bone ----
 
-Outcome Head::act(const CutBone& c) {
+ActedOnHead Head::act(const CutBone& c) {
   std::string reason;
   bone::Osteotomy o;
   o.kind = c.contour_mm.empty() ? bone::Osteotomy::Kind::plane : bone::Osteotomy::Kind::contour;
   o.path_mm = c.contour_mm, o.point_mm = c.point_mm, o.radius_mm = c.radius_mm, o.must_divide = c.must_divide;
   if (c.normal.norm() > 0) o.normal = c.normal.normalized();
   if (c.of && (o.fragment = find(*c.of, reason)) < 0) return refuse(reason);
-  Done before = moment(true, true);
+  HeadChange change = before(true);
   const uint64_t version = bones_.version();
-  const Outcome done = bones_.cut(o);
-  if (!done.done) return done;
+  bone::ActedOnBone cut = bones_.cut(o);
+  if (!cut.done) return Outcome(cut);
+  change.bones = std::move(cut.change);
   bones_changed(version);
-  remember(std::move(before));
   // A cut through what a tissue hangs on is allowed; whoever made it is told.
-  return {true, has_face_ && !face_.warnings().empty() ? face_.warnings().back() : done.reason};
+  return {{true, has_face_ && !face_.warnings().empty() ? face_.warnings().back() : cut.reason}, std::move(change)};
 }
 
-Outcome Head::act(const MoveFragment& m) {
+ActedOnHead Head::act(const MoveFragment& m) {
   std::string reason;
   const int32_t id = find(m.fragment, reason);
   if (id < 0) return refuse(reason);
-  Done before = moment(true, false);
-  Outcome done = bones_.move(id, isometry(m.by, centre_now(id)) * bones_.fragment(id)->pose);
-  if (done.done) remember(std::move(before)), done.reason = lies(bones_, id);
-  return done;
+  HeadChange change = before(false);
+  bone::ActedOnBone moved = bones_.move(id, isometry(m.by, centre_now(id)) * bones_.fragment(id)->pose);
+  if (!moved.done) return Outcome(moved);
+  change.bones = std::move(moved.change);
+  return {{true, lies(bones_, id)}, std::move(change)};
 }
 
-Outcome Head::act(const GrabFragment& g) {
+ActedOnHead Head::act(const GrabFragment& g) {
   std::string reason;
   const int32_t id = find(g.fragment, reason);
   if (id < 0) return refuse(reason);
@@ -138,53 +124,58 @@ Outcome Head::act(const GrabFragment& g) {
   return done;
 }
 
-Outcome Head::act(const DragFragment& d) {
+ActedOnHead Head::act(const DragFragment& d) {
   if (bones_.held() < 0 || held_by_ != d.hand) return refuse("nothing is held by this hand; expected a grab before it");
   bones_.drag(bones_.held(), isometry(d.to, grabbed_centre_) * grabbed_at_);
   return {true, {}};
 }
 
-Outcome Head::act(const LetGo& l) {
+ActedOnHead Head::act(const LetGo& l) {
   if (bones_.held() < 0 || held_by_ != l.hand) return refuse("nothing is held by this hand; expected a grab before it");
-  Done before = moment(true, false);
+  HeadChange change = before(false);
   const int32_t id = bones_.held();
-  Outcome done = bones_.release(id, l.snap);
-  if (!done.done) return done;
-  held_by_ = -1, remember(std::move(before));
+  bone::ActedOnBone released = bones_.release(id, l.snap);
+  if (!released.done) return Outcome(released);
+  held_by_ = -1, change.bones = std::move(released.change);
   const std::string beside = lies(bones_, id);
-  done.reason += (done.reason.empty() || beside.empty() ? "" : "; ") + beside;
-  return done;
+  return {{true, released.reason + (released.reason.empty() || beside.empty() ? "" : "; ") + beside},
+          std::move(change)};
 }
 
-Outcome Head::act(const PlateFragments& p) {
-  Done before = moment(true, false);
-  const Outcome done = bones_.plate(p.a_mm, p.b_mm);
-  if (done.done) remember(std::move(before)), topology_changed();
-  return done;
+ActedOnHead Head::act(const PlateFragments& p) {
+  HeadChange change = before(false);
+  bone::ActedOnBone plated = bones_.plate(p.a_mm, p.b_mm);
+  if (!plated.done) return Outcome(plated);
+  change.bones = std::move(plated.change);
+  topology_changed();
+  return {Outcome(plated), std::move(change)};
 }
 
-Outcome Head::act(const Unplate& u) {
+ActedOnHead Head::act(const Unplate& u) {
   std::string reason;
   const int32_t id = find(u.fragment, reason);
   if (id < 0) return refuse(reason);
-  Done before = moment(true, false);
-  const Outcome done = bones_.unplate(id);
-  if (done.done) remember(std::move(before)), topology_changed();
-  return done;
+  HeadChange change = before(false);
+  bone::ActedOnBone freed = bones_.unplate(id);
+  if (!freed.done) return Outcome(freed);
+  change.bones = std::move(freed.change);
+  topology_changed();
+  return {Outcome(freed), std::move(change)};
 }
 
-Outcome Head::act(const SortFragments&) {
-  Done before = moment(true, false);
-  const Outcome done = bones_.sort();
-  if (done.done) remember(std::move(before));
-  return done;
+ActedOnHead Head::act(const SortFragments&) {
+  HeadChange change = before(false);
+  bone::ActedOnBone sorted = bones_.sort();
+  if (!sorted.done) return Outcome(sorted);
+  change.bones = std::move(sorted.change);
+  return {Outcome(sorted), std::move(change)};
 }
 
-Outcome Head::act(const JoinFragments& j) {
+ActedOnHead Head::act(const JoinFragments& j) {
   std::string reason;
   const int32_t a = find(j.a, reason), b = a < 0 ? -1 : find(j.b, reason);
   if (a < 0 || b < 0) return refuse(reason);
-  Done before = moment(true, true);
+  HeadChange change = before(true);
   const uint64_t version = bones_.version();
   std::vector<uint8_t> of[2];  // vertices of a and of b
   for (const int k : {0, 1}) {
@@ -192,24 +183,24 @@ Outcome Head::act(const JoinFragments& j) {
     for (int32_t v = 0; v < bones_.mesh().slots(); ++v) of[k][size_t(v)] = bones_.fragment_of(v) == (k == 0 ? a : b);
   }
   const Eigen::Isometry3d pose_a = bones_.fragment(a)->pose, pose_b = bones_.fragment(b)->pose;
-  const Outcome done = bones_.join(a, b);
-  if (!done.done) return done;
+  bone::ActedOnBone joined = bones_.join(a, b);
+  if (!joined.done) return Outcome(joined);
+  change.bones = std::move(joined.change);
   // The rest of the one that is gone was set anew; its landmarks go along.
   const bool a_stays = bones_.fragment(a) != nullptr;
   const Eigen::Isometry3d to = a_stays ? pose_a.inverse() * pose_b : pose_b.inverse() * pose_a;
-  for (HeadLandmark& l : landmarks_)
+  for (HeadLandmark& l : state_.landmarks)
     if (!l.on_face && l.fragment == (a_stays ? b : a)) l.X_mm = to * l.X_mm;
   if (has_face_) face_.rest_set_anew(of[a_stays ? 1 : 0], to);
   bones_changed(version);
-  remember(std::move(before));
-  return done;
+  return {Outcome(joined), std::move(change)};
 }
 
 // ---- acts on face and landmarks ----
 
 Outcome Head::connect(const ConnectTissue& t) {
   if (!has_face_) return refuse("there is no face; expected a head with one");
-  for (const ConnectTissue& k : tissues_)
+  for (const ConnectTissue& k : state_.tissues)
     if (k.name == t.name) return refuse("there is a tissue " + t.name + " already; expected another name");
   const simplex::Mesh& face = face_.face();
   simplex::FaceTissuePlan plan;
@@ -223,22 +214,22 @@ Outcome Head::connect(const ConnectTissue& t) {
     if (plan.skull_region.empty()) return refuse("there is no bone within bone_radius_mm of that place; expected some");
   }
   const Outcome o = face_.connect(placed_, std::move(plan), &bones_.mesh());
-  if (o.done) tissues_.push_back(t);
+  if (o.done) state_.tissues.push_back(t);
   return o;
 }
 
-Outcome Head::act(const ConnectTissue& t) {
+ActedOnHead Head::act(const ConnectTissue& t) {
   if (bones_.held() >= 0) return refuse(bone::kHeld);
-  Done before = moment(false, true);
+  HeadChange change = before(true);
   const Outcome o = connect(t);
   if (!o.done) return o;
-  remember(std::move(before));
   topology_changed();
   const bool net = t.mode == TissueKind::springs || t.mode == TissueKind::shape;
-  return {true, net ? face_.free_motions(face_.tissues().size() - 1, kCountedAtOnce) : std::string()};
+  return {{true, net ? face_.free_motions(face_.tissues().size() - 1, kCountedAtOnce) : std::string()},
+          std::move(change)};
 }
 
-Outcome Head::act(const Superpose& s) {
+ActedOnHead Head::act(const Superpose& s) {
   constexpr size_t kMostMoments = 20;
   if (s.on != SkullBeside::off) {
     if (bones_.fragments().empty()) return refuse("there is no bone; expected a head with some");
@@ -263,9 +254,9 @@ Outcome Head::act(const Superpose& s) {
   return {true, {}};
 }
 
-Outcome Head::act(const PlaceLandmark& p) {
+ActedOnHead Head::act(const PlaceLandmark& p) {
   if (p.on_face && !has_face_) return refuse("there is no face; expected \"on\":\"bone\"");
-  Done before = moment(false, false);
+  HeadChange change = before(false);
   HeadLandmark l{p.name, p.at_mm, p.on_face, -1, -1};
   constexpr double kFarthest_mm = 20;
   if (p.on_face) {
@@ -279,15 +270,14 @@ Outcome Head::act(const PlaceLandmark& p) {
     return refuse("lies more than 20 mm from the " + std::string(p.on_face ? "face" : "bone") +
                   "; expected a place on it");
   tie(l);
-  const auto same =
-      std::find_if(landmarks_.begin(), landmarks_.end(), [&](const HeadLandmark& k) { return k.name == l.name; });
-  if (same != landmarks_.end())
+  const auto same = std::find_if(state_.landmarks.begin(), state_.landmarks.end(),
+                                 [&](const HeadLandmark& k) { return k.name == l.name; });
+  if (same != state_.landmarks.end())
     *same = l;
   else
-    landmarks_.push_back(l);
-  remember(std::move(before));
+    state_.landmarks.push_back(l);
   topology_changed();
-  return {true, {}};
+  return {{true, {}}, std::move(change)};
 }
 
 void Head::tie(HeadLandmark& l) const {
@@ -307,13 +297,13 @@ Vec3 Head::landmark_mm(const HeadLandmark& l) const {
 
 std::vector<std::pair<std::string, Vec3>> Head::landmarks_now() const {
   std::vector<std::pair<std::string, Vec3>> out;
-  for (const HeadLandmark& l : landmarks_) out.emplace_back(l.name, landmark_mm(l));
+  for (const HeadLandmark& l : state_.landmarks) out.emplace_back(l.name, landmark_mm(l));
   return out;
 }
 
 std::vector<std::pair<std::string, Vec3>> Head::landmarks_at_rest() const {
   std::vector<std::pair<std::string, Vec3>> out;
-  for (const HeadLandmark& l : landmarks_) out.emplace_back(l.name, l.X_mm);
+  for (const HeadLandmark& l : state_.landmarks) out.emplace_back(l.name, l.X_mm);
   return out;
 }
 
@@ -378,7 +368,7 @@ HeadStep Head::step(double dt_s) {
 
 void Head::bones_changed(uint64_t version_before) {
   if (bones_.version() == version_before) return;
-  for (HeadLandmark& l : landmarks_)
+  for (HeadLandmark& l : state_.landmarks)
     if (!l.on_face) tie(l);
   placed_version_ = 0;  // its numbers have changed
   if (has_face_) face_.rebind(bones_.mesh());
@@ -388,7 +378,7 @@ void Head::bones_changed(uint64_t version_before) {
 
 void Head::topology_changed() {
   std::vector<std::string> names;
-  for (const HeadLandmark& l : landmarks_) names.push_back(l.name);
+  for (const HeadLandmark& l : state_.landmarks) names.push_back(l.name);
   simplex::Mesh face = face_.face();
   face.x_mm = face_.rest_mm();
   view_.build(face, bones_, face_.tissues(), names);
@@ -410,7 +400,7 @@ void Head::fill(Snapshot& s) const {
     s.plate_mm.push_back(
         {(bones_.fragment(p.a)->pose * p.a_mm).cast<float>(), (bones_.fragment(p.b)->pose * p.b_mm).cast<float>()});
   s.landmark_mm.clear();
-  for (const HeadLandmark& l : landmarks_) s.landmark_mm.push_back(landmark_mm(l).cast<float>());
+  for (const HeadLandmark& l : state_.landmarks) s.landmark_mm.push_back(landmark_mm(l).cast<float>());
   s.figures.clear();
   if (has_face_)
     s.figures.push_back({"face moved, at most", "mm",
@@ -434,11 +424,50 @@ uint64_t Head::state_hash() const {
   Hash64 h;
   h.add(bones_.hash());
   if (has_face_) h.add(face_.hash());
-  for (const HeadLandmark& l : landmarks_) {
+  for (const HeadLandmark& l : state_.landmarks) {
     h.add(l.name), h.add(l.on_face);
     for (int i = 0; i < 3; ++i) h.add(l.X_mm[i]);
   }
   return h.value();
+}
+
+uint64_t Head::full_hash() const {
+  FieldHash h;
+  h(state_hash(), bones_.full_hash(), state_);
+  return h.value();
+}
+
+// ---- back and forth ----
+
+HeadChange Head::before(bool with_face) const {
+  HeadChange c;
+  c.state = state_;
+  if (with_face && has_face_) c.face = std::make_unique<simplex::FaceModel>(face_);
+  return c;
+}
+
+Outcome Head::take_back(HeadChange& change) {
+  if (bones_.held() >= 0) return refuse(bone::kHeld);
+  if (change.bones)
+    if (Outcome o = bones_.take_back(*change.bones); !o.done) return o;
+  swap_with(change);
+  return {true, {}};
+}
+
+Outcome Head::make_again(HeadChange& change) {
+  if (bones_.held() >= 0) return refuse(bone::kHeld);
+  if (change.bones)
+    if (Outcome o = bones_.make_again(*change.bones); !o.done) return o;
+  swap_with(change);
+  return {true, {}};
+}
+
+void Head::swap_with(HeadChange& change) {
+  std::swap(state_, change.state);
+  if (change.face) std::swap(face_, *change.face);
+  placed_version_ = 0;
+  place_bones();
+  topology_changed();
 }
 
 }  // namespace limberg

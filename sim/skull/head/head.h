@@ -2,23 +2,23 @@
 // A head: bones that can be cut and moved, the face over them, the tissue between, and named places on both.
 //
 //   Head head(parts, workers);
-//   head.apply(CutBone{...});          // atomic: done, or refused with a reason and nothing changed
+//   head.act(CutBone{...});            // atomic: done, or refused with a reason and nothing changed
 //   head.step(dt_s);                   // fragments that are held (Bullet), then the face a little nearer to rest
 //   head.fill(snapshot);
 //
 // Frame: mm, x to the right, y forwards, z upwards, origin midway between the ears, z = 0 the Frankfurt plane. Places
 // of commands are on the bones at rest, where they were at first; a fragment's pose takes them to where they are now.
 //
-// Undo and redo go through osteotomies, moves, plates, joins, tissue and landmarks in the order in which they were
-// done. The face is never set back by a move: it follows the bones to where they are.
-#include <functional>
+// Osteotomies, moves, plates, joins, tissue and landmarks give what takes them back to the patient's history
+// (patient/history.h). The face is never set back by a move: it follows the bones to where they are.
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "sim/base/workers.h"
-#include "sim/commands/command.h"
+#include "sim/commands/acted.h"
 #include "sim/patient/snapshot.h"
 #include "sim/skull/bone/bones.h"
 #include "sim/skull/face/face_model.h"
@@ -59,19 +59,54 @@ struct HeadStep {
   bool at_rest = true;     // nothing is held, and the face has come to rest
 };
 
+/// What acts change beside bones and face.
+struct HeadState {
+  std::vector<HeadLandmark> landmarks;
+  std::vector<ConnectTissue> tissues;
+};
+
+template <class V>
+void fields(const HeadLandmark& l, V&& v) {
+  const auto& [name, X_mm, on_face, vertex, fragment] = l;
+  v(name, X_mm, on_face, vertex, fragment);
+}
+template <class V>
+void fields(const ConnectTissue& t, V&& v) {
+  const auto& [name, face_mm, bone_mm, face_radius_mm, bone_radius_mm, layers, young_kPa, mode] = t;
+  v(name, face_mm, bone_mm, face_radius_mm, bone_radius_mm, layers, young_kPa, mode);
+}
+template <class V>
+void fields(const HeadState& s, V&& v) {
+  const auto& [landmarks, tissues] = s;
+  v(landmarks, tissues);
+}
+
+/// What takes an act on a head back, and makes it again: the bones' own change, and copies of the rest, which change
+/// places with what is there.
+struct HeadChange {
+  std::optional<bone::BoneChange> bones;
+  HeadState state;
+  std::unique_ptr<simplex::FaceModel> face;  // where the act changed what the tissue is tied to
+};
+using ActedOnHead = Acted<HeadChange>;
+
 class Head {
  public:
   Head(HeadParts parts, Workers& workers);
   ~Head();
 
-  /// Acts on bone and face, undo, redo, stage and wait. What acts on skin is refused.
-  Outcome apply(const Command& command);
+  ActedOnHead act(const HeadCommand& command);
+  /// Refused while a fragment is held.
+  Outcome take_back(HeadChange& change);
+  Outcome make_again(HeadChange& change);
   HeadStep step(double dt_s);
   /// Reuses the snapshot's memory.
   void fill(Snapshot& snapshot) const;
   std::shared_ptr<const SurfaceTopology> topology() const { return view_.topology(); }
   uint64_t topology_hash() const;
   uint64_t state_hash() const;
+  /// Over all that undo and redo bring back, and what follows from it. For tests.
+  uint64_t full_hash() const;
 
   const bone::Bones& bones() const { return bones_; }
   const simplex::Mesh& face() const { return face_.face(); }
@@ -80,47 +115,33 @@ class Head {
   /// Bones where they are now.
   const simplex::Mesh& bones_now() const { return placed_; }
   const HeadView& view() const { return view_; }
-  const std::vector<HeadLandmark>& landmarks() const { return landmarks_; }
+  const std::vector<HeadLandmark>& landmarks() const { return state_.landmarks; }
   /// Where a landmark is now, and where it was at first.
   Vec3 landmark_mm(const HeadLandmark& l) const;
   std::vector<std::pair<std::string, Vec3>> landmarks_now() const;
   std::vector<std::pair<std::string, Vec3>> landmarks_at_rest() const;
-  const std::vector<ConnectTissue>& tissues() const { return tissues_; }
+  const std::vector<ConnectTissue>& tissues() const { return state_.tissues; }
   /// When the skull was laid upon another, and what it is shown upon now.
   const std::vector<SkullMoment>& skull_moments() const { return moments_; }
   SkullBeside beside() const { return beside_; }
-  bool can_undo() const { return !done_.empty() && bones_.held() < 0; }
-  int refused() const { return refused_; }
   uint64_t steps() const { return steps_; }
 
  private:
-  struct Done {
-    bool bones = false;                   // an act of Bones
-    std::vector<HeadLandmark> landmarks;  // before it
-    std::vector<ConnectTissue> tissues;
-    std::unique_ptr<simplex::FaceModel> face;  // before it, where it changed what the tissue is tied to
-  };
-
-  Outcome act(const HeadCommand& command);
-  Outcome act(const CutBone&);
-  Outcome act(const MoveFragment&);
-  Outcome act(const GrabFragment&);
-  Outcome act(const DragFragment&);
-  Outcome act(const LetGo&);
-  Outcome act(const PlateFragments&);
-  Outcome act(const JoinFragments&);
-  Outcome act(const ConnectTissue&);
-  Outcome act(const PlaceLandmark&);
-  Outcome act(const Superpose&);
-  Outcome act(const Unplate&);
-  Outcome act(const SortFragments&);
-  Outcome undo();
-  Outcome redo();
+  ActedOnHead act(const CutBone&);
+  ActedOnHead act(const MoveFragment&);
+  ActedOnHead act(const GrabFragment&);
+  ActedOnHead act(const DragFragment&);
+  ActedOnHead act(const LetGo&);
+  ActedOnHead act(const PlateFragments&);
+  ActedOnHead act(const JoinFragments&);
+  ActedOnHead act(const ConnectTissue&);
+  ActedOnHead act(const PlaceLandmark&);
+  ActedOnHead act(const Superpose&);
+  ActedOnHead act(const Unplate&);
+  ActedOnHead act(const SortFragments&);
   Outcome connect(const ConnectTissue& tissue);
-  Done moment(bool bones, bool with_face) const;
-  void remember(Done before);
-  void swap_with(Done& other);  // of undo and redo
-  Outcome go(std::vector<Done>& from, std::vector<Done>& to, const std::function<Outcome()>& bones);
+  HeadChange before(bool with_face) const;  // of an act: what it may change, as it is now
+  void swap_with(HeadChange& change);       // once the bones have gone their way
   int32_t find(const FragmentPick& pick, std::string& reason) const;
   Vec3 centre_now(int32_t fragment) const;
   void tie(HeadLandmark& landmark) const;
@@ -136,8 +157,7 @@ class Head {
   simplex::Mesh placed_;                  // the bones' mesh with x_mm where they are now
   std::vector<Eigen::Isometry3d> poses_;  // that placed_ and the face have been told
   uint64_t placed_version_ = 0;
-  std::vector<HeadLandmark> landmarks_;
-  std::vector<ConnectTissue> tissues_;
+  HeadState state_;
   std::vector<SkullMoment> moments_;
   uint64_t moment_version_ = 0;  // of the bones, in the last of them
   SkullBeside beside_ = SkullBeside::off;
@@ -145,10 +165,8 @@ class Head {
   Eigen::Isometry3d grabbed_at_ = Eigen::Isometry3d::Identity();
   Vec3 grabbed_centre_ = Vec3::Zero();
   int held_by_ = -1;  // which hand
-  std::vector<Done> done_, undone_;
   HeadStep last_;
   uint64_t steps_ = 0;
-  int refused_ = 0;
 };
 
 }  // namespace limberg

@@ -11,6 +11,8 @@
 #include "app/head/report.h"
 #include "app/head/skull_comparison.h"
 #include "sim/commands/script.h"
+#include "sim/patient/world.h"
+#include "sim/skull/head/head.h"
 #include "sim/skull/simplex/dual.h"
 #include "sim/skull/simplex/generators.h"
 #include "tests/sim/skull/head/shell_head.h"
@@ -54,7 +56,8 @@ TEST(HeadMeasures, LengthsAnglesAndAsymmetryBeforeAndNow) {
 
 TEST(HeadReport, TheLineOfAPairPutsItTogether) {
   InlineWorkers w;
-  Head h(test::shell_head(), w);
+  World patient(test::shell_head(), w);
+  const Head& h = *patient.head();
   const auto report = [&] {
     Result r("operate", "");
     fill_head(r, h);
@@ -63,15 +66,15 @@ TEST(HeadReport, TheLineOfAPairPutsItTogether) {
   EXPECT_FALSE(report().contains("fits"));
   CutBone vault;
   vault.point_mm = {0, 0, 12}, vault.normal = {0.1, 0.25, 1};
-  ASSERT_TRUE(h.apply(HeadCommand(vault)).done);
+  ASSERT_TRUE(patient.apply(HeadCommand(vault)).done);
   MoveFragment away;
   away.fragment.id = 1, away.by.translation_mm = {120, 40, -30}, away.by.rotation_deg = {10, 70, -20};
-  ASSERT_TRUE(h.apply(HeadCommand(away)).done);
+  ASSERT_TRUE(patient.apply(HeadCommand(away)).done);
   const nlohmann::json fits = report().at("fits");
   ASSERT_EQ(fits.size(), 1u);
   EXPECT_EQ(fits[0].at("stays"), 0);  // it is fixed
   EXPECT_EQ(fits[0].at("moves"), 1);
-  ASSERT_TRUE(h.apply(parse_command(fits[0].at("line").get<std::string>(), "", 1)).done);
+  ASSERT_TRUE(patient.apply(parse_command(fits[0].at("line").get<std::string>(), "", 1)).done);
   for (const auto& [name, at] : h.landmarks_at_rest())
     for (const auto& [other, now] : h.landmarks_now())
       if (other == name) {
@@ -93,7 +96,8 @@ TEST(SkullComparison, AKnownPlaceIsFoundAndAMoveIsReadOff) {
   InlineWorkers w;
   HeadParts parts;
   parts.bones.push_back({"potato", potato(), false});
-  Head head(std::move(parts), w);
+  World patient(std::move(parts), w);
+  const Head& head = *patient.head();
   Surface other = bone_surface(head, true);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.translate(Vec3(2, -1, 3)).rotate(Eigen::AngleAxisd(0.08, Vec3(1, 2, 3).normalized()));
@@ -105,11 +109,11 @@ TEST(SkullComparison, AKnownPlaceIsFoundAndAMoveIsReadOff) {
   // A piece is cut off and raised: the fit stays, what was raised lies outside by so much.
   CutBone cut;
   cut.point_mm = {0, 0, 18}, cut.normal = Vec3::UnitZ();
-  ASSERT_TRUE(head.apply(HeadCommand(cut)).done);
+  ASSERT_TRUE(patient.apply(HeadCommand(cut)).done);
   MoveFragment m;
   m.fragment = {-1, {0, 0, 32}}, m.by.translation_mm = {0, 0, 3};
-  ASSERT_TRUE(head.apply(HeadCommand(m)).done);
-  head.step(0.016);
+  ASSERT_TRUE(patient.apply(HeadCommand(m)).done);
+  patient.step({});
   const SkullComparison raised = compare_with(head, other, "itself elsewhere", false, w);
   ASSERT_TRUE(raised) << raised.reason;
   const int32_t id = head.bones().nearest_fragment({0, 0, 32});
@@ -136,9 +140,10 @@ TEST(SkullComparison, MomentsThatWereAskedForAreInTheReport) {
   InlineWorkers w;
   HeadParts parts;
   parts.bones.push_back({"potato", potato(), false});
-  Head head(std::move(parts), w);
+  World patient(std::move(parts), w);
+  const Head& head = *patient.head();
   const auto act = [&](const HeadCommand& c) {
-    const Outcome o = head.apply(c);
+    const Outcome o = patient.apply(c);
     ASSERT_TRUE(o.done) << o.reason;
   };
   CutBone cut;
@@ -167,7 +172,7 @@ TEST(SkullComparison, MomentsThatWereAskedForAreInTheReport) {
                back = number_after(text, "\"rms_mm\"", text.find("\"rms_mm\"", first) + 8);
   EXPECT_GT(out, back + 0.2);
   EXPECT_TRUE(std::filesystem::exists(dir + "/skull-moment-2.csv"));
-  ASSERT_TRUE(head.apply(Undo{}).done);
+  ASSERT_TRUE(patient.apply(Undo{}).done);
   const int32_t id = head.bones().nearest_fragment({0, 0, 32});
   EXPECT_NEAR(head.bones().fragment(id)->pose.translation().z(), 3, 1e-9);
 }

@@ -16,6 +16,7 @@
 #include "devices/head_surgeon.h"
 #include "devices/surface_index.h"
 #include "sim/base/error.h"
+#include "sim/patient/soft_tissue.h"
 #include "sim/skull/simplex/file.h"
 #include "sim/skull/simplex/generators.h"
 #include "sim/skull/simplex/mesh.h"
@@ -156,7 +157,7 @@ std::vector<Vec3f> settled(Assembly& a, int steps = 300) {
   for (int i = 0; i < steps && a.patient->step(s).residual > 2e-6; ++i) {
   }
   Snapshot shown;
-  a.world->fill(shown);
+  a.world->skin()->fill(shown);
   return shown.x_mm;
 }
 
@@ -250,6 +251,59 @@ TEST(HeadSession, AFlapIsCutUnderminedAndSewnOverRaisedBone) {
   EXPECT_EQ(a.patient->topology_hash(), whole);
   act(Undo{}), act(Undo{});
   EXPECT_EQ(a.head->bones().fragments().size(), 2u);
+}
+
+MoveFragment raise_plate(double by_mm) {
+  MoveFragment m;
+  m.fragment = {-1, {40, 0, -9}};
+  m.by.translation_mm = {0, 0, by_mm};
+  return m;
+}
+
+// One history: what is no entry for one part is none for the patient.
+TEST(HeadSession, APieceOfAStrokeThatCutsNothingIsNoEntry) {
+  Assembly a(skin_over_bone(), Calibration{}, {});
+  const uint64_t at_first = a.patient->state_hash();
+  ASSERT_TRUE(a.patient->apply(HeadCommand(raise_plate(3))).done);
+  const uint64_t topology = a.patient->topology_hash();
+  ASSERT_TRUE(a.patient->apply(InciseMore{1, {{-5, 0}, {-4.5, 0}}, 3, 90, false}).done);
+  ASSERT_EQ(a.patient->topology_hash(), topology) << "too short to cut anything yet";
+  const Outcome o = a.patient->apply(Undo{});
+  EXPECT_TRUE(o.done) << o.reason;
+  EXPECT_EQ(a.patient->state_hash(), at_first);
+  EXPECT_FALSE(a.patient->apply(Undo{}).done);
+}
+
+TEST(HeadSession, AHookEndsWhatCouldBeDoneAgainInEveryPart) {
+  Assembly a(skin_over_bone(), Calibration{}, {});
+  const auto act = [&](const Command& c) {
+    const Outcome o = a.patient->apply(c);
+    ASSERT_TRUE(o.done) << o.reason;
+  };
+  act(HeadCommand(raise_plate(3)));
+  act(Incise{{{-10, 0}, {10, 0}}, 3});
+  act(Undo{}), act(Undo{});
+  act(SetHook{1, {0, 10}});
+  EXPECT_FALSE(a.patient->apply(Redo{}).done);
+  act(HeadCommand(raise_plate(2)));
+  const uint64_t raised = a.patient->state_hash();
+  act(Undo{}), act(Redo{});
+  EXPECT_EQ(a.patient->state_hash(), raised);
+  EXPECT_FALSE(a.patient->apply(Redo{}).done);
+}
+
+TEST(HeadSession, AnActOnBoneStopsAStrokeInSkin) {
+  Assembly a(skin_over_bone(), Calibration{}, {});
+  const uint64_t whole = a.patient->topology_hash(), at_first = a.patient->state_hash();
+  ASSERT_TRUE(a.patient->apply(InciseMore{1, {{-18, 0}, {-6, 0}}, 3, 90, false}).done);
+  const uint64_t cut = a.patient->state_hash();
+  ASSERT_NE(a.patient->topology_hash(), whole);
+  ASSERT_TRUE(a.patient->apply(HeadCommand(raise_plate(3))).done);
+  EXPECT_FALSE(a.patient->apply(InciseMore{1, {{-6, 0}, {6, 0}}, 3, 90, false}).done);
+  ASSERT_TRUE(a.patient->apply(Undo{}).done);
+  EXPECT_EQ(a.patient->state_hash(), cut) << "the bone was the last act";
+  ASSERT_TRUE(a.patient->apply(Undo{}).done);
+  EXPECT_EQ(a.patient->state_hash(), at_first);
 }
 
 // The skin over bone answers a hand as it would alone; bone is as hard as bone, where no skin lies over it.

@@ -1,6 +1,8 @@
 // A cut that fails inside, at any step, leaves the patient as it was: every bit of it.
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "sim/body/block.h"
 #include "sim/cutting/arrangement/fault.h"
 #include "sim/patient/world.h"
@@ -76,6 +78,59 @@ TEST(Faults, ACutThatFailsInsideChangesNothing) {
       ASSERT_TRUE(world.apply(again).done);
       EXPECT_EQ(world.full_hash(), after);
     }
+}
+
+/// Throws as a defect of the program would, at one of the signs that decide a cut.
+struct Defect : SignWatcher {
+  int64_t at = -1, calls = 0;
+  void pass() {
+    if (calls++ == at) throw std::out_of_range("a planted defect");
+  }
+  void side(const Plane&, const PointRef&, int) override { pass(); }
+  void turn(const Plane&, const PointRef&, const PointRef&, const PointRef&, int) override { pass(); }
+  void order(int, const PointRef&, const PointRef&, int) override { pass(); }
+};
+
+// What is no refusal of a cut but a defect of the program is told as one, and the cut is taken back all the same.
+TEST(Faults, ADefectInsideACutIsThrownOnAndChangesNothing) {
+  const std::vector<Act> acts = {{"incision across a wall", Incise{{{-15, 0.3}, {15, 0.9}}, 4, 80}},
+                                 {"excision", Excise{{{-7, 4}, {6, 4}, {7, 12}, {-6, 11}}, 4}},
+                                 {"a piece of a stroke", InciseMore{1, {{-16, -12}, {15, -10}}, 4, 90, false}}};
+  InlineWorkers workers;
+  for (const Act& act : acts) {
+    SCOPED_TRACE(act.name);
+    FaultPlan fault;
+    Defect defect;
+    fault.watch = &defect;
+    World world(block(fault), workers);
+    ASSERT_TRUE(world.apply(Incise{{{0.3, -17}, {-0.4, 16}}, 4, 90}).done);
+    ASSERT_TRUE(world.apply(SetHook{1, {5, 5}}).done);
+    StepSettings s;
+    s.max_iterations = 5;
+    world.step(s);
+    defect.calls = 0;
+    ASSERT_TRUE(world.apply(act.command).done);
+    const int64_t calls = defect.calls;
+    ASSERT_GT(calls, 20);
+    const uint64_t after = world.full_hash();
+    ASSERT_TRUE(world.apply(Undo{}).done);
+    const uint64_t before = world.full_hash();
+    Command again = act.command;
+    for (int i = 0; i <= 12; ++i) {
+      defect.calls = 0, defect.at = (calls - 1) * i / 12;
+      if (auto* piece = std::get_if<InciseMore>(&again)) ++piece->stroke;
+      EXPECT_THROW(world.apply(again), std::out_of_range) << "sign " << defect.at << " of " << calls;
+      defect.at = -1;
+      ASSERT_EQ(world.full_hash(), before) << "sign " << i << "/12 of " << calls;
+      if (auto piece = std::get_if<InciseMore>(&again)) {
+        EXPECT_FALSE(world.apply(InciseMore{piece->stroke, {{15, -10}, {16, -10}}, 4, 90, false}).done)
+            << "a stroke was left open";
+      }
+    }
+    if (auto* piece = std::get_if<InciseMore>(&again)) ++piece->stroke;
+    ASSERT_TRUE(world.apply(again).done);
+    EXPECT_EQ(world.full_hash(), after);
+  }
 }
 
 }  // namespace test_faults

@@ -176,5 +176,40 @@ TEST(Undo, TheSolverGoesOnFromWhatItGotBack) {
   EXPECT_LT(most, 1e-3);  // both at rest to a relative residual of about 1e-6 (single precision)
 }
 
+// What undo brings back is in the hash that says whether it did.
+TEST(Undo, TheHashSeesEveryFieldOfAThread) {
+  InlineWorkers workers;
+  const auto sewn = [&](const Command& row) {
+    World world(block(), workers);
+    EXPECT_TRUE(world.apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90}).done);
+    const Outcome o = world.apply(row);
+    EXPECT_TRUE(o.done) << o.reason;
+    return world.full_hash();
+  };
+  SutureRow row{{{-9, 1}, {9, 1}}, {{-9, -0.5}, {9, -0.5}}, 6, 0, true, 0};
+  const uint64_t tight = sewn(row);
+  EXPECT_EQ(sewn(row), tight);
+  row.slack_mm = 2;
+  EXPECT_NE(sewn(row), tight) << "what is given back once the thread is closed";
+
+  // Three stitches, five springs, all cut again: as one thread, or as single stitches and two hooks.
+  World thread(block(), workers), single(block(), workers);
+  for (World* w : {&thread, &single}) ASSERT_TRUE(w->apply(Incise{{{-12, 0.3}, {12, 0.3}}, 4, 90}).done);
+  row.spacing_mm = 9, row.slack_mm = 0;
+  ASSERT_TRUE(thread.apply(row).done);
+  ASSERT_TRUE(thread.apply(CutSuture{{1, {}}}).done);
+  for (int i = 0; i < 3; ++i) {
+    const double x = 9 * i - 9;
+    ASSERT_TRUE(single.apply(Suture{{x, 1}, {x, -0.5}}).done);
+    ASSERT_TRUE(single.apply(CutSuture{{i + 1, {}}}).done);
+  }
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(single.apply(SetHook{1, {0, 15}}).done);
+    ASSERT_TRUE(single.apply(ReleaseHook{1}).done);
+  }
+  EXPECT_EQ(thread.state_hash(), single.state_hash());
+  EXPECT_NE(thread.full_hash(), single.full_hash()) << "the number of the next thread";
+}
+
 }  // namespace test_undo
 }  // namespace limberg

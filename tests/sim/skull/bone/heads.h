@@ -1,5 +1,8 @@
 #pragma once
 // A head of simple bones, and the cuts that the tests make in it.
+#include <gtest/gtest.h>
+
+#include "sim/patient/history.h"
 #include "sim/skull/bone/bones.h"
 #include "tests/sim/skull/bone/shapes.h"
 
@@ -9,6 +12,40 @@ inline Workers& inline_workers() {
   static InlineWorkers workers;
   return workers;
 }
+
+/// Bones with a history, as a patient keeps one.
+class KeptBones : public bone::Bones {
+ public:
+  using Bones::Bones;
+  KeptBones(Bones&& bones) : Bones(std::move(bones)) {}
+  Outcome cut(const bone::Osteotomy& what) { return keep(Bones::cut(what)); }
+  Outcome join(int32_t a, int32_t b) { return keep(Bones::join(a, b)); }
+  Outcome move(int32_t id, const Eigen::Isometry3d& pose) { return keep(Bones::move(id, pose)); }
+  Outcome plate(const Vec3& a_mm, const Vec3& b_mm) { return keep(Bones::plate(a_mm, b_mm)); }
+  Outcome unplate(int32_t id) { return keep(Bones::unplate(id)); }
+  Outcome sort() { return keep(Bones::sort()); }
+  Outcome release(int32_t id, bool snap = false) { return keep(Bones::release(id, snap)); }
+  bool can_undo() const { return past_.can_undo() && held() < 0; }
+  bool can_redo() const { return past_.can_redo() && held() < 0; }
+  Outcome undo() {
+    const Outcome o = past_.can_undo() ? take_back(past_.last()) : Outcome{false, "there is nothing to undo"};
+    if (o.done) past_.went_back();
+    return o;
+  }
+  Outcome redo() {
+    const Outcome o = past_.can_redo() ? make_again(past_.last_undone()) : Outcome{false, "there is nothing to redo"};
+    if (o.done) past_.went_forth();
+    return o;
+  }
+
+ private:
+  Outcome keep(bone::ActedOnBone acted) {
+    EXPECT_EQ(acted.done, acted.change.has_value()) << "every act on bone can be taken back";
+    if (acted.change) past_.push(std::move(*acted.change));
+    return acted;
+  }
+  History<bone::BoneChange> past_;
+};
 
 /// Cranium (fixed, number 0) and mandible (1).
 inline bone::Bones simple_head(int levels = 3) {

@@ -83,7 +83,7 @@ TEST(Bandeau, IsCutByAContourAroundBothOrbits) {
   }
   for (const std::vector<Vec3>* way : std::array<const std::vector<Vec3>*, 2>{&drawn, &picks}) {
     const std::vector<Vec3>& path = *way;
-    Bones bones({{"cranium", cranium(), true}}, test::inline_workers());
+    test::KeptBones bones({{"cranium", cranium(), true}}, test::inline_workers());
     Osteotomy o;
     o.path_mm = path;
     const uint64_t before = bones.hash();

@@ -12,7 +12,7 @@ namespace test_bones {
 using test::chin, test::moved, test::window;
 
 TEST(Bones, FragmentsAreNumberedAndKeepTheirAttributes) {
-  Bones b = test::simple_head();
+  test::KeptBones b = test::simple_head();
   ASSERT_EQ(b.fragments().size(), 2u);
   EXPECT_EQ(b.fragments()[0].name, "cranium");
   EXPECT_EQ(b.fragments()[1].name, "mandible");
@@ -39,7 +39,7 @@ TEST(Bones, FragmentsAreNumberedAndKeepTheirAttributes) {
 }
 
 TEST(Bones, PlatesHoldTogether) {
-  Bones b = test::simple_head();
+  test::KeptBones b = test::simple_head();
   ASSERT_TRUE(b.cut(chin()).done);
   ASSERT_EQ(b.fragments().size(), 3u);
   ASSERT_TRUE(b.plate({8, 67, -90}, {16, 65, -90}).done);
@@ -60,7 +60,7 @@ TEST(Bones, PlatesHoldTogether) {
 }
 
 TEST(Bones, JoinIsTheInverseOfACut) {
-  Bones b = test::simple_head();
+  test::KeptBones b = test::simple_head();
   const double whole = b.fragments()[0].volume_mm3;
   const simplex::Census c = simplex::census(b.mesh());
   for (const Osteotomy& o : {window(), chin()}) {
@@ -90,7 +90,7 @@ TEST(Bones, JoinIsTheInverseOfACut) {
 }
 
 TEST(Bones, RandomActsReturnToEveryState) {
-  Bones b = test::simple_head();
+  test::KeptBones b = test::simple_head();
   test::Random random(3);
   std::vector<uint64_t> states{b.hash()};
   int cuts = 0, joins = 0, refused = 0;

@@ -12,8 +12,8 @@ using test::moved, test::window;
 constexpr double kFrame_s = 1. / 60;
 
 /// The piece of the forehead, number 2.
-Bones with_window() {
-  Bones b = test::simple_head();
+test::KeptBones with_window() {
+  test::KeptBones b = test::simple_head();
   EXPECT_TRUE(b.cut(window()).done);
   return b;
 }
@@ -33,7 +33,7 @@ Gap gap_of(const Bones& b, int32_t x, int32_t y) {
 }
 
 TEST(Hold, AWorldExistsOnlyWhileSomethingIsHeld) {
-  Bones b = with_window();
+  test::KeptBones b = with_window();
   EXPECT_FALSE(b.physics());
   b.step(kFrame_s);
   EXPECT_FALSE(b.grab(0).done);
@@ -48,15 +48,14 @@ TEST(Hold, AWorldExistsOnlyWhileSomethingIsHeld) {
   ASSERT_TRUE(b.release(2).done);
   EXPECT_FALSE(b.physics());
   EXPECT_EQ(b.hash(), before);
-  ASSERT_TRUE(
-      b.undo().done);  // the hold, which moved nothing and counts all the same: whoever drives the bones counts it too
+  ASSERT_TRUE(b.undo().done);  // the hold, which moved nothing and counts all the same
   EXPECT_EQ(b.fragments().size(), 3u);
   ASSERT_TRUE(b.undo().done);  // the cut
   EXPECT_EQ(b.fragments().size(), 2u);
 }
 
 TEST(Hold, FreeMotionIsExactAndAFragmentLeavesItsWindow) {
-  Bones b = with_window();
+  test::KeptBones b = with_window();
   ASSERT_TRUE(b.grab(2).done);
   const Eigen::Isometry3d out = moved({0, 30, 12}, 0.2, {1, 0.2, 0});
   drag_along(b, 2, {0, 27, 13}, 200);
@@ -78,7 +77,7 @@ constexpr double kDeepest_mm = 0.9;
 
 TEST(Hold, NothingTunnelsAtOneMetrePerSecond) {
   for (const double speed : {1000., 100.}) {
-    Bones b = with_window();
+    test::KeptBones b = with_window();
     ASSERT_TRUE(b.grab(2).done);
     drag_along(b, 2, {0, 27, 13}, 200);
     drag_along(b, 2, {40, 0, 0}, 200);
@@ -94,7 +93,7 @@ TEST(Hold, NothingTunnelsAtOneMetrePerSecond) {
     std::printf("%.0f mm/s: overlap %.2f mm, %.1f mm^3\n", speed, g.overlap_max_mm, g.overlap_mm3);
   }
   // Out of the window edgeways: the walls hold it.
-  Bones b = with_window();
+  test::KeptBones b = with_window();
   ASSERT_TRUE(b.grab(2).done);
   drag_along(b, 2, {8, 0, 0}, 1000);
   EXPECT_LE(gap_of(b, 0, 2).overlap_max_mm, kDeepest_mm);
@@ -105,7 +104,7 @@ TEST(Hold, NothingTunnelsAtOneMetrePerSecond) {
 TEST(Hold, OtherFragmentsArePushedAndTheSameDragsGiveTheSameBits) {
   uint64_t hash[2];
   for (uint64_t& h : hash) {
-    Bones b = with_window();
+    test::KeptBones b = with_window();
     ASSERT_TRUE(b.cut(test::chin()).done);
     ASSERT_TRUE(b.grab(2).done);
     drag_along(b, 2, {0, 30, 15}, 400);
@@ -123,7 +122,7 @@ TEST(Hold, OtherFragmentsArePushedAndTheSameDragsGiveTheSameBits) {
 }
 
 TEST(Hold, PlatedFragmentsAreOneBody) {
-  Bones b = with_window();
+  test::KeptBones b = with_window();
   ASSERT_TRUE(b.cut(test::chin()).done);
   ASSERT_TRUE(b.plate({8, 67, -90}, {16, 65, -90}).done);
   ASSERT_TRUE(b.grab(3).done);
@@ -137,7 +136,7 @@ TEST(Hold, PlatedFragmentsAreOneBody) {
 }
 
 TEST(Hold, SnapPutsItWhereItFits) {
-  Bones b = with_window();
+  test::KeptBones b = with_window();
   ASSERT_TRUE(b.move(2, moved({0.5, 2, 1}, 0.02)).done);
   ASSERT_TRUE(b.grab(2).done);
   ASSERT_TRUE(b.release(2, true).done);
@@ -153,7 +152,7 @@ TEST(Gaps, OfAPlaneCutAreTheMove) {
   // Solid bone cut by a plane and moved: apart along the normal, then together.
   std::vector<NamedMesh> all;
   all.push_back({"block", test::ellipsoid(4, {30, 20, 20}), false});
-  Bones b(std::move(all), test::inline_workers());
+  test::KeptBones b(std::move(all), test::inline_workers());
   Osteotomy o;
   o.kind = Osteotomy::Kind::plane, o.point_mm = {5, 0, 0}, o.normal = {1, 0, 0};
   ASSERT_TRUE(b.cut(o).done);

@@ -16,10 +16,10 @@ namespace limberg::bone {
 namespace test_sorting {
 
 /// A vault in six fragments: cut off, then apart by planes that meet each other.
-Bones six_fragments(const Mat3& turn = Mat3::Identity()) {
+test::KeptBones six_fragments(const Mat3& turn = Mat3::Identity()) {
   std::vector<NamedMesh> all;
   all.push_back({"cranium", test::skull_shell(4, {70, 85, 65}, 6, 3, turn), true});
-  Bones b(std::move(all), test::inline_workers());
+  test::KeptBones b(std::move(all), test::inline_workers());
   const auto plane = [&](const Vec3& p, const Vec3& n, int32_t id) {
     Osteotomy o;
     o.kind = Osteotomy::Kind::plane, o.point_mm = p, o.normal = n, o.fragment = id;
@@ -142,7 +142,7 @@ TEST(Sorting, WhatDoesNotBelongTogetherIsRefused) {
   // A round hole in a sphere: it fits at every angle.
   std::vector<NamedMesh> ball;
   ball.push_back({"ball", test::skull_shell(4, {70, 70, 70}), true});
-  Bones round(std::move(ball), test::inline_workers());
+  test::KeptBones round(std::move(ball), test::inline_workers());
   o.path_mm = test::on_ellipsoid(test::circle({0, 60, 0}, {0, 1, 0}, 25, 80), {70, 70, 70});
   ASSERT_TRUE(round.cut(o).done);
   const Sorting turned = sort_fragments(pieces_of(round));
@@ -160,7 +160,7 @@ void expect_back(const Bones& b) {
 }
 
 TEST(SortingAct, BringsEachFragmentBackInOneStep) {
-  Bones b = six_fragments();
+  test::KeptBones b = six_fragments();
   test::Random random(11);
   for (const Fragment& f : std::vector<Fragment>(b.fragments()))
     if (!f.fixed) {
@@ -188,7 +188,7 @@ TEST(SortingAct, TheFixedOneStaysWhateverItsNumber) {
   const std::vector<simplex::Mesh> piece = pieces_of(six_fragments());
   std::vector<NamedMesh> two;
   two.push_back({"vault", piece[1], false}), two.push_back({"skull base", piece[0], true});
-  Bones b(std::move(two), test::inline_workers());
+  test::KeptBones b(std::move(two), test::inline_workers());
   test::Random random(13);
   ASSERT_TRUE(b.move(0, anywhere(random)).done);
   const Outcome o = b.sort();
@@ -198,7 +198,7 @@ TEST(SortingAct, TheFixedOneStaysWhateverItsNumber) {
 }
 
 TEST(SortingAct, APlateThatHoldsFragmentsApartHasToGoFirst) {
-  Bones b = six_fragments();
+  test::KeptBones b = six_fragments();
   test::Random random(12);
   ASSERT_TRUE(b.move(1, anywhere(random)).done);
   Vec3 on1, on2;
@@ -224,7 +224,7 @@ TEST(SortingAct, APlateThatHoldsFragmentsApartHasToGoFirst) {
 }
 
 TEST(SortingAct, ARefusalSaysWhyAndChangesNothing) {
-  const auto refused = [](Bones& b, const char* says) {
+  const auto refused = [](test::KeptBones& b, const char* says) {
     const uint64_t before = b.hash();
     const bool undo = b.can_undo();
     const Outcome o = b.sort();
@@ -233,11 +233,11 @@ TEST(SortingAct, ARefusalSaysWhyAndChangesNothing) {
     EXPECT_EQ(b.hash(), before);
     EXPECT_EQ(b.can_undo(), undo);
   };
-  Bones whole = test::simple_head();
+  test::KeptBones whole = test::simple_head();
   refused(whole, "no fragment fits another by its cut rings");
   std::vector<NamedMesh> ball;
   ball.push_back({"ball", test::skull_shell(4, {70, 70, 70}), true});
-  Bones round(std::move(ball), test::inline_workers());
+  test::KeptBones round(std::move(ball), test::inline_workers());
   Osteotomy o;
   o.path_mm = test::on_ellipsoid(test::circle({0, 60, 0}, {0, 1, 0}, 25, 80), {70, 70, 70});
   ASSERT_TRUE(round.cut(o).done);
@@ -249,12 +249,12 @@ TEST(SortingAct, ARefusalSaysWhyAndChangesNothing) {
   const std::vector<simplex::Mesh> piece = pieces_of(six_fragments());
   std::vector<NamedMesh> two;
   two.push_back({"skull base", piece[0], true}), two.push_back({"vault", piece[1], true});
-  Bones both(std::move(two), test::inline_workers());
+  test::KeptBones both(std::move(two), test::inline_workers());
   refused(both, "skull base and vault fit each other and are fixed, both");
 }
 
 TEST(Stl, IsClosedAndHasTheVolume) {
-  Bones b = test::simple_head();
+  test::KeptBones b = test::simple_head();
   ASSERT_TRUE(b.cut(test::window()).done);
   const Fragment& f = b.fragments()[2];
   const std::string s = to_stl(b.mesh(), f.vertex, test::moved({1, 2, 3}, 0.3));

@@ -1,4 +1,5 @@
-// Stitches and threads: tying, drawing tight, cutting, and what they pull with.
+#include "sim/patient/sutures.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,14 +7,12 @@
 
 #include "sim/commands/plan_numbers.h"
 #include "sim/lattice/embedding.h"
-#include "sim/patient/operating_table.h"
 
 namespace limberg {
 namespace {
 
 constexpr double kSamePlace_mm = 0.5;  // two stitches nearer than this at both ends are one
 constexpr double kPick_mm = 5;         // a stitch is meant that is this near to the place pointed at
-constexpr double kRest = 1e-3;         // relative residual of a state whose forces count
 constexpr int kMostStitches = 500;     // of one row
 constexpr double kMet_mm = 0.2;        // edges nearer than this have met
 constexpr int kBitePlaces = 5;         // that stand for a bite
@@ -33,72 +32,68 @@ std::optional<RimWalk::Spot> spot_on(const RimWalk& rim, const RestIndex& index,
 
 }  // namespace
 
-const RimWalk& OperatingTable::rim() const {
-  if (!rim_ || rim_version_ != version_.surface->version)
-    rim_ = std::make_unique<RimWalk>(version_.surface->view), rim_version_ = version_.surface->version;
-  return *rim_;
-}
-
 // Of the same piece of tissue, too: the two edges of a wound that has not opened yet lie in one place, but the way from
 // one to the other goes round the wound's end.
-bool OperatingTable::same_place(const Anchor& a, const Anchor& b) const {
+bool Sutures::same_place(const Anchor& a, const Anchor& b) const {
   if ((a.X_mm - b.X_mm).norm() >= kSamePlace_mm) return false;
   // Walls that face each other are two, though a shallow wound's lie in one cell.
   if (a.in_wall() && b.in_wall()) return a.wall_normal.dot(b.wall_normal) > 0;
   if (a.at.triangle == b.at.triangle) return true;
-  const auto from = spot_on(rim(), *version_.index, a), to = spot_on(rim(), *version_.index, b);
+  const auto from = spot_on(tissue_.rim(), *tissue_.version().index, a),
+             to = spot_on(tissue_.rim(), *tissue_.version().index, b);
   if (!from || !to) return !from && !to && a.embedded.node == b.embedded.node;
   for (const bool forward : {true, false})
-    if (const auto way = rim().way(*from, *to, forward); way && way->length_mm < 2 * kSamePlace_mm) return true;
+    if (const auto way = tissue_.rim().way(*from, *to, forward); way && way->length_mm < 2 * kSamePlace_mm) return true;
   return false;
 }
 
-bool OperatingTable::joins(const Stitch& s, const Anchor& a, const Anchor& b) const {
+bool Sutures::joins(const Stitch& s, const Anchor& a, const Anchor& b) const {
   return (same_place(s.a, a) && same_place(s.b, b)) || (same_place(s.a, b) && same_place(s.b, a));
 }
 
-std::optional<Anchor> OperatingTable::bite_at(const SurfacePoint& rim, double depth_mm, std::string& reason) const {
+std::optional<Anchor> Sutures::bite_at(const SurfacePoint& rim, double depth_mm, std::string& reason) const {
   std::optional<Anchor> anchor;
   if (depth_mm > 0) {
-    anchor = make_buried_anchor(*version_.surface, *version_.index, rim, depth_mm);
+    anchor = make_buried_anchor(*tissue_.version().surface, *tissue_.version().index, rim, depth_mm);
     if (!anchor) {
       reason = "the wound has no wall " + mm(depth_mm) + " below its edge at " +
-               at_text(body_->to_chart(version_.index->rest_mm(rim))) + "; a shallower bite was expected";
+               at_text(tissue_.body().to_chart(tissue_.version().index->rest_mm(rim))) +
+               "; a shallower bite was expected";
       return std::nullopt;
     }
   } else {
-    anchor = make_anchor(version_.surface->view, *version_.index, rim);
+    anchor = make_anchor(tissue_.version().surface->view, *tissue_.version().index, rim);
   }
-  anchor->embedded = embed(*anchor);
+  anchor->embedded = tissue_.embed(*anchor);
   return anchor;
 }
 
-std::optional<Anchor> OperatingTable::find_bite(const ChartPoint& p, double depth_mm, std::string& reason) const {
-  if (!(depth_mm > 0)) return find_anchor(p, true, reason);
-  const auto skin = find_skin(p, reason);
+std::optional<Anchor> Sutures::find_bite(const ChartPoint& p, double depth_mm, std::string& reason) const {
+  if (!(depth_mm > 0)) return tissue_.find_anchor(p, true, reason);
+  const auto skin = tissue_.find_skin(p, reason);
   if (!skin) return std::nullopt;
-  const auto rim = version_.index->snap_to_rim(*skin, kRimReach_mm);
+  const auto rim = tissue_.version().index->snap_to_rim(*skin, kRimReach_mm);
   if (!rim)
     return reason = "there is no wound's edge near " + at_text(p) + "; a place beside one was expected", std::nullopt;
   return bite_at(*rim, depth_mm, reason);
 }
 
-std::optional<size_t> OperatingTable::find_stitch(const StitchPick& pick, std::string& reason) const {
+std::optional<size_t> Sutures::find_stitch(const StitchPick& pick, std::string& reason) const {
   if (pick.id > 0) {
-    for (size_t i = 0; i < stitches_.size(); ++i)
-      if (stitches_[i].id == pick.id) return i;
+    for (size_t i = 0; i < holding_.stitches.size(); ++i)
+      if (holding_.stitches[i].id == pick.id) return i;
     return reason =
                "there is no stitch " + std::to_string(pick.id) + "; the number of a stitch that is there was expected",
            std::nullopt;
   }
-  const auto at = find_skin(pick.at, reason);
+  const auto at = tissue_.find_skin(pick.at, reason);
   if (!at) return std::nullopt;
-  const Vec3 X = version_.index->rest_mm(*at);
+  const Vec3 X = tissue_.version().index->rest_mm(*at);
   std::optional<size_t> best;
   double nearest = kPick_mm;
-  for (size_t i = 0; i < stitches_.size(); ++i) {
-    if (!stitches_[i].across()) continue;
-    const double d = std::min((stitches_[i].a.X_mm - X).norm(), (stitches_[i].b.X_mm - X).norm());
+  for (size_t i = 0; i < holding_.stitches.size(); ++i) {
+    if (!holding_.stitches[i].across()) continue;
+    const double d = std::min((holding_.stitches[i].a.X_mm - X).norm(), (holding_.stitches[i].b.X_mm - X).norm());
     if (d < nearest) nearest = d, best = i;
   }
   if (!best)
@@ -109,25 +104,25 @@ std::optional<size_t> OperatingTable::find_stitch(const StitchPick& pick, std::s
 
 // A needle takes a bite, not a point: what it pulls reaches the edge spread over about as much as it is behind it. A
 // point would cut the deeper into its cell the smaller that is. A bite in a wall holds one place.
-void OperatingTable::widen(Anchor& anchor) const {
+void Sutures::widen(Anchor& anchor) const {
   anchor.wide.clear();
   if (anchor.in_wall() || !(anchor.bite_mm > 0)) return;
-  const auto spot = spot_on(rim(), *version_.index, anchor);
+  const auto spot = spot_on(tissue_.rim(), *tissue_.version().index, anchor);
   if (!spot) return;
   for (int k = -kBitePlaces / 2; k <= kBitePlaces / 2; ++k)
-    if (const auto at = rim().along(*spot, anchor.bite_mm * 2 * k / kBitePlaces))
-      anchor.wide.push_back(embed_point(*version_.lattice, version_.surface->view, at->triangle,
+    if (const auto at = tissue_.rim().along(*spot, anchor.bite_mm * 2 * k / kBitePlaces))
+      anchor.wide.push_back(embed_point(*tissue_.version().lattice, tissue_.version().surface->view, at->triangle,
                                         {at->bary.x(), at->bary.y(), at->bary.z()}));
 }
 
-Vec3 OperatingTable::held_mm(const Anchor& a) const {
-  if (a.wide.empty()) return position_mm(a.embedded);
+Vec3 Sutures::held_mm(const Anchor& a) const {
+  if (a.wide.empty()) return tissue_.position_mm(a.embedded);
   Vec3 sum = Vec3::Zero();
-  for (const EmbeddedPoint& p : a.wide) sum += position_mm(p);
+  for (const EmbeddedPoint& p : a.wide) sum += tissue_.position_mm(p);
   return sum / double(a.wide.size());
 }
 
-Stitch OperatingTable::between(const Anchor& a, const Anchor& b, double bite_mm) const {
+Stitch Sutures::between(const Anchor& a, const Anchor& b, double bite_mm) const {
   Stitch s;
   s.a = a, s.b = b;
   s.a.bite_mm = s.b.bite_mm = bite_mm;
@@ -136,54 +131,59 @@ Stitch OperatingTable::between(const Anchor& a, const Anchor& b, double bite_mm)
   return s;
 }
 
-std::vector<Spring> OperatingTable::springs() const {
-  std::vector<Spring> springs;
-  for (const Hook& h : hooks_) {
-    Spring s;
-    s.id = h.spring, s.a = h.anchor.embedded, s.to_world = true, s.target_mm = h.handle_mm,
-    s.k_N_per_mm = spec_.hook_k_N_per_mm;
-    springs.push_back(s);
-  }
-  for (const Stitch& t : stitches_) {
-    Spring s;
-    s.id = t.spring, s.a = t.a.embedded, s.b = t.b.embedded, s.a_wide = t.a.wide, s.b_wide = t.b.wide,
-    s.target_mm = t.slack_mm, s.k_N_per_mm = spec_.suture_k_N_per_mm;
-    if (t.thread > 0)
-      for (const Thread& thread : threads_)
-        if (thread.id == t.thread) s.thread = t.thread, s.thread_mm = thread.length_mm;
-    springs.push_back(s);
-  }
-  return springs;
-}
-
-void OperatingTable::publish_springs() { solver_->set_springs(springs()); }
-
-void OperatingTable::draw_tight() {
+bool Sutures::draw_tight() {
   bool drawn = false;
-  for (Stitch& s : stitches_) {
+  const double pull_mm = tissue_.spec().suture_pull_mm_per_step;
+  for (Stitch& s : holding_.stitches) {
     if (s.drawn()) continue;
     const double slack = s.slack_mm.norm();
-    s.slack_mm *= slack > spec_.suture_pull_mm_per_step ? 1 - spec_.suture_pull_mm_per_step / slack : 0;
+    s.slack_mm *= slack > pull_mm ? 1 - pull_mm / slack : 0;
     drawn = true;
   }
-  for (Thread& t : threads_) {
+  for (Thread& t : holding_.threads) {
     if (!t.closing) continue;
     draw(t);
     drawn = true;
   }
-  if (drawn) publish_springs();
+  return drawn;
+}
+
+bool Sutures::settled() const {
+  return std::all_of(holding_.stitches.begin(), holding_.stitches.end(), [](const Stitch& s) { return s.drawn(); }) &&
+         std::all_of(holding_.threads.begin(), holding_.threads.end(), [](const Thread& t) { return !t.closing; });
+}
+
+void Sutures::note_forces() {
+  for (Stitch& s : holding_.stitches) {
+    const double f = 1e-3 * tissue_.solver().spring_force_mN(s.spring).norm();
+    if (s.tied_N < 0) s.tied_N = f;
+    s.peak_N = std::max(s.peak_N, f);
+  }
+}
+
+void Sutures::carry() {
+  std::vector<int32_t> torn;  // a thread that has lost one bite holds nothing
+  std::erase_if(holding_.stitches, [&](Stitch& s) {
+    if (tissue_.carry(s.a) && tissue_.carry(s.b)) {
+      widen(s.a), widen(s.b);
+      return false;
+    }
+    if (s.thread > 0) torn.push_back(s.thread);
+    return true;
+  });
+  for (int32_t t : torn) drop_thread(t);
 }
 
 // A hand draws until the edges meet, or until the thread would tear; then it ties.
-void OperatingTable::draw(Thread& t) const {
+void Sutures::draw(Thread& t) const {
   double open = 0, widest = 0, tension_N = 0, kept = 0;
   int stitches = 0;
   std::optional<Vec3> first;
   Vec3 last = Vec3::Zero();
-  for (const Stitch& s : stitches_) {
+  for (const Stitch& s : holding_.stitches) {
     if (s.thread != t.id) continue;
     const Vec3 a = held_mm(s.a), b = held_mm(s.b);
-    tension_N = std::max(tension_N, 1e-3 * solver_->spring_force_mN(s.spring).norm());
+    tension_N = std::max(tension_N, 1e-3 * tissue_.solver().spring_force_mN(s.spring).norm());
     if (!first) first = a;
     last = b;
     kept += s.slack_mm.norm();
@@ -198,65 +198,47 @@ void OperatingTable::draw(Thread& t) const {
     return;
   }
   // As much for each stitch of it as a single one is drawn; less where little is left.
-  t.length_mm =
-      std::max(kept, t.length_mm - std::clamp(0.5 * open, kMet_mm / 4, spec_.suture_pull_mm_per_step * stitches));
+  t.length_mm = std::max(
+      kept, t.length_mm - std::clamp(0.5 * open, kMet_mm / 4, tissue_.spec().suture_pull_mm_per_step * stitches));
 }
 
-void OperatingTable::note_forces(const StepReport& report) {
-  energy_uJ_ = report.energy_uJ;
-  if (report.residual > kRest || !settled()) return;
-  if (hooks_.empty() && stitches_.empty()) open_energy_uJ_ = report.energy_uJ;
-  for (Stitch& s : stitches_) {
-    const double f = 1e-3 * solver_->spring_force_mN(s.spring).norm();
-    if (s.tied_N < 0) s.tied_N = f;
-    s.peak_N = std::max(s.peak_N, f);
-  }
-}
-
-std::optional<double> OperatingTable::closure_energy_uJ() const {
-  if (!open_energy_uJ_ || stitches_.empty() || !hooks_.empty()) return std::nullopt;
-  return energy_uJ_ - *open_energy_uJ_;
-}
-
-void OperatingTable::thread_through(std::vector<Stitch> spans, bool corner, double slack_mm) {
+void Sutures::thread_through(std::vector<Stitch> spans, bool corner, double slack_mm) {
   Thread t;
-  t.id = next_thread_++;
+  t.id = holding_.next_thread++;
   for (Stitch& s : spans) {
     t.length_mm += (held_mm(s.a) - held_mm(s.b)).norm();
     if (s.across()) s.slack_mm.setZero();
     s.thread = t.id;
-    s.spring = next_spring_++;
-    stitches_.push_back(s);
+    s.spring = holding_.next_spring++;
+    holding_.stitches.push_back(s);
   }
   t.corner = corner, t.slack_mm = slack_mm;
-  threads_.push_back(t);
+  holding_.threads.push_back(t);
 }
 
-void OperatingTable::drop_thread(int32_t thread) {
-  std::erase_if(stitches_, [&](const Stitch& s) { return s.thread == thread; });
-  std::erase_if(threads_, [&](const Thread& t) { return t.id == thread; });
+void Sutures::drop_thread(int32_t thread) {
+  std::erase_if(holding_.stitches, [&](const Stitch& s) { return s.thread == thread; });
+  std::erase_if(holding_.threads, [&](const Thread& t) { return t.id == thread; });
 }
 
-Outcome OperatingTable::act(const Suture& c) {
+Outcome Sutures::act(const Suture& c) {
   std::string reason;
   const auto a = find_bite(c.a, c.depth_mm, reason);
   if (!a) return {false, reason};
   const auto b = find_bite(c.b, c.depth_mm, reason);
   if (!b) return {false, reason};
-  for (const Stitch& s : stitches_)  // first: a stitch that is tight has its two ends in one place
+  for (const Stitch& s : holding_.stitches)  // first: a stitch that is tight has its two ends in one place
     if (s.across() && joins(s, *a, *b))
       return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
   if (same_place(*a, *b))
     return {false, "both ends of the stitch are at " + at_text(c.a) + "; two different edges were expected"};
-  remember({moment(), {}, {}});
-  Stitch stitch = between(*a, *b, spec_.suture_bite_mm);
-  stitch.id = next_stitch_++, stitch.spring = next_spring_++;
-  stitches_.push_back(stitch);
-  publish_springs();
+  Stitch stitch = between(*a, *b, tissue_.spec().suture_bite_mm);
+  stitch.id = holding_.next_stitch++, stitch.spring = holding_.next_spring++;
+  holding_.stitches.push_back(stitch);
   return {true, {}};
 }
 
-Outcome OperatingTable::act(const SutureCorner& c) {
+Outcome Sutures::act(const SutureCorner& c) {
   if (!(c.depth_mm > 0))
     return {false, "a half-buried stitch at a depth of " + mm(c.depth_mm) + "; a depth above 0 was expected"};
   std::string reason;
@@ -268,21 +250,20 @@ Outcome OperatingTable::act(const SutureCorner& c) {
     return {false,
             "two bites of the corner stitch are at one place; the tip and a bank on either side of its corner were "
             "expected"};
-  for (const Stitch& s : stitches_)
+  for (const Stitch& s : holding_.stitches)
     if (s.across() && (joins(s, *a, *tip) || joins(s, *tip, *b)))
       return {false, "stitch " + std::to_string(s.id) + " is there already; another place was expected"};
-  remember({moment(), {}, {}});
-  std::vector<Stitch> spans{between(*a, *tip, spec_.suture_bite_mm), between(*tip, *b, spec_.suture_bite_mm)};
-  for (Stitch& s : spans) s.id = next_stitch_++;
+  std::vector<Stitch> spans{between(*a, *tip, tissue_.spec().suture_bite_mm),
+                            between(*tip, *b, tissue_.spec().suture_bite_mm)};
+  for (Stitch& s : spans) s.id = holding_.next_stitch++;
   thread_through(std::move(spans), true, 0);
-  publish_springs();
   return {true, {}};
 }
 
-Outcome OperatingTable::sew_row(const std::vector<std::pair<Anchor, Anchor>>& bites, const RowKind& kind, bool whole) {
+Outcome Sutures::sew_row(const std::vector<std::pair<Anchor, Anchor>>& bites, const RowKind& kind, bool whole) {
   std::vector<std::pair<Anchor, Anchor>> row;
   const auto taken = [&](const Anchor& a, const Anchor& b) {
-    return std::any_of(stitches_.begin(), stitches_.end(),
+    return std::any_of(holding_.stitches.begin(), holding_.stitches.end(),
                        [&](const Stitch& s) { return s.across() && joins(s, a, b); }) ||
            std::any_of(row.begin(), row.end(), [&](const auto& r) {
              return (same_place(r.first, a) && same_place(r.second, b)) ||
@@ -292,40 +273,39 @@ Outcome OperatingTable::sew_row(const std::vector<std::pair<Anchor, Anchor>>& bi
   // Where the edges of a cut lie closed within half a mm single stitches of a drawn row are left out; a thread, and a
   // row between two stitches, go all along.
   const auto closed = [&](const Anchor& a, const Anchor& b) {
-    return same_place(a, b) && (!whole || (position_mm(a.embedded) - position_mm(b.embedded)).norm() < 1e-3);
+    return same_place(a, b) &&
+           (!whole || (tissue_.position_mm(a.embedded) - tissue_.position_mm(b.embedded)).norm() < 1e-3);
   };
   for (const auto& [a, b] : bites)
     if (!closed(a, b) && !taken(a, b)) row.emplace_back(a, b);
   if (row.empty()) return {false, "every stitch of the row is there already; free edges were expected"};
   if (kind.running && row.size() < 2)
     return {false, "a running suture of one stitch; a longer edge or a smaller spacing was expected"};
-  remember({moment(), {}, {}});
-  const double bite = std::min(spec_.suture_bite_mm, 0.5 * kind.spacing_mm);  // neighbours share no tissue
+  const double bite = std::min(tissue_.spec().suture_bite_mm, 0.5 * kind.spacing_mm);  // neighbours share no tissue
   if (!kind.running) {
     for (const auto& [a, b] : row) {
       Stitch s = between(a, b, bite);
-      s.id = next_stitch_++, s.spring = next_spring_++;
-      stitches_.push_back(s);
+      s.id = holding_.next_stitch++, s.spring = holding_.next_spring++;
+      holding_.stitches.push_back(s);
     }
   } else {
     std::vector<Stitch> spans;
     for (size_t i = 0; i < row.size(); ++i) {
       if (i > 0) {
         spans.push_back(between(row[i - 1].second, row[i].first, bite));
-        const Vec3 a = position_mm(row[i].first.embedded) - position_mm(row[i - 1].first.embedded);
-        const Vec3 b = position_mm(row[i].second.embedded) - position_mm(row[i - 1].second.embedded);
+        const Vec3 a = tissue_.position_mm(row[i].first.embedded) - tissue_.position_mm(row[i - 1].first.embedded);
+        const Vec3 b = tissue_.position_mm(row[i].second.embedded) - tissue_.position_mm(row[i - 1].second.embedded);
         spans.back().slack_mm = a.squaredNorm() < b.squaredNorm() ? a : b;  // a wound's banks close side by side
       }
       spans.push_back(between(row[i].first, row[i].second, bite));
-      spans.back().id = next_stitch_++;
+      spans.back().id = holding_.next_stitch++;
     }
     thread_through(std::move(spans), false, kind.slack_mm);
   }
-  publish_springs();
   return {true, {}};
 }
 
-Outcome OperatingTable::act(const SutureRow& c) {
+Outcome Sutures::act(const SutureRow& c) {
   if (c.a.size() < 2 || c.b.size() < 2) return {false, "a row of stitches needs two paths of at least two points"};
   if (!(c.spacing_mm > 0)) return {false, "the spacing of a row must be more than 0 mm"};
   const double stitches = row_stitches(c.a, c.b, c.spacing_mm);
@@ -345,23 +325,23 @@ Outcome OperatingTable::act(const SutureRow& c) {
   return sew_row(bites, {c.spacing_mm, c.depth_mm, c.running, c.slack_mm}, c.running);
 }
 
-Outcome OperatingTable::act(const SutureBetween& c) {
+Outcome Sutures::act(const SutureBetween& c) {
   if (!(c.row.spacing_mm > 0)) return {false, "the spacing of a row must be more than 0 mm"};
   std::string reason;
   const auto i = find_stitch(c.from, reason), k = i ? find_stitch(c.to, reason) : std::nullopt;
   if (!k) return {false, reason};
   if (i == k)
-    return {false, "the row begins and ends at stitch " + std::to_string(stitches_[*i].id) +
+    return {false, "the row begins and ends at stitch " + std::to_string(holding_.stitches[*i].id) +
                        "; two different stitches were expected"};
-  const RimWalk& rim = this->rim();
-  const auto spot = [&](const Anchor& a) { return spot_on(rim, *version_.index, a); };
+  const RimWalk& rim = tissue_.rim();
+  const auto spot = [&](const Anchor& a) { return spot_on(rim, *tissue_.version().index, a); };
   // Forward along one bank and backward along the other; which bank of one stitch goes on into which of the other is
   // not said by the order of their bites. The shortest way is meant.
   struct Ways {
     RimWalk::Way a, b;
   };
   std::optional<Ways> best;
-  const Stitch &from = stitches_[*i], &to = stitches_[*k];
+  const Stitch &from = holding_.stitches[*i], &to = holding_.stitches[*k];
   const auto fa = spot(from.a), fb = spot(from.b);
   for (const bool swapped : {false, true}) {
     const auto ta = spot(swapped ? to.b : to.a), tb = spot(swapped ? to.a : to.b);
@@ -391,17 +371,35 @@ Outcome OperatingTable::act(const SutureBetween& c) {
   return sew_row(bites, c.row, true);
 }
 
-Outcome OperatingTable::act(const CutSuture& c) {
+Outcome Sutures::act(const CutSuture& c) {
   std::string reason;
   const auto i = find_stitch(c.which, reason);
   if (!i) return {false, reason};
-  remember({moment(), {}, {}});
-  if (const int32_t thread = stitches_[*i].thread; thread > 0)
+  if (const int32_t thread = holding_.stitches[*i].thread; thread > 0)
     drop_thread(thread);
   else
-    stitches_.erase(stitches_.begin() + std::ptrdiff_t(*i));
-  publish_springs();
+    holding_.stitches.erase(holding_.stitches.begin() + std::ptrdiff_t(*i));
   return {true, {}};
+}
+
+std::vector<Spring> springs(const Holding& holding, const WorldSpec& spec) {
+  std::vector<Spring> springs;
+  for (const Hook& h : holding.hooks) {
+    Spring s;
+    s.id = h.spring, s.a = h.anchor.embedded, s.to_world = true, s.target_mm = h.handle_mm,
+    s.k_N_per_mm = spec.hook_k_N_per_mm;
+    springs.push_back(s);
+  }
+  for (const Stitch& t : holding.stitches) {
+    Spring s;
+    s.id = t.spring, s.a = t.a.embedded, s.b = t.b.embedded, s.a_wide = t.a.wide, s.b_wide = t.b.wide,
+    s.target_mm = t.slack_mm, s.k_N_per_mm = spec.suture_k_N_per_mm;
+    if (t.thread > 0)
+      for (const Thread& thread : holding.threads)
+        if (thread.id == t.thread) s.thread = t.thread, s.thread_mm = thread.length_mm;
+    springs.push_back(s);
+  }
+  return springs;
 }
 
 }  // namespace limberg

@@ -1,0 +1,35 @@
+#pragma once
+// What was done to a patient, in order, and what was undone. There is one history, whichever part of the patient acted:
+// every act gives it the value that takes the act back (commands/acted.h), and undo and redo hand that value to its
+// part.
+#include <utility>
+#include <vector>
+
+namespace limberg {
+
+template <class Entry>
+class History {
+ public:
+  bool can_undo() const { return !done_.empty(); }
+  bool can_redo() const { return !undone_.empty(); }
+  Entry& last() { return done_.back(); }
+  Entry& last_undone() { return undone_.back(); }
+
+  void push(Entry entry) {
+    done_.push_back(std::move(entry));
+    undone_.clear();
+  }
+  void end_redo() { undone_.clear(); }
+  void went_back() { move_last(done_, undone_); }
+  void went_forth() { move_last(undone_, done_); }
+
+ private:
+  static void move_last(std::vector<Entry>& from, std::vector<Entry>& to) {
+    to.push_back(std::move(from.back()));
+    from.pop_back();
+  }
+
+  std::vector<Entry> done_, undone_;
+};
+
+}  // namespace limberg

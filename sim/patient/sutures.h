@@ -1,0 +1,58 @@
+#pragma once
+// Stitches and threads: tying, drawing tight, cutting, and what they pull with.
+//
+// A stitch is a spring between two bites. It is drawn tight over some steps (its slack shrinks), as a hand does it. A
+// running suture is one thread through many bites, which slides until its tension is the same everywhere
+// (fem/forces/spring_forces.h).
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/commands/command.h"
+#include "sim/patient/tissue.h"
+
+namespace limberg {
+
+class Sutures {
+ public:
+  Sutures(const Tissue& tissue, Holding& holding) : tissue_(tissue), holding_(holding) {}
+
+  Outcome act(const Suture& c);
+  Outcome act(const SutureRow& c);
+  Outcome act(const SutureCorner& c);
+  Outcome act(const SutureBetween& c);
+  Outcome act(const CutSuture& c);
+
+  bool draw_tight();  // by one step; true when something moved
+  bool settled() const;
+  /// Forces of a state at rest: the first of a stitch and the largest.
+  void note_forces();
+  /// To the present version of the topology; a thread that has lost a bite goes.
+  void carry();
+  Vec3 held_mm(const Anchor& bite) const;  // where it is held now
+
+ private:
+  /// Of a stitch's bite: on the rim near p, or so deep in the wall below it.
+  std::optional<Anchor> find_bite(const ChartPoint& p, double depth_mm, std::string& reason) const;
+  std::optional<Anchor> bite_at(const SurfacePoint& rim, double depth_mm, std::string& reason) const;
+  /// Index into the stitches.
+  std::optional<size_t> find_stitch(const StitchPick& pick, std::string& reason) const;
+  void widen(Anchor& bite) const;
+  Stitch between(const Anchor& a, const Anchor& b, double bite_mm) const;  // without numbers, open as it lies
+  Outcome sew_row(const std::vector<std::pair<Anchor, Anchor>>& bites, const RowKind& kind, bool whole);
+  /// One thread through these spans in their order.
+  void thread_through(std::vector<Stitch> spans, bool corner, double slack_mm);
+  void draw(Thread& thread) const;
+  void drop_thread(int32_t thread);  // and its spans
+  bool same_place(const Anchor& a, const Anchor& b) const;
+  bool joins(const Stitch& stitch, const Anchor& a, const Anchor& b) const;  // the same two places, either way round
+
+  const Tissue& tissue_;
+  Holding& holding_;
+};
+
+/// Of hooks and stitches, as the solver gets them.
+std::vector<Spring> springs(const Holding& holding, const WorldSpec& spec);
+
+}  // namespace limberg

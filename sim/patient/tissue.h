@@ -1,0 +1,90 @@
+#pragma once
+// Soft tissue: what is left of the body after every cut, its lattice, its finite elements, the surface that is shown.
+//
+//   Tissue tissue(spec, workers);
+//   TissueCut cut(tissue);               // tissue_cut.h: the only way to another topology
+//   tissue.solver().step(settings);
+//   tissue.find_skin(place, reason);     // what is there under a place of the chart
+//
+// Body -> Arrangement (cutting/) -> LatticeTopology (lattice/) -> FemModel and ElasticSolver (fem/) -> SurfaceTopology,
+// embedded in the lattice.
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "sim/body/skin.h"
+#include "sim/cutting/arrangement/arrangement.h"
+#include "sim/lattice/fem_assembly.h"
+#include "sim/patient/point_depths.h"
+#include "sim/patient/rim_walk.h"
+#include "sim/patient/tissue_state.h"
+#include "sim/patient/world_spec.h"
+
+namespace limberg {
+
+struct BladeContext;  // cutting/strokes/blade_build.h
+
+class Tissue {
+ public:
+  Tissue(WorldSpec spec, Workers& workers);
+
+  const WorldSpec& spec() const { return spec_; }
+  const Body& body() const { return *body_; }
+  const Skin& skin() const { return *skin_; }
+  Workers& workers() const { return workers_; }
+  const Arrangement* arrangement() const { return arrangement_.get(); }  // null when the scene cannot be cut
+  const TissueVersion& version() const { return version_; }
+  const SurfaceTopology& surface() const { return *version_.surface; }
+  ElasticSolver& solver() { return *solver_; }
+  const ElasticSolver& solver() const { return *solver_; }
+  double initial_volume_mm3() const { return initial_volume_mm3_; }
+  uint64_t topology_hash() const;  // O(cells) once per version
+  /// What a blade is built from.
+  BladeContext blade_context() const;
+
+  std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
+  /// on_rim: on the wound's edge, where one is within kRimReach_mm.
+  std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
+  EmbeddedPoint embed(const Anchor& anchor) const;
+  /// The same anchor on the present version; false: its tissue is gone.
+  bool carry(Anchor& anchor) const;
+  Vec3 position_mm(const EmbeddedPoint& e) const { return solver_->position_mm(e); }
+  const RimWalk& rim() const;
+
+  /// Every fixed node goes to where(its place at rest); free nodes stay until the next step.
+  void hold_at(const std::function<Vec3(const Vec3& X_mm)>& where);
+  /// Goes back or forth to a version that was there. `parent`: per node of its model, the node of the present one (-1:
+  /// none).
+  void return_to(const TissueVersion& version, ParentList parent);
+
+ private:
+  friend class TissueCut;
+  /// What is drawn of the arrangement, and the index for picking; from those of version_ when there are some. Reads
+  /// only what the lattice's update reads, too, so both may run at once.
+  struct Drawn {
+    std::shared_ptr<SurfaceTopology> surface;
+    ViewChange change;
+    std::shared_ptr<const RestIndex> index;
+    SharedArray<uint8_t> on_skin;
+  };
+  Drawn draw_surface();
+  void make_surface(TissueVersion& next, Drawn drawn);  // with its embedding in next.lattice
+
+  WorldSpec spec_;
+  std::shared_ptr<const Body> body_;
+  std::shared_ptr<const Skin> skin_;  // pictures may outlive the tissue
+  Workers& workers_;
+  std::unique_ptr<Arrangement> arrangement_;
+  std::unique_ptr<StencilTable> stencils_;
+  TissueVersion version_;
+  std::unique_ptr<ElasticSolver> solver_;
+  PointDepths depths_;
+  double initial_volume_mm3_ = 0;
+  uint64_t next_version_ = 1;
+  mutable uint64_t hash_ = 0, hash_version_ = 0;  // topology_hash() of that version
+  mutable std::unique_ptr<RimWalk> rim_;          // of the surface rim_version_; absent until a stitch needs it
+  mutable uint64_t rim_version_ = 0;
+};
+
+}  // namespace limberg

@@ -1,0 +1,166 @@
+#include "sim/patient/tissue_cut.h"
+
+#include "sim/base/error.h"
+#include "sim/lattice/contradiction.h"
+#include "sim/lattice/embedding.h"
+#include "sim/lattice/region.h"
+
+namespace limberg {
+
+TissueCut::TissueCut(Tissue& tissue, Divide divide)
+    : tissue_(tissue),
+      arrangement_(*tissue.arrangement_),
+      divide_(divide),
+      operations_before_(arrangement_.operations()) {}
+
+TissueCut::~TissueCut() {
+  if (!kept_) back_to(operations_before_);
+}
+
+void TissueCut::back_to(int32_t operations) {
+  while (arrangement_.operations() > operations) arrangement_.undo();
+  if (followed_operations_ > operations) followed_.reset();
+}
+
+CutResult TissueCut::cut(const Blade& blade, uint64_t seed, const std::optional<Vec3>& take_out_mm) {
+  const int32_t before = arrangement_.operations();
+  CutStep step;
+  step.seed = seed;
+  CutResult made = arrangement_.cut(blade, seed);
+  if (!made.ok()) return made;
+  step.first_try = made.tries - 1;
+  const auto refuse = [&](const std::string& why) {
+    back_to(before);
+    CutResult r;
+    r.reason = why;
+    return r;
+  };
+  const bool takes = take_out_mm || arrangement_.find_debris(kDebris_mm3).pieces > 0;
+  if (takes)
+    if (const Outcome o = follow(); !o.done) return refuse(o.reason);
+  if (take_out_mm) {
+    step.excised = arrangement_.loose_component_near(*take_out_mm, 0.01);
+    if (step.excised < 0)
+      return refuse("the tissue inside the outline is still attached; a plug free of its bed was expected");
+    const ExciseResult taken = arrangement_.excise(step.excised);
+    if (!taken.done) return refuse(taken.reason);
+    step.operations = 2;
+    step.taken_mm3 = taken.volume_mm3;
+  }
+  // Blades that nearly coincide leave slivers that no lattice can hold; they go with the cut, and their volume is
+  // booked.
+  step.debris = arrangement_.sweep_debris(kDebris_mm3);
+  if (takes)
+    if (const Outcome o = follow(); !o.done) return refuse(o.reason);
+  step.blade = blade;
+  step.hash_after = arrangement_.hash();
+  steps_.push_back(std::move(step));
+  return made;
+}
+
+Outcome TissueCut::take_out(const Vec3& at_mm) {
+  if (!steps_.empty())
+    if (const Outcome o = follow(); !o.done) return o;
+  CutStep step;
+  step.excised = arrangement_.loose_component_near(at_mm, 0.01);
+  const ExciseResult taken = step.excised < 0 ? ExciseResult{} : arrangement_.excise(step.excised);
+  if (!taken.done)
+    return {false,
+            "the tissue inside the outline is still attached; walls that reach through, or undermining below it, were "
+            "expected"};
+  step.debris = arrangement_.sweep_debris(kDebris_mm3);
+  step.taken_mm3 = taken.volume_mm3;
+  step.hash_after = arrangement_.hash();
+  steps_.push_back(std::move(step));
+  return {true, {}};
+}
+
+void TissueCut::take_back(Tissue& tissue, std::span<const CutStep> steps) {
+  for (size_t i = steps.size(); i-- > 0;)
+    for (int k = 0; k < steps[i].operations; ++k) tissue.arrangement_->undo();
+}
+
+void TissueCut::take_back_last() {
+  back_to(arrangement_.operations() - steps_.back().operations);
+  steps_.pop_back();
+}
+
+bool TissueCut::again(const CutStep& s) {
+  const int32_t before = arrangement_.operations();
+  if (!s.blade.tri.empty() && !arrangement_.cut(s.blade, s.seed, s.first_try).ok()) return false;
+  if (s.excised >= 0) arrangement_.excise(s.excised);
+  arrangement_.sweep_debris(kDebris_mm3);
+  return arrangement_.operations() - before == s.operations && arrangement_.hash() == s.hash_after;
+}
+
+double TissueCut::removed_mm3() const {
+  double sum = 0;
+  for (const CutStep& s : steps_) sum += s.taken_mm3 + s.debris.volume_mm3;
+  return sum;
+}
+
+Outcome TissueCut::follow() {
+  if (followed_ && followed_hash_ == arrangement_.hash()) return {true, {}};
+  try {
+    const auto next = update_topology(followed_ ? *followed_ : *tissue_.version_.lattice,
+                                      material_surface(arrangement_), &tissue_.workers_, divide_);
+    followed_ = followed_ ? skip_version(*followed_, *next) : next;
+    followed_hash_ = arrangement_.hash();
+    followed_operations_ = arrangement_.operations();
+  } catch (const InputError& e) {
+    return {false, e.what()};
+  } catch (const Contradiction& e) {
+    return {false, std::string("the lattice cannot follow this cut (") + e.what() +
+                       "); a slightly different stroke was expected"};
+  }
+  return {true, {}};
+}
+
+// Three parts hang together only at their ends: the surface that is drawn, the lattice with its model, and the
+// embedding of the one in the other. So the first is made beside the lattice, and the model beside the embedding.
+Outcome TissueCut::build() {
+  Tissue& t = tissue_;
+  next_ = {};
+  Tissue::Drawn drawn;
+  const EarlierModel before{*t.version_.lattice, *t.version_.model};
+  const std::shared_ptr<Workers::Job> drawing = t.workers_.submit([&] { drawn = t.draw_surface(); });
+  std::shared_ptr<Workers::Job> assembling;
+  struct Finish {  // nobody goes on before the jobs have let go of this frame
+    const std::shared_ptr<Workers::Job>& job;
+    ~Finish() {
+      try {
+        if (job) job->wait();
+      } catch (...) {  // told where it was first waited for
+      }
+    }
+  };
+  const Finish finish_drawing{drawing}, finish_assembling{assembling};
+  if (const Outcome o = follow(); !o.done) return o;
+  try {
+    next_.lattice = followed_;
+    assembling = t.workers_.submit([&] {
+      next_.model = hold_outside(assemble_fem(*t.stencils_, *next_.lattice, &before), *t.body_, t.spec_.region_mm);
+    });
+    drawing->wait();
+    t.make_surface(next_, std::move(drawn));
+    assembling->wait();
+  } catch (const InputError& e) {
+    return {false, e.what()};
+  } catch (const Contradiction& e) {
+    return {false, std::string("the model cannot follow this cut (") + e.what() +
+                       "); a slightly different stroke was expected"};
+  }
+  return {true, {}};
+}
+
+void TissueCut::enter() {
+  tissue_.version_ = next_;
+  tissue_.solver_->set_model(next_.model, next_.lattice->cell_parent);
+}
+
+std::vector<CutStep> TissueCut::keep() {
+  kept_ = true;
+  return std::move(steps_);
+}
+
+}  // namespace limberg

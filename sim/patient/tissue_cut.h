@@ -1,0 +1,82 @@
+#pragma once
+// A transaction on the topology: the cuts and excisions of one act, then the version that follows from them. Whatever
+// was not kept when it ends is taken back, exceptions included.
+//
+//   TissueCut cut(tissue);
+//   CutResult r = cut.cut(blade, seed);            // refused: this cut alone has changed nothing
+//   Outcome o = cut.build();                       // lattice, model and surface, aside
+//   cut.enter();                                   // the tissue has its next version, the solver its model
+//   cut.keep();                                    // else ~TissueCut takes all of it back
+//
+// The lattice follows between a cut and what is taken away after it, and before the next cut: an update that sees only
+// one of the two names every parent exactly, one that sees both may not (lattice/topology.h).
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/commands/command.h"
+#include "sim/patient/tissue.h"
+
+namespace limberg {
+
+/// The smallest loose piece that counts as tissue.
+inline constexpr double kDebris_mm3 = 1;
+
+/// One cut of the arrangement with what went with it: enough to make it again.
+struct CutStep {
+  Blade blade;  // empty: it only takes something out
+  uint64_t seed = 0;
+  int first_try = 0;
+  int32_t excised = -1;  // the component that was taken out afterwards
+  int operations = 1;    // of the arrangement
+  uint64_t hash_after = 0;
+  DebrisResult debris;   // what the cut left loose and was swept with it
+  double taken_mm3 = 0;  // volume of the excised component
+};
+
+class TissueCut {
+ public:
+  /// divide: of the lattice's cells that it touches.
+  explicit TissueCut(Tissue& tissue, Divide divide = Divide::fronts);
+  ~TissueCut();
+  TissueCut(const TissueCut&) = delete;
+  TissueCut& operator=(const TissueCut&) = delete;
+
+  /// The blade, with the debris that it leaves. take_out_mm: and the piece there, which must be loose then.
+  CutResult cut(const Blade& blade, uint64_t seed, const std::optional<Vec3>& take_out_mm = {});
+  /// Takes out what is loose there.
+  Outcome take_out(const Vec3& at_mm);
+  void take_back_last();
+  /// The same blade, seed and try on the same state; false: other bits came of it, a defect.
+  bool again(const CutStep& step);
+
+  bool empty() const { return steps_.empty(); }
+  const std::vector<CutStep>& steps() const { return steps_; }
+  /// What the steps have taken away.
+  double removed_mm3() const;
+
+  /// The version that follows; refused: the lattice or the model cannot follow.
+  Outcome build();
+  void enter();
+  std::vector<CutStep> keep();  // the steps
+
+  static void take_back(Tissue& tissue, std::span<const CutStep> steps);
+
+ private:
+  Outcome follow();
+  void back_to(int32_t operations);
+
+  Tissue& tissue_;
+  Arrangement& arrangement_;
+  const Divide divide_;
+  const int32_t operations_before_;
+  bool kept_ = false;
+  std::vector<CutStep> steps_;
+  // The lattice after a part of the cuts, its parents in the tissue's version; null: nothing was followed yet.
+  std::shared_ptr<const LatticeTopology> followed_;
+  uint64_t followed_hash_ = 0;  // of the arrangement then
+  int32_t followed_operations_ = 0;
+  TissueVersion next_;
+};
+
+}  // namespace limberg
