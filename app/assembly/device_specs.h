@@ -1,5 +1,5 @@
 #pragma once
-// What `--device SPEC` names, for every command that listens to devices: one table of kinds (device_kinds()), from which
+// What `--device SPEC` names, for every command that listens to devices: one table of kinds (device_kinds()), of which
 // help and error messages are made too. A further device is a further row, and its source.
 #include <functional>
 #include <memory>

@@ -3,7 +3,7 @@
 //
 //     device ──ring: tool events, never dropped unsaid──► solver
 //     device ──triple buffer: where the hand is────────► solver, render
-//     solver ──triple buffer: the patient──────────────► device, render; main, while a step is shown to the person
+//     solver ──triple buffer: the patient──────────────► device, render, and main while a step is shown
 //     solver ──ring: stages passed, acts done──────────► render
 //     device ──ring: every sample as received──────────► recorder
 //     device, solver ──rings: what they found──────────► recorder (live sessions)

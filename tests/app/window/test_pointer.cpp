@@ -1,7 +1,10 @@
 // The mouse as a device, the camera in the hand, the ruler: plain objects, no window.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "app/window/input_router.h"
 #include "app/window/orbit.h"
@@ -333,6 +336,66 @@ TEST(InputOrder, AClickAfterOneOnThePaletteActsWithTheToolThatWasChosenThere) {
   m.key('2');
   gestures_of(m, 200, 210, front);
   EXPECT_EQ(m.heard.control.back().value[kDepth], 3) << "what was set on a panel holds for the next tool";
+}
+
+// The same between three threads: whatever their pace, each click on the patient has the tool that was chosen for it.
+TEST(InputOrder, HoldsBetweenThreeThreads) {
+  Mouse m;
+  m.show({{0, 0, 300, 900}});
+  constexpr int kRounds = 60;
+  const auto tool_of = [](int round) { return Tool(int(Tool::scalpel) + round % 3); };
+  std::atomic<bool> stop{false};
+  std::thread render([&] {  // draws, and answers each click on the palette when its button is let go
+    int round = 0;
+    while (!stop) {
+      uint64_t last = 0;
+      for (WindowEvent e; m.screen.events.pop(e);) {
+        last = e.number;
+        if (e.kind == WindowEvent::button && e.for_panels && !e.down)
+          m.feed.answers.push(HandChoice{tool_of(round++), 3, 90, 4});
+      }
+      m.show({{0, 0, 300, 900}});
+      if (last > 0) m.feed.answered.store(last);
+      std::this_thread::sleep_for(std::chrono::microseconds(300));
+    }
+  });
+  std::vector<Tool> pressed_with;
+  std::atomic<int> pressed{0};
+  std::thread device([&] {
+    PointerSource source(m.feed);
+    struct Hear final : SampleSink {
+      std::vector<Tool>& all;
+      std::atomic<int>& presses;
+      Tool tool = Tool::none;
+      bool down = false;
+      Hear(std::vector<Tool>& a, std::atomic<int>& n) : all(a), presses(n) {}
+      void on_sample(const Sample& x) override {
+        if (const auto* c = std::get_if<ControlSample>(&x)) tool = c->tool;
+        if (const auto* s = std::get_if<StylusSample>(&x)) {
+          if (s->buttons && !down) all.push_back(tool), ++presses;
+          down = s->buttons;
+        }
+      }
+    } hear(pressed_with, pressed);
+    for (int64_t tick = 0; !stop; ++tick) {
+      source.look(m.s);
+      source.poll(tick * 1'000'000, hear);
+      std::this_thread::yield();
+    }
+  });
+  const auto began = std::chrono::steady_clock::now();
+  for (int round = 0; round < kRounds; ++round) {
+    m.move(200, 100), m.button(true), m.button(false);
+    m.move(800, 450), m.button(true), m.button(false);
+  }
+  while (pressed < kRounds && std::chrono::steady_clock::now() - began < std::chrono::seconds(60)) {
+    m.router.pump(0);
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  stop = true;
+  render.join(), device.join();
+  ASSERT_EQ(pressed_with.size(), size_t(kRounds));
+  for (int round = 0; round < kRounds; ++round) EXPECT_EQ(pressed_with[size_t(round)], tool_of(round)) << round;
 }
 
 TEST(InputOrder, KeysOfATextFieldChooseNoTool) {
