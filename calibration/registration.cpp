@@ -7,9 +7,9 @@
 
 namespace limberg {
 
-RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::vector<Vec3>& known,
+WorldRegistration calibrate_world(const std::vector<Vec3>& touched, const std::vector<Vec3>& known,
                                    const RegistrationLimits& limits) {
-  RegistrationResult r;
+  WorldRegistration r;
   const auto refuse = [&](const std::string& why) { r.advice += (r.advice.empty() ? "" : "; ") + why; };
   if (touched.size() != known.size()) {
     refuse(fmt::format("{} points were touched and {} are listed: touch each once, in the order of the list",

@@ -18,7 +18,7 @@ struct RegistrationLimits {
   double spread_mm = 15.0;   // of the points along the second of their principal directions: RMS
 };
 
-struct RegistrationResult {
+struct WorldRegistration {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // world from tracker
   Vec3 translation_mm = Vec3::Zero();
   double residual_mm = 0, held_out_mm = 0, spread_mm = 0;
@@ -28,7 +28,7 @@ struct RegistrationResult {
 };
 
 /// `touched` in the tracker's frame, `known` in the world, in the same order; the last pair is held out.
-RegistrationResult calibrate_world(const std::vector<Vec3>& touched, const std::vector<Vec3>& known,
+WorldRegistration calibrate_world(const std::vector<Vec3>& touched, const std::vector<Vec3>& known,
                                    const RegistrationLimits& limits = {});
 
 }  // namespace limberg

@@ -168,7 +168,7 @@ int world(const CalibrateOptions& o, const Recording& rec, Calibration c) {
   for (const Touch& t : touch) tips.push_back(t.tip_mm);
   RegistrationLimits limit;
   if (o.distortion) limit.residual_mm = limit.held_out_mm = 50;  // judged once the field is corrected
-  RegistrationResult r = calibrate_world(tips, known, limit);
+  WorldRegistration r = calibrate_world(tips, known, limit);
   if (o.distortion && r.accepted) {
     // What the sensor should have read, so that the tip had been where it was.
     std::vector<Vec3> measured, right;

@@ -105,7 +105,7 @@ TEST(Registration, ExactAndHeldOut) {
       known.push_back(80 * normal3(dice));
       touched.push_back(R.conjugate() * (known.back() - t));
     }
-    const RegistrationResult got = calibrate_world(touched, known);
+    const WorldRegistration got = calibrate_world(touched, known);
     ASSERT_TRUE(got.accepted) << got.advice;
     EXPECT_LT((got.translation_mm - t).norm(), 1e-9 * 300);
     EXPECT_LT(got.rotation.angularDistance(R), 1e-9);
@@ -120,7 +120,7 @@ TEST(Registration, BadPointsAreRefusedWithAdvice) {
   std::vector<Vec3> known{{-60, -60, 0}, {60, -60, 0}, {60, 60, 5}, {-60, 60, -5}, {0, 0, 20}};
   std::vector<Vec3> touched = known;
   const auto advice = [&](const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
-    const RegistrationResult r = calibrate_world(a, b);
+    const WorldRegistration r = calibrate_world(a, b);
     EXPECT_FALSE(r.accepted);
     return r.advice;
   };

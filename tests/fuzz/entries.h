@@ -1,8 +1,8 @@
 #pragma once
-// Entry points for fuzzers: bytes from outside, given to what reads them. libFuzzer calls them (fuzzer.cpp, CMake option
-// LIMBERG_FUZZERS), and an ordinary test runs each over its sound inputs and over damaged ones (test_entries.cpp).
+// Entry points for fuzzers: bytes from outside, given to what reads them. libFuzzer calls them (fuzzer.cpp, CMake
+// option LIMBERG_FUZZERS); an ordinary test runs each over its sound inputs and over damaged ones (test_entries.cpp).
 //
-// What reads may refuse the bytes, with an InputError that names the file and gives a reason, or take them and hand over
+// A reader may refuse the bytes, with an InputError that names the file and gives a reason, or take them and hand over
 // something sound. Anything else is a fault.
 #include <functional>
 #include <string>
