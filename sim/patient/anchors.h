@@ -72,7 +72,7 @@ std::vector<Vec2> resample(const std::vector<Vec2>& path, int n);
 /// two at least.
 double row_stitches(const std::vector<Vec2>& a, const std::vector<Vec2>& b, double spacing_mm);
 
-inline constexpr double kRimReach_mm = 2.0;  // a stitch placed this near to a wound's edge goes through the edge
+inline constexpr double kStitchReach_mm = 2.0;  // a stitch placed this near to a wound's edge goes through the edge
 
 /// "(1.00, 2.00) mm"
 std::string at_text(const ChartPoint& p);

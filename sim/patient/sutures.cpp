@@ -26,7 +26,7 @@ std::optional<RimWalk::Spot> spot_on(const RimWalk& rim, const RestIndex& index,
   if (anchor.in_wall()) return std::nullopt;
   if (const auto spot = rim.spot(anchor.at)) return spot;
   const auto p =
-      index.snap_to_rim({anchor.at.triangle, 0.95 * anchor.at.bary + Vec3::Constant(0.05 / 3)}, kRimReach_mm);
+      index.snap_to_rim({anchor.at.triangle, 0.95 * anchor.at.bary + Vec3::Constant(0.05 / 3)}, kStitchReach_mm);
   return p ? rim.spot(*p) : std::nullopt;
 }
 
@@ -72,7 +72,7 @@ std::optional<Anchor> Sutures::find_bite(const ChartPoint& p, double depth_mm, s
   if (!(depth_mm > 0)) return tissue_.find_anchor(p, true, reason);
   const auto skin = tissue_.find_skin(p, reason);
   if (!skin) return std::nullopt;
-  const auto rim = tissue_.version().index->snap_to_rim(*skin, kRimReach_mm);
+  const auto rim = tissue_.version().index->snap_to_rim(*skin, kStitchReach_mm);
   if (!rim)
     return reason = "there is no wound's edge near " + at_text(p) + "; a place beside one was expected", std::nullopt;
   return bite_at(*rim, depth_mm, reason);

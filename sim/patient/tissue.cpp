@@ -65,7 +65,7 @@ std::optional<Anchor> Tissue::find_anchor(const ChartPoint& p, bool on_rim, std:
   auto point = find_skin(p, reason);
   if (!point) return std::nullopt;
   if (on_rim)
-    if (const auto rim = version_.index->snap_to_rim(*point, kRimReach_mm)) point = rim;
+    if (const auto rim = version_.index->snap_to_rim(*point, kStitchReach_mm)) point = rim;
   Anchor anchor = make_anchor(version_.surface->view, *version_.index, *point);
   anchor.embedded = embed(anchor);
   return anchor;

@@ -44,7 +44,7 @@ class Tissue {
   BladeContext blade_context() const;
 
   std::optional<SurfacePoint> find_skin(const ChartPoint& p, std::string& reason) const;
-  /// on_rim: on the wound's edge, where one is within kRimReach_mm.
+  /// on_rim: on the wound's edge, where one is within kStitchReach_mm.
   std::optional<Anchor> find_anchor(const ChartPoint& p, bool on_rim, std::string& reason) const;
   EmbeddedPoint embed(const Anchor& anchor) const;
   /// The same anchor on the present version; false: its tissue is gone.
